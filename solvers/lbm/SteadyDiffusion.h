@@ -1,0 +1,133 @@
+#pragma once
+
+#include "lattice/Lattice.h"
+
+#include <mpi.h>
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lamella::lbm
+{
+
+enum class Stencil
+{
+  D2Q5,
+  D2Q9,
+  D3Q7,
+  D3Q19
+};
+[[nodiscard]] const char* name(Stencil stencil) noexcept;
+
+/// What bounds the box. Insulated: value 1 and 0 on the two faces of the direction that is solved for, half a spacing
+/// outside the outer nodes, and no flux through all others. Periodic: a cell of an infinite medium under a mean
+/// gradient; every side is periodic and the full effective tensor follows.
+enum class Sides
+{
+  Insulated,
+  Periodic
+};
+
+enum class Method
+{
+  Auto,
+  Multigrid,         ///< operator-dependent geometric multigrid, conjugate gradients; every node conducts
+  AlgebraicMultigrid ///< conducting nodes only, compact; phases of conductivity 0 are neither stored nor visited
+};
+[[nodiscard]] const char* name(Method method) noexcept;
+
+/// Called now and then with the share done (0 … 1) and what is being done; returning false cancels (throws Cancelled).
+using Progress = std::function<bool(double, const char*)>;
+
+struct SteadyOptions
+{
+  Stencil stencil = Stencil::D2Q5;
+  Sides sides = Sides::Insulated;
+  Method method = Method::Auto;
+  double tolerance = 1e-8; ///< largest relative error of the flux through either face (see SteadyResult::balance)
+  int maxIterations = 500;
+  int threads = 1;
+  Progress progress;
+};
+
+/// The part of the lattice that this rank holds: whole rows along x, a block of rows along y (and z).
+struct Block
+{
+  std::array<std::int64_t, 3> start{ 0, 0, 0 };
+  std::array<std::int64_t, 3> size{ 0, 0, 0 };
+};
+
+/// Splits a lattice over the ranks of a communicator along z and y (never along x, which stays contiguous for SIMD).
+/// @throws ParameterError when there are more ranks than rows to share out
+[[nodiscard]] Block decompose(const Lattice& lattice, MPI_Comm comm);
+
+/// Answer for one direction.
+struct SteadyResult
+{
+  std::array<double, 3> effective{ 0, 0, 0 }; ///< column of the effective tensor: mean flux / mean gradient, -q_i/G
+  double inletFlux = 0;   ///< effective conductivity seen at the face of value 1
+  double outletFlux = 0;  ///< the same at the face of value 0
+  double balance = 0;     ///< worse of |inlet − energy| and |outlet − energy|, over the energy estimate
+  int iterations = 0;
+  double residual = 0;       ///< relative 2-norm of the residual, in double
+  double setupSeconds = 0;   ///< wall
+  double solveSeconds = 0;   ///< wall
+  std::int64_t nodes = 0;    ///< nodes in the box
+  std::int64_t stored = 0;   ///< nodes that the solver stored and visited
+  std::int64_t skipped = 0;  ///< nodes that do not conduct or are cut off from both faces
+  std::uint64_t bytes = 0;   ///< in the solver's arrays at their largest, all ranks
+  Method method = Method::Auto;
+};
+
+/// Steady diffusion div(D grad u) = 0 on a picture: the symmetric positive definite system that is exactly the steady
+/// state of two-relaxation-time lattice Boltzmann with Λ⁺Λ⁻ = ¼: link conductance 6 w_q × harmonic mean of the two
+/// diffusivities, 12 D w_q to a wall value half-way, diagonal links reflected specularly at insulated sides.
+///
+/// With D2Q5 and D3Q7 this is the cell-centred finite volume scheme with harmonic faces.
+///
+/// Solved with conjugate gradients in single precision, preconditioned by one multigrid V-cycle, inside double
+/// precision residual correction. The effective conductivity is taken from the energy uᵀAu, whose error is the square
+/// of the field's; the two face fluxes are compared with it, and the worse one must be within `tolerance`.
+class SteadyDiffusion
+{
+public:
+  /// @param lattice     the whole box
+  /// @param block       the part this rank holds (decompose()); the whole box on one rank
+  /// @param phase       block.size[0] * block.size[1] * block.size[2] phase ids of this rank
+  /// @param diffusivity one value a phase id, finite and ≥ 0; 0: does not conduct
+  /// @throws ParameterError (stencil against dimension, values out of range), MemoryError
+  SteadyDiffusion(const Lattice& lattice, const Block& block, std::span<const std::uint8_t> phase,
+    std::span<const double> diffusivity, SteadyOptions options, MPI_Comm comm = MPI_COMM_SELF);
+  ~SteadyDiffusion();
+  SteadyDiffusion(SteadyDiffusion&&) noexcept;
+  SteadyDiffusion& operator=(SteadyDiffusion&&) noexcept;
+
+  /// Does a conducting path lead across the box along `axis`?
+  [[nodiscard]] bool percolates(int axis);
+
+  /// Solves with value 1 on the low face of `axis` and 0 on the high one (periodic: mean gradient −1 per box length).
+  /// @throws NoPathError, DivergenceError, Cancelled
+  SteadyResult solve(int axis);
+
+  /// The field of the last solve on this rank's block, 0 … 1; NaN where nothing conducts.
+  /// Periodic: the linear part included, so it runs from 1 to 0 on average.
+  void value(std::span<double> out) const;
+
+  /// Flux of the last solve on this rank's block: three components a node (interleaved), −D grad u with u per metre of
+  /// lattice spacing; the mean over the box times the box length is the effective column. 0 where nothing conducts.
+  void flux(std::span<double> out) const;
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Bytes that solving on this many nodes takes in solver arrays, before anything is allocated.
+[[nodiscard]] std::uint64_t estimateBytes(const Lattice& lattice, Stencil stencil, Method method, std::int64_t conducting);
+
+} // namespace lamella::lbm

@@ -1,0 +1,32 @@
+# Every library we build with. One VTK in this project: the one inside ParaView 5.11 (docs/architecture.md says why).
+find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore)
+find_package(VTK REQUIRED COMPONENTS
+  CommonCore CommonDataModel CommonExecutionModel CommonMath CommonColor FiltersCore FiltersFlowPaths FiltersGeneral
+  FiltersGeometry FiltersSources FiltersExtraction ImagingCore InteractionStyle IOCore IOImage IOXML ParallelCore
+  ParallelMPI RenderingAnnotation RenderingCore RenderingFreeType RenderingOpenGL2 RenderingContext2D
+  RenderingContextOpenGL2 ChartsCore)
+
+find_package(MPI REQUIRED COMPONENTS CXX)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+set(HDF5_PREFER_PARALLEL ON) # ParaView links the Open MPI build; two HDF5 in one program do not mix
+find_package(HDF5 REQUIRED COMPONENTS C)
+find_package(OpenMP REQUIRED COMPONENTS CXX)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(fmt REQUIRED)
+
+# Debian has no CMake config for these two when only the needed parts are installed.
+find_path(HYPRE_INCLUDE_DIR HYPRE.h PATH_SUFFIXES hypre REQUIRED)
+find_library(HYPRE_LIBRARY HYPRE REQUIRED)
+add_library(Lamella_hypre INTERFACE IMPORTED)
+target_include_directories(Lamella_hypre SYSTEM INTERFACE "${HYPRE_INCLUDE_DIR}")
+target_link_libraries(Lamella_hypre INTERFACE "${HYPRE_LIBRARY}" MPI::MPI_CXX)
+
+find_path(OpenCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
+add_library(Lamella_opencv INTERFACE IMPORTED)
+target_include_directories(Lamella_opencv SYSTEM INTERFACE "${OpenCV_INCLUDE_DIR}")
+foreach(module core imgproc imgcodecs) # and no other: viz would bring Debian's own VTK along
+  find_library(OpenCV_${module}_LIBRARY opencv_${module} REQUIRED)
+  target_link_libraries(Lamella_opencv INTERFACE "${OpenCV_${module}_LIBRARY}")
+endforeach()
