@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lattice/Decomposition.h"
 #include "lattice/Lattice.h"
 
 #include <mpi.h>
@@ -55,16 +56,8 @@ struct SteadyOptions
   Progress progress;
 };
 
-/// The part of the lattice that this rank holds: whole rows along x, a block of rows along y (and z).
-struct Block
-{
-  std::array<std::int64_t, 3> start{ 0, 0, 0 };
-  std::array<std::int64_t, 3> size{ 0, 0, 0 };
-};
-
-/// Splits a lattice over the ranks of a communicator along z and y (never along x, which stays contiguous for SIMD).
-/// @throws ParameterError when there are more ranks than rows to share out
-[[nodiscard]] Block decompose(const Lattice& lattice, MPI_Comm comm);
+using lamella::Block;
+using lamella::decompose;
 
 /// Answer for one direction.
 struct SteadyResult

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <span>
+
+namespace lamella
+{
+
+/// A communicator that also stands for "no MPI at all": a program that never called MPI_Init is one rank, and nothing
+/// here calls into MPI then. Reductions return the same value on every rank.
+class Communicator
+{
+public:
+  explicit Communicator(MPI_Comm comm = MPI_COMM_SELF);
+
+  [[nodiscard]] int rank() const noexcept { return rank_; }
+  [[nodiscard]] int size() const noexcept { return size_; }
+  [[nodiscard]] bool parallel() const noexcept { return size_ > 1; }
+  [[nodiscard]] MPI_Comm handle() const noexcept { return comm_; }
+
+  /// Sums in place over all ranks.
+  void sum(std::span<double> values) const;
+  [[nodiscard]] double sum(double value) const;
+  [[nodiscard]] std::int64_t sum(std::int64_t value) const;
+  [[nodiscard]] bool any(bool value) const;
+  [[nodiscard]] double max(double value) const;
+  /// Sum over the ranks before this one.
+  [[nodiscard]] std::int64_t sumBefore(std::int64_t value) const;
+
+private:
+  MPI_Comm comm_;
+  int rank_ = 0;
+  int size_ = 1;
+};
+
+} // namespace lamella

@@ -1,0 +1,246 @@
+#include "lattice/Decomposition.h"
+
+#include "lattice/Error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+namespace lamella
+{
+namespace
+{
+
+// Part i of n over `rows`, beginning at multiples of `alignment`.
+std::int64_t partStart(std::int64_t rows, int i, int n, std::int64_t alignment)
+{
+  if (i >= n)
+    return rows;
+  const std::int64_t units = (rows + alignment - 1) / alignment;
+  return std::min(rows, units * i / n * alignment);
+}
+
+std::int64_t largestPart(std::int64_t rows, int n, std::int64_t alignment)
+{
+  std::int64_t largest = 0;
+  for (int i = 0; i < n; ++i)
+    largest = std::max(largest, partStart(rows, i + 1, n, alignment) - partStart(rows, i, n, alignment));
+  return largest;
+}
+
+bool everyPartHasRows(std::int64_t rows, int n, std::int64_t alignment)
+{
+  for (int i = 0; i < n; ++i)
+    if (partStart(rows, i + 1, n, alignment) <= partStart(rows, i, n, alignment))
+      return false;
+  return true;
+}
+
+} // namespace
+
+Decomposition::Decomposition(const Lattice& lattice, const Communicator& comm)
+  : lattice_(lattice)
+  , rank_(comm.rank())
+{
+  const int ranks = comm.size();
+  const std::int64_t ny = lattice.size[1];
+  const std::int64_t nz = lattice.size[2];
+
+  // The split with the smallest halo; z first, since its planes are contiguous.
+  std::int64_t best = std::numeric_limits<std::int64_t>::max();
+  for (int pz = 1; pz <= ranks; ++pz)
+  {
+    if (ranks % pz != 0 || pz > nz || ranks / pz > ny)
+      continue;
+    const int py = ranks / pz;
+    const std::int64_t halo = (pz - 1) * ny + (py - 1) * nz;
+    if (halo < best)
+    {
+      best = halo;
+      parts_ = { 1, py, pz };
+    }
+  }
+  if (best == std::numeric_limits<std::int64_t>::max())
+    throw ParameterError(fmt::format("{} ranks cannot share {} rows of the lattice ({} × {} × {} nodes)", ranks,
+                           ny * nz, lattice.size[0], ny, nz),
+      "start fewer ranks: every rank needs at least one row along x");
+
+  // The largest alignment whose largest part is within 4 % of an even share.
+  for (const int levels : { 4, 3, 2, 1, 0 })
+  {
+    const std::int64_t alignment = std::int64_t{ 1 } << levels;
+    bool good = true;
+    for (const int axis : { 1, 2 })
+      if (parts_[axis] > 1)
+      {
+        const double even = static_cast<double>(lattice.size[axis]) / parts_[axis];
+        good = good && everyPartHasRows(lattice.size[axis], parts_[axis], alignment) &&
+          static_cast<double>(largestPart(lattice.size[axis], parts_[axis], alignment)) <= 1.04 * even;
+      }
+    if (good || levels == 0)
+    {
+      alignment_ = alignment;
+      levels_ = levels;
+      break;
+    }
+  }
+  block_ = block(rank_);
+}
+
+Block Decomposition::block(int rank) const
+{
+  Block b;
+  const std::array<int, 3> position{ 0, rank % parts_[1], rank / parts_[1] };
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const auto n = lattice_.size[axis];
+    b.start[axis] = partStart(n, position[axis], parts_[axis], parts_[axis] > 1 ? alignment_ : 1);
+    b.size[axis] = partStart(n, position[axis] + 1, parts_[axis], parts_[axis] > 1 ? alignment_ : 1) - b.start[axis];
+  }
+  return b;
+}
+
+int Decomposition::neighbour(int axis, int step, bool periodic) const
+{
+  std::array<int, 3> position{ 0, rank_ % parts_[1], rank_ / parts_[1] };
+  position[axis] += step;
+  if (position[axis] < 0 || position[axis] >= parts_[axis])
+  {
+    if (!periodic)
+      return -1;
+    position[axis] = (position[axis] + parts_[axis]) % parts_[axis];
+  }
+  return position[1] + parts_[1] * position[2];
+}
+
+Block decompose(const Lattice& lattice, MPI_Comm comm)
+{
+  return Decomposition(lattice, Communicator(comm)).block();
+}
+
+Halo::Halo(int dimension, std::array<std::int64_t, 3> size, const Decomposition& parts, const Communicator& comm,
+  std::array<bool, 3> periodic)
+  : comm_(&comm)
+  , size_(size)
+  , ghostZ_(dimension == 3 ? 1 : 0)
+{
+  for (const int axis : { 1, 2 })
+    if (axis == 1 || dimension == 3)
+      neighbour_[axis] = { parts.neighbour(axis, -1, periodic[axis]), parts.neighbour(axis, +1, periodic[axis]) };
+}
+
+// Sends the outer rows on the side against `step` ... i.e. data moves along `step`: the last layer of the lower
+// neighbour becomes the ghost layer -1 here when step = +1.
+void Halo::shift(int axis, int step, const RowSegment& segment) const
+{
+  const int to = neighbour_[axis][step > 0 ? 1 : 0];
+  const int from = neighbour_[axis][step > 0 ? 0 : 1];
+  const std::int64_t n = size_[axis];
+  const std::int64_t sendLayer = step > 0 ? n - 1 : 0;
+  const std::int64_t receiveLayer = step > 0 ? -1 : n;
+
+  std::vector<std::pair<std::int64_t, std::int64_t>> rows; // (send, receive)
+  if (axis == 2)
+    for (std::int64_t y = 0; y < size_[1]; ++y)
+      rows.emplace_back(row(y, sendLayer), row(y, receiveLayer));
+  else
+    for (std::int64_t z = -ghostZ_; z < size_[2] + ghostZ_; ++z)
+      rows.emplace_back(row(sendLayer, z), row(receiveLayer, z));
+
+  if (to == comm_->rank() && from == comm_->rank())
+  {
+    for (const auto& [source, target] : rows)
+    {
+      const Segment s = segment(source);
+      std::memmove(segment(target).data, s.data, s.bytes);
+    }
+    return;
+  }
+
+  std::vector<std::byte> sendBuffer;
+  std::vector<std::byte> receiveBuffer;
+  if (to >= 0)
+    for (const auto& pair : rows)
+    {
+      const Segment s = segment(pair.first);
+      sendBuffer.insert(sendBuffer.end(), s.data, s.data + s.bytes);
+    }
+  if (from >= 0)
+  {
+    std::size_t bytes = 0;
+    for (const auto& pair : rows)
+      bytes += segment(pair.second).bytes;
+    receiveBuffer.resize(bytes);
+  }
+  MPI_Sendrecv(sendBuffer.data(), static_cast<int>(sendBuffer.size()), MPI_BYTE, to >= 0 ? to : MPI_PROC_NULL, 7,
+    receiveBuffer.data(), static_cast<int>(receiveBuffer.size()), MPI_BYTE, from >= 0 ? from : MPI_PROC_NULL, 7,
+    comm_->handle(), MPI_STATUS_IGNORE);
+  if (from >= 0)
+  {
+    std::size_t offset = 0;
+    for (const auto& pair : rows)
+    {
+      const Segment s = segment(pair.second);
+      std::memcpy(s.data, receiveBuffer.data() + offset, s.bytes);
+      offset += s.bytes;
+    }
+  }
+}
+
+void Halo::exchange(const RowSegment& segment) const
+{
+  for (const int axis : { 2, 1 })
+    if (neighbour_[axis][0] >= 0 || neighbour_[axis][1] >= 0)
+    {
+      shift(axis, +1, segment);
+      shift(axis, -1, segment);
+    }
+}
+
+void Halo::exchange(void* base, std::size_t rowBytes) const
+{
+  exchange([base, rowBytes](std::int64_t r)
+    { return Segment{ static_cast<std::byte*>(base) + static_cast<std::size_t>(r) * rowBytes, rowBytes }; });
+}
+
+void Halo::addHighGhosts(float* base, std::size_t rowLength) const
+{
+  // y first, ghosts of z included, then z: the reverse of exchange(), so that corners arrive.
+  for (const int axis : { 1, 2 })
+  {
+    const int to = neighbour_[axis][1];
+    const int from = neighbour_[axis][0];
+    if (to < 0 && from < 0)
+      continue;
+    std::vector<std::pair<std::int64_t, std::int64_t>> rows; // (ghost to send, row to add to)
+    if (axis == 1)
+      for (std::int64_t z = -ghostZ_; z < size_[2] + ghostZ_; ++z)
+        rows.emplace_back(row(size_[1], z), row(0, z));
+    else
+      for (std::int64_t y = 0; y < size_[1]; ++y)
+        rows.emplace_back(row(y, size_[2]), row(y, 0));
+
+    std::vector<float> send(to >= 0 ? rows.size() * rowLength : 0);
+    std::vector<float> receive(from >= 0 ? rows.size() * rowLength : 0);
+    for (std::size_t i = 0; to >= 0 && i < rows.size(); ++i)
+      std::copy_n(base + static_cast<std::size_t>(rows[i].first) * rowLength, rowLength, send.data() + i * rowLength);
+    if (to == comm_->rank() && from == comm_->rank())
+      receive = send;
+    else
+      MPI_Sendrecv(send.data(), static_cast<int>(send.size()), MPI_FLOAT, to >= 0 ? to : MPI_PROC_NULL, 8,
+        receive.data(), static_cast<int>(receive.size()), MPI_FLOAT, from >= 0 ? from : MPI_PROC_NULL, 8,
+        comm_->handle(), MPI_STATUS_IGNORE);
+    for (std::size_t i = 0; from >= 0 && i < rows.size(); ++i)
+    {
+      float* target = base + static_cast<std::size_t>(rows[i].second) * rowLength;
+      const float* source = receive.data() + i * rowLength;
+      for (std::size_t k = 0; k < rowLength; ++k)
+        target[k] += source[k];
+    }
+  }
+}
+
+} // namespace lamella
