@@ -1,10 +1,11 @@
 # Every library we build with. One VTK in this project: the one inside ParaView 5.11 (docs/architecture.md says why).
 find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore)
-find_package(VTK REQUIRED COMPONENTS
+set(LAMELLA_VTK_COMPONENTS # LamellaConfig.cmake asks for the same
   CommonCore CommonDataModel CommonExecutionModel CommonMath CommonColor FiltersCore FiltersFlowPaths FiltersGeneral
   FiltersGeometry FiltersSources FiltersExtraction ImagingCore InteractionStyle IOCore IOImage IOXML ParallelCore
   ParallelMPI RenderingAnnotation RenderingCore RenderingFreeType RenderingOpenGL2 RenderingContext2D
   RenderingContextOpenGL2 ChartsCore)
+find_package(VTK REQUIRED COMPONENTS ${LAMELLA_VTK_COMPONENTS})
 
 find_package(MPI REQUIRED COMPONENTS CXX)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)

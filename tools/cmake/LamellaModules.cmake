@@ -6,6 +6,9 @@ foreach(folder solvers/vtk filters filters/rendering)
     list(APPEND _module_files "${CMAKE_CURRENT_SOURCE_DIR}/${folder}/vtk.module")
   endif()
 endforeach()
+if(NOT _module_files)
+  return()
+endif()
 vtk_module_scan(MODULE_FILES ${_module_files}
   PROVIDES_MODULES LAMELLA_VTK_MODULES
   WANT_BY_DEFAULT ON ENABLE_TESTS OFF)

@@ -1,0 +1,20 @@
+# `cmake --install`, and the package that lets another project say
+#
+#   find_package(Lamella 0.1 REQUIRED)                       # or COMPONENTS Solvers, which needs no ParaView
+#   target_link_libraries(mine Lamella::Solvers Lamella::Filters)
+include(CMakePackageConfigHelpers)
+set(_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/lamella")
+
+install(TARGETS LamellaSolvers EXPORT LamellaSolvers
+  LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" NAMELINK_COMPONENT Development)
+install(EXPORT LamellaSolvers NAMESPACE Lamella:: DESTINATION "${_package_dir}" COMPONENT Development)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/solvers/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/lamella"
+  COMPONENT Development FILES_MATCHING PATTERN "*.h" PATTERN "vtk" EXCLUDE)
+install(FILES "${LAMELLA_GENERATED_INCLUDE_DIR}/lamella/Version.h"
+  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/lamella" COMPONENT Development)
+
+configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/LamellaConfig.cmake.in"
+  "${PROJECT_BINARY_DIR}/LamellaConfig.cmake" INSTALL_DESTINATION "${_package_dir}")
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/LamellaConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/LamellaConfig.cmake" "${PROJECT_BINARY_DIR}/LamellaConfigVersion.cmake"
+  DESTINATION "${_package_dir}" COMPONENT Development)
