@@ -202,8 +202,10 @@ void Halo::exchange(const RowSegment& segment) const
 
 void Halo::exchange(void* base, std::size_t rowBytes) const
 {
-  exchange([base, rowBytes](std::int64_t r)
-    { return Segment{ static_cast<std::byte*>(base) + static_cast<std::size_t>(r) * rowBytes, rowBytes }; });
+  exchange(
+    [base, rowBytes](std::int64_t r) {
+      return Segment{ static_cast<std::byte*>(base) + static_cast<std::size_t>(r) * rowBytes, rowBytes };
+    });
 }
 
 void Halo::addHighGhosts(float* base, std::size_t rowLength) const

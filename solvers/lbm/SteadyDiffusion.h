@@ -63,17 +63,17 @@ using lamella::decompose;
 struct SteadyResult
 {
   std::array<double, 3> effective{ 0, 0, 0 }; ///< column of the effective tensor: mean flux / mean gradient, -q_i/G
-  double inletFlux = 0;   ///< effective conductivity seen at the face of value 1
-  double outletFlux = 0;  ///< the same at the face of value 0
-  double balance = 0;     ///< worse of |inlet − energy| and |outlet − energy|, over the energy estimate
+  double inletFlux = 0;                       ///< effective conductivity seen at the face of value 1
+  double outletFlux = 0;                      ///< the same at the face of value 0
+  double balance = 0; ///< worse of |inlet − energy| and |outlet − energy|, over the energy estimate
   int iterations = 0;
-  double residual = 0;       ///< relative 2-norm of the residual, in double
-  double setupSeconds = 0;   ///< wall
-  double solveSeconds = 0;   ///< wall
-  std::int64_t nodes = 0;    ///< nodes in the box
-  std::int64_t stored = 0;   ///< nodes that the solver stored and visited
-  std::int64_t skipped = 0;  ///< nodes that do not conduct or are cut off from both faces
-  std::uint64_t bytes = 0;   ///< in the solver's arrays at their largest, all ranks
+  double residual = 0;      ///< relative 2-norm of the residual, in double
+  double setupSeconds = 0;  ///< wall
+  double solveSeconds = 0;  ///< wall
+  std::int64_t nodes = 0;   ///< nodes in the box
+  std::int64_t stored = 0;  ///< nodes that the solver stored and visited
+  std::int64_t skipped = 0; ///< nodes that do not conduct or are cut off from both faces
+  std::uint64_t bytes = 0;  ///< in the solver's arrays at their largest, all ranks
   Method method = Method::Auto;
 };
 
@@ -121,6 +121,7 @@ private:
 };
 
 /// Bytes that solving on this many nodes takes in solver arrays, before anything is allocated.
-[[nodiscard]] std::uint64_t estimateBytes(const Lattice& lattice, Stencil stencil, Method method, std::int64_t conducting);
+[[nodiscard]] std::uint64_t estimateBytes(
+  const Lattice& lattice, Stencil stencil, Method method, std::int64_t conducting);
 
 } // namespace lamella::lbm

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "lattice/Decomposition.h"
+#include "lbm/Links.h"
+#include "lbm/SteadyDiffusion.h"
+
+#include <span>
+
+namespace lamella::lbm
+{
+
+/// What both methods work on: one direction of one box, this rank's part of it.
+struct Problem
+{
+  const Lattice& lattice;
+  const Decomposition& parts;
+  const Communicator& comm;
+  const SteadyOptions& options;
+  std::span<const std::uint8_t> phase; ///< parts.block().count() ids
+  std::span<const double> diffusivity; ///< one a phase id
+  int axis = 0;
+
+  [[nodiscard]] std::array<Boundary, 3> boundary() const
+  {
+    const Boundary side = options.sides == Sides::Periodic ? Boundary::Periodic : Boundary::Insulated;
+    std::array<Boundary, 3> b{ side, side, side };
+    if (options.sides == Sides::Insulated)
+      b[axis] = Boundary::Fixed;
+    return b;
+  }
+  [[nodiscard]] std::array<bool, 3> periodic() const
+  {
+    const bool p = options.sides == Sides::Periodic;
+    return { p, p, p };
+  }
+};
+
+/// One way of solving the system of one direction.
+class Backend
+{
+public:
+  virtual ~Backend() = default;
+  /// Iterates until the flux through the worse face is within the tolerance. Fills all of the result but the seconds.
+  virtual SteadyResult solve() = 0;
+  virtual void value(std::span<double> out) const = 0;
+  virtual void flux(std::span<double> out) const = 0;
+};
+
+/// Turns sums over all ranks into effective properties (result.effective, inletFlux, outletFlux, balance).
+void setEffective(SteadyResult& result, const FieldSums& sums, const Lattice& lattice, int axis, double scale);
+
+/// Cancels when the progress callback of any rank says so.
+void reportProgress(const SteadyOptions& options, const Communicator& comm, double fraction, const char* what);
+
+/// Share of the way from the first balance to the tolerance, on a logarithmic scale.
+[[nodiscard]] double progressOf(double balance, double tolerance);
+
+} // namespace lamella::lbm

@@ -1,0 +1,249 @@
+#include "lbm/SteadyDiffusion.h"
+
+#include "lattice/Error.h"
+#include "lattice/Memory.h"
+#include "lbm/Backend.h"
+#include "lbm/CompactSystem.h"
+#include "lbm/Connectivity.h"
+#include "lbm/MultigridSystem.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace lamella::lbm
+{
+namespace
+{
+
+int dimensionOf(Stencil stencil)
+{
+  return stencil == Stencil::D2Q5 || stencil == Stencil::D2Q9 ? 2 : 3;
+}
+
+double secondsSince(std::chrono::steady_clock::time_point start)
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+} // namespace
+
+const char* name(Stencil stencil) noexcept
+{
+  switch (stencil)
+  {
+    case Stencil::D2Q5:
+      return "d2q5";
+    case Stencil::D2Q9:
+      return "d2q9";
+    case Stencil::D3Q7:
+      return "d3q7";
+    case Stencil::D3Q19:
+      return "d3q19";
+  }
+  return "";
+}
+
+const char* name(Method method) noexcept
+{
+  switch (method)
+  {
+    case Method::Auto:
+      return "auto";
+    case Method::Multigrid:
+      return "multigrid";
+    case Method::AlgebraicMultigrid:
+      return "algebraic-multigrid";
+  }
+  return "";
+}
+
+void setEffective(SteadyResult& result, const FieldSums& sums, const Lattice& lattice, int axis, double scale)
+{
+  const double n = static_cast<double>(lattice.size[axis]);
+  const double nodes = static_cast<double>(lattice.count());
+  const double perFace = scale * n * n / nodes; // flux through a face of nodes / n nodes, over a gradient of 1 / n
+  const double energy = sums.energy * perFace;
+  result.inletFlux = sums.inlet * perFace;
+  result.outletFlux = sums.outlet * perFace;
+  for (int a = 0; a < 3; ++a)
+    result.effective[a] = sums.flux[a] * scale * n / nodes;
+  result.effective[axis] = energy;
+  result.balance = energy > 0
+    ? std::max(std::abs(result.inletFlux - energy), std::abs(result.outletFlux - energy)) / energy
+    : std::numeric_limits<double>::quiet_NaN();
+}
+
+void reportProgress(const SteadyOptions& options, const Communicator& comm, double fraction, const char* what)
+{
+  if (!options.progress)
+    return;
+  if (comm.any(!options.progress(fraction, what)))
+    throw Cancelled();
+}
+
+double progressOf(double balance, double tolerance)
+{
+  if (!(balance > 0) || balance <= tolerance)
+    return 1.0;
+  return std::clamp(std::log(balance) / std::log(tolerance), 0.05, 0.99);
+}
+
+struct SteadyDiffusion::Impl
+{
+  Lattice lattice;
+  Communicator comm;
+  Decomposition parts;
+  std::vector<std::uint8_t> phase;
+  std::vector<double> diffusivity;
+  SteadyOptions options;
+  bool allConduct = true;
+  std::int64_t conducting = 0;
+  std::unique_ptr<Backend> backend;
+
+  Impl(const Lattice& box, MPI_Comm handle)
+    : lattice(box)
+    , comm(handle)
+    , parts(box, comm)
+  {
+  }
+
+  [[nodiscard]] Problem problem(int axis) const
+  {
+    return Problem{ lattice, parts, comm, options, phase, diffusivity, axis };
+  }
+
+  [[nodiscard]] Method method() const
+  {
+    const bool possible = allConduct && multigridFits(lattice, options.sides);
+    if (options.method == Method::Multigrid && !possible)
+      throw ParameterError(allConduct
+          ? fmt::format("geometric multigrid cannot halve a periodic lattice of {} × {} × {} nodes", lattice.size[0],
+              lattice.size[1], lattice.size[2])
+          : std::string("geometric multigrid needs every phase to conduct, and one has conductivity 0"),
+        "leave the method at auto: algebraic multigrid solves it");
+    if (options.method != Method::Auto)
+      return options.method;
+    return possible ? Method::Multigrid : Method::AlgebraicMultigrid;
+  }
+};
+
+SteadyDiffusion::SteadyDiffusion(const Lattice& lattice, const Block& block, std::span<const std::uint8_t> phase,
+  std::span<const double> diffusivity, SteadyOptions options, MPI_Comm comm)
+  : impl_(std::make_unique<Impl>(lattice, comm))
+{
+  Impl& m = *impl_;
+  if (dimensionOf(options.stencil) != lattice.dimension)
+    throw ParameterError(
+      fmt::format("lattice {} does not fit a {}-dimensional picture", name(options.stencil), lattice.dimension),
+      lattice.dimension == 2 ? "use d2q5 or d2q9" : "use d3q7 or d3q19");
+  if (!(options.tolerance > 0) || options.tolerance >= 1)
+    throw ParameterError(fmt::format("tolerance {} is not between 0 and 1", options.tolerance),
+      "ask for the relative error of the face fluxes, for instance 1e-8");
+  if (options.maxIterations < 1)
+    throw ParameterError(fmt::format("{} iterations are too few", options.maxIterations), "allow at least 1");
+  if (m.parts.block().size != block.size || m.parts.block().start != block.start)
+    throw ParameterError("this rank's block is not the one of decompose()",
+      "hand over the part of the lattice that decompose(lattice, comm) names");
+  if (phase.size() != static_cast<std::size_t>(block.count()))
+    throw ParameterError(fmt::format("{} phase ids were given for a block of {} nodes", phase.size(), block.count()),
+      "hand over one id a node of this rank's block");
+  for (std::size_t i = 0; i < diffusivity.size(); ++i)
+    if (!std::isfinite(diffusivity[i]) || diffusivity[i] < 0)
+      throw ParameterError(
+        fmt::format("conductivity {} of phase {} is not a finite number of at least 0", diffusivity[i], i),
+        "give a positive value, or 0 for a phase that does not conduct");
+
+  std::array<std::int64_t, 256> count{};
+  for (const std::uint8_t id : phase)
+    ++count[id];
+  for (std::size_t id = 0; id < count.size(); ++id)
+  {
+    if (count[id] > 0 && id >= diffusivity.size())
+      throw ParameterError(fmt::format("phase {} has no conductivity", id), "give one value for each phase");
+    if (id < diffusivity.size() && diffusivity[id] > 0)
+      m.conducting += count[id];
+  }
+  m.conducting = m.comm.sum(m.conducting);
+  m.allConduct = m.conducting == lattice.count();
+  if (m.conducting == 0)
+    throw NoPathError("no node of the picture conducts", "give at least one phase that occurs a conductivity above 0");
+  m.phase.assign(phase.begin(), phase.end());
+  m.diffusivity.assign(diffusivity.begin(), diffusivity.end());
+  m.options = std::move(options);
+}
+
+SteadyDiffusion::~SteadyDiffusion() = default;
+SteadyDiffusion::SteadyDiffusion(SteadyDiffusion&&) noexcept = default;
+SteadyDiffusion& SteadyDiffusion::operator=(SteadyDiffusion&&) noexcept = default;
+
+bool SteadyDiffusion::percolates(int axis)
+{
+  const Impl& m = *impl_;
+  if (m.allConduct)
+    return true;
+  const Problem problem = m.problem(axis);
+  const Links links(m.lattice, m.options.stencil, problem.boundary(), m.diffusivity);
+  const Halo halo(m.lattice.dimension, m.parts.block().size, m.parts, m.comm, problem.periodic());
+  return findPercolation(m.lattice, m.parts, halo, m.comm, links, axis, m.phase).exists;
+}
+
+SteadyResult SteadyDiffusion::solve(int axis)
+{
+  Impl& m = *impl_;
+  if (axis < 0 || axis >= m.lattice.dimension)
+    throw ParameterError(fmt::format("there is no axis {} in {} dimensions", axis, m.lattice.dimension),
+      m.lattice.dimension == 2 ? "choose 0 (x) or 1 (y)" : "choose 0 (x), 1 (y) or 2 (z)");
+  m.backend.reset(); // its memory before the next one's
+  const Method method = m.method();
+  const std::uint64_t needed = estimateBytes(m.lattice, m.options.stencil, method, m.conducting);
+  const std::uint64_t available = availableMemory();
+  if (needed / static_cast<std::uint64_t>(m.comm.size()) > available)
+    throw MemoryError(fmt::format("solving on {} nodes needs about {}, and {} are available", m.lattice.count(),
+                        bytesText(static_cast<double>(needed)), bytesText(static_cast<double>(available))),
+      "use a smaller window or refinement, or more machines with mpirun");
+
+  reportProgress(m.options, m.comm, 0.0, "setting up");
+  const auto start = std::chrono::steady_clock::now();
+  m.backend = method == Method::Multigrid ? makeMultigridSystem(m.problem(axis)) : makeCompactSystem(m.problem(axis));
+  const double setup = secondsSince(start);
+  const auto begin = std::chrono::steady_clock::now();
+  SteadyResult result = m.backend->solve();
+  result.setupSeconds = setup;
+  result.solveSeconds = secondsSince(begin);
+  return result;
+}
+
+void SteadyDiffusion::value(std::span<double> out) const
+{
+  if (!impl_->backend || out.size() != impl_->phase.size())
+    throw ParameterError("there is no field to return, or its size is not that of the block",
+      "solve first, and hand over one number a node of this rank's block");
+  impl_->backend->value(out);
+}
+
+void SteadyDiffusion::flux(std::span<double> out) const
+{
+  if (!impl_->backend || out.size() != 3 * impl_->phase.size())
+    throw ParameterError("there is no flux to return, or its size is not three times that of the block",
+      "solve first, and hand over three numbers a node of this rank's block");
+  impl_->backend->flux(out);
+}
+
+std::uint64_t estimateBytes(const Lattice& lattice, Stencil stencil, Method method, std::int64_t conducting)
+{
+  const bool diagonal = stencil == Stencil::D2Q9 || stencil == Stencil::D3Q19;
+  if (method == Method::AlgebraicMultigrid)
+  {
+    const std::uint64_t entries = lattice.dimension == 2 ? (diagonal ? 9 : 5) : (diagonal ? 19 : 7);
+    return static_cast<std::uint64_t>(conducting) * (entries * 41 + 110) +
+      static_cast<std::uint64_t>(lattice.count()) / 2;
+  }
+  // multigrid: measured, with the ghost rows of an ordinary size
+  const std::uint64_t perNode = lattice.dimension == 2 ? (diagonal ? 90 : 80) : (diagonal ? 120 : 56);
+  return static_cast<std::uint64_t>(lattice.count()) * perNode;
+}
+
+} // namespace lamella::lbm
