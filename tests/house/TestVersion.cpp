@@ -9,8 +9,8 @@
 TEST(Version, LibraryAndHeaderAgree)
 {
   EXPECT_STREQ(lamella::version(), LAMELLA_VERSION);
-  const std::string numbers = std::to_string(LAMELLA_VERSION_MAJOR) + "." + std::to_string(LAMELLA_VERSION_MINOR) + "." +
-    std::to_string(LAMELLA_VERSION_PATCH);
+  const std::string numbers = std::to_string(LAMELLA_VERSION_MAJOR) + "." + std::to_string(LAMELLA_VERSION_MINOR) +
+    "." + std::to_string(LAMELLA_VERSION_PATCH);
   EXPECT_EQ(numbers, LAMELLA_VERSION);
 }
 

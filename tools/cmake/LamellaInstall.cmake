@@ -18,3 +18,5 @@ configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/LamellaConfig.cmake.in"
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/LamellaConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/LamellaConfig.cmake" "${PROJECT_BINARY_DIR}/LamellaConfigVersion.cmake"
   DESTINATION "${_package_dir}" COMPONENT Development)
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/CITATION.cff" "${PROJECT_SOURCE_DIR}/README.md"
+  DESTINATION "${CMAKE_INSTALL_DOCDIR}")
