@@ -8,6 +8,8 @@ set(_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/lamella")
 install(TARGETS LamellaSolvers EXPORT LamellaSolvers
   LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" NAMELINK_COMPONENT Development)
 install(EXPORT LamellaSolvers NAMESPACE Lamella:: DESTINATION "${_package_dir}" COMPONENT Development)
+# The build tree's targets file of the VTK modules (vtk_module_build writes it) refers to this one.
+export(EXPORT LamellaSolvers NAMESPACE Lamella:: FILE "${PROJECT_BINARY_DIR}/${_package_dir}/LamellaSolvers.cmake")
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/solvers/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/lamella"
   COMPONENT Development FILES_MATCHING PATTERN "*.h" PATTERN "vtk" EXCLUDE)
 install(FILES "${LAMELLA_GENERATED_INCLUDE_DIR}/lamella/Version.h"
