@@ -158,10 +158,8 @@ PhaseImage GreyMap::apply(const Lattice& lattice, std::span<const std::uint16_t>
   return image;
 }
 
-PhaseImage crop(const PhaseImage& image, const Window& window)
+std::array<std::int64_t, 3> firstNode(const Lattice& from, const Window& window)
 {
-  const Lattice& from = image.lattice;
-  requireCount(from, image.phase.size());
   std::array<std::int64_t, 3> start = window.start;
   std::array<std::int64_t, 3> size = window.size;
   if (from.dimension == 2)
@@ -190,6 +188,15 @@ PhaseImage crop(const PhaseImage& image, const Window& window)
   {
     start[1] = from.size[1] - start[1] - size[1]; // memory counts rows from the bottom
   }
+  return start;
+}
+
+PhaseImage crop(const PhaseImage& image, const Window& window)
+{
+  const Lattice& from = image.lattice;
+  requireCount(from, image.phase.size());
+  const std::array<std::int64_t, 3> start = firstNode(from, window);
+  const std::array<std::int64_t, 3> size{ window.size[0], window.size[1], from.dimension == 2 ? 1 : window.size[2] };
 
   PhaseImage result{ makeLattice(size[0], size[1], size[2], from.dimension, from.spacing), {}, image.phases };
   result.phase.resize(static_cast<std::size_t>(result.lattice.count()));

@@ -63,7 +63,11 @@ struct Window
   std::array<std::int64_t, 3> size{ 0, 0, 0 }; ///< size[2] = 0 in 2D
 };
 
+/// The first node of a window as memory counts (in 2D from the bottom row).
 /// @throws ParameterError for a window that is empty or reaches outside (says the picture's size)
+[[nodiscard]] std::array<std::int64_t, 3> firstNode(const Lattice& lattice, const Window& window);
+
+/// @throws ParameterError as firstNode()
 [[nodiscard]] PhaseImage crop(const PhaseImage& image, const Window& window);
 
 /// Splits every pixel into n × n (voxel into n × n × n): the same geometry on a finer lattice, spacing/n.
