@@ -250,6 +250,9 @@ TEST(Softwood3D, TracheidsAreClosedAtBothEnds)
   {
     SoftwoodOptions options = solid(128, fraction);
     options.tracheidLength = 70e-6;
+    options.tangentialDiameter = 18e-6; // small cells, of which many lie whole inside
+    options.radialDiameterEarly = 20e-6;
+    options.rayEvery = 150e-6;
     const PhaseImage image = softwood(options);
     expectConnectedWalls(image);
     std::int64_t whole = 0;
