@@ -1,0 +1,57 @@
+#pragma once
+
+#include "micrograph/Picture.h"
+
+#include <CLI/App.hpp>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lamella::cli
+{
+
+/// What the user says about a picture, volume or `.vti`: the words that all commands share.
+struct PictureOptions
+{
+  std::string file;
+  std::vector<std::string> phase; ///< --phase GREY=NAME
+  std::string other;              ///< --other NAME
+  std::string window;             ///< --window X,Y,WIDTH,HEIGHT
+  std::string pixelSize;          ///< --pixel-size METRES
+  std::string rawSize;            ///< --raw-size NX,NY,NZ
+  int rawBits = 0;                ///< --raw-bits 8|16; 0: from the name, else 8
+  std::uint64_t rawHeader = 0;    ///< --raw-header BYTES
+  bool segment = false;           ///< --segment
+};
+
+/// Declares FILE and the options above.
+void addPictureOptions(CLI::App& command, PictureOptions& options);
+
+/// The options in numbers. @throws ParameterError
+[[nodiscard]] std::optional<Window> parseWindow(const std::string& text);
+[[nodiscard]] micrograph::ReadOptions readOptions(const PictureOptions& options);
+[[nodiscard]] std::optional<GreyMap> greyMap(const PictureOptions& options);
+
+/// The kinds of file, told by the ending of the name.
+[[nodiscard]] bool isVtkImage(const std::string& path);
+[[nodiscard]] bool isRawVolume(const std::string& path);
+
+/// A sample as the solvers take it: window cut out, greys named, not refined.
+struct Sample
+{
+  PhaseImage image;
+  std::string pixelSizeSource;              ///< "none" when the pixel size is not known
+  std::array<std::int64_t, 3> fileSize{};   ///< before the window
+  std::optional<Window> window;
+};
+
+/// @throws ParameterError, InputError, MemoryError
+[[nodiscard]] Sample loadSample(const PictureOptions& options);
+
+/// A pixel size that is certainly no microscope's: micrometres were meant. Empty where there is nothing to say.
+[[nodiscard]] std::string pixelSizeDoubt(const std::string& option, double metres);
+
+} // namespace lamella::cli
