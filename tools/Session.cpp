@@ -118,17 +118,21 @@ void printError(const std::exception& error)
 }
 
 Session::Session(int& argc, char**& argv)
-  : launched_(startedByLauncher())
-  , terminal_(::isatty(STDERR_FILENO) == 1)
+  : terminal_(::isatty(STDERR_FILENO) == 1)
   , start_(std::chrono::steady_clock::now())
 {
   install(SIGINT, onSignal);
   install(SIGTERM, onSignal);
   install(SIGHUP, onSignal);
   install(SIGXFSZ, SIG_IGN); // a file at the size limit then fails with a message instead of ending the program
-  if (launched_)
+  if (startedByLauncher())
   {
-    startMpi(&argc, &argv);
+    MPI_Init(&argc, &argv);
+    // A communicator of our own: messages of libraries cannot be taken for ours.
+    MPI_Comm_dup(MPI_COMM_WORLD, &world_);
+    MPI_Comm_rank(world_, &rank_);
+    MPI_Comm_size(world_, &ranks_);
+    mpi_ = true;
   }
 }
 
@@ -139,33 +143,6 @@ Session::~Session()
     MPI_Comm_free(&world_);
     MPI_Finalize();
   }
-}
-
-void Session::startMpi(int* argc, char*** argv)
-{
-  if (!launched_)
-  {
-    // Alone: no daemon, no network, no shared memory segments. 0.04 s instead of 0.4 s.
-    ::setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
-    ::setenv("OMPI_MCA_pml", "ob1", 0);
-    ::setenv("OMPI_MCA_btl", "self", 0);
-    ::setenv("OMPI_MCA_osc", "pt2pt", 0);
-  }
-  MPI_Init(argc, argv);
-  // A communicator of our own: messages of libraries cannot be taken for ours.
-  MPI_Comm_dup(MPI_COMM_WORLD, &world_);
-  MPI_Comm_rank(world_, &rank_);
-  MPI_Comm_size(world_, &ranks_);
-  mpi_ = true;
-}
-
-MPI_Comm Session::communicator()
-{
-  if (!mpi_)
-  {
-    startMpi(nullptr, nullptr);
-  }
-  return world_;
 }
 
 void Session::warn(const std::string& text)
@@ -219,6 +196,30 @@ int Session::fail(const std::exception& error)
   {
     printError(error);
   }
+  if (!waitForAll())
+  {
+    if (!root())
+    {
+      std::fprintf(stderr, "on rank %d of %d:\n", rank_, ranks_);
+      printError(error);
+    }
+    OutputFile::removeAll();
+    MPI_Abort(world_, code);
+  }
+  return code;
+}
+
+int Session::fail(const FailedElsewhere& error)
+{
+  if (!waitForAll())
+  {
+    MPI_Abort(world_, error.code);
+  }
+  return error.code;
+}
+
+bool Session::waitForAll()
+{
   MPI_Request request = MPI_REQUEST_NULL;
   MPI_Ibarrier(world_, &request);
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
@@ -228,17 +229,7 @@ int Session::fail(const std::exception& error)
     MPI_Test(&request, &all, MPI_STATUS_IGNORE);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  if (all == 0)
-  {
-    OutputFile::removeAll();
-    if (!root())
-    {
-      std::fprintf(stderr, "on rank %d of %d:\n", rank_, ranks_);
-      printError(error);
-    }
-    MPI_Abort(world_, code);
-  }
-  return code;
+  return all != 0;
 }
 
 void Session::print(const std::string& text) const
@@ -250,19 +241,22 @@ void Session::print(const std::string& text) const
   }
 }
 
-void Session::progress(double share, const std::string& what)
+bool Session::progress(double share, const std::string& what)
 {
-  checkInterrupt();
+  if (interrupted())
+  {
+    return false;
+  }
   if (!root() || !terminal_ || quiet_)
   {
-    return;
+    return true;
   }
   const auto now = std::chrono::steady_clock::now();
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   // Nothing for what is done in the blink of an eye.
   if (elapsed < 0.5 || now - drawn_ < std::chrono::milliseconds(100))
   {
-    return;
+    return true;
   }
   drawn_ = now;
   share = std::clamp(share, 0.0, 1.0);
@@ -279,6 +273,7 @@ void Session::progress(double share, const std::string& what)
   std::fputs((line + "\x1b[K").c_str(), stderr);
   std::fflush(stderr);
   barShown_ = true;
+  return true;
 }
 
 void Session::endProgress()

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <functional>
 #include <string>
+#include <type_traits>
 
 namespace lamella::cli
 {
@@ -40,14 +41,15 @@ struct FailedElsewhere
 class Session
 {
 public:
-  /// Starts MPI when an MPI launcher started the program; without one MPI is started only when it is needed.
+  /// Starts MPI when an MPI launcher started the program, and only then: alone the solvers do not need it, and starting
+  /// it costs 0.4 s.
   Session(int& argc, char**& argv);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// All ranks. Starts MPI for this process alone where no launcher did (no mpirun needed, no daemon started).
-  [[nodiscard]] MPI_Comm communicator();
+  /// All ranks; MPI_COMM_SELF, which no MPI call may be made with, when there is no MPI.
+  [[nodiscard]] MPI_Comm communicator() const noexcept { return mpi_ ? world_ : MPI_COMM_SELF; }
   [[nodiscard]] int rank() const noexcept { return rank_; }
   [[nodiscard]] int ranks() const noexcept { return ranks_; }
   [[nodiscard]] bool root() const noexcept { return rank_ == 0; }
@@ -60,17 +62,30 @@ public:
   /// Does `work` on rank 0. When it fails there, the other ranks stop as well, without a word.
   void onRoot(const std::function<void()>& work);
 
+  /// The value of rank 0 on every rank.
+  template <typename T>
+  void broadcast(T& value) const
+  {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (ranks_ > 1)
+    {
+      MPI_Bcast(&value, sizeof value, MPI_BYTE, 0, world_);
+    }
+  }
+
   /// Ends a run that failed on this rank: waits a moment for the others to fail as well (they do when all see the same
   /// mistake, and rank 0 tells it); when they do not, tells what went wrong here and stops them.
   /// @returns the exit code
   int fail(const std::exception& error);
+  /// The same where another rank tells what went wrong.
+  int fail(const FailedElsewhere& error);
 
   /// Standard output, rank 0 only; whole or an error. @throws OutputError when it cannot be written (a full disk)
   void print(const std::string& text) const;
 
   /// Progress: a bar on a terminal, nothing in a pipe. Draws at most ten times a second.
-  /// @throws Cancelled after Ctrl-C or SIGTERM
-  void progress(double share, const std::string& what);
+  /// @returns false after Ctrl-C or SIGTERM: stop
+  bool progress(double share, const std::string& what);
   void endProgress();
 
   /// True after Ctrl-C or SIGTERM.
@@ -81,9 +96,8 @@ public:
   [[nodiscard]] static int interruptCode() noexcept;
 
 private:
-  void startMpi(int* argc, char*** argv);
+  bool waitForAll();
 
-  bool launched_ = false;
   bool mpi_ = false;
   int rank_ = 0;
   int ranks_ = 1;
