@@ -199,8 +199,6 @@ lbm::Progress studyProgress(Session& session, const Lattice& lattice, const lbm:
     std::size_t begun = 0;
     double before = 0; // weight of what is done
     double total = 0;
-    double last = 1;
-    std::string size;
   };
   auto state = std::make_shared<State>();
   state->weights = std::move(weights);
@@ -210,7 +208,7 @@ lbm::Progress studyProgress(Session& session, const Lattice& lattice, const lbm:
   }
   return [&session, state](double part, const char* what)
   {
-    if (part < state->last) // another solve has begun
+    if (part <= 0) // another solve has begun
     {
       if (state->begun > 0)
       {
@@ -222,7 +220,6 @@ lbm::Progress studyProgress(Session& session, const Lattice& lattice, const lbm:
         state->total += state->weights.back();
       }
     }
-    state->last = part;
     const double done = (state->before + part * state->weights[state->begun - 1]) / state->total;
     return session.progress(done, fmt::format("solve {} of {}: {}", state->begun, state->weights.size(), what));
   };
