@@ -12,8 +12,8 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -73,12 +73,14 @@ lbm::StudyOptions parseStudy(const DiffusionOptions& options)
   study.steady.maxIterations = options.maxIterations;
   if (options.threads < 1 || options.threads > 1024)
   {
-    throw ParameterError(fmt::format("--threads {} is outside 1 to 1024", options.threads), "give the number of cores to use");
+    throw ParameterError(
+      fmt::format("--threads {} is outside 1 to 1024", options.threads), "give the number of cores to use");
   }
   study.steady.threads = options.threads;
   if (options.refine < 1)
   {
-    throw ParameterError(fmt::format("--refine {} is below 1", options.refine), "give a whole number from 1 up: every pixel becomes N × N");
+    throw ParameterError(fmt::format("--refine {} is below 1", options.refine),
+      "give a whole number from 1 up: every pixel becomes N × N");
   }
   study.refinement = options.refine;
   study.estimateError = !options.noErrorEstimate;
@@ -117,10 +119,12 @@ std::vector<std::pair<std::string, double>> parseConductivities(const std::vecto
       throw ParameterError(fmt::format("--conductivity {}: a conductivity must be a finite number of at least 0", text),
         "give a positive value, or 0 for a phase that does not conduct");
     }
-    const auto same = std::find_if(values.begin(), values.end(), [&, phase = name](const auto& v) { return v.first == phase; });
+    const auto same =
+      std::find_if(values.begin(), values.end(), [&, phase = name](const auto& v) { return v.first == phase; });
     if (same != values.end() && same->second != *value)
     {
-      throw ParameterError(fmt::format("--conductivity gives '{}' two values, {:g} and {:g}", name, same->second, *value),
+      throw ParameterError(
+        fmt::format("--conductivity gives '{}' two values, {:g} and {:g}", name, same->second, *value),
         "give every phase one value");
     }
     values.emplace_back(name, *value);
@@ -129,8 +133,8 @@ std::vector<std::pair<std::string, double>> parseConductivities(const std::vecto
 }
 
 /// By phase id; a phase that no node has may do without. @throws ParameterError
-std::vector<double> conductivities(const std::vector<std::pair<std::string, double>>& given, const PhaseTable& phases,
-  std::span<const double> fractions)
+std::vector<double> conductivities(
+  const std::vector<std::pair<std::string, double>>& given, const PhaseTable& phases, std::span<const double> fractions)
 {
   std::vector<double> values(phases.size(), std::numeric_limits<double>::quiet_NaN());
   for (const auto& [name, value] : given)
@@ -164,7 +168,8 @@ std::vector<double> conductivities(const std::vector<std::pair<std::string, doub
   }
   if (!any)
   {
-    throw NoPathError("no phase of this sample conducts: all conductivities are 0", "give at least one phase a --conductivity above 0");
+    throw NoPathError(
+      "no phase of this sample conducts: all conductivities are 0", "give at least one phase a --conductivity above 0");
   }
   return values;
 }
@@ -199,7 +204,8 @@ std::vector<int> parseAxes(const std::string& direction, const Lattice& lattice)
       throw InputError(fmt::format("the {} is {} {}: one node along {} has no conductivity of its own",
                          lattice.dimension == 3 ? "volume" : "picture", sizeText(lattice.size, lattice.dimension),
                          lattice.dimension == 3 ? "voxels" : "pixels", axisNames[axis]),
-        open.empty() ? "give a larger picture or --window" : "give a larger picture or --window, or solve along it only: --direction " + open);
+        open.empty() ? "give a larger picture or --window"
+                     : "give a larger picture or --window, or solve along it only: --direction " + open);
     }
   }
   return axes;
@@ -213,7 +219,8 @@ std::vector<std::string> outputNames(const std::string& output, const std::vecto
   }
   if (!isVtkImage(output))
   {
-    throw ParameterError("-o '" + output + "': the fields are written as .vti", "end the name in .vti; numbers go to standard output, as JSON with --json");
+    throw ParameterError("-o '" + output + "': the fields are written as .vti",
+      "end the name in .vti; numbers go to standard output, as JSON with --json");
   }
   std::vector<std::string> names;
   for (const int axis : axes)
@@ -267,8 +274,8 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
       }
       else if ((options.lattice[1] == '3') != (lattice.dimension == 3))
       {
-        throw ParameterError(
-          fmt::format("--lattice {} does not fit {} in {} dimensions", options.lattice, lattice.dimension == 3 ? "a volume" : "a picture", lattice.dimension),
+        throw ParameterError(fmt::format("--lattice {} does not fit {} in {} dimensions", options.lattice,
+                               lattice.dimension == 3 ? "a volume" : "a picture", lattice.dimension),
           lattice.dimension == 3 ? "use d3q7 or d3q19" : "use d2q5 or d2q9");
       }
       report.fractions = sample.image.fractions();
@@ -295,14 +302,16 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
   study.axes.assign(axes.begin(), std::find(axes.begin(), axes.end(), -1));
   session.broadcast(study.steady.stencil);
   std::array<double, 256> values{};
-  std::transform(report.conductivity.begin(), report.conductivity.end(), values.begin(), [](double v) { return std::isnan(v) ? 0 : v; });
+  std::transform(report.conductivity.begin(), report.conductivity.end(), values.begin(),
+    [](double v) { return std::isnan(v) ? 0 : v; });
   session.broadcast(values);
   share(session, sample.image);
   requireMemory(session, sample.image, values, study.steady.stencil, study.refinement, !options.output.empty());
   session.onRoot(
     [&]
     {
-      const double nodes = static_cast<double>(sample.image.lattice.count()) * std::pow(study.refinement, sample.image.lattice.dimension);
+      const double nodes =
+        static_cast<double>(sample.image.lattice.count()) * std::pow(study.refinement, sample.image.lattice.dimension);
       for (const auto& file : files)
       {
         if (file)
@@ -318,10 +327,8 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
   const lbm::FieldSink take = [&](const lbm::SteadyDiffusion& solver, const lbm::DiffusionAnswer& answer,
                                 const Lattice& lattice, const Block& block)
   { taken = takeFields(session, solver, answer.axis, lattice, block, options.quantity); };
-  const auto run = [&](const lbm::StudyOptions& part, bool fields) {
-    return lbm::studyDiffusion(
-      sample.image, values, part, session.communicator(), fields ? take : lbm::FieldSink());
-  };
+  const auto run = [&](const lbm::StudyOptions& part, bool fields)
+  { return lbm::studyDiffusion(sample.image, values, part, session.communicator(), fields ? take : lbm::FieldSink()); };
   const bool fields = !options.output.empty();
   if (!fields || study.targetError)
   {
@@ -350,7 +357,8 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
       session.onRoot(
         [&]
         {
-          writeFields(report, report.answers[i], std::exchange(taken, {}), *files[static_cast<std::size_t>(study.axes[i])]);
+          writeFields(
+            report, report.answers[i], std::exchange(taken, {}), *files[static_cast<std::size_t>(study.axes[i])]);
           Session::checkInterrupt();
         });
     }
@@ -378,7 +386,8 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
       {
         report.provenance = provenanceOf(session, commandLine, options.common.json ? options.picture.file : "");
       }
-      report.bounds = lbm::bounds(report.fractions, std::span(values).first(report.fractions.size()), sample.image.lattice.dimension);
+      report.bounds =
+        lbm::bounds(report.fractions, std::span(values).first(report.fractions.size()), sample.image.lattice.dimension);
       report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       if (study.estimateError || study.targetError)
       {
@@ -386,9 +395,10 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
         {
           if (!std::isfinite(answer.error.relative))
           {
-            session.warn(fmt::format("the error along {} could not be estimated: the part of the sample that is refined "
-                                     "for it has no conducting path",
-              axisNames[answer.axis]));
+            session.warn(
+              fmt::format("the error along {} could not be estimated: the part of the sample that is refined "
+                          "for it has no conducting path",
+                axisNames[answer.axis]));
           }
         }
       }
@@ -400,35 +410,58 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
 
 Command diffusionCommand(CLI::App& root)
 {
-  CLI::App* app = root.add_subcommand("diffusion", "Effective conductivity of a picture or volume: heat, vapour, anything that diffuses");
+  CLI::App* app = root.add_subcommand(
+    "diffusion", "Effective conductivity of a picture or volume: heat, vapour, anything that diffuses");
   auto o = std::make_shared<DiffusionOptions>();
   addPictureOptions(*app, o->picture);
   const auto physics = [](CLI::Option* option) { option->group("Physics"); };
-  physics(app->add_option("--conductivity", o->conductivity, "Conductivity of a phase, in any unit; 0: it does not conduct")
-            ->type_name("NAME=VALUE")->allow_extra_args(false)->required());
+  physics(
+    app->add_option("--conductivity", o->conductivity, "Conductivity of a phase, in any unit; 0: it does not conduct")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false)
+      ->required());
   physics(app->add_option("--direction", o->direction, "x across the picture, y down it, z through a volume")
-            ->type_name("x|y|z|all")->capture_default_str());
+            ->type_name("x|y|z|all")
+            ->capture_default_str());
   physics(app->add_option("--sides", o->sides, "What bounds the sample across the flux")
-            ->type_name("insulated|periodic")->capture_default_str());
+            ->type_name("insulated|periodic")
+            ->capture_default_str());
   physics(app->add_option("--quantity", o->quantity, "What diffuses: names the field that is written")
-            ->type_name("temperature|concentration")->capture_default_str());
+            ->type_name("temperature|concentration")
+            ->capture_default_str());
   const auto numerics = [](CLI::Option* option) { option->group("Accuracy and cost"); };
-  numerics(app->add_option("--refine", o->refine, "Split every pixel into N × N (× N)")->type_name("N")->capture_default_str());
-  numerics(app->add_option("--target-error", o->targetError, "Refine until the estimated error is below this, as 1%")->type_name("SHARE"));
-  numerics(app->add_flag("--no-error-estimate", o->noErrorEstimate, "Leave out the second solve, on the twice refined sample, that the error is estimated from"));
-  numerics(app->add_option("--lattice", o->lattice, "Links of the lattice; d2q5 or d3q7 when not given")->type_name("d2q5|d2q9|d3q7|d3q19"));
-  numerics(app->add_option("--method", o->method, "How the system is solved")->type_name("auto|multigrid|algebraic-multigrid")->capture_default_str());
-  numerics(app->add_option("--tolerance", o->tolerance, "Largest relative error of the flux through either face")->type_name("SHARE")->capture_default_str());
-  numerics(app->add_option("--max-iterations", o->maxIterations, "Give up after this many")->type_name("NUMBER")->capture_default_str());
-  numerics(app->add_option("--threads", o->threads, "Threads of each process")->type_name("NUMBER")->capture_default_str());
-  addOutputOptions(*app, o->output, o->common, "Write phases, field and flux as .vti, for ParaView; several directions: FILE_x.vti, FILE_y.vti");
+  numerics(app->add_option("--refine", o->refine, "Split every pixel into N × N (× N)")
+             ->type_name("N")
+             ->capture_default_str());
+  numerics(app->add_option("--target-error", o->targetError, "Refine until the estimated error is below this, as 1%")
+             ->type_name("SHARE"));
+  numerics(app->add_flag("--no-error-estimate", o->noErrorEstimate,
+    "Leave out the second solve, on the twice refined sample, that the error is estimated from"));
+  numerics(app->add_option("--lattice", o->lattice, "Links of the lattice; d2q5 or d3q7 when not given")
+             ->type_name("d2q5|d2q9|d3q7|d3q19"));
+  numerics(app->add_option("--method", o->method, "How the system is solved")
+             ->type_name("auto|multigrid|algebraic-multigrid")
+             ->capture_default_str());
+  numerics(app->add_option("--tolerance", o->tolerance, "Largest relative error of the flux through either face")
+             ->type_name("SHARE")
+             ->capture_default_str());
+  numerics(app->add_option("--max-iterations", o->maxIterations, "Give up after this many")
+             ->type_name("NUMBER")
+             ->capture_default_str());
+  numerics(
+    app->add_option("--threads", o->threads, "Threads of each process")->type_name("NUMBER")->capture_default_str());
+  addOutputOptions(*app, o->output, o->common,
+    "Write phases, field and flux as .vti, for ParaView; several directions: FILE_x.vti, FILE_y.vti");
   addReportOptions(*app, o->common);
   addExamples(*app,
     { "lamella diffusion tissue.png --phase 0=lumen --phase 255=wall --conductivity lumen=0.023 --conductivity wall=1",
       "lamella diffusion tissue.png --conductivity lumen=1 --conductivity wall=0.004 --target-error 1% --json",
-      "lamella diffusion rock_200x200x200_u8.raw --phase 1=pore --other grain --conductivity pore=1 --conductivity grain=0",
-      "mpirun -n 4 lamella diffusion tissue.vti --conductivity lumen=0 --conductivity wall=1 --direction z -o heat.vti" });
-  return { app, [o](Session& session, const std::string& line)
+      "lamella diffusion rock_200x200x200_u8.raw --phase 1=pore --other grain --conductivity pore=1 --conductivity "
+      "grain=0",
+      "mpirun -n 4 lamella diffusion tissue.vti --conductivity lumen=0 --conductivity wall=1 --direction z -o "
+      "heat.vti" });
+  return { app,
+    [o](Session& session, const std::string& line)
     {
       session.setQuiet(o->common.quiet);
       diffusion(session, *o, line);

@@ -173,9 +173,8 @@ std::string toJson(const DiffusionReport& report)
   if (report.sample->window)
   {
     const Window& w = *report.sample->window;
-    json["window"] = dimension == 3
-      ? Json{ w.start[0], w.start[1], w.start[2], w.size[0], w.size[1], w.size[2] }
-      : Json{ w.start[0], w.start[1], w.size[0], w.size[1] };
+    json["window"] = dimension == 3 ? Json{ w.start[0], w.start[1], w.start[2], w.size[0], w.size[1], w.size[2] }
+                                    : Json{ w.start[0], w.start[1], w.size[0], w.size[1] };
   }
   else
   {
@@ -187,7 +186,8 @@ std::string toJson(const DiffusionReport& report)
   json["refine"] = refinement;
   json["lattice"] = lbm::name(report.options.steady.stencil);
   json["sides"] = name(report.options.steady.sides);
-  json["length"] = "one spacing a node; faces half a spacing outside the outer nodes; an empty box of conductivity 1 has 1";
+  json["length"] =
+    "one spacing a node; faces half a spacing outside the outer nodes; an empty box of conductivity 1 has 1";
   json["tolerance"] = report.options.steady.tolerance;
   json["balance"] = number(balance);
   json["nodes"] = report.answers.front().result.nodes;
@@ -207,10 +207,14 @@ std::string toTable(const DiffusionReport& report)
 {
   const Lattice& lattice = report.sample->image.lattice;
   const int refinement = refinementOf(report.answers.front());
-  std::string text = fmt::format("{}: {} {}", report.file, sizeText(lattice.size, lattice.dimension),
-    lattice.dimension == 3 ? "voxels" : "pixels");
-  text += report.sample->pixelSizeSource == "none" ? ", pixel size unknown" : fmt::format(" of {:g} µm", lattice.spacing * 1e6);
-  text += refinement > 1 ? fmt::format(", each split into {}\n\n", lattice.dimension == 3 ? fmt::format("{0} × {0} × {0}", refinement) : fmt::format("{0} × {0}", refinement)) : "\n\n";
+  std::string text = fmt::format(
+    "{}: {} {}", report.file, sizeText(lattice.size, lattice.dimension), lattice.dimension == 3 ? "voxels" : "pixels");
+  text += report.sample->pixelSizeSource == "none" ? ", pixel size unknown"
+                                                   : fmt::format(" of {:g} µm", lattice.spacing * 1e6);
+  text += refinement > 1
+    ? fmt::format(", each split into {}\n\n",
+        lattice.dimension == 3 ? fmt::format("{0} × {0} × {0}", refinement) : fmt::format("{0} × {0}", refinement))
+    : "\n\n";
 
   std::size_t width = 5;
   for (const std::string& phase : report.sample->image.phases.names())
@@ -263,7 +267,8 @@ std::string toTable(const DiffusionReport& report)
   text += fmt::format("\n  {}, {}, {} sides; {} iterations, {:.3f} s (everything: {:.2f} s, {})\n",
     lbm::name(report.options.steady.stencil), lbm::name(first.method), name(report.options.steady.sides), iterations,
     solve, report.seconds, bytesText(static_cast<double>(report.peakMemory)));
-  text += fmt::format("  {} nodes, of which {} were skipped because they do not conduct\n", grouped(first.nodes), grouped(first.skipped));
+  text += fmt::format(
+    "  {} nodes, of which {} were skipped because they do not conduct\n", grouped(first.nodes), grouped(first.skipped));
   text += report.options.steady.sides == lbm::Sides::Periodic
     ? "  Length: one spacing a node. An empty box of conductivity 1 has 1.\n"
     : "  Length: one spacing a node; the faces lie half a spacing outside the outer nodes. An empty box of\n"

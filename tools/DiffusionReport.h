@@ -24,9 +24,9 @@ struct DiffusionReport
   std::vector<lbm::DiffusionAnswer> answers;
   lbm::Bounds bounds;
   int ranks = 1;
-  double seconds = 0;                ///< wall, reading and writing included
-  std::uint64_t peakMemory = 0;      ///< bytes, the largest of all ranks
-  std::vector<std::string> written;  ///< files
+  double seconds = 0;               ///< wall, reading and writing included
+  std::uint64_t peakMemory = 0;     ///< bytes, the largest of all ranks
+  std::vector<std::string> written; ///< files
   io::Provenance provenance;
 };
 

@@ -53,8 +53,8 @@ void share(const Session& session, PhaseImage& image)
   }
   session.broadcast(image.lattice);
   image.phase.resize(static_cast<std::size_t>(image.lattice.count()));
-  inPieces(image.phase.size(), [&](std::size_t at, int bytes)
-    { MPI_Bcast(image.phase.data() + at, bytes, MPI_BYTE, 0, session.communicator()); });
+  inPieces(image.phase.size(),
+    [&](std::size_t at, int bytes) { MPI_Bcast(image.phase.data() + at, bytes, MPI_BYTE, 0, session.communicator()); });
 }
 
 void gather(const Session& session, const Lattice& lattice, const Block& own, std::span<const double> part,
@@ -63,7 +63,8 @@ void gather(const Session& session, const Lattice& lattice, const Block& own, st
   constexpr int tag = 1;
   if (!session.root())
   {
-    inPieces(part.size_bytes(), [&](std::size_t at, int bytes)
+    inPieces(part.size_bytes(),
+      [&](std::size_t at, int bytes)
       { MPI_Send(reinterpret_cast<const char*>(part.data()) + at, bytes, MPI_BYTE, 0, tag, session.communicator()); });
     return;
   }
@@ -106,8 +107,7 @@ void requireMemory(const Session& session, const PhaseImage& image, std::span<co
   {
     conducting += conductivity[id] > 0 ? 1 : 0;
   }
-  const lbm::Method method =
-    conducting == lattice.count() ? lbm::Method::Multigrid : lbm::Method::AlgebraicMultigrid;
+  const lbm::Method method = conducting == lattice.count() ? lbm::Method::Multigrid : lbm::Method::AlgebraicMultigrid;
   const auto count = static_cast<double>(lattice.count());
   const auto solver = static_cast<double>(lbm::estimateBytes(lattice, stencil, method, conducting));
   const int here = ranksHere(session);

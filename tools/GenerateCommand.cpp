@@ -67,7 +67,8 @@ Box parseBox(const GenerateOptions& options, std::initializer_list<std::size_t> 
   const auto v = integerList("--size", options.size, counts, form);
   if (*std::min_element(v.begin(), v.end()) < 2)
   {
-    throw ParameterError("--size '" + options.size + "' is below 2 along an axis", "give at least 2 nodes along each axis");
+    throw ParameterError(
+      "--size '" + options.size + "' is below 2 along an axis", "give at least 2 nodes along each axis");
   }
   Box box{ static_cast<int>(v.size()), { v[0], v[1], v.size() == 3 ? v[2] : 1 },
     lengthInMetres("--pixel-size", options.pixelSize) };
@@ -88,7 +89,8 @@ double fractionBetween(const std::string& option, const std::string& text, doubl
   const double value = share(option, text);
   if (!(value >= low && value <= high))
   {
-    throw ParameterError(fmt::format("{} '{}' is outside {:g} to {:g}", option, text, low, high), "write it as 0.4 or 40%");
+    throw ParameterError(
+      fmt::format("{} '{}' is outside {:g} to {:g}", option, text, low, high), "write it as 0.4 or 40%");
   }
   return value;
 }
@@ -142,7 +144,8 @@ void checkEnding(const std::string& output, int dimension)
   }
   if (ending == ".png" && dimension == 3)
   {
-    throw ParameterError("a PNG holds one picture, and this sample is a volume", "end the name in .vti, .tif (a stack) or .raw");
+    throw ParameterError(
+      "a PNG holds one picture, and this sample is a volume", "end the name in .vti, .tif (a stack) or .raw");
   }
 }
 
@@ -184,7 +187,8 @@ void generate(Session& session, const GenerateOptions& options, const std::strin
         Json json;
         json["file"] = options.output;
         json["kind"] = kind;
-        json["size"] = std::vector<std::int64_t>(image.lattice.size.begin(), image.lattice.size.begin() + box.dimension);
+        json["size"] =
+          std::vector<std::int64_t>(image.lattice.size.begin(), image.lattice.size.begin() + box.dimension);
         json["pixel_size"] = box.spacing;
         json["phases"] = Json::array();
         const auto greys = greysOfPhases(image.phases);
@@ -224,11 +228,13 @@ using Run = std::function<void(Session&, const std::string&)>;
 
 Command generateCommand(CLI::App& root)
 {
-  CLI::App* app = root.add_subcommand("generate", "Make a sample: wood tissue, honeycomb, checkerboard, disks, spheres, laminate");
+  CLI::App* app =
+    root.add_subcommand("generate", "Make a sample: wood tissue, honeycomb, checkerboard, disks, spheres, laminate");
   app->require_subcommand(1);
   addExamples(*app,
     { "lamella generate softwood --size 400,400 --solid-fraction 0.40 --seed 7 -o tissue.png",
-      "lamella generate softwood --size 128,128,128 -o tissue.vti", "lamella generate disks --fraction 0.5 -o disks.png" });
+      "lamella generate softwood --size 128,128,128 -o tissue.vti",
+      "lamella generate disks --fraction 0.5 -o disks.png" });
 
   auto runs = std::make_shared<std::vector<std::pair<CLI::App*, Run>>>();
   const auto kind = [&](const std::string& name, const std::string& description, const std::string& size)
@@ -237,7 +243,9 @@ Command generateCommand(CLI::App& root)
     options->size = size;
     options->fraction = name == "softwood" || name == "honeycomb" ? "0.40" : "0.5";
     CLI::App* command = app->add_subcommand(name, description);
-    addOutputOptions(*command, options->output, options->common, "File to write: .png, .tif (volumes: a stack), .vti or .raw")->required();
+    addOutputOptions(
+      *command, options->output, options->common, "File to write: .png, .tif (volumes: a stack), .vti or .raw")
+      ->required();
     command->add_option("--size", options->size, "Nodes along each axis")
       ->type_name(name == "disks" || name == "honeycomb" ? "WIDTH,HEIGHT"
           : name == "spheres"                            ? "WIDTH,HEIGHT,DEPTH"
@@ -253,16 +261,34 @@ Command generateCommand(CLI::App& root)
 
   {
     auto [command, o] = kind("softwood", "Cross-section of softwood, or with a depth the tissue in 3D", "200,200");
-    command->add_option("--solid-fraction", o->fraction, "Share of the wall, 0.02 to 0.95")->type_name("SHARE")->capture_default_str();
-    command->add_option("--ring", o->ring, "Position in the growth ring at the left and right edge: 0 earlywood, 1 latewood")
-      ->type_name("START,END")->capture_default_str();
-    command->add_option("--tangential-diameter", o->tangential, "Mean diameter of a tracheid along y")->type_name("METRES")->capture_default_str();
-    command->add_option("--radial-early", o->radialEarly, "Its mean diameter along x in earlywood")->type_name("METRES")->capture_default_str();
-    command->add_option("--radial-late", o->radialLate, "The same in latewood")->type_name("METRES")->capture_default_str();
-    command->add_option("--ray-every", o->rayEvery, "Mean distance between rays; 0: none")->type_name("METRES")->capture_default_str();
-    command->add_option("--tracheid-length", o->length, "In 3D: mean length of a tracheid along z")->type_name("METRES")->capture_default_str();
-    command->add_option("--scatter", o->scatter, "Relative standard deviation of the diameters")->type_name("SHARE")->capture_default_str();
-    command->add_option("--seed", o->seed, "The same seed gives the same tissue")->type_name("NUMBER")->capture_default_str();
+    command->add_option("--solid-fraction", o->fraction, "Share of the wall, 0.02 to 0.95")
+      ->type_name("SHARE")
+      ->capture_default_str();
+    command
+      ->add_option("--ring", o->ring, "Position in the growth ring at the left and right edge: 0 earlywood, 1 latewood")
+      ->type_name("START,END")
+      ->capture_default_str();
+    command->add_option("--tangential-diameter", o->tangential, "Mean diameter of a tracheid along y")
+      ->type_name("METRES")
+      ->capture_default_str();
+    command->add_option("--radial-early", o->radialEarly, "Its mean diameter along x in earlywood")
+      ->type_name("METRES")
+      ->capture_default_str();
+    command->add_option("--radial-late", o->radialLate, "The same in latewood")
+      ->type_name("METRES")
+      ->capture_default_str();
+    command->add_option("--ray-every", o->rayEvery, "Mean distance between rays; 0: none")
+      ->type_name("METRES")
+      ->capture_default_str();
+    command->add_option("--tracheid-length", o->length, "In 3D: mean length of a tracheid along z")
+      ->type_name("METRES")
+      ->capture_default_str();
+    command->add_option("--scatter", o->scatter, "Relative standard deviation of the diameters")
+      ->type_name("SHARE")
+      ->capture_default_str();
+    command->add_option("--seed", o->seed, "The same seed gives the same tissue")
+      ->type_name("NUMBER")
+      ->capture_default_str();
     add(command,
       [o](Session& session, const std::string& line)
       {
@@ -294,7 +320,9 @@ Command generateCommand(CLI::App& root)
   }
   {
     auto [command, o] = kind("honeycomb", "Regular hexagonal cells with straight walls", "200,200");
-    command->add_option("--solid-fraction", o->fraction, "Share of the wall")->type_name("SHARE")->capture_default_str();
+    command->add_option("--solid-fraction", o->fraction, "Share of the wall")
+      ->type_name("SHARE")
+      ->capture_default_str();
     command->add_option("--cells", o->cells, "Cells along x")->type_name("NUMBER")->capture_default_str();
     add(command,
       [o](Session& session, const std::string& line)
@@ -319,7 +347,8 @@ Command generateCommand(CLI::App& root)
   for (const bool spheres : { false, true })
   {
     const std::string name = spheres ? "spheres" : "disks";
-    auto [command, o] = kind(name, spheres ? "Simple cubic array of spheres" : "Square array of disks", spheres ? "64,64,64" : "200,200");
+    auto [command, o] =
+      kind(name, spheres ? "Simple cubic array of spheres" : "Square array of disks", spheres ? "64,64,64" : "200,200");
     o->cells = 1;
     command->add_option("--fraction", o->fraction, "Share of the " + name)->type_name("SHARE")->capture_default_str();
     command->add_option("--cells", o->cells, "Unit cells along each axis")->type_name("NUMBER")->capture_default_str();
@@ -336,14 +365,16 @@ Command generateCommand(CLI::App& root)
     auto [command, o] = kind("laminate", "Layers of two phases", "200,200");
     command->add_option("--fraction", o->fraction, "Share of the inclusion")->type_name("SHARE")->capture_default_str();
     command->add_option("--periods", o->periods, "Pairs of layers")->type_name("NUMBER")->capture_default_str();
-    command->add_option("--axis", o->axis, "Axis that the layers are perpendicular to")->type_name("x|y|z")->capture_default_str();
+    command->add_option("--axis", o->axis, "Axis that the layers are perpendicular to")
+      ->type_name("x|y|z")
+      ->capture_default_str();
     add(command,
       [o](Session& session, const std::string& line)
       {
         const Box box = parseBox(*o, { 2, 3 });
         const std::vector<std::string> axes{ "x", "y", "z" };
-        const auto axis = static_cast<int>(
-          oneOf("--axis", o->axis, std::span(axes).first(static_cast<std::size_t>(box.dimension))));
+        const auto axis =
+          static_cast<int>(oneOf("--axis", o->axis, std::span(axes).first(static_cast<std::size_t>(box.dimension))));
         const double fraction = fractionBetween("--fraction", o->fraction, 0, 1);
         generate(session, *o, "laminate", line, box, {},
           [&] { return generators::laminate(box.dimension, box.size, box.spacing, axis, fraction, o->periods); });

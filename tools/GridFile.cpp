@@ -185,7 +185,8 @@ vtkSmartPointer<vtkDataObject> readGrid(const std::string& path)
   {
     return read<vtkXMLImageDataReader>(path, ".vti");
   }
-  throw InputError("'" + path + "' is not a .vti or .vtp file", "make one first: lamella diffusion PICTURE ... -o FILE.vti");
+  throw InputError(
+    "'" + path + "' is not a .vti or .vtp file", "make one first: lamella diffusion PICTURE ... -o FILE.vti");
 }
 
 PhaseGrid readPhaseGrid(const std::string& path)

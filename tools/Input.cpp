@@ -14,31 +14,55 @@
 namespace lamella::cli
 {
 
+namespace
+{
+
+/// Where the help lists them.
+void inSample(CLI::Option* option)
+{
+  option->group("Sample");
+}
+
+} // namespace
+
+void addFileOption(CLI::App& command, PictureOptions& options)
+{
+  command
+    .add_option("FILE", options.file,
+      "PNG, JPEG, TIFF or TIFF stack, a folder of numbered pictures, a raw volume (.raw), or .vti")
+    ->required();
+}
+
+void addRawOptions(CLI::App& command, PictureOptions& options)
+{
+  inSample(command
+             .add_option(
+               "--pixel-size", options.pixelSize, "Edge of a pixel, as 0.5e-6 or 0.5um; wins over what the file says")
+             ->type_name("METRES"));
+  inSample(command.add_option("--raw-size", options.rawSize, "Size of a raw volume whose name does not tell it")
+             ->type_name("NX,NY,NZ"));
+  inSample(command.add_option("--raw-bits", options.rawBits, "Bits a voxel in a raw volume: 8 (the default) or 16")
+             ->type_name("8|16"));
+  inSample(command.add_option("--raw-header", options.rawHeader, "Bytes before the first voxel in a raw volume")
+             ->type_name("BYTES"));
+}
+
 void addPictureOptions(CLI::App& command, PictureOptions& options)
 {
-  command.add_option("FILE", options.file,
-    "PNG, JPEG, TIFF or TIFF stack, a folder of numbered pictures, a raw volume (.raw), or .vti")
-    ->required();
-  const auto group = [](CLI::Option* option) { option->group("Sample"); };
-  group(command.add_option("--phase", options.phase, "This grey value is this phase; once for every grey value")
-          ->type_name("GREY=NAME")
-          ->allow_extra_args(false));
-  group(command.add_option("--other", options.other, "All grey values that are not listed are this phase")
-          ->type_name("NAME"));
-  group(command.add_flag("--segment", options.segment,
+  addFileOption(command, options);
+  inSample(command.add_option("--phase", options.phase, "This grey value is this phase; once for every grey value")
+             ->type_name("GREY=NAME")
+             ->allow_extra_args(false));
+  inSample(command.add_option("--other", options.other, "All grey values that are not listed are this phase")
+             ->type_name("NAME"));
+  inSample(command.add_flag("--segment", options.segment,
     "The picture is a raw scan, not labels: find the phases 'lumen' (bright) and 'wall' in it"));
-  group(command.add_option("--window", options.window,
-    "Use this part only: pixels from the top left; for volumes X,Y,Z,WIDTH,HEIGHT,DEPTH from the first voxel")
-          ->type_name("X,Y,WIDTH,HEIGHT"));
-  group(command.add_option("--pixel-size", options.pixelSize,
-    "Edge of a pixel, as 0.5e-6 or 0.5um; wins over what the file says")
-          ->type_name("METRES"));
-  group(command.add_option("--raw-size", options.rawSize, "Size of a raw volume whose name does not tell it")
-          ->type_name("NX,NY,NZ"));
-  group(command.add_option("--raw-bits", options.rawBits, "Bits a voxel in a raw volume: 8 (the default) or 16")
-          ->type_name("8|16"));
-  group(command.add_option("--raw-header", options.rawHeader, "Bytes before the first voxel in a raw volume")
-          ->type_name("BYTES"));
+  inSample(
+    command
+      .add_option("--window", options.window,
+        "Use this part only: pixels from the top left; for volumes X,Y,Z,WIDTH,HEIGHT,DEPTH from the first voxel")
+      ->type_name("X,Y,WIDTH,HEIGHT"));
+  addRawOptions(command, options);
 }
 
 std::optional<Window> parseWindow(const std::string& text)
@@ -66,7 +90,8 @@ micrograph::ReadOptions readOptions(const PictureOptions& options)
     const auto v = integerList("--raw-size", options.rawSize, counts, "NX,NY,NZ");
     if (*std::min_element(v.begin(), v.end()) < 1)
     {
-      throw ParameterError("--raw-size '" + options.rawSize + "' has a size below 1", "give the numbers of voxels along x, y and z");
+      throw ParameterError(
+        "--raw-size '" + options.rawSize + "' has a size below 1", "give the numbers of voxels along x, y and z");
     }
     read.rawSize = { v[0], v[1], v[2] };
   }
@@ -96,13 +121,14 @@ std::optional<GreyMap> greyMap(const PictureOptions& options)
     const auto grey = toInteger(key);
     if (!grey || *grey < 0 || *grey > 65535)
     {
-      throw ParameterError(
-        "--phase '" + text + "': '" + key + "' is not a grey value", "write it as --phase GREY=NAME with GREY from 0 to 255 (16-bit pictures: 65535), such as --phase 255=wall");
+      throw ParameterError("--phase '" + text + "': '" + key + "' is not a grey value",
+        "write it as --phase GREY=NAME with GREY from 0 to 255 (16-bit pictures: 65535), such as --phase 255=wall");
     }
     const auto [entry, added] = map.phaseOfGrey.try_emplace(static_cast<int>(*grey), name);
     if (!added && entry->second != name)
     {
-      throw ParameterError("--phase gives the grey value " + key + " two names, '" + entry->second + "' and '" + name + "'",
+      throw ParameterError(
+        "--phase gives the grey value " + key + " two names, '" + entry->second + "' and '" + name + "'",
         "give every grey value one phase");
     }
   }
@@ -119,7 +145,8 @@ namespace
 std::string ending(const std::string& path)
 {
   std::string text = std::filesystem::path(path).extension().string();
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(
+    text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
 }
 
@@ -220,7 +247,8 @@ Sample loadSample(const PictureOptions& options)
   {
     if (options.segment)
     {
-      throw ParameterError("--segment is for pictures, and '" + options.file + "' holds phases already", "leave --segment out");
+      throw ParameterError(
+        "--segment is for pictures, and '" + options.file + "' holds phases already", "leave --segment out");
     }
     PhaseGrid grid = readPhaseGrid(options.file);
     sample.fileSize = grid.image.lattice.size;

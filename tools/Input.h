@@ -27,7 +27,9 @@ struct PictureOptions
   bool segment = false;           ///< --segment
 };
 
-/// Declares FILE and the options above.
+/// Declares FILE; the options of raw volumes and pixel sizes; FILE and all of the options above.
+void addFileOption(CLI::App& command, PictureOptions& options);
+void addRawOptions(CLI::App& command, PictureOptions& options);
 void addPictureOptions(CLI::App& command, PictureOptions& options);
 
 /// The options in numbers. @throws ParameterError
@@ -43,8 +45,8 @@ void addPictureOptions(CLI::App& command, PictureOptions& options);
 struct Sample
 {
   PhaseImage image;
-  std::string pixelSizeSource;              ///< "none" when the pixel size is not known
-  std::array<std::int64_t, 3> fileSize{};   ///< before the window
+  std::string pixelSizeSource;            ///< "none" when the pixel size is not known
+  std::array<std::int64_t, 3> fileSize{}; ///< before the window
   std::optional<Window> window;
 };
 

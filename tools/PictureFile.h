@@ -20,9 +20,9 @@ namespace lamella::cli
 
 struct Record
 {
-  std::string provenance;           ///< JSON text (io/Provenance.h)
+  std::string provenance;            ///< JSON text (io/Provenance.h)
   std::map<int, std::string> phases; ///< grey value → name
-  std::optional<double> pixelSize;  ///< [m]
+  std::optional<double> pixelSize;   ///< [m]
   std::optional<std::array<std::int64_t, 3>> size;
   int bits = 8;
 };

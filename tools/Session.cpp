@@ -265,8 +265,10 @@ bool Session::progress(double share, const std::string& what)
 
   char numbers[64];
   const double left = share > 0 ? elapsed * (1 - share) / share : 0;
-  std::snprintf(numbers, sizeof numbers, " %3d %%  %.0f s, %.0f s left  ", static_cast<int>(share * 100), elapsed, std::ceil(left));
-  const int width = std::clamp(columns - static_cast<int>(std::strlen(numbers)) - static_cast<int>(what.size()) - 3, 0, 40);
+  std::snprintf(
+    numbers, sizeof numbers, " %3d %%  %.0f s, %.0f s left  ", static_cast<int>(share * 100), elapsed, std::ceil(left));
+  const int width =
+    std::clamp(columns - static_cast<int>(std::strlen(numbers)) - static_cast<int>(what.size()) - 3, 0, 40);
   const int filled = static_cast<int>(share * width);
   std::string line = "\r[" + std::string(static_cast<std::size_t>(filled), '#') +
     std::string(static_cast<std::size_t>(width - filled), '.') + "]" + numbers + what;

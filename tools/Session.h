@@ -22,7 +22,7 @@ enum ExitCode : int
   exitNoPath = 4,   ///< nothing conducts from face to face
   exitMemory = 5,
   exitDiverged = 6,
-  exitOutput = 7,   ///< the result cannot be written
+  exitOutput = 7, ///< the result cannot be written
   exitInterrupted = 130
 };
 

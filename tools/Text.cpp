@@ -2,6 +2,8 @@
 
 #include "lattice/Error.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -75,11 +77,8 @@ std::string quotedList(std::span<const std::string> words, std::string_view last
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i)
   {
-    if (i > 0)
-    {
-      text += i + 1 == words.size() ? " " + std::string(last) + " " : ", ";
-    }
-    text += "'" + words[i] + "'";
+    const std::string between = i == 0 ? "" : i + 1 < words.size() ? ", " : fmt::format(" {} ", last);
+    text += fmt::format("{}'{}'", between, words[i]);
   }
   return text;
 }
@@ -142,14 +141,15 @@ std::vector<std::int64_t> integerList(
     const auto value = toInteger(part);
     if (!value)
     {
-      throw ParameterError(option + " '" + text + "': '" + part + "' is not a whole number", "write it as " + option + " " + form);
+      throw ParameterError(
+        option + " '" + text + "': '" + part + "' is not a whole number", "write it as " + option + " " + form);
     }
     values.push_back(*value);
   }
   if (std::find(counts.begin(), counts.end(), values.size()) == counts.end())
   {
-    throw ParameterError(option + " '" + text + "' has " + std::to_string(values.size()) +
-        (values.size() == 1 ? " number" : " numbers"),
+    throw ParameterError(
+      option + " '" + text + "' has " + std::to_string(values.size()) + (values.size() == 1 ? " number" : " numbers"),
       "write it as " + option + " " + form);
   }
   return values;
@@ -174,7 +174,8 @@ double lengthInMetres(const std::string& option, const std::string& text)
   const double metres = found->second == 1 ? *value : *value / std::round(1 / found->second);
   if (!(metres > 0) || !std::isfinite(metres))
   {
-    throw ParameterError(option + " '" + text + "' is not a length above 0", "write it in metres, such as " + option + " 0.5e-6");
+    throw ParameterError(
+      option + " '" + text + "' is not a length above 0", "write it in metres, such as " + option + " 0.5e-6");
   }
   return metres;
 }
@@ -190,7 +191,8 @@ double share(const std::string& option, const std::string& text)
   return percent ? *value / 100 : *value;
 }
 
-std::pair<std::string, std::string> keyValue(const std::string& option, const std::string& text, const std::string& form)
+std::pair<std::string, std::string> keyValue(
+  const std::string& option, const std::string& text, const std::string& form)
 {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
@@ -213,18 +215,13 @@ std::size_t oneOf(const std::string& option, const std::string& text, std::span<
 
 std::string grouped(std::int64_t count)
 {
-  std::string text = std::to_string(count);
-  for (std::ptrdiff_t i = static_cast<std::ptrdiff_t>(text.size()) - 3; i > (count < 0 ? 1 : 0); i -= 3)
-  {
-    text.insert(static_cast<std::size_t>(i), " ");
-  }
-  return text;
+  return count < 1000 ? std::to_string(count) : fmt::format("{} {:03}", grouped(count / 1000), count % 1000);
 }
 
 std::string sizeText(const std::array<std::int64_t, 3>& size, int dimension)
 {
-  std::string text = std::to_string(size[0]) + " × " + std::to_string(size[1]);
-  return dimension == 3 ? text + " × " + std::to_string(size[2]) : text;
+  return dimension == 3 ? fmt::format("{} × {} × {}", size[0], size[1], size[2])
+                        : fmt::format("{} × {}", size[0], size[1]);
 }
 
 } // namespace lamella::cli

@@ -112,7 +112,8 @@ ParameterError explain(CLI::App& root, const CLI::ParseError& error)
         otherwise = "it is an option of " + *owner;
         return ParameterError("'" + name + "' is not an option of " + fullName(app), otherwise);
       }
-      return ParameterError("'" + name + "' is not an option of " + fullName(app), suggestion(name, optionNames(app), otherwise));
+      return ParameterError(
+        "'" + name + "' is not an option of " + fullName(app), suggestion(name, optionNames(app), otherwise));
     }
     if (!commands.empty())
     {
@@ -197,7 +198,8 @@ int run(Session& session, std::vector<std::string> words)
 
 void addReportOptions(CLI::App& command, CommonOptions& options)
 {
-  command.add_flag("--json", options.json, "Print one JSON object to standard output, and nothing else")->group("Report");
+  command.add_flag("--json", options.json, "Print one JSON object to standard output, and nothing else")
+    ->group("Report");
   command.add_flag("--quiet", options.quiet, "No progress bar and no table")->group("Report");
 }
 
