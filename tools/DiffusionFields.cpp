@@ -35,7 +35,11 @@ Fields takeFields(const Session& session, const lbm::SteadyDiffusion& solver, in
     // The solver has its 1 at the low end of y, which is the bottom of a picture.
     if (lattice.dimension == 2 && axis == 1)
     {
-      std::transform(out.begin(), out.end(), out.begin(), [&](double v) { return components == 1 ? 1 - v : -v; });
+      std::transform(out.begin(), out.end(), out.begin(),
+        [&](double v)
+        {
+          return components == 1 ? 1 - v : 0 - v; /* never -0 */
+        });
     }
     if (!alone)
     {

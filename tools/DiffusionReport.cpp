@@ -106,9 +106,9 @@ std::string toJson(const DiffusionReport& report)
   const int dimension = lattice.dimension;
   const int refinement = refinementOf(report.answers.front());
   Json json;
-  Json& effective = json["effective"];
-  Json& extrapolated = json["extrapolated"];
-  Json& errors = json["estimated_errors"];
+  Json effective;
+  Json extrapolated;
+  Json errors;
   for (const auto& answer : report.answers)
   {
     const char* axis = axisNames[answer.axis];
@@ -116,14 +116,20 @@ std::string toJson(const DiffusionReport& report)
     extrapolated[axis] = number(answer.error.extrapolated);
     errors[axis] = number(answer.error.relative);
   }
+  json["effective"] = std::move(effective);
+  json["extrapolated"] = std::move(extrapolated);
+  json["estimated_errors"] = std::move(errors);
   json["estimated_error"] = number(worstError(report));
   const auto tensor = tensorOf(report.answers, dimension);
+  json["tensor"] = Json::array();
   for (int row = 0; row < dimension; ++row)
   {
     Json line = Json::array();
     for (int column = 0; column < dimension; ++column)
     {
-      line.push_back(number(tensor[static_cast<std::size_t>(3 * row + column)]));
+      // Between insulated sides the mean flux across the gradient is the box's, not the material's.
+      const bool known = row == column || report.options.steady.sides == lbm::Sides::Periodic;
+      line.push_back(known ? number(tensor[static_cast<std::size_t>(3 * row + column)]) : Json(nullptr));
     }
     json["tensor"].push_back(line);
   }
@@ -150,7 +156,7 @@ std::string toJson(const DiffusionReport& report)
   json["peak_memory_bytes"] = report.peakMemory;
   json["method"] = lbm::name(report.answers.front().result.method);
 
-  Json& directions = json["directions"];
+  Json directions;
   for (const auto& answer : report.answers)
   {
     const auto& result = answer.result;
@@ -161,6 +167,8 @@ std::string toJson(const DiffusionReport& report)
       { "stored", result.stored }, { "skipped", result.skipped }, { "refine", refinementOf(answer) },
       { "convergence_order", number(answer.error.order) }, { "steps", stepsJson(answer) } };
   }
+
+  json["directions"] = std::move(directions);
 
   json["phases"] = Json::array();
   for (std::size_t id = 0; id < report.fractions.size(); ++id)

@@ -198,7 +198,7 @@ void generate(Session& session, const GenerateOptions& options, const std::strin
         {
           const bool ids = ending == ".vti" || ending == ".raw";
           json["phases"].push_back({ { "name", image.phases.names()[id] },
-            { "grey", ids ? static_cast<int>(id) : grey->first }, { "fraction", fractions[id] } });
+            { "value", ids ? static_cast<int>(id) : grey->first }, { "fraction", fractions[id] } });
         }
         if (seed)
         {

@@ -189,27 +189,22 @@ vtkSmartPointer<vtkDataObject> readGrid(const std::string& path)
     "'" + path + "' is not a .vti or .vtp file", "make one first: lamella diffusion PICTURE ... -o FILE.vti");
 }
 
-PhaseGrid readPhaseGrid(const std::string& path)
+std::optional<PhaseGrid> readPhaseGrid(const std::string& path)
 {
-  requireFile(path);
   const auto data = readGrid(path);
   auto* image = vtkImageData::SafeDownCast(data);
-  if (image == nullptr)
+  if (image == nullptr || phaseNames(image).size() == 0 || image->GetPointData()->GetArray("phase") == nullptr)
   {
-    throw InputError("'" + path + "' is not an image", "give a .vti file with an array 'phase'");
+    return std::nullopt;
   }
-  PhaseGrid grid;
   try
   {
-    grid.image = toPhaseImage(image);
+    return PhaseGrid{ toPhaseImage(image), fieldText(image, "pixel_size_source").value_or("spacing in the file") };
   }
   catch (const Error& error)
   {
     throw InputError("'" + path + "': " + error.what(), error.hint());
   }
-  grid.named = phaseNames(image).size() > 0;
-  grid.pixelSizeSource = fieldText(image, "pixel_size_source").value_or("spacing in the file");
-  return grid;
 }
 
 void writeGrid(vtkDataObject* data, const OutputFile& file)

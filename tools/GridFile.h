@@ -5,6 +5,7 @@
 
 #include <vtkSmartPointer.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,11 +39,11 @@ void requireFile(const std::string& path);
 struct PhaseGrid
 {
   PhaseImage image;
-  bool named = false; ///< the file names its phases
   std::string pixelSizeSource;
 };
-/// The array `phase` of a .vti. @throws InputError
-[[nodiscard]] PhaseGrid readPhaseGrid(const std::string& path);
+/// The array `phase` of a .vti that names its phases; nothing when it has none or does not name them. @throws
+/// InputError
+[[nodiscard]] std::optional<PhaseGrid> readPhaseGrid(const std::string& path);
 
 /// Writes .vti or .vtp: binary, compressed. @throws OutputError when the disk is full or fails
 void writeGrid(vtkDataObject* data, const OutputFile& file);

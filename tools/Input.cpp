@@ -1,6 +1,7 @@
 #include "Input.h"
 
 #include "GridFile.h"
+#include "PhasePicture.h"
 #include "PictureFile.h"
 #include "Text.h"
 #include "lattice/Error.h"
@@ -55,6 +56,10 @@ void addPictureOptions(CLI::App& command, PictureOptions& options)
              ->allow_extra_args(false));
   inSample(command.add_option("--other", options.other, "All grey values that are not listed are this phase")
              ->type_name("NAME"));
+  inSample(command
+             .add_option("--array", options.array,
+               "In a .vti: the array of whole numbers, at points or in cells, to take for grey values [phase]")
+             ->type_name("NAME"));
   inSample(command.add_flag("--segment", options.segment,
     "The picture is a raw scan, not labels: find the phases 'lumen' (bright) and 'wall' in it"));
   inSample(
@@ -73,6 +78,10 @@ std::optional<Window> parseWindow(const std::string& text)
   }
   const std::size_t counts[] = { 4, 6 };
   const auto v = integerList("--window", text, counts, "X,Y,WIDTH,HEIGHT (volumes: X,Y,Z,WIDTH,HEIGHT,DEPTH)");
+  if (v.size() == 6 && v[5] < 1)
+  {
+    throw ParameterError("--window '" + text + "' is empty along z", "give a DEPTH of at least 1");
+  }
   return v.size() == 4 ? Window{ { v[0], v[1], 0 }, { v[2], v[3], 0 } }
                        : Window{ { v[0], v[1], v[2] }, { v[3], v[4], v[5] } };
 }
@@ -148,6 +157,39 @@ std::string ending(const std::string& path)
   std::transform(
     text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
+}
+
+void setSpacing(Lattice& lattice, double spacing)
+{
+  const auto size = lattice.size;
+  lattice = makeLattice(size[0], size[1], size[2], lattice.dimension, spacing);
+}
+
+/// Four numbers for a picture, six for a volume.
+void requireWindowFits(const Lattice& lattice, const std::optional<Window>& window)
+{
+  if (window && (window->size[2] != 0) != (lattice.dimension == 3))
+  {
+    throw ParameterError(
+      fmt::format("--window has {} numbers, and the file holds a {} of {}", window->size[2] != 0 ? 6 : 4,
+        lattice.dimension == 3 ? "volume" : "picture", sizeText(lattice.size, lattice.dimension)),
+      lattice.dimension == 3 ? "write it as --window X,Y,Z,WIDTH,HEIGHT,DEPTH"
+                             : "write it as --window X,Y,WIDTH,HEIGHT");
+  }
+}
+
+/// What has nothing to do with the format, said before a reader says it in its own words.
+void requirePicture(const std::string& path)
+{
+  std::error_code failed;
+  if (std::filesystem::is_regular_file(path, failed))
+  {
+    requireFile(path);
+  }
+  if (ending(path) == ".gz")
+  {
+    throw InputError("'" + path + "' is packed", "unpack it first: gunzip --keep " + path);
+  }
 }
 
 void cropPicture(micrograph::Picture& picture, const Window& window)
@@ -243,35 +285,26 @@ Sample loadSample(const PictureOptions& options)
 
   Sample sample;
   sample.window = window;
-  if (isVtkImage(options.file))
+  if (isVtkImage(options.file) && options.array.empty() && !map)
   {
-    if (options.segment)
+    if (auto grid = readPhaseGrid(options.file)) // phases that have names
     {
-      throw ParameterError(
-        "--segment is for pictures, and '" + options.file + "' holds phases already", "leave --segment out");
+      if (options.segment)
+      {
+        throw ParameterError(
+          "--segment is for scans, and '" + options.file + "' holds phases already", "leave --segment out");
+      }
+      sample.fileSize = grid->image.lattice.size;
+      sample.pixelSizeSource = grid->pixelSizeSource;
+      if (read.pixelSize)
+      {
+        setSpacing(grid->image.lattice, *read.pixelSize);
+        sample.pixelSizeSource = "option";
+      }
+      requireWindowFits(grid->image.lattice, window);
+      sample.image = window ? crop(grid->image, *window) : std::move(grid->image);
+      return sample;
     }
-    PhaseGrid grid = readPhaseGrid(options.file);
-    sample.fileSize = grid.image.lattice.size;
-    sample.pixelSizeSource = grid.pixelSizeSource;
-    if (read.pixelSize)
-    {
-      const auto size = grid.image.lattice.size;
-      grid.image.lattice = makeLattice(size[0], size[1], size[2], grid.image.lattice.dimension, *read.pixelSize);
-      sample.pixelSizeSource = "option";
-    }
-    sample.image = window ? crop(grid.image, *window) : std::move(grid.image);
-    if (map)
-    {
-      const std::vector<std::uint16_t> ids(sample.image.phase.begin(), sample.image.phase.end());
-      sample.image = map->apply(sample.image.lattice, ids);
-    }
-    else if (!grid.named)
-    {
-      micrograph::Picture picture;
-      picture.grey.assign(sample.image.phase.begin(), sample.image.phase.end());
-      refuseUnnamed(options, picture);
-    }
-    return sample;
   }
 
   const std::optional<Record> record = readRecord(options.file);
@@ -280,16 +313,18 @@ Sample loadSample(const PictureOptions& options)
     read.rawSize = record->size;
     read.rawBits = record->bits;
   }
-  micrograph::Picture picture = micrograph::readPicture(options.file, read);
+  requirePicture(options.file);
+  micrograph::Picture picture = isVtkImage(options.file) ? readGreys(options.file, read, options.array)
+                                                         : micrograph::readPicture(options.file, read);
   sample.fileSize = picture.lattice.size;
   sample.pixelSizeSource = picture.pixelSizeSource;
   if (record && record->pixelSize && !read.pixelSize)
   {
     // Exact, where the picture format rounds.
-    const auto size = picture.lattice.size;
-    picture.lattice = makeLattice(size[0], size[1], size[2], picture.lattice.dimension, *record->pixelSize);
-    sample.pixelSizeSource = "lamella";
+    setSpacing(picture.lattice, *record->pixelSize);
+    sample.pixelSizeSource = "lamella record";
   }
+  requireWindowFits(picture.lattice, window);
   if (window)
   {
     cropPicture(picture, *window);

@@ -24,6 +24,7 @@ struct PictureOptions
   std::string rawSize;            ///< --raw-size NX,NY,NZ
   int rawBits = 0;                ///< --raw-bits 8|16; 0: from the name, else 8
   std::uint64_t rawHeader = 0;    ///< --raw-header BYTES
+  std::string array;              ///< --array NAME
   bool segment = false;           ///< --segment
 };
 

@@ -1,6 +1,7 @@
 // lamella: one program, sub-commands. docs/commands/ has a page for each.
 #include "Commands.h"
 #include "GridFile.h"
+#include "Help.h"
 #include "Session.h"
 #include "Text.h"
 
@@ -10,10 +11,9 @@
 #include <vtkVersion.h>
 
 #include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 
 #include <algorithm>
-#include <cstdio>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -146,7 +146,7 @@ ParameterError explain(CLI::App& root, const CLI::ParseError& error)
 int run(Session& session, std::vector<std::string> words)
 {
   CLI::App root("Predicts from a picture what a material made of cells or grains will do.", "lamella");
-  root.get_formatter()->column_width(38);
+  root.formatter(std::make_shared<HelpFormatter>());
   root.set_help_flag("-h,--help", "Print this help and exit");
   bool version = false;
   root.add_flag("--version", version, "Print version, commit, VTK and MPI, and exit");
@@ -166,7 +166,7 @@ int run(Session& session, std::vector<std::string> words)
   }
   catch (const CLI::CallForHelp&)
   {
-    session.print(innermost(&root)->help(fullName(innermost(&root)), CLI::AppFormatMode::Normal));
+    session.print(root.help()); // that of the command that was typed
     return exitOk;
   }
   catch (const CLI::ParseError& error)
