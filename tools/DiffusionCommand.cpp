@@ -266,6 +266,10 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
     {
       sample = loadSample(options.picture);
       Session::checkInterrupt();
+      for (const std::string& warning : sample.warnings)
+      {
+        session.warn(warning);
+      }
       const Lattice& lattice = sample.image.lattice;
       study.axes = parseAxes(options.direction, lattice);
       if (options.lattice.empty())

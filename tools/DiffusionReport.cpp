@@ -191,6 +191,15 @@ std::string toJson(const DiffusionReport& report)
   const bool known = report.sample->pixelSizeSource != "none";
   json["pixel_size"] = known ? Json(lattice.spacing) : Json(nullptr);
   json["pixel_size_source"] = report.sample->pixelSizeSource;
+  if (report.sample->segmentation)
+  {
+    const micrograph::SegmentReport& found = *report.sample->segmentation;
+    json["segmentation"] = { { "channel", found.channel }, { "bright_lumen", found.brightLumen },
+      { "background", found.background }, { "smoothing", found.smoothing }, { "threshold", found.threshold },
+      { "separability", found.separability }, { "smallest_lumen", found.smallestLumen },
+      { "smallest_wall", found.smallestWall }, { "lumens_removed", found.lumensRemoved },
+      { "walls_removed", found.wallsRemoved }, { "lumens", found.lumens }, { "lumen_fraction", found.lumenFraction } };
+  }
   json["refine"] = refinement;
   json["lattice"] = lbm::name(report.options.steady.stencil);
   json["sides"] = name(report.options.steady.sides);
@@ -224,6 +233,14 @@ std::string toTable(const DiffusionReport& report)
         lattice.dimension == 3 ? fmt::format("{0} × {0} × {0}", refinement) : fmt::format("{0} × {0}", refinement))
     : "\n\n";
 
+  if (report.sample->segmentation)
+  {
+    for (const std::string& line : report.sample->segmentation->lines())
+    {
+      text += "  " + line + "\n";
+    }
+    text += "\n";
+  }
   std::size_t width = 5;
   for (const std::string& phase : report.sample->image.phases.names())
   {
@@ -247,7 +264,7 @@ std::string toTable(const DiffusionReport& report)
       report.options.estimateError || report.options.targetError ? percent(answer.error.relative) : "-",
       span > 0 ? fmt::format("{:.1f} %", 100 * (own(answer) - report.bounds.series) / span) : "-");
   }
-  text += fmt::format("  between the bounds\n    series {:.7g}   Hashin-Shtrikman {:.7g} to {:.7g}   parallel {:.7g}\n",
+  text += fmt::format("  bounds\n    series {:.7g}   parallel {:.7g}   Hashin-Shtrikman (isotropic media) {:.7g} to {:.7g}\n",
     report.bounds.series, report.bounds.hashinShtrikmanLower, report.bounds.hashinShtrikmanUpper,
     report.bounds.parallel);
 

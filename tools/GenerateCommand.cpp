@@ -2,12 +2,13 @@
 #include "GridFile.h"
 #include "Input.h"
 #include "OutputFile.h"
-#include "PictureFile.h"
+#include "Record.h"
 #include "Text.h"
 
 #include "generators/Generators.h"
 #include "io/Provenance.h"
 #include "lattice/Memory.h"
+#include "micrograph/WritePicture.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkImageData.h>
@@ -20,6 +21,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <numeric>
 #include <optional>
 
 namespace lamella::cli
@@ -95,40 +97,51 @@ double fractionBetween(const std::string& option, const std::string& text, doubl
   return value;
 }
 
+/// The value that stands for each phase in a file of this ending.
+std::vector<std::uint8_t> valuesInFile(const PhaseTable& phases, const std::string& ending)
+{
+  std::vector<std::uint8_t> values = greysOfPhases(phases);
+  if (ending == ".vti" || ending == ".raw")
+  {
+    std::iota(values.begin(), values.end(), std::uint8_t{ 0 });
+  }
+  return values;
+}
+
 /// Writes the sample in the format that the name asks for.
 void write(const PhaseImage& image, const OutputFile& file, OutputFile* beside, const io::Provenance& provenance)
 {
-  std::string ending = file.path().extension().string();
-  Record record;
-  record.provenance = io::toJson(provenance);
-  record.pixelSize = image.lattice.spacing;
+  const std::string ending = file.path().extension().string();
   if (ending == ".vti")
   {
     const auto grid = toImageData(image);
-    setProvenance(grid, record.provenance);
+    setProvenance(grid, io::toJson(provenance));
     setFieldText(grid, "pixel_size_source", "generated");
     writeGrid(grid, file);
     return;
   }
-  record.phases = greysOfPhases(image.phases);
-  if (ending == ".png")
+  const std::vector<std::uint8_t> values = valuesInFile(image.phases, ending);
+  Record record;
+  record.provenance = io::toJson(provenance);
+  record.pixelSize = image.lattice.spacing;
+  for (std::size_t id = 0; id < values.size(); ++id)
   {
-    file.write(encodePng(image, record));
+    record.phases[values[id]] = image.phases.names()[id];
   }
-  else if (ending == ".tif" || ending == ".tiff")
+  if (ending == ".raw")
   {
-    file.write(encodeTiff(image, record));
-  }
-  else
-  {
-    record.phases.clear();
-    for (std::size_t id = 0; id < image.phases.size(); ++id)
-    {
-      record.phases[static_cast<int>(id)] = image.phases.names()[id];
-    }
     record.size = image.lattice.size;
-    file.write(encodeRaw(image));
+    file.write({ reinterpret_cast<const char*>(image.phase.data()), image.phase.size() });
     beside->write(toJson(record) + "\n");
+    return;
+  }
+  try
+  {
+    micrograph::writeLabels(image, file.temporary(), values, toJson(record));
+  }
+  catch (const Error& error)
+  {
+    throw OutputError("cannot write '" + file.path().string() + "': " + error.what(), error.hint());
   }
 }
 
@@ -191,14 +204,11 @@ void generate(Session& session, const GenerateOptions& options, const std::strin
           std::vector<std::int64_t>(image.lattice.size.begin(), image.lattice.size.begin() + box.dimension);
         json["pixel_size"] = box.spacing;
         json["phases"] = Json::array();
-        const auto greys = greysOfPhases(image.phases);
-        auto grey = greys.begin();
-        const std::string ending = file.path().extension().string();
-        for (std::size_t id = 0; id < fractions.size(); ++id, ++grey)
+        const auto values = valuesInFile(image.phases, file.path().extension().string());
+        for (std::size_t id = 0; id < fractions.size(); ++id)
         {
-          const bool ids = ending == ".vti" || ending == ".raw";
-          json["phases"].push_back({ { "name", image.phases.names()[id] },
-            { "value", ids ? static_cast<int>(id) : grey->first }, { "fraction", fractions[id] } });
+          json["phases"].push_back(
+            { { "name", image.phases.names()[id] }, { "value", values[id] }, { "fraction", fractions[id] } });
         }
         if (seed)
         {

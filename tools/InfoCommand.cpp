@@ -1,7 +1,7 @@
 #include "Commands.h"
 #include "GridFile.h"
 #include "Input.h"
-#include "PictureFile.h"
+#include "Record.h"
 #include "Text.h"
 
 #include "io/Provenance.h"
@@ -171,25 +171,20 @@ Json gridJson(const std::string& path)
 /// What is in a picture or volume.
 Json pictureJson(const PictureOptions& options)
 {
-  micrograph::ReadOptions read = readOptions(options);
-  const auto record = readRecord(options.file);
-  if (record && record->size && !read.rawSize && isRawVolume(options.file))
-  {
-    read.rawSize = record->size;
-    read.rawBits = record->bits;
-  }
-  const micrograph::Picture picture = micrograph::readPicture(options.file, read);
+  const PictureFile file = readPictureFile(options, true);
+  const micrograph::Picture& picture = file.picture;
+  const std::optional<Record>& record = file.record;
   const int dimension = picture.lattice.dimension;
   Json json;
   json["file"] = options.file;
   json["kind"] = dimension == 3 ? "volume" : "picture";
   json["size"] = std::vector<std::int64_t>(picture.lattice.size.begin(), picture.lattice.size.begin() + dimension);
   json["bits"] = picture.bits;
-  const bool exact = record && record->pixelSize && !read.pixelSize;
-  json["pixel_size_source"] = exact ? "lamella" : picture.pixelSizeSource;
-  json["pixel_size"] = exact            ? Json(*record->pixelSize)
-    : picture.pixelSizeSource == "none" ? Json(nullptr)
-                                        : Json(picture.lattice.spacing);
+  json["format"] = picture.format;
+  json["colour"] = !picture.colour.empty();
+  json["pixel_size_source"] = picture.pixelSizeSource;
+  json["pixel_size"] = picture.pixelSizeSource == "none" ? Json(nullptr) : Json(picture.lattice.spacing);
+  json["warnings"] = picture.warnings;
 
   std::vector<std::int64_t> count(65536, 0);
   for (const std::uint16_t grey : picture.grey)

@@ -2,7 +2,6 @@
 
 #include "GridFile.h"
 #include "PhasePicture.h"
-#include "PictureFile.h"
 #include "Text.h"
 #include "lattice/Error.h"
 
@@ -61,7 +60,14 @@ void addPictureOptions(CLI::App& command, PictureOptions& options)
                "In a .vti: the array of whole numbers, at points or in cells, to take for grey values [phase]")
              ->type_name("NAME"));
   inSample(command.add_flag("--segment", options.segment,
-    "The picture is a raw scan, not labels: find the phases 'lumen' (bright) and 'wall' in it"));
+    "The picture is a raw scan, not labels: find the phases 'lumen' and 'wall' in it"));
+  inSample(command.add_option("--lumen", options.lumen, "With --segment: lumens are brighter or darker than walls")
+             ->type_name("auto|bright|dark")
+             ->capture_default_str());
+  inSample(command
+             .add_option("--threshold", options.threshold,
+               "With --segment: grey value between the two, 0 to 255, once the light is even; found when not given")
+             ->type_name("GREY"));
   inSample(
     command
       .add_option("--window", options.window,
@@ -277,12 +283,38 @@ std::string pixelSizeDoubt(const std::string& option, double metres)
   return metres < 1e-3 ? "" : fmt::format("{0} {1:g} is {1:g} metres; for micrometres write {1:g}um", option, metres);
 }
 
+namespace
+{
+
+micrograph::SegmentOptions segmentOptions(const PictureOptions& options)
+{
+  micrograph::SegmentOptions segment;
+  const std::vector<std::string> sides{ "auto", "bright", "dark" };
+  segment.lumen = static_cast<micrograph::LumenSide>(oneOf("--lumen", options.lumen, sides));
+  if (!options.threshold.empty())
+  {
+    segment.threshold = toNumber(options.threshold);
+    if (!segment.threshold || !(*segment.threshold > 0 && *segment.threshold < 255))
+    {
+      throw ParameterError("--threshold '" + options.threshold + "' is not a grey value between 0 and 255",
+        "leave it out to have it found");
+    }
+  }
+  return segment;
+}
+
+} // namespace
+
 Sample loadSample(const PictureOptions& options)
 {
   const auto window = parseWindow(options.window);
   auto map = greyMap(options);
-  micrograph::ReadOptions read = readOptions(options);
+  const micrograph::ReadOptions read = readOptions(options);
 
+  if (!options.segment && (options.lumen != "auto" || !options.threshold.empty()))
+  {
+    throw ParameterError("--lumen and --threshold are for --segment", "add --segment, or leave them out");
+  }
   Sample sample;
   sample.window = window;
   if (isVtkImage(options.file) && options.array.empty() && !map)
@@ -307,31 +339,33 @@ Sample loadSample(const PictureOptions& options)
     }
   }
 
-  const std::optional<Record> record = readRecord(options.file);
-  if (record && record->size && !read.rawSize && isRawVolume(options.file))
-  {
-    read.rawSize = record->size;
-    read.rawBits = record->bits;
-  }
-  requirePicture(options.file);
-  micrograph::Picture picture = isVtkImage(options.file) ? readGreys(options.file, read, options.array)
-                                                         : micrograph::readPicture(options.file, read);
+  PictureFile file = readPictureFile(options, options.segment);
+  micrograph::Picture& picture = file.picture;
   sample.fileSize = picture.lattice.size;
   sample.pixelSizeSource = picture.pixelSizeSource;
-  if (record && record->pixelSize && !read.pixelSize)
-  {
-    // Exact, where the picture format rounds.
-    setSpacing(picture.lattice, *record->pixelSize);
-    sample.pixelSizeSource = "lamella record";
-  }
+  sample.warnings = picture.warnings;
   requireWindowFits(picture.lattice, window);
+  if (options.segment)
+  {
+    if (map)
+    {
+      throw ParameterError("--segment and --phase contradict each other",
+        "leave --phase and --other out: the phases of a segmented scan are 'lumen' and 'wall'");
+    }
+    // The whole scan, for the light and the threshold; the window is cut afterwards.
+    micrograph::Segmentation found = micrograph::segment(picture, segmentOptions(options));
+    sample.segmentation = found.report;
+    sample.warnings.insert(sample.warnings.end(), found.warnings.begin(), found.warnings.end());
+    sample.image = window ? crop(found.image, *window) : std::move(found.image);
+    return sample;
+  }
   if (window)
   {
     cropPicture(picture, *window);
   }
-  if (!map && record && !record->phases.empty())
+  if (!map && file.record && !file.record->phases.empty())
   {
-    map = GreyMap{ record->phases, std::nullopt };
+    map = GreyMap{ file.record->phases, std::nullopt };
   }
   if (!map)
   {
@@ -339,6 +373,35 @@ Sample loadSample(const PictureOptions& options)
   }
   sample.image = map->apply(picture.lattice, picture.grey);
   return sample;
+}
+
+PictureFile readPictureFile(const PictureOptions& options, bool keepColour)
+{
+  requirePicture(options.file);
+  micrograph::ReadOptions read = readOptions(options);
+  read.keepColour = keepColour;
+  PictureFile file;
+  if (isRawVolume(options.file))
+  {
+    file.record = readRecordBeside(options.file);
+    if (file.record && file.record->size && !read.rawSize)
+    {
+      read.rawSize = file.record->size;
+      read.rawBits = file.record->bits;
+    }
+  }
+  file.picture = isVtkImage(options.file) ? readGreys(options.file, read, options.array)
+                                          : micrograph::readPicture(options.file, read);
+  if (!file.record)
+  {
+    file.record = parseRecord(file.picture.description);
+  }
+  if (file.record && file.record->pixelSize && !read.pixelSize)
+  {
+    setSpacing(file.picture.lattice, *file.record->pixelSize);
+    file.picture.pixelSizeSource = "lamella record";
+  }
+  return file;
 }
 
 } // namespace lamella::cli

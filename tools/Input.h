@@ -1,6 +1,9 @@
 #pragma once
 
+#include "Record.h"
+
 #include "micrograph/Picture.h"
+#include "micrograph/Segmentation.h"
 
 #include <CLI/App.hpp>
 
@@ -26,6 +29,8 @@ struct PictureOptions
   std::uint64_t rawHeader = 0;    ///< --raw-header BYTES
   std::string array;              ///< --array NAME
   bool segment = false;           ///< --segment
+  std::string lumen = "auto";     ///< --lumen auto|bright|dark
+  std::string threshold;          ///< --threshold GREY
 };
 
 /// Declares FILE; the options of raw volumes and pixel sizes; FILE and all of the options above.
@@ -49,10 +54,21 @@ struct Sample
   std::string pixelSizeSource;            ///< "none" when the pixel size is not known
   std::array<std::int64_t, 3> fileSize{}; ///< before the window
   std::optional<Window> window;
+  std::optional<micrograph::SegmentReport> segmentation;
+  std::vector<std::string> warnings;
 };
 
 /// @throws ParameterError, InputError, MemoryError
 [[nodiscard]] Sample loadSample(const PictureOptions& options);
+
+/// The grey values of a picture or volume, with what lamella recorded in it, if lamella wrote it.
+struct PictureFile
+{
+  micrograph::Picture picture; ///< its pixel size exact where the record tells it
+  std::optional<Record> record;
+};
+/// @throws InputError
+[[nodiscard]] PictureFile readPictureFile(const PictureOptions& options, bool keepColour = false);
 
 /// A pixel size that is certainly no microscope's: micrometres were meant. Empty where there is nothing to say.
 [[nodiscard]] std::string pixelSizeDoubt(const std::string& option, double metres);
