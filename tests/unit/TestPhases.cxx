@@ -1,3 +1,4 @@
+#include "Support.h"
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
 #include "lattice/Phases.h"
@@ -8,6 +9,7 @@
 #include <numeric>
 
 using namespace lamella;
+using lamella::testing::refusal;
 
 namespace
 {
@@ -29,21 +31,6 @@ PhaseImage numbered(std::int64_t nx, std::int64_t ny, std::int64_t nz, int dimen
     map.phaseOfGrey[grey] = fmt::format("p{}", grey);
   }
   return map.apply(lattice, ramp(lattice.count()));
-}
-
-/// The message and hint of the error that a call throws; empty when it throws none.
-template <class E, class F>
-std::pair<std::string, std::string> refusal(F&& call)
-{
-  try
-  {
-    call();
-  }
-  catch (const E& error)
-  {
-    return { error.what(), error.hint() };
-  }
-  return {};
 }
 
 } // namespace

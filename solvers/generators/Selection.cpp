@@ -1,0 +1,69 @@
+#include "generators/Selection.h"
+
+#include <array>
+#include <bit>
+
+namespace lamella::generators
+{
+namespace
+{
+
+/// The bits of a float that is not negative sort as the float does.
+std::uint32_t rank(float key)
+{
+  return std::bit_cast<std::uint32_t>(key + 0.0F); // −0 becomes +0
+}
+
+/// The bin in which the `count`-th entry of a histogram falls; `count` is left as its place within that bin.
+std::uint32_t binOf(const std::vector<std::int64_t>& histogram, std::int64_t& count)
+{
+  std::uint32_t bin = 0;
+  while (count > histogram[bin])
+  {
+    count -= histogram[bin++];
+  }
+  return bin;
+}
+
+} // namespace
+
+std::vector<std::uint8_t> markSmallest(std::span<const float> keys, std::int64_t count)
+{
+  std::vector<std::uint8_t> marked(keys.size(), 0);
+  if (count <= 0)
+  {
+    return marked;
+  }
+  // The count-th smallest key in two passes: its upper 16 bits, then its lower ones.
+  std::vector<std::int64_t> histogram(65536, 0);
+  for (const float key : keys)
+  {
+    ++histogram[rank(key) >> 16];
+  }
+  const std::uint32_t high = binOf(histogram, count);
+  histogram.assign(65536, 0);
+  for (const float key : keys)
+  {
+    const std::uint32_t bits = rank(key);
+    histogram[bits & 0xffffU] += bits >> 16 == high;
+  }
+  const std::uint32_t low = binOf(histogram, count);
+  const std::uint32_t limit = high << 16 | low;
+
+  for (std::size_t node = 0; node < keys.size(); ++node)
+  {
+    const std::uint32_t bits = rank(keys[node]);
+    if (bits < limit)
+    {
+      marked[node] = 1;
+    }
+    else if (bits == limit && count > 0)
+    {
+      marked[node] = 1;
+      --count;
+    }
+  }
+  return marked;
+}
+
+} // namespace lamella::generators

@@ -1,0 +1,94 @@
+#pragma once
+
+#include "generators/Generators.h"
+#include "generators/Random.h"
+
+#include <span>
+#include <vector>
+
+/// The cross-section of a softwood as polygons: what the tissue is before it is put on a lattice.
+/// All lengths are in nodes (metres over the spacing); x is radial, y tangential, z along the tracheids.
+namespace lamella::generators
+{
+
+/// A straight side of a cell: the middle of the wall that it shares with its neighbour.
+/// nx x + ny y + c is the distance from it, positive inside the cell.
+struct CellSide
+{
+  double nx = 0;
+  double ny = 0;
+  double c = 0;
+  int ray = -1;          ///< the ray whose centre line this side lies on; -1: another tracheid is beyond
+  bool rayBelow = false; ///< the ray lies at smaller y than the cell
+
+  [[nodiscard]] double distance(double x, double y) const noexcept { return nx * x + ny * y + c; }
+};
+
+/// A tracheid seen along its axis: a convex polygon.
+struct CellShape
+{
+  std::uint32_t firstSide = 0;
+  std::uint32_t sides = 0;
+  double xMin = 0, xMax = 0, yMin = 0, yMax = 0;
+  double centreX = 0, centreY = 0;
+  std::int64_t file = 0;   ///< which radial file
+  std::int64_t number = 0; ///< which cell in it
+  double fillet = 0;       ///< radius of the lumen's corners
+  double depth = 0;        ///< wallDepth() at its centre: about the radius of the largest circle inside
+  double thickness = 1;    ///< thickness of its wall relative to earlywood's
+};
+
+/// How deep a point lies inside a wall-bounded cell, its corners rounded: the wall thickness t at which the point would
+/// lie on the lumen's surface, that is Σ max(0, t + r − dᵢ)² = r², with distances dᵢ to the sides and fillet radius r.
+/// Equals the smallest dᵢ where one side alone is near. For each t the lumen is convex.
+[[nodiscard]] double wallDepth(std::span<const double> distances, double fillet) noexcept;
+
+class SoftwoodLayout
+{
+public:
+  explicit SoftwoodLayout(const SoftwoodOptions& options);
+
+  [[nodiscard]] std::span<const CellShape> cells() const noexcept { return cells_; }
+  [[nodiscard]] std::span<const CellSide> sides(const CellShape& cell) const noexcept
+  {
+    return { sides_.data() + cell.firstSide, cell.sides };
+  }
+  [[nodiscard]] std::size_t rays() const noexcept { return rayLines_.size(); }
+  [[nodiscard]] double rayHalfWidth() const noexcept { return rayHalfWidth_; }
+
+  /// 0 in earlywood, 1 in latewood, smooth between.
+  [[nodiscard]] double lateness(double x) const noexcept;
+  /// Thickness of the walls at x relative to earlywood's.
+  [[nodiscard]] double thickness(double x) const noexcept;
+  /// Radial diameter of the tracheids at x.
+  [[nodiscard]] double radialDiameter(double x) const noexcept;
+  /// Where the walls between the cells of a file stand when `step` tracheids go to one cell: rising, from before the
+  /// box to beyond it. `salt` tells files apart.
+  [[nodiscard]] std::vector<double> crossWalls(double step, std::int64_t salt) const;
+
+private:
+  struct Site;
+  void layColumns();
+  void layRays();
+  void layFiles();
+  void layTips(std::vector<Site>& sites, std::int64_t band);
+  void cutPolygons(std::span<const Site> sites, std::size_t band);
+  void addCell(const Site& site, std::span<const struct Corner> polygon);
+  [[nodiscard]] double columnAt(double number) const noexcept;
+  [[nodiscard]] std::array<double, 2> warped(double x, double y) const noexcept;
+
+  Random random_;
+  double width_, height_;            ///< of the box
+  double tangential_, early_, late_; ///< diameters
+  double ring0_, ring1_;
+  double rayEvery_, rayHalfWidth_;
+  double scatter_;               ///< relative standard deviation
+  double disorder_;              ///< scatter over its default: scales every other irregularity
+  double stretch_;               ///< metric of the power diagram: tangential over radial
+  std::vector<double> columns_;  ///< x of cell number 0, 1, 2 … of an undisturbed file
+  std::vector<double> rayLines_; ///< y of the rays' centre lines, rising; the first and last are outside the box
+  std::vector<CellShape> cells_;
+  std::vector<CellSide> sides_;
+};
+
+} // namespace lamella::generators
