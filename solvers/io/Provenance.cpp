@@ -1,6 +1,6 @@
 #include "io/Provenance.h"
 
-#include "io/Version.h"
+#include "lamella/Version.h"
 #include "lattice/Error.h"
 
 #include <nlohmann/json.hpp>
@@ -16,16 +16,6 @@ namespace lamella::io
 {
 
 namespace fs = std::filesystem;
-
-const char* version() noexcept
-{
-  return LAMELLA_VERSION;
-}
-
-const char* commit() noexcept
-{
-  return LAMELLA_COMMIT;
-}
 
 std::string timestamp()
 {
@@ -49,8 +39,8 @@ std::string timestamp()
 Provenance makeProvenance(std::string command)
 {
   Provenance provenance;
-  provenance.version = version();
-  provenance.commit = commit();
+  provenance.version = lamella::version();
+  provenance.commit = lamella::commit();
   provenance.command = std::move(command);
   provenance.date = timestamp();
   return provenance;

@@ -16,12 +16,6 @@
 namespace lamella::io
 {
 
-/// Version of Lamella, e.g. "0.1.0".
-[[nodiscard]] const char* version() noexcept;
-
-/// Commit it was built from, short, with "-dirty" when there were changes; "unknown" outside a checkout.
-[[nodiscard]] const char* commit() noexcept;
-
 /// A file that a result was made from.
 struct InputFile
 {
