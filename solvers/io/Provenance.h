@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Where a result comes from: written into every output as one JSON object, shown by `lamella info`.
+///
+/// Keys: program, version, commit, command (the command line, or what stands for it), date (ISO 8601, UTC), seed (only
+/// where numbers were drawn), parameters (an object, only where there are any), inputs (a list of name, bytes, sha256).
+namespace lamella::io
+{
+
+/// A file that a result was made from.
+struct InputFile
+{
+  std::string name;        ///< as the user gave it
+  std::uint64_t bytes = 0; ///< size; of a folder: of all files in it
+  std::string sha256; ///< 64 hexadecimal digits, what sha256sum prints; of a folder: of its files one after the other
+};
+
+struct Provenance
+{
+  std::string program = "lamella";
+  std::string version;
+  std::string commit;
+  std::string command;
+  std::string date;
+  std::optional<std::uint64_t> seed;
+  std::string parameters; ///< text of a JSON object, or empty
+  std::vector<InputFile> inputs;
+};
+
+/// A record with version, commit and date filled in.
+[[nodiscard]] Provenance makeProvenance(std::string command);
+
+/// Size and hash of a file, or of all regular files of a folder in the order of their names.
+/// @throws InputError when it cannot be read
+[[nodiscard]] InputFile describeInput(const std::filesystem::path& path);
+
+/// One JSON object; on one line, or indented by `indent` spaces.
+[[nodiscard]] std::string toJson(const Provenance& provenance, int indent = -1);
+
+/// Reads what toJson() wrote. Keys that are missing stay empty, others are ignored.
+/// @throws InputError for text that is not a JSON object
+[[nodiscard]] Provenance provenanceFromJson(std::string_view text);
+
+/// Now in UTC as 2026-11-21T10:03:00Z; the time in the environment variable SOURCE_DATE_EPOCH where that is set, so
+/// that a build or a data set can be made again byte for byte.
+[[nodiscard]] std::string timestamp();
+
+/// A command line as one string that a POSIX shell reads back as the same words.
+[[nodiscard]] std::string quoteCommand(std::span<const std::string> words);
+
+/// SHA-256 (FIPS 180-4) of bytes that arrive in pieces.
+class Sha256
+{
+public:
+  Sha256();
+  void update(std::span<const std::byte> bytes);
+  /// The hash of all bytes so far as 64 hexadecimal digits; ends the stream.
+  [[nodiscard]] std::string finish();
+
+private:
+  void block(const std::byte* data);
+  std::uint32_t state_[8];
+  std::byte buffer_[64];
+  std::size_t filled_ = 0;
+  std::uint64_t total_ = 0;
+};
+
+} // namespace lamella::io
