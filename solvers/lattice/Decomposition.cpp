@@ -132,8 +132,8 @@ Halo::Halo(int dimension, std::array<std::int64_t, 3> size, const Decomposition&
       neighbour_[axis] = { parts.neighbour(axis, -1, periodic[axis]), parts.neighbour(axis, +1, periodic[axis]) };
 }
 
-// Sends the outer rows on the side against `step` ... i.e. data moves along `step`: the last layer of the lower
-// neighbour becomes the ghost layer -1 here when step = +1.
+// Moves data along `step`: for +1 the last layer of the lower neighbour becomes the ghost layer -1 here. Layers of z
+// take the ghost rows of y along: beyond the box those belong to nobody else.
 void Halo::shift(int axis, int step, const RowSegment& segment) const
 {
   const int to = neighbour_[axis][step > 0 ? 1 : 0];
@@ -144,7 +144,7 @@ void Halo::shift(int axis, int step, const RowSegment& segment) const
 
   std::vector<std::pair<std::int64_t, std::int64_t>> rows; // (send, receive)
   if (axis == 2)
-    for (std::int64_t y = 0; y < size_[1]; ++y)
+    for (std::int64_t y = -1; y <= size_[1]; ++y)
       rows.emplace_back(row(y, sendLayer), row(y, receiveLayer));
   else
     for (std::int64_t z = -ghostZ_; z < size_[2] + ghostZ_; ++z)
@@ -222,7 +222,7 @@ void Halo::addHighGhosts(float* base, std::size_t rowLength) const
       for (std::int64_t z = -ghostZ_; z < size_[2] + ghostZ_; ++z)
         rows.emplace_back(row(size_[1], z), row(0, z));
     else
-      for (std::int64_t y = 0; y < size_[1]; ++y)
+      for (std::int64_t y = -1; y <= size_[1]; ++y)
         rows.emplace_back(row(y, size_[2]), row(y, 0));
 
     std::vector<float> send(to >= 0 ? rows.size() * rowLength : 0);

@@ -31,7 +31,7 @@ struct Problem
   [[nodiscard]] std::array<bool, 3> periodic() const
   {
     const bool p = options.sides == Sides::Periodic;
-    return { p, p, p };
+    return { p, p, p && lattice.dimension == 3 };
   }
 };
 

@@ -21,7 +21,8 @@ foreach(file IN ITEMS
   endif()
 endforeach()
 
-set(options "-DCMAKE_PREFIX_PATH=${WORK}/prefix" "-DCMAKE_CXX_COMPILER=${COMPILER}" "-DCMAKE_BUILD_TYPE=Release")
+set(options "-DCMAKE_PREFIX_PATH=${WORK}/prefix" "-DCMAKE_CXX_COMPILER=${COMPILER}" "-DCMAKE_BUILD_TYPE=Release"
+  "-DWITH_FILTERS=${WITH_FILTERS}")
 if(LAUNCHER)
   list(APPEND options "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}")
 endif()

@@ -7,6 +7,7 @@ set(LAMELLA_VTK_COMPONENTS # LamellaConfig.cmake asks for the same
   RenderingContextOpenGL2 ChartsCore)
 find_package(VTK REQUIRED COMPONENTS ${LAMELLA_VTK_COMPONENTS})
 
+set(MPI_CXX_SKIP_MPICXX ON) # the C interface only
 find_package(MPI REQUIRED COMPONENTS CXX)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 set(HDF5_PREFER_PARALLEL ON) # ParaView links the Open MPI build; two HDF5 in one program do not mix

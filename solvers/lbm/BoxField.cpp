@@ -1,0 +1,257 @@
+#include "lbm/BoxField.h"
+
+#include <algorithm>
+
+namespace lamella::lbm
+{
+
+BoxField::BoxField(const Problem& problem)
+  : problem_(problem)
+  , block_(problem.parts.block())
+  , links_(problem.lattice, problem.options.stencil, problem.boundary(), problem.diffusivity)
+  , halo_(problem.lattice.dimension, block_.size, problem.parts, problem.comm, problem.periodic())
+  , stride_(block_.size[0] + 2)
+  , u_(static_cast<std::size_t>(halo_.rows() * stride_), 0.0)
+  , ghostRow_(static_cast<std::size_t>(halo_.rows()), 0)
+{
+  for (std::int64_t z = 0; z < block_.size[2]; ++z)
+    for (std::int64_t y = 0; y < block_.size[1]; ++y)
+      ghostRow_[static_cast<std::size_t>(halo_.row(y, z))] = -1;
+  std::int64_t ghosts = 0;
+  for (auto& offset : ghostRow_)
+    if (offset == 0)
+      offset = block_.size[0] * ghosts++;
+  ghostPhase_.assign(static_cast<std::size_t>(ghosts * block_.size[0]), 0);
+  halo_.exchange(
+    [&](std::int64_t row)
+    {
+      const std::int64_t offset = ghostRow_[static_cast<std::size_t>(row)];
+      const std::int64_t ghostZ = problem_.lattice.dimension == 3 ? 1 : 0;
+      const std::int64_t y = row % (block_.size[1] + 2) - 1;
+      const std::int64_t z = row / (block_.size[1] + 2) - ghostZ;
+      // owned rows are only read
+      auto* data = offset < 0 ? const_cast<std::uint8_t*>(rowPhase(y, z)) : ghostPhase_.data() + offset;
+      return Halo::Segment{ reinterpret_cast<std::byte*>(data), static_cast<std::size_t>(block_.size[0]) };
+    });
+}
+
+const std::uint8_t* BoxField::rowPhase(std::int64_t y, std::int64_t z) const noexcept
+{
+  const std::int64_t offset = ghostRow_[static_cast<std::size_t>(halo_.row(y, z))];
+  return offset < 0 ? problem_.phase.data() + block_.size[0] * (y + block_.size[1] * z) : ghostPhase_.data() + offset;
+}
+
+void BoxField::setLinearProfile()
+{
+  const int axis = problem_.axis;
+  const double n = static_cast<double>(problem_.lattice.size[axis]);
+  for (std::int64_t z = 0; z < block_.size[2]; ++z)
+    for (std::int64_t y = 0; y < block_.size[1]; ++y)
+    {
+      double* u = rowValues(y, z);
+      for (std::int64_t x = 0; x < block_.size[0]; ++x)
+      {
+        const std::int64_t p = axis == 0 ? x : axis == 1 ? y + block_.start[1] : z + block_.start[2];
+        u[x] = problem_.options.sides == Sides::Periodic ? 0.0 : 1.0 - (static_cast<double>(p) + 0.5) / n;
+      }
+    }
+}
+
+void BoxField::fillGhosts()
+{
+  if (problem_.options.sides == Sides::Periodic)
+    for (std::int64_t z = 0; z < block_.size[2]; ++z)
+      for (std::int64_t y = 0; y < block_.size[1]; ++y)
+      {
+        double* u = rowValues(y, z);
+        u[-1] = u[block_.size[0] - 1];
+        u[block_.size[0]] = u[0];
+      }
+  halo_.exchange(u_.data(), static_cast<std::size_t>(stride_) * sizeof(double));
+}
+
+// f(x, conductance, value here less value there) for every link of a row in one direction.
+template <class F>
+void BoxField::rowLinks(std::int64_t y, std::int64_t z, const Direction& d, F&& f) const
+{
+  const std::int64_t nx = block_.size[0];
+  const std::array<std::int64_t, 3> p{ nx / 2, y + block_.start[1], z + block_.start[2] };
+  const double jump = problem_.options.sides == Sides::Periodic
+    ? d[problem_.axis] / static_cast<double>(problem_.lattice.size[problem_.axis])
+    : 0.0;
+  const double* u = u_.data() + halo_.row(y, z) * stride_ + 1;
+  const auto at = [&](std::int64_t x, double weight)
+  {
+    std::int64_t other = x + d.x;
+    other = other < 0 ? other + nx : other >= nx ? other - nx : other;
+    const double* v = u_.data() + halo_.row(y + d.y, z + d.z) * stride_ + 1;
+    f(x, weight * links_.mean(rowPhase(y, z)[x], rowPhase(y + d.y, z + d.z)[other]), u[x] - v[x + d.x] + jump);
+  };
+  // the two ends, where sides wrap or reflect, then the rest with one weight
+  if (nx < 3)
+  {
+    for (std::int64_t x = 0; x < nx; ++x)
+      if (const double w = links_.weight(d, { x, p[1], p[2] }); w != 0.0)
+        at(x, w);
+    return;
+  }
+  if (const double w = links_.weight(d, { 0, p[1], p[2] }); w != 0.0)
+    at(0, w);
+  if (const double w = links_.weight(d, { nx - 1, p[1], p[2] }); w != 0.0)
+    at(nx - 1, w);
+  const double w = links_.weight(d, { 1, p[1], p[2] });
+  if (w == 0.0)
+    return;
+  const double* v = u_.data() + halo_.row(y + d.y, z + d.z) * stride_ + 1 + d.x;
+  const std::uint8_t* a = rowPhase(y, z);
+  const std::uint8_t* b = rowPhase(y + d.y, z + d.z) + d.x;
+  for (std::int64_t x = 1; x < nx - 1; ++x)
+    f(x, w * links_.mean(a[x], b[x]), u[x] - v[x] + jump);
+}
+
+FieldSums BoxField::evaluate(const RowSink& sink)
+{
+  fillGhosts();
+  const int axis = problem_.axis;
+  const std::int64_t n = problem_.lattice.size[axis];
+  const std::int64_t nx = block_.size[0];
+  const bool periodic = problem_.options.sides == Sides::Periodic;
+  FieldSums s;
+  std::vector<double> r(static_cast<std::size_t>(nx));
+  for (std::int64_t z = 0; z < block_.size[2]; ++z)
+    for (std::int64_t y = 0; y < block_.size[1]; ++y)
+    {
+      std::fill(r.begin(), r.end(), 0.0);
+      double* out = r.data();
+      const std::int64_t rowPosition = axis == 1 ? y + block_.start[1] : z + block_.start[2];
+      for (const Direction& d : links_.all())
+      {
+        const bool forward = d.z > 0 || (d.z == 0 && (d.y > 0 || (d.y == 0 && d.x > 0)));
+        if (!forward)
+        {
+          rowLinks(y, z, d, [out](std::int64_t x, double g, double du) { out[x] -= g * du; });
+          continue;
+        }
+        double energy = 0;
+        double flux = 0;
+        rowLinks(y, z, d,
+          [&](std::int64_t x, double g, double du)
+          {
+            const double q = g * du;
+            out[x] -= q;
+            energy += q * du;
+            flux += q;
+          });
+        s.energy += energy;
+        for (int a = 0; a < 3; ++a)
+          s.flux[a] += flux * d[a];
+      }
+      if (periodic)
+        for (const Direction& d : links_.all())
+          if (d[axis] > 0 && (axis == 0 || rowPosition == n - 1 || rowPosition == std::max<std::int64_t>(n / 2 - 1, 0)))
+            rowLinks(y, z, d,
+              [&](std::int64_t x, double g, double du)
+              {
+                const std::int64_t p = axis == 0 ? x : rowPosition;
+                if (p == n - 1)
+                  s.inlet += g * du;
+                if (p == std::max<std::int64_t>(n / 2 - 1, 0))
+                  s.outlet += g * du;
+              });
+      if (!periodic)
+      {
+        const double* u = rowValues(y, z);
+        const std::uint8_t* phase = rowPhase(y, z);
+        const auto wall = [&](std::int64_t x, double wallValue, double& face, double sign)
+        {
+          const double du = u[x] - wallValue;
+          const double q = links_.wall(phase[x]) * du;
+          out[x] -= q;
+          s.energy += q * du;
+          face += sign * q;
+          s.flux[axis] += 0.5 * sign * q;
+        };
+        if (axis == 0)
+        {
+          wall(0, 1.0, s.inlet, -1.0);
+          wall(nx - 1, 0.0, s.outlet, 1.0);
+        }
+        else
+        {
+          if (rowPosition == 0)
+            for (std::int64_t x = 0; x < nx; ++x)
+              wall(x, 1.0, s.inlet, -1.0);
+          if (rowPosition == n - 1)
+            for (std::int64_t x = 0; x < nx; ++x)
+              wall(x, 0.0, s.outlet, 1.0);
+        }
+      }
+      double r2 = 0;
+      for (std::int64_t x = 0; x < nx; ++x)
+        r2 += out[x] * out[x];
+      s.residual2 += r2;
+      sink(y, z, out);
+    }
+  std::array<double, 7> all{ s.energy, s.inlet, s.outlet, s.flux[0], s.flux[1], s.flux[2], s.residual2 };
+  problem_.comm.sum(all);
+  return { all[0], all[1], all[2], { all[3], all[4], all[5] }, all[6] };
+}
+
+void BoxField::value(std::span<double> out) const
+{
+  const bool periodic = problem_.options.sides == Sides::Periodic;
+  const int axis = problem_.axis;
+  const double n = static_cast<double>(problem_.lattice.size[axis]);
+  double mean = 0;
+  const auto forEach = [&](auto&& f)
+  {
+    std::size_t i = 0;
+    for (std::int64_t z = 0; z < block_.size[2]; ++z)
+      for (std::int64_t y = 0; y < block_.size[1]; ++y)
+      {
+        const double* u = u_.data() + halo_.row(y, z) * stride_ + 1;
+        for (std::int64_t x = 0; x < block_.size[0]; ++x)
+          f(i++, u[x], axis == 0 ? x : axis == 1 ? y + block_.start[1] : z + block_.start[2]);
+      }
+  };
+  if (periodic)
+  {
+    forEach([&](std::size_t, double u, std::int64_t) { mean += u; });
+    mean = problem_.comm.sum(mean) / static_cast<double>(problem_.lattice.count());
+  }
+  forEach([&](std::size_t i, double u, std::int64_t p)
+    { out[i] = periodic ? u - mean + 1.0 - (static_cast<double>(p) + 0.5) / n : u; });
+}
+
+void BoxField::flux(std::span<double> out) const
+{
+  std::fill(out.begin(), out.end(), 0.0);
+  const int axis = problem_.axis;
+  const double unit = links_.scale() / problem_.lattice.spacing;
+  for (std::int64_t z = 0; z < block_.size[2]; ++z)
+    for (std::int64_t y = 0; y < block_.size[1]; ++y)
+    {
+      double* row = out.data() + 3 * block_.size[0] * (y + block_.size[1] * z);
+      for (const Direction& d : links_.all())
+        rowLinks(y, z, d,
+          [&](std::int64_t x, double g, double du)
+          {
+            for (int a = 0; a < 3; ++a)
+              row[3 * x + a] += 0.5 * unit * g * du * d[a];
+          });
+      if (problem_.options.sides == Sides::Periodic)
+        continue;
+      const double* u = u_.data() + halo_.row(y, z) * stride_ + 1;
+      const std::uint8_t* phase = rowPhase(y, z);
+      for (std::int64_t x = 0; x < block_.size[0]; ++x)
+      {
+        const std::int64_t p = axis == 0 ? x : axis == 1 ? y + block_.start[1] : z + block_.start[2];
+        if (p == 0)
+          row[3 * x + axis] += 0.5 * unit * links_.wall(phase[x]) * (1.0 - u[x]);
+        if (p == problem_.lattice.size[axis] - 1)
+          row[3 * x + axis] += 0.5 * unit * links_.wall(phase[x]) * u[x];
+      }
+    }
+}
+
+} // namespace lamella::lbm

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "lbm/Backend.h"
+
+#include <functional>
+#include <vector>
+
+namespace lamella::lbm
+{
+
+/// The field of a box in which every node conducts, in double precision, and all that is asked of it exactly: the
+/// residual of the link system, its energy, the flux through the faces, the flux at the nodes. Conductances come from
+/// a small table of phase pairs; nothing but the field is stored (8 bytes a node, and the ghost rows' phases).
+class BoxField
+{
+public:
+  explicit BoxField(const Problem& problem);
+
+  /// Values of a row, with one ghost on either side: rowValues(y, z)[-1 … nx].
+  [[nodiscard]] double* rowValues(std::int64_t y, std::int64_t z) noexcept
+  {
+    return u_.data() + halo_.row(y, z) * stride_ + 1;
+  }
+  /// Linear from 1 to 0 between fixed faces, 0 in a periodic cell.
+  void setLinearProfile();
+
+  /// Receives b − A u of one row: nx values.
+  using RowSink = std::function<void(std::int64_t y, std::int64_t z, const double* residual)>;
+  /// Residual of every row and the sums over all ranks.
+  FieldSums evaluate(const RowSink& sink);
+
+  void value(std::span<double> out) const;
+  /// Needs an evaluate() after the last change of the field (its ghosts).
+  void flux(std::span<double> out) const;
+
+  [[nodiscard]] const Links& links() const noexcept { return links_; }
+  [[nodiscard]] const std::uint8_t* rowPhase(std::int64_t y, std::int64_t z) const noexcept;
+  [[nodiscard]] const Halo& halo() const noexcept { return halo_; }
+  [[nodiscard]] std::size_t bytes() const noexcept { return u_.size() * 8 + ghostPhase_.size(); }
+
+private:
+  void fillGhosts();
+  template <class F>
+  void rowLinks(std::int64_t y, std::int64_t z, const Direction& d, F&& f) const;
+
+  Problem problem_;
+  Block block_;
+  Links links_;
+  Halo halo_;
+  std::int64_t stride_;
+  std::vector<double> u_;
+  std::vector<std::uint8_t> ghostPhase_; ///< rows of the ghost layers, found through ghostRow_
+  std::vector<std::int64_t> ghostRow_;   ///< a padded row: offset into ghostPhase_, or -1 for a row of our own
+};
+
+} // namespace lamella::lbm

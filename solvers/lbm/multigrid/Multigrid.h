@@ -1,0 +1,110 @@
+#pragma once
+
+#include "lattice/Decomposition.h"
+#include "lbm/multigrid/Grid.h"
+#include "lbm/multigrid/Kernels.h"
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace lamella::lbm
+{
+
+/// One level: links to the forward half of the neighbours, and the work vectors of the cycle.
+///
+/// What lies beyond a fixed face is a layer of ghost nodes of value zero, linked like any others: so no level needs to
+/// know about walls, and a row of the matrix always sums to zero.
+struct Level
+{
+  Grid grid;
+  std::array<bool, 3> periodic{ false, false, false };
+  bool straight = true;               ///< 5- or 7-point, the diagonal computed on the fly
+  std::vector<FloatArray> links;      ///< one array a forward direction
+  FloatArray inverse;                 ///< 1 / Σ links; empty when straight
+  FloatArray u;                       ///< correction (coarse levels)
+  FloatArray f;                       ///< right-hand side (coarse levels)
+  std::vector<FloatArray> residual;   ///< planes, used in turn
+  std::vector<std::uint16_t> weights; ///< interpolation from the next level, see Multigrid::weight
+  std::unique_ptr<Communicator> comm;
+  std::unique_ptr<Decomposition> parts;
+  Halo halo;
+  std::array<std::int64_t, 3> start{ 0, 0, 0 }; ///< of this block in the level's lattice
+  std::array<std::int64_t, 3> size{ 1, 1, 1 };  ///< of the level's lattice
+  int halvings = 0;                             ///< from the finest level
+  bool gathered = false;                        ///< the next level is the same lattice, whole on every rank
+
+  [[nodiscard]] int directions() const noexcept { return static_cast<int>(links.size()); }
+  void allocateLinks(int count);
+  /// Fills ghost ends of rows (periodic x) and ghost rows.
+  void exchange(FloatArray& v) const;
+  /// The same for ghost ends only, of one part of one row.
+  void wrapRow(float* row) const noexcept;
+};
+
+/// Symmetric V- or W-cycle with one multicolour Gauss–Seidel sweep before and one, reversed, after: a preconditioner
+/// for conjugate gradients.
+///
+/// Coarse nodes lie at even positions. Interpolation follows the operator (Dendy, J. Comput. Phys. 48 (1982) 366: links
+/// across a coarse line are collapsed onto it; nodes between lines take the weighted mean of what surrounds them);
+/// coarse operators are Galerkin products, kept as links: 9 in 2D, 27 points in 3D. Weights are 16-bit fractions.
+/// The coarsest level is solved by sparse Cholesky (Eigen).
+///
+/// Distributed as the lattice is, as long as every part begins at an even row; then the level is gathered and every
+/// rank does the rest, which is at most 1/64 of the work in 3D, for itself. Every rank count gives the same cycle.
+class Multigrid
+{
+public:
+  /// @param finest  links, grid and communication filled in; 5/7 or 9/19 points
+  explicit Multigrid(Level finest, int threads);
+
+  /// z = M r on the finest level's layout; the ghosts of r need not be set, those of z are.
+  void apply(const FloatArray& r, FloatArray& z);
+  /// q = A p; returns this rank's p·q. The ghosts of p are filled first.
+  double multiply(FloatArray& p, FloatArray& q) const;
+
+  /// 1: V-cycle, 2: W-cycle. Takes effect at the next apply().
+  void setVisits(int visits) noexcept { visits_ = visits; }
+  [[nodiscard]] int visits() const noexcept { return visits_; }
+
+  [[nodiscard]] Level& finest() noexcept { return *levels_.front(); }
+  [[nodiscard]] const Level& finest() const noexcept { return *levels_.front(); }
+  [[nodiscard]] std::size_t levelCount() const noexcept { return levels_.size(); }
+  [[nodiscard]] std::uint64_t bytes() const;
+
+private:
+  void build();
+  void computeWeights(Level& fine, const Level& coarse) const;
+  std::unique_ptr<Level> coarsen(Level& fine) const;
+  std::unique_ptr<Level> gather(const Level& part) const;
+  void factorize(const Level& coarsest);
+
+  void cycle(std::size_t level, const FloatArray& f, FloatArray& u, bool fromZero);
+  void relax(const Level& level, const FloatArray& f, FloatArray& u, bool forward, bool fromZero) const;
+  void relaxRow(const Level& level, const FloatArray& f, FloatArray& u, std::int64_t y, std::int64_t z, int part,
+    bool fromZero) const;
+  void residualRow(const Level& level, const FloatArray& f, const FloatArray& u, std::int64_t y, std::int64_t z,
+    float* out, bool afterForwardSweep) const;
+  void restrictResidual(Level& fine, const FloatArray& f, const FloatArray& u, Level& coarse) const;
+  void interpolateAdd(const Level& fine, FloatArray& u, const Level& coarse) const;
+  void solveDirectly(const Level& coarsest, const FloatArray& f, FloatArray& u) const;
+  void gatherVector(const Level& part, const FloatArray& v, Level& whole, FloatArray& out) const;
+  void scatterVector(const Level& whole, const FloatArray& v, const Level& part, FloatArray& out) const;
+
+  std::vector<std::unique_ptr<Level>> levels_;
+  int visits_ = 1;
+  int threads_ = 1;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> direct_;
+};
+
+/// Which (kind, corner) pairs of interpolation weights exist: corner ⊂ kind as bit sets, kind ≠ 0.
+[[nodiscard]] int weightArrays(int dimension) noexcept;
+
+/// Can a lattice of this size be halved once more, and is that worth while?
+[[nodiscard]] bool canHalve(const std::array<std::int64_t, 3>& size, const std::array<bool, 3>& periodic);
+
+} // namespace lamella::lbm

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "vtkPieces.h"
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+class vtkDataArray;
+class vtkImageData;
+class vtkInformation;
+
+/// Helpers of vtkSteadyDiffusion; not installed.
+namespace lamella
+{
+
+/// A piece's array of whole numbers as phase ids 0 … 255 that mean the same on every rank.
+struct PhaseIds
+{
+  std::string array;                 ///< its name
+  std::span<const std::uint8_t> ids; ///< one a node of the piece; in place where the array is unsigned char
+  std::vector<std::uint8_t> own;     ///< holds the ids where they had to be converted
+  std::vector<std::int64_t> values;  ///< by id: the value in the array
+  std::vector<std::string> names;    ///< by id: the phase's name, or its value as text
+};
+
+/// Collective. The array that `choice` (vtkAlgorithm::GetInputArrayInformation) names, checked in the order present,
+/// at points, one component, whole numbers.
+/// @throws Error on every rank
+[[nodiscard]] PhaseIds phaseIds(vtkImageData* piece, vtkInformation* choice, const Team& team);
+
+/// Conductivity by id from a table by name or value.
+/// @param nodes by id, how many nodes have it in the whole image; phases without nodes need no conductivity
+/// @throws ParameterError for a missing, negative or non-finite one
+[[nodiscard]] std::vector<double> conductivityById(
+  const PhaseIds& phases, const std::map<std::string, double>& table, std::span<const std::int64_t> nodes);
+
+} // namespace lamella

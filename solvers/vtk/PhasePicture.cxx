@@ -1,0 +1,257 @@
+#include "PhasePicture.h"
+
+#include "vtkLatticeConversion.h"
+
+#include "lattice/Error.h"
+
+#include "vtkCallbackCommand.h"
+#include "vtkCellData.h"
+#include "vtkDataArray.h"
+#include "vtkImageData.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkUnsignedCharArray.h"
+#include "vtkXMLImageDataReader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <system_error>
+#include <vector>
+
+namespace lamella
+{
+namespace
+{
+
+namespace fs = std::filesystem;
+
+bool isVti(const fs::path& path)
+{
+  std::string ending = path.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending == ".vti";
+}
+
+vtkSmartPointer<vtkImageData> readVti(const fs::path& path)
+{
+  std::error_code problem;
+  const auto bytes = fs::file_size(path, problem);
+  if (problem)
+  {
+    throw InputError("cannot read " + path.string() + ": " + problem.message(), "check the file's name");
+  }
+  if (bytes == 0)
+  {
+    throw InputError(path.string() + " is empty", "write the file again");
+  }
+  // The reader prints what it finds wrong; we say it once and in one way.
+  vtkNew<vtkCallbackCommand> silence;
+  bool failed = false;
+  silence->SetClientData(&failed);
+  silence->SetCallback([](vtkObject*, unsigned long, void* flag, void*) { *static_cast<bool*>(flag) = true; });
+  vtkNew<vtkXMLImageDataReader> reader;
+  reader->AddObserver(vtkCommand::ErrorEvent, silence);
+  reader->SetReaderErrorObserver(silence);
+  reader->SetParserErrorObserver(silence);
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  vtkSmartPointer<vtkImageData> image = reader->GetOutput();
+  if (failed || reader->GetErrorCode() != 0 || image->GetNumberOfPoints() == 0)
+  {
+    throw InputError(path.string() + " is not a whole VTK image file", "write it again as .vti (XML image data)");
+  }
+  return image;
+}
+
+struct ImageArray
+{
+  vtkDataArray* array = nullptr;
+  bool cells = false;
+};
+
+ImageArray chooseArray(vtkImageData* image, const std::string& wanted, const fs::path& path)
+{
+  const std::array<vtkDataSetAttributes*, 2> places{ image->GetPointData(), image->GetCellData() };
+  const auto usable = [](vtkDataArray* array)
+  {
+    return array != nullptr && array->GetNumberOfComponents() == 1 &&
+      (array->GetDataType() != VTK_FLOAT && array->GetDataType() != VTK_DOUBLE);
+  };
+  for (const std::string& name : { wanted.empty() ? std::string("phase") : wanted })
+  {
+    for (std::size_t place = 0; place < places.size(); ++place)
+    {
+      if (vtkDataArray* const array = places[place]->GetArray(name.c_str()))
+      {
+        return { array, place == 1 };
+      }
+    }
+  }
+  std::string there;
+  for (std::size_t place = 0; place < places.size(); ++place)
+  {
+    for (int i = 0; i < places[place]->GetNumberOfArrays(); ++i)
+    {
+      vtkDataArray* const array = places[place]->GetArray(i);
+      if (wanted.empty() && usable(array))
+      {
+        return { array, place == 1 };
+      }
+      there += (there.empty() ? "" : ", ") +
+        std::string(places[place]->GetArrayName(i) != nullptr ? places[place]->GetArrayName(i) : "?");
+    }
+  }
+  throw InputError(wanted.empty() ? path.string() + " holds no array of whole numbers"
+                                  : path.string() + " holds no array '" + wanted + "'",
+    there.empty() ? "write the file with an array" : "it holds: " + there);
+}
+
+/// Lattice and values of an image file; cells become nodes.
+micrograph::Picture greysOf(vtkImageData* image, const ImageArray& chosen, const micrograph::ReadOptions& options)
+{
+  micrograph::Picture picture;
+  std::array<int, 6> extent{};
+  std::array<double, 3> origin{};
+  std::copy_n(image->GetExtent(), 6, extent.begin());
+  std::copy_n(image->GetOrigin(), 3, origin.begin());
+  if (chosen.cells)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      if (extent[2 * axis + 1] > extent[2 * axis])
+      {
+        --extent[2 * axis + 1];
+        origin[axis] += image->GetSpacing()[axis] / 2;
+      }
+    }
+  }
+  picture.lattice = latticeOf(extent.data(), origin.data(), image->GetSpacing());
+  picture.pixelSizeSource = fieldText(image, "pixel_size_source").value_or("VTK image spacing");
+  if (options.pixelSize)
+  {
+    picture.lattice = makeLattice(picture.lattice.size[0], picture.lattice.size[1], picture.lattice.size[2],
+      picture.lattice.dimension, *options.pixelSize);
+    picture.pixelSizeSource = "option";
+  }
+  const vtkIdType count = chosen.array->GetNumberOfTuples();
+  picture.grey.resize(static_cast<std::size_t>(count));
+  for (vtkIdType node = 0; node < count; ++node)
+  {
+    const double value = chosen.array->GetComponent(node, 0);
+    if (!(value >= 0 && value <= std::numeric_limits<std::uint16_t>::max()) || value != std::floor(value))
+    {
+      throw InputError("array '" + std::string(chosen.array->GetName()) + "' holds " + std::to_string(value) +
+          "; grey values and phases are whole numbers from 0 to 65535",
+        "choose another array");
+    }
+    picture.grey[static_cast<std::size_t>(node)] = static_cast<std::uint16_t>(value);
+  }
+  picture.bits = std::ranges::all_of(picture.grey, [](std::uint16_t grey) { return grey < 256; }) ? 8 : 16;
+  return picture;
+}
+
+/// Cuts the window out of the grey values, so that greys outside it need no phase.
+void cut(micrograph::Picture& picture, const Window& window)
+{
+  const auto first = firstNode(picture.lattice, window);
+  Lattice lattice = picture.lattice;
+  for (std::size_t axis = 0; axis < static_cast<std::size_t>(lattice.dimension); ++axis)
+  {
+    lattice.size[axis] = window.size[axis];
+  }
+  std::vector<std::uint16_t> grey;
+  grey.reserve(static_cast<std::size_t>(lattice.count()));
+  for (std::int64_t z = 0; z < lattice.size[2]; ++z)
+  {
+    for (std::int64_t y = 0; y < lattice.size[1]; ++y)
+    {
+      const auto row = picture.grey.begin() + picture.lattice.index(first[0], first[1] + y, first[2] + z);
+      grey.insert(grey.end(), row, row + lattice.size[0]);
+    }
+  }
+  picture.lattice = makeLattice(lattice.size[0], lattice.size[1], lattice.size[2], lattice.dimension, lattice.spacing);
+  picture.grey = std::move(grey);
+}
+
+/// Every value a phase of its own.
+GreyMap everyGrey(const micrograph::Picture& picture)
+{
+  std::vector<bool> seen(65536, false);
+  for (const std::uint16_t grey : picture.grey)
+  {
+    seen[grey] = true;
+  }
+  const auto different = std::ranges::count(seen, true);
+  if (different > 256)
+  {
+    throw InputError("the picture has " + std::to_string(different) + " different grey values and no phase is named",
+      "name the phases, or segment the picture");
+  }
+  GreyMap map;
+  for (int grey = 0; grey < 65536; ++grey)
+  {
+    if (seen[static_cast<std::size_t>(grey)])
+    {
+      map.phaseOfGrey[grey] = std::to_string(grey);
+    }
+  }
+  return map;
+}
+
+} // namespace
+
+micrograph::Picture readGreys(const fs::path& path, const micrograph::ReadOptions& options, const std::string& array)
+{
+  if (!isVti(path))
+  {
+    return micrograph::readPicture(path, options);
+  }
+  const auto image = readVti(path);
+  return greysOf(image, chooseArray(image, array, path), options);
+}
+
+PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
+{
+  micrograph::Picture picture;
+  PhaseTable names;
+  if (isVti(path))
+  {
+    const auto image = readVti(path);
+    const ImageArray chosen = chooseArray(image, options.array, path);
+    if (!chosen.cells && vtkUnsignedCharArray::SafeDownCast(chosen.array) != nullptr)
+    {
+      names = phaseNames(image);
+    }
+    picture = greysOf(image, chosen, options.read);
+  }
+  else
+  {
+    picture = micrograph::readPicture(path, options.read);
+  }
+  if (options.window)
+  {
+    cut(picture, *options.window);
+  }
+  PhasePicture result;
+  result.pixelSizeSource = picture.pixelSizeSource;
+  const bool mapped = !options.greys.phaseOfGrey.empty() || options.greys.other;
+  const bool known = !mapped && names.size() > 0 &&
+    std::ranges::all_of(picture.grey, [&](std::uint16_t id) { return id < names.size(); });
+  if (known)
+  {
+    result.image = PhaseImage{ picture.lattice, { picture.grey.begin(), picture.grey.end() }, names };
+  }
+  else
+  {
+    result.image = (mapped ? options.greys : everyGrey(picture)).apply(picture.lattice, picture.grey);
+  }
+  if (options.refine != 1)
+  {
+    result.image = refine(result.image, options.refine);
+  }
+  return result;
+}
+
+} // namespace lamella

@@ -1,0 +1,146 @@
+/**
+ * @class   vtkMicrostructureSource
+ * @brief   seeded samples whose geometry is known
+ *
+ * Softwood tissue, honeycomb, checkerboard, arrays of disks or spheres, laminates, on a lattice of any size: what
+ * solvers/generators makes, as vtkImageData with the array `phase` (unsigned char) at points; field data `phase_names`,
+ * `pixel_size_source` ("option") and `provenance`. The same settings and seed give the same bytes everywhere.
+ *
+ * Phases are `lumen` and `wall` for softwood and honeycomb, `matrix` and `inclusion` for the others, as ids 0 and 1.
+ */
+
+#ifndef vtkMicrostructureSource_h
+#define vtkMicrostructureSource_h
+
+#include "vtkImageAlgorithm.h"
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkSmartPointer.h"            // for the image that is kept
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkMicrostructureSource : public vtkImageAlgorithm
+{
+public:
+  static vtkMicrostructureSource* New();
+  vtkTypeMacro(vtkMicrostructureSource, vtkImageAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  enum Kinds
+  {
+    SOFTWOOD = 0,
+    HONEYCOMB = 1,
+    CHECKERBOARD = 2,
+    INCLUSIONS = 3, ///< disks in two dimensions, spheres in three
+    LAMINATE = 4
+  };
+  ///@{
+  /** What to make. Default SOFTWOOD. */
+  vtkSetClampMacro(Kind, int, SOFTWOOD, LAMINATE);
+  vtkGetMacro(Kind, int);
+  ///@}
+
+  ///@{
+  /** Nodes along x, y, z; one along z makes the sample two-dimensional. Default 200, 200, 1. */
+  vtkSetVector3Macro(Size, int);
+  vtkGetVector3Macro(Size, int);
+  ///@}
+
+  ///@{
+  /** Distance of neighbouring nodes in metres. Default 1e-6. */
+  vtkSetMacro(Spacing, double);
+  vtkGetMacro(Spacing, double);
+  ///@}
+
+  ///@{
+  /**
+   * Share of the walls (softwood, honeycomb) or of the inclusions (disks, spheres, laminate), between 0 and 1.
+   * Default 0.4. A checkerboard has one half.
+   */
+  vtkSetMacro(SolidFraction, double);
+  vtkGetMacro(SolidFraction, double);
+  ///@}
+
+  ///@{
+  /** Softwood: another seed, another sample. Default 1. */
+  vtkSetMacro(Seed, vtkIdType);
+  vtkGetMacro(Seed, vtkIdType);
+  ///@}
+
+  ///@{
+  /** Softwood: mean tracheid diameter across the radial files, in metres. Default 30e-6. */
+  vtkSetMacro(TangentialDiameter, double);
+  vtkGetMacro(TangentialDiameter, double);
+  ///@}
+
+  ///@{
+  /** Softwood: mean diameter along the files at the start and at the end of the ring, in metres. 36e-6 and 12e-6. */
+  vtkSetVector2Macro(RadialDiameter, double);
+  vtkGetVector2Macro(RadialDiameter, double);
+  ///@}
+
+  ///@{
+  /** Softwood: place in the ring of the left and the right edge, 0 earlywood to 1 latewood. Default 0 and 0. */
+  vtkSetVector2Macro(RingPosition, double);
+  vtkGetVector2Macro(RingPosition, double);
+  ///@}
+
+  ///@{
+  /** Softwood: mean distance between rays in metres; 0: no rays. Default 240e-6. */
+  vtkSetMacro(RayDistance, double);
+  vtkGetMacro(RayDistance, double);
+  ///@}
+
+  ///@{
+  /** Softwood in three dimensions: mean length of a tracheid along z in metres, closed at both ends. 200e-6. */
+  vtkSetMacro(TracheidLength, double);
+  vtkGetMacro(TracheidLength, double);
+  ///@}
+
+  ///@{
+  /** Softwood: relative standard deviation of the diameters. Default 0.12. */
+  vtkSetMacro(Scatter, double);
+  vtkGetMacro(Scatter, double);
+  ///@}
+
+  ///@{
+  /** Cells along x (honeycomb), along each axis (checkerboard, disks, spheres), or pairs of layers. Default 4. */
+  vtkSetClampMacro(Cells, int, 1, VTK_INT_MAX);
+  vtkGetMacro(Cells, int);
+  ///@}
+
+  ///@{
+  /** Laminate: the axis across the layers, 0, 1 or 2. Default 0. */
+  vtkSetClampMacro(Axis, int, 0, 2);
+  vtkGetMacro(Axis, int);
+  ///@}
+
+protected:
+  vtkMicrostructureSource();
+  ~vtkMicrostructureSource() override = default;
+
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkMicrostructureSource(const vtkMicrostructureSource&) = delete;
+  void operator=(const vtkMicrostructureSource&) = delete;
+
+  void Generate();
+
+  int Kind = SOFTWOOD;
+  int Size[3] = { 200, 200, 1 };
+  double Spacing = 1e-6;
+  double SolidFraction = 0.4;
+  vtkIdType Seed = 1;
+  double TangentialDiameter = 30e-6;
+  double RadialDiameter[2] = { 36e-6, 12e-6 };
+  double RingPosition[2] = { 0.0, 0.0 };
+  double RayDistance = 240e-6;
+  double TracheidLength = 200e-6;
+  double Scatter = 0.12;
+  int Cells = 4;
+  int Axis = 0;
+
+  vtkSmartPointer<vtkImageData> Image; ///< what was made
+  vtkTimeStamp MadeTime;
+};
+
+#endif

@@ -1,0 +1,173 @@
+#include "vtkPictureReader.h"
+
+#include "PhasePicture.h"
+#include "vtkLatticeConversion.h"
+#include "vtkPieces.h"
+#include "vtkProvenance.h"
+
+#include "lattice/Error.h"
+
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkObjectFactory.h"
+
+#include <algorithm>
+
+vtkStandardNewMacro(vtkPictureReader);
+
+vtkPictureReader::vtkPictureReader()
+{
+  this->SetNumberOfInputPorts(0);
+}
+
+vtkPictureReader::~vtkPictureReader()
+{
+  this->SetFileName(nullptr);
+  this->SetOtherPhase(nullptr);
+  this->SetArrayName(nullptr);
+}
+
+void vtkPictureReader::SetPhase(int grey, const char* name)
+{
+  if (name == nullptr || *name == '\0')
+  {
+    return; // an empty row in a panel
+  }
+  const auto entry = this->PhaseOfGrey.find(grey);
+  if (entry == this->PhaseOfGrey.end() || entry->second != name)
+  {
+    this->PhaseOfGrey[grey] = name;
+    this->Modified();
+  }
+}
+
+void vtkPictureReader::RemoveAllPhases()
+{
+  if (!this->PhaseOfGrey.empty())
+  {
+    this->PhaseOfGrey.clear();
+    this->Modified();
+  }
+}
+
+int vtkPictureReader::GetNumberOfPhases()
+{
+  return static_cast<int>(this->PhaseOfGrey.size());
+}
+
+bool vtkPictureReader::Read()
+{
+  if (this->Image != nullptr && this->ReadTime > this->GetMTime())
+  {
+    return true;
+  }
+  this->Image = nullptr;
+  if (this->FileName == nullptr || *this->FileName == '\0')
+  {
+    vtkErrorMacro("no file is named\nhint: set FileName");
+    return false;
+  }
+  try
+  {
+    lamella::PictureOptions options;
+    options.greys.phaseOfGrey = this->PhaseOfGrey;
+    if (this->OtherPhase != nullptr && *this->OtherPhase != '\0')
+    {
+      options.greys.other = this->OtherPhase;
+    }
+    if (std::any_of(this->Window, this->Window + 6, [](int value) { return value != 0; }))
+    {
+      options.window.emplace();
+      std::copy_n(this->Window, 3, options.window->start.begin());
+      std::copy_n(this->Window + 3, 3, options.window->size.begin());
+    }
+    options.refine = this->Refinement;
+    options.array = this->ArrayName != nullptr ? this->ArrayName : "";
+    if (this->PixelSize > 0)
+    {
+      options.read.pixelSize = this->PixelSize;
+    }
+    if (std::any_of(this->RawSize, this->RawSize + 3, [](int value) { return value != 0; }))
+    {
+      options.read.rawSize.emplace();
+      std::copy_n(this->RawSize, 3, options.read.rawSize->begin());
+    }
+    options.read.rawBits = this->RawBits;
+    options.read.rawHeader = static_cast<std::uint64_t>(this->RawHeader);
+
+    lamella::PhasePicture picture = lamella::readPhases(this->FileName, options);
+    this->Image = lamella::toImageData(std::move(picture.image));
+    lamella::setFieldText(this->Image, "pixel_size_source", picture.pixelSizeSource);
+
+    nlohmann::json parameters{ { "refinement", this->Refinement } };
+    for (const auto& [grey, name] : this->PhaseOfGrey)
+    {
+      parameters["phases"][std::to_string(grey)] = name;
+    }
+    if (options.greys.other)
+    {
+      parameters["other"] = *options.greys.other;
+    }
+    if (options.window)
+    {
+      parameters["window"] = this->Window;
+    }
+    if (options.read.pixelSize)
+    {
+      parameters["pixel_size"] = this->PixelSize;
+    }
+    lamella::beginProvenance(this->Image, "picture", parameters, {}, this->FileName);
+  }
+  catch (const lamella::Error& error)
+  {
+    this->Image = nullptr;
+    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
+    return false;
+  }
+  catch (const std::exception& error)
+  {
+    this->Image = nullptr;
+    vtkErrorMacro(<< error.what());
+    return false;
+  }
+  this->ReadTime.Modified();
+  return true;
+}
+
+int vtkPictureReader::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  if (!this->Read())
+  {
+    return 0;
+  }
+  lamella::announce(outputVector->GetInformationObject(0), lamella::latticeOf(this->Image));
+  return 1;
+}
+
+int vtkPictureReader::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  if (!this->Read())
+  {
+    return 0;
+  }
+  lamella::deliver(this->Image, outputVector->GetInformationObject(0));
+  return 1;
+}
+
+void vtkPictureReader::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  const auto text = [](const char* string) { return string != nullptr ? string : "(none)"; };
+  os << indent << "FileName: " << text(this->FileName) << "\n"
+     << indent << "OtherPhase: " << text(this->OtherPhase) << "\n"
+     << indent << "ArrayName: " << text(this->ArrayName) << "\n"
+     << indent << "Refinement: " << this->Refinement << "\n"
+     << indent << "PixelSize: " << this->PixelSize << "\n"
+     << indent << "RawBits: " << this->RawBits << "\n"
+     << indent << "RawHeader: " << this->RawHeader << "\n";
+  for (const auto& [grey, name] : this->PhaseOfGrey)
+  {
+    os << indent << "Phase of grey " << grey << ": " << name << "\n";
+  }
+}

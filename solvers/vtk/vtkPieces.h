@@ -1,0 +1,85 @@
+#pragma once
+
+#include "lattice/Lattice.h"
+#include "lbm/SteadyDiffusion.h"
+
+#include "vtkLamellaSolversVTKModule.h" // for the export macro
+
+#include <mpi.h>
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+
+class vtkImageData;
+class vtkInformation;
+class vtkMultiProcessController;
+
+/// What sources and filters of ours share about images that several ranks hold in pieces.
+namespace lamella
+{
+
+/// The ranks that work on one image together.
+///
+/// The pipeline decides: asked for as many pieces as the controller has processes (as ParaView and pvbatch do), all of
+/// them work together on a communicator of their own; asked for anything else, this process works alone on the whole
+/// image and MPI is never called.
+class VTKLAMELLASOLVERSVTK_EXPORT Team
+{
+public:
+  Team(vtkMultiProcessController* controller, vtkInformation* outputRequest);
+  ~Team();
+  Team(const Team&) = delete;
+  Team& operator=(const Team&) = delete;
+
+  /// Whether all processes of the controller would work together on this request.
+  [[nodiscard]] static bool together(vtkMultiProcessController* controller, vtkInformation* outputRequest);
+
+  [[nodiscard]] MPI_Comm comm() const noexcept { return comm_; } ///< MPI_COMM_SELF when alone
+  [[nodiscard]] int rank() const noexcept { return rank_; }
+  [[nodiscard]] int size() const noexcept { return size_; }
+
+  /// Collective, in place; nothing to do when alone.
+  void sum(std::span<double> values) const;
+  void sum(std::span<std::int64_t> values) const;
+  void maximum(std::span<std::int64_t> values) const;
+
+  [[nodiscard]] bool any(bool value) const;
+
+  /// Collective. Runs `action`; when it throws a lamella::Error (or std::bad_alloc) on some rank, every rank throws an
+  /// error with the words of the lowest such rank, so that none waits for another.
+  void agree(const std::function<void()>& action) const;
+
+private:
+  MPI_Comm comm_ = MPI_COMM_SELF;
+  int rank_ = 0;
+  int size_ = 1;
+};
+
+/// The whole image behind a piece.
+struct WholeImage
+{
+  std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
+  Lattice lattice;
+  std::array<double, 9> direction{ 1, 0, 0, 0, 1, 0, 0, 0, 1 }; ///< the image's axes in space, by rows
+  lbm::Block held; ///< the piece on this rank, ghost and shared layers included; all zero when it is empty
+};
+
+/// Collective. Puts together what the pieces say: the whole extent is the box around all of them.
+/// @throws InputError when all are empty or the spacing is not that of a lattice
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT WholeImage wholeImage(vtkImageData* piece, const Team& team);
+
+/// RequestUpdateExtent of a filter that needs the whole image: alone, the input's whole extent; together, whatever
+/// piece the pipeline gave this rank.
+VTKLAMELLASOLVERSVTK_EXPORT void requestInput(
+  vtkInformation* input, vtkInformation* outputRequest, vtkMultiProcessController* controller);
+
+/// RequestInformation of a source that knows its lattice.
+VTKLAMELLASOLVERSVTK_EXPORT void announce(vtkInformation* output, const Lattice& lattice);
+
+/// RequestData of a source that has its image whole: shares it, or copies out the extent that is asked for.
+VTKLAMELLASOLVERSVTK_EXPORT void deliver(vtkImageData* whole, vtkInformation* outputRequest);
+
+} // namespace lamella

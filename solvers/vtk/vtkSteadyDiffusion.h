@@ -1,0 +1,224 @@
+/**
+ * @class   vtkSteadyDiffusion
+ * @brief   steady heat or vapour diffusion on an image of phases
+ *
+ * Solves div(D grad u) = 0 on the lattice of the image's points with the solver of lbm/SteadyDiffusion.h, which is
+ * exactly the steady state of two-relaxation-time lattice Boltzmann, and gives the effective conductivity, and on
+ * demand the field and its flux.
+ *
+ * **Input**: vtkImageData with phases at its points: an array of whole numbers, `phase` unless another is chosen with
+ * SetInputArrayToProcess(0, ...). Nodes are pixel centres; the spacing is the same along every axis. An image of one
+ * layer along z is two-dimensional.
+ *
+ * **Output**: the input with, as asked for,
+ * - `temperature` or `concentration` (double, scaled 0 to 1; NaN where nothing conducts),
+ * - `flux` (3 doubles, −D grad u with u per metre; 0 where nothing conducts),
+ * each with `_x`, `_y`, `_z` after its name when all directions are solved. Field data:
+ * - `effective_conductivity`: 9 numbers, the tensor K in data axes by rows; column j is mean flux over mean gradient
+ *   of the solve along j; NaN in columns that were not solved. In the unit of the conductivities.
+ * - `estimated_error`: relative numerical error of the effective conductivity, the largest of the directions solved;
+ *   NaN unless EstimateError is on. `estimated_error_by_direction`: 3 numbers. `extrapolated_conductivity`: 3 numbers,
+ *   the diagonal that the estimate expects on an endlessly fine lattice.
+ * - `bounds`: series, lower and upper Hashin–Shtrikman, parallel
+ * - `balance`, `iterations`, `stored_nodes`, `skipped_nodes`: 3 numbers, by direction; NaN where not solved
+ * - `phase_conductivity`: by phase id; `phase_fraction` likewise; `phase_names`
+ * - `direction` ("x", "y", "z" or "all"), `sides`, `lattice`, `phase_array` (the array of the ids): strings
+ * - `provenance`: one JSON string.
+ *
+ * **Directions**: x from left to right, y in two dimensions from the top of the picture (value 1) to its bottom (0),
+ * in three dimensions along rising y; z along rising z.
+ *
+ * **Parallel**: with a vtkMPIController and as many pieces as processes all ranks solve together, whatever pieces the
+ * pipeline gave them; the numbers are those of one rank to round-off.
+ *
+ * @sa vtkFluxMap, vtkPictureReader, vtkMicrostructureSource
+ */
+
+#ifndef vtkSteadyDiffusion_h
+#define vtkSteadyDiffusion_h
+
+#include "vtkImageAlgorithm.h"
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+
+#include <memory> // for std::unique_ptr
+
+class vtkMultiProcessController;
+
+namespace lamella
+{
+class Team;
+}
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkSteadyDiffusion : public vtkImageAlgorithm
+{
+public:
+  static vtkSteadyDiffusion* New();
+  vtkTypeMacro(vtkSteadyDiffusion, vtkImageAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * Conductivity of a phase, finite and not negative; 0: it does not conduct and is neither stored nor visited.
+   * `phase` is a name of `phase_names` or, where no phase has that name, an id. Units are the caller's: the effective
+   * conductivity comes in the same. A phase that has nodes must have a conductivity; names that the image does not
+   * know are ignored, so that one list serves many pictures.
+   */
+  void SetConductivity(const char* phase, double value);
+  void RemoveConductivity(const char* phase);
+  void RemoveAllConductivities();
+  int GetNumberOfConductivities();
+  /** NaN when the phase has none. */
+  double GetConductivity(const char* phase);
+  ///@}
+
+  enum Directions
+  {
+    X = 0,
+    Y = 1,
+    Z = 2,
+    ALL = 3
+  };
+  ///@{
+  /** Along which axis the gradient lies; ALL solves once for each (2 or 3). Default X. */
+  vtkSetClampMacro(Direction, int, X, ALL);
+  vtkGetMacro(Direction, int);
+  ///@}
+
+  enum Quantities
+  {
+    TEMPERATURE = 0,
+    CONCENTRATION = 1
+  };
+  ///@{
+  /** What diffuses: names the output array. Default TEMPERATURE. */
+  vtkSetClampMacro(Quantity, int, TEMPERATURE, CONCENTRATION);
+  vtkGetMacro(Quantity, int);
+  ///@}
+
+  enum Lattices
+  {
+    AUTO_LATTICE = 0, ///< D2Q5 or D3Q7
+    D2Q5 = 1,
+    D2Q9 = 2,
+    D3Q7 = 3,
+    D3Q19 = 4
+  };
+  ///@{
+  /** Links of the lattice. D2Q5 and D3Q7 are the finite volume scheme with harmonic faces. Default AUTO_LATTICE. */
+  vtkSetClampMacro(Lattice, int, AUTO_LATTICE, D3Q19);
+  vtkGetMacro(Lattice, int);
+  ///@}
+
+  enum SideTypes
+  {
+    INSULATED = 0,
+    PERIODIC = 1
+  };
+  ///@{
+  /**
+   * INSULATED: values 1 and 0 on the two faces of the direction, half a spacing outside the outer nodes, no flux
+   * through all others. PERIODIC: a cell of an infinite medium under a mean gradient. Default INSULATED.
+   */
+  vtkSetClampMacro(Sides, int, INSULATED, PERIODIC);
+  vtkGetMacro(Sides, int);
+  ///@}
+
+  enum Methods
+  {
+    AUTO_METHOD = 0,
+    MULTIGRID = 1,
+    ALGEBRAIC_MULTIGRID = 2
+  };
+  ///@{
+  /** How the system is solved; AUTO_METHOD chooses by what conducts. Default AUTO_METHOD. */
+  vtkSetClampMacro(Method, int, AUTO_METHOD, ALGEBRAIC_MULTIGRID);
+  vtkGetMacro(Method, int);
+  ///@}
+
+  ///@{
+  /** Largest relative error of the flux through either face. Default 1e-8; from 1e-12 to 0.1. */
+  vtkSetClampMacro(Tolerance, double, 1e-12, 0.1);
+  vtkGetMacro(Tolerance, double);
+  ///@}
+
+  ///@{
+  /** Gives up after this many iterations. Default 500. */
+  vtkSetClampMacro(MaximumIterations, int, 1, VTK_INT_MAX);
+  vtkGetMacro(MaximumIterations, int);
+  ///@}
+
+  ///@{
+  /** Threads of each rank; 0: one for each core that the machine has. Default 1. */
+  vtkSetClampMacro(Threads, int, 0, VTK_INT_MAX);
+  vtkGetMacro(Threads, int);
+  ///@}
+
+  ///@{
+  /** What the output carries; what is off is neither computed nor stored. Default on. */
+  vtkSetMacro(ComputeField, bool);
+  vtkGetMacro(ComputeField, bool);
+  vtkBooleanMacro(ComputeField, bool);
+  vtkSetMacro(ComputeFlux, bool);
+  vtkGetMacro(ComputeFlux, bool);
+  vtkBooleanMacro(ComputeFlux, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Also solve with every pixel split in 2 × 2 (× 2), on a part of a large image, and estimate the numerical error
+   * from the difference. Costs several times the solve itself (the output stays on the image's lattice). Default off.
+   */
+  vtkSetMacro(EstimateError, bool);
+  vtkGetMacro(EstimateError, bool);
+  vtkBooleanMacro(EstimateError, bool);
+  /** The largest relative error of the last update; NaN when it was not estimated. */
+  vtkGetMacro(EstimatedError, double);
+  ///@}
+
+  ///@{
+  /** The effective conductivity of the last update, 9 numbers by rows, NaN in columns that were not solved. */
+  vtkGetVectorMacro(EffectiveConductivity, double, 9);
+  ///@}
+
+  ///@{
+  /** The processes that may work together. Default: the global controller. */
+  virtual void SetController(vtkMultiProcessController* controller);
+  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  ///@}
+
+protected:
+  vtkSteadyDiffusion();
+  ~vtkSteadyDiffusion() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkSteadyDiffusion(const vtkSteadyDiffusion&) = delete;
+  void operator=(const vtkSteadyDiffusion&) = delete;
+
+  struct Internals;
+  struct FieldStore;
+  void Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team);
+  void Describe(vtkImageData* output);
+
+  std::unique_ptr<Internals> Internal;
+
+  int Direction = X;
+  int Quantity = TEMPERATURE;
+  int Lattice = AUTO_LATTICE;
+  int Sides = INSULATED;
+  int Method = AUTO_METHOD;
+  double Tolerance = 1e-8;
+  int MaximumIterations = 500;
+  int Threads = 1;
+  bool ComputeField = true;
+  bool ComputeFlux = true;
+  bool EstimateError = false;
+  double EffectiveConductivity[9];
+  double EstimatedError;
+  vtkMultiProcessController* Controller = nullptr;
+};
+
+#endif
