@@ -11,30 +11,49 @@
 namespace lamella::micrograph
 {
 
-/// Grey values of a picture or volume in lattice order (2D: first row in memory = bottom row of the picture).
+/// Grey values of a picture or volume in lattice order (2D: first row in memory = bottom row of the picture; volumes:
+/// the order of the file).
 struct Picture
 {
-  Lattice lattice;                    ///< spacing from the metadata or the option
-  std::vector<std::uint16_t> grey;    ///< 8-bit values stay 0 … 255
-  int bits = 8;                       ///< 8 or 16
-  std::string pixelSizeSource;        ///< "option", "TIFF resolution", "PNG pHYs", ... or "none"
+  Lattice lattice;                   ///< spacing from the option or the metadata, 1 where neither says
+  std::vector<std::uint16_t> grey;   ///< one value a node; 8-bit values stay 0 … 255
+  std::vector<std::uint16_t> colour; ///< red, green, blue of every node; empty unless asked for and there is colour
+  int bits = 8;                      ///< 8 or 16
+  std::string format;                ///< "PNG", "JPEG", "TIFF" or "raw"
+  std::string pixelSizeSource;       ///< "option", "PNG pHYs", "TIFF resolution", "ImageJ", "OME-XML", … or "none"
+  std::string description;           ///< the text that the file carries, provenance for our own; may be empty
+  std::vector<std::string> warnings; ///< what a user should know, each one line
 };
 
 /// How a file is read. Pixel size is never guessed: without metadata or option the lattice has spacing 1 and
 /// `pixelSizeSource` is "none"; effective conductivities do not depend on it, pictures then show pixels, not µm.
 struct ReadOptions
 {
-  std::optional<double> pixelSize;                         ///< [m]; wins over metadata
-  std::optional<std::array<std::int64_t, 3>> rawSize;      ///< raw volumes: nx, ny, nz
-  int rawBits = 8;                                         ///< raw volumes: 8 or 16
-  std::uint64_t rawHeader = 0;                             ///< raw volumes: bytes before the data
+  std::optional<double> pixelSize;                    ///< [m]; wins over metadata
+  bool keepColour = false;                            ///< colour pictures are read, not refused (for segment())
+  std::optional<std::array<std::int64_t, 3>> rawSize; ///< raw volumes: nx, ny, nz
+  std::optional<int> rawBits;                         ///< raw volumes: 8 or 16; else from the name or the file's size
+  std::uint64_t rawHeader = 0;                        ///< raw volumes: bytes before the data
+  bool rawBigEndian = false;                          ///< raw volumes of 16 bits: high byte first
 };
 
-/// Reads PNG, JPEG, TIFF, multi-page TIFF (a volume), a folder or printf-like/glob pattern of numbered pictures (a volume),
-/// or a raw volume (.raw, .bin; size from `rawSize` or from a name such as berea_200x200x200_u8.raw).
-/// Palette and RGB pictures whose channels are all equal become grey; other colour pictures are refused with the
-/// remedy (convert to grey, or segment with `--segment`).
-/// @throws InputError for a missing, empty, truncated, unreadable or colour file, CMYK included
+/// Reads a picture or a volume. What a file is follows from its first bytes, not from its name:
+/// - PNG, JPEG, TIFF: a picture. Several pages in a TIFF: a volume, one slice a page (reduced copies are left out).
+/// - A folder of such files, or a name with `*`, `?` or one `%d` (`%04d`): a volume, slices in the order of the numbers
+/// in
+///   their names. With `%d` a missing number is an error, otherwise a warning.
+/// - .raw or .bin: a volume; size from `rawSize` or from a name such as berea_200x200x200_u8.raw.
+///
+/// Palette, RGB and transparent pictures whose channels are all equal become grey; other colour pictures are refused
+/// with the remedy (convert to grey, or segment with --segment) unless `keepColour`, where grey is 0.299 R + 0.587 G +
+/// 0.114 B. One-bit pictures have greys 0 and 255.
+///
+/// Pixel size comes from PNG pHYs, JFIF or Exif density, TIFF resolution, and from what ImageJ and OME write into TIFF.
+/// A size above 20 µm is what printers' resolutions (72, 96, 300 dpi …) come to: it is left out, with a warning.
+///
+/// @throws InputError for a missing, empty, truncated, damaged, unreadable, CMYK or colour file, for slices of
+/// different
+///         sizes and for pixels that are not square; MemoryError; ParameterError for an option outside its range
 [[nodiscard]] Picture readPicture(const std::filesystem::path& path, const ReadOptions& options = {});
 
 } // namespace lamella::micrograph

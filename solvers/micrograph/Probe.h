@@ -1,0 +1,66 @@
+#pragma once
+
+#include "micrograph/FileBytes.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What a picture file says about itself, found by walking through its structure without decoding it. The decoders that
+/// come after are lenient (they hand back half a picture from a truncated file), so this is where damage is noticed.
+namespace lamella::micrograph
+{
+
+enum class Format
+{
+  Png,
+  Jpeg,
+  Tiff
+};
+[[nodiscard]] const char* name(Format format) noexcept;
+
+/// A pixel size and which entry of the file says it. x and y may differ.
+struct MetadataSize
+{
+  double x = 0;            ///< [m]
+  double y = 0;            ///< [m]
+  std::optional<double> z; ///< [m], distance between slices
+  std::string source;
+};
+
+struct Probe
+{
+  Format format = Format::Png;
+  std::int64_t width = 0;
+  std::int64_t height = 0;
+  int bits = 8;                    ///< of a channel
+  int channels = 1;                ///< as decoded; a palette counts as 3
+  bool whiteIsZero = false;        ///< TIFF only
+  std::vector<std::size_t> slices; ///< TIFF: which pages are slices, reduced copies left out
+  std::size_t pages = 1;           ///< TIFF: how many there are in all
+  std::optional<MetadataSize> size;
+  std::string description;
+  std::vector<std::string> warnings;
+};
+
+/// @throws InputError for a file that is no PNG, JPEG or TIFF, is truncated or damaged, or holds what cannot become
+/// greys
+///         (CMYK, floating point, more than 16 bits)
+[[nodiscard]] Probe probe(FileBytes& file);
+
+[[nodiscard]] Probe probePng(FileBytes& file);
+[[nodiscard]] Probe probeJpeg(FileBytes& file);
+[[nodiscard]] Probe probeTiff(FileBytes& file);
+
+/// Resolution and orientation from the Exif block of a JPEG, which is a TIFF directory in memory. Nonsense is ignored.
+struct Exif
+{
+  std::optional<MetadataSize> size;
+  int orientation = 1;
+};
+[[nodiscard]] Exif readExif(const std::vector<std::uint8_t>& block);
+
+/// CRC-32 of PNG (ISO 3309) of a chunk's type and data.
+[[nodiscard]] std::uint32_t pngCrc(const std::uint8_t* bytes, std::size_t count, std::uint32_t crc = 0) noexcept;
+
+} // namespace lamella::micrograph
