@@ -4,6 +4,7 @@
 #include "DiffusionRun.h"
 #include "Input.h"
 #include "OutputFile.h"
+#include "Record.h"
 #include "Text.h"
 
 #include <fmt/format.h>
@@ -230,23 +231,6 @@ std::vector<std::string> outputNames(const std::string& output, const std::vecto
   return names;
 }
 
-/// Rank 0 only; empty elsewhere.
-io::Provenance provenanceOf(const Session& session, const std::string& commandLine, const std::string& input)
-{
-  if (!session.root())
-  {
-    return {};
-  }
-  io::Provenance provenance = io::makeProvenance(commandLine);
-  if (!input.empty())
-  {
-    std::error_code failed; // a pattern such as slice_*.png is no file
-    provenance.inputs.push_back(
-      std::filesystem::exists(input, failed) ? io::describeInput(input) : io::InputFile{ input, 0, "" });
-  }
-  return provenance;
-}
-
 void diffusion(Session& session, const DiffusionOptions& options, const std::string& commandLine)
 {
   const auto start = std::chrono::steady_clock::now();
@@ -341,7 +325,10 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
   if (fields)
   {
     // One direction at a time, so that only one direction's fields are held.
-    report.provenance = provenanceOf(session, commandLine, options.picture.file);
+    if (session.root())
+    {
+      report.provenance = recordRun(commandLine, options.picture.file, sample.provenance);
+    }
     for (std::size_t i = 0; i < study.axes.size(); ++i)
     {
       lbm::StudyOptions one = study;
@@ -388,7 +375,7 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
       }
       if (report.provenance.version.empty())
       {
-        report.provenance = provenanceOf(session, commandLine, options.common.json ? options.picture.file : "");
+        report.provenance = recordRun(commandLine, options.common.json ? options.picture.file : "", sample.provenance);
       }
       report.bounds =
         lbm::bounds(report.fractions, std::span(values).first(report.fractions.size()), sample.image.lattice.dimension);

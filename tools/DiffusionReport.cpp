@@ -264,10 +264,10 @@ std::string toTable(const DiffusionReport& report)
       report.options.estimateError || report.options.targetError ? percent(answer.error.relative) : "-",
       span > 0 ? fmt::format("{:.1f} %", 100 * (own(answer) - report.bounds.series) / span) : "-");
   }
-  text += fmt::format(
-    "  bounds\n    series {:.7g}   parallel {:.7g}   Hashin-Shtrikman (isotropic media) {:.7g} to {:.7g}\n",
-    report.bounds.series, report.bounds.parallel, report.bounds.hashinShtrikmanLower,
-    report.bounds.hashinShtrikmanUpper);
+  text +=
+    fmt::format("  bounds\n    series {:.7g}   parallel {:.7g}   Hashin-Shtrikman (isotropic media) {:.7g} to {:.7g}\n",
+      report.bounds.series, report.bounds.parallel, report.bounds.hashinShtrikmanLower,
+      report.bounds.hashinShtrikmanUpper);
 
   if (report.options.targetError)
   {

@@ -2,12 +2,18 @@
 
 #include "vtkLatticeConversion.h"
 
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
 #include <vtkDataObject.h>
+#include <vtkDataSet.h>
 #include <vtkErrorCode.h>
+#include <vtkFieldData.h>
 #include <vtkImageData.h>
+#include <vtkInformation.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
+#include <vtkPNGReader.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkXMLImageDataReader.h>
@@ -159,7 +165,10 @@ vtkSmartPointer<vtkDataObject> read(const std::string& path, const char* kind)
   }
   reader->SetFileName(path.c_str());
   reader->Update();
-  if (!VtkMessages::takeErrors().empty() || reader->GetErrorCode() != vtkErrorCode::NoError)
+  std::vector<std::string> errors = VtkMessages::takeErrors();
+  // Ranges of arrays that hold NaN, which VTK writes and cannot read: they are made anew when they are needed.
+  std::erase_if(errors, [](const std::string& e) { return e.find("InformationKey") != std::string::npos; });
+  if (!errors.empty() || reader->GetErrorCode() != vtkErrorCode::NoError)
   {
     throw InputError("'" + path + "' is a " + kind + " file that is damaged or cut short", hint);
   }
@@ -199,7 +208,8 @@ std::optional<PhaseGrid> readPhaseGrid(const std::string& path)
   }
   try
   {
-    return PhaseGrid{ toPhaseImage(image), fieldText(image, "pixel_size_source").value_or("spacing in the file") };
+    return PhaseGrid{ toPhaseImage(image), fieldText(image, "pixel_size_source").value_or("spacing in the file"),
+      provenance(image) };
   }
   catch (const Error& error)
   {
@@ -207,8 +217,54 @@ std::optional<PhaseGrid> readPhaseGrid(const std::string& path)
   }
 }
 
+std::string pngText(const std::string& path, const std::string& keyword)
+{
+  vtkNew<vtkPNGReader> reader;
+  std::string text;
+  if (reader->CanReadFile(path.c_str()) != 0)
+  {
+    reader->SetFileName(path.c_str());
+    reader->UpdateInformation();
+    for (int i = 0; i < static_cast<int>(reader->GetNumberOfTextChunks()); ++i)
+    {
+      if (keyword == reader->GetTextKey(i))
+      {
+        text = reader->GetTextValue(i);
+      }
+    }
+  }
+  (void)VtkMessages::takeErrors();
+  return text;
+}
+
+namespace
+{
+
+/// Ranges that were worked out on the way would be written, as "-nan" where an array holds NaN, and every reader would
+/// complain about them.
+void forgetRanges(vtkFieldData* data)
+{
+  for (int i = 0; i < data->GetNumberOfArrays(); ++i)
+  {
+    vtkAbstractArray* array = data->GetAbstractArray(i);
+    if (array->HasInformation())
+    {
+      array->GetInformation()->Remove(vtkDataArray::L2_NORM_RANGE());
+      array->GetInformation()->Remove(vtkDataArray::L2_NORM_FINITE_RANGE());
+    }
+  }
+}
+
+} // namespace
+
 void writeGrid(vtkDataObject* data, const OutputFile& file)
 {
+  forgetRanges(data->GetFieldData());
+  if (auto* set = vtkDataSet::SafeDownCast(data))
+  {
+    forgetRanges(set->GetPointData());
+    forgetRanges(set->GetCellData());
+  }
   (void)VtkMessages::takeErrors();
   const auto write = [&](auto&& writer)
   {

@@ -40,10 +40,14 @@ struct PhaseGrid
 {
   PhaseImage image;
   std::string pixelSizeSource;
+  std::string provenance; ///< JSON text, or empty
 };
 /// The array `phase` of a .vti that names its phases; nothing when it has none or does not name them. @throws
 /// InputError
 [[nodiscard]] std::optional<PhaseGrid> readPhaseGrid(const std::string& path);
+
+/// The text chunk of a PNG with this keyword; empty where there is none.
+[[nodiscard]] std::string pngText(const std::string& path, const std::string& keyword);
 
 /// Writes .vti or .vtp: binary, compressed. @throws OutputError when the disk is full or fails
 void writeGrid(vtkDataObject* data, const OutputFile& file);

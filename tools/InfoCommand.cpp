@@ -205,7 +205,10 @@ Json pictureJson(const PictureOptions& options)
       json["greys"].push_back(std::move(line));
     }
   }
-  const Json text = record ? Json::parse(record->provenance, nullptr, false) : Json();
+  const std::string carried = record ? record->provenance
+    : picture.format == "PNG"        ? pngText(options.file, "provenance")
+                                     : "";
+  const Json text = Json::parse(carried, nullptr, false);
   json["provenance"] = text.is_object() ? text : Json(nullptr);
   return json;
 }

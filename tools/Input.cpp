@@ -50,17 +50,23 @@ void addRawOptions(CLI::App& command, PictureOptions& options)
 void addPictureOptions(CLI::App& command, PictureOptions& options)
 {
   addFileOption(command, options);
+  addPhaseOptions(command, options);
+  addRawOptions(command, options);
+  inSample(command
+             .add_option("--array", options.array,
+               "In a .vti: the array of whole numbers, at points or in cells, to take for grey values [phase]")
+             ->type_name("NAME"));
+}
+
+void addPhaseOptions(CLI::App& command, PictureOptions& options)
+{
   inSample(command.add_option("--phase", options.phase, "This grey value is this phase; once for every grey value")
              ->type_name("GREY=NAME")
              ->allow_extra_args(false));
   inSample(command.add_option("--other", options.other, "All grey values that are not listed are this phase")
              ->type_name("NAME"));
-  inSample(command
-             .add_option("--array", options.array,
-               "In a .vti: the array of whole numbers, at points or in cells, to take for grey values [phase]")
-             ->type_name("NAME"));
-  inSample(command.add_flag("--segment", options.segment,
-    "The picture is a raw scan, not labels: find the phases 'lumen' and 'wall' in it"));
+  inSample(command.add_flag(
+    "--segment", options.segment, "The picture is a raw scan, not labels: find the phases 'lumen' and 'wall' in it"));
   inSample(command.add_option("--lumen", options.lumen, "With --segment: lumens are brighter or darker than walls")
              ->type_name("auto|bright|dark")
              ->capture_default_str());
@@ -73,7 +79,6 @@ void addPictureOptions(CLI::App& command, PictureOptions& options)
       .add_option("--window", options.window,
         "Use this part only: pixels from the top left; for volumes X,Y,Z,WIDTH,HEIGHT,DEPTH from the first voxel")
       ->type_name("X,Y,WIDTH,HEIGHT"));
-  addRawOptions(command, options);
 }
 
 std::optional<Window> parseWindow(const std::string& text)
@@ -90,6 +95,18 @@ std::optional<Window> parseWindow(const std::string& text)
   }
   return v.size() == 4 ? Window{ { v[0], v[1], 0 }, { v[2], v[3], 0 } }
                        : Window{ { v[0], v[1], v[2] }, { v[3], v[4], v[5] } };
+}
+
+void requireWindowFits(const Lattice& lattice, const std::optional<Window>& window)
+{
+  if (window && (window->size[2] != 0) != (lattice.dimension == 3))
+  {
+    throw ParameterError(
+      fmt::format("--window has {} numbers, and the file holds a {} of {}", window->size[2] != 0 ? 6 : 4,
+        lattice.dimension == 3 ? "volume" : "picture", sizeText(lattice.size, lattice.dimension)),
+      lattice.dimension == 3 ? "write it as --window X,Y,Z,WIDTH,HEIGHT,DEPTH"
+                             : "write it as --window X,Y,WIDTH,HEIGHT");
+  }
 }
 
 micrograph::ReadOptions readOptions(const PictureOptions& options)
@@ -169,19 +186,6 @@ void setSpacing(Lattice& lattice, double spacing)
 {
   const auto size = lattice.size;
   lattice = makeLattice(size[0], size[1], size[2], lattice.dimension, spacing);
-}
-
-/// Four numbers for a picture, six for a volume.
-void requireWindowFits(const Lattice& lattice, const std::optional<Window>& window)
-{
-  if (window && (window->size[2] != 0) != (lattice.dimension == 3))
-  {
-    throw ParameterError(
-      fmt::format("--window has {} numbers, and the file holds a {} of {}", window->size[2] != 0 ? 6 : 4,
-        lattice.dimension == 3 ? "volume" : "picture", sizeText(lattice.size, lattice.dimension)),
-      lattice.dimension == 3 ? "write it as --window X,Y,Z,WIDTH,HEIGHT,DEPTH"
-                             : "write it as --window X,Y,WIDTH,HEIGHT");
-  }
 }
 
 /// What has nothing to do with the format, said before a reader says it in its own words.
@@ -328,6 +332,7 @@ Sample loadSample(const PictureOptions& options)
       }
       sample.fileSize = grid->image.lattice.size;
       sample.pixelSizeSource = grid->pixelSizeSource;
+      sample.provenance = grid->provenance;
       if (read.pixelSize)
       {
         setSpacing(grid->image.lattice, *read.pixelSize);
@@ -343,6 +348,7 @@ Sample loadSample(const PictureOptions& options)
   micrograph::Picture& picture = file.picture;
   sample.fileSize = picture.lattice.size;
   sample.pixelSizeSource = picture.pixelSizeSource;
+  sample.provenance = file.record ? file.record->provenance : "";
   sample.warnings = picture.warnings;
   requireWindowFits(picture.lattice, window);
   if (options.segment)

@@ -33,13 +33,17 @@ struct PictureOptions
   std::string threshold;          ///< --threshold GREY
 };
 
-/// Declares FILE; the options of raw volumes and pixel sizes; FILE and all of the options above.
+/// Declares FILE; the options that name phases; those of raw volumes and pixel sizes; FILE and all of the options
+/// above.
 void addFileOption(CLI::App& command, PictureOptions& options);
+void addPhaseOptions(CLI::App& command, PictureOptions& options);
 void addRawOptions(CLI::App& command, PictureOptions& options);
 void addPictureOptions(CLI::App& command, PictureOptions& options);
 
 /// The options in numbers. @throws ParameterError
 [[nodiscard]] std::optional<Window> parseWindow(const std::string& text);
+/// Four numbers for a picture, six for a volume. @throws ParameterError
+void requireWindowFits(const Lattice& lattice, const std::optional<Window>& window);
 [[nodiscard]] micrograph::ReadOptions readOptions(const PictureOptions& options);
 [[nodiscard]] std::optional<GreyMap> greyMap(const PictureOptions& options);
 
@@ -55,6 +59,7 @@ struct Sample
   std::array<std::int64_t, 3> fileSize{}; ///< before the window
   std::optional<Window> window;
   std::optional<micrograph::SegmentReport> segmentation;
+  std::string provenance; ///< of the file, where it carries one
   std::vector<std::string> warnings;
 };
 

@@ -81,6 +81,27 @@ std::optional<Record> readRecordBeside(const std::filesystem::path& raw)
   return beside ? parseRecord(std::string(std::istreambuf_iterator<char>(beside), {})) : std::nullopt;
 }
 
+io::Provenance recordRun(const std::string& commandLine, const std::string& file, const std::string& before)
+{
+  io::Provenance record = io::makeProvenance(commandLine);
+  if (!file.empty())
+  {
+    std::error_code failed;
+    record.inputs.push_back(
+      std::filesystem::exists(file, failed) ? io::describeInput(file) : io::InputFile{ file, 0, "" });
+  }
+  const Json old = Json::parse(before, nullptr, false);
+  if (old.is_object())
+  {
+    record.parameters = Json{ { "made_from", old } }.dump();
+    if (const auto seed = old.find("seed"); seed != old.end() && seed->is_number_unsigned())
+    {
+      record.seed = seed->get<std::uint64_t>();
+    }
+  }
+  return record;
+}
+
 std::vector<std::uint8_t> greysOfPhases(const PhaseTable& phases)
 {
   std::vector<std::uint8_t> greys;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "io/Provenance.h"
 #include "lattice/Phases.h"
 
 #include <array>
@@ -34,6 +35,12 @@ struct Record
 /// The file beside a raw volume, and what it says.
 [[nodiscard]] std::filesystem::path recordBeside(const std::filesystem::path& raw);
 [[nodiscard]] std::optional<Record> readRecordBeside(const std::filesystem::path& raw);
+
+/// The record of a run: the command line, the input with its size and hash, and what the input itself was made from.
+/// @param before provenance that the input carries, or empty
+/// @param file   the input; a pattern such as slice_*.png stays a name. Empty: none is recorded
+[[nodiscard]] io::Provenance recordRun(
+  const std::string& commandLine, const std::string& file, const std::string& before);
 
 /// Grey value that stands for each phase: spread evenly from 0 to 255.
 [[nodiscard]] std::vector<std::uint8_t> greysOfPhases(const PhaseTable& phases);
