@@ -93,7 +93,10 @@ bool vtkPictureReader::Read()
       options.read.rawSize.emplace();
       std::copy_n(this->RawSize, 3, options.read.rawSize->begin());
     }
-    options.read.rawBits = this->RawBits;
+    if (this->RawBits > 0)
+    {
+      options.read.rawBits = this->RawBits;
+    }
     options.read.rawHeader = static_cast<std::uint64_t>(this->RawHeader);
 
     lamella::PhasePicture picture = lamella::readPhases(this->FileName, options);

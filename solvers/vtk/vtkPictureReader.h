@@ -79,8 +79,8 @@ public:
   ///@}
 
   ///@{
-  /** Raw volumes: bits of a voxel, 8 or 16. Default 8. */
-  vtkSetClampMacro(RawBits, int, 8, 16);
+  /** Raw volumes: bits of a voxel, 8 or 16; 0 (the default): from the name or the size of the file. */
+  vtkSetClampMacro(RawBits, int, 0, 16);
   vtkGetMacro(RawBits, int);
   ///@}
 
@@ -118,7 +118,7 @@ private:
   int Refinement = 1;
   double PixelSize = 0;
   int RawSize[3] = { 0, 0, 0 };
-  int RawBits = 8;
+  int RawBits = 0;
   vtkIdType RawHeader = 0;
 
   vtkSmartPointer<vtkImageData> Image; ///< what was read

@@ -1,0 +1,63 @@
+"""Lamella: from a picture of a material made of cells or grains to its conductivity.
+
+    import lamella
+
+    tissue = lamella.softwood(size=(400, 400), solid_fraction=0.4, seed=1)
+    result = lamella.diffusion(tissue, {"wall": 1, "lumen": 0.023})
+    print(result.effective)             # numpy array, 2 by 2
+    print(result.fields["temperature_x"])
+
+The package runs in ``pvpython``, in ``pvbatch`` and in Debian's own ``python3``. Importing it also lets ParaView draw
+where there is no display: import it before the first view is made. (LAMELLA_RENDERER=x in the environment switches that
+off.)
+
+It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
+``vtkMicrostructureSource``, ``vtkSteadyDiffusion``, ``vtkFluxMap``), runs it and hands its output out as numpy arrays.
+
+Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at the top; arrays of a volume are
+``[z, y, x]``. Vectors have their components along x (left to right), y (upwards in a picture) and z in the last axis.
+"""
+
+from .vtkLamellaSolversVTK import *  # noqa: F401,F403 - the VTK classes
+from .vtkLamellaFilters import *  # noqa: F401,F403
+
+try:
+    from .vtkLamellaRendering import *  # noqa: F401,F403
+    from .vtkLamellaRendering import vtkOffScreenWindows as _windows
+except ModuleNotFoundError:  # built without pictures
+    _windows = None
+else:
+    _windows.Install()  # does nothing where a display works
+
+from ._errors import Cancelled, LamellaError
+from ._flux import FluxMapResult, flux_map
+from ._samples import (
+    Sample,
+    checkerboard,
+    disks,
+    from_array,
+    honeycomb,
+    laminate,
+    read_picture,
+    softwood,
+    spheres,
+)
+from ._solve import DiffusionResult, diffusion
+
+__all__ = [
+    "Cancelled",
+    "DiffusionResult",
+    "FluxMapResult",
+    "LamellaError",
+    "Sample",
+    "checkerboard",
+    "diffusion",
+    "disks",
+    "flux_map",
+    "from_array",
+    "honeycomb",
+    "laminate",
+    "read_picture",
+    "softwood",
+    "spheres",
+]

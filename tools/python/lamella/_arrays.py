@@ -1,0 +1,63 @@
+"""Between VTK images and numpy arrays in the order of pictures."""
+
+import json
+
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData
+
+
+def to_numpy(image, array):
+    """A point array of an image as numpy: [row, column] from the top of a picture, [z, y, x] of a volume. No copy."""
+    nx, ny, nz = image.GetDimensions()
+    values = vtk_to_numpy(array)
+    tail = values.shape[1:]
+    if nz == 1:
+        return values.reshape((ny, nx) + tail)[::-1]
+    return values.reshape((nz, ny, nx) + tail)
+
+
+def to_image(phase, spacing):
+    """An image with the point array ``phase`` from whole numbers in the order of pictures."""
+    phase = np.asarray(phase)
+    if phase.ndim not in (2, 3) or phase.size == 0:
+        raise ValueError(f"an array of shape {phase.shape} is neither a picture nor a volume")
+    if phase.dtype == bool:
+        phase = phase.astype(np.uint8)
+    if not np.issubdtype(phase.dtype, np.integer):
+        raise ValueError(f"phases are whole numbers, not {phase.dtype}")
+    if phase.ndim == 2:
+        phase = phase[::-1][np.newaxis]
+    if phase.min() >= 0 and phase.max() < 256:
+        phase = phase.astype(np.uint8)
+    nz, ny, nx = phase.shape
+    image = vtkImageData()
+    image.SetDimensions(nx, ny, nz)
+    image.SetSpacing(spacing, spacing, spacing)
+    image.SetOrigin(spacing / 2, spacing / 2, spacing / 2 if nz > 1 else 0)
+    array = numpy_to_vtk(np.ascontiguousarray(phase).ravel(), deep=True)
+    array.SetName("phase")
+    image.GetPointData().SetScalars(array)
+    return image
+
+
+def numbers(data, name):
+    """Numbers of a field array, or None."""
+    array = data.GetFieldData().GetArray(name)
+    return None if array is None else vtk_to_numpy(array).ravel().copy()
+
+
+def texts(data, name):
+    """Strings of a field array; an empty list where it is missing."""
+    array = data.GetFieldData().GetAbstractArray(name)
+    return [] if array is None else [array.GetValue(i) for i in range(array.GetNumberOfValues())]
+
+
+def text(data, name):
+    """The first string of a field array, or an empty string."""
+    return (texts(data, name) or [""])[0]
+
+
+def provenance(data):
+    """Where an image comes from, as a dictionary."""
+    return json.loads(text(data, "provenance") or "{}")

@@ -1,0 +1,64 @@
+"""Errors, and running a VTK algorithm so that its errors become exceptions."""
+
+import re
+
+
+class LamellaError(RuntimeError):
+    """Something that you can mend. ``hint`` says how."""
+
+    def __init__(self, message, hint=""):
+        super().__init__(f"{message} ({hint})" if hint else message)
+        self.message = message
+        self.hint = hint
+
+
+class Cancelled(LamellaError):
+    """The ``progress`` function returned False; nothing was kept."""
+
+
+def _parse(text):
+    """What vtkErrorMacro was given, without VTK's own words around it."""
+    text = re.sub(r"^ERROR: In .*?, line \d+\n", "", text.strip())
+    text = re.sub(r"^vtk\w+ \(0x[0-9a-f]+\): ", "", text)
+    message, _, hint = text.partition("\nhint: ")
+    return message.strip(), hint.strip()
+
+
+def run(algorithm, progress=None):
+    """Updates an algorithm. Raises LamellaError for what it reports, and what ``progress`` or Ctrl-C raised.
+
+    ``progress(share, text)`` is called with the share done, from 0 to 1; returning False cancels.
+    """
+    errors = []
+    stopped = []
+
+    def on_error(_caller, _event, text):
+        errors.append(_parse(text))
+
+    on_error.CallDataType = "string0"
+
+    def on_progress(caller, _event):
+        try:  # an exception must not vanish in VTK
+            if progress is not None and progress(caller.GetProgress(), caller.GetProgressText() or "") is False:
+                stopped.append(Cancelled("cancelled"))
+        except BaseException as exception:  # pylint: disable=broad-except
+            stopped.append(exception)
+        if stopped:
+            caller.SetAbortExecute(1)
+
+    executive = algorithm.GetExecutive()
+    tags = [
+        (algorithm, algorithm.AddObserver("ErrorEvent", on_error)),
+        (executive, executive.AddObserver("ErrorEvent", lambda *_: None)),  # only says that the algorithm failed
+        (algorithm, algorithm.AddObserver("ProgressEvent", on_progress)),
+    ]
+    try:
+        algorithm.Update()
+    finally:
+        for caller, tag in tags:
+            caller.RemoveObserver(tag)
+        algorithm.SetAbortExecute(0)
+    if stopped:
+        raise stopped[0]
+    if errors:
+        raise LamellaError(*errors[0])

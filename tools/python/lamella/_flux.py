@@ -1,0 +1,74 @@
+"""Where the flux goes."""
+
+import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+from . import _arrays
+from ._errors import run
+from ._samples import ImageBase
+from ._solve import as_image, choose
+from .vtkLamellaFilters import vtkFluxMap
+
+
+class FluxMapResult(ImageBase):
+    """``vtk`` is the image with ``flux_magnitude``; ``streamlines`` the vtkPolyData of the lines."""
+
+    def __init__(self, image, streamlines):
+        super().__init__(image)
+        #: vtkPolyData
+        self.streamlines = streamlines
+
+    def _by_direction(self, name):
+        values = _arrays.numbers(self.vtk, name)
+        return {axis: float(value) for axis, value in zip("xyz", values) if not np.isnan(value)}
+
+    @property
+    def magnitude(self):
+        """Magnitude of the flux in the order of pictures (a view)."""
+        return self.array("flux_magnitude")
+
+    @property
+    def effective(self):
+        """The effective conductivity from the mean flux, NaN in columns that were not solved."""
+        n = 3 if self.vtk.GetDimensions()[2] > 1 else 2
+        return _arrays.numbers(self.vtk, "effective_from_flux").reshape(3, 3)[:n, :n]
+
+    @property
+    def tortuosity(self):
+        """Mean magnitude of the flux over its mean along the direction, by direction."""
+        return self._by_direction("tortuosity")
+
+    @property
+    def tortuosity_factor(self):
+        """Mean conductivity over the effective one, by direction."""
+        return self._by_direction("tortuosity_factor")
+
+    @property
+    def streamline_tortuosity(self):
+        """Mean length of the streamlines over the length of the box, of the direction shown."""
+        return self._by_direction("streamline_tortuosity")
+
+    @property
+    def lines(self):
+        """The streamlines as arrays of points (n by 3, metres)."""
+        points = vtk_to_numpy(self.streamlines.GetPoints().GetData()) if self.streamlines.GetNumberOfPoints() else None
+        cells = self.streamlines.GetLines()
+        if points is None:
+            return []
+        offsets = vtk_to_numpy(cells.GetOffsetsArray())
+        ids = vtk_to_numpy(cells.GetConnectivityArray())
+        return [points[ids[begin:end]] for begin, end in zip(offsets[:-1], offsets[1:])]
+
+
+def flux_map(result, direction=None, streamlines=60, progress=None):
+    """Magnitude, streamlines and effective numbers of a DiffusionResult (or of an image like it).
+
+    direction    "x", "y" or "z": the one to show; None: the first that was solved
+    streamlines  how many; each carries the same share of the flux. 0: none
+    """
+    flux = vtkFluxMap()
+    flux.SetInputData(as_image(result))
+    flux.SetDirection(choose({None: 3, "x": 0, "y": 1, "z": 2}, direction, "direction"))
+    flux.SetNumberOfStreamlines(int(streamlines))
+    run(flux, progress)
+    return FluxMapResult(flux.GetOutput(), flux.GetStreamlines())

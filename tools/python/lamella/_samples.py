@@ -1,0 +1,259 @@
+"""Samples: pictures of phases, read or generated."""
+
+import os
+import tempfile
+
+import numpy as np
+from vtkmodules.vtkCommonCore import vtkStringArray
+from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
+
+from . import _arrays
+from ._errors import LamellaError, run
+from .vtkLamellaSolversVTK import vtkMicrostructureSource, vtkPictureReader
+
+
+class ImageBase:
+    """An image on a lattice and what it carries."""
+
+    def __init__(self, image):
+        #: the vtkImageData itself
+        self.vtk = image
+
+    @property
+    def spacing(self):
+        """Distance of neighbouring nodes in metres (1 where nobody knows it: see ``pixel_size_source``)."""
+        return self.vtk.GetSpacing()[0]
+
+    @property
+    def shape(self):
+        """(rows, columns) of a picture, (z, y, x) of a volume."""
+        nx, ny, nz = self.vtk.GetDimensions()
+        return (ny, nx) if nz == 1 else (nz, ny, nx)
+
+    @property
+    def pixel_size_source(self):
+        """Who says so: "option", an entry of the file, or "none"."""
+        return _arrays.text(self.vtk, "pixel_size_source")
+
+    @property
+    def provenance(self):
+        """Version, parameters, seed and input files as a dictionary."""
+        return _arrays.provenance(self.vtk)
+
+    @property
+    def names(self):
+        """Names of the phases; the position is the phase's number."""
+        return _arrays.texts(self.vtk, "phase_names")
+
+    @property
+    def phase(self):
+        """Numbers of the phases as an array of the image's shape (a view, no copy)."""
+        return self.array("phase")
+
+    def array(self, name):
+        """A point array by its name, in the order of pictures (a view, no copy)."""
+        array = self.vtk.GetPointData().GetArray(name)
+        if array is None:
+            data = self.vtk.GetPointData()
+            there = ", ".join(data.GetArrayName(i) for i in range(data.GetNumberOfArrays()))
+            raise KeyError(f"no array '{name}'; there are: {there}")
+        return _arrays.to_numpy(self.vtk, array)
+
+    def save(self, path, overwrite=False):
+        """Writes a .vti file, whole or not at all."""
+        path = os.fspath(path)
+        if os.path.exists(path) and not overwrite:
+            raise FileExistsError(f"{path} exists; say overwrite=True to replace it")
+        folder = os.path.dirname(os.path.abspath(path))
+        handle, part = tempfile.mkstemp(prefix="." + os.path.basename(path), dir=folder)
+        os.close(handle)
+        try:
+            writer = vtkXMLImageDataWriter()
+            writer.SetInputData(self.vtk)
+            writer.SetFileName(part)
+            if writer.Write() != 1:
+                raise OSError(f"cannot write {path}: is the disk full?")
+            mask = os.umask(0)
+            os.umask(mask)
+            os.chmod(part, 0o666 & ~mask)
+            os.replace(part, path)
+        finally:
+            if os.path.exists(part):
+                os.remove(part)
+        return path
+
+
+class Sample(ImageBase):
+    """A picture or volume of phases. ``numpy.asarray(sample)`` gives their numbers."""
+
+    def __array__(self, dtype=None):
+        return np.asarray(self.phase, dtype=dtype)
+
+    @property
+    def fractions(self):
+        """Share of each phase by its name."""
+        count = np.bincount(self.phase.ravel(), minlength=len(self.names))
+        names = self.names or [str(i) for i in range(len(count))]
+        return {name: float(n) / self.phase.size for name, n in zip(names, count)}
+
+    def __repr__(self):
+        shares = ", ".join(f"{name} {share:.3f}" for name, share in self.fractions.items())
+        return f"<lamella.Sample {' x '.join(map(str, self.shape))}: {shares}>"
+
+
+def _sample(algorithm):
+    run(algorithm)
+    return Sample(algorithm.GetOutput())
+
+
+def read_picture(
+    path,
+    phases=None,
+    other=None,
+    window=None,
+    refine=1,
+    pixel_size=None,
+    array=None,
+    raw_size=None,
+    raw_bits=None,
+    raw_header=0,
+):
+    """Reads a picture (PNG, JPEG, TIFF), a volume (TIFF stack, slices, raw) or a .vti file.
+
+    phases      {grey value: name}; none: every grey value is a phase of its own, named by its value
+    other       name for all greys that are not listed; none: such a grey is an error
+    window      (x, y, width, height) in pixels from the top left; of a volume (x, y, z, width, height, depth)
+    refine      splits each pixel into refine x refine nodes
+    pixel_size  metres; wins over what the file says
+    array       .vti files: which array
+    raw_size, raw_bits, raw_header   raw volumes: (nx, ny, nz), 8 or 16, bytes to skip
+    """
+    reader = vtkPictureReader()
+    reader.SetFileName(os.fspath(path))
+    for grey, name in (phases or {}).items():
+        reader.SetPhase(int(grey), name)
+    reader.SetOtherPhase(other)
+    if window is not None:
+        window = [int(value) for value in window]
+        if len(window) == 4:
+            x, y, width, height = window
+            window = [x, y, 0, width, height, 0]
+        if len(window) != 6:
+            raise ValueError("a window is (x, y, width, height) or (x, y, z, width, height, depth)")
+        reader.SetWindow(*window)
+        if not any(window):
+            raise LamellaError("the window is empty", "give a width and a height")
+    reader.SetRefinement(refine)
+    if pixel_size is not None:
+        if not pixel_size > 0:
+            raise LamellaError(f"the pixel size is {pixel_size}", "give it in metres, above 0")
+        reader.SetPixelSize(pixel_size)
+    reader.SetArrayName(array)
+    if raw_size is not None:
+        reader.SetRawSize(*raw_size)
+    if raw_bits is not None:
+        reader.SetRawBits(raw_bits)
+    reader.SetRawHeader(raw_header)
+    return _sample(reader)
+
+
+def from_array(phase, names=None, spacing=1.0):
+    """A sample from whole numbers: ``phase[row, column]`` with row 0 at the top, or ``phase[z, y, x]``.
+
+    names    names of the phases, a list by number or {number: name}
+    spacing  metres
+    """
+    image = _arrays.to_image(phase, spacing)
+    if names is not None:
+        if isinstance(names, dict):
+            names = [names.get(i, str(i)) for i in range(max(names) + 1)]
+        array = vtkStringArray()
+        array.SetName("phase_names")
+        for name in names:
+            array.InsertNextValue(name)
+        image.GetFieldData().AddArray(array)
+    return Sample(image)
+
+
+def _source(kind, size, spacing):
+    source = vtkMicrostructureSource()
+    source.SetKind(kind)
+    size = [int(n) for n in size]
+    if len(size) not in (2, 3):
+        raise ValueError("a size is (nx, ny) or (nx, ny, nz)")
+    source.SetSize(*(size + [1])[:3])
+    source.SetSpacing(spacing)
+    return source
+
+
+def softwood(
+    size=(200, 200),
+    solid_fraction=0.4,
+    seed=1,
+    spacing=1e-6,
+    ring_position=(0.0, 0.0),
+    tangential_diameter=30e-6,
+    radial_diameter=(36e-6, 12e-6),
+    ray_distance=240e-6,
+    tracheid_length=200e-6,
+    scatter=0.12,
+):
+    """Softwood tissue with the phases lumen and wall; ``size`` is (nx, ny) or (nx, ny, nz) nodes, x the radial axis.
+
+    ring_position is the place in the annual ring of the left and the right edge, 0 earlywood to 1 latewood;
+    diameters, distances and lengths are in metres.
+    """
+    source = _source(vtkMicrostructureSource.SOFTWOOD, size, spacing)
+    source.SetSolidFraction(solid_fraction)
+    source.SetSeed(seed)
+    source.SetRingPosition(*ring_position)
+    source.SetTangentialDiameter(tangential_diameter)
+    source.SetRadialDiameter(*radial_diameter)
+    source.SetRayDistance(ray_distance)
+    source.SetTracheidLength(tracheid_length)
+    source.SetScatter(scatter)
+    return _sample(source)
+
+
+def honeycomb(size=(200, 200), solid_fraction=0.4, cells=4, spacing=1e-6):
+    """Honeycomb of straight walls, ``cells`` along x; phases lumen and wall."""
+    source = _source(vtkMicrostructureSource.HONEYCOMB, size, spacing)
+    source.SetSolidFraction(solid_fraction)
+    source.SetCells(cells)
+    return _sample(source)
+
+
+def checkerboard(size=(200, 200), cells=4, spacing=1e-6):
+    """``cells`` fields along each axis; phases matrix and inclusion."""
+    source = _source(vtkMicrostructureSource.CHECKERBOARD, size, spacing)
+    source.SetCells(cells)
+    return _sample(source)
+
+
+def disks(size=(200, 200), fraction=0.5, cells=4, spacing=1e-6):
+    """``cells`` by ``cells`` disks of an area fraction; phases matrix and inclusion."""
+    if len(size) != 2:
+        raise ValueError("disks lie in a picture: give a size (nx, ny), or make spheres")
+    source = _source(vtkMicrostructureSource.INCLUSIONS, size, spacing)
+    source.SetSolidFraction(fraction)
+    source.SetCells(cells)
+    return _sample(source)
+
+
+def spheres(size=(60, 60, 60), fraction=0.3, cells=1, spacing=1e-6):
+    """``cells`` spheres along each axis, of a volume fraction; phases matrix and inclusion."""
+    if len(size) != 3:
+        raise ValueError("spheres lie in a volume: give a size (nx, ny, nz), or make disks")
+    source = _source(vtkMicrostructureSource.INCLUSIONS, size, spacing)
+    source.SetSolidFraction(fraction)
+    source.SetCells(cells)
+    return _sample(source)
+
+
+def laminate(size=(200, 200), axis="x", fraction=0.5, periods=4, spacing=1e-6):
+    """Layers across an axis; phases matrix and inclusion."""
+    source = _source(vtkMicrostructureSource.LAMINATE, size, spacing)
+    source.SetAxis("xyz".index(axis))
+    source.SetSolidFraction(fraction)
+    source.SetCells(periods)
+    return _sample(source)

@@ -1,0 +1,138 @@
+"""Steady diffusion."""
+
+import numpy as np
+from vtkmodules.vtkCommonDataModel import vtkImageData
+
+from . import _arrays
+from ._errors import run
+from ._samples import ImageBase, from_array
+from .vtkLamellaSolversVTK import vtkSteadyDiffusion
+
+_DIRECTIONS = {"x": 0, "y": 1, "z": 2, "all": 3}
+_LATTICES = {None: 0, "d2q5": 1, "d2q9": 2, "d3q7": 3, "d3q19": 4}
+_METHODS = {"auto": 0, "multigrid": 1, "algebraic": 2}
+
+
+def choose(table, value, what):
+    """The entry of a table, or an error that names all of them."""
+    try:
+        return table[value.lower() if isinstance(value, str) else value]
+    except (KeyError, TypeError):
+        known = ", ".join(repr(key) for key in table)
+        raise ValueError(f"{what} is {value!r}; it can be {known}") from None
+
+
+class DiffusionResult(ImageBase):
+    """What a solve gives. ``vtk`` is the image with all arrays and field data; ``save()`` writes it."""
+
+    @property
+    def _dimension(self):
+        return 3 if self.vtk.GetDimensions()[2] > 1 else 2
+
+    def _by_direction(self, name):
+        values = _arrays.numbers(self.vtk, name)
+        return {axis: float(value) for axis, value in zip("xyz", values) if not np.isnan(value)}
+
+    @property
+    def effective(self):
+        """The effective conductivity as a matrix (2 by 2 or 3 by 3), NaN in columns that were not solved."""
+        n = self._dimension
+        return _arrays.numbers(self.vtk, "effective_conductivity").reshape(3, 3)[:n, :n]
+
+    @property
+    def estimated_error(self):
+        """Relative numerical error of the effective conductivity; NaN unless it was asked for."""
+        return float(_arrays.numbers(self.vtk, "estimated_error")[0])
+
+    @property
+    def extrapolated(self):
+        """Effective conductivity that the error estimate expects on an endlessly fine lattice, by direction."""
+        return self._by_direction("extrapolated_conductivity")
+
+    @property
+    def bounds(self):
+        """Bounds that only the phases' shares are needed for, a dictionary."""
+        names = ("series", "hashin_shtrikman_lower", "hashin_shtrikman_upper", "parallel")
+        return dict(zip(names, map(float, _arrays.numbers(self.vtk, "bounds"))))
+
+    @property
+    def iterations(self):
+        """Iterations by direction."""
+        return {axis: int(value) for axis, value in self._by_direction("iterations").items()}
+
+    @property
+    def balance(self):
+        """Relative difference of the flux through the worse face, by direction."""
+        return self._by_direction("balance")
+
+    @property
+    def fields(self):
+        """Fields and fluxes by name, as arrays in the order of pictures (views, no copies)."""
+        data = self.vtk.GetPointData()
+        names = [data.GetArrayName(i) for i in range(data.GetNumberOfArrays())]
+        kinds = ("temperature", "concentration", "flux")
+        return {name: self.array(name) for name in names if name.split("_")[0] in kinds}
+
+    def __repr__(self):
+        numbers = ", ".join(f"k_{axis} {self.effective[i, i]:.6g}" for i, axis in enumerate("xyz"[: self._dimension]))
+        return f"<lamella.DiffusionResult {numbers}>"
+
+
+def as_image(image):
+    """The vtkImageData behind a sample, a result or an array."""
+    if isinstance(image, ImageBase):
+        return image.vtk
+    if isinstance(image, vtkImageData):
+        return image
+    return from_array(image).vtk
+
+
+def diffusion(
+    image,
+    conductivity,
+    direction="all",
+    sides="insulated",
+    quantity="temperature",
+    lattice=None,
+    tolerance=1e-8,
+    threads=1,
+    fields=True,
+    flux=True,
+    estimate_error=False,
+    method="auto",
+    max_iterations=500,
+    progress=None,
+):
+    """Solves steady diffusion and returns a DiffusionResult.
+
+    image         a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers
+    conductivity  {name or number of the phase: value}, one for each phase that occurs, 0 for what does not conduct
+    direction     "x" (left to right), "y" (in a picture from top to bottom), "z" or "all"
+    sides         "insulated" or "periodic"
+    quantity      "temperature" or "concentration": names the field
+    lattice       None (d2q5 or d3q7), "d2q5", "d2q9", "d3q7" or "d3q19"
+    tolerance     largest relative error of the flux through either face
+    threads       0: all cores
+    fields, flux  whether the field and its flux are kept; what is not asked for is not computed
+    estimate_error  solve on a finer lattice too and estimate the error; several times the work
+    progress      called as progress(share, text); return False to cancel (raises Cancelled)
+
+    With direction "all" names of fields end in _x, _y, _z.
+    """
+    solver = vtkSteadyDiffusion()
+    solver.SetInputData(as_image(image))
+    solver.SetDirection(choose(_DIRECTIONS, direction, "direction"))
+    solver.SetSides(choose({"insulated": 0, "periodic": 1}, sides, "sides"))
+    solver.SetQuantity(choose({"temperature": 0, "concentration": 1}, quantity, "quantity"))
+    solver.SetLattice(choose(_LATTICES, lattice, "lattice"))
+    solver.SetMethod(choose(_METHODS, method, "method"))
+    for name, value in conductivity.items():
+        solver.SetConductivity(str(name), float(value))
+    solver.SetTolerance(tolerance)
+    solver.SetMaximumIterations(max_iterations)
+    solver.SetThreads(threads)
+    solver.SetComputeField(bool(fields))
+    solver.SetComputeFlux(bool(flux))
+    solver.SetEstimateError(bool(estimate_error))
+    run(solver, progress)
+    return DiffusionResult(solver.GetOutput())
