@@ -8,7 +8,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#endif
 
 namespace lamella::lbm
 {
@@ -19,9 +22,35 @@ namespace
 constexpr std::int64_t directLimit2 = 50000;
 constexpr std::int64_t directLimit3 = 16000;
 
-// Below this reduction of the error an iteration a V-cycle is left for a W-cycle: weakly conducting walls that part
-// well conducting cells need the coarse levels twice.
-constexpr double slowRate = 0.18;
+// When the error falls by less than this factor in two iterations running, V-cycles give way to W-cycles.
+constexpr double slowRate = 0.35;
+
+// Numbers too small for single precision become zero at once instead of slowing every operation down, while in scope.
+class FlushDenormals
+{
+public:
+#ifdef __SSE2__
+  FlushDenormals()
+    : saved_(_mm_getcsr())
+  {
+    _mm_setcsr(saved_ | 0x8040U); // flush to zero, denormals are zero
+  }
+  ~FlushDenormals()
+  {
+    _mm_setcsr(saved_);
+  }
+
+private:
+  unsigned saved_;
+#else
+  FlushDenormals() {}
+  ~FlushDenormals() {}
+
+private:
+#endif
+  FlushDenormals(const FlushDenormals&) = delete;
+  FlushDenormals& operator=(const FlushDenormals&) = delete;
+};
 
 class MultigridSystem final : public Backend
 {
@@ -46,37 +75,97 @@ public:
       field_.bytes() + problem_.phase.size() + (r_.size() + p_.size() + z_.size()) * sizeof(float))));
 
     field_.setLinearProfile();
-    double firstResidual = 0;
-    double previousBalance = 0;
-    int stagnant = 0;
-    for (int cycle = 0;; ++cycle)
+    const FlushDenormals flush;
+    const double tolerance = problem_.options.tolerance;
+    const auto judge = [&]
     {
       const FieldSums sums = evaluate();
       setEffective(result, sums, problem_.lattice, problem_.axis, field_.links().scale());
-      if (cycle == 0)
-        firstResidual = sums.residual2;
-      result.residual = firstResidual > 0 ? std::sqrt(sums.residual2 / firstResidual) : 0.0;
-      reportProgress(
-        problem_.options, problem_.comm, progressOf(result.balance, problem_.options.tolerance), "solving");
+      if (residualNorm_ == 0)
+        residualNorm_ = std::sqrt(sums.residual2);
+      result.residual = residualNorm_ > 0 ? std::sqrt(sums.residual2) / residualNorm_ : 0.0;
       if (!std::isfinite(result.balance))
         throw DivergenceError(fmt::format("the flux is not finite after {} iterations", result.iterations),
           "please report this with the picture and the conductivities");
-      if (sums.residual2 == 0 || (cycle > 0 && result.balance <= problem_.options.tolerance))
-        break;
-      stagnant = cycle > 1 && result.balance > 0.3 * previousBalance ? stagnant + 1 : 0;
-      if (result.iterations >= problem_.options.maxIterations || stagnant == 3)
-        throw DivergenceError(
-          fmt::format("the face fluxes still differ by {:.1e} after {} multigrid iterations (asked for {:.1e})",
-            result.balance, result.iterations, problem_.options.tolerance),
-          "loosen --tolerance, or use --method algebraic-multigrid for a contrast as large as this");
-      previousBalance = result.balance;
-      // single precision carries about five digits; the last cycle goes no further than it must
-      const double wanted =
-        cycle == 0 ? 1e-5 : std::clamp(0.1 * problem_.options.tolerance / result.balance, 1e-5, 0.1);
-      result.iterations +=
-        improve(std::sqrt(sums.residual2), wanted, problem_.options.maxIterations - result.iterations);
+      return sums.residual2;
+    };
+    // A residual that is nothing but the round-off of link fluxes of about 1 / n: the linear profile was the answer.
+    const double roundOff = 1e-14 * std::sqrt(static_cast<double>(problem_.lattice.count())) /
+      static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(problem_.axis)]);
+    if (std::sqrt(judge()) <= roundOff)
+      return result;
+
+    // Conjugate gradients in single precision. Now and then the residual is computed anew from the field, in double
+    // precision, and takes the place of the recurrence's (van der Vorst & Ye, SIAM J. Sci. Comput. 22 (2000) 835); the
+    // search direction stays, so nothing that was learnt about the spectrum is lost.
+    const float scale = static_cast<float>(1.0 / residualNorm_);
+    double rz = 0;           // r·z of the last iteration
+    double reference = -1;   // r·z when the residual was last replaced
+    double reduction = 1e-4; // of the error, until the next replacement
+    double previousBalance = 0;
+    int stagnant = 0;
+    int slow = 0;
+    bool replaced = true;
+    bool restart = true;
+    for (;;)
+    {
+      if (replaced)
+        forEachRow([&](std::int64_t, std::int64_t, std::int64_t row, const Grid& g) { scaleRow(row, g, scale); });
+      multigrid_.apply(r_, z_);
+      const double rzNew = problem_.comm.sum(dot(r_, z_));
+      if (replaced)
+        reference = rzNew;
+      const bool exhausted = !(rzNew > 0) || !std::isfinite(rzNew);
+      if (exhausted || (!replaced && rzNew <= reduction * reduction * reference))
+      {
+        judge();
+        reportProgress(problem_.options, problem_.comm, progressOf(result.balance, tolerance), "solving");
+        if (result.balance <= tolerance)
+          return result;
+        stagnant = previousBalance > 0 && result.balance > 0.5 * previousBalance ? stagnant + 1 : 0;
+        if (stagnant == 3)
+          fail(result);
+        previousBalance = result.balance;
+        reduction = std::clamp(0.3 * tolerance / result.balance, 1e-4, 0.3);
+        restart = restart || exhausted;
+        replaced = true;
+        continue;
+      }
+      if (result.iterations >= problem_.options.maxIterations)
+      {
+        judge();
+        if (result.balance <= tolerance)
+          return result;
+        fail(result);
+      }
+      // weakly conducting walls between well conducting cells are too much for a V-cycle
+      slow = !restart && rzNew > slowRate * slowRate * rz ? slow + 1 : 0;
+      if (slow == 2 && multigrid_.visits() == 1)
+      {
+        multigrid_.setVisits(2);
+        restart = true;
+        slow = 0;
+        replaced = false;
+        continue;
+      }
+      const float beta = restart ? 0.0F : static_cast<float>(rzNew / rz);
+      restart = replaced = false;
+      rz = rzNew;
+      if (!step(rz, beta))
+      {
+        // nothing left to gain in this direction: round-off, which the true residual will show
+        judge();
+        if (result.balance <= tolerance)
+          return result;
+        if (++stagnant > 3)
+          fail(result);
+        restart = replaced = true;
+        continue;
+      }
+      ++result.iterations;
+      reportProgress(
+        problem_.options, problem_.comm, 0.02 + 0.2 * (1 - std::exp(-result.iterations / 10.0)), "solving");
     }
-    return result;
   }
 
   void value(std::span<double> out) const override { field_.value(out); }
@@ -104,73 +193,45 @@ private:
       });
   }
 
-  // Conjugate gradients on A e = r_ until the error in the norm of the preconditioner has fallen by `reduction`; adds e
-  // to the field. Returns the iterations.
-  int improve(double residualNorm, double reduction, int maxIterations)
+  // p = z + β p, then one step along p; false when p carries no energy (round-off).
+  bool step(double rz, float beta)
   {
-    // unit scale, so that single precision never under- or overflows
-    const float scale = static_cast<float>(1.0 / residualNorm);
-    forEachRow([&](std::int64_t, std::int64_t, std::int64_t row, const Grid& g) { scaleRow(row, g, scale); });
-    double rz = 0;
-    double first = -1;
-    double atSwitch = 0;
-    int sinceStart = 0;
-    for (int iteration = 0;; ++iteration)
-    {
-      multigrid_.apply(r_, z_);
-      const double rzNew = problem_.comm.sum(dot(r_, z_));
-      if (!(rzNew > 0) || !std::isfinite(rzNew))
-        return iteration;
-      if (first < 0)
-        first = atSwitch = rzNew;
-      if (rzNew <= reduction * reduction * first || iteration >= maxIterations)
-        return iteration;
-
-      // too slow for a V-cycle?
-      bool restart = sinceStart == 0;
-      if (multigrid_.visits() == 1 && sinceStart == 4)
+    forEachRow(
+      [&](std::int64_t, std::int64_t, std::int64_t row, const Grid& g)
       {
-        const double rate = std::pow(rzNew / atSwitch, 0.5 / sinceStart);
-        if (rate > slowRate)
+        kernels().xpby(g.even, z_.data() + row, beta, p_.data() + row);
+        kernels().xpby(g.odd, z_.data() + row + g.half, beta, p_.data() + row + g.half);
+      });
+    const double pq = problem_.comm.sum(multigrid_.multiply(p_, z_));
+    if (!(pq > 0))
+      return false;
+    const float alpha = static_cast<float>(rz / pq); // the same for field and residual, or they would drift apart
+    const double length = static_cast<double>(alpha) * residualNorm_;
+    forEachRow(
+      [&](std::int64_t y, std::int64_t z, std::int64_t row, const Grid& g)
+      {
+        kernels().axpy(g.even, -alpha, z_.data() + row, r_.data() + row);
+        kernels().axpy(g.odd, -alpha, z_.data() + row + g.half, r_.data() + row + g.half);
+        double* u = field_.rowValues(y, z);
+        const float* even = p_.data() + row;
+        const float* odd = even + g.half;
+        for (std::int64_t i = 0; i < g.odd; ++i)
         {
-          multigrid_.setVisits(2);
-          sinceStart = 0;
-          continue;
+          u[2 * i] += length * static_cast<double>(even[i]);
+          u[2 * i + 1] += length * static_cast<double>(odd[i]);
         }
-      }
-      const float beta = restart ? 0.0F : static_cast<float>(rzNew / rz);
-      rz = rzNew;
-      forEachRow(
-        [&](std::int64_t, std::int64_t, std::int64_t row, const Grid& g)
-        {
-          kernels().xpby(g.even, z_.data() + row, beta, p_.data() + row);
-          kernels().xpby(g.odd, z_.data() + row + g.half, beta, p_.data() + row + g.half);
-        });
-      const double pq = problem_.comm.sum(multigrid_.multiply(p_, z_));
-      if (!(pq > 0))
-        return iteration;
-      const double alpha = rz / pq;
-      forEachRow(
-        [&](std::int64_t y, std::int64_t z, std::int64_t row, const Grid& g)
-        {
-          kernels().axpy(g.even, static_cast<float>(-alpha), z_.data() + row, r_.data() + row);
-          kernels().axpy(g.odd, static_cast<float>(-alpha), z_.data() + row + g.half, r_.data() + row + g.half);
-          double* u = field_.rowValues(y, z);
-          const float* even = p_.data() + row;
-          const float* odd = even + g.half;
-          const double step = alpha * residualNorm;
-          for (std::int64_t i = 0; i < g.odd; ++i)
-          {
-            u[2 * i] += step * static_cast<double>(even[i]);
-            u[2 * i + 1] += step * static_cast<double>(odd[i]);
-          }
-          if (g.even > g.odd)
-            u[2 * g.odd] += step * static_cast<double>(even[g.odd]);
-        });
-      ++sinceStart;
-      reportProgress(problem_.options, problem_.comm,
-        0.05 + 0.9 * std::clamp(std::log(rzNew / first) / std::log(1e-16), 0.0, 1.0), "solving");
-    }
+        if (g.even > g.odd)
+          u[2 * g.odd] += length * static_cast<double>(even[g.odd]);
+      });
+    return true;
+  }
+
+  [[noreturn]] void fail(const SteadyResult& result) const
+  {
+    throw DivergenceError(
+      fmt::format("the face fluxes still differ by {:.1e} after {} multigrid iterations (asked for {:.1e})",
+        result.balance, result.iterations, problem_.options.tolerance),
+      "loosen --tolerance, or use --method algebraic-multigrid for a contrast as large as this");
   }
 
   void scaleRow(std::int64_t row, const Grid& g, float scale)
@@ -210,9 +271,10 @@ private:
   Problem problem_;
   BoxField field_;
   Multigrid multigrid_;
-  FloatArray r_; // residual of the correction
-  FloatArray p_; // search direction
-  FloatArray z_; // preconditioned residual, then A p
+  double residualNorm_ = 0; // of the first residual: r, p and z are in units of it
+  FloatArray r_;            // residual
+  FloatArray p_;            // search direction
+  FloatArray z_;            // preconditioned residual, then A p
 };
 
 Level MultigridSystem::finestLevel()

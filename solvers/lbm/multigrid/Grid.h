@@ -37,7 +37,7 @@ struct Grid
   {
   }
 
-  static constexpr std::int64_t lead = 16; ///< floats before the first row
+  static constexpr std::int64_t lead = 16; ///< floats before the first row and after the last: blocks may read past it
   [[nodiscard]] std::int64_t rows() const noexcept { return (ny + 2) * (nz + 2 * ghostZ); }
   [[nodiscard]] std::size_t floats() const noexcept { return static_cast<std::size_t>(2 * lead + rows() * stride); }
   /// Offset of a row's even part, y = -1 … ny, z = -1 … nz (3D).

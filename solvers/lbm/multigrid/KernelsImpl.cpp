@@ -107,88 +107,130 @@ double applyStraight(int count, std::int64_t n, float* q, const float* p, const 
   return sum;
 }
 
-// Blocks of `lanes` nodes keep their sums in registers while the links pass by.
-constexpr int lanes = 32;
+// Eight floats that the compiler keeps in registers, whatever their alignment.
+typedef float Vector __attribute__((vector_size(32), aligned(4), may_alias));
+constexpr int lanes = 8;
 
-template <bool Difference>
-void sumLinks(int count, std::int64_t first, const float* u, const float* const* g, const float* const* v, float* sum)
+inline Vector load(const float* p)
 {
+  return *reinterpret_cast<const Vector*>(p);
+}
+inline void store(float* p, Vector v)
+{
+  *reinterpret_cast<Vector*>(p) = v;
+}
+
+// Sums over the links for `Blocks` × 8 nodes from `first` on, kept in registers while the links pass by.
+template <int Blocks, bool Difference>
+inline void sumLinks(
+  int count, std::int64_t first, const Vector* centre, const float* const* g, const float* const* v, Vector* total)
+{
+  Vector sum[Blocks];
+  for (int b = 0; b < Blocks; ++b)
+    sum[b] = total[b];
   for (int k = 0; k < count; ++k)
   {
     const float* gk = g[k] + first;
     const float* vk = v[k] + first;
-    LAMELLA_SIMD
-    for (int j = 0; j < lanes; ++j)
-      sum[j] += gk[j] * (Difference ? vk[j] - u[first + j] : vk[j]);
+    for (int b = 0; b < Blocks; ++b)
+      sum[b] += load(gk + lanes * b) * (Difference ? load(vk + lanes * b) - centre[b] : load(vk + lanes * b));
   }
+  for (int b = 0; b < Blocks; ++b)
+    total[b] = sum[b];
 }
 
-template <bool Difference>
-void sumLinksRest(int count, std::int64_t first, std::int64_t n, const float* u, const float* const* g,
-  const float* const* v, float* sum)
+// Calls f(std::integral_constant-like block count, first, nodes in it): whole blocks of 32 nodes, then of 8. The last
+// one may reach past the row; what it reads there is never used, and it is told how many nodes to write.
+template <int N>
+struct Count
 {
-  for (int k = 0; k < count; ++k)
-    for (std::int64_t j = first; j < n; ++j)
-      sum[j - first] += g[k][j] * (Difference ? v[k][j] - u[j] : v[k][j]);
+  static constexpr int value = N;
+};
+template <class F>
+inline void forBlocks(std::int64_t n, F&& f)
+{
+  std::int64_t first = 0;
+  for (; first + 4 * lanes <= n; first += 4 * lanes)
+    f(Count<4>{}, first, 4 * lanes);
+  for (; first < n; first += lanes)
+    f(Count<1>{}, first, static_cast<int>(n - first < lanes ? n - first : lanes));
+}
+
+template <int Blocks>
+inline void storeFirst(float* out, const Vector* v, int nodes)
+{
+  if (nodes == Blocks * lanes)
+  {
+    for (int b = 0; b < Blocks; ++b)
+      store(out + lanes * b, v[b]);
+    return;
+  }
+  for (int j = 0; j < nodes; ++j)
+    out[j] = v[j / lanes][j % lanes];
 }
 
 void relaxGeneral(int count, std::int64_t n, float* u, const float* f, const float* inverse, const float* const* g,
   const float* const* v)
 {
-  float sum[lanes];
-  for (std::int64_t first = 0; first < n; first += lanes)
-  {
-    const std::int64_t m = n - first < lanes ? n - first : lanes;
-    for (std::int64_t j = 0; j < m; ++j)
-      sum[j] = f[first + j];
-    if (m == lanes)
-      sumLinks<false>(count, first, u, g, v, sum);
-    else
-      sumLinksRest<false>(count, first, n, u, g, v, sum);
-    for (std::int64_t j = 0; j < m; ++j)
-      u[first + j] = sum[j] * inverse[first + j];
-  }
+  forBlocks(n,
+    [&](auto blocks, std::int64_t first, int nodes)
+    {
+      constexpr int Blocks = decltype(blocks)::value;
+      Vector sum[Blocks];
+      for (int b = 0; b < Blocks; ++b)
+        sum[b] = load(f + first + lanes * b);
+      sumLinks<Blocks, false>(count, first, sum, g, v, sum);
+      for (int b = 0; b < Blocks; ++b)
+        sum[b] *= load(inverse + first + lanes * b);
+      storeFirst<Blocks>(u + first, sum, nodes);
+    });
 }
 
 void residualGeneral(
   int count, std::int64_t n, float* r, const float* f, const float* u, const float* const* g, const float* const* v)
 {
-  float sum[lanes];
-  for (std::int64_t first = 0; first < n; first += lanes)
-  {
-    const std::int64_t m = n - first < lanes ? n - first : lanes;
-    for (std::int64_t j = 0; j < m; ++j)
-      sum[j] = f[first + j];
-    if (m == lanes)
-      sumLinks<true>(count, first, u, g, v, sum);
-    else
-      sumLinksRest<true>(count, first, n, u, g, v, sum);
-    for (std::int64_t j = 0; j < m; ++j)
-      r[first + j] = sum[j];
-  }
+  forBlocks(n,
+    [&](auto blocks, std::int64_t first, int nodes)
+    {
+      constexpr int Blocks = decltype(blocks)::value;
+      Vector sum[Blocks];
+      Vector centre[Blocks];
+      for (int b = 0; b < Blocks; ++b)
+      {
+        sum[b] = load(f + first + lanes * b);
+        centre[b] = load(u + first + lanes * b);
+      }
+      sumLinks<Blocks, true>(count, first, centre, g, v, sum);
+      storeFirst<Blocks>(r + first, sum, nodes);
+    });
 }
 
 double applyGeneral(int count, std::int64_t n, float* q, const float* p, const float* const* g, const float* const* v)
 {
-  float sum[lanes];
   double total = 0;
-  for (std::int64_t first = 0; first < n; first += lanes)
-  {
-    const std::int64_t m = n - first < lanes ? n - first : lanes;
-    for (std::int64_t j = 0; j < m; ++j)
-      sum[j] = 0;
-    if (m == lanes)
-      sumLinks<true>(count, first, p, g, v, sum);
-    else
-      sumLinksRest<true>(count, first, n, p, g, v, sum);
-    float part = 0;
-    for (std::int64_t j = 0; j < m; ++j)
+  forBlocks(n,
+    [&](auto blocks, std::int64_t first, int nodes)
     {
-      q[first + j] = -sum[j];
-      part -= sum[j] * p[first + j];
-    }
-    total += part;
-  }
+      constexpr int Blocks = decltype(blocks)::value;
+      Vector sum[Blocks];
+      Vector centre[Blocks];
+      for (int b = 0; b < Blocks; ++b)
+      {
+        sum[b] = Vector{};
+        centre[b] = load(p + first + lanes * b);
+      }
+      sumLinks<Blocks, true>(count, first, centre, g, v, sum);
+      float part = 0;
+      for (int b = 0; b < Blocks; ++b)
+      {
+        sum[b] = -sum[b];
+        const Vector product = sum[b] * centre[b];
+        for (int j = 0; j < lanes; ++j)
+          part += lanes * b + j < nodes ? product[j] : 0.0F;
+      }
+      total += part;
+      storeFirst<Blocks>(q + first, sum, nodes);
+    });
   return total;
 }
 
@@ -278,6 +320,7 @@ void galerkinBlock(bool straight, std::int64_t first, int valid, std::int64_t ha
 
   // Interpolation rows of the 3 × 3 (× 3) nodes of the closed cell, onto its corners.
   float row[27][8][width];
+  unsigned reached[27]; // corners that a node's row may have an entry for
   for (int c = 0; c < layers; ++c)
     for (int b = 0; b < 3; ++b)
       for (int a = 0; a < 3; ++a)
@@ -285,6 +328,10 @@ void galerkinBlock(bool straight, std::int64_t first, int valid, std::int64_t ha
         const int node = a + 3 * b + 9 * c;
         const int kind = (a & 1) + 2 * (b & 1) + 4 * (c & 1);
         const int base = (a / 2) + 2 * (b / 2) + 4 * (c / 2); // the lowest corner that this node reaches
+        reached[node] = 0;
+        for (int k = 0; k < corners; ++k)
+          if ((k & ~kind) == 0)
+            reached[node] |= 1U << (base + k);
         for (int k = 0; k < corners; ++k)
           for (int j = 0; j < width; ++j)
             row[node][k][j] = 0;
@@ -331,18 +378,26 @@ void galerkinBlock(bool straight, std::int64_t first, int valid, std::int64_t ha
           float conductance[width];
           for (int j = 0; j < width; ++j)
             conductance[j] = j < valid ? g[j] : 0.0F;
+          int list[8];
+          int used = 0;
+          for (int k = 0; k < corners; ++k)
+            if (((reached[from] | reached[to]) >> k) & 1U)
+              list[used++] = k;
           float difference[8][width];
-          for (int k = 0; k < corners; ++k)
+          for (int k = 0; k < used; ++k)
             for (int j = 0; j < width; ++j)
-              difference[k][j] = row[from][k][j] - row[to][k][j];
-          for (int k = 0; k < corners; ++k)
+              difference[k][j] = row[from][list[k]][j] - row[to][list[k]][j];
+          for (int k = 0; k < used; ++k)
           {
             float scaled[width];
             for (int j = 0; j < width; ++j)
               scaled[j] = -conductance[j] * difference[k][j];
-            for (int l = k + 1; l < corners; ++l)
+            for (int l = k + 1; l < used; ++l)
+            {
+              float* target = sum[list[k]][list[l]];
               for (int j = 0; j < width; ++j)
-                sum[k][l][j] += scaled[j] * difference[l][j];
+                target[j] += scaled[j] * difference[l][j];
+            }
           }
         }
 

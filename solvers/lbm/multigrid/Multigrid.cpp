@@ -122,7 +122,9 @@ void Multigrid::cycle(std::size_t index, const FloatArray& f, FloatArray& u, boo
   relax(level, f, u, true, fromZero);
   restrictResidual(level, f, u, next);
   cycle(index + 1, next.f, next.u, true);
-  for (int visit = 1; visit < visits_ && index + 2 < levels_.size(); ++visit)
+  // in 3D the second visits begin a level further down: the first coarse level is four fifths of their cost
+  const bool again = level.grid.dimension == 2 || index > 0;
+  for (int visit = 1; again && visit < visits_ && index + 2 < levels_.size(); ++visit)
     cycle(index + 1, next.f, next.u, false);
   interpolateAdd(level, u, next);
   relax(level, f, u, false, false);
@@ -210,6 +212,36 @@ void Multigrid::relax(const Level& level, const FloatArray& f, FloatArray& u, bo
 
   if (fromZero)
     std::fill(u.begin(), u.end(), 0.0F);
+  // Rows of equal parity in y and z do not touch; within a row the even nodes come first, or last on the way back.
+  const auto rowsOf = [&](std::int64_t startY, std::int64_t z)
+  {
+    for (std::int64_t y = startY; y < g.ny; y += 2)
+    {
+      relaxRow(level, f, u, y, z, forward ? 0 : 1, false);
+      relaxRow(level, f, u, y, z, forward ? 1 : 0, false);
+    }
+  };
+  const std::int64_t firstY = forward ? 0 : 1;
+  if (threads_ == 1 && !communicates() && g.dimension == 3)
+  {
+    // The order of colours even planes first (or last), a plane at a time: a plane of one parity follows as soon as
+    // both its neighbours are done, so that links are still in cache. The same numbers as colour by colour.
+    const std::int64_t firstParity = forward ? 0 : 1;
+    const auto plane = [&](std::int64_t z)
+    {
+      rowsOf(firstY, z);
+      rowsOf(1 - firstY, z);
+    };
+    for (std::int64_t z = 0; z <= g.nz; ++z)
+    {
+      if (z < g.nz && (z & 1) == firstParity)
+        plane(z);
+      // the plane below, of the other parity, has both neighbours once z is done, or lies at the end
+      if (z > 0 && ((z - 1) & 1) != firstParity && (z == g.nz || (z & 1) == firstParity))
+        plane(z - 1);
+    }
+    return;
+  }
   const int colours = g.dimension == 3 ? 4 : 2;
   for (int i = 0; i < colours; ++i)
   {
@@ -557,41 +589,68 @@ void Multigrid::computeWeights(Level& fine, const Level& coarse) const
               neighbours.push_back(nb);
             }
 
+        // sums for the whole row at once: total, one row a corner, and the links to one neighbour
         const std::int64_t n = g.count(part);
-        for (std::int64_t x = 0; x < n; ++x)
+        std::vector<float> sums(static_cast<std::size_t>(10 * n), 0.0F);
+        float* total = sums.data();
+        float* link = total + n;
+        const auto cornerSum = [&](int corner) { return sums.data() + (2 + corner) * n; };
+        for (const Neighbour& nb : neighbours)
         {
-          std::array<float, 8> w{};
-          float total = 0;
-          for (const Neighbour& nb : neighbours)
+          std::copy_n(nb.link[0], n, link);
+          for (int l = 1; l < nb.links; ++l)
           {
-            float link = 0;
-            for (int l = 0; l < nb.links; ++l)
-              link += nb.link[static_cast<std::size_t>(l)][x];
-            link = std::max(link, 0.0F);
-            total += link;
-            if (nb.kind == 0)
-              w[static_cast<std::size_t>(nb.base)] += link * 65535.0F;
-            else
-              for (int corner = 0; corner < kinds; ++corner)
-                if (const std::uint16_t* weight = nb.weight[static_cast<std::size_t>(corner)])
-                  w[static_cast<std::size_t>(nb.base + corner)] += link * static_cast<float>(weight[x]);
+            const float* more = nb.link[static_cast<std::size_t>(l)];
+            for (std::int64_t x = 0; x < n; ++x)
+              link[x] += more[x];
           }
-          if (!(total > 0))
-            continue; // stays with the lowest corner
-          int rest = 65535;
-          int largest = 0;
+          for (std::int64_t x = 0; x < n; ++x)
+          {
+            link[x] = link[x] > 0.0F ? link[x] : 0.0F;
+            total[x] += link[x];
+          }
+          if (nb.kind == 0)
+          {
+            float* w = cornerSum(nb.base);
+            for (std::int64_t x = 0; x < n; ++x)
+              w[x] += link[x] * 65535.0F;
+            continue;
+          }
           for (int corner = 0; corner < kinds; ++corner)
-            if ((corner & ~kind) == 0)
+            if (const std::uint16_t* weight = nb.weight[static_cast<std::size_t>(corner)])
             {
-              const int value = static_cast<int>(w[static_cast<std::size_t>(corner)] / total + 0.5F);
-              target[static_cast<std::size_t>(corner)][x] = static_cast<std::uint16_t>(std::min(value, 65535));
-              rest -= target[static_cast<std::size_t>(corner)][x];
-              if (target[static_cast<std::size_t>(corner)][x] >= target[static_cast<std::size_t>(largest)][x])
-                largest = corner;
+              float* w = cornerSum(nb.base + corner);
+              for (std::int64_t x = 0; x < n; ++x)
+                w[x] += link[x] * static_cast<float>(static_cast<std::int32_t>(weight[x]));
             }
-          target[static_cast<std::size_t>(largest)][x] =
-            static_cast<std::uint16_t>(target[static_cast<std::size_t>(largest)][x] + rest);
         }
+        // fractions of 65535, what rounding leaves going to the corner with the largest; no link at all: lowest corner
+        std::vector<int> values(static_cast<std::size_t>(3 * n), 0);
+        int* rest = values.data();
+        int* largest = rest + n;
+        int* owner = largest + n;
+        std::fill_n(rest, n, 65535);
+        for (int corner = 0; corner < kinds; ++corner)
+        {
+          std::uint16_t* out = target[static_cast<std::size_t>(corner)];
+          if (out == nullptr)
+            continue;
+          const float* w = cornerSum(corner);
+          for (std::int64_t x = 0; x < n; ++x)
+          {
+            const int value = total[x] > 0.0F ? static_cast<int>(w[x] / total[x] + 0.5F) : 0;
+            out[x] = static_cast<std::uint16_t>(value);
+            rest[x] -= value;
+            owner[x] = value > largest[x] ? corner : owner[x];
+            largest[x] = value > largest[x] ? value : largest[x];
+          }
+        }
+        for (std::int64_t x = 0; x < n; ++x)
+          if (rest[x] != 0)
+          {
+            std::uint16_t& w = target[static_cast<std::size_t>(owner[x])][x];
+            w = static_cast<std::uint16_t>(w + rest[x]);
+          }
         for (std::int64_t x = n; x < c.nx; ++x)
           atHighestCorner(x);
       }

@@ -1,0 +1,593 @@
+#include "Quantity.h"
+
+#include "vtkCellData.h"
+#include "vtkDataArray.h"
+#include "vtkDataSet.h"
+#include "vtkFieldData.h"
+#include "vtkInformation.h"
+#include "vtkInformationStringKey.h"
+#include "vtkPointData.h"
+#include "vtkSnapshot.h"
+#include "vtkStringArray.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace lamella::rendering
+{
+namespace
+{
+
+constexpr std::size_t MostPhases = 32;
+
+std::string ListArrays(vtkDataSetAttributes* attributes)
+{
+  std::string list;
+  for (int i = 0; i < attributes->GetNumberOfArrays(); ++i)
+  {
+    const char* name = attributes->GetArrayName(i);
+    list += (list.empty() ? "" : ", ") + std::string(name ? name : "(without a name)");
+  }
+  return list.empty() ? "none" : list;
+}
+
+/// Name of the array that a preset draws by itself.
+std::string DefaultArray(vtkDataSet* data, int preset)
+{
+  switch (preset)
+  {
+    case vtkSnapshot::PHASE:
+      return "phase";
+    case vtkSnapshot::TEMPERATURE:
+      return "temperature";
+    case vtkSnapshot::CONCENTRATION:
+      return "concentration";
+    case vtkSnapshot::FLUX:
+      return "flux";
+    case vtkSnapshot::GRAIN:
+      return "grain";
+    default:
+      break;
+  }
+  for (const char* name : { "flux", "temperature", "concentration", "grain", "phase" })
+  {
+    if (data->GetPointData()->HasArray(name) || data->GetCellData()->HasArray(name))
+    {
+      return name;
+    }
+  }
+  for (vtkDataSetAttributes* attributes : { static_cast<vtkDataSetAttributes*>(data->GetPointData()),
+         static_cast<vtkDataSetAttributes*>(data->GetCellData()) })
+  {
+    for (int i = 0; i < attributes->GetNumberOfArrays(); ++i)
+    {
+      if (attributes->GetArray(i) && attributes->GetArrayName(i))
+      {
+        return attributes->GetArrayName(i);
+      }
+    }
+  }
+  throw SnapshotError{ "the data have no array to draw", "compute a field first, or draw the file it was read from" };
+}
+
+int PresetOfName(const std::string& name)
+{
+  for (const int preset :
+    { vtkSnapshot::PHASE, vtkSnapshot::TEMPERATURE, vtkSnapshot::CONCENTRATION, vtkSnapshot::FLUX, vtkSnapshot::GRAIN })
+  {
+    if (name == vtkSnapshot::GetPresetName(preset))
+    {
+      return preset;
+    }
+  }
+  return vtkSnapshot::SCALAR;
+}
+
+vtkDataArray* GetArray(vtkDataSet* data, const std::string& name, bool allowCells, bool& onCells)
+{
+  vtkDataArray* array = data->GetPointData()->GetArray(name.c_str());
+  vtkDataArray* cells = data->GetCellData()->GetArray(name.c_str());
+  onCells = !array && cells && allowCells;
+  if (array || onCells)
+  {
+    return array ? array : cells;
+  }
+  if (cells)
+  {
+    throw SnapshotError{ "'" + name + "' is an array of cells; a lattice is drawn of its points",
+      "turn it into point data (vtkCellDataToPointData, or ParaView's filter of that name)" };
+  }
+  throw SnapshotError{ "there is no array '" + name + "' in the data; point data: " + ListArrays(data->GetPointData()) +
+      (allowCells ? "; cell data: " + ListArrays(data->GetCellData()) : ""),
+    "name one of these, or compute the field first" };
+}
+
+/// Values in component `component`, or the magnitude; NaN where the field is not defined.
+std::vector<float> ReadValues(vtkDataArray* array, int component)
+{
+  const vtkIdType count = array->GetNumberOfTuples();
+  const int components = array->GetNumberOfComponents();
+  std::vector<float> values(static_cast<std::size_t>(count));
+  for (vtkIdType i = 0; i < count; ++i)
+  {
+    double value = 0;
+    if (component >= 0 || components == 1)
+    {
+      value = array->GetComponent(i, std::max(component, 0));
+    }
+    else
+    {
+      for (int c = 0; c < components; ++c)
+      {
+        const double part = array->GetComponent(i, c);
+        value += part * part;
+      }
+      value = std::sqrt(value);
+    }
+    values[static_cast<std::size_t>(i)] =
+      std::isfinite(value) ? static_cast<float>(value) : std::numeric_limits<float>::quiet_NaN();
+  }
+  return values;
+}
+
+double MeanFlux(vtkDataArray* array)
+{
+  std::array<double, 3> mean{};
+  const int components = std::min(3, array->GetNumberOfComponents());
+  const vtkIdType count = array->GetNumberOfTuples();
+  double magnitude = 0;
+  for (vtkIdType i = 0; i < count; ++i)
+  {
+    double square = 0;
+    for (int c = 0; c < components; ++c)
+    {
+      const double part = array->GetComponent(i, c);
+      if (std::isfinite(part))
+      {
+        mean.at(static_cast<std::size_t>(c)) += part / static_cast<double>(count);
+        square += part * part;
+      }
+    }
+    magnitude += std::sqrt(square) / static_cast<double>(count);
+  }
+  const double size = std::hypot(mean[0], mean[1], mean[2]);
+  return size > 1e-6 * magnitude ? size : 0;
+}
+
+std::string Capitalised(std::string name)
+{
+  std::replace(name.begin(), name.end(), '_', ' ');
+  if (!name.empty())
+  {
+    name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
+  }
+  return name;
+}
+
+void ReadIds(Quantity& quantity, vtkDataSet* data, const std::array<int, 3>& size, const SnapshotOptions& options)
+{
+  vtkDataArray* array = quantity.array;
+  if (array->GetNumberOfComponents() != 1)
+  {
+    throw SnapshotError{ "'" + std::string(array->GetName()) + "' has " +
+        std::to_string(array->GetNumberOfComponents()) + " components; phases and grains have one",
+      "draw it with the preset scalar or flux" };
+  }
+  const auto count = static_cast<std::size_t>(array->GetNumberOfTuples());
+  std::vector<std::int64_t> raw(count);
+  bool anyDefined = false;
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const double value = array->GetComponent(static_cast<vtkIdType>(i), 0);
+    if (!std::isfinite(value))
+    {
+      raw[i] = -1;
+      quantity.hasUndefined = true;
+      continue;
+    }
+    if (value != std::floor(value) || value < 0 || value > 2147483647.0)
+    {
+      throw SnapshotError{ "'" + std::string(array->GetName()) + "' has the value " + std::to_string(value) +
+          ", which is no id of a phase or grain (0, 1, 2 ...)",
+        "draw it with the preset scalar" };
+    }
+    raw[i] = static_cast<std::int64_t>(value);
+    anyDefined = true;
+  }
+  if (!anyDefined)
+  {
+    throw SnapshotError{ "'" + std::string(array->GetName()) + "' has no finite value", "nothing can be drawn of it" };
+  }
+
+  std::vector<std::int64_t> present(raw);
+  std::sort(present.begin(), present.end());
+  present.erase(std::unique(present.begin(), present.end()), present.end());
+  if (!present.empty() && present.front() < 0)
+  {
+    present.erase(present.begin());
+  }
+  quantity.ids.resize(count);
+  if (quantity.preset == vtkSnapshot::GRAIN)
+  {
+    // Places in the sorted list of ids stand for them: ids may be large and sparse. No grain (0) keeps the first place.
+    if (present.front() != 0)
+    {
+      present.insert(present.begin(), 0);
+    }
+    std::transform(raw.begin(), raw.end(), raw.begin(),
+      [&](std::int64_t id)
+      { return id < 0 ? -1 : std::lower_bound(present.begin(), present.end(), id) - present.begin(); });
+    quantity.idColors = size[0] > 0
+      ? GrainColors(raw, size[0], size[1], size[2])
+      : GrainColors(raw, static_cast<int>(std::min<std::size_t>(count, 2147483647)), 1, 1);
+    quantity.idNames.resize(quantity.idColors.size());
+    quantity.idIsVoid.assign(quantity.idColors.size(), false);
+    quantity.idIsVoid[0] = true;
+    std::transform(
+      raw.begin(), raw.end(), quantity.ids.begin(), [](std::int64_t id) { return static_cast<std::int32_t>(id); });
+    return;
+  }
+
+  if (present.size() > MostPhases)
+  {
+    throw SnapshotError{ "'" + std::string(array->GetName()) + "' has " + std::to_string(present.size()) +
+        " different values; as phases at most " + std::to_string(MostPhases) + " can be told apart",
+      "draw it with the preset grain or scalar" };
+  }
+  auto* table = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("phase_names"));
+  const auto places = static_cast<std::size_t>(
+    std::max<std::int64_t>(present.back() + 1, table ? static_cast<std::int64_t>(table->GetNumberOfValues()) : 0));
+  std::vector<std::string> names(places);
+  for (std::size_t id = 0; id < places; ++id)
+  {
+    const bool named = table && static_cast<vtkIdType>(id) < table->GetNumberOfValues();
+    names[id] = named ? std::string(table->GetValue(static_cast<vtkIdType>(id))) : "phase " + std::to_string(id);
+  }
+  quantity.idColors = PhaseColors(names);
+  quantity.idIsVoid.resize(places);
+  std::transform(
+    names.begin(), names.end(), quantity.idIsVoid.begin(), [](const auto& name) { return IsVoidName(name); });
+  if (std::none_of(quantity.idIsVoid.begin(), quantity.idIsVoid.end(), [](bool v) { return v; }) && present.size() > 1)
+  {
+    quantity.idIsVoid[0] = !table; // without names the first is the void, as the data model has it
+    if (!table)
+    {
+      quantity.idColors[0] = PhaseColors(std::vector<std::string>{ "void" })[0];
+    }
+  }
+  for (const auto& [name, rgb] : options.phaseColors)
+  {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end())
+    {
+      std::string list;
+      for (const std::string& known : names)
+      {
+        list += (list.empty() ? "" : ", ") + known;
+      }
+      throw SnapshotError{ "a colour is given for the phase '" + name + "', which the data do not have",
+        "they have: " + list };
+    }
+    const auto channel = [](double c) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(c, 0.0, 1.0))); };
+    quantity.idColors[static_cast<std::size_t>(found - names.begin())] = { channel(rgb[0]), channel(rgb[1]),
+      channel(rgb[2]), 255 };
+  }
+  quantity.idNames.resize(places);
+  for (const std::int64_t id : present)
+  {
+    quantity.idNames[static_cast<std::size_t>(id)] = names[static_cast<std::size_t>(id)];
+  }
+  std::transform(
+    raw.begin(), raw.end(), quantity.ids.begin(), [](std::int64_t id) { return static_cast<std::int32_t>(id); });
+}
+
+/// Where a potential is NaN nothing conducts, and a flux of 0 there is no flux at all.
+void HideNonConducting(Quantity& quantity, vtkDataSet* data)
+{
+  for (const char* name : { "temperature", "concentration" })
+  {
+    vtkDataArray* potential = data->GetPointData()->GetArray(name);
+    if (!quantity.onCells && potential && potential->GetNumberOfComponents() == 1)
+    {
+      for (std::size_t i = 0; i < quantity.values.size(); ++i)
+      {
+        if (!std::isfinite(potential->GetComponent(static_cast<vtkIdType>(i), 0)))
+        {
+          quantity.values[i] = std::numeric_limits<float>::quiet_NaN();
+        }
+      }
+    }
+  }
+}
+
+double Quantile(std::vector<float> values, double share)
+{
+  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + place, values.end());
+  return values[static_cast<std::size_t>(place)];
+}
+
+void FindRange(Quantity& quantity, const SnapshotOptions& options)
+{
+  std::vector<float> finite;
+  finite.reserve(quantity.values.size());
+  std::copy_if(quantity.values.begin(), quantity.values.end(), std::back_inserter(finite),
+    [](float value) { return std::isfinite(value); });
+  quantity.hasUndefined = finite.size() < quantity.values.size();
+  if (finite.empty())
+  {
+    throw SnapshotError{ "'" + std::string(quantity.array->GetName()) + "' has no finite value",
+      "nothing conducts, or the field was not computed" };
+  }
+  const auto [least, most] = std::minmax_element(finite.begin(), finite.end());
+  const double smallest = *least;
+  const double largest = *most;
+  quantity.low = smallest;
+  quantity.high = largest;
+  if (options.range)
+  {
+    quantity.low = (*options.range)[0];
+    quantity.high = (*options.range)[1];
+  }
+  else if (quantity.preset == vtkSnapshot::FLUX && options.component < 0)
+  {
+    const double most995 = Quantile(finite, 0.995);
+    quantity.low = 0;
+    quantity.high = most995 > 0 ? most995 : largest;
+    if (quantity.high > 0)
+    {
+      const auto ticks = NiceTicks(0, quantity.high);
+      const double step = 0.5 * (ticks.size() > 1 ? ticks[1] - ticks[0] : quantity.high);
+      quantity.high = std::ceil(quantity.high / step - 1e-6) * step;
+    }
+  }
+  else if ((quantity.preset == vtkSnapshot::TEMPERATURE || quantity.preset == vtkSnapshot::CONCENTRATION) &&
+    smallest >= -1e-6 && largest <= 1 + 1e-6)
+  {
+    quantity.low = 0;
+    quantity.high = 1;
+  }
+  else if (smallest < 0 && largest > 0 && std::min(-smallest, largest) > 0.15 * std::max(-smallest, largest))
+  {
+    quantity.high = std::max(-smallest, largest); // both sides of zero: zero is the middle of the map
+    quantity.low = -quantity.high;
+  }
+  if (!(quantity.high > quantity.low))
+  {
+    const double around = quantity.low == 0 ? 1 : 0.5 * std::abs(quantity.low);
+    quantity.high = quantity.low + around;
+    quantity.low -= quantity.low == 0 ? 0 : around;
+  }
+  const double slack = 1e-6 * (quantity.high - quantity.low);
+  quantity.below = smallest < quantity.low - slack;
+  quantity.above = largest > quantity.high + slack;
+}
+
+void ChooseMap(Quantity& quantity, const SnapshotOptions& options)
+{
+  std::string name = options.colorMap;
+  if (name.empty())
+  {
+    const bool bothSides = quantity.low < 0 && std::abs(quantity.low + quantity.high) < 1e-9 * quantity.high;
+    name = bothSides                                ? "coolwarm"
+      : quantity.preset == vtkSnapshot::TEMPERATURE ? "inferno"
+      : quantity.preset == vtkSnapshot::FLUX        ? "inferno"
+                                                    : "viridis";
+  }
+  quantity.map = ColorMap::Find(name);
+  if (!quantity.map)
+  {
+    std::string list;
+    for (const std::string_view known : ColorMap::Names())
+    {
+      list += (list.empty() ? "" : ", ") + std::string(known);
+    }
+    throw SnapshotError{ "there is no colour map '" + name + "'", "choose one of " + list };
+  }
+}
+
+void NameQuantity(Quantity& quantity, double mean, const SnapshotOptions& options)
+{
+  vtkDataArray* array = quantity.array;
+  quantity.title = Capitalised(array->GetName());
+  vtkInformation* information = array->HasInformation() ? array->GetInformation() : nullptr;
+  if (information && information->Has(vtkDataArray::UNITS_LABEL()))
+  {
+    const char* unit = information->Get(vtkDataArray::UNITS_LABEL());
+    quantity.unit = unit && std::string(unit) != "1" ? unit : "";
+  }
+  if (quantity.preset == vtkSnapshot::FLUX && mean > 0)
+  {
+    quantity.title = "Flux / mean flux";
+    quantity.unit.clear();
+  }
+  else if ((quantity.preset == vtkSnapshot::TEMPERATURE || quantity.preset == vtkSnapshot::CONCENTRATION) &&
+    quantity.unit.empty() && quantity.low == 0 && quantity.high == 1)
+  {
+    quantity.title = "Scaled " + std::string(array->GetName());
+  }
+  if (array->GetNumberOfComponents() > 1 && options.component >= 0)
+  {
+    static const char* const axes[] = { "x", "y", "z" };
+    const char* given = array->GetComponentName(options.component);
+    quantity.title += ", " +
+      (given                                    ? std::string(given)
+          : array->GetNumberOfComponents() == 3 ? std::string(axes[options.component]) + " component"
+                                                : "component " + std::to_string(options.component));
+  }
+  else if (array->GetNumberOfComponents() > 1 && quantity.preset != vtkSnapshot::FLUX)
+  {
+    quantity.title += ", magnitude";
+  }
+  quantity.title = options.legendTitle.empty() ? quantity.title : options.legendTitle;
+  quantity.unit = options.unit.empty() ? quantity.unit : options.unit;
+}
+
+} // namespace
+
+Color Quantity::ColorOf(std::size_t index) const
+{
+  if (this->IsCategorical())
+  {
+    const std::int32_t id = this->ids[index];
+    return id < 0 ? Undefined : this->idColors[static_cast<std::size_t>(id)];
+  }
+  const float value = this->values[index];
+  if (!std::isfinite(value))
+  {
+    return Undefined;
+  }
+  constexpr int steps = 2048;
+  if (this->Table.empty())
+  {
+    for (int i = 0; i <= steps; ++i)
+    {
+      this->Table.push_back(this->map->At(static_cast<double>(i) / steps));
+    }
+  }
+  const double t = std::clamp((value - this->low) / (this->high - this->low), 0.0, 1.0);
+  return this->Table[static_cast<std::size_t>(std::lround(t * steps))];
+}
+
+Quantity FindQuantity(vtkDataSet* data, const std::array<int, 3>& size, const SnapshotOptions& options)
+{
+  Quantity quantity;
+  const std::string name = options.arrayName.empty() ? DefaultArray(data, options.preset) : options.arrayName;
+  quantity.array = GetArray(data, name, size[0] == 0, quantity.onCells);
+  quantity.preset = options.preset == vtkSnapshot::AUTO ? PresetOfName(name) : options.preset;
+  if (options.component >= quantity.array->GetNumberOfComponents())
+  {
+    throw SnapshotError{ "component " + std::to_string(options.component) + " of '" + name + "' is asked for; it has " +
+        std::to_string(quantity.array->GetNumberOfComponents()),
+      "count from 0, or −1 for the magnitude" };
+  }
+  if (quantity.array->GetNumberOfTuples() == 0)
+  {
+    throw SnapshotError{ "'" + name + "' is empty", "nothing can be drawn of it" };
+  }
+  if (quantity.preset == vtkSnapshot::PHASE || quantity.preset == vtkSnapshot::GRAIN)
+  {
+    ReadIds(quantity, data, size, options);
+    return quantity;
+  }
+  quantity.values = ReadValues(quantity.array, options.component);
+  double mean = 0;
+  if (quantity.preset == vtkSnapshot::FLUX)
+  {
+    HideNonConducting(quantity, data);
+    mean = options.relativeFlux && quantity.array->GetNumberOfComponents() > 1 ? MeanFlux(quantity.array) : 0;
+    if (mean > 0)
+    {
+      for (float& value : quantity.values)
+      {
+        value = static_cast<float>(value / mean);
+      }
+    }
+  }
+  FindRange(quantity, options);
+  ChooseMap(quantity, options);
+  NameQuantity(quantity, mean, options);
+  return quantity;
+}
+
+Furniture Describe(const Quantity& quantity, const SnapshotOptions& options)
+{
+  Furniture furniture;
+  furniture.title = options.title;
+  if (!options.showLegend)
+  {
+    return furniture;
+  }
+  if (quantity.IsCategorical())
+  {
+    for (std::size_t id = 0; id < quantity.idNames.size(); ++id)
+    {
+      if (!quantity.idNames[id].empty())
+      {
+        furniture.legend.push_back({ quantity.idNames[id], quantity.idColors[id] });
+      }
+    }
+    if (quantity.preset == vtkSnapshot::GRAIN)
+    {
+      const std::size_t grains = quantity.idColors.size() - 1;
+      furniture.legend.push_back(
+        { std::to_string(grains) + (grains == 1 ? " grain" : " grains"), quantity.idColors.back() });
+    }
+    if (quantity.hasUndefined)
+    {
+      furniture.legend.push_back({ "not defined", Undefined });
+    }
+    return furniture;
+  }
+  furniture.bar = ColorBar{ quantity.map, quantity.low, quantity.high, quantity.below, quantity.above, quantity.title,
+    quantity.unit };
+  if (quantity.hasUndefined)
+  {
+    const bool transport = quantity.preset == vtkSnapshot::TEMPERATURE ||
+      quantity.preset == vtkSnapshot::CONCENTRATION || quantity.preset == vtkSnapshot::FLUX;
+    furniture.legend.push_back({ transport ? "does not conduct" : "not defined", Undefined });
+  }
+  return furniture;
+}
+
+vtkDataArray* FindFlow(vtkDataSet* data, const Quantity& quantity, const SnapshotOptions& options)
+{
+  const bool own = !quantity.IsCategorical() && quantity.array->GetNumberOfComponents() >= 2 &&
+    quantity.array->GetNumberOfComponents() <= 3 && !quantity.onCells;
+  if (options.overlayArrayName.empty() && own)
+  {
+    return quantity.array;
+  }
+  const std::string name = options.overlayArrayName.empty() ? "flux" : options.overlayArrayName;
+  vtkDataArray* array = data->GetPointData()->GetArray(name.c_str());
+  const bool isVector = array && array->GetNumberOfComponents() >= 2 && array->GetNumberOfComponents() <= 3;
+  if (!options.overlayArrayName.empty() && !isVector)
+  {
+    throw SnapshotError{ "lines or arrows are to follow '" + name + "', which is " +
+        (array ? "no vector" : "not among the point data"),
+      "point data: " + ListArrays(data->GetPointData()) };
+  }
+  return isVector ? array : nullptr;
+}
+
+std::vector<bool> FindSolid(vtkDataSet* data)
+{
+  vtkDataArray* phase = data->GetPointData()->GetArray("phase");
+  if (!phase || phase->GetNumberOfComponents() != 1)
+  {
+    return {};
+  }
+  std::vector<bool> isVoid;
+  if (auto* table = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("phase_names")))
+  {
+    for (vtkIdType i = 0; i < table->GetNumberOfValues(); ++i)
+    {
+      isVoid.push_back(IsVoidName(table->GetValue(i)));
+    }
+  }
+  if (std::find(isVoid.begin(), isVoid.end(), true) == isVoid.end())
+  {
+    isVoid.assign(1, true);
+  }
+  std::vector<bool> solid(static_cast<std::size_t>(phase->GetNumberOfTuples()));
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < solid.size(); ++i)
+  {
+    const double id = phase->GetComponent(static_cast<vtkIdType>(i), 0);
+    solid[i] = !(id >= 0 && id < static_cast<double>(isVoid.size()) && isVoid[static_cast<std::size_t>(id)]);
+    count += solid[i] ? 1 : 0;
+  }
+  return count == 0 || count == solid.size() ? std::vector<bool>{} : solid;
+}
+
+Scale FindScale(vtkDataSet* data, double spacing)
+{
+  auto* source = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("pixel_size_source"));
+  // A pixel of a metre is one whose size nobody gave.
+  const bool unknown = source && source->GetNumberOfValues() > 0 ? source->GetValue(0) == "none" : spacing == 1;
+  return unknown ? Scale{ 1 / spacing, false } : Scale{ 1, true };
+}
+
+} // namespace lamella::rendering

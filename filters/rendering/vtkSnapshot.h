@@ -1,0 +1,341 @@
+#ifndef vtkSnapshot_h
+#define vtkSnapshot_h
+
+#include "vtkLamellaRenderingModule.h" // for the export macro
+#include "vtkObject.h"
+
+#include <memory> // for the options
+#include <string> // for messages
+
+class vtkDataObject;
+class vtkImageData;
+class vtkPolyData;
+
+/**
+ * @class vtkSnapshot
+ * @brief Draws a picture fit for a paper of a lattice and its fields, with no display needed
+ *
+ * Give it a vtkImageData (a picture, nz = 1, or a volume) or a vtkPolyData, choose what to draw with a preset, and
+ * Write() a PNG. Around the data, and never over them, stand a scale bar (in micrometres, or in pixels where the field
+ * data say `pixel_size_source` = "none"), a legend with the quantity's name and unit, and a title if there is one.
+ * Projection is parallel and the aspect of the data is kept.
+ *
+ * | preset          | array           | how it is drawn |
+ * |-----------------|-----------------|--------------------------------------------------------------------------------|
+ * | `phase`         | `phase`         | one colour a phase, exact; names from the field data `phase_names` | |
+ * `temperature`   | `temperature`   | inferno, 0 to 1; the border between void and solid as a thin line              |
+ * | `concentration` | `concentration` | viridis, the same | | `flux`          | `flux`          | magnitude over the
+ * mean flux, with lines that carry equal shares of the flow   | | `grain`         | `grain`         | one colour a
+ * grain, neighbours apart                                           | | `scalar`        | any             | viridis;
+ * coolwarm where values lie on both sides of zero                       | | `auto`          | any             | by the
+ * array's name                                                            |
+ *
+ * Pixels of the data are shown as they are, never interpolated; where the picture has fewer pixels than the data,
+ * colours are averaged over each pixel's area. NaN (a phase that does not conduct) is grey. Volumes are drawn in
+ * isometric view: `phase` as the surface of all that is not void, other fields on the faces of the box with one octant
+ * cut out.
+ *
+ * Drawing is done by vtkOffScreenWindows' OpenGL; pictures of pixels with no lines on them need none.
+ *
+ * An error is reported with vtkErrorMacro (an observer of vtkCommand::ErrorEvent silences it), and GetErrorMessage()
+ * and GetErrorHint() say what is wrong and what to do about it.
+ */
+class VTKLAMELLARENDERING_EXPORT vtkSnapshot : public vtkObject
+{
+public:
+  static vtkSnapshot* New();
+  vtkTypeMacro(vtkSnapshot, vtkObject);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /**
+   * What is drawn: vtkImageData with point data, or vtkPolyData with point or cell data. Held, not copied.
+   */
+  void SetInputData(vtkDataObject* data);
+  vtkDataObject* GetInputData();
+
+  enum Presets
+  {
+    AUTO = 0,
+    PHASE,
+    TEMPERATURE,
+    CONCENTRATION,
+    FLUX,
+    GRAIN,
+    SCALAR
+  };
+  ///@{
+  /**
+   * What kind of field it is. Default AUTO: by the name of the array. SetPresetByName() takes the names of the table
+   * above and returns false for others.
+   */
+  vtkSetClampMacro(Preset, int, AUTO, SCALAR);
+  vtkGetMacro(Preset, int);
+  bool SetPresetByName(const char* name);
+  static const char* GetPresetName(int preset);
+  ///@}
+
+  ///@{
+  /**
+   * Array to draw. Default: the preset's own; with AUTO the first there is of flux, temperature, concentration, grain,
+   * phase, else the first array.
+   */
+  void SetArrayName(const char* name);
+  const char* GetArrayName();
+  ///@}
+
+  ///@{
+  /**
+   * Component of an array that has several: 0, 1, 2 ...; −1 (default): the magnitude.
+   */
+  vtkSetClampMacro(Component, int, -1, 1000);
+  vtkGetMacro(Component, int);
+  ///@}
+
+  ///@{
+  /**
+   * Values at the ends of the colour map, minimum < maximum, both finite; in the numbers that the legend shows.
+   * Default: from the data (flux: 0 to a round number that 99.5 % of the pixels do not exceed). Fix it for a series.
+   */
+  void SetRange(double minimum, double maximum);
+  void ResetRange();
+  bool GetRangeIsSet();
+  ///@}
+
+  ///@{
+  /**
+   * Colour map: viridis, inferno, magma, cividis, gray or coolwarm. Default (empty): the preset's.
+   */
+  void SetColorMap(const char* name);
+  const char* GetColorMap();
+  ///@}
+
+  ///@{
+  /**
+   * Colour of a phase, each channel 0 to 1, instead of the one its name or id gives it.
+   */
+  void SetPhaseColor(const char* phase, double red, double green, double blue);
+  void ClearPhaseColors();
+  ///@}
+
+  ///@{
+  /**
+   * Flux over its mean in the box, which has no unit (default), or the flux itself.
+   */
+  vtkSetMacro(RelativeFlux, bool);
+  vtkGetMacro(RelativeFlux, bool);
+  vtkBooleanMacro(RelativeFlux, bool);
+  ///@}
+
+  enum Overlays
+  {
+    OVERLAY_DEFAULT = 0, ///< lines for the preset flux, else none
+    OVERLAY_NONE,
+    OVERLAY_LINES,   ///< lines along the flux: equal shares of the flow, or evenly spaced where the flux has sources
+    OVERLAY_ARROWS,  ///< one arrow a block: the mean flux of the block
+    OVERLAY_ISOLINES ///< lines of equal value
+  };
+  ///@{
+  /**
+   * What is drawn on top of the colours. By name: auto, none, lines, arrows, isolines; false for others.
+   */
+  vtkSetClampMacro(Overlay, int, OVERLAY_DEFAULT, OVERLAY_ISOLINES);
+  vtkGetMacro(Overlay, int);
+  bool SetOverlayByName(const char* name);
+  ///@}
+
+  ///@{
+  /**
+   * How many lines, or arrows along the longer side: 1 to 500. 0 (default): as many as look well.
+   */
+  vtkSetClampMacro(OverlayCount, int, 0, 500);
+  vtkGetMacro(OverlayCount, int);
+  ///@}
+
+  ///@{
+  /**
+   * Vector array that lines and arrows follow. Default: the array drawn if it is a vector, else `flux`.
+   */
+  void SetOverlayArrayName(const char* name);
+  const char* GetOverlayArrayName();
+  ///@}
+
+  ///@{
+  /**
+   * Streamlines computed elsewhere (in the coordinates of the data), drawn instead of our own.
+   */
+  void SetOverlayLines(vtkPolyData* lines);
+  vtkPolyData* GetOverlayLines();
+  ///@}
+
+  ///@{
+  /**
+   * The border between void and solid (phases by their names; without such a name, phase 0 is the void) as a thin line.
+   * Default on; not for phases and grains, which show it anyway.
+   */
+  vtkSetMacro(ShowOutline, bool);
+  vtkGetMacro(ShowOutline, bool);
+  vtkBooleanMacro(ShowOutline, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Width and height of the whole picture in pixels, 64 to 16384 each. 0, 0 (default): follows from the data, with a
+   * whole number of picture pixels for each of theirs.
+   */
+  vtkSetVector2Macro(Size, int);
+  vtkGetVector2Macro(Size, int);
+  ///@}
+
+  ///@{
+  /**
+   * Size of all text, relative: 0.2 to 5. Default 1.
+   */
+  vtkSetClampMacro(FontScale, double, 0.2, 5.0);
+  vtkGetMacro(FontScale, double);
+  ///@}
+
+  ///@{
+  /**
+   * Background, each channel 0 to 1. Default white. Text is dark on light and light on dark backgrounds.
+   */
+  vtkSetVector3Macro(Background, double);
+  vtkGetVector3Macro(Background, double);
+  ///@}
+
+  ///@{
+  /**
+   * Leave the background out, so that the picture can be laid on anything. Default off.
+   */
+  vtkSetMacro(Transparent, bool);
+  vtkGetMacro(Transparent, bool);
+  vtkBooleanMacro(Transparent, bool);
+  ///@}
+
+  ///@{
+  /**
+   * A line above the data. Default none.
+   */
+  void SetTitle(const char* title);
+  const char* GetTitle();
+  ///@}
+
+  ///@{
+  /**
+   * Name and unit in the legend. Default: from the array's name and its information (vtkDataArray::UNITS_LABEL()).
+   */
+  void SetLegendTitle(const char* title);
+  const char* GetLegendTitle();
+  void SetUnit(const char* unit);
+  const char* GetUnit();
+  ///@}
+
+  ///@{
+  /**
+   * Legend and colour bar; scale bar. Default on.
+   */
+  vtkSetMacro(ShowLegend, bool);
+  vtkGetMacro(ShowLegend, bool);
+  vtkBooleanMacro(ShowLegend, bool);
+  vtkSetMacro(ShowScaleBar, bool);
+  vtkGetMacro(ShowScaleBar, bool);
+  vtkBooleanMacro(ShowScaleBar, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Volumes and surfaces: where they are looked at from, in degrees. Azimuth around z from the x axis towards y
+   * (default −60), elevation above the xy plane, −90 to 90 (default 30).
+   */
+  vtkSetMacro(Azimuth, double);
+  vtkGetMacro(Azimuth, double);
+  vtkSetClampMacro(Elevation, double, -90.0, 90.0);
+  vtkGetMacro(Elevation, double);
+  ///@}
+
+  ///@{
+  /**
+   * Volumes: opacity of the surface of the preset phase, 0 to 1. Default 1.
+   */
+  vtkSetClampMacro(Opacity, double, 0.0, 1.0);
+  vtkGetMacro(Opacity, double);
+  ///@}
+
+  ///@{
+  /**
+   * May Write() replace a file? Default off.
+   */
+  vtkSetMacro(Overwrite, bool);
+  vtkGetMacro(Overwrite, bool);
+  vtkBooleanMacro(Overwrite, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Written into the PNG as a text chunk `provenance`. Default: the string `provenance` of the data's field data.
+   */
+  void SetProvenance(const char* provenance);
+  const char* GetProvenance();
+  ///@}
+
+  /**
+   * Draws and writes a PNG: the file is there whole or not at all.
+   * @returns false on an error (see GetErrorMessage())
+   */
+  bool Write(const char* path);
+
+  /**
+   * Draws into memory: RGB, or RGBA with Transparent. Null on an error. The picture is kept until the next drawing.
+   */
+  vtkImageData* Draw();
+
+  ///@{
+  /**
+   * The last error in one line, and what to do about it; empty when all went well.
+   */
+  const char* GetErrorMessage();
+  const char* GetErrorHint();
+  ///@}
+
+  ///@{
+  /**
+   * Of the last picture: where the data are, in pixels from the lower left corner (x, y, width, height), and the values
+   * at the ends of the colour map.
+   */
+  vtkGetVector4Macro(DataRectangle, int);
+  vtkGetVector2Macro(DrawnRange, double);
+  ///@}
+
+protected:
+  vtkSnapshot();
+  ~vtkSnapshot() override;
+
+private:
+  vtkSnapshot(const vtkSnapshot&) = delete;
+  void operator=(const vtkSnapshot&) = delete;
+
+  bool Fail(const std::string& message, const std::string& hint);
+
+  int Preset = AUTO;
+  int Component = -1;
+  bool RelativeFlux = true;
+  int Overlay = OVERLAY_DEFAULT;
+  int OverlayCount = 0;
+  bool ShowOutline = true;
+  int Size[2] = { 0, 0 };
+  double FontScale = 1;
+  double Background[3] = { 1, 1, 1 };
+  bool Transparent = false;
+  bool ShowLegend = true;
+  bool ShowScaleBar = true;
+  double Azimuth = -60;
+  double Elevation = 30;
+  double Opacity = 1;
+  bool Overwrite = false;
+  int DataRectangle[4] = { 0, 0, 0, 0 };
+  double DrawnRange[2] = { 0, 0 };
+
+  struct Internals;
+  std::unique_ptr<Internals> Private;
+};
+
+#endif
