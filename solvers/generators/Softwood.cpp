@@ -90,7 +90,8 @@ void check(const SoftwoodOptions& o)
       "make them at least one and a half times as long as wide");
   }
   const double nodes = static_cast<double>(o.size[0]) * static_cast<double>(o.size[1]) * static_cast<double>(o.size[2]);
-  const double bytes = o.dimension == 3 ? 5 * nodes : 17 * nodes;
+  const double bytes =
+    o.dimension == 3 ? 5 * nodes + 350 * static_cast<double>(o.size[0]) * static_cast<double>(o.size[1]) : 17 * nodes;
   if (const auto available = static_cast<double>(availableMemory()); bytes > available)
   {
     throw MemoryError(fmt::format("a sample of {:.3g} nodes takes {} to make, and {} are free", nodes, bytesText(bytes),
@@ -448,7 +449,7 @@ PhaseImage Rasteriser::image()
   const std::int64_t slice = nx_ * ny_;
   std::vector<float> key(static_cast<std::size_t>(slice * nz_));
   std::vector<std::int32_t> label(static_cast<std::size_t>(slice));
-  std::vector<std::int32_t> below;
+  std::vector<std::int32_t> below(solid3D_ ? label.size() : 0);
   std::vector<Column> columns(static_cast<std::size_t>(solid3D_ ? slice : nx_));
   std::int64_t closed = 0;
   for (std::int64_t z = 0; z < nz_; ++z)
@@ -470,7 +471,7 @@ PhaseImage Rasteriser::image()
     {
       closed += closeWalls(key.data() + z * slice, label.data(), nullptr);
     }
-    below = label;
+    label.swap(below); // 2D: one slice only, so both are done with
   }
 
   const auto nodes = static_cast<double>(result.lattice.count());

@@ -1,4 +1,5 @@
 #include "micrograph/Decode.h"
+#include "micrograph/JpegDecode.h"
 #include "micrograph/TiffWatch.h"
 
 #include "lattice/Error.h"
@@ -6,6 +7,7 @@
 #include <fmt/format.h>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <limits>
@@ -31,10 +33,10 @@ private:
   cv::utils::logging::LogLevel before_;
 };
 
-[[noreturn]] void undecodable(const FileBytes& file, const Probe& probe)
+[[noreturn]] void undecodable(const FileBytes& file, const Probe& probe, const std::string& why = {})
 {
-  throw InputError(fmt::format("the pixels of \"{}\" cannot be decoded: the {} is damaged or of a rare kind",
-                     file.name(), name(probe.format)),
+  throw InputError(fmt::format("the pixels of \"{}\" cannot be decoded: the {} is damaged or of a rare kind{}",
+                     file.name(), name(probe.format), why.empty() ? "" : " (" + why + ")"),
     "save it again as an 8-bit grey PNG");
 }
 
@@ -122,7 +124,23 @@ Decoded decode(FileBytes& file, const Probe& probe, bool flip, std::uint16_t* gr
   };
   try
   {
-    if (probe.format != Format::Tiff)
+    if (probe.format == Format::Jpeg)
+    {
+      JpegPixels jpeg = decodeJpeg(file.read(0, file.size()));
+      if (!jpeg.complaint.empty())
+      {
+        undecodable(file, probe, jpeg.complaint);
+      }
+      cv::Mat pixels(
+        static_cast<int>(jpeg.height), static_cast<int>(jpeg.width), CV_8UC(jpeg.channels), jpeg.values.data());
+      if (jpeg.channels == 3)
+      {
+        cv::cvtColor(pixels, pixels, cv::COLOR_RGB2BGR);
+      }
+      take(pixels, 0);
+      return seen;
+    }
+    if (probe.format == Format::Png)
     {
       const std::vector<std::uint8_t> bytes = file.read(0, file.size());
       take(cv::imdecode(bytes, cv::IMREAD_UNCHANGED), 0);
@@ -142,7 +160,7 @@ Decoded decode(FileBytes& file, const Probe& probe, bool flip, std::uint16_t* gr
             file.name(), pages, static_cast<int>(first), static_cast<int>(count), cv::IMREAD_UNCHANGED) ||
         pages.size() != count || !watch.error().empty())
       {
-        undecodable(file, probe);
+        undecodable(file, probe, watch.error());
       }
       for (; i < probe.slices.size() && probe.slices[i] < first + count; ++i)
       {

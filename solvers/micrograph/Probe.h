@@ -52,6 +52,10 @@ struct Probe
 [[nodiscard]] Probe probeJpeg(FileBytes& file);
 [[nodiscard]] Probe probeTiff(FileBytes& file);
 
+/// Refuses a file that says it is much larger than its bytes can hold, before memory is taken for it.
+/// @param ratio how many bytes of pixels one byte of the file can stand for at most
+void checkBytes(const FileBytes& file, const Probe& probe, std::uint64_t bytes, double ratio);
+
 /// Resolution and orientation from the Exif block of a JPEG, which is a TIFF directory in memory. Nonsense is ignored.
 struct Exif
 {

@@ -153,6 +153,7 @@ Probe probeJpeg(FileBytes& file)
   {
     file.truncated("the JPEG's end marker is missing, so pixels are");
   }
+  checkBytes(file, result, file.size() - at, 5000); // even progressive scans of one grey stay below
   if (!result.size)
   {
     result.size = exifSize;

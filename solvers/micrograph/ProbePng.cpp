@@ -96,7 +96,7 @@ Probe probePng(FileBytes& file)
   Probe result;
   result.format = Format::Png;
   bool hasHeader = false;
-  bool hasData = false;
+  std::uint64_t dataBytes = 0;
   for (std::uint64_t at = 8;;)
   {
     if (!file.holds(at, 12))
@@ -131,7 +131,7 @@ Probe probePng(FileBytes& file)
     }
     else if (type == "IDAT")
     {
-      hasData = true;
+      dataBytes += length;
     }
     else if (type == "IEND")
     {
@@ -161,10 +161,11 @@ Probe probePng(FileBytes& file)
     }
     at += length + 12;
   }
-  if (!hasData || result.width < 1 || result.height < 1)
+  if (dataBytes == 0 || result.width < 1 || result.height < 1)
   {
     file.damaged("it holds no pixels");
   }
+  checkBytes(file, result, dataBytes, 1100); // deflate packs at most 1032 bytes into one
   return result;
 }
 

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 
@@ -142,8 +144,16 @@ std::optional<MetadataSize> tagSize(const TiffDirectory& page, const std::string
   return MetadataSize{ unit / x, unit / y, std::nullopt, "TIFF resolution" };
 }
 
+struct Page
+{
+  std::int64_t width, height;
+  int bits, channels;
+  double bytes; ///< of its pixels
+  bool whiteIsZero;
+};
+
 /// Do all strips or tiles lie inside the file?
-void checkData(FileBytes& file, const TiffDirectory& page, std::size_t number)
+void checkData(FileBytes& file, const TiffDirectory& page, std::size_t number, const Page& shape)
 {
   const bool tiled = page.has(TileOffsets);
   const std::vector<std::uint64_t> offsets = page.values(tiled ? TileOffsets : StripOffsets);
@@ -167,19 +177,21 @@ void checkData(FileBytes& file, const TiffDirectory& page, std::size_t number)
     {
       file.truncated(fmt::format("pixels of page {} of the TIFF lie beyond its end", number + 1));
     }
-    if (counts[i] == 0 && !tiled)
+    if (counts[i] == 0)
     {
       file.damaged(fmt::format("a strip of page {} of the TIFF is empty", number + 1));
     }
   }
+  const double held = std::accumulate(counts.begin(), counts.end(), 0.0);
+  const std::uint64_t packing = page.value(Compression, 1);
+  // Fax codes pack any blank line into a bit; LZW at most 2730 bytes into one.
+  const double ratio = packing == 1 ? 1 : packing >= 2 && packing <= 4 ? 1e5 : 3000;
+  if (held * ratio + 4096 * (packing != 1) < shape.bytes)
+  {
+    file.truncated(fmt::format("the {:.0f} bytes of page {} of the TIFF cannot hold {} × {} pixels", held, number + 1,
+      shape.width, shape.height));
+  }
 }
-
-struct Page
-{
-  std::int64_t width, height;
-  int bits, channels;
-  bool whiteIsZero;
-};
 
 Page readPage(const FileBytes& file, const TiffDirectory& page, std::size_t number)
 {
@@ -190,9 +202,15 @@ Page readPage(const FileBytes& file, const TiffDirectory& page, std::size_t numb
   {
     file.damaged(fmt::format("page {} of the TIFF holds no pixels", number + 1));
   }
-  const std::uint64_t photometric = page.value(PhotometricInterpretation, 1);
+  const std::uint64_t photometric = page.value(PhotometricInterpretation, 99);
   const std::uint64_t bits = page.value(BitsPerSample, 1);
   const std::uint64_t samples = page.value(SamplesPerPixel, 1);
+  if (page.values(PhotometricInterpretation).empty() || photometric > 8 || samples < 1 || samples > 4)
+  {
+    throw InputError(fmt::format("page {} of \"{}\" has {} values a pixel{}", number + 1, file.name(), samples,
+                       photometric <= 8 ? "" : " and does not say what they mean"),
+      "save it as an 8-bit grey or RGB picture");
+  }
   if (photometric == 5)
   {
     throw InputError(fmt::format("\"{}\" is a CMYK TIFF, made for printing", file.name()),
@@ -213,6 +231,8 @@ Page readPage(const FileBytes& file, const TiffDirectory& page, std::size_t numb
     throw InputError(fmt::format("\"{}\" holds {} bits a value", file.name(), bits),
       "convert it to 8-bit or 16-bit grey values first");
   }
+  result.bytes = std::ceil(static_cast<double>(result.width) * static_cast<double>(samples * bits) / 8) *
+    static_cast<double>(result.height);
   result.bits = bits == 16 ? 16 : 8;
   result.channels = photometric == 3 ? 3 : static_cast<int>(std::min<std::uint64_t>(samples, 4));
   result.whiteIsZero = photometric == 0;
@@ -244,7 +264,7 @@ Probe probeTiff(FileBytes& file)
         continue; // a smaller copy of a page
       }
       const Page page = readPage(file, directory, result.pages);
-      checkData(file, directory, result.pages);
+      checkData(file, directory, result.pages, page);
       if (result.slices.empty())
       {
         result.width = page.width;
@@ -316,6 +336,15 @@ Exif readExif(const std::vector<std::uint8_t>& block)
     return {};
   }
   return result;
+}
+
+void checkBytes(const FileBytes& file, const Probe& probe, std::uint64_t bytes, double ratio)
+{
+  const double pixels = static_cast<double>(probe.width) * static_cast<double>(probe.height);
+  if (pixels * probe.bits / 64 > ratio * static_cast<double>(bytes) + 65536) // one-bit pictures count as 8 bits here
+  {
+    file.damaged(fmt::format("{} bytes cannot hold the {} × {} pixels it speaks of", bytes, probe.width, probe.height));
+  }
 }
 
 const char* name(Format format) noexcept

@@ -127,7 +127,7 @@ TEST(Softwood, MeetsTheSolidFractionToHalfANode)
 
 TEST(Softwood, WallsAreConnectedAndLumensClosed)
 {
-  for (std::uint64_t seed = 1; seed <= 6; ++seed)
+  for (std::uint64_t seed = 1; seed <= 4; ++seed)
   {
     for (const double fraction : { 0.15, 0.40, 0.78 })
     {
@@ -246,21 +246,26 @@ TEST(Softwood, RaysRunAcrossTheFiles)
 
 TEST(Softwood3D, TracheidsAreClosedAtBothEnds)
 {
-  for (const double fraction : { 0.25, 0.40, 0.78 })
+  for (const double fraction : { 0.25, 0.78 })
   {
-    const PhaseImage image = softwood(solid(160, fraction));
+    SoftwoodOptions options = solid(128, fraction);
+    options.tracheidLength = 70e-6;
+    options.tangentialDiameter = 18e-6; // small cells, of which many lie whole inside
+    options.radialDiameterEarly = 20e-6;
+    options.rayEvery = 150e-6;
+    const PhaseImage image = softwood(options);
     expectConnectedWalls(image);
     std::int64_t whole = 0;
     for (const Piece& piece : piecesOf(image, lumen, true))
     {
-      EXPECT_LT(piece.extent(0), 160);
+      EXPECT_LT(piece.extent(0), 128);
       EXPECT_LT(piece.extent(1), 2 * 30);
-      EXPECT_LT(piece.extent(2), 160) << "a lumen open from end to end";
-      // At most 1.3 mean lengths, and the slope of both ends.
-      EXPECT_LT(piece.extent(2), 1.3 * 90 + 1.3 * 60);
-      whole += !piece.atBorder && piece.extent(2) > 40;
+      // At most 1.3 mean lengths and the slope of one end over a wide cell's 50 nodes: no lumen is open from end to
+      // end.
+      EXPECT_LT(piece.extent(2), 1.3 * 70 + 0.7 * 50);
+      whole += !piece.atBorder && piece.extent(2) > 35;
     }
-    EXPECT_GT(whole, 5);
+    EXPECT_GE(whole, 3);
   }
 }
 
