@@ -447,7 +447,8 @@ struct vtkFluxMap::Work
         }
       });
     lamella::describe(magnitude, "conductivity/m", "magnitude of the flux of " + this->Found.quantity, "vtkFluxMap");
-    this->Output->GetPointData()->SetScalars(magnitude);
+    this->Output->GetPointData()->AddArray(magnitude); // SetScalars() would throw the field out
+    this->Output->GetPointData()->SetActiveScalars(magnitude->GetName());
   }
 
   void Trace(const lamella::FluxField& field, const lamella::FluxSetting& setting)

@@ -28,6 +28,7 @@ measure() { # file arguments...: the same, with its numbers in a file
   "$lamella" "$@" --json >"$file"
 }
 
+SECONDS=0
 echo "1. A tissue: earlywood to latewood, two fifths of it cell wall"
 lamella generate softwood --size 600,400 --pixel-size 1um --solid-fraction 0.40 --ring 0,1 --seed 2016 -o tissue.png
 
@@ -48,7 +49,7 @@ echo "Effective conductivities, x across the picture and y down it:"
 echo
 python3 "$top/examples/demo/table.py" heat=heat.json vapour=vapour.json
 echo
-echo "Pictures:       $folder/heat.png"
-echo "                $folder/vapour.png"
-echo "For ParaView:   $folder/*.vti, *.vtp"
-echo "Numbers:        $folder/heat.json, vapour.json"
+echo "All of it took $SECONDS s. In $folder:"
+echo "  pictures       heat.png, vapour.png"
+echo "  for ParaView   heat_x.vti, heat_y.vti, vapour_x.vti, vapour_y.vti, heat_y_lines.vtp"
+echo "  numbers        heat.json, vapour.json"

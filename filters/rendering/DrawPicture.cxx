@@ -300,7 +300,7 @@ private:
     if (this->Kind == vtkSnapshot::OVERLAY_LINES && !this->Options.overlayLines)
     {
       this->LineField = FlowInPlane(this->Flow, this->InPlane);
-      const int count = this->Options.overlayCount > 0 ? this->Options.overlayCount : DefaultLines;
+      const int count = this->Options.overlayCount > 0 ? this->Options.overlayCount : LinesThatFit(this->LineField);
       this->Lines = EqualFluxLines(this->LineField, count);
       if (this->Lines.empty())
       {
@@ -311,13 +311,37 @@ private:
       {
         this->EqualShares = true;
         furniture.legend.insert(furniture.legend.begin(),
-          { "between two lines 1/" + std::to_string(count) + " of the flow", LineSample(), LegendEntry::Kind::Line });
+          { "1/" + std::to_string(count) + " of the flow between two lines", LineSample(), LegendEntry::Kind::Line });
       }
     }
     else if (this->Options.overlayLines)
     {
       this->Lines = GivenLines(this->Options.overlayLines, this->InPlane);
     }
+  }
+
+  /// So many that lines do not touch where most of the flow is squeezed into thin walls.
+  static int LinesThatFit(const PlaneField& field)
+  {
+    double sum = 0;
+    double squares = 0;
+    Point2 mean{ 0, 0 };
+    for (std::size_t i = 0; i < field.x.size(); ++i)
+    {
+      const double square = static_cast<double>(field.x[i]) * field.x[i] + static_cast<double>(field.y[i]) * field.y[i];
+      sum += std::sqrt(square);
+      squares += square;
+      mean = { mean[0] + field.x[i], mean[1] + field.y[i] };
+    }
+    const double flow = std::hypot(mean[0], mean[1]);
+    // Density of the lines where the flow is, over their mean density: the flux-weighted mean of the flux.
+    const double crowding = sum > 0 && flow > 0 ? squares / sum * static_cast<double>(field.x.size()) / flow : 1;
+    int best = 6;
+    for (const int count : { 8, 10, 12, 16, 20, DefaultLines })
+    {
+      best = count * crowding < MostLinesAcross ? count : best;
+    }
+    return best;
   }
 
   [[nodiscard]] Color LineSample() const { return InkOn(BackgroundColor(this->Options)); }
@@ -421,6 +445,7 @@ private:
   }
 
   static constexpr int DefaultLines = 24;
+  static constexpr double MostLinesAcross = 110; // as crowded as they may be, counted over the whole width
   static constexpr int DefaultArrows = 24;
   static constexpr int DefaultIsolines = 9;
 

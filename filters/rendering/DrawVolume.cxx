@@ -1,12 +1,208 @@
 #include "Drawing.h"
+
+#include "Quantity.h"
+#include "Surface.h"
+#include "View.h"
+#include "Voxels.h"
+#include "vtkActor.h"
+#include "vtkCellArray.h"
+#include "vtkImageData.h"
+#include "vtkNew.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkPolyDataMapper.h"
+#include "vtkProperty.h"
+#include "vtkRenderer.h"
+#include "vtkSnapshot.h"
+
+#include <algorithm>
+
 namespace lamella::rendering
 {
-Drawing DrawVolume(vtkImageData*, const SnapshotOptions&)
+namespace
 {
-  throw SnapshotError{ "volumes", "x" };
-}
-Drawing DrawGeometry(vtkPolyData*, const SnapshotOptions&)
+
+VoxelBlock Block(vtkImageData* image)
 {
-  throw SnapshotError{ "geometry", "x" };
+  VoxelBlock block;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const int a = static_cast<int>(axis);
+    block.size.at(axis) = image->GetDimensions()[a];
+    block.spacing.at(axis) = image->GetSpacing()[a];
+    block.corner.at(axis) = image->GetOrigin()[a] + (image->GetExtent()[2 * a] - 0.5) * image->GetSpacing()[a];
+  }
+  return block;
 }
+
+std::array<double, 6> Bounds(const VoxelBlock& block)
+{
+  std::array<double, 6> bounds{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    bounds.at(2 * axis) = block.corner.at(axis);
+    bounds.at(2 * axis + 1) = block.corner.at(axis) + block.size.at(axis) * block.spacing.at(axis);
+  }
+  return bounds;
 }
+
+/// Everything but the octant nearest to the viewer.
+void CutOctant(VoxelBlock& block, const Point3& towards)
+{
+  const auto isNear = [&](int place, std::size_t axis)
+  { return towards.at(axis) > 0 ? 2 * place >= block.size.at(axis) : 2 * place + 1 < block.size.at(axis); };
+  for (int k = 0; k < block.size[2]; ++k)
+  {
+    for (int j = 0; j < block.size[1]; ++j)
+    {
+      for (int i = 0; i < block.size[0]; ++i)
+      {
+        if (isNear(i, 0) && isNear(j, 1) && isNear(k, 2))
+        {
+          block.solid[block.Index(i, j, k)] = false;
+        }
+      }
+    }
+  }
+}
+
+/// The edges of the box and, where an octant is cut out, those of the cut; a little before the faces that meet there.
+vtkSmartPointer<vtkActor> Edges(const VoxelBlock& block, const Point3& towards, bool isCut, Color ink)
+{
+  const std::array<double, 6> bounds = Bounds(block);
+  // Along each axis: the far side, the plane of the cut, the near side.
+  std::array<std::array<double, 3>, 3> planes{};
+  double lift = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const int n = block.size.at(axis);
+    const bool isPositive = towards.at(axis) > 0;
+    const int cut = isPositive ? (n + 1) / 2 : n / 2;
+    planes.at(axis) = { bounds.at(2 * axis + (isPositive ? 0 : 1)),
+      block.corner.at(axis) + cut * block.spacing.at(axis), bounds.at(2 * axis + (isPositive ? 1 : 0)) };
+    lift = std::max(lift, block.spacing.at(axis));
+  }
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> lines;
+  const auto add = [&](std::size_t axis, std::size_t from, std::size_t to, std::size_t u, std::size_t v)
+  {
+    std::array<vtkIdType, 2> ids{};
+    const std::array<std::size_t, 2> ends{ from, to };
+    for (std::size_t k = 0; k < 2; ++k)
+    {
+      Point3 point{};
+      point.at(axis) = planes.at(axis).at(ends.at(k));
+      point.at((axis + 1) % 3) = planes.at((axis + 1) % 3).at(u);
+      point.at((axis + 2) % 3) = planes.at((axis + 2) % 3).at(v);
+      for (std::size_t c = 0; c < 3; ++c)
+      {
+        point.at(c) += lift * towards.at(c);
+      }
+      ids.at(k) = points->InsertNextPoint(point.data());
+    }
+    lines->InsertNextCell(2, ids.data());
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    for (const std::size_t u : { 0, 2 })
+    {
+      for (const std::size_t v : { 0, 2 })
+      {
+        add(axis, 0, isCut && u == 2 && v == 2 ? 1 : 2, u, v);
+      }
+    }
+    if (isCut)
+    {
+      add(axis, 1, 2, 1, 1);
+      add(axis, 1, 2, 1, 2);
+      add(axis, 1, 2, 2, 1);
+    }
+  }
+  vtkNew<vtkPolyData> edges;
+  edges->SetPoints(points);
+  edges->SetLines(lines);
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(edges);
+  auto actor = vtkSmartPointer<vtkActor>::New();
+  actor->SetMapper(mapper);
+  actor->GetProperty()->LightingOff();
+  actor->GetProperty()->SetColor(ink.r / 255.0, ink.g / 255.0, ink.b / 255.0);
+  return actor;
+}
+
+} // namespace
+
+Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options)
+{
+  VoxelBlock block = Block(image);
+  const Quantity field = FindQuantity(image, block.size, options);
+  const View view(Bounds(block), options.azimuth, options.elevation);
+
+  VoxelLight light;
+  if (field.IsCategorical())
+  {
+    // Solids stand in the light, from above and a little from the right.
+    block.solid.resize(field.ids.size());
+    std::transform(field.ids.begin(), field.ids.end(), block.solid.begin(),
+      [&](std::int32_t id) { return id >= 0 && !field.idIsVoid[static_cast<std::size_t>(id)]; });
+    light = { { 0.88, 0.76, 1.0 }, 1.0 };
+  }
+  else
+  {
+    // Colours are numbers here: shading is only a hint at the faces' directions.
+    block.solid.assign(field.values.size(), true);
+    CutOctant(block, view.Towards());
+    light = { { 0.95, 0.88, 1.0 }, 0.0 };
+  }
+  if (std::find(block.solid.begin(), block.solid.end(), true) == block.solid.end())
+  {
+    throw SnapshotError{ "the volume has nothing but voids", "there is no solid phase to draw" };
+  }
+
+  Furniture furniture = Describe(field, options);
+  if (field.IsCategorical())
+  {
+    std::erase_if(furniture.legend, [&](const LegendEntry& entry) { return IsVoidName(entry.text); });
+  }
+  const Layout layout = ArrangeOrThrow(furniture, view.Width(), view.Height(), false, options);
+  const Color background = BackgroundColor(options);
+  const Color ink = InkOn(background);
+  Drawing drawing{ Canvas(layout.width, layout.height, background), layout.data, { field.low, field.high } };
+
+  vtkNew<vtkPolyDataMapper> mapper;
+  const bool translucent = field.IsCategorical() && options.opacity < 1;
+  mapper->SetInputData(
+    VoxelFaces(block, view.Towards(), translucent, light, [&](std::size_t index) { return field.ColorOf(index); }));
+  mapper->SetColorModeToDirectScalars();
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->LightingOff();
+  vtkNew<vtkRenderer> renderer;
+  renderer->AddActor(actor);
+  const auto edges = Edges(block, view.Towards(), !field.IsCategorical(), ink);
+  edges->GetProperty()->SetLineWidth(static_cast<float>(2 * layout.Rule())); // drawn at twice the size
+  renderer->AddActor(edges);
+  if (translucent)
+  {
+    actor->GetProperty()->SetOpacity(options.opacity);
+    renderer->UseDepthPeelingOn();
+    renderer->SetMaximumNumberOfPeels(12);
+    renderer->SetOcclusionRatio(0.01);
+  }
+  view.Aim(renderer);
+  std::vector<std::uint8_t> pixels;
+  std::string whyNot;
+  if (!Draw(renderer, layout.data.width, layout.data.height, LargeTiles, true, pixels, whyNot))
+  {
+    throw SnapshotError{ whyNot, "volumes need OpenGL" };
+  }
+  drawing.canvas.Blend(layout.data, pixels);
+  if (options.showScaleBar)
+  {
+    view.DrawScaleBar(drawing.canvas, layout, FindScale(image, block.spacing[0]), ink);
+  }
+  DrawFurniture(drawing.canvas, furniture, layout, ink, false);
+  return drawing;
+}
+
+} // namespace lamella::rendering

@@ -89,7 +89,7 @@ Layout Place(const Furniture& furniture, double unitsX, double unitsY, double sc
       layout.data.width < 2.3 * layout.data.height && titleLength < layout.data.height && layout.data.height > 7 * font;
     if (layout.barUpright)
     {
-      barColumn = gap + Pixels((BarThickness + 0.45 + 0.75 + 0.8) * font + bar.widest);
+      barColumn = gap + Pixels((BarThickness + 0.45 + 0.6 + 0.8) * font + bar.widest);
     }
   }
   const int fullRight = contentRight + barColumn;
@@ -365,7 +365,7 @@ void DrawBar(Canvas& canvas, const ColorBar& bar, const Layout& layout, Color in
   }
   if (layout.barUpright)
   {
-    const double x = rect.Right() + rule + mark + 0.22 * font + text.widest + 0.75 * font;
+    const double x = rect.Right() + rule + mark + 0.22 * font + text.widest + 0.6 * font;
     canvas.Text(x, layout.data.y + 0.5 * layout.data.height, text.title, font, ink, Align::Middle, Align::High, true);
   }
   else

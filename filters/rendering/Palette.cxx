@@ -35,12 +35,13 @@ constexpr std::uint32_t CoolWarm[] = { 0x3b4cc0, 0x4e68d8, 0x6282ea, 0x779af7, 0
 constexpr std::string_view MapNames[] = { "viridis", "inferno", "magma", "cividis", "gray", "coolwarm" };
 
 // Paul Tol's "bright" and "muted" sets, in an order in which the first few go well with the near-white of a void.
-constexpr std::uint32_t Qualitative[] = { 0x4477aa, 0xddb461, 0x44aa99, 0xcc6677, 0x88ccee, 0x999933, 0xaa4499,
-  0x117733, 0x882255, 0x332288 };
+constexpr std::uint32_t Qualitative[] = { 0x4477aa, 0x44aa99, 0xcc6677, 0x88ccee, 0x999933, 0xaa4499, 0x117733,
+  0x882255, 0x332288 };
 constexpr std::uint32_t VoidColor = 0xf6f3ea;
 constexpr std::uint32_t WallColor = 0xc68e5a;
 constexpr std::uint32_t LamellaColor = 0x6a3d23;
-constexpr std::uint32_t MatrixColor = 0xd9d2c3;
+constexpr std::uint32_t StoneColor = 0xdcc092;
+constexpr std::uint32_t MatrixColor = 0xc9c4bb;
 
 // Light enough for outlines on top, apart enough side by side.
 constexpr std::uint32_t GrainSet[] = { 0x77aadd, 0xee8866, 0xeedd88, 0xffaabb, 0x99ddff, 0x44bb99, 0xbbcc33, 0xaaaa00,
@@ -120,11 +121,12 @@ std::vector<Color> PhaseColors(std::span<const std::string> names)
   };
   for (const std::string& name : names)
   {
-    const bool taken = IsVoidName(name)                                  ? take(VoidColor)
-      : ContainsAny(name, { "lamella" })                                 ? take(LamellaColor)
-      : ContainsAny(name, { "wall", "solid", "wood", "fibre", "fiber" }) ? take(WallColor)
-      : ContainsAny(name, { "matrix" })                                  ? take(MatrixColor)
-                                                                         : false;
+    const bool taken = IsVoidName(name)                                              ? take(VoidColor)
+      : ContainsAny(name, { "lamella" })                                             ? take(LamellaColor)
+      : ContainsAny(name, { "wall", "solid", "wood", "fibre", "fiber" })             ? take(WallColor)
+      : ContainsAny(name, { "grain", "quartz", "sand", "stone", "rock", "mineral" }) ? take(StoneColor)
+      : ContainsAny(name, { "matrix" })                                              ? take(MatrixColor)
+                                                                                     : false;
     if (!taken)
     {
       colors.push_back(FromHex(Qualitative[next++ % std::size(Qualitative)]));

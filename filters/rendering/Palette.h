@@ -36,7 +36,8 @@ private:
 inline constexpr Color Undefined{ 198, 198, 198, 255 };
 
 /// Colour of a phase by its id, and by its name where the name tells: pores and lumens are near white, walls tan, the
-/// middle lamella dark brown; other phases take the next of a set that colour-blind readers tell apart (Tol 2021).
+/// middle lamella dark brown, stone sandy; other phases take the next of a set that colour-blind readers tell apart
+/// (Tol 2021).
 [[nodiscard]] std::vector<Color> PhaseColors(std::span<const std::string> names);
 
 /// Is this phase empty space by its name: void, pore, lumen, air, gas ...?

@@ -18,6 +18,9 @@ namespace lamella::lbm
 namespace
 {
 
+// Iterations after which multigrid is left for algebraic multigrid when the choice is ours.
+constexpr int patience = 100;
+
 int dimensionOf(Stencil stencil)
 {
   return stencil == Stencil::D2Q5 || stencil == Stencil::D2Q9 ? 2 : 3;
@@ -207,12 +210,40 @@ SteadyResult SteadyDiffusion::solve(int axis)
 
   reportProgress(m.options, m.comm, 0.0, "setting up");
   const auto start = std::chrono::steady_clock::now();
-  m.backend = method == Method::Multigrid ? makeMultigridSystem(m.problem(axis)) : makeCompactSystem(m.problem(axis));
-  const double setup = secondsSince(start);
-  const auto begin = std::chrono::steady_clock::now();
-  SteadyResult result = m.backend->solve();
+  double setup = 0;
+  SteadyResult result;
+  const auto run = [&](std::unique_ptr<Backend> backend)
+  {
+    m.backend = std::move(backend);
+    setup = secondsSince(start);
+    result = m.backend->solve();
+  };
+  if (method == Method::AlgebraicMultigrid)
+    run(makeCompactSystem(m.problem(axis)));
+  else if (m.options.method == Method::Multigrid)
+    run(makeMultigridSystem(m.problem(axis)));
+  else
+  {
+    // A contrast far above 1000 can be too much for geometric coarsening; algebraic coarsening, slower, does not mind.
+    const int allowed = m.options.maxIterations;
+    m.options.maxIterations = std::min(allowed, patience);
+    try
+    {
+      run(makeMultigridSystem(m.problem(axis)));
+      m.options.maxIterations = allowed;
+    }
+    catch (const DivergenceError&)
+    {
+      m.options.maxIterations = allowed;
+      m.backend.reset();
+      const std::uint64_t more = estimateBytes(m.lattice, m.options.stencil, Method::AlgebraicMultigrid, m.conducting);
+      if (more / static_cast<std::uint64_t>(m.comm.size()) > availableMemory())
+        throw;
+      run(makeCompactSystem(m.problem(axis)));
+    }
+  }
   result.setupSeconds = setup;
-  result.solveSeconds = secondsSince(begin);
+  result.solveSeconds = secondsSince(start) - setup;
   return result;
 }
 

@@ -36,8 +36,13 @@ std::string numberText(double value)
 vtkDataArray* chosenArray(vtkImageData* piece, vtkInformation* choice)
 {
   vtkPointData* const points = piece->GetPointData();
-  if (choice == nullptr || !choice->Has(vtkDataObject::FIELD_NAME()))
+  const bool named = choice != nullptr && choice->Has(vtkDataObject::FIELD_NAME());
+  if (!named || *choice->Get(vtkDataObject::FIELD_NAME()) == '\0') // an empty choice in a panel
   {
+    if (vtkDataArray* const phases = points->GetArray("phase"))
+    {
+      return phases;
+    }
     if (vtkDataArray* const scalars = points->GetScalars())
     {
       return scalars;

@@ -56,13 +56,11 @@ private:
   }
 };
 
-vtkInformationStringKey* const DescriptionKey = vtkInformationStringKey::MakeKey("DESCRIPTION", "lamella");
-vtkInformationStringKey* const CreatorKey = vtkInformationStringKey::MakeKey("CREATOR", "lamella");
-
-std::string keyText(vtkInformation* information, vtkInformationStringKey* key)
+/// Text of an array beside its unit: "DESCRIPTION [CREATOR]". A key of VTK's own, since a file with a key of ours makes
+/// every program that lacks our library complain as it reads it.
+vtkInformationStringKey* textKey()
 {
-  const char* const text = information->Has(key) ? information->Get(key) : nullptr;
-  return text != nullptr ? text : "";
+  return vtkDataObject::FIELD_NAME();
 }
 
 } // namespace
@@ -195,15 +193,22 @@ void describe(vtkDataArray* array, const std::string& unit, const std::string& t
 {
   vtkInformation* const information = array->GetInformation();
   information->Set(vtkDataArray::UNITS_LABEL(), unit);
-  information->Set(DescriptionKey, text);
-  information->Set(CreatorKey, creator);
+  information->Set(textKey(), text + " [" + creator + "]");
 }
 
 std::array<std::string, 3> description(vtkDataArray* array)
 {
   vtkInformation* const information = array->GetInformation();
-  return { keyText(information, vtkDataArray::UNITS_LABEL()), keyText(information, DescriptionKey),
-    keyText(information, CreatorKey) };
+  const auto read = [&](vtkInformationStringKey* key) {
+    return std::string(information->Has(key) != 0 ? information->Get(key) : "");
+  };
+  const std::string text = read(textKey());
+  const std::size_t open = text.rfind(" [");
+  if (open == std::string::npos || text.back() != ']')
+  {
+    return { read(vtkDataArray::UNITS_LABEL()), text, "" };
+  }
+  return { read(vtkDataArray::UNITS_LABEL()), text.substr(0, open), text.substr(open + 2, text.size() - open - 3) };
 }
 
 void setFieldTexts(vtkDataObject* data, const char* name, std::span<const std::string> texts)
@@ -241,12 +246,11 @@ std::optional<std::string> fieldText(vtkDataObject* data, const char* name)
   return texts.empty() ? std::nullopt : std::optional(std::move(texts.front()));
 }
 
-vtkDoubleArray* setFieldNumbers(vtkDataObject* data, const char* name, std::span<const double> values, int tuples)
+vtkDoubleArray* setFieldNumbers(vtkDataObject* data, const char* name, std::span<const double> values)
 {
   vtkNew<vtkDoubleArray> array;
   array->SetName(name);
-  array->SetNumberOfComponents(static_cast<int>(values.size()) / std::max(tuples, 1));
-  array->SetNumberOfTuples(tuples);
+  array->SetNumberOfTuples(static_cast<vtkIdType>(values.size()));
   std::copy(values.begin(), values.end(), array->GetPointer(0));
   data->GetFieldData()->AddArray(array);
   return array;

@@ -448,8 +448,8 @@ void vtkSteadyDiffusion::Describe(vtkImageData* output)
   lamella::setFieldNumbers(output, "stored_nodes", internal.Stored);
   lamella::setFieldNumbers(output, "skipped_nodes", internal.Skipped);
   const int phases = static_cast<int>(internal.PhaseConductivity.size());
-  lamella::setFieldNumbers(output, "phase_conductivity", internal.PhaseConductivity, phases);
-  lamella::setFieldNumbers(output, "phase_fraction", internal.PhaseFraction, phases);
+  lamella::setFieldNumbers(output, "phase_conductivity", internal.PhaseConductivity);
+  lamella::setFieldNumbers(output, "phase_fraction", internal.PhaseFraction);
   lamella::setFieldTexts(output, "phase_names", internal.PhaseNames);
   lamella::setFieldText(output, "phase_array", internal.PhaseArray);
   lamella::setFieldText(output, "direction", direction);

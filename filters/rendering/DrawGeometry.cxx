@@ -1,0 +1,150 @@
+#include "Drawing.h"
+
+#include "Quantity.h"
+#include "Surface.h"
+#include "View.h"
+#include "vtkActor.h"
+#include "vtkCellArray.h"
+#include "vtkCellData.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPolyData.h"
+#include "vtkPolyDataMapper.h"
+#include "vtkProperty.h"
+#include "vtkRenderer.h"
+#include "vtkSnapshot.h"
+#include "vtkTubeFilter.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace lamella::rendering
+{
+namespace
+{
+
+constexpr Color PlainColor{ 0x44, 0x77, 0xaa, 255 }; // geometry without any array
+
+/// Lines and surfaces without their arrays, but with the colours to draw them in.
+vtkSmartPointer<vtkPolyData> Colored(vtkPolyData* geometry, const std::optional<Quantity>& field)
+{
+  auto colored = vtkSmartPointer<vtkPolyData>::New();
+  colored->CopyStructure(geometry);
+  if (field)
+  {
+    vtkNew<vtkUnsignedCharArray> colors;
+    colors->SetNumberOfComponents(3);
+    colors->SetNumberOfTuples(static_cast<vtkIdType>(field->Count()));
+    for (std::size_t i = 0; i < field->Count(); ++i)
+    {
+      const Color color = field->ColorOf(i);
+      colors->SetTuple3(static_cast<vtkIdType>(i), color.r, color.g, color.b);
+    }
+    colors->SetName("color");
+    if (field->onCells)
+    {
+      colored->GetCellData()->SetScalars(colors);
+    }
+    else
+    {
+      colored->GetPointData()->SetScalars(colors);
+    }
+  }
+  return colored;
+}
+
+} // namespace
+
+Drawing DrawGeometry(vtkPolyData* geometry, const SnapshotOptions& options)
+{
+  std::optional<Quantity> field;
+  const bool hasArrays =
+    geometry->GetPointData()->GetNumberOfArrays() > 0 || geometry->GetCellData()->GetNumberOfArrays() > 0;
+  if (hasArrays || !options.arrayName.empty() || options.preset != vtkSnapshot::AUTO)
+  {
+    field = FindQuantity(geometry, { 0, 0, 0 }, options);
+  }
+
+  std::array<double, 6> bounds{};
+  geometry->GetBounds(bounds.data());
+  const double size = std::max({ bounds[1] - bounds[0], bounds[3] - bounds[2], bounds[5] - bounds[4] });
+  if (!(size > 0) || !std::isfinite(size))
+  {
+    throw SnapshotError{ "the geometry has no extent", "all its points are one, or not finite" };
+  }
+  const bool isFlat = bounds[5] - bounds[4] < 1e-9 * size;
+  // Room for the thickness of lines, and so that a straight line has an area.
+  for (std::size_t axis = 0; axis < (isFlat ? 2U : 3U); ++axis)
+  {
+    const double least = std::max(0.02 * size, 0.1 * size - (bounds.at(2 * axis + 1) - bounds.at(2 * axis)));
+    bounds.at(2 * axis) -= 0.5 * least;
+    bounds.at(2 * axis + 1) += 0.5 * least;
+  }
+  const View view(bounds, isFlat ? -90 : options.azimuth, isFlat ? 90 : options.elevation);
+
+  Furniture furniture = field ? Describe(*field, options) : Furniture{ options.title, {}, {}, {} };
+  const Scale scale = FindScale(geometry, 0);
+  if (options.showScaleBar && isFlat)
+  {
+    furniture.scale = scale;
+  }
+  const Layout layout = ArrangeOrThrow(furniture, view.Width(), view.Height(), false, options);
+  const Color background = BackgroundColor(options);
+  const Color ink = InkOn(background);
+  Drawing drawing{ Canvas(layout.width, layout.height, background), layout.data, {} };
+  if (field)
+  {
+    drawing.range = { field->low, field->high };
+  }
+
+  vtkNew<vtkPolyDataMapper> mapper;
+  const auto colored = Colored(geometry, field);
+  const bool onlyLines =
+    geometry->GetNumberOfPolys() == 0 && geometry->GetNumberOfStrips() == 0 && geometry->GetNumberOfLines() > 0;
+  const double linePixels = std::max(1.5, 0.11 * layout.font);
+  if (onlyLines && !isFlat)
+  {
+    vtkNew<vtkTubeFilter> tubes;
+    tubes->SetInputData(colored);
+    tubes->SetRadius(0.5 * linePixels / layout.scale);
+    tubes->SetNumberOfSides(10);
+    tubes->CappingOn();
+    tubes->Update();
+    mapper->SetInputData(tubes->GetOutput());
+  }
+  else
+  {
+    mapper->SetInputData(colored);
+  }
+  mapper->SetColorModeToDirectScalars();
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  vtkProperty* property = actor->GetProperty();
+  property->SetColor(PlainColor.r / 255.0, PlainColor.g / 255.0, PlainColor.b / 255.0);
+  property->SetLineWidth(static_cast<float>(2 * linePixels)); // drawn at twice the size
+  property->SetPointSize(static_cast<float>(4 * linePixels));
+  property->SetRenderPointsAsSpheres(!isFlat);
+  property->SetAmbient(0.35);
+  property->SetDiffuse(0.65);
+  property->SetLighting(!isFlat);
+  vtkNew<vtkRenderer> renderer;
+  renderer->AddActor(actor);
+  view.Aim(renderer);
+  std::vector<std::uint8_t> pixels;
+  std::string whyNot;
+  if (!Draw(renderer, layout.data.width, layout.data.height, LargeTiles, true, pixels, whyNot))
+  {
+    throw SnapshotError{ whyNot, "lines and surfaces need OpenGL" };
+  }
+  drawing.canvas.Blend(layout.data, pixels);
+  if (options.showScaleBar && !isFlat)
+  {
+    view.DrawScaleBar(drawing.canvas, layout, scale, ink);
+  }
+  DrawFurniture(drawing.canvas, furniture, layout, ink, false);
+  return drawing;
+}
+
+} // namespace lamella::rendering

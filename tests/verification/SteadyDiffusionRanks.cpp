@@ -1,0 +1,76 @@
+// Any number of ranks gives the answer of one: to round-off with geometric multigrid, whose cycle does not depend on
+// the decomposition; within the tolerance with algebraic multigrid, whose aggregates do.
+#include "Diffusion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace
+{
+
+using namespace lamella;
+using namespace lamella::test;
+
+void compare(const PhaseImage& image, const std::vector<double>& d, Case s)
+{
+  int initialized = 0;
+  MPI_Initialized(&initialized);
+  const MPI_Comm world = initialized ? MPI_COMM_WORLD : MPI_COMM_SELF;
+  const auto one = solve(image, d, s);
+  const auto all = solve(image, d, s, world);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NEAR(all.effective[i], one.effective[i], 1e-10 * one.effective[s.axis]);
+  EXPECT_EQ(all.stored, one.stored);
+
+  // and the field, node by node
+  const Block whole = decompose(image.lattice, MPI_COMM_SELF);
+  const Block block = decompose(image.lattice, world);
+  lbm::SteadyDiffusion a(image.lattice, whole, image.phase, d, optionsOf(image, s));
+  lbm::SteadyDiffusion b(image.lattice, block, lbm::blockOf(image, block), d, optionsOf(image, s), world);
+  a.solve(s.axis);
+  b.solve(s.axis);
+  std::vector<double> va(static_cast<std::size_t>(whole.count()));
+  std::vector<double> vb(static_cast<std::size_t>(block.count()));
+  a.value(va);
+  b.value(vb);
+  std::size_t i = 0;
+  double worst = 0;
+  for (std::int64_t z = 0; z < block.size[2]; ++z)
+    for (std::int64_t y = 0; y < block.size[1]; ++y)
+      for (std::int64_t x = 0; x < block.size[0]; ++x, ++i)
+      {
+        const double expected =
+          va[static_cast<std::size_t>(image.lattice.index(x, y + block.start[1], z + block.start[2]))];
+        EXPECT_EQ(std::isnan(expected), std::isnan(vb[i]));
+        if (!std::isnan(expected))
+          worst = std::max(worst, std::abs(expected - vb[i]));
+      }
+  EXPECT_LT(worst, 1e-9);
+}
+
+TEST(Ranks, GiveTheSame2D)
+{
+  for (const bool diagonal : { false, true })
+    for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Periodic })
+      for (const int axis : { 0, 1 })
+      {
+        compare(noise(64, 96, 1, 0.5, 3), { 0.1, 1.0 }, { .axis = axis, .sides = sides, .diagonal = diagonal });
+        compare(noise(64, 97, 1, 0.8, 3), { 0.0, 1.0 }, { .axis = axis, .sides = sides, .diagonal = diagonal });
+      }
+  compare(noise(61, 47, 1, 0.5, 3), { 0.1, 1.0 }, { .axis = 1 });
+}
+
+TEST(Ranks, GiveTheSame3D)
+{
+  for (const bool diagonal : { false, true })
+    for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Periodic })
+      for (const int axis : { 0, 2 })
+      {
+        compare(noise(24, 32, 40, 0.5, 3), { 0.1, 1.0 }, { .axis = axis, .sides = sides, .diagonal = diagonal });
+        compare(noise(13, 12, 11, 0.6, 3), { 0.0, 1.0 }, { .axis = axis, .sides = sides, .diagonal = diagonal });
+      }
+  compare(noise(20, 2, 33, 0.5, 3), { 0.1, 1.0 }, { .axis = 1 });
+}
+
+} // namespace

@@ -1,0 +1,121 @@
+// Odd boxes, large contrasts, and what must be refused.
+#include "Diffusion.h"
+
+#include "lattice/Error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace
+{
+
+using namespace lamella;
+using namespace lamella::test;
+
+TEST(Contrast, ConvergesFrom1To1000BothWays)
+{
+  generators::SoftwoodOptions o;
+  o.size = { 240, 200, 1 };
+  const auto tissue = generators::softwood(o);
+  const auto random = noise(120, 150, 1, 0.5, 4);
+  for (const auto* image : { &tissue, &random })
+    for (const double contrast : { 1.0, 10.0, 100.0, 1000.0 })
+      for (const bool strongWall : { false, true })
+      {
+        const std::vector<double> d =
+          strongWall ? std::vector<double>{ 1.0, contrast } : std::vector<double>{ contrast, 1.0 };
+        const auto r = solve(*image, d, { .tolerance = 1e-8 });
+        EXPECT_EQ(r.method, lbm::Method::Multigrid);
+        EXPECT_LE(r.balance, 1e-8);
+        EXPECT_LE(r.iterations, 60) << contrast << " " << strongWall; // measured: at most 41
+      }
+}
+
+TEST(Contrast, AMillionIsStillRight)
+{
+  const auto image = noise(60, 50, 1, 0.5, 4);
+  for (const double contrast : { 1e6, 1e-6 })
+  {
+    Case s{ .tolerance = 1e-8 };
+    const auto a = solve(image, { 1.0, contrast }, s);
+    s.method = lbm::Method::AlgebraicMultigrid;
+    const auto b = solve(image, { 1.0, contrast }, s);
+    EXPECT_NEAR(a.effective[0] / b.effective[0], 1.0, 1e-9);
+  }
+}
+
+TEST(Percolation, IsCheckedBeforeSolving)
+{
+  auto image = noise(20, 20, 1, 1.1, 1);
+  for (std::int64_t y = 0; y < 20; ++y)
+    image.phase[static_cast<std::size_t>(image.lattice.index(10, y))] = 0; // a cut across x
+  EXPECT_THROW(solve(image, { 0.0, 1.0 }, { .axis = 0 }), NoPathError);
+  EXPECT_NEAR(solve(image, { 0.0, 1.0 }, { .axis = 1 }).effective[1], 0.95, 1e-10);
+  const Block block = decompose(image.lattice, MPI_COMM_SELF);
+  lbm::SteadyDiffusion solver(image.lattice, block, image.phase, std::vector<double>{ 0.0, 1.0 }, optionsOf(image, {}));
+  EXPECT_FALSE(solver.percolates(0));
+  EXPECT_TRUE(solver.percolates(1));
+}
+
+TEST(Percolation, PeriodicPathsMustWind)
+{
+  // A diagonal stripe that joins itself only round both sides: it leads across x and y at once.
+  PhaseImage image = noise(16, 16, 1, -1.0, 1); // all a
+  for (std::int64_t i = 0; i < 16; ++i)
+  {
+    image.phase[static_cast<std::size_t>(image.lattice.index(i, i))] = 1;
+    image.phase[static_cast<std::size_t>(image.lattice.index((i + 1) % 16, i))] = 1;
+  }
+  const auto r = solve(image, { 0.0, 1.0 }, { .axis = 0, .sides = lbm::Sides::Periodic });
+  // One path of 32 links in series carries the drop of one box length: k = 16 / 32 / 16 a column, and as much along y.
+  EXPECT_NEAR(r.effective[0], 1.0 / 32, 1e-10);
+  EXPECT_NEAR(r.effective[1], 1.0 / 32, 1e-10);
+  // An island does not lead anywhere, even where it crosses the side.
+  PhaseImage island = noise(16, 16, 1, -1.0, 1);
+  for (const std::int64_t x : { 14, 15, 0, 1 })
+    island.phase[static_cast<std::size_t>(island.lattice.index(x, 5))] = 1;
+  EXPECT_THROW(solve(island, { 0.0, 1.0 }, { .axis = 0, .sides = lbm::Sides::Periodic }), NoPathError);
+}
+
+TEST(BadInput, IsNamedWithARemedy)
+{
+  const auto image = noise(8, 8, 1, 0.5, 1);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double bad : { -1.0, nan, infinity })
+    EXPECT_THROW(solve(image, { bad, 1.0 }, {}), ParameterError);
+  EXPECT_THROW(solve(image, { 0.0, 0.0 }, {}), NoPathError);
+  EXPECT_THROW(solve(image, { 1.0 }, {}), ParameterError);
+  EXPECT_THROW(solve(image, { 1.0, 1.0 }, { .axis = 2 }), ParameterError);
+  EXPECT_THROW(solve(image, { 1.0, 1.0 }, { .tolerance = 0.0 }), ParameterError);
+  try
+  {
+    solve(image, { 1.0, -2.5 }, {});
+    FAIL();
+  }
+  catch (const Error& e)
+  {
+    EXPECT_NE(std::string(e.what()).find("-2.5"), std::string::npos);
+    EXPECT_FALSE(e.hint().empty());
+  }
+  Lattice volume = makeLattice(4, 4, 4, 3, 1.0);
+  lbm::SteadyOptions options; // d2q5
+  const std::vector<std::uint8_t> phase(64, 0);
+  const Block block = decompose(volume, MPI_COMM_SELF);
+  EXPECT_THROW(lbm::SteadyDiffusion(volume, block, phase, std::vector<double>{ 1.0 }, options), ParameterError);
+}
+
+TEST(Cancel, StopsTheSolve)
+{
+  const auto image = noise(100, 100, 1, 0.5, 1);
+  auto options = optionsOf(image, {});
+  int calls = 0;
+  options.progress = [&](double, const char*) { return ++calls < 3; };
+  const Block block = decompose(image.lattice, MPI_COMM_SELF);
+  lbm::SteadyDiffusion solver(image.lattice, block, image.phase, std::vector<double>{ 0.1, 1.0 }, options);
+  EXPECT_THROW(solver.solve(0), Cancelled);
+}
+
+} // namespace

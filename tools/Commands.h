@@ -1,0 +1,45 @@
+#pragma once
+
+#include "Session.h"
+
+#include <CLI/App.hpp>
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lamella::cli
+{
+
+/// What every sub-command takes.
+struct CommonOptions
+{
+  bool json = false;
+  bool quiet = false;
+  bool overwrite = false;
+};
+
+/// One sub-command: where its options are declared, and what it does. `words` is the command line, for the record.
+struct Command
+{
+  CLI::App* app;
+  std::function<void(Session&, const std::string& commandLine)> run;
+};
+
+[[nodiscard]] Command generateCommand(CLI::App& root);
+[[nodiscard]] Command diffusionCommand(CLI::App& root);
+[[nodiscard]] Command fluxMapCommand(CLI::App& root);
+[[nodiscard]] Command snapshotCommand(CLI::App& root);
+[[nodiscard]] Command infoCommand(CLI::App& root);
+
+/// --json, --quiet
+void addReportOptions(CLI::App& command, CommonOptions& options);
+/// -o, --overwrite
+CLI::Option* addOutputOptions(
+  CLI::App& command, std::string& output, CommonOptions& options, const std::string& description);
+/// A section at the end of the help.
+void addExamples(CLI::App& command, const std::vector<std::string>& examples);
+
+} // namespace lamella::cli

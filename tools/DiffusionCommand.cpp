@@ -1,0 +1,462 @@
+#include "Commands.h"
+#include "DiffusionFields.h"
+#include "DiffusionReport.h"
+#include "DiffusionRun.h"
+#include "Input.h"
+#include "OutputFile.h"
+#include "Record.h"
+#include "Text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+struct DiffusionOptions
+{
+  CommonOptions common;
+  PictureOptions picture;
+  std::vector<std::string> conductivity;
+  std::string direction = "all";
+  std::string sides = "insulated";
+  std::string lattice;
+  std::string method = "auto";
+  std::string quantity = "temperature";
+  std::string output;
+  int refine = 1;
+  double tolerance = 1e-8;
+  int maxIterations = 500;
+  int threads = 1;
+  std::string targetError;
+  bool noErrorEstimate = false;
+};
+
+const std::vector<std::string> directions{ "x", "y", "z", "all" };
+const std::vector<std::string> sidesWords{ "insulated", "periodic" };
+const std::vector<std::string> lattices{ "d2q5", "d2q9", "d3q7", "d3q19" };
+const std::vector<std::string> methods{ "auto", "multigrid", "algebraic-multigrid" };
+const std::vector<std::string> quantities{ "temperature", "concentration" };
+
+/// What can be said without the picture. @throws ParameterError
+lbm::StudyOptions parseStudy(const DiffusionOptions& options)
+{
+  lbm::StudyOptions study;
+  study.steady.sides = static_cast<lbm::Sides>(oneOf("--sides", options.sides, sidesWords));
+  study.steady.method = static_cast<lbm::Method>(oneOf("--method", options.method, methods));
+  if (!options.lattice.empty())
+  {
+    study.steady.stencil = static_cast<lbm::Stencil>(oneOf("--lattice", options.lattice, lattices));
+  }
+  (void)oneOf("--direction", options.direction, directions);
+  (void)oneOf("--quantity", options.quantity, quantities);
+  if (!(options.tolerance > 0 && options.tolerance < 1))
+  {
+    throw ParameterError(fmt::format("--tolerance {:g} is not between 0 and 1", options.tolerance),
+      "it is the largest relative error of the flux through either face, such as 1e-8");
+  }
+  study.steady.tolerance = options.tolerance;
+  if (options.maxIterations < 1)
+  {
+    throw ParameterError(fmt::format("--max-iterations {} is below 1", options.maxIterations), "allow at least 1");
+  }
+  study.steady.maxIterations = options.maxIterations;
+  if (options.threads < 1 || options.threads > 1024)
+  {
+    throw ParameterError(
+      fmt::format("--threads {} is outside 1 to 1024", options.threads), "give the number of cores to use");
+  }
+  study.steady.threads = options.threads;
+  if (options.refine < 1)
+  {
+    throw ParameterError(fmt::format("--refine {} is below 1", options.refine),
+      "give a whole number from 1 up: every pixel becomes N × N");
+  }
+  study.refinement = options.refine;
+  study.estimateError = !options.noErrorEstimate;
+  if (!options.targetError.empty())
+  {
+    if (options.noErrorEstimate)
+    {
+      throw ParameterError("--target-error and --no-error-estimate contradict each other", "leave one of them out");
+    }
+    const double target = share("--target-error", options.targetError);
+    if (!(target > 0 && target < 1))
+    {
+      throw ParameterError(
+        "--target-error '" + options.targetError + "' is not between 0 and 1", "write it as 1% or 0.01");
+    }
+    study.targetError = target;
+  }
+  return study;
+}
+
+/// NAME=VALUE. @throws ParameterError
+std::vector<std::pair<std::string, double>> parseConductivities(const std::vector<std::string>& texts)
+{
+  std::vector<std::pair<std::string, double>> values;
+  for (const std::string& text : texts)
+  {
+    const auto [name, number] = keyValue("--conductivity", text, "NAME=VALUE");
+    const auto value = toNumber(number);
+    if (!value)
+    {
+      throw ParameterError("--conductivity '" + text + "': '" + number + "' is not a number",
+        "write it as --conductivity NAME=VALUE, such as --conductivity wall=0.41");
+    }
+    if (!std::isfinite(*value) || *value < 0)
+    {
+      throw ParameterError(fmt::format("--conductivity {}: a conductivity must be a finite number of at least 0", text),
+        "give a positive value, or 0 for a phase that does not conduct");
+    }
+    const auto same =
+      std::find_if(values.begin(), values.end(), [&, phase = name](const auto& v) { return v.first == phase; });
+    if (same != values.end() && same->second != *value)
+    {
+      throw ParameterError(
+        fmt::format("--conductivity gives '{}' two values, {:g} and {:g}", name, same->second, *value),
+        "give every phase one value");
+    }
+    values.emplace_back(name, *value);
+  }
+  return values;
+}
+
+/// By phase id; a phase that no node has may do without. @throws ParameterError
+std::vector<double> conductivities(
+  const std::vector<std::pair<std::string, double>>& given, const PhaseTable& phases, std::span<const double> fractions)
+{
+  std::vector<double> values(phases.size(), std::numeric_limits<double>::quiet_NaN());
+  for (const auto& [name, value] : given)
+  {
+    const auto id = phases.find(name);
+    if (!id)
+    {
+      throw ParameterError("--conductivity names '" + name + "', which is no phase of this sample",
+        suggestion(name, phases.names(), "its phases are " + quotedList(phases.names(), "and")));
+    }
+    values[*id] = value;
+  }
+  std::vector<std::string> missing;
+  bool any = false;
+  for (std::size_t id = 0; id < values.size(); ++id)
+  {
+    if (std::isnan(values[id]) && fractions[id] > 0)
+    {
+      missing.push_back(phases.names()[id]);
+    }
+    any = any || (values[id] > 0 && fractions[id] > 0);
+  }
+  if (!missing.empty())
+  {
+    std::string hint = "add";
+    for (const std::string& name : missing)
+    {
+      hint += " --conductivity " + name + "=VALUE";
+    }
+    throw ParameterError("no conductivity was given for " + quotedList(missing, "and"), hint);
+  }
+  if (!any)
+  {
+    throw NoPathError(
+      "no phase of this sample conducts: all conductivities are 0", "give at least one phase a --conductivity above 0");
+  }
+  return values;
+}
+
+/// The axes asked for. One node along an axis is no sample of anything: refused, where it is asked for.
+std::vector<int> parseAxes(const std::string& direction, const Lattice& lattice)
+{
+  std::vector<int> axes;
+  for (int axis = 0; axis < lattice.dimension; ++axis)
+  {
+    if (direction == "all" || direction == axisNames[axis])
+    {
+      axes.push_back(axis);
+    }
+  }
+  if (axes.empty())
+  {
+    throw ParameterError("--direction z of a picture, which has x and y only", "choose x, y or all");
+  }
+  std::string open;
+  for (int axis = 0; axis < lattice.dimension; ++axis)
+  {
+    if (lattice.size[static_cast<std::size_t>(axis)] > 1)
+    {
+      open = open.empty() ? axisNames[axis] : open;
+    }
+  }
+  for (const int axis : axes)
+  {
+    if (lattice.size[static_cast<std::size_t>(axis)] < 2)
+    {
+      throw InputError(fmt::format("the {} is {} {}: one node along {} has no conductivity of its own",
+                         lattice.dimension == 3 ? "volume" : "picture", sizeText(lattice.size, lattice.dimension),
+                         lattice.dimension == 3 ? "voxels" : "pixels", axisNames[axis]),
+        open.empty() ? "give a larger picture or --window"
+                     : "give a larger picture or --window, or solve along it only: --direction " + open);
+    }
+  }
+  return axes;
+}
+
+std::vector<std::string> outputNames(const std::string& output, const std::vector<int>& axes)
+{
+  if (output.empty())
+  {
+    return {};
+  }
+  if (!isVtkImage(output))
+  {
+    throw ParameterError("-o '" + output + "': the fields are written as .vti",
+      "end the name in .vti; numbers go to standard output, as JSON with --json");
+  }
+  std::vector<std::string> names;
+  for (const int axis : axes)
+  {
+    names.push_back(axes.size() == 1 ? output : withSuffix(output, std::string("_") + axisNames[axis]).string());
+  }
+  return names;
+}
+
+void diffusion(Session& session, const DiffusionOptions& options, const std::string& commandLine)
+{
+  const auto start = std::chrono::steady_clock::now();
+  lbm::StudyOptions study = parseStudy(options);
+  const auto given = parseConductivities(options.conductivity);
+
+  Sample sample;
+  DiffusionReport report;
+  std::array<std::optional<OutputFile>, 3> files; // rank 0
+  report.file = options.picture.file;
+  report.sample = &sample;
+  report.ranks = session.ranks();
+
+  // All that can go wrong with what the user gave goes wrong here, before anything is computed.
+  session.onRoot(
+    [&]
+    {
+      sample = loadSample(options.picture);
+      Session::checkInterrupt();
+      for (const std::string& warning : sample.warnings)
+      {
+        session.warn(warning);
+      }
+      const Lattice& lattice = sample.image.lattice;
+      study.axes = parseAxes(options.direction, lattice);
+      if (options.lattice.empty())
+      {
+        study.steady.stencil = lattice.dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5;
+      }
+      else if ((options.lattice[1] == '3') != (lattice.dimension == 3))
+      {
+        throw ParameterError(fmt::format("--lattice {} does not fit {} in {} dimensions", options.lattice,
+                               lattice.dimension == 3 ? "a volume" : "a picture", lattice.dimension),
+          lattice.dimension == 3 ? "use d3q7 or d3q19" : "use d2q5 or d2q9");
+      }
+      report.fractions = sample.image.fractions();
+      report.conductivity = conductivities(given, sample.image.phases, report.fractions);
+      const std::vector<std::string> names = outputNames(options.output, study.axes);
+      for (std::size_t i = 0; i < names.size(); ++i)
+      {
+        files[static_cast<std::size_t>(study.axes[i])].emplace(names[i], options.common.overwrite);
+        report.written.push_back(names[i]);
+      }
+      if (sample.pixelSizeSource == "option")
+      {
+        if (const std::string doubt = pixelSizeDoubt("--pixel-size", lattice.spacing); !doubt.empty())
+        {
+          session.warn(doubt);
+        }
+      }
+    });
+
+  // What every rank needs to know.
+  std::array<int, 3> axes{ -1, -1, -1 };
+  std::copy(study.axes.begin(), study.axes.end(), axes.begin());
+  session.broadcast(axes);
+  study.axes.assign(axes.begin(), std::find(axes.begin(), axes.end(), -1));
+  session.broadcast(study.steady.stencil);
+  std::array<double, 256> values{};
+  std::transform(report.conductivity.begin(), report.conductivity.end(), values.begin(),
+    [](double v) { return std::isnan(v) ? 0 : v; });
+  session.broadcast(values);
+  share(session, sample.image);
+  requireMemory(session, sample.image, values, study.steady.stencil, study.refinement, !options.output.empty());
+  session.onRoot(
+    [&]
+    {
+      const double nodes =
+        static_cast<double>(sample.image.lattice.count()) * std::pow(study.refinement, sample.image.lattice.dimension);
+      for (const auto& file : files)
+      {
+        if (file)
+        {
+          file->needs(static_cast<std::uint64_t>(nodes * (8 + 24 + 1)));
+        }
+      }
+    });
+  requirePaths(session, sample.image, values, study);
+
+  study.steady.progress = studyProgress(session, sample.image.lattice, study);
+  Fields taken;
+  const lbm::FieldSink take = [&](const lbm::SteadyDiffusion& solver, const lbm::DiffusionAnswer& answer,
+                                const Lattice& lattice, const Block& block)
+  { taken = takeFields(session, solver, answer.axis, lattice, block, options.quantity); };
+  const auto run = [&](const lbm::StudyOptions& part, bool fields)
+  { return lbm::studyDiffusion(sample.image, values, part, session.communicator(), fields ? take : lbm::FieldSink()); };
+  const bool fields = !options.output.empty();
+  if (!fields || study.targetError)
+  {
+    report.answers = run(study, false);
+  }
+  if (fields)
+  {
+    // One direction at a time, so that only one direction's fields are held.
+    if (session.root())
+    {
+      report.provenance = recordRun(commandLine, options.picture.file, sample.provenance);
+    }
+    for (std::size_t i = 0; i < study.axes.size(); ++i)
+    {
+      lbm::StudyOptions one = study;
+      one.axes = { study.axes[i] };
+      if (study.targetError) // the refinement is known by now; solved again, for its fields
+      {
+        one.targetError.reset();
+        one.estimateError = false;
+        one.refinement = refinementOf(report.answers[i]);
+        (void)run(one, true);
+      }
+      else
+      {
+        report.answers.push_back(run(one, true).front());
+      }
+      report.options = study;
+      session.onRoot(
+        [&]
+        {
+          writeFields(
+            report, report.answers[i], std::exchange(taken, {}), *files[static_cast<std::size_t>(study.axes[i])]);
+          Session::checkInterrupt();
+        });
+    }
+  }
+  session.endProgress();
+
+  report.options = study;
+  report.peakMemory = peakMemoryBytes();
+  if (session.ranks() > 1)
+  {
+    MPI_Allreduce(MPI_IN_PLACE, &report.peakMemory, 1, MPI_UINT64_T, MPI_MAX, session.communicator());
+  }
+  session.onRoot(
+    [&]
+    {
+      Session::checkInterrupt();
+      for (auto& file : files)
+      {
+        if (file)
+        {
+          file->commit();
+        }
+      }
+      if (report.provenance.version.empty())
+      {
+        report.provenance = recordRun(commandLine, options.common.json ? options.picture.file : "", sample.provenance);
+      }
+      report.bounds =
+        lbm::bounds(report.fractions, std::span(values).first(report.fractions.size()), sample.image.lattice.dimension);
+      report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      if (study.estimateError || study.targetError)
+      {
+        for (const auto& answer : report.answers)
+        {
+          if (!std::isfinite(answer.error.relative))
+          {
+            session.warn(
+              fmt::format("the error along {} could not be estimated: the part of the sample that is refined "
+                          "for it has no conducting path",
+                axisNames[answer.axis]));
+          }
+        }
+      }
+      session.print(options.common.json ? toJson(report) : options.common.quiet ? "" : toTable(report));
+    });
+}
+
+} // namespace
+
+Command diffusionCommand(CLI::App& root)
+{
+  CLI::App* app = root.add_subcommand(
+    "diffusion", "Effective conductivity of a picture or volume: heat, vapour, anything that diffuses");
+  auto o = std::make_shared<DiffusionOptions>();
+  addPictureOptions(*app, o->picture);
+  const auto physics = [](CLI::Option* option) { option->group("Physics"); };
+  physics(
+    app->add_option("--conductivity", o->conductivity, "Conductivity of a phase, in any unit; 0: it does not conduct")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false)
+      ->required());
+  physics(app->add_option("--direction", o->direction, "x across the picture, y down it, z through a volume")
+            ->type_name("x|y|z|all")
+            ->capture_default_str());
+  physics(app->add_option("--sides", o->sides, "What bounds the sample across the flux")
+            ->type_name("insulated|periodic")
+            ->capture_default_str());
+  physics(app->add_option("--quantity", o->quantity, "What diffuses: names the field that is written")
+            ->type_name("temperature|concentration")
+            ->capture_default_str());
+  const auto numerics = [](CLI::Option* option) { option->group("Accuracy and cost"); };
+  numerics(app->add_option("--refine", o->refine, "Split every pixel into N × N (× N)")
+             ->type_name("N")
+             ->capture_default_str());
+  numerics(app->add_option("--target-error", o->targetError, "Refine until the estimated error is below this, as 1%")
+             ->type_name("SHARE"));
+  numerics(app->add_flag("--no-error-estimate", o->noErrorEstimate,
+    "Leave out the second solve, on the twice refined sample, that the error is estimated from"));
+  numerics(app->add_option("--lattice", o->lattice, "Links of the lattice; d2q5 or d3q7 when not given")
+             ->type_name("d2q5|d2q9|d3q7|d3q19"));
+  numerics(app->add_option("--method", o->method, "How the system is solved")
+             ->type_name("auto|multigrid|algebraic-multigrid")
+             ->capture_default_str());
+  numerics(app->add_option("--tolerance", o->tolerance, "Largest relative error of the flux through either face")
+             ->type_name("SHARE")
+             ->capture_default_str());
+  numerics(app->add_option("--max-iterations", o->maxIterations, "Give up after this many")
+             ->type_name("NUMBER")
+             ->capture_default_str());
+  numerics(
+    app->add_option("--threads", o->threads, "Threads of each process")->type_name("NUMBER")->capture_default_str());
+  addOutputOptions(*app, o->output, o->common,
+    "Write phases, field and flux as .vti, for ParaView; several directions: FILE_x.vti, FILE_y.vti");
+  addReportOptions(*app, o->common);
+  addExamples(*app,
+    { "lamella diffusion tissue.png --phase 0=lumen --phase 255=wall --conductivity lumen=0.023 --conductivity wall=1",
+      "lamella diffusion tissue.png --conductivity lumen=1 --conductivity wall=0.004 --target-error 1% --json",
+      "lamella diffusion rock_200x200x200_u8.raw --phase 1=pore --other grain --conductivity pore=1 --conductivity "
+      "grain=0",
+      "mpirun -n 4 lamella diffusion tissue.vti --conductivity lumen=0 --conductivity wall=1 --direction z -o "
+      "heat.vti" });
+  return { app,
+    [o](Session& session, const std::string& line)
+    {
+      session.setQuiet(o->common.quiet);
+      diffusion(session, *o, line);
+    } };
+}
+
+} // namespace lamella::cli

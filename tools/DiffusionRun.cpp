@@ -1,0 +1,228 @@
+#include "DiffusionRun.h"
+
+#include "Text.h"
+
+#include "lattice/Decomposition.h"
+#include "lattice/Memory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+/// Sends or receives more bytes than an int can count.
+template <typename Transfer>
+void inPieces(std::size_t bytes, const Transfer& transfer)
+{
+  constexpr std::size_t piece = std::size_t{ 1 } << 30;
+  for (std::size_t at = 0; at < bytes; at += piece)
+  {
+    transfer(at, static_cast<int>(std::min(piece, bytes - at)));
+  }
+}
+
+/// Ranks that share this machine's memory with this one, itself included.
+int ranksHere(const Session& session)
+{
+  if (session.ranks() == 1)
+  {
+    return 1;
+  }
+  MPI_Comm here = MPI_COMM_NULL;
+  int count = 1;
+  MPI_Comm_split_type(session.communicator(), MPI_COMM_TYPE_SHARED, session.rank(), MPI_INFO_NULL, &here);
+  MPI_Comm_size(here, &count);
+  MPI_Comm_free(&here);
+  return count;
+}
+
+} // namespace
+
+void share(const Session& session, PhaseImage& image)
+{
+  if (session.ranks() == 1)
+  {
+    return;
+  }
+  session.broadcast(image.lattice);
+  image.phase.resize(static_cast<std::size_t>(image.lattice.count()));
+  inPieces(image.phase.size(),
+    [&](std::size_t at, int bytes) { MPI_Bcast(image.phase.data() + at, bytes, MPI_BYTE, 0, session.communicator()); });
+}
+
+void gather(const Session& session, const Lattice& lattice, const Block& own, std::span<const double> part,
+  std::span<double> whole, int components)
+{
+  constexpr int tag = 1;
+  if (!session.root())
+  {
+    inPieces(part.size_bytes(),
+      [&](std::size_t at, int bytes)
+      { MPI_Send(reinterpret_cast<const char*>(part.data()) + at, bytes, MPI_BYTE, 0, tag, session.communicator()); });
+    return;
+  }
+  const auto place = [&](const Block& block, std::span<const double> values)
+  {
+    const auto row = static_cast<std::size_t>(block.size[0] * components);
+    auto from = values.begin();
+    for (std::int64_t z = 0; z < block.size[2]; ++z)
+    {
+      for (std::int64_t y = 0; y < block.size[1]; ++y, from += static_cast<std::ptrdiff_t>(row))
+      {
+        const std::int64_t first = lattice.index(block.start[0], block.start[1] + y, block.start[2] + z) * components;
+        std::copy_n(from, row, whole.begin() + first);
+      }
+    }
+  };
+  place(own, part);
+  const Decomposition parts(lattice, Communicator(session.communicator()));
+  std::vector<double> received;
+  for (int rank = 1; rank < session.ranks(); ++rank)
+  {
+    const Block block = parts.block(rank);
+    received.resize(static_cast<std::size_t>(block.count() * components));
+    inPieces(received.size() * sizeof(double),
+      [&](std::size_t at, int bytes)
+      {
+        MPI_Recv(reinterpret_cast<char*>(received.data()) + at, bytes, MPI_BYTE, rank, tag, session.communicator(),
+          MPI_STATUS_IGNORE);
+      });
+    place(block, received);
+  }
+}
+
+void requireMemory(const Session& session, const PhaseImage& image, std::span<const double> conductivity,
+  lbm::Stencil stencil, int refinement, bool fields)
+{
+  const Lattice& lattice = image.lattice;
+  std::int64_t conducting = 0;
+  for (const std::uint8_t id : image.phase)
+  {
+    conducting += conductivity[id] > 0 ? 1 : 0;
+  }
+  const lbm::Method method = conducting == lattice.count() ? lbm::Method::Multigrid : lbm::Method::AlgebraicMultigrid;
+  const auto count = static_cast<double>(lattice.count());
+  const auto solver = static_cast<double>(lbm::estimateBytes(lattice, stencil, method, conducting));
+  const int here = ranksHere(session);
+  // In doubles, for a refinement typed wrongly can have more nodes than 64 bits count. Beside the solver's arrays: the
+  // refined picture on every rank, the solver's copy of its part, and on rank 0 value and flux as they are written.
+  const auto bytes = [&](int n)
+  {
+    const double scale = std::pow(static_cast<double>(n), lattice.dimension);
+    return scale * (solver * here / session.ranks() + count * (here + 1) + (fields ? count * (8 + 24 + 2) : 0));
+  };
+  const auto available = static_cast<double>(availableMemory());
+  if (bytes(refinement) <= available)
+  {
+    return;
+  }
+  int fits = refinement - 1;
+  while (fits > 0 && bytes(fits) > available)
+  {
+    fits = fits > 64 ? fits / 2 : fits - 1;
+  }
+  std::string size;
+  for (int axis = 0; axis < lattice.dimension; ++axis)
+  {
+    size += fmt::format(
+      "{}{:.0f}", axis == 0 ? "" : " × ", static_cast<double>(refinement) * static_cast<double>(lattice.size[axis]));
+  }
+  throw MemoryError(fmt::format("{} nodes at refinement {} need about {} of memory, and {} are free", size, refinement,
+                      bytesText(bytes(refinement)), bytesText(available)),
+    fmt::format("{}take a smaller --window, or share the work between machines with mpirun",
+      fits > 0 ? fmt::format("--refine {} fits; or ", fits) : ""));
+}
+
+void requirePaths(const Session& session, const PhaseImage& image, std::span<const double> conductivity,
+  const lbm::StudyOptions& options)
+{
+  // Refining splits pixels and changes no neighbourhood, so the picture as it is tells.
+  const Block block = decompose(image.lattice, session.communicator());
+  lbm::SteadyOptions steady = options.steady;
+  steady.progress = {};
+  lbm::SteadyDiffusion solver(
+    image.lattice, block, lbm::blockOf(image, block), conductivity, steady, session.communicator());
+  std::string blocked;
+  std::string open;
+  for (int axis = 0; axis < image.lattice.dimension; ++axis)
+  {
+    const bool asked = std::find(options.axes.begin(), options.axes.end(), axis) != options.axes.end();
+    if (solver.percolates(axis))
+    {
+      open += open.empty() ? axisNames[axis] : std::string(" or --direction ") + axisNames[axis];
+    }
+    else if (asked)
+    {
+      blocked += blocked.empty() ? axisNames[axis] : std::string(" or ") + axisNames[axis];
+    }
+  }
+  if (!blocked.empty())
+  {
+    throw NoPathError("no conducting path crosses the sample along " + blocked,
+      (open.empty() ? "" : "--direction " + open + " has one; or ") +
+        std::string("give a phase that blocks the way a conductivity above 0"));
+  }
+}
+
+lbm::Progress studyProgress(Session& session, const Lattice& lattice, const lbm::StudyOptions& options)
+{
+  // Solves in the order that the study does them, weighted with their nodes.
+  const double base = static_cast<double>(lattice.count()) * std::pow(options.refinement, lattice.dimension);
+  const double factor = std::pow(2.0, lattice.dimension);
+  const auto limit = static_cast<double>(options.estimateNodes);
+  std::vector<double> weights(options.axes.size(), base);
+  for (std::size_t i = 0; i < options.axes.size(); ++i)
+  {
+    if (options.targetError)
+    {
+      weights.push_back(base * factor); // at least
+    }
+    else if (options.estimateError && base * factor > limit)
+    {
+      weights.insert(weights.end(), { limit / factor, limit });
+    }
+    else if (options.estimateError)
+    {
+      weights.push_back(base * factor);
+    }
+  }
+  struct State
+  {
+    std::vector<double> weights;
+    std::size_t begun = 0;
+    double before = 0; // weight of what is done
+    double total = 0;
+  };
+  auto state = std::make_shared<State>();
+  state->weights = std::move(weights);
+  for (const double weight : state->weights)
+  {
+    state->total += weight;
+  }
+  return [&session, state](double part, const char* what)
+  {
+    if (part <= 0) // another solve has begun
+    {
+      if (state->begun > 0)
+      {
+        state->before += state->weights[state->begun - 1];
+      }
+      if (++state->begun > state->weights.size()) // more than foreseen
+      {
+        state->weights.push_back(state->weights.back());
+        state->total += state->weights.back();
+      }
+    }
+    const double done = (state->before + part * state->weights[state->begun - 1]) / state->total;
+    return session.progress(done, fmt::format("solve {} of {}: {}", state->begun, state->weights.size(), what));
+  };
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "Session.h"
+
+#include "lattice/Phases.h"
+#include "lbm/DiffusionStudy.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+/// The parts of `lamella diffusion` around the study itself: memory, ranks, progress.
+namespace lamella::cli
+{
+
+inline constexpr const char* axisNames[3] = { "x", "y", "z" };
+
+/// Gives every rank the picture of rank 0.
+void share(const Session& session, PhaseImage& image);
+
+/// Brings the blocks of an array with `components` numbers a node together on rank 0 (`whole` there, empty elsewhere).
+void gather(const Session& session, const Lattice& lattice, const Block& block, std::span<const double> part,
+  std::span<double> whole, int components);
+
+/// Refuses what does not fit in memory, before anything is computed: says how much it needs, how much there is, and
+/// which refinement would fit.
+/// @param fields the fields are to be written as well
+/// @throws MemoryError
+void requireMemory(const Session& session, const PhaseImage& image, std::span<const double> conductivity,
+  lbm::Stencil stencil, int refinement, bool fields);
+
+/// Refuses a direction without a conducting path, before any is solved; the hint names those that have one.
+/// @throws NoPathError
+void requirePaths(const Session& session, const PhaseImage& image, std::span<const double> conductivity,
+  const lbm::StudyOptions& options);
+
+/// Shows how far a study is: the share of all its solves as far as they can be foreseen.
+[[nodiscard]] lbm::Progress studyProgress(Session& session, const Lattice& lattice, const lbm::StudyOptions& options);
+
+} // namespace lamella::cli

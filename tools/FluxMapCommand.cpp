@@ -1,0 +1,245 @@
+#include "Commands.h"
+#include "DiffusionRun.h"
+#include "GridFile.h"
+#include "OutputFile.h"
+#include "Record.h"
+#include "Text.h"
+
+#include "io/Provenance.h"
+#include "vtkFluxMap.h"
+#include "vtkLatticeConversion.h"
+
+#include <vtkCallbackCommand.h>
+#include <vtkDataArray.h>
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPolyData.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+using Json = nlohmann::ordered_json;
+
+struct FluxMapOptions
+{
+  CommonOptions common;
+  std::string file;
+  std::vector<std::string> output;
+  std::string direction = "auto";
+  int streamlines = 60;
+};
+
+const std::vector<std::string> directions{ "x", "y", "z", "auto" };
+
+Json number(double value)
+{
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+/// {"x": ..., "y": ...} of the entries that are known.
+Json byAxis(const std::vector<double>& numbers, std::size_t first, std::size_t step)
+{
+  Json json = Json::object();
+  for (std::size_t axis = 0; axis < 3 && first + axis * step < numbers.size(); ++axis)
+  {
+    if (const double value = numbers[first + axis * step]; std::isfinite(value))
+    {
+      json[axisNames[axis]] = value;
+    }
+  }
+  return json;
+}
+
+/// A tensor by rows, cut to the dimension of the image.
+Json matrix(const std::vector<double>& numbers, int dimension)
+{
+  Json rows = Json::array();
+  for (int row = 0; row < dimension && numbers.size() == 9; ++row)
+  {
+    Json line = Json::array();
+    for (int column = 0; column < dimension; ++column)
+    {
+      line.push_back(number(numbers[static_cast<std::size_t>(3 * row + column)]));
+    }
+    rows.push_back(line);
+  }
+  return rows;
+}
+
+std::string tableOf(const Json& json)
+{
+  std::string text = json["file"].get<std::string>() + "\n\n";
+  text += "  direction  effective from flux  tortuosity  tortuosity factor  of the streamlines\n";
+  for (const auto& [axis, value] : json["effective"].items())
+  {
+    const auto cell = [&, key = axis](const char* name) {
+      return json[name].contains(key) ? fmt::format("{:.6g}", json[name][key].template get<double>())
+                                      : std::string("-");
+    };
+    text += fmt::format("  {:<9}  {:<19.7g}  {:<10}  {:<17}  {}\n", axis, value.get<double>(), cell("tortuosity"),
+      cell("tortuosity_factor"), cell("streamline_tortuosity"));
+  }
+  if (!json["flux_magnitude"].is_null())
+  {
+    text += fmt::format("\n  |flux| along {}: {:.6g} to {:.6g}, mean {:.6g}\n", json["direction"].get<std::string>(),
+      json["flux_magnitude"]["smallest"].get<double>(), json["flux_magnitude"]["largest"].get<double>(),
+      json["flux_magnitude"]["mean"].get<double>());
+  }
+  text += fmt::format("  {} streamlines\n", json["streamlines"].get<std::int64_t>());
+  for (const Json& file : json["files"])
+  {
+    text += "  wrote " + file.get<std::string>() + "\n";
+  }
+  return text;
+}
+
+void fluxMap(Session& session, const FluxMapOptions& options, const std::string& commandLine)
+{
+  const auto start = std::chrono::steady_clock::now();
+  const auto direction = static_cast<int>(oneOf("--direction", options.direction, directions));
+  if (options.streamlines < 0 || options.streamlines > 1000000)
+  {
+    throw ParameterError(
+      fmt::format("--streamlines {} is outside 0 to 1000000", options.streamlines), "60 are enough for a picture");
+  }
+  requireFile(options.file);
+  std::vector<OutputFile> files;
+  bool lines = false;
+  for (const std::string& name : options.output)
+  {
+    const std::string ending = std::filesystem::path(name).extension().string();
+    if (ending != ".vti" && ending != ".vtp")
+    {
+      throw ParameterError("-o '" + name + "': the map is written as .vti, its streamlines as .vtp",
+        "end the name in one of these; -o can be given twice");
+    }
+    lines = lines || ending == ".vtp";
+    files.emplace_back(name, options.common.overwrite);
+  }
+
+  const auto data = readGrid(options.file);
+  if (vtkImageData::SafeDownCast(data) == nullptr)
+  {
+    throw InputError("'" + options.file + "' holds no image", "give a .vti file that lamella diffusion wrote");
+  }
+  vtkNew<vtkFluxMap> filter;
+  filter->SetInputDataObject(data);
+  filter->SetDirection(direction);
+  filter->SetNumberOfStreamlines(options.streamlines);
+  vtkNew<vtkCallbackCommand> progress;
+  progress->SetClientData(&session);
+  progress->SetCallback(
+    [](vtkObject* caller, unsigned long, void* client, void*)
+    {
+      auto* algorithm = static_cast<vtkAlgorithm*>(caller);
+      if (!static_cast<Session*>(client)->progress(algorithm->GetProgress(), "flux map"))
+      {
+        algorithm->SetAbortExecute(1);
+      }
+    });
+  filter->AddObserver(vtkCommand::ProgressEvent, progress);
+  filter->Update();
+  session.endProgress();
+  Session::checkInterrupt();
+  auto* map = vtkImageData::SafeDownCast(filter->GetOutputDataObject(0));
+  auto* streamlines = vtkPolyData::SafeDownCast(filter->GetOutputDataObject(1));
+  auto* magnitude = map->GetPointData()->GetArray("flux_magnitude");
+  if (magnitude == nullptr)
+  {
+    throwVtkErrors("");
+  }
+  for (const std::string& warning : VtkMessages::takeWarnings())
+  {
+    session.warn(warning);
+  }
+
+  const io::Provenance run = recordRun(commandLine, options.file, provenance(data));
+  const std::string record = io::toJson(run);
+  for (const OutputFile& file : files)
+  {
+    vtkDataObject* part = file.path().extension() == ".vtp" ? static_cast<vtkDataObject*>(streamlines) : map;
+    setProvenance(part, record);
+    writeGrid(part, file);
+  }
+  Session::checkInterrupt();
+  for (OutputFile& file : files)
+  {
+    file.commit();
+  }
+
+  const int dimension = latticeOf(map).dimension;
+  Json json;
+  json["file"] = options.file;
+  json["effective"] = byAxis(fieldNumbers(map, "effective_from_flux"), 0, 4);
+  json["tensor"] = matrix(fieldNumbers(map, "effective_from_flux"), dimension);
+  json["mean_flux"] = matrix(fieldNumbers(map, "mean_flux"), dimension);
+  json["tortuosity"] = byAxis(fieldNumbers(map, "tortuosity"), 0, 1);
+  json["tortuosity_factor"] = byAxis(fieldNumbers(map, "tortuosity_factor"), 0, 1);
+  json["streamline_tortuosity"] = byAxis(fieldNumbers(map, "streamline_tortuosity"), 0, 1);
+  json["direction"] =
+    options.direction == "auto" && !json["effective"].empty() ? json["effective"].begin().key() : options.direction;
+  double range[2] = { 0, 0 };
+  magnitude->GetFiniteRange(range, 0);
+  double sum = 0;
+  for (vtkIdType i = 0; i < magnitude->GetNumberOfTuples(); ++i)
+  {
+    sum += magnitude->GetTuple1(i);
+  }
+  json["flux_magnitude"] = { { "smallest", range[0] }, { "largest", range[1] },
+    { "mean", number(sum / static_cast<double>(magnitude->GetNumberOfTuples())) } };
+  json["streamlines"] = streamlines == nullptr ? 0 : streamlines->GetNumberOfLines();
+  const auto lineFlux = fieldNumbers(map, "line_flux");
+  json["line_flux"] = lineFlux.empty() ? Json(nullptr) : number(lineFlux.front());
+  json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  json["files"] = options.output;
+  json["version"] = run.version;
+  json["commit"] = run.commit;
+  json["provenance"] = Json::parse(record);
+  session.print(options.common.json ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
+      : options.common.quiet        ? ""
+                                    : tableOf(json));
+}
+
+} // namespace
+
+Command fluxMapCommand(CLI::App& root)
+{
+  CLI::App* app =
+    root.add_subcommand("flux-map", "Where the flux goes: magnitude, streamlines, tortuosity of a diffusion result");
+  auto o = std::make_shared<FluxMapOptions>();
+  app->add_option("FILE", o->file, "A .vti that lamella diffusion wrote")->required();
+  const auto show = [](CLI::Option* option) { option->group("Map"); };
+  show(app->add_option("--direction", o->direction, "The solved direction to show; auto: the first there is")
+         ->type_name("x|y|z|auto")
+         ->capture_default_str());
+  show(app->add_option("--streamlines", o->streamlines, "How many; each carries the same share of the flux")
+         ->type_name("NUMBER")
+         ->capture_default_str());
+  app->add_option("-o,--output", o->output, "Write the map (.vti) or the streamlines (.vtp); give it twice for both")
+    ->type_name("FILE")
+    ->allow_extra_args(false)
+    ->group("Output");
+  app->add_flag("--overwrite", o->common.overwrite, "Replace a file that exists")->group("Output");
+  addReportOptions(*app, o->common);
+  addExamples(*app, { "lamella flux-map heat_y.vti -o map.vti -o lines.vtp", "lamella flux-map heat_y.vti --json" });
+  return { app,
+    [o](Session& session, const std::string& line)
+    {
+      session.setQuiet(o->common.quiet);
+      session.onRoot([&] { fluxMap(session, *o, line); });
+    } };
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,407 @@
+#include "Commands.h"
+#include "GridFile.h"
+#include "Input.h"
+#include "OutputFile.h"
+#include "Record.h"
+#include "Text.h"
+
+#include "generators/Generators.h"
+#include "io/Provenance.h"
+#include "lattice/Memory.h"
+#include "micrograph/WritePicture.h"
+#include "vtkLatticeConversion.h"
+
+#include <vtkImageData.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <numeric>
+#include <optional>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+using Json = nlohmann::ordered_json;
+
+/// Everything the kinds take; each declares what it knows.
+struct GenerateOptions
+{
+  CommonOptions common;
+  std::string output;
+  std::string size;
+  std::string pixelSize = "1um";
+  std::string fraction;
+  std::string ring = "0,0";
+  std::string tangential = "30um";
+  std::string radialEarly = "36um";
+  std::string radialLate = "12um";
+  std::string rayEvery = "240um";
+  std::string length = "200um";
+  double scatter = 0.12;
+  int cells = 4;
+  int periods = 4;
+  std::string axis = "x";
+  std::uint64_t seed = 1;
+};
+
+struct Box
+{
+  int dimension;
+  std::array<std::int64_t, 3> size;
+  double spacing;
+};
+
+Box parseBox(const GenerateOptions& options, std::initializer_list<std::size_t> dimensions)
+{
+  const std::vector<std::size_t> counts(dimensions);
+  const std::string form = counts.size() == 2 ? "WIDTH,HEIGHT or WIDTH,HEIGHT,DEPTH"
+    : counts[0] == 2                          ? "WIDTH,HEIGHT"
+                                              : "WIDTH,HEIGHT,DEPTH";
+  const auto v = integerList("--size", options.size, counts, form);
+  if (*std::min_element(v.begin(), v.end()) < 2)
+  {
+    throw ParameterError(
+      "--size '" + options.size + "' is below 2 along an axis", "give at least 2 nodes along each axis");
+  }
+  Box box{ static_cast<int>(v.size()), { v[0], v[1], v.size() == 3 ? v[2] : 1 },
+    lengthInMetres("--pixel-size", options.pixelSize) };
+  // Sizes are multiplied as doubles here: 64 bits can overflow.
+  const double nodes = static_cast<double>(v[0]) * static_cast<double>(v[1]) * static_cast<double>(box.size[2]);
+  const double bytes = 10 * nodes; // the phases, their copy in the file, and one double a node that the softwood keeps
+  if (const auto available = static_cast<double>(availableMemory()); bytes > available)
+  {
+    throw MemoryError(fmt::format("a sample of {} nodes needs about {}, and {} are free",
+                        sizeText(box.size, box.dimension), bytesText(bytes), bytesText(available)),
+      "make it smaller with --size");
+  }
+  return box;
+}
+
+double fractionBetween(const std::string& option, const std::string& text, double low, double high)
+{
+  const double value = share(option, text);
+  if (!(value >= low && value <= high))
+  {
+    throw ParameterError(
+      fmt::format("{} '{}' is outside {:g} to {:g}", option, text, low, high), "write it as 0.4 or 40%");
+  }
+  return value;
+}
+
+/// The value that stands for each phase in a file of this ending.
+std::vector<std::uint8_t> valuesInFile(const PhaseTable& phases, const std::string& ending)
+{
+  std::vector<std::uint8_t> values = greysOfPhases(phases);
+  if (ending == ".vti" || ending == ".raw")
+  {
+    std::iota(values.begin(), values.end(), std::uint8_t{ 0 });
+  }
+  return values;
+}
+
+/// Writes the sample in the format that the name asks for.
+void write(const PhaseImage& image, const OutputFile& file, OutputFile* beside, const io::Provenance& provenance)
+{
+  const std::string ending = file.path().extension().string();
+  if (ending == ".vti")
+  {
+    const auto grid = toImageData(image);
+    setProvenance(grid, io::toJson(provenance));
+    setFieldText(grid, "pixel_size_source", "generated");
+    writeGrid(grid, file);
+    return;
+  }
+  const std::vector<std::uint8_t> values = valuesInFile(image.phases, ending);
+  Record record;
+  record.provenance = io::toJson(provenance);
+  record.pixelSize = image.lattice.spacing;
+  for (std::size_t id = 0; id < values.size(); ++id)
+  {
+    record.phases[values[id]] = image.phases.names()[id];
+  }
+  if (ending == ".raw")
+  {
+    record.size = image.lattice.size;
+    file.write({ reinterpret_cast<const char*>(image.phase.data()), image.phase.size() });
+    beside->write(toJson(record) + "\n");
+    return;
+  }
+  try
+  {
+    micrograph::writeLabels(image, file.temporary(), values, toJson(record));
+  }
+  catch (const Error& error)
+  {
+    throw OutputError("cannot write '" + file.path().string() + "': " + error.what(), error.hint());
+  }
+}
+
+void checkEnding(const std::string& output, int dimension)
+{
+  const std::string ending = std::filesystem::path(output).extension().string();
+  const std::vector<std::string> known{ ".png", ".tif", ".tiff", ".vti", ".raw" };
+  if (std::find(known.begin(), known.end(), ending) == known.end())
+  {
+    throw ParameterError("-o '" + output + "' has no ending that can be written",
+      ending == ".jpg" || ending == ".jpeg" ? "JPEG would blur the phases: use .png"
+                                            : suggestion(ending, known, "end it in .png, .tif, .vti or .raw"));
+  }
+  if (ending == ".png" && dimension == 3)
+  {
+    throw ParameterError(
+      "a PNG holds one picture, and this sample is a volume", "end the name in .vti, .tif (a stack) or .raw");
+  }
+}
+
+/// Generates, writes, reports.
+void generate(Session& session, const GenerateOptions& options, const std::string& kind, const std::string& commandLine,
+  const Box& box, std::optional<std::uint64_t> seed, const std::function<PhaseImage()>& make)
+{
+  checkEnding(options.output, box.dimension);
+  const auto start = std::chrono::steady_clock::now();
+  session.onRoot(
+    [&]
+    {
+      OutputFile file(options.output, options.common.overwrite);
+      std::optional<OutputFile> beside;
+      if (file.path().extension() == ".raw")
+      {
+        beside.emplace(recordBeside(file.path()), options.common.overwrite);
+      }
+      if (const std::string doubt = pixelSizeDoubt("--pixel-size", box.spacing); !doubt.empty())
+      {
+        session.warn(doubt);
+      }
+      const PhaseImage image = make();
+      Session::checkInterrupt();
+      io::Provenance provenance = io::makeProvenance(commandLine);
+      provenance.seed = seed;
+      write(image, file, beside ? &*beside : nullptr, provenance);
+      Session::checkInterrupt();
+      file.commit();
+      if (beside)
+      {
+        beside->commit();
+      }
+
+      const std::vector<double> fractions = image.fractions();
+      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      if (options.common.json)
+      {
+        Json json;
+        json["file"] = options.output;
+        json["kind"] = kind;
+        json["size"] =
+          std::vector<std::int64_t>(image.lattice.size.begin(), image.lattice.size.begin() + box.dimension);
+        json["pixel_size"] = box.spacing;
+        json["phases"] = Json::array();
+        const auto values = valuesInFile(image.phases, file.path().extension().string());
+        for (std::size_t id = 0; id < fractions.size(); ++id)
+        {
+          json["phases"].push_back(
+            { { "name", image.phases.names()[id] }, { "value", values[id] }, { "fraction", fractions[id] } });
+        }
+        if (seed)
+        {
+          json["seed"] = *seed;
+        }
+        json["seconds"] = seconds;
+        json["version"] = provenance.version;
+        json["commit"] = provenance.commit;
+        session.print(json.dump(2) + "\n");
+      }
+      else if (!options.common.quiet)
+      {
+        std::string shares;
+        for (std::size_t id = 0; id < fractions.size(); ++id)
+        {
+          shares += fmt::format("{}{} {:.4f}", id == 0 ? "" : ", ", image.phases.names()[id], fractions[id]);
+        }
+        session.print(fmt::format("wrote {}: {}, {} nodes of {:g} µm; {}\n", options.output, kind,
+          sizeText(box.size, box.dimension), box.spacing * 1e6, shares));
+      }
+    });
+}
+
+using Run = std::function<void(Session&, const std::string&)>;
+
+} // namespace
+
+Command generateCommand(CLI::App& root)
+{
+  CLI::App* app =
+    root.add_subcommand("generate", "Make a sample: wood tissue, honeycomb, checkerboard, disks, spheres, laminate");
+  app->require_subcommand(1);
+  addExamples(*app,
+    { "lamella generate softwood --size 400,400 --solid-fraction 0.40 --seed 7 -o tissue.png",
+      "lamella generate softwood --size 128,128,128 -o tissue.vti",
+      "lamella generate disks --fraction 0.5 -o disks.png" });
+
+  auto runs = std::make_shared<std::vector<std::pair<CLI::App*, Run>>>();
+  const auto kind = [&](const std::string& name, const std::string& description, const std::string& size)
+  {
+    auto options = std::make_shared<GenerateOptions>();
+    options->size = size;
+    options->fraction = name == "softwood" || name == "honeycomb" ? "0.40" : "0.5";
+    CLI::App* command = app->add_subcommand(name, description);
+    addOutputOptions(
+      *command, options->output, options->common, "File to write: .png, .tif (volumes: a stack), .vti or .raw")
+      ->required();
+    command->add_option("--size", options->size, "Nodes along each axis")
+      ->type_name(name == "disks" || name == "honeycomb" ? "WIDTH,HEIGHT"
+          : name == "spheres"                            ? "WIDTH,HEIGHT,DEPTH"
+                                                         : "WIDTH,HEIGHT[,DEPTH]")
+      ->capture_default_str();
+    command->add_option("--pixel-size", options->pixelSize, "Distance of the nodes, as 0.5e-6 or 0.5um")
+      ->type_name("METRES")
+      ->capture_default_str();
+    addReportOptions(*command, options->common);
+    return std::pair(command, options);
+  };
+  const auto add = [&](CLI::App* command, Run run) { runs->emplace_back(command, std::move(run)); };
+
+  {
+    auto [command, o] = kind("softwood", "Cross-section of softwood, or with a depth the tissue in 3D", "200,200");
+    command->add_option("--solid-fraction", o->fraction, "Share of the wall, 0.02 to 0.95")
+      ->type_name("SHARE")
+      ->capture_default_str();
+    command
+      ->add_option("--ring", o->ring, "Position in the growth ring at the left and right edge: 0 earlywood, 1 latewood")
+      ->type_name("START,END")
+      ->capture_default_str();
+    command->add_option("--tangential-diameter", o->tangential, "Mean diameter of a tracheid along y")
+      ->type_name("METRES")
+      ->capture_default_str();
+    command->add_option("--radial-early", o->radialEarly, "Its mean diameter along x in earlywood")
+      ->type_name("METRES")
+      ->capture_default_str();
+    command->add_option("--radial-late", o->radialLate, "The same in latewood")
+      ->type_name("METRES")
+      ->capture_default_str();
+    command->add_option("--ray-every", o->rayEvery, "Mean distance between rays; 0: none")
+      ->type_name("METRES")
+      ->capture_default_str();
+    command->add_option("--tracheid-length", o->length, "In 3D: mean length of a tracheid along z")
+      ->type_name("METRES")
+      ->capture_default_str();
+    command->add_option("--scatter", o->scatter, "Relative standard deviation of the diameters")
+      ->type_name("SHARE")
+      ->capture_default_str();
+    command->add_option("--seed", o->seed, "The same seed gives the same tissue")
+      ->type_name("NUMBER")
+      ->capture_default_str();
+    add(command,
+      [o](Session& session, const std::string& line)
+      {
+        const Box box = parseBox(*o, { 2, 3 });
+        generators::SoftwoodOptions softwood;
+        softwood.dimension = box.dimension;
+        softwood.size = box.size;
+        softwood.spacing = box.spacing;
+        softwood.solidFraction = fractionBetween("--solid-fraction", o->fraction, 0.02, 0.95);
+        const auto ring = split(o->ring, ',');
+        const auto start = toNumber(ring[0]);
+        const auto end = ring.size() == 2 ? toNumber(ring[1]) : start;
+        if (ring.size() > 2 || !start || !end || !(*start >= 0 && *start <= 1 && *end >= 0 && *end <= 1))
+        {
+          throw ParameterError("--ring '" + o->ring + "' is not a pair of positions from 0 to 1",
+            "write --ring 0,1 for a whole ring from earlywood to latewood, --ring 0,0 for earlywood alone");
+        }
+        softwood.ringPosition0 = *start;
+        softwood.ringPosition1 = *end;
+        softwood.tangentialDiameter = lengthInMetres("--tangential-diameter", o->tangential);
+        softwood.radialDiameterEarly = lengthInMetres("--radial-early", o->radialEarly);
+        softwood.radialDiameterLate = lengthInMetres("--radial-late", o->radialLate);
+        softwood.rayEvery = toNumber(o->rayEvery) == 0.0 ? 0 : lengthInMetres("--ray-every", o->rayEvery);
+        softwood.tracheidLength = lengthInMetres("--tracheid-length", o->length);
+        softwood.scatter = o->scatter;
+        softwood.seed = o->seed;
+        generate(session, *o, "softwood", line, box, o->seed, [&] { return generators::softwood(softwood); });
+      });
+  }
+  {
+    auto [command, o] = kind("honeycomb", "Regular hexagonal cells with straight walls", "200,200");
+    command->add_option("--solid-fraction", o->fraction, "Share of the wall")
+      ->type_name("SHARE")
+      ->capture_default_str();
+    command->add_option("--cells", o->cells, "Cells along x")->type_name("NUMBER")->capture_default_str();
+    add(command,
+      [o](Session& session, const std::string& line)
+      {
+        const Box box = parseBox(*o, { 2 });
+        generators::HoneycombOptions honeycomb{ box.size, box.spacing,
+          fractionBetween("--solid-fraction", o->fraction, 0, 1), o->cells };
+        generate(session, *o, "honeycomb", line, box, {}, [&] { return generators::honeycomb(honeycomb); });
+      });
+  }
+  {
+    auto [command, o] = kind("checkerboard", "Fields of two phases that alternate along every axis", "200,200");
+    command->add_option("--cells", o->cells, "Fields along each axis")->type_name("NUMBER")->capture_default_str();
+    add(command,
+      [o](Session& session, const std::string& line)
+      {
+        const Box box = parseBox(*o, { 2, 3 });
+        generate(session, *o, "checkerboard", line, box, {},
+          [&] { return generators::checkerboard(box.dimension, box.size, box.spacing, o->cells); });
+      });
+  }
+  for (const bool spheres : { false, true })
+  {
+    const std::string name = spheres ? "spheres" : "disks";
+    auto [command, o] =
+      kind(name, spheres ? "Simple cubic array of spheres" : "Square array of disks", spheres ? "64,64,64" : "200,200");
+    o->cells = 1;
+    command->add_option("--fraction", o->fraction, "Share of the " + name)->type_name("SHARE")->capture_default_str();
+    command->add_option("--cells", o->cells, "Unit cells along each axis")->type_name("NUMBER")->capture_default_str();
+    add(command,
+      [o, name, spheres](Session& session, const std::string& line)
+      {
+        const Box box = parseBox(*o, { spheres ? std::size_t{ 3 } : std::size_t{ 2 } });
+        const double fraction = fractionBetween("--fraction", o->fraction, 0, 1);
+        generate(session, *o, name, line, box, {},
+          [&] { return generators::inclusionArray(box.dimension, box.size, box.spacing, fraction, o->cells); });
+      });
+  }
+  {
+    auto [command, o] = kind("laminate", "Layers of two phases", "200,200");
+    command->add_option("--fraction", o->fraction, "Share of the inclusion")->type_name("SHARE")->capture_default_str();
+    command->add_option("--periods", o->periods, "Pairs of layers")->type_name("NUMBER")->capture_default_str();
+    command->add_option("--axis", o->axis, "Axis that the layers are perpendicular to")
+      ->type_name("x|y|z")
+      ->capture_default_str();
+    add(command,
+      [o](Session& session, const std::string& line)
+      {
+        const Box box = parseBox(*o, { 2, 3 });
+        const std::vector<std::string> axes{ "x", "y", "z" };
+        const auto axis =
+          static_cast<int>(oneOf("--axis", o->axis, std::span(axes).first(static_cast<std::size_t>(box.dimension))));
+        const double fraction = fractionBetween("--fraction", o->fraction, 0, 1);
+        generate(session, *o, "laminate", line, box, {},
+          [&] { return generators::laminate(box.dimension, box.size, box.spacing, axis, fraction, o->periods); });
+      });
+  }
+
+  return { app,
+    [runs](Session& session, const std::string& line)
+    {
+      for (const auto& [command, run] : *runs)
+      {
+        if (command->parsed())
+        {
+          run(session, line);
+        }
+      }
+    } };
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,296 @@
+#include "GridFile.h"
+
+#include "vtkLatticeConversion.h"
+
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkDataObject.h>
+#include <vtkDataSet.h>
+#include <vtkErrorCode.h>
+#include <vtkFieldData.h>
+#include <vtkImageData.h>
+#include <vtkInformation.h>
+#include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkOutputWindow.h>
+#include <vtkPNGReader.h>
+#include <vtkPointData.h>
+#include <vtkPolyData.h>
+#include <vtkXMLImageDataReader.h>
+#include <vtkXMLImageDataWriter.h>
+#include <vtkXMLPolyDataReader.h>
+#include <vtkXMLPolyDataWriter.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <utility>
+
+namespace fs = std::filesystem;
+
+namespace
+{
+
+/// Collects messages instead of printing them. Filters may report from several threads.
+class MessageWindow : public vtkOutputWindow
+{
+public:
+  static MessageWindow* New();
+  vtkTypeMacro(MessageWindow, vtkOutputWindow);
+
+  void DisplayText(const char*) override {}
+  void DisplayErrorText(const char* text) override { this->Keep(this->Errors, text); }
+  void DisplayWarningText(const char* text) override { this->Keep(this->Warnings, text); }
+  void DisplayGenericWarningText(const char* text) override { this->Keep(this->Warnings, text); }
+  void DisplayDebugText(const char*) override {}
+
+  std::vector<std::string> Take(std::vector<std::string>& list)
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    return std::exchange(list, {});
+  }
+
+  std::vector<std::string> Errors;
+  std::vector<std::string> Warnings;
+
+private:
+  void Keep(std::vector<std::string>& list, const char* text)
+  {
+    // "ERROR: In file.cxx, line 12\nvtkClass (0x55): what happened\n\n": the last part is for people.
+    std::string message = text == nullptr ? "" : text;
+    if (const std::size_t line = message.find('\n'); message.find(", line ") < line && line != std::string::npos)
+    {
+      message.erase(0, line + 1);
+    }
+    if (const std::size_t end = message.find("): "); message.find(" (0x") < end && end != std::string::npos)
+    {
+      message.erase(0, end + 3);
+    }
+    while (!message.empty() && (message.back() == '\n' || message.back() == ' '))
+    {
+      message.pop_back();
+    }
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    list.push_back(std::move(message));
+  }
+
+  std::mutex Mutex;
+};
+vtkStandardNewMacro(MessageWindow);
+
+MessageWindow* window()
+{
+  return MessageWindow::SafeDownCast(vtkOutputWindow::GetInstance());
+}
+
+} // namespace
+
+namespace lamella::cli
+{
+
+VtkMessages::VtkMessages()
+{
+  vtkNew<MessageWindow> messages;
+  vtkOutputWindow::SetInstance(messages);
+}
+
+std::vector<std::string> VtkMessages::takeErrors()
+{
+  MessageWindow* messages = window();
+  return messages == nullptr ? std::vector<std::string>() : messages->Take(messages->Errors);
+}
+
+std::vector<std::string> VtkMessages::takeWarnings()
+{
+  MessageWindow* messages = window();
+  return messages == nullptr ? std::vector<std::string>() : messages->Take(messages->Warnings);
+}
+
+void throwVtkErrors(const std::string& doing)
+{
+  const std::vector<std::string> errors = VtkMessages::takeErrors();
+  std::string message = errors.empty() ? "no reason was given" : errors.front();
+  std::string hint = "check the input with: lamella info FILE";
+  // Our filters put the remedy on a second line or after "; hint: ".
+  for (const char* mark : { "\nhint: ", "; hint: ", "\n" })
+  {
+    if (const std::size_t at = message.find(mark); at != std::string::npos)
+    {
+      hint = message.substr(at + std::strlen(mark));
+      message.erase(at);
+      break;
+    }
+  }
+  throw InputError(doing.empty() ? message : doing + ": " + message, hint);
+}
+
+void requireFile(const std::string& path)
+{
+  std::error_code failed;
+  const auto status = fs::status(path, failed);
+  if (!fs::exists(status))
+  {
+    throw InputError("there is no file '" + path + "'", "check the name and the folder");
+  }
+  if (fs::is_directory(status))
+  {
+    throw InputError("'" + path + "' is a folder, not a file", "give the name of a file in it");
+  }
+  std::ifstream file(path, std::ios::binary);
+  if (!file)
+  {
+    throw InputError("cannot read '" + path + "': " + std::strerror(errno), "check its permissions");
+  }
+  if (file.peek() == std::ifstream::traits_type::eof())
+  {
+    throw InputError("'" + path + "' is empty", "the file holds no data at all: make or copy it again");
+  }
+}
+
+namespace
+{
+
+template <typename Reader>
+vtkSmartPointer<vtkDataObject> read(const std::string& path, const char* kind)
+{
+  (void)VtkMessages::takeErrors();
+  vtkNew<Reader> reader;
+  const std::string hint = std::string("give a whole ") + kind + " file; make or copy it again";
+  if (reader->CanReadFile(path.c_str()) == 0)
+  {
+    (void)VtkMessages::takeErrors();
+    throw InputError("'" + path + "' is not a " + kind + " file, or is cut short", hint);
+  }
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  std::vector<std::string> errors = VtkMessages::takeErrors();
+  // Ranges of arrays that hold NaN, which VTK writes and cannot read: they are made anew when they are needed.
+  std::erase_if(errors, [](const std::string& e) { return e.find("InformationKey") != std::string::npos; });
+  if (!errors.empty() || reader->GetErrorCode() != vtkErrorCode::NoError)
+  {
+    throw InputError("'" + path + "' is a " + kind + " file that is damaged or cut short", hint);
+  }
+  (void)VtkMessages::takeWarnings();
+  return reader->GetOutput();
+}
+
+std::string endingOf(const fs::path& path)
+{
+  return path.extension().string();
+}
+
+} // namespace
+
+vtkSmartPointer<vtkDataObject> readGrid(const std::string& path)
+{
+  requireFile(path);
+  if (endingOf(path) == ".vtp")
+  {
+    return read<vtkXMLPolyDataReader>(path, ".vtp");
+  }
+  if (endingOf(path) == ".vti")
+  {
+    return read<vtkXMLImageDataReader>(path, ".vti");
+  }
+  throw InputError(
+    "'" + path + "' is not a .vti or .vtp file", "make one first: lamella diffusion PICTURE ... -o FILE.vti");
+}
+
+std::optional<PhaseGrid> readPhaseGrid(const std::string& path)
+{
+  const auto data = readGrid(path);
+  auto* image = vtkImageData::SafeDownCast(data);
+  if (image == nullptr || phaseNames(image).size() == 0 || image->GetPointData()->GetArray("phase") == nullptr)
+  {
+    return std::nullopt;
+  }
+  try
+  {
+    return PhaseGrid{ toPhaseImage(image), fieldText(image, "pixel_size_source").value_or("spacing in the file"),
+      provenance(image) };
+  }
+  catch (const Error& error)
+  {
+    throw InputError("'" + path + "': " + error.what(), error.hint());
+  }
+}
+
+std::string pngText(const std::string& path, const std::string& keyword)
+{
+  vtkNew<vtkPNGReader> reader;
+  std::string text;
+  if (reader->CanReadFile(path.c_str()) != 0)
+  {
+    reader->SetFileName(path.c_str());
+    reader->UpdateInformation();
+    for (int i = 0; i < static_cast<int>(reader->GetNumberOfTextChunks()); ++i)
+    {
+      if (keyword == reader->GetTextKey(i))
+      {
+        text = reader->GetTextValue(i);
+      }
+    }
+  }
+  (void)VtkMessages::takeErrors();
+  return text;
+}
+
+namespace
+{
+
+/// Ranges that were worked out on the way would be written, as "-nan" where an array holds NaN, and every reader would
+/// complain about them.
+void forgetRanges(vtkFieldData* data)
+{
+  for (int i = 0; i < data->GetNumberOfArrays(); ++i)
+  {
+    vtkAbstractArray* array = data->GetAbstractArray(i);
+    if (array->HasInformation())
+    {
+      array->GetInformation()->Remove(vtkDataArray::L2_NORM_RANGE());
+      array->GetInformation()->Remove(vtkDataArray::L2_NORM_FINITE_RANGE());
+    }
+  }
+}
+
+} // namespace
+
+void writeGrid(vtkDataObject* data, const OutputFile& file)
+{
+  forgetRanges(data->GetFieldData());
+  if (auto* set = vtkDataSet::SafeDownCast(data))
+  {
+    forgetRanges(set->GetPointData());
+    forgetRanges(set->GetCellData());
+  }
+  (void)VtkMessages::takeErrors();
+  const auto write = [&](auto&& writer)
+  {
+    writer->SetInputDataObject(data);
+    writer->SetFileName(file.temporary().c_str());
+    writer->SetDataModeToAppended();
+    writer->EncodeAppendedDataOff();
+    writer->SetCompressorTypeToLZ4(); // a fifth of zlib's time for nearly its size
+    errno = 0;
+    if (writer->Write() != 1 || writer->GetErrorCode() != vtkErrorCode::NoError)
+    {
+      const int error = errno;
+      const std::vector<std::string> said = VtkMessages::takeErrors();
+      file.failed(writer->GetErrorCode() == vtkErrorCode::OutOfDiskSpaceError
+          ? (error != 0 ? std::strerror(error) : "the disk is full")
+          : (said.empty() ? "the writer failed" : said.front()));
+    }
+  };
+  if (vtkPolyData::SafeDownCast(data) != nullptr)
+  {
+    write(vtkNew<vtkXMLPolyDataWriter>());
+  }
+  else
+  {
+    write(vtkNew<vtkXMLImageDataWriter>());
+  }
+}
+
+} // namespace lamella::cli

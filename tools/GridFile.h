@@ -1,0 +1,55 @@
+#pragma once
+
+#include "OutputFile.h"
+#include "lattice/Phases.h"
+
+#include <vtkSmartPointer.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+class vtkDataObject;
+class vtkImageData;
+
+/// VTK's files, with what VTK says about them turned into exceptions.
+namespace lamella::cli
+{
+
+/// Keeps what VTK would print: its errors become ours. Made once by main(), before anything of VTK.
+class VtkMessages
+{
+public:
+  VtkMessages();
+  /// Errors since the last call, one line each, without VTK's file names and addresses.
+  [[nodiscard]] static std::vector<std::string> takeErrors();
+  [[nodiscard]] static std::vector<std::string> takeWarnings();
+};
+
+/// What a VTK class said went wrong, as an error of ours; its hint is kept where the message holds one.
+/// @throws InputError always
+[[noreturn]] void throwVtkErrors(const std::string& doing);
+
+/// Refuses a file that is missing, a folder, empty or unreadable. @throws InputError
+void requireFile(const std::string& path);
+
+/// @throws InputError for anything that is not a whole .vti or .vtp file
+[[nodiscard]] vtkSmartPointer<vtkDataObject> readGrid(const std::string& path);
+
+struct PhaseGrid
+{
+  PhaseImage image;
+  std::string pixelSizeSource;
+  std::string provenance; ///< JSON text, or empty
+};
+/// The array `phase` of a .vti that names its phases; nothing when it has none or does not name them. @throws
+/// InputError
+[[nodiscard]] std::optional<PhaseGrid> readPhaseGrid(const std::string& path);
+
+/// The text chunk of a PNG with this keyword; empty where there is none.
+[[nodiscard]] std::string pngText(const std::string& path, const std::string& keyword);
+
+/// Writes .vti or .vtp: binary, compressed. @throws OutputError when the disk is full or fails
+void writeGrid(vtkDataObject* data, const OutputFile& file);
+
+} // namespace lamella::cli

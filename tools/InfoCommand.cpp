@@ -1,0 +1,381 @@
+#include "Commands.h"
+#include "GridFile.h"
+#include "Input.h"
+#include "Record.h"
+#include "Text.h"
+
+#include "io/Provenance.h"
+#include "vtkLatticeConversion.h"
+
+#include <vtkAbstractArray.h>
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkDataSet.h>
+#include <vtkFieldData.h>
+#include <vtkImageData.h>
+#include <vtkPointData.h>
+#include <vtkStringArray.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+using Json = nlohmann::ordered_json;
+
+struct InfoOptions
+{
+  CommonOptions common;
+  PictureOptions picture;
+};
+
+Json number(double value)
+{
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+/// Smallest and largest value of each component (of the magnitude, for vectors as well); NaN is left out and counted.
+Json rangeJson(vtkDataArray* array)
+{
+  Json ranges = Json::array();
+  for (int component = 0; component < array->GetNumberOfComponents(); ++component)
+  {
+    double range[2] = { 1, 0 };
+    array->GetFiniteRange(range, component);
+    ranges.push_back(range[0] <= range[1] ? Json{ range[0], range[1] } : Json(nullptr));
+  }
+  return ranges;
+}
+
+Json arraysJson(vtkFieldData* data)
+{
+  Json arrays = Json::array();
+  for (int i = 0; i < data->GetNumberOfArrays(); ++i)
+  {
+    vtkDataArray* array = data->GetArray(i);
+    if (array == nullptr)
+    {
+      continue;
+    }
+    const auto [unit, text, creator] = description(array);
+    Json json;
+    json["name"] = array->GetName() == nullptr ? "" : array->GetName();
+    json["type"] = array->GetDataTypeAsString();
+    json["components"] = array->GetNumberOfComponents();
+    json["range"] = rangeJson(array);
+    json["unit"] = unit;
+    json["description"] = text;
+    json["creator"] = creator;
+    arrays.push_back(std::move(json));
+  }
+  return arrays;
+}
+
+/// Field data: numbers as lists, strings as lists of strings; a single value on its own.
+Json fieldJson(vtkFieldData* data)
+{
+  Json fields = Json::object();
+  for (int i = 0; i < data->GetNumberOfArrays(); ++i)
+  {
+    vtkAbstractArray* array = data->GetAbstractArray(i);
+    const std::string name = array->GetName() == nullptr ? "" : array->GetName();
+    if (name == "provenance" || name == "phase_names")
+    {
+      continue;
+    }
+    Json values = Json::array();
+    if (auto* strings = vtkStringArray::SafeDownCast(array))
+    {
+      for (vtkIdType k = 0; k < strings->GetNumberOfValues(); ++k)
+      {
+        values.push_back(std::string(strings->GetValue(k)));
+      }
+    }
+    else if (auto* numbers = vtkDataArray::SafeDownCast(array))
+    {
+      constexpr vtkIdType most = 256; // a table in the field data is not for reading here
+      for (vtkIdType k = 0; k < std::min(most, numbers->GetNumberOfValues()); ++k)
+      {
+        const int components = numbers->GetNumberOfComponents();
+        values.push_back(number(numbers->GetComponent(k / components, static_cast<int>(k % components))));
+      }
+    }
+    fields[name] = values.size() == 1 ? values.front() : values;
+  }
+  return fields;
+}
+
+/// What is in a .vti or .vtp.
+Json gridJson(const std::string& path)
+{
+  const auto data = readGrid(path);
+  auto* set = vtkDataSet::SafeDownCast(data);
+  Json json;
+  json["file"] = path;
+  json["kind"] = set->GetClassName();
+  if (auto* image = vtkImageData::SafeDownCast(set))
+  {
+    int size[3];
+    image->GetDimensions(size);
+    const int dimension = size[2] > 1 ? 3 : 2;
+    json["size"] = std::vector<int>(size, size + dimension);
+    json["spacing"] = std::vector<double>(image->GetSpacing(), image->GetSpacing() + dimension);
+    json["origin"] = std::vector<double>(image->GetOrigin(), image->GetOrigin() + dimension);
+  }
+  else
+  {
+    json["points"] = set->GetNumberOfPoints();
+    json["cells"] = set->GetNumberOfCells();
+  }
+  json["point_arrays"] = arraysJson(set->GetPointData());
+  json["cell_arrays"] = arraysJson(set->GetCellData());
+
+  const PhaseTable names = phaseNames(set);
+  if (auto* phase = set->GetPointData()->GetArray("phase"); phase != nullptr && phase->GetNumberOfComponents() == 1)
+  {
+    std::vector<std::int64_t> count(256, 0);
+    for (vtkIdType i = 0; i < phase->GetNumberOfTuples(); ++i)
+    {
+      const double value = phase->GetTuple1(i);
+      if (value >= 0 && value < 256)
+      {
+        ++count[static_cast<std::size_t>(value)];
+      }
+    }
+    json["phases"] = Json::array();
+    for (std::size_t id = 0; id < count.size(); ++id)
+    {
+      if (count[id] > 0 || id < names.size())
+      {
+        json["phases"].push_back({ { "id", id },
+          { "name", id < names.size() ? Json(names.names()[id]) : Json(nullptr) }, { "nodes", count[id] },
+          { "fraction", static_cast<double>(count[id]) / static_cast<double>(phase->GetNumberOfTuples()) } });
+      }
+    }
+  }
+  json["field_data"] = fieldJson(set->GetFieldData());
+  const Json record = Json::parse(provenance(set), nullptr, false);
+  json["provenance"] = record.is_object() ? record : Json(nullptr);
+  return json;
+}
+
+/// What is in a picture or volume.
+Json pictureJson(const PictureOptions& options)
+{
+  const PictureFile file = readPictureFile(options, true);
+  const micrograph::Picture& picture = file.picture;
+  const std::optional<Record>& record = file.record;
+  const int dimension = picture.lattice.dimension;
+  Json json;
+  json["file"] = options.file;
+  json["kind"] = dimension == 3 ? "volume" : "picture";
+  json["size"] = std::vector<std::int64_t>(picture.lattice.size.begin(), picture.lattice.size.begin() + dimension);
+  json["bits"] = picture.bits;
+  json["format"] = picture.format;
+  json["colour"] = !picture.colour.empty();
+  json["pixel_size_source"] = picture.pixelSizeSource;
+  json["pixel_size"] = picture.pixelSizeSource == "none" ? Json(nullptr) : Json(picture.lattice.spacing);
+  json["warnings"] = picture.warnings;
+
+  std::vector<std::int64_t> count(65536, 0);
+  for (const std::uint16_t grey : picture.grey)
+  {
+    ++count[grey];
+  }
+  json["greys"] = Json::array();
+  for (std::size_t grey = 0; grey < count.size(); ++grey)
+  {
+    if (count[grey] > 0)
+    {
+      Json line = { { "grey", grey }, { "nodes", count[grey] },
+        { "fraction", static_cast<double>(count[grey]) / static_cast<double>(picture.grey.size()) } };
+      if (record && record->phases.contains(static_cast<int>(grey)))
+      {
+        line["name"] = record->phases.at(static_cast<int>(grey));
+      }
+      json["greys"].push_back(std::move(line));
+    }
+  }
+  const std::string carried = record ? record->provenance
+    : picture.format == "PNG"        ? pngText(options.file, "provenance")
+                                     : "";
+  const Json text = Json::parse(carried, nullptr, false);
+  json["provenance"] = text.is_object() ? text : Json(nullptr);
+  return json;
+}
+
+std::string listText(const Json& list, const char* separator = ", ")
+{
+  std::string text;
+  for (const Json& value : list)
+  {
+    text += (text.empty() ? "" : separator) +
+      (value.is_string()      ? value.get<std::string>()
+          : value.is_number() ? fmt::format("{:.7g}", value.get<double>())
+                              : value.dump());
+  }
+  return text;
+}
+
+std::string arraysText(const char* title, const Json& arrays)
+{
+  std::string text;
+  for (const Json& array : arrays)
+  {
+    std::string range;
+    for (const Json& r : array["range"])
+    {
+      range += (range.empty() ? "" : ", ") +
+        (r.is_null() ? "no value" : fmt::format("{:.6g} to {:.6g}", r[0].get<double>(), r[1].get<double>()));
+    }
+    const auto unit = array["unit"].get<std::string>();
+    text += fmt::format("  {:<16} {:<14} {}{}{}\n", array["name"].get<std::string>(), array["type"].get<std::string>(),
+      range, unit.empty() || unit == "1" ? "" : " " + unit,
+      array["description"].get<std::string>().empty() ? "" : "; " + array["description"].get<std::string>());
+  }
+  return text.empty() ? "" : title + text;
+}
+
+std::string infoText(const Json& json)
+{
+  std::string text = fmt::format("{}: {}", json["file"].get<std::string>(), json["kind"].get<std::string>());
+  if (json.contains("size"))
+  {
+    text += ", " + listText(json["size"], " × ");
+  }
+  if (json.contains("bits"))
+  {
+    text += fmt::format(", {} bits; ", json["bits"].get<int>());
+    text += json["pixel_size"].is_null()
+      ? "pixel size unknown"
+      : fmt::format("pixel size {:.6g} µm ({})", json["pixel_size"].get<double>() * 1e6,
+          json["pixel_size_source"].get<std::string>());
+  }
+  if (json.contains("spacing"))
+  {
+    text += "; spacing " + listText(json["spacing"]) + " m, origin " + listText(json["origin"]) + " m";
+  }
+  if (json.contains("points"))
+  {
+    text += fmt::format(", {} points, {} cells", json["points"].get<std::int64_t>(), json["cells"].get<std::int64_t>());
+  }
+  text += "\n";
+  if (json.contains("greys"))
+  {
+    // All greys of a label picture; a coarse histogram of a scan.
+    const Json& greys = json["greys"];
+    text += fmt::format("grey values: {}\n", greys.size());
+    if (greys.size() <= 16)
+    {
+      for (const Json& grey : greys)
+      {
+        text += fmt::format("  {:>5}  {:>9.4f} %  {:>14}  {}\n", grey["grey"].get<int>(),
+          100 * grey["fraction"].get<double>(), grouped(grey["nodes"].get<std::int64_t>()), grey.value("name", ""));
+      }
+    }
+    else
+    {
+      const int low = greys.front()["grey"].get<int>();
+      const int high = greys.back()["grey"].get<int>();
+      constexpr int bins = 16;
+      std::array<double, bins> bin{};
+      for (const Json& grey : greys)
+      {
+        bin[static_cast<std::size_t>((grey["grey"].get<int>() - low) * bins / (high - low + 1))] +=
+          grey["fraction"].get<double>();
+      }
+      const double largest = *std::max_element(bin.begin(), bin.end());
+      for (int i = 0; i < bins; ++i)
+      {
+        // Greys g with (g − low)·bins/(high − low + 1) = i, in whole numbers.
+        const auto first = low + (i * (high - low + 1) + bins - 1) / bins;
+        const auto last = low + ((i + 1) * (high - low + 1) + bins - 1) / bins - 1;
+        text += fmt::format("  {:>5} to {:<5}  {:>6.2f} %  {}\n", first, last, 100 * bin[static_cast<std::size_t>(i)],
+          std::string(static_cast<std::size_t>(std::lround(40 * bin[static_cast<std::size_t>(i)] / largest)), '#'));
+      }
+    }
+  }
+  if (json.contains("phases"))
+  {
+    text += "phases:\n";
+    for (const Json& phase : json["phases"])
+    {
+      text += fmt::format("  {:>3}  {:<16} {:>9.4f} %  {:>14}\n", phase["id"].get<int>(),
+        phase["name"].is_null() ? "(no name)" : phase["name"].get<std::string>(), 100 * phase["fraction"].get<double>(),
+        grouped(phase["nodes"].get<std::int64_t>()));
+    }
+  }
+  if (json.contains("point_arrays"))
+  {
+    text += arraysText("arrays at points:\n", json["point_arrays"]);
+    text += arraysText("arrays in cells:\n", json["cell_arrays"]);
+  }
+  if (json.contains("field_data") && !json["field_data"].empty())
+  {
+    text += "about the whole:\n";
+    for (const auto& [name, value] : json["field_data"].items())
+    {
+      text += fmt::format("  {:<24} {}\n", name, listText(value.is_array() ? value : Json::array({ value })));
+    }
+  }
+  if (json["provenance"].is_object())
+  {
+    text += "provenance:\n";
+    for (const auto& [name, value] : json["provenance"].items())
+    {
+      if (name == "inputs")
+      {
+        for (const Json& input : value)
+        {
+          text += fmt::format("  {:<10} {}, {} bytes, sha256 {}\n", "input", input.value("name", ""),
+            input.value("bytes", std::uint64_t{ 0 }), input.value("sha256", ""));
+        }
+      }
+      else
+      {
+        text += fmt::format("  {:<10} {}\n", name, value.is_string() ? value.get<std::string>() : value.dump());
+      }
+    }
+  }
+  else
+  {
+    text += "provenance: none; lamella did not write this file\n";
+  }
+  return text;
+}
+
+} // namespace
+
+Command infoCommand(CLI::App& root)
+{
+  CLI::App* app = root.add_subcommand(
+    "info", "What is in a file: arrays, units, ranges, phases, grey values, pixel size, provenance");
+  auto o = std::make_shared<InfoOptions>();
+  addFileOption(*app, o->picture);
+  addRawOptions(*app, o->picture);
+  addReportOptions(*app, o->common);
+  addExamples(*app, { "lamella info tissue.png", "lamella info heat_y.vti --json" });
+  return { app,
+    [o](Session& session, const std::string&)
+    {
+      session.onRoot(
+        [&]
+        {
+          const std::string ending = std::filesystem::path(o->picture.file).extension().string();
+          const Json json = ending == ".vti" || ending == ".vtp" ? gridJson(o->picture.file) : pictureJson(o->picture);
+          session.print(
+            o->common.json ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : infoText(json));
+        });
+    } };
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,413 @@
+#include "Input.h"
+
+#include "GridFile.h"
+#include "PhasePicture.h"
+#include "Text.h"
+#include "lattice/Error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+/// Where the help lists them.
+void inSample(CLI::Option* option)
+{
+  option->group("Sample");
+}
+
+} // namespace
+
+void addFileOption(CLI::App& command, PictureOptions& options)
+{
+  command
+    .add_option("FILE", options.file,
+      "PNG, JPEG, TIFF or TIFF stack, a folder of numbered pictures, a raw volume (.raw), or .vti")
+    ->required();
+}
+
+void addRawOptions(CLI::App& command, PictureOptions& options)
+{
+  inSample(command
+             .add_option(
+               "--pixel-size", options.pixelSize, "Edge of a pixel, as 0.5e-6 or 0.5um; wins over what the file says")
+             ->type_name("METRES"));
+  inSample(command.add_option("--raw-size", options.rawSize, "Size of a raw volume whose name does not tell it")
+             ->type_name("NX,NY,NZ"));
+  inSample(command.add_option("--raw-bits", options.rawBits, "Bits a voxel in a raw volume: 8 (the default) or 16")
+             ->type_name("8|16"));
+  inSample(command.add_option("--raw-header", options.rawHeader, "Bytes before the first voxel in a raw volume")
+             ->type_name("BYTES"));
+}
+
+void addPictureOptions(CLI::App& command, PictureOptions& options)
+{
+  addFileOption(command, options);
+  addPhaseOptions(command, options);
+  addRawOptions(command, options);
+  inSample(command
+             .add_option("--array", options.array,
+               "In a .vti: the array of whole numbers, at points or in cells, to take for grey values [phase]")
+             ->type_name("NAME"));
+}
+
+void addPhaseOptions(CLI::App& command, PictureOptions& options)
+{
+  inSample(command.add_option("--phase", options.phase, "This grey value is this phase; once for every grey value")
+             ->type_name("GREY=NAME")
+             ->allow_extra_args(false));
+  inSample(command.add_option("--other", options.other, "All grey values that are not listed are this phase")
+             ->type_name("NAME"));
+  inSample(command.add_flag(
+    "--segment", options.segment, "The picture is a raw scan, not labels: find the phases 'lumen' and 'wall' in it"));
+  inSample(command.add_option("--lumen", options.lumen, "With --segment: lumens are brighter or darker than walls")
+             ->type_name("auto|bright|dark")
+             ->capture_default_str());
+  inSample(command
+             .add_option("--threshold", options.threshold,
+               "With --segment: grey value between the two, 0 to 255, once the light is even; found when not given")
+             ->type_name("GREY"));
+  inSample(
+    command
+      .add_option("--window", options.window,
+        "Use this part only: pixels from the top left; for volumes X,Y,Z,WIDTH,HEIGHT,DEPTH from the first voxel")
+      ->type_name("X,Y,WIDTH,HEIGHT"));
+}
+
+std::optional<Window> parseWindow(const std::string& text)
+{
+  if (text.empty())
+  {
+    return std::nullopt;
+  }
+  const std::size_t counts[] = { 4, 6 };
+  const auto v = integerList("--window", text, counts, "X,Y,WIDTH,HEIGHT (volumes: X,Y,Z,WIDTH,HEIGHT,DEPTH)");
+  if (v.size() == 6 && v[5] < 1)
+  {
+    throw ParameterError("--window '" + text + "' is empty along z", "give a DEPTH of at least 1");
+  }
+  return v.size() == 4 ? Window{ { v[0], v[1], 0 }, { v[2], v[3], 0 } }
+                       : Window{ { v[0], v[1], v[2] }, { v[3], v[4], v[5] } };
+}
+
+void requireWindowFits(const Lattice& lattice, const std::optional<Window>& window)
+{
+  if (window && (window->size[2] != 0) != (lattice.dimension == 3))
+  {
+    throw ParameterError(
+      fmt::format("--window has {} numbers, and the file holds a {} of {}", window->size[2] != 0 ? 6 : 4,
+        lattice.dimension == 3 ? "volume" : "picture", sizeText(lattice.size, lattice.dimension)),
+      lattice.dimension == 3 ? "write it as --window X,Y,Z,WIDTH,HEIGHT,DEPTH"
+                             : "write it as --window X,Y,WIDTH,HEIGHT");
+  }
+}
+
+micrograph::ReadOptions readOptions(const PictureOptions& options)
+{
+  micrograph::ReadOptions read;
+  if (!options.pixelSize.empty())
+  {
+    read.pixelSize = lengthInMetres("--pixel-size", options.pixelSize);
+  }
+  if (!options.rawSize.empty())
+  {
+    const std::size_t counts[] = { 3 };
+    const auto v = integerList("--raw-size", options.rawSize, counts, "NX,NY,NZ");
+    if (*std::min_element(v.begin(), v.end()) < 1)
+    {
+      throw ParameterError(
+        "--raw-size '" + options.rawSize + "' has a size below 1", "give the numbers of voxels along x, y and z");
+    }
+    read.rawSize = { v[0], v[1], v[2] };
+  }
+  if (options.rawBits != 0 && options.rawBits != 8 && options.rawBits != 16)
+  {
+    throw ParameterError(
+      "--raw-bits " + std::to_string(options.rawBits) + " is not known", "a raw volume has 8 or 16 bits a voxel");
+  }
+  if (options.rawBits != 0)
+  {
+    read.rawBits = options.rawBits;
+  }
+  read.rawHeader = options.rawHeader;
+  return read;
+}
+
+std::optional<GreyMap> greyMap(const PictureOptions& options)
+{
+  if (options.phase.empty() && options.other.empty())
+  {
+    return std::nullopt;
+  }
+  GreyMap map;
+  for (const std::string& text : options.phase)
+  {
+    const auto [key, name] = keyValue("--phase", text, "GREY=NAME");
+    const auto grey = toInteger(key);
+    if (!grey || *grey < 0 || *grey > 65535)
+    {
+      throw ParameterError("--phase '" + text + "': '" + key + "' is not a grey value",
+        "write it as --phase GREY=NAME with GREY from 0 to 255 (16-bit pictures: 65535), such as --phase 255=wall");
+    }
+    const auto [entry, added] = map.phaseOfGrey.try_emplace(static_cast<int>(*grey), name);
+    if (!added && entry->second != name)
+    {
+      throw ParameterError(
+        "--phase gives the grey value " + key + " two names, '" + entry->second + "' and '" + name + "'",
+        "give every grey value one phase");
+    }
+  }
+  if (!options.other.empty())
+  {
+    map.other = options.other;
+  }
+  return map;
+}
+
+namespace
+{
+
+std::string ending(const std::string& path)
+{
+  std::string text = std::filesystem::path(path).extension().string();
+  std::transform(
+    text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+void setSpacing(Lattice& lattice, double spacing)
+{
+  const auto size = lattice.size;
+  lattice = makeLattice(size[0], size[1], size[2], lattice.dimension, spacing);
+}
+
+/// What has nothing to do with the format, said before a reader says it in its own words.
+void requirePicture(const std::string& path)
+{
+  std::error_code failed;
+  if (std::filesystem::is_regular_file(path, failed))
+  {
+    requireFile(path);
+  }
+  if (ending(path) == ".gz")
+  {
+    throw InputError("'" + path + "' is packed", "unpack it first: gunzip --keep " + path);
+  }
+}
+
+void cropPicture(micrograph::Picture& picture, const Window& window)
+{
+  const Lattice from = picture.lattice;
+  const auto start = firstNode(from, window);
+  const std::array<std::int64_t, 3> size{ window.size[0], window.size[1], from.dimension == 2 ? 1 : window.size[2] };
+  picture.lattice = makeLattice(size[0], size[1], size[2], from.dimension, from.spacing);
+  // Rows move towards the front only, so that they can be moved in place.
+  auto to = picture.grey.begin();
+  for (std::int64_t z = 0; z < size[2]; ++z)
+  {
+    for (std::int64_t y = 0; y < size[1]; ++y)
+    {
+      to = std::copy_n(picture.grey.begin() + from.index(start[0], start[1] + y, start[2] + z), size[0], to);
+    }
+  }
+  picture.grey.erase(to, picture.grey.end());
+  picture.grey.shrink_to_fit();
+}
+
+/// "0 (63.2 %), 255 (36.8 %)", the commonest first, at most `most` of them.
+std::string greyShares(const std::vector<std::pair<int, std::int64_t>>& greys, std::int64_t total, std::size_t most)
+{
+  std::string text;
+  for (std::size_t i = 0; i < std::min(most, greys.size()); ++i)
+  {
+    text += fmt::format("{}{} ({:.1f} %)", i == 0 ? "" : ", ", greys[i].first,
+      100.0 * static_cast<double>(greys[i].second) / static_cast<double>(total));
+  }
+  return greys.size() > most ? text + fmt::format(" and {} more", greys.size() - most) : text;
+}
+
+[[noreturn]] void refuseUnnamed(const PictureOptions& options, const micrograph::Picture& picture)
+{
+  std::vector<std::int64_t> count(65536, 0);
+  for (const std::uint16_t grey : picture.grey)
+  {
+    ++count[grey];
+  }
+  std::vector<std::pair<int, std::int64_t>> greys;
+  for (std::size_t grey = 0; grey < count.size(); ++grey)
+  {
+    if (count[grey] > 0)
+    {
+      greys.emplace_back(static_cast<int>(grey), count[grey]);
+    }
+  }
+  std::stable_sort(greys.begin(), greys.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::string hint;
+  if (greys.size() <= 8)
+  {
+    hint = "name each of them:";
+    for (const auto& [grey, nodes] : greys)
+    {
+      hint += fmt::format(" --phase {}=NAME", grey);
+    }
+  }
+  else
+  {
+    hint = "this looks like a scan: add --segment to find lumens and walls in it; or name its grey values with "
+           "--phase GREY=NAME and --other NAME";
+  }
+  throw InputError(fmt::format("which phases are in '{}'? Its grey values are {}", options.file,
+                     greyShares(greys, static_cast<std::int64_t>(picture.grey.size()), 8)),
+    hint);
+}
+
+} // namespace
+
+bool isVtkImage(const std::string& path)
+{
+  return ending(path) == ".vti";
+}
+
+bool isRawVolume(const std::string& path)
+{
+  const std::string end = ending(path);
+  return end == ".raw" || end == ".bin";
+}
+
+std::string pixelSizeDoubt(const std::string& option, double metres)
+{
+  // No cell or grain needs pixels of a millimetre; 0.5 is surely 0.5 µm.
+  return metres < 1e-3 ? "" : fmt::format("{0} {1:g} is {1:g} metres; for micrometres write {1:g}um", option, metres);
+}
+
+namespace
+{
+
+micrograph::SegmentOptions segmentOptions(const PictureOptions& options)
+{
+  micrograph::SegmentOptions segment;
+  const std::vector<std::string> sides{ "auto", "bright", "dark" };
+  segment.lumen = static_cast<micrograph::LumenSide>(oneOf("--lumen", options.lumen, sides));
+  if (!options.threshold.empty())
+  {
+    segment.threshold = toNumber(options.threshold);
+    if (!segment.threshold || !(*segment.threshold > 0 && *segment.threshold < 255))
+    {
+      throw ParameterError("--threshold '" + options.threshold + "' is not a grey value between 0 and 255",
+        "leave it out to have it found");
+    }
+  }
+  return segment;
+}
+
+} // namespace
+
+Sample loadSample(const PictureOptions& options)
+{
+  const auto window = parseWindow(options.window);
+  auto map = greyMap(options);
+  const micrograph::ReadOptions read = readOptions(options);
+
+  if (!options.segment && (options.lumen != "auto" || !options.threshold.empty()))
+  {
+    throw ParameterError("--lumen and --threshold are for --segment", "add --segment, or leave them out");
+  }
+  Sample sample;
+  sample.window = window;
+  if (isVtkImage(options.file) && options.array.empty() && !map)
+  {
+    if (auto grid = readPhaseGrid(options.file)) // phases that have names
+    {
+      if (options.segment)
+      {
+        throw ParameterError(
+          "--segment is for scans, and '" + options.file + "' holds phases already", "leave --segment out");
+      }
+      sample.fileSize = grid->image.lattice.size;
+      sample.pixelSizeSource = grid->pixelSizeSource;
+      sample.provenance = grid->provenance;
+      if (read.pixelSize)
+      {
+        setSpacing(grid->image.lattice, *read.pixelSize);
+        sample.pixelSizeSource = "option";
+      }
+      requireWindowFits(grid->image.lattice, window);
+      sample.image = window ? crop(grid->image, *window) : std::move(grid->image);
+      return sample;
+    }
+  }
+
+  PictureFile file = readPictureFile(options, options.segment);
+  micrograph::Picture& picture = file.picture;
+  sample.fileSize = picture.lattice.size;
+  sample.pixelSizeSource = picture.pixelSizeSource;
+  sample.provenance = file.record ? file.record->provenance : "";
+  sample.warnings = picture.warnings;
+  requireWindowFits(picture.lattice, window);
+  if (options.segment)
+  {
+    if (map)
+    {
+      throw ParameterError("--segment and --phase contradict each other",
+        "leave --phase and --other out: the phases of a segmented scan are 'lumen' and 'wall'");
+    }
+    // The whole scan, for the light and the threshold; the window is cut afterwards.
+    micrograph::Segmentation found = micrograph::segment(picture, segmentOptions(options));
+    sample.segmentation = found.report;
+    sample.warnings.insert(sample.warnings.end(), found.warnings.begin(), found.warnings.end());
+    sample.image = window ? crop(found.image, *window) : std::move(found.image);
+    return sample;
+  }
+  if (window)
+  {
+    cropPicture(picture, *window);
+  }
+  if (!map && file.record && !file.record->phases.empty())
+  {
+    map = GreyMap{ file.record->phases, std::nullopt };
+  }
+  if (!map)
+  {
+    refuseUnnamed(options, picture);
+  }
+  sample.image = map->apply(picture.lattice, picture.grey);
+  return sample;
+}
+
+PictureFile readPictureFile(const PictureOptions& options, bool keepColour)
+{
+  requirePicture(options.file);
+  micrograph::ReadOptions read = readOptions(options);
+  read.keepColour = keepColour;
+  PictureFile file;
+  if (isRawVolume(options.file))
+  {
+    file.record = readRecordBeside(options.file);
+    if (file.record && file.record->size && !read.rawSize)
+    {
+      read.rawSize = file.record->size;
+      read.rawBits = file.record->bits;
+    }
+  }
+  file.picture = isVtkImage(options.file) ? readGreys(options.file, read, options.array)
+                                          : micrograph::readPicture(options.file, read);
+  if (!file.record)
+  {
+    file.record = parseRecord(file.picture.description);
+  }
+  if (file.record && file.record->pixelSize && !read.pixelSize)
+  {
+    setSpacing(file.picture.lattice, *file.record->pixelSize);
+    file.picture.pixelSizeSource = "lamella record";
+  }
+  return file;
+}
+
+} // namespace lamella::cli

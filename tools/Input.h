@@ -1,0 +1,81 @@
+#pragma once
+
+#include "Record.h"
+
+#include "micrograph/Picture.h"
+#include "micrograph/Segmentation.h"
+
+#include <CLI/App.hpp>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lamella::cli
+{
+
+/// What the user says about a picture, volume or `.vti`: the words that all commands share.
+struct PictureOptions
+{
+  std::string file;
+  std::vector<std::string> phase; ///< --phase GREY=NAME
+  std::string other;              ///< --other NAME
+  std::string window;             ///< --window X,Y,WIDTH,HEIGHT
+  std::string pixelSize;          ///< --pixel-size METRES
+  std::string rawSize;            ///< --raw-size NX,NY,NZ
+  int rawBits = 0;                ///< --raw-bits 8|16; 0: from the name, else 8
+  std::uint64_t rawHeader = 0;    ///< --raw-header BYTES
+  std::string array;              ///< --array NAME
+  bool segment = false;           ///< --segment
+  std::string lumen = "auto";     ///< --lumen auto|bright|dark
+  std::string threshold;          ///< --threshold GREY
+};
+
+/// Declares FILE; the options that name phases; those of raw volumes and pixel sizes; FILE and all of the options
+/// above.
+void addFileOption(CLI::App& command, PictureOptions& options);
+void addPhaseOptions(CLI::App& command, PictureOptions& options);
+void addRawOptions(CLI::App& command, PictureOptions& options);
+void addPictureOptions(CLI::App& command, PictureOptions& options);
+
+/// The options in numbers. @throws ParameterError
+[[nodiscard]] std::optional<Window> parseWindow(const std::string& text);
+/// Four numbers for a picture, six for a volume. @throws ParameterError
+void requireWindowFits(const Lattice& lattice, const std::optional<Window>& window);
+[[nodiscard]] micrograph::ReadOptions readOptions(const PictureOptions& options);
+[[nodiscard]] std::optional<GreyMap> greyMap(const PictureOptions& options);
+
+/// The kinds of file, told by the ending of the name.
+[[nodiscard]] bool isVtkImage(const std::string& path);
+[[nodiscard]] bool isRawVolume(const std::string& path);
+
+/// A sample as the solvers take it: window cut out, greys named, not refined.
+struct Sample
+{
+  PhaseImage image;
+  std::string pixelSizeSource;            ///< "none" when the pixel size is not known
+  std::array<std::int64_t, 3> fileSize{}; ///< before the window
+  std::optional<Window> window;
+  std::optional<micrograph::SegmentReport> segmentation;
+  std::string provenance; ///< of the file, where it carries one
+  std::vector<std::string> warnings;
+};
+
+/// @throws ParameterError, InputError, MemoryError
+[[nodiscard]] Sample loadSample(const PictureOptions& options);
+
+/// The grey values of a picture or volume, with what lamella recorded in it, if lamella wrote it.
+struct PictureFile
+{
+  micrograph::Picture picture; ///< its pixel size exact where the record tells it
+  std::optional<Record> record;
+};
+/// @throws InputError
+[[nodiscard]] PictureFile readPictureFile(const PictureOptions& options, bool keepColour = false);
+
+/// A pixel size that is certainly no microscope's: micrometres were meant. Empty where there is nothing to say.
+[[nodiscard]] std::string pixelSizeDoubt(const std::string& option, double metres);
+
+} // namespace lamella::cli

@@ -1,0 +1,257 @@
+#include "OutputFile.h"
+
+#include "lattice/Memory.h"
+
+#include <fcntl.h>
+#include <stdio.h> // NOLINT: renameat2 is declared here and not in <cstdio>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <climits>
+#include <cstring>
+#include <utility>
+
+namespace lamella::cli
+{
+
+namespace fs = std::filesystem;
+
+namespace
+{
+
+// Names of the temporary files, where a signal handler can reach them: no allocation, one flag a slot.
+constexpr int slots = 16;
+char names[slots][PATH_MAX];
+std::atomic<bool> used[slots];
+
+int keep(const std::string& name)
+{
+  if (name.size() < PATH_MAX)
+  {
+    for (int slot = 0; slot < slots; ++slot)
+    {
+      if (!used[slot].load())
+      {
+        std::memcpy(names[slot], name.c_str(), name.size() + 1);
+        used[slot].store(true);
+        return slot;
+      }
+    }
+  }
+  return -1;
+}
+
+std::string quoted(const fs::path& path)
+{
+  return "'" + path.string() + "'";
+}
+
+fs::path folderOf(const fs::path& path)
+{
+  const fs::path folder = path.parent_path();
+  return folder.empty() ? fs::path(".") : folder;
+}
+
+std::string hintFor(int error)
+{
+  switch (error)
+  {
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG:
+      return "make room on the disk, or write to another one with -o; nothing was left behind";
+    default:
+      return "choose a folder that you can write to with -o";
+  }
+}
+
+} // namespace
+
+OutputFile::OutputFile(const fs::path& path, bool overwrite)
+  : path_(path)
+  , overwrite_(overwrite)
+{
+  std::error_code ignored;
+  const fs::path folder = folderOf(path);
+  if (path.filename().empty() || fs::is_directory(path, ignored))
+  {
+    throw OutputError(quoted(path) + " is a folder, not a file", "give the name of a file to -o");
+  }
+  if (!fs::exists(folder, ignored))
+  {
+    throw OutputError("there is no folder " + quoted(folder), "make it first: mkdir -p " + folder.string());
+  }
+  if (!overwrite && fs::exists(fs::symlink_status(path, ignored)))
+  {
+    throw OutputError(quoted(path) + " exists already", "choose another name, or add --overwrite to replace it");
+  }
+  for (int attempt = 0;; ++attempt)
+  {
+    temporary_ = folder /
+      (".lamella-" + std::to_string(::getpid()) + "-" + std::to_string(attempt) + "-" + path.filename().string());
+    const int file = ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+    if (file >= 0)
+    {
+      ::close(file);
+      break;
+    }
+    if (errno != EEXIST || attempt == 99)
+    {
+      const int error = errno;
+      throw OutputError("cannot write in the folder " + quoted(folder) + ": " + std::strerror(error), hintFor(error));
+    }
+  }
+  slot_ = keep(temporary_.string());
+}
+
+OutputFile::~OutputFile()
+{
+  if (!temporary_.empty())
+  {
+    ::unlink(temporary_.c_str());
+  }
+  if (slot_ >= 0)
+  {
+    used[slot_].store(false);
+  }
+}
+
+OutputFile::OutputFile(OutputFile&& other) noexcept
+  : path_(std::move(other.path_))
+  , temporary_(std::exchange(other.temporary_, {}))
+  , overwrite_(other.overwrite_)
+  , slot_(std::exchange(other.slot_, -1))
+{
+}
+
+OutputFile& OutputFile::operator=(OutputFile&& other) noexcept
+{
+  std::swap(path_, other.path_);
+  std::swap(temporary_, other.temporary_);
+  std::swap(overwrite_, other.overwrite_);
+  std::swap(slot_, other.slot_);
+  return *this;
+}
+
+void OutputFile::needs(std::uint64_t bytes) const
+{
+  struct statvfs disk = {};
+  if (::statvfs(folderOf(path_).c_str(), &disk) == 0)
+  {
+    const double room = static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);
+    if (room < static_cast<double>(bytes))
+    {
+      throw OutputError(quoted(path_) + " can take up to " + bytesText(static_cast<double>(bytes)) +
+          " and its disk has room for " + bytesText(room),
+        hintFor(ENOSPC));
+    }
+  }
+}
+
+void OutputFile::failed(const std::string& why) const
+{
+  throw OutputError("cannot write " + quoted(path_) + ": " + why, hintFor(ENOSPC));
+}
+
+void OutputFile::write(std::string_view bytes) const
+{
+  const int file = ::open(temporary_.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
+  int error = file < 0 ? errno : 0;
+  while (error == 0 && !bytes.empty())
+  {
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
+    if (written >= 0)
+    {
+      bytes.remove_prefix(static_cast<std::size_t>(written));
+    }
+    else if (errno != EINTR)
+    {
+      error = errno;
+    }
+  }
+  if (file >= 0 && ::close(file) != 0 && error == 0)
+  {
+    error = errno;
+  }
+  if (error != 0)
+  {
+    failed(std::strerror(error));
+  }
+}
+
+void OutputFile::commit()
+{
+  const int file = ::open(temporary_.c_str(), O_WRONLY | O_CLOEXEC);
+  if (file < 0 || ::fsync(file) != 0)
+  {
+    const int error = errno;
+    if (file >= 0)
+    {
+      ::close(file);
+    }
+    failed(std::strerror(error));
+  }
+  ::close(file);
+
+  int result = 0;
+  if (overwrite_)
+  {
+    result = ::rename(temporary_.c_str(), path_.c_str());
+  }
+  else
+  {
+    // Not to replace a file that somebody else made in the meantime. Where the file system cannot do that in one
+    // step, a hard link can: it fails when the name exists.
+    result = ::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE);
+    if (result != 0 && (errno == EINVAL || errno == ENOSYS))
+    {
+      result = ::link(temporary_.c_str(), path_.c_str());
+      if (result == 0)
+      {
+        ::unlink(temporary_.c_str());
+      }
+      else if (errno != EEXIST)
+      {
+        result = ::rename(temporary_.c_str(), path_.c_str());
+      }
+    }
+  }
+  if (result != 0)
+  {
+    if (errno == EEXIST)
+    {
+      throw OutputError(quoted(path_) + " exists already: it was made while this ran",
+        "choose another name, or add --overwrite to replace it");
+    }
+    failed(std::strerror(errno));
+  }
+  temporary_.clear();
+
+  // The name itself lives in the folder, which is on the disk only after this.
+  if (const int folder = ::open(folderOf(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0)
+  {
+    ::fsync(folder);
+    ::close(folder);
+  }
+}
+
+void OutputFile::removeAll() noexcept
+{
+  for (int slot = 0; slot < slots; ++slot)
+  {
+    if (used[slot].load())
+    {
+      ::unlink(names[slot]);
+    }
+  }
+}
+
+fs::path withSuffix(const fs::path& path, const std::string& suffix)
+{
+  return path.parent_path() / (path.stem().string() + suffix + path.extension().string());
+}
+
+} // namespace lamella::cli

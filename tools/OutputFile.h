@@ -1,0 +1,66 @@
+#pragma once
+
+#include "lattice/Error.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace lamella::cli
+{
+
+/// A file that cannot be written: it exists already, its folder cannot be written to, the disk is full.
+class OutputError : public Error
+{
+  using Error::Error;
+};
+
+/// A file that appears whole or not at all.
+///
+/// Made before anything is computed, it finds out at once whether the result can be stored: it refuses a file that
+/// exists (unless it may be replaced) and creates a temporary file in the same folder. What is written goes there;
+/// commit() brings it to the disk and renames it, the only moment at which the name appears. Without commit() the
+/// temporary file goes away, also when a signal ends the program.
+class OutputFile
+{
+public:
+  /// @throws OutputError
+  OutputFile(const std::filesystem::path& path, bool overwrite);
+  ~OutputFile();
+  OutputFile(OutputFile&& other) noexcept;
+  OutputFile& operator=(OutputFile&& other) noexcept;
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+  /// Where to write: in the same folder, with the same ending.
+  [[nodiscard]] const std::filesystem::path& temporary() const noexcept { return temporary_; }
+
+  /// Refuses when the disk has less room than the result will take.
+  /// @throws OutputError
+  void needs(std::uint64_t bytes) const;
+
+  /// Writes all of the file. @throws OutputError when the disk is full or fails
+  void write(std::string_view bytes) const;
+
+  /// Says that writing failed: the temporary file is removed and the error names what stood in the way.
+  [[noreturn]] void failed(const std::string& why) const;
+
+  /// @throws OutputError
+  void commit();
+
+  /// Removes every temporary file that is open; safe to call from a signal handler.
+  static void removeAll() noexcept;
+
+private:
+  std::filesystem::path path_;
+  std::filesystem::path temporary_;
+  bool overwrite_ = false;
+  int slot_ = -1;
+};
+
+/// The path with a word before its ending: out.vti → out_x.vti
+[[nodiscard]] std::filesystem::path withSuffix(const std::filesystem::path& path, const std::string& suffix);
+
+} // namespace lamella::cli

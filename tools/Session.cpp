@@ -1,0 +1,309 @@
+#include "Session.h"
+
+#include "OutputFile.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <thread>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+volatile std::sig_atomic_t caught = 0;
+
+extern "C" void onSignal(int signal)
+{
+  if (caught != 0) // the second time: at once
+  {
+    OutputFile::removeAll();
+    _exit(128 + signal);
+  }
+  caught = signal;
+}
+
+void install(int signal, void (*handler)(int))
+{
+  struct sigaction action = {};
+  action.sa_handler = handler;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  ::sigaction(signal, &action, nullptr);
+}
+
+/// An MPI launcher tells its processes who they are through the environment (Open MPI and PRRTE; MPICH, Intel and
+/// Slurm's PMI; Slurm's and others' PMIx).
+bool startedByLauncher()
+{
+  for (const char* name : { "OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE" })
+  {
+    if (std::getenv(name) != nullptr)
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+} // namespace
+
+int exitCode(const std::exception& error) noexcept
+{
+  if (dynamic_cast<const Cancelled*>(&error) != nullptr)
+  {
+    return Session::interruptCode();
+  }
+  if (dynamic_cast<const ParameterError*>(&error) != nullptr)
+  {
+    return exitUsage;
+  }
+  if (dynamic_cast<const InputError*>(&error) != nullptr)
+  {
+    return exitInput;
+  }
+  if (dynamic_cast<const NoPathError*>(&error) != nullptr)
+  {
+    return exitNoPath;
+  }
+  if (dynamic_cast<const MemoryError*>(&error) != nullptr || dynamic_cast<const std::bad_alloc*>(&error) != nullptr)
+  {
+    return exitMemory;
+  }
+  if (dynamic_cast<const DivergenceError*>(&error) != nullptr)
+  {
+    return exitDiverged;
+  }
+  if (dynamic_cast<const OutputError*>(&error) != nullptr)
+  {
+    return exitOutput;
+  }
+  return exitInternal;
+}
+
+void printError(const std::exception& error)
+{
+  std::string message = error.what();
+  std::string hint;
+  if (const auto* known = dynamic_cast<const Error*>(&error))
+  {
+    hint = known->hint();
+  }
+  else if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr)
+  {
+    message = "there is not enough memory";
+    hint = "take a smaller --window or --refine, or share the work out: mpirun -n N lamella ...";
+  }
+  else
+  {
+    message = "internal error: " + message;
+    hint = "this is a fault of lamella: please report it with the command line and the input";
+  }
+  std::string text = "error: " + message + "\n";
+  if (!hint.empty())
+  {
+    text += "hint: " + hint + "\n";
+  }
+  std::fputs(text.c_str(), stderr);
+}
+
+Session::Session(int& argc, char**& argv)
+  : terminal_(::isatty(STDERR_FILENO) == 1)
+  , start_(std::chrono::steady_clock::now())
+{
+  install(SIGINT, onSignal);
+  install(SIGTERM, onSignal);
+  install(SIGHUP, onSignal);
+  install(SIGXFSZ, SIG_IGN); // a file at the size limit then fails with a message instead of ending the program
+  if (startedByLauncher())
+  {
+    MPI_Init(&argc, &argv);
+    // A communicator of our own: messages of libraries cannot be taken for ours.
+    MPI_Comm_dup(MPI_COMM_WORLD, &world_);
+    MPI_Comm_rank(world_, &rank_);
+    MPI_Comm_size(world_, &ranks_);
+    mpi_ = true;
+  }
+}
+
+Session::~Session()
+{
+  if (mpi_)
+  {
+    MPI_Comm_free(&world_);
+    MPI_Finalize();
+  }
+}
+
+void Session::warn(const std::string& text)
+{
+  if (root())
+  {
+    endProgress();
+    std::fputs(("warning: " + text + "\n").c_str(), stderr);
+  }
+}
+
+void Session::onRoot(const std::function<void()>& work)
+{
+  int code = 0;
+  if (root())
+  {
+    try
+    {
+      work();
+    }
+    catch (const std::exception& error)
+    {
+      if (ranks_ > 1)
+      {
+        code = std::max(1, exitCode(error));
+        MPI_Bcast(&code, 1, MPI_INT, 0, world_);
+      }
+      throw;
+    }
+  }
+  if (ranks_ > 1)
+  {
+    MPI_Bcast(&code, 1, MPI_INT, 0, world_);
+    if (code != 0)
+    {
+      throw FailedElsewhere{ code };
+    }
+  }
+}
+
+int Session::fail(const std::exception& error)
+{
+  const int code = exitCode(error);
+  endProgress();
+  if (ranks_ == 1)
+  {
+    printError(error);
+    return code;
+  }
+  if (root())
+  {
+    printError(error);
+  }
+  if (!waitForAll())
+  {
+    if (!root())
+    {
+      std::fprintf(stderr, "on rank %d of %d:\n", rank_, ranks_);
+      printError(error);
+    }
+    OutputFile::removeAll();
+    MPI_Abort(world_, code);
+  }
+  return code;
+}
+
+int Session::fail(const FailedElsewhere& error)
+{
+  if (!waitForAll())
+  {
+    MPI_Abort(world_, error.code);
+  }
+  return error.code;
+}
+
+bool Session::waitForAll()
+{
+  MPI_Request request = MPI_REQUEST_NULL;
+  MPI_Ibarrier(world_, &request);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+  int all = 0;
+  while (all == 0 && std::chrono::steady_clock::now() < end)
+  {
+    MPI_Test(&request, &all, MPI_STATUS_IGNORE);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return all != 0;
+}
+
+void Session::print(const std::string& text) const
+{
+  if (root() && (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0))
+  {
+    throw OutputError(std::string("cannot write the result to standard output: ") + std::strerror(errno),
+      "make room on the disk, or send it elsewhere");
+  }
+}
+
+bool Session::progress(double share, const std::string& what)
+{
+  if (interrupted())
+  {
+    return false;
+  }
+  if (!root() || !terminal_ || quiet_)
+  {
+    return true;
+  }
+  const auto now = std::chrono::steady_clock::now();
+  const double elapsed = std::chrono::duration<double>(now - start_).count();
+  // Nothing for what is done in the blink of an eye.
+  if (elapsed < 0.5 || now - drawn_ < std::chrono::milliseconds(100))
+  {
+    return true;
+  }
+  drawn_ = now;
+  share = std::clamp(share, 0.0, 1.0);
+  struct winsize window = {};
+  const int columns = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0 ? window.ws_col : 80;
+
+  char numbers[64];
+  const double left = share > 0 ? elapsed * (1 - share) / share : 0;
+  std::snprintf(
+    numbers, sizeof numbers, " %3d %%  %.0f s, %.0f s left  ", static_cast<int>(share * 100), elapsed, std::ceil(left));
+  const int width =
+    std::clamp(columns - static_cast<int>(std::strlen(numbers)) - static_cast<int>(what.size()) - 3, 0, 40);
+  const int filled = static_cast<int>(share * width);
+  std::string line = "\r[" + std::string(static_cast<std::size_t>(filled), '#') +
+    std::string(static_cast<std::size_t>(width - filled), '.') + "]" + numbers + what;
+  std::fputs((line + "\x1b[K").c_str(), stderr);
+  std::fflush(stderr);
+  barShown_ = true;
+  return true;
+}
+
+void Session::endProgress()
+{
+  if (barShown_)
+  {
+    std::fputs("\r\x1b[K", stderr);
+    std::fflush(stderr);
+    barShown_ = false;
+  }
+}
+
+bool Session::interrupted() noexcept
+{
+  return caught != 0;
+}
+
+void Session::checkInterrupt()
+{
+  if (caught != 0)
+  {
+    throw Cancelled();
+  }
+}
+
+int Session::interruptCode() noexcept
+{
+  return caught != 0 ? 128 + static_cast<int>(caught) : static_cast<int>(exitInterrupted);
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,112 @@
+#pragma once
+
+#include "lattice/Error.h"
+
+#include <mpi.h>
+
+#include <chrono>
+#include <functional>
+#include <string>
+#include <type_traits>
+
+namespace lamella::cli
+{
+
+/// What the program returns to the shell; documented in docs/commands/README.md.
+enum ExitCode : int
+{
+  exitOk = 0,
+  exitInternal = 1, ///< a fault of ours
+  exitUsage = 2,    ///< options that are unknown, contradict each other or are out of range
+  exitInput = 3,    ///< an input that cannot be used
+  exitNoPath = 4,   ///< nothing conducts from face to face
+  exitMemory = 5,
+  exitDiverged = 6,
+  exitOutput = 7, ///< the result cannot be written
+  exitInterrupted = 130
+};
+
+[[nodiscard]] int exitCode(const std::exception& error) noexcept;
+
+/// "error: ..." and "hint: ..." on standard error.
+void printError(const std::exception& error);
+
+/// Thrown on the ranks other than the one that tells the user what went wrong.
+struct FailedElsewhere
+{
+  int code;
+};
+
+/// One run of the program: its ranks, its terminal, its interruption. There is one, made by main().
+class Session
+{
+public:
+  /// Starts MPI when an MPI launcher started the program, and only then: alone the solvers do not need it, and starting
+  /// it costs 0.4 s.
+  Session(int& argc, char**& argv);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// All ranks; MPI_COMM_SELF, which no MPI call may be made with, when there is no MPI.
+  [[nodiscard]] MPI_Comm communicator() const noexcept { return mpi_ ? world_ : MPI_COMM_SELF; }
+  [[nodiscard]] int rank() const noexcept { return rank_; }
+  [[nodiscard]] int ranks() const noexcept { return ranks_; }
+  [[nodiscard]] bool root() const noexcept { return rank_ == 0; }
+
+  void setQuiet(bool quiet) noexcept { quiet_ = quiet; }
+
+  /// "warning: ..." on standard error, from rank 0 only.
+  void warn(const std::string& text);
+
+  /// Does `work` on rank 0. When it fails there, the other ranks stop as well, without a word.
+  void onRoot(const std::function<void()>& work);
+
+  /// The value of rank 0 on every rank.
+  template <typename T>
+  void broadcast(T& value) const
+  {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (ranks_ > 1)
+    {
+      MPI_Bcast(&value, sizeof value, MPI_BYTE, 0, world_);
+    }
+  }
+
+  /// Ends a run that failed on this rank: waits a moment for the others to fail as well (they do when all see the same
+  /// mistake, and rank 0 tells it); when they do not, tells what went wrong here and stops them.
+  /// @returns the exit code
+  int fail(const std::exception& error);
+  /// The same where another rank tells what went wrong.
+  int fail(const FailedElsewhere& error);
+
+  /// Standard output, rank 0 only; whole or an error. @throws OutputError when it cannot be written (a full disk)
+  void print(const std::string& text) const;
+
+  /// Progress: a bar on a terminal, nothing in a pipe. Draws at most ten times a second.
+  /// @returns false after Ctrl-C or SIGTERM: stop
+  bool progress(double share, const std::string& what);
+  void endProgress();
+
+  /// True after Ctrl-C or SIGTERM.
+  [[nodiscard]] static bool interrupted() noexcept;
+  /// @throws Cancelled after Ctrl-C or SIGTERM
+  static void checkInterrupt();
+  /// 130 after Ctrl-C, 143 after SIGTERM.
+  [[nodiscard]] static int interruptCode() noexcept;
+
+private:
+  bool waitForAll();
+
+  bool mpi_ = false;
+  int rank_ = 0;
+  int ranks_ = 1;
+  MPI_Comm world_ = MPI_COMM_NULL;
+  bool quiet_ = false;
+  bool terminal_ = false;
+  bool barShown_ = false;
+  std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::time_point drawn_;
+};
+
+} // namespace lamella::cli

@@ -1,0 +1,227 @@
+#include "Text.h"
+
+#include "lattice/Error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+/// Optimal string alignment distance: Levenshtein's, with swaps of neighbours as one edit.
+std::size_t editDistance(std::string_view a, std::string_view b)
+{
+  std::vector<std::size_t> before2(b.size() + 1);
+  std::vector<std::size_t> before(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(before.begin(), before.end(), std::size_t{ 0 });
+  for (std::size_t i = 1; i <= a.size(); ++i)
+  {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j)
+    {
+      row[j] = std::min({ before[j] + 1, row[j - 1] + 1, before[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1) });
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+      {
+        row[j] = std::min(row[j], before2[j - 2] + 1);
+      }
+    }
+    std::swap(before2, before);
+    std::swap(before, row);
+  }
+  return before[b.size()];
+}
+
+} // namespace
+
+std::optional<std::string> closest(std::string_view word, std::span<const std::string> candidates)
+{
+  std::optional<std::string> best;
+  std::size_t bestDistance = 0;
+  for (const std::string& candidate : candidates)
+  {
+    const std::size_t distance = editDistance(word, candidate);
+    const std::size_t allowed = std::max<std::size_t>(1, std::max(word.size(), candidate.size()) / 3);
+    const bool prefix = word.size() >= 3 && candidate.starts_with(word);
+    if ((distance <= allowed && distance < word.size()) || prefix)
+    {
+      if (!best || distance < bestDistance)
+      {
+        best = candidate;
+        bestDistance = distance;
+      }
+    }
+  }
+  return best;
+}
+
+std::string suggestion(std::string_view word, std::span<const std::string> candidates, std::string_view otherwise)
+{
+  if (const auto found = closest(word, candidates))
+  {
+    return "did you mean '" + *found + "'?";
+  }
+  return std::string(otherwise);
+}
+
+std::string quotedList(std::span<const std::string> words, std::string_view last)
+{
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+  {
+    const std::string between = i == 0 ? "" : i + 1 < words.size() ? ", " : fmt::format(" {} ", last);
+    text += fmt::format("{}'{}'", between, words[i]);
+  }
+  return text;
+}
+
+std::vector<std::string> split(std::string_view text, char separator)
+{
+  std::vector<std::string> parts;
+  for (;;)
+  {
+    const std::size_t end = text.find(separator);
+    parts.emplace_back(text.substr(0, end));
+    if (end == std::string_view::npos)
+    {
+      return parts;
+    }
+    text.remove_prefix(end + 1);
+  }
+}
+
+std::optional<double> toNumber(std::string_view text)
+{
+  double value = 0;
+  if (text.starts_with('+'))
+  {
+    text.remove_prefix(1);
+  }
+  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (end != text.data() + text.size() || text.empty())
+  {
+    return std::nullopt;
+  }
+  if (failed == std::errc::result_out_of_range)
+  {
+    return std::strtod(std::string(text).c_str(), nullptr); // 1e999 is infinite, 1e-999 is zero
+  }
+  return failed == std::errc() ? std::optional(value) : std::nullopt;
+}
+
+std::optional<std::int64_t> toInteger(std::string_view text)
+{
+  std::int64_t value = 0;
+  if (text.starts_with('+'))
+  {
+    text.remove_prefix(1);
+  }
+  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failed != std::errc() || end != text.data() + text.size() || text.empty())
+  {
+    return std::nullopt;
+  }
+  return value;
+}
+
+std::vector<std::int64_t> integerList(
+  const std::string& option, const std::string& text, std::span<const std::size_t> counts, const std::string& form)
+{
+  std::vector<std::int64_t> values;
+  for (const std::string& part : split(text, ','))
+  {
+    const auto value = toInteger(part);
+    if (!value)
+    {
+      throw ParameterError(
+        option + " '" + text + "': '" + part + "' is not a whole number", "write it as " + option + " " + form);
+    }
+    values.push_back(*value);
+  }
+  if (std::find(counts.begin(), counts.end(), values.size()) == counts.end())
+  {
+    throw ParameterError(
+      option + " '" + text + "' has " + std::to_string(values.size()) + (values.size() == 1 ? " number" : " numbers"),
+      "write it as " + option + " " + form);
+  }
+  return values;
+}
+
+double lengthInMetres(const std::string& option, const std::string& text)
+{
+  const std::size_t end = text.find_first_not_of("+-.0123456789eE");
+  std::string number = text.substr(0, end);
+  std::string unit = end == std::string::npos ? "" : text.substr(end);
+  unit.erase(0, unit.find_first_not_of(' '));
+  const std::pair<const char*, double> units[] = { { "", 1 }, { "m", 1 }, { "mm", 1e-3 }, { "um", 1e-6 },
+    { "µm", 1e-6 }, { "μm", 1e-6 }, { "nm", 1e-9 } };
+  const auto* found = std::find_if(std::begin(units), std::end(units), [&](const auto& u) { return unit == u.first; });
+  const auto value = toNumber(number);
+  if (!value || found == std::end(units))
+  {
+    throw ParameterError(
+      option + " '" + text + "' is not a length", "write it in metres, " + option + " 0.5e-6, or with a unit: 0.5um");
+  }
+  // Dividing keeps 0.5um the same number as 0.5e-6: 1e-6 has no exact binary form, 1e6 has.
+  const double metres = found->second == 1 ? *value : *value / std::round(1 / found->second);
+  if (!(metres > 0) || !std::isfinite(metres))
+  {
+    throw ParameterError(
+      option + " '" + text + "' is not a length above 0", "write it in metres, such as " + option + " 0.5e-6");
+  }
+  return metres;
+}
+
+double share(const std::string& option, const std::string& text)
+{
+  const bool percent = text.ends_with('%');
+  const auto value = toNumber(percent ? std::string_view(text).substr(0, text.size() - 1) : std::string_view(text));
+  if (!value || !std::isfinite(*value))
+  {
+    throw ParameterError(option + " '" + text + "' is not a share", "write it as 1% or 0.01");
+  }
+  return percent ? *value / 100 : *value;
+}
+
+std::pair<std::string, std::string> keyValue(
+  const std::string& option, const std::string& text, const std::string& form)
+{
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+  {
+    throw ParameterError(option + " '" + text + "' is not " + form, "write it as " + option + " " + form);
+  }
+  return { text.substr(0, equals), text.substr(equals + 1) };
+}
+
+std::size_t oneOf(const std::string& option, const std::string& text, std::span<const std::string> words)
+{
+  const auto found = std::find(words.begin(), words.end(), text);
+  if (found == words.end())
+  {
+    throw ParameterError(
+      option + " '" + text + "' is not known", suggestion(text, words, "it takes " + quotedList(words)));
+  }
+  return static_cast<std::size_t>(found - words.begin());
+}
+
+std::string grouped(std::int64_t count)
+{
+  return count < 1000 ? std::to_string(count) : fmt::format("{} {:03}", grouped(count / 1000), count % 1000);
+}
+
+std::string sizeText(const std::array<std::int64_t, 3>& size, int dimension)
+{
+  return dimension == 3 ? fmt::format("{} × {} × {}", size[0], size[1], size[2])
+                        : fmt::format("{} × {}", size[0], size[1]);
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+/// Reading what users type, and telling them what they probably meant. Everything throws ParameterError.
+namespace lamella::cli
+{
+
+/// The candidate that is fewest edits (insert, delete, replace, swap of neighbours) away from `word`, where that is few
+/// enough to be a slip: at most a third of its letters, and at least one letter right.
+[[nodiscard]] std::optional<std::string> closest(std::string_view word, std::span<const std::string> candidates);
+
+/// "did you mean 'X'?" where something is close, else `otherwise`.
+[[nodiscard]] std::string suggestion(
+  std::string_view word, std::span<const std::string> candidates, std::string_view otherwise);
+
+/// 'a', 'b' or 'c'
+[[nodiscard]] std::string quotedList(std::span<const std::string> words, std::string_view last = "or");
+
+[[nodiscard]] std::vector<std::string> split(std::string_view text, char separator);
+
+/// A number, all of the text; "nan" and "inf" are numbers here, whether they make sense is the caller's to say.
+[[nodiscard]] std::optional<double> toNumber(std::string_view text);
+[[nodiscard]] std::optional<std::int64_t> toInteger(std::string_view text);
+
+/// "A,B,C" as whole numbers; `counts` lists how many there may be, `form` is how the option is written.
+[[nodiscard]] std::vector<std::int64_t> integerList(
+  const std::string& option, const std::string& text, std::span<const std::size_t> counts, const std::string& form);
+
+/// A length in metres: "0.5e-6", or with a unit: "0.5um", "500nm", "0.0005mm". Positive and finite.
+[[nodiscard]] double lengthInMetres(const std::string& option, const std::string& text);
+
+/// A share: "0.4" or "40%".
+[[nodiscard]] double share(const std::string& option, const std::string& text);
+
+/// "KEY=VALUE" with neither empty.
+[[nodiscard]] std::pair<std::string, std::string> keyValue(
+  const std::string& option, const std::string& text, const std::string& form);
+
+/// The position of `text` among the words an option knows.
+[[nodiscard]] std::size_t oneOf(const std::string& option, const std::string& text, std::span<const std::string> words);
+
+/// 123456 as "123 456": counts for people.
+[[nodiscard]] std::string grouped(std::int64_t count);
+
+/// "400 × 300" or "200 × 200 × 200".
+[[nodiscard]] std::string sizeText(const std::array<std::int64_t, 3>& size, int dimension);
+
+} // namespace lamella::cli
