@@ -308,7 +308,7 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
         }
       }
     });
-  requirePaths(session, sample.image, values, study);
+  session.onRoot([&] { requirePaths(sample.image, values, study); });
 
   study.steady.progress = studyProgress(session, sample.image.lattice, study);
   Fields taken;

@@ -123,11 +123,9 @@ void requireMemory(const Session& session, const PhaseImage& image, std::span<co
   {
     return;
   }
-  int fits = refinement - 1;
-  while (fits > 0 && bytes(fits) > available)
-  {
-    fits = fits > 64 ? fits / 2 : fits - 1;
-  }
+  // Bytes grow with the refinement to the power of the dimension.
+  const double largest = std::pow(available / bytes(1), 1.0 / lattice.dimension);
+  const int fits = std::min(refinement - 1, static_cast<int>(std::min(largest, 1e6)));
   std::string size;
   for (int axis = 0; axis < lattice.dimension; ++axis)
   {
@@ -140,15 +138,13 @@ void requireMemory(const Session& session, const PhaseImage& image, std::span<co
       fits > 0 ? fmt::format("--refine {} fits; or ", fits) : ""));
 }
 
-void requirePaths(const Session& session, const PhaseImage& image, std::span<const double> conductivity,
-  const lbm::StudyOptions& options)
+void requirePaths(const PhaseImage& image, std::span<const double> conductivity, const lbm::StudyOptions& options)
 {
   // Refining splits pixels and changes no neighbourhood, so the picture as it is tells.
-  const Block block = decompose(image.lattice, session.communicator());
   lbm::SteadyOptions steady = options.steady;
   steady.progress = {};
   lbm::SteadyDiffusion solver(
-    image.lattice, block, lbm::blockOf(image, block), conductivity, steady, session.communicator());
+    image.lattice, { { 0, 0, 0 }, image.lattice.size }, image.phase, conductivity, steady, MPI_COMM_SELF);
   std::string blocked;
   std::string open;
   for (int axis = 0; axis < image.lattice.dimension; ++axis)

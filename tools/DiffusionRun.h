@@ -30,10 +30,10 @@ void gather(const Session& session, const Lattice& lattice, const Block& block, 
 void requireMemory(const Session& session, const PhaseImage& image, std::span<const double> conductivity,
   lbm::Stencil stencil, int refinement, bool fields);
 
-/// Refuses a direction without a conducting path, before any is solved; the hint names those that have one.
+/// Refuses a direction without a conducting path, before any is solved; the hint names those that have one. One rank
+/// asks for all.
 /// @throws NoPathError
-void requirePaths(const Session& session, const PhaseImage& image, std::span<const double> conductivity,
-  const lbm::StudyOptions& options);
+void requirePaths(const PhaseImage& image, std::span<const double> conductivity, const lbm::StudyOptions& options);
 
 /// Shows how far a study is: the share of all its solves as far as they can be foreseen.
 [[nodiscard]] lbm::Progress studyProgress(Session& session, const Lattice& lattice, const lbm::StudyOptions& options);

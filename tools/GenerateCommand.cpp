@@ -141,7 +141,8 @@ void write(const PhaseImage& image, const OutputFile& file, OutputFile* beside, 
   }
   catch (const Error& error)
   {
-    throw OutputError("cannot write '" + file.path().string() + "': " + error.what(), error.hint());
+    file.rethrow(error);
+    throw;
   }
 }
 

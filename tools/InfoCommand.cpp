@@ -245,6 +245,38 @@ std::string arraysText(const char* title, const Json& arrays)
   return text.empty() ? "" : title + text;
 }
 
+/// The record, and below it, further in, that of what it was made from.
+std::string provenanceText(const Json& record, std::size_t indent)
+{
+  const std::string margin(indent, ' ');
+  std::string text;
+  for (const auto& [name, value] : record.items())
+  {
+    if (name == "inputs")
+    {
+      for (const Json& input : value)
+      {
+        text += fmt::format("{}{:<10} {}, {} bytes, sha256 {}\n", margin, "input", input.value("name", ""),
+          input.value("bytes", std::uint64_t{ 0 }), input.value("sha256", ""));
+      }
+    }
+    else if (name == "parameters" && value.is_object())
+    {
+      for (const auto& [key, parameter] : value.items())
+      {
+        text += key == "made_from" && parameter.is_object()
+          ? margin + "made from\n" + provenanceText(parameter, indent + 2)
+          : fmt::format("{}{:<10} {}\n", margin, key, parameter.dump());
+      }
+    }
+    else
+    {
+      text += fmt::format("{}{:<10} {}\n", margin, name, value.is_string() ? value.get<std::string>() : value.dump());
+    }
+  }
+  return text;
+}
+
 std::string infoText(const Json& json)
 {
   std::string text = fmt::format("{}: {}", json["file"].get<std::string>(), json["kind"].get<std::string>());
@@ -327,29 +359,8 @@ std::string infoText(const Json& json)
       text += fmt::format("  {:<24} {}\n", name, listText(value.is_array() ? value : Json::array({ value })));
     }
   }
-  if (json["provenance"].is_object())
-  {
-    text += "provenance:\n";
-    for (const auto& [name, value] : json["provenance"].items())
-    {
-      if (name == "inputs")
-      {
-        for (const Json& input : value)
-        {
-          text += fmt::format("  {:<10} {}, {} bytes, sha256 {}\n", "input", input.value("name", ""),
-            input.value("bytes", std::uint64_t{ 0 }), input.value("sha256", ""));
-        }
-      }
-      else
-      {
-        text += fmt::format("  {:<10} {}\n", name, value.is_string() ? value.get<std::string>() : value.dump());
-      }
-    }
-  }
-  else
-  {
-    text += "provenance: none; lamella did not write this file\n";
-  }
+  text += json["provenance"].is_object() ? "provenance:\n" + provenanceText(json["provenance"], 2)
+                                         : "provenance: none; lamella did not write this file\n";
   return text;
 }
 

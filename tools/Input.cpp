@@ -130,7 +130,7 @@ micrograph::ReadOptions readOptions(const PictureOptions& options)
   if (options.rawBits != 0 && options.rawBits != 8 && options.rawBits != 16)
   {
     throw ParameterError(
-      "--raw-bits " + std::to_string(options.rawBits) + " is not known", "a raw volume has 8 or 16 bits a voxel");
+      "--raw-bits " + std::to_string(options.rawBits) + " is neither 8 nor 16", "leave it out when the name tells it");
   }
   if (options.rawBits != 0)
   {

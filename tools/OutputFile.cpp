@@ -156,6 +156,36 @@ void OutputFile::failed(const std::string& why) const
   throw OutputError("cannot write " + quoted(path_) + ": " + why, hintFor(ENOSPC));
 }
 
+void OutputFile::failed() const
+{
+  const int file = ::open(temporary_.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_CLOEXEC, 0666);
+  int error = file < 0 ? errno : 0;
+  const std::string zeros(std::size_t{ 1 } << 20, '\0');
+  std::size_t written = 0;
+  while (error == 0 && written < zeros.size())
+  {
+    const ssize_t now = ::write(file, zeros.data() + written, zeros.size() - written);
+    error = now < 0 ? errno : 0;
+    written += now > 0 ? static_cast<std::size_t>(now) : 0;
+  }
+  if (file >= 0)
+  {
+    ::close(file);
+  }
+  failed(error != 0 ? std::strerror(error) : "the disk is full, or failed");
+}
+
+void OutputFile::rethrow(const Error& error) const
+{
+  std::string message = error.what();
+  const std::size_t at = message.find(temporary_.string());
+  if (at != std::string::npos)
+  {
+    message.replace(at, temporary_.string().size(), path_.string());
+    throw OutputError(message, error.hint());
+  }
+}
+
 void OutputFile::write(std::string_view bytes) const
 {
   const int file = ::open(temporary_.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);

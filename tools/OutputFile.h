@@ -47,6 +47,12 @@ public:
   /// Says that writing failed: the temporary file is removed and the error names what stood in the way.
   [[noreturn]] void failed(const std::string& why) const;
 
+  /// The same after a writer that does not tell why it failed: finds out by writing to the disk itself.
+  [[noreturn]] void failed() const;
+  /// What somebody else said about the temporary file, said about the file itself: an OutputError. Other errors, which
+  /// do not name the temporary file, go on as they are.
+  void rethrow(const Error& error) const;
+
   /// @throws OutputError
   void commit();
 

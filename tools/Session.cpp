@@ -35,6 +35,11 @@ extern "C" void onSignal(int signal)
 
 void install(int signal, void (*handler)(int))
 {
+  struct sigaction before = {};
+  if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN)
+  {
+    return; // under nohup, or in the background of a script: stays ignored
+  }
   struct sigaction action = {};
   action.sa_handler = handler;
   sigemptyset(&action.sa_mask);

@@ -286,7 +286,9 @@ void snapshot(Session& session, const SnapshotOptions& options, const std::strin
   Session::checkInterrupt();
   if (!drawn)
   {
-    throw InputError(drawing->GetErrorMessage(), drawing->GetErrorHint());
+    const InputError error(drawing->GetErrorMessage(), drawing->GetErrorHint());
+    file.rethrow(error);
+    throw error;
   }
   for (const std::string& warning : VtkMessages::takeWarnings())
   {

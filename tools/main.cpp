@@ -133,9 +133,26 @@ ParameterError explain(CLI::App& root, const CLI::ParseError& error)
       if (option->get_required() && option->count() == 0)
       {
         const bool positional = option->get_positional();
-        return ParameterError((positional ? option->get_name(true) : option->get_name(false)) + " is missing",
-          (positional ? "" : "add " + option->get_name(false) + " " + option->get_type_name() + "; ") + help);
+        const std::string name = positional ? option->get_name(true)
+          : option->get_snames().empty()    ? "--" + option->get_lnames().front()
+                                            : "-" + option->get_snames().front();
+        return ParameterError(
+          name + " is missing", (positional ? "" : "add " + name + " " + option->get_type_name() + "; ") + help);
       }
+    }
+  }
+  if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr)
+  {
+    // "Could not convert: --refine = 1.5"
+    const std::string text = error.what();
+    const std::size_t name = text.find("--");
+    const std::size_t equals = text.find(" = ");
+    if (name != std::string::npos && equals != std::string::npos && name < equals)
+    {
+      const std::string value = text.substr(equals + 3);
+      return ParameterError(
+        text.substr(name, equals - name) + " '" + value + "' is not a " + (toNumber(value) ? "whole number" : "number"),
+        help);
     }
   }
   std::string message = error.what();
