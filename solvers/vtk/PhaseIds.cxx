@@ -150,7 +150,10 @@ std::vector<std::int64_t> shared(const std::set<std::int64_t>& mine, const Team&
   }
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
-  all.pop_back(); // none
+  if (all.back() == none)
+  {
+    all.pop_back();
+  }
   return all;
 }
 

@@ -21,9 +21,9 @@ namespace
 {
 
 using namespace lamella;
-using testing::errorOf;
-using testing::picture;
-using testing::points;
+using vtktest::errorOf;
+using vtktest::picture;
+using vtktest::points;
 
 struct Chain
 {
@@ -76,7 +76,7 @@ TEST(FluxMap, LaminateNumbers)
 
 TEST(FluxMap, KeepsTheInputAndAddsTheMagnitude)
 {
-  Chain chain(picture(24, 18, 1, testing::blobs), vtkSteadyDiffusion::ALL);
+  Chain chain(picture(24, 18, 1, vtktest::blobs), vtkSteadyDiffusion::ALL);
   chain.map->SetDirection(vtkFluxMap::Y);
   ASSERT_EQ(errorOf(chain.map), "");
   vtkImageData* const output = chain.map->GetOutput();
@@ -117,7 +117,7 @@ TEST_P(RecomputedFlux, EqualsTheSolvers)
   for (const double weak : { 0.0, 0.1 }) // what does not conduct has no value
   {
     const auto image =
-      setting.threeDimensional ? picture(10, 9, 8, testing::blobs) : picture(23, 20, 1, testing::blobs);
+      setting.threeDimensional ? picture(10, 9, 8, vtktest::blobs) : picture(23, 20, 1, vtktest::blobs);
     Chain with(image, setting.direction, weak, 1);
     Chain without(image, setting.direction, weak, 1);
     for (Chain* const chain : { &with, &without })
@@ -162,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(AllLattices, RecomputedFlux,
 
 TEST(Streamlines, StayInWhatConducts)
 {
-  const auto image = picture(40, 40, 1, testing::blobs);
+  const auto image = picture(40, 40, 1, vtktest::blobs);
   Chain chain(image, vtkSteadyDiffusion::X, 0, 1);
   chain.map->SetNumberOfStreamlines(200);
   ASSERT_EQ(errorOf(chain.map), "");
@@ -205,7 +205,7 @@ TEST(Streamlines, CrowdWhereMuchFlows)
 
 TEST(Streamlines, ValuesFallFromOneToZeroAndArcLengthGrows)
 {
-  Chain chain(picture(30, 30, 1, testing::blobs), vtkSteadyDiffusion::Y);
+  Chain chain(picture(30, 30, 1, vtktest::blobs), vtkSteadyDiffusion::Y);
   ASSERT_EQ(errorOf(chain.map), "");
   vtkPolyData* const lines = chain.map->GetStreamlines();
   vtkDataArray* const value = lines->GetPointData()->GetArray("temperature");
@@ -271,7 +271,7 @@ TEST(FluxMap, WorksOnFluxAlone)
 
 TEST(FluxMap, AbortLeavesNothing)
 {
-  Chain chain(picture(24, 18, 1, testing::blobs), vtkSteadyDiffusion::X);
+  Chain chain(picture(24, 18, 1, vtktest::blobs), vtkSteadyDiffusion::X);
   chain.solver->Update();
   vtkNew<vtkCallbackCommand> stop;
   stop->SetCallback(
