@@ -81,9 +81,8 @@ void writeFields(
   setFieldNumbers(image, "iterations", byAxis(result.iterations));
   setFieldNumbers(image, "stored_nodes", byAxis(static_cast<double>(result.stored)));
   setFieldNumbers(image, "skipped_nodes", byAxis(static_cast<double>(result.skipped)));
-  const auto phases = static_cast<int>(report.conductivity.size());
-  setFieldNumbers(image, "phase_conductivity", report.conductivity, phases);
-  setFieldNumbers(image, "phase_fraction", report.fractions, phases);
+  setFieldNumbers(image, "phase_conductivity", report.conductivity);
+  setFieldNumbers(image, "phase_fraction", report.fractions);
   setFieldText(image, "phase_array", "phase");
   setFieldText(image, "direction", axisNames[answer.axis]);
   setFieldText(image, "sides", report.options.steady.sides == lbm::Sides::Periodic ? "periodic" : "insulated");

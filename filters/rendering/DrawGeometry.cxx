@@ -27,11 +27,13 @@ namespace
 
 constexpr Color PlainColor{ 0x44, 0x77, 0xaa, 255 }; // geometry without any array
 
-/// Lines and surfaces without their arrays, but with the colours to draw them in.
+/// Lines and surfaces without their arrays but the normals, and with the colours to draw them in.
 vtkSmartPointer<vtkPolyData> Colored(vtkPolyData* geometry, const std::optional<Quantity>& field)
 {
   auto colored = vtkSmartPointer<vtkPolyData>::New();
   colored->CopyStructure(geometry);
+  colored->GetPointData()->SetNormals(geometry->GetPointData()->GetNormals());
+  colored->GetCellData()->SetNormals(geometry->GetCellData()->GetNormals());
   if (field)
   {
     vtkNew<vtkUnsignedCharArray> colors;

@@ -311,7 +311,8 @@ private:
       {
         this->EqualShares = true;
         furniture.legend.insert(furniture.legend.begin(),
-          { "1/" + std::to_string(count) + " of the flow between two lines", LineSample(), LegendEntry::Kind::Line });
+          { "1/" + std::to_string(count) + " of the flow between two lines", this->LineColor(), LegendEntry::Kind::Line,
+            this->LineGround() });
       }
     }
     else if (this->Options.overlayLines)
@@ -344,7 +345,16 @@ private:
     return best;
   }
 
-  [[nodiscard]] Color LineSample() const { return InkOn(BackgroundColor(this->Options)); }
+  [[nodiscard]] Color LineColor() const
+  {
+    return this->LightLines() ? Color{ 255, 255, 255, 240 } : Color{ 20, 20, 20, 240 };
+  }
+  /// What the legend's sample of a line lies on.
+  [[nodiscard]] Color LineGround() const
+  {
+    return this->Field.IsCategorical() ? this->Field.idColors.back()
+                                       : this->Field.map->At(this->LightLines() ? 0.45 : 0.75);
+  }
 
   /// Light on maps that are dark over most of their length, and the other way round.
   [[nodiscard]] bool LightLines() const
@@ -357,8 +367,7 @@ private:
   {
     const bool light = this->LightLines();
     std::vector<VectorLayer> layers{ VectorLayer(light ? Color{ 255, 255, 255, 120 } : Color{ 30, 30, 30, 130 }),
-      VectorLayer(light ? Color{ 0, 0, 0, 90 } : Color{ 255, 255, 255, 110 }),
-      VectorLayer(light ? Color{ 255, 255, 255, 240 } : Color{ 20, 20, 20, 240 }) };
+      VectorLayer(light ? Color{ 0, 0, 0, 90 } : Color{ 255, 255, 255, 110 }), VectorLayer(this->LineColor()) };
     const ToCanvas map(layout.data, this->InPlane);
     this->AddOutline(layers[0], map, layout.font);
     switch (this->Kind)

@@ -295,7 +295,7 @@ std::vector<Arrow> BlockArrows(const PlaneField& field, double separation)
     {
       const auto& mean =
         sums[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)];
-      if (std::hypot(mean[0], mean[1]) < 0.02 * largest || largest == 0)
+      if (std::hypot(mean[0], mean[1]) < 0.12 * largest || largest == 0)
       {
         continue;
       }

@@ -29,7 +29,7 @@ struct Arrow
 };
 
 /// One arrow for each block of `separation` × `separation` pixels: the block's mean vector, centred in the block, the
-/// longest 0.9 blocks long.
+/// longest 0.9 blocks long; vectors shorter than an eighth of it are left out.
 [[nodiscard]] std::vector<Arrow> BlockArrows(const PlaneField& field, double separation);
 
 /// The border between pixels where `inside` holds and those where it does not, smoothed by a pixel.

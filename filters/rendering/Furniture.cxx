@@ -101,9 +101,13 @@ Layout Place(const Furniture& furniture, double unitsX, double unitsY, double sc
     const double largest = std::max(0.22 * layout.data.width, std::min<double>(4 * font, layout.data.width));
     const double length =
       NiceLength(largest / scale * furniture.scale->lengthPerUnit, furniture.scale->metres, layout.scaleBarText);
-    layout.scaleBarLength = std::max(1, Pixels(length / furniture.scale->lengthPerUnit * scale));
-    scaleWidth = layout.scaleBarLength + 0.5 * font + MeasureText(layout.scaleBarText, font).width;
+    if (furniture.scale->metres || length >= 1) // less than one pixel of the data is no length
+    {
+      layout.scaleBarLength = std::max(1, Pixels(length / furniture.scale->lengthPerUnit * scale));
+      scaleWidth = layout.scaleBarLength + 0.5 * font + MeasureText(layout.scaleBarText, font).width;
+    }
   }
+  const bool hasScale = layout.scaleBarLength > 0;
   struct Row
   {
     std::vector<std::size_t> entries;
@@ -134,7 +138,7 @@ Layout Place(const Furniture& furniture, double unitsX, double unitsY, double sc
     last.width += (last.entries.empty() ? 0 : EntryGap * font) + width;
     last.entries.push_back(i);
   }
-  const bool scaleRow = furniture.scale && !barBelow;
+  const bool scaleRow = hasScale && !barBelow;
   if (rows.empty() && scaleRow)
   {
     rows.emplace_back();
@@ -165,7 +169,7 @@ Layout Place(const Furniture& furniture, double unitsX, double unitsY, double sc
   if (barBelow)
   {
     // Right part of the width; numbers below it, the title below them.
-    const int start = furniture.scale ? Pixels(std::max(0.3 * layout.data.width, scaleWidth + 3 * font)) : 0;
+    const int start = hasScale ? Pixels(std::max(0.3 * layout.data.width, scaleWidth + 3 * font)) : 0;
     const double titleLength = MeasureText(bar.title, font).width;
     const int length = std::max(layout.data.width - start, Pixels(std::max(8 * font, titleLength)));
     const int thickness = Pixels(BarThickness * font);
@@ -173,7 +177,7 @@ Layout Place(const Furniture& furniture, double unitsX, double unitsY, double sc
     const int pointed = furniture.bar->above ? thickness : 0;
     const int blunt = furniture.bar->below ? thickness : 0;
     layout.bar = { layout.data.x + start + blunt, base, length - pointed - blunt, thickness };
-    if (furniture.scale)
+    if (hasScale)
     {
       layout.scaleBar = { layout.data.x, base + thickness / 2 };
     }
@@ -413,8 +417,10 @@ void DrawFurniture(Canvas& canvas, const Furniture& furniture, const Layout& lay
     }
     else
     {
-      const int thickness = std::max(2, Pixels(0.11 * font));
+      const int thickness = std::max(2, Pixels(0.1 * font));
       const int length = Pixels(2.2 * font);
+      canvas.Frame({ corner.x, corner.y, length, side }, rule, ink);
+      canvas.Fill({ corner.x, corner.y, length, side }, entry.ground);
       canvas.Fill({ corner.x, Pixels(middle - 0.5 * thickness), length, thickness }, entry.color);
       textStart = corner.x + length;
     }

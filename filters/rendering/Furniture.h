@@ -40,6 +40,7 @@ struct LegendEntry
   std::string text;
   Color color;
   Kind kind = Kind::Patch;
+  Color ground{}; ///< what a line lies on
 };
 
 /// What a data unit is on paper.

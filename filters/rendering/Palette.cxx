@@ -44,8 +44,8 @@ constexpr std::uint32_t StoneColor = 0xdcc092;
 constexpr std::uint32_t MatrixColor = 0xc9c4bb;
 
 // Light enough for outlines on top, apart enough side by side.
-constexpr std::uint32_t GrainSet[] = { 0x77aadd, 0xee8866, 0xeedd88, 0xffaabb, 0x99ddff, 0x44bb99, 0xbbcc33, 0xaaaa00,
-  0xc3a5d6, 0xd8b58a };
+constexpr std::uint32_t GrainSet[] = { 0x86b5da, 0xf0a37b, 0xf1da8f, 0xe79fb1, 0xa8d9ea, 0x7cc3a2, 0xc6d27c, 0xb8a1d4,
+  0xd3b48c, 0x9aaec4 };
 
 Color FromHex(std::uint32_t hex)
 {
@@ -138,11 +138,11 @@ std::vector<Color> PhaseColors(std::span<const std::string> names)
 std::vector<Color> GrainColors(std::span<const std::int64_t> ids, int nx, int ny, int nz)
 {
   const std::int64_t largest = ids.empty() ? 0 : std::max<std::int64_t>(0, *std::max_element(ids.begin(), ids.end()));
-  // Neighbours within two nodes, so that grains with a one-node wall between them differ as well.
+  // Grains with a wall between them are neighbours too, up to the thickness of a cell wall.
   std::vector<std::pair<std::int64_t, std::int64_t>> pairs;
   const std::array<std::int64_t, 3> stride{ 1, nx, static_cast<std::int64_t>(nx) * ny };
   const std::array<int, 3> size{ nx, ny, nz };
-  constexpr std::int64_t reach = 3;
+  constexpr std::int64_t reach = 12;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     for (std::int64_t i = 0; i < static_cast<std::int64_t>(ids.size()); ++i)

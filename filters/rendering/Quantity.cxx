@@ -351,8 +351,24 @@ void FindRange(Quantity& quantity, const SnapshotOptions& options)
   }
   else if (smallest < 0 && largest > 0 && std::min(-smallest, largest) > 0.15 * std::max(-smallest, largest))
   {
-    quantity.high = std::max(-smallest, largest); // both sides of zero: zero is the middle of the map
+    // both sides of zero: zero is the middle of the map
+    const double end = std::max(-smallest, largest);
+    const auto ticks = NiceTicks(-end, end);
+    const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : end;
+    const double round = std::ceil(end / step) * step;
+    quantity.high = round - end < 0.03 * end ? round : end;
     quantity.low = -quantity.high;
+  }
+  else if (largest > smallest)
+  {
+    // Ends that all but touch a round number take it.
+    const auto ticks = NiceTicks(smallest, largest);
+    const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : largest - smallest;
+    const double low = std::floor(smallest / step) * step;
+    const double high = std::ceil(largest / step) * step;
+    const double near = 0.03 * (largest - smallest);
+    quantity.low = smallest - low < near ? low : smallest;
+    quantity.high = high - largest < near ? high : largest;
   }
   if (!(quantity.high > quantity.low))
   {

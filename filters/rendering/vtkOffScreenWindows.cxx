@@ -34,6 +34,11 @@ std::string Request()
   return value && *value ? value : "auto";
 }
 
+std::string UnknownRequest(const std::string& request)
+{
+  return "LAMELLA_RENDERER=" + request + " is not known: use osmesa, egl, x or auto";
+}
+
 bool Works(Backend backend, std::string& whyNot)
 {
   return backend == Backend::X ? lamella::rendering::XDisplayWorks(whyNot)
@@ -44,7 +49,6 @@ bool Works(Backend backend, std::string& whyNot)
 Choice FirstThatWorks(const std::vector<Backend>& candidates)
 {
   Choice choice;
-  std::string tried;
   for (const Backend backend : candidates)
   {
     std::string whyNot;
@@ -54,34 +58,38 @@ Choice FirstThatWorks(const std::vector<Backend>& candidates)
       choice.message = std::string("drawing with ") + lamella::rendering::Name(backend);
       return choice;
     }
-    tried += (tried.empty() ? "" : "; ") + std::string(lamella::rendering::Name(backend)) + ": " + whyNot;
+    choice.message +=
+      (choice.message.empty() ? "" : "; ") + std::string(lamella::rendering::Name(backend)) + ": " + whyNot;
   }
-  choice.message = "no way to draw a picture was found (" + tried +
-    "); install libosmesa6 or libegl1 with libgl1-mesa-dri, or set DISPLAY";
   return choice;
 }
 
 Choice Choose(const std::string& request)
 {
-  if (request == "auto")
-  {
-    // Where VTK draws on a display already, a second kind of context on the same thread would only be in its way.
-    if (OffScreenContext::IsGLXCurrent())
-    {
-      return FirstThatWorks({ Backend::X, Backend::OSMesa, Backend::EGL });
-    }
-    return FirstThatWorks({ Backend::OSMesa, Backend::EGL, Backend::X });
-  }
   for (const Backend backend : { Backend::OSMesa, Backend::EGL, Backend::X })
   {
     if (request == lamella::rendering::Name(backend))
     {
       Choice choice = FirstThatWorks({ backend });
-      choice.message += " (LAMELLA_RENDERER=" + request + ")";
+      choice.message = choice.backend == backend ? choice.message + ", as LAMELLA_RENDERER asks"
+                                                 : "LAMELLA_RENDERER=" + request + " does not work here (" +
+          choice.message + "); leave it out to try the others";
       return choice;
     }
   }
-  return { Backend::None, "LAMELLA_RENDERER=" + request + " is not known: use osmesa, egl, x or auto" };
+  if (request != "auto")
+  {
+    return { Backend::None, UnknownRequest(request) };
+  }
+  // Where VTK draws on a display already, a second kind of context on the same thread would only be in its way.
+  Choice choice = OffScreenContext::IsGLXCurrent() ? FirstThatWorks({ Backend::X, Backend::OSMesa, Backend::EGL })
+                                                   : FirstThatWorks({ Backend::OSMesa, Backend::EGL, Backend::X });
+  if (choice.backend == Backend::None)
+  {
+    choice.message =
+      "nothing here can draw a picture (" + choice.message + "); install libosmesa6, or libegl1 with libgl1-mesa-dri";
+  }
+  return choice;
 }
 
 /// The choice for what LAMELLA_RENDERER says now; found out once for each value.
@@ -167,6 +175,12 @@ bool vtkOffScreenWindows::Install()
 bool vtkOffScreenWindows::IsInstalled()
 {
   return Installed;
+}
+
+bool vtkOffScreenWindows::IsRequestKnown()
+{
+  const std::string request = Request();
+  return request == "auto" || request == "osmesa" || request == "egl" || request == "x";
 }
 
 const char* vtkOffScreenWindows::GetBackend()

@@ -56,6 +56,11 @@ public:
    */
   static const char* GetMessage();
 
+  /**
+   * Is LAMELLA_RENDERER unset or one of osmesa, egl, x, auto? Tries nothing.
+   */
+  static bool IsRequestKnown();
+
 #ifndef __VTK_WRAP__
   /**
    * A window that shows nothing on any screen, for the caller to delete; null when nothing works (see GetMessage()).

@@ -223,6 +223,11 @@ vtkImageData* vtkSnapshot::Draw()
       "give a vtkImageData, or its surface as vtkPolyData");
     return nullptr;
   }
+  if (!vtkOffScreenWindows::IsRequestKnown())
+  {
+    this->Fail(vtkOffScreenWindows::GetMessage(), "or leave the variable out");
+    return nullptr;
+  }
   const auto& range = this->Private->options.range;
   if (range && !(std::isfinite((*range)[0]) && std::isfinite((*range)[1]) && (*range)[0] < (*range)[1]))
   {

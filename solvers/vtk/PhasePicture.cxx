@@ -228,14 +228,29 @@ PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
   }
   else
   {
-    picture = micrograph::readPicture(path, options.read);
+    micrograph::ReadOptions read = options.read;
+    read.keepColour = read.keepColour || options.segment;
+    picture = micrograph::readPicture(path, read);
+  }
+  PhasePicture result;
+  result.pixelSizeSource = picture.pixelSizeSource;
+  result.warnings = picture.warnings;
+  if (options.segment)
+  {
+    // The whole scan, for the light and the threshold; the window is cut afterwards.
+    micrograph::Segmentation found = micrograph::segment(picture, *options.segment);
+    result.warnings.insert(result.warnings.end(), found.warnings.begin(), found.warnings.end());
+    result.image = options.window ? crop(found.image, *options.window) : std::move(found.image);
+    if (options.refine != 1)
+    {
+      result.image = refine(result.image, options.refine);
+    }
+    return result;
   }
   if (options.window)
   {
     cut(picture, *options.window);
   }
-  PhasePicture result;
-  result.pixelSizeSource = picture.pixelSizeSource;
   const bool mapped = !options.greys.phaseOfGrey.empty() || options.greys.other;
   const bool known = !mapped && names.size() > 0 &&
     std::ranges::all_of(picture.grey, [&](std::uint16_t id) { return id < names.size(); });

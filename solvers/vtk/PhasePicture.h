@@ -2,12 +2,14 @@
 
 #include "lattice/Phases.h"
 #include "micrograph/Picture.h"
+#include "micrograph/Segmentation.h"
 
 #include "vtkLamellaSolversVTKModule.h" // for the export macro
 
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace lamella
 {
@@ -16,6 +18,8 @@ namespace lamella
 struct PictureOptions
 {
   micrograph::ReadOptions read;
+  /// Finds lumens and walls in a raw scan; the grey map is not used then. The whole scan, before the window is cut.
+  std::optional<micrograph::SegmentOptions> segment;
   GreyMap greys;                ///< none given: every grey value is a phase of its own, named by its value
   std::optional<Window> window; ///< cut out first
   int refine = 1;               ///< then each pixel into n × n
@@ -25,7 +29,8 @@ struct PictureOptions
 struct PhasePicture
 {
   PhaseImage image;
-  std::string pixelSizeSource; ///< "option", what the file calls it, or "none" (spacing 1)
+  std::string pixelSizeSource;       ///< "option", what the file calls it, or "none" (spacing 1)
+  std::vector<std::string> warnings; ///< what a user should know, each one line
 };
 
 /// Reads PNG, JPEG, TIFF, stacks, raw volumes (micrograph::readPicture) and VTK image files (.vti), with values at

@@ -199,9 +199,8 @@ void describe(vtkDataArray* array, const std::string& unit, const std::string& t
 std::array<std::string, 3> description(vtkDataArray* array)
 {
   vtkInformation* const information = array->GetInformation();
-  const auto read = [&](vtkInformationStringKey* key) {
-    return std::string(information->Has(key) != 0 ? information->Get(key) : "");
-  };
+  const auto read = [&](vtkInformationStringKey* key)
+  { return std::string(information->Has(key) != 0 ? information->Get(key) : ""); };
   const std::string text = read(textKey());
   const std::size_t open = text.rfind(" [");
   if (open == std::string::npos || text.back() != ']')

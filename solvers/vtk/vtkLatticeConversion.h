@@ -78,8 +78,8 @@ VTKLAMELLASOLVERSVTK_EXPORT void setFieldText(vtkDataObject* data, const char* n
 VTKLAMELLASOLVERSVTK_EXPORT void setFieldTexts(
   vtkDataObject* data, const char* name, std::span<const std::string> texts);
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::vector<std::string> fieldTexts(vtkDataObject* data, const char* name);
-/// One tuple a number (not one tuple of many components: ParaView would take the norm of a tensor's numbers, and complain
-/// of those that are NaN).
+/// One tuple a number (not one tuple of many components: ParaView would take the norm of a tensor's numbers, and
+/// complain of those that are NaN).
 VTKLAMELLASOLVERSVTK_EXPORT vtkDoubleArray* setFieldNumbers(
   vtkDataObject* data, const char* name, std::span<const double> values);
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::vector<double> fieldNumbers(vtkDataObject* data, const char* name);

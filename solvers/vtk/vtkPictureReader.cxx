@@ -76,6 +76,15 @@ bool vtkPictureReader::Read()
     {
       options.greys.other = this->OtherPhase;
     }
+    if (this->Segment)
+    {
+      options.segment.emplace();
+      options.segment->lumen = static_cast<lamella::micrograph::LumenSide>(this->Lumen);
+      if (this->Threshold >= 0)
+      {
+        options.segment->threshold = this->Threshold;
+      }
+    }
     if (std::any_of(this->Window, this->Window + 6, [](int value) { return value != 0; }))
     {
       options.window.emplace();
@@ -103,7 +112,16 @@ bool vtkPictureReader::Read()
     this->Image = lamella::toImageData(std::move(picture.image));
     lamella::setFieldText(this->Image, "pixel_size_source", picture.pixelSizeSource);
 
+    for (const std::string& warning : picture.warnings)
+    {
+      vtkWarningMacro(<< warning);
+    }
+
     nlohmann::json parameters{ { "refinement", this->Refinement } };
+    if (this->Segment)
+    {
+      parameters["segment"] = true;
+    }
     for (const auto& [grey, name] : this->PhaseOfGrey)
     {
       parameters["phases"][std::to_string(grey)] = name;
@@ -166,6 +184,9 @@ void vtkPictureReader::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "OtherPhase: " << text(this->OtherPhase) << "\n"
      << indent << "ArrayName: " << text(this->ArrayName) << "\n"
      << indent << "Refinement: " << this->Refinement << "\n"
+     << indent << "Segment: " << this->Segment << "\n"
+     << indent << "Lumen: " << this->Lumen << "\n"
+     << indent << "Threshold: " << this->Threshold << "\n"
      << indent << "PixelSize: " << this->PixelSize << "\n"
      << indent << "RawBits: " << this->RawBits << "\n"
      << indent << "RawHeader: " << this->RawHeader << "\n";

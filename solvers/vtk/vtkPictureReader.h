@@ -51,6 +51,31 @@ public:
   ///@}
 
   ///@{
+  /** The picture is a raw scan: find the phases `lumen` and `wall` in it (micrograph::segment). Default off. */
+  vtkSetMacro(Segment, bool);
+  vtkGetMacro(Segment, bool);
+  vtkBooleanMacro(Segment, bool);
+  ///@}
+
+  enum LumenSides
+  {
+    AUTO_LUMEN = 0,
+    BRIGHT = 1,
+    DARK = 2
+  };
+  ///@{
+  /** Segment: whether lumens are brighter or darker than walls. Default AUTO_LUMEN. */
+  vtkSetClampMacro(Lumen, int, AUTO_LUMEN, DARK);
+  vtkGetMacro(Lumen, int);
+  ///@}
+
+  ///@{
+  /** Segment: grey value between lumen and wall once the light is even, 0 to 255; negative (the default): found. */
+  vtkSetMacro(Threshold, double);
+  vtkGetMacro(Threshold, double);
+  ///@}
+
+  ///@{
   /**
    * Box to cut out: x, y, z of its first pixel and its width, height, depth. In a picture y counts from the top row,
    * in a volume every axis counts from the first voxel in the file; z and depth are not used for a picture. All three
@@ -114,6 +139,9 @@ private:
   char* OtherPhase = nullptr;
   char* ArrayName = nullptr;
   std::map<int, std::string> PhaseOfGrey;
+  bool Segment = false;
+  int Lumen = AUTO_LUMEN;
+  double Threshold = -1;
   int Window[6] = { 0, 0, 0, 0, 0, 0 };
   int Refinement = 1;
   double PixelSize = 0;

@@ -9,8 +9,8 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkMPI.h"
-#include "vtkMatrix3x3.h"
 #include "vtkMPICommunicator.h"
+#include "vtkMatrix3x3.h"
 #include "vtkMultiProcessController.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 

@@ -368,11 +368,16 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   {
     axes = lattice.dimension == 3 ? std::vector<int>{ X, Y, Z } : std::vector<int>{ X, Y };
   }
-  std::size_t done = 0;
-  options.progress = [&](double share, const char* what)
+  // Each solve counts from 0 again: the next one has begun when the share falls.
+  const double solves = static_cast<double>(axes.size()) * (this->EstimateError ? 2 : 1);
+  double done = 0;
+  double last = 0;
+  options.progress = [this, solves, &done, &last](double share, const char* what)
   {
+    done += share < last ? 1 : 0;
+    last = share;
     this->SetProgressText(what);
-    this->UpdateProgress((static_cast<double>(done) + share) / static_cast<double>(axes.size()));
+    this->UpdateProgress(std::min((done + share) / solves, 1.0));
     return !this->CheckAbort();
   };
 
@@ -385,7 +390,6 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
     for (const int axis : axes)
     {
       const lbm::SteadyResult result = solver.solve(axis);
-      ++done;
       internal.Keep(axis, result);
       store(solver, axis);
     }

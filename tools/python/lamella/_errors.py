@@ -24,6 +24,15 @@ def _parse(text):
     return message.strip(), hint.strip()
 
 
+def choose(table, value, what):
+    """The entry of a table, or an error that names all of them."""
+    try:
+        return table[value.lower() if isinstance(value, str) else value]
+    except (KeyError, TypeError):
+        known = ", ".join(repr(key) for key in table)
+        raise ValueError(f"{what} is {value!r}; it can be {known}") from None
+
+
 def run(algorithm, progress=None):
     """Updates an algorithm. Raises LamellaError for what it reports, and what ``progress`` or Ctrl-C raised.
 

@@ -4,9 +4,9 @@ import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from . import _arrays
-from ._errors import run
+from ._errors import choose, run
 from ._samples import ImageBase
-from ._solve import as_image, choose
+from ._solve import as_image
 from .vtkLamellaFilters import vtkFluxMap
 
 

@@ -8,7 +8,7 @@ from vtkmodules.vtkCommonCore import vtkStringArray
 from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
 from . import _arrays
-from ._errors import LamellaError, run
+from ._errors import LamellaError, choose, run
 from .vtkLamellaSolversVTK import vtkMicrostructureSource, vtkPictureReader
 
 
@@ -113,6 +113,9 @@ def read_picture(
     window=None,
     refine=1,
     pixel_size=None,
+    segment=False,
+    lumen="auto",
+    threshold=None,
     array=None,
     raw_size=None,
     raw_bits=None,
@@ -125,6 +128,9 @@ def read_picture(
     window      (x, y, width, height) in pixels from the top left; of a volume (x, y, z, width, height, depth)
     refine      splits each pixel into refine x refine nodes
     pixel_size  metres; wins over what the file says
+    segment     the picture is a raw scan: find the phases lumen and wall in it
+    lumen       with segment: "auto", "bright" or "dark"
+    threshold   with segment: grey between lumen and wall once the light is even, 0 to 255; None: found
     array       .vti files: which array
     raw_size, raw_bits, raw_header   raw volumes: (nx, ny, nz), 8 or 16, bytes to skip
     """
@@ -148,6 +154,10 @@ def read_picture(
         if not pixel_size > 0:
             raise LamellaError(f"the pixel size is {pixel_size}", "give it in metres, above 0")
         reader.SetPixelSize(pixel_size)
+    reader.SetSegment(bool(segment))
+    reader.SetLumen(choose({"auto": 0, "bright": 1, "dark": 2}, lumen, "lumen"))
+    if threshold is not None:
+        reader.SetThreshold(threshold)
     reader.SetArrayName(array)
     if raw_size is not None:
         reader.SetRawSize(*raw_size)

@@ -4,22 +4,13 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays
-from ._errors import run
+from ._errors import choose, run
 from ._samples import ImageBase, from_array
 from .vtkLamellaSolversVTK import vtkSteadyDiffusion
 
 _DIRECTIONS = {"x": 0, "y": 1, "z": 2, "all": 3}
 _LATTICES = {None: 0, "d2q5": 1, "d2q9": 2, "d3q7": 3, "d3q19": 4}
 _METHODS = {"auto": 0, "multigrid": 1, "algebraic": 2}
-
-
-def choose(table, value, what):
-    """The entry of a table, or an error that names all of them."""
-    try:
-        return table[value.lower() if isinstance(value, str) else value]
-    except (KeyError, TypeError):
-        known = ", ".join(repr(key) for key in table)
-        raise ValueError(f"{what} is {value!r}; it can be {known}") from None
 
 
 class DiffusionResult(ImageBase):

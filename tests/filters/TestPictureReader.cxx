@@ -1,0 +1,170 @@
+// Files to phases through the pipeline. What micrograph::readPicture() does with each format is tested there.
+#include "VtkTesting.h"
+
+#include "vtkCellData.h"
+#include "vtkPNGWriter.h"
+#include "vtkPictureReader.h"
+#include "vtkUnsignedCharArray.h"
+#include "vtkXMLImageDataWriter.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+
+namespace
+{
+
+using namespace lamella;
+using testing::errorOf;
+
+class PictureReader : public ::testing::Test
+{
+protected:
+  void SetUp() override { std::filesystem::create_directories(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  [[nodiscard]] static vtkNew<vtkPictureReader> reader(const std::string& file)
+  {
+    vtkNew<vtkPictureReader> result;
+    result->SetFileName(file.c_str());
+    return result;
+  }
+
+  static void write(vtkImageData* image, const std::string& file)
+  {
+    vtkNew<vtkXMLImageDataWriter> writer;
+    writer->SetInputData(image);
+    writer->SetFileName(file.c_str());
+    ASSERT_EQ(writer->Write(), 1);
+  }
+
+  /// 4 × 3 greys; the bottom row of the picture is 0 0 128 128.
+  [[nodiscard]] static vtkNew<vtkImageData> greys()
+  {
+    vtkNew<vtkImageData> image;
+    image->SetDimensions(4, 3, 1);
+    image->GetPointData()->SetScalars(adopt({ 0, 0, 128, 128, 0, 255, 255, 128, 0, 0, 0, 255 }, "scan"));
+    return image;
+  }
+
+  std::filesystem::path folder_ = std::filesystem::temp_directory_path() /
+    ("lamella-reader-" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) + "-" +
+      ::testing::UnitTest::GetInstance()->current_test_info()->name());
+};
+
+std::vector<int> phases(vtkPictureReader* reader)
+{
+  const auto view = viewPhases(reader->GetOutput());
+  return { view.phase.begin(), view.phase.end() };
+}
+
+TEST_F(PictureReader, PngStandsUpright)
+{
+  vtkNew<vtkPNGWriter> writer; // VTK writes the first row in memory at the bottom of the picture
+  writer->SetInputData(greys());
+  writer->SetFileName(path("a.png").c_str());
+  writer->Write();
+  const auto picture = reader(path("a.png"));
+  picture->SetPhase(0, "lumen");
+  picture->SetPhase(128, "wall");
+  picture->SetPhase(255, "wall");
+  picture->SetPixelSize(5e-7);
+  ASSERT_EQ(errorOf(picture), "");
+  EXPECT_EQ(phases(picture), (std::vector<int>{ 0, 0, 1, 1, 0, 1, 1, 1, 0, 0, 0, 1 }));
+  EXPECT_EQ(phaseNames(picture->GetOutput()).names(), (std::vector<std::string>{ "lumen", "wall" }));
+  EXPECT_DOUBLE_EQ(picture->GetOutput()->GetSpacing()[0], 5e-7);
+  EXPECT_DOUBLE_EQ(picture->GetOutput()->GetOrigin()[1], 2.5e-7);
+  EXPECT_EQ(fieldText(picture->GetOutput(), "pixel_size_source"), "option");
+  EXPECT_NE(provenance(picture->GetOutput()).find("sha256"), std::string::npos);
+}
+
+TEST_F(PictureReader, WindowCountsFromTheTopAndNeedsNoPhaseOutside)
+{
+  write(greys(), path("a.vti"));
+  const auto picture = reader(path("a.vti"));
+  picture->SetPhase(0, "lumen");
+  picture->SetPhase(255, "wall");
+  picture->SetWindow(0, 0, 0, 3, 2, 0); // the two upper rows without the last column: no 128
+  ASSERT_EQ(errorOf(picture), "");
+  EXPECT_EQ(phases(picture), (std::vector<int>{ 0, 1, 1, 0, 0, 0 }));
+  picture->SetWindow(2, 0, 0, 3, 2, 0);
+  const std::string error = errorOf(picture);
+  EXPECT_NE(error.find("reaches outside"), std::string::npos) << error;
+}
+
+TEST_F(PictureReader, RefinementSplitsPixels)
+{
+  write(greys(), path("a.vti"));
+  const auto picture = reader(path("a.vti"));
+  picture->SetRefinement(2);
+  ASSERT_EQ(errorOf(picture), "");
+  EXPECT_EQ(picture->GetOutput()->GetDimensions()[0], 8);
+  EXPECT_DOUBLE_EQ(picture->GetOutput()->GetSpacing()[0], 0.5);
+  const auto all = phases(picture);
+  EXPECT_EQ(std::vector<int>(all.begin(), all.begin() + 8), (std::vector<int>{ 0, 0, 0, 0, 1, 1, 1, 1 }));
+}
+
+TEST_F(PictureReader, NamelessGreysAreTheirOwnPhases)
+{
+  write(greys(), path("a.vti"));
+  const auto picture = reader(path("a.vti"));
+  ASSERT_EQ(errorOf(picture), "");
+  EXPECT_EQ(phaseNames(picture->GetOutput()).names(), (std::vector<std::string>{ "0", "128", "255" }));
+}
+
+TEST_F(PictureReader, AGreyInNoPhaseIsAnErrorUnlessOtherSaysWhatItIs)
+{
+  write(greys(), path("a.vti"));
+  const auto picture = reader(path("a.vti"));
+  picture->SetPhase(0, "lumen");
+  const std::string error = errorOf(picture);
+  EXPECT_NE(error.find("grey value 128 is in no phase"), std::string::npos) << error;
+  picture->SetOtherPhase("wall");
+  ASSERT_EQ(errorOf(picture), "");
+  EXPECT_EQ(phases(picture), (std::vector<int>{ 0, 0, 1, 1, 0, 1, 1, 1, 0, 0, 0, 1 }));
+}
+
+TEST_F(PictureReader, CellsBecomeNodesAtTheirCentres)
+{
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(5, 4, 1);
+  image->SetSpacing(2, 2, 2);
+  image->GetCellData()->SetScalars(adopt({ 0, 0, 1, 1, 0, 2, 2, 1, 0, 0, 0, 2 }, "label"));
+  write(image, path("cells.vti"));
+  const auto picture = reader(path("cells.vti"));
+  ASSERT_EQ(errorOf(picture), "");
+  EXPECT_EQ(picture->GetOutput()->GetDimensions()[0], 4);
+  EXPECT_DOUBLE_EQ(picture->GetOutput()->GetOrigin()[0], 1);
+  EXPECT_EQ(phases(picture), (std::vector<int>{ 0, 0, 1, 1, 0, 2, 2, 1, 0, 0, 0, 2 }));
+}
+
+TEST_F(PictureReader, FilesOfPhasesKeepTheirNames)
+{
+  write(testing::picture(6, 5, 1, testing::blobs), path("a.vti"));
+  const auto picture = reader(path("a.vti"));
+  ASSERT_EQ(errorOf(picture), "");
+  EXPECT_EQ(phaseNames(picture->GetOutput()).names(), (std::vector<std::string>{ "a", "b", "c" }));
+  picture->SetArrayName("nothing");
+  const std::string error = errorOf(picture);
+  EXPECT_NE(error.find("no array 'nothing'"), std::string::npos) << error;
+}
+
+TEST_F(PictureReader, SaysWhatIsWrongWithAFile)
+{
+  EXPECT_NE(errorOf(vtkNew<vtkPictureReader>()).find("no file is named"), std::string::npos);
+  EXPECT_NE(errorOf(reader(path("missing.vti"))).find("missing.vti"), std::string::npos);
+  std::ofstream(path("empty.vti")).close();
+  EXPECT_NE(errorOf(reader(path("empty.vti"))).find("is empty"), std::string::npos);
+  write(greys(), path("a.vti"));
+  std::ifstream whole(path("a.vti"), std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(whole)), std::istreambuf_iterator<char>());
+  std::ofstream(path("half.vti"), std::ios::binary) << text.substr(0, text.size() / 2);
+  const std::string error = errorOf(reader(path("half.vti")));
+  EXPECT_NE(error.find("not a whole VTK image file"), std::string::npos) << error;
+}
+
+} // namespace

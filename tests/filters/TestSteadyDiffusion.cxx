@@ -1,0 +1,325 @@
+// Steady diffusion as a VTK filter: exact laminates, the directions' convention, what the output carries, bad input.
+#include "VtkTesting.h"
+
+#include "vtkCellData.h"
+#include "vtkFloatArray.h"
+#include "vtkIntArray.h"
+#include "vtkMath.h"
+#include "vtkSteadyDiffusion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace
+{
+
+using namespace lamella;
+using testing::errorOf;
+using testing::picture;
+using testing::points;
+
+// Half the layers conduct 1, half 10, on lattice nodes: the scheme is exact, the solver's tolerance remains (1e-8).
+constexpr double series = 2.0 / (1.0 / 1 + 1.0 / 10);
+constexpr double parallel = (1.0 + 10.0) / 2;
+constexpr double exact = 1e-7;
+
+vtkNew<vtkSteadyDiffusion> solver(vtkImageData* image, int direction)
+{
+  vtkNew<vtkSteadyDiffusion> filter;
+  filter->SetInputData(image);
+  filter->SetConductivity("a", 1);
+  filter->SetConductivity("b", 10);
+  filter->SetDirection(direction);
+  return filter;
+}
+
+int layersAcrossX(int x, int, int)
+{
+  return x / 3 % 2;
+}
+
+TEST(SteadyDiffusion, LaminateIsExactInBothDirections)
+{
+  for (const int sides : { vtkSteadyDiffusion::INSULATED, vtkSteadyDiffusion::PERIODIC })
+  {
+    for (const int lattice : { vtkSteadyDiffusion::D2Q5, vtkSteadyDiffusion::D2Q9 })
+    {
+      const auto filter = solver(picture(24, 18, 1, layersAcrossX), vtkSteadyDiffusion::ALL);
+      filter->SetSides(sides);
+      filter->SetLattice(lattice);
+      ASSERT_EQ(errorOf(filter), "");
+      const double* const k = filter->GetEffectiveConductivity();
+      // Diagonal links of D2Q9 join unlike layers along them, so only across the layers it is exact too.
+      EXPECT_NEAR(k[0], series, exact * series);
+      if (lattice == vtkSteadyDiffusion::D2Q5)
+      {
+        EXPECT_NEAR(k[4], parallel, exact * parallel);
+      }
+      EXPECT_NEAR(k[1], 0, 1e-6);
+      EXPECT_NEAR(k[3], 0, 1e-6);
+      EXPECT_TRUE(std::isnan(k[8]));
+    }
+  }
+}
+
+TEST(SteadyDiffusion, LaminateIsExactInThreeDimensions)
+{
+  const auto filter = solver(picture(12, 8, 6, layersAcrossX), vtkSteadyDiffusion::ALL);
+  ASSERT_EQ(errorOf(filter), "");
+  const double* const k = filter->GetEffectiveConductivity();
+  EXPECT_NEAR(k[0], series, exact * series);
+  EXPECT_NEAR(k[4], parallel, exact * parallel);
+  EXPECT_NEAR(k[8], parallel, exact * parallel);
+}
+
+TEST(SteadyDiffusion, EmptyBoxConductsAsItsMaterial)
+{
+  const auto filter = solver(picture(10, 12, 1, [](int, int, int) { return 1; }), vtkSteadyDiffusion::X);
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_NEAR(filter->GetEffectiveConductivity()[0], 10, 10 * exact);
+}
+
+TEST(SteadyDiffusion, PicturesConductFromTopToBottom)
+{
+  const int ny = 10;
+  const auto filter = solver(picture(4, ny, 1, [](int, int, int) { return 0; }), vtkSteadyDiffusion::Y);
+  ASSERT_EQ(errorOf(filter), "");
+  vtkDataArray* const value = points(filter->GetOutput(), "temperature");
+  vtkDataArray* const flux = points(filter->GetOutput(), "flux");
+  for (int y = 0; y < ny; ++y) // faces half a spacing outside the outer nodes
+  {
+    EXPECT_NEAR(value->GetTuple1(4 * y), (y + 0.5) / ny, 1e-7);
+    EXPECT_NEAR(flux->GetComponent(4 * y, 1), -1.0 / (ny * 1e-6), 1e-1); // downwards, u per metre: 1e5
+  }
+}
+
+TEST(SteadyDiffusion, VolumesConductFromLowToHigh)
+{
+  const auto filter = solver(picture(3, 10, 3, [](int, int, int) { return 0; }), vtkSteadyDiffusion::Y);
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_NEAR(points(filter->GetOutput(), "temperature")->GetTuple1(0), 0.95, 1e-7);
+}
+
+TEST(SteadyDiffusion, CarriesWhatIsAskedForAndNothingElse)
+{
+  const auto filter = solver(picture(12, 12, 1, layersAcrossX), vtkSteadyDiffusion::ALL);
+  filter->SetQuantity(vtkSteadyDiffusion::CONCENTRATION);
+  ASSERT_EQ(errorOf(filter), "");
+  for (const char* const name : { "phase", "concentration_x", "concentration_y", "flux_x", "flux_y" })
+  {
+    EXPECT_NE(points(filter->GetOutput(), name), nullptr) << name;
+  }
+  EXPECT_EQ(filter->GetOutput()->GetPointData()->GetNumberOfArrays(), 5);
+
+  filter->ComputeFieldOff();
+  filter->ComputeFluxOff();
+  filter->SetDirection(vtkSteadyDiffusion::X);
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_EQ(filter->GetOutput()->GetPointData()->GetNumberOfArrays(), 1);
+  EXPECT_NEAR(filter->GetEffectiveConductivity()[0], series, exact * series);
+  EXPECT_TRUE(std::isnan(filter->GetEffectiveConductivity()[4])); // of the run before
+}
+
+TEST(SteadyDiffusion, FieldDataSaysWhatWasDone)
+{
+  const auto image = picture(12, 12, 1, layersAcrossX);
+  setFieldText(image, "pixel_size_source", "option");
+  const auto filter = solver(image, vtkSteadyDiffusion::X);
+  filter->EstimateErrorOn();
+  ASSERT_EQ(errorOf(filter), "");
+  vtkImageData* const output = filter->GetOutput();
+  const auto tensor = fieldNumbers(output, "effective_conductivity");
+  ASSERT_EQ(tensor.size(), 9U);
+  EXPECT_NEAR(tensor[0], series, exact * series);
+  EXPECT_TRUE(std::isnan(tensor[4]));
+  // The laminate is exact at any resolution: what is estimated is the solver's own tolerance.
+  EXPECT_LT(fieldNumbers(output, "estimated_error").at(0), 1e-6);
+  const auto bounds = fieldNumbers(output, "bounds");
+  ASSERT_EQ(bounds.size(), 4U);
+  EXPECT_NEAR(bounds[0], series, 1e-12);
+  EXPECT_NEAR(bounds[3], parallel, 1e-12);
+  EXPECT_LT(bounds[0], bounds[1]);
+  EXPECT_LT(bounds[1], bounds[2]);
+  EXPECT_EQ(fieldNumbers(output, "phase_conductivity"), (std::vector<double>{ 1, 10, 0 }));
+  EXPECT_EQ(fieldNumbers(output, "phase_fraction"), (std::vector<double>{ 0.5, 0.5, 0 }));
+  EXPECT_EQ(fieldText(output, "direction"), "x");
+  EXPECT_EQ(fieldText(output, "sides"), "insulated");
+  EXPECT_EQ(fieldText(output, "lattice"), "d2q5");
+  EXPECT_EQ(fieldText(output, "pixel_size_source"), "option");
+  EXPECT_EQ(phaseNames(output).names(), (std::vector<std::string>{ "a", "b", "c" }));
+  EXPECT_NE(provenance(output).find("steady_diffusion"), std::string::npos);
+  EXPECT_EQ(description(points(output, "flux"))[0], "conductivity/m");
+}
+
+TEST(SteadyDiffusion, PhasesMayBeAnyWholeNumbers)
+{
+  const auto image = picture(24, 18, 1, layersAcrossX);
+  vtkNew<vtkIntArray> grain;
+  grain->SetName("grain");
+  vtkNew<vtkFloatArray> whole;
+  whole->SetName("whole");
+  for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
+  {
+    const bool b = points(image, "phase")->GetTuple1(i) > 0;
+    grain->InsertNextValue(b ? 70000 : -3);
+    whole->InsertNextValue(b ? 1.0F : 0.0F);
+  }
+  image->GetPointData()->AddArray(grain);
+  image->GetPointData()->AddArray(whole);
+  for (const char* const name : { "grain", "whole" })
+  {
+    const auto filter = solver(image, vtkSteadyDiffusion::X);
+    filter->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, name);
+    filter->SetConductivity("70000", 10);
+    filter->SetConductivity("-3", 1);
+    ASSERT_EQ(errorOf(filter), "") << name;
+    EXPECT_NEAR(filter->GetEffectiveConductivity()[0], series, exact * series) << name;
+    const std::string ids = fieldText(filter->GetOutput(), "phase_array").value();
+    EXPECT_EQ(ids, std::string(name) + "_id");
+    EXPECT_EQ(points(filter->GetOutput(), ids.c_str())->GetDataType(), VTK_UNSIGNED_CHAR);
+  }
+}
+
+TEST(SteadyDiffusion, ConductivityByNumberWherePhasesHaveNoNames)
+{
+  const auto image = picture(24, 18, 1, layersAcrossX);
+  image->GetFieldData()->RemoveArray("phase_names");
+  vtkNew<vtkSteadyDiffusion> filter;
+  filter->SetInputData(image);
+  filter->SetConductivity("0", 1);
+  filter->SetConductivity("1", 10);
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_NEAR(filter->GetEffectiveConductivity()[0], series, exact * series);
+}
+
+TEST(SteadyDiffusion, ProgressRisesAndAbortLeavesNothing)
+{
+  const auto filter = solver(picture(40, 40, 1, testing::blobs), vtkSteadyDiffusion::ALL);
+  filter->EstimateErrorOn();
+  std::vector<double> seen;
+  vtkNew<vtkCallbackCommand> watch;
+  watch->SetClientData(&seen);
+  watch->SetCallback([](vtkObject* caller, unsigned long, void* client, void*)
+    { static_cast<std::vector<double>*>(client)->push_back(vtkAlgorithm::SafeDownCast(caller)->GetProgress()); });
+  filter->AddObserver(vtkCommand::ProgressEvent, watch);
+  ASSERT_EQ(errorOf(filter), "");
+  ASSERT_GT(seen.size(), 4U);
+  EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+
+  vtkNew<vtkCallbackCommand> stop;
+  stop->SetCallback(
+    [](vtkObject* caller, unsigned long, void*, void*)
+    {
+      auto* const algorithm = vtkAlgorithm::SafeDownCast(caller);
+      if (algorithm->GetProgress() > 0.2)
+      {
+        algorithm->SetAbortExecute(1);
+      }
+    });
+  filter->AddObserver(vtkCommand::ProgressEvent, stop);
+  filter->Modified();
+  seen.clear();
+  EXPECT_EQ(errorOf(filter), ""); // cancelling is no error
+  EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0);
+  EXPECT_LT(seen.back(), 0.95);
+}
+
+TEST(SteadyDiffusion, InputThatCannotBeUsedIsRefusedInWords)
+{
+  const auto image = picture(8, 8, 1, layersAcrossX);
+  struct Case
+  {
+    const char* what;
+    std::function<void(vtkSteadyDiffusion*, vtkImageData*)> spoil;
+    std::vector<const char*> words;
+  };
+  const double inf = std::numeric_limits<double>::infinity();
+  const std::vector<Case> cases{
+    { "no array", [](auto* f, auto*) { f->SetInputArrayToProcess(0, 0, 0, 0, "grain"); },
+      { "no point array 'grain'", "there are: phase" } },
+    { "cells",
+      [](auto* f, auto* i)
+      {
+        i->GetCellData()->AddArray(adopt(std::vector<std::uint8_t>(49), "grain"));
+        f->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "grain");
+      },
+      { "'grain' is cell data", "hint: " } },
+    { "components",
+      [](auto* f, auto* i)
+      {
+        vtkNew<vtkIntArray> two;
+        two->SetName("two");
+        two->SetNumberOfComponents(2);
+        two->SetNumberOfTuples(64);
+        two->Fill(0);
+        i->GetPointData()->AddArray(two);
+        f->SetInputArrayToProcess(0, 0, 0, 0, "two");
+      },
+      { "'two' has 2 components" } },
+    { "not whole",
+      [](auto* f, auto* i)
+      {
+        vtkNew<vtkFloatArray> half;
+        half->SetName("half");
+        half->SetNumberOfTuples(64);
+        half->Fill(0.5);
+        i->GetPointData()->AddArray(half);
+        f->SetInputArrayToProcess(0, 0, 0, 0, "half");
+      },
+      { "'half' holds 0.5", "whole numbers" } },
+    { "not finite",
+      [](auto* f, auto* i)
+      {
+        vtkNew<vtkFloatArray> bad;
+        bad->SetName("bad");
+        bad->SetNumberOfTuples(64);
+        bad->Fill(std::nan(""));
+        i->GetPointData()->AddArray(bad);
+        f->SetInputArrayToProcess(0, 0, 0, 0, "bad");
+      },
+      { "'bad' holds nan" } },
+    { "too many",
+      [](auto* f, auto* i)
+      {
+        vtkNew<vtkIntArray> many;
+        many->SetName("many");
+        for (int n = 0; n < 400; ++n)
+        {
+          many->InsertNextValue(n);
+        }
+        i->SetDimensions(20, 20, 1);
+        i->GetPointData()->Initialize();
+        i->GetPointData()->AddArray(many);
+        f->SetInputArrayToProcess(0, 0, 0, 0, "many");
+      },
+      { "more than 256 different values" } },
+    { "no conductivity", [](auto* f, auto*) { f->RemoveConductivity("b"); },
+      { "phase 'b' has no conductivity", "32 nodes", "a, b" } },
+    { "negative", [](auto* f, auto*) { f->SetConductivity("b", -1); }, { "'b' is -1" } },
+    { "nan", [](auto* f, auto*) { f->SetConductivity("b", std::nan("")); }, { "'b' is nan" } },
+    { "infinite", [inf](auto* f, auto*) { f->SetConductivity("b", inf); }, { "'b' is inf" } },
+    { "no path", [](auto* f, auto*) { f->SetConductivity("b", 0); }, { "no conducting path", "along x" } },
+    { "z in 2D", [](auto* f, auto*) { f->SetDirection(vtkSteadyDiffusion::Z); }, { "two-dimensional" } },
+    { "lattice", [](auto* f, auto*) { f->SetLattice(vtkSteadyDiffusion::D3Q7); }, { "d3q7", "d2q5" } },
+    { "spacing", [](auto*, auto* i) { i->SetSpacing(1, 3, 1); }, { "same positive spacing" } },
+    { "empty", [](auto*, auto* i) { i->Initialize(); }, { "has no nodes" } },
+  };
+  for (const Case& test : cases)
+  {
+    vtkNew<vtkImageData> input;
+    input->DeepCopy(image);
+    const auto filter = solver(input, vtkSteadyDiffusion::X);
+    test.spoil(filter.Get(), input.Get());
+    const std::string error = errorOf(filter);
+    for (const char* const word : test.words)
+    {
+      EXPECT_NE(error.find(word), std::string::npos) << test.what << ": " << error;
+    }
+    EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0) << test.what;
+  }
+}
+
+} // namespace

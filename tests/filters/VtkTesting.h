@@ -1,0 +1,77 @@
+#pragma once
+
+#include "vtkLatticeConversion.h"
+
+#include "vtkAlgorithm.h"
+#include "vtkCallbackCommand.h"
+#include "vtkDataArray.h"
+#include "vtkDoubleArray.h"
+#include "vtkExecutive.h"
+#include "vtkImageData.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+
+#include <functional>
+#include <string>
+
+/// What the tests of VTK classes share.
+namespace lamella::testing
+{
+
+/// Updates an algorithm and returns the first error it reports, or an empty string; nothing is printed.
+inline std::string errorOf(vtkAlgorithm* algorithm)
+{
+  std::string first;
+  vtkNew<vtkCallbackCommand> keep;
+  keep->SetClientData(&first);
+  keep->SetCallback(
+    [](vtkObject*, unsigned long, void* client, void* text)
+    {
+      auto& kept = *static_cast<std::string*>(client);
+      if (kept.empty())
+      {
+        kept = static_cast<const char*>(text);
+      }
+    });
+  vtkNew<vtkCallbackCommand> silence; // the executive only says that the algorithm failed
+  silence->SetCallback([](vtkObject*, unsigned long, void*, void*) {});
+  algorithm->AddObserver(vtkCommand::ErrorEvent, keep);
+  algorithm->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, silence);
+  algorithm->Update();
+  algorithm->RemoveObserver(keep);
+  algorithm->GetExecutive()->RemoveObserver(silence);
+  return first;
+}
+
+/// A picture of phases "a", "b", ... from a rule (x, y, z) → id.
+inline vtkSmartPointer<vtkImageData> picture(
+  int nx, int ny, int nz, const std::function<int(int, int, int)>& rule, double spacing = 1e-6)
+{
+  PhaseImage image;
+  image.lattice = makeLattice(nx, ny, nz, nz > 1 ? 3 : 2, spacing);
+  image.phases = PhaseTable({ "a", "b", "c" });
+  for (int z = 0; z < nz; ++z)
+  {
+    for (int y = 0; y < ny; ++y)
+    {
+      for (int x = 0; x < nx; ++x)
+      {
+        image.phase.push_back(static_cast<std::uint8_t>(rule(x, y, z)));
+      }
+    }
+  }
+  return toImageData(std::move(image));
+}
+
+/// A picture without symmetry: blobs that conduct everywhere from side to side.
+inline int blobs(int x, int y, int z)
+{
+  return (x * x + 3 * y + 5 * z * z + x * y) % 17 < 6 || (x / 3 + y / 4 + z / 2) % 3 == 0 ? 1 : 0;
+}
+
+inline vtkDataArray* points(vtkImageData* image, const char* name)
+{
+  return image->GetPointData()->GetArray(name);
+}
+
+} // namespace lamella::testing
