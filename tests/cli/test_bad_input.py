@@ -5,7 +5,7 @@ import struct
 import unittest
 
 import pictures
-from lamella import CONDUCTIVITIES, PHASES, Case
+from program import CONDUCTIVITIES, PHASES, Case
 
 SOLVE = [*PHASES, *CONDUCTIVITIES]
 GOOD = pictures.png(pictures.stripes(40, 30, bands=8))

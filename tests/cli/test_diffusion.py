@@ -4,7 +4,7 @@ import math
 import unittest
 
 import pictures
-from lamella import CONDUCTIVITIES, PHASES, Case
+from program import CONDUCTIVITIES, PHASES, Case
 
 
 class Answers(Case):

@@ -10,7 +10,7 @@ import time
 import unittest
 
 import pictures
-from lamella import CONDUCTIVITIES, MPIEXEC, PHASES, PROGRAM, Case
+from program import CONDUCTIVITIES, MPIEXEC, PHASES, PROGRAM, Case
 
 PICTURE = pictures.png(pictures.stripes(40, 30, bands=8), pixels_per_metre=2000000)
 

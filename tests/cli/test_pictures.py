@@ -5,7 +5,7 @@ import struct
 import unittest
 
 import pictures
-from lamella import CONDUCTIVITIES, PHASES, Case
+from program import CONDUCTIVITIES, PHASES, Case
 
 
 def png_size(path):

@@ -5,7 +5,7 @@ import gzip
 import os
 import unittest
 
-from lamella import REAL_DATA, Case
+from program import REAL_DATA, Case
 
 
 @unittest.skipUnless(REAL_DATA, "LAMELLA_REAL_DATA is not set")

@@ -4,7 +4,7 @@ import json
 import unittest
 
 import pictures
-from lamella import CONDUCTIVITIES, PHASES, Case
+from program import CONDUCTIVITIES, PHASES, Case
 
 COMMANDS = ["generate", "diffusion", "flux-map", "snapshot", "info"]
 

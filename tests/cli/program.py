@@ -7,7 +7,8 @@ import subprocess
 import tempfile
 import unittest
 
-PROGRAM = os.environ.get("LAMELLA_PROGRAM", os.path.join(os.getcwd(), "bin", "lamella"))
+HERE = os.path.dirname(os.path.abspath(__file__))
+PROGRAM = os.environ.get("LAMELLA_PROGRAM", os.path.join(HERE, "..", "..", "build", "bin", "lamella"))
 MPIEXEC = os.environ.get("LAMELLA_MPIEXEC", "mpirun --oversubscribe --bind-to none -n").split()
 REAL_DATA = os.environ.get("LAMELLA_REAL_DATA", "")
 
