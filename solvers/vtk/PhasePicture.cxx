@@ -1,5 +1,6 @@
 #include "PhasePicture.h"
 
+#include "GridReaders.h"
 #include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
@@ -52,7 +53,7 @@ vtkSmartPointer<vtkImageData> readVti(const fs::path& path)
   bool failed = false;
   silence->SetClientData(&failed);
   silence->SetCallback([](vtkObject*, unsigned long, void* flag, void*) { *static_cast<bool*>(flag) = true; });
-  vtkNew<vtkXMLImageDataReader> reader;
+  const auto reader = newImageReader();
   reader->AddObserver(vtkCommand::ErrorEvent, silence);
   reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, silence);
   reader->SetReaderErrorObserver(silence);
