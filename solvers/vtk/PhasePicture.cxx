@@ -1,6 +1,5 @@
 #include "PhasePicture.h"
 
-#include "GridReaders.h"
 #include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
@@ -53,7 +52,7 @@ vtkSmartPointer<vtkImageData> readVti(const fs::path& path)
   bool failed = false;
   silence->SetClientData(&failed);
   silence->SetCallback([](vtkObject*, unsigned long, void* flag, void*) { *static_cast<bool*>(flag) = true; });
-  const auto reader = newImageReader();
+  vtkNew<vtkXMLImageDataReader> reader;
   reader->AddObserver(vtkCommand::ErrorEvent, silence);
   reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, silence);
   reader->SetReaderErrorObserver(silence);

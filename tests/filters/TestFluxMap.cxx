@@ -92,8 +92,8 @@ TEST(FluxMap, KeepsTheInputAndAddsTheMagnitude)
     points(output, "flux_y")->GetTuple(node, q);
     EXPECT_DOUBLE_EQ(magnitude->GetTuple1(node), std::hypot(q[0], q[1]));
   }
-  EXPECT_EQ(
-    fieldNumbers(output, "effective_conductivity"), fieldNumbers(chain.solver->GetOutput(), "effective_conductivity"));
+  // The solver's own number, from the energy, stays.
+  EXPECT_EQ(fieldNumbers(output, "effective_conductivity").at(4), chain.solver->GetEffectiveConductivity()[4]);
   EXPECT_NE(provenance(output).find("flux_map"), std::string::npos);
   EXPECT_EQ(fieldNumbers(chain.map->GetStreamlines(), "tortuosity").size(), 3U);
 }
@@ -221,7 +221,8 @@ TEST(Streamlines, ValuesFallFromOneToZeroAndArcLengthGrows)
     EXPECT_EQ(arc->GetTuple1(first), 0);
     EXPECT_DOUBLE_EQ(arc->GetTuple1(last), length->GetTuple1(line));
     EXPECT_GE(length->GetTuple1(line), 30e-6 * (1 - 1e-12));
-    EXPECT_GT(lines->GetPoint(first)[1], lines->GetPoint(last)[1]); // y from the top
+    const double top = lines->GetPoint(first)[1]; // GetPoint() has one buffer
+    EXPECT_GT(top, lines->GetPoint(last)[1]);
   }
 }
 

@@ -72,7 +72,6 @@ TEST(LatticeConversion, FilesKeepUnitsTextsAndNumbers)
   vtkNew<vtkXMLImageDataWriter> writer;
   writer->SetInputData(data);
   writer->SetFileName(file.c_str());
-  writer->SetDataModeToBinary();
   ASSERT_EQ(writer->Write(), 1);
   vtkNew<vtkXMLImageDataReader> reader;
   reader->SetFileName(file.c_str());
