@@ -293,6 +293,11 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
   std::transform(report.conductivity.begin(), report.conductivity.end(), values.begin(),
     [](double v) { return std::isnan(v) ? 0 : v; });
   session.broadcast(values);
+  if (session.root())
+  {
+    report.bounds =
+      lbm::bounds(report.fractions, std::span(values).first(report.fractions.size()), sample.image.lattice.dimension);
+  }
   share(session, sample.image);
   requireMemory(session, sample.image, values, study.steady.stencil, study.refinement, !options.output.empty());
   session.onRoot(
@@ -377,8 +382,6 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
       {
         report.provenance = recordRun(commandLine, options.common.json ? options.picture.file : "", sample.provenance);
       }
-      report.bounds =
-        lbm::bounds(report.fractions, std::span(values).first(report.fractions.size()), sample.image.lattice.dimension);
       report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       if (study.estimateError || study.targetError)
       {

@@ -77,6 +77,11 @@ void writeFields(
   const auto& result = answer.result;
   setFieldNumbers(image, "effective_conductivity", tensorOf({ answer }, report.sample->image.lattice.dimension));
   setFieldNumbers(image, "estimated_error", std::array{ answer.error.relative });
+  setFieldNumbers(image, "estimated_error_by_direction", byAxis(answer.error.relative));
+  setFieldNumbers(image, "extrapolated_conductivity", byAxis(answer.error.extrapolated));
+  setFieldNumbers(image, "bounds",
+    std::array{ report.bounds.series, report.bounds.hashinShtrikmanLower, report.bounds.hashinShtrikmanUpper,
+      report.bounds.parallel });
   setFieldNumbers(image, "balance", byAxis(result.balance));
   setFieldNumbers(image, "iterations", byAxis(result.iterations));
   setFieldNumbers(image, "stored_nodes", byAxis(static_cast<double>(result.stored)));

@@ -1,0 +1,235 @@
+"""What the numbers on the command line mean."""
+
+import math
+import unittest
+
+import pictures
+from program import CONDUCTIVITIES, PHASES, Case
+
+
+class Answers(Case):
+    def solve(self, *words, **options):
+        return self.works("diffusion", *words, "--json", **options).json()
+
+    def test_layers_are_exact_in_both_directions(self):
+        # Across the flux the harmonic mean, along it the arithmetic one, at any resolution.
+        self.write("p.png", pictures.png(pictures.stripes(40, 30, bands=4)))
+        answer = self.solve("p.png", *PHASES, *CONDUCTIVITIES)
+        self.assertAlmostEqual(answer["effective"]["x"], 2 / (1 / 0.1 + 1), delta=1e-8)
+        self.assertAlmostEqual(answer["effective"]["y"], 0.55, delta=1e-8)
+        self.assertAlmostEqual(answer["bounds"]["series"], 2 / 11, delta=1e-12)
+        self.assertAlmostEqual(answer["bounds"]["parallel"], 0.55, delta=1e-12)
+        self.assertLess(answer["estimated_error"], 1e-7)
+        self.assertEqual(answer["size"], [40, 30])
+        self.assertEqual([phase["name"] for phase in answer["phases"]], ["lumen", "wall"])
+        self.assertEqual([phase["fraction"] for phase in answer["phases"]], [0.5, 0.5])
+
+    def test_an_empty_box_has_one(self):
+        self.write("p.png", pictures.png([[255] * 17] * 11))
+        for lattice in ["d2q5", "d2q9"]:
+            answer = self.solve("p.png", "--phase", "255=wall", "--conductivity", "wall=1", "--lattice", lattice)
+            self.assertAlmostEqual(answer["effective"]["x"], 1, delta=1e-8)
+            self.assertAlmostEqual(answer["effective"]["y"], 1, delta=1e-8)
+
+    def test_every_documented_key_is_there(self):
+        self.works("generate", "softwood", "--size", "60,50", "-o", "t.png")
+        answer = self.solve("t.png", *CONDUCTIVITIES, "--threads", "2")
+        for key in [
+            "effective", "extrapolated", "estimated_error", "estimated_errors", "tensor", "bounds", "iterations",
+            "seconds", "setup_seconds", "solve_seconds", "peak_memory_bytes", "method", "directions", "phases", "file",
+            "size", "window", "pixel_size", "pixel_size_source", "refine", "lattice", "sides", "length", "tolerance",
+            "balance", "nodes", "stored", "skipped", "solver_bytes", "threads", "ranks", "files", "version", "commit",
+            "provenance",
+        ]:
+            self.assertIn(key, answer)
+        self.assertEqual(answer["pixel_size"], 1e-6)
+        self.assertEqual(answer["threads"], 2)
+        self.assertEqual(answer["refine"], 1)
+        self.assertLess(answer["balance"], answer["tolerance"])
+        self.assertGreater(answer["peak_memory_bytes"], 1 << 20)
+        self.assertEqual(answer["nodes"], 3000)
+        for axis in "xy":
+            direction = answer["directions"][axis]
+            self.assertAlmostEqual(direction["inlet"], answer["effective"][axis], delta=1e-8)
+            self.assertAlmostEqual(direction["outlet"], answer["effective"][axis], delta=1e-8)
+            self.assertLess(answer["bounds"]["series"], answer["effective"][axis])
+            self.assertGreater(answer["bounds"]["parallel"], answer["effective"][axis])
+
+    def test_periodic_sides_give_the_tensor(self):
+        # Slanted layers: off the axes the tensor has entries, and it is symmetric.
+        rows = [[255 if ((x + y) // 5) % 2 else 0 for x in range(40)] for y in range(40)]
+        self.write("p.png", pictures.png(rows))
+        answer = self.solve("p.png", *PHASES, *CONDUCTIVITIES, "--sides", "periodic", "--refine", "2")
+        (xx, xy), (yx, yy) = answer["tensor"]
+        self.assertAlmostEqual(xy, yx, delta=1e-6)
+        self.assertAlmostEqual(xx, yy, delta=1e-6)
+        # In the picture the layers rise to the right, x + y constant downwards: in axes with y up xy is positive.
+        self.assertGreater(xy, 0.05)
+        self.assertGreater(xx + xy, xx - xy)
+
+    def test_keller(self):
+        # k(k1, k2) along x times k(k2, k1) along y is k1 k2, for any periodic picture (Keller 1964). On a lattice with
+        # harmonic faces it holds to the lattice's error; twice as fine, the product is nearer.
+        self.works("generate", "disks", "--size", "48,48", "--fraction", "0.4", "-o", "d.png")
+        errors = []
+        for refine in ["1", "2"]:
+            product = 1
+            for axis, first, second in [("x", 1, 5), ("y", 5, 1)]:
+                answer = self.solve("d.png", "--conductivity", "matrix=%d" % first, "--conductivity", "inclusion=%d" % second,
+                                    "--sides", "periodic", "--direction", axis, "--refine", refine, "--no-error-estimate")
+                product *= answer["effective"][axis]
+            errors.append(abs(product / 5 - 1))
+        self.assertLess(errors[0], 0.03)
+        self.assertLess(errors[1], errors[0])
+
+    def test_directions_are_those_of_the_picture(self):
+        # One wall across the picture's upper edge only: y from the top meets it first.
+        rows = [[255] * 20 if y < 5 else [0] * 20 for y in range(20)]
+        self.write("p.png", pictures.png(rows))
+        self.works("diffusion", "p.png", *PHASES, "--conductivity", "lumen=1", "--conductivity", "wall=0.01",
+                   "--direction", "y", "-o", "h.vti")
+        info = self.info("h.vti")
+        arrays = {array["name"]: array for array in info["point_arrays"]}
+        # Downwards in a picture is against VTK's y: the flux is negative there.
+        self.assertLess(arrays["flux"]["range"][1][1], 0)
+        # The wall at the top takes nearly all of the drop from 1, so that the largest value is at the inlet.
+        self.assertGreater(arrays["temperature"]["range"][0][1], 0.9)
+        self.assertEqual(info["size"], [20, 20])
+
+    def test_the_window_counts_from_the_top(self):
+        rows = [[255] * 20 if y < 5 else [0] * 20 for y in range(20)]
+        self.write("p.png", pictures.png(rows))
+        top = self.solve("p.png", *PHASES, *CONDUCTIVITIES, "--window", "0,0,20,5")
+        self.assertEqual([phase["fraction"] for phase in top["phases"]], [0.0, 1.0])
+        self.assertEqual(top["window"], [0, 0, 20, 5])
+
+    def test_refinement_splits_pixels(self):
+        self.works("generate", "softwood", "--size", "60,50", "-o", "t.png")
+        coarse = self.solve("t.png", *CONDUCTIVITIES, "--direction", "x")
+        fine = self.solve("t.png", *CONDUCTIVITIES, "--direction", "x", "--refine", "2")
+        self.assertEqual(fine["nodes"], 4 * coarse["nodes"])
+        self.assertEqual(fine["refine"], 2)
+        self.assertEqual(fine["phases"], coarse["phases"])
+        # The estimate of the coarse one used that very solve: error of order 1 means twice the change.
+        change = abs(fine["effective"]["x"] - coarse["effective"]["x"]) / coarse["effective"]["x"]
+        self.assertAlmostEqual(coarse["estimated_error"], 2 * change, delta=1e-6)
+        self.assertLess(fine["estimated_error"], coarse["estimated_error"])
+
+    def test_a_target_for_the_error(self):
+        self.works("generate", "softwood", "--size", "60,50", "-o", "t.png")
+        answer = self.solve("t.png", *CONDUCTIVITIES, "--target-error", "1%", "-o", "h.vti")
+        self.assertLessEqual(answer["estimated_error"], 0.01)
+        for axis in "xy":
+            steps = answer["directions"][axis]["steps"]
+            self.assertEqual([step["refine"] for step in steps], [2**i for i in range(len(steps))])
+            self.assertEqual(steps[-1]["refine"], answer["refine"])
+            self.assertTrue(all(step["seconds"] > 0 for step in steps), "what each cost")
+        self.assertEqual(self.info("h_x.vti")["size"], [60 * answer["refine"], 50 * answer["refine"]])
+        table = self.works("diffusion", "t.png", *CONDUCTIVITIES, "--target-error", "0.01").out
+        self.assertIn("to an error of 1 %", table)
+
+    def test_without_an_estimate_there_is_one_solve(self):
+        self.works("generate", "softwood", "--size", "60,50", "-o", "t.png")
+        answer = self.solve("t.png", *CONDUCTIVITIES, "--no-error-estimate", "--direction", "x")
+        self.assertIsNone(answer["estimated_error"])
+        self.assertEqual(len(answer["directions"]["x"]["steps"]), 1)
+
+    def test_the_table(self):
+        self.works("generate", "softwood", "--size", "60,50", "-o", "t.png")
+        out = self.works("diffusion", "t.png", *CONDUCTIVITIES).out
+        for text in ["60 × 50 pixels of 1 µm", "lumen", "wall", "series", "parallel", "Hashin-Shtrikman", "d2q5",
+                     "half a spacing outside the outer nodes", "conductivity 1 has 1"]:
+            self.assertIn(text, out)
+
+    def test_a_volume(self):
+        self.works("generate", "laminate", "--size", "12,10,8", "--axis", "z", "--periods", "2", "-o", "l.vti")
+        for name in ["l.vti"]:
+            answer = self.solve(name, "--conductivity", "matrix=1", "--conductivity", "inclusion=0.1")
+            self.assertAlmostEqual(answer["effective"]["x"], 0.55, delta=1e-7)
+            self.assertAlmostEqual(answer["effective"]["y"], 0.55, delta=1e-7)
+            self.assertAlmostEqual(answer["effective"]["z"], 2 / 11, delta=1e-7)
+            self.assertEqual(answer["lattice"], "d3q7")
+            self.assertEqual(len(answer["tensor"]), 3)
+        answer = self.solve("l.vti", "--conductivity", "matrix=1", "--conductivity", "inclusion=0.1", "--lattice",
+                            "d3q19", "--direction", "z", "--window", "0,0,0,12,10,4")
+        self.assertAlmostEqual(answer["effective"]["z"], 2 / 11, delta=1e-7)
+
+    def test_the_same_sample_in_every_format(self):
+        values = []
+        for name in ["t.png", "t.tif", "t.vti"]:
+            self.works("generate", "softwood", "--size", "60,50", "-o", name)
+            values.append(self.solve(name, *CONDUCTIVITIES, "--direction", "y")["effective"]["y"])
+        self.assertEqual(values[0], values[1])
+        self.assertEqual(values[0], values[2])
+        values = []
+        for name in ["v.raw", "v.tif", "v.vti"]:
+            self.works("generate", "softwood", "--size", "24,22,20", "--pixel-size", "3um", "-o", name)
+            values.append(self.solve(name, *CONDUCTIVITIES, "--direction", "z", "--no-error-estimate")["effective"]["z"])
+        self.assertEqual(values[0], values[1])
+        self.assertEqual(values[0], values[2])
+
+    def test_skips_what_is_not_asked_for(self):
+        self.works("generate", "softwood", "--size", "60,50", "-o", "t.png")
+        self.works("diffusion", "t.png", *CONDUCTIVITIES, "--quantity", "concentration", "--direction", "x", "-o", "h.vti")
+        names = [array["name"] for array in self.info("h.vti")["point_arrays"]]
+        self.assertEqual(names, ["phase", "concentration", "flux"])
+
+
+class Ranks(Case):
+    def test_any_number_of_ranks_gives_the_same(self):
+        self.works("generate", "softwood", "--size", "90,80", "-o", "t.png")
+        words = ["diffusion", "t.png", *CONDUCTIVITIES, "--tolerance", "1e-11", "--json"]
+        one = self.works(*words, "-o", "one.vti").json()
+        for ranks in [2, 3]:
+            result = self.run_lamella(*words, "-o", "r%d.vti" % ranks, ranks=ranks)
+            self.assertEqual(result.code, 0, result.err)
+            many = result.json()
+            self.assertEqual(many["ranks"], ranks)
+            for axis in "xy":
+                self.assertAlmostEqual(many["effective"][axis] / one["effective"][axis], 1, delta=1e-10)
+                # The fields come together in one file: the same extremes, the same phases.
+                a, b = self.info("one_%s.vti" % axis), self.info("r%d_%s.vti" % (ranks, axis))
+                self.assertEqual(a["phases"], b["phases"])
+                for left, right in zip(a["point_arrays"], b["point_arrays"]):
+                    self.assertEqual(left["name"], right["name"])
+                    for (low, high), (other_low, other_high) in zip(left["range"], right["range"]):
+                        scale = max(abs(low), abs(high), 1e-30)
+                        self.assertLess(abs(low - other_low) / scale, 1e-6)
+                        self.assertLess(abs(high - other_high) / scale, 1e-6)
+
+    def test_a_mistake_is_told_once(self):
+        result = self.run_lamella("diffusion", "nowhere.png", *CONDUCTIVITIES, ranks=2)
+        self.assertNotEqual(result.code, 0)
+        self.assertEqual(result.err.count("error: there is no file"), 1)
+
+    def test_more_ranks_than_rows(self):
+        self.write("p.png", pictures.png(pictures.stripes(40, 2)))
+        words = ["diffusion", "p.png", *PHASES, *CONDUCTIVITIES, "--no-error-estimate"]
+        result = self.run_lamella(*words, ranks=3)
+        self.assertNotEqual(result.code, 0)
+        self.assertEqual(result.err.count("error: 3 ranks cannot share 2 rows"), 1)
+        self.assertIn("hint: start fewer ranks", result.err)
+        # Refined there are rows enough.
+        self.assertEqual(self.run_lamella(*words, "--refine", "4", ranks=3).code, 0)
+
+
+class Segments(Case):
+    def test_a_raw_scan(self):
+        # Bright round lumens on a dark ground under light that falls off to the right.
+        rows = []
+        for y in range(120):
+            row = []
+            for x in range(160):
+                lumen = math.hypot((x % 40) - 20, (y % 40) - 20) < 13
+                row.append(int((200 if lumen else 70) * (1 - 0.3 * x / 160)) + (x * 7 + y * 13) % 9)
+            rows.append(row)
+        self.write("scan.png", pictures.png(rows))
+        answer = self.works("diffusion", "scan.png", "--segment", "--lumen", "bright", *CONDUCTIVITIES, "--json").json()
+        shares = {phase["name"]: phase["fraction"] for phase in answer["phases"]}
+        # The disks' own area; the border of a disk is half a pixel uncertain, 3 % of it.
+        self.assertAlmostEqual(shares["lumen"], math.pi * 13 * 13 / 1600, delta=0.03)
+        self.assertEqual(answer["segmentation"]["lumens"], 12)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,126 @@
+"""flux-map, snapshot and info."""
+
+import os
+import struct
+import unittest
+
+import pictures
+from program import CONDUCTIVITIES, PHASES, Case
+
+
+def png_size(path):
+    with open(path, "rb") as file:
+        head = file.read(29)
+    width, height, _, kind = struct.unpack(">IIBB", head[16:26])
+    return width, height, kind
+
+
+class Results(Case):
+    def setUp(self):
+        super().setUp()
+        self.works("generate", "softwood", "--size", "90,70", "-o", "t.png")
+        self.works("diffusion", "t.png", *CONDUCTIVITIES, "-o", "h.vti")
+
+    def test_flux_map_agrees_with_the_solver(self):
+        answer = self.works("diffusion", "t.png", *CONDUCTIVITIES, "--json").json()
+        for axis in "xy":
+            flux = self.works("flux-map", "h_%s.vti" % axis, "--json").json()
+            # The mean flux is the energy's value to the solver's tolerance.
+            self.assertAlmostEqual(flux["effective"][axis] / answer["effective"][axis], 1, delta=1e-6)
+            self.assertGreaterEqual(flux["tortuosity"][axis], 1)
+            self.assertGreaterEqual(flux["streamline_tortuosity"][axis], 1)
+            self.assertEqual(flux["direction"], axis)
+        for key in ["tensor", "mean_flux", "tortuosity_factor", "flux_magnitude", "streamlines", "line_flux", "seconds",
+                    "files", "version", "commit", "provenance"]:
+            self.assertIn(key, flux)
+
+    def test_flux_map_writes_map_and_lines(self):
+        out = self.works("flux-map", "h_y.vti", "-o", "m.vti", "-o", "l.vtp", "--streamlines", "12").out
+        self.assertIn("wrote m.vti", out)
+        self.assertIn("flux_magnitude", [array["name"] for array in self.info("m.vti")["point_arrays"]])
+        lines = self.info("l.vtp")
+        self.assertEqual(lines["kind"], "vtkPolyData")
+        self.assertEqual(lines["cells"], 12)
+        self.fails(2, "-o 'm.png'", ".vtp", "flux-map", "h_y.vti", "-o", "m.png")
+        self.fails(2, "--streamlines -1", "60", "flux-map", "h_y.vti", "--streamlines=-1")
+
+    def test_files_can_be_written_again(self):
+        # Field data hold NaN for directions that were not solved; neither we nor VTK may trip over them.
+        self.works("flux-map", "h_y.vti", "-o", "a.vti")
+        self.works("flux-map", "a.vti", "-o", "b.vti", "-o", "b.vtp")
+        self.assertIsNone(self.info("b.vti")["field_data"]["effective_conductivity"][0])
+        with open(self.path("b.vti"), "rb") as file:
+            self.assertNotIn(b"L2_NORM", file.read())
+
+    def test_snapshots_need_no_display(self):
+        environment = {"DISPLAY": ""}
+        for name, words in [
+            ("auto", []),
+            ("flux", ["--preset", "flux", "--streamlines"]),
+            ("arrows", ["--array", "flux", "--arrows"]),
+            ("temperature", ["--preset", "temperature", "--overlay", "isolines", "--color-map", "magma"]),
+            ("phase", ["--preset", "phase", "--phase-color", "wall=#8c5a2b"]),
+            ("part", ["--window", "10,10,40,30"]),
+        ]:
+            file = name + ".png"
+            self.assertEqual(self.works("snapshot", "h_y.vti", *words, "-o", file, environment=environment).out, "wrote " + file + "\n")
+            self.assertGreater(os.path.getsize(self.path(file)), 1000)
+
+    def test_snapshots_have_the_size_asked_for(self):
+        answer = self.works("snapshot", "h_y.vti", "--size", "640,480", "-o", "s.png", "--json").json()
+        self.assertEqual(png_size(self.path("s.png")), (640, 480, 2))
+        self.assertIn("range", answer)
+        self.works("snapshot", "h_y.vti", "--size", "640,480", "--transparent", "-o", "clear.png")
+        self.assertEqual(png_size(self.path("clear.png"))[2], 6, "with an alpha channel")
+
+    def test_snapshots_of_pictures_and_volumes(self):
+        self.works("snapshot", "t.png", "-o", "tissue.png")
+        self.write("p.png", pictures.png(pictures.stripes(40, 30)))
+        self.works("snapshot", "p.png", *PHASES, "--pixel-size", "0.5um", "--background", "#f4ede4", "-o", "p_out.png")
+        self.works("generate", "spheres", "--size", "16,16,16", "-o", "s.vti")
+        self.works("snapshot", "s.vti", "--view", "-40,20", "-o", "s_out.png")
+
+    def test_snapshots_of_what_is_not_there(self):
+        self.fails(2, "pictures are written as PNG", ".png", "snapshot", "h_y.vti", "-o", "s.jpg")
+        self.fails(3, "", "", "snapshot", "h_y.vti", "--array", "stress", "-o", "s.png")
+        self.fails(2, "--preset 'fluks'", "did you mean 'flux'?", "snapshot", "h_y.vti", "--preset", "fluks", "-o", "s.png")
+        self.fails(2, "--size '10,10'", "64 to 16384", "snapshot", "h_y.vti", "--size", "10,10", "-o", "s.png")
+        self.fails(2, "--background 'mauve'", "#RRGGBB", "snapshot", "h_y.vti", "--background", "mauve", "-o", "s.png")
+        self.fails(2, "--range '2,1'", "smaller value first", "snapshot", "h_y.vti", "--range", "2,1", "-o", "s.png")
+        self.fails(2, "exclude each other", "one of them", "snapshot", "h_y.vti", "--arrows", "--streamlines", "-o", "s.png")
+        self.fails(2, "outside", "inside the picture", "snapshot", "h_y.vti", "--window", "0,0,91,70", "-o", "s.png")
+
+    def test_info_of_a_result(self):
+        info = self.info("h_y.vti")
+        arrays = {array["name"]: array for array in info["point_arrays"]}
+        self.assertEqual(arrays["flux"]["components"], 3)
+        self.assertTrue(arrays["flux"]["unit"])
+        self.assertTrue(arrays["temperature"]["description"])
+        self.assertEqual([phase["name"] for phase in info["phases"]], ["lumen", "wall"])
+        self.assertEqual(info["spacing"], [1e-6, 1e-6])
+        self.assertEqual(info["origin"], [5e-7, 5e-7])
+        self.assertIsInstance(info["field_data"]["estimated_error"], float)
+        text = self.works("info", "h_y.vti").out
+        for word in ["temperature", "flux", "lumen", "provenance:", "lamella diffusion t.png"]:
+            self.assertIn(word, text)
+
+    def test_info_of_pictures(self):
+        self.write("p.png", pictures.png(pictures.stripes(40, 30), pixels_per_metre=2000000))
+        info = self.info("p.png")
+        self.assertEqual(info["size"], [40, 30])
+        self.assertEqual(info["bits"], 8)
+        self.assertAlmostEqual(info["pixel_size"], 0.5e-6, delta=1e-12)
+        self.assertNotIn(info["pixel_size_source"], ["none", "option"])
+        self.assertEqual([(grey["grey"], grey["nodes"]) for grey in info["greys"]], [(0, 600), (255, 600)])
+        self.assertEqual(self.works("info", "p.png", "--pixel-size", "2um", "--json").json()["pixel_size"], 2e-6)
+        self.write("q.png", pictures.png(pictures.stripes(40, 30)))
+        self.assertIsNone(self.info("q.png")["pixel_size"])
+        self.assertIn("pixel size unknown", self.works("info", "q.png").out)
+        self.write("scan.png", pictures.png([[(7 * x + 3 * y) % 256 for x in range(60)] for y in range(50)]))
+        self.assertIn("240 to 255", self.works("info", "scan.png").out)
+        named = {grey["name"]: grey["grey"] for grey in self.info("t.png")["greys"]}
+        self.assertEqual(named, {"lumen": 0, "wall": 255})
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,57 @@
+"""The commands that the project is shown by, on real pictures made by others (LAMELLA_REAL_DATA), against numbers
+computed independently with finite volumes and harmonic faces."""
+
+import gzip
+import os
+import unittest
+
+from program import REAL_DATA, Case
+
+
+@unittest.skipUnless(REAL_DATA, "LAMELLA_REAL_DATA is not set")
+class Real(Case):
+    def spruce(self, kind, *words):
+        return self.works(
+            "diffusion", os.path.join(REAL_DATA, "spruce_%s_labels_0.5um.png" % kind), "--phase", "0=lumen", "--phase",
+            "128=wall", "--phase", "255=wall", "--conductivity", "lumen=0.05", "--conductivity", "wall=1", "--window",
+            "100,20,400,400", "--sides", "insulated", "--lattice", "d2q5", "--json", *words).json()["effective"]
+
+    def test_spruce_to_the_last_digit(self):
+        for kind, words, y, x in [
+            ("EW", [], "0.15803", "0.15774"),
+            ("LW", [], "0.44488", "0.48006"),
+            ("EW", ["--refine", "2"], "0.15893", "0.15841"),
+            ("LW", ["--refine", "2"], "0.44713", "0.48172"),
+        ]:
+            effective = self.spruce(kind, *words)
+            self.assertEqual("%.5f" % effective["y"], y)
+            self.assertEqual("%.5f" % effective["x"], x)
+
+    def test_berea_to_the_last_digit(self):
+        # The array's axes 0, 1, 2 are z, y, x of a file with x fastest.
+        with gzip.open(os.path.join(REAL_DATA, "berea_200x200x200_u8.raw.gz")) as packed:
+            self.write("berea_200x200x200_u8.raw", packed.read())
+        effective = self.works(
+            "diffusion", "berea_200x200x200_u8.raw", "--phase", "1=pore", "--other", "solid", "--conductivity", "pore=1",
+            "--conductivity", "solid=0", "--window", "50,50,50,100,100,100", "--no-error-estimate", "--json",
+        ).json()["effective"]
+        self.assertEqual(
+            ["%.6f" % effective[axis] for axis in "zyx"], ["0.058184", "0.053040", "0.054915"])
+
+    def test_a_raw_scan_is_segmented(self):
+        answer = self.works(
+            "diffusion", os.path.join(REAL_DATA, "conifer_roxas_scan.jpg"), "--segment", "--window", "0,0,300,300",
+            "--conductivity", "lumen=0.02", "--conductivity", "wall=1", "--no-error-estimate", "--json")
+        self.assertGreater(answer.json()["effective"]["x"], 0)
+
+    def test_latewood_flux_without_a_display(self):
+        self.works(
+            "diffusion", os.path.join(REAL_DATA, "spruce_LW_labels_0.5um.png"), "--phase", "0=lumen", "--other", "wall",
+            "--conductivity", "lumen=0.05", "--conductivity", "wall=1", "--window", "100,20,400,400", "--pixel-size",
+            "0.5um", "--direction", "y", "--no-error-estimate", "-o", "latewood.vti")
+        self.works("snapshot", "latewood.vti", "--preset", "flux", "-o", "latewood.png", environment={"DISPLAY": ""})
+        self.assertGreater(os.path.getsize(self.path("latewood.png")), 10000)
+
+
+if __name__ == "__main__":
+    unittest.main()

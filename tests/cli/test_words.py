@@ -1,0 +1,114 @@
+"""The words on the command line: help, version, what is close to a word that is not known, exit codes."""
+
+import json
+import unittest
+
+import pictures
+from program import CONDUCTIVITIES, PHASES, Case
+
+COMMANDS = ["generate", "diffusion", "flux-map", "snapshot", "info"]
+
+
+class Words(Case):
+    def test_version_names_version_commit_vtk_and_mpi(self):
+        lines = self.works("--version").out.splitlines()
+        self.assertRegex(lines[0], r"^lamella \d+\.\d+\.\d+ \(commit [0-9a-z-]+\)$")
+        self.assertRegex(lines[1], r"^VTK 9\.2")
+        self.assertRegex(lines[2], r"^MPI .*\d+\.\d+")
+        self.assertEqual(len(lines), 3)
+
+    def test_help_of_everything_has_examples(self):
+        self.assertIn("Examples:", self.works("--help").out)
+        for command in COMMANDS:
+            text = self.works(command, "--help").out
+            self.assertIn("Usage: lamella " + command, text)
+            self.assertIn("Examples:", text)
+        text = self.works("generate", "softwood", "--help").out
+        self.assertIn("Usage: lamella generate softwood", text)
+        self.assertIn("--seed", text)
+
+    def test_help_fits_a_terminal(self):
+        for words in [[], *[[command] for command in COMMANDS], ["generate", "softwood"]]:
+            text = self.works(*words, "--help").out
+            for line in text[: text.index("Examples:")].splitlines():
+                self.assertLessEqual(len(line), 100, line)
+
+    def test_nothing_is_a_question_for_help(self):
+        result = self.run_lamella()
+        self.assertEqual(result.code, 2)
+        self.assertIn("Usage: lamella", result.out)
+
+    def test_did_you_mean(self):
+        self.write("p.png", pictures.png(pictures.stripes(8, 8)))
+        known = ["p.png", *PHASES, *CONDUCTIVITIES]
+        self.fails(2, "'difusion' is not a command", "did you mean 'diffusion'?", "difusion", "p.png")
+        self.fails(2, "'flux' is not a command", "did you mean 'flux-map'?", "flux", "p.png")
+        self.fails(2, "'softwod' is not a command", "did you mean 'softwood'?", "generate", "softwod", "-o", "x.png")
+        self.fails(2, "'--refin' is not an option", "did you mean '--refine'?", "diffusion", *known, "--refin", "2")
+        self.fails(2, "'--pixelsize'", "did you mean '--pixel-size'?", "diffusion", *known, "--pixelsize=1um")
+        self.fails(2, "--sides 'insulted'", "did you mean 'insulated'?", "diffusion", *known, "--sides", "insulted")
+        self.fails(2, "--lattice 'd2q8'", "did you mean 'd2q", "diffusion", *known, "--lattice", "d2q8")
+        self.fails(2, "--method 'multgrid'", "did you mean 'multigrid'?", "diffusion", *known, "--method", "multgrid")
+        self.fails(2, "-o 'x.pgn'", "did you mean '.png'?", "generate", "softwood", "-o", "x.pgn")
+        self.fails(2, "names 'wal'", "did you mean 'wall'?", "diffusion", "p.png", *PHASES, "--conductivity", "wal=1")
+
+    def test_words_that_are_close_to_nothing(self):
+        self.write("p.png", pictures.png(pictures.stripes(8, 8)))
+        known = ["p.png", *PHASES, *CONDUCTIVITIES]
+        self.fails(2, "'--zebra' is not an option", "see lamella diffusion --help", "diffusion", *known, "--zebra")
+        self.fails(2, "'paint' is not a command", "there are 'generate', 'diffusion'", "paint")
+        self.fails(2, "--direction 'w'", "it takes 'x', 'y', 'z' or 'all'", "diffusion", *known, "--direction", "w")
+        self.fails(2, "names 'stone'", "'lumen' and 'wall'", "diffusion", "p.png", *PHASES, "--conductivity", "stone=1")
+
+    def test_options_of_another_command(self):
+        self.write("p.png", pictures.png(pictures.stripes(8, 8)))
+        self.fails(2, "'--conductivity' is not an option of lamella info", "option of lamella diffusion",
+                   "info", "p.png", "--conductivity", "wall=1")
+        self.fails(2, "'--seed' is not an option of lamella generate disks", "option of lamella generate softwood",
+                   "generate", "disks", "--seed", "3", "-o", "d.png")
+
+    def test_words_that_are_missing_or_too_many(self):
+        self.write("p.png", pictures.png(pictures.stripes(8, 8)))
+        self.fails(2, "FILE is missing", "lamella diffusion --help", "diffusion")
+        self.fails(2, "--conductivity is missing", "--conductivity NAME=VALUE", "diffusion", "p.png")
+        self.fails(2, "-o is missing", "add -o FILE", "generate", "softwood")
+        self.fails(2, "which command?", "'softwood'", "generate")
+        self.fails(2, "'q.png' is one word too many", "--help", "diffusion", "p.png", "q.png", *PHASES, *CONDUCTIVITIES)
+
+    def test_numbers_that_are_none(self):
+        self.write("p.png", pictures.png(pictures.stripes(8, 8)))
+        known = ["diffusion", "p.png", *PHASES, *CONDUCTIVITIES]
+        self.fails(2, "--refine '1.5' is not a whole number", "--help", *known, "--refine", "1.5")
+        self.fails(2, "--refine 'x' is not a number", "--help", *known, "--refine", "x")
+        self.fails(2, "--refine 0 is below 1", "from 1 up", *known, "--refine", "0")
+        self.fails(2, "--tolerance nan", "such as 1e-8", *known, "--tolerance", "nan")
+        self.fails(2, "--threads 0", "number of cores", *known, "--threads", "0")
+        self.fails(2, "--target-error '0'", "1% or 0.01", *known, "--target-error", "0")
+        self.fails(2, "--pixel-size '1 mile'", "0.5um", *known, "--pixel-size", "1 mile")
+        self.fails(2, "--pixel-size '-1'", "0.5e-6", *known, "--pixel-size=-1")
+        self.fails(2, "--phase 'wall' is not GREY=NAME", "GREY=NAME", *known, "--phase", "wall")
+        self.fails(2, "'-3' is not a grey value", "0 to 255", *known, "--phase=-3=wall")
+        self.fails(2, "grey value 0 two names", "one phase", *known, "--phase", "0=wall")
+
+    def test_options_that_contradict_each_other(self):
+        self.write("p.png", pictures.png(pictures.stripes(8, 8)))
+        known = ["diffusion", "p.png", *PHASES, *CONDUCTIVITIES]
+        self.fails(2, "contradict", "leave one", *known, "--target-error", "1%", "--no-error-estimate")
+        self.fails(2, "--segment and --phase contradict", "leave --phase", *known, "--segment")
+        self.fails(2, "--lumen and --threshold are for --segment", "add --segment", *known, "--lumen", "dark")
+        self.fails(2, "--lattice d3q7 does not fit", "d2q5 or d2q9", *known, "--lattice", "d3q7")
+        self.fails(2, "--direction z of a picture", "x, y or all", *known, "--direction", "z")
+
+    def test_json_is_one_object_and_quiet_is_silent(self):
+        made = self.works("generate", "honeycomb", "-o", "h.png", "--json").json()
+        self.assertEqual(made["size"], [200, 200])
+        result = self.works("diffusion", "h.png", *CONDUCTIVITIES, "--quiet")
+        self.assertEqual(result.out, "")
+        result = self.works("diffusion", "h.png", *CONDUCTIVITIES, "--quiet", "--json")
+        self.assertIn("x", result.json()["effective"])
+        # JSON knows no NaN and no infinity; Python's reader would let them pass.
+        json.loads(result.out, parse_constant=self.fail)
+
+
+if __name__ == "__main__":
+    unittest.main()
