@@ -229,17 +229,7 @@ FluxInput fluxInput(vtkImageData* piece, vtkInformation* value, vtkInformation* 
       }
       text = toJson(input).dump();
     });
-  if (team.size() > 1)
-  {
-    // Ranks whose piece is empty learn it from the lowest one that holds something.
-    int owner = empty ? team.size() : team.rank();
-    MPI_Allreduce(MPI_IN_PLACE, &owner, 1, MPI_INT, MPI_MIN, team.comm());
-    int length = static_cast<int>(text.size());
-    MPI_Bcast(&length, 1, MPI_INT, owner, team.comm());
-    text.resize(static_cast<std::size_t>(length));
-    MPI_Bcast(text.data(), length, MPI_CHAR, owner, team.comm());
-    input = fromJson(json::parse(text));
-  }
+  input = fromJson(json::parse(team.share(text, !empty)));
   team.agree(
     [&]
     {

@@ -2,6 +2,7 @@
 
 #include "FluxField.h"
 
+#include "vtkLamellaFiltersModule.h" // for the export macro
 #include "vtkPieces.h"
 
 #include <array>
@@ -50,7 +51,7 @@ struct FluxLines
 /// Seeds on the inlet face in units of nodes: (u, v) with u along the first axis of the face and v along the second.
 /// @param inflow flux into each node of the face, u fastest; nothing enters where it is not positive
 /// @param size   nodes of the face along u and v (v: 1 in two dimensions)
-[[nodiscard]] std::vector<std::array<double, 2>> seedInlet(
+[[nodiscard]] VTKLAMELLAFILTERS_EXPORT std::vector<std::array<double, 2>> seedInlet(
   std::span<const double> inflow, std::array<std::int64_t, 2> size, std::int64_t count);
 
 } // namespace lamella

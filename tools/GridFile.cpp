@@ -1,5 +1,6 @@
 #include "GridFile.h"
 
+#include "GridReaders.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkCellData.h>
@@ -157,10 +158,9 @@ namespace
 {
 
 template <typename Reader>
-vtkSmartPointer<vtkDataObject> read(const std::string& path, const char* kind)
+vtkSmartPointer<vtkDataObject> read(const vtkSmartPointer<Reader>& reader, const std::string& path, const char* kind)
 {
   (void)VtkMessages::takeErrors();
-  vtkNew<Reader> reader;
   const std::string hint = std::string("give a whole ") + kind + " file; make or copy it again";
   if (reader->CanReadFile(path.c_str()) == 0)
   {
@@ -195,11 +195,11 @@ vtkSmartPointer<vtkDataObject> readGrid(const std::string& path)
   requireFile(path);
   if (endingOf(path) == ".vtp")
   {
-    return read<vtkXMLPolyDataReader>(path, ".vtp");
+    return read(newPolyDataReader(), path, ".vtp");
   }
   if (endingOf(path) == ".vti")
   {
-    return read<vtkXMLImageDataReader>(path, ".vti");
+    return read(newImageReader(), path, ".vti");
   }
   throw InputError(
     "'" + path + "' is not a .vti or .vtp file", "make one first: lamella diffusion PICTURE ... -o FILE.vti");
@@ -277,8 +277,7 @@ void writeGrid(vtkDataObject* data, const OutputFile& file)
   {
     writer->SetInputDataObject(data);
     writer->SetFileName(file.temporary().c_str());
-    writer->SetDataModeToAppended();
-    writer->EncodeAppendedDataOff();
+    writer->SetDataModeToBinary();    // inline: GridReaders.h says why not appended
     writer->SetCompressorTypeToLZ4(); // a fifth of zlib's time for nearly its size
     if (writer->Write() != 1 || writer->GetErrorCode() != vtkErrorCode::NoError)
     {

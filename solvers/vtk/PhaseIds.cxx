@@ -150,8 +150,28 @@ std::vector<std::int64_t> shared(const std::set<std::int64_t>& mine, const Team&
   }
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
-  all.pop_back(); // none
+  if (all.back() == none)
+  {
+    all.pop_back();
+  }
   return all;
+}
+
+std::vector<std::string> sharedNames(vtkImageData* piece, const Team& team)
+{
+  const std::vector<std::string> mine = fieldTexts(piece, "phase_names");
+  std::string text;
+  for (const std::string& name : mine)
+  {
+    text += name + '\0';
+  }
+  std::vector<std::string> names;
+  std::istringstream all(team.share(text, !mine.empty()));
+  for (std::string name; std::getline(all, name, '\0');)
+  {
+    names.push_back(name);
+  }
+  return names;
 }
 
 } // namespace
@@ -190,12 +210,11 @@ PhaseIds phaseIds(vtkImageData* piece, vtkInformation* choice, const Team& team)
       }
     });
   team.maximum(seen);
-  const std::vector<std::string> named = fieldTexts(piece, "phase_names");
-  std::array<std::int64_t, 1> names{ static_cast<std::int64_t>(named.size()) };
-  team.maximum(names);
+  result.array = team.share(result.array, !empty);
+  const std::vector<std::string> named = sharedNames(piece, team);
   if (seen[0] == 0)
   {
-    const std::int64_t count = std::max(seen[1] + 1, std::min<std::int64_t>(names[0], most));
+    const std::int64_t count = std::max(seen[1] + 1, static_cast<std::int64_t>(std::min(named.size(), most)));
     for (std::int64_t value = 0; value < count; ++value)
     {
       result.values.push_back(value);

@@ -7,6 +7,7 @@
 #include "vtkCallbackCommand.h"
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
+#include "vtkExecutive.h"
 #include "vtkImageData.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
@@ -53,6 +54,7 @@ vtkSmartPointer<vtkImageData> readVti(const fs::path& path)
   silence->SetCallback([](vtkObject*, unsigned long, void* flag, void*) { *static_cast<bool*>(flag) = true; });
   vtkNew<vtkXMLImageDataReader> reader;
   reader->AddObserver(vtkCommand::ErrorEvent, silence);
+  reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, silence);
   reader->SetReaderErrorObserver(silence);
   reader->SetParserErrorObserver(silence);
   reader->SetFileName(path.c_str());

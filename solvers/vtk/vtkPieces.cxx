@@ -95,6 +95,25 @@ bool Team::any(bool value) const
   return flag[0] != 0;
 }
 
+std::string Team::share(std::string text, bool known) const
+{
+  if (size_ == 1)
+  {
+    return text;
+  }
+  int owner = known ? rank_ : size_;
+  MPI_Allreduce(MPI_IN_PLACE, &owner, 1, MPI_INT, MPI_MIN, comm_);
+  if (owner == size_)
+  {
+    return text;
+  }
+  int length = static_cast<int>(text.size());
+  MPI_Bcast(&length, 1, MPI_INT, owner, comm_);
+  text.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(text.data(), length, MPI_CHAR, owner, comm_);
+  return text;
+}
+
 void Team::agree(const std::function<void()>& action) const
 {
   std::string words; // what + '\0' + hint

@@ -12,6 +12,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 
 class vtkImageData;
 class vtkInformation;
@@ -47,6 +48,10 @@ public:
   void maximum(std::span<std::int64_t> values) const;
 
   [[nodiscard]] bool any(bool value) const;
+
+  /// Collective. The text of the lowest rank that has one, on every rank: ranks whose piece is empty know nothing of
+  /// the image.
+  [[nodiscard]] std::string share(std::string text, bool known) const;
 
   /// Collective. Runs `action`; when it throws a lamella::Error (or std::bad_alloc) on some rank, every rank throws an
   /// error with the words of the lowest such rank, so that none waits for another.

@@ -77,6 +77,7 @@ std::string storePhases(vtkImageData* output, const lamella::PhaseIds& phases, c
   if (converted[0] != 0)
   {
     name = phases.array == "phase" || output->GetPointData()->HasArray("phase") ? phases.array + "_id" : "phase";
+    name = team.share(name, output->GetNumberOfPoints() > 0);
     const auto ids = lamella::adopt(phases.own, name.c_str());
     lamella::describe(ids, "1", "phase of the node: position in phase_names", "vtkSteadyDiffusion");
     output->GetPointData()->AddArray(ids);
@@ -353,7 +354,8 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
     ++nodes[id];
   }
   team.sum(nodes);
-  const std::vector<double> conductivity = lamella::conductivityById(phases, this->Internal->Conductivity, nodes);
+  std::vector<double> conductivity;
+  team.agree([&] { conductivity = lamella::conductivityById(phases, this->Internal->Conductivity, nodes); });
 
   lbm::SteadyOptions options;
   options.stencil = stencilOf(this->Lattice, lattice.dimension);

@@ -21,9 +21,9 @@ namespace
 {
 
 using namespace lamella;
-using testing::errorOf;
-using testing::picture;
-using testing::points;
+using vtktest::errorOf;
+using vtktest::picture;
+using vtktest::points;
 
 struct Chain
 {
@@ -76,7 +76,7 @@ TEST(FluxMap, LaminateNumbers)
 
 TEST(FluxMap, KeepsTheInputAndAddsTheMagnitude)
 {
-  Chain chain(picture(24, 18, 1, testing::blobs), vtkSteadyDiffusion::ALL);
+  Chain chain(picture(24, 18, 1, vtktest::blobs), vtkSteadyDiffusion::ALL);
   chain.map->SetDirection(vtkFluxMap::Y);
   ASSERT_EQ(errorOf(chain.map), "");
   vtkImageData* const output = chain.map->GetOutput();
@@ -92,8 +92,8 @@ TEST(FluxMap, KeepsTheInputAndAddsTheMagnitude)
     points(output, "flux_y")->GetTuple(node, q);
     EXPECT_DOUBLE_EQ(magnitude->GetTuple1(node), std::hypot(q[0], q[1]));
   }
-  EXPECT_EQ(
-    fieldNumbers(output, "effective_conductivity"), fieldNumbers(chain.solver->GetOutput(), "effective_conductivity"));
+  // The solver's own number, from the energy, stays.
+  EXPECT_EQ(fieldNumbers(output, "effective_conductivity").at(4), chain.solver->GetEffectiveConductivity()[4]);
   EXPECT_NE(provenance(output).find("flux_map"), std::string::npos);
   EXPECT_EQ(fieldNumbers(chain.map->GetStreamlines(), "tortuosity").size(), 3U);
 }
@@ -117,7 +117,7 @@ TEST_P(RecomputedFlux, EqualsTheSolvers)
   for (const double weak : { 0.0, 0.1 }) // what does not conduct has no value
   {
     const auto image =
-      setting.threeDimensional ? picture(10, 9, 8, testing::blobs) : picture(23, 20, 1, testing::blobs);
+      setting.threeDimensional ? picture(10, 9, 8, vtktest::blobs) : picture(23, 20, 1, vtktest::blobs);
     Chain with(image, setting.direction, weak, 1);
     Chain without(image, setting.direction, weak, 1);
     for (Chain* const chain : { &with, &without })
@@ -162,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(AllLattices, RecomputedFlux,
 
 TEST(Streamlines, StayInWhatConducts)
 {
-  const auto image = picture(40, 40, 1, testing::blobs);
+  const auto image = picture(40, 40, 1, vtktest::blobs);
   Chain chain(image, vtkSteadyDiffusion::X, 0, 1);
   chain.map->SetNumberOfStreamlines(200);
   ASSERT_EQ(errorOf(chain.map), "");
@@ -205,7 +205,7 @@ TEST(Streamlines, CrowdWhereMuchFlows)
 
 TEST(Streamlines, ValuesFallFromOneToZeroAndArcLengthGrows)
 {
-  Chain chain(picture(30, 30, 1, testing::blobs), vtkSteadyDiffusion::Y);
+  Chain chain(picture(30, 30, 1, vtktest::blobs), vtkSteadyDiffusion::Y);
   ASSERT_EQ(errorOf(chain.map), "");
   vtkPolyData* const lines = chain.map->GetStreamlines();
   vtkDataArray* const value = lines->GetPointData()->GetArray("temperature");
@@ -221,7 +221,8 @@ TEST(Streamlines, ValuesFallFromOneToZeroAndArcLengthGrows)
     EXPECT_EQ(arc->GetTuple1(first), 0);
     EXPECT_DOUBLE_EQ(arc->GetTuple1(last), length->GetTuple1(line));
     EXPECT_GE(length->GetTuple1(line), 30e-6 * (1 - 1e-12));
-    EXPECT_GT(lines->GetPoint(first)[1], lines->GetPoint(last)[1]); // y from the top
+    const double top = lines->GetPoint(first)[1]; // GetPoint() has one buffer
+    EXPECT_GT(top, lines->GetPoint(last)[1]);
   }
 }
 
@@ -271,7 +272,7 @@ TEST(FluxMap, WorksOnFluxAlone)
 
 TEST(FluxMap, AbortLeavesNothing)
 {
-  Chain chain(picture(24, 18, 1, testing::blobs), vtkSteadyDiffusion::X);
+  Chain chain(picture(24, 18, 1, vtktest::blobs), vtkSteadyDiffusion::X);
   chain.solver->Update();
   vtkNew<vtkCallbackCommand> stop;
   stop->SetCallback(

@@ -29,7 +29,7 @@ TEST(LatticeConversion, ImageTakesOverTheVector)
   PhaseImage image = threeByTwo();
   const void* const before = image.phase.data();
   const auto data = toImageData(std::move(image));
-  auto* const array = vtkUnsignedCharArray::SafeDownCast(testing::points(data, "phase"));
+  auto* const array = vtkUnsignedCharArray::SafeDownCast(vtktest::points(data, "phase"));
   ASSERT_NE(array, nullptr);
   EXPECT_EQ(array->GetPointer(0), before); // no copy
   EXPECT_EQ(viewPhases(data).phase.data(), before);
@@ -67,7 +67,7 @@ TEST(LatticeConversion, FilesKeepUnitsTextsAndNumbers)
   setProvenance(data, R"({"program":"lamella"})");
   const std::array<double, 3> numbers{ 1.5, std::nan(""), -2 };
   setFieldNumbers(data, "effective_conductivity", numbers);
-  describe(testing::points(data, "phase"), "1", "phase of the node", "a test [of 1]");
+  describe(vtktest::points(data, "phase"), "1", "phase of the node", "a test");
   const std::string file = (std::filesystem::temp_directory_path() / "lamella-conversion.vti").string();
   vtkNew<vtkXMLImageDataWriter> writer;
   writer->SetInputData(data);
@@ -85,9 +85,10 @@ TEST(LatticeConversion, FilesKeepUnitsTextsAndNumbers)
   ASSERT_EQ(back.size(), 3U);
   EXPECT_EQ(back[0], 1.5);
   EXPECT_TRUE(std::isnan(back[1]));
-  const auto texts = description(testing::points(read, "phase"));
+  const auto texts = description(vtktest::points(read, "phase"));
   EXPECT_EQ(texts[0], "1");
   EXPECT_EQ(texts[1], "phase of the node");
+  EXPECT_EQ(texts[2], "a test");
 }
 
 TEST(LatticeConversion, NamesThatAreMissingAreNumbers)

@@ -31,7 +31,7 @@ TEST_P(MicrostructureSource, HasTheSolidFractionAskedFor)
   source->SetKind(kind.kind);
   source->SetSize(kind.size.data());
   source->SetSolidFraction(0.4);
-  ASSERT_EQ(testing::errorOf(source), "");
+  ASSERT_EQ(vtktest::errorOf(source), "");
   vtkImageData* const image = source->GetOutput();
   EXPECT_EQ(image->GetDimensions()[0], kind.size[0]);
   EXPECT_EQ(image->GetDimensions()[2], kind.size[2]);
@@ -85,13 +85,13 @@ TEST(MicrostructureSourceErrors, SaysWhatIsWrong)
 {
   vtkNew<vtkMicrostructureSource> source;
   source->SetSolidFraction(1.5);
-  EXPECT_NE(testing::errorOf(source).find("1.5"), std::string::npos);
+  EXPECT_NE(vtktest::errorOf(source).find("1.5"), std::string::npos);
   source->SetSolidFraction(0.4);
   source->SetSize(0, 10, 1);
-  EXPECT_NE(testing::errorOf(source).find("at least one node"), std::string::npos);
+  EXPECT_NE(vtktest::errorOf(source).find("at least one node"), std::string::npos);
   source->SetSize(50, 50, 1);
   source->SetSeed(-1);
-  EXPECT_NE(testing::errorOf(source).find("seed is -1"), std::string::npos);
+  EXPECT_NE(vtktest::errorOf(source).find("seed is -1"), std::string::npos);
 }
 
 } // namespace

@@ -17,7 +17,7 @@ namespace
 {
 
 using namespace lamella;
-using testing::errorOf;
+using vtktest::errorOf;
 
 class PictureReader : public ::testing::Test
 {
@@ -144,7 +144,7 @@ TEST_F(PictureReader, CellsBecomeNodesAtTheirCentres)
 
 TEST_F(PictureReader, FilesOfPhasesKeepTheirNames)
 {
-  write(testing::picture(6, 5, 1, testing::blobs), path("a.vti"));
+  write(vtktest::picture(6, 5, 1, vtktest::blobs), path("a.vti"));
   const auto picture = reader(path("a.vti"));
   ASSERT_EQ(errorOf(picture), "");
   EXPECT_EQ(phaseNames(picture->GetOutput()).names(), (std::vector<std::string>{ "a", "b", "c" }));

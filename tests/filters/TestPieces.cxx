@@ -61,7 +61,14 @@ Block pieceOf(const Lattice& lattice, int piece, int pieces, int split, int ghos
     static_cast<int>(lattice.size[2]) - 1);
   translator->SetNumberOfPieces(pieces);
   translator->SetPiece(piece);
-  translator->SetSplitMode(split);
+  if (split == vtkExtentTranslator::X_SLAB_MODE)
+  {
+    translator->SetSplitModeToXSlab();
+  }
+  else if (split == vtkExtentTranslator::Z_SLAB_MODE)
+  {
+    translator->SetSplitModeToZSlab();
+  }
   translator->SetGhostLevel(ghosts);
   translator->PieceToExtent();
   return blockOf(translator->GetExtent(), translator->GetWholeExtent());
@@ -201,8 +208,8 @@ TEST_P(SameAsOneRank, NumbersFieldsAndLines)
   part->GetExtent(extent);
   for (const char* const name : { "temperature_x", "temperature_y", "flux_y", "flux_magnitude" })
   {
-    vtkDataArray* const found = testing::points(part, name);
-    vtkDataArray* const expected = testing::points(whole, name);
+    vtkDataArray* const found = vtktest::points(part, name);
+    vtkDataArray* const expected = vtktest::points(whole, name);
     const double scale = expected->GetRange(-1)[1];
     double worst = 0;
     for (int z = extent[4]; z <= extent[5]; ++z)
@@ -256,7 +263,7 @@ INSTANTIATE_TEST_SUITE_P(All, SameAsOneRank,
 /// A pipeline in which only rank 0 holds anything.
 TEST_F(Pieces, RanksWithoutAPieceWorkAlong)
 {
-  const auto whole = testing::picture(30, 24, 1, [](int x, int, int) { return x / 3 % 2; });
+  const auto whole = vtktest::picture(30, 24, 1, [](int x, int, int) { return x / 3 % 2; });
   vtkNew<vtkImageData> mine;
   if (rank() == 0)
   {
@@ -281,7 +288,7 @@ TEST_F(Pieces, AnErrorOnOneRankIsAnErrorOnAll)
 {
   // The last rank holds another type of array, with a value that is no phase.
   const int last = ranks() - 1;
-  const auto whole = testing::picture(30, 24, 1, [](int x, int, int) { return x / 3 % 2; });
+  const auto whole = vtktest::picture(30, 24, 1, [](int x, int, int) { return x / 3 % 2; });
   if (rank() == last)
   {
     vtkNew<vtkDoubleArray> wrong;
@@ -299,7 +306,7 @@ TEST_F(Pieces, AnErrorOnOneRankIsAnErrorOnAll)
   solver->UpdateInformation();
   solver->GetOutputInformation(0)->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES(), ranks());
   solver->GetOutputInformation(0)->Set(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER(), rank());
-  const std::string error = testing::errorOf(solver);
+  const std::string error = vtktest::errorOf(solver);
   EXPECT_NE(error.find("holds 0.25"), std::string::npos) << "rank " << rank() << ": " << error;
 }
 

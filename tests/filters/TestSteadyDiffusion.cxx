@@ -6,6 +6,7 @@
 #include "vtkIntArray.h"
 #include "vtkMath.h"
 #include "vtkSteadyDiffusion.h"
+#include "vtkUnsignedCharArray.h"
 
 #include <gtest/gtest.h>
 
@@ -17,9 +18,9 @@ namespace
 {
 
 using namespace lamella;
-using testing::errorOf;
-using testing::picture;
-using testing::points;
+using vtktest::errorOf;
+using vtktest::picture;
+using vtktest::points;
 
 // Half the layers conduct 1, half 10, on lattice nodes: the scheme is exact, the solver's tolerance remains (1e-8).
 constexpr double series = 2.0 / (1.0 / 1 + 1.0 / 10);
@@ -197,7 +198,7 @@ TEST(SteadyDiffusion, ConductivityByNumberWherePhasesHaveNoNames)
 
 TEST(SteadyDiffusion, ProgressRisesAndAbortLeavesNothing)
 {
-  const auto filter = solver(picture(40, 40, 1, testing::blobs), vtkSteadyDiffusion::ALL);
+  const auto filter = solver(picture(40, 40, 1, vtktest::blobs), vtkSteadyDiffusion::ALL);
   filter->EstimateErrorOn();
   std::vector<double> seen;
   vtkNew<vtkCallbackCommand> watch;
@@ -221,10 +222,11 @@ TEST(SteadyDiffusion, ProgressRisesAndAbortLeavesNothing)
     });
   filter->AddObserver(vtkCommand::ProgressEvent, stop);
   filter->Modified();
+  const std::size_t all = seen.size();
   seen.clear();
   EXPECT_EQ(errorOf(filter), ""); // cancelling is no error
   EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0);
-  EXPECT_LT(seen.back(), 0.95);
+  EXPECT_LT(seen.size(), all / 2 + 1); // VTK itself says "done" at the end
 }
 
 TEST(SteadyDiffusion, InputThatCannotBeUsedIsRefusedInWords)
@@ -297,7 +299,7 @@ TEST(SteadyDiffusion, InputThatCannotBeUsedIsRefusedInWords)
       },
       { "more than 256 different values" } },
     { "no conductivity", [](auto* f, auto*) { f->RemoveConductivity("b"); },
-      { "phase 'b' has no conductivity", "32 nodes", "a, b" } },
+      { "phase 'b' has no conductivity", "24 nodes", "a, b" } },
     { "negative", [](auto* f, auto*) { f->SetConductivity("b", -1); }, { "'b' is -1" } },
     { "nan", [](auto* f, auto*) { f->SetConductivity("b", std::nan("")); }, { "'b' is nan" } },
     { "infinite", [inf](auto* f, auto*) { f->SetConductivity("b", inf); }, { "'b' is inf" } },

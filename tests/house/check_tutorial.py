@@ -48,6 +48,9 @@ def main():
         print(run.stdout)
         made = sorted(path.name for path in work.iterdir())
         print("made:", *made)
+        for name in made:
+            if name.endswith((".vti", ".vtp")) and b"<AppendedData" in (work / name).read_bytes():
+                sys.exit(f"FAILED: {name} has appended data, which ParaView on a current Debian 12 cannot read")
         missing = {"tissue.png", "heat.vti", "heat.png"} - set(made)
         if run.returncode or missing:
             sys.exit(f"FAILED: exit {run.returncode}, not made: {missing or 'nothing'}")

@@ -31,6 +31,8 @@ else:
 
 from ._errors import Cancelled, LamellaError
 from ._flux import FluxMapResult, flux_map
+from ._paraview import load_plugin, plugin_path
+from ._pictures import snapshot
 from ._samples import (
     Sample,
     checkerboard,
@@ -57,7 +59,10 @@ __all__ = [
     "from_array",
     "honeycomb",
     "laminate",
+    "load_plugin",
+    "plugin_path",
     "read_picture",
+    "snapshot",
     "softwood",
     "spheres",
 ]

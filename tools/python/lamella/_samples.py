@@ -71,6 +71,7 @@ class ImageBase:
             writer = vtkXMLImageDataWriter()
             writer.SetInputData(self.vtk)
             writer.SetFileName(part)
+            writer.SetDataModeToBinary()  # inline: VTK 9.2 with a new Expat cannot read "appended" data back
             if writer.Write() != 1:
                 raise OSError(f"cannot write {path}: is the disk full?")
             mask = os.umask(0)

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "vtkLamellaSolversVTKModule.h" // for the export macro
+
+#include "vtkSmartPointer.h"
+
+class vtkXMLImageDataReader;
+class vtkXMLPolyDataReader;
+
+/// VTK's readers of .vti and .vtp files, for files with "appended" data too.
+///
+/// Expat 2.6, and Debian 12's 2.5.0-1+deb12u2, which has the same remedy for CVE-2023-52425, put off parsing until much
+/// text has come in. VTK 9.2 does not expect that: it reads on into appended data, takes them for XML and fails.
+/// These readers ask Expat not to wait; the text is the user's own file and read once, which is what the remedy is not
+/// for. ParaView's own readers fail all the same, so files of ours are written with their data inline
+/// (vtkXMLWriter::SetDataModeToBinary).
+namespace lamella
+{
+
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkSmartPointer<vtkXMLImageDataReader> newImageReader();
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkSmartPointer<vtkXMLPolyDataReader> newPolyDataReader();
+
+} // namespace lamella
