@@ -256,11 +256,11 @@ std::string toTable(const DiffusionReport& report)
     }
   }
 
-  text += "\n  effective conductivity       error      of series-parallel\n";
+  text += "\n  effective conductivity      error     from series (0 %) to parallel (100 %)\n";
   for (const auto& answer : report.answers)
   {
     const double span = report.bounds.parallel - report.bounds.series;
-    text += fmt::format("    {}  {:<20.7g}  {:>9}  {:>12}\n", axisNames[answer.axis], own(answer),
+    text += fmt::format("    {}  {:<20.7g}  {:<8}  {}\n", axisNames[answer.axis], own(answer),
       report.options.estimateError || report.options.targetError ? percent(answer.error.relative) : "-",
       span > 0 ? fmt::format("{:.1f} %", 100 * (own(answer) - report.bounds.series) / span) : "-");
   }
@@ -271,15 +271,18 @@ std::string toTable(const DiffusionReport& report)
 
   if (report.options.targetError)
   {
-    text += fmt::format("\n  to an error of {}\n", percent(*report.options.targetError));
+    text += fmt::format("\n  what an error below {} took\n", percent(*report.options.targetError));
+    double total = 0;
     for (const auto& answer : report.answers)
     {
       for (const auto& step : answer.steps)
       {
         text += fmt::format("    {}  refine {:<3} {:<10.7g}  {:>13} nodes  {:.2f} s\n", axisNames[answer.axis],
           step.refinement, step.value, grouped(step.nodes), step.seconds);
+        total += step.seconds;
       }
     }
+    text += fmt::format("    {:.2f} s in all\n", total);
   }
 
   std::string iterations;

@@ -204,7 +204,7 @@ lbm::Progress studyProgress(Session& session, const Lattice& lattice, const lbm:
   }
   return [&session, state](double part, const char* what)
   {
-    if (part <= 0) // another solve has begun
+    if (part <= 0 || state->begun == 0) // another solve has begun
     {
       if (state->begun > 0)
       {

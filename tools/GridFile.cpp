@@ -23,6 +23,8 @@
 #include <vtkXMLPolyDataReader.h>
 #include <vtkXMLPolyDataWriter.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -180,7 +182,10 @@ vtkSmartPointer<vtkDataObject> read(const vtkSmartPointer<Reader>& reader, const
 
 std::string endingOf(const fs::path& path)
 {
-  return path.extension().string();
+  std::string ending = path.extension().string();
+  std::transform(
+    ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
 }
 
 } // namespace

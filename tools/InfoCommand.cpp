@@ -356,7 +356,7 @@ std::string infoText(const Json& json)
     text += "about the whole:\n";
     for (const auto& [name, value] : json["field_data"].items())
     {
-      text += fmt::format("  {:<24} {}\n", name, listText(value.is_array() ? value : Json::array({ value })));
+      text += fmt::format("  {:<29} {}\n", name, listText(value.is_array() ? value : Json::array({ value })));
     }
   }
   text += json["provenance"].is_object() ? "provenance:\n" + provenanceText(json["provenance"], 2)
@@ -373,7 +373,8 @@ Command infoCommand(CLI::App& root)
   auto o = std::make_shared<InfoOptions>();
   addFileOption(*app, o->picture);
   addRawOptions(*app, o->picture);
-  addReportOptions(*app, o->common);
+  app->add_flag("--json", o->common.json, "Print one JSON object to standard output, and nothing else")
+    ->group("Report");
   addExamples(*app, { "lamella info tissue.png", "lamella info heat_y.vti --json" });
   return { app,
     [o](Session& session, const std::string&)

@@ -49,7 +49,7 @@ std::optional<std::string> closest(std::string_view word, std::span<const std::s
   for (const std::string& candidate : candidates)
   {
     const std::size_t distance = editDistance(word, candidate);
-    const std::size_t allowed = std::max<std::size_t>(1, std::max(word.size(), candidate.size()) / 3);
+    const std::size_t allowed = std::max<std::size_t>(1, (std::max(word.size(), candidate.size()) + 1) / 3);
     const bool prefix = word.size() >= 3 && candidate.starts_with(word);
     if ((distance <= allowed && distance < word.size()) || prefix)
     {

@@ -1,5 +1,6 @@
 #include "Drawing.h"
 
+#include "Arrays.h"
 #include "FlowLines.h"
 #include "Quantity.h"
 #include "VectorLayer.h"

@@ -1,5 +1,6 @@
 #include "Drawing.h"
 
+#include "Arrays.h"
 #include "Quantity.h"
 #include "Surface.h"
 #include "View.h"

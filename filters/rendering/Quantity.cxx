@@ -1,6 +1,7 @@
 #include "Quantity.h"
 
-#include "vtkCellData.h"
+#include "Arrays.h"
+
 #include "vtkDataArray.h"
 #include "vtkDataSet.h"
 #include "vtkFieldData.h"
@@ -21,88 +22,6 @@ namespace
 {
 
 constexpr std::size_t MostPhases = 32;
-
-std::string ListArrays(vtkDataSetAttributes* attributes)
-{
-  std::string list;
-  for (int i = 0; i < attributes->GetNumberOfArrays(); ++i)
-  {
-    const char* name = attributes->GetArrayName(i);
-    list += (list.empty() ? "" : ", ") + std::string(name ? name : "(without a name)");
-  }
-  return list.empty() ? "none" : list;
-}
-
-/// Name of the array that a preset draws by itself.
-std::string DefaultArray(vtkDataSet* data, int preset)
-{
-  switch (preset)
-  {
-    case vtkSnapshot::PHASE:
-      return "phase";
-    case vtkSnapshot::TEMPERATURE:
-      return "temperature";
-    case vtkSnapshot::CONCENTRATION:
-      return "concentration";
-    case vtkSnapshot::FLUX:
-      return "flux";
-    case vtkSnapshot::GRAIN:
-      return "grain";
-    default:
-      break;
-  }
-  for (const char* name : { "flux", "temperature", "concentration", "grain", "phase" })
-  {
-    if (data->GetPointData()->HasArray(name) || data->GetCellData()->HasArray(name))
-    {
-      return name;
-    }
-  }
-  for (vtkDataSetAttributes* attributes : { static_cast<vtkDataSetAttributes*>(data->GetPointData()),
-         static_cast<vtkDataSetAttributes*>(data->GetCellData()) })
-  {
-    for (int i = 0; i < attributes->GetNumberOfArrays(); ++i)
-    {
-      if (attributes->GetArray(i) && attributes->GetArrayName(i))
-      {
-        return attributes->GetArrayName(i);
-      }
-    }
-  }
-  throw SnapshotError{ "the data have no array to draw", "compute a field first, or draw the file it was read from" };
-}
-
-int PresetOfName(const std::string& name)
-{
-  for (const int preset :
-    { vtkSnapshot::PHASE, vtkSnapshot::TEMPERATURE, vtkSnapshot::CONCENTRATION, vtkSnapshot::FLUX, vtkSnapshot::GRAIN })
-  {
-    if (name == vtkSnapshot::GetPresetName(preset))
-    {
-      return preset;
-    }
-  }
-  return vtkSnapshot::SCALAR;
-}
-
-vtkDataArray* GetArray(vtkDataSet* data, const std::string& name, bool allowCells, bool& onCells)
-{
-  vtkDataArray* array = data->GetPointData()->GetArray(name.c_str());
-  vtkDataArray* cells = data->GetCellData()->GetArray(name.c_str());
-  onCells = !array && cells && allowCells;
-  if (array || onCells)
-  {
-    return array ? array : cells;
-  }
-  if (cells)
-  {
-    throw SnapshotError{ "'" + name + "' is an array of cells; a lattice is drawn of its points",
-      "turn it into point data (vtkCellDataToPointData, or ParaView's filter of that name)" };
-  }
-  throw SnapshotError{ "there is no array '" + name + "' in the data; point data: " + ListArrays(data->GetPointData()) +
-      (allowCells ? "; cell data: " + ListArrays(data->GetCellData()) : ""),
-    "name one of these, or compute the field first" };
-}
 
 /// Values in component `component`, or the magnitude; NaN where the field is not defined.
 std::vector<float> ReadValues(vtkDataArray* array, int component)
@@ -288,7 +207,7 @@ void HideNonConducting(Quantity& quantity, vtkDataSet* data)
 {
   for (const char* name : { "temperature", "concentration" })
   {
-    vtkDataArray* potential = data->GetPointData()->GetArray(name);
+    vtkDataArray* potential = data->GetPointData()->GetArray(FindDirection(data, name).c_str());
     if (!quantity.onCells && potential && potential->GetNumberOfComponents() == 1)
     {
       for (std::size_t i = 0; i < quantity.values.size(); ++i)
@@ -407,7 +326,9 @@ void ChooseMap(Quantity& quantity, const SnapshotOptions& options)
 void NameQuantity(Quantity& quantity, double mean, const SnapshotOptions& options)
 {
   vtkDataArray* array = quantity.array;
-  quantity.title = Capitalised(array->GetName());
+  const std::string name = array->GetName();
+  quantity.title =
+    Capitalised(quantity.preset == vtkSnapshot::SCALAR ? name : name.substr(0, name.size() - DirectionOf(name).size()));
   vtkInformation* information = array->HasInformation() ? array->GetInformation() : nullptr;
   if (information && information->Has(vtkDataArray::UNITS_LABEL()))
   {
@@ -422,7 +343,7 @@ void NameQuantity(Quantity& quantity, double mean, const SnapshotOptions& option
   else if ((quantity.preset == vtkSnapshot::TEMPERATURE || quantity.preset == vtkSnapshot::CONCENTRATION) &&
     quantity.unit.empty() && quantity.low == 0 && quantity.high == 1)
   {
-    quantity.title = "Scaled " + std::string(array->GetName());
+    quantity.title = std::string("Scaled ") + vtkSnapshot::GetPresetName(quantity.preset);
   }
   if (array->GetNumberOfComponents() > 1 && options.component >= 0)
   {
@@ -546,64 +467,6 @@ Furniture Describe(const Quantity& quantity, const SnapshotOptions& options)
     furniture.legend.push_back({ transport ? "does not conduct" : "not defined", Undefined });
   }
   return furniture;
-}
-
-vtkDataArray* FindFlow(vtkDataSet* data, const Quantity& quantity, const SnapshotOptions& options)
-{
-  const bool own = !quantity.IsCategorical() && quantity.array->GetNumberOfComponents() >= 2 &&
-    quantity.array->GetNumberOfComponents() <= 3 && !quantity.onCells;
-  if (options.overlayArrayName.empty() && own)
-  {
-    return quantity.array;
-  }
-  const std::string name = options.overlayArrayName.empty() ? "flux" : options.overlayArrayName;
-  vtkDataArray* array = data->GetPointData()->GetArray(name.c_str());
-  const bool isVector = array && array->GetNumberOfComponents() >= 2 && array->GetNumberOfComponents() <= 3;
-  if (!options.overlayArrayName.empty() && !isVector)
-  {
-    throw SnapshotError{ "lines or arrows are to follow '" + name + "', which is " +
-        (array ? "no vector" : "not among the point data"),
-      "point data: " + ListArrays(data->GetPointData()) };
-  }
-  return isVector ? array : nullptr;
-}
-
-std::vector<bool> FindSolid(vtkDataSet* data)
-{
-  vtkDataArray* phase = data->GetPointData()->GetArray("phase");
-  if (!phase || phase->GetNumberOfComponents() != 1)
-  {
-    return {};
-  }
-  std::vector<bool> isVoid;
-  if (auto* table = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("phase_names")))
-  {
-    for (vtkIdType i = 0; i < table->GetNumberOfValues(); ++i)
-    {
-      isVoid.push_back(IsVoidName(table->GetValue(i)));
-    }
-  }
-  if (std::find(isVoid.begin(), isVoid.end(), true) == isVoid.end())
-  {
-    isVoid.assign(1, true);
-  }
-  std::vector<bool> solid(static_cast<std::size_t>(phase->GetNumberOfTuples()));
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < solid.size(); ++i)
-  {
-    const double id = phase->GetComponent(static_cast<vtkIdType>(i), 0);
-    solid[i] = !(id >= 0 && id < static_cast<double>(isVoid.size()) && isVoid[static_cast<std::size_t>(id)]);
-    count += solid[i] ? 1 : 0;
-  }
-  return count == 0 || count == solid.size() ? std::vector<bool>{} : solid;
-}
-
-Scale FindScale(vtkDataSet* data, double spacing)
-{
-  auto* source = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("pixel_size_source"));
-  // A pixel of a metre is one whose size nobody gave.
-  const bool unknown = source && source->GetNumberOfValues() > 0 ? source->GetValue(0) == "none" : spacing == 1;
-  return unknown ? Scale{ 1 / spacing, false } : Scale{ 1, true };
 }
 
 } // namespace lamella::rendering

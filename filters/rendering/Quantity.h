@@ -55,14 +55,4 @@ private:
 /// Legend and colour bar of a quantity.
 [[nodiscard]] Furniture Describe(const Quantity& quantity, const SnapshotOptions& options);
 
-/// The vector array that lines and arrows follow; null if there is none and none was named.
-/// @throws SnapshotError for an array that was named and is not there or no vector
-[[nodiscard]] vtkDataArray* FindFlow(vtkDataSet* data, const Quantity& quantity, const SnapshotOptions& options);
-
-/// Which points are not void, from the array `phase`; empty without one or when all points are alike.
-[[nodiscard]] std::vector<bool> FindSolid(vtkDataSet* data);
-
-/// Metres for one unit of the data's coordinates, or pixels.
-[[nodiscard]] Scale FindScale(vtkDataSet* data, double spacing);
-
 } // namespace lamella::rendering

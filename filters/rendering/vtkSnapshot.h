@@ -30,6 +30,9 @@ class vtkPolyData;
  * coolwarm where values lie on both sides of zero                       | | `auto`          | any             | by the
  * array's name                                                            |
  *
+ * Where several directions were solved, the arrays' names end in _x, _y, _z: a preset draws the first there is, and
+ * SetArrayName() another.
+ *
  * Pixels of the data are shown as they are, never interpolated; where the picture has fewer pixels than the data,
  * colours are averaged over each pixel's area. NaN (a phase that does not conduct) is grey. Volumes are drawn in
  * isometric view: `phase` as the surface of all that is not void, other fields on the faces of the box with one octant

@@ -35,14 +35,10 @@ public:
   vtkTypeMacro(PromptParser, vtkXMLDataParser);
 
 protected:
-  int InitializeParser() override
+  int ParseXML() override // Expat's parser is there by now and has read nothing
   {
-    const int ready = this->Superclass::InitializeParser();
-    if (ready != 0)
-    {
-      parseAtOnce(this->Parser);
-    }
-    return ready;
+    parseAtOnce(this->Parser);
+    return this->Superclass::ParseXML();
   }
 };
 vtkStandardNewMacro(PromptParser);

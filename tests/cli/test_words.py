@@ -1,10 +1,12 @@
 """The words on the command line: help, version, what is close to a word that is not known, exit codes."""
 
 import json
+import os
+import re
 import unittest
 
 import pictures
-from program import CONDUCTIVITIES, PHASES, Case
+from program import CONDUCTIVITIES, HERE, PHASES, Case
 
 COMMANDS = ["generate", "diffusion", "flux-map", "snapshot", "info"]
 
@@ -32,6 +34,24 @@ class Words(Case):
             text = self.works(*words, "--help").out
             for line in text[: text.index("Examples:")].splitlines():
                 self.assertLessEqual(len(line), 100, line)
+
+    def test_the_pages_know_every_option(self):
+        folder = os.path.join(HERE, "..", "..", "docs", "commands")
+        kinds = ["softwood", "honeycomb", "checkerboard", "disks", "spheres", "laminate"]
+        options = {}
+        for command in COMMANDS:
+            options[command] = set()
+            for kind in kinds if command == "generate" else [""]:
+                text = self.works(command, *kind.split(), "--help").out
+                options[command] |= set(re.findall(r"^  (?:-\w, )?(--[\w-]+)", text, re.MULTILINE))
+        every = set().union(*options.values())
+        for command in COMMANDS:
+            with open(os.path.join(folder, command + ".md"), encoding="utf-8") as file:
+                page = file.read()
+            for option in options[command] - {"--help"}:
+                self.assertRegex(page, re.escape(option) + r"(?![\w-])", command + ".md")
+            for option in re.findall(r"(?<![\w-])--[a-z][\w-]*", page):
+                self.assertIn(option, every, command + ".md")
 
     def test_nothing_is_a_question_for_help(self):
         result = self.run_lamella()
