@@ -158,6 +158,10 @@ bool vtkPictureReader::Read()
 
 int vtkPictureReader::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
+  if (this->FileName == nullptr || *this->FileName == '\0')
+  {
+    return 1; // a panel that has just been opened; an update says that no file is named
+  }
   if (!this->Read())
   {
     return 0;

@@ -1,0 +1,73 @@
+"""The plugin's sources and filters through paraview.simple: names, defaults, documentation, numbers."""
+
+import unittest
+
+import lamella
+import paraview.simple as pv
+from paraview import servermanager
+
+lamella.load_plugin()
+
+
+def field(source, name):
+    array = servermanager.Fetch(source).GetFieldData().GetArray(name)
+    return [array.GetTuple1(i) for i in range(array.GetNumberOfTuples())]
+
+
+class Proxies(unittest.TestCase):
+    def tearDown(self):
+        pv.Disconnect()
+        pv.Connect()
+
+    def test_every_property_says_what_it_is(self):
+        for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap):
+            proxy = create()
+            properties = proxy.SMProxy
+            self.assertTrue(properties.GetDocumentation().GetDescription().strip())
+            for name in proxy.ListProperties():
+                documentation = proxy.GetProperty(name).SMProperty.GetDocumentation()
+                text = documentation.GetDescription() if documentation else ""
+                self.assertTrue((text or "").strip(), f"{create.__name__}.{name} has no tooltip")
+
+    def test_defaults_run(self):
+        tissue = pv.MicrostructureSource(Size=[90, 80, 1])
+        heat = pv.SteadyDiffusion(Input=tissue)  # heat in wood, along x
+        flux = pv.FluxMap(Input=heat)
+        flux.UpdatePipeline()
+        expected = lamella.diffusion(lamella.softwood(size=(90, 80)), {"wall": 1, "lumen": 0.023}, "x")
+        self.assertAlmostEqual(field(heat, "effective_conductivity")[0], expected.effective[0, 0], places=7)
+        heat.SMProxy.UpdatePropertyInformation()
+        self.assertAlmostEqual(heat.GetPropertyValue("EffectiveConductivity")[0], expected.effective[0, 0], places=7)
+        self.assertEqual(servermanager.Fetch(flux, idx=1).GetNumberOfLines(), 60)
+        self.assertEqual(flux.PointData["flux_magnitude"].GetNumberOfComponents(), 1)
+
+    def test_properties_reach_the_classes(self):
+        layers = pv.MicrostructureSource(Kind="Layers", Size=[40, 20, 1], SolidFraction=0.5, Axis="x")
+        vapour = pv.SteadyDiffusion(
+            Input=layers,
+            Conductivities=["matrix", "1", "inclusion", "10"],
+            Direction="All",
+            Quantity="Concentration",
+            Tolerance=1e-10,
+            ComputeFlux=0,
+        )
+        vapour.UpdatePipeline()
+        k = field(vapour, "effective_conductivity")
+        self.assertAlmostEqual(k[0], 2 / 1.1, places=8)
+        self.assertAlmostEqual(k[4], 5.5, places=8)
+        self.assertEqual(sorted(vapour.PointData.keys()), ["concentration_x", "concentration_y", "phase"])
+        flux = pv.FluxMap(Input=vapour, Direction="y", NumberOfStreamlines=7)
+        flux.UpdatePipeline()
+        self.assertEqual(servermanager.Fetch(flux, idx=1).GetNumberOfLines(), 7)
+
+    def test_reader(self):
+        path = lamella.softwood(size=(30, 20)).save("reader.vti", overwrite=True)
+        picture = pv.PictureReader(FileName=path, Phases=["0", "void", "1", "solid"], Window=[0, 0, 0, 20, 10, 0])
+        picture.UpdatePipeline()
+        self.assertEqual(servermanager.Fetch(picture).GetDimensions(), (20, 10, 1))
+        names = servermanager.Fetch(picture).GetFieldData().GetAbstractArray("phase_names")
+        self.assertEqual([names.GetValue(i) for i in range(2)], ["void", "solid"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=["proxies"], verbosity=2)
