@@ -140,6 +140,7 @@ std::string toJson(const DiffusionReport& report)
   double setup = 0;
   double solve = 0;
   double balance = 0;
+  double solverError = 0;
   std::uint64_t solverBytes = 0;
   for (const auto& answer : report.answers)
   {
@@ -147,6 +148,7 @@ std::string toJson(const DiffusionReport& report)
     setup += answer.result.setupSeconds;
     solve += answer.result.solveSeconds;
     balance = std::max(balance, answer.result.balance);
+    solverError = std::max(solverError, answer.result.solverError);
     solverBytes = std::max(solverBytes, answer.result.bytes);
   }
   json["iterations"] = iterations;
@@ -161,10 +163,11 @@ std::string toJson(const DiffusionReport& report)
   {
     const auto& result = answer.result;
     directions[axisNames[answer.axis]] = { { "iterations", result.iterations }, { "balance", number(result.balance) },
-      { "inlet", number(result.inletFlux) }, { "outlet", number(result.outletFlux) },
-      { "residual", number(result.residual) }, { "setup_seconds", result.setupSeconds },
-      { "solve_seconds", result.solveSeconds }, { "solver_bytes", result.bytes }, { "nodes", result.nodes },
-      { "stored", result.stored }, { "skipped", result.skipped }, { "refine", refinementOf(answer) },
+      { "solver_error", number(result.solverError) }, { "inlet", number(result.inletFlux) },
+      { "outlet", number(result.outletFlux) }, { "residual", number(result.residual) },
+      { "setup_seconds", result.setupSeconds }, { "solve_seconds", result.solveSeconds },
+      { "solver_bytes", result.bytes }, { "nodes", result.nodes }, { "stored", result.stored },
+      { "skipped", result.skipped }, { "refine", refinementOf(answer) },
       { "convergence_order", number(answer.error.order) }, { "steps", stepsJson(answer) } };
   }
 
@@ -207,6 +210,7 @@ std::string toJson(const DiffusionReport& report)
     "one spacing a node; faces half a spacing outside the outer nodes; an empty box of conductivity 1 has 1";
   json["tolerance"] = report.options.steady.tolerance;
   json["balance"] = number(balance);
+  json["solver_error"] = number(solverError);
   json["nodes"] = report.answers.front().result.nodes;
   json["stored"] = report.answers.front().result.stored;
   json["skipped"] = report.answers.front().result.skipped;

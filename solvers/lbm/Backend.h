@@ -40,7 +40,7 @@ class Backend
 {
 public:
   virtual ~Backend() = default;
-  /// Iterates until the flux through the worse face is within the tolerance. Fills all of the result but the seconds.
+  /// Iterates until the tolerances are met. Fills all of the result but the seconds.
   virtual SteadyResult solve() = 0;
   virtual void value(std::span<double> out) const = 0;
   virtual void flux(std::span<double> out) const = 0;
@@ -52,7 +52,7 @@ void setEffective(SteadyResult& result, const FieldSums& sums, const Lattice& la
 /// Cancels when the progress callback of any rank says so.
 void reportProgress(const SteadyOptions& options, const Communicator& comm, double fraction, const char* what);
 
-/// Share of the way from the first balance to the tolerance, on a logarithmic scale.
-[[nodiscard]] double progressOf(double balance, double tolerance);
+/// Share of the way from an error of 1 to the one that is wanted, on a logarithmic scale.
+[[nodiscard]] double progressOf(double error, double wanted);
 
 } // namespace lamella::lbm

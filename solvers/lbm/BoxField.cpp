@@ -109,7 +109,88 @@ void BoxField::rowLinks(std::int64_t y, std::int64_t z, const Direction& d, F&& 
     f(x, w * links_.mean(a[x], b[x]), u[x] - v[x] + jump);
 }
 
-FieldSums BoxField::evaluate(const RowSink& sink)
+std::size_t BoxField::planeCount() const noexcept
+{
+  const std::int64_t n = problem_.lattice.size[static_cast<std::size_t>(problem_.axis)];
+  return static_cast<std::size_t>(problem_.options.sides == Sides::Periodic ? n : n + 1);
+}
+
+void BoxField::addToPlanes(std::int64_t y, std::int64_t z, PlaneSums& planes) const
+{
+  const int axis = problem_.axis;
+  const std::int64_t n = problem_.lattice.size[static_cast<std::size_t>(axis)];
+  const bool periodic = problem_.options.sides == Sides::Periodic;
+  const std::int64_t row = axis == 1 ? y + block_.start[1] : z + block_.start[2];
+  for (const Direction& d : links_.forward())
+  {
+    if (d[axis] == 0)
+      continue;
+    const double sign = d[axis];
+    const auto add = [&](std::size_t plane, double g, double q)
+    {
+      planes.conductance[plane] += g;
+      planes.flux[plane] += sign * q;
+    };
+    std::array<double, 2> all{ 0, 0 }; // conductance and flux of a whole row, when it crosses one plane
+    const std::int64_t above = d[axis] > 0 ? 1 : 0;
+    if (axis == 0)
+      rowLinks(y, z, d,
+        [&](std::int64_t x, double g, double du)
+        {
+          const std::int64_t plane = x + above;
+          add(static_cast<std::size_t>(periodic && plane == n ? 0 : plane), g, g * du);
+        });
+    else
+    {
+      rowLinks(y, z, d,
+        [&](std::int64_t, double g, double du)
+        {
+          all[0] += g;
+          all[1] += g * du;
+        });
+      const std::int64_t plane = row + above;
+      add(static_cast<std::size_t>(periodic && plane == n ? 0 : plane), all[0], all[1]);
+    }
+  }
+  if (periodic)
+    return;
+  const double* u = u_.data() + halo_.row(y, z) * stride_ + 1;
+  const std::uint8_t* phase = rowPhase(y, z);
+  const auto wall = [&](std::int64_t x, double fall, std::int64_t plane)
+  {
+    const double g = links_.wall(phase[x]);
+    planes.conductance[static_cast<std::size_t>(plane)] += g;
+    planes.flux[static_cast<std::size_t>(plane)] += g * fall;
+  };
+  for (const bool high : { false, true })
+  {
+    if (axis == 0)
+    {
+      const std::int64_t x = high ? n - 1 : 0;
+      wall(x, high ? u[x] : 1.0 - u[x], high ? n : 0);
+    }
+    else if (row == (high ? n - 1 : 0))
+      for (std::int64_t x = 0; x < block_.size[0]; ++x)
+        wall(x, high ? u[x] : 1.0 - u[x], high ? n : 0);
+  }
+}
+
+void BoxField::apply(const PlaneBalance& balance)
+{
+  const int axis = problem_.axis;
+  for (std::int64_t z = 0; z < block_.size[2]; ++z)
+    for (std::int64_t y = 0; y < block_.size[1]; ++y)
+    {
+      double* u = rowValues(y, z);
+      const double* shift = balance.shift.data();
+      if (axis != 0)
+        shift += axis == 1 ? y + block_.start[1] : z + block_.start[2];
+      for (std::int64_t x = 0; x < block_.size[0]; ++x)
+        u[x] = balance.factor * u[x] + shift[axis == 0 ? x : 0];
+    }
+}
+
+FieldSums BoxField::evaluate(const RowSink& sink, PlaneSums* planes)
 {
   fillGhosts();
   const int axis = problem_.axis;
@@ -191,7 +272,14 @@ FieldSums BoxField::evaluate(const RowSink& sink)
         r2 += out[x] * out[x];
       s.residual2 += r2;
       sink(y, z, out);
+      if (planes != nullptr)
+        addToPlanes(y, z, *planes);
     }
+  if (planes != nullptr)
+  {
+    problem_.comm.sum(planes->conductance);
+    problem_.comm.sum(planes->flux);
+  }
   std::array<double, 7> all{ s.energy, s.inlet, s.outlet, s.flux[0], s.flux[1], s.flux[2], s.residual2 };
   problem_.comm.sum(all);
   return { all[0], all[1], all[2], { all[3], all[4], all[5] }, all[6] };

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "lbm/Backend.h"
+#include "lbm/PlaneBalance.h"
+#include "lbm/multigrid/StaggeredAllocator.h"
 
 #include <functional>
 #include <vector>
@@ -26,13 +28,17 @@ public:
 
   /// Receives b − A u of one row: nx values.
   using RowSink = std::function<void(std::int64_t y, std::int64_t z, const double* residual)>;
-  /// Residual of every row and the sums over all ranks.
-  FieldSums evaluate(const RowSink& sink);
+  /// Residual of every row and the sums over all ranks; those over planes too when asked for.
+  FieldSums evaluate(const RowSink& sink, PlaneSums* planes = nullptr);
+  /// Makes the flux through all planes the same; see PlaneBalance.
+  void apply(const PlaneBalance& balance);
 
   void value(std::span<double> out) const;
   /// Needs an evaluate() after the last change of the field (its ghosts).
   void flux(std::span<double> out) const;
 
+  /// Planes across the direction: PlaneSums.
+  [[nodiscard]] std::size_t planeCount() const noexcept;
   [[nodiscard]] const Links& links() const noexcept { return links_; }
   [[nodiscard]] const std::uint8_t* rowPhase(std::int64_t y, std::int64_t z) const noexcept;
   [[nodiscard]] const Halo& halo() const noexcept { return halo_; }
@@ -40,6 +46,7 @@ public:
 
 private:
   void fillGhosts();
+  void addToPlanes(std::int64_t y, std::int64_t z, PlaneSums& planes) const;
   template <class F>
   void rowLinks(std::int64_t y, std::int64_t z, const Direction& d, F&& f) const;
 
@@ -48,7 +55,7 @@ private:
   Links links_;
   Halo halo_;
   std::int64_t stride_;
-  std::vector<double> u_;
+  std::vector<double, StaggeredAllocator<double>> u_;
   std::vector<std::uint8_t> ghostPhase_; ///< rows of the ghost layers, found through ghostRow_
   std::vector<std::int64_t> ghostRow_;   ///< a padded row: offset into ghostPhase_, or -1 for a row of our own
 };

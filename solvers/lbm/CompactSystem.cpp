@@ -185,6 +185,7 @@ public:
       result.residual = firstResidual > 0 ? std::sqrt(sums.residual2 / firstResidual) : 0.0;
       reportProgress(
         problem_.options, problem_.comm, progressOf(result.balance, problem_.options.tolerance), "solving");
+      result.solverError = result.balance;
       if (!std::isfinite(result.balance))
         throw DivergenceError(fmt::format("the flux is not finite after {} iterations", result.iterations),
           "please report this with the picture and the conductivities");

@@ -49,6 +49,8 @@ private:
     const Communicator comm(comm_);
     const Block block = decompose(refined.lattice, comm_);
     SteadyOptions steady = options_.steady;
+    if (!final || !sink_)
+      steady.fieldTolerance = std::numeric_limits<double>::infinity(); // nobody sees the field
     SteadyDiffusion solver(refined.lattice, block, blockOf(refined, block), diffusivity_, steady, comm_);
     const SteadyResult result = solver.solve(answer.axis);
     answer.steps.push_back({ refinement, result.effective[static_cast<std::size_t>(answer.axis)],

@@ -87,11 +87,11 @@ void reportProgress(const SteadyOptions& options, const Communicator& comm, doub
     throw Cancelled();
 }
 
-double progressOf(double balance, double tolerance)
+double progressOf(double error, double wanted)
 {
-  if (!(balance > 0) || balance <= tolerance)
+  if (!(error > 0) || error <= wanted)
     return 1.0;
-  return std::clamp(std::log(balance) / std::log(tolerance), 0.05, 0.99);
+  return std::clamp(std::log(error) / std::log(wanted), 0.05, 0.99);
 }
 
 struct SteadyDiffusion::Impl
@@ -145,6 +145,9 @@ SteadyDiffusion::SteadyDiffusion(const Lattice& lattice, const Block& block, std
   if (!(options.tolerance > 0) || options.tolerance >= 1)
     throw ParameterError(fmt::format("tolerance {} is not between 0 and 1", options.tolerance),
       "ask for the relative error of the face fluxes, for instance 1e-8");
+  if (!(options.fieldTolerance > 0))
+    throw ParameterError(fmt::format("field tolerance {} is not above 0", options.fieldTolerance),
+      "ask for the relative error of the field's flux, for instance 1e-6, or infinity when the field does not matter");
   if (options.maxIterations < 1)
     throw ParameterError(fmt::format("{} iterations are too few", options.maxIterations), "allow at least 1");
   if (m.parts.block().size != block.size || m.parts.block().start != block.start)

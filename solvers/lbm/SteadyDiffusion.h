@@ -50,7 +50,10 @@ struct SteadyOptions
   Stencil stencil = Stencil::D2Q5;
   Sides sides = Sides::Insulated;
   Method method = Method::Auto;
-  double tolerance = 1e-8; ///< largest relative error of the flux through either face (see SteadyResult::balance)
+  double tolerance = 1e-8; ///< largest relative error of the effective value and of the flux through either face
+  /// Largest relative error of the field in the energy norm, which is that of its flux; infinity when only the
+  /// effective value is wanted, for which the square root of the tolerance will do.
+  double fieldTolerance = 1e-6;
   int maxIterations = 500;
   int threads = 1;
   Progress progress;
@@ -65,8 +68,9 @@ struct SteadyResult
   std::array<double, 3> effective{ 0, 0, 0 }; ///< column of the effective tensor: mean flux / mean gradient, -q_i/G
   double inletFlux = 0;                       ///< effective conductivity seen at the face of value 1
   double outletFlux = 0;                      ///< the same at the face of value 0
-  double balance = 0; ///< worse of |inlet − energy| and |outlet − energy|, over the energy estimate
+  double balance = 0;                         ///< worse of |inlet − energy| and |outlet − energy|, over the energy
   int iterations = 0;
+  double solverError = 0;   ///< estimated relative error that iteration leaves in the effective value
   double residual = 0;      ///< relative 2-norm of the residual, in double
   double setupSeconds = 0;  ///< wall
   double solveSeconds = 0;  ///< wall
@@ -83,9 +87,10 @@ struct SteadyResult
 ///
 /// With D2Q5 and D3Q7 this is the cell-centred finite volume scheme with harmonic faces.
 ///
-/// Solved with conjugate gradients in single precision, preconditioned by one multigrid V-cycle, inside double
-/// precision residual correction. The effective conductivity is taken from the energy uᵀAu, whose error is the square
-/// of the field's; the two face fluxes are compared with it, and the worse one must be within `tolerance`.
+/// Solved with conjugate gradients in single precision, preconditioned by one multigrid cycle, on a field and its
+/// residual in double. The effective conductivity is the energy uᵀAu, whose error is the square of the field's. At the
+/// end a Galerkin correction over the planes across the direction makes the flux through each of them, both faces
+/// included, equal to that energy (PlaneBalance).
 class SteadyDiffusion
 {
 public:

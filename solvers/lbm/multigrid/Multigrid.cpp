@@ -24,9 +24,9 @@ void Level::allocateLinks(int count)
 
 void Level::wrapRow(float* row) const noexcept
 {
-  // periodic rows have an even number of nodes
-  row[grid.even] = row[0];
-  row[grid.half - 1] = row[grid.half + grid.odd - 1];
+  // nodes nx and -1; an odd row has no coarser level, but it is multiplied by
+  row[grid.node(grid.nx)] = row[0];
+  row[grid.half - 1] = row[grid.node(grid.nx - 1)];
 }
 
 void Level::exchange(FloatArray& v) const

@@ -23,13 +23,14 @@ struct Level
 {
   Grid grid;
   std::array<bool, 3> periodic{ false, false, false };
-  bool straight = true;               ///< 5- or 7-point, the diagonal computed on the fly
-  std::vector<FloatArray> links;      ///< one array a forward direction
-  FloatArray inverse;                 ///< 1 / Σ links; empty when straight
-  FloatArray u;                       ///< correction (coarse levels)
-  FloatArray f;                       ///< right-hand side (coarse levels)
-  std::vector<FloatArray> residual;   ///< planes, used in turn
-  std::vector<std::uint16_t> weights; ///< interpolation from the next level, see Multigrid::weight
+  bool straight = true;             ///< 5- or 7-point, the diagonal computed on the fly
+  std::vector<FloatArray> links;    ///< one array a forward direction
+  FloatArray inverse;               ///< 1 / Σ links; empty when straight
+  FloatArray u;                     ///< correction (coarse levels)
+  FloatArray f;                     ///< right-hand side (coarse levels)
+  std::vector<FloatArray> residual; ///< planes, used in turn
+  std::vector<std::uint16_t, StaggeredAllocator<std::uint16_t>>
+    weights; ///< interpolation from the next level, see Multigrid::weight
   std::unique_ptr<Communicator> comm;
   std::unique_ptr<Decomposition> parts;
   Halo halo;
