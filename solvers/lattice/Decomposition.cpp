@@ -134,74 +134,118 @@ Halo::Halo(int dimension, std::array<std::int64_t, 3> size, const Decomposition&
 
 // Moves data along `step`: for +1 the last layer of the lower neighbour becomes the ghost layer -1 here. Layers of z
 // take the ghost rows of y along: beyond the box those belong to nobody else.
-void Halo::shift(int axis, int step, const RowSegment& segment) const
+std::vector<Halo::RowPair> Halo::rowPairs(int axis, int step) const
 {
-  const int to = neighbour_[axis][step > 0 ? 1 : 0];
-  const int from = neighbour_[axis][step > 0 ? 0 : 1];
-  const std::int64_t n = size_[axis];
+  const std::int64_t n = size_[static_cast<std::size_t>(axis)];
   const std::int64_t sendLayer = step > 0 ? n - 1 : 0;
   const std::int64_t receiveLayer = step > 0 ? -1 : n;
-
-  std::vector<std::pair<std::int64_t, std::int64_t>> rows; // (send, receive)
+  std::vector<RowPair> rows;
   if (axis == 2)
     for (std::int64_t y = -1; y <= size_[1]; ++y)
-      rows.emplace_back(row(y, sendLayer), row(y, receiveLayer));
+      rows.push_back({ row(y, sendLayer), row(y, receiveLayer) });
   else
     for (std::int64_t z = -ghostZ_; z < size_[2] + ghostZ_; ++z)
-      rows.emplace_back(row(sendLayer, z), row(receiveLayer, z));
-
-  if (to == comm_->rank() && from == comm_->rank())
-  {
-    for (const auto& [source, target] : rows)
-    {
-      const Segment s = segment(source);
-      std::memmove(segment(target).data, s.data, s.bytes);
-    }
-    return;
-  }
-
-  std::vector<std::byte> sendBuffer;
-  std::vector<std::byte> receiveBuffer;
-  if (to >= 0)
-    for (const auto& pair : rows)
-    {
-      const Segment s = segment(pair.first);
-      sendBuffer.insert(sendBuffer.end(), s.data, s.data + s.bytes);
-    }
-  if (from >= 0)
-  {
-    std::size_t bytes = 0;
-    for (const auto& pair : rows)
-      bytes += segment(pair.second).bytes;
-    receiveBuffer.resize(bytes);
-  }
-  MPI_Sendrecv(sendBuffer.data(), static_cast<int>(sendBuffer.size()), MPI_BYTE, to >= 0 ? to : MPI_PROC_NULL, 7,
-    receiveBuffer.data(), static_cast<int>(receiveBuffer.size()), MPI_BYTE, from >= 0 ? from : MPI_PROC_NULL, 7,
-    comm_->handle(), MPI_STATUS_IGNORE);
-  if (from >= 0)
-  {
-    std::size_t offset = 0;
-    for (const auto& pair : rows)
-    {
-      const Segment s = segment(pair.second);
-      std::memcpy(s.data, receiveBuffer.data() + offset, s.bytes);
-      offset += s.bytes;
-    }
-  }
+      rows.push_back({ row(sendLayer, z), row(receiveLayer, z) });
+  return rows;
 }
 
 void Halo::exchange(const RowSegment& segment) const
 {
   for (const int axis : { 2, 1 })
-    if (neighbour_[axis][0] >= 0 || neighbour_[axis][1] >= 0)
+  {
+    const auto& neighbours = neighbour_[static_cast<std::size_t>(axis)];
+    if (neighbours[0] < 0 && neighbours[1] < 0)
+      continue;
+    if (neighbours[0] == comm_->rank() && neighbours[1] == comm_->rank())
     {
-      shift(axis, +1, segment);
-      shift(axis, -1, segment);
+      for (const int step : { +1, -1 })
+        for (const auto& [source, target] : rowPairs(axis, step))
+        {
+          const Segment s = segment(source);
+          std::memmove(segment(target).data, s.data, s.bytes);
+        }
+      continue;
     }
+    // both ways at once: one wait an axis
+    struct Way
+    {
+      std::vector<RowPair> rows;
+      std::vector<std::byte> send;
+      std::vector<std::byte> receive;
+    };
+    std::array<Way, 2> ways;
+    std::vector<MPI_Request> requests;
+    for (const int step : { +1, -1 })
+    {
+      Way& way = ways[step > 0 ? 0 : 1];
+      const int from = neighbours[step > 0 ? 0 : 1];
+      way.rows = rowPairs(axis, step);
+      if (from < 0)
+        continue;
+      std::size_t bytes = 0;
+      for (const auto& pair : way.rows)
+        bytes += segment(pair.target).bytes;
+      way.receive.resize(bytes);
+      MPI_Irecv(way.receive.data(), static_cast<int>(bytes), MPI_BYTE, from, step > 0 ? 7 : 8, comm_->handle(),
+        &requests.emplace_back());
+    }
+    for (const int step : { +1, -1 })
+    {
+      Way& way = ways[step > 0 ? 0 : 1];
+      const int to = neighbours[step > 0 ? 1 : 0];
+      if (to < 0)
+        continue;
+      for (const auto& pair : way.rows)
+      {
+        const Segment s = segment(pair.source);
+        way.send.insert(way.send.end(), s.data, s.data + s.bytes);
+      }
+      MPI_Isend(way.send.data(), static_cast<int>(way.send.size()), MPI_BYTE, to, step > 0 ? 7 : 8, comm_->handle(),
+        &requests.emplace_back());
+    }
+    MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+    for (const Way& way : ways)
+    {
+      const std::byte* from = way.receive.data();
+      for (std::size_t i = 0; !way.receive.empty() && i < way.rows.size(); ++i)
+      {
+        const Segment s = segment(way.rows[i].target);
+        std::memcpy(s.data, from, s.bytes);
+        from += s.bytes;
+      }
+    }
+  }
 }
 
 void Halo::exchange(void* base, std::size_t rowBytes) const
 {
+  const auto& along = neighbour_[2];
+  const auto& across = neighbour_[1];
+  if (along[0] < 0 && along[1] < 0 && across[0] < 0 && across[1] < 0)
+    return; // alone; perhaps without MPI
+  const bool planesOnly = ghostZ_ > 0 && across[0] < 0 && across[1] < 0;
+  const bool elsewhere = along[0] != comm_->rank() && along[1] != comm_->rank();
+  if (planesOnly && elsewhere)
+  {
+    // planes of rows are contiguous: no copying
+    const std::size_t plane = static_cast<std::size_t>(size_[1] + 2) * rowBytes;
+    const auto at = [&](std::int64_t z)
+    { return static_cast<std::byte*>(base) + static_cast<std::size_t>(z + 1) * plane; };
+    const int count = static_cast<int>(plane);
+    std::array<MPI_Request, 4> requests;
+    int n = 0;
+    const auto handle = comm_->handle();
+    if (along[0] >= 0)
+      MPI_Irecv(at(-1), count, MPI_BYTE, along[0], 7, handle, &requests[static_cast<std::size_t>(n++)]);
+    if (along[1] >= 0)
+      MPI_Irecv(at(size_[2]), count, MPI_BYTE, along[1], 8, handle, &requests[static_cast<std::size_t>(n++)]);
+    if (along[1] >= 0)
+      MPI_Isend(at(size_[2] - 1), count, MPI_BYTE, along[1], 7, handle, &requests[static_cast<std::size_t>(n++)]);
+    if (along[0] >= 0)
+      MPI_Isend(at(0), count, MPI_BYTE, along[0], 8, handle, &requests[static_cast<std::size_t>(n++)]);
+    MPI_Waitall(n, requests.data(), MPI_STATUSES_IGNORE);
+    return;
+  }
   exchange(
     [base, rowBytes](std::int64_t r) {
       return Segment{ static_cast<std::byte*>(base) + static_cast<std::size_t>(r) * rowBytes, rowBytes };

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 namespace lamella
 {
@@ -85,7 +86,13 @@ public:
   [[nodiscard]] bool inside(int axis, int step) const noexcept { return neighbour_[axis][step > 0 ? 1 : 0] >= 0; }
 
 private:
-  void shift(int axis, int step, const RowSegment& segment) const;
+  struct RowPair
+  {
+    std::int64_t source;
+    std::int64_t target;
+  };
+  /// Rows to send to the neighbour in direction `step`, and where those from the other side go.
+  [[nodiscard]] std::vector<RowPair> rowPairs(int axis, int step) const;
 
   const Communicator* comm_ = nullptr;
   std::array<std::int64_t, 3> size_{ 1, 1, 1 };

@@ -13,10 +13,10 @@ namespace lamella
 /// upright. Volumes keep the order of their file.
 struct Lattice
 {
-  int dimension = 2;                               ///< 2 or 3
-  std::array<std::int64_t, 3> size{ 1, 1, 1 };     ///< nodes along x, y, z; size[2] is 1 in 2D
-  double spacing = 1.0;                            ///< δx [m], the same along every axis
-  std::array<double, 3> origin{ 0.5, 0.5, 0.5 };   ///< position of the first node [m]; half a spacing from the edge
+  int dimension = 2;                             ///< 2 or 3
+  std::array<std::int64_t, 3> size{ 1, 1, 1 };   ///< nodes along x, y, z; size[2] is 1 in 2D
+  double spacing = 1.0;                          ///< δx [m], the same along every axis
+  std::array<double, 3> origin{ 0.5, 0.5, 0.5 }; ///< position of the first node [m]; half a spacing from the edge
 
   [[nodiscard]] std::int64_t count() const noexcept { return size[0] * size[1] * size[2]; }
   [[nodiscard]] std::int64_t index(std::int64_t x, std::int64_t y, std::int64_t z = 0) const noexcept
@@ -31,7 +31,8 @@ struct Lattice
 [[nodiscard]] inline Lattice makeLattice(
   std::int64_t nx, std::int64_t ny, std::int64_t nz, int dimension, double spacing) noexcept
 {
-  return Lattice{ dimension, { nx, ny, nz }, spacing, { spacing / 2, spacing / 2, dimension == 3 ? spacing / 2 : 0.0 } };
+  return Lattice{ dimension, { nx, ny, nz }, spacing,
+    { spacing / 2, spacing / 2, dimension == 3 ? spacing / 2 : 0.0 } };
 }
 
 } // namespace lamella

@@ -236,13 +236,7 @@ private:
   // p = z + β p, then one step along p; returns its length, 0 when p carries no energy (round-off).
   double step(double rz, float beta)
   {
-    forEachRow(
-      [&](std::int64_t, std::int64_t, std::int64_t row, const Grid& g)
-      {
-        kernels().xpby(g.even, z_.data() + row, beta, p_.data() + row);
-        kernels().xpby(g.odd, z_.data() + row + g.half, beta, p_.data() + row + g.half);
-      });
-    const double pq = problem_.comm.sum(multigrid_.multiply(p_, z_));
+    const double pq = problem_.comm.sum(multigrid_.advance(z_, beta, p_, z_));
     if (!(pq > 0))
       return 0;
     const float alpha = static_cast<float>(rz / pq); // the same for field and residual, or they would drift apart
@@ -406,23 +400,7 @@ Level MultigridSystem::finestLevel()
   }
 
   if (!level.straight)
-  {
-    level.inverse.assign(g.floats(), 0.0F);
-    for (std::int64_t z = 0; z < g.nz; ++z)
-      for (std::int64_t y = 0; y < g.ny; ++y)
-        for (const int part : { 0, 1 })
-        {
-          const float* link[2 * maxForward];
-          for (int d = 0; d < level.directions(); ++d)
-          {
-            const float* array = level.links[static_cast<std::size_t>(d)].data();
-            link[2 * d] = array + g.row(y - directions[d][1], z - directions[d][2]) + g.shift(part, -directions[d][0]);
-            link[2 * d + 1] = array + g.row(y, z) + g.shift(part, 0);
-          }
-          kernels().inverseSum(
-            2 * level.directions(), g.count(part), level.inverse.data() + g.row(y, z) + g.shift(part, 0), link);
-        }
-  }
+    computeInverse(level);
   return level;
 }
 

@@ -1,8 +1,7 @@
 #pragma once
 
-#include "lattice/Decomposition.h"
-#include "lbm/multigrid/Grid.h"
-#include "lbm/multigrid/Kernels.h"
+#include "lbm/multigrid/Level.h"
+#include "lbm/multigrid/Smoothing.h"
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
@@ -14,38 +13,6 @@
 
 namespace lamella::lbm
 {
-
-/// One level: links to the forward half of the neighbours, and the work vectors of the cycle.
-///
-/// What lies beyond a fixed face is a layer of ghost nodes of value zero, linked like any others: so no level needs to
-/// know about walls, and a row of the matrix always sums to zero.
-struct Level
-{
-  Grid grid;
-  std::array<bool, 3> periodic{ false, false, false };
-  bool straight = true;             ///< 5- or 7-point, the diagonal computed on the fly
-  std::vector<FloatArray> links;    ///< one array a forward direction
-  FloatArray inverse;               ///< 1 / Σ links; empty when straight
-  FloatArray u;                     ///< correction (coarse levels)
-  FloatArray f;                     ///< right-hand side (coarse levels)
-  std::vector<FloatArray> residual; ///< planes, used in turn
-  std::vector<std::uint16_t, StaggeredAllocator<std::uint16_t>>
-    weights; ///< interpolation from the next level, see Multigrid::weight
-  std::unique_ptr<Communicator> comm;
-  std::unique_ptr<Decomposition> parts;
-  Halo halo;
-  std::array<std::int64_t, 3> start{ 0, 0, 0 }; ///< of this block in the level's lattice
-  std::array<std::int64_t, 3> size{ 1, 1, 1 };  ///< of the level's lattice
-  int halvings = 0;                             ///< from the finest level
-  bool gathered = false;                        ///< the next level is the same lattice, whole on every rank
-
-  [[nodiscard]] int directions() const noexcept { return static_cast<int>(links.size()); }
-  void allocateLinks(int count);
-  /// Fills ghost ends of rows (periodic x) and ghost rows.
-  void exchange(FloatArray& v) const;
-  /// The same for ghost ends only, of one part of one row.
-  void wrapRow(float* row) const noexcept;
-};
 
 /// Symmetric V- or W-cycle with one multicolour Gauss–Seidel sweep before and one, reversed, after: a preconditioner
 /// for conjugate gradients.
@@ -65,8 +32,8 @@ public:
 
   /// z = M r on the finest level's layout; the ghosts of r need not be set, those of z are.
   void apply(const FloatArray& r, FloatArray& z);
-  /// q = A p; returns this rank's p·q. The ghosts of p are filled first.
-  double multiply(FloatArray& p, FloatArray& q) const;
+  /// p = z + β p, then q = A p; returns this rank's p·q. q may be z. Ghosts of p are filled.
+  double advance(const FloatArray& z, float beta, FloatArray& p, FloatArray& q) const;
 
   /// 1: V-cycle, 2: W-cycle. Takes effect at the next apply().
   void setVisits(int visits) noexcept { visits_ = visits; }
@@ -85,13 +52,12 @@ private:
   void factorize(const Level& coarsest);
 
   void cycle(std::size_t level, const FloatArray& f, FloatArray& u, bool fromZero);
-  void relax(const Level& level, const FloatArray& f, FloatArray& u, bool forward, bool fromZero) const;
-  void relaxRow(const Level& level, const FloatArray& f, FloatArray& u, std::int64_t y, std::int64_t z, int part,
-    bool fromZero) const;
-  void residualRow(const Level& level, const FloatArray& f, const FloatArray& u, std::int64_t y, std::int64_t z,
-    float* out, bool afterForwardSweep) const;
-  void restrictResidual(Level& fine, const FloatArray& f, const FloatArray& u, Level& coarse) const;
+  /// @param finish  makes u final up to a plane of the fine level, before the residual there is taken
+  void restrictResidual(
+    Level& fine, const FloatArray& f, const FloatArray& u, Level& coarse, const LayerHook& finish) const;
   void interpolateAdd(const Level& fine, FloatArray& u, const Level& coarse) const;
+  /// From row cy of plane cz of the coarse level to the fine rows of its cells; ghosts stay as they are.
+  void interpolateRow(const Level& fine, FloatArray& u, const Level& coarse, std::int64_t cy, std::int64_t cz) const;
   void solveDirectly(const Level& coarsest, const FloatArray& f, FloatArray& u) const;
   void gatherVector(const Level& part, const FloatArray& v, Level& whole, FloatArray& out) const;
   void scatterVector(const Level& whole, const FloatArray& v, const Level& part, FloatArray& out) const;

@@ -1,0 +1,214 @@
+// The coarsest level, by sparse Cholesky; and levels gathered on every rank.
+#include "lattice/Error.h"
+#include "lbm/multigrid/Multigrid.h"
+
+#include <algorithm>
+
+namespace lamella::lbm
+{
+
+void Multigrid::factorize(const Level& coarsest)
+{
+  const Grid& g = coarsest.grid;
+  const int(*directions)[3] = g.dimension == 3 ? directions3 : directions2;
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto id = [&](std::int64_t x, std::int64_t y, std::int64_t z)
+  { return static_cast<int>(x + g.nx * (y + g.ny * z)); };
+  double toGhosts = 0;
+  double largest = 0;
+  for (std::int64_t z = 0; z < g.nz; ++z)
+    for (std::int64_t y = 0; y < g.ny; ++y)
+      for (std::int64_t x = 0; x < g.nx; ++x)
+      {
+        double diagonal = 0;
+        for (int d = 0; d < coarsest.directions(); ++d)
+          for (const int sign : { 1, -1 })
+          {
+            std::array<std::int64_t, 3> q{ x + sign * directions[d][0], y + sign * directions[d][1],
+              z + sign * directions[d][2] };
+            const FloatArray& array = coarsest.links[static_cast<std::size_t>(d)];
+            const double link = sign > 0 ? array[static_cast<std::size_t>(g.row(y, z) + g.node(x))]
+                                         : array[static_cast<std::size_t>(g.row(q[1], q[2]) + g.node(q[0]))];
+            const std::array<std::int64_t, 3> size{ g.nx, g.ny, g.nz };
+            bool ghost = false;
+            for (std::size_t a = 0; a < 3; ++a)
+              if (q[a] < 0 || q[a] >= size[a])
+              {
+                if (coarsest.periodic[a])
+                  q[a] = (q[a] + size[a]) % size[a];
+                else
+                  ghost = true;
+              }
+            const int other = ghost ? -1 : id(q[0], q[1], q[2]);
+            if (other == id(x, y, z))
+              continue;
+            diagonal += link;
+            if (ghost)
+              toGhosts += link;
+            else
+              entries.emplace_back(id(x, y, z), other, -link);
+          }
+        largest = std::max(largest, diagonal);
+        entries.emplace_back(id(x, y, z), id(x, y, z), diagonal);
+      }
+  if (toGhosts == 0.0) // periodic: the constant is free; one node holds it
+    entries.emplace_back(0, 0, largest);
+  const int n = static_cast<int>(g.nx * g.ny * g.nz);
+  Eigen::SparseMatrix<double> matrix(n, n);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  direct_.compute(matrix);
+  if (direct_.info() != Eigen::Success)
+    throw DivergenceError("the coarsest multigrid level could not be factorised",
+      "use --method algebraic-multigrid; and please report this with the picture and the conductivities");
+}
+
+void Multigrid::solveDirectly(const Level& coarsest, const FloatArray& f, FloatArray& u) const
+{
+  const Grid& g = coarsest.grid;
+  Eigen::VectorXd right(g.nx * g.ny * g.nz);
+  Eigen::Index i = 0;
+  for (std::int64_t z = 0; z < g.nz; ++z)
+    for (std::int64_t y = 0; y < g.ny; ++y)
+      for (std::int64_t x = 0; x < g.nx; ++x)
+        right[i++] = f[static_cast<std::size_t>(g.row(y, z) + g.node(x))];
+  const Eigen::VectorXd left = direct_.solve(right);
+  i = 0;
+  for (std::int64_t z = 0; z < g.nz; ++z)
+    for (std::int64_t y = 0; y < g.ny; ++y)
+      for (std::int64_t x = 0; x < g.nx; ++x)
+        u[static_cast<std::size_t>(g.row(y, z) + g.node(x))] = static_cast<float>(left[i++]);
+  coarsest.exchange(u);
+}
+
+namespace
+{
+
+// Every rank's padded block of rows, and where each begins in `all`.
+std::vector<float> gatherRows(const Level& part, const float* send, std::int64_t sendCount,
+  const std::function<std::int64_t(const Block&)>& countOf, std::vector<std::int64_t>& begin)
+{
+  std::vector<int> counts;
+  std::vector<int> starts;
+  int total = 0;
+  for (int r = 0; r < part.comm->size(); ++r)
+  {
+    counts.push_back(static_cast<int>(countOf(part.parts->block(r))));
+    starts.push_back(total);
+    begin.push_back(total);
+    total += counts.back();
+  }
+  std::vector<float> all(static_cast<std::size_t>(total));
+  MPI_Allgatherv(send, static_cast<int>(sendCount), MPI_FLOAT, all.data(), counts.data(), starts.data(), MPI_FLOAT,
+    part.comm->handle());
+  return all;
+}
+
+// Another rank's block of this level; blocks begin at multiples of 2^halvings on the finest.
+Grid blockGrid(const Level& part, const Block& finest, std::array<std::int64_t, 3>& start)
+{
+  std::array<std::int64_t, 3> size{};
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    const std::int64_t unit = std::int64_t{ 1 } << part.halvings;
+    start[a] = finest.start[a] / unit;
+    size[a] = (finest.start[a] + finest.size[a] + unit - 1) / unit - start[a];
+  }
+  return Grid(part.grid.dimension, size[0], size[1], size[2]);
+}
+
+} // namespace
+
+std::unique_ptr<Level> Multigrid::gather(const Level& part) const
+{
+  auto whole = std::make_unique<Level>();
+  whole->grid = Grid(part.grid.dimension, part.size[0], part.size[1], part.size[2]);
+  whole->periodic = part.periodic;
+  whole->straight = part.straight;
+  whole->size = part.size;
+  whole->comm = std::make_unique<Communicator>(MPI_COMM_SELF);
+  Lattice lattice;
+  lattice.dimension = part.grid.dimension;
+  lattice.size = part.size;
+  whole->parts = std::make_unique<Decomposition>(lattice, *whole->comm);
+  const Grid& w = whole->grid;
+  whole->halo = Halo(w.dimension, { w.nx, w.ny, w.nz }, *whole->parts, *whole->comm, whole->periodic);
+  whole->allocateLinks(part.directions());
+  if (!part.straight)
+    whole->inverse.assign(w.floats(), 0.0F);
+  whole->u.assign(w.floats(), 0.0F);
+  whole->f.assign(w.floats(), 0.0F);
+
+  const auto copyArray = [&](const FloatArray& from, FloatArray& to)
+  {
+    std::vector<std::int64_t> begin;
+    const std::int64_t count = part.grid.rows() * part.grid.stride;
+    const auto all = gatherRows(
+      part, from.data() + Grid::lead, count,
+      [&](const Block& b)
+      {
+        std::array<std::int64_t, 3> start{};
+        const Grid g = blockGrid(part, b, start);
+        return g.rows() * g.stride;
+      },
+      begin);
+    for (int r = 0; r < part.comm->size(); ++r)
+    {
+      std::array<std::int64_t, 3> start{};
+      const Grid g = blockGrid(part, part.parts->block(r), start);
+      for (std::int64_t z = -g.ghostZ; z < g.nz + g.ghostZ; ++z)
+        for (std::int64_t y = -1; y <= g.ny; ++y)
+        {
+          const std::int64_t wy = y + start[1];
+          const std::int64_t wz = z + start[2];
+          const bool ownedY = y >= 0 && y < g.ny;
+          const bool ownedZ = z >= 0 && z < g.nz;
+          if ((ownedY || wy < 0 || wy >= w.ny) && (ownedZ || wz < 0 || wz >= w.nz))
+            std::copy_n(all.data() + begin[static_cast<std::size_t>(r)] + g.row(y, z) - Grid::lead, g.stride,
+              to.data() + w.row(wy, wz));
+        }
+    }
+    whole->exchange(to);
+  };
+  for (int d = 0; d < part.directions(); ++d)
+    copyArray(part.links[static_cast<std::size_t>(d)], whole->links[static_cast<std::size_t>(d)]);
+  if (!part.straight)
+    copyArray(part.inverse, whole->inverse);
+  return whole;
+}
+
+void Multigrid::gatherVector(const Level& part, const FloatArray& v, Level& whole, FloatArray& out) const
+{
+  const Grid& g = part.grid;
+  std::vector<float> send(static_cast<std::size_t>(g.ny * g.nz * g.stride));
+  for (std::int64_t i = 0; i < g.ny * g.nz; ++i)
+    std::copy_n(v.data() + g.row(i % g.ny, i / g.ny), g.stride, send.data() + i * g.stride);
+  std::vector<std::int64_t> begin;
+  const auto all = gatherRows(
+    part, send.data(), static_cast<std::int64_t>(send.size()),
+    [&](const Block& b)
+    {
+      std::array<std::int64_t, 3> start{};
+      const Grid block = blockGrid(part, b, start);
+      return block.ny * block.nz * block.stride;
+    },
+    begin);
+  for (int r = 0; r < part.comm->size(); ++r)
+  {
+    std::array<std::int64_t, 3> start{};
+    const Grid block = blockGrid(part, part.parts->block(r), start);
+    for (std::int64_t i = 0; i < block.ny * block.nz; ++i)
+      std::copy_n(all.data() + begin[static_cast<std::size_t>(r)] + i * block.stride, block.stride,
+        out.data() + whole.grid.row(i % block.ny + start[1], i / block.ny + start[2]));
+  }
+}
+
+void Multigrid::scatterVector(const Level& whole, const FloatArray& v, const Level& part, FloatArray& out) const
+{
+  // ghost rows too: the whole level has all of them
+  const Grid& g = part.grid;
+  for (std::int64_t z = -g.ghostZ; z < g.nz + g.ghostZ; ++z)
+    for (std::int64_t y = -1; y <= g.ny; ++y)
+      std::copy_n(v.data() + whole.grid.row(y + part.start[1], z + part.start[2]), g.stride, out.data() + g.row(y, z));
+}
+
+} // namespace lamella::lbm
