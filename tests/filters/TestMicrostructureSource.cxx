@@ -1,6 +1,7 @@
 // All generators through the pipeline: the same sample whole and in pieces.
 #include "VtkTesting.h"
 
+#include "generators/Generators.h"
 #include "vtkMicrostructureSource.h"
 
 #include <gtest/gtest.h>
@@ -80,6 +81,27 @@ INSTANTIATE_TEST_SUITE_P(All, MicrostructureSource,
     Kind{ vtkMicrostructureSource::INCLUSIONS, { 160, 160, 1 }, 0.4, 0.01 },
     Kind{ vtkMicrostructureSource::INCLUSIONS, { 80, 80, 80 }, 0.4, 0.02 },
     Kind{ vtkMicrostructureSource::LAMINATE, { 40, 40, 1 }, 0.4, 1e-12 }));
+
+TEST(MicrostructureSourceDefaults, AreTheGenerators)
+{
+  // A whole ring and a depth, so that every default has a say.
+  generators::SoftwoodOptions options;
+  options.dimension = 3;
+  options.size = { 200, 60, 8 };
+  options.ringPosition1 = 1;
+  const PhaseImage expected = generators::softwood(options);
+  vtkNew<vtkMicrostructureSource> source;
+  source->SetSize(200, 60, 8);
+  source->SetRingPosition(0, 1);
+  ASSERT_EQ(vtktest::errorOf(source), "");
+  const auto view = viewPhases(source->GetOutput());
+  EXPECT_EQ(view.lattice.spacing, expected.lattice.spacing);
+  EXPECT_TRUE(std::equal(view.phase.begin(), view.phase.end(), expected.phase.begin(), expected.phase.end()));
+  vtkNew<vtkMicrostructureSource> whole; // the size is a default too
+  EXPECT_EQ(whole->GetSize()[0], generators::SoftwoodOptions().size[0]);
+  EXPECT_EQ(whole->GetSize()[1], generators::SoftwoodOptions().size[1]);
+  EXPECT_EQ(whole->GetSize()[2], generators::SoftwoodOptions().size[2]);
+}
 
 TEST(MicrostructureSourceErrors, SaysWhatIsWrong)
 {
