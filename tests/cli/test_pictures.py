@@ -86,7 +86,7 @@ class Results(Case):
 
     def test_snapshots_of_what_is_not_there(self):
         self.fails(2, "pictures are written as PNG", ".png", "snapshot", "h_y.vti", "-o", "s.jpg")
-        self.fails(3, "", "", "snapshot", "h_y.vti", "--array", "stress", "-o", "s.png")
+        self.fails(3, "there is no array 'stress'", "name one of these", "snapshot", "h_y.vti", "--array", "stress", "-o", "s.png")
         self.fails(2, "--preset 'fluks'", "did you mean 'flux'?", "snapshot", "h_y.vti", "--preset", "fluks", "-o", "s.png")
         self.fails(2, "--size '10,10' is outside 64 to 16384", "leave it out", "snapshot", "h_y.vti", "--size", "10,10", "-o", "s.png")
         self.fails(2, "--background 'mauve'", "#RRGGBB", "snapshot", "h_y.vti", "--background", "mauve", "-o", "s.png")
