@@ -73,6 +73,12 @@ TEST_P(MicrostructureSource, PiecesAreCutsOfTheWhole)
   }
 }
 
+std::string nameOf(const ::testing::TestParamInfo<Kind>& kind)
+{
+  static const char* const names[] = { "softwood", "honeycomb", "checkerboard", "inclusions", "laminate" };
+  return std::string(names[kind.param.kind]) + (kind.param.size[2] > 1 ? "_3D" : "_2D");
+}
+
 INSTANTIATE_TEST_SUITE_P(All, MicrostructureSource,
   ::testing::Values(Kind{ vtkMicrostructureSource::SOFTWOOD, { 120, 100, 1 }, 0.4, 1e-4 },
     Kind{ vtkMicrostructureSource::SOFTWOOD, { 48, 40, 40 }, 0.4, 1e-4 },
@@ -80,7 +86,8 @@ INSTANTIATE_TEST_SUITE_P(All, MicrostructureSource,
     Kind{ vtkMicrostructureSource::CHECKERBOARD, { 48, 40, 1 }, 0.5, 1e-12 },
     Kind{ vtkMicrostructureSource::INCLUSIONS, { 160, 160, 1 }, 0.4, 0.01 },
     Kind{ vtkMicrostructureSource::INCLUSIONS, { 80, 80, 80 }, 0.4, 0.02 },
-    Kind{ vtkMicrostructureSource::LAMINATE, { 40, 40, 1 }, 0.4, 1e-12 }));
+    Kind{ vtkMicrostructureSource::LAMINATE, { 40, 40, 1 }, 0.4, 1e-12 }),
+  nameOf);
 
 TEST(MicrostructureSourceDefaults, AreTheGenerators)
 {
