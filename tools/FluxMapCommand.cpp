@@ -10,6 +10,7 @@
 #include "vtkLatticeConversion.h"
 
 #include <vtkCallbackCommand.h>
+#include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
@@ -105,6 +106,28 @@ std::string tableOf(const Json& json)
   return text;
 }
 
+/// Is there anything that lamella diffusion, or another solver that calls it so, computed? A name may end in _x, _y,
+/// _z.
+bool holdsSolution(vtkImageData* image)
+{
+  const auto hasArray = [](vtkFieldData* data)
+  {
+    for (int i = 0; i < data->GetNumberOfArrays(); ++i)
+    {
+      const std::string name = data->GetArrayName(i) == nullptr ? "" : data->GetArrayName(i);
+      for (const char* quantity : { "temperature", "concentration", "flux" })
+      {
+        if (name.rfind(quantity, 0) == 0)
+        {
+          return true;
+        }
+      }
+    }
+    return false;
+  };
+  return hasArray(image->GetPointData()) || hasArray(image->GetCellData()); // the filter says what is wrong with cells
+}
+
 void fluxMap(Session& session, const FluxMapOptions& options, const std::string& commandLine)
 {
   const auto start = std::chrono::steady_clock::now();
@@ -130,9 +153,16 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
   }
 
   const auto data = readGrid(options.file);
-  if (vtkImageData::SafeDownCast(data) == nullptr)
+  auto* const image = vtkImageData::SafeDownCast(data);
+  if (image == nullptr)
   {
     throw InputError("'" + options.file + "' holds no image", "give a .vti file that lamella diffusion wrote");
+  }
+  if (!holdsSolution(image))
+  {
+    throw InputError(
+      "'" + options.file + "' holds a sample and no solution: neither temperature, concentration nor flux",
+      "solve first: lamella diffusion " + options.file + " --conductivity NAME=VALUE ... -o FILE.vti");
   }
   vtkNew<vtkFluxMap> filter;
   filter->SetInputDataObject(data);

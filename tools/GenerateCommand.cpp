@@ -32,25 +32,33 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
+/// The generators' own defaults, as one would type them.
+const generators::SoftwoodOptions tissue;
+
+std::string micrometres(double metres)
+{
+  return fmt::format("{:g}um", metres * 1e6);
+}
+
 /// Everything the kinds take; each declares what it knows.
 struct GenerateOptions
 {
   CommonOptions common;
   std::string output;
   std::string size;
-  std::string pixelSize = "1um";
+  std::string pixelSize = micrometres(tissue.spacing);
   std::string fraction;
-  std::string ring = "0,0";
-  std::string tangential = "30um";
-  std::string radialEarly = "36um";
-  std::string radialLate = "12um";
-  std::string rayEvery = "240um";
-  std::string length = "200um";
-  double scatter = 0.12;
+  std::string ring = fmt::format("{:g},{:g}", tissue.ringPosition0, tissue.ringPosition1);
+  std::string tangential = micrometres(tissue.tangentialDiameter);
+  std::string radialEarly = micrometres(tissue.radialDiameterEarly);
+  std::string radialLate = micrometres(tissue.radialDiameterLate);
+  std::string rayEvery = micrometres(tissue.rayEvery);
+  std::string length = micrometres(tissue.tracheidLength);
+  double scatter = tissue.scatter;
   int cells = 4;
   int periods = 4;
   std::string axis = "x";
-  std::uint64_t seed = 1;
+  std::uint64_t seed = tissue.seed;
 };
 
 struct Box
@@ -252,7 +260,9 @@ Command generateCommand(CLI::App& root)
   {
     auto options = std::make_shared<GenerateOptions>();
     options->size = size;
-    options->fraction = name == "softwood" || name == "honeycomb" ? "0.40" : "0.5";
+    options->fraction = name == "softwood" ? fmt::format("{:.2f}", tissue.solidFraction)
+      : name == "honeycomb"                ? fmt::format("{:.2f}", generators::HoneycombOptions().solidFraction)
+                                           : "0.5";
     CLI::App* command = app->add_subcommand(name, description);
     addOutputOptions(
       *command, options->output, options->common, "File to write: .png, .tif (volumes: a stack), .vti or .raw")

@@ -273,10 +273,9 @@ void writeGrid(vtkDataObject* data, const OutputFile& file)
     forgetRanges(set->GetCellData());
   }
   (void)VtkMessages::takeErrors();
-  const auto write = [&](auto&& writer)
+  const auto write = [&](auto& writer)
   {
     writer->SetInputDataObject(data);
-    writer->SetFileName(file.temporary().c_str());
     writer->SetDataModeToBinary();    // inline: GridReaders.h says why not appended
     writer->SetCompressorTypeToLZ4(); // a fifth of zlib's time for nearly its size
     if (writer->Write() != 1 || writer->GetErrorCode() != vtkErrorCode::NoError)
@@ -286,11 +285,17 @@ void writeGrid(vtkDataObject* data, const OutputFile& file)
   };
   if (vtkPolyData::SafeDownCast(data) != nullptr)
   {
-    write(vtkNew<vtkXMLPolyDataWriter>());
+    // By way of memory: when the disk is full, VTK 9.2's writer of inline poly data frees what it never allocated.
+    vtkNew<vtkXMLPolyDataWriter> writer;
+    writer->WriteToOutputStringOn();
+    write(writer);
+    file.write(writer->GetOutputString());
   }
   else
   {
-    write(vtkNew<vtkXMLImageDataWriter>());
+    vtkNew<vtkXMLImageDataWriter> writer;
+    writer->SetFileName(file.temporary().c_str());
+    write(writer);
   }
 }
 

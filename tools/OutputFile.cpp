@@ -26,6 +26,8 @@ namespace
 constexpr int slots = 16;
 char names[slots][PATH_MAX];
 std::atomic<bool> used[slots];
+// Set before the files are removed: what is written from then on is written in vain.
+std::atomic<bool> removed;
 
 int keep(const std::string& name)
 {
@@ -105,6 +107,11 @@ OutputFile::OutputFile(const fs::path& path, bool overwrite)
     }
   }
   slot_ = keep(temporary_.string());
+  if (removed.load()) // a signal came before it could see this file
+  {
+    ::unlink(temporary_.c_str());
+    throw Cancelled();
+  }
 }
 
 OutputFile::~OutputFile()
@@ -153,6 +160,10 @@ void OutputFile::needs(std::uint64_t bytes) const
 
 void OutputFile::failed(const std::string& why) const
 {
+  if (removed.load())
+  {
+    throw Cancelled();
+  }
   throw OutputError("cannot write " + quoted(path_) + ": " + why, hintFor(ENOSPC));
 }
 
@@ -177,6 +188,10 @@ void OutputFile::failed() const
 
 void OutputFile::rethrow(const Error& error) const
 {
+  if (removed.load())
+  {
+    throw Cancelled();
+  }
   std::string message = error.what();
   const std::size_t at = message.find(temporary_.string());
   if (at != std::string::npos)
@@ -214,6 +229,10 @@ void OutputFile::write(std::string_view bytes) const
 
 void OutputFile::commit()
 {
+  if (removed.load()) // a writer that opens by name may have made the file anew
+  {
+    throw Cancelled();
+  }
   const int file = ::open(temporary_.c_str(), O_WRONLY | O_CLOEXEC);
   if (file < 0 || ::fsync(file) != 0)
   {
@@ -270,6 +289,7 @@ void OutputFile::commit()
 
 void OutputFile::removeAll() noexcept
 {
+  removed.store(true);
   for (int slot = 0; slot < slots; ++slot)
   {
     if (used[slot].load())

@@ -53,10 +53,12 @@ public:
   /// do not name the temporary file, go on as they are.
   void rethrow(const Error& error) const;
 
-  /// @throws OutputError
+  /// @throws OutputError; Cancelled after removeAll()
   void commit();
 
-  /// Removes every temporary file that is open; safe to call from a signal handler.
+  /// Removes every temporary file that is open, and no OutputFile can be made or committed after it (Cancelled). Safe
+  /// to call from a signal handler, where it must happen: mpirun kills its processes a second after it told them to
+  /// end, and a solver may take longer than that to notice.
   static void removeAll() noexcept;
 
 private:

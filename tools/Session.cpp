@@ -25,9 +25,9 @@ volatile std::sig_atomic_t caught = 0;
 
 extern "C" void onSignal(int signal)
 {
+  OutputFile::removeAll();
   if (caught != 0) // the second time: at once
   {
-    OutputFile::removeAll();
     _exit(128 + signal);
   }
   caught = signal;

@@ -3,14 +3,16 @@
     export PYTHONPATH=build/python
     pvpython examples/diffusion/diffusion.py
     mpirun -n 2 pvbatch examples/diffusion/diffusion.py
+    pvpython examples/diffusion/diffusion.py --picture wood.png --phase 0=lumen --phase 255=wall --pixel-size 5e-7
 
-Makes the tissue, computes, prints the effective conductivities between their bounds, and writes to --output:
+Makes the tissue (or reads --picture), computes, prints the effective conductivities between their bounds, and writes to --output:
   heat.vti, vapour.vti (or .pvti)   fields of both directions, for ParaView
   heat.vtp, vapour.vtp (or .pvtp)   streamlines
   heat.png, vapour.png              where the flux goes
 """
 
 import argparse
+import math
 import os
 
 import lamella  # before the first view: lets ParaView draw with no display
@@ -58,20 +60,25 @@ def draw(flux, title, path):
     colours.AutomaticRescaleRangeMode = "Never"
     # A few corners carry many times the mean: they would leave the rest dark.
     mean = abs(numbers(flux, "mean_flux")[4])
-    colours.RescaleTransferFunction(0, min(flux.PointData["flux_magnitude"].GetRange()[1], 8 * mean))
+    top = min(flux.PointData["flux_magnitude"].GetRange()[1], 5 * mean)
+    step = 10 ** math.floor(math.log10(top)) / 2
+    colours.RescaleTransferFunction(0, math.ceil(top / step) * step)
     legend = GetScalarBar(colours, view)  # noqa: F405
     legend.Title = title
     legend.ComponentTitle = ""
     legend.TitleColor = legend.LabelColor = [0.1, 0.1, 0.1]
     legend.Orientation = "Horizontal"
-    legend.WindowLocation = "Lower Center"
+    legend.RangeLabelFormat = legend.LabelFormat = "%g"
+    legend.WindowLocation = "Any Location"
+    legend.Position = [0.25, 0.25 * below / height]
     legend.ScalarBarLength = 0.5
     shown.SetScalarBarVisibility(view, True)
 
     lines = Show(OutputPort(flux, 1), view)  # noqa: F405
     ColorBy(lines, None)  # noqa: F405
     lines.AmbientColor = lines.DiffuseColor = [1, 1, 1]
-    lines.LineWidth = 1
+    lines.LineWidth = 1.5
+    lines.Position = [0, 0, scale]  # towards the camera: in the map's own plane they would be drawn in part only
     SaveScreenshot(path, view)  # noqa: F405
     Delete(view)  # noqa: F405
 
@@ -81,13 +88,24 @@ def main():
     parser.add_argument("--size", type=int, nargs=2, default=[600, 400], help="nodes along x and y [600 400]")
     parser.add_argument("--solid-fraction", type=float, default=0.40, help="share of the cell walls [0.40]")
     parser.add_argument("--seed", type=int, default=2016, help="another seed, another piece of wood [2016]")
+    parser.add_argument("--picture", help="compute this label picture instead of a generated tissue")
+    parser.add_argument("--phase", action="append", metavar="GREY=NAME", help="a grey of the picture: lumen or wall")
+    parser.add_argument("--pixel-size", type=float, help="edge of a pixel of the picture in metres")
     parser.add_argument("--output", default="results/diffusion", help="folder [results/diffusion]")
     options = parser.parse_args()
     os.makedirs(options.output, exist_ok=True)
 
-    tissue = MicrostructureSource(  # noqa: F405
-        Size=[*options.size, 1], SolidFraction=options.solid_fraction, Seed=options.seed, RingPosition=[0, 1]
-    )
+    if options.picture:
+        phases = options.phase or ["0=lumen", "255=wall"]
+        tissue = PictureReader(  # noqa: F405
+            FileName=options.picture, Phases=[word for phase in phases for word in phase.split("=", 1)]
+        )
+        if options.pixel_size:
+            tissue.PixelSize = options.pixel_size
+    else:
+        tissue = MicrostructureSource(  # noqa: F405
+            Size=[*options.size, 1], SolidFraction=options.solid_fraction, Seed=options.seed, RingPosition=[0, 1]
+        )
     parts = servermanager.vtkProcessModule.GetProcessModule().GetNumberOfLocalPartitions()  # noqa: F405
     prefix = "p" if parts > 1 else ""
     rows = []

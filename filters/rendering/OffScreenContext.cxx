@@ -2,6 +2,9 @@
 
 #include <cstdlib>
 #include <dlfcn.h>
+#include <mutex>
+#include <set>
+#include <string>
 
 namespace lamella::rendering
 {
@@ -131,7 +134,15 @@ bool XDisplayWorks(std::string& whyNot)
     whyNot = std::string("no X server answers at DISPLAY=") + name;
     return false;
   }
-  close(display);
+  // A server that loses its last client starts afresh (Xvfb does so unless told otherwise) and turns down who comes
+  // meanwhile: VTK, which then ends the program. So the first connection to each display stays open.
+  static std::mutex mutex;
+  static std::set<std::string> held;
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (!held.insert(name).second)
+  {
+    close(display);
+  }
   return true;
 }
 

@@ -55,7 +55,7 @@ void requireCount(const Lattice& lattice, std::size_t values)
   const std::int64_t others = greyCount - 1 - std::count(missing.begin(), missing.end(), 0);
   const std::string more =
     others > 0 ? fmt::format("; {} more grey value{} likewise", others, others > 1 ? "s" : "") : "";
-  throw InputError(fmt::format("grey value {} is in no phase: {} {} it, the first is {}{}", *first, nodes,
+  throw InputError(fmt::format("grey value {} is in no phase: {} {} it, one is {}{}", *first, nodes,
                      nodes == 1 ? "node has" : "nodes have", nodeText(lattice, first - grey.begin()), more),
     fmt::format("name it with --phase {}=NAME, or all greys that are not listed with --other NAME", *first));
 }
@@ -68,7 +68,7 @@ PhaseTable::PhaseTable(std::vector<std::string> names)
   {
     if (find(name))
     {
-      throw ParameterError(fmt::format("two phases are called \"{}\"", name), "give every phase a name of its own");
+      throw ParameterError(fmt::format("two phases are called '{}'", name), "give every phase a name of its own");
     }
     add(name);
   }
@@ -86,8 +86,8 @@ std::uint8_t PhaseTable::add(const std::string& name)
   }
   if (names_.size() >= 256)
   {
-    throw ParameterError(fmt::format("phase \"{}\" would be the 257th, and a lattice holds 256", name),
-      "put several greys into one phase");
+    throw ParameterError(
+      fmt::format("phase '{}' would be the 257th, and a lattice holds 256", name), "put several greys into one phase");
   }
   names_.push_back(name);
   return static_cast<std::uint8_t>(names_.size() - 1);
@@ -132,7 +132,7 @@ PhaseImage GreyMap::apply(const Lattice& lattice, std::span<const std::uint16_t>
   {
     if (value < 0 || value >= greyCount)
     {
-      throw ParameterError(fmt::format("phase \"{}\" is given the grey value {}, which no picture has", name, value),
+      throw ParameterError(fmt::format("phase '{}' is given the grey value {}, which no picture has", name, value),
         "grey values run from 0 to 255 in 8-bit pictures and to 65535 in 16-bit ones");
     }
     idOfGrey[static_cast<std::size_t>(value)] = image.phases.add(name);

@@ -35,7 +35,7 @@ private:
 
 [[noreturn]] void undecodable(const FileBytes& file, const Probe& probe, const std::string& why = {})
 {
-  throw InputError(fmt::format("the pixels of \"{}\" cannot be decoded: the {} is damaged or of a rare kind{}",
+  throw InputError(fmt::format("the pixels of '{}' cannot be decoded: the {} is damaged or of a rare kind{}",
                      file.name(), name(probe.format), why.empty() ? "" : " (" + why + ")"),
     "save it again as an 8-bit grey PNG");
 }

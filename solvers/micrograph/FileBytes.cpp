@@ -17,31 +17,31 @@ FileBytes::FileBytes(const std::filesystem::path& path)
   const std::filesystem::file_status status = std::filesystem::status(path, failure);
   if (status.type() == std::filesystem::file_type::not_found)
   {
-    throw InputError(fmt::format("there is no file \"{}\"", name_), "check the name and the folder");
+    throw InputError(fmt::format("there is no file '{}'", name_), "check the name and the folder");
   }
   if (failure)
   {
     throw InputError(
-      fmt::format("\"{}\" cannot be looked at: {}", name_, failure.message()), "check the permissions of its folder");
+      fmt::format("'{}' cannot be looked at: {}", name_, failure.message()), "check the permissions of its folder");
   }
   if (status.type() == std::filesystem::file_type::directory)
   {
-    throw InputError(fmt::format("\"{}\" is a folder, not a file", name_), "name a file in it");
+    throw InputError(fmt::format("'{}' is a folder, not a file", name_), "name a file in it");
   }
   if (status.type() != std::filesystem::file_type::regular)
   {
-    throw InputError(fmt::format("\"{}\" is not a regular file", name_), "save it as a file first");
+    throw InputError(fmt::format("'{}' is not a regular file", name_), "save it as a file first");
   }
   size_ = std::filesystem::file_size(path, failure);
   if (failure || size_ == 0)
   {
-    throw InputError(fmt::format("\"{}\" is empty (0 bytes)", name_), "copy or export the picture again");
+    throw InputError(fmt::format("'{}' is empty (0 bytes)", name_), "copy or export the picture again");
   }
   errno = 0;
   stream_.open(path, std::ios::binary);
   if (!stream_)
   {
-    throw InputError(fmt::format("\"{}\" cannot be opened: {}", name_, std::generic_category().message(errno)),
+    throw InputError(fmt::format("'{}' cannot be opened: {}", name_, std::generic_category().message(errno)),
       "check that you may read it (ls -l shows its permissions)");
   }
 }
@@ -57,7 +57,7 @@ void FileBytes::read(std::uint64_t at, void* to, std::uint64_t count)
   if (!stream_)
   {
     throw InputError(
-      fmt::format("\"{}\" cannot be read at byte {}", name_, at), "check the disk, or copy the file again");
+      fmt::format("'{}' cannot be read at byte {}", name_, at), "check the disk, or copy the file again");
   }
 }
 
@@ -82,12 +82,12 @@ std::uint64_t FileBytes::number(std::uint64_t at, int bytes, bool bigEndian)
 void FileBytes::truncated(const std::string& what) const
 {
   throw InputError(
-    fmt::format("\"{}\" is truncated: {} (it has {} bytes)", name_, what, size_), "copy, download or export it again");
+    fmt::format("'{}' is truncated: {} (it has {} bytes)", name_, what, size_), "copy, download or export it again");
 }
 
 void FileBytes::damaged(const std::string& what) const
 {
-  throw InputError(fmt::format("\"{}\" is damaged: {}", name_, what), "copy, download or export it again");
+  throw InputError(fmt::format("'{}' is damaged: {}", name_, what), "copy, download or export it again");
 }
 
 std::uint64_t numberFrom(const std::uint8_t* bytes, int count, bool bigEndian) noexcept

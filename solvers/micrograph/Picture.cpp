@@ -37,7 +37,7 @@ void needMemory(const std::string& name, double bytes)
   if (bytes > available)
   {
     throw MemoryError(
-      fmt::format("reading \"{}\" takes {}, and {} are free", name, bytesText(bytes), bytesText(available)),
+      fmt::format("reading '{}' takes {}, and {} are free", name, bytesText(bytes), bytesText(available)),
       "cut out a part of it first");
   }
 }
@@ -59,24 +59,24 @@ void setLattice(Picture& picture, const std::string& name, std::int64_t nx, std:
     if (forPrint && std::max(size->x, size->y) > largestPixel)
     {
       picture.warnings.push_back(
-        fmt::format("{} of \"{}\" says {:.4g} dots an inch, pixels of {}: left out, as that is a "
+        fmt::format("{} of '{}' says {:.4g} dots an inch, pixels of {}: left out, as that is a "
                     "printer's resolution, not a microscope's",
           size->source, name, 0.0254 / size->x, micrometres(size->x)));
     }
     else if (std::min(size->x, size->y) < 1e-10)
     {
       picture.warnings.push_back(
-        fmt::format("{} of \"{}\" says pixels of {:.3g} m: left out", size->source, name, std::min(size->x, size->y)));
+        fmt::format("{} of '{}' says pixels of {:.3g} m: left out", size->source, name, std::min(size->x, size->y)));
     }
     else if (std::abs(size->x - size->y) > 1e-3 * size->x)
     {
-      throw InputError(fmt::format("the pixels of \"{}\" are not square: {} says {} by {}", name, size->source,
+      throw InputError(fmt::format("the pixels of '{}' are not square: {} says {} by {}", name, size->source,
                          micrometres(size->x), micrometres(size->y)),
         "resample it to square pixels or, if that is wrong, give the size with --pixel-size METRES");
     }
     else if (dimension == 3 && size->z && std::abs(size->x - *size->z) > 1e-2 * size->x)
     {
-      throw InputError(fmt::format("the voxels of \"{}\" are not cubes: {} says {} across and {} between slices", name,
+      throw InputError(fmt::format("the voxels of '{}' are not cubes: {} says {} across and {} between slices", name,
                          size->source, micrometres(size->x), micrometres(*size->z)),
         "resample it to cubes or, if that is wrong, give the size with --pixel-size METRES");
     }
@@ -93,7 +93,7 @@ void checkSize(const FileBytes& file, const Probe& probe)
 {
   if (probe.width > longestSide || probe.height > longestSide || probe.width > mostPixels / probe.height)
   {
-    throw InputError(fmt::format("\"{}\" is {} × {} pixels, more than {} along a side or {} in all", file.name(),
+    throw InputError(fmt::format("'{}' is {} × {} pixels, more than {} along a side or {} in all", file.name(),
                        probe.width, probe.height, longestSide, mostPixels),
       "cut it into parts, or save it as a raw volume of one slice");
   }
@@ -104,14 +104,13 @@ void addSeen(Picture& picture, const std::string& name, const Decoded& seen, con
   if (seen.colour && !options.keepColour)
   {
     throw InputError(
-      fmt::format("\"{}\" is a colour picture: pixel {}, {} from the top left is red {}, green {}, blue {}", name,
+      fmt::format("'{}' is a colour picture: pixel {}, {} from the top left is red {}, green {}, blue {}", name,
         seen.colourX, seen.colourY, seen.firstColour[0], seen.firstColour[1], seen.firstColour[2]),
       "convert it to grey values, or let --segment find lumens and walls in it");
   }
   if (seen.transparent)
   {
-    picture.warnings.push_back(
-      fmt::format("\"{}\" has transparent parts; they are read as the colour they hold", name));
+    picture.warnings.push_back(fmt::format("'{}' has transparent parts; they are read as the colour they hold", name));
   }
 }
 
@@ -140,9 +139,9 @@ Picture readFile(const fs::path& path, const ReadOptions& options)
   }
   if (probed.format == Format::Jpeg && !options.keepColour)
   {
-    picture.warnings.push_back(fmt::format(
-      "\"{}\" is a JPEG, which blurs greys: a label picture should be a PNG or TIFF, a scan needs --segment",
-      file.name()));
+    picture.warnings.push_back(
+      fmt::format("'{}' is a JPEG, which blurs greys: a label picture should be a PNG or TIFF, a scan needs --segment",
+        file.name()));
   }
   return picture;
 }
@@ -162,7 +161,7 @@ Picture readSlices(const fs::path& path, const ReadOptions& options)
     if (probed.slices.size() > 1)
     {
       throw InputError(
-        fmt::format("\"{}\" holds {} pages, but is one of several slices", file.name(), probed.slices.size()),
+        fmt::format("'{}' holds {} pages, but is one of several slices", file.name(), probed.slices.size()),
         "name the file itself to read its pages as a volume");
     }
     if (z == 0)
@@ -178,7 +177,7 @@ Picture readSlices(const fs::path& path, const ReadOptions& options)
     }
     else if (probed.width != first.width || probed.height != first.height || probed.bits != first.bits)
     {
-      throw InputError(fmt::format("\"{}\" is {} × {} pixels of {} bits, the first slice is {} × {} of {}", file.name(),
+      throw InputError(fmt::format("'{}' is {} × {} pixels of {} bits, the first slice is {} × {} of {}", file.name(),
                          probed.width, probed.height, probed.bits, first.width, first.height, first.bits),
         "a volume's slices are all alike: leave out what does not belong to it");
     }
@@ -222,7 +221,7 @@ Picture readRaw(const fs::path& path, const ReadOptions& options)
   const auto size = options.rawSize ? options.rawSize : said.size;
   if (!size)
   {
-    throw InputError(fmt::format("the size of the raw volume \"{}\" is not known", file.name()),
+    throw InputError(fmt::format("the size of the raw volume '{}' is not known", file.name()),
       "give it with --raw-size NX,NY,NZ, or put it into the name, such as berea_200x200x200_u8.raw");
   }
   const auto [nx, ny, nz] = *size;
@@ -248,7 +247,7 @@ Picture readRaw(const fs::path& path, const ReadOptions& options)
   const double expected = voxels * (*bits / 8);
   if (static_cast<double>(data) != expected)
   {
-    throw InputError(fmt::format("\"{}\" has {} bytes{}, but {} × {} × {} voxels of {} bits take {:.0f}", file.name(),
+    throw InputError(fmt::format("'{}' has {} bytes{}, but {} × {} × {} voxels of {} bits take {:.0f}", file.name(),
                        data, options.rawHeader > 0 ? " after its header" : "", nx, ny, nz, *bits, expected),
       "check --raw-size, --raw-bits and --raw-header; a file that is too short was truncated");
   }

@@ -28,12 +28,12 @@ void readFrame(const FileBytes& file, const std::vector<std::uint8_t>& data, Pro
   const int components = data[5];
   if (components == 4)
   {
-    throw InputError(fmt::format("\"{}\" is a CMYK JPEG, made for printing", file.name()),
+    throw InputError(fmt::format("'{}' is a CMYK JPEG, made for printing", file.name()),
       "convert it to grey or RGB first, for example: convert in.jpg -colorspace Gray out.png");
   }
   if (bits != 8 || (components != 1 && components != 3))
   {
-    throw InputError(fmt::format("\"{}\" is a JPEG with {} components of {} bits", file.name(), components, bits),
+    throw InputError(fmt::format("'{}' is a JPEG with {} components of {} bits", file.name(), components, bits),
       "save it as an 8-bit grey or RGB picture");
   }
   if (result.width < 1 || result.height < 1)

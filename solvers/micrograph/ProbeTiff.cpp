@@ -207,29 +207,29 @@ Page readPage(const FileBytes& file, const TiffDirectory& page, std::size_t numb
   const std::uint64_t samples = page.value(SamplesPerPixel, 1);
   if (page.values(PhotometricInterpretation).empty() || photometric > 8 || samples < 1 || samples > 4)
   {
-    throw InputError(fmt::format("page {} of \"{}\" has {} values a pixel{}", number + 1, file.name(), samples,
+    throw InputError(fmt::format("page {} of '{}' has {} values a pixel{}", number + 1, file.name(), samples,
                        photometric <= 8 ? "" : " and does not say what they mean"),
       "save it as an 8-bit grey or RGB picture");
   }
   if (photometric == 5)
   {
-    throw InputError(fmt::format("\"{}\" is a CMYK TIFF, made for printing", file.name()),
+    throw InputError(fmt::format("'{}' is a CMYK TIFF, made for printing", file.name()),
       "convert it to grey or RGB first, for example: convert in.tif -colorspace Gray out.png");
   }
   if (page.value(SampleFormat, 1) == 3)
   {
-    throw InputError(fmt::format("\"{}\" holds floating-point values of {} bits", file.name(), bits),
+    throw InputError(fmt::format("'{}' holds floating-point values of {} bits", file.name(), bits),
       "convert it to 8-bit or 16-bit grey values first");
   }
   if (page.value(SampleFormat, 1) == 2)
   {
-    throw InputError(fmt::format("\"{}\" holds signed values of {} bits", file.name(), bits),
+    throw InputError(fmt::format("'{}' holds signed values of {} bits", file.name(), bits),
       "convert it to unsigned 8-bit or 16-bit grey values first");
   }
   if (bits != 1 && bits != 4 && bits != 8 && bits != 16)
   {
-    throw InputError(fmt::format("\"{}\" holds {} bits a value", file.name(), bits),
-      "convert it to 8-bit or 16-bit grey values first");
+    throw InputError(
+      fmt::format("'{}' holds {} bits a value", file.name(), bits), "convert it to 8-bit or 16-bit grey values first");
   }
   result.bytes = std::ceil(static_cast<double>(result.width) * static_cast<double>(samples * bits) / 8) *
     static_cast<double>(result.height);
@@ -287,7 +287,7 @@ Probe probeTiff(FileBytes& file)
       else if (page.width != result.width || page.height != result.height || page.bits != result.bits)
       {
         throw InputError(
-          fmt::format("page {} of \"{}\" is {} × {} pixels of {} bits, the first is {} × {} of {}", result.pages + 1,
+          fmt::format("page {} of '{}' is {} × {} pixels of {} bits, the first is {} × {} of {}", result.pages + 1,
             file.name(), page.width, page.height, page.bits, result.width, result.height, result.bits),
           "a volume's slices are all alike: write the pages that belong together into a file of their own");
       }
@@ -382,9 +382,9 @@ Probe probe(FileBytes& file)
   if (starts({ 0x1f, 0x8b }))
   {
     throw InputError(
-      fmt::format("\"{}\" is compressed with gzip", file.name()), "unpack it first: gunzip --keep FILE.gz");
+      fmt::format("'{}' is compressed with gzip", file.name()), "unpack it first: gunzip --keep FILE.gz");
   }
-  throw InputError(fmt::format("\"{}\" is not a PNG, JPEG or TIFF picture", file.name()),
+  throw InputError(fmt::format("'{}' is not a PNG, JPEG or TIFF picture", file.name()),
     "convert it to PNG, or give a raw volume the ending .raw and its size");
 }
 

@@ -80,7 +80,7 @@ std::vector<fs::path> filesIn(const fs::path& folder)
   }
   if (failure)
   {
-    throw InputError(fmt::format("the folder \"{}\" cannot be read: {}", folder.string(), failure.message()),
+    throw InputError(fmt::format("the folder '{}' cannot be read: {}", folder.string(), failure.message()),
       "check its name and permissions");
   }
   std::sort(files.begin(), files.end());
@@ -112,7 +112,7 @@ std::vector<Slice> byNumber(const fs::path& pattern)
   std::regex_search(name, match, numberFormat());
   if (std::regex_search(match.suffix().first, name.cend(), numberFormat()))
   {
-    throw InputError(fmt::format("the pattern \"{}\" has more than one number in it", pattern.string()),
+    throw InputError(fmt::format("the pattern '{}' has more than one number in it", pattern.string()),
       "leave one %d, the slice's number");
   }
   const std::string width = match[1].str();
@@ -161,7 +161,7 @@ Slices listSlices(const fs::path& path)
         if (!slice)
         {
           throw InputError(
-            fmt::format("\"{}\" has no number in its name, so its place in the volume is not known", file.string()),
+            fmt::format("'{}' has no number in its name, so its place in the volume is not known", file.string()),
             "number the slices, or name them with a pattern such as slice_%04d.png");
         }
         slices.push_back(*slice);
@@ -170,10 +170,9 @@ Slices listSlices(const fs::path& path)
   }
   if (slices.empty())
   {
-    throw folder
-      ? InputError(fmt::format("the folder \"{}\" holds no PNG, JPEG or TIFF picture", path.string()),
-          "name a folder of numbered slices")
-      : InputError(fmt::format("no file is called \"{}\"", path.string()), "check the pattern and the folder");
+    throw folder ? InputError(fmt::format("the folder '{}' holds no PNG, JPEG or TIFF picture", path.string()),
+                     "name a folder of numbered slices")
+                 : InputError(fmt::format("no file is called '{}'", path.string()), "check the pattern and the folder");
   }
   std::sort(slices.begin(), slices.end(),
     [](const Slice& a, const Slice& b) { return std::tie(a.number, a.file) < std::tie(b.number, b.file); });
@@ -185,13 +184,13 @@ Slices listSlices(const fs::path& path)
   {
     if (slices[i].series != slices[0].series)
     {
-      throw InputError(fmt::format("\"{}\" and \"{}\" are of two series", slices[0].file.filename().string(),
+      throw InputError(fmt::format("'{}' and '{}' are of two series", slices[0].file.filename().string(),
                          slices[i].file.filename().string()),
         "name one series with a pattern such as slice_%04d.png");
     }
     if (i > 0 && slices[i].number == slices[i - 1].number)
     {
-      throw InputError(fmt::format("\"{}\" and \"{}\" have the same number", slices[i - 1].file.filename().string(),
+      throw InputError(fmt::format("'{}' and '{}' have the same number", slices[i - 1].file.filename().string(),
                          slices[i].file.filename().string()),
         "leave one of them");
     }

@@ -204,7 +204,7 @@ void writeWhole(const fs::path& path, const std::function<void(std::ostream&)>& 
   std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
   if (!out)
   {
-    throw Error(fmt::format("\"{}\" cannot be written: {}", path.string(), std::generic_category().message(errno)),
+    throw Error(fmt::format("'{}' cannot be written: {}", path.string(), std::generic_category().message(errno)),
       "choose a folder that exists and that you may write to");
   }
   const Remove remove{ temporary };
@@ -214,14 +214,14 @@ void writeWhole(const fs::path& path, const std::function<void(std::ostream&)>& 
   if (!out)
   {
     const std::string reason = errno != 0 ? std::generic_category().message(errno) : "the disk is full or failing";
-    throw Error(fmt::format("\"{}\" cannot be written whole: {}", path.string(), reason),
+    throw Error(fmt::format("'{}' cannot be written whole: {}", path.string(), reason),
       "make room on the disk or choose another folder; nothing was left behind");
   }
   std::error_code failure;
   fs::rename(temporary, path, failure);
   if (failure)
   {
-    throw Error(fmt::format("\"{}\" cannot be written: {}", path.string(), failure.message()), "choose another name");
+    throw Error(fmt::format("'{}' cannot be written: {}", path.string(), failure.message()), "choose another name");
   }
 }
 
@@ -255,7 +255,7 @@ void writeLabels(const PhaseImage& image, const fs::path& path, std::span<const 
   }
   else
   {
-    throw ParameterError(fmt::format("labels cannot be written as \"{}\"", path.filename().string()),
+    throw ParameterError(fmt::format("labels cannot be written as '{}'", path.filename().string()),
       flat ? "let its name end in .png or .tif" : "let its name end in .tif: a volume becomes one page a slice");
   }
 }

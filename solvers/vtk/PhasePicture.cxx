@@ -62,7 +62,8 @@ vtkSmartPointer<vtkImageData> readVti(const fs::path& path)
   vtkSmartPointer<vtkImageData> image = reader->GetOutput();
   if (failed || reader->GetErrorCode() != 0 || image->GetNumberOfPoints() == 0)
   {
-    throw InputError(path.string() + " is not a whole VTK image file", "write it again as .vti (XML image data)");
+    throw InputError(
+      "'" + path.string() + "' is not a whole .vti file", "make or copy it again; it must be VTK XML image data");
   }
   return image;
 }

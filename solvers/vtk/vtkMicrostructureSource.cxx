@@ -12,6 +12,7 @@
 #include "vtkInformationVector.h"
 #include "vtkObjectFactory.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -20,6 +21,20 @@ vtkStandardNewMacro(vtkMicrostructureSource);
 vtkMicrostructureSource::vtkMicrostructureSource()
 {
   this->SetNumberOfInputPorts(0);
+  // The generator's own defaults, so that there is one sample that everybody gets who asks for nothing.
+  const lamella::generators::SoftwoodOptions options;
+  std::copy(options.size.begin(), options.size.end(), this->Size);
+  this->Spacing = options.spacing;
+  this->SolidFraction = options.solidFraction;
+  this->Seed = static_cast<vtkIdType>(options.seed);
+  this->TangentialDiameter = options.tangentialDiameter;
+  this->RadialDiameter[0] = options.radialDiameterEarly;
+  this->RadialDiameter[1] = options.radialDiameterLate;
+  this->RingPosition[0] = options.ringPosition0;
+  this->RingPosition[1] = options.ringPosition1;
+  this->RayDistance = options.rayEvery;
+  this->TracheidLength = options.tracheidLength;
+  this->Scatter = options.scatter;
 }
 
 void vtkMicrostructureSource::Generate()

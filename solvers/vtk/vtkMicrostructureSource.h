@@ -71,7 +71,7 @@ public:
   ///@}
 
   ///@{
-  /** Softwood: mean diameter along the files at the start and at the end of the ring, in metres. 36e-6 and 12e-6. */
+  /** Softwood: mean diameter along the files at the start and at the end of the ring, in metres. 36e-6 and 15e-6. */
   vtkSetVector2Macro(RadialDiameter, double);
   vtkGetVector2Macro(RadialDiameter, double);
   ///@}
@@ -126,16 +126,16 @@ private:
   void Generate();
 
   int Kind = SOFTWOOD;
-  int Size[3] = { 200, 200, 1 };
-  double Spacing = 1e-6;
-  double SolidFraction = 0.4;
-  vtkIdType Seed = 1;
-  double TangentialDiameter = 30e-6;
-  double RadialDiameter[2] = { 36e-6, 12e-6 };
-  double RingPosition[2] = { 0.0, 0.0 };
-  double RayDistance = 240e-6;
-  double TracheidLength = 200e-6;
-  double Scatter = 0.12;
+  int Size[3];
+  double Spacing;
+  double SolidFraction;
+  vtkIdType Seed;
+  double TangentialDiameter;
+  double RadialDiameter[2];
+  double RingPosition[2];
+  double RayDistance;
+  double TracheidLength;
+  double Scatter;
   int Cells = 4;
   int Axis = 0;
 

@@ -1,4 +1,7 @@
-"""Every bad input of the list: one clear line, one remedy, an exit code that is not 0, nothing lost."""
+"""Every bad input: one clear line, one remedy, an exit code that is not 0, nothing lost.
+
+Folders that cannot be written and full disks are in test_output.py, more ranks than rows in test_diffusion.py.
+"""
 
 import os
 import struct
@@ -25,22 +28,29 @@ class BadPictures(Case):
         self.solve(3, "is empty", "no data", self.write("p.png", b""))
         self.solve(3, "is empty", "no data", self.write("p.vti", b""))
         os.mkdir(self.path("folder"))
-        self.solve(3, "folder", "", "folder")
+        self.solve(3, "the folder 'folder' holds no PNG, JPEG or TIFF", "numbered slices", "folder")
 
     def test_truncated(self):
         self.solve(3, "is truncated", "again", self.write("p.png", GOOD[: len(GOOD) // 2]))
         self.works("generate", "softwood", "-o", "t.tif")
         self.works("generate", "softwood", "-o", "t.vti")
         self.works("generate", "softwood", "--size", "30,30,30", "--pixel-size", "2um", "-o", "t.raw")
-        for name in ["t.tif", "t.vti", "t.raw"]:
+        for name, message, hint in [
+            ("t.tif", "'t.tif' is truncated", "again"),
+            ("t.vti", "'t.vti' is a .vti file that is damaged or cut short", "again"),
+            ("t.raw", "'t.raw' has 18000 bytes, but 30 × 30 × 30 voxels of 8 bits take 27000", "--raw-size"),
+        ]:
             with open(self.path(name), "rb") as file:
                 data = file.read()
             self.write(name, data[: len(data) * 2 // 3])
-            self.fails(3, "", "", "diffusion", name, *CONDUCTIVITIES)
+            self.fails(3, message, hint, "diffusion", name, *CONDUCTIVITIES)
+        self.solve(3, "'j.jpg' is truncated", "again", self.write("j.jpg", b"\xff\xd8\xff\xe0\x00\x10JFIF\0\1\1"))
+        self.fails(3, "'t.vti' is a .vti file that is damaged or cut short", "again", "flux-map", "t.vti")
+        self.fails(3, "'t.vti' is a .vti file that is damaged or cut short", "again", "snapshot", "t.vti", "-o", "x.png")
 
     def test_not_a_picture(self):
         self.solve(3, "is not a PNG, JPEG or TIFF", "convert it", self.write("p.png", b"Dear diary, " * 20))
-        self.solve(3, "not a", "", self.write("p.vti", b"Dear diary, " * 20))
+        self.solve(3, "'p.vti' is not a whole .vti file", "again", self.write("p.vti", b"Dear diary, " * 20))
         self.solve(3, "is packed", "gunzip", self.write("v.raw.gz", b"\x1f\x8b"))
 
     def test_sixteen_bits(self):
@@ -85,15 +95,15 @@ class BadPictures(Case):
     def test_raw_of_unknown_or_wrong_size(self):
         name = self.write("v.raw", bytes(1000))
         self.solve(3, "size of the raw volume", "--raw-size NX,NY,NZ", name)
-        self.fails(3, "", "", "diffusion", name, "--raw-size", "10,10,11", *SOLVE)
+        self.fails(3, "has 1000 bytes, but 10 × 10 × 11 voxels", "check --raw-size", "diffusion", name, "--raw-size", "10,10,11", *SOLVE)
         self.fails(2, "--raw-size '10,10' has 2 numbers", "NX,NY,NZ", "diffusion", name, "--raw-size", "10,10", *SOLVE)
-        self.fails(2, "--raw-bits 12", "", "diffusion", name, "--raw-bits", "12", *SOLVE)
+        self.fails(2, "--raw-bits 12 is neither 8 nor 16", "leave it out", "diffusion", name, "--raw-bits", "12", *SOLVE)
 
     def test_not_what_a_command_reads(self):
         self.write("p.png", GOOD)
         self.fails(3, "is not a .vti", "lamella diffusion", "flux-map", "p.png")
         self.works("generate", "disks", "-o", "d.vti")
-        self.fails(3, "", "", "flux-map", "d.vti")
+        self.fails(3, "'d.vti' holds a sample and no solution", "solve first: lamella diffusion d.vti", "flux-map", "d.vti")
 
 
 class BadPhases(Case):
@@ -189,7 +199,7 @@ class Sizes(Case):
     def test_tiff_of_other_byte_order(self):
         # A TIFF that is not ours must not be taken for a record of ours.
         name = self.write("p.tif", struct.pack(">2sHI", b"MM", 42, 8) + bytes(64))
-        self.fails(3, "", "", "diffusion", name, *SOLVE)
+        self.fails(3, "'p.tif' is damaged: page 1 of the TIFF holds no pixels", "again", "diffusion", name, *SOLVE)
 
 
 if __name__ == "__main__":

@@ -158,7 +158,13 @@ INSTANTIATE_TEST_SUITE_P(AllLattices, RecomputedFlux,
     Setting{ vtkSteadyDiffusion::D2Q9, 0, 0, false }, Setting{ vtkSteadyDiffusion::D2Q9, 0, 1, false },
     Setting{ vtkSteadyDiffusion::D2Q9, 1, 1, false }, Setting{ vtkSteadyDiffusion::D3Q7, 0, 1, true },
     Setting{ vtkSteadyDiffusion::D3Q7, 1, 2, true }, Setting{ vtkSteadyDiffusion::D3Q19, 0, 2, true },
-    Setting{ vtkSteadyDiffusion::D3Q19, 1, 0, true }));
+    Setting{ vtkSteadyDiffusion::D3Q19, 1, 0, true }),
+  [](const auto& setting)
+  {
+    return vtktest::latticeName(setting.param.lattice) +
+      (setting.param.sides == vtkSteadyDiffusion::PERIODIC ? "_periodic_" : "_insulated_") +
+      "xyz"[setting.param.direction];
+  });
 
 TEST(Streamlines, StayInWhatConducts)
 {

@@ -1,6 +1,7 @@
 // All generators through the pipeline: the same sample whole and in pieces.
 #include "VtkTesting.h"
 
+#include "generators/Generators.h"
 #include "vtkMicrostructureSource.h"
 
 #include <gtest/gtest.h>
@@ -72,6 +73,12 @@ TEST_P(MicrostructureSource, PiecesAreCutsOfTheWhole)
   }
 }
 
+std::string nameOf(const ::testing::TestParamInfo<Kind>& kind)
+{
+  static const char* const names[] = { "softwood", "honeycomb", "checkerboard", "inclusions", "laminate" };
+  return std::string(names[kind.param.kind]) + (kind.param.size[2] > 1 ? "_3D" : "_2D");
+}
+
 INSTANTIATE_TEST_SUITE_P(All, MicrostructureSource,
   ::testing::Values(Kind{ vtkMicrostructureSource::SOFTWOOD, { 120, 100, 1 }, 0.4, 1e-4 },
     Kind{ vtkMicrostructureSource::SOFTWOOD, { 48, 40, 40 }, 0.4, 1e-4 },
@@ -79,7 +86,29 @@ INSTANTIATE_TEST_SUITE_P(All, MicrostructureSource,
     Kind{ vtkMicrostructureSource::CHECKERBOARD, { 48, 40, 1 }, 0.5, 1e-12 },
     Kind{ vtkMicrostructureSource::INCLUSIONS, { 160, 160, 1 }, 0.4, 0.01 },
     Kind{ vtkMicrostructureSource::INCLUSIONS, { 80, 80, 80 }, 0.4, 0.02 },
-    Kind{ vtkMicrostructureSource::LAMINATE, { 40, 40, 1 }, 0.4, 1e-12 }));
+    Kind{ vtkMicrostructureSource::LAMINATE, { 40, 40, 1 }, 0.4, 1e-12 }),
+  nameOf);
+
+TEST(MicrostructureSourceDefaults, AreTheGenerators)
+{
+  // A whole ring and a depth, so that every default has a say.
+  generators::SoftwoodOptions options;
+  options.dimension = 3;
+  options.size = { 200, 60, 8 };
+  options.ringPosition1 = 1;
+  const PhaseImage expected = generators::softwood(options);
+  vtkNew<vtkMicrostructureSource> source;
+  source->SetSize(200, 60, 8);
+  source->SetRingPosition(0, 1);
+  ASSERT_EQ(vtktest::errorOf(source), "");
+  const auto view = viewPhases(source->GetOutput());
+  EXPECT_EQ(view.lattice.spacing, expected.lattice.spacing);
+  EXPECT_TRUE(std::equal(view.phase.begin(), view.phase.end(), expected.phase.begin(), expected.phase.end()));
+  vtkNew<vtkMicrostructureSource> whole; // the size is a default too
+  EXPECT_EQ(whole->GetSize()[0], generators::SoftwoodOptions().size[0]);
+  EXPECT_EQ(whole->GetSize()[1], generators::SoftwoodOptions().size[1]);
+  EXPECT_EQ(whole->GetSize()[2], generators::SoftwoodOptions().size[2]);
+}
 
 TEST(MicrostructureSourceErrors, SaysWhatIsWrong)
 {

@@ -258,7 +258,13 @@ INSTANTIATE_TEST_SUITE_P(All, SameAsOneRank,
   ::testing::Values(Setting{ false, vtkSteadyDiffusion::INSULATED, vtkSteadyDiffusion::D2Q5 },
     Setting{ false, vtkSteadyDiffusion::PERIODIC, vtkSteadyDiffusion::D2Q9 },
     Setting{ true, vtkSteadyDiffusion::INSULATED, vtkSteadyDiffusion::D3Q19 },
-    Setting{ true, vtkSteadyDiffusion::PERIODIC, vtkSteadyDiffusion::D3Q7 }));
+    Setting{ true, vtkSteadyDiffusion::PERIODIC, vtkSteadyDiffusion::D3Q7 }),
+  [](const auto& setting)
+  {
+    return std::string(setting.param.volume ? "volume_" : "picture_") +
+      (setting.param.sides == vtkSteadyDiffusion::PERIODIC ? "periodic_" : "insulated_") +
+      vtktest::latticeName(setting.param.lattice);
+  });
 
 /// A pipeline in which only rank 0 holds anything.
 TEST_F(Pieces, RanksWithoutAPieceWorkAlong)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vtkLatticeConversion.h"
+#include "vtkSteadyDiffusion.h"
 
 #include "vtkAlgorithm.h"
 #include "vtkCallbackCommand.h"
@@ -17,6 +18,13 @@
 /// What the tests of VTK classes share.
 namespace lamella::vtktest
 {
+
+/// For names of test cases, in which only letters, digits and _ may stand.
+inline std::string latticeName(int lattice)
+{
+  static const char* const names[] = { "D2Q5", "D2Q9", "D3Q7", "D3Q19" };
+  return names[lattice - vtkSteadyDiffusion::D2Q5];
+}
 
 /// Updates an algorithm and returns the first error it reports, or an empty string; nothing is printed.
 inline std::string errorOf(vtkAlgorithm* algorithm)

@@ -1,6 +1,7 @@
 """The Python package as users call it, in pvpython and in Debian's python3: numpy in, numpy out, errors in words."""
 
 import os
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -8,6 +9,7 @@ import unittest
 import lamella
 import numpy as np
 
+PROGRAM = os.environ.get("LAMELLA_PROGRAM", os.path.join(os.path.dirname(__file__), "../../build/bin/lamella"))
 REAL_DATA = os.environ.get("LAMELLA_REAL_DATA", "")
 
 
@@ -44,6 +46,33 @@ class Samples(unittest.TestCase):
             lamella.laminate(size=(40, 40), axis="y"),
         ):
             self.assertEqual(len(sample.names), 2)
+
+    def test_defaults_are_those_of_the_program(self):
+        # tests/filters compares the source's with the library's.
+        for kind, words, make, options in (
+            ("softwood", ["--ring", "0,1"], lamella.softwood, {"ring_position": (0, 1)}),
+            ("softwood", ["--ring", "0,1", "--size", "150,60,8"], lamella.softwood,
+             {"ring_position": (0, 1), "size": (150, 60, 8)}),
+            ("honeycomb", [], lamella.honeycomb, {}),
+            ("checkerboard", [], lamella.checkerboard, {}),
+            ("disks", [], lamella.disks, {}),
+            ("spheres", [], lamella.spheres, {}),
+            ("laminate", [], lamella.laminate, {}),
+        ):
+            with self.subTest(kind), tempfile.TemporaryDirectory() as folder:
+                path = os.path.join(folder, "sample.vti")
+                subprocess.run([PROGRAM, "generate", kind, *words, "--quiet", "-o", path], check=True)
+                program = lamella.read_picture(path)
+                sample = make(**options)
+                self.assertEqual(sample.names, program.names)
+                self.assertEqual(sample.spacing, program.spacing)
+                np.testing.assert_array_equal(sample.phase, program.phase)
+                source = lamella.vtkMicrostructureSource()
+                if kind == "softwood":
+                    source.SetRingPosition(0, 1)
+                    source.SetSize(*(sample.shape[::-1] + (1,))[:3])
+                    source.Update()
+                    np.testing.assert_array_equal(lamella.Sample(source.GetOutput()).phase, program.phase)
 
     def test_files_are_read_as_they_were_written(self):
         tissue = lamella.softwood(size=(60, 40))

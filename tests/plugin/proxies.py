@@ -29,6 +29,24 @@ class Proxies(unittest.TestCase):
                 text = documentation.GetDescription() if documentation else ""
                 self.assertTrue((text or "").strip(), f"{create.__name__}.{name} has no tooltip")
 
+    def test_defaults_are_those_of_the_classes(self):
+        for create, names in (
+            (pv.MicrostructureSource, ("Kind", "Size", "Spacing", "SolidFraction", "Seed", "TangentialDiameter",
+                                       "RadialDiameter", "RingPosition", "RayDistance", "TracheidLength", "Scatter",
+                                       "Cells", "Axis")),
+            (pv.SteadyDiffusion, ("Direction", "Quantity", "Sides", "ComputeField", "ComputeFlux", "EstimateError",
+                                  "Lattice", "Method", "Tolerance", "MaximumIterations", "Threads")),
+            (pv.FluxMap, ("Direction", "NumberOfStreamlines")),
+        ):
+            proxy = create()
+            fresh = getattr(lamella, "vtk" + create.__name__)()
+            for name in names:
+                value = proxy.SMProxy.GetProperty(name)
+                shown = tuple(value.GetElement(i) for i in range(value.GetNumberOfElements()))
+                own = getattr(fresh, "Get" + name)()
+                own = tuple(own) if isinstance(own, (tuple, list)) else (own,)
+                self.assertEqual(shown, own, f"{create.__name__}.{name}")
+
     def test_defaults_run(self):
         tissue = pv.MicrostructureSource(Size=[90, 80, 1])
         heat = pv.SteadyDiffusion(Input=tissue)  # heat in wood, along x

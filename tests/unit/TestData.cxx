@@ -40,14 +40,12 @@ TEST(Data, IsWhatTheGeneratorsMake)
   generators::SoftwoodOptions late;
   late.solidFraction = 0.78;
   late.ringPosition0 = late.ringPosition1 = 1;
-  late.radialDiameterLate = 15e-6;
   expectSame("latewood_200.png", generators::softwood(late));
 
   generators::SoftwoodOptions ring;
   ring.size = { 800, 400, 1 };
   ring.solidFraction = 0.45;
   ring.ringPosition1 = 1;
-  ring.radialDiameterLate = 15e-6;
   ring.seed = 2;
   expectSame("ring_800x400.png", generators::softwood(ring));
 

@@ -89,7 +89,7 @@ TEST(GreyMap, NamesTheGreyThatHasNoPhase)
   const std::vector<std::uint16_t> grey{ 0, 128, 128, 9 };
   const auto [what, hint] = refusal<InputError>([&] { (void)map.apply(makeLattice(2, 2, 1, 2, 1), grey); });
   EXPECT_EQ(what,
-    "grey value 128 is in no phase: 2 nodes have it, the first is pixel 1, 1 from the top left; 1 more grey value "
+    "grey value 128 is in no phase: 2 nodes have it, one is pixel 1, 1 from the top left; 1 more grey value "
     "likewise");
   EXPECT_EQ(hint, "name it with --phase 128=NAME, or all greys that are not listed with --other NAME");
 }

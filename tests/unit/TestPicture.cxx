@@ -121,7 +121,7 @@ TEST(Picture, ColourIsRefusedWithTheFirstColouredPixelUnlessAskedFor)
   const auto file = folder.write("colour.png", png.bytes());
   const auto [what, hint] = refused(file);
   EXPECT_TRUE(
-    contains(what, "colour.png\" is a colour picture: pixel 1, 1 from the top left is red 200, green 30, blue 90"))
+    contains(what, "colour.png' is a colour picture: pixel 1, 1 from the top left is red 200, green 30, blue 90"))
     << what;
   EXPECT_TRUE(contains(hint, "--segment")) << hint;
   ReadOptions options;

@@ -111,7 +111,7 @@ TEST(WriteWhole, LeavesNothingBehindWhenTheFolderIsNotThere)
   const TemporaryFolder folder;
   const auto [what, hint] =
     refusal<Error>([&] { writeWhole(folder / "no/such/a.txt", [](std::ostream& out) { out << "x"; }); });
-  EXPECT_NE(what.find("a.txt\" cannot be written: No such file or directory"), std::string::npos) << what;
+  EXPECT_NE(what.find("a.txt' cannot be written: No such file or directory"), std::string::npos) << what;
   EXPECT_FALSE(hint.empty());
 }
 

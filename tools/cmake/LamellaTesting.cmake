@@ -84,7 +84,7 @@ function(lamella_add_gtest NAME)
   target_link_libraries(${NAME} PRIVATE ${arg_LIBS} ${main})
   lamella_warnings(${NAME})
 
-  gtest_discover_tests(${NAME} TEST_PREFIX "${NAME}." DISCOVERY_TIMEOUT 60 WORKING_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}" TEST_LIST ${NAME}_TESTS)
+  gtest_discover_tests(${NAME} NO_PRETTY_VALUES TEST_PREFIX "${NAME}." DISCOVERY_TIMEOUT 60 WORKING_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}" TEST_LIST ${NAME}_TESTS)
   # Lists with semicolons do not pass through gtest_discover_tests' PROPERTIES; so they are set once ctest knows the cases.
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT ${LAMELLA_TEST_TIMEOUT})

@@ -204,7 +204,7 @@ def softwood(
     spacing=1e-6,
     ring_position=(0.0, 0.0),
     tangential_diameter=30e-6,
-    radial_diameter=(36e-6, 12e-6),
+    radial_diameter=(36e-6, 15e-6),
     ray_distance=240e-6,
     tracheid_length=200e-6,
     scatter=0.12,
@@ -241,7 +241,7 @@ def checkerboard(size=(200, 200), cells=4, spacing=1e-6):
     return _sample(source)
 
 
-def disks(size=(200, 200), fraction=0.5, cells=4, spacing=1e-6):
+def disks(size=(200, 200), fraction=0.5, cells=1, spacing=1e-6):
     """``cells`` by ``cells`` disks of an area fraction; phases matrix and inclusion."""
     if len(size) != 2:
         raise ValueError("disks lie in a picture: give a size (nx, ny), or make spheres")
@@ -251,7 +251,7 @@ def disks(size=(200, 200), fraction=0.5, cells=4, spacing=1e-6):
     return _sample(source)
 
 
-def spheres(size=(60, 60, 60), fraction=0.3, cells=1, spacing=1e-6):
+def spheres(size=(64, 64, 64), fraction=0.5, cells=1, spacing=1e-6):
     """``cells`` spheres along each axis, of a volume fraction; phases matrix and inclusion."""
     if len(size) != 3:
         raise ValueError("spheres lie in a volume: give a size (nx, ny, nz), or make disks")
