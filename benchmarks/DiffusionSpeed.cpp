@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -145,31 +146,40 @@ Plain jacobiConjugateGradients(const PhaseImage& image, const std::vector<double
   return result;
 }
 
+// Effective value and both faces within 1e-8; then, too, the field within 1e-6 in the energy norm, as it is written to
+// files.
 void measure(const char* label, const PhaseImage& image, double lumen, double wall, int runs, bool plain)
 {
   const std::vector<double> d{ lumen, wall };
   const Block block = decompose(image.lattice, MPI_COMM_SELF);
-  std::vector<double> seconds;
+  std::string text;
+  double user = 0;
   lbm::SteadyResult result;
-  for (int i = 0; i < runs; ++i)
+  for (const double fieldTolerance : { std::numeric_limits<double>::infinity(), 1e-6 })
   {
-    lbm::SteadyOptions options;
-    options.stencil = image.lattice.dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5;
-    const double start = userSeconds();
-    lbm::SteadyDiffusion solver(image.lattice, block, image.phase, d, options);
-    result = solver.solve(0);
-    seconds.push_back(userSeconds() - start);
+    std::vector<double> seconds;
+    for (int i = 0; i < runs; ++i)
+    {
+      lbm::SteadyOptions options;
+      options.stencil = image.lattice.dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5;
+      options.fieldTolerance = fieldTolerance;
+      const double start = userSeconds();
+      lbm::SteadyDiffusion solver(image.lattice, block, image.phase, d, options);
+      result = solver.solve(0);
+      seconds.push_back(userSeconds() - start);
+    }
+    if (text.empty())
+      user = median(seconds);
+    text += fmt::format("{:>9.4f} s {:>3} it {:.1e}", median(seconds), result.iterations, result.solverError);
   }
-  const double user = median(seconds);
   std::string ratio = "-";
   if (plain)
   {
     const Plain p = jacobiConjugateGradients(image, d, result.effective[0]);
-    ratio = fmt::format("{:.3g} s, {} iterations, {:.0f} x", p.seconds, p.iterations, p.seconds / user);
+    ratio = fmt::format("{:.3g} s {} it, {:.0f} x", p.seconds, p.iterations, p.seconds / user);
   }
-  fmt::print("{:<22} {:>10.4f} s {:>4} it {:>7.1f} B/node  balance {:.1e}  k {:.8f}   plain: {}\n", label, user,
-    result.iterations, static_cast<double>(result.bytes) / static_cast<double>(result.nodes), result.balance,
-    result.effective[0], ratio);
+  fmt::print("{:<15}{}  {:>5.1f}  {}\n", label, text,
+    static_cast<double>(result.bytes) / static_cast<double>(result.nodes), ratio);
   std::fflush(stdout);
 }
 
@@ -179,7 +189,9 @@ int main(int argc, char** argv)
 try
 {
   const bool quick = argc > 1 && std::string(argv[1]) == "--quick";
-  fmt::print("softwood, solid fraction 0.40, seed {}, along x, each face within 1e-8; user CPU, median\n", seed);
+  fmt::print("softwood, solid fraction 0.40, seed {}, along x; user CPU of set-up and solve, median\n", seed);
+  fmt::print("{:<15}{:<29}{:<29}{}\n", "", "value and faces to 1e-8", "the field to 1e-6 as well",
+    "B/node  Jacobi-CG, value and faces");
   const PhaseImage a = softwood(2, 200);
   measure("200^2 heat", a, 0.023, 1, 21, true);
   measure("200^2 vapour", a, 1, 0.004, 21, true);
@@ -187,8 +199,8 @@ try
   measure("1024^2 heat", b, 0.023, 1, 5, !quick);
   measure("1024^2 vapour", b, 1, 0.004, 5, false);
   const PhaseImage c = softwood(3, 200);
-  measure("200^3 heat", c, 0.023, 1, quick ? 1 : 3, false);
-  measure("200^3 vapour", c, 1, 0.004, quick ? 1 : 3, false);
+  measure("200^3 heat", c, 0.023, 1, quick ? 1 : 5, false);
+  measure("200^3 vapour", c, 1, 0.004, quick ? 1 : 5, false);
   return 0;
 }
 catch (const lamella::Error& e)

@@ -57,7 +57,7 @@ Decomposition::Decomposition(const Lattice& lattice, const Communicator& comm)
       continue;
     const int py = ranks / pz;
     const std::int64_t halo = (pz - 1) * ny + (py - 1) * nz;
-    if (halo < best)
+    if (halo <= best) // the last of equals has the most parts along z
     {
       best = halo;
       parts_ = { 1, py, pz };

@@ -49,6 +49,22 @@ void compare(const PhaseImage& image, const std::vector<double>& d, Case s)
   EXPECT_LT(worst, 1e-9);
 }
 
+// Planes across z are contiguous and are swept in one pass: where two splits have equal halos, z is cut.
+TEST(Ranks, CutCubesAcrossZ)
+{
+  int initialized = 0;
+  MPI_Initialized(&initialized);
+  int ranks = 1;
+  if (initialized != 0)
+    MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  if (ranks > 3)
+    GTEST_SKIP() << "four ranks have less to exchange in two rows of two";
+  const Block block = decompose(noise(24, 24, 24, 0.5, 1).lattice, initialized ? MPI_COMM_WORLD : MPI_COMM_SELF);
+  EXPECT_EQ(block.size[0], 24);
+  EXPECT_EQ(block.size[1], 24);
+  EXPECT_EQ(block.size[2], 24 / ranks);
+}
+
 TEST(Ranks, GiveTheSame2D)
 {
   for (const bool diagonal : { false, true })
