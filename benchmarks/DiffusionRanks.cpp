@@ -77,8 +77,9 @@ void compare(const char* label, const PhaseImage& image, const std::vector<doubl
       ratio.push_back(all.back() / one.back());
   }
   if (rank == 0)
-    fmt::print("{:<7} 1 rank {:.3f} s, {} ranks {:.3f} s, ratio of each pair: median {:.3f}, {:.3f} to {:.3f}; values differ by "
-               "{:.0e}\n",
+    fmt::print(
+      "{:<7} 1 rank {:.3f} s, {} ranks {:.3f} s, ratio of each pair: median {:.3f}, {:.3f} to {:.3f}; values differ by "
+      "{:.0e}\n",
       label, median(one), ranks, median(all), median(ratio), *std::min_element(ratio.begin(), ratio.end()),
       *std::max_element(ratio.begin(), ratio.end()), std::abs(valueOfAll / valueOfOne - 1));
 }
