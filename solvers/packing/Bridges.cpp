@@ -116,16 +116,16 @@ std::vector<Bridge> findBridges(const Packing& packing, double reach)
           {
             image.shift[a] = step[a] * packing.size[a];
             image.centre[a] += image.shift[a];
-            near = near && image.centre[a] > -2 * reach * largest &&
-              image.centre[a] < packing.size[a] + 2 * reach * largest;
+            near =
+              near && image.centre[a] > -2 * reach * largest && image.centre[a] < packing.size[a] + 2 * reach * largest;
           }
           if (near)
             images.push_back(image);
         }
   }
   const std::size_t last = axes - 1;
-  std::sort(images.begin(), images.end(),
-    [&](const Image& a, const Image& b) { return a.centre[last] < b.centre[last]; });
+  std::sort(
+    images.begin(), images.end(), [&](const Image& a, const Image& b) { return a.centre[last] < b.centre[last]; });
   std::vector<Bridge> bridges;
   for (std::size_t m = 0; m < images.size(); ++m)
     for (std::size_t k = m + 1;
@@ -138,12 +138,13 @@ std::vector<Bridge> findBridges(const Packing& packing, double reach)
       double square = 0;
       for (std::size_t axis = 0; axis < axes; ++axis)
         square += (a.centre[axis] - b.centre[axis]) * (a.centre[axis] - b.centre[axis]);
-      const double most = reach *
-        (packing.radius[static_cast<std::size_t>(a.grain)] + packing.radius[static_cast<std::size_t>(b.grain)]);
+      const double most =
+        reach * (packing.radius[static_cast<std::size_t>(a.grain)] + packing.radius[static_cast<std::size_t>(b.grain)]);
       if (square < most * most)
         bridges.push_back({ a.grain, b.grain, b.shift });
     }
-  std::sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b)
+  std::sort(bridges.begin(), bridges.end(),
+    [](const Bridge& a, const Bridge& b)
     { return std::tie(a.first, a.second, a.shift) < std::tie(b.first, b.second, b.shift); });
   return bridges;
 }
@@ -164,18 +165,17 @@ MatrixFractions matrixFractions(
       static_cast<std::int64_t>(std::ceil(perDiameter * packing.size[axis] / smallest)), 100, 100'000);
   };
   const std::vector<double> planes = midpoints(packing.size[last], number(last));
-  const std::vector<double> rows =
-    dimension == 3 ? midpoints(packing.size[1], number(1)) : std::vector<double>{ 0 };
+  const std::vector<double> rows = dimension == 3 ? midpoints(packing.size[1], number(1)) : std::vector<double>{ 0 };
   double grains = 0;
   double matrix = 0;
   forEachLine(packing, bridges, filled ? 0 : width, rows, planes,
-    [&](std::size_t, std::size_t, const LineSections& line) { matrix += uncovered(line.bridges, line.grains, grains); });
+    [&](std::size_t, std::size_t, const LineSections& line)
+    { matrix += uncovered(line.bridges, line.grains, grains); });
   const double all = packing.size[0] * static_cast<double>(rows.size()) * static_cast<double>(planes.size());
   return fractionsOf(grains / all, filled ? 1 - grains / all : matrix / all);
 }
 
-double widthForSaturation(
-  const Packing& packing, std::span<const Bridge> bridges, double saturation, int lines)
+double widthForSaturation(const Packing& packing, std::span<const Bridge> bridges, double saturation, int lines)
 {
   const auto at = [&](double width) { return matrixFractions(packing, bridges, width, false, lines).saturation; };
   double high = widest;
@@ -274,8 +274,8 @@ CementedSample cement(const Packing& packing, const BridgeOptions& options, cons
     [&](std::size_t row, std::size_t plane, const LineSections& line)
     {
       const auto p = static_cast<std::int64_t>(plane) + plate;
-      const std::int64_t start = dimension == 3 ? image.lattice.index(0, static_cast<std::int64_t>(row), p)
-                                                : image.lattice.index(0, p);
+      const std::int64_t start =
+        dimension == 3 ? image.lattice.index(0, static_cast<std::int64_t>(row), p) : image.lattice.index(0, p);
       const auto fill = [&](const Section& s, const auto& set)
       {
         const auto from = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::ceil(s.low / spacing - 0.5)));
@@ -299,8 +299,7 @@ CementedSample cement(const Packing& packing, const BridgeOptions& options, cons
         matrixNodes += phase == 1 ? 1 : 0;
       }
     });
-  const double nodes =
-    static_cast<double>(count) * static_cast<double>(inner) / static_cast<double>(size[last]);
+  const double nodes = static_cast<double>(count) * static_cast<double>(inner) / static_cast<double>(size[last]);
   sample.onLattice = fractionsOf(static_cast<double>(grainNodes) / nodes, static_cast<double>(matrixNodes) / nodes);
 
   const std::size_t layer = count / static_cast<std::size_t>(size[last]) * static_cast<std::size_t>(plate);

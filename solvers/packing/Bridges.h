@@ -23,7 +23,7 @@ struct BridgeOptions
   /// All of the space between the grains is matrix, whatever the width.
   bool filled = false;
   /// Share of the space between the grains, over the whole box, that is matrix: the width is solved for.
-  std::optional<double> saturation;
+  std::optional<double> saturation{};
 };
 
 /// A pair of grains with a bridge; `shift` is added to the second's centre (periodic boxes) [m].
@@ -66,17 +66,16 @@ struct RasterOptions
 /// A sample on a lattice: a node is what lies at its centre.
 struct CementedSample
 {
-  PhaseImage image;                 ///< phases void 0, matrix 1, grain 2; platens are of phase grain
-  std::vector<std::int32_t> grain;  ///< #nodes: grain number from 1; 0: none; −1: platen
-  double width = 0;                 ///< α as used
+  PhaseImage image;                ///< phases void 0, matrix 1, grain 2; platens are of phase grain
+  std::vector<std::int32_t> grain; ///< #nodes: grain number from 1; 0: none; −1: platen
+  double width = 0;                ///< α as used
   std::int64_t bridges = 0;
-  MatrixFractions fractions;        ///< of the geometry, without platens
-  MatrixFractions onLattice;        ///< of the nodes, without platens
+  MatrixFractions fractions; ///< of the geometry, without platens
+  MatrixFractions onLattice; ///< of the nodes, without platens
 };
 
 /// The other edges of the box are rounded to whole spacings; what sticks out is cut off, a rest is void.
 /// @throws ParameterError: width, reach, saturation, nodes or platen outside their range; MemoryError
-[[nodiscard]] CementedSample cement(
-  const Packing& packing, const BridgeOptions& bridges, const RasterOptions& raster);
+[[nodiscard]] CementedSample cement(const Packing& packing, const BridgeOptions& bridges, const RasterOptions& raster);
 
 } // namespace lamella::packing

@@ -14,8 +14,6 @@ namespace lamella::packing
 namespace
 {
 
-
-
 template <int Dim>
 Eigen::Matrix<double, Dim, 1> crossSpin(
   const typename GrainSystem<Dim>::Spin& w, const Eigen::Matrix<double, Dim, 1>& r)
@@ -131,8 +129,8 @@ void GrainSystem<Dim>::findPairs()
     const int n = cells[static_cast<std::size_t>(a)];
     return std::clamp(static_cast<int>(x[a] / box[a] * n), 0, n - 1);
   };
-  const std::size_t total = static_cast<std::size_t>(cells[0]) * static_cast<std::size_t>(cells[1]) *
-    static_cast<std::size_t>(cells[2]);
+  const std::size_t total =
+    static_cast<std::size_t>(cells[0]) * static_cast<std::size_t>(cells[1]) * static_cast<std::size_t>(cells[2]);
   const auto index = [&](std::array<int, 3> c)
   { return static_cast<std::size_t>(c[0] + cells[0] * (c[1] + cells[1] * c[2])); };
   std::vector<std::int32_t> first(total, -1);
@@ -181,7 +179,8 @@ void GrainSystem<Dim>::findPairs()
           {
             if (static_cast<std::size_t>(j) <= i)
               continue;
-            Pair pair{ static_cast<std::int32_t>(i), j, radius[i] + radius[static_cast<std::size_t>(j)], Vec::Zero(), Vec::Zero() };
+            Pair pair{ static_cast<std::int32_t>(i), j, radius[i] + radius[static_cast<std::size_t>(j)], Vec::Zero(),
+              Vec::Zero() };
             Vec r = position[static_cast<std::size_t>(j)] - position[i];
             for (int a = 0; a < Dim; ++a)
               if (periodic[static_cast<std::size_t>(a)])
@@ -266,8 +265,8 @@ void GrainSystem<Dim>::addGrainContacts(double dt)
     forceSum += overlap;
     if constexpr (Rubs)
     {
-      const Vec slip = (velocity[j] - velocity[i] + boxRate.cwiseProduct(r) - crossSpin<Dim>(spin[i], radius[i] * normal) -
-                         crossSpin<Dim>(spin[j], radius[j] * normal)) *
+      const Vec slip = (velocity[j] - velocity[i] + boxRate.cwiseProduct(r) -
+                         crossSpin<Dim>(spin[i], radius[i] * normal) - crossSpin<Dim>(spin[j], radius[j] * normal)) *
         dt;
       const Vec onFirst = tangentialForce(pair.spring, normal, slip, friction * overlap);
       onSecond -= onFirst;

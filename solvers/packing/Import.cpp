@@ -67,8 +67,8 @@ Packing packingOf(int dimension, std::span<const std::array<double, 3>> centre, 
   const std::size_t axis = axes - 1;
   std::vector<std::size_t> order(p.count());
   std::iota(order.begin(), order.end(), std::size_t{ 0 });
-  std::sort(order.begin(), order.end(),
-    [&](std::size_t a, std::size_t b) { return p.centre[a][axis] < p.centre[b][axis]; });
+  std::sort(
+    order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p.centre[a][axis] < p.centre[b][axis]; });
   const double largest = *std::max_element(p.radius.begin(), p.radius.end());
   for (std::size_t m = 0; m < order.size(); ++m)
     for (std::size_t k = m + 1; k < order.size(); ++k)
@@ -89,15 +89,15 @@ Packing packingOf(int dimension, std::span<const std::array<double, 3>> centre, 
       if (c.overlap < -touching * mean)
         continue;
       if (c.overlap > 0.04 * std::min(p.radius[i], p.radius[j]))
-        throw InputError(fmt::format("grains {} and {} overlap by {:.3g}, {:.0f} % of the smaller one's diameter", i + 1,
-                           j + 1, c.overlap, 50 * c.overlap / std::min(p.radius[i], p.radius[j])),
+        throw InputError(fmt::format("grains {} and {} overlap by {:.3g}, {:.0f} % of the smaller one's diameter",
+                           i + 1, j + 1, c.overlap, 50 * c.overlap / std::min(p.radius[i], p.radius[j])),
           "up to 2 % is taken; are the radii perhaps diameters, or in another unit?");
       for (std::size_t a = 0; a < axes; ++a)
         c.normal[a] = c.branch[a] / distance;
       p.contacts.push_back(c);
     }
-  std::sort(p.contacts.begin(), p.contacts.end(), [](const Contact& a, const Contact& b)
-    { return std::pair(a.first, a.second) < std::pair(b.first, b.second); });
+  std::sort(p.contacts.begin(), p.contacts.end(),
+    [](const Contact& a, const Contact& b) { return std::pair(a.first, a.second) < std::pair(b.first, b.second); });
   for (std::size_t i = 0; i < p.count(); ++i)
     for (std::size_t a = 0; a < axes; ++a)
       for (const int side : { 0, 1 })

@@ -59,10 +59,12 @@ Range ofTrapezoid(const Shape& s, double y)
   const double length = std::hypot(dx, dy);
   const double nx = -dy / length;
   const double ny = dx / length;
-  const std::array<std::array<double, 2>, 4> corner{ { { s.first[0] + s.firstRadius * nx, s.first[1] + s.firstRadius * ny },
-    { s.second[0] + s.secondRadius * nx, s.second[1] + s.secondRadius * ny },
-    { s.second[0] - s.secondRadius * nx, s.second[1] - s.secondRadius * ny },
-    { s.first[0] - s.firstRadius * nx, s.first[1] - s.firstRadius * ny } } };
+  const std::array<std::array<double, 2>, 4> corner{
+    { { s.first[0] + s.firstRadius * nx, s.first[1] + s.firstRadius * ny },
+      { s.second[0] + s.secondRadius * nx, s.second[1] + s.secondRadius * ny },
+      { s.second[0] - s.secondRadius * nx, s.second[1] - s.secondRadius * ny },
+      { s.first[0] - s.firstRadius * nx, s.first[1] - s.firstRadius * ny } }
+  };
   Range range;
   for (std::size_t i = 0; i < 4; ++i)
   {
@@ -211,8 +213,7 @@ std::vector<Shape> shapesOf(const Packing& packing, std::span<const Bridge> brid
       s.secondRadius = width * packing.radius[static_cast<std::size_t>(b.second)];
       addImages(s);
     }
-  std::sort(
-    shapes.begin(), shapes.end(), [](const Shape& a, const Shape& b) { return a.planes.low < b.planes.low; });
+  std::sort(shapes.begin(), shapes.end(), [](const Shape& a, const Shape& b) { return a.planes.low < b.planes.low; });
   return shapes;
 }
 

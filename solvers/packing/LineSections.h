@@ -25,8 +25,8 @@ struct LineSections
   std::vector<Section> bridges;
 };
 
-/// Calls `visit(row, plane, sections)` for the lines at y = rows[row], z = planes[plane] (2D: y = planes[plane], one row),
-/// plane after plane, rows rising.
+/// Calls `visit(row, plane, sections)` for the lines at y = rows[row], z = planes[plane] (2D: y = planes[plane], one
+/// row), plane after plane, rows rising.
 void forEachLine(const Packing& packing, std::span<const Bridge> bridges, double width, std::span<const double> rows,
   std::span<const double> planes,
   const std::function<void(std::size_t row, std::size_t plane, const LineSections&)>& visit);

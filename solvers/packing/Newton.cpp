@@ -24,7 +24,9 @@ public:
   Enthalpy(GrainSystem<Dim>& grains, const RelaxationOptions& options)
     : g_(grains)
     , options_(options)
-    , boxUnknowns_(options.box == BoxMotion::Fixed ? 0 : options.box == BoxMotion::Volume ? 1 : Dim)
+    , boxUnknowns_(options.box == BoxMotion::Fixed ? 0
+          : options.box == BoxMotion::Volume       ? 1
+                                                   : Dim)
   {
   }
 
@@ -218,8 +220,7 @@ RelaxationResult newton(GrainSystem<Dim>& g, const RelaxationOptions& options)
         high = length;
         slopeHigh = here;
       }
-      length = high == 0 ? 2 * length
-                         : low + (high - low) * std::clamp(slopeLow / (slopeLow - slopeHigh), 0.1, 0.9);
+      length = high == 0 ? 2 * length : low + (high - low) * std::clamp(slopeLow / (slopeLow - slopeHigh), 0.1, 0.9);
     }
     shift = length >= 0.5 ? std::max(shift * 0.1, 1e-12) : std::min(shift * 3, 1e3);
   }

@@ -72,8 +72,9 @@ void check(const PackingOptions& o)
   if (!(o.tolerance >= 1e-8 && o.tolerance <= 1e-2))
     refuse(fmt::format("the tolerance is {}", o.tolerance), "from 1e-8 to 1e-2");
   if (o.packingFraction && !(*o.packingFraction >= 0.05 && *o.packingFraction < 1))
-    refuse(fmt::format("the packing fraction is {}", *o.packingFraction), "from 0.05 to below jamming, about 0.8 for disks "
-                                                                          "and 0.6 for spheres");
+    refuse(fmt::format("the packing fraction is {}", *o.packingFraction),
+      "from 0.05 to below jamming, about 0.8 for disks "
+      "and 0.6 for spheres");
 }
 
 template <int Dim>
@@ -134,8 +135,8 @@ private:
     std::vector<double> d = diameters(o_);
     for (std::size_t i = n; i-- > 1;)
       std::swap(d[i],
-        d[static_cast<std::size_t>(random.uniform(Use::GrainOrder, static_cast<std::int64_t>(i)) *
-          static_cast<double>(i + 1))]);
+        d[static_cast<std::size_t>(
+          random.uniform(Use::GrainOrder, static_cast<std::int64_t>(i)) * static_cast<double>(i + 1))]);
     for (std::size_t i = 0; i < n; ++i)
       grains_.radius[i] = 0.5 * d[i];
     grains_.friction = o_.friction;
@@ -255,8 +256,8 @@ private:
     polish(p);
     if (grains_.unbalanced() > o_.tolerance)
       throw DivergenceError(
-        fmt::format("the packing did not come to rest: unbalanced force {:.1e} of the mean contact force",
-          grains_.unbalanced()),
+        fmt::format(
+          "the packing did not come to rest: unbalanced force {:.1e} of the mean contact force", grains_.unbalanced()),
         "try another seed, or a larger softness");
   }
 

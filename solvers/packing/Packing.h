@@ -29,7 +29,7 @@ struct PackingOptions
   double meanDiameter = 1e-3; ///< number mean [m]
   double diameterRatio = 2;   ///< largest over smallest
   Sizes sizes = Sizes::Volume;
-  double aspect = 2; ///< edge of the box along the last axis over the other edges
+  double aspect = 2;     ///< edge of the box along the last axis over the other edges
   bool periodic = false; ///< along all axes; otherwise smooth walls
   double friction = 0;   ///< Coulomb's coefficient between grains, and between grains and walls
   double pressure = 1e3; ///< on the walls [Pa]
@@ -38,9 +38,9 @@ struct PackingOptions
   /// Ends the compaction at this share of the box, below jamming: grains that do not touch.
   std::optional<double> packingFraction;
   std::uint64_t seed = 1;
-  double tolerance = 1e-4; ///< mean net force on a grain over the mean contact force, at rest
-  std::function<void(double)> progress;  ///< called with 0 … 1, which never falls
-  std::function<bool()> interrupted;     ///< asked now and then; true ends it with Cancelled
+  double tolerance = 1e-4;              ///< mean net force on a grain over the mean contact force, at rest
+  std::function<void(double)> progress; ///< called with 0 … 1, which never falls
+  std::function<bool()> interrupted;    ///< asked now and then; true ends it with Cancelled
 };
 
 /// Two grains, or a grain and a wall, that press on each other.
@@ -62,8 +62,8 @@ struct Packing
   std::vector<std::array<double, 3>> centre; ///< #grains; z = 0 in 2D [m]
   std::vector<double> radius;                ///< #grains [m]
   std::vector<Contact> contacts;
-  double pressure = 0;   ///< mean stress [Pa]
-  double unbalanced = 0; ///< mean net force on a grain over the mean contact force
+  double pressure = 0;    ///< mean stress [Pa]
+  double unbalanced = 0;  ///< mean net force on a grain over the mean contact force
   std::int64_t steps = 0; ///< of all relaxations
 
   [[nodiscard]] std::size_t count() const noexcept { return radius.size(); }
@@ -104,11 +104,11 @@ struct PackingStatistics
                                   ///< and again without those found
   std::int64_t grainContacts = 0; ///< between grains that are no rattlers
   std::int64_t wallContacts = 0;
-  double coordination = 0;          ///< contacts a grain that is no rattler
-  std::array<double, 9> fabric{};   ///< mean of n ⊗ n over the contacts between grains; trace 1
-  std::array<double, 9> stress{};   ///< Σ f ⊗ r / volume, compression positive [Pa]
-  double fabricAnisotropy = 0;      ///< of the principal values, (largest − smallest)/sum
-  double stressAnisotropy = 0;      ///< 0 without forces
+  double coordination = 0;           ///< contacts a grain that is no rattler
+  std::array<double, 9> fabric{};    ///< mean of n ⊗ n over the contacts between grains; trace 1
+  std::array<double, 9> stress{};    ///< Σ f ⊗ r / volume, compression positive [Pa]
+  double fabricAnisotropy = 0;       ///< of the principal values, (largest − smallest)/sum
+  double stressAnisotropy = 0;       ///< 0 without forces
   std::vector<std::uint8_t> rattler; ///< #grains: 1 for rattlers
 };
 

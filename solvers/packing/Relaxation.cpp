@@ -49,9 +49,8 @@ RelaxationResult relax(GrainSystem<Dim>& g, const RelaxationOptions& options)
   for (; result.steps < options.maxSteps; ++result.steps)
   {
     const Vec onBox = boxForce();
-    const double pressureError = options.box == BoxMotion::Fixed
-      ? 0
-      : onBox.cwiseAbs().maxCoeff() / (options.pressure * g.volume());
+    const double pressureError =
+      options.box == BoxMotion::Fixed ? 0 : onBox.cwiseAbs().maxCoeff() / (options.pressure * g.volume());
     const bool apart = options.box == BoxMotion::Fixed && g.forceSum <= options.negligible * static_cast<double>(n);
     if (apart || (g.unbalanced() <= options.tolerance && pressureError <= options.tolerance))
     {

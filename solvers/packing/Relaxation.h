@@ -19,9 +19,9 @@ enum class BoxMotion
 struct RelaxationOptions
 {
   BoxMotion box = BoxMotion::Fixed;
-  double pressure = 0;    ///< [stiffness × diameter / diameter^Dim]
+  double pressure = 0;     ///< [stiffness × diameter / diameter^Dim]
   double tolerance = 1e-4; ///< of GrainSystem::unbalanced(), and of the pressure on each axis
-  double negligible = 0; ///< box fixed: mean overlap a grain [diameters] that counts as none
+  double negligible = 0;   ///< box fixed: mean overlap a grain [diameters] that counts as none
   std::int64_t maxSteps = 1'000'000;
   std::function<bool()> interrupted; ///< asked now and then; true ends it with Cancelled
 };
@@ -39,9 +39,9 @@ struct RelaxationResult
 template <int Dim>
 RelaxationResult relax(GrainSystem<Dim>& grains, const RelaxationOptions& options);
 
-/// Newton's method on the enthalpy U + pV of frictionless grains, for the last digits: contact networks close to jamming
-/// are so soft that dynamics need 10⁵ steps. Sparse Cholesky factors (Eigen), shifted where the matrix is not positive
-/// definite, with backtracking.
+/// Newton's method on the enthalpy U + pV of frictionless grains, for the last digits: contact networks close to
+/// jamming are so soft that dynamics need 10⁵ steps. Sparse Cholesky factors (Eigen), shifted where the matrix is not
+/// positive definite, with backtracking.
 template <int Dim>
 RelaxationResult newton(GrainSystem<Dim>& grains, const RelaxationOptions& options);
 

@@ -17,7 +17,8 @@ double anisotropy(const std::array<double, 9>& tensor, int dimension)
   for (int a = 0; a < dimension; ++a)
     for (int b = 0; b < dimension; ++b)
       m(a, b) = 0.5 * (tensor[static_cast<std::size_t>(3 * a + b)] + tensor[static_cast<std::size_t>(3 * b + a)]);
-  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(m, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd values =
+    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(m, Eigen::EigenvaluesOnly).eigenvalues();
   const double sum = values.sum();
   return sum == 0 ? 0 : (values[dimension - 1] - values[0]) / sum;
 }

@@ -227,8 +227,8 @@ TEST(Packing, SizesAreSpreadAsAskedFor)
     EXPECT_NEAR(*high / *low, 2, 0.005);
     EXPECT_NEAR(2 * std::accumulate(p.radius.begin(), p.radius.end(), 0.0) / 2000, o.meanDiameter, 1e-12);
     // share of the grains below the middle diameter, from the integrals of the three densities
-    const auto below = std::count_if(
-      p.radius.begin(), p.radius.end(), [&](double r) { return r < 0.5 * (*low + *high); });
+    const auto below =
+      std::count_if(p.radius.begin(), p.radius.end(), [&](double r) { return r < 0.5 * (*low + *high); });
     const double expected = sizes == Sizes::Volume ? (1.5 * 1.5 - 1) / 3 : sizes == Sizes::Diameter ? 0.5 : 2.0 / 3.0;
     EXPECT_NEAR(static_cast<double>(below) / 2000, expected, 0.002);
   }
@@ -301,7 +301,8 @@ TEST(PackingOf, FindsContactsAndRefusesWhatCannotBe)
     }
     return std::string();
   };
-  EXPECT_EQ(message({ { 0, 0, 0 }, { 1, 0, 0 } }, { 1, 1 }), "grains 1 and 2 overlap by 1, 50 % of the smaller one's diameter");
+  EXPECT_EQ(
+    message({ { 0, 0, 0 }, { 1, 0, 0 } }, { 1, 1 }), "grains 1 and 2 overlap by 1, 50 % of the smaller one's diameter");
   EXPECT_EQ(message({ { 0, 0, 0 } }, { -1 }), "the radius of grain 1 is -1");
   EXPECT_EQ(message({ { 0, 0, 0 } }, { 0 }), "the radius of grain 1 is 0");
   EXPECT_EQ(message({ { std::nan(""), 0, 0 } }, { 1 }), "the centre of grain 1 has the coordinate nan");
