@@ -33,7 +33,7 @@ constexpr Color EdgeColor{ 0x8a, 0x76, 0x55, 255 };
 constexpr Color ForceColor{ 0x7b, 0x1e, 0x2b, 255 };
 
 /// Adds geometry in one colour.
-vtkSmartPointer<vtkActor> AddPlain(vtkRenderer* renderer, vtkPolyData* geometry, Color color, double width)
+vtkActor* AddPlain(vtkRenderer* renderer, vtkPolyData* geometry, Color color, double width)
 {
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(geometry);
@@ -42,7 +42,7 @@ vtkSmartPointer<vtkActor> AddPlain(vtkRenderer* renderer, vtkPolyData* geometry,
   actor->SetMapper(mapper);
   actor->GetProperty()->SetColor(color.r / 255.0, color.g / 255.0, color.b / 255.0);
   actor->GetProperty()->SetLineWidth(static_cast<float>(width));
-  renderer->AddActor(actor);
+  renderer->AddActor(actor); // which keeps it
   return actor;
 }
 
@@ -170,9 +170,12 @@ Drawing DrawGeometry(vtkPolyData* given, const SnapshotOptions& options)
   }
   if (grains && isFlat)
   {
-    property->EdgeVisibilityOn(); // where disks of one colour touch
-    property->SetEdgeColor(EdgeColor.r / 255.0, EdgeColor.g / 255.0, EdgeColor.b / 255.0);
-    property->SetLineWidth(static_cast<float>(linePixels));
+    vtkNew<vtkPolyData> circles; // tell disks of one colour apart
+    circles->SetPoints(geometry->GetPoints());
+    circles->SetLines(geometry->GetLines());
+    vtkActor* const edges = AddPlain(renderer, circles, EdgeColor, linePixels);
+    edges->GetProperty()->SetLighting(false);
+    edges->SetPosition(0, 0, 1e-5 * size); // in front of the disks
   }
   if (const auto box = grains ? BoxEdges(given) : nullptr)
   {

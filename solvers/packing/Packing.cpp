@@ -112,8 +112,9 @@ public:
 private:
   void report(double share)
   {
+    reported_ = std::max(reported_, share); // attempts are repeated
     if (o_.progress)
-      o_.progress(share);
+      o_.progress(std::min(reported_, 1.0));
   }
 
   RelaxationResult rest(BoxMotion box, double pressure, double tolerance, std::int64_t most)
@@ -361,6 +362,7 @@ private:
   RelaxationOptions relaxation_;
   System grains_;
   std::int64_t steps_ = 0;
+  double reported_ = 0;
 };
 
 } // namespace

@@ -121,7 +121,6 @@ class Packing(Case):
         def fails(text, message, hint, *words, code=3):
             self.write("t.csv", text)
             self.fails(code, message, hint, "packing", "--read", "t.csv", *words)
-            self.fails(code, message, hint, "bridges", "t.csv", *words)
 
         self.fails(3, "there is no file 'nowhere.csv'", "check the name", "packing", "--read", "nowhere.csv")
         self.fails(3, "there is no file 'nowhere.csv'", "check the name", "bridges", "nowhere.csv")
@@ -138,6 +137,7 @@ class Packing(Case):
         fails(b"x,z,r\n1,1,1\n2,1,1\n", "grains 1 and 2 overlap", "diameters")
         fails(TABLE, "lies outside the box", "larger box", "--box", "2,2")
         fails(TABLE, "--unit 'inch' is not a length", "metres", "--unit", "inch", code=2)
+        self.fails(3, "lies outside the box", "larger box", "bridges", "t.csv", "--box", "2,2")
         fails(TABLE, "--box '3' has not 2 or 3 edges", "20mm,40mm", "--box", "3", code=2)
 
 
