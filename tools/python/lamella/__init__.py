@@ -12,7 +12,7 @@ where there is no display: import it before the first view is made. (LAMELLA_REN
 off.)
 
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
-``vtkMicrostructureSource``, ``vtkSteadyDiffusion``, ``vtkFluxMap``), runs it and hands its output out as numpy arrays.
+``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkSteadyDiffusion``, ``vtkFluxMap`` ...), runs it and hands its output out as numpy arrays.
 
 Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at the top; arrays of a volume are
 ``[z, y, x]``. Vectors have their components along x (left to right), y (upwards in a picture) and z in the last axis.
@@ -31,6 +31,7 @@ else:
 
 from ._errors import Cancelled, LamellaError
 from ._flux import FluxMapResult, flux_map
+from ._packings import CementedSample, Packing, bridges, packing, read_packing
 from ._paraview import load_plugin, plugin_path
 from ._pictures import snapshot
 from ._samples import (
@@ -48,10 +49,13 @@ from ._solve import DiffusionResult, diffusion
 
 __all__ = [
     "Cancelled",
+    "CementedSample",
     "DiffusionResult",
     "FluxMapResult",
     "LamellaError",
+    "Packing",
     "Sample",
+    "bridges",
     "checkerboard",
     "diffusion",
     "disks",
@@ -60,7 +64,9 @@ __all__ = [
     "honeycomb",
     "laminate",
     "load_plugin",
+    "packing",
     "plugin_path",
+    "read_packing",
     "read_picture",
     "snapshot",
     "softwood",
