@@ -88,105 +88,17 @@ std::uint8_t touched(const Piece& piece, const Lattice& lattice)
   return bits;
 }
 
-/// Sums of a pore while its pieces come in.
-struct Sum
+/// Pores as pieces put together, in the order of their first nodes.
+struct Whole
 {
-  std::int64_t first = std::numeric_limits<std::int64_t>::max();
-  std::int64_t size = 0;
-  std::array<std::int64_t, 3> twice{ 0, 0, 0 }; ///< twice the sum of the places
-  std::array<std::int64_t, 3> low{ first, first, first };
-  std::array<std::int64_t, 3> high{ -first, -first, -first };
-  std::uint8_t touches = 0;
-
-  void add(const Piece& piece, const Shift& shift, const Lattice& lattice)
-  {
-    const std::array<std::int64_t, 3> own{ piece.twiceX, 2 * piece.sumY, 2 * piece.sumZ };
-    first = std::min(first, piece.first);
-    size += piece.size;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      const std::int64_t moved = shift[axis] * lattice.size[axis];
-      twice[axis] += own[axis] + 2 * moved * piece.size;
-      low[axis] = std::min(low[axis], piece.low[axis] + moved);
-      high[axis] = std::max(high[axis], piece.high[axis] + moved);
-    }
-    touches |= touched(piece, lattice);
-  }
-
-  [[nodiscard]] Pore pore(std::uint8_t wraps, const Lattice& lattice, const LabelOptions& options) const
-  {
-    Pore result{ size, first, {}, low, high, touches, 0 };
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      const std::int64_t n = lattice.size[axis];
-      const bool wrapped = (wraps >> axis & 1U) != 0;
-      const bool across = options.periodic[axis] ? wrapped : (touches >> (2 * axis) & 3U) == 3U;
-      result.percolates |= static_cast<std::uint8_t>(across ? 1U << axis : 0U);
-      if (wrapped)
-      {
-        result.low[axis] = 0;
-        result.high[axis] = n - 1;
-      }
-      else
-      {
-        // into the box: the lower end of the box between 0 and n − 1, the centre between −½ and n − ½
-        const std::int64_t periods = (low[axis] >= 0 ? low[axis] : low[axis] - n + 1) / n;
-        result.low[axis] -= periods * n;
-        result.high[axis] -= periods * n;
-      }
-      // whole numbers as long as it goes, so that the last digit does not depend on the period it was summed in
-      const std::int64_t period = 2 * n * size;
-      const std::int64_t from = -size;
-      const std::int64_t inside = ((twice[axis] - from) % period + period) % period + from;
-      result.centre[axis] = static_cast<double>(inside) / (2.0 * static_cast<double>(size));
-    }
-    return result;
-  }
+  UnfilledVector<Piece> pieces;
+  std::vector<std::uint8_t> touches;
+  std::vector<std::uint8_t> wraps;
+  std::vector<std::uint32_t> of; ///< by piece: which pore it belongs to
 };
 
-/// By size, the largest first; equal ones as they are. Most pores are small: they are counted into place.
-std::vector<std::uint32_t> bySize(const std::vector<Pore>& pores)
+Whole putTogether(const Lattice& lattice, std::span<const Piece> pieces, std::span<const Joint> joints, bool ranks)
 {
-  constexpr std::size_t small = 65536;
-  std::vector<std::uint32_t> order(pores.size());
-  std::vector<std::uint32_t> place(small + 1, 0);
-  std::vector<std::uint32_t> large;
-  for (std::uint32_t i = 0; i < pores.size(); ++i)
-  {
-    if (pores[i].size < static_cast<std::int64_t>(small))
-      ++place[small - 1 - static_cast<std::size_t>(pores[i].size) + 1];
-    else
-      large.push_back(i);
-  }
-  std::stable_sort(
-    large.begin(), large.end(), [&](std::uint32_t a, std::uint32_t b) { return pores[a].size > pores[b].size; });
-  std::copy(large.begin(), large.end(), order.begin());
-  place[0] = static_cast<std::uint32_t>(large.size());
-  std::partial_sum(place.begin(), place.end(), place.begin());
-  for (std::uint32_t i = 0; i < pores.size(); ++i)
-    if (pores[i].size < static_cast<std::int64_t>(small))
-      order[place[small - 1 - static_cast<std::size_t>(pores[i].size)]++] = i;
-  return order;
-}
-
-/// The pores in the order of their first nodes, and by piece which of them it belongs to.
-std::vector<Pore> put(const Lattice& lattice, std::span<const Piece> pieces, std::span<const Joint> joints,
-  bool inOrder, const LabelOptions& options, std::vector<std::uint32_t>& poreOf)
-{
-  std::vector<Pore> pores;
-  poreOf.resize(pieces.size());
-  if (joints.empty() && inOrder) // every piece is a pore
-  {
-    std::iota(poreOf.begin(), poreOf.end(), 0U);
-    pores.reserve(pieces.size());
-    for (const Piece& piece : pieces)
-    {
-      Sum sum;
-      sum.add(piece, Shift{ 0, 0, 0 }, lattice);
-      pores.push_back(sum.pore(0, lattice, options));
-    }
-    return pores;
-  }
   ShiftedSets sets(pieces);
   for (const Joint& joint : joints)
     sets.join(joint);
@@ -194,90 +106,197 @@ std::vector<Pore> put(const Lattice& lattice, std::span<const Piece> pieces, std
   for (std::uint32_t i = 0; i < pieces.size(); ++i)
     if (sets.root(i) == i)
       roots.push_back(i);
-  if (!inOrder)
+  if (ranks)
     std::sort(
       roots.begin(), roots.end(), [&](std::uint32_t a, std::uint32_t b) { return pieces[a].first < pieces[b].first; });
+  Whole whole;
+  whole.of.resize(pieces.size());
+  whole.pieces.assign(roots.size(), emptyPiece());
+  whole.touches.assign(roots.size(), 0);
+  whole.wraps.resize(roots.size());
   for (std::uint32_t i = 0; i < roots.size(); ++i)
-    poreOf[roots[i]] = i;
-  std::vector<Sum> sums(roots.size());
+  {
+    whole.of[roots[i]] = i;
+    whole.wraps[i] = sets.wraps(roots[i]);
+  }
   for (std::uint32_t i = 0; i < pieces.size(); ++i)
   {
     const std::uint32_t root = sets.root(i);
-    Shift shift = sets.shift(i);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      shift[axis] = (sets.wraps(root) >> axis & 1U) != 0 ? 0 : shift[axis]; // without an end: as it lies in the box
-    poreOf[i] = poreOf[root];
-    sums[poreOf[i]].add(pieces[i], shift, lattice);
+    const std::uint32_t pore = whole.of[root];
+    std::array<std::int64_t, 3> moved{};
+    for (std::size_t axis = 0; axis < 3; ++axis) // without an end: as it lies in the box
+      moved[axis] = (whole.wraps[pore] >> axis & 1U) != 0 ? 0 : sets.shift(i)[axis] * lattice.size[axis];
+    whole.of[i] = pore;
+    add(whole.pieces[pore], pieces[i], moved);
+    whole.touches[pore] |= touched(pieces[i], lattice);
   }
-  pores.reserve(sums.size());
-  for (std::size_t i = 0; i < sums.size(); ++i)
-    pores.push_back(sums[i].pore(sets.wraps(roots[i]), lattice, options));
-  return pores;
+  return whole;
+}
+
+Pore toPore(const Piece& piece, std::uint8_t touches, std::uint8_t wraps, const Lattice& lattice,
+  const std::array<bool, 3>& periodic)
+{
+  const std::int64_t size = piece.size;
+  Pore pore{ size, piece.first, {}, piece.low, piece.high, touches, 0 };
+  const std::array<std::int64_t, 3> twice{ piece.twiceX, 2 * piece.sumY, 2 * piece.sumZ };
+  const double scale = 0.5 / static_cast<double>(size);
+  const bool exact = (size & (size - 1)) == 0; // then the product below is the quotient
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    std::int64_t inside = twice[axis];
+    bool across = (touches >> (2 * axis) & 3U) == 3U;
+    if (periodic[axis])
+    {
+      across = (wraps >> axis & 1U) != 0;
+      const std::int64_t n = lattice.size[axis];
+      if (across)
+      {
+        pore.low[axis] = 0;
+        pore.high[axis] = static_cast<std::int32_t>(n - 1);
+      }
+      // into the box: the lower end of the box between 0 and n - 1, the centre between -1/2 and n - 1/2; whole numbers
+      // as long as it goes, so that the last digit does not depend on the period it was summed in
+      const std::int64_t low = pore.low[axis];
+      const std::int64_t periods = (low >= 0 ? low : low - n + 1) / n;
+      pore.low[axis] -= static_cast<std::int32_t>(periods * n);
+      pore.high[axis] -= static_cast<std::int32_t>(periods * n);
+      const std::int64_t period = 2 * n * size;
+      inside = ((inside + size) % period + period) % period - size;
+    }
+    pore.percolates |= static_cast<std::uint8_t>(across ? 1U << axis : 0U);
+    pore.centre[axis] =
+      exact ? static_cast<double>(inside) * scale : static_cast<double>(inside) / (2 * static_cast<double>(size));
+  }
+  return pore;
+}
+
+/// Labels by pore, the largest first and equal ones as they are, or all as they are; 0 below the minimum size.
+/// Most pores are small: they are counted into place.
+/// @returns pores that would have a label
+std::int64_t number(std::span<const Piece> pores, const LabelOptions& options, std::span<std::int32_t> label)
+{
+  const std::int64_t least = std::max<std::int64_t>(options.minimumSize, 1);
+  std::int64_t count = 0;
+  if (!options.sortBySize)
+  {
+    for (std::size_t i = 0; i < pores.size(); ++i)
+    {
+      const bool kept = pores[i].size >= least;
+      count += kept ? 1 : 0;
+      label[i] = kept ? static_cast<std::int32_t>(count) : 0;
+    }
+    return count;
+  }
+  constexpr std::int64_t small = 65536;
+  UnfilledVector<std::uint32_t> sizes(pores.size()); // as far as they are small
+  std::vector<std::uint32_t> place(small + 1, 0);    // by size: how many there are, then how many come before
+  std::vector<std::uint32_t> large;
+  for (std::uint32_t i = 0; i < pores.size(); ++i)
+  {
+    const std::int64_t size = std::min(pores[i].size, small);
+    sizes[i] = static_cast<std::uint32_t>(size);
+    ++place[static_cast<std::size_t>(size)];
+    if (size == small)
+      large.push_back(i);
+  }
+  std::stable_sort(
+    large.begin(), large.end(), [&](std::uint32_t a, std::uint32_t b) { return pores[a].size > pores[b].size; });
+  for (const std::uint32_t i : large)
+  {
+    count += pores[i].size >= least ? 1 : 0;
+    label[i] = pores[i].size >= least ? static_cast<std::int32_t>(count) : 0;
+  }
+  for (std::int64_t size = small - 1; size > 0; --size)
+  {
+    std::uint32_t& before = place[static_cast<std::size_t>(size)];
+    const std::uint32_t here = before;
+    before = static_cast<std::uint32_t>(count);
+    count += size >= least ? here : 0;
+  }
+  for (std::size_t i = 0; i < pores.size(); ++i)
+    if (sizes[i] < small)
+      label[i] = sizes[i] >= least ? static_cast<std::int32_t>(++place[sizes[i]]) : 0;
+  return count;
 }
 
 } // namespace
 
-Merged merge(const Lattice& lattice, std::span<const Piece> pieces, std::span<const Joint> joints, bool inOrder,
+Piece emptyPiece()
+{
+  constexpr auto most = std::numeric_limits<std::int32_t>::max();
+  return Piece{ std::numeric_limits<std::int64_t>::max(), 0, 0, 0, 0, { most, most, most }, { -most, -most, -most } };
+}
+
+void add(Piece& sum, const Piece& piece, const std::array<std::int64_t, 3>& moved)
+{
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    sum.low[axis] = std::min(sum.low[axis], static_cast<std::int32_t>(piece.low[axis] + moved[axis]));
+    sum.high[axis] = std::max(sum.high[axis], static_cast<std::int32_t>(piece.high[axis] + moved[axis]));
+  }
+  sum.first = std::min(sum.first, piece.first);
+  sum.size += piece.size;
+  sum.twiceX += piece.twiceX + 2 * moved[0] * piece.size;
+  sum.sumY += piece.sumY + moved[1] * piece.size;
+  sum.sumZ += piece.sumZ + moved[2] * piece.size;
+}
+
+Merged merge(const Lattice& lattice, std::span<const Piece> pieces, std::span<const Joint> joints, bool ranks,
   const LabelOptions& options)
 {
   Merged merged;
-  std::vector<std::uint32_t> poreOf;
-  std::vector<Pore> all = put(lattice, pieces, joints, inOrder, options, poreOf);
-  std::vector<std::uint32_t> order;
-  if (options.sortBySize)
-    order = bySize(all);
+  Whole whole;
+  const bool apart = joints.empty() && !ranks; // every piece is a pore
+  if (!apart)
+    whole = putTogether(lattice, pieces, joints, ranks);
+  const std::span<const Piece> pores = apart ? pieces : std::span<const Piece>(whole.pieces);
+  UnfilledVector<std::int32_t> label(pores.size());
   PoreSummary& sum = merged.summary;
-  std::uint8_t open = 0; // sides that a pore can be open to
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    open |= static_cast<std::uint8_t>(options.periodic[axis] ? 0U : 3U << (2 * axis));
-  std::vector<std::int32_t> labelOf(all.size(), 0);
-  const bool anyDropped = options.minimumSize > 1;
-  if (options.sortBySize || anyDropped)
-    merged.pores.reserve(all.size());
-  for (std::size_t i = 0; i < all.size(); ++i)
+  sum.count = number(pores, options, label);
+  if (sum.count > std::min<std::int64_t>(options.mostLabels, std::numeric_limits<std::int32_t>::max()))
   {
-    const std::size_t at = options.sortBySize ? order[i] : i;
-    const Pore& pore = all[at];
-    sum.phaseNodes += pore.size;
-    if (pore.size < options.minimumSize)
-    {
-      ++sum.dropped;
-      sum.droppedNodes += pore.size;
-      sum.largestDropped = std::max(sum.largestDropped, pore.size);
-      continue;
-    }
-    ++sum.count;
-    sum.total += pore.size;
-    sum.largest = std::max(sum.largest, pore.size);
-    sum.percolates |= pore.percolates;
-    if ((pore.touches & open) != 0 || pore.percolates != 0)
-    {
-      ++sum.touching;
-      sum.openNodes += pore.size;
-    }
-    if (sum.count <= options.mostLabels)
-    {
-      labelOf[at] = static_cast<std::int32_t>(sum.count);
-      if (options.sortBySize || anyDropped)
-        merged.pores.push_back(pore);
-    }
-  }
-  if (sum.count > options.mostLabels)
-  {
-    merged.pores.clear();
     merged.tooMany = true;
     return merged;
   }
-  merged.label.resize(pieces.size());
-  merged.size.resize(pieces.size());
-  for (std::size_t i = 0; i < pieces.size(); ++i)
+  std::uint8_t borders = 0; // sides that a pore can be open to
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    borders |= static_cast<std::uint8_t>(options.periodic[axis] ? 0U : 3U << (2 * axis));
+  merged.pores.resize(static_cast<std::size_t>(sum.count));
+  for (std::size_t i = 0; i < pores.size(); ++i)
   {
-    const std::int32_t label = labelOf[poreOf[i]];
-    merged.label[i] = label;
-    merged.size[i] = label > 0 ? static_cast<float>(all[poreOf[i]].size) : std::numeric_limits<float>::quiet_NaN();
+    const std::int64_t size = pores[i].size;
+    sum.phaseNodes += size;
+    if (label[i] == 0)
+    {
+      ++sum.dropped;
+      sum.droppedNodes += size;
+      sum.largestDropped = std::max(sum.largestDropped, size);
+      continue;
+    }
+    const Pore pore = toPore(pores[i], apart ? touched(pores[i], lattice) : whole.touches[i],
+      apart ? std::uint8_t{ 0 } : whole.wraps[i], lattice, options.periodic);
+    sum.largest = std::max(sum.largest, size);
+    sum.percolates |= pore.percolates;
+    const bool open = (pore.touches & borders) != 0 || pore.percolates != 0;
+    sum.touching += open ? 1 : 0;
+    sum.openNodes += open ? size : 0;
+    merged.pores[static_cast<std::size_t>(label[i]) - 1] = pore;
   }
-  if (!options.sortBySize && !anyDropped)
-    merged.pores = std::move(all);
+  sum.total = sum.phaseNodes - sum.droppedNodes;
+  if (apart)
+  {
+    merged.label = std::move(label);
+    return merged;
+  }
+  merged.label.resize(pieces.size());
+  std::transform(
+    whole.of.begin(), whole.of.end(), merged.label.begin(), [&](std::uint32_t pore) { return label[pore]; });
+  if (ranks)
+  {
+    merged.size.resize(pieces.size());
+    std::transform(whole.of.begin(), whole.of.end(), merged.size.begin(),
+      [&](std::uint32_t pore) { return static_cast<float>(pores[pore].size); });
+  }
   return merged;
 }
 

@@ -22,18 +22,22 @@ struct Joint
   friend auto operator<=>(const Joint&, const Joint&) = default;
 };
 
+[[nodiscard]] Piece emptyPiece();
+/// @param moved nodes by which the piece is moved before
+void add(Piece& sum, const Piece& piece, const std::array<std::int64_t, 3>& moved = { 0, 0, 0 });
+
 struct Merged
 {
-  std::vector<Pore> pores;         ///< label i + 1
-  std::vector<std::int32_t> label; ///< by piece; 0: below the minimum size
-  std::vector<float> size;         ///< by piece: that of its pore, NaN where it has no label
+  UnfilledVector<Pore> pores;         ///< label i + 1
+  UnfilledVector<std::int32_t> label; ///< by piece; 0: below the minimum size
+  UnfilledVector<float> size;         ///< by piece: that of its pore; empty unless asked for
   PoreSummary summary;
   bool tooMany = false; ///< more pores than labels: summary.count tells how many, the rest is empty
 };
 
 /// @param pieces of every rank, one after the other
-/// @param inOrder whether they rise by their first nodes
+/// @param ranks there are several: pieces need not rise by their first nodes, and `size` is wanted
 [[nodiscard]] Merged merge(const Lattice& lattice, std::span<const Piece> pieces, std::span<const Joint> joints,
-  bool inOrder, const LabelOptions& options);
+  bool ranks, const LabelOptions& options);
 
 } // namespace lamella::pores

@@ -47,26 +47,6 @@ const ForEach inTurn = [](int count, const std::function<void(int)>& body)
     body(i);
 };
 
-Piece emptyPiece()
-{
-  constexpr auto most = std::numeric_limits<std::int32_t>::max();
-  return Piece{ std::numeric_limits<std::int64_t>::max(), 0, 0, 0, 0, { most, most, most }, { -1, -1, -1 } };
-}
-
-void add(Piece& sum, const Piece& piece)
-{
-  sum.first = std::min(sum.first, piece.first);
-  sum.size += piece.size;
-  sum.twiceX += piece.twiceX;
-  sum.sumY += piece.sumY;
-  sum.sumZ += piece.sumZ;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    sum.low[axis] = std::min(sum.low[axis], piece.low[axis]);
-    sum.high[axis] = std::max(sum.high[axis], piece.high[axis]);
-  }
-}
-
 /// In place: parents, none above its child, become numbers of their roots in rising order. @returns how many roots
 std::uint32_t number(std::span<std::uint32_t> parent)
 {
@@ -113,7 +93,7 @@ struct PoreLabelling::Slab
   std::vector<std::uint32_t> before;     ///< rows × words
   std::vector<std::uint32_t> firstRun;   ///< rows + 1
   std::vector<std::uint32_t> pieceOf;    ///< by run
-  std::vector<Piece> pieces;             ///< emptied once they are the block's
+  UnfilledVector<Piece> pieces;          ///< emptied once they are the block's
   std::uint32_t count = 0;               ///< pieces of the slab
   std::vector<std::uint32_t> blockPiece; ///< by piece of the slab; empty when there is one slab: they are the same
 
@@ -259,13 +239,14 @@ private:
     }
     slab.pieceOf.resize(runs);
     slab.count = number(slab.pieceOf);
-    slab.pieces.assign(slab.count, emptyPiece());
+    slab.pieces.resize(slab.count);
+    std::uint32_t known = 0;
     std::vector<std::int32_t> edges(static_cast<std::size_t>(nx + 16));
     for (std::int64_t row = slab.firstRow; row < slab.firstRow + slab.rows; ++row)
     {
       const std::int64_t found = kernels.edges(slab.row(row).bits, nx, edges.data());
       const auto [y, z] = place(row);
-      kernels.measure(edges.data(), found, slab.piecesOfRow(row).data(),
+      known = kernels.measure(edges.data(), found, slab.piecesOfRow(row).data(), known,
         lattice_.index(0, block_.start[1] + y, block_.start[2] + z), static_cast<std::int32_t>(block_.start[1] + y),
         static_cast<std::int32_t>(block_.start[2] + z), slab.pieces.data());
     }
@@ -471,7 +452,7 @@ private:
     const std::vector<std::int64_t> counts = gather(pieces_);
     gather(joints);
     if (comm_.rank() == 0)
-      merged = merge(lattice_, pieces_, joints, !comm_.parallel(), options_);
+      merged = merge(lattice_, pieces_, joints, comm_.parallel(), options_);
     std::int64_t tooMany = merged.tooMany ? 1 : 0;
     broadcast(tooMany);
     broadcast(merged.summary);
@@ -514,12 +495,12 @@ private:
   };
 
   /// Values of all ranks one after the other on rank 0. @returns how many each has, on rank 0
-  template <typename Value>
-  std::vector<std::int64_t> gather(std::vector<Value>& values) const
+  template <typename Values>
+  std::vector<std::int64_t> gather(Values& values) const
   {
     if (!comm_.parallel())
       return { static_cast<std::int64_t>(values.size()) };
-    const Type<Value> type;
+    const Type<typename Values::value_type> type;
     const auto own = static_cast<std::int64_t>(values.size());
     std::vector<std::int64_t> counts(static_cast<std::size_t>(comm_.size()));
     MPI_Gather(&own, 1, MPI_INT64_T, counts.data(), 1, MPI_INT64_T, 0, comm_.handle());
@@ -539,15 +520,15 @@ private:
   }
 
   /// The way back: each rank's part of the values on rank 0.
-  template <typename Value>
-  void scatter(std::vector<Value>& all, std::span<const std::int64_t> counts, std::vector<Value>& own) const
+  template <typename Values>
+  void scatter(Values& all, std::span<const std::int64_t> counts, Values& own) const
   {
     if (!comm_.parallel())
     {
       own = std::move(all);
       return;
     }
-    const Type<Value> type;
+    const Type<typename Values::value_type> type;
     if (comm_.rank() != 0)
     {
       own.resize(pieces_.size());
@@ -573,7 +554,7 @@ private:
   std::uint8_t wanted_;
   const LabelOptions& options_;
   std::vector<Neighbour> near_;
-  std::vector<Piece> pieces_; ///< of the block; on rank 0, once gathered, of all
+  UnfilledVector<Piece> pieces_; ///< of the block; on rank 0, once gathered, of all
 };
 
 PoreLabelling::PoreLabelling(const Lattice& lattice, const Communicator& comm, std::span<const std::uint8_t> phase,
@@ -607,12 +588,20 @@ void PoreLabelling::labels(std::span<std::int32_t> labels) const
 
 void PoreLabelling::sizes(std::span<float> sizes) const
 {
+  std::vector<float> sizeOf(labelOf_.size());
+  for (std::size_t i = 0; i < sizeOf.size(); ++i)
+  {
+    const auto place = static_cast<std::size_t>(labelOf_[i]) - 1;
+    sizeOf[i] = labelOf_[i] == 0 ? std::numeric_limits<float>::quiet_NaN()
+      : sizeOf_.empty()          ? static_cast<float>(pores_[place].size)
+                                 : sizeOf_[i];
+  }
   forEach_(static_cast<int>(slabs_.size()),
     [&](int i)
     {
       const Slab& slab = slabs_[static_cast<std::size_t>(i)];
       slab.fill<float>(
-        runKernels().fillSizes, sizeOf_, std::numeric_limits<float>::quiet_NaN(), rowLength_, sizes.data());
+        runKernels().fillSizes, sizeOf, std::numeric_limits<float>::quiet_NaN(), rowLength_, sizes.data());
     });
 }
 

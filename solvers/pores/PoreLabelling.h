@@ -3,6 +3,7 @@
 #include "lattice/Communicator.h"
 #include "lattice/Decomposition.h"
 #include "lattice/Lattice.h"
+#include "pores/Unfilled.h"
 
 #include <array>
 #include <cstdint>
@@ -43,8 +44,8 @@ struct Pore
   std::array<double, 3> centre;
   /// Box, both ends included. Of a pore that goes on over a periodic side `high` is n or more; of one that percolates
   /// along a periodic axis it is the whole axis.
-  std::array<std::int64_t, 3> low;
-  std::array<std::int64_t, 3> high;
+  std::array<std::int32_t, 3> low;
+  std::array<std::int32_t, 3> high;
   std::uint8_t touches; ///< bit 2 · axis: has a node in the first layer along it; bit 2 · axis + 1: in the last one
   std::uint8_t percolates; ///< bit axis: leads from the first to the last layer; if periodic: meets itself again
 };
@@ -96,7 +97,7 @@ public:
 
   [[nodiscard]] const PoreSummary& summary() const noexcept { return summary_; }
   /// On rank 0 the pore with label i + 1 is pores()[i]; empty elsewhere.
-  [[nodiscard]] const std::vector<Pore>& pores() const noexcept { return pores_; }
+  [[nodiscard]] std::span<const Pore> pores() const noexcept { return pores_; }
 
   /// Labels of the block's nodes, 1 … count, 0 outside. @param labels block.count()
   void labels(std::span<std::int32_t> labels) const;
@@ -110,9 +111,9 @@ private:
   std::vector<Slab> slabs_;
   std::int64_t rowLength_ = 0;
   ForEach forEach_;
-  std::vector<std::int32_t> labelOf_; ///< by piece of the block
-  std::vector<float> sizeOf_;
-  std::vector<Pore> pores_;
+  UnfilledVector<std::int32_t> labelOf_; ///< by piece of the block
+  UnfilledVector<float> sizeOf_;         ///< likewise; empty on one rank, where pores_ tells
+  UnfilledVector<Pore> pores_;
   PoreSummary summary_;
 };
 

@@ -54,10 +54,13 @@ struct RunKernels
   std::int64_t (*contacts)(Row a, Row b, std::int64_t words, bool diagonal, Contact* contacts);
   /// Where the runs of a row begin and end, in turn. @param edges room for nodes + 16 @returns runs
   std::int64_t (*edges)(const std::uint64_t* bits, std::int64_t nodes, std::int32_t* edges);
-  /// Adds a row's runs to the pieces they belong to. @param piece by run of this row
+  /// Adds a row's runs to the pieces they belong to. Pieces are numbered by their first runs, so that those from
+  /// `known` on are new and begin here, whatever was in their place.
+  /// @param piece by run of this row
   /// @param index of the row's first node in the whole lattice, (y, z) its place there
-  void (*measure)(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece, std::int64_t index,
-    std::int32_t y, std::int32_t z, Piece* pieces);
+  /// @returns the pieces known now
+  std::uint32_t (*measure)(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece,
+    std::uint32_t known, std::int64_t index, std::int32_t y, std::int32_t z, Piece* pieces);
   /// Writes value[piece] into the nodes of each run and `background` between them.
   /// @param room values that may be written from `out` on, at least `nodes`; those beyond the row are spoilt
   void (*fillLabels)(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece,

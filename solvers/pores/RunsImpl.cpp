@@ -181,29 +181,34 @@ std::int64_t edges(const Word* bits, std::int64_t nodes, std::int32_t* out)
   return count / 2;
 }
 
-void measure(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece, std::int64_t index,
-  std::int32_t y, std::int32_t z, Piece* pieces)
+std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece, std::uint32_t known,
+  std::int64_t index, std::int32_t y, std::int32_t z, Piece* pieces)
 {
-  const auto lower = [](auto& value, auto other) { value = other < value ? other : value; };
-  const auto raise = [](auto& value, auto other) { value = other > value ? other : value; };
   for (std::int64_t run = 0; run < runs; ++run)
   {
     Piece& p = pieces[piece[run]];
     const std::int32_t begin = edges[2 * run];
-    const std::int32_t end = edges[2 * run + 1];
-    const std::int64_t length = end - begin;
-    lower(p.first, index + begin);
+    const std::int32_t last = edges[2 * run + 1] - 1;
+    const std::int64_t length = last - begin + 1;
+    const std::int64_t twiceX = (static_cast<std::int64_t>(begin) + last) * length;
+    if (piece[run] == known)
+    {
+      ++known;
+      p = Piece{ index + begin, length, twiceX, y * length, z * length, { begin, y, z }, { last, y, z } };
+      continue;
+    }
     p.size += length;
-    p.twiceX += (static_cast<std::int64_t>(begin) + end - 1) * length;
+    p.twiceX += twiceX;
     p.sumY += y * length;
     p.sumZ += z * length;
-    lower(p.low[0], begin);
-    lower(p.low[1], y);
-    lower(p.low[2], z);
-    raise(p.high[0], end - 1);
-    raise(p.high[1], y);
-    raise(p.high[2], z);
+    p.low[0] = begin < p.low[0] ? begin : p.low[0];
+    p.high[0] = last > p.high[0] ? last : p.high[0];
+    // rows come in the order of memory: z never falls, but y does in the next layer
+    p.low[1] = y < p.low[1] ? y : p.low[1];
+    p.high[1] = y > p.high[1] ? y : p.high[1];
+    p.high[2] = z;
   }
+  return known;
 }
 
 constexpr std::int64_t stride = 8;

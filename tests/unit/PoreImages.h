@@ -142,34 +142,26 @@ inline Flooded flood(const PoreImage& image, std::uint8_t wanted, const pores::L
       const std::int64_t n = l.size[axis];
       const bool wrapped = (wraps >> axis & 1U) != 0;
       std::int64_t sum = 0;
-      pore.low[axis] = 1 << 30;
-      pore.high[axis] = -(1 << 30);
+      std::int64_t low = n;
+      std::int64_t high = -1;
+      bool first = true;
       for (const std::int64_t node : found.nodes)
       {
         const std::int64_t inside = split(node)[axis];
         const std::int64_t place = wrapped ? inside : placeOf[static_cast<std::size_t>(node)][axis];
         sum += place;
-        pore.low[axis] = std::min(pore.low[axis], place);
-        pore.high[axis] = std::max(pore.high[axis], place);
+        low = first ? place : std::min(low, place);
+        high = first ? place : std::max(high, place);
+        first = false;
         if (axis < static_cast<std::size_t>(l.dimension))
         {
           pore.touches |= static_cast<std::uint8_t>((inside == 0 ? 1U : 0U) << (2 * axis));
           pore.touches |= static_cast<std::uint8_t>((inside == n - 1 ? 2U : 0U) << (2 * axis));
         }
       }
-      if (wrapped)
-      {
-        pore.low[axis] = 0;
-        pore.high[axis] = n - 1;
-      }
-      for (; pore.low[axis] < 0; pore.low[axis] += n)
-      {
-        pore.high[axis] += n;
-      }
-      for (; pore.low[axis] >= n; pore.low[axis] -= n)
-      {
-        pore.high[axis] -= n;
-      }
+      const std::int64_t move = wrapped ? 0 : (((low % n) + n) % n) - low;
+      pore.low[axis] = static_cast<std::int32_t>(wrapped ? 0 : low + move);
+      pore.high[axis] = static_cast<std::int32_t>(wrapped ? n - 1 : high + move);
       for (; 2 * sum < -pore.size; sum += n * pore.size)
       {
       }

@@ -30,8 +30,9 @@ struct Answer
 Answer answer(const PoreImage& image, const LabelOptions& options, std::uint8_t wanted = 0)
 {
   const PoreLabelling labelling(image.lattice, Communicator(), image.phase, wanted, options);
-  Answer result{ labelling.pores(), std::vector<std::int32_t>(image.phase.size(), -1),
-    std::vector<float>(image.phase.size(), -1), labelling.summary() };
+  Answer result{ { labelling.pores().begin(), labelling.pores().end() },
+    std::vector<std::int32_t>(image.phase.size(), -1), std::vector<float>(image.phase.size(), -1),
+    labelling.summary() };
   labelling.labels(result.labels);
   labelling.sizes(result.sizes);
   return result;
@@ -192,8 +193,8 @@ TEST(PoreLabelling, CornersMeetOverTheEndsOfPeriodicAxes)
   options.periodic[0] = true;
   const Answer joined = answer(image, options);
   ASSERT_EQ(joined.summary.count, 1);
-  EXPECT_EQ(joined.pores[0].low, (std::array<std::int64_t, 3>{ 3, 1, 0 }));
-  EXPECT_EQ(joined.pores[0].high, (std::array<std::int64_t, 3>{ 4, 2, 0 })); // goes on over the side
+  EXPECT_EQ(joined.pores[0].low, (std::array<std::int32_t, 3>{ 3, 1, 0 }));
+  EXPECT_EQ(joined.pores[0].high, (std::array<std::int32_t, 3>{ 4, 2, 0 })); // goes on over the side
   EXPECT_DOUBLE_EQ(joined.pores[0].centre[0], -0.5);                         // half way between columns 3 and 4, or 0
   EXPECT_EQ(int{ joined.pores[0].percolates }, 0);
   options.connectivity = 4;
