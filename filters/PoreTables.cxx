@@ -52,16 +52,22 @@ double physical(const WholeImage& whole, const std::array<double, 3>& place, std
 
 } // namespace
 
+const char* nodesOf(const Lattice& lattice)
+{
+  return lattice.dimension == 3 ? "voxels" : "pixels";
+}
+
 void fillPores(vtkTable* table, std::span<const pores::Pore> pores, const WholeImage& whole)
 {
   const Lattice& lattice = whole.lattice;
   const int dimension = lattice.dimension;
   const std::size_t rows = pores.size();
+  const char* const unit = nodesOf(lattice);
   const double node = std::pow(lattice.spacing, dimension);
   addColumn<vtkIntArray>(
     table, "pore", "1", "label of the pore", rows, [](std::size_t i) { return static_cast<int>(i) + 1; });
   addColumn<vtkIdTypeArray>(
-    table, "size", "nodes", "nodes of the pore", rows, [&](std::size_t i) { return pores[i].size; });
+    table, "size", unit, "nodes of the pore", rows, [&](std::size_t i) { return pores[i].size; });
   addColumn<vtkDoubleArray>(table, dimension == 3 ? "volume" : "area", dimension == 3 ? "m^3" : "m^2",
     "size of the pore", rows, [&](std::size_t i) { return node * static_cast<double>(pores[i].size); });
   addColumn<vtkDoubleArray>(table, "equivalent_diameter", "m",
@@ -76,9 +82,9 @@ void fillPores(vtkTable* table, std::span<const pores::Pore> pores, const WholeI
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     const std::string name = axisName[axis];
-    addColumn<vtkIdTypeArray>(table, name + "_first", "nodes", "lower end of the box, from the image's first node",
+    addColumn<vtkIdTypeArray>(table, name + "_first", unit, "lower end of the box, counted from the image's first",
       rows, [&](std::size_t i) { return pores[i].low[axis]; });
-    addColumn<vtkIdTypeArray>(table, name + "_last", "nodes", "upper end of the box, included", rows,
+    addColumn<vtkIdTypeArray>(table, name + "_last", unit, "upper end of the box, included", rows,
       [&](std::size_t i) { return pores[i].high[axis]; });
   }
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -102,13 +108,16 @@ void fillSizeDistribution(vtkTable* table, std::span<const pores::Pore> pores, c
 {
   const std::vector<pores::SizeClass> classes = pores::sizeDistribution(pores);
   const std::size_t rows = classes.size();
+  const char* const unit = nodesOf(lattice);
   std::int64_t nodes = 0;
   for (const pores::SizeClass& c : classes)
   {
     nodes += c.nodes;
   }
-  const auto ids = [&](const char* name, const char* unit, const char* description, auto member) {
-    addColumn<vtkIdTypeArray>(table, name, unit, description, rows, [&](std::size_t i) { return classes[i].*member; });
+  const auto ids = [&](const char* name, const char* counted, const char* description, auto member)
+  {
+    addColumn<vtkIdTypeArray>(
+      table, name, counted, description, rows, [&](std::size_t i) { return classes[i].*member; });
   };
   const auto diameters = [&](const char* name, const char* description, auto member)
   {
@@ -127,12 +136,12 @@ void fillSizeDistribution(vtkTable* table, std::span<const pores::Pore> pores, c
       [&](std::size_t i) { return sum += share(i); });
   };
   using Class = pores::SizeClass;
-  ids("size_from", "nodes", "smallest size of the class", &Class::low);
-  ids("size_to", "nodes", "largest size of the class, included", &Class::high);
+  ids("size_from", unit, "smallest size of the class", &Class::low);
+  ids("size_to", unit, "largest size of the class, included", &Class::high);
   diameters("diameter_from", "equivalent diameter of the smallest size", &Class::low);
   diameters("diameter_to", "equivalent diameter of the largest size", &Class::high);
   ids("pores", "1", "pores of the class", &Class::count);
-  ids("nodes", "nodes", "nodes of these pores", &Class::nodes);
+  ids("nodes", unit, "nodes of these pores", &Class::nodes);
   shares("share_of_pores", "share of the pores' number", &Class::count, static_cast<std::int64_t>(pores.size()));
   shares("share_of_nodes", "share of the pores' nodes: weighted by area or volume", &Class::nodes, nodes);
 }

@@ -12,6 +12,9 @@ class vtkTable;
 namespace lamella
 {
 
+/// What a node of the lattice is called: "pixels" or "voxels".
+[[nodiscard]] const char* nodesOf(const Lattice& lattice);
+
 /// One row a pore, in the order of the labels.
 void fillPores(vtkTable* table, std::span<const pores::Pore> pores, const WholeImage& whole);
 

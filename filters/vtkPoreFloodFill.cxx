@@ -26,7 +26,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string>
 #include <vector>
 
@@ -58,18 +57,9 @@ std::uint8_t findPhase(const lamella::PhaseIds& phases, const std::string& wante
   const auto& names = phases.names;
   if (wanted.empty())
   {
-    for (const char* const known : { "void", "pore", "lumen", "air" })
+    if (const auto found = pores::voidPhase(names))
     {
-      const auto same = std::find_if(names.begin(), names.end(),
-        [known](std::string name)
-        {
-          std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-          return name == known;
-        });
-      if (same != names.end())
-      {
-        return static_cast<std::uint8_t>(same - names.begin());
-      }
+      return static_cast<std::uint8_t>(*found);
     }
     throw lamella::ParameterError(
       "no phase is called void, pore, lumen or air", "say which phase the pores are; there are: " + listed(names));
@@ -198,8 +188,8 @@ struct vtkPoreFloodFill::Work
     if (this->Self->ComputePoreSize)
     {
       vtkNew<vtkFloatArray> sizes;
-      this->Add(sizes.Get(), "pore_size", "nodes", "size of the node's pore; NaN outside", same,
-        [&](std::span<float> out) { labelling.sizes(out); });
+      this->Add(sizes.Get(), "pore_size", lamella::nodesOf(this->Whole.lattice), "size of the node's pore; NaN outside",
+        same, [&](std::span<float> out) { labelling.sizes(out); });
     }
     lamella::fillPores(this->Pores, labelling.pores(), this->Whole);
     lamella::fillSizeDistribution(this->Distribution, labelling.pores(), this->Whole.lattice);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <map>
 #include <numeric>
 
@@ -603,6 +604,22 @@ void PoreLabelling::sizes(std::span<float> sizes) const
       slab.fill<float>(
         runKernels().fillSizes, sizeOf, std::numeric_limits<float>::quiet_NaN(), rowLength_, sizes.data());
     });
+}
+
+std::optional<std::size_t> voidPhase(std::span<const std::string> names)
+{
+  for (const char* const known : { "void", "pore", "lumen", "air" })
+  {
+    const auto same = std::find_if(names.begin(), names.end(),
+      [known](std::string name)
+      {
+        std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+        return name == known;
+      });
+    if (same != names.end())
+      return static_cast<std::size_t>(same - names.begin());
+  }
+  return std::nullopt;
 }
 
 bool fits(int connectivity, int dimension) noexcept

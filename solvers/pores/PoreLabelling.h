@@ -9,7 +9,9 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 /// Which nodes of a phase hang together: pores, lumina, grains.
@@ -116,6 +118,9 @@ private:
   UnfilledVector<Pore> pores_;
   PoreSummary summary_;
 };
+
+/// The first of the phases that is called void, pore, lumen or air, in this order and in whatever case; none: nothing.
+[[nodiscard]] std::optional<std::size_t> voidPhase(std::span<const std::string> names);
 
 /// Is this a connectivity in that many dimensions?
 [[nodiscard]] bool fits(int connectivity, int dimension) noexcept;
