@@ -245,10 +245,14 @@ void run(Session& session, vtkPoreFloodFill* filter, vtkImageData* image, std::a
   filter->SetController(nullptr);
   session.endProgress();
   Session::checkInterrupt();
-  if (session.root() && vtkImageData::SafeDownCast(filter->GetOutputDataObject(0))->GetNumberOfPoints() == 0)
-  {
-    throwVtkErrors("");
-  }
+  session.onRoot( // a mistake is one on every rank, and told once
+    [&]
+    {
+      if (vtkImageData::SafeDownCast(filter->GetOutputDataObject(0))->GetNumberOfPoints() == 0)
+      {
+        throwVtkErrors("");
+      }
+    });
 }
 
 void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const std::string& commandLine)

@@ -228,12 +228,19 @@ double Quantile(std::vector<float> values, double share)
   return values[static_cast<std::size_t>(place)];
 }
 
-/// Sizes as powers of ten; what is not positive has none.
+/// Sizes as powers of ten; what is not positive has none. `low` and `high` are set to the ends.
 void TakeLogarithms(Quantity& quantity)
 {
   quantity.logarithmic = true;
+  quantity.low = std::numeric_limits<double>::max();
+  quantity.high = 0;
   for (float& value : quantity.values)
   {
+    if (value > 0)
+    {
+      quantity.low = std::min<double>(quantity.low, value);
+      quantity.high = std::max<double>(quantity.high, value);
+    }
     value = value > 0 ? std::log10(value) : std::numeric_limits<float>::quiet_NaN();
   }
 }
@@ -251,8 +258,9 @@ void FindRange(Quantity& quantity, const SnapshotOptions& options)
       "nothing conducts, or the field was not computed" };
   }
   const auto [least, most] = std::minmax_element(finite.begin(), finite.end());
-  const double smallest = *least;
-  const double largest = *most;
+  // a float's logarithm would not lead back to the last digit of a size
+  const double smallest = quantity.logarithmic ? std::log10(quantity.low) : *least;
+  const double largest = quantity.logarithmic ? std::log10(quantity.high) : *most;
   quantity.low = smallest;
   quantity.high = largest;
   if (options.range)

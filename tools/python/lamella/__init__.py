@@ -12,7 +12,7 @@ where there is no display: import it before the first view is made. (LAMELLA_REN
 off.)
 
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
-``vtkMicrostructureSource``, ``vtkSteadyDiffusion``, ``vtkFluxMap``), runs it and hands its output out as numpy arrays.
+``vtkMicrostructureSource``, ``vtkSteadyDiffusion``, ``vtkFluxMap``, ``vtkPoreFloodFill``), runs it and hands its output out as numpy arrays.
 
 Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at the top; arrays of a volume are
 ``[z, y, x]``. Vectors have their components along x (left to right), y (upwards in a picture) and z in the last axis.
@@ -33,6 +33,7 @@ from ._errors import Cancelled, LamellaError
 from ._flux import FluxMapResult, flux_map
 from ._paraview import load_plugin, plugin_path
 from ._pictures import snapshot
+from ._pores import PoreFloodFillResult, pore_flood_fill
 from ._samples import (
     Sample,
     checkerboard,
@@ -51,6 +52,7 @@ __all__ = [
     "DiffusionResult",
     "FluxMapResult",
     "LamellaError",
+    "PoreFloodFillResult",
     "Sample",
     "checkerboard",
     "diffusion",
@@ -61,6 +63,7 @@ __all__ = [
     "laminate",
     "load_plugin",
     "plugin_path",
+    "pore_flood_fill",
     "read_picture",
     "snapshot",
     "softwood",
