@@ -140,7 +140,6 @@ Pore toPore(const Piece& piece, std::uint8_t touches, std::uint8_t wraps, const 
   Pore pore{ size, piece.first, {}, piece.low, piece.high, touches, 0 };
   const std::array<std::int64_t, 3> twice{ piece.twiceX, 2 * piece.sumY, 2 * piece.sumZ };
   const double scale = 0.5 / static_cast<double>(size);
-  const bool exact = (size & (size - 1)) == 0; // then the product below is the quotient
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     std::int64_t inside = twice[axis];
@@ -164,8 +163,7 @@ Pore toPore(const Piece& piece, std::uint8_t touches, std::uint8_t wraps, const 
       inside = ((inside + size) % period + period) % period - size;
     }
     pore.percolates |= static_cast<std::uint8_t>(across ? 1U << axis : 0U);
-    pore.centre[axis] =
-      exact ? static_cast<double>(inside) * scale : static_cast<double>(inside) / (2 * static_cast<double>(size));
+    pore.centre[axis] = static_cast<double>(inside) * scale;
   }
   return pore;
 }
