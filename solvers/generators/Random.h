@@ -24,7 +24,10 @@ enum class Use : std::uint64_t
   TracheidTaper,
   RayPhase,
   RayRow,
-  RayCell
+  RayCell,
+  GrainPlace,
+  GrainOrder,
+  GrainSize
 };
 
 /// The finaliser of splitmix64 (Steele, Lea, Flood 2014): every bit of the result depends on every bit of the value.

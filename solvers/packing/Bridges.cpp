@@ -1,0 +1,314 @@
+#include "packing/Bridges.h"
+
+#include "lattice/Error.h"
+#include "lattice/Memory.h"
+#include "packing/LineSections.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+namespace lamella::packing
+{
+namespace
+{
+
+constexpr double widest = 2;
+
+void checkWidth(double width)
+{
+  if (!(width >= 0 && width <= widest))
+    throw ParameterError(fmt::format("the width of the bridges is {}", width),
+      "it is a share of the grains' diameter, from 0 (no bridges) to 2");
+}
+
+std::vector<double> midpoints(double length, std::int64_t count)
+{
+  std::vector<double> at(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < at.size(); ++i)
+    at[i] = (static_cast<double>(i) + 0.5) * length / static_cast<double>(count);
+  return at;
+}
+
+// length of the union of `parts` (sorted), less what `holes` (sorted) cover; the holes' own union is added to `covered`
+double uncovered(const std::vector<Section>& parts, const std::vector<Section>& holes, double& covered)
+{
+  double end = -std::numeric_limits<double>::infinity();
+  std::vector<Section> merged; // of the holes
+  for (const Section& h : holes)
+    if (h.low > end)
+    {
+      merged.push_back(h);
+      end = h.high;
+    }
+    else if (h.high > end)
+      end = merged.back().high = h.high;
+  for (const Section& h : merged)
+    covered += h.high - h.low;
+
+  double total = 0;
+  std::size_t hole = 0;
+  end = -std::numeric_limits<double>::infinity();
+  for (const Section& p : parts)
+  {
+    double from = std::max(p.low, end);
+    end = std::max(end, p.high);
+    while (hole < merged.size() && merged[hole].high <= from)
+      ++hole;
+    for (std::size_t k = hole; from < p.high; ++k)
+    {
+      if (k >= merged.size() || merged[k].low >= p.high)
+      {
+        total += p.high - from;
+        break;
+      }
+      if (merged[k].low > from)
+        total += merged[k].low - from;
+      from = std::max(from, merged[k].high);
+    }
+  }
+  return total;
+}
+
+MatrixFractions fractionsOf(double grains, double matrix)
+{
+  MatrixFractions f;
+  f.grains = grains;
+  f.matrix = matrix;
+  f.voids = std::max(0.0, 1 - grains - matrix);
+  f.saturation = matrix + f.voids > 0 ? matrix / (matrix + f.voids) : 0;
+  return f;
+}
+
+} // namespace
+
+std::vector<Bridge> findBridges(const Packing& packing, double reach)
+{
+  if (!(reach >= 1 && reach <= 2))
+    throw ParameterError(fmt::format("the reach of the bridges is {}", reach),
+      "bridged are pairs nearer than this times the sum of their radii, from 1 (those that touch) to 2");
+  const auto axes = static_cast<std::size_t>(packing.dimension);
+  const double largest = *std::max_element(packing.radius.begin(), packing.radius.end());
+  struct Image
+  {
+    std::int32_t grain;
+    std::array<double, 3> shift;
+    std::array<double, 3> centre;
+    bool original;
+  };
+  std::vector<Image> images;
+  for (std::size_t i = 0; i < packing.count(); ++i)
+  {
+    std::array<int, 3> most{ 0, 0, 0 };
+    for (std::size_t a = 0; a < axes; ++a)
+      most[a] = packing.periodic[a] ? 1 : 0;
+    for (int z = -most[2]; z <= most[2]; ++z)
+      for (int y = -most[1]; y <= most[1]; ++y)
+        for (int x = -most[0]; x <= most[0]; ++x)
+        {
+          Image image{ static_cast<std::int32_t>(i), { 0, 0, 0 }, packing.centre[i], x == 0 && y == 0 && z == 0 };
+          const std::array<int, 3> step{ x, y, z };
+          bool near = true;
+          for (std::size_t a = 0; a < axes; ++a)
+          {
+            image.shift[a] = step[a] * packing.size[a];
+            image.centre[a] += image.shift[a];
+            near =
+              near && image.centre[a] > -2 * reach * largest && image.centre[a] < packing.size[a] + 2 * reach * largest;
+          }
+          if (near)
+            images.push_back(image);
+        }
+  }
+  const std::size_t last = axes - 1;
+  std::sort(
+    images.begin(), images.end(), [&](const Image& a, const Image& b) { return a.centre[last] < b.centre[last]; });
+  std::vector<Bridge> bridges;
+  for (std::size_t m = 0; m < images.size(); ++m)
+    for (std::size_t k = m + 1;
+         k < images.size() && images[k].centre[last] - images[m].centre[last] < 2 * reach * largest; ++k)
+    {
+      const Image& a = images[m].grain < images[k].grain ? images[m] : images[k];
+      const Image& b = images[m].grain < images[k].grain ? images[k] : images[m];
+      if (a.grain == b.grain || !a.original)
+        continue;
+      double square = 0;
+      for (std::size_t axis = 0; axis < axes; ++axis)
+        square += (a.centre[axis] - b.centre[axis]) * (a.centre[axis] - b.centre[axis]);
+      const double most =
+        reach * (packing.radius[static_cast<std::size_t>(a.grain)] + packing.radius[static_cast<std::size_t>(b.grain)]);
+      if (square < most * most)
+        bridges.push_back({ a.grain, b.grain, b.shift });
+    }
+  std::sort(bridges.begin(), bridges.end(),
+    [](const Bridge& a, const Bridge& b)
+    { return std::tie(a.first, a.second, a.shift) < std::tie(b.first, b.second, b.shift); });
+  return bridges;
+}
+
+MatrixFractions matrixFractions(
+  const Packing& packing, std::span<const Bridge> bridges, double width, bool filled, int lines)
+{
+  checkWidth(width);
+  const int dimension = packing.dimension;
+  const auto last = static_cast<std::size_t>(dimension - 1);
+  const double smallest = 2 * *std::min_element(packing.radius.begin(), packing.radius.end());
+  const auto number = [&](std::size_t axis) -> std::int64_t
+  {
+    if (lines > 0)
+      return lines;
+    const double perDiameter = dimension == 2 ? 400 : 20;
+    return std::clamp<std::int64_t>(
+      static_cast<std::int64_t>(std::ceil(perDiameter * packing.size[axis] / smallest)), 100, 100'000);
+  };
+  const std::vector<double> planes = midpoints(packing.size[last], number(last));
+  const std::vector<double> rows = dimension == 3 ? midpoints(packing.size[1], number(1)) : std::vector<double>{ 0 };
+  double grains = 0;
+  double matrix = 0;
+  forEachLine(packing, bridges, filled ? 0 : width, rows, planes,
+    [&](std::size_t, std::size_t, const LineSections& line)
+    { matrix += uncovered(line.bridges, line.grains, grains); });
+  const double all = packing.size[0] * static_cast<double>(rows.size()) * static_cast<double>(planes.size());
+  return fractionsOf(grains / all, filled ? 1 - grains / all : matrix / all);
+}
+
+double widthForSaturation(const Packing& packing, std::span<const Bridge> bridges, double saturation, int lines)
+{
+  const auto at = [&](double width) { return matrixFractions(packing, bridges, width, false, lines).saturation; };
+  double high = widest;
+  double errorHigh = at(high) - saturation;
+  if (!(saturation >= 0) || errorHigh < 0)
+    throw ParameterError(fmt::format("a saturation of {} cannot be reached with bridges", saturation),
+      fmt::format("bridges between these grains reach from 0 to {:.3f}; a wider reach gives more, and filled is 1",
+        errorHigh + saturation));
+  double low = 0;
+  double errorLow = -saturation;
+  // false position, halving the weight of an end that stays (Illinois)
+  int stays = 0;
+  for (int i = 0; i < 60 && errorLow != 0; ++i)
+  {
+    const double middle = low + (high - low) * -errorLow / (errorHigh - errorLow);
+    const double error = at(middle) - saturation;
+    if (std::abs(error) <= 1e-6 * saturation || high - low < 1e-12)
+      return middle;
+    if (error < 0)
+    {
+      low = middle;
+      errorLow = error;
+      if (stays < 0)
+        errorHigh *= 0.5;
+      stays = -1;
+    }
+    else
+    {
+      high = middle;
+      errorHigh = error;
+      if (stays > 0)
+        errorLow *= 0.5;
+      stays = 1;
+    }
+  }
+  return errorLow == 0 ? 0 : low;
+}
+
+CementedSample cement(const Packing& packing, const BridgeOptions& options, const RasterOptions& raster)
+{
+  checkWidth(options.width);
+  if (options.saturation && !(*options.saturation >= 0 && *options.saturation <= 1))
+    throw ParameterError(fmt::format("the saturation is {}", *options.saturation),
+      "it is the share of the space between the grains that is matrix, from 0 to 1");
+  if (raster.nodesAcross < 2 || raster.nodesAcross > 1'000'000)
+    throw ParameterError(fmt::format("{} nodes across", raster.nodesAcross), "from 2 to 1000000");
+  if (!(raster.platen >= 0) || !std::isfinite(raster.platen))
+    throw ParameterError(fmt::format("the platens are {} thick", raster.platen), "0 (none) or a length");
+  if (packing.count() == 0 || !(packing.volume() > 0))
+    throw InputError("the packing has no grains", "make or read one first");
+
+  const std::vector<Bridge> bridges = findBridges(packing, options.reach);
+  CementedSample sample;
+  sample.bridges = static_cast<std::int64_t>(bridges.size());
+  sample.width = options.width;
+  const bool filled = options.filled || (options.saturation && *options.saturation == 1);
+  if (options.saturation && !filled)
+    sample.width = widthForSaturation(packing, bridges, *options.saturation);
+  sample.fractions = matrixFractions(packing, bridges, sample.width, filled);
+
+  const int dimension = packing.dimension;
+  const double spacing = packing.size[0] / static_cast<double>(raster.nodesAcross);
+  const auto along = [&](double length)
+  { return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::llround(length / spacing))); };
+  const std::int64_t plate = raster.platen > 0 ? along(raster.platen) : 0;
+  std::array<std::int64_t, 3> size{ raster.nodesAcross, along(packing.size[1]),
+    dimension == 3 ? along(packing.size[2]) : 1 };
+  const auto last = static_cast<std::size_t>(dimension - 1);
+  const std::int64_t inner = size[last];
+  size[last] += 2 * plate;
+  const double bytes = 5.0 * static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]);
+  if (bytes > static_cast<double>(availableMemory()))
+    throw MemoryError(fmt::format("a sample of {} × {} × {} nodes needs {}, and {} are free", size[0], size[1], size[2],
+                        bytesText(bytes), bytesText(static_cast<double>(availableMemory()))),
+      "take fewer nodes across");
+
+  PhaseImage& image = sample.image;
+  image.lattice = makeLattice(size[0], size[1], size[2], dimension, spacing);
+  image.phases = PhaseTable({ "void", "matrix", "grain" });
+  const std::size_t count = static_cast<std::size_t>(image.lattice.count());
+  image.phase.assign(count, filled ? 1 : 0);
+  sample.grain.assign(count, 0);
+
+  const auto centres = [&](std::int64_t n)
+  {
+    std::vector<double> at(static_cast<std::size_t>(n));
+    for (std::size_t i = 0; i < at.size(); ++i)
+      at[i] = (static_cast<double>(i) + 0.5) * spacing;
+    return at;
+  };
+  const std::vector<double> planes = centres(inner);
+  const std::vector<double> rows = dimension == 3 ? centres(size[1]) : std::vector<double>{ 0 };
+  std::int64_t grainNodes = 0;
+  std::int64_t matrixNodes = 0;
+  forEachLine(packing, bridges, filled ? 0 : sample.width, rows, planes,
+    [&](std::size_t row, std::size_t plane, const LineSections& line)
+    {
+      const auto p = static_cast<std::int64_t>(plane) + plate;
+      const std::int64_t start =
+        dimension == 3 ? image.lattice.index(0, static_cast<std::int64_t>(row), p) : image.lattice.index(0, p);
+      const auto fill = [&](const Section& s, const auto& set)
+      {
+        const auto from = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::ceil(s.low / spacing - 0.5)));
+        const auto to = std::min(size[0] - 1, static_cast<std::int64_t>(std::floor(s.high / spacing - 0.5)));
+        for (std::int64_t x = from; x <= to; ++x)
+          set(static_cast<std::size_t>(start + x));
+      };
+      for (const Section& s : line.bridges)
+        fill(s, [&](std::size_t i) { image.phase[i] = 1; });
+      for (const Section& s : line.grains)
+        fill(s,
+          [&](std::size_t i)
+          {
+            image.phase[i] = 2;
+            sample.grain[i] = s.grain + 1;
+          });
+      for (std::int64_t x = 0; x < size[0]; ++x)
+      {
+        const std::uint8_t phase = image.phase[static_cast<std::size_t>(start + x)];
+        grainNodes += phase == 2 ? 1 : 0;
+        matrixNodes += phase == 1 ? 1 : 0;
+      }
+    });
+  const double nodes = static_cast<double>(count) * static_cast<double>(inner) / static_cast<double>(size[last]);
+  sample.onLattice = fractionsOf(static_cast<double>(grainNodes) / nodes, static_cast<double>(matrixNodes) / nodes);
+
+  const std::size_t layer = count / static_cast<std::size_t>(size[last]) * static_cast<std::size_t>(plate);
+  for (const std::size_t begin : { std::size_t{ 0 }, count - layer })
+  {
+    std::fill_n(image.phase.begin() + static_cast<std::ptrdiff_t>(begin), layer, std::uint8_t{ 2 });
+    std::fill_n(sample.grain.begin() + static_cast<std::ptrdiff_t>(begin), layer, -1);
+  }
+  return sample;
+}
+
+} // namespace lamella::packing

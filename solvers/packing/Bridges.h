@@ -1,0 +1,81 @@
+#pragma once
+
+#include "lattice/Phases.h"
+#include "packing/Packing.h"
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+/// The binding matrix of cemented grains, as Frank, Radjai, Nezamabadi and Delenne, Phys. Rev. E 102 (2020) 022906,
+/// section III and figure 7: a bridge between the centres of each pair of grains that touch or nearly do, in 2D a
+/// trapezoid, in 3D a truncated cone, whose width at each end is a share of that grain's diameter. Where grain and
+/// bridge overlap there is grain.
+namespace lamella::packing
+{
+
+struct BridgeOptions
+{
+  /// Width of a bridge at a grain's centre over the grain's diameter, α; from 0 (none) to 2.
+  double width = 0.5;
+  /// Pairs whose centres are nearer than this times the sum of their radii get a bridge, β; from 1 to 2.
+  double reach = 1.1;
+  /// All of the space between the grains is matrix, whatever the width.
+  bool filled = false;
+  /// Share of the space between the grains, over the whole box, that is matrix: the width is solved for.
+  std::optional<double> saturation{};
+};
+
+/// A pair of grains with a bridge; `shift` is added to the second's centre (periodic boxes) [m].
+struct Bridge
+{
+  std::int32_t first = 0;
+  std::int32_t second = 0;
+  std::array<double, 3> shift{ 0, 0, 0 };
+};
+
+struct MatrixFractions
+{
+  double grains = 0;     ///< share of the box
+  double matrix = 0;     ///< share of the box
+  double voids = 0;      ///< share of the box
+  double saturation = 0; ///< matrix/(matrix + voids)
+};
+
+/// Pairs nearer than `reach`, by rising first and second. In periodic boxes a grain's images count as others.
+/// @throws ParameterError for a reach outside 1 … 2
+[[nodiscard]] std::vector<Bridge> findBridges(const Packing& packing, double reach);
+
+/// Shares of the box, exact but for the quadrature: lines along x meet disks, spheres, trapezoids and cones in
+/// intervals, whose union is exact, and are summed across with `lines` of them along each other axis (0: so many that
+/// the error is about 1e-5 in 2D, 1e-3 in 3D).
+[[nodiscard]] MatrixFractions matrixFractions(
+  const Packing& packing, std::span<const Bridge> bridges, double width, bool filled = false, int lines = 0);
+
+/// The width that gives a saturation, to 1e-6 of it.
+/// @throws ParameterError when no width from 0 to 2 does (says the range that can be reached)
+[[nodiscard]] double widthForSaturation(
+  const Packing& packing, std::span<const Bridge> bridges, double saturation, int lines = 0);
+
+struct RasterOptions
+{
+  std::int64_t nodesAcross = 400; ///< nodes along x; the spacing is the box's first edge over this
+  double platen = 0;              ///< thickness of a plate of grain material below and above, along the last axis [m]
+};
+
+/// A sample on a lattice: a node is what lies at its centre.
+struct CementedSample
+{
+  PhaseImage image;                ///< phases void 0, matrix 1, grain 2; platens are of phase grain
+  std::vector<std::int32_t> grain; ///< #nodes: grain number from 1; 0: none; −1: platen
+  double width = 0;                ///< α as used
+  std::int64_t bridges = 0;
+  MatrixFractions fractions; ///< of the geometry, without platens
+  MatrixFractions onLattice; ///< of the nodes, without platens
+};
+
+/// The other edges of the box are rounded to whole spacings; what sticks out is cut off, a rest is void.
+/// @throws ParameterError: width, reach, saturation, nodes or platen outside their range; MemoryError
+[[nodiscard]] CementedSample cement(const Packing& packing, const BridgeOptions& bridges, const RasterOptions& raster);
+
+} // namespace lamella::packing

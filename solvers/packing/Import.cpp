@@ -1,0 +1,117 @@
+// Packings made elsewhere: checked, moved to the origin, contacts found.
+#include "lattice/Error.h"
+#include "packing/Packing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace lamella::packing
+{
+
+Packing packingOf(int dimension, std::span<const std::array<double, 3>> centre, std::span<const double> radius,
+  std::optional<std::array<double, 3>> size, double touching)
+{
+  if (dimension != 2 && dimension != 3)
+    throw ParameterError(fmt::format("grains in {} dimensions", dimension), "2: disks, 3: spheres");
+  if (radius.empty())
+    throw InputError("there are no grains", "give at least one centre and radius");
+  if (centre.size() != radius.size())
+    throw InputError(fmt::format("{} centres and {} radii", centre.size(), radius.size()), "give one radius a centre");
+  const auto axes = static_cast<std::size_t>(dimension);
+  std::array<double, 3> low{ 0, 0, 0 };
+  std::array<double, 3> high{ 0, 0, 0 };
+  low.fill(std::numeric_limits<double>::infinity());
+  high.fill(-std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < radius.size(); ++i)
+  {
+    if (!(radius[i] > 0) || !std::isfinite(radius[i]))
+      throw InputError(fmt::format("the radius of grain {} is {}", i + 1, radius[i]), "radii are positive numbers");
+    for (std::size_t a = 0; a < axes; ++a)
+    {
+      if (!std::isfinite(centre[i][a]))
+        throw InputError(fmt::format("the centre of grain {} has the coordinate {}", i + 1, centre[i][a]),
+          "coordinates are finite numbers");
+      low[a] = std::min(low[a], centre[i][a] - radius[i]);
+      high[a] = std::max(high[a], centre[i][a] + radius[i]);
+    }
+  }
+  Packing p;
+  p.dimension = dimension;
+  std::array<double, 3> origin{ 0, 0, 0 };
+  for (std::size_t a = 0; a < axes; ++a)
+  {
+    origin[a] = size ? 0 : low[a];
+    p.size[a] = size ? (*size)[a] : high[a] - low[a];
+  }
+  const double mean = 2 * std::accumulate(radius.begin(), radius.end(), 0.0) / static_cast<double>(radius.size());
+  for (std::size_t i = 0; i < radius.size(); ++i)
+  {
+    std::array<double, 3> c{ 0, 0, 0 };
+    for (std::size_t a = 0; a < axes; ++a)
+    {
+      c[a] = centre[i][a] - origin[a];
+      if (c[a] < 0 || c[a] > p.size[a])
+        throw InputError(fmt::format("the centre of grain {} lies outside the box: {:g} of 0 to {:g} along {}", i + 1,
+                           c[a], p.size[a], "xyz"[a]),
+          "give a larger box, or none: then it is as large as the grains need");
+    }
+    p.centre.push_back(c);
+    p.radius.push_back(radius[i]);
+  }
+
+  // Sorted along the last axis, a grain meets only those within its reach.
+  const std::size_t axis = axes - 1;
+  std::vector<std::size_t> order(p.count());
+  std::iota(order.begin(), order.end(), std::size_t{ 0 });
+  std::sort(
+    order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p.centre[a][axis] < p.centre[b][axis]; });
+  const double largest = *std::max_element(p.radius.begin(), p.radius.end());
+  for (std::size_t m = 0; m < order.size(); ++m)
+    for (std::size_t k = m + 1; k < order.size(); ++k)
+    {
+      const std::size_t i = std::min(order[m], order[k]);
+      const std::size_t j = std::max(order[m], order[k]);
+      if (p.centre[order[k]][axis] - p.centre[order[m]][axis] > p.radius[order[m]] + largest + touching * mean)
+        break;
+      Contact c{ static_cast<std::int32_t>(i), static_cast<std::int32_t>(j), {}, {}, {}, 0 };
+      double square = 0;
+      for (std::size_t a = 0; a < axes; ++a)
+      {
+        c.branch[a] = p.centre[j][a] - p.centre[i][a];
+        square += c.branch[a] * c.branch[a];
+      }
+      const double distance = std::sqrt(square);
+      c.overlap = p.radius[i] + p.radius[j] - distance;
+      if (c.overlap < -touching * mean)
+        continue;
+      if (c.overlap > 0.04 * std::min(p.radius[i], p.radius[j]))
+        throw InputError(fmt::format("grains {} and {} overlap by {:.3g}, {:.0f} % of the smaller one's diameter",
+                           i + 1, j + 1, c.overlap, 50 * c.overlap / std::min(p.radius[i], p.radius[j])),
+          "up to 2 % is taken; are the radii perhaps diameters, or in another unit?");
+      for (std::size_t a = 0; a < axes; ++a)
+        c.normal[a] = c.branch[a] / distance;
+      p.contacts.push_back(c);
+    }
+  std::sort(p.contacts.begin(), p.contacts.end(),
+    [](const Contact& a, const Contact& b) { return std::pair(a.first, a.second) < std::pair(b.first, b.second); });
+  for (std::size_t i = 0; i < p.count(); ++i)
+    for (std::size_t a = 0; a < axes; ++a)
+      for (const int side : { 0, 1 })
+      {
+        const double toWall = side == 0 ? p.centre[i][a] : p.size[a] - p.centre[i][a];
+        if (p.radius[i] - toWall < -touching * mean)
+          continue;
+        Contact c{ static_cast<std::int32_t>(i), -1 - static_cast<std::int32_t>(2 * a) - side, {}, {}, {},
+          p.radius[i] - toWall };
+        c.normal[a] = side == 0 ? -1 : 1;
+        c.branch[a] = c.normal[a] * toWall;
+        p.contacts.push_back(c);
+      }
+  return p;
+}
+
+} // namespace lamella::packing

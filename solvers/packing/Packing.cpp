@@ -1,0 +1,413 @@
+#include "packing/Packing.h"
+
+#include "generators/Random.h"
+#include "lattice/Error.h"
+#include "packing/GrainSystem.h"
+#include "packing/Relaxation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <numeric>
+#include <thread>
+
+namespace lamella::packing
+{
+namespace
+{
+
+using generators::Random;
+using generators::Use;
+
+// diameters over their number mean, from small to large
+std::vector<double> diameters(const PackingOptions& o)
+{
+  const auto n = static_cast<std::size_t>(o.count);
+  const double dim = o.dimension;
+  std::vector<double> d(n);
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    const double q = (static_cast<double>(i) + 0.5) / static_cast<double>(n);
+    const double k = o.diameterRatio;
+    if (o.sizes == Sizes::Diameter)
+      d[i] = 1 + (k - 1) * q;
+    else if (o.sizes == Sizes::Volume)
+      d[i] = std::pow(1 + (std::pow(k, dim) - 1) * q, 1 / dim);
+    else // number density ~ d^-dim
+      d[i] = dim == 2 ? 1 / (1 - q * (1 - 1 / k)) : 1 / std::sqrt(1 - q * (1 - 1 / (k * k)));
+  }
+  const double mean = std::accumulate(d.begin(), d.end(), 0.0) / static_cast<double>(n);
+  for (double& value : d)
+    value /= mean;
+  return d;
+}
+
+void check(const PackingOptions& o)
+{
+  const auto refuse = [](const std::string& what, const std::string& remedy) { throw ParameterError(what, remedy); };
+  const auto positive = [&](double value, const char* what)
+  {
+    if (!(value > 0) || !std::isfinite(value))
+      refuse(fmt::format("{} is {}", what, value), "it must be a positive number");
+  };
+  if (o.dimension != 2 && o.dimension != 3)
+    refuse(fmt::format("grains in {} dimensions", o.dimension), "2: disks, 3: spheres");
+  const std::int64_t fewest = o.dimension == 2 ? 10 : 30;
+  if (o.count < fewest || o.count > 10'000'000)
+    refuse(fmt::format("{} grains", o.count), fmt::format("{} to 10000000 grains can be packed", fewest));
+  positive(o.meanDiameter, "the mean diameter");
+  if (!(o.diameterRatio >= 1 && o.diameterRatio <= 10))
+    refuse(fmt::format("the ratio of the diameters is {}", o.diameterRatio),
+      "it is that of the largest to the smallest, from 1 to 10");
+  if (!(o.aspect >= 0.2 && o.aspect <= 5))
+    refuse(fmt::format("the aspect is {}", o.aspect), "it is that of the box's last edge to its first, from 0.2 to 5");
+  if (!(o.friction >= 0 && o.friction <= 2))
+    refuse(fmt::format("the friction coefficient is {}", o.friction), "from 0 (none) to 2");
+  positive(o.pressure, "the pressure");
+  if (!(o.softness >= 1e-7 && o.softness <= 1e-2))
+    refuse(fmt::format("the softness is {}", o.softness), "from 1e-7 (hard) to 1e-2 (overlaps of a hundredth)");
+  if (!(o.tolerance >= 1e-8 && o.tolerance <= 1e-2))
+    refuse(fmt::format("the tolerance is {}", o.tolerance), "from 1e-8 to 1e-2");
+  if (o.packingFraction && !(*o.packingFraction >= 0.05 && *o.packingFraction < 1))
+    refuse(fmt::format("the packing fraction is {}", *o.packingFraction),
+      "from 0.05 to below jamming, about 0.8 for disks "
+      "and 0.6 for spheres");
+}
+
+template <int Dim>
+class Compaction
+{
+public:
+  using System = GrainSystem<Dim>;
+  using Vec = typename System::Vec;
+
+  explicit Compaction(const PackingOptions& options)
+    : o_(options)
+  {
+    relaxation_.interrupted = o_.interrupted;
+  }
+
+  Packing run()
+  {
+    start();
+    if (o_.packingFraction)
+    {
+      loosely();
+      return result(0);
+    }
+    compact();
+    double scale = 0; // contact stiffness × ... that gives the pressure
+    const double target = o_.softness;
+    if (o_.friction > 0)
+      rubbing(target);
+    else
+      smooth(target);
+    scale = o_.pressure / (grains_.virial.mean() / grains_.volume());
+    return result(scale);
+  }
+
+private:
+  void report(double share)
+  {
+    if (o_.progress)
+      o_.progress(share);
+  }
+
+  RelaxationResult rest(BoxMotion box, double pressure, double tolerance, std::int64_t most)
+  {
+    relaxation_.box = box;
+    relaxation_.pressure = pressure;
+    relaxation_.tolerance = tolerance;
+    relaxation_.maxSteps = most;
+    const RelaxationResult r = relax(grains_, relaxation_);
+    steps_ += r.steps;
+    return r;
+  }
+
+  void start()
+  {
+    const auto n = static_cast<std::size_t>(o_.count);
+    const Random random(o_.seed);
+    grains_.resize(n);
+    std::vector<double> d = diameters(o_);
+    for (std::size_t i = n; i-- > 1;)
+      std::swap(d[i],
+        d[static_cast<std::size_t>(
+          random.uniform(Use::GrainOrder, static_cast<std::int64_t>(i)) * static_cast<double>(i + 1))]);
+    for (std::size_t i = 0; i < n; ++i)
+      grains_.radius[i] = 0.5 * d[i];
+    grains_.friction = o_.friction;
+    grains_.periodic.fill(o_.periodic);
+    const double loose = Dim == 2 ? 0.70 : 0.50;
+    const double fraction = o_.packingFraction ? std::min(loose, *o_.packingFraction) : loose;
+    const double edge = std::pow(grains_.grainVolume() / fraction / o_.aspect, 1.0 / Dim);
+    grains_.box.setConstant(edge);
+    grains_.box[Dim - 1] = edge * o_.aspect;
+    const double largest = 2 * *std::max_element(grains_.radius.begin(), grains_.radius.end());
+    if (grains_.box.minCoeff() < (o_.periodic ? 3 : 2) * largest)
+      throw ParameterError(
+        fmt::format("the largest of {} grains is {:.2g} of the box across", o_.count, largest / grains_.box.minCoeff()),
+        "more grains, a smaller ratio of their diameters, or an aspect nearer to 1");
+    for (std::size_t i = 0; i < n; ++i)
+      for (int a = 0; a < Dim; ++a)
+        grains_.position[i][a] = random.uniform(Use::GrainPlace, static_cast<std::int64_t>(i), a) * grains_.box[a];
+  }
+
+  [[nodiscard]] double fraction() const { return grains_.grainVolume() / grains_.volume(); }
+  [[nodiscard]] double pressure() const { return grains_.virial.mean() / grains_.volume(); }
+  void compressTo(double fractionWanted)
+  {
+    grains_.strain(Vec::Constant(std::pow(fraction() / fractionWanted, 1.0 / Dim)));
+  }
+
+  // in small steps until the grains jam
+  void compact()
+  {
+    relaxation_.negligible = 1e-4;
+    for (double step = 0.01;;)
+    {
+      const RelaxationResult r = rest(BoxMotion::Fixed, 0, 1e-2, 20'000);
+      if (pressure() > (o_.friction > 0 ? 1e-4 : 1e-3) && r.atRest)
+        return;
+      if (fraction() > 0.98)
+        throw DivergenceError("the grains did not jam", "try another seed");
+      report(0.2 * (fraction() - 0.5) / 0.4);
+      compressTo(fraction() + step);
+    }
+  }
+
+  void loosely()
+  {
+    relaxation_.negligible = 1e-12;
+    const double wanted = *o_.packingFraction;
+    for (;;)
+    {
+      const RelaxationResult r = rest(BoxMotion::Fixed, 0, 1e-8, 100'000);
+      if (grains_.forceSum > relaxation_.negligible * static_cast<double>(o_.count))
+        throw ParameterError(
+          fmt::format("the grains jam at a packing fraction of {:.3f}, before {:.3f}", fraction(), wanted),
+          fmt::format("ask for less than {:.2f}, or leave it out for a jammed sample", fraction() - 0.01));
+      (void)r;
+      if (fraction() >= wanted * (1 - 1e-12))
+        return;
+      report((fraction() - 0.5) / (wanted - 0.5));
+      compressTo(std::min(wanted, fraction() + 0.01));
+    }
+  }
+
+  [[nodiscard]] double aspectError() const { return grains_.box[Dim - 1] / grains_.box[0] / o_.aspect - 1; }
+
+  // The shape as it should be at equal stresses: sheared beyond the target and released until that is so.
+  void settle(double p, double allowed, double texturesAllowed, int attempts)
+  {
+    double amplitude = 0;
+    double side = 0;
+    System best = grains_;
+    double least = std::numeric_limits<double>::infinity();
+    for (int attempt = 0; attempt < attempts; ++attempt)
+    {
+      rest(BoxMotion::EachAxis, p, 1e-3, Dim == 2 ? 6'000 : 200'000);
+      const PackingStatistics s = statistics(result(1));
+      const double shape = std::abs(aspectError()) / allowed;
+      const double texture = std::max(s.fabricAnisotropy, s.stressAnisotropy) / texturesAllowed;
+      const double score = std::max(shape, texture);
+      if (score < least)
+      {
+        least = score;
+        best = grains_;
+      }
+      if (score <= 1)
+        return;
+      // Small shears are elastic and come back: they grow until the shape falls on the other side, then shrink.
+      const double sideNow = aspectError() > 0 ? 1 : -1;
+      amplitude = side * sideNow >= 0 ? std::max(2 * std::abs(aspectError()), 1.5 * amplitude) : 0.6 * amplitude;
+      amplitude = shape > 1 ? std::clamp(amplitude, 0.003, 0.12) : 0.05; // far enough for another texture
+      side = sideNow;
+      const double wanted = o_.aspect * (1 - side * amplitude);
+      const double factor = wanted / (o_.aspect * (1 + aspectError()));
+      Vec stretch = Vec::Constant(std::pow(factor, -1.0 / Dim));
+      stretch[Dim - 1] = std::pow(factor, 1 - 1.0 / Dim);
+      grains_.strain(stretch);
+      rest(BoxMotion::Volume, p, 1e-2, Dim == 2 ? 4'000 : 200'000);
+      report(0.2 + 0.02 * attempt);
+    }
+    grains_ = best;
+    grains_.computeForces(0);
+  }
+
+  // Softly first, where stresses even out and shapes can be changed; then down to the pressure asked for.
+  void smooth(double target)
+  {
+    settle(std::max(1e-2, target), 0.004, 0.022, 14);
+    report(0.4);
+    if (target < 1e-2)
+      settle(std::max(1e-3, target), 0.006, 0.028, 8);
+    report(0.6);
+    double p = std::max(1e-3, target);
+    while (p > target)
+    {
+      p = std::max(target, p / (p > 1e-4 || Dim == 3 ? 10 : 3));
+      polish(p);
+      report(0.6 + 0.4 * std::log(p / 1e-3) / std::log(target / 1e-3));
+    }
+    polish(p);
+    if (grains_.unbalanced() > o_.tolerance)
+      throw DivergenceError(
+        fmt::format(
+          "the packing did not come to rest: unbalanced force {:.1e} of the mean contact force", grains_.unbalanced()),
+        "try another seed, or a larger softness");
+  }
+
+  void polish(double p)
+  {
+    const double goal = 1e-3 * o_.tolerance;
+    for (int attempt = 0; attempt < 8; ++attempt)
+    {
+      if (p >= 1e-4 || Dim == 3 || attempt > 0)
+        rest(BoxMotion::EachAxis, p, attempt == 0 ? 1e-4 : 1e-5, Dim == 2 ? 200'000 : 50'000);
+      relaxation_.tolerance = goal;
+      relaxation_.maxSteps = Dim == 2 ? 150 : 30;
+      relaxation_.pressure = p;
+      relaxation_.box = BoxMotion::EachAxis;
+      const RelaxationResult r = newton(grains_, relaxation_);
+      steps_ += r.steps;
+      if (r.atRest || grains_.unbalanced() <= 0.01 * o_.tolerance)
+        return;
+    }
+  }
+
+  void rubbing(double target)
+  {
+    for (double p = std::max(1e-4, target);; p = std::max(target, p / 10))
+    {
+      RelaxationResult r;
+      for (int attempt = 0; attempt < 4 && !r.atRest; ++attempt)
+        r = rest(BoxMotion::Volume, p, p > target ? 10 * o_.tolerance : o_.tolerance, 400'000);
+      if (p <= target)
+      {
+        if (!r.atRest)
+          throw DivergenceError(
+            fmt::format("the packing did not come to rest: unbalanced force {:.1e} of the mean contact force",
+              grains_.unbalanced()),
+            "try another seed, less friction or a larger softness");
+        return;
+      }
+      report(0.4);
+    }
+  }
+
+  [[nodiscard]] Packing result(double stress) const
+  {
+    const double d = o_.meanDiameter;
+    const double unitForce = stress * std::pow(d, Dim - 1);
+    Packing p;
+    p.dimension = Dim;
+    const auto wide = [](const Vec& v, double scale)
+    {
+      std::array<double, 3> w{ 0, 0, 0 };
+      for (int a = 0; a < Dim; ++a)
+        w[static_cast<std::size_t>(a)] = v[a] * scale;
+      return w;
+    };
+    p.size = wide(grains_.box, d);
+    for (int a = 0; a < Dim; ++a)
+      p.periodic[static_cast<std::size_t>(a)] = grains_.periodic[static_cast<std::size_t>(a)];
+    for (std::size_t i = 0; i < grains_.count(); ++i)
+    {
+      Vec x = grains_.position[i];
+      for (int a = 0; a < Dim; ++a)
+        if (o_.periodic)
+          x[a] -= grains_.box[a] * std::floor(x[a] / grains_.box[a]);
+      p.centre.push_back(wide(x, d));
+      p.radius.push_back(grains_.radius[i] * d);
+    }
+    for (std::size_t index = 0; index < grains_.pairs().size(); ++index)
+    {
+      const auto& pair = grains_.pairs()[index];
+      const Vec r = grains_.separation(index);
+      const double distance = r.norm();
+      const double overlap = grains_.radius[static_cast<std::size_t>(pair.first)] +
+        grains_.radius[static_cast<std::size_t>(pair.second)] - distance;
+      if (overlap <= 0)
+        continue;
+      const Vec n = r / distance;
+      Vec f = overlap * n;
+      if (o_.friction > 0)
+        f -= tangentialStiffness * grains_.spring(index);
+      p.contacts.push_back({ pair.first, pair.second, wide(r, d), wide(n, 1), wide(f, unitForce), overlap * d });
+    }
+    for (int wall = 0; wall < System::walls; ++wall)
+      for (std::size_t i = 0; i < grains_.count(); ++i)
+      {
+        const double overlap = grains_.wallOverlap(i, wall);
+        if (grains_.periodic[static_cast<std::size_t>(wall / 2)] || overlap <= 0)
+          continue;
+        const Vec n = System::wallNormal(wall);
+        Vec f = overlap * n;
+        if (o_.friction > 0)
+          f -= tangentialStiffness * grains_.wallSpring(i, wall);
+        p.contacts.push_back({ static_cast<std::int32_t>(i), -1 - wall, wide((grains_.radius[i] - overlap) * n, d),
+          wide(n, 1), wide(f, unitForce), overlap * d });
+      }
+    p.pressure = stress * pressure();
+    p.unbalanced = grains_.unbalanced();
+    p.steps = steps_;
+    return p;
+  }
+
+  const PackingOptions& o_;
+  RelaxationOptions relaxation_;
+  System grains_;
+  std::int64_t steps_ = 0;
+};
+
+} // namespace
+
+Packing pack(const PackingOptions& options)
+{
+  check(options);
+  return options.dimension == 2 ? Compaction<2>(options).run() : Compaction<3>(options).run();
+}
+
+std::vector<Packing> packMany(const PackingOptions& options, std::span<const std::uint64_t> seeds, int threads)
+{
+  std::vector<Packing> samples(seeds.size());
+  std::vector<std::exception_ptr> failures(seeds.size());
+  std::atomic<std::size_t> next{ 0 };
+  std::atomic<std::size_t> done{ 0 };
+  const auto work = [&](bool reports)
+  {
+    for (std::size_t i = next++; i < seeds.size(); i = next++)
+    {
+      PackingOptions mine = options;
+      mine.seed = seeds[i];
+      mine.progress = nullptr;
+      try
+      {
+        samples[i] = pack(mine);
+      }
+      catch (...)
+      {
+        failures[i] = std::current_exception();
+      }
+      ++done;
+      if (reports && options.progress)
+        options.progress(static_cast<double>(done) / static_cast<double>(seeds.size()));
+    }
+  };
+  std::vector<std::thread> others;
+  for (int t = 1; t < std::min<int>(threads, static_cast<int>(seeds.size())); ++t)
+    others.emplace_back(work, false);
+  work(true);
+  for (std::thread& t : others)
+    t.join();
+  for (const std::exception_ptr& failure : failures)
+    if (failure)
+      std::rethrow_exception(failure);
+  return samples;
+}
+
+} // namespace lamella::packing

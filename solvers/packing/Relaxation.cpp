@@ -1,0 +1,125 @@
+#include "packing/Relaxation.h"
+
+#include "lattice/Error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lamella::packing
+{
+namespace
+{
+
+constexpr double longestStep = 0.25; // below 2/ω of a grain with twelve contacts
+constexpr double shortestStep = 1e-3;
+constexpr double mixing = 0.25;
+
+} // namespace
+
+template <int Dim>
+RelaxationResult relax(GrainSystem<Dim>& g, const RelaxationOptions& options)
+{
+  using Vec = typename GrainSystem<Dim>::Vec;
+  using Spin = typename GrainSystem<Dim>::Spin;
+  const std::size_t n = g.count();
+  const bool rubs = g.friction > 0;
+  // about the stiffness of the box over that of a grain, so that both move at one pace
+  const double boxMass = 0.5 * static_cast<double>(n);
+  const auto inertia = [&](std::size_t i) { return (Dim == 2 ? 0.5 : 0.4) * g.radius[i] * g.radius[i]; };
+
+  std::fill(g.velocity.begin(), g.velocity.end(), Vec::Zero());
+  std::fill(g.spin.begin(), g.spin.end(), Spin::Zero());
+  g.boxRate.setZero();
+  g.computeForces(0);
+
+  const auto boxForce = [&]() -> Vec
+  {
+    if (options.box == BoxMotion::Fixed)
+      return Vec::Zero();
+    const Vec each = g.virial.array() - options.pressure * g.volume();
+    if (options.box == BoxMotion::EachAxis)
+      return each;
+    return Vec::Constant(each.mean());
+  };
+
+  double dt = 0.5 * longestStep;
+  double alpha = mixing;
+  int downhill = 0;
+  RelaxationResult result;
+  for (; result.steps < options.maxSteps; ++result.steps)
+  {
+    const Vec onBox = boxForce();
+    const double pressureError =
+      options.box == BoxMotion::Fixed ? 0 : onBox.cwiseAbs().maxCoeff() / (options.pressure * g.volume());
+    const bool apart = options.box == BoxMotion::Fixed && g.forceSum <= options.negligible * static_cast<double>(n);
+    if (apart || (g.unbalanced() <= options.tolerance && pressureError <= options.tolerance))
+    {
+      result.atRest = true;
+      break;
+    }
+    if (options.interrupted && result.steps % 1024 == 0 && options.interrupted())
+      throw Cancelled();
+
+    double power = onBox.dot(g.boxRate);
+    double forces = onBox.squaredNorm() / boxMass;
+    double speeds = g.boxRate.squaredNorm() * boxMass;
+    for (std::size_t i = 0; i < n; ++i)
+    {
+      power += g.force[i].dot(g.velocity[i]);
+      forces += g.force[i].squaredNorm();
+      speeds += g.velocity[i].squaredNorm();
+    }
+    if (rubs)
+      for (std::size_t i = 0; i < n; ++i)
+      {
+        power += g.torque[i].dot(g.spin[i]);
+        forces += g.torque[i].squaredNorm() / inertia(i);
+        speeds += g.spin[i].squaredNorm() * inertia(i);
+      }
+    if (power >= 0)
+    {
+      if (++downhill > 20)
+      {
+        dt = std::min(1.1 * dt, longestStep);
+        alpha *= 0.99;
+      }
+    }
+    else
+    {
+      downhill = 0;
+      dt = std::max(0.5 * dt, shortestStep);
+      alpha = mixing;
+      // half a step back, then from rest
+      for (std::size_t i = 0; i < n; ++i)
+      {
+        g.position[i] -= 0.5 * dt * g.velocity[i];
+        g.velocity[i].setZero();
+        g.spin[i].setZero();
+      }
+      g.strain((-0.5 * dt * g.boxRate).array().exp());
+      g.boxRate.setZero();
+      speeds = 0;
+    }
+    const double turn = forces > 0 ? alpha * std::sqrt(speeds / forces) : 0;
+    for (std::size_t i = 0; i < n; ++i)
+    {
+      g.velocity[i] = (1 - alpha) * (g.velocity[i] + dt * g.force[i]) + turn * g.force[i];
+      g.position[i] += dt * g.velocity[i];
+    }
+    if (rubs)
+      for (std::size_t i = 0; i < n; ++i)
+        g.spin[i] = (1 - alpha) * (g.spin[i] + dt / inertia(i) * g.torque[i]) + turn / inertia(i) * g.torque[i];
+    if (options.box != BoxMotion::Fixed)
+    {
+      g.boxRate = (1 - alpha) * (g.boxRate + dt / boxMass * onBox) + turn / boxMass * onBox;
+      g.strain((dt * g.boxRate).array().exp());
+    }
+    g.computeForces(dt);
+  }
+  return result;
+}
+
+template RelaxationResult relax<2>(GrainSystem<2>&, const RelaxationOptions&);
+template RelaxationResult relax<3>(GrainSystem<3>&, const RelaxationOptions&);
+
+} // namespace lamella::packing
