@@ -3,12 +3,12 @@
 #include "Input.h"
 #include "OutputFile.h"
 #include "Record.h"
+#include "SampleFile.h"
 #include "Text.h"
 
 #include "generators/Generators.h"
 #include "io/Provenance.h"
 #include "lattice/Memory.h"
-#include "micrograph/WritePicture.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkImageData.h>
@@ -21,7 +21,6 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <numeric>
 #include <optional>
 
 namespace lamella::cli
@@ -105,77 +104,11 @@ double fractionBetween(const std::string& option, const std::string& text, doubl
   return value;
 }
 
-/// The value that stands for each phase in a file of this ending.
-std::vector<std::uint8_t> valuesInFile(const PhaseTable& phases, const std::string& ending)
-{
-  std::vector<std::uint8_t> values = greysOfPhases(phases);
-  if (ending == ".vti" || ending == ".raw")
-  {
-    std::iota(values.begin(), values.end(), std::uint8_t{ 0 });
-  }
-  return values;
-}
-
-/// Writes the sample in the format that the name asks for.
-void write(const PhaseImage& image, const OutputFile& file, OutputFile* beside, const io::Provenance& provenance)
-{
-  const std::string ending = file.path().extension().string();
-  if (ending == ".vti")
-  {
-    const auto grid = toImageData(image);
-    setProvenance(grid, io::toJson(provenance));
-    setFieldText(grid, "pixel_size_source", "generated");
-    writeGrid(grid, file);
-    return;
-  }
-  const std::vector<std::uint8_t> values = valuesInFile(image.phases, ending);
-  Record record;
-  record.provenance = io::toJson(provenance);
-  record.pixelSize = image.lattice.spacing;
-  for (std::size_t id = 0; id < values.size(); ++id)
-  {
-    record.phases[values[id]] = image.phases.names()[id];
-  }
-  if (ending == ".raw")
-  {
-    record.size = image.lattice.size;
-    file.write({ reinterpret_cast<const char*>(image.phase.data()), image.phase.size() });
-    beside->write(toJson(record) + "\n");
-    return;
-  }
-  try
-  {
-    micrograph::writeLabels(image, file.temporary(), values, toJson(record));
-  }
-  catch (const Error& error)
-  {
-    file.rethrow(error);
-    throw;
-  }
-}
-
-void checkEnding(const std::string& output, int dimension)
-{
-  const std::string ending = std::filesystem::path(output).extension().string();
-  const std::vector<std::string> known{ ".png", ".tif", ".tiff", ".vti", ".raw" };
-  if (std::find(known.begin(), known.end(), ending) == known.end())
-  {
-    throw ParameterError("-o '" + output + "' has no ending that can be written",
-      ending == ".jpg" || ending == ".jpeg" ? "JPEG would blur the phases: use .png"
-                                            : suggestion(ending, known, "end it in .png, .tif, .vti or .raw"));
-  }
-  if (ending == ".png" && dimension == 3)
-  {
-    throw ParameterError(
-      "a PNG holds one picture, and this sample is a volume", "end the name in .vti, .tif (a stack) or .raw");
-  }
-}
-
 /// Generates, writes, reports.
 void generate(Session& session, const GenerateOptions& options, const std::string& kind, const std::string& commandLine,
   const Box& box, std::optional<std::uint64_t> seed, const std::function<PhaseImage()>& make)
 {
-  checkEnding(options.output, box.dimension);
+  checkSampleEnding(options.output, box.dimension);
   const auto start = std::chrono::steady_clock::now();
   session.onRoot(
     [&]
@@ -194,7 +127,17 @@ void generate(Session& session, const GenerateOptions& options, const std::strin
       Session::checkInterrupt();
       io::Provenance provenance = io::makeProvenance(commandLine);
       provenance.seed = seed;
-      write(image, file, beside ? &*beside : nullptr, provenance);
+      if (file.path().extension() == ".vti")
+      {
+        const auto grid = toImageData(image);
+        setProvenance(grid, io::toJson(provenance));
+        setFieldText(grid, "pixel_size_source", "generated");
+        writeGrid(grid, file);
+      }
+      else
+      {
+        writeLabels(image, file, beside ? &*beside : nullptr, provenance);
+      }
       Session::checkInterrupt();
       file.commit();
       if (beside)

@@ -2,7 +2,7 @@
 find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore)
 set(LAMELLA_VTK_COMPONENTS # LamellaConfig.cmake asks for the same
   CommonCore CommonDataModel CommonExecutionModel CommonMath CommonColor FiltersCore FiltersFlowPaths FiltersGeneral
-  FiltersGeometry FiltersSources FiltersExtraction ImagingCore InteractionStyle IOCore IOImage IOXML ParallelCore
+  FiltersGeometry FiltersSources FiltersExtraction ImagingCore InteractionStyle IOCore IOImage IOInfovis IOXML ParallelCore
   ParallelMPI RenderingAnnotation RenderingCore RenderingFreeType RenderingOpenGL2 RenderingContext2D
   RenderingContextOpenGL2 ChartsCore)
 find_package(VTK REQUIRED COMPONENTS ${LAMELLA_VTK_COMPONENTS})

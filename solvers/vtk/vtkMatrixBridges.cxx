@@ -1,0 +1,139 @@
+#include "vtkMatrixBridges.h"
+
+#include "PackingData.h"
+#include "vtkLatticeConversion.h"
+#include "vtkPieces.h"
+#include "vtkProvenance.h"
+
+#include "lattice/Error.h"
+#include "packing/Bridges.h"
+
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkObjectFactory.h"
+#include "vtkPolyData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+vtkStandardNewMacro(vtkMatrixBridges);
+
+vtkMatrixBridges::vtkMatrixBridges()
+{
+  const lamella::packing::BridgeOptions bridges; // the library's own defaults
+  const lamella::packing::RasterOptions raster;
+  this->Width = bridges.width;
+  this->Reach = bridges.reach;
+  this->Filled = bridges.filled;
+  this->NodesAcross = static_cast<vtkIdType>(raster.nodesAcross);
+  this->Platen = raster.platen;
+}
+
+int vtkMatrixBridges::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPolyData");
+  return 1;
+}
+
+bool vtkMatrixBridges::Cement(vtkPolyData* particles)
+{
+  if (this->Image != nullptr && this->MadeTime > this->GetMTime() && this->MadeTime > particles->GetMTime())
+  {
+    return true;
+  }
+  this->Image = nullptr;
+  try
+  {
+    const lamella::packing::Packing packing = lamella::packingFrom(particles);
+    lamella::packing::BridgeOptions bridges;
+    bridges.width = this->Width;
+    bridges.reach = this->Reach;
+    bridges.filled = this->Filled;
+    if (this->Saturation != 0)
+    {
+      bridges.saturation = this->Saturation;
+    }
+    this->Image = lamella::cementedImage(packing, bridges, { this->NodesAcross, this->Platen }, this->GetClassName());
+
+    nlohmann::json parameters{ { "reach", this->Reach }, { "nodes_across", this->NodesAcross },
+      { "platen", this->Platen } };
+    if (this->Filled)
+    {
+      parameters["filled"] = true;
+    }
+    else if (bridges.saturation)
+    {
+      parameters["saturation"] = this->Saturation;
+    }
+    else
+    {
+      parameters["width"] = this->Width;
+    }
+    lamella::setProvenance(this->Image, lamella::provenance(particles));
+    lamella::continueProvenance(this->Image, "bridges", parameters);
+  }
+  catch (const lamella::Error& error)
+  {
+    this->Image = nullptr;
+    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
+    return false;
+  }
+  catch (const std::exception& error)
+  {
+    this->Image = nullptr;
+    vtkErrorMacro(<< error.what());
+    return false;
+  }
+  this->MadeTime.Modified();
+  return true;
+}
+
+int vtkMatrixBridges::RequestInformation(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  // The extent depends on the grains; whole on every rank.
+  int port = 0;
+  vtkAlgorithm* const producer = this->GetInputAlgorithm(0, 0, port);
+  if (producer != nullptr && producer->UpdatePiece(0, 1, 0) == 0)
+  {
+    return 0; // it has said what is wrong
+  }
+  vtkPolyData* const particles = vtkPolyData::GetData(inputVector[0]);
+  if (particles == nullptr || !this->Cement(particles))
+  {
+    return 0;
+  }
+  lamella::announce(outputVector->GetInformationObject(0), lamella::latticeOf(this->Image));
+  return 1;
+}
+
+int vtkMatrixBridges::RequestUpdateExtent(vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector*)
+{
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  vtkInformation* const input = inputVector[0]->GetInformationObject(0);
+  input->Set(Pipeline::UPDATE_PIECE_NUMBER(), 0);
+  input->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), 1);
+  input->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+  return 1;
+}
+
+int vtkMatrixBridges::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  if (!this->Cement(vtkPolyData::GetData(inputVector[0])))
+  {
+    return 0;
+  }
+  lamella::deliver(this->Image, outputVector->GetInformationObject(0));
+  return 1;
+}
+
+void vtkMatrixBridges::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Width: " << this->Width << "\n"
+     << indent << "Reach: " << this->Reach << "\n"
+     << indent << "Filled: " << this->Filled << "\n"
+     << indent << "Saturation: " << this->Saturation << "\n"
+     << indent << "NodesAcross: " << this->NodesAcross << "\n"
+     << indent << "Platen: " << this->Platen << "\n";
+}

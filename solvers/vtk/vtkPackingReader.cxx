@@ -1,0 +1,150 @@
+#include "vtkPackingReader.h"
+
+#include "GridReaders.h"
+#include "PackingData.h"
+#include "PackingTable.h"
+#include "vtkProvenance.h"
+
+#include "lattice/Error.h"
+
+#include "vtkCallbackCommand.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPolyData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkXMLPolyDataReader.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+namespace
+{
+
+/// The particles of a .vtp, as they are.
+void readParticles(const std::string& path, vtkPolyData* particles)
+{
+  if (!std::filesystem::is_regular_file(path))
+  {
+    throw lamella::InputError("there is no file '" + path + "'", "check the name and the folder");
+  }
+  const auto reader = lamella::newPolyDataReader();
+  vtkNew<vtkCallbackCommand> silence; // said in our words
+  silence->SetCallback([](vtkObject*, unsigned long, void*, void*) {});
+  reader->AddObserver(vtkCommand::ErrorEvent, silence);
+  reader->SetFileName(path.c_str());
+  if (reader->CanReadFile(path.c_str()) == 0)
+  {
+    throw lamella::InputError("'" + path + "' is not a whole .vtp file", "make or copy it again");
+  }
+  reader->Update();
+  particles->ShallowCopy(reader->GetOutput());
+  try
+  {
+    static_cast<void>(lamella::packingFrom(particles));
+  }
+  catch (const lamella::InputError& error)
+  {
+    throw lamella::InputError("'" + path + "': " + error.what(), error.hint());
+  }
+}
+
+} // namespace
+
+vtkStandardNewMacro(vtkPackingReader);
+
+vtkPackingReader::vtkPackingReader()
+{
+  this->SetNumberOfInputPorts(0);
+  this->SetNumberOfOutputPorts(2);
+}
+
+vtkPackingReader::~vtkPackingReader()
+{
+  this->SetFileName(nullptr);
+}
+
+vtkPolyData* vtkPackingReader::GetContacts()
+{
+  return vtkPolyData::SafeDownCast(this->GetOutputDataObject(1));
+}
+
+int vtkPackingReader::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  for (int port = 0; port < 2; ++port)
+  {
+    outputVector->GetInformationObject(port)->Set(CAN_HANDLE_PIECE_REQUEST(), 1); // all in the first piece
+  }
+  return 1;
+}
+
+void vtkPackingReader::Read(vtkPolyData* particles, vtkPolyData* contacts)
+{
+  if (this->FileName == nullptr || *this->FileName == '\0')
+  {
+    throw lamella::InputError("no file is named", "set FileName");
+  }
+  const std::filesystem::path path(this->FileName);
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (ending == ".vtp")
+  {
+    readParticles(this->FileName, particles);
+    return;
+  }
+  lamella::PackingTableOptions options;
+  options.unit = this->LengthUnit;
+  nlohmann::json parameters{ { "length_unit", this->LengthUnit } };
+  if (std::any_of(this->BoxSize, this->BoxSize + 3, [](double edge) { return edge != 0; }))
+  {
+    options.box.emplace();
+    std::copy_n(this->BoxSize, 3, options.box->begin());
+    parameters["box"] = this->BoxSize;
+  }
+  const lamella::packing::Packing packing = lamella::readPackingTable(path, options);
+  lamella::setPacking(packing, lamella::packing::statistics(packing), this->GetClassName(), particles, contacts);
+  for (vtkPolyData* const data : { particles, contacts })
+  {
+    lamella::beginProvenance(data, "packing_table", parameters, {}, path);
+  }
+}
+
+int vtkPackingReader::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  vtkPolyData* const particles = vtkPolyData::GetData(outputVector, 0);
+  vtkPolyData* const contacts = vtkPolyData::GetData(outputVector, 1);
+  particles->Initialize();
+  contacts->Initialize();
+  vtkInformation* const request = outputVector->GetInformationObject(0);
+  if (request->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) > 0)
+  {
+    return 1;
+  }
+  try
+  {
+    this->Read(particles, contacts);
+  }
+  catch (const lamella::Error& error)
+  {
+    particles->Initialize();
+    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
+    return 0;
+  }
+  catch (const std::exception& error)
+  {
+    particles->Initialize();
+    vtkErrorMacro(<< error.what());
+    return 0;
+  }
+  return 1;
+}
+
+void vtkPackingReader::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "FileName: " << (this->FileName != nullptr ? this->FileName : "(none)") << "\n"
+     << indent << "LengthUnit: " << this->LengthUnit << "\n"
+     << indent << "BoxSize: " << this->BoxSize[0] << " " << this->BoxSize[1] << " " << this->BoxSize[2] << "\n";
+}

@@ -1,0 +1,74 @@
+/**
+ * @class   vtkPackingReader
+ * @brief   packings of others, from a table of centres and radii
+ *
+ * Reads text with a line of names and one line a grain: the columns x, z, r (or x, y, r) of disks, or x, y, z, r of
+ * spheres, in any order, among others; d or diameter instead of r. Commas, semicolons, tabs or blanks separate them.
+ * Also reads the `.vtp` of particles that vtkGrainPacking and this class make.
+ *
+ * **Output 0**: the grains, as vtkGrainPacking gives them. Disks lie in the plane z = 0, with what the table calls z
+ * (or y) along y.
+ *
+ * **Output 1**: a line for each contact: grains that overlap, or that are nearer to each other or to a wall than 1e-3
+ * of their mean diameter. A table tells no forces, so they are 0. It is empty for a `.vtp`: the contacts are in a file
+ * of their own.
+ *
+ * @sa vtkGrainPacking vtkMatrixBridges
+ */
+
+#ifndef vtkPackingReader_h
+#define vtkPackingReader_h
+
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkPolyDataAlgorithm.h"
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkPackingReader : public vtkPolyDataAlgorithm
+{
+public:
+  static vtkPackingReader* New();
+  vtkTypeMacro(vtkPackingReader, vtkPolyDataAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /** The table (.csv, .txt ...) or particles (.vtp). */
+  vtkSetFilePathMacro(FileName);
+  vtkGetFilePathMacro(FileName);
+  ///@}
+
+  ///@{
+  /** Tables: length of their unit in metres, 1e-3 for millimetres. Default 1. */
+  vtkSetMacro(LengthUnit, double);
+  vtkGetMacro(LengthUnit, double);
+  ///@}
+
+  ///@{
+  /**
+   * Tables: edges of the box in metres, from the origin; two-dimensional packings use the first two. All 0 (default):
+   * the box that just holds the grains, which are moved so that it begins at the origin.
+   */
+  vtkSetVector3Macro(BoxSize, double);
+  vtkGetVector3Macro(BoxSize, double);
+  ///@}
+
+  /** The contacts, output 1. */
+  vtkPolyData* GetContacts();
+
+protected:
+  vtkPackingReader();
+  ~vtkPackingReader() override;
+
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkPackingReader(const vtkPackingReader&) = delete;
+  void operator=(const vtkPackingReader&) = delete;
+
+  void Read(vtkPolyData* particles, vtkPolyData* contacts);
+
+  char* FileName = nullptr;
+  double LengthUnit = 1;
+  double BoxSize[3] = { 0, 0, 0 };
+};
+
+#endif

@@ -1,0 +1,112 @@
+#include "PackingInput.h"
+
+#include "GridFile.h"
+#include "Text.h"
+
+#include "PackingData.h"
+#include "PackingTable.h"
+#include "lattice/Error.h"
+#include "vtkLatticeConversion.h"
+
+#include <vtkPolyData.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+namespace lamella::cli
+{
+
+void addTableOptions(CLI::App& command, TableOptions& options)
+{
+  options.declared = { command.add_option("--unit", options.unit, "Unit of length in a table, as 1mm; metres")
+                         ->type_name("LENGTH")
+                         ->group("Table"),
+    command
+      .add_option("--box", options.box, "Edges of a table's box, as 20mm,40mm; when not given, that of the grains")
+      ->type_name("X,Y[,Z]")
+      ->group("Table") };
+}
+
+bool isParticleFile(const std::string& path)
+{
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return ending == ".vtp";
+}
+
+std::string firstGiven(const std::vector<CLI::Option*>& options)
+{
+  const auto found =
+    std::find_if(options.begin(), options.end(), [](const CLI::Option* option) { return option->count() > 0; });
+  return found == options.end() ? "" : (*found)->get_name();
+}
+
+PackingFile loadPacking(const std::string& path, const TableOptions& options)
+{
+  PackingFile file;
+  if (isParticleFile(path))
+  {
+    if (const std::string given = firstGiven(options.declared); !given.empty())
+    {
+      throw ParameterError(given + " is for tables, and '" + path + "' knows its lengths", "leave it out");
+    }
+    const auto data = readGrid(path);
+    auto* const particles = vtkPolyData::SafeDownCast(data);
+    if (particles == nullptr)
+    {
+      throw InputError("'" + path + "' holds no particles", "give what lamella packing -o FILE.vtp wrote");
+    }
+    try
+    {
+      file.packing = packingFrom(particles);
+    }
+    catch (const InputError& error)
+    {
+      throw InputError("'" + path + "': " + error.what(), error.hint());
+    }
+    file.provenance = provenance(particles);
+    return file;
+  }
+  if (std::filesystem::path(path).extension() == ".vti")
+  {
+    throw InputError("'" + path + "' is an image, not a packing", "give a table x,z,r or the .vtp of lamella packing");
+  }
+  PackingTableOptions table;
+  if (!options.unit.empty())
+  {
+    table.unit = lengthInMetres("--unit", options.unit);
+  }
+  if (!options.box.empty())
+  {
+    const std::vector<std::string> parts = split(options.box, ',');
+    if (parts.size() < 2 || parts.size() > 3)
+    {
+      throw ParameterError("--box '" + options.box + "' has not 2 or 3 edges", "write it as --box 20mm,40mm");
+    }
+    table.box.emplace(std::array<double, 3>{ 0, 0, 0 });
+    for (std::size_t i = 0; i < parts.size(); ++i)
+    {
+      (*table.box)[i] = lengthInMetres("--box", parts[i]);
+    }
+  }
+  file.packing = readPackingTable(path, table);
+  return file;
+}
+
+std::string boxText(const packing::Packing& packing)
+{
+  const double edge = packing.size[0];
+  const double scale = edge >= 1 ? 1 : edge >= 1e-3 ? 1e3 : 1e6;
+  const char* const unit = edge >= 1 ? "m" : edge >= 1e-3 ? "mm" : "µm";
+  std::string text = fmt::format("{:.5g} {}", edge * scale, unit);
+  for (std::size_t axis = 1; axis < static_cast<std::size_t>(packing.dimension); ++axis)
+  {
+    text += fmt::format(" × {:.5g} {}", packing.size[axis] * scale, unit);
+  }
+  return text;
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "packing/Packing.h"
+
+#include <CLI/App.hpp>
+
+#include <string>
+#include <vector>
+
+/// Packings from files, for the commands that take one.
+namespace lamella::cli
+{
+
+/// What a table of grains does not tell.
+struct TableOptions
+{
+  std::string unit;                   ///< --unit LENGTH
+  std::string box;                    ///< --box X,Y[,Z]
+  std::vector<CLI::Option*> declared; ///< both
+};
+
+/// --unit, --box
+void addTableOptions(CLI::App& command, TableOptions& options);
+
+struct PackingFile
+{
+  packing::Packing packing;
+  std::string provenance; ///< JSON text of the file, or empty
+};
+
+/// A table, or the particles of a .vtp. @throws InputError, ParameterError
+[[nodiscard]] PackingFile loadPacking(const std::string& path, const TableOptions& options);
+
+/// Whether a name ends in .vtp.
+[[nodiscard]] bool isParticleFile(const std::string& path);
+
+/// The first of these that was given on the command line, by its name; empty: none.
+[[nodiscard]] std::string firstGiven(const std::vector<CLI::Option*>& options);
+
+/// "17.2 mm × 34.4 mm"
+[[nodiscard]] std::string boxText(const packing::Packing& packing);
+
+} // namespace lamella::cli

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "OutputFile.h"
+
+#include "io/Provenance.h"
+#include "lattice/Phases.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// Samples as files: .vti (written with GridFile.h), .png, .tif and .raw.
+namespace lamella::cli
+{
+
+/// @throws ParameterError for a name whose ending is none of these, or that of a picture where there is a volume
+void checkSampleEnding(const std::string& output, int dimension);
+
+/// The value that stands for each phase in a file of this ending.
+[[nodiscard]] std::vector<std::uint8_t> valuesInFile(const PhaseTable& phases, const std::string& ending);
+
+/// Writes a picture, a stack or a raw volume with its record inside it or, for .raw, `beside` it.
+/// @throws OutputError
+void writeLabels(const PhaseImage& image, const OutputFile& file, OutputFile* beside, const io::Provenance& provenance);
+
+} // namespace lamella::cli

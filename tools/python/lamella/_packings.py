@@ -1,0 +1,327 @@
+"""Packings of grains and the matrix between them."""
+
+import os
+import tempfile
+
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+from . import _arrays
+from ._errors import LamellaError, choose, run
+from ._samples import Sample
+from .vtkLamellaSolversVTK import vtkGrainPacking, vtkMatrixBridges, vtkPackingReader
+
+_SIZES = {"volume": 0, "volume-share": 1, "diameter": 2}
+
+
+class Packing:
+    """Grains at rest. Lengths are in metres, forces in newtons (of disks: a metre of thickness)."""
+
+    def __init__(self, particles, contacts=None):
+        #: vtkPolyData: a point a grain
+        self.vtk = particles
+        #: vtkPolyData: a line a contact; None where they are not known
+        self.contacts_vtk = contacts
+
+    def _points(self, name):
+        return vtk_to_numpy(self.vtk.GetPointData().GetArray(name))
+
+    def _contacts(self, name):
+        if self.contacts_vtk is None or self.contacts_vtk.GetCellData().GetArray(name) is None:
+            raise LamellaError("this packing's contacts are not known", "a .vtp of grains does not hold them")
+        return vtk_to_numpy(self.contacts_vtk.GetCellData().GetArray(name))
+
+    def _number(self, name):
+        values = _arrays.numbers(self.vtk, name)
+        return float("nan") if values is None else float(values[0])
+
+    def _tensor(self, name):
+        n = self.dimension
+        return _arrays.numbers(self.vtk, name).reshape(3, 3)[:n, :n]
+
+    def __len__(self):
+        return self.vtk.GetNumberOfPoints()
+
+    @property
+    def dimension(self):
+        """2: disks, 3: spheres."""
+        box = _arrays.numbers(self.vtk, "box")
+        return 3 if (box[2] > 0 if box is not None else np.ptp(self._all_centres()[:, 2]) > 0) else 2
+
+    def _all_centres(self):
+        return vtk_to_numpy(self.vtk.GetPoints().GetData())
+
+    @property
+    def centres(self):
+        """#grains by 2 (disks: x, and y upwards) or 3 (a view)."""
+        return self._all_centres()[:, : self.dimension]
+
+    @property
+    def radii(self):
+        """#grains (a view)."""
+        return self._points("radius")
+
+    @property
+    def rattlers(self):
+        """#grains, True for those that nothing holds."""
+        return self._points("rattler").astype(bool)
+
+    @property
+    def contact_numbers(self):
+        """#grains, how many contacts each has, walls included (a view)."""
+        return self._points("contacts")
+
+    @property
+    def contacts(self):
+        """#contacts by 2, grains counted from 0; the second is -1 ... -6 for the walls at low x, high x, low y ..."""
+        pairs = np.stack([self._contacts("first"), self._contacts("second")], axis=1)
+        return np.where(pairs > 0, pairs - 1, pairs)
+
+    @property
+    def forces(self):
+        """#contacts by 2 or 3, on the second grain of each by the first (a view)."""
+        return self._contacts("force")[:, : self.dimension]
+
+    @property
+    def normal_forces(self):
+        """#contacts, compression is positive (a view)."""
+        return self._contacts("normal_force")
+
+    @property
+    def box(self):
+        """Edges of the box, 2 or 3 numbers."""
+        return _arrays.numbers(self.vtk, "box")[: self.dimension]
+
+    @property
+    def periodic(self):
+        """Whether the box is one cell of an endless packing."""
+        return bool(self._number("periodic") == 1)
+
+    @property
+    def packing_fraction(self):
+        """Share of the box that is grains."""
+        return self._number("packing_fraction")
+
+    @property
+    def coordination(self):
+        """Contacts of a grain that is no rattler."""
+        return self._number("coordination")
+
+    @property
+    def fabric(self):
+        """Mean of n n over the contacts between grains, a matrix whose trace is 1."""
+        return self._tensor("fabric")
+
+    @property
+    def stress(self):
+        """Mean stress in pascals, compression positive."""
+        return self._tensor("stress")
+
+    @property
+    def fabric_anisotropy(self):
+        """(largest - smallest)/sum of the fabric's principal values."""
+        return self._number("fabric_anisotropy")
+
+    @property
+    def stress_anisotropy(self):
+        """The same of the stress."""
+        return self._number("stress_anisotropy")
+
+    @property
+    def unbalanced_force(self):
+        """Mean net force on a grain over the mean contact force."""
+        return self._number("unbalanced_force")
+
+    @property
+    def provenance(self):
+        """Version, parameters, seed and input files as a dictionary."""
+        return _arrays.provenance(self.vtk)
+
+    def save(self, path, contacts=None, overwrite=False):
+        """Writes the grains, and with ``contacts`` their contacts, as .vtp files, each whole or not at all."""
+        if contacts is not None:
+            self._contacts("force")  # says so where there are none
+        for name, data in ((path, self.vtk), (contacts, self.contacts_vtk)):
+            if name is not None and os.path.exists(name) and not overwrite:
+                raise FileExistsError(f"{name} exists; say overwrite=True to replace it")
+        for name, data in ((path, self.vtk), (contacts, self.contacts_vtk)):
+            if name is not None:
+                _write(data, os.fspath(name))
+        return os.fspath(path)
+
+    def __repr__(self):
+        kind = "spheres" if self.dimension == 3 else "disks"
+        return f"<lamella.Packing {len(self)} {kind}: packing fraction {self.packing_fraction:.4f}>"
+
+
+def _write(data, path):
+    writer = vtkXMLPolyDataWriter()
+    writer.SetInputData(data)
+    writer.WriteToOutputStringOn()  # VTK 9.2's writer of inline poly data crashes where a disk is full
+    writer.SetDataModeToBinary()
+    if writer.Write() != 1:
+        raise OSError(f"cannot write {path}")
+    handle, part = tempfile.mkstemp(prefix="." + os.path.basename(path), dir=os.path.dirname(os.path.abspath(path)))
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(writer.GetOutputString())
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(part, 0o666 & ~mask)
+        os.replace(part, path)
+    finally:
+        if os.path.exists(part):
+            os.remove(part)
+
+
+def packing(
+    count=400,
+    dimension=2,
+    mean_diameter=1e-3,
+    diameter_ratio=2.0,
+    sizes="volume",
+    aspect=2.0,
+    periodic=False,
+    friction=0.0,
+    pressure=1e3,
+    softness=1e-6,
+    packing_fraction=None,
+    seed=1,
+    tolerance=1e-4,
+    progress=None,
+):
+    """Presses grains together until they are at rest and returns a Packing.
+
+    count             how many grains
+    dimension         2: disks, 3: spheres
+    mean_diameter     metres
+    diameter_ratio    largest over smallest, 1 to 10
+    sizes             what is spread evenly from the smallest to the largest: "volume" (areas of disks),
+                      "volume-share" (every diameter fills the same share) or "diameter"
+    aspect            last edge of the box over the first
+    periodic          a cell of an endless packing instead of smooth walls
+    friction          Coulomb's coefficient
+    pressure          pascals
+    softness          pressure over the stiffness of contacts
+    packing_fraction  ends at this share of the box, before grains touch; None: they jam
+    seed              the same seed gives the same packing
+    tolerance         mean net force on a grain over the mean contact force
+    progress          called as progress(share, text); return False to cancel (raises Cancelled)
+    """
+    source = vtkGrainPacking()
+    source.SetCount(int(count))
+    source.SetDimension(int(dimension))
+    source.SetMeanDiameter(mean_diameter)
+    source.SetDiameterRatio(diameter_ratio)
+    source.SetSizes(choose(_SIZES, sizes, "sizes"))
+    source.SetAspect(aspect)
+    source.SetPeriodic(bool(periodic))
+    source.SetFriction(friction)
+    source.SetPressure(pressure)
+    source.SetSoftness(softness)
+    if packing_fraction is not None:
+        source.SetPackingFraction(packing_fraction)
+    source.SetSeed(int(seed))
+    source.SetTolerance(tolerance)
+    run(source, progress)
+    return Packing(source.GetOutput(), source.GetContacts())
+
+
+def read_packing(path, unit=1.0, box=None):
+    """Reads a table of grains (columns x, z, r of disks or x, y, z, r of spheres) or the .vtp of a Packing.
+
+    unit  length of the table's unit in metres
+    box   edges of the box in metres, two or three; None: that of the grains
+    """
+    reader = vtkPackingReader()
+    reader.SetFileName(os.fspath(path))
+    reader.SetLengthUnit(unit)
+    if box is not None:
+        edges = [float(edge) for edge in box]
+        if len(edges) not in (2, 3):
+            raise ValueError("a box is (x, y) or (x, y, z)")
+        reader.SetBoxSize(*(edges + [0.0])[:3])
+    run(reader)
+    contacts = reader.GetContacts()
+    return Packing(reader.GetOutput(), contacts if contacts.GetNumberOfCells() > 0 else None)
+
+
+def _as_particles(grains):
+    if isinstance(grains, Packing):
+        return grains.vtk
+    if hasattr(grains, "IsA"):
+        return grains
+    centres, radii = grains
+    centres = np.atleast_2d(np.asarray(centres, float))
+    radii = np.asarray(radii, float).ravel()
+    if centres.shape[1] not in (2, 3) or len(centres) != len(radii):
+        raise ValueError(f"centres {centres.shape} and radii {radii.shape}: they are n by 2 or 3, and n")
+    points = np.zeros((len(centres), 3))
+    points[:, : centres.shape[1]] = centres
+    data = vtkPolyData()
+    data.SetPoints(vtkPoints())
+    data.GetPoints().SetData(numpy_to_vtk(points, deep=True))
+    data.SetVerts(vtkCellArray())
+    array = numpy_to_vtk(radii, deep=True)
+    array.SetName("radius")
+    data.GetPointData().AddArray(array)
+    return data
+
+
+class CementedSample(Sample):
+    """Grains and matrix on a lattice: phases void, matrix, grain."""
+
+    def _number(self, name):
+        return float(_arrays.numbers(self.vtk, name)[0])
+
+    @property
+    def grain(self):
+        """Number of the grain at each node, from 1; 0: none, -1: platen. In the order of pictures (a view)."""
+        return self.array("grain")
+
+    @property
+    def width(self):
+        """Width of a bridge at a grain's centre over the grain's diameter."""
+        return self._number("width")
+
+    @property
+    def bridges(self):
+        """Number of bridges."""
+        return int(self._number("bridges"))
+
+    @property
+    def saturation(self):
+        """Share of the space between the grains that is matrix, of the geometry."""
+        return self._number("saturation")
+
+    @property
+    def saturation_on_lattice(self):
+        """The same of the nodes."""
+        return self._number("saturation_on_lattice")
+
+
+def bridges(grains, width=0.5, reach=1.1, filled=False, saturation=None, nodes_across=400, platen=0.0):
+    """Puts bridges of matrix between grains and returns a sample of the phases void, matrix and grain.
+
+    grains        a Packing, a vtkPolyData of particles, or (centres, radii) as arrays, n by 2 or 3 and n
+    width         width of a bridge at a grain's centre over the grain's diameter, 0 to 2
+    reach         centres nearer than this times the sum of the radii get a bridge, 1 to 2
+    filled        all of the space between the grains is matrix
+    saturation    share of that space, 0 to 1: the width is found for it; None: the width is used
+    nodes_across  nodes along x
+    platen        thickness in metres of a plate of grain material below and above
+    """
+    source = vtkMatrixBridges()
+    source.SetInputData(_as_particles(grains))
+    source.SetWidth(width)
+    source.SetReach(reach)
+    source.SetFilled(bool(filled))
+    if saturation is not None:
+        source.SetSaturation(saturation)
+    source.SetNodesAcross(int(nodes_across))
+    source.SetPlaten(platen)
+    run(source)
+    return CementedSample(source.GetOutput())
