@@ -1,6 +1,7 @@
 #include "pores/PoreLabelling.h"
 
 #include "lattice/Error.h"
+#include "pores/Gathering.h"
 #include "pores/Merging.h"
 #include "pores/Runs.h"
 
@@ -450,17 +451,17 @@ private:
     joints.erase(std::unique(joints.begin(), joints.end()), joints.end());
 
     Merged merged;
-    const std::vector<std::int64_t> counts = gather(pieces_);
-    gather(joints);
+    const std::vector<std::int64_t> counts = gather(comm_, pieces_);
+    gather(comm_, joints);
     if (comm_.rank() == 0)
       merged = merge(lattice_, pieces_, joints, comm_.parallel(), options_);
     std::int64_t tooMany = merged.tooMany ? 1 : 0;
-    broadcast(tooMany);
-    broadcast(merged.summary);
+    broadcast(comm_, tooMany);
+    broadcast(comm_, merged.summary);
     if (tooMany != 0)
       refuse(merged.summary.count);
-    scatter(merged.label, counts, self_.labelOf_);
-    scatter(merged.size, counts, self_.sizeOf_);
+    scatter(comm_, merged.label, counts, static_cast<std::size_t>(own), self_.labelOf_);
+    scatter(comm_, merged.size, counts, static_cast<std::size_t>(own), self_.sizeOf_);
     self_.pores_ = std::move(merged.pores);
     self_.summary_ = merged.summary;
     pieces_ = {};
@@ -471,80 +472,6 @@ private:
     throw InputError(fmt::format("there are {} pores; {} can be told apart by their labels", count,
                        std::min<std::int64_t>(options_.mostLabels, std::numeric_limits<std::int32_t>::max())),
       "give a minimum size, which leaves the smallest out, or cut out a part of the image");
-  }
-
-  template <typename Value>
-  void broadcast(Value& value) const
-  {
-    if (comm_.parallel())
-      MPI_Bcast(&value, sizeof value, MPI_BYTE, 0, comm_.handle());
-  }
-
-  /// A value type as an MPI type: counts of values, not bytes, which 2³¹ soon are.
-  template <typename Value>
-  struct Type
-  {
-    Type()
-    {
-      MPI_Type_contiguous(sizeof(Value), MPI_BYTE, &type);
-      MPI_Type_commit(&type);
-    }
-    ~Type() { MPI_Type_free(&type); }
-    Type(const Type&) = delete;
-    Type& operator=(const Type&) = delete;
-    MPI_Datatype type = MPI_DATATYPE_NULL;
-  };
-
-  /// Values of all ranks one after the other on rank 0. @returns how many each has, on rank 0
-  template <typename Values>
-  std::vector<std::int64_t> gather(Values& values) const
-  {
-    if (!comm_.parallel())
-      return { static_cast<std::int64_t>(values.size()) };
-    const Type<typename Values::value_type> type;
-    const auto own = static_cast<std::int64_t>(values.size());
-    std::vector<std::int64_t> counts(static_cast<std::size_t>(comm_.size()));
-    MPI_Gather(&own, 1, MPI_INT64_T, counts.data(), 1, MPI_INT64_T, 0, comm_.handle());
-    if (comm_.rank() != 0)
-    {
-      MPI_Send(values.data(), static_cast<int>(own), type.type, 0, 11, comm_.handle());
-      return {};
-    }
-    for (int rank = 1; rank < comm_.size(); ++rank)
-    {
-      const auto count = static_cast<std::size_t>(counts[static_cast<std::size_t>(rank)]);
-      values.resize(values.size() + count);
-      MPI_Recv(values.data() + values.size() - count, static_cast<int>(count), type.type, rank, 11, comm_.handle(),
-        MPI_STATUS_IGNORE);
-    }
-    return counts;
-  }
-
-  /// The way back: each rank's part of the values on rank 0.
-  template <typename Values>
-  void scatter(Values& all, std::span<const std::int64_t> counts, Values& own) const
-  {
-    if (!comm_.parallel())
-    {
-      own = std::move(all);
-      return;
-    }
-    const Type<typename Values::value_type> type;
-    if (comm_.rank() != 0)
-    {
-      own.resize(pieces_.size());
-      MPI_Recv(own.data(), static_cast<int>(own.size()), type.type, 0, 12, comm_.handle(), MPI_STATUS_IGNORE);
-      return;
-    }
-    std::int64_t at = counts[0];
-    for (int rank = 1; rank < comm_.size(); ++rank)
-    {
-      const std::int64_t count = counts[static_cast<std::size_t>(rank)];
-      MPI_Send(all.data() + at, static_cast<int>(count), type.type, rank, 12, comm_.handle());
-      at += count;
-    }
-    all.resize(static_cast<std::size_t>(counts[0]));
-    own = std::move(all);
   }
 
   PoreLabelling& self_;

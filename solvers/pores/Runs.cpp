@@ -5,7 +5,7 @@ namespace lamella::pores
 
 extern const RunKernels runKernelsBase;
 #ifdef LAMELLA_X86_KERNELS
-extern const RunKernels runKernelsV3;
+extern const RunKernels runKernelsAvx2;
 #endif
 
 const RunKernels& runKernels()
@@ -14,10 +14,12 @@ const RunKernels& runKernels()
   static const bool newer = []
   {
     __builtin_cpu_init();
-    return __builtin_cpu_supports("x86-64-v3") != 0;
+    // what it is compiled with, name by name
+    return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0 &&
+      __builtin_cpu_supports("bmi2") != 0 && __builtin_cpu_supports("popcnt") != 0;
   }();
   if (newer)
-    return runKernelsV3;
+    return runKernelsAvx2;
 #endif
   return runKernelsBase;
 }
