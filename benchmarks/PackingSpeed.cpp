@@ -39,16 +39,17 @@ void measure(const char* label, PackingOptions options, int samples)
     seconds.push_back(userSeconds() - start);
     const PackingStatistics s = statistics(p, options.friction > 0);
     const auto held = static_cast<std::int64_t>(p.count()) - s.rattlers;
-    fmt::print("  {:>4}  {:>6.2f} s  {:>7}    {:.4f}  {:>8}  {:>8} = {} N' + {:<21} {:.3f}   {:.4f}  {:>18.3f}  {:>6.3f}  "
-               "{:.1e}\n",
+    fmt::print(
+      "  {:>4}  {:>6.2f} s  {:>7}    {:.4f}  {:>8}  {:>8} = {} N' + {:<21} {:.3f}   {:.4f}  {:>18.3f}  {:>6.3f}  "
+      "{:.1e}\n",
       seed, seconds.back(), p.steps, s.packingFraction, s.rattlers, s.grainContacts + s.wallContacts, options.dimension,
       s.grainContacts + s.wallContacts - options.dimension * held, s.coordination, s.aspect, s.fabricAnisotropy,
       s.stressAnisotropy, p.unbalanced);
     std::fflush(stdout);
   }
   std::sort(seconds.begin(), seconds.end());
-  fmt::print("  user CPU: median {:.2f} s, {:.2f} to {:.2f}\n\n", seconds[seconds.size() / 2], seconds.front(),
-    seconds.back());
+  fmt::print(
+    "  user CPU: median {:.2f} s, {:.2f} to {:.2f}\n\n", seconds[seconds.size() / 2], seconds.front(), seconds.back());
 }
 
 } // namespace
