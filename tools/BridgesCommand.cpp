@@ -50,11 +50,11 @@ double numberOf(vtkImageData* image, const char* name)
   return fieldNumbers(image, name).at(0);
 }
 
-Json toJson(const BridgesCommandOptions& options, const packing::Packing& packing, vtkImageData* image)
+Json toJson(const std::string& file, bool filled, const packing::Packing& packing, vtkImageData* image)
 {
   const Lattice lattice = latticeOf(image);
   Json json;
-  json["file"] = options.file;
+  json["file"] = file;
   json["count"] = packing.count();
   json["size"] = std::vector<std::int64_t>(lattice.size.begin(), lattice.size.begin() + lattice.dimension);
   json["pixel_size"] = lattice.spacing;
@@ -62,7 +62,7 @@ Json toJson(const BridgesCommandOptions& options, const packing::Packing& packin
   {
     json[name] = numberOf(image, name);
   }
-  json["filled"] = options.bridges.filled;
+  json["filled"] = filled;
   json["bridges"] = static_cast<std::int64_t>(numberOf(image, "bridges"));
   for (const char* const name :
     { "grain_fraction", "matrix_fraction", "void_fraction", "saturation", "saturation_on_lattice" })
@@ -179,7 +179,8 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
   Session::checkInterrupt();
   const io::Provenance record = recordRun(commandLine, options.file, source.provenance);
   setProvenance(image, io::toJson(record));
-  Json json = toJson(options, source.packing, image);
+  const bool filled = bridges.filled || bridges.saturation == 1.0;
+  Json json = toJson(options.file, filled, source.packing, image);
   if (file)
   {
     if (file->path().extension() == ".vti")

@@ -406,6 +406,9 @@ PictureFile readPictureFile(const PictureOptions& options, bool keepColour)
   {
     setSpacing(file.picture.lattice, *file.record->pixelSize);
     file.picture.pixelSizeSource = "lamella record";
+    // What the reader doubts about the picture's own metadata does not matter then.
+    std::erase_if(
+      file.picture.warnings, [](const std::string& w) { return w.find(": left out") != std::string::npos; });
   }
   return file;
 }

@@ -394,10 +394,14 @@ void packingRun(Session& session, const PackingCommandOptions& options, const st
   }
 
   std::vector<Made> samples = make(session, options, seeds);
-  const io::Provenance record = recordRun(commandLine, options.read, "");
+  io::Provenance record = recordRun(commandLine, options.read, "");
   for (std::size_t i = 0; i < samples.size(); ++i)
   {
     write(samples[i], files[i], record);
+  }
+  if (samples.size() == 1)
+  {
+    record.seed = samples.front().seed;
   }
   Session::checkInterrupt();
   for (std::size_t i = 0; i < samples.size(); ++i)

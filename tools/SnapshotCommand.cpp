@@ -350,7 +350,8 @@ Command snapshotCommand(CLI::App& root)
   draw(app->add_flag("--arrows", o->arrows, "The same as --overlay arrows"));
   draw(app->add_option("--overlay-count", o->overlayCount, "How many lines, or arrows along the longer side, 1 to 500"))
     ->type_name("NUMBER");
-  draw(app->add_option("--lines", o->lines, "Draw the streamlines of this file, which lamella flux-map wrote"))
+  draw(app->add_option(
+         "--lines", o->lines, "Draw this file: streamlines of flux-map, or on grains the contacts of packing"))
     ->type_name("FILE.vtp");
   draw(app->add_flag("--absolute-flux", o->absoluteFlux, "The flux itself, not over its mean"));
   draw(app->add_flag("--no-outline", o->noOutline, "Leave out the thin line between void and solid"));

@@ -60,7 +60,7 @@ std::string DefaultArray(vtkDataSet* data, int preset)
     const std::string found = FindDirection(data, name);
     return found.empty() ? name : found;
   }
-  for (const char* name : { "flux", "temperature", "concentration", "pore_size", "grain", "phase" })
+  for (const char* name : { "flux", "temperature", "concentration", "pore_size", "phase", "grain" })
   {
     const std::string found = FindDirection(data, name);
     if (!found.empty())

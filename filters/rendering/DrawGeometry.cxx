@@ -1,6 +1,7 @@
 #include "Drawing.h"
 
 #include "Arrays.h"
+#include "Grains.h"
 #include "Quantity.h"
 #include "Surface.h"
 #include "View.h"
@@ -27,6 +28,23 @@ namespace
 {
 
 constexpr Color PlainColor{ 0x44, 0x77, 0xaa, 255 }; // geometry without any array
+constexpr Color GrainColor{ 0xdc, 0xc0, 0x92, 255 }; // grains behind forces: that of the phase
+constexpr Color EdgeColor{ 0x8a, 0x76, 0x55, 255 };
+constexpr Color ForceColor{ 0x7b, 0x1e, 0x2b, 255 };
+
+/// Adds geometry in one colour.
+vtkSmartPointer<vtkActor> AddPlain(vtkRenderer* renderer, vtkPolyData* geometry, Color color, double width)
+{
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(geometry);
+  mapper->ScalarVisibilityOff();
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetColor(color.r / 255.0, color.g / 255.0, color.b / 255.0);
+  actor->GetProperty()->SetLineWidth(static_cast<float>(width));
+  renderer->AddActor(actor);
+  return actor;
+}
 
 /// Lines and surfaces without their arrays but the normals, and with the colours to draw them in.
 vtkSmartPointer<vtkPolyData> Colored(vtkPolyData* geometry, const std::optional<Quantity>& field)
@@ -60,12 +78,20 @@ vtkSmartPointer<vtkPolyData> Colored(vtkPolyData* geometry, const std::optional<
 
 } // namespace
 
-Drawing DrawGeometry(vtkPolyData* geometry, const SnapshotOptions& options)
+Drawing DrawGeometry(vtkPolyData* given, const SnapshotOptions& options)
 {
+  const bool grains = AreGrains(given);
+  const vtkSmartPointer<vtkPolyData> geometry = grains ? GrainShapes(given) : vtkSmartPointer<vtkPolyData>(given);
+  const bool forces = grains && options.overlayLines && options.overlayLines->GetNumberOfLines() > 0;
+  const bool plain = forces && options.arrayName.empty() && options.preset == vtkSnapshot::AUTO;
   std::optional<Quantity> field;
   const bool hasArrays =
     geometry->GetPointData()->GetNumberOfArrays() > 0 || geometry->GetCellData()->GetNumberOfArrays() > 0;
-  if (hasArrays || !options.arrayName.empty() || options.preset != vtkSnapshot::AUTO)
+  if (plain)
+  {
+    // forces are what the picture shows
+  }
+  else if (hasArrays || !options.arrayName.empty() || options.preset != vtkSnapshot::AUTO)
   {
     field = FindQuantity(geometry, { 0, 0, 0 }, options);
   }
@@ -125,7 +151,8 @@ Drawing DrawGeometry(vtkPolyData* geometry, const SnapshotOptions& options)
   vtkNew<vtkActor> actor;
   actor->SetMapper(mapper);
   vtkProperty* property = actor->GetProperty();
-  property->SetColor(PlainColor.r / 255.0, PlainColor.g / 255.0, PlainColor.b / 255.0);
+  const Color color = plain ? GrainColor : PlainColor;
+  property->SetColor(color.r / 255.0, color.g / 255.0, color.b / 255.0);
   property->SetLineWidth(static_cast<float>(2 * linePixels)); // drawn at twice the size
   property->SetPointSize(static_cast<float>(4 * linePixels));
   property->SetRenderPointsAsSpheres(!isFlat);
@@ -134,6 +161,23 @@ Drawing DrawGeometry(vtkPolyData* geometry, const SnapshotOptions& options)
   property->SetLighting(!isFlat);
   vtkNew<vtkRenderer> renderer;
   renderer->AddActor(actor);
+  if (forces)
+  {
+    vtkProperty* const bars =
+      AddPlain(renderer, ForceShapes(options.overlayLines, given), ForceColor, 1)->GetProperty();
+    bars->SetLighting(!isFlat);
+    actor->SetVisibility(isFlat ? 1 : 0); // spheres would hide the forces
+  }
+  if (grains && isFlat)
+  {
+    property->EdgeVisibilityOn(); // where disks of one colour touch
+    property->SetEdgeColor(EdgeColor.r / 255.0, EdgeColor.g / 255.0, EdgeColor.b / 255.0);
+    property->SetLineWidth(static_cast<float>(linePixels));
+  }
+  if (const auto box = grains ? BoxEdges(given) : nullptr)
+  {
+    AddPlain(renderer, box, ink, linePixels)->GetProperty()->SetLighting(false);
+  }
   view.Aim(renderer);
   std::vector<std::uint8_t> pixels;
   std::string whyNot;

@@ -42,6 +42,7 @@ constexpr std::uint32_t WallColor = 0xc68e5a;
 constexpr std::uint32_t LamellaColor = 0x6a3d23;
 constexpr std::uint32_t StoneColor = 0xdcc092;
 constexpr std::uint32_t MatrixColor = 0xc9c4bb;
+constexpr std::uint32_t CementColor = 0x7d6b62; // a matrix between grains: dark enough to be told from both in print
 
 // Light enough for outlines on top, apart enough side by side.
 constexpr std::uint32_t GrainSet[] = { 0x86b5da, 0xf0a37b, 0xf1da8f, 0xe79fb1, 0xa8d9ea, 0x7cc3a2, 0xc6d27c, 0xb8a1d4,
@@ -119,14 +120,18 @@ std::vector<Color> PhaseColors(std::span<const std::string> names)
     colors.push_back(color);
     return true;
   };
+  const auto isGrain = [](const std::string& name) {
+    return ContainsAny(name, { "grain", "quartz", "sand", "stone", "rock", "mineral" });
+  };
+  const bool between = std::any_of(names.begin(), names.end(), isGrain);
   for (const std::string& name : names)
   {
-    const bool taken = IsVoidName(name)                                              ? take(VoidColor)
-      : ContainsAny(name, { "lamella" })                                             ? take(LamellaColor)
-      : ContainsAny(name, { "wall", "solid", "wood", "fibre", "fiber" })             ? take(WallColor)
-      : ContainsAny(name, { "grain", "quartz", "sand", "stone", "rock", "mineral" }) ? take(StoneColor)
-      : ContainsAny(name, { "matrix" })                                              ? take(MatrixColor)
-                                                                                     : false;
+    const bool taken = IsVoidName(name)                                  ? take(VoidColor)
+      : ContainsAny(name, { "lamella" })                                 ? take(LamellaColor)
+      : ContainsAny(name, { "wall", "solid", "wood", "fibre", "fiber" }) ? take(WallColor)
+      : isGrain(name)                                                    ? take(StoneColor)
+      : ContainsAny(name, { "matrix" })                                  ? take(between ? CementColor : MatrixColor)
+                                                                         : false;
     if (!taken)
     {
       colors.push_back(FromHex(Qualitative[next++ % std::size(Qualitative)]));

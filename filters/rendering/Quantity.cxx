@@ -100,7 +100,8 @@ void ReadIds(Quantity& quantity, vtkDataSet* data, const std::array<int, 3>& siz
   for (std::size_t i = 0; i < count; ++i)
   {
     const double value = array->GetComponent(static_cast<vtkIdType>(i), 0);
-    if (!std::isfinite(value))
+    const bool platen = value == -1 && quantity.preset == vtkSnapshot::GRAIN; // what vtkMatrixBridges writes there
+    if (!std::isfinite(value) || platen)
     {
       raw[i] = -1;
       quantity.hasUndefined = true;

@@ -39,6 +39,10 @@ class vtkPolyData;
  * isometric view: `phase` as the surface of all that is not void, other fields on the faces of the box with one octant
  * cut out.
  *
+ * Points with the array `radius` (grains of a packing) are drawn as disks or spheres, in their box where the field data
+ * tell one. The packing's contacts, given with SetOverlayLines(), are drawn on the disks as bars as wide as their
+ * `normal_force`; the disks are then plain unless an array is named. Spheres are left out: they would hide the forces.
+ *
  * Drawing is done by vtkOffScreenWindows' OpenGL; pictures of pixels with no lines on them need none.
  *
  * An error is reported with vtkErrorMacro (an observer of vtkCommand::ErrorEvent silences it), and GetErrorMessage()
@@ -82,7 +86,7 @@ public:
   ///@{
   /**
    * Array to draw. Default: the preset's own; with AUTO the first there is of flux, temperature, concentration,
-   * pore_size, grain, phase, else the first array.
+   * pore_size, phase, grain, else the first array.
    */
   void SetArrayName(const char* name);
   const char* GetArrayName();

@@ -97,6 +97,91 @@ class Samples(unittest.TestCase):
         self.assertAlmostEqual(result.effective[1, 1], 0.15803, places=5)
 
 
+class Grains(unittest.TestCase):
+    def test_packing(self):
+        packing = lamella.packing(count=60, softness=1e-4, seed=2)
+        self.assertEqual((len(packing), packing.dimension), (60, 2))
+        self.assertEqual((packing.centres.shape, packing.radii.shape), ((60, 2), (60,)))
+        self.assertAlmostEqual(2 * packing.radii.mean(), 1e-3)
+        self.assertAlmostEqual(np.pi * (packing.radii**2).sum() / packing.box.prod(), packing.packing_fraction)
+        self.assertAlmostEqual(np.trace(packing.fabric), 1)
+        # Contacts are where the centres say, and count what the grains count.
+        pairs = packing.contacts
+        between = pairs[pairs[:, 1] >= 0]
+        apart = np.linalg.norm(packing.centres[between[:, 1]] - packing.centres[between[:, 0]], axis=1)
+        self.assertTrue((apart <= packing.radii[between].sum(axis=1)).all())
+        count = np.bincount(between.ravel(), minlength=60) + np.bincount(pairs[pairs[:, 1] < 0, 0], minlength=60)
+        np.testing.assert_array_equal(count, packing.contact_numbers)
+        # The walls at low and high x push with the pressure: 1 kPa of the height.
+        left = packing.forces[pairs[:, 1] == -1].sum(axis=0)
+        np.testing.assert_allclose(left, [-1000 * packing.box[1], 0], atol=1e-3 * 1000 * packing.box[1])
+        self.assertEqual(packing.forces.shape, (len(pairs), 2))
+        self.assertEqual(packing.provenance["seed"], 2)
+        again = lamella.packing(count=60, softness=1e-4, seed=2)
+        np.testing.assert_array_equal(packing.centres, again.centres)
+        self.assertIn("60 disks", repr(packing))
+
+    def test_files(self):
+        packing = lamella.packing(count=60, softness=1e-4)
+        with tempfile.TemporaryDirectory() as folder:
+            path = packing.save(os.path.join(folder, "g.vtp"), contacts=os.path.join(folder, "f.vtp"))
+            with self.assertRaises(FileExistsError):
+                packing.save(path)
+            self.assertEqual(sorted(os.listdir(folder)), ["f.vtp", "g.vtp"])
+            back = lamella.read_packing(path)
+            np.testing.assert_array_equal(back.centres, packing.centres)
+            self.assertEqual(back.coordination, packing.coordination)
+            with self.assertRaisesRegex(lamella.LamellaError, "contacts are not known"):
+                back.forces
+            table = os.path.join(folder, "g.csv")
+            np.savetxt(table, np.c_[packing.centres, packing.radii] * 1e3, delimiter=",", header="x,z,r", comments="")
+            read = lamella.read_packing(table, unit=1e-3, box=packing.box)
+            np.testing.assert_allclose(read.centres, packing.centres, rtol=1e-12)
+            with self.assertRaisesRegex(lamella.LamellaError, "outside the box"):
+                lamella.read_packing(table, unit=1e-3, box=packing.box / 2)
+
+    def test_defaults_are_those_of_the_program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "g.vtp")
+            words = ["packing", "--count", "100", "--packing-fraction", "0.5", "--quiet", "-o", path]
+            subprocess.run([PROGRAM, *words], check=True)
+            program = lamella.read_packing(path)
+            np.testing.assert_array_equal(program.centres, lamella.packing(count=100, packing_fraction=0.5).centres)
+            cement = os.path.join(folder, "b.vti")
+            subprocess.run([PROGRAM, "bridges", path, "--quiet", "-o", cement], check=True)
+            np.testing.assert_array_equal(lamella.read_picture(cement).phase, lamella.bridges(program).phase)
+
+    def test_bridges(self):
+        packing = lamella.packing(count=60, softness=1e-4)
+        sample = lamella.bridges(packing, width=0.8, nodes_across=80)
+        self.assertEqual(sample.names, ["void", "matrix", "grain"])
+        self.assertEqual(sample.shape[1], 80)
+        self.assertEqual(sample.width, 0.8)
+        np.testing.assert_array_equal(sample.grain > 0, sample.phase == 2)
+        # The picture's top row is the box's top: the grain with the highest centre is in the upper rows.
+        top = int(np.argmax(packing.centres[:, 1])) + 1
+        self.assertLess(np.argwhere(sample.grain == top)[:, 0].mean(), 0.2 * sample.shape[0])
+        two = lamella.bridges(([[1, 1], [3, 1]], [1, 1]), filled=True, nodes_across=40)
+        self.assertEqual(two.saturation, 1)
+        self.assertAlmostEqual(two.fractions["grain"], np.pi / 4, places=2)
+        self.assertEqual(lamella.bridges(packing, saturation=0.3, nodes_across=40).bridges, sample.bridges)
+        with self.assertRaisesRegex(lamella.LamellaError, "reach of the bridges is 5"):
+            lamella.bridges(packing, reach=5)
+        with self.assertRaisesRegex(ValueError, "n by 2 or 3"):
+            lamella.bridges(([[1, 1]], [1, 2]))
+
+    def test_errors_and_progress(self):
+        with self.assertRaisesRegex(lamella.LamellaError, "3 grains"):
+            lamella.packing(count=3)
+        with self.assertRaisesRegex(ValueError, "'volume', 'volume-share', 'diameter'"):
+            lamella.packing(sizes="mass")
+        seen = []
+        lamella.packing(count=60, softness=1e-4, progress=lambda share, text: seen.append(share))
+        self.assertEqual(seen, sorted(seen))
+        with self.assertRaises(lamella.Cancelled):
+            lamella.packing(progress=lambda share, text: False)
+
+
 class Diffusion(unittest.TestCase):
     def test_laminate_is_exact(self):
         layers = np.repeat([0, 1], 10)[:, None] * np.ones((1, 30), int)  # the lower half conducts ten times better

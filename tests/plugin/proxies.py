@@ -20,7 +20,8 @@ class Proxies(unittest.TestCase):
         pv.Connect()
 
     def test_every_property_says_what_it_is(self):
-        for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap, pv.PoreFloodFill):
+        for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap, pv.PoreFloodFill,
+                       pv.GrainPacking, pv.PackingReader, pv.MatrixBridges):
             proxy = create()
             properties = proxy.SMProxy
             self.assertTrue(properties.GetDocumentation().GetDescription().strip())
@@ -38,6 +39,10 @@ class Proxies(unittest.TestCase):
                                   "Lattice", "Method", "Tolerance", "MaximumIterations", "Threads")),
             (pv.FluxMap, ("Direction", "NumberOfStreamlines")),
             (pv.PoreFloodFill, ("Phase", "Connectivity", "Periodic", "MinimumSize", "SortBySize", "ComputePoreSize")),
+            (pv.GrainPacking, ("Dimension", "Count", "MeanDiameter", "DiameterRatio", "Sizes", "Aspect", "Periodic",
+                               "Friction", "Pressure", "Softness", "PackingFraction", "Seed", "Tolerance")),
+            (pv.PackingReader, ("LengthUnit", "BoxSize")),
+            (pv.MatrixBridges, ("Width", "Reach", "Filled", "Saturation", "NodesAcross", "Platen")),
         ):
             proxy = create()
             fresh = getattr(lamella, "vtk" + create.__name__)()
@@ -95,6 +100,28 @@ class Proxies(unittest.TestCase):
         self.assertEqual(field(walls, "pore_largest")[0], expected.largest)
         self.assertEqual(field(walls, "pore_dropped"), list(expected.dropped))
         self.assertEqual(sorted(walls.PointData.keys()), ["phase", "pore"])
+
+    def test_grains(self):
+        grains = pv.GrainPacking(Count=60, Softness=1e-4, Seed=4)
+        cemented = pv.MatrixBridges(Input=grains, Saturation=0.4, NodesAcross=50)
+        heat = pv.SteadyDiffusion(Input=cemented, Conductivities=["void", "0.01", "matrix", "0.1", "grain", "1"])
+        heat.UpdatePipeline()
+        packing = lamella.packing(count=60, softness=1e-4, seed=4)
+        sample = lamella.bridges(packing, saturation=0.4, nodes_across=50)
+        self.assertAlmostEqual(field(cemented, "saturation")[0], 0.4, places=5)
+        self.assertEqual(field(cemented, "width")[0], sample.width)
+        expected = lamella.diffusion(sample, {"void": 0.01, "matrix": 0.1, "grain": 1}, "x")
+        self.assertAlmostEqual(field(heat, "effective_conductivity")[0], expected.effective[0, 0], places=7)
+        self.assertEqual(servermanager.Fetch(grains, idx=1).GetNumberOfLines(), len(packing.forces))
+        # As people draw them.
+        glyphs = pv.Glyph(Input=grains, GlyphType="Sphere", ScaleArray=["POINTS", "diameter"], ScaleFactor=1,
+                          GlyphMode="All Points")
+        glyphs.UpdatePipeline()
+        self.assertGreater(servermanager.Fetch(glyphs).GetNumberOfPoints(), 60 * 20)
+        with open("grains.csv", "w", encoding="utf-8") as file:
+            file.write("x,z,r\n1,1,1\n3,1,1\n")
+        table = pv.PackingReader(FileName="grains.csv", LengthUnit=1e-3)
+        self.assertEqual(field(table, "box"), [0.004, 0.002, 0])
 
     def test_reader(self):
         path = lamella.softwood(size=(30, 20)).save("reader.vti", overwrite=True)
