@@ -66,7 +66,8 @@ struct SnapshotOptions
   double opacity = 1;
 };
 
-const std::vector<std::string> presets{ "auto", "phase", "temperature", "concentration", "flux", "grain", "scalar" };
+const std::vector<std::string> presets{ "auto", "phase", "temperature", "concentration", "flux", "grain", "pores",
+  "scalar" };
 const std::vector<std::string> overlays{ "auto", "none", "lines", "arrows", "isolines" };
 const std::vector<std::string> components{ "magnitude", "x", "y", "z" };
 const std::vector<std::string> colorMaps{ "viridis", "inferno", "magma", "cividis", "gray", "coolwarm" };
@@ -328,7 +329,7 @@ Command snapshotCommand(CLI::App& root)
   const auto in = [](const char* group) { return [group](CLI::Option* option) { return option->group(group); }; };
   const auto draw = in("Drawing");
   draw(app->add_option(
-         "--preset", o->preset, "Kind of field: auto, phase, temperature, concentration, flux, grain or scalar"))
+         "--preset", o->preset, "Kind of field: auto, phase, temperature, concentration, flux, grain, pores or scalar"))
     ->type_name("KIND")
     ->capture_default_str();
   draw(app->add_option("--array", o->array, "Array to draw, when it is not the preset's own"))->type_name("NAME");

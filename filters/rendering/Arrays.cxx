@@ -56,11 +56,11 @@ std::string DefaultArray(vtkDataSet* data, int preset)
 {
   if (preset != vtkSnapshot::AUTO && preset != vtkSnapshot::SCALAR)
   {
-    const std::string name = vtkSnapshot::GetPresetName(preset);
+    const std::string name = preset == vtkSnapshot::PORES ? "pore_size" : vtkSnapshot::GetPresetName(preset);
     const std::string found = FindDirection(data, name);
     return found.empty() ? name : found;
   }
-  for (const char* name : { "flux", "temperature", "concentration", "phase", "grain" })
+  for (const char* name : { "flux", "temperature", "concentration", "pore_size", "phase", "grain" })
   {
     const std::string found = FindDirection(data, name);
     if (!found.empty())
@@ -93,7 +93,10 @@ int PresetOfName(const std::string& name)
       return preset;
     }
   }
-  return name == "flux_magnitude" ? vtkSnapshot::FLUX : vtkSnapshot::SCALAR;
+  return name == "flux_magnitude" ? vtkSnapshot::FLUX
+    : name == "pore_size"         ? vtkSnapshot::PORES
+    : name == "pore"              ? vtkSnapshot::GRAIN
+                                  : vtkSnapshot::SCALAR;
 }
 
 vtkDataArray* GetArray(vtkDataSet* data, const std::string& name, bool allowCells, bool& onCells)

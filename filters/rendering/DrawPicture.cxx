@@ -257,8 +257,7 @@ public:
     const Layout layout =
       ArrangeOrThrow(furniture, this->InPlane.size[0], this->InPlane.size[1] * aspect, aspect == 1, this->Options);
     const Color background = BackgroundColor(this->Options);
-    Drawing drawing{ Canvas(layout.width, layout.height, background), layout.data,
-      { this->Field.low, this->Field.high } };
+    Drawing drawing{ Canvas(layout.width, layout.height, background), layout.data, this->Field.LegendRange() };
     const Color ink = InkOn(background);
     PaintPixels(drawing.canvas, layout.data, this->Field, this->InPlane);
     this->DrawVectors(drawing.canvas, layout);

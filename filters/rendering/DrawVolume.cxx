@@ -168,7 +168,7 @@ Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options)
   const Layout layout = ArrangeOrThrow(furniture, view.Width(), view.Height(), false, options);
   const Color background = BackgroundColor(options);
   const Color ink = InkOn(background);
-  Drawing drawing{ Canvas(layout.width, layout.height, background), layout.data, { field.low, field.high } };
+  Drawing drawing{ Canvas(layout.width, layout.height, background), layout.data, field.LegendRange() };
 
   vtkNew<vtkPolyDataMapper> mapper;
   const bool translucent = field.IsCategorical() && options.opacity < 1;

@@ -41,8 +41,28 @@ BarText DescribeBar(const ColorBar& bar, double font)
 {
   BarText text;
   int exponent = 0;
-  text.ticks = NiceTicks(bar.low, bar.high);
-  text.labels = TickLabels(text.ticks, exponent);
+  if (bar.logarithmic)
+  {
+    text.ticks = LogarithmicTicks(bar.low, bar.high);
+    for (const double tick : text.ticks)
+    {
+      int own = 0; // each number by itself: 1, 100, 10⁴
+      const double number = std::pow(10.0, tick);
+      const auto power = static_cast<int>(std::lround(tick));
+      const bool whole = std::abs(tick - power) < 1e-9;
+      text.labels.push_back(whole && std::abs(power) > 3 ? "10" + RaisedText(power)
+                                                         : TickLabels({ std::round(number * 1e6) / 1e6 }, own).front());
+      if (own != 0)
+      {
+        text.labels.back() += "·10" + RaisedText(own);
+      }
+    }
+  }
+  else
+  {
+    text.ticks = NiceTicks(bar.low, bar.high);
+    text.labels = TickLabels(text.ticks, exponent);
+  }
   text.title = BarTitle(bar, exponent);
   for (const std::string& label : text.labels)
   {

@@ -23,7 +23,8 @@ struct ColorBar
   const ColorMap* map = nullptr;
   double low = 0;
   double high = 1;
-  bool below = false; ///< some data are below `low`: the bar ends in a point
+  bool logarithmic = false; ///< low and high are powers of ten
+  bool below = false;       ///< some data are below `low`: the bar ends in a point
   bool above = false;
   std::string title;
   std::string unit;
@@ -96,6 +97,9 @@ void DrawFurniture(Canvas& canvas, const Furniture& furniture, const Layout& lay
 
 /// Numbers at which a reader expects marks: 4 to 7 of them, steps of 1, 2, 2.5 or 5 times a power of ten.
 [[nodiscard]] std::vector<double> NiceTicks(double low, double high);
+
+/// Marks between two powers of ten, as powers: 1, 10, 100 ..., with 2 and 5 between them where they are few.
+[[nodiscard]] std::vector<double> LogarithmicTicks(double low, double high);
 
 /// The numbers as text with as many decimals as they need; a common power of ten is taken out where numbers are large
 /// or small, and returned as its exponent.

@@ -57,6 +57,25 @@ std::vector<double> NiceTicks(double low, double high)
   return ticks;
 }
 
+std::vector<double> LogarithmicTicks(double low, double high)
+{
+  std::vector<double> ticks;
+  const bool few = high - low < 2.5;
+  const int step = std::max(1, static_cast<int>(std::ceil((high - low) / 8)));
+  for (int power = static_cast<int>(std::floor(low)); power <= high + 1e-6; power += step)
+  {
+    for (const double part : { 1.0, 2.0, 5.0 })
+    {
+      const double tick = power + std::log10(part);
+      if ((part == 1 || few) && tick >= low - 1e-6 && tick <= high + 1e-6)
+      {
+        ticks.push_back(tick);
+      }
+    }
+  }
+  return ticks.size() > 1 ? ticks : std::vector<double>{ low, high };
+}
+
 std::vector<std::string> TickLabels(const std::vector<double>& ticks, int& exponent)
 {
   exponent = 0;

@@ -229,6 +229,23 @@ double Quantile(std::vector<float> values, double share)
   return values[static_cast<std::size_t>(place)];
 }
 
+/// Sizes as powers of ten; what is not positive has none. `low` and `high` are set to the ends.
+void TakeLogarithms(Quantity& quantity)
+{
+  quantity.logarithmic = true;
+  quantity.low = std::numeric_limits<double>::max();
+  quantity.high = 0;
+  for (float& value : quantity.values)
+  {
+    if (value > 0)
+    {
+      quantity.low = std::min<double>(quantity.low, value);
+      quantity.high = std::max<double>(quantity.high, value);
+    }
+    value = value > 0 ? std::log10(value) : std::numeric_limits<float>::quiet_NaN();
+  }
+}
+
 void FindRange(Quantity& quantity, const SnapshotOptions& options)
 {
   std::vector<float> finite;
@@ -242,14 +259,32 @@ void FindRange(Quantity& quantity, const SnapshotOptions& options)
       "nothing conducts, or the field was not computed" };
   }
   const auto [least, most] = std::minmax_element(finite.begin(), finite.end());
-  const double smallest = *least;
-  const double largest = *most;
+  // a float's logarithm would not lead back to the last digit of a size
+  const double smallest = quantity.logarithmic ? std::log10(quantity.low) : *least;
+  const double largest = quantity.logarithmic ? std::log10(quantity.high) : *most;
   quantity.low = smallest;
   quantity.high = largest;
   if (options.range)
   {
     quantity.low = (*options.range)[0];
     quantity.high = (*options.range)[1];
+    if (quantity.logarithmic)
+    {
+      if (!(quantity.low > 0))
+      {
+        throw SnapshotError{ "the range begins at " + std::to_string(quantity.low) +
+            ", which has no place on a logarithmic scale",
+          "begin above 0, such as at 1, or draw with the preset scalar" };
+      }
+      quantity.low = std::log10(quantity.low);
+      quantity.high = std::log10(quantity.high);
+    }
+  }
+  else if (quantity.logarithmic)
+  {
+    // Ends that all but touch a power of ten take it.
+    quantity.low = smallest - std::floor(smallest) < 0.35 ? std::floor(smallest) : smallest;
+    quantity.high = std::ceil(largest) - largest < 0.15 ? std::ceil(largest) : largest;
   }
   else if (quantity.preset == vtkSnapshot::FLUX && options.component < 0)
   {
@@ -365,6 +400,12 @@ void NameQuantity(Quantity& quantity, double mean, const SnapshotOptions& option
 
 } // namespace
 
+std::array<double, 2> Quantity::LegendRange() const
+{
+  return this->logarithmic ? std::array{ std::pow(10.0, this->low), std::pow(10.0, this->high) }
+                           : std::array{ this->low, this->high };
+}
+
 Color Quantity::ColorOf(std::size_t index) const
 {
   if (this->IsCategorical())
@@ -424,6 +465,10 @@ Quantity FindQuantity(vtkDataSet* data, const std::array<int, 3>& size, const Sn
       }
     }
   }
+  if (quantity.preset == vtkSnapshot::PORES)
+  {
+    TakeLogarithms(quantity);
+  }
   FindRange(quantity, options);
   ChooseMap(quantity, options);
   NameQuantity(quantity, mean, options);
@@ -459,13 +504,16 @@ Furniture Describe(const Quantity& quantity, const SnapshotOptions& options)
     }
     return furniture;
   }
-  furniture.bar = ColorBar{ quantity.map, quantity.low, quantity.high, quantity.below, quantity.above, quantity.title,
-    quantity.unit };
+  furniture.bar = ColorBar{ quantity.map, quantity.low, quantity.high, quantity.logarithmic, quantity.below,
+    quantity.above, quantity.title, quantity.unit };
   if (quantity.hasUndefined)
   {
     const bool transport = quantity.preset == vtkSnapshot::TEMPERATURE ||
       quantity.preset == vtkSnapshot::CONCENTRATION || quantity.preset == vtkSnapshot::FLUX;
-    furniture.legend.push_back({ transport ? "does not conduct" : "not defined", Undefined });
+    furniture.legend.push_back({ transport      ? "does not conduct"
+        : quantity.preset == vtkSnapshot::PORES ? "no pore"
+                                                : "not defined",
+      Undefined });
   }
   return furniture;
 }

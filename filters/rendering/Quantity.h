@@ -27,6 +27,7 @@ struct Quantity
   const ColorMap* map = nullptr;
   double low = 0;
   double high = 1;
+  bool logarithmic = false; ///< values, low and high are powers of ten
   bool below = false;
   bool above = false;
   std::string title;
@@ -41,6 +42,8 @@ struct Quantity
 
   [[nodiscard]] bool IsCategorical() const { return !this->idColors.empty(); }
   [[nodiscard]] std::size_t Count() const { return this->IsCategorical() ? this->ids.size() : this->values.size(); }
+  /// `low` and `high` in the numbers that the legend shows.
+  [[nodiscard]] std::array<double, 2> LegendRange() const;
   /// Colour of one point or cell.
   [[nodiscard]] Color ColorOf(std::size_t index) const;
 

@@ -31,7 +31,8 @@ vtkStandardNewMacro(vtkSnapshot);
 namespace
 {
 
-constexpr const char* PresetNames[] = { "auto", "phase", "temperature", "concentration", "flux", "grain", "scalar" };
+constexpr const char* PresetNames[] = { "auto", "phase", "temperature", "concentration", "flux", "grain", "pores",
+  "scalar" };
 constexpr const char* OverlayNames[] = { "auto", "none", "lines", "arrows", "isolines" };
 constexpr int SmallestSide = 64;
 constexpr int LargestSide = 16384;

@@ -26,7 +26,8 @@ class vtkPolyData;
  * `temperature`   | `temperature`   | inferno, 0 to 1; the border between void and solid as a thin line              |
  * | `concentration` | `concentration` | viridis, the same | | `flux`          | `flux`          | magnitude over the
  * mean flux, with lines that carry equal shares of the flow   | | `grain`         | `grain`         | one colour a
- * grain, neighbours apart                                           | | `scalar`        | any             | viridis;
+ * grain, neighbours apart                                           | | `pores`         | `pore_size`     | viridis on
+ * a logarithmic scale; what is no pore is grey                        | | `scalar`        | any             | viridis;
  * coolwarm where values lie on both sides of zero                       | | `auto`          | any             | by the
  * array's name                                                            |
  *
@@ -68,6 +69,7 @@ public:
     CONCENTRATION,
     FLUX,
     GRAIN,
+    PORES,
     SCALAR
   };
   ///@{
@@ -83,8 +85,8 @@ public:
 
   ///@{
   /**
-   * Array to draw. Default: the preset's own; with AUTO the first there is of flux, temperature, concentration, phase,
-   * grain, else the first array.
+   * Array to draw. Default: the preset's own; with AUTO the first there is of flux, temperature, concentration,
+   * pore_size, phase, grain, else the first array.
    */
   void SetArrayName(const char* name);
   const char* GetArrayName();

@@ -111,9 +111,9 @@ void GrainSystem<Dim>::findPairs()
   const auto key = [](std::int32_t a, std::int32_t b)
   { return static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b); };
   if (friction > 0)
-    for (const Pair& p : pairs_)
-      if (!p.spring.isZero(0))
-        springs.emplace(key(p.first, p.second), p.spring);
+    for (std::size_t k = 0; k < pairs_.size(); ++k)
+      if (!spring_[k].isZero(0))
+        springs.emplace(key(pairs_[k].first, pairs_[k].second), spring_[k]);
 
   for (int a = 0; a < Dim; ++a)
     if (periodic[static_cast<std::size_t>(a)])
@@ -144,7 +144,10 @@ void GrainSystem<Dim>::findPairs()
     first[index(c)] = static_cast<std::int32_t>(i);
   }
 
+  const bool wraps = std::find(periodic.begin(), periodic.end(), true) != periodic.end();
   pairs_.clear();
+  image_.clear();
+  spring_.clear();
   for (std::size_t i = 0; i < position.size(); ++i)
   {
     std::array<int, 3> centre{ 0, 0, 0 };
@@ -179,20 +182,25 @@ void GrainSystem<Dim>::findPairs()
           {
             if (static_cast<std::size_t>(j) <= i)
               continue;
-            Pair pair{ static_cast<std::int32_t>(i), j, radius[i] + radius[static_cast<std::size_t>(j)], Vec::Zero(),
-              Vec::Zero() };
+            const Pair pair{ static_cast<std::int32_t>(i), j, radius[i] + radius[static_cast<std::size_t>(j)] };
+            Vec image = Vec::Zero();
             Vec r = position[static_cast<std::size_t>(j)] - position[i];
             for (int a = 0; a < Dim; ++a)
               if (periodic[static_cast<std::size_t>(a)])
               {
-                pair.image[a] = -std::round(r[a] / box[a]);
-                r[a] += pair.image[a] * box[a];
+                image[a] = -std::round(r[a] / box[a]);
+                r[a] += image[a] * box[a];
               }
             const double reach = pair.reach + skin_;
             if (r.squaredNorm() > reach * reach)
               continue;
-            if (const auto known = springs.find(key(pair.first, pair.second)); known != springs.end())
-              pair.spring = known->second;
+            if (wraps)
+              image_.push_back(image);
+            if (friction > 0)
+            {
+              const auto known = springs.find(key(pair.first, pair.second));
+              spring_.push_back(known == springs.end() ? Vec::Zero() : known->second);
+            }
             pairs_.push_back(pair);
           }
   }
@@ -231,9 +239,8 @@ void GrainSystem<Dim>::findContacts()
   std::size_t n = 0;
   for (std::size_t k = 0; k < pairs_.size(); ++k)
   {
-    const Pair& pair = pairs_[k];
     touching_[n] = static_cast<std::int32_t>(k);
-    n += separation(pair).squaredNorm() < pair.reach * pair.reach ? 1 : 0;
+    n += separation(k).squaredNorm() < pairs_[k].reach * pairs_[k].reach ? 1 : 0;
   }
   if (friction > 0)
   {
@@ -242,7 +249,7 @@ void GrainSystem<Dim>::findContacts()
       if (next < n && touching_[next] == static_cast<std::int32_t>(k))
         ++next;
       else
-        pairs_[k].spring.setZero();
+        spring_[k].setZero();
   }
   touching_.resize(n);
 }
@@ -253,10 +260,10 @@ void GrainSystem<Dim>::addGrainContacts(double dt)
 {
   for (const std::int32_t k : touching_)
   {
-    Pair& pair = pairs_[static_cast<std::size_t>(k)];
+    const Pair& pair = pairs_[static_cast<std::size_t>(k)];
     const auto i = static_cast<std::size_t>(pair.first);
     const auto j = static_cast<std::size_t>(pair.second);
-    const Vec r = separation(pair);
+    const Vec r = separation(static_cast<std::size_t>(k));
     const double distance = std::sqrt(r.squaredNorm());
     const double overlap = pair.reach - distance;
     const Vec normal = r * (1 / distance);
@@ -268,11 +275,12 @@ void GrainSystem<Dim>::addGrainContacts(double dt)
       const Vec slip = (velocity[j] - velocity[i] + boxRate.cwiseProduct(r) -
                          crossSpin<Dim>(spin[i], radius[i] * normal) - crossSpin<Dim>(spin[j], radius[j] * normal)) *
         dt;
-      const Vec onFirst = tangentialForce(pair.spring, normal, slip, friction * overlap);
+      Vec& spring = spring_[static_cast<std::size_t>(k)];
+      const Vec onFirst = tangentialForce(spring, normal, slip, friction * overlap);
       onSecond -= onFirst;
       torque[i] += crossForce<Dim>(radius[i] * normal, onFirst);
       torque[j] += crossForce<Dim>(radius[j] * normal, onFirst);
-      energy += 0.5 * tangentialStiffness * pair.spring.squaredNorm();
+      energy += 0.5 * tangentialStiffness * spring.squaredNorm();
     }
     force[i] -= onSecond;
     force[j] += onSecond;

@@ -108,9 +108,10 @@ public:
             add(qa, second + b, r[a] * k(a, b));
         }
     };
-    for (const auto& pair : g_.pairs())
+    for (std::size_t index = 0; index < g_.pairs().size(); ++index)
     {
-      const Vec r = g_.separation(pair);
+      const auto& pair = g_.pairs()[index];
+      const Vec r = g_.separation(index);
       const double distance = r.norm();
       const double overlap =
         g_.radius[static_cast<std::size_t>(pair.first)] + g_.radius[static_cast<std::size_t>(pair.second)] - distance;

@@ -210,7 +210,7 @@ private:
     double least = std::numeric_limits<double>::infinity();
     for (int attempt = 0; attempt < attempts; ++attempt)
     {
-      rest(BoxMotion::EachAxis, p, 1e-3, 200'000);
+      rest(BoxMotion::EachAxis, p, 1e-3, Dim == 2 ? 6'000 : 200'000);
       const PackingStatistics s = statistics(result(1));
       const double shape = std::abs(aspectError()) / allowed;
       const double texture = std::max(s.fabricAnisotropy, s.stressAnisotropy) / texturesAllowed;
@@ -232,7 +232,7 @@ private:
       Vec stretch = Vec::Constant(std::pow(factor, -1.0 / Dim));
       stretch[Dim - 1] = std::pow(factor, 1 - 1.0 / Dim);
       grains_.strain(stretch);
-      rest(BoxMotion::Volume, p, 1e-2, 200'000);
+      rest(BoxMotion::Volume, p, 1e-2, Dim == 2 ? 4'000 : 200'000);
       report(0.2 + 0.02 * attempt);
     }
     grains_ = best;
@@ -242,10 +242,10 @@ private:
   // Softly first, where stresses even out and shapes can be changed; then down to the pressure asked for.
   void smooth(double target)
   {
-    settle(std::max(1e-2, target), 0.004, 0.022, 20);
+    settle(std::max(1e-2, target), 0.004, 0.022, 14);
     report(0.4);
     if (target < 1e-2)
-      settle(std::max(1e-3, target), 0.007, 0.028, 8);
+      settle(std::max(1e-3, target), 0.006, 0.028, 8);
     report(0.6);
     double p = std::max(1e-3, target);
     while (p > target)
@@ -325,9 +325,10 @@ private:
       p.centre.push_back(wide(x, d));
       p.radius.push_back(grains_.radius[i] * d);
     }
-    for (const auto& pair : grains_.pairs())
+    for (std::size_t index = 0; index < grains_.pairs().size(); ++index)
     {
-      const Vec r = grains_.separation(pair);
+      const auto& pair = grains_.pairs()[index];
+      const Vec r = grains_.separation(index);
       const double distance = r.norm();
       const double overlap = grains_.radius[static_cast<std::size_t>(pair.first)] +
         grains_.radius[static_cast<std::size_t>(pair.second)] - distance;
@@ -336,7 +337,7 @@ private:
       const Vec n = r / distance;
       Vec f = overlap * n;
       if (o_.friction > 0)
-        f -= tangentialStiffness * pair.spring;
+        f -= tangentialStiffness * grains_.spring(index);
       p.contacts.push_back({ pair.first, pair.second, wide(r, d), wide(n, 1), wide(f, unitForce), overlap * d });
     }
     for (int wall = 0; wall < System::walls; ++wall)

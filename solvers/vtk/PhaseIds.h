@@ -12,7 +12,7 @@ class vtkDataArray;
 class vtkImageData;
 class vtkInformation;
 
-/// Helpers of vtkSteadyDiffusion; not installed.
+/// Helpers of the solvers and filters; not installed.
 namespace lamella
 {
 
@@ -29,7 +29,8 @@ struct PhaseIds
 /// Collective. The array that `choice` (vtkAlgorithm::GetInputArrayInformation) names, checked in the order present,
 /// at points, one component, whole numbers.
 /// @throws Error on every rank
-[[nodiscard]] PhaseIds phaseIds(vtkImageData* piece, vtkInformation* choice, const Team& team);
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseIds phaseIds(
+  vtkImageData* piece, vtkInformation* choice, const Team& team);
 
 /// Conductivity by id from a table by name or value.
 /// @param nodes by id, how many nodes have it in the whole image; phases without nodes need no conductivity

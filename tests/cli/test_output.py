@@ -71,6 +71,7 @@ class Whole(Case):
             ["generate", "softwood", "-o", "a.vti"],
             ["generate", "spheres", "-o", "a.raw"],
             ["flux-map", "h.vti", "-o", "a.vti"],
+            ["pore-flood-fill", "t.png", "-o", "a.vti"],
             ["flux-map", "h.vti", "-o", "a.vtp"],
             ["snapshot", "h.vti", "-o", "a.png"],
         ]:

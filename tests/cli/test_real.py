@@ -38,6 +38,39 @@ class Real(Case):
         self.assertEqual(
             ["%.6f" % effective[axis] for axis in "zyx"], ["0.058184", "0.053040", "0.054915"])
 
+    def pores(self, file, connectivity, *words, **options):
+        found = self.works("pore-flood-fill", file, *words, "--connectivity", connectivity, "--json", **options).json()
+        return found["count"], found["largest"], found["total"]
+
+    # Counted independently with SciPy's ndimage.label.
+    def test_pores_of_pictures(self):
+        void = ["--phase", "0=void", "--other", "solid"]
+        for file, connectivity, words, count, largest in [
+            ("spruce_EW_labels_0.5um.png", 4, void, 104, 9935),
+            ("spruce_EW_labels_0.5um.png", 8, void, 104, 9935),
+            ("spruce_LW_labels_0.5um.png", 4, void, 133, 2517),
+            ("spruce_LW_labels_0.5um.png", 8, void, 133, 2517),
+            ("conifer_roxas_lumen_mask.png", 4, ["--phase", "255=lumen", "--other", "wall"], 251, 12205),
+            ("sandstone_se3_labels_x85.png", 4, void, 123, None),
+            ("sandstone_se3_labels_x85.png", 8, void, 109, None),
+        ]:
+            first = None
+            for ranks in [0, 2, 4] if "spruce" in file else [0]:
+                found = self.pores(os.path.join(REAL_DATA, file), connectivity, *words, ranks=ranks)
+                self.assertEqual(found[0], count, file)
+                self.assertIn(largest, [None, found[1]], file)
+                first = first or found
+                self.assertEqual(found, first, "on %d ranks" % ranks)
+
+    def test_pores_of_berea(self):
+        with gzip.open(os.path.join(REAL_DATA, "berea_200x200x200_u8.raw.gz")) as packed:
+            self.write("berea_200x200x200_u8.raw", packed.read())
+        for connectivity, count, largest in [(6, 331, 1581946), (18, 272, 1582412), (26, 262, 1582787)]:
+            for ranks in [0, 2, 4]:
+                found = self.pores("berea_200x200x200_u8.raw", connectivity, "--phase", "1=pore", "--other", "solid",
+                                   ranks=ranks)
+                self.assertEqual(found, (count, largest, 1589722), "on %d ranks" % ranks)
+
     def test_a_raw_scan_is_segmented(self):
         answer = self.works(
             "diffusion", os.path.join(REAL_DATA, "conifer_roxas_scan.jpg"), "--segment", "--window", "0,0,300,300",

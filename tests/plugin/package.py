@@ -206,6 +206,34 @@ class Diffusion(unittest.TestCase):
         self.assertEqual(flux.magnitude.shape, (60, 80))
         np.testing.assert_allclose(flux.magnitude, np.linalg.norm(result.fields["flux"], axis=-1))
 
+    def test_pore_flood_fill(self):
+        picture = np.ones((6, 8), int)
+        picture[0, :3] = 0  # the upper left corner
+        picture[4, 5] = 0
+        pores = lamella.pore_flood_fill(lamella.from_array(picture, ["void", "solid"], spacing=2e-6))
+        self.assertEqual((pores.count, pores.total, pores.largest, pores.mean), (2, 4, 3, 2.0))
+        expected = np.zeros((6, 8), int)
+        expected[0, :3] = 1
+        expected[4, 5] = 2
+        np.testing.assert_array_equal(pores.labels, expected)
+        self.assertEqual(pores.sizes[0, 1], 3)
+        self.assertTrue(np.isnan(pores.sizes[3, 3]))
+        self.assertEqual(pores.table["size"].tolist(), [3, 1])
+        self.assertEqual(pores.table["touches_y_max"].tolist(), [1, 0])  # y points up
+        np.testing.assert_allclose(pores.table["centre_x"], [3e-6, 11e-6])
+        self.assertEqual(pores.distribution["pores"].tolist(), [1, 1])
+        self.assertEqual(pores.phase, "void")
+        self.assertEqual(pores.percolates, "")
+        self.assertIn("2 pores", repr(pores))
+        self.assertEqual(lamella.pore_flood_fill(picture, 1, periodic="y").percolates, "xy")
+        self.assertEqual(lamella.pore_flood_fill(picture, 0, minimum_size=2).dropped, (1, 1))
+        with self.assertRaisesRegex(lamella.LamellaError, "connectivity 26 does not fit a picture"):
+            lamella.pore_flood_fill(picture, 0, 26)
+        with self.assertRaisesRegex(lamella.LamellaError, "no phase is called void"):
+            lamella.pore_flood_fill(picture)
+        with self.assertRaisesRegex(ValueError, "names axes"):
+            lamella.pore_flood_fill(picture, 0, periodic="w")
+
     def test_errors_have_words_and_a_hint(self):
         picture = np.zeros((8, 8), int)
         picture[3] = 1

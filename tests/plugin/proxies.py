@@ -20,7 +20,7 @@ class Proxies(unittest.TestCase):
         pv.Connect()
 
     def test_every_property_says_what_it_is(self):
-        for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap,
+        for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap, pv.PoreFloodFill,
                        pv.GrainPacking, pv.PackingReader, pv.MatrixBridges):
             proxy = create()
             properties = proxy.SMProxy
@@ -38,6 +38,7 @@ class Proxies(unittest.TestCase):
             (pv.SteadyDiffusion, ("Direction", "Quantity", "Sides", "ComputeField", "ComputeFlux", "EstimateError",
                                   "Lattice", "Method", "Tolerance", "MaximumIterations", "Threads")),
             (pv.FluxMap, ("Direction", "NumberOfStreamlines")),
+            (pv.PoreFloodFill, ("Phase", "Connectivity", "Periodic", "MinimumSize", "SortBySize", "ComputePoreSize")),
             (pv.GrainPacking, ("Dimension", "Count", "MeanDiameter", "DiameterRatio", "Sizes", "Aspect", "Periodic",
                                "Friction", "Pressure", "Softness", "PackingFraction", "Seed", "Tolerance")),
             (pv.PackingReader, ("LengthUnit", "BoxSize")),
@@ -82,6 +83,23 @@ class Proxies(unittest.TestCase):
         flux = pv.FluxMap(Input=vapour, Direction="y", NumberOfStreamlines=7)
         flux.UpdatePipeline()
         self.assertEqual(servermanager.Fetch(flux, idx=1).GetNumberOfLines(), 7)
+
+    def test_pores(self):
+        tissue = pv.MicrostructureSource(Size=[90, 80, 1])
+        pores = pv.PoreFloodFill(Input=tissue)  # the phase is called lumen
+        pores.UpdatePipeline()
+        expected = lamella.pore_flood_fill(lamella.softwood(size=(90, 80)))
+        self.assertEqual(field(pores, "pore_count")[0], expected.count)
+        self.assertEqual(servermanager.Fetch(pores, idx=1).GetNumberOfRows(), expected.count)
+        self.assertGreater(servermanager.Fetch(pores, idx=2).GetNumberOfRows(), 2)
+        self.assertEqual(pores.PointData["pore"].GetRange(), (0, expected.count))
+        walls = pv.PoreFloodFill(Input=tissue, Phase="wall", Connectivity="8 (picture: and corners)",
+                                 Periodic=[1, 1, 0], MinimumSize=5, SortBySize=0, ComputePoreSize=0)
+        walls.UpdatePipeline()
+        expected = lamella.pore_flood_fill(lamella.softwood(size=(90, 80)), "wall", 8, "xy", 5, False)
+        self.assertEqual(field(walls, "pore_largest")[0], expected.largest)
+        self.assertEqual(field(walls, "pore_dropped"), list(expected.dropped))
+        self.assertEqual(sorted(walls.PointData.keys()), ["phase", "pore"])
 
     def test_grains(self):
         grains = pv.GrainPacking(Count=60, Softness=1e-4, Seed=4)

@@ -1,4 +1,4 @@
-"""FluxMap under pvbatch: whatever ParaView's pieces are, the numbers are those of one rank.
+"""FluxMap and PoreFloodFill under pvbatch: whatever ParaView's pieces are, the numbers are those of one rank.
 
 ranks.py RESULT.json [REFERENCE.json]
 """
@@ -46,6 +46,18 @@ def run(size, sides):
     return result
 
 
+def pores(size, connectivity, periodic):
+    fill = pv.PoreFloodFill(Input=pv.MicrostructureSource(Size=size), Connectivity=connectivity, Periodic=periodic)
+    fill.UpdatePipeline()
+    data = servermanager.Fetch(fill).GetFieldData()
+    table = servermanager.Fetch(fill, idx=1)
+    result = {name: [data.GetArray(name).GetTuple1(0)] for name in ("pore_count", "pore_largest", "porosity")}
+    for name in ("size", "centre_x", "centre_y", "x_first", "y_last"):
+        column = table.GetColumnByName(name)
+        result[name] = [column.GetTuple1(i) for i in range(column.GetNumberOfTuples())]
+    return result
+
+
 def compare(found, expected):
     for case, numbers in expected.items():
         for name, values in numbers.items():
@@ -62,6 +74,8 @@ results = {
     "picture": run([130, 90, 1], "Insulated"),
     "periodic picture": run([90, 70, 1], "Periodic"),
     "volume": run([30, 24, 20], "Insulated"),
+    "pores": pores([130, 90, 1], "8 (picture: and corners)", [0, 1, 0]),
+    "pores of a volume": pores([60, 50, 40], "26 (volume: and corners)", [1, 0, 1]),
 }
 with open(sys.argv[1], "w", encoding="ascii") as file:
     json.dump(results, file)

@@ -293,6 +293,31 @@ TEST_F(SnapshotTest, ValuesOnBothSidesOfZeroAreCentred)
   EXPECT_GT(warm[0], warm[2] + 100) << "red";
 }
 
+// Pores of 1, 10, 100 and 1000 pixels in what is no pore: a third of the colours each, on a logarithmic scale.
+TEST_F(SnapshotTest, PoreSizesAreOnALogarithmicScale)
+{
+  this->Image = samples::lattice(50, 40, 1, 1e-6);
+  samples::addField(this->Image, "pore_size",
+    { [](int i, int, int) { return i % 10 < 5 ? std::nan("") : std::pow(10.0, std::min(i / 10, 3)); } });
+  vtkImageData* picture = this->draw(); // the preset follows from the name
+  ASSERT_NE(picture, nullptr);
+  EXPECT_NEAR(this->Snapshot->GetDrawnRange()[0], 1, 1e-12); // in sizes, not in powers of ten
+  EXPECT_NEAR(this->Snapshot->GetDrawnRange()[1], 1000, 1e-9);
+  EXPECT_EQ(this->colorOf(picture, 2, 20), Undefined);
+  EXPECT_EQ(this->colorOf(picture, 7, 20), (Rgb{ 0x44, 0x01, 0x54 })); // both ends of viridis
+  EXPECT_EQ(this->colorOf(picture, 37, 20), (Rgb{ 0xfd, 0xe7, 0x25 }));
+  const Rgb third = this->colorOf(picture, 17, 20); // viridis at 1/3 is about #31688e
+  EXPECT_NEAR(third[0], 0x31, 3);
+  EXPECT_NEAR(third[1], 0x68, 3);
+  EXPECT_NEAR(third[2], 0x8e, 3);
+  this->Snapshot->SetRange(10, 100);
+  picture = this->draw();
+  EXPECT_EQ(this->colorOf(picture, 7, 20), this->colorOf(picture, 17, 20)); // below the range: its first colour
+  this->Snapshot->SetPreset(vtkSnapshot::SCALAR); // the pair that must fail: 10 is next to nothing beside 1000
+  this->Snapshot->ResetRange();
+  EXPECT_NE(this->colorOf(this->draw(), 17, 20), third);
+}
+
 TEST_F(SnapshotTest, NothingStandsOnTheData)
 {
   this->Snapshot->SetPreset(vtkSnapshot::PHASE);

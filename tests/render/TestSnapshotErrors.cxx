@@ -122,6 +122,14 @@ TEST_F(SnapshotErrors, NothingButNaN)
   this->expectError("'temperature' has no finite value");
 }
 
+TEST_F(SnapshotErrors, ALogarithmicRangeFromZero)
+{
+  samples::addField(this->Image, "pore_size", { [](int, int, int) { return 5.0; } });
+  this->Snapshot->SetPreset(vtkSnapshot::PORES);
+  this->Snapshot->SetRange(0, 10);
+  this->expectError("the range begins at 0.000000, which has no place on a logarithmic scale");
+}
+
 TEST_F(SnapshotErrors, ComponentOutside)
 {
   this->Snapshot->SetPreset(vtkSnapshot::FLUX);

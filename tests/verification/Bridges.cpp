@@ -36,8 +36,7 @@ TEST(Bridges, BetweenTwoDisks)
 
 TEST(Bridges, BetweenTwoSpheres)
 {
-  const Packing p =
-    packingOf(3, std::vector<Centre>{ { 1, 1, 1 }, { 1, 1, 3 } }, std::vector<double>{ 1, 1 });
+  const Packing p = packingOf(3, std::vector<Centre>{ { 1, 1, 1 }, { 1, 1, 3 } }, std::vector<double>{ 1, 1 });
   const auto bridges = findBridges(p, 1.1);
   ASSERT_EQ(bridges.size(), 1U);
   for (const double a : { 0.25, 0.5, 1.0 })

@@ -12,7 +12,8 @@ where there is no display: import it before the first view is made. (LAMELLA_REN
 off.)
 
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
-``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkSteadyDiffusion``, ``vtkFluxMap`` ...), runs it and hands its output out as numpy arrays.
+``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkSteadyDiffusion``, ``vtkFluxMap``,
+``vtkPoreFloodFill`` ...), runs it and hands its output out as numpy arrays.
 
 Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at the top; arrays of a volume are
 ``[z, y, x]``. Vectors have their components along x (left to right), y (upwards in a picture) and z in the last axis.
@@ -34,6 +35,7 @@ from ._flux import FluxMapResult, flux_map
 from ._packings import CementedSample, Packing, bridges, packing, read_packing
 from ._paraview import load_plugin, plugin_path
 from ._pictures import snapshot
+from ._pores import PoreFloodFillResult, pore_flood_fill
 from ._samples import (
     Sample,
     checkerboard,
@@ -54,6 +56,7 @@ __all__ = [
     "FluxMapResult",
     "LamellaError",
     "Packing",
+    "PoreFloodFillResult",
     "Sample",
     "bridges",
     "checkerboard",
@@ -66,6 +69,7 @@ __all__ = [
     "load_plugin",
     "packing",
     "plugin_path",
+    "pore_flood_fill",
     "read_packing",
     "read_picture",
     "snapshot",

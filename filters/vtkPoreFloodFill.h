@@ -1,0 +1,141 @@
+/**
+ * @class   vtkPoreFloodFill
+ * @brief   the pores of an image: which nodes of a phase hang together, how large they are, where, and how many
+ *
+ * **Input**: vtkImageData with phases at its points: an array of whole numbers, `phase` unless another is chosen with
+ * SetInputArrayToProcess(0, ...). An image of one layer along z is two-dimensional.
+ *
+ * **Output 0**: the input with `pore` (int: 1 to the number of pores, 0 outside) and, if ComputePoreSize is on,
+ * `pore_size` (float: size of the node's pore in nodes, NaN outside; exact up to 2^24).
+ *
+ * **Output 1**: vtkTable, one row a pore in the order of the labels: `pore`, `size` [nodes], `area` [m²] or `volume`
+ * [m³], `equivalent_diameter` [m] (of the circle or sphere of that size), `centre_x`, `_y`, `_z` [m] (the mean of its
+ * nodes), `x_first`, `x_last`, ... (box, in nodes from the image's first one), `touches_x_min`, `touches_x_max`, ...
+ * (1: it has a node in the first, the last layer), `percolates_x`, ... (1: it leads from the first layer to the last;
+ * along a periodic axis, it meets itself again). Axes are those of the data: of a picture, y points up.
+ *
+ * **Output 2**: vtkTable, how sizes are distributed, in classes that each reach twice as far as the one before:
+ * `size_from`, `size_to` [nodes], `diameter_from`, `diameter_to` [m], `pores`, `nodes`, `share_of_pores`,
+ * `share_of_nodes` and both summed up from the smallest on, `cumulative_share_of_pores`, `cumulative_share_of_nodes`.
+ *
+ * **Field data** of all outputs: `pore_count`, `pore_total` [nodes], `pore_mean`, `pore_largest`, `porosity` (share of
+ * the phase, dropped pores included), `pore_dropped` (number and nodes of those below MinimumSize), `pore_open` and
+ * `pore_closed` (shares of pore_total; open: touches a border that is not periodic, or percolates),
+ * `pore_percolates` (3 numbers), `pore_connectivity`, `pore_periodic` (3), `pore_phase` (string).
+ *
+ * **Periodic axes**: a pore that goes on at the other end is one pore and is put together for its centre and box: the
+ * centre lies in the image, the box may end beyond it. What percolates along an axis has no end there; its centre is
+ * the mean of the places in the image and its box is the whole axis.
+ *
+ * **Parallel**: right on distributed images, with whatever pieces, shared points and ghost layers: every node counts
+ * once, and labels depend neither on ranks nor on threads (vtkSMPTools). Rank 0 holds the tables; those of the other
+ * ranks are empty.
+ *
+ * @warning An image without a node of the phase is an error, and so is one with more pores than labels. A minimum size
+ * that leaves no pore is a warning.
+ */
+
+#ifndef vtkPoreFloodFill_h
+#define vtkPoreFloodFill_h
+
+#include "vtkImageAlgorithm.h"
+#include "vtkLamellaFiltersModule.h" // for export macro
+
+#include <string> // for the phase
+
+class vtkMultiProcessController;
+class vtkTable;
+
+class VTKLAMELLAFILTERS_EXPORT vtkPoreFloodFill : public vtkImageAlgorithm
+{
+public:
+  static vtkPoreFloodFill* New();
+  vtkTypeMacro(vtkPoreFloodFill, vtkImageAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * Which phase: a name of `phase_names` or, where no phase has that name, a value. Default empty: the first phase that
+   * is called void, pore, lumen or air.
+   */
+  vtkSetMacro(Phase, std::string);
+  vtkGetMacro(Phase, std::string);
+  ///@}
+
+  ///@{
+  /**
+   * How nodes hang together: 4 over sides or 8 over corners, too, in a picture; 6 over faces, 18 over edges, too, or 26
+   * over corners, too, in a volume. Default 0: 4 or 6.
+   */
+  vtkSetMacro(Connectivity, int);
+  vtkGetMacro(Connectivity, int);
+  ///@}
+
+  ///@{
+  /** Along which axes the image goes on at its other end. Default 0, 0, 0: none. */
+  vtkSetVector3Macro(Periodic, int);
+  vtkGetVector3Macro(Periodic, int);
+  ///@}
+
+  ///@{
+  /** Smaller pores get no label [nodes]. Default 1: all do; not below 0. */
+  vtkSetMacro(MinimumSize, int);
+  vtkGetMacro(MinimumSize, int);
+  ///@}
+
+  ///@{
+  /** Label 1 is the largest pore (default), or the first in memory. */
+  vtkSetMacro(SortBySize, bool);
+  vtkGetMacro(SortBySize, bool);
+  vtkBooleanMacro(SortBySize, bool);
+  ///@}
+
+  ///@{
+  /** Whether the image carries `pore_size`, to be coloured by. Default on. */
+  vtkSetMacro(ComputePoreSize, bool);
+  vtkGetMacro(ComputePoreSize, bool);
+  vtkBooleanMacro(ComputePoreSize, bool);
+  ///@}
+
+  ///@{
+  /** More pores are an error. Default, and at most, what 32 bits hold: 2147483647. */
+  vtkSetClampMacro(MaximumNumberOfLabels, int, 1, VTK_INT_MAX);
+  vtkGetMacro(MaximumNumberOfLabels, int);
+  ///@}
+
+  /** The tables, outputs 1 and 2. */
+  vtkTable* GetPores();
+  vtkTable* GetSizeDistribution();
+
+  ///@{
+  /** The processes that may work together. Default: the global controller. */
+  virtual void SetController(vtkMultiProcessController* controller);
+  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  ///@}
+
+protected:
+  vtkPoreFloodFill();
+  ~vtkPoreFloodFill() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
+  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkPoreFloodFill(const vtkPoreFloodFill&) = delete;
+  void operator=(const vtkPoreFloodFill&) = delete;
+
+  struct Work;
+
+  std::string Phase;
+  int Connectivity = 0;
+  int Periodic[3] = { 0, 0, 0 };
+  int MinimumSize = 1;
+  bool SortBySize = true;
+  bool ComputePoreSize = true;
+  int MaximumNumberOfLabels = VTK_INT_MAX;
+  vtkMultiProcessController* Controller = nullptr;
+};
+
+#endif

@@ -1,0 +1,247 @@
+// Compiled once for each instruction set, with LAMELLA_RUN_KERNELS as the name of the table. Built-in functions and
+// plain loops only: an inline function of a library, compiled for a newer processor, could be linked into other code.
+#include "pores/Runs.h"
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+namespace lamella::pores
+{
+
+extern const RunKernels LAMELLA_RUN_KERNELS;
+
+namespace
+{
+
+using Word = std::uint64_t;
+
+#if defined(__AVX2__)
+
+Word equal64(const std::uint8_t* bytes, std::uint8_t wanted)
+{
+  const __m256i value = _mm256_set1_epi8(static_cast<char>(wanted));
+  const auto half = [&](const std::uint8_t* at)
+  {
+    const __m256i loaded = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
+    return static_cast<Word>(static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(loaded, value))));
+  };
+  return half(bytes) | half(bytes + 32) << 32;
+}
+
+#elif defined(__SSE2__)
+
+Word equal64(const std::uint8_t* bytes, std::uint8_t wanted)
+{
+  const __m128i value = _mm_set1_epi8(static_cast<char>(wanted));
+  Word word = 0;
+  for (int part = 0; part < 4; ++part)
+  {
+    const __m128i loaded = _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes + 16 * part));
+    word |= static_cast<Word>(static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_cmpeq_epi8(loaded, value))))
+      << (16 * part);
+  }
+  return word;
+}
+
+#else
+
+Word equal64(const std::uint8_t* bytes, std::uint8_t wanted)
+{
+  Word word = 0;
+  for (int i = 0; i < 64; ++i)
+    word |= static_cast<Word>(bytes[i] == wanted ? 1 : 0) << i;
+  return word;
+}
+
+#endif
+
+Word equalSome(const std::uint8_t* bytes, std::int64_t count, std::uint8_t wanted)
+{
+  Word word = 0;
+  for (std::int64_t i = 0; i < count; ++i)
+    word |= static_cast<Word>(bytes[i] == wanted ? 1 : 0) << i;
+  return word;
+}
+
+std::uint32_t scan(const std::uint8_t* phase, std::int64_t nodes, std::int64_t readable, std::uint8_t wanted,
+  Word* bits, std::uint32_t* before, std::uint32_t runs)
+{
+  Word last = 0; // the bit before this word
+  const std::int64_t whole = nodes / 64;
+  const auto take = [&](std::int64_t w, Word word)
+  {
+    bits[w] = word;
+    before[w] = runs;
+    runs += static_cast<std::uint32_t>(__builtin_popcountll(word & ~(word << 1 | last)));
+    last = word >> 63;
+  };
+  for (std::int64_t w = 0; w < whole; ++w)
+    take(w, equal64(phase + 64 * w, wanted));
+  const std::int64_t rest = nodes % 64;
+  if (rest != 0)
+    take(whole,
+      64 * whole + 64 <= readable ? equal64(phase + 64 * whole, wanted) & ((static_cast<Word>(1) << rest) - 1)
+                                  : equalSome(phase + 64 * whole, rest, wanted));
+  return runs;
+}
+
+// Where runs of both rows overlap, the first node of the overlap stands for the pair: no other overlap is of the same
+// two. Diagonally they touch besides where one begins right behind the other's end. In both cases the last run that
+// begins in each row up to that node is the one.
+template <bool Diagonal, typename Action>
+inline __attribute__((always_inline)) void forContacts(Row a, Row b, std::int64_t words, const Action& action)
+{
+  Word lastA = 0;
+  Word lastB = 0;
+  Word lastBoth = 0;
+  for (std::int64_t w = 0; w < words; ++w)
+  {
+    const Word bitsA = a.bits[w];
+    const Word bitsB = b.bits[w];
+    const Word shiftedA = bitsA << 1 | lastA;
+    const Word shiftedB = bitsB << 1 | lastB;
+    const Word beginA = bitsA & ~shiftedA;
+    const Word beginB = bitsB & ~shiftedB;
+    const Word both = bitsA & bitsB;
+    Word places = both & ~(both << 1 | lastBoth);
+    if constexpr (Diagonal)
+      places |= (beginA & shiftedB & ~bitsB) | (beginB & shiftedA & ~bitsA);
+    lastA = bitsA >> 63;
+    lastB = bitsB >> 63;
+    lastBoth = both >> 63;
+    const std::uint32_t countA = a.before[w] - 1;
+    const std::uint32_t countB = b.before[w] - 1;
+    for (; places != 0; places &= places - 1)
+    {
+      const int beyond = 63 - __builtin_ctzll(places);
+      action(countA + static_cast<std::uint32_t>(__builtin_popcountll(beginA << beyond)),
+        countB + static_cast<std::uint32_t>(__builtin_popcountll(beginB << beyond)));
+    }
+  }
+}
+
+inline std::uint32_t root(std::uint32_t* parent, std::uint32_t run)
+{
+  while (parent[run] != run)
+  {
+    parent[run] = parent[parent[run]];
+    run = parent[run];
+  }
+  return run;
+}
+
+void unite(Row a, Row b, std::int64_t words, bool diagonal, std::uint32_t* parent)
+{
+  const auto join = [parent](std::uint32_t runA, std::uint32_t runB)
+  {
+    const std::uint32_t rootA = root(parent, runA);
+    const std::uint32_t rootB = root(parent, runB);
+    const std::uint32_t low = rootA < rootB ? rootA : rootB;
+    parent[rootA < rootB ? rootB : rootA] = low;
+  };
+  if (diagonal)
+    forContacts<true>(a, b, words, join);
+  else
+    forContacts<false>(a, b, words, join);
+}
+
+std::int64_t contacts(Row a, Row b, std::int64_t words, bool diagonal, Contact* out)
+{
+  std::int64_t count = 0;
+  const auto keep = [&](std::uint32_t runA, std::uint32_t runB) { out[count++] = { runA, runB }; };
+  if (diagonal)
+    forContacts<true>(a, b, words, keep);
+  else
+    forContacts<false>(a, b, words, keep);
+  return count;
+}
+
+std::int64_t edges(const Word* bits, std::int64_t nodes, std::int32_t* out)
+{
+  Word last = 0;
+  std::int64_t count = 0;
+  for (std::int64_t w = 0; 64 * w < nodes; ++w)
+  {
+    Word turns = bits[w] ^ (bits[w] << 1 | last);
+    last = bits[w] >> 63;
+    const auto base = static_cast<std::int32_t>(64 * w);
+    const int found = __builtin_popcountll(turns);
+    // eight at a time, needed or not: the processor then seldom guesses wrong how many there are
+    for (int i = 0; i < found; i += 8)
+      for (int k = 0; k < 8; ++k)
+      {
+        out[count + i + k] = base + (turns != 0 ? __builtin_ctzll(turns) : 64);
+        turns &= turns - 1;
+      }
+    count += found;
+  }
+  if (count % 2 != 0)
+    out[count++] = static_cast<std::int32_t>(nodes);
+  return count / 2;
+}
+
+std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece, std::uint32_t known,
+  std::int64_t index, std::int32_t y, std::int32_t z, Piece* pieces)
+{
+  for (std::int64_t run = 0; run < runs; ++run)
+  {
+    Piece& p = pieces[piece[run]];
+    const std::int32_t begin = edges[2 * run];
+    const std::int32_t last = edges[2 * run + 1] - 1;
+    const std::int64_t length = last - begin + 1;
+    const std::int64_t twiceX = (static_cast<std::int64_t>(begin) + last) * length;
+    if (piece[run] == known)
+    {
+      ++known;
+      p = Piece{ index + begin, length, twiceX, y * length, z * length, { begin, y, z }, { last, y, z } };
+      continue;
+    }
+    p.size += length;
+    p.twiceX += twiceX;
+    p.sumY += y * length;
+    p.sumZ += z * length;
+    p.low[0] = begin < p.low[0] ? begin : p.low[0];
+    p.high[0] = last > p.high[0] ? last : p.high[0];
+    // rows come in the order of memory: z never falls, but y does in the next layer
+    p.low[1] = y < p.low[1] ? y : p.low[1];
+    p.high[1] = y > p.high[1] ? y : p.high[1];
+    p.high[2] = z;
+  }
+  return known;
+}
+
+constexpr std::int64_t stride = 8;
+
+/// Whole vectors from `begin` on, beyond `end` too where there is room: what comes next is written over it.
+template <typename Value>
+inline __attribute__((always_inline)) void spread(
+  Value* out, std::int64_t begin, std::int64_t end, Value value, std::int64_t room)
+{
+  std::int64_t x = begin;
+  for (; x < end && x + stride <= room; x += stride)
+    for (std::int64_t k = 0; k < stride; ++k)
+      out[x + k] = value;
+  for (; x < end; ++x)
+    out[x] = value;
+}
+
+template <typename Value>
+void fill(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece, const Value* value,
+  Value background, Value* out, std::int64_t nodes, std::int64_t room)
+{
+  std::int64_t x = 0;
+  for (std::int64_t run = 0; run < runs; ++run)
+  {
+    spread(out, x, edges[2 * run], background, room);
+    spread(out, edges[2 * run], edges[2 * run + 1], value[piece[run]], room);
+    x = edges[2 * run + 1];
+  }
+  spread(out, x, nodes, background, room);
+}
+
+} // namespace
+
+const RunKernels LAMELLA_RUN_KERNELS{ scan, unite, contacts, edges, measure, fill<std::int32_t>, fill<float> };
+
+} // namespace lamella::pores

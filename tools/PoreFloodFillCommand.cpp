@@ -1,0 +1,379 @@
+#include "Commands.h"
+#include "GridFile.h"
+#include "Input.h"
+#include "OutputFile.h"
+#include "PoreReport.h"
+#include "Record.h"
+#include "Text.h"
+
+#include "io/Provenance.h"
+#include "pores/PoreLabelling.h"
+#include "vtkLatticeConversion.h"
+#include "vtkPoreFloodFill.h"
+
+#include <vtkCallbackCommand.h>
+#include <vtkImageData.h>
+#include <vtkMPIController.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkSMPTools.h>
+#include <vtkTable.h>
+#include <vtkTrivialProducer.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+struct PoreFloodFillOptions
+{
+  CommonOptions common;
+  PictureOptions picture;
+  std::string fill;
+  int connectivity = 0;
+  std::string periodic;
+  int minimumSize = 1;
+  std::string order = "size";
+  int threads = 1;
+  std::vector<std::string> output;
+  std::string distribution;
+};
+
+const std::vector<std::string> orders{ "size", "memory" };
+
+/// "x", "xy", "x,z", "all" or nothing. @throws ParameterError
+std::array<int, 3> parseAxes(const std::string& text)
+{
+  std::array<int, 3> axes{ 0, 0, 0 };
+  if (text.empty() || text == "none")
+  {
+    return axes;
+  }
+  if (text == "all")
+  {
+    return { 1, 1, 1 };
+  }
+  for (const char c : text)
+  {
+    if (c >= 'x' && c <= 'z')
+    {
+      axes[static_cast<std::size_t>(c - 'x')] = 1;
+    }
+    else if (c != ',')
+    {
+      throw ParameterError(
+        "--periodic '" + text + "' names no axes", "write the axes, such as x or xy, or all, or none");
+    }
+  }
+  return axes;
+}
+
+/// What can be said without the picture. @throws ParameterError
+void checkOptions(const PoreFloodFillOptions& options)
+{
+  (void)oneOf("--order", options.order, orders);
+  const int c = options.connectivity;
+  if (c != 0 && !pores::fits(c, 2) && !pores::fits(c, 3))
+  {
+    throw ParameterError(
+      fmt::format("--connectivity {} is none", c), "use 4 or 8 for a picture, 6, 18 or 26 for a volume");
+  }
+  if (options.minimumSize < 0)
+  {
+    throw ParameterError(fmt::format("--minimum-size {} is below 0", options.minimumSize),
+      "give the pixels or voxels that the smallest pore to keep has");
+  }
+  if (options.threads < 1 || options.threads > 1024)
+  {
+    throw ParameterError(
+      fmt::format("--threads {} is outside 1 to 1024", options.threads), "give the number of cores to use");
+  }
+}
+
+/// What does not fit the picture. @throws ParameterError
+void checkSample(const PoreFloodFillOptions& options, std::array<int, 3>& periodic, const PhaseImage& image)
+{
+  const int dimension = image.lattice.dimension;
+  const char* const kind = dimension == 3 ? "a volume" : "a picture";
+  if (options.connectivity != 0 && !pores::fits(options.connectivity, dimension))
+  {
+    throw ParameterError(
+      fmt::format("--connectivity {} does not fit {}, which has {} dimensions", options.connectivity, kind, dimension),
+      dimension == 3 ? "use 6 (faces), 18 (and edges) or 26 (and corners)" : "use 4 (sides) or 8 (and corners)");
+  }
+  if (dimension == 2 && options.periodic == "all")
+  {
+    periodic[2] = 0;
+  }
+  if (dimension == 2 && periodic[2] != 0)
+  {
+    throw ParameterError("--periodic '" + options.periodic + "' of a picture, which has x and y only", "leave z out");
+  }
+  const std::vector<std::string>& names = image.phases.names();
+  if (!options.fill.empty() && !image.phases.find(options.fill))
+  {
+    throw ParameterError("--fill names '" + options.fill + "', which is no phase of this sample",
+      suggestion(options.fill, names, "its phases are " + quotedList(names, "and")));
+  }
+  if (options.fill.empty() && !pores::voidPhase(names))
+  {
+    throw ParameterError("no phase of this sample is called void, pore, lumen or air",
+      "say which one the pores are: --fill " + quotedList(names));
+  }
+}
+
+/// A table and the record beside it.
+struct TableFile
+{
+  OutputFile table;
+  OutputFile record;
+};
+
+struct Files
+{
+  std::vector<OutputFile> labels; ///< .vti
+  std::vector<TableFile> pores;   ///< .csv
+  std::vector<TableFile> classes;
+};
+
+Files openFiles(const PoreFloodFillOptions& options)
+{
+  Files files;
+  const bool overwrite = options.common.overwrite;
+  const auto table = [&](const std::string& name) {
+    return TableFile{ OutputFile(name, overwrite), OutputFile(name + ".json", overwrite) };
+  };
+  for (const std::string& name : options.output)
+  {
+    const std::string ending = std::filesystem::path(name).extension().string();
+    if (ending == ".vti")
+    {
+      files.labels.emplace_back(name, overwrite);
+    }
+    else if (ending == ".csv")
+    {
+      files.pores.push_back(table(name));
+    }
+    else
+    {
+      throw ParameterError("-o '" + name + "': labels are written as .vti, the table of the pores as .csv",
+        "end the name in one of these; -o can be given twice");
+    }
+  }
+  if (!options.distribution.empty())
+  {
+    if (std::filesystem::path(options.distribution).extension() != ".csv")
+    {
+      throw ParameterError(
+        "--distribution '" + options.distribution + "': it is written as .csv", "end the name in .csv");
+    }
+    files.classes.push_back(table(options.distribution));
+  }
+  return files;
+}
+
+void writeFiles(Files& files, vtkPoreFloodFill* filter, bool metres, const std::string& record)
+{
+  vtkImageData* const image = vtkImageData::SafeDownCast(filter->GetOutputDataObject(0));
+  setProvenance(image, record);
+  for (const OutputFile& file : files.labels)
+  {
+    writeGrid(image, file);
+  }
+  const auto write = [&](const std::vector<TableFile>& list, vtkTable* table)
+  {
+    for (const TableFile& file : list)
+    {
+      file.table.write(toCsv(table));
+      const Json beside{ { "provenance", Json::parse(record) }, { "columns", unitsOf(table, metres) } };
+      file.record.write(beside.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    }
+  };
+  write(files.pores, filter->GetPores());
+  write(files.classes, filter->GetSizeDistribution());
+  Session::checkInterrupt();
+  for (OutputFile& file : files.labels)
+  {
+    file.commit();
+  }
+  for (std::vector<TableFile>* const list : { &files.pores, &files.classes })
+  {
+    for (TableFile& file : *list)
+    {
+      file.table.commit();
+      file.record.commit();
+    }
+  }
+}
+
+/// Runs the filter: rank 0 holds the sample, all ranks work on it, rank 0 holds the result.
+void run(Session& session, vtkPoreFloodFill* filter, vtkImageData* image, std::array<int, 6> extent)
+{
+  vtkNew<vtkTrivialProducer> producer;
+  producer->SetOutput(image);
+  producer->SetWholeExtent(extent.data());
+  filter->SetInputConnection(producer->GetOutputPort());
+  vtkNew<vtkCallbackCommand> progress;
+  progress->SetClientData(&session);
+  progress->SetCallback(
+    [](vtkObject* caller, unsigned long, void* client, void*)
+    {
+      auto* algorithm = static_cast<vtkAlgorithm*>(caller);
+      if (!static_cast<Session*>(client)->progress(algorithm->GetProgress(), "pores"))
+      {
+        algorithm->SetAbortExecute(1);
+      }
+    });
+  filter->AddObserver(vtkCommand::ProgressEvent, progress);
+  vtkNew<vtkMPIController> controller;
+  if (session.ranks() > 1)
+  {
+    controller->Initialize(nullptr, nullptr, 1); // MPI is the session's
+    filter->SetController(controller);
+  }
+  filter->UpdatePiece(session.rank(), session.ranks(), 0);
+  filter->SetController(nullptr);
+  session.endProgress();
+  Session::checkInterrupt();
+  session.onRoot( // a mistake is one on every rank, and told once
+    [&]
+    {
+      if (vtkImageData::SafeDownCast(filter->GetOutputDataObject(0))->GetNumberOfPoints() == 0)
+      {
+        throwVtkErrors("");
+      }
+    });
+}
+
+void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const std::string& commandLine)
+{
+  const auto start = std::chrono::steady_clock::now();
+  checkOptions(options);
+  std::array<int, 3> periodic = parseAxes(options.periodic);
+  vtkSmartPointer<vtkImageData> image = vtkSmartPointer<vtkImageData>::New();
+  Sample sample;
+  Files files;
+  std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
+  session.onRoot(
+    [&]
+    {
+      sample = loadSample(options.picture);
+      Session::checkInterrupt();
+      for (const std::string& warning : sample.warnings)
+      {
+        session.warn(warning);
+      }
+      checkSample(options, periodic, sample.image);
+      files = openFiles(options);
+      if (sample.pixelSizeSource == "option")
+      {
+        if (const std::string doubt = pixelSizeDoubt("--pixel-size", sample.image.lattice.spacing); !doubt.empty())
+        {
+          session.warn(doubt);
+        }
+      }
+      const auto nodes = static_cast<std::uint64_t>(sample.image.lattice.count());
+      for (const OutputFile& file : files.labels)
+      {
+        file.needs(nodes); // compressed; the whole is nine bytes a node
+      }
+      image = toImageData(std::move(sample.image));
+      setFieldText(image, "pixel_size_source", sample.pixelSizeSource);
+      setProvenance(image, sample.provenance);
+      image->GetExtent(extent.data());
+    });
+  session.broadcast(extent);
+  session.broadcast(periodic);
+
+  vtkSMPTools::Initialize(options.threads);
+  if (options.threads > 1)
+  {
+    vtkSMPTools::SetBackend("STDThread");
+  }
+  vtkNew<vtkPoreFloodFill> filter;
+  filter->SetPhase(options.fill);
+  filter->SetConnectivity(options.connectivity);
+  filter->SetPeriodic(periodic.data());
+  filter->SetMinimumSize(options.minimumSize);
+  filter->SetSortBySize(options.order == "size");
+  filter->SetComputePoreSize(!options.output.empty());
+  session.onRoot([] { (void)VtkMessages::takeErrors(); });
+  run(session, filter, image, extent);
+  session.onRoot(
+    [&]
+    {
+      for (const std::string& warning : VtkMessages::takeWarnings())
+      {
+        session.warn(warning);
+      }
+      const io::Provenance record = recordRun(commandLine, options.picture.file, sample.provenance);
+      PoreReport report{ options.picture.file, filter.Get(), sample.pixelSizeSource != "none", record, options.output };
+      if (!options.distribution.empty())
+      {
+        report.written.push_back(options.distribution);
+      }
+      report.ranks = session.ranks();
+      writeFiles(files, filter, report.metres, io::toJson(record));
+      report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      session.print(options.common.json ? toJson(report) : options.common.quiet ? "" : toTable(report));
+    });
+}
+
+} // namespace
+
+Command poreFloodFillCommand(CLI::App& root)
+{
+  CLI::App* app = root.add_subcommand(
+    "pore-flood-fill", "Pores of a picture or volume: number, sizes, table, labels, which of them percolate");
+  auto o = std::make_shared<PoreFloodFillOptions>();
+  addPictureOptions(*app, o->picture);
+  const auto pore = [](CLI::Option* option) { return option->group("Pores"); };
+  pore(app->add_option(
+         "--fill", o->fill, "The phase that the pores are; the one called void, pore, lumen or air when not given"))
+    ->type_name("PHASE");
+  pore(app->add_option("--connectivity", o->connectivity,
+         "Neighbours that hang together: 4 or 8 in a picture, 6, 18 or 26 in a volume; 4 or 6 when not given"))
+    ->type_name("4|8|6|18|26");
+  pore(app->add_option("--periodic", o->periodic, "Axes at whose end the sample begins again, as xy; all; none"))
+    ->type_name("AXES");
+  pore(app->add_option("--minimum-size", o->minimumSize, "Leave out pores of fewer pixels or voxels"))
+    ->type_name("NUMBER")
+    ->capture_default_str();
+  pore(app->add_option("--order", o->order, "Label 1 is the largest (size) or the first in memory (memory)"))
+    ->type_name("size|memory")
+    ->capture_default_str();
+  pore(app->add_option("--threads", o->threads, "Threads of each process"))->type_name("NUMBER")->capture_default_str();
+  app->add_option("-o,--output", o->output, "Write labels (.vti) or the table of the pores (.csv); twice for both")
+    ->type_name("FILE")
+    ->allow_extra_args(false)
+    ->group("Output");
+  app->add_option("--distribution", o->distribution, "Write how sizes are distributed")
+    ->type_name("FILE.csv")
+    ->group("Output");
+  app->add_flag("--overwrite", o->common.overwrite, "Replace a file that exists")->group("Output");
+  addReportOptions(*app, o->common);
+  addExamples(*app,
+    { "lamella pore-flood-fill tissue.png --phase 0=void --other solid --connectivity 4 --json",
+      "lamella pore-flood-fill tissue.png --phase 0=lumen --other wall --minimum-size 10 -o pores.csv -o labels.vti",
+      "lamella pore-flood-fill rock_200x200x200_u8.raw --phase 1=pore --other grain --connectivity 26",
+      "mpirun -n 4 lamella pore-flood-fill rock_200x200x200_u8.raw --phase 1=pore --other grain --json",
+      "lamella snapshot labels.vti --preset pores -o pores.png" });
+  return { app,
+    [o](Session& session, const std::string& line)
+    {
+      session.setQuiet(o->common.quiet);
+      poreFloodFill(session, *o, line);
+    } };
+}
+
+} // namespace lamella::cli

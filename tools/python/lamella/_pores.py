@@ -1,0 +1,133 @@
+"""The pores of an image."""
+
+import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+from . import _arrays
+from ._errors import choose, run
+from ._samples import ImageBase
+from ._solve import as_image
+from .vtkLamellaFilters import vtkPoreFloodFill
+
+
+def _columns(table):
+    """A vtkTable as a dictionary of numpy columns."""
+    return {
+        table.GetColumnName(i): vtk_to_numpy(table.GetColumn(i)) for i in range(table.GetNumberOfColumns())
+    }
+
+
+class PoreFloodFillResult(ImageBase):
+    """``vtk`` is the image with ``pore`` and ``pore_size``; sizes are in pixels or voxels."""
+
+    def __init__(self, image, pores, distribution):
+        super().__init__(image)
+        #: vtkTable, one row a pore
+        self.vtk_pores = pores
+        #: vtkTable, one row a class of sizes
+        self.vtk_distribution = distribution
+
+    def _number(self, name):
+        return float(_arrays.numbers(self.vtk, name)[0])
+
+    @property
+    def labels(self):
+        """Number of each pixel's pore, 0 outside, in the order of pictures (a view, no copy)."""
+        return self.array("pore")
+
+    @property
+    def sizes(self):
+        """Size of each pixel's pore, NaN outside (a view, no copy)."""
+        return self.array("pore_size")
+
+    @property
+    def table(self):
+        """Columns by name, one entry a pore: ``pore``, ``size``, ``area`` or ``volume`` [m^2, m^3],
+        ``equivalent_diameter`` [m], ``centre_x`` ... [m], ``x_first``, ``x_last`` ..., ``touches_x_min`` ...,
+        ``percolates_x`` ... Axes are those of the data: of a picture, y points up.
+        """
+        return _columns(self.vtk_pores)
+
+    @property
+    def distribution(self):
+        """Columns by name, one entry a class of sizes, each class reaching twice as far as the one before."""
+        return _columns(self.vtk_distribution)
+
+    @property
+    def phase(self):
+        """Name of the phase that the pores are."""
+        return _arrays.text(self.vtk, "pore_phase")
+
+    @property
+    def count(self):
+        """Number of pores."""
+        return int(self._number("pore_count"))
+
+    @property
+    def total(self):
+        """Size of all pores together."""
+        return int(self._number("pore_total"))
+
+    @property
+    def mean(self):
+        """Mean size."""
+        return self._number("pore_mean")
+
+    @property
+    def largest(self):
+        """Size of the largest pore."""
+        return int(self._number("pore_largest"))
+
+    @property
+    def porosity(self):
+        """Share of the phase, pores below the minimum size included."""
+        return self._number("porosity")
+
+    @property
+    def dropped(self):
+        """Number and total size of the pores below the minimum size."""
+        return tuple(int(value) for value in _arrays.numbers(self.vtk, "pore_dropped"))
+
+    @property
+    def open_share(self):
+        """Share of the total that is open: touches a border that is not periodic, or percolates."""
+        return self._number("pore_open")
+
+    @property
+    def percolates(self):
+        """Axes along which some pore leads from side to side, as "xy"."""
+        found = _arrays.numbers(self.vtk, "pore_percolates")
+        return "".join(axis for axis, flag in zip("xyz", found) if flag)
+
+    def __repr__(self):
+        return f"<lamella.PoreFloodFillResult: {self.count} pores, mean {self.mean:.1f}, largest {self.largest}>"
+
+
+def pore_flood_fill(
+    sample,
+    phase=None,
+    connectivity=None,
+    periodic=(),
+    minimum_size=1,
+    sort_by_size=True,
+    progress=None,
+):
+    """Labels the connected pores of one phase of a Sample, an array of whole numbers or an image.
+
+    phase         its name or number; None: the first that is called void, pore, lumen or air
+    connectivity  4 or 8 in a picture, 6, 18 or 26 in a volume; None: 4 or 6
+    periodic      axes at whose end the sample begins again, as "xy"
+    minimum_size  smaller pores get no label
+    sort_by_size  label 1 is the largest; otherwise labels follow the order of memory
+    """
+    fill = vtkPoreFloodFill()
+    fill.SetInputData(as_image(sample))
+    fill.SetPhase("" if phase is None else str(phase))
+    fill.SetConnectivity(choose({None: 0, 4: 4, 8: 8, 6: 6, 18: 18, 26: 26}, connectivity, "connectivity"))
+    if set(periodic) - set("xyz"):
+        raise ValueError(f"periodic is {periodic!r}; it names axes, as 'xy'")
+    fill.SetPeriodic(*(int(axis in periodic) for axis in "xyz"))
+    fill.SetMinimumSize(int(minimum_size))
+    fill.SetSortBySize(bool(sort_by_size))
+    run(fill, progress)
+    return PoreFloodFillResult(fill.GetOutput(), fill.GetPores(), fill.GetSizeDistribution())
