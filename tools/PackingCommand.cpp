@@ -67,7 +67,7 @@ std::vector<std::uint64_t> parseSeeds(const std::string& text)
     const auto last = toInteger(ends.back());
     if (ends.size() > 2 || !first || !last || *first < 0 || *last < *first)
     {
-      throw ParameterError("--seeds '" + text + "': '" + part + "' is no seed and no range of seeds",
+      throw ParameterError(fmt::format("--seeds '{}': '{}' is no seed and no range of seeds", text, part),
         "write --seeds 1-10, or --seeds 3,5,8");
     }
     if (static_cast<std::uint64_t>(*last - *first) >= most - seeds.size())
