@@ -20,7 +20,7 @@ void checkDimension(const Stencil& stencil, Continuum continuum)
   const int needed = continuum == Continuum::Space ? 3 : 2;
   if (stencil.dimension() != needed)
     throw ParameterError(fmt::format("a stencil of {} dimensions for {}", stencil.dimension(),
-                           continuum == Continuum::Space       ? "space"
+                           continuum == Continuum::Space           ? "space"
                              : continuum == Continuum::PlaneStress ? "plane stress"
                                                                    : "plane strain"),
       fmt::format("it takes one of {}", needed));
@@ -122,19 +122,20 @@ BondConstants bondConstants(const BondMaterial& material, const Stencil& stencil
   const auto positive = [&](double value, const char* what)
   {
     if (!(value > 0) || !std::isfinite(value))
-      throw ParameterError(fmt::format("{} of {} is {}", what, name, value), "it must be a positive number, in SI units");
+      throw ParameterError(
+        fmt::format("{} of {} is {}", what, name, value), "it must be a positive number, in SI units");
   };
   positive(spacing, "the spacing");
   positive(material.youngsModulus, "Young's modulus");
-  const int known = (material.fractureEnergy ? 1 : 0) + (material.toughness ? 1 : 0) + (material.criticalStretch ? 1 : 0);
+  const int known =
+    (material.fractureEnergy ? 1 : 0) + (material.toughness ? 1 : 0) + (material.criticalStretch ? 1 : 0);
   if (known > 1)
     throw ParameterError(fmt::format("{} has more than one of fracture energy, toughness and critical stretch", name),
       "give one: the others follow from it");
 
   const double h = stencil.horizon() * spacing;
   BondConstants constants;
-  constants.micromodulus =
-    continuumFactor(continuum) * material.youngsModulus / std::pow(h, stencil.dimension() + 1);
+  constants.micromodulus = continuumFactor(continuum) * material.youngsModulus / std::pow(h, stencil.dimension() + 1);
   if (micromodulus == Micromodulus::Lattice)
     constants.micromodulus /= latticeModuli(stencil, continuum).youngsModulus;
 

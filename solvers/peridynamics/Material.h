@@ -24,7 +24,7 @@ enum class Continuum
 /// What is known of the bonds of one pair of phases: Young's modulus, and one of the last three.
 struct BondMaterial
 {
-  double youngsModulus = 1;              ///< E [Pa]
+  double youngsModulus = 1;                ///< E [Pa]
   std::optional<double> fractureEnergy{};  ///< Gc [J/m²]
   std::optional<double> toughness{};       ///< K [Pa √m]: Gc = K²/E in plane stress, K²(1 − ν²)/E otherwise
   std::optional<double> criticalStretch{}; ///< s₀, elongation over length
@@ -60,8 +60,8 @@ struct LatticeModuli
   double toughness = 0;             ///< √(E Gc) of both
 };
 
-/// Sums over the stencil: C₁₁ = ½ c δx^d Σ |ξ| n₁⁴, C₁₂ = ½ c δx^d Σ |ξ| n₁² n₂²; Gc = Σ ½ c |ξ| s₀² over the bonds that
-/// cross a plane, a unit of its area.
+/// Sums over the stencil: C₁₁ = ½ c δx^d Σ |ξ| n₁⁴, C₁₂ = ½ c δx^d Σ |ξ| n₁² n₂²; Gc = Σ ½ c |ξ| s₀² over the bonds
+/// that cross a plane, a unit of its area.
 /// @throws ParameterError when the stencil's dimension does not fit the continuum
 [[nodiscard]] LatticeModuli latticeModuli(const Stencil& stencil, Continuum continuum);
 

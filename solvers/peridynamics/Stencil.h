@@ -16,8 +16,8 @@ struct Offset
 
 /// The bonds of a node on a square (cubic) lattice: all nodes within the horizon, each volume counted in full.
 ///
-/// Only half of them are listed, so that each bond of the lattice is met once: those whose last nonzero step is positive,
-/// ordered as memory is (z, then y, then x). The other half are their opposites.
+/// Only half of them are listed, so that each bond of the lattice is met once: those whose last nonzero step is
+/// positive, ordered as memory is (z, then y, then x). The other half are their opposites.
 class Stencil
 {
 public:

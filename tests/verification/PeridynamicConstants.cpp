@@ -160,15 +160,17 @@ TEST(PeridynamicConstants, OfTheContinuum)
   const BondConstants tough = bondConstants({ .youngsModulus = E, .toughness = std::sqrt(E * Gc) }, stencil, 1e-6,
     Continuum::PlaneStress, Micromodulus::Continuum, "wall");
   EXPECT_NEAR(tough.criticalStretch, stress.criticalStretch, 1e-12);
-  const BondConstants toughStrain = bondConstants({ .youngsModulus = E, .toughness = std::sqrt(E * Gc / (1 - 1.0 / 16)) },
-    stencil, 1e-6, Continuum::PlaneStrain, Micromodulus::Continuum, "wall");
+  const BondConstants toughStrain =
+    bondConstants({ .youngsModulus = E, .toughness = std::sqrt(E * Gc / (1 - 1.0 / 16)) }, stencil, 1e-6,
+      Continuum::PlaneStrain, Micromodulus::Continuum, "wall");
   EXPECT_NEAR(toughStrain.criticalStretch, strain.criticalStretch, 1e-12);
-  EXPECT_EQ(bondConstants({ .youngsModulus = E }, stencil, 1e-6, Continuum::PlaneStress, Micromodulus::Continuum, "wall")
-              .criticalStretch,
+  EXPECT_EQ(
+    bondConstants({ .youngsModulus = E }, stencil, 1e-6, Continuum::PlaneStress, Micromodulus::Continuum, "wall")
+      .criticalStretch,
     std::numeric_limits<double>::infinity());
   // exact on the lattice
-  const BondConstants exact = bondConstants(
-    { .youngsModulus = E }, stencil, 1e-6, Continuum::PlaneStress, Micromodulus::Lattice, "wall");
+  const BondConstants exact =
+    bondConstants({ .youngsModulus = E }, stencil, 1e-6, Continuum::PlaneStress, Micromodulus::Lattice, "wall");
   EXPECT_NEAR(exact.micromodulus * latticeModuli(stencil, Continuum::PlaneStress).youngsModulus, stress.micromodulus,
     1e-12 * stress.micromodulus);
 }
