@@ -176,6 +176,10 @@ Columns findColumns(const fs::path& path, vtkTable* table, const char* separator
       columns.sizeToRadius = name[0] == 'd' ? 0.5 : 1;
     }
   }
+  if (found.empty() || std::any_of(found.begin(), found.end(), [](unsigned char c) { return c < 32 || c == 127; }))
+  {
+    refuse(path, "is no table: its first line holds no names", wanted);
+  }
   if (numbers)
   {
     refuse(path, "has no line of names: it begins with " + found, wanted);

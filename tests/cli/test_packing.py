@@ -128,6 +128,7 @@ class Packing(Case):
         fails(b"\nx,z,r\n", "begins with an empty line", "names the columns")
         fails(b"x,z,r\n", "there are no grains", "at least one")
         fails(b"1,2,3\n", "has no line of names: it begins with '1', '2', '3'", "x,z,r or x,y,r for disks")
+        fails(bytes(range(1, 200)) * 20, "is no table: its first line holds no names", "x,z,r or x,y,r for disks")
         fails(b"x,z,m\n1,2,3\n", "lacks the column r; separated by commas, it has 'x', 'z', 'm'", "x,z,r")
         fails(b"x:z:r\n1:2:3\n", "lacks the column y or z, r; separated by blanks, it has 'x:z:r'", "x,z,r")
         fails(b"x,z,r\n1,2,3\n1,two,3\n", "has the text 'two' where a number belongs, in row 3, column 'z'", "0.0012")
