@@ -1,0 +1,98 @@
+#pragma once
+
+#include "lattice/Lattice.h"
+#include "peridynamics/Material.h"
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// What a scene says about the bonds of a sample.
+namespace lamella::peridynamics
+{
+
+/// A cut made before loading: a segment in 2D, a parallelogram in space (a half plane is one that reaches beyond the
+/// sample). It takes away the bonds that cross it. Where it runs through nodes it counts as moved by a millionth of a
+/// spacing along its normal: it then parts those nodes from the ones behind, and no bond lies within it.
+struct Notch
+{
+  std::array<double, 3> corner{ 0, 0, 0 }; ///< [m], in the coordinates of the lattice
+  std::array<double, 3> along{ 0, 0, 0 };  ///< from the corner to the other end [m]
+  std::array<double, 3> across{ 0, 0, 0 }; ///< the second edge in space [m]; not used in 2D
+};
+
+enum class VoidBonds
+{
+  Keep, ///< a bond between two solid nodes stays where it crosses a thin void, as in the papers
+  Cut   ///< it goes when any node that its line comes within half a spacing of, along an axis, is void
+};
+
+/// Bonds of a pair of phases.
+struct PhasePair
+{
+  BondMaterial material; ///< of all its bonds, or of those within one grain
+  std::optional<BondMaterial>
+    betweenGrains{}; ///< of bonds between two different grains (ids not 0), by BondModel::pairByGrain
+};
+
+struct BondModel
+{
+  Continuum continuum = Continuum::PlaneStress;
+  double horizon = 3; ///< h/δx, 1 to 8
+  Micromodulus micromodulus = Micromodulus::Continuum;
+  /// By the ids of the two phases, the lesser first.
+  std::map<std::pair<std::uint8_t, std::uint8_t>, PhasePair> pairs{};
+  bool pairByGrain = false;
+  std::vector<std::uint8_t> voids{ 0 }; ///< phases that carry no bonds
+  VoidBonds voidBonds = VoidBonds::Keep;
+  /// The volume method of Le and Bobaru, Comput. Mech. 61 (2018) 499: k of a bond times 2V₀/(Vᵢ + Vⱼ), V the volume
+  /// within the horizon of its ends (nodes that they are joined to before notches are cut), V₀ that in the bulk.
+  bool surfaceCorrection = false;
+  std::vector<Notch> notches{};
+  std::array<bool, 3> periodic{ false, false, false };
+  std::vector<std::string> phaseNames{}; ///< for messages; a phase without a name goes by its number
+};
+
+/// Bonds that behave alike; numbered from 1, 0 is no bond.
+struct BondKind
+{
+  double stiffness = 0;       ///< k = c δx^(2d): force of a bond over its elongation s [N in space, N/m in the plane]
+  double criticalStretch = 0; ///< s₀; may be infinite
+
+  bool operator==(const BondKind&) const = default;
+};
+
+/// Which kind the bonds of each pair of phases are of.
+class BondKinds
+{
+public:
+  /// @param spacing δx [m]
+  /// @throws ParameterError: a value that is not positive and finite; no pair at all; pairByGrain with no pair that
+  /// says what is between grains; more than 255 kinds
+  BondKinds(const BondModel& model, const Stencil& stencil, double spacing);
+
+  /// Kinds 1 … size() - 1; [0] is no bond.
+  [[nodiscard]] const std::vector<BondKind>& kinds() const noexcept { return kinds_; }
+  /// Kind of a bond between two phases, 0 if one of them is void, -1 without data.
+  [[nodiscard]] int within(std::uint8_t a, std::uint8_t b) const noexcept { return within_[position(a, b)]; }
+  /// The same where grains differ.
+  [[nodiscard]] int between(std::uint8_t a, std::uint8_t b) const noexcept { return between_[position(a, b)]; }
+  [[nodiscard]] bool isVoid(std::uint8_t phase) const noexcept { return void_[phase]; }
+
+private:
+  static std::size_t position(std::uint8_t a, std::uint8_t b) noexcept { return std::size_t{ a } * 256 + b; }
+
+  std::vector<BondKind> kinds_;
+  std::vector<std::int16_t> within_;
+  std::vector<std::int16_t> between_;
+  std::array<bool, 256> void_{};
+};
+
+/// "wall and lamella", by the model's names.
+[[nodiscard]] std::string pairName(const BondModel& model, std::uint8_t a, std::uint8_t b);
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,142 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+
+namespace lamella::peridynamics
+{
+
+/// Where the nodes of this rank's part of a lattice lie in memory: x fastest, then y, then z, with a rim of `ghost`
+/// nodes on every side of every dimension. Rows are padded so that x = 0 and every row begin on a cache line.
+struct NodeLayout
+{
+  static constexpr std::int64_t margin = 16; ///< nodes before x = 0, and at least that many after the last
+
+  int dimension = 2;
+  int ghost = 0;                                 ///< at most 8
+  std::array<std::int64_t, 3> size{ 1, 1, 1 };   ///< owned nodes along x, y, z; size[2] is 1 in 2D
+  std::array<std::int64_t, 3> start{ 0, 0, 0 };  ///< of the owned nodes, in the whole lattice
+  std::array<std::int64_t, 3> global{ 1, 1, 1 }; ///< nodes of the whole lattice
+  std::int64_t pitch = 0;                        ///< from a row to the next, in nodes; a multiple of 16
+
+  [[nodiscard]] int ghostZ() const noexcept { return dimension == 3 ? ghost : 0; }
+  /// Rows along y in memory.
+  [[nodiscard]] std::int64_t rowsY() const noexcept { return size[1] + 2 * ghost; }
+  /// All rows in memory.
+  [[nodiscard]] std::int64_t rows() const noexcept { return rowsY() * (size[2] + 2 * ghostZ()); }
+  /// Nodes in memory, rim and padding included: the length of every array.
+  [[nodiscard]] std::int64_t count() const noexcept { return rows() * pitch; }
+  [[nodiscard]] std::int64_t owned() const noexcept { return size[0] * size[1] * size[2]; }
+  /// Number of a row, -ghost ≤ y < size[1] + ghost, and z likewise.
+  [[nodiscard]] std::int64_t row(std::int64_t y, std::int64_t z = 0) const noexcept
+  {
+    return (z + ghostZ()) * rowsY() + y + ghost;
+  }
+  /// Position of a node in the arrays; x, y, z count from the first owned node.
+  [[nodiscard]] std::int64_t index(std::int64_t x, std::int64_t y, std::int64_t z = 0) const noexcept
+  {
+    return row(y, z) * pitch + margin + x;
+  }
+  /// x, y, z of a position.
+  [[nodiscard]] std::array<std::int64_t, 3> node(std::int64_t index) const noexcept
+  {
+    const std::int64_t row = index / pitch;
+    return { index % pitch - margin, row % rowsY() - ghost, row / rowsY() - ghostZ() };
+  }
+  [[nodiscard]] bool ownedNode(const std::array<std::int64_t, 3>& node) const noexcept
+  {
+    return node[0] >= 0 && node[0] < size[0] && node[1] >= 0 && node[1] < size[1] && node[2] >= 0 && node[2] < size[2];
+  }
+
+  /// @param size, start, global see above
+  [[nodiscard]] static NodeLayout make(int dimension, int ghost, const std::array<std::int64_t, 3>& size,
+    const std::array<std::int64_t, 3>& start, const std::array<std::int64_t, 3>& global)
+  {
+    return { dimension, ghost, size, start, global, (margin + size[0] + margin + 15) / 16 * 16 };
+  }
+  bool operator==(const NodeLayout&) const = default;
+};
+
+/// Zeroed memory that begins on a cache line.
+template <class T>
+class AlignedArray
+{
+public:
+  AlignedArray() = default;
+  explicit AlignedArray(std::int64_t count)
+    : count_(count)
+    , data_(static_cast<T*>(::operator new[](bytes(), std::align_val_t{ 64 })))
+  {
+    std::fill_n(data_.get(), count_, T{});
+  }
+  AlignedArray(const AlignedArray& other)
+    : AlignedArray(other.count_)
+  {
+    std::copy_n(other.data(), count_, data());
+  }
+  AlignedArray(AlignedArray&&) noexcept = default;
+  AlignedArray& operator=(AlignedArray other) noexcept
+  {
+    std::swap(count_, other.count_);
+    std::swap(data_, other.data_);
+    return *this;
+  }
+  ~AlignedArray() = default;
+
+  [[nodiscard]] T* data() noexcept { return data_.get(); }
+  [[nodiscard]] const T* data() const noexcept { return data_.get(); }
+  [[nodiscard]] std::int64_t size() const noexcept { return count_; }
+  [[nodiscard]] T& operator[](std::int64_t i) noexcept { return data_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] const T& operator[](std::int64_t i) const noexcept { return data_[static_cast<std::size_t>(i)]; }
+
+private:
+  [[nodiscard]] std::size_t bytes() const noexcept { return static_cast<std::size_t>(count_) * sizeof(T); }
+  struct Free
+  {
+    void operator()(T* p) const noexcept { ::operator delete[](p, std::align_val_t{ 64 }); }
+  };
+  std::int64_t count_ = 0;
+  std::unique_ptr<T[], Free> data_;
+};
+
+/// A vector at every node, one array a component (2 in 2D, 3 in 3D; any number where a function says so), zero at
+/// first. Rim and padding must hold finite numbers: they are read, and multiplied by the stiffness zero of bonds that
+/// are not.
+template <class Real>
+class NodeField
+{
+public:
+  NodeField() = default;
+  explicit NodeField(const NodeLayout& layout, int components = 0)
+    : layout_(layout)
+    , components_(components > 0 ? components : layout.dimension)
+    , values_(layout.count() * components_)
+  {
+  }
+
+  [[nodiscard]] const NodeLayout& layout() const noexcept { return layout_; }
+  [[nodiscard]] int components() const noexcept { return components_; }
+  /// layout().count() values.
+  [[nodiscard]] Real* component(int c) noexcept { return values_.data() + c * layout_.count(); }
+  [[nodiscard]] const Real* component(int c) const noexcept { return values_.data() + c * layout_.count(); }
+  [[nodiscard]] Real& at(int c, std::int64_t x, std::int64_t y, std::int64_t z = 0) noexcept
+  {
+    return component(c)[layout_.index(x, y, z)];
+  }
+  [[nodiscard]] Real at(int c, std::int64_t x, std::int64_t y, std::int64_t z = 0) const noexcept
+  {
+    return component(c)[layout_.index(x, y, z)];
+  }
+  void fill(Real value) { std::fill_n(values_.data(), values_.size(), value); }
+
+private:
+  NodeLayout layout_;
+  int components_ = 0;
+  AlignedArray<Real> values_;
+};
+
+} // namespace lamella::peridynamics
