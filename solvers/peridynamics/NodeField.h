@@ -61,7 +61,8 @@ struct NodeLayout
   bool operator==(const NodeLayout&) const = default;
 };
 
-/// Zeroed memory that begins on a cache line.
+/// Zeroed memory that begins on a cache line, with a zeroed cache line on either side: loops that read a vector of a
+/// row's neighbours may read a few values past the first and the last row.
 template <class T>
 class AlignedArray
 {
@@ -69,9 +70,10 @@ public:
   AlignedArray() = default;
   explicit AlignedArray(std::int64_t count)
     : count_(count)
-    , data_(static_cast<T*>(::operator new[](bytes(), std::align_val_t{ 64 })))
+    , data_(static_cast<T*>(
+        ::operator new[](static_cast<std::size_t>(count + 2 * line) * sizeof(T), std::align_val_t{ 64 })))
   {
-    std::fill_n(data_.get(), count_, T{});
+    std::fill_n(data_.get(), count_ + 2 * line, T{});
   }
   AlignedArray(const AlignedArray& other)
     : AlignedArray(other.count_)
@@ -87,14 +89,14 @@ public:
   }
   ~AlignedArray() = default;
 
-  [[nodiscard]] T* data() noexcept { return data_.get(); }
-  [[nodiscard]] const T* data() const noexcept { return data_.get(); }
+  [[nodiscard]] T* data() noexcept { return data_ ? data_.get() + line : nullptr; }
+  [[nodiscard]] const T* data() const noexcept { return data_ ? data_.get() + line : nullptr; }
   [[nodiscard]] std::int64_t size() const noexcept { return count_; }
-  [[nodiscard]] T& operator[](std::int64_t i) noexcept { return data_[static_cast<std::size_t>(i)]; }
-  [[nodiscard]] const T& operator[](std::int64_t i) const noexcept { return data_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] T& operator[](std::int64_t i) noexcept { return data_[static_cast<std::size_t>(line + i)]; }
+  [[nodiscard]] const T& operator[](std::int64_t i) const noexcept { return data_[static_cast<std::size_t>(line + i)]; }
 
 private:
-  [[nodiscard]] std::size_t bytes() const noexcept { return static_cast<std::size_t>(count_) * sizeof(T); }
+  static constexpr std::int64_t line = 64 / sizeof(T);
   struct Free
   {
     void operator()(T* p) const noexcept { ::operator delete[](p, std::align_val_t{ 64 }); }

@@ -1,0 +1,202 @@
+#include "peridynamics/BondForces.h"
+
+#include "peridynamics/BondNumbers.h"
+#include "peridynamics/RowSweep.h"
+
+#include <omp.h>
+
+#include <algorithm>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+template <class Real>
+const RealRowKernels<Real>& kernelsOf(const BondLattice& bonds)
+{
+  if constexpr (sizeof(Real) == 8)
+    return bonds.rowKernels().d;
+  else
+    return bonds.rowKernels().f;
+}
+
+/// The force pass of one thread over its band.
+template <class Real>
+class ForceBand
+{
+public:
+  ForceBand(const BondLattice& bonds, const BondNumbers<Real>& numbers, const std::vector<Chunk>& list,
+    const NodeField<Real>& u, NodeField<Real>& f, bool nonlinear)
+    : bonds_(bonds)
+    , numbers_(numbers)
+    , chunks_(list)
+    , u_(u)
+    , f_(f)
+    , nonlinear_(nonlinear)
+    , parts_(nonlinear ? bonds.dimension() : 1)
+    , buffers_(bonds.layout().pitch * maxChunk * parts_)
+    , dump_(bonds.layout().pitch * bonds.dimension())
+    , marks_(nonlinear ? bonds.layout().pitch : 0)
+  {
+  }
+
+  void run(const Band& band, std::vector<Bond>* list)
+  {
+    const NodeLayout& l = bonds_.layout();
+    const int d = l.dimension;
+    const auto zero = [&](std::int64_t row)
+    {
+      for (int c = 0; c < d; ++c)
+        std::fill_n(f_.component(c) + row * l.pitch, l.pitch, Real(0));
+    };
+    sweep(l, bonds_.stencil().layers(), band, zero,
+      [&](std::int64_t y, std::int64_t z, std::int64_t row, bool own)
+      {
+        if (runs_.find(bonds_, row))
+          for (const Chunk& chunk : chunks_)
+          {
+            const bool target = inBand(l, band, y + chunk.step[1], z + chunk.step[2]);
+            if (own || target)
+              pair(chunk, y, z, own, target, list);
+          }
+        if (own)
+          for (int c = 0; c < d; ++c)
+            clearRim(l, f_.component(c) + l.index(0, y, z));
+      });
+  }
+
+  std::int64_t critical = 0;
+
+private:
+  void pair(const Chunk& chunk, std::int64_t y, std::int64_t z, bool own, bool target, std::vector<Bond>* list)
+  {
+    const NodeLayout& l = bonds_.layout();
+    const auto d = static_cast<std::size_t>(l.dimension);
+    const std::int64_t i = l.index(0, y, z);
+    const std::int64_t j = l.index(0, y + chunk.step[1], z + chunk.step[2]);
+    RowJob<Real> job{};
+    job.count = chunk.count;
+    job.bit = chunk.first % 32;
+    job.stepX = chunk.step[0];
+    job.planes = bonds_.planes();
+    for (int p = 0; p < job.planes; ++p)
+      job.words[p] = bonds_.plane(p, chunk.first / 32) + i;
+    for (std::size_t c = 0; c < d; ++c)
+    {
+      const int k = static_cast<int>(c);
+      job.u[c] = u_.component(k) + i;
+      job.v[c] = u_.component(k) + j;
+      job.f[c] = own ? f_.component(k) + i : dump_.data() + k * l.pitch + NodeLayout::margin;
+    }
+    job.t = buffers_.data() + NodeLayout::margin;
+    job.pitch = l.pitch;
+    if (bonds_.corrected())
+    {
+      job.volumeI = bonds_.volume() + i;
+      job.volumeJ = bonds_.volume() + j;
+    }
+    job.unit = numbers_.of(0) + chunk.first;
+    job.stiffness = numbers_.stiffness.data();
+    job.critical = numbers_.critical.data();
+    job.safe = numbers_.safe;
+    job.marks = marks_.data() + (nonlinear_ ? NodeLayout::margin : 0);
+
+    const RealRowKernels<Real>& kernels = kernelsOf<Real>(bonds_);
+    const auto& table = (nonlinear_ ? kernels.nonlinear : kernels.linear)[d - 2];
+    const int planesPath = job.planes <= 3 ? job.planes : static_cast<int>(ManyPlanes);
+    for (const Run& r : runs_.push)
+    {
+      const bool uniform = r.kind != 255;
+      job.uniformKind = uniform ? r.kind : 1;
+      job.kind = numbers_.of(job.uniformKind) + chunk.first;
+      table[uniform ? static_cast<int>(Uniform) : planesPath][bonds_.corrected() ? 1 : 0][chunk.count - 1](
+        job, r.begin, r.end);
+    }
+    if (job.marked)
+      count(chunk, y, z, own, list);
+    if (!target)
+      return;
+    for (const Run& r : runs_.gaps)
+      for (int b = 0; b < chunk.count * parts_; ++b)
+        std::fill(job.t + b * l.pitch + r.begin, job.t + b * l.pitch + r.end, Real(0));
+    for (std::size_t c = 0; c < d; ++c)
+      job.f[c] = f_.component(static_cast<int>(c)) + j;
+    for (const Run& r : runs_.pull)
+      (nonlinear_ ? kernels.pullNonlinear : kernels.pullLinear)[d - 2][chunk.count - 1](job, r.begin, r.end);
+  }
+
+  void count(const Chunk& chunk, std::int64_t y, std::int64_t z, bool own, std::vector<Bond>* list)
+  {
+    const NodeLayout& l = bonds_.layout();
+    if (own)
+      for (std::int64_t x = 0; x < l.size[0]; ++x)
+        for (int b = 0; b < chunk.count; ++b)
+          if ((marks_[NodeLayout::margin + x] >> b) & 1)
+          {
+            ++critical;
+            if (list != nullptr)
+              list->push_back(bonds_.bond(l.index(x, y, z), chunk.first + b));
+          }
+    std::fill_n(marks_.data(), marks_.size(), static_cast<unsigned char>(0));
+  }
+
+  const BondLattice& bonds_;
+  const BondNumbers<Real>& numbers_;
+  const std::vector<Chunk>& chunks_;
+  const NodeField<Real>& u_;
+  NodeField<Real>& f_;
+  bool nonlinear_;
+  int parts_;
+  AlignedArray<Real> buffers_;
+  AlignedArray<Real> dump_;
+  AlignedArray<unsigned char> marks_;
+  RowRuns runs_;
+};
+
+template <class Real>
+CriticalBonds force(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f, bool nonlinear, bool wanted)
+{
+  const BondNumbers<Real> numbers(bonds);
+  const std::vector<Chunk> list = chunks(bonds.stencil(), maxChunk);
+  CriticalBonds found;
+  const int threads = omp_get_max_threads();
+  const std::vector<Band> shares = bands(bonds, threads);
+  std::int64_t critical = 0;
+  std::vector<std::vector<Bond>> lists(shares.size());
+#pragma omp parallel for schedule(static, 1) reduction(+ : critical) num_threads(threads)
+  for (std::size_t b = 0; b < shares.size(); ++b)
+  {
+    ForceBand<Real> band(bonds, numbers, list, u, f, nonlinear);
+    band.run(shares[b], wanted ? &lists[b] : nullptr);
+    critical += band.critical;
+  }
+  if (!nonlinear)
+    return found;
+  found.count = bonds.communicator().sum(critical);
+  for (const auto& part : lists)
+    found.bonds.insert(found.bonds.end(), part.begin(), part.end());
+  std::sort(found.bonds.begin(), found.bonds.end());
+  return found;
+}
+
+} // namespace
+
+template <class Real>
+void linearForce(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f)
+{
+  (void)force(bonds, u, f, false, false);
+}
+
+template <class Real>
+CriticalBonds nonlinearForce(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f, bool list)
+{
+  return force(bonds, u, f, true, list);
+}
+
+template void linearForce(const BondLattice&, const NodeField<double>&, NodeField<double>&);
+template void linearForce(const BondLattice&, const NodeField<float>&, NodeField<float>&);
+template CriticalBonds nonlinearForce(const BondLattice&, const NodeField<double>&, NodeField<double>&, bool);
+template CriticalBonds nonlinearForce(const BondLattice&, const NodeField<float>&, NodeField<float>&, bool);
+
+} // namespace lamella::peridynamics

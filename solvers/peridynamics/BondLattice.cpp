@@ -1,0 +1,163 @@
+#include "peridynamics/BondLattice.h"
+
+#include "peridynamics/RimExchange.h"
+#include "peridynamics/kernels/RowKernels.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace lamella::peridynamics
+{
+
+std::int64_t BondLattice::bytes() const noexcept
+{
+  return 4 * bits_.size() + strips_.size() + solid_.size() + 4 * volume_.size();
+}
+
+double BondLattice::springConstant(std::int64_t index, int offset) const noexcept
+{
+  const int k = kind(index, offset);
+  if (k == 0)
+    return 0;
+  const double spring = kinds_[static_cast<std::size_t>(k)].stiffness /
+    (stencil_.half()[static_cast<std::size_t>(offset)].length * spacing_);
+  if (!corrected_)
+    return spring;
+  return spring * 2 / (double{ volume_[index] } + double{ volume_[index + jump(offset)] });
+}
+
+int BondLattice::degree(std::int64_t index) const noexcept
+{
+  int count = 0;
+  for (int o = 0; o < static_cast<int>(jump_.size()); ++o)
+    count += (kind(index, o) != 0 ? 1 : 0) + (kind(index - jump(o), o) != 0 ? 1 : 0);
+  return count;
+}
+
+StripCounts BondLattice::strips() const noexcept
+{
+  StripCounts counts;
+  const std::int64_t n = (layout_.size[0] + 15) / 16;
+  for (std::int64_t z = 0; z < layout_.size[2]; ++z)
+    for (std::int64_t y = 0; y < layout_.size[1]; ++y)
+    {
+      const std::uint8_t* s = stripsOf(layout_.row(y, z)) + NodeLayout::margin / 16;
+      for (std::int64_t i = 0; i < n; ++i)
+        ++(s[i] == 0 ? counts.empty : s[i] == 255 ? counts.mixed : counts.uniform);
+    }
+  return counts;
+}
+
+Bond BondLattice::bond(std::int64_t index, int offset) const noexcept
+{
+  Bond b{ layout_.node(index), offset };
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    b.node[a] += layout_.start[a];
+    if (periodic_[a])
+      b.node[a] = (b.node[a] + layout_.global[a]) % layout_.global[a];
+  }
+  return b;
+}
+
+template <class Real>
+void BondLattice::exchange(NodeField<Real>& field) const
+{
+  for (int c = 0; c < field.components(); ++c)
+    exchangeRim(layout_, periodic_, *comm_, field.component(c));
+}
+template void BondLattice::exchange(NodeField<double>&) const;
+template void BondLattice::exchange(NodeField<float>&) const;
+
+void BondLattice::classify(std::int64_t row, std::int64_t strip)
+{
+  const int count = static_cast<int>(jump_.size());
+  const std::int64_t begin = row * layout_.pitch + strip * 16;
+  // every plane must be all ones or all zeros over the strip and over all bonds
+  int code = 0;
+  bool some = false;
+  bool mixed = false;
+  for (int p = 0; p < planes_; ++p)
+  {
+    std::uint32_t all = ~0U;
+    std::uint32_t any = 0;
+    for (int w = 0; w < words_; ++w)
+    {
+      const int used = std::min(32, count - 32 * w);
+      const std::uint32_t unused = used == 32 ? 0 : ~0U << used;
+      const std::uint32_t* bits = plane(p, w) + begin;
+      for (int x = 0; x < 16; ++x)
+      {
+        all &= bits[x] | unused;
+        any |= bits[x];
+      }
+    }
+    some = some || any != 0;
+    if (all == ~0U)
+      code |= 1 << p;
+    else if (any != 0)
+      mixed = true;
+  }
+  if (some && !mixed && corrected_)
+    for (std::int64_t i = begin; i < begin + 16 && !mixed; ++i)
+      for (int o = 0; o < count && !mixed; ++o)
+        mixed = volume_[i] != 1.0F || volume_[i + jump(o)] != 1.0F;
+  strips_[row * (layout_.pitch / 16) + strip] = static_cast<std::uint8_t>(!some ? 0
+      : mixed || code == 255                                                    ? 255
+                                                                                : code);
+}
+
+std::int64_t BondLattice::clear(const Bond& bond)
+{
+  // all images of the first node that lie in this rank's rim or block
+  std::int64_t owned = 0;
+  const auto shifts = [&](std::size_t a) { return periodic_[a] ? 1 : 0; };
+  for (int sz = -shifts(2); sz <= shifts(2); ++sz)
+    for (int sy = -shifts(1); sy <= shifts(1); ++sy)
+      for (int sx = -shifts(0); sx <= shifts(0); ++sx)
+      {
+        const std::array<int, 3> s{ sx, sy, sz };
+        std::array<std::int64_t, 3> n{};
+        bool here = true;
+        for (std::size_t a = 0; a < 3; ++a)
+        {
+          const std::int64_t rim = a == 2 ? layout_.ghostZ() : layout_.ghost;
+          n[a] = bond.node[a] + s[a] * layout_.global[a] - layout_.start[a];
+          here = here && n[a] >= -rim && n[a] < layout_.size[a] + rim;
+        }
+        if (!here)
+          continue;
+        const std::int64_t i = layout_.index(n[0], n[1], n[2]);
+        if (kind(i, bond.offset) == 0)
+          continue;
+        for (int p = 0; p < planes_; ++p)
+          bits_[(p * words_ + (bond.offset >> 5)) * layout_.count() + i] &= ~(1U << (bond.offset & 31));
+        classify(i / layout_.pitch, i % layout_.pitch / 16);
+        owned += layout_.ownedNode(n) ? 1 : 0;
+      }
+  return owned;
+}
+
+std::int64_t BondLattice::breakBonds(std::span<const Bond> bonds)
+{
+  std::int64_t broken = 0;
+  if (!comm_->parallel())
+    for (const Bond& b : bonds)
+      broken += clear(b);
+  else
+  {
+    // every rank hears of all: breaks are few, and their order does not matter
+    std::vector<std::int64_t> mine;
+    for (const Bond& b : bonds)
+      mine.insert(mine.end(), { b.node[0], b.node[1], b.node[2], b.offset });
+    for (const std::int64_t value : gather(*comm_, mine, 4))
+      mine.push_back(value);
+    for (std::size_t k = 4 * bonds.size(); k < mine.size(); k += 4)
+      broken += clear({ { mine[k], mine[k + 1], mine[k + 2] }, static_cast<int>(mine[k + 3]) });
+    broken = comm_->sum(broken);
+  }
+  bonds_ -= broken;
+  return broken;
+}
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,98 @@
+#include "peridynamics/RimExchange.h"
+
+#include <cstring>
+#include <numeric>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+template <class T>
+void copyRows(const NodeLayout& layout, T* data, std::int64_t from, std::int64_t to, std::int64_t rows)
+{
+  std::memcpy(
+    data + to * layout.pitch, data + from * layout.pitch, static_cast<std::size_t>(rows * layout.pitch) * sizeof(T));
+}
+
+} // namespace
+
+template <class T>
+void exchangeRim(const NodeLayout& layout, const std::array<bool, 3>& periodic, const Communicator& comm, T* data)
+{
+  const std::int64_t g = layout.ghost;
+  const auto [nx, ny, nz] = layout.size;
+  if (periodic[0])
+    for (std::int64_t z = 0; z < nz; ++z)
+      for (std::int64_t y = 0; y < ny; ++y)
+      {
+        T* row = data + layout.index(0, y, z);
+        for (std::int64_t k = 1; k <= g; ++k)
+        {
+          row[-k] = row[nx - k];
+          row[nx + k - 1] = row[k - 1];
+        }
+      }
+  const bool space = layout.dimension == 3;
+  if (space && periodic[1])
+    for (std::int64_t z = 0; z < nz; ++z)
+    {
+      copyRows(layout, data, layout.row(ny - g, z), layout.row(-g, z), g);
+      copyRows(layout, data, layout.row(0, z), layout.row(ny, z), g);
+    }
+  // the slowest axis: g layers of whole rows, in one piece
+  const std::size_t axis = space ? 2 : 1;
+  const std::int64_t layer = space ? layout.rowsY() : 1; // in rows
+  const std::int64_t n = layout.size[axis];
+  const std::int64_t first = g * layer;                 // row of the first owned layer
+  const std::int64_t lastOut = first + (n - g) * layer; // of the last g owned layers
+  const std::int64_t high = first + n * layer;          // of the upper rim
+  if (!comm.parallel())
+  {
+    if (periodic[axis])
+    {
+      copyRows(layout, data, lastOut, 0, g * layer);
+      copyRows(layout, data, first, high, g * layer);
+    }
+    return;
+  }
+  const int size = comm.size();
+  const int rank = comm.rank();
+  const int up = rank + 1 < size ? rank + 1 : periodic[axis] ? 0 : MPI_PROC_NULL;
+  const int down = rank > 0 ? rank - 1 : periodic[axis] ? size - 1 : MPI_PROC_NULL;
+  MPI_Datatype rowType = MPI_DATATYPE_NULL;
+  MPI_Type_contiguous(static_cast<int>(layout.pitch * static_cast<std::int64_t>(sizeof(T))), MPI_BYTE, &rowType);
+  MPI_Type_commit(&rowType);
+  const int rows = static_cast<int>(g * layer);
+  MPI_Sendrecv(data + lastOut * layout.pitch, rows, rowType, up, 71, data, rows, rowType, down, 71, comm.handle(),
+    MPI_STATUS_IGNORE);
+  MPI_Sendrecv(data + first * layout.pitch, rows, rowType, down, 72, data + high * layout.pitch, rows, rowType, up, 72,
+    comm.handle(), MPI_STATUS_IGNORE);
+  MPI_Type_free(&rowType);
+}
+
+template void exchangeRim(const NodeLayout&, const std::array<bool, 3>&, const Communicator&, double*);
+template void exchangeRim(const NodeLayout&, const std::array<bool, 3>&, const Communicator&, float*);
+template void exchangeRim(const NodeLayout&, const std::array<bool, 3>&, const Communicator&, std::uint8_t*);
+template void exchangeRim(const NodeLayout&, const std::array<bool, 3>&, const Communicator&, std::int32_t*);
+
+std::vector<std::int64_t> gather(const Communicator& comm, const std::vector<std::int64_t>& mine, int stride)
+{
+  if (!comm.parallel())
+    return mine;
+  MPI_Datatype entry = MPI_DATATYPE_NULL; // counts in entries: longer lists before an int overflows
+  MPI_Type_contiguous(stride, MPI_INT64_T, &entry);
+  MPI_Type_commit(&entry);
+  const int own = static_cast<int>(mine.size()) / stride;
+  std::vector<int> counts(static_cast<std::size_t>(comm.size()));
+  MPI_Allgather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, comm.handle());
+  std::vector<int> begins(counts.size(), 0);
+  std::partial_sum(counts.begin(), counts.end() - 1, begins.begin() + 1);
+  std::vector<std::int64_t> values(
+    static_cast<std::size_t>(begins.back() + counts.back()) * static_cast<std::size_t>(stride));
+  MPI_Allgatherv(mine.data(), own, entry, values.data(), counts.data(), begins.data(), entry, comm.handle());
+  MPI_Type_free(&entry);
+  return values;
+}
+
+} // namespace lamella::peridynamics

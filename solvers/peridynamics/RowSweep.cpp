@@ -1,0 +1,107 @@
+#include "peridynamics/RowSweep.h"
+
+namespace lamella::peridynamics
+{
+
+std::vector<Chunk> chunks(const Stencil& stencil, int largest)
+{
+  std::vector<Chunk> list;
+  const auto& half = stencil.half();
+  const int n = static_cast<int>(half.size());
+  for (int first = 0; first < n;)
+  {
+    const auto& step = half[static_cast<std::size_t>(first)].step;
+    // those that follow it in its row, up to the end of the word; x steps one by one
+    int end = first + 1;
+    while (end < n && end % 32 != 0 && half[static_cast<std::size_t>(end)].step[1] == step[1] &&
+      half[static_cast<std::size_t>(end)].step[2] == step[2])
+      ++end;
+    int count = 1;
+    for (const int size : { 5, 3, 2 })
+      if (size <= largest && end - first >= size)
+      {
+        count = size;
+        break;
+      }
+    list.push_back({ first, count, step });
+    first += count;
+  }
+  return list;
+}
+
+bool RowRuns::find(const BondLattice& bonds, std::int64_t row)
+{
+  push.clear();
+  pull.clear();
+  gaps.clear();
+  const std::uint8_t* strip = bonds.stripsOf(row);
+  const NodeLayout& l = bonds.layout();
+  const std::int64_t n = l.pitch / 16;
+  constexpr std::int64_t before = NodeLayout::margin / 16; // strips before x = 0
+  for (std::int64_t s = 0; s < n; ++s)
+    if (strip[s] != 0)
+    {
+      const std::int64_t begin = (s - before) * 16;
+      if (!push.empty() && push.back().kind == strip[s] && push.back().end == begin)
+        push.back().end += 16;
+      else
+        push.push_back({ begin, begin + 16, strip[s] });
+    }
+  if (push.empty())
+    return false;
+  // second ends lie at most 8 nodes, so one strip, further
+  const std::int64_t last = (l.size[0] + 15) / 16 * 16;
+  for (const Run& r : push)
+  {
+    const std::int64_t begin = std::max<std::int64_t>(0, r.begin - 16);
+    const std::int64_t end = std::min(last, r.end + 16);
+    if (!pull.empty() && begin <= pull.back().end)
+      pull.back().end = std::max(pull.back().end, end);
+    else
+      pull.push_back({ begin, end, 0 });
+  }
+  // pull() reads a strip to either side of what it writes
+  for (const Run& r : pull)
+  {
+    std::int64_t at = r.begin - 16;
+    for (const Run& p : push)
+      if (p.end > at && p.begin < r.end + 16)
+      {
+        if (p.begin > at)
+          gaps.push_back({ at, p.begin, 0 });
+        at = p.end;
+      }
+    if (at < r.end + 16)
+      gaps.push_back({ at, r.end + 16, 0 });
+  }
+  return true;
+}
+
+std::vector<Band> bands(const BondLattice& bonds, int count)
+{
+  const NodeLayout& l = bonds.layout();
+  const std::int64_t rows = l.size[1] * l.size[2];
+  std::vector<std::int64_t> upTo(static_cast<std::size_t>(rows) + 1, 0);
+  for (std::int64_t r = 0; r < rows; ++r)
+  {
+    const std::uint8_t* strip = bonds.stripsOf(l.row(r % l.size[1], r / l.size[1]));
+    std::int64_t full = 1; // a row costs something even when it is empty
+    for (std::int64_t s = 0; s < l.pitch / 16; ++s)
+      full += strip[s] != 0 ? 4 : 0;
+    upTo[static_cast<std::size_t>(r) + 1] = upTo[static_cast<std::size_t>(r)] + full;
+  }
+  std::vector<Band> list(static_cast<std::size_t>(count));
+  std::int64_t begin = 0;
+  for (int b = 0; b < count; ++b)
+  {
+    const std::int64_t share = upTo.back() * (b + 1) / count;
+    const std::int64_t end = b + 1 == count
+      ? rows
+      : std::max(begin, static_cast<std::int64_t>(std::lower_bound(upTo.begin(), upTo.end(), share) - upTo.begin()));
+    list[static_cast<std::size_t>(b)] = { begin, std::min(end, rows) };
+    begin = std::min(end, rows);
+  }
+  return list;
+}
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,30 @@
+# Loops compiled once for every instruction set and chosen at run time.
+#
+#   lamella_kernels(TARGET source table dispatcher)
+#     Compiles `source` as the object libraries TARGETBase, TARGETV3 (AVX2) and TARGETV4 (AVX-512) into LamellaSolvers.
+#     LAMELLA_KERNELS is defined as <table>Base … and LAMELLA_KERNELS_NAME as the set's name; `dispatcher` gets
+#     LAMELLA_X86_KERNELS where the wider sets exist.
+function(_lamella_kernel_set target source table suffix name)
+  set(lib ${target}${suffix})
+  add_library(${lib} OBJECT "${source}")
+  target_include_directories(${lib} PRIVATE "${PROJECT_SOURCE_DIR}/solvers")
+  target_compile_definitions(${lib} PRIVATE LAMELLA_KERNELS=${table}${suffix} LAMELLA_KERNELS_NAME="${name}")
+  # no effect on results beyond round-off: fused multiply-add, no errno, loops may be vectorised; the vector ABI does
+  # not matter where everything is inlined
+  target_compile_options(${lib} PRIVATE -O3 -fopenmp-simd -fno-math-errno -fno-trapping-math -ffp-contract=fast
+    -Wno-psabi ${ARGN})
+  lamella_warnings(${lib})
+  target_sources(LamellaSolvers PRIVATE $<TARGET_OBJECTS:${lib}>)
+endfunction()
+
+function(lamella_kernels target source table dispatcher)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    _lamella_kernel_set(${target} "${source}" ${table} Base x86-64)
+    _lamella_kernel_set(${target} "${source}" ${table} V3 x86-64-v3 -march=x86-64-v3)
+    _lamella_kernel_set(${target} "${source}" ${table} V4 x86-64-v4 -march=x86-64-v4 -mprefer-vector-width=512)
+    set_source_files_properties("${dispatcher}" TARGET_DIRECTORY LamellaSolvers
+      PROPERTIES COMPILE_DEFINITIONS LAMELLA_X86_KERNELS)
+  else()
+    _lamella_kernel_set(${target} "${source}" ${table} Base generic)
+  endif()
+endfunction()
