@@ -25,7 +25,6 @@ BondNumbers<Real>::BondNumbers(const BondLattice& bonds)
       {
         n.step[c] = static_cast<Real>(o.step[c]);
         n.xi[c] = static_cast<Real>(o.step[c] * spacing);
-        n.twice[c] = 2 * n.xi[c];
         n.linear[c] = static_cast<Real>(force * o.step[c] / (spacing * o.length * o.length * o.length));
       }
       n.inverseSquare = static_cast<Real>(1 / (length * length));

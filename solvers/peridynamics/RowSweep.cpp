@@ -38,15 +38,24 @@ bool RowRuns::find(const BondLattice& bonds, std::int64_t row)
   const NodeLayout& l = bonds.layout();
   const std::int64_t n = l.pitch / 16;
   constexpr std::int64_t before = NodeLayout::margin / 16; // strips before x = 0
-  for (std::int64_t s = 0; s < n; ++s)
+  // To skip the bits saves less than to start a run costs, where the run is short.
+  constexpr std::int64_t worthwhile = 4;
+  for (std::int64_t s = 0; s < n;)
+  {
+    std::int64_t end = s + 1;
+    while (end < n && strip[end] == strip[s])
+      ++end;
     if (strip[s] != 0)
     {
+      const int kind = end - s < worthwhile ? 255 : strip[s];
       const std::int64_t begin = (s - before) * 16;
-      if (!push.empty() && push.back().kind == strip[s] && push.back().end == begin)
-        push.back().end += 16;
+      if (!push.empty() && push.back().kind == kind && push.back().end == begin)
+        push.back().end = (end - before) * 16;
       else
-        push.push_back({ begin, begin + 16, strip[s] });
+        push.push_back({ begin, (end - before) * 16, kind });
     }
+    s = end;
+  }
   if (push.empty())
     return false;
   // second ends lie at most 8 nodes, so one strip, further

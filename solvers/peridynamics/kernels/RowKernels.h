@@ -22,7 +22,6 @@ struct OffsetNumbers
 {
   Real step[3];       ///< in spacings
   Real xi[3];         ///< ξ [m]
-  Real twice[3];      ///< 2 ξ
   Real inverseSquare; ///< 1/|ξ|²
   Real linear[3];     ///< k/(δx L³) n, n the steps and L their length: f = (linear·η) n
   Real spring;        ///< k/|ξ|

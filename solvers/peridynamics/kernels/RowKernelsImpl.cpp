@@ -180,137 +180,193 @@ void pullLinear(RowJob<Real>& job, std::int64_t x0, std::int64_t x1)
   }
 }
 
-/// (1 − (1+q)^(−1/2))/q for |q| ≤ 1/16, to 7e-16 (interpolation at Chebyshev's points) or 8e-10.
+/// (1 − (1+q)^(−1/2))/q for |q| ≤ 1/16: interpolation at Chebyshev's points, to 7e-16 or 8e-10.
 template <class Real>
-inline typename Simd<Real>::V seriesFactor(typename Simd<Real>::V q)
+struct Series;
+template <>
+struct Series<double>
+{
+  static constexpr int terms = 10;
+  static constexpr double c[terms] = { 0.5000000000000003, -0.3750000000000003, 0.31249999999614153,
+    -0.27343749999630207, 0.2460937578992089, -0.22558594507047777, 0.20946699882785053, -0.19637519327792408,
+    0.18712269731379638, -0.17778038776212374 };
+};
+template <>
+struct Series<float>
+{
+  static constexpr int terms = 6;
+  static constexpr float c[terms] = { 0.5F, -0.3750000003677182F, 0.3124981930641924F, -0.2734358058846643F,
+    0.2473259218563051F, -0.2267411586723767F };
+};
+
+/// What pushNonlinear() reads of a job, where no store can reach it.
+template <class Real, int Dim>
+struct NonlinearRows
+{
+  explicit NonlinearRows(const RowJob<Real>& job)
+    : t(job.t)
+    , pitch(job.pitch)
+  {
+    for (int c = 0; c < Dim; ++c)
+    {
+      u[c] = job.u[c];
+      v[c] = job.v[c] + job.stepX;
+      f[c] = job.f[c];
+    }
+  }
+  const Real* u[Dim];
+  const Real* v[Dim];
+  Real* f[Dim];
+  Real* t;
+  std::int64_t pitch;
+};
+
+/// Elongations of `Count` bonds from `first` on: ζ = ξ + η and q = |ζ|²/|ξ|² − 1, 0 where there is no bond.
+template <class Real, int Dim, int PathId, int Count>
+__attribute__((always_inline)) inline void elongations(const RowJob<Real>& job, const NonlinearRows<Real, Dim>& rows,
+  const OffsetNumbers<Real>* numbers, int first, std::int64_t x, const Bits<Real, PathId>& bits,
+  const typename Simd<Real>::V* u, typename Simd<Real>::V (*zeta)[Dim], typename Simd<Real>::V* q)
 {
   using V = typename Simd<Real>::V;
-  if constexpr (sizeof(Real) == 8)
+#pragma GCC unroll 8
+  for (int b = 0; b < Count; ++b)
   {
-    constexpr double c[10] = { 0.5000000000000003, -0.3750000000000003, 0.31249999999614153, -0.27343749999630207,
-      0.2460937578992089, -0.22558594507047777, 0.20946699882785053, -0.19637519327792408, 0.18712269731379638,
-      -0.17778038776212374 };
-    // even and odd powers apart: shorter chains
-    const V qq = q * q;
-    V even = all(c[8]);
-    V odd = all(c[9]);
-    for (int k = 6; k >= 0; k -= 2)
+    const OffsetNumbers<Real>& o = numbers[first + b];
+    V sum{};
+#pragma GCC unroll 3
+    for (int c = 0; c < Dim; ++c)
     {
-      even = even * qq + all(c[k]);
-      odd = odd * qq + all(c[k + 1]);
+      const V xi = all(c == 0 ? o.xi[0] : numbers[0].xi[c]); // along y and z that of all bonds
+      const V eta = load(rows.v[c] + x + first + b) - u[c];
+      zeta[b][c] = xi + eta;
+      sum += (xi + zeta[b][c]) * eta;
     }
-    return even + q * odd;
-  }
-  else
-  {
-    constexpr float c[6] = { 0.5F, -0.3750000003677182F, 0.3124981930641924F, -0.2734358058846643F, 0.2473259218563051F,
-      -0.2267411586723767F };
-    V g = all(c[5]);
-    for (int k = 4; k >= 0; --k)
-      g = g * q + all(c[k]);
-    return g;
+    q[b] = bits.keep(job.bit + first + b, sum * all(o.inverseSquare));
   }
 }
 
-/// One vector of nodes. Careful: any q, and bonds marked where critical.
-/// @param count as Count, where that is 0
-template <class Real, int Dim, int PathId, bool Corrected, int Count, bool Careful>
-__attribute__((always_inline)) inline typename Simd<Real>::V pushNodes(
-  RowJob<Real>& job, const OffsetNumbers<Real>* numbers, int count, std::int64_t x, typename Simd<Real>::V* f)
+/// From (1 − |ξ|/|ζ|) of one bond to its force, left in the buffer and added to f.
+template <class Real, int Dim, int PathId, bool Corrected>
+__attribute__((always_inline)) inline void pushBond(const RowJob<Real>& job, const NonlinearRows<Real, Dim>& rows,
+  const OffsetNumbers<Real>* numbers, int b, std::int64_t x, const Bits<Real, PathId>& bits,
+  typename Simd<Real>::V factor, const typename Simd<Real>::V* zeta, typename Simd<Real>::V* f)
+{
+  using V = typename Simd<Real>::V;
+  V s = factor * all(numbers[b].spring);
+  if constexpr (PathId != Uniform && PathId != OnePlane)
+    s *= bits.choose(job, job.bit + b, job.stiffness);
+  if constexpr (Corrected)
+    s *= correction<Real>(job, x, x + job.stepX + b);
+#pragma GCC unroll 3
+  for (int c = 0; c < Dim; ++c)
+  {
+    const V g = s * zeta[c];
+    store(rows.t + (b * Dim + c) * rows.pitch + x, g);
+    f[c] += g;
+  }
+}
+
+/// A few bonds at once: stage by stage, since each alone is a long chain of dependent operations.
+/// @return the largest |q| and `largest`
+template <class Real, int Dim, int PathId, bool Corrected, int First, int Count>
+__attribute__((always_inline)) inline typename Simd<Real>::V pushSome(const RowJob<Real>& job,
+  const NonlinearRows<Real, Dim>& rows, const OffsetNumbers<Real>* numbers, std::int64_t x,
+  const Bits<Real, PathId>& bits, const typename Simd<Real>::V* u, typename Simd<Real>::V* f,
+  typename Simd<Real>::V largest)
+{
+  using V = typename Simd<Real>::V;
+  V zeta[Count][Dim];
+  V q[Count];
+  V g[Count];
+  elongations<Real, Dim, PathId, Count>(job, rows, numbers, First, x, bits, u, zeta, q);
+  constexpr int terms = Series<Real>::terms;
+#pragma GCC unroll 8
+  for (int b = 0; b < Count; ++b)
+    g[b] = all(Series<Real>::c[terms - 1]);
+#pragma GCC unroll 16
+  for (int k = terms - 2; k >= 0; --k)
+#pragma GCC unroll 8
+    for (int b = 0; b < Count; ++b)
+      g[b] = g[b] * q[b] + all(Series<Real>::c[k]);
+#pragma GCC unroll 8
+  for (int b = 0; b < Count; ++b)
+  {
+    const V size = magnitude<Real>(q[b]);
+    largest = size > largest ? size : largest;
+    pushBond<Real, Dim, PathId, Corrected>(job, rows, numbers, First + b, x, bits, q[b] * g[b], zeta[b], f);
+  }
+  return largest;
+}
+
+/// The rare case, small rather than fast: any q, and bonds marked where critical.
+template <class Real, int Dim, int PathId, bool Corrected>
+__attribute__((noinline)) void pushCarefully(
+  RowJob<Real>& job, const NonlinearRows<Real, Dim>& rows, std::int64_t x, typename Simd<Real>::V* f)
 {
   using V = typename Simd<Real>::V;
   using I = typename Simd<Real>::I;
-  constexpr bool folded = PathId == Uniform || PathId == OnePlane;
+  const OffsetNumbers<Real>* const numbers = PathId == Uniform || PathId == OnePlane ? job.kind : job.unit;
   Bits<Real, PathId> bits;
   bits.read(job, x);
   V u[Dim];
   for (int c = 0; c < Dim; ++c)
   {
-    u[c] = load(job.u[c] + x);
+    u[c] = load(rows.u[c] + x);
     f[c] = V{};
   }
-  V largest{};
-#pragma GCC unroll 8
-  for (int b = 0; b < (Count > 0 ? Count : count); ++b)
+  for (int b = 0; b < job.count; ++b)
   {
-    const OffsetNumbers<Real>& o = numbers[b];
-    V eta[Dim];
-    V q{};
-    for (int c = 0; c < Dim; ++c)
-    {
-      eta[c] = load(job.v[c] + job.stepX + x + b) - u[c];
-      q += (all(o.twice[c]) + eta[c]) * eta[c];
-    }
-    q = bits.keep(job.bit + b, q * all(o.inverseSquare));
-    V s;
-    if constexpr (Careful)
-    {
-      // a bond of no length has no direction: ξ+η = 0 and with it the force
-      V square = all(Real(1)) + q;
-      const V least = all(Real(1e-30));
-      square = square > least ? square : least;
-      const V r = root<Real>(square);
-      s = q / (r + square);
-      V limit;
-      if constexpr (PathId == Uniform)
-        limit = all(job.critical[job.uniformKind]);
-      else
-        limit = bits.choose(job, job.bit + b, job.critical);
-      const I critical = q > limit;
-      if (any<Real>(critical))
-      {
-        job.marked = true;
-        for (int l = 0; l < Simd<Real>::lanes; ++l)
-          if (critical[l] != 0)
-            job.marks[x + l] = static_cast<unsigned char>(job.marks[x + l] | (1U << b));
-      }
-    }
+    V zeta[1][Dim];
+    V q[1];
+    elongations<Real, Dim, PathId, 1>(job, rows, numbers, b, x, bits, u, zeta, q);
+    // a bond of no length has no direction: ζ = 0 and with it the force
+    V square = all(Real(1)) + q[0];
+    const V least = all(Real(1e-30));
+    square = square > least ? square : least;
+    const V factor = q[0] / (root<Real>(square) + square);
+    V limit;
+    if constexpr (PathId == Uniform)
+      limit = all(job.critical[job.uniformKind]);
     else
+      limit = bits.choose(job, job.bit + b, job.critical);
+    const I critical = q[0] > limit;
+    if (any<Real>(critical))
     {
-      const V size = q < V{} ? -q : q;
-      largest = size > largest ? size : largest;
-      s = q * seriesFactor<Real>(q);
+      job.marked = true;
+      for (int l = 0; l < Simd<Real>::lanes; ++l)
+        if (critical[l] != 0)
+          job.marks[x + l] = static_cast<unsigned char>(job.marks[x + l] | (1U << b));
     }
-    s *= all(o.spring);
-    if constexpr (!folded)
-      s *= bits.choose(job, job.bit + b, job.stiffness);
-    if constexpr (Corrected)
-      s *= correction<Real>(job, x, x + job.stepX + b);
-    for (int c = 0; c < Dim; ++c)
-    {
-      const V g = s * (all(o.xi[c]) + eta[c]);
-      store(job.t + (b * Dim + c) * job.pitch + x, g);
-      f[c] += g;
-    }
+    pushBond<Real, Dim, PathId, Corrected>(job, rows, numbers, b, x, bits, factor, zeta[0], f);
   }
-  return largest;
-}
-
-/// The rare case, small rather than fast.
-template <class Real, int Dim, int PathId, bool Corrected>
-__attribute__((noinline)) void pushCarefully(RowJob<Real>& job, std::int64_t x, typename Simd<Real>::V* f)
-{
-  const bool folded = PathId == Uniform || PathId == OnePlane;
-  pushNodes<Real, Dim, PathId, Corrected, 0, true>(job, folded ? job.kind : job.unit, job.count, x, f);
 }
 
 template <class Real, int Dim, int PathId, bool Corrected, int Count>
 void pushNonlinear(RowJob<Real>& job, std::int64_t x0, std::int64_t x1)
 {
   using V = typename Simd<Real>::V;
-  constexpr bool folded = PathId == Uniform || PathId == OnePlane;
   const V safe = all(job.safe);
-  RowJob<Real> fixed = job; // a copy that no store can alias
+  const NonlinearRows<Real, Dim> rows(job);
+  const OffsetNumbers<Real>* const numbers = PathId == Uniform || PathId == OnePlane ? job.kind : job.unit;
   for (std::int64_t x = x0; x < x1; x += Simd<Real>::lanes)
   {
+    Bits<Real, PathId> bits;
+    bits.read(job, x);
+    V u[Dim];
     V f[Dim];
-    const OffsetNumbers<Real>* const numbers = folded ? fixed.kind : fixed.unit;
-    const V largest = pushNodes<Real, Dim, PathId, Corrected, Count, false>(fixed, numbers, Count, x, f);
-    // written so that a NaN is not safe either
-    if (__builtin_expect(any<Real>(~(largest <= safe)), 0))
-      pushCarefully<Real, Dim, PathId, Corrected>(job, x, f);
     for (int c = 0; c < Dim; ++c)
-      store(fixed.f[c] + x, load(fixed.f[c] + x) + f[c]);
+    {
+      u[c] = load(rows.u[c] + x);
+      f[c] = V{};
+    }
+    constexpr int part = Count == 5 ? 3 : Count;
+    V largest = pushSome<Real, Dim, PathId, Corrected, 0, part>(job, rows, numbers, x, bits, u, f, V{});
+    if constexpr (part < Count)
+      largest = pushSome<Real, Dim, PathId, Corrected, part, Count - part>(job, rows, numbers, x, bits, u, f, largest);
+    if (__builtin_expect(any<Real>(largest > safe), 0))
+      pushCarefully<Real, Dim, PathId, Corrected>(job, rows, x, f);
+    for (int c = 0; c < Dim; ++c)
+      store(rows.f[c] + x, load(rows.f[c] + x) + f[c]);
   }
 }
 

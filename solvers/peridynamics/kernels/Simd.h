@@ -93,6 +93,15 @@ inline typename Simd<Real>::V pick(
 }
 
 template <class Real>
+inline typename Simd<Real>::V magnitude(typename Simd<Real>::V x)
+{
+  using I = typename Simd<Real>::I;
+  constexpr int top = sizeof(Real) * 8 - 1;
+  const I sign = (I{} + 1) << top;
+  return (typename Simd<Real>::V)((I)x & ~sign);
+}
+
+template <class Real>
 inline typename Simd<Real>::V root(typename Simd<Real>::V x)
 {
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
