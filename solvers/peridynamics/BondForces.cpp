@@ -53,7 +53,7 @@ public:
     sweep(l, bonds_.stencil().layers(), band, zero,
       [&](std::int64_t y, std::int64_t z, std::int64_t row, bool own)
       {
-        if (runs_.find(bonds_, row))
+        if (runs_.find(bonds_, row, 64 / static_cast<int>(sizeof(Real))))
           for (const Chunk& chunk : chunks_)
           {
             const bool target = inBand(l, band, y + chunk.step[1], z + chunk.step[2]);

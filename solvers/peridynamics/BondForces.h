@@ -9,8 +9,8 @@
 
 /// Sums over the bonds of a lattice. Each is a template of float and double. Fields have the layout of the lattice; the
 /// rim of what is read must be up to date (BondLattice::exchange), what is written is written for owned nodes only
-/// (the rim of it is not touched). None allocates more than a few rows a thread; all use OpenMP's threads. A sum at a
-/// node, and so every force, is the same to the last bit for any number of threads and ranks.
+/// (the rim of it is zero or left as it was). None allocates more than a few rows a thread; all use OpenMP's threads. A
+/// sum at a node, and so every force, is the same to the last bit for any number of threads and ranks.
 ///
 /// With k the stiffness of a bond (BondKind, surface correction included), ξ its vector, e = ξ/|ξ|, η = uⱼ − uᵢ:
 /// linearised  f = (k/|ξ|) (e·η) e;   nonlinear  f = k (|ξ+η| − |ξ|)/|ξ| (ξ+η)/|ξ+η|.
@@ -63,8 +63,8 @@ void energyDensity(const BondLattice& bonds, const NodeField<Real>& u, NodeField
 template <class Real>
 void nodalStress(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& stress, bool nonlinear);
 
-/// Force that the bonds across a plane between two layers of nodes carry, from the lower side on the upper one, per
-/// component [N], [N/m in 2D]: the section's traction times its area. Each bond that crosses counts once.
+/// Force that the nodes above a plane between two layers exert on those below, through the bonds that cross it [N],
+/// [N/m] in the plane: the section's traction times its area, positive in tension. Collective.
 /// @param axis normal of the plane
 /// @param layer of the whole lattice: the plane lies between `layer` - 1 and `layer`
 template <class Real>

@@ -29,7 +29,7 @@ std::vector<Chunk> chunks(const Stencil& stencil, int largest)
   return list;
 }
 
-bool RowRuns::find(const BondLattice& bonds, std::int64_t row)
+bool RowRuns::find(const BondLattice& bonds, std::int64_t row, int unit)
 {
   push.clear();
   pull.clear();
@@ -58,6 +58,10 @@ bool RowRuns::find(const BondLattice& bonds, std::int64_t row)
   }
   if (push.empty())
     return false;
+  const auto up = [&](std::int64_t x) { return (x + unit - 1) / unit * unit; };
+  const std::int64_t rim = bonds.periodic()[0] ? l.ghost : 0;
+  push.back().end = std::min(push.back().end, up(l.size[0] + rim));
+  push.front().begin = std::max(push.front().begin, -up(rim));
   // second ends lie at most 8 nodes, so one strip, further
   const std::int64_t last = (l.size[0] + 15) / 16 * 16;
   for (const Run& r : push)

@@ -38,8 +38,9 @@ struct RowRuns
   std::vector<Run> pull; ///< nodes that may be the second ends
   std::vector<Run> gaps; ///< in pull but not in push: the buffers must be zero there
 
+  /// @param unit runs end at a multiple of it past the last node: a vector's length
   /// @return false when the row has no bond
-  bool find(const BondLattice& bonds, std::int64_t row);
+  bool find(const BondLattice& bonds, std::int64_t row, int unit);
 };
 
 /// A thread's share of the owned rows: [begin, end) of z size[1] + y.

@@ -67,7 +67,8 @@ template <class Real>
 struct RealRowKernels
 {
   using Push = void (*)(RowJob<Real>& job, std::int64_t x0, std::int64_t x1);
-  /// By dimension - 2, path, surface correction, and bonds of the chunk - 1 (4 is not used). x0, x1: multiples of 16.
+  /// By dimension - 2, path, surface correction, and bonds of the chunk - 1 (4 is not used). x0, x1: multiples of
+  /// a cache line.
   Push linear[2][paths][2][maxChunk];
   Push nonlinear[2][paths][2][maxChunk];
   /// Subtracts the buffers from the second nodes x0 … x1. By dimension - 2 and bonds - 1.

@@ -1,0 +1,539 @@
+// What is asked for now and then: stress, energy, the most stretched bond, sections, diagonal blocks, tangents. One
+// bond of the stencil and one row of nodes at a time, with the springs of the row written out first; plain loops.
+#include "peridynamics/BondForces.h"
+#include "peridynamics/BondNumbers.h"
+#include "peridynamics/RimExchange.h"
+#include "peridynamics/RowSweep.h"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+constexpr std::int64_t margin = NodeLayout::margin;
+
+/// One bond of the stencil along a row: x runs from x0 to x1, pointers are at x = 0.
+template <class Real>
+struct BondRow
+{
+  std::int64_t x0;
+  std::int64_t x1;
+  int offset;
+  std::int64_t i;      ///< position of the first node at x = 0
+  std::int64_t j;      ///< of the second
+  const Real* spring;  ///< k/|ξ|, 0 where there is none
+  const Real* inverse; ///< 1/s₀, 0 where there is none
+};
+
+/// Springs of the bonds from a row.
+template <class Real>
+class SpringRow
+{
+public:
+  SpringRow(const BondLattice& bonds, const BondNumbers<Real>& numbers)
+    : bonds_(bonds)
+    , numbers_(numbers)
+    , spring_(bonds.layout().pitch)
+    , inverse_(bonds.layout().pitch)
+  {
+  }
+
+  BondRow<Real> read(std::int64_t y, std::int64_t z, int offset, std::int64_t x0, std::int64_t x1)
+  {
+    const std::int64_t i = bonds_.layout().index(0, y, z);
+    const std::int64_t j = i + bonds_.jump(offset);
+    const auto length =
+      static_cast<Real>(bonds_.stencil().half()[static_cast<std::size_t>(offset)].length * bonds_.spacing());
+    const float* volume = bonds_.volume();
+    for (std::int64_t x = x0; x < x1; ++x)
+    {
+      const auto kind = static_cast<std::size_t>(bonds_.kind(i + x, offset));
+      Real k = numbers_.stiffness[kind] / length;
+      if (volume != nullptr && kind != 0)
+        k *= 2 / (static_cast<Real>(volume[i + x]) + static_cast<Real>(volume[j + x]));
+      spring_[margin + x] = k;
+      inverse_[margin + x] = numbers_.inverse[kind];
+    }
+    return { x0, x1, offset, i, j, spring_.data() + margin, inverse_.data() + margin };
+  }
+
+private:
+  const BondLattice& bonds_;
+  const BondNumbers<Real>& numbers_;
+  AlignedArray<Real> spring_;
+  AlignedArray<Real> inverse_;
+};
+
+/// The state of a bond: its vector now, its elongation s, and the direction of its force.
+template <class Real, int Dim, bool Nonlinear>
+class BondState
+{
+public:
+  BondState(const BondLattice& bonds, const NodeField<Real>& u, const BondRow<Real>& row)
+  {
+    const Offset& o = bonds.stencil().half()[static_cast<std::size_t>(row.offset)];
+    length = static_cast<Real>(o.length * bonds.spacing());
+    for (int c = 0; c < Dim; ++c)
+    {
+      xi_[c] = static_cast<Real>(o.step[static_cast<std::size_t>(c)] * bonds.spacing());
+      ui_[c] = u.component(c) + row.i;
+      uj_[c] = u.component(c) + row.j;
+    }
+  }
+  void at(std::int64_t x)
+  {
+    Real q = 0;
+    for (int c = 0; c < Dim; ++c)
+    {
+      const Real eta = uj_[c][x] - ui_[c][x];
+      zeta[c] = xi_[c] + (Nonlinear ? eta : Real(0));
+      q += Nonlinear ? (xi_[c] + zeta[c]) * eta : xi_[c] * eta;
+    }
+    q /= length * length;
+    if constexpr (Nonlinear)
+    {
+      const Real ratio = std::sqrt(std::max(1 + q, Real(1e-30))); // |ζ|/|ξ|
+      stretch = q / (1 + ratio);
+      perZeta = stretch / ratio;
+      shortening = perZeta; // 1 − |ξ|/|ζ|
+      norm = length * ratio;
+    }
+    else
+    {
+      stretch = q;
+      perZeta = q;
+      norm = length;
+    }
+  }
+
+  Real length;
+  Real zeta[Dim];    ///< ξ + η, or ξ where linearised
+  Real stretch{};    ///< s
+  Real perZeta{};    ///< force over (k/|ξ|) ζ
+  Real shortening{}; ///< 1 − |ξ|/|ζ|
+  Real norm{};       ///< |ζ|
+
+private:
+  Real xi_[Dim];
+  const Real* ui_[Dim];
+  const Real* uj_[Dim];
+};
+
+/// Adds fill(row, t) to the first ends of all bonds, and `sign` times it to the second ones; t[c] at x = 0.
+template <class Real, class Fill>
+void addToEnds(const BondLattice& bonds, NodeField<Real>& out, int components, Real sign, Fill&& fill)
+{
+  const BondNumbers<Real> numbers(bonds);
+  const std::vector<Chunk> list = chunks(bonds.stencil(), 1);
+  const NodeLayout& l = bonds.layout();
+  const std::vector<Band> shares = bands(bonds, omp_get_max_threads());
+#pragma omp parallel for schedule(static, 1)
+  for (std::size_t b = 0; b < shares.size(); ++b)
+  {
+    const Band& band = shares[b];
+    SpringRow<Real> springs(bonds, numbers);
+    AlignedArray<Real> buffers(l.pitch * components);
+    std::array<Real*, 6> t{};
+    for (int c = 0; c < components; ++c)
+      t[static_cast<std::size_t>(c)] = buffers.data() + c * l.pitch + margin;
+    RowRuns runs;
+    const auto zero = [&](std::int64_t row)
+    {
+      for (int c = 0; c < components; ++c)
+        std::fill_n(out.component(c) + row * l.pitch, l.pitch, Real(0));
+    };
+    const auto visit = [&](std::int64_t y, std::int64_t z, std::int64_t row, bool own)
+    {
+      if (!runs.find(bonds, row, 16))
+        return;
+      for (const Chunk& chunk : list)
+      {
+        const bool target = inBand(l, band, y + chunk.step[1], z + chunk.step[2]);
+        if (!own && !target)
+          continue;
+        for (const Run& run : runs.push)
+        {
+          const std::int64_t x0 = std::max<std::int64_t>(run.begin, -l.ghost);
+          const std::int64_t x1 = std::min<std::int64_t>(run.end, l.size[0] + l.ghost);
+          const BondRow<Real> r = springs.read(y, z, chunk.first, x0, x1);
+          fill(r, t);
+          for (int c = 0; c < components; ++c)
+          {
+            const Real* from = t[static_cast<std::size_t>(c)];
+            Real* to = out.component(c);
+            if (own)
+              for (std::int64_t x = std::max<std::int64_t>(x0, 0); x < std::min(x1, l.size[0]); ++x)
+                to[r.i + x] += from[x];
+            const std::int64_t dx = chunk.step[0];
+            if (target)
+              for (std::int64_t x = std::max(x0, -dx); x < std::min(x1, l.size[0] - dx); ++x)
+                to[r.j + x] += sign * from[x];
+          }
+        }
+      }
+    };
+    sweep(l, bonds.stencil().layers(), band, zero, visit);
+  }
+}
+
+/// Calls f(row, ordinal) for all bonds whose first node this rank owns, by rows; rows are shared out among threads.
+template <class Real, class F>
+void eachOwned(const BondLattice& bonds, F&& f)
+{
+  const BondNumbers<Real> numbers(bonds);
+  const NodeLayout& l = bonds.layout();
+  const int offsets = static_cast<int>(bonds.stencil().half().size());
+#pragma omp parallel
+  {
+    SpringRow<Real> springs(bonds, numbers);
+    RowRuns runs;
+#pragma omp for schedule(dynamic, 8)
+    for (std::int64_t r = 0; r < l.size[1] * l.size[2]; ++r)
+    {
+      const std::int64_t y = r % l.size[1];
+      const std::int64_t z = r / l.size[1];
+      if (!runs.find(bonds, l.row(y, z), 16))
+        continue;
+      for (int o = 0; o < offsets; ++o)
+        for (const Run& run : runs.push)
+        {
+          const std::int64_t x0 = std::max<std::int64_t>(run.begin, 0);
+          const std::int64_t x1 = std::min(run.end, l.size[0]);
+          if (x0 < x1)
+            f(springs.read(y, z, o, x0, x1), r);
+        }
+    }
+  }
+}
+
+/// Calls f with the dimension and linearity as types: f.template operator()<Dim, Nonlinear>().
+template <class F>
+void choose(const BondLattice& bonds, bool nonlinear, F&& f)
+{
+  if (bonds.dimension() == 2)
+    nonlinear ? f.template operator()<2, true>() : f.template operator()<2, false>();
+  else
+    nonlinear ? f.template operator()<3, true>() : f.template operator()<3, false>();
+}
+
+double inOrder(const std::vector<double>& parts)
+{
+  double sum = 0;
+  for (const double p : parts)
+    sum += p;
+  return sum;
+}
+
+/// The greatest of ratios with its bond; of equal ones the first.
+struct Greatest
+{
+  double ratio = 0;
+  Bond bond{};
+
+  void offer(double other, const Bond& at)
+  {
+    if (other > ratio || (other == ratio && ratio > 0 && at < bond))
+    {
+      ratio = other;
+      bond = at;
+    }
+  }
+};
+
+template <class Real, int Dim, bool Nonlinear>
+void greatestOfRow(const BondLattice& bonds, const NodeField<Real>& u, const BondRow<Real>& row, Greatest& greatest)
+{
+  BondState<Real, Dim, Nonlinear> state(bonds, u, row);
+  for (std::int64_t x = row.x0; x < row.x1; ++x)
+  {
+    if (row.inverse[x] == 0)
+      continue;
+    state.at(x);
+    const Real ratio = state.stretch * row.inverse[x];
+    if (static_cast<double>(ratio) >= greatest.ratio && ratio > 0)
+      greatest.offer(static_cast<double>(ratio), bonds.bond(row.i + x, row.offset));
+  }
+}
+
+StretchMaximum overRanks(const BondLattice& bonds, const Greatest& mine)
+{
+  Greatest all = mine;
+  const Communicator& comm = bonds.communicator();
+  if (comm.parallel())
+  {
+    all.ratio = comm.max(mine.ratio);
+    std::vector<std::int64_t> holders;
+    if (mine.ratio == all.ratio && all.ratio > 0)
+      holders = { mine.bond.node[0], mine.bond.node[1], mine.bond.node[2], mine.bond.offset };
+    const std::vector<std::int64_t> list = gather(comm, holders, 4);
+    for (std::size_t k = 0; k < list.size(); k += 4)
+    {
+      const Bond b{ { list[k], list[k + 1], list[k + 2] }, static_cast<int>(list[k + 3]) };
+      if (k == 0 || b < all.bond)
+        all.bond = b;
+    }
+  }
+  StretchMaximum result{ all.ratio, std::nullopt };
+  if (all.ratio > 0)
+    result.bond = all.bond;
+  return result;
+}
+
+} // namespace
+
+template <class Real>
+StretchMaximum largestStretch(const BondLattice& bonds, const NodeField<Real>& u, bool nonlinear)
+{
+  std::vector<Greatest> each(static_cast<std::size_t>(omp_get_max_threads()));
+  choose(bonds, nonlinear,
+    [&]<int Dim, bool Nonlinear>()
+    {
+      eachOwned<Real>(bonds,
+        [&](const BondRow<Real>& row, std::int64_t)
+        { greatestOfRow<Real, Dim, Nonlinear>(bonds, u, row, each[static_cast<std::size_t>(omp_get_thread_num())]); });
+    });
+  Greatest greatest;
+  for (const Greatest& g : each)
+    if (g.ratio > 0)
+      greatest.offer(g.ratio, g.bond);
+  return overRanks(bonds, greatest);
+}
+
+template <class Real>
+StretchMaximum largestStretchWithin(const BondLattice& bonds, const NodeField<Real>& u,
+  const std::array<std::int64_t, 3>& low, const std::array<std::int64_t, 3>& high)
+{
+  Greatest greatest;
+  const NodeLayout& l = bonds.layout();
+  const BondNumbers<Real> numbers(bonds);
+  SpringRow<Real> springs(bonds, numbers);
+  choose(bonds, false,
+    [&]<int Dim, bool Nonlinear>()
+    {
+      for (std::int64_t z = std::max<std::int64_t>(0, low[2]); z < std::min(l.size[2], high[2]); ++z)
+        for (std::int64_t y = std::max<std::int64_t>(0, low[1]); y < std::min(l.size[1], high[1]); ++y)
+          for (int o = 0; o < static_cast<int>(bonds.stencil().half().size()); ++o)
+            greatestOfRow<Real, Dim, Nonlinear>(bonds, u,
+              springs.read(y, z, o, std::max<std::int64_t>(0, low[0]), std::min(l.size[0], high[0])), greatest);
+    });
+  StretchMaximum result{ greatest.ratio, std::nullopt };
+  if (greatest.ratio > 0)
+    result.bond = greatest.bond;
+  return result;
+}
+
+template <class Real>
+double elasticEnergy(const BondLattice& bonds, const NodeField<Real>& u, bool nonlinear)
+{
+  std::vector<double> parts(static_cast<std::size_t>(bonds.layout().size[1] * bonds.layout().size[2]), 0.0);
+  choose(bonds, nonlinear,
+    [&]<int Dim, bool Nonlinear>()
+    {
+      eachOwned<Real>(bonds,
+        [&](const BondRow<Real>& row, std::int64_t r)
+        {
+          BondState<Real, Dim, Nonlinear> state(bonds, u, row);
+          double sum = 0;
+          for (std::int64_t x = row.x0; x < row.x1; ++x)
+          {
+            state.at(x);
+            const Real extension = state.stretch * state.length;
+            sum += static_cast<double>(row.spring[x] * extension * extension);
+          }
+          parts[static_cast<std::size_t>(r)] += 0.5 * sum;
+        });
+    });
+  return bonds.communicator().sum(inOrder(parts));
+}
+
+template <class Real>
+void energyDensity(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& density, bool nonlinear)
+{
+  const auto share = static_cast<Real>(0.25 / std::pow(bonds.spacing(), bonds.dimension()));
+  choose(bonds, nonlinear,
+    [&]<int Dim, bool Nonlinear>()
+    {
+      addToEnds<Real>(bonds, density, 1, Real(1),
+        [&](const BondRow<Real>& row, const std::array<Real*, 6>& t)
+        {
+          BondState<Real, Dim, Nonlinear> state(bonds, u, row);
+          for (std::int64_t x = row.x0; x < row.x1; ++x)
+          {
+            state.at(x);
+            const Real extension = state.stretch * state.length;
+            t[0][x] = share * row.spring[x] * extension * extension;
+          }
+        });
+    });
+}
+
+template <class Real>
+void nodalStress(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& stress, bool nonlinear)
+{
+  const auto share = static_cast<Real>(0.5 / std::pow(bonds.spacing(), bonds.dimension()));
+  choose(bonds, nonlinear,
+    [&]<int Dim, bool Nonlinear>()
+    {
+      addToEnds<Real>(bonds, stress, Dim == 2 ? 3 : 6, Real(1),
+        [&](const BondRow<Real>& row, const std::array<Real*, 6>& t)
+        {
+          BondState<Real, Dim, Nonlinear> state(bonds, u, row);
+          for (std::int64_t x = row.x0; x < row.x1; ++x)
+          {
+            state.at(x);
+            const Real s = share * row.spring[x] * state.perZeta;
+            for (int c = 0; c < Dim; ++c)
+              t[static_cast<std::size_t>(c)][x] = s * state.zeta[c] * state.zeta[c];
+            t[Dim][x] = s * state.zeta[0] * state.zeta[1];
+            if constexpr (Dim == 3)
+            {
+              t[4][x] = s * state.zeta[1] * state.zeta[2];
+              t[5][x] = s * state.zeta[0] * state.zeta[2];
+            }
+          }
+        });
+    });
+}
+
+template <class Real>
+std::array<double, 3> sectionForce(
+  const BondLattice& bonds, const NodeField<Real>& u, int axis, std::int64_t layer, bool nonlinear)
+{
+  const NodeLayout& l = bonds.layout();
+  const auto a = static_cast<std::size_t>(axis);
+  const std::int64_t period = bonds.periodic()[a] ? l.global[a] : 0;
+  // +1 where a bond from p to p + step leads up through the plane or an image of it, −1 down, else 0
+  const auto crossing = [&](std::int64_t p, std::int64_t step)
+  {
+    for (const std::int64_t plane : { layer, layer - period, layer + period })
+    {
+      if (p < plane && p + step >= plane)
+        return 1;
+      if (p >= plane && p + step < plane)
+        return -1;
+    }
+    return 0;
+  };
+  std::array<std::vector<double>, 3> parts;
+  for (auto& p : parts)
+    p.assign(static_cast<std::size_t>(l.size[1] * l.size[2]), 0.0);
+  choose(bonds, nonlinear,
+    [&]<int Dim, bool Nonlinear>()
+    {
+      eachOwned<Real>(bonds,
+        [&](const BondRow<Real>& row, std::int64_t r)
+        {
+          const std::int64_t step = bonds.stencil().half()[static_cast<std::size_t>(row.offset)].step[a];
+          if (step == 0)
+            return;
+          BondState<Real, Dim, Nonlinear> state(bonds, u, row);
+          const std::int64_t fixed = l.start[a] + (axis == 1 ? r % l.size[1] : r / l.size[1]);
+          for (std::int64_t x = row.x0; x < row.x1; ++x)
+          {
+            const int sign = crossing(axis == 0 ? x : fixed, step);
+            if (sign == 0)
+              continue;
+            state.at(x);
+            for (int c = 0; c < Dim; ++c)
+              parts[static_cast<std::size_t>(c)][static_cast<std::size_t>(r)] +=
+                sign * static_cast<double>(row.spring[x] * state.perZeta * state.zeta[c]);
+          }
+        });
+    });
+  std::array<double, 3> sum{ inOrder(parts[0]), inOrder(parts[1]), inOrder(parts[2]) };
+  bonds.communicator().sum(sum);
+  return sum;
+}
+
+template <class Real>
+std::array<double, 3> layerSum(
+  const BondLattice& bonds, const NodeField<Real>& f, int axis, std::int64_t first, std::int64_t last)
+{
+  const NodeLayout& l = bonds.layout();
+  std::array<std::int64_t, 3> low{ 0, 0, 0 };
+  std::array<std::int64_t, 3> high = l.size;
+  const auto a = static_cast<std::size_t>(axis);
+  low[a] = std::max<std::int64_t>(0, first - l.start[a]);
+  high[a] = std::min(l.size[a], last - l.start[a]);
+  std::array<double, 3> sum{};
+  for (int c = 0; c < f.components() && c < 3; ++c)
+    for (std::int64_t z = low[2]; z < high[2]; ++z)
+      for (std::int64_t y = low[1]; y < high[1]; ++y)
+      {
+        double row = 0;
+        for (std::int64_t x = low[0]; x < high[0]; ++x)
+          row += static_cast<double>(f.at(c, x, y, z));
+        sum[static_cast<std::size_t>(c)] += row;
+      }
+  bonds.communicator().sum(sum);
+  return sum;
+}
+
+template <class Real>
+void diagonalBlocks(const BondLattice& bonds, NodeField<Real>& blocks)
+{
+  const int d = bonds.dimension();
+  addToEnds<Real>(bonds, blocks, d == 2 ? 3 : 6, Real(1),
+    [&](const BondRow<Real>& row, const std::array<Real*, 6>& t)
+    {
+      const Offset& o = bonds.stencil().half()[static_cast<std::size_t>(row.offset)];
+      const auto e = [&](std::size_t c) { return static_cast<Real>(o.step[c] / o.length); };
+      const std::array<Real, 6> ee = d == 2
+        ? std::array<Real, 6>{ e(0) * e(0), e(1) * e(1), e(0) * e(1), 0, 0, 0 }
+        : std::array<Real, 6>{ e(0) * e(0), e(1) * e(1), e(2) * e(2), e(0) * e(1), e(1) * e(2), e(0) * e(2) };
+      for (std::size_t c = 0; c < (d == 2 ? 3U : 6U); ++c)
+        for (std::int64_t x = row.x0; x < row.x1; ++x)
+          t[c][x] = row.spring[x] * ee[c];
+    });
+}
+
+template <class Real>
+void tangentProduct(const BondLattice& bonds, const NodeField<Real>& u, const NodeField<Real>& p, NodeField<Real>& q)
+{
+  choose(bonds, true,
+    [&]<int Dim, bool Nonlinear>()
+    {
+      addToEnds<Real>(bonds, q, Dim, Real(-1),
+        [&](const BondRow<Real>& row, const std::array<Real*, 6>& t)
+        {
+          BondState<Real, Dim, Nonlinear> state(bonds, u, row);
+          for (std::int64_t x = row.x0; x < row.x1; ++x)
+          {
+            state.at(x);
+            Real along = 0;
+            Real eta[Dim];
+            for (int c = 0; c < Dim; ++c)
+            {
+              eta[c] = p.component(c)[row.j + x] - p.component(c)[row.i + x];
+              along += state.zeta[c] * eta[c];
+            }
+            // n n·η + (1 − |ξ|/|ζ|) (η − n n·η)
+            along *= (1 - state.shortening) / (state.norm * state.norm);
+            for (int c = 0; c < Dim; ++c)
+              t[static_cast<std::size_t>(c)][x] = row.spring[x] * (state.shortening * eta[c] + along * state.zeta[c]);
+          }
+        });
+    });
+}
+
+#define LAMELLA_MEASURES(Real)                                                                                         \
+  template StretchMaximum largestStretch(const BondLattice&, const NodeField<Real>&, bool);                            \
+  template StretchMaximum largestStretchWithin(const BondLattice&, const NodeField<Real>&,                             \
+    const std::array<std::int64_t, 3>&, const std::array<std::int64_t, 3>&);                                           \
+  template double elasticEnergy(const BondLattice&, const NodeField<Real>&, bool);                                     \
+  template void energyDensity(const BondLattice&, const NodeField<Real>&, NodeField<Real>&, bool);                     \
+  template void nodalStress(const BondLattice&, const NodeField<Real>&, NodeField<Real>&, bool);                       \
+  template std::array<double, 3> sectionForce(const BondLattice&, const NodeField<Real>&, int, std::int64_t, bool);    \
+  template std::array<double, 3> layerSum(                                                                             \
+    const BondLattice&, const NodeField<Real>&, int, std::int64_t, std::int64_t);                                      \
+  template void diagonalBlocks(const BondLattice&, NodeField<Real>&);                                                  \
+  template void tangentProduct(const BondLattice&, const NodeField<Real>&, const NodeField<Real>&, NodeField<Real>&);
+LAMELLA_MEASURES(double)
+LAMELLA_MEASURES(float)
+
+} // namespace lamella::peridynamics
