@@ -235,7 +235,6 @@ private:
   {
     const NodeLayout& l = b_.layout_;
     b_.volume_ = AlignedArray<float>(l.count());
-    const auto full = static_cast<float>(b_.stencil_.bondsPerNode());
     forRows(
       [&](std::int64_t row)
       {
@@ -244,7 +243,7 @@ private:
         if (y < 0 || y >= l.size[1] || z < 0 || z >= l.size[2])
           return;
         for (std::int64_t x = 0; x < l.size[0]; ++x)
-          b_.volume_[l.index(x, y, z)] = static_cast<float>(b_.degree(l.index(x, y, z))) / full;
+          b_.volume_[l.index(x, y, z)] = static_cast<float>(b_.degree(l.index(x, y, z)));
       });
     exchangeRim(l, b_.periodic_, *b_.comm_, b_.volume_.data());
   }

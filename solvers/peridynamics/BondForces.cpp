@@ -93,6 +93,7 @@ private:
     job.pitch = l.pitch;
     if (bonds_.corrected())
     {
+      job.twiceBulk = static_cast<Real>(2 * bonds_.stencil().bondsPerNode());
       job.volumeI = bonds_.volume() + i;
       job.volumeJ = bonds_.volume() + j;
     }

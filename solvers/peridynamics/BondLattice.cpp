@@ -23,7 +23,8 @@ double BondLattice::springConstant(std::int64_t index, int offset) const noexcep
     (stencil_.half()[static_cast<std::size_t>(offset)].length * spacing_);
   if (!corrected_)
     return spring;
-  return spring * 2 / (double{ volume_[index] } + double{ volume_[index + jump(offset)] });
+  return spring * 2 * static_cast<double>(stencil_.bondsPerNode()) /
+    (double{ volume_[index] } + double{ volume_[index + jump(offset)] });
 }
 
 int BondLattice::degree(std::int64_t index) const noexcept
@@ -98,10 +99,11 @@ void BondLattice::classify(std::int64_t row, std::int64_t strip)
     else if (any != 0)
       mixed = true;
   }
+  const auto full = static_cast<float>(stencil_.bondsPerNode());
   if (some && !mixed && corrected_)
     for (std::int64_t i = begin; i < begin + 16 && !mixed; ++i)
       for (int o = 0; o < count && !mixed; ++o)
-        mixed = volume_[i] != 1.0F || volume_[i + jump(o)] != 1.0F;
+        mixed = volume_[i] != full || volume_[i + jump(o)] != full;
   strips_[row * (layout_.pitch / 16) + strip] = static_cast<std::uint8_t>(!some ? 0
       : mixed || code == 255                                                    ? 255
                                                                                 : code);

@@ -124,7 +124,7 @@ public:
   {
     return strips_.data() + row * (layout_.pitch / 16);
   }
-  /// V/V₀ of every node; null without surface correction.
+  /// Volume within the horizon of every node, in nodes (so exact); null without surface correction.
   [[nodiscard]] const float* volume() const noexcept { return corrected_ ? volume_.data() : nullptr; }
   [[nodiscard]] const RowKernels& rowKernels() const noexcept { return *rowKernels_; }
   /// Takes another instruction set than the best; see rowKernelSets().

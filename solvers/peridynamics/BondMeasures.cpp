@@ -50,12 +50,13 @@ public:
     const auto length =
       static_cast<Real>(bonds_.stencil().half()[static_cast<std::size_t>(offset)].length * bonds_.spacing());
     const float* volume = bonds_.volume();
+    const auto twiceBulk = static_cast<Real>(2 * bonds_.stencil().bondsPerNode());
     for (std::int64_t x = x0; x < x1; ++x)
     {
       const auto kind = static_cast<std::size_t>(bonds_.kind(i + x, offset));
       Real k = numbers_.stiffness[kind] / length;
       if (volume != nullptr && kind != 0)
-        k *= 2 / (static_cast<Real>(volume[i + x]) + static_cast<Real>(volume[j + x]));
+        k *= twiceBulk / (static_cast<Real>(volume[i + x]) + static_cast<Real>(volume[j + x]));
       spring_[margin + x] = k;
       inverse_[margin + x] = numbers_.inverse[kind];
     }

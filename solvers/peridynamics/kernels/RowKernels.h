@@ -40,7 +40,8 @@ struct RowJob
   Real* f[3];                            ///< force on row i, added to; on the second nodes for pull()
   Real* t;                               ///< buffers: bond b, component c at t + (b parts + c) pitch; parts is 1 where
   std::int64_t pitch;                    ///< the force is linearised (its multiple of the step), else the dimension
-  const float* volumeI;                  ///< V/V₀ of both rows with surface correction
+  Real twiceBulk;                        ///< 2 V₀, in nodes, with surface correction
+  const float* volumeI;                  ///< V of both rows
   const float* volumeJ;
   const OffsetNumbers<Real>* unit; ///< of the chunk's bonds for k = 1
   const OffsetNumbers<Real>* kind; ///< for the kind of a uniform run, or for the only kind

@@ -80,12 +80,12 @@ struct Bits
   }
 };
 
-/// 2V₀/(Vᵢ + Vⱼ), from shares of V₀; where both are 0 there is no bond, and any finite number will do.
+/// 2V₀/(Vᵢ + Vⱼ); where both are 0 there is no bond, and any finite number will do.
 template <class Real>
 typename Simd<Real>::V correction(const RowJob<Real>& job, std::int64_t x, std::int64_t y)
 {
   const auto sum = Simd<Real>::floats(job.volumeI + x) + Simd<Real>::floats(job.volumeJ + y);
-  return all(Real(2)) / (sum + all(Real(1e-30)));
+  return all(job.twiceBulk) / (sum + all(Real(1e-30)));
 }
 
 template <class Real, int Dim, int PathId, bool Corrected, int Count>
