@@ -127,9 +127,7 @@ private:
     b_.planes_ = std::bit_width(b_.kinds_.size() - 1);
     b_.words_ = static_cast<int>((b_.stencil_.half().size() + 31) / 32);
     b_.corrected_ = model_.surfaceCorrection;
-    const double perNode = 4.0 * b_.planes_ * b_.words_ + 1.0 / 16 + 1 + (b_.corrected_ ? 4 : 0) // what stays
-      + 1 + (grains > 0 ? 4 : 0);                                                                // phase and grain
-    const double need = perNode * static_cast<double>(b_.layout_.count());
+    const double need = BondLattice::bytesNeeded(model_, lattice_, b_.comm_->size(), grains > 0);
     const auto available = static_cast<double>(availableMemory());
     if (b_.comm_->any(need > available))
       throw MemoryError(fmt::format("the bonds of {} nodes need {}, and {} are free", b_.layout_.owned(),
@@ -234,7 +232,14 @@ private:
   void weigh()
   {
     const NodeLayout& l = b_.layout_;
-    b_.volume_ = AlignedArray<float>(l.count());
+    const auto& half = b_.stencil_.half();
+    b_.shares_ = NodeField<float>(l);
+    // energy of a bond under unit strain along an axis: its elongation is n², so n⁴ |ξ|
+    const auto energy = [](const Offset& o, std::size_t a) { return std::pow(o.step[a] / o.length, 4) * o.length; };
+    std::array<double, 3> bulk{};
+    for (std::size_t a = 0; a < 3; ++a)
+      for (const Offset& o : half)
+        bulk[a] += 2 * energy(o, a);
     forRows(
       [&](std::int64_t row)
       {
@@ -242,10 +247,25 @@ private:
         const std::int64_t z = row / l.rowsY() - l.ghostZ();
         if (y < 0 || y >= l.size[1] || z < 0 || z >= l.size[2])
           return;
-        for (std::int64_t x = 0; x < l.size[0]; ++x)
-          b_.volume_[l.index(x, y, z)] = static_cast<float>(b_.degree(l.index(x, y, z)));
+        for (std::int64_t i = l.index(0, y, z); i < l.index(l.size[0], y, z); ++i)
+        {
+          if (b_.solid_[i] == 0)
+            continue;
+          std::array<double, 3> lost{}; // exactly 0 in the bulk
+          for (std::size_t o = 0; o < half.size(); ++o)
+            for (const std::int64_t first : { i, i - b_.jump_[o] })
+              if (b_.kind(first, static_cast<int>(o)) == 0)
+                for (std::size_t a = 0; a < 3; ++a)
+                  lost[a] += energy(half[o], a);
+          for (int c = 0; c < l.dimension; ++c)
+          {
+            const auto a = static_cast<std::size_t>(c);
+            const double share = std::max(0.25, 1 - lost[a] / bulk[a]);
+            b_.shares_.component(c)[i] = static_cast<float>(share * share);
+          }
+        }
       });
-    exchangeRim(l, b_.periodic_, *b_.comm_, b_.volume_.data());
+    b_.exchange(b_.shares_);
   }
 
   void cut(const NotchCut& notch)
@@ -314,6 +334,22 @@ BondLattice::BondLattice(const BondModel& model, const Lattice& lattice, std::sp
     periodic_[2] = false;
   const BondKinds kinds(model, stencil_, spacing_);
   BondLatticeBuilder(*this, model, lattice, kinds).build(phase, grain);
+}
+
+double BondLattice::bytesNeeded(const BondModel& model, const Lattice& lattice, int ranks, bool grains)
+{
+  const Stencil stencil(model.continuum == Continuum::Space ? 3 : 2, model.horizon);
+  const BondKinds kinds(model, stencil, lattice.spacing);
+  const auto planes = static_cast<double>(std::bit_width(kinds.kinds().size() - 1));
+  const auto words = static_cast<double>((stencil.half().size() + 31) / 32);
+  std::array<std::int64_t, 3> size = lattice.size;
+  auto& slowest = size[lattice.dimension == 3 ? 2 : 1];
+  slowest = (slowest + ranks - 1) / ranks;
+  const NodeLayout layout = NodeLayout::make(lattice.dimension, stencil.layers(), size, {}, lattice.size);
+  // bits, strips, what is solid, shares of energy; and for a while the phases and grains with their rim
+  const double perNode =
+    4 * planes * words + 1.0 / 16 + 1 + (model.surfaceCorrection ? 4 * stencil.dimension() : 0) + 1 + (grains ? 4 : 0);
+  return perNode * static_cast<double>(layout.count());
 }
 
 } // namespace lamella::peridynamics

@@ -92,11 +92,11 @@ private:
     job.t = buffers_.data() + NodeLayout::margin;
     job.pitch = l.pitch;
     if (bonds_.corrected())
-    {
-      job.twiceBulk = static_cast<Real>(2 * bonds_.stencil().bondsPerNode());
-      job.volumeI = bonds_.volume() + i;
-      job.volumeJ = bonds_.volume() + j;
-    }
+      for (std::size_t c = 0; c < d; ++c)
+      {
+        job.shareI[c] = bonds_.shares(static_cast<int>(c)) + i;
+        job.shareJ[c] = bonds_.shares(static_cast<int>(c)) + j;
+      }
     job.unit = numbers_.of(0) + chunk.first;
     job.stiffness = numbers_.stiffness.data();
     job.critical = numbers_.critical.data();

@@ -4,14 +4,14 @@
 #include "peridynamics/kernels/RowKernels.h"
 
 #include <algorithm>
-#include <bit>
+#include <cmath>
 
 namespace lamella::peridynamics
 {
 
 std::int64_t BondLattice::bytes() const noexcept
 {
-  return 4 * bits_.size() + strips_.size() + solid_.size() + 4 * volume_.size();
+  return 4 * bits_.size() + strips_.size() + solid_.size() + (corrected_ ? 4 * layout_.count() * dimension() : 0);
 }
 
 double BondLattice::springConstant(std::int64_t index, int offset) const noexcept
@@ -23,8 +23,14 @@ double BondLattice::springConstant(std::int64_t index, int offset) const noexcep
     (stencil_.half()[static_cast<std::size_t>(offset)].length * spacing_);
   if (!corrected_)
     return spring;
-  return spring * 2 * static_cast<double>(stencil_.bondsPerNode()) /
-    (double{ volume_[index] } + double{ volume_[index + jump(offset)] });
+  const Offset& o = stencil_.half()[static_cast<std::size_t>(offset)];
+  double square = 0;
+  for (int c = 0; c < dimension(); ++c)
+  {
+    const double n = o.step[static_cast<std::size_t>(c)] / o.length;
+    square += 0.5 * n * n * (double{ shares(c)[index] } + double{ shares(c)[index + jump(offset)] });
+  }
+  return spring / std::sqrt(square);
 }
 
 int BondLattice::degree(std::int64_t index) const noexcept
@@ -99,11 +105,11 @@ void BondLattice::classify(std::int64_t row, std::int64_t strip)
     else if (any != 0)
       mixed = true;
   }
-  const auto full = static_cast<float>(stencil_.bondsPerNode());
   if (some && !mixed && corrected_)
     for (std::int64_t i = begin; i < begin + 16 && !mixed; ++i)
       for (int o = 0; o < count && !mixed; ++o)
-        mixed = volume_[i] != full || volume_[i + jump(o)] != full;
+        for (int c = 0; c < dimension(); ++c)
+          mixed = mixed || shares(c)[i] != 1.0F || shares(c)[i + jump(o)] != 1.0F;
   strips_[row * (layout_.pitch / 16) + strip] = static_cast<std::uint8_t>(!some ? 0
       : mixed || code == 255                                                    ? 255
                                                                                 : code);

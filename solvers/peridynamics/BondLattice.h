@@ -54,6 +54,9 @@ public:
   /// @throws MemoryError before anything is allocated
   BondLattice(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,
     std::span<const std::int32_t> grain, const Communicator& comm);
+  /// Bytes that the making of one takes on one rank: what the constructor checks against the memory that is free.
+  /// @throws ParameterError as the constructor, but for what depends on the sample
+  [[nodiscard]] static double bytesNeeded(const BondModel& model, const Lattice& lattice, int ranks, bool grains);
   BondLattice(BondLattice&&) = default;
   BondLattice& operator=(BondLattice&&) = default;
 
@@ -124,8 +127,8 @@ public:
   {
     return strips_.data() + row * (layout_.pitch / 16);
   }
-  /// Volume within the horizon of every node, in nodes (so exact); null without surface correction.
-  [[nodiscard]] const float* volume() const noexcept { return corrected_ ? volume_.data() : nullptr; }
+  /// Squares of the shares of energy along an axis of every node (BondModel::surfaceCorrection); null without.
+  [[nodiscard]] const float* shares(int axis) const noexcept { return corrected_ ? shares_.component(axis) : nullptr; }
   [[nodiscard]] const RowKernels& rowKernels() const noexcept { return *rowKernels_; }
   /// Takes another instruction set than the best; see rowKernelSets().
   void use(const RowKernels& kernels) noexcept { rowKernels_ = &kernels; }
@@ -149,7 +152,7 @@ private:
   AlignedArray<std::uint32_t> bits_;
   AlignedArray<std::uint8_t> strips_;
   AlignedArray<std::uint8_t> solid_;
-  AlignedArray<float> volume_;
+  NodeField<float> shares_;
   std::int64_t bonds_ = 0;
   std::int64_t solidNodes_ = 0;
   const RowKernels* rowKernels_ = nullptr;

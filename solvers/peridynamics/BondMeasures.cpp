@@ -49,14 +49,18 @@ public:
     const std::int64_t j = i + bonds_.jump(offset);
     const auto length =
       static_cast<Real>(bonds_.stencil().half()[static_cast<std::size_t>(offset)].length * bonds_.spacing());
-    const float* volume = bonds_.volume();
-    const auto twiceBulk = static_cast<Real>(2 * bonds_.stencil().bondsPerNode());
     for (std::int64_t x = x0; x < x1; ++x)
     {
       const auto kind = static_cast<std::size_t>(bonds_.kind(i + x, offset));
       Real k = numbers_.stiffness[kind] / length;
-      if (volume != nullptr && kind != 0)
-        k *= twiceBulk / (static_cast<Real>(volume[i + x]) + static_cast<Real>(volume[j + x]));
+      if (bonds_.corrected() && kind != 0)
+      {
+        Real square = 0;
+        for (int c = 0; c < bonds_.dimension(); ++c)
+          square += numbers_.of(0)[offset].halfSquare[c] *
+            (static_cast<Real>(bonds_.shares(c)[i + x]) + static_cast<Real>(bonds_.shares(c)[j + x]));
+        k /= std::sqrt(square);
+      }
       spring_[margin + x] = k;
       inverse_[margin + x] = numbers_.inverse[kind];
     }

@@ -17,7 +17,7 @@ namespace lamella::peridynamics
 
 /// A cut made before loading: a segment in 2D, a parallelogram in space (a half plane is one that reaches beyond the
 /// sample). It takes away the bonds that cross it. Where it runs through nodes it counts as moved by a millionth of a
-/// spacing along its normal: it then parts those nodes from the ones behind, and no bond lies within it.
+/// spacing to the right of `along` (in space, along `along` × `across`): so no bond lies within it.
 struct Notch
 {
   std::array<double, 3> corner{ 0, 0, 0 }; ///< [m], in the coordinates of the lattice
@@ -49,8 +49,10 @@ struct BondModel
   bool pairByGrain = false;
   std::vector<std::uint8_t> voids{ 0 }; ///< phases that carry no bonds
   VoidBonds voidBonds = VoidBonds::Keep;
-  /// The volume method of Le and Bobaru, Comput. Mech. 61 (2018) 499: k of a bond times 2V₀/(Vᵢ + Vⱼ), V the volume
-  /// within the horizon of its ends (nodes that they are joined to before notches are cut), V₀ that in the bulk.
+  /// The energy method of Madenci and Oterkus, Peridynamic Theory and Its Applications (2014), section 4.2: strained
+  /// along axis a alone a node's bonds hold a share wₐ of the energy that they would in the bulk, and k of a bond along
+  /// n is taken over √(Σ nₐ² wₐ²), wₐ² the mean of its ends'. Shares below a quarter count as a quarter. Bonds that
+  /// were not there before notches were cut are what is missing; materials do not matter.
   bool surfaceCorrection = false;
   std::vector<Notch> notches{};
   std::array<bool, 3> periodic{ false, false, false };

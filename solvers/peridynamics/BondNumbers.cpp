@@ -27,6 +27,8 @@ BondNumbers<Real>::BondNumbers(const BondLattice& bonds)
         n.xi[c] = static_cast<Real>(o.step[c] * spacing);
         n.linear[c] = static_cast<Real>(force * o.step[c] / (spacing * o.length * o.length * o.length));
       }
+      for (std::size_t c = 0; c < 3; ++c)
+        n.halfSquare[c] = static_cast<Real>(0.5 * o.step[c] * o.step[c] / (o.length * o.length));
       n.inverseSquare = static_cast<Real>(1 / (length * length));
       n.spring = static_cast<Real>(force / length);
       offsets.push_back(n);

@@ -119,7 +119,7 @@ inline std::vector<PlainBond> plainBonds(const BondModel& model, const Sample& s
   const int r = static_cast<int>(model.horizon);
   const std::set<int> voids(model.voids.begin(), model.voids.end());
   std::vector<PlainBond> list;
-  std::vector<double> count(s.phase.size(), 0);
+  std::vector<std::array<double, 3>> held(s.phase.size()); // energies under unit strain along each axis
   const auto wrap = [&](std::int64_t p, std::size_t a) -> std::int64_t
   {
     if (p >= 0 && p < l.size[a])
@@ -162,8 +162,9 @@ inline std::vector<PlainBond> plainBonds(const BondModel& model, const Sample& s
               const auto j = static_cast<std::size_t>(l.index(q[0], q[1], q[2]));
               if (voids.contains(s.phase[i]) || voids.contains(s.phase[j]))
                 continue;
-              count[i] += 1;
               const std::array<double, 3> xi{ dx * l.spacing, dy * l.spacing, dz * l.spacing };
+              for (std::size_t a = 0; a < 3; ++a)
+                held[i][a] += std::pow(xi[a] / l.spacing, 4) / std::pow(square, 1.5);
               const std::array<double, 3> p{ l.origin[0] + static_cast<double>(x) * l.spacing,
                 l.origin[1] + static_cast<double>(y) * l.spacing, l.origin[2] + static_cast<double>(z) * l.spacing };
               if (d == 2 && notched(p, xi))
@@ -178,9 +179,23 @@ inline std::vector<PlainBond> plainBonds(const BondModel& model, const Sample& s
             }
   if (model.surfaceCorrection)
   {
-    const auto full = static_cast<double>(stencil.bondsPerNode());
+    std::array<double, 3> bulk{};
+    for (const Offset& o : stencil.half())
+      for (std::size_t a = 0; a < 3; ++a)
+        bulk[a] += 2 * std::pow(o.step[a], 4) / std::pow(o.length, 3);
     for (PlainBond& b : list)
-      b.k *= 2 * full / (count[b.i] + count[b.j]);
+    {
+      double sum = 0;
+      double length = 0;
+      for (std::size_t a = 0; a < static_cast<std::size_t>(d); ++a)
+        for (const std::size_t end : { b.i, b.j })
+        {
+          const double share = std::max(0.25, held[end][a] / bulk[a]);
+          sum += 0.5 * b.xi[a] * b.xi[a] * share * share;
+          length += 0.5 * b.xi[a] * b.xi[a];
+        }
+      b.k /= std::sqrt(sum / length);
+    }
   }
   return list;
 }

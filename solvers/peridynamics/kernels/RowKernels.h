@@ -25,6 +25,7 @@ struct OffsetNumbers
   Real inverseSquare; ///< 1/|ξ|²
   Real linear[3];     ///< k/(δx L³) n, n the steps and L their length: f = (linear·η) n
   Real spring;        ///< k/|ξ|
+  Real halfSquare[3]; ///< half of the squares of ξ/|ξ|
 };
 
 template <class Real>
@@ -40,9 +41,8 @@ struct RowJob
   Real* f[3];                            ///< force on row i, added to; on the second nodes for pull()
   Real* t;                               ///< buffers: bond b, component c at t + (b parts + c) pitch; parts is 1 where
   std::int64_t pitch;                    ///< the force is linearised (its multiple of the step), else the dimension
-  Real twiceBulk;                        ///< 2 V₀, in nodes, with surface correction
-  const float* volumeI;                  ///< V of both rows
-  const float* volumeJ;
+  const float* shareI[3];                ///< with surface correction: BondLattice::shares() of both rows
+  const float* shareJ[3];
   const OffsetNumbers<Real>* unit; ///< of the chunk's bonds for k = 1
   const OffsetNumbers<Real>* kind; ///< for the kind of a uniform run, or for the only kind
   const Real* stiffness;           ///< k of each kind; [0] = 0

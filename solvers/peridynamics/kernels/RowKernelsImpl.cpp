@@ -80,12 +80,15 @@ struct Bits
   }
 };
 
-/// 2V₀/(Vᵢ + Vⱼ); where both are 0 there is no bond, and any finite number will do.
-template <class Real>
-typename Simd<Real>::V correction(const RowJob<Real>& job, std::int64_t x, std::int64_t y)
+/// The surface correction of bond b. Where there is none any finite number will do.
+template <class Real, int Dim>
+typename Simd<Real>::V correction(const RowJob<Real>& job, int b, std::int64_t x)
 {
-  const auto sum = Simd<Real>::floats(job.volumeI + x) + Simd<Real>::floats(job.volumeJ + y);
-  return all(job.twiceBulk) / (sum + all(Real(1e-30)));
+  typename Simd<Real>::V square = all(Real(1e-30));
+  for (int c = 0; c < Dim; ++c)
+    square += all(job.unit[b].halfSquare[c]) *
+      (Simd<Real>::floats(job.shareI[c] + x) + Simd<Real>::floats(job.shareJ[c] + x + job.stepX + b));
+  return all(Real(1)) / root<Real>(square);
 }
 
 template <class Real, int Dim, int PathId, bool Corrected, int Count>
@@ -136,7 +139,7 @@ void pushLinear(RowJob<Real>& job, std::int64_t x0, std::int64_t x1)
       else
         s *= bits.choose(job, bit + b, job.stiffness);
       if constexpr (Corrected)
-        s *= correction<Real>(job, x, x + job.stepX + b);
+        s *= correction<Real, Dim>(job, b, x);
       store(t + b * pitch + x, s);
       sum += s;
       sumX += n[b] * s;
@@ -256,7 +259,7 @@ __attribute__((always_inline)) inline void pushBond(const RowJob<Real>& job, con
   if constexpr (PathId != Uniform && PathId != OnePlane)
     s *= bits.choose(job, job.bit + b, job.stiffness);
   if constexpr (Corrected)
-    s *= correction<Real>(job, x, x + job.stepX + b);
+    s *= correction<Real, Dim>(job, b, x);
 #pragma GCC unroll 3
   for (int c = 0; c < Dim; ++c)
   {
