@@ -226,12 +226,12 @@ double lammps(const Lattice& lattice, std::int64_t bonds, int steps)
   {
     std::ofstream in(folder / "in");
     in << fmt::format(R"(units si
-boundary s s s
+boundary f f f
 atom_style peri
 atom_modify map array
 neighbor 0.0003 bin
 lattice sc 0.001
-region box block 0 {} 0 {} 0 {} units lattice
+region box block -5 {} -5 {} -5 {} units lattice
 create_box 1 box
 region full block -0.25 {} -0.25 {} -0.25 {} units lattice
 create_atoms 1 region full
@@ -245,7 +245,7 @@ timestep 1e-7
 thermo {}
 run {}
 )",
-      lattice.size[0], lattice.size[1], lattice.size[2], static_cast<double>(lattice.size[0]) - 0.75,
+      lattice.size[0] + 5, lattice.size[1] + 5, lattice.size[2] + 5, static_cast<double>(lattice.size[0]) - 0.75,
       static_cast<double>(lattice.size[1]) - 0.75, static_cast<double>(lattice.size[2]) - 0.75, steps, steps);
   }
   const std::string command =
