@@ -26,7 +26,11 @@ struct Bond
   std::array<std::int64_t, 3> node{ 0, 0, 0 }; ///< of the whole lattice
   int offset = 0;
 
-  auto operator<=>(const Bond&) const = default;
+  bool operator==(const Bond&) const = default;
+  bool operator<(const Bond& other) const noexcept
+  {
+    return node != other.node ? node < other.node : offset < other.offset;
+  }
 };
 
 /// Runs of 16 nodes of a row, by what their bonds are.

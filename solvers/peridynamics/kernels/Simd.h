@@ -28,11 +28,11 @@ template <>
 struct Simd<double>
 {
   static constexpr int lanes = vectorBytes / 8;
-  typedef double V __attribute__((vector_size(vectorBytes)));
-  typedef double Any __attribute__((vector_size(vectorBytes), aligned(8), may_alias)); // at any address
-  typedef std::int64_t I __attribute__((vector_size(vectorBytes)));
-  typedef std::int32_t Half __attribute__((vector_size(vectorBytes / 2), aligned(4), may_alias));
-  typedef float HalfFloat __attribute__((vector_size(vectorBytes / 2), aligned(4), may_alias));
+  using V __attribute__((vector_size(vectorBytes))) = double;
+  using Any __attribute__((vector_size(vectorBytes), aligned(8), may_alias)) = double; // at any address
+  using I __attribute__((vector_size(vectorBytes))) = std::int64_t;
+  using Half __attribute__((vector_size(vectorBytes / 2), aligned(4), may_alias)) = std::int32_t;
+  using HalfFloat __attribute__((vector_size(vectorBytes / 2), aligned(4), may_alias)) = float;
 
   static I words(const std::uint32_t* p) { return __builtin_convertvector(*reinterpret_cast<const Half*>(p), I); }
   static V floats(const float* p) { return __builtin_convertvector(*reinterpret_cast<const HalfFloat*>(p), V); }
@@ -42,10 +42,10 @@ template <>
 struct Simd<float>
 {
   static constexpr int lanes = vectorBytes / 4;
-  typedef float V __attribute__((vector_size(vectorBytes)));
-  typedef float Any __attribute__((vector_size(vectorBytes), aligned(4), may_alias));
-  typedef std::int32_t I __attribute__((vector_size(vectorBytes)));
-  typedef std::int32_t AnyWords __attribute__((vector_size(vectorBytes), aligned(4), may_alias));
+  using V __attribute__((vector_size(vectorBytes))) = float;
+  using Any __attribute__((vector_size(vectorBytes), aligned(4), may_alias)) = float;
+  using I __attribute__((vector_size(vectorBytes))) = std::int32_t;
+  using AnyWords __attribute__((vector_size(vectorBytes), aligned(4), may_alias)) = std::int32_t;
 
   static I words(const std::uint32_t* p) { return *reinterpret_cast<const AnyWords*>(p); }
   static V floats(const float* p) { return *reinterpret_cast<const Any*>(p); }
