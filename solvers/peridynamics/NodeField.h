@@ -105,6 +105,9 @@ private:
   std::unique_ptr<T[], Free> data_;
 };
 
+/// Which nodes cannot move, by bits: bit c for component c. As long as the layout, rim included.
+using FixedComponents = AlignedArray<std::uint8_t>;
+
 /// A vector at every node, one array a component (2 in 2D, 3 in 3D; any number where a function says so), zero at
 /// first. Rim and padding must hold finite numbers: they are read, and multiplied by the stiffness zero of bonds that
 /// are not.

@@ -1,0 +1,99 @@
+#pragma once
+
+#include "peridynamics/BondLattice.h"
+#include "peridynamics/multigrid/MultigridOptions.h"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace lamella::peridynamics
+{
+
+enum class EquilibriumSolver
+{
+  Multigrid,        ///< conjugate gradients, preconditioned by one multigrid cycle
+  Jacobi,           ///< conjugate gradients, preconditioned by the nodes' blocks
+  Direct,           ///< sparse Cholesky; one rank, small samples
+  DynamicRelaxation ///< Kilic and Madenci, Theor. Appl. Fract. Mech. 53 (2010) 194; for comparison
+};
+
+enum class Strains
+{
+  Small, ///< one linear system
+  Large  ///< Newton's method on the nonlinear forces
+};
+
+struct EquilibriumOptions
+{
+  EquilibriumSolver solver = EquilibriumSolver::Multigrid;
+  Strains strains = Strains::Small;
+  double tolerance = 1e-6; ///< of the residual force, over the forces on the free nodes were they held where they are
+  std::int64_t maxIterations = 20000;
+  MultigridOptions multigrid{};
+  /// Called now and then with the share that is done; true asks to stop, which throws Cancelled.
+  std::function<bool(double)> progress{};
+};
+
+struct EquilibriumResult
+{
+  std::int64_t iterations = 0;
+  int newtonSteps = 1;
+  double residual = 0; ///< reached, as EquilibriumOptions::tolerance counts
+  double setupSeconds = 0;
+  double solveSeconds = 0;
+  std::int64_t products = 0; ///< with the finest level's matrix, the preconditioner's included
+  std::int64_t bytes = 0;    ///< of all work arrays of this rank
+  int levels = 1;
+  /// Nodes that too few bonds hold to resist in every direction: they move along where they meet no resistance.
+  std::int64_t hinges = 0;
+};
+
+/// What stands between a residual and the next direction of conjugate gradients.
+class Preconditioner;
+
+/// Displacements at which the forces on all free components vanish.
+class Equilibrium
+{
+public:
+  /// @param bonds must outlive this
+  /// @param fixed components that keep the displacement that they are given; bits as FixedComponents. Nodes without
+  /// bonds need not be in it.
+  Equilibrium(const BondLattice& bonds, FixedComponents fixed, EquilibriumOptions options = {});
+  ~Equilibrium();
+  Equilibrium(const Equilibrium&) = delete;
+  Equilibrium& operator=(const Equilibrium&) = delete;
+
+  /// @param u in: displacements of fixed components, and a first guess of the others; out: equilibrium, rim filled [m]
+  /// @param load forces on the nodes [N], or null
+  /// @throws DivergenceError when it does not converge; Cancelled
+  EquilibriumResult solve(NodeField<double>& u, const NodeField<double>* load = nullptr);
+
+  [[nodiscard]] const FixedComponents& fixed() const noexcept { return fixed_; }
+
+private:
+  void hold(NodeField<double>& field) const;
+  [[nodiscard]] double dot(const NodeField<double>& a, const NodeField<double>& b) const;
+  [[nodiscard]] double norm(const NodeField<double>& a) const;
+  /// r = load + force(u), zero where fixed; fills the rim of u
+  void residual(NodeField<double>& u, const NodeField<double>* load, NodeField<double>& r, bool large);
+  double forcing(const NodeField<double>& u, const NodeField<double>* load);
+  void conjugateGradients(NodeField<double>& u, const NodeField<double>* load, double target, double reference,
+    const NodeField<double>* tangentAt, EquilibriumResult& result);
+  void newton(NodeField<double>& u, const NodeField<double>* load, double reference, EquilibriumResult& result);
+  void relaxDynamically(
+    NodeField<double>& u, const NodeField<double>* load, double reference, EquilibriumResult& result);
+  void solveDirectly(NodeField<double>& u, const NodeField<double>* load, EquilibriumResult& result);
+  void report(double share) const;
+
+  const BondLattice& bonds_;
+  FixedComponents fixed_;
+  EquilibriumOptions options_;
+  std::vector<std::int64_t> fixedNodes_;
+  std::unique_ptr<Preconditioner> preconditioner_;
+  double setupSeconds_ = 0;
+  std::int64_t products_ = 0;
+};
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,190 @@
+#include "peridynamics/Loading.h"
+
+#include "lattice/Error.h"
+#include "peridynamics/BondForces.h"
+#include "peridynamics/Fragments.h"
+#include "peridynamics/multigrid/FreeBlocks.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+template <class F>
+void eachOwn(const NodeLayout& l, F&& f)
+{
+  for (std::int64_t z = 0; z < l.size[2]; ++z)
+    for (std::int64_t y = 0; y < l.size[1]; ++y)
+      for (std::int64_t x = 0; x < l.size[0]; ++x)
+        f(l.index(x, y, z), std::array<std::int64_t, 3>{ x + l.start[0], y + l.start[1], z + l.start[2] });
+}
+
+void check(const BondLattice& bonds, const Loading& loading, int axis, int layers)
+{
+  for (const auto& [name, value] : { std::pair{ "strain", loading.strain }, { "lateral strain", loading.lateralStrain },
+         { "traction", loading.traction } })
+    if (!std::isfinite(value))
+      throw ParameterError(fmt::format("the {} {} is not a finite number", name, value), "give a number, such as 1e-3");
+  const char names[] = { 'x', 'y', 'z' };
+  for (int a = 0; a < bonds.dimension(); ++a)
+    if ((a == axis || loading.load == LoadCase::Biaxial) && bonds.periodic()[static_cast<std::size_t>(a)])
+      throw ParameterError(fmt::format("the sample is periodic along {}, where a platen is to hold it", names[a]),
+        "make that direction not periodic, or load the periodic cell by a mean strain");
+  const std::int64_t n = bonds.layout().global[static_cast<std::size_t>(axis)];
+  if (n <= 2 * layers)
+    throw ParameterError(
+      fmt::format("two platens of {} layers leave nothing of a sample of {} nodes along {}", layers, n, names[axis]),
+      "a larger sample, a finer spacing or a smaller horizon");
+}
+
+// Pieces that no platen holds are fixed where they are; some piece has to go from one platen to the other.
+void takeOutLoosePieces(const BondLattice& bonds, LoadedSample& s, int axis)
+{
+  const NodeLayout& l = bonds.layout();
+  // which platen a node belongs to, as bits for findFragments()
+  AlignedArray<std::uint8_t> platen(l.count());
+  eachOwn(l,
+    [&](std::int64_t i, const std::array<std::int64_t, 3>& node)
+    {
+      const std::int64_t layer = node[static_cast<std::size_t>(axis)];
+      platen[i] = static_cast<std::uint8_t>(
+        (layer < s.lowLayers[1] ? 1 : 0) | (layer >= s.highLayers[0] ? 2 : 0) | (s.fixed[i] != 0 ? 4 : 0));
+    });
+  const Fragments fragments = findFragments(bonds, &platen);
+  bool path = false;
+  for (const Fragment& f : fragments.pieces)
+    path = path || (f.fixed & 3U) == 3;
+  if (!path)
+    throw NoPathError(fmt::format("no piece of the sample reaches from one platen to the other along {}: it is in {} "
+                                  "pieces",
+                        "xyz"[axis], fragments.pieces.size()),
+      "look at its phases; a longer horizon or more matrix would join them");
+  for (const Fragment& f : fragments.pieces)
+    if ((f.fixed & 4U) == 0)
+    {
+      ++s.loosePieces;
+      s.looseNodes += f.nodes;
+    }
+  if (s.loosePieces == 0)
+    return;
+  eachOwn(l,
+    [&](std::int64_t i, const std::array<std::int64_t, 3>&)
+    {
+      if (fragments.piece[i] < 0 || (fragments.pieces[static_cast<std::size_t>(fragments.piece[i])].fixed & 4U) != 0)
+        return;
+      s.fixed[i] = allComponents(l.dimension);
+      for (int c = 0; c < l.dimension; ++c)
+      {
+        s.displacement.component(c)[i] = 0;
+        if (s.load)
+          s.load->component(c)[i] = 0;
+      }
+    });
+}
+
+// The rim of bit masks, by way of a field.
+void exchangeFixed(const BondLattice& bonds, FixedComponents& fixed)
+{
+  NodeField<float> bits(bonds.layout(), 1);
+  for (std::int64_t i = 0; i < fixed.size(); ++i)
+    bits.component(0)[i] = static_cast<float>(fixed[i]);
+  bonds.exchange(bits);
+  for (std::int64_t i = 0; i < fixed.size(); ++i)
+    fixed[i] = static_cast<std::uint8_t>(bits.component(0)[i]);
+}
+
+} // namespace
+
+LoadedSample applyLoading(const BondLattice& bonds, const Loading& loading)
+{
+  const NodeLayout& l = bonds.layout();
+  const int d = l.dimension;
+  const int axis = loading.axis < 0 ? d - 1 : loading.axis;
+  if (axis >= d)
+    throw ParameterError(fmt::format("there is no axis {} in {} dimensions", axis, d), "use x, y or, in 3D, z");
+  const int layers = loading.layers > 0 ? loading.layers : bonds.stencil().layers();
+  check(bonds, loading, axis, layers);
+
+  LoadedSample s;
+  s.fixed = FixedComponents(l.count());
+  s.displacement = NodeField<double>(l);
+  const auto a = static_cast<std::size_t>(axis);
+  const std::int64_t n = l.global[a];
+  s.lowLayers = { 0, layers };
+  s.highLayers = { n - layers, n };
+  const double length = static_cast<double>(n - 2 * layers + 1) * bonds.spacing();
+  const int across = (axis + 1) % d;
+
+  const auto share = [&](std::int64_t layer, std::int64_t count)
+  {
+    const double part = static_cast<double>(layer - (layers - 1)) / static_cast<double>(count - 2 * layers + 1);
+    return loading.rigid ? std::clamp(part, 0.0, 1.0) : part;
+  };
+  if (loading.load == LoadCase::Traction)
+    s.load.emplace(l);
+  const double nodeForce = loading.traction * std::pow(bonds.spacing(), d - 1) / layers;
+  eachOwn(l,
+    [&](std::int64_t i, const std::array<std::int64_t, 3>& node)
+    {
+      const std::int64_t layer = node[a];
+      const bool low = layer < layers;
+      const bool high = layer >= n - layers;
+      if (!bonds.solid(i))
+        return;
+      switch (loading.load)
+      {
+        case LoadCase::Stretch:
+          if (low || high)
+            s.fixed[i] = loading.smooth ? static_cast<std::uint8_t>(1U << axis) : allComponents(d);
+          s.displacement.component(axis)[i] = loading.strain * length * share(layer, n);
+          break;
+        case LoadCase::Shear:
+          if (low || high)
+            s.fixed[i] = allComponents(d);
+          s.displacement.component(across)[i] = loading.strain * length * share(layer, n);
+          break;
+        case LoadCase::Traction:
+          if (low)
+            s.fixed[i] = allComponents(d);
+          if (high)
+            s.load->component(axis)[i] = nodeForce;
+          break;
+        case LoadCase::Biaxial:
+          for (int c = 0; c < d; ++c)
+          {
+            const auto b = static_cast<std::size_t>(c);
+            const std::int64_t m = l.global[b];
+            if (node[b] < layers || node[b] >= m - layers)
+              s.fixed[i] = static_cast<std::uint8_t>(s.fixed[i] | (1U << c));
+            s.displacement.component(c)[i] = (c == axis ? loading.strain : loading.lateralStrain) *
+              static_cast<double>(m - 2 * layers + 1) * bonds.spacing() * share(node[b], m);
+          }
+          break;
+      }
+    });
+  takeOutLoosePieces(bonds, s, axis);
+  exchangeFixed(bonds, s.fixed);
+  bonds.exchange(s.displacement);
+  return s;
+}
+
+Reactions reactions(
+  const BondLattice& bonds, const LoadedSample& sample, const NodeField<double>& u, int axis, bool nonlinear)
+{
+  NodeField<double> f(bonds.layout());
+  if (nonlinear)
+    nonlinearForce(bonds, u, f);
+  else
+    linearForce(bonds, u, f);
+  const int a = axis < 0 ? bonds.dimension() - 1 : axis;
+  Reactions r;
+  r.low = layerSum(bonds, f, a, sample.lowLayers[0], sample.lowLayers[1]);
+  r.high = layerSum(bonds, f, a, sample.highLayers[0], sample.highLayers[1]);
+  return r;
+}
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,420 @@
+#include "peridynamics/multigrid/BondMultigrid.h"
+
+#include "peridynamics/BondForces.h"
+#include "peridynamics/multigrid/BondRows.h"
+#include "peridynamics/multigrid/FreeBlocks.h"
+#include "peridynamics/multigrid/Galerkin.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+constexpr std::size_t maxLevels = 32;
+constexpr std::int64_t gatherNodes = 4096; ///< of a level that is not worth distributing
+
+// Reproducible numbers without a pattern, the same for a node whatever rank holds it.
+float noise(std::uint64_t key)
+{
+  key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  key = (key ^ (key >> 27)) * 0x94d049bb133111ebULL;
+  key ^= key >> 31;
+  return static_cast<float>(key >> 40) / static_cast<float>(1U << 23) - 1.0F;
+}
+
+double dot(const NodeField<float>& a, const NodeField<float>& b)
+{
+  const NodeLayout& l = a.layout();
+  std::vector<double> sums(static_cast<std::size_t>(l.size[1] * l.size[2]));
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      double sum = 0;
+      const std::int64_t i = l.index(0, y, z);
+      for (int c = 0; c < l.dimension; ++c)
+        for (std::int64_t x = 0; x < l.size[0]; ++x)
+          sum += static_cast<double>(a.component(c)[i + x]) * static_cast<double>(b.component(c)[i + x]);
+      sums[static_cast<std::size_t>(y + l.size[1] * z)] = sum;
+    });
+  double total = 0;
+  for (const double s : sums)
+    total += s;
+  return total;
+}
+
+} // namespace
+
+BondMultigrid::BondMultigrid(const BondLattice& bonds, const FixedComponents& fixed, const MultigridOptions& options)
+  : bonds_(bonds)
+  , fixed_(fixed)
+  , options_(options)
+{
+  const NodeField<float> diagonal = buildFinest();
+  if (coarsenable())
+    coarsen(rowsOfBonds(bonds_, fixed_, diagonal));
+  while (levels_.size() > 1)
+  {
+    if (coarsenable())
+      coarsen(rowsOf(*levels_.back()));
+    else if (levels_.back()->comm->parallel())
+      gather();
+    else
+      break;
+  }
+  if (levels_.size() > 1)
+    coarsest_.emplace(*levels_.back());
+}
+
+NodeField<float> BondMultigrid::buildFinest()
+{
+  levels_.push_back(std::make_unique<Level>());
+  Level& top = *levels_.front();
+  top.layout = bonds_.layout();
+  top.periodic = bonds_.periodic();
+  top.comm = &bonds_.communicator();
+  top.rim = LevelRim(top.layout, top.periodic, *top.comm);
+  top.allocateVectors();
+  force_ = NodeField<float>(top.layout);
+
+  FreeBlocks blocks(bonds_, fixed_);
+  fixedNodes_ = std::move(blocks.fixedNodes);
+  // a partly fixed node's block is singular for that reason
+  hinges_ = top.comm->sum(invertBlocks(blocks.free, top.inverse) - blocks.partlyFixed);
+  estimateSpectrum(0);
+  return std::move(blocks.all);
+}
+
+bool BondMultigrid::coarsenable() const
+{
+  const Level& level = *levels_.back();
+  const NodeLayout& l = level.layout;
+  std::int64_t nodes = 1;
+  std::int64_t coarse = 1;
+  bool even = true;
+  for (std::size_t a = 0; a < static_cast<std::size_t>(l.dimension); ++a)
+  {
+    nodes *= l.global[a];
+    coarse *= l.global[a] / 2 + (level.periodic[a] ? 0 : 1);
+    even = even && (!level.periodic[a] || (l.global[a] % 2 == 0 && l.global[a] >= 4));
+  }
+  if (!even || nodes <= options_.coarsest || coarse >= nodes || levels_.size() >= maxLevels)
+    return false;
+  if (!level.comm->parallel())
+    return true;
+  const auto a = static_cast<std::size_t>(l.dimension - 1);
+  const bool last = l.start[a] + l.size[a] == l.global[a];
+  const bool good = l.start[a] % 2 == 0 && (last || l.size[a] % 2 == 0) && l.size[a] / 2 >= coarseReach(reach(level)) &&
+    nodes > gatherNodes;
+  return !level.comm->any(!good);
+}
+
+int BondMultigrid::reach(const Level& level) const
+{
+  return &level == levels_.front().get() ? bonds_.stencil().layers() : level.layout.ghost;
+}
+
+void BondMultigrid::coarsen(const MatrixRows& rows)
+{
+  const Level& fine = *levels_.back();
+  auto coarse = std::make_unique<Level>();
+  const NodeLayout& l = fine.layout;
+  std::array<std::int64_t, 3> size = l.size;
+  std::array<std::int64_t, 3> start = l.start;
+  std::array<std::int64_t, 3> global = l.global;
+  for (std::size_t a = 0; a < static_cast<std::size_t>(l.dimension); ++a)
+  {
+    const bool end = l.start[a] + l.size[a] == l.global[a] && !fine.periodic[a];
+    size[a] = l.size[a] / 2 + (end ? 1 : 0);
+    start[a] = l.start[a] / 2;
+    global[a] = l.global[a] / 2 + (fine.periodic[a] ? 0 : 1);
+  }
+  coarse->layout = NodeLayout::make(l.dimension, coarseReach(rows.reach), size, start, global);
+  coarse->periodic = fine.periodic;
+  coarse->comm = fine.comm;
+  coarse->rim = LevelRim(coarse->layout, coarse->periodic, *coarse->comm);
+  galerkinProduct(rows, l, *coarse);
+  addLevel(std::move(coarse));
+}
+
+void BondMultigrid::addLevel(std::unique_ptr<Level> level)
+{
+  level->allocateVectors();
+  invertBlocks(level->diagonal, level->inverse);
+  levels_.push_back(std::move(level));
+  estimateSpectrum(levels_.size() - 1);
+}
+
+// The same lattice, whole on every rank, which then does the rest for itself.
+void BondMultigrid::gather()
+{
+  Level& part = *levels_.back();
+  part.gathered = true;
+  auto whole = std::make_unique<Level>();
+  whole->layout =
+    NodeLayout::make(part.layout.dimension, part.layout.ghost, part.layout.global, { 0, 0, 0 }, part.layout.global);
+  whole->periodic = part.periodic;
+  whole->comm = &alone_;
+  whole->rim = LevelRim(whole->layout, whole->periodic, alone_);
+  whole->half = part.half;
+  whole->blocks = NodeField<float>(whole->layout, part.blocks.components());
+  whole->diagonal = NodeField<float>(whole->layout, part.diagonal.components());
+  gatherField(part, part.blocks, *whole, whole->blocks);
+  gatherField(part, part.diagonal, *whole, whole->diagonal);
+  whole->rim.fill(whole->blocks);
+  whole->rim.fill(whole->diagonal);
+  addLevel(std::move(whole));
+}
+
+void BondMultigrid::gatherField(
+  const Level& part, const NodeField<float>& field, const Level& whole, NodeField<float>& out) const
+{
+  const auto a = static_cast<std::size_t>(part.layout.dimension - 1);
+  const Communicator& comm = *part.comm;
+  const std::int64_t layer = (part.layout.dimension == 3 ? part.layout.rowsY() : 1) * part.layout.pitch;
+  std::vector<int> counts(static_cast<std::size_t>(comm.size()));
+  std::vector<int> begins(counts.size());
+  const int mine = static_cast<int>(layer * part.layout.size[a]);
+  MPI_Allgather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, comm.handle());
+  for (std::size_t r = 1; r < counts.size(); ++r)
+    begins[r] = begins[r - 1] + counts[r - 1];
+  for (int c = 0; c < field.components(); ++c) // the pitch is the same
+    MPI_Allgatherv(field.component(c) + part.layout.ghost * layer, mine, MPI_FLOAT,
+      out.component(c) + whole.layout.ghost * layer, counts.data(), begins.data(), MPI_FLOAT, comm.handle());
+}
+
+std::int64_t BondMultigrid::bytes() const noexcept
+{
+  std::int64_t total = static_cast<std::int64_t>(sizeof(float)) * force_.components() * force_.layout().count() +
+    (coarsest_ ? coarsest_->bytes() : 0);
+  for (const auto& level : levels_)
+    total += level->bytes();
+  return total;
+}
+
+void BondMultigrid::subtract(std::size_t index)
+{
+  Level& level = *levels_[index];
+  level.rim.fill(level.d);
+  if (index > 0)
+  {
+    subtractProduct(level, level.d, level.r);
+    return;
+  }
+  ++products_;
+  linearForce(bonds_, level.d, force_); // −A d
+  forOwnRows(level.layout,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = level.layout.index(0, y, z);
+      for (int c = 0; c < level.layout.dimension; ++c)
+        levelKernels().axpy(level.layout.size[0], 1.0F, force_.component(c) + i, level.r.component(c) + i);
+    });
+  release(level.r);
+}
+
+void BondMultigrid::release(NodeField<float>& field) const
+{
+  for (const std::int64_t i : fixedNodes_)
+    for (int c = 0; c < field.components(); ++c)
+      if ((fixed_[i] >> c & 1U) != 0)
+        field.component(c)[i] = 0;
+}
+
+void BondMultigrid::chebyshev(Level& level, float a, float b, bool first)
+{
+  const NodeLayout& l = level.layout;
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(0, y, z);
+      const float* inverse[6];
+      const float* r[3];
+      float* d[3];
+      float* x[3];
+      for (int e = 0; e < level.entries(); ++e)
+        inverse[e] = level.inverse.component(e) + i;
+      for (int c = 0; c < l.dimension; ++c)
+      {
+        r[c] = level.r.component(c) + i;
+        d[c] = level.d.component(c) + i;
+        x[c] = level.x.component(c) + i;
+      }
+      levelKernels().chebyshev(l.dimension, l.size[0], a, b, inverse, r, d, x, first);
+    });
+}
+
+// x += p(D⁻¹A) D⁻¹ r. The residual is left as it is before the last step, whose step is in d.
+void BondMultigrid::smooth(std::size_t index, bool first)
+{
+  Level& level = *levels_[index];
+  const float scale = 4.0F / level.lambda;
+  chebyshev(level, 0.0F, scale / 3.0F, first);
+  for (int k = 1; k < options_.degree; ++k)
+  {
+    subtract(index);
+    const auto n = static_cast<float>(2 * k + 3);
+    chebyshev(level, static_cast<float>(2 * k - 1) / n, scale * static_cast<float>(2 * k + 1) / n, false);
+  }
+}
+
+// A W-cycle from the third level on, where it costs next to nothing: it is there that bilinear interpolation no longer
+// knows how thin walls bend.
+void BondMultigrid::visit(std::size_t index)
+{
+  cycle(index, true);
+  if (index < options_.twiceFrom || levels_[index]->gathered || index + 1 == levels_.size())
+    return;
+  subtract(index); // what smoothing added last: r is the residual of x again
+  cycle(index, false);
+}
+
+void BondMultigrid::cycle(std::size_t index, bool fromZero)
+{
+  Level& level = *levels_[index];
+  if (index > 0 && index + 1 == levels_.size())
+  {
+    coarsest_->solve(level);
+    return;
+  }
+  if (level.gathered)
+  {
+    Level& whole = *levels_[index + 1];
+    gatherField(level, level.r, whole, whole.r);
+    visit(index + 1);
+    const auto a = static_cast<std::size_t>(level.layout.dimension - 1);
+    const std::int64_t layer = (level.layout.dimension == 3 ? level.layout.rowsY() : 1) * level.layout.pitch;
+    for (int c = 0; c < level.layout.dimension; ++c)
+      std::copy_n(whole.x.component(c) + (whole.layout.ghost + level.layout.start[a]) * layer,
+        level.layout.size[a] * layer, level.x.component(c) + level.layout.ghost * layer);
+    return;
+  }
+  smooth(index, fromZero);
+  if (index + 1 == levels_.size())
+    return;
+  subtract(index);
+  restrictResidual(index);
+  visit(index + 1);
+  interpolate(index); // into d
+  forOwnRows(level.layout,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = level.layout.index(0, y, z);
+      for (int c = 0; c < level.layout.dimension; ++c)
+        levelKernels().axpy(level.layout.size[0], 1.0F, level.d.component(c) + i, level.x.component(c) + i);
+    });
+  subtract(index);
+  smooth(index, false);
+}
+
+void BondMultigrid::restrictResidual(std::size_t index)
+{
+  Level& level = *levels_[index];
+  Level& next = *levels_[index + 1];
+  level.rim.fill(level.r);
+  const NodeLayout& l = level.layout;
+  const NodeLayout& c = next.layout;
+  const int reachZ = l.dimension == 3 ? 1 : 0;
+  forOwnRows(c,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t out = c.index(0, y, z);
+      for (int a = 0; a < l.dimension; ++a)
+      {
+        std::fill_n(next.r.component(a) + out, c.size[0], 0.0F);
+        for (int dz = -reachZ; dz <= reachZ; ++dz)
+          for (int dy = -1; dy <= 1; ++dy)
+            if (2 * y + dy < l.size[1] + l.ghost && 2 * z + dz < l.size[2] + l.ghostZ())
+              levelKernels().restrictRow(c.size[0], (dy == 0 ? 1.0F : 0.5F) * (dz == 0 ? 1.0F : 0.5F),
+                level.r.component(a) + l.index(0, 2 * y + dy, 2 * z + dz), next.r.component(a) + out);
+      }
+    });
+}
+
+void BondMultigrid::interpolate(std::size_t index)
+{
+  Level& level = *levels_[index];
+  Level& next = *levels_[index + 1];
+  next.rim.fill(next.x);
+  const NodeLayout& l = level.layout;
+  const NodeLayout& c = next.layout;
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      for (int a = 0; a < l.dimension; ++a)
+      {
+        const float* rows[4];
+        int count = 0;
+        for (std::int64_t cz = z / 2; cz <= (z + 1) / 2; ++cz)
+          for (std::int64_t cy = y / 2; cy <= (y + 1) / 2; ++cy)
+            rows[count++] = next.x.component(a) + c.index(0, cy, cz);
+        levelKernels().interpolateRow(
+          l.size[0], 1.0F / static_cast<float>(count), count, rows, level.d.component(a) + l.index(0, y, z));
+      }
+    });
+  if (index == 0)
+    release(level.d);
+}
+
+// Power iteration; a tenth over what it finds, which errs on the low side.
+void BondMultigrid::estimateSpectrum(std::size_t index)
+{
+  constexpr int steps = 8;
+  constexpr float margin = 1.1F;
+  Level& level = *levels_[index];
+  const NodeLayout& l = level.layout;
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      for (std::int64_t x = 0; x < l.size[0]; ++x)
+        for (int c = 0; c < l.dimension; ++c)
+        {
+          const std::int64_t node = x + l.global[0] * (y + l.start[1] + l.global[1] * (z + l.start[2]));
+          level.r.component(c)[l.index(x, y, z)] = noise(static_cast<std::uint64_t>(3 * node + c) + 1);
+        }
+    });
+  if (index == 0)
+    release(level.r);
+  double lambda = 0;
+  for (int k = 0; k < steps; ++k)
+  {
+    chebyshev(level, 0.0F, 1.0F, true); // d = D⁻¹ r
+    const double before = level.comm->sum(dot(level.r, level.d));
+    if (!(before > 0))
+      break;
+    level.r.fill(0);
+    subtract(index); // r = −A d
+    const double product = -level.comm->sum(dot(level.r, level.d));
+    lambda = product / before; // Rayleigh quotient of d
+    const double scale = 1 / std::sqrt(before);
+    forOwnRows(l,
+      [&](std::int64_t y, std::int64_t z)
+      {
+        const std::int64_t i = l.index(0, y, z);
+        for (int c = 0; c < l.dimension; ++c)
+          for (std::int64_t x = 0; x < l.size[0]; ++x)
+            level.r.component(c)[i + x] *= static_cast<float>(scale);
+      });
+  }
+  level.lambda = lambda > 0 ? static_cast<float>(lambda) * margin : 1.0F;
+}
+
+const NodeField<float>& BondMultigrid::apply(const NodeField<double>& input, double scale)
+{
+  Level& top = *levels_.front();
+  const NodeLayout& l = top.layout;
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(0, y, z);
+      for (int c = 0; c < l.dimension; ++c)
+        levelKernels().toFloat(l.size[0], scale, input.component(c) + i, top.r.component(c) + i);
+    });
+  release(top.r);
+  cycle(0, true);
+  return top.x;
+}
+
+} // namespace lamella::peridynamics

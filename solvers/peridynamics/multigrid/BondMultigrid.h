@@ -1,0 +1,77 @@
+#pragma once
+
+#include "peridynamics/BondLattice.h"
+#include "peridynamics/multigrid/CoarsestLevel.h"
+#include "peridynamics/multigrid/Galerkin.h"
+#include "peridynamics/multigrid/Level.h"
+#include "peridynamics/multigrid/MultigridOptions.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace lamella::peridynamics
+{
+
+/// Symmetric multigrid cycle for the linearised equilibrium of a bond lattice, in single precision: a preconditioner
+/// for conjugate gradients.
+///
+/// The finest level has no matrix: its product goes through the bonds. Coarser ones are Galerkin products with bilinear
+/// (trilinear) interpolation, so they know of every void, notch and broken bond there was when they were made; blocks
+/// of a node that has no stiffness in some direction (a hinge, a hanging node) are inverted where they can be.
+/// Smoothing is by Chebyshev polynomials of the fourth kind (Lottes, Numer. Linear Algebra Appl. 30 (2023) e2518) of
+/// D⁻¹A with the blocks D of the nodes. The coarsest level is solved with the pseudo-inverse of its matrix.
+class BondMultigrid
+{
+public:
+  /// @param fixed see FixedComponents; must outlive this, as must the bonds
+  BondMultigrid(const BondLattice& bonds, const FixedComponents& fixed, const MultigridOptions& options = {});
+
+  /// x = M r: `input` is taken as zero where components are fixed. The rim of the result is not filled. Collective.
+  const NodeField<float>& apply(const NodeField<double>& input, double scale);
+
+  [[nodiscard]] std::size_t levelCount() const noexcept { return levels_.size(); }
+  [[nodiscard]] std::int64_t bytes() const noexcept;
+  /// Nodes of all ranks whose bonds leave some direction free.
+  [[nodiscard]] std::int64_t hinges() const noexcept { return hinges_; }
+  /// Products with the finest level's matrix so far, setting up included.
+  [[nodiscard]] std::int64_t products() const noexcept { return products_; }
+
+private:
+  /// @return the diagonal blocks
+  NodeField<float> buildFinest();
+  [[nodiscard]] bool coarsenable() const;
+  [[nodiscard]] int reach(const Level& level) const;
+  void coarsen(const MatrixRows& rows);
+  void gather();
+  void addLevel(std::unique_ptr<Level> level);
+  void gatherField(const Level& part, const NodeField<float>& field, const Level& whole, NodeField<float>& out) const;
+  void estimateSpectrum(std::size_t index);
+
+  /// x += M r of a level, or x = M r
+  void cycle(std::size_t index, bool fromZero);
+  void visit(std::size_t index);
+  void smooth(std::size_t index, bool first);
+  void chebyshev(Level& level, float a, float b, bool first);
+  /// r −= A d of a level, after filling the rim of d
+  void subtract(std::size_t index);
+  void restrictResidual(std::size_t index);
+  /// correction of the next level into d of this one
+  void interpolate(std::size_t index);
+  /// zero where components are fixed
+  void release(NodeField<float>& field) const;
+
+  const BondLattice& bonds_;
+  const FixedComponents& fixed_;
+  MultigridOptions options_;
+  Communicator alone_;
+  std::vector<std::unique_ptr<Level>> levels_;
+  std::vector<std::int64_t> fixedNodes_; ///< own positions with a fixed component
+  NodeField<float> force_;               ///< of the finest level
+  std::optional<CoarsestLevel> coarsest_;
+  std::int64_t products_ = 0;
+  std::int64_t hinges_ = 0;
+};
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,84 @@
+#include "peridynamics/multigrid/CoarsestLevel.h"
+
+#include <algorithm>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+constexpr double singular = 1e-6; // of the largest eigenvalue: the matrix is in single precision
+
+} // namespace
+
+CoarsestLevel::CoarsestLevel(const Level& level)
+{
+  const NodeLayout& l = level.layout;
+  const int d = l.dimension;
+  constexpr int entry3[3][3] = { { 0, 3, 5 }, { 3, 1, 4 }, { 5, 4, 2 } };
+  constexpr int entry2[2][2] = { { 0, 2 }, { 2, 1 } };
+  const auto entryOf = [&](int a, int b) { return d == 3 ? entry3[a][b] : entry2[a][b]; };
+  const std::int64_t n = l.owned() * d;
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n);
+  const auto number = [&](std::int64_t x, std::int64_t y, std::int64_t z)
+  { return d * (x + l.size[0] * (y + l.size[1] * z)); };
+  const auto wrap = [&](std::int64_t& x, std::size_t axis)
+  {
+    if (level.periodic[axis])
+      x = ((x % l.size[axis]) + l.size[axis]) % l.size[axis];
+    return x >= 0 && x < l.size[axis];
+  };
+  for (std::int64_t z = 0; z < l.size[2]; ++z)
+    for (std::int64_t y = 0; y < l.size[1]; ++y)
+      for (std::int64_t x = 0; x < l.size[0]; ++x)
+      {
+        const std::int64_t i = l.index(x, y, z);
+        const std::int64_t row = number(x, y, z);
+        for (int p = 0; p < d; ++p)
+          for (int q = 0; q < d; ++q)
+            a(row + p, row + q) += static_cast<double>(level.diagonal.component(entryOf(p, q))[i]);
+        for (std::size_t h = 0; h < level.half.size(); ++h)
+        {
+          std::array<std::int64_t, 3> to{ x + level.half[h][0], y + level.half[h][1], z + level.half[h][2] };
+          if (!wrap(to[0], 0) || !wrap(to[1], 1) || !wrap(to[2], 2))
+            continue;
+          const std::int64_t column = number(to[0], to[1], to[2]);
+          for (int p = 0; p < d; ++p)
+            for (int q = 0; q < d; ++q)
+            {
+              const double v =
+                static_cast<double>(level.blocks.component(static_cast<int>(h) * level.entries() + entryOf(p, q))[i]);
+              a(row + p, column + q) += v;
+              a(column + q, row + p) += v;
+            }
+        }
+      }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(a);
+  const Eigen::VectorXd& values = eigen.eigenvalues();
+  const double least = singular * std::max(values[n - 1], 0.0);
+  Eigen::VectorXd inverse(n);
+  for (std::int64_t i = 0; i < n; ++i)
+    inverse[i] = values[i] > least ? 1 / values[i] : 0;
+  inverse_ = (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()).cast<float>();
+}
+
+void CoarsestLevel::solve(Level& level) const
+{
+  const NodeLayout& l = level.layout;
+  const int d = l.dimension;
+  Eigen::VectorXf v(l.owned() * d);
+  const auto each = [&](const auto& f)
+  {
+    std::int64_t n = 0;
+    for (std::int64_t z = 0; z < l.size[2]; ++z)
+      for (std::int64_t y = 0; y < l.size[1]; ++y)
+        for (std::int64_t x = 0; x < l.size[0]; ++x)
+          for (int c = 0; c < d; ++c)
+            f(c, l.index(x, y, z), n++);
+  };
+  each([&](int c, std::int64_t i, std::int64_t n) { v[n] = level.r.component(c)[i]; });
+  const Eigen::VectorXf x = inverse_ * v;
+  each([&](int c, std::int64_t i, std::int64_t n) { level.x.component(c)[i] = x[n]; });
+}
+
+} // namespace lamella::peridynamics

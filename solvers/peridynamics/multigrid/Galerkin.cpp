@@ -1,0 +1,303 @@
+#include "peridynamics/multigrid/Galerkin.h"
+
+#include <algorithm>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+/// What a fine block adds to a coarse one: the fine node is 2X + parity; the coarse block lies at X + shift.
+struct Term
+{
+  int parityX;
+  int shiftX;
+  int target; ///< index into Level::half; -1 the diagonal
+  float weight;
+};
+
+/// Terms of the fine rows (2(Y − shiftY) + parityY, 2(Z − shiftZ) + parityZ) in coarse row (Y, Z).
+struct Group
+{
+  int parityY;
+  int shiftY;
+  int parityZ;
+  int shiftZ;
+  std::vector<Term> terms;
+};
+
+struct Parent
+{
+  int step;
+  float weight;
+};
+
+std::vector<Parent> parents(int position) // of a fine node at 2·0 + position
+{
+  const int base = position >= 0 ? position / 2 : -((1 - position) / 2);
+  if (position - 2 * base == 0)
+    return { { base, 1.0F } };
+  return { { base, 0.5F }, { base + 1, 0.5F } };
+}
+
+class Terms
+{
+public:
+  Terms(int dimension, const std::vector<std::array<int, 3>>& half)
+    : dimension_(dimension)
+    , half_(half)
+  {
+  }
+
+  // `self`: the block of a node with itself
+  std::vector<Group> of(const std::array<int, 3>& step, bool self) const
+  {
+    std::vector<Group> groups;
+    for (int pz = 0; pz < (dimension_ == 3 ? 2 : 1); ++pz)
+      for (int py = 0; py < 2; ++py)
+        for (int px = 0; px < 2; ++px)
+          add(groups, { px, py, pz }, step, self);
+    return groups;
+  }
+
+private:
+  void add(
+    std::vector<Group>& groups, const std::array<int, 3>& parity, const std::array<int, 3>& step, bool self) const
+  {
+    std::array<std::vector<Parent>, 3> from;
+    std::array<std::vector<Parent>, 3> to;
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      from[a] = parents(parity[a]);
+      to[a] = parents(parity[a] + step[a]);
+    }
+    for (const Parent& fz : from[2])
+      for (const Parent& fy : from[1])
+        for (const Parent& fx : from[0])
+          for (const Parent& tz : to[2])
+            for (const Parent& ty : to[1])
+              for (const Parent& tx : to[0])
+              {
+                float weight = fx.weight * fy.weight * fz.weight * tx.weight * ty.weight * tz.weight;
+                std::array<int, 3> at{ fx.step, fy.step, fz.step };
+                std::array<int, 3> reach{ tx.step - fx.step, ty.step - fy.step, tz.step - fz.step };
+                int sign = reach[2] != 0 ? reach[2] : reach[1] != 0 ? reach[1] : reach[0];
+                if (self && sign < 0)
+                  continue; // its mirror image is stored
+                if (sign < 0)
+                {
+                  at = { tx.step, ty.step, tz.step };
+                  for (int& r : reach)
+                    r = -r;
+                }
+                int target = -1;
+                if (sign != 0)
+                  target = static_cast<int>(std::find(half_.begin(), half_.end(), reach) - half_.begin());
+                else if (!self)
+                  weight *= 2; // A(i, j) and A(j, i) both
+                place(groups, parity, at, { parity[0], at[0], target, weight });
+              }
+  }
+
+  static void place(
+    std::vector<Group>& groups, const std::array<int, 3>& parity, const std::array<int, 3>& at, const Term& term)
+  {
+    auto found = std::find_if(groups.begin(), groups.end(),
+      [&](const Group& g)
+      { return g.parityY == parity[1] && g.shiftY == at[1] && g.parityZ == parity[2] && g.shiftZ == at[2]; });
+    if (found == groups.end())
+      found = groups.insert(groups.end(), { parity[1], at[1], parity[2], at[2], {} });
+    for (Term& t : found->terms)
+      if (t.parityX == term.parityX && t.shiftX == term.shiftX && t.target == term.target)
+      {
+        t.weight += term.weight;
+        return;
+      }
+    found->terms.push_back(term);
+  }
+
+  int dimension_;
+  const std::vector<std::array<int, 3>>& half_;
+};
+
+/// One coarse row: sums of weighted fine rows.
+class RowSum
+{
+public:
+  RowSum(const MatrixRows& rows, const NodeLayout& fine, Level& coarse, const std::vector<std::vector<Group>>& groups)
+    : rows_(rows)
+    , fine_(fine)
+    , coarse_(coarse)
+    , groups_(groups)
+    , entries_(coarse.entries())
+    , stride_((fine.size[0] + 15) / 16 * 16)
+    , natural_(static_cast<std::size_t>(stride_ * entries_))
+    , split_(static_cast<std::size_t>(2 * stride_ * entries_))
+    , sums_(static_cast<std::size_t>((coarse.half.size() + 1)) * static_cast<std::size_t>(coarse.layout.pitch))
+    , touched_(coarse.half.size() + 1, 0)
+  {
+  }
+
+  void add(std::int64_t y, std::int64_t z)
+  {
+    const int neighbours = static_cast<int>(rows_.neighbours.size());
+    for (int q = 0; q <= neighbours; ++q) // the last is the diagonal
+      for (const Group& g : groups_[static_cast<std::size_t>(q)])
+      {
+        const std::int64_t fineY = 2 * (y - g.shiftY) + g.parityY;
+        const std::int64_t fineZ = fine_.dimension == 3 ? 2 * (z - g.shiftZ) + g.parityZ : 0;
+        if (fineY < 0 || fineY >= fine_.size[1] || fineZ < 0 || fineZ >= fine_.size[2])
+          continue;
+        const bool self = q == neighbours;
+        const int channels = self ? entries_ : rows_.channels;
+        if (self)
+          rows_.diagonal(fineY, fineZ, natural_.data(), stride_);
+        else if (!rows_.block(q, fineY, fineZ, natural_.data(), stride_))
+          continue;
+        split(channels);
+        for (const Term& t : g.terms)
+          accumulate(t, channels, y, z, channels == 1 && !self);
+        if (channels == 1 && !self)
+          expand(rows_.neighbours[static_cast<std::size_t>(q)].tensor, y, z);
+      }
+  }
+
+private:
+  void split(int channels)
+  {
+    const std::int64_t n = fine_.size[0];
+    for (int c = 0; c < channels; ++c)
+    {
+      const float* from = natural_.data() + c * stride_;
+      float* even = split_.data() + 2 * c * stride_;
+      float* odd = even + stride_;
+      for (std::int64_t i = 0; i < n / 2; ++i)
+      {
+        even[i] = from[2 * i];
+        odd[i] = from[2 * i + 1];
+      }
+      if (n % 2 != 0)
+        even[n / 2] = from[n - 1];
+    }
+  }
+
+  // to a sum of scalars, or straight to the entries
+  void accumulate(const Term& t, int channels, std::int64_t y, std::int64_t z, bool scalars)
+  {
+    const std::int64_t n = (fine_.size[0] + 1 - t.parityX) / 2;
+    for (int c = 0; c < channels; ++c)
+    {
+      const float* from = split_.data() + (2 * c + t.parityX) * stride_;
+      float* to = nullptr;
+      if (scalars)
+      {
+        const auto slot = static_cast<std::size_t>(t.target + 1);
+        to = sums_.data() + static_cast<std::int64_t>(slot) * coarse_.layout.pitch;
+        if (touched_[slot] == 0)
+        {
+          touched_[slot] = 1;
+          std::fill_n(to, coarse_.layout.pitch, 0.0F);
+        }
+        to += NodeLayout::margin;
+      }
+      else
+        to = entry(t.target, c) + coarse_.layout.index(0, y, z);
+      levelKernels().axpy(n, t.weight, from, to + t.shiftX);
+    }
+  }
+
+  void expand(const std::array<float, 6>& tensor, std::int64_t y, std::int64_t z)
+  {
+    const NodeLayout& l = coarse_.layout;
+    for (std::size_t slot = 0; slot < touched_.size(); ++slot)
+    {
+      if (touched_[slot] == 0)
+        continue;
+      touched_[slot] = 0;
+      const float* from = sums_.data() + static_cast<std::int64_t>(slot) * l.pitch + NodeLayout::margin - l.ghost;
+      for (int e = 0; e < entries_; ++e)
+        if (tensor[static_cast<std::size_t>(e)] != 0)
+          levelKernels().axpy(l.size[0] + 2 * l.ghost, tensor[static_cast<std::size_t>(e)], from,
+            entry(static_cast<int>(slot) - 1, e) + l.index(-l.ghost, y, z));
+    }
+  }
+
+  [[nodiscard]] float* entry(int target, int e)
+  {
+    return target < 0 ? coarse_.diagonal.component(e) : coarse_.blocks.component(target * entries_ + e);
+  }
+
+  const MatrixRows& rows_;
+  const NodeLayout& fine_;
+  Level& coarse_;
+  const std::vector<std::vector<Group>>& groups_;
+  int entries_;
+  std::int64_t stride_;
+  std::vector<float> natural_; ///< channels of a fine row
+  std::vector<float> split_;   ///< even nodes, odd nodes of each
+  std::vector<float> sums_;    ///< a coarse row for the diagonal and each neighbour
+  std::vector<char> touched_;
+};
+
+} // namespace
+
+void galerkinProduct(const MatrixRows& rows, const NodeLayout& fine, Level& coarse)
+{
+  const NodeLayout& l = coarse.layout;
+  coarse.half = forwardNeighbours(l.dimension, l.ghost);
+  coarse.blocks = NodeField<float>(l, static_cast<int>(coarse.half.size()) * coarse.entries());
+  coarse.diagonal = NodeField<float>(l, coarse.entries());
+  const Terms terms(l.dimension, coarse.half);
+  std::vector<std::vector<Group>> groups;
+  for (const auto& q : rows.neighbours)
+    groups.push_back(terms.of(q.step, false));
+  groups.push_back(terms.of({ 0, 0, 0 }, true));
+
+  // Of the slowest axis the high side of the rim takes part: a fine row has parents there. Of y in space both do.
+  const bool space = l.dimension == 3;
+  const std::int64_t lowY = space ? -l.ghost : 0;
+  const std::int64_t highY = l.size[1] + (space ? l.ghost : 1);
+  const std::int64_t highZ = space ? l.size[2] + 1 : 1;
+  const std::int64_t count = (highY - lowY) * highZ;
+#pragma omp parallel if (fine.owned() >= worthThreads)
+  {
+    RowSum sum(rows, fine, coarse, groups);
+#pragma omp for schedule(dynamic, 4)
+    for (std::int64_t i = 0; i < count; ++i)
+      sum.add(lowY + i % (highY - lowY), i / (highY - lowY));
+  }
+  for (NodeField<float>* f : { &coarse.blocks, &coarse.diagonal })
+  {
+    coarse.rim.addBack(*f);
+    coarse.rim.fill(*f);
+  }
+}
+
+MatrixRows rowsOf(const Level& level)
+{
+  MatrixRows rows;
+  for (const auto& step : level.half)
+  {
+    rows.neighbours.push_back({ step, {} });
+    for (const int s : step)
+      rows.reach = std::max(rows.reach, std::abs(s));
+  }
+  rows.channels = level.entries();
+  const auto copy =
+    [&level](const NodeField<float>& field, int first, std::int64_t y, std::int64_t z, float* out, std::int64_t stride)
+  {
+    const NodeLayout& l = level.layout;
+    for (int e = 0; e < level.entries(); ++e)
+      std::copy_n(field.component(first + e) + l.index(0, y, z), l.size[0], out + e * stride);
+  };
+  rows.block = [&level, copy](int q, std::int64_t y, std::int64_t z, float* out, std::int64_t stride)
+  {
+    copy(level.blocks, q * level.entries(), y, z, out, stride);
+    return true;
+  };
+  rows.diagonal = [&level, copy](std::int64_t y, std::int64_t z, float* out, std::int64_t stride)
+  { copy(level.diagonal, 0, y, z, out, stride); };
+  return rows;
+}
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,124 @@
+#include "peridynamics/multigrid/Level.h"
+
+#include <Eigen/Dense>
+
+namespace lamella::peridynamics
+{
+
+void Level::allocateVectors()
+{
+  inverse = NodeField<float>(layout, entries());
+  x = NodeField<float>(layout);
+  r = NodeField<float>(layout);
+  d = NodeField<float>(layout);
+}
+
+std::int64_t Level::bytes() const noexcept
+{
+  std::int64_t components = 0;
+  for (const NodeField<float>* f : { &blocks, &diagonal, &inverse, &x, &r, &d })
+    components += f->layout().count() > 1 ? f->components() : 0;
+  return components * layout.count() * static_cast<std::int64_t>(sizeof(float));
+}
+
+std::vector<std::array<int, 3>> forwardNeighbours(int dimension, int reach)
+{
+  std::vector<std::array<int, 3>> all;
+  for (int z = 0; z <= (dimension == 3 ? reach : 0); ++z)
+    for (int y = -reach; y <= reach; ++y)
+      for (int x = -reach; x <= reach; ++x)
+        if (z > 0 || (z == 0 && (y > 0 || (y == 0 && x > 0))))
+          all.push_back({ x, y, z });
+  return all;
+}
+
+void subtractProduct(const Level& level, const NodeField<float>& x, NodeField<float>& out)
+{
+  const NodeLayout& l = level.layout;
+  const int d = l.dimension;
+  const int entries = level.entries();
+  BlockRow common;
+  common.half = static_cast<int>(level.half.size());
+  common.blockStride = entries * l.count();
+  for (int q = 0; q < common.half; ++q)
+  {
+    const auto& s = level.half[static_cast<std::size_t>(q)];
+    common.jump[q] = s[0] + l.pitch * (s[1] + l.rowsY() * s[2]);
+  }
+  const LevelKernels& k = levelKernels();
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      BlockRow row = common;
+      const std::int64_t i = l.index(0, y, z);
+      for (int c = 0; c < d; ++c)
+      {
+        row.here[c] = x.component(c) + i;
+        row.out[c] = out.component(c) + i;
+      }
+      for (int e = 0; e < entries; ++e)
+      {
+        row.diagonal[e] = level.diagonal.component(e) + i;
+        row.block[e] = level.blocks.component(e) + i;
+      }
+      k.subtractProduct(d, l.size[0], row);
+    });
+}
+
+namespace
+{
+
+constexpr double threshold = 1e-6; // of the trace: blocks are summed in single precision
+
+template <int Dim>
+std::int64_t invertRow(const NodeField<float>& blocks, NodeField<float>& inverse, std::int64_t begin, std::int64_t n)
+{
+  std::int64_t singular = 0;
+  using Block = Eigen::Matrix<double, Dim, Dim>;
+  constexpr int entries = Dim == 3 ? 6 : 3;
+  constexpr int row[6] = { 0, 1, Dim == 3 ? 2 : 0, 0, 1, 0 };
+  constexpr int column[6] = { 0, 1, Dim == 3 ? 2 : 1, 1, 2, 2 };
+  for (std::int64_t i = begin; i < begin + n; ++i)
+  {
+    Block a;
+    for (int e = 0; e < entries; ++e)
+      a(row[e], column[e]) = a(column[e], row[e]) = static_cast<double>(blocks.component(e)[i]);
+    Block b = Block::Zero();
+    const double trace = a.trace();
+    if (trace > 0)
+    {
+      // well apart from singular: det/traceᵈ bounds the smallest eigenvalue from below
+      const double determinant = a.determinant();
+      if (determinant > 1e-3 * std::pow(trace, Dim))
+        b = a.inverse();
+      else
+      {
+        Eigen::SelfAdjointEigenSolver<Block> eigen;
+        eigen.computeDirect(a);
+        singular += eigen.eigenvalues()[0] > threshold * trace ? 0 : 1;
+        for (int c = 0; c < Dim; ++c)
+          if (eigen.eigenvalues()[c] > threshold * trace)
+            b += eigen.eigenvectors().col(c) * eigen.eigenvectors().col(c).transpose() / eigen.eigenvalues()[c];
+      }
+    }
+    for (int e = 0; e < entries; ++e)
+      inverse.component(e)[i] = static_cast<float>(b(row[e], column[e]));
+  }
+  return singular;
+}
+
+} // namespace
+
+std::int64_t invertBlocks(const NodeField<float>& blocks, NodeField<float>& inverse)
+{
+  const NodeLayout& l = blocks.layout();
+  std::int64_t singular = 0;
+  const std::int64_t rows = l.size[1] * l.size[2];
+#pragma omp parallel for schedule(static) reduction(+ : singular) if (l.owned() >= worthThreads)
+  for (std::int64_t i = 0; i < rows; ++i)
+    singular += (l.dimension == 3 ? invertRow<3> : invertRow<2>)(blocks, inverse,
+      l.index(0, i % l.size[1], i / l.size[1]), l.size[0]);
+  return singular;
+}
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,67 @@
+#pragma once
+
+#include "peridynamics/BondLattice.h"
+#include "peridynamics/NodeField.h"
+#include "peridynamics/multigrid/LevelKernels.h"
+#include "peridynamics/multigrid/LevelRim.h"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace lamella::peridynamics
+{
+
+/// One lattice of the multigrid hierarchy: its matrix (the finest has that of its bonds) and work vectors.
+struct Level
+{
+  NodeLayout layout;
+  std::array<bool, 3> periodic{};
+  const Communicator* comm = nullptr;
+  LevelRim rim;
+
+  // the matrix of a coarse level: blocks to half of the neighbours, A(i, i + q), and of the node itself
+  std::vector<std::array<int, 3>> half;
+  NodeField<float> blocks;   ///< component q · entries + e
+  NodeField<float> diagonal; ///< entries of A(i, i)
+  NodeField<float> inverse;  ///< of their pseudo-inverses
+  float lambda = 2;          ///< largest eigenvalue of D⁻¹A, a little over
+
+  NodeField<float> x; ///< correction
+  NodeField<float> r; ///< residual
+  NodeField<float> d; ///< direction; its rim is kept up to date
+
+  bool gathered = false; ///< the next level is the same lattice, whole on every rank
+
+  void allocateVectors();
+  [[nodiscard]] int entries() const noexcept { return blockEntries(layout.dimension); }
+  [[nodiscard]] std::int64_t bytes() const noexcept;
+};
+
+/// Neighbours of a node within `reach` steps along every axis whose last nonzero step is positive.
+[[nodiscard]] std::vector<std::array<int, 3>> forwardNeighbours(int dimension, int reach);
+
+/// Fewer nodes are done sooner than a second thread wakes up.
+inline constexpr std::int64_t worthThreads = 16384;
+
+/// Calls f(y, z) for all own rows, rows over the threads.
+template <class F>
+void forOwnRows(const NodeLayout& layout, F&& f)
+{
+  const std::int64_t ny = layout.size[1];
+  const std::int64_t rows = ny * layout.size[2];
+#pragma omp parallel for schedule(static) if (layout.owned() >= worthThreads)
+  for (std::int64_t i = 0; i < rows; ++i)
+    f(i % ny, i / ny);
+}
+
+/// out −= A x on own nodes; the rim of x must be up to date.
+void subtractProduct(const Level& level, const NodeField<float>& x, NodeField<float>& out);
+
+/// Pseudo-inverses of symmetric d × d blocks: a direction in which a block has less than a millionth of its trace gets
+/// none.
+/// @return how many of the own nodes have such a direction, but no zero block
+std::int64_t invertBlocks(const NodeField<float>& blocks, NodeField<float>& inverse);
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+
+/// Row loops of the elastic multigrid, in single precision, compiled for several instruction sets.
+namespace lamella::peridynamics
+{
+
+/// Entries of a symmetric d × d block: xx, yy, xy in 2D; xx, yy, zz, xy, yz, xz in 3D.
+[[nodiscard]] constexpr int blockEntries(int dimension) noexcept
+{
+  return dimension == 3 ? 6 : 3;
+}
+
+/// Half of the neighbours of a coarse node: those within two steps along every axis.
+inline constexpr int maxHalf = 62;
+
+/// One row of coarse nodes with everything that its product with a block stencil reads; [c] components, [e] entries.
+struct BlockRow
+{
+  int half = 0;               ///< neighbours on the forward side
+  const float* here[3];       ///< of the field
+  const float* diagonal[6];   ///<
+  const float* block[6];      ///< entry e of the first neighbour; neighbour q lies q × blockStride further
+  std::int64_t blockStride;   ///<
+  std::int64_t jump[maxHalf]; ///< from a node to neighbour q, in nodes
+  float* out[3];              ///<
+};
+
+struct LevelKernels
+{
+  /// out −= A x over n nodes.
+  void (*subtractProduct)(int dimension, std::int64_t n, const BlockRow& row);
+  /// d = a d + b D⁻¹ r; x += d. `inverse` holds the entries of D⁻¹. With a = 0 what d and, if `first`, x hold is not
+  /// read.
+  void (*chebyshev)(int dimension, std::int64_t n, float a, float b, const float* const* inverse, const float* const* r,
+    float* const* d, float* const* x, bool first);
+  /// out[X] += w (½ v[2X − 1] + v[2X] + ½ v[2X + 1]), n coarse nodes.
+  void (*restrictRow)(std::int64_t n, float w, const float* v, float* out);
+  /// v[2X] = c[X], v[2X + 1] = ½ (c[X] + c[X + 1]), n fine nodes, with c = w (c₀ + … ) the sum of `rows` coarse rows.
+  void (*interpolateRow)(std::int64_t n, float w, int rows, const float* const* coarse, float* v);
+  /// w[i] += a k[i].
+  void (*axpy)(std::int64_t n, float a, const float* k, float* w);
+
+  // conjugate gradients in double precision
+  double (*dot)(std::int64_t n, const double* a, const double* b);
+  double (*dotMixed)(std::int64_t n, const double* a, const float* b);
+  /// y += a x.
+  void (*axpyDouble)(std::int64_t n, double a, const double* x, double* y);
+  /// p = a z + b p.
+  void (*direction)(std::int64_t n, const float* z, double a, double b, double* p);
+  void (*toFloat)(std::int64_t n, double scale, const double* a, float* b);
+};
+
+/// The fastest that this processor can run.
+[[nodiscard]] const LevelKernels& levelKernels();
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace lamella::peridynamics
+{
+
+struct MultigridOptions
+{
+  int degree = 1;              ///< Chebyshev steps before and after the coarser levels
+  std::size_t twiceFrom = 2;   ///< levels from this one on are visited twice (W-cycle); the finest is 0
+  std::int64_t coarsest = 100; ///< nodes of a level that is solved directly
+};
+
+} // namespace lamella::peridynamics
