@@ -1,0 +1,320 @@
+// Linear equilibrium of bond lattices: run time, iterations and error. Arguments: speed, solvers, accuracy, stability,
+// space or scaling (under mpirun); none: all but space and scaling.
+#include "peridynamics/Equilibrium.h"
+#include "generators/Generators.h"
+#include "lattice/Error.h"
+#include "packing/Bridges.h"
+#include "packing/Packing.h"
+#include "peridynamics/BondForces.h"
+#include "peridynamics/Loading.h"
+#include "peridynamics/PeriodicCell.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include <mpi.h>
+
+namespace
+{
+
+using namespace lamella;
+using namespace lamella::peridynamics;
+
+struct Sample
+{
+  std::string name;
+  Lattice lattice;
+  std::vector<std::uint8_t> phase; ///< 0 void, 1, 2
+  std::vector<std::int32_t> grain;
+  double contrast = 1; ///< E of phase 2 over that of phase 1
+};
+
+double wall()
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double cpu() // of all threads
+{
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+Sample homogeneous(std::int64_t nx, std::int64_t ny)
+{
+  Sample s{ "homogeneous", makeLattice(nx, ny, 1, 2, 1e-3), {}, {}, 1 };
+  s.phase.assign(static_cast<std::size_t>(nx * ny), 1);
+  return s;
+}
+
+Sample cemented(int dimension, std::int64_t nodes, double saturation, double contrast)
+{
+  packing::PackingOptions o;
+  o.dimension = dimension;
+  o.count = dimension == 3 ? 200 : 400;
+  o.aspect = dimension == 3 ? 1 : 2;
+  o.seed = 1;
+  const packing::Packing p = packing::pack(o);
+  packing::BridgeOptions b;
+  b.saturation = saturation;
+  packing::RasterOptions r;
+  r.nodesAcross = nodes;
+  r.platen = 4 * p.size[0] / static_cast<double>(nodes);
+  packing::CementedSample c = packing::cement(p, b, r);
+  return { fmt::format("cemented grains, S = {:.2f}", saturation), c.image.lattice, std::move(c.image.phase),
+    std::move(c.grain), contrast };
+}
+
+Sample softwood(std::int64_t nx, std::int64_t ny)
+{
+  generators::SoftwoodOptions o;
+  o.size = { nx, ny, 1 };
+  o.spacing = 0.5e-6;
+  o.seed = 1;
+  const PhaseImage image = generators::softwood(o);
+  Sample s{ "softwood", image.lattice, {}, {}, 1 };
+  for (const std::uint8_t p : image.phase)
+  {
+    const std::string& name = image.phases.name(p);
+    s.phase.push_back(name == "lumen" || name == "void" ? 0 : 1);
+  }
+  return s;
+}
+
+/// Holes of a hexagonal array, round or six-sided, in a cell of n × √3 n nodes (rounded to even).
+Sample holes(std::int64_t n, double solid, bool round)
+{
+  const std::int64_t ny = 2 * std::llround(static_cast<double>(n) * std::numbers::sqrt3 / 2);
+  Sample s{ round ? "round holes" : "honeycomb", makeLattice(n, ny, 1, 2, 1e-3), {}, {}, 1 };
+  const double w = static_cast<double>(n);
+  const double h = static_cast<double>(ny);
+  const double radius = round ? std::sqrt((1 - solid) * w * h / (2 * std::numbers::pi)) : std::sqrt(1 - solid) * w / 2;
+  for (std::int64_t y = 0; y < ny; ++y)
+    for (std::int64_t x = 0; x < n; ++x)
+    {
+      bool hole = false;
+      for (int i = -1; i <= 2; ++i)
+        for (int j = -1; j <= 2; ++j)
+        {
+          const double a = static_cast<double>(x) + 0.5 - (i + (j % 2 == 0 ? 0.0 : 0.5)) * w;
+          const double b = static_cast<double>(y) + 0.5 - j * h / 2;
+          const double c = std::abs(a) / 2 + std::abs(b) * std::numbers::sqrt3 / 2;
+          hole = hole || (round ? a * a + b * b < radius * radius : std::max(std::abs(a), c) < radius);
+        }
+      s.phase.push_back(hole ? 0 : 1);
+    }
+  return s;
+}
+
+BondModel modelOf(const Sample& s)
+{
+  BondModel m;
+  m.continuum = s.lattice.dimension == 3 ? Continuum::Space : Continuum::PlaneStress;
+  const auto material = [](double e) { return BondMaterial{ .youngsModulus = e, .criticalStretch = 1e-3 }; };
+  m.pairs[{ 1, 1 }].material = material(1e9);
+  if (std::find(s.phase.begin(), s.phase.end(), 2) != s.phase.end())
+  {
+    m.pairs[{ 1, 2 }].material = material(1e9);
+    m.pairs[{ 2, 2 }].material = material(s.contrast * 1e9);
+    m.pairs[{ 2, 2 }].betweenGrains = material(1e9);
+    m.pairByGrain = !s.grain.empty();
+  }
+  return m;
+}
+
+BondLattice bondsOf(const BondModel& model, const Sample& s, const Communicator& comm)
+{
+  const Block block = slab(s.lattice, Stencil(s.lattice.dimension, model.horizon), comm);
+  const auto axis = static_cast<std::size_t>(s.lattice.dimension - 1);
+  const std::int64_t layer = s.lattice.count() / s.lattice.size[axis];
+  const auto first = static_cast<std::size_t>(layer * block.start[axis]);
+  const auto count = static_cast<std::size_t>(block.count());
+  return BondLattice(model, s.lattice, std::span(s.phase).subspan(first, count),
+    s.grain.empty() ? std::span<const std::int32_t>() : std::span<const std::int32_t>(s.grain).subspan(first, count),
+    comm);
+}
+
+const char* name(EquilibriumSolver solver)
+{
+  return solver == EquilibriumSolver::Multigrid ? "multigrid CG"
+    : solver == EquilibriumSolver::Jacobi       ? "Jacobi CG"
+                                                : "dynamic relaxation";
+}
+
+/// Everything from the phases on: bonds, loading, set-up, solution. The median of the runs by wall time.
+void time(const Sample& s, EquilibriumSolver solver, int runs, const Communicator& comm)
+{
+  struct Run
+  {
+    double wall, cpu;
+    EquilibriumResult result;
+    double bytes;
+    double reaction;
+  };
+  std::vector<Run> all;
+  for (int i = 0; i < runs; ++i)
+  {
+    const double startWall = wall();
+    const double startCpu = cpu();
+    const BondLattice bonds = bondsOf(modelOf(s), s, comm);
+    LoadedSample loaded = applyLoading(bonds, {});
+    EquilibriumOptions o;
+    o.solver = solver;
+    o.maxIterations = 200000;
+    Equilibrium equilibrium(bonds, std::move(loaded.fixed), o);
+    const EquilibriumResult r = equilibrium.solve(loaded.displacement);
+    const double endWall = wall() - startWall;
+    const double endCpu = cpu() - startCpu;
+    all.push_back(
+      { endWall, endCpu, r, static_cast<double>(r.bytes + bonds.bytes()) / static_cast<double>(bonds.layout().owned()),
+        std::abs(reactions(bonds, loaded, loaded.displacement, -1, false)
+                   .low[static_cast<std::size_t>(s.lattice.dimension - 1)]) });
+  }
+  std::sort(all.begin(), all.end(), [](const Run& a, const Run& b) { return a.wall < b.wall; });
+  const Run& m = all[all.size() / 2];
+  if (comm.rank() == 0)
+    fmt::print("{:<26} {:>16} {:<18} {:6d} iterations {:6d} products {:7.2f} s wall {:7.2f} s CPU {:6.0f} B/node\n",
+      s.name,
+      fmt::format("{} x {}{}", s.lattice.size[0], s.lattice.size[1],
+        s.lattice.dimension == 3 ? fmt::format(" x {}", s.lattice.size[2]) : ""),
+      name(solver), m.result.iterations, m.result.products, m.wall, m.cpu, m.bytes);
+  std::fflush(stdout);
+}
+
+void speed(const Communicator& comm)
+{
+  fmt::print("\nBonds, loading, set-up and solution to 1e-6, horizon 3, all threads; median of 3\n");
+  for (const std::int64_t n : { 256, 512, 1024 })
+  {
+    for (const Sample& s : { homogeneous(n, 2 * n), cemented(2, n, 0.34, 4), softwood(n, 2 * n) })
+      time(s, EquilibriumSolver::Multigrid, 3, comm);
+  }
+}
+
+void solvers(const Communicator& comm)
+{
+  fmt::print("\nThe same by other solvers, one run\n");
+  for (const Sample& s : { homogeneous(256, 512), cemented(2, 256, 0.34, 4), softwood(256, 512) })
+    for (const EquilibriumSolver solver :
+      { EquilibriumSolver::Multigrid, EquilibriumSolver::Jacobi, EquilibriumSolver::DynamicRelaxation })
+      time(s, solver, 1, comm);
+}
+
+void accuracy(const Communicator& comm)
+{
+  fmt::print("\nYoung's modulus of periodic cells over that of the solid, and its error against finite elements\n");
+  struct Case
+  {
+    bool round;
+    double solid;
+    double exact;
+  };
+  for (const Case& c : { Case{ true, 0.8, 0.56963 }, Case{ true, 0.6, 0.31338 }, Case{ false, 0.36, 0.075005 },
+         Case{ false, 0.64, 0.326779 } })
+    for (const double horizon : { 2.0, 3.0, 4.0, 5.0 })
+      for (const int form : { 0, 1, 2, 3 }) // continuum, lattice; each with surface correction
+      {
+        fmt::print("{:<11} solid {:.2f} horizon {:.0f} micromodulus {:<9} {:<20}",
+          c.round ? "round holes" : "honeycomb", c.solid, horizon, form % 2 == 0 ? "continuum" : "lattice",
+          form < 2 ? "" : "surface correction");
+        for (const std::int64_t n : { 52, 112, 224 })
+        {
+          const Sample s = holes(n, c.solid, c.round);
+          BondModel m = modelOf(s);
+          m.horizon = horizon;
+          m.periodic = { true, true, false };
+          m.micromodulus = form % 2 == 0 ? Micromodulus::Continuum : Micromodulus::Lattice;
+          m.surfaceCorrection = form >= 2;
+          const double start = cpu();
+          const EffectiveStiffness e = effectiveStiffness(bondsOf(m, s, comm));
+          const double value = (e.youngsModulus[0] + e.youngsModulus[1]) / 2e9;
+          fmt::print("  n {:3d}: {:.5f} ({:+5.1f} %, {:.2f} s)", n, value, 100 * (value / c.exact - 1), cpu() - start);
+        }
+        fmt::print("\n");
+        std::fflush(stdout);
+      }
+}
+
+void stability(const Communicator& comm)
+{
+  fmt::print("\nContrast, porosity, thin walls: iterations to 1e-6\n");
+  const auto run = [&](Sample s)
+  {
+    try
+    {
+      time(s, EquilibriumSolver::Multigrid, 1, comm);
+    }
+    catch (const Error& e)
+    {
+      fmt::print("{:<26} {}\n", s.name, e.what());
+    }
+  };
+  for (const double contrast : { 1.0, 10.0, 100.0, 1e3, 1e4 })
+  {
+    Sample s = cemented(2, 256, 0.34, contrast);
+    s.name = fmt::format("contrast {:g}", contrast);
+    run(std::move(s));
+  }
+  for (const double voids : { 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9 })
+  {
+    Sample s = homogeneous(256, 512);
+    s.name = fmt::format("single voids, {:.0f} %", 100 * voids);
+    std::mt19937 random(1);
+    for (std::uint8_t& p : s.phase)
+      p = static_cast<double>(random()) < voids * 4294967296.0 ? 0 : 1;
+    run(std::move(s));
+  }
+  for (const int thick : { 1, 2, 3, 5, 8 })
+  {
+    Sample s = homogeneous(256, 512);
+    s.name = fmt::format("square cells, wall {}", thick);
+    for (std::int64_t y = 0; y < 512; ++y)
+      for (std::int64_t x = 0; x < 256; ++x)
+        if (x % 32 >= thick && y % 32 >= thick && y > 3 && y < 508)
+          s.phase[static_cast<std::size_t>(s.lattice.index(x, y))] = 0;
+    run(std::move(s));
+  }
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+try
+{
+  MPI_Init(&argc, &argv);
+  {
+    const Communicator comm(MPI_COMM_WORLD);
+    const std::vector<std::string> words(argv + 1, argv + argc);
+    const auto wanted = [&](const char* word, bool always)
+    { return (words.empty() && always) || std::find(words.begin(), words.end(), word) != words.end(); };
+    if (wanted("speed", true))
+      speed(comm);
+    if (wanted("solvers", true))
+      solvers(comm);
+    if (wanted("accuracy", true))
+      accuracy(comm);
+    if (wanted("stability", true))
+      stability(comm);
+    if (wanted("space", false))
+      time(cemented(3, 128, 0.34, 4), EquilibriumSolver::Multigrid, 1, comm);
+    if (wanted("scaling", false))
+      for (const Sample& s : { homogeneous(512, 1024), cemented(2, 512, 0.34, 4), softwood(512, 1024) })
+        time(s, EquilibriumSolver::Multigrid, 3, comm);
+  }
+  MPI_Finalize();
+  return 0;
+}
+catch (const lamella::Error& e)
+{
+  fmt::print(stderr, "error: {}\nhint: {}\n", e.what(), e.hint());
+  return 1;
+}
