@@ -1,13 +1,17 @@
 #include "peridynamics/multigrid/CoarsestLevel.h"
 
+#include "lattice/Error.h"
+
 #include <algorithm>
+#include <vector>
 
 namespace lamella::peridynamics
 {
 namespace
 {
 
-constexpr double singular = 1e-6; // of the largest eigenvalue: the matrix is in single precision
+constexpr std::int64_t denseLimit = 600; // unknowns; a pseudo-inverse of so many takes a tenth of a second
+constexpr double singular = 1e-6;        // of the largest eigenvalue: the matrix is in single precision
 
 } // namespace
 
@@ -19,7 +23,12 @@ CoarsestLevel::CoarsestLevel(const Level& level)
   constexpr int entry2[2][2] = { { 0, 2 }, { 2, 1 } };
   const auto entryOf = [&](int a, int b) { return d == 3 ? entry3[a][b] : entry2[a][b]; };
   const std::int64_t n = l.owned() * d;
-  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n);
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&](std::int64_t row, std::int64_t column, double value)
+  {
+    if (value != 0)
+      entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
+  };
   const auto number = [&](std::int64_t x, std::int64_t y, std::int64_t z)
   { return d * (x + l.size[0] * (y + l.size[1] * z)); };
   const auto wrap = [&](std::int64_t& x, std::size_t axis)
@@ -36,7 +45,7 @@ CoarsestLevel::CoarsestLevel(const Level& level)
         const std::int64_t row = number(x, y, z);
         for (int p = 0; p < d; ++p)
           for (int q = 0; q < d; ++q)
-            a(row + p, row + q) += static_cast<double>(level.diagonal.component(entryOf(p, q))[i]);
+            add(row + p, row + q, static_cast<double>(level.diagonal.component(entryOf(p, q))[i]));
         for (std::size_t h = 0; h < level.half.size(); ++h)
         {
           std::array<std::int64_t, 3> to{ x + level.half[h][0], y + level.half[h][1], z + level.half[h][2] };
@@ -48,12 +57,27 @@ CoarsestLevel::CoarsestLevel(const Level& level)
             {
               const double v =
                 static_cast<double>(level.blocks.component(static_cast<int>(h) * level.entries() + entryOf(p, q))[i]);
-              a(row + p, column + q) += v;
-              a(column + q, row + p) += v;
+              add(row + p, column + q, v);
+              add(column + q, row + p, v);
             }
         }
       }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(a);
+  Eigen::SparseMatrix<double> a(n, n);
+  a.setFromTriplets(entries.begin(), entries.end());
+  if (n > denseLimit)
+  {
+    // what is not held gets springs a millionth as stiff as a node
+    Eigen::VectorXd springs = a.diagonal();
+    const double least = singular * springs.maxCoeff();
+    for (std::int64_t i = 0; i < n; ++i)
+      a.coeffRef(i, i) += std::max(singular * springs[i], springs[i] > 0 ? 0 : least);
+    factors_ = std::make_unique<Factors>(a);
+    if (factors_->info() != Eigen::Success)
+      throw DivergenceError("the coarsest lattice of the multigrid hierarchy cannot be factorised",
+        "give the periodic cell numbers of nodes that can be halved more often");
+    return;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen{ Eigen::MatrixXd(a) };
   const Eigen::VectorXd& values = eigen.eigenvalues();
   const double least = singular * std::max(values[n - 1], 0.0);
   Eigen::VectorXd inverse(n);
@@ -77,7 +101,8 @@ void CoarsestLevel::solve(Level& level) const
             f(c, l.index(x, y, z), n++);
   };
   each([&](int c, std::int64_t i, std::int64_t n) { v[n] = level.r.component(c)[i]; });
-  const Eigen::VectorXf x = inverse_ * v;
+  const Eigen::VectorXf x =
+    factors_ ? Eigen::VectorXf(factors_->solve(v.cast<double>()).cast<float>()) : Eigen::VectorXf(inverse_ * v);
   each([&](int c, std::int64_t i, std::int64_t n) { level.x.component(c)[i] = x[n]; });
 }
 
