@@ -313,8 +313,8 @@ TEST(BondPhysics, FirstBreakOfTheBulk)
   }
 }
 
-// A strip strained as the bulk: its free sides lack bonds. Corrected it errs less, and to the stiff side (4.1 % low, 2.2 % high at
-// h = 3 and 12 nodes).
+// A strip strained as the bulk: its free sides lack bonds. Corrected it errs less, and to the stiff side (4.1 %
+// low, 2.2 % high at h = 3 and 12 nodes).
 TEST(BondPhysics, SurfaceCorrection)
 {
   const auto modulus = [](bool correction)
