@@ -77,7 +77,11 @@ def draw(flux, title, path):
     lines = Show(OutputPort(flux, 1), view)  # noqa: F405
     ColorBy(lines, None)  # noqa: F405
     lines.AmbientColor = lines.DiffuseColor = [1, 1, 1]
-    lines.LineWidth = 1.5
+    lines.LineWidth = 2
+    # As tubes, which are made of areas, in their own colour: of plain lines Mesa leaves out every pixel in whose very
+    # centre two segments meet, and all lines bend where they cross a row of nodes.
+    lines.RenderLinesAsTubes = 1
+    lines.Ambient, lines.Diffuse, lines.Specular = 1, 0, 0
     lines.Position = [0, 0, scale]  # towards the camera: in the map's own plane they would be drawn in part only
     SaveScreenshot(path, view)  # noqa: F405
     Delete(view)  # noqa: F405
