@@ -133,16 +133,22 @@ Whole putTogether(const Lattice& lattice, std::span<const Piece> pieces, std::sp
   return whole;
 }
 
-Pore toPore(const Piece& piece, std::uint8_t touches, std::uint8_t wraps, const Lattice& lattice,
+/// In place, member by member: a pore put together elsewhere and then copied as a whole has to wait for its parts.
+void write(Pore& pore, const Piece& piece, std::uint8_t touches, std::uint8_t wraps, const Lattice& lattice,
   const std::array<bool, 3>& periodic)
 {
   const std::int64_t size = piece.size;
-  Pore pore{ size, piece.first, {}, piece.low, piece.high, touches, 0 };
+  pore.size = size;
+  pore.first = piece.first;
+  pore.touches = touches;
   const std::array<std::int64_t, 3> twice{ piece.twiceX, 2 * piece.sumY, 2 * piece.sumZ };
   const double scale = 0.5 / static_cast<double>(size);
+  std::uint32_t percolates = 0;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     std::int64_t inside = twice[axis];
+    std::int32_t low = piece.low[axis];
+    std::int32_t high = piece.high[axis];
     bool across = (touches >> (2 * axis) & 3U) == 3U;
     if (periodic[axis])
     {
@@ -150,22 +156,23 @@ Pore toPore(const Piece& piece, std::uint8_t touches, std::uint8_t wraps, const 
       const std::int64_t n = lattice.size[axis];
       if (across)
       {
-        pore.low[axis] = 0;
-        pore.high[axis] = static_cast<std::int32_t>(n - 1);
+        low = 0;
+        high = static_cast<std::int32_t>(n - 1);
       }
       // into the box: the lower end of the box between 0 and n - 1, the centre between -1/2 and n - 1/2; whole numbers
       // as long as it goes, so that the last digit does not depend on the period it was summed in
-      const std::int64_t low = pore.low[axis];
       const std::int64_t periods = (low >= 0 ? low : low - n + 1) / n;
-      pore.low[axis] -= static_cast<std::int32_t>(periods * n);
-      pore.high[axis] -= static_cast<std::int32_t>(periods * n);
+      low -= static_cast<std::int32_t>(periods * n);
+      high -= static_cast<std::int32_t>(periods * n);
       const std::int64_t period = 2 * n * size;
       inside = ((inside + size) % period + period) % period - size;
     }
-    pore.percolates |= static_cast<std::uint8_t>(across ? 1U << axis : 0U);
+    pore.low[axis] = low;
+    pore.high[axis] = high;
+    percolates |= across ? 1U << axis : 0U;
     pore.centre[axis] = static_cast<double>(inside) * scale;
   }
-  return pore;
+  pore.percolates = static_cast<std::uint8_t>(percolates);
 }
 
 /// Labels by pore, the largest first and equal ones as they are, or all as they are; 0 below the minimum size.
@@ -271,14 +278,14 @@ Merged merge(const Lattice& lattice, std::span<const Piece> pieces, std::span<co
       sum.largestDropped = std::max(sum.largestDropped, size);
       continue;
     }
-    const Pore pore = toPore(pores[i], apart ? touched(pores[i], lattice) : whole.touches[i],
+    Pore& pore = merged.pores[static_cast<std::size_t>(label[i]) - 1];
+    write(pore, pores[i], apart ? touched(pores[i], lattice) : whole.touches[i],
       apart ? std::uint8_t{ 0 } : whole.wraps[i], lattice, options.periodic);
     sum.largest = std::max(sum.largest, size);
     sum.percolates |= pore.percolates;
     const bool open = (pore.touches & borders) != 0 || pore.percolates != 0;
     sum.touching += open ? 1 : 0;
     sum.openNodes += open ? size : 0;
-    merged.pores[static_cast<std::size_t>(label[i]) - 1] = pore;
   }
   sum.total = sum.phaseNodes - sum.droppedNodes;
   if (apart)

@@ -91,10 +91,10 @@ struct PoreLabelling::Slab
   std::int64_t firstRow = 0; ///< counted in the block, y fastest
   std::int64_t rows = 0;
   std::int64_t words = 0;                ///< a row
-  std::vector<std::uint64_t> bits;       ///< rows × words
-  std::vector<std::uint32_t> before;     ///< rows × words
+  UnfilledVector<std::uint64_t> bits;    ///< rows × words
+  UnfilledVector<std::uint32_t> before;  ///< rows × words
   std::vector<std::uint32_t> firstRun;   ///< rows + 1
-  std::vector<std::uint32_t> pieceOf;    ///< by run
+  UnfilledVector<std::uint32_t> pieceOf; ///< by run
   UnfilledVector<Piece> pieces;          ///< emptied once they are the block's
   std::uint32_t count = 0;               ///< pieces of the slab
   std::vector<std::uint32_t> blockPiece; ///< by piece of the slab; empty when there is one slab: they are the same
@@ -232,14 +232,19 @@ private:
       const std::int64_t readable = static_cast<std::int64_t>(phase_.size()) - row * nx;
       runs = kernels.scan(
         phase_.data() + row * nx, nx, readable, wanted_, slab.bits.data() + at, slab.before.data() + at, runs);
-      grow(slab.pieceOf, runs);
-      std::iota(slab.pieceOf.begin() + slab.firstRun.back(), slab.pieceOf.begin() + runs, slab.firstRun.back());
       slab.firstRun.push_back(runs);
+    }
+    slab.pieceOf.resize(runs);
+    for (std::int64_t r = 0; r < slab.rows; ++r)
+    {
+      const std::int64_t row = slab.firstRow + r;
+      const auto first = slab.firstRun[static_cast<std::size_t>(r)];
+      const auto own = slab.piecesOfRow(row).size();
+      std::iota(slab.pieceOf.begin() + first, slab.pieceOf.begin() + first + static_cast<std::ptrdiff_t>(own), first);
       for (const Neighbour& n : near_)
         if (const std::int64_t other = inside(row, n); other >= slab.firstRow)
           kernels.unite(slab.row(row), slab.row(other), slab.words, n.diagonal, slab.pieceOf.data());
     }
-    slab.pieceOf.resize(runs);
     slab.count = number(slab.pieceOf);
     slab.pieces.resize(slab.count);
     std::uint32_t known = 0;
@@ -252,13 +257,6 @@ private:
         lattice_.index(0, block_.start[1] + y, block_.start[2] + z), static_cast<std::int32_t>(block_.start[1] + y),
         static_cast<std::int32_t>(block_.start[2] + z), slab.pieces.data());
     }
-  }
-
-  /// At least `size` long; doubles when it grows.
-  static void grow(std::vector<std::uint32_t>& values, std::size_t size)
-  {
-    if (size > values.size())
-      values.resize(std::max(size, 2 * values.size()));
   }
 
   /// From pieces of slabs to pieces of the block, which rise by their first nodes as they did.

@@ -157,6 +157,32 @@ std::int64_t contacts(Row a, Row b, std::int64_t words, bool diagonal, Contact* 
   return count;
 }
 
+/// base + each of eight bytes.
+inline __attribute__((always_inline)) void widen(const std::uint8_t* bytes, std::int32_t base, std::int32_t* out)
+{
+#if defined(__AVX2__)
+  const __m256i wide = _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(bytes)));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_add_epi32(wide, _mm256_set1_epi32(base)));
+#else
+  for (int k = 0; k < 8; ++k)
+    out[k] = base + bytes[k];
+#endif
+}
+
+/// Places of the set bits of a byte.
+struct BitPlaces
+{
+  std::uint8_t of[256][8] = {};
+  constexpr BitPlaces()
+  {
+    for (int byte = 0; byte < 256; ++byte)
+      for (int bit = 0, found = 0; bit < 8; ++bit)
+        if ((byte >> bit & 1) != 0)
+          of[byte][found++] = static_cast<std::uint8_t>(bit);
+  }
+};
+constexpr BitPlaces bitPlaces;
+
 std::int64_t edges(const Word* bits, std::int64_t nodes, std::int32_t* out)
 {
   Word last = 0;
@@ -168,13 +194,23 @@ std::int64_t edges(const Word* bits, std::int64_t nodes, std::int32_t* out)
     const auto base = static_cast<std::int32_t>(64 * w);
     const int found = __builtin_popcountll(turns);
     // eight at a time, needed or not: the processor then seldom guesses wrong how many there are
-    for (int i = 0; i < found; i += 8)
-      for (int k = 0; k < 8; ++k)
-      {
-        out[count + i + k] = base + (turns != 0 ? __builtin_ctzll(turns) : 64);
-        turns &= turns - 1;
-      }
-    count += found;
+    if (found <= 8)
+    {
+      if (found != 0)
+        for (int k = 0; k < 8; ++k)
+        {
+          out[count + k] = base + (turns != 0 ? __builtin_ctzll(turns) : 64);
+          turns &= turns - 1;
+        }
+      count += found;
+      continue;
+    }
+    for (int part = 0; part < 64; part += 8)
+    {
+      const auto byte = static_cast<std::uint8_t>(turns >> part);
+      widen(bitPlaces.of[byte], base + part, out + count);
+      count += __builtin_popcount(byte);
+    }
   }
   if (count % 2 != 0)
     out[count++] = static_cast<std::int32_t>(nodes);
@@ -194,7 +230,18 @@ std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::u
     if (piece[run] == known)
     {
       ++known;
-      p = Piece{ index + begin, length, twiceX, y * length, z * length, { begin, y, z }, { last, y, z } };
+      // member by member: one put together elsewhere and copied as a whole has to wait for its parts
+      p.first = index + begin;
+      p.size = length;
+      p.twiceX = twiceX;
+      p.sumY = y * length;
+      p.sumZ = z * length;
+      p.low[0] = begin;
+      p.low[1] = y;
+      p.low[2] = z;
+      p.high[0] = last;
+      p.high[1] = y;
+      p.high[2] = z;
       continue;
     }
     p.size += length;
@@ -213,31 +260,31 @@ std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::u
 
 constexpr std::int64_t stride = 8;
 
-/// Whole vectors from `begin` on, beyond `end` too where there is room: what comes next is written over it.
-template <typename Value>
-inline __attribute__((always_inline)) void spread(
-  Value* out, std::int64_t begin, std::int64_t end, Value value, std::int64_t room)
-{
-  std::int64_t x = begin;
-  for (; x < end && x + stride <= room; x += stride)
-    for (std::int64_t k = 0; k < stride; ++k)
-      out[x + k] = value;
-  for (; x < end; ++x)
-    out[x] = value;
-}
-
 template <typename Value>
 void fill(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece, const Value* value,
   Value background, Value* out, std::int64_t nodes, std::int64_t room)
 {
-  std::int64_t x = 0;
+  for (std::int64_t x = 0; x < nodes; ++x)
+    out[x] = background;
   for (std::int64_t run = 0; run < runs; ++run)
   {
-    spread(out, x, edges[2 * run], background, room);
-    spread(out, edges[2 * run], edges[2 * run + 1], value[piece[run]], room);
-    x = edges[2 * run + 1];
+    const std::int64_t end = edges[2 * run + 1];
+    const Value inside = value[piece[run]];
+    std::int64_t x = edges[2 * run];
+    // Whole vectors, whatever the run's length: what follows it in the last one is background anyway, or is written
+    // after it.
+    for (; x + stride <= room; x += stride)
+    {
+      const auto left = static_cast<std::int32_t>(end - x);
+      for (std::int32_t k = 0; k < stride; ++k)
+        out[x + k] = k < left ? inside : background;
+      if (left <= stride)
+        break;
+    }
+    if (x + stride > room)
+      for (; x < end; ++x)
+        out[x] = inside;
   }
-  spread(out, x, nodes, background, room);
 }
 
 } // namespace
