@@ -58,7 +58,7 @@ int main(int argc, char** argv)
 try
 {
   const bool quick = argc > 1 && std::string(argv[1]) == "--quick";
-  measure("400 disks between walls", {}, 10);
+  measure("400 disks between walls", {}, 30);
   PackingOptions periodic;
   periodic.periodic = true;
   measure("400 disks, periodic", periodic, 3);

@@ -4,6 +4,7 @@
 #include "lattice/Error.h"
 #include "packing/GrainSystem.h"
 #include "packing/Relaxation.h"
+#include "packing/Texture.h"
 
 #include <fmt/format.h>
 
@@ -201,8 +202,16 @@ private:
 
   [[nodiscard]] double aspectError() const { return grains_.box[Dim - 1] / grains_.box[0] / o_.aspect - 1; }
 
+  // Multiplies the aspect by 1 + change and keeps the volume.
+  void shear(double change)
+  {
+    Vec stretch = Vec::Constant(std::pow(1 + change, -1.0 / Dim));
+    stretch[Dim - 1] = std::pow(1 + change, 1 - 1.0 / Dim);
+    grains_.strain(stretch);
+  }
+
   // The shape as it should be at equal stresses: sheared beyond the target and released until that is so.
-  void settle(double p, double allowed, double texturesAllowed, int attempts)
+  void settle(double p, double allowed, int attempts)
   {
     double amplitude = 0;
     double side = 0;
@@ -211,27 +220,20 @@ private:
     for (int attempt = 0; attempt < attempts; ++attempt)
     {
       rest(BoxMotion::EachAxis, p, 1e-3, Dim == 2 ? 6'000 : 200'000);
-      const PackingStatistics s = statistics(result(1));
       const double shape = std::abs(aspectError()) / allowed;
-      const double texture = std::max(s.fabricAnisotropy, s.stressAnisotropy) / texturesAllowed;
-      const double score = std::max(shape, texture);
-      if (score < least)
+      if (shape < least)
       {
-        least = score;
+        least = shape;
         best = grains_;
       }
-      if (score <= 1)
+      if (shape <= 1)
         return;
       // Small shears are elastic and come back: they grow until the shape falls on the other side, then shrink.
       const double sideNow = aspectError() > 0 ? 1 : -1;
       amplitude = side * sideNow >= 0 ? std::max(2 * std::abs(aspectError()), 1.5 * amplitude) : 0.6 * amplitude;
-      amplitude = shape > 1 ? std::clamp(amplitude, 0.003, 0.12) : 0.05; // far enough for another texture
+      amplitude = std::clamp(amplitude, 0.003, 0.12);
       side = sideNow;
-      const double wanted = o_.aspect * (1 - side * amplitude);
-      const double factor = wanted / (o_.aspect * (1 + aspectError()));
-      Vec stretch = Vec::Constant(std::pow(factor, -1.0 / Dim));
-      stretch[Dim - 1] = std::pow(factor, 1 - 1.0 / Dim);
-      grains_.strain(stretch);
+      shear((1 - side * amplitude) / (1 + aspectError()) - 1);
       rest(BoxMotion::Volume, p, 1e-2, Dim == 2 ? 4'000 : 200'000);
       report(0.2 + 0.02 * attempt);
     }
@@ -239,27 +241,114 @@ private:
     grains_.computeForces(0);
   }
 
-  // Softly first, where stresses even out and shapes can be changed; then down to the pressure asked for.
+  struct Limits
+  {
+    double fabric;
+    double stress;
+    double shape;
+  };
+
+  // 1 at most where all is within the limits.
+  [[nodiscard]] double misfit(const PackingStatistics& s, const Limits& limits) const
+  {
+    return std::max({ s.fabricAnisotropy / limits.fabric, s.stressAnisotropy / limits.stress,
+      std::abs(aspectError()) / limits.shape });
+  }
+
+  // Regions are turned (see Texture) until all is within the limits; what makes it worse is undone.
+  // @param anew even if it is within them already: the first turn stays, whatever comes of it
+  void evenOut(double p, const Limits& limits, int attempts, bool anew)
+  {
+    Packing packing = result(1);
+    PackingStatistics now = statistics(packing);
+    double least = anew ? std::numeric_limits<double>::infinity() : misfit(now, limits);
+    std::vector<std::size_t> tried;
+    for (int attempt = 0; attempt < attempts && least > 1; ++attempt)
+    {
+      const System before = grains_;
+      const Texture<Dim> texture(before, packing, now);
+      tried.push_back(texture.regionToTurn(tried));
+      texture.turn(grains_, tried.back());
+      // a turned sample is soft: most of a shear stays
+      shear(std::clamp(0.006 - 2 * aspectError(), -0.03, 0.03));
+      rest(BoxMotion::Volume, p, 5e-2, Dim == 2 ? 1'000 : 200'000);
+      rest(BoxMotion::EachAxis, p, 1e-3, Dim == 2 ? 2'000 : 200'000);
+      Packing after = result(1);
+      PackingStatistics then = statistics(after);
+      if (const double score = misfit(then, limits); score < least)
+      {
+        least = score;
+        packing = std::move(after);
+        now = std::move(then);
+        tried.clear();
+      }
+      else
+        grains_ = before;
+    }
+    grains_.computeForces(0);
+  }
+
+  // Softly first, where stresses even out and shapes can be changed; then down to the pressure asked for. What comes of
+  // it there is not quite what it was: where it is too much, other regions are turned, from before.
   void smooth(double target)
   {
-    settle(std::max(1e-2, target), 0.004, 0.022, 14);
+    // Spheres have so many contacts that there is seldom anything to even out.
+    constexpr Limits whenSoft = Dim == 2 ? Limits{ 0.015, 0.028, 0.012 } : Limits{ 0.025, 0.028, 0.012 };
+    constexpr Limits whenFirm = Dim == 2 ? Limits{ 0.02, 0.028, 0.0095 } : Limits{ 0.028, 0.028, 0.0095 };
+    const double soft = std::max(1e-2, target);
+    settle(soft, 0.006, 14);
+    evenOut(soft, whenSoft, 6, false);
     report(0.4);
-    if (target < 1e-2)
-      settle(std::max(1e-3, target), 0.006, 0.028, 8);
-    report(0.6);
-    double p = std::max(1e-3, target);
-    while (p > target)
+    const double firm = std::max(1e-3, target);
+    if (firm < soft)
+      settle(firm, 0.008, 8);
+    report(0.5);
+    System best = grains_;
+    double least = std::numeric_limits<double>::infinity();
+    constexpr int rounds = Dim == 2 ? 6 : 2;
+    for (int round = 0; round < rounds && least > 1; ++round)
     {
-      p = std::max(target, p / (p > 1e-4 || Dim == 3 ? 10 : 3));
-      polish(p);
-      report(0.6 + 0.4 * std::log(p / 1e-3) / std::log(target / 1e-3));
+      evenOut(firm, whenFirm, 10, round > 0);
+      const System before = grains_;
+      if (!harden(firm, target, round + 1 < rounds))
+      {
+        grains_ = before;
+        grains_.computeForces(0);
+        continue;
+      }
+      const double score = misfit(statistics(result(1)), { 0.03, 0.03, 0.01 });
+      if (score < least)
+      {
+        least = score;
+        best = grains_;
+      }
+      grains_ = before;
+      grains_.computeForces(0);
     }
-    polish(p);
+    grains_ = best;
+    grains_.computeForces(0);
     if (grains_.unbalanced() > o_.tolerance)
       throw DivergenceError(
         fmt::format(
           "the packing did not come to rest: unbalanced force {:.1e} of the mean contact force", grains_.unbalanced()),
         "try another seed, or a larger softness");
+  }
+
+  // From one pressure to a lower one, at rest at each on the way.
+  // @param choosy ends where it can be seen early that too much of a texture or of another shape comes of it
+  // @returns it is at the lower pressure
+  bool harden(double firm, double target, bool choosy)
+  {
+    for (double p = firm; p > target;)
+    {
+      p = std::max(target, p / (p > 1e-4 || Dim == 3 ? 10 : 3));
+      polish(p);
+      if (choosy && p > 5e-5 && p > target && misfit(statistics(result(1)), { 0.0285, 0.028, 0.0099 }) > 1)
+        return false;
+      report(0.6 + 0.4 * std::log(p / firm) / std::log(target / firm));
+    }
+    polish(target);
+    return true;
   }
 
   void polish(double p)

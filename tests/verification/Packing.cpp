@@ -87,7 +87,7 @@ TEST(Packing, ForcesAndVirialAreTheEnergysGradient)
 // contacts as degrees of freedom, 2 a grain and 2 of the box; at an overlap of 1e-6 diameters perhaps one or two more.
 TEST(Packing, FourHundredDisksBetweenWalls)
 {
-  std::vector<std::uint64_t> seeds(6);
+  std::vector<std::uint64_t> seeds(10);
   std::iota(seeds.begin(), seeds.end(), std::uint64_t{ 1 });
   const auto samples = packMany({}, seeds, 2);
   std::array<double, 9> fabric{};
@@ -107,8 +107,9 @@ TEST(Packing, FourHundredDisksBetweenWalls)
     EXPECT_NEAR(s.stress[0], 1e3, 0.1);
     EXPECT_NEAR(s.stress[4], 1e3, 0.1);
     EXPECT_NEAR(s.stress[1], s.stress[3], 0.1); // moments balance
-    EXPECT_LE(s.fabricAnisotropy, 0.06);
-    EXPECT_LE(s.stressAnisotropy, 0.06);
+    // Contacts of random directions would have 0.04, one in three samples more than that.
+    EXPECT_LE(s.fabricAnisotropy, 0.03);
+    EXPECT_LE(s.stressAnisotropy, 0.03);
     fraction += s.packingFraction / static_cast<double>(samples.size());
     for (std::size_t i = 0; i < 9; ++i)
     {
