@@ -1,0 +1,352 @@
+#include "peridynamics/ElasticStudy.h"
+
+#include "lattice/Error.h"
+#include "lattice/Memory.h"
+#include "peridynamics/BondForces.h"
+
+#include <fmt/format.h>
+
+#include <omp.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+double now()
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// So many threads while it lives.
+class Threads
+{
+public:
+  explicit Threads(int count)
+    : before_(omp_get_max_threads())
+  {
+    if (count > 0)
+      omp_set_num_threads(count);
+  }
+  ~Threads() { omp_set_num_threads(before_); }
+  Threads(const Threads&) = delete;
+  Threads& operator=(const Threads&) = delete;
+
+private:
+  int before_;
+};
+
+void checkLoad(const Loading& loading)
+{
+  const bool traction = loading.load == LoadCase::Traction;
+  if (traction ? loading.traction == 0 : loading.strain == 0)
+    throw ParameterError(fmt::format("the {} is 0: nothing is loaded", traction ? "traction" : "strain"),
+      traction ? "give it in Pa, tension positive" : "give a strain, such as 1e-3; tension is positive");
+}
+
+void checkMemory(
+  const BondModel& model, const Lattice& lattice, bool grains, const ElasticOptions& options, const Communicator& comm)
+{
+  const double need = elasticBytes(model, lattice, grains, options, comm.size());
+  const double available = options.memory > 0 ? options.memory : static_cast<double>(availableMemory());
+  if (comm.any(need > available))
+    throw MemoryError(fmt::format("the equilibrium of {} nodes needs {} of memory on each of {} ranks, and {} are free",
+                        lattice.count(), bytesText(need), comm.size(), bytesText(available)),
+      "take a smaller sample, a smaller horizon or a coarser lattice, or more machines");
+}
+
+/// Forces on the nodes, linear or not.
+NodeField<double> forces(const BondLattice& bonds, const NodeField<double>& u, bool nonlinear)
+{
+  NodeField<double> f(bonds.layout());
+  if (nonlinear)
+    nonlinearForce(bonds, u, f);
+  else
+    linearForce(bonds, u, f);
+  return f;
+}
+
+/// Σ of the nodes' stresses over their number, which is −Σ f ⊗ (x + u) over the volume: what is left of Σ f ⊗ (ξ + η)
+/// over all bonds when each bond's sum is split between its ends. Bonds across a periodic side have no such split.
+std::array<double, 6> meanFromForces(
+  const BondLattice& bonds, const NodeField<double>& f, const NodeField<double>& u, bool nonlinear)
+{
+  const NodeLayout& l = bonds.layout();
+  std::vector<std::array<double, 6>> rows(static_cast<std::size_t>(l.size[1] * l.size[2]));
+#pragma omp parallel for schedule(static)
+  for (std::int64_t r = 0; r < l.size[1] * l.size[2]; ++r)
+  {
+    std::array<double, 6> sum{};
+    for (std::int64_t n = 0; n < l.size[0]; ++n)
+    {
+      const std::int64_t i = l.index(n, r % l.size[1], r / l.size[1]);
+      const std::array<std::int64_t, 3> node{ n + l.start[0], r % l.size[1] + l.start[1], r / l.size[1] + l.start[2] };
+      std::array<double, 3> x{};
+      std::array<double, 3> force{};
+      for (int c = 0; c < l.dimension; ++c)
+      {
+        const auto a = static_cast<std::size_t>(c);
+        x[a] = bonds.spacing() * static_cast<double>(node[a]) + (nonlinear ? u.component(c)[i] : 0);
+        force[a] = f.component(c)[i];
+      }
+      for (std::size_t a = 0; a < 3; ++a)
+      {
+        const std::size_t b = (a + 1) % 3;
+        sum[a] -= force[a] * x[a];
+        sum[3 + a] -= 0.5 * (force[a] * x[b] + force[b] * x[a]); // xy, yz, zx
+      }
+    }
+    rows[static_cast<std::size_t>(r)] = sum;
+  }
+  std::array<double, 6> total{};
+  for (const auto& row : rows)
+    for (std::size_t c = 0; c < 6; ++c)
+      total[c] += row[c];
+  return total;
+}
+
+std::array<double, 6> meanFromStress(const BondLattice& bonds, const NodeField<double>& stress)
+{
+  const NodeLayout& l = bonds.layout();
+  const bool flat = l.dimension == 2;
+  constexpr std::array<std::size_t, 3> place{ 0, 1, 3 }; // of xx, yy, xy
+  std::array<double, 6> total{};
+  for (int c = 0; c < stress.components(); ++c)
+  {
+    double sum = 0;
+    for (std::int64_t r = 0; r < l.size[1] * l.size[2]; ++r)
+    {
+      const double* row = stress.component(c) + l.index(0, r % l.size[1], r / l.size[1]);
+      double part = 0;
+      for (std::int64_t x = 0; x < l.size[0]; ++x)
+        part += row[x];
+      sum += part;
+    }
+    total[flat ? place[static_cast<std::size_t>(c)] : static_cast<std::size_t>(c)] =
+      sum * std::pow(bonds.spacing(), l.dimension);
+  }
+  return total;
+}
+
+/// Mean displacement of the high platen's solid nodes.
+double movement(const BondLattice& bonds, const ElasticResult& r)
+{
+  const NodeLayout& l = bonds.layout();
+  const auto a = static_cast<std::size_t>(r.axis);
+  std::array<double, 2> sums{};
+  for (std::int64_t z = 0; z < l.size[2]; ++z)
+    for (std::int64_t y = 0; y < l.size[1]; ++y)
+      for (std::int64_t x = 0; x < l.size[0]; ++x)
+      {
+        const std::array<std::int64_t, 3> node{ x + l.start[0], y + l.start[1], z + l.start[2] };
+        const std::int64_t i = l.index(x, y, z);
+        if (node[a] != r.highPlaten[0] || !bonds.solid(i))
+          continue;
+        sums[0] += r.displacement.component(r.across)[i];
+        sums[1] += 1;
+      }
+  bonds.communicator().sum(sums);
+  return sums[1] > 0 ? sums[0] / sums[1] : 0;
+}
+
+std::optional<FirstBreak> firstBreak(const BondLattice& bonds, const Lattice& lattice,
+  std::span<const std::uint8_t> phase, const StretchMaximum& most, const ElasticResult& r)
+{
+  if (!most.bond)
+    return std::nullopt;
+  FirstBreak first;
+  first.ratio = most.ratio;
+  first.strain = r.strain / most.ratio;
+  first.stress = r.effectiveStress / most.ratio;
+  first.bond = *most.bond;
+  const Offset& o = bonds.stencil().half()[static_cast<std::size_t>(first.bond.offset)];
+  const NodeLayout& l = bonds.layout();
+  std::array<double, 2> ids{ -1, -1 };
+  for (int end = 0; end < 2; ++end)
+  {
+    std::array<std::int64_t, 3> node = first.bond.node;
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      node[a] += end * o.step[a];
+      node[a] = (node[a] + l.global[a]) % l.global[a] - l.start[a];
+    }
+    if (l.ownedNode(node))
+      ids[static_cast<std::size_t>(end)] =
+        phase[static_cast<std::size_t>((node[2] * l.size[1] + node[1]) * l.size[0] + node[0])];
+    first.phases[static_cast<std::size_t>(end)] =
+      static_cast<std::uint8_t>(bonds.communicator().max(ids[static_cast<std::size_t>(end)]));
+  }
+  for (std::size_t a = 0; a < static_cast<std::size_t>(lattice.dimension); ++a)
+    first.position[a] =
+      lattice.origin[a] + lattice.spacing * (static_cast<double>(first.bond.node[a]) + 0.5 * o.step[a]);
+  return first;
+}
+
+std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult& r)
+{
+  std::vector<std::string> warnings;
+  if (const std::string text = horizonWarning(model); !text.empty())
+    warnings.push_back(text);
+  // thinner than the horizon in a good part: a disk has such nodes at its four tips only
+  for (const PhaseThickness& t : r.thickness)
+    if (t.thinShare > 0.25)
+      warnings.push_back(
+        fmt::format("{} is {:g} nodes thick (median; {:.0f} % of its nodes lie where it is thinner than the horizon of "
+                    "{:g}): bonds jump over it. Refine the picture, or give bonds between grains their own material",
+          pairName(model, t.phase, t.phase), t.median, 100 * t.thinShare, model.horizon));
+  if (r.loosePieces > 0)
+    warnings.push_back(fmt::format(
+      "{} loose pieces with {} nodes ({:.2g} % of the solid) hang on no platen and were taken out: they carry nothing",
+      r.loosePieces, r.looseNodes, 100.0 * static_cast<double>(r.looseNodes) / static_cast<double>(r.solidNodes)));
+  if (r.solve.hinges > 0)
+    warnings.push_back(
+      fmt::format("{} nodes hang on too few bonds to resist in every direction: they follow where nothing resists",
+        r.solve.hinges));
+  return warnings;
+}
+
+} // namespace
+
+std::string horizonWarning(const BondModel& model)
+{
+  if (!(model.horizon < 3))
+    return "";
+  const Stencil stencil(model.continuum == Continuum::Space ? 3 : 2, model.horizon);
+  const LatticeModuli m = latticeModuli(stencil, model.continuum);
+  return fmt::format("a horizon of {:g} spacings is below 3: the lattice is stiffer along its axes (Young's modulus at "
+                     "45° is {:.2f} of that along them)",
+    model.horizon, m.youngsModulusDiagonal / m.youngsModulus);
+}
+
+double elasticBytes(
+  const BondModel& model, const Lattice& lattice, bool grains, const ElasticOptions& options, int ranks)
+{
+  const double bonds = BondLattice::bytesNeeded(model, lattice, ranks, grains);
+  const Stencil stencil(lattice.dimension, model.horizon);
+  std::array<std::int64_t, 3> size = lattice.size;
+  auto& slowest = size[lattice.dimension == 3 ? 2 : 1];
+  slowest = (slowest + ranks - 1) / ranks;
+  const auto nodes =
+    static_cast<double>(NodeLayout::make(lattice.dimension, stencil.layers(), size, { 0, 0, 0 }, lattice.size).count());
+  const double d = lattice.dimension;
+  // u, residual, direction, product, and one more while they are made; fixed bits
+  double perNode = 8 * d * 5 + 1;
+  switch (options.equilibrium.solver)
+  {
+    case EquilibriumSolver::Multigrid:
+      // floats: three vectors and the blocks of the finest level; then 5^d (its half) blocks a node of the coarser
+      // levels, which together have a third (a seventh) of its nodes, and their vectors
+      perNode += 4 * (3 * d + d * d) + 4 * (std::pow(5, d) * d * d + 6 * d) / (std::pow(2, d) - 1);
+      break;
+    case EquilibriumSolver::Jacobi:
+      perNode += 4 * (d * d + 2 * d);
+      break;
+    case EquilibriumSolver::Direct:
+      perNode += 12 * d * d * static_cast<double>(stencil.bondsPerNode()) * 20; // fill-in of small samples
+      break;
+    case EquilibriumSolver::DynamicRelaxation:
+      perNode += 8 * 3 * d;
+  }
+  if (options.equilibrium.strains == Strains::Large)
+    perNode += 8 * 3 * d;
+  const double stress = d == 2 ? 3 : 6;
+  perNode += 8 * ((options.stress ? stress : 0) + (options.energyDensity ? 1 : 0));
+  return bonds + nodes * perNode;
+}
+
+ElasticResult studyElastic(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,
+  std::span<const std::int32_t> grain, const ElasticOptions& options, const Communicator& comm)
+{
+  checkLoad(options.loading);
+  const Threads threads(options.threads);
+  checkMemory(model, lattice, !grain.empty(), options, comm);
+  ElasticResult r;
+  const bool nonlinear = options.equilibrium.strains == Strains::Large;
+  double start = now();
+  const auto lap = [&start]
+  {
+    const double before = start;
+    start = now();
+    return start - before;
+  };
+  const BondLattice bonds(model, lattice, phase, grain, comm);
+  r.bondSeconds = lap();
+  LoadedSample sample = applyLoading(bonds, options.loading);
+  r.loadSeconds = lap();
+
+  const int d = lattice.dimension;
+  r.axis = options.loading.axis < 0 ? d - 1 : options.loading.axis;
+  r.across = options.loading.load == LoadCase::Shear ? (r.axis + 1) % d : r.axis;
+  r.lowPlaten = sample.lowLayers;
+  r.highPlaten = sample.highLayers;
+  r.loosePieces = sample.loosePieces;
+  r.looseNodes = sample.looseNodes;
+  r.nodes = lattice.count();
+  r.solidNodes = bonds.solidNodes();
+  r.bonds = bonds.bonds();
+  r.area = 1;
+  for (int c = 0; c < d; ++c)
+    r.area *= c == r.axis ? 1 : lattice.length(c);
+  r.length = static_cast<double>(r.highPlaten[0] - r.lowPlaten[1] + 1) * lattice.spacing;
+  {
+    Equilibrium equilibrium(bonds, std::move(sample.fixed), options.equilibrium);
+    r.solve = equilibrium.solve(sample.displacement, sample.load ? &*sample.load : nullptr);
+  }
+  r.displacement = std::move(sample.displacement);
+  lap();
+
+  const NodeField<double> f = forces(bonds, r.displacement, nonlinear);
+  r.reactions.low = layerSum(bonds, f, r.axis, r.lowPlaten[0], r.lowPlaten[1]);
+  r.reactions.high = layerSum(bonds, f, r.axis, r.highPlaten[0], r.highPlaten[1]);
+  const bool traction = options.loading.load == LoadCase::Traction;
+  r.strain = traction ? movement(bonds, r) / r.length : options.loading.strain;
+  // the sample pulls the low platen up and the high one down
+  r.effectiveStress = -r.reactions.high[static_cast<std::size_t>(r.across)] / r.area;
+  r.effectiveModulus = r.effectiveStress / r.strain;
+  r.elasticEnergy = elasticEnergy(bonds, r.displacement, nonlinear);
+  if (options.stress)
+  {
+    r.stress.emplace(bonds.layout(), d == 2 ? 3 : 6);
+    nodalStress(bonds, r.displacement, *r.stress, nonlinear);
+  }
+  if (options.energyDensity)
+  {
+    r.energyDensity.emplace(bonds.layout(), 1);
+    energyDensity(bonds, r.displacement, *r.energyDensity, nonlinear);
+  }
+  if (bonds.periodic() == std::array{ false, false, false })
+    r.meanStress = meanFromForces(bonds, f, r.displacement, nonlinear);
+  else if (r.stress)
+    r.meanStress = meanFromStress(bonds, *r.stress);
+  else
+  {
+    NodeField<double> stress(bonds.layout(), d == 2 ? 3 : 6);
+    nodalStress(bonds, r.displacement, stress, nonlinear);
+    r.meanStress = meanFromStress(bonds, stress);
+  }
+  comm.sum(r.meanStress);
+  for (double& value : r.meanStress)
+    value /= std::pow(lattice.spacing, d) * static_cast<double>(lattice.count());
+
+  const StretchMaximum most = largestStretch(bonds, r.displacement, nonlinear);
+  r.largestRatio = most.ratio;
+  if (!nonlinear)
+    r.firstBreak = firstBreak(bonds, lattice, phase, most, r);
+  std::vector<PhaseThickness> thickness = phaseThickness(bonds, model, phase);
+  if (thickness.size() > 1)
+    r.thickness = std::move(thickness);
+  const StripCounts mine = bonds.strips();
+  r.strips = { comm.sum(mine.empty), comm.sum(mine.uniform), comm.sum(mine.mixed) };
+  const std::int64_t fields =
+    (1 + (options.stress ? (d == 2 ? 3 : 6) : 0) + (options.energyDensity ? 1 : 0)) * bonds.layout().count() * 8;
+  r.bytes = comm.sum(bonds.bytes() + r.solve.bytes + fields);
+  r.warnings = warningsOf(model, r);
+  r.measureSeconds = lap();
+  return r;
+}
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,107 @@
+#pragma once
+
+#include "peridynamics/BondLattice.h"
+#include "peridynamics/BondModel.h"
+#include "peridynamics/Equilibrium.h"
+#include "peridynamics/Loading.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+/// The whole elastic job: from phases and materials to displacement, stress, stiffness and the load of the first break.
+namespace lamella::peridynamics
+{
+
+struct ElasticOptions
+{
+  Loading loading{};
+  EquilibriumOptions equilibrium{};
+  bool stress = false;        ///< stress of every node; not computed unless asked for
+  bool energyDensity = false; ///< likewise
+  int threads = 0;            ///< 0: as many as OpenMP would take
+  double memory = 0;          ///< bytes that may be taken on this machine; 0: what is free
+};
+
+/// How thick a phase is, by the shortest of the straight runs along the axes through each of its nodes.
+struct PhaseThickness
+{
+  std::uint8_t phase = 0;
+  std::int64_t nodes = 0;
+  double median = 0;    ///< nodes across; 2h/δx + 1 stands for that and more, and runs that reach an edge count so
+  double thinShare = 0; ///< share of its nodes where it is thinner than the horizon
+};
+
+/// The bond that breaks first as the load grows from nothing.
+struct FirstBreak
+{
+  double ratio = 0;  ///< s/s₀ at the load given
+  double strain = 0; ///< at which it breaks: strain/ratio
+  double stress = 0; ///< [Pa] likewise, as ElasticResult::effectiveStress
+  Bond bond;
+  std::array<double, 3> position{};     ///< of its middle, in the coordinates of the lattice [m]
+  std::array<std::uint8_t, 2> phases{}; ///< of its ends
+};
+
+struct ElasticResult
+{
+  EquilibriumResult solve;
+  NodeField<double> displacement;                 ///< [m], own nodes and rim
+  std::optional<NodeField<double>> stress;        ///< [Pa] 3 or 6 components as nodalStress(); own nodes
+  std::optional<NodeField<double>> energyDensity; ///< [J/m³]
+
+  int axis = 0;                ///< of loading
+  int across = 0;              ///< component of displacement and force along which the load acts
+  double area = 0;             ///< of a section across the axis, voids included [m²]; of a picture [m], a metre deep
+  double length = 0;           ///< between the inner layers of the platens [m]
+  double strain = 0;           ///< that was applied; of a traction the one that it causes
+  Reactions reactions;         ///< [N], [N/m]
+  double effectiveStress = 0;  ///< pull of the sample on the high platen along `across`, over the area [Pa]
+  double effectiveModulus = 0; ///< effectiveStress/strain [Pa]; a shear modulus where the load is shear
+  /// Mean over the whole box, platens and voids included [Pa]: xx, yy, zz, xy, yz, xz.
+  std::array<double, 6> meanStress{};
+  double elasticEnergy = 0; ///< [J], [J/m]
+  /// Nothing where no bond is stretched or none can break, and in large strains, where nothing can be scaled.
+  std::optional<FirstBreak> firstBreak;
+  double largestRatio = 0; ///< s/s₀ at this load, large strains included
+
+  std::array<std::int64_t, 2> lowPlaten{}; ///< [first, last) layer along the axis
+  std::array<std::int64_t, 2> highPlaten{};
+  std::int64_t loosePieces = 0;
+  std::int64_t looseNodes = 0;
+  std::vector<PhaseThickness> thickness; ///< of the phases that carry bonds, when there is more than one
+  std::vector<std::string> warnings;     ///< each one line, with its numbers
+
+  std::int64_t nodes = 0;
+  std::int64_t solidNodes = 0;
+  std::int64_t bonds = 0;
+  StripCounts strips;        ///< of all ranks: runs of 16 nodes that the sums skip, and that they visit
+  double bondSeconds = 0;    ///< making the bonds
+  double loadSeconds = 0;    ///< platens, loose pieces
+  double measureSeconds = 0; ///< all that comes after the solve
+  std::int64_t bytes = 0;    ///< of all ranks: bonds, solver and fields
+};
+
+/// @param phase, grain as BondLattice
+/// @throws what BondLattice, applyLoading() and Equilibrium throw; ParameterError where strain or traction is 0;
+/// MemoryError before anything is allocated
+[[nodiscard]] ElasticResult studyElastic(const BondModel& model, const Lattice& lattice,
+  std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain, const ElasticOptions& options,
+  const Communicator& comm);
+
+/// Bytes that one rank takes at most. @throws ParameterError as BondLattice::bytesNeeded()
+[[nodiscard]] double elasticBytes(
+  const BondModel& model, const Lattice& lattice, bool grains, const ElasticOptions& options, int ranks);
+
+/// What a model's horizon means for a picture: a warning, or an empty string.
+[[nodiscard]] std::string horizonWarning(const BondModel& model);
+
+/// Thickness of every phase that has nodes and is no void. Collective.
+/// @param phase of the rank's slab
+[[nodiscard]] std::vector<PhaseThickness> phaseThickness(
+  const BondLattice& bonds, const BondModel& model, std::span<const std::uint8_t> phase);
+
+} // namespace lamella::peridynamics
