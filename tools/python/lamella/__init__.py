@@ -13,7 +13,7 @@ off.)
 
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
 ``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkSteadyDiffusion``, ``vtkFluxMap``,
-``vtkPoreFloodFill`` ...), runs it and hands its output out as numpy arrays.
+``vtkPoreFloodFill``, ``vtkBondEquilibrium`` ...), runs it and hands its output out as numpy arrays.
 
 Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at the top; arrays of a volume are
 ``[z, y, x]``. Vectors have their components along x (left to right), y (upwards in a picture) and z in the last axis.
@@ -30,6 +30,7 @@ except ModuleNotFoundError:  # built without pictures
 else:
     _windows.Install()  # does nothing where a display works
 
+from ._equilibrium import EquilibriumResult, equilibrium
 from ._errors import Cancelled, LamellaError
 from ._flux import FluxMapResult, flux_map
 from ._packings import CementedSample, Packing, bridges, packing, read_packing
@@ -53,6 +54,7 @@ __all__ = [
     "Cancelled",
     "CementedSample",
     "DiffusionResult",
+    "EquilibriumResult",
     "FluxMapResult",
     "LamellaError",
     "Packing",
@@ -62,6 +64,7 @@ __all__ = [
     "checkerboard",
     "diffusion",
     "disks",
+    "equilibrium",
     "flux_map",
     "from_array",
     "honeycomb",

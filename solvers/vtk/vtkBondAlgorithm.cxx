@@ -1,0 +1,183 @@
+#include "vtkBondAlgorithm.h"
+
+#include "BondScene.h"
+
+#include "vtkDataObject.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkMultiProcessController.h"
+
+#include <algorithm>
+#include <thread>
+
+namespace pd = lamella::peridynamics;
+
+struct vtkBondAlgorithm::Internals
+{
+  pd::PairTable Table;
+  std::vector<pd::Notch> Notches;
+
+  /// Whether anything changed.
+  template <typename Map, typename Value>
+  static bool Set(Map& map, const char* name, const Value& value)
+  {
+    if (name == nullptr || *name == '\0')
+    {
+      return false;
+    }
+    const auto entry = map.find(name);
+    if (entry != map.end() && entry->second == value)
+    {
+      return false;
+    }
+    map[name] = value;
+    return true;
+  }
+  template <typename List>
+  static bool Clear(List& list)
+  {
+    const bool some = !list.empty();
+    list.clear();
+    return some;
+  }
+};
+
+vtkBondAlgorithm::vtkBondAlgorithm()
+  : Internal(std::make_unique<Internals>())
+{
+  this->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "phase");
+  this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "grain");
+  this->SetController(vtkMultiProcessController::GetGlobalController());
+}
+
+vtkBondAlgorithm::~vtkBondAlgorithm()
+{
+  this->SetController(nullptr);
+}
+
+vtkCxxSetObjectMacro(vtkBondAlgorithm, Controller, vtkMultiProcessController);
+
+#define LAMELLA_TABLE(Setter, Remover, Member)                                                                         \
+  void vtkBondAlgorithm::Setter(const char* pair, double value)                                                        \
+  {                                                                                                                    \
+    if (Internals::Set(this->Internal->Table.Member, pair, value))                                                     \
+    {                                                                                                                  \
+      this->Modified();                                                                                                \
+    }                                                                                                                  \
+  }                                                                                                                    \
+  void vtkBondAlgorithm::Remover()                                                                                     \
+  {                                                                                                                    \
+    if (Internals::Clear(this->Internal->Table.Member))                                                                \
+    {                                                                                                                  \
+      this->Modified();                                                                                                \
+    }                                                                                                                  \
+  }
+LAMELLA_TABLE(SetYoungsModulus, RemoveAllYoungsModuli, young)
+LAMELLA_TABLE(SetFractureEnergy, RemoveAllFractureEnergies, fractureEnergy)
+LAMELLA_TABLE(SetToughness, RemoveAllToughnesses, toughness)
+LAMELLA_TABLE(SetCriticalStretch, RemoveAllCriticalStretches, criticalStretch)
+#undef LAMELLA_TABLE
+
+void vtkBondAlgorithm::SetLike(const char* pair, const char* other)
+{
+  if (other != nullptr && *other != '\0' && Internals::Set(this->Internal->Table.like, pair, std::string(other)))
+  {
+    this->Modified();
+  }
+}
+
+void vtkBondAlgorithm::RemoveAllLikes()
+{
+  if (Internals::Clear(this->Internal->Table.like))
+  {
+    this->Modified();
+  }
+}
+
+void vtkBondAlgorithm::AddVoid(const char* phase)
+{
+  auto& voids = this->Internal->Table.voids;
+  if (phase != nullptr && *phase != '\0' && std::find(voids.begin(), voids.end(), phase) == voids.end())
+  {
+    voids.emplace_back(phase);
+    this->Modified();
+  }
+}
+
+void vtkBondAlgorithm::RemoveAllVoids()
+{
+  if (Internals::Clear(this->Internal->Table.voids))
+  {
+    this->Modified();
+  }
+}
+
+void vtkBondAlgorithm::AddNotch(double x1, double y1, double x2, double y2)
+{
+  this->Internal->Notches.push_back({ { x1, y1, 0 }, { x2 - x1, y2 - y1, 0 }, { 0, 0, 0 } });
+  this->Modified();
+}
+
+void vtkBondAlgorithm::AddNotchInSpace(const double corner[3], const double along[3], const double across[3])
+{
+  const auto vector = [](const double v[3]) { return std::array<double, 3>{ v[0], v[1], v[2] }; };
+  this->Internal->Notches.push_back({ vector(corner), vector(along), vector(across) });
+  this->Modified();
+}
+
+void vtkBondAlgorithm::RemoveAllNotches()
+{
+  if (Internals::Clear(this->Internal->Notches))
+  {
+    this->Modified();
+  }
+}
+
+int vtkBondAlgorithm::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
+  return 1;
+}
+
+int vtkBondAlgorithm::RequestUpdateExtent(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  lamella::requestInput(
+    inputVector[0]->GetInformationObject(0), outputVector->GetInformationObject(0), this->Controller);
+  return 1;
+}
+
+lamella::BondSettings vtkBondAlgorithm::Settings() const
+{
+  lamella::BondSettings s;
+  s.materials = this->Internal->Table;
+  s.materials.relativeTo = this->RelativeTo;
+  s.materials.mixing = static_cast<pd::Mixing>(this->Mixing);
+  if (this->Continuum != AUTO_CONTINUUM)
+  {
+    s.continuum = static_cast<pd::Continuum>(this->Continuum - PLANE_STRESS);
+  }
+  s.horizon = this->Horizon;
+  s.micromodulus = static_cast<pd::Micromodulus>(this->Micromodulus);
+  s.voidBonds = this->CutVoidBonds ? pd::VoidBonds::Cut : pd::VoidBonds::Keep;
+  s.surfaceCorrection = this->SurfaceCorrection;
+  s.largeStrains = this->LargeStrains;
+  s.notches = this->Internal->Notches;
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    s.periodic[a] = this->Periodic[a] != 0;
+  }
+  return s;
+}
+
+int vtkBondAlgorithm::ThreadCount() const
+{
+  return this->Threads > 0 ? this->Threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+void vtkBondAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Model: " << lamella::toJson(this->Settings()).dump() << "\n"
+     << indent << "Threads: " << this->Threads << "\n";
+}

@@ -1,0 +1,215 @@
+/**
+ * @class   vtkBondAlgorithm
+ * @brief   what bonds a sample has: the settings that peridynamic solvers and filters share
+ *
+ * Bonds join every node to all nodes within the horizon. What a bond is made of depends on the phases of its two ends.
+ *
+ * **Pairs** are written as "grain" (bonds within that phase), "matrix-grain" (between two phases; the order does not
+ * matter) and "grain-grain" (between two *different grains* of one phase; the image then needs the point array `grain`
+ * with the number of each node's grain, 0 for none). Phases go by the image's `phase_names`, or by number where it has
+ * none. Pairs that the image does not have are ignored, so that one list serves many images.
+ *
+ * **Materials**: each pair needs Young's modulus, and may have one of fracture energy Gc, toughness K or critical
+ * stretch s0; without, its bonds never break. Phases that touch need a material for the pair of them: of its own, like
+ * another pair's (SetLike), or by a rule (SetMixing); else the update fails and names the pair.
+ *
+ * **Voids** carry no bonds: the phases of AddVoid(), or without any those called void, pore, lumen, air or 0 that no
+ * table names.
+ *
+ * Poisson's ratio is that of bonds: 1/3 in plane stress, 1/4 in plane strain and in space.
+ *
+ * @sa vtkBondEquilibrium, vtkBondStress
+ */
+
+#ifndef vtkBondAlgorithm_h
+#define vtkBondAlgorithm_h
+
+#include "vtkImageAlgorithm.h"
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+
+#include <memory> // for std::unique_ptr
+#include <string> // for members
+
+class vtkMultiProcessController;
+
+namespace lamella
+{
+struct BondSettings;
+}
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkBondAlgorithm : public vtkImageAlgorithm
+{
+public:
+  vtkTypeMacro(vtkBondAlgorithm, vtkImageAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /** Young's modulus E of a pair's bonds [Pa], positive. An empty name is ignored (an empty row in a panel). */
+  void SetYoungsModulus(const char* pair, double value);
+  void RemoveAllYoungsModuli();
+  ///@}
+
+  ///@{
+  /** Fracture energy Gc [J/m²], positive. At most one of these three for each pair. */
+  void SetFractureEnergy(const char* pair, double value);
+  void RemoveAllFractureEnergies();
+  ///@}
+  ///@{
+  /** Toughness K [Pa √m]: Gc = K²/E in plane stress, K²(1 − ν²)/E otherwise. */
+  void SetToughness(const char* pair, double value);
+  void RemoveAllToughnesses();
+  ///@}
+  ///@{
+  /** Critical stretch s0: elongation over length at which a bond breaks. */
+  void SetCriticalStretch(const char* pair, double value);
+  void RemoveAllCriticalStretches();
+  ///@}
+
+  ///@{
+  /**
+   * Bonds of `pair` are like those of `other`, in stiffness and in fracture, except in what `pair` has of its own.
+   */
+  void SetLike(const char* pair, const char* other);
+  void RemoveAllLikes();
+  ///@}
+
+  ///@{
+  /**
+   * A pair whose values are in SI units while all others are multiples of its: grain 4 relative to matrix is four times
+   * the matrix's. Empty (default): all are in SI units.
+   */
+  vtkSetMacro(RelativeTo, std::string);
+  vtkGetMacro(RelativeTo, std::string);
+  ///@}
+
+  enum Mixings
+  {
+    NO_MIXING = 0,
+    HARMONIC = 1, ///< two half bonds in series; it breaks when the first half does
+    MINIMUM = 2   ///< the lesser E and the lesser s0
+  };
+  ///@{
+  /** Bonds of two phases that have no material of their own. Default NO_MIXING: an error that names them. */
+  vtkSetClampMacro(Mixing, int, NO_MIXING, MINIMUM);
+  vtkGetMacro(Mixing, int);
+  ///@}
+
+  ///@{
+  /** Phases without bonds. */
+  void AddVoid(const char* phase);
+  void RemoveAllVoids();
+  ///@}
+
+  enum Continua
+  {
+    AUTO_CONTINUUM = 0, ///< plane stress for pictures, space for volumes
+    PLANE_STRESS = 1,
+    PLANE_STRAIN = 2,
+    SPACE = 3
+  };
+  ///@{
+  /** Default AUTO_CONTINUUM. */
+  vtkSetClampMacro(Continuum, int, AUTO_CONTINUUM, SPACE);
+  vtkGetMacro(Continuum, int);
+  ///@}
+
+  ///@{
+  /**
+   * Length of the longest bonds, in spacings: 1 to 8. Default 3. Below 3 the lattice is markedly stiffer along its
+   * axes.
+   */
+  vtkSetMacro(Horizon, double);
+  vtkGetMacro(Horizon, double);
+  ///@}
+
+  enum Micromoduli
+  {
+    CONTINUUM_MICROMODULUS = 0, ///< from the integral over the horizon, as in the literature
+    LATTICE_MICROMODULUS = 1    ///< such that Young's modulus along the axes is exact in the bulk of this lattice
+  };
+  ///@{
+  /** How the stiffness of bonds follows from E. Default CONTINUUM_MICROMODULUS. */
+  vtkSetClampMacro(Micromodulus, int, CONTINUUM_MICROMODULUS, LATTICE_MICROMODULUS);
+  vtkGetMacro(Micromodulus, int);
+  ///@}
+
+  ///@{
+  /** Whether bonds that cross a thin void go. Default off: they stay. */
+  vtkSetMacro(CutVoidBonds, bool);
+  vtkGetMacro(CutVoidBonds, bool);
+  vtkBooleanMacro(CutVoidBonds, bool);
+  ///@}
+
+  ///@{
+  /** Stiffer bonds near free surfaces, where nodes have fewer of them. Default off. */
+  vtkSetMacro(SurfaceCorrection, bool);
+  vtkGetMacro(SurfaceCorrection, bool);
+  vtkBooleanMacro(SurfaceCorrection, bool);
+  ///@}
+
+  ///@{
+  /** Newton's method on forces that are exact for large rotations, instead of one linear system. Default off. */
+  vtkSetMacro(LargeStrains, bool);
+  vtkGetMacro(LargeStrains, bool);
+  vtkBooleanMacro(LargeStrains, bool);
+  ///@}
+
+  ///@{
+  /** Cuts made before loading [m]: a segment between two points of a picture; a parallelogram from a corner and two
+   * edges in space. They must touch the sample. */
+  void AddNotch(double x1, double y1, double x2, double y2);
+  void AddNotchInSpace(const double corner[3], const double along[3], const double across[3]);
+  void RemoveAllNotches();
+  ///@}
+
+  ///@{
+  /** Axes at whose end the sample begins again: three flags. Default none. */
+  vtkSetVector3Macro(Periodic, int);
+  vtkGetVector3Macro(Periodic, int);
+  ///@}
+
+  ///@{
+  /** Threads of each rank; 0: one for each core that the machine has. Default 1. */
+  vtkSetClampMacro(Threads, int, 0, VTK_INT_MAX);
+  vtkGetMacro(Threads, int);
+  ///@}
+
+  ///@{
+  /** The processes that may work together. Default: the global controller. */
+  virtual void SetController(vtkMultiProcessController* controller);
+  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  ///@}
+
+protected:
+  vtkBondAlgorithm();
+  ~vtkBondAlgorithm() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+  /// All of the settings above.
+  lamella::BondSettings Settings() const;
+  int ThreadCount() const;
+
+  vtkMultiProcessController* Controller = nullptr;
+
+private:
+  vtkBondAlgorithm(const vtkBondAlgorithm&) = delete;
+  void operator=(const vtkBondAlgorithm&) = delete;
+
+  struct Internals;
+  std::unique_ptr<Internals> Internal;
+
+  std::string RelativeTo;
+  int Mixing = NO_MIXING;
+  int Continuum = AUTO_CONTINUUM;
+  double Horizon = 3;
+  int Micromodulus = CONTINUUM_MICROMODULUS;
+  bool CutVoidBonds = false;
+  bool SurfaceCorrection = false;
+  bool LargeStrains = false;
+  int Periodic[3] = { 0, 0, 0 };
+  int Threads = 1;
+};
+
+#endif

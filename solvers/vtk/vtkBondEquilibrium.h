@@ -1,0 +1,192 @@
+/**
+ * @class   vtkBondEquilibrium
+ * @brief   displacement, stress, stiffness and first break of an image of phases under load
+ *
+ * Bond-based peridynamics on the lattice of the image's points (peridynamics/ElasticStudy.h): every node is bonded to
+ * all nodes within the horizon, and the displacements are found at which all forces vanish, by conjugate gradients
+ * preconditioned with multigrid. The bonds' materials are the settings of vtkBondAlgorithm.
+ *
+ * **Input**: vtkImageData with phases at its points: an array of whole numbers, `phase` unless another is chosen with
+ * SetInputArrayToProcess(0, ...), and where bonds between grains have a material of their own the number of each node's
+ * grain, `grain` (index 1). Nodes are pixel centres; an image of one layer along z is two-dimensional.
+ *
+ * **Load**: the low platen never moves. As many layers of nodes as a bond reaches are held at either end of the axis
+ * (PlatenLayers), and the strain counts over the distance between their inner layers. Sides are free.
+ *
+ * **Output**: the input with
+ * - `displacement` (3 doubles, [m]; 0 in voids),
+ * - `stress` on demand (6 doubles, VTK's order xx, yy, zz, xy, yz, xz, [Pa], tension positive; 0 in voids; of a picture
+ *   zz is 0 in plane stress and ν (xx + yy) in plane strain),
+ * - `strain_energy` on demand (1 double, [J/m³]).
+ *
+ * Field data, forces of a picture being per metre of thickness:
+ * - `effective_modulus` [Pa]: `effective_stress` over `strain`; a shear modulus where the load is shear
+ * - `effective_stress` [Pa]: force on the platen along the load over the section of the box, voids included
+ * - `strain`: applied; of a traction the one that it causes
+ * - `mean_stress` [Pa]: 6 numbers, over the whole box, platens and voids included
+ * - `reaction_low`, `reaction_high` [N]: 3 numbers, forces that the sample exerts on the platens
+ * - `elastic_energy` [J]
+ * - `first_break_strain`, `first_break_stress`, `first_break_position` (3 numbers [m]), `first_break_phases`: where and
+ *   when the first bond breaks as this load grows from nothing; NaN and empty where none does and in large strains.
+ *   `largest_stretch_ratio`: the largest s/s0 at this load
+ * - `load`, `load_axis`, `platen_layers` (first and last layer of the low and of the high platen, counted from 0),
+ *   `continuum`, `horizon`, `poissons_ratio`
+ * - `pair_names`, `pair_youngs_modulus`, `pair_critical_stretch`, `pair_fracture_energy`, `pair_toughness`: what each
+ *   pair of phases was given
+ * - `phase_fraction`, `phase_names`, `phase_array`
+ * - `loose_pieces`, `loose_nodes`, `hinges`, `iterations`, `newton_steps`, `residual`, `solid_nodes`, `skipped_nodes`,
+ *   `bonds`, `visited_strips` (uniform and mixed runs of 16 nodes), `skipped_strips`, `bytes` (all ranks)
+ * - `warnings`: strings, each also given to vtkWarningMacro
+ * - `bond_model`: the settings, for vtkBondStress; `provenance`: one JSON string.
+ *
+ * **Parallel**: with a vtkMPIController and as many pieces as processes all ranks solve together, whatever pieces the
+ * pipeline gave them; the numbers are those of one rank to the tolerance.
+ *
+ * @warning Before the first break the response is linear: the strain given matters for SetLargeStrains() only, all else
+ * scales with it.
+ *
+ * @sa vtkBondStress, vtkPictureReader, vtkMatrixBridges
+ */
+
+#ifndef vtkBondEquilibrium_h
+#define vtkBondEquilibrium_h
+
+#include "vtkBondAlgorithm.h"
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+
+namespace lamella
+{
+class Team;
+}
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkBondEquilibrium : public vtkBondAlgorithm
+{
+public:
+  static vtkBondEquilibrium* New();
+  vtkTypeMacro(vtkBondEquilibrium, vtkBondAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  enum Loads
+  {
+    STRETCH = 0, ///< the high platen moves along the axis
+    SHEAR = 1,   ///< it moves across: along x where the axis is the last one
+    BIAXIAL = 2, ///< smooth platens on all sides
+    TRACTION = 3 ///< a force spread evenly over the high platen, which is not stiff
+  };
+  ///@{
+  /** What is done to the sample. Default STRETCH. */
+  vtkSetClampMacro(Load, int, STRETCH, TRACTION);
+  vtkGetMacro(Load, int);
+  ///@}
+
+  enum Axes
+  {
+    LAST_AXIS = -1, ///< y of a picture (upwards), z of a volume
+    X = 0,
+    Y = 1,
+    Z = 2
+  };
+  ///@{
+  /** Axis of loading. Default LAST_AXIS. */
+  vtkSetClampMacro(LoadAxis, int, LAST_AXIS, Z);
+  vtkGetMacro(LoadAxis, int);
+  ///@}
+
+  ///@{
+  /** Movement of the high platen over the distance between the platens; tension positive. Default 1e-3. */
+  vtkSetMacro(Strain, double);
+  vtkGetMacro(Strain, double);
+  ///@}
+  ///@{
+  /** BIAXIAL: strain along the other axes. Default 0. */
+  vtkSetMacro(LateralStrain, double);
+  vtkGetMacro(LateralStrain, double);
+  ///@}
+  ///@{
+  /** TRACTION: [Pa], tension positive. Default 0, which is an error for that load. */
+  vtkSetMacro(Traction, double);
+  vtkGetMacro(Traction, double);
+  ///@}
+  ///@{
+  /** STRETCH: the platens hold the component along the axis only. Default off: they grip the sample. */
+  vtkSetMacro(SmoothPlatens, bool);
+  vtkGetMacro(SmoothPlatens, bool);
+  vtkBooleanMacro(SmoothPlatens, bool);
+  ///@}
+  ///@{
+  /** Layers of nodes that a platen holds; 0 (default): as many as a bond reaches. */
+  vtkSetClampMacro(PlatenLayers, int, 0, VTK_INT_MAX);
+  vtkGetMacro(PlatenLayers, int);
+  ///@}
+
+  enum Solvers
+  {
+    MULTIGRID = 0,
+    JACOBI = 1,            ///< conjugate gradients with the nodes' blocks
+    DIRECT = 2,            ///< sparse Cholesky; one rank, small images
+    DYNAMIC_RELAXATION = 3 ///< for comparison
+  };
+  ///@{
+  /** How forces are balanced; all give the same answer. Default MULTIGRID. */
+  vtkSetClampMacro(Solver, int, MULTIGRID, DYNAMIC_RELAXATION);
+  vtkGetMacro(Solver, int);
+  ///@}
+  ///@{
+  /** Largest residual force over the forces that hold the free nodes where they are. Default 1e-6; 1e-12 to 0.1. */
+  vtkSetClampMacro(Tolerance, double, 1e-12, 0.1);
+  vtkGetMacro(Tolerance, double);
+  ///@}
+  ///@{
+  /** Gives up after this many iterations. Default 20000. */
+  vtkSetClampMacro(MaximumIterations, int, 1, VTK_INT_MAX);
+  vtkGetMacro(MaximumIterations, int);
+  ///@}
+
+  ///@{
+  /** Whether the output carries stress and strain energy; what is off is not computed. Default off. */
+  vtkSetMacro(ComputeStress, bool);
+  vtkGetMacro(ComputeStress, bool);
+  vtkBooleanMacro(ComputeStress, bool);
+  vtkSetMacro(ComputeStrainEnergy, bool);
+  vtkGetMacro(ComputeStrainEnergy, bool);
+  vtkBooleanMacro(ComputeStrainEnergy, bool);
+  ///@}
+
+  ///@{
+  /** Of the last update [Pa]; NaN before it. */
+  vtkGetMacro(EffectiveModulus, double);
+  ///@}
+  ///@{
+  /** Of the last update; NaN where no bond breaks. */
+  vtkGetMacro(FirstBreakStrain, double);
+  ///@}
+
+protected:
+  vtkBondEquilibrium();
+  ~vtkBondEquilibrium() override = default;
+
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkBondEquilibrium(const vtkBondEquilibrium&) = delete;
+  void operator=(const vtkBondEquilibrium&) = delete;
+
+  void Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team);
+
+  int Load = STRETCH;
+  int LoadAxis = LAST_AXIS;
+  double Strain = 1e-3;
+  double LateralStrain = 0;
+  double Traction = 0;
+  bool SmoothPlatens = false;
+  int PlatenLayers = 0;
+  int Solver = MULTIGRID;
+  double Tolerance = 1e-6;
+  int MaximumIterations = 20000;
+  bool ComputeStress = false;
+  bool ComputeStrainEnergy = false;
+  double EffectiveModulus;
+  double FirstBreakStrain;
+};
+
+#endif
