@@ -2,7 +2,10 @@
 
 #include "BondScene.h"
 
+#include "lattice/Error.h"
+
 #include "vtkDataObject.h"
+#include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMultiProcessController.h"
@@ -11,6 +14,32 @@
 #include <thread>
 
 namespace pd = lamella::peridynamics;
+
+namespace
+{
+
+vtkBondAlgorithm::Failures kindOf(const lamella::Error& error)
+{
+  if (dynamic_cast<const lamella::ParameterError*>(&error) != nullptr)
+  {
+    return vtkBondAlgorithm::PARAMETER_FAILURE;
+  }
+  if (dynamic_cast<const lamella::NoPathError*>(&error) != nullptr)
+  {
+    return vtkBondAlgorithm::NO_PATH_FAILURE;
+  }
+  if (dynamic_cast<const lamella::MemoryError*>(&error) != nullptr)
+  {
+    return vtkBondAlgorithm::MEMORY_FAILURE;
+  }
+  if (dynamic_cast<const lamella::DivergenceError*>(&error) != nullptr)
+  {
+    return vtkBondAlgorithm::DIVERGENCE_FAILURE;
+  }
+  return vtkBondAlgorithm::INPUT_FAILURE;
+}
+
+} // namespace
 
 struct vtkBondAlgorithm::Internals
 {
@@ -144,6 +173,40 @@ int vtkBondAlgorithm::RequestUpdateExtent(
 {
   lamella::requestInput(
     inputVector[0]->GetInformationObject(0), outputVector->GetInformationObject(0), this->Controller);
+  return 1;
+}
+
+int vtkBondAlgorithm::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  vtkImageData* const output = vtkImageData::GetData(outputVector);
+  const auto fail = [&](Failures failure)
+  {
+    this->Failure = failure;
+    output->Initialize();
+    return 0;
+  };
+  this->Failure = NO_FAILURE;
+  try
+  {
+    const lamella::Team team(this->Controller, outputVector->GetInformationObject(0));
+    this->Run(vtkImageData::GetData(inputVector[0]), output, team);
+  }
+  catch (const lamella::Cancelled&)
+  {
+    output->Initialize();
+    this->SetAbortOutput(true);
+  }
+  catch (const lamella::Error& error)
+  {
+    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
+    return fail(kindOf(error));
+  }
+  catch (const std::exception& error)
+  {
+    vtkErrorMacro(<< error.what());
+    return fail(OTHER_FAILURE);
+  }
   return 1;
 }
 

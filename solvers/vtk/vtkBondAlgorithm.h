@@ -35,6 +35,7 @@ class vtkMultiProcessController;
 namespace lamella
 {
 struct BondSettings;
+class Team;
 }
 
 class VTKLAMELLASOLVERSVTK_EXPORT vtkBondAlgorithm : public vtkImageAlgorithm
@@ -174,6 +175,21 @@ public:
   vtkGetMacro(Threads, int);
   ///@}
 
+  enum Failures
+  {
+    NO_FAILURE = 0,
+    INPUT_FAILURE = 1,
+    PARAMETER_FAILURE = 2,
+    NO_PATH_FAILURE = 3, ///< nothing carries the load
+    MEMORY_FAILURE = 4,
+    DIVERGENCE_FAILURE = 5,
+    OTHER_FAILURE = 6
+  };
+  ///@{
+  /** What kind of mistake the last update ended with. */
+  vtkGetMacro(Failure, int);
+  ///@}
+
   ///@{
   /** The processes that may work together. Default: the global controller. */
   virtual void SetController(vtkMultiProcessController* controller);
@@ -186,6 +202,11 @@ protected:
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+  /// Fills the output; RequestData() makes errors of VTK of what it throws. Collective over the team.
+  virtual void Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team) = 0;
 
   /// All of the settings above.
   lamella::BondSettings Settings() const;
@@ -210,6 +231,7 @@ private:
   bool LargeStrains = false;
   int Periodic[3] = { 0, 0, 0 };
   int Threads = 1;
+  int Failure = NO_FAILURE;
 };
 
 #endif

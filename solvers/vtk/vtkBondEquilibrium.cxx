@@ -8,8 +8,6 @@
 
 #include "vtkDoubleArray.h"
 #include "vtkImageData.h"
-#include "vtkInformation.h"
-#include "vtkInformationVector.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 
@@ -141,40 +139,10 @@ vtkBondEquilibrium::vtkBondEquilibrium()
 {
 }
 
-int vtkBondEquilibrium::RequestData(
-  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+void vtkBondEquilibrium::Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team)
 {
-  vtkImageData* const input = vtkImageData::GetData(inputVector[0]);
-  vtkImageData* const output = vtkImageData::GetData(outputVector);
   this->EffectiveModulus = unknown;
   this->FirstBreakStrain = unknown;
-  try
-  {
-    const lamella::Team team(this->Controller, outputVector->GetInformationObject(0));
-    this->Solve(input, output, team);
-  }
-  catch (const lamella::Cancelled&)
-  {
-    output->Initialize();
-    this->SetAbortOutput(true);
-  }
-  catch (const lamella::Error& error)
-  {
-    output->Initialize();
-    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
-    return 0;
-  }
-  catch (const std::exception& error)
-  {
-    output->Initialize();
-    vtkErrorMacro(<< error.what());
-    return 0;
-  }
-  return 1;
-}
-
-void vtkBondEquilibrium::Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team)
-{
   const lamella::BondSettings settings = this->Settings();
   const lamella::BondScene scene(
     input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);

@@ -54,11 +54,6 @@
 #include "vtkBondAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 
-namespace lamella
-{
-class Team;
-}
-
 class VTKLAMELLASOLVERSVTK_EXPORT vtkBondEquilibrium : public vtkBondAlgorithm
 {
 public:
@@ -165,13 +160,11 @@ protected:
   vtkBondEquilibrium();
   ~vtkBondEquilibrium() override = default;
 
-  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  void Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team) override;
 
 private:
   vtkBondEquilibrium(const vtkBondEquilibrium&) = delete;
   void operator=(const vtkBondEquilibrium&) = delete;
-
-  void Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team);
 
   int Load = STRETCH;
   int LoadAxis = LAST_AXIS;

@@ -33,6 +33,36 @@ MPI_Comm* communicatorOf(vtkMultiProcessController* controller)
   return communicator != nullptr ? communicator->GetMPIComm()->GetHandle() : nullptr;
 }
 
+/// Which of our errors it is, as a letter that can be sent.
+char kindOf(const Error& error)
+{
+  return dynamic_cast<const InputError*>(&error) != nullptr   ? 'i'
+    : dynamic_cast<const ParameterError*>(&error) != nullptr  ? 'p'
+    : dynamic_cast<const NoPathError*>(&error) != nullptr     ? 'n'
+    : dynamic_cast<const MemoryError*>(&error) != nullptr     ? 'm'
+    : dynamic_cast<const DivergenceError*>(&error) != nullptr ? 'd'
+                                                              : 'e';
+}
+
+[[noreturn]] void throwAs(char kind, const std::string& what, const std::string& hint)
+{
+  switch (kind)
+  {
+    case 'i':
+      throw InputError(what, hint);
+    case 'p':
+      throw ParameterError(what, hint);
+    case 'n':
+      throw NoPathError(what, hint);
+    case 'm':
+      throw MemoryError(what, hint);
+    case 'd':
+      throw DivergenceError(what, hint);
+    default:
+      throw Error(what, hint);
+  }
+}
+
 } // namespace
 
 bool Team::together(vtkMultiProcessController* controller, vtkInformation* request)
@@ -116,18 +146,19 @@ std::string Team::share(std::string text, bool known) const
 
 void Team::agree(const std::function<void()>& action) const
 {
-  std::string words; // what + '\0' + hint
+  std::string words; // kind, what + '\0' + hint
   try
   {
     action();
   }
   catch (const Error& error)
   {
-    words = std::string(error.what()) + '\0' + error.hint();
+    words = kindOf(error) + std::string(error.what()) + '\0' + error.hint();
   }
   catch (const std::bad_alloc&)
   {
-    words = std::string("out of memory") + '\0' + "use a smaller window or a coarser lattice, or more ranks";
+    words = kindOf(MemoryError("", "")) + std::string("out of memory") + '\0' +
+      "use a smaller window or a coarser lattice, or more ranks";
   }
   int failed = words.empty() ? size_ : rank_; // the lowest rank that failed
   if (size_ > 1)
@@ -146,7 +177,7 @@ void Team::agree(const std::function<void()>& action) const
     MPI_Bcast(words.data(), length, MPI_CHAR, failed, comm_);
   }
   const std::size_t cut = words.find('\0');
-  throw Error(words.substr(0, cut), words.substr(cut + 1));
+  throwAs(words.front(), words.substr(1, cut - 1), words.substr(cut + 1));
 }
 
 WholeImage wholeImage(vtkImageData* piece, const Team& team)

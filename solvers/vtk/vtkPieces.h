@@ -54,7 +54,7 @@ public:
   [[nodiscard]] std::string share(std::string text, bool known) const;
 
   /// Collective. Runs `action`; when it throws a lamella::Error (or std::bad_alloc) on some rank, every rank throws an
-  /// error with the words of the lowest such rank, so that none waits for another.
+  /// error of that kind with the words of the lowest such rank, so that none waits for another.
   void agree(const std::function<void()>& action) const;
 
 private:

@@ -1,0 +1,417 @@
+#include "BondInput.h"
+
+#include "GridFile.h"
+#include "Text.h"
+
+#include "peridynamics/PairTable.h"
+#include "vtkBondAlgorithm.h"
+#include "vtkLatticeConversion.h"
+
+#include <vtkCallbackCommand.h>
+#include <vtkDataArray.h>
+#include <vtkImageData.h>
+#include <vtkIntArray.h>
+#include <vtkMPIController.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkTrivialProducer.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+const std::vector<std::string> mixings{ "none", "harmonic", "minimum" };
+const std::vector<std::string> continua{ "plane-stress", "plane-strain", "space" };
+const std::vector<std::string> micromoduli{ "continuum", "lattice" };
+const std::vector<std::string> voidBondWords{ "keep", "cut" };
+
+/// The four tables of values, with the options that fill them.
+struct Table
+{
+  const char* option;
+  const std::vector<std::string>& texts;
+  void (vtkBondAlgorithm::*set)(const char*, double);
+};
+
+std::array<Table, 4> tables(const BondOptions& o)
+{
+  return { { { "--young", o.young, &vtkBondAlgorithm::SetYoungsModulus },
+    { "--fracture-energy", o.fractureEnergy, &vtkBondAlgorithm::SetFractureEnergy },
+    { "--toughness", o.toughness, &vtkBondAlgorithm::SetToughness },
+    { "--critical-stretch", o.criticalStretch, &vtkBondAlgorithm::SetCriticalStretch } } };
+}
+
+/// A coordinate: a number in metres, or one with a unit. 0 and negative ones are coordinates too.
+double coordinate(const std::string& text)
+{
+  if (const auto number = toNumber(text); number && std::isfinite(*number))
+  {
+    return *number;
+  }
+  const bool negative = !text.empty() && text.front() == '-';
+  return (negative ? -1 : 1) * lengthInMetres("--notch", negative ? text.substr(1) : text);
+}
+
+std::array<int, 3> parsePeriodic(const std::string& text)
+{
+  std::array<int, 3> axes{ 0, 0, 0 };
+  for (const char c : text == "none" ? std::string() : text)
+  {
+    if (c >= 'x' && c <= 'z')
+    {
+      axes[static_cast<std::size_t>(c - 'x')] = 1;
+    }
+    else if (c != ',')
+    {
+      throw ParameterError("--periodic '" + text + "' names no axes", "write the axes, such as x or xz, or none");
+    }
+  }
+  return axes;
+}
+
+/// Pairs and voids that no phase of the sample fits are slips here; the filter would ignore them.
+void checkNames(const BondOptions& o, const std::vector<std::string>& names)
+{
+  const auto check = [&](const char* option, const std::string& pair)
+  {
+    if (!peridynamics::findPair(pair, names))
+    {
+      throw ParameterError(
+        fmt::format("{} names '{}', which is no phase or pair of phases of this sample", option, pair),
+        suggestion(pair, names,
+          "its phases are " + quotedList(names, "and") + "; a pair is written as " + names.front() + "-" +
+            names.back()));
+    }
+  };
+  for (const Table& table : tables(o))
+  {
+    for (const std::string& text : table.texts)
+    {
+      check(table.option, keyValue(table.option, text, "PAIR=VALUE").first);
+    }
+  }
+  for (const std::string& text : o.like)
+  {
+    const auto [pair, other] = keyValue("--like", text, "PAIR=PAIR");
+    check("--like", pair);
+    check("--like", other);
+  }
+  if (!o.relativeTo.empty())
+  {
+    check("--relative-to", o.relativeTo);
+  }
+  for (const std::string& name : o.voids)
+  {
+    if (std::find(names.begin(), names.end(), name) == names.end())
+    {
+      throw ParameterError("--void names '" + name + "', which is no phase of this sample",
+        suggestion(name, names, "its phases are " + quotedList(names, "and")));
+    }
+  }
+}
+
+/// The grains of a .vti, where it has them, in the sample's order: window cut out, not refined.
+std::vector<std::int32_t> loadGrains(const PictureOptions& picture, const Sample& sample)
+{
+  if (!isVtkImage(picture.file))
+  {
+    return {};
+  }
+  const auto data = readGrid(picture.file);
+  auto* const image = vtkImageData::SafeDownCast(data);
+  vtkDataArray* const array = image != nullptr ? image->GetPointData()->GetArray("grain") : nullptr;
+  if (array == nullptr || array->GetNumberOfComponents() != 1)
+  {
+    return {};
+  }
+  const Lattice whole = latticeOf(image);
+  if (whole.size != sample.fileSize) // phases were taken from cells
+  {
+    return {};
+  }
+  const Lattice& lattice = sample.image.lattice;
+  const std::array<std::int64_t, 3> start =
+    sample.window ? firstNode(whole, *sample.window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
+  std::vector<std::int32_t> grains(static_cast<std::size_t>(lattice.count()));
+  for (std::int64_t z = 0; z < lattice.size[2]; ++z)
+  {
+    for (std::int64_t y = 0; y < lattice.size[1]; ++y)
+    {
+      for (std::int64_t x = 0; x < lattice.size[0]; ++x)
+      {
+        const double value = array->GetComponent(whole.index(x + start[0], y + start[1], z + start[2]), 0);
+        if (!(std::abs(value) < 2147483647) || value != std::floor(value))
+        {
+          throw InputError(fmt::format("'{}': array 'grain' holds {}; grains are whole numbers", picture.file, value),
+            "0 stands for no grain");
+        }
+        grains[static_cast<std::size_t>(lattice.index(x, y, z))] = static_cast<std::int32_t>(value);
+      }
+    }
+  }
+  return grains;
+}
+
+vtkSmartPointer<vtkIntArray> grainArray(const std::vector<std::int32_t>& grains, const Lattice& from, int n)
+{
+  const auto array = vtkSmartPointer<vtkIntArray>::New();
+  array->SetName("grain");
+  const Lattice to = makeLattice(
+    from.size[0] * n, from.size[1] * n, from.dimension == 3 ? from.size[2] * n : 1, from.dimension, from.spacing / n);
+  array->SetNumberOfTuples(to.count());
+  vtkIdType at = 0;
+  for (std::int64_t z = 0; z < to.size[2]; ++z)
+  {
+    for (std::int64_t y = 0; y < to.size[1]; ++y)
+    {
+      for (std::int64_t x = 0; x < to.size[0]; ++x)
+      {
+        const std::int64_t layer = from.dimension == 3 ? z / n : 0;
+        array->SetValue(at++, grains[static_cast<std::size_t>(from.index(x / n, y / n, layer))]);
+      }
+    }
+  }
+  describe(array, "1", "number of the grain, 0 none", "lamella");
+  return array;
+}
+
+} // namespace
+
+void addBondOptions(CLI::App& command, BondOptions& o)
+{
+  const auto material = [&](const char* name, std::vector<std::string>& list, const char* text, const char* type)
+  { return command.add_option(name, list, text)->type_name(type)->allow_extra_args(false)->group("Materials"); };
+  material("--young", o.young,
+    "Young's modulus [Pa] of a phase (grain), of bonds between two phases (matrix-grain), or between two different "
+    "grains of a phase (grain-grain)",
+    "PAIR=VALUE")
+    ->required();
+  material("--fracture-energy", o.fractureEnergy, "Fracture energy [J/m²]", "PAIR=VALUE");
+  material("--toughness", o.toughness, "Toughness [Pa √m]", "PAIR=VALUE");
+  material("--critical-stretch", o.criticalStretch, "Elongation at which bonds break", "PAIR=VALUE");
+  material("--like", o.like, "Bonds of the first pair are like those of the second", "PAIR=PAIR");
+  command.add_option("--relative-to", o.relativeTo, "All other values are multiples of this pair's")
+    ->type_name("PAIR")
+    ->group("Materials");
+  command.add_option("--mixing", o.mixing, "Bonds of two phases without material of their own; none: an error")
+    ->type_name("none|harmonic|minimum")
+    ->capture_default_str()
+    ->group("Materials");
+  material("--void", o.voids, "A phase without bonds; those called void, pore, lumen or air when not given", "PHASE");
+
+  const auto bond = [](CLI::Option* option) { return option->group("Bonds"); };
+  bond(command.add_option("--horizon", o.horizon, "Length of the longest bonds, in pixels: 1 to 8"))
+    ->type_name("NUMBER")
+    ->capture_default_str();
+  bond(command.add_option("--continuum", o.continuum, "plane-stress for pictures, space for volumes when not given"))
+    ->type_name("plane-stress|plane-strain|space");
+  bond(command.add_option("--micromodulus", o.micromodulus,
+         "Stiffness of bonds as in the literature, or exact for E along the axes of this lattice"))
+    ->type_name("continuum|lattice")
+    ->capture_default_str();
+  bond(command.add_option("--void-bonds", o.voidBonds, "Bonds that cross a thin void"))
+    ->type_name("keep|cut")
+    ->capture_default_str();
+  bond(command.add_flag("--surface-correction", o.surfaceCorrection, "Stiffer bonds near free surfaces"));
+  bond(command.add_flag("--large-strains", o.largeStrains, "Exact for large rotations, instead of linear"));
+  bond(command.add_option("--notch", o.notches,
+         "A cut from point to point, y upwards, in metres or with a unit; of a volume a corner and two edges"))
+    ->type_name("X1,Y1,X2,Y2")
+    ->allow_extra_args(false);
+  bond(command.add_option("--periodic", o.periodic, "Axes at whose end the sample begins again, as x; none"))
+    ->type_name("AXES");
+  bond(command.add_option("--refine", o.refine, "Split every pixel into N × N (× N)"))
+    ->type_name("N")
+    ->capture_default_str();
+  bond(command.add_option("--threads", o.threads, "Threads of each process"))
+    ->type_name("NUMBER")
+    ->capture_default_str();
+}
+
+void applyBonds(const BondOptions& o, vtkBondAlgorithm* filter)
+{
+  for (const Table& table : tables(o))
+  {
+    for (const std::string& text : table.texts)
+    {
+      const auto [pair, number] = keyValue(table.option, text, "PAIR=VALUE");
+      const auto value = toNumber(number);
+      if (!value || !(*value > 0) || !std::isfinite(*value))
+      {
+        throw ParameterError(fmt::format("{} {}: '{}' is not a positive number", table.option, text, number),
+          fmt::format("write it as {} grain=VALUE, in SI units", table.option));
+      }
+      (filter->*table.set)(pair.c_str(), *value);
+    }
+  }
+  for (const std::string& text : o.like)
+  {
+    const auto [pair, other] = keyValue("--like", text, "PAIR=PAIR");
+    filter->SetLike(pair.c_str(), other.c_str());
+  }
+  filter->SetRelativeTo(o.relativeTo);
+  filter->SetMixing(static_cast<int>(oneOf("--mixing", o.mixing, mixings)));
+  for (const std::string& name : o.voids)
+  {
+    filter->AddVoid(name.c_str());
+  }
+  if (!(o.horizon >= 1 && o.horizon <= 8))
+  {
+    throw ParameterError(
+      fmt::format("--horizon {} is outside 1 to 8", o.horizon), "3 is usual; 2 is strongly anisotropic");
+  }
+  filter->SetHorizon(o.horizon);
+  if (!o.continuum.empty())
+  {
+    filter->SetContinuum(1 + static_cast<int>(oneOf("--continuum", o.continuum, continua)));
+  }
+  filter->SetMicromodulus(static_cast<int>(oneOf("--micromodulus", o.micromodulus, micromoduli)));
+  filter->SetCutVoidBonds(oneOf("--void-bonds", o.voidBonds, voidBondWords) == 1);
+  filter->SetSurfaceCorrection(o.surfaceCorrection);
+  filter->SetLargeStrains(o.largeStrains);
+  for (const std::string& text : o.notches)
+  {
+    std::vector<double> p;
+    for (const std::string& part : split(text, ','))
+    {
+      p.push_back(coordinate(part));
+    }
+    if (p.size() == 4)
+    {
+      filter->AddNotch(p[0], p[1], p[2], p[3]);
+    }
+    else if (p.size() == 9)
+    {
+      filter->AddNotchInSpace(p.data(), p.data() + 3, p.data() + 6);
+    }
+    else
+    {
+      throw ParameterError("--notch '" + text + "' has " + std::to_string(p.size()) + " numbers",
+        "a picture takes X1,Y1,X2,Y2, a volume a corner and two edges: 9 numbers");
+    }
+  }
+  filter->SetPeriodic(parsePeriodic(o.periodic).data());
+  if (o.refine < 1)
+  {
+    throw ParameterError(fmt::format("--refine {} is below 1", o.refine), "every pixel becomes N × N");
+  }
+  if (o.threads < 1 || o.threads > 1024)
+  {
+    throw ParameterError(
+      fmt::format("--threads {} is outside 1 to 1024", o.threads), "give the number of cores to use");
+  }
+  filter->SetThreads(o.threads);
+}
+
+BondSample loadBondSample(const PictureOptions& picture, const BondOptions& o)
+{
+  Sample sample = loadSample(picture);
+  Session::checkInterrupt();
+  checkNames(o, sample.image.phases.names());
+  if (sample.pixelSizeSource == "none" && (!o.fractureEnergy.empty() || !o.toughness.empty()))
+  {
+    throw ParameterError(fmt::format("{} needs the size of a pixel, which '{}' does not tell",
+                           o.toughness.empty() ? "--fracture-energy" : "--toughness", picture.file),
+      "add --pixel-size, such as --pixel-size 0.5um; or give --critical-stretch");
+  }
+  BondSample result;
+  result.pixelSizeSource = sample.pixelSizeSource;
+  result.provenance = sample.provenance;
+  result.warnings = sample.warnings;
+  if (sample.pixelSizeSource == "option")
+  {
+    if (const std::string doubt = pixelSizeDoubt("--pixel-size", sample.image.lattice.spacing); !doubt.empty())
+    {
+      result.warnings.push_back(doubt);
+    }
+  }
+  const std::vector<std::int32_t> grains = loadGrains(picture, sample);
+  const Lattice lattice = sample.image.lattice;
+  result.image = toImageData(o.refine > 1 ? refine(sample.image, o.refine) : std::move(sample.image));
+  if (!grains.empty())
+  {
+    result.image->GetPointData()->AddArray(grainArray(grains, lattice, o.refine));
+  }
+  setFieldText(result.image, "pixel_size_source", sample.pixelSizeSource);
+  setProvenance(result.image, sample.provenance);
+  result.image->GetExtent(result.extent.data());
+  return result;
+}
+
+void runBonds(Session& session, vtkBondAlgorithm* filter, const BondSample& sample, const char* what)
+{
+  std::array<int, 6> extent = sample.extent;
+  session.broadcast(extent);
+  const auto image = sample.image ? sample.image : vtkSmartPointer<vtkImageData>::New();
+  vtkNew<vtkTrivialProducer> producer;
+  producer->SetOutput(image);
+  producer->SetWholeExtent(extent.data());
+  filter->SetInputConnection(producer->GetOutputPort());
+  struct Client
+  {
+    Session& session;
+    const char* what;
+  } client{ session, what };
+  vtkNew<vtkCallbackCommand> progress;
+  progress->SetClientData(&client);
+  progress->SetCallback(
+    [](vtkObject* caller, unsigned long, void* data, void*)
+    {
+      auto* algorithm = static_cast<vtkAlgorithm*>(caller);
+      auto* c = static_cast<Client*>(data);
+      if (!c->session.progress(algorithm->GetProgress(), c->what))
+      {
+        algorithm->SetAbortExecute(1);
+      }
+    });
+  const unsigned long tag = filter->AddObserver(vtkCommand::ProgressEvent, progress);
+  vtkNew<vtkMPIController> controller;
+  if (session.ranks() > 1)
+  {
+    controller->Initialize(nullptr, nullptr, 1); // MPI is the session's
+    filter->SetController(controller);
+  }
+  session.onRoot([] { (void)VtkMessages::takeErrors(); });
+  filter->UpdatePiece(session.rank(), session.ranks(), 0);
+  filter->SetController(nullptr);
+  filter->RemoveObserver(tag);
+  session.endProgress();
+  Session::checkInterrupt();
+  session.onRoot( // a mistake is one on every rank, and told once
+    [&]
+    {
+      if (vtkImageData::SafeDownCast(filter->GetOutputDataObject(0))->GetNumberOfPoints() > 0)
+      {
+        return;
+      }
+      try
+      {
+        throwVtkErrors("");
+      }
+      catch (const InputError& error) // as what it was before the filter made a message of it
+      {
+        switch (filter->GetFailure())
+        {
+          case vtkBondAlgorithm::PARAMETER_FAILURE:
+            throw ParameterError(error.what(), error.hint());
+          case vtkBondAlgorithm::NO_PATH_FAILURE:
+            throw NoPathError(error.what(), error.hint());
+          case vtkBondAlgorithm::MEMORY_FAILURE:
+            throw MemoryError(error.what(), error.hint());
+          case vtkBondAlgorithm::DIVERGENCE_FAILURE:
+            throw DivergenceError(error.what(), error.hint());
+          default:
+            throw;
+        }
+      }
+    });
+}
+
+} // namespace lamella::cli
