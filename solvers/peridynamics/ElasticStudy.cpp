@@ -22,24 +22,6 @@ double now()
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// So many threads while it lives.
-class Threads
-{
-public:
-  explicit Threads(int count)
-    : before_(omp_get_max_threads())
-  {
-    if (count > 0)
-      omp_set_num_threads(count);
-  }
-  ~Threads() { omp_set_num_threads(before_); }
-  Threads(const Threads&) = delete;
-  Threads& operator=(const Threads&) = delete;
-
-private:
-  int before_;
-};
-
 void checkLoad(const Loading& loading)
 {
   const bool traction = loading.load == LoadCase::Traction;
@@ -109,27 +91,16 @@ std::array<double, 6> meanFromForces(
   return total;
 }
 
-std::array<double, 6> meanFromStress(const BondLattice& bonds, const NodeField<double>& stress)
+/// A sum over the nodes of this rank, of stress times volume, as the mean over the box.
+std::array<double, 6> ofBox(const BondLattice& bonds, std::array<double, 6> sum, Continuum continuum)
 {
   const NodeLayout& l = bonds.layout();
-  const bool flat = l.dimension == 2;
-  constexpr std::array<std::size_t, 3> place{ 0, 1, 3 }; // of xx, yy, xy
-  std::array<double, 6> total{};
-  for (int c = 0; c < stress.components(); ++c)
-  {
-    double sum = 0;
-    for (std::int64_t r = 0; r < l.size[1] * l.size[2]; ++r)
-    {
-      const double* row = stress.component(c) + l.index(0, r % l.size[1], r / l.size[1]);
-      double part = 0;
-      for (std::int64_t x = 0; x < l.size[0]; ++x)
-        part += row[x];
-      sum += part;
-    }
-    total[flat ? place[static_cast<std::size_t>(c)] : static_cast<std::size_t>(c)] =
-      sum * std::pow(bonds.spacing(), l.dimension);
-  }
-  return total;
+  bonds.communicator().sum(sum);
+  for (double& value : sum)
+    value /= std::pow(bonds.spacing(), l.dimension) * static_cast<double>(l.global[0] * l.global[1] * l.global[2]);
+  if (continuum == Continuum::PlaneStrain)
+    sum[2] = poissonsRatio(continuum) * (sum[0] + sum[1]);
+  return sum;
 }
 
 /// Mean displacement of the high platen's solid nodes.
@@ -211,6 +182,41 @@ std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult&
 
 } // namespace
 
+std::array<double, 6> meanStress(const BondLattice& bonds, const NodeField<double>& stress, Continuum continuum)
+{
+  const NodeLayout& l = bonds.layout();
+  const bool flat = l.dimension == 2;
+  constexpr std::array<std::size_t, 3> place{ 0, 1, 3 }; // of xx, yy, xy
+  std::array<double, 6> total{};
+  for (int c = 0; c < stress.components(); ++c)
+  {
+    double sum = 0;
+    for (std::int64_t r = 0; r < l.size[1] * l.size[2]; ++r)
+    {
+      const double* row = stress.component(c) + l.index(0, r % l.size[1], r / l.size[1]);
+      double part = 0;
+      for (std::int64_t x = 0; x < l.size[0]; ++x)
+        part += row[x];
+      sum += part;
+    }
+    total[flat ? place[static_cast<std::size_t>(c)] : static_cast<std::size_t>(c)] =
+      sum * std::pow(bonds.spacing(), l.dimension);
+  }
+  return ofBox(bonds, total, continuum);
+}
+
+ThreadScope::ThreadScope(int count)
+  : before_(omp_get_max_threads())
+{
+  if (count > 0)
+    omp_set_num_threads(count);
+}
+
+ThreadScope::~ThreadScope()
+{
+  omp_set_num_threads(before_);
+}
+
 std::string horizonWarning(const BondModel& model)
 {
   if (!(model.horizon < 3))
@@ -262,7 +268,7 @@ ElasticResult studyElastic(const BondModel& model, const Lattice& lattice, std::
   std::span<const std::int32_t> grain, const ElasticOptions& options, const Communicator& comm)
 {
   checkLoad(options.loading);
-  const Threads threads(options.threads);
+  const ThreadScope threads(options.threads);
   checkMemory(model, lattice, !grain.empty(), options, comm);
   ElasticResult r;
   const bool nonlinear = options.equilibrium.strains == Strains::Large;
@@ -319,18 +325,15 @@ ElasticResult studyElastic(const BondModel& model, const Lattice& lattice, std::
     energyDensity(bonds, r.displacement, *r.energyDensity, nonlinear);
   }
   if (bonds.periodic() == std::array{ false, false, false })
-    r.meanStress = meanFromForces(bonds, f, r.displacement, nonlinear);
+    r.meanStress = ofBox(bonds, meanFromForces(bonds, f, r.displacement, nonlinear), model.continuum);
   else if (r.stress)
-    r.meanStress = meanFromStress(bonds, *r.stress);
+    r.meanStress = meanStress(bonds, *r.stress, model.continuum);
   else
   {
     NodeField<double> stress(bonds.layout(), d == 2 ? 3 : 6);
     nodalStress(bonds, r.displacement, stress, nonlinear);
-    r.meanStress = meanFromStress(bonds, stress);
+    r.meanStress = meanStress(bonds, stress, model.continuum);
   }
-  comm.sum(r.meanStress);
-  for (double& value : r.meanStress)
-    value /= std::pow(lattice.spacing, d) * static_cast<double>(lattice.count());
 
   const StretchMaximum most = largestStretch(bonds, r.displacement, nonlinear);
   r.largestRatio = most.ratio;

@@ -96,6 +96,25 @@ struct ElasticResult
 [[nodiscard]] double elasticBytes(
   const BondModel& model, const Lattice& lattice, bool grains, const ElasticOptions& options, int ranks);
 
+/// Mean of the nodes' stresses over the whole box [Pa]: xx, yy, zz, xy, yz, xz. Collective.
+/// @param stress as nodalStress() gives it
+/// @param continuum in plane strain zz is ν (xx + yy)
+[[nodiscard]] std::array<double, 6> meanStress(
+  const BondLattice& bonds, const NodeField<double>& stress, Continuum continuum);
+
+/// So many of OpenMP's threads for what this thread starts while it lives; 0: as many as before.
+class ThreadScope
+{
+public:
+  explicit ThreadScope(int count);
+  ~ThreadScope();
+  ThreadScope(const ThreadScope&) = delete;
+  ThreadScope& operator=(const ThreadScope&) = delete;
+
+private:
+  int before_;
+};
+
 /// What a model's horizon means for a picture: a warning, or an empty string.
 [[nodiscard]] std::string horizonWarning(const BondModel& model);
 

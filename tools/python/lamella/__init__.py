@@ -30,7 +30,7 @@ except ModuleNotFoundError:  # built without pictures
 else:
     _windows.Install()  # does nothing where a display works
 
-from ._equilibrium import EquilibriumResult, equilibrium
+from ._equilibrium import BondStressResult, EquilibriumResult, bond_stress, equilibrium
 from ._errors import Cancelled, LamellaError
 from ._flux import FluxMapResult, flux_map
 from ._packings import CementedSample, Packing, bridges, packing, read_packing
@@ -51,6 +51,7 @@ from ._samples import (
 from ._solve import DiffusionResult, diffusion
 
 __all__ = [
+    "BondStressResult",
     "Cancelled",
     "CementedSample",
     "DiffusionResult",
@@ -60,6 +61,7 @@ __all__ = [
     "Packing",
     "PoreFloodFillResult",
     "Sample",
+    "bond_stress",
     "bridges",
     "checkerboard",
     "diffusion",

@@ -6,6 +6,7 @@ from . import _arrays
 from ._errors import choose, run
 from ._samples import ImageBase
 from ._solve import as_image
+from .vtkLamellaFilters import vtkBondStress
 from .vtkLamellaSolversVTK import vtkBondEquilibrium
 
 _LOADS = {"stretch": 0, "shear": 1, "biaxial": 2, "traction": 3}
@@ -293,3 +294,36 @@ def equilibrium(
     solve.SetComputeStrainEnergy(bool(strain_energy))
     run(solve, progress)
     return EquilibriumResult(solve.GetOutput())
+
+
+class BondStressResult(ImageBase):
+    """``vtk`` is the image with ``stress``."""
+
+    @property
+    def stress(self):
+        """Pa, the six components xx, yy, zz, xy, yz, xz in the last axis (a view)."""
+        return self.array("stress")
+
+    @property
+    def mean_stress(self):
+        """Over the whole box, voids included: 3 by 3 [Pa]."""
+        xx, yy, zz, xy, yz, xz = _arrays.numbers(self.vtk, "mean_stress")
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def bond_stress(image, young=None, strain_energy=False, progress=None, **bonds):
+    """Stress of every node from its displacement and its bonds; returns a BondStressResult.
+
+    image   an EquilibriumResult, or an image with the point arrays ``phase`` and ``displacement`` (metres)
+    young   None: the model with which the image was solved. Else the bonds as equilibrium() takes them, with **bonds
+    strain_energy  also the strain energy of every node
+    """
+    stress = vtkBondStress()
+    stress.SetInputData(as_image(image))
+    stress.SetModelFromInput(young is None)
+    if young is None and set(bonds) - {"threads"}:
+        raise ValueError("the model comes with the image unless young is given")
+    set_bonds(stress, young, **bonds)
+    stress.SetComputeStrainEnergy(bool(strain_energy))
+    run(stress, progress)
+    return BondStressResult(stress.GetOutput())

@@ -1,0 +1,122 @@
+#include "vtkBondStress.h"
+
+#include "BondScene.h"
+#include "vtkProvenance.h"
+
+#include "lattice/Error.h"
+#include "peridynamics/BondForces.h"
+#include "peridynamics/BondLattice.h"
+#include "peridynamics/ElasticStudy.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+
+namespace pd = lamella::peridynamics;
+
+namespace
+{
+
+std::string nameOf(vtkInformation* choice, const char* otherwise)
+{
+  const bool named = choice != nullptr && choice->Has(vtkDataObject::FIELD_NAME());
+  const char* const name = named ? choice->Get(vtkDataObject::FIELD_NAME()) : "";
+  return *name != '\0' ? name : otherwise;
+}
+
+/// @throws InputError
+vtkDataArray* displacementOf(vtkImageData* input, const std::string& name, int dimension)
+{
+  vtkDataArray* const array = input->GetPointData()->GetArray(name.c_str());
+  if (array == nullptr)
+  {
+    throw lamella::InputError("the image has no point array '" + name + "'",
+      "solve for it with lamella equilibrium, or choose the array of displacements");
+  }
+  if (array->GetNumberOfComponents() < dimension || array->GetNumberOfComponents() > 3)
+  {
+    throw lamella::InputError("array '" + name + "' has " + std::to_string(array->GetNumberOfComponents()) +
+        " components; displacements have " + (dimension == 2 ? "2 or 3" : "3"),
+      "choose the array of displacements");
+  }
+  return array;
+}
+
+} // namespace
+
+vtkStandardNewMacro(vtkBondStress);
+
+vtkBondStress::vtkBondStress()
+{
+  this->SetInputArrayToProcess(2, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "displacement");
+}
+
+void vtkBondStress::Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team)
+{
+  lamella::BondSettings settings = this->Settings();
+  if (this->ModelFromInput)
+  {
+    const bool known = input->GetNumberOfPoints() > 0;
+    const std::string text = team.share(lamella::fieldText(input, lamella::bondModelName).value_or(""), known);
+    if (text.empty())
+    {
+      throw lamella::InputError(
+        std::string("the image does not tell its model: it has no field text '") + lamella::bondModelName + "'",
+        "make it with lamella equilibrium, or switch ModelFromInput off and give the model");
+    }
+    settings = lamella::bondSettingsFromJson(text);
+  }
+  const lamella::BondScene scene(
+    input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
+  const int dimension = scene.lattice().dimension;
+  const std::string name = nameOf(this->GetInputArrayInformation(2), "displacement");
+  vtkDataArray* given = nullptr;
+  team.agree(
+    [&]
+    {
+      if (input->GetNumberOfPoints() > 0)
+      {
+        given = displacementOf(input, name, dimension);
+      }
+    });
+  this->UpdateProgress(0.1);
+  const pd::ThreadScope threads(this->ThreadCount());
+  const lamella::Communicator comm(team.comm());
+  const pd::BondLattice bonds(scene.model(), scene.lattice(), scene.phase(), scene.grain(), comm);
+  pd::NodeField<double> u(bonds.layout());
+  scene.toSlab(given, name, u);
+  bonds.exchange(u);
+  this->UpdateProgress(0.5);
+  if (team.any(this->CheckAbort()))
+  {
+    throw lamella::Cancelled();
+  }
+  pd::NodeField<double> stress(bonds.layout(), dimension == 2 ? 3 : 6);
+  pd::nodalStress(bonds, u, stress, settings.largeStrains);
+
+  output->ShallowCopy(input);
+  const auto array = lamella::stressArray(scene, stress, this->GetClassName());
+  output->GetPointData()->AddArray(array);
+  if (this->ComputeStrainEnergy)
+  {
+    pd::NodeField<double> energy(bonds.layout(), 1);
+    pd::energyDensity(bonds, u, energy, settings.largeStrains);
+    const auto density = scene.toPiece(energy, std::array<int, 1>{ 0 }, "strain_energy");
+    lamella::describe(
+      density, "J/m^3", "elastic energy of half of the node's bonds over its volume", this->GetClassName());
+    output->GetPointData()->AddArray(density);
+  }
+  lamella::setFieldNumbers(output, "mean_stress", pd::meanStress(bonds, stress, scene.model().continuum));
+  const nlohmann::json model = lamella::toJson(settings);
+  lamella::setFieldText(output, lamella::bondModelName, model.dump());
+  lamella::continueProvenance(output, "bond_stress", { { "model", model }, { "displacement", name } });
+}
+
+void vtkBondStress::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "ModelFromInput: " << this->ModelFromInput << "\n"
+     << indent << "ComputeStrainEnergy: " << this->ComputeStrainEnergy << "\n";
+}
