@@ -67,10 +67,10 @@ struct SnapshotOptions
 };
 
 const std::vector<std::string> presets{ "auto", "phase", "temperature", "concentration", "flux", "grain", "pores",
-  "scalar" };
+  "stress", "scalar" };
 const std::vector<std::string> overlays{ "auto", "none", "lines", "arrows", "isolines" };
 const std::vector<std::string> components{ "magnitude", "x", "y", "z" };
-const std::vector<std::string> colorMaps{ "viridis", "inferno", "magma", "cividis", "gray", "coolwarm" };
+const std::vector<std::string> colorMaps{ "viridis", "inferno", "magma", "cividis", "gray", "coolwarm", "blue-red" };
 
 /// "#RRGGBB" or one of a few names. @throws ParameterError
 std::array<double, 3> parseColor(const std::string& option, const std::string& text)
@@ -328,8 +328,8 @@ Command snapshotCommand(CLI::App& root)
   addRawOptions(*app, o->picture);
   const auto in = [](const char* group) { return [group](CLI::Option* option) { return option->group(group); }; };
   const auto draw = in("Drawing");
-  draw(app->add_option(
-         "--preset", o->preset, "Kind of field: auto, phase, temperature, concentration, flux, grain, pores or scalar"))
+  draw(app->add_option("--preset", o->preset,
+         "Kind of field: auto, phase, temperature, concentration, flux, grain, pores, stress or scalar"))
     ->type_name("KIND")
     ->capture_default_str();
   draw(app->add_option("--array", o->array, "Array to draw, when it is not the preset's own"))->type_name("NAME");
@@ -338,7 +338,7 @@ Command snapshotCommand(CLI::App& root)
     ->capture_default_str();
   draw(app->add_option("--range", o->range, "Values at the ends of the colours; fix it for a series"))
     ->type_name("MIN,MAX");
-  draw(app->add_option("--color-map", o->colorMap, "viridis, inferno, magma, cividis, gray or coolwarm"))
+  draw(app->add_option("--color-map", o->colorMap, "viridis, inferno, magma, cividis, gray, coolwarm or blue-red"))
     ->type_name("NAME");
   draw(app->add_option("--phase-color", o->phaseColor, "Colour of a phase, as wall=#8c5a2b"))
     ->type_name("NAME=COLOUR")
@@ -353,7 +353,7 @@ Command snapshotCommand(CLI::App& root)
   draw(app->add_option(
          "--lines", o->lines, "Draw this file: streamlines of flux-map, or on grains the contacts of packing"))
     ->type_name("FILE.vtp");
-  draw(app->add_flag("--absolute-flux", o->absoluteFlux, "The flux itself, not over its mean"));
+  draw(app->add_flag("--absolute-flux", o->absoluteFlux, "The flux or stress itself, not over its mean"));
   draw(app->add_flag("--no-outline", o->noOutline, "Leave out the thin line between void and solid"));
   const auto page = in("Page");
   page(app->add_option("--size", o->size, "Of the whole picture in pixels; follows from the data when not given"))

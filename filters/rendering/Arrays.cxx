@@ -60,7 +60,8 @@ std::string DefaultArray(vtkDataSet* data, int preset)
     const std::string found = FindDirection(data, name);
     return found.empty() ? name : found;
   }
-  for (const char* name : { "flux", "temperature", "concentration", "pore_size", "phase", "grain" })
+  for (const char* name :
+    { "stress", "flux", "temperature", "concentration", "displacement", "pore_size", "phase", "grain" })
   {
     const std::string found = FindDirection(data, name);
     if (!found.empty())
@@ -85,8 +86,8 @@ std::string DefaultArray(vtkDataSet* data, int preset)
 int PresetOfName(const std::string& name)
 {
   const std::string base = name.substr(0, name.size() - DirectionOf(name).size());
-  for (const int preset :
-    { vtkSnapshot::PHASE, vtkSnapshot::TEMPERATURE, vtkSnapshot::CONCENTRATION, vtkSnapshot::FLUX, vtkSnapshot::GRAIN })
+  for (const int preset : { vtkSnapshot::PHASE, vtkSnapshot::TEMPERATURE, vtkSnapshot::CONCENTRATION, vtkSnapshot::FLUX,
+         vtkSnapshot::GRAIN, vtkSnapshot::STRESS })
   {
     if (base == vtkSnapshot::GetPresetName(preset))
     {

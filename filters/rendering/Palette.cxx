@@ -31,8 +31,11 @@ constexpr std::uint32_t Cividis[] = { 0x00224e, 0x00285b, 0x002e6a, 0x053371, 0x
 constexpr std::uint32_t Gray[] = { 0x000000, 0xffffff };
 constexpr std::uint32_t CoolWarm[] = { 0x3b4cc0, 0x4e68d8, 0x6282ea, 0x779af7, 0x8db0fe, 0xa3c2fe, 0xb9d0f9, 0xccd9ed,
   0xdddcdc, 0xecd3c5, 0xf5c4ac, 0xf7b093, 0xf4987a, 0xeb7d62, 0xdd5f4b, 0xca3b37, 0xb40426 };
+// ColorBrewer's RdYlBu from its blue end, which colour-blind readers can tell apart.
+constexpr std::uint32_t BlueRed[] = { 0x313695, 0x4575b4, 0x74add1, 0xabd9e9, 0xe0f3f8, 0xffffbf, 0xfee090, 0xfdae61,
+  0xf46d43, 0xd73027, 0xa50026 };
 
-constexpr std::string_view MapNames[] = { "viridis", "inferno", "magma", "cividis", "gray", "coolwarm" };
+constexpr std::string_view MapNames[] = { "viridis", "inferno", "magma", "cividis", "gray", "coolwarm", "blue-red" };
 
 // Paul Tol's "bright" and "muted" sets, in an order in which the first few go well with the near-white of a void.
 constexpr std::uint32_t Qualitative[] = { 0x4477aa, 0x44aa99, 0xcc6677, 0x88ccee, 0x999933, 0xaa4499, 0x117733,
@@ -83,7 +86,7 @@ std::span<const std::string_view> ColorMap::Names()
 const ColorMap* ColorMap::Find(std::string_view name)
 {
   static const ColorMap maps[] = { ColorMap(Viridis), ColorMap(Inferno), ColorMap(Magma), ColorMap(Cividis),
-    ColorMap(Gray), ColorMap(CoolWarm) };
+    ColorMap(Gray), ColorMap(CoolWarm), ColorMap(BlueRed) };
   const auto* found = std::find(std::begin(MapNames), std::end(MapNames), name);
   return found == std::end(MapNames) ? nullptr : &maps[found - std::begin(MapNames)];
 }

@@ -222,6 +222,44 @@ void HideNonConducting(Quantity& quantity, vtkDataSet* data)
   }
 }
 
+/// The component of a stress along the load that the field data tell, by VTK's order xx, yy, zz, xy, yz, xz; without
+/// one along the last axis.
+int ComponentAlongLoad(vtkDataSet* data, vtkDataArray* array, bool flat)
+{
+  const auto text = [data](const char* name)
+  {
+    auto* const field = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray(name));
+    return field && field->GetNumberOfValues() > 0 ? std::string(field->GetValue(0)) : std::string();
+  };
+  if (array->GetNumberOfComponents() != 6)
+  {
+    return -1;
+  }
+  const std::string named = text("load_axis");
+  const int axis = named.size() == 1 && named[0] >= 'x' && named[0] <= 'z' ? named[0] - 'x' : flat ? 1 : 2;
+  if (text("load") != "shear")
+  {
+    return axis;
+  }
+  return flat ? 3 : 3 + axis; // x moves along y, y along z, z along x
+}
+
+/// What a stress is shown relative to: that on the platen, or else the mean of the component where there is any.
+double MeanStress(vtkDataSet* data, const std::vector<float>& values)
+{
+  auto* const known = vtkDataArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("effective_stress"));
+  if (known && known->GetNumberOfValues() > 0 && std::isfinite(known->GetComponent(0, 0)))
+  {
+    return known->GetComponent(0, 0);
+  }
+  double sum = 0;
+  for (const float value : values)
+  {
+    sum += std::isfinite(value) ? value : 0;
+  }
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
 double Quantile(std::vector<float> values, double share)
 {
   const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
@@ -286,7 +324,8 @@ void FindRange(Quantity& quantity, const SnapshotOptions& options)
     quantity.low = smallest - std::floor(smallest) < 0.35 ? std::floor(smallest) : smallest;
     quantity.high = std::ceil(largest) - largest < 0.15 ? std::ceil(largest) : largest;
   }
-  else if (quantity.preset == vtkSnapshot::FLUX && options.component < 0)
+  else if ((quantity.preset == vtkSnapshot::FLUX && options.component < 0) ||
+    (quantity.preset == vtkSnapshot::STRESS && Quantile(finite, 0.995) > 0))
   {
     const double most995 = Quantile(finite, 0.995);
     quantity.low = 0;
@@ -345,6 +384,7 @@ void ChooseMap(Quantity& quantity, const SnapshotOptions& options)
     name = bothSides                                ? "coolwarm"
       : quantity.preset == vtkSnapshot::TEMPERATURE ? "inferno"
       : quantity.preset == vtkSnapshot::FLUX        ? "inferno"
+      : quantity.preset == vtkSnapshot::STRESS      ? "blue-red"
                                                     : "viridis";
   }
   quantity.map = ColorMap::Find(name);
@@ -375,6 +415,19 @@ void NameQuantity(Quantity& quantity, double mean, const SnapshotOptions& option
   {
     quantity.title = "Flux / mean flux";
     quantity.unit.clear();
+  }
+  else if (quantity.preset == vtkSnapshot::STRESS && array->GetNumberOfComponents() == 6)
+  {
+    static const char* const components[] = { "xx", "yy", "zz", "xy", "yz", "xz" };
+    quantity.title = std::string("Stress ") + components[std::clamp(options.component, 0, 5)];
+    if (mean != 0)
+    {
+      quantity.title += " / mean stress";
+      quantity.unit.clear();
+    }
+    quantity.title = options.legendTitle.empty() ? quantity.title : options.legendTitle;
+    quantity.unit = options.unit.empty() ? quantity.unit : options.unit;
+    return;
   }
   else if ((quantity.preset == vtkSnapshot::TEMPERATURE || quantity.preset == vtkSnapshot::CONCENTRATION) &&
     quantity.unit.empty() && quantity.low == 0 && quantity.high == 1)
@@ -430,8 +483,9 @@ Color Quantity::ColorOf(std::size_t index) const
   return this->Table[static_cast<std::size_t>(std::lround(t * steps))];
 }
 
-Quantity FindQuantity(vtkDataSet* data, const std::array<int, 3>& size, const SnapshotOptions& options)
+Quantity FindQuantity(vtkDataSet* data, const std::array<int, 3>& size, const SnapshotOptions& given)
 {
+  SnapshotOptions options = given;
   Quantity quantity;
   const std::string name = options.arrayName.empty() ? DefaultArray(data, options.preset) : options.arrayName;
   quantity.array = GetArray(data, name, size[0] == 0, quantity.onCells);
@@ -451,8 +505,22 @@ Quantity FindQuantity(vtkDataSet* data, const std::array<int, 3>& size, const Sn
     ReadIds(quantity, data, size, options);
     return quantity;
   }
+  if (quantity.preset == vtkSnapshot::STRESS && options.component < 0)
+  {
+    options.component = ComponentAlongLoad(data, quantity.array, size[2] == 1);
+  }
   quantity.values = ReadValues(quantity.array, options.component);
   double mean = 0;
+  if (quantity.preset == vtkSnapshot::STRESS)
+  {
+    const std::vector<bool> solid = quantity.onCells ? std::vector<bool>{} : FindSolid(data);
+    mean = options.relativeFlux ? MeanStress(data, quantity.values) : 0;
+    for (std::size_t i = 0; i < quantity.values.size(); ++i)
+    {
+      const float value = mean != 0 ? static_cast<float>(quantity.values[i] / mean) : quantity.values[i];
+      quantity.values[i] = solid.empty() || solid[i] ? value : std::numeric_limits<float>::quiet_NaN();
+    }
+  }
   if (quantity.preset == vtkSnapshot::FLUX)
   {
     HideNonConducting(quantity, data);
@@ -510,9 +578,10 @@ Furniture Describe(const Quantity& quantity, const SnapshotOptions& options)
   {
     const bool transport = quantity.preset == vtkSnapshot::TEMPERATURE ||
       quantity.preset == vtkSnapshot::CONCENTRATION || quantity.preset == vtkSnapshot::FLUX;
-    furniture.legend.push_back({ transport      ? "does not conduct"
-        : quantity.preset == vtkSnapshot::PORES ? "no pore"
-                                                : "not defined",
+    furniture.legend.push_back({ transport       ? "does not conduct"
+        : quantity.preset == vtkSnapshot::PORES  ? "no pore"
+        : quantity.preset == vtkSnapshot::STRESS ? "void"
+                                                 : "not defined",
       Undefined });
   }
   return furniture;

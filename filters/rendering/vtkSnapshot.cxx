@@ -32,7 +32,7 @@ namespace
 {
 
 constexpr const char* PresetNames[] = { "auto", "phase", "temperature", "concentration", "flux", "grain", "pores",
-  "scalar" };
+  "stress", "scalar" };
 constexpr const char* OverlayNames[] = { "auto", "none", "lines", "arrows", "isolines" };
 constexpr int SmallestSide = 64;
 constexpr int LargestSide = 16384;

@@ -27,8 +27,9 @@ class vtkPolyData;
  * | `concentration` | `concentration` | viridis, the same | | `flux`          | `flux`          | magnitude over the
  * mean flux, with lines that carry equal shares of the flow   | | `grain`         | `grain`         | one colour a
  * grain, neighbours apart                                           | | `pores`         | `pore_size`     | viridis on
- * a logarithmic scale; what is no pore is grey                        | | `scalar`        | any             | viridis;
- * coolwarm where values lie on both sides of zero                       | | `auto`          | any             | by the
+ * a logarithmic scale; what is no pore is grey                        | | `stress`        | `stress`        | the
+ * component along the load over the stress on the platen, blue 0 to red; voids grey | | `scalar`        | any |
+ * viridis; coolwarm where values lie on both sides of zero                       | | `auto`          | any | by the
  * array's name                                                            |
  *
  * Where several directions were solved, the arrays' names end in _x, _y, _z: a preset draws the first there is, and
@@ -70,6 +71,7 @@ public:
     FLUX,
     GRAIN,
     PORES,
+    STRESS,
     SCALAR
   };
   ///@{
@@ -85,8 +87,8 @@ public:
 
   ///@{
   /**
-   * Array to draw. Default: the preset's own; with AUTO the first there is of flux, temperature, concentration,
-   * pore_size, phase, grain, else the first array.
+   * Array to draw. Default: the preset's own; with AUTO the first there is of stress, flux, temperature,
+   * concentration, displacement, pore_size, phase, grain, else the first array.
    */
   void SetArrayName(const char* name);
   const char* GetArrayName();
@@ -94,7 +96,8 @@ public:
 
   ///@{
   /**
-   * Component of an array that has several: 0, 1, 2 ...; −1 (default): the magnitude.
+   * Component of an array that has several: 0, 1, 2 ...; −1 (default): the magnitude; of a stress the component
+   * along the load.
    */
   vtkSetClampMacro(Component, int, -1, 1000);
   vtkGetMacro(Component, int);
@@ -112,7 +115,7 @@ public:
 
   ///@{
   /**
-   * Colour map: viridis, inferno, magma, cividis, gray or coolwarm. Default (empty): the preset's.
+   * Colour map: viridis, inferno, magma, cividis, gray, coolwarm or blue-red. Default (empty): the preset's.
    */
   void SetColorMap(const char* name);
   const char* GetColorMap();
@@ -128,7 +131,7 @@ public:
 
   ///@{
   /**
-   * Flux over its mean in the box, which has no unit (default), or the flux itself.
+   * Flux over its mean in the box and stress over that on the platen, which have no unit (default), or as they are.
    */
   vtkSetMacro(RelativeFlux, bool);
   vtkGetMacro(RelativeFlux, bool);

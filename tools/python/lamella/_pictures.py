@@ -30,11 +30,11 @@ def snapshot(
 ):
     """Draws a Sample, a result or a VTK data object into a PNG.
 
-    preset       "auto", "phase", "temperature", "concentration", "flux", "grain" or "scalar"
+    preset       "auto", "phase", "temperature", "concentration", "flux", "grain", "pores", "stress" or "scalar"
     array        the array to draw; None: the preset's own
     size         (width, height) in pixels; None: follows from the data
     value_range  values at the ends of the colour map
-    color_map    viridis, inferno, magma, cividis, gray or coolwarm; None: the preset's
+    color_map    viridis, inferno, magma, cividis, gray, coolwarm or blue-red; None: the preset's
     overlay      "auto", "none", "lines", "arrows" or "isolines"
     overlay_array  the vectors that lines and arrows follow; None: the array drawn, or "flux"
     lines        streamlines (vtkPolyData) to draw instead of those that it finds
@@ -46,7 +46,7 @@ def snapshot(
     drawing.AddObserver("ErrorEvent", lambda *_: errors.append(True))
     drawing.SetInputData(data.vtk if isinstance(data, ImageBase) else data if hasattr(data, "IsA") else as_image(data))
     if not drawing.SetPresetByName(preset):
-        raise ValueError(f"preset is {preset!r}; it can be auto, phase, temperature, concentration, flux, grain, scalar")
+        raise ValueError(f"preset is {preset!r}; it can be auto, phase, temperature, concentration, flux, grain, pores, stress, scalar")
     if not drawing.SetOverlayByName(overlay):
         raise ValueError(f"overlay is {overlay!r}; it can be auto, none, lines, arrows, isolines")
     if array is not None:
