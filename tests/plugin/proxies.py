@@ -21,7 +21,7 @@ class Proxies(unittest.TestCase):
 
     def test_every_property_says_what_it_is(self):
         for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap, pv.PoreFloodFill,
-                       pv.GrainPacking, pv.PackingReader, pv.MatrixBridges):
+                       pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondStress):
             proxy = create()
             properties = proxy.SMProxy
             self.assertTrue(properties.GetDocumentation().GetDescription().strip())
@@ -42,6 +42,12 @@ class Proxies(unittest.TestCase):
             (pv.GrainPacking, ("Dimension", "Count", "MeanDiameter", "DiameterRatio", "Sizes", "Aspect", "Periodic",
                                "Friction", "Pressure", "Softness", "PackingFraction", "Seed", "Tolerance")),
             (pv.PackingReader, ("LengthUnit", "BoxSize")),
+            (pv.BondEquilibrium, ("RelativeTo", "Mixing", "Horizon", "Continuum", "Micromodulus", "CutVoidBonds",
+                                  "SurfaceCorrection", "LargeStrains", "Periodic", "Threads", "Load", "LoadAxis",
+                                  "Strain", "LateralStrain", "Traction", "SmoothPlatens", "PlatenLayers",
+                                  "ComputeStress", "ComputeStrainEnergy", "Solver", "Tolerance",
+                                  "MaximumIterations")),
+            (pv.BondStress, ("ModelFromInput", "ComputeStrainEnergy", "Horizon", "Mixing")),
             (pv.MatrixBridges, ("Width", "Reach", "Filled", "Saturation", "NodesAcross", "Platen")),
         ):
             proxy = create()
@@ -122,6 +128,42 @@ class Proxies(unittest.TestCase):
             file.write("x,z,r\n1,1,1\n3,1,1\n")
         table = pv.PackingReader(FileName="grains.csv", LengthUnit=1e-3)
         self.assertEqual(field(table, "box"), [0.004, 0.002, 0])
+
+    def test_bonds(self):
+        grains = pv.GrainPacking(Count=60, Softness=1e-4, Seed=4)
+        cemented = pv.MatrixBridges(Input=grains, Saturation=0.4, NodesAcross=50)
+        loaded = pv.BondEquilibrium(Input=cemented)  # Young's moduli of grains and matrix
+        loaded.UpdatePipeline()
+        sample = lamella.bridges(lamella.packing(count=60, softness=1e-4, seed=4), saturation=0.4, nodes_across=50)
+        expected = lamella.equilibrium(sample, {"matrix": 1e9, "grain": 4e9, "matrix-grain": 1e9})
+        modulus = expected.effective_modulus
+        self.assertAlmostEqual(field(loaded, "effective_modulus")[0] / modulus, 1, places=9)
+        loaded.SMProxy.UpdatePropertyInformation()
+        self.assertAlmostEqual(loaded.GetPropertyValue("EffectiveModulus") / modulus, 1, places=9)
+        self.assertEqual(sorted(loaded.PointData.keys()), ["displacement", "grain", "phase"])
+        stress = pv.BondStress(Input=loaded)
+        stress.UpdatePipeline()
+        self.assertEqual(stress.PointData["stress"].GetNumberOfComponents(), 6)
+        own = pv.BondEquilibrium(
+            Input=cemented,
+            YoungsModuli=["matrix", "1e9", "grain", "4"],
+            CriticalStretches=["matrix", "1e-3", "grain", "1", "grain-grain", "0.5"],
+            Likes=["matrix-grain", "matrix", "grain-grain", "matrix"],
+            RelativeTo="matrix",
+            Load="Shear",
+            LoadAxis="x",
+            Strain=1e-4,
+            ComputeStress=1,
+            Notches=[0, 0.002, 0.001, 0.002],
+        )
+        own.UpdatePipeline()
+        expected = lamella.equilibrium(
+            sample, {"matrix": 1e9, "grain": 4e9}, critical_stretch={"matrix": 1e-3, "grain": 1e-3, "grain-grain": 5e-4},
+            like={"matrix-grain": "matrix", "grain-grain": "matrix"}, load="shear", axis="x", strain=1e-4,
+            notches=[((0, 0.002), (0.001, 0.002))])
+        for name in ("effective_modulus", "first_break_strain"):
+            self.assertAlmostEqual(field(own, name)[0] / getattr(expected, name), 1, places=9)
+        self.assertEqual(own.PointData["stress"].GetNumberOfComponents(), 6)
 
     def test_reader(self):
         path = lamella.softwood(size=(30, 20)).save("reader.vti", overwrite=True)
