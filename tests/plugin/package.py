@@ -267,5 +267,49 @@ class Diffusion(unittest.TestCase):
             self.assertGreater(os.path.getsize(path), 1000)
 
 
+class Bonds(unittest.TestCase):
+    def test_a_bar(self):
+        bar = lamella.from_array(np.ones((60, 30), int), ["void", "stone"], spacing=1e-3)
+        result = lamella.equilibrium(bar, {"stone": 2e9}, fracture_energy={"stone": 10}, stress=True, strain_energy=True)
+        self.assertEqual(result.displacement.shape, (60, 30, 2))
+        self.assertEqual(result.stress.shape, (60, 30, 6))
+        # the top row is the platen that moves
+        np.testing.assert_allclose(result.displacement[0, :, 1], 1e-3 * 55e-3)
+        self.assertEqual(np.abs(result.displacement[-3:]).max(), 0)
+        # 1.064 is the lattice at a horizon of 3; grips and soft sides change it by some per cent
+        self.assertAlmostEqual(result.effective_modulus / 2e9, 1.064, delta=0.05)
+        self.assertAlmostEqual(result.reactions.sum(), 0, delta=1e-4 * result.reactions[0, 1])
+        middle = result.stress_component("yy")[30].mean()
+        self.assertAlmostEqual(middle / result.effective_stress, 1, places=3)
+        self.assertAlmostEqual(result.strain_energy.sum() * 1e-6 / result.elastic_energy, 1, places=9)
+        self.assertAlmostEqual(result.mean_stress[1, 1] / result.stress_component("yy").mean(), 1, places=9)
+        self.assertEqual(result.pairs["stone"]["young"], 2e9)
+        self.assertAlmostEqual(result.pairs["stone"]["fracture_energy"], 10)
+        self.assertEqual((result.platens, result.axis), (((0, 2), (57, 59)), "y"))
+        self.assertEqual(result.first_break_phases, ("stone", "stone"))
+        self.assertEqual(result.warnings, [])
+        np.testing.assert_array_equal(lamella.bond_stress(result).stress, result.stress)
+        half = lamella.bond_stress(result, {"stone": 1e9})
+        np.testing.assert_allclose(half.stress, result.stress / 2)
+        self.assertEqual(result.provenance["parameters"]["equilibrium"]["model"]["young"], {"stone": 2e9})
+
+    def test_arrays_and_pairs(self):
+        picture = np.ones((40, 40), int)
+        picture[:, :20] = 2
+        picture[15:20, 15:20] = 0  # a void, by its number
+        both = lamella.equilibrium(picture, {1: 1, 2: 3, (1, 2): 2})
+        self.assertEqual(both.effective_modulus, lamella.equilibrium(picture, {1: 1, 2: 3, "2-1": 2}).effective_modulus)
+        mixed = lamella.equilibrium(picture, {1: 1, 2: 3}, mixing="harmonic")
+        self.assertEqual(mixed.pairs["1-2"]["young"], 1.5)
+        with self.assertRaisesRegex(lamella.LamellaError, "no material is given for bonds of 1 and 2"):
+            lamella.equilibrium(picture, {1: 1, 2: 3})
+        with self.assertRaisesRegex(ValueError, "load is 'twist'; it can be 'stretch'"):
+            lamella.equilibrium(picture, {1: 1}, load="twist")
+        with self.assertRaisesRegex(TypeError, "horizn"):
+            lamella.equilibrium(picture, {1: 1}, horizn=3)
+        with self.assertRaises(lamella.Cancelled):
+            lamella.equilibrium(picture, {1: 1, 2: 3}, mixing="minimum", progress=lambda share, text: False)
+
+
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0]], verbosity=2)

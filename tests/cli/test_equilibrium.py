@@ -1,0 +1,165 @@
+"""lamella equilibrium: numbers, fields, several ranks, grains and windows of a .vti; what is refused."""
+
+import unittest
+
+import pictures
+from program import Case
+
+BAR = ["equilibrium", "bar.png", "--phase", "255=stone"]
+CEMENTED = ["equilibrium", "grains.vti", "--young", "matrix=1e9", "--young", "grain=4e9", "--like", "matrix-grain=matrix"]
+
+
+class Equilibrium(Case):
+    def setUp(self):
+        super().setUp()
+        self.write("bar.png", pictures.png([[255] * 30 for _ in range(60)], pixels_per_metre=100000))
+
+    def grains(self):
+        self.works("packing", "--count", "40", "--seed", "2", "-o", "p.vtp")
+        self.works("bridges", "p.vtp", "--filled", "--nodes", "64", "-o", "grains.vti")
+
+    def test_numbers(self):
+        found = self.works(*BAR, "--young", "stone=2e9", "--fracture-energy", "stone=10", "--json").json()
+        # 1.064 is the lattice at a horizon of 3; grips and soft sides change it by some per cent
+        self.assertAlmostEqual(found["effective_modulus"] / 2e9, 1.064, delta=0.05)
+        self.assertEqual((found["load"], found["axis"], found["strain"]), ("stretch", "y", 1e-3))
+        self.assertAlmostEqual(found["effective_stress"] / found["effective_modulus"], 1e-3)
+        self.assertAlmostEqual(found["reactions"]["low"][1] / found["reactions"]["high"][1], -1, places=4)
+        self.assertAlmostEqual(found["gauge_length"] * 1e3, 0.55)
+        self.assertAlmostEqual(found["section_area"] * 1e3, 0.3)
+        self.assertAlmostEqual(found["pairs"]["stone"]["fracture_energy"], 10)
+        first = found["first_break"]
+        self.assertEqual(first["phases"], ["stone", "stone"])
+        self.assertAlmostEqual(first["stress"] / first["strain"] / found["effective_modulus"], 1)
+        self.assertEqual((found["nodes"], found["solid_nodes"], found["loose_pieces"]), (1800, 1800, 0))
+        self.assertEqual(found["warnings"], [])
+        self.assertEqual(found["thickness"], {})
+        exact = self.works(*BAR, "--young", "stone=2e9", "--micromodulus", "lattice", "--json").json()
+        self.assertAlmostEqual(found["effective_modulus"] / exact["effective_modulus"], 1.0644, places=3)
+        self.assertIsNone(exact["first_break"])
+        fine = self.works(*BAR, "--young", "stone=2e9", "--refine", "2", "--solver", "jacobi", "--json").json()
+        self.assertEqual((fine["size"], fine["refine"], fine["pixel_size"]), ([60, 120], 2, 1e-5))
+
+    def test_table(self):
+        text = self.works(*BAR, "--young", "stone=2e9", "--critical-stretch", "stone=1e-3").out
+        for words in ("effective modulus", "first bond breaks at", "between stone and stone", "stretch along y",
+                      "carry 23 900 bonds", "0.00055 m between the platens"):
+            self.assertIn(words, text)
+        text = self.works(*BAR, "--young", "stone=2e9", "--load", "shear").out
+        self.assertIn("effective shear modulus", text)
+        self.assertNotIn("first bond", text)
+
+    def test_loads(self):
+        bar = [*BAR, "--young", "stone=1e9", "--json"]
+        up = self.works(*bar).json()["effective_modulus"]
+        across = self.works(*bar, "--axis", "x").json()
+        self.assertEqual(across["axis"], "x")
+        self.assertGreater(across["effective_modulus"], up)  # shorter between its grips
+        self.assertAlmostEqual(self.works(*bar, "--strain=-0.01").json()["effective_modulus"] / up, 1, places=5)
+        pulled = self.works(*bar, "--load", "traction", "--traction", "1e6").json()
+        self.assertAlmostEqual(pulled["effective_stress"] / 1e6, 1, places=5)
+        self.assertAlmostEqual(pulled["effective_modulus"] / up, 1, delta=0.1)
+        squeezed = self.works(*bar, "--load", "biaxial", "--lateral-strain=1e-3").json()
+        self.assertAlmostEqual(squeezed["mean_stress"]["xx"] / squeezed["mean_stress"]["yy"], 1, delta=0.1)
+        notched = self.works(*bar, "--notch", "0,305um,155um,305um").json()
+        self.assertLess(notched["effective_modulus"], 0.9 * up)
+        large = self.works(*bar, "--large-strains", "--strain", "0.05").json()
+        self.assertGreater(large["newton_steps"], 1)
+        self.assertNotEqual(large["effective_modulus"], up)
+
+    def test_fields_grains_and_window(self):
+        self.grains()
+        own = [*CEMENTED, "--like", "grain-grain=matrix"]
+        text = self.run_lamella(*own, "--stress", "--strain-energy", "-o", "s.vti")
+        self.assertEqual(text.code, 0, text.err)
+        self.assertIn("wrote s.vti", text.out)
+        arrays = [array["name"] for array in self.info("s.vti")["point_arrays"]]
+        self.assertEqual(arrays, ["phase", "grain", "displacement", "stress", "strain_energy"])
+        self.works("snapshot", "s.vti", "--preset", "stress", "-o", "s.png")
+        self.fails(7, "'s.vti' exists already", "--overwrite", *own, "-o", "s.vti")
+        # weak contacts matter
+        strong = self.run_lamella(*CEMENTED, "--json").json()["effective_modulus"]
+        weak = self.run_lamella(*own, "--json").json()["effective_modulus"]
+        self.assertLess(weak, 0.97 * strong)
+        # a result is a sample, and a window takes its grains along
+        window = ["--window", "5,10,40,50", "--json"]
+        first = self.run_lamella(*own, *window).json()
+        again = self.run_lamella(*own[:1], "s.vti", *own[2:], *window).json()
+        self.assertEqual(first["effective_modulus"], again["effective_modulus"])
+        self.assertEqual(first["size"], [40, 50])
+        fine = self.run_lamella(*own, *window, "--refine", "2", "--relative-to", "matrix", "--young", "grain=4").json()
+        self.assertEqual(fine["size"], [80, 100])
+
+    def test_ranks_change_nothing(self):
+        self.grains()
+        words = [*CEMENTED, "--like", "grain-grain=matrix", "--tolerance", "1e-10", "--json"]
+        one = self.run_lamella(*words).json()
+        two = self.run_lamella(*words, ranks=2).json()
+        many = self.run_lamella(*words, "--threads", "2").json()
+        self.assertEqual(two["ranks"], 2)
+        for other in (two, many):
+            self.assertAlmostEqual(other["effective_modulus"] / one["effective_modulus"], 1, places=8)
+            self.assertAlmostEqual(other["elastic_energy"] / one["elastic_energy"], 1, places=9)
+            self.assertEqual(other["bonds"], one["bonds"])
+            self.assertEqual(other["warnings"], one["warnings"])
+
+    def test_warnings(self):
+        result = self.run_lamella(*BAR, "--young", "stone=1", "--horizon", "2", "--json")
+        self.assertEqual(result.code, 0)
+        self.assertIn("warning: a horizon of 2 spacings is below 3", result.err)
+        self.assertIn("0.60 of that along them", result.err)
+        self.assertEqual(len(result.json()["warnings"]), 1)
+        rows = [[255] * 30 for _ in range(60)]
+        for y in range(20, 40):
+            for x in range(10, 22):
+                rows[y][x] = 0 if x in (10, 11, 12, 13, 18, 19, 20, 21) or y < 24 or y > 35 else 255
+        self.write("loose.png", pictures.png(rows))
+        result = self.run_lamella("equilibrium", "loose.png", "--phase", "0=void", "--phase", "255=stone", "--young",
+                                  "stone=1", "--json")
+        self.assertIn("1 loose pieces with 48 nodes", result.err)
+        self.assertEqual(result.json()["loose_nodes"], 48)
+
+    def test_what_cannot_be_done(self):
+        bar = [*BAR, "--young", "stone=1e9"]
+        self.fails(2, "--young is missing", "", *BAR)
+        self.fails(2, "--young names 'ston'", "did you mean 'stone'?", *BAR, "--young", "ston=1")
+        self.fails(2, "--like names 'stone-wood'", "its phases are 'stone'", *bar, "--like", "stone-wood=stone")
+        self.fails(2, "--young stone=-1: '-1' is not a positive number", "SI units", *BAR, "--young", "stone=-1")
+        self.fails(2, "--critical-stretch stone=0", "positive", *bar, "--critical-stretch", "stone=0")
+        self.fails(2, "--toughness stone=nan", "positive", *bar, "--toughness", "stone=nan")
+        self.fails(2, "more than one of fracture energy, toughness and critical stretch", "give one", *bar, "--toughness",
+                   "stone=1", "--critical-stretch", "stone=1")
+        self.fails(2, "--horizon 0.5 is outside 1 to 8", "3 is usual", *bar, "--horizon", "0.5")
+        self.fails(2, "a horizon of 8 spacings does not fit into 8 nodes along y", "smaller horizon", *bar, "--window",
+                   "0,0,30,8", "--horizon", "8")
+        self.fails(2, "notch 1 from (1, 1, 0) m lies outside the sample", "", *bar, "--notch", "1,1,2,2")
+        self.fails(2, "--notch '1,2' has 2 numbers", "X1,Y1,X2,Y2", *bar, "--notch", "1,2")
+        self.fails(2, "--strain 0.0 loads nothing", "tension is positive", *bar, "--strain", "0")
+        self.fails(2, "--traction is for --load traction", "", *bar, "--traction", "1")
+        self.fails(2, "--load traction without a --traction", "", *bar, "--load", "traction")
+        self.fails(2, "--load 'sheer'", "did you mean 'shear'?", *bar, "--load", "sheer")
+        self.fails(2, "--stress without a file", "-o FILE.vti", *bar, "--stress")
+        self.fails(2, "-o 'a.png': the fields are written as .vti", "", *bar, "-o", "a.png")
+        self.fails(2, "--continuum", "", *bar, "--continuum", "space")
+        self.fails(3, "has no point array 'grain'", "", *bar, "--young", "stone-stone=1")
+        half = [[0] * 20 if 20 <= y < 30 else [255] * 20 for y in range(50)]
+        self.write("apart.png", pictures.png(half))
+        apart = ["equilibrium", "apart.png", "--phase", "0=void", "--phase", "255=stone", "--young", "stone=1"]
+        self.fails(4, "no piece of the sample reaches from one platen to the other along y: it is in 2 pieces",
+                   "longer horizon", *apart)
+        self.fails(2, "--toughness needs the size of a pixel", "--pixel-size", *apart, "--toughness", "stone=1")
+        self.write("two.png", pictures.png(pictures.stripes(30, 40)))
+        two = ["equilibrium", "two.png", "--phase", "0=wall", "--phase", "255=lamella", "--young", "wall=1"]
+        self.fails(2, "phase 'lamella' has no Young's modulus", "the phases are wall, lamella", *two)
+        two += ["--young", "lamella=1"]
+        self.fails(2, "no material is given for bonds of wall and lamella", "a mixture", *two)
+        self.works(*two, "--mixing", "harmonic")
+        self.fails(6, "dynamic relaxation: the residual force is", "multigrid", *bar, "--solver", "dynamic-relaxation",
+                   "--max-iterations", "5")
+        result = self.run_lamella(*two, ranks=2)
+        self.assertEqual(result.code, 2)
+        self.assertEqual(result.err.count("error: "), 1, result.err)
+
+
+if __name__ == "__main__":
+    unittest.main()
