@@ -162,12 +162,13 @@ std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult&
   std::vector<std::string> warnings;
   if (const std::string text = horizonWarning(model); !text.empty())
     warnings.push_back(text);
-  // thinner than the horizon in a good part: a disk has such nodes at its four tips only
+  // thinner than the horizon in a good part: a disk has such nodes at its four tips only. Where bonds between grains
+  // have a material of their own, those that jump over a layer have it too.
   for (const PhaseThickness& t : r.thickness)
-    if (t.thinShare > 0.25)
+    if (t.thinShare > 0.25 && !model.pairByGrain)
       warnings.push_back(
         fmt::format("{} is {:g} nodes thick (median; {:.0f} % of its nodes lie where it is thinner than the horizon of "
-                    "{:g}): bonds jump over it. Refine the picture, or give bonds between grains their own material",
+                    "{:g}): bonds jump over it. Refine the picture, or give bonds between grains a material of their own",
           pairName(model, t.phase, t.phase), t.median, 100 * t.thinShare, model.horizon));
   if (r.loosePieces > 0)
     warnings.push_back(fmt::format(

@@ -43,7 +43,7 @@ class Equilibrium(Case):
     def test_table(self):
         text = self.works(*BAR, "--young", "stone=2e9", "--critical-stretch", "stone=1e-3").out
         for words in ("effective modulus", "first bond breaks at", "between stone and stone", "stretch along y",
-                      "carry 23 900 bonds", "0.00055 m between the platens"):
+                      "carry 23 598 bonds", "0.00055 m between the platens"):
             self.assertIn(words, text)
         text = self.works(*BAR, "--young", "stone=2e9", "--load", "shear").out
         self.assertIn("effective shear modulus", text)
@@ -125,8 +125,8 @@ class Equilibrium(Case):
         self.fails(2, "--young names 'ston'", "did you mean 'stone'?", *BAR, "--young", "ston=1")
         self.fails(2, "--like names 'stone-wood'", "its phases are 'stone'", *bar, "--like", "stone-wood=stone")
         self.fails(2, "--young stone=-1: '-1' is not a positive number", "SI units", *BAR, "--young", "stone=-1")
-        self.fails(2, "--critical-stretch stone=0", "positive", *bar, "--critical-stretch", "stone=0")
-        self.fails(2, "--toughness stone=nan", "positive", *bar, "--toughness", "stone=nan")
+        self.fails(2, "--critical-stretch stone=0: '0' is not a positive number", "SI units", *bar, "--critical-stretch", "stone=0")
+        self.fails(2, "--toughness stone=nan: 'nan' is not", "SI units", *bar, "--toughness", "stone=nan")
         self.fails(2, "more than one of fracture energy, toughness and critical stretch", "give one", *bar, "--toughness",
                    "stone=1", "--critical-stretch", "stone=1")
         self.fails(2, "--horizon 0.5 is outside 1 to 8", "3 is usual", *bar, "--horizon", "0.5")
@@ -134,7 +134,7 @@ class Equilibrium(Case):
                    "0,0,30,8", "--horizon", "8")
         self.fails(2, "notch 1 from (1, 1, 0) m lies outside the sample", "", *bar, "--notch", "1,1,2,2")
         self.fails(2, "--notch '1,2' has 2 numbers", "X1,Y1,X2,Y2", *bar, "--notch", "1,2")
-        self.fails(2, "--strain 0.0 loads nothing", "tension is positive", *bar, "--strain", "0")
+        self.fails(2, "--strain 0 loads nothing", "tension is positive", *bar, "--strain", "0")
         self.fails(2, "--traction is for --load traction", "", *bar, "--traction", "1")
         self.fails(2, "--load traction without a --traction", "", *bar, "--load", "traction")
         self.fails(2, "--load 'sheer'", "did you mean 'shear'?", *bar, "--load", "sheer")
