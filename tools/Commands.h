@@ -35,6 +35,7 @@ struct Command
 [[nodiscard]] Command packingCommand(CLI::App& root);
 [[nodiscard]] Command bridgesCommand(CLI::App& root);
 [[nodiscard]] Command poreFloodFillCommand(CLI::App& root);
+[[nodiscard]] Command stressPdfCommand(CLI::App& root);
 [[nodiscard]] Command snapshotCommand(CLI::App& root);
 [[nodiscard]] Command infoCommand(CLI::App& root);
 

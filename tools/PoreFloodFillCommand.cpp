@@ -4,6 +4,7 @@
 #include "OutputFile.h"
 #include "PoreReport.h"
 #include "Record.h"
+#include "TableText.h"
 #include "Text.h"
 
 #include "io/Provenance.h"

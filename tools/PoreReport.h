@@ -8,7 +8,6 @@
 #include <vector>
 
 class vtkPoreFloodFill;
-class vtkTable;
 
 /// What `lamella pore-flood-fill` tells.
 namespace lamella::cli
@@ -29,12 +28,5 @@ struct PoreReport
 
 [[nodiscard]] std::string toJson(const PoreReport& report);
 [[nodiscard]] std::string toTable(const PoreReport& report);
-
-/// A table as comma-separated values: a row of names, then one row a row, numbers with all their digits.
-[[nodiscard]] std::string toCsv(vtkTable* table);
-
-/// Units and meaning of the columns.
-/// @param metres the pixel size is known; otherwise lengths are in pixels
-[[nodiscard]] Json unitsOf(vtkTable* table, bool metres);
 
 } // namespace lamella::cli

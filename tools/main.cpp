@@ -173,7 +173,7 @@ int run(Session& session, std::vector<std::string> words)
       "lamella snapshot heat_y.vti -o heat.png", "lamella info heat_y.vti" });
   const std::vector<Command> commands{ generateCommand(root), diffusionCommand(root), fluxMapCommand(root),
     packingCommand(root), bridgesCommand(root), equilibriumCommand(root), poreFloodFillCommand(root),
-    snapshotCommand(root), infoCommand(root) };
+    stressPdfCommand(root), snapshotCommand(root), infoCommand(root) };
   root.require_subcommand(0, 1);
 
   const std::string commandLine = io::quoteCommand(words);

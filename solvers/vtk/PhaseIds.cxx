@@ -8,6 +8,7 @@
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
 #include "vtkDataArrayRange.h"
+#include "vtkDataSet.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkPointData.h"
@@ -157,7 +158,7 @@ std::vector<std::int64_t> shared(const std::set<std::int64_t>& mine, const Team&
   return all;
 }
 
-std::vector<std::string> sharedNames(vtkImageData* piece, const Team& team)
+std::vector<std::string> sharedNames(vtkDataSet* piece, const Team& team)
 {
   const std::vector<std::string> mine = fieldTexts(piece, "phase_names");
   std::string text;
@@ -178,6 +179,12 @@ std::vector<std::string> sharedNames(vtkImageData* piece, const Team& team)
 
 PhaseIds phaseIds(vtkImageData* piece, vtkInformation* choice, const Team& team)
 {
+  return phaseIds(
+    piece, [&] { return chosenArray(piece, choice); }, team);
+}
+
+PhaseIds phaseIds(vtkDataSet* piece, const std::function<vtkDataArray*()>& find, const Team& team)
+{
   PhaseIds result;
   const bool empty = piece->GetNumberOfPoints() == 0;
   vtkDataArray* array = nullptr;
@@ -190,7 +197,7 @@ PhaseIds phaseIds(vtkImageData* piece, vtkInformation* choice, const Team& team)
       {
         return;
       }
-      array = chosenArray(piece, choice);
+      array = find();
       result.array = array->GetName() != nullptr ? array->GetName() : "";
       if (array->GetNumberOfComponents() != 1)
       {
@@ -201,7 +208,8 @@ PhaseIds phaseIds(vtkImageData* piece, vtkInformation* choice, const Team& team)
       if (auto* const bytes = vtkUnsignedCharArray::SafeDownCast(array))
       {
         result.ids = { bytes->GetPointer(0), static_cast<std::size_t>(bytes->GetNumberOfValues()) };
-        seen[1] = *std::max_element(result.ids.begin(), result.ids.end());
+        seen[1] =
+          result.ids.empty() ? -1 : static_cast<std::int64_t>(*std::max_element(result.ids.begin(), result.ids.end()));
       }
       else
       {
@@ -235,7 +243,7 @@ PhaseIds phaseIds(vtkImageData* piece, vtkInformation* choice, const Team& team)
           throw InputError("array '" + result.array + "' holds more than 256 different values",
             "choose the array of phases; labels of grains or pores are not phases");
         }
-        result.own.resize(static_cast<std::size_t>(piece->GetNumberOfPoints()));
+        result.own.resize(empty ? 0 : static_cast<std::size_t>(array->GetNumberOfTuples()));
         if (!empty)
         {
           Renumber renumber{ result.values, result.own };

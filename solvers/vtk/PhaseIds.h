@@ -3,12 +3,14 @@
 #include "vtkPieces.h"
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
 #include <vector>
 
 class vtkDataArray;
+class vtkDataSet;
 class vtkImageData;
 class vtkInformation;
 
@@ -31,6 +33,11 @@ struct PhaseIds
 /// @throws Error on every rank
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseIds phaseIds(
   vtkImageData* piece, vtkInformation* choice, const Team& team);
+
+/// Collective. The same of any array of a data set's points or cells: `find` gives it, and may throw; it is not called
+/// where the piece is empty.
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseIds phaseIds(
+  vtkDataSet* piece, const std::function<vtkDataArray*()>& find, const Team& team);
 
 /// Conductivity by id from a table by name or value.
 /// @param nodes by id, how many nodes have it in the whole image; phases without nodes need no conductivity

@@ -8,6 +8,7 @@ import unittest
 
 import lamella
 import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk
 
 PROGRAM = os.environ.get("LAMELLA_PROGRAM", os.path.join(os.path.dirname(__file__), "../../build/bin/lamella"))
 REAL_DATA = os.environ.get("LAMELLA_REAL_DATA", "")

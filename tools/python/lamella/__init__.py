@@ -13,7 +13,8 @@ off.)
 
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
 ``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkSteadyDiffusion``, ``vtkFluxMap``,
-``vtkPoreFloodFill``, ``vtkBondEquilibrium`` ...), runs it and hands its output out as numpy arrays.
+``vtkPoreFloodFill``, ``vtkBondEquilibrium``, ``vtkStressPDF`` ...), runs it and hands its output out as
+numpy arrays.
 
 Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at the top; arrays of a volume are
 ``[z, y, x]``. Vectors have their components along x (left to right), y (upwards in a picture) and z in the last axis.
@@ -49,6 +50,7 @@ from ._samples import (
     spheres,
 )
 from ._solve import DiffusionResult, diffusion
+from ._stresses import StressPDFResult, stress_pdf
 
 __all__ = [
     "BondStressResult",
@@ -61,6 +63,7 @@ __all__ = [
     "Packing",
     "PoreFloodFillResult",
     "Sample",
+    "StressPDFResult",
     "bond_stress",
     "bridges",
     "checkerboard",
@@ -80,4 +83,5 @@ __all__ = [
     "snapshot",
     "softwood",
     "spheres",
+    "stress_pdf",
 ]

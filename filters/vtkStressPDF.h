@@ -1,0 +1,153 @@
+/**
+ * @class   vtkStressPDF
+ * @brief   how stresses are distributed: probability density, mean tensile and compressive stress, exponential tail
+ *
+ * **Input**: any vtkDataSet with stresses at its points or cells: tensors of 6 components (xx, yy, zz, xy, yz, xz, as
+ * VTK has them) or 9 (by rows; the symmetric part counts), or numbers of one component. The array is `stress` at points
+ * unless another is chosen with SetInputArrayToProcess(0, ...). Phases are whole numbers there as well: `phase`, or
+ * what SetInputArrayToProcess(1, ...) chooses; without such an array all is one phase.
+ *
+ * Every point (cell) counts once, whatever its size. Points of the void, which carry no stress, are left out.
+ *
+ * **Output 0**, density: one row a bin. `stress`, `stress_low`, `stress_high` (in mean tensile stresses ⟨σ⁺⟩ of all
+ * that is counted), `count`, `density`, `tail` (the law that was fitted, NaN below the threshold); for each phase
+ * `count_<phase>` and `density_<phase>`, which is 1 when summed over the phase.
+ *
+ * **Output 1**, phases: one row for `all`, then one a phase: `phase`, `count`, `mean`, `deviation`, `mean_tensile`,
+ * `mean_compressive`, `smallest`, `largest` [Pa], `tensile_share`, `compressive_share`; with a reference stress
+ * `mean_tensile_over_reference`, `mean_compressive_over_reference`; `tail_count`, `theta`, `theta_error`.
+ *
+ * **Output 2**, thresholds: the fit beyond thresholds that leave 50 % … 0.5 % of the tensile values: `threshold`,
+ * `tail_count`, `tail_share`, `theta`, `theta_error`, `distance`.
+ *
+ * **Field data** of all outputs: `stress_mean`, `stress_mean_tensile`, `stress_mean_compressive` [Pa],
+ * `stress_tensile_share`, `stress_compressive_share`, `stress_theta`, `stress_theta_error`, `stress_tail_threshold`,
+ * `stress_tail_count`, `stress_tail_distance`, `stress_reference`, `stress_component` and `stress_array`.
+ *
+ * **Tail**: P(σ) ∝ exp(−θ σ/⟨σ⁺⟩) beyond a threshold t, eq. 13 of Frank, Radjai, Nezamabadi and Delenne, Phys. Rev. E
+ * 102 (2020) 022906. The likelihood of the n values beyond t is largest at θ = n / Σ (σ/⟨σ⁺⟩ − t), with standard error
+ * θ/√n if they are independent. `distance` is the largest difference between the cumulative shares of values and law.
+ *
+ * **Parallel**: right on distributed data: points that several pieces of an image share count once, ghost points and
+ * cells do not count. Counts depend neither on ranks nor on threads (vtkSMPTools), sums to round-off. Rank 0 holds the
+ * tables; those of other ranks are empty.
+ *
+ * @warning Neighbouring points have similar stresses; the scatter of θ between samples is larger than its standard
+ * error. Pieces of an unstructured grid share points; without ghost arrays, which mark them, count cells instead.
+ */
+
+#ifndef vtkStressPDF_h
+#define vtkStressPDF_h
+
+#include "vtkLamellaFiltersModule.h" // for export macro
+#include "vtkTableAlgorithm.h"
+
+#include <string> // for the phases
+#include <vector> // for the phases
+
+class vtkMultiProcessController;
+
+class VTKLAMELLAFILTERS_EXPORT vtkStressPDF : public vtkTableAlgorithm
+{
+public:
+  static vtkStressPDF* New();
+  vtkTypeMacro(vtkStressPDF, vtkTableAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  enum Components
+  {
+    XX = 0,
+    YY = 1,
+    ZZ = 2,
+    XY = 3,
+    YZ = 4,
+    XZ = 5,
+    MEAN = 6,        ///< a third of the trace
+    VON_MISES = 7,   ///< always positive
+    PRINCIPAL_1 = 8, ///< the largest principal stress
+    PRINCIPAL_2 = 9,
+    PRINCIPAL_3 = 10 ///< the smallest
+  };
+  ///@{
+  /** Which number of the tensor; an array of one component is taken as it is. Default YY. */
+  vtkSetClampMacro(Component, int, XX, PRINCIPAL_3);
+  vtkGetMacro(Component, int);
+  ///@}
+
+  ///@{
+  /**
+   * Phases to count: names of `phase_names` or, where no phase has that name, values. Default none: all but the first
+   * that is called void, pore, lumen or air.
+   */
+  void AddPhase(const char* phase);
+  void ClearPhases();
+  int GetNumberOfPhases();
+  const char* GetPhase(int i);
+  ///@}
+
+  ///@{
+  /** Width of a bin of the density, in mean tensile stresses. Default 0.05. */
+  vtkSetMacro(BinWidth, double);
+  vtkGetMacro(BinWidth, double);
+  ///@}
+
+  ///@{
+  /** Where the density begins and ends, in mean tensile stresses. Default 0, 0: wherever stresses are. */
+  vtkSetVector2Macro(Range, double);
+  vtkGetVector2Macro(Range, double);
+  ///@}
+
+  ///@{
+  /** Where the tail begins, in mean tensile stresses. Default 0: by TailShare. */
+  vtkSetMacro(Threshold, double);
+  vtkGetMacro(Threshold, double);
+  ///@}
+
+  ///@{
+  /** Where Threshold is 0, the largest tensile stresses that make the tail, as a share of all tensile ones. Default
+   * 0.1. */
+  vtkSetMacro(TailShare, double);
+  vtkGetMacro(TailShare, double);
+  ///@}
+
+  ///@{
+  /** A stress to compare the means with [Pa], such as that of the pure matrix at the same strain. Default 0: none. */
+  vtkSetMacro(ReferenceStress, double);
+  vtkGetMacro(ReferenceStress, double);
+  ///@}
+
+  /** Outputs 1 and 2. */
+  vtkTable* GetPhaseTable();
+  vtkTable* GetThresholdTable();
+
+  ///@{
+  /** The processes that may work together. Default: the global controller. */
+  virtual void SetController(vtkMultiProcessController* controller);
+  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  ///@}
+
+protected:
+  vtkStressPDF();
+  ~vtkStressPDF() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkStressPDF(const vtkStressPDF&) = delete;
+  void operator=(const vtkStressPDF&) = delete;
+
+  struct Work;
+
+  int Component = YY;
+  std::vector<std::string> Phases;
+  double BinWidth = 0.05;
+  double Range[2] = { 0, 0 };
+  double Threshold = 0;
+  double TailShare = 0.1;
+  double ReferenceStress = 0;
+  vtkMultiProcessController* Controller = nullptr;
+};
+
+#endif

@@ -1,0 +1,399 @@
+#include "Commands.h"
+#include "GridFile.h"
+#include "OutputFile.h"
+#include "Record.h"
+#include "TableText.h"
+#include "Text.h"
+
+#include "io/Provenance.h"
+#include "statistics/StressMeasure.h"
+#include "vtkLatticeConversion.h"
+#include "vtkStressPDF.h"
+
+#include <vtkCallbackCommand.h>
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkDataSet.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkSMPTools.h>
+#include <vtkStringArray.h>
+#include <vtkTable.h>
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+using Json = nlohmann::ordered_json;
+
+struct StressPdfOptions
+{
+  CommonOptions common;
+  std::string file;
+  std::string array = "stress";
+  std::string phaseArray = "phase";
+  std::string component = "yy";
+  std::vector<std::string> phase;
+  std::string threshold;
+  std::string tailShare = "10%";
+  double binWidth = 0.05;
+  std::string range;
+  std::string reference;
+  int threads = 1;
+  std::string output;
+  std::string phases;
+  std::string thresholds;
+};
+
+/// A number above 0. @throws ParameterError
+double positive(const std::string& option, const std::string& text, const std::string& example)
+{
+  const std::optional<double> number = toNumber(text);
+  if (!number || !std::isfinite(*number) || *number <= 0)
+  {
+    throw ParameterError(option + " '" + text + "' is not a number above 0", "write it as " + example);
+  }
+  return *number;
+}
+
+std::array<double, 2> parseRange(const std::string& text)
+{
+  const std::vector<std::string> ends = split(text, ',');
+  const std::optional<double> low = ends.size() == 2 ? toNumber(ends[0]) : std::nullopt;
+  const std::optional<double> high = ends.size() == 2 ? toNumber(ends[1]) : std::nullopt;
+  if (!low || !high || !std::isfinite(*low) || !std::isfinite(*high) || !(*low < *high))
+  {
+    throw ParameterError(
+      "--range '" + text + "' is not two numbers, the lower first", "write it in mean tensile stresses: --range=-1,6");
+  }
+  return { *low, *high };
+}
+
+/// What can be said without the file, handed to the filter. @throws ParameterError
+void configure(vtkStressPDF* filter, const StressPdfOptions& o)
+{
+  filter->SetComponent(static_cast<int>(oneOf("--component", o.component, statistics::stressMeasureNames())));
+  for (const std::string& phase : o.phase)
+  {
+    filter->AddPhase(phase.c_str());
+  }
+  if (!o.threshold.empty())
+  {
+    filter->SetThreshold(positive("--threshold", o.threshold, "2, in mean tensile stresses"));
+  }
+  const double part = share("--tail-share", o.tailShare);
+  if (!(part > 0 && part <= 1))
+  {
+    throw ParameterError("--tail-share '" + o.tailShare + "' is outside 0 to 1", "write it as 10%");
+  }
+  filter->SetTailShare(part);
+  if (!(o.binWidth > 0) || !std::isfinite(o.binWidth))
+  {
+    throw ParameterError(fmt::format("--bin-width {} is not a number above 0", o.binWidth),
+      "write it in mean tensile stresses, such as 0.05");
+  }
+  filter->SetBinWidth(o.binWidth);
+  if (!o.range.empty())
+  {
+    filter->SetRange(parseRange(o.range).data());
+  }
+  if (!o.reference.empty())
+  {
+    filter->SetReferenceStress(positive("--reference", o.reference, "1.7e6, in Pa"));
+  }
+  if (o.threads < 1 || o.threads > 1024)
+  {
+    throw ParameterError(
+      fmt::format("--threads {} is outside 1 to 1024", o.threads), "give the number of cores to use");
+  }
+}
+
+/// A table and the record beside it.
+struct TableFile
+{
+  vtkTable* table;
+  OutputFile file;
+  OutputFile record;
+};
+
+std::vector<TableFile> openFiles(const StressPdfOptions& o, vtkStressPDF* filter)
+{
+  std::vector<TableFile> files;
+  const auto add = [&](const std::string& option, const std::string& name, vtkTable* table)
+  {
+    if (name.empty())
+    {
+      return;
+    }
+    if (std::filesystem::path(name).extension() != ".csv")
+    {
+      throw ParameterError(option + " '" + name + "': tables are written as .csv", "end the name in .csv");
+    }
+    files.push_back({ table, OutputFile(name, o.common.overwrite), OutputFile(name + ".json", o.common.overwrite) });
+  };
+  add("-o", o.output, filter->GetOutput());
+  add("--phases", o.phases, filter->GetPhaseTable());
+  add("--thresholds", o.thresholds, filter->GetThresholdTable());
+  return files;
+}
+
+/// Where an array of this name is; at points if it is nowhere, so that the filter tells what there is.
+int associationOf(vtkDataSet* data, const std::string& name)
+{
+  return data->GetPointData()->GetArray(name.c_str()) == nullptr &&
+      data->GetCellData()->GetArray(name.c_str()) != nullptr
+    ? vtkDataObject::FIELD_ASSOCIATION_CELLS
+    : vtkDataObject::FIELD_ASSOCIATION_POINTS;
+}
+
+Json known(double value)
+{
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+/// The row of a table by its columns.
+Json rowOf(vtkTable* table, vtkIdType row)
+{
+  Json json = Json::object();
+  for (vtkIdType i = 0; i < table->GetNumberOfColumns(); ++i)
+  {
+    const char* const name = table->GetColumnName(i);
+    if (auto* const words = vtkStringArray::SafeDownCast(table->GetColumn(i)))
+    {
+      json[name] = words->GetValue(row);
+    }
+    else
+    {
+      auto* const numbers = vtkDataArray::SafeDownCast(table->GetColumn(i));
+      const double value = numbers->GetTuple1(row);
+      json[name] = numbers->GetDataType() == VTK_DOUBLE ? known(value) : Json(std::llround(value));
+    }
+  }
+  return json;
+}
+
+Json rowsOf(vtkTable* table)
+{
+  Json rows = Json::array();
+  for (vtkIdType row = 0; row < table->GetNumberOfRows(); ++row)
+  {
+    rows.push_back(rowOf(table, row));
+  }
+  return rows;
+}
+
+Json reportOf(const StressPdfOptions& o, vtkStressPDF* filter)
+{
+  vtkTable* const density = filter->GetOutput();
+  const auto number = [&](const char* name) { return known(fieldNumbers(density, name).at(0)); };
+  const auto whole = [&](const char* name) { return Json(std::llround(fieldNumbers(density, name).at(0))); };
+  Json json;
+  json["file"] = o.file;
+  json["array"] = o.array;
+  json["component"] = fieldText(density, "stress_component").value_or("");
+  json["count"] = whole("stress_count");
+  json["mean"] = number("stress_mean");
+  json["deviation"] = number("stress_deviation");
+  json["mean_tensile"] = number("stress_mean_tensile");
+  json["mean_compressive"] = number("stress_mean_compressive");
+  json["tensile_share"] = number("stress_tensile_share");
+  json["compressive_share"] = number("stress_compressive_share");
+  json["smallest"] = number("stress_smallest");
+  json["largest"] = number("stress_largest");
+  json["reference"] = o.reference.empty() ? Json(nullptr) : number("stress_reference");
+  json["tail"] = { { "threshold", number("stress_tail_threshold") }, { "count", whole("stress_tail_count") },
+    { "share", number("stress_tail_share") }, { "theta", number("stress_theta") },
+    { "theta_error", number("stress_theta_error") }, { "distance", number("stress_tail_distance") } };
+  json["phases"] = rowsOf(filter->GetPhaseTable());
+  json["thresholds"] = rowsOf(filter->GetThresholdTable());
+  json["bins"] = density->GetNumberOfRows();
+  json["bin_width"] = o.binWidth;
+  return json;
+}
+
+std::string cell(const Json& value, const char* form)
+{
+  return value.is_null() ? std::string("-") : fmt::format(fmt::runtime(form), value.get<double>());
+}
+
+std::string tableOf(const Json& json)
+{
+  std::string text = fmt::format("{}: {} of {}, {} values\n\n", json["file"].get<std::string>(),
+    json["component"].get<std::string>(), json["array"].get<std::string>(), grouped(json["count"].get<std::int64_t>()));
+  text += fmt::format("  {:<12}{:>12}{:>14}{:>9}{:>14}{:>9}{:>16}\n", "phase", "values", "mean tensile", "share",
+    "compressive", "share", "theta");
+  for (const Json& row : json["phases"])
+  {
+    const std::string theta = row["theta"].is_null()
+      ? std::string("-")
+      : fmt::format("{:.3f} ± {:.3f}", row["theta"].get<double>(), row["theta_error"].get<double>());
+    text += fmt::format("  {:<12}{:>12}{:>14}{:>9}{:>14}{:>9}{:>17}\n", row["phase"].get<std::string>(),
+      grouped(row["count"].get<std::int64_t>()), cell(row["mean_tensile"], "{:.4g} Pa"),
+      cell(row["tensile_share"], "{:.4f}"), cell(row["mean_compressive"], "{:.4g} Pa"),
+      cell(row["compressive_share"], "{:.4f}"), theta);
+  }
+  if (!json["reference"].is_null())
+  {
+    const double reference = json["reference"].get<double>();
+    text += fmt::format("\n  over the reference stress of {:.4g} Pa: mean tensile {:.4f}, mean compressive {:.4f}\n",
+      reference, json["mean_tensile"].get<double>() / reference, json["mean_compressive"].get<double>() / reference);
+  }
+  const Json& tail = json["tail"];
+  text += fmt::format("\n  tail: beyond {} mean tensile stresses, {} values, distance from the law {}\n",
+    cell(tail["threshold"], "{:.4g}"), grouped(tail["count"].get<std::int64_t>()), cell(tail["distance"], "{:.4f}"));
+  text += "  beyond other thresholds:\n";
+  for (const Json& row : json["thresholds"])
+  {
+    text += fmt::format("    {:>7.3f}  {:>6.1f} % of the tensile   theta {:.3f} ± {:.3f}   distance {}\n",
+      row["threshold"].get<double>(), 100 * row["tail_share"].get<double>(), row["theta"].get<double>(),
+      row["theta_error"].get<double>(), cell(row["distance"], "{:.4f}"));
+  }
+  for (const Json& file : json["files"])
+  {
+    text += "  wrote " + file.get<std::string>() + "\n";
+  }
+  return text;
+}
+
+void stressPdf(Session& session, const StressPdfOptions& o, const std::string& commandLine)
+{
+  const auto start = std::chrono::steady_clock::now();
+  vtkNew<vtkStressPDF> filter;
+  configure(filter, o);
+  requireFile(o.file);
+  std::vector<TableFile> files = openFiles(o, filter);
+  const auto data = readGrid(o.file);
+  auto* const grid = vtkDataSet::SafeDownCast(data);
+  if (grid == nullptr)
+  {
+    throw InputError("'" + o.file + "' holds no grid", "give a .vti or .vtp file with stresses");
+  }
+  const int association = associationOf(grid, o.array);
+  filter->SetInputDataObject(data);
+  filter->SetInputArrayToProcess(0, 0, 0, association, o.array.c_str());
+  filter->SetInputArrayToProcess(1, 0, 0, association, o.phaseArray.c_str());
+  vtkSMPTools::Initialize(o.threads);
+  if (o.threads > 1)
+  {
+    vtkSMPTools::SetBackend("STDThread");
+  }
+  vtkNew<vtkCallbackCommand> progress;
+  progress->SetClientData(&session);
+  progress->SetCallback(
+    [](vtkObject* caller, unsigned long, void* client, void*)
+    {
+      auto* algorithm = static_cast<vtkAlgorithm*>(caller);
+      if (!static_cast<Session*>(client)->progress(algorithm->GetProgress(), "stresses"))
+      {
+        algorithm->SetAbortExecute(1);
+      }
+    });
+  filter->AddObserver(vtkCommand::ProgressEvent, progress);
+  (void)VtkMessages::takeErrors();
+  filter->Update();
+  session.endProgress();
+  Session::checkInterrupt();
+  if (filter->GetOutput()->GetNumberOfRows() == 0)
+  {
+    throwVtkErrors("");
+  }
+  for (const std::string& warning : VtkMessages::takeWarnings())
+  {
+    session.warn(warning);
+  }
+  Json json = reportOf(o, filter);
+  if (json["tail"]["theta"].is_null())
+  {
+    session.warn("fewer than two stresses are in the tail: theta is not known");
+  }
+
+  const io::Provenance run = recordRun(commandLine, o.file, provenance(data));
+  const std::string record = io::toJson(run);
+  json["files"] = Json::array();
+  for (const TableFile& file : files)
+  {
+    file.file.write(toCsv(file.table));
+    const Json beside{ { "provenance", Json::parse(record) }, { "columns", unitsOf(file.table, true) } };
+    file.record.write(beside.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    json["files"].push_back(file.file.path().string());
+  }
+  Session::checkInterrupt();
+  for (TableFile& file : files)
+  {
+    file.file.commit();
+    file.record.commit();
+  }
+  json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  json["version"] = run.version;
+  json["commit"] = run.commit;
+  json["provenance"] = Json::parse(record);
+  session.print(o.common.json ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
+      : o.common.quiet        ? ""
+                              : tableOf(json));
+}
+
+} // namespace
+
+Command stressPdfCommand(CLI::App& root)
+{
+  CLI::App* app = root.add_subcommand("stress-pdf",
+    "How stresses are distributed: density, mean tensile and compressive stress, exponential tail, by phase");
+  auto o = std::make_shared<StressPdfOptions>();
+  app->add_option("FILE", o->file, "A .vti or .vtp with stresses, such as lamella equilibrium writes")->required();
+  const auto what = [](CLI::Option* option) { return option->group("Stresses"); };
+  what(app->add_option("--component", o->component,
+         "xx, yy, zz, xy, yz, xz, mean, von-mises, principal-1 (largest), principal-2 or principal-3"))
+    ->type_name("NAME")
+    ->capture_default_str();
+  what(app->add_option("--array", o->array, "The stresses: 6 or 9 components, or 1, which is taken as it is"))
+    ->type_name("NAME")
+    ->capture_default_str();
+  what(app->add_option("--phase", o->phase, "Count this phase only; once for each. All but the void when not given"))
+    ->type_name("NAME")
+    ->allow_extra_args(false);
+  what(app->add_option("--phase-array", o->phaseArray, "The phases: whole numbers"))
+    ->type_name("NAME")
+    ->capture_default_str();
+  what(app->add_option("--reference", o->reference, "A stress to compare the means with, such as the pure matrix's"))
+    ->type_name("PA");
+  const auto law = [](CLI::Option* option) { return option->group("Tail and density"); };
+  law(app->add_option("--threshold", o->threshold, "Where the tail begins, in mean tensile stresses"))
+    ->type_name("NUMBER");
+  law(app->add_option("--tail-share", o->tailShare,
+        "Without --threshold: the largest tensile stresses that are the tail, as a share"))
+    ->type_name("SHARE")
+    ->capture_default_str();
+  law(app->add_option("--bin-width", o->binWidth, "Of the density, in mean tensile stresses"))
+    ->type_name("NUMBER")
+    ->capture_default_str();
+  law(app->add_option("--range", o->range, "Where the density begins and ends; wherever stresses are when not given"))
+    ->type_name("LOW,HIGH");
+  law(app->add_option("--threads", o->threads, "Threads"))->type_name("NUMBER")->capture_default_str();
+  const auto file = [&](const char* names, std::string& target, const char* words)
+  { app->add_option(names, target, words)->type_name("FILE.csv")->group("Output"); };
+  file("-o,--output,--csv", o->output, "Write the density, one row a bin");
+  file("--phases", o->phases, "Write the means and the tail, one row a phase");
+  file("--thresholds", o->thresholds, "Write theta against the threshold");
+  app->add_flag("--overwrite", o->common.overwrite, "Replace a file that exists")->group("Output");
+  addReportOptions(*app, o->common);
+  addExamples(*app,
+    { "lamella stress-pdf loaded.vti --json", "lamella stress-pdf loaded.vti --component von-mises --phase matrix",
+      "lamella stress-pdf loaded.vti --threshold 2 --reference 1.7e6 -o pdf.csv --phases means.csv" });
+  return { app,
+    [o](Session& session, const std::string& line)
+    {
+      session.setQuiet(o->common.quiet);
+      session.onRoot([&] { stressPdf(session, *o, line); });
+    } };
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,92 @@
+#include "TableText.h"
+
+#include "vtkLatticeConversion.h"
+
+#include <vtkDataArray.h>
+#include <vtkStringArray.h>
+#include <vtkTable.h>
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <iterator>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+std::string csvField(const std::string& text)
+{
+  if (text.find_first_of(",\"\n\r") == std::string::npos)
+  {
+    return text;
+  }
+  std::string result = "\"";
+  for (const char c : text)
+  {
+    result += c == '"' ? "\"\"" : std::string(1, c);
+  }
+  return result + "\"";
+}
+
+} // namespace
+
+std::string toCsv(vtkTable* table)
+{
+  std::string text;
+  for (vtkIdType i = 0; i < table->GetNumberOfColumns(); ++i)
+  {
+    text += std::string(i > 0 ? "," : "") + csvField(table->GetColumnName(i));
+  }
+  text += "\n";
+  auto out = std::back_inserter(text);
+  for (vtkIdType row = 0; row < table->GetNumberOfRows(); ++row)
+  {
+    for (vtkIdType i = 0; i < table->GetNumberOfColumns(); ++i)
+    {
+      text += i > 0 ? "," : "";
+      if (auto* const words = vtkStringArray::SafeDownCast(table->GetColumn(i)))
+      {
+        text += csvField(words->GetValue(row));
+        continue;
+      }
+      auto* const numbers = vtkDataArray::SafeDownCast(table->GetColumn(i));
+      const double value = numbers->GetTuple1(row);
+      if (numbers->GetDataType() == VTK_DOUBLE)
+      {
+        fmt::format_to(out, "{}", value);
+      }
+      else
+      {
+        fmt::format_to(out, "{}", static_cast<std::int64_t>(value));
+      }
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+nlohmann::ordered_json unitsOf(vtkTable* table, bool metres)
+{
+  nlohmann::ordered_json units = nlohmann::ordered_json::object();
+  for (vtkIdType i = 0; i < table->GetNumberOfColumns(); ++i)
+  {
+    auto* const column = vtkDataArray::SafeDownCast(table->GetColumn(i));
+    if (column == nullptr)
+    {
+      continue;
+    }
+    const auto [unit, words, creator] = description(column);
+    const bool length = unit == "m" || unit == "m^2" || unit == "m^3";
+    units[column->GetName()] = { { "unit",
+                                   !length || metres ? unit
+                                     : unit == "m^3" ? "voxels"
+                                                     : "pixels" },
+      { "meaning", words } };
+  }
+  return units;
+}
+
+} // namespace lamella::cli

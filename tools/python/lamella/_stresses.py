@@ -1,0 +1,151 @@
+"""How stresses are distributed."""
+
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataSet
+
+from . import _arrays
+from ._errors import choose, run
+from ._samples import ImageBase
+from .vtkLamellaFilters import vtkStressPDF
+
+_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz", "mean", "von-mises", "principal-1", "principal-2", "principal-3")
+
+
+def _columns(table):
+    """A vtkTable as a dictionary of columns: numpy arrays, or lists of texts."""
+    columns = {}
+    for i in range(table.GetNumberOfColumns()):
+        column = table.GetColumn(i)
+        if column.IsA("vtkDataArray"):
+            columns[table.GetColumnName(i)] = vtk_to_numpy(column)
+        else:
+            columns[table.GetColumnName(i)] = [column.GetValue(row) for row in range(column.GetNumberOfValues())]
+    return columns
+
+
+class StressPDFResult:
+    """Tables of vtkStressPDF; stresses of the density are in mean tensile stresses."""
+
+    def __init__(self, density, phases, thresholds):
+        #: vtkTable, one row a bin
+        self.vtk = density
+        #: vtkTable, one row for all, then one a phase
+        self.vtk_phases = phases
+        #: vtkTable, one row a threshold
+        self.vtk_thresholds = thresholds
+
+    def _number(self, name):
+        return float(_arrays.numbers(self.vtk, name)[0])
+
+    @property
+    def density(self):
+        """Columns by name, one entry a bin: ``stress`` (its middle), ``stress_low``, ``stress_high``, ``count``,
+        ``density``, ``tail`` (the law that was fitted), ``count_<phase>``, ``density_<phase>``.
+        """
+        return _columns(self.vtk)
+
+    @property
+    def phases(self):
+        """By name of the phase, and for ``"all"``: ``count``, ``mean``, ``deviation``, ``mean_tensile``,
+        ``mean_compressive``, ``smallest``, ``largest`` [Pa], ``tensile_share``, ``compressive_share``, ``tail_count``,
+        ``theta``, ``theta_error``; with a reference stress ``mean_tensile_over_reference`` and
+        ``mean_compressive_over_reference``.
+        """
+        columns = _columns(self.vtk_phases)
+        names = columns.pop("phase")
+        return {name: {key: column[row].item() for key, column in columns.items()} for row, name in enumerate(names)}
+
+    @property
+    def thresholds(self):
+        """Columns by name, one entry a threshold: ``threshold``, ``tail_count``, ``tail_share``, ``theta``,
+        ``theta_error``, ``distance``.
+        """
+        return _columns(self.vtk_thresholds)
+
+    @property
+    def mean_tensile(self):
+        """Mean of the stresses above 0 [Pa]."""
+        return self._number("stress_mean_tensile")
+
+    @property
+    def mean_compressive(self):
+        """Mean of the stresses below 0 [Pa], negative; 0 where there is none."""
+        return self._number("stress_mean_compressive")
+
+    @property
+    def theta(self):
+        """Rate of the exponential tail; NaN where fewer than two stresses are beyond the threshold."""
+        return self._number("stress_theta")
+
+    @property
+    def theta_error(self):
+        """Standard error of ``theta`` if stresses were independent. Neighbours are alike: samples scatter more."""
+        return self._number("stress_theta_error")
+
+    @property
+    def threshold(self):
+        """Where the tail begins, in mean tensile stresses."""
+        return self._number("stress_tail_threshold")
+
+    @property
+    def distance(self):
+        """Largest difference between the cumulative shares of the tail's stresses and of the law."""
+        return self._number("stress_tail_distance")
+
+    @property
+    def provenance(self):
+        """Version, parameters, seed and input files as a dictionary."""
+        return _arrays.provenance(self.vtk)
+
+    def __repr__(self):
+        return (
+            f"<lamella.StressPDFResult: mean tensile {self.mean_tensile:.4g} Pa, "
+            f"theta {self.theta:.3f} beyond {self.threshold:.3g}>"
+        )
+
+
+def stress_pdf(
+    data,
+    component="yy",
+    phases=None,
+    threshold=None,
+    tail_share=0.1,
+    bin_width=0.05,
+    range=None,  # pylint: disable=redefined-builtin
+    reference=None,
+    array="stress",
+    phase_array="phase",
+    cells=False,
+    progress=None,
+):
+    """Probability density of a stress, mean tensile and compressive stress, and the exponential tail.
+
+    data        a result of ``lamella.equilibrium``, or any vtkDataSet with stresses
+    component   xx, yy, zz, xy, yz, xz, mean, von-mises, principal-1 (the largest), principal-2, principal-3
+    phases      names of those to count; None: all but the void
+    threshold   where the tail begins, in mean tensile stresses; None: by tail_share
+    tail_share  the largest tensile stresses that are the tail, as a share of all tensile ones
+    bin_width, range   of the density, in mean tensile stresses
+    reference   a stress to compare the means with [Pa]
+    array, phase_array, cells   where stresses and phases are, and whether at cells
+    """
+    pdf = vtkStressPDF()
+    if isinstance(data, ImageBase):
+        data = data.vtk
+    if not isinstance(data, vtkDataSet):
+        raise TypeError(f"data is a {type(data).__name__}; it can be a result of lamella or a vtkDataSet")
+    pdf.SetInputData(data)
+    association = vtkDataObject.FIELD_ASSOCIATION_CELLS if cells else vtkDataObject.FIELD_ASSOCIATION_POINTS
+    pdf.SetInputArrayToProcess(0, 0, 0, association, array)
+    pdf.SetInputArrayToProcess(1, 0, 0, association, phase_array)
+    pdf.SetComponent(choose({name: i for i, name in enumerate(_COMPONENTS)}, component, "component"))
+    for phase in [phases] if isinstance(phases, (str, int)) else phases or ():
+        pdf.AddPhase(str(phase))
+    pdf.SetThreshold(0 if threshold is None else float(threshold))
+    pdf.SetTailShare(float(tail_share))
+    pdf.SetBinWidth(float(bin_width))
+    if range is not None:
+        pdf.SetRange(*(float(end) for end in range))
+    pdf.SetReferenceStress(0 if reference is None else float(reference))
+    run(pdf, progress)
+    return StressPDFResult(pdf.GetOutput(), pdf.GetPhaseTable(), pdf.GetThresholdTable())
