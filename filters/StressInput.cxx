@@ -1,6 +1,7 @@
 #include "StressInput.h"
 
 #include "PhaseIds.h"
+#include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
 #include "pores/PoreLabelling.h"
@@ -138,6 +139,35 @@ void dropShared(vtkDataSet* piece, std::vector<std::uint8_t>& group, const Team&
   }
 }
 
+/// Leaves out the points of an image in the layers that vtkBondEquilibrium's platens hold.
+void dropPlatens(vtkImageData* image, const WholeImage& whole, std::vector<std::uint8_t>& group)
+{
+  const std::vector<double> layers = fieldNumbers(image, "platen_layers");
+  const std::string axisName = fieldText(image, "load_axis").value_or("");
+  if (layers.size() != 4 || axisName.size() != 1 || axisName[0] < 'x' || axisName[0] > 'z')
+  {
+    return;
+  }
+  const auto axis = static_cast<std::size_t>(axisName[0] - 'x');
+  const int* const extent = image->GetExtent();
+  std::size_t node = 0;
+  std::array<int, 3> at{};
+  for (at[2] = extent[4]; at[2] <= extent[5]; ++at[2])
+  {
+    for (at[1] = extent[2]; at[1] <= extent[3]; ++at[1])
+    {
+      for (at[0] = extent[0]; at[0] <= extent[1]; ++at[0], ++node)
+      {
+        const int layer = at[axis] - whole.extent[2 * axis];
+        if ((layer >= layers[0] && layer <= layers[1]) || (layer >= layers[2] && layer <= layers[3]))
+        {
+          group[node] = noGroup;
+        }
+      }
+    }
+  }
+}
+
 /// Leaves out what another rank counts and what is blanked.
 void dropGhosts(vtkDataSet* piece, bool cells, bool structured, std::vector<std::uint8_t>& group)
 {
@@ -245,7 +275,7 @@ void measureAll(vtkDataArray* array, statistics::StressMeasure what, StressInput
 } // namespace
 
 StressInput stressInput(vtkDataSet* piece, vtkInformation* stress, vtkInformation* phase,
-  std::span<const std::string> wanted, statistics::StressMeasure measure, const Team& team)
+  std::span<const std::string> wanted, bool leaveOutPlatens, statistics::StressMeasure measure, const Team& team)
 {
   StressInput input;
   const bool empty = piece->GetNumberOfPoints() == 0;
@@ -308,6 +338,17 @@ StressInput stressInput(vtkDataSet* piece, vtkInformation* stress, vtkInformatio
   else
   {
     input.phases = { "" };
+  }
+  auto* const image = vtkImageData::SafeDownCast(piece);
+  const bool platens =
+    leaveOutPlatens && image != nullptr && !empty && !cells && !fieldNumbers(image, "platen_layers").empty();
+  if (team.any(platens))
+  {
+    const WholeImage whole = wholeImage(image, team);
+    if (platens)
+    {
+      dropPlatens(image, whole, input.group);
+    }
   }
   const bool structured =
     piece->IsA("vtkImageData") || piece->IsA("vtkRectilinearGrid") || piece->IsA("vtkStructuredGrid");

@@ -31,8 +31,9 @@ struct StressInput
 /// who counts them.
 /// @param stress,phase what SetInputArrayToProcess chose
 /// @param wanted phases by name or value; empty: all but the void
+/// @param leaveOutPlatens points of an image that platens hold do not count
 /// @throws Error on every rank
 [[nodiscard]] StressInput stressInput(vtkDataSet* piece, vtkInformation* stress, vtkInformation* phase,
-  std::span<const std::string> wanted, statistics::StressMeasure measure, const Team& team);
+  std::span<const std::string> wanted, bool leaveOutPlatens, statistics::StressMeasure measure, const Team& team);
 
 } // namespace lamella

@@ -89,7 +89,7 @@ struct vtkStressPDF::Work
     const auto measure = static_cast<statistics::StressMeasure>(this->Self->Component);
     this->Report(0.01);
     const lamella::StressInput stresses = lamella::stressInput(input, this->Self->GetInputArrayInformation(0),
-      this->Self->GetInputArrayInformation(1), this->Self->Phases, measure, this->Team);
+      this->Self->GetInputArrayInformation(1), this->Self->Phases, this->Self->LeaveOutPlatens, measure, this->Team);
     const auto d = statistics::stressDistribution(stresses.values, stresses.group,
       static_cast<int>(stresses.phases.size()), options, lamella::Communicator(this->Team.comm()));
     if (this->Team.rank() == 0)
@@ -249,6 +249,7 @@ void vtkStressPDF::PrintSelf(ostream& os, vtkIndent indent)
     os << " " << phase;
   }
   os << "\n"
+     << indent << "LeaveOutPlatens: " << this->LeaveOutPlatens << "\n"
      << indent << "BinWidth: " << this->BinWidth << "\n"
      << indent << "Range: " << this->Range[0] << ", " << this->Range[1] << "\n"
      << indent << "Threshold: " << this->Threshold << "\n"

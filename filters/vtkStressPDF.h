@@ -7,7 +7,9 @@
  * unless another is chosen with SetInputArrayToProcess(0, ...). Phases are whole numbers there as well: `phase`, or
  * what SetInputArrayToProcess(1, ...) chooses; without such an array all is one phase.
  *
- * Every point (cell) counts once, whatever its size. Points of the void, which carry no stress, are left out.
+ * Every point (cell) counts once, whatever its size. Points of the void, which carry no stress, are left out, and so
+ * are the layers that platens hold, where bonds are missing (vtkBondEquilibrium tells which in `platen_layers` and
+ * `load_axis`).
  *
  * **Output 0**, density: one row a bin. `stress`, `stress_low`, `stress_high` (in mean tensile stresses ⟨σ⁺⟩ of all
  * that is counted), `count`, `density`, `tail` (the law that was fitted, NaN below the threshold); for each phase
@@ -86,6 +88,13 @@ public:
   ///@}
 
   ///@{
+  /** Whether points of an image that platens hold are left out. Default on. */
+  vtkSetMacro(LeaveOutPlatens, bool);
+  vtkGetMacro(LeaveOutPlatens, bool);
+  vtkBooleanMacro(LeaveOutPlatens, bool);
+  ///@}
+
+  ///@{
   /** Width of a bin of the density, in mean tensile stresses. Default 0.05. */
   vtkSetMacro(BinWidth, double);
   vtkGetMacro(BinWidth, double);
@@ -142,6 +151,7 @@ private:
 
   int Component = YY;
   std::vector<std::string> Phases;
+  bool LeaveOutPlatens = true;
   double BinWidth = 0.05;
   double Range[2] = { 0, 0 };
   double Threshold = 0;

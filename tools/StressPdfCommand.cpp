@@ -47,6 +47,7 @@ struct StressPdfOptions
   std::string tailShare = "10%";
   double binWidth = 0.05;
   std::string range;
+  bool keepPlatens = false;
   std::string reference;
   int threads = 1;
   std::string output;
@@ -90,6 +91,7 @@ void configure(vtkStressPDF* filter, const StressPdfOptions& o)
   {
     filter->SetThreshold(positive("--threshold", o.threshold, "2, in mean tensile stresses"));
   }
+  filter->SetLeaveOutPlatens(!o.keepPlatens);
   const double part = share("--tail-share", o.tailShare);
   if (!(part > 0 && part <= 1))
   {
@@ -365,6 +367,7 @@ Command stressPdfCommand(CLI::App& root)
     ->capture_default_str();
   what(app->add_option("--reference", o->reference, "A stress to compare the means with, such as the pure matrix's"))
     ->type_name("PA");
+  what(app->add_flag("--keep-platens", o->keepPlatens, "Count the layers that platens hold, too"));
   const auto law = [](CLI::Option* option) { return option->group("Tail and density"); };
   law(app->add_option("--threshold", o->threshold, "Where the tail begins, in mean tensile stresses"))
     ->type_name("NUMBER");

@@ -116,6 +116,7 @@ def stress_pdf(
     array="stress",
     phase_array="phase",
     cells=False,
+    keep_platens=False,
     progress=None,
 ):
     """Probability density of a stress, mean tensile and compressive stress, and the exponential tail.
@@ -128,6 +129,7 @@ def stress_pdf(
     bin_width, range   of the density, in mean tensile stresses
     reference   a stress to compare the means with [Pa]
     array, phase_array, cells   where stresses and phases are, and whether at cells
+    keep_platens   also count the layers that platens hold
     """
     pdf = vtkStressPDF()
     if isinstance(data, ImageBase):
@@ -141,6 +143,7 @@ def stress_pdf(
     pdf.SetComponent(choose({name: i for i, name in enumerate(_COMPONENTS)}, component, "component"))
     for phase in [phases] if isinstance(phases, (str, int)) else phases or ():
         pdf.AddPhase(str(phase))
+    pdf.SetLeaveOutPlatens(not keep_platens)
     pdf.SetThreshold(0 if threshold is None else float(threshold))
     pdf.SetTailShare(float(tail_share))
     pdf.SetBinWidth(float(bin_width))
