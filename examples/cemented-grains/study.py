@@ -36,10 +36,10 @@ COLOURS = ListedColormap(["#ffffff", "#e3a857", "#4a5568"])  # void, matrix, gra
 SOLID = ListedColormap(["#eeeeee", "#cccccc"])  # matrix, grain
 
 
-def bridged(packing, width, nodes):
+def bridged(packing, width, nodes, platen=0.0):
     if width == FILLED:
-        return lamella.bridges(packing, filled=True, nodes_across=nodes)
-    return lamella.bridges(packing, width=width, nodes_across=nodes)
+        return lamella.bridges(packing, filled=True, nodes_across=nodes, platen=platen)
+    return lamella.bridges(packing, width=width, nodes_across=nodes, platen=platen)
 
 
 def pores_of(image, minimum):

@@ -8,7 +8,8 @@ import unittest
 import pictures
 from program import CONDUCTIVITIES, HERE, PHASES, Case
 
-COMMANDS = ["generate", "diffusion", "flux-map", "packing", "bridges", "equilibrium", "pore-flood-fill", "snapshot", "info"]
+COMMANDS = ["generate", "diffusion", "flux-map", "packing", "bridges", "equilibrium", "pore-flood-fill", "stress-pdf",
+            "snapshot", "info"]
 
 
 class Words(Case):

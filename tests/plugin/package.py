@@ -235,6 +235,39 @@ class Diffusion(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "names axes"):
             lamella.pore_flood_fill(picture, 0, periodic="w")
 
+    def test_stress_pdf(self):
+        bar = lamella.from_array(np.ones((40, 30), int), ["void", "bar"], spacing=1e-3)
+        stress = np.zeros((1200, 6))
+        stress[:, 1] = np.random.default_rng(3).exponential(2e5, 1200)
+        stress[::4, 1] *= -0.1
+        array = numpy_to_vtk(stress, deep=True)
+        array.SetName("stress")
+        bar.vtk.GetPointData().AddArray(array)
+        pdf = lamella.stress_pdf(bar, threshold=1, reference=1e5, range=(-1, 8), bin_width=0.5)
+        tensile = stress[stress[:, 1] > 0, 1]
+        self.assertAlmostEqual(pdf.mean_tensile / tensile.mean(), 1)
+        self.assertAlmostEqual(pdf.mean_compressive / stress[stress[:, 1] < 0, 1].mean(), 1)
+        tail = tensile[tensile > tensile.mean()] / tensile.mean() - 1
+        self.assertAlmostEqual(pdf.theta, 1 / tail.mean())
+        self.assertAlmostEqual(pdf.theta_error, pdf.theta / len(tail) ** 0.5)
+        self.assertEqual(pdf.threshold, 1)
+        expected, _ = np.histogram(stress[:, 1] / tensile.mean(), np.arange(-1, 8.25, 0.5))
+        np.testing.assert_array_equal(pdf.density["count"], expected)
+        np.testing.assert_array_equal(pdf.density["count_bar"], expected)
+        self.assertEqual(list(pdf.phases), ["all", "bar"])  # there is no void
+        self.assertAlmostEqual(pdf.phases["bar"]["mean_tensile_over_reference"], tensile.mean() / 1e5)
+        self.assertTrue(np.all(np.diff(pdf.thresholds["threshold"]) > 0))
+        self.assertIn("theta", repr(pdf))
+        self.assertGreater(lamella.stress_pdf(bar.vtk, "von-mises", "bar").mean_tensile, 0)
+        with self.assertRaisesRegex(lamella.LamellaError, "beyond the threshold of 50"):
+            lamella.stress_pdf(bar, threshold=50)
+        with self.assertRaisesRegex(lamella.LamellaError, "no array 'sigma'"):
+            lamella.stress_pdf(bar, array="sigma")
+        with self.assertRaisesRegex(ValueError, "component is 'yx'"):
+            lamella.stress_pdf(bar, "yx")
+        with self.assertRaisesRegex(TypeError, "ndarray"):
+            lamella.stress_pdf(stress)
+
     def test_errors_have_words_and_a_hint(self):
         picture = np.zeros((8, 8), int)
         picture[3] = 1

@@ -3,6 +3,7 @@
 import unittest
 
 import lamella
+import numpy as np
 import paraview.simple as pv
 from paraview import servermanager
 
@@ -21,7 +22,8 @@ class Proxies(unittest.TestCase):
 
     def test_every_property_says_what_it_is(self):
         for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap, pv.PoreFloodFill,
-                       pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondStress):
+                       pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondStress,
+                       pv.StressPDF):
             proxy = create()
             properties = proxy.SMProxy
             self.assertTrue(properties.GetDocumentation().GetDescription().strip())
@@ -39,6 +41,8 @@ class Proxies(unittest.TestCase):
                                   "Lattice", "Method", "Tolerance", "MaximumIterations", "Threads")),
             (pv.FluxMap, ("Direction", "NumberOfStreamlines")),
             (pv.PoreFloodFill, ("Phase", "Connectivity", "Periodic", "MinimumSize", "SortBySize", "ComputePoreSize")),
+            (pv.StressPDF, ("Component", "LeaveOutPlatens", "Threshold", "TailShare", "BinWidth", "Range",
+                            "ReferenceStress")),
             (pv.GrainPacking, ("Dimension", "Count", "MeanDiameter", "DiameterRatio", "Sizes", "Aspect", "Periodic",
                                "Friction", "Pressure", "Softness", "PackingFraction", "Seed", "Tolerance")),
             (pv.PackingReader, ("LengthUnit", "BoxSize")),
@@ -106,6 +110,26 @@ class Proxies(unittest.TestCase):
         self.assertEqual(field(walls, "pore_largest")[0], expected.largest)
         self.assertEqual(field(walls, "pore_dropped"), list(expected.dropped))
         self.assertEqual(sorted(walls.PointData.keys()), ["phase", "pore"])
+
+    def test_stresses(self):
+        tissue = pv.MicrostructureSource(Size=[90, 80, 1])
+        stresses = pv.Calculator(Input=tissue, ResultArrayName="yy", Function="coordsX*coordsX - 1e-10")
+        pdf = pv.StressPDF(Input=stresses, StressArray=["POINTS", "yy"], Threshold=1.5, BinWidth=0.25,
+                           Phases=["wall"], ReferenceStress=1e-10)
+        pdf.UpdatePipeline()
+        density = servermanager.Fetch(pdf, idx=0)
+        phases = servermanager.Fetch(pdf, idx=1)
+        self.assertEqual(phases.GetNumberOfRows(), 2)
+        self.assertEqual(phases.GetColumnByName("phase").GetValue(1), "wall")
+        wall = lamella.softwood(size=(90, 80)).phase == 1
+        x = (np.arange(90) + 0.5) * tissue.Spacing
+        value = np.broadcast_to(x * x - 1e-10, (80, 90))[wall]
+        self.assertEqual(phases.GetColumnByName("count").GetValue(0), wall.sum())
+        self.assertAlmostEqual(phases.GetColumnByName("mean_tensile").GetValue(0) / value[value > 0].mean(), 1)
+        count = density.GetColumnByName("count")
+        self.assertEqual(sum(count.GetValue(i) for i in range(density.GetNumberOfRows())), wall.sum())
+        self.assertIsNotNone(density.GetColumnByName("density_wall"))
+        self.assertGreater(servermanager.Fetch(pdf, idx=2).GetNumberOfRows(), 3)
 
     def test_grains(self):
         grains = pv.GrainPacking(Count=60, Softness=1e-4, Seed=4)

@@ -1,4 +1,4 @@
-"""FluxMap and PoreFloodFill under pvbatch: whatever ParaView's pieces are, the numbers are those of one rank.
+"""FluxMap, PoreFloodFill and StressPDF under pvbatch: whatever ParaView's pieces are, the numbers are those of one rank.
 
 ranks.py RESULT.json [REFERENCE.json]
 """
@@ -58,6 +58,19 @@ def pores(size, connectivity, periodic):
     return result
 
 
+def stresses(size):
+    field = pv.Calculator(Input=pv.MicrostructureSource(Size=size), ResultArrayName="yy",
+                          Function="1e4*(coordsX - 1e-5) + sin(3e5*coordsY)")
+    pdf = pv.StressPDF(Input=field, StressArray=["POINTS", "yy"])
+    pdf.UpdatePipeline()
+    table = servermanager.Fetch(pdf)
+    names = ("stress_count", "stress_mean_tensile", "stress_mean_compressive", "stress_theta", "stress_tail_distance")
+    result = {name: [table.GetFieldData().GetArray(name).GetTuple1(0)] for name in names}
+    count = table.GetColumnByName("count")
+    result["count"] = [count.GetTuple1(i) for i in range(count.GetNumberOfTuples())]
+    return result
+
+
 def compare(found, expected):
     for case, numbers in expected.items():
         for name, values in numbers.items():
@@ -76,6 +89,8 @@ results = {
     "volume": run([30, 24, 20], "Insulated"),
     "pores": pores([130, 90, 1], "8 (picture: and corners)", [0, 1, 0]),
     "pores of a volume": pores([60, 50, 40], "26 (volume: and corners)", [1, 0, 1]),
+    "stresses": stresses([130, 90, 1]),
+    "stresses in a volume": stresses([30, 24, 20]),
 }
 with open(sys.argv[1], "w", encoding="ascii") as file:
     json.dump(results, file)
