@@ -268,6 +268,26 @@ class Diffusion(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "ndarray"):
             lamella.stress_pdf(stress)
 
+    def test_stress_in_cemented_grains(self):
+        """What Frank et al. (2020) say of their figures 16 to 18, on one small sample."""
+        packing = lamella.packing(count=60, seed=1)
+        young = {"matrix": 1e9, "grain": 4e9, "matrix-grain": 1e9, "grain-grain": 1e9}
+        found = []
+        for width in (0.25, 0.75, None):
+            fill = {"filled": True} if width is None else {"width": width}
+            image = lamella.bridges(packing, nodes_across=120, platen=3 * packing.box[0] / 120, **fill)
+            loaded = lamella.equilibrium(image, young, stress=True, strain=1e-5)
+            found.append(lamella.stress_pdf(loaded, reference=1e9 * 1e-5))
+        low, middle, full = (pdf.phases["all"] for pdf in found)
+        self.assertTrue(1.5 < low["theta"] < 0.8 * middle["theta"] < 0.6 * full["theta"])
+        for one in (low, middle, full):
+            self.assertGreater(one["mean_tensile_over_reference"], 1)  # the grains carry most
+        self.assertTrue(0.05 < -low["mean_compressive"] / low["mean_tensile"] < 0.15)  # about a tenth
+        self.assertLess(-middle["mean_compressive"] / middle["mean_tensile"], 0.07)
+        self.assertLess(full["compressive_share"], 1e-4)
+        # What the platens hold is not the sample: there are 3 layers at either end.
+        self.assertEqual(full["count"], image.phase.size - 6 * image.phase.shape[1])
+
     def test_errors_have_words_and_a_hint(self):
         picture = np.zeros((8, 8), int)
         picture[3] = 1
