@@ -347,8 +347,8 @@ void stressPdf(Session& session, const StressPdfOptions& o, const std::string& c
 
 Command stressPdfCommand(CLI::App& root)
 {
-  CLI::App* app = root.add_subcommand("stress-pdf",
-    "How stresses are distributed: density, mean tensile and compressive stress, exponential tail, by phase");
+  CLI::App* app =
+    root.add_subcommand("stress-pdf", "How stresses are distributed: density, means and exponential tail, by phase");
   auto o = std::make_shared<StressPdfOptions>();
   app->add_option("FILE", o->file, "A .vti or .vtp with stresses, such as lamella equilibrium writes")->required();
   const auto what = [](CLI::Option* option) { return option->group("Stresses"); };
