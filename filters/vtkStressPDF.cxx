@@ -140,12 +140,12 @@ vtkStressPDF::vtkStressPDF()
   this->SetNumberOfOutputPorts(3);
   this->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "stress");
   this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "phase");
-  this->SetController(vtkMultiProcessController::GetGlobalController());
+  this->vtkStressPDF::SetController(vtkMultiProcessController::GetGlobalController());
 }
 
 vtkStressPDF::~vtkStressPDF()
 {
-  this->SetController(nullptr);
+  this->vtkStressPDF::SetController(nullptr);
 }
 
 vtkCxxSetObjectMacro(vtkStressPDF, Controller, vtkMultiProcessController);

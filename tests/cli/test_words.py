@@ -44,7 +44,8 @@ class Words(Case):
             options[command] = set()
             for kind in kinds if command == "generate" else [""]:
                 text = self.works(command, *kind.split(), "--help").out
-                options[command] |= set(re.findall(r"^  (?:-\w, )?(--[\w-]+)", text, re.MULTILINE))
+                for names in re.findall(r"^  (?:-\w, )?(--[\w-]+(?:, --[\w-]+)*)", text, re.MULTILINE):
+                    options[command] |= set(names.split(", "))
         every = set().union(*options.values())
         for command in COMMANDS:
             with open(os.path.join(folder, command + ".md"), encoding="utf-8") as file:
