@@ -260,6 +260,22 @@ std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::u
 
 constexpr std::int64_t stride = 8;
 
+/// Eight values of four bytes: the first `left` of them `inside`, the others `background`.
+template <typename Value>
+inline __attribute__((always_inline)) void writeEight(Value* out, std::int32_t left, Value inside, Value background)
+{
+#if defined(__AVX2__)
+  static_assert(sizeof(Value) == 4);
+  const __m256i within = _mm256_cmpgt_epi32(_mm256_set1_epi32(left), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+  const __m256i values = _mm256_blendv_epi8(_mm256_set1_epi32(__builtin_bit_cast(std::int32_t, background)),
+    _mm256_set1_epi32(__builtin_bit_cast(std::int32_t, inside)), within);
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), values);
+#else
+  for (std::int32_t k = 0; k < 8; ++k)
+    out[k] = k < left ? inside : background;
+#endif
+}
+
 template <typename Value>
 void fill(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece, const Value* value,
   Value background, Value* out, std::int64_t nodes, std::int64_t room)
@@ -276,8 +292,7 @@ void fill(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* pie
     for (; x + stride <= room; x += stride)
     {
       const auto left = static_cast<std::int32_t>(end - x);
-      for (std::int32_t k = 0; k < stride; ++k)
-        out[x + k] = k < left ? inside : background;
+      writeEight(out + x, left, inside, background);
       if (left <= stride)
         break;
     }
