@@ -140,7 +140,7 @@ class Equilibrium(Case):
         self.fails(2, "--load 'sheer'", "did you mean 'shear'?", *bar, "--load", "sheer")
         self.fails(2, "--stress without a file", "-o FILE.vti", *bar, "--stress")
         self.fails(2, "-o 'a.png': the fields are written as .vti", "", *bar, "-o", "a.png")
-        self.fails(2, "--continuum", "", *bar, "--continuum", "space")
+        self.fails(2, "space is asked of a picture", "plane stress", *bar, "--continuum", "space")
         self.fails(3, "has no point array 'grain'", "", *bar, "--young", "stone-stone=1")
         half = [[0] * 20 if 20 <= y < 30 else [255] * 20 for y in range(50)]
         self.write("apart.png", pictures.png(half))
