@@ -240,7 +240,8 @@ private:
       throw ParameterError(
         fmt::format("no material is given for bonds of {}",
           pairName(model_, static_cast<std::uint8_t>(missing / 256), static_cast<std::uint8_t>(missing % 256))),
-        "these phases lie within a horizon of each other: give the pair a material, its own, another pair's or a mixture");
+        "these phases lie within a horizon of each other: give the pair a material, its own, another pair's or a "
+        "mixture");
   }
 
   void weigh()

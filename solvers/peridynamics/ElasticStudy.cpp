@@ -166,10 +166,10 @@ std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult&
   // have a material of their own, those that jump over a layer have it too.
   for (const PhaseThickness& t : r.thickness)
     if (t.thinShare > 0.25 && !model.pairByGrain)
-      warnings.push_back(
-        fmt::format("{} is {:g} nodes thick (median; {:.0f} % of its nodes lie where it is thinner than the horizon of "
-                    "{:g}): bonds jump over it. Refine the picture, or give bonds between grains a material of their own",
-          pairName(model, t.phase, t.phase), t.median, 100 * t.thinShare, model.horizon));
+      warnings.push_back(fmt::format(
+        "{} is {:g} nodes thick (median; {:.0f} % of its nodes lie where it is thinner than the horizon of "
+        "{:g}): bonds jump over it. Refine the picture, or give bonds between grains a material of their own",
+        pairName(model, t.phase, t.phase), t.median, 100 * t.thinShare, model.horizon));
   if (r.loosePieces > 0)
     warnings.push_back(fmt::format(
       "{} loose pieces with {} nodes ({:.2g} % of the solid) hang on no platen and were taken out: they carry nothing",

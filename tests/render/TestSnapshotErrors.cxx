@@ -154,7 +154,8 @@ TEST_F(SnapshotErrors, UnknownColorMap)
   this->Snapshot->SetPreset(vtkSnapshot::TEMPERATURE);
   this->Snapshot->SetColorMap("jet");
   this->expectError("there is no colour map 'jet'");
-  EXPECT_STREQ(this->Snapshot->GetErrorHint(), "choose one of viridis, inferno, magma, cividis, gray, coolwarm, blue-red");
+  EXPECT_STREQ(
+    this->Snapshot->GetErrorHint(), "choose one of viridis, inferno, magma, cividis, gray, coolwarm, blue-red");
 }
 
 TEST_F(SnapshotErrors, PhasesAreWholeNumbers)
