@@ -490,6 +490,11 @@ Quantity FindQuantity(vtkDataSet* data, const std::array<int, 3>& size, const Sn
   const std::string name = options.arrayName.empty() ? DefaultArray(data, options.preset) : options.arrayName;
   quantity.array = GetArray(data, name, size[0] == 0, quantity.onCells);
   quantity.preset = options.preset == vtkSnapshot::AUTO ? PresetOfName(name) : options.preset;
+  if (options.preset == vtkSnapshot::AUTO && quantity.preset == vtkSnapshot::STRESS &&
+    quantity.array->GetNumberOfComponents() != 6)
+  {
+    quantity.preset = vtkSnapshot::SCALAR; // one component, already chosen
+  }
   if (options.component >= quantity.array->GetNumberOfComponents())
   {
     throw SnapshotError{ "component " + std::to_string(options.component) + " of '" + name + "' is asked for; it has " +

@@ -293,6 +293,34 @@ TEST_F(SnapshotTest, ValuesOnBothSidesOfZeroAreCentred)
   EXPECT_GT(warm[0], warm[2] + 100) << "red";
 }
 
+// A tensor is shown by its component along the load, over the stress on the platen; voids are grey, 0 is blue.
+TEST_F(SnapshotTest, StressIsThatAlongTheLoad)
+{
+  this->Image = samples::lattice(50, 40, 1, 1e-6);
+  samples::addField(this->Image, "phase", { [](int i, int, int) { return i < 10 ? 0.0 : 1.0; } });
+  const auto zero = [](int, int, int) { return 0.0; };
+  const auto rising = [](int i, int, int) { return i < 10 ? 0.0 : 2e6 * (i < 20 ? 0 : i < 30 ? 1 : 3); };
+  samples::addField(this->Image, "stress", { zero, rising, zero, zero, zero, zero });
+  vtkNew<vtkDoubleArray> platen;
+  platen->SetName("effective_stress");
+  platen->InsertNextValue(2e6);
+  this->Image->GetFieldData()->AddArray(platen);
+  vtkImageData* picture = this->draw(); // the preset follows from the name, y from the picture
+  ASSERT_NE(picture, nullptr);
+  EXPECT_DOUBLE_EQ(this->Snapshot->GetDrawnRange()[0], 0);
+  EXPECT_DOUBLE_EQ(this->Snapshot->GetDrawnRange()[1], 3);
+  EXPECT_EQ(this->colorOf(picture, 3, 20), Undefined);
+  EXPECT_EQ(this->colorOf(picture, 15, 20), (Rgb{ 0x31, 0x36, 0x95 })); // both ends of the map
+  EXPECT_EQ(this->colorOf(picture, 40, 20), (Rgb{ 0xa5, 0x00, 0x26 }));
+  vtkNew<vtkStringArray> axis;
+  axis->SetName("load_axis");
+  axis->InsertNextValue("x");
+  this->Image->GetFieldData()->AddArray(axis);
+  this->Snapshot->SetRange(0, 3);
+  picture = this->draw();
+  EXPECT_EQ(this->colorOf(picture, 40, 20), (Rgb{ 0x31, 0x36, 0x95 })) << "nothing along x";
+}
+
 // Pores of 1, 10, 100 and 1000 pixels in what is no pore: a third of the colours each, on a logarithmic scale.
 TEST_F(SnapshotTest, PoreSizesAreOnALogarithmicScale)
 {
