@@ -27,6 +27,7 @@ TEST(BondEquilibrium, UniformBar)
     const BondLattice bonds = latticeOf(m, s, everyone());
     Loading loading;
     loading.strain = 2e-3;
+    loading.rigid = false;
     const Solution r = solve(bonds, loading, with(EquilibriumSolver::Multigrid, 1e-12));
     const LatticeModuli moduli = latticeModuli(bonds.stencil(), Continuum::PlaneStress);
     const double nu = moduli.poissonsRatio;
