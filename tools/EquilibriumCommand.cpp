@@ -36,6 +36,7 @@ struct EquilibriumOptions
   double lateralStrain = 0;
   double traction = 0;
   bool smoothPlatens = false;
+  bool rigidPlatens = false;
   int platenLayers = 0;
   std::string solver = "multigrid";
   double tolerance = 1e-6;
@@ -91,6 +92,7 @@ void applyLoad(const EquilibriumOptions& o, vtkBondEquilibrium* filter)
   filter->SetLateralStrain(o.lateralStrain);
   filter->SetTraction(o.traction);
   filter->SetSmoothPlatens(o.smoothPlatens);
+  filter->SetRigidPlatens(o.rigidPlatens);
   filter->SetPlatenLayers(o.platenLayers);
   filter->SetSolver(static_cast<int>(oneOf("--solver", o.solver, solvers)));
   filter->SetTolerance(o.tolerance);
@@ -188,6 +190,7 @@ Command equilibriumCommand(CLI::App& root)
     ->capture_default_str();
   load(app->add_option("--traction", o->traction, "Of --load traction [Pa]; tension positive"))->type_name("PASCAL");
   load(app->add_flag("--smooth-platens", o->smoothPlatens, "Platens let the sample slip across the axis"));
+  load(app->add_flag("--rigid-platens", o->rigidPlatens, "All layers of a platen move alike, not as the mean strain"));
   load(app->add_option("--platen-layers", o->platenLayers, "Layers that a platen holds; 0: as many as a bond reaches"))
     ->type_name("NUMBER")
     ->capture_default_str();

@@ -153,6 +153,7 @@ void vtkBondEquilibrium::Run(vtkImageData* input, vtkImageData* output, const la
   options.loading.lateralStrain = this->LateralStrain;
   options.loading.traction = this->Traction;
   options.loading.smooth = this->SmoothPlatens;
+  options.loading.rigid = this->RigidPlatens;
   options.loading.layers = this->PlatenLayers;
   options.equilibrium.solver = static_cast<pd::EquilibriumSolver>(this->Solver);
   options.equilibrium.strains = settings.largeStrains ? pd::Strains::Large : pd::Strains::Small;
@@ -215,8 +216,9 @@ void vtkBondEquilibrium::Run(vtkImageData* input, vtkImageData* output, const la
     { { "model", model }, { "load", loadName[static_cast<std::size_t>(this->Load)] },
       { "axis", axisName[static_cast<std::size_t>(result.axis)] }, { "strain", this->Strain },
       { "lateral_strain", this->LateralStrain }, { "traction", this->Traction },
-      { "smooth_platens", this->SmoothPlatens }, { "platen_layers", this->PlatenLayers },
-      { "solver", solverName[static_cast<std::size_t>(this->Solver)] }, { "tolerance", this->Tolerance } });
+      { "smooth_platens", this->SmoothPlatens }, { "rigid_platens", this->RigidPlatens },
+      { "platen_layers", this->PlatenLayers }, { "solver", solverName[static_cast<std::size_t>(this->Solver)] },
+      { "tolerance", this->Tolerance } });
   if (team.rank() == 0)
   {
     for (const std::string& warning : result.warnings)
@@ -235,6 +237,7 @@ void vtkBondEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "LateralStrain: " << this->LateralStrain << "\n"
      << indent << "Traction: " << this->Traction << "\n"
      << indent << "SmoothPlatens: " << this->SmoothPlatens << "\n"
+     << indent << "RigidPlatens: " << this->RigidPlatens << "\n"
      << indent << "PlatenLayers: " << this->PlatenLayers << "\n"
      << indent << "Solver: " << this->Solver << "\n"
      << indent << "Tolerance: " << this->Tolerance << "\n"

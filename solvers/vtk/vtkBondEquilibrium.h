@@ -10,8 +10,8 @@
  * SetInputArrayToProcess(0, ...), and where bonds between grains have a material of their own the number of each node's
  * grain, `grain` (index 1). Nodes are pixel centres; an image of one layer along z is two-dimensional.
  *
- * **Load**: the low platen never moves. As many layers of nodes as a bond reaches are held at either end of the axis
- * (PlatenLayers), and the strain counts over the distance between their inner layers. Sides are free.
+ * **Load**: as many layers of nodes as a bond reaches are held at either end of the axis (PlatenLayers), and the strain
+ * counts over the distance between their inner layers, of which the low one never moves. Sides are free.
  *
  * **Output**: the input with
  * - `displacement` (3 doubles, [m]; 0 in voids),
@@ -109,6 +109,15 @@ public:
   vtkBooleanMacro(SmoothPlatens, bool);
   ///@}
   ///@{
+  /**
+   * All layers of a platen move alike. Off (default): they move as the mean strain has it, as if the sample went on, so
+   * that a uniform sample is strained uniformly up to its ends; with rigid platens it breaks there first.
+   */
+  vtkSetMacro(RigidPlatens, bool);
+  vtkGetMacro(RigidPlatens, bool);
+  vtkBooleanMacro(RigidPlatens, bool);
+  ///@}
+  ///@{
   /** Layers of nodes that a platen holds; 0 (default): as many as a bond reaches. */
   vtkSetClampMacro(PlatenLayers, int, 0, VTK_INT_MAX);
   vtkGetMacro(PlatenLayers, int);
@@ -172,6 +181,7 @@ private:
   double LateralStrain = 0;
   double Traction = 0;
   bool SmoothPlatens = false;
+  bool RigidPlatens = false;
   int PlatenLayers = 0;
   int Solver = MULTIGRID;
   double Tolerance = 1e-6;

@@ -108,6 +108,7 @@ TEST(ElasticStudy, ForcesWorkAndMeansAgree)
     ElasticOptions o = exact();
     o.loading.load = load;
     o.loading.traction = 1e6;
+    o.loading.rigid = true; // all work is done by one displacement
     const ElasticResult plain = solve(two(), s, o, alone());
     EXPECT_FALSE(plain.stress);
     o.stress = true;

@@ -233,6 +233,7 @@ def equilibrium(
     lateral_strain=0.0,
     traction=0.0,
     smooth_platens=False,
+    rigid_platens=False,
     platen_layers=0,
     stress=False,
     strain_energy=False,
@@ -255,6 +256,7 @@ def equilibrium(
     lateral_strain  of "biaxial", along the other axes
     traction  of "traction" [Pa]
     smooth_platens  of "stretch": they hold the component along the axis only
+    rigid_platens   all layers of a platen move alike; else as the mean strain has it, as if the sample went on
     platen_layers   nodes that a platen holds; 0: as many as a bond reaches
     stress, strain_energy  whether these fields are computed
     solver    "multigrid", "jacobi", "direct" (small images) or "dynamic-relaxation"
@@ -286,6 +288,7 @@ def equilibrium(
     solve.SetLateralStrain(float(lateral_strain))
     solve.SetTraction(float(traction))
     solve.SetSmoothPlatens(bool(smooth_platens))
+    solve.SetRigidPlatens(bool(rigid_platens))
     solve.SetPlatenLayers(int(platen_layers))
     solve.SetSolver(choose(_SOLVERS, solver, "solver"))
     solve.SetTolerance(float(tolerance))
