@@ -28,10 +28,10 @@ struct Loading
   double lateralStrain = 0; ///< see LoadCase::Biaxial
   double traction = 0;      ///< [Pa], tension positive
   bool smooth = false;      ///< Stretch: platens hold the component along the axis only
-  /// Platens are rigid: all their layers move alike. Otherwise layers move as the mean strain has it, as if the sample
-  /// went on: a uniform sample is then strained uniformly up to its ends, where with rigid platens bonds that reach
-  /// into them are stretched more than the rest.
-  bool rigid = true;
+  /// All layers of a platen move alike. Otherwise they move as the mean strain has it, as if the sample went on, and a
+  /// uniform sample is strained uniformly up to its ends; with rigid platens bonds that reach into them are stretched
+  /// more than the rest.
+  bool rigid = false;
   int layers = 0; ///< layers of nodes that a platen holds; 0: as many as a bond reaches
 };
 
