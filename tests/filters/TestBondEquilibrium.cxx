@@ -1,5 +1,6 @@
 // Elastic equilibrium through VTK's pipeline: arrays and numbers are the solver's; stress by the filter is that of the
 // solver; on distributed images the numbers are those of one rank; what is refused.
+#include "OnRanks.h"
 #include "VtkTesting.h"
 
 #include "lattice/Communicator.h"
@@ -31,28 +32,15 @@ using vtktest::picture;
 using vtktest::points;
 namespace pd = lamella::peridynamics;
 
-class BondEquilibrium : public ::testing::Test
+class BondEquilibrium : public vtktest::OnRanks
 {
 protected:
   static void SetUpTestSuite()
   {
-    controller_ = vtkMPIController::New();
-    controller_->Initialize(nullptr, nullptr, 1);
-    vtkMultiProcessController::SetGlobalController(controller_);
+    OnRanks::SetUpTestSuite();
     vtkOutputWindow::GetInstance()->SetDisplayModeToNever(); // warnings of thin phases
   }
-  static void TearDownTestSuite()
-  {
-    vtkMultiProcessController::SetGlobalController(nullptr);
-    controller_->Finalize(1);
-    controller_->Delete();
-  }
-  [[nodiscard]] static int rank() { return controller_->GetLocalProcessId(); }
-  [[nodiscard]] static int ranks() { return controller_->GetNumberOfProcesses(); }
-
-  static vtkMPIController* controller_;
 };
-vtkMPIController* BondEquilibrium::controller_ = nullptr;
 
 constexpr double spacing = 1e-5;
 

@@ -1,5 +1,6 @@
 // Distributed images: whatever pieces the ranks hold, the answer is that of one rank. Also runs on one rank, where the
 // pieces are those of a single process.
+#include "OnRanks.h"
 #include "VtkTesting.h"
 
 #include "BoxExchange.h"
@@ -32,27 +33,9 @@ namespace
 
 using namespace lamella;
 
-class Pieces : public ::testing::Test
+class Pieces : public vtktest::OnRanks
 {
-protected:
-  static void SetUpTestSuite()
-  {
-    controller_ = vtkMPIController::New();
-    controller_->Initialize(nullptr, nullptr, 1);
-    vtkMultiProcessController::SetGlobalController(controller_);
-  }
-  static void TearDownTestSuite()
-  {
-    vtkMultiProcessController::SetGlobalController(nullptr);
-    controller_->Finalize(1);
-    controller_->Delete();
-  }
-  [[nodiscard]] static int rank() { return controller_->GetLocalProcessId(); }
-  [[nodiscard]] static int ranks() { return controller_->GetNumberOfProcesses(); }
-
-  static vtkMPIController* controller_;
 };
-vtkMPIController* Pieces::controller_ = nullptr;
 
 Block pieceOf(const Lattice& lattice, int piece, int pieces, int split, int ghosts)
 {

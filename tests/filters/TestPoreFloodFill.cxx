@@ -1,5 +1,6 @@
 // Pores through VTK's pipeline: arrays, tables, field data, what is refused; on distributed images, the labels of one
 // rank to the last byte.
+#include "OnRanks.h"
 #include "VtkTesting.h"
 
 #include "pores/PoreLabelling.h"
@@ -30,27 +31,9 @@ using vtktest::errorOf;
 using vtktest::picture;
 using vtktest::points;
 
-class PoreFloodFill : public ::testing::Test
+class PoreFloodFill : public vtktest::OnRanks
 {
-protected:
-  static void SetUpTestSuite()
-  {
-    controller_ = vtkMPIController::New();
-    controller_->Initialize(nullptr, nullptr, 1);
-    vtkMultiProcessController::SetGlobalController(controller_);
-  }
-  static void TearDownTestSuite()
-  {
-    vtkMultiProcessController::SetGlobalController(nullptr);
-    controller_->Finalize(1);
-    controller_->Delete();
-  }
-  [[nodiscard]] static int rank() { return controller_->GetLocalProcessId(); }
-  [[nodiscard]] static int ranks() { return controller_->GetNumberOfProcesses(); }
-
-  static vtkMPIController* controller_;
 };
-vtkMPIController* PoreFloodFill::controller_ = nullptr;
 
 /// 'a' is void in two pores: 2 × 3 nodes in the corner, 1 node in the middle.
 int twoPores(int x, int y, int)

@@ -1,5 +1,6 @@
 // Stresses through VTK's pipeline: tables, phases, points and cells, what is refused; on distributed data, the numbers
 // of one rank.
+#include "OnRanks.h"
 #include "VtkTesting.h"
 
 #include "vtkCellData.h"
@@ -33,27 +34,9 @@ using vtktest::errorOf;
 using vtktest::picture;
 using vtktest::points;
 
-class StressPDF : public ::testing::Test
+class StressPDF : public vtktest::OnRanks
 {
-protected:
-  static void SetUpTestSuite()
-  {
-    controller_ = vtkMPIController::New();
-    controller_->Initialize(nullptr, nullptr, 1);
-    vtkMultiProcessController::SetGlobalController(controller_);
-  }
-  static void TearDownTestSuite()
-  {
-    vtkMultiProcessController::SetGlobalController(nullptr);
-    controller_->Finalize(1);
-    controller_->Delete();
-  }
-  [[nodiscard]] static int rank() { return controller_->GetLocalProcessId(); }
-  [[nodiscard]] static int ranks() { return controller_->GetNumberOfProcesses(); }
-
-  static vtkMPIController* controller_;
 };
-vtkMPIController* StressPDF::controller_ = nullptr;
 
 double cell(vtkTable* table, vtkIdType row, const char* column)
 {

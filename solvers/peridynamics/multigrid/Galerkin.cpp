@@ -133,7 +133,7 @@ public:
     , stride_((fine.size[0] + 15) / 16 * 16)
     , natural_(static_cast<std::size_t>(stride_ * entries_))
     , split_(static_cast<std::size_t>(2 * stride_ * entries_))
-    , sums_(static_cast<std::size_t>((coarse.half.size() + 1)) * static_cast<std::size_t>(coarse.layout.pitch))
+    , sums_((coarse.half.size() + 1) * static_cast<std::size_t>(coarse.layout.pitch))
     , touched_(coarse.half.size() + 1, 0)
   {
   }
