@@ -41,7 +41,7 @@ bool everyPartHasRows(std::int64_t rows, int n, std::int64_t alignment)
 
 } // namespace
 
-Decomposition::Decomposition(const Lattice& lattice, const Communicator& comm)
+Decomposition::Decomposition(const Lattice& lattice, const Communicator& comm, double unevenness)
   : lattice_(lattice)
   , rank_(comm.rank())
 {
@@ -68,7 +68,7 @@ Decomposition::Decomposition(const Lattice& lattice, const Communicator& comm)
                            ny * nz, lattice.size[0], ny, nz),
       "start fewer ranks: every rank needs at least one row along x");
 
-  // The largest alignment whose largest part is within 4 % of an even share.
+  // The largest alignment whose largest part is even enough.
   for (const int levels : { 4, 3, 2, 1, 0 })
   {
     const std::int64_t alignment = std::int64_t{ 1 } << levels;
@@ -78,7 +78,7 @@ Decomposition::Decomposition(const Lattice& lattice, const Communicator& comm)
       {
         const double even = static_cast<double>(lattice.size[axis]) / parts_[axis];
         good = good && everyPartHasRows(lattice.size[axis], parts_[axis], alignment) &&
-          static_cast<double>(largestPart(lattice.size[axis], parts_[axis], alignment)) <= 1.04 * even;
+          static_cast<double>(largestPart(lattice.size[axis], parts_[axis], alignment)) <= (1 + unevenness) * even;
       }
     if (good || levels == 0)
     {

@@ -197,6 +197,7 @@ std::unique_ptr<Level> Multigrid::coarsen(Level& fine) const
   const Grid& c = coarse->grid;
   coarse->periodic = fine.periodic;
   coarse->straight = false;
+  coarse->depth = fine.depth + 1;
   coarse->halvings = fine.halvings + 1;
   for (std::size_t a = 0; a < 3; ++a)
   {

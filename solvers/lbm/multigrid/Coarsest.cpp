@@ -1,4 +1,4 @@
-// The coarsest level, by sparse Cholesky; and levels gathered on every rank.
+// The coarsest level, by sparse Cholesky; and levels shared out anew or gathered on every rank.
 #include "lattice/Error.h"
 #include "lbm/multigrid/Multigrid.h"
 
@@ -118,25 +118,81 @@ Grid blockGrid(const Level& part, const Block& finest, std::array<std::int64_t, 
 
 } // namespace
 
+namespace
+{
+
+Lattice latticeOf(const Level& level)
+{
+  Lattice lattice;
+  lattice.dimension = level.grid.dimension;
+  lattice.size = level.size;
+  return lattice;
+}
+
+// Arrays for the same lattice, shared out otherwise.
+void likeBefore(const Level& part, Level& next)
+{
+  next.periodic = part.periodic;
+  next.straight = part.straight;
+  next.size = part.size;
+  next.depth = part.depth;
+  const Grid& g = next.grid;
+  next.halo = Halo(g.dimension, { g.nx, g.ny, g.nz }, *next.parts, *next.comm, next.periodic);
+  next.allocateLinks(part.directions());
+  if (!part.straight)
+    next.inverse.assign(g.floats(), 0.0F);
+  next.u.assign(g.floats(), 0.0F);
+  next.f.assign(g.floats(), 0.0F);
+}
+
+} // namespace
+
+std::unique_ptr<Level> Multigrid::move(Level& part) const
+{
+  const int ranks = part.comm->size();
+  if (ranks > std::max(part.size[1], part.size[2]))
+    return nullptr;
+  auto next = std::make_unique<Level>();
+  next->comm = std::make_unique<Communicator>(*part.comm);
+  next->parts = std::make_unique<Decomposition>(latticeOf(part), *next->comm, 0.05);
+  if (next->parts->levels() == 0)
+    return nullptr;
+  const Block& block = next->parts->block();
+  next->grid = Grid(part.grid.dimension, block.size[0], block.size[1], block.size[2]);
+  next->start = block.start;
+  likeBefore(part, *next);
+
+  std::vector<Block> before;
+  std::vector<Block> after;
+  for (int r = 0; r < ranks; ++r)
+  {
+    Block& b = before.emplace_back();
+    const Grid g = blockGrid(part, part.parts->block(r), b.start);
+    b.size = { g.nx, g.ny, g.nz };
+    after.push_back(next->parts->block(r));
+  }
+  part.moved =
+    std::make_unique<Redistribution>(part.grid.dimension, part.size, std::move(before), std::move(after), *part.comm);
+  const auto copyArray = [&](const FloatArray& from, FloatArray& to)
+  {
+    part.moved->forward(from.data() + Grid::lead, to.data() + Grid::lead, static_cast<std::size_t>(part.grid.stride));
+    next->exchange(to);
+  };
+  for (std::size_t d = 0; d < part.links.size(); ++d)
+    copyArray(part.links[d], next->links[d]);
+  if (!part.straight)
+    copyArray(part.inverse, next->inverse);
+  return next;
+}
+
 std::unique_ptr<Level> Multigrid::gather(const Level& part) const
 {
   auto whole = std::make_unique<Level>();
   whole->grid = Grid(part.grid.dimension, part.size[0], part.size[1], part.size[2]);
-  whole->periodic = part.periodic;
-  whole->straight = part.straight;
-  whole->size = part.size;
   whole->comm = std::make_unique<Communicator>(MPI_COMM_SELF);
-  Lattice lattice;
-  lattice.dimension = part.grid.dimension;
-  lattice.size = part.size;
-  whole->parts = std::make_unique<Decomposition>(lattice, *whole->comm);
+  whole->parts = std::make_unique<Decomposition>(latticeOf(part), *whole->comm);
+  likeBefore(part, *whole);
   const Grid& w = whole->grid;
-  whole->halo = Halo(w.dimension, { w.nx, w.ny, w.nz }, *whole->parts, *whole->comm, whole->periodic);
-  whole->allocateLinks(part.directions());
-  if (!part.straight)
-    whole->inverse.assign(w.floats(), 0.0F);
-  whole->u.assign(w.floats(), 0.0F);
-  whole->f.assign(w.floats(), 0.0F);
 
   const auto copyArray = [&](const FloatArray& from, FloatArray& to)
   {

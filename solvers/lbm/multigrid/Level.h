@@ -1,6 +1,7 @@
 #pragma once
 
 #include "lattice/Decomposition.h"
+#include "lattice/Redistribution.h"
 #include "lbm/multigrid/Grid.h"
 
 #include <array>
@@ -32,8 +33,10 @@ struct Level
   Halo halo;
   std::array<std::int64_t, 3> start{ 0, 0, 0 }; ///< of this block in the level's lattice
   std::array<std::int64_t, 3> size{ 1, 1, 1 };  ///< of the level's lattice
-  int halvings = 0;                             ///< from the finest level
+  int depth = 0;                                ///< halvings from the finest level
+  int halvings = 0;                             ///< of the lattice that `parts` shares out
   bool gathered = false;                        ///< the next level is the same lattice, whole on every rank
+  std::unique_ptr<Redistribution> moved;        ///< the next level is the same lattice, shared out anew
 
   [[nodiscard]] int directions() const noexcept { return static_cast<int>(links.size()); }
   void allocateLinks(int count);

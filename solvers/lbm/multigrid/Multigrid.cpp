@@ -61,9 +61,15 @@ void Multigrid::build()
     Level& level = *levels_.back();
     const bool parallel = level.comm->parallel();
     const bool more = canHalve(level.size, level.periodic);
-    if (parallel &&
-      (!more || distributedLeft == 0 ||
-        (levels_.size() > 1 && level.size[0] * level.size[1] * level.size[2] <= gatherNodes)))
+    const bool small = level.depth > 0 && level.size[0] * level.size[1] * level.size[2] <= gatherNodes;
+    if (parallel && more && !small && distributedLeft == 0)
+      if (auto next = move(level))
+      {
+        distributedLeft = next->parts->levels();
+        levels_.push_back(std::move(next));
+        continue;
+      }
+    if (parallel && (!more || small || distributedLeft == 0))
     {
       level.gathered = true;
       levels_.push_back(gather(level));
@@ -113,6 +119,15 @@ void Multigrid::cycle(std::size_t index, const FloatArray& f, FloatArray& u, boo
     scatterVector(next, next.u, level, u);
     return;
   }
+  if (level.moved)
+  {
+    const auto rowLength = static_cast<std::size_t>(level.grid.stride);
+    level.moved->forward(f.data() + Grid::lead, next.f.data() + Grid::lead, rowLength);
+    cycle(index + 1, next.f, next.u, fromZero);
+    level.moved->backward(next.u.data() + Grid::lead, u.data() + Grid::lead, rowLength);
+    level.exchange(u);
+    return;
+  }
   // in 3D all is done plane by plane in one pass, where that is possible
   const bool byPlanes = level.grid.dimension == 3 && LayerSweep::possible(level, threads_);
   if (byPlanes)
@@ -127,7 +142,7 @@ void Multigrid::cycle(std::size_t index, const FloatArray& f, FloatArray& u, boo
   }
   cycle(index + 1, next.f, next.u, true);
   // in 3D the second visits begin a level further down: the first coarse level is four fifths of their cost
-  const bool again = level.grid.dimension == 2 || index > 0;
+  const bool again = level.grid.dimension == 2 || level.depth > 0;
   for (int visit = 1; again && visit < visits_ && index + 2 < levels_.size(); ++visit)
     cycle(index + 1, next.f, next.u, false);
   if (byPlanes)

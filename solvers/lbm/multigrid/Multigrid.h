@@ -22,8 +22,8 @@ namespace lamella::lbm
 /// coarse operators are Galerkin products, kept as links: 9 in 2D, 27 points in 3D. Weights are 16-bit fractions.
 /// The coarsest level is solved by sparse Cholesky (Eigen).
 ///
-/// Distributed as the lattice is, as long as every part begins at an even row; then the level is gathered and every
-/// rank does the rest, which is at most 1/64 of the work in 3D, for itself. Every rank count gives the same cycle.
+/// Distributed as the lattice is, as long as every part begins at an even row; then a large level is shared out anew,
+/// and a small one gathered: every rank does the rest for itself. Every rank count gives the same cycle.
 class Multigrid
 {
 public:
@@ -49,6 +49,8 @@ private:
   void computeWeights(Level& fine, const Level& coarse) const;
   std::unique_ptr<Level> coarsen(Level& fine) const;
   std::unique_ptr<Level> gather(const Level& part) const;
+  /// The same lattice, shared out so that it can be halved again; null where it cannot.
+  std::unique_ptr<Level> move(Level& part) const;
   void factorize(const Level& coarsest);
 
   void cycle(std::size_t level, const FloatArray& f, FloatArray& u, bool fromZero);

@@ -1,0 +1,83 @@
+#include "lattice/Redistribution.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lamella
+{
+
+Redistribution::Redistribution(int dimension, std::array<std::int64_t, 3> size, std::vector<Block> before,
+  std::vector<Block> after, const Communicator& comm)
+  : ghostZ_(dimension == 3 ? 1 : 0)
+  , size_(size)
+  , before_(std::move(before))
+  , after_(std::move(after))
+  , comm_(&comm)
+{
+}
+
+Redistribution::Range Redistribution::padded(const Block& block) const
+{
+  const auto along = [&](std::size_t axis, std::int64_t ghost) -> std::array<std::int64_t, 2>
+  {
+    const std::int64_t first = block.start[axis];
+    const std::int64_t last = first + block.size[axis];
+    return { first == 0 ? -ghost : first, last == size_[axis] ? last + ghost : last };
+  };
+  return { along(1, 1), along(2, ghostZ_) };
+}
+
+void Redistribution::move(const std::vector<Block>& from, const std::vector<Block>& to, const float* source,
+  float* target, std::size_t rowLength) const
+{
+  const auto rank = static_cast<std::size_t>(comm_->rank());
+  // f(index of the row in the padded array of `home`) for all rows that both ranges have
+  const auto forCommon = [&](const Block& one, const Block& other, const Block& home, auto&& f)
+  {
+    const Range a = padded(one);
+    const Range b = padded(other);
+    for (std::int64_t z = std::max(a.z[0], b.z[0]); z < std::min(a.z[1], b.z[1]); ++z)
+      for (std::int64_t y = std::max(a.y[0], b.y[0]); y < std::min(a.y[1], b.y[1]); ++y)
+        f(static_cast<std::size_t>((z - home.start[2] + ghostZ_) * (home.size[1] + 2) + y - home.start[1] + 1));
+  };
+  const std::size_t ranks = from.size();
+  std::vector<int> sendCount(ranks);
+  std::vector<int> sendStart(ranks);
+  std::vector<int> receiveCount(ranks);
+  std::vector<int> receiveStart(ranks);
+  std::vector<float> send;
+  int toCome = 0;
+  for (std::size_t r = 0; r < ranks; ++r)
+  {
+    sendStart[r] = static_cast<int>(send.size());
+    forCommon(from[rank], to[r], from[rank],
+      [&](std::size_t row) { send.insert(send.end(), source + row * rowLength, source + (row + 1) * rowLength); });
+    sendCount[r] = static_cast<int>(send.size()) - sendStart[r];
+    receiveStart[r] = toCome;
+    forCommon(from[r], to[rank], to[rank], [&](std::size_t) { toCome += static_cast<int>(rowLength); });
+    receiveCount[r] = toCome - receiveStart[r];
+  }
+  std::vector<float> received(static_cast<std::size_t>(toCome));
+  MPI_Alltoallv(send.data(), sendCount.data(), sendStart.data(), MPI_FLOAT, received.data(), receiveCount.data(),
+    receiveStart.data(), MPI_FLOAT, comm_->handle());
+  const float* next = received.data();
+  for (std::size_t r = 0; r < ranks; ++r)
+    forCommon(from[r], to[rank], to[rank],
+      [&](std::size_t row)
+      {
+        std::copy_n(next, rowLength, target + row * rowLength);
+        next += rowLength;
+      });
+}
+
+void Redistribution::forward(const float* before, float* after, std::size_t rowLength) const
+{
+  move(before_, after_, before, after, rowLength);
+}
+
+void Redistribution::backward(const float* after, float* before, std::size_t rowLength) const
+{
+  move(after_, before_, after, before, rowLength);
+}
+
+} // namespace lamella
