@@ -1,6 +1,8 @@
 // Steady diffusion on several ranks: wall time of set-up and solve on all ranks over that on one, taken in turns in one
 // run; and what the machine itself allows: every rank doing the whole job by itself, at once, over as many in turn.
 // Starts itself under mpirun on two ranks unless it already runs there; arguments: nodes an edge, pairs of runs.
+#include "Ranks.h"
+
 #include "generators/Generators.h"
 #include "lattice/Error.h"
 #include "lbm/DiffusionStudy.h"
@@ -27,20 +29,6 @@ double median(std::vector<double> v)
 {
   std::sort(v.begin(), v.end());
   return v[v.size() / 2];
-}
-
-// MPI_Barrier that leaves the processor to others.
-void waitForAll()
-{
-  MPI_Request request = MPI_REQUEST_NULL;
-  MPI_Ibarrier(MPI_COMM_WORLD, &request);
-  for (int done = 0;;)
-  {
-    MPI_Test(&request, &done, MPI_STATUS_IGNORE);
-    if (done != 0)
-      return;
-    usleep(500);
-  }
 }
 
 double seconds(const PhaseImage& image, const std::vector<double>& d, MPI_Comm comm, double& effective)
@@ -70,12 +58,12 @@ void compare(const char* label, const PhaseImage& image, const std::vector<doubl
   double valueOfAll = 0;
   for (int i = 0; i < pairs; ++i)
   {
-    waitForAll();
+    benchmark::waitForAll();
     if (rank == 0)
       one.push_back(seconds(image, d, MPI_COMM_SELF, valueOfOne));
-    waitForAll();
+    benchmark::waitForAll();
     all.push_back(seconds(image, d, MPI_COMM_WORLD, valueOfAll));
-    waitForAll();
+    benchmark::waitForAll();
     double slowest = seconds(image, d, MPI_COMM_SELF, valueOfOne);
     MPI_Allreduce(MPI_IN_PLACE, &slowest, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
     if (rank == 0)

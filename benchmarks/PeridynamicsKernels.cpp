@@ -1,6 +1,9 @@
 // Bonds a second: our sums over implicit bonds, a straightforward loop over a neighbour list, and LAMMPS PERI where the
 // program `lmp` is on the machine, all on the same lattices in the same run. Directed bonds, twice the number of bonds;
-// user CPU, median of seven. Under mpirun the ranks share each lattice: wall-clock time then.
+// user CPU, median of seven. Under mpirun in wall-clock time: one rank while the others sleep, all ranks on one
+// lattice, and, for what the machine allows, each rank on a whole lattice of its own at the same time.
+#include "Ranks.h"
+
 #include "lattice/Communicator.h"
 #include "lattice/Memory.h"
 #include "peridynamics/BondForces.h"
@@ -132,6 +135,55 @@ std::array<double, 2> ours(const BondLattice& bonds, bool wall, int repeats)
   };
   return { directed / measure([&] { sum(false); }, wall, repeats) / 1e6,
     directed / measure([&] { sum(true); }, wall, repeats) / 1e6 };
+}
+
+BondLattice share(const Scene& scene, const Sample& sample, const Communicator& comm)
+{
+  const Block block = slab(scene.lattice, Stencil(scene.lattice.dimension, 3.015), comm);
+  const std::size_t axis = scene.lattice.dimension == 3 ? 2 : 1;
+  const std::int64_t layer = scene.lattice.count() / scene.lattice.size[axis];
+  const auto part =
+    std::span(sample.phase)
+      .subspan(static_cast<std::size_t>(layer * block.start[axis]), static_cast<std::size_t>(block.count()));
+  return BondLattice(sample.model, scene.lattice, part, {}, comm);
+}
+
+void compareRanks(const Scene& scene, int repeats)
+{
+  const Sample sample = sampleOf(scene);
+  const Communicator world(MPI_COMM_WORLD);
+  const Communicator self(MPI_COMM_SELF);
+  const BondLattice whole = share(scene, sample, self);
+  const BondLattice part = share(scene, sample, world);
+  std::array<std::vector<double>, 2> shared;
+  std::array<std::vector<double>, 2> apart;
+  std::array<double, 2> rate{};
+  for (int turn = 0; turn < 5; ++turn)
+  {
+    benchmark::waitForAll();
+    std::array<double, 2> one{};
+    if (world.rank() == 0)
+      one = ours<double>(whole, true, repeats);
+    benchmark::waitForAll();
+    const auto all = ours<double>(part, true, repeats);
+    benchmark::waitForAll();
+    auto each = ours<double>(whole, true, repeats);
+    world.sum(each);
+    for (std::size_t k = 0; k < 2; ++k)
+    {
+      shared[k].push_back(all[k] / one[k]);
+      apart[k].push_back(each[k] / one[k]);
+      rate[k] = std::max(rate[k], all[k]);
+    }
+  }
+  if (world.rank() != 0)
+    return;
+  for (auto* list : { &shared, &apart })
+    for (auto& ratios : *list)
+      std::sort(ratios.begin(), ratios.end());
+  fmt::print("{:<40} linear {:5.0f}, {:.2f} times one rank (whole lattices at once {:.2f}); nonlinear {:5.0f}, {:.2f} "
+             "({:.2f})\n",
+    scene.name, rate[0], shared[0][2], apart[0][2], rate[1], shared[1][2], apart[1][2]);
 }
 
 /// What one writes first: for each node, over the list of its neighbours, in double precision.
@@ -298,21 +350,19 @@ int main(int argc, char** argv)
       omp_set_num_threads(1);
     for (const Scene& scene : scenes)
     {
-      const Sample sample = sampleOf(scene);
-      const Block block = slab(scene.lattice, Stencil(scene.lattice.dimension, 3.015), comm);
-      const std::int64_t layer = scene.lattice.count() / scene.lattice.size[scene.lattice.dimension == 3 ? 2 : 1];
-      const auto part = std::span(sample.phase)
-                          .subspan(static_cast<std::size_t>(layer * block.start[scene.lattice.dimension == 3 ? 2 : 1]),
-                            static_cast<std::size_t>(block.count()));
-      BondLattice bonds(sample.model, scene.lattice, part, {}, comm);
       const int repeats = scene.lattice.dimension == 3 ? 3 : 20;
+      if (several)
+      {
+        compareRanks(scene, repeats);
+        continue;
+      }
+      const Sample sample = sampleOf(scene);
+      const BondLattice bonds = share(scene, sample, comm);
       // user CPU of all threads is no measure of several
-      const bool wall = several || omp_get_max_threads() > 1;
+      const bool wall = omp_get_max_threads() > 1;
       const auto inDouble = ours<double>(bonds, wall, repeats);
       const auto inSingle = ours<float>(bonds, wall, repeats);
       const StripCounts strips = bonds.strips();
-      if (!first)
-        continue;
       fmt::print("{}: {} bonds, {:.0f} bytes a node; strips {} empty, {} uniform, {} mixed\n", scene.name,
         bonds.bonds(), static_cast<double>(bonds.bytes()) / static_cast<double>(bonds.layout().owned()), strips.empty,
         strips.uniform, strips.mixed);
@@ -320,7 +370,7 @@ int main(int argc, char** argv)
         "  double                                                {:8.1f}   {:8.1f}\n", inDouble[0], inDouble[1]);
       fmt::print(
         "  float                                                 {:8.1f}   {:8.1f}\n", inSingle[0], inSingle[1]);
-      if (several || scene.correction)
+      if (scene.correction)
         continue;
       const auto list = neighbourList(bonds, quick ? 1 : 2);
       fmt::print("  neighbour list, one thread                            {:8.1f}   {:8.1f}\n", list[0], list[1]);
