@@ -129,9 +129,7 @@ std::array<double, 2> ours(const BondLattice& bonds, bool wall, int repeats)
   const auto sum = [&](bool nonlinear)
   {
     // with several ranks the exchange belongs to it
-    if (bonds.communicator().parallel())
-      bonds.exchange(u);
-    nonlinear ? (void)nonlinearForce(bonds, u, f) : linearForce(bonds, u, f);
+    nonlinear ? (void)exchangeAndNonlinearForce(bonds, u, f) : exchangeAndLinearForce(bonds, u, f);
   };
   return { directed / measure([&] { sum(false); }, wall, repeats) / 1e6,
     directed / measure([&] { sum(true); }, wall, repeats) / 1e6 };

@@ -41,7 +41,8 @@ public:
   {
   }
 
-  void run(const Band& band, std::vector<Bond>* list)
+  /// @param rim on its way, or null; to be polled, never waited for
+  void run(const Band& band, std::vector<Bond>* list, RimInFlight<Real>* rim)
   {
     const NodeLayout& l = bonds_.layout();
     const int d = l.dimension;
@@ -53,6 +54,8 @@ public:
     sweep(l, bonds_.stencil().layers(), band, zero,
       [&](std::int64_t y, std::int64_t z, std::int64_t row, bool own)
       {
+        if (rim != nullptr && row % rowsBetweenPolls == 0)
+          rim->poll();
         if (runs_.find(bonds_, row, 64 / static_cast<int>(sizeof(Real))))
           for (const Chunk& chunk : chunks_)
           {
@@ -69,6 +72,8 @@ public:
   std::int64_t critical = 0;
 
 private:
+  static constexpr std::int64_t rowsBetweenPolls = 8;
+
   void pair(const Chunk& chunk, std::int64_t y, std::int64_t z, bool own, bool target, std::vector<Bond>* list)
   {
     const NodeLayout& l = bonds_.layout();
@@ -155,28 +160,56 @@ private:
   RowRuns runs_;
 };
 
+// Rows whose nodes have no bond to the rows of other ranks: all when no rim is on its way, or none when there are too
+// few to make up for what is summed twice at a band's ends.
+Band innerRows(const BondLattice& bonds, bool low, bool high)
+{
+  constexpr std::int64_t worthwhile = 20; // in reaches of a bond
+  const NodeLayout& l = bonds.layout();
+  const std::size_t axis = l.dimension == 3 ? 2 : 1;
+  const std::int64_t reach = bonds.stencil().layers();
+  const std::int64_t layer = l.dimension == 3 ? l.size[1] : 1;
+  if ((low || high) && l.size[axis] < worthwhile * reach)
+    return {};
+  return { low ? reach * layer : 0, (l.size[axis] - (high ? reach : 0)) * layer };
+}
+
 template <class Real>
-CriticalBonds force(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f, bool nonlinear, bool wanted)
+CriticalBonds force(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f, bool nonlinear, bool wanted,
+  RimInFlight<Real>* rim = nullptr)
 {
   const BondNumbers<Real> numbers(bonds);
   const std::vector<Chunk> list = chunks(bonds.stencil(), maxChunk);
   CriticalBonds found;
   const int threads = omp_get_max_threads();
-  const std::vector<Band> shares = bands(bonds, threads);
   std::int64_t critical = 0;
-  std::vector<std::vector<Bond>> lists(shares.size());
-#pragma omp parallel for schedule(static, 1) reduction(+ : critical) num_threads(threads)
-  for (std::size_t b = 0; b < shares.size(); ++b)
+  const auto run = [&](const std::vector<Band>& shares, RimInFlight<Real>* pending)
   {
-    ForceBand<Real> band(bonds, numbers, list, u, f, nonlinear);
-    band.run(shares[b], wanted ? &lists[b] : nullptr);
-    critical += band.critical;
-  }
+    std::vector<std::vector<Bond>> lists(shares.size());
+#pragma omp parallel for schedule(static, 1) reduction(+ : critical) num_threads(threads) if (threads > 1)
+    for (std::size_t b = 0; b < shares.size(); ++b)
+    {
+      ForceBand<Real> band(bonds, numbers, list, u, f, nonlinear);
+      band.run(shares[b], wanted ? &lists[b] : nullptr, b == 0 ? pending : nullptr);
+      critical += band.critical;
+    }
+    for (const auto& part : lists)
+      found.bonds.insert(found.bonds.end(), part.begin(), part.end());
+  };
+  const NodeLayout& l = bonds.layout();
+  const Band inner = innerRows(bonds, rim != nullptr && rim->low(), rim != nullptr && rim->high());
+  const Band all{ 0, l.size[1] * l.size[2] };
+  if (inner.begin < inner.end)
+    run(bands(bonds, threads, inner), rim);
+  if (rim != nullptr)
+    rim->finish();
+  if (inner.begin >= inner.end)
+    run(bands(bonds, threads, all), nullptr);
+  else if (inner.begin > all.begin || inner.end < all.end)
+    run({ Band{ all.begin, inner.begin }, Band{ inner.end, all.end } }, nullptr);
   if (!nonlinear)
     return found;
   found.count = bonds.communicator().sum(critical);
-  for (const auto& part : lists)
-    found.bonds.insert(found.bonds.end(), part.begin(), part.end());
   std::sort(found.bonds.begin(), found.bonds.end());
   return found;
 }
@@ -190,13 +223,31 @@ void linearForce(const BondLattice& bonds, const NodeField<Real>& u, NodeField<R
 }
 
 template <class Real>
+void exchangeAndLinearForce(const BondLattice& bonds, NodeField<Real>& u, NodeField<Real>& f)
+{
+  auto rim = bonds.startExchange(u);
+  (void)force(bonds, u, f, false, false, &rim);
+}
+
+template <class Real>
 CriticalBonds nonlinearForce(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f, bool list)
 {
   return force(bonds, u, f, true, list);
 }
 
+template <class Real>
+CriticalBonds exchangeAndNonlinearForce(const BondLattice& bonds, NodeField<Real>& u, NodeField<Real>& f, bool list)
+{
+  auto rim = bonds.startExchange(u);
+  return force(bonds, u, f, true, list, &rim);
+}
+
 template void linearForce(const BondLattice&, const NodeField<double>&, NodeField<double>&);
 template void linearForce(const BondLattice&, const NodeField<float>&, NodeField<float>&);
+template void exchangeAndLinearForce(const BondLattice&, NodeField<double>&, NodeField<double>&);
+template void exchangeAndLinearForce(const BondLattice&, NodeField<float>&, NodeField<float>&);
+template CriticalBonds exchangeAndNonlinearForce(const BondLattice&, NodeField<double>&, NodeField<double>&, bool);
+template CriticalBonds exchangeAndNonlinearForce(const BondLattice&, NodeField<float>&, NodeField<float>&, bool);
 template CriticalBonds nonlinearForce(const BondLattice&, const NodeField<double>&, NodeField<double>&, bool);
 template CriticalBonds nonlinearForce(const BondLattice&, const NodeField<float>&, NodeField<float>&, bool);
 

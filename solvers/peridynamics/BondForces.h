@@ -21,6 +21,10 @@ namespace lamella::peridynamics
 template <class Real>
 void linearForce(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f);
 
+/// The same where the rim of u is not up to date: it is filled while inner rows are summed. Collective.
+template <class Real>
+void exchangeAndLinearForce(const BondLattice& bonds, NodeField<Real>& u, NodeField<Real>& f);
+
 struct StretchMaximum
 {
   double ratio = 0;           ///< the largest s/s₀ in tension; 0 where no bond is stretched or none can break
@@ -39,6 +43,11 @@ struct CriticalBonds
 /// @param list whether to name the critical bonds, else they are only counted
 template <class Real>
 CriticalBonds nonlinearForce(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f, bool list = false);
+
+/// The same where the rim of u is not up to date. Collective.
+template <class Real>
+CriticalBonds exchangeAndNonlinearForce(
+  const BondLattice& bonds, NodeField<Real>& u, NodeField<Real>& f, bool list = false);
 
 /// The largest s/s₀ of a state: s = e·η/|ξ|, linearised, or (|ξ+η| − |ξ|)/|ξ|. Of a linear solution the first bond
 /// breaks at 1/ratio times its load. Collective.

@@ -70,9 +70,18 @@ Bond BondLattice::bond(std::int64_t index, int offset) const noexcept
 template <class Real>
 void BondLattice::exchange(NodeField<Real>& field) const
 {
-  for (int c = 0; c < field.components(); ++c)
-    exchangeRim(layout_, periodic_, *comm_, field.component(c));
+  startExchange(field).finish();
 }
+template <class Real>
+RimInFlight<Real> BondLattice::startExchange(NodeField<Real>& field) const
+{
+  std::vector<Real*> arrays;
+  for (int c = 0; c < field.components(); ++c)
+    arrays.push_back(field.component(c));
+  return RimInFlight<Real>(layout_, periodic_, *comm_, arrays);
+}
+template RimInFlight<double> BondLattice::startExchange(NodeField<double>&) const;
+template RimInFlight<float> BondLattice::startExchange(NodeField<float>&) const;
 template void BondLattice::exchange(NodeField<double>&) const;
 template void BondLattice::exchange(NodeField<float>&) const;
 

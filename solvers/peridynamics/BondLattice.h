@@ -5,6 +5,7 @@
 #include "lattice/Lattice.h"
 #include "peridynamics/BondModel.h"
 #include "peridynamics/NodeField.h"
+#include "peridynamics/RimExchange.h"
 #include "peridynamics/Stencil.h"
 
 #include <cstdint>
@@ -111,6 +112,9 @@ public:
   /// Fills the rim of a field: images at periodic sides, the neighbours' rows. Collective.
   template <class Real>
   void exchange(NodeField<Real>& field) const;
+  /// The same, while other work goes on.
+  template <class Real>
+  [[nodiscard]] RimInFlight<Real> startExchange(NodeField<Real>& field) const;
 
   /// Takes bonds out, wherever this rank's rim shows them too. Collective: every rank gives those that it found.
   /// @return how many there were, over all ranks; bonds that are no more or that two ranks name count once

@@ -78,12 +78,11 @@ double Equilibrium::norm(const NodeField<double>& a) const
 
 void Equilibrium::residual(NodeField<double>& u, const NodeField<double>* load, NodeField<double>& r, bool large)
 {
-  bonds_.exchange(u);
   ++products_;
   if (large)
-    nonlinearForce(bonds_, u, r);
+    exchangeAndNonlinearForce(bonds_, u, r);
   else
-    linearForce(bonds_, u, r);
+    exchangeAndLinearForce(bonds_, u, r);
   if (load != nullptr)
     forOwnRows(r.layout(),
       [&](std::int64_t y, std::int64_t z)
@@ -209,12 +208,14 @@ void Equilibrium::conjugateGradients(NodeField<double>& u, const NodeField<doubl
         for (int c = 0; c < l.dimension; ++c)
           k.direction(l.size[0], z.component(c) + i, scale, beta, p.component(c) + i);
       });
-    bonds_.exchange(p);
     ++products_;
     if (tangentAt == nullptr)
-      linearForce(bonds_, p, q); // −A p
+      exchangeAndLinearForce(bonds_, p, q); // −A p
     else
+    {
+      bonds_.exchange(p);
       tangentProduct(bonds_, *tangentAt, p, q);
+    }
     hold(q);
     const double pq = -dot(p, q);
     if (!(pq > 0))

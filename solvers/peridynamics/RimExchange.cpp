@@ -15,10 +15,9 @@ void copyRows(const NodeLayout& layout, T* data, std::int64_t from, std::int64_t
     data + to * layout.pitch, data + from * layout.pitch, static_cast<std::size_t>(rows * layout.pitch) * sizeof(T));
 }
 
-} // namespace
-
+// Images at the sides that this rank has both of: of x in owned rows, then of y in space.
 template <class T>
-void exchangeRim(const NodeLayout& layout, const std::array<bool, 3>& periodic, const Communicator& comm, T* data)
+void wrap(const NodeLayout& layout, const std::array<bool, 3>& periodic, T* data)
 {
   const std::int64_t g = layout.ghost;
   const auto [nx, ny, nz] = layout.size;
@@ -33,16 +32,27 @@ void exchangeRim(const NodeLayout& layout, const std::array<bool, 3>& periodic, 
           row[nx + k - 1] = row[k - 1];
         }
       }
-  const bool space = layout.dimension == 3;
-  if (space && periodic[1])
+  if (layout.dimension == 3 && periodic[1])
     for (std::int64_t z = 0; z < nz; ++z)
     {
       copyRows(layout, data, layout.row(ny - g, z), layout.row(-g, z), g);
       copyRows(layout, data, layout.row(0, z), layout.row(ny, z), g);
     }
+}
+
+} // namespace
+
+template <class T>
+RimInFlight<T>::RimInFlight(
+  const NodeLayout& layout, const std::array<bool, 3>& periodic, const Communicator& comm, std::span<T* const> arrays)
+{
+  for (T* data : arrays)
+    wrap(layout, periodic, data);
   // the slowest axis: g layers of whole rows, in one piece
+  const bool space = layout.dimension == 3;
   const std::size_t axis = space ? 2 : 1;
   const std::int64_t layer = space ? layout.rowsY() : 1; // in rows
+  const std::int64_t g = layout.ghost;
   const std::int64_t n = layout.size[axis];
   const std::int64_t first = g * layer;                 // row of the first owned layer
   const std::int64_t lastOut = first + (n - g) * layer; // of the last g owned layers
@@ -50,25 +60,59 @@ void exchangeRim(const NodeLayout& layout, const std::array<bool, 3>& periodic, 
   if (!comm.parallel())
   {
     if (periodic[axis])
-    {
-      copyRows(layout, data, lastOut, 0, g * layer);
-      copyRows(layout, data, first, high, g * layer);
-    }
+      for (T* data : arrays)
+      {
+        copyRows(layout, data, lastOut, 0, g * layer);
+        copyRows(layout, data, first, high, g * layer);
+      }
     return;
   }
   const int size = comm.size();
   const int rank = comm.rank();
   const int up = rank + 1 < size ? rank + 1 : periodic[axis] ? 0 : MPI_PROC_NULL;
   const int down = rank > 0 ? rank - 1 : periodic[axis] ? size - 1 : MPI_PROC_NULL;
-  MPI_Datatype rowType = MPI_DATATYPE_NULL;
-  MPI_Type_contiguous(static_cast<int>(layout.pitch * static_cast<std::int64_t>(sizeof(T))), MPI_BYTE, &rowType);
-  MPI_Type_commit(&rowType);
+  low_ = down != MPI_PROC_NULL;
+  high_ = up != MPI_PROC_NULL;
+  MPI_Type_contiguous(static_cast<int>(layout.pitch * static_cast<std::int64_t>(sizeof(T))), MPI_BYTE, &row_);
+  MPI_Type_commit(&row_);
   const int rows = static_cast<int>(g * layer);
-  MPI_Sendrecv(data + lastOut * layout.pitch, rows, rowType, up, 71, data, rows, rowType, down, 71, comm.handle(),
-    MPI_STATUS_IGNORE);
-  MPI_Sendrecv(data + first * layout.pitch, rows, rowType, down, 72, data + high * layout.pitch, rows, rowType, up, 72,
-    comm.handle(), MPI_STATUS_IGNORE);
-  MPI_Type_free(&rowType);
+  for (T* data : arrays)
+  {
+    MPI_Irecv(data, rows, row_, down, 71, comm.handle(), &requests_.emplace_back());
+    MPI_Irecv(data + high * layout.pitch, rows, row_, up, 72, comm.handle(), &requests_.emplace_back());
+  }
+  for (T* data : arrays)
+  {
+    MPI_Isend(data + lastOut * layout.pitch, rows, row_, up, 71, comm.handle(), &requests_.emplace_back());
+    MPI_Isend(data + first * layout.pitch, rows, row_, down, 72, comm.handle(), &requests_.emplace_back());
+  }
+}
+
+template <class T>
+void RimInFlight<T>::poll()
+{
+  int done = 0;
+  if (!requests_.empty())
+    MPI_Testall(static_cast<int>(requests_.size()), requests_.data(), &done, MPI_STATUSES_IGNORE);
+}
+
+template <class T>
+void RimInFlight<T>::finish()
+{
+  if (!requests_.empty())
+    MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+  requests_.clear();
+  if (row_ != MPI_DATATYPE_NULL)
+    MPI_Type_free(&row_);
+}
+
+template class RimInFlight<double>;
+template class RimInFlight<float>;
+
+template <class T>
+void exchangeRim(const NodeLayout& layout, const std::array<bool, 3>& periodic, const Communicator& comm, T* data)
+{
+  RimInFlight<T>(layout, periodic, comm, std::span<T* const>(&data, 1));
 }
 
 template void exchangeRim(const NodeLayout&, const std::array<bool, 3>&, const Communicator&, double*);

@@ -93,11 +93,20 @@ bool RowRuns::find(const BondLattice& bonds, std::int64_t row, int unit)
 std::vector<Band> bands(const BondLattice& bonds, int count)
 {
   const NodeLayout& l = bonds.layout();
-  const std::int64_t rows = l.size[1] * l.size[2];
+  return bands(bonds, count, { 0, l.size[1] * l.size[2] });
+}
+
+std::vector<Band> bands(const BondLattice& bonds, int count, const Band& within)
+{
+  const NodeLayout& l = bonds.layout();
+  const std::int64_t rows = within.end - within.begin;
+  if (count == 1)
+    return { within };
   std::vector<std::int64_t> upTo(static_cast<std::size_t>(rows) + 1, 0);
   for (std::int64_t r = 0; r < rows; ++r)
   {
-    const std::uint8_t* strip = bonds.stripsOf(l.row(r % l.size[1], r / l.size[1]));
+    const std::int64_t ordinal = within.begin + r;
+    const std::uint8_t* strip = bonds.stripsOf(l.row(ordinal % l.size[1], ordinal / l.size[1]));
     std::int64_t full = 1; // a row costs something even when it is empty
     for (std::int64_t s = 0; s < l.pitch / 16; ++s)
       full += strip[s] != 0 ? 4 : 0;
@@ -111,7 +120,7 @@ std::vector<Band> bands(const BondLattice& bonds, int count)
     const std::int64_t end = b + 1 == count
       ? rows
       : std::max(begin, static_cast<std::int64_t>(std::lower_bound(upTo.begin(), upTo.end(), share) - upTo.begin()));
-    list[static_cast<std::size_t>(b)] = { begin, std::min(end, rows) };
+    list[static_cast<std::size_t>(b)] = { within.begin + begin, within.begin + std::min(end, rows) };
     begin = std::min(end, rows);
   }
   return list;

@@ -50,8 +50,9 @@ struct Band
   std::int64_t end = 0;
 };
 
-/// Shares with about equal numbers of strips to visit.
+/// Shares of the owned rows, or of those of a band, with about equal numbers of strips to visit.
 [[nodiscard]] std::vector<Band> bands(const BondLattice& bonds, int count);
+[[nodiscard]] std::vector<Band> bands(const BondLattice& bonds, int count, const Band& within);
 
 /// Is this row in the band?
 [[nodiscard]] inline bool inBand(const NodeLayout& l, const Band& band, std::int64_t y, std::int64_t z) noexcept
