@@ -79,19 +79,26 @@ void GrainSystem<Dim>::strain(const Vec& factor)
 }
 
 template <int Dim>
+bool GrainSystem<Dim>::stalePairs() const
+{
+  if (positionOfList_.size() != position.size() || sight != sightOfList_)
+    return true;
+  // Under the affine part of the motion a pair comes nearer by its distance (below 2.5 diameters) times the strain.
+  const Vec ratio = box.cwiseQuotient(boxOfList_);
+  const double affine = 2.5 * (ratio.array() - 1).abs().maxCoeff();
+  const double allowed = 0.5 * (skin_ - affine);
+  if (allowed <= 0)
+    return true;
+  double farthest = 0;
+  for (std::size_t i = 0; i < position.size(); ++i)
+    farthest = std::max(farthest, (position[i] - positionOfList_[i].cwiseProduct(ratio)).squaredNorm());
+  return farthest > allowed * allowed;
+}
+
+template <int Dim>
 void GrainSystem<Dim>::updatePairs()
 {
-  bool stale = positionOfList_.size() != position.size();
-  if (!stale)
-  {
-    // Under the affine part of the motion a pair comes nearer by its distance (below 2.5 diameters) times the strain.
-    const Vec ratio = box.cwiseQuotient(boxOfList_);
-    const double affine = 2.5 * (ratio.array() - 1).abs().maxCoeff();
-    const double allowed = 0.5 * (skin_ - affine);
-    stale = allowed <= 0;
-    for (std::size_t i = 0; !stale && i < position.size(); ++i)
-      stale = (position[i] - positionOfList_[i].cwiseProduct(ratio)).squaredNorm() > allowed * allowed;
-  }
+  const bool stale = stalePairs();
   ++sinceList_;
   if (!stale)
     return;
@@ -101,7 +108,9 @@ void GrainSystem<Dim>::updatePairs()
   else if (sinceList_ > 150)
     skin_ = std::max(0.02, 0.7 * skin_);
   sinceList_ = 0;
+  ++pairsVersion_;
   findPairs();
+  findNearWalls();
 }
 
 template <int Dim>
@@ -123,7 +132,7 @@ void GrainSystem<Dim>::findPairs()
   const double largest = *std::max_element(radius.begin(), radius.end());
   std::array<int, 3> cells{ 1, 1, 1 };
   for (int a = 0; a < Dim; ++a)
-    cells[static_cast<std::size_t>(a)] = std::clamp(static_cast<int>(box[a] / (2 * largest + skin_)), 1, 4096);
+    cells[static_cast<std::size_t>(a)] = std::clamp(static_cast<int>(box[a] / (2 * largest + sight + skin_)), 1, 4096);
   const auto cellOf = [&](const Vec& x, int a)
   {
     const int n = cells[static_cast<std::size_t>(a)];
@@ -191,7 +200,7 @@ void GrainSystem<Dim>::findPairs()
                 image[a] = -std::round(r[a] / box[a]);
                 r[a] += image[a] * box[a];
               }
-            const double reach = pair.reach + skin_;
+            const double reach = pair.reach + sight + skin_;
             if (r.squaredNorm() > reach * reach)
               continue;
             if (wraps)
@@ -206,6 +215,21 @@ void GrainSystem<Dim>::findPairs()
   }
   positionOfList_ = position;
   boxOfList_ = box;
+  sightOfList_ = sight;
+}
+
+template <int Dim>
+void GrainSystem<Dim>::findNearWalls()
+{
+  nearWalls_.clear();
+  for (std::size_t i = 0; i < position.size(); ++i)
+    for (int wall = 0; wall < walls; ++wall)
+      if (periodic[static_cast<std::size_t>(wall / 2)])
+        continue;
+      else if (wallOverlap(i, wall) > -skin_)
+        nearWalls_.push_back({ static_cast<std::int32_t>(i), wall });
+      else
+        wallSpring_[i * walls + static_cast<std::size_t>(wall)].setZero();
 }
 
 template <int Dim>
@@ -213,11 +237,11 @@ void GrainSystem<Dim>::computeForces(double dt)
 {
   updatePairs();
   std::fill(force.begin(), force.end(), Vec::Zero());
-  energy = 0;
-  virial.setZero();
-  forceSum = 0;
-  contacts = 0;
-  findContacts();
+  if (image_.empty())
+    findContacts<false>();
+  else
+    findContacts<true>();
+  measureContacts();
   if (friction > 0)
   {
     std::fill(torque.begin(), torque.end(), Spin::Zero());
@@ -233,15 +257,43 @@ void GrainSystem<Dim>::computeForces(double dt)
 
 // The pairs that touch, without a branch: which do is unpredictable.
 template <int Dim>
+template <bool Wraps>
 void GrainSystem<Dim>::findContacts()
 {
-  touching_.resize(pairs_.size() + 1);
-  std::size_t n = 0;
-  for (std::size_t k = 0; k < pairs_.size(); ++k)
+  const std::size_t room = pairs_.size() + 1;
+  if (touching_.size() < room)
   {
-    touching_[n] = static_cast<std::int32_t>(k);
-    n += separation(k).squaredNorm() < pairs_[k].reach * pairs_[k].reach ? 1 : 0;
+    const std::size_t more = room + room / 8;
+    touching_.resize(more);
+    branch_.resize(more);
+    for (Values* values : { &distance_, &overlap_, &push_ })
+      values->resize(static_cast<Eigen::Index>(more));
   }
+  // copies and bare pointers: what is written below could be any member, as far as the compiler can see
+  const Vec* const x = position.data();
+  const Pair* const pairs = pairs_.data();
+  const Vec* const image = image_.data();
+  const std::size_t count = pairs_.size();
+  const Vec edges = box;
+  std::int32_t* const touching = touching_.data();
+  Vec* const branch = branch_.data();
+  double* const square = distance_.data();
+  double* const reach = overlap_.data();
+  std::size_t n = 0;
+  for (std::size_t k = 0; k < count; ++k)
+  {
+    const double most = pairs[k].reach;
+    Vec r = x[pairs[k].second] - x[pairs[k].first];
+    if constexpr (Wraps)
+      r += image[k].cwiseProduct(edges);
+    const double squared = r.squaredNorm();
+    touching[n] = static_cast<std::int32_t>(k);
+    branch[n] = r;
+    square[n] = squared;
+    reach[n] = most;
+    n += squared < most * most ? 1 : 0;
+  }
+  touchingCount_ = static_cast<Eigen::Index>(n);
   if (friction > 0)
   {
     std::size_t next = 0;
@@ -251,82 +303,96 @@ void GrainSystem<Dim>::findContacts()
       else
         spring_[k].setZero();
   }
-  touching_.resize(n);
+}
+
+// From squares of distances and sums of radii, which findContacts() left here.
+template <int Dim>
+void GrainSystem<Dim>::measureContacts()
+{
+  auto distance = distance_.head(touchingCount_);
+  auto overlap = overlap_.head(touchingCount_);
+  distance = distance.sqrt();
+  overlap -= distance;
+  push_.head(touchingCount_) = overlap / distance;
+  energy = 0.5 * overlap.square().sum();
+  forceSum = overlap.sum();
+  contacts = touchingCount_;
 }
 
 template <int Dim>
 template <bool Rubs>
 void GrainSystem<Dim>::addGrainContacts(double dt)
 {
-  for (const std::int32_t k : touching_)
+  // bare pointers, as in findContacts()
+  const Pair* const pairs = pairs_.data();
+  const std::int32_t* const touching = touching_.data();
+  const Vec* const branch = branch_.data();
+  const double* const push = push_.data();
+  Vec* const net = force.data();
+  Vec work = Vec::Zero();
+  double rubbing = 0;
+  const auto count = static_cast<std::size_t>(touchingCount_);
+  for (std::size_t k = 0; k < count; ++k)
   {
-    const Pair& pair = pairs_[static_cast<std::size_t>(k)];
-    const auto i = static_cast<std::size_t>(pair.first);
-    const auto j = static_cast<std::size_t>(pair.second);
-    const Vec r = separation(static_cast<std::size_t>(k));
-    const double distance = std::sqrt(r.squaredNorm());
-    const double overlap = pair.reach - distance;
-    const Vec normal = r * (1 / distance);
-    Vec onSecond = overlap * normal;
-    energy += 0.5 * overlap * overlap;
-    forceSum += overlap;
+    const auto index = static_cast<std::size_t>(touching[k]);
+    const auto i = static_cast<std::size_t>(pairs[index].first);
+    const auto j = static_cast<std::size_t>(pairs[index].second);
+    const Vec r = branch[k];
+    Vec onSecond = push[k] * r;
     if constexpr (Rubs)
     {
+      const auto at = static_cast<Eigen::Index>(k);
+      const Vec normal = r * (1 / distance_[at]);
       const Vec slip = (velocity[j] - velocity[i] + boxRate.cwiseProduct(r) -
                          crossSpin<Dim>(spin[i], radius[i] * normal) - crossSpin<Dim>(spin[j], radius[j] * normal)) *
         dt;
-      Vec& spring = spring_[static_cast<std::size_t>(k)];
-      const Vec onFirst = tangentialForce(spring, normal, slip, friction * overlap);
+      Vec& spring = spring_[index];
+      const Vec onFirst = tangentialForce(spring, normal, slip, friction * overlap_[at]);
       onSecond -= onFirst;
       torque[i] += crossForce<Dim>(radius[i] * normal, onFirst);
       torque[j] += crossForce<Dim>(radius[j] * normal, onFirst);
-      energy += 0.5 * tangentialStiffness * spring.squaredNorm();
+      rubbing += 0.5 * tangentialStiffness * spring.squaredNorm();
     }
-    force[i] -= onSecond;
-    force[j] += onSecond;
-    virial += onSecond.cwiseProduct(r);
+    net[i] -= onSecond;
+    net[j] += onSecond;
+    work += onSecond.cwiseProduct(r);
   }
-  contacts += static_cast<std::int64_t>(touching_.size());
+  virial = work;
+  energy += rubbing;
 }
 
 template <int Dim>
 template <bool Rubs>
 void GrainSystem<Dim>::addWallContacts(double dt)
 {
-  for (std::size_t i = 0; i < position.size(); ++i)
-    for (int axis = 0; axis < Dim; ++axis)
+  for (const auto [grain, wall] : nearWalls_)
+  {
+    const auto i = static_cast<std::size_t>(grain);
+    const int axis = wall / 2;
+    const double overlap = wallOverlap(i, wall);
+    Vec& spring = wallSpring_[i * walls + static_cast<std::size_t>(wall)];
+    if (overlap <= 0)
     {
-      const double x = position[i][axis];
-      const bool near = std::min(x, box[axis] - x) < radius[i];
-      if (periodic[static_cast<std::size_t>(axis)] || !(near || Rubs))
-        continue;
-      for (const int wall : { 2 * axis, 2 * axis + 1 })
-      {
-        const double overlap = wallOverlap(i, wall);
-        Vec& spring = wallSpring_[i * walls + static_cast<std::size_t>(wall)];
-        if (overlap <= 0)
-        {
-          if (Rubs)
-            spring.setZero();
-          continue;
-        }
-        energy += 0.5 * overlap * overlap;
-        forceSum += overlap;
-        ++contacts;
-        const double push = wall % 2 == 0 ? overlap : -overlap;
-        force[i][axis] += push;
-        virial[axis] += overlap * (radius[i] - overlap);
-        if constexpr (Rubs)
-        {
-          const Vec normal = wallNormal(wall);
-          const Vec slip = -(velocity[i] + crossSpin<Dim>(spin[i], radius[i] * normal)) * dt;
-          const Vec tangential = tangentialForce(spring, normal, slip, friction * overlap);
-          force[i] += tangential;
-          torque[i] += crossForce<Dim>(radius[i] * normal, tangential);
-          energy += 0.5 * tangentialStiffness * spring.squaredNorm();
-        }
-      }
+      if (Rubs)
+        spring.setZero();
+      continue;
     }
+    energy += 0.5 * overlap * overlap;
+    forceSum += overlap;
+    ++contacts;
+    const double push = wall % 2 == 0 ? overlap : -overlap;
+    force[i][axis] += push;
+    virial[axis] += overlap * (radius[i] - overlap);
+    if constexpr (Rubs)
+    {
+      const Vec normal = wallNormal(wall);
+      const Vec slip = -(velocity[i] + crossSpin<Dim>(spin[i], radius[i] * normal)) * dt;
+      const Vec tangential = tangentialForce(spring, normal, slip, friction * overlap);
+      force[i] += tangential;
+      torque[i] += crossForce<Dim>(radius[i] * normal, tangential);
+      energy += 0.5 * tangentialStiffness * spring.squaredNorm();
+    }
+  }
 }
 
 template <int Dim>

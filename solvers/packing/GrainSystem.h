@@ -40,6 +40,7 @@ public:
   Vec boxRate = Vec::Zero(); ///< d ln box / dt
   std::array<bool, Dim> periodic{};
   double friction = 0;
+  double sight = 0; ///< pairs() has all that are nearer than this, and not only those that touch [diameters]
 
   // set by computeForces()
   double energy = 0;
@@ -64,6 +65,8 @@ public:
   [[nodiscard]] double unbalanced() const noexcept;
 
   [[nodiscard]] const std::vector<Pair>& pairs() const noexcept { return pairs_; }
+  /// Another number whenever pairs() is another list.
+  [[nodiscard]] std::int64_t pairsVersion() const noexcept { return pairsVersion_; }
   /// From the first grain's centre to the second's (its nearest image in a periodic box).
   [[nodiscard]] Vec separation(std::size_t pair) const noexcept
   {
@@ -99,8 +102,21 @@ public:
   void updatePairs();
 
 private:
+  /// Near a wall: found with the pairs.
+  struct NearWall
+  {
+    std::int32_t grain;
+    std::int32_t wall;
+  };
+  /// Numbers by touching pair, in rows of equal length: whole rows are computed at once.
+  using Values = Eigen::Array<double, Eigen::Dynamic, 1>;
+
+  [[nodiscard]] bool stalePairs() const;
   void findPairs();
+  void findNearWalls();
+  template <bool Wraps>
   void findContacts();
+  void measureContacts();
   template <bool Rubs>
   void addGrainContacts(double dt);
   template <bool Rubs>
@@ -109,11 +125,19 @@ private:
   std::vector<Pair> pairs_;
   std::vector<Vec> image_;  ///< #pairs in a periodic box, else empty: what is added to the second, in box edges
   std::vector<Vec> spring_; ///< #pairs with friction, else empty
-  std::vector<std::int32_t> touching_; ///< indices into pairs_
+  std::vector<NearWall> nearWalls_;
+  std::vector<std::int32_t> touching_; ///< indices into pairs_, and room to spare
+  std::vector<Vec> branch_;            ///< separations of those that touch
+  Values distance_;                    ///< likewise
+  Values overlap_;
+  Values push_; ///< normal force over distance
+  Eigen::Index touchingCount_ = 0;
   std::vector<Vec> wallSpring_;
   std::vector<Vec> positionOfList_;
   Vec boxOfList_ = Vec::Zero();
   double skin_ = 0.2;
+  double sightOfList_ = 0;
+  std::int64_t pairsVersion_ = 0;
   int sinceList_ = 0; ///< calls of updatePairs() since the list was made
 };
 

@@ -2,6 +2,7 @@
 
 #include "generators/Random.h"
 #include "lattice/Error.h"
+#include "packing/Grading.h"
 #include "packing/GrainSystem.h"
 #include "packing/Relaxation.h"
 #include "packing/Texture.h"
@@ -9,11 +10,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <numeric>
-#include <thread>
+#include <limits>
 
 namespace lamella::packing
 {
@@ -22,61 +20,6 @@ namespace
 
 using generators::Random;
 using generators::Use;
-
-// diameters over their number mean, from small to large
-std::vector<double> diameters(const PackingOptions& o)
-{
-  const auto n = static_cast<std::size_t>(o.count);
-  const double dim = o.dimension;
-  std::vector<double> d(n);
-  for (std::size_t i = 0; i < n; ++i)
-  {
-    const double q = (static_cast<double>(i) + 0.5) / static_cast<double>(n);
-    const double k = o.diameterRatio;
-    if (o.sizes == Sizes::Diameter)
-      d[i] = 1 + (k - 1) * q;
-    else if (o.sizes == Sizes::Volume)
-      d[i] = std::pow(1 + (std::pow(k, dim) - 1) * q, 1 / dim);
-    else // number density ~ d^-dim
-      d[i] = dim == 2 ? 1 / (1 - q * (1 - 1 / k)) : 1 / std::sqrt(1 - q * (1 - 1 / (k * k)));
-  }
-  const double mean = std::accumulate(d.begin(), d.end(), 0.0) / static_cast<double>(n);
-  for (double& value : d)
-    value /= mean;
-  return d;
-}
-
-void check(const PackingOptions& o)
-{
-  const auto refuse = [](const std::string& what, const std::string& remedy) { throw ParameterError(what, remedy); };
-  const auto positive = [&](double value, const char* what)
-  {
-    if (!(value > 0) || !std::isfinite(value))
-      refuse(fmt::format("{} is {}", what, value), "it must be a positive number");
-  };
-  if (o.dimension != 2 && o.dimension != 3)
-    refuse(fmt::format("grains in {} dimensions", o.dimension), "2: disks, 3: spheres");
-  const std::int64_t fewest = o.dimension == 2 ? 10 : 30;
-  if (o.count < fewest || o.count > 10'000'000)
-    refuse(fmt::format("{} grains", o.count), fmt::format("{} to 10000000 grains can be packed", fewest));
-  positive(o.meanDiameter, "the mean diameter");
-  if (!(o.diameterRatio >= 1 && o.diameterRatio <= 10))
-    refuse(fmt::format("the ratio of the diameters is {}", o.diameterRatio),
-      "it is that of the largest to the smallest, from 1 to 10");
-  if (!(o.aspect >= 0.2 && o.aspect <= 5))
-    refuse(fmt::format("the aspect is {}", o.aspect), "it is that of the box's last edge to its first, from 0.2 to 5");
-  if (!(o.friction >= 0 && o.friction <= 2))
-    refuse(fmt::format("the friction coefficient is {}", o.friction), "from 0 (none) to 2");
-  positive(o.pressure, "the pressure");
-  if (!(o.softness >= 1e-7 && o.softness <= 1e-2))
-    refuse(fmt::format("the softness is {}", o.softness), "from 1e-7 (hard) to 1e-2 (overlaps of a hundredth)");
-  if (!(o.tolerance >= 1e-8 && o.tolerance <= 1e-2))
-    refuse(fmt::format("the tolerance is {}", o.tolerance), "from 1e-8 to 1e-2");
-  if (o.packingFraction && !(*o.packingFraction >= 0.05 && *o.packingFraction < 1))
-    refuse(fmt::format("the packing fraction is {}", *o.packingFraction),
-      "from 0.05 to below jamming, about 0.8 for disks "
-      "and 0.6 for spheres");
-}
 
 template <int Dim>
 class Compaction
@@ -89,6 +32,8 @@ public:
     : o_(options)
   {
     relaxation_.interrupted = o_.interrupted;
+    relaxation_.aspect = o_.aspect;
+    relaxation_.shapeShare = shapeShare;
   }
 
   Packing run()
@@ -111,6 +56,8 @@ public:
   }
 
 private:
+  static constexpr double shapeShare = Dim == 2 ? 0.02 : 0; ///< while the network can still change its shape
+
   void report(double share)
   {
     reported_ = std::max(reported_, share); // attempts are repeated
@@ -334,39 +281,83 @@ private:
         "try another seed, or a larger softness");
   }
 
-  // From one pressure to a lower one, at rest at each on the way.
-  // @param choosy ends where it can be seen early that too much of a texture or of another shape comes of it
-  // @returns it is at the lower pressure
+  // From one pressure to a lower one. Which contacts stay changes all the way: Newton's method is quick at that only if
+  // they do not open and close at once. So the forces of disks are smoothed over a gap in proportion to the overlaps,
+  // and the smoothing is taken away at the end.
+  // @param choosy gives up where it can be seen early that another shape comes of it, or where it takes long
+  // @returns it is at rest at the lower pressure
   bool harden(double firm, double target, bool choosy)
   {
-    for (double p = firm; p > target;)
+    if constexpr (Dim == 2)
     {
-      p = std::max(target, p / (p > 1e-4 || Dim == 3 ? 10 : 3));
-      polish(p);
-      if (choosy && p > 5e-5 && p > target && misfit(statistics(result(1)), { 0.0285, 0.028, 0.0099 }) > 1)
-        return false;
-      report(0.6 + 0.4 * std::log(p / firm) / std::log(target / firm));
+      const auto smoothed = [&](double p, double gap)
+      {
+        relaxation_.smoothing = gap * gap;
+        solve(p, 1e-2, 40);
+        relaxation_.smoothing = 0;
+      };
+      for (double p = firm;; p = std::max(target, p / 3))
+      {
+        relaxation_.shapeShare = p > 1e-4 ? shapeShare : 0; // at last all walls carry the same
+        smoothed(p, p);
+        if (choosy && p < 1e-4 && std::abs(aspectError()) > 0.011)
+        {
+          relaxation_.shapeShare = shapeShare;
+          return false;
+        }
+        report(0.6 + 0.4 * std::log(p / firm) / std::log(std::min(target / firm, 0.5)));
+        if (p <= target)
+          break;
+      }
+      for (double gap = 0.3 * target; gap > 0.01 * target; gap *= 0.3)
+        smoothed(target, gap);
     }
-    polish(target);
-    return true;
+    else
+      for (double p = firm; p > target;)
+      {
+        p = std::max(target, p / 10);
+        polish(p, false);
+        if (choosy && p > 5e-5 && p > target && misfit(statistics(result(1)), { 0.0285, 0.028, 0.0099 }) > 1)
+          return false;
+        report(0.6 + 0.4 * std::log(p / firm) / std::log(target / firm));
+      }
+    const bool done = polish(target, choosy);
+    relaxation_.shapeShare = shapeShare;
+    return done;
   }
 
-  void polish(double p)
+  RelaxationResult solve(double p, double tolerance, std::int64_t most)
+  {
+    relaxation_.tolerance = tolerance;
+    relaxation_.maxSteps = most;
+    relaxation_.pressure = p;
+    relaxation_.box = BoxMotion::EachAxis;
+    const RelaxationResult r = newton(grains_, relaxation_);
+    steps_ += r.steps;
+    return r;
+  }
+
+  // To rest at a pressure. Where the network gives way, so that Newton's method does not get there, damped dynamics
+  // take it to the other side of that.
+  // @param choosy gives up where it takes long
+  // @returns it is at rest
+  bool polish(double p, bool choosy)
   {
     const double goal = 1e-3 * o_.tolerance;
-    for (int attempt = 0; attempt < 8; ++attempt)
+    std::int64_t most = Dim == 2 ? 1'000 : 50'000;
+    const int attempts = Dim == 3 ? 8 : choosy ? 2 : 14;
+    for (int attempt = 0; attempt < attempts; ++attempt)
     {
-      if (p >= 1e-4 || Dim == 3 || attempt > 0)
-        rest(BoxMotion::EachAxis, p, attempt == 0 ? 1e-4 : 1e-5, Dim == 2 ? 200'000 : 50'000);
-      relaxation_.tolerance = goal;
-      relaxation_.maxSteps = Dim == 2 ? 150 : 30;
-      relaxation_.pressure = p;
-      relaxation_.box = BoxMotion::EachAxis;
-      const RelaxationResult r = newton(grains_, relaxation_);
-      steps_ += r.steps;
-      if (r.atRest || grains_.unbalanced() <= 0.01 * o_.tolerance)
-        return;
+      if (Dim == 3 || attempt > 0)
+      {
+        rest(BoxMotion::EachAxis, p, attempt == 0 ? 1e-4 : 1e-5, most);
+        if (Dim == 2)
+          most = std::min<std::int64_t>(2 * most, 200'000);
+      }
+      if (solve(p, goal, Dim == 2 ? 60 : 30).atRest || grains_.unbalanced() <= 0.01 * o_.tolerance)
+        return true;
     }
+    return false;
   }
 
   void rubbing(double target)
@@ -461,44 +452,6 @@ Packing pack(const PackingOptions& options)
 {
   check(options);
   return options.dimension == 2 ? Compaction<2>(options).run() : Compaction<3>(options).run();
-}
-
-std::vector<Packing> packMany(const PackingOptions& options, std::span<const std::uint64_t> seeds, int threads)
-{
-  std::vector<Packing> samples(seeds.size());
-  std::vector<std::exception_ptr> failures(seeds.size());
-  std::atomic<std::size_t> next{ 0 };
-  std::atomic<std::size_t> done{ 0 };
-  const auto work = [&](bool reports)
-  {
-    for (std::size_t i = next++; i < seeds.size(); i = next++)
-    {
-      PackingOptions mine = options;
-      mine.seed = seeds[i];
-      mine.progress = nullptr;
-      try
-      {
-        samples[i] = pack(mine);
-      }
-      catch (...)
-      {
-        failures[i] = std::current_exception();
-      }
-      ++done;
-      if (reports && options.progress)
-        options.progress(static_cast<double>(done) / static_cast<double>(seeds.size()));
-    }
-  };
-  std::vector<std::thread> others;
-  for (int t = 1; t < std::min<int>(threads, static_cast<int>(seeds.size())); ++t)
-    others.emplace_back(work, false);
-  work(true);
-  for (std::thread& t : others)
-    t.join();
-  for (const std::exception_ptr& failure : failures)
-    if (failure)
-      std::rethrow_exception(failure);
-  return samples;
 }
 
 } // namespace lamella::packing

@@ -34,11 +34,18 @@ RelaxationResult relax(GrainSystem<Dim>& g, const RelaxationOptions& options)
   g.boxRate.setZero();
   g.computeForces(0);
 
+  // all components in a row
+  const auto flat = [n](std::vector<Vec>& values)
+  { return Eigen::Map<Eigen::VectorXd>(values.data()->data(), static_cast<Eigen::Index>(n) * Dim); };
+  auto position = flat(g.position);
+  auto velocity = flat(g.velocity);
+  const auto force = flat(g.force);
+
   const auto boxForce = [&]() -> Vec
   {
     if (options.box == BoxMotion::Fixed)
       return Vec::Zero();
-    const Vec each = g.virial.array() - options.pressure * g.volume();
+    const Vec each = g.virial - options.pressure * g.volume() * wallShares<Dim>(g, options);
     if (options.box == BoxMotion::EachAxis)
       return each;
     return Vec::Constant(each.mean());
@@ -69,12 +76,9 @@ RelaxationResult relax(GrainSystem<Dim>& g, const RelaxationOptions& options)
     double power = onBox.dot(g.boxRate);
     double forces = onBox.squaredNorm() / boxMass;
     double speeds = g.boxRate.squaredNorm() * boxMass;
-    for (std::size_t i = 0; i < n; ++i)
-    {
-      power += g.force[i].dot(g.velocity[i]);
-      forces += g.force[i].squaredNorm();
-      speeds += g.velocity[i].squaredNorm();
-    }
+    power += force.dot(velocity);
+    forces += force.squaredNorm();
+    speeds += velocity.squaredNorm();
     if (rubs)
       for (std::size_t i = 0; i < n; ++i)
       {
@@ -107,11 +111,8 @@ RelaxationResult relax(GrainSystem<Dim>& g, const RelaxationOptions& options)
       speeds = 0;
     }
     const double turn = forces > 0 ? alpha * std::sqrt(speeds / forces) : 0;
-    for (std::size_t i = 0; i < n; ++i)
-    {
-      g.velocity[i] = (1 - alpha) * (g.velocity[i] + dt * g.force[i]) + turn * g.force[i];
-      g.position[i] += dt * g.velocity[i];
-    }
+    velocity = (1 - alpha) * velocity + ((1 - alpha) * dt + turn) * force;
+    position += dt * velocity;
     if (rubs)
       for (std::size_t i = 0; i < n; ++i)
         g.spin[i] = (1 - alpha) * (g.spin[i] + dt / inertia(i) * g.torque[i]) + turn / inertia(i) * g.torque[i];

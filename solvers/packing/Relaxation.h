@@ -2,6 +2,8 @@
 
 #include "packing/GrainSystem.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 
@@ -19,12 +21,33 @@ enum class BoxMotion
 struct RelaxationOptions
 {
   BoxMotion box = BoxMotion::Fixed;
-  double pressure = 0;     ///< [stiffness × diameter / diameter^Dim]
+  double pressure = 0; ///< [stiffness × diameter / diameter^Dim]
+  /// EachAxis: walls may carry up to this share more than the pressure, or less, where that brings the last edge over
+  /// the first nearer to `aspect`; in proportion to what is missing, all of it at 1 %.
+  double shapeShare = 0;
+  double aspect = 1;
   double tolerance = 1e-4; ///< of GrainSystem::unbalanced(), and of the pressure on each axis
   double negligible = 0;   ///< box fixed: mean overlap a grain [diameters] that counts as none
+  /// newton(): of the contacts' forces, see ContactLaw [stiffness² diameter²].
+  double smoothing = 0;
   std::int64_t maxSteps = 1'000'000;
   std::function<bool()> interrupted; ///< asked now and then; true ends it with Cancelled
 };
+
+/// What the walls along each axis are to carry: a share of `pressure`.
+template <int Dim>
+[[nodiscard]] typename GrainSystem<Dim>::Vec wallShares(
+  const GrainSystem<Dim>& grains, const RelaxationOptions& options)
+{
+  using Vec = typename GrainSystem<Dim>::Vec;
+  if (options.box != BoxMotion::EachAxis || options.shapeShare == 0)
+    return Vec::Ones();
+  const double missing = 100 * std::log(grains.box[Dim - 1] / grains.box[0] / options.aspect);
+  const double more = options.shapeShare * std::clamp(missing, -1.0, 1.0);
+  Vec shares = Vec::Constant(1 - more / (Dim - 1));
+  shares[Dim - 1] = 1 + more;
+  return shares;
+}
 
 struct RelaxationResult
 {
