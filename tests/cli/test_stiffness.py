@@ -39,7 +39,7 @@ class Stiffness(Case):
         self.assertAlmostEqual(limit[1][1] / (1.6 * one), 1, places=3)
         self.assertAlmostEqual(limit[0][0] / (2.5 * one - 0.318**2 * 0.9 * one), 1, places=3)
         self.assertNotAlmostEqual(c[1][1] / (1.6 * one), 1, places=3)
-        self.assertAlmostEqual(found["estimated_error"], found["estimated_errors"][1][1] / c[1][1])
+        self.assertAlmostEqual(found["estimated_error"], max(found["estimated_errors"][i][i] / c[i][i] for i in range(3)))
         self.assertEqual(c[0][1], c[1][0])
         for i in range(3):
             self.assertTrue(found["bounds"]["reuss"][i][i] < c[i][i] * (1 + 1e-9))
@@ -122,7 +122,7 @@ class Stiffness(Case):
         self.assertEqual((found["resisting"], found["constants"]["E_y"]["value"]), (1, 0))
         self.assertIsNone(found["constants"]["nu_xy"]["value"])
         self.assertGreater(found["constants"]["E_x"]["value"], 0)
-        self.assertIn("E_y                 0 MPa", self.run_lamella(*picture("beam.png", lambda x, y: 12 <= y < 20)[:-1]).out)
+        self.assertIn("E_y               0 MPa", self.run_lamella(*picture("beam.png", lambda x, y: 12 <= y < 20)[:-1]).out)
         loose = picture("loose.png", lambda x, y: not 6 <= x < 26 or not 6 <= y < 26 or (11 <= x < 21 and 11 <= y < 21))
         result = self.run_lamella(*loose)
         self.assertIn("1 loose pieces with 100 nodes", result.err)
@@ -148,7 +148,7 @@ class Stiffness(Case):
         self.fails(2, "--periodic", "", *STONE, "--periodic", "x")  # every side is
         self.fails(3, "has no point array 'grain'", "", *STONE, "--young", "stone-stone=1")
         self.fails(6, "the residual force is still", "looser tolerance", *LAYERS, "--max-iterations", "1")
-        self.fails(5, "of memory", "smaller", *STONE, "--refine", "40000")
+        self.fails(5, "refined by 40000 needs", "", *STONE, "--refine", "40000")
 
 
 if __name__ == "__main__":

@@ -45,7 +45,7 @@ int phaseAt(int x, int y, int z)
 
 vtkSmartPointer<vtkImageData> sample(int nz = 1)
 {
-  const auto image = picture(24, 32, nz, phaseAt, 1e-5);
+  const auto image = picture(nz > 1 ? 16 : 24, nz > 1 ? 20 : 32, nz, phaseAt, 1e-5);
   setFieldTexts(image, "phase_names", std::vector<std::string>{ "void", "wall", "lamella" });
   return image;
 }
