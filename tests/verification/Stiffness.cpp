@@ -222,7 +222,7 @@ Sample holes(std::int64_t n, double area)
 }
 
 // A fifth of the area as round holes: E* = 0.56963 E by finite elements (references). What is left after extrapolation
-// is the lattice's direction: at a horizon of 3 E at 45° is 0.955 of that along the axes, at 5 it is 1.034, so that the
+// is the lattice's direction: at a horizon of 3 E at 45° is 0.955 of that along the axes, at 5 it is 1.089, so that the
 // two lie on either side. The error told is that of the picture as its pixels draw it, and covers what half the spacing
 // finds.
 TEST(Stiffness, RoundHoles)
