@@ -236,7 +236,7 @@ void accuracy(const Communicator& comm)
           m.surfaceCorrection = form >= 2;
           const double start = cpu();
           const EffectiveStiffness e = effectiveStiffness(bondsOf(m, s, comm));
-          const double value = (e.youngsModulus[0] + e.youngsModulus[1]) / 2e9;
+          const double value = (e.constants.youngsModulus[0] + e.constants.youngsModulus[1]) / 2e9;
           fmt::print("  n {:3d}: {:.5f} ({:+5.1f} %, {:.2f} s)", n, value, 100 * (value / c.exact - 1), cpu() - start);
         }
         fmt::print("\n");

@@ -1,6 +1,7 @@
 #include "BondInput.h"
 
 #include "GridFile.h"
+#include "Record.h"
 #include "Text.h"
 
 #include "peridynamics/PairTable.h"
@@ -184,7 +185,7 @@ vtkSmartPointer<vtkIntArray> grainArray(const std::vector<std::int32_t>& grains,
 
 } // namespace
 
-void addBondOptions(CLI::App& command, BondOptions& o)
+void addBondOptions(CLI::App& command, BondOptions& o, BondUse use)
 {
   const auto material = [&](const char* name, std::vector<std::string>& list, const char* text, const char* type)
   { return command.add_option(name, list, text)->type_name(type)->allow_extra_args(false)->group("Materials"); };
@@ -193,9 +194,12 @@ void addBondOptions(CLI::App& command, BondOptions& o)
     "grains of a phase (grain-grain)",
     "PAIR=VALUE")
     ->required();
-  material("--fracture-energy", o.fractureEnergy, "Fracture energy [J/m²]", "PAIR=VALUE");
-  material("--toughness", o.toughness, "Toughness [Pa √m]", "PAIR=VALUE");
-  material("--critical-stretch", o.criticalStretch, "Elongation at which bonds break", "PAIR=VALUE");
+  if (use == BondUse::Load)
+  {
+    material("--fracture-energy", o.fractureEnergy, "Fracture energy [J/m²]", "PAIR=VALUE");
+    material("--toughness", o.toughness, "Toughness [Pa √m]", "PAIR=VALUE");
+    material("--critical-stretch", o.criticalStretch, "Elongation at which bonds break", "PAIR=VALUE");
+  }
   material("--like", o.like, "Bonds of the first pair are like those of the second", "PAIR=PAIR");
   command.add_option("--relative-to", o.relativeTo, "All other values are multiples of this pair's")
     ->type_name("PAIR")
@@ -220,19 +224,49 @@ void addBondOptions(CLI::App& command, BondOptions& o)
     ->type_name("keep|cut")
     ->capture_default_str();
   bond(command.add_flag("--surface-correction", o.surfaceCorrection, "Stiffer bonds near free surfaces"));
-  bond(command.add_flag("--large-strains", o.largeStrains, "Exact for large rotations, instead of linear"));
+  if (use == BondUse::Load)
+  {
+    bond(command.add_flag("--large-strains", o.largeStrains, "Exact for large rotations, instead of linear"));
+  }
   bond(command.add_option("--notch", o.notches,
          "A cut from point to point, y upwards, in metres or with a unit; of a volume a corner and two edges"))
     ->type_name("X1,Y1,X2,Y2")
     ->allow_extra_args(false);
-  bond(command.add_option("--periodic", o.periodic, "Axes at whose end the sample begins again, as x; none"))
-    ->type_name("AXES");
+  if (use == BondUse::Load)
+  {
+    bond(command.add_option("--periodic", o.periodic, "Axes at whose end the sample begins again, as x; none"))
+      ->type_name("AXES");
+  }
   bond(command.add_option("--refine", o.refine, "Split every pixel into N × N (× N)"))
     ->type_name("N")
     ->capture_default_str();
   bond(command.add_option("--threads", o.threads, "Threads of each process"))
     ->type_name("NUMBER")
     ->capture_default_str();
+}
+
+void addBalanceOptions(CLI::App& command, BalanceOptions& o)
+{
+  const auto numerics = [](CLI::Option* option) { return option->group("Accuracy and cost"); };
+  numerics(command.add_option("--tolerance", o.tolerance, "Largest relative residual force"))
+    ->type_name("SHARE")
+    ->capture_default_str();
+  numerics(command.add_option("--max-iterations", o.maxIterations, "Give up after this many"))
+    ->type_name("NUMBER")
+    ->capture_default_str();
+}
+
+void checkBalance(const BalanceOptions& o)
+{
+  if (!(o.tolerance >= 1e-12 && o.tolerance <= 0.1))
+  {
+    throw ParameterError(fmt::format("--tolerance {:g} is not between 1e-12 and 0.1", o.tolerance),
+      "it is the largest relative residual force, such as 1e-6");
+  }
+  if (o.maxIterations < 1)
+  {
+    throw ParameterError(fmt::format("--max-iterations {} is below 1", o.maxIterations), "allow at least 1");
+  }
 }
 
 void applyBonds(const BondOptions& o, vtkBondAlgorithm* filter)
@@ -310,7 +344,7 @@ void applyBonds(const BondOptions& o, vtkBondAlgorithm* filter)
   filter->SetThreads(o.threads);
 }
 
-BondSample loadBondSample(const PictureOptions& picture, const BondOptions& o)
+BondSample loadBondSample(Session& session, const PictureOptions& picture, const BondOptions& o)
 {
   Sample sample = loadSample(picture);
   Session::checkInterrupt();
@@ -324,12 +358,15 @@ BondSample loadBondSample(const PictureOptions& picture, const BondOptions& o)
   BondSample result;
   result.pixelSizeSource = sample.pixelSizeSource;
   result.provenance = sample.provenance;
-  result.warnings = sample.warnings;
+  for (const std::string& warning : sample.warnings)
+  {
+    session.warn(warning);
+  }
   if (sample.pixelSizeSource == "option")
   {
     if (const std::string doubt = pixelSizeDoubt("--pixel-size", sample.image.lattice.spacing); !doubt.empty())
     {
-      result.warnings.push_back(doubt);
+      session.warn(doubt);
     }
   }
   const std::vector<std::int32_t> grains = loadGrains(picture, sample);
@@ -343,6 +380,25 @@ BondSample loadBondSample(const PictureOptions& picture, const BondOptions& o)
   setProvenance(result.image, sample.provenance);
   result.image->GetExtent(result.extent.data());
   return result;
+}
+
+BondRun bondRun(Session& session, vtkBondAlgorithm* filter, const PictureOptions& picture, const BondOptions& options,
+  const BondSample& sample, const std::string& commandLine)
+{
+  (void)VtkMessages::takeWarnings(); // the same as in the field data
+  BondRun run;
+  run.image = vtkImageData::SafeDownCast(filter->GetOutputDataObject(0));
+  for (const std::string& warning : fieldTexts(run.image, "warnings"))
+  {
+    session.warn(warning);
+  }
+  run.file = picture.file;
+  run.pixelSizeSource = sample.pixelSizeSource;
+  run.provenance = recordRun(commandLine, picture.file, sample.provenance);
+  run.refine = options.refine;
+  run.threads = options.threads;
+  run.ranks = session.ranks();
+  return run;
 }
 
 void runBonds(Session& session, vtkBondAlgorithm* filter, const BondSample& sample, const char* what)

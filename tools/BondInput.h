@@ -1,5 +1,6 @@
 #pragma once
 
+#include "BondReport.h"
 #include "Input.h"
 #include "Session.h"
 
@@ -38,28 +39,48 @@ struct BondOptions
   int threads = 1;
 };
 
-/// Declares all of the options above.
-void addBondOptions(CLI::App& command, BondOptions& options);
+/// What a command does with the bonds: some options make no sense for some.
+enum class BondUse
+{
+  Load,      ///< a sample between platens
+  Stiffness, ///< a cell that repeats, in small strains: no --periodic, no --large-strains, nothing about breaking
+};
+
+/// Declares the options above.
+void addBondOptions(CLI::App& command, BondOptions& options, BondUse use);
+
+/// How well and how long the forces are balanced.
+struct BalanceOptions
+{
+  double tolerance = 1e-6;
+  int maxIterations = 20000;
+};
+void addBalanceOptions(CLI::App& command, BalanceOptions& options);
+/// @throws ParameterError
+void checkBalance(const BalanceOptions& options);
 
 /// Gives the filter what the options say. @throws ParameterError for what can be said without the sample
 void applyBonds(const BondOptions& options, vtkBondAlgorithm* filter);
 
-/// A sample for such a filter, its grains with it where a .vti has them.
+/// A sample for such a filter, its grains with it where a .vti has them. What is doubtful about it has been said.
 struct BondSample
 {
   vtkSmartPointer<vtkImageData> image; ///< window cut out, refined
   std::string pixelSizeSource;         ///< as Sample
   std::string provenance;
-  std::vector<std::string> warnings;
   std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
 };
 
 /// @throws as loadSample(); ParameterError for a pair or a void that the sample does not have, and for a fracture
 /// energy or a toughness where the pixel size is not known
-[[nodiscard]] BondSample loadBondSample(const PictureOptions& picture, const BondOptions& options);
+[[nodiscard]] BondSample loadBondSample(Session& session, const PictureOptions& picture, const BondOptions& options);
 
 /// Runs the filter on the sample that rank 0 holds, on all ranks, with a progress bar; rank 0 then holds its output.
 /// @throws the kind of Error that the filter met; Cancelled
 void runBonds(Session& session, vtkBondAlgorithm* filter, const BondSample& sample, const char* what);
+
+/// What a report needs of a run on rank 0, whose filter's warnings are said with it.
+[[nodiscard]] BondRun bondRun(Session& session, vtkBondAlgorithm* filter, const PictureOptions& picture,
+  const BondOptions& options, const BondSample& sample, const std::string& commandLine);
 
 } // namespace lamella::cli

@@ -3,7 +3,6 @@
 #include "EquilibriumReport.h"
 #include "GridFile.h"
 #include "OutputFile.h"
-#include "Record.h"
 #include "Text.h"
 
 #include "vtkBondEquilibrium.h"
@@ -39,8 +38,7 @@ struct EquilibriumOptions
   bool rigidPlatens = false;
   int platenLayers = 0;
   std::string solver = "multigrid";
-  double tolerance = 1e-6;
-  int maxIterations = 20000;
+  BalanceOptions balance;
   bool stress = false;
   bool strainEnergy = false;
   std::string output;
@@ -74,15 +72,7 @@ void applyLoad(const EquilibriumOptions& o, vtkBondEquilibrium* filter)
     throw ParameterError(
       fmt::format("--strain {} loads nothing", o.strain), "give a number such as 1e-3; tension is positive");
   }
-  if (!(o.tolerance >= 1e-12 && o.tolerance <= 0.1))
-  {
-    throw ParameterError(fmt::format("--tolerance {:g} is not between 1e-12 and 0.1", o.tolerance),
-      "it is the largest relative residual force, such as 1e-6");
-  }
-  if (o.maxIterations < 1)
-  {
-    throw ParameterError(fmt::format("--max-iterations {} is below 1", o.maxIterations), "allow at least 1");
-  }
+  checkBalance(o.balance);
   if (o.platenLayers < 0)
   {
     throw ParameterError(
@@ -95,8 +85,8 @@ void applyLoad(const EquilibriumOptions& o, vtkBondEquilibrium* filter)
   filter->SetRigidPlatens(o.rigidPlatens);
   filter->SetPlatenLayers(o.platenLayers);
   filter->SetSolver(static_cast<int>(oneOf("--solver", o.solver, solvers)));
-  filter->SetTolerance(o.tolerance);
-  filter->SetMaximumIterations(o.maxIterations);
+  filter->SetTolerance(o.balance.tolerance);
+  filter->SetMaximumIterations(o.balance.maxIterations);
   if (o.output.empty() && (o.stress || o.strainEnergy))
   {
     throw ParameterError(
@@ -122,11 +112,7 @@ void equilibrium(Session& session, const EquilibriumOptions& options, const std:
   session.onRoot(
     [&]
     {
-      sample = loadBondSample(options.picture, options.bonds);
-      for (const std::string& warning : sample.warnings)
-      {
-        session.warn(warning);
-      }
+      sample = loadBondSample(session, options.picture, options.bonds);
       if (!options.output.empty())
       {
         file.emplace(options.output, options.common.overwrite);
@@ -139,20 +125,8 @@ void equilibrium(Session& session, const EquilibriumOptions& options, const std:
   session.onRoot(
     [&]
     {
-      (void)VtkMessages::takeWarnings(); // the same as in the field data
-      vtkImageData* const image = filter->GetOutput();
-      for (const std::string& warning : fieldTexts(image, "warnings"))
-      {
-        session.warn(warning);
-      }
-      EquilibriumReport report;
-      report.file = options.picture.file;
-      report.image = image;
-      report.pixelSizeSource = sample.pixelSizeSource;
-      report.provenance = recordRun(commandLine, options.picture.file, sample.provenance);
-      report.refine = options.bonds.refine;
-      report.threads = options.bonds.threads;
-      report.ranks = session.ranks();
+      BondRun report = bondRun(session, filter, options.picture, options.bonds, sample, commandLine);
+      vtkImageData* const image = report.image;
       if (file)
       {
         setProvenance(image, io::toJson(report.provenance));
@@ -162,7 +136,9 @@ void equilibrium(Session& session, const EquilibriumOptions& options, const std:
         report.written.push_back(options.output);
       }
       report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      session.print(options.common.json ? toJson(report) : options.common.quiet ? "" : toTable(report));
+      session.print(options.common.json ? equilibriumJson(report)
+          : options.common.quiet        ? ""
+                                        : equilibriumTable(report));
     });
 }
 
@@ -174,7 +150,7 @@ Command equilibriumCommand(CLI::App& root)
     "equilibrium", "Stiffness of a picture or volume, stress, and the load at which its first bond breaks");
   auto o = std::make_shared<EquilibriumOptions>();
   addPictureOptions(*app, o->picture);
-  addBondOptions(*app, o->bonds);
+  addBondOptions(*app, o->bonds, BondUse::Load);
   const auto load = [](CLI::Option* option) { return option->group("Load"); };
   load(app->add_option("--load", o->load, "The low platen stays; the high one moves along the axis, across it, ..."))
     ->type_name("stretch|shear|biaxial|traction")
@@ -198,12 +174,7 @@ Command equilibriumCommand(CLI::App& root)
   numerics(app->add_option("--solver", o->solver, "How forces are balanced"))
     ->type_name("multigrid|jacobi|direct|dynamic-relaxation")
     ->capture_default_str();
-  numerics(app->add_option("--tolerance", o->tolerance, "Largest relative residual force"))
-    ->type_name("SHARE")
-    ->capture_default_str();
-  numerics(app->add_option("--max-iterations", o->maxIterations, "Give up after this many"))
-    ->type_name("NUMBER")
-    ->capture_default_str();
+  addBalanceOptions(*app, o->balance);
   addOutputOptions(*app, o->output, o->common, "Write phases and displacement as .vti, for ParaView");
   app->add_flag("--stress", o->stress, "Write the stress of every node too")->group("Output");
   app->add_flag("--strain-energy", o->strainEnergy, "Write the strain energy of every node too")->group("Output");

@@ -159,17 +159,7 @@ std::optional<FirstBreak> firstBreak(const BondLattice& bonds, const Lattice& la
 
 std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult& r)
 {
-  std::vector<std::string> warnings;
-  if (const std::string text = horizonWarning(model); !text.empty())
-    warnings.push_back(text);
-  // thinner than the horizon in a good part: a disk has such nodes at its four tips only. Where bonds between grains
-  // have a material of their own, those that jump over a layer have it too.
-  for (const PhaseThickness& t : r.thickness)
-    if (t.thinShare > 0.25 && !model.pairByGrain)
-      warnings.push_back(fmt::format(
-        "{} is {:g} nodes thick (median; {:.0f} % of its nodes lie where it is thinner than the horizon of "
-        "{:g}): bonds jump over it. Refine the picture, or give bonds between grains a material of their own",
-        pairName(model, t.phase, t.phase), t.median, 100 * t.thinShare, model.horizon));
+  std::vector<std::string> warnings = modelWarnings(model, r.thickness);
   if (r.loosePieces > 0)
     warnings.push_back(fmt::format(
       "{} loose pieces with {} nodes ({:.2g} % of the solid) hang on no platen and were taken out: they carry nothing",
@@ -227,6 +217,22 @@ std::string horizonWarning(const BondModel& model)
   return fmt::format("a horizon of {:g} spacings is below 3: the lattice is stiffer along its axes (Young's modulus at "
                      "45° is {:.2f} of that along them)",
     model.horizon, m.youngsModulusDiagonal / m.youngsModulus);
+}
+
+std::vector<std::string> modelWarnings(const BondModel& model, const std::vector<PhaseThickness>& thickness)
+{
+  std::vector<std::string> warnings;
+  if (const std::string text = horizonWarning(model); !text.empty())
+    warnings.push_back(text);
+  // thinner than the horizon in a good part: a disk has such nodes at its four tips only. Where bonds between grains
+  // have a material of their own, those that jump over a layer have it too.
+  for (const PhaseThickness& t : thickness)
+    if (t.thinShare > 0.25 && !model.pairByGrain)
+      warnings.push_back(fmt::format(
+        "{} is {:g} nodes thick (median; {:.0f} % of its nodes lie where it is thinner than the horizon of "
+        "{:g}): bonds jump over it. Refine the picture, or give bonds between grains a material of their own",
+        pairName(model, t.phase, t.phase), t.median, 100 * t.thinShare, model.horizon));
+  return warnings;
 }
 
 double elasticBytes(

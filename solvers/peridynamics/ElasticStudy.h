@@ -118,6 +118,10 @@ private:
 /// What a model's horizon means for a picture: a warning, or an empty string.
 [[nodiscard]] std::string horizonWarning(const BondModel& model);
 
+/// What a model's horizon means for a picture and for each of its phases, if they are several: one line each.
+[[nodiscard]] std::vector<std::string> modelWarnings(
+  const BondModel& model, const std::vector<PhaseThickness>& thickness);
+
 /// Thickness of every phase that has nodes and is no void. Collective.
 /// @param phase of the rank's slab
 [[nodiscard]] std::vector<PhaseThickness> phaseThickness(

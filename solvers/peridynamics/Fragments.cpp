@@ -1,121 +1,16 @@
 #include "peridynamics/Fragments.h"
 
+#include "peridynamics/BondSets.h"
 #include "peridynamics/RimExchange.h"
 
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <numeric>
 
 namespace lamella::peridynamics
 {
 namespace
 {
-
-/// Disjoint sets of positions; the least of a set stands for it.
-class Sets
-{
-public:
-  explicit Sets(std::int64_t count)
-    : parent_(static_cast<std::size_t>(count))
-  {
-    std::iota(parent_.begin(), parent_.end(), std::int64_t{ 0 });
-  }
-  std::int64_t find(std::int64_t i)
-  {
-    while (at(i) != i)
-    {
-      at(i) = at(at(i));
-      i = at(i);
-    }
-    return i;
-  }
-  void join(std::int64_t a, std::int64_t b)
-  {
-    a = find(a);
-    b = find(b);
-    if (a < b)
-      at(b) = a;
-    else
-      at(a) = b;
-  }
-  /// Every entry becomes the one that stands for its set.
-  void flatten()
-  {
-    for (std::size_t i = 0; i < parent_.size(); ++i) // the least of a set comes first
-      parent_[i] = parent_[static_cast<std::size_t>(parent_[i])];
-  }
-  [[nodiscard]] std::int64_t& at(std::int64_t i) { return parent_[static_cast<std::size_t>(i)]; }
-
-private:
-  std::vector<std::int64_t> parent_;
-};
-
-constexpr double nearby = 1.5; // spacings
-
-template <class F>
-void eachRow(const NodeLayout& l, F&& f)
-{
-  for (std::int64_t z = -l.ghostZ(); z < l.size[2] + l.ghostZ(); ++z)
-    for (std::int64_t y = -l.ghost; y < l.size[1] + l.ghost; ++y)
-      f(l.row(y, z));
-}
-
-// Bonds to the next nodes join nearly all.
-void joinNeighbours(const BondLattice& bonds, Sets& sets)
-{
-  const NodeLayout& l = bonds.layout();
-  const auto& half = bonds.stencil().half();
-  std::vector<int> offsets;
-  for (std::size_t o = 0; o < half.size(); ++o)
-    if (half[o].length < nearby)
-      offsets.push_back(static_cast<int>(o));
-  eachRow(l,
-    [&](std::int64_t row)
-    {
-      const std::uint8_t* strips = bonds.stripsOf(row);
-      for (std::int64_t s = 0; s < l.pitch / 16; ++s)
-      {
-        if (strips[s] == 0)
-          continue;
-        for (std::int64_t i = row * l.pitch + 16 * s; i < row * l.pitch + 16 * (s + 1); ++i)
-          for (const int o : offsets)
-            if ((strips[s] != 255 || bonds.kind(i, o) != 0) && sets.at(i) != sets.at(i + bonds.jump(o)))
-              sets.join(i, i + bonds.jump(o));
-      }
-    });
-}
-
-// The longer ones are looked at where they lead from one set to another.
-void joinFar(const BondLattice& bonds, Sets& sets)
-{
-  const NodeLayout& l = bonds.layout();
-  const auto& half = bonds.stencil().half();
-  eachRow(l,
-    [&](std::int64_t row)
-    {
-      const std::uint8_t* strips = bonds.stripsOf(row);
-      for (std::int64_t s = 0; s < l.pitch / 16; ++s)
-      {
-        if (strips[s] == 0)
-          continue;
-        const std::int64_t begin = row * l.pitch + 16 * s;
-        for (std::size_t o = 0; o < half.size(); ++o)
-        {
-          if (half[o].length < nearby)
-            continue;
-          const std::int64_t* from = &sets.at(begin);
-          const std::int64_t* to = from + bonds.jump(static_cast<int>(o));
-          std::int64_t differ = 0;
-          for (int i = 0; i < 16; ++i)
-            differ |= from[i] ^ to[i];
-          for (std::int64_t i = begin; differ != 0 && i < begin + 16; ++i)
-            if (bonds.kind(i, static_cast<int>(o)) != 0)
-              sets.join(i, i + bonds.jump(static_cast<int>(o)));
-        }
-      }
-    });
-}
 
 /// Node in the whole lattice that a position holds, images at periodic sides taken back into the box.
 std::int64_t globalNode(const BondLattice& bonds, std::int64_t index)
@@ -136,11 +31,7 @@ std::int64_t globalNode(const BondLattice& bonds, std::int64_t index)
 Fragments findFragments(const BondLattice& bonds, const AlignedArray<std::uint8_t>* fixed)
 {
   const NodeLayout& l = bonds.layout();
-  Sets sets(l.count());
-  joinNeighbours(bonds, sets);
-  sets.flatten();
-  joinFar(bonds, sets);
-  sets.flatten();
+  Sets sets = joinBonds(bonds);
 
   // pieces of this rank by their first node, and what ranks and periodic sides join
   std::vector<std::int64_t> name(static_cast<std::size_t>(l.count()), -1); // of roots

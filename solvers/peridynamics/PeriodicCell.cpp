@@ -2,21 +2,20 @@
 
 #include "lattice/Error.h"
 #include "peridynamics/BondForces.h"
+#include "peridynamics/CellPieces.h"
+#include "peridynamics/multigrid/FreeBlocks.h"
 #include "peridynamics/multigrid/Level.h"
-
-#include <Eigen/Dense>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace lamella::peridynamics
 {
 namespace
 {
-
-constexpr double roundOff = 1e-12;
 
 template <class F>
 void forOwn(const NodeLayout& l, F&& f)
@@ -42,23 +41,43 @@ std::array<std::array<double, 3>, 3> strainTensor(int dimension, const std::vect
   return { { { e[0], e[5] / 2, e[4] / 2 }, { e[5] / 2, e[1], e[3] / 2 }, { e[4] / 2, e[3] / 2, e[2] } } };
 }
 
-void engineeringConstants(EffectiveStiffness& s, int dimension)
+/// Eigenvalues below this share of the largest are what an unfinished solution leaves of none.
+double zeroShare(const EquilibriumOptions& options)
 {
-  const int n = s.components;
-  const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> c(
-    s.stiffness.data(), n, n);
-  const Eigen::FullPivLU<Eigen::MatrixXd> lu(0.5 * (c + c.transpose()));
-  if (!(std::abs(lu.maxPivot()) > 0) || lu.rcond() < 1e-10)
-    throw NoPathError("the cell has no stiffness in some direction", "does its solid reach from side to side?");
-  const Eigen::MatrixXd compliance = lu.inverse();
-  for (int a = 0; a < dimension; ++a)
-    s.youngsModulus.push_back(1 / compliance(a, a));
-  for (int a = dimension; a < n; ++a)
-    s.shearModulus.push_back(1 / compliance(a, a));
-  for (int a = 0; a < dimension; ++a)
-    for (int b = 0; b < dimension; ++b)
-      if (a != b)
-        s.poissonsRatio.push_back(-compliance(b, a) / compliance(a, a));
+  return std::max(1e-10, 10 * options.tolerance);
+}
+
+/// Makes the tensor symmetric. @returns the largest difference that there was, over the largest component
+double symmetrise(std::vector<double>& c, std::size_t n)
+{
+  double most = 0;
+  double size = 0;
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = 0; b <= a; ++b)
+    {
+      const double mean = 0.5 * (c[a * n + b] + c[b * n + a]);
+      most = std::max(most, std::abs(c[a * n + b] - c[b * n + a]));
+      c[a * n + b] = mean;
+      c[b * n + a] = mean;
+      size = std::max(size, std::abs(mean));
+    }
+  return size > 0 ? most / size : 0;
+}
+
+/// Loose pieces as what cannot move.
+FixedComponents hold(const NodeLayout& l, const CellPieces& pieces)
+{
+  FixedComponents fixed(l.count());
+  for (std::int64_t i = 0; i < l.count(); ++i)
+    if (pieces.loose[i] != 0)
+      fixed[i] = allComponents(l.dimension);
+  return fixed;
+}
+
+/// Forces of less than this share of a bond's are round-off of the displacements, which grow with the cell.
+double roundOff(const NodeLayout& l)
+{
+  return std::max(1e-12, 4e-15 * static_cast<double>(*std::max_element(l.global.begin(), l.global.end())));
 }
 
 } // namespace
@@ -106,19 +125,42 @@ EffectiveStiffness effectiveStiffness(const BondLattice& bonds, const Equilibriu
   for (int a = 0; a < l.dimension; ++a)
     if (!bonds.periodic()[static_cast<std::size_t>(a)])
       throw ParameterError(fmt::format("the cell is not periodic along {}", "xyz"[a]), "make every side periodic");
+  if (options.strains != Strains::Small)
+    throw ParameterError("a stiffness is asked of large strains", "it is that of small ones: leave large strains out");
+  CellPieces pieces = findCellPieces(bonds);
+  if (pieces.pieces == pieces.loosePieces)
+    throw NoPathError(fmt::format("no piece of the cell goes on into the next one along any axis: it is in {} pieces "
+                                  "that carry nothing",
+                        pieces.pieces),
+      "look at its phases; a longer horizon or more matrix would join them");
   EffectiveStiffness result;
   result.components = voigt(l.dimension);
+  result.crosses = pieces.crosses;
+  result.pieces = pieces.pieces;
+  result.loosePieces = pieces.loosePieces;
+  result.looseNodes = pieces.looseNodes;
+  result.bounds = cellBounds(bonds);
   const auto n = static_cast<std::size_t>(result.components);
   result.stiffness.resize(n * n);
-  Equilibrium equilibrium(bonds, FixedComponents(l.count()), options);
-  double stiffest = 0; // force of a bond at a strain of one
+  double done = 0; // unit strains
+  EquilibriumOptions each = options;
+  if (options.progress)
+    each.progress = [&](double share) { return options.progress((done + share) / static_cast<double>(n)); };
+  std::optional<Equilibrium> equilibrium; // not made for a uniform cell
+  double stiffest = 0;                    // force of a bond at a strain of one
   for (const BondKind& k : bonds.kinds())
     stiffest = std::max(stiffest, k.stiffness);
-  for (std::size_t c = 0; c < n; ++c)
+  const double least = roundOff(l) * stiffest * std::sqrt(static_cast<double>(bonds.solidNodes()));
+  for (std::size_t c = 0; c < n; ++c, done += 1)
   {
     std::vector<double> strain(n, 0.0);
     strain[c] = 1;
     NodeField<double> total = affineField(bonds, strain);
+    if (pieces.loosePieces > 0)
+      for (int a = 0; a < l.dimension; ++a)
+        for (std::int64_t i = 0; i < l.count(); ++i)
+          if (pieces.loose[i] != 0)
+            total.component(a)[i] = 0;
     NodeField<double> load(l);
     linearForce(bonds, total, load);
     NodeField<double> fluctuation(l);
@@ -126,9 +168,12 @@ EffectiveStiffness effectiveStiffness(const BondLattice& bonds, const Equilibriu
     double square = 0;
     for (int a = 0; a < l.dimension; ++a)
       forOwn(l, [&](std::int64_t i) { square += load.component(a)[i] * load.component(a)[i]; });
-    const double norm = std::sqrt(bonds.communicator().sum(square));
-    if (norm > roundOff * stiffest * std::sqrt(static_cast<double>(bonds.solidNodes())))
-      result.solutions.push_back(equilibrium.solve(fluctuation, &load));
+    if (std::sqrt(bonds.communicator().sum(square)) > least)
+    {
+      if (!equilibrium)
+        equilibrium.emplace(bonds, hold(l, pieces), each);
+      result.solutions.push_back(equilibrium->solve(fluctuation, &load));
+    }
     else
       result.solutions.emplace_back();
     for (int a = 0; a < l.dimension; ++a)
@@ -137,7 +182,8 @@ EffectiveStiffness effectiveStiffness(const BondLattice& bonds, const Equilibriu
     for (std::size_t r = 0; r < n; ++r)
       result.stiffness[r * n + c] = stress[r];
   }
-  engineeringConstants(result, l.dimension);
+  result.asymmetry = symmetrise(result.stiffness, n);
+  result.constants = elasticConstants(result.stiffness, l.dimension, zeroShare(options));
   return result;
 }
 

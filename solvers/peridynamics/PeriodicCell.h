@@ -1,5 +1,7 @@
 #pragma once
 
+#include "peridynamics/CellBounds.h"
+#include "peridynamics/ElasticConstants.h"
 #include "peridynamics/Equilibrium.h"
 
 #include <array>
@@ -13,19 +15,22 @@ namespace lamella::peridynamics
 struct EffectiveStiffness
 {
   int components = 3;
-  std::vector<double> stiffness; ///< components², by rows; symmetric to the tolerance of the solution
-  /// Engineering constants, from the inverse: Young's moduli [Pa] along x, y, z; shear moduli yz, xz, xy (xy alone in
-  /// 2D, first) [Pa]; Poisson's ratios −ε_b/ε_a under stress along a for (a, b) = xy, yx in 2D; xy, xz, yx, yz, zx, zy.
-  std::vector<double> youngsModulus;
-  std::vector<double> shearModulus;
-  std::vector<double> poissonsRatio;
-  std::vector<EquilibriumResult> solutions; ///< one a unit strain
+  std::vector<double> stiffness; ///< components², by rows; symmetric
+  double asymmetry = 0;          ///< largest difference of two opposite components as solved, over the largest of all
+  CellBounds bounds;
+  ElasticConstants constants;
+  std::array<bool, 3> crosses{}; ///< along which axes some piece of the solid goes on into the next cell
+  std::int64_t pieces = 0;
+  std::int64_t loosePieces = 0; ///< of them: they go on nowhere and were taken out, for they carry nothing
+  std::int64_t looseNodes = 0;
+  std::vector<EquilibriumResult> solutions; ///< one a unit strain; without iterations where the strain is uniform
 };
 
-/// Solves for the periodic fluctuation under each unit strain in turn. Collective.
+/// Solves for the periodic fluctuation under each unit strain in turn. A direction that nothing crosses has no
+/// stiffness, which is an answer and no error. Collective.
 /// @param bonds periodic along every axis
-/// @throws ParameterError when a side is not periodic; NoPathError when the cell has no stiffness in some direction,
-/// for then there is no inverse; as Equilibrium::solve()
+/// @throws ParameterError when a side is not periodic, and for large strains; NoPathError when no piece of the cell
+/// goes on into the next in any direction; as Equilibrium::solve()
 [[nodiscard]] EffectiveStiffness effectiveStiffness(const BondLattice& bonds, const EquilibriumOptions& options = {});
 
 /// Displacement of a mean strain: uᵢ = Σ εᵢⱼ xⱼ about the lattice's first node, in the rim too, where it goes on as if

@@ -287,4 +287,54 @@ vtkSmartPointer<vtkDoubleArray> stressArray(
   return array;
 }
 
+json describeModel(vtkImageData* output, const BondScene& scene, const BondSettings& settings)
+{
+  const pd::BondModel& model = scene.model();
+  std::vector<std::string> names;
+  std::array<std::vector<double>, 4> values;
+  for (const pd::PairData& pair : pd::describePairs(model, scene.lattice().spacing))
+  {
+    names.push_back(pair.name);
+    values[0].push_back(pair.youngsModulus);
+    values[1].push_back(pair.criticalStretch);
+    values[2].push_back(pair.fractureEnergy);
+    values[3].push_back(pair.toughness);
+  }
+  setFieldTexts(output, "pair_names", names);
+  setFieldNumbers(output, "pair_youngs_modulus", values[0]);
+  setFieldNumbers(output, "pair_critical_stretch", values[1]);
+  setFieldNumbers(output, "pair_fracture_energy", values[2]);
+  setFieldNumbers(output, "pair_toughness", values[3]);
+  setFieldText(output, "continuum", continua[static_cast<std::size_t>(model.continuum)]);
+  setFieldNumbers(output, "horizon", std::array{ model.horizon });
+  setFieldNumbers(output, "poissons_ratio", std::array{ pd::poissonsRatio(model.continuum) });
+  std::vector<double> fractions(scene.nodes().begin(), scene.nodes().end());
+  for (double& fraction : fractions)
+  {
+    fraction /= static_cast<double>(scene.lattice().count());
+  }
+  setFieldNumbers(output, "phase_fraction", fractions);
+  setFieldTexts(output, "phase_names", scene.phases().names);
+  setFieldText(output, "phase_array", scene.phases().array);
+  json text = toJson(settings);
+  setFieldText(output, bondModelName, text.dump());
+  return text;
+}
+
+void describeThickness(vtkImageData* output, const BondScene& scene, std::span<const pd::PhaseThickness> thickness)
+{
+  std::vector<std::string> names;
+  std::vector<double> median;
+  std::vector<double> thin;
+  for (const pd::PhaseThickness& t : thickness)
+  {
+    names.push_back(scene.phases().names.at(t.phase));
+    median.push_back(t.median);
+    thin.push_back(t.thinShare);
+  }
+  setFieldTexts(output, "thickness_phases", names);
+  setFieldNumbers(output, "thickness_median", median);
+  setFieldNumbers(output, "thickness_thin_share", thin);
+}
+
 } // namespace lamella

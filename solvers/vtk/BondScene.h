@@ -5,6 +5,7 @@
 #include "vtkPieces.h"
 
 #include "peridynamics/BondModel.h"
+#include "peridynamics/ElasticStudy.h"
 #include "peridynamics/NodeField.h"
 #include "peridynamics/PairTable.h"
 
@@ -89,6 +90,15 @@ private:
 /// Stress with six components in VTK's order: xx, yy, zz, xy, yz, xz. In plane strain zz is ν (xx + yy).
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkSmartPointer<vtkDoubleArray> stressArray(
   const BondScene& scene, const peridynamics::NodeField<double>& stress, const char* creator);
+
+/// What an output says of its model, the same after every solve: pairs with their materials, continuum, horizon,
+/// Poisson's ratio, phases with their shares, `bond_model`. @returns the settings, for the provenance
+VTKLAMELLASOLVERSVTK_EXPORT nlohmann::json describeModel(
+  vtkImageData* output, const BondScene& scene, const BondSettings& settings);
+
+/// Thickness of phases: `thickness_phases`, `thickness_median`, `thickness_thin_share`.
+VTKLAMELLASOLVERSVTK_EXPORT void describeThickness(
+  vtkImageData* output, const BondScene& scene, std::span<const peridynamics::PhaseThickness> thickness);
 
 /// The field text that carries the model from the solver to filters on its result.
 constexpr const char* bondModelName = "bond_model";

@@ -5,6 +5,7 @@
 #include "lattice/Error.h"
 
 #include "vtkDataObject.h"
+#include "vtkExecutive.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -37,6 +38,13 @@ vtkBondAlgorithm::Failures kindOf(const lamella::Error& error)
     return vtkBondAlgorithm::DIVERGENCE_FAILURE;
   }
   return vtkBondAlgorithm::INPUT_FAILURE;
+}
+
+/// What is asked of the output that is asked for: another than the image may be.
+vtkInformation* requested(vtkInformation* request, vtkInformationVector* outputs)
+{
+  const int port = request->Has(vtkExecutive::FROM_OUTPUT_PORT()) ? request->Get(vtkExecutive::FROM_OUTPUT_PORT()) : 0;
+  return outputs->GetInformationObject(std::max(port, 0));
 }
 
 } // namespace
@@ -169,32 +177,38 @@ int vtkBondAlgorithm::FillInputPortInformation(int, vtkInformation* info)
 }
 
 int vtkBondAlgorithm::RequestUpdateExtent(
-  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  lamella::requestInput(
-    inputVector[0]->GetInformationObject(0), outputVector->GetInformationObject(0), this->Controller);
+  lamella::requestInput(inputVector[0]->GetInformationObject(0), requested(request, outputVector), this->Controller);
   return 1;
 }
 
 int vtkBondAlgorithm::RequestData(
-  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   vtkImageData* const output = vtkImageData::GetData(outputVector);
+  const auto clear = [&]
+  {
+    for (int port = 0; port < outputVector->GetNumberOfInformationObjects(); ++port)
+    {
+      vtkDataObject::GetData(outputVector, port)->Initialize();
+    }
+  };
   const auto fail = [&](Failures failure)
   {
     this->Failure = failure;
-    output->Initialize();
+    clear();
     return 0;
   };
   this->Failure = NO_FAILURE;
   try
   {
-    const lamella::Team team(this->Controller, outputVector->GetInformationObject(0));
+    const lamella::Team team(this->Controller, requested(request, outputVector));
     this->Run(vtkImageData::GetData(inputVector[0]), output, team);
   }
   catch (const lamella::Cancelled&)
   {
-    output->Initialize();
+    clear();
     this->SetAbortOutput(true);
   }
   catch (const lamella::Error& error)

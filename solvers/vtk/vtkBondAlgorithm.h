@@ -18,7 +18,7 @@
  *
  * Poisson's ratio is that of bonds: 1/3 in plane stress, 1/4 in plane strain and in space.
  *
- * @sa vtkBondEquilibrium, vtkBondStress
+ * @sa vtkBondEquilibrium, vtkBondStiffness, vtkBondStress
  */
 
 #ifndef vtkBondAlgorithm_h

@@ -24,7 +24,6 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<const char*, 4> loadName{ "stretch", "shear", "biaxial", "traction" };
 constexpr std::array<const char*, 4> solverName{ "multigrid", "jacobi", "direct", "dynamic-relaxation" };
 constexpr std::array<const char*, 3> axisName{ "x", "y", "z" };
-constexpr std::array<const char*, 3> continuumName{ "plane-stress", "plane-strain", "space" };
 
 /// What was found, as field data.
 class Numbers
@@ -88,41 +87,7 @@ public:
     this->set("seconds",
       std::array<double, 5>{
         r.bondSeconds, r.loadSeconds, r.solve.setupSeconds, r.solve.solveSeconds, r.measureSeconds });
-    std::vector<std::string> thick;
-    std::vector<double> median;
-    std::vector<double> thin;
-    for (const pd::PhaseThickness& t : r.thickness)
-    {
-      thick.push_back(phases.at(t.phase));
-      median.push_back(t.median);
-      thin.push_back(t.thinShare);
-    }
-    lamella::setFieldTexts(output_, "thickness_phases", thick);
-    lamella::setFieldNumbers(output_, "thickness_median", median);
-    lamella::setFieldNumbers(output_, "thickness_thin_share", thin);
     lamella::setFieldTexts(output_, "warnings", r.warnings);
-  }
-
-  void pairs(const pd::BondModel& model, double spacing) const
-  {
-    std::vector<std::string> names;
-    std::array<std::vector<double>, 4> values;
-    for (const pd::PairData& pair : pd::describePairs(model, spacing))
-    {
-      names.push_back(pair.name);
-      values[0].push_back(pair.youngsModulus);
-      values[1].push_back(pair.criticalStretch);
-      values[2].push_back(pair.fractureEnergy);
-      values[3].push_back(pair.toughness);
-    }
-    lamella::setFieldTexts(output_, "pair_names", names);
-    lamella::setFieldNumbers(output_, "pair_youngs_modulus", values[0]);
-    lamella::setFieldNumbers(output_, "pair_critical_stretch", values[1]);
-    lamella::setFieldNumbers(output_, "pair_fracture_energy", values[2]);
-    lamella::setFieldNumbers(output_, "pair_toughness", values[3]);
-    lamella::setFieldText(output_, "continuum", continuumName[static_cast<std::size_t>(model.continuum)]);
-    this->set("horizon", model.horizon);
-    this->set("poissons_ratio", pd::poissonsRatio(model.continuum));
   }
 
 private:
@@ -199,19 +164,10 @@ void vtkBondEquilibrium::Run(vtkImageData* input, vtkImageData* output, const la
 
   const Numbers numbers(output);
   numbers.result(result, scene.phases().names);
-  numbers.pairs(scene.model(), scene.lattice().spacing);
-  std::vector<double> fractions(scene.nodes().begin(), scene.nodes().end());
-  for (double& fraction : fractions)
-  {
-    fraction /= static_cast<double>(scene.lattice().count());
-  }
-  lamella::setFieldNumbers(output, "phase_fraction", fractions);
-  lamella::setFieldTexts(output, "phase_names", scene.phases().names);
-  lamella::setFieldText(output, "phase_array", scene.phases().array);
+  lamella::describeThickness(output, scene, result.thickness);
+  const nlohmann::json model = lamella::describeModel(output, scene, settings);
   lamella::setFieldText(output, "load", loadName[static_cast<std::size_t>(this->Load)]);
   lamella::setFieldText(output, "solver", solverName[static_cast<std::size_t>(this->Solver)]);
-  const nlohmann::json model = lamella::toJson(settings);
-  lamella::setFieldText(output, lamella::bondModelName, model.dump());
   lamella::continueProvenance(output, "equilibrium",
     { { "model", model }, { "load", loadName[static_cast<std::size_t>(this->Load)] },
       { "axis", axisName[static_cast<std::size_t>(result.axis)] }, { "strain", this->Strain },

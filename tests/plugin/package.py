@@ -351,6 +351,36 @@ class Bonds(unittest.TestCase):
         np.testing.assert_allclose(half.stress, result.stress / 2)
         self.assertEqual(result.provenance["parameters"]["equilibrium"]["model"]["young"], {"stone": 2e9})
 
+    def test_stiffness(self):
+        layers = lamella.laminate(size=(32, 32), axis="y", periods=1)
+        young = {"matrix": 1e9, "inclusion": 4e9}
+        result = lamella.stiffness(layers, young, mixing="harmonic")
+        self.assertEqual(result.stiffness.shape, (3, 3))
+        self.assertEqual(result.components, ["xx", "yy", "xy"])
+        # in series 1.6e9; 1.064 and 0.318 are E and nu of the lattice at a horizon of 3
+        self.assertAlmostEqual(result.extrapolated[1, 1] / (1.6e9 * 1.0644 / (1 - 0.318**2)), 1, places=3)
+        np.testing.assert_allclose(result.errors, np.abs(result.extrapolated - result.stiffness))
+        self.assertAlmostEqual(result.estimated_error, (np.diag(result.errors) / np.diag(result.stiffness)).max())
+        self.assertAlmostEqual(result.modulus(0) / result.constants["E_x"], 1, places=9)
+        self.assertAlmostEqual(result.modulus((0, 3)) / result.constants["E_y"], 1, places=9)
+        for name, bound in result.bounds.items():
+            gap = np.linalg.eigvalsh((bound - result.stiffness) * (1 if name == "voigt" else -1))
+            self.assertGreater(gap.min(), -1e-3 * result.stiffness[0, 0])
+        self.assertEqual(result.vtk_tensor.GetNumberOfRows(), 3)
+        self.assertEqual(result.vtk_constants.GetNumberOfRows(), 5)
+        self.assertEqual((result.crosses, result.resisting, result.loose_pieces), ("xy", 3, (0, 0)))
+        self.assertEqual([step["refinement"] for step in result.steps], [1, 2])
+        self.assertEqual(sorted(result.mismatch), ["x", "y"])
+        quick = lamella.stiffness(layers, young, mixing="harmonic", estimate_error=False)
+        self.assertTrue(np.isnan(quick.estimated_error) and np.isnan(quick.extrapolated).all())
+        np.testing.assert_allclose(quick.stiffness, result.stiffness)
+        with self.assertRaisesRegex(TypeError, "periodic"):
+            lamella.stiffness(layers, young, periodic="x")
+        with self.assertRaisesRegex(lamella.LamellaError, "no material is given for bonds of"):
+            lamella.stiffness(layers, young)
+        with self.assertRaises(lamella.Cancelled):
+            lamella.stiffness(layers, young, mixing="harmonic", progress=lambda share, text: False)
+
     def test_arrays_and_pairs(self):
         picture = np.ones((40, 40), int)
         picture[:, :20] = 2

@@ -22,8 +22,8 @@ class Proxies(unittest.TestCase):
 
     def test_every_property_says_what_it_is(self):
         for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap, pv.PoreFloodFill,
-                       pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondStress,
-                       pv.StressPDF):
+                       pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondStiffness,
+                       pv.BondStress, pv.StressPDF):
             proxy = create()
             properties = proxy.SMProxy
             self.assertTrue(properties.GetDocumentation().GetDescription().strip())
@@ -52,6 +52,8 @@ class Proxies(unittest.TestCase):
                                   "PlatenLayers",
                                   "ComputeStress", "ComputeStrainEnergy", "Solver", "Tolerance",
                                   "MaximumIterations")),
+            (pv.BondStiffness, ("RelativeTo", "Mixing", "Horizon", "Continuum", "Micromodulus", "CutVoidBonds",
+                                "SurfaceCorrection", "Threads", "EstimateError", "Tolerance", "MaximumIterations")),
             (pv.BondStress, ("ModelFromInput", "ComputeStrainEnergy", "Horizon", "Mixing")),
             (pv.MatrixBridges, ("Width", "Reach", "Filled", "Saturation", "NodesAcross", "Platen")),
         ):
@@ -131,6 +133,20 @@ class Proxies(unittest.TestCase):
         self.assertEqual(sum(count.GetValue(i) for i in range(density.GetNumberOfRows())), wall.sum())
         self.assertIsNotNone(density.GetColumnByName("density_wall"))
         self.assertGreater(servermanager.Fetch(pdf, idx=2).GetNumberOfRows(), 3)
+
+    def test_stiffness(self):
+        tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[84, 96, 1])
+        cell = pv.BondStiffness(Input=tissue)  # Young's modulus of walls
+        cell.UpdatePipeline()
+        expected = lamella.stiffness(servermanager.Fetch(tissue), {"wall": 1e10})
+        np.testing.assert_allclose(field(cell, "constants"), list(expected.constants.values()), rtol=1e-9)
+        tensor = servermanager.Fetch(cell, idx=1)
+        self.assertAlmostEqual(tensor.GetColumnByName("xx").GetValue(0) / expected.stiffness[0, 0], 1)
+        constants = servermanager.Fetch(cell, idx=2)
+        self.assertEqual(constants.GetColumnByName("constant").GetValue(0), "E_x")
+        own = pv.BondStiffness(Input=tissue, YoungsModuli=["wall", "2e10"], EstimateError=0, Micromodulus="Lattice: exact along the axes")
+        own.UpdatePipeline()
+        self.assertAlmostEqual(field(own, "stiffness")[0] / expected.stiffness[0, 0] / 2 * 1.0644, 1, places=3)
 
     def test_grains(self):
         grains = pv.GrainPacking(Count=60, Softness=1e-4, Seed=4)

@@ -40,11 +40,11 @@ void subtractProduct(const Level& level, const NodeField<float>& x, NodeField<fl
   BlockRow common;
   common.half = static_cast<int>(level.half.size());
   common.blockStride = entries * l.count();
-  for (int q = 0; q < common.half; ++q)
-  {
-    const auto& s = level.half[static_cast<std::size_t>(q)];
-    common.jump[q] = s[0] + l.pitch * (s[1] + l.rowsY() * s[2]);
-  }
+  std::vector<std::int64_t> jumps;
+  jumps.reserve(level.half.size());
+  for (const auto& s : level.half)
+    jumps.push_back(s[0] + l.pitch * (s[1] + l.rowsY() * s[2]));
+  common.jump = jumps.data();
   const LevelKernels& k = levelKernels();
   forOwnRows(l,
     [&](std::int64_t y, std::int64_t z)

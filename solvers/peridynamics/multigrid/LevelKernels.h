@@ -12,19 +12,16 @@ namespace lamella::peridynamics
   return dimension == 3 ? 6 : 3;
 }
 
-/// Half of the neighbours of a coarse node: those within two steps along every axis.
-inline constexpr int maxHalf = 62;
-
 /// One row of coarse nodes with everything that its product with a block stencil reads; [c] components, [e] entries.
 struct BlockRow
 {
-  int half = 0;               ///< neighbours on the forward side
-  const float* here[3];       ///< of the field
-  const float* diagonal[6];   ///<
-  const float* block[6];      ///< entry e of the first neighbour; neighbour q lies q × blockStride further
-  std::int64_t blockStride;   ///<
-  std::int64_t jump[maxHalf]; ///< from a node to neighbour q, in nodes
-  float* out[3];              ///<
+  int half = 0;             ///< neighbours on the forward side
+  const float* here[3];     ///< of the field
+  const float* diagonal[6]; ///<
+  const float* block[6];    ///< entry e of the first neighbour; neighbour q lies q × blockStride further
+  std::int64_t blockStride; ///<
+  const std::int64_t* jump; ///< from a node to neighbour q, in nodes; `half` values
+  float* out[3];            ///<
 };
 
 struct LevelKernels

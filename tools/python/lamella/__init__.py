@@ -13,7 +13,7 @@ off.)
 
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
 ``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkSteadyDiffusion``, ``vtkFluxMap``,
-``vtkPoreFloodFill``, ``vtkBondEquilibrium``, ``vtkStressPDF`` ...), runs it and hands its output out as
+``vtkPoreFloodFill``, ``vtkBondEquilibrium``, ``vtkBondStiffness``, ``vtkStressPDF`` ...), runs it and hands its output out as
 numpy arrays.
 
 Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at the top; arrays of a volume are
@@ -50,6 +50,7 @@ from ._samples import (
     spheres,
 )
 from ._solve import DiffusionResult, diffusion
+from ._stiffness import StiffnessResult, stiffness
 from ._stresses import StressPDFResult, stress_pdf
 
 __all__ = [
@@ -63,6 +64,7 @@ __all__ = [
     "Packing",
     "PoreFloodFillResult",
     "Sample",
+    "StiffnessResult",
     "StressPDFResult",
     "bond_stress",
     "bridges",
@@ -83,5 +85,6 @@ __all__ = [
     "snapshot",
     "softwood",
     "spheres",
+    "stiffness",
     "stress_pdf",
 ]

@@ -1,0 +1,86 @@
+#include "peridynamics/BondSets.h"
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+constexpr double nearby = 1.5; // spacings
+
+template <class F>
+void eachRow(const NodeLayout& l, F&& f)
+{
+  for (std::int64_t z = -l.ghostZ(); z < l.size[2] + l.ghostZ(); ++z)
+    for (std::int64_t y = -l.ghost; y < l.size[1] + l.ghost; ++y)
+      f(l.row(y, z));
+}
+
+// Bonds to the next nodes join nearly all.
+void joinNeighbours(const BondLattice& bonds, Sets& sets)
+{
+  const NodeLayout& l = bonds.layout();
+  const auto& half = bonds.stencil().half();
+  std::vector<int> offsets;
+  for (std::size_t o = 0; o < half.size(); ++o)
+    if (half[o].length < nearby)
+      offsets.push_back(static_cast<int>(o));
+  eachRow(l,
+    [&](std::int64_t row)
+    {
+      const std::uint8_t* strips = bonds.stripsOf(row);
+      for (std::int64_t s = 0; s < l.pitch / 16; ++s)
+      {
+        if (strips[s] == 0)
+          continue;
+        for (std::int64_t i = row * l.pitch + 16 * s; i < row * l.pitch + 16 * (s + 1); ++i)
+          for (const int o : offsets)
+            if ((strips[s] != 255 || bonds.kind(i, o) != 0) && sets.at(i) != sets.at(i + bonds.jump(o)))
+              sets.join(i, i + bonds.jump(o));
+      }
+    });
+}
+
+// The longer ones are looked at where they lead from one set to another.
+void joinFar(const BondLattice& bonds, Sets& sets)
+{
+  const NodeLayout& l = bonds.layout();
+  const auto& half = bonds.stencil().half();
+  eachRow(l,
+    [&](std::int64_t row)
+    {
+      const std::uint8_t* strips = bonds.stripsOf(row);
+      for (std::int64_t s = 0; s < l.pitch / 16; ++s)
+      {
+        if (strips[s] == 0)
+          continue;
+        const std::int64_t begin = row * l.pitch + 16 * s;
+        for (std::size_t o = 0; o < half.size(); ++o)
+        {
+          if (half[o].length < nearby)
+            continue;
+          const std::int64_t* from = &sets.at(begin);
+          const std::int64_t* to = from + bonds.jump(static_cast<int>(o));
+          std::int64_t differ = 0;
+          for (int i = 0; i < 16; ++i)
+            differ |= from[i] ^ to[i];
+          for (std::int64_t i = begin; differ != 0 && i < begin + 16; ++i)
+            if (bonds.kind(i, static_cast<int>(o)) != 0)
+              sets.join(i, i + bonds.jump(static_cast<int>(o)));
+        }
+      }
+    });
+}
+
+} // namespace
+
+Sets joinBonds(const BondLattice& bonds)
+{
+  Sets sets(bonds.layout().count());
+  joinNeighbours(bonds, sets);
+  sets.flatten();
+  joinFar(bonds, sets);
+  sets.flatten();
+  return sets;
+}
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,558 @@
+// Effective stiffness of periodic cells: exact values, order of convergence, published values, what has no stiffness.
+#include "BondSamples.h"
+
+#include "lattice/Error.h"
+#include "peridynamics/CellWindow.h"
+#include "peridynamics/StiffnessStudy.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+
+namespace
+{
+
+using namespace lamella;
+using namespace lamella::test;
+using Rule = std::function<int(double, double, double)>;
+
+constexpr double tight = 1e-10;
+
+/// Phases by a rule of the position in the cell, 0 to 1 along each axis.
+Sample cell(const std::array<std::int64_t, 3>& size, const Rule& rule)
+{
+  Sample s{ makeLattice(size[0], size[1], size[2], size[2] > 1 ? 3 : 2, spacing), {}, {} };
+  const auto at = [&](std::int64_t n, std::size_t a)
+  { return (static_cast<double>(n) + 0.5) / static_cast<double>(size[a]); };
+  for (std::int64_t z = 0; z < size[2]; ++z)
+    for (std::int64_t y = 0; y < size[1]; ++y)
+      for (std::int64_t x = 0; x < size[0]; ++x)
+        s.phase.push_back(static_cast<std::uint8_t>(rule(at(x, 0), at(y, 1), at(z, 2))));
+  return s;
+}
+
+/// Phase 2 `contrast` times as stiff as phase 1; bonds between them in series.
+BondModel twoPhases(Continuum continuum, double horizon, double contrast)
+{
+  BondModel m = modelOf(continuum, horizon);
+  m.pairs[{ 2, 2 }].material.youngsModulus = contrast * young;
+  m.pairs[{ 1, 2 }].material.youngsModulus = 2 * young * contrast / (1 + contrast);
+  return m;
+}
+
+StiffnessResult study(
+  const BondModel& m, const Sample& s, bool error = false, double tolerance = tight, const Communicator& comm = alone())
+{
+  StiffnessOptions o;
+  o.equilibrium.tolerance = tolerance;
+  o.estimateError = error;
+  o.threads = 1;
+  const Block b = slab(s.lattice, Stencil(s.lattice.dimension, m.horizon), comm);
+  const auto first = static_cast<std::size_t>(s.lattice.index(b.start[0], b.start[1], b.start[2]));
+  const auto count = static_cast<std::size_t>(b.count());
+  return studyStiffness(m, s.lattice, std::span(s.phase).subspan(first, count),
+    s.grain.empty() ? std::span<const std::int32_t>() : std::span<const std::int32_t>(s.grain).subspan(first, count), o,
+    comm);
+}
+
+double at(const std::vector<double>& c, std::size_t a, std::size_t b)
+{
+  return c[a * (c.size() == 36 ? 6 : 3) + b];
+}
+
+double largest(const std::vector<double>& c)
+{
+  double most = 0;
+  for (const double v : c)
+    most = std::max(most, std::abs(v));
+  return most;
+}
+
+double difference(const std::vector<double>& a, const std::vector<double>& b)
+{
+  double most = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    most = std::max(most, std::abs(a[i] - b[i]));
+  return most / largest(b);
+}
+
+/// c₁₁ and c₁₂ of the lattice of one material: 2D in plane stress or strain, or space.
+std::array<double, 2> latticeStiffness(Continuum continuum, double horizon)
+{
+  const LatticeModuli m = latticeModuli(Stencil(continuum == Continuum::Space ? 3 : 2, horizon), continuum);
+  const double e = m.youngsModulus * young;
+  const double nu = m.poissonsRatio;
+  if (continuum == Continuum::PlaneStress)
+    return { e / (1 - nu * nu), e * nu / (1 - nu * nu) };
+  return { e * (1 - nu) / ((1 + nu) * (1 - 2 * nu)), e * nu / ((1 + nu) * (1 - 2 * nu)) };
+}
+
+// A cell of one phase has the constants of the lattice sums to round-off, whatever the spacing: the error is nothing.
+TEST(Stiffness, OnePhaseIsTheLattice)
+{
+  for (const Continuum continuum : { Continuum::PlaneStress, Continuum::PlaneStrain, Continuum::Space })
+    for (const double horizon : { 2.0, 3.0, 4.0, 5.0, 6.0, 8.0 })
+    {
+      const bool space = continuum == Continuum::Space;
+      if (space && horizon > 4)
+        continue;
+      SCOPED_TRACE(horizon);
+      const std::int64_t n = space ? 10 : 20;
+      const Sample s = cell({ n, n + 3, space ? n : 1 }, [](double, double, double) { return 1; });
+      const StiffnessResult r = study(modelOf(continuum, horizon), s, true);
+      const auto [c11, c12] = latticeStiffness(continuum, horizon);
+      const std::vector<double>& c = r.cell.stiffness;
+      const std::size_t d = space ? 3 : 2;
+      const std::size_t all = space ? 6 : 3;
+      for (std::size_t a = 0; a < all; ++a)
+        for (std::size_t b = 0; b < all; ++b)
+        {
+          // central forces: the shear stiffness equals c₁₂ (Cauchy)
+          const double exact = a == b ? (a < d ? c11 : c12) : (a < d && b < d ? c12 : 0);
+          EXPECT_NEAR(at(c, a, b), exact, 1e-10 * c11) << a << b;
+        }
+      EXPECT_LT(r.error.relative, 1e-10);
+      EXPECT_LT(difference(r.cell.bounds.voigt, c), 1e-10);
+      EXPECT_LT(difference(r.cell.bounds.reuss, c), 1e-10);
+      EXPECT_EQ(r.cell.solutions[0].iterations, 0);
+      EXPECT_EQ(r.cell.constants.resisting, static_cast<int>(all));
+      ASSERT_EQ(r.steps.size(), 2U);
+      EXPECT_EQ(r.steps[1].refinement, 2);
+    }
+}
+
+/// Backus (J. Geophys. Res. 67 (1962) 4427): layers of equal thickness across axis `across`, of cubic materials whose
+/// constants are in the ratio of their moduli. In Voigt order.
+std::vector<double> laminate(int dimension, std::size_t across, double contrast, std::array<double, 2> stiffness)
+{
+  const std::size_t n = dimension == 3 ? 6 : 3;
+  const auto d = static_cast<std::size_t>(dimension);
+  const double mean = 0.5 * (1 + contrast);
+  const double series = 2 * contrast / (1 + contrast);
+  const auto [c11, c12] = stiffness;
+  const double ratio = c12 / c11; // the same in both
+  std::vector<double> c(n * n, 0.0);
+  for (std::size_t a = 0; a < d; ++a)
+    for (std::size_t b = 0; b < d; ++b)
+    {
+      double& entry = c[a * n + b];
+      if (a == across || b == across)
+        entry = a == b ? c11 * series : ratio * c11 * series;
+      else
+        entry = (a == b ? c11 : c12) * mean - ratio * c12 * mean + ratio * ratio * c11 * series;
+    }
+  for (std::size_t k = d; k < n; ++k)
+  {
+    // 2D: xy; space: yz, xz, xy: shear across the layers is in series, within them in parallel
+    const bool within = dimension == 3 && k - d == across;
+    c[k * n + k] = c12 * (within ? mean : series);
+  }
+  return c;
+}
+
+// A laminate errs at its interfaces, over a layer of a horizon that thins with the spacing: order one. So the value
+// extrapolated from two spacings is far better than both, and the error told is no smaller than the true one.
+TEST(Stiffness, LaminateConvergesToBackus)
+{
+  for (const double contrast : { 4.0, 50.0 })
+    for (const std::size_t across : { 0U, 1U })
+    {
+      const BondModel m = twoPhases(Continuum::PlaneStress, 3, contrast);
+      const std::vector<double> exact = laminate(2, across, contrast, latticeStiffness(Continuum::PlaneStress, 3));
+      std::array<double, 3> errors{};
+      for (std::size_t k = 0; k < errors.size(); ++k)
+      {
+        const std::int64_t n = 16 << k;
+        const Sample s =
+          cell({ n, n, 1 }, [&](double x, double y, double) { return (across == 0 ? x : y) < 0.5 ? 1 : 2; });
+        const StiffnessResult r = study(m, s, true);
+        errors[k] = difference(r.cell.stiffness, exact);
+        // at order one the extrapolated value errs at order two
+        EXPECT_LT(difference(r.error.extrapolated, exact), 0.012 * errors[k]) << n;
+        const double worst = std::max(std::abs(at(r.cell.stiffness, 0, 0) / at(exact, 0, 0) - 1),
+          std::abs(at(r.cell.stiffness, 1, 1) / at(exact, 1, 1) - 1));
+        EXPECT_NEAR(r.error.relative / worst, 1, 0.08) << n;
+        EXPECT_EQ(r.warnings.size(), 0U) << r.warnings.front();
+      }
+      EXPECT_NEAR(std::log2(errors[0] / errors[1]), 1, 0.02);
+      EXPECT_NEAR(std::log2(errors[1] / errors[2]), 1, 0.02);
+    }
+}
+
+TEST(Stiffness, LaminateInSpace)
+{
+  const BondModel m = twoPhases(Continuum::Space, 2, 4);
+  const std::vector<double> exact = laminate(3, 2, 4, latticeStiffness(Continuum::Space, 2));
+  const Sample s = cell({ 4, 4, 16 }, [](double, double, double z) { return z < 0.5 ? 1 : 2; });
+  const StiffnessResult r = study(m, s, true);
+  EXPECT_LT(difference(r.error.extrapolated, exact), 0.02 * difference(r.cell.stiffness, exact));
+  EXPECT_LT(difference(r.error.extrapolated, exact), 3e-4);
+}
+
+/// The same picture on a lattice of half the spacing.
+Sample doubled(const Sample& s)
+{
+  const CellWindow whole{ s.lattice, s.phase, {} };
+  const Lattice fine = split(s.lattice, 2);
+  const CellWindow window = split(whole, 2, { { 0, 0, 0 }, fine.size });
+  return { window.lattice, window.phase, {} };
+}
+
+/// Hexagonal array of round holes: two in a rectangle of 1 : √3.
+Sample holes(std::int64_t n, double area)
+{
+  const auto ny = static_cast<std::int64_t>(std::lround(static_cast<double>(n) * std::numbers::sqrt3));
+  const double h = std::numbers::sqrt3;
+  const double square = area * h / (2 * std::numbers::pi);
+  return cell({ n, ny, 1 },
+    [&](double x, double y, double)
+    {
+      const auto inside = [&](double cx, double cy)
+      {
+        const double dx = x - cx - std::round(x - cx);
+        const double dy = (y - cy - std::round(y - cy)) * h;
+        return dx * dx + dy * dy < square;
+      };
+      return inside(0, 0) || inside(0.5, 0.5) ? 0 : 1;
+    });
+}
+
+// A fifth of the area as round holes: E* = 0.56963 E by finite elements (references). What is left after extrapolation
+// is the lattice's direction: at a horizon of 3 E at 45° is 0.955 of that along the axes, at 5 it is 1.089, so that the
+// two lie on either side. The error told is that of the picture as its pixels draw it, and covers what half the spacing
+// finds.
+TEST(Stiffness, RoundHoles)
+{
+  constexpr double published = 0.56963;
+  for (const double horizon : { 3.0, 5.0 })
+  {
+    BondModel m = modelOf(Continuum::PlaneStress, horizon);
+    m.micromodulus = Micromodulus::Lattice;
+    const StiffnessResult r = study(m, holes(60, 0.2), true, 1e-7);
+    const auto mean = [](const ElasticConstants& c) { return 0.5 * (c.youngsModulus[0] + c.youngsModulus[1]) / young; };
+    EXPECT_LT(mean(r.cell.constants), published); // holes have soft rims
+    EXPECT_NEAR(mean(r.error.constants) / published, horizon == 3 ? 0.986 : 1.008, 0.008);
+    // for two axes E differs by what the lattice and the pixels of the holes do
+    EXPECT_NEAR(r.cell.constants.youngsModulus[1] / r.cell.constants.youngsModulus[0], 1, 0.03);
+    if (horizon == 3)
+    {
+      const StiffnessResult fine = study(m, doubled(holes(60, 0.2)), true, 1e-7);
+      for (std::size_t a = 0; a < 3; ++a)
+        EXPECT_LE(
+          std::abs(at(fine.error.extrapolated, a, a) - at(r.cell.stiffness, a, a)), 1.2 * at(r.error.components, a, a))
+          << a;
+      EXPECT_LT(fine.error.relative, 0.7 * r.error.relative);
+    }
+  }
+}
+
+/// Two phases and voids without any symmetry.
+int blobs(double x, double y, double z)
+{
+  const double wave = std::sin(2 * std::numbers::pi * (x + 2 * y)) + std::sin(2 * std::numbers::pi * (y - z) + 1) +
+    std::sin(2 * std::numbers::pi * (2 * x + y + z) + 2);
+  return wave < -1.2 ? 0 : wave < 0.3 ? 1 : 2;
+}
+
+// The same cell with its axes exchanged has the same tensor with its components exchanged.
+TEST(Stiffness, TurnsWithTheCell)
+{
+  const BondModel flat = twoPhases(Continuum::PlaneStress, 3, 4);
+  const std::vector<double> c = study(flat, cell({ 32, 24, 1 }, blobs)).cell.stiffness;
+  const std::vector<double> turned =
+    study(flat, cell({ 24, 32, 1 }, [](double x, double y, double) { return blobs(y, x, 0); })).cell.stiffness;
+  const std::vector<double> mirrored =
+    study(flat, cell({ 32, 24, 1 }, [](double x, double y, double) { return blobs(1 - x, y, 0); })).cell.stiffness;
+  constexpr std::array<std::size_t, 3> swap{ 1, 0, 2 };
+  EXPECT_GT(std::abs(at(c, 0, 2)), 1e-3 * at(c, 0, 0)); // no symmetry
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = 0; b < 3; ++b)
+    {
+      EXPECT_NEAR(at(turned, a, b), at(c, swap[a], swap[b]), 1e-8 * at(c, 0, 0));
+      EXPECT_NEAR(at(mirrored, a, b), ((a == 2) != (b == 2) ? -1 : 1) * at(c, a, b), 1e-8 * at(c, 0, 0));
+    }
+
+  const BondModel space = twoPhases(Continuum::Space, 2, 4);
+  const std::vector<double> c3 = study(space, cell({ 8, 10, 12 }, blobs)).cell.stiffness;
+  const std::vector<double> cyclic =
+    study(space, cell({ 12, 8, 10 }, [](double x, double y, double z) { return blobs(y, z, x); })).cell.stiffness;
+  constexpr std::array<std::size_t, 6> next{ 2, 0, 1, 5, 3, 4 };
+  for (std::size_t a = 0; a < 6; ++a)
+    for (std::size_t b = 0; b < 6; ++b)
+      EXPECT_NEAR(at(cyclic, a, b), at(c3, next[a], next[b]), 1e-8 * at(c3, 0, 0));
+}
+
+double leastEigenvalue(const std::vector<double>& a, const std::vector<double>& b)
+{
+  std::vector<double> d(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i)
+    d[i] = a[i] - b[i];
+  return elasticConstants(d, a.size() == 36 ? 3 : 2).eigenvalues.front();
+}
+
+TEST(Stiffness, LiesBetweenVoigtAndReuss)
+{
+  const auto two = [](double x, double y, double z) { return std::max(1, blobs(x, y, z)); };
+  const auto check = [](const BondModel& m, const Sample& s, bool complete)
+  {
+    const EffectiveStiffness c = study(m, s).cell;
+    const double size = largest(c.stiffness);
+    EXPECT_GT(leastEigenvalue(c.bounds.voigt, c.stiffness), -1e-9 * size);
+    EXPECT_GT(leastEigenvalue(c.stiffness, c.bounds.reuss), -1e-9 * size);
+    EXPECT_EQ(largest(c.bounds.reuss) > 0, complete);
+    EXPECT_GT(c.constants.eigenvalues.front(), 0);
+    EXPECT_LT(c.asymmetry, 1e-8);
+  };
+  for (const double contrast : { 4.0, 100.0 })
+  {
+    check(twoPhases(Continuum::PlaneStress, 3, contrast), cell({ 32, 32, 1 }, two), true);
+    check(twoPhases(Continuum::PlaneStrain, 4, contrast), cell({ 32, 32, 1 }, blobs), false);
+    BondModel corrected = twoPhases(Continuum::PlaneStress, 3, contrast);
+    corrected.surfaceCorrection = true;
+    check(corrected, cell({ 32, 32, 1 }, blobs), false);
+  }
+  check(twoPhases(Continuum::Space, 2, 4), cell({ 12, 12, 12 }, two), true);
+}
+
+TEST(Stiffness, SolversAgree)
+{
+  const Sample s = cell({ 32, 24, 1 }, blobs);
+  StiffnessOptions o;
+  o.equilibrium.tolerance = 1e-11;
+  o.estimateError = false;
+  o.threads = 1;
+  const BondModel m = twoPhases(Continuum::PlaneStress, 3, 10);
+  const StiffnessResult a = studyStiffness(m, s.lattice, s.phase, {}, o, alone());
+  o.equilibrium.solver = EquilibriumSolver::Jacobi;
+  const StiffnessResult b = studyStiffness(m, s.lattice, s.phase, {}, o, alone());
+  EXPECT_LT(difference(a.cell.stiffness, b.cell.stiffness), 1e-9);
+}
+
+TEST(Stiffness, RanksAndThreadsChangeNothing)
+{
+  const auto grains = [](Sample s)
+  {
+    for (std::int64_t i = 0; i < s.lattice.count(); ++i)
+      s.grain.push_back(static_cast<std::int32_t>(1 + i / (s.lattice.count() / 3 + 1)));
+    return s;
+  };
+  for (const bool space : { false, true })
+  {
+    BondModel m = twoPhases(space ? Continuum::Space : Continuum::PlaneStress, space ? 2 : 3, 4);
+    m.pairByGrain = true;
+    m.pairs[{ 2, 2 }].betweenGrains = BondMaterial{ .youngsModulus = 0.3 * young };
+    const Sample s = grains(space ? cell({ 8, 12, 16 }, blobs) : cell({ 40, 36, 1 }, blobs));
+    const StiffnessResult a = study(m, s, true, 1e-12);
+    const StiffnessResult b = study(m, s, true, 1e-12, everyone());
+    EXPECT_LT(difference(b.cell.stiffness, a.cell.stiffness), 1e-9);
+    EXPECT_LT(difference(b.error.extrapolated, a.error.extrapolated), 1e-9);
+    EXPECT_LT(difference(b.cell.bounds.voigt, a.cell.bounds.voigt), 1e-12);
+    EXPECT_EQ(b.cell.pieces, a.cell.pieces);
+    EXPECT_EQ(b.cell.loosePieces, a.cell.loosePieces);
+    EXPECT_EQ(b.cell.looseNodes, a.cell.looseNodes);
+    EXPECT_EQ(b.bonds, a.bonds);
+    EXPECT_EQ(b.warnings, a.warnings);
+    if (space)
+      continue;
+    StiffnessOptions o;
+    o.equilibrium.tolerance = 1e-12;
+    o.estimateError = false;
+    for (o.threads = 2; o.threads <= 4; o.threads *= 2)
+      EXPECT_LT(
+        difference(studyStiffness(m, s.lattice, s.phase, s.grain, o, alone()).cell.stiffness, a.cell.stiffness), 1e-12);
+  }
+}
+
+bool warns(const StiffnessResult& r, const std::string& words)
+{
+  return std::any_of(
+    r.warnings.begin(), r.warnings.end(), [&](const std::string& w) { return w.find(words) != std::string::npos; });
+}
+
+// Grains without neighbours carry nothing: with them or without, the tensor is the same.
+TEST(Stiffness, LoosePiecesCarryNothing)
+{
+  const BondModel m = twoPhases(Continuum::PlaneStress, 3, 4);
+  const auto square = [](double x, double y, double half)
+  { return std::max(std::abs(x - 0.5), std::abs(y - 0.5)) < half; };
+  const Sample empty = cell({ 48, 48, 1 }, [&](double x, double y, double) { return square(x, y, 0.3) ? 0 : 1; });
+  const Sample with =
+    cell({ 48, 48, 1 }, [&](double x, double y, double) { return square(x, y, 0.2) ? 2
+                                                            : square(x, y, 0.3)    ? 0
+                                                                                   : 1; });
+  const StiffnessResult a = study(m, empty, true);
+  const StiffnessResult b = study(m, with, true);
+  EXPECT_LT(difference(b.cell.stiffness, a.cell.stiffness), 1e-9);
+  EXPECT_LT(difference(b.error.extrapolated, a.error.extrapolated), 1e-9);
+  EXPECT_EQ(b.cell.loosePieces, 1);
+  EXPECT_EQ(b.cell.looseNodes, 20 * 20);
+  EXPECT_EQ(a.cell.loosePieces, 0);
+  EXPECT_TRUE(warns(b, "1 loose pieces with 400 nodes ("));
+  // a piece that only goes over the sides is loose as well
+  Sample corner = with;
+  for (std::int64_t y = 0; y < 48; ++y)
+    for (std::int64_t x = 0; x < 48; ++x)
+      corner.phase[static_cast<std::size_t>((x + 24) % 48 + 48 * ((y + 24) % 48))] =
+        with.phase[static_cast<std::size_t>(x + 48 * y)];
+  const StiffnessResult c = study(m, corner);
+  EXPECT_EQ(c.cell.looseNodes, 400);
+  EXPECT_LT(difference(c.cell.stiffness, a.cell.stiffness), 1e-9);
+}
+
+// A honeycomb of square cells whose upright walls are cut half-way: it resists along x alone, and is one wall there.
+TEST(Stiffness, BrokenHoneycomb)
+{
+  const BondModel m = modelOf(Continuum::PlaneStress, 3);
+  const auto whole = [](double x, double y, double)
+  { return std::abs(x - 0.5) < 0.125 || std::abs(y - 0.5) < 0.125 ? 1 : 0; };
+  const auto cut = [&](double x, double y, double z)
+  { return std::abs(y - 0.02) < 0.05 || y > 0.97 ? 0 : whole(x, y, z); };
+  const StiffnessResult sound = study(m, cell({ 64, 64, 1 }, whole), true, 1e-7);
+  EXPECT_EQ(sound.cell.constants.resisting, 3);
+  EXPECT_GT(sound.cell.constants.shearModulus[0], 0);
+  EXPECT_TRUE(sound.warnings.empty());
+  const StiffnessResult r = study(m, cell({ 64, 64, 1 }, cut), true, 1e-7);
+  const ElasticConstants& c = r.cell.constants;
+  EXPECT_EQ(c.resisting, 1);
+  EXPECT_EQ(r.cell.crosses, (std::array{ true, false, false }));
+  EXPECT_EQ(c.youngsModulus[1], 0);
+  EXPECT_EQ(c.shearModulus[0], 0);
+  EXPECT_TRUE(std::isnan(c.poissonsRatio[0]));
+  // the wall itself, a quarter of the cell's height, and what its stubs add; its free rims are soft, by a layer of the
+  // horizon on either side of 16 nodes
+  EXPECT_NEAR(c.youngsModulus[0] / (0.25 * young), 1.0, 0.12);
+  EXPECT_LT(at(r.cell.stiffness, 1, 1), 1e-6 * at(r.cell.stiffness, 0, 0));
+  EXPECT_TRUE(warns(r, "no piece of the cell goes on into the next one along y"));
+  EXPECT_TRUE(std::isfinite(r.error.relative));
+  // a stripe along the diagonal goes on along both, and resists its own strain alone
+  const StiffnessResult stripe =
+    study(m, cell({ 32, 32, 1 }, [](double x, double y, double) { return std::fmod(x - y + 1, 1.0) < 0.5 ? 1 : 0; }),
+      false, 1e-7);
+  EXPECT_EQ(stripe.cell.crosses, (std::array{ true, true, false }));
+  EXPECT_EQ(stripe.cell.constants.resisting, 1);
+  EXPECT_TRUE(warns(stripe, "resists 1 of 3 independent strains"));
+  try
+  {
+    (void)study(m, cell({ 32, 32, 1 }, [](double x, double y, double) { return x < 0.5 && y < 0.5 ? 1 : 0; }));
+    FAIL();
+  }
+  catch (const NoPathError& error)
+  {
+    EXPECT_STREQ(error.what(),
+      "no piece of the cell goes on into the next one along any axis: it is in 1 pieces that carry nothing");
+  }
+}
+
+// Of a large sample both spacings are solved on a part, whose relative change is about that of the whole.
+TEST(Stiffness, ErrorFromAPart)
+{
+  const BondModel m = twoPhases(Continuum::PlaneStress, 3, 4);
+  const auto disks = [](double x, double y, double)
+  {
+    const double dx = 8 * x - std::floor(8 * x) - 0.5;
+    const double dy = 8 * y - std::floor(8 * y) - 0.5;
+    return dx * dx + dy * dy < 0.1 ? 2 : 1;
+  };
+  const Sample s = cell({ 160, 160, 1 }, disks);
+  StiffnessOptions o;
+  o.threads = 1;
+  const StiffnessResult whole = studyStiffness(m, s.lattice, s.phase, {}, o, alone());
+  o.estimateNodes = 40000;
+  const StiffnessResult part = studyStiffness(m, s.lattice, s.phase, {}, o, alone());
+  ASSERT_EQ(part.steps.size(), 3U);
+  EXPECT_TRUE(part.steps[1].part && part.steps[2].part);
+  EXPECT_EQ(part.steps[1].nodes, 96 * 96);
+  EXPECT_EQ(part.steps[2].nodes, 192 * 192);
+  EXPECT_NEAR(part.error.relative / whole.error.relative, 1, 0.3);
+  EXPECT_NEAR(part.error.constants.youngsModulus[0] / whole.error.constants.youngsModulus[0], 1, 0.01);
+  BondModel cut = m;
+  cut.notches = { { { 20 * spacing, 20.2 * spacing, 0 }, { 20 * spacing, 0, 0 }, {} } };
+  const StiffnessResult notched = studyStiffness(cut, s.lattice, s.phase, {}, o, alone());
+  EXPECT_TRUE(std::isnan(notched.error.relative));
+  EXPECT_TRUE(warns(notched, "the error is not known: with notches it takes the whole sample"));
+  EXPECT_LT(notched.cell.constants.youngsModulus[1], part.cell.constants.youngsModulus[1]);
+  o.estimateError = false;
+  EXPECT_EQ(studyStiffness(m, s.lattice, s.phase, {}, o, alone()).steps.size(), 1U);
+}
+
+TEST(Stiffness, Warnings)
+{
+  const BondModel m = twoPhases(Continuum::PlaneStress, 3, 4);
+  // a half of a disk on one side meets nothing on the other
+  const Sample seam =
+    cell({ 40, 40, 1 }, [](double x, double y, double) { return x * x + (y - 0.5) * (y - 0.5) < 0.06 ? 2 : 1; });
+  const StiffnessResult r = study(m, seam);
+  EXPECT_TRUE(warns(r, "its sides do not fit together along x: 50 % of the nodes"));
+  EXPECT_FALSE(warns(r, "fit together along y"));
+  EXPECT_NEAR(r.sides[0].across, 0.5, 1e-12);
+  EXPECT_LT(r.sides[0].inside, 0.3);
+  EXPECT_TRUE(
+    warns(study(modelOf(Continuum::PlaneStress, 2), cell({ 20, 20, 1 }, [](double, double, double) { return 1; })),
+      "a horizon of 2 spacings is below 3"));
+}
+
+TEST(Stiffness, WhatIsRefused)
+{
+  const Sample s = cell({ 20, 20, 1 }, blobs);
+  const BondModel m = twoPhases(Continuum::PlaneStress, 3, 4);
+  const auto run = [&](const BondModel& model, const StiffnessOptions& o)
+  { (void)studyStiffness(model, s.lattice, s.phase, {}, o, alone()); };
+  StiffnessOptions o;
+  o.threads = 1;
+  o.equilibrium.strains = Strains::Large;
+  EXPECT_THROW(run(m, o), ParameterError);
+  o.equilibrium.strains = Strains::Small;
+  BondModel bad = m;
+  bad.pairs.erase({ 1, 2 });
+  EXPECT_THROW(run(bad, o), ParameterError);
+  bad = m;
+  bad.horizon = 8;
+  bad.pairs[{ 1, 1 }].material.youngsModulus = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(run(bad, o), ParameterError);
+  o.memory = 1e5;
+  EXPECT_THROW(run(m, o), MemoryError);
+  // enough for the cell, not for the error
+  o.memory = 1.5 * stiffnessBytes(m, s.lattice, false, o, 1);
+  const StiffnessResult r = studyStiffness(m, s.lattice, s.phase, {}, o, alone());
+  EXPECT_GT(r.cell.constants.youngsModulus[0], 0);
+  EXPECT_TRUE(warns(r, "the error is not known: the stiffness of 1600 nodes needs"));
+  o.memory = 0;
+  o.equilibrium.progress = [](double share) { return share > 0.5; };
+  EXPECT_THROW(run(m, o), Cancelled);
+  const Sample small = cell({ 3, 20, 1 }, [](double, double, double) { return 1; });
+  EXPECT_THROW((void)study(m, small), ParameterError);
+}
+
+// An orthotropic plane by its engineering constants, and what is lost where a stress is not resisted.
+TEST(ElasticConstants, FromTheTensor)
+{
+  const double e1 = 10;
+  const double e2 = 2;
+  const double nu12 = 0.3;
+  const double g = 0.7;
+  const double nu21 = nu12 * e2 / e1;
+  const double k = 1 / (1 - nu12 * nu21);
+  const ElasticConstants c =
+    elasticConstants(std::vector{ e1 * k, nu12 * e2 * k, 0., nu12 * e2 * k, e2 * k, 0., 0., 0., g }, 2);
+  EXPECT_NEAR(c.youngsModulus[0], e1, 1e-12);
+  EXPECT_NEAR(c.youngsModulus[1], e2, 1e-12);
+  EXPECT_NEAR(c.poissonsRatio[0], nu12, 1e-12);
+  EXPECT_NEAR(c.poissonsRatio[1], nu21, 1e-12);
+  EXPECT_NEAR(c.shearModulus[0], g, 1e-12);
+  EXPECT_NEAR(c.eigenvalues[0], 2 * g, 1e-12); // Kelvin's
+  EXPECT_EQ(constantNames(2), (std::vector<std::string>{ "E_x", "E_y", "nu_xy", "nu_yx", "G_xy" }));
+  EXPECT_EQ(constantNames(3).size(), 12U);
+  EXPECT_EQ(constantNames(3)[9], "G_yz");
+  EXPECT_EQ(constantValues(c).size(), 5U);
+  const ElasticConstants none = elasticConstants(std::vector<double>(36, 0.0), 3);
+  EXPECT_EQ(none.resisting, 0);
+  EXPECT_EQ(none.youngsModulus, (std::vector<double>{ 0, 0, 0 }));
+  EXPECT_THROW((void)elasticConstants(std::vector<double>(9, 0.0), 3), ParameterError);
+  EXPECT_THROW((void)elasticConstants(std::vector<double>(9, std::nan("")), 2), ParameterError);
+}
+
+} // namespace

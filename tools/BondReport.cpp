@@ -1,0 +1,191 @@
+#include "BondReport.h"
+
+#include "DiffusionReport.h"
+#include "Text.h"
+
+#include "vtkLatticeConversion.h"
+
+#include <vtkImageData.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+Json pairs(const BondFields& f)
+{
+  Json json = Json::object();
+  const std::vector<std::string> names = fieldTexts(f.image, "pair_names");
+  for (std::size_t i = 0; i < names.size(); ++i)
+  {
+    json[names[i]] = { { "young", jsonNumber(f("pair_youngs_modulus", i)) },
+      { "critical_stretch", jsonNumber(f("pair_critical_stretch", i)) },
+      { "fracture_energy", jsonNumber(f("pair_fracture_energy", i)) },
+      { "toughness", jsonNumber(f("pair_toughness", i)) } };
+  }
+  return json;
+}
+
+Json thickness(const BondFields& f)
+{
+  Json json = Json::object();
+  const std::vector<std::string> names = fieldTexts(f.image, "thickness_phases");
+  for (std::size_t i = 0; i < names.size(); ++i)
+  {
+    json[names[i]] = { { "median_nodes", f("thickness_median", i) },
+      { "share_below_horizon", f("thickness_thin_share", i) } };
+  }
+  return json;
+}
+
+} // namespace
+
+Json jsonNumber(double value)
+{
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+std::string pascal(double value)
+{
+  return std::isfinite(value) ? fmt::format("{:.7g} Pa", value) : "-";
+}
+
+BondFields::BondFields(const BondRun& run)
+  : image(run.image)
+  , dimension(latticeOf(run.image).dimension)
+{
+}
+
+double BondFields::operator()(const char* name, std::size_t i) const
+{
+  return fieldNumbers(image, name).at(i);
+}
+
+std::int64_t BondFields::whole(const char* name, std::size_t i) const
+{
+  return std::llround((*this)(name, i));
+}
+
+std::string BondFields::text(const char* name) const
+{
+  return fieldText(image, name).value_or("");
+}
+
+std::vector<double> BondFields::numbers(const char* name) const
+{
+  return fieldNumbers(image, name);
+}
+
+Json BondFields::vector(const char* name) const
+{
+  Json json = Json::array();
+  for (int c = 0; c < dimension; ++c)
+  {
+    json.push_back(jsonNumber((*this)(name, static_cast<std::size_t>(c))));
+  }
+  return json;
+}
+
+void addModel(Json& json, const BondFields& f)
+{
+  json["pairs"] = pairs(f);
+  const Json model = Json::parse(f.text("bond_model"), nullptr, false);
+  json["continuum"] = f.text("continuum");
+  json["poissons_ratio"] = f("poissons_ratio");
+  for (const char* key : { "horizon", "micromodulus", "void_bonds", "surface_correction", "large_strains", "periodic" })
+  {
+    json[key] = model[key];
+  }
+  json["thickness"] = thickness(f);
+  json["loose_pieces"] = f.whole("loose_pieces");
+  json["loose_nodes"] = f.whole("loose_nodes");
+  json["hinges"] = f.whole("hinges");
+  json["warnings"] = fieldTexts(f.image, "warnings");
+}
+
+void addSizes(Json& json, const BondFields& f)
+{
+  json["residual"] = jsonNumber(f("residual"));
+  json["levels"] = f.whole("levels");
+  json["products"] = f.whole("products");
+  json["nodes"] = latticeOf(f.image).count();
+  json["solid_nodes"] = f.whole("solid_nodes");
+  json["bonds"] = f.whole("bonds");
+  json["strips"] = { { "skipped", f.whole("skipped_strips") }, { "uniform", f.whole("visited_strips", 0) },
+    { "mixed", f.whole("visited_strips", 1) } };
+  json["bytes"] = f.whole("bytes");
+}
+
+void addRun(Json& json, const BondRun& run)
+{
+  const BondFields f(run);
+  const Lattice lattice = latticeOf(run.image);
+  json["peak_memory_bytes"] = peakMemoryBytes();
+  json["file"] = run.file;
+  json["size"] = std::vector<std::int64_t>(lattice.size.begin(), lattice.size.begin() + lattice.dimension);
+  json["refine"] = run.refine;
+  json["pixel_size"] = run.pixelSizeSource != "none" ? Json(lattice.spacing * run.refine) : Json(nullptr);
+  json["pixel_size_source"] = run.pixelSizeSource;
+  const std::vector<std::string> names = fieldTexts(run.image, "phase_names");
+  json["phases"] = Json::array();
+  for (std::size_t id = 0; id < names.size(); ++id)
+  {
+    json["phases"].push_back({ { "name", names[id] }, { "fraction", f("phase_fraction", id) } });
+  }
+  json["threads"] = run.threads;
+  json["ranks"] = run.ranks;
+  json["files"] = run.written;
+  json["version"] = run.provenance.version;
+  json["commit"] = run.provenance.commit;
+  json["provenance"] = Json::parse(io::toJson(run.provenance));
+}
+
+std::string sampleText(const BondRun& run, bool fracture)
+{
+  const BondFields f(run);
+  const Lattice lattice = latticeOf(run.image);
+  const bool known = run.pixelSizeSource != "none";
+  std::string text = fmt::format("{}: {} nodes{}\n\n", run.file, sizeText(lattice.size, lattice.dimension),
+    known ? fmt::format(" of {:g} µm", lattice.spacing * 1e6) : ", pixel size unknown");
+  const std::vector<std::string> names = fieldTexts(run.image, "pair_names");
+  std::size_t width = 5;
+  for (const std::string& name : names)
+  {
+    width = std::max(width, name.size());
+  }
+  text += fmt::format("  {:<{}}  Young's modulus{}\n", "bonds", width, fracture ? "  breaks at  fracture energy" : "");
+  for (std::size_t i = 0; i < names.size(); ++i)
+  {
+    const std::string modulus = pascal(f("pair_youngs_modulus", i));
+    if (!fracture)
+    {
+      text += fmt::format("  {:<{}}  {}\n", names[i], width, modulus);
+      continue;
+    }
+    const double s0 = f("pair_critical_stretch", i);
+    text += fmt::format("  {:<{}}  {:<15}  {:<9}  {}\n", names[i], width, modulus,
+      std::isfinite(s0) ? fmt::format("{:.4g}", s0) : "never",
+      std::isfinite(s0) && known ? fmt::format("{:.4g} J/m²", f("pair_fracture_energy", i)) : "-");
+  }
+  return text;
+}
+
+std::string sizesText(const BondFields& f)
+{
+  return fmt::format("  {} nodes, of which {} carry {} bonds and {} were skipped\n",
+    grouped(latticeOf(f.image).count()), grouped(f.whole("solid_nodes")), grouped(f.whole("bonds")),
+    grouped(f.whole("skipped_nodes")));
+}
+
+std::string dump(const Json& json)
+{
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,70 @@
+#pragma once
+
+#include "io/Provenance.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+class vtkImageData;
+
+/// What the reports of commands share that bond the nodes of a sample.
+namespace lamella::cli
+{
+
+/// One run of such a command.
+struct BondRun
+{
+  std::string file;
+  vtkImageData* image = nullptr; ///< output of the filter, with its numbers as field data
+  std::string pixelSizeSource;
+  io::Provenance provenance;
+  std::vector<std::string> written;
+  int refine = 1;
+  int threads = 1;
+  int ranks = 1;
+  double seconds = 0;
+};
+
+using Json = nlohmann::ordered_json;
+
+/// JSON has no NaN and no infinity.
+[[nodiscard]] Json jsonNumber(double value);
+
+/// "1.234e+09 Pa", or "-" for what is not known.
+[[nodiscard]] std::string pascal(double value);
+
+/// The field data of an image.
+struct BondFields
+{
+  explicit BondFields(const BondRun& run);
+
+  vtkImageData* image;
+  int dimension;
+
+  double operator()(const char* name, std::size_t i = 0) const;
+  [[nodiscard]] std::int64_t whole(const char* name, std::size_t i = 0) const;
+  [[nodiscard]] std::string text(const char* name) const;
+  [[nodiscard]] std::vector<double> numbers(const char* name) const;
+  /// As many as there are axes.
+  [[nodiscard]] Json vector(const char* name) const;
+};
+
+/// Keys of every report: pairs, model, thickness of phases, what was doubtful.
+void addModel(Json& json, const BondFields& f);
+/// Sizes: nodes, bonds, strips, bytes.
+void addSizes(Json& json, const BondFields& f);
+/// The sample and the run: file, size, phases, threads, version, provenance.
+void addRun(Json& json, const BondRun& run);
+
+/// First lines of a table: the sample, and the bonds by pair; with what breaks them, or without.
+[[nodiscard]] std::string sampleText(const BondRun& run, bool fracture);
+/// Nodes and bonds, in a line.
+[[nodiscard]] std::string sizesText(const BondFields& f);
+
+[[nodiscard]] std::string dump(const Json& json);
+
+} // namespace lamella::cli

@@ -1,0 +1,140 @@
+#include "BondInput.h"
+#include "Commands.h"
+#include "OutputFile.h"
+#include "StiffnessReport.h"
+#include "TableText.h"
+
+#include "vtkBondStiffness.h"
+
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkTable.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+struct StiffnessOptions
+{
+  CommonOptions common;
+  PictureOptions picture;
+  BondOptions bonds;
+  BalanceOptions balance;
+  bool noErrorEstimate = false;
+  std::string output;
+  std::string constants;
+};
+
+/// A table and the record beside it.
+struct TableFile
+{
+  vtkTable* table;
+  OutputFile file;
+  OutputFile record;
+};
+
+std::vector<TableFile> openFiles(const StiffnessOptions& o, vtkBondStiffness* filter)
+{
+  std::vector<TableFile> files;
+  const auto add = [&](const std::string& option, const std::string& name, vtkTable* table)
+  {
+    if (name.empty())
+    {
+      return;
+    }
+    if (std::filesystem::path(name).extension() != ".csv")
+    {
+      throw ParameterError(option + " '" + name + "': tables are written as .csv", "end the name in .csv");
+    }
+    files.push_back({ table, OutputFile(name, o.common.overwrite), OutputFile(name + ".json", o.common.overwrite) });
+  };
+  add("-o", o.output, filter->GetTensor());
+  add("--constants", o.constants, filter->GetConstants());
+  return files;
+}
+
+void stiffness(Session& session, const StiffnessOptions& options, const std::string& commandLine)
+{
+  const auto start = std::chrono::steady_clock::now();
+  vtkNew<vtkBondStiffness> filter;
+  applyBonds(options.bonds, filter);
+  checkBalance(options.balance);
+  filter->SetTolerance(options.balance.tolerance);
+  filter->SetMaximumIterations(options.balance.maxIterations);
+  filter->SetEstimateError(!options.noErrorEstimate);
+  BondSample sample;
+  std::vector<TableFile> files; // rank 0
+  session.onRoot(
+    [&]
+    {
+      files = openFiles(options, filter);
+      sample = loadBondSample(session, options.picture, options.bonds);
+    });
+  runBonds(session, filter, sample, "stiffness");
+  session.onRoot(
+    [&]
+    {
+      BondRun report = bondRun(session, filter, options.picture, options.bonds, sample, commandLine);
+      const Json record = Json::parse(io::toJson(report.provenance));
+      for (const TableFile& file : files)
+      {
+        file.file.write(toCsv(file.table));
+        file.record.write(dump({ { "provenance", record }, { "columns", unitsOf(file.table, true) } }));
+        report.written.push_back(file.file.path().string());
+      }
+      Session::checkInterrupt();
+      for (TableFile& file : files)
+      {
+        file.file.commit();
+        file.record.commit();
+      }
+      report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      session.print(options.common.json ? stiffnessJson(report) : options.common.quiet ? "" : stiffnessTable(report));
+    });
+}
+
+} // namespace
+
+Command stiffnessCommand(CLI::App& root)
+{
+  CLI::App* app = root.add_subcommand(
+    "stiffness", "Effective stiffness tensor of a picture or volume taken as a cell that repeats, with its error");
+  auto o = std::make_shared<StiffnessOptions>();
+  addPictureOptions(*app, o->picture);
+  addBondOptions(*app, o->bonds, BondUse::Stiffness);
+  app
+    ->add_flag("--no-error-estimate", o->noErrorEstimate,
+      "Leave out the second solve, at half the spacing, that the error is estimated from")
+    ->group("Accuracy and cost");
+  addBalanceOptions(*app, o->balance);
+  app->add_option("-o,--output,--csv", o->output, "Write the tensor, one row a stress")
+    ->type_name("FILE.csv")
+    ->group("Output");
+  app->add_option("--constants", o->constants, "Write Young's moduli, shear moduli and Poisson's ratios, one row each")
+    ->type_name("FILE.csv")
+    ->group("Output");
+  app->add_flag("--overwrite", o->common.overwrite, "Replace a file that exists")->group("Output");
+  addReportOptions(*app, o->common);
+  addExamples(*app,
+    { "lamella stiffness honeycomb.png --phase 0=void --other wall --young wall=10e9",
+      "lamella stiffness composite.png --young matrix=3e9 --young inclusion=70e9 --mixing harmonic --continuum "
+      "plane-strain --json",
+      "lamella stiffness foam_128x128x128_u8.raw --phase 0=void --other solid --young solid=2e9 --horizon 2 "
+      "--no-error-estimate",
+      "mpirun -n 2 lamella stiffness tissue.vti --young wall=10e9 -o tensor.csv --constants constants.csv" });
+  return { app,
+    [o](Session& session, const std::string& line)
+    {
+      session.setQuiet(o->common.quiet);
+      stiffness(session, *o, line);
+    } };
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,174 @@
+"""Effective stiffness of a cell that repeats, with its error."""
+
+import numpy as np
+
+from . import _arrays
+from ._equilibrium import set_bonds
+from ._errors import run
+from ._samples import ImageBase
+from ._solve import as_image
+from .vtkLamellaSolversVTK import vtkBondStiffness
+
+
+class StiffnessResult(ImageBase):
+    """``vtk`` is the image with all numbers as field data; ``vtk_tensor`` and ``vtk_constants`` are vtkTables.
+
+    Tensors are 3 by 3 of a picture (xx, yy, xy) and 6 by 6 of a volume (xx, yy, zz, yz, xz, xy), shear strains as
+    angles. y points up.
+    """
+
+    def __init__(self, image, tensor, constants):
+        super().__init__(image)
+        #: one row a stress
+        self.vtk_tensor = tensor
+        #: one row a constant
+        self.vtk_constants = constants
+
+    def _number(self, name):
+        return float(_arrays.numbers(self.vtk, name)[0])
+
+    def _tensor(self, name):
+        n = len(self.components)
+        return _arrays.numbers(self.vtk, name).reshape(n, n)
+
+    def _by_constant(self, name):
+        return dict(zip(_arrays.texts(self.vtk, "constant_names"), map(float, _arrays.numbers(self.vtk, name))))
+
+    @property
+    def components(self):
+        """Names of rows and columns."""
+        return _arrays.texts(self.vtk, "stiffness_components")
+
+    @property
+    def stiffness(self):
+        """The tensor at the image's own spacing [Pa]."""
+        return self._tensor("stiffness")
+
+    @property
+    def extrapolated(self):
+        """The tensor that an endlessly fine lattice is expected to have [Pa]; NaN where the error is not known."""
+        return self._tensor("stiffness_extrapolated")
+
+    @property
+    def errors(self):
+        """Estimated error of each component [Pa]; NaN where it is not known."""
+        return self._tensor("stiffness_error")
+
+    @property
+    def estimated_error(self):
+        """The largest relative error on the diagonal; NaN where it is not known."""
+        return self._number("estimated_error")
+
+    @property
+    def bounds(self):
+        """Voigt's and Reuss's bounds of the tensor [Pa], a dictionary."""
+        return {name: self._tensor("stiffness_" + name) for name in ("voigt", "reuss")}
+
+    @property
+    def constants(self):
+        """Young's and shear moduli [Pa] and Poisson's ratios by name: E_x ..., nu_xy ..., G_xy ..."""
+        return self._by_constant("constants")
+
+    @property
+    def constants_extrapolated(self):
+        """The same on an endlessly fine lattice."""
+        return self._by_constant("constants_extrapolated")
+
+    @property
+    def constants_errors(self):
+        """The estimated errors of the constants, in their own units."""
+        return self._by_constant("constants_error")
+
+    @property
+    def eigenvalues(self):
+        """Stiffnesses of the tensor's own strains, rising [Pa]."""
+        return _arrays.numbers(self.vtk, "eigenvalues")
+
+    @property
+    def resisting(self):
+        """How many of them are above zero: 3 or 6 unless something is a mechanism."""
+        return int(self._number("resisting"))
+
+    @property
+    def crosses(self):
+        """Axes along which the solid goes on into the next cell, as "xy"."""
+        return "".join(axis for axis, flag in zip("xyz", _arrays.numbers(self.vtk, "crosses")) if flag)
+
+    @property
+    def steps(self):
+        """Every solve: a list of {"refinement", "nodes", "iterations", "seconds", "part"}."""
+        keys = ("refinement", "nodes", "iterations", "seconds", "part")
+        kinds = (int, int, int, float, bool)
+        columns = [_arrays.numbers(self.vtk, "step_" + key) for key in keys]
+        return [{k: kind(v) for k, kind, v in zip(keys, kinds, row)} for row in zip(*columns)]
+
+    @property
+    def iterations(self):
+        """Of conjugate gradients at the image's own spacing, by unit strain."""
+        return dict(zip(self.components, map(int, _arrays.numbers(self.vtk, "iterations"))))
+
+    @property
+    def loose_pieces(self):
+        """Number of pieces that go on nowhere, and of their nodes."""
+        return int(self._number("loose_pieces")), int(self._number("loose_nodes"))
+
+    @property
+    def mismatch(self):
+        """By axis, share of nodes whose neighbour across the seam is of another phase, and the largest such share
+        between two layers within."""
+        seam = _arrays.numbers(self.vtk, "seam_mismatch")
+        layers = _arrays.numbers(self.vtk, "layer_mismatch")
+        axes = "xyz" if len(self.components) == 6 else "xy"
+        return {axis: (float(seam[i]), float(layers[i])) for i, axis in enumerate(axes)}
+
+    @property
+    def warnings(self):
+        """What is doubtful about the answer, a list of sentences with their numbers."""
+        return _arrays.texts(self.vtk, "warnings")
+
+    def modulus(self, direction):
+        """Young's modulus [Pa] under stress along a direction: an angle in radians from x of a picture, or a vector."""
+        n = len(self.components)
+        if np.isscalar(direction):
+            direction = (np.cos(direction), np.sin(direction))
+        d = np.asarray(direction, float) / np.linalg.norm(direction)
+        if d.shape != ((3,) if n == 6 else (2,)):
+            raise ValueError(f"a direction has {3 if n == 6 else 2} components here, not {d.size}")
+        if self.resisting < n:
+            raise ValueError("the cell is a mechanism: some directions have no modulus")
+        if n == 6:
+            stress = np.array([d[0] ** 2, d[1] ** 2, d[2] ** 2, d[1] * d[2], d[0] * d[2], d[0] * d[1]])
+        else:
+            stress = np.array([d[0] ** 2, d[1] ** 2, d[0] * d[1]])
+        return float(1 / (stress @ np.linalg.solve(self.stiffness, stress)))
+
+    def __repr__(self):
+        numbers = ", ".join(f"{name} {value:.6g}" for name, value in self.constants.items() if name[0] == "E")
+        return f"<lamella.StiffnessResult: {numbers} Pa, error {100 * self.estimated_error:.2g} %>"
+
+
+def stiffness(image, young, estimate_error=True, tolerance=1e-6, max_iterations=20000, progress=None, **bonds):
+    """Effective stiffness tensor of a sample taken as a cell that repeats; returns a StiffnessResult.
+
+    image     a Sample, a vtkImageData with the point array ``phase`` (and ``grain``), or an array of whole numbers
+    young     {pair: Young's modulus in Pa}, as equilibrium() takes it
+    estimate_error  solve at half the spacing as well and tell the error; several times the work
+    tolerance  largest relative residual force
+    progress  called as progress(share, text); return False to cancel (raises Cancelled)
+
+    Of the bonds' keywords it takes like, relative_to, mixing, void, horizon, continuum, micromodulus, void_bonds,
+    surface_correction, notches and threads, as equilibrium() does.
+    """
+    known = {"like", "relative_to", "mixing", "void", "horizon", "continuum", "micromodulus", "void_bonds",
+             "surface_correction", "notches", "threads"}
+    if set(bonds) - known:
+        raise TypeError(f"stiffness() takes no {', '.join(sorted(set(bonds) - known))}: strains are small, every side "
+                        "is periodic, nothing breaks")
+    solve = vtkBondStiffness()
+    solve.SetInputData(as_image(image))
+    set_bonds(solve, young, **bonds)
+    solve.SetEstimateError(bool(estimate_error))
+    solve.SetTolerance(float(tolerance))
+    solve.SetMaximumIterations(int(max_iterations))
+    run(solve, progress)
+    return StiffnessResult(solve.GetOutput(), solve.GetTensor(), solve.GetConstants())
