@@ -252,7 +252,8 @@ private:
     report(0.5);
     System best = grains_;
     double least = std::numeric_limits<double>::infinity();
-    constexpr int rounds = Dim == 2 ? 6 : 2;
+    // few grains have few shapes to come to rest in, and are quick to try
+    const int rounds = Dim == 2 ? std::clamp(2400 / static_cast<int>(grains_.count()), 6, 40) : 2;
     for (int round = 0; round < rounds && least > 1; ++round)
     {
       evenOut(firm, whenFirm, 10, round > 0);

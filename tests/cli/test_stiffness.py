@@ -98,7 +98,7 @@ class Stiffness(Case):
         self.works("packing", "--count", "40", "--seed", "2", "-o", "p.vtp")
         self.works("bridges", "p.vtp", "--filled", "--nodes", "64", "-o", "grains.vti")
         words = ["stiffness", "grains.vti", "--young", "matrix=1e9", "--young", "grain=4e9", "--like", "matrix-grain=matrix",
-                 "--like", "grain-grain=matrix", "--tolerance", "1e-10", "--window", "0,1,64,128", "--json"]
+                 "--like", "grain-grain=matrix", "--tolerance", "1e-10", "--window", "0,1,64,120", "--json"]
         one = self.run_lamella(*words).json()
         for other in (self.run_lamella(*words, ranks=2).json(), self.run_lamella(*words, "--threads", "2").json()):
             for name, value in one["constants"].items():

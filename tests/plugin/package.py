@@ -282,8 +282,9 @@ class Diffusion(unittest.TestCase):
         self.assertTrue(1.5 < low["theta"] < 0.8 * middle["theta"] < 0.6 * full["theta"])
         for one in (low, middle, full):
             self.assertGreater(one["mean_tensile_over_reference"], 1)  # the grains carry most
-        self.assertTrue(0.05 < -low["mean_compressive"] / low["mean_tensile"] < 0.15)  # about a tenth
-        self.assertLess(-middle["mean_compressive"] / middle["mean_tensile"], 0.07)
+        at_first, later = (-one["mean_compressive"] / one["mean_tensile"] for one in (low, middle))
+        self.assertTrue(0.05 < at_first < 0.15)  # about a tenth
+        self.assertLess(later, 0.7 * at_first)  # and falling: 0.46 to 0.55 of it for seeds 1 to 3
         self.assertLess(full["compressive_share"], 1e-4)
         # What the platens hold is not the sample: there are 3 layers at either end.
         self.assertEqual(full["count"], image.phase.size - 6 * image.phase.shape[1])

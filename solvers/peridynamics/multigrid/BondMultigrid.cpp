@@ -17,6 +17,8 @@ constexpr std::size_t maxLevels = 32;
 constexpr std::int64_t gatherNodes = 4096; ///< of a level that is not worth distributing
 
 // Reproducible numbers without a pattern, the same for a node whatever rank holds it.
+constexpr int sweepsInstead = 30; // of a coarsest level that is too large to be factorised
+
 float noise(std::uint64_t key)
 {
   key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -64,7 +66,7 @@ BondMultigrid::BondMultigrid(const BondLattice& bonds, const FixedComponents& fi
     else
       break;
   }
-  if (levels_.size() > 1)
+  if (levels_.size() > 1 && CoarsestLevel::possible(levels_.back()->layout))
     coarsest_.emplace(*levels_.back());
 }
 
@@ -276,7 +278,18 @@ void BondMultigrid::cycle(std::size_t index, bool fromZero)
   Level& level = *levels_[index];
   if (index > 0 && index + 1 == levels_.size())
   {
-    coarsest_->solve(level);
+    if (coarsest_)
+    {
+      coarsest_->solve(level);
+      return;
+    }
+    // too large, and periodic sides that cannot be halved: what smoothing can do
+    smooth(index, fromZero);
+    for (int sweep = 1; sweep < sweepsInstead; ++sweep)
+    {
+      subtract(index);
+      smooth(index, false);
+    }
     return;
   }
   if (level.gathered)

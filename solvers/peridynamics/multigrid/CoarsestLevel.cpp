@@ -11,9 +11,17 @@ namespace
 {
 
 constexpr std::int64_t denseLimit = 600; // unknowns; a pseudo-inverse of so many takes a tenth of a second
+// unknowns whose factors take about a tenth of a gigabyte
+constexpr std::int64_t factorLimit2 = 40000;
+constexpr std::int64_t factorLimit3 = 6000;
 constexpr double singular = 1e-6;        // of the largest eigenvalue: the matrix is in single precision
 
 } // namespace
+
+bool CoarsestLevel::possible(const NodeLayout& layout) noexcept
+{
+  return layout.owned() * layout.dimension <= (layout.dimension == 3 ? factorLimit3 : factorLimit2);
+}
 
 CoarsestLevel::CoarsestLevel(const Level& level)
 {

@@ -17,6 +17,8 @@ class CoarsestLevel
 {
 public:
   explicit CoarsestLevel(const Level& level);
+  /// Is a level of this size small enough for it?
+  [[nodiscard]] static bool possible(const NodeLayout& layout) noexcept;
   /// x = A⁺ r on the level that it was made of.
   void solve(Level& level) const;
   [[nodiscard]] std::int64_t bytes() const noexcept
