@@ -17,7 +17,7 @@ constexpr std::size_t maxLevels = 32;
 constexpr std::int64_t gatherNodes = 4096; ///< of a level that is not worth distributing
 
 // Reproducible numbers without a pattern, the same for a node whatever rank holds it.
-constexpr int sweepsInstead = 30; // of a coarsest level that is too large to be factorised
+constexpr int sweepsInstead = 10; // of a coarsest level that is too large to be factorised
 
 float noise(std::uint64_t key)
 {
