@@ -20,6 +20,12 @@ Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at th
 ``[z, y, x]``. Vectors have their components along x (left to right), y (upwards in a picture) and z in the last axis.
 """
 
+import os as _os
+
+if "OMP_WAIT_POLICY" not in _os.environ:
+    # GNU's OpenMP library, which is loaded next, spins for milliseconds else: slow where others use the machine too
+    _os.environ.setdefault("GOMP_SPINCOUNT", "3000")
+
 from .vtkLamellaSolversVTK import *  # noqa: F401,F403 - the VTK classes
 from .vtkLamellaFilters import *  # noqa: F401,F403
 
