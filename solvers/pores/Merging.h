@@ -36,8 +36,9 @@ struct Merged
 };
 
 /// @param pieces of every rank, one after the other
+/// @param sizes of the pieces, once more, or empty
 /// @param ranks there are several: pieces need not rise by their first nodes, and `size` is wanted
-[[nodiscard]] Merged merge(const Lattice& lattice, std::span<const Piece> pieces, std::span<const Joint> joints,
-  bool ranks, const LabelOptions& options);
+[[nodiscard]] Merged merge(const Lattice& lattice, std::span<const Piece> pieces, std::span<const std::uint32_t> sizes,
+  std::span<const Joint> joints, bool ranks, const LabelOptions& options);
 
 } // namespace lamella::pores

@@ -72,6 +72,8 @@ struct PoreSummary
   }
 };
 
+struct Slab;
+
 /// Labels the connected pores of one phase of a lattice that ranks share in blocks of whole rows.
 ///
 /// Rows are cut into runs of the phase, runs of neighbouring rows that touch are united (a forest with path halving,
@@ -107,7 +109,6 @@ public:
   void sizes(std::span<float> sizes) const;
 
 private:
-  struct Slab;
   class Work;
 
   std::vector<Slab> slabs_;

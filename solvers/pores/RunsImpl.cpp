@@ -2,6 +2,8 @@
 // plain loops only: an inline function of a library, compiled for a newer processor, could be linked into other code.
 #include "pores/Runs.h"
 
+#include <cstddef>
+
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
@@ -217,8 +219,48 @@ std::int64_t edges(const Word* bits, std::int64_t nodes, std::int32_t* out)
   return count / 2;
 }
 
+#if defined(__AVX2__)
+
+// Whether a run begins a piece cannot be guessed: no branch. A piece is two vectors: four sums; then the box and the
+// first node.
 std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece, std::uint32_t known,
-  std::int64_t index, std::int32_t y, std::int32_t z, Piece* pieces)
+  std::int64_t index, std::int32_t y, std::int32_t z, Piece* pieces, std::uint32_t* sizes)
+{
+  static_assert(offsetof(Piece, low) == 32 && offsetof(Piece, high) == 44 && offsetof(Piece, first) == 56);
+  const __m256i factors = _mm256_setr_epi64x(1, 0, y, z); // a node's part in size, 2x, y, z
+  const __m256i place = _mm256_setr_epi32(0, y, z, 0, y, z, 0, 0);
+  for (std::int64_t run = 0; run < runs; ++run)
+  {
+    const std::uint32_t number = piece[run];
+    const std::int32_t begin = edges[2 * run];
+    const std::int32_t last = edges[2 * run + 1] - 1;
+    const std::int32_t length = last - begin + 1;
+    const bool isNew = number == known;
+    const std::int32_t mask = -static_cast<std::int32_t>(isNew);
+    known += isNew ? 1 : 0;
+    sizes[number] = (sizes[number] & ~static_cast<std::uint32_t>(mask)) + static_cast<std::uint32_t>(length);
+
+    __m256i* const at = reinterpret_cast<__m256i*>(pieces + number);
+    const __m256i begins = _mm256_set1_epi32(mask);
+    const __m256i sums = _mm256_mul_epu32(
+      _mm256_blend_epi32(factors, _mm256_set1_epi32(begin + last), 0b00000100), _mm256_set1_epi32(length));
+    _mm256_store_si256(at, _mm256_add_epi64(sums, _mm256_andnot_si256(begins, _mm256_load_si256(at))));
+
+    const __m256i known2 = _mm256_load_si256(at + 1);
+    __m256i box = _mm256_blend_epi32(place, _mm256_set1_epi32(begin), 0b00000001);
+    box = _mm256_blend_epi32(box, _mm256_set1_epi32(last), 0b00001000);
+    box = _mm256_blend_epi32(box, _mm256_set1_epi64x(index + begin), 0b11000000);
+    __m256i both = _mm256_blend_epi32(_mm256_min_epi32(box, known2), _mm256_max_epi32(box, known2), 0b00111000);
+    both = _mm256_blend_epi32(both, known2, 0b11000000);
+    _mm256_store_si256(at + 1, _mm256_blendv_epi8(both, box, begins));
+  }
+  return known;
+}
+
+#else
+
+std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece, std::uint32_t known,
+  std::int64_t index, std::int32_t y, std::int32_t z, Piece* pieces, std::uint32_t* sizes)
 {
   for (std::int64_t run = 0; run < runs; ++run)
   {
@@ -230,6 +272,7 @@ std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::u
     if (piece[run] == known)
     {
       ++known;
+      sizes[piece[run]] = static_cast<std::uint32_t>(length);
       // member by member: one put together elsewhere and copied as a whole has to wait for its parts
       p.first = index + begin;
       p.size = length;
@@ -244,6 +287,7 @@ std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::u
       p.high[2] = z;
       continue;
     }
+    sizes[piece[run]] += static_cast<std::uint32_t>(length);
     p.size += length;
     p.twiceX += twiceX;
     p.sumY += y * length;
@@ -257,6 +301,8 @@ std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::u
   }
   return known;
 }
+
+#endif
 
 constexpr std::int64_t stride = 8;
 
