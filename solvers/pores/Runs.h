@@ -58,7 +58,7 @@ struct RunKernels
   /// `known` on are new and begin here, whatever was in their place.
   /// @param piece by run of this row
   /// @param index of the row's first node in the whole lattice, (y, z) its place there
-  /// @param sizes of the pieces, once more
+  /// @param pieces, sizes (the pieces' sizes once more) room for one more than there are
   /// @returns the pieces known now
   std::uint32_t (*measure)(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece,
     std::uint32_t known, std::int64_t index, std::int32_t y, std::int32_t z, Piece* pieces, std::uint32_t* sizes);

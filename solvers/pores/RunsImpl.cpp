@@ -222,37 +222,42 @@ std::int64_t edges(const Word* bits, std::int64_t nodes, std::int32_t* out)
 #if defined(__AVX2__)
 
 // Whether a run begins a piece cannot be guessed: no branch. A piece is two vectors: four sums; then the box and the
-// first node.
+// first node. Before every run the next piece is made ready, to begin there if it does: what is read, added to and
+// written again is then the same for all, and short.
 std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece, std::uint32_t known,
   std::int64_t index, std::int32_t y, std::int32_t z, Piece* pieces, std::uint32_t* sizes)
 {
   static_assert(offsetof(Piece, low) == 32 && offsetof(Piece, high) == 44 && offsetof(Piece, first) == 56);
+  constexpr std::int32_t least = -2147483647 - 1;
+  constexpr std::int32_t most = 2147483647;
   const __m256i factors = _mm256_setr_epi64x(1, 0, y, z); // a node's part in size, 2x, y, z
-  const __m256i place = _mm256_setr_epi32(0, y, z, 0, y, z, 0, 0);
+  const __m256i place = _mm256_setr_epi32(0, y, z, 0, y, z, least, least);
+  const __m256i nowhere = _mm256_setr_epi32(most, most, most, least, least, least, 0, 0);
   for (std::int64_t run = 0; run < runs; ++run)
   {
     const std::uint32_t number = piece[run];
     const std::int32_t begin = edges[2 * run];
     const std::int32_t last = edges[2 * run + 1] - 1;
-    const std::int32_t length = last - begin + 1;
-    const bool isNew = number == known;
-    const std::int32_t mask = -static_cast<std::int32_t>(isNew);
-    known += isNew ? 1 : 0;
-    sizes[number] = (sizes[number] & ~static_cast<std::uint32_t>(mask)) + static_cast<std::uint32_t>(length);
+    const auto length = static_cast<std::uint32_t>(last - begin + 1);
+    const auto twiceX = static_cast<std::uint32_t>(begin) + static_cast<std::uint32_t>(last); // of a node, on average
 
+    __m256i* const next = reinterpret_cast<__m256i*>(pieces + known);
+    _mm256_store_si256(next, _mm256_setzero_si256());
+    _mm256_store_si256(next + 1, _mm256_blend_epi32(nowhere, _mm256_set1_epi64x(index + begin), 0b11000000));
+    sizes[known] = 0;
+    known += number == known ? 1 : 0;
+
+    sizes[number] += length;
     __m256i* const at = reinterpret_cast<__m256i*>(pieces + number);
-    const __m256i begins = _mm256_set1_epi32(mask);
-    const __m256i sums = _mm256_mul_epu32(
-      _mm256_blend_epi32(factors, _mm256_set1_epi32(begin + last), 0b00000100), _mm256_set1_epi32(length));
-    _mm256_store_si256(at, _mm256_add_epi64(sums, _mm256_andnot_si256(begins, _mm256_load_si256(at))));
-
-    const __m256i known2 = _mm256_load_si256(at + 1);
-    __m256i box = _mm256_blend_epi32(place, _mm256_set1_epi32(begin), 0b00000001);
-    box = _mm256_blend_epi32(box, _mm256_set1_epi32(last), 0b00001000);
-    box = _mm256_blend_epi32(box, _mm256_set1_epi64x(index + begin), 0b11000000);
-    __m256i both = _mm256_blend_epi32(_mm256_min_epi32(box, known2), _mm256_max_epi32(box, known2), 0b00111000);
-    both = _mm256_blend_epi32(both, known2, 0b11000000);
-    _mm256_store_si256(at + 1, _mm256_blendv_epi8(both, box, begins));
+    const __m256i sums =
+      _mm256_mul_epu32(_mm256_blend_epi32(factors, _mm256_set1_epi32(static_cast<std::int32_t>(twiceX)), 0b00000100),
+        _mm256_set1_epi32(static_cast<std::int32_t>(length)));
+    _mm256_store_si256(at, _mm256_add_epi64(sums, _mm256_load_si256(at)));
+    const __m256i box = _mm256_blend_epi32(
+      _mm256_blend_epi32(place, _mm256_set1_epi32(begin), 0b00000001), _mm256_set1_epi32(last), 0b00001000);
+    const __m256i before = _mm256_load_si256(at + 1);
+    _mm256_store_si256(
+      at + 1, _mm256_blend_epi32(_mm256_max_epi32(box, before), _mm256_min_epi32(box, before), 0b00000111));
   }
   return known;
 }

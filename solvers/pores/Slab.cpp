@@ -87,8 +87,8 @@ void Slab::label(const Lattice& lattice, const std::array<std::int64_t, 3>& star
         kernels.unite(row(blockRow), row(other), words, n.diagonal, pieceOf.data());
   }
   count = numberRoots(pieceOf);
-  pieces.resize(count);
-  sizes.resize(count);
+  pieces.resize(count + 1); // and one to work on
+  sizes.resize(pieces.size());
   std::uint32_t known = 0;
   std::vector<std::int32_t> edges(static_cast<std::size_t>(nx + 16));
   for (std::int64_t blockRow = firstRow; blockRow < firstRow + rows; ++blockRow)
@@ -100,6 +100,8 @@ void Slab::label(const Lattice& lattice, const std::array<std::int64_t, 3>& star
     known = kernels.measure(edges.data(), found, piecesOfRow(blockRow).data(), known, lattice.index(0, y, z),
       static_cast<std::int32_t>(y), static_cast<std::int32_t>(z), pieces.data(), sizes.data());
   }
+  pieces.pop_back();
+  sizes.pop_back();
 }
 
 std::int64_t Slab::at(std::int64_t blockRow, std::int64_t x) const noexcept
