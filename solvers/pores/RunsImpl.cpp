@@ -123,24 +123,31 @@ inline __attribute__((always_inline)) void forContacts(Row a, Row b, std::int64_
   }
 }
 
-inline std::uint32_t root(std::uint32_t* parent, std::uint32_t run)
-{
-  while (parent[run] != run)
-  {
-    parent[run] = parent[parent[run]];
-    run = parent[run];
-  }
-  return run;
-}
-
 void unite(Row a, Row b, std::int64_t words, bool diagonal, std::uint32_t* parent)
 {
+  // Rem's way (Dijkstra 1976): up both branches at once, the higher one first, each run on it handed to the lower
+  // parent; most pairs are of one set already and have one parent.
   const auto join = [parent](std::uint32_t runA, std::uint32_t runB)
   {
-    const std::uint32_t rootA = root(parent, runA);
-    const std::uint32_t rootB = root(parent, runB);
-    const std::uint32_t low = rootA < rootB ? rootA : rootB;
-    parent[rootA < rootB ? rootB : rootA] = low;
+    std::uint32_t above = parent[runA];
+    std::uint32_t below = parent[runB];
+    while (above != below)
+    {
+      if (above < below)
+      {
+        const std::uint32_t other = above;
+        above = below;
+        below = other;
+        const std::uint32_t run = runA;
+        runA = runB;
+        runB = run;
+      }
+      parent[runA] = below;
+      if (runA == above) // a root
+        return;
+      runA = above;
+      above = parent[runA];
+    }
   };
   if (diagonal)
     forContacts<true>(a, b, words, join);
