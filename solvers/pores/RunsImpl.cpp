@@ -125,8 +125,9 @@ inline __attribute__((always_inline)) void forContacts(Row a, Row b, std::int64_
 
 void unite(Row a, Row b, std::int64_t words, bool diagonal, std::uint32_t* parent)
 {
-  // Rem's way (Dijkstra 1976): up both branches at once, the higher one first, each run on it handed to the lower
-  // parent; most pairs are of one set already and have one parent.
+  // Rem's way (Dijkstra, A Discipline of Programming, 1976, chapter 23): up both branches at once, where the parent is
+  // the higher one, and every run on the way is handed to the lower parent. Most pairs are of one set already and have
+  // one parent.
   const auto join = [parent](std::uint32_t runA, std::uint32_t runB)
   {
     std::uint32_t above = parent[runA];

@@ -5,7 +5,6 @@
 #include "pores/Unfilled.h"
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -42,7 +41,6 @@ struct Rows
 };
 
 /// Rows that one thread does by itself.
-/// Rows that one thread does by itself.
 struct Slab
 {
   std::int64_t firstRow = 0; ///< counted in the block, y fastest
@@ -63,7 +61,6 @@ struct Slab
   void label(const Lattice& lattice, const std::array<std::int64_t, 3>& start, const Rows& block,
     std::span<const std::uint8_t> phase, std::uint8_t wanted, std::span<const Neighbour> near);
 
-  [[nodiscard]] bool holds(std::int64_t row) const noexcept { return row >= firstRow && row < firstRow + rows; }
   [[nodiscard]] Row row(std::int64_t blockRow) const noexcept
   {
     const auto at = static_cast<std::size_t>((blockRow - firstRow) * words);
