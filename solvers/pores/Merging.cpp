@@ -175,10 +175,27 @@ void write(Pore& pore, const Piece& piece, std::uint8_t touches, std::uint8_t wr
   pore.percolates = static_cast<std::uint8_t>(percolates);
 }
 
+/// Pores in the order of their first nodes, cut into parts of equal length that are counted side by side: one count
+/// after the other in the same place would each wait for the one before.
+constexpr std::size_t parts = 4;
+
+template <typename Action>
+void forAll(std::size_t n, const Action& action)
+{
+  const std::size_t length = n / parts;
+  for (std::size_t i = 0; i < length; ++i)
+    for (std::size_t part = 0; part < parts; ++part)
+      action(part * length + i, part);
+  for (std::size_t i = parts * length; i < n; ++i) // the last part has what is left as well
+    action(i, parts - 1);
+}
+
 /// Labels by pore, the largest first and equal ones as they are, or all as they are; 0 below the minimum size.
 /// Most pores are small: they are counted into place.
+/// @param sizes of the pores
 /// @returns pores that would have a label
-std::int64_t number(std::span<const Piece> pores, const LabelOptions& options, std::span<std::int32_t> label)
+std::int64_t number(std::span<const Piece> pores, std::span<const std::uint32_t> sizes, const LabelOptions& options,
+  std::span<std::int32_t> label)
 {
   const std::int64_t least = std::max<std::int64_t>(options.minimumSize, 1);
   std::int64_t count = 0;
@@ -192,18 +209,15 @@ std::int64_t number(std::span<const Piece> pores, const LabelOptions& options, s
     }
     return count;
   }
-  constexpr std::int64_t small = 65536;
-  UnfilledVector<std::uint32_t> sizes(pores.size()); // as far as they are small
-  std::vector<std::uint32_t> place(small + 1, 0);    // by size: how many there are, then how many come before
+  constexpr std::uint32_t small = 8192;
+  // by size, then part: how many there are, then how many come before
+  std::vector<std::array<std::uint32_t, parts>> place(small + 1);
+  forAll(pores.size(), [&](std::size_t i, std::size_t part) { ++place[std::min(sizes[i], small)][part]; });
   std::vector<std::uint32_t> large;
-  for (std::uint32_t i = 0; i < pores.size(); ++i)
-  {
-    const std::int64_t size = std::min(pores[i].size, small);
-    sizes[i] = static_cast<std::uint32_t>(size);
-    ++place[static_cast<std::size_t>(size)];
-    if (size == small)
-      large.push_back(i);
-  }
+  if (std::any_of(place[small].begin(), place[small].end(), [](std::uint32_t here) { return here > 0; }))
+    for (std::uint32_t i = 0; i < pores.size(); ++i)
+      if (sizes[i] >= small)
+        large.push_back(i);
   std::stable_sort(
     large.begin(), large.end(), [&](std::uint32_t a, std::uint32_t b) { return pores[a].size > pores[b].size; });
   for (const std::uint32_t i : large)
@@ -211,16 +225,19 @@ std::int64_t number(std::span<const Piece> pores, const LabelOptions& options, s
     count += pores[i].size >= least ? 1 : 0;
     label[i] = pores[i].size >= least ? static_cast<std::int32_t>(count) : 0;
   }
-  for (std::int64_t size = small - 1; size > 0; --size)
-  {
-    std::uint32_t& before = place[static_cast<std::size_t>(size)];
-    const std::uint32_t here = before;
-    before = static_cast<std::uint32_t>(count);
-    count += size >= least ? here : 0;
-  }
-  for (std::size_t i = 0; i < pores.size(); ++i)
-    if (sizes[i] < small)
-      label[i] = sizes[i] >= least ? static_cast<std::int32_t>(++place[sizes[i]]) : 0;
+  for (std::uint32_t size = small - 1; size > 0; --size)
+    for (std::uint32_t& before : place[size])
+    {
+      const std::uint32_t here = before;
+      before = static_cast<std::uint32_t>(count);
+      count += size >= least ? here : 0;
+    }
+  forAll(pores.size(),
+    [&](std::size_t i, std::size_t part)
+    {
+      if (sizes[i] < small)
+        label[i] = sizes[i] >= least ? static_cast<std::int32_t>(++place[sizes[i]][part]) : 0;
+    });
   return count;
 }
 
@@ -229,7 +246,7 @@ std::int64_t number(std::span<const Piece> pores, const LabelOptions& options, s
 Piece emptyPiece()
 {
   constexpr auto most = std::numeric_limits<std::int32_t>::max();
-  return Piece{ std::numeric_limits<std::int64_t>::max(), 0, 0, 0, 0, { most, most, most }, { -most, -most, -most } };
+  return { 0, 0, 0, 0, { most, most, most }, { -most, -most, -most }, std::numeric_limits<std::int64_t>::max() };
 }
 
 void add(Piece& sum, const Piece& piece, const std::array<std::int64_t, 3>& moved)
@@ -246,8 +263,8 @@ void add(Piece& sum, const Piece& piece, const std::array<std::int64_t, 3>& move
   sum.sumZ += piece.sumZ + moved[2] * piece.size;
 }
 
-Merged merge(const Lattice& lattice, std::span<const Piece> pieces, std::span<const Joint> joints, bool ranks,
-  const LabelOptions& options)
+Merged merge(const Lattice& lattice, std::span<const Piece> pieces, std::span<const std::uint32_t> sizes,
+  std::span<const Joint> joints, bool ranks, const LabelOptions& options)
 {
   Merged merged;
   Whole whole;
@@ -257,7 +274,16 @@ Merged merge(const Lattice& lattice, std::span<const Piece> pieces, std::span<co
   const std::span<const Piece> pores = apart ? pieces : std::span<const Piece>(whole.pieces);
   UnfilledVector<std::int32_t> label(pores.size());
   PoreSummary& sum = merged.summary;
-  sum.count = number(pores, options, label);
+  UnfilledVector<std::uint32_t> own;
+  if (!apart || sizes.empty())
+  {
+    static constexpr std::int64_t most = std::numeric_limits<std::uint32_t>::max();
+    own.resize(pores.size());
+    std::transform(pores.begin(), pores.end(), own.begin(),
+      [](const Piece& pore) { return static_cast<std::uint32_t>(std::min(pore.size, most)); });
+    sizes = own;
+  }
+  sum.count = number(pores, sizes, options, label);
   if (sum.count > std::min<std::int64_t>(options.mostLabels, std::numeric_limits<std::int32_t>::max()))
   {
     merged.tooMany = true;

@@ -19,7 +19,8 @@ struct Joint
   std::uint32_t b;
   std::array<std::int8_t, 3> shift;
   std::int8_t unused = 0; ///< so that equal joints are equal bytes
-  friend auto operator<=>(const Joint&, const Joint&) = default;
+  // NOLINTNEXTLINE(modernize-use-nullptr): it means the comparison with 0 inside
+  auto operator<=>(const Joint&) const = default;
 };
 
 [[nodiscard]] Piece emptyPiece();
@@ -36,8 +37,9 @@ struct Merged
 };
 
 /// @param pieces of every rank, one after the other
+/// @param sizes of the pieces, once more, or empty
 /// @param ranks there are several: pieces need not rise by their first nodes, and `size` is wanted
-[[nodiscard]] Merged merge(const Lattice& lattice, std::span<const Piece> pieces, std::span<const Joint> joints,
-  bool ranks, const LabelOptions& options);
+[[nodiscard]] Merged merge(const Lattice& lattice, std::span<const Piece> pieces, std::span<const std::uint32_t> sizes,
+  std::span<const Joint> joints, bool ranks, const LabelOptions& options);
 
 } // namespace lamella::pores

@@ -72,13 +72,16 @@ struct PoreSummary
   }
 };
 
+struct Slab;
+
 /// Labels the connected pores of one phase of a lattice that ranks share in blocks of whole rows.
 ///
-/// Rows are cut into runs of the phase, runs of neighbouring rows that touch are united (a forest with path halving,
-/// the lowest run is the root; Galler & Fischer 1964), and sizes, boxes and centres are summed by runs. Parts of the
-/// block that threads did, periodic sides and the blocks of other ranks are joined afterwards, from the nodes on both
-/// sides of the seams; what ranks exchange is these layers and one record (64 bytes) a part of a pore. All sums are
-/// whole numbers and pores are numbered by what they are, so labels do not depend on threads or ranks.
+/// Rows are cut into runs of the phase, runs of neighbouring rows that touch are united (a forest whose
+/// roots are the lowest runs; Rem's way: Dijkstra, A Discipline of Programming, 1976, chapter 23), and sizes, boxes and
+/// centres are summed by runs. Parts of the block that threads did, periodic sides and the blocks of other ranks are
+/// joined afterwards, from the nodes on both sides of the seams; what ranks exchange is these layers and one record (64
+/// bytes) a part of a pore. All sums are whole numbers and pores are numbered by what they are, so labels do not depend
+/// on threads or ranks.
 ///
 /// Time: a few operations a 64 nodes and a few a run. Memory beside the labels: 1.5 bits a node, 4 bytes a run, about
 /// 200 bytes a pore on rank 0. Sums hold while size · 2n < 2⁶³.
@@ -107,7 +110,6 @@ public:
   void sizes(std::span<float> sizes) const;
 
 private:
-  struct Slab;
   class Work;
 
   std::vector<Slab> slabs_;

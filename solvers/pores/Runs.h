@@ -21,15 +21,15 @@ struct Row
 
 /// What is known of a set of nodes that hang together, or of a part of one. All sums are whole numbers, so that it
 /// does not matter in which order parts are put together.
-struct Piece
+struct alignas(64) Piece
 {
-  std::int64_t first;  ///< lowest index in the whole lattice
   std::int64_t size;   ///< nodes
   std::int64_t twiceX; ///< twice the sum of the nodes' x
   std::int64_t sumY;
   std::int64_t sumZ;
   std::array<std::int32_t, 3> low; ///< the box, in nodes of the whole lattice, both ends included
   std::array<std::int32_t, 3> high;
+  std::int64_t first; ///< lowest index in the whole lattice
 };
 static_assert(sizeof(Piece) == 64, "one cache line; also what ranks send each other");
 
@@ -58,9 +58,10 @@ struct RunKernels
   /// `known` on are new and begin here, whatever was in their place.
   /// @param piece by run of this row
   /// @param index of the row's first node in the whole lattice, (y, z) its place there
+  /// @param pieces, sizes (the pieces' sizes once more) room for one more than there are
   /// @returns the pieces known now
   std::uint32_t (*measure)(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece,
-    std::uint32_t known, std::int64_t index, std::int32_t y, std::int32_t z, Piece* pieces);
+    std::uint32_t known, std::int64_t index, std::int32_t y, std::int32_t z, Piece* pieces, std::uint32_t* sizes);
   /// Writes value[piece] into the nodes of each run and `background` between them.
   /// @param room values that may be written from `out` on, at least `nodes`; those beyond the row are spoilt
   void (*fillLabels)(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece,

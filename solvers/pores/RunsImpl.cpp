@@ -2,6 +2,8 @@
 // plain loops only: an inline function of a library, compiled for a newer processor, could be linked into other code.
 #include "pores/Runs.h"
 
+#include <cstddef>
+
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
@@ -121,24 +123,32 @@ inline __attribute__((always_inline)) void forContacts(Row a, Row b, std::int64_
   }
 }
 
-inline std::uint32_t root(std::uint32_t* parent, std::uint32_t run)
-{
-  while (parent[run] != run)
-  {
-    parent[run] = parent[parent[run]];
-    run = parent[run];
-  }
-  return run;
-}
-
 void unite(Row a, Row b, std::int64_t words, bool diagonal, std::uint32_t* parent)
 {
+  // Rem's way (Dijkstra, A Discipline of Programming, 1976, chapter 23): up both branches at once, where the parent is
+  // the higher one, and every run on the way is handed to the lower parent. Most pairs are of one set already and have
+  // one parent.
   const auto join = [parent](std::uint32_t runA, std::uint32_t runB)
   {
-    const std::uint32_t rootA = root(parent, runA);
-    const std::uint32_t rootB = root(parent, runB);
-    const std::uint32_t low = rootA < rootB ? rootA : rootB;
-    parent[rootA < rootB ? rootB : rootA] = low;
+    std::uint32_t above = parent[runA];
+    std::uint32_t below = parent[runB];
+    while (above != below)
+    {
+      if (above < below)
+      {
+        const std::uint32_t other = above;
+        above = below;
+        below = other;
+        const std::uint32_t run = runA;
+        runA = runB;
+        runB = run;
+      }
+      parent[runA] = below;
+      if (runA == above) // a root
+        return;
+      runA = above;
+      above = parent[runA];
+    }
   };
   if (diagonal)
     forContacts<true>(a, b, words, join);
@@ -217,8 +227,53 @@ std::int64_t edges(const Word* bits, std::int64_t nodes, std::int32_t* out)
   return count / 2;
 }
 
+#if defined(__AVX2__)
+
+// Whether a run begins a piece cannot be guessed: no branch. A piece is two vectors: four sums; then the box and the
+// first node. Before every run the next piece is made ready, to begin there if it does: what is read, added to and
+// written again is then the same for all, and short.
 std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece, std::uint32_t known,
-  std::int64_t index, std::int32_t y, std::int32_t z, Piece* pieces)
+  std::int64_t index, std::int32_t y, std::int32_t z, Piece* pieces, std::uint32_t* sizes)
+{
+  static_assert(offsetof(Piece, low) == 32 && offsetof(Piece, high) == 44 && offsetof(Piece, first) == 56);
+  constexpr std::int32_t least = -2147483647 - 1;
+  constexpr std::int32_t most = 2147483647;
+  const __m256i factors = _mm256_setr_epi64x(1, 0, y, z); // a node's part in size, 2x, y, z
+  const __m256i place = _mm256_setr_epi32(0, y, z, 0, y, z, least, least);
+  const __m256i nowhere = _mm256_setr_epi32(most, most, most, least, least, least, 0, 0);
+  for (std::int64_t run = 0; run < runs; ++run)
+  {
+    const std::uint32_t number = piece[run];
+    const std::int32_t begin = edges[2 * run];
+    const std::int32_t last = edges[2 * run + 1] - 1;
+    const auto length = static_cast<std::uint32_t>(last - begin + 1);
+    const auto twiceX = static_cast<std::uint32_t>(begin) + static_cast<std::uint32_t>(last); // of a node, on average
+
+    __m256i* const next = reinterpret_cast<__m256i*>(pieces + known);
+    _mm256_store_si256(next, _mm256_setzero_si256());
+    _mm256_store_si256(next + 1, _mm256_blend_epi32(nowhere, _mm256_set1_epi64x(index + begin), 0b11000000));
+    sizes[known] = 0;
+    known += number == known ? 1 : 0;
+
+    sizes[number] += length;
+    __m256i* const at = reinterpret_cast<__m256i*>(pieces + number);
+    const __m256i sums =
+      _mm256_mul_epu32(_mm256_blend_epi32(factors, _mm256_set1_epi32(static_cast<std::int32_t>(twiceX)), 0b00000100),
+        _mm256_set1_epi32(static_cast<std::int32_t>(length)));
+    _mm256_store_si256(at, _mm256_add_epi64(sums, _mm256_load_si256(at)));
+    const __m256i box = _mm256_blend_epi32(
+      _mm256_blend_epi32(place, _mm256_set1_epi32(begin), 0b00000001), _mm256_set1_epi32(last), 0b00001000);
+    const __m256i before = _mm256_load_si256(at + 1);
+    _mm256_store_si256(
+      at + 1, _mm256_blend_epi32(_mm256_max_epi32(box, before), _mm256_min_epi32(box, before), 0b00000111));
+  }
+  return known;
+}
+
+#else
+
+std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::uint32_t* piece, std::uint32_t known,
+  std::int64_t index, std::int32_t y, std::int32_t z, Piece* pieces, std::uint32_t* sizes)
 {
   for (std::int64_t run = 0; run < runs; ++run)
   {
@@ -230,6 +285,7 @@ std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::u
     if (piece[run] == known)
     {
       ++known;
+      sizes[piece[run]] = static_cast<std::uint32_t>(length);
       // member by member: one put together elsewhere and copied as a whole has to wait for its parts
       p.first = index + begin;
       p.size = length;
@@ -244,6 +300,7 @@ std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::u
       p.high[2] = z;
       continue;
     }
+    sizes[piece[run]] += static_cast<std::uint32_t>(length);
     p.size += length;
     p.twiceX += twiceX;
     p.sumY += y * length;
@@ -257,6 +314,8 @@ std::uint32_t measure(const std::int32_t* edges, std::int64_t runs, const std::u
   }
   return known;
 }
+
+#endif
 
 constexpr std::int64_t stride = 8;
 

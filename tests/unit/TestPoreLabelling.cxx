@@ -290,6 +290,33 @@ TEST(PoreLabelling, OrderOfTheLabels)
   EXPECT_DOUBLE_EQ(some.summary.mean(), 2.5);
 }
 
+// Small sizes are counted into place and large ones sorted: both in one picture, each size several times.
+TEST(PoreLabelling, LargeAndSmallPoresAreNumberedTogether)
+{
+  constexpr std::int64_t n = 512;
+  constexpr std::int64_t tile = 128;
+  constexpr std::array<std::int64_t, 4> sides{ 30, 95, 110, 95 }; // 95 x 95 and 110 x 110 are beyond 8192
+  PoreImage image{ makeLattice(n, n, 1, 2, 1), std::vector<std::uint8_t>(n * n, 1) };
+  for (std::int64_t y = 0; y < n; ++y)
+    for (std::int64_t x = 0; x < n; ++x)
+    {
+      const std::int64_t side = sides[static_cast<std::size_t>((x / tile + 3 * (y / tile)) % 4)];
+      const bool square = x % tile < side && y % tile < side;
+      const bool single = x % tile > side && y % tile > side && x % 3 == 0 && y % 2 == 0;
+      const bool pair = x % tile > side && y % tile < side && x % 3 != 0 && y % 2 == 0;
+      if (square || single || pair)
+        image.phase[static_cast<std::size_t>(image.lattice.index(x, y))] = 0;
+    }
+  for (const std::int64_t least : { 1, 2, 9000, 10000 })
+    for (const int slabs : { 1, 3 })
+    {
+      LabelOptions options;
+      options.minimumSize = least;
+      options.slabs = slabs;
+      compare(image, options, 0, "at least " + std::to_string(least) + " in slabs: " + std::to_string(slabs));
+    }
+}
+
 TEST(PoreLabelling, OpenAndClosedPores)
 {
   const PoreImage image = drawn({ "#####", //
