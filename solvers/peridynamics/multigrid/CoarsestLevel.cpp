@@ -14,7 +14,7 @@ constexpr std::int64_t denseLimit = 600; // unknowns; a pseudo-inverse of so man
 // unknowns whose factors take about a tenth of a gigabyte
 constexpr std::int64_t factorLimit2 = 40000;
 constexpr std::int64_t factorLimit3 = 6000;
-constexpr double singular = 1e-6;        // of the largest eigenvalue: the matrix is in single precision
+constexpr double singular = 1e-6; // of the largest eigenvalue: the matrix is in single precision
 
 } // namespace
 
