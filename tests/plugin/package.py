@@ -83,6 +83,8 @@ class Samples(unittest.TestCase):
                 tissue.save(path)
             back = lamella.read_picture(path, window=(10, 5, 30, 20), refine=2)
             self.assertEqual(os.listdir(folder), ["tissue.vti"])
+            for _ in range(100):  # whatever the name that it has while it is written
+                self.assertGreater(os.path.getsize(tissue.save(path, overwrite=True)), 0)
         np.testing.assert_array_equal(back.phase[::2, ::2], tissue.phase[5:25, 10:40])
         self.assertEqual(back.names, ["lumen", "wall"])
 

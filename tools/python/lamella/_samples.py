@@ -65,14 +65,15 @@ class ImageBase:
         if os.path.exists(path) and not overwrite:
             raise FileExistsError(f"{path} exists; say overwrite=True to replace it")
         folder = os.path.dirname(os.path.abspath(path))
-        handle, part = tempfile.mkstemp(prefix="." + os.path.basename(path), dir=folder)
+        # VTK writes nothing, and says it did, where a name ends with an underscore, as random ones may
+        handle, part = tempfile.mkstemp(prefix="." + os.path.basename(path), suffix=".part", dir=folder)
         os.close(handle)
         try:
             writer = vtkXMLImageDataWriter()
             writer.SetInputData(self.vtk)
             writer.SetFileName(part)
             writer.SetDataModeToBinary()  # inline: VTK 9.2 with a new Expat cannot read "appended" data back
-            if writer.Write() != 1:
+            if writer.Write() != 1 or os.path.getsize(part) == 0:
                 raise OSError(f"cannot write {path}: is the disk full?")
             mask = os.umask(0)
             os.umask(mask)
