@@ -4,6 +4,8 @@
 #include "Record.h"
 #include "Text.h"
 
+#include "lattice/Memory.h"
+#include "peridynamics/ElasticStudy.h"
 #include "peridynamics/PairTable.h"
 #include "vtkBondAlgorithm.h"
 #include "vtkLatticeConversion.h"
@@ -346,7 +348,19 @@ void applyBonds(const BondOptions& o, vtkBondAlgorithm* filter)
 
 BondSample loadBondSample(Session& session, const PictureOptions& picture, const BondOptions& o)
 {
-  Sample sample = loadSample(picture);
+  Sample sample = loadSample(picture,
+    [&](const Lattice& lattice)
+    {
+      const double need = peridynamics::leastElasticBytes(lattice, o.horizon, o.refine);
+      if (const auto available = static_cast<double>(availableMemory()); need > available)
+      {
+        throw MemoryError(fmt::format("the bonds and displacements of {} {} at refinement {} need {} of memory at "
+                                      "least, and {} are free",
+                            sizeText(lattice.size, lattice.dimension), lattice.dimension == 3 ? "voxels" : "pixels",
+                            o.refine, bytesText(need), bytesText(available)),
+          "take a smaller --window or --refine");
+      }
+    });
   Session::checkInterrupt();
   checkNames(o, sample.image.phases.names());
   if (sample.pixelSizeSource == "none" && (!o.fractureEnergy.empty() || !o.toughness.empty()))

@@ -175,6 +175,21 @@ std::vector<double> conductivities(
   return values;
 }
 
+lbm::Stencil stencilFor(const DiffusionOptions& options, const Lattice& lattice, lbm::Stencil chosen)
+{
+  if (options.lattice.empty())
+  {
+    return lattice.dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5;
+  }
+  if ((options.lattice[1] == '3') != (lattice.dimension == 3))
+  {
+    throw ParameterError(fmt::format("--lattice {} does not fit {} in {} dimensions", options.lattice,
+                           lattice.dimension == 3 ? "a volume" : "a picture", lattice.dimension),
+      lattice.dimension == 3 ? "use d3q7 or d3q19" : "use d2q5 or d2q9");
+  }
+  return chosen;
+}
+
 /// The axes asked for. One node along an axis is no sample of anything: refused, where it is asked for.
 std::vector<int> parseAxes(const std::string& direction, const Lattice& lattice)
 {
@@ -244,11 +259,26 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
   report.sample = &sample;
   report.ranks = session.ranks();
 
+  DiffusionSize size;
+  size.refinement = study.refinement;
+  size.fields = !options.output.empty();
+  size.ranks = session.ranks();
+  size.ranksOnMachine = session.ranksOnMachine();
+  const bool allConduct = std::all_of(given.begin(), given.end(), [](const auto& v) { return v.second > 0; });
+  const auto check = [&](const Lattice& lattice)
+  {
+    study.axes = parseAxes(options.direction, lattice);
+    size.lattice = lattice;
+    size.stencil = stencilFor(options, lattice, study.steady.stencil);
+    size.conducting = allConduct ? lattice.count() : 0;
+    requireMemory(size);
+  };
+
   // All that can go wrong with what the user gave goes wrong here, before anything is computed.
   session.onRoot(
     [&]
     {
-      sample = loadSample(options.picture);
+      sample = loadSample(options.picture, check);
       Session::checkInterrupt();
       for (const std::string& warning : sample.warnings)
       {
@@ -256,16 +286,7 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
       }
       const Lattice& lattice = sample.image.lattice;
       study.axes = parseAxes(options.direction, lattice);
-      if (options.lattice.empty())
-      {
-        study.steady.stencil = lattice.dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5;
-      }
-      else if ((options.lattice[1] == '3') != (lattice.dimension == 3))
-      {
-        throw ParameterError(fmt::format("--lattice {} does not fit {} in {} dimensions", options.lattice,
-                               lattice.dimension == 3 ? "a volume" : "a picture", lattice.dimension),
-          lattice.dimension == 3 ? "use d3q7 or d3q19" : "use d2q5 or d2q9");
-      }
+      study.steady.stencil = stencilFor(options, lattice, study.steady.stencil);
       report.fractions = sample.image.fractions();
       report.conductivity = conductivities(given, sample.image.phases, report.fractions);
       const std::vector<std::string> names = outputNames(options.output, study.axes);
@@ -299,7 +320,11 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
       lbm::bounds(report.fractions, std::span(values).first(report.fractions.size()), sample.image.lattice.dimension);
   }
   share(session, sample.image);
-  requireMemory(session, sample.image, values, study.steady.stencil, study.refinement, !options.output.empty());
+  size.lattice = sample.image.lattice;
+  size.stencil = study.steady.stencil;
+  size.conducting = std::count_if(
+    sample.image.phase.begin(), sample.image.phase.end(), [&](std::uint8_t id) { return values[id] > 0; });
+  requireMemory(size);
   session.onRoot(
     [&]
     {

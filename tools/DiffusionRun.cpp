@@ -28,21 +28,6 @@ void inPieces(std::size_t bytes, const Transfer& transfer)
   }
 }
 
-/// Ranks that share this machine's memory with this one, itself included.
-int ranksHere(const Session& session)
-{
-  if (session.ranks() == 1)
-  {
-    return 1;
-  }
-  MPI_Comm here = MPI_COMM_NULL;
-  int count = 1;
-  MPI_Comm_split_type(session.communicator(), MPI_COMM_TYPE_SHARED, session.rank(), MPI_INFO_NULL, &here);
-  MPI_Comm_size(here, &count);
-  MPI_Comm_free(&here);
-  return count;
-}
-
 } // namespace
 
 void share(const Session& session, PhaseImage& image)
@@ -98,25 +83,22 @@ void gather(const Session& session, const Lattice& lattice, const Block& own, st
   }
 }
 
-void requireMemory(const Session& session, const PhaseImage& image, std::span<const double> conductivity,
-  lbm::Stencil stencil, int refinement, bool fields)
+void requireMemory(const DiffusionSize& size)
 {
-  const Lattice& lattice = image.lattice;
-  std::int64_t conducting = 0;
-  for (const std::uint8_t id : image.phase)
-  {
-    conducting += conductivity[id] > 0 ? 1 : 0;
-  }
-  const lbm::Method method = conducting == lattice.count() ? lbm::Method::Multigrid : lbm::Method::AlgebraicMultigrid;
+  const Lattice& lattice = size.lattice;
+  const int refinement = size.refinement;
+  const lbm::Method method =
+    size.conducting == lattice.count() ? lbm::Method::Multigrid : lbm::Method::AlgebraicMultigrid;
   const auto count = static_cast<double>(lattice.count());
-  const auto solver = static_cast<double>(lbm::estimateBytes(lattice, stencil, method, conducting));
-  const int here = ranksHere(session);
+  const auto solver = static_cast<double>(lbm::estimateBytes(lattice, size.stencil, method, size.conducting));
   // In doubles, for a refinement typed wrongly can have more nodes than 64 bits count. Beside the solver's arrays: the
   // refined picture on every rank, the solver's copy of its part, and on rank 0 value and flux as they are written.
   const auto bytes = [&](int n)
   {
     const double scale = std::pow(static_cast<double>(n), lattice.dimension);
-    return scale * (solver * here / session.ranks() + count * (here + 1) + (fields ? count * (8 + 24 + 2) : 0));
+    return scale *
+      (solver * size.ranksOnMachine / size.ranks + count * (size.ranksOnMachine + 1) +
+        (size.fields ? count * (8 + 24 + 2) : 0));
   };
   const auto available = static_cast<double>(availableMemory());
   if (bytes(refinement) <= available)
@@ -126,13 +108,13 @@ void requireMemory(const Session& session, const PhaseImage& image, std::span<co
   // Bytes grow with the refinement to the power of the dimension.
   const double largest = std::pow(available / bytes(1), 1.0 / lattice.dimension);
   const int fits = std::min(refinement - 1, static_cast<int>(std::min(largest, 1e6)));
-  std::string size;
+  std::string nodes;
   for (int axis = 0; axis < lattice.dimension; ++axis)
   {
-    size += fmt::format(
+    nodes += fmt::format(
       "{}{:.0f}", axis == 0 ? "" : " × ", static_cast<double>(refinement) * static_cast<double>(lattice.size[axis]));
   }
-  throw MemoryError(fmt::format("{} nodes at refinement {} need about {} of memory, and {} are free", size, refinement,
+  throw MemoryError(fmt::format("{} nodes at refinement {} need about {} of memory, and {} are free", nodes, refinement,
                       bytesText(bytes(refinement)), bytesText(available)),
     fmt::format("{}take a smaller --window, or share the work between machines with mpirun",
       fits > 0 ? fmt::format("--refine {} fits; or ", fits) : ""));

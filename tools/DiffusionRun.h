@@ -23,12 +23,21 @@ void share(const Session& session, PhaseImage& image);
 void gather(const Session& session, const Lattice& lattice, const Block& block, std::span<const double> part,
   std::span<double> whole, int components);
 
-/// Refuses what does not fit in memory, before anything is computed: says how much it needs, how much there is, and
-/// which refinement would fit.
-/// @param fields the fields are to be written as well
+/// What decides how much memory a diffusion study takes.
+struct DiffusionSize
+{
+  Lattice lattice;             ///< not refined
+  std::int64_t conducting = 0; ///< nodes of it; as many as there must be, where the phases are not known yet
+  lbm::Stencil stencil = lbm::Stencil::D2Q5;
+  int refinement = 1;
+  bool fields = false; ///< they are to be written as well
+  int ranks = 1;
+  int ranksOnMachine = 1;
+};
+
+/// Refuses what does not fit in memory: says how much it needs, how much there is, and which refinement would fit.
 /// @throws MemoryError
-void requireMemory(const Session& session, const PhaseImage& image, std::span<const double> conductivity,
-  lbm::Stencil stencil, int refinement, bool fields);
+void requireMemory(const DiffusionSize& size);
 
 /// Refuses a direction without a conducting path, before any is solved; the hint names those that have one. One rank
 /// asks for all.

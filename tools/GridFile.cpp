@@ -30,6 +30,7 @@
 #include <filesystem>
 #include <fstream>
 #include <mutex>
+#include <type_traits>
 #include <utility>
 
 namespace fs = std::filesystem;
@@ -158,7 +159,8 @@ namespace
 {
 
 template <typename Reader>
-vtkSmartPointer<vtkDataObject> read(const vtkSmartPointer<Reader>& reader, const std::string& path, const char* kind)
+vtkSmartPointer<vtkDataObject> read(const vtkSmartPointer<Reader>& reader, const std::string& path, const char* kind,
+  [[maybe_unused]] const SizeKnown& sizeKnown = {})
 {
   (void)VtkMessages::takeErrors();
   const std::string hint = std::string("give a whole ") + kind + " file; make or copy it again";
@@ -168,6 +170,13 @@ vtkSmartPointer<vtkDataObject> read(const vtkSmartPointer<Reader>& reader, const
     throw InputError("'" + path + "' is not a " + kind + " file, or is cut short", hint);
   }
   reader->SetFileName(path.c_str());
+  if constexpr (std::is_same_v<Reader, vtkXMLImageDataReader>)
+  {
+    if (const auto lattice = sizeKnown ? latticeInFile(reader) : std::nullopt)
+    {
+      sizeKnown(*lattice);
+    }
+  }
   reader->Update();
   std::vector<std::string> errors = VtkMessages::takeErrors();
   // Ranges of arrays that hold NaN, which VTK writes and cannot read: they are made anew when they are needed.
@@ -190,7 +199,7 @@ std::string endingOf(const fs::path& path)
 
 } // namespace
 
-vtkSmartPointer<vtkDataObject> readGrid(const std::string& path)
+vtkSmartPointer<vtkDataObject> readGrid(const std::string& path, const SizeKnown& sizeKnown)
 {
   requireFile(path);
   if (endingOf(path) == ".vtp")
@@ -199,15 +208,15 @@ vtkSmartPointer<vtkDataObject> readGrid(const std::string& path)
   }
   if (endingOf(path) == ".vti")
   {
-    return read(newImageReader(), path, ".vti");
+    return read(newImageReader(), path, ".vti", sizeKnown);
   }
   throw InputError(
     "'" + path + "' is not a .vti or .vtp file", "make one first: lamella diffusion PICTURE ... -o FILE.vti");
 }
 
-std::optional<PhaseGrid> readPhaseGrid(const std::string& path)
+std::optional<PhaseGrid> readPhaseGrid(const std::string& path, const SizeKnown& sizeKnown)
 {
-  const auto data = readGrid(path);
+  const auto data = readGrid(path, sizeKnown);
   auto* image = vtkImageData::SafeDownCast(data);
   if (image == nullptr || phaseNames(image).size() == 0 || image->GetPointData()->GetArray("phase") == nullptr)
   {

@@ -5,6 +5,7 @@
 
 #include <vtkSmartPointer.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,8 +34,12 @@ public:
 /// Refuses a file that is missing, a folder, empty or unreadable. @throws InputError
 void requireFile(const std::string& path);
 
-/// @throws InputError for anything that is not a whole .vti or .vtp file
-[[nodiscard]] vtkSmartPointer<vtkDataObject> readGrid(const std::string& path);
+/// Told the size of a file before its values are read; throws to refuse it.
+using SizeKnown = std::function<void(const Lattice& whole)>;
+
+/// @param sizeKnown of a .vti
+/// @throws InputError for anything that is not a whole .vti or .vtp file; what `sizeKnown` throws
+[[nodiscard]] vtkSmartPointer<vtkDataObject> readGrid(const std::string& path, const SizeKnown& sizeKnown = {});
 
 struct PhaseGrid
 {
@@ -44,7 +49,7 @@ struct PhaseGrid
 };
 /// The array `phase` of a .vti that names its phases; nothing when it has none or does not name them. @throws
 /// InputError
-[[nodiscard]] std::optional<PhaseGrid> readPhaseGrid(const std::string& path);
+[[nodiscard]] std::optional<PhaseGrid> readPhaseGrid(const std::string& path, const SizeKnown& sizeKnown = {});
 
 /// The text chunk of a PNG with this keyword; empty where there is none.
 [[nodiscard]] std::string pngText(const std::string& path, const std::string& keyword);

@@ -171,7 +171,9 @@ Json gridJson(const std::string& path)
 /// What is in a picture or volume.
 Json pictureJson(const PictureOptions& options)
 {
-  const PictureFile file = readPictureFile(options, true);
+  micrograph::ReadOptions read = readOptions(options);
+  read.keepColour = true;
+  const PictureFile file = readPictureFile(options, read);
   const micrograph::Picture& picture = file.picture;
   const std::optional<Record>& record = file.record;
   const int dimension = picture.lattice.dimension;
@@ -256,8 +258,10 @@ std::string provenanceText(const Json& record, std::size_t indent)
     {
       for (const Json& input : value)
       {
-        text += fmt::format("{}{:<10} {}, {} bytes, sha256 {}\n", margin, "input", input.value("name", ""),
-          input.value("bytes", std::uint64_t{ 0 }), input.value("sha256", ""));
+        const bool ends = input.contains("sha256_of_ends");
+        text += fmt::format("{}{:<10} {}, {} bytes, sha256{} {}\n", margin, "input", input.value("name", ""),
+          input.value("bytes", std::uint64_t{ 0 }), ends ? " of its two ends" : "",
+          input.value(ends ? "sha256_of_ends" : "sha256", ""));
       }
     }
     else if (name == "parameters" && value.is_object())

@@ -4,6 +4,7 @@
 #include "PhasePicture.h"
 #include "Text.h"
 #include "lattice/Error.h"
+#include "lattice/Memory.h"
 
 #include <fmt/format.h>
 
@@ -202,25 +203,6 @@ void requirePicture(const std::string& path)
   }
 }
 
-void cropPicture(micrograph::Picture& picture, const Window& window)
-{
-  const Lattice from = picture.lattice;
-  const auto start = firstNode(from, window);
-  const std::array<std::int64_t, 3> size{ window.size[0], window.size[1], from.dimension == 2 ? 1 : window.size[2] };
-  picture.lattice = makeLattice(size[0], size[1], size[2], from.dimension, from.spacing);
-  // Rows move towards the front only, so that they can be moved in place.
-  auto to = picture.grey.begin();
-  for (std::int64_t z = 0; z < size[2]; ++z)
-  {
-    for (std::int64_t y = 0; y < size[1]; ++y)
-    {
-      to = std::copy_n(picture.grey.begin() + from.index(start[0], start[1] + y, start[2] + z), size[0], to);
-    }
-  }
-  picture.grey.erase(to, picture.grey.end());
-  picture.grey.shrink_to_fit();
-}
-
 /// "0 (63.2 %), 255 (36.8 %)", the commonest first, at most `most` of them.
 std::string greyShares(const std::vector<std::pair<int, std::int64_t>>& greys, std::int64_t total, std::size_t most)
 {
@@ -307,13 +289,42 @@ micrograph::SegmentOptions segmentOptions(const PictureOptions& options)
   return segment;
 }
 
+/// What can be said once the size of the file is known.
+void checkSize(
+  const PictureOptions& options, const Lattice& whole, const std::optional<Window>& window, const SampleCheck& check)
+{
+  requireWindowFits(whole, window);
+  Lattice kept = whole;
+  if (window)
+  {
+    (void)firstNode(whole, *window);
+    kept = makeLattice(
+      window->size[0], window->size[1], whole.dimension == 2 ? 1 : window->size[2], whole.dimension, whole.spacing);
+  }
+  if (check)
+  {
+    check(kept);
+  }
+  // Greys of 16 bits, and the phases that are made of them.
+  const double bytes = 3 * static_cast<double>((options.segment ? whole : kept).count());
+  if (const auto available = static_cast<double>(availableMemory()); bytes > available)
+  {
+    throw MemoryError(
+      fmt::format("reading '{}' takes {}, and {} are free", options.file, bytesText(bytes), bytesText(available)),
+      "take a part of it with --window");
+  }
+}
+
 } // namespace
 
-Sample loadSample(const PictureOptions& options)
+Sample loadSample(const PictureOptions& options, const SampleCheck& check)
 {
   const auto window = parseWindow(options.window);
   auto map = greyMap(options);
-  const micrograph::ReadOptions read = readOptions(options);
+  micrograph::ReadOptions read = readOptions(options);
+  read.keepColour = options.segment;
+  read.window = options.segment ? std::nullopt : window;
+  read.sizeKnown = [&](const Lattice& whole) { checkSize(options, whole, window, check); };
 
   if (!options.segment && (options.lumen != "auto" || !options.threshold.empty()))
   {
@@ -323,7 +334,7 @@ Sample loadSample(const PictureOptions& options)
   sample.window = window;
   if (isVtkImage(options.file) && options.array.empty() && !map)
   {
-    if (auto grid = readPhaseGrid(options.file)) // phases that have names
+    if (auto grid = readPhaseGrid(options.file, read.sizeKnown)) // phases that have names
     {
       if (options.segment)
       {
@@ -344,13 +355,12 @@ Sample loadSample(const PictureOptions& options)
     }
   }
 
-  PictureFile file = readPictureFile(options, options.segment);
+  PictureFile file = readPictureFile(options, read);
   micrograph::Picture& picture = file.picture;
-  sample.fileSize = picture.lattice.size;
+  sample.fileSize = picture.fileSize;
   sample.pixelSizeSource = picture.pixelSizeSource;
   sample.provenance = file.record ? file.record->provenance : "";
   sample.warnings = picture.warnings;
-  requireWindowFits(picture.lattice, window);
   if (options.segment)
   {
     if (map)
@@ -365,10 +375,6 @@ Sample loadSample(const PictureOptions& options)
     sample.image = window ? crop(found.image, *window) : std::move(found.image);
     return sample;
   }
-  if (window)
-  {
-    cropPicture(picture, *window);
-  }
   if (!map && file.record && !file.record->phases.empty())
   {
     map = GreyMap{ file.record->phases, std::nullopt };
@@ -381,11 +387,9 @@ Sample loadSample(const PictureOptions& options)
   return sample;
 }
 
-PictureFile readPictureFile(const PictureOptions& options, bool keepColour)
+PictureFile readPictureFile(const PictureOptions& options, micrograph::ReadOptions read)
 {
   requirePicture(options.file);
-  micrograph::ReadOptions read = readOptions(options);
-  read.keepColour = keepColour;
   PictureFile file;
   if (isRawVolume(options.file))
   {

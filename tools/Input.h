@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -63,8 +64,12 @@ struct Sample
   std::vector<std::string> warnings;
 };
 
-/// @throws ParameterError, InputError, MemoryError
-[[nodiscard]] Sample loadSample(const PictureOptions& options);
+/// Told the lattice of the sample, which comes from the file's header, before the pixels are read; throws to refuse it,
+/// so that a volume too large to be worked on is not read first. Not told where only the whole file tells the size.
+using SampleCheck = std::function<void(const Lattice& sample)>;
+
+/// @throws ParameterError, InputError, MemoryError; what `check` throws
+[[nodiscard]] Sample loadSample(const PictureOptions& options, const SampleCheck& check = {});
 
 /// The grey values of a picture or volume, with what lamella recorded in it, if lamella wrote it.
 struct PictureFile
@@ -72,8 +77,9 @@ struct PictureFile
   micrograph::Picture picture; ///< its pixel size exact where the record tells it
   std::optional<Record> record;
 };
+/// @param read readOptions() of them, and more
 /// @throws InputError
-[[nodiscard]] PictureFile readPictureFile(const PictureOptions& options, bool keepColour = false);
+[[nodiscard]] PictureFile readPictureFile(const PictureOptions& options, micrograph::ReadOptions read);
 
 /// A pixel size that is certainly no microscope's: micrometres were meant. Empty where there is nothing to say.
 [[nodiscard]] std::string pixelSizeDoubt(const std::string& option, double metres);

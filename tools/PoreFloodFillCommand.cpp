@@ -8,6 +8,7 @@
 #include "Text.h"
 
 #include "io/Provenance.h"
+#include "lattice/Memory.h"
 #include "pores/PoreLabelling.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPoreFloodFill.h"
@@ -256,6 +257,24 @@ void run(Session& session, vtkPoreFloodFill* filter, vtkImageData* image, std::a
     });
 }
 
+/// Refuses what cannot be labelled for want of memory, before the file is read. @throws MemoryError
+void requireMemory(const Lattice& lattice, bool sizes, int ranks, int ranksOnMachine)
+{
+  const auto nodes = static_cast<double>(lattice.count());
+  const double arrays = 1 + 4 + (sizes ? 4 : 0); // phase, labels, sizes
+  const double runs = 12.0 / 64 + 0.5;           // bits with counts; runs and pieces of an ordinary sample
+  // Rank 0 holds the whole; where there are several, each holds its block as well.
+  const double need =
+    nodes * (arrays + runs * ranksOnMachine / ranks + (ranks > 1 ? arrays * ranksOnMachine / ranks : 0));
+  if (const auto available = static_cast<double>(availableMemory()); need > available)
+  {
+    throw MemoryError(fmt::format("the pores of {} {} need about {} of memory, and {} are free",
+                        sizeText(lattice.size, lattice.dimension), lattice.dimension == 3 ? "voxels" : "pixels",
+                        bytesText(need), bytesText(available)),
+      "take a part of it with --window");
+  }
+}
+
 void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const std::string& commandLine)
 {
   const auto start = std::chrono::steady_clock::now();
@@ -265,10 +284,12 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
   Sample sample;
   Files files;
   std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
+  const int neighbours = session.ranksOnMachine();
   session.onRoot(
     [&]
     {
-      sample = loadSample(options.picture);
+      sample = loadSample(options.picture,
+        [&](const Lattice& lattice) { requireMemory(lattice, !options.output.empty(), session.ranks(), neighbours); });
       Session::checkInterrupt();
       for (const std::string& warning : sample.warnings)
       {

@@ -150,6 +150,20 @@ Session::~Session()
   }
 }
 
+int Session::ranksOnMachine() const
+{
+  if (ranks_ == 1)
+  {
+    return 1;
+  }
+  MPI_Comm here = MPI_COMM_NULL;
+  int count = 1;
+  MPI_Comm_split_type(world_, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &here);
+  MPI_Comm_size(here, &count);
+  MPI_Comm_free(&here);
+  return count;
+}
+
 void Session::warn(const std::string& text)
 {
   if (root())

@@ -53,6 +53,8 @@ public:
   [[nodiscard]] int rank() const noexcept { return rank_; }
   [[nodiscard]] int ranks() const noexcept { return ranks_; }
   [[nodiscard]] bool root() const noexcept { return rank_ == 0; }
+  /// Ranks that share this machine's memory with this one, itself included. Collective.
+  [[nodiscard]] int ranksOnMachine() const;
 
   void setQuiet(bool quiet) noexcept { quiet_ = quiet; }
 

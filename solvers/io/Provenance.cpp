@@ -11,6 +11,7 @@
 #include <cstring>
 #include <ctime>
 #include <fstream>
+#include <limits>
 
 namespace lamella::io
 {
@@ -49,25 +50,48 @@ Provenance makeProvenance(std::string command)
 namespace
 {
 
-/// Feeds a file to the hash and returns its size.
-std::uint64_t hashFile(const fs::path& path, Sha256& hash)
+[[noreturn]] void unreadable(const fs::path& path)
 {
-  std::ifstream file(path, std::ios::binary);
+  throw InputError(
+    "cannot read '" + path.string() + "': " + std::strerror(errno), "check the path and its permissions");
+}
+
+/// Feeds a file, or its next `most` bytes, to the hash and returns how many they were.
+std::uint64_t hashBytes(std::ifstream& file, const fs::path& path, Sha256& hash,
+  std::uint64_t most = std::numeric_limits<std::uint64_t>::max())
+{
   std::vector<char> buffer(std::size_t{ 1 } << 18);
   std::uint64_t bytes = 0;
-  while (file)
+  while (file && bytes < most)
   {
-    file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+    file.read(buffer.data(), static_cast<std::streamsize>(std::min<std::uint64_t>(buffer.size(), most - bytes)));
     const auto got = static_cast<std::size_t>(file.gcount());
     hash.update(std::as_bytes(std::span(buffer.data(), got)));
     bytes += got;
   }
-  if (!file.eof())
+  if (!file && !file.eof())
   {
-    throw InputError(
-      "cannot read '" + path.string() + "': " + std::strerror(errno), "check the path and its permissions");
+    unreadable(path);
   }
   return bytes;
+}
+
+/// Feeds a file to the hash, both ends of it where it is a large one, and returns its size.
+std::uint64_t hashFile(const fs::path& path, Sha256& hash, bool ends)
+{
+  std::ifstream file(path, std::ios::binary);
+  if (!ends)
+  {
+    return hashBytes(file, path, hash);
+  }
+  (void)hashBytes(file, path, hash, hashedEnd);
+  if (!file.seekg(-static_cast<std::streamoff>(hashedEnd), std::ios::end))
+  {
+    unreadable(path);
+  }
+  (void)hashBytes(file, path, hash);
+  std::error_code failed;
+  return fs::file_size(path, failed);
 }
 
 } // namespace
@@ -93,10 +117,11 @@ InputFile describeInput(const fs::path& path)
   }
   InputFile input;
   input.name = path.string();
+  input.ends = files.size() == 1 && fs::is_regular_file(path, failed) && fs::file_size(path, failed) > wholeHashLimit;
   Sha256 hash;
   for (const fs::path& file : files)
   {
-    input.bytes += hashFile(file, hash);
+    input.bytes += hashFile(file, hash, input.ends);
   }
   input.sha256 = hash.finish();
   return input;
@@ -124,7 +149,7 @@ std::string toJson(const Provenance& provenance, int indent)
     nlohmann::ordered_json entry;
     entry["name"] = input.name;
     entry["bytes"] = input.bytes;
-    entry["sha256"] = input.sha256;
+    entry[input.ends ? "sha256_of_ends" : "sha256"] = input.sha256;
     json["inputs"].push_back(std::move(entry));
   }
   // File names may hold bytes that are not UTF-8: they are replaced, not refused.
@@ -165,9 +190,10 @@ Provenance provenanceFromJson(std::string_view text)
       if (entry.is_object())
       {
         const auto bytes = entry.find("bytes");
+        const bool ends = entry.contains("sha256_of_ends");
         provenance.inputs.push_back({ string(entry, "name"),
           bytes != entry.end() && bytes->is_number_unsigned() ? bytes->get<std::uint64_t>() : 0,
-          string(entry, "sha256") });
+          string(entry, ends ? "sha256_of_ends" : "sha256"), ends });
       }
     }
   }

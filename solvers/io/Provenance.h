@@ -12,7 +12,8 @@
 /// Where a result comes from: written into every output as one JSON object, shown by `lamella info`.
 ///
 /// Keys: program, version, commit, command (the command line, or what stands for it), date (ISO 8601, UTC), seed (only
-/// where numbers were drawn), parameters (an object, only where there are any), inputs (a list of name, bytes, sha256).
+/// where numbers were drawn), parameters (an object, only where there are any), inputs (a list of name, bytes, sha256;
+/// of a file above wholeHashLimit sha256_of_ends instead).
 namespace lamella::io
 {
 
@@ -22,7 +23,12 @@ struct InputFile
   std::string name;        ///< as the user gave it
   std::uint64_t bytes = 0; ///< size; of a folder: of all files in it
   std::string sha256; ///< 64 hexadecimal digits, what sha256sum prints; of a folder: of its files one after the other
+  bool ends = false;  ///< only of the first and the last `hashedEnd` bytes, one after the other
 };
+
+/// Larger files, of which a window may be all that is read, are told apart by their size and their two ends.
+inline constexpr std::uint64_t wholeHashLimit = std::uint64_t{ 4 } << 30;
+inline constexpr std::uint64_t hashedEnd = std::uint64_t{ 16 } << 20;
 
 struct Provenance
 {

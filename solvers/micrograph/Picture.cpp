@@ -87,6 +87,35 @@ void setLattice(Picture& picture, const std::string& name, std::int64_t nx, std:
     }
   }
   picture.lattice = makeLattice(nx, ny, nz, dimension, spacing);
+  picture.fileSize = picture.lattice.size;
+  if (options.sizeKnown)
+  {
+    options.sizeKnown(picture.lattice);
+  }
+}
+
+/// The box of nodes that is kept, as memory counts.
+struct Box
+{
+  std::array<std::int64_t, 3> start{ 0, 0, 0 };
+  std::array<std::int64_t, 3> size{ 1, 1, 1 };
+
+  [[nodiscard]] std::int64_t count() const { return size[0] * size[1] * size[2]; }
+};
+
+Box keptBox(const Lattice& whole, const std::optional<Window>& window)
+{
+  if (!window)
+  {
+    return { { 0, 0, 0 }, whole.size };
+  }
+  return { firstNode(whole, *window),
+    { window->size[0], window->size[1], whole.dimension == 2 ? 1 : window->size[2] } };
+}
+
+void setSize(Lattice& lattice, const std::array<std::int64_t, 3>& size)
+{
+  lattice = makeLattice(size[0], size[1], size[2], lattice.dimension, lattice.spacing);
 }
 
 void checkSize(const FileBytes& file, const Probe& probe)
@@ -127,8 +156,8 @@ Picture readFile(const fs::path& path, const ReadOptions& options)
   const auto slices = static_cast<std::int64_t>(std::max<std::size_t>(1, probed.slices.size()));
   const bool colour = options.keepColour && probed.channels > 1;
   const auto nodes = static_cast<std::size_t>(probed.width * probed.height * slices);
-  needMemory(file.name(), static_cast<double>(nodes) * (colour ? 8 : 2));
   setLattice(picture, file.name(), probed.width, probed.height, slices, slices > 1 ? 3 : 2, probed.size, options);
+  needMemory(file.name(), static_cast<double>(nodes) * (colour ? 8 : 2));
   picture.grey.resize(nodes);
   picture.colour.resize(colour ? 3 * nodes : 0);
   const Decoded seen = decode(file, probed, slices == 1, picture.grey.data(), colour ? picture.colour.data() : nullptr);
@@ -143,6 +172,10 @@ Picture readFile(const fs::path& path, const ReadOptions& options)
       fmt::format("'{}' is a JPEG, which blurs greys: a label picture should be a PNG or TIFF, a scan needs --segment",
         file.name()));
   }
+  if (options.window)
+  {
+    crop(picture, *options.window);
+  }
   return picture;
 }
 
@@ -153,6 +186,8 @@ Picture readSlices(const fs::path& path, const ReadOptions& options)
   picture.warnings = slices.warnings;
   const auto count = static_cast<std::int64_t>(slices.files.size());
   Probe first;
+  Box kept;
+  std::vector<std::uint16_t> whole; // slice, where a window is cut out of it
   for (std::int64_t z = 0; z < count; ++z)
   {
     FileBytes file(slices.files[static_cast<std::size_t>(z)]);
@@ -171,9 +206,12 @@ Picture readSlices(const fs::path& path, const ReadOptions& options)
       picture.bits = probed.bits;
       picture.description = probed.description;
       picture.warnings.insert(picture.warnings.end(), probed.warnings.begin(), probed.warnings.end());
-      needMemory(path.string(), 2.0 * static_cast<double>(count) * static_cast<double>(probed.width * probed.height));
       setLattice(picture, path.string(), probed.width, probed.height, count, 3, probed.size, options);
-      picture.grey.resize(static_cast<std::size_t>(picture.lattice.count()));
+      kept = keptBox(picture.lattice, options.window);
+      needMemory(path.string(), 2.0 * static_cast<double>(kept.count()));
+      setSize(picture.lattice, kept.size);
+      picture.grey.resize(static_cast<std::size_t>(kept.count()));
+      whole.resize(options.window ? static_cast<std::size_t>(probed.width * probed.height) : 0);
     }
     else if (probed.width != first.width || probed.height != first.height || probed.bits != first.bits)
     {
@@ -181,11 +219,20 @@ Picture readSlices(const fs::path& path, const ReadOptions& options)
                          probed.width, probed.height, probed.bits, first.width, first.height, first.bits),
         "a volume's slices are all alike: leave out what does not belong to it");
     }
+    if (z < kept.start[2] || z >= kept.start[2] + kept.size[2])
+    {
+      continue;
+    }
     ReadOptions strict = options;
     strict.keepColour = false; // a volume of colours has no use here
     Picture ignored;
-    addSeen(z == 0 ? picture : ignored, file.name(),
-      decode(file, probed, false, picture.grey.data() + z * first.width * first.height, nullptr), strict);
+    std::uint16_t* to = picture.grey.data() + (z - kept.start[2]) * kept.size[0] * kept.size[1];
+    addSeen(z == kept.start[2] ? picture : ignored, file.name(),
+      decode(file, probed, false, options.window ? whole.data() : to, nullptr), strict);
+    for (std::int64_t y = 0; options.window && y < kept.size[1]; ++y)
+    {
+      to = std::copy_n(whole.data() + (kept.start[1] + y) * first.width + kept.start[0], kept.size[0], to);
+    }
   }
   return picture;
 }
@@ -251,25 +298,42 @@ Picture readRaw(const fs::path& path, const ReadOptions& options)
                        data, options.rawHeader > 0 ? " after its header" : "", nx, ny, nz, *bits, expected),
       "check --raw-size, --raw-bits and --raw-header; a file that is too short was truncated");
   }
-  needMemory(file.name(), 2 * voxels);
-
   Picture picture;
   picture.format = "raw";
   picture.bits = *bits;
   setLattice(picture, file.name(), nx, ny, nz, 3, std::nullopt, options);
-  picture.grey.resize(static_cast<std::size_t>(data) / static_cast<std::size_t>(*bits / 8));
-  constexpr std::uint64_t piece = 1U << 20;
-  for (std::uint64_t at = 0; at < data; at += piece)
+  const Lattice whole = picture.lattice;
+  const Box kept = keptBox(whole, options.window);
+  needMemory(file.name(), 2 * static_cast<double>(kept.count()));
+  setSize(picture.lattice, kept.size);
+  picture.grey.resize(static_cast<std::size_t>(kept.count()));
+
+  // Runs of voxels that lie together in the file and in the picture: rows, planes or all of it, in pieces.
+  const bool rows = kept.size[0] == nx;
+  const bool planes = rows && kept.size[1] == ny;
+  const std::int64_t run = planes ? kept.count() : rows ? kept.size[0] * kept.size[1] : kept.size[0];
+  constexpr std::int64_t piece = std::int64_t{ 1 } << 20;
+  const auto bytesEach = static_cast<std::uint64_t>(*bits / 8);
+  std::uint16_t* to = picture.grey.data();
+  for (std::int64_t r = 0; r < kept.count() / run; ++r)
   {
-    const std::vector<std::uint8_t> bytes = file.read(options.rawHeader + at, std::min(piece, data - at));
-    if (*bits == 8)
+    const std::int64_t y = rows ? 0 : r % kept.size[1];
+    const std::int64_t z = rows ? r : r / kept.size[1];
+    const std::int64_t from = whole.index(kept.start[0], kept.start[1] + y, kept.start[2] + z);
+    for (std::int64_t at = 0; at < run; at += piece)
     {
-      std::copy(bytes.begin(), bytes.end(), picture.grey.begin() + static_cast<std::ptrdiff_t>(at));
-      continue;
-    }
-    for (std::size_t i = 0; i + 1 < bytes.size(); i += 2)
-    {
-      picture.grey[at / 2 + i / 2] = static_cast<std::uint16_t>(numberFrom(bytes.data() + i, 2, options.rawBigEndian));
+      const auto count = static_cast<std::uint64_t>(std::min(piece, run - at));
+      const std::vector<std::uint8_t> bytes =
+        file.read(options.rawHeader + static_cast<std::uint64_t>(from + at) * bytesEach, count * bytesEach);
+      if (*bits == 8)
+      {
+        to = std::copy(bytes.begin(), bytes.end(), to);
+        continue;
+      }
+      for (std::size_t i = 0; i + 1 < bytes.size(); i += 2)
+      {
+        *to++ = static_cast<std::uint16_t>(numberFrom(bytes.data() + i, 2, options.rawBigEndian));
+      }
     }
   }
   return picture;
@@ -283,6 +347,33 @@ bool isRaw(const fs::path& path, const ReadOptions& options)
 }
 
 } // namespace
+
+void crop(Picture& picture, const Window& window)
+{
+  const Lattice from = picture.lattice;
+  const Box kept = keptBox(from, window);
+  setSize(picture.lattice, kept.size);
+  const auto cut = [&](std::vector<std::uint16_t>& values, std::int64_t each)
+  {
+    // Rows move towards the front only, so that they can be moved in place.
+    auto to = values.begin();
+    for (std::int64_t z = 0; z < kept.size[2]; ++z)
+    {
+      for (std::int64_t y = 0; y < kept.size[1]; ++y)
+      {
+        const std::int64_t row = from.index(kept.start[0], kept.start[1] + y, kept.start[2] + z);
+        to = std::copy_n(values.begin() + each * row, each * kept.size[0], to);
+      }
+    }
+    values.erase(to, values.end());
+    values.shrink_to_fit();
+  };
+  cut(picture.grey, 1);
+  if (!picture.colour.empty())
+  {
+    cut(picture.colour, 3);
+  }
+}
 
 Picture readPicture(const fs::path& path, const ReadOptions& options)
 {

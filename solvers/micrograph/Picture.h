@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,8 +16,9 @@ namespace lamella::micrograph
 /// the order of the file).
 struct Picture
 {
-  Lattice lattice;                   ///< spacing from the option or the metadata, 1 where neither says
-  std::vector<std::uint16_t> grey;   ///< one value a node; 8-bit values stay 0 … 255
+  Lattice lattice;                        ///< spacing from the option or the metadata, 1 where neither says
+  std::array<std::int64_t, 3> fileSize{}; ///< nodes in the file, before the window
+  std::vector<std::uint16_t> grey;        ///< one value a node; 8-bit values stay 0 … 255
   std::vector<std::uint16_t> colour; ///< red, green, blue of every node; empty unless asked for and there is colour
   int bits = 8;                      ///< 8 or 16
   std::string format;                ///< "PNG", "JPEG", "TIFF" or "raw"
@@ -35,6 +37,10 @@ struct ReadOptions
   std::optional<int> rawBits;                         ///< raw volumes: 8 or 16; else from the name or the file's size
   std::uint64_t rawHeader = 0;                        ///< raw volumes: bytes before the data
   bool rawBigEndian = false;                          ///< raw volumes of 16 bits: high byte first
+  std::optional<Window> window; ///< keep this part only; of raw volumes and of slices in files of their own no more of
+                                ///< the file is read
+  /// Told the size of the whole file before memory is taken for its values; throws to refuse it.
+  std::function<void(const Lattice& whole)> sizeKnown;
 };
 
 /// Reads a picture or a volume. What a file is follows from its first bytes, not from its name:
@@ -55,5 +61,9 @@ struct ReadOptions
 /// different
 ///         sizes and for pixels that are not square; MemoryError; ParameterError for an option outside its range
 [[nodiscard]] Picture readPicture(const std::filesystem::path& path, const ReadOptions& options = {});
+
+/// Cuts off all but the window, so that greys outside it need no phase.
+/// @throws ParameterError as firstNode()
+void crop(Picture& picture, const Window& window);
 
 } // namespace lamella::micrograph

@@ -235,6 +235,25 @@ std::vector<std::string> modelWarnings(const BondModel& model, const std::vector
   return warnings;
 }
 
+namespace
+{
+
+/// u, residual, direction, product, and one more while they are made; which nodes are fixed
+double vectorBytesPerNode(int dimension)
+{
+  return 8 * dimension * 5 + 1;
+}
+
+} // namespace
+
+double leastElasticBytes(const Lattice& lattice, double horizon, int refinement)
+{
+  const Stencil stencil(lattice.dimension, horizon);
+  const auto words = static_cast<double>((stencil.half().size() + 31) / 32);
+  const double nodes = static_cast<double>(lattice.count()) * std::pow(refinement, lattice.dimension);
+  return nodes * (4 * words + 1 + vectorBytesPerNode(lattice.dimension));
+}
+
 double elasticBytes(
   const BondModel& model, const Lattice& lattice, bool grains, const ElasticOptions& options, int ranks)
 {
@@ -246,8 +265,7 @@ double elasticBytes(
   const auto nodes =
     static_cast<double>(NodeLayout::make(lattice.dimension, stencil.layers(), size, { 0, 0, 0 }, lattice.size).count());
   const double d = lattice.dimension;
-  // u, residual, direction, product, and one more while they are made; fixed bits
-  double perNode = 8 * d * 5 + 1;
+  double perNode = vectorBytesPerNode(lattice.dimension);
   switch (options.equilibrium.solver)
   {
     case EquilibriumSolver::Multigrid:

@@ -96,6 +96,10 @@ struct ElasticResult
 [[nodiscard]] double elasticBytes(
   const BondModel& model, const Lattice& lattice, bool grains, const ElasticOptions& options, int ranks);
 
+/// Bytes that all ranks together take at least, whatever the phases are: to refuse a file before it is read.
+/// @param refinement each of the lattice's nodes into n × n (× n)
+[[nodiscard]] double leastElasticBytes(const Lattice& lattice, double horizon, int refinement);
+
 /// Mean of the nodes' stresses over the whole box [Pa]: xx, yy, zz, xy, yz, xz. Collective.
 /// @param stress as nodalStress() gives it
 /// @param continuum in plane strain zz is ν (xx + yy)

@@ -1,6 +1,13 @@
 #include "GridReaders.h"
 
+#include "vtkLatticeConversion.h"
+
+#include "lattice/Error.h"
+
+#include "vtkDataObject.h"
+#include "vtkInformation.h"
 #include "vtkObjectFactory.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkXMLDataParser.h"
 #include "vtkXMLImageDataReader.h"
 #include "vtkXMLPolyDataReader.h"
@@ -71,6 +78,34 @@ vtkSmartPointer<vtkXMLImageDataReader> newImageReader()
 vtkSmartPointer<vtkXMLPolyDataReader> newPolyDataReader()
 {
   return vtkSmartPointer<PromptReader<vtkXMLPolyDataReader>>::New();
+}
+
+std::optional<Lattice> latticeInFile(vtkXMLImageDataReader* reader)
+{
+  reader->UpdateInformation();
+  vtkInformation* const information = reader->GetOutputInformation(0);
+  int extent[6] = { 0, -1, 0, -1, 0, -1 };
+  double origin[3] = { 0, 0, 0 };
+  double spacing[3] = { 1, 1, 1 };
+  if (information == nullptr || information->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()) == 0)
+  {
+    return std::nullopt;
+  }
+  information->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent);
+  information->Get(vtkDataObject::ORIGIN(), origin);
+  information->Get(vtkDataObject::SPACING(), spacing);
+  if (reader->GetNumberOfPointArrays() == 0 || reader->GetNumberOfCellArrays() > 0)
+  {
+    return std::nullopt;
+  }
+  try
+  {
+    return latticeOf(extent, origin, spacing);
+  }
+  catch (const Error&)
+  {
+    return std::nullopt;
+  }
 }
 
 } // namespace lamella

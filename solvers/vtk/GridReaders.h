@@ -2,7 +2,11 @@
 
 #include "vtkLamellaSolversVTKModule.h" // for the export macro
 
+#include "lattice/Lattice.h"
+
 #include "vtkSmartPointer.h"
+
+#include <optional>
 
 class vtkXMLImageDataReader;
 class vtkXMLPolyDataReader;
@@ -19,5 +23,9 @@ namespace lamella
 
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkSmartPointer<vtkXMLImageDataReader> newImageReader();
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkSmartPointer<vtkXMLPolyDataReader> newPolyDataReader();
+
+/// The lattice of a file with values at points only, from its header; nothing for other files, and where the header
+/// makes none.
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::optional<Lattice> latticeInFile(vtkXMLImageDataReader* reader);
 
 } // namespace lamella

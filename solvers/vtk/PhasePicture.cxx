@@ -1,5 +1,6 @@
 #include "PhasePicture.h"
 
+#include "GridReaders.h"
 #include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
@@ -35,7 +36,7 @@ bool isVti(const fs::path& path)
   return ending == ".vti";
 }
 
-vtkSmartPointer<vtkImageData> readVti(const fs::path& path)
+vtkSmartPointer<vtkImageData> readVti(const fs::path& path, const micrograph::ReadOptions& options)
 {
   std::error_code problem;
   const auto bytes = fs::file_size(path, problem);
@@ -52,12 +53,19 @@ vtkSmartPointer<vtkImageData> readVti(const fs::path& path)
   bool failed = false;
   silence->SetClientData(&failed);
   silence->SetCallback([](vtkObject*, unsigned long, void* flag, void*) { *static_cast<bool*>(flag) = true; });
-  vtkNew<vtkXMLImageDataReader> reader;
+  const auto reader = newImageReader();
   reader->AddObserver(vtkCommand::ErrorEvent, silence);
   reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, silence);
   reader->SetReaderErrorObserver(silence);
   reader->SetParserErrorObserver(silence);
   reader->SetFileName(path.c_str());
+  if (options.sizeKnown)
+  {
+    if (const auto lattice = latticeInFile(reader); lattice && !failed)
+    {
+      options.sizeKnown(*lattice);
+    }
+  }
   reader->Update();
   vtkSmartPointer<vtkImageData> image = reader->GetOutput();
   if (failed || reader->GetErrorCode() != 0 || image->GetNumberOfPoints() == 0)
@@ -151,31 +159,17 @@ micrograph::Picture greysOf(vtkImageData* image, const ImageArray& chosen, const
     }
     picture.grey[static_cast<std::size_t>(node)] = static_cast<std::uint16_t>(value);
   }
+  picture.fileSize = picture.lattice.size;
+  if (options.sizeKnown) // of cells it was not, so far
+  {
+    options.sizeKnown(picture.lattice);
+  }
+  if (options.window)
+  {
+    crop(picture, *options.window);
+  }
   picture.bits = std::ranges::all_of(picture.grey, [](std::uint16_t grey) { return grey < 256; }) ? 8 : 16;
   return picture;
-}
-
-/// Cuts the window out of the grey values, so that greys outside it need no phase.
-void cut(micrograph::Picture& picture, const Window& window)
-{
-  const auto first = firstNode(picture.lattice, window);
-  Lattice lattice = picture.lattice;
-  for (std::size_t axis = 0; axis < static_cast<std::size_t>(lattice.dimension); ++axis)
-  {
-    lattice.size[axis] = window.size[axis];
-  }
-  std::vector<std::uint16_t> grey;
-  grey.reserve(static_cast<std::size_t>(lattice.count()));
-  for (std::int64_t z = 0; z < lattice.size[2]; ++z)
-  {
-    for (std::int64_t y = 0; y < lattice.size[1]; ++y)
-    {
-      const auto row = picture.grey.begin() + picture.lattice.index(first[0], first[1] + y, first[2] + z);
-      grey.insert(grey.end(), row, row + lattice.size[0]);
-    }
-  }
-  picture.lattice = makeLattice(lattice.size[0], lattice.size[1], lattice.size[2], lattice.dimension, lattice.spacing);
-  picture.grey = std::move(grey);
 }
 
 /// Every value a phase of its own.
@@ -211,7 +205,7 @@ micrograph::Picture readGreys(const fs::path& path, const micrograph::ReadOption
   {
     return micrograph::readPicture(path, options);
   }
-  const auto image = readVti(path);
+  const auto image = readVti(path, options);
   return greysOf(image, chooseArray(image, array, path), options);
 }
 
@@ -219,19 +213,23 @@ PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
 {
   micrograph::Picture picture;
   PhaseTable names;
+  micrograph::ReadOptions read = options.read;
+  if (!options.segment)
+  {
+    read.window = options.window;
+  }
   if (isVti(path))
   {
-    const auto image = readVti(path);
+    const auto image = readVti(path, read);
     const ImageArray chosen = chooseArray(image, options.array, path);
     if (!chosen.cells && vtkUnsignedCharArray::SafeDownCast(chosen.array) != nullptr)
     {
       names = phaseNames(image);
     }
-    picture = greysOf(image, chosen, options.read);
+    picture = greysOf(image, chosen, read);
   }
   else
   {
-    micrograph::ReadOptions read = options.read;
     read.keepColour = read.keepColour || options.segment;
     picture = micrograph::readPicture(path, read);
   }
@@ -249,10 +247,6 @@ PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
       result.image = refine(result.image, options.refine);
     }
     return result;
-  }
-  if (options.window)
-  {
-    cut(picture, *options.window);
   }
   const bool mapped = !options.greys.phaseOfGrey.empty() || options.greys.other;
   const bool known = !mapped && names.size() > 0 &&

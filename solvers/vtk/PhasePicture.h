@@ -21,7 +21,7 @@ struct PictureOptions
   /// Finds lumens and walls in a raw scan; the grey map is not used then. The whole scan, before the window is cut.
   std::optional<micrograph::SegmentOptions> segment;
   GreyMap greys;                ///< none given: every grey value is a phase of its own, named by its value
-  std::optional<Window> window; ///< cut out first
+  std::optional<Window> window; ///< cut out first, or when the scan has been segmented; not `read.window`
   int refine = 1;               ///< then each pixel into n × n
   std::string array;            ///< .vti: the array to read; empty: `phase`, else the first array of whole numbers
 };

@@ -173,6 +173,33 @@ class BadPhases(Case):
         self.fails(5, "needs about", "smaller", "generate", "softwood", "--size", "9000000,9000000", "-o", "x.png")
 
 
+    def test_a_volume_beyond_memory_is_refused_unread(self):
+        # 4 TB that take no space. Read first, it would take the hundred seconds that a command is given here.
+        name = self.write("rock_20000x20000x10000_u8.raw", b"")
+        try:
+            os.truncate(self.path(name), 4 * 10**12)
+        except OSError as error:
+            self.skipTest(f"no sparse files here: {error}")
+        words = [name, "--phase", "0=void", "--other", "solid"]
+        for command, *more in (
+            ["diffusion", "--conductivity", "void=1", "--conductivity", "solid=2"],
+            ["diffusion", "--conductivity", "void=0", "--conductivity", "solid=1"],
+            ["pore-flood-fill"],
+            ["equilibrium", "--young", "solid=1"],
+            ["stiffness", "--young", "solid=1"],
+        ):
+            self.fails(5, "20000 × 20000 × 10000", "--window", command, *words, *more)
+            several = self.run_lamella(command, *words, *more, ranks=2) # the launcher has its say as well
+            self.assertEqual(several.code, 5, several.err)
+            self.assertIn("20000 × 20000 × 10000", several.err)
+        self.fails(5, "takes 12.0 TB", "--window", "snapshot", *words, "-o", "x.png")
+        window = ["--window", "19990,19990,9990,8,9,10", "--conductivity", "void=1", "--json"]
+        answer = self.works("diffusion", *words, *window).json()
+        self.assertEqual(answer["size"], [8, 9, 10])
+        self.assertAlmostEqual(answer["effective"]["x"], 1, places=9)
+        self.assertEqual(len(answer["provenance"]["inputs"][0]["sha256_of_ends"]), 64)
+
+
 class Sizes(Case):
     def test_a_pixel_of_half_a_metre_is_doubted(self):
         self.write("p.png", GOOD)

@@ -1,12 +1,14 @@
 #include "PictureFiles.h"
 #include "Support.h"
 
+#include "io/Provenance.h"
 #include "micrograph/Picture.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <random>
@@ -545,6 +547,108 @@ TEST(Raw, RefusesSizesThatDoNotFit)
   options.rawBits = 8;
   options.rawHeader = 100;
   EXPECT_THROW((void)readPicture(folder / "rock.raw", options), InputError);
+}
+
+TEST(Windows, AreTheSameHoweverMuchOfTheFileIsRead)
+{
+  // Voxel x, y, z of 7 × 5 × 4 holds its own index, as a raw file of 8 and of 16 bits, as slices and as one picture.
+  const TemporaryFolder folder;
+  constexpr std::uint8_t nx = 7;
+  constexpr std::uint8_t ny = 5;
+  constexpr std::uint8_t nz = 4;
+  Bytes small;
+  Bytes deep;
+  for (std::uint8_t z = 0; z < nz; ++z)
+  {
+    PngFile png;
+    png.width = nx;
+    png.height = ny;
+    for (std::uint8_t y = 0; y < ny; ++y)
+    {
+      png.rows.emplace_back();
+      for (std::uint8_t x = 0; x < nx; ++x)
+      {
+        const auto value = static_cast<std::uint8_t>(x + nx * (y + ny * z));
+        small.push_back(value);
+        deep.insert(deep.end(), { value, 1 });
+        png.rows.back().push_back(value);
+      }
+    }
+    folder.write(fmt::format("slice_{}.png", z), png.bytes());
+  }
+  const auto raw = folder.write("rock_7x5x4_u8.raw", small);
+  const auto raw16 = folder.write("rock_7x5x4_u16.raw", deep);
+  const Picture all = readPicture(raw);
+  for (const Window& window : { Window{ { 2, 1, 1 }, { 3, 2, 2 } }, Window{ { 0, 2, 1 }, { 7, 3, 2 } },
+         Window{ { 0, 0, 2 }, { 7, 5, 1 } }, Window{ { 0, 0, 0 }, { 7, 5, 4 } }, Window{ { 6, 4, 3 }, { 1, 1, 1 } } })
+  {
+    Greys expected;
+    for (std::int64_t z = 0; z < window.size[2]; ++z)
+    {
+      for (std::int64_t y = 0; y < window.size[1]; ++y)
+      {
+        for (std::int64_t x = 0; x < window.size[0]; ++x)
+        {
+          const auto at = all.lattice.index(window.start[0] + x, window.start[1] + y, window.start[2] + z);
+          expected.push_back(all.grey[static_cast<std::size_t>(at)]);
+        }
+      }
+    }
+    Size told{};
+    ReadOptions options;
+    options.window = window;
+    options.sizeKnown = [&](const Lattice& whole) { told = whole.size; };
+    for (const auto& file : { raw, folder / "slice_%d.png" })
+    {
+      const Picture part = readPicture(file, options);
+      EXPECT_EQ(part.grey, expected) << file;
+      EXPECT_EQ(part.lattice.size, window.size);
+      EXPECT_EQ(part.fileSize, all.lattice.size);
+      EXPECT_EQ(told, all.lattice.size);
+    }
+    std::transform(expected.begin(), expected.end(), expected.begin(), [](std::uint16_t v) { return v + 256; });
+    EXPECT_EQ(readPicture(raw16, options).grey, expected);
+  }
+  ReadOptions options;
+  options.window = Window{ { 2, 1, 0 }, { 3, 2, 0 } }; // from the top left
+  EXPECT_EQ(readPicture(folder / "slice_0.png", options).grey, (Greys{ 16, 17, 18, 9, 10, 11 }));
+  options.window->size[0] = 6;
+  EXPECT_THROW((void)readPicture(folder / "slice_0.png", options), ParameterError);
+  EXPECT_THROW((void)readPicture(raw, options), ParameterError);
+}
+
+TEST(Windows, OfAVolumeThatNoMemoryHoldsAreRead)
+{
+  const TemporaryFolder folder;
+  const auto file = folder.write("rock_20000x20000x10000_u8.raw", { 1 });
+  std::error_code failed;
+  std::filesystem::resize_file(file, 4'000'000'000'000, failed); // without taking space
+  if (failed)
+  {
+    GTEST_SKIP() << "no sparse files here: " << failed.message();
+  }
+  EXPECT_THROW((void)readPicture(file), MemoryError);
+  ReadOptions options;
+  options.window = Window{ { 0, 0, 0 }, { 2, 2, 2 } };
+  EXPECT_EQ(readPicture(file, options).grey, (Greys{ 1, 0, 0, 0, 0, 0, 0, 0 }));
+  options.window->start = { 19998, 19998, 9998 };
+  EXPECT_EQ(readPicture(file, options).grey, Greys(8, 0));
+  options.sizeKnown = [](const Lattice&) { throw InputError("not this one", "another"); };
+  EXPECT_THROW((void)readPicture(file, options), InputError);
+
+  const io::InputFile described = io::describeInput(file); // 4 TB are not read for a hash
+  EXPECT_TRUE(described.ends);
+  EXPECT_EQ(described.bytes, 4'000'000'000'000U);
+  io::Sha256 hash;
+  std::vector<std::byte> ends(2 * io::hashedEnd);
+  ends[0] = std::byte{ 1 };
+  hash.update(ends);
+  EXPECT_EQ(described.sha256, hash.finish());
+  io::Provenance record;
+  record.inputs = { described };
+  const io::Provenance again = io::provenanceFromJson(io::toJson(record));
+  EXPECT_EQ(again.inputs.at(0).sha256, described.sha256);
+  EXPECT_TRUE(again.inputs.at(0).ends);
 }
 
 TEST(RealPictures, HaveTheSolidFractionsOfTheirSource)
