@@ -57,12 +57,15 @@ public:
         if (rim != nullptr && row % rowsBetweenPolls == 0)
           rim->poll();
         if (runs_.find(bonds_, row, 64 / static_cast<int>(sizeof(Real))))
+        {
+          clearGaps();
           for (const Chunk& chunk : chunks_)
           {
             const bool target = inBand(l, band, y + chunk.step[1], z + chunk.step[2]);
             if (own || target)
               pair(chunk, y, z, own, target, list);
           }
+        }
         if (own)
           for (int c = 0; c < d; ++c)
             clearRim(l, f_.component(c) + l.index(0, y, z));
@@ -73,6 +76,20 @@ public:
 
 private:
   static constexpr std::int64_t rowsBetweenPolls = 8;
+
+  // What pull() reads and push() does not write. Most rows have the gaps of the row before, which are still clear.
+  void clearGaps()
+  {
+    if (runs_.gaps == clear_)
+      return;
+    for (const Run& r : runs_.gaps)
+      for (int b = 0; b < maxChunk * parts_; ++b)
+      {
+        Real* const t = buffers_.data() + NodeLayout::margin + b * bonds_.layout().pitch;
+        std::fill(t + r.begin, t + r.end, Real(0));
+      }
+    clear_ = runs_.gaps;
+  }
 
   void pair(const Chunk& chunk, std::int64_t y, std::int64_t z, bool own, bool target, std::vector<Bond>* list)
   {
@@ -123,9 +140,6 @@ private:
       count(chunk, y, z, own, list);
     if (!target)
       return;
-    for (const Run& r : runs_.gaps)
-      for (int b = 0; b < chunk.count * parts_; ++b)
-        std::fill(job.t + b * l.pitch + r.begin, job.t + b * l.pitch + r.end, Real(0));
     for (std::size_t c = 0; c < d; ++c)
       job.f[c] = f_.component(static_cast<int>(c)) + j;
     for (const Run& r : runs_.pull)
@@ -158,6 +172,7 @@ private:
   AlignedArray<Real> dump_;
   AlignedArray<unsigned char> marks_;
   RowRuns runs_;
+  std::vector<Run> clear_; ///< zero in all buffers
 };
 
 // Rows whose nodes have no bond to the rows of other ranks: all when no rim is on its way, or none when there are too

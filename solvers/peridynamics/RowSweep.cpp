@@ -63,7 +63,7 @@ bool RowRuns::find(const BondLattice& bonds, std::int64_t row, int unit)
   push.back().end = std::min(push.back().end, up(l.size[0] + rim));
   push.front().begin = std::max(push.front().begin, -up(rim));
   // second ends lie at most 8 nodes, so one strip, further
-  const std::int64_t last = (l.size[0] + 15) / 16 * 16;
+  const std::int64_t last = up(l.size[0]);
   for (const Run& r : push)
   {
     const std::int64_t begin = std::max<std::int64_t>(0, r.begin - 16);

@@ -29,6 +29,8 @@ struct Run
   std::int64_t begin = 0;
   std::int64_t end = 0;
   int kind = 0; ///< 255 mixed
+
+  bool operator==(const Run&) const = default;
 };
 
 /// What of a row has bonds, and what they reach.
