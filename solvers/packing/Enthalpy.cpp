@@ -112,173 +112,133 @@ void Enthalpy<Dim>::move(const Eigen::VectorXd& step)
 }
 
 template <int Dim>
-const typename Enthalpy<Dim>::Matrix& Enthalpy<Dim>::hessian()
+const BlockMatrix<Dim>& Enthalpy<Dim>::hessian()
 {
-  patternChanged_ = false;
-  if (version_ != g_.pairsVersion() || !fill())
+  linksChanged_ = false;
+  if (version_ != g_.pairsVersion() || !addGrains())
   {
-    makePattern();
-    fill();
+    makeLinks();
+    addGrains();
   }
+  addWalls();
+  addBox();
   return matrix_;
 }
 
-// The entries of a contact, the same for every k in the same order. Its separation changes by (dx₂ − dx₁) + Q r with Q
-// the strain: its derivatives are those of r.
+// A separation changes by (dx₂ − dx₁) + Q r with Q the strain: its derivatives by the box are those by the second
+// grain, times r. Where the box has one unknown for all edges they are in the first column.
 template <int Dim>
-template <typename Add>
-void Enthalpy<Dim>::contact(
-  const Vec& r, const Square& k, Eigen::Index first, Eigen::Index second, const Add& add) const
+typename Enthalpy<Dim>::Square Enthalpy<Dim>::onBox(const Vec& r, const Square& k) const
 {
-  const Eigen::Index box = firstOfBox();
-  const Vec kr = k * r;
-  for (int a = 0; a < Dim; ++a)
-    for (int b = 0; b < Dim; ++b)
-    {
-      if (a >= b)
-        add(first + a, first + b, k(a, b));
-      if (second >= 0)
-      {
-        if (a >= b)
-          add(second + a, second + b, k(a, b));
-        add(std::max(first, second) + a, std::min(first, second) + b, -k(a, b));
-      }
-      if (boxUnknowns_ == Dim)
-      {
-        if (a >= b)
-          add(box + a, box + b, r[a] * k(a, b) * r[b]);
-        add(box + a, first + b, -r[a] * k(a, b));
-        if (second >= 0)
-          add(box + a, second + b, r[a] * k(a, b));
-      }
-    }
-  if (boxUnknowns_ != 1)
-    return;
-  add(box, box, r.dot(kr));
-  for (int b = 0; b < Dim; ++b)
-  {
-    add(box, first + b, -kr[b]);
-    if (second >= 0)
-      add(box, second + b, kr[b]);
-  }
+  if (boxUnknowns_ == Dim)
+    return k * r.asDiagonal();
+  Square g = Square::Zero();
+  if (boxUnknowns_ == 1)
+    g.col(0) = k * r;
+  return g;
 }
 
-// Everything that touches, or nearly: `seen(index, touches, r, k, first, second)`, where index counts pairs, then walls
-// by grain.
 template <int Dim>
-template <typename Seen>
-void Enthalpy<Dim>::forContacts(const Seen& seen) const
+void Enthalpy<Dim>::makeLinks()
 {
+  linkOf_.assign(g_.pairs().size(), -1);
+  matrix_.links.clear();
+  for (std::size_t index = 0; index < g_.pairs().size(); ++index)
+  {
+    const auto& pair = g_.pairs()[index];
+    const double most = pair.reach + widest() + nearby;
+    if (g_.separation(index).squaredNorm() >= most * most)
+      continue;
+    linkOf_[index] = static_cast<std::int32_t>(matrix_.links.size());
+    matrix_.links.push_back({ pair.first, pair.second });
+  }
+  version_ = g_.pairsVersion();
+  linksChanged_ = true;
+}
+
+// @returns false: two that touch are not linked
+template <int Dim>
+bool Enthalpy<Dim>::addGrains()
+{
+  matrix_.diagonal.assign(g_.count(), Square::Zero());
+  matrix_.border.assign(g_.count(), Square::Zero());
+  matrix_.coupling.assign(matrix_.links.size(), Square::Zero());
+  matrix_.corner.setZero();
   for (std::size_t index = 0; index < g_.pairs().size(); ++index)
   {
     const auto& pair = g_.pairs()[index];
     const Vec r = g_.separation(index);
     const double square = r.squaredNorm();
-    if (square >= (pair.reach + widest()) * (pair.reach + widest()))
+    const double most = pair.reach + widest();
+    if (square >= most * most)
       continue;
+    if (linkOf_[index] < 0)
+      return false;
     const double distance = std::sqrt(square);
     const double overlap = pair.reach - distance;
     const Vec n = r / distance;
-    const bool acts = law_.acts(overlap);
-    const double across = acts ? law_.force(overlap) / distance : 0;
-    const Square k =
-      (acts ? law_.slope(overlap) : 0) * n * n.transpose() - across * (Square::Identity() - n * n.transpose());
-    if (!seen(
-          index, acts, r, k, Dim * static_cast<Eigen::Index>(pair.first), Dim * static_cast<Eigen::Index>(pair.second)))
-      return;
+    const double across = law_.force(overlap) / distance;
+    const Square k = (law_.slope(overlap) + across) * n * n.transpose() - across * Square::Identity();
+    const Square g = onBox(r, k);
+    const auto first = static_cast<std::size_t>(pair.first);
+    const auto second = static_cast<std::size_t>(pair.second);
+    matrix_.diagonal[first] += k;
+    matrix_.diagonal[second] += k;
+    matrix_.coupling[static_cast<std::size_t>(linkOf_[index])] = -k;
+    matrix_.border[first] -= g;
+    matrix_.border[second] += g;
+    addToCorner(r, g);
   }
+  return true;
+}
+
+template <int Dim>
+void Enthalpy<Dim>::addWalls()
+{
   for (int wall = 0; wall < GrainSystem<Dim>::walls; ++wall)
   {
-    if (g_.periodic[static_cast<std::size_t>(wall / 2)])
+    const int axis = wall / 2;
+    if (g_.periodic[static_cast<std::size_t>(axis)])
       continue;
     const Vec n = GrainSystem<Dim>::wallNormal(wall);
     for (std::size_t i = 0; i < g_.count(); ++i)
     {
       const double overlap = g_.wallOverlap(i, wall);
-      if (overlap <= -widest())
+      if (!law_.acts(overlap))
         continue;
-      const std::size_t index = g_.pairs().size() + static_cast<std::size_t>(wall) * g_.count() + i;
-      const bool acts = law_.acts(overlap);
-      if (!seen(index, acts, (g_.radius[i] - overlap) * n, Square((acts ? law_.slope(overlap) : 0) * n * n.transpose()),
-            Dim * static_cast<Eigen::Index>(i), -1))
-        return;
+      const Square k = law_.slope(overlap) * n * n.transpose();
+      const Vec r = (g_.radius[i] - overlap) * n;
+      const Square g = onBox(r, k);
+      matrix_.diagonal[i] += k;
+      matrix_.border[i] -= g;
+      addToCorner(r, g);
     }
   }
 }
 
+template <int Dim>
+void Enthalpy<Dim>::addToCorner(const Vec& r, const Square& g)
+{
+  if (boxUnknowns_ == Dim)
+    matrix_.corner += r.asDiagonal() * g;
+  else if (boxUnknowns_ == 1)
+    matrix_.corner(0, 0) += r.dot(g.col(0));
+}
+
 // Second derivatives of pV, and of each contact's energy through exp(q): − force · r on the diagonal.
 template <int Dim>
-template <typename Add>
-void Enthalpy<Dim>::ofBox(const Add& add) const
+void Enthalpy<Dim>::addBox()
 {
-  const Eigen::Index box = firstOfBox();
   const double pv = options_.pressure * g_.volume();
   if (boxUnknowns_ == 1)
-    add(box, box, Dim * Dim * pv - virial_.sum());
+    matrix_.corner(0, 0) += Dim * Dim * pv - virial_.sum();
   else if (boxUnknowns_ == Dim)
-    for (int a = 0; a < Dim; ++a)
-      for (int b = 0; b <= a; ++b)
-        add(box + a, box + b, pv - (a == b ? virial_[a] : 0));
-}
-
-template <int Dim>
-void Enthalpy<Dim>::makePattern()
-{
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto add = [&](Eigen::Index row, Eigen::Index column, double)
-  { entries.emplace_back(static_cast<int>(row), static_cast<int>(column), 0.0); };
-  firstSlot_.assign(g_.pairs().size() + static_cast<std::size_t>(GrainSystem<Dim>::walls) * g_.count(), -1);
-  forContacts(
-    [&](std::size_t index, bool, const Vec& r, const Square& k, Eigen::Index first, Eigen::Index second)
-    {
-      firstSlot_[index] = static_cast<std::ptrdiff_t>(entries.size());
-      contact(r, k, first, second, add);
-      return true;
-    });
-  boxSlot_ = entries.size();
-  ofBox(add);
-  const std::size_t used = entries.size();
-  for (Eigen::Index i = 0; i < size(); ++i) // also of grains that nothing touches
-    add(i, i, 0);
-  matrix_.resize(size(), size());
-  matrix_.setFromTriplets(entries.begin(), entries.end());
-  slots_.resize(used);
-  for (std::size_t e = 0; e < used; ++e)
   {
-    const int* const rows = matrix_.innerIndexPtr();
-    const int* const begin = rows + matrix_.outerIndexPtr()[entries[e].col()];
-    const int* const end = rows + matrix_.outerIndexPtr()[entries[e].col() + 1];
-    slots_[e] = static_cast<std::int32_t>(std::lower_bound(begin, end, entries[e].row()) - rows);
+    matrix_.corner.array() += pv;
+    matrix_.corner.diagonal() -= virial_;
   }
-  version_ = g_.pairsVersion();
-  patternChanged_ = true;
-}
-
-// @returns false: one that touches has no entries
-template <int Dim>
-bool Enthalpy<Dim>::fill()
-{
-  double* const values = matrix_.valuePtr();
-  std::fill_n(values, matrix_.nonZeros(), 0.0);
-  const std::int32_t* slot = nullptr;
-  const auto add = [&](Eigen::Index, Eigen::Index, double value) { values[*slot++] += value; };
-  bool complete = true;
-  forContacts(
-    [&](std::size_t index, bool touches, const Vec& r, const Square& k, Eigen::Index first, Eigen::Index second)
-    {
-      if (!touches)
-        return true;
-      complete = firstSlot_[index] >= 0;
-      if (complete)
-      {
-        slot = slots_.data() + firstSlot_[index];
-        contact(r, k, first, second, add);
-      }
-      return complete;
-    });
-  slot = slots_.data() + boxSlot_;
-  ofBox(add);
-  return complete;
+  for (int a = boxUnknowns_; a < Dim; ++a)
+    matrix_.corner(a, a) = 1;
 }
 
 template class Enthalpy<2>;

@@ -1,8 +1,7 @@
 #pragma once
 
+#include "packing/BlockCholesky.h"
 #include "packing/Relaxation.h"
-
-#include <Eigen/SparseCore>
 
 #include <cstddef>
 #include <cstdint>
@@ -46,7 +45,6 @@ class Enthalpy
 {
 public:
   using Vec = typename GrainSystem<Dim>::Vec;
-  using Matrix = Eigen::SparseMatrix<double>;
 
   /// Both have to outlive it. The list of pairs is kept long enough for the law's reach.
   Enthalpy(GrainSystem<Dim>& grains, const RelaxationOptions& options);
@@ -64,25 +62,25 @@ public:
   [[nodiscard]] double pressureError() const;
   void move(const Eigen::VectorXd& step);
 
-  /// Lower triangle of the second derivatives. Which entries there are changes seldom, see patternChanged().
-  const Matrix& hessian();
+  /// Second derivatives, by the last evaluate(), as they are at rest: without the net force that a grain and the box
+  /// have in common. Which grains are linked changes seldom, see linksChanged().
+  const BlockMatrix<Dim>& hessian();
   /// By the last call of hessian().
-  [[nodiscard]] bool patternChanged() const { return patternChanged_; }
+  [[nodiscard]] bool linksChanged() const { return linksChanged_; }
+  [[nodiscard]] Eigen::Index boxUnknowns() const { return boxUnknowns_; }
 
 private:
   using Square = Eigen::Matrix<double, Dim, Dim>;
-  static constexpr double nearby = 0.02; ///< gap of those that have entries although they do not touch [diameters]
+  static constexpr double nearby = 0.02; ///< gap at which grains are linked although they do not touch [diameters]
 
   [[nodiscard]] Eigen::Index firstOfBox() const { return Dim * static_cast<Eigen::Index>(g_.count()); }
-  [[nodiscard]] double widest() const { return law_.smoothing > 0 ? ContactLaw::reach : nearby; }
-  template <typename Add>
-  void contact(const Vec& r, const Square& k, Eigen::Index first, Eigen::Index second, const Add& add) const;
-  template <typename Seen>
-  void forContacts(const Seen& seen) const;
-  template <typename Add>
-  void ofBox(const Add& add) const;
-  void makePattern();
-  bool fill();
+  [[nodiscard]] double widest() const { return law_.smoothing > 0 ? ContactLaw::reach : 0; }
+  [[nodiscard]] Square onBox(const Vec& r, const Square& k) const;
+  void makeLinks();
+  bool addGrains();
+  void addWalls();
+  void addToCorner(const Vec& r, const Square& g);
+  void addBox();
 
   GrainSystem<Dim>& g_;
   const RelaxationOptions& options_;
@@ -92,12 +90,10 @@ private:
   Vec virial_ = Vec::Zero();
   double forceSum_ = 0;
   std::int64_t contacts_ = 0;
-  Matrix matrix_;
-  std::vector<std::ptrdiff_t> firstSlot_; ///< by contact as forContacts() counts them; −1: none
-  std::vector<std::int32_t> slots_;       ///< place of each entry among the matrix's values
-  std::size_t boxSlot_ = 0;
-  std::int64_t version_ = -1; ///< of the list of pairs
-  bool patternChanged_ = false;
+  BlockMatrix<Dim> matrix_;
+  std::vector<std::int32_t> linkOf_; ///< by pair; −1: none
+  std::int64_t version_ = -1;        ///< of the list of pairs
+  bool linksChanged_ = false;
 };
 
 extern template class Enthalpy<2>;

@@ -1,9 +1,8 @@
+#include "packing/BlockCholesky.h"
 #include "packing/Enthalpy.h"
 #include "packing/Relaxation.h"
 
 #include "lattice/Error.h"
-
-#include <Eigen/SparseCholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +14,7 @@ template <int Dim>
 RelaxationResult newton(GrainSystem<Dim>& g, const RelaxationOptions& options)
 {
   Enthalpy<Dim> enthalpy(g, options);
-  using Matrix = typename Enthalpy<Dim>::Matrix;
-  Eigen::SimplicialLDLT<Matrix, Eigen::Lower> factors;
+  BlockCholesky<Dim> factors;
   const double farthest = 0.1; // no grain further than a tenth of a diameter
   double shift = 1e-6;
   enthalpy.evaluate();
@@ -31,22 +29,16 @@ RelaxationResult newton(GrainSystem<Dim>& g, const RelaxationOptions& options)
     }
     if (options.interrupted && options.interrupted())
       throw Cancelled();
-    const Matrix& hessian = enthalpy.hessian();
-    if (enthalpy.patternChanged())
-      factors.analyzePattern(hessian);
-    for (;; shift *= 10)
-    {
-      factors.setShift(shift);
-      factors.factorize(hessian);
-      if (factors.info() == Eigen::Success && factors.vectorD().minCoeff() > 0)
-        break;
+    const BlockMatrix<Dim>& hessian = enthalpy.hessian();
+    if (enthalpy.linksChanged())
+      factors.analyse(g.count(), hessian.links);
+    for (; !factors.factorise(hessian, shift); shift *= 10)
       if (shift > 1e3)
       {
         g.computeForces(0);
         return result;
       }
-    }
-    Eigen::VectorXd step = factors.solve(force);
+    Eigen::VectorXd step = factors.solve(force, enthalpy.boxUnknowns());
     const double longest = step.cwiseAbs().maxCoeff();
     if (longest > farthest)
       step *= farthest / longest;

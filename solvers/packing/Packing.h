@@ -79,8 +79,8 @@ struct Packing
 /// turned by 90° and relaxed again, until they are not; of some hundred grains or fewer the best of six attempts is
 /// taken. With friction the shape is kept instead, and the axes' stresses differ by several per cent.
 ///
-/// One thread; the same options give the same bytes. 400 disks take a third of a second, seldom more than one second;
-/// 1000 spheres thirteen.
+/// One thread; the same options give the same bytes. 400 disks take a fifth of a second, some three quarters;
+/// 1000 spheres ten.
 /// @throws ParameterError: values outside their range (says which), a packing fraction that jams before it is reached
 /// (says where); DivergenceError when it does not come to rest; Cancelled
 [[nodiscard]] Packing pack(const PackingOptions& options);

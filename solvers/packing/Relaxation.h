@@ -63,8 +63,8 @@ template <int Dim>
 RelaxationResult relax(GrainSystem<Dim>& grains, const RelaxationOptions& options);
 
 /// Newton's method on the enthalpy U + pV of frictionless grains, for the last digits: contact networks close to
-/// jamming are so soft that dynamics need 10⁵ steps. Sparse Cholesky factors (Eigen), shifted where the matrix is not
-/// positive definite, with backtracking.
+/// jamming are so soft that dynamics need 10⁵ steps. Sparse Cholesky factors (BlockCholesky), shifted where the matrix
+/// is not positive definite, with backtracking.
 template <int Dim>
 RelaxationResult newton(GrainSystem<Dim>& grains, const RelaxationOptions& options);
 
