@@ -15,7 +15,6 @@
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
-#include <vtkPNGReader.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkXMLImageDataReader.h>
@@ -231,26 +230,6 @@ std::optional<PhaseGrid> readPhaseGrid(const std::string& path, const SizeKnown&
   {
     throw InputError("'" + path + "': " + error.what(), error.hint());
   }
-}
-
-std::string pngText(const std::string& path, const std::string& keyword)
-{
-  vtkNew<vtkPNGReader> reader;
-  std::string text;
-  if (reader->CanReadFile(path.c_str()) != 0)
-  {
-    reader->SetFileName(path.c_str());
-    reader->UpdateInformation();
-    for (int i = 0; i < static_cast<int>(reader->GetNumberOfTextChunks()); ++i)
-    {
-      if (keyword == reader->GetTextKey(i))
-      {
-        text = reader->GetTextValue(i);
-      }
-    }
-  }
-  (void)VtkMessages::takeErrors();
-  return text;
 }
 
 namespace

@@ -152,6 +152,7 @@ Picture readFile(const fs::path& path, const ReadOptions& options)
   picture.format = name(probed.format);
   picture.bits = probed.bits;
   picture.description = probed.description;
+  picture.provenance = probed.provenance;
   picture.warnings = probed.warnings;
   const auto slices = static_cast<std::int64_t>(std::max<std::size_t>(1, probed.slices.size()));
   const bool colour = options.keepColour && probed.channels > 1;
