@@ -1,5 +1,6 @@
 #include "GridFile.h"
 
+#include "GridChecks.h"
 #include "GridReaders.h"
 #include "vtkLatticeConversion.h"
 
@@ -169,6 +170,7 @@ vtkSmartPointer<vtkDataObject> read(const vtkSmartPointer<Reader>& reader, const
     throw InputError("'" + path + "' is not a " + kind + " file, or is cut short", hint);
   }
   reader->SetFileName(path.c_str());
+  requireReadable(reader, path);
   if constexpr (std::is_same_v<Reader, vtkXMLImageDataReader>)
   {
     if (const auto lattice = sizeKnown ? latticeInFile(reader) : std::nullopt)
@@ -185,6 +187,10 @@ vtkSmartPointer<vtkDataObject> read(const vtkSmartPointer<Reader>& reader, const
     throw InputError("'" + path + "' is a " + kind + " file that is damaged or cut short", hint);
   }
   (void)VtkMessages::takeWarnings();
+  if (auto* const poly = vtkPolyData::SafeDownCast(reader->GetOutput()))
+  {
+    requireSoundCells(poly, path);
+  }
   return reader->GetOutput();
 }
 
