@@ -292,7 +292,8 @@ Picture readRaw(const fs::path& path, const ReadOptions& options)
   {
     throw ParameterError(fmt::format("a raw volume of {} bits a voxel", *bits), "choose 8 or 16");
   }
-  const double expected = voxels * (*bits / 8);
+  const int voxelBytes = *bits / 8;
+  const double expected = voxels * voxelBytes;
   if (static_cast<double>(data) != expected)
   {
     throw InputError(fmt::format("'{}' has {} bytes{}, but {} × {} × {} voxels of {} bits take {:.0f}", file.name(),
