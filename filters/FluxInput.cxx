@@ -126,6 +126,14 @@ void findPhases(vtkImageData* piece, FluxInput& input)
   const std::string name = fieldText(piece, "phase_array").value_or("phase");
   const auto* const array = vtkUnsignedCharArray::SafeDownCast(piece->GetPointData()->GetArray(name.c_str()));
   input.conductivity = fieldNumbers(piece, "phase_conductivity");
+  for (const double value : input.conductivity)
+  {
+    if (!(value >= 0) || std::isinf(value))
+    {
+      throw InputError("field array 'phase_conductivity' holds " + std::to_string(value),
+        "apply Steady Diffusion to the image as it is now");
+    }
+  }
   if (array != nullptr && array->GetNumberOfComponents() == 1 && !input.conductivity.empty())
   {
     input.phaseArray = name;

@@ -79,24 +79,27 @@ Json matrix(const std::vector<double>& numbers, int dimension)
   return rows;
 }
 
+/// A number for people; "-" where it is not known, or no number any more.
+std::string numberText(const Json& value, int digits = 6)
+{
+  return value.is_number() ? fmt::format("{:.{}g}", value.get<double>(), digits) : "-";
+}
+
 std::string tableOf(const Json& json)
 {
   std::string text = json["file"].get<std::string>() + "\n\n";
   text += "  direction  effective from flux  tortuosity  tortuosity factor  of the streamlines\n";
   for (const auto& [axis, value] : json["effective"].items())
   {
-    const auto cell = [&, key = axis](const char* name) {
-      return json[name].contains(key) ? fmt::format("{:.6g}", json[name][key].template get<double>())
-                                      : std::string("-");
-    };
-    text += fmt::format("  {:<9}  {:<19.7g}  {:<10}  {:<17}  {}\n", axis, value.get<double>(), cell("tortuosity"),
+    const auto cell = [&, key = axis](const char* name) { return numberText(json[name].value(key, Json(nullptr))); };
+    text += fmt::format("  {:<9}  {:<19}  {:<10}  {:<17}  {}\n", axis, numberText(value, 7), cell("tortuosity"),
       cell("tortuosity_factor"), cell("streamline_tortuosity"));
   }
   if (!json["flux_magnitude"].is_null())
   {
-    text += fmt::format("\n  |flux| along {}: {:.6g} to {:.6g}, mean {:.6g}\n", json["direction"].get<std::string>(),
-      json["flux_magnitude"]["smallest"].get<double>(), json["flux_magnitude"]["largest"].get<double>(),
-      json["flux_magnitude"]["mean"].get<double>());
+    text += fmt::format("\n  |flux| along {}: {} to {}, mean {}\n", json["direction"].get<std::string>(),
+      numberText(json["flux_magnitude"]["smallest"]), numberText(json["flux_magnitude"]["largest"]),
+      numberText(json["flux_magnitude"]["mean"]));
   }
   text += fmt::format("  {} streamlines\n", json["streamlines"].get<std::int64_t>());
   for (const Json& file : json["files"])
@@ -227,7 +230,7 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
   {
     sum += magnitude->GetTuple1(i);
   }
-  json["flux_magnitude"] = { { "smallest", range[0] }, { "largest", range[1] },
+  json["flux_magnitude"] = { { "smallest", number(range[0]) }, { "largest", number(range[1]) },
     { "mean", number(sum / static_cast<double>(magnitude->GetNumberOfTuples())) } };
   json["streamlines"] = streamlines == nullptr ? 0 : streamlines->GetNumberOfLines();
   const auto lineFlux = fieldNumbers(map, "line_flux");

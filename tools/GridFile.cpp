@@ -1,5 +1,6 @@
 #include "GridFile.h"
 
+#include "GridChecks.h"
 #include "GridReaders.h"
 #include "vtkLatticeConversion.h"
 
@@ -15,7 +16,6 @@
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
-#include <vtkPNGReader.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkXMLImageDataReader.h>
@@ -170,6 +170,7 @@ vtkSmartPointer<vtkDataObject> read(const vtkSmartPointer<Reader>& reader, const
     throw InputError("'" + path + "' is not a " + kind + " file, or is cut short", hint);
   }
   reader->SetFileName(path.c_str());
+  requireReadable(reader, path);
   if constexpr (std::is_same_v<Reader, vtkXMLImageDataReader>)
   {
     if (const auto lattice = sizeKnown ? latticeInFile(reader) : std::nullopt)
@@ -186,6 +187,10 @@ vtkSmartPointer<vtkDataObject> read(const vtkSmartPointer<Reader>& reader, const
     throw InputError("'" + path + "' is a " + kind + " file that is damaged or cut short", hint);
   }
   (void)VtkMessages::takeWarnings();
+  if (auto* const poly = vtkPolyData::SafeDownCast(reader->GetOutput()))
+  {
+    requireSoundCells(poly, path);
+  }
   return reader->GetOutput();
 }
 
@@ -231,26 +236,6 @@ std::optional<PhaseGrid> readPhaseGrid(const std::string& path, const SizeKnown&
   {
     throw InputError("'" + path + "': " + error.what(), error.hint());
   }
-}
-
-std::string pngText(const std::string& path, const std::string& keyword)
-{
-  vtkNew<vtkPNGReader> reader;
-  std::string text;
-  if (reader->CanReadFile(path.c_str()) != 0)
-  {
-    reader->SetFileName(path.c_str());
-    reader->UpdateInformation();
-    for (int i = 0; i < static_cast<int>(reader->GetNumberOfTextChunks()); ++i)
-    {
-      if (keyword == reader->GetTextKey(i))
-      {
-        text = reader->GetTextValue(i);
-      }
-    }
-  }
-  (void)VtkMessages::takeErrors();
-  return text;
 }
 
 namespace

@@ -51,9 +51,6 @@ struct PhaseGrid
 /// InputError
 [[nodiscard]] std::optional<PhaseGrid> readPhaseGrid(const std::string& path, const SizeKnown& sizeKnown = {});
 
-/// The text chunk of a PNG with this keyword; empty where there is none.
-[[nodiscard]] std::string pngText(const std::string& path, const std::string& keyword);
-
 /// Writes .vti or .vtp: binary, compressed. @throws OutputError when the disk is full or fails
 void writeGrid(vtkDataObject* data, const OutputFile& file);
 

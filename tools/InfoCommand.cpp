@@ -207,9 +207,7 @@ Json pictureJson(const PictureOptions& options)
       json["greys"].push_back(std::move(line));
     }
   }
-  const std::string carried = record ? record->provenance
-    : picture.format == "PNG"        ? pngText(options.file, "provenance")
-                                     : "";
+  const std::string& carried = record ? record->provenance : picture.provenance;
   const Json text = Json::parse(carried, nullptr, false);
   json["provenance"] = text.is_object() ? text : Json(nullptr);
   return json;

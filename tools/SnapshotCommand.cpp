@@ -273,9 +273,10 @@ void snapshot(Session& session, const SnapshotOptions& options, const std::strin
   {
     const auto lines = readGrid(options.lines);
     auto* polyData = vtkPolyData::SafeDownCast(lines);
-    if (polyData == nullptr)
+    if (polyData == nullptr || polyData->GetNumberOfLines() == 0)
     {
-      throw InputError("'" + options.lines + "' holds no lines", "give the .vtp that lamella flux-map wrote");
+      throw InputError("'" + options.lines + "' holds no lines",
+        "give the .vtp that lamella flux-map wrote, or on grains that of lamella packing --contacts");
     }
     drawing->SetOverlayLines(polyData);
   }

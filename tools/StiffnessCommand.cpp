@@ -2,7 +2,7 @@
 #include "Commands.h"
 #include "OutputFile.h"
 #include "StiffnessReport.h"
-#include "TableText.h"
+#include "TableFiles.h"
 
 #include "vtkBondStiffness.h"
 
@@ -32,31 +32,11 @@ struct StiffnessOptions
   std::string constants;
 };
 
-/// A table and the record beside it.
-struct TableFile
+TableFiles openFiles(const StiffnessOptions& o, vtkBondStiffness* filter)
 {
-  vtkTable* table;
-  OutputFile file;
-  OutputFile record;
-};
-
-std::vector<TableFile> openFiles(const StiffnessOptions& o, vtkBondStiffness* filter)
-{
-  std::vector<TableFile> files;
-  const auto add = [&](const std::string& option, const std::string& name, vtkTable* table)
-  {
-    if (name.empty())
-    {
-      return;
-    }
-    if (std::filesystem::path(name).extension() != ".csv")
-    {
-      throw ParameterError(option + " '" + name + "': tables are written as .csv", "end the name in .csv");
-    }
-    files.push_back({ table, OutputFile(name, o.common.overwrite), OutputFile(name + ".json", o.common.overwrite) });
-  };
-  add("-o", o.output, filter->GetTensor());
-  add("--constants", o.constants, filter->GetConstants());
+  TableFiles files;
+  files.add("-o", o.output, filter->GetTensor(), o.common.overwrite);
+  files.add("--constants", o.constants, filter->GetConstants(), o.common.overwrite);
   return files;
 }
 
@@ -70,7 +50,7 @@ void stiffness(Session& session, const StiffnessOptions& options, const std::str
   filter->SetMaximumIterations(options.balance.maxIterations);
   filter->SetEstimateError(!options.noErrorEstimate);
   BondSample sample;
-  std::vector<TableFile> files; // rank 0
+  TableFiles files; // rank 0
   session.onRoot(
     [&]
     {
@@ -82,19 +62,7 @@ void stiffness(Session& session, const StiffnessOptions& options, const std::str
     [&]
     {
       BondRun report = bondRun(session, filter, options.picture, options.bonds, sample, commandLine);
-      const Json record = Json::parse(io::toJson(report.provenance));
-      for (const TableFile& file : files)
-      {
-        file.file.write(toCsv(file.table));
-        file.record.write(dump({ { "provenance", record }, { "columns", unitsOf(file.table, true) } }));
-        report.written.push_back(file.file.path().string());
-      }
-      Session::checkInterrupt();
-      for (TableFile& file : files)
-      {
-        file.file.commit();
-        file.record.commit();
-      }
+      report.written = files.write(Json::parse(io::toJson(report.provenance)));
       report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       session.print(options.common.json ? stiffnessJson(report) : options.common.quiet ? "" : stiffnessTable(report));
     });

@@ -2,7 +2,7 @@
 #include "GridFile.h"
 #include "OutputFile.h"
 #include "Record.h"
-#include "TableText.h"
+#include "TableFiles.h"
 #include "Text.h"
 
 #include "io/Provenance.h"
@@ -119,32 +119,12 @@ void configure(vtkStressPDF* filter, const StressPdfOptions& o)
   }
 }
 
-/// A table and the record beside it.
-struct TableFile
+TableFiles openFiles(const StressPdfOptions& o, vtkStressPDF* filter)
 {
-  vtkTable* table;
-  OutputFile file;
-  OutputFile record;
-};
-
-std::vector<TableFile> openFiles(const StressPdfOptions& o, vtkStressPDF* filter)
-{
-  std::vector<TableFile> files;
-  const auto add = [&](const std::string& option, const std::string& name, vtkTable* table)
-  {
-    if (name.empty())
-    {
-      return;
-    }
-    if (std::filesystem::path(name).extension() != ".csv")
-    {
-      throw ParameterError(option + " '" + name + "': tables are written as .csv", "end the name in .csv");
-    }
-    files.push_back({ table, OutputFile(name, o.common.overwrite), OutputFile(name + ".json", o.common.overwrite) });
-  };
-  add("-o", o.output, filter->GetOutput());
-  add("--phases", o.phases, filter->GetPhaseTable());
-  add("--thresholds", o.thresholds, filter->GetThresholdTable());
+  TableFiles files;
+  files.add("-o", o.output, filter->GetOutput(), o.common.overwrite);
+  files.add("--phases", o.phases, filter->GetPhaseTable(), o.common.overwrite);
+  files.add("--thresholds", o.thresholds, filter->GetThresholdTable(), o.common.overwrite);
   return files;
 }
 
@@ -272,7 +252,7 @@ void stressPdf(Session& session, const StressPdfOptions& o, const std::string& c
   vtkNew<vtkStressPDF> filter;
   configure(filter, o);
   requireFile(o.file);
-  std::vector<TableFile> files = openFiles(o, filter);
+  TableFiles files = openFiles(o, filter);
   const auto data = readGrid(o.file);
   auto* const grid = vtkDataSet::SafeDownCast(data);
   if (grid == nullptr)
@@ -320,20 +300,7 @@ void stressPdf(Session& session, const StressPdfOptions& o, const std::string& c
 
   const io::Provenance run = recordRun(commandLine, o.file, provenance(data));
   const std::string record = io::toJson(run);
-  json["files"] = Json::array();
-  for (const TableFile& file : files)
-  {
-    file.file.write(toCsv(file.table));
-    const Json beside{ { "provenance", Json::parse(record) }, { "columns", unitsOf(file.table, true) } };
-    file.record.write(beside.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-    json["files"].push_back(file.file.path().string());
-  }
-  Session::checkInterrupt();
-  for (TableFile& file : files)
-  {
-    file.file.commit();
-    file.record.commit();
-  }
+  json["files"] = files.write(Json::parse(record));
   json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   json["version"] = run.version;
   json["commit"] = run.commit;

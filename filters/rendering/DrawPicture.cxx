@@ -204,6 +204,29 @@ void AddHeads(VectorLayer& layer, const std::vector<Polyline>& lines, double apa
   }
 }
 
+/// Lines of other data, or in another unit, would be lines somewhere else; smoothing ones that are far too long has no
+/// end.
+void RequireWithin(const std::vector<Polyline>& lines, const Plane& plane)
+{
+  const double far = 10.0 * std::max(plane.size[0], plane.size[1]);
+  bool anyInside = lines.empty();
+  for (const Polyline& line : lines)
+  {
+    for (const Point2& p : line)
+    {
+      anyInside = anyInside || (p[0] >= 0 && p[1] >= 0 && p[0] <= plane.size[0] && p[1] <= plane.size[1]);
+      if (!(std::abs(p[0]) <= far && std::abs(p[1]) <= far))
+      {
+        throw SnapshotError{ "the lines given lead far out of the picture", "give lines that were made of these data" };
+      }
+    }
+  }
+  if (!anyInside)
+  {
+    throw SnapshotError{ "none of the lines given is in the picture", "give lines that were made of these data" };
+  }
+}
+
 std::vector<Polyline> GivenLines(vtkPolyData* lines, const Plane& plane)
 {
   std::vector<Polyline> result;
@@ -224,6 +247,7 @@ std::vector<Polyline> GivenLines(vtkPolyData* lines, const Plane& plane)
       result.push_back(std::move(line));
     }
   }
+  RequireWithin(result, plane);
   return result;
 }
 

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <sstream>
 
 namespace lamella::rendering
 {
@@ -109,8 +110,9 @@ void ReadIds(Quantity& quantity, vtkDataSet* data, const std::array<int, 3>& siz
     }
     if (value != std::floor(value) || value < 0 || value > 2147483647.0)
     {
-      throw SnapshotError{ "'" + std::string(array->GetName()) + "' has the value " + std::to_string(value) +
-          ", which is no id of a phase or grain (0, 1, 2 ...)",
+      std::ostringstream text; // as 1e+300, not in 300 digits
+      text << "'" << array->GetName() << "' has the value " << value;
+      throw SnapshotError{ text.str() + ", which is no id of a phase or grain (0, 1, 2 ...)",
         "draw it with the preset scalar" };
     }
     raw[i] = static_cast<std::int64_t>(value);

@@ -232,7 +232,8 @@ void Rasteriser::layEnds()
     {
       // The cells of a file come from one mother cell, so they end at nearly the same height; the files are staggered
       // by the golden section.
-      const double phase = 0.6180339887498949 * static_cast<double>(cell.file % 2048 + 5 * (cell.file / 2048)) +
+      const auto file = cell.file % 2048 + 5 * (cell.file / 2048);
+      const double phase = 0.6180339887498949 * static_cast<double>(file) +
         0.25 * random_.uniform(Use::TracheidPhase, cell.file) +
         0.08 * disorder * random_.normal(Use::TracheidPhase, cell.file, cell.number);
       const double sense = random_.bits(Use::TracheidTaper, cell.file) & 1U ? 1.0 : -1.0;

@@ -1,5 +1,6 @@
 #include "micrograph/Decode.h"
 #include "micrograph/JpegDecode.h"
+#include "micrograph/PngDecode.h"
 #include "micrograph/TiffWatch.h"
 
 #include "lattice/Error.h"
@@ -142,8 +143,18 @@ Decoded decode(FileBytes& file, const Probe& probe, bool flip, std::uint16_t* gr
     }
     if (probe.format == Format::Png)
     {
-      const std::vector<std::uint8_t> bytes = file.read(0, file.size());
-      take(cv::imdecode(bytes, cv::IMREAD_UNCHANGED), 0);
+      PngPixels png = decodePng(file.read(0, file.size()));
+      if (!png.complaint.empty())
+      {
+        undecodable(file, probe, png.complaint);
+      }
+      cv::Mat pixels(static_cast<int>(png.height), static_cast<int>(png.width),
+        CV_MAKETYPE(png.bits == 16 ? CV_16U : CV_8U, png.channels), png.values.data());
+      if (png.channels >= 3)
+      {
+        cv::cvtColor(pixels, pixels, png.channels == 3 ? cv::COLOR_RGB2BGR : cv::COLOR_RGBA2BGRA);
+      }
+      take(pixels, 0);
       return seen;
     }
     (void)cv::haveImageReader(file.name()); // lets OpenCV set its own error handler before ours

@@ -152,6 +152,7 @@ Picture readFile(const fs::path& path, const ReadOptions& options)
   picture.format = name(probed.format);
   picture.bits = probed.bits;
   picture.description = probed.description;
+  picture.provenance = probed.provenance;
   picture.warnings = probed.warnings;
   const auto slices = static_cast<std::int64_t>(std::max<std::size_t>(1, probed.slices.size()));
   const bool colour = options.keepColour && probed.channels > 1;
@@ -291,7 +292,8 @@ Picture readRaw(const fs::path& path, const ReadOptions& options)
   {
     throw ParameterError(fmt::format("a raw volume of {} bits a voxel", *bits), "choose 8 or 16");
   }
-  const double expected = voxels * (*bits / 8);
+  const int voxelBytes = *bits / 8;
+  const double expected = voxels * voxelBytes;
   if (static_cast<double>(data) != expected)
   {
     throw InputError(fmt::format("'{}' has {} bytes{}, but {} × {} × {} voxels of {} bits take {:.0f}", file.name(),

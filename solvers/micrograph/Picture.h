@@ -24,6 +24,7 @@ struct Picture
   std::string format;                ///< "PNG", "JPEG", "TIFF" or "raw"
   std::string pixelSizeSource;       ///< "option", "PNG pHYs", "TIFF resolution", "ImageJ", "OME-XML", … or "none"
   std::string description;           ///< the text that the file carries, provenance for our own; may be empty
+  std::string provenance;            ///< of a PNG that lamella drew; JSON text, or empty
   std::vector<std::string> warnings; ///< what a user should know, each one line
 };
 

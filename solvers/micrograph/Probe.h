@@ -40,6 +40,7 @@ struct Probe
   std::size_t pages = 1;           ///< TIFF: how many there are in all
   std::optional<MetadataSize> size;
   std::string description;
+  std::string provenance; ///< PNG only
   std::vector<std::string> warnings;
 };
 

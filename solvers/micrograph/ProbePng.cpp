@@ -13,12 +13,12 @@ namespace lamella::micrograph
 namespace
 {
 
-/// Text of a tEXt or uncompressed iTXt chunk whose keyword is Description; empty otherwise.
-std::string descriptionIn(const std::string& type, const std::vector<std::uint8_t>& data)
+/// Text of a tEXt or uncompressed iTXt chunk that has this keyword; empty otherwise.
+std::string textIn(const std::string& type, const std::vector<std::uint8_t>& data, const char* keyword)
 {
   const std::string text(data.begin(), data.end());
   const std::size_t keyEnd = text.find('\0');
-  if (keyEnd == std::string::npos || text.substr(0, keyEnd) != "Description")
+  if (keyEnd == std::string::npos || text.substr(0, keyEnd) != keyword)
   {
     return {};
   }
@@ -115,9 +115,16 @@ Probe probePng(FileBytes& file)
     std::vector<std::uint8_t> chunk = file.read(at + 4, length + 4);
     const std::string type(chunk.begin(), chunk.begin() + 4);
     const bool critical = type[0] >= 'A' && type[0] <= 'Z';
-    if (critical && pngCrc(chunk.data(), chunk.size()) != file.number(at + 8 + length, 4, true))
+    if (pngCrc(chunk.data(), chunk.size()) != file.number(at + 8 + length, 4, true))
     {
-      file.damaged(fmt::format("the checksum of its {} chunk at byte {} is wrong", type, at));
+      const std::string what = fmt::format("the checksum of its {} chunk at byte {} is wrong", type, at);
+      if (critical)
+      {
+        file.damaged(what);
+      }
+      result.warnings.push_back(fmt::format("'{}' is damaged: {}; left out", file.name(), what));
+      at += length + 12;
+      continue;
     }
     chunk.erase(chunk.begin(), chunk.begin() + 4);
     if (!hasHeader && type != "IHDR")
@@ -141,9 +148,16 @@ Probe probePng(FileBytes& file)
     {
       result.channels = 4;
     }
-    else if ((type == "tEXt" || type == "iTXt") && result.description.empty())
+    else if (type == "tEXt" || type == "iTXt")
     {
-      result.description = descriptionIn(type, chunk);
+      for (auto [keyword, text] :
+        { std::pair{ "Description", &result.description }, { "provenance", &result.provenance } })
+      {
+        if (text->empty())
+        {
+          *text = textIn(type, chunk, keyword);
+        }
+      }
     }
     else if (type == "pHYs" && chunk.size() == 9)
     {

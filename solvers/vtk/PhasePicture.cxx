@@ -1,5 +1,6 @@
 #include "PhasePicture.h"
 
+#include "GridChecks.h"
 #include "GridReaders.h"
 #include "vtkLatticeConversion.h"
 
@@ -59,6 +60,7 @@ vtkSmartPointer<vtkImageData> readVti(const fs::path& path, const micrograph::Re
   reader->SetReaderErrorObserver(silence);
   reader->SetParserErrorObserver(silence);
   reader->SetFileName(path.c_str());
+  requireReadable(reader, path.string());
   if (options.sizeKnown)
   {
     if (const auto lattice = latticeInFile(reader); lattice && !failed)

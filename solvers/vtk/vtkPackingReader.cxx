@@ -1,5 +1,6 @@
 #include "vtkPackingReader.h"
 
+#include "GridChecks.h"
 #include "GridReaders.h"
 #include "PackingData.h"
 #include "PackingTable.h"
@@ -39,7 +40,9 @@ void readParticles(const std::string& path, vtkPolyData* particles)
   {
     throw lamella::InputError("'" + path + "' is not a whole .vtp file", "make or copy it again");
   }
+  lamella::requireReadable(reader, path);
   reader->Update();
+  lamella::requireSoundCells(reader->GetOutput(), path);
   particles->ShallowCopy(reader->GetOutput());
   try
   {

@@ -8,8 +8,9 @@ def _chunk(kind, data):
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
 
-def png(rows, bits=8, palette=None, colour=None, pixels_per_metre=None):
-    """rows: lists of greys (8 or 16 bits), of palette indices (palette: list of (r, g, b)), or of (r, g, b) (colour)."""
+def png(rows, bits=8, palette=None, colour=None, pixels_per_metre=None, height=None):
+    """rows: lists of greys (8 or 16 bits), of palette indices (palette: list of (r, g, b)), or of (r, g, b) (colour).
+    height: what the header says, when it is not the number of rows."""
     kind = 3 if palette else 2 if colour else 0
     raw = b""
     for row in rows:
@@ -21,7 +22,7 @@ def png(rows, bits=8, palette=None, colour=None, pixels_per_metre=None):
         else:
             raw += bytes(row)
     out = b"\x89PNG\r\n\x1a\n"
-    out += _chunk(b"IHDR", struct.pack(">IIBBBBB", len(rows[0]), len(rows), bits, kind, 0, 0, 0))
+    out += _chunk(b"IHDR", struct.pack(">IIBBBBB", len(rows[0]), height or len(rows), bits, kind, 0, 0, 0))
     if pixels_per_metre:
         out += _chunk(b"pHYs", struct.pack(">IIB", pixels_per_metre, pixels_per_metre, 1))
     if palette:

@@ -48,6 +48,15 @@ class BadPictures(Case):
         self.fails(3, "'t.vti' is a .vti file that is damaged or cut short", "again", "flux-map", "t.vti")
         self.fails(3, "'t.vti' is a .vti file that is damaged or cut short", "again", "snapshot", "t.vti", "-o", "x.png")
 
+    def test_damaged_pixels(self):
+        # Chunks that are whole with pixels that are not: the decoder's own words stay off standard error.
+        name = self.write("p.png", pictures.png([[0] * 9] * 9, height=10))
+        for command in ["diffusion", "equilibrium", "stiffness", "pore-flood-fill", "snapshot", "info"]:
+            words = {"diffusion": SOLVE, "equilibrium": ["--young", "wall=1"], "stiffness": ["--young", "wall=1"],
+                     "snapshot": ["-o", "x.png"]}.get(command, [])
+            self.fails(3, "cannot be decoded: the PNG is damaged or of a rare kind (Not enough image data)",
+                       "save it again", command, name, *words)
+
     def test_not_a_picture(self):
         self.solve(3, "is not a PNG, JPEG or TIFF", "convert it", self.write("p.png", b"Dear diary, " * 20))
         self.solve(3, "'p.vti' is not a whole .vti file", "again", self.write("p.vti", b"Dear diary, " * 20))

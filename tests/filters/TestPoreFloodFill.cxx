@@ -27,6 +27,7 @@ namespace
 {
 
 using namespace lamella;
+using vtktest::cell;
 using vtktest::errorOf;
 using vtktest::picture;
 using vtktest::points;
@@ -39,13 +40,6 @@ class PoreFloodFill : public vtktest::OnRanks
 int twoPores(int x, int y, int)
 {
   return (x < 2 && y < 3) || (x == 5 && y == 4) ? 0 : 1;
-}
-
-double cell(vtkTable* table, vtkIdType row, const char* column)
-{
-  auto* const array = vtkDataArray::SafeDownCast(table->GetColumnByName(column));
-  EXPECT_NE(array, nullptr) << column;
-  return array != nullptr ? array->GetTuple1(row) : std::nan("");
 }
 
 TEST_F(PoreFloodFill, LabelsSizesTableAndNumbers)

@@ -30,6 +30,7 @@ namespace
 {
 
 using namespace lamella;
+using vtktest::cell;
 using vtktest::errorOf;
 using vtktest::picture;
 using vtktest::points;
@@ -37,13 +38,6 @@ using vtktest::points;
 class StressPDF : public vtktest::OnRanks
 {
 };
-
-double cell(vtkTable* table, vtkIdType row, const char* column)
-{
-  auto* const array = vtkDataArray::SafeDownCast(table->GetColumnByName(column));
-  EXPECT_NE(array, nullptr) << column;
-  return array != nullptr ? array->GetTuple1(row) : std::nan("");
-}
 
 std::string word(vtkTable* table, vtkIdType row)
 {

@@ -11,7 +11,11 @@
 #include "vtkImageData.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
+#include "vtkTable.h"
 
+#include <gtest/gtest.h>
+
+#include <cmath>
 #include <functional>
 #include <string>
 
@@ -80,6 +84,14 @@ inline int blobs(int x, int y, int z)
 inline vtkDataArray* points(vtkImageData* image, const char* name)
 {
   return image->GetPointData()->GetArray(name);
+}
+
+/// The number in one row of a table; NaN, and a failure, where there is no such column.
+inline double cell(vtkTable* table, vtkIdType row, const char* column)
+{
+  auto* const array = vtkDataArray::SafeDownCast(table->GetColumnByName(column));
+  EXPECT_NE(array, nullptr) << column;
+  return array != nullptr ? array->GetTuple1(row) : std::nan("");
 }
 
 } // namespace lamella::vtktest

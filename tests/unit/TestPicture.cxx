@@ -102,6 +102,12 @@ TEST(Picture, PngOfEveryKind)
   png.rows = { { 0, 1 }, { 2, 1 } };
   EXPECT_EQ(readPicture(folder.write("palette.png", png.bytes())).grey, (Greys{ 255, 128, 0, 128 }));
 
+  png.chunks.push_back({ "tRNS", { 255, 255, 10 } });
+  const Picture seeThrough = readPicture(folder.write("index.png", png.bytes()));
+  EXPECT_EQ(seeThrough.grey, (Greys{ 255, 128, 0, 128 }));
+  ASSERT_EQ(seeThrough.warnings.size(), 1U);
+  EXPECT_TRUE(contains(seeThrough.warnings[0], "transparent"));
+
   png = {};
   png.colourType = 4;
   png.rows = { { 5, 255, 6, 255 }, { 7, 255, 8, 255 } };
@@ -389,6 +395,36 @@ TEST(Picture, ChangedBytesOfAPngAreNoticed)
     const auto file = folder.write("a.png", bytes);
     EXPECT_THROW((void)readPicture(file), InputError) << "byte " << at;
   }
+}
+
+TEST(Picture, PngWithTooFewRows)
+{
+  const TemporaryFolder folder;
+  PngFile png;
+  png.height = 3;
+  png.rows = { { 1, 2 }, { 3, 4 } };
+  const std::string what = refused(folder.write("a.png", png.bytes())).first;
+  EXPECT_TRUE(contains(what, "cannot be decoded") && contains(what, "Not enough image data")) << what;
+  png.height = 2;
+  png.bits = 3;
+  EXPECT_TRUE(contains(refused(folder.write("b.png", png.bytes())).first, "Invalid IHDR data"));
+}
+
+TEST(Picture, DamagedTextOfAPngIsLeftOutWithAWarning)
+{
+  const TemporaryFolder folder;
+  PngFile png;
+  png.rows = { { 1, 2 }, { 3, 4 } };
+  const std::string text = std::string("Description") + '\0' + "seed 1";
+  png.chunks = { { "tEXt", { text.begin(), text.end() } } };
+  Bytes bytes = png.bytes();
+  EXPECT_EQ(readPicture(folder.write("a.png", bytes)).description, "seed 1");
+  *std::find(bytes.begin(), bytes.end(), '1') = '2';
+  const Picture picture = readPicture(folder.write("b.png", bytes));
+  EXPECT_EQ(picture.grey, (Greys{ 3, 4, 1, 2 }));
+  EXPECT_EQ(picture.description, "");
+  ASSERT_EQ(picture.warnings.size(), 1U);
+  EXPECT_TRUE(contains(picture.warnings[0], "the checksum of its tEXt chunk at byte 33 is wrong; left out"));
 }
 
 TEST(Picture, DamageOfAnyKindIsAnErrorOfOurs)

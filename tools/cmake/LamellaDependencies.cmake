@@ -18,6 +18,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(fmt REQUIRED)
 find_package(JPEG REQUIRED)
+find_package(PNG REQUIRED)
 
 # Debian has no CMake config for these two when only the needed parts are installed.
 find_path(HYPRE_INCLUDE_DIR HYPRE.h PATH_SUFFIXES hypre REQUIRED)
