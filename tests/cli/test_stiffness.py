@@ -148,7 +148,7 @@ class Stiffness(Case):
         self.fails(2, "--periodic", "", *STONE, "--periodic", "x")  # every side is
         self.fails(3, "has no point array 'grain'", "", *STONE, "--young", "stone-stone=1")
         self.fails(6, "the residual force is still", "looser tolerance", *LAYERS, "--max-iterations", "1")
-        self.fails(5, "refined by 40000 needs", "", *STONE, "--refine", "40000")
+        self.fails(5, "at refinement 40000 need", "", *STONE, "--refine", "40000")
 
 
 if __name__ == "__main__":
