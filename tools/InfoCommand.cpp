@@ -386,6 +386,13 @@ Command infoCommand(CLI::App& root)
         {
           const std::string ending = std::filesystem::path(o->picture.file).extension().string();
           const Json json = ending == ".vti" || ending == ".vtp" ? gridJson(o->picture.file) : pictureJson(o->picture);
+          if (!o->common.json && json.contains("warnings"))
+          {
+            for (const Json& warning : json["warnings"])
+            {
+              session.warn(warning.get<std::string>());
+            }
+          }
           session.print(
             o->common.json ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : infoText(json));
         });

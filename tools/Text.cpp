@@ -74,13 +74,14 @@ std::string suggestion(std::string_view word, std::span<const std::string> candi
 
 std::string quotedList(std::span<const std::string> words, std::string_view last)
 {
+  constexpr std::size_t most = 16;
   std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i)
+  for (std::size_t i = 0; i < std::min(most, words.size()); ++i)
   {
     const std::string between = i == 0 ? "" : i + 1 < words.size() ? ", " : fmt::format(" {} ", last);
     text += fmt::format("{}'{}'", between, words[i]);
   }
-  return text;
+  return words.size() > most ? fmt::format("{} {} {} more", text, last, words.size() - most) : text;
 }
 
 std::vector<std::string> split(std::string_view text, char separator)

@@ -21,7 +21,7 @@ namespace lamella::cli
 [[nodiscard]] std::string suggestion(
   std::string_view word, std::span<const std::string> candidates, std::string_view otherwise);
 
-/// 'a', 'b' or 'c'
+/// 'a', 'b' or 'c'; of a long list the first 16 and how many there are besides
 [[nodiscard]] std::string quotedList(std::span<const std::string> words, std::string_view last = "or");
 
 [[nodiscard]] std::vector<std::string> split(std::string_view text, char separator);

@@ -12,6 +12,16 @@
 namespace lamella::packing
 {
 
+namespace
+{
+
+// Beyond these no length is one of a grain, in metres or in mean diameters, and squares soon leave the numbers.
+constexpr double smallestRadius = 1e-15;
+constexpr double largestRadius = 1e6;
+constexpr double farthestCentre = 1e9;
+
+} // namespace
+
 Packing packingOf(int dimension, std::span<const std::array<double, 3>> centre, std::span<const double> radius,
   std::optional<std::array<double, 3>> size, double touching)
 {
@@ -30,11 +40,17 @@ Packing packingOf(int dimension, std::span<const std::array<double, 3>> centre, 
   {
     if (!(radius[i] > 0) || !std::isfinite(radius[i]))
       throw InputError(fmt::format("the radius of grain {} is {}", i + 1, radius[i]), "radii are positive numbers");
+    if (radius[i] < smallestRadius || radius[i] > largestRadius)
+      throw InputError(fmt::format("the radius of grain {} is {:g}", i + 1, radius[i]),
+        fmt::format("radii from {:g} to {:g} are taken; give them in metres", smallestRadius, largestRadius));
     for (std::size_t a = 0; a < axes; ++a)
     {
       if (!std::isfinite(centre[i][a]))
         throw InputError(fmt::format("the centre of grain {} has the coordinate {}", i + 1, centre[i][a]),
           "coordinates are finite numbers");
+      if (std::abs(centre[i][a]) > farthestCentre)
+        throw InputError(fmt::format("the centre of grain {} has the coordinate {:g}", i + 1, centre[i][a]),
+          fmt::format("coordinates up to {:g} are taken; give them in metres", farthestCentre));
       low[a] = std::min(low[a], centre[i][a] - radius[i]);
       high[a] = std::max(high[a], centre[i][a] + radius[i]);
     }

@@ -18,10 +18,11 @@ namespace
 
 std::string listed(std::span<const std::string> names)
 {
+  constexpr std::size_t most = 16;
   std::string text;
-  for (const std::string& name : names)
+  for (const std::string& name : names.first(std::min(most, names.size())))
     text += (text.empty() ? "" : ", ") + name;
-  return text;
+  return names.size() > most ? fmt::format("{} and {} more", text, names.size() - most) : text;
 }
 
 std::optional<std::uint8_t> findPhase(const std::string& name, std::span<const std::string> names)

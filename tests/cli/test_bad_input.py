@@ -181,7 +181,6 @@ class BadPhases(Case):
         self.fails(5, "nodes at refinement 2000000000", "fits", "diffusion", "p.png", *SOLVE, "--refine", "2000000000")
         self.fails(5, "needs about", "smaller", "generate", "softwood", "--size", "9000000,9000000", "-o", "x.png")
 
-
     def test_a_volume_beyond_memory_is_refused_unread(self):
         # 4 TB that take no space. Read first, it would take the hundred seconds that a command is given here.
         name = self.write("rock_20000x20000x10000_u8.raw", b"")
@@ -210,6 +209,14 @@ class BadPhases(Case):
 
 
 class Sizes(Case):
+    def test_a_printers_resolution_is_doubted(self):
+        name = self.write("p.png", pictures.png(pictures.stripes(40, 30), pixels_per_metre=2835))
+        for words in (["info", name], ["diffusion", name, *SOLVE]):
+            result = self.run_lamella(*words)
+            self.assertEqual(result.code, 0, result.err)
+            self.assertRegex(result.err, "^warning: PNG pHYs of 'p.png' says 72.* dots an inch")
+        self.assertEqual(len(self.works("info", name, "--json").json()["warnings"]), 1)
+
     def test_a_pixel_of_half_a_metre_is_doubted(self):
         self.write("p.png", GOOD)
         result = self.run_lamella("diffusion", "p.png", *SOLVE, "--pixel-size", "0.5", "--quiet")

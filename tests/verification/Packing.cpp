@@ -322,6 +322,9 @@ TEST(PackingOf, FindsContactsAndRefusesWhatCannotBe)
     message({ { 0, 0, 0 }, { 1, 0, 0 } }, { 1, 1 }), "grains 1 and 2 overlap by 1, 50 % of the smaller one's diameter");
   EXPECT_EQ(message({ { 0, 0, 0 } }, { -1 }), "the radius of grain 1 is -1");
   EXPECT_EQ(message({ { 0, 0, 0 } }, { 0 }), "the radius of grain 1 is 0");
+  EXPECT_EQ(message({ { 0, 0, 0 } }, { 1e300 }), "the radius of grain 1 is 1e+300");
+  EXPECT_EQ(message({ { 0, 0, 0 } }, { 1e-300 }), "the radius of grain 1 is 1e-300");
+  EXPECT_EQ(message({ { 1e200, 0, 0 } }, { 1 }), "the centre of grain 1 has the coordinate 1e+200");
   EXPECT_EQ(message({ { std::nan(""), 0, 0 } }, { 1 }), "the centre of grain 1 has the coordinate nan");
   EXPECT_EQ(message({}, {}), "there are no grains");
   EXPECT_EQ(message({ { 5, 1, 0 } }, { 1 }, Centre{ 4, 4, 0 }),
