@@ -156,7 +156,7 @@ void compareRanks(const Scene& scene, int repeats)
   std::array<std::vector<double>, 2> shared;
   std::array<std::vector<double>, 2> apart;
   std::array<double, 2> rate{};
-  for (int turn = 0; turn < 5; ++turn)
+  for (int turn = 0; turn < 9; ++turn)
   {
     benchmark::waitForAll();
     std::array<double, 2> one{};
@@ -181,7 +181,7 @@ void compareRanks(const Scene& scene, int repeats)
       std::sort(ratios.begin(), ratios.end());
   fmt::print("{:<40} linear {:5.0f}, {:.2f} times one rank (whole lattices at once {:.2f}); nonlinear {:5.0f}, {:.2f} "
              "({:.2f})\n",
-    scene.name, rate[0], shared[0][2], apart[0][2], rate[1], shared[1][2], apart[1][2]);
+    scene.name, rate[0], shared[0][4], apart[0][4], rate[1], shared[1][4], apart[1][4]);
 }
 
 /// What one writes first: for each node, over the list of its neighbours, in double precision.

@@ -6,6 +6,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace lamella::peridynamics
 {
@@ -20,6 +21,48 @@ const RealRowKernels<Real>& kernelsOf(const BondLattice& bonds)
   else
     return bonds.rowKernels().f;
 }
+
+/// Which bonds a pass sums: all, those between owned rows, or those between an owned row and another rank's.
+enum class Part
+{
+  All,
+  Inner,
+  Rim
+};
+
+/// The layers along the slowest axis that belong to other ranks.
+class RemoteLayers
+{
+public:
+  RemoteLayers() = default;
+  template <class Real>
+  RemoteLayers(const NodeLayout& l, const RimInFlight<Real>& rim)
+    : space_(l.dimension == 3)
+    , begin_(rim.low() ? 0 : none)
+    , end_(rim.high() ? l.size[space_ ? 2 : 1] : all)
+  {
+  }
+
+  [[nodiscard]] bool any() const noexcept { return begin_ != none || end_ != all; }
+  [[nodiscard]] bool contain(std::int64_t y, std::int64_t z) const noexcept
+  {
+    const std::int64_t layer = space_ ? z : y;
+    return layer < begin_ || layer >= end_;
+  }
+  /// Is one of them among the `reach` layers to either side?
+  [[nodiscard]] bool near(std::int64_t y, std::int64_t z, std::int64_t reach) const noexcept
+  {
+    return space_ ? contain(y, z - reach) || contain(y, z + reach) : contain(y - reach, z) || contain(y + reach, z);
+  }
+
+private:
+  static constexpr std::int64_t none = std::numeric_limits<std::int64_t>::min();
+  static constexpr std::int64_t all = std::numeric_limits<std::int64_t>::max();
+
+  bool space_ = false;
+  std::int64_t begin_ = none; ///< layers below
+  std::int64_t end_ = all;    ///< layers from here on
+};
 
 /// The force pass of one thread over its band.
 template <class Real>
@@ -41,19 +84,26 @@ public:
   {
   }
 
+  /// @param part Rim adds to what Inner has written
   /// @param rim on its way, or null; to be polled, never waited for
-  void run(const Band& band, std::vector<Bond>* list, RimInFlight<Real>* rim)
+  void run(const Band& band, Part part, const RemoteLayers& remote, std::vector<Bond>* list, RimInFlight<Real>* rim)
   {
     const NodeLayout& l = bonds_.layout();
     const int d = l.dimension;
+    const int reach = bonds_.stencil().layers();
     const auto zero = [&](std::int64_t row)
     {
+      if (part == Part::Rim)
+        return;
       for (int c = 0; c < d; ++c)
         std::fill_n(f_.component(c) + row * l.pitch, l.pitch, Real(0));
     };
-    sweep(l, bonds_.stencil().layers(), band, zero,
+    sweep(l, reach, band, zero,
       [&](std::int64_t y, std::int64_t z, std::int64_t row, bool own)
       {
+        const bool away = part != Part::All && remote.contain(y, z);
+        if (part == Part::Inner ? away : part == Part::Rim && !remote.near(y, z, reach))
+          return;
         if (rim != nullptr && row % rowsBetweenPolls == 0)
           rim->poll();
         if (runs_.find(bonds_, row, 64 / static_cast<int>(sizeof(Real))))
@@ -61,7 +111,13 @@ public:
           clearGaps();
           for (const Chunk& chunk : chunks_)
           {
-            const bool target = inBand(l, band, y + chunk.step[1], z + chunk.step[2]);
+            const std::int64_t toY = y + chunk.step[1];
+            const std::int64_t toZ = z + chunk.step[2];
+            if (!inLattice(l, 1, toY) || !inLattice(l, 2, toZ))
+              continue;
+            if (part != Part::All && (away || remote.contain(toY, toZ)) != (part == Part::Rim))
+              continue;
+            const bool target = inBand(l, band, toY, toZ);
             if (own || target)
               pair(chunk, y, z, own, target, list);
           }
@@ -76,6 +132,13 @@ public:
 
 private:
   static constexpr std::int64_t rowsBetweenPolls = 8;
+
+  // Bonds that leave the lattice are none, and a row near its end has many of them.
+  [[nodiscard]] bool inLattice(const NodeLayout& l, std::size_t axis, std::int64_t at) const noexcept
+  {
+    const std::int64_t global = at + l.start[axis];
+    return bonds_.periodic()[axis] || (global >= 0 && global < l.global[axis]);
+  }
 
   // What pull() reads and push() does not write. Most rows have the gaps of the row before, which are still clear.
   void clearGaps()
@@ -175,20 +238,6 @@ private:
   std::vector<Run> clear_; ///< zero in all buffers
 };
 
-// Rows whose nodes have no bond to the rows of other ranks: all when no rim is on its way, or none when there are too
-// few to make up for what is summed twice at a band's ends.
-Band innerRows(const BondLattice& bonds, bool low, bool high)
-{
-  constexpr std::int64_t worthwhile = 20; // in reaches of a bond
-  const NodeLayout& l = bonds.layout();
-  const std::size_t axis = l.dimension == 3 ? 2 : 1;
-  const std::int64_t reach = bonds.stencil().layers();
-  const std::int64_t layer = l.dimension == 3 ? l.size[1] : 1;
-  if ((low || high) && l.size[axis] < worthwhile * reach)
-    return {};
-  return { low ? reach * layer : 0, (l.size[axis] - (high ? reach : 0)) * layer };
-}
-
 template <class Real>
 CriticalBonds force(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f, bool nonlinear, bool wanted,
   RimInFlight<Real>* rim = nullptr)
@@ -198,33 +247,30 @@ CriticalBonds force(const BondLattice& bonds, const NodeField<Real>& u, NodeFiel
   CriticalBonds found;
   const int threads = omp_get_max_threads();
   std::int64_t critical = 0;
-  const auto run = [&](const std::vector<Band>& shares, RimInFlight<Real>* pending)
+  const std::vector<Band> shares = bands(bonds, threads);
+  const auto run = [&](Part part, const RemoteLayers& remote, RimInFlight<Real>* pending)
   {
     std::vector<std::vector<Bond>> lists(shares.size());
 #pragma omp parallel for schedule(static, 1) reduction(+ : critical) num_threads(threads) if (threads > 1)
     for (std::size_t b = 0; b < shares.size(); ++b)
     {
       ForceBand<Real> band(bonds, numbers, list, u, f, nonlinear);
-      band.run(shares[b], wanted ? &lists[b] : nullptr, b == 0 ? pending : nullptr);
+      band.run(shares[b], part, remote, wanted ? &lists[b] : nullptr, b == 0 ? pending : nullptr);
       critical += band.critical;
     }
-    for (const auto& part : lists)
-      found.bonds.insert(found.bonds.end(), part.begin(), part.end());
+    for (const auto& bandsList : lists)
+      found.bonds.insert(found.bonds.end(), bandsList.begin(), bandsList.end());
   };
-  const NodeLayout& l = bonds.layout();
-  const Band inner = innerRows(bonds, rim != nullptr && rim->low(), rim != nullptr && rim->high());
-  const Band all{ 0, l.size[1] * l.size[2] };
-  if (inner.begin < inner.end)
-    run(bands(bonds, threads, inner), rim);
-  if (rim != nullptr)
+  const RemoteLayers remote = rim != nullptr ? RemoteLayers(bonds.layout(), *rim) : RemoteLayers();
+  if (remote.any())
+  {
+    run(Part::Inner, remote, rim);
     rim->finish();
-  if (inner.begin >= inner.end)
-    run(bands(bonds, threads, all), nullptr);
-  else if (inner.begin > all.begin || inner.end < all.end)
-    run({ Band{ all.begin, inner.begin }, Band{ inner.end, all.end } }, nullptr);
-  if (!nonlinear)
-    return found;
-  found.count = bonds.communicator().sum(critical);
+    run(Part::Rim, remote, nullptr);
+  }
+  else
+    run(Part::All, remote, nullptr);
+  found.count = critical;
   std::sort(found.bonds.begin(), found.bonds.end());
   return found;
 }

@@ -10,7 +10,8 @@
 /// Sums over the bonds of a lattice. Each is a template of float and double. Fields have the layout of the lattice; the
 /// rim of what is read must be up to date (BondLattice::exchange), what is written is written for owned nodes only
 /// (the rim of it is zero or left as it was). None allocates more than a few rows a thread; all use OpenMP's threads. A
-/// sum at a node, and so every force, is the same to the last bit for any number of threads and ranks.
+/// sum at a node, and so every force, is the same to the last bit for any number of threads and ranks; where the rim is
+/// exchanged meanwhile, for any number of threads, and to round-off for any number of ranks.
 ///
 /// With k the stiffness of a bond (BondKind, surface correction included), ξ its vector, e = ξ/|ξ|, η = uⱼ − uᵢ:
 /// linearised  f = (k/|ξ|) (e·η) e;   nonlinear  f = k (|ξ+η| − |ξ|)/|ξ| (ξ+η)/|ξ+η|.
@@ -21,7 +22,8 @@ namespace lamella::peridynamics
 template <class Real>
 void linearForce(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f);
 
-/// The same where the rim of u is not up to date: it is filled while inner rows are summed. Collective.
+/// The same where the rim of u is not up to date: it is filled while the bonds between this rank's own nodes are
+/// summed; those that lead to other ranks come last. Collective.
 template <class Real>
 void exchangeAndLinearForce(const BondLattice& bonds, NodeField<Real>& u, NodeField<Real>& f);
 
@@ -31,11 +33,12 @@ struct StretchMaximum
   std::optional<Bond> bond{}; ///< its bond, the same on every rank; the first in order where several are equal
 };
 
-/// What the check found, over all ranks.
+/// What the check found among the bonds whose first node this rank owns. Not summed over ranks: that would make all
+/// wait for each other once more a pass; callers that want the sum take it with their other sums.
 struct CriticalBonds
 {
   std::int64_t count = 0;    ///< bonds with s > s₀
-  std::vector<Bond> bonds{}; ///< those of this rank's owned first nodes, in order; only when asked for
+  std::vector<Bond> bonds{}; ///< these, in order; only when asked for
 };
 
 /// The nonlinear force, and the bonds beyond their critical elongation. Exact for large rotations, and without loss of
