@@ -19,7 +19,9 @@ struct Problem
   std::span<const std::uint8_t> phase; ///< parts.block().count() ids
   std::span<const double> diffusivity; ///< one a phase id
   int axis = 0;
+  const LinkTable* table = nullptr; ///< of the whole lattice, or none
 
+  [[nodiscard]] Links links() const { return { lattice, options.stencil, boundary(), diffusivity, table }; }
   [[nodiscard]] std::array<Boundary, 3> boundary() const
   {
     const Boundary side = options.sides == Sides::Periodic ? Boundary::Periodic : Boundary::Insulated;

@@ -8,7 +8,7 @@ namespace lamella::lbm
 BoxField::BoxField(const Problem& problem)
   : problem_(problem)
   , block_(problem.parts.block())
-  , links_(problem.lattice, problem.options.stencil, problem.boundary(), problem.diffusivity)
+  , links_(problem.links())
   , halo_(problem.lattice.dimension, block_.size, problem.parts, problem.comm, problem.periodic())
   , stride_(block_.size[0] + 2)
   , u_(static_cast<std::size_t>(halo_.rows() * stride_), 0.0)
@@ -87,6 +87,15 @@ void BoxField::rowLinks(std::int64_t y, std::int64_t z, const Direction& d, F&& 
     const double* v = u_.data() + halo_.row(y + d.y, z + d.z) * stride_ + 1;
     f(x, weight * links_.mean(rowPhase(y, z)[x], rowPhase(y + d.y, z + d.z)[other]), u[x] - v[x + d.x] + jump);
   };
+  if (const double* given = links_.given(d, p[1]); given != nullptr)
+  {
+    if (d.y != 0 && (p[1] + d.y < 0 || p[1] + d.y >= problem_.lattice.size[1]))
+      return;
+    const double* v = u_.data() + halo_.row(y + d.y, z) * stride_ + 1 + d.x;
+    for (std::int64_t x = d.x < 0 ? 1 : 0; x < (d.x > 0 ? nx - 1 : nx); ++x)
+      f(x, given[x], u[x] - v[x]);
+    return;
+  }
   // the two ends, where sides wrap or reflect, then the rest with one weight
   if (nx < 3)
   {
@@ -158,7 +167,7 @@ void BoxField::addToPlanes(std::int64_t y, std::int64_t z, PlaneSums& planes) co
   const std::uint8_t* phase = rowPhase(y, z);
   const auto wall = [&](std::int64_t x, double fall, std::int64_t plane)
   {
-    const double g = links_.wall(phase[x]);
+    const double g = links_.wall(phase[x], { x, y + block_.start[1], z + block_.start[2] }, axis, plane == n);
     planes.conductance[static_cast<std::size_t>(plane)] += g;
     planes.flux[static_cast<std::size_t>(plane)] += g * fall;
   };
@@ -246,7 +255,8 @@ FieldSums BoxField::evaluate(const RowSink& sink, PlaneSums* planes)
         const auto wall = [&](std::int64_t x, double wallValue, double& face, double sign)
         {
           const double du = u[x] - wallValue;
-          const double q = links_.wall(phase[x]) * du;
+          const double q =
+            links_.wall(phase[x], { x, y + block_.start[1], z + block_.start[2] }, axis, wallValue == 0.0) * du;
           out[x] -= q;
           s.energy += q * du;
           face += sign * q;
@@ -334,10 +344,11 @@ void BoxField::flux(std::span<double> out) const
       for (std::int64_t x = 0; x < block_.size[0]; ++x)
       {
         const std::int64_t p = axis == 0 ? x : axis == 1 ? y + block_.start[1] : z + block_.start[2];
+        const std::array<std::int64_t, 3> node{ x, y + block_.start[1], z + block_.start[2] };
         if (p == 0)
-          row[3 * x + axis] += 0.5 * unit * links_.wall(phase[x]) * (1.0 - u[x]);
+          row[3 * x + axis] += 0.5 * unit * links_.wall(phase[x], node, axis, false) * (1.0 - u[x]);
         if (p == problem_.lattice.size[axis] - 1)
-          row[3 * x + axis] += 0.5 * unit * links_.wall(phase[x]) * u[x];
+          row[3 * x + axis] += 0.5 * unit * links_.wall(phase[x], node, axis, true) * u[x];
       }
     }
 }

@@ -146,7 +146,7 @@ public:
   explicit CompactSystem(const Problem& problem)
     : problem_(problem)
     , block_(problem.parts.block())
-    , links_(problem.lattice, problem.options.stencil, problem.boundary(), problem.diffusivity)
+    , links_(problem.links())
     , halo_(problem.lattice.dimension, block_.size, problem.parts, problem.comm, problem.periodic())
     , percolation_(
         findPercolation(problem.lattice, problem.parts, halo_, problem.comm, links_, problem.axis, problem.phase))
@@ -292,10 +292,11 @@ private:
       else if (x >= nx)
         x -= nx;
       const std::int64_t otherRow = row + d.y + d.z * (block_.size[1] + 2);
-      if (!set().contains(otherRow, x))
+      if (!set().contains(otherRow, x) || !links_.open(d, p[0], p[1]))
         continue;
       const std::uint32_t other = set().id(otherRow, x);
-      f(weight * mean[phase_[other]], u_[id] - u_[other] + jump * d[axis], d,
+      const double* given = links_.given(d, p[1]);
+      f(given != nullptr ? given[p[0]] : weight * mean[phase_[other]], u_[id] - u_[other] + jump * d[axis], d,
         globalBegin_[static_cast<std::size_t>(otherRow)] + other - set().rowBegin(otherRow));
     }
     if (!periodic)
@@ -305,10 +306,10 @@ private:
       if (p[axis] == 0)
       {
         Direction low{ -d.x, -d.y, -d.z };
-        f(links_.wall(phase_[id]), u_[id] - 1.0, low, -1);
+        f(links_.wall(phase_[id], p, axis, false), u_[id] - 1.0, low, -1);
       }
       if (p[axis] == problem_.lattice.size[axis] - 1)
-        f(links_.wall(phase_[id]), u_[id], d, -1);
+        f(links_.wall(phase_[id], p, axis, true), u_[id], d, -1);
     }
   }
 

@@ -18,7 +18,7 @@ NodeSet conductingNodes(const Block& block, const Halo& halo, const Links& links
     {
       const std::int64_t row = halo.row(y, z);
       for (std::int64_t x = 0; x < block.size[0]; ++x, ++i)
-        if (links.conducts(phase[i]))
+        if (links.conducts(phase[i], x, y + block.start[1]))
           set.insert(row, x);
     }
   return set;
@@ -50,19 +50,21 @@ NodeSet floodFromFace(const Lattice& lattice, const Block& block, const Halo& ha
       for (const Direction& d : links.all())
       {
         const Position q{ p[0] + d.x, p[1] + d.y, p[2] + d.z };
-        if (q[0] >= 0 && q[0] < block.size[0] && owned(q))
+        if (q[0] >= 0 && q[0] < block.size[0] && owned(q) && links.open(d, p[0], p[1] + block.start[1]))
           visit(q);
       }
     }
   };
 
   const std::int64_t face = high ? lattice.size[axis] - 1 : 0;
+  const int out = high ? 1 : -1;
+  const Direction outwards{ axis == 0 ? out : 0, axis == 1 ? out : 0, axis == 2 ? out : 0 };
   for (std::int64_t z = 0; z < block.size[2]; ++z)
     for (std::int64_t y = 0; y < block.size[1]; ++y)
       for (std::int64_t x = 0; x < block.size[0]; ++x)
       {
         const Position p{ x, y, z };
-        if (block.start[axis] + p[axis] == face)
+        if (block.start[axis] + p[axis] == face && links.open(outwards, x, y + block.start[1]))
           visit(p);
         else if (axis == 0)
           x = std::max(x, face - 1); // skip to the only node of the row that lies on the face
@@ -81,7 +83,7 @@ NodeSet floodFromFace(const Lattice& lattice, const Block& block, const Halo& ha
           for (const Direction& d : links.all())
           {
             const Position q{ x + d.x, y + d.y, z + d.z };
-            if (q[0] >= 0 && q[0] < block.size[0] && owned(q))
+            if (q[0] >= 0 && q[0] < block.size[0] && owned(q) && links.open(d, x, y + block.start[1]))
               visit(q);
           }
         });

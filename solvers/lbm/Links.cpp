@@ -5,8 +5,8 @@
 namespace lamella::lbm
 {
 
-Links::Links(
-  const Lattice& lattice, Stencil stencil, std::array<Boundary, 3> boundary, std::span<const double> diffusivity)
+Links::Links(const Lattice& lattice, Stencil stencil, std::array<Boundary, 3> boundary,
+  std::span<const double> diffusivity, const LinkTable* table)
   : dimension_(lattice.dimension)
   , size_(lattice.size)
   , boundary_(boundary)
@@ -34,6 +34,13 @@ Links::Links(
       }
 
   scale_ = *std::max_element(diffusivity_.begin(), diffusivity_.end());
+  if (table != nullptr)
+  {
+    given_ = *table;
+    for (auto* values : { &given_.x, &given_.y })
+      for (double& g : *values)
+        g /= scale_;
+  }
   if (scale_ > 0.0)
     for (double& d : diffusivity_)
       d /= scale_;

@@ -1,8 +1,10 @@
 #pragma once
 
 #include "lattice/Lattice.h"
+#include "lbm/LinkTable.h"
 #include "lbm/SteadyDiffusion.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -34,7 +36,9 @@ struct Direction
 class Links
 {
 public:
-  Links(const Lattice& lattice, Stencil stencil, std::array<Boundary, 3> boundary, std::span<const double> diffusivity);
+  /// @param table conductivities instead of the harmonic means (D2Q5, no periodic side), or null; it is copied
+  Links(const Lattice& lattice, Stencil stencil, std::array<Boundary, 3> boundary, std::span<const double> diffusivity,
+    const LinkTable* table = nullptr);
 
   /// Half of the directions: each link once.
   [[nodiscard]] const std::vector<Direction>& forward() const noexcept { return forward_; }
@@ -64,6 +68,25 @@ public:
     return w;
   }
 
+  /// Conductance, scaled by scale(), of the link of node (0, y) of the whole lattice in a direction, those of the nodes
+  /// (x, y) x further; null without a table. Links to the faces are half as long: they carry twice that.
+  [[nodiscard]] const double* given(const Direction& d, std::int64_t y) const noexcept
+  {
+    return given_.x.empty() ? nullptr : given_.row(d.x, d.y, y);
+  }
+  /// Does this node of the whole lattice have a link that conducts?
+  [[nodiscard]] bool conducts(std::uint8_t phase, std::int64_t x, std::int64_t y) const noexcept
+  {
+    if (given_.x.empty())
+      return conducts(phase);
+    return std::any_of(all_.begin(), all_.end(), [&](const Direction& d) { return given(d, y)[x] > 0.0; });
+  }
+  /// Does the link in direction d from this node of the whole lattice conduct, provided that both its ends do?
+  [[nodiscard]] bool open(const Direction& d, std::int64_t x, std::int64_t y) const noexcept
+  {
+    return given_.x.empty() || given(d, y)[x] > 0.0;
+  }
+
   /// Harmonic mean of the diffusivities of two phase ids, scaled by scale().
   [[nodiscard]] double mean(std::uint8_t a, std::uint8_t b) const noexcept
   {
@@ -73,7 +96,15 @@ public:
   /// Diffusivity of a phase id, scaled by scale().
   [[nodiscard]] double diffusivity(std::uint8_t a) const noexcept { return diffusivity_[a]; }
   /// Conductance of a node to the wall value on a fixed face: 12 D Σ w_q = 2 D on every stencil.
-  [[nodiscard]] double wall(std::uint8_t a) const noexcept { return 2.0 * diffusivity_[a]; }
+  /// @param phase of the node  @param p its position in the whole lattice  @param axis, high which face
+  [[nodiscard]] double wall(
+    std::uint8_t phase, const std::array<std::int64_t, 3>& p, int axis, bool high) const noexcept
+  {
+    if (given_.x.empty())
+      return 2.0 * diffusivity_[phase];
+    const int step = high ? 1 : -1;
+    return 2.0 * given_.row(axis == 0 ? step : 0, axis == 0 ? 0 : step, p[1])[p[0]];
+  }
   /// Largest diffusivity: everything inside is divided by it.
   [[nodiscard]] double scale() const noexcept { return scale_; }
   [[nodiscard]] bool conducts(std::uint8_t a) const noexcept { return diffusivity_[a] > 0.0; }
@@ -88,6 +119,7 @@ private:
   std::size_t phases_ = 0;
   std::vector<double> diffusivity_;
   std::vector<double> table_;
+  LinkTable given_; ///< scaled; empty without one
   std::vector<Direction> forward_;
   std::vector<Direction> all_;
 };

@@ -347,32 +347,41 @@ Level MultigridSystem::finestLevel()
         const double last = weightAt(g.nx - 1);
         if (inner == 0.0 && first == 0.0 && last == 0.0)
           continue;
+        const double* given = links.given(direction, p[1]);
         const std::uint8_t* here = field_.rowPhase(y, z);
         const std::uint8_t* there = field_.rowPhase(y + direction.y, z + direction.z);
         const auto set = [&](std::int64_t x, double weight)
         {
           std::int64_t other = x + direction.x;
           other = other < 0 ? other + g.nx : other >= g.nx ? other - g.nx : other;
-          row[g.node(x)] = static_cast<float>(weight * links.mean(here[x], there[other]));
+          row[g.node(x)] = static_cast<float>(given != nullptr ? given[x] : weight * links.mean(here[x], there[other]));
         };
         if (first != 0.0)
           set(0, first);
-        for (std::int64_t x = 1; x < g.nx - 1; ++x)
-          row[g.node(x)] = static_cast<float>(inner * links.mean(here[x], there[x + direction.x]));
+        if (given != nullptr)
+          for (std::int64_t x = 1; x < g.nx - 1; ++x)
+            row[g.node(x)] = static_cast<float>(given[x]);
+        else
+          for (std::int64_t x = 1; x < g.nx - 1; ++x)
+            row[g.node(x)] = static_cast<float>(inner * links.mean(here[x], there[x + direction.x]));
         if (last != 0.0)
           set(g.nx - 1, last);
       }
   }
 
   // walls: links to the ghosts of value zero beyond the faces
-  const auto wall = [&](std::uint8_t phase) { return static_cast<float>(links.wall(phase)); };
+  const auto wall = [&](std::int64_t x, std::int64_t y, std::int64_t z, bool high)
+  {
+    return static_cast<float>(
+      links.wall(field_.rowPhase(y, z)[x], { x, y + block.start[1], z + block.start[2] }, axis, high));
+  };
   if (!periodic && axis == 0)
     for (std::int64_t z = 0; z < g.nz; ++z)
       for (std::int64_t y = 0; y < g.ny; ++y)
       {
         float* row = level.links[0].data() + g.row(y, z);
-        row[g.node(-1)] = wall(field_.rowPhase(y, z)[0]);
-        row[g.node(g.nx - 1)] = wall(field_.rowPhase(y, z)[g.nx - 1]);
+        row[g.node(-1)] = wall(0, y, z, false);
+        row[g.node(g.nx - 1)] = wall(g.nx - 1, y, z, true);
       }
   for (FloatArray& array : level.links)
     level.exchange(array);
@@ -394,7 +403,7 @@ Level MultigridSystem::finestLevel()
         // the link is stored at its lower end
         float* row = array.data() + (high ? g.row(y, z) : axis == 1 ? g.row(-1, z) : g.row(y, -1));
         for (std::int64_t x = 0; x < g.nx; ++x)
-          row[g.node(x)] = wall(field_.rowPhase(y, z)[x]);
+          row[g.node(x)] = wall(x, y, z, high);
       }
     }
   }

@@ -115,7 +115,7 @@ struct SteadyDiffusion::Impl
 
   [[nodiscard]] Problem problem(int axis) const
   {
-    return Problem{ lattice, parts, comm, options, phase, diffusivity, axis };
+    return Problem{ lattice, parts, comm, options, phase, diffusivity, axis, options.links.get() };
   }
 
   [[nodiscard]] Method method() const
@@ -132,6 +132,31 @@ struct SteadyDiffusion::Impl
     return possible ? Method::Multigrid : Method::AlgebraicMultigrid;
   }
 };
+
+namespace
+{
+
+void requireLinks(const Lattice& lattice, const SteadyOptions& options)
+{
+  const LinkTable& table = *options.links;
+  if (options.stencil != Stencil::D2Q5 || options.sides != Sides::Insulated)
+    throw ParameterError(fmt::format("conductivities of single links were given for {}, {} sides",
+                           name(options.stencil), options.sides == Sides::Periodic ? "periodic" : "insulated"),
+      "they go with d2q5 and insulated sides");
+  const auto nx = static_cast<std::size_t>(lattice.size[0]);
+  const auto ny = static_cast<std::size_t>(lattice.size[1]);
+  if (table.size[0] != lattice.size[0] || table.size[1] != lattice.size[1] || table.x.size() != (nx + 1) * ny ||
+    table.y.size() != nx * (ny + 1))
+    throw ParameterError(fmt::format("links of {} × {} nodes were given for a lattice of {} × {}", table.size[0],
+                           table.size[1], lattice.size[0], lattice.size[1]),
+      "give (nx + 1) ny along x and nx (ny + 1) along y");
+  for (const auto* values : { &table.x, &table.y })
+    for (const double g : *values)
+      if (!std::isfinite(g) || g < 0)
+        throw ParameterError(fmt::format("a link has the conductivity {}", g), "give finite values of at least 0");
+}
+
+} // namespace
 
 SteadyDiffusion::SteadyDiffusion(const Lattice& lattice, const Block& block, std::span<const std::uint8_t> phase,
   std::span<const double> diffusivity, SteadyOptions options, MPI_Comm comm)
@@ -174,6 +199,16 @@ SteadyDiffusion::SteadyDiffusion(const Lattice& lattice, const Block& block, std
   }
   m.conducting = m.comm.sum(m.conducting);
   m.allConduct = m.conducting == lattice.count();
+  if (options.links)
+  {
+    requireLinks(lattice, options);
+    const auto& table = *options.links;
+    const auto open = [](double g) { return g > 0; };
+    m.allConduct = m.conducting > 0 && std::all_of(table.x.begin(), table.x.end(), open) &&
+      std::all_of(table.y.begin(), table.y.end(), open);
+    if (!m.allConduct) // which nodes take part is not worth counting
+      m.conducting = m.conducting > 0 ? lattice.count() : 0;
+  }
   if (m.conducting == 0)
     throw NoPathError("no node of the picture conducts", "give at least one phase that occurs a conductivity above 0");
   m.phase.assign(phase.begin(), phase.end());
@@ -191,7 +226,7 @@ bool SteadyDiffusion::percolates(int axis)
   if (m.allConduct)
     return true;
   const Problem problem = m.problem(axis);
-  const Links links(m.lattice, m.options.stencil, problem.boundary(), m.diffusivity);
+  const Links links = problem.links();
   const Halo halo(m.lattice.dimension, m.parts.block().size, m.parts, m.comm, problem.periodic());
   return findPercolation(m.lattice, m.parts, halo, m.comm, links, axis, m.phase).exists;
 }

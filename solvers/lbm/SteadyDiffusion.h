@@ -16,6 +16,8 @@
 namespace lamella::lbm
 {
 
+struct LinkTable;
+
 enum class Stencil
 {
   D2Q5,
@@ -57,6 +59,9 @@ struct SteadyOptions
   int maxIterations = 500;
   int threads = 1;
   Progress progress;
+  /// Conductivities of the links one by one instead of harmonic means of the phases'; D2Q5 between insulated sides
+  /// only.
+  std::shared_ptr<const LinkTable> links;
 };
 
 using lamella::Block;
@@ -98,7 +103,7 @@ public:
   /// @param block       the part this rank holds (decompose()); the whole box on one rank
   /// @param phase       block.size[0] * block.size[1] * block.size[2] phase ids of this rank
   /// @param diffusivity one value a phase id, finite and ≥ 0; 0: does not conduct
-  /// @throws ParameterError (stencil against dimension, values out of range), MemoryError
+  /// @throws ParameterError (stencil against dimension, values out of range, links that do not fit), MemoryError
   SteadyDiffusion(const Lattice& lattice, const Block& block, std::span<const std::uint8_t> phase,
     std::span<const double> diffusivity, SteadyOptions options, MPI_Comm comm = MPI_COMM_SELF);
   ~SteadyDiffusion();
