@@ -136,6 +136,8 @@ private:
   /// Calls `visit(cell, nodes, low)` for each square of nodes and each of the cells at its corners.
   template <typename Visit>
   void forSquares(const Visit& visit) const;
+  template <typename Visit>
+  void forCells(std::int64_t x, std::int64_t y, const Visit& visit) const;
   void roundCorners();
 
   const Lattice& lattice_;
@@ -150,27 +152,37 @@ private:
 template <typename Visit>
 void Finder::forSquares(const Visit& visit) const
 {
-  const std::int64_t nx = lattice_.size[0];
-  for (std::int64_t y = 0; y + 1 < lattice_.size[1]; ++y)
+  // Tile by tile, so that pieces of lines that follow each other are near each other, as the search wants them.
+  constexpr std::int64_t tile = 4;
+  for (std::int64_t y0 = 0; y0 + 1 < lattice_.size[1]; y0 += tile)
   {
-    for (std::int64_t x = 0; x + 1 < nx; ++x)
+    for (std::int64_t x0 = 0; x0 + 1 < lattice_.size[0]; x0 += tile)
     {
-      const auto node = static_cast<std::size_t>(x + nx * y);
-      const auto above = node + static_cast<std::size_t>(nx);
-      const std::array<std::size_t, 4> nodes{ node, node + 1, above + 1, above };
-      std::array<std::int32_t, 4> seen{};
-      std::size_t count = 0;
-      for (const std::size_t corner : nodes)
+      for (std::int64_t y = y0; y < std::min(y0 + tile, lattice_.size[1] - 1); ++y)
       {
-        const std::int32_t cell = directions_.grain[corner];
-        if (std::find(seen.begin(), seen.begin() + count, cell) == seen.begin() + count)
+        for (std::int64_t x = x0; x < std::min(x0 + tile, lattice_.size[0] - 1); ++x)
         {
-          seen[count++] = cell;
-          visit(cell, nodes,
-            Point{
-              (static_cast<double>(x) + 0.5) * lattice_.spacing, (static_cast<double>(y) + 0.5) * lattice_.spacing });
+          forCells(x, y, visit);
         }
       }
+    }
+  }
+}
+
+template <typename Visit>
+void Finder::forCells(std::int64_t x, std::int64_t y, const Visit& visit) const
+{
+  const auto node = static_cast<std::size_t>(x + lattice_.size[0] * y);
+  const auto above = node + static_cast<std::size_t>(lattice_.size[0]);
+  const std::array<std::size_t, 4> nodes{ node, node + 1, above + 1, above };
+  const Point low{ (static_cast<double>(x) + 0.5) * lattice_.spacing,
+    (static_cast<double>(y) + 0.5) * lattice_.spacing };
+  for (std::size_t i = 0; i < 4; ++i)
+  {
+    const std::int32_t cell = directions_.grain[nodes[i]];
+    if (std::none_of(nodes.begin(), nodes.begin() + i, [&](std::size_t n) { return directions_.grain[n] == cell; }))
+    {
+      visit(cell, nodes, low);
     }
   }
 }

@@ -9,7 +9,7 @@ namespace lamella::micrograph
 namespace
 {
 
-constexpr std::int32_t kRun = 8;
+constexpr std::size_t kRun = 8;
 constexpr std::int64_t kBlock = 8;
 constexpr double kThird = 1.5; ///< how much farther than the second the third nearest is of interest
 
@@ -27,6 +27,75 @@ void grow(Point& low, Point& high, const Point& point)
     low[axis] = std::min(low[axis], point[axis]);
     high[axis] = std::max(high[axis], point[axis]);
   }
+}
+
+/// For processors with and without AVX2, chosen when the program is loaded; both give the same numbers.
+#define LAMELLA_BOTH __attribute__((target_clones("avx2", "default")))
+
+/// @param lanes x, y, dx, dy and 1/length² of eight segments, one after another
+LAMELLA_BOTH void squaredToSegments(const double* lanes, double px, double py, double* squared)
+{
+#pragma omp simd
+  for (std::size_t i = 0; i < kRun; ++i)
+  {
+    const double x = px - lanes[i];
+    const double y = py - lanes[i + kRun];
+    const double dx = lanes[i + 2 * kRun];
+    const double dy = lanes[i + 3 * kRun];
+    double t = (x * dx + y * dy) * lanes[i + 4 * kRun];
+    t = t > 0 ? t : 0;
+    t = t < 1 ? t : 1;
+    const double awayX = x - t * dx;
+    const double awayY = y - t * dy;
+    squared[i] = awayX * awayX + awayY * awayY;
+  }
+}
+
+/// Boxes beside each other in memory.
+struct Boxes
+{
+  std::vector<double> lowX, lowY, highX, highY, squared;
+
+  void resize(std::size_t count)
+  {
+    for (std::vector<double>* values : { &lowX, &lowY, &highX, &highY, &squared })
+    {
+      values->resize(count);
+    }
+  }
+};
+
+LAMELLA_BOTH void squaredToBoxes(const double* lowX, const double* lowY, const double* highX, const double* highY,
+  std::size_t count, double px, double py, double* squared)
+{
+#pragma omp simd
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const double left = lowX[i] - px;
+    const double right = px - highX[i];
+    const double below = lowY[i] - py;
+    const double above = py - highY[i];
+    double dx = left > right ? left : right;
+    double dy = below > above ? below : above;
+    dx = dx > 0 ? dx : 0;
+    dy = dy > 0 ? dy : 0;
+    squared[i] = dx * dx + dy * dy;
+  }
+}
+
+/// What a run must be nearer than to matter: than the third nearest, or than the segment of its label that is known.
+double needed(const Nearest& nearest, std::int32_t label, std::size_t last)
+{
+  double most = nearest.squared[last];
+  if (last == 2)
+  {
+    most = std::min(most, kThird * kThird * nearest.squared[1]);
+  }
+  for (std::size_t i = 0; i <= last; ++i)
+  {
+    most = nearest.label[i] == label ? std::min(most, nearest.squared[i]) : most;
+  }
+  return most;
 }
 
 /// Puts a segment in its place; of two at the same distance the lower label and segment count as nearer, so that the
@@ -74,20 +143,29 @@ NearestContours::NearestContours(std::vector<Segment> segments, int labels)
     {
       known.insert(segment.label);
     }
-    const Point way{ segment.to[0] - segment.from[0], segment.to[1] - segment.from[1] };
-    direction_.push_back(way);
-    inverse_.push_back(1 / (way[0] * way[0] + way[1] * way[1]));
   }
   labels_ = std::min(labels, static_cast<int>(known.size()));
   const auto count = static_cast<std::int32_t>(segments_.size());
   for (std::int32_t i = 0; i < count; ++i)
   {
     const Segment& segment = segments_[static_cast<std::size_t>(i)];
-    if (i == 0 || runs_.back().count == kRun || segments_[static_cast<std::size_t>(i) - 1].chain != segment.chain)
+    if (i == 0 || runs_.back().count == static_cast<std::int32_t>(kRun) ||
+      segments_[static_cast<std::size_t>(i) - 1].chain != segment.chain)
     {
-      runs_.push_back({ segment.from, segment.from, i, 0, segment.label });
+      runs_.push_back({ segment.from, segment.from, i, 0, segment.label, static_cast<std::int32_t>(lanes_.size()) });
+      lanes_.emplace_back();
     }
     Run& run = runs_.back();
+    const double dx = segment.to[0] - segment.from[0];
+    const double dy = segment.to[1] - segment.from[1];
+    for (auto lane = static_cast<std::size_t>(run.count); lane < kRun; ++lane)
+    {
+      lanes_.back()[lane] = segment.from[0];
+      lanes_.back()[lane + kRun] = segment.from[1];
+      lanes_.back()[lane + 2 * kRun] = dx;
+      lanes_.back()[lane + 3 * kRun] = dy;
+      lanes_.back()[lane + 4 * kRun] = 1 / (dx * dx + dy * dy);
+    }
     grow(run.low, run.high, segment.from);
     grow(run.low, run.high, segment.to);
     ++run.count;
@@ -129,32 +207,16 @@ void NearestContours::build(std::size_t branch, std::int32_t first, std::int32_t
   tree_[branch] = box;
 }
 
-Point NearestContours::foot(std::int32_t segment, const Point& point) const
-{
-  const auto s = static_cast<std::size_t>(segment);
-  const Point& from = segments_[s].from;
-  const Point& way = direction_[s];
-  const double t = std::clamp(((point[0] - from[0]) * way[0] + (point[1] - from[1]) * way[1]) * inverse_[s], 0.0, 1.0);
-  return { from[0] + t * way[0], from[1] + t * way[1] };
-}
-
 void NearestContours::tryRun(const Run& run, const Point& point, Nearest& nearest) const
 {
-  double best = Nearest::kNone;
-  std::int32_t which = -1;
-  for (std::int32_t i = run.first; i < run.first + run.count; ++i)
+  std::array<double, kRun> squared;
+  squaredToSegments(lanes_[static_cast<std::size_t>(run.lanes)].data(), point[0], point[1], squared.data());
+  std::int32_t which = 0;
+  for (std::int32_t i = 1; i < run.count; ++i)
   {
-    const Point at = foot(i, point);
-    const double dx = point[0] - at[0];
-    const double dy = point[1] - at[1];
-    const double squared = dx * dx + dy * dy;
-    if (squared < best)
-    {
-      best = squared;
-      which = i;
-    }
+    which = squared[static_cast<std::size_t>(i)] < squared[static_cast<std::size_t>(which)] ? i : which;
   }
-  insert(nearest, best, run.label, which, labels_);
+  insert(nearest, squared[static_cast<std::size_t>(which)], run.label, run.first + which, labels_);
 }
 
 Nearest NearestContours::at(const Point& point, double within) const
@@ -234,7 +296,8 @@ void NearestContours::atNodes(std::int64_t nx, std::int64_t ny, double spacing, 
   {
     return;
   }
-  std::vector<std::pair<double, Run>> near;
+  std::vector<std::pair<double, const Run*>> near;
+  Boxes boxes;
   std::vector<std::pair<std::int64_t, Point>> nodes;
   const std::size_t last = static_cast<std::size_t>(labels_) - 1;
   for (std::int64_t y0 = 0; y0 < ny; y0 += kBlock)
@@ -270,30 +333,42 @@ void NearestContours::atNodes(std::int64_t nx, std::int64_t ny, double spacing, 
         limit = std::min(limit, kThird * (std::sqrt(middle.squared[1]) + radius) + radius);
       }
       limit = std::min(limit, within + radius);
+      Nearest before = middle;
       near.clear();
-      this->within(centre, limit, [&](double squared, const Run& run) { near.emplace_back(squared, run); });
+      this->within(centre, limit, [&](double squared, const Run& run) { near.emplace_back(squared, &run); });
       std::sort(near.begin(), near.end(),
         [](const auto& a, const auto& b)
-        { return a.first != b.first ? a.first < b.first : a.second.first < b.second.first; });
+        { return a.first != b.first ? a.first < b.first : a.second->first < b.second->first; });
+      boxes.resize(near.size());
+      for (std::size_t i = 0; i < near.size(); ++i)
+      {
+        boxes.lowX[i] = near[i].second->low[0];
+        boxes.lowY[i] = near[i].second->low[1];
+        boxes.highX[i] = near[i].second->high[0];
+        boxes.highY[i] = near[i].second->high[1];
+      }
       for (const auto& [node, point] : nodes)
       {
+        squaredToBoxes(boxes.lowX.data(), boxes.lowY.data(), boxes.highX.data(), boxes.highY.data(), near.size(),
+          point[0], point[1], boxes.squared.data());
+        // What was nearest to the node before gives a bound at once.
         Nearest nearest;
-        for (const auto& [squared, run] : near)
+        for (std::size_t i = 0; i <= last && before.segment[i] >= 0; ++i)
         {
-          double needed = nearest.squared[last];
-          if (last == 2)
+          const Segment& segment = segments_[static_cast<std::size_t>(before.segment[i])];
+          const Point at = footOn(segment, point);
+          const double dx = point[0] - at[0];
+          const double dy = point[1] - at[1];
+          insert(nearest, (dx * dx + dy * dy) * (1 + 1e-14), segment.label, before.segment[i], labels_);
+        }
+        for (std::size_t i = 0; i < near.size(); ++i)
+        {
+          if (boxes.squared[i] <= needed(nearest, near[i].second->label, last))
           {
-            needed = std::min(needed, kThird * kThird * nearest.squared[1]);
-          }
-          if (run.label == nearest.label[0])
-          {
-            needed = nearest.squared[0];
-          }
-          if (squaredToBox(point, run.low, run.high) <= needed)
-          {
-            tryRun(run, point, nearest);
+            tryRun(*near[i].second, point, nearest);
           }
         }
+        before = nearest;
         visit(node, point, nearest);
       }
     }

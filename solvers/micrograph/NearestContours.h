@@ -3,6 +3,7 @@
 #include "micrograph/Contour.h"
 #include "micrograph/ContourLattice.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -22,6 +23,16 @@ struct Segment
   std::int32_t label = 0; ///< lumen
   std::int32_t chain = 0;
 };
+
+/// The point of a segment that is nearest to another one.
+[[nodiscard]] inline Point footOn(const Segment& segment, const Point& point)
+{
+  const Point way{ segment.to[0] - segment.from[0], segment.to[1] - segment.from[1] };
+  const double t = ((point[0] - segment.from[0]) * way[0] + (point[1] - segment.from[1]) * way[1]) /
+    (way[0] * way[0] + way[1] * way[1]);
+  const double share = std::clamp(t, 0.0, 1.0);
+  return { segment.from[0] + share * way[0], segment.from[1] + share * way[1] };
+}
 
 /// The nearest segments of different labels, by rising distance.
 struct Nearest
@@ -56,8 +67,6 @@ public:
   void atNodes(std::int64_t nx, std::int64_t ny, double spacing, std::span<const std::uint8_t> wanted, double within,
     const std::function<void(std::int64_t node, const Point& point, const Nearest& nearest)>& visit) const;
 
-  [[nodiscard]] Point foot(std::int32_t segment, const Point& point) const;
-
 private:
   struct Run
   {
@@ -66,6 +75,7 @@ private:
     std::int32_t first = 0;
     std::int32_t count = 0;
     std::int32_t label = 0;
+    std::int32_t lanes = 0;
   };
   struct Branch
   {
@@ -76,14 +86,17 @@ private:
   };
 
   void build(std::size_t branch, std::int32_t first, std::int32_t count);
+  /// Eight segments beside each other, for loops that the compiler turns into vectors; short runs repeat their last
+  /// one.
+  using Lanes = std::array<double, 40>; ///< x, y, dx, dy, 1/length², eight of each
+
   void tryRun(const Run& run, const Point& point, Nearest& nearest) const;
   template <typename Visit>
   void within(const Point& point, double distance, const Visit& visit) const;
 
   std::vector<Segment> segments_;
-  std::vector<Point> direction_;
-  std::vector<double> inverse_; ///< 1/length²
   std::vector<Run> runs_;
+  std::vector<Lanes> lanes_;
   std::vector<Branch> tree_;
   int labels_;
 };

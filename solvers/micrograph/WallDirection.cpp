@@ -19,29 +19,37 @@ constexpr double kCorner = std::numbers::pi / 6;
 /// As far beyond the second nearest a third one begins to count.
 constexpr double kThird = 1.5;
 
-/// How the tangent of a segment turns towards its ends.
+/// Tangents along a segment as (cos 2θ, sin 2θ): at its middle, and at its ends, where they turn towards the
+/// neighbours.
 struct Tangent
 {
-  double angle = 0;
-  double length = 0;
-  std::array<double, 2> turn{ 0, 0 }; ///< half the angle from the middle of the segment to each end
-  std::array<double, 2> over{ 1, 1 }; ///< the length over which it turns
+  Point middle{ 1, 0 };
+  std::array<Point, 2> end{};
+  std::array<double, 2> over{ 0, 0 }; ///< the length over which they turn to the end's; 0: they do not
   std::array<bool, 2> corner{ false, false };
+  Point normal{ 0, 0 }; ///< unit, from lumen to wall
+  double length = 0;
 };
 
-double wrapped(double angle)
+Point doubledAngle(double angle)
 {
-  return std::remainder(angle, 2 * std::numbers::pi);
+  return { std::cos(2 * angle), std::sin(2 * angle) };
 }
 
 std::vector<Tangent> tangentsOf(const ContourSet& contours, std::span<const Segment> segments)
 {
   std::vector<Tangent> tangents(segments.size());
+  std::vector<double> angles(segments.size());
   for (std::size_t i = 0; i < segments.size(); ++i)
   {
     const Segment& s = segments[i];
-    tangents[i].angle = std::atan2(s.to[1] - s.from[1], s.to[0] - s.from[0]);
-    tangents[i].length = std::hypot(s.to[0] - s.from[0], s.to[1] - s.from[1]);
+    const double dx = s.to[0] - s.from[0];
+    const double dy = s.to[1] - s.from[1];
+    Tangent& tangent = tangents[i];
+    angles[i] = std::atan2(dy, dx);
+    tangent.length = std::hypot(dx, dy);
+    tangent.normal = { dy / tangent.length, -dx / tangent.length };
+    tangent.middle = doubledAngle(angles[i]);
   }
   for (std::size_t begin = 0, end = 0; begin < segments.size(); begin = end)
   {
@@ -57,16 +65,16 @@ std::vector<Tangent> tangentsOf(const ContourSet& contours, std::span<const Segm
       {
         continue;
       }
-      const double turn = wrapped(tangents[next].angle - tangents[i].angle);
+      Tangent& before = tangents[i];
+      Tangent& after = tangents[next];
+      const double turn = std::remainder(angles[next] - angles[i], 2 * std::numbers::pi);
       if (std::abs(turn) > kCorner)
       {
-        tangents[i].corner[1] = tangents[next].corner[0] = true;
+        before.corner[1] = after.corner[0] = true;
         continue;
       }
-      const double over = std::min(tangents[i].length, tangents[next].length) / 2;
-      tangents[i].turn[1] = turn / 2;
-      tangents[next].turn[0] = -turn / 2;
-      tangents[i].over[1] = tangents[next].over[0] = over;
+      before.over[1] = after.over[0] = std::min(before.length, after.length) / 2;
+      before.end[1] = after.end[0] = doubledAngle(angles[i] + turn / 2);
     }
   }
   return tangents;
@@ -80,41 +88,6 @@ struct Side
   double distance = 0;
 };
 
-Side sideOf(const NearestContours& search, std::span<const Tangent> tangents, std::int32_t segment, double squared,
-  const Point& point)
-{
-  Side side;
-  side.distance = std::sqrt(squared);
-  const Segment& s = search.segments()[static_cast<std::size_t>(segment)];
-  const Tangent& tangent = tangents[static_cast<std::size_t>(segment)];
-  const Point foot = search.foot(segment, point);
-  // On the outline itself the normal of the segment, which has the wall on its right.
-  side.away = side.distance > 1e-9 * tangent.length
-    ? Point{ (point[0] - foot[0]) / side.distance, (point[1] - foot[1]) / side.distance }
-    : Point{ (s.to[1] - s.from[1]) / tangent.length, (s.from[0] - s.to[0]) / tangent.length };
-  const double t = std::hypot(foot[0] - s.from[0], foot[1] - s.from[1]);
-  const std::array<double, 2> toEnd{ t, tangent.length - t };
-  double angle = tangent.angle;
-  for (const std::size_t end : { 0U, 1U })
-  {
-    if (tangent.corner[end])
-    {
-      if (toEnd[end] <= 1e-9 * tangent.length)
-      {
-        const double c = -side.away[1];
-        side.doubled = { c * c - side.away[0] * side.away[0], 2 * c * side.away[0] };
-        return side;
-      }
-    }
-    else if (toEnd[end] < tangent.over[end])
-    {
-      angle += tangent.turn[end] * (1 - toEnd[end] / tangent.over[end]);
-    }
-  }
-  side.doubled = { std::cos(2 * angle), std::sin(2 * angle) };
-  return side;
-}
-
 double dot(const Point& a, const Point& b)
 {
   return a[0] * b[0] + a[1] * b[1];
@@ -123,6 +96,51 @@ double dot(const Point& a, const Point& b)
 Point blend(const Point& a, const Point& b, double share)
 {
   return { a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]) };
+}
+
+Side sideOf(const Segment& segment, const Tangent& tangent, double squared, const Point& point)
+{
+  Side side;
+  side.distance = std::sqrt(squared);
+  const Point foot = footOn(segment, point);
+  // On the outline itself the normal of the segment.
+  side.away = side.distance > 1e-9 * tangent.length
+    ? Point{ (point[0] - foot[0]) / side.distance, (point[1] - foot[1]) / side.distance }
+    : tangent.normal;
+  side.doubled = tangent.middle;
+  const Point way{ foot[0] - segment.from[0], foot[1] - segment.from[1] };
+  const double along = std::sqrt(dot(way, way));
+  const std::array<double, 2> toEnd{ along, tangent.length - along };
+  for (const std::size_t end : { 0U, 1U })
+  {
+    if (toEnd[end] < tangent.over[end])
+    {
+      side.doubled = blend(tangent.end[end], tangent.middle, toEnd[end] / tangent.over[end]);
+      const double length = std::sqrt(dot(side.doubled, side.doubled));
+      side.doubled = { side.doubled[0] / length, side.doubled[1] / length };
+    }
+    else if (tangent.corner[end] && toEnd[end] <= 1e-9 * tangent.length)
+    {
+      const Point& away = side.away;
+      side.doubled = { away[1] * away[1] - away[0] * away[0], -2 * away[0] * away[1] };
+    }
+  }
+  return side;
+}
+
+/// The unit vector of half the angle.
+std::array<float, 2> halved(const Point& doubled)
+{
+  const double length = std::sqrt(dot(doubled, doubled));
+  const double c = doubled[0] / length;
+  const double s = doubled[1] / length;
+  if (c >= 0)
+  {
+    const double x = std::sqrt((1 + c) / 2);
+    return { static_cast<float>(x), static_cast<float>(s / (2 * x)) };
+  }
+  const double y = std::sqrt((1 - c) / 2);
+  return { static_cast<float>(s / (2 * y)), static_cast<float>(y) };
 }
 
 std::array<float, 2> axisOf(std::span<const Side> sides)
@@ -139,12 +157,7 @@ std::array<float, 2> axisOf(std::span<const Side> sides)
     const double sum = sides[0].distance + sides[1].distance;
     doubled = blend(doubled, other, sum > 0 ? sides[0].distance / sum : 0.5);
   }
-  if (dot(doubled, doubled) < 1e-20)
-  {
-    doubled = sides[0].doubled;
-  }
-  const double angle = std::atan2(doubled[1], doubled[0]) / 2;
-  return { static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)) };
+  return halved(dot(doubled, doubled) < 1e-20 ? sides[0].doubled : doubled);
 }
 
 /// To the nearest of the lines as far from the first lumen as from another one: the difference of the distances over
@@ -173,7 +186,6 @@ std::vector<std::uint8_t> wallAndRim(const ContourLattice& lattice)
     for (std::int64_t x = 0; x < nx; ++x)
     {
       const auto node = static_cast<std::size_t>(x + nx * y);
-      // Only lumen nodes beside the wall are few: find them from the wall's ends along the row and from the next rows.
       if (phase[node] == 0)
       {
         continue;
@@ -228,7 +240,8 @@ WallDirections wallDirections(const ContourSet& contours, const ContourLattice& 
       std::size_t found = 0;
       while (found < sides.size() && nearest.squared[found] < Nearest::kNone)
       {
-        sides[found] = sideOf(search, tangents, nearest.segment[found], nearest.squared[found], point);
+        const auto segment = static_cast<std::size_t>(nearest.segment[found]);
+        sides[found] = sideOf(search.segments()[segment], tangents[segment], nearest.squared[found], point);
         ++found;
       }
       const std::span<const Side> known(sides.data(), found);
