@@ -21,11 +21,11 @@ enum class LamellaMethod
 struct LamellaOptions
 {
   LamellaMethod method = LamellaMethod::Growth;
-  /// Gap that growing outlines keep between them, or the constant thickness [m]; not given: a tenth of the walls'
-  /// median thickness.
+  /// Gap that growing outlines keep between them, or the constant thickness [m]; not given: half a micrometre, as in
+  /// spruce, but not more than an eighth of the walls' median thickness.
   std::optional<double> thickness;
-  /// Growth: outlines stop where their radius of curvature has fallen to this [m]; 0: never; not given: half the walls'
-  /// median thickness.
+  /// Growth: outlines stop where their radius of curvature has fallen to this [m]; 0: never; not given: a quarter
+  /// of the walls' median thickness.
   std::optional<double> radius;
   double horizon = 0; ///< nodes that a solver wants across the lamella; 0: none in particular
 };

@@ -110,7 +110,7 @@ Side sideOf(const Segment& segment, const Tangent& tangent, double squared, cons
   side.doubled = tangent.middle;
   const Point way{ foot[0] - segment.from[0], foot[1] - segment.from[1] };
   const double along = std::sqrt(dot(way, way));
-  const std::array<double, 2> toEnd{ along, tangent.length - along };
+  const std::array<double, 2> toEnd{ along, std::max(0.0, tangent.length - along) };
   for (const std::size_t end : { 0U, 1U })
   {
     if (toEnd[end] < tangent.over[end])
