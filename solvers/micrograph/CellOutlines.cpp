@@ -3,7 +3,7 @@
 namespace lamella::micrograph
 {
 
-void zeroLines(const Corners& values, const Point& low, double spacing, std::vector<Segment>& lines)
+void zeroLines(const Corners& values, const Point& low, double spacing, std::int32_t chain, std::vector<Segment>& lines)
 {
   constexpr std::array<Point, 4> corner{ { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } } };
   // Around the square: where the value falls below 0 a piece begins, where it rises above one ends.
@@ -40,7 +40,7 @@ void zeroLines(const Corners& values, const Point& low, double spacing, std::vec
   }
   if (fallen == 1)
   {
-    lines.push_back({ falls[0], rises[0], 1, 0 });
+    lines.push_back({ falls[0], rises[0], 1, chain });
     return;
   }
   // A saddle. Corners alternate; a positive middle joins the positive ones, and each piece cuts off a negative corner:
@@ -49,8 +49,8 @@ void zeroLines(const Corners& values, const Point& low, double spacing, std::vec
   const bool firstFallLeads = fallAt[0] == 0;
   const std::size_t after = firstFallLeads ? 0 : 1; // of the rises, the one that follows falls[0] around the square
   const std::size_t mate = joined ? after : 1 - after;
-  lines.push_back({ falls[0], rises[mate], 1, 0 });
-  lines.push_back({ falls[1], rises[1 - mate], 1, 0 });
+  lines.push_back({ falls[0], rises[mate], 1, chain });
+  lines.push_back({ falls[1], rises[1 - mate], 1, chain });
 }
 
 } // namespace lamella::micrograph

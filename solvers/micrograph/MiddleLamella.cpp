@@ -22,6 +22,19 @@ constexpr std::uint8_t kLamella = 2;
 /// Compound middle lamella of spruce, early- and latewood alike, as traced at half a micrometre a pixel [m].
 constexpr double kCompound = 0.5e-6;
 
+/// Pieces of one cell that are near each other follow each other, as the search wants them.
+void arrange(std::vector<Segment>& segments, double spacing)
+{
+  const double tile = 4 * spacing;
+  const auto key = [tile](const Segment& s)
+  {
+    return std::array<std::int64_t, 3>{ static_cast<std::int64_t>((s.from[1] + s.to[1]) / 2 / tile),
+      static_cast<std::int64_t>((s.from[0] + s.to[0]) / 2 / tile), s.chain };
+  };
+  std::stable_sort(
+    segments.begin(), segments.end(), [&](const Segment& a, const Segment& b) { return key(a) < key(b); });
+}
+
 class Finder
 {
 public:
@@ -140,6 +153,10 @@ private:
   void forSquares(const Visit& visit) const;
   template <typename Visit>
   void forCells(std::int64_t x, std::int64_t y, const Visit& visit) const;
+  /// Where cells stop growing, the cell on the left of each piece.
+  [[nodiscard]] std::vector<Segment> grownOutlines() const;
+  /// 1 at the nodes in squares about segments that reach so far beyond them, 0 elsewhere.
+  [[nodiscard]] std::vector<std::uint8_t> around(std::span<const Segment> segments, double distance) const;
   void roundCorners();
 
   const Lattice& lattice_;
@@ -154,19 +171,11 @@ private:
 template <typename Visit>
 void Finder::forSquares(const Visit& visit) const
 {
-  // Tile by tile, so that pieces of lines that follow each other are near each other, as the search wants them.
-  constexpr std::int64_t tile = 4;
-  for (std::int64_t y0 = 0; y0 + 1 < lattice_.size[1]; y0 += tile)
+  for (std::int64_t y = 0; y + 1 < lattice_.size[1]; ++y)
   {
-    for (std::int64_t x0 = 0; x0 + 1 < lattice_.size[0]; x0 += tile)
+    for (std::int64_t x = 0; x + 1 < lattice_.size[0]; ++x)
     {
-      for (std::int64_t y = y0; y < std::min(y0 + tile, lattice_.size[1] - 1); ++y)
-      {
-        for (std::int64_t x = x0; x < std::min(x0 + tile, lattice_.size[0] - 1); ++x)
-        {
-          forCells(x, y, visit);
-        }
-      }
+      forCells(x, y, visit);
     }
   }
 }
@@ -189,16 +198,14 @@ void Finder::forCells(std::int64_t x, std::int64_t y, const Visit& visit) const
   }
 }
 
-void Finder::roundCorners()
+std::vector<Segment> Finder::grownOutlines() const
 {
-  const double spacing = lattice_.spacing;
-  // Outlines of the grown cells. A node of another cell counts as far beyond the outline as beyond its own and the gap.
+  // A node of another cell counts as far beyond the outline as beyond its own and the gap.
   std::vector<Segment> outlines;
   forSquares(
     [&](std::int32_t cell, const std::array<std::size_t, 4>& nodes, const Point& low)
     {
-      const bool wall = std::any_of(nodes.begin(), nodes.end(), [&](std::size_t node) { return wall_[node] != 0; });
-      if (!wall)
+      if (std::none_of(nodes.begin(), nodes.end(), [&](std::size_t node) { return wall_[node] != 0; }))
       {
         return;
       }
@@ -208,58 +215,117 @@ void Finder::roundCorners()
         const double own = excess(nodes[i]);
         values[i] = directions_.grain[nodes[i]] == cell ? own : -own - 2 * gap_;
       }
-      zeroLines(values, low, spacing, outlines);
+      zeroLines(values, low, lattice_.spacing, cell, outlines);
     });
+  arrange(outlines, lattice_.spacing);
+  return outlines;
+}
 
-  // How far a disk's centre is inside; where it is more than the radius it does not matter by how much.
-  std::vector<float> inside(wall_.size(), static_cast<float>(radius_ + 2 * spacing));
-  std::vector<std::uint8_t> wanted(wall_.size(), 1);
-  NearestContours(std::move(outlines), 1)
-    .atNodes(lattice_.size[0], lattice_.size[1], spacing, wanted, radius_ + 2 * spacing,
-      [&](std::int64_t index, const Point&, const Nearest& nearest)
-      {
-        const auto node = static_cast<std::size_t>(index);
-        const double distance = std::min(std::sqrt(nearest.squared[0]), radius_ + 2 * spacing);
-        inside[node] = static_cast<float>(phase_[node] == kLamella ? -distance : distance);
-      });
+std::vector<std::uint8_t> Finder::around(std::span<const Segment> segments, double distance) const
+{
+  std::vector<std::uint8_t> mask(wall_.size(), 0);
+  for (const Segment& segment : segments)
+  {
+    std::array<std::int64_t, 2> low{};
+    std::array<std::int64_t, 2> high{};
+    for (const std::size_t axis : { 0U, 1U })
+    {
+      const auto most = static_cast<double>(lattice_.size[axis]);
+      low[axis] = static_cast<std::int64_t>(
+        std::clamp((std::min(segment.from[axis], segment.to[axis]) - distance) / lattice_.spacing, 0.0, most));
+      high[axis] = static_cast<std::int64_t>(std::ceil(
+        std::clamp((std::max(segment.from[axis], segment.to[axis]) + distance) / lattice_.spacing, 0.0, most)));
+    }
+    for (std::int64_t y = low[1]; y < high[1]; ++y)
+    {
+      std::fill(mask.begin() + lattice_.index(low[0], y), mask.begin() + lattice_.index(high[0], y), std::uint8_t{ 1 });
+    }
+  }
+  return mask;
+}
+
+void Finder::roundCorners()
+{
+  const double spacing = lattice_.spacing;
+  const NearestContours outlines(grownOutlines(), 1);
+  // Where the disk that touches an outline from within fits, it covers all nodes before its centre. The others are near
+  // corners, and only there anything else has to be looked at.
+  const double slack = std::max(1e-3 * radius_, 0.02 * spacing);
+  std::vector<Segment> tight;
+  for (const Segment& segment : outlines.segments())
+  {
+    const double dx = segment.to[0] - segment.from[0];
+    const double dy = segment.to[1] - segment.from[1];
+    const double inwards = radius_ / std::max(std::hypot(dx, dy), 1e-300);
+    const Point centre{ (segment.from[0] + segment.to[0]) / 2 - dy * inwards,
+      (segment.from[1] + segment.to[1]) / 2 + dx * inwards };
+    if (outlines.at(centre, radius_ - slack).squared[0] < (radius_ - slack) * (radius_ - slack))
+    {
+      tight.push_back(segment);
+    }
+  }
+
+  // How far nodes are inside, as centres of disks; where it is more than the radius it does not matter by how much.
+  const double most = radius_ + 2 * spacing;
+  std::vector<float> inside(wall_.size(), static_cast<float>(most));
+  outlines.atNodes(lattice_.size[0], lattice_.size[1], spacing, around(tight, 2 * most), most,
+    [&](std::int64_t index, const Point&, const Nearest& nearest)
+    {
+      const auto node = static_cast<std::size_t>(index);
+      const double distance = std::min(std::sqrt(nearest.squared[0]), most);
+      inside[node] = static_cast<float>(phase_[node] == kLamella ? -distance : distance);
+    });
   std::vector<Segment> centres;
   forSquares(
     [&](std::int32_t cell, const std::array<std::size_t, 4>& nodes, const Point& low)
     {
+      if (std::all_of(
+            nodes.begin(), nodes.end(), [&](std::size_t node) { return inside[node] >= static_cast<float>(most); }))
+      {
+        return;
+      }
       Corners values;
       for (std::size_t i = 0; i < 4; ++i)
       {
-        const double own = inside[nodes[i]];
+        const double own = static_cast<double>(inside[nodes[i]]);
         values[i] = (directions_.grain[nodes[i]] == cell ? own : -std::abs(own)) - radius_;
       }
-      zeroLines(values, low, spacing, centres);
+      zeroLines(values, low, spacing, cell, centres);
     });
 
   const double free = std::max(0.0, (median_ - gap_) / 2);
-  const std::int64_t nx = lattice_.size[0];
+  std::vector<std::uint8_t> wanted = around(tight, radius_ + spacing);
   for (std::size_t node = 0; node < wall_.size(); ++node)
   {
-    const auto x = (static_cast<double>(static_cast<std::int64_t>(node) % nx) + 0.5) * spacing;
-    const auto y = (static_cast<double>(static_cast<std::int64_t>(node) / nx) + 0.5) * spacing;
-    const double border = std::min({ x, y, lattice_.length(0) - x, lattice_.length(1) - y });
-    wanted[node] = phase_[node] == kSecondary &&
-      static_cast<double>(inside[node])<radius_&& static_cast<double>(directions_.nearest[node])> free &&
-      border > radius_;
+    if (wanted[node] != 0)
+    {
+      const auto x = (static_cast<double>(static_cast<std::int64_t>(node) % lattice_.size[0]) + 0.5) * spacing;
+      const auto y = (static_cast<double>(static_cast<std::int64_t>(node) / lattice_.size[0]) + 0.5) * spacing;
+      const double border = std::min({ x, y, lattice_.length(0) - x, lattice_.length(1) - y });
+      wanted[node] = phase_[node] == kSecondary &&
+        static_cast<double>(inside[node])<radius_&& static_cast<double>(directions_.nearest[node])> free &&
+        border > radius_;
+    }
   }
   // What no disk covers. A part in a thousand of the radius is the lines' straightness between nodes.
   const double reach = radius_ * 1.001;
-  std::vector<std::uint8_t> covered(wall_.size(), 0);
-  NearestContours(std::move(centres), 1)
-    .atNodes(lattice_.size[0], lattice_.size[1], spacing, wanted, reach,
-      [&](std::int64_t index, const Point&, const Nearest& nearest)
-      { covered[static_cast<std::size_t>(index)] = nearest.squared[0] <= reach * reach; });
-  for (std::size_t node = 0; node < wall_.size(); ++node)
+  arrange(centres, spacing);
+  const NearestContours disks(std::move(centres), 1);
+  if (disks.empty())
   {
-    if (wanted[node] != 0 && covered[node] == 0)
+    for (std::size_t node = 0; node < wall_.size(); ++node)
     {
-      phase_[node] = kLamella;
+      phase_[node] = wanted[node] != 0 ? kLamella : phase_[node];
     }
   }
+  disks.atNodes(lattice_.size[0], lattice_.size[1], spacing, wanted, reach,
+    [&](std::int64_t index, const Point&, const Nearest& nearest)
+    {
+      if (nearest.squared[0] > reach * reach)
+      {
+        phase_[static_cast<std::size_t>(index)] = kLamella;
+      }
+    });
 }
 
 void countNetworks(const ContourLattice& lattice, const WallDirections& directions, MiddleLamella& result)
