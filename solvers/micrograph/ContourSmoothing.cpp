@@ -70,17 +70,30 @@ constexpr std::size_t fewest = 8; ///< crossings that a chain to be smoothed has
 
 double signedArea(const Trace& trace, bool halfWay)
 {
+  // Closed chains from a point of theirs, for less round-off; open ones from the corner where the border begins.
+  const Crossing& first = trace.crossings.front();
+  const double x0 = trace.closed ? first.x : 0.0;
+  const double y0 = trace.closed ? first.y : 0.0;
+  const auto x = [&](const Crossing& c) { return (halfWay ? c.x : c.px()) - x0; };
+  const auto y = [&](const Crossing& c) { return (halfWay ? c.y : c.py()) - y0; };
   double twice = 0;
-  const Crossing& origin = trace.crossings.front(); // near the chain: less round-off
-  const Crossing* last = &trace.crossings.back();
-  const auto x = [&](const Crossing& c) { return (halfWay ? c.x : c.px()) - origin.x; };
-  const auto y = [&](const Crossing& c) { return (halfWay ? c.y : c.py()) - origin.y; };
-  for (const Crossing& c : trace.crossings)
+  const auto add = [&](const Crossing& a, const Crossing& b) { twice += x(a) * y(b) - x(b) * y(a); };
+  for (std::size_t i = 1; i < trace.crossings.size(); ++i)
   {
-    twice += x(*last) * y(c) - x(c) * y(*last);
-    last = &c;
+    add(trace.crossings[i - 1], trace.crossings[i]);
   }
-  return twice / 2;
+  if (trace.closed)
+  {
+    add(trace.crossings.back(), first);
+    return twice / 2;
+  }
+  const double w = trace.width;
+  const double h = trace.height;
+  const auto border = [&](const Crossing& c) // twice the area swept from the origin along the border
+  {
+    return y(c) == 0 ? 0 : x(c) == w ? w * y(c) : y(c) == h ? w * h + h * (w - x(c)) : 2 * w * h;
+  };
+  return (twice + border(first) - border(trace.crossings.back())) / 2;
 }
 
 void thinOut(Trace& trace)

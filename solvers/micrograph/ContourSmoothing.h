@@ -28,7 +28,9 @@ void smooth(Trace& trace, const SmoothingScale& scale);
 /// @returns what is missing [pixels²]: 0 to round-off unless the nodes leave no room
 double restoreArea(Trace& trace, double target, double margin);
 
-/// The area to the left of a chain through its crossings, the chord from end to begin of an open one included.
+/// The area to the left of a chain through its crossings [pixels²]; of an open one, up to whole pictures, with the border
+/// from its end to its begin.
+/// @param halfWay as if all `t` were 0
 [[nodiscard]] double signedArea(const Trace& trace, bool halfWay = false);
 
 } // namespace lamella::micrograph

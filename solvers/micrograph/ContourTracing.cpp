@@ -154,6 +154,8 @@ private:
   {
     Trace trace;
     trace.closed = closed;
+    trace.width = static_cast<double>(nx_);
+    trace.height = static_cast<double>(ny_);
     const std::int64_t firstI = i;
     const std::int64_t firstJ = j;
     const int firstEntry = entry;

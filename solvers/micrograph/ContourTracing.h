@@ -27,6 +27,7 @@ struct Trace
 {
   std::vector<Crossing> crossings;
   bool closed = true;
+  double width = 0, height = 0; ///< of the picture [pixels]
   /// What the outline of the pixels themselves has more than the chain through the half-way points (t = 0) [pixels²]:
   /// an eighth for each corner that the chain cuts off, less for each it fills. Open chains: with the border as it is.
   double corners = 0;
