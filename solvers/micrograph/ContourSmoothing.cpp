@@ -36,7 +36,7 @@ struct Vector
   const Crossing& b =
     trace.closed ? c[wrapped(i + reach, c.size())] : c[static_cast<std::size_t>(std::min(i + reach, last))];
   const Vector d{ b.px() - a.px(), b.py() - a.py() };
-  const double length = std::hypot(d.x, d.y);
+  const double length = std::sqrt(d.x * d.x + d.y * d.y);
   return length > 0 ? Vector{ d.y / length, -d.x / length }
                     : Vector{ static_cast<double>(c[at].ex), static_cast<double>(c[at].ey) };
 }
@@ -167,7 +167,9 @@ void smooth(Trace& trace, const SmoothingScale& scale)
     {
       normal[i] = normalAt(trace, i, reach);
       const Crossing& next = c[wrapped(static_cast<std::ptrdiff_t>(i) + 1, n)];
-      length[i] = std::max(std::hypot(next.px() - c[i].px(), next.py() - c[i].py()), 0.3);
+      const double dx = next.px() - c[i].px();
+      const double dy = next.py() - c[i].py();
+      length[i] = std::max(std::sqrt(dx * dx + dy * dy), 0.3);
     }
     for (std::size_t i = 0; i < n; ++i)
     {

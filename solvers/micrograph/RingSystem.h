@@ -20,6 +20,7 @@ public:
     , core_(closed ? n - 3 : n)
     , closed_(closed)
     , band_(n)
+    , rows_(n)
     , rhs_(n)
   {
   }
@@ -34,7 +35,7 @@ public:
   {
     for (std::size_t a = 0; a < 4; ++a)
     {
-      const std::size_t i = (first + a) % n_;
+      const std::size_t i = first + a < n_ ? first + a : first + a - n_;
       const double s = weight * c[a];
       rhs_[i] -= s * constant;
       for (std::size_t b = a; b < 4; ++b)
@@ -52,140 +53,144 @@ public:
   /// The result stands in solution().
   void solve()
   {
-    factor();
+    // The last three unknowns D close the ring: [B C; Cᵀ D]. B is solved for the right side and the columns of C at
+    // once; C is zero but for its first and last three rows.
+    std::array<std::array<double, 3>, 6> c{};
+    for (std::size_t i = 0; i < core_; ++i)
+    {
+      rows_[i] = { rhs_[i], 0, 0, 0 };
+    }
+    std::array<std::size_t, 6> place{ 0, 1, 2, core_ - 3, core_ - 2, core_ - 1 };
+    std::array<std::array<double, 3>, 3> corner{};
+    if (closed_)
+    {
+      for (std::size_t k = 0; k < 3; ++k)
+      {
+        const std::size_t j = core_ + k;
+        for (std::size_t d = 1; d <= 3; ++d)
+        {
+          if (j - d < core_)
+          {
+            c[j - d + 6 - core_][k] = rows_[j - d][k + 1] = band_[j - d][d];
+          }
+          if (j + d >= n_)
+          {
+            c[j + d - n_][k] = rows_[j + d - n_][k + 1] = band_[j][d];
+          }
+        }
+        for (std::size_t l = k; l < 3; ++l)
+        {
+          corner[k][l] = corner[l][k] = band_[j][l - k];
+        }
+      }
+    }
+    solveCore();
     if (!closed_)
     {
-      substitute(rhs_.data());
+      for (std::size_t i = 0; i < n_; ++i)
+      {
+        rhs_[i] = rows_[i][0];
+      }
       return;
     }
-    // The last three unknowns D close the ring: [B C; Cᵀ D].
-    std::array<std::vector<double>, 3> column;
-    std::array<std::array<double, 3>, 3> corner{};
-    for (std::size_t k = 0; k < 3; ++k)
-    {
-      column[k].assign(core_, 0.0);
-      const std::size_t j = core_ + k;
-      for (std::size_t d = 1; d <= 3; ++d)
-      {
-        if (j - d < core_)
-        {
-          column[k][j - d] += band_[j - d][d];
-        }
-        if (j + d >= n_)
-        {
-          column[k][j + d - n_] += band_[j][d];
-        }
-      }
-      for (std::size_t l = k; l < 3; ++l)
-      {
-        corner[k][l] = corner[l][k] = band_[core_ + k][l - k];
-      }
-    }
-    const std::array<std::vector<double>, 3> before = column;
-    for (auto& c : column)
-    {
-      substitute(c.data());
-    }
-    substitute(rhs_.data());
     std::array<double, 3> right{};
     for (std::size_t k = 0; k < 3; ++k)
     {
-      right[k] = rhs_[core_ + k] - dot(before[k], rhs_);
-      for (std::size_t l = 0; l < 3; ++l)
+      right[k] = rhs_[core_ + k];
+      for (std::size_t m = 0; m < 6; ++m)
       {
-        corner[k][l] -= dot(before[k], column[l]);
+        const auto& row = rows_[place[m]];
+        right[k] -= c[m][k] * row[0];
+        for (std::size_t l = 0; l < 3; ++l)
+        {
+          corner[k][l] -= c[m][k] * row[l + 1];
+        }
       }
     }
-    for (std::size_t k = 0; k < 3; ++k) // Gauss, positive definite
+    eliminate(corner, right);
+    for (std::size_t k = 0; k < 3; ++k)
+    {
+      rhs_[core_ + k] = right[k];
+    }
+    for (std::size_t i = 0; i < core_; ++i)
+    {
+      const auto& row = rows_[i];
+      rhs_[i] = row[0] - row[1] * right[0] - row[2] * right[1] - row[3] * right[2];
+    }
+  }
+  [[nodiscard]] double solution(std::size_t i) const { return rhs_[i]; }
+
+private:
+  /// Gauss, for a positive definite matrix.
+  static void eliminate(std::array<std::array<double, 3>, 3>& a, std::array<double, 3>& x)
+  {
+    for (std::size_t k = 0; k < 3; ++k)
     {
       for (std::size_t l = k + 1; l < 3; ++l)
       {
-        const double f = corner[l][k] / corner[k][k];
+        const double f = a[l][k] / a[k][k];
         for (std::size_t m = k; m < 3; ++m)
         {
-          corner[l][m] -= f * corner[k][m];
+          a[l][m] -= f * a[k][m];
         }
-        right[l] -= f * right[k];
+        x[l] -= f * x[k];
       }
     }
     for (std::size_t k = 3; k-- > 0;)
     {
       for (std::size_t l = k + 1; l < 3; ++l)
       {
-        right[k] -= corner[k][l] * right[l];
+        x[k] -= a[k][l] * x[l];
       }
-      right[k] /= corner[k][k];
-      rhs_[core_ + k] = right[k];
-    }
-    for (std::size_t i = 0; i < core_; ++i)
-    {
-      rhs_[i] -= column[0][i] * right[0] + column[1][i] * right[1] + column[2][i] * right[2];
+      x[k] /= a[k][k];
     }
   }
-  [[nodiscard]] double solution(std::size_t i) const { return rhs_[i]; }
 
-private:
-  [[nodiscard]] double dot(const std::vector<double>& a, const std::vector<double>& b) const
+  /// L D Lᵀ of the core, whose columns and 1/D take the band's place, and rows_ solved for.
+  void solveCore()
   {
-    double sum = 0; // a column of C is zero but for its ends
     for (std::size_t i = 0; i < core_; ++i)
     {
-      if (i == 3 && core_ > 6)
-      {
-        i = core_ - 3;
-      }
-      sum += a[i] * b[i];
-    }
-    return sum;
-  }
-
-  /// L D Lᵀ of the core; L's columns and 1/D take the band's place in `factor_`.
-  void factor()
-  {
-    factor_.resize(core_);
-    for (std::size_t i = 0; i < core_; ++i)
-    {
-      factor_[i] = band_[i];
-    }
-    for (std::size_t i = 0; i < core_; ++i)
-    {
-      auto& row = factor_[i];
+      auto& row = band_[i];
       const double inverse = 1 / row[0];
       const std::array<double, 3> l{ row[1] * inverse, row[2] * inverse, row[3] * inverse };
-      for (std::size_t a = 1; a <= 3 && i + a < core_; ++a)
+      const std::size_t reach = std::min<std::size_t>(3, core_ - 1 - i);
+      for (std::size_t a = 1; a <= reach; ++a)
       {
         for (std::size_t b = a; b <= 3; ++b)
         {
-          factor_[i + a][b - a] -= l[a - 1] * row[b];
+          band_[i + a][b - a] -= l[a - 1] * row[b];
+        }
+        for (std::size_t lane = 0; lane < 4; ++lane)
+        {
+          rows_[i + a][lane] -= l[a - 1] * rows_[i][lane];
         }
       }
       row = { inverse, l[0], l[1], l[2] };
     }
-  }
-  void substitute(double* x) const
-  {
-    for (std::size_t i = 0; i < core_; ++i)
-    {
-      for (std::size_t a = 1; a <= 3 && i + a < core_; ++a)
-      {
-        x[i + a] -= factor_[i][a] * x[i];
-      }
-    }
     for (std::size_t i = core_; i-- > 0;)
     {
-      double value = x[i] * factor_[i][0];
-      for (std::size_t a = 1; a <= 3 && i + a < core_; ++a)
+      std::array<double, 4> value{};
+      for (std::size_t lane = 0; lane < 4; ++lane)
       {
-        value -= factor_[i][a] * x[i + a];
+        value[lane] = rows_[i][lane] * band_[i][0];
       }
-      x[i] = value;
+      const std::size_t reach = std::min<std::size_t>(3, core_ - 1 - i);
+      for (std::size_t a = 1; a <= reach; ++a)
+      {
+        for (std::size_t lane = 0; lane < 4; ++lane)
+        {
+          value[lane] -= band_[i][a] * rows_[i + a][lane];
+        }
+      }
+      rows_[i] = value;
     }
   }
 
   std::size_t n_, core_;
   bool closed_;
   std::vector<std::array<double, 4>> band_;
-  std::vector<std::array<double, 4>> factor_;
+  std::vector<std::array<double, 4>> rows_; ///< right side and three columns
   std::vector<double> rhs_;
 };
 
