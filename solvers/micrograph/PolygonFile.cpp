@@ -186,11 +186,6 @@ private:
     {
       longest = std::max(longest, std::hypot(p[i][0] - p[i - 1][0], p[i][1] - p[i - 1][1]));
     }
-    if (gap > 1.5 * longest)
-    {
-      warnings_.push_back(fmt::format(
-        "{} is open by {:.3g} (its longest side is {:.3g}): closed by a straight line", what, gap, longest));
-    }
     for (Point& q : p)
     {
       q = { q[0] * unit_, q[1] * (options_.yDown ? -unit_ : unit_) };
@@ -211,6 +206,11 @@ private:
     {
       warnings_.push_back(fmt::format("{} has no area and was left out", what));
       p.clear();
+    }
+    else if (gap > 1.5 * longest)
+    {
+      warnings_.push_back(fmt::format(
+        "{} is open by {:.3g} (its longest side is {:.3g}): closed by a straight line", what, gap, longest));
     }
     return p;
   }
