@@ -19,6 +19,7 @@ find_package(spdlog REQUIRED)
 find_package(fmt REQUIRED)
 find_package(JPEG REQUIRED)
 find_package(PNG REQUIRED)
+find_package(ZLIB REQUIRED)
 
 # Debian has no CMake config for these two when only the needed parts are installed.
 find_path(HYPRE_INCLUDE_DIR HYPRE.h PATH_SUFFIXES hypre REQUIRED)

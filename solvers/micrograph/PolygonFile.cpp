@@ -1,0 +1,479 @@
+#include "micrograph/PolygonFile.h"
+
+#include "lattice/Error.h"
+#include "micrograph/ContourBorder.h"
+#include "micrograph/ContourCheck.h"
+#include "micrograph/ContourEdit.h"
+#include "micrograph/GzipFile.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace lamella::micrograph
+{
+namespace
+{
+
+using Json = nlohmann::ordered_json;
+using Polygon = std::vector<Point>;
+
+constexpr std::size_t mostText = std::size_t{ 1 } << 30U;
+constexpr double largest = 1.0; // [m]: no micrograph shows more
+
+constexpr const char* kinds = "write {\"units\": \"um\", \"lumens\": [[[x, y], …], …]}, or cells with a \"lumen\" each";
+
+[[nodiscard]] const char* typeOf(const Json& value)
+{
+  return value.type_name();
+}
+
+class Reader
+{
+public:
+  Reader(const std::filesystem::path& path, const PolygonReadOptions& options)
+    : name_(path.string())
+    , options_(options)
+  {
+    if (options.unit && !(*options.unit > 0 && std::isfinite(*options.unit)))
+    {
+      throw ParameterError(
+        fmt::format("the unit of the polygons is {:g} m", *options.unit), "give a positive one: 1e-6 for micrometres");
+    }
+    if (options.window)
+    {
+      const auto& w = *options.window;
+      if (!(w[2] > w[0] && w[3] > w[1]) || !std::all_of(w.begin(), w.end(), [](double v) { return std::isfinite(v); }))
+      {
+        throw ParameterError(fmt::format("the window {:g}, {:g} to {:g}, {:g} is empty", w[0], w[1], w[2], w[3]),
+          "give its low x, low y, high x, high y in the file's coordinates");
+      }
+    }
+    const std::string text = readText(path, mostText);
+    try
+    {
+      json_ = Json::parse(text);
+    }
+    catch (const Json::parse_error& failure)
+    {
+      throw InputError(fmt::format("'{}' is no JSON: it goes wrong at byte {}", name_, failure.byte),
+        "export the polygons again, as lists of [x, y]");
+    }
+    catch (const Json::exception&) // a number beyond the range of double
+    {
+      throw InputError(fmt::format("'{}' has a number that is too large", name_), "give coordinates in micrometres");
+    }
+  }
+
+  PolygonFile read()
+  {
+    PolygonFile file;
+    if (json_.is_object() && json_.contains("contours"))
+    {
+      readOwn(file);
+    }
+    else
+    {
+      readRings(file);
+    }
+    file.unit = unit_;
+    file.warnings = std::move(warnings_);
+    return file;
+  }
+
+private:
+  [[noreturn]] void fail(const std::string& what, const std::string& hint) const
+  {
+    throw InputError(fmt::format("'{}': {}", name_, what), hint);
+  }
+
+  [[nodiscard]] double findUnit() const
+  {
+    if (options_.unit)
+    {
+      return *options_.unit;
+    }
+    if (!json_.is_object() || !(json_.contains("units") || json_.contains("unit")))
+    {
+      fail("it does not say the unit of its coordinates", "give the unit, or write \"units\": \"um\" into the file");
+    }
+    const Json& said = json_.contains("units") ? json_["units"] : json_["unit"];
+    if (!said.is_string())
+    {
+      fail(fmt::format("its units are a {}, not a name", typeOf(said)), "write \"units\": \"um\"");
+    }
+    std::string word = said.get<std::string>();
+    if (word.size() > 2 && word.back() == 's')
+    {
+      word.pop_back();
+    }
+    static const std::map<std::string, double> metres{ { "m", 1 }, { "metre", 1 }, { "meter", 1 }, { "mm", 1e-3 },
+      { "millimetre", 1e-3 }, { "millimeter", 1e-3 }, { "um", 1e-6 }, { "µm", 1e-6 }, { "μm", 1e-6 },
+      { "micrometre", 1e-6 }, { "micrometer", 1e-6 }, { "micron", 1e-6 }, { "nm", 1e-9 }, { "nanometre", 1e-9 },
+      { "nanometer", 1e-9 } };
+    const auto found = metres.find(word);
+    if (found == metres.end())
+    {
+      fail(fmt::format("its units '{}' are not known", word.substr(0, 40)), "use m, mm, um or nm, or give the unit");
+    }
+    return found->second;
+  }
+
+  [[nodiscard]] double number(const Json& value, const std::string& what) const
+  {
+    if (!value.is_number())
+    {
+      fail(fmt::format("{} has a {} where a number should be", what, typeOf(value)),
+        "points are lists of two numbers: [x, y]");
+    }
+    const double v = value.get<double>();
+    if (!std::isfinite(v))
+    {
+      fail(fmt::format("{} has a coordinate that is no finite number", what), "take the point out");
+    }
+    return v;
+  }
+
+  /// A list of points, in the file's coordinates.
+  [[nodiscard]] Polygon points(const Json& list, const std::string& what) const
+  {
+    if (!list.is_array())
+    {
+      fail(fmt::format("{} is a {}, not a list of points", what, typeOf(list)), kinds);
+    }
+    Polygon result;
+    result.reserve(list.size());
+    for (const Json& p : list)
+    {
+      if (!p.is_array() || p.size() != 2)
+      {
+        fail(p.is_array() ? fmt::format("{} has a point of {} numbers", what, p.size())
+                          : fmt::format("{} has a {} where a point should be", what, typeOf(p)),
+          "points are lists of two numbers: [x, y]");
+      }
+      result.push_back({ number(p[0], what), number(p[1], what) });
+    }
+    return result;
+  }
+
+  /// A ring made ready: one after the other no equal points, counter-clockwise, in metres. Empty if it has no area.
+  [[nodiscard]] Polygon ring(const Json& list, const std::string& what)
+  {
+    Polygon p = points(list, what);
+    const std::size_t given = p.size();
+    p.erase(std::unique(p.begin(), p.end()), p.end());
+    repeated_ += given - p.size();
+    double gap = 0;
+    if (p.size() > 1 && p.front() == p.back())
+    {
+      p.pop_back();
+    }
+    else if (p.size() > 1)
+    {
+      gap = std::hypot(p.back()[0] - p.front()[0], p.back()[1] - p.front()[1]);
+    }
+    if (p.size() < 3)
+    {
+      fail(fmt::format("{} has {} different point{}", what, p.size(), p.size() == 1 ? "" : "s"),
+        "a polygon needs three or more; take it out");
+    }
+    double longest = 0;
+    for (std::size_t i = 1; i < p.size(); ++i)
+    {
+      longest = std::max(longest, std::hypot(p[i][0] - p[i - 1][0], p[i][1] - p[i - 1][1]));
+    }
+    for (Point& q : p)
+    {
+      q = { q[0] * unit_, q[1] * (options_.yDown ? -unit_ : unit_) };
+      for (const double v : q)
+      {
+        if (!(std::abs(v) <= 1e3 * largest))
+        {
+          fail(fmt::format("{} has the coordinate {:g} m", what, v), "check the file, and the unit of its coordinates");
+        }
+      }
+    }
+    const double area = polygonArea(p);
+    if (area < 0)
+    {
+      std::reverse(p.begin(), p.end());
+    }
+    if (area == 0)
+    {
+      warnings_.push_back(fmt::format("{} has no area and was left out", what));
+      p.clear();
+    }
+    else if (gap > 1.5 * longest)
+    {
+      warnings_.push_back(fmt::format(
+        "{} is open by {:.3g} (its longest side is {:.3g}): closed by a straight line", what, gap, longest));
+    }
+    return p;
+  }
+
+  void addRings(const Json& list, const std::string& what, std::vector<Polygon>& to)
+  {
+    for (std::size_t i = 0; i < list.size(); ++i)
+    {
+      Polygon p = ring(list[i], fmt::format("{} {}", what, i + 1));
+      if (!p.empty())
+      {
+        to.push_back(std::move(p));
+      }
+    }
+  }
+
+  void addCells(const Json& list, std::vector<Polygon>& lumens, std::vector<Polygon>& outers)
+  {
+    for (std::size_t i = 0; i < list.size(); ++i)
+    {
+      const Json& cell = list[i];
+      if (!cell.is_object() || !(cell.contains("lumen") || cell.contains("outer")))
+      {
+        fail(fmt::format("cell {} has neither \"lumen\" nor \"outer\"", i + 1), kinds);
+      }
+      for (const auto& [key, to] : { std::pair("lumen", &lumens), std::pair("outer", &outers) })
+      {
+        if (cell.contains(key))
+        {
+          Polygon p = ring(cell[key], fmt::format("the {} of cell {}", key, i + 1));
+          if (!p.empty())
+          {
+            to->push_back(std::move(p));
+          }
+        }
+      }
+    }
+  }
+
+  void readRings(PolygonFile& file)
+  {
+    const bool plain = json_.is_array();
+    const char* key = !json_.is_object() ? ""
+      : json_.contains("cells")          ? "cells"
+      : json_.contains("lumens")         ? "lumens"
+                                         : "";
+    if (!plain && *key == '\0')
+    {
+      fail(json_.is_object() ? std::string("it has neither \"cells\" nor \"lumens\"")
+                             : fmt::format("it is a {}, not a list of polygons", typeOf(json_)),
+        kinds);
+    }
+    const Json& list = plain ? json_ : json_[key];
+    if (!list.is_array() || list.empty())
+    {
+      fail(list.is_array() ? std::string("it has no polygons")
+                           : fmt::format("its \"{}\" are a {}, not a list", key, typeOf(list)),
+        kinds);
+    }
+    unit_ = findUnit();
+    std::vector<Polygon> lumens;
+    std::vector<Polygon> outers;
+    if (key == std::string("cells"))
+    {
+      addCells(list, lumens, outers);
+    }
+    else
+    {
+      addRings(list, "polygon", lumens);
+    }
+    if (lumens.empty())
+    {
+      fail("it has no lumen", kinds);
+    }
+    std::vector<Polygon> frame = lumens;
+    frame.insert(frame.end(), outers.begin(), outers.end());
+    if (json_.is_object() && json_.contains("outer") && !json_["outer"].empty())
+    {
+      Polygon outer = ring(json_["outer"], "the outline of all cells (\"outer\")");
+      if (!outer.empty())
+      {
+        frame.push_back(std::move(outer));
+      }
+    }
+    if (repeated_ > 0)
+    {
+      warnings_.push_back(fmt::format("{} points repeated in a row were left out", repeated_));
+    }
+    const auto [low, high] = window(frame);
+    file.origin = low;
+    checkRings(lumens, "lumen");
+    file.lumens = clipped(lumens, low, high);
+    if (file.lumens.contours.empty())
+    {
+      fail("no lumen lies in the window", "give the window in the file's coordinates: low x, low y, high x, high y");
+    }
+    requireValid(file.lumens, fmt::format("'{}'", name_));
+    if (!outers.empty())
+    {
+      file.cells = clipped(outers, low, high);
+    }
+  }
+
+  /// Each ring by itself and all together, before anything is clipped: numbers in messages are the file's.
+  void checkRings(const std::vector<Polygon>& rings, const char* what) const
+  {
+    ContourSet all{ { largest, largest }, {} };
+    for (const Polygon& p : rings)
+    {
+      all.contours.push_back({ p, true, static_cast<std::int32_t>(all.contours.size() + 1) });
+    }
+    const std::vector<ContourFinding> found = findCrossings(all);
+    if (found.empty())
+    {
+      return;
+    }
+    const ContourFinding& f = found.front();
+    const double x = f.at[0] / unit_;
+    const double y = f.at[1] / (options_.yDown ? -unit_ : unit_);
+    const std::string more = found.size() > 1 ? fmt::format(" ({} more such pairs)", found.size() - 1) : std::string{};
+    fail(f.contour == f.other
+        ? fmt::format("{} {} crosses or touches itself near ({:.6g}, {:.6g}){}", what, f.contour + 1, x, y, more)
+        : fmt::format(
+            "{}s {} and {} cross or touch near ({:.6g}, {:.6g}){}", what, f.contour + 1, f.other + 1, x, y, more),
+      "draw them anew with a wall between; every outline passes each place once");
+  }
+
+  [[nodiscard]] std::pair<Point, Point> window(const std::vector<Polygon>& all) const
+  {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    Point low{ infinite, infinite };
+    Point high{ -infinite, -infinite };
+    if (options_.window)
+    {
+      const auto& w = *options_.window;
+      low = { w[0] * unit_, options_.yDown ? -w[3] * unit_ : w[1] * unit_ };
+      high = { w[2] * unit_, options_.yDown ? -w[1] * unit_ : w[3] * unit_ };
+    }
+    else
+    {
+      for (const Polygon& p : all)
+      {
+        for (const Point& q : p)
+        {
+          for (std::size_t k = 0; k < 2; ++k)
+          {
+            low[k] = std::min(low[k], q[k]);
+            high[k] = std::max(high[k], q[k]);
+          }
+        }
+      }
+    }
+    if (high[0] - low[0] > largest || high[1] - low[1] > largest)
+    {
+      fail(fmt::format("its polygons reach over {:g} × {:g} m", high[0] - low[0], high[1] - low[1]),
+        "check the unit of its coordinates; pictures up to 1 m are taken");
+    }
+    return { low, high };
+  }
+
+  [[nodiscard]] ContourSet clipped(const std::vector<Polygon>& all, const Point& low, const Point& high) const
+  {
+    try
+    {
+      return clipToWindow(all, low, high);
+    }
+    catch (const InputError& failure)
+    {
+      fail(failure.what(), failure.hint());
+    }
+  }
+
+  /// A set as writePolygons() puts it.
+  [[nodiscard]] ContourSet readSet(const Json& list, const Point& size) const
+  {
+    ContourSet set{ size, {} };
+    if (!list.is_array())
+    {
+      fail(fmt::format("its contours are a {}, not a list", typeOf(list)), kinds);
+    }
+    for (std::size_t i = 0; i < list.size(); ++i)
+    {
+      const Json& c = list[i];
+      const std::string what = fmt::format("contour {}", i + 1);
+      if (!c.is_object() || !c.contains("points") || !c.value("closed", Json(true)).is_boolean() ||
+        !c.value("lumen", Json(0)).is_number_integer())
+      {
+        fail(what + " is not an object of points, closed and lumen",
+          R"(write {"points": [[x, y], …], "closed": true, "lumen": 1})");
+      }
+      Contour contour{ points(c["points"], what), c.value("closed", true), c.value("lumen", std::int32_t{ 0 }) };
+      for (Point& p : contour.points)
+      {
+        p = { p[0] * unit_, p[1] * unit_ };
+      }
+      set.contours.push_back(std::move(contour));
+    }
+    return set;
+  }
+
+  void readOwn(PolygonFile& file)
+  {
+    unit_ = findUnit();
+    if (!json_.contains("size"))
+    {
+      fail("it does not say the picture's size", R"(write "size": [width, height])");
+    }
+    const Polygon size = points(Json::array({ json_["size"] }), "the picture's size");
+    const Point metres{ size[0][0] * unit_, size[0][1] * unit_ };
+    if (!(metres[0] > 0 && metres[1] > 0 && metres[0] <= largest && metres[1] <= largest))
+    {
+      fail(fmt::format("its picture measures {:g} × {:g} m", metres[0], metres[1]), "give a size up to 1 m");
+    }
+    if (options_.window || options_.yDown)
+    {
+      throw ParameterError(
+        fmt::format("'{}' says its picture's size, and a window or the way of y was given", name_), "read it as it is");
+    }
+    file.lumens = readSet(json_["contours"], metres);
+    if (file.lumens.contours.empty())
+    {
+      fail("it has no contours", kinds);
+    }
+    requireValid(file.lumens, fmt::format("'{}'", name_));
+    if (json_.contains("cells"))
+    {
+      file.cells = readSet(json_["cells"], metres);
+    }
+  }
+
+  std::string name_;
+  PolygonReadOptions options_;
+  Json json_;
+  double unit_ = 1;
+  std::size_t repeated_ = 0;
+  std::vector<std::string> warnings_;
+};
+
+[[nodiscard]] Json jsonOf(const ContourSet& set)
+{
+  Json list = Json::array();
+  for (const Contour& c : set.contours)
+  {
+    list.push_back({ { "closed", c.closed }, { "lumen", c.lumen }, { "points", c.points } });
+  }
+  return list;
+}
+
+} // namespace
+
+PolygonFile readPolygons(const std::filesystem::path& path, const PolygonReadOptions& options)
+{
+  return Reader(path, options).read();
+}
+
+void writePolygons(const ContourSet& lumens, const std::filesystem::path& path, const ContourSet* cells)
+{
+  Json json{ { "units", "metre" }, { "size", lumens.size }, { "contours", jsonOf(lumens) } };
+  if (cells != nullptr)
+  {
+    json["cells"] = jsonOf(*cells);
+  }
+  writeText(json.dump() + "\n", path);
+}
+
+} // namespace lamella::micrograph
