@@ -112,26 +112,29 @@ cv::Mat smoothSurface(const cv::Mat& grey, const cv::Mat& mask)
   return surface;
 }
 
-/// Divides out the light, as the bright class shows it.
-/// @return how much it varied, over the contrast
-double evenLight(cv::Mat& grey, cv::Mat mask)
+/// The light, as the bright class shows it.
+struct Light
 {
-  cv::Mat light;
+  cv::Mat surface;
+  double unevenness = 0; ///< how much it varies, over the contrast
+};
+
+Light lightOf(const cv::Mat& grey, cv::Mat mask)
+{
+  Light light;
   double contrast = 1;
   for (int round = 0; round < 4; ++round)
   {
-    light = smoothSurface(grey, mask);
+    light.surface = smoothSurface(grey, mask);
     const cv::Mat dark = smoothSurface(grey, 1 - mask);
-    contrast = std::max(1.0, cv::mean(light - dark)[0]);
-    mask = above(grey, (light + dark) / 2);
+    contrast = std::max(1.0, cv::mean(light.surface - dark)[0]);
+    mask = above(grey, (light.surface + dark) / 2);
   }
   double low = 0;
   double high = 0;
-  cv::minMaxLoc(light, &low, &high);
-  const double mean = cv::mean(light)[0];
-  // Where hardly any light fell nothing can be brought back.
-  grey = grey.mul(mean / cv::max(light, 0.05 * mean));
-  return (high - low) / contrast;
+  cv::minMaxLoc(light.surface, &low, &high);
+  light.unevenness = (high - low) / contrast;
+  return light;
 }
 
 } // namespace
@@ -142,6 +145,7 @@ double noiseOf(const cv::Mat& grey)
   cv::Mat response;
   cv::filter2D(grey, response, CV_32F, kernel);
   // The median rather than the mean, so that walls and their corners do not count as noise.
+  response = thinned(response, 5e5);
   std::vector<float> magnitudes(response.begin<float>(), response.end<float>());
   for (float& value : magnitudes)
   {
@@ -152,16 +156,42 @@ double noiseOf(const cv::Mat& grey)
   return *middle / (0.6745 * 6);
 }
 
-Flattened flatten(cv::Mat grey, const std::optional<double>& scaleAsked)
+cv::Mat thinned(const cv::Mat& grey, double most)
+{
+  const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(grey.total()) / most))));
+  const int shortest = std::min(grey.rows, grey.cols);
+  if (step == 1 || shortest < 2 * step)
+  {
+    return grey;
+  }
+  cv::Mat result(grey.rows / step, grey.cols / step, CV_32F);
+  for (int row = 0; row < result.rows; ++row)
+  {
+    const auto* from = grey.ptr<float>(row * step);
+    auto* to = result.ptr<float>(row);
+    for (int x = 0; x < result.cols; ++x)
+    {
+      to[x] = from[static_cast<std::ptrdiff_t>(x) * step];
+    }
+  }
+  return result;
+}
+
+Flattened flatten(const cv::Mat& grey, const std::optional<double>& scaleAsked)
 {
   Flattened result;
-  const double longest = std::max(grey.cols, grey.rows);
+  // The maps are smooth: half a million pixels, taken out one by one so that no edge is blurred, tell them.
+  cv::Mat few = thinned(grey, 5e5);
+  const double step = static_cast<double>(grey.cols) / few.cols;
+  const double longest = std::max(few.cols, few.rows);
+  const double least = std::max(2.0, 8 / step);
   // Over a tenth of the picture the light is even enough to tell cells from walls and to measure the cells.
   const auto aboveLocalMean = [&](double scale)
-  { return above(grey, localMean(grey, cv::Mat(grey.size(), CV_32F, cv::Scalar(1)), scale)); };
-  cv::Mat mask = aboveLocalMean(std::max(8.0, longest / 10));
+  { return above(few, localMean(few, cv::Mat(few.size(), CV_32F, cv::Scalar(1)), scale)); };
+  cv::Mat mask = aboveLocalMean(std::max(least, longest / 10));
   const double cell = meanRun(mask) + meanRun(1 - mask);
-  result.scale = scaleAsked.value_or(std::clamp(5 * cell, 8.0, std::max(8.0, longest)));
+  const double scale = scaleAsked ? *scaleAsked / step : std::clamp(5 * cell, least, std::max(least, longest));
+  result.scale = scaleAsked.value_or(scale * step);
   if (result.scale <= 0)
   {
     grey.copyTo(result.grey);
@@ -169,21 +199,41 @@ Flattened flatten(cv::Mat grey, const std::optional<double>& scaleAsked)
   }
   // First the light, smooth over the whole picture, from a local mean that it does not mislead; then what stain and
   // thickness do over some cells.
-  result.unevenness = evenLight(grey, aboveLocalMean(std::clamp(cell, 8.0, std::max(8.0, longest))));
-  mask = aboveLocalMean(result.scale);
+  const Light light = lightOf(few, aboveLocalMean(std::clamp(cell, least, std::max(least, longest))));
+  result.unevenness = light.unevenness;
+  const double mean = cv::mean(light.surface)[0];
+  // Where hardly any light fell nothing can be brought back.
+  const cv::Mat gain = mean / cv::max(light.surface, 0.05 * mean);
+  // A new buffer: the old one may be the caller's.
+  few = cv::Mat(few.mul(gain));
+  mask = aboveLocalMean(scale);
   cv::Mat bright;
   cv::Mat dark;
   for (int round = 0; round < 3; ++round)
   {
-    bright = localMean(grey, mask, result.scale);
-    dark = localMean(grey, 1 - mask, result.scale);
-    mask = above(grey, (bright + dark) / 2);
+    bright = localMean(few, mask, scale);
+    dark = localMean(few, 1 - mask, scale);
+    mask = above(few, (bright + dark) / 2);
   }
   const double contrast = std::max(1.0, cv::mean(bright - dark)[0]);
   // A place with hardly any contrast of its own keeps that of the whole.
-  const cv::Mat span = cv::max(bright - dark, 0.3 * contrast);
-  result.grey = (grey - dark).mul(1 / span) * (lumenLevel - wallLevel) + wallLevel;
-  result.grey = cv::min(cv::max(result.grey, 0.0), 255.0);
+  cv::Mat slope = (lumenLevel - wallLevel) / cv::max(bright - dark, 0.3 * contrast);
+  cv::Mat offset = wallLevel - dark.mul(slope);
+  slope = slope.mul(gain);
+  cv::resize(slope, slope, grey.size(), 0, 0, cv::INTER_LINEAR);
+  cv::resize(offset, offset, grey.size(), 0, 0, cv::INTER_LINEAR);
+  result.grey.create(grey.size(), CV_32F);
+  for (int row = 0; row < grey.rows; ++row)
+  {
+    const auto* from = grey.ptr<float>(row);
+    const auto* times = slope.ptr<float>(row);
+    const auto* plus = offset.ptr<float>(row);
+    auto* to = result.grey.ptr<float>(row);
+    for (int x = 0; x < grey.cols; ++x)
+    {
+      to[x] = std::clamp(from[x] * times[x] + plus[x], 0.0F, 255.0F);
+    }
+  }
   return result;
 }
 

@@ -172,8 +172,9 @@ LumenClasses classifyLumens(std::span<const double> sizes)
   }
   const double limit = (below + above) / 2;
   const auto vessels = static_cast<std::size_t>(logs.end() - std::upper_bound(logs.begin(), logs.end(), limit));
-  result.two =
-    better > 10 && result.separability > 2 && result.ratio >= 4 && vessels >= least && logs.size() - vessels >= least;
+  constexpr double clearlyBetter = 10;
+  result.two = better > clearlyBetter && result.separability > 2 && result.ratio >= 4 && vessels >= least &&
+    2 * vessels < logs.size();
   if (!result.two)
   {
     return result;

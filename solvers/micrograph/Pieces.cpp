@@ -98,7 +98,7 @@ std::int64_t openPieces(cv::Mat& mask, double radius)
   }
   const Pieces pieces = piecesOf(mask, false);
   cv::Mat depth;
-  cv::distanceTransform(mask, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  cv::distanceTransform(mask, depth, cv::DIST_L2, cv::DIST_MASK_5);
   std::vector<float> disk(pieces.area.size(), 0.0F);
   for (int row = 0; row < mask.rows; ++row)
   {
@@ -126,7 +126,7 @@ std::int64_t openPieces(cv::Mat& mask, double radius)
     }
   }
   cv::Mat& distance = depth;
-  cv::distanceTransform(outside, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  cv::distanceTransform(outside, distance, cv::DIST_L2, cv::DIST_MASK_5);
   std::int64_t changed = 0;
   for (int row = 0; row < mask.rows; ++row)
   {

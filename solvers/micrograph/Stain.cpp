@@ -1,6 +1,7 @@
 #include "micrograph/Stain.h"
 
 #include "lattice/Error.h"
+#include "micrograph/Flatten.h"
 #include "micrograph/Otsu.h"
 
 #include <opencv2/core.hpp>
@@ -15,26 +16,7 @@ namespace
 
 constexpr std::array channels{ "red", "green", "blue", "grey" };
 
-/// Rows and columns thinned out so that about 400 000 pixels are left: plenty for choosing a channel.
-cv::Mat thinned(const cv::Mat& grey)
-{
-  const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(grey.total()) / 4e5)));
-  if (step == 1)
-  {
-    return grey;
-  }
-  cv::Mat result(grey.rows / step, grey.cols / step, CV_32F);
-  for (int row = 0; row < result.rows; ++row)
-  {
-    const auto* from = grey.ptr<float>(row * step);
-    auto* to = result.ptr<float>(row);
-    for (int x = 0; x < result.cols; ++x)
-    {
-      to[x] = from[x * step];
-    }
-  }
-  return result;
-}
+constexpr double plenty = 4e5; // pixels to choose a channel by
 
 /// Weights and offset of the discriminant between the pixels above and below a limit in one channel.
 struct Discriminant
@@ -149,11 +131,12 @@ StainGrey stainGrey(const Picture& picture, Channel asked)
     }
     result.grey = channelOf(picture, 3);
     result.name = channels[3];
-    result.separability = otsu(thinned(result.grey)).separability;
+    result.separability = otsu(thinned(result.grey, plenty)).separability;
     return result;
   }
   const std::array<cv::Mat, 3> colour{ channelOf(picture, 0), channelOf(picture, 1), channelOf(picture, 2) };
-  const std::array<cv::Mat, 3> few{ thinned(colour[0]), thinned(colour[1]), thinned(colour[2]) };
+  const std::array<cv::Mat, 3> few{ thinned(colour[0], plenty), thinned(colour[1], plenty),
+    thinned(colour[2], plenty) };
   std::size_t best = 0;
   Otsu split;
   for (std::size_t which = 0; which < 3; ++which)
