@@ -1,377 +1,27 @@
 #include "micrograph/Segmentation.h"
 
 #include "lattice/Error.h"
+#include "micrograph/Flatten.h"
+#include "micrograph/Graphics.h"
+#include "micrograph/LumenShapes.h"
+#include "micrograph/Otsu.h"
+#include "micrograph/Pieces.h"
+#include "micrograph/Rays.h"
+#include "micrograph/Rims.h"
+#include "micrograph/Stain.h"
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
+#include <numbers>
 
 namespace lamella::micrograph
 {
 namespace
 {
-
-constexpr float wallLevel = 64;
-constexpr float lumenLevel = 192;
-
-struct Otsu
-{
-  double threshold = 0;
-  double separability = 0; ///< between-class over total variance
-};
-
-/// Otsu's threshold of a CV_32F picture, over its values in 0 … 256.
-Otsu otsu(const cv::Mat& grey)
-{
-  std::array<double, 256> histogram{};
-  for (int row = 0; row < grey.rows; ++row)
-  {
-    const auto* value = grey.ptr<float>(row);
-    for (int x = 0; x < grey.cols; ++x)
-    {
-      histogram[static_cast<std::size_t>(std::clamp(value[x], 0.0F, 255.0F))] += 1;
-    }
-  }
-  const double nodes = static_cast<double>(grey.total());
-  double mean = 0;
-  double variance = 0;
-  for (std::size_t i = 0; i < 256; ++i)
-  {
-    mean += static_cast<double>(i) * histogram[i] / nodes;
-  }
-  for (std::size_t i = 0; i < 256; ++i)
-  {
-    variance += (static_cast<double>(i) - mean) * (static_cast<double>(i) - mean) * histogram[i] / nodes;
-  }
-  Otsu best;
-  double below = 0;
-  double sum = 0;
-  for (std::size_t i = 0; i < 255; ++i)
-  {
-    below += histogram[i] / nodes;
-    sum += static_cast<double>(i) * histogram[i] / nodes;
-    if (below > 0 && below < 1)
-    {
-      const double apart = mean * below - sum;
-      const double between = apart * apart / (below * (1 - below));
-      if (variance > 0 && between / variance > best.separability)
-      {
-        best = { static_cast<double>(i) + 1, between / variance };
-      }
-    }
-  }
-  return best;
-}
-
-/// One channel of a picture as CV_32F in 0 … 255; row 0 is the first in memory.
-cv::Mat channel(const Picture& picture, int which)
-{
-  const auto width = static_cast<int>(picture.lattice.size[0]);
-  const auto height = static_cast<int>(picture.lattice.size[1]);
-  const bool colour = which < 3;
-  const std::uint16_t* from = colour ? picture.colour.data() + which : picture.grey.data();
-  const std::size_t step = colour ? 3 : 1;
-  // 16-bit cameras seldom use all 16 bits: scale by the brightest value.
-  float top = 255;
-  if (picture.bits == 16)
-  {
-    top = std::max<float>(1, *std::max_element(picture.grey.begin(), picture.grey.end()));
-  }
-  cv::Mat result(height, width, CV_32F);
-  for (int row = 0; row < height; ++row)
-  {
-    auto* to = result.ptr<float>(row);
-    for (int x = 0; x < width; ++x, from += step)
-    {
-      to[x] = std::min(255.0F, static_cast<float>(*from) * (255.0F / top));
-    }
-  }
-  return result;
-}
-
-/// Mean over a Gaussian window of the pixels that a mask (0 or 1, CV_32F) leaves, computed on a coarser picture. Where
-/// there are few such pixels near it goes over to their mean over the whole picture.
-cv::Mat localMean(const cv::Mat& grey, const cv::Mat& mask, double scale)
-{
-  const double shrink = std::max(1.0, scale / 8);
-  const cv::Size coarse(std::max(1, static_cast<int>(std::lround(grey.cols / shrink))),
-    std::max(1, static_cast<int>(std::lround(grey.rows / shrink))));
-  cv::Mat sum;
-  cv::Mat weight;
-  cv::resize(grey.mul(mask), sum, coarse, 0, 0, cv::INTER_AREA);
-  cv::resize(mask, weight, coarse, 0, 0, cv::INTER_AREA);
-  const double overall = cv::sum(sum)[0] / std::max(1e-9, cv::sum(weight)[0]);
-  cv::GaussianBlur(sum, sum, cv::Size(), scale / shrink, scale / shrink, cv::BORDER_REFLECT);
-  cv::GaussianBlur(weight, weight, cv::Size(), scale / shrink, scale / shrink, cv::BORDER_REFLECT);
-  constexpr double faith = 0.02; // share of the window from which on the local mean counts
-  cv::Mat mean = (sum + faith * overall) / (weight + faith);
-  cv::resize(mean, mean, grey.size(), 0, 0, cv::INTER_LINEAR);
-  return mean;
-}
-
-/// Standard deviation of the noise (Immerkær 1996: a mask blind to planes and edges of second order).
-double noiseOf(const cv::Mat& grey)
-{
-  const cv::Mat kernel = (cv::Mat_<float>(3, 3) << 1, -2, 1, -2, 4, -2, 1, -2, 1);
-  cv::Mat response;
-  cv::filter2D(grey, response, CV_32F, kernel);
-  // The median rather than the mean, so that walls and their corners do not count as noise.
-  std::vector<float> magnitudes(response.begin<float>(), response.end<float>());
-  for (float& value : magnitudes)
-  {
-    value = std::abs(value);
-  }
-  const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
-  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
-  return *middle / (0.6745 * 6);
-}
-
-/// Mean length of the runs of a mask along rows and columns.
-double meanRun(const cv::Mat& mask)
-{
-  std::int64_t runs = 0;
-  for (int row = 0; row < mask.rows; ++row)
-  {
-    const auto* value = mask.ptr<float>(row);
-    const float* before = row > 0 ? mask.ptr<float>(row - 1) : nullptr;
-    for (int x = 0; x < mask.cols; ++x)
-    {
-      runs += value[x] > 0 && (x == 0 || !(value[x - 1] > 0));
-      runs += value[x] > 0 && (before == nullptr || !(before[x] > 0));
-    }
-  }
-  return runs > 0 ? 2 * cv::sum(mask)[0] / static_cast<double>(runs) : 0;
-}
-
-struct Flattened
-{
-  cv::Mat grey;
-  double scale = 0;
-  double unevenness = 0;
-};
-
-cv::Mat above(const cv::Mat& grey, const cv::Mat& limit)
-{
-  cv::Mat mask;
-  cv::Mat(grey > limit).convertTo(mask, CV_32F, 1.0 / 255);
-  return mask;
-}
-
-/// The smooth surface (a polynomial of fourth degree in x and y, least squares) through the pixels that a mask leaves:
-/// it follows a slope of the light up to the picture's edge, where a local mean cannot.
-cv::Mat smoothSurface(const cv::Mat& grey, const cv::Mat& mask)
-{
-  constexpr int degree = 4;
-  constexpr int terms = (degree + 1) * (degree + 2) / 2;
-  constexpr int coarse = 96; // samples along a side
-  const auto fill = [](double x, double y, std::array<double, terms>& row)
-  {
-    int term = 0;
-    double ofX = 1;
-    for (int i = 0; i <= degree; ++i, ofX *= x)
-    {
-      double ofY = 1;
-      for (int j = 0; i + j <= degree; ++j, ofY *= y)
-      {
-        row[static_cast<std::size_t>(term++)] = ofX * ofY;
-      }
-    }
-  };
-  const cv::Size size(std::min(coarse, grey.cols), std::min(coarse, grey.rows));
-  cv::Mat sum;
-  cv::Mat weight;
-  cv::resize(grey.mul(mask), sum, size, 0, 0, cv::INTER_AREA);
-  cv::resize(mask, weight, size, 0, 0, cv::INTER_AREA);
-
-  // A trace of ridge keeps the system regular for pictures a few pixels wide.
-  cv::Mat normal = cv::Mat::eye(terms, terms, CV_64F) * 1e-6;
-  cv::Mat right = cv::Mat::zeros(terms, 1, CV_64F);
-  std::array<double, terms> row{};
-  const auto at = [](int i, int n) { return 2 * (i + 0.5) / n - 1; };
-  for (int y = 0; y < size.height; ++y)
-  {
-    for (int x = 0; x < size.width; ++x)
-    {
-      const double w = weight.at<float>(y, x);
-      fill(at(x, size.width), at(y, size.height), row);
-      for (int i = 0; i < terms && w > 0; ++i)
-      {
-        right.at<double>(i) += row[static_cast<std::size_t>(i)] * sum.at<float>(y, x);
-        for (int j = 0; j < terms; ++j)
-        {
-          normal.at<double>(i, j) += w * row[static_cast<std::size_t>(i)] * row[static_cast<std::size_t>(j)];
-        }
-      }
-    }
-  }
-  cv::Mat coefficients;
-  cv::solve(normal, right, coefficients, cv::DECOMP_SVD);
-  cv::Mat surface(size, CV_32F);
-  for (int y = 0; y < size.height; ++y)
-  {
-    for (int x = 0; x < size.width; ++x)
-    {
-      fill(at(x, size.width), at(y, size.height), row);
-      double value = 0;
-      for (int i = 0; i < terms; ++i)
-      {
-        value += coefficients.at<double>(i) * row[static_cast<std::size_t>(i)];
-      }
-      surface.at<float>(y, x) = static_cast<float>(value);
-    }
-  }
-  cv::resize(surface, surface, grey.size(), 0, 0, cv::INTER_LINEAR);
-  return surface;
-}
-
-/// Divides out the light, as the bright class shows it.
-/// @return how much it varied, over the contrast
-double evenLight(cv::Mat& grey, cv::Mat mask)
-{
-  cv::Mat light;
-  double contrast = 1;
-  for (int round = 0; round < 4; ++round)
-  {
-    light = smoothSurface(grey, mask);
-    const cv::Mat dark = smoothSurface(grey, 1 - mask);
-    contrast = std::max(1.0, cv::mean(light - dark)[0]);
-    mask = above(grey, (light + dark) / 2);
-  }
-  double low = 0;
-  double high = 0;
-  cv::minMaxLoc(light, &low, &high);
-  const double mean = cv::mean(light)[0];
-  // Where hardly any light fell nothing can be brought back.
-  grey = grey.mul(mean / cv::max(light, 0.05 * mean));
-  return (high - low) / contrast;
-}
-
-/// Brings the local grey of the dark class to 64 and that of the bright one to 192.
-Flattened flatten(cv::Mat grey, const std::optional<double>& scaleAsked)
-{
-  Flattened result;
-  const double longest = std::max(grey.cols, grey.rows);
-  // Over a tenth of the picture the light is even enough to tell cells from walls and to measure the cells.
-  const auto aboveLocalMean = [&](double scale)
-  { return above(grey, localMean(grey, cv::Mat(grey.size(), CV_32F, cv::Scalar(1)), scale)); };
-  cv::Mat mask = aboveLocalMean(std::max(8.0, longest / 10));
-  const double cell = meanRun(mask) + meanRun(1 - mask);
-  result.scale = scaleAsked.value_or(std::clamp(5 * cell, 8.0, std::max(8.0, longest)));
-  if (result.scale <= 0)
-  {
-    grey.copyTo(result.grey);
-    return result;
-  }
-  // First the light, smooth over the whole picture, from a local mean that it does not mislead; then what stain and
-  // thickness do over some cells.
-  result.unevenness = evenLight(grey, aboveLocalMean(std::clamp(cell, 8.0, std::max(8.0, longest))));
-  mask = aboveLocalMean(result.scale);
-  cv::Mat bright;
-  cv::Mat dark;
-  for (int round = 0; round < 3; ++round)
-  {
-    bright = localMean(grey, mask, result.scale);
-    dark = localMean(grey, 1 - mask, result.scale);
-    mask = above(grey, (bright + dark) / 2);
-  }
-  const double contrast = std::max(1.0, cv::mean(bright - dark)[0]);
-  // A place with hardly any contrast of its own keeps that of the whole.
-  const cv::Mat span = cv::max(bright - dark, 0.3 * contrast);
-  result.grey = (grey - dark).mul(1 / span) * (lumenLevel - wallLevel) + wallLevel;
-  result.grey = cv::min(cv::max(result.grey, 0.0), 255.0);
-  return result;
-}
-
-struct Pieces
-{
-  cv::Mat labels; ///< CV_32S
-  std::vector<std::int64_t> area;
-  std::vector<bool> enclosed; ///< does not touch the border
-};
-
-/// Pieces of a CV_8U mask, connected through faces, or through corners too; number 0 is what the mask leaves out.
-Pieces piecesOf(const cv::Mat& mask, bool corners)
-{
-  Pieces result;
-  cv::Mat stats;
-  cv::Mat centres;
-  const int count = cv::connectedComponentsWithStats(mask, result.labels, stats, centres, corners ? 8 : 4, CV_32S);
-  for (int i = 0; i < count; ++i)
-  {
-    const int left = stats.at<int>(i, cv::CC_STAT_LEFT);
-    const int top = stats.at<int>(i, cv::CC_STAT_TOP);
-    result.area.push_back(stats.at<int>(i, cv::CC_STAT_AREA));
-    result.enclosed.push_back(left > 0 && top > 0 && left + stats.at<int>(i, cv::CC_STAT_WIDTH) < mask.cols &&
-      top + stats.at<int>(i, cv::CC_STAT_HEIGHT) < mask.rows);
-  }
-  return result;
-}
-
-std::int64_t enclosedPieces(const cv::Mat& mask)
-{
-  const Pieces pieces = piecesOf(mask, false);
-  std::int64_t count = 0;
-  for (std::size_t i = 1; i < pieces.area.size(); ++i)
-  {
-    count += pieces.enclosed[i] && pieces.area[i] >= 30;
-  }
-  return count;
-}
-
-/// Clears pieces of a mask smaller than a limit.
-/// @return how many there were
-std::int64_t clearSmall(cv::Mat& mask, std::int64_t smallest, bool corners, bool enclosedOnly, std::int64_t& changed)
-{
-  const Pieces pieces = piecesOf(mask, corners);
-  std::int64_t count = 0;
-  std::vector<bool> clear(pieces.area.size(), false);
-  for (std::size_t i = 1; i < pieces.area.size(); ++i)
-  {
-    clear[i] = pieces.area[i] < smallest && (pieces.enclosed[i] || !enclosedOnly);
-    count += clear[i];
-    changed += clear[i] ? pieces.area[i] : 0;
-  }
-  for (int row = 0; row < mask.rows && count > 0; ++row)
-  {
-    auto* value = mask.ptr<std::uint8_t>(row);
-    const auto* label = pieces.labels.ptr<int>(row);
-    for (int x = 0; x < mask.cols; ++x)
-    {
-      value[x] = clear[static_cast<std::size_t>(label[x])] ? 0 : value[x];
-    }
-  }
-  return count;
-}
-
-/// A twentieth of the usual lumen, told by how far one can go in it (its area would mislead where lumens run together),
-/// and never less than 3 × 3 pixels.
-std::int64_t smallestPiece(const cv::Mat& lumen)
-{
-  cv::Mat mask;
-  lumen.convertTo(mask, CV_32F, 1.0 / 255);
-  const double run = meanRun(mask);
-  return std::max<std::int64_t>(9, std::llround(run * run / 20));
-}
-
-void growBy(cv::Mat& lumen, double pixels)
-{
-  const bool outwards = pixels > 0;
-  cv::Mat distance;
-  cv::distanceTransform(outwards ? cv::Mat(255 - lumen) : lumen, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  if (outwards)
-  {
-    lumen = distance <= pixels;
-  }
-  else
-  {
-    lumen = distance > -pixels;
-  }
-}
 
 void check(const Picture& picture, const SegmentOptions& options)
 {
@@ -382,7 +32,8 @@ void check(const Picture& picture, const SegmentOptions& options)
   const auto refuse = [](const char* what, double value, const char* hint)
   { throw ParameterError(fmt::format("a {} of {} for the segmentation", what, value), hint); };
   for (const auto& [what, value] :
-    { std::pair{ "background scale", options.background }, std::pair{ "smoothing", options.smoothing } })
+    { std::pair{ "background scale", options.background }, std::pair{ "smoothing", options.smoothing },
+      std::pair{ "opening", options.opening }, std::pair{ "rim", options.rim } })
   {
     if (value && (!(*value >= 0) || !(*value <= 1e5)))
     {
@@ -397,6 +48,10 @@ void check(const Picture& picture, const SegmentOptions& options)
   {
     refuse("growth", options.grow, "give it in pixels, 0 for none");
   }
+  if (!(options.raySlenderness >= 0))
+  {
+    refuse("slenderness of rays", options.raySlenderness, "give how many times longer than wide, 0 to keep all lumens");
+  }
   for (const auto& value : { options.smallestLumen, options.smallestWall })
   {
     if (value && *value < 0)
@@ -406,12 +61,221 @@ void check(const Picture& picture, const SegmentOptions& options)
   }
 }
 
+double runOf(const cv::Mat& mask)
+{
+  cv::Mat asFloat;
+  mask.convertTo(asFloat, CV_32F, 1.0 / 255);
+  return meanRun(asFloat);
+}
+
+/// What is smaller is a speck: a twentieth of the usual lumen, told by how far one can go in it (its area would mislead
+/// where lumens run together), but no more than a hole half as wide as the walls are thick (vessels would have fibres
+/// cleared away), and never less than 3 × 3 pixels.
+std::int64_t smallestPiece(double lumenRun, double wallRun)
+{
+  return std::max<std::int64_t>(9, std::llround(std::min(lumenRun * lumenRun / 20, wallRun * wallRun / 4)));
+}
+
+/// From greys to a first mask: light, noise, threshold, which side is lumen.
+struct Thresholded
+{
+  cv::Mat lumen;
+  cv::Mat bright; ///< the grey, mirrored if need be so that lumens are above the level
+  double level = 0;
+};
+
+Thresholded threshold(const cv::Mat& grey, const SegmentOptions& options, SegmentReport& report)
+{
+  Flattened flat = flatten(grey, options.background);
+  report.background = flat.scale;
+  report.unevenness = flat.unevenness;
+  const Otsu rough = otsu(flat.grey);
+  cv::Mat brightMask = flat.grey >= rough.threshold;
+  const double contrast = std::max(1e-3, cv::mean(flat.grey, brightMask)[0] - cv::mean(flat.grey, 255 - brightMask)[0]);
+  report.noise = noiseOf(flat.grey) / contrast;
+  // A Gaussian of deviation s divides white noise by 2 sqrt(pi) s. A twentieth of the contrast is left: ten deviations
+  // between threshold and either class. More smoothing would cost thin walls.
+  constexpr double noiseLeft = 0.05;
+  report.smoothing = options.smoothing.value_or(
+    report.noise <= noiseLeft ? 0.0 : std::max(0.5, report.noise / (noiseLeft * 2 * std::sqrt(std::numbers::pi))));
+  if (report.smoothing > 0)
+  {
+    cv::GaussianBlur(flat.grey, flat.grey, cv::Size(), report.smoothing, report.smoothing, cv::BORDER_REFLECT);
+  }
+  const Otsu split = otsu(flat.grey);
+  report.threshold = options.threshold.value_or(split.threshold);
+  report.separability = split.separability;
+  brightMask = flat.grey >= report.threshold;
+  report.brightLumen = options.lumen == LumenSide::Bright ||
+    (options.lumen == LumenSide::Auto && enclosedPieces(brightMask) >= enclosedPieces(255 - brightMask));
+  Thresholded result;
+  result.lumen = report.brightLumen ? brightMask : cv::Mat(255 - brightMask);
+  result.bright = report.brightLumen ? flat.grey : cv::Mat(255 - flat.grey);
+  result.level = report.brightLumen ? report.threshold : 255 - report.threshold;
+  return result;
+}
+
+void clean(cv::Mat& lumen, SegmentReport& report)
+{
+  report.lumensRemoved += clearSmall(lumen, report.smallestLumen, false, false, report.nodesChanged);
+  cv::Mat wall = 255 - lumen;
+  report.wallsRemoved += clearSmall(wall, report.smallestWall, true, true, report.nodesChanged);
+  lumen = 255 - wall;
+}
+
+/// Finds how far the outlines have to move to lie on the middle of dark rims.
+void findRims(const cv::Mat& lumen, const EdgeDistance& edge, const Picture& picture, const Graphics& graphics,
+  double wallRun, SegmentReport& report)
+{
+  const double reach = std::clamp(wallRun, 6.0, 40.0);
+  const Rim rim = findRim(picture, lumen, edge, report.brightLumen, reach, graphics.mask);
+  report.rim = rim.found ? rim.shift : 0;
+  report.rimDepth = rim.found ? rim.depth : 0;
+  report.rimChannel = rim.channel;
+}
+
+/// Rims and rays: what takes a look at the neighbourhood of every lumen.
+void refine(cv::Mat& lumen, const Thresholded& from, const Picture& picture, const Graphics& graphics, double wallRun,
+  const SegmentOptions& options, Segmentation& result)
+{
+  SegmentReport& report = result.report;
+  const bool rays = options.raySlenderness > 0 && report.brightLumen;
+  const bool rims = !options.rim || *options.rim > 0;
+  const auto area = static_cast<std::size_t>(cv::countNonZero(lumen));
+  if ((!rays && !rims) || area == 0 || area == lumen.total())
+  {
+    return;
+  }
+  const EdgeDistance edge = edgeDistance(lumen, from.bright, from.level);
+  if (options.rim)
+  {
+    report.rim = *options.rim;
+  }
+  else
+  {
+    findRims(lumen, edge, picture, graphics, wallRun, report);
+  }
+  if (report.rim > 0)
+  {
+    moveOutwards(lumen, edge, report.rim);
+  }
+  if (report.neckNodes > 0 || report.rim > 0)
+  {
+    clean(lumen, report);
+  }
+  if (rays)
+  {
+    RayGaps gaps = dropRayGaps(
+      lumen, picture, edge, report.rim + 1, report.rim + std::max(3.0, wallRun / 3), options.raySlenderness);
+    report.rays = static_cast<std::int64_t>(gaps.marks.size());
+    report.rayNodes = gaps.nodes;
+    result.marks.insert(result.marks.end(), gaps.marks.begin(), gaps.marks.end());
+  }
+}
+
+/// Numbers, shapes and classes of what is left.
+void describe(const cv::Mat& lumen, Segmentation& result)
+{
+  const Pieces pieces = piecesOf(lumen, false);
+  result.lumen.assign(pieces.labels.begin<int>(), pieces.labels.end<int>());
+  result.shapes = lumenShapes(pieces.labels, static_cast<int>(pieces.area.size()));
+  result.shapes.erase(result.shapes.begin());
+  std::vector<double> sizes;
+  std::vector<std::size_t> whole;
+  for (std::size_t i = 0; i < result.shapes.size(); ++i)
+  {
+    const LumenShape& shape = result.shapes[i];
+    if (!shape.cut)
+    {
+      whole.push_back(i);
+      sizes.push_back(shape.length * shape.length * std::numbers::pi / 4);
+    }
+  }
+  const LumenClasses classes = classifyLumens(sizes);
+  SegmentReport& report = result.report;
+  report.vesselsFound = classes.two;
+  report.vesselSize = classes.threshold;
+  report.vesselSeparability = classes.separability;
+  result.vessel.assign(result.shapes.size(), false);
+  for (std::size_t i = 0; i < result.shapes.size() && classes.two; ++i)
+  {
+    const LumenShape& shape = result.shapes[i];
+    result.vessel[i] = shape.length * shape.length * std::numbers::pi / 4 > classes.threshold;
+    report.vessels += result.vessel[i];
+  }
+  report.lumens = static_cast<std::int64_t>(result.shapes.size());
+  report.lumenFraction = static_cast<double>(cv::countNonZero(lumen)) / static_cast<double>(lumen.total());
+}
+
+std::string counted(const std::vector<Mark>& marks, Mark::Kind kind)
+{
+  const auto number = std::count_if(marks.begin(), marks.end(), [&](const Mark& mark) { return mark.kind == kind; });
+  const bool plural = number > 1 && kind != Mark::Kind::Text;
+  return number == 0
+    ? ""
+    : fmt::format("{} {}{}", number, kind == Mark::Kind::Text ? "line(s) of text" : name(kind), plural ? "s" : "");
+}
+
+void warn(const Graphics& graphics, Segmentation& result)
+{
+  const SegmentReport& report = result.report;
+  const auto say = [&](std::string text) { result.warnings.push_back(std::move(text)); };
+  std::string drawn;
+  for (const auto kind : { Mark::Kind::Margin, Mark::Kind::Bar, Mark::Kind::Text })
+  {
+    const std::string part = counted(graphics.marks, kind);
+    drawn += part.empty() ? "" : (drawn.empty() ? "" : ", ") + part;
+  }
+  if (!drawn.empty())
+  {
+    say(fmt::format("{} in the picture ({:.1f} % of it) painted over with what lies beside: cut it off to be sure",
+      drawn, 100 * report.graphicsShare));
+  }
+  for (const auto& [colour, share] : { std::pair{ "white", graphics.white }, std::pair{ "black", graphics.black } })
+  {
+    if (share > 0.1)
+    {
+      say(
+        fmt::format("{:.0f} % of the picture is plain {} over places as wide as several cells: what was there is lost; "
+                    "give a window without it",
+          100 * share, colour));
+    }
+  }
+  if (report.separability < 0.7)
+  {
+    say(fmt::format(
+      "lumens and walls are hard to tell apart (separability {:.2f}): look at the result", report.separability));
+  }
+  if (report.rays > 0)
+  {
+    say(fmt::format("{} gaps in rays ({:.1f} % of the picture) taken for wall: look at the result", report.rays,
+      100 * static_cast<double>(report.rayNodes) / static_cast<double>(result.lumen.size())));
+  }
+  if (report.lumenFraction <= 0)
+  {
+    say("no lumen was found: give the threshold, or which side is lumen");
+  }
+  else if (report.lumenFraction >= 1)
+  {
+    say("no wall was found: give the threshold, or which side is lumen");
+  }
+  else if (report.lumens == 1 && report.lumenFraction > 0.5)
+  {
+    say(fmt::format("one lumen fills {:.0f} % of the picture: give a threshold that closes its walls, or another side "
+                    "for lumen",
+      100 * report.lumenFraction));
+  }
+}
+
 } // namespace
 
 std::vector<std::string> SegmentReport::lines() const
 {
   std::vector<std::string> text;
-  text.push_back(fmt::format("channel: {}, lumens are {}", channel, brightLumen ? "bright" : "dark"));
+  const bool mixed = channel == "stain";
+  text.push_back(fmt::format("channel: {}{}, lumens are {}", channel,
+    mixed ? fmt::format(" ({:.2f} red {:+.2f} green {:+.2f} blue)", weights[0], weights[1], weights[2]) : "",
+    brightLumen ? "bright" : "dark"));
   text.push_back(background > 0
       ? fmt::format(
           "light: flattened over {:.0f} pixels; it varied by {:.0f} % of the contrast", background, 100 * unevenness)
@@ -420,7 +284,29 @@ std::vector<std::string> SegmentReport::lines() const
   text.push_back(fmt::format("threshold: {:.0f} of 255, separability {:.3f}", threshold, separability));
   text.push_back(fmt::format("cleaning: {} specks of lumen below {} pixels, {} of wall below {}, {} pixels in all",
     lumensRemoved, smallestLumen, wallsRemoved, smallestWall, nodesChanged));
+  text.push_back(fmt::format("necks: closed up to {:.1f} pixels wide, {} pixels in all", 2 * opening, neckNodes));
+  if (rim > 0)
+  {
+    text.push_back(rimDepth > 0
+        ? fmt::format("rims: outlines moved outwards by {:.2f} pixels onto the dark rim, {:.0f} % of "
+                      "the contrast deep in {}",
+            rim, 100 * rimDepth, rimChannel)
+        : fmt::format("rims: outlines moved outwards by {:.2f} pixels, as asked", rim));
+  }
+  if (rays > 0)
+  {
+    text.push_back(fmt::format("rays: {} gaps taken for wall, {} pixels", rays, rayNodes));
+  }
+  if (graphicsShare > 0)
+  {
+    text.push_back(fmt::format("graphics: {:.1f} % of the picture painted over", 100 * graphicsShare));
+  }
   text.push_back(fmt::format("result: {} lumens, {:.2f} % of the picture", lumens, 100 * lumenFraction));
+  if (vesselsFound)
+  {
+    text.push_back(fmt::format(
+      "vessels: {} lumens longer than {:.1f} pixels", vessels, std::sqrt(vesselSize * 4 / std::numbers::pi)));
+  }
   return text;
 }
 
@@ -430,72 +316,42 @@ Segmentation segment(const Picture& picture, const SegmentOptions& options)
   Segmentation result;
   SegmentReport& report = result.report;
 
-  static constexpr std::array channels{ "red", "green", "blue", "grey" };
-  cv::Mat grey;
-  Otsu first;
-  for (int which = picture.colour.empty() ? 3 : 0; which < (picture.colour.empty() ? 4 : 3); ++which)
-  {
-    cv::Mat candidate = channel(picture, which);
-    const Otsu split = otsu(candidate);
-    if (grey.empty() || split.separability > first.separability)
-    {
-      grey = candidate;
-      first = split;
-      report.channel = channels[static_cast<std::size_t>(which)];
-    }
-  }
-  if (first.separability <= 0)
+  StainGrey stain = stainGrey(picture, options.channel);
+  report.channel = stain.name;
+  report.weights = stain.weights;
+  if (stain.separability <= 0)
   {
     throw InputError(fmt::format("the picture is of one single grey, {:.0f} of 255: there is nothing to tell apart",
-                       static_cast<double>(grey.at<float>(0, 0))),
+                       static_cast<double>(stain.grey.at<float>(0, 0))),
       "check that it is the picture you mean");
   }
-
-  Flattened flat = flatten(grey, options.background);
-  report.background = flat.scale;
-  report.unevenness = flat.unevenness;
-  const Otsu rough = otsu(flat.grey);
-  cv::Mat brightMask = flat.grey >= rough.threshold;
-  const double contrast = std::max(1e-3, cv::mean(flat.grey, brightMask)[0] - cv::mean(flat.grey, 255 - brightMask)[0]);
-  report.noise = noiseOf(flat.grey) / contrast;
-  // Noise of a tenth of the contrast would put a pixel in a hundred thousand on the wrong side; edges suffer earlier.
-  report.smoothing = options.smoothing.value_or(report.noise < 0.03 ? 0.0 : report.noise < 0.1 ? 1.0 : 1.5);
-  if (report.smoothing > 0)
+  const double longest = std::max(stain.grey.rows, stain.grey.cols);
+  const Graphics graphics = options.graphics ? findGraphics(picture, std::max(16.0, longest / 12)) : Graphics{};
+  result.marks = graphics.marks;
+  if (!graphics.mask.empty())
   {
-    cv::GaussianBlur(flat.grey, flat.grey, cv::Size(), report.smoothing, report.smoothing, cv::BORDER_REFLECT);
+    report.graphicsShare = cv::countNonZero(graphics.mask) / static_cast<double>(graphics.mask.total());
+    paintOver(stain.grey, graphics.mask);
   }
 
-  const Otsu split = otsu(flat.grey);
-  report.threshold = options.threshold.value_or(split.threshold);
-  report.separability = split.separability;
-  brightMask = flat.grey >= report.threshold;
-  report.brightLumen = options.lumen == LumenSide::Bright ||
-    (options.lumen == LumenSide::Auto && enclosedPieces(brightMask) >= enclosedPieces(255 - brightMask));
-  cv::Mat lumen = report.brightLumen ? brightMask : cv::Mat(255 - brightMask);
-
-  const std::int64_t smallest = smallestPiece(lumen);
+  const Thresholded found = threshold(stain.grey, options, report);
+  cv::Mat lumen = found.lumen;
+  const double lumenRun = runOf(lumen);
+  const double wallRun = runOf(255 - lumen);
+  const std::int64_t smallest = smallestPiece(lumenRun, wallRun);
   report.smallestLumen = options.smallestLumen.value_or(smallest);
-  report.smallestWall = options.smallestWall.value_or(smallest);
-  report.lumensRemoved = clearSmall(lumen, report.smallestLumen, false, false, report.nodesChanged);
-  cv::Mat wall = 255 - lumen;
-  report.wallsRemoved = clearSmall(wall, report.smallestWall, true, true, report.nodesChanged);
-  lumen = 255 - wall;
+  report.smallestWall =
+    options.smallestWall.value_or(std::max<std::int64_t>(9, std::llround(lumenRun * lumenRun / 20)));
+  clean(lumen, report);
+  report.opening = options.opening.value_or(lumenRun / 20);
+  report.neckNodes = openPieces(lumen, report.opening);
+  refine(lumen, found, picture, graphics, wallRun, options, result);
   if (options.grow != 0)
   {
     growBy(lumen, options.grow);
   }
-
-  report.lumens = static_cast<std::int64_t>(piecesOf(lumen, false).area.size()) - 1;
-  report.lumenFraction = static_cast<double>(cv::countNonZero(lumen)) / static_cast<double>(lumen.total());
-  if (report.separability < 0.7)
-  {
-    result.warnings.push_back(fmt::format(
-      "lumens and walls are hard to tell apart (separability {:.2f}): look at the result", report.separability));
-  }
-  if (report.lumenFraction <= 0 || report.lumenFraction >= 1)
-  {
-    result.warnings.push_back(report.lumenFraction <= 0 ? "no lumen was found" : "no wall was found");
-  }
+  describe(lumen, result);
+  warn(graphics, result);
 
   result.image.lattice = picture.lattice;
   result.image.phases = PhaseTable({ "lumen", "wall" });

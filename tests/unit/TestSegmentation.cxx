@@ -93,6 +93,49 @@ double agreement(const PhaseImage& a, const PhaseImage& b)
   return agreement(a, lumen);
 }
 
+/// Lumens of at least so many pixels, connected through faces.
+std::int64_t lumensOf(const PhaseImage& image, std::int64_t least)
+{
+  const auto [nx, ny, nz] = image.lattice.size;
+  std::vector<bool> seen(image.phase.size(), false);
+  std::int64_t count = 0;
+  for (std::int64_t start = 0; start < nx * ny; ++start)
+  {
+    std::vector<std::int64_t> open{ start };
+    std::int64_t area = 0;
+    while (!open.empty())
+    {
+      const std::int64_t node = open.back();
+      open.pop_back();
+      if (seen[static_cast<std::size_t>(node)] || image.phase[static_cast<std::size_t>(node)] != 0)
+      {
+        continue;
+      }
+      seen[static_cast<std::size_t>(node)] = true;
+      ++area;
+      const std::int64_t x = node % nx;
+      if (x > 0)
+      {
+        open.push_back(node - 1);
+      }
+      if (x + 1 < nx)
+      {
+        open.push_back(node + 1);
+      }
+      if (node >= nx)
+      {
+        open.push_back(node - nx);
+      }
+      if (node + nx < nx * ny)
+      {
+        open.push_back(node + nx);
+      }
+    }
+    count += area >= least;
+  }
+  return count;
+}
+
 } // namespace
 
 TEST(Segmentation, FindsTheTissueInAScan)
@@ -107,7 +150,10 @@ TEST(Segmentation, FindsTheTissueInAScan)
   EXPECT_EQ(result.image.lattice.spacing, truth.lattice.spacing);
   EXPECT_NEAR(result.report.lumenFraction, 0.60, 0.02);
   EXPECT_TRUE(result.warnings.empty());
-  EXPECT_EQ(result.report.lines().size(), 6U);
+  EXPECT_EQ(result.report.lines().size(), 7U); // no rim, no ray, no vessels: nothing said of them
+  EXPECT_EQ(result.report.rim, 0);
+  EXPECT_EQ(result.report.rays, 0); // the ray cells are whole
+  EXPECT_TRUE(result.marks.empty());
 }
 
 TEST(Segmentation, UnevenLightDoesNotMatter)
@@ -250,10 +296,27 @@ TEST(Segmentation, AgreesWithAnExpertOnARealScan)
   std::vector<bool> lumen(mask.grey.size());
   std::transform(mask.grey.begin(), mask.grey.end(), lumen.begin(), [](std::uint16_t v) { return v > 127; });
   const Segmentation result = segment(picture);
-  EXPECT_EQ(result.report.channel, "green");
-  // Otsu's threshold of the green channel alone reaches 0.883 to 0.886.
-  EXPECT_GT(agreement(result.image, lumen), 0.886);
-  SegmentOptions options;
-  options.grow = 1.5; // the expert draws the lumens' outlines outside their dark rims
-  EXPECT_GT(agreement(segment(picture, options).image, lumen), 0.925);
+  // What the issue asks for; the measured agreement is 0.958. A threshold alone reaches 0.886.
+  EXPECT_GT(agreement(result.image, lumen), 0.95);
+  PhaseImage expert = result.image;
+  std::transform(lumen.begin(), lumen.end(), expert.phase.begin(), [](bool inside) { return inside ? 0 : 1; });
+  const auto count = static_cast<double>(lumensOf(expert, 100));
+  EXPECT_EQ(count, 236);
+  EXPECT_NEAR(static_cast<double>(lumensOf(result.image, 100)), count, 0.05 * count);
+  EXPECT_GT(result.report.rimDepth, 0.3); // dark rims, most of all in red
+  EXPECT_EQ(result.report.rimChannel, "red");
+  EXPECT_NEAR(result.report.rim, 1.2, 0.2); // half the thickness of the dark line
+  EXPECT_NEAR(static_cast<double>(result.report.rays), 9, 1);
+  EXPECT_FALSE(result.report.vesselsFound); // softwood has none
+
+  // What each step is worth.
+  SegmentOptions plain;
+  plain.rim = 0;
+  plain.opening = 0;
+  plain.raySlenderness = 0;
+  EXPECT_LT(agreement(segment(picture, plain).image, lumen), 0.90);
+  // The same from its grey alone.
+  Picture grey = picture;
+  grey.colour.clear();
+  EXPECT_GT(agreement(segment(grey).image, lumen), 0.95);
 }

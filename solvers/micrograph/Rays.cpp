@@ -1,0 +1,173 @@
+#include "micrograph/Rays.h"
+
+#include "micrograph/LumenShapes.h"
+#include "micrograph/Pieces.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lamella::micrograph
+{
+namespace
+{
+
+/// Mean values in a lumen and in the tissue beside it.
+struct Beside
+{
+  std::array<double, 3> lumen{};
+  std::array<double, 3> tissue{};
+  double lumenNodes = 0;
+  double tissueNodes = 0;
+
+  [[nodiscard]] bool known() const { return lumenNodes > 0 && tissueNodes > 0; }
+  [[nodiscard]] double transmission(std::size_t channel) const
+  {
+    return tissue[channel] / tissueNodes / std::max(1.0, lumen[channel] / lumenNodes);
+  }
+};
+
+std::vector<Beside> besideLumens(const Picture& picture, const EdgeDistance& edge, int lumens, double near, double far)
+{
+  const std::size_t channels = picture.colour.empty() ? 1 : 3;
+  const std::uint16_t* value = picture.colour.empty() ? picture.grey.data() : picture.colour.data();
+  std::vector<Beside> result(static_cast<std::size_t>(lumens));
+  for (int row = 0; row < edge.away.rows; ++row)
+  {
+    const auto* away = edge.away.ptr<float>(row);
+    const auto* piece = edge.piece.ptr<int>(row);
+    for (int x = 0; x < edge.away.cols; ++x, value += channels)
+    {
+      Beside& own = result[static_cast<std::size_t>(piece[x])];
+      if (away[x] == 0)
+      {
+        own.lumenNodes += 1;
+      }
+      else if (away[x] > near && away[x] <= far)
+      {
+        own.tissueNodes += 1;
+      }
+      else
+      {
+        continue;
+      }
+      for (std::size_t c = 0; c < channels; ++c)
+      {
+        (away[x] == 0 ? own.lumen : own.tissue)[c] += value[c];
+      }
+    }
+  }
+  return result;
+}
+
+double median(std::vector<double> values)
+{
+  if (values.empty())
+  {
+    return 0;
+  }
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The transmission below which tissue is dark, by channel.
+std::array<double, 3> darkBelow(const std::vector<Beside>& beside, std::size_t channels)
+{
+  std::array<double, 3> limits{};
+  for (std::size_t c = 0; c < channels; ++c)
+  {
+    std::vector<double> all;
+    for (const Beside& one : beside)
+    {
+      if (one.known())
+      {
+        all.push_back(one.transmission(c));
+      }
+    }
+    const double usual = median(all);
+    for (double& one : all)
+    {
+      one = std::abs(one - usual);
+    }
+    limits[c] = usual - std::max(1.28 * 1.4826 * median(all), 0.1 * (1 - usual));
+  }
+  return limits;
+}
+
+} // namespace
+
+RayGaps dropRayGaps(
+  cv::Mat& lumen, const Picture& picture, const EdgeDistance& edge, double near, double far, double slender)
+{
+  RayGaps result;
+  const Pieces pieces = piecesOf(lumen, false);
+  const auto count = static_cast<int>(pieces.area.size());
+  const std::vector<LumenShape> shapes = lumenShapes(pieces.labels, count);
+  std::vector<int> gaps = slenderAmongBroad(pieces.labels, shapes, slender);
+  if (gaps.empty())
+  {
+    return result;
+  }
+  double pieceCount = 0;
+  cv::minMaxLoc(edge.piece, nullptr, &pieceCount);
+  const std::vector<Beside> beside = besideLumens(picture, edge, static_cast<int>(pieceCount) + 1, near, far);
+  const std::size_t channels = picture.colour.empty() ? 1 : 3;
+  const std::array<double, 3> limits = darkBelow(beside, channels);
+  // Which piece a lumen was before.
+  std::vector<int> before(pieces.area.size(), 0);
+  for (int row = 0; row < lumen.rows; ++row)
+  {
+    const auto* label = pieces.labels.ptr<int>(row);
+    const auto* piece = edge.piece.ptr<int>(row);
+    const auto* away = edge.away.ptr<float>(row);
+    for (int x = 0; x < lumen.cols; ++x)
+    {
+      if (label[x] > 0 && away[x] == 0)
+      {
+        before[static_cast<std::size_t>(label[x])] = piece[x];
+      }
+    }
+  }
+  std::erase_if(gaps,
+    [&](int gap)
+    {
+      const Beside& own = beside[static_cast<std::size_t>(before[static_cast<std::size_t>(gap)])];
+      bool dark = false;
+      for (std::size_t c = 0; c < channels && own.known(); ++c)
+      {
+        dark = dark || own.transmission(c) < limits[c];
+      }
+      return !dark;
+    });
+  if (10 * gaps.size() > pieces.area.size() - 1)
+  {
+    return result;
+  }
+  std::vector<int> which(pieces.area.size(), -1);
+  for (std::size_t i = 0; i < gaps.size(); ++i)
+  {
+    which[static_cast<std::size_t>(gaps[i])] = static_cast<int>(i);
+    result.marks.push_back({ Mark::Kind::Ray, lumen.cols, lumen.rows, 0, 0 });
+  }
+  for (int row = 0; row < lumen.rows && !gaps.empty(); ++row)
+  {
+    auto* value = lumen.ptr<std::uint8_t>(row);
+    const auto* label = pieces.labels.ptr<int>(row);
+    for (int x = 0; x < lumen.cols; ++x)
+    {
+      const int gap = which[static_cast<std::size_t>(label[x])];
+      if (gap >= 0)
+      {
+        value[x] = 0;
+        ++result.nodes;
+        Mark& box = result.marks[static_cast<std::size_t>(gap)];
+        box = { Mark::Kind::Ray, std::min(box.x0, x), std::min(box.y0, row), std::max(box.x1, x + 1),
+          std::max(box.y1, row + 1) };
+      }
+    }
+  }
+  return result;
+}
+
+} // namespace lamella::micrograph

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace lamella::micrograph
+{
+
+/// From which of a picture's colours the grey is made that tells walls from lumens.
+enum class Channel
+{
+  Auto, ///< the one whose two classes are farthest apart (Otsu's separability)
+  Grey,
+  Red,
+  Green,
+  Blue,
+  Stain ///< the combination of red, green and blue that separates the two classes best (Fisher's discriminant)
+};
+
+/// Something in a picture that is worth pointing at. Nodes x0 … x1 - 1, y0 … y1 - 1, y up.
+struct Mark
+{
+  enum class Kind
+  {
+    Margin, ///< blank rows or columns at the picture's side, data bars among them
+    Bar,    ///< a scale bar
+    Text,   ///< one line of it
+    Ray     ///< a gap in a ray, taken for wall
+  };
+  Kind kind = Kind::Bar;
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+
+/// "margin", "scale bar", "text", "ray gap".
+[[nodiscard]] std::string name(Mark::Kind kind);
+
+/// A lumen as the ellipse with its second moments shows it; lengths in pixels, x to the right, y up the rows in memory.
+struct LumenShape
+{
+  std::int64_t area = 0;        ///< [pixels]
+  double x = 0, y = 0;          ///< centre
+  double length = 0, width = 0; ///< axes of the ellipse
+  double cosine = 1, sine = 0;  ///< direction of its long axis
+  bool cut = false;             ///< touches the picture's border
+
+  /// Extent of the ellipse along a direction of length 1.
+  [[nodiscard]] double along(double dx, double dy) const;
+};
+
+} // namespace lamella::micrograph
