@@ -100,17 +100,6 @@ void check(const SoftwoodOptions& o)
   }
 }
 
-/// A function of the depth in a cell that rises from 0 like the depth itself and without limit towards the middle, so
-/// that a lumen shrinks ever more slowly and does not close before all the others.
-double widened(double depth, double cellDepth)
-{
-  constexpr double end = 0.98;
-  const double v = std::max(0.0, depth) / cellDepth;
-  const double w = std::min(v, end);
-  const double value = w / std::sqrt(std::sqrt(1 - w * w * w * w));
-  return cellDepth * (value + 50 * (v - w));
-}
-
 /// What does not change along z at one node of a row.
 struct Column
 {
