@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -8,6 +9,14 @@
 /// in one. Only +, −, ×, / and √ are used, which IEEE arithmetic rounds alike everywhere.
 namespace lamella::generators
 {
+
+enum class CellKind : std::uint8_t
+{
+  Tracheid,
+  Fibre,
+  Vessel,
+  Ray
+};
 
 /// A corner of a polygon and the side that leads from it to the next corner.
 struct Corner

@@ -274,20 +274,22 @@ void HardwoodLayout::layVessels(Band& band, double swelling) const
       // The vessels of a file are somewhat narrower than one alone, and its ends the narrowest.
       double radius =
         usual * (count > 1 ? 0.94 : 1.04) * std::max(0.5, 1 + scatter * random_.normal(Use::VesselSize, b, group, k));
+      // Between a vessel and a ray there is a whole fibre or nothing: one that all but fills the band touches both
+      // rays.
       radius = std::min(radius, 0.5 * room);
+      radius = room - 2 * radius < 0.6 ? 0.54 * room : std::min(radius, 0.5 * room - 0.47);
       const double slack = room - 2 * radius;
       if (k == 0)
       {
-        // Between a vessel and a ray there is a whole fibre or nothing.
         const double u = random_.uniform(Use::VesselPlace, b, group);
-        const double free = slack < 0.9 ? 0.5 * slack
-          : slack < 2.2                 ? (u < 0.5 ? 0.0 : slack)
-          : u < 0.3                     ? 0.0
-          : u > 0.7                     ? slack
-                                        : mix(1, slack - 1, (u - 0.3) / 0.4);
+        const double free = slack < 0 ? 0.5 * slack
+          : slack < 2.2               ? (u < 0.5 ? 0.0 : slack)
+          : u < 0.3                   ? 0.0
+          : u > 0.7                   ? slack
+                                      : mix(1, slack - 1, (u - 0.3) / 0.4);
         atY = band.low + radius + free;
         // What touches a ray is pressed flat against it.
-        atY += free <= 0 ? -0.1 * radius : free >= slack ? 0.1 * radius : 0.0;
+        atY += slack < 0 ? 0.0 : free <= 0 ? -0.1 * radius : free >= slack ? 0.1 * radius : 0.0;
       }
       else
       {

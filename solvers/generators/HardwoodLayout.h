@@ -13,14 +13,6 @@
 namespace lamella::generators
 {
 
-enum class CellKind : std::uint8_t
-{
-  Tracheid,
-  Fibre,
-  Vessel,
-  Ray
-};
-
 /// A cell seen along its axis: a convex polygon. Side i runs from corner i to the next one.
 struct ConvexCell
 {

@@ -12,6 +12,10 @@
 namespace lamella::generators
 {
 
+inline constexpr double softwoodRayThickness = 0.75; ///< of a ray cell's wall, over a tracheid's
+inline constexpr double softwoodRayCell = 2.6;       ///< length of a ray cell in tracheids of the same place
+inline constexpr double softwoodRayFillet = 0.4;     ///< radius of its corners over the ray's half width
+
 /// A tracheid seen along its axis: a convex polygon.
 struct CellShape
 {
