@@ -1,4 +1,5 @@
 #include "Commands.h"
+#include "GenerateLook.h"
 #include "GridFile.h"
 #include "Input.h"
 #include "OutputFile.h"
@@ -33,6 +34,7 @@ using Json = nlohmann::ordered_json;
 
 /// The generators' own defaults, as one would type them.
 const generators::SoftwoodOptions tissue;
+const generators::HardwoodOptions hardTissue;
 
 std::string micrometres(double metres)
 {
@@ -57,7 +59,14 @@ struct GenerateOptions
   int cells = 4;
   int periods = 4;
   std::string axis = "x";
+  std::string fibre = micrometres(hardTissue.fibreDiameter);
+  std::string vesselDiameter =
+    fmt::format("{},{}", micrometres(hardTissue.vesselDiameterEarly), micrometres(hardTissue.vesselDiameterLate));
+  std::string vesselShare = fmt::format("{:g},{:g}", hardTissue.vesselShareEarly, hardTissue.vesselShareLate);
+  double earlyEnd = hardTissue.earlyEnd;
+  double multiples = hardTissue.multiples;
   std::uint64_t seed = tissue.seed;
+  LookChoice look;
 };
 
 struct Box
@@ -104,9 +113,63 @@ double fractionBetween(const std::string& option, const std::string& text, doubl
   return value;
 }
 
+/// --ring: positions of the left and of the right edge.
+std::array<double, 2> ringPositions(const std::string& text)
+{
+  const auto ring = split(text, ',');
+  const auto start = toNumber(ring[0]);
+  const auto end = ring.size() == 2 ? toNumber(ring[1]) : start;
+  if (ring.size() > 2 || !start || !end || !(*start >= 0 && *start <= 1 && *end >= 0 && *end <= 1))
+  {
+    throw ParameterError("--ring '" + text + "' is not a pair of positions from 0 to 1",
+      "write --ring 0,1 for a whole ring from earlywood to latewood, --ring 0,0 for earlywood alone");
+  }
+  return { *start, *end };
+}
+
+/// "EARLY,LATE", or one for both, each as `parse` has it.
+template <class Parse>
+std::array<double, 2> earlyAndLate(const std::string& option, const std::string& text, Parse&& parse)
+{
+  const auto parts = split(text, ',');
+  if (parts.size() > 2)
+  {
+    throw ParameterError(fmt::format("{} '{}' has {} values", option, text, parts.size()),
+      "give one for the start of the ring and one for its end, with a comma between, or one for both");
+  }
+  return { parse(option, parts.front()), parse(option, parts.back()) };
+}
+
+/// The same tissue on a finer lattice.
+template <class Options>
+Options finerBy(int finer, Options options)
+{
+  options.size[0] *= finer;
+  options.size[1] *= finer;
+  options.spacing /= finer;
+  return options;
+}
+
+/// Writes labels in any of the forms.
+void writeSample(const PhaseImage& image, const OutputFile& file, OutputFile* beside, const io::Provenance& provenance)
+{
+  if (file.path().extension() == ".vti")
+  {
+    const auto grid = toImageData(image);
+    setProvenance(grid, io::toJson(provenance));
+    setFieldText(grid, "pixel_size_source", "generated");
+    writeGrid(grid, file);
+  }
+  else
+  {
+    writeLabels(image, file, beside, provenance);
+  }
+}
+
 /// Generates, writes, reports.
 void generate(Session& session, const GenerateOptions& options, const std::string& kind, const std::string& commandLine,
-  const Box& box, std::optional<std::uint64_t> seed, const std::function<PhaseImage()>& make)
+  const Box& box, std::optional<std::uint64_t> seed, const std::function<PhaseImage()>& make,
+  const std::optional<Look>& look = std::nullopt)
 {
   checkSampleEnding(options.output, box.dimension);
   const auto start = std::chrono::steady_clock::now();
@@ -114,10 +177,17 @@ void generate(Session& session, const GenerateOptions& options, const std::strin
     [&]
     {
       OutputFile file(options.output, options.common.overwrite);
-      std::optional<OutputFile> beside;
-      if (file.path().extension() == ".raw")
+      // Where the labels go: into the file itself, or beside a micrograph, or nowhere.
+      std::optional<OutputFile> truth;
+      if (look && !look->truth.empty())
       {
-        beside.emplace(recordBeside(file.path()), options.common.overwrite);
+        truth.emplace(look->truth, options.common.overwrite);
+      }
+      OutputFile* const labels = truth ? &*truth : look ? nullptr : &file;
+      std::optional<OutputFile> beside;
+      if (labels != nullptr && labels->path().extension() == ".raw")
+      {
+        beside.emplace(recordBeside(labels->path()), options.common.overwrite);
       }
       if (const std::string doubt = pixelSizeDoubt("--pixel-size", box.spacing); !doubt.empty())
       {
@@ -127,19 +197,22 @@ void generate(Session& session, const GenerateOptions& options, const std::strin
       Session::checkInterrupt();
       io::Provenance provenance = io::makeProvenance(commandLine);
       provenance.seed = seed;
-      if (file.path().extension() == ".vti")
+      if (look)
       {
-        const auto grid = toImageData(image);
-        setProvenance(grid, io::toJson(provenance));
-        setFieldText(grid, "pixel_size_source", "generated");
-        writeGrid(grid, file);
+        const micrograph::Picture picture = look->draw();
+        Session::checkInterrupt();
+        writeScan(picture, file, provenance);
       }
-      else
+      if (labels != nullptr)
       {
-        writeLabels(image, file, beside ? &*beside : nullptr, provenance);
+        writeSample(image, *labels, beside ? &*beside : nullptr, provenance);
       }
       Session::checkInterrupt();
       file.commit();
+      if (truth)
+      {
+        truth->commit();
+      }
       if (beside)
       {
         beside->commit();
@@ -156,11 +229,24 @@ void generate(Session& session, const GenerateOptions& options, const std::strin
           std::vector<std::int64_t>(image.lattice.size.begin(), image.lattice.size.begin() + box.dimension);
         json["pixel_size"] = box.spacing;
         json["phases"] = Json::array();
-        const auto values = valuesInFile(image.phases, file.path().extension().string());
+        const auto values = valuesInFile(image.phases, (labels ? labels : &file)->path().extension().string());
         for (std::size_t id = 0; id < fractions.size(); ++id)
         {
-          json["phases"].push_back(
-            { { "name", image.phases.names()[id] }, { "value", values[id] }, { "fraction", fractions[id] } });
+          Json phase{ { "name", image.phases.names()[id] } };
+          if (labels != nullptr)
+          {
+            phase["value"] = values[id];
+          }
+          phase["fraction"] = fractions[id];
+          json["phases"].push_back(std::move(phase));
+        }
+        if (look)
+        {
+          json["look"] = look->toJson();
+        }
+        if (truth)
+        {
+          json["truth"] = look->truth;
         }
         if (seed)
         {
@@ -178,8 +264,13 @@ void generate(Session& session, const GenerateOptions& options, const std::strin
         {
           shares += fmt::format("{}{} {:.4f}", id == 0 ? "" : ", ", image.phases.names()[id], fractions[id]);
         }
-        session.print(fmt::format("wrote {}: {}, {} nodes of {:g} µm; {}\n", options.output, kind,
-          sizeText(box.size, box.dimension), box.spacing * 1e6, shares));
+        session.print(fmt::format("wrote {}: {}{}, {} {} of {:g} µm; {}\n", options.output, kind,
+          look ? " as a micrograph, " + look->stain : "", sizeText(box.size, box.dimension), look ? "pixels" : "nodes",
+          box.spacing * 1e6, shares));
+        if (truth)
+        {
+          session.print(fmt::format("wrote {}: its labels\n", look->truth));
+        }
       }
     });
 }
@@ -196,6 +287,7 @@ Command generateCommand(CLI::App& root)
   addExamples(*app,
     { "lamella generate softwood --size 400,400 --solid-fraction 0.40 --seed 7 -o tissue.png",
       "lamella generate softwood --size 128,128,128 -o tissue.vti",
+      "lamella generate hardwood --look magenta -o scan.png --truth labels.png",
       "lamella generate disks --fraction 0.5 -o disks.png" });
 
   auto runs = std::make_shared<std::vector<std::pair<CLI::App*, Run>>>();
@@ -204,6 +296,7 @@ Command generateCommand(CLI::App& root)
     auto options = std::make_shared<GenerateOptions>();
     options->size = size;
     options->fraction = name == "softwood" ? fmt::format("{:.2f}", tissue.solidFraction)
+      : name == "hardwood"                 ? fmt::format("{:.2f}", hardTissue.solidFraction)
       : name == "honeycomb"                ? fmt::format("{:.2f}", generators::HoneycombOptions().solidFraction)
                                            : "0.5";
     CLI::App* command = app->add_subcommand(name, description);
@@ -211,9 +304,9 @@ Command generateCommand(CLI::App& root)
       *command, options->output, options->common, "File to write: .png, .tif (volumes: a stack), .vti or .raw")
       ->required();
     command->add_option("--size", options->size, "Nodes along each axis")
-      ->type_name(name == "disks" || name == "honeycomb" ? "WIDTH,HEIGHT"
-          : name == "spheres"                            ? "WIDTH,HEIGHT,DEPTH"
-                                                         : "WIDTH,HEIGHT[,DEPTH]")
+      ->type_name(name == "disks" || name == "honeycomb" || name == "hardwood" ? "WIDTH,HEIGHT"
+          : name == "spheres"                                                  ? "WIDTH,HEIGHT,DEPTH"
+                                                                               : "WIDTH,HEIGHT[,DEPTH]")
       ->capture_default_str();
     command->add_option("--pixel-size", options->pixelSize, "Distance of the nodes, as 0.5e-6 or 0.5um")
       ->type_name("METRES")
@@ -224,7 +317,8 @@ Command generateCommand(CLI::App& root)
   const auto add = [&](CLI::App* command, Run run) { runs->emplace_back(command, std::move(run)); };
 
   {
-    auto [command, o] = kind("softwood", "Cross-section of softwood, or with a depth the tissue in 3D", "200,200");
+    auto [app1, o] = kind("softwood", "Cross-section of softwood, or with a depth the tissue in 3D", "200,200");
+    CLI::App* const command = app1;
     command->add_option("--solid-fraction", o->fraction, "Share of the wall, 0.02 to 0.95")
       ->type_name("SHARE")
       ->capture_default_str();
@@ -253,8 +347,9 @@ Command generateCommand(CLI::App& root)
     command->add_option("--seed", o->seed, "The same seed gives the same tissue")
       ->type_name("NUMBER")
       ->capture_default_str();
+    addLookOptions(*command, o->look);
     add(command,
-      [o](Session& session, const std::string& line)
+      [o, command](Session& session, const std::string& line)
       {
         const Box box = parseBox(*o, { 2, 3 });
         generators::SoftwoodOptions softwood;
@@ -262,16 +357,9 @@ Command generateCommand(CLI::App& root)
         softwood.size = box.size;
         softwood.spacing = box.spacing;
         softwood.solidFraction = fractionBetween("--solid-fraction", o->fraction, 0.02, 0.95);
-        const auto ring = split(o->ring, ',');
-        const auto start = toNumber(ring[0]);
-        const auto end = ring.size() == 2 ? toNumber(ring[1]) : start;
-        if (ring.size() > 2 || !start || !end || !(*start >= 0 && *start <= 1 && *end >= 0 && *end <= 1))
-        {
-          throw ParameterError("--ring '" + o->ring + "' is not a pair of positions from 0 to 1",
-            "write --ring 0,1 for a whole ring from earlywood to latewood, --ring 0,0 for earlywood alone");
-        }
-        softwood.ringPosition0 = *start;
-        softwood.ringPosition1 = *end;
+        const auto ring = ringPositions(o->ring);
+        softwood.ringPosition0 = ring[0];
+        softwood.ringPosition1 = ring[1];
         softwood.tangentialDiameter = lengthInMetres("--tangential-diameter", o->tangential);
         softwood.radialDiameterEarly = lengthInMetres("--radial-early", o->radialEarly);
         softwood.radialDiameterLate = lengthInMetres("--radial-late", o->radialLate);
@@ -279,7 +367,78 @@ Command generateCommand(CLI::App& root)
         softwood.tracheidLength = lengthInMetres("--tracheid-length", o->length);
         softwood.scatter = o->scatter;
         softwood.seed = o->seed;
-        generate(session, *o, "softwood", line, box, o->seed, [&] { return generators::softwood(softwood); });
+        generate(
+          session, *o, "softwood", line, box, o->seed, [&] { return generators::softwood(softwood); },
+          parseLook(*command, o->look, o->output, box.dimension, o->seed,
+            [softwood](int finer) { return generators::softwood(finerBy(finer, softwood)); }));
+      });
+  }
+  {
+    auto [app2, o] = kind("hardwood", "Cross-section of hardwood: vessels among fibres, rays", "400,400");
+    CLI::App* const command = app2;
+    command->add_option("--solid-fraction", o->fraction, "Share of the wall, 0.02 to 0.95")
+      ->type_name("SHARE")
+      ->capture_default_str();
+    command->add_option("--fibre-diameter", o->fibre, "Mean diameter of a fibre, between the middles of its walls")
+      ->type_name("METRES")
+      ->capture_default_str();
+    command->add_option("--vessel-diameter", o->vesselDiameter, "Mean of a vessel along y, at the ring's start and end")
+      ->type_name("EARLY,LATE")
+      ->capture_default_str();
+    command
+      ->add_option("--vessel-share", o->vesselShare, "Share of the picture in vessels, at the ring's start and end")
+      ->type_name("EARLY,LATE")
+      ->capture_default_str();
+    command->add_option("--early-end", o->earlyEnd, "Position in the ring where late vessels begin; ring-porous: 0.25")
+      ->type_name("POSITION")
+      ->capture_default_str();
+    command->add_option("--multiples", o->multiples, "Share of the vessels' groups that are radial files of 2 to 4")
+      ->type_name("SHARE")
+      ->capture_default_str();
+    command
+      ->add_option("--ring", o->ring, "Position in the growth ring at the left and right edge: 0 its start, 1 its end")
+      ->type_name("START,END")
+      ->capture_default_str();
+    o->rayEvery = micrometres(hardTissue.rayEvery);
+    command->add_option("--ray-every", o->rayEvery, "Mean distance between rays; 0: none")
+      ->type_name("METRES")
+      ->capture_default_str();
+    o->scatter = hardTissue.scatter;
+    command->add_option("--scatter", o->scatter, "Relative standard deviation of the fibres' diameters")
+      ->type_name("SHARE")
+      ->capture_default_str();
+    command->add_option("--seed", o->seed, "The same seed gives the same tissue")
+      ->type_name("NUMBER")
+      ->capture_default_str();
+    addLookOptions(*command, o->look);
+    add(command,
+      [o, command](Session& session, const std::string& line)
+      {
+        const Box box = parseBox(*o, { 2 });
+        generators::HardwoodOptions hardwood;
+        hardwood.size = box.size;
+        hardwood.spacing = box.spacing;
+        hardwood.solidFraction = fractionBetween("--solid-fraction", o->fraction, 0.02, 0.95);
+        hardwood.fibreDiameter = lengthInMetres("--fibre-diameter", o->fibre);
+        const auto diameter = earlyAndLate("--vessel-diameter", o->vesselDiameter, lengthInMetres);
+        hardwood.vesselDiameterEarly = diameter[0];
+        hardwood.vesselDiameterLate = diameter[1];
+        const auto shares = earlyAndLate("--vessel-share", o->vesselShare,
+          [](const std::string& option, const std::string& text) { return fractionBetween(option, text, 0, 0.5); });
+        hardwood.vesselShareEarly = shares[0];
+        hardwood.vesselShareLate = shares[1];
+        hardwood.earlyEnd = o->earlyEnd;
+        hardwood.multiples = o->multiples;
+        const auto ring = ringPositions(o->ring);
+        hardwood.ringPosition0 = ring[0];
+        hardwood.ringPosition1 = ring[1];
+        hardwood.rayEvery = toNumber(o->rayEvery) == 0.0 ? 0 : lengthInMetres("--ray-every", o->rayEvery);
+        hardwood.scatter = o->scatter;
+        hardwood.seed = o->seed;
+        generate(
+          session, *o, "hardwood", line, box, o->seed, [&] { return generators::hardwood(hardwood); },
+          parseLook(*command, o->look, o->output, box.dimension, o->seed,
+            [hardwood](int finer) { return generators::hardwood(finerBy(finer, hardwood)); }));
       });
   }
   {

@@ -52,13 +52,29 @@ void writeLabels(const PhaseImage& image, const OutputFile& file, OutputFile* be
   }
 }
 
-void checkSampleEnding(const std::string& output, int dimension)
+void writeScan(const micrograph::Picture& picture, const OutputFile& file, const io::Provenance& provenance)
+{
+  Record record;
+  record.provenance = io::toJson(provenance);
+  record.pixelSize = picture.lattice.spacing;
+  try
+  {
+    micrograph::writePicture(picture, file.temporary(), toJson(record));
+  }
+  catch (const Error& error)
+  {
+    file.rethrow(error);
+    throw;
+  }
+}
+
+void checkSampleEnding(const std::string& output, int dimension, const std::string& option)
 {
   const std::string ending = std::filesystem::path(output).extension().string();
   const std::vector<std::string> known{ ".png", ".tif", ".tiff", ".vti", ".raw" };
   if (std::find(known.begin(), known.end(), ending) == known.end())
   {
-    throw ParameterError("-o '" + output + "' has no ending that can be written",
+    throw ParameterError(option + " '" + output + "' has no ending that can be written",
       ending == ".jpg" || ending == ".jpeg" ? "JPEG would blur the phases: use .png"
                                             : suggestion(ending, known, "end it in .png, .tif, .vti or .raw"));
   }

@@ -27,7 +27,19 @@ enum class Use : std::uint64_t
   RayCell,
   GrainPlace,
   GrainOrder,
-  GrainSize
+  GrainSize,
+  VesselGroup,
+  VesselSize,
+  VesselPlace,
+  VesselGap,
+  FibreRing,
+  FibrePlace,
+  FibreSize,
+  Stain,
+  Grime,
+  Tear,
+  Light,
+  Noise
 };
 
 /// The finaliser of splitmix64 (Steele, Lea, Flood 2014): every bit of the result depends on every bit of the value.

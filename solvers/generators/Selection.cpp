@@ -66,4 +66,25 @@ std::vector<std::uint8_t> markSmallest(std::span<const float> keys, std::int64_t
   return marked;
 }
 
+std::int64_t closeWalls(std::span<float> key, std::span<const std::int32_t> cell, std::int64_t nx, std::int64_t ny)
+{
+  std::int64_t closed = 0;
+  for (std::int64_t y = 0; y < ny; ++y)
+  {
+    const std::int64_t up = y + 1 < ny ? nx : 0;
+    for (std::int64_t x = 0; x < nx; ++x)
+    {
+      const std::int64_t right = x + 1 < nx ? 1 : 0;
+      const std::int64_t node = x + nx * y;
+      const auto at = [&](std::int64_t n) { return cell[static_cast<std::size_t>(n)]; };
+      if (at(node + right) != at(node) || at(node + up) != at(node) || at(node + up + right) != at(node))
+      {
+        key[static_cast<std::size_t>(node)] = 0;
+        ++closed;
+      }
+    }
+  }
+  return closed;
+}
+
 } // namespace lamella::generators

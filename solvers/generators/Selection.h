@@ -13,4 +13,10 @@ namespace lamella::generators
 /// Time O(keys), no copy of the keys.
 [[nodiscard]] std::vector<std::uint8_t> markSmallest(std::span<const float> keys, std::int64_t count);
 
+/// Nodes of a cross-section with another cell to the right, above or diagonally above get the key 0, wall whatever its
+/// thickness: this thinnest wall is connected through faces and lets no lumen touch another, not even at a corner.
+/// @param key, cell nx × ny values each, rows along x
+/// @return how many they are
+std::int64_t closeWalls(std::span<float> key, std::span<const std::int32_t> cell, std::int64_t nx, std::int64_t ny);
+
 } // namespace lamella::generators

@@ -1,3 +1,4 @@
+#include "generators/Checks.h"
 #include "generators/Generators.h"
 #include "generators/Selection.h"
 #include "generators/SoftwoodLayout.h"
@@ -18,98 +19,11 @@ namespace lamella::generators
 namespace
 {
 
-constexpr double rayThickness = 0.75; // of a ray cell's wall, over a tracheid's
-constexpr double rayCellLength = 2.6; // in tracheids of the same place
 constexpr double rayCellHeight = 0.6; // of a tangential diameter
 constexpr int rayRowsMean = 8;        // ray cells one above the other in a ray
 constexpr double rayGap = 2.5;        // between two rays one above the other, in tangential diameters
 constexpr double taper = 1.2;         // slope of a tracheid's end, a chisel's edge in the tangential section
 constexpr std::size_t maxSides = 24;  // a cell with more sides than this does not occur
-
-void check(const SoftwoodOptions& o)
-{
-  const auto positive = [](const char* name, double value, const char* hint)
-  {
-    if (!(value > 0) || !std::isfinite(value))
-    {
-      throw ParameterError(fmt::format("the {} of a softwood sample is {}", name, value), hint);
-    }
-  };
-  if (o.dimension != 2 && o.dimension != 3)
-  {
-    throw ParameterError(fmt::format("a softwood sample of {} dimensions", o.dimension), "choose 2 or 3");
-  }
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    const std::int64_t nodes = o.size[axis];
-    if (nodes < 1 || nodes > 1000000 || (axis == 2 && o.dimension == 2 && nodes != 1))
-    {
-      throw ParameterError(fmt::format("{} nodes along {} in a {}D softwood sample", nodes, "xyz"[axis], o.dimension),
-        "give 1 to 1000000 nodes along each axis, one along z in 2D");
-    }
-  }
-  positive("spacing", o.spacing, "give it in metres, such as 1e-6");
-  for (const auto& [name, value] : { std::pair{ "tangential diameter", o.tangentialDiameter },
-         std::pair{ "radial diameter in earlywood", o.radialDiameterEarly },
-         std::pair{ "radial diameter in latewood", o.radialDiameterLate } })
-  {
-    positive(name, value, "give it in metres, such as 30e-6");
-    if (value < 6 * o.spacing)
-    {
-      throw ParameterError(fmt::format("the {} is {:.3g} m, less than 6 nodes of {:.3g} m", name, value, o.spacing),
-        fmt::format("take a spacing of {:.3g} m or less, or larger cells", value / 6));
-    }
-  }
-  if (!(o.solidFraction > 0) || !(o.solidFraction < 1))
-  {
-    throw ParameterError(
-      fmt::format("a solid fraction of {}", o.solidFraction), "it lies between 0 and 1, such as 0.40");
-  }
-  for (const double position : { o.ringPosition0, o.ringPosition1 })
-  {
-    if (!(position >= 0) || !(position <= 1))
-    {
-      throw ParameterError(
-        fmt::format("a position of {} in the ring", position), "it runs from 0, earlywood, to 1, latewood");
-    }
-  }
-  if (!(o.scatter >= 0) || !(o.scatter <= 0.3))
-  {
-    throw ParameterError(fmt::format("a scatter of {}", o.scatter), "it runs from 0, regular, to 0.3");
-  }
-  if (o.rayEvery != 0 && !(o.rayEvery >= 2 * o.tangentialDiameter && std::isfinite(o.rayEvery)))
-  {
-    throw ParameterError(
-      fmt::format("a ray every {:.3g} m between tracheids of {:.3g} m", o.rayEvery, o.tangentialDiameter),
-      "leave at least two tangential diameters between rays, or 0 for none");
-  }
-  if (o.dimension == 3 && !(o.tracheidLength >= 1.5 * o.tangentialDiameter && std::isfinite(o.tracheidLength)))
-  {
-    throw ParameterError(
-      fmt::format("tracheids {:.3g} m long and {:.3g} m wide", o.tracheidLength, o.tangentialDiameter),
-      "make them at least one and a half times as long as wide");
-  }
-  const double nodes = static_cast<double>(o.size[0]) * static_cast<double>(o.size[1]) * static_cast<double>(o.size[2]);
-  const double bytes =
-    o.dimension == 3 ? 5 * nodes + 350 * static_cast<double>(o.size[0]) * static_cast<double>(o.size[1]) : 17 * nodes;
-  if (const auto available = static_cast<double>(availableMemory()); bytes > available)
-  {
-    throw MemoryError(fmt::format("a sample of {:.3g} nodes takes {} to make, and {} are free", nodes, bytesText(bytes),
-                        bytesText(available)),
-      "make a smaller one");
-  }
-}
-
-/// A function of the depth in a cell that rises from 0 like the depth itself and without limit towards the middle, so
-/// that a lumen shrinks ever more slowly and does not close before all the others.
-double widened(double depth, double cellDepth)
-{
-  constexpr double end = 0.98;
-  const double v = std::max(0.0, depth) / cellDepth;
-  const double w = std::min(v, end);
-  const double value = w / std::sqrt(std::sqrt(1 - w * w * w * w));
-  return cellDepth * (value + 50 * (v - w));
-}
 
 /// What does not change along z at one node of a row.
 struct Column
@@ -277,7 +191,7 @@ void Rasteriser::layRays()
         z = cells.high;
         if (cells.high > 0 && cells.low < static_cast<double>(nz_))
         {
-          const std::vector<double> walls = layout_.crossWalls(rayCellLength, 64 * id + rowNumber);
+          const std::vector<double> walls = layout_.crossWalls(softwoodRayCell, 64 * id + rowNumber);
           std::size_t next = 1;
           for (std::int64_t x = 0; x < nx_; ++x)
           {
@@ -359,9 +273,9 @@ float Rasteriser::rayKey(
   const double off = column.rayDistance[which];
   const double distances[6] = { halfWidth - off, halfWidth + off, row->before[node], row->after[node],
     solid3D_ ? z - row->low : 1e9, solid3D_ ? row->high - z : 1e9 };
-  const double fillet = 0.4 * layout_.rayHalfWidth();
+  const double fillet = softwoodRayFillet * layout_.rayHalfWidth();
   const double middle[2] = { layout_.rayHalfWidth(), layout_.rayHalfWidth() };
-  const double thickness = rayThickness * layout_.thickness(static_cast<double>(x));
+  const double thickness = softwoodRayThickness * layout_.thickness(static_cast<double>(x));
   return static_cast<float>(widened(wallDepth(distances, fillet), wallDepth(middle, fillet)) / thickness);
 }
 
@@ -491,6 +405,80 @@ PhaseImage Rasteriser::image()
 }
 
 } // namespace
+
+void check(const SoftwoodOptions& o)
+{
+  const auto positive = [](const char* name, double value, const char* hint)
+  {
+    if (!(value > 0) || !std::isfinite(value))
+    {
+      throw ParameterError(fmt::format("the {} of a softwood sample is {}", name, value), hint);
+    }
+  };
+  if (o.dimension != 2 && o.dimension != 3)
+  {
+    throw ParameterError(fmt::format("a softwood sample of {} dimensions", o.dimension), "choose 2 or 3");
+  }
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const std::int64_t nodes = o.size[axis];
+    if (nodes < 1 || nodes > 1000000 || (axis == 2 && o.dimension == 2 && nodes != 1))
+    {
+      throw ParameterError(fmt::format("{} nodes along {} in a {}D softwood sample", nodes, "xyz"[axis], o.dimension),
+        "give 1 to 1000000 nodes along each axis, one along z in 2D");
+    }
+  }
+  positive("spacing", o.spacing, "give it in metres, such as 1e-6");
+  for (const auto& [name, value] : { std::pair{ "tangential diameter", o.tangentialDiameter },
+         std::pair{ "radial diameter in earlywood", o.radialDiameterEarly },
+         std::pair{ "radial diameter in latewood", o.radialDiameterLate } })
+  {
+    positive(name, value, "give it in metres, such as 30e-6");
+    if (value < 6 * o.spacing)
+    {
+      throw ParameterError(fmt::format("the {} is {:.3g} m, less than 6 nodes of {:.3g} m", name, value, o.spacing),
+        fmt::format("take a spacing of {:.3g} m or less, or larger cells", value / 6));
+    }
+  }
+  if (!(o.solidFraction > 0) || !(o.solidFraction < 1))
+  {
+    throw ParameterError(
+      fmt::format("a solid fraction of {}", o.solidFraction), "it lies between 0 and 1, such as 0.40");
+  }
+  for (const double position : { o.ringPosition0, o.ringPosition1 })
+  {
+    if (!(position >= 0) || !(position <= 1))
+    {
+      throw ParameterError(
+        fmt::format("a position of {} in the ring", position), "it runs from 0, earlywood, to 1, latewood");
+    }
+  }
+  if (!(o.scatter >= 0) || !(o.scatter <= 0.3))
+  {
+    throw ParameterError(fmt::format("a scatter of {}", o.scatter), "it runs from 0, regular, to 0.3");
+  }
+  if (o.rayEvery != 0 && !(o.rayEvery >= 2 * o.tangentialDiameter && std::isfinite(o.rayEvery)))
+  {
+    throw ParameterError(
+      fmt::format("a ray every {:.3g} m between tracheids of {:.3g} m", o.rayEvery, o.tangentialDiameter),
+      "leave at least two tangential diameters between rays, or 0 for none");
+  }
+  if (o.dimension == 3 && !(o.tracheidLength >= 1.5 * o.tangentialDiameter && std::isfinite(o.tracheidLength)))
+  {
+    throw ParameterError(
+      fmt::format("tracheids {:.3g} m long and {:.3g} m wide", o.tracheidLength, o.tangentialDiameter),
+      "make them at least one and a half times as long as wide");
+  }
+  const double nodes = static_cast<double>(o.size[0]) * static_cast<double>(o.size[1]) * static_cast<double>(o.size[2]);
+  const double bytes =
+    o.dimension == 3 ? 5 * nodes + 350 * static_cast<double>(o.size[0]) * static_cast<double>(o.size[1]) : 17 * nodes;
+  if (const auto available = static_cast<double>(availableMemory()); bytes > available)
+  {
+    throw MemoryError(fmt::format("a sample of {:.3g} nodes takes {} to make, and {} are free", nodes, bytesText(bytes),
+                        bytesText(available)),
+      "make a smaller one");
+  }
+}
 
 PhaseImage softwood(const SoftwoodOptions& options)
 {

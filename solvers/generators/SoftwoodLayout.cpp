@@ -7,13 +7,7 @@
 namespace lamella::generators
 {
 
-/// A corner of a polygon and the side that leads from it to the next corner.
-struct Corner
-{
-  double x = 0;
-  double y = 0;
-  int side = -1; ///< ±: -1 a tracheid beyond, 2 b the ray line b seen from above, 2 b + 1 seen from below
-};
+// A Corner's side: −1 a tracheid beyond, 2 b the ray line b seen from above, 2 b + 1 seen from below.
 
 /// A generating point of the power diagram, in stretched coordinates.
 struct SoftwoodLayout::Site
@@ -46,62 +40,7 @@ double mix(double a, double b, double t)
   return a + (b - a) * t;
 }
 
-/// What is left of a convex polygon on the side a x + b y + c ≥ 0.
-void clip(std::vector<Corner>& polygon, std::vector<Corner>& spare, double a, double b, double c, int side)
-{
-  spare.clear();
-  for (std::size_t i = 0; i < polygon.size(); ++i)
-  {
-    const Corner& from = polygon[i];
-    const Corner& to = polygon[(i + 1) % polygon.size()];
-    const double dFrom = a * from.x + b * from.y + c;
-    const double dTo = a * to.x + b * to.y + c;
-    if (dFrom >= 0)
-    {
-      spare.push_back(from);
-    }
-    if ((dFrom >= 0) != (dTo >= 0))
-    {
-      const double t = dFrom / (dFrom - dTo);
-      // Leaving the half-plane, the new side starts here; entering it, the old side goes on.
-      spare.push_back({ mix(from.x, to.x, t), mix(from.y, to.y, t), dFrom >= 0 ? side : from.side });
-    }
-  }
-  polygon.swap(spare);
-}
-
 } // namespace
-
-double wallDepth(std::span<const double> distances, double fillet) noexcept
-{
-  double depth = std::numeric_limits<double>::max();
-  for (const double d : distances)
-  {
-    depth = std::min(depth, d);
-  }
-  if (fillet <= 0)
-  {
-    return depth;
-  }
-  // Newton's method from above on a convex, rising function: it comes down without overshooting.
-  for (int step = 0; step < 8; ++step)
-  {
-    double excess = -fillet * fillet;
-    double slope = 0;
-    for (const double d : distances)
-    {
-      const double reach = std::max(0.0, depth + fillet - d);
-      excess += reach * reach;
-      slope += 2 * reach;
-    }
-    if (excess <= 1e-6 * fillet * fillet)
-    {
-      break;
-    }
-    depth -= excess / slope;
-  }
-  return depth;
-}
 
 SoftwoodLayout::SoftwoodLayout(const SoftwoodOptions& options)
   : random_(options.seed)
@@ -352,21 +291,7 @@ void SoftwoodLayout::addCell(const Site& site, std::span<const Corner> polygon)
     const auto [x, y] = warped(corner.x, corner.y / stretch_);
     corners.push_back({ x, y, corner.side });
   }
-  // A side too short to have a sure direction is left out.
-  for (std::size_t i = 0; i < corners.size() && corners.size() > 3;)
-  {
-    const Corner& to = corners[(i + 1) % corners.size()];
-    const double dx = to.x - corners[i].x;
-    const double dy = to.y - corners[i].y;
-    if (dx * dx + dy * dy < smallest * smallest)
-    {
-      corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(i));
-    }
-    else
-    {
-      ++i;
-    }
-  }
+  dropShortSides(corners, smallest);
 
   CellShape cell;
   cell.file = site.file;
@@ -380,11 +305,7 @@ void SoftwoodLayout::addCell(const Site& site, std::span<const Corner> polygon)
   {
     const Corner& from = corners[i];
     const Corner& to = corners[(i + 1) % corners.size()];
-    const double dx = to.x - from.x;
-    const double dy = to.y - from.y;
-    const double length = std::sqrt(dx * dx + dy * dy);
-    CellSide side{ -dy / length, dx / length, 0, -1, false }; // corners run counter-clockwise
-    side.c = -(side.nx * from.x + side.ny * from.y);
+    CellSide side = sideBetween(from, to); // corners run counter-clockwise
     if (from.side >= 0)
     {
       side.ray = from.side / 2;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "generators/CellGeometry.h"
 #include "generators/Generators.h"
 #include "generators/Random.h"
 
@@ -11,18 +12,9 @@
 namespace lamella::generators
 {
 
-/// A straight side of a cell: the middle of the wall that it shares with its neighbour.
-/// nx x + ny y + c is the distance from it, positive inside the cell.
-struct CellSide
-{
-  double nx = 0;
-  double ny = 0;
-  double c = 0;
-  int ray = -1;          ///< the ray whose centre line this side lies on; -1: another tracheid is beyond
-  bool rayBelow = false; ///< the ray lies at smaller y than the cell
-
-  [[nodiscard]] double distance(double x, double y) const noexcept { return nx * x + ny * y + c; }
-};
+inline constexpr double softwoodRayThickness = 0.75; ///< of a ray cell's wall, over a tracheid's
+inline constexpr double softwoodRayCell = 2.6;       ///< length of a ray cell in tracheids of the same place
+inline constexpr double softwoodRayFillet = 0.4;     ///< radius of its corners over the ray's half width
 
 /// A tracheid seen along its axis: a convex polygon.
 struct CellShape
@@ -37,11 +29,6 @@ struct CellShape
   double depth = 0;        ///< wallDepth() at its centre: about the radius of the largest circle inside
   double thickness = 1;    ///< thickness of its wall relative to earlywood's
 };
-
-/// How deep a point lies inside a wall-bounded cell, its corners rounded: the wall thickness t at which the point would
-/// lie on the lumen's surface, that is Σ max(0, t + r − dᵢ)² = r², with distances dᵢ to the sides and fillet radius r.
-/// Equals the smallest dᵢ where one side alone is near. For each t the lumen is convex.
-[[nodiscard]] double wallDepth(std::span<const double> distances, double fillet) noexcept;
 
 class SoftwoodLayout
 {
@@ -73,7 +60,7 @@ private:
   void layFiles();
   void layTips(std::vector<Site>& sites, std::int64_t band);
   void cutPolygons(std::span<const Site> sites, std::size_t band);
-  void addCell(const Site& site, std::span<const struct Corner> polygon);
+  void addCell(const Site& site, std::span<const Corner> polygon);
   [[nodiscard]] double columnAt(double number) const noexcept;
   [[nodiscard]] std::array<double, 2> warped(double x, double y) const noexcept;
 

@@ -58,16 +58,13 @@ std::vector<std::uint8_t> rowsFromTop(const PhaseImage& image, std::span<const s
   return pixels;
 }
 
-std::string png(
-  const PhaseImage& image, std::span<const std::uint8_t> grey, std::string_view description, bool hasPixelSize)
+/// A PNG file of rows from the top.
+std::string png(const cv::Mat& pixels, const Lattice& lattice, std::string_view description, bool hasPixelSize)
 {
-  std::vector<std::uint8_t> pixels = rowsFromTop(image, grey, 0);
-  const cv::Mat matrix(
-    static_cast<int>(image.lattice.size[1]), static_cast<int>(image.lattice.size[0]), CV_8UC1, pixels.data());
   std::vector<std::uint8_t> encoded;
   try
   {
-    if (!cv::imencode(".png", matrix, encoded, { cv::IMWRITE_PNG_COMPRESSION, 9 }))
+    if (!cv::imencode(".png", pixels, encoded, { cv::IMWRITE_PNG_COMPRESSION, 9 }))
     {
       encoded.clear();
     }
@@ -80,11 +77,11 @@ std::string png(
   if (encoded.size() < headerEnd)
   {
     throw ParameterError(
-      fmt::format("a picture of {} × {} pixels cannot be written as PNG", image.lattice.size[0], image.lattice.size[1]),
+      fmt::format("a picture of {} × {} pixels cannot be written as PNG", lattice.size[0], lattice.size[1]),
       "write a TIFF instead");
   }
   std::string bytes(encoded.begin(), encoded.begin() + headerEnd);
-  const double perMetre = std::round(1 / image.lattice.spacing);
+  const double perMetre = std::round(1 / lattice.spacing);
   if (hasPixelSize && perMetre >= 1 && perMetre < 2147483648.0)
   {
     std::string data;
@@ -99,6 +96,15 @@ std::string png(
   }
   bytes.append(encoded.begin() + headerEnd, encoded.end());
   return bytes;
+}
+
+std::string png(
+  const PhaseImage& image, std::span<const std::uint8_t> grey, std::string_view description, bool hasPixelSize)
+{
+  std::vector<std::uint8_t> pixels = rowsFromTop(image, grey, 0);
+  const cv::Mat matrix(
+    static_cast<int>(image.lattice.size[1]), static_cast<int>(image.lattice.size[0]), CV_8UC1, pixels.data());
+  return png(matrix, image.lattice, description, hasPixelSize);
 }
 
 /// The spacing as pixels per centimetre, the best ratio of two 32-bit numbers with a denominator that is a power of
@@ -258,6 +264,37 @@ void writeLabels(const PhaseImage& image, const fs::path& path, std::span<const 
     throw ParameterError(fmt::format("labels cannot be written as '{}'", path.filename().string()),
       flat ? "let its name end in .png or .tif" : "let its name end in .tif: a volume becomes one page a slice");
   }
+}
+
+void writePicture(const Picture& picture, const fs::path& path, std::string_view description)
+{
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (ending != ".png" || picture.lattice.dimension != 2 || picture.bits != 8)
+  {
+    throw ParameterError(fmt::format("a {}D picture of {} bits cannot be written as '{}'", picture.lattice.dimension,
+                           picture.bits, path.filename().string()),
+      "a picture of 8 bits a channel can be written as .png");
+  }
+  const bool colour = !picture.colour.empty();
+  const auto width = static_cast<int>(picture.lattice.size[0]);
+  const auto height = static_cast<int>(picture.lattice.size[1]);
+  cv::Mat pixels(height, width, colour ? CV_8UC3 : CV_8UC1);
+  const int channels = colour ? 3 : 1;
+  const std::vector<std::uint16_t>& values = colour ? picture.colour : picture.grey;
+  for (int row = 0; row < height; ++row)
+  {
+    auto* const to = pixels.ptr<std::uint8_t>(row);
+    const std::size_t from = static_cast<std::size_t>(height - 1 - row) * static_cast<std::size_t>(width * channels);
+    for (int i = 0; i < width * channels; ++i)
+    {
+      // OpenCV has blue first.
+      const int source = colour ? i / 3 * 3 + 2 - i % 3 : i;
+      to[i] = static_cast<std::uint8_t>(values[from + static_cast<std::size_t>(source)]);
+    }
+  }
+  const std::string bytes = png(pixels, picture.lattice, description, picture.pixelSizeSource != "none");
+  writeWhole(path, [&](std::ostream& out) { out.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
 }
 
 } // namespace lamella::micrograph

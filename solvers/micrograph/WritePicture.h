@@ -1,6 +1,7 @@
 #pragma once
 
 #include "lattice/Phases.h"
+#include "micrograph/Picture.h"
 
 #include <filesystem>
 #include <functional>
@@ -23,5 +24,10 @@ void writeWhole(const std::filesystem::path& path, const std::function<void(std:
 /// @throws ParameterError for an ending other than these, greys that are missing or alike; Error as writeWhole()
 void writeLabels(const PhaseImage& image, const std::filesystem::path& path, std::span<const std::uint8_t> grey = {},
   std::string_view description = {}, bool hasPixelSize = true);
+
+/// Writes a picture of 8 bits as PNG, in colour where it has any; pixel size (unless its source is "none") and
+/// description as writeLabels().
+/// @throws ParameterError for another ending, a volume or 16 bits; Error as writeWhole()
+void writePicture(const Picture& picture, const std::filesystem::path& path, std::string_view description = {});
 
 } // namespace lamella::micrograph
