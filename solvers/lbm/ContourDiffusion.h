@@ -19,9 +19,9 @@ namespace lamella::lbm
 /// the arithmetic mean across the link, half-way. The walls hang together and the lumens do not: along the field lines
 /// that matter, which lie in the worse conductor in the first case and in the better one in the second, lumen and wall
 /// are then in series and in parallel as they are there. Each is the other's dual (Keller's theorem turns one into the
-/// other with the lattice of the link's faces), so both err alike. Measured on arrays of disks at 64 and 128 nodes:
-/// 0.16 and 0.07 % at worst up to an area fraction of one half; the mean of the harmonic means over the face, or of the
-/// cell, errs by 0.8 to 2.6 % there. See docs/benchmarks/contours.md.
+/// other with the lattice of the links' faces), so both err alike: on arrays of disks at 128 nodes by 0.07 % at worst
+/// up to an area fraction of one half, where the mean over the face of harmonic means along errs by 1.4 %
+/// (docs/benchmarks/contours.md).
 ///
 /// @param lattice its phases may be more than lumen and wall; the lumen is phase 0
 /// @param conductivity one a phase, ≥ 0
@@ -65,7 +65,8 @@ using ContourSink = std::function<void(const SteadyDiffusion& solver, const Cont
 
 /// Effective conductivity of a picture of outlines at a spacing and at twice that, and what follows for a spacing of
 /// zero. The error bar is the change from the finer value to the extrapolated one. On arrays of disks (five
-/// conductivities, four area fractions) it holds 18 errors of 20 and is 2.3 times the error in the median.
+/// conductivities, four area fractions, 64 and 128 nodes) it holds 18 errors of 20 and is 2.7 times the error in the
+/// median.
 /// @throws what contourLattice(), linksOf() and SteadyDiffusion throw
 [[nodiscard]] std::vector<ContourAnswer> studyContours(const micrograph::ContourSet& contours,
   const ContourStudyOptions& options, MPI_Comm comm, const ContourSink& sink = {});
