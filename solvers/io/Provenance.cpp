@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <ctime>
 #include <fstream>
 #include <limits>
+#include <system_error>
 
 namespace lamella::io
 {
@@ -21,7 +21,9 @@ namespace fs = std::filesystem;
 std::string timestamp()
 {
   std::time_t now = std::time(nullptr);
-  if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH"); epoch != nullptr && *epoch != '\0')
+  // nothing here changes the environment
+  if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH"); // NOLINT(concurrency-mt-unsafe)
+      epoch != nullptr && *epoch != '\0')
   {
     char* end = nullptr;
     const long long value = std::strtoll(epoch, &end, 10);
@@ -53,7 +55,7 @@ namespace
 [[noreturn]] void unreadable(const fs::path& path)
 {
   throw InputError(
-    "cannot read '" + path.string() + "': " + std::strerror(errno), "check the path and its permissions");
+    "cannot read '" + path.string() + "': " + std::generic_category().message(errno), "check the path and its permissions");
 }
 
 /// Feeds a file, or its next `most` bytes, to the hash and returns how many they were.

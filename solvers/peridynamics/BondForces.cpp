@@ -81,7 +81,15 @@ public:
     , buffers_(bonds.layout().pitch * maxChunk * parts_)
     , dump_(bonds.layout().pitch * bonds.dimension())
     , marks_(nonlinear ? bonds.layout().pitch : 0)
+    , kernels_(kernelsOf<Real>(bonds))
   {
+    job_.planes = bonds.planes();
+    job_.t = buffers_.data() + NodeLayout::margin;
+    job_.pitch = bonds.layout().pitch;
+    job_.stiffness = numbers.stiffness.data();
+    job_.critical = numbers.critical.data();
+    job_.safe = numbers.safe;
+    job_.marks = marks_.data() + (nonlinear ? NodeLayout::margin : 0);
   }
 
   /// @param part Rim adds to what Inner has written
@@ -160,11 +168,11 @@ private:
     const auto d = static_cast<std::size_t>(l.dimension);
     const std::int64_t i = l.index(0, y, z);
     const std::int64_t j = l.index(0, y + chunk.step[1], z + chunk.step[2]);
-    RowJob<Real> job{};
+    RowJob<Real>& job = job_;
     job.count = chunk.count;
     job.bit = chunk.first % 32;
     job.stepX = chunk.step[0];
-    job.planes = bonds_.planes();
+    job.marked = false;
     for (int p = 0; p < job.planes; ++p)
       job.words[p] = bonds_.plane(p, chunk.first / 32) + i;
     for (std::size_t c = 0; c < d; ++c)
@@ -174,8 +182,6 @@ private:
       job.v[c] = u_.component(k) + j;
       job.f[c] = own ? f_.component(k) + i : dump_.data() + k * l.pitch + NodeLayout::margin;
     }
-    job.t = buffers_.data() + NodeLayout::margin;
-    job.pitch = l.pitch;
     if (bonds_.corrected())
       for (std::size_t c = 0; c < d; ++c)
       {
@@ -183,13 +189,8 @@ private:
         job.shareJ[c] = bonds_.shares(static_cast<int>(c)) + j;
       }
     job.unit = numbers_.of(0) + chunk.first;
-    job.stiffness = numbers_.stiffness.data();
-    job.critical = numbers_.critical.data();
-    job.safe = numbers_.safe;
-    job.marks = marks_.data() + (nonlinear_ ? NodeLayout::margin : 0);
 
-    const RealRowKernels<Real>& kernels = kernelsOf<Real>(bonds_);
-    const auto& table = (nonlinear_ ? kernels.nonlinear : kernels.linear)[d - 2];
+    const auto& table = (nonlinear_ ? kernels_.nonlinear : kernels_.linear)[d - 2];
     const int planesPath = job.planes <= 3 ? job.planes : static_cast<int>(ManyPlanes);
     for (const Run& r : runs_.push)
     {
@@ -206,7 +207,7 @@ private:
     for (std::size_t c = 0; c < d; ++c)
       job.f[c] = f_.component(static_cast<int>(c)) + j;
     for (const Run& r : runs_.pull)
-      (nonlinear_ ? kernels.pullNonlinear : kernels.pullLinear)[d - 2][chunk.count - 1](job, r.begin, r.end);
+      (nonlinear_ ? kernels_.pullNonlinear : kernels_.pullLinear)[d - 2][chunk.count - 1](job, r.begin, r.end);
   }
 
   void count(const Chunk& chunk, std::int64_t y, std::int64_t z, bool own, std::vector<Bond>* list)
@@ -234,6 +235,8 @@ private:
   AlignedArray<Real> buffers_;
   AlignedArray<Real> dump_;
   AlignedArray<unsigned char> marks_;
+  const RealRowKernels<Real>& kernels_;
+  RowJob<Real> job_{}; ///< what changes from pair to pair is set there: to clear all of it took 6 % in narrow lattices
   RowRuns runs_;
   std::vector<Run> clear_; ///< zero in all buffers
 };
