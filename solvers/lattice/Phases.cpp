@@ -62,7 +62,7 @@ void requireCount(const Lattice& lattice, std::size_t values)
 
 } // namespace
 
-PhaseTable::PhaseTable(std::vector<std::string> names)
+PhaseTable::PhaseTable(const std::vector<std::string>& names)
 {
   for (const std::string& name : names)
   {

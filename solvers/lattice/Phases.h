@@ -17,7 +17,7 @@ class PhaseTable
 {
 public:
   PhaseTable() = default;
-  explicit PhaseTable(std::vector<std::string> names);
+  explicit PhaseTable(const std::vector<std::string>& names);
 
   /// Id of a name, added at the end if it is new.
   /// @throws ParameterError when the name is empty or 256 phases exist already

@@ -231,7 +231,9 @@ std::vector<std::uint8_t> gatherBits(const Lattice& lattice, const Decomposition
 Percolation periodicPercolation(const Lattice& lattice, const Decomposition& parts, const Halo& halo,
   const Communicator& comm, const Links& links, int axis, std::span<const std::uint8_t> phase)
 {
-  const auto [nx, ny, nz] = lattice.size;
+  const std::int64_t nx = lattice.size[0]; // no structured binding: lambdas use them
+  const std::int64_t ny = lattice.size[1];
+  const std::int64_t nz = lattice.size[2];
   const std::int64_t rowBytes = (nx + 7) / 8;
   const auto bits = gatherBits(lattice, parts, comm, links, phase);
   const auto conducts = [&](const Position& p)

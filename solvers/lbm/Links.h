@@ -96,12 +96,14 @@ public:
   /// Diffusivity of a phase id, scaled by scale().
   [[nodiscard]] double diffusivity(std::uint8_t a) const noexcept { return diffusivity_[a]; }
   /// Conductance of a node to the wall value on a fixed face: 12 D Σ w_q = 2 D on every stencil.
+  [[nodiscard]] double wall(std::uint8_t a) const noexcept { return 2.0 * diffusivity_[a]; }
+  /// The same where a table may say otherwise.
   /// @param phase of the node  @param p its position in the whole lattice  @param axis, high which face
   [[nodiscard]] double wall(
     std::uint8_t phase, const std::array<std::int64_t, 3>& p, int axis, bool high) const noexcept
   {
     if (given_.x.empty())
-      return 2.0 * diffusivity_[phase];
+      return wall(phase);
     const int step = high ? 1 : -1;
     return 2.0 * given_.row(axis == 0 ? step : 0, axis == 0 ? 0 : step, p[1])[p[0]];
   }
