@@ -364,7 +364,7 @@ void countNetworks(const ContourLattice& lattice, const WallDirections& directio
 void warn(const LamellaOptions& options, std::int64_t lost, MiddleLamella& result)
 {
   const double wanted = std::max(options.horizon, 1.0);
-  if (result.across.low < wanted)
+  if (result.across.low < wanted || result.joined > 0)
   {
     result.warnings.push_back(
       fmt::format("the middle lamella is {:.2g} nodes thick (5 % of it {:.2g} or less){}: take a "

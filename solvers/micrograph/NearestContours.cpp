@@ -11,7 +11,6 @@ namespace
 
 constexpr std::size_t kRun = 8;
 constexpr std::int64_t kBlock = 8;
-constexpr double kThird = 1.5; ///< how much farther than the second the third nearest is of interest
 
 double squaredToBox(const Point& point, const Point& low, const Point& high)
 {
@@ -89,7 +88,7 @@ double needed(const Nearest& nearest, std::int32_t label, std::size_t last)
   double most = nearest.squared[last];
   if (last == 2)
   {
-    most = std::min(most, kThird * kThird * nearest.squared[1]);
+    most = std::min(most, Nearest::kThird * Nearest::kThird * nearest.squared[1]);
   }
   for (std::size_t i = 0; i <= last; ++i)
   {
@@ -330,7 +329,7 @@ void NearestContours::atNodes(std::int64_t nx, std::int64_t ny, double spacing, 
       double limit = std::sqrt(middle.squared[last]) + 2 * radius;
       if (last == 2)
       {
-        limit = std::min(limit, kThird * (std::sqrt(middle.squared[1]) + radius) + radius);
+        limit = std::min(limit, Nearest::kThird * (std::sqrt(middle.squared[1]) + radius) + radius);
       }
       limit = std::min(limit, within + radius);
       Nearest before = middle;
