@@ -236,7 +236,9 @@ WallDirections wallDirections(const ContourSet& contours, const ContourLattice& 
       const auto node = static_cast<std::size_t>(index);
       std::array<Side, Nearest::kMost> sides;
       std::size_t found = 0;
-      while (found < sides.size() && nearest.squared[found] < Nearest::kNone)
+      // Mostly the third is too far away to matter.
+      const double third = Nearest::kThird * Nearest::kThird * nearest.squared[1];
+      while (found < sides.size() && nearest.squared[found] < (found < 2 ? Nearest::kNone : third))
       {
         const auto segment = static_cast<std::size_t>(nearest.segment[found]);
         sides[found] = sideOf(search.segments()[segment], tangents[segment], nearest.squared[found], point);
