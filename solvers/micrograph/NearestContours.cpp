@@ -415,9 +415,10 @@ WallThickness wallThickness(const ContourSet& contours, int samples)
   for (const Segment& segment : search.segments())
   {
     const double own = std::hypot(segment.to[0] - segment.from[0], segment.to[1] - segment.from[1]);
-    for (; next < own; next += step)
+    while (next < own)
     {
       const double t = next / own;
+      next += step;
       const Nearest nearest = search.at({ segment.from[0] + t * (segment.to[0] - segment.from[0]),
         segment.from[1] + t * (segment.to[1] - segment.from[1]) });
       if (nearest.squared[1] < Nearest::kNone)

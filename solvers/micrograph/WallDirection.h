@@ -32,7 +32,7 @@ struct WallDirections
 /// corner. Where a third lumen is nearly as near as the second (less than 1.25 times), it shares the second's weight,
 /// half of it where they are equally near, so that directions are smooth through the corners of cells.
 ///
-/// Distances are exact, to the segments. Time: about 0.3 µs a wall node. Memory: 28 bytes a node.
+/// Distances are exact, to the segments. Time: about 0.5 µs a wall node. Memory: 28 bytes a node.
 /// @param lattice as contourLattice() made it from the same contours, with `grain`
 /// @throws ParameterError for a lattice without grain; MemoryError
 [[nodiscard]] WallDirections wallDirections(const ContourSet& contours, const ContourLattice& lattice);
