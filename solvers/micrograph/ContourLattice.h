@@ -43,6 +43,7 @@ struct LinkCuts
   /// @param cut position in `link`  @param lumen, wall conductivities, > 0
   [[nodiscard]] double harmonicAlong(std::size_t cut, double lumen, double wall) const;
   /// Harmonic mean along the link of the mean across it, 1/Σ w / (s lumen + (1 − s) wall); needs `across`.
+  /// Where an outline runs along these lines the share jumps from one to the next, which costs up to a line's weight.
   [[nodiscard]] double harmonicAcross(std::size_t cut, double lumen, double wall) const;
 };
 

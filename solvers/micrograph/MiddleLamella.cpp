@@ -299,8 +299,10 @@ void Finder::roundCorners()
   {
     if (wanted[node] != 0)
     {
-      const auto x = (static_cast<double>(static_cast<std::int64_t>(node) % lattice_.size[0]) + 0.5) * spacing;
-      const auto y = (static_cast<double>(static_cast<std::int64_t>(node) / lattice_.size[0]) + 0.5) * spacing;
+      const std::int64_t column = static_cast<std::int64_t>(node) % lattice_.size[0];
+      const std::int64_t row = static_cast<std::int64_t>(node) / lattice_.size[0];
+      const double x = (static_cast<double>(column) + 0.5) * spacing;
+      const double y = (static_cast<double>(row) + 0.5) * spacing;
       const double border = std::min({ x, y, lattice_.length(0) - x, lattice_.length(1) - y });
       wanted[node] = phase_[node] == kSecondary &&
         static_cast<double>(inside[node])<radius_&& static_cast<double>(directions_.nearest[node])> free &&
@@ -364,7 +366,7 @@ void countNetworks(const ContourLattice& lattice, const WallDirections& directio
 void warn(const LamellaOptions& options, std::int64_t lost, MiddleLamella& result)
 {
   const double wanted = std::max(options.horizon, 1.0);
-  if (result.across.low < wanted)
+  if (result.across.low < wanted || result.joined > 0)
   {
     result.warnings.push_back(
       fmt::format("the middle lamella is {:.2g} nodes thick (5 % of it {:.2g} or less){}: take a "
@@ -446,8 +448,9 @@ NodesAcross nodesAcross(
     // The middle lies between the two nodes; nodes are unit squares around whole numbers here.
     const double t = beside(a) / std::max(beside(a) + beside(b), 1e-300);
     const bool alongX = b == a + 1;
-    const Point middle{ static_cast<double>(a % static_cast<std::size_t>(nx)) + (alongX ? t : 0),
-      static_cast<double>(a / static_cast<std::size_t>(nx)) + (alongX ? 0 : t) };
+    const std::size_t column = a % static_cast<std::size_t>(nx);
+    const std::size_t row = a / static_cast<std::size_t>(nx);
+    const Point middle{ static_cast<double>(column) + (alongX ? t : 0), static_cast<double>(row) + (alongX ? 0 : t) };
     const std::array<float, 2>& axis = directions.axis[t < 0.5 ? a : b];
     std::int64_t steps = 0;
     for (const int side : { 1, -1 })
@@ -507,9 +510,9 @@ PhaseImage lamellaFromLabels(const Lattice& lattice, std::span<const std::uint16
   PhaseImage image = map.apply(lattice, grey);
   const PhaseTable phases({ "void", "secondary wall", "middle lamella" });
   std::array<std::uint8_t, 3> id{};
-  for (std::uint8_t i = 0; i < image.phases.size(); ++i)
+  for (std::size_t i = 0; i < image.phases.size(); ++i)
   {
-    id.at(i) = phases.find(image.phases.name(i)).value();
+    id.at(i) = phases.find(image.phases.name(static_cast<std::uint8_t>(i))).value();
   }
   for (std::uint8_t& phase : image.phase)
   {

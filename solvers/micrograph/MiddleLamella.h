@@ -74,7 +74,7 @@ struct MiddleLamella
 /// Where it is thinner than a node it would tear on the lattice; so of two neighbouring wall nodes of two cells the one
 /// nearer to the middle always is lamella, which keeps it connected through faces or corners of nodes.
 ///
-/// Time: about 1 µs a wall node (growth), 0.1 µs (constant). Memory beside `directions`: about 10 bytes a node.
+/// Time: about 1 to 2 µs a wall node (growth), 0.1 µs (constant). Memory beside `directions`: about 10 bytes a node.
 /// @param directions as wallDirections() found them on the same lattice
 /// @throws ParameterError for a thickness that is not positive or a radius below 0; InputError with fewer than two
 /// lumens

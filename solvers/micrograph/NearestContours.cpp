@@ -11,7 +11,6 @@ namespace
 
 constexpr std::size_t kRun = 8;
 constexpr std::int64_t kBlock = 8;
-constexpr double kThird = 1.5; ///< how much farther than the second the third nearest is of interest
 
 double squaredToBox(const Point& point, const Point& low, const Point& high)
 {
@@ -83,19 +82,24 @@ LAMELLA_BOTH void squaredToBoxes(const double* lowX, const double* lowY, const d
   }
 }
 
-/// What a run must be nearer than to matter: than the third nearest, or than the segment of its label that is known.
-double needed(const Nearest& nearest, std::int32_t label, std::size_t last)
+/// What a run must be nearer than to matter, whatever its label.
+double wantedWithin(const Nearest& nearest, std::size_t last)
 {
-  double most = nearest.squared[last];
-  if (last == 2)
+  const double most = nearest.squared[last];
+  return last == 2 ? std::min(most, Nearest::kThird * Nearest::kThird * nearest.squared[1]) : most;
+}
+
+/// Of a label that is known already only what is nearer matters.
+bool nearerThanKnown(const Nearest& nearest, double squared, std::int32_t label)
+{
+  for (std::size_t i = 0; i < Nearest::kMost; ++i)
   {
-    most = std::min(most, kThird * kThird * nearest.squared[1]);
+    if (nearest.label[i] == label)
+    {
+      return squared <= nearest.squared[i];
+    }
   }
-  for (std::size_t i = 0; i <= last; ++i)
-  {
-    most = nearest.label[i] == label ? std::min(most, nearest.squared[i]) : most;
-  }
-  return most;
+  return true;
 }
 
 /// Puts a segment in its place; of two at the same distance the lower label and segment count as nearer, so that the
@@ -330,7 +334,7 @@ void NearestContours::atNodes(std::int64_t nx, std::int64_t ny, double spacing, 
       double limit = std::sqrt(middle.squared[last]) + 2 * radius;
       if (last == 2)
       {
-        limit = std::min(limit, kThird * (std::sqrt(middle.squared[1]) + radius) + radius);
+        limit = std::min(limit, Nearest::kThird * (std::sqrt(middle.squared[1]) + radius) + radius);
       }
       limit = std::min(limit, within + radius);
       Nearest before = middle;
@@ -361,11 +365,13 @@ void NearestContours::atNodes(std::int64_t nx, std::int64_t ny, double spacing, 
           const double dy = point[1] - at[1];
           insert(nearest, (dx * dx + dy * dy) * (1 + 1e-14), segment.label, before.segment[i], labels_);
         }
+        double most = wantedWithin(nearest, last);
         for (std::size_t i = 0; i < near.size(); ++i)
         {
-          if (boxes.squared[i] <= needed(nearest, near[i].second->label, last))
+          if (boxes.squared[i] <= most && nearerThanKnown(nearest, boxes.squared[i], near[i].second->label))
           {
             tryRun(*near[i].second, point, nearest);
+            most = wantedWithin(nearest, last);
           }
         }
         before = nearest;
@@ -409,9 +415,10 @@ WallThickness wallThickness(const ContourSet& contours, int samples)
   for (const Segment& segment : search.segments())
   {
     const double own = std::hypot(segment.to[0] - segment.from[0], segment.to[1] - segment.from[1]);
-    for (; next < own; next += step)
+    while (next < own)
     {
       const double t = next / own;
+      next += step;
       const Nearest nearest = search.at({ segment.from[0] + t * (segment.to[0] - segment.from[0]),
         segment.from[1] + t * (segment.to[1] - segment.from[1]) });
       if (nearest.squared[1] < Nearest::kNone)

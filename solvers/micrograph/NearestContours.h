@@ -38,6 +38,7 @@ struct Segment
 struct Nearest
 {
   static constexpr int kMost = 3;
+  static constexpr double kThird = 1.25; ///< as far beyond the second nearest a third one is of interest
   static constexpr double kNone = std::numeric_limits<double>::infinity();
   std::array<double, kMost> squared{ kNone, kNone, kNone }; ///< distance²; infinite: there is none
   std::array<std::int32_t, kMost> label{ 0, 0, 0 };
@@ -62,7 +63,7 @@ public:
   [[nodiscard]] Nearest at(const Point& point, double within = Nearest::kNone) const;
 
   /// For the nodes of nx × ny at (i + ½, j + ½) · spacing that are `wanted`. The third nearest may be left out where it
-  /// is more than 1.5 times as far as the second.
+  /// is more than kThird times as far as the second.
   /// @param within nothing farther away need be found
   void atNodes(std::int64_t nx, std::int64_t ny, double spacing, std::span<const std::uint8_t> wanted, double within,
     const std::function<void(std::int64_t node, const Point& point, const Nearest& nearest)>& visit) const;

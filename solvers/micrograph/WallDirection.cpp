@@ -16,8 +16,6 @@ namespace
 {
 
 constexpr double kCorner = std::numbers::pi / 6;
-/// As far beyond the second nearest a third one begins to count.
-constexpr double kThird = 1.5;
 
 /// Tangents along a segment as (cos 2θ, sin 2θ): at its middle, and at its ends, where they turn towards the
 /// neighbours.
@@ -149,9 +147,9 @@ std::array<float, 2> axisOf(std::span<const Side> sides)
   if (sides.size() > 1)
   {
     Point other = sides[1].doubled;
-    if (sides.size() > 2 && sides[2].distance < kThird * sides[1].distance)
+    if (sides.size() > 2 && sides[2].distance < Nearest::kThird * sides[1].distance)
     {
-      const double s = (sides[2].distance / sides[1].distance - 1) / (kThird - 1);
+      const double s = (sides[2].distance / sides[1].distance - 1) / (Nearest::kThird - 1);
       other = blend(other, sides[2].doubled, (1 - s * s * (3 - 2 * s)) / 2);
     }
     const double sum = sides[0].distance + sides[1].distance;
@@ -238,7 +236,9 @@ WallDirections wallDirections(const ContourSet& contours, const ContourLattice& 
       const auto node = static_cast<std::size_t>(index);
       std::array<Side, Nearest::kMost> sides;
       std::size_t found = 0;
-      while (found < sides.size() && nearest.squared[found] < Nearest::kNone)
+      // Mostly the third is too far away to matter.
+      const double third = Nearest::kThird * Nearest::kThird * nearest.squared[1];
+      while (found < sides.size() && nearest.squared[found] < (found < 2 ? Nearest::kNone : third))
       {
         const auto segment = static_cast<std::size_t>(nearest.segment[found]);
         sides[found] = sideOf(search.segments()[segment], tangents[segment], nearest.squared[found], point);
