@@ -13,6 +13,7 @@ namespace lamella::micrograph
 struct EdgeDistance
 {
   cv::Mat away;  ///< CV_32F [pixels], of the pixel's centre from the outline; 0 inside the mask
+  cv::Mat depth; ///< CV_32F [pixels], of a pixel inside from the nearest one outside; 0 outside the mask
   cv::Mat piece; ///< CV_32S, label of the nearest piece, 1 …
 };
 
@@ -43,6 +44,14 @@ struct Rim
 /// @param ignored 255 where the picture is to be left out; may be empty
 [[nodiscard]] Rim findRim(const Picture& picture, const cv::Mat& lumen, const EdgeDistance& edge, bool brightLumen,
   double reach, const cv::Mat& ignored);
+
+/// How far outside the outline the grey is half way between the lumens' inside and the darkest place beside them, on
+/// the mean over all outlines; 0 where it is not outside.
+///
+/// A blurred edge lies at half its height. Otsu's threshold lies lower or higher: it is the middle between the means of
+/// the two classes, and where walls are thin much of their class is blurred edge.
+/// @param bright CV_32F, lumens brighter than walls
+[[nodiscard]] double halfHeight(const cv::Mat& lumen, const EdgeDistance& edge, const cv::Mat& bright, double reach);
 
 /// Moves the outline of a mask outwards; pieces do not grow together.
 void moveOutwards(cv::Mat& mask, const EdgeDistance& edge, double shift);

@@ -123,12 +123,17 @@ void clean(cv::Mat& lumen, SegmentReport& report)
   lumen = 255 - wall;
 }
 
+/// How far beside the outlines to look for what walls are like [pixels].
+double reachOf(double wallRun)
+{
+  return std::clamp(wallRun, 6.0, 40.0);
+}
+
 /// Finds how far the outlines have to move to lie on the middle of dark rims.
 void findRims(const cv::Mat& lumen, const EdgeDistance& edge, const Picture& picture, const Graphics& graphics,
   double wallRun, SegmentReport& report)
 {
-  const double reach = std::clamp(wallRun, 6.0, 40.0);
-  const Rim rim = findRim(picture, lumen, edge, report.brightLumen, reach, graphics.mask);
+  const Rim rim = findRim(picture, lumen, edge, report.brightLumen, reachOf(wallRun), graphics.mask);
   report.rim = rim.found ? rim.shift : 0;
   report.rimDepth = rim.found ? rim.depth : 0;
   report.rimChannel = rim.channel;
@@ -155,11 +160,16 @@ void refine(cv::Mat& lumen, const Thresholded& from, const Picture& picture, con
   {
     findRims(lumen, edge, picture, graphics, wallRun, report);
   }
-  if (report.rim > 0)
+  if (report.rim == 0 && !options.rim && !options.threshold)
   {
-    moveOutwards(lumen, edge, report.rim);
+    report.halfHeight = halfHeight(lumen, edge, from.bright, reachOf(wallRun));
   }
-  if (report.neckNodes > 0 || report.rim > 0)
+  const double shift = std::max(report.rim, report.halfHeight);
+  if (shift > 0)
+  {
+    moveOutwards(lumen, edge, shift);
+  }
+  if (report.neckNodes > 0 || shift > 0)
   {
     clean(lumen, report);
   }
