@@ -148,8 +148,10 @@ Rim rimOf(const std::vector<std::array<double, 2>>& inside, const std::vector<st
   const auto foot = crossing(edge, 0, low + 0.1 * (lumenLevel - low));
   const double blur = std::max(1.0, top && foot ? std::abs(*foot - *top) : 1.0);
   rim.shift = darkest == 0 ? wall[0][0] : vertex(wall[darkest - 1], wall[darkest], wall[darkest + 1]);
-  const auto end = crossing(wall, darkest, low + dip / 2);
-  rim.found = rim.shift <= 1.5 * blur && end && *end <= 3.5 * blur;
+  const double bottom = low + 0.2 * dip;
+  const auto begin = crossing(edge, 0, bottom);
+  const auto end = crossing(wall, darkest, bottom);
+  rim.found = rim.shift <= 1.5 * blur && begin && end && *end - *begin <= 1.2 * blur;
   return rim;
 }
 

@@ -38,8 +38,11 @@ struct Rim
 /// between lumen and wall. It counts as a rim where it is
 /// - deeper than a tenth of the contrast after the overshoot on the lumen's side is taken off (sharpening rings alike
 ///   on both sides), and
-/// - narrow: its darkest line within 1.5 and its wall side within 3.5 widths of the edge's blur. What is wider is a
-///   layer of the wall.
+/// - narrow: its darkest line within 1.5 widths of the edge's blur (10 to 90 %), and its bottom, up to a fifth of its
+///   depth, at most 1.2 wide. What has a wide bottom is a layer of the wall.
+///
+/// Where the rim is no wider than the blur its darkest line lies up to half the blur outside its middle, since the
+/// lumen beside it is brighter than the wall.
 /// @param brightLumen whether lumens are brighter than walls; else everything is mirrored
 /// @param ignored 255 where the picture is to be left out; may be empty
 [[nodiscard]] Rim findRim(const Picture& picture, const cv::Mat& lumen, const EdgeDistance& edge, bool brightLumen,

@@ -87,9 +87,20 @@ struct Thresholded
 Thresholded threshold(const cv::Mat& grey, const SegmentOptions& options, SegmentReport& report)
 {
   Flattened flat = flatten(grey, options.background);
+  Otsu rough = otsu(flat.grey);
+  // Where a few walls stand in much lumen, or the other way round, the classes themselves may pass for uneven light.
+  constexpr double lossAllowed = 0.1;
+  if (!options.background && !options.threshold)
+  {
+    const Otsu asItIs = otsu(grey);
+    if (rough.separability < asItIs.separability - lossAllowed)
+    {
+      flat = { grey.clone(), 0, 0 };
+      rough = asItIs;
+    }
+  }
   report.background = flat.scale;
   report.unevenness = flat.unevenness;
-  const Otsu rough = otsu(flat.grey);
   cv::Mat brightMask = flat.grey >= rough.threshold;
   const double contrast = std::max(1e-3, cv::mean(flat.grey, brightMask)[0] - cv::mean(flat.grey, 255 - brightMask)[0]);
   report.noise = noiseOf(flat.grey) / contrast;

@@ -93,6 +93,7 @@ struct Segmentation
 ///    of channels where that is clearly better (Stain.h);
 /// 3. flattening: the light, a polynomial of fourth degree through the bright class, is divided out; then the local
 ///    greys of lumens and of walls, averaged over several cells, are brought to 192 and 64, for uneven stain;
+///    not where that makes the classes harder to tell apart;
 /// 4. Gaussian smoothing where there is noise;
 /// 5. Otsu's threshold (IEEE Trans. SMC 9, 1979, 62–66);
 /// 6. cleaning: specks of lumen become wall, specks of wall enclosed by lumen become lumen;
