@@ -146,7 +146,14 @@ Rim rimOf(const std::vector<std::array<double, 2>>& inside, const std::vector<st
   const double low = wall[darkest][1];
   const auto top = crossing(edge, 0, low + 0.9 * (lumenLevel - low));
   const auto foot = crossing(edge, 0, low + 0.1 * (lumenLevel - low));
-  const double blur = std::max(1.0, top && foot ? std::abs(*foot - *top) : 1.0);
+  // Or as its steepest place tells: a slow fall beyond the edge, towards a dark middle lamella, is no blur.
+  double steepest = 0;
+  for (std::size_t k = 0; k + 1 < edge.size(); ++k)
+  {
+    steepest = std::max(steepest, (edge[k][1] - edge[k + 1][1]) / (edge[k + 1][0] - edge[k][0]));
+  }
+  const double straight = 1.02 * (lumenLevel - low) / std::max(1e-9, steepest);
+  const double blur = std::max(1.0, std::min(straight, top && foot ? std::abs(*foot - *top) : straight));
   rim.shift = darkest == 0 ? wall[0][0] : vertex(wall[darkest - 1], wall[darkest], wall[darkest + 1]);
   const double bottom = low + 0.2 * dip;
   const auto begin = crossing(edge, 0, bottom);
