@@ -145,9 +145,13 @@ void findRims(const cv::Mat& lumen, const EdgeDistance& edge, const Picture& pic
   double wallRun, SegmentReport& report)
 {
   const Rim rim = findRim(picture, lumen, edge, report.brightLumen, reachOf(wallRun), graphics.mask);
-  report.rim = rim.found ? rim.shift : 0;
-  report.rimDepth = rim.found ? rim.depth : 0;
-  report.rimChannel = rim.channel;
+  // What lies a quarter of a wall away is not the wall's edge.
+  if (rim.found && rim.shift <= std::max(2.0, wallRun / 4))
+  {
+    report.rim = rim.shift;
+    report.rimDepth = rim.depth;
+    report.rimChannel = rim.channel;
+  }
 }
 
 /// Rims and rays: what takes a look at the neighbourhood of every lumen.
@@ -201,15 +205,16 @@ void describe(const cv::Mat& lumen, Segmentation& result)
   result.lumen.assign(pieces.labels.begin<int>(), pieces.labels.end<int>());
   result.shapes = lumenShapes(pieces.labels, static_cast<int>(pieces.area.size()));
   result.shapes.erase(result.shapes.begin());
+  // By the circle over the longest diameter earlywood is no vessel among latewood, which is flattened only; slender
+  // lumens, cells of rays among them, are neither vessels nor fibres.
+  const auto circle = [](const LumenShape& shape) { return shape.length * shape.length * std::numbers::pi / 4; };
+  const auto slender = [](const LumenShape& shape) { return shape.length > 3 * shape.width; };
   std::vector<double> sizes;
-  std::vector<std::size_t> whole;
-  for (std::size_t i = 0; i < result.shapes.size(); ++i)
+  for (const LumenShape& shape : result.shapes)
   {
-    const LumenShape& shape = result.shapes[i];
-    if (!shape.cut)
+    if (!shape.cut && !slender(shape))
     {
-      whole.push_back(i);
-      sizes.push_back(shape.length * shape.length * std::numbers::pi / 4);
+      sizes.push_back(circle(shape));
     }
   }
   const LumenClasses classes = classifyLumens(sizes);
@@ -221,7 +226,7 @@ void describe(const cv::Mat& lumen, Segmentation& result)
   for (std::size_t i = 0; i < result.shapes.size() && classes.two; ++i)
   {
     const LumenShape& shape = result.shapes[i];
-    result.vessel[i] = shape.length * shape.length * std::numbers::pi / 4 > classes.threshold;
+    result.vessel[i] = !slender(shape) && circle(shape) > classes.threshold;
     report.vessels += result.vessel[i];
   }
   report.lumens = static_cast<std::int64_t>(result.shapes.size());
