@@ -201,7 +201,9 @@ std::string toJson(const DiffusionReport& report)
       { "background", found.background }, { "smoothing", found.smoothing }, { "threshold", found.threshold },
       { "separability", found.separability }, { "smallest_lumen", found.smallestLumen },
       { "smallest_wall", found.smallestWall }, { "lumens_removed", found.lumensRemoved },
-      { "walls_removed", found.wallsRemoved }, { "lumens", found.lumens }, { "lumen_fraction", found.lumenFraction } };
+      { "walls_removed", found.wallsRemoved }, { "opening", found.opening }, { "rim", found.rim },
+      { "half_height", found.halfHeight }, { "ray_gaps", found.rays }, { "graphics", found.graphicsShare },
+      { "vessels", found.vessels }, { "lumens", found.lumens }, { "lumen_fraction", found.lumenFraction } };
   }
   json["refine"] = refinement;
   json["lattice"] = lbm::name(report.options.steady.stencil);

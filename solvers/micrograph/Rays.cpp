@@ -129,6 +129,7 @@ RayGaps dropRayGaps(
       }
     }
   }
+  const std::size_t slenderOnes = gaps.size();
   std::erase_if(gaps,
     [&](int gap)
     {
@@ -140,7 +141,7 @@ RayGaps dropRayGaps(
       }
       return !dark;
     });
-  if (10 * gaps.size() > pieces.area.size() - 1)
+  if (2 * gaps.size() < slenderOnes || 10 * gaps.size() > pieces.area.size() - 1)
   {
     return result;
   }

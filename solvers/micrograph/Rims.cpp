@@ -146,10 +146,19 @@ Rim rimOf(const std::vector<std::array<double, 2>>& inside, const std::vector<st
   const double low = wall[darkest][1];
   const auto top = crossing(edge, 0, low + 0.9 * (lumenLevel - low));
   const auto foot = crossing(edge, 0, low + 0.1 * (lumenLevel - low));
-  const double blur = std::max(1.0, top && foot ? std::abs(*foot - *top) : 1.0);
+  // Or as its steepest place tells: a slow fall beyond the edge, towards a dark middle lamella, is no blur.
+  double steepest = 0;
+  for (std::size_t k = 0; k + 1 < edge.size(); ++k)
+  {
+    steepest = std::max(steepest, (edge[k][1] - edge[k + 1][1]) / (edge[k + 1][0] - edge[k][0]));
+  }
+  const double straight = 1.02 * (lumenLevel - low) / std::max(1e-9, steepest);
+  const double blur = std::max(1.0, std::min(straight, top && foot ? std::abs(*foot - *top) : straight));
   rim.shift = darkest == 0 ? wall[0][0] : vertex(wall[darkest - 1], wall[darkest], wall[darkest + 1]);
-  const auto end = crossing(wall, darkest, low + dip / 2);
-  rim.found = rim.shift <= 1.5 * blur && end && *end <= 3.5 * blur;
+  const double bottom = low + 0.2 * dip;
+  const auto begin = crossing(edge, 0, bottom);
+  const auto end = crossing(wall, darkest, bottom);
+  rim.found = rim.shift <= 1.5 * blur && begin && end && *end - *begin <= 1.2 * blur;
   return rim;
 }
 
@@ -161,6 +170,7 @@ EdgeDistance edgeDistance(const cv::Mat& mask, const cv::Mat& bright, double thr
   const Pieces pieces = piecesOf(mask, false);
   result.away = cv::Mat(mask.size(), CV_32F, cv::Scalar(std::numeric_limits<float>::max()));
   result.piece = pieces.labels.clone();
+  cv::distanceTransform(mask, result.depth, cv::DIST_L2, cv::DIST_MASK_5);
   if (cv::countNonZero(mask) == 0)
   {
     return result;
@@ -213,11 +223,9 @@ Rim findRim(const Picture& picture, const cv::Mat& lumen, const EdgeDistance& ed
   const auto bins = static_cast<std::size_t>(std::ceil(reach / bin));
   std::vector<Profile> inside(channels, Profile(bins));
   std::vector<Profile> wall(channels, Profile(bins));
-  cv::Mat depth;
-  cv::distanceTransform(lumen, depth, cv::DIST_L2, cv::DIST_MASK_5);
   for (int row = 0; row < lumen.rows; ++row)
   {
-    const auto* deep = depth.ptr<float>(row);
+    const auto* deep = edge.depth.ptr<float>(row);
     const auto* away = edge.away.ptr<float>(row);
     const auto* skip = ignored.empty() ? nullptr : ignored.ptr<std::uint8_t>(row);
     for (int x = 0; x < lumen.cols; ++x)
@@ -258,6 +266,34 @@ Rim findRim(const Picture& picture, const cv::Mat& lumen, const EdgeDistance& ed
     }
   }
   return best;
+}
+
+double halfHeight(const cv::Mat& lumen, const EdgeDistance& edge, const cv::Mat& bright, double reach)
+{
+  const auto bins = static_cast<std::size_t>(std::ceil(reach / bin));
+  Profile inside(bins);
+  Profile wall(bins);
+  for (int row = 0; row < lumen.rows; ++row)
+  {
+    const auto* deep = edge.depth.ptr<float>(row);
+    const auto* away = edge.away.ptr<float>(row);
+    const auto* value = bright.ptr<float>(row);
+    for (int x = 0; x < lumen.cols; ++x)
+    {
+      (deep[x] > 0 ? inside : wall).add(deep[x] > 0 ? deep[x] - 0.5 : away[x], value[x]);
+    }
+  }
+  const auto in = inside.curve();
+  const auto out = wall.curve();
+  if (in.size() < 3 || out.size() < 2)
+  {
+    return 0;
+  }
+  const auto darker = [](const auto& a, const auto& b) { return a[1] < b[1]; };
+  const double middle = (in.back()[1] + (*std::min_element(out.begin(), out.end(), darker))[1]) / 2;
+  std::vector<std::array<double, 2>> across{ { -in.front()[0], in.front()[1] } };
+  across.insert(across.end(), out.begin(), out.end());
+  return std::clamp(crossing(across, 0, middle).value_or(0), 0.0, 1.0);
 }
 
 void moveOutwards(cv::Mat& mask, const EdgeDistance& edge, double shift)

@@ -13,6 +13,7 @@ namespace lamella::micrograph
 struct EdgeDistance
 {
   cv::Mat away;  ///< CV_32F [pixels], of the pixel's centre from the outline; 0 inside the mask
+  cv::Mat depth; ///< CV_32F [pixels], of a pixel inside from the nearest one outside; 0 outside the mask
   cv::Mat piece; ///< CV_32S, label of the nearest piece, 1 …
 };
 
@@ -37,12 +38,23 @@ struct Rim
 /// between lumen and wall. It counts as a rim where it is
 /// - deeper than a tenth of the contrast after the overshoot on the lumen's side is taken off (sharpening rings alike
 ///   on both sides), and
-/// - narrow: its darkest line within 1.5 and its wall side within 3.5 widths of the edge's blur. What is wider is a
-///   layer of the wall.
+/// - narrow: its darkest line within 1.5 widths of the edge's blur (10 to 90 %), and its bottom, up to a fifth of its
+///   depth, at most 1.2 wide. What has a wide bottom is a layer of the wall.
+///
+/// Where the rim is no wider than the blur its darkest line lies up to half the blur outside its middle, since the
+/// lumen beside it is brighter than the wall.
 /// @param brightLumen whether lumens are brighter than walls; else everything is mirrored
 /// @param ignored 255 where the picture is to be left out; may be empty
 [[nodiscard]] Rim findRim(const Picture& picture, const cv::Mat& lumen, const EdgeDistance& edge, bool brightLumen,
   double reach, const cv::Mat& ignored);
+
+/// How far outside the outline the grey is half way between the lumens' inside and the darkest place beside them, on
+/// the mean over all outlines; 0 where it is not outside.
+///
+/// A blurred edge lies at half its height. Otsu's threshold lies lower or higher: it is the middle between the means of
+/// the two classes, and where walls are thin much of their class is blurred edge.
+/// @param bright CV_32F, lumens brighter than walls
+[[nodiscard]] double halfHeight(const cv::Mat& lumen, const EdgeDistance& edge, const cv::Mat& bright, double reach);
 
 /// Moves the outline of a mask outwards; pieces do not grow together.
 void moveOutwards(cv::Mat& mask, const EdgeDistance& edge, double shift);

@@ -87,9 +87,20 @@ struct Thresholded
 Thresholded threshold(const cv::Mat& grey, const SegmentOptions& options, SegmentReport& report)
 {
   Flattened flat = flatten(grey, options.background);
+  Otsu rough = otsu(flat.grey);
+  // Where a few walls stand in much lumen, or the other way round, the classes themselves may pass for uneven light.
+  constexpr double lossAllowed = 0.1;
+  if (!options.background && !options.threshold)
+  {
+    const Otsu asItIs = otsu(grey);
+    if (rough.separability < asItIs.separability - lossAllowed)
+    {
+      flat = { grey.clone(), 0, 0 };
+      rough = asItIs;
+    }
+  }
   report.background = flat.scale;
   report.unevenness = flat.unevenness;
-  const Otsu rough = otsu(flat.grey);
   cv::Mat brightMask = flat.grey >= rough.threshold;
   const double contrast = std::max(1e-3, cv::mean(flat.grey, brightMask)[0] - cv::mean(flat.grey, 255 - brightMask)[0]);
   report.noise = noiseOf(flat.grey) / contrast;
@@ -123,15 +134,24 @@ void clean(cv::Mat& lumen, SegmentReport& report)
   lumen = 255 - wall;
 }
 
+/// How far beside the outlines to look for what walls are like [pixels].
+double reachOf(double wallRun)
+{
+  return std::clamp(wallRun, 6.0, 40.0);
+}
+
 /// Finds how far the outlines have to move to lie on the middle of dark rims.
 void findRims(const cv::Mat& lumen, const EdgeDistance& edge, const Picture& picture, const Graphics& graphics,
   double wallRun, SegmentReport& report)
 {
-  const double reach = std::clamp(wallRun, 6.0, 40.0);
-  const Rim rim = findRim(picture, lumen, edge, report.brightLumen, reach, graphics.mask);
-  report.rim = rim.found ? rim.shift : 0;
-  report.rimDepth = rim.found ? rim.depth : 0;
-  report.rimChannel = rim.channel;
+  const Rim rim = findRim(picture, lumen, edge, report.brightLumen, reachOf(wallRun), graphics.mask);
+  // What lies a quarter of a wall away is not the wall's edge.
+  if (rim.found && rim.shift <= std::max(2.0, wallRun / 4))
+  {
+    report.rim = rim.shift;
+    report.rimDepth = rim.depth;
+    report.rimChannel = rim.channel;
+  }
 }
 
 /// Rims and rays: what takes a look at the neighbourhood of every lumen.
@@ -155,11 +175,16 @@ void refine(cv::Mat& lumen, const Thresholded& from, const Picture& picture, con
   {
     findRims(lumen, edge, picture, graphics, wallRun, report);
   }
-  if (report.rim > 0)
+  if (report.rim == 0 && !options.rim && !options.threshold)
   {
-    moveOutwards(lumen, edge, report.rim);
+    report.halfHeight = halfHeight(lumen, edge, from.bright, reachOf(wallRun));
   }
-  if (report.neckNodes > 0 || report.rim > 0)
+  const double shift = std::max(report.rim, report.halfHeight);
+  if (shift > 0)
+  {
+    moveOutwards(lumen, edge, shift);
+  }
+  if (report.neckNodes > 0 || shift > 0)
   {
     clean(lumen, report);
   }
@@ -180,15 +205,16 @@ void describe(const cv::Mat& lumen, Segmentation& result)
   result.lumen.assign(pieces.labels.begin<int>(), pieces.labels.end<int>());
   result.shapes = lumenShapes(pieces.labels, static_cast<int>(pieces.area.size()));
   result.shapes.erase(result.shapes.begin());
+  // By the circle over the longest diameter earlywood is no vessel among latewood, which is flattened only; slender
+  // lumens, cells of rays among them, are neither vessels nor fibres.
+  const auto circle = [](const LumenShape& shape) { return shape.length * shape.length * std::numbers::pi / 4; };
+  const auto slender = [](const LumenShape& shape) { return shape.length > 3 * shape.width; };
   std::vector<double> sizes;
-  std::vector<std::size_t> whole;
-  for (std::size_t i = 0; i < result.shapes.size(); ++i)
+  for (const LumenShape& shape : result.shapes)
   {
-    const LumenShape& shape = result.shapes[i];
-    if (!shape.cut)
+    if (!shape.cut && !slender(shape))
     {
-      whole.push_back(i);
-      sizes.push_back(shape.length * shape.length * std::numbers::pi / 4);
+      sizes.push_back(circle(shape));
     }
   }
   const LumenClasses classes = classifyLumens(sizes);
@@ -200,7 +226,7 @@ void describe(const cv::Mat& lumen, Segmentation& result)
   for (std::size_t i = 0; i < result.shapes.size() && classes.two; ++i)
   {
     const LumenShape& shape = result.shapes[i];
-    result.vessel[i] = shape.length * shape.length * std::numbers::pi / 4 > classes.threshold;
+    result.vessel[i] = !slender(shape) && circle(shape) > classes.threshold;
     report.vessels += result.vessel[i];
   }
   report.lumens = static_cast<std::int64_t>(result.shapes.size());

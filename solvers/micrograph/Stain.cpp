@@ -162,12 +162,27 @@ StainGrey stainGrey(const Picture& picture, Channel asked)
   {
     return result;
   }
-  const Discriminant by = discriminant(few, few[best] >= split.threshold);
+  // The classes of a noisy channel are mixed; those of their own discriminant are less so.
+  Discriminant by;
+  cv::Mat bright = few[best] >= split.threshold;
+  double separability = 0;
+  for (int round = 0; round < 3; ++round)
+  {
+    const Discriminant next = discriminant(few, bright);
+    if (!next.found)
+    {
+      break;
+    }
+    by = next;
+    const cv::Mat mixed = combined(few, by);
+    const Otsu parted = otsu(mixed);
+    separability = parted.separability;
+    bright = mixed >= parted.threshold;
+  }
   if (!by.found)
   {
     return result;
   }
-  const double separability = otsu(combined(few, by)).separability;
   constexpr double worthIt = 0.9;
   if (asked == Channel::Stain || 1 - separability <= worthIt * (1 - split.separability))
   {

@@ -26,9 +26,9 @@ struct StainGrey
 /// The grey of the channel asked for, or of the best one.
 ///
 /// The combination is Fisher's linear discriminant (Annals of Eugenics 7, 1936, 179–188) between the two classes of the
-/// best single channel, scaled so that their means lie at 64 and 192. Auto takes it only where it leaves at most 0.9 of
-/// the scatter inside the classes that the best channel leaves: a single channel is the sharper picture (JPEG stores
-/// colour differences at half the resolution).
+/// best single channel, thrice improved, scaled so that their means lie at 64 and 192. Auto takes it only where it
+/// leaves at most 0.9 of the scatter inside the classes that the best channel leaves: a single channel is the sharper
+/// picture (JPEG stores colour differences at half the resolution).
 /// @throws ParameterError for a colour asked of a grey picture
 [[nodiscard]] StainGrey stainGrey(const Picture& picture, Channel asked);
 
