@@ -108,6 +108,7 @@ ContourSet clipToWindow(const std::vector<std::vector<Point>>& polygons, const P
     const auto start = static_cast<std::size_t>(
       std::find_if(p.begin(), p.end(), [&](const Point& q) { return !inside(q, size); }) - p.begin());
     Contour chain{ {}, false, 0 };
+    const std::size_t before = set.contours.size();
     bool met = false;
     for (std::size_t i = 0; i < p.size(); ++i)
     {
@@ -122,6 +123,11 @@ ContourSet clipToWindow(const std::vector<std::vector<Point>>& polygons, const P
       if (part.enters || chain.points.empty())
       {
         chain.points = { part.from };
+        if (set.contours.size() > before && set.contours.back().points.back() == part.from)
+        {
+          chain = std::move(set.contours.back()); // the polygon only touches the border there
+          set.contours.pop_back();
+        }
       }
       if (part.to != chain.points.back())
       {
@@ -135,6 +141,14 @@ ContourSet clipToWindow(const std::vector<std::vector<Point>>& polygons, const P
         }
         chain.points.clear();
       }
+    }
+    if (set.contours.size() > before + 1 && set.contours.back().points.back() == set.contours[before].points.front())
+    {
+      std::vector<Point>& first = set.contours[before].points; // it touches where the way around began
+      std::vector<Point> joined = std::move(set.contours.back().points);
+      joined.insert(joined.end(), first.begin() + 1, first.end());
+      first = std::move(joined);
+      set.contours.pop_back();
     }
     if (!met && holds(p, { size[0] / 2, size[1] / 2 }))
     {

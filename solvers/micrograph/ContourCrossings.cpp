@@ -129,6 +129,7 @@ public:
       }
     }
     std::vector<ContourFinding> findings;
+    findings.reserve(found.size());
     for (const auto& [pair, at] : found)
     {
       findings.push_back({ ContourFault::Crossing, pair.first, pair.second, at });

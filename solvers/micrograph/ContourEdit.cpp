@@ -64,7 +64,8 @@ void mark(
 }
 
 /// Moves points along the normals at them until the area is the target's: a quadratic equation in the distance.
-void moveToArea(Contour& c, double target)
+/// @returns whether that was no farther than `most`
+[[nodiscard]] bool moveToArea(Contour& c, double target, double most)
 {
   const std::size_t n = c.points.size();
   std::vector<Point> way(n, Point{ 0, 0 });
@@ -96,18 +97,23 @@ void moveToArea(Contour& c, double target)
     const double inner = linear * linear + 8 * square * missing;
     if (linear == 0 || inner < 0)
     {
-      return;
+      return missing == 0;
     }
     const double d = 4 * missing / (linear + std::copysign(std::sqrt(inner), linear));
+    if (!(std::abs(d) <= most))
+    {
+      return false;
+    }
     for (std::size_t i = 0; i < n; ++i)
     {
       c.points[i][0] += d * way[i][0];
       c.points[i][1] += d * way[i][1];
     }
   }
+  return true;
 }
 
-[[nodiscard]] Contour simplified(const Contour& c, double tolerance)
+[[nodiscard]] Contour simplified(const Contour& c, const Point& size, double tolerance)
 {
   const std::size_t n = c.points.size();
   const std::size_t least = c.closed ? 4 : 2;
@@ -133,7 +139,9 @@ void moveToArea(Contour& c, double target)
   else
   {
     keep[n - 1] = true;
-    mark(c.points, 0, n - 1, tolerance, keep);
+    keep[n / 2] = true; // one to move for the area's sake
+    mark(c.points, 0, n / 2, tolerance, keep);
+    mark(c.points, n / 2, n - 1, tolerance, keep);
   }
   Contour result{ {}, c.closed, c.lumen };
   for (std::size_t i = 0; i < n; ++i)
@@ -147,14 +155,11 @@ void moveToArea(Contour& c, double target)
   {
     return c;
   }
-  const double target = chainArea(c);
-  if (c.closed || result.points.size() > 2)
-  {
-    moveToArea(result, target);
-  }
-  // A straight open chain of two points has no way to mend its area.
-  const double scale = tolerance * tolerance + std::abs(target);
-  return std::abs(chainArea(result) - target) <= 1e-9 * scale ? result : c;
+  // Where the area cannot be had again nearby, or only outside the picture, the chain stays as it was.
+  const bool inside = moveToArea(result, chainArea(c), 2 * tolerance) &&
+    std::all_of(result.points.begin(), result.points.end(),
+      [&](const Point& p) { return p[0] >= 0 && p[1] >= 0 && p[0] <= size[0] && p[1] <= size[1]; });
+  return inside ? result : c;
 }
 
 } // namespace
@@ -176,7 +181,7 @@ ContourSet simplify(const ContourSet& set, double tolerance, SimplifyReport* rep
   result.contours.reserve(set.contours.size());
   for (const Contour& c : set.contours)
   {
-    result.contours.push_back(tolerance > 0 ? simplified(c, tolerance) : c);
+    result.contours.push_back(tolerance > 0 ? simplified(c, set.size, tolerance) : c);
   }
   if (tolerance > 0)
   {

@@ -133,20 +133,19 @@ Extraction extractContours(
   set.contours.reserve(traces.chains.size());
   for (Trace& trace : traces.chains)
   {
-    if (level.empty())
+    const bool halfWay = level.empty();
+    double target = signedArea(trace, halfWay) + trace.corners;
+    thinOut(trace);
+    if (!halfWay)
     {
-      const double target = signedArea(trace, true) + trace.corners;
-      thinOut(trace);
-      if (options.smooth)
-      {
-        smooth(trace, scale);
-      }
-      report.areaMissing = std::max(report.areaMissing, std::abs(restoreArea(trace, target, scale.margin)));
+      target = signedArea(trace) + capArea(trace);
     }
-    else
+    else if (options.smooth)
     {
-      thinOut(trace);
+      smooth(trace, scale);
     }
+    const double missing = std::abs(restoreArea(trace, target, scale.margin));
+    report.areaMissing = std::max(report.areaMissing, halfWay ? missing : 0.0);
     report.crossings += static_cast<std::int64_t>(trace.crossings.size());
     set.contours.push_back(contourOf(trace, spacing));
     trace = {};

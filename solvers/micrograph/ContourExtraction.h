@@ -51,12 +51,13 @@ struct Extraction
 /// 1. Marching squares between the pixels' centres; lumens hang together through sides (4), walls through sides and
 ///    corners (8). At the picture's edge, half a pixel outside the outermost centres, chains are open. Wall inside
 ///    lumens is taken out.
-/// 2. With a level: crossings by linear interpolation of it; areas of smooth shapes are exact to second order in the
-///    pixel. Without: crossings move between their two nodes to where the contour varies its curvature least, then
-///    along the normals until each chain has exactly the area of its pixels (the wall fraction is therefore the
-///    mask's). A mask's own area of a disk of R pixels scatters by 0.7 √R pixels² with the place of its centre, without
-///    bias; directions come within 1 to 2° (rms), positions within 0.2 to 0.4 pixels at most. No two chains can cross,
-///    since each stays on its side of every node.
+/// 2. With a level: crossings by linear interpolation of it; areas of smooth shapes, with what a
+///    smooth curve holds beyond its chords, are exact to second order in the pixel. Without: crossings move between
+///    their two nodes to where the contour varies its curvature least, then along the normals until each chain has
+///    exactly the area of its pixels (the wall fraction is therefore the mask's). A mask's own area of a disk of R
+///    pixels scatters by 0.7 √R pixels² with the place of its centre, without bias; directions come within 1 to 2°
+///    (rms), positions within 0.2 to 0.4 pixels at most. No two chains can cross, since each stays on its side of every
+///    node.
 /// 3. Filters by area and solidity; simplification, each chain's area kept to round-off.
 ///
 /// Time: about 0.1 µs a pixel and 0.5 µs a pixel of outline.

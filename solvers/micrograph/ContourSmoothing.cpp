@@ -96,6 +96,23 @@ double signedArea(const Trace& trace, bool halfWay)
   return (twice + border(first) - border(trace.crossings.back())) / 2;
 }
 
+double capArea(const Trace& trace)
+{
+  const auto& c = trace.crossings;
+  const std::size_t n = c.size();
+  double sum = 0;
+  for (std::size_t i = trace.closed ? 0 : 1; i < (trace.closed ? n : n - 1); ++i)
+  {
+    const Crossing& a = c[i == 0 ? n - 1 : i - 1];
+    const Crossing& b = c[i + 1 < n ? i + 1 : 0];
+    const Vector in{ c[i].px() - a.px(), c[i].py() - a.py() };
+    const Vector out{ b.px() - c[i].px(), b.py() - c[i].py() };
+    const double turn = std::atan2(in.x * out.y - in.y * out.x, in.x * out.x + in.y * out.y);
+    sum += turn * (in.x * in.x + in.y * in.y + out.x * out.x + out.y * out.y) / 24;
+  }
+  return sum;
+}
+
 void thinOut(Trace& trace)
 {
   const auto& c = trace.crossings;

@@ -28,9 +28,13 @@ void smooth(Trace& trace, const SmoothingScale& scale);
 /// @returns what is missing [pixels²]: 0 to round-off unless the nodes leave no room
 double restoreArea(Trace& trace, double target, double margin);
 
-/// The area to the left of a chain through its crossings [pixels²]; of an open one, up to whole pictures, with the border
-/// from its end to its begin.
+/// The area to the left of a chain through its crossings [pixels²]; of an open one, up to whole pictures, with the
+/// border from its end to its begin.
 /// @param halfWay as if all `t` were 0
 [[nodiscard]] double signedArea(const Trace& trace, bool halfWay = false);
+
+/// What a smooth curve through the crossings of a closed or open chain encloses more than the chain: over each segment
+/// a cap of a twelfth of its length squared times the turn at its ends [pixels²].
+[[nodiscard]] double capArea(const Trace& trace);
 
 } // namespace lamella::micrograph

@@ -23,7 +23,7 @@ enum Side : std::int8_t
 
 /// Where a chain with the lumen on its left leaves a cell, by its corners (bit 0 lower left, then counter-clockwise)
 /// and the side on which it enters.
-constexpr std::array<std::array<std::int8_t, 4>, 16> exits{ {
+constexpr std::array<std::array<Side, 4>, 16> exits{ {
   { None, None, None, None },   // no lumen
   { Left, None, None, None },   // lower left
   { None, Bottom, None, None }, // lower right
@@ -169,7 +169,7 @@ private:
       }
       const unsigned kind = corners(i, j);
       balance += cuts[kind];
-      const int out = exits[kind][static_cast<std::size_t>(entry)];
+      const Side out = exits[kind][static_cast<std::size_t>(entry)];
       const std::int64_t nextI = out == Left ? i - 1 : out == Right ? i + 1 : i;
       const std::int64_t nextJ = out == Bottom ? j - 1 : out == Top ? j + 1 : j;
       if (nextI < 0 || nextI > nx_ || nextJ < 0 || nextJ > ny_)

@@ -5,38 +5,27 @@
 #include "micrograph/ContourCheck.h"
 #include "micrograph/ContourEdit.h"
 #include "micrograph/GzipFile.h"
+#include "micrograph/PolygonRings.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 namespace lamella::micrograph
 {
 namespace
 {
 
-using Json = nlohmann::ordered_json;
-using Polygon = std::vector<Point>;
-
 constexpr std::size_t mostText = std::size_t{ 1 } << 30U;
-constexpr double largest = 1.0; // [m]: no micrograph shows more
-
-constexpr const char* kinds = "write {\"units\": \"um\", \"lumens\": [[[x, y], …], …]}, or cells with a \"lumen\" each";
-
-[[nodiscard]] const char* typeOf(const Json& value)
-{
-  return value.type_name();
-}
 
 class Reader
 {
 public:
   Reader(const std::filesystem::path& path, const PolygonReadOptions& options)
-    : name_(path.string())
+    : rings_(path.string())
+    , name_(rings_.name())
     , options_(options)
   {
     if (options.unit && !(*options.unit > 0 && std::isfinite(*options.unit)))
@@ -81,138 +70,14 @@ public:
       readRings(file);
     }
     file.unit = unit_;
-    file.warnings = std::move(warnings_);
+    file.warnings = rings_.warnings();
     return file;
   }
 
 private:
-  [[noreturn]] void fail(const std::string& what, const std::string& hint) const
-  {
-    throw InputError(fmt::format("'{}': {}", name_, what), hint);
-  }
-
-  [[nodiscard]] double findUnit() const
-  {
-    if (options_.unit)
-    {
-      return *options_.unit;
-    }
-    if (!json_.is_object() || !(json_.contains("units") || json_.contains("unit")))
-    {
-      fail("it does not say the unit of its coordinates", "give the unit, or write \"units\": \"um\" into the file");
-    }
-    const Json& said = json_.contains("units") ? json_["units"] : json_["unit"];
-    if (!said.is_string())
-    {
-      fail(fmt::format("its units are a {}, not a name", typeOf(said)), "write \"units\": \"um\"");
-    }
-    std::string word = said.get<std::string>();
-    if (word.size() > 2 && word.back() == 's')
-    {
-      word.pop_back();
-    }
-    static const std::map<std::string, double> metres{ { "m", 1 }, { "metre", 1 }, { "meter", 1 }, { "mm", 1e-3 },
-      { "millimetre", 1e-3 }, { "millimeter", 1e-3 }, { "um", 1e-6 }, { "µm", 1e-6 }, { "μm", 1e-6 },
-      { "micrometre", 1e-6 }, { "micrometer", 1e-6 }, { "micron", 1e-6 }, { "nm", 1e-9 }, { "nanometre", 1e-9 },
-      { "nanometer", 1e-9 } };
-    const auto found = metres.find(word);
-    if (found == metres.end())
-    {
-      fail(fmt::format("its units '{}' are not known", word.substr(0, 40)), "use m, mm, um or nm, or give the unit");
-    }
-    return found->second;
-  }
-
-  [[nodiscard]] double number(const Json& value, const std::string& what) const
-  {
-    if (!value.is_number())
-    {
-      fail(fmt::format("{} has a {} where a number should be", what, typeOf(value)),
-        "points are lists of two numbers: [x, y]");
-    }
-    const double v = value.get<double>();
-    if (!std::isfinite(v))
-    {
-      fail(fmt::format("{} has a coordinate that is no finite number", what), "take the point out");
-    }
-    return v;
-  }
-
-  /// A list of points, in the file's coordinates.
-  [[nodiscard]] Polygon points(const Json& list, const std::string& what) const
-  {
-    if (!list.is_array())
-    {
-      fail(fmt::format("{} is a {}, not a list of points", what, typeOf(list)), kinds);
-    }
-    Polygon result;
-    result.reserve(list.size());
-    for (const Json& p : list)
-    {
-      if (!p.is_array() || p.size() != 2)
-      {
-        fail(p.is_array() ? fmt::format("{} has a point of {} numbers", what, p.size())
-                          : fmt::format("{} has a {} where a point should be", what, typeOf(p)),
-          "points are lists of two numbers: [x, y]");
-      }
-      result.push_back({ number(p[0], what), number(p[1], what) });
-    }
-    return result;
-  }
-
-  /// A ring made ready: one after the other no equal points, counter-clockwise, in metres. Empty if it has no area.
   [[nodiscard]] Polygon ring(const Json& list, const std::string& what)
   {
-    Polygon p = points(list, what);
-    const std::size_t given = p.size();
-    p.erase(std::unique(p.begin(), p.end()), p.end());
-    repeated_ += given - p.size();
-    double gap = 0;
-    if (p.size() > 1 && p.front() == p.back())
-    {
-      p.pop_back();
-    }
-    else if (p.size() > 1)
-    {
-      gap = std::hypot(p.back()[0] - p.front()[0], p.back()[1] - p.front()[1]);
-    }
-    if (p.size() < 3)
-    {
-      fail(fmt::format("{} has {} different point{}", what, p.size(), p.size() == 1 ? "" : "s"),
-        "a polygon needs three or more; take it out");
-    }
-    double longest = 0;
-    for (std::size_t i = 1; i < p.size(); ++i)
-    {
-      longest = std::max(longest, std::hypot(p[i][0] - p[i - 1][0], p[i][1] - p[i - 1][1]));
-    }
-    for (Point& q : p)
-    {
-      q = { q[0] * unit_, q[1] * (options_.yDown ? -unit_ : unit_) };
-      for (const double v : q)
-      {
-        if (!(std::abs(v) <= 1e3 * largest))
-        {
-          fail(fmt::format("{} has the coordinate {:g} m", what, v), "check the file, and the unit of its coordinates");
-        }
-      }
-    }
-    const double area = polygonArea(p);
-    if (area < 0)
-    {
-      std::reverse(p.begin(), p.end());
-    }
-    if (area == 0)
-    {
-      warnings_.push_back(fmt::format("{} has no area and was left out", what));
-      p.clear();
-    }
-    else if (gap > 1.5 * longest)
-    {
-      warnings_.push_back(fmt::format(
-        "{} is open by {:.3g} (its longest side is {:.3g}): closed by a straight line", what, gap, longest));
-    }
-    return p;
+    return rings_.ring(list, what, unit_, options_.yDown);
   }
 
   void addRings(const Json& list, const std::string& what, std::vector<Polygon>& to)
@@ -234,7 +99,7 @@ private:
       const Json& cell = list[i];
       if (!cell.is_object() || !(cell.contains("lumen") || cell.contains("outer")))
       {
-        fail(fmt::format("cell {} has neither \"lumen\" nor \"outer\"", i + 1), kinds);
+        rings_.fail(fmt::format("cell {} has neither \"lumen\" nor \"outer\"", i + 1), polygonKinds);
       }
       for (const auto& [key, to] : { std::pair("lumen", &lumens), std::pair("outer", &outers) })
       {
@@ -259,18 +124,18 @@ private:
                                          : "";
     if (!plain && *key == '\0')
     {
-      fail(json_.is_object() ? std::string("it has neither \"cells\" nor \"lumens\"")
-                             : fmt::format("it is a {}, not a list of polygons", typeOf(json_)),
-        kinds);
+      rings_.fail(json_.is_object() ? std::string("it has neither \"cells\" nor \"lumens\"")
+                                    : fmt::format("it is a {}, not a list of polygons", json_.type_name()),
+        polygonKinds);
     }
     const Json& list = plain ? json_ : json_[key];
     if (!list.is_array() || list.empty())
     {
-      fail(list.is_array() ? std::string("it has no polygons")
-                           : fmt::format("its \"{}\" are a {}, not a list", key, typeOf(list)),
-        kinds);
+      rings_.fail(list.is_array() ? std::string("it has no polygons")
+                                  : fmt::format("its \"{}\" are a {}, not a list", key, list.type_name()),
+        polygonKinds);
     }
-    unit_ = findUnit();
+    unit_ = rings_.findUnit(json_, options_.unit);
     std::vector<Polygon> lumens;
     std::vector<Polygon> outers;
     if (key == std::string("cells"))
@@ -283,7 +148,7 @@ private:
     }
     if (lumens.empty())
     {
-      fail("it has no lumen", kinds);
+      rings_.fail("it has no lumen", polygonKinds);
     }
     std::vector<Polygon> frame = lumens;
     frame.insert(frame.end(), outers.begin(), outers.end());
@@ -295,17 +160,14 @@ private:
         frame.push_back(std::move(outer));
       }
     }
-    if (repeated_ > 0)
-    {
-      warnings_.push_back(fmt::format("{} points repeated in a row were left out", repeated_));
-    }
     const auto [low, high] = window(frame);
     file.origin = low;
     checkRings(lumens, "lumen");
     file.lumens = clipped(lumens, low, high);
     if (file.lumens.contours.empty())
     {
-      fail("no lumen lies in the window", "give the window in the file's coordinates: low x, low y, high x, high y");
+      rings_.fail(
+        "no lumen lies in the window", "give the window in the file's coordinates: low x, low y, high x, high y");
     }
     requireValid(file.lumens, fmt::format("'{}'", name_));
     if (!outers.empty())
@@ -317,7 +179,7 @@ private:
   /// Each ring by itself and all together, before anything is clipped: numbers in messages are the file's.
   void checkRings(const std::vector<Polygon>& rings, const char* what) const
   {
-    ContourSet all{ { largest, largest }, {} };
+    ContourSet all{ { largestPicture, largestPicture }, {} };
     for (const Polygon& p : rings)
     {
       all.contours.push_back({ p, true, static_cast<std::int32_t>(all.contours.size() + 1) });
@@ -331,7 +193,7 @@ private:
     const double x = f.at[0] / unit_;
     const double y = f.at[1] / (options_.yDown ? -unit_ : unit_);
     const std::string more = found.size() > 1 ? fmt::format(" ({} more such pairs)", found.size() - 1) : std::string{};
-    fail(f.contour == f.other
+    rings_.fail(f.contour == f.other
         ? fmt::format("{} {} crosses or touches itself near ({:.6g}, {:.6g}){}", what, f.contour + 1, x, y, more)
         : fmt::format(
             "{}s {} and {} cross or touch near ({:.6g}, {:.6g}){}", what, f.contour + 1, f.other + 1, x, y, more),
@@ -363,9 +225,9 @@ private:
         }
       }
     }
-    if (high[0] - low[0] > largest || high[1] - low[1] > largest)
+    if (high[0] - low[0] > largestPicture || high[1] - low[1] > largestPicture)
     {
-      fail(fmt::format("its polygons reach over {:g} × {:g} m", high[0] - low[0], high[1] - low[1]),
+      rings_.fail(fmt::format("its polygons reach over {:g} × {:g} m", high[0] - low[0], high[1] - low[1]),
         "check the unit of its coordinates; pictures up to 1 m are taken");
     }
     return { low, high };
@@ -379,7 +241,7 @@ private:
     }
     catch (const InputError& failure)
     {
-      fail(failure.what(), failure.hint());
+      rings_.fail(failure.what(), failure.hint());
     }
   }
 
@@ -389,7 +251,7 @@ private:
     ContourSet set{ size, {} };
     if (!list.is_array())
     {
-      fail(fmt::format("its contours are a {}, not a list", typeOf(list)), kinds);
+      rings_.fail(fmt::format("its contours are a {}, not a list", list.type_name()), polygonKinds);
     }
     for (std::size_t i = 0; i < list.size(); ++i)
     {
@@ -398,10 +260,10 @@ private:
       if (!c.is_object() || !c.contains("points") || !c.value("closed", Json(true)).is_boolean() ||
         !c.value("lumen", Json(0)).is_number_integer())
       {
-        fail(what + " is not an object of points, closed and lumen",
+        rings_.fail(what + " is not an object of points, closed and lumen",
           R"(write {"points": [[x, y], …], "closed": true, "lumen": 1})");
       }
-      Contour contour{ points(c["points"], what), c.value("closed", true), c.value("lumen", std::int32_t{ 0 }) };
+      Contour contour{ rings_.points(c["points"], what), c.value("closed", true), c.value("lumen", std::int32_t{ 0 }) };
       for (Point& p : contour.points)
       {
         p = { p[0] * unit_, p[1] * unit_ };
@@ -413,16 +275,16 @@ private:
 
   void readOwn(PolygonFile& file)
   {
-    unit_ = findUnit();
+    unit_ = rings_.findUnit(json_, options_.unit);
     if (!json_.contains("size"))
     {
-      fail("it does not say the picture's size", R"(write "size": [width, height])");
+      rings_.fail("it does not say the picture's size", R"(write "size": [width, height])");
     }
-    const Polygon size = points(Json::array({ json_["size"] }), "the picture's size");
+    const Polygon size = rings_.points(Json::array({ json_["size"] }), "the picture's size");
     const Point metres{ size[0][0] * unit_, size[0][1] * unit_ };
-    if (!(metres[0] > 0 && metres[1] > 0 && metres[0] <= largest && metres[1] <= largest))
+    if (!(metres[0] > 0 && metres[1] > 0 && metres[0] <= largestPicture && metres[1] <= largestPicture))
     {
-      fail(fmt::format("its picture measures {:g} × {:g} m", metres[0], metres[1]), "give a size up to 1 m");
+      rings_.fail(fmt::format("its picture measures {:g} × {:g} m", metres[0], metres[1]), "give a size up to 1 m");
     }
     if (options_.window || options_.yDown)
     {
@@ -432,7 +294,7 @@ private:
     file.lumens = readSet(json_["contours"], metres);
     if (file.lumens.contours.empty())
     {
-      fail("it has no contours", kinds);
+      rings_.fail("it has no contours", polygonKinds);
     }
     requireValid(file.lumens, fmt::format("'{}'", name_));
     if (json_.contains("cells"))
@@ -441,12 +303,11 @@ private:
     }
   }
 
-  std::string name_;
+  RingReader rings_;
+  const std::string& name_;
   PolygonReadOptions options_;
   Json json_;
   double unit_ = 1;
-  std::size_t repeated_ = 0;
-  std::vector<std::string> warnings_;
 };
 
 [[nodiscard]] Json jsonOf(const ContourSet& set)

@@ -163,7 +163,7 @@ TEST_F(PolygonFiles, RepeatedPointsAndFlatRingsAreTold)
   const PolygonFile f = read(lumens("[[1,1],[3,1],[3,1],[3,3],[1,3],[1,1]],[[5,5],[6,6],[7,7]]"));
   ASSERT_EQ(f.warnings.size(), 2U);
   EXPECT_TRUE(holds(f.warnings[0], "polygon 2 has no area"));
-  EXPECT_TRUE(holds(f.warnings[1], "1 points repeated"));
+  EXPECT_TRUE(holds(f.warnings[1], "1 point repeated"));
 }
 
 TEST_F(PolygonFiles, BadFilesAreRefusedInOneLine)
