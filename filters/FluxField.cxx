@@ -91,7 +91,8 @@ double LinkFlux::face(const Node& node, int axis) const
     }
     const bool high = node[a] != 0;
     const std::size_t at = setting_.index(high ? moved(node, along(axis, -1)) : node);
-    const double out = links_.wall(phase_[at]) * (value_[at] - wallValue(high)) * unit(); // from the node to the wall
+    // From the node to the wall. These links are told by phases alone, so that the place does not matter.
+    const double out = links_.wall(phase_[at], {}, setting_.axis, high) * (value_[at] - wallValue(high)) * unit();
     return std::isfinite(out) ? (high ? out : -out) : 0.0;
   }
   const Node below = moved(node, along(axis, -1));

@@ -1,5 +1,6 @@
 #include "Commands.h"
 #include "GenerateLook.h"
+#include "GenerateTissue.h"
 #include "GridFile.h"
 #include "Input.h"
 #include "OutputFile.h"
@@ -32,40 +33,18 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
-/// The generators' own defaults, as one would type them.
-const generators::SoftwoodOptions tissue;
-const generators::HardwoodOptions hardTissue;
-
-std::string micrometres(double metres)
-{
-  return fmt::format("{:g}um", metres * 1e6);
-}
-
 /// Everything the kinds take; each declares what it knows.
 struct GenerateOptions
 {
   CommonOptions common;
   std::string output;
   std::string size;
-  std::string pixelSize = micrometres(tissue.spacing);
+  std::string pixelSize = "1um";
   std::string fraction;
-  std::string ring = fmt::format("{:g},{:g}", tissue.ringPosition0, tissue.ringPosition1);
-  std::string tangential = micrometres(tissue.tangentialDiameter);
-  std::string radialEarly = micrometres(tissue.radialDiameterEarly);
-  std::string radialLate = micrometres(tissue.radialDiameterLate);
-  std::string rayEvery = micrometres(tissue.rayEvery);
-  std::string length = micrometres(tissue.tracheidLength);
-  double scatter = tissue.scatter;
   int cells = 4;
   int periods = 4;
   std::string axis = "x";
-  std::string fibre = micrometres(hardTissue.fibreDiameter);
-  std::string vesselDiameter =
-    fmt::format("{},{}", micrometres(hardTissue.vesselDiameterEarly), micrometres(hardTissue.vesselDiameterLate));
-  std::string vesselShare = fmt::format("{:g},{:g}", hardTissue.vesselShareEarly, hardTissue.vesselShareLate);
-  double earlyEnd = hardTissue.earlyEnd;
-  double multiples = hardTissue.multiples;
-  std::uint64_t seed = tissue.seed;
+  TissueChoice tissue;
   LookChoice look;
 };
 
@@ -100,44 +79,6 @@ Box parseBox(const GenerateOptions& options, std::initializer_list<std::size_t> 
       "make it smaller with --size");
   }
   return box;
-}
-
-double fractionBetween(const std::string& option, const std::string& text, double low, double high)
-{
-  const double value = share(option, text);
-  if (!(value >= low && value <= high))
-  {
-    throw ParameterError(
-      fmt::format("{} '{}' is outside {:g} to {:g}", option, text, low, high), "write it as 0.4 or 40%");
-  }
-  return value;
-}
-
-/// --ring: positions of the left and of the right edge.
-std::array<double, 2> ringPositions(const std::string& text)
-{
-  const auto ring = split(text, ',');
-  const auto start = toNumber(ring[0]);
-  const auto end = ring.size() == 2 ? toNumber(ring[1]) : start;
-  if (ring.size() > 2 || !start || !end || !(*start >= 0 && *start <= 1 && *end >= 0 && *end <= 1))
-  {
-    throw ParameterError("--ring '" + text + "' is not a pair of positions from 0 to 1",
-      "write --ring 0,1 for a whole ring from earlywood to latewood, --ring 0,0 for earlywood alone");
-  }
-  return { *start, *end };
-}
-
-/// "EARLY,LATE", or one for both, each as `parse` has it.
-template <class Parse>
-std::array<double, 2> earlyAndLate(const std::string& option, const std::string& text, Parse&& parse)
-{
-  const auto parts = split(text, ',');
-  if (parts.size() > 2)
-  {
-    throw ParameterError(fmt::format("{} '{}' has {} values", option, text, parts.size()),
-      "give one for the start of the ring and one for its end, with a comma between, or one for both");
-  }
-  return { parse(option, parts.front()), parse(option, parts.back()) };
 }
 
 /// The same tissue on a finer lattice.
@@ -281,10 +222,10 @@ using Run = std::function<void(Session&, const std::string&)>;
 
 Command generateCommand(CLI::App& root)
 {
-  CLI::App* app =
+  CLI::App* generator =
     root.add_subcommand("generate", "Make a sample: wood tissue, honeycomb, checkerboard, disks, spheres, laminate");
-  app->require_subcommand(1);
-  addExamples(*app,
+  generator->require_subcommand(1);
+  addExamples(*generator,
     { "lamella generate softwood --size 400,400 --solid-fraction 0.40 --seed 7 -o tissue.png",
       "lamella generate softwood --size 128,128,128 -o tissue.vti",
       "lamella generate hardwood --look magenta -o scan.png --truth labels.png",
@@ -295,11 +236,9 @@ Command generateCommand(CLI::App& root)
   {
     auto options = std::make_shared<GenerateOptions>();
     options->size = size;
-    options->fraction = name == "softwood" ? fmt::format("{:.2f}", tissue.solidFraction)
-      : name == "hardwood"                 ? fmt::format("{:.2f}", hardTissue.solidFraction)
-      : name == "honeycomb"                ? fmt::format("{:.2f}", generators::HoneycombOptions().solidFraction)
-                                           : "0.5";
-    CLI::App* command = app->add_subcommand(name, description);
+    options->fraction =
+      name == "honeycomb" ? fmt::format("{:.2f}", generators::HoneycombOptions().solidFraction) : "0.5";
+    CLI::App* command = generator->add_subcommand(name, description);
     addOutputOptions(
       *command, options->output, options->common, "File to write: .png, .tif (volumes: a stack), .vti or .raw")
       ->required();
@@ -317,128 +256,40 @@ Command generateCommand(CLI::App& root)
   const auto add = [&](CLI::App* command, Run run) { runs->emplace_back(command, std::move(run)); };
 
   {
-    auto [app1, o] = kind("softwood", "Cross-section of softwood, or with a depth the tissue in 3D", "200,200");
-    CLI::App* const command = app1;
-    command->add_option("--solid-fraction", o->fraction, "Share of the wall, 0.02 to 0.95")
-      ->type_name("SHARE")
-      ->capture_default_str();
-    command
-      ->add_option("--ring", o->ring, "Position in the growth ring at the left and right edge: 0 earlywood, 1 latewood")
-      ->type_name("START,END")
-      ->capture_default_str();
-    command->add_option("--tangential-diameter", o->tangential, "Mean diameter of a tracheid along y")
-      ->type_name("METRES")
-      ->capture_default_str();
-    command->add_option("--radial-early", o->radialEarly, "Its mean diameter along x in earlywood")
-      ->type_name("METRES")
-      ->capture_default_str();
-    command->add_option("--radial-late", o->radialLate, "The same in latewood")
-      ->type_name("METRES")
-      ->capture_default_str();
-    command->add_option("--ray-every", o->rayEvery, "Mean distance between rays; 0: none")
-      ->type_name("METRES")
-      ->capture_default_str();
-    command->add_option("--tracheid-length", o->length, "In 3D: mean length of a tracheid along z")
-      ->type_name("METRES")
-      ->capture_default_str();
-    command->add_option("--scatter", o->scatter, "Relative standard deviation of the diameters")
-      ->type_name("SHARE")
-      ->capture_default_str();
-    command->add_option("--seed", o->seed, "The same seed gives the same tissue")
-      ->type_name("NUMBER")
-      ->capture_default_str();
+    const auto [app, o] = kind("softwood", "Cross-section of softwood, or with a depth the tissue in 3D", "200,200");
+    CLI::App* const command = app;
+    addSoftwoodOptions(*command, o->tissue);
     addLookOptions(*command, o->look);
     add(command,
-      [o, command](Session& session, const std::string& line)
+      [o = o, command](Session& session, const std::string& line)
       {
         const Box box = parseBox(*o, { 2, 3 });
-        generators::SoftwoodOptions softwood;
+        generators::SoftwoodOptions softwood = softwoodOptions(o->tissue);
         softwood.dimension = box.dimension;
         softwood.size = box.size;
         softwood.spacing = box.spacing;
-        softwood.solidFraction = fractionBetween("--solid-fraction", o->fraction, 0.02, 0.95);
-        const auto ring = ringPositions(o->ring);
-        softwood.ringPosition0 = ring[0];
-        softwood.ringPosition1 = ring[1];
-        softwood.tangentialDiameter = lengthInMetres("--tangential-diameter", o->tangential);
-        softwood.radialDiameterEarly = lengthInMetres("--radial-early", o->radialEarly);
-        softwood.radialDiameterLate = lengthInMetres("--radial-late", o->radialLate);
-        softwood.rayEvery = toNumber(o->rayEvery) == 0.0 ? 0 : lengthInMetres("--ray-every", o->rayEvery);
-        softwood.tracheidLength = lengthInMetres("--tracheid-length", o->length);
-        softwood.scatter = o->scatter;
-        softwood.seed = o->seed;
+        const auto look = parseLook(*command, o->look, o->output, box.dimension, softwood.seed,
+          [softwood](int finer) { return generators::softwood(finerBy(finer, softwood)); });
         generate(
-          session, *o, "softwood", line, box, o->seed, [&] { return generators::softwood(softwood); },
-          parseLook(*command, o->look, o->output, box.dimension, o->seed,
-            [softwood](int finer) { return generators::softwood(finerBy(finer, softwood)); }));
+          session, *o, "softwood", line, box, softwood.seed, [&] { return generators::softwood(softwood); }, look);
       });
   }
   {
-    auto [app2, o] = kind("hardwood", "Cross-section of hardwood: vessels among fibres, rays", "400,400");
-    CLI::App* const command = app2;
-    command->add_option("--solid-fraction", o->fraction, "Share of the wall, 0.02 to 0.95")
-      ->type_name("SHARE")
-      ->capture_default_str();
-    command->add_option("--fibre-diameter", o->fibre, "Mean diameter of a fibre, between the middles of its walls")
-      ->type_name("METRES")
-      ->capture_default_str();
-    command->add_option("--vessel-diameter", o->vesselDiameter, "Mean of a vessel along y, at the ring's start and end")
-      ->type_name("EARLY,LATE")
-      ->capture_default_str();
-    command
-      ->add_option("--vessel-share", o->vesselShare, "Share of the picture in vessels, at the ring's start and end")
-      ->type_name("EARLY,LATE")
-      ->capture_default_str();
-    command->add_option("--early-end", o->earlyEnd, "Position in the ring where late vessels begin; ring-porous: 0.25")
-      ->type_name("POSITION")
-      ->capture_default_str();
-    command->add_option("--multiples", o->multiples, "Share of the vessels' groups that are radial files of 2 to 4")
-      ->type_name("SHARE")
-      ->capture_default_str();
-    command
-      ->add_option("--ring", o->ring, "Position in the growth ring at the left and right edge: 0 its start, 1 its end")
-      ->type_name("START,END")
-      ->capture_default_str();
-    o->rayEvery = micrometres(hardTissue.rayEvery);
-    command->add_option("--ray-every", o->rayEvery, "Mean distance between rays; 0: none")
-      ->type_name("METRES")
-      ->capture_default_str();
-    o->scatter = hardTissue.scatter;
-    command->add_option("--scatter", o->scatter, "Relative standard deviation of the fibres' diameters")
-      ->type_name("SHARE")
-      ->capture_default_str();
-    command->add_option("--seed", o->seed, "The same seed gives the same tissue")
-      ->type_name("NUMBER")
-      ->capture_default_str();
+    const auto [app, o] = kind("hardwood", "Cross-section of hardwood: vessels among fibres, rays", "400,400");
+    CLI::App* const command = app;
+    addHardwoodOptions(*command, o->tissue);
     addLookOptions(*command, o->look);
     add(command,
-      [o, command](Session& session, const std::string& line)
+      [o = o, command](Session& session, const std::string& line)
       {
         const Box box = parseBox(*o, { 2 });
-        generators::HardwoodOptions hardwood;
+        generators::HardwoodOptions hardwood = hardwoodOptions(o->tissue);
         hardwood.size = box.size;
         hardwood.spacing = box.spacing;
-        hardwood.solidFraction = fractionBetween("--solid-fraction", o->fraction, 0.02, 0.95);
-        hardwood.fibreDiameter = lengthInMetres("--fibre-diameter", o->fibre);
-        const auto diameter = earlyAndLate("--vessel-diameter", o->vesselDiameter, lengthInMetres);
-        hardwood.vesselDiameterEarly = diameter[0];
-        hardwood.vesselDiameterLate = diameter[1];
-        const auto shares = earlyAndLate("--vessel-share", o->vesselShare,
-          [](const std::string& option, const std::string& text) { return fractionBetween(option, text, 0, 0.5); });
-        hardwood.vesselShareEarly = shares[0];
-        hardwood.vesselShareLate = shares[1];
-        hardwood.earlyEnd = o->earlyEnd;
-        hardwood.multiples = o->multiples;
-        const auto ring = ringPositions(o->ring);
-        hardwood.ringPosition0 = ring[0];
-        hardwood.ringPosition1 = ring[1];
-        hardwood.rayEvery = toNumber(o->rayEvery) == 0.0 ? 0 : lengthInMetres("--ray-every", o->rayEvery);
-        hardwood.scatter = o->scatter;
-        hardwood.seed = o->seed;
+        const auto look = parseLook(*command, o->look, o->output, box.dimension, hardwood.seed,
+          [hardwood](int finer) { return generators::hardwood(finerBy(finer, hardwood)); });
         generate(
-          session, *o, "hardwood", line, box, o->seed, [&] { return generators::hardwood(hardwood); },
-          parseLook(*command, o->look, o->output, box.dimension, o->seed,
-            [hardwood](int finer) { return generators::hardwood(finerBy(finer, hardwood)); }));
+          session, *o, "hardwood", line, box, hardwood.seed, [&] { return generators::hardwood(hardwood); }, look);
       });
   }
   {
@@ -504,7 +355,7 @@ Command generateCommand(CLI::App& root)
       });
   }
 
-  return { app,
+  return { generator,
     [runs](Session& session, const std::string& line)
     {
       for (const auto& [command, run] : *runs)

@@ -35,6 +35,15 @@ vtkMicrostructureSource::vtkMicrostructureSource()
   this->RayDistance = options.rayEvery;
   this->TracheidLength = options.tracheidLength;
   this->Scatter = options.scatter;
+  const lamella::generators::HardwoodOptions hardwood;
+  this->FibreDiameter = hardwood.fibreDiameter;
+  this->VesselDiameter[0] = hardwood.vesselDiameterEarly;
+  this->VesselDiameter[1] = hardwood.vesselDiameterLate;
+  this->VesselShare[0] = hardwood.vesselShareEarly;
+  this->VesselShare[1] = hardwood.vesselShareLate;
+  this->EarlyEnd = hardwood.earlyEnd;
+  this->Multiples = hardwood.multiples;
+  this->HardwoodRayDistance = hardwood.rayEvery;
 }
 
 void vtkMicrostructureSource::Generate()
@@ -45,15 +54,15 @@ void vtkMicrostructureSource::Generate()
   nlohmann::json parameters{ { "size", this->Size }, { "spacing", this->Spacing } };
   std::optional<std::uint64_t> seed;
   lamella::PhaseImage image;
+  if ((this->Kind == SOFTWOOD || this->Kind == HARDWOOD) && this->Seed < 0)
+  {
+    throw lamella::ParameterError(
+      "the seed is " + std::to_string(this->Seed), "give a whole number that is not negative");
+  }
   switch (this->Kind)
   {
     case SOFTWOOD:
     {
-      if (this->Seed < 0)
-      {
-        throw lamella::ParameterError(
-          "the seed is " + std::to_string(this->Seed), "give a whole number that is not negative");
-      }
       generators::SoftwoodOptions options;
       options.dimension = dimension;
       options.size = size;
@@ -81,6 +90,39 @@ void vtkMicrostructureSource::Generate()
       {
         parameters["tracheid_length"] = this->TracheidLength;
       }
+      break;
+    }
+    case HARDWOOD:
+    {
+      generators::HardwoodOptions options;
+      options.dimension = dimension;
+      options.size = size;
+      options.spacing = this->Spacing;
+      options.solidFraction = this->SolidFraction;
+      options.fibreDiameter = this->FibreDiameter;
+      options.vesselDiameterEarly = this->VesselDiameter[0];
+      options.vesselDiameterLate = this->VesselDiameter[1];
+      options.vesselShareEarly = this->VesselShare[0];
+      options.vesselShareLate = this->VesselShare[1];
+      options.earlyEnd = this->EarlyEnd;
+      options.multiples = this->Multiples;
+      options.ringPosition0 = this->RingPosition[0];
+      options.ringPosition1 = this->RingPosition[1];
+      options.rayEvery = this->HardwoodRayDistance;
+      options.scatter = this->Scatter;
+      options.seed = static_cast<std::uint64_t>(this->Seed);
+      seed = options.seed;
+      image = generators::hardwood(options);
+      parameters["kind"] = "hardwood";
+      parameters["solid_fraction"] = this->SolidFraction;
+      parameters["fibre_diameter"] = this->FibreDiameter;
+      parameters["vessel_diameter"] = this->VesselDiameter;
+      parameters["vessel_share"] = this->VesselShare;
+      parameters["early_end"] = this->EarlyEnd;
+      parameters["multiples"] = this->Multiples;
+      parameters["ring_position"] = this->RingPosition;
+      parameters["ray_distance"] = this->HardwoodRayDistance;
+      parameters["scatter"] = this->Scatter;
       break;
     }
     case HONEYCOMB:
@@ -174,6 +216,12 @@ void vtkMicrostructureSource::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "RayDistance: " << this->RayDistance << "\n"
      << indent << "TracheidLength: " << this->TracheidLength << "\n"
      << indent << "Scatter: " << this->Scatter << "\n"
+     << indent << "FibreDiameter: " << this->FibreDiameter << "\n"
+     << indent << "VesselDiameter: " << this->VesselDiameter[0] << " " << this->VesselDiameter[1] << "\n"
+     << indent << "VesselShare: " << this->VesselShare[0] << " " << this->VesselShare[1] << "\n"
+     << indent << "EarlyEnd: " << this->EarlyEnd << "\n"
+     << indent << "Multiples: " << this->Multiples << "\n"
+     << indent << "HardwoodRayDistance: " << this->HardwoodRayDistance << "\n"
      << indent << "Cells: " << this->Cells << "\n"
      << indent << "Axis: " << this->Axis << "\n";
 }

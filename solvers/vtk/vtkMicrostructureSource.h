@@ -2,11 +2,13 @@
  * @class   vtkMicrostructureSource
  * @brief   seeded samples whose geometry is known
  *
- * Softwood tissue, honeycomb, checkerboard, arrays of disks or spheres, laminates, on a lattice of any size: what
- * solvers/generators makes, as vtkImageData with the array `phase` (unsigned char) at points; field data `phase_names`,
- * `pixel_size_source` ("option") and `provenance`. The same settings and seed give the same bytes everywhere.
+ * Softwood and hardwood tissue, honeycomb, checkerboard, arrays of disks or spheres, laminates, on a lattice of any
+ * size: what solvers/generators makes, as vtkImageData with the array `phase` (unsigned char) at points; field data
+ * `phase_names`, `pixel_size_source` ("option") and `provenance`. The same settings and seed give the same bytes
+ * everywhere.
  *
- * Phases are `lumen` and `wall` for softwood and honeycomb, `matrix` and `inclusion` for the others, as ids 0 and 1.
+ * Phases are `lumen` and `wall` for softwood, hardwood and honeycomb, `matrix` and `inclusion` for the others, as ids 0
+ * and 1.
  */
 
 #ifndef vtkMicrostructureSource_h
@@ -29,11 +31,12 @@ public:
     HONEYCOMB = 1,
     CHECKERBOARD = 2,
     INCLUSIONS = 3, ///< disks in two dimensions, spheres in three
-    LAMINATE = 4
+    LAMINATE = 4,
+    HARDWOOD = 5 ///< two dimensions alone
   };
   ///@{
   /** What to make. Default SOFTWOOD. */
-  vtkSetClampMacro(Kind, int, SOFTWOOD, LAMINATE);
+  vtkSetClampMacro(Kind, int, SOFTWOOD, HARDWOOD);
   vtkGetMacro(Kind, int);
   ///@}
 
@@ -51,15 +54,15 @@ public:
 
   ///@{
   /**
-   * Share of the walls (softwood, honeycomb) or of the inclusions (disks, spheres, laminate), between 0 and 1.
-   * Default 0.4. A checkerboard has one half.
+   * Share of the walls (softwood, hardwood, honeycomb) or of the inclusions (disks, spheres, laminate), between 0
+   * and 1. Default 0.4. A checkerboard has one half.
    */
   vtkSetMacro(SolidFraction, double);
   vtkGetMacro(SolidFraction, double);
   ///@}
 
   ///@{
-  /** Softwood: another seed, another sample. Default 1. */
+  /** Softwood, hardwood: another seed, another sample. Default 1. */
   vtkSetMacro(Seed, vtkIdType);
   vtkGetMacro(Seed, vtkIdType);
   ///@}
@@ -77,13 +80,17 @@ public:
   ///@}
 
   ///@{
-  /** Softwood: place in the ring of the left and the right edge, 0 earlywood to 1 latewood. Default 0 and 0. */
+  /** Softwood, hardwood: place in the ring of the left and the right edge, 0 earlywood to 1 latewood. Default 0 and 0.
+   */
   vtkSetVector2Macro(RingPosition, double);
   vtkGetVector2Macro(RingPosition, double);
   ///@}
 
   ///@{
-  /** Softwood: mean distance between rays in metres; 0: no rays. Default 240e-6. */
+  /**
+   * Softwood: mean distance between rays in metres; 0: no rays. Default 240e-6. Hardwood has its own,
+   * HardwoodRayDistance.
+   */
   vtkSetMacro(RayDistance, double);
   vtkGetMacro(RayDistance, double);
   ///@}
@@ -95,9 +102,45 @@ public:
   ///@}
 
   ///@{
-  /** Softwood: relative standard deviation of the diameters. Default 0.12. */
+  /** Softwood, hardwood: relative standard deviation of the tracheids' or fibres' diameters. Default 0.12. */
   vtkSetMacro(Scatter, double);
   vtkGetMacro(Scatter, double);
+  ///@}
+
+  ///@{
+  /** Hardwood: mean diameter of a fibre, between the middles of its walls, in metres. Default 16e-6. */
+  vtkSetMacro(FibreDiameter, double);
+  vtkGetMacro(FibreDiameter, double);
+  ///@}
+
+  ///@{
+  /** Hardwood: mean tangential diameter of the vessels at the start and at the end of the ring. 64e-6 and 40e-6. */
+  vtkSetVector2Macro(VesselDiameter, double);
+  vtkGetVector2Macro(VesselDiameter, double);
+  ///@}
+
+  ///@{
+  /** Hardwood: share of the picture in vessels at the start and at the end of the ring, to 0.5. 0.32 and 0.15. */
+  vtkSetVector2Macro(VesselShare, double);
+  vtkGetVector2Macro(VesselShare, double);
+  ///@}
+
+  ///@{
+  /** Hardwood: position in the ring where late vessels begin. Default 0.6; ring-porous wood has about 0.25. */
+  vtkSetMacro(EarlyEnd, double);
+  vtkGetMacro(EarlyEnd, double);
+  ///@}
+
+  ///@{
+  /** Hardwood: share of the groups of vessels that are radial files of two to four. Default 0.45. */
+  vtkSetMacro(Multiples, double);
+  vtkGetMacro(Multiples, double);
+  ///@}
+
+  ///@{
+  /** Hardwood: mean distance between rays in metres; 0: no rays. Default 95e-6. */
+  vtkSetMacro(HardwoodRayDistance, double);
+  vtkGetMacro(HardwoodRayDistance, double);
   ///@}
 
   ///@{
@@ -136,6 +179,12 @@ private:
   double RayDistance;
   double TracheidLength;
   double Scatter;
+  double FibreDiameter;
+  double VesselDiameter[2];
+  double VesselShare[2];
+  double EarlyEnd;
+  double Multiples;
+  double HardwoodRayDistance;
   int Cells = 4;
   int Axis = 0;
 

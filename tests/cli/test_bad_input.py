@@ -235,9 +235,24 @@ class Sizes(Case):
             (["honeycomb", "--cells", "100"], "100 cells"),
             (["disks", "--size", "9,9,9"], "has 3 numbers"),
             (["softwood", "--size", "40,40,40"], "a PNG holds one picture"),
+            (["softwood", "--size", "40,40,40", "--look", "blue"], "--look draws cross-sections"),
+            (["hardwood", "--size", "40,40,40"], "has 3 numbers"),
+            (["hardwood", "--vessel-share", "0.3,0.2,0.1"], "has 3 values"),
+            (["hardwood", "--vessel-share", "0.9"], "outside"),
+            (["hardwood", "--vessel-diameter", "20um"], "among fibres"),
+            (["hardwood", "--ray-every", "50um"], "a ray every"),
+            (["hardwood", "--pixel-size", "5um"], "less than 6 nodes"),
+            (["hardwood", "--ring", "0,2"], "--ring"),
+            (["hardwood", "--look", "red"], "--look 'red'"),
+            (["hardwood", "--look", "blue", "--noise", "3"], "noise of 3"),
+            (["hardwood", "--look", "blue", "--scale-bar", "1mm"], "a scale bar of 0.001 m"),
+            (["hardwood", "--look", "blue", "--truth", "x.png"], "the same file"),
+            (["hardwood", "--look", "blue", "--truth", "y.jpg"], "--truth 'y.jpg'"),
+            (["hardwood", "--dirt", "3"], "--dirt is for micrographs"),
         ]:
             self.fails(2, message, "", "generate", *words, "-o", "x.png")
         self.fails(2, "ending", "JPEG would blur", "generate", "softwood", "-o", "x.jpg")
+        self.fails(2, "cannot hold a micrograph", ".png", "generate", "softwood", "--look", "blue", "-o", "x.tif")
 
     def test_tiff_of_other_byte_order(self):
         # A TIFF that is not ours must not be taken for a record of ours.

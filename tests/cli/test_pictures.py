@@ -126,5 +126,53 @@ class Results(Case):
         self.assertEqual(named, {"lumen": 0, "wall": 255})
 
 
+class Micrographs(Case):
+    """Tissues drawn as micrographs, with their labels."""
+
+    def test_a_micrograph_and_its_truth(self):
+        for kind, look, colour in [("hardwood", "magenta", 2), ("softwood", "blue", 2), ("hardwood", "grey", 0)]:
+            words = ["generate", kind, "--size", "220,200", "--seed", "5"]
+            plain = ["--noise", "0", "--dirt", "0", "--uneven-light", "0"]
+            answer = self.works(*words, *plain, "--look", look, "-o", "s.png", "--truth", "t.raw", "--json",
+                                "--overwrite").json()
+            self.assertEqual(png_size(self.path("s.png")), (220, 200, colour))
+            self.assertEqual(answer["look"]["stain"], look)
+            self.assertEqual(answer["truth"], "t.raw")
+            self.assertEqual(answer["seed"], 5)
+            self.assertEqual(answer["phases"][1]["value"], 1)
+            # The truth is the very tissue that is written without --look.
+            self.works(*words, "-o", "l.raw", "--overwrite")
+            with open(self.path("t.raw"), "rb") as one, open(self.path("l.raw"), "rb") as two:
+                self.assertEqual(one.read(), two.read())
+            # And the scan, segmented, is not far from it.
+            found = self.works("diffusion", "s.png", "--segment", *CONDUCTIVITIES, "--direction", "x", "--json").json()
+            wall = {phase["name"]: phase["fraction"] for phase in found["phases"]}["wall"]
+            self.assertAlmostEqual(wall, answer["phases"][1]["fraction"], delta=0.05)
+
+    def test_the_same_seed_gives_the_same_file(self):
+        environment = {"SOURCE_DATE_EPOCH": "1700000000"}
+        words = ["generate", "hardwood", "--size", "120,100", "--look", "magenta", "--tears", "50"]
+        content = []
+        for seed in ["1", "1", "2"]:
+            self.works(*words, "--seed", seed, "-o", "a.png", "--overwrite", environment=environment)
+            with open(self.path("a.png"), "rb") as file:
+                content.append(file.read())
+        self.assertEqual(content[0], content[1])
+        self.assertNotEqual(content[0], content[2])
+
+    def test_labels_without_a_value_where_none_are_written(self):
+        answer = self.works("generate", "hardwood", "--size", "120,100", "--look", "grey", "-o", "a.png", "--json").json()
+        self.assertNotIn("value", answer["phases"][0])
+        self.assertNotIn("truth", answer)
+        self.works("generate", "hardwood", "--size", "120,100", "--look", "grey", "-o", "b.png", "--truth", "b.raw")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["a.png", "b.png", "b.raw", "b.raw.json"])
+
+    def test_neither_file_is_written_where_one_exists(self):
+        self.write("t.png", b"mine")
+        self.fails(7, "'t.png' exists already", "--overwrite", "generate", "hardwood", "--look", "blue", "-o", "s.png",
+                   "--truth", "t.png")
+        self.assertEqual(os.listdir(self.folder), ["t.png"])
+
+
 if __name__ == "__main__":
     unittest.main()

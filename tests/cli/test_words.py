@@ -31,14 +31,14 @@ class Words(Case):
         self.assertIn("--seed", text)
 
     def test_help_fits_a_terminal(self):
-        for words in [[], *[[command] for command in COMMANDS], ["generate", "softwood"]]:
+        for words in [[], *[[command] for command in COMMANDS], ["generate", "softwood"], ["generate", "hardwood"]]:
             text = self.works(*words, "--help").out
             for line in text[: text.index("Examples:")].splitlines():
                 self.assertLessEqual(len(line), 100, line)
 
     def test_the_pages_know_every_option(self):
         folder = os.path.join(HERE, "..", "..", "docs", "commands")
-        kinds = ["softwood", "honeycomb", "checkerboard", "disks", "spheres", "laminate"]
+        kinds = ["softwood", "hardwood", "honeycomb", "checkerboard", "disks", "spheres", "laminate"]
         options = {}
         for command in COMMANDS:
             options[command] = set()

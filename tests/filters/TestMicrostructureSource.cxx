@@ -40,9 +40,10 @@ TEST_P(MicrostructureSource, HasTheSolidFractionAskedFor)
   const double solid =
     std::accumulate(view.phase.begin(), view.phase.end(), 0.0) / static_cast<double>(view.phase.size());
   EXPECT_NEAR(solid, kind.solid, kind.tolerance);
-  EXPECT_EQ(view.phases.names()[1], kind.kind < vtkMicrostructureSource::CHECKERBOARD ? "wall" : "inclusion");
+  const bool tissue = kind.kind == vtkMicrostructureSource::SOFTWOOD || kind.kind == vtkMicrostructureSource::HARDWOOD;
+  EXPECT_EQ(view.phases.names()[1], tissue || kind.kind == vtkMicrostructureSource::HONEYCOMB ? "wall" : "inclusion");
   EXPECT_NE(provenance(image).find("\"microstructure\""), std::string::npos);
-  EXPECT_EQ(provenance(image).find("\"seed\"") != std::string::npos, kind.kind == vtkMicrostructureSource::SOFTWOOD);
+  EXPECT_EQ(provenance(image).find("\"seed\"") != std::string::npos, tissue);
 }
 
 TEST_P(MicrostructureSource, PiecesAreCutsOfTheWhole)
@@ -75,7 +76,7 @@ TEST_P(MicrostructureSource, PiecesAreCutsOfTheWhole)
 
 std::string nameOf(const ::testing::TestParamInfo<Kind>& kind)
 {
-  static const char* const names[] = { "softwood", "honeycomb", "checkerboard", "inclusions", "laminate" };
+  static const char* const names[] = { "softwood", "honeycomb", "checkerboard", "inclusions", "laminate", "hardwood" };
   return std::string(names[kind.param.kind]) + (kind.param.size[2] > 1 ? "_3D" : "_2D");
 }
 
@@ -86,7 +87,8 @@ INSTANTIATE_TEST_SUITE_P(All, MicrostructureSource,
     Kind{ vtkMicrostructureSource::CHECKERBOARD, { 48, 40, 1 }, 0.5, 1e-12 },
     Kind{ vtkMicrostructureSource::INCLUSIONS, { 160, 160, 1 }, 0.4, 0.01 },
     Kind{ vtkMicrostructureSource::INCLUSIONS, { 80, 80, 80 }, 0.4, 0.02 },
-    Kind{ vtkMicrostructureSource::LAMINATE, { 40, 40, 1 }, 0.4, 1e-12 }),
+    Kind{ vtkMicrostructureSource::LAMINATE, { 40, 40, 1 }, 0.4, 1e-12 },
+    Kind{ vtkMicrostructureSource::HARDWOOD, { 220, 200, 1 }, 0.4, 1e-4 }),
   nameOf);
 
 TEST(MicrostructureSourceDefaults, AreTheGenerators)
@@ -108,6 +110,24 @@ TEST(MicrostructureSourceDefaults, AreTheGenerators)
   EXPECT_EQ(whole->GetSize()[0], generators::SoftwoodOptions().size[0]);
   EXPECT_EQ(whole->GetSize()[1], generators::SoftwoodOptions().size[1]);
   EXPECT_EQ(whole->GetSize()[2], generators::SoftwoodOptions().size[2]);
+}
+
+TEST(MicrostructureSourceDefaults, AreTheHardwoodGenerators)
+{
+  generators::HardwoodOptions options;
+  options.size = { 500, 300, 1 };
+  options.ringPosition1 = 1;
+  const PhaseImage expected = generators::hardwood(options);
+  vtkNew<vtkMicrostructureSource> source;
+  source->SetKind(vtkMicrostructureSource::HARDWOOD);
+  source->SetSize(500, 300, 1);
+  source->SetSolidFraction(options.solidFraction);
+  source->SetRingPosition(0, 1);
+  ASSERT_EQ(vtktest::errorOf(source), "");
+  const auto view = viewPhases(source->GetOutput());
+  EXPECT_TRUE(std::equal(view.phase.begin(), view.phase.end(), expected.phase.begin(), expected.phase.end()));
+  source->SetSize(60, 60, 9);
+  EXPECT_NE(vtktest::errorOf(source).find("a hardwood sample of 3 dimensions"), std::string::npos);
 }
 
 TEST(MicrostructureSourceErrors, SaysWhatIsWrong)

@@ -54,6 +54,7 @@ class Samples(unittest.TestCase):
             ("softwood", ["--ring", "0,1"], lamella.softwood, {"ring_position": (0, 1)}),
             ("softwood", ["--ring", "0,1", "--size", "150,60,8"], lamella.softwood,
              {"ring_position": (0, 1), "size": (150, 60, 8)}),
+            ("hardwood", ["--ring", "0,1"], lamella.hardwood, {"ring_position": (0, 1)}),
             ("honeycomb", [], lamella.honeycomb, {}),
             ("checkerboard", [], lamella.checkerboard, {}),
             ("disks", [], lamella.disks, {}),

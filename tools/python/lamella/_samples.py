@@ -227,6 +227,44 @@ def softwood(
     return _sample(source)
 
 
+def hardwood(
+    size=(400, 400),
+    solid_fraction=0.38,
+    seed=1,
+    spacing=1e-6,
+    ring_position=(0.0, 0.0),
+    fibre_diameter=16e-6,
+    vessel_diameter=(64e-6, 40e-6),
+    vessel_share=(0.32, 0.15),
+    early_end=0.6,
+    multiples=0.45,
+    ray_distance=95e-6,
+    scatter=0.12,
+):
+    """Hardwood tissue with the phases lumen and wall: vessels among fibres, rays; ``size`` is (nx, ny) nodes, x the
+    radial axis.
+
+    ring_position is the place in the annual ring of the left and the right edge, 0 its start to 1 its end;
+    vessel_diameter and vessel_share are those at the start and at the end of the ring; early_end is where late vessels
+    begin (0.25 in ring-porous wood); multiples is the share of the groups of vessels that are radial files of two to
+    four; diameters and distances are in metres.
+    """
+    if len(size) != 2:
+        raise ValueError("hardwood is a cross-section: give a size (nx, ny)")
+    source = _source(vtkMicrostructureSource.HARDWOOD, size, spacing)
+    source.SetSolidFraction(solid_fraction)
+    source.SetSeed(seed)
+    source.SetRingPosition(*ring_position)
+    source.SetFibreDiameter(fibre_diameter)
+    source.SetVesselDiameter(*vessel_diameter)
+    source.SetVesselShare(*vessel_share)
+    source.SetEarlyEnd(early_end)
+    source.SetMultiples(multiples)
+    source.SetHardwoodRayDistance(ray_distance)
+    source.SetScatter(scatter)
+    return _sample(source)
+
+
 def honeycomb(size=(200, 200), solid_fraction=0.4, cells=4, spacing=1e-6):
     """Honeycomb of straight walls, ``cells`` along x; phases lumen and wall."""
     source = _source(vtkMicrostructureSource.HONEYCOMB, size, spacing)
