@@ -256,12 +256,13 @@ Command generateCommand(CLI::App& root)
   const auto add = [&](CLI::App* command, Run run) { runs->emplace_back(command, std::move(run)); };
 
   {
-    const auto [app, o] = kind("softwood", "Cross-section of softwood, or with a depth the tissue in 3D", "200,200");
-    CLI::App* const command = app;
+    const auto made = kind("softwood", "Cross-section of softwood, or with a depth the tissue in 3D", "200,200");
+    CLI::App* const command = made.first;
+    const auto o = made.second;
     addSoftwoodOptions(*command, o->tissue);
     addLookOptions(*command, o->look);
     add(command,
-      [o = o, command](Session& session, const std::string& line)
+      [o, command](Session& session, const std::string& line)
       {
         const Box box = parseBox(*o, { 2, 3 });
         generators::SoftwoodOptions softwood = softwoodOptions(o->tissue);
@@ -275,12 +276,13 @@ Command generateCommand(CLI::App& root)
       });
   }
   {
-    const auto [app, o] = kind("hardwood", "Cross-section of hardwood: vessels among fibres, rays", "400,400");
-    CLI::App* const command = app;
+    const auto made = kind("hardwood", "Cross-section of hardwood: vessels among fibres, rays", "400,400");
+    CLI::App* const command = made.first;
+    const auto o = made.second;
     addHardwoodOptions(*command, o->tissue);
     addLookOptions(*command, o->look);
     add(command,
-      [o = o, command](Session& session, const std::string& line)
+      [o, command](Session& session, const std::string& line)
       {
         const Box box = parseBox(*o, { 2 });
         generators::HardwoodOptions hardwood = hardwoodOptions(o->tissue);
