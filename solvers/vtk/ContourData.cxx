@@ -19,8 +19,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 namespace lamella
@@ -51,6 +51,30 @@ double turned(const std::vector<micrograph::Point>& points)
     sum += ax * (points[i][1] - points[0][1]) - ay * (points[i][0] - points[0][0]);
   }
   return sum;
+}
+
+/// Lumen by lumen, since outlines of cells may touch and cross each other.
+std::map<std::int32_t, micrograph::LumenMeasures> measure(const micrograph::ContourSet& contours)
+{
+  std::map<std::int32_t, micrograph::ContourSet> lumens;
+  for (const micrograph::Contour& contour : contours.contours)
+  {
+    lumens.try_emplace(contour.lumen, micrograph::ContourSet{ contours.size, {} })
+      .first->second.contours.push_back(contour);
+  }
+  std::map<std::int32_t, micrograph::LumenMeasures> measures;
+  for (const auto& [number, lumen] : lumens)
+  {
+    const std::vector<micrograph::LumenMeasures> found = micrograph::measureLumens(lumen);
+    if (found.size() != 1)
+    {
+      throw InputError(
+        "the chains of lumen " + std::to_string(number) + " outline " + std::to_string(found.size()) + " lumens",
+        "give each lumen a number of its own");
+    }
+    measures.emplace(number, found.front());
+  }
+  return measures;
 }
 
 /// Lumens' numbers of the cells, or null where there are none.
@@ -97,12 +121,7 @@ std::vector<double> sizeOf(vtkPolyData* outlines)
 vtkSmartPointer<vtkPolyData> toPolyData(
   const micrograph::ContourSet& contours, const std::string& creator, const std::array<double, 3>& corner)
 {
-  const std::vector<micrograph::LumenMeasures> measures = micrograph::measureLumens(contours);
-  std::unordered_map<std::int32_t, const micrograph::LumenMeasures*> byLumen;
-  for (const micrograph::LumenMeasures& m : measures)
-  {
-    byLumen.emplace(m.lumen, &m);
-  }
+  const std::map<std::int32_t, micrograph::LumenMeasures> measures = measure(contours);
 
   std::size_t count = 0;
   for (const micrograph::Contour& contour : contours.contours)
@@ -135,7 +154,7 @@ vtkSmartPointer<vtkPolyData> toPolyData(
       lines->InsertCellPoint(first);
     }
     const auto id = static_cast<vtkIdType>(c);
-    const micrograph::LumenMeasures& m = *byLumen.at(contour.lumen);
+    const micrograph::LumenMeasures& m = measures.at(contour.lumen);
     lumen->SetValue(id, contour.lumen);
     closed->SetValue(id, contour.closed ? 1 : 0);
     area->SetValue(id, m.area);
@@ -157,7 +176,11 @@ vtkSmartPointer<vtkPolyData> toPolyData(
   {
     cells->AddArray(array);
   }
-  const double wall = micrograph::wallFraction(contours);
+  double wall = 1;
+  for (const auto& [number, m] : measures)
+  {
+    wall -= m.area / (contours.size[0] * contours.size[1]);
+  }
   describe(setFieldNumbers(outlines, "size", contours.size), "m", "width and height of the picture", creator);
   describe(setFieldNumbers(outlines, "corner", corner), "m", "where the picture's lower left corner lies", creator);
   describe(setFieldNumbers(outlines, "wall_fraction", std::span(&wall, 1)), "1",
