@@ -24,6 +24,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <span>
 #include <string>
@@ -125,6 +126,11 @@ vtkSmartPointer<vtkImageData> vtkMicrographLattice::Made(vtkPolyData* outlines)
   if (this->Spacing == 0)
   {
     throw lamella::ParameterError("no spacing is given", advice(contours));
+  }
+  if (!(this->Horizon >= 0) || !std::isfinite(this->Horizon))
+  {
+    throw lamella::ParameterError(
+      "the horizon is " + std::to_string(this->Horizon) + " nodes", "give 0 or more, such as 3");
   }
   micrograph::ContourLatticeOptions options;
   options.spacing = this->Spacing;
