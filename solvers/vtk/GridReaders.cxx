@@ -1,18 +1,24 @@
 #include "GridReaders.h"
 
+#include "GridChecks.h"
 #include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
 
+#include "vtkCallbackCommand.h"
 #include "vtkDataObject.h"
 #include "vtkInformation.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkXMLDataParser.h"
 #include "vtkXMLImageDataReader.h"
 #include "vtkXMLPolyDataReader.h"
 
 #include <dlfcn.h>
+
+#include <filesystem>
 
 namespace lamella
 {
@@ -78,6 +84,27 @@ vtkSmartPointer<vtkXMLImageDataReader> newImageReader()
 vtkSmartPointer<vtkXMLPolyDataReader> newPolyDataReader()
 {
   return vtkSmartPointer<PromptReader<vtkXMLPolyDataReader>>::New();
+}
+
+void readPolyData(const std::string& path, vtkPolyData* data)
+{
+  if (!std::filesystem::is_regular_file(path))
+  {
+    throw InputError("there is no file '" + path + "'", "check the name and the folder");
+  }
+  const auto reader = newPolyDataReader();
+  vtkNew<vtkCallbackCommand> silence; // said in our words
+  silence->SetCallback([](vtkObject*, unsigned long, void*, void*) {});
+  reader->AddObserver(vtkCommand::ErrorEvent, silence);
+  reader->SetFileName(path.c_str());
+  if (reader->CanReadFile(path.c_str()) == 0)
+  {
+    throw InputError("'" + path + "' is not a whole .vtp file", "make or copy it again");
+  }
+  requireReadable(reader, path);
+  reader->Update();
+  requireSoundCells(reader->GetOutput(), path);
+  data->ShallowCopy(reader->GetOutput());
 }
 
 std::optional<Lattice> latticeInFile(vtkXMLImageDataReader* reader)

@@ -7,7 +7,9 @@
 #include "vtkSmartPointer.h"
 
 #include <optional>
+#include <string>
 
+class vtkPolyData;
 class vtkXMLImageDataReader;
 class vtkXMLPolyDataReader;
 
@@ -23,6 +25,10 @@ namespace lamella
 
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkSmartPointer<vtkXMLImageDataReader> newImageReader();
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkSmartPointer<vtkXMLPolyDataReader> newPolyDataReader();
+
+/// Reads a whole .vtp into `data`, its cells checked; every fault is told in our words.
+/// @throws InputError, MemoryError (GridChecks.h)
+VTKLAMELLASOLVERSVTK_EXPORT void readPolyData(const std::string& path, vtkPolyData* data);
 
 /// The lattice of a file with values at points only, from its header; nothing for other files, and where the header
 /// makes none.

@@ -1,6 +1,5 @@
 #include "vtkPackingReader.h"
 
-#include "GridChecks.h"
 #include "GridReaders.h"
 #include "PackingData.h"
 #include "PackingTable.h"
@@ -8,14 +7,11 @@
 
 #include "lattice/Error.h"
 
-#include "vtkCallbackCommand.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
-#include "vtkXMLPolyDataReader.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -27,23 +23,7 @@ namespace
 /// The particles of a .vtp, as they are.
 void readParticles(const std::string& path, vtkPolyData* particles)
 {
-  if (!std::filesystem::is_regular_file(path))
-  {
-    throw lamella::InputError("there is no file '" + path + "'", "check the name and the folder");
-  }
-  const auto reader = lamella::newPolyDataReader();
-  vtkNew<vtkCallbackCommand> silence; // said in our words
-  silence->SetCallback([](vtkObject*, unsigned long, void*, void*) {});
-  reader->AddObserver(vtkCommand::ErrorEvent, silence);
-  reader->SetFileName(path.c_str());
-  if (reader->CanReadFile(path.c_str()) == 0)
-  {
-    throw lamella::InputError("'" + path + "' is not a whole .vtp file", "make or copy it again");
-  }
-  lamella::requireReadable(reader, path);
-  reader->Update();
-  lamella::requireSoundCells(reader->GetOutput(), path);
-  particles->ShallowCopy(reader->GetOutput());
+  lamella::readPolyData(path, particles);
   try
   {
     static_cast<void>(lamella::packingFrom(particles));

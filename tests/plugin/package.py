@@ -8,7 +8,7 @@ import unittest
 
 import lamella
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
 PROGRAM = os.environ.get("LAMELLA_PROGRAM", os.path.join(os.path.dirname(__file__), "../../build/bin/lamella"))
 REAL_DATA = os.environ.get("LAMELLA_REAL_DATA", "")
@@ -99,6 +99,112 @@ class Samples(unittest.TestCase):
         # Computed independently of this project with finite volumes, to five digits.
         self.assertAlmostEqual(result.effective[0, 0], 0.15774, places=5)
         self.assertAlmostEqual(result.effective[1, 1], 0.15803, places=5)
+
+
+class Micrographs(unittest.TestCase):
+    def setUp(self):
+        self.tissue = lamella.softwood(size=(240, 200), spacing=5e-7, seed=3)
+        self.contours = lamella.contours(self.tissue)
+
+    def test_contours(self):
+        found = self.contours
+        self.assertEqual(len(found.chains), len(found))
+        # The area to the left of each closed chain is its lumen's, and that of its pixels.
+        for chain, closed, area in zip(found.chains, found.closed, found.areas):
+            self.assertEqual(chain.shape[1], 2)
+            self.assertFalse(np.array_equal(chain[0], chain[-1]))
+            if closed:
+                x, y = (chain - chain[0]).T
+                own = 0.5 * (x * np.roll(y, -1) - y * np.roll(x, -1)).sum()
+                self.assertAlmostEqual(own / area, 1, places=9)
+        np.testing.assert_allclose(found.size, [120e-6, 100e-6], rtol=1e-12)
+        self.assertAlmostEqual(found.wall_fraction, self.tissue.fractions["wall"], places=3)
+        each = np.unique(found.lumens, return_index=True)[1]
+        self.assertAlmostEqual(1 - found.areas[each].sum() / found.size.prod(), found.wall_fraction, places=12)
+        self.assertTrue(((found.solidities > 0) & (found.solidities <= 1 + 1e-12)).all())
+        np.testing.assert_allclose(np.pi / 4 * found.equivalent_diameters**2, found.areas, rtol=1e-12)
+        self.assertTrue(np.shares_memory(found.chains[0], vtk_to_numpy(found.vtk.GetPoints().GetData())))
+        self.assertGreater(len(found.report), 0)
+        self.assertEqual(found.provenance["seed"], 3)
+        self.assertIn("wall fraction", repr(found))
+        fewer = lamella.contours(self.tissue, smallest_area=float(np.median(found.areas)))
+        self.assertLess(len(fewer), len(found))
+        with self.assertRaisesRegex(lamella.LamellaError, "'stone' is no phase") as caught:
+            lamella.contours(self.tissue, lumen="stone")
+        self.assertIn("lumen, wall", caught.exception.hint)
+
+    def test_arrays(self):
+        y, x = np.mgrid[:60, :80]
+        disk = ((x - 40) ** 2 + (y - 20) ** 2 < 15**2).astype(int)  # in the picture's upper part
+        found = lamella.contours(disk, lumen=1)
+        self.assertAlmostEqual(found.areas[0], disk.sum(), places=6)
+        centre = found.chains[0].mean(axis=0)
+        np.testing.assert_allclose(centre, [40.5, 60 - 20.5], atol=0.2)
+
+    def test_lattice(self):
+        sample = self.contours.lattice(0.4e-6)
+        self.assertEqual(sample.shape, (250, 300))
+        self.assertEqual(sample.names, ["lumen", "wall"])
+        self.assertAlmostEqual(sample.wall_fraction, self.contours.wall_fraction, places=9)
+        self.assertAlmostEqual(1 - sample.lumen_share.mean(), sample.wall_fraction, places=6)
+        length = np.linalg.norm(sample.axis, axis=2)
+        np.testing.assert_allclose(length, sample.phase, atol=1e-5)
+        self.assertEqual(set(np.unique(sample.grain)), set(self.contours.lumens))
+        low, median = sample.wall_thickness
+        self.assertTrue(1e-6 < low < median < 10e-6)
+        with self.assertRaisesRegex(lamella.LamellaError, "no lamella share"):
+            sample.lamella_share
+        grown = self.contours.lattice(0.4e-6, "growth", thickness=0.8e-6)
+        self.assertEqual(grown.names, ["void", "secondary wall", "middle lamella"])
+        np.testing.assert_array_equal(grown.phase == 0, sample.phase == 0)
+        self.assertEqual(grown.lamella_thickness, 0.8e-6)
+        self.assertAlmostEqual(
+            (grown.phase == 2).sum() / (grown.phase > 0).sum(), grown.lamella_share, places=12)
+        self.assertGreater(grown.lamella_nodes_across[0], 1)
+        conducts = lamella.diffusion(grown, {"void": 0.02, "secondary wall": 1, "middle lamella": 1}, fields=False)
+        self.assertTrue(0.02 < conducts.effective[0, 0] < 1)
+
+    def test_lattice_errors(self):
+        with self.assertRaisesRegex(lamella.LamellaError, "no spacing is given") as caught:
+            self.contours.lattice()
+        self.assertIn("a quarter of the walls' median thickness", caught.exception.hint)
+        for bad in (float("nan"), -1.0, 1e-13):
+            with self.assertRaises(lamella.LamellaError):
+                self.contours.lattice(bad)
+        with self.assertRaisesRegex(lamella.LamellaError, "thickness is 0"):
+            self.contours.lattice(1e-6, "growth", thickness=0)
+        with self.assertRaisesRegex(ValueError, "lamella is 'thick'"):
+            self.contours.lattice(1e-6, "thick")
+
+    def test_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("c.vtp", "c.json", "c.json.gz"):
+                path = self.contours.save(os.path.join(folder, name))
+                with self.assertRaises(FileExistsError):
+                    self.contours.save(path)
+                back = lamella.read_polygons(path)
+                self.assertEqual(len(back), len(self.contours))
+                for a, b in zip(back.chains, self.contours.chains):
+                    np.testing.assert_array_equal(a, b)
+                np.testing.assert_array_equal(back.areas, self.contours.areas)
+                np.testing.assert_array_equal(back.size, self.contours.size)
+                self.assertEqual(back.cells, [])
+            self.assertEqual(sorted(os.listdir(folder)), ["c.json", "c.json.gz", "c.vtp"])
+            with self.assertRaises(ValueError):
+                self.contours.save(os.path.join(folder, "c.svg"))
+            with self.assertRaisesRegex(lamella.LamellaError, "no file"):
+                lamella.read_polygons(os.path.join(folder, "none.vtp"))
+
+    @unittest.skipUnless(REAL_DATA, "set LAMELLA_REAL_DATA to the folder of real pictures")
+    def test_real_polygons(self):
+        wood = lamella.read_polygons(os.path.join(REAL_DATA, "spruce_EW_polygons.json.gz"))
+        self.assertGreater(len(wood.cells), 100)
+        # Told with the data: 0.1997 of the picture is wall.
+        self.assertAlmostEqual(wood.wall_fraction / 0.1997, 1, delta=3e-3)
+        with tempfile.TemporaryDirectory() as folder:
+            back = lamella.read_polygons(wood.save(os.path.join(folder, "w.json.gz")))
+        self.assertEqual(len(back.cells), len(wood.cells))
+        np.testing.assert_array_equal(back.cells[7], wood.cells[7])
 
 
 class Grains(unittest.TestCase):

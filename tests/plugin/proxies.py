@@ -23,7 +23,8 @@ class Proxies(unittest.TestCase):
     def test_every_property_says_what_it_is(self):
         for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap, pv.PoreFloodFill,
                        pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondStiffness,
-                       pv.BondStress, pv.StressPDF):
+                       pv.BondStress, pv.StressPDF, pv.MicrographContours, pv.MicrographPolygonReader,
+                       pv.MicrographLattice):
             proxy = create()
             properties = proxy.SMProxy
             self.assertTrue(properties.GetDocumentation().GetDescription().strip())
@@ -55,6 +56,10 @@ class Proxies(unittest.TestCase):
             (pv.BondStiffness, ("RelativeTo", "Mixing", "Horizon", "Continuum", "Micromodulus", "CutVoidBonds",
                                 "SurfaceCorrection", "Threads", "EstimateError", "Tolerance", "MaximumIterations")),
             (pv.BondStress, ("ModelFromInput", "ComputeStrainEnergy", "Horizon", "Mixing")),
+            (pv.MicrographContours, ("LumenPhase", "Smooth", "Wavelength", "Tolerance", "SmallestArea",
+                                     "LeastSolidity")),
+            (pv.MicrographPolygonReader, ("Unit", "Window", "YDown")),
+            (pv.MicrographLattice, ("Spacing", "Lamella", "LamellaThickness", "LamellaRadius", "Horizon")),
             (pv.MatrixBridges, ("Width", "Reach", "Filled", "Saturation", "NodesAcross", "Platen")),
         ):
             proxy = create()
@@ -169,6 +174,34 @@ class Proxies(unittest.TestCase):
             file.write("x,z,r\n1,1,1\n3,1,1\n")
         table = pv.PackingReader(FileName="grains.csv", LengthUnit=1e-3)
         self.assertEqual(field(table, "box"), [0.004, 0.002, 0])
+
+    def test_micrographs(self):
+        tissue = pv.MicrostructureSource(Size=[180, 150, 1], Spacing=5e-7)
+        outlines = pv.MicrographContours(Input=tissue, SmallestArea=1e-11)
+        lattice = pv.MicrographLattice(Input=outlines, Spacing=4e-7, Lamella="Constant thickness",
+                                       LamellaThickness=8e-7)
+        heat = pv.SteadyDiffusion(
+            Input=lattice, Conductivities=["void", "0.02", "secondary wall", "1", "middle lamella", "0.5"])
+        heat.UpdatePipeline()
+        expected = lamella.contours(lamella.softwood(size=(180, 150), spacing=5e-7), smallest_area=1e-11)
+        sample = expected.lattice(4e-7, "constant", thickness=8e-7)
+        self.assertEqual(servermanager.Fetch(outlines).GetNumberOfLines(), len(expected))
+        self.assertEqual(field(outlines, "wall_fraction")[0], expected.wall_fraction)
+        self.assertEqual(field(lattice, "lamella_share")[0], sample.lamella_share)
+        self.assertEqual(sorted(lattice.PointData.keys()), ["axis", "grain", "lumen_share", "phase"])
+        self.assertEqual(lattice.PointData["axis"].GetNumberOfComponents(), 3)
+        result = lamella.diffusion(sample, {"void": 0.02, "secondary wall": 1, "middle lamella": 0.5}, "x")
+        self.assertAlmostEqual(field(heat, "effective_conductivity")[0], result.effective[0, 0], places=7)
+        walls = pv.MicrographContours(Input=tissue, LumenPhase="lumen", Smooth=0, LeastSolidity=0.5)
+        walls.UpdatePipeline()
+        raw = lamella.contours(lamella.softwood(size=(180, 150), spacing=5e-7), smooth=False, least_solidity=0.5)
+        self.assertEqual(servermanager.Fetch(walls).GetNumberOfPoints(), sum(map(len, raw.chains)))
+        with open("polygons.json", "w", encoding="utf-8") as file:
+            file.write('{"units": "mm", "cells": [{"lumen": [[1, 1], [4, 1], [4, 4], [1, 4]], '
+                       '"outer": [[0, 0], [5, 0], [5, 5], [0, 5]]}]}')
+        polygons = pv.MicrographPolygonReader(FileName="polygons.json", Unit=1e-6, YDown=1)
+        self.assertAlmostEqual(field(polygons, "size")[0] * 1e6, 5)
+        self.assertEqual(servermanager.Fetch(polygons, idx=1).GetNumberOfLines(), 1)
 
     def test_bonds(self):
         grains = pv.GrainPacking(Count=60, Softness=1e-4, Seed=4)

@@ -12,9 +12,9 @@ where there is no display: import it before the first view is made. (LAMELLA_REN
 off.)
 
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
-``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkSteadyDiffusion``, ``vtkFluxMap``,
-``vtkPoreFloodFill``, ``vtkBondEquilibrium``, ``vtkBondStiffness``, ``vtkStressPDF`` ...), runs it and hands its output out as
-numpy arrays.
+``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkMicrographContours``,
+``vtkMicrographLattice``, ``vtkSteadyDiffusion``, ``vtkFluxMap``, ``vtkPoreFloodFill``,
+``vtkBondEquilibrium``, ``vtkBondStiffness``, ``vtkStressPDF`` ...), runs it and hands its output out as numpy arrays.
 
 Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at the top; arrays of a volume are
 ``[z, y, x]``. Vectors have their components along x (left to right), y (upwards in a picture) and z in the last axis.
@@ -37,6 +37,7 @@ except ModuleNotFoundError:  # built without pictures
 else:
     _windows.Install()  # does nothing where a display works
 
+from ._contours import Contours, LatticeSample, contours, read_polygons
 from ._equilibrium import BondStressResult, EquilibriumResult, bond_stress, equilibrium
 from ._errors import Cancelled, LamellaError
 from ._flux import FluxMapResult, flux_map
@@ -64,10 +65,12 @@ __all__ = [
     "BondStressResult",
     "Cancelled",
     "CementedSample",
+    "Contours",
     "DiffusionResult",
     "EquilibriumResult",
     "FluxMapResult",
     "LamellaError",
+    "LatticeSample",
     "Packing",
     "PoreFloodFillResult",
     "Sample",
@@ -76,6 +79,7 @@ __all__ = [
     "bond_stress",
     "bridges",
     "checkerboard",
+    "contours",
     "diffusion",
     "disks",
     "equilibrium",
@@ -90,6 +94,7 @@ __all__ = [
     "pore_flood_fill",
     "read_packing",
     "read_picture",
+    "read_polygons",
     "snapshot",
     "softwood",
     "spheres",

@@ -1,0 +1,209 @@
+#include "vtkMicrographContours.h"
+
+#include "ContourData.h"
+#include "PhaseIds.h"
+#include "vtkLatticeConversion.h"
+#include "vtkPieces.h"
+#include "vtkProvenance.h"
+
+#include "lattice/Error.h"
+#include "micrograph/ContourExtraction.h"
+#include "pores/PoreLabelling.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkMatrix3x3.h"
+#include "vtkObjectFactory.h"
+#include "vtkPolyData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace
+{
+
+std::string listed(const std::vector<std::string>& names)
+{
+  std::string list;
+  for (const std::string& name : names)
+  {
+    list += (list.empty() ? "" : ", ") + name;
+  }
+  return list;
+}
+
+/// The id of the phase of this name or value; of none, that of the first with a name that voids have.
+std::size_t findPhase(const lamella::PhaseIds& phases, const std::string& wanted)
+{
+  const std::vector<std::string>& names = phases.names;
+  if (wanted.empty())
+  {
+    if (const auto found = lamella::pores::voidPhase(names))
+    {
+      return *found;
+    }
+    throw lamella::ParameterError(
+      "no phase is called void, pore, lumen or air", "say which phase the lumens are; there are: " + listed(names));
+  }
+  for (std::size_t id = 0; id < names.size(); ++id)
+  {
+    if (names[id] == wanted)
+    {
+      return id;
+    }
+  }
+  for (std::size_t id = 0; id < names.size(); ++id)
+  {
+    if (std::to_string(phases.values[id]) == wanted)
+    {
+      return id;
+    }
+  }
+  throw lamella::ParameterError(
+    "'" + wanted + "' is no phase of this image", "choose one of its phases: " + listed(names));
+}
+
+} // namespace
+
+vtkStandardNewMacro(vtkMicrographContours);
+
+vtkMicrographContours::vtkMicrographContours()
+{
+  const lamella::micrograph::ExtractOptions options; // the library's own defaults
+  this->Smooth = options.smooth;
+  this->Wavelength = options.wavelength;
+  this->Tolerance = options.tolerance;
+  this->SmallestArea = options.smallestArea;
+  this->LeastSolidity = options.leastSolidity;
+}
+
+int vtkMicrographContours::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
+  return 1;
+}
+
+int vtkMicrographContours::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
+{
+  outputs->GetInformationObject(0)->Set(CAN_HANDLE_PIECE_REQUEST(), 1); // all in the first piece
+  return 1;
+}
+
+int vtkMicrographContours::RequestUpdateExtent(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector*)
+{
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  vtkInformation* const input = inputVector[0]->GetInformationObject(0);
+  if (input->Has(Pipeline::WHOLE_EXTENT()))
+  {
+    std::array<int, 6> whole{};
+    input->Get(Pipeline::WHOLE_EXTENT(), whole.data());
+    input->Set(Pipeline::UPDATE_EXTENT(), whole.data(), 6);
+  }
+  return 1;
+}
+
+void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
+{
+  const lamella::Team alone(nullptr, nullptr);
+  const lamella::PhaseIds phases = lamella::phaseIds(image, this->GetInputArrayInformation(0), alone);
+  const lamella::Lattice lattice = lamella::latticeOf(image);
+  if (!image->GetDirectionMatrix()->IsIdentity())
+  {
+    throw lamella::InputError(
+      "the image is turned in space", "outlines need its axes along x and y: reset the direction");
+  }
+  const std::size_t lumen = findPhase(phases, this->LumenPhase);
+  lamella::PhaseImage binary{ lattice, {}, lamella::PhaseTable({ "lumen", "wall" }) };
+  binary.phase.resize(phases.ids.size());
+  std::transform(phases.ids.begin(), phases.ids.end(), binary.phase.begin(),
+    [lumen](std::uint8_t id) { return static_cast<std::uint8_t>(id == lumen ? 0 : 1); });
+
+  const lamella::micrograph::ExtractOptions options{ this->Smooth, this->Wavelength, this->Tolerance,
+    this->SmallestArea, this->LeastSolidity };
+  const lamella::micrograph::Extraction found = lamella::micrograph::extractContours(binary, 0, {}, options);
+  for (const std::string& warning : found.warnings)
+  {
+    vtkWarningMacro(<< warning);
+  }
+  const double half = lattice.spacing / 2;
+  const std::string creator = this->GetClassName();
+  output->ShallowCopy(lamella::toPolyData(
+    found.contours, creator, { lattice.origin[0] - half, lattice.origin[1] - half, lattice.origin[2] }));
+
+  const lamella::micrograph::ExtractReport& report = found.report;
+  const auto number = [&](const char* name, auto value, const char* unit, const char* text)
+  {
+    const auto converted = static_cast<double>(value);
+    lamella::describe(lamella::setFieldNumbers(output, name, std::span(&converted, 1)), unit, text, creator);
+  };
+  number("lumens", report.lumens, "1", "lumens that are left");
+  number("open_lumens", report.openLumens, "1", "of these, cut by the picture's border");
+  number("islands", report.islands, "1", "pieces of wall inside lumens, taken out");
+  number("nested_lumens", report.nestedLumens, "1", "lumens in such pieces, taken out");
+  number("small_lumens", report.small, "1", "lumens below the smallest area, taken for wall");
+  number("ragged_lumens", report.ragged, "1", "lumens below the least solidity, taken for wall");
+  number("area_missing", report.areaMissing, "pixels^2", "largest difference of a chain's area from its pixels'");
+  lamella::setFieldTexts(output, "report", report.lines());
+  if (const auto source = lamella::fieldText(image, "pixel_size_source"))
+  {
+    lamella::setFieldText(output, "pixel_size_source", *source);
+  }
+  nlohmann::json parameters{ { "lumen", phases.names[lumen] }, { "smooth", this->Smooth },
+    { "tolerance", this->Tolerance }, { "smallest_area", this->SmallestArea },
+    { "least_solidity", this->LeastSolidity } };
+  if (this->Smooth)
+  {
+    parameters["wavelength"] = this->Wavelength;
+  }
+  lamella::setProvenance(output, lamella::provenance(image));
+  lamella::continueProvenance(output, "contours", parameters);
+}
+
+int vtkMicrographContours::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  vtkPolyData* const output = vtkPolyData::GetData(outputVector);
+  output->Initialize();
+  vtkInformation* const request = outputVector->GetInformationObject(0);
+  if (request->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) > 0)
+  {
+    return 1;
+  }
+  try
+  {
+    this->Extract(vtkImageData::GetData(inputVector[0]), output);
+  }
+  catch (const lamella::Error& error)
+  {
+    output->Initialize();
+    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
+    return 0;
+  }
+  catch (const std::exception& error)
+  {
+    output->Initialize();
+    vtkErrorMacro(<< error.what());
+    return 0;
+  }
+  return 1;
+}
+
+void vtkMicrographContours::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent
+     << "LumenPhase: " << (this->LumenPhase.empty() ? "(the first called void, pore, lumen or air)" : this->LumenPhase)
+     << "\n"
+     << indent << "Smooth: " << this->Smooth << "\n"
+     << indent << "Wavelength: " << this->Wavelength << "\n"
+     << indent << "Tolerance: " << this->Tolerance << "\n"
+     << indent << "SmallestArea: " << this->SmallestArea << "\n"
+     << indent << "LeastSolidity: " << this->LeastSolidity << "\n";
+}

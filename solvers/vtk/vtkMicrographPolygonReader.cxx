@@ -1,0 +1,141 @@
+#include "vtkMicrographPolygonReader.h"
+
+#include "ContourData.h"
+#include "GridReaders.h"
+#include "vtkLatticeConversion.h"
+#include "vtkProvenance.h"
+
+#include "lattice/Error.h"
+#include "micrograph/PolygonFile.h"
+
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkObjectFactory.h"
+#include "vtkPolyData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+vtkStandardNewMacro(vtkMicrographPolygonReader);
+
+vtkMicrographPolygonReader::vtkMicrographPolygonReader()
+{
+  this->SetNumberOfInputPorts(0);
+  this->SetNumberOfOutputPorts(2);
+}
+
+vtkMicrographPolygonReader::~vtkMicrographPolygonReader()
+{
+  this->SetFileName(nullptr);
+}
+
+vtkPolyData* vtkMicrographPolygonReader::GetCells()
+{
+  return vtkPolyData::SafeDownCast(this->GetOutputDataObject(1));
+}
+
+int vtkMicrographPolygonReader::RequestInformation(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  for (int port = 0; port < 2; ++port)
+  {
+    outputVector->GetInformationObject(port)->Set(CAN_HANDLE_PIECE_REQUEST(), 1); // all in the first piece
+  }
+  return 1;
+}
+
+void vtkMicrographPolygonReader::Read(vtkPolyData* lumens, vtkPolyData* cells)
+{
+  if (this->FileName == nullptr || *this->FileName == '\0')
+  {
+    throw lamella::InputError("no file is named", "set FileName");
+  }
+  const std::filesystem::path path(this->FileName);
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (ending == ".vtp")
+  {
+    lamella::readPolyData(this->FileName, lumens);
+    try
+    {
+      static_cast<void>(lamella::contoursFrom(lumens));
+    }
+    catch (const lamella::InputError& error)
+    {
+      throw lamella::InputError("'" + path.string() + "': " + error.what(), error.hint());
+    }
+    return;
+  }
+  lamella::micrograph::PolygonReadOptions options;
+  nlohmann::json parameters{ { "y_down", this->YDown } };
+  if (this->Unit != 0)
+  {
+    options.unit = this->Unit;
+  }
+  if (std::any_of(this->Window, this->Window + 4, [](double edge) { return edge != 0; }))
+  {
+    options.window.emplace();
+    std::copy_n(this->Window, 4, options.window->begin());
+    parameters["window"] = this->Window;
+  }
+  options.yDown = this->YDown;
+  const lamella::micrograph::PolygonFile file = lamella::micrograph::readPolygons(path, options);
+  parameters["unit"] = file.unit;
+  for (const std::string& warning : file.warnings)
+  {
+    vtkWarningMacro(<< warning);
+  }
+  lumens->ShallowCopy(lamella::toPolyData(file.lumens, this->GetClassName()));
+  lamella::beginProvenance(lumens, "polygons", parameters, {}, path);
+  if (file.cells)
+  {
+    cells->ShallowCopy(lamella::toPolyData(*file.cells, this->GetClassName()));
+    lamella::setProvenance(cells, lamella::provenance(lumens));
+  }
+}
+
+int vtkMicrographPolygonReader::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  vtkPolyData* const lumens = vtkPolyData::GetData(outputVector, 0);
+  vtkPolyData* const cells = vtkPolyData::GetData(outputVector, 1);
+  lumens->Initialize();
+  cells->Initialize();
+  vtkInformation* const request = outputVector->GetInformationObject(0);
+  if (request->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) > 0)
+  {
+    return 1;
+  }
+  const auto fail = [&]
+  {
+    lumens->Initialize();
+    cells->Initialize();
+    return 0;
+  };
+  try
+  {
+    this->Read(lumens, cells);
+  }
+  catch (const lamella::Error& error)
+  {
+    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
+    return fail();
+  }
+  catch (const std::exception& error)
+  {
+    vtkErrorMacro(<< error.what());
+    return fail();
+  }
+  return 1;
+}
+
+void vtkMicrographPolygonReader::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "FileName: " << (this->FileName != nullptr ? this->FileName : "(none)") << "\n"
+     << indent << "Unit: " << this->Unit << "\n"
+     << indent << "Window: " << this->Window[0] << " " << this->Window[1] << " " << this->Window[2] << " "
+     << this->Window[3] << "\n"
+     << indent << "YDown: " << this->YDown << "\n";
+}

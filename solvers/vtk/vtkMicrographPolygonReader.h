@@ -1,0 +1,82 @@
+/**
+ * @class   vtkMicrographPolygonReader
+ * @brief   outlines of lumens from a file of polygons
+ *
+ * Reads JSON lists of points, packed by gzip or not, in the kinds that micrograph/PolygonFile.h tells, and the `.vtp`
+ * of outlines that vtkMicrographContours and this class make.
+ *
+ * **Output 0**: the lumens' outlines, as vtkMicrographContours gives them, clipped to the picture; its lower left
+ * corner is the origin.
+ *
+ * **Output 1**: outlines of the cells, outside their walls, where the file has them; else empty. They may touch and
+ * cross each other; `lumen` numbers them, and is no lumen's number.
+ *
+ * On several ranks the first one has all outlines.
+ *
+ * @sa vtkMicrographContours vtkMicrographLattice
+ */
+
+#ifndef vtkMicrographPolygonReader_h
+#define vtkMicrographPolygonReader_h
+
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkPolyDataAlgorithm.h"
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkMicrographPolygonReader : public vtkPolyDataAlgorithm
+{
+public:
+  static vtkMicrographPolygonReader* New();
+  vtkTypeMacro(vtkMicrographPolygonReader, vtkPolyDataAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /** The polygons (.json, .json.gz) or outlines (.vtp). */
+  vtkSetFilePathMacro(FileName);
+  vtkGetFilePathMacro(FileName);
+  ///@}
+
+  ///@{
+  /** Polygons: one unit of the file's coordinates in metres. 0 (default): what the file says. */
+  vtkSetMacro(Unit, double);
+  vtkGetMacro(Unit, double);
+  ///@}
+
+  ///@{
+  /**
+   * Polygons: what of the file is the picture, low x, low y, high x, high y in the file's coordinates. All 0 (default):
+   * the box around all of its points, or what the file says.
+   */
+  vtkSetVector4Macro(Window, double);
+  vtkGetVector4Macro(Window, double);
+  ///@}
+
+  ///@{
+  /** Polygons: the file's y points down, as rows of a picture do. Default off. */
+  vtkSetMacro(YDown, bool);
+  vtkGetMacro(YDown, bool);
+  vtkBooleanMacro(YDown, bool);
+  ///@}
+
+  /** The cells' outlines, output 1; without lines where the file has none. */
+  vtkPolyData* GetCells();
+
+protected:
+  vtkMicrographPolygonReader();
+  ~vtkMicrographPolygonReader() override;
+
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkMicrographPolygonReader(const vtkMicrographPolygonReader&) = delete;
+  void operator=(const vtkMicrographPolygonReader&) = delete;
+
+  void Read(vtkPolyData* lumens, vtkPolyData* cells);
+
+  char* FileName = nullptr;
+  double Unit = 0;
+  double Window[4] = { 0, 0, 0, 0 };
+  bool YDown = false;
+};
+
+#endif

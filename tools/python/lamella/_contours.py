@@ -1,0 +1,299 @@
+"""Micrographs: outlines of lumens, and lattices made from them."""
+
+import gzip
+import json
+import os
+import tempfile
+
+import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+from . import _arrays
+from ._errors import LamellaError, choose, run
+from ._packings import _write
+from ._samples import ImageBase, Sample
+from .vtkLamellaSolversVTK import vtkMicrographContours, vtkMicrographLattice, vtkMicrographPolygonReader
+
+_LAMELLAE = {None: 0, "none": 0, "growth": 1, "constant": 2}
+
+
+class Contours:
+    """Outlines of lumens. Lengths are in metres; x points right and y up from the picture's lower left corner."""
+
+    def __init__(self, outlines, cells=None):
+        #: vtkPolyData: a poly-line a chain
+        self.vtk = outlines
+        #: vtkPolyData: the same of the cells' outlines; None where they are not known
+        self.cells_vtk = cells
+
+    def _values(self, name):
+        return vtk_to_numpy(self.vtk.GetCellData().GetArray(name))
+
+    def __len__(self):
+        return self.vtk.GetNumberOfLines()
+
+    def _chains(self, data):
+        if data is None or data.GetNumberOfLines() == 0:
+            return []
+        points = vtk_to_numpy(data.GetPoints().GetData())[:, :2]
+        lines = data.GetLines()
+        offsets = vtk_to_numpy(lines.GetOffsetsArray())
+        ids = vtk_to_numpy(lines.GetConnectivityArray())
+        chains = []
+        for begin, end in zip(offsets[:-1], offsets[1:]):
+            chain = ids[begin : end - (ids[end - 1] == ids[begin])]
+            first, last = chain[0], chain[-1]
+            whole = last - first == len(chain) - 1 and np.array_equal(chain, np.arange(first, last + 1))
+            chains.append(points[first : last + 1] if whole else points[chain])
+        return chains
+
+    @property
+    def chains(self):
+        """A list of #points by 2, with the lumen on the left; closed ones do not repeat their first point. Views."""
+        return self._chains(self.vtk)
+
+    @property
+    def cells(self):
+        """The same of the outlines of the cells, outside their walls; an empty list where they are not known."""
+        return self._chains(self.cells_vtk)
+
+    @property
+    def lumens(self):
+        """#chains: number of the lumen, from 1; chains of a lumen that the border cuts share it (a view)."""
+        return self._values("lumen")
+
+    @property
+    def closed(self):
+        """#chains: False for those that end on the picture's border."""
+        return self._values("closed").astype(bool)
+
+    @property
+    def areas(self):
+        """#chains: of the whole lumen (a view)."""
+        return self._values("area")
+
+    @property
+    def solidities(self):
+        """#chains: area of the whole lumen over that of its convex hull (a view)."""
+        return self._values("solidity")
+
+    @property
+    def equivalent_diameters(self):
+        """#chains: of the circle as large as the lumen (a view)."""
+        return self._values("equivalent_diameter")
+
+    @property
+    def size(self):
+        """Width and height of the picture."""
+        return _arrays.numbers(self.vtk, "size")
+
+    @property
+    def corner(self):
+        """Where the picture's lower left corner lies: x, y."""
+        return _arrays.numbers(self.vtk, "corner")[:2]
+
+    @property
+    def wall_fraction(self):
+        """Share of the picture that no outline encloses."""
+        return float(_arrays.numbers(self.vtk, "wall_fraction")[0])
+
+    @property
+    def report(self):
+        """What finding them did, a line for each step."""
+        return _arrays.texts(self.vtk, "report")
+
+    @property
+    def provenance(self):
+        """Version, parameters, seed and input files as a dictionary."""
+        return _arrays.provenance(self.vtk)
+
+    def lattice(self, spacing=None, lamella=None, thickness=None, radius=None, horizon=0):
+        """Puts the outlines on a lattice and returns a LatticeSample.
+
+        spacing    metres; changes a little so that a whole number fits the picture's width. None raises LamellaError
+                   with a spacing that suits the walls as hint
+        lamella    None, "growth" (what lumens that grow leave between them) or "constant"
+        thickness  gap that growing outlines keep, or the constant thickness; None: half a micrometre, at most an eighth
+                   of the walls
+        radius     growth: outlines stop at this radius of curvature, 0: never; None: a quarter of the walls' thickness
+        horizon    nodes that a solver wants across the lamella: fewer are warned of
+        """
+        source = vtkMicrographLattice()
+        source.SetInputData(self.vtk)
+        if spacing is not None:
+            source.SetSpacing(spacing)
+        source.SetLamella(choose(_LAMELLAE, lamella, "lamella"))
+        for what, value, least in (("thickness", thickness, "above 0"), ("radius", radius, "0 or more")):
+            if value is not None and not (value > 0 or (value == 0 and what == "radius")):
+                raise LamellaError(f"the lamella's {what} is {value}", f"give it in metres, {least}")
+        if thickness is not None:
+            source.SetLamellaThickness(thickness)
+        if radius is not None:
+            source.SetLamellaRadius(radius)
+        source.SetHorizon(horizon)
+        run(source)
+        return LatticeSample(source.GetOutput())
+
+    def _as_json(self, data, corner):
+        cells = data.GetCellData()
+        closed = vtk_to_numpy(cells.GetArray("closed")).astype(bool).tolist()
+        lumens = vtk_to_numpy(cells.GetArray("lumen")).tolist()
+        return [
+            {"closed": c, "lumen": number, "points": (points - corner).tolist()}
+            for c, number, points in zip(closed, lumens, self._chains(data))
+        ]
+
+    def save(self, path, overwrite=False):
+        """Writes a .vtp, .json or .json.gz file, whole or not at all. A .vtp does not hold the cells."""
+        path = os.fspath(path)
+        if os.path.exists(path) and not overwrite:
+            raise FileExistsError(f"{path} exists; say overwrite=True to replace it")
+        if path.lower().endswith(".vtp"):
+            _write(self.vtk, path)
+        elif path.lower().endswith((".json", ".json.gz")):
+            content = {
+                "units": "metre",
+                "size": self.size.tolist(),
+                "contours": self._as_json(self.vtk, self.corner),
+            }
+            if self.cells_vtk is not None:
+                content["cells"] = self._as_json(self.cells_vtk, self.corner)
+            text = (json.dumps(content, separators=(",", ":")) + "\n").encode()
+            _write_bytes(gzip.compress(text, mtime=0) if path.lower().endswith(".gz") else text, path)
+        else:
+            raise ValueError(f"{path}: outlines are written as .vtp, .json or .json.gz")
+        return path
+
+    def __repr__(self):
+        return f"<lamella.Contours {len(self)} chains: wall fraction {self.wall_fraction:.4f}>"
+
+
+def _write_bytes(content, path):
+    handle, part = tempfile.mkstemp(prefix="." + os.path.basename(path), dir=os.path.dirname(os.path.abspath(path)))
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(part, 0o666 & ~mask)
+        os.replace(part, path)
+    finally:
+        if os.path.exists(part):
+            os.remove(part)
+
+
+class LatticeSample(Sample):
+    """Outlines on a lattice: phases lumen and wall, or void, secondary wall and middle lamella."""
+
+    def _numbers(self, name):
+        values = _arrays.numbers(self.vtk, name)
+        if values is None:
+            raise LamellaError(f"there is no {name.replace('_', ' ')}", 'make the lattice with lamella="growth"')
+        return values
+
+    @property
+    def grain(self):
+        """Number of the cell: the lumen, and in the wall the nearest lumen (a view)."""
+        return self.array("grain")
+
+    @property
+    def axis(self):
+        """rows by columns by 3: unit vector along the wall, whose sign means nothing; 0 in lumens (a view)."""
+        return self.array("axis")
+
+    @property
+    def lumen_share(self):
+        """Lumen's exact share of each pixel (a view)."""
+        return self.array("lumen_share")
+
+    @property
+    def wall_fraction(self):
+        """Share of the box outside the outlines, exact."""
+        return float(self._numbers("wall_fraction")[0])
+
+    @property
+    def wall_thickness(self):
+        """From lumen to lumen: what 5 % of the outlines' length falls below, and the median."""
+        return tuple(self._numbers("wall_thickness").tolist())
+
+    @property
+    def lamella_thickness(self):
+        """As used."""
+        return float(self._numbers("lamella_thickness")[0])
+
+    @property
+    def lamella_nodes_across(self):
+        """Nodes across the middle lamella: the mean, and what 5 % of it fall below."""
+        return tuple(self._numbers("lamella_nodes_across").tolist())
+
+    @property
+    def lamella_share(self):
+        """Share of the wall's nodes that are middle lamella."""
+        return float(self._numbers("lamella_share")[0])
+
+
+def contours(
+    sample,
+    lumen=None,
+    smooth=True,
+    wavelength=20.0,
+    tolerance=0.02,
+    smallest_area=0.0,
+    least_solidity=0.0,
+    array=None,
+):
+    """Finds the outlines of lumens in a picture of phases and returns Contours.
+
+    sample          a Sample, a vtkImageData, or phases as an array (spacing 1)
+    lumen           the phase of the lumens, its name or number; None: the first called void, pore, lumen or air
+    smooth          the steps of pixels are smoothed away, each chain's area kept
+    wavelength      waves along an outline shorter than so many pixels are damped, 4 to 200
+    tolerance       points that far from the line through their neighbours are left out, in pixels; 0: all stay
+    smallest_area   smaller lumens become wall, in square metres
+    least_solidity  closed lumens that fill a smaller share of their convex hull become wall, 0 to 1
+    array           which point array holds the phases
+    """
+    if isinstance(sample, ImageBase):
+        image = sample.vtk
+    else:
+        image = sample if hasattr(sample, "IsA") else _arrays.to_image(sample, 1.0)
+    source = vtkMicrographContours()
+    source.SetInputData(image)
+    if array is not None:
+        source.SetInputArrayToProcess(0, 0, 0, 0, array)
+    if lumen is not None:
+        source.SetLumenPhase(str(lumen))
+    source.SetSmooth(bool(smooth))
+    source.SetWavelength(wavelength)
+    source.SetTolerance(tolerance)
+    source.SetSmallestArea(smallest_area)
+    source.SetLeastSolidity(least_solidity)
+    run(source)
+    return Contours(source.GetOutput())
+
+
+def read_polygons(path, unit=None, window=None, y_down=False):
+    """Reads a JSON file of polygons (packed by gzip or not), or the .vtp of Contours.
+
+    unit    one unit of the file's coordinates in metres; None: what the file says
+    window  what of the file is the picture: (low x, low y, high x, high y) in its coordinates; None: the box around all
+            of its points
+    y_down  the file's y points down, as rows of a picture do
+    """
+    reader = vtkMicrographPolygonReader()
+    reader.SetFileName(os.fspath(path))
+    if unit is not None:
+        if not unit > 0:
+            raise LamellaError(f"the unit is {unit}", "give it in metres, above 0")
+        reader.SetUnit(unit)
+    if window is not None:
+        window = [float(edge) for edge in window]
+        if len(window) != 4:
+            raise ValueError("a window is (low x, low y, high x, high y)")
+        if not any(window):
+            raise LamellaError("the window is empty", "give a width and a height")
+        reader.SetWindow(*window)
+    reader.SetYDown(bool(y_down))
+    run(reader)
+    cells = reader.GetCells()
+    return Contours(reader.GetOutput(), cells if cells.GetNumberOfCells() > 0 else None)
