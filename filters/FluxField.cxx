@@ -90,8 +90,10 @@ double LinkFlux::face(const Node& node, int axis) const
       return 0;
     }
     const bool high = node[a] != 0;
-    const std::size_t at = setting_.index(high ? moved(node, along(axis, -1)) : node);
-    const double out = links_.wall(phase_[at]) * (value_[at] - wallValue(high)) * unit(); // from the node to the wall
+    const Node outer = high ? moved(node, along(axis, -1)) : node;
+    const std::size_t at = setting_.index(outer);
+    const double wall = links_.wall(phase_[at], outer, axis, high);
+    const double out = wall * (value_[at] - wallValue(high)) * unit(); // from the node to the wall
     return std::isfinite(out) ? (high ? out : -out) : 0.0;
   }
   const Node below = moved(node, along(axis, -1));
