@@ -4,7 +4,7 @@
 
 Generates a micrograph each of earlywood, latewood and poplar (stain, blur, noise, uneven light, dirt), finds their lumens
 again with nothing tuned by hand, and compares with the labels they were drawn from, as section 2 of the first paper (figures
-2 to 5). With LAMELLA_REAL_DATA set also a real conifer scan and two sets of spruce polygons. Writes to --output:
+2 to 5). With LAMELLA_REAL_DATA set and --scale 1 also a real conifer scan and two sets of spruce polygons. Writes to --output:
   scan.png          a part of the earlywood's micrograph with outlines, directions and lamella
   tissues.png       the three tissues side by side
   <name>.vti        the lattice: phase, grain, axis, lumen_share; <name>.json: all numbers; <name>-look.png: the whole picture
@@ -123,7 +123,7 @@ def main():
     side_by_side(shown, there("tissues.png"))
 
     real = os.environ.get("LAMELLA_REAL_DATA")
-    if real:
+    if real and options.scale == 1:
         for name, file, words in [
             ("conifer", "conifer_roxas_scan.jpg", ["--pixel-size", "0.441um"]),
             ("spruce-earlywood", "spruce_EW_polygons.json.gz", ["--spacing", "0.5um"]),
