@@ -409,13 +409,13 @@ micrograph::Picture drawOverlay(const OverlayParts& parts)
     mask.convertTo(mask, CV_32F);
     blend(drawing.picture, mask, vesselColour, 0.45F);
   }
-  if (parts.phase != nullptr)
-  {
-    tintLamella(drawing, parts);
-  }
   if (parts.directions != nullptr)
   {
     drawStrokes(drawing, parts);
+  }
+  if (parts.phase != nullptr) // over the strokes, which would hide a thin one
+  {
+    tintLamella(drawing, parts);
   }
   drawOutlines(drawing, *parts.contours);
   drawMarks(drawing, parts);

@@ -118,10 +118,12 @@ std::string percent(double share)
 micrograph::LumenClasses classify(const std::vector<micrograph::LumenMeasures>& measures)
 {
   const auto size = [](const micrograph::LumenMeasures& m) { return std::numbers::pi / 4 * m.major * m.major; };
+  // Cells of rays are long, and neither vessels nor fibres.
+  const auto slender = [](const micrograph::LumenMeasures& m) { return m.major > 2.5 * m.minor; };
   std::vector<double> sizes;
   for (const auto& m : measures)
   {
-    if (!m.open && size(m) > 0)
+    if (!m.open && size(m) > 0 && !slender(m))
     {
       sizes.push_back(size(m));
     }
@@ -131,7 +133,7 @@ micrograph::LumenClasses classify(const std::vector<micrograph::LumenMeasures>& 
   classes.vessels = 0;
   for (std::size_t i = 0; classes.two && i < measures.size(); ++i)
   {
-    classes.vessel[i] = size(measures[i]) >= classes.threshold;
+    classes.vessel[i] = !slender(measures[i]) && size(measures[i]) >= classes.threshold;
     classes.vessels += classes.vessel[i] ? 1 : 0;
   }
   return classes;
