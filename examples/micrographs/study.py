@@ -91,7 +91,8 @@ def side_by_side(pictures, path):
         axis.imshow(image, interpolation="antialiased")
         axis.set_title(f"({letter}) {name}", fontsize=12)
         axis.axis("off")
-    figure.savefig(path, dpi=170, bbox_inches="tight", pad_inches=0.05)
+    figure.subplots_adjust(wspace=0.03)
+    figure.savefig(path, dpi=150, bbox_inches="tight", pad_inches=0.05)
     plt.close(figure)
 
 
