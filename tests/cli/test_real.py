@@ -78,7 +78,7 @@ class Real(Case):
         self.assertGreater(answer.json()["effective"]["x"], 0)
 
     def test_conifer_scan_as_a_micrograph(self):
-        answer = self.works(
+        answer = self.run_lamella(  # warns of gaps in rays
             "micrograph", os.path.join(REAL_DATA, "conifer_roxas_scan.jpg"), "--pixel-size", "0.441um", "--overlay", "o.png",
             "--least-diameter", "4.98um", "--json").json()
         # The expert marked 236 lumens of at least 100 pixels, a circle of 4.98 um, and 65.62 % of the picture as lumen.
@@ -87,14 +87,18 @@ class Real(Case):
         self.assertIsNone(answer["vessels"])
 
     def test_spruce_polygons_as_a_micrograph(self):
-        for kind, fraction in [("EW", 0.1997), ("LW", 0.6094)]:
+        # The windows that the label pictures of the same spruce show, in the files' micrometres; their lumens are
+        # larger by 0.01 um all around, 0.5 % of thin walls (tests/verification/Contours.cpp).
+        for kind, fraction, window, within in [
+            ("EW", 0.19966, "60,20,380,390", 0.006), ("LW", 0.60941, "12,22,376,223", 0.003)
+        ]:
             for part in ([], ["--conductivity", "lumen=0.05,wall=1"]):
                 result = self.run_lamella(
                     "micrograph", os.path.join(REAL_DATA, "spruce_%s_polygons.json.gz" % kind), "--spacing", "0.5um",
-                    "--json", *part)
+                    "--window", window, "--json", *part)
                 self.assertEqual(result.code, 0, result.err)
                 answer = result.json()
-                self.assertAlmostEqual(answer["lattice"]["wall_fraction"], fraction, delta=0.003 * fraction)
+                self.assertAlmostEqual(answer["lattice"]["wall_fraction"], fraction, delta=within * fraction)
             for axis in "xy":
                 solved = answer["diffusion"]["axes"][axis]
                 self.assertLess(solved["relative_error"], 0.03)
