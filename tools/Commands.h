@@ -33,6 +33,7 @@ struct Command
 [[nodiscard]] Command equilibriumCommand(CLI::App& root);
 [[nodiscard]] Command stiffnessCommand(CLI::App& root);
 [[nodiscard]] Command fluxMapCommand(CLI::App& root);
+[[nodiscard]] Command micrographCommand(CLI::App& root);
 [[nodiscard]] Command packingCommand(CLI::App& root);
 [[nodiscard]] Command bridgesCommand(CLI::App& root);
 [[nodiscard]] Command poreFloodFillCommand(CLI::App& root);

@@ -77,6 +77,32 @@ class Real(Case):
             "--conductivity", "lumen=0.02", "--conductivity", "wall=1", "--no-error-estimate", "--json")
         self.assertGreater(answer.json()["effective"]["x"], 0)
 
+    def test_conifer_scan_as_a_micrograph(self):
+        answer = self.run_lamella(  # warns of gaps in rays
+            "micrograph", os.path.join(REAL_DATA, "conifer_roxas_scan.jpg"), "--pixel-size", "0.441um", "--overlay", "o.png",
+            "--least-diameter", "4.98um", "--json").json()
+        # The expert marked 236 lumens of at least 100 pixels, a circle of 4.98 um, and 65.62 % of the picture as lumen.
+        self.assertAlmostEqual(answer["lumens"]["count"], 236, delta=0.05 * 236)
+        self.assertAlmostEqual(1 - answer["wall_fraction"], 0.6562, delta=0.02)
+        self.assertIsNone(answer["vessels"])
+
+    def test_spruce_polygons_as_a_micrograph(self):
+        # The windows that the label pictures of the same spruce show, in the files' micrometres; their lumens are
+        # larger by 0.01 um all around, 0.5 % of thin walls (tests/verification/Contours.cpp).
+        for kind, fraction, window, within in [
+            ("EW", 0.19966, "60,20,380,390", 0.006), ("LW", 0.60941, "12,22,376,223", 0.003)
+        ]:
+            for part in ([], ["--conductivity", "lumen=0.05,wall=1"]):
+                result = self.run_lamella(
+                    "micrograph", os.path.join(REAL_DATA, "spruce_%s_polygons.json.gz" % kind), "--spacing", "0.5um",
+                    "--window", window, "--json", *part)
+                self.assertEqual(result.code, 0, result.err)
+                answer = result.json()
+                self.assertAlmostEqual(answer["lattice"]["wall_fraction"], fraction, delta=within * fraction)
+            for axis in "xy":
+                solved = answer["diffusion"]["axes"][axis]
+                self.assertLess(solved["relative_error"], 0.03)
+
     def test_latewood_flux_without_a_display(self):
         self.works(
             "diffusion", os.path.join(REAL_DATA, "spruce_LW_labels_0.5um.png"), "--phase", "0=lumen", "--other", "wall",

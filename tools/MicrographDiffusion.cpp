@@ -1,0 +1,131 @@
+#include "MicrographDiffusion.h"
+
+#include "Text.h"
+
+#include "lattice/Error.h"
+#include "lattice/Memory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+
+namespace lamella::cli
+{
+
+Conductivities parseConductivities(const std::vector<std::string>& texts, bool hasLamella)
+{
+  // Two names a phase: what people say, and what the lattice calls it.
+  const std::map<std::string, std::size_t> known{ { "lumen", 0 }, { "void", 0 }, { "wall", 1 }, { "secondary wall", 1 },
+    { "lamella", 2 }, { "middle lamella", 2 } };
+  constexpr std::array<const char*, 3> names{ "lumen", "wall", "lamella" };
+  std::array<std::optional<double>, 3> values;
+  for (const std::string& text : texts)
+  {
+    for (const std::string& part : split(text, ','))
+    {
+      const auto [name, number] = keyValue("--conductivity", part, "NAME=VALUE");
+      const auto found = known.find(name);
+      if (found == known.end())
+      {
+        const std::vector<std::string> words{ "lumen", "wall", "lamella" };
+        throw ParameterError("--conductivity names '" + name + "', which is no phase of a micrograph",
+          suggestion(name, words, "its phases are 'lumen', 'wall' and 'lamella'"));
+      }
+      const auto value = toNumber(number);
+      if (!value || !std::isfinite(*value) || *value < 0)
+      {
+        throw ParameterError("--conductivity " + part + ": a conductivity must be a finite number of at least 0",
+          "write it as --conductivity wall=1 --conductivity lumen=0.05");
+      }
+      auto& place = values[found->second];
+      if (place && *place != *value)
+      {
+        throw ParameterError(
+          fmt::format("--conductivity gives '{}' two values, {:g} and {:g}", names[found->second], *place, *value),
+          "give every phase one value");
+      }
+      place = value;
+    }
+  }
+  if (!values[0] || !values[1])
+  {
+    throw ParameterError(fmt::format("no conductivity was given for '{}'", values[0] ? "wall" : "lumen"),
+      fmt::format("add --conductivity {}=VALUE", values[0] ? "wall" : "lumen"));
+  }
+  if (values[2] && !hasLamella)
+  {
+    throw ParameterError("--conductivity of a lamella, and there is none with --lamella none",
+      "leave it out, or choose --lamella growth, constant or labels");
+  }
+  if (*values[0] == 0 && *values[1] == 0 && values[2].value_or(0) == 0)
+  {
+    throw NoPathError("no phase conducts: all conductivities are 0", "give at least one phase a value above 0");
+  }
+  Conductivities result;
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    if (values[i])
+    {
+      result.named.emplace_back(names[i], *values[i]);
+      if (i < 2 || *values[2] != *values[1])
+      {
+        result.values.push_back(*values[i]);
+      }
+    }
+  }
+  return result;
+}
+
+std::vector<lbm::ContourAnswer> solveMicrograph(Session& session, const micrograph::ContourSet& contours,
+  const Conductivities& conductivities, double spacing, const std::vector<int>& axes, int threads,
+  const PhaseMaker& phases)
+{
+  lbm::ContourStudyOptions study;
+  study.spacing = spacing;
+  study.axes = axes;
+  study.conductivity = conductivities.values;
+  study.steady.threads = threads;
+  const Lattice lattice = micrograph::latticeOf(contours.size, spacing, 2);
+  // The solver, its links, the lattice and what its outlines cut; directions where there is a lamella.
+  const auto nodes = static_cast<double>(lattice.count());
+  const double bytes = static_cast<double>(lbm::estimateBytes(
+                         lattice, lbm::Stencil::D2Q5, lbm::Method::AlgebraicMultigrid, lattice.count())) +
+    nodes * (16 + 9 + 30 + (conductivities.values.size() > 2 ? 60 : 0));
+  if (const auto available = static_cast<double>(availableMemory()); bytes > available)
+  {
+    throw MemoryError(fmt::format("diffusion on {} nodes takes about {}, and {} are free", sizeText(lattice.size, 2),
+                        bytesText(bytes), bytesText(available)),
+      "take a larger --spacing or a part of the picture with --window");
+  }
+  // Two lattices, the second of four times the nodes, each solved along every axis.
+  struct State
+  {
+    std::size_t begun = 0;
+    double before = 0;
+  };
+  auto state = std::make_shared<State>();
+  const double each = 1.0 / (5.0 * static_cast<double>(axes.size()));
+  const std::size_t coarse = axes.size();
+  study.steady.progress = [&session, state, each, coarse](double part, const char* what)
+  {
+    const auto weight = [&](std::size_t solve) { return solve <= coarse ? each : 4 * each; };
+    if (part <= 0 || state->begun == 0)
+    {
+      state->before += state->begun > 0 ? weight(state->begun) : 0;
+      ++state->begun;
+    }
+    return session.progress(std::min(1.0, state->before + part * weight(state->begun)), what);
+  };
+  if (conductivities.values.size() > 2)
+  {
+    study.phases = phases;
+  }
+  auto answers = lbm::studyContours(contours, study, MPI_COMM_SELF);
+  session.endProgress();
+  return answers;
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "micrograph/Contour.h"
+#include "micrograph/ContourLattice.h"
+#include "micrograph/Picture.h"
+#include "micrograph/SegmentTypes.h"
+#include "micrograph/WallDirection.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace lamella::cli
+{
+
+/// What is drawn over a micrograph. Null or empty: not there.
+struct OverlayParts
+{
+  const micrograph::ContourSet* contours = nullptr;
+  const micrograph::Picture* scan = nullptr; ///< of the same picture; else lumens white, walls grey
+  const micrograph::ContourLattice* lattice = nullptr;
+  const micrograph::WallDirections* directions = nullptr;
+  const std::vector<std::uint8_t>* phase = nullptr; ///< #nodes, 2 for the lamella
+  std::vector<bool> vessel;                         ///< by lumen − 1
+  std::vector<micrograph::Mark> marks;
+  double pixel = 0; ///< of the marks [m]
+  int width = 0;    ///< of the picture [pixels]; 0: as fits
+};
+
+/// Pixels across that a picture of this size is drawn with.
+[[nodiscard]] int overlayWidth(const OverlayParts& parts);
+
+/// The picture with lamella and vessels tinted, outlines and strokes along the walls, and below it a scale bar and what
+/// the colours mean. Lines are as wide as the picture's size asks for, and drawn at twice the resolution.
+[[nodiscard]] micrograph::Picture drawOverlay(const OverlayParts& parts);
+
+} // namespace lamella::cli

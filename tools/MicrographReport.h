@@ -1,0 +1,66 @@
+#pragma once
+
+#include "MicrographInput.h"
+
+#include "io/Provenance.h"
+#include "lbm/ContourDiffusion.h"
+#include "micrograph/ContourMeasures.h"
+#include "micrograph/LumenClasses.h"
+#include "micrograph/MiddleLamella.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lamella::cli
+{
+
+/// What became of the middle lamella.
+struct LamellaReport
+{
+  std::string method;        ///< "growth", "constant" or "labels"
+  double thickness = 0;      ///< [m]; 0 of labels
+  double radius = 0;         ///< [m]; of growth
+  double horizon = 0;        ///< asked for [nodes]; 0: none
+  double mean = 0, low = 0;  ///< nodes across it; 5 % of it has fewer than `low`
+  double wallShare = 0;      ///< of the wall's nodes
+  std::int64_t networks = 0; ///< of growth and constant
+  double largestNetwork = 0; ///< share of it
+  std::int64_t cells = 0, cellsTouched = 0;
+};
+
+/// Everything that is told at the end.
+struct MicrographReport
+{
+  std::string file;
+  const Micrograph* micrograph = nullptr;
+  std::vector<micrograph::LumenMeasures> measures;
+  micrograph::LumenClasses classes; ///< by lumen as `measures`; those that the border cuts are classed by what is seen
+  double wallFraction = 0;
+  micrograph::WallThickness thickness;
+  std::optional<double> spacing; ///< of the lattice [m]
+  std::array<std::int64_t, 3> size{ 0, 0, 1 };
+  double cropped = 0; ///< [m]
+  double wallFractionOnLattice = 0;
+  std::int64_t wallNodes = 0;
+  std::vector<std::string> phases;
+  std::vector<double> fractions;
+  std::optional<LamellaReport> lamella;
+  std::vector<std::pair<std::string, double>> conductivity;
+  std::vector<lbm::ContourAnswer> answers;
+  std::vector<std::string> written;
+  std::vector<std::string> warnings;
+  double seconds = 0;
+  double latticeSeconds = 0; ///< from the file to the lattice with directions and lamella
+  io::Provenance provenance;
+};
+
+/// Vessels and fibres by the longest diameters of lumens that are whole; one that the border cuts is a vessel where
+/// what is seen of it is larger than the threshold.
+[[nodiscard]] micrograph::LumenClasses classify(const std::vector<micrograph::LumenMeasures>& measures);
+
+[[nodiscard]] std::string toJson(const MicrographReport& report);
+[[nodiscard]] std::string toTable(const MicrographReport& report);
+
+} // namespace lamella::cli
