@@ -54,8 +54,8 @@ namespace
 
 [[noreturn]] void unreadable(const fs::path& path)
 {
-  throw InputError(
-    "cannot read '" + path.string() + "': " + std::generic_category().message(errno), "check the path and its permissions");
+  throw InputError("cannot read '" + path.string() + "': " + std::generic_category().message(errno),
+    "check the path and its permissions");
 }
 
 /// Feeds a file, or its next `most` bytes, to the hash and returns how many they were.

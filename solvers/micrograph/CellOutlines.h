@@ -17,6 +17,7 @@ using Corners = std::array<double, 4>;
 /// Appends the straight pieces in which the value is 0 between four nodes, the positive side on their left, values
 /// taken as linear along the square's edges; a saddle is split by the mean. @param low the first node's position
 /// @param chain number for the pieces; their label is 1
-void zeroLines(const Corners& values, const Point& low, double spacing, std::int32_t chain, std::vector<Segment>& lines);
+void zeroLines(
+  const Corners& values, const Point& low, double spacing, std::int32_t chain, std::vector<Segment>& lines);
 
 } // namespace lamella::micrograph
