@@ -171,9 +171,10 @@ int run(Session& session, std::vector<std::string> words)
     { "lamella generate softwood -o tissue.png",
       "lamella diffusion tissue.png --conductivity lumen=0.023 --conductivity wall=1 -o heat.vti",
       "lamella snapshot heat_y.vti -o heat.png", "lamella info heat_y.vti" });
-  const std::vector<Command> commands{ generateCommand(root), micrographCommand(root), diffusionCommand(root),
-    fluxMapCommand(root), packingCommand(root), bridgesCommand(root), equilibriumCommand(root), stiffnessCommand(root),
-    poreFloodFillCommand(root), stressPdfCommand(root), snapshotCommand(root), infoCommand(root) };
+  const std::vector<Command> commands{ generateCommand(root), diffusionCommand(root), fluxMapCommand(root),
+    packingCommand(root), bridgesCommand(root), equilibriumCommand(root), stiffnessCommand(root),
+    poreFloodFillCommand(root), micrographCommand(root), stressPdfCommand(root), snapshotCommand(root),
+    infoCommand(root) };
   root.require_subcommand(0, 1);
 
   const std::string commandLine = io::quoteCommand(words);
