@@ -39,6 +39,7 @@ void addLookOptions(CLI::App& command, LookChoice& choice)
   choice.unevenLight = usual.unevenLight;
   choice.dirt = usual.dirt;
   choice.tears = usual.tears;
+  choice.rim = usual.rim;
   command.add_option("--look", choice.look, "Draw it as a micrograph with this stain, not as labels")
     ->type_name("magenta|blue|grey");
   command.add_option("--truth", choice.truth, "With --look: write the labels here")->type_name("FILE");
@@ -57,6 +58,10 @@ void addLookOptions(CLI::App& command, LookChoice& choice)
   command.add_option("--tears", choice.tears, "With --look: torn places a square millimetre")
     ->type_name("NUMBER")
     ->capture_default_str();
+  command
+    .add_option("--rim", choice.rim, "With --look: depth of a dark fringe along the lumens' edges, in stain of a wall")
+    ->type_name("SHARE")
+    ->capture_default_str();
   command.add_option("--scale-bar", choice.scaleBar, "With --look: length of a bar drawn into the picture; 0: none")
     ->type_name("METRES")
     ->capture_default_str();
@@ -68,7 +73,7 @@ std::optional<Look> parseLook(const CLI::App& command, const LookChoice& choice,
   if (choice.look.empty())
   {
     for (const char* const option :
-      { "--truth", "--blur", "--noise", "--uneven-light", "--dirt", "--tears", "--scale-bar" })
+      { "--truth", "--blur", "--noise", "--uneven-light", "--dirt", "--tears", "--rim", "--scale-bar" })
     {
       if (command.count(option) > 0)
       {
@@ -104,6 +109,7 @@ std::optional<Look> parseLook(const CLI::App& command, const LookChoice& choice,
   look.options.unevenLight = choice.unevenLight;
   look.options.dirt = choice.dirt;
   look.options.tears = choice.tears;
+  look.options.rim = choice.rim;
   look.options.scaleBar = lengthOrZero("--scale-bar", choice.scaleBar);
   look.options.seed = seed;
   look.tissue = std::move(tissue);
@@ -119,7 +125,7 @@ nlohmann::ordered_json Look::toJson() const
 {
   return { { "stain", stain }, { "blur", options.blur }, { "noise", options.noise },
     { "uneven_light", options.unevenLight }, { "dirt", options.dirt }, { "tears", options.tears },
-    { "scale_bar", options.scaleBar } };
+    { "rim", options.rim }, { "scale_bar", options.scaleBar } };
 }
 
 } // namespace lamella::cli

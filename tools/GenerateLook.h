@@ -21,7 +21,7 @@ struct LookChoice
   std::string truth;
   std::string blur;
   std::string scaleBar = "0";
-  double noise = 0, unevenLight = 0, dirt = 0, tears = 0;
+  double noise = 0, unevenLight = 0, dirt = 0, tears = 0, rim = 0;
 };
 
 void addLookOptions(CLI::App& command, LookChoice& choice);

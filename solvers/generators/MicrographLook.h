@@ -26,7 +26,7 @@ struct LookOptions
   double wallVariation = 0.15; ///< of the stain along the walls, over some ten micrometres
   double lamella = 0.35;       ///< how much deeper the compound middle lamella is stained; 0: as the wall
   double lamellaWidth = 1e-6;  ///< its thickness [m]
-  double rim = 0.4;            ///< dark (grey: bright) line along the lumens' edges, over the stain; 0: none
+  double rim = 0;              ///< fringe of upright walls out of focus: dark (grey: bright) line on the edge; 0: none
   double rimWidth = 0.6e-6;    ///< its width [m]
   double tint = 0.03;          ///< stain in the lumens
   double blur = 0.5e-6;        ///< standard deviation of the optics' Gaussian point spread [m]; 0: none

@@ -95,6 +95,43 @@ std::array<double, 3> darkBelow(const std::vector<Beside>& beside, std::size_t c
   return limits;
 }
 
+bool isDark(const Beside& beside, const std::array<double, 3>& limits, std::size_t channels)
+{
+  bool dark = false;
+  for (std::size_t c = 0; c < channels && beside.known(); ++c)
+  {
+    dark = dark || beside.transmission(c) < limits[c];
+  }
+  return dark;
+}
+
+/// How likely it is that so many out of n are dark, or more, where each is with a probability p.
+double tail(std::size_t dark, std::size_t n, double p)
+{
+  double sum = 0;
+  for (std::size_t k = dark; k <= n; ++k)
+  {
+    const auto from = static_cast<double>(n);
+    const auto of = static_cast<double>(k);
+    sum += std::exp(std::lgamma(from + 1) - std::lgamma(of + 1) - std::lgamma(from - of + 1) + of * std::log(p) +
+      (from - of) * std::log1p(-p));
+  }
+  return sum;
+}
+
+/// The share of lumens in dark tissue, by the rule of succession: neither none nor all, however few there are.
+double darkShare(const std::vector<Beside>& beside, const std::array<double, 3>& limits, std::size_t channels)
+{
+  double known = 0;
+  double dark = 0;
+  for (const Beside& one : beside)
+  {
+    known += one.known();
+    dark += isDark(one, limits, channels);
+  }
+  return (dark + 1) / (known + 2);
+}
+
 } // namespace
 
 RayGaps dropRayGaps(
@@ -130,18 +167,17 @@ RayGaps dropRayGaps(
     }
   }
   const std::size_t slenderOnes = gaps.size();
-  std::erase_if(gaps,
-    [&](int gap)
-    {
-      const Beside& own = beside[static_cast<std::size_t>(before[static_cast<std::size_t>(gap)])];
-      bool dark = false;
-      for (std::size_t c = 0; c < channels && own.known(); ++c)
-      {
-        dark = dark || own.transmission(c) < limits[c];
-      }
-      return !dark;
-    });
-  if (2 * gaps.size() < slenderOnes || 10 * gaps.size() > pieces.area.size() - 1)
+  const auto besideOf = [&](int gap) -> const Beside&
+  { return beside[static_cast<std::size_t>(before[static_cast<std::size_t>(gap)])]; };
+  std::vector<Beside> others = beside;
+  for (const int gap : gaps)
+  {
+    others[static_cast<std::size_t>(before[static_cast<std::size_t>(gap)])] = {};
+  }
+  std::erase_if(gaps, [&](int gap) { return !isDark(besideOf(gap), limits, channels); });
+  constexpr double chance = 0.02;
+  if (gaps.empty() || 2 * gaps.size() < slenderOnes || 10 * gaps.size() > pieces.area.size() - 1 ||
+    tail(gaps.size(), slenderOnes, darkShare(others, limits, channels)) > chance)
   {
     return result;
   }

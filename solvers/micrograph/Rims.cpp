@@ -1,5 +1,6 @@
 #include "micrograph/Rims.h"
 
+#include "micrograph/EdgeProfile.h"
 #include "micrograph/Pieces.h"
 
 #include <opencv2/imgproc.hpp>
@@ -15,8 +16,6 @@ namespace lamella::micrograph
 {
 namespace
 {
-
-constexpr double bin = 0.5; // [pixels]
 
 /// How far the outline lies outside the centre of a pixel at the edge of a mask, along the edge's normal.
 float beyond(const cv::Mat& mask, const cv::Mat& bright, double threshold, int row, int x)
@@ -49,45 +48,6 @@ float beyond(const cv::Mat& mask, const cv::Mat& bright, double threshold, int r
   }
   return static_cast<float>(vertical.value_or(horizontal.value_or(0.5)));
 }
-
-/// The mean of a grey over the distance from the outline: bin i holds distances from (i - offset) · bin on.
-struct Profile
-{
-  std::vector<double> sum;
-  std::vector<double> place;
-  std::vector<double> count;
-
-  explicit Profile(std::size_t bins)
-    : sum(bins)
-    , place(bins)
-    , count(bins)
-  {
-  }
-  void add(double distance, double value)
-  {
-    const auto i = static_cast<std::size_t>(distance / bin);
-    if (i < sum.size())
-    {
-      sum[i] += value;
-      place[i] += distance;
-      count[i] += 1;
-    }
-  }
-  /// Bins with enough in them to be believed, as (distance, mean), in order.
-  [[nodiscard]] std::vector<std::array<double, 2>> curve() const
-  {
-    const double most = *std::max_element(count.begin(), count.end());
-    std::vector<std::array<double, 2>> points;
-    for (std::size_t i = 0; i < sum.size(); ++i)
-    {
-      if (count[i] >= std::max(30.0, 0.01 * most))
-      {
-        points.push_back({ place[i] / count[i], sum[i] / count[i] });
-      }
-    }
-    return points;
-  }
-};
 
 /// Where a curve passes a value, going from point to point; none if it does not.
 std::optional<double> crossing(const std::vector<std::array<double, 2>>& points, std::size_t from, double value)
@@ -220,7 +180,7 @@ Rim findRim(const Picture& picture, const cv::Mat& lumen, const EdgeDistance& ed
   static constexpr std::array names{ "red", "green", "blue", "grey" };
   const std::size_t channels = picture.colour.empty() ? 1 : 3;
   const std::uint16_t* const values = picture.colour.empty() ? picture.grey.data() : picture.colour.data();
-  const auto bins = static_cast<std::size_t>(std::ceil(reach / bin));
+  const auto bins = static_cast<std::size_t>(std::ceil(reach / Profile::bin));
   std::vector<Profile> inside(channels, Profile(bins));
   std::vector<Profile> wall(channels, Profile(bins));
   for (int row = 0; row < lumen.rows; ++row)
@@ -268,34 +228,6 @@ Rim findRim(const Picture& picture, const cv::Mat& lumen, const EdgeDistance& ed
   return best;
 }
 
-double halfHeight(const cv::Mat& lumen, const EdgeDistance& edge, const cv::Mat& bright, double reach)
-{
-  const auto bins = static_cast<std::size_t>(std::ceil(reach / bin));
-  Profile inside(bins);
-  Profile wall(bins);
-  for (int row = 0; row < lumen.rows; ++row)
-  {
-    const auto* deep = edge.depth.ptr<float>(row);
-    const auto* away = edge.away.ptr<float>(row);
-    const auto* value = bright.ptr<float>(row);
-    for (int x = 0; x < lumen.cols; ++x)
-    {
-      (deep[x] > 0 ? inside : wall).add(deep[x] > 0 ? deep[x] - 0.5 : away[x], value[x]);
-    }
-  }
-  const auto in = inside.curve();
-  const auto out = wall.curve();
-  if (in.size() < 3 || out.size() < 2)
-  {
-    return 0;
-  }
-  const auto darker = [](const auto& a, const auto& b) { return a[1] < b[1]; };
-  const double middle = (in.back()[1] + (*std::min_element(out.begin(), out.end(), darker))[1]) / 2;
-  std::vector<std::array<double, 2>> across{ { -in.front()[0], in.front()[1] } };
-  across.insert(across.end(), out.begin(), out.end());
-  return std::clamp(crossing(across, 0, middle).value_or(0), 0.0, 1.0);
-}
-
 void moveOutwards(cv::Mat& mask, const EdgeDistance& edge, double shift)
 {
   const cv::Mat before = mask.clone();
@@ -308,6 +240,11 @@ void moveOutwards(cv::Mat& mask, const EdgeDistance& edge, double shift)
       value[x] = away[x] < shift ? 255 : value[x];
     }
   }
+  keepApart(mask, before, edge);
+}
+
+void keepApart(cv::Mat& mask, const cv::Mat& before, const EdgeDistance& edge)
+{
   const cv::Mat grown = mask.clone();
   for (int row = 0; row < mask.rows; ++row)
   {

@@ -48,15 +48,10 @@ struct Rim
 [[nodiscard]] Rim findRim(const Picture& picture, const cv::Mat& lumen, const EdgeDistance& edge, bool brightLumen,
   double reach, const cv::Mat& ignored);
 
-/// How far outside the outline the grey is half way between the lumens' inside and the darkest place beside them, on
-/// the mean over all outlines; 0 where it is not outside.
-///
-/// A blurred edge lies at half its height. Otsu's threshold lies lower or higher: it is the middle between the means of
-/// the two classes, and where walls are thin much of their class is blurred edge.
-/// @param bright CV_32F, lumens brighter than walls
-[[nodiscard]] double halfHeight(const cv::Mat& lumen, const EdgeDistance& edge, const cv::Mat& bright, double reach);
-
 /// Moves the outline of a mask outwards; pieces do not grow together.
 void moveOutwards(cv::Mat& mask, const EdgeDistance& edge, double shift);
+
+/// Takes pixels that a mask gained back where its pieces would touch through them.
+void keepApart(cv::Mat& mask, const cv::Mat& before, const EdgeDistance& edge);
 
 } // namespace lamella::micrograph

@@ -3,6 +3,7 @@
 #include "lattice/Error.h"
 #include "micrograph/Flatten.h"
 #include "micrograph/Graphics.h"
+#include "micrograph/HalfHeight.h"
 #include "micrograph/LumenShapes.h"
 #include "micrograph/Otsu.h"
 #include "micrograph/Pieces.h"
@@ -177,14 +178,13 @@ void refine(cv::Mat& lumen, const Thresholded& from, const Picture& picture, con
   }
   if (report.rim == 0 && !options.rim && !options.threshold)
   {
-    report.halfHeight = halfHeight(lumen, edge, from.bright, reachOf(wallRun));
+    report.halfHeight = toHalfHeight(lumen, edge, from.bright, reachOf(wallRun));
   }
-  const double shift = std::max(report.rim, report.halfHeight);
-  if (shift > 0)
+  if (report.rim > 0)
   {
-    moveOutwards(lumen, edge, shift);
+    moveOutwards(lumen, edge, report.rim);
   }
-  if (report.neckNodes > 0 || shift > 0)
+  if (report.neckNodes > 0 || report.rim > 0 || report.halfHeight != 0)
   {
     clean(lumen, report);
   }

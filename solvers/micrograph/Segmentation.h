@@ -61,7 +61,7 @@ struct SegmentReport
   double rim = 0;                 ///< how far the outlines moved outwards [pixels]; 0: no rim
   double rimDepth = 0;    ///< how much darker than the wall, over the contrast; 0: no rim, or its width was given
   std::string rimChannel; ///< where the rim is deepest
-  double halfHeight = 0;  ///< how far the outlines moved to half the height of the edge, where no rim is [pixels]
+  double halfHeight = 0;  ///< where no rim is: how far outlines moved outwards to half their height, mean [pixels]
   std::int64_t rays = 0;  ///< gaps in rays, taken for wall
   std::int64_t rayNodes = 0;
   double graphicsShare = 0;  ///< of the picture, painted over

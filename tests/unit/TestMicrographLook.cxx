@@ -180,9 +180,9 @@ TEST(MicrographLook, SameSeedSameBytes)
   options.tears = 100;
   options.dirt = 100;
   // Pinned: another value means that every published picture has changed.
-  EXPECT_EQ(hashOf(makeLook(truth, 3, options)), 10011606024696635468ULL);
+  EXPECT_EQ(hashOf(makeLook(truth, 3, options)), 9005202756214581137ULL);
   options.stain = Stain::Grey;
-  EXPECT_EQ(hashOf(makeLook(truth, 3, options)), 17952186303752542587ULL);
+  EXPECT_EQ(hashOf(makeLook(truth, 3, options)), 6214858690243235207ULL);
   LookOptions other = options;
   other.seed = 2;
   EXPECT_NE(hashOf(makeLook(truth, 3, other)), hashOf(makeLook(truth, 3, options)));

@@ -303,41 +303,69 @@ TEST(Segmentation, TinyPicturesAreNoTrouble)
 
 TEST(Segmentation, GeneratedMicrographsAreFoundAgain)
 {
-  generators::SoftwoodOptions softwood;
-  softwood.size = { 1200, 1000, 1 };
-  softwood.spacing = 0.25e-6;
-  softwood.ringPosition1 = 1;
-  generators::HardwoodOptions hardwood;
-  hardwood.size = { 1600, 1200, 1 };
-  hardwood.spacing = 0.25e-6;
-  const std::array tissues{ generators::softwood(softwood), generators::hardwood(hardwood) };
-  for (std::size_t which = 0; which < tissues.size(); ++which)
+  // A tissue four times as fine as the picture, and as it is on the picture's own pixels.
+  const auto softwood = [](std::int64_t width, std::int64_t height, double solid, double late, std::int64_t finer)
   {
-    const PhaseImage truth = coarser(tissues[which], 2);
+    generators::SoftwoodOptions o;
+    o.size = { width * finer, height * finer, 1 };
+    o.spacing = 0.5e-6 / static_cast<double>(finer);
+    o.solidFraction = solid;
+    o.ringPosition0 = o.ringPosition1 = late;
+    return generators::softwood(o);
+  };
+  const auto hardwood = [](std::int64_t finer)
+  {
+    generators::HardwoodOptions o;
+    o.size = { 800 * finer, 600 * finer, 1 };
+    o.spacing = 0.5e-6 / static_cast<double>(finer);
+    return generators::hardwood(o);
+  };
+  struct Case
+  {
+    PhaseImage fine, truth;
+    double least;
+  };
+  // Measured over six seeds: earlywood 0.984 to 0.994, poplar 0.980 to 0.987, latewood 0.968 to 0.976. Its lumens are
+  // six pixels wide: a pixel in four is at an outline.
+  const std::array cases{ Case{ softwood(500, 400, 0.4, 0, 4), softwood(500, 400, 0.4, 0, 1), 0.98 },
+    Case{ softwood(384, 364, 0.78, 1, 4), softwood(384, 364, 0.78, 1, 1), 0.97 },
+    Case{ hardwood(4), hardwood(1), 0.975 } };
+  for (std::size_t which = 0; which < cases.size(); ++which)
+  {
+    const auto& [fine, truth, least] = cases[which];
     for (const auto stain : { generators::Stain::Magenta, generators::Stain::Blue, generators::Stain::Grey })
     {
       generators::LookOptions look;
       look.stain = stain;
-      // The default line along the edges is too faint to be seen once it is blurred, yet takes half a pixel from every
-      // lumen; what cannot be seen cannot be found (next test).
-      look.rim = 0;
       look.dirt = 20;
-      const Segmentation result = segment(generators::makeLook(tissues[which], 2, look));
-      EXPECT_GT(agreement(result.image, truth), 0.97) << which << ' ' << static_cast<int>(stain);
+      const Segmentation result = segment(generators::makeLook(fine, 4, look));
+      EXPECT_GT(agreement(result.image, truth), least) << which << ' ' << static_cast<int>(stain);
+      // No bias: what is left is pixels that fall in or out at random.
+      double walls = 0;
+      for (const std::uint8_t id : truth.phase)
+      {
+        walls += id != 0;
+      }
+      walls /= static_cast<double>(truth.phase.size());
+      EXPECT_NEAR(1 - result.report.lumenFraction, walls, which == 2 ? 0.012 : 0.004) << which;
       EXPECT_EQ(result.report.brightLumen, stain != generators::Stain::Grey);
-      EXPECT_EQ(result.report.vesselsFound, which == 1);
+      EXPECT_EQ(result.report.vesselsFound, which == 2);
       EXPECT_EQ(result.report.rays, 0); // whole cells
     }
   }
 }
 
+// A line that is too faint to be seen once it is blurred still takes half a pixel from every lumen; what cannot be seen
+// cannot be found.
 TEST(Segmentation, AFaintLineAlongTheEdgesCostsLittle)
 {
   generators::SoftwoodOptions softwood;
   softwood.size = { 1200, 1000, 1 };
   softwood.spacing = 0.25e-6;
   const PhaseImage tissue = generators::softwood(softwood);
-  const Picture picture = generators::makeLook(tissue, 2, {});
+  generators::LookOptions look;
+  look.rim = 0.4;
+  const Picture picture = generators::makeLook(tissue, 2, look);
   const PhaseImage truth = coarser(tissue, 2);
   const Segmentation result = segment(picture);
   EXPECT_GT(agreement(result.image, truth), 0.95);

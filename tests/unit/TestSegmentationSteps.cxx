@@ -212,6 +212,23 @@ TEST(SegmentationSteps, TornRaysAreWallAndWholeRaysAreNot)
   EXPECT_EQ(segment(withRay(60), keep).report.lumens, whole.report.lumens);
 }
 
+// Two slender cells may well be dark by chance: nothing is lost for that.
+TEST(SegmentationSteps, TwoSlenderCellsInDarkTissueAreLeft)
+{
+  const auto only = [](int cells)
+  {
+    const Picture ray = withRay(60);
+    return pictureOf(330, 400,
+      [&](double x, double y)
+      {
+        const auto pixel = ray.grey[static_cast<std::size_t>(y) * 330 + static_cast<std::size_t>(x)];
+        return std::abs(x - 165) < 5 && y > 100 * cells ? 60.0 : static_cast<double>(pixel);
+      });
+  };
+  EXPECT_EQ(segment(only(2)).report.rays, 0);
+  EXPECT_EQ(segment(only(4)).report.rays, 4);
+}
+
 TEST(SegmentationSteps, ScaleBarsTextAndMarginsAreFoundAndPaintedOver)
 {
   const Segmentation clean = segment(disks());
