@@ -24,6 +24,25 @@ struct MeanEdge
   double blur = 0;     ///< standard deviation of the Gaussian that makes a step so steep [pixels]
 };
 
+// A Gaussian edge has 5 % of its height to fall 1.645 deviations before its middle, and 1 % 2.33 before.
+constexpr double foot = 0.05;
+constexpr double deviations = 1.645;
+constexpr double reaches = 2.33;
+
+/// Where a falling curve first passes a value.
+std::optional<double> crossing(const std::vector<std::array<double, 2>>& curve, double value)
+{
+  for (std::size_t i = 0; i + 1 < curve.size(); ++i)
+  {
+    if (curve[i][1] > value && curve[i + 1][1] <= value)
+    {
+      const double part = (curve[i][1] - value) / (curve[i][1] - curve[i + 1][1]);
+      return curve[i][0] + part * (curve[i + 1][0] - curve[i][0]);
+    }
+  }
+  return std::nullopt;
+}
+
 /// Distance of a pixel's centre from the outline, negative inside.
 double fromOutline(float depth, float away)
 {
@@ -57,31 +76,36 @@ std::optional<MeanEdge> meanEdge(const EdgeDistance& edge, const cv::Mat& bright
     point[0] = -point[0];
   }
   across.insert(across.end(), out.begin(), out.end());
-  const auto slope = [&](std::size_t i)
-  { return (across[i][1] - across[i + 1][1]) / (across[i + 1][0] - across[i][0]); };
-  std::size_t steepest = 0;
-  for (std::size_t i = 0; i + 1 < across.size(); ++i)
+  const auto place = [&](double grey) { return crossing(across, grey); };
+  const auto grey = [&](double distance)
   {
-    steepest = slope(i) > slope(steepest) ? i : steepest;
-  }
-  if (!(slope(steepest) > 0))
+    const auto next =
+      std::find_if(across.begin() + 1, across.end() - 1, [&](const auto& point) { return point[0] >= distance; });
+    const auto& [x0, y0] = *(next - 1);
+    const auto& [x1, y1] = *next;
+    return y0 + (y1 - y0) * std::clamp((distance - x0) / (x1 - x0), 0.0, 1.0);
+  };
+  MeanEdge mean;
+  mean.lumen = across.front()[1];
+  mean.wall =
+    (*std::min_element(across.begin(), across.end(), [](const auto& a, const auto& b) { return a[1] < b[1]; }))[1];
+  // The wall's grey and where the edge ends depend on each other: what goes on falling further out than the blur
+  // reaches, as the lumen's side tells it, is a darker middle lamella.
+  for (int round = 0; round < 4; ++round)
   {
-    return std::nullopt;
+    const double contrast = mean.lumen - mean.wall;
+    const auto begin = place(mean.lumen - foot * contrast);
+    const auto middle = place(mean.lumen - contrast / 2);
+    if (!(contrast > 0) || !begin || !middle)
+    {
+      return std::nullopt;
+    }
+    mean.blur = (*middle - *begin) / deviations;
+    mean.inwards = reaches * mean.blur - *middle;
+    mean.outwards = reaches * mean.blur + *middle;
+    mean.wall = grey(mean.outwards);
   }
-  constexpr double flat = 0.05;
-  std::size_t end = steepest + 1;
-  while (end + 1 < across.size() && slope(end) > flat * slope(steepest))
-  {
-    ++end;
-  }
-  std::size_t begin = steepest;
-  while (begin > 0 && slope(begin - 1) > flat * slope(steepest))
-  {
-    --begin;
-  }
-  const double contrast = across[begin][1] - across[end][1];
-  return MeanEdge{ -across[begin][0], across[end][0], across[begin][1], across[end][1],
-    contrast / slope(steepest) / std::sqrt(2 * std::numbers::pi) };
+  return mean;
 }
 
 /// What is known of one lumen and its wall.
