@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace lamella::micrograph
 {
@@ -116,6 +117,61 @@ void improve(std::span<const double> values, std::array<Gaussian, 2>& classes)
   }
 }
 
+/// How many belong to the lower class where the gap between neighbours is the widest; at least so many in either.
+std::size_t widestGap(std::span<const double> sorted, std::size_t least)
+{
+  std::size_t best = least;
+  for (std::size_t i = least; i + least <= sorted.size(); ++i)
+  {
+    best = sorted[i] - sorted[i - 1] > sorted[best] - sorted[best - 1] ? i : best;
+  }
+  return best;
+}
+
+/// Two Gaussians, the lower first, and what they say.
+struct Pair
+{
+  std::array<Gaussian, 2> two;
+  double logLikelihood = 0;
+  double limit = 0; ///< between the two means, where the larger class begins to be the likelier
+  double separability = 0;
+  double ratio = 1;
+  std::size_t larger = 0; ///< how many belong to the larger class
+};
+
+Pair fitPair(std::span<const double> sorted, std::size_t low)
+{
+  Pair pair{ { fit(sorted.first(low), sorted.size()), fit(sorted.subspan(low), sorted.size()) } };
+  auto& two = pair.two;
+  pair.logLikelihood = logLikelihood(sorted, two);
+  for (int round = 0; round < 200; ++round)
+  {
+    improve(sorted, two);
+    const double before = std::exchange(pair.logLikelihood, logLikelihood(sorted, two));
+    if (pair.logLikelihood - before < 1e-9 * std::abs(pair.logLikelihood))
+    {
+      break;
+    }
+  }
+  if (two[0].mean > two[1].mean)
+  {
+    std::swap(two[0], two[1]);
+  }
+  const double apart = two[1].mean - two[0].mean;
+  pair.separability = std::numbers::sqrt2 * apart / std::sqrt(two[0].variance + two[1].variance);
+  pair.ratio = std::exp(apart);
+  double below = two[0].mean;
+  double above = two[1].mean;
+  for (int i = 0; i < 60; ++i)
+  {
+    const double middle = (below + above) / 2;
+    (two[0].density(middle) > two[1].density(middle) ? below : above) = middle;
+  }
+  pair.limit = (below + above) / 2;
+  pair.larger = static_cast<std::size_t>(sorted.end() - std::upper_bound(sorted.begin(), sorted.end(), pair.limit));
+  return pair;
+}
+
 } // namespace
 
 LumenClasses classifyLumens(std::span<const double> sizes)
@@ -139,51 +195,57 @@ LumenClasses classifyLumens(std::span<const double> sizes)
     return result;
   }
   const Gaussian one = fit(logs, logs.size());
-  const auto low = split(logs);
-  const std::span<const double> values(logs);
-  std::array<Gaussian, 2> two{ fit(values.first(low), logs.size()), fit(values.subspan(low), logs.size()) };
-  double before = logLikelihood(logs, two);
-  for (int round = 0; round < 200; ++round)
+  const double ofOne = logLikelihood(logs, std::span(&one, 1));
+  const auto clean = [&](const Pair& pair)
   {
-    improve(logs, two);
-    const double now = logLikelihood(logs, two);
-    if (now - before < 1e-9 * std::abs(now))
-    {
-      break;
-    }
-    before = now;
-  }
-  if (two[0].mean > two[1].mean)
+    constexpr double clearlyBetter = 10;
+    const double better = 2 * (pair.logLikelihood - ofOne) - 3 * std::log(static_cast<double>(logs.size()));
+    return better > clearlyBetter && pair.separability > 2 && pair.ratio >= 4 && pair.larger >= least &&
+      2 * pair.larger < logs.size();
+  };
+  // The likelihood has more than one summit: with few vessels the two may both settle on the fibres.
+  Pair best = fitPair(logs, split(logs));
+  const Pair other = fitPair(logs, widestGap(logs, least));
+  if (clean(other) && (!clean(best) || other.logLikelihood > best.logLikelihood))
   {
-    std::swap(two[0], two[1]);
+    best = other;
   }
-  const double better = 2 * (logLikelihood(logs, two) - logLikelihood(logs, std::span(&one, 1))) -
-    3 * std::log(static_cast<double>(logs.size()));
-  const double apart = two[1].mean - two[0].mean;
-  result.separability = std::numbers::sqrt2 * apart / std::sqrt(two[0].variance + two[1].variance);
-  result.ratio = std::exp(apart);
-  // Between the two means, where the larger class begins to be the likelier.
-  double below = two[0].mean;
-  double above = two[1].mean;
-  for (int i = 0; i < 60; ++i)
-  {
-    const double middle = (below + above) / 2;
-    (two[0].density(middle) > two[1].density(middle) ? below : above) = middle;
-  }
-  const double limit = (below + above) / 2;
-  const auto vessels = static_cast<std::size_t>(logs.end() - std::upper_bound(logs.begin(), logs.end(), limit));
-  constexpr double clearlyBetter = 10;
-  result.two = better > clearlyBetter && result.separability > 2 && result.ratio >= 4 && vessels >= least &&
-    2 * vessels < logs.size();
+  result.separability = best.separability;
+  result.ratio = best.ratio;
+  result.two = clean(best);
   if (!result.two)
   {
     return result;
   }
-  result.threshold = std::exp(limit);
-  result.vessels = vessels;
+  result.threshold = std::exp(best.limit);
+  result.vessels = best.larger;
   std::transform(
-    sizes.begin(), sizes.end(), result.vessel.begin(), [&](double size) { return std::log(size) > limit; });
+    sizes.begin(), sizes.end(), result.vessel.begin(), [&](double size) { return std::log(size) > best.limit; });
   return result;
+}
+
+LumenClasses tellVessels(std::span<const LumenExtent> lumens)
+{
+  constexpr double mostSlender = 3;
+  const auto slender = [](const LumenExtent& one) { return one.length > mostSlender * one.width; };
+  const auto circle = [](const LumenExtent& one) { return one.length * one.length * std::numbers::pi / 4; };
+  std::vector<double> sizes;
+  for (const LumenExtent& one : lumens)
+  {
+    if (one.whole && !slender(one))
+    {
+      sizes.push_back(circle(one));
+    }
+  }
+  LumenClasses classes = classifyLumens(sizes);
+  classes.vessel.assign(lumens.size(), false);
+  classes.vessels = 0;
+  for (std::size_t i = 0; i < lumens.size() && classes.two; ++i)
+  {
+    classes.vessel[i] = !slender(lumens[i]) && circle(lumens[i]) > classes.threshold;
+    classes.vessels += classes.vessel[i];
+  }
+  return classes;
 }
 
 } // namespace lamella::micrograph

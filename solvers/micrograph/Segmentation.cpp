@@ -205,30 +205,18 @@ void describe(const cv::Mat& lumen, Segmentation& result)
   result.lumen.assign(pieces.labels.begin<int>(), pieces.labels.end<int>());
   result.shapes = lumenShapes(pieces.labels, static_cast<int>(pieces.area.size()));
   result.shapes.erase(result.shapes.begin());
-  // By the circle over the longest diameter earlywood is no vessel among latewood, which is flattened only; slender
-  // lumens, cells of rays among them, are neither vessels nor fibres.
-  const auto circle = [](const LumenShape& shape) { return shape.length * shape.length * std::numbers::pi / 4; };
-  const auto slender = [](const LumenShape& shape) { return shape.length > 3 * shape.width; };
-  std::vector<double> sizes;
+  std::vector<LumenExtent> extents;
   for (const LumenShape& shape : result.shapes)
   {
-    if (!shape.cut && !slender(shape))
-    {
-      sizes.push_back(circle(shape));
-    }
+    extents.push_back({ shape.length, shape.width, !shape.cut });
   }
-  const LumenClasses classes = classifyLumens(sizes);
+  const LumenClasses classes = tellVessels(extents);
   SegmentReport& report = result.report;
   report.vesselsFound = classes.two;
   report.vesselSize = classes.threshold;
   report.vesselSeparability = classes.separability;
-  result.vessel.assign(result.shapes.size(), false);
-  for (std::size_t i = 0; i < result.shapes.size() && classes.two; ++i)
-  {
-    const LumenShape& shape = result.shapes[i];
-    result.vessel[i] = !slender(shape) && circle(shape) > classes.threshold;
-    report.vessels += result.vessel[i];
-  }
+  report.vessels = static_cast<std::int64_t>(classes.vessels);
+  result.vessel = classes.vessel;
   report.lumens = static_cast<std::int64_t>(result.shapes.size());
   report.lumenFraction = static_cast<double>(cv::countNonZero(lumen)) / static_cast<double>(lumen.total());
 }
