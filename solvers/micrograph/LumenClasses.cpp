@@ -227,7 +227,11 @@ LumenClasses classifyLumens(std::span<const double> sizes)
 LumenClasses tellVessels(std::span<const LumenExtent> lumens)
 {
   constexpr double mostSlender = 3;
-  const auto slender = [](const LumenExtent& one) { return one.length > mostSlender * one.width; };
+  const auto isSlender = [](const LumenExtent& one) { return one.length > mostSlender * one.width; };
+  // Where it is the usual shape, in latewood, it sets nothing apart.
+  const bool usual =
+    2 * std::count_if(lumens.begin(), lumens.end(), isSlender) > static_cast<std::ptrdiff_t>(lumens.size());
+  const auto slender = [&](const LumenExtent& one) { return !usual && isSlender(one); };
   const auto circle = [](const LumenExtent& one) { return one.length * one.length * std::numbers::pi / 4; };
   std::vector<double> sizes;
   for (const LumenExtent& one : lumens)

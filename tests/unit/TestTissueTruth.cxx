@@ -346,3 +346,27 @@ TEST(TissueTruth, VesselsAreToldFromFibresAndRays)
     EXPECT_EQ(wrong, 0) << seed;
   }
 }
+
+// Most of latewood is slender; the few broad lumens and the tips of tracheids between them are no two kinds of cell.
+TEST(TissueTruth, SoftwoodHasNoVessels)
+{
+  for (const std::uint64_t seed : { 1, 3 })
+  {
+    for (const auto& [start, end, solid] : { std::array{ 0.0, 0.0, 0.4 }, { 1.0, 1.0, 0.78 }, { 0.0, 1.0, 0.5 } })
+    {
+      SoftwoodOptions options;
+      options.size = { 600, 500, 1 };
+      options.spacing = 0.5e-6;
+      options.seed = seed;
+      options.ringPosition0 = start;
+      options.ringPosition1 = end;
+      options.solidFraction = solid;
+      std::vector<micrograph::LumenExtent> extents;
+      for (const micrograph::LumenMeasures& m : micrograph::measureLumens(softwoodTruth(options, 1e-7).lumens))
+      {
+        extents.push_back({ m.major, m.minor, !m.open });
+      }
+      EXPECT_FALSE(micrograph::tellVessels(extents).two) << seed << ' ' << solid;
+    }
+  }
+}
