@@ -99,13 +99,20 @@ std::vector<ContourAnswer> studyContours(
   std::vector<ContourAnswer> answers;
   for (const int axis : options.axes)
     answers.emplace_back().axis = axis;
-  const Lattice finest = micrograph::latticeOf(contours.size, options.spacing, 2);
-  for (const bool fine : { false, true })
+  if (!(options.targetError >= 0) || !std::isfinite(options.targetError))
+  {
+    throw ParameterError(
+      fmt::format("a target of {} for the error", options.targetError), "give a share such as 0.001");
+  }
+  const Lattice first = micrograph::latticeOf(contours.size, options.spacing, 2);
+  // Each lattice lies in the next: half the spacing, the same part of the picture.
+  for (int level = 0;; ++level)
   {
     const auto start = Clock::now();
+    const bool fine = level > 0;
     micrograph::ContourLatticeOptions make;
-    make.spacing = finest.spacing * (fine ? 1 : 2);
-    make.multiple = fine ? 2 : 1;
+    make.spacing = std::ldexp(first.spacing, 1 - level);
+    make.multiple = 1 << level;
     make.lines = 1;
     make.across = true;
     make.grain = false;
@@ -123,21 +130,29 @@ std::vector<ContourAnswer> studyContours(
       lattice.image.lattice, block, blockOf(lattice.image, block), options.conductivity, steady, comm);
     const double made =
       std::chrono::duration<double>(Clock::now() - start).count() / static_cast<double>(answers.size());
+    double worst = 0;
     for (ContourAnswer& answer : answers)
     {
       const auto begin = Clock::now();
       const SteadyResult result = solver.solve(answer.axis);
-      ContourStep& step = fine ? answer.fine : answer.coarse;
-      step = { lattice.image.lattice.spacing, result.effective[static_cast<std::size_t>(answer.axis)],
+      answer.coarse = answer.fine;
+      answer.fine = { lattice.image.lattice.spacing, result.effective[static_cast<std::size_t>(answer.axis)],
         lattice.image.lattice.count(), result.iterations,
         made + std::chrono::duration<double>(Clock::now() - begin).count() };
+      answer.steps.push_back(answer.fine);
       if (!fine)
         continue;
       answer.result = result;
       answer.value = 2 * answer.fine.value - answer.coarse.value;
       answer.error = std::abs(answer.fine.value - answer.coarse.value) / answer.value;
+      worst = std::max(worst, answer.error);
       if (sink)
         sink(solver, answer, lattice, block);
+    }
+    const bool tooMany = options.mostNodes > 0 && 4 * lattice.image.lattice.count() > options.mostNodes;
+    if (fine && (options.targetError == 0 || worst <= options.targetError || tooMany))
+    {
+      break;
     }
   }
   return answers;

@@ -117,6 +117,36 @@ ContourSet turned(ContourSet set)
 
 // Layers in series and in parallel are exact wherever they lie between the nodes: across lumens that conduct better,
 // and along those that conduct worse.
+// The spacing is halved until the bar is short enough: the bar halves with it, and holds the table's value.
+TEST(DiffusionContours, ATargetIsReached)
+{
+  const Entry& e = table[5];
+  ContourStudyOptions options;
+  options.spacing = cell / 16;
+  options.axes = { 1 };
+  options.conductivity = { e.contrast, 1 };
+  const ContourSet disk = diskCell(e.fraction);
+  const ContourAnswer pair = studyContours(disk, options, MPI_COMM_WORLD)[0];
+  ASSERT_EQ(pair.steps.size(), 2U);
+  options.targetError = pair.error / 6;
+  const ContourAnswer answer = studyContours(disk, options, MPI_COMM_WORLD)[0];
+  EXPECT_LE(answer.error, options.targetError);
+  EXPECT_GT(answer.error, options.targetError / 4); // and no further than that
+  ASSERT_GE(answer.steps.size(), 4U);
+  EXPECT_EQ(answer.steps[0].value, pair.coarse.value);
+  EXPECT_EQ(answer.steps[1].value, pair.fine.value);
+  EXPECT_EQ(answer.steps.back().value, answer.fine.value);
+  for (std::size_t i = 1; i < answer.steps.size(); ++i)
+  {
+    EXPECT_EQ(answer.steps[i].nodes, 4 * answer.steps[i - 1].nodes);
+  }
+  EXPECT_NEAR(answer.value, e.value, answer.error * e.value + 0.5e-5);
+  options.mostNodes = 5000; // 64² is the last that fits
+  EXPECT_EQ(studyContours(disk, options, MPI_COMM_WORLD)[0].fine.nodes, 4096);
+  options.targetError = std::nan("");
+  EXPECT_THROW((void)studyContours(disk, options, MPI_COMM_WORLD), ParameterError);
+}
+
 TEST(DiffusionContours, Layers)
 {
   const ContourSet layers = slots(0.237, 0.651, 3);
