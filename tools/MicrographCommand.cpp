@@ -14,9 +14,9 @@
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
 #include "micrograph/MiddleLamella.h"
-#include "micrograph/NearestContours.h"
 #include "micrograph/PolygonFile.h"
 #include "micrograph/WallDirection.h"
+#include "micrograph/WallThickness.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkFloatArray.h>
@@ -509,6 +509,7 @@ private:
       told.largestNetwork = found.largestNetwork;
       told.cells = found.cells;
       told.cellsTouched = found.cellsTouched;
+      told.cellsCutOff = found.cellsCutOff;
       made_.phases = std::move(found.image);
     }
     report_.lamella = told;

@@ -226,6 +226,7 @@ std::string toJson(const MicrographReport& report)
       json["lamella"]["largest_network"] = l.largestNetwork;
       json["lamella"]["cells"] = l.cells;
       json["lamella"]["cells_touched"] = l.cellsTouched;
+      json["lamella"]["cells_cut_off"] = l.cellsCutOff;
     }
   }
   else
@@ -313,9 +314,10 @@ std::string toTable(const MicrographReport& report)
   {
     const LamellaReport& l = *report.lamella;
     line("lamella",
-      fmt::format("{}{}, {:.3g} nodes across (5 % of it {:.3g} or less), {} of the walls{}", l.method,
+      fmt::format("{}{}, {:.3g} nodes across (5 % of it {:.3g} or less), {} of the walls{}{}", l.method,
         l.thickness > 0 ? " of " + micrometres(l.thickness) : "", l.mean, l.low, percent(l.wallShare),
-        l.cells > 0 ? fmt::format(", touches {} of {} cells", l.cellsTouched, l.cells) : ""));
+        l.cells > 0 ? fmt::format(", touches {} of {} cells", l.cellsTouched, l.cells) : "",
+        l.cellsCutOff > 0 ? fmt::format(" ({} across the picture's border)", l.cellsCutOff) : ""));
   }
   for (const lbm::ContourAnswer& a : report.answers)
   {

@@ -27,7 +27,7 @@ struct LamellaReport
   double wallShare = 0;      ///< of the wall's nodes
   std::int64_t networks = 0; ///< of growth and constant
   double largestNetwork = 0; ///< share of it
-  std::int64_t cells = 0, cellsTouched = 0;
+  std::int64_t cells = 0, cellsTouched = 0, cellsCutOff = 0;
 };
 
 /// Everything that is told at the end.

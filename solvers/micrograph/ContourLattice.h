@@ -2,6 +2,7 @@
 
 #include "lattice/Phases.h"
 #include "micrograph/Contour.h"
+#include "micrograph/WallThickness.h"
 
 #include <array>
 #include <cstdint>
@@ -45,13 +46,6 @@ struct LinkCuts
   /// Harmonic mean along the link of the mean across it, 1/Σ w / (s lumen + (1 − s) wall); needs `across`.
   /// Where an outline runs along these lines the share jumps from one to the next, which costs up to a line's weight.
   [[nodiscard]] double harmonicAcross(std::size_t cut, double lumen, double wall) const;
-};
-
-/// Distances from lumen to lumen through the wall, measured from points spread evenly over all outlines.
-struct WallThickness
-{
-  double low = 0;    ///< 5 % of the outlines' length has thinner walls [m]; 0 with fewer than two lumens
-  double median = 0; ///< [m]
 };
 
 struct ContourLattice

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "micrograph/Contour.h"
-#include "micrograph/ContourLattice.h"
 
 #include <algorithm>
 #include <array>
@@ -24,13 +23,13 @@ struct Segment
   std::int32_t chain = 0;
 };
 
-/// The point of a segment that is nearest to another one.
+/// The point of a segment that is nearest to another one; its first one where it has no length.
 [[nodiscard]] inline Point footOn(const Segment& segment, const Point& point)
 {
   const Point way{ segment.to[0] - segment.from[0], segment.to[1] - segment.from[1] };
   const double t = ((point[0] - segment.from[0]) * way[0] + (point[1] - segment.from[1]) * way[1]) /
     (way[0] * way[0] + way[1] * way[1]);
-  const double share = std::clamp(t, 0.0, 1.0);
+  const double share = t > 0 ? std::min(t, 1.0) : 0.0;
   return { segment.from[0] + share * way[0], segment.from[1] + share * way[1] };
 }
 
@@ -45,14 +44,20 @@ struct Nearest
   std::array<std::int32_t, kMost> segment{ -1, -1, -1 };
 };
 
+/// For processors with and without AVX2, chosen when the program is loaded; both give the same numbers.
+#define LAMELLA_BOTH __attribute__((target_clones("avx2", "default")))
+
 /// Nearest segments of up to three different labels, exact to round-off: a tree of boxes around runs of eight segments
 /// that follow each other.
 ///
-/// For lattices nodes are searched in blocks of 8 × 8: what any node of a block can need lies within a distance that
-/// the block's centre and the triangle inequality give, and only these runs are tried for each node.
+/// Many points are searched in groups: what any point of a group can need lies within distances that the group's centre
+/// and the triangle inequality give, one for each label; only these segments are tried, each for several points at
+/// once.
 class NearestContours
 {
 public:
+  static constexpr std::size_t kRun = 8; ///< segments
+
   /// @param labels how many different ones are wanted, 1 to 3
   NearestContours(std::vector<Segment> segments, int labels);
 
@@ -62,13 +67,21 @@ public:
   /// @param within nothing farther away is looked for
   [[nodiscard]] Nearest at(const Point& point, double within = Nearest::kNone) const;
 
+  using Visit = std::function<void(std::int64_t index, const Point& point, const Nearest& nearest)>;
+
   /// For the nodes of nx × ny at (i + ½, j + ½) · spacing that are `wanted`. The third nearest may be left out where it
   /// is more than kThird times as far as the second.
   /// @param within nothing farther away need be found
   void atNodes(std::int64_t nx, std::int64_t ny, double spacing, std::span<const std::uint8_t> wanted, double within,
-    const std::function<void(std::int64_t node, const Point& point, const Nearest& nearest)>& visit) const;
+    const Visit& visit) const;
+
+  /// The same for points anywhere. They should follow each other: those within squares of this size are searched
+  /// together.
+  void atPoints(std::span<const Point> points, double size, double within, const Visit& visit) const;
 
 private:
+  class Groups; ///< NearestGroups.cpp
+
   struct Run
   {
     Point low;
@@ -85,15 +98,22 @@ private:
     std::int32_t first = 0; ///< of two branches that follow each other, or of the runs of a leaf
     std::int32_t runs = 0;  ///< 0: not a leaf
   };
-
-  void build(std::size_t branch, std::int32_t first, std::int32_t count);
   /// Eight segments beside each other, for loops that the compiler turns into vectors; short runs repeat their last
   /// one.
-  using Lanes = std::array<double, 40>; ///< x, y, dx, dy, 1/length², eight of each
+  using Lanes = std::array<double, 5 * kRun>; ///< x, y, dx, dy, 1/length², eight of each
 
+  /// Of a point to a box.
+  static double squaredTo(const Point& point, const Point& low, const Point& high)
+  {
+    const double dx = std::max({ low[0] - point[0], 0.0, point[0] - high[0] });
+    const double dy = std::max({ low[1] - point[1], 0.0, point[1] - high[1] });
+    return dx * dx + dy * dy;
+  }
+  /// Of a point to each of a run's segments.
+  static void squaredToRun(const double* lanes, double px, double py, double* squared);
+
+  void build(std::size_t branch, std::int32_t first, std::int32_t count);
   void tryRun(const Run& run, const Point& point, Nearest& nearest) const;
-  template <typename Visit>
-  void within(const Point& point, double distance, const Visit& visit) const;
 
   std::vector<Segment> segments_;
   std::vector<Run> runs_;
@@ -104,8 +124,5 @@ private:
 
 /// Segments of all chains, none without length.
 [[nodiscard]] std::vector<Segment> segmentsOf(const ContourSet& contours);
-
-/// @param samples points that are spread over the outlines
-[[nodiscard]] WallThickness wallThickness(const ContourSet& contours, int samples = 4000);
 
 } // namespace lamella::micrograph

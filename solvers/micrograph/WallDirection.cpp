@@ -100,22 +100,23 @@ Side sideOf(const Segment& segment, const Tangent& tangent, double squared, cons
 {
   Side side;
   side.distance = std::sqrt(squared);
-  const Point foot = footOn(segment, point);
+  const Point& normal = tangent.normal;
+  const Point way{ point[0] - segment.from[0], point[1] - segment.from[1] };
+  const double along = std::clamp(way[1] * normal[0] - way[0] * normal[1], 0.0, tangent.length);
   // On the outline itself the normal of the segment.
+  const double inverse = 1 / side.distance;
   side.away = side.distance > 1e-9 * tangent.length
-    ? Point{ (point[0] - foot[0]) / side.distance, (point[1] - foot[1]) / side.distance }
-    : tangent.normal;
+    ? Point{ (way[0] + along * normal[1]) * inverse, (way[1] - along * normal[0]) * inverse }
+    : normal;
   side.doubled = tangent.middle;
-  const Point way{ foot[0] - segment.from[0], foot[1] - segment.from[1] };
-  const double along = std::sqrt(dot(way, way));
   const std::array<double, 2> toEnd{ along, std::max(0.0, tangent.length - along) };
   for (const std::size_t end : { 0U, 1U })
   {
     if (toEnd[end] < tangent.over[end])
     {
       side.doubled = blend(tangent.end[end], tangent.middle, toEnd[end] / tangent.over[end]);
-      const double length = std::sqrt(dot(side.doubled, side.doubled));
-      side.doubled = { side.doubled[0] / length, side.doubled[1] / length };
+      const double scale = 1 / std::sqrt(dot(side.doubled, side.doubled));
+      side.doubled = { side.doubled[0] * scale, side.doubled[1] * scale };
     }
     else if (tangent.corner[end] && toEnd[end] <= 1e-9 * tangent.length)
     {

@@ -8,8 +8,8 @@
 #include "lattice/Error.h"
 #include "micrograph/ContourLattice.h"
 #include "micrograph/MiddleLamella.h"
-#include "micrograph/NearestContours.h"
 #include "micrograph/WallDirection.h"
+#include "micrograph/WallThickness.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkFloatArray.h"
@@ -107,7 +107,10 @@ void addLamella(vtkImageData* image, const micrograph::MiddleLamella& found, con
   number("lamella_networks", found.networks, "1", "parts of the lamella that do not hang together");
   number("lamella_largest_network", found.largestNetwork, "1", "share of the lamella's nodes in the largest part");
   number("cells", found.cells, "1", "lumens on the lattice");
-  number("cells_touched", found.cellsTouched, "1", "of these, bordered by the largest part of the lamella");
+  number("cells_touched", found.cellsTouched, "1",
+    "of these, bordered by the largest part of the lamella or one cut off by the border");
+  number(
+    "cells_cut_off", found.cellsCutOff, "1", "of these, bordered by parts alone that the picture's border cuts off");
 }
 
 } // namespace

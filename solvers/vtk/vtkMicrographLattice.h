@@ -17,7 +17,8 @@
  * Field data: `phase_names`, `lumen_fraction` and `wall_fraction` (of the geometry), `cropped` [m], `wall_thickness`
  * (2: that 5 % of the outlines' length falls below; median) [m]; with a middle lamella `lamella_thickness` and
  * `lamella_radius` [m] as used, `lamella_share` (of the wall's nodes), `lamella_nodes_across` (2: mean; 5 % have
- * fewer), `lamella_joined`, `lamella_networks`, `lamella_largest_network`, `cells`, `cells_touched`;
+ * fewer), `lamella_joined`, `lamella_networks`, `lamella_largest_network`, `cells`, `cells_touched`,
+ * `cells_cut_off`;
  * `pixel_size_source`, `provenance`.
  *
  * The image's size follows from the outlines, so the input is brought up to date when information is asked for. On

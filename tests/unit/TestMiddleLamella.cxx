@@ -299,6 +299,16 @@ TEST(MiddleLamella, CornersOfCellsAreCirclesOfTheLeastRadius)
 
 TEST(MiddleLamella, StaysInOnePieceWhenThinnerThanANode)
 {
+  // Walls of 6, so that none is lost on any of these lattices.
+  for (const double spacing : { 2.9, 2.2, 1.3, 0.7 })
+  {
+    for (const LamellaMethod method : { LamellaMethod::Growth, LamellaMethod::Constant })
+    {
+      const MiddleLamella thin = Sample(honeycomb(240, 208, 30, 6, 5), spacing).grow(1e-3, 0, method);
+      EXPECT_EQ(thin.networks, 1) << spacing;
+      EXPECT_EQ(thin.cellsTouched, thin.cells) << spacing;
+    }
+  }
   const Sample sample(honeycomb(240, 208, 30, 6, 5), 1);
   const MiddleLamella found = sample.grow(0.05, 0);
   EXPECT_GT(found.joined, 0);
@@ -313,6 +323,56 @@ TEST(MiddleLamella, StaysInOnePieceWhenThinnerThanANode)
   options.horizon = 4;
   EXPECT_NE(
     middleLamella(sample.lattice, sample.directions, options).warnings.at(0).find("horizon of 4"), std::string::npos);
+}
+
+TEST(MiddleLamella, GoesOnBeyondTheBorder)
+{
+  // A wall cuts off the lower left corner, another one the right edge: within the picture they never meet.
+  ContourSet set = quarterRing(100, 20, 30, 60);
+  set.contours[1] = { {}, false, 2 };
+  Contour& middle = set.contours[1];
+  for (int i = 60; i >= 0; --i)
+  {
+    const double angle = std::numbers::pi / 2 * i / 60;
+    middle.points.push_back({ i == 60 ? 0 : 30 * std::cos(angle), i == 0 ? 0 : 30 * std::sin(angle) });
+  }
+  set.contours.push_back({ { { 70, 0 }, { 70, 100 } }, false, 2 });
+  set.contours.push_back({ { { 80, 100 }, { 80, 0 } }, false, 3 });
+  const MiddleLamella found = Sample(set, 1).grow(2, 0);
+  EXPECT_EQ(found.networks, 2);
+  EXPECT_EQ(found.cells, 3);
+  EXPECT_EQ(found.cellsTouched, 3);
+  EXPECT_EQ(found.cellsCutOff, 1) << "the corner's";
+  EXPECT_TRUE(found.warnings.empty());
+}
+
+TEST(MiddleLamella, SaysHowManyCellsItDoesNotTouch)
+{
+  // Around cell 1 there is cell 2 alone, whose mouth on the right is too narrow for another one's wall: the lamella
+  // between them is closed in itself, and so cell 1 is not on the network.
+  ContourSet set{ { 140, 100 }, {} };
+  set.contours.push_back(regularPolygon({ 80, 50 }, 14, 90, 1));
+  Contour horseshoe{ {}, true, 2 };
+  for (int i = 0; i <= 90; ++i)
+  {
+    const double angle = (5 + 350.0 * i / 90) / kDegrees;
+    horseshoe.points.push_back({ 80 + 40 * std::cos(angle), 50 + 40 * std::sin(angle) });
+  }
+  for (int i = 90; i >= 0; --i)
+  {
+    const double angle = (10 + 340.0 * i / 90) / kDegrees;
+    horseshoe.points.push_back({ 80 + 20 * std::cos(angle), 50 + 20 * std::sin(angle) });
+  }
+  set.contours.push_back(horseshoe);
+  set.contours.push_back({ { { 25, 100 }, { 25, 0 } }, false, 3 });
+  std::swap(set.contours[2].points[0], set.contours[2].points[1]);
+  const MiddleLamella found = Sample(set, 0.5).grow(2, 0);
+  EXPECT_EQ(found.networks, 2);
+  EXPECT_EQ(found.cells, 3);
+  EXPECT_EQ(found.cellsTouched, 2);
+  EXPECT_EQ(found.cellsCutOff, 0);
+  ASSERT_FALSE(found.warnings.empty());
+  EXPECT_NE(found.warnings.back().find("1 of 3 cells are not touched"), std::string::npos) << found.warnings.back();
 }
 
 TEST(MiddleLamella, ReadsPicturesOfThreeClasses)
@@ -339,4 +399,13 @@ TEST(MiddleLamella, RefusesImpossibleOptions)
     EXPECT_FALSE(refusal<ParameterError>([&] { static_cast<void>(sample.grow(thickness, 0)); }).first.empty());
   }
   EXPECT_FALSE(refusal<ParameterError>([&] { static_cast<void>(sample.grow(1, -1)); }).first.empty());
+  for (const double horizon : { -1.0, std::nan(""), HUGE_VAL })
+  {
+    LamellaOptions options;
+    options.horizon = horizon;
+    EXPECT_NE(
+      refusal<ParameterError>([&] { static_cast<void>(middleLamella(sample.lattice, sample.directions, options)); })
+        .first.find("horizon"),
+      std::string::npos);
+  }
 }
