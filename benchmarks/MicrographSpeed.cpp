@@ -101,6 +101,7 @@ struct Turn
 };
 
 const std::vector<std::string> parts{ "read", "segment", "outlines", "lattice", "directions", "lamella" };
+const std::string links = "with cut links"; ///< the lattice again, as the diffusion solver has it
 
 void measure(const std::string& name, const Picture& picture, int turns)
 {
@@ -138,6 +139,12 @@ void measure(const std::string& name, const Picture& picture, int turns)
     turn.wall = wallClock() - begin;
     const WallDirections directions = timed("directions", [&] { return wallDirections(found.contours, lattice); });
     const MiddleLamella lamella = timed("lamella", [&] { return middleLamella(lattice, directions); });
+    (void)timed(links.c_str(),
+      [&]
+      {
+        options.lines = 4;
+        return contourLattice(found.contours, options);
+      });
     const auto wall = std::count(lattice.image.phase.begin(), lattice.image.phase.end(), std::uint8_t{ 1 });
     what = fmt::format("{} x {} = {:.2f} Mpixel, {} lumens, {:.0f} % wall, {} pieces of outline, lamella {:.1f} nodes "
                        "across, touching {} of {} cells",
@@ -176,6 +183,7 @@ void measure(const std::string& name, const Picture& picture, int turns)
   {
     fmt::print("  {} {:.2f}", part, median([&](const Turn& turn) { return turn.cpu.at(part); }));
   }
+  fmt::print("  (lattice {} {:.2f})", links, median([](const Turn& turn) { return turn.cpu.at(links); }));
   fmt::print(
     "\n  from the file to the lattice {:.2f} ({:.2f} on the clock), with directions {:.2f}, with directions and "
     "lamella {:.2f}\n",
