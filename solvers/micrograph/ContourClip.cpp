@@ -86,7 +86,8 @@ struct Part
 
 } // namespace
 
-ContourSet clipToWindow(const std::vector<std::vector<Point>>& polygons, const Point& low, const Point& high)
+ContourSet clipToWindow(
+  const std::vector<std::vector<Point>>& polygons, const Point& low, const Point& high, Covering covering)
 {
   const Point size{ high[0] - low[0], high[1] - low[1] };
   ContourSet set{ size, {} };
@@ -150,7 +151,7 @@ ContourSet clipToWindow(const std::vector<std::vector<Point>>& polygons, const P
       first = std::move(joined);
       set.contours.pop_back();
     }
-    if (!met && holds(p, { size[0] / 2, size[1] / 2 }))
+    if (covering == Covering::Refused && !met && holds(p, { size[0] / 2, size[1] / 2 }))
     {
       throw InputError("one lumen covers the whole window", "give a window with walls in it");
     }

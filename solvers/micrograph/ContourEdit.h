@@ -41,12 +41,19 @@ struct FilterReport
 /// @throws ParameterError for an area below 0 or a solidity outside 0 … 1; InputError as outlines()
 [[nodiscard]] ContourSet filterLumens(const ContourSet& set, const LumenFilter& filter, FilterReport* report = nullptr);
 
+/// What becomes of a polygon that covers a whole window.
+enum class Covering
+{
+  Refused,
+  NoContour ///< it has none in the window
+};
+
 /// What of closed polygons lies in a window, as contours whose picture it is: polygons that its border cuts become open
 /// chains that end exactly on it.
 /// @param polygons counter-clockwise, not crossing
 /// @param low, high the window's corners [m]; low becomes (0, 0)
-/// @throws InputError when one polygon covers the whole window
-[[nodiscard]] ContourSet clipToWindow(
-  const std::vector<std::vector<Point>>& polygons, const Point& low, const Point& high);
+/// @throws InputError when one polygon covers the whole window and that is refused
+[[nodiscard]] ContourSet clipToWindow(const std::vector<std::vector<Point>>& polygons, const Point& low,
+  const Point& high, Covering covering = Covering::Refused);
 
 } // namespace lamella::micrograph

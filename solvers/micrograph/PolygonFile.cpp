@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace lamella::micrograph
 {
@@ -109,6 +110,10 @@ private:
           if (!p.empty())
           {
             to->push_back(std::move(p));
+            if (to == &outers)
+            {
+              cellNumbers_.push_back(i + 1);
+            }
           }
         }
       }
@@ -172,8 +177,57 @@ private:
     requireValid(file.lumens, fmt::format("'{}'", name_));
     if (!outers.empty())
     {
-      file.cells = clipped(outers, low, high);
+      file.cells = clippedCells(outers, low, high);
     }
+  }
+
+  /// Outlines of cells may touch and cross each other, so each is checked and clipped by itself.
+  [[nodiscard]] ContourSet clippedCells(const std::vector<Polygon>& outers, const Point& low, const Point& high)
+  {
+    ContourSet cells{ { high[0] - low[0], high[1] - low[1] }, {} };
+    std::int32_t before = 0;
+    for (std::size_t i = 0; i < outers.size(); ++i)
+    {
+      if (!findCrossings({ { largestPicture, largestPicture }, { { outers[i], true, 1 } } }).empty())
+      {
+        leaveOut(cellNumbers_[i]);
+        continue;
+      }
+      ContourSet one = clipToWindow({ outers[i] }, low, high, Covering::NoContour);
+      std::int32_t most = before;
+      for (Contour& contour : one.contours)
+      {
+        contour.lumen += before;
+        most = std::max(most, contour.lumen);
+        cells.contours.push_back(std::move(contour));
+      }
+      before = most;
+    }
+    return cells;
+  }
+
+  /// Of outlines that may touch and cross each other those that are sound by themselves.
+  [[nodiscard]] ContourSet soundCells(ContourSet cells)
+  {
+    std::map<std::int32_t, ContourSet> byNumber;
+    for (const Contour& contour : cells.contours)
+    {
+      byNumber.try_emplace(contour.lumen, ContourSet{ cells.size, {} }).first->second.contours.push_back(contour);
+    }
+    for (const auto& [number, cell] : byNumber)
+    {
+      if (!validate(cell).empty())
+      {
+        leaveOut(static_cast<std::size_t>(std::max(number, 0)));
+        std::erase_if(cells.contours, [wrong = number](const Contour& contour) { return contour.lumen == wrong; });
+      }
+    }
+    return cells;
+  }
+
+  void leaveOut(std::size_t cell)
+  {
+    rings_.warn(fmt::format("the outline of cell {} crosses or touches itself, or is none, and was left out", cell));
   }
 
   /// Each ring by itself and all together, before anything is clipped: numbers in messages are the file's.
@@ -299,11 +353,12 @@ private:
     requireValid(file.lumens, fmt::format("'{}'", name_));
     if (json_.contains("cells"))
     {
-      file.cells = readSet(json_["cells"], metres);
+      file.cells = soundCells(readSet(json_["cells"], metres));
     }
   }
 
   RingReader rings_;
+  std::vector<std::size_t> cellNumbers_; ///< in the file, from 1, of the outlines of cells
   const std::string& name_;
   PolygonReadOptions options_;
   Json json_;

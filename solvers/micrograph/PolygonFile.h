@@ -25,8 +25,9 @@ struct PolygonReadOptions
 struct PolygonFile
 {
   ContourSet lumens;
-  /// Outlines of cells, outside their walls, clipped to the same picture; contour for contour no lumen's partner. They
-  /// may touch and cross each other, and are checked one by one only. Nothing: the file has none.
+  /// Outlines of cells, outside their walls, clipped to the same picture; contour for contour no lumen's partner. Each
+  /// by itself is sound (validate() of it alone finds nothing; one that is not is left out with a warning), but they
+  /// may touch and cross each other. One that goes around the whole picture is not in it. Nothing: the file has none.
   std::optional<ContourSet> cells;
   Point origin{ 0, 0 }; ///< the picture's lower left corner in the file's coordinates [m]
   double unit = 0;      ///< as used [m]

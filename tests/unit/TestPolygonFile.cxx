@@ -90,6 +90,44 @@ TEST_F(PolygonFiles, LumensAndCellsInTheirUnit)
   EXPECT_TRUE(f.warnings.empty());
 }
 
+TEST_F(PolygonFiles, EachCellIsSoundByItself)
+{
+  const std::string inner = R"("lumen":[[1,1],[3,1],[3,3],[1,3]])";
+  const auto cells = [&](const std::string& other) {
+    return R"({"units":"um","cells":[{"outer":[[0,0],[4,0],[4,4],[0,4]],)" + inner + R"(},{"outer":)" + other + "}]}";
+  };
+  // Cells may cross each other, also on the picture's border.
+  PolygonReadOptions options;
+  options.window = { 0.5, 0.5, 5, 3.5 };
+  const PolygonFile crossing = read(cells("[[3.5,0],[8,0],[8,4],[3.5,4]]"), options);
+  ASSERT_TRUE(crossing.cells);
+  EXPECT_TRUE(crossing.warnings.empty());
+  ASSERT_EQ(crossing.cells->contours.size(), 2U);
+  for (const Contour& contour : crossing.cells->contours)
+  {
+    EXPECT_FALSE(contour.closed);
+    EXPECT_TRUE(validate({ crossing.cells->size, { contour } }).empty());
+  }
+  EXPECT_NE(crossing.cells->contours[0].lumen, crossing.cells->contours[1].lumen);
+  // One that crosses itself is left out, told with its number.
+  const PolygonFile bow = read(cells("[[5,0],[9,4],[9,0],[5,4.5]]"));
+  EXPECT_EQ(bow.cells->contours.size(), 1U);
+  ASSERT_EQ(bow.warnings.size(), 1U);
+  EXPECT_TRUE(holds(bow.warnings[0], "cell 2"));
+  // A window within a cell's outline, but not within its lumen.
+  options.window = { 0.5, 0.5, 3.5, 3.5 };
+  EXPECT_TRUE(read(cells("[[5,0],[9,0],[9,4]]"), options).cells->contours.empty());
+  // As it was written.
+  ContourSet own = bow.lumens;
+  own.contours.push_back({ { { 5e-6, 1e-6 }, { 6e-6, 2e-6 }, { 6e-6, 1e-6 }, { 5e-6, 2.5e-6 } }, true, 7 });
+  const fs::path path = file("", "own.json");
+  writePolygons(bow.lumens, path, &own);
+  const PolygonFile back = readPolygons(path);
+  EXPECT_EQ(back.cells->contours.size(), 1U);
+  ASSERT_EQ(back.warnings.size(), 1U);
+  EXPECT_TRUE(holds(back.warnings[0], "cell 7"));
+}
+
 TEST_F(PolygonFiles, PlainListsNeedTheUnit)
 {
   EXPECT_TRUE(holds(error("[" + square + "]"), "unit"));
