@@ -1,6 +1,7 @@
 #include "vtkMicrographContours.h"
 
 #include "ContourData.h"
+#include "ContourField.h"
 #include "PhaseIds.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
@@ -111,23 +112,41 @@ int vtkMicrographContours::RequestUpdateExtent(
 
 void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
 {
-  const lamella::Team alone(nullptr, nullptr);
-  const lamella::PhaseIds phases = lamella::phaseIds(image, this->GetInputArrayInformation(0), alone);
-  const lamella::Lattice lattice = lamella::latticeOf(image);
   if (!image->GetDirectionMatrix()->IsIdentity())
   {
     throw lamella::InputError(
       "the image is turned in space", "outlines need its axes along x and y: reset the direction");
   }
-  const std::size_t lumen = findPhase(phases, this->LumenPhase);
-  lamella::PhaseImage binary{ lattice, {}, lamella::PhaseTable({ "lumen", "wall" }) };
-  binary.phase.resize(phases.ids.size());
-  std::transform(phases.ids.begin(), phases.ids.end(), binary.phase.begin(),
-    [lumen](std::uint8_t id) { return static_cast<std::uint8_t>(id == lumen ? 0 : 1); });
+  lamella::ContourField field;
+  nlohmann::json parameters;
+  if (this->Basis == PHASES)
+  {
+    const lamella::PhaseIds phases =
+      lamella::phaseIds(image, this->GetInputArrayInformation(0), lamella::Team(nullptr, nullptr));
+    const std::size_t lumen = findPhase(phases, this->LumenPhase);
+    field.image = { lamella::latticeOf(image), {}, lamella::PhaseTable({ "lumen", "wall" }) };
+    field.image.phase.resize(phases.ids.size());
+    std::transform(phases.ids.begin(), phases.ids.end(), field.image.phase.begin(),
+      [lumen](std::uint8_t id) { return static_cast<std::uint8_t>(id == lumen ? 0 : 1); });
+    parameters = { { "lumen", phases.names[lumen] }, { "smooth", this->Smooth } };
+    if (this->Smooth)
+    {
+      parameters["wavelength"] = this->Wavelength;
+    }
+  }
+  else
+  {
+    field = lamella::contourField(
+      image, this->GetInputArrayInformation(1), this->Basis == SHARES, this->Level, this->LumenBelow);
+    parameters = { { "array", field.array }, { "lumen_below", this->LumenBelow } };
+    this->Basis == SHARES ? parameters["shares"] = true : parameters["level"] = this->Level;
+  }
+  const lamella::Lattice& lattice = field.image.lattice;
 
   const lamella::micrograph::ExtractOptions options{ this->Smooth, this->Wavelength, this->Tolerance,
     this->SmallestArea, this->LeastSolidity };
-  const lamella::micrograph::Extraction found = lamella::micrograph::extractContours(binary, 0, {}, options);
+  const lamella::micrograph::Extraction found =
+    lamella::micrograph::extractContours(field.image, 0, field.level, options);
   for (const std::string& warning : found.warnings)
   {
     vtkWarningMacro(<< warning);
@@ -155,13 +174,9 @@ void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
   {
     lamella::setFieldText(output, "pixel_size_source", *source);
   }
-  nlohmann::json parameters{ { "lumen", phases.names[lumen] }, { "smooth", this->Smooth },
-    { "tolerance", this->Tolerance }, { "smallest_area", this->SmallestArea },
-    { "least_solidity", this->LeastSolidity } };
-  if (this->Smooth)
-  {
-    parameters["wavelength"] = this->Wavelength;
-  }
+  parameters["tolerance"] = this->Tolerance;
+  parameters["smallest_area"] = this->SmallestArea;
+  parameters["least_solidity"] = this->LeastSolidity;
   lamella::setProvenance(output, lamella::provenance(image));
   lamella::continueProvenance(output, "contours", parameters);
 }
@@ -198,7 +213,10 @@ int vtkMicrographContours::RequestData(
 void vtkMicrographContours::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent
+  os << indent << "Basis: " << this->Basis << "\n"
+     << indent << "Level: " << this->Level << "\n"
+     << indent << "LumenBelow: " << this->LumenBelow << "\n"
+     << indent
      << "LumenPhase: " << (this->LumenPhase.empty() ? "(the first called void, pore, lumen or air)" : this->LumenPhase)
      << "\n"
      << indent << "Smooth: " << this->Smooth << "\n"

@@ -5,8 +5,12 @@
  * Finds the outlines at a resolution finer than the pixels (micrograph/ContourExtraction.h): each chain encloses as
  * much area as the pixels it goes around, chains never cross, and wall inside lumens is taken out.
  *
- * **Input**: vtkImageData of one layer with phases at its points: an array of whole numbers, `phase` unless another is
- * chosen with SetInputArrayToProcess(0, ...). Everything that is no lumen is wall.
+ * **Input**: vtkImageData of one layer with, at its points,
+ * - phases: an array of whole numbers, `phase` unless another is chosen with SetInputArrayToProcess(0, ...); everything
+ *   that is no lumen is wall;
+ * - or, chosen with SetBasis, numbers in any array, `lumen_share` unless another is chosen with
+ *   SetInputArrayToProcess(1, ...): lumens are where they pass a level, or they are lumen's shares of the pixels
+ *   (micrograph/ShareLevel.h). These outlines have areas of second order in the pixel, and are not smoothed.
  *
  * **Output**: vtkPolyData, a poly-line a chain with the lumen on its left, over the picture: closed ones end with the
  * id of their first point, open ones at the picture's border. Cell arrays `lumen` (number from 1), `closed`, and of the
@@ -35,6 +39,34 @@ public:
   static vtkMicrographContours* New();
   vtkTypeMacro(vtkMicrographContours, vtkPolyDataAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  enum Bases
+  {
+    PHASES = 0,
+    LEVEL = 1, ///< numbers that vary smoothly; crossings of the level by linear interpolation
+    SHARES = 2 ///< lumen's share of each pixel, 0 to 1
+  };
+  ///@{
+  /** What outlines are found in. Default PHASES. */
+  vtkSetClampMacro(Basis, int, PHASES, SHARES);
+  vtkGetMacro(Basis, int);
+  ///@}
+
+  ///@{
+  /**
+   * LEVEL: the value between lumens and walls; of unsigned numbers of 8 and 16 bits as a part of the largest one.
+   * Default 0.5.
+   */
+  vtkSetMacro(Level, double);
+  vtkGetMacro(Level, double);
+  ///@}
+
+  ///@{
+  /** LEVEL: lumens are where values are below it; SHARES: they are the wall's. Default off. */
+  vtkSetMacro(LumenBelow, bool);
+  vtkGetMacro(LumenBelow, bool);
+  vtkBooleanMacro(LumenBelow, bool);
+  ///@}
 
   ///@{
   /**
@@ -91,6 +123,9 @@ private:
 
   void Extract(vtkImageData* image, vtkPolyData* outlines);
 
+  int Basis = PHASES;
+  double Level = 0.5;
+  bool LumenBelow = false;
   std::string LumenPhase;
   bool Smooth;
   double Wavelength;

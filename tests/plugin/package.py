@@ -141,6 +141,24 @@ class Micrographs(unittest.TestCase):
         centre = found.chains[0].mean(axis=0)
         np.testing.assert_allclose(centre, [40.5, 60 - 20.5], atol=0.2)
 
+    def test_levels(self):
+        y, x = np.mgrid[:60, :80] + 0.5
+        distance = 15.3 - np.hypot(x - 40.2, y - 20.4)
+        found = lamella.contours(distance, level=0)
+        self.assertAlmostEqual(found.areas[0] / (np.pi * 15.3**2), 1, places=3)
+        shares = np.clip(distance + 0.5, 0, 1)  # roughly
+        for picture, below in ((shares, False), (1 - shares, True), (np.round(255 * shares).astype(np.uint8), False)):
+            found = lamella.contours(picture, shares=True, lumen_below=below)
+            self.assertAlmostEqual(found.areas[0] / (np.pi * 15.3**2), 1, delta=2e-3)
+        again = lamella.contours(self.contours.lattice(0.5e-6), shares=True)  # its lumen_share
+        self.assertAlmostEqual(again.wall_fraction, self.contours.wall_fraction, places=3)
+        with self.assertRaises(ValueError):
+            lamella.contours(shares, level=0.5, shares=True)
+        with self.assertRaises(ValueError):
+            lamella.contours(shares, lumen_below=True)
+        with self.assertRaisesRegex(lamella.LamellaError, "go from 0 to 1"):
+            lamella.contours(40 * shares, shares=True)
+
     def test_lattice(self):
         sample = self.contours.lattice(0.4e-6)
         self.assertEqual(sample.shape, (250, 300))

@@ -17,18 +17,20 @@ def to_numpy(image, array):
     return values.reshape((nz, ny, nx) + tail)
 
 
-def to_image(phase, spacing):
-    """An image with the point array ``phase`` from whole numbers in the order of pictures."""
+def to_image(phase, spacing, name="phase"):
+    """An image with the point array of this name from numbers in the order of pictures; phases are whole ones."""
     phase = np.asarray(phase)
     if phase.ndim not in (2, 3) or phase.size == 0:
         raise ValueError(f"an array of shape {phase.shape} is neither a picture nor a volume")
     if phase.dtype == bool:
         phase = phase.astype(np.uint8)
-    if not np.issubdtype(phase.dtype, np.integer):
+    if name != "phase" and not np.issubdtype(phase.dtype, np.unsignedinteger):
+        phase = phase.astype(float)
+    elif not np.issubdtype(phase.dtype, np.integer):
         raise ValueError(f"phases are whole numbers, not {phase.dtype}")
     if phase.ndim == 2:
         phase = phase[::-1][np.newaxis]
-    if phase.min() >= 0 and phase.max() < 256:
+    if name == "phase" and phase.min() >= 0 and phase.max() < 256:
         phase = phase.astype(np.uint8)
     nz, ny, nx = phase.shape
     image = vtkImageData()
@@ -36,7 +38,7 @@ def to_image(phase, spacing):
     image.SetSpacing(spacing, spacing, spacing)
     image.SetOrigin(spacing / 2, spacing / 2, spacing / 2 if nz > 1 else 0)
     array = numpy_to_vtk(np.ascontiguousarray(phase).ravel(), deep=True)
-    array.SetName("phase")
+    array.SetName(name)
     image.GetPointData().SetScalars(array)
     return image
 

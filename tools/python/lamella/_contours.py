@@ -241,26 +241,46 @@ def contours(
     smallest_area=0.0,
     least_solidity=0.0,
     array=None,
+    level=None,
+    shares=False,
+    lumen_below=False,
 ):
-    """Finds the outlines of lumens in a picture of phases and returns Contours.
+    """Finds the outlines of lumens in a picture of phases, or of numbers, and returns Contours.
 
-    sample          a Sample, a vtkImageData, or phases as an array (spacing 1)
+    sample          a Sample, a vtkImageData, or phases or numbers as an array (spacing 1)
     lumen           the phase of the lumens, its name or number; None: the first called void, pore, lumen or air
     smooth          the steps of pixels are smoothed away, each chain's area kept
     wavelength      waves along an outline shorter than so many pixels are damped, 4 to 200
     tolerance       points that far from the line through their neighbours are left out, in pixels; 0: all stay
     smallest_area   smaller lumens become wall, in square metres
     least_solidity  closed lumens that fill a smaller share of their convex hull become wall, 0 to 1
-    array           which point array holds the phases
+    array           which point array holds the phases ("phase"), or the numbers ("lumen_share")
+    level           a number: lumens are where numbers that vary smoothly are above it; unsigned ones of 8 and 16 bits
+                    count as parts of the largest one. Not smoothed, areas of second order in the pixel
+    shares          True: the numbers are lumen's share of each pixel, 0 to 1; the same, and finer
+    lumen_below     lumens are where numbers are below the level; shares are the wall's
     """
+    if level is not None and shares:
+        raise ValueError("give a level or shares, not both")
+    if (level is not None or shares) and lumen is not None:
+        raise ValueError("lumen is a phase's name: leave it out with a level or shares")
+    if lumen_below and level is None and not shares:
+        raise ValueError("lumen_below goes with a level or shares")
     if isinstance(sample, ImageBase):
         image = sample.vtk
     else:
-        image = sample if hasattr(sample, "IsA") else _arrays.to_image(sample, 1.0)
+        image = sample if hasattr(sample, "IsA") else None
+    numbers = level is not None or shares
+    if image is None:
+        image = _arrays.to_image(sample, 1.0, "lumen_share" if numbers else "phase")
     source = vtkMicrographContours()
     source.SetInputData(image)
+    if numbers:
+        source.SetBasis(source.SHARES if shares else source.LEVEL)
+        source.SetLevel(0.5 if level is None else level)
+        source.SetLumenBelow(bool(lumen_below))
     if array is not None:
-        source.SetInputArrayToProcess(0, 0, 0, 0, array)
+        source.SetInputArrayToProcess(1 if numbers else 0, 0, 0, 0, array)
     if lumen is not None:
         source.SetLumenPhase(str(lumen))
     source.SetSmooth(bool(smooth))

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "lattice/Phases.h"
+
+#include <string>
+#include <vector>
+
+class vtkImageData;
+class vtkInformation;
+
+/// Helper of vtkMicrographContours; not installed.
+namespace lamella
+{
+
+/// A picture of numbers as extractContours() takes it.
+struct ContourField
+{
+  PhaseImage image;         ///< phases "lumen" and "wall"
+  std::vector<float> level; ///< #nodes, above 0 in lumens
+  std::string array;        ///< its name
+};
+
+/// @param choice the array (vtkAlgorithm::GetInputArrayInformation): at points, one component, finite; unsigned whole
+///   numbers of 8 or 16 bits count as parts of the largest one
+/// @param shares values are lumen's (or, `below`, the wall's) shares of the pixels, from 0 to 1; else lumens are where
+///   they are above (below) the level
+/// @throws InputError, ParameterError
+[[nodiscard]] ContourField contourField(
+  vtkImageData* image, vtkInformation* choice, bool shares, double level, bool below);
+
+} // namespace lamella
