@@ -3,6 +3,8 @@
 #include "micrograph/ContourBorder.h"
 #include "micrograph/ContourEdit.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -158,6 +160,36 @@ ContourSet clipToWindow(
   }
   numberLumens(set);
   return set;
+}
+
+ContourSet cropContours(const ContourSet& set, const Point& low, const Point& high)
+{
+  Point from = low;
+  Point to = high;
+  for (std::size_t k = 0; k < 2; ++k)
+  {
+    const double slack = 1e-9 * set.size[k]; // round-off of a window that ends where the picture does
+    if (!(from[k] < to[k]) || !(from[k] >= -slack) || !(to[k] <= set.size[k] + slack))
+    {
+      throw ParameterError(fmt::format("the window {:g}, {:g} to {:g}, {:g} m does not lie in the picture of {:g} by "
+                                       "{:g} m",
+                             low[0], low[1], high[0], high[1], set.size[0], set.size[1]),
+        "give a part of it, of some width and height");
+    }
+    from[k] = std::max(from[k], 0.0);
+    to[k] = std::min(to[k], set.size[k]);
+  }
+  std::vector<std::vector<Point>> polygons;
+  for (Outline& outline : outlines(set))
+  {
+    polygons.push_back(std::move(outline.points));
+  }
+  ContourSet part = clipToWindow(polygons, from, to);
+  if (part.contours.empty())
+  {
+    throw InputError("no outline lies in the window", "give a window with lumens in it");
+  }
+  return part;
 }
 
 } // namespace lamella::micrograph

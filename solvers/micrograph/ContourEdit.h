@@ -56,4 +56,10 @@ enum class Covering
 [[nodiscard]] ContourSet clipToWindow(const std::vector<std::vector<Point>>& polygons, const Point& low,
   const Point& high, Covering covering = Covering::Refused);
 
+/// A part of a picture with its outlines: what of them lies in a window becomes the picture, lumens numbered anew.
+/// @param low, high the window's corners in the picture [m]; low becomes (0, 0)
+/// @throws ParameterError for a window that is empty or reaches out of the picture; InputError where no outline, or one
+///   lumen alone, lies in it, and as outlines()
+[[nodiscard]] ContourSet cropContours(const ContourSet& set, const Point& low, const Point& high);
+
 } // namespace lamella::micrograph

@@ -5,6 +5,7 @@
 #include "micrograph/ContourCheck.h"
 #include "micrograph/ContourEdit.h"
 #include "micrograph/GzipFile.h"
+#include "micrograph/PolygonCells.h"
 #include "micrograph/PolygonRings.h"
 
 #include <fmt/format.h>
@@ -12,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 namespace lamella::micrograph
 {
@@ -177,52 +177,8 @@ private:
     requireValid(file.lumens, fmt::format("'{}'", name_));
     if (!outers.empty())
     {
-      file.cells = clippedCells(outers, low, high);
+      file.cells = clipCells(outers, cellNumbers_, low, high, [this](std::size_t cell) { leaveOut(cell); });
     }
-  }
-
-  /// Outlines of cells may touch and cross each other, so each is checked and clipped by itself.
-  [[nodiscard]] ContourSet clippedCells(const std::vector<Polygon>& outers, const Point& low, const Point& high)
-  {
-    ContourSet cells{ { high[0] - low[0], high[1] - low[1] }, {} };
-    std::int32_t before = 0;
-    for (std::size_t i = 0; i < outers.size(); ++i)
-    {
-      if (!findCrossings({ { largestPicture, largestPicture }, { { outers[i], true, 1 } } }).empty())
-      {
-        leaveOut(cellNumbers_[i]);
-        continue;
-      }
-      ContourSet one = clipToWindow({ outers[i] }, low, high, Covering::NoContour);
-      std::int32_t most = before;
-      for (Contour& contour : one.contours)
-      {
-        contour.lumen += before;
-        most = std::max(most, contour.lumen);
-        cells.contours.push_back(std::move(contour));
-      }
-      before = most;
-    }
-    return cells;
-  }
-
-  /// Of outlines that may touch and cross each other those that are sound by themselves.
-  [[nodiscard]] ContourSet soundCells(ContourSet cells)
-  {
-    std::map<std::int32_t, ContourSet> byNumber;
-    for (const Contour& contour : cells.contours)
-    {
-      byNumber.try_emplace(contour.lumen, ContourSet{ cells.size, {} }).first->second.contours.push_back(contour);
-    }
-    for (const auto& [number, cell] : byNumber)
-    {
-      if (!validate(cell).empty())
-      {
-        leaveOut(static_cast<std::size_t>(std::max(number, 0)));
-        std::erase_if(cells.contours, [wrong = number](const Contour& contour) { return contour.lumen == wrong; });
-      }
-    }
-    return cells;
   }
 
   void leaveOut(std::size_t cell)
@@ -340,10 +296,10 @@ private:
     {
       rings_.fail(fmt::format("its picture measures {:g} × {:g} m", metres[0], metres[1]), "give a size up to 1 m");
     }
-    if (options_.window || options_.yDown)
+    if (options_.yDown)
     {
       throw ParameterError(
-        fmt::format("'{}' says its picture's size, and a window or the way of y was given", name_), "read it as it is");
+        fmt::format("'{}' says its picture's size, and the way of y was given", name_), "read it as it is");
     }
     file.lumens = readSet(json_["contours"], metres);
     if (file.lumens.contours.empty())
@@ -353,7 +309,31 @@ private:
     requireValid(file.lumens, fmt::format("'{}'", name_));
     if (json_.contains("cells"))
     {
-      file.cells = soundCells(readSet(json_["cells"], metres));
+      file.cells = soundCells(readSet(json_["cells"], metres), [this](std::size_t cell) { leaveOut(cell); });
+    }
+    if (options_.window)
+    {
+      cropOwn(file);
+    }
+  }
+
+  void cropOwn(PolygonFile& file) const
+  {
+    const auto& w = *options_.window;
+    const Point low{ w[0] * unit_, w[1] * unit_ };
+    const Point high{ w[2] * unit_, w[3] * unit_ };
+    try
+    {
+      file.lumens = cropContours(file.lumens, low, high);
+    }
+    catch (const InputError& failure)
+    {
+      rings_.fail(failure.what(), failure.hint());
+    }
+    file.origin = low;
+    if (file.cells)
+    {
+      file.cells = cropCells(*file.cells, low, high);
     }
   }
 

@@ -16,7 +16,8 @@ struct PolygonReadOptions
   /// One unit of the file's coordinates [m]; else what the file says.
   std::optional<double> unit;
   /// What of the file is the picture: low x, low y, high x, high y, in the file's coordinates. Else the box around all
-  /// of its points (with a `size` in the file: that). Polygons that its border cuts become open contours.
+  /// of its points (with a `size` in the file: that, of which a window must be a part). Polygons that its border cuts
+  /// become open contours.
   std::optional<std::array<double, 4>> window;
   /// The file's y points down, as rows of a picture do.
   bool yDown = false;

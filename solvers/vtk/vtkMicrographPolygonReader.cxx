@@ -6,6 +6,7 @@
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
+#include "micrograph/ContourEdit.h"
 #include "micrograph/PolygonFile.h"
 
 #include "vtkInformation.h"
@@ -15,6 +16,7 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <string>
 
@@ -46,6 +48,24 @@ int vtkMicrographPolygonReader::RequestInformation(
   return 1;
 }
 
+bool vtkMicrographPolygonReader::HasWindow() const
+{
+  return std::any_of(this->Window, this->Window + 4, [](double edge) { return edge != 0; });
+}
+
+void vtkMicrographPolygonReader::Crop(vtkPolyData* lumens)
+{
+  // The window is in the file's coordinates, in which the picture lies at its corner.
+  const std::array<double, 3> corner = lamella::cornerOf(lumens);
+  const std::array<double, 2> low{ this->Window[0] - corner[0], this->Window[1] - corner[1] };
+  const std::array<double, 2> high{ this->Window[2] - corner[0], this->Window[3] - corner[1] };
+  const auto part = lamella::toPolyData(lamella::micrograph::cropContours(lamella::contoursFrom(lumens), low, high),
+    this->GetClassName(), { this->Window[0], this->Window[1], corner[2] });
+  lamella::setProvenance(part, lamella::provenance(lumens));
+  lamella::continueProvenance(part, "window", { { "window", this->Window } });
+  lumens->ShallowCopy(part);
+}
+
 void vtkMicrographPolygonReader::Read(vtkPolyData* lumens, vtkPolyData* cells)
 {
   if (this->FileName == nullptr || *this->FileName == '\0')
@@ -60,7 +80,7 @@ void vtkMicrographPolygonReader::Read(vtkPolyData* lumens, vtkPolyData* cells)
     lamella::readPolyData(this->FileName, lumens);
     try
     {
-      static_cast<void>(lamella::contoursFrom(lumens));
+      this->HasWindow() ? this->Crop(lumens) : static_cast<void>(lamella::contoursFrom(lumens));
     }
     catch (const lamella::InputError& error)
     {
@@ -74,7 +94,7 @@ void vtkMicrographPolygonReader::Read(vtkPolyData* lumens, vtkPolyData* cells)
   {
     options.unit = this->Unit;
   }
-  if (std::any_of(this->Window, this->Window + 4, [](double edge) { return edge != 0; }))
+  if (this->HasWindow())
   {
     options.window.emplace();
     std::copy_n(this->Window, 4, options.window->begin());

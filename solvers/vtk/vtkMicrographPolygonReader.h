@@ -43,8 +43,8 @@ public:
 
   ///@{
   /**
-   * Polygons: what of the file is the picture, low x, low y, high x, high y in the file's coordinates. All 0 (default):
-   * the box around all of its points, or what the file says.
+   * What of the file is the picture, low x, low y, high x, high y in the file's coordinates. All 0 (default): the box
+   * around all of its points, or what the file says; where it says so (a .vtp too) a window is a part of that.
    */
   vtkSetVector4Macro(Window, double);
   vtkGetVector4Macro(Window, double);
@@ -71,7 +71,9 @@ private:
   vtkMicrographPolygonReader(const vtkMicrographPolygonReader&) = delete;
   void operator=(const vtkMicrographPolygonReader&) = delete;
 
+  bool HasWindow() const;
   void Read(vtkPolyData* lumens, vtkPolyData* cells);
+  void Crop(vtkPolyData* lumens);
 
   char* FileName = nullptr;
   double Unit = 0;

@@ -4,6 +4,7 @@
 #include "vtkMicrographPolygonReader.h"
 
 #include "lattice/Error.h"
+#include "micrograph/ContourCheck.h"
 #include "micrograph/ContourMeasures.h"
 #include "micrograph/PolygonFile.h"
 
@@ -428,6 +429,41 @@ TEST_F(Micrograph, PolygonFilesComeBackAsTheyWere)
   EXPECT_EQ(reader->GetCells()->GetNumberOfCells(), 0);
   std::filesystem::remove(name);
   std::filesystem::remove(vtp);
+}
+
+TEST_F(Micrograph, AWindowOfOutlinesIsAPartOfTheirPicture)
+{
+  const std::string name = "window" + std::to_string(rank()) + ".vtp";
+  vtkNew<vtkXMLPolyDataWriter> writer;
+  writer->SetInputData(toPolyData(expectedContours(), "test", { 1e-3, 2e-3, 0 }));
+  writer->SetFileName(name.c_str());
+  writer->SetDataModeToBinary();
+  ASSERT_EQ(writer->Write(), 1);
+  vtkNew<vtkMicrographPolygonReader> reader;
+  reader->SetFileName(name.c_str());
+  ASSERT_EQ(errorOf(reader), "");
+  const double whole = fieldNumbers(reader->GetOutput(), "wall_fraction").at(0);
+  const std::vector<double> size = fieldNumbers(reader->GetOutput(), "size");
+  // Four parts that share no area have all of the wall.
+  double sum = 0;
+  for (const int part : { 0, 1, 2, 3 })
+  {
+    const double x = part % 2 == 0 ? 0 : 0.37 * size[0];
+    const double y = part / 2 == 0 ? 0 : 0.61 * size[1];
+    const double toX = part % 2 == 0 ? 0.37 * size[0] : size[0];
+    const double toY = part / 2 == 0 ? 0.61 * size[1] : size[1];
+    reader->SetWindow(1e-3 + x, 2e-3 + y, 1e-3 + toX, 2e-3 + toY);
+    ASSERT_EQ(errorOf(reader), "") << part;
+    vtkPolyData* const found = reader->GetOutput();
+    EXPECT_TRUE(micrograph::validate(contoursFrom(found)).empty());
+    sum += fieldNumbers(found, "wall_fraction").at(0) * (toX - x) * (toY - y) / (size[0] * size[1]);
+    EXPECT_NEAR(cornerOf(found)[0], 1e-3 + x, 1e-12);
+    EXPECT_NE(provenance(found).find("\"window\""), std::string::npos);
+  }
+  EXPECT_NEAR(sum, whole, 1e-9) << "coordinates of about a millimetre, in round-off of 1e-19 m";
+  reader->SetWindow(0, 0, 1, 1);
+  EXPECT_NE(errorOf(reader).find("does not lie in the picture"), std::string::npos);
+  std::filesystem::remove(name);
 }
 
 TEST_F(Micrograph, PolygonsAreScaledAndCut)

@@ -126,6 +126,13 @@ TEST_F(PolygonFiles, EachCellIsSoundByItself)
   EXPECT_EQ(back.cells->contours.size(), 1U);
   ASSERT_EQ(back.warnings.size(), 1U);
   EXPECT_TRUE(holds(back.warnings[0], "cell 7"));
+  // A window of it is a part of its picture.
+  options.window = { 0, 0, 2e-6, 4e-6 };
+  const PolygonFile part = readPolygons(path, options);
+  EXPECT_NEAR(wallFraction(part.lumens), 1 - 2.0 / 8, 1e-12);
+  EXPECT_EQ(part.cells->contours.size(), 1U);
+  options.window = { -1e-6, 0, 2e-6, 4e-6 };
+  EXPECT_THROW(static_cast<void>(readPolygons(path, options)), ParameterError);
 }
 
 TEST_F(PolygonFiles, PlainListsNeedTheUnit)
