@@ -1,6 +1,7 @@
 #include "MicrographInput.h"
 
 #include "GridFile.h"
+#include "MicrographGrey.h"
 #include "PackingInput.h"
 #include "Session.h"
 #include "Text.h"
@@ -11,14 +12,13 @@
 #include "micrograph/ContourEdit.h"
 #include "micrograph/PolygonFile.h"
 #include "vtkLatticeConversion.h"
+#include "vtkProvenance.h"
 
 #include <vtkPolyData.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <set>
 
 namespace lamella::cli
@@ -27,81 +27,11 @@ namespace lamella::cli
 namespace
 {
 
-const std::vector<std::string> channels{ "auto", "grey", "red", "green", "blue", "stain" };
-const std::vector<std::string> sides{ "auto", "bright", "dark" };
-
 bool endsWith(std::string text, const std::string& end)
 {
   std::transform(
     text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text.ends_with(end);
-}
-
-/// A number of at least 0, or nothing where the option was not given. @throws ParameterError
-std::optional<double> pixels(const std::string& option, const std::string& text)
-{
-  if (text.empty())
-  {
-    return std::nullopt;
-  }
-  const auto value = toNumber(text);
-  if (!value || !std::isfinite(*value) || *value < 0)
-  {
-    throw ParameterError(
-      option + " '" + text + "' is not a number of pixels", "give one of at least 0, or leave it out to have it found");
-  }
-  return value;
-}
-
-std::optional<std::int64_t> wholePixels(const std::string& option, const std::string& text)
-{
-  const auto value = pixels(option, text);
-  return value ? std::optional(std::llround(*value)) : std::nullopt;
-}
-
-micrograph::SegmentOptions segmentOptions(const MicrographOptions& options)
-{
-  micrograph::SegmentOptions segment;
-  segment.lumen = static_cast<micrograph::LumenSide>(oneOf("--lumen", options.picture.lumen, sides));
-  segment.channel = static_cast<micrograph::Channel>(oneOf("--channel", options.channel, channels));
-  segment.graphics = !options.keepGraphics;
-  segment.background = pixels("--background", options.background);
-  segment.smoothing = pixels("--smoothing", options.smoothing);
-  segment.opening = pixels("--opening", options.opening);
-  segment.rim = pixels("--rim", options.rim);
-  segment.smallestLumen = wholePixels("--smallest-lumen", options.smallestLumen);
-  segment.smallestWall = wholePixels("--smallest-wall", options.smallestWall);
-  segment.raySlenderness = options.raySlenderness;
-  segment.grow = options.grow;
-  if (!options.picture.threshold.empty())
-  {
-    segment.threshold = toNumber(options.picture.threshold);
-    if (!segment.threshold || !(*segment.threshold > 0 && *segment.threshold < 255))
-    {
-      throw ParameterError("--threshold '" + options.picture.threshold + "' is not a grey value between 0 and 255",
-        "leave it out to have it found");
-    }
-  }
-  return segment;
-}
-
-micrograph::LumenFilter lumenFilter(const MicrographOptions& options)
-{
-  micrograph::LumenFilter filter;
-  if (!options.leastDiameter.empty())
-  {
-    const double d = lengthInMetres("--least-diameter", options.leastDiameter);
-    filter.smallestArea = std::numbers::pi / 4 * d * d;
-  }
-  if (!options.leastSolidity.empty())
-  {
-    filter.leastSolidity = share("--least-solidity", options.leastSolidity);
-    if (!(filter.leastSolidity >= 0 && filter.leastSolidity <= 1))
-    {
-      throw ParameterError("--least-solidity '" + options.leastSolidity + "' is outside 0 to 1", "write it as 0.8");
-    }
-  }
-  return filter;
 }
 
 void refuse(const std::vector<CLI::Option*>& options, const std::string& file, const std::string& why)
@@ -120,44 +50,34 @@ void requirePixelSize(const std::string& source, const std::string& file)
   }
 }
 
-std::array<double, 4> polygonWindow(const std::string& text)
-{
-  std::array<double, 4> box{};
-  const auto parts = split(text, ',');
-  for (std::size_t i = 0; i < 4; ++i)
-  {
-    const auto value = parts.size() == 4 ? toNumber(parts[i]) : std::nullopt;
-    if (!value || !std::isfinite(*value) || (i > 1 && *value <= 0))
-    {
-      throw ParameterError("--window '" + text + "' is no window of polygons",
-        "write it as --window X,Y,WIDTH,HEIGHT in the file's own coordinates, from the lower left");
-    }
-    box[i] = *value;
-  }
-  return { box[0], box[1], box[0] + box[2], box[1] + box[3] };
-}
-
 Micrograph loadOutlines(const MicrographOptions& options)
 {
   const std::string& file = options.picture.file;
   refuse(options.forScans, file, "scans");
+  refuse({ options.lumenOption }, file, "scans and grey pictures");
   refuse(options.forLabels, file, "labels");
+  refuse({ options.arrayOption }, file, "pictures in a .vti");
+  refuse(options.forMasks, file, "pictures");
   refuse(options.forPictures, file, "pictures");
+  refuse(options.forGreys, file, "grey pictures");
   requireFile(file);
   Micrograph found;
   found.kind = MicrographKind::Polygons;
   if (endsWith(file, ".vtp"))
   {
     refuse(options.forPolygons, file, "polygons in .json or .json.gz");
-    if (!options.picture.window.empty())
-    {
-      throw ParameterError("--window of outlines in a .vtp", "cut the picture that they were made from");
-    }
     const auto data = readGrid(file);
     auto* const outlines = vtkPolyData::SafeDownCast(data);
     try
     {
       found.contours = contoursFrom(outlines);
+      if (!options.picture.window.empty())
+      {
+        const std::array<double, 4> w = polygonWindow(options.picture.window);
+        const std::array<double, 3> corner = cornerOf(outlines);
+        found.contours = micrograph::cropContours(
+          found.contours, { w[0] - corner[0], w[1] - corner[1] }, { w[2] - corner[0], w[3] - corner[1] });
+      }
     }
     catch (const InputError& error)
     {
@@ -218,17 +138,8 @@ std::uint8_t lumenOf(const MicrographOptions& options, const PhaseTable& phases)
     "add --lumen-phase NAME");
 }
 
-void refuseVolume(const Lattice& whole)
-{
-  if (whole.dimension == 3)
-  {
-    throw InputError(
-      fmt::format("this is a volume of {} voxels, and a micrograph is a picture", sizeText(whole.size, 3)),
-      "give one slice of it");
-  }
-}
-
-void extract(Micrograph& found, const PhaseImage& image, std::uint8_t lumen, const MicrographOptions& options)
+void extract(Micrograph& found, const PhaseImage& image, std::uint8_t lumen, const MicrographOptions& options,
+  std::span<const float> level = {})
 {
   micrograph::ExtractOptions how;
   how.smooth = !options.noSmooth;
@@ -237,7 +148,7 @@ void extract(Micrograph& found, const PhaseImage& image, std::uint8_t lumen, con
   const micrograph::LumenFilter filter = lumenFilter(options);
   how.smallestArea = filter.smallestArea;
   how.leastSolidity = filter.leastSolidity;
-  micrograph::Extraction result = micrograph::extractContours(image, lumen, {}, how);
+  micrograph::Extraction result = micrograph::extractContours(image, lumen, level, how);
   found.contours = std::move(result.contours);
   found.extraction = result.report;
   found.warnings.insert(found.warnings.end(), result.warnings.begin(), result.warnings.end());
@@ -245,9 +156,32 @@ void extract(Micrograph& found, const PhaseImage& image, std::uint8_t lumen, con
   found.size = image.lattice.size;
 }
 
+Micrograph loadGrey(const MicrographOptions& options)
+{
+  const PictureOptions& picture = options.picture;
+  refuse(options.forScans, picture.file, "scans that are segmented");
+  refuse(options.forLabels, picture.file, "labels");
+  refuse(options.forMasks, picture.file, "labels and scans that are segmented");
+  if (!isVtkImage(picture.file))
+  {
+    refuse({ options.arrayOption }, picture.file, "pictures in a .vti");
+  }
+  GreyPicture grey = readGreyPicture(options);
+  requirePixelSize(grey.pixelSizeSource, picture.file);
+  Micrograph found;
+  found.kind = MicrographKind::Grey;
+  found.pixelSizeSource = std::move(grey.pixelSizeSource);
+  found.provenance = std::move(grey.provenance);
+  found.warnings = std::move(grey.warnings);
+  extract(found, grey.field.image, 0, options, grey.field.level);
+  found.scan = std::move(grey.picture);
+  return found;
+}
+
 Micrograph loadLabels(const MicrographOptions& options)
 {
   refuse(options.forScans, options.picture.file, "scans");
+  refuse({ options.lumenOption }, options.picture.file, "scans and grey pictures");
   Sample sample = loadSample(options.picture, refuseVolume);
   refuseVolume(sample.image.lattice);
   requirePixelSize(sample.pixelSizeSource, options.picture.file);
@@ -345,6 +279,10 @@ Micrograph loadMicrograph(const MicrographOptions& options)
     return loadOutlines(options);
   }
   refuse(options.forPolygons, picture.file, "polygons");
+  if (options.grey())
+  {
+    return loadGrey(options);
+  }
   if (picture.segment && greyMap(picture))
   {
     throw ParameterError("--segment and --phase contradict each other",
@@ -377,75 +315,6 @@ Micrograph loadMicrograph(const MicrographOptions& options)
   }
   requirePixelSize(file.picture.pixelSizeSource, picture.file);
   return segmentScan(options, std::move(file));
-}
-
-void addMicrographInput(CLI::App& command, MicrographOptions& o)
-{
-  command
-    .add_option("FILE", o.picture.file,
-      "A scan (PNG, JPEG, TIFF), a label picture, a .vti with phases, or outlines: .json, .json.gz, .vtp")
-    ->required();
-  const auto in = [](const char* group, const char* type, CLI::Option* option)
-  { return option->type_name(type)->group(group); };
-  const auto flag = [](const char* group, CLI::Option* option) { return option->group(group); };
-  CLI::Option* const pixelSize = in("Sample", "METRES",
-    command.add_option(
-      "--pixel-size", o.picture.pixelSize, "Edge of a pixel, as 0.5e-6 or 0.5um; wins over what the file says"));
-  in("Sample", "X,Y,WIDTH,HEIGHT",
-    command.add_option("--window", o.picture.window,
-      "Use this part only: pixels from the top left; of polygons the file's own coordinates, from the lower left"));
-  o.forLabels = { in("Labels", "GREY=NAME",
-                    command.add_option("--phase", o.picture.phase, "This grey value is this phase: FILE holds labels")
-                      ->allow_extra_args(false)),
-    in("Labels", "NAME",
-      command.add_option("--other", o.picture.other, "All grey values that are not listed are this phase")),
-    in("Labels", "NAME",
-      command.add_option("--array", o.picture.array, "In a .vti: the array of whole numbers to take for grey values")),
-    in("Labels", "NAME",
-      command.add_option("--lumen-phase", o.lumenPhase, "The phase of the lumens; else 'lumen', 'void' or 'pore'")) };
-  flag("Scan", command.add_flag("--segment", o.picture.segment, "FILE is a scan, however few grey values it has"));
-  o.forScans = { in("Scan", "auto|bright|dark",
-                   command.add_option("--lumen", o.picture.lumen, "Lumens are brighter or darker than walls")
-                     ->capture_default_str()),
-    in("Scan", "auto|grey|red|green|blue|stain",
-      command.add_option("--channel", o.channel, "Where to look; stain: the mixture that separates best")
-        ->capture_default_str()),
-    in("Scan", "GREY",
-      command.add_option("--threshold", o.picture.threshold, "Grey between the two, 0 to 255, once the light is even")),
-    in("Scan", "PIXELS",
-      command.add_option("--background", o.background, "Scale over which the stain may vary; 0: no flattening")),
-    in("Scan", "PIXELS", command.add_option("--smoothing", o.smoothing, "Gaussian before the threshold; 0: none")),
-    in("Scan", "PIXELS",
-      command.add_option("--smallest-lumen", o.smallestLumen, "Specks of lumen of fewer pixels become wall")),
-    in("Scan", "PIXELS",
-      command.add_option("--smallest-wall", o.smallestWall, "Specks of wall in lumens of fewer pixels become lumen")),
-    in("Scan", "PIXELS",
-      command.add_option("--opening", o.opening, "Radius of the disk that closes necks between lumens; 0: none")),
-    in("Scan", "PIXELS",
-      command.add_option("--rim", o.rim, "How far outlines move outwards, onto a dark rim; 0: not at all")),
-    in("Scan", "RATIO",
-      command
-        .add_option("--ray-slenderness", o.raySlenderness, "Gaps in rays so much longer than wide become wall; 0: none")
-        ->capture_default_str()),
-    in("Scan", "PIXELS",
-      command.add_option("--grow", o.grow, "Move outlines outwards by so much besides; inwards if negative")),
-    flag(
-      "Scan", command.add_flag("--keep-graphics", o.keepGraphics, "Do not paint over margins, scale bars and text")) };
-  o.forPictures = { pixelSize,
-    flag("Outlines", command.add_flag("--no-smooth", o.noSmooth, "Keep the steps of the pixels")),
-    in("Outlines", "PIXELS",
-      command.add_option("--wavelength", o.wavelength, "Waves along an outline shorter than this are damped, 4 to 200")
-        ->capture_default_str()),
-    in("Outlines", "PIXELS",
-      command.add_option("--tolerance", o.tolerance, "Points this near to the line of their neighbours go; 0: none")
-        ->capture_default_str()) };
-  in("Outlines", "LENGTH",
-    command.add_option("--least-diameter", o.leastDiameter, "Lumens smaller than this circle become wall, as 3um"));
-  in("Outlines", "SHARE",
-    command.add_option("--least-solidity", o.leastSolidity, "Lumens of a smaller share of their hull become wall"));
-  o.forPolygons = { in("Polygons", "LENGTH",
-                      command.add_option("--unit", o.unit, "Unit of the coordinates, as 1um; else what the file says")),
-    flag("Polygons", command.add_flag("--y-down", o.yDown, "y points down, as rows of a picture do")) };
 }
 
 } // namespace lamella::cli

@@ -1,13 +1,11 @@
 #pragma once
 
-#include "Input.h"
+#include "MicrographOptions.h"
 
 #include "micrograph/Contour.h"
 #include "micrograph/ContourExtraction.h"
 #include "micrograph/Picture.h"
 #include "micrograph/Segmentation.h"
-
-#include <CLI/App.hpp>
 
 #include <optional>
 #include <string>
@@ -16,37 +14,12 @@
 namespace lamella::cli
 {
 
-/// What `lamella micrograph` takes and how its outlines are found.
-struct MicrographOptions
-{
-  PictureOptions picture;
-  std::string lumenPhase; ///< of labels; empty: "lumen", "void" or "pore"
-  // scans
-  std::string channel = "auto";
-  bool keepGraphics = false;
-  std::string background, smoothing, opening, rim, smallestLumen, smallestWall;
-  double raySlenderness = micrograph::SegmentOptions().raySlenderness;
-  double grow = 0;
-  // outlines
-  bool noSmooth = false;
-  double wavelength = micrograph::ExtractOptions().wavelength;
-  double tolerance = micrograph::ExtractOptions().tolerance;
-  std::string leastDiameter; ///< of a lumen, of the circle of the same area
-  std::string leastSolidity;
-  // polygons
-  std::string unit;
-  bool yDown = false;
-
-  std::vector<CLI::Option*> forScans, forLabels, forPictures, forPolygons;
-};
-
-void addMicrographInput(CLI::App& command, MicrographOptions& options);
-
 enum class MicrographKind
 {
   Scan,
   Labels,
-  Polygons
+  Polygons,
+  Grey ///< a picture whose greys are smooth, or shares
 };
 
 /// A file as outlines, with what they were made from.

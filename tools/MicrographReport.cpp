@@ -20,7 +20,7 @@ namespace
 using Json = nlohmann::ordered_json;
 
 constexpr std::array<const char*, 2> axisNames{ "x", "y" };
-constexpr std::array<const char*, 3> kinds{ "scan", "labels", "polygons" };
+constexpr std::array<const char*, 4> kinds{ "scan", "labels", "polygons", "grey" };
 
 double median(std::vector<double> values)
 {

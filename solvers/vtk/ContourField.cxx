@@ -8,9 +8,7 @@
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
 #include "vtkDataArrayRange.h"
-#include "vtkDataObject.h"
 #include "vtkImageData.h"
-#include "vtkInformation.h"
 #include "vtkPointData.h"
 
 #include <algorithm>
@@ -51,15 +49,14 @@ std::string textOf(double value)
 
 } // namespace
 
-ContourField contourField(vtkImageData* image, vtkInformation* choice, bool shares, double level, bool below)
+ContourField contourField(vtkImageData* image, const std::string& name, bool shares, double level, bool below)
 {
   if (!std::isfinite(level))
   {
     throw ParameterError("the level is " + textOf(level), "give a number between the lumens' values and the walls'");
   }
-  const char* const given = choice != nullptr ? choice->Get(vtkDataObject::FIELD_NAME()) : nullptr;
   ContourField field;
-  field.array = given != nullptr && *given != '\0' ? given : kDefault;
+  field.array = name.empty() ? kDefault : name;
   vtkDataArray* const array = arrayOf(image, field.array);
   const int type = array->GetDataType();
   const double full = type == VTK_UNSIGNED_CHAR ? 255 : type == VTK_UNSIGNED_SHORT ? 65535 : 1;

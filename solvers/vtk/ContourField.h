@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
-class vtkImageData;
-class vtkInformation;
+#include "vtkLamellaSolversVTKModule.h" // for the export macro
 
-/// Helper of vtkMicrographContours; not installed.
+class vtkImageData;
+
+/// Helper of vtkMicrographContours and the program; not installed.
 namespace lamella
 {
 
@@ -20,12 +21,12 @@ struct ContourField
   std::string array;        ///< its name
 };
 
-/// @param choice the array (vtkAlgorithm::GetInputArrayInformation): at points, one component, finite; unsigned whole
-///   numbers of 8 or 16 bits count as parts of the largest one
+/// @param array its name, `lumen_share` if empty: at points, one component, finite; unsigned whole numbers of 8 or 16
+///   bits count as parts of the largest one
 /// @param shares values are lumen's (or, `below`, the wall's) shares of the pixels, from 0 to 1; else lumens are where
 ///   they are above (below) the level
 /// @throws InputError, ParameterError
-[[nodiscard]] ContourField contourField(
-  vtkImageData* image, vtkInformation* choice, bool shares, double level, bool below);
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT ContourField contourField(
+  vtkImageData* image, const std::string& array, bool shares, double level, bool below);
 
 } // namespace lamella

@@ -11,6 +11,7 @@
 #include "micrograph/ContourExtraction.h"
 #include "pores/PoreLabelling.h"
 
+#include "vtkDataObject.h"
 #include "vtkDoubleArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -136,8 +137,9 @@ void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
   }
   else
   {
-    field = lamella::contourField(
-      image, this->GetInputArrayInformation(1), this->Basis == SHARES, this->Level, this->LumenBelow);
+    const char* const array = this->GetInputArrayInformation(1)->Get(vtkDataObject::FIELD_NAME());
+    field =
+      lamella::contourField(image, array != nullptr ? array : "", this->Basis == SHARES, this->Level, this->LumenBelow);
     parameters = { { "array", field.array }, { "lumen_below", this->LumenBelow } };
     this->Basis == SHARES ? parameters["shares"] = true : parameters["level"] = this->Level;
   }

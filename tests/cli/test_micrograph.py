@@ -84,6 +84,30 @@ class Micrograph(Case):
         self.assertEqual((shown["channel"], shown["threshold"], shown["smoothing"]), ("green", 140, 1))
         self.assertEqual((shown["rim"], shown["opening"], shown["smallest_lumen"]), (0, 0, 30))
 
+    def test_greys_and_windows_of_outlines(self):
+        cells = self.polygons("cells.json", [circle(6 + 12 * i, 6 + 12 * j, 5, 400) for i in range(3) for j in range(3)])
+        whole = self.works("micrograph", cells, "--spacing", "0.25um", "-o", "t.vti", "--contours", "c.vtp",
+                           "--json").json()
+        # A disk of 20 pixels: 0.3 pixels^2 of its area. A mask of it scatters by 3.
+        for words in (["--shares"], ["--level", "0.5"]):
+            again = self.works("micrograph", "t.vti", *words, "--json").json()
+            self.assertEqual((again["kind"], again["lumens"]["count"]), ("grey", 9))
+            self.assertAlmostEqual(again["wall_fraction"] / whole["wall_fraction"], 1, delta=2e-3)
+            part = self.works("micrograph", "t.vti", *words, "--window", "0,0,96,96", "--json").json()
+            self.assertEqual(part["pixels"], [96, 96])
+        corner = whole["picture"]["width"] / 2
+        parts = [
+            self.works("micrograph", "c.vtp", "--window", "%r,%r,%r,%r" % (x, y, corner, whole["picture"]["height"] / 2),
+                       "--spacing", "0.25um", "--json").json()["wall_fraction"]
+            for x in (0, corner) for y in (0, whole["picture"]["height"] / 2)]
+        self.assertAlmostEqual(sum(parts) / 4, whole["wall_fraction"], places=9)
+        self.fails(2, "does not lie in the picture", "part", "micrograph", "c.vtp", "--window", "0,0,1,1")
+        self.fails(2, "contradict", "one half", "micrograph", "t.vti", "--shares", "--level", "0.5")
+        self.fails(2, "not between 0 and 1", "--level 0.5", "micrograph", "t.vti", "--level", "nan")
+        self.fails(2, "--no-smooth is for", "leave it out", "micrograph", "t.vti", "--shares", "--no-smooth")
+        self.fails(2, "--level is for", "leave it out", "micrograph", "c.vtp", "--level", "0.5")
+        self.fails(3, "no point array 'nothing'", "", "micrograph", "t.vti", "--shares", "--array", "nothing")
+
     def test_a_window(self):
         self.works(*TISSUE, *LOOK, "-o", "scan.png")
         for name in ("scan.png", "labels.png"):
