@@ -1,36 +1,26 @@
 #include "Commands.h"
-#include "GridFile.h"
 #include "MicrographDiffusion.h"
+#include "MicrographFiles.h"
 #include "MicrographInput.h"
+#include "MicrographLabels.h"
 #include "MicrographOverlay.h"
+#include "MicrographPlan.h"
 #include "MicrographReport.h"
-#include "OutputFile.h"
 #include "Record.h"
 #include "SampleFile.h"
 #include "Text.h"
 
-#include "ContourData.h"
 #include "io/Provenance.h"
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
 #include "micrograph/MiddleLamella.h"
-#include "micrograph/PolygonFile.h"
 #include "micrograph/WallDirection.h"
 #include "micrograph/WallThickness.h"
-#include "vtkLatticeConversion.h"
-
-#include <vtkFloatArray.h>
-#include <vtkImageData.h>
-#include <vtkIntArray.h>
-#include <vtkPointData.h>
-#include <vtkPolyData.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -39,169 +29,6 @@ namespace lamella::cli
 
 namespace
 {
-
-struct MicrographCommandOptions
-{
-  CommonOptions common;
-  MicrographOptions input;
-  std::string spacing;
-  std::string lamella = "growth";
-  std::string thickness;
-  std::string radius;
-  std::string lamellaPhase;
-  double horizon = 0;
-  std::vector<std::string> conductivity;
-  std::string direction = "all";
-  int threads = 1;
-  std::string output;
-  std::string contours;
-  std::string overlay;
-  int overlayWidth = 0;
-  CLI::Option* lamellaOption = nullptr;
-};
-
-const std::vector<std::string> lamellaWords{ "growth", "constant", "labels", "none" };
-const std::vector<std::string> directionWords{ "x", "y", "all" };
-constexpr const char* creator = "lamella micrograph";
-
-/// What can be said without the file, in numbers.
-struct Plan
-{
-  std::string lamella;
-  micrograph::LamellaOptions how;
-  std::optional<double> spacing;
-  std::optional<Conductivities> conductivities;
-  std::vector<int> axes;
-};
-
-Plan planOf(const MicrographCommandOptions& o)
-{
-  Plan plan;
-  plan.lamella = lamellaWords[oneOf("--lamella", o.lamella, lamellaWords)];
-  plan.how.method =
-    plan.lamella == "constant" ? micrograph::LamellaMethod::Constant : micrograph::LamellaMethod::Growth;
-  const bool made = plan.lamella == "growth" || plan.lamella == "constant";
-  if (!o.thickness.empty())
-  {
-    plan.how.thickness = lengthInMetres("--lamella-thickness", o.thickness);
-  }
-  if (!o.radius.empty())
-  {
-    plan.how.radius = toNumber(o.radius) == 0.0 ? 0.0 : lengthInMetres("--lamella-radius", o.radius);
-  }
-  if ((plan.how.thickness && !made) || (plan.how.radius && plan.lamella != "growth"))
-  {
-    throw ParameterError(
-      fmt::format("--lamella-{} with --lamella {}", plan.how.thickness && !made ? "thickness" : "radius", plan.lamella),
-      plan.how.thickness && !made ? "it is for growth and constant" : "it is for growth");
-  }
-  if (!o.lamellaPhase.empty() && plan.lamella != "labels")
-  {
-    throw ParameterError("--lamella-phase with --lamella " + plan.lamella, "it is for --lamella labels");
-  }
-  if (!(o.horizon >= 0) || !std::isfinite(o.horizon))
-  {
-    throw ParameterError(fmt::format("--horizon {:g} is below 0", o.horizon), "give a number of nodes, such as 3");
-  }
-  plan.how.horizon = o.horizon;
-  if (!o.spacing.empty())
-  {
-    plan.spacing = lengthInMetres("--spacing", o.spacing);
-  }
-  const std::size_t direction = oneOf("--direction", o.direction, directionWords);
-  plan.axes = direction == 2 ? std::vector<int>{ 0, 1 } : std::vector<int>{ static_cast<int>(direction) };
-  if (!o.conductivity.empty())
-  {
-    plan.conductivities = parseConductivities(o.conductivity, plan.lamella != "none");
-  }
-  if (o.threads < 1 || o.threads > 1024)
-  {
-    throw ParameterError(
-      fmt::format("--threads {} is outside 1 to 1024", o.threads), "give the number of cores to use");
-  }
-  if (o.overlayWidth != 0 && (o.overlayWidth < 100 || o.overlayWidth > 20000))
-  {
-    throw ParameterError(
-      fmt::format("--overlay-width {} is outside 100 to 20000", o.overlayWidth), "leave it out to have it chosen");
-  }
-  return plan;
-}
-
-std::string endingOf(const std::string& path)
-{
-  const std::filesystem::path name(path);
-  const std::string last = name.extension().string();
-  return last == ".gz" ? name.stem().extension().string() + last : last;
-}
-
-/// The files, which are refused at once where they cannot be written.
-struct Outputs
-{
-  std::optional<OutputFile> lattice, beside, contours, overlay;
-
-  explicit Outputs(const MicrographCommandOptions& o)
-  {
-    if (!o.output.empty())
-    {
-      checkSampleEnding(o.output, 2);
-    }
-    if (!o.contours.empty())
-    {
-      const std::vector<std::string> known{ ".vtp", ".json", ".json.gz" };
-      if (std::find(known.begin(), known.end(), endingOf(o.contours)) == known.end())
-      {
-        throw ParameterError("--contours '" + o.contours + "' has no ending that can be written",
-          suggestion(endingOf(o.contours), known, "end it in .vtp, .json or .json.gz"));
-      }
-    }
-    if (!o.overlay.empty() && endingOf(o.overlay) != ".png")
-    {
-      throw ParameterError("--overlay '" + o.overlay + "' has no ending that can be written", "end it in .png");
-    }
-    std::vector<std::string> names;
-    for (const std::string& name : { o.output, o.contours, o.overlay })
-    {
-      if (!name.empty() && std::find(names.begin(), names.end(), name) != names.end())
-      {
-        throw ParameterError("'" + name + "' is to be written twice", "give every output a name of its own");
-      }
-      names.push_back(name);
-    }
-    const auto open = [&](std::optional<OutputFile>& file, const std::string& name)
-    {
-      if (!name.empty())
-      {
-        file.emplace(name, o.common.overwrite);
-      }
-    };
-    open(lattice, o.output);
-    if (lattice && lattice->path().extension() == ".raw")
-    {
-      beside.emplace(recordBeside(lattice->path()), o.common.overwrite);
-    }
-    open(contours, o.contours);
-    open(overlay, o.overlay);
-  }
-
-  void commit()
-  {
-    for (auto* const file : { &lattice, &beside, &contours, &overlay })
-    {
-      if (*file)
-      {
-        (*file)->commit();
-      }
-    }
-  }
-};
-
-/// All that lives on the lattice's nodes.
-struct OnLattice
-{
-  micrograph::ContourLattice lattice;
-  micrograph::WallDirections directions;
-  PhaseImage phases; ///< void, secondary wall, middle lamella; or lumen and wall
-};
 
 void requireMemory(const micrograph::ContourSet& contours, double spacing, bool written)
 {
@@ -214,123 +41,6 @@ void requireMemory(const micrograph::ContourSet& contours, double spacing, bool 
     throw MemoryError(fmt::format("{} nodes of {:.4g} µm take about {}, and {} are free", sizeText(lattice.size, 2),
                         1e6 * lattice.spacing, bytesText(bytes), bytesText(available)),
       "take a larger --spacing or a part of the picture with --window");
-  }
-}
-
-/// The lamella's phase among a picture's labels. @throws ParameterError, InputError
-std::uint8_t labelledLamella(const MicrographCommandOptions& o, const PhaseTable& phases)
-{
-  if (!o.lamellaPhase.empty())
-  {
-    if (const auto id = phases.find(o.lamellaPhase))
-    {
-      return *id;
-    }
-    throw ParameterError("--lamella-phase '" + o.lamellaPhase + "' is no phase of this picture",
-      suggestion(o.lamellaPhase, phases.names(), "its phases are " + quotedList(phases.names(), "and")));
-  }
-  for (const char* const name : { "middle lamella", "lamella" })
-  {
-    if (const auto id = phases.find(name))
-    {
-      return *id;
-    }
-  }
-  throw InputError(
-    "which phase is the middle lamella? '" + o.input.picture.file + "' has " + quotedList(phases.names(), "and"),
-    "add --lamella-phase NAME, or choose --lamella growth");
-}
-
-/// Wall nodes that lie in a pixel labelled lamella become that.
-PhaseImage fromLabels(const micrograph::ContourLattice& lattice, const PhaseImage& labels, std::uint8_t lamella)
-{
-  PhaseImage image = lattice.image;
-  image.phases = PhaseTable({ "void", "secondary wall", "middle lamella" });
-  const Lattice& to = image.lattice;
-  const Lattice& from = labels.lattice;
-  const auto pixel = [&](std::int64_t i, int axis)
-  {
-    const double at = (static_cast<double>(i) + 0.5) * to.spacing / from.spacing;
-    return std::min(static_cast<std::int64_t>(at), from.size[static_cast<std::size_t>(axis)] - 1);
-  };
-  for (std::int64_t y = 0; y < to.size[1]; ++y)
-  {
-    for (std::int64_t x = 0; x < to.size[0]; ++x)
-    {
-      auto& phase = image.phase[static_cast<std::size_t>(to.index(x, y))];
-      if (phase != 0 && labels.phase[static_cast<std::size_t>(from.index(pixel(x, 0), pixel(y, 1)))] == lamella)
-      {
-        phase = 2;
-      }
-    }
-  }
-  return image;
-}
-
-double lamellaShare(const PhaseImage& image)
-{
-  const auto wall = std::count_if(image.phase.begin(), image.phase.end(), [](std::uint8_t p) { return p != 0; });
-  const auto lamella = std::count(image.phase.begin(), image.phase.end(), std::uint8_t{ 2 });
-  return wall > 0 ? static_cast<double>(lamella) / static_cast<double>(wall) : 0;
-}
-
-void writeLattice(const OnLattice& made, const Micrograph& source, Outputs& outputs, const io::Provenance& record)
-{
-  if (outputs.lattice->path().extension() != ".vti")
-  {
-    writeLabels(made.phases, *outputs.lattice, outputs.beside ? &*outputs.beside : nullptr, record);
-    return;
-  }
-  const auto image = toImageData(made.phases);
-  const auto count = static_cast<vtkIdType>(made.phases.phase.size());
-  const auto grain = vtkSmartPointer<vtkIntArray>::New();
-  grain->SetName("grain");
-  grain->SetNumberOfTuples(count);
-  std::copy(made.directions.grain.begin(), made.directions.grain.end(), grain->GetPointer(0));
-  describe(grain, "1", "cell: number of the nearest lumen, from 1", creator);
-  const auto share = vtkSmartPointer<vtkFloatArray>::New();
-  share->SetName("lumen_share");
-  share->SetNumberOfTuples(count);
-  std::copy(made.lattice.lumenShare.begin(), made.lattice.lumenShare.end(), share->GetPointer(0));
-  describe(share, "1", "share of the node's pixel that is lumen", creator);
-  const auto axis = vtkSmartPointer<vtkFloatArray>::New();
-  axis->SetName("axis");
-  axis->SetNumberOfComponents(3);
-  axis->SetNumberOfTuples(count);
-  for (vtkIdType i = 0; i < count; ++i)
-  {
-    const auto& a = made.directions.axis[static_cast<std::size_t>(i)];
-    const std::array<float, 3> v{ a[0], a[1], 0 };
-    axis->SetTypedTuple(i, v.data());
-  }
-  describe(axis, "1", "unit vector along the wall, its sign means nothing; 0 in lumens", creator);
-  vtkPointData* const data = image->GetPointData();
-  data->AddArray(grain);
-  data->AddArray(axis);
-  data->AddArray(share);
-  setFieldText(
-    image, "pixel_size_source", source.kind == MicrographKind::Polygons ? "polygons" : source.pixelSizeSource);
-  setProvenance(image, io::toJson(record));
-  writeGrid(image, *outputs.lattice);
-}
-
-void writeContours(const micrograph::ContourSet& contours, const OutputFile& file, const io::Provenance& record)
-{
-  if (file.path().extension() == ".vtp")
-  {
-    const auto data = toPolyData(contours, creator);
-    setProvenance(data, io::toJson(record));
-    writeGrid(data, file);
-    return;
-  }
-  try
-  {
-    micrograph::writePolygons(contours, file.temporary());
-  }
-  catch (const Error& error)
-  {
-    file.rethrow(error);
-    throw;
   }
 }
 

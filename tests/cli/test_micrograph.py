@@ -88,11 +88,11 @@ class Micrograph(Case):
         cells = self.polygons("cells.json", [circle(6 + 12 * i, 6 + 12 * j, 5, 400) for i in range(3) for j in range(3)])
         whole = self.works("micrograph", cells, "--spacing", "0.25um", "-o", "t.vti", "--contours", "c.vtp",
                            "--json").json()
-        # A disk of 20 pixels: 0.3 pixels^2 of its area. A mask of it scatters by 3.
+        # Lumens of 20 pixels are off by a pixel at most; those that touch the border, as eight of them do, by some.
         for words in (["--shares"], ["--level", "0.5"]):
             again = self.works("micrograph", "t.vti", *words, "--json").json()
             self.assertEqual((again["kind"], again["lumens"]["count"]), ("grey", 9))
-            self.assertAlmostEqual(again["wall_fraction"] / whole["wall_fraction"], 1, delta=2e-3)
+            self.assertAlmostEqual(again["wall_fraction"] / whole["wall_fraction"], 1, delta=5e-3)
             part = self.works("micrograph", "t.vti", *words, "--window", "0,0,96,96", "--json").json()
             self.assertEqual(part["pixels"], [96, 96])
         corner = whole["picture"]["width"] / 2
