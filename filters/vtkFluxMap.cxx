@@ -1,5 +1,6 @@
 #include "vtkFluxMap.h"
 
+#include "Attempt.h"
 #include "BoxExchange.h"
 #include "FluxField.h"
 #include "FluxInput.h"
@@ -628,28 +629,22 @@ int vtkFluxMap::RequestData(
     lines->Initialize();
     return 0;
   };
-  try
-  {
-    const lamella::Team team(this->Controller, requested(request, outputVector));
-    Work work(this, input, output, lines, team);
-    work.Run();
-  }
-  catch (const lamella::Cancelled&)
+  const lamella::Outcome outcome = lamella::attempt(this,
+    [&]
+    {
+      const lamella::Team team(this->Controller, requested(request, outputVector));
+      Work work(this, input, output, lines, team);
+      work.Run();
+    });
+  if (outcome != lamella::Outcome::Done)
   {
     fail();
+  }
+  if (outcome == lamella::Outcome::Cancelled)
+  {
     this->SetAbortOutput(true);
   }
-  catch (const lamella::Error& error)
-  {
-    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
-    return fail();
-  }
-  catch (const std::exception& error)
-  {
-    vtkErrorMacro(<< error.what());
-    return fail();
-  }
-  return 1;
+  return outcome == lamella::Outcome::Failed ? 0 : 1;
 }
 
 void vtkFluxMap::PrintSelf(ostream& os, vtkIndent indent)

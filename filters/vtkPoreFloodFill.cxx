@@ -1,5 +1,6 @@
 #include "vtkPoreFloodFill.h"
 
+#include "Attempt.h"
 #include "BoxExchange.h"
 #include "PhaseIds.h"
 #include "PoreTables.h"
@@ -304,29 +305,23 @@ int vtkPoreFloodFill::RequestData(
     distribution->Initialize();
     return 0;
   };
-  try
-  {
-    table->Initialize();
-    distribution->Initialize();
-    const lamella::Team team(this->Controller, requested(request, outputVector));
-    Work(this, input, output, table, distribution, team).Run(input);
-  }
-  catch (const lamella::Cancelled&)
+  const lamella::Outcome outcome = lamella::attempt(this,
+    [&]
+    {
+      table->Initialize();
+      distribution->Initialize();
+      const lamella::Team team(this->Controller, requested(request, outputVector));
+      Work(this, input, output, table, distribution, team).Run(input);
+    });
+  if (outcome != lamella::Outcome::Done)
   {
     fail();
+  }
+  if (outcome == lamella::Outcome::Cancelled)
+  {
     this->SetAbortOutput(true);
   }
-  catch (const lamella::Error& error)
-  {
-    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
-    return fail();
-  }
-  catch (const std::exception& error)
-  {
-    vtkErrorMacro(<< error.what());
-    return fail();
-  }
-  return 1;
+  return outcome == lamella::Outcome::Failed ? 0 : 1;
 }
 
 void vtkPoreFloodFill::PrintSelf(ostream& os, vtkIndent indent)

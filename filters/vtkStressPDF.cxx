@@ -1,5 +1,6 @@
 #include "vtkStressPDF.h"
 
+#include "Attempt.h"
 #include "StressInput.h"
 #include "StressTables.h"
 #include "vtkLatticeConversion.h"
@@ -215,28 +216,22 @@ int vtkStressPDF::RequestData(
     thresholds->Initialize();
     return 0;
   };
-  try
+  const lamella::Outcome outcome = lamella::attempt(this,
+    [&]
+    {
+      clear();
+      const lamella::Team team(this->Controller, requested(request, outputVector));
+      Work{ this, team }.Run(input, density, phases, thresholds);
+    });
+  if (outcome != lamella::Outcome::Done)
   {
     clear();
-    const lamella::Team team(this->Controller, requested(request, outputVector));
-    Work{ this, team }.Run(input, density, phases, thresholds);
   }
-  catch (const lamella::Cancelled&)
+  if (outcome == lamella::Outcome::Cancelled)
   {
-    clear();
     this->SetAbortOutput(true);
   }
-  catch (const lamella::Error& error)
-  {
-    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
-    return clear();
-  }
-  catch (const std::exception& error)
-  {
-    vtkErrorMacro(<< error.what());
-    return clear();
-  }
-  return 1;
+  return outcome == lamella::Outcome::Failed ? 0 : 1;
 }
 
 void vtkStressPDF::PrintSelf(ostream& os, vtkIndent indent)

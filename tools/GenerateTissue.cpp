@@ -49,6 +49,38 @@ std::array<double, 2> earlyAndLate(const std::string& option, const std::string&
   return { parse(option, parts.front()), parse(option, parts.back()) };
 }
 
+/// An option whose default is what stands in `value`.
+template <class Value>
+void add(CLI::App& command, const char* name, Value& value, const char* type, const char* text)
+{
+  command.add_option(name, value, text)->type_name(type)->capture_default_str();
+}
+
+void addFraction(CLI::App& command, TissueChoice& choice)
+{
+  add(command, "--solid-fraction", choice.fraction, "SHARE", "Share of the wall, 0.02 to 0.95");
+}
+
+/// @param ends what the positions 0 and 1 are
+void addRing(CLI::App& command, TissueChoice& choice, const std::string& ends)
+{
+  const std::string text = "Position in the growth ring at the left and right edge: " + ends;
+  add(command, "--ring", choice.ring, "START,END", text.c_str());
+}
+
+void addRays(CLI::App& command, TissueChoice& choice)
+{
+  add(command, "--ray-every", choice.rayEvery, "METRES", "Mean distance between rays; 0: none");
+}
+
+/// @param whose diameters scatter
+void addChance(CLI::App& command, TissueChoice& choice, const std::string& whose)
+{
+  const std::string text = "Relative standard deviation of the " + whose;
+  add(command, "--scatter", choice.scatter, "SHARE", text.c_str());
+  add(command, "--seed", choice.seed, "NUMBER", "The same seed gives the same tissue");
+}
+
 } // namespace
 
 double fractionBetween(const std::string& option, const std::string& text, double low, double high)
@@ -73,35 +105,14 @@ void addSoftwoodOptions(CLI::App& command, TissueChoice& choice)
   choice.length = micrometres(tissue.tracheidLength);
   choice.scatter = tissue.scatter;
   choice.seed = tissue.seed;
-  command.add_option("--solid-fraction", choice.fraction, "Share of the wall, 0.02 to 0.95")
-    ->type_name("SHARE")
-    ->capture_default_str();
-  command
-    .add_option(
-      "--ring", choice.ring, "Position in the growth ring at the left and right edge: 0 earlywood, 1 latewood")
-    ->type_name("START,END")
-    ->capture_default_str();
-  command.add_option("--tangential-diameter", choice.tangential, "Mean diameter of a tracheid along y")
-    ->type_name("METRES")
-    ->capture_default_str();
-  command.add_option("--radial-early", choice.radialEarly, "Its mean diameter along x in earlywood")
-    ->type_name("METRES")
-    ->capture_default_str();
-  command.add_option("--radial-late", choice.radialLate, "The same in latewood")
-    ->type_name("METRES")
-    ->capture_default_str();
-  command.add_option("--ray-every", choice.rayEvery, "Mean distance between rays; 0: none")
-    ->type_name("METRES")
-    ->capture_default_str();
-  command.add_option("--tracheid-length", choice.length, "In 3D: mean length of a tracheid along z")
-    ->type_name("METRES")
-    ->capture_default_str();
-  command.add_option("--scatter", choice.scatter, "Relative standard deviation of the diameters")
-    ->type_name("SHARE")
-    ->capture_default_str();
-  command.add_option("--seed", choice.seed, "The same seed gives the same tissue")
-    ->type_name("NUMBER")
-    ->capture_default_str();
+  addFraction(command, choice);
+  addRing(command, choice, "0 earlywood, 1 latewood");
+  add(command, "--tangential-diameter", choice.tangential, "METRES", "Mean diameter of a tracheid along y");
+  add(command, "--radial-early", choice.radialEarly, "METRES", "Its mean diameter along x in earlywood");
+  add(command, "--radial-late", choice.radialLate, "METRES", "The same in latewood");
+  addRays(command, choice);
+  add(command, "--tracheid-length", choice.length, "METRES", "In 3D: mean length of a tracheid along z");
+  addChance(command, choice, "diameters");
 }
 
 void addHardwoodOptions(CLI::App& command, TissueChoice& choice)
@@ -117,40 +128,20 @@ void addHardwoodOptions(CLI::App& command, TissueChoice& choice)
   choice.rayEvery = micrometres(hardTissue.rayEvery);
   choice.scatter = hardTissue.scatter;
   choice.seed = hardTissue.seed;
-  command.add_option("--solid-fraction", choice.fraction, "Share of the wall, 0.02 to 0.95")
-    ->type_name("SHARE")
-    ->capture_default_str();
-  command.add_option("--fibre-diameter", choice.fibre, "Mean diameter of a fibre, between the middles of its walls")
-    ->type_name("METRES")
-    ->capture_default_str();
-  command
-    .add_option("--vessel-diameter", choice.vesselDiameter, "Mean of a vessel along y, at the ring's start and end")
-    ->type_name("EARLY,LATE")
-    ->capture_default_str();
-  command
-    .add_option("--vessel-share", choice.vesselShare, "Share of the picture in vessels, at the ring's start and end")
-    ->type_name("EARLY,LATE")
-    ->capture_default_str();
-  command
-    .add_option("--early-end", choice.earlyEnd, "Position in the ring where late vessels begin; ring-porous: 0.25")
-    ->type_name("POSITION")
-    ->capture_default_str();
-  command.add_option("--multiples", choice.multiples, "Share of the vessels' groups that are radial files of 2 to 4")
-    ->type_name("SHARE")
-    ->capture_default_str();
-  command
-    .add_option("--ring", choice.ring, "Position in the growth ring at the left and right edge: 0 its start, 1 its end")
-    ->type_name("START,END")
-    ->capture_default_str();
-  command.add_option("--ray-every", choice.rayEvery, "Mean distance between rays; 0: none")
-    ->type_name("METRES")
-    ->capture_default_str();
-  command.add_option("--scatter", choice.scatter, "Relative standard deviation of the fibres' diameters")
-    ->type_name("SHARE")
-    ->capture_default_str();
-  command.add_option("--seed", choice.seed, "The same seed gives the same tissue")
-    ->type_name("NUMBER")
-    ->capture_default_str();
+  addFraction(command, choice);
+  add(
+    command, "--fibre-diameter", choice.fibre, "METRES", "Mean diameter of a fibre, between the middles of its walls");
+  add(command, "--vessel-diameter", choice.vesselDiameter, "EARLY,LATE",
+    "Mean of a vessel along y, at the ring's start and end");
+  add(command, "--vessel-share", choice.vesselShare, "EARLY,LATE",
+    "Share of the picture in vessels, at the ring's start and end");
+  add(command, "--early-end", choice.earlyEnd, "POSITION",
+    "Position in the ring where late vessels begin; ring-porous: 0.25");
+  add(
+    command, "--multiples", choice.multiples, "SHARE", "Share of the vessels' groups that are radial files of 2 to 4");
+  addRing(command, choice, "0 its start, 1 its end");
+  addRays(command, choice);
+  addChance(command, choice, "fibres' diameters");
 }
 
 generators::SoftwoodOptions softwoodOptions(const TissueChoice& choice)

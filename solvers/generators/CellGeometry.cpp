@@ -29,6 +29,30 @@ CellSide sideBetween(const Corner& from, const Corner& to) noexcept
   return side;
 }
 
+PolygonPlace placeOf(std::span<const Corner> corners) noexcept
+{
+  PolygonPlace place;
+  place.xMin = place.xMax = corners[0].x;
+  place.yMin = place.yMax = corners[0].y;
+  double area = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+  {
+    const Corner& from = corners[i];
+    const Corner& to = corners[(i + 1) % corners.size()];
+    place.xMin = std::min(place.xMin, from.x);
+    place.xMax = std::max(place.xMax, from.x);
+    place.yMin = std::min(place.yMin, from.y);
+    place.yMax = std::max(place.yMax, from.y);
+    const double cross = from.x * to.y - to.x * from.y;
+    area += cross;
+    place.centreX += (from.x + to.x) * cross;
+    place.centreY += (from.y + to.y) * cross;
+  }
+  place.centreX /= 3 * area;
+  place.centreY /= 3 * area;
+  return place;
+}
+
 void clip(std::vector<Corner>& polygon, std::vector<Corner>& spare, double a, double b, double c, int side)
 {
   spare.clear();

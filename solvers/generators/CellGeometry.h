@@ -42,6 +42,14 @@ struct CellSide
 /// The side from one corner of a counter-clockwise polygon to the next.
 [[nodiscard]] CellSide sideBetween(const Corner& from, const Corner& to) noexcept;
 
+/// Where a counter-clockwise polygon lies.
+struct PolygonPlace
+{
+  double xMin = 0, xMax = 0, yMin = 0, yMax = 0;
+  double centreX = 0, centreY = 0; ///< of its area
+};
+[[nodiscard]] PolygonPlace placeOf(std::span<const Corner> corners) noexcept;
+
 /// What is left of a convex polygon on the side a x + b y + c ≥ 0; the new side gets the mark `side`.
 void clip(std::vector<Corner>& polygon, std::vector<Corner>& spare, double a, double b, double c, int side);
 

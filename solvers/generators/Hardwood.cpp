@@ -177,17 +177,7 @@ PhaseImage hardwood(const HardwoodOptions& options)
   const HardwoodLayout layout(options);
   Keys keys = keysOf(layout, nx, ny, options.spacing / options.fibreDiameter);
   const std::int64_t closed = closeWalls(keys.key, keys.cell, nx, ny);
-  const auto nodes = static_cast<double>(result.lattice.count());
-  const std::int64_t solid = std::llround(options.solidFraction * nodes);
-  if (closed > solid)
-  {
-    throw ParameterError(
-      fmt::format(
-        "a solid fraction of {} is too little for closed walls on this lattice: walls one node thick make {:.3f}",
-        options.solidFraction, static_cast<double>(closed) / nodes),
-      fmt::format("take a spacing of {:.2g} m or less, or larger cells",
-        options.spacing * 0.9 * options.solidFraction * nodes / static_cast<double>(closed)));
-  }
+  const std::int64_t solid = solidNodes(options.solidFraction, options.spacing, result.lattice.count(), closed);
   result.phase = markSmallest(keys.key, solid);
   return result;
 }

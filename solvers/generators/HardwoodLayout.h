@@ -14,13 +14,11 @@ namespace lamella::generators
 {
 
 /// A cell seen along its axis: a convex polygon. Side i runs from corner i to the next one.
-struct ConvexCell
+struct ConvexCell : PolygonPlace
 {
   CellKind kind = CellKind::Fibre;
   std::uint32_t first = 0; ///< of its corners and sides
   std::uint32_t count = 0;
-  double xMin = 0, xMax = 0, yMin = 0, yMax = 0;
-  double centreX = 0, centreY = 0;
   double fillet = 0;    ///< radius of the lumen's corners
   double depth = 0;     ///< wallDepth() at its centre
   double thickness = 1; ///< of its wall relative to a fibre's at the start of the ring

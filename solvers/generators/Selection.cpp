@@ -1,7 +1,12 @@
 #include "generators/Selection.h"
 
+#include "lattice/Error.h"
+
+#include <fmt/format.h>
+
 #include <array>
 #include <bit>
+#include <cmath>
 
 namespace lamella::generators
 {
@@ -85,6 +90,22 @@ std::int64_t closeWalls(std::span<float> key, std::span<const std::int32_t> cell
     }
   }
   return closed;
+}
+
+std::int64_t solidNodes(double solidFraction, double spacing, std::int64_t nodes, std::int64_t closed)
+{
+  const auto all = static_cast<double>(nodes);
+  const std::int64_t solid = std::llround(solidFraction * all);
+  if (closed > solid)
+  {
+    throw ParameterError(
+      fmt::format(
+        "a solid fraction of {} is too little for closed walls on this lattice: walls one node thick make {:.3f}",
+        solidFraction, static_cast<double>(closed) / all),
+      fmt::format("take a spacing of {:.2g} m or less, or larger cells",
+        spacing * 0.9 * solidFraction * all / static_cast<double>(closed)));
+  }
+  return solid;
 }
 
 } // namespace lamella::generators

@@ -19,4 +19,8 @@ namespace lamella::generators
 /// @return how many they are
 std::int64_t closeWalls(std::span<float> key, std::span<const std::int32_t> cell, std::int64_t nx, std::int64_t ny);
 
+/// How many nodes a solid fraction asks for.
+/// @param closed that walls one node thick take  @throws ParameterError when that is more
+[[nodiscard]] std::int64_t solidNodes(double solidFraction, double spacing, std::int64_t nodes, std::int64_t closed);
+
 } // namespace lamella::generators

@@ -389,17 +389,7 @@ PhaseImage Rasteriser::image()
     label.swap(below); // 2D: one slice only, so both are done with
   }
 
-  const auto nodes = static_cast<double>(result.lattice.count());
-  const std::int64_t solid = std::llround(options_.solidFraction * nodes);
-  if (closed > solid)
-  {
-    throw ParameterError(
-      fmt::format(
-        "a solid fraction of {} is too little for closed walls on this lattice: walls one node thick make {:.3f}",
-        options_.solidFraction, static_cast<double>(closed) / nodes),
-      fmt::format("take a spacing of {:.2g} m or less, or larger cells",
-        options_.spacing * 0.9 * options_.solidFraction * nodes / static_cast<double>(closed)));
-  }
+  const std::int64_t solid = solidNodes(options_.solidFraction, options_.spacing, result.lattice.count(), closed);
   result.phase = markSmallest(key, solid);
   return result;
 }

@@ -298,9 +298,7 @@ void SoftwoodLayout::addCell(const Site& site, std::span<const Corner> polygon)
   cell.number = site.number;
   cell.firstSide = static_cast<std::uint32_t>(sides_.size());
   cell.sides = static_cast<std::uint32_t>(corners.size());
-  cell.xMin = cell.xMax = corners[0].x;
-  cell.yMin = cell.yMax = corners[0].y;
-  double area = 0;
+  static_cast<PolygonPlace&>(cell) = placeOf(corners);
   for (std::size_t i = 0; i < corners.size(); ++i)
   {
     const Corner& from = corners[i];
@@ -312,17 +310,7 @@ void SoftwoodLayout::addCell(const Site& site, std::span<const Corner> polygon)
       side.rayBelow = from.side % 2 == 0;
     }
     sides_.push_back(side);
-    cell.xMin = std::min(cell.xMin, from.x);
-    cell.xMax = std::max(cell.xMax, from.x);
-    cell.yMin = std::min(cell.yMin, from.y);
-    cell.yMax = std::max(cell.yMax, from.y);
-    const double cross = from.x * to.y - to.x * from.y;
-    area += cross;
-    cell.centreX += (from.x + to.x) * cross;
-    cell.centreY += (from.y + to.y) * cross;
   }
-  cell.centreX /= 3 * area;
-  cell.centreY /= 3 * area;
 
   const double late = lateness(cell.centreX);
   std::vector<double> distances;

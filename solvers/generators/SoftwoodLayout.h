@@ -17,12 +17,10 @@ inline constexpr double softwoodRayCell = 2.6;       ///< length of a ray cell i
 inline constexpr double softwoodRayFillet = 0.4;     ///< radius of its corners over the ray's half width
 
 /// A tracheid seen along its axis: a convex polygon.
-struct CellShape
+struct CellShape : PolygonPlace
 {
   std::uint32_t firstSide = 0;
   std::uint32_t sides = 0;
-  double xMin = 0, xMax = 0, yMin = 0, yMax = 0;
-  double centreX = 0, centreY = 0;
   std::int64_t file = 0;   ///< which radial file
   std::int64_t number = 0; ///< which cell in it
   double fillet = 0;       ///< radius of the lumen's corners

@@ -18,6 +18,8 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
+
 #include <filesystem>
 
 namespace lamella
@@ -84,6 +86,17 @@ vtkSmartPointer<vtkXMLImageDataReader> newImageReader()
 vtkSmartPointer<vtkXMLPolyDataReader> newPolyDataReader()
 {
   return vtkSmartPointer<PromptReader<vtkXMLPolyDataReader>>::New();
+}
+
+std::string endingOf(const char* fileName)
+{
+  if (fileName == nullptr || *fileName == '\0')
+  {
+    throw InputError("no file is named", "set FileName");
+  }
+  std::string ending = std::filesystem::path(fileName).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return ending;
 }
 
 void readPolyData(const std::string& path, vtkPolyData* data)

@@ -26,6 +26,9 @@ namespace lamella
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkSmartPointer<vtkXMLImageDataReader> newImageReader();
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkSmartPointer<vtkXMLPolyDataReader> newPolyDataReader();
 
+/// The ending of a reader's file in small letters, with its dot. @throws InputError where no file is named
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::string endingOf(const char* fileName);
+
 /// Reads a whole .vtp into `data`, its cells checked; every fault is told in our words.
 /// @throws InputError, MemoryError (GridChecks.h)
 VTKLAMELLASOLVERSVTK_EXPORT void readPolyData(const std::string& path, vtkPolyData* data);

@@ -1,5 +1,6 @@
 #include "vtkGrainPacking.h"
 
+#include "Attempt.h"
 #include "PackingData.h"
 #include "vtkLatticeConversion.h"
 #include "vtkProvenance.h"
@@ -114,25 +115,12 @@ int vtkGrainPacking::RequestData(vtkInformation*, vtkInformationVector**, vtkInf
   {
     return 1;
   }
-  try
-  {
-    this->Pack(particles, contacts);
-  }
-  catch (const lamella::Cancelled&)
+  const lamella::Outcome outcome = lamella::attempt(this, [&] { this->Pack(particles, contacts); });
+  if (outcome == lamella::Outcome::Cancelled)
   {
     this->SetAbortOutput(true);
   }
-  catch (const lamella::Error& error)
-  {
-    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
-    return 0;
-  }
-  catch (const std::exception& error)
-  {
-    vtkErrorMacro(<< error.what());
-    return 0;
-  }
-  return 1;
+  return outcome == lamella::Outcome::Failed ? 0 : 1;
 }
 
 void vtkGrainPacking::PrintSelf(ostream& os, vtkIndent indent)

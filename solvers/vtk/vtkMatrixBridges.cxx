@@ -1,5 +1,6 @@
 #include "vtkMatrixBridges.h"
 
+#include "Attempt.h"
 #include "PackingData.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
@@ -13,7 +14,6 @@
 #include "vtkInformationVector.h"
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
-#include "vtkStreamingDemandDrivenPipeline.h"
 
 vtkStandardNewMacro(vtkMatrixBridges);
 
@@ -41,46 +41,40 @@ bool vtkMatrixBridges::Cement(vtkPolyData* particles)
     return true;
   }
   this->Image = nullptr;
-  try
-  {
-    const lamella::packing::Packing packing = lamella::packingFrom(particles);
-    lamella::packing::BridgeOptions bridges;
-    bridges.width = this->Width;
-    bridges.reach = this->Reach;
-    bridges.filled = this->Filled;
-    if (this->Saturation != 0)
+  const lamella::Outcome outcome = lamella::attempt(this,
+    [&]
     {
-      bridges.saturation = this->Saturation;
-    }
-    this->Image = lamella::cementedImage(packing, bridges, { this->NodesAcross, this->Platen }, this->GetClassName());
+      const lamella::packing::Packing packing = lamella::packingFrom(particles);
+      lamella::packing::BridgeOptions bridges;
+      bridges.width = this->Width;
+      bridges.reach = this->Reach;
+      bridges.filled = this->Filled;
+      if (this->Saturation != 0)
+      {
+        bridges.saturation = this->Saturation;
+      }
+      this->Image = lamella::cementedImage(packing, bridges, { this->NodesAcross, this->Platen }, this->GetClassName());
 
-    nlohmann::json parameters{ { "reach", this->Reach }, { "nodes_across", this->NodesAcross },
-      { "platen", this->Platen } };
-    if (this->Filled)
-    {
-      parameters["filled"] = true;
-    }
-    else if (bridges.saturation)
-    {
-      parameters["saturation"] = this->Saturation;
-    }
-    else
-    {
-      parameters["width"] = this->Width;
-    }
-    lamella::setProvenance(this->Image, lamella::provenance(particles));
-    lamella::continueProvenance(this->Image, "bridges", parameters);
-  }
-  catch (const lamella::Error& error)
+      nlohmann::json parameters{ { "reach", this->Reach }, { "nodes_across", this->NodesAcross },
+        { "platen", this->Platen } };
+      if (this->Filled)
+      {
+        parameters["filled"] = true;
+      }
+      else if (bridges.saturation)
+      {
+        parameters["saturation"] = this->Saturation;
+      }
+      else
+      {
+        parameters["width"] = this->Width;
+      }
+      lamella::setProvenance(this->Image, lamella::provenance(particles));
+      lamella::continueProvenance(this->Image, "bridges", parameters);
+    });
+  if (outcome != lamella::Outcome::Done)
   {
     this->Image = nullptr;
-    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
-    return false;
-  }
-  catch (const std::exception& error)
-  {
-    this->Image = nullptr;
-    vtkErrorMacro(<< error.what());
     return false;
   }
   this->MadeTime.Modified();
@@ -108,11 +102,7 @@ int vtkMatrixBridges::RequestInformation(
 
 int vtkMatrixBridges::RequestUpdateExtent(vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector*)
 {
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
-  vtkInformation* const input = inputVector[0]->GetInformationObject(0);
-  input->Set(Pipeline::UPDATE_PIECE_NUMBER(), 0);
-  input->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), 1);
-  input->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+  lamella::requestWhole(inputVector[0]->GetInformationObject(0));
   return 1;
 }
 

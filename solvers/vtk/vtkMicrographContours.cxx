@@ -1,5 +1,6 @@
 #include "vtkMicrographContours.h"
 
+#include "Attempt.h"
 #include "ContourData.h"
 #include "ContourField.h"
 #include "PhaseIds.h"
@@ -93,7 +94,7 @@ int vtkMicrographContours::FillInputPortInformation(int, vtkInformation* info)
 
 int vtkMicrographContours::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
 {
-  outputs->GetInformationObject(0)->Set(CAN_HANDLE_PIECE_REQUEST(), 1); // all in the first piece
+  lamella::allInFirstPiece(outputs);
   return 1;
 }
 
@@ -188,25 +189,14 @@ int vtkMicrographContours::RequestData(
 {
   vtkPolyData* const output = vtkPolyData::GetData(outputVector);
   output->Initialize();
-  vtkInformation* const request = outputVector->GetInformationObject(0);
-  if (request->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) > 0)
+  if (!lamella::isFirstPiece(outputVector))
   {
     return 1;
   }
-  try
-  {
-    this->Extract(vtkImageData::GetData(inputVector[0]), output);
-  }
-  catch (const lamella::Error& error)
+  if (lamella::attempt(this, [&] { this->Extract(vtkImageData::GetData(inputVector[0]), output); }) !=
+    lamella::Outcome::Done)
   {
     output->Initialize();
-    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
-    return 0;
-  }
-  catch (const std::exception& error)
-  {
-    output->Initialize();
-    vtkErrorMacro(<< error.what());
     return 0;
   }
   return 1;

@@ -1,5 +1,6 @@
 #include "vtkMicrographLattice.h"
 
+#include "Attempt.h"
 #include "ContourData.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
@@ -20,7 +21,6 @@
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
-#include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <algorithm>
 #include <array>
@@ -205,18 +205,8 @@ bool vtkMicrographLattice::Rasterise(vtkPolyData* outlines)
     return true;
   }
   this->Image = nullptr;
-  try
+  if (lamella::attempt(this, [&] { this->Image = this->Made(outlines); }) != lamella::Outcome::Done)
   {
-    this->Image = this->Made(outlines);
-  }
-  catch (const lamella::Error& error)
-  {
-    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
-    return false;
-  }
-  catch (const std::exception& error)
-  {
-    vtkErrorMacro(<< error.what());
     return false;
   }
   this->MadeTime.Modified();
@@ -245,11 +235,7 @@ int vtkMicrographLattice::RequestInformation(
 int vtkMicrographLattice::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector*)
 {
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
-  vtkInformation* const input = inputVector[0]->GetInformationObject(0);
-  input->Set(Pipeline::UPDATE_PIECE_NUMBER(), 0);
-  input->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), 1);
-  input->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+  lamella::requestWhole(inputVector[0]->GetInformationObject(0));
   return 1;
 }
 

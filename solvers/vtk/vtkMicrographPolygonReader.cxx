@@ -1,8 +1,10 @@
 #include "vtkMicrographPolygonReader.h"
 
+#include "Attempt.h"
 #include "ContourData.h"
 #include "GridReaders.h"
 #include "vtkLatticeConversion.h"
+#include "vtkPieces.h"
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
@@ -41,10 +43,7 @@ vtkPolyData* vtkMicrographPolygonReader::GetCells()
 int vtkMicrographPolygonReader::RequestInformation(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
-  for (int port = 0; port < 2; ++port)
-  {
-    outputVector->GetInformationObject(port)->Set(CAN_HANDLE_PIECE_REQUEST(), 1); // all in the first piece
-  }
+  lamella::allInFirstPiece(outputVector);
   return 1;
 }
 
@@ -68,13 +67,8 @@ void vtkMicrographPolygonReader::Crop(vtkPolyData* lumens)
 
 void vtkMicrographPolygonReader::Read(vtkPolyData* lumens, vtkPolyData* cells)
 {
-  if (this->FileName == nullptr || *this->FileName == '\0')
-  {
-    throw lamella::InputError("no file is named", "set FileName");
-  }
+  const std::string ending = lamella::endingOf(this->FileName);
   const std::filesystem::path path(this->FileName);
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
   if (ending == ".vtp")
   {
     lamella::readPolyData(this->FileName, lumens);
@@ -122,30 +116,15 @@ int vtkMicrographPolygonReader::RequestData(vtkInformation*, vtkInformationVecto
   vtkPolyData* const cells = vtkPolyData::GetData(outputVector, 1);
   lumens->Initialize();
   cells->Initialize();
-  vtkInformation* const request = outputVector->GetInformationObject(0);
-  if (request->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) > 0)
+  if (!lamella::isFirstPiece(outputVector))
   {
     return 1;
   }
-  const auto fail = [&]
+  if (lamella::attempt(this, [&] { this->Read(lumens, cells); }) != lamella::Outcome::Done)
   {
     lumens->Initialize();
     cells->Initialize();
     return 0;
-  };
-  try
-  {
-    this->Read(lumens, cells);
-  }
-  catch (const lamella::Error& error)
-  {
-    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
-    return fail();
-  }
-  catch (const std::exception& error)
-  {
-    vtkErrorMacro(<< error.what());
-    return fail();
   }
   return 1;
 }

@@ -1,8 +1,10 @@
 #include "vtkPackingReader.h"
 
+#include "Attempt.h"
 #include "GridReaders.h"
 #include "PackingData.h"
 #include "PackingTable.h"
+#include "vtkPieces.h"
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
@@ -56,22 +58,14 @@ vtkPolyData* vtkPackingReader::GetContacts()
 
 int vtkPackingReader::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
-  for (int port = 0; port < 2; ++port)
-  {
-    outputVector->GetInformationObject(port)->Set(CAN_HANDLE_PIECE_REQUEST(), 1); // all in the first piece
-  }
+  lamella::allInFirstPiece(outputVector);
   return 1;
 }
 
 void vtkPackingReader::Read(vtkPolyData* particles, vtkPolyData* contacts)
 {
-  if (this->FileName == nullptr || *this->FileName == '\0')
-  {
-    throw lamella::InputError("no file is named", "set FileName");
-  }
+  const std::string ending = lamella::endingOf(this->FileName);
   const std::filesystem::path path(this->FileName);
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
   if (ending == ".vtp")
   {
     readParticles(this->FileName, particles);
@@ -100,25 +94,13 @@ int vtkPackingReader::RequestData(vtkInformation*, vtkInformationVector**, vtkIn
   vtkPolyData* const contacts = vtkPolyData::GetData(outputVector, 1);
   particles->Initialize();
   contacts->Initialize();
-  vtkInformation* const request = outputVector->GetInformationObject(0);
-  if (request->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) > 0)
+  if (!lamella::isFirstPiece(outputVector))
   {
     return 1;
   }
-  try
-  {
-    this->Read(particles, contacts);
-  }
-  catch (const lamella::Error& error)
+  if (lamella::attempt(this, [&] { this->Read(particles, contacts); }) != lamella::Outcome::Done)
   {
     particles->Initialize();
-    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
-    return 0;
-  }
-  catch (const std::exception& error)
-  {
-    particles->Initialize();
-    vtkErrorMacro(<< error.what());
     return 0;
   }
   return 1;

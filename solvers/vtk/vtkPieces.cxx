@@ -8,6 +8,7 @@
 #include "vtkDataObject.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
+#include "vtkInformationVector.h"
 #include "vtkMPI.h"
 #include "vtkMPICommunicator.h"
 #include "vtkMatrix3x3.h"
@@ -221,6 +222,28 @@ WholeImage wholeImage(vtkImageData* piece, const Team& team)
   std::copy_n(geometry.begin() + 6, 9, whole.direction.begin());
   whole.held = empty ? lbm::Block{} : blockOf(extent, whole.extent.data());
   return whole;
+}
+
+void requestWhole(vtkInformation* input)
+{
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  input->Set(Pipeline::UPDATE_PIECE_NUMBER(), 0);
+  input->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), 1);
+  input->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+}
+
+void allInFirstPiece(vtkInformationVector* outputs)
+{
+  for (int port = 0; port < outputs->GetNumberOfInformationObjects(); ++port)
+  {
+    outputs->GetInformationObject(port)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
+  }
+}
+
+bool isFirstPiece(vtkInformationVector* outputs)
+{
+  const int piece = outputs->GetInformationObject(0)->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER());
+  return piece <= 0;
 }
 
 void requestInput(vtkInformation* input, vtkInformation* request, vtkMultiProcessController* controller)

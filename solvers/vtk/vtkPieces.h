@@ -16,6 +16,7 @@
 
 class vtkImageData;
 class vtkInformation;
+class vtkInformationVector;
 class vtkMultiProcessController;
 
 /// What sources and filters of ours share about images that several ranks hold in pieces.
@@ -75,6 +76,13 @@ struct WholeImage
 /// Collective. Puts together what the pieces say: the whole extent is the box around all of them.
 /// @throws InputError when all are empty or the spacing is not that of a lattice
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT WholeImage wholeImage(vtkImageData* piece, const Team& team);
+
+/// RequestUpdateExtent of a filter that works on all of a poly data alone.
+VTKLAMELLASOLVERSVTK_EXPORT void requestWhole(vtkInformation* input);
+
+/// RequestInformation and RequestData of what gives all it has to the first piece, whatever number is asked for.
+VTKLAMELLASOLVERSVTK_EXPORT void allInFirstPiece(vtkInformationVector* outputs);
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT bool isFirstPiece(vtkInformationVector* outputs);
 
 /// RequestUpdateExtent of a filter that needs the whole image: alone, the input's whole extent; together, whatever
 /// piece the pipeline gave this rank.

@@ -1,5 +1,6 @@
 #include "vtkSteadyDiffusion.h"
 
+#include "Attempt.h"
 #include "BoxExchange.h"
 #include "PhaseIds.h"
 #include "vtkLatticeConversion.h"
@@ -295,29 +296,21 @@ int vtkSteadyDiffusion::RequestData(
   std::fill_n(this->EffectiveConductivity, 9, notSolved);
   this->EstimatedError = notSolved;
   this->Internal->Forget();
-  try
-  {
-    const lamella::Team team(this->Controller, outputVector->GetInformationObject(0));
-    this->Solve(input, output, team);
-  }
-  catch (const lamella::Cancelled&)
+  const lamella::Outcome outcome = lamella::attempt(this,
+    [&]
+    {
+      const lamella::Team team(this->Controller, outputVector->GetInformationObject(0));
+      this->Solve(input, output, team);
+    });
+  if (outcome != lamella::Outcome::Done)
   {
     output->Initialize();
+  }
+  if (outcome == lamella::Outcome::Cancelled)
+  {
     this->SetAbortOutput(true);
   }
-  catch (const lamella::Error& error)
-  {
-    output->Initialize();
-    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
-    return 0;
-  }
-  catch (const std::exception& error)
-  {
-    output->Initialize();
-    vtkErrorMacro(<< error.what());
-    return 0;
-  }
-  return 1;
+  return outcome == lamella::Outcome::Failed ? 0 : 1;
 }
 
 void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team)

@@ -43,6 +43,12 @@ def to_image(phase, spacing, name="phase"):
     return image
 
 
+def view(where, name, text):
+    """A property that shows a point or cell array of ``self.vtk`` in place."""
+    data = {"point": "GetPointData", "cell": "GetCellData"}[where]
+    return property(lambda self: vtk_to_numpy(getattr(self.vtk, data)().GetArray(name)), doc=text)
+
+
 def numbers(data, name):
     """Numbers of a field array, or None."""
     array = data.GetFieldData().GetArray(name)

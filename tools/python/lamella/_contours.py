@@ -3,14 +3,12 @@
 import gzip
 import json
 import os
-import tempfile
 
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
-from . import _arrays
+from . import _arrays, _files
 from ._errors import LamellaError, choose, run
-from ._packings import _write
 from ._samples import ImageBase, Sample
 from .vtkLamellaSolversVTK import vtkMicrographContours, vtkMicrographLattice, vtkMicrographPolygonReader
 
@@ -57,30 +55,21 @@ class Contours:
         """The same of the outlines of the cells, outside their walls; an empty list where they are not known."""
         return self._chains(self.cells_vtk)
 
-    @property
-    def lumens(self):
-        """#chains: number of the lumen, from 1; chains of a lumen that the border cuts share it (a view)."""
-        return self._values("lumen")
+    lumens = _arrays.view(
+        "cell", "lumen", "#chains: number of the lumen, from 1; chains of a lumen that the border cuts share it (a view).")
 
     @property
     def closed(self):
         """#chains: False for those that end on the picture's border."""
         return self._values("closed").astype(bool)
 
-    @property
-    def areas(self):
-        """#chains: of the whole lumen (a view)."""
-        return self._values("area")
+    areas = _arrays.view("cell", "area", "#chains: of the whole lumen (a view).")
 
-    @property
-    def solidities(self):
-        """#chains: area of the whole lumen over that of its convex hull (a view)."""
-        return self._values("solidity")
+    solidities = _arrays.view(
+        "cell", "solidity", "#chains: area of the whole lumen over that of its convex hull (a view).")
 
-    @property
-    def equivalent_diameters(self):
-        """#chains: of the circle as large as the lumen (a view)."""
-        return self._values("equivalent_diameter")
+    equivalent_diameters = _arrays.view(
+        "cell", "equivalent_diameter", "#chains: of the circle as large as the lumen (a view).")
 
     @property
     def size(self):
@@ -149,7 +138,7 @@ class Contours:
         if os.path.exists(path) and not overwrite:
             raise FileExistsError(f"{path} exists; say overwrite=True to replace it")
         if path.lower().endswith(".vtp"):
-            _write(self.vtk, path)
+            _files.write_poly_data(self.vtk, path)
         elif path.lower().endswith((".json", ".json.gz")):
             content = {
                 "units": "metre",
@@ -159,27 +148,13 @@ class Contours:
             if self.cells_vtk is not None:
                 content["cells"] = self._as_json(self.cells_vtk, self.corner)
             text = (json.dumps(content, separators=(",", ":")) + "\n").encode()
-            _write_bytes(gzip.compress(text, mtime=0) if path.lower().endswith(".gz") else text, path)
+            _files.write_bytes(gzip.compress(text, mtime=0) if path.lower().endswith(".gz") else text, path)
         else:
             raise ValueError(f"{path}: outlines are written as .vtp, .json or .json.gz")
         return path
 
     def __repr__(self):
         return f"<lamella.Contours {len(self)} chains: wall fraction {self.wall_fraction:.4f}>"
-
-
-def _write_bytes(content, path):
-    handle, part = tempfile.mkstemp(prefix="." + os.path.basename(path), dir=os.path.dirname(os.path.abspath(path)))
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(part, 0o666 & ~mask)
-        os.replace(part, path)
-    finally:
-        if os.path.exists(part):
-            os.remove(part)
 
 
 class LatticeSample(Sample):

@@ -1,15 +1,13 @@
 """Packings of grains and the matrix between them."""
 
 import os
-import tempfile
 
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
-from . import _arrays
+from . import _arrays, _files
 from ._errors import LamellaError, choose, run
 from ._samples import Sample
 from .vtkLamellaSolversVTK import vtkGrainPacking, vtkMatrixBridges, vtkPackingReader
@@ -59,20 +57,14 @@ class Packing:
         """#grains by 2 (disks: x, and y upwards) or 3 (a view)."""
         return self._all_centres()[:, : self.dimension]
 
-    @property
-    def radii(self):
-        """#grains (a view)."""
-        return self._points("radius")
+    radii = _arrays.view("point", "radius", "#grains (a view).")
 
     @property
     def rattlers(self):
         """#grains, True for those that nothing holds."""
         return self._points("rattler").astype(bool)
 
-    @property
-    def contact_numbers(self):
-        """#grains, how many contacts each has, walls included (a view)."""
-        return self._points("contacts")
+    contact_numbers = _arrays.view("point", "contacts", "#grains, how many contacts each has, walls included (a view).")
 
     @property
     def contacts(self):
@@ -149,32 +141,12 @@ class Packing:
                 raise FileExistsError(f"{name} exists; say overwrite=True to replace it")
         for name, data in ((path, self.vtk), (contacts, self.contacts_vtk)):
             if name is not None:
-                _write(data, os.fspath(name))
+                _files.write_poly_data(data, os.fspath(name))
         return os.fspath(path)
 
     def __repr__(self):
         kind = "spheres" if self.dimension == 3 else "disks"
         return f"<lamella.Packing {len(self)} {kind}: packing fraction {self.packing_fraction:.4f}>"
-
-
-def _write(data, path):
-    writer = vtkXMLPolyDataWriter()
-    writer.SetInputData(data)
-    writer.WriteToOutputStringOn()  # VTK 9.2's writer of inline poly data crashes where a disk is full
-    writer.SetDataModeToBinary()
-    if writer.Write() != 1:
-        raise OSError(f"cannot write {path}")
-    handle, part = tempfile.mkstemp(prefix="." + os.path.basename(path), dir=os.path.dirname(os.path.abspath(path)))
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(writer.GetOutputString())
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(part, 0o666 & ~mask)
-        os.replace(part, path)
-    finally:
-        if os.path.exists(part):
-            os.remove(part)
 
 
 def packing(
