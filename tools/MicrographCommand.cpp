@@ -228,12 +228,14 @@ private:
   /// The lamella on one of the solver's lattices.
   void givePhases(micrograph::ContourLattice& lattice) const
   {
-    const std::int64_t nx = lattice.image.lattice.size[0];
-    micrograph::ContourLattice own = latticeOf(lattice.image.lattice.spacing, nx % 2 == 0 ? 2 : 1);
-    if (own.image.lattice.size != lattice.image.lattice.size)
+    const Lattice& theirs = lattice.image.lattice;
+    int multiple = 1;
+    while (multiple < (1 << 16) &&
+      micrograph::latticeOf(source_.contours.size, theirs.spacing, multiple).size != theirs.size)
     {
-      own = latticeOf(lattice.image.lattice.spacing, 1);
+      multiple *= 2;
     }
+    const micrograph::ContourLattice own = latticeOf(theirs.spacing, multiple);
     if (plan_.lamella == "labels")
     {
       lattice.image = fromLabels(own, *source_.labels, labelled_);
@@ -254,8 +256,18 @@ private:
       throw ParameterError("--conductivity of a lamella, and this picture has none", "leave it out");
     }
     report_.conductivity = plan_.conductivities->named;
-    report_.answers = solveMicrograph(session_, source_.contours, *plan_.conductivities, *report_.spacing, plan_.axes,
-      options_.threads, [this](micrograph::ContourLattice& lattice) { givePhases(lattice); });
+    report_.answers =
+      solveMicrograph(session_, source_.contours, *plan_.conductivities, *report_.spacing, plan_.targetError,
+        plan_.axes, options_.threads, [this](micrograph::ContourLattice& lattice) { givePhases(lattice); });
+    for (const lbm::ContourAnswer& answer : report_.answers)
+    {
+      if (plan_.targetError > 0 && !(answer.error <= plan_.targetError))
+      {
+        warn(fmt::format("the error bar along {} is {:.2g} % of the value, and {:.2g} % was asked for: memory does not "
+                         "hold the next lattice, of {} nodes",
+          answer.axis == 0 ? 'x' : 'y', 100 * answer.error, 100 * plan_.targetError, 4 * answer.fine.nodes));
+      }
+    }
   }
 
   void write()
@@ -343,6 +355,8 @@ Command micrographCommand(CLI::App& root)
       ->allow_extra_args(false));
   in("Diffusion", "x|y|all",
     app->add_option("--direction", o->direction, "Across the picture, down it, or both")->capture_default_str());
+  in("Diffusion", "SHARE",
+    app->add_option("--target-error", o->targetError, "Halve the spacing until the error bar is below this, as 0.1%"));
   in("Diffusion", "NUMBER", app->add_option("--threads", o->threads, "Threads of the solver")->capture_default_str());
   addOutputOptions(*app, o->output, o->common,
     "Write the lattice: .vti (phase, grain, axis, lumen_share), or its phases: .png, .tif, .raw");

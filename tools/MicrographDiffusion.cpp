@@ -80,7 +80,7 @@ Conductivities parseConductivities(const std::vector<std::string>& texts, bool h
 }
 
 std::vector<lbm::ContourAnswer> solveMicrograph(Session& session, const micrograph::ContourSet& contours,
-  const Conductivities& conductivities, double spacing, const std::vector<int>& axes, int threads,
+  const Conductivities& conductivities, double spacing, double targetError, const std::vector<int>& axes, int threads,
   const PhaseMaker& phases)
 {
   lbm::ContourStudyOptions study;
@@ -100,7 +100,11 @@ std::vector<lbm::ContourAnswer> solveMicrograph(Session& session, const microgra
                         bytesText(bytes), bytesText(available)),
       "take a larger --spacing or a part of the picture with --window");
   }
-  // Two lattices, the second of four times the nodes, each solved along every axis.
+  study.targetError = targetError;
+  study.mostNodes =
+    static_cast<std::int64_t>(static_cast<double>(availableMemory()) / bytes * static_cast<double>(lattice.count()));
+  // Two lattices, the second of four times the nodes, each solved along every axis; nobody knows how many with a
+  // target, and each begins anew.
   struct State
   {
     std::size_t begun = 0;
@@ -109,13 +113,18 @@ std::vector<lbm::ContourAnswer> solveMicrograph(Session& session, const microgra
   auto state = std::make_shared<State>();
   const double each = 1.0 / (5.0 * static_cast<double>(axes.size()));
   const std::size_t coarse = axes.size();
-  study.steady.progress = [&session, state, each, coarse](double part, const char* what)
+  study.steady.progress = [&session, state, each, coarse, refines = targetError > 0](double part, const char* what)
   {
     const auto weight = [&](std::size_t solve) { return solve <= coarse ? each : 4 * each; };
     if (part <= 0 || state->begun == 0)
     {
       state->before += state->begun > 0 ? weight(state->begun) : 0;
       ++state->begun;
+    }
+    if (refines)
+    {
+      const std::size_t ofThis = (state->begun - 1) % coarse;
+      return session.progress((static_cast<double>(ofThis) + part) / static_cast<double>(coarse), what);
     }
     return session.progress(std::min(1.0, state->before + part * weight(state->begun)), what);
   };

@@ -28,9 +28,11 @@ struct Conductivities
 /// NAME=VALUE, once or with commas between. @throws ParameterError
 [[nodiscard]] Conductivities parseConductivities(const std::vector<std::string>& texts, bool hasLamella);
 
+/// @param targetError the spacing is halved until the error bar is at most this part of the value, as far as memory
+/// goes; 0: a pair of lattices alone
 /// @throws MemoryError, NoPathError, Cancelled
 [[nodiscard]] std::vector<lbm::ContourAnswer> solveMicrograph(Session& session, const micrograph::ContourSet& contours,
-  const Conductivities& conductivities, double spacing, const std::vector<int>& axes, int threads,
+  const Conductivities& conductivities, double spacing, double targetError, const std::vector<int>& axes, int threads,
   const PhaseMaker& phases);
 
 } // namespace lamella::cli

@@ -59,6 +59,19 @@ Plan planOf(const MicrographCommandOptions& o)
   {
     plan.conductivities = parseConductivities(o.conductivity, plan.lamella != "none");
   }
+  if (!o.targetError.empty())
+  {
+    if (!plan.conductivities)
+    {
+      throw ParameterError("--target-error without --conductivity", "say what lumen and wall conduct");
+    }
+    plan.targetError = share("--target-error", o.targetError);
+    if (!(plan.targetError > 0 && plan.targetError < 1))
+    {
+      throw ParameterError(
+        "--target-error '" + o.targetError + "' is not between 0 and 1", "write it as 0.1% or 0.001");
+    }
+  }
   if (o.threads < 1 || o.threads > 1024)
   {
     throw ParameterError(

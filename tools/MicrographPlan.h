@@ -28,6 +28,7 @@ struct MicrographCommandOptions
   double horizon = 0;
   std::vector<std::string> conductivity;
   std::string direction = "all";
+  std::string targetError;
   int threads = 1;
   std::string output;
   std::string contours;
@@ -44,6 +45,7 @@ struct Plan
   std::optional<double> spacing;
   std::optional<Conductivities> conductivities;
   std::vector<int> axes;
+  double targetError = 0; ///< 0: none
 };
 
 /// @throws ParameterError

@@ -103,6 +103,12 @@ Json jsonOf(const lbm::ContourStep& step)
     { "iterations", step.iterations }, { "seconds", step.seconds } };
 }
 
+double secondsOf(const lbm::ContourAnswer& answer)
+{
+  return std::accumulate(answer.steps.begin(), answer.steps.end(), 0.0,
+    [](double sum, const lbm::ContourStep& step) { return sum + step.seconds; });
+}
+
 std::string micrometres(double metres)
 {
   return fmt::format("{:.4g} µm", 1e6 * metres);
@@ -117,26 +123,13 @@ std::string percent(double share)
 
 micrograph::LumenClasses classify(const std::vector<micrograph::LumenMeasures>& measures)
 {
-  const auto size = [](const micrograph::LumenMeasures& m) { return std::numbers::pi / 4 * m.major * m.major; };
-  // Cells of rays are long, and neither vessels nor fibres.
-  const auto slender = [](const micrograph::LumenMeasures& m) { return m.major > 2.5 * m.minor; };
-  std::vector<double> sizes;
+  std::vector<micrograph::LumenExtent> extents;
+  extents.reserve(measures.size());
   for (const auto& m : measures)
   {
-    if (!m.open && size(m) > 0 && !slender(m))
-    {
-      sizes.push_back(size(m));
-    }
+    extents.push_back({ m.major, m.minor, !m.open });
   }
-  micrograph::LumenClasses classes = micrograph::classifyLumens(sizes);
-  classes.vessel.assign(measures.size(), false);
-  classes.vessels = 0;
-  for (std::size_t i = 0; classes.two && i < measures.size(); ++i)
-  {
-    classes.vessel[i] = !slender(measures[i]) && size(measures[i]) >= classes.threshold;
-    classes.vessels += classes.vessel[i] ? 1 : 0;
-  }
-  return classes;
+  return micrograph::tellVessels(extents);
 }
 
 std::string toJson(const MicrographReport& report)
@@ -244,8 +237,11 @@ std::string toJson(const MicrographReport& report)
     {
       diffusion["axes"][axisNames[static_cast<std::size_t>(a.axis)]] = { { "value", a.value },
         { "error", a.error * a.value }, { "relative_error", a.error }, { "fine", jsonOf(a.fine) },
-        { "coarse", jsonOf(a.coarse) }, { "balance", a.result.balance },
-        { "seconds", a.fine.seconds + a.coarse.seconds } };
+        { "coarse", jsonOf(a.coarse) }, { "balance", a.result.balance }, { "seconds", secondsOf(a) } };
+      for (const lbm::ContourStep& step : a.steps)
+      {
+        diffusion["axes"][axisNames[static_cast<std::size_t>(a.axis)]]["steps"].push_back(jsonOf(step));
+      }
     }
   }
   json["files"] = report.written;
@@ -324,7 +320,7 @@ std::string toTable(const MicrographReport& report)
     line(a.axis == report.answers.front().axis ? "conductivity" : "",
       fmt::format("{}  {:.6g} ± {:.2g} ({:.2g} %), {:.6g} at {} and {:.6g} at {}, {:.2f} s",
         axisNames[static_cast<std::size_t>(a.axis)], a.value, a.error * a.value, 100 * a.error, a.coarse.value,
-        micrometres(a.coarse.spacing), a.fine.value, micrometres(a.fine.spacing), a.coarse.seconds + a.fine.seconds));
+        micrometres(a.coarse.spacing), a.fine.value, micrometres(a.fine.spacing), secondsOf(a)));
   }
   for (const std::string& file : report.written)
   {

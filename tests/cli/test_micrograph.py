@@ -168,6 +168,22 @@ class Micrograph(Case):
         self.assertEqual(list(one["axes"]), ["y"])
         self.assertAlmostEqual(one["axes"]["y"]["value"], axes["y"]["value"])
 
+    def test_a_target_for_the_error_halves_the_spacing(self):
+        self.works("generate", "softwood", "--size", "160,120", "-o", "t.png")
+        run = ["micrograph", "t.png", "--phase", "0=lumen", "--other", "wall", "--pixel-size", "1um", "--direction", "x",
+               "--lamella-thickness", "4um", "--json", *CONDUCT, "--conductivity", "lamella=0.3"]  # fmt: skip
+        pair = self.works(*run).json()["diffusion"]["axes"]["x"]
+        self.assertEqual(len(pair["steps"]), 2)
+        target = pair["relative_error"] / 1.5
+        answer = self.works(*run, "--target-error", f"{target:.6f}")
+        fine = answer.json()["diffusion"]["axes"]["x"]
+        self.assertLessEqual(fine["relative_error"], target)
+        self.assertGreater(len(fine["steps"]), 2)
+        self.assertEqual([step["value"] for step in fine["steps"][:2]], [step["value"] for step in pair["steps"]])
+        self.assertEqual(fine["steps"][-1]["value"], fine["fine"]["value"])
+        # The lattice that is written is that of --spacing all the same.
+        self.assertEqual(answer.json()["lattice"]["size"], [160, 120])
+
     def test_lamella(self):
         self.polygons()
         run = ["micrograph", "cells.json", "--spacing", "0.1um"]
@@ -301,6 +317,8 @@ class Micrograph(Case):
         fails("all conductivities are 0", "", "--conductivity", "wall=0,lumen=0", code=4)
         fails("--direction", "", "--direction", "z", *CONDUCT)
         fails("no conducting path", "", "--conductivity", "wall=0,lumen=1", code=4)
+        fails("without --conductivity", "say what", "--target-error", "1%")
+        fails("'2' is not between 0 and 1", "0.1%", *CONDUCT, "--target-error", "2")
         fails("--contours 'c.txt'", "end it in", "--contours", "c.txt")
         fails("--overlay 'c.jpg'", "end it in .png", "--overlay", "c.jpg")
         fails("-o 'c.txt'", "", "-o", "c.txt")
