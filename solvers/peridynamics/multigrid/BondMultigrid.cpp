@@ -193,6 +193,8 @@ std::int64_t BondMultigrid::bytes() const noexcept
     (coarsest_ ? coarsest_->bytes() : 0);
   for (const auto& level : levels_)
     total += level->bytes();
+  for (const auto& trace : traces_)
+    total += trace.layout().count() * static_cast<std::int64_t>(sizeof(float));
   return total;
 }
 
@@ -424,6 +426,22 @@ const NodeField<float>& BondMultigrid::apply(const NodeField<double>& input, dou
       const std::int64_t i = l.index(0, y, z);
       for (int c = 0; c < l.dimension; ++c)
         levelKernels().toFloat(l.size[0], scale, input.component(c) + i, top.r.component(c) + i);
+    });
+  release(top.r);
+  cycle(0, true);
+  return top.x;
+}
+
+const NodeField<float>& BondMultigrid::apply(const NodeField<float>& input)
+{
+  Level& top = *levels_.front();
+  const NodeLayout& l = top.layout;
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(0, y, z);
+      for (int c = 0; c < l.dimension; ++c)
+        std::copy_n(input.component(c) + i, l.size[0], top.r.component(c) + i);
     });
   release(top.r);
   cycle(0, true);

@@ -14,6 +14,19 @@
 namespace lamella::peridynamics
 {
 
+/// Where a bond is felt: k/|ξ| (Σ c u·e)² is twice its energy, with the weights c of a level's nodes.
+struct SpringWeights
+{
+  struct Node
+  {
+    std::array<std::int64_t, 3> node{}; ///< of the level
+    double weight = 0;
+  };
+  double stiffness = 0;              ///< k/|ξ|
+  std::array<double, 3> direction{}; ///< e
+  std::vector<std::vector<Node>> levels;
+};
+
 /// Symmetric multigrid cycle for the linearised equilibrium of a bond lattice, in single precision: a preconditioner
 /// for conjugate gradients.
 ///
@@ -30,6 +43,21 @@ public:
 
   /// x = M r: `input` is taken as zero where components are fixed. The rim of the result is not filled. Collective.
   const NodeField<float>& apply(const NodeField<double>& input, double scale);
+  /// The same of a field of single precision.
+  const NodeField<float>& apply(const NodeField<float>& input);
+
+  // Bonds that break, on one rank and with no periodic side.
+  /// @param index position of the first node of a bond that there is
+  [[nodiscard]] SpringWeights weights(std::int64_t index, int offset) const;
+  /// Takes a bond out of the matrices of all levels, which it changes by rank one: exact up to round-off. It must have
+  /// been taken out of the bonds by then.
+  void subtract(const SpringWeights& spring);
+  /// For those who relax on parts of the levels: the matrix, and x, r and d, which apply() overwrites.
+  [[nodiscard]] Level& level(std::size_t index) noexcept { return *levels_[index]; }
+  [[nodiscard]] const Level& level(std::size_t index) const noexcept { return *levels_[index]; }
+  /// x = A⁺ r of the coarsest level.
+  void solveCoarsest() { coarsest_->solve(*levels_.back()); }
+  [[nodiscard]] bool solvesCoarsest() const noexcept { return coarsest_.has_value(); }
 
   [[nodiscard]] std::size_t levelCount() const noexcept { return levels_.size(); }
   [[nodiscard]] std::int64_t bytes() const noexcept;
@@ -59,6 +87,7 @@ private:
   void restrictResidual(std::size_t index);
   /// correction of the next level into d of this one
   void interpolate(std::size_t index);
+  void invertFinest(std::int64_t index);
   /// zero where components are fixed
   void release(NodeField<float>& field) const;
 
@@ -69,6 +98,7 @@ private:
   std::vector<std::unique_ptr<Level>> levels_;
   std::vector<std::int64_t> fixedNodes_; ///< own positions with a fixed component
   NodeField<float> force_;               ///< of the finest level
+  std::vector<NodeField<float>> traces_; ///< of the coarse levels' diagonal blocks before the first bond broke
   std::optional<CoarsestLevel> coarsest_;
   std::int64_t products_ = 0;
   std::int64_t hinges_ = 0;

@@ -94,6 +94,28 @@ CoarsestLevel::CoarsestLevel(const Level& level)
   inverse_ = (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()).cast<float>();
 }
 
+// Sherman and Morrison: (A − k v vᵀ)⁻¹ = A⁻¹ + k/(1 − k vᵀA⁻¹v) A⁻¹v vᵀA⁻¹.
+bool CoarsestLevel::subtract(const std::vector<std::pair<std::int64_t, double>>& v, double k)
+{
+  constexpr double least = 1e-4; // of the stiffness along v: below, what is left has too few digits
+  if (factors_)
+    return false;
+  if (exact_.size() == 0)
+    exact_ = inverse_.cast<double>();
+  Eigen::VectorXd w = Eigen::VectorXd::Zero(exact_.rows());
+  for (const auto& [i, weight] : v)
+    w += weight * exact_.col(i);
+  double along = 0;
+  for (const auto& [i, weight] : v)
+    along += weight * w[i];
+  const double left = 1 - k * along;
+  if (!(left > least))
+    return false;
+  exact_.noalias() += (k / left) * w * w.transpose();
+  inverse_ = exact_.cast<float>();
+  return true;
+}
+
 void CoarsestLevel::solve(Level& level) const
 {
   const NodeLayout& l = level.layout;

@@ -7,6 +7,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
+#include <vector>
 
 namespace lamella::peridynamics
 {
@@ -21,15 +23,26 @@ public:
   [[nodiscard]] static bool possible(const NodeLayout& layout) noexcept;
   /// x = A⁺ r on the level that it was made of.
   void solve(Level& level) const;
+  /// Takes k v vᵀ off the matrix; v by unknown, as number() counts them. Exact, but for where that leaves something
+  /// without a hold.
+  /// @return false: so it does (or the level is factorised); make this anew
+  [[nodiscard]] bool subtract(const std::vector<std::pair<std::int64_t, double>>& v, double k);
+  [[nodiscard]] static std::int64_t number(
+    const NodeLayout& l, std::int64_t x, std::int64_t y, std::int64_t z, int component) noexcept
+  {
+    return l.dimension * (x + l.size[0] * (y + l.size[1] * z)) + component;
+  }
   [[nodiscard]] std::int64_t bytes() const noexcept
   {
     return static_cast<std::int64_t>(inverse_.size()) * static_cast<std::int64_t>(sizeof(float)) +
+      static_cast<std::int64_t>(exact_.size()) * static_cast<std::int64_t>(sizeof(double)) +
       (factors_ ? factors_->matrixL().nestedExpression().nonZeros() * 12 : 0);
   }
 
 private:
   using Factors = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
   Eigen::MatrixXf inverse_;
+  Eigen::MatrixXd exact_; ///< the same, once it has been changed
   std::unique_ptr<Factors> factors_;
 };
 

@@ -2,6 +2,9 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
+#include <cmath>
+
 namespace lamella::peridynamics
 {
 
@@ -70,39 +73,51 @@ namespace
 
 constexpr double threshold = 1e-6; // of the trace: blocks are summed in single precision
 
+// to float at `inverse`, entry by entry; true: a direction has no inverse, but the block is not zero
 template <int Dim>
-std::int64_t invertRow(const NodeField<float>& blocks, NodeField<float>& inverse, std::int64_t begin, std::int64_t n)
+bool invert(const std::array<double, 6>& entries, NodeField<float>& inverse, std::int64_t i, double least)
 {
-  std::int64_t singular = 0;
   using Block = Eigen::Matrix<double, Dim, Dim>;
-  constexpr int entries = Dim == 3 ? 6 : 3;
   constexpr int row[6] = { 0, 1, Dim == 3 ? 2 : 0, 0, 1, 0 };
   constexpr int column[6] = { 0, 1, Dim == 3 ? 2 : 1, 1, 2, 2 };
+  bool singular = false;
+  Block a;
+  for (int e = 0; e < blockEntries(Dim); ++e)
+    a(row[e], column[e]) = a(column[e], row[e]) = entries[static_cast<std::size_t>(e)];
+  Block b = Block::Zero();
+  const double trace = a.trace();
+  if (trace > least)
+  {
+    // well apart from singular: det/traceᵈ bounds the smallest eigenvalue from below
+    const double determinant = a.determinant();
+    if (determinant > 1e-3 * std::pow(trace, Dim) && 1e-3 * trace > least)
+      b = a.inverse();
+    else
+    {
+      Eigen::SelfAdjointEigenSolver<Block> eigen;
+      eigen.computeDirect(a);
+      singular = !(eigen.eigenvalues()[0] > threshold * trace);
+      for (int c = 0; c < Dim; ++c)
+        if (eigen.eigenvalues()[c] > std::max(threshold * trace, least))
+          b += eigen.eigenvectors().col(c) * eigen.eigenvectors().col(c).transpose() / eigen.eigenvalues()[c];
+    }
+  }
+  for (int e = 0; e < blockEntries(Dim); ++e)
+    inverse.component(e)[i] = static_cast<float>(b(row[e], column[e]));
+  return singular;
+}
+
+template <int Dim>
+std::int64_t invertRow(const NodeField<float>& blocks, NodeField<float>& inverse, std::int64_t begin, std::int64_t n,
+  double least)
+{
+  std::int64_t singular = 0;
   for (std::int64_t i = begin; i < begin + n; ++i)
   {
-    Block a;
-    for (int e = 0; e < entries; ++e)
-      a(row[e], column[e]) = a(column[e], row[e]) = static_cast<double>(blocks.component(e)[i]);
-    Block b = Block::Zero();
-    const double trace = a.trace();
-    if (trace > 0)
-    {
-      // well apart from singular: det/traceᵈ bounds the smallest eigenvalue from below
-      const double determinant = a.determinant();
-      if (determinant > 1e-3 * std::pow(trace, Dim))
-        b = a.inverse();
-      else
-      {
-        Eigen::SelfAdjointEigenSolver<Block> eigen;
-        eigen.computeDirect(a);
-        singular += eigen.eigenvalues()[0] > threshold * trace ? 0 : 1;
-        for (int c = 0; c < Dim; ++c)
-          if (eigen.eigenvalues()[c] > threshold * trace)
-            b += eigen.eigenvectors().col(c) * eigen.eigenvectors().col(c).transpose() / eigen.eigenvalues()[c];
-      }
-    }
-    for (int e = 0; e < entries; ++e)
-      inverse.component(e)[i] = static_cast<float>(b(row[e], column[e]));
+    std::array<double, 6> entries{};
+    for (int e = 0; e < blockEntries(Dim); ++e)
+      entries[static_cast<std::size_t>(e)] = static_cast<double>(blocks.component(e)[i]);
+    singular += invert<Dim>(entries, inverse, i, least) ? 1 : 0;
   }
   return singular;
 }
@@ -117,8 +132,21 @@ std::int64_t invertBlocks(const NodeField<float>& blocks, NodeField<float>& inve
 #pragma omp parallel for schedule(static) reduction(+ : singular) if (l.owned() >= worthThreads)
   for (std::int64_t i = 0; i < rows; ++i)
     singular += (l.dimension == 3 ? invertRow<3> : invertRow<2>)(blocks, inverse,
-      l.index(0, i % l.size[1], i / l.size[1]), l.size[0]);
+      l.index(0, i % l.size[1], i / l.size[1]), l.size[0], 0.0);
   return singular;
+}
+
+void invertBlock(const NodeField<float>& blocks, NodeField<float>& inverse, std::int64_t index, double least)
+{
+  (blocks.layout().dimension == 3 ? invertRow<3> : invertRow<2>)(blocks, inverse, index, 1, least);
+}
+
+void invertBlock(const std::array<double, 6>& block, NodeField<float>& inverse, std::int64_t index)
+{
+  if (inverse.layout().dimension == 3)
+    invert<3>(block, inverse, index, 0);
+  else
+    invert<2>(block, inverse, index, 0);
 }
 
 } // namespace lamella::peridynamics

@@ -42,6 +42,18 @@ struct Level
 /// Neighbours of a node within `reach` steps along every axis whose last nonzero step is positive.
 [[nodiscard]] std::vector<std::array<int, 3>> forwardNeighbours(int dimension, int reach);
 
+/// Place of a forward step in that list.
+[[nodiscard]] constexpr std::size_t forwardIndex(int reach, const std::array<int, 3>& step) noexcept
+{
+  const int width = 2 * reach + 1;
+  if (step[2] == 0 && step[1] == 0)
+    return static_cast<std::size_t>(step[0] - 1);
+  if (step[2] == 0)
+    return static_cast<std::size_t>(reach + (step[1] - 1) * width + step[0] + reach);
+  return static_cast<std::size_t>(
+    reach + reach * width + ((step[2] - 1) * width + step[1] + reach) * width + step[0] + reach);
+}
+
 /// Fewer nodes are done sooner than a second thread wakes up.
 inline constexpr std::int64_t worthThreads = 16384;
 
@@ -63,5 +75,10 @@ void subtractProduct(const Level& level, const NodeField<float>& x, NodeField<fl
 /// none.
 /// @return how many of the own nodes have such a direction, but no zero block
 std::int64_t invertBlocks(const NodeField<float>& blocks, NodeField<float>& inverse);
+
+/// The same for one node, where directions of less than `least` get none either.
+void invertBlock(const NodeField<float>& blocks, NodeField<float>& inverse, std::int64_t index, double least);
+/// The same of a block by its entries.
+void invertBlock(const std::array<double, 6>& block, NodeField<float>& inverse, std::int64_t index);
 
 } // namespace lamella::peridynamics

@@ -1,0 +1,171 @@
+#include "peridynamics/fracture/AccurateEngine.h"
+
+#include "peridynamics/Fragments.h"
+#include "peridynamics/RimExchange.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+double seconds()
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+} // namespace
+
+AccurateEngine::AccurateEngine(
+  BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, double tolerance)
+  : bonds_(bonds)
+  , sample_(sample)
+  , platens_(platens)
+  , tolerance_(tolerance)
+  , graph_(bonds)
+  , u_(sample.displacement)
+{
+  solve();
+}
+
+AccurateEngine::~AccurateEngine() = default;
+
+void AccurateEngine::prepare()
+{
+  EquilibriumOptions o;
+  o.tolerance = tolerance_;
+  equilibrium_ = std::make_unique<Equilibrium>(bonds_, sample_.fixed, o);
+  fresh_ = true;
+}
+
+// The preconditioner remains one, if a worse one, when bonds break; a new one costs as much as a few iterations.
+void AccurateEngine::solve()
+{
+  const double start = seconds();
+  if (!equilibrium_)
+    prepare();
+  const bool fresh = fresh_;
+  const EquilibriumResult r = equilibrium_->solve(u_);
+  if (fresh)
+    usual_ = r.iterations;
+  else if (r.iterations > usual_ + 5)
+    equilibrium_.reset();
+  fresh_ = false;
+  ++statistics_.equilibria;
+  statistics_.globalIterations += r.iterations;
+  statistics_.bytes = r.bytes;
+  NodeField<double> f(bonds_.layout());
+  linearForce(bonds_, u_, f);
+  force_ = platens_.of(bonds_, f);
+  statistics_.globalSeconds += seconds() - start;
+}
+
+StretchMaximum AccurateEngine::mostCritical()
+{
+  const double start = seconds();
+  const StretchMaximum most = largestStretch(bonds_, u_, false);
+  statistics_.searchSeconds += seconds() - start;
+  return most;
+}
+
+std::vector<Bond> AccurateEngine::critical(double ratio)
+{
+  const NodeLayout& l = bonds_.layout();
+  std::vector<std::int64_t> mine;
+  for (std::int64_t z = 0; z < l.size[2]; ++z)
+    for (std::int64_t y = 0; y < l.size[1]; ++y)
+      bonds_.forEachBond(y, z,
+        [&](std::int64_t i, std::int64_t j, int o, int kind)
+        {
+          if (!l.ownedNode(l.node(i)))
+            return;
+          const Offset& half = bonds_.stencil().half()[static_cast<std::size_t>(o)];
+          double along = 0;
+          for (int c = 0; c < l.dimension; ++c)
+            along += half.step[static_cast<std::size_t>(c)] * (u_.component(c)[j] - u_.component(c)[i]);
+          const double s = along / (half.length * half.length * bonds_.spacing());
+          if (s < ratio * bonds_.kinds()[static_cast<std::size_t>(kind)].criticalStretch)
+            return;
+          const Bond b = bonds_.bond(i, o);
+          mine.insert(mine.end(), { b.node[0], b.node[1], b.node[2], b.offset });
+        });
+  const std::vector<std::int64_t> all = gather(bonds_.communicator(), mine, 4);
+  std::vector<Bond> found;
+  for (std::size_t k = 0; k < all.size(); k += 4)
+    found.push_back({ { all[k], all[k + 1], all[k + 2] }, static_cast<int>(all[k + 3]) });
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+bool AccurateEngine::joined(std::span<const Bond> bonds) const
+{
+  const NodeLayout& l = bonds_.layout();
+  bool apart = false;
+  for (const Bond& b : bonds)
+  {
+    std::array<std::int64_t, 3> n = b.node;
+    for (std::size_t a = 0; a < 3; ++a)
+      n[a] -= l.start[a];
+    if (l.ownedNode(n))
+      apart = apart ||
+        !graph_.shareNeighbour(
+          l.index(n[0], n[1], n[2]), bonds_.stencil().half()[static_cast<std::size_t>(b.offset)].step);
+  }
+  return !bonds_.communicator().any(apart);
+}
+
+void AccurateEngine::breakBonds(std::span<const Bond> bonds)
+{
+  // every rank names all of them, and they count once
+  bonds_.breakBonds(bonds_.communicator().rank() == 0 ? bonds : std::span<const Bond>());
+  const double start = seconds();
+  if (!joined(bonds))
+    takeOutLoosePieces();
+  statistics_.searchSeconds += seconds() - start;
+  if (holds_)
+    solve();
+}
+
+void AccurateEngine::takeOutLoosePieces()
+{
+  ++statistics_.searches;
+  const AlignedArray<std::uint8_t> marks = platens_.marks(bonds_, sample_);
+  const Fragments fragments = findFragments(bonds_, &marks);
+  holds_ = false;
+  std::int64_t nodes = 0;
+  std::int64_t larger = 0;
+  std::int64_t ofLarger = 0;
+  for (const Fragment& f : fragments.pieces)
+  {
+    holds_ = holds_ || (f.fixed & 3U) == 3;
+    if ((f.fixed & 4U) != 0)
+      continue;
+    nodes += f.nodes;
+    larger += f.nodes > 1 ? 1 : 0;
+    ofLarger += f.nodes > 1 ? f.nodes : 0;
+  }
+  if (nodes == loose_)
+    return;
+  statistics_.loosePieces += larger + nodes - loose_ - ofLarger; // the others are single nodes
+  statistics_.looseNodes += nodes - loose_;
+  loose_ = nodes;
+  if (larger == 0)
+    return;
+  const NodeLayout& l = bonds_.layout();
+  std::vector<Bond> taken;
+  for (std::int64_t z = 0; z < l.size[2]; ++z)
+    for (std::int64_t y = 0; y < l.size[1]; ++y)
+      bonds_.forEachBond(y, z,
+        [&](std::int64_t i, std::int64_t, int o, int)
+        {
+          if (l.ownedNode(l.node(i)) &&
+            (fragments.pieces[static_cast<std::size_t>(fragments.piece[i])].fixed & 4U) == 0)
+            taken.push_back(bonds_.bond(i, o));
+        });
+  statistics_.looseBonds += bonds_.breakBonds(taken);
+  equilibrium_.reset();
+}
+
+} // namespace lamella::peridynamics

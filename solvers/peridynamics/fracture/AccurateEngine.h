@@ -1,0 +1,49 @@
+#pragma once
+
+#include "peridynamics/Equilibrium.h"
+#include "peridynamics/fracture/BondGraph.h"
+#include "peridynamics/fracture/FractureEngine.h"
+#include "peridynamics/fracture/PlatenForce.h"
+
+#include <memory>
+
+namespace lamella::peridynamics
+{
+
+/// One equilibrium to the tolerance after every break.
+class AccurateEngine final : public FractureEngine
+{
+public:
+  AccurateEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, double tolerance);
+  ~AccurateEngine() override;
+
+  StretchMaximum mostCritical() override;
+  std::vector<Bond> critical(double ratio) override;
+  void breakBonds(std::span<const Bond> bonds) override;
+  bool settle() override { return false; }
+  NodeField<double> displacement() override { return u_; }
+  [[nodiscard]] double force() const override { return force_; }
+  [[nodiscard]] bool holds() const override { return holds_; }
+
+private:
+  void prepare();
+  void solve();
+  /// Do the ends of all these (broken) bonds still have a neighbour in common?
+  [[nodiscard]] bool joined(std::span<const Bond> bonds) const;
+  void takeOutLoosePieces();
+
+  BondLattice& bonds_;
+  const LoadedSample& sample_;
+  PlatenForce platens_;
+  double tolerance_;
+  BondGraph graph_;
+  NodeField<double> u_;
+  double force_ = 0;
+  bool holds_ = true;
+  std::int64_t loose_ = 0; ///< nodes, at the last search
+  std::int64_t usual_ = 0; ///< iterations of a break with a fresh preconditioner
+  bool fresh_ = true;      ///< no break yet that the preconditioner does not know of
+  std::unique_ptr<Equilibrium> equilibrium_;
+};
+
+} // namespace lamella::peridynamics

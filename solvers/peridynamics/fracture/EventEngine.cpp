@@ -1,0 +1,137 @@
+#include "peridynamics/fracture/EventEngine.h"
+
+#include <chrono>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+double seconds()
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+} // namespace
+
+EventEngine::EventEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
+  const EventOptions& options, double tolerance)
+  : bonds_(bonds)
+  , platens_(platens)
+  , options_(options)
+  , tolerance_(tolerance)
+  , state_(bonds, sample.fixed, sample.displacement, tolerance)
+  , tiles_(bonds)
+  , pieces_(bonds, sample, platens)
+{
+  work_ = 2 * elasticEnergy(bonds, state_.base(), false);
+  afterGlobal(0, seconds());
+}
+
+void EventEngine::afterGlobal(int iterations, double start)
+{
+  const double before = force_;
+  force_ = platens_.of(bonds_, state_.force());
+  if (before != 0)
+    work_ *= force_ / before; // both are in proportion to the stiffness
+  sinceGlobal_ = 0;
+  ++statistics_.equilibria;
+  statistics_.globalIterations += iterations;
+  const double solved = seconds();
+  statistics_.globalSeconds += solved - start;
+  tiles_.refreshAll(state_);
+  statistics_.searchSeconds += seconds() - solved;
+  statistics_.bytes = state_.bytes() + tiles_.bytes() + pieces_.bytes();
+}
+
+bool EventEngine::settle()
+{
+  if (sinceGlobal_ == 0)
+    return false;
+  const double start = seconds();
+  const int iterations = state_.correctGlobally(options_.globalIterations, options_.globalTolerance);
+  afterGlobal(iterations, start);
+  return true;
+}
+
+NodeField<double> EventEngine::displacement()
+{
+  const double start = seconds();
+  afterGlobal(state_.solve(tolerance_), start);
+  return state_.base();
+}
+
+StretchMaximum EventEngine::mostCritical()
+{
+  const double start = seconds();
+  const StretchMaximum most = tiles_.greatest(state_);
+  statistics_.searchSeconds += seconds() - start;
+  return most;
+}
+
+std::vector<Bond> EventEngine::critical(double)
+{
+  const StretchMaximum most = mostCritical();
+  return most.bond ? std::vector<Bond>{ *most.bond } : std::vector<Bond>{};
+}
+
+void EventEngine::breakBonds(std::span<const Bond> bonds)
+{
+  for (const Bond& b : bonds)
+    breakBond(b);
+}
+
+void EventEngine::breakBond(const Bond& bond)
+{
+  double start = seconds();
+  const NodeLayout& l = bonds_.layout();
+  const std::int64_t i = l.index(bond.node[0], bond.node[1], bond.node[2]);
+  const double before = state_.elongation(i, bond.offset);
+  const double spring = state_.breakBond(i, bond.offset);
+  const double broken = seconds();
+  statistics_.localSeconds += broken - start;
+  takeOut(pieces_.after(i, bond.offset));
+  statistics_.searches = pieces_.searches();
+  start = seconds();
+  statistics_.searchSeconds += start - broken;
+
+  Box box;
+  const auto& step = bonds_.stencil().half()[static_cast<std::size_t>(bond.offset)].step;
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    box.low[a] = std::min(bond.node[a], bond.node[a] + step[a]);
+    box.high[a] = std::max(bond.node[a], bond.node[a] + step[a]) + 1;
+  }
+  const double dipole = state_.dipole(i, bond.offset, spring * before);
+  const EventHierarchy::Local local = state_.correct(box, options_.radius, options_.coarseRadius,
+    options_.reduction * options_.reduction * dipole, options_.maxCycles);
+  statistics_.localCycles += local.cycles;
+  statistics_.nodesVisited += local.visited;
+  // exact for an equilibrium before and after
+  const double lost = spring * before * state_.elongation(i, bond.offset);
+  force_ *= 1 - lost / work_;
+  work_ -= lost;
+  const double relaxed = seconds();
+  statistics_.localSeconds += relaxed - start;
+  tiles_.refresh(state_, local.window);
+  statistics_.searchSeconds += seconds() - relaxed;
+  if (++sinceGlobal_ >= options_.globalEvery)
+    settle();
+}
+
+void EventEngine::takeOut(const std::vector<std::int64_t>& nodes)
+{
+  if (nodes.empty())
+    return;
+  ++statistics_.loosePieces;
+  statistics_.looseNodes += static_cast<std::int64_t>(nodes.size());
+  for (const std::int64_t i : nodes)
+    for (int o = 0; o < static_cast<int>(bonds_.stencil().half().size()); ++o)
+      if (bonds_.kind(i, o) != 0)
+      {
+        state_.breakBond(i, o);
+        ++statistics_.looseBonds;
+      }
+}
+
+} // namespace lamella::peridynamics

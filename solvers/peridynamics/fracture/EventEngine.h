@@ -1,0 +1,43 @@
+#pragma once
+
+#include "peridynamics/fracture/FractureEngine.h"
+#include "peridynamics/fracture/LoosePieces.h"
+#include "peridynamics/fracture/StretchTiles.h"
+
+namespace lamella::peridynamics
+{
+
+/// A break disturbs little but its surroundings: bond by bond, corrections on nested windows, and the whole lattice only
+/// before the load rises and now and then in an avalanche.
+class EventEngine final : public FractureEngine
+{
+public:
+  EventEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, const EventOptions& options,
+    double tolerance);
+
+  StretchMaximum mostCritical() override;
+  std::vector<Bond> critical(double ratio) override;
+  void breakBonds(std::span<const Bond> bonds) override;
+  bool settle() override;
+  NodeField<double> displacement() override;
+  [[nodiscard]] double force() const override { return force_; }
+  [[nodiscard]] bool holds() const override { return pieces_.holds(); }
+
+private:
+  void breakBond(const Bond& bond);
+  void takeOut(const std::vector<std::int64_t>& nodes);
+  void afterGlobal(int iterations, double start);
+
+  BondLattice& bonds_;
+  PlatenForce platens_;
+  EventOptions options_;
+  double tolerance_;
+  EventHierarchy state_;
+  StretchTiles tiles_;
+  LoosePieces pieces_;
+  double force_ = 0;
+  double work_ = 1; ///< twice the elastic energy at unit load
+  int sinceGlobal_ = 0;
+};
+
+} // namespace lamella::peridynamics

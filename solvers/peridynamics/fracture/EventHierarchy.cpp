@@ -1,0 +1,269 @@
+#include "peridynamics/fracture/EventHierarchy.h"
+
+#include "peridynamics/multigrid/FreeBlocks.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lamella::peridynamics
+{
+EventHierarchy::EventHierarchy(
+  BondLattice& bonds, const FixedComponents& fixed, const NodeField<double>& displacement, double tolerance)
+  : bonds_(bonds)
+  , fixed_(fixed)
+  , base_(displacement)
+  , direction_(bonds.layout())
+  , springs_(bonds)
+{
+  const NodeLayout& l = bonds.layout();
+  for (std::int64_t z = 0; z < l.size[2]; ++z)
+    for (std::int64_t y = 0; y < l.size[1]; ++y)
+    {
+      const std::uint8_t* row = fixed.data() + l.index(0, y, z);
+      rowFixed_.push_back(std::any_of(row, row + l.size[0], [](std::uint8_t f) { return f != 0; }) ? 1 : 0);
+    }
+  sums_.resize(rowFixed_.size());
+  build();
+
+  // the forces on free components while these have not moved
+  NodeField<double> still = base_;
+  for (int c = 0; c < l.dimension; ++c)
+    for (std::int64_t i = 0; i < l.count(); ++i)
+      if ((fixed[i] >> c & 1U) == 0)
+        still.component(c)[i] = 0;
+  std::swap(still, base_);
+  residualInDouble();
+  std::swap(still, base_);
+  reference_ = freeNorm(levels_.front().g);
+  if (reference_ > 0)
+    solve(tolerance);
+}
+
+// Also when round-off has got the better of the matrices.
+void EventHierarchy::build()
+{
+  multigrid_ = std::make_unique<BondMultigrid>(bonds_, fixed_);
+  if (!levels_.empty())
+    return;
+  levels_.resize(multigrid_->levelCount());
+  for (std::size_t k = 0; k < levels_.size(); ++k)
+  {
+    const Level& level = multigrid_->level(k);
+    for (NodeField<float>* f : { &levels_[k].w, &levels_[k].g, &levels_[k].total, &levels_[k].change })
+      *f = NodeField<float>(level.layout);
+    for (const auto& s : level.half)
+      levels_[k].jumps.push_back(s[0] + level.layout.pitch * (s[1] + level.layout.rowsY() * s[2]));
+  }
+  inner_.resize(levels_.size());
+  outer_.resize(levels_.size());
+}
+
+std::int64_t EventHierarchy::bytes() const noexcept
+{
+  std::int64_t total = multigrid_->bytes() + springs_.bytes();
+  for (const EventLevel& level : levels_)
+    total += 4 * level.w.components() * level.w.layout().count() * static_cast<std::int64_t>(sizeof(float));
+  const std::int64_t nodes = base_.components() * base_.layout().count();
+  return total + nodes * static_cast<std::int64_t>(sizeof(double) + sizeof(float));
+}
+
+void EventHierarchy::maskRow(
+  NodeField<float>& field, std::int64_t y, std::int64_t z, std::int64_t x0, std::int64_t x1) const
+{
+  const NodeLayout& l = field.layout();
+  if (rowFixed_[static_cast<std::size_t>(y + l.size[1] * z)] == 0)
+    return;
+  const std::int64_t i = l.index(0, y, z);
+  for (int c = 0; c < field.components(); ++c)
+    for (std::int64_t x = x0; x < std::min(x1, l.size[0]); ++x)
+      if ((fixed_[i + x] >> c & 1U) != 0)
+        field.component(c)[i + x] = 0;
+}
+
+void EventHierarchy::evaluate(std::size_t k, const Box& box)
+{
+  if (k + 1 < levels_.size())
+    evaluate(k + 1, parents(box, levels_[k + 1].w.layout()));
+  evaluateFrom(k, box);
+}
+
+// U_l = w_l + P U_{l+1}
+void EventHierarchy::evaluateFrom(std::size_t k, const Box& box)
+{
+  EventLevel& level = levels_[k];
+  const NodeLayout& l = level.w.layout();
+  const std::int64_t n = box.high[0] - box.low[0];
+  const bool last = k + 1 == levels_.size();
+  forRows(box,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(box.low[0], y, z);
+      for (int c = 0; c < l.dimension; ++c)
+      {
+        float* to = level.total.component(c) + i;
+        const float* w = level.w.component(c) + i;
+        if (last)
+        {
+          std::copy_n(w, n, to);
+          continue;
+        }
+        const NodeField<float>& coarse = levels_[k + 1].total;
+        const float* rows[4];
+        int count = 0;
+        for (std::int64_t cz = z / 2; cz <= (z + 1) / 2; ++cz)
+          for (std::int64_t cy = y / 2; cy <= (y + 1) / 2; ++cy)
+            rows[count++] = coarse.component(c) + coarse.layout().index(box.low[0] / 2, cy, cz);
+        levelKernels().interpolateRow(n, 1.0F / static_cast<float>(count), count, rows, to);
+      }
+      if (last)
+        return;
+      if (k == 0)
+        maskRow(level.total, y, z, box.low[0], box.high[0]);
+      for (int c = 0; c < l.dimension; ++c)
+        levelKernels().axpy(n, 1.0F, level.w.component(c) + i, level.total.component(c) + i);
+    });
+}
+
+double EventHierarchy::elongation(std::int64_t index, int offset)
+{
+  const NodeLayout& l = bonds_.layout();
+  const Offset& half = bonds_.stencil().half()[static_cast<std::size_t>(offset)];
+  const auto n = l.node(index);
+  Box ends;
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    ends.low[a] = std::min(n[a], n[a] + half.step[a]);
+    ends.high[a] = std::max(n[a], n[a] + half.step[a]) + 1;
+  }
+  evaluate(grown(ends, 0, l));
+  const std::int64_t other = index + bonds_.jump(offset);
+  double along = 0;
+  for (int c = 0; c < l.dimension; ++c)
+  {
+    const double moved = base_.component(c)[other] - base_.component(c)[index] +
+      static_cast<double>(correction().component(c)[other]) - static_cast<double>(correction().component(c)[index]);
+    along += moved * half.step[static_cast<std::size_t>(c)] / half.length;
+  }
+  return along;
+}
+
+double EventHierarchy::breakBond(std::int64_t index, int offset)
+{
+  const NodeLayout& l = bonds_.layout();
+  const SpringWeights spring = multigrid_->weights(index, offset);
+  const std::int64_t other = index + bonds_.jump(offset);
+  // a level's residual changes by what the bond pulled with in the parts that are finer
+  double along = 0;
+  for (int c = 0; c < l.dimension; ++c)
+    along += (base_.component(c)[other] - base_.component(c)[index]) * spring.direction[static_cast<std::size_t>(c)];
+  for (int c = 0; c < l.dimension; ++c)
+  {
+    const auto pull =
+      static_cast<float>(spring.stiffness * along * spring.direction[static_cast<std::size_t>(c)]);
+    levels_.front().g.component(c)[index] -= pull;
+    levels_.front().g.component(c)[other] += pull;
+  }
+  for (std::size_t k = 0; k < levels_.size(); ++k)
+  {
+    EventLevel& level = levels_[k];
+    double finer = along;
+    for (const SpringWeights::Node& n : spring.levels[k])
+    {
+      const std::int64_t i = level.w.layout().index(n.node[0], n.node[1], n.node[2]);
+      for (int c = 0; c < l.dimension; ++c)
+      {
+        const double e = spring.direction[static_cast<std::size_t>(c)];
+        if (k > 0)
+          level.g.component(c)[i] += static_cast<float>(spring.stiffness * finer * n.weight * e);
+        along += n.weight * e * static_cast<double>(level.w.component(c)[i]);
+      }
+    }
+  }
+  const Bond bond = bonds_.bond(index, offset);
+  bonds_.breakBonds({ &bond, 1 });
+  multigrid_->subtract(spring);
+  return spring.stiffness;
+}
+
+double EventHierarchy::dipole(std::int64_t index, int offset, double force) const
+{
+  const Offset& half = bonds_.stencil().half()[static_cast<std::size_t>(offset)];
+  const NodeField<float>& inverse = multigrid_->level(0).inverse;
+  constexpr int entry3[3][3] = { { 0, 3, 5 }, { 3, 1, 4 }, { 5, 4, 2 } };
+  constexpr int entry2[2][2] = { { 0, 2 }, { 2, 1 } };
+  const int d = bonds_.dimension();
+  double sum = 0;
+  for (const std::int64_t i : { index, index + bonds_.jump(offset) })
+    for (int a = 0; a < d; ++a)
+      for (int b = 0; b < d; ++b)
+        sum += half.step[static_cast<std::size_t>(a)] * half.step[static_cast<std::size_t>(b)] *
+          static_cast<double>(inverse.component(d == 3 ? entry3[a][b] : entry2[a][b])[i]);
+  return force * force * sum / (half.length * half.length);
+}
+
+double EventHierarchy::inconsistency()
+{
+  for (std::size_t k = 0; k < levels_.size(); ++k)
+    evaluate(k, whole(levels_[k].w.layout()));
+  std::vector<NodeField<float>> residual;
+  for (std::size_t k = 0; k < levels_.size(); ++k)
+  {
+    residual.emplace_back(levels_[k].w.layout());
+    const Box all = whole(levels_[k].w.layout());
+    if (k == 0)
+      springs_.read(bonds_, all);
+    product(k, all, levels_[k].total, residual[k]);
+    for (int c = 0; c < bonds_.dimension(); ++c)
+      for (std::int64_t i = 0; i < levels_[k].w.layout().count(); ++i)
+        residual[k].component(c)[i] += levels_[k].g.component(c)[i];
+    if (k == 0)
+      forRows(all, [&](std::int64_t y, std::int64_t z) { maskRow(residual[0], y, z, 0, all.high[0]); });
+  }
+  double size = 0;
+  double worst = 0;
+  for (int c = 0; c < bonds_.dimension(); ++c)
+    for (std::int64_t i = 0; i < residual[0].layout().count(); ++i)
+      size = std::max(size, std::abs(static_cast<double>(residual[0].component(c)[i])));
+  for (std::size_t k = 0; k + 1 < levels_.size(); ++k)
+  {
+    std::swap(levels_[k].change, residual[k]);
+    outer_[k] = whole(levels_[k].w.layout());
+    const NodeField<float> before = levels_[k + 1].g;
+    levels_[k + 1].g.fill(0);
+    restrictChange(k);
+    for (int c = 0; c < bonds_.dimension(); ++c)
+      for (std::int64_t i = 0; i < before.layout().count(); ++i)
+        worst = std::max(worst,
+          std::abs(static_cast<double>(levels_[k + 1].g.component(c)[i] - residual[k + 1].component(c)[i])));
+    levels_[k + 1].g = before;
+    levels_[k + 1].change.fill(0);
+  }
+  return size > 0 ? worst / size : 0;
+}
+
+// Windows on every level, each around what the finer one's product reaches.
+void EventHierarchy::nest(const Box& box, int radius, int coarseRadius)
+{
+  for (std::size_t k = 0; k < levels_.size(); ++k)
+  {
+    const NodeLayout& l = levels_[k].w.layout();
+    if (k + 1 == levels_.size())
+    {
+      inner_[k] = outer_[k] = whole(l);
+      return;
+    }
+    Box centre = box; // the box's parents, without the rounding of windows
+    for (std::size_t j = 0; j < k; ++j)
+      for (std::size_t a = 0; a < 3; ++a)
+      {
+        centre.low[a] /= 2;
+        centre.high[a] = centre.high[a] / 2 + 1;
+      }
+    inner_[k] = grown(centre, k == 0 ? radius : coarseRadius, l);
+    outer_[k] = grown(inner_[k], k == 0 ? bonds_.stencil().layers() : l.ghost, l);
+    if (k > 0)
+      outer_[k] = united(outer_[k], parents(outer_[k - 1], l));
+  }
+}
+
+} // namespace lamella::peridynamics

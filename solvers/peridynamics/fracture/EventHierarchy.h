@@ -1,0 +1,110 @@
+#pragma once
+
+#include "peridynamics/fracture/SpringWindow.h"
+#include "peridynamics/multigrid/BondMultigrid.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace lamella::peridynamics
+{
+
+/// Displacements as a sum over the levels of a multigrid hierarchy, which breaks and corrections around them change on
+/// small parts of each level:
+///
+///   u = base + U₀,   U_l = w_l + P U_{l+1},   g_{l+1} = Pᵀ(g_l − A_l w_l),
+///
+/// with A_l the Galerkin matrices, P interpolation, and g₀ the residual force of the base. The residual of level l, g_l −
+/// A_l U_l, is then the restriction of the finest one's, whatever the parts; this is kept through every change.
+///
+/// One rank, no periodic side. All in single precision but the base; the local part runs on one thread.
+class EventHierarchy
+{
+public:
+  /// Solves the first equilibrium to a tolerance.
+  /// @param displacement what fixed components are given, and a first guess
+  /// @param bonds, fixed must outlive this
+  EventHierarchy(BondLattice& bonds, const FixedComponents& fixed, const NodeField<double>& displacement,
+    double tolerance);
+
+  /// Elongation u·e of a bond in metres.
+  [[nodiscard]] double elongation(std::int64_t index, int offset);
+  /// Takes a bond out of the lattice and of all levels, and what it pulled with into the residuals.
+  /// @return k/|ξ|
+  double breakBond(std::int64_t index, int offset);
+  /// r·D⁻¹r of the force that a broken bond leaves, were it all the residual that there is.
+  [[nodiscard]] double dipole(std::int64_t index, int offset, double force) const;
+
+  struct Local
+  {
+    int cycles = 0;
+    double residual = 0; ///< r·D⁻¹r on the finest level after the last
+    Box window;          ///< of the finest level: where w₀ changed
+    std::int64_t visited = 0;
+  };
+  /// Relaxes on nested windows around a box of the finest level, the coarsest level being solved whole, until
+  /// r·D⁻¹r falls below the target.
+  Local correct(const Box& box, int radius, int coarseRadius, double target, int maxCycles);
+
+  /// Conjugate gradients on the whole lattice, until the residual force is the tolerance over the reference.
+  /// @return iterations
+  int correctGlobally(int maxIterations, double tolerance);
+  /// The same from a residual in double precision, again and again until that is as small. Collapses all into the base.
+  int solve(double tolerance);
+
+  /// u − base on a box of the finest level becomes what correction() holds.
+  void evaluate(const Box& box) { evaluate(0, box); }
+  [[nodiscard]] const NodeField<float>& correction() const noexcept { return levels_.front().total; }
+  [[nodiscard]] const NodeField<double>& base() const noexcept { return base_; }
+  /// Forces on all nodes, after a global correction only: those on fixed components are reactions.
+  [[nodiscard]] const NodeField<float>& force() const noexcept { return levels_.front().g; }
+  /// Largest |Pᵀρ_l − ρ_{l+1}| over the largest |ρ₀|, ρ the residuals: round-off. For tests; visits everything.
+  [[nodiscard]] double inconsistency();
+  [[nodiscard]] std::int64_t bytes() const noexcept;
+
+private:
+  struct EventLevel
+  {
+    NodeField<float> w;      ///< this level's part
+    NodeField<float> g;      ///< what A_l U_l is to be
+    NodeField<float> total;  ///< U_l where it was evaluated
+    NodeField<float> change; ///< of the residual, not yet handed to the next level; zero between cycles
+    std::vector<std::int64_t> jumps; ///< of the half stencil
+  };
+
+  void build();
+  void evaluate(std::size_t level, const Box& box);
+  void evaluateFrom(std::size_t level, const Box& box); ///< where the next level's is known
+  void nest(const Box& box, int radius, int coarseRadius);
+  double relax(std::size_t level, int steps);
+  /// out = −A u on the rows of a box.
+  void product(std::size_t level, const Box& box, const NodeField<float>& u, NodeField<float>& out);
+  void restrictChange(std::size_t level);
+  void relaxCoarsest();
+  void collapse();
+  void restrictAll();
+  void residualInDouble();
+  void maskRow(NodeField<float>& field, std::int64_t y, std::int64_t z, std::int64_t x0, std::int64_t x1) const;
+  [[nodiscard]] double freeNorm(const NodeField<float>& r);
+  template <class F>
+  double rowSum(F&& f);
+
+  BondLattice& bonds_;
+  const FixedComponents& fixed_;
+  std::unique_ptr<BondMultigrid> multigrid_;
+  std::vector<EventLevel> levels_;
+  NodeField<double> base_;
+  NodeField<float> direction_; ///< of conjugate gradients on the whole lattice
+  std::vector<char> rowFixed_; ///< by ordinal of the row: does it have a fixed component?
+  std::vector<double> sums_;   ///< of rows
+  double reference_ = 1;       ///< norm of the forces on free components, were they held
+  int sinceDouble_ = 0;        ///< global corrections
+
+  std::vector<Box> inner_; ///< windows of the levels
+  std::vector<Box> outer_; ///< what their product reaches
+  SpringWindow springs_;
+};
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,230 @@
+#include "peridynamics/fracture/Fracture.h"
+
+#include "lattice/Error.h"
+#include "peridynamics/fracture/AccurateEngine.h"
+#include "peridynamics/fracture/EventEngine.h"
+#include "peridynamics/fracture/PlatenForce.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+constexpr double equal = 1e-9; // loads nearer than this to each other are the same: elongations have fewer digits
+
+double seconds()
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void check(const BondLattice& bonds, const Loading& loading, const FractureOptions& o)
+{
+  if (loading.load == LoadCase::Traction)
+    throw ParameterError("fracture under a traction: after the peak no equilibrium can hold it",
+      "load by a strain; the record's critical strains and stresses follow every snap-back");
+  if (!(loading.strain != 0) || !std::isfinite(loading.strain))
+    throw ParameterError(fmt::format("the strain {} gives the load no direction", loading.strain),
+      "give any strain but 0, such as 1e-3: it is scaled to the breaks");
+  if (!(o.stopShare >= 0 && o.stopShare < 1))
+    throw ParameterError(fmt::format("the share of the peak at which to stop, {}, is not in [0, 1)", o.stopShare),
+      "0.05 is usual; hinges never part in small strain, so 0 may never be reached");
+  if (!(o.maxStrain > 0))
+    throw ParameterError(fmt::format("the largest strain, {}, is not positive", o.maxStrain), "leave it out for none");
+  if (o.maxBroken < 1)
+    throw ParameterError(fmt::format("at most {} bonds are to break", o.maxBroken), "leave it out for no limit");
+  if (!(o.tolerance > 0 && o.tolerance < 1))
+    throw ParameterError(fmt::format("the tolerance {} is not between 0 and 1", o.tolerance), "1e-6 is usual");
+  if (o.method != FractureMethod::Events)
+    return;
+  const char* accurate = "use the accurate method, or run one sample a rank";
+  if (o.breaking == Breaking::Batched)
+    throw ParameterError("batches of bonds cannot be broken with local corrections", "use the accurate method");
+  if (bonds.communicator().parallel())
+    throw ParameterError(
+      fmt::format("fracture with local corrections on {} ranks", bonds.communicator().size()), accurate);
+  if (bonds.periodic() != std::array<bool, 3>{})
+    throw ParameterError("fracture with local corrections of a periodic sample", "use the accurate method");
+  const EventOptions& e = o.events;
+  const std::int64_t widest = std::max({ bonds.layout().global[0], bonds.layout().global[1], bonds.layout().global[2] });
+  for (const auto& [name, value, low, high] :
+    { std::tuple{ "radius", std::int64_t{ e.radius }, std::int64_t{ bonds.stencil().layers() }, 2 * widest + 8 },
+      { "coarse radius", std::int64_t{ e.coarseRadius }, std::int64_t{ 2 }, 2 * widest + 8 },
+      { "number of cycles", std::int64_t{ e.maxCycles }, std::int64_t{ 1 }, std::int64_t{ 1000 } },
+      { "number of events between global corrections", std::int64_t{ e.globalEvery }, std::int64_t{ 1 },
+        std::int64_t{ 1000000 } },
+      { "number of global iterations", std::int64_t{ e.globalIterations }, std::int64_t{ 1 }, std::int64_t{ 100000 } } })
+    if (value < low || value > high)
+      throw ParameterError(
+        fmt::format("the {} of the local corrections, {}, is not in {} … {}", name, value, low, high),
+        "the defaults serve most samples");
+  for (const auto& [name, value] :
+    { std::pair{ "reduction", e.reduction }, std::pair{ "global tolerance", e.globalTolerance } })
+    if (!(value > 0 && value < 1))
+      throw ParameterError(fmt::format("the {} of the local corrections, {}, is not between 0 and 1", name, value),
+        "the defaults serve most samples");
+}
+
+} // namespace
+
+std::string describe(FractureEnd end)
+{
+  switch (end)
+  {
+    case FractureEnd::Running:
+      return "not finished";
+    case FractureEnd::StressFell:
+      return "the stress fell to the share of the peak at which to stop";
+    case FractureEnd::Severed:
+      return "no piece reaches from platen to platen any more";
+    case FractureEnd::NothingBreaks:
+      return "no bond that can break is stretched";
+    case FractureEnd::MaxStrain:
+      return "the largest strain was reached";
+    case FractureEnd::MaxBroken:
+      return "the largest number of broken bonds was reached";
+    case FractureEnd::Interrupted:
+      return "interrupted";
+  }
+  return {};
+}
+
+QuasiStaticFracture::QuasiStaticFracture(BondLattice& bonds, const Loading& loading, FractureOptions options)
+  : bonds_(bonds)
+  , options_(std::move(options))
+{
+  check(bonds, loading, options_);
+  const double start = seconds();
+  reference_ = std::abs(loading.strain);
+  sample_ = applyLoading(bonds, loading);
+  const PlatenForce platens(bonds, loading, sample_);
+  area_ = platens.area();
+  if (options_.method == FractureMethod::Accurate)
+    engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance);
+  else
+    engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance);
+  record_.modulus = stress(1) / reference_;
+  record_.statistics = engine_->statistics();
+  record_.statistics.totalSeconds = seconds() - start;
+}
+
+QuasiStaticFracture::~QuasiStaticFracture() = default;
+
+void QuasiStaticFracture::setLimits(double maxStrain, std::int64_t maxBroken)
+{
+  options_.maxStrain = maxStrain;
+  options_.maxBroken = maxBroken;
+}
+
+double QuasiStaticFracture::strain() const noexcept
+{
+  return load_ * reference_;
+}
+
+double QuasiStaticFracture::stress(double load) const
+{
+  return load * engine_->force() / area_;
+}
+
+NodeField<double> QuasiStaticFracture::displacement()
+{
+  NodeField<double> u = engine_->displacement();
+  for (int c = 0; c < u.components(); ++c)
+    for (std::int64_t i = 0; i < u.layout().count(); ++i)
+      u.component(c)[i] *= load_;
+  return u;
+}
+
+// The elastic ramp in one step: to where the next bond is critical.
+void QuasiStaticFracture::raise(double load)
+{
+  const auto broken = static_cast<std::int64_t>(record_.broken.size());
+  if (!record_.curve.empty() && record_.curve.back().broken != broken)
+    record_.curve.push_back({ strain(), stress(load_), broken }); // what the avalanche left
+  load_ = load;
+  ++record_.statistics.raises;
+  const CurvePoint now{ strain(), stress(load_), broken };
+  record_.curve.push_back(now);
+  if (broken == 0)
+    record_.first = now;
+  if (now.stress > record_.peak.stress)
+    record_.peak = now;
+}
+
+void QuasiStaticFracture::breakCritical(const StretchMaximum& most)
+{
+  std::vector<Bond> bonds;
+  if (options_.breaking == Breaking::Batched)
+    bonds = engine_->critical((1 - equal) / load_);
+  else
+    bonds.push_back(*most.bond);
+  const std::int64_t event = ++record_.statistics.events;
+  for (const Bond& b : bonds)
+    record_.broken.push_back({ b, event, strain(), std::min(1 / most.ratio, load_) * reference_, stress(load_) });
+  engine_->breakBonds(bonds);
+}
+
+bool QuasiStaticFracture::report()
+{
+  const double now = stress(load_);
+  if (record_.peak.stress > 0)
+    share_ = std::max(
+      share_, std::clamp((1 - now / record_.peak.stress) / (1 - options_.stopShare), 0.0, 1.0));
+  return options_.progress &&
+    bonds_.communicator().any(options_.progress({ share_, static_cast<std::int64_t>(record_.broken.size()), strain(),
+      now, record_.peak.stress }));
+}
+
+// Running: an event took place, or the state was made better.
+FractureEnd QuasiStaticFracture::step()
+{
+  if (!engine_->holds())
+    return FractureEnd::Severed;
+  if (static_cast<std::int64_t>(record_.broken.size()) >= options_.maxBroken)
+    return FractureEnd::MaxBroken;
+  const StretchMaximum most = engine_->mostCritical();
+  const bool critical = most.ratio > 0 && load_ * most.ratio >= 1 - equal;
+  const bool fallen = load_ > 0 && stress(load_) <= options_.stopShare * record_.peak.stress;
+  if (!critical || fallen)
+  {
+    if (engine_->settle())
+      return FractureEnd::Running; // look again
+    if (fallen)
+      return FractureEnd::StressFell;
+    if (!(most.ratio > 0))
+      return FractureEnd::NothingBreaks;
+    if (reference_ / most.ratio > options_.maxStrain)
+      return FractureEnd::MaxStrain;
+    raise(1 / most.ratio);
+    if (record_.curve.back().stress <= options_.stopShare * record_.peak.stress)
+      return FractureEnd::StressFell;
+  }
+  breakCritical(most);
+  return report() ? FractureEnd::Interrupted : FractureEnd::Running;
+}
+
+FractureEnd QuasiStaticFracture::run()
+{
+  const double start = seconds();
+  const double before = record_.statistics.totalSeconds;
+  FractureEnd end = FractureEnd::Running;
+  while (end == FractureEnd::Running)
+    end = step();
+  if (end != FractureEnd::Interrupted && !record_.curve.empty() &&
+    record_.curve.back().broken != static_cast<std::int64_t>(record_.broken.size()))
+    record_.curve.push_back({ strain(), stress(load_), static_cast<std::int64_t>(record_.broken.size()) });
+  record_.end = end;
+  const FractureStatistics mine = record_.statistics;
+  record_.statistics = engine_->statistics();
+  record_.statistics.events = mine.events;
+  record_.statistics.raises = mine.raises;
+  record_.statistics.totalSeconds = before + seconds() - start;
+  return end;
+}
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,192 @@
+#pragma once
+
+#include "peridynamics/BondForces.h"
+#include "peridynamics/BondLattice.h"
+#include "peridynamics/Loading.h"
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+/// Quasi-static fracture in small strain: the load rises until a bond is critical; it breaks, the sample comes to
+/// equilibrium again, and so on until none is critical; then the load rises further. After Frank, Ruiz, Delenne and
+/// Radjai's scheme for walls (first paper, figure 15), with the elastic ramp between two breaks jumped by scaling, since
+/// between breaks everything is in proportion to the load.
+namespace lamella::peridynamics
+{
+
+enum class FractureMethod
+{
+  Events,  ///< local corrections around every break, global ones now and then; one rank, sides not periodic
+  Accurate ///< one equilibrium a break, to FractureOptions::tolerance: slow, to check against; any number of ranks
+};
+
+enum class Breaking
+{
+  Strict, ///< one bond at a time, the most critical
+  Batched ///< all that are critical at once, as in the papers; after the peak the path depends on it. Accurate only
+};
+
+/// How FractureMethod::Events trades time for accuracy. The defaults give the peak to 0.05 % and 98 % of the bonds.
+struct EventOptions
+{
+  int radius = 12;       ///< nodes around a broken bond that are corrected on the finest level
+  int coarseRadius = 8;  ///< on each coarser one, beyond what the finer one's window covers
+  double reduction = 0.1; ///< of the residual around the bond, over the force that it carried
+  int maxCycles = 6;      ///< around a bond, before a global correction is asked for
+  int globalEvery = 20;   ///< events of an avalanche between two global corrections
+  int globalIterations = 6;      ///< of conjugate gradients in a global correction, at most
+  double globalTolerance = 1e-4; ///< of its residual force, as EquilibriumOptions::tolerance counts
+};
+
+/// Where a fracture stands, for FractureOptions::progress.
+struct FractureProgress
+{
+  double share = 0;         ///< done, 0 … 1; never falls. A guess before the peak
+  std::int64_t broken = 0;  ///< bonds so far
+  double strain = 0;        ///< now
+  double stress = 0;        ///< now [Pa]
+  double peakStress = 0;    ///< so far [Pa]
+};
+
+struct FractureOptions
+{
+  FractureMethod method = FractureMethod::Events;
+  Breaking breaking = Breaking::Strict;
+  double stopShare = 0.05; ///< ends when the stress has fallen to this share of the peak
+  double maxStrain = std::numeric_limits<double>::infinity(); ///< ends before the strain is raised beyond
+  std::int64_t maxBroken = std::numeric_limits<std::int64_t>::max(); ///< ends after so many broken bonds
+  double tolerance = 1e-6; ///< of an equilibrium, as EquilibriumOptions::tolerance
+  EventOptions events{};
+  /// Called after every event; true asks to stop, see FractureEnd::Interrupted.
+  std::function<bool(const FractureProgress&)> progress{};
+};
+
+struct BrokenBond
+{
+  Bond bond;
+  std::int64_t event = 0; ///< from 1; bonds of a batch share it
+  double strain = 0;      ///< imposed when it broke
+  /// At which it was just critical: the strain itself when the load had been raised to it, less in an avalanche. Taken
+  /// as the load, this is the path that follows every snap-back; in strict breaking the bonds and their order are the
+  /// same under either control.
+  double criticalStrain = 0;
+  double stress = 0; ///< at the imposed strain, before it broke [Pa]
+};
+
+/// A state in which no bond is critical, or one just is.
+struct CurvePoint
+{
+  double strain = 0;
+  double stress = 0;       ///< [Pa]
+  std::int64_t broken = 0; ///< bonds so far
+};
+
+enum class FractureEnd
+{
+  Running,     ///< run() has not been called
+  StressFell,  ///< to FractureOptions::stopShare of the peak
+  Severed,     ///< no piece reaches from platen to platen any more
+  NothingBreaks, ///< no bond that can break is stretched
+  MaxStrain,
+  MaxBroken,
+  Interrupted ///< by FractureOptions::progress; run() goes on
+};
+[[nodiscard]] std::string describe(FractureEnd end);
+
+/// What was visited, and what it cost.
+struct FractureStatistics
+{
+  std::int64_t events = 0;
+  std::int64_t raises = 0;           ///< of the load; each jumps the elastic ramp up to the next break
+  std::int64_t equilibria = 0;       ///< over the whole sample
+  std::int64_t globalIterations = 0; ///< of conjugate gradients, over all of these
+  std::int64_t localCycles = 0;
+  std::int64_t nodesVisited = 0; ///< of the finest level, by local cycles
+  std::int64_t searches = 0;     ///< for loose pieces, where two ends had no neighbour in common
+  std::int64_t loosePieces = 0;  ///< taken out since the start
+  std::int64_t looseNodes = 0;
+  std::int64_t looseBonds = 0; ///< of these pieces, taken out unbroken
+  double globalSeconds = 0;    ///< wall time
+  double localSeconds = 0;
+  double searchSeconds = 0; ///< for the most critical bond, and for loose pieces
+  double totalSeconds = 0;
+  std::int64_t bytes = 0; ///< of all that is held beside the bonds, on this rank
+};
+
+struct FractureRecord
+{
+  FractureEnd end = FractureEnd::Running;
+  std::vector<BrokenBond> broken; ///< in the order in which they broke
+  std::vector<CurvePoint> curve;  ///< strain control: the strain never falls
+  CurvePoint peak;                ///< the largest stress
+  CurvePoint first;               ///< when the first bond broke
+  double modulus = 0;             ///< stress over strain of the unbroken sample [Pa]
+  FractureStatistics statistics;
+};
+
+/// What the method does between two breaks.
+class FractureEngine;
+
+/// Breaks a sample under a strain that only rises.
+class QuasiStaticFracture
+{
+public:
+  /// Solves the first equilibrium.
+  /// @param bonds loses the bonds that break, and all bonds of pieces that come loose; must outlive this
+  /// @param loading Stretch, Shear or Biaxial; its strain only gives the direction and the scale: the record's strains
+  /// and stresses are positive along it
+  /// @throws ParameterError: options outside their range, a traction (the load cannot be held after the peak), no
+  /// strain; with FractureMethod::Events several ranks, periodic sides, batches
+  /// @throws NoPathError: a sample already in two pieces; as applyLoading() and Equilibrium otherwise
+  QuasiStaticFracture(BondLattice& bonds, const Loading& loading, FractureOptions options = {});
+  ~QuasiStaticFracture();
+  QuasiStaticFracture(const QuasiStaticFracture&) = delete;
+  QuasiStaticFracture& operator=(const QuasiStaticFracture&) = delete;
+
+  /// Goes on until it ends; after Interrupted (and after MaxStrain or MaxBroken, with greater limits) it can be called
+  /// again and breaks the same bonds as if it had not stopped. Collective.
+  FractureEnd run();
+  void setLimits(double maxStrain, std::int64_t maxBroken);
+
+  [[nodiscard]] const FractureRecord& record() const noexcept { return record_; }
+  /// The imposed strain now.
+  [[nodiscard]] double strain() const noexcept;
+  /// Displacements at the imposed strain, at an equilibrium of its own, to FractureOptions::tolerance [m]. Collective.
+  [[nodiscard]] NodeField<double> displacement();
+  [[nodiscard]] const LoadedSample& sample() const noexcept { return sample_; }
+
+private:
+  [[nodiscard]] double stress(double load) const;
+  void raise(double load);
+  void breakCritical(const StretchMaximum& most);
+  bool report();
+  FractureEnd step();
+
+  BondLattice& bonds_;
+  FractureOptions options_;
+  LoadedSample sample_;
+  double reference_ = 0; ///< strain of the unit load
+  double area_ = 1;      ///< [m²], [m] in the plane
+  double load_ = 0;      ///< imposed strain over the reference
+  double share_ = 0;
+  std::unique_ptr<FractureEngine> engine_;
+  FractureRecord record_;
+};
+
+/// The phases at both ends of bonds, the lesser first, and whether the ends lie in two different grains.
+struct BondEnds
+{
+  std::uint8_t low = 0;
+  std::uint8_t high = 0;
+  bool betweenGrains = false;
+};
+/// @param phase, grain as BondLattice takes them; grain may be empty
+/// Collective; the same on every rank.
+[[nodiscard]] std::vector<BondEnds> endsOf(const BondLattice& bonds, const std::vector<BrokenBond>& broken,
+  std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain);
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "peridynamics/BondForces.h"
+#include "peridynamics/fracture/Fracture.h"
+
+#include <span>
+#include <vector>
+
+namespace lamella::peridynamics
+{
+
+/// The state at unit load, and how it follows the breaks. All members are collective.
+class FractureEngine
+{
+public:
+  virtual ~FractureEngine() = default;
+
+  /// The bond that is nearest to its critical elongation.
+  virtual StretchMaximum mostCritical() = 0;
+  /// All bonds with s/s₀ of at least this, in order; the same on every rank.
+  virtual std::vector<Bond> critical(double ratio) = 0;
+  /// Takes bonds out, and pieces that come loose with them; then equilibrium, as near as the method goes by itself.
+  virtual void breakBonds(std::span<const Bond> bonds) = 0;
+  /// Equilibrium as good as the method has it.
+  /// @return whether anything was left to do
+  virtual bool settle() = 0;
+  /// To a tolerance, then displacements at unit load.
+  virtual NodeField<double> displacement() = 0;
+
+  /// Force on the platens [N], [N/m] in the plane, positive along the loading.
+  [[nodiscard]] virtual double force() const = 0;
+  /// Does a piece still reach from platen to platen?
+  [[nodiscard]] virtual bool holds() const = 0;
+
+  [[nodiscard]] const FractureStatistics& statistics() const noexcept { return statistics_; }
+
+protected:
+  FractureStatistics statistics_;
+};
+
+} // namespace lamella::peridynamics

@@ -1,0 +1,230 @@
+#include "lattice/Error.h"
+#include "peridynamics/BondForces.h"
+#include "peridynamics/fracture/EventHierarchy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+constexpr int everyDouble = 16; // global corrections: then round-off in the residual force is looked after
+
+} // namespace
+
+// Sums row by row, so that they do not depend on the number of threads.
+template <class F>
+double EventHierarchy::rowSum(F&& f)
+{
+  const NodeLayout& l = bonds_.layout();
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z) { sums_[static_cast<std::size_t>(y + l.size[1] * z)] = f(y, z); });
+  double sum = 0;
+  for (const double s : sums_)
+    sum += s;
+  return sum;
+}
+
+double EventHierarchy::freeNorm(const NodeField<float>& r)
+{
+  const NodeLayout& l = r.layout();
+  return std::sqrt(rowSum(
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(0, y, z);
+      double sum = 0;
+      for (int c = 0; c < l.dimension; ++c)
+      {
+        const float* v = r.component(c) + i;
+        if (rowFixed_[static_cast<std::size_t>(y + l.size[1] * z)] == 0)
+          sum += eventKernels().dot(l.size[0], v, v);
+        else
+          for (std::int64_t x = 0; x < l.size[0]; ++x)
+            if ((fixed_[i + x] >> c & 1U) == 0)
+              sum += static_cast<double>(v[x]) * static_cast<double>(v[x]);
+      }
+      return sum;
+    }));
+}
+
+void EventHierarchy::collapse()
+{
+  const NodeLayout& l = bonds_.layout();
+  evaluate(0, whole(l));
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(0, y, z);
+      for (int c = 0; c < l.dimension; ++c)
+        for (std::int64_t x = i; x < i + l.size[0]; ++x)
+          base_.component(c)[x] += static_cast<double>(correction().component(c)[x]);
+    });
+  for (std::size_t k = 0; k < levels_.size(); ++k)
+    levels_[k].w.fill(0);
+}
+
+void EventHierarchy::residualInDouble()
+{
+  const NodeLayout& l = bonds_.layout();
+  NodeField<double> force(l);
+  linearForce(bonds_, base_, force);
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(0, y, z);
+      for (int c = 0; c < l.dimension; ++c)
+        levelKernels().toFloat(l.size[0], 1, force.component(c) + i, levels_.front().g.component(c) + i);
+    });
+}
+
+// The residuals of the coarse levels, when all else of them is zero.
+void EventHierarchy::restrictAll()
+{
+  for (std::size_t k = 0; k + 1 < levels_.size(); ++k)
+  {
+    const NodeLayout& l = levels_[k].w.layout();
+    outer_[k] = whole(l);
+    for (int c = 0; c < l.dimension; ++c)
+      std::copy_n(levels_[k].g.component(c), l.count(), levels_[k].change.component(c));
+    levels_[k + 1].g.fill(0);
+    restrictChange(k);
+    levels_[k + 1].change.fill(0);
+  }
+}
+
+int EventHierarchy::correctGlobally(int maxIterations, double tolerance)
+{
+  const NodeLayout& l = bonds_.layout();
+  EventLevel& finest = levels_.front();
+  NodeField<float>& r = finest.g;
+  NodeField<float>& q = finest.change;
+  NodeField<float>& p = direction_;
+  collapse();
+  if (++sinceDouble_ >= everyDouble)
+  {
+    sinceDouble_ = 0;
+    residualInDouble();
+  }
+  else
+  {
+    linearForce(bonds_, finest.total, q);
+    forOwnRows(l,
+      [&](std::int64_t y, std::int64_t z)
+      {
+        const std::int64_t i = l.index(0, y, z);
+        for (int c = 0; c < l.dimension; ++c)
+          levelKernels().axpy(l.size[0], 1.0F, q.component(c) + i, r.component(c) + i);
+      });
+  }
+  const double target = tolerance * reference_;
+  double size = freeNorm(r);
+  double rz = 0;
+  int iterations = 0;
+  bool rebuilt = false;
+  for (bool restart = true; size > target && iterations < maxIterations;)
+  {
+    const NodeField<float>& z = multigrid_->apply(r);
+    const double next = rowSum(
+      [&](std::int64_t y, std::int64_t zz)
+      {
+        const std::int64_t i = l.index(0, y, zz);
+        double sum = 0;
+        for (int c = 0; c < l.dimension; ++c)
+          sum += eventKernels().dot(l.size[0], r.component(c) + i, z.component(c) + i);
+        return sum;
+      });
+    const auto beta = static_cast<float>(restart ? 0 : next / rz);
+    rz = next;
+    forOwnRows(l,
+      [&](std::int64_t y, std::int64_t zz)
+      {
+        const std::int64_t i = l.index(0, y, zz);
+        for (int c = 0; c < l.dimension; ++c)
+          eventKernels().direction(l.size[0], z.component(c) + i, beta, p.component(c) + i);
+      });
+    linearForce(bonds_, p, q); // −A p
+    const double pq = -rowSum(
+      [&](std::int64_t y, std::int64_t zz)
+      {
+        const std::int64_t i = l.index(0, y, zz);
+        double sum = 0;
+        for (int c = 0; c < l.dimension; ++c)
+          sum += eventKernels().dot(l.size[0], p.component(c) + i, q.component(c) + i);
+        return sum;
+      });
+    restart = false;
+    if (!(rz > 0) || !(pq > 0) || !std::isfinite(rz / pq))
+    {
+      if (rebuilt)
+        throw DivergenceError(
+          fmt::format("a displacement without stiffness (r·z = {:.1e}, p·Kp = {:.1e}) in a global correction", rz, pq),
+          "use the accurate method for this sample, and report it");
+      rebuilt = restart = true;
+      p.fill(0);
+      build(); // round-off of many breaks
+      continue;
+    }
+    const auto alpha = static_cast<float>(rz / pq);
+    forOwnRows(l,
+      [&](std::int64_t y, std::int64_t zz)
+      {
+        const std::int64_t i = l.index(0, y, zz);
+        for (int c = 0; c < l.dimension; ++c)
+        {
+          levelKernels().axpy(l.size[0], alpha, p.component(c) + i, finest.w.component(c) + i);
+          levelKernels().axpy(l.size[0], alpha, q.component(c) + i, r.component(c) + i);
+        }
+      });
+    size = freeNorm(r);
+    ++iterations;
+  }
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(0, y, z);
+      for (int c = 0; c < l.dimension; ++c)
+        for (std::int64_t x = i; x < i + l.size[0]; ++x)
+          base_.component(c)[x] += static_cast<double>(finest.w.component(c)[x]);
+    });
+  for (EventLevel& level : levels_)
+  {
+    level.w.fill(0);
+    level.total.fill(0);
+    level.change.fill(0);
+  }
+  for (std::size_t k = 0; k < levels_.size(); ++k)
+    multigrid_->level(k).d.fill(0); // relax() counts on it
+  restrictAll();
+  return iterations;
+}
+
+int EventHierarchy::solve(double tolerance)
+{
+  constexpr int most = 2000;
+  int iterations = 0;
+  for (int round = 0; round < 8; ++round)
+  {
+    sinceDouble_ = everyDouble;
+    const int now = correctGlobally(most, 0.5 * tolerance);
+    iterations += now;
+    if (now == 0)
+      return iterations;
+    if (iterations >= most)
+      break;
+    residualInDouble(); // in single precision no more than some five digits of it are true
+    if (freeNorm(levels_.front().g) <= tolerance * reference_)
+    {
+      restrictAll();
+      return iterations;
+    }
+  }
+  throw DivergenceError(fmt::format("the residual force is still {:.1e} of the load after {} iterations",
+                          freeNorm(levels_.front().g) / reference_, iterations),
+    "a looser tolerance, or a coarser sample if walls are one node thin");
+}
+
+} // namespace lamella::peridynamics

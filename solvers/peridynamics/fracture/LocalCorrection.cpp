@@ -1,0 +1,246 @@
+// Relaxation on nested windows: fast adaptive composite grids, in the manner of McCormick, Multilevel Adaptive Methods
+// for Partial Differential Equations (1989), on Galerkin levels.
+#include "peridynamics/fracture/EventHierarchy.h"
+
+#include <algorithm>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+constexpr int steps = 2; // of conjugate gradients, down and up
+
+} // namespace
+
+void EventHierarchy::product(std::size_t k, const Box& box, const NodeField<float>& u, NodeField<float>& out)
+{
+  if (k == 0)
+  {
+    forRows(box,
+      [&](std::int64_t y, std::int64_t z) { springs_.product(u, out, y, z, box.low[0], box.high[0]); });
+    return;
+  }
+  const Level& level = multigrid_->level(k);
+  const NodeLayout& l = level.layout;
+  const std::int64_t n = box.high[0] - box.low[0];
+  BlockRow row;
+  row.half = static_cast<int>(level.half.size());
+  row.blockStride = level.entries() * l.count();
+  row.jump = levels_[k].jumps.data();
+  forRows(box,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(box.low[0], y, z);
+      for (int c = 0; c < l.dimension; ++c)
+      {
+        row.here[c] = u.component(c) + i;
+        row.out[c] = out.component(c) + i;
+        std::fill_n(row.out[c], n, 0.0F);
+      }
+      for (int e = 0; e < level.entries(); ++e)
+      {
+        row.diagonal[e] = level.diagonal.component(e) + i;
+        row.block[e] = level.blocks.component(e) + i;
+      }
+      levelKernels().subtractProduct(l.dimension, n, row);
+    });
+}
+
+// Conjugate gradients, preconditioned by the nodes' blocks, on a level's window.
+double EventHierarchy::relax(std::size_t k, int count)
+{
+  EventLevel& level = levels_[k];
+  Level& matrix = multigrid_->level(k);
+  const NodeLayout& l = matrix.layout;
+  const Box& in = inner_[k];
+  const Box& out = outer_[k];
+  const std::int64_t n = in.high[0] - in.low[0];
+  const std::int64_t wide = out.high[0] - out.low[0];
+  NodeField<float>& r = matrix.r;
+  NodeField<float>& p = matrix.d;
+  NodeField<float>& q = matrix.x; // the product, then D⁻¹ r
+  const LevelKernels& kernels = levelKernels();
+  const EventKernels& event = eventKernels();
+
+  const auto precondition = [&](NodeField<float>& z)
+  {
+    double sum = 0;
+    forRows(in,
+      [&](std::int64_t y, std::int64_t at)
+      {
+        const std::int64_t i = l.index(in.low[0], y, at);
+        const float* inverse[6];
+        const float* from[3];
+        float* to[3];
+        for (int e = 0; e < matrix.entries(); ++e)
+          inverse[e] = matrix.inverse.component(e) + i;
+        for (int c = 0; c < l.dimension; ++c)
+        {
+          from[c] = r.component(c) + i;
+          to[c] = z.component(c) + i;
+        }
+        sum += event.precondition(l.dimension, n, inverse, from, to);
+      });
+    return sum;
+  };
+  product(k, in, level.total, r);
+  forRows(in,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(in.low[0], y, z);
+      for (int c = 0; c < l.dimension; ++c)
+        kernels.axpy(n, 1.0F, level.g.component(c) + i, r.component(c) + i);
+    });
+  double rz = precondition(p);
+  for (int step = 0; step < count && rz > 0; ++step)
+  {
+    product(k, out, p, q);
+    double pq = 0;
+    forRows(in,
+      [&](std::int64_t y, std::int64_t z)
+      {
+        const std::int64_t i = l.index(in.low[0], y, z);
+        for (int c = 0; c < l.dimension; ++c)
+          pq -= event.dot(n, p.component(c) + i, q.component(c) + i);
+      });
+    if (!(pq > 0))
+      break;
+    const auto alpha = static_cast<float>(rz / pq);
+    forRows(out,
+      [&](std::int64_t y, std::int64_t z)
+      {
+        const std::int64_t i = l.index(out.low[0], y, z);
+        for (int c = 0; c < l.dimension; ++c)
+          kernels.axpy(wide, alpha, q.component(c) + i, level.change.component(c) + i);
+      });
+    forRows(in,
+      [&](std::int64_t y, std::int64_t z)
+      {
+        const std::int64_t i = l.index(in.low[0], y, z);
+        for (int c = 0; c < l.dimension; ++c)
+        {
+          kernels.axpy(n, alpha, p.component(c) + i, level.w.component(c) + i);
+          kernels.axpy(n, alpha, p.component(c) + i, level.total.component(c) + i);
+          kernels.axpy(n, alpha, q.component(c) + i, r.component(c) + i);
+        }
+      });
+    const double next = precondition(q);
+    const auto beta = static_cast<float>(next / rz);
+    rz = next;
+    if (step + 1 < count)
+      forRows(in,
+        [&](std::int64_t y, std::int64_t z)
+        {
+          const std::int64_t i = l.index(in.low[0], y, z);
+          for (int c = 0; c < l.dimension; ++c)
+            event.direction(n, q.component(c) + i, beta, p.component(c) + i);
+        });
+  }
+  forRows(in,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      for (int c = 0; c < l.dimension; ++c)
+        std::fill_n(p.component(c) + l.index(in.low[0], y, z), n, 0.0F);
+    });
+  return rz;
+}
+
+// What relaxation changed of a level's residual, handed to the next level.
+void EventHierarchy::restrictChange(std::size_t k)
+{
+  EventLevel& level = levels_[k];
+  EventLevel& next = levels_[k + 1];
+  const NodeLayout& l = level.w.layout();
+  const NodeLayout& coarse = next.w.layout();
+  const Box& box = outer_[k];
+  if (k == 0)
+    forRows(
+      box, [&](std::int64_t y, std::int64_t z) { maskRow(level.change, y, z, box.low[0], box.high[0]); });
+  const Box to = parents(box, coarse);
+  const std::int64_t n = to.high[0] - to.low[0];
+  const bool last = k + 2 == levels_.size();
+  const std::int64_t reachZ = l.dimension == 3 ? 1 : 0;
+  std::vector<float> sum(static_cast<std::size_t>(n));
+  forRows(to,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      for (int c = 0; c < l.dimension; ++c)
+      {
+        std::fill(sum.begin(), sum.end(), 0.0F);
+        for (std::int64_t dz = -reachZ; dz <= reachZ; ++dz)
+          for (std::int64_t dy = -1; dy <= 1; ++dy)
+          {
+            const std::int64_t fy = 2 * y + dy;
+            const std::int64_t fz = 2 * z + dz;
+            if (fy < box.low[1] || fy >= box.high[1] || fz < box.low[2] || fz >= box.high[2])
+              continue;
+            // the last coarse node may lie beyond the finer row's padding
+            const std::int64_t most = std::min(n, (l.size[0] + NodeLayout::margin) / 2 - 1 - to.low[0]);
+            levelKernels().restrictRow(most, (dy == 0 ? 1.0F : 0.5F) * (dz == 0 ? 1.0F : 0.5F),
+              level.change.component(c) + l.index(2 * to.low[0], fy, fz), sum.data());
+          }
+        const std::int64_t i = coarse.index(to.low[0], y, z);
+        levelKernels().axpy(n, 1.0F, sum.data(), next.g.component(c) + i);
+        if (!last)
+          levelKernels().axpy(n, 1.0F, sum.data(), next.change.component(c) + i);
+      }
+    });
+  forRows(box,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      for (int c = 0; c < l.dimension; ++c)
+        std::fill_n(level.change.component(c) + l.index(box.low[0], y, z), box.high[0] - box.low[0], 0.0F);
+    });
+}
+
+void EventHierarchy::relaxCoarsest()
+{
+  EventLevel& last = levels_.back();
+  Level& matrix = multigrid_->level(levels_.size() - 1);
+  const NodeLayout& l = matrix.layout;
+  const auto copy = [&](const NodeField<float>& from, NodeField<float>& to)
+  {
+    for (int c = 0; c < l.dimension; ++c)
+      std::copy_n(from.component(c), l.count(), to.component(c));
+  };
+  copy(last.g, matrix.r);
+  multigrid_->solveCoarsest();
+  copy(matrix.x, last.w);
+  copy(matrix.x, last.total);
+}
+
+EventHierarchy::Local EventHierarchy::correct(
+  const Box& box, int radius, int coarseRadius, double target, int maxCycles)
+{
+  nest(box, radius, coarseRadius);
+  springs_.read(bonds_, outer_.front());
+  Local local;
+  local.window = inner_.front();
+  const std::size_t last = levels_.size() - 1;
+  for (std::size_t k = levels_.size(); k-- > 0;)
+    evaluateFrom(k, outer_[k]);
+  while (local.cycles < maxCycles)
+  {
+    for (std::size_t k = 0; k < last; ++k)
+    {
+      relax(k, steps);
+      restrictChange(k);
+    }
+    relaxCoarsest();
+    for (std::size_t k = last; k-- > 0;)
+    {
+      evaluateFrom(k, outer_[k]);
+      local.residual = relax(k, steps);
+    }
+    ++local.cycles;
+    local.visited += 2 * (1 + steps) * outer_.front().count();
+    if (!(local.residual > target))
+      break;
+  }
+  for (std::size_t k = 0; k < last; ++k)
+    restrictChange(k);
+  return local;
+}
+
+} // namespace lamella::peridynamics

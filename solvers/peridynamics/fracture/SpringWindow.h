@@ -1,0 +1,79 @@
+#pragma once
+
+#include "peridynamics/BondLattice.h"
+#include "peridynamics/fracture/EventKernels.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace lamella::peridynamics
+{
+
+/// Nodes low ≤ n < high.
+struct Box
+{
+  std::array<std::int64_t, 3> low{ 0, 0, 0 };
+  std::array<std::int64_t, 3> high{ 0, 0, 0 };
+
+  [[nodiscard]] std::int64_t count() const noexcept
+  {
+    return (high[0] - low[0]) * (high[1] - low[1]) * (high[2] - low[2]);
+  }
+};
+
+/// Grown by some nodes on every side, along x to multiples of the lanes, and cut where the lattice ends; x may then
+/// reach into the padding, where all is zero.
+[[nodiscard]] Box grown(const Box& box, int by, const NodeLayout& layout);
+
+/// The coarse nodes from which a box of the finer level is interpolated.
+[[nodiscard]] Box parents(const Box& fine, const NodeLayout& coarse);
+/// All nodes.
+[[nodiscard]] Box whole(const NodeLayout& layout);
+[[nodiscard]] Box united(const Box& a, const Box& b);
+
+/// Calls f(y, z) for the rows of a box.
+template <class F>
+void forRows(const Box& box, F&& f)
+{
+  for (std::int64_t z = box.low[2]; z < box.high[2]; ++z)
+    for (std::int64_t y = box.low[1]; y < box.high[1]; ++y)
+      f(y, z);
+}
+
+/// The springs of the bonds in a box of the finest level, written out: the bits are looked at once, the product is taken
+/// several times.
+class SpringWindow
+{
+public:
+  explicit SpringWindow(const BondLattice& bonds);
+
+  /// @param box nodes whose products will be asked for
+  void read(const BondLattice& bonds, const Box& box);
+  /// out = −A u at the nodes low ≤ x < high of a row in the box.
+  void product(const NodeField<float>& u, NodeField<float>& out, std::int64_t y, std::int64_t z, std::int64_t low,
+    std::int64_t high) const;
+  [[nodiscard]] std::int64_t bytes() const noexcept
+  {
+    return static_cast<std::int64_t>(values_.capacity() * sizeof(float));
+  }
+
+private:
+  [[nodiscard]] std::int64_t rowOf(std::int64_t y, std::int64_t z) const noexcept
+  {
+    return ((z - rows_.low[2]) * (rows_.high[1] - rows_.low[1]) + y - rows_.low[1]) * count_ * width_;
+  }
+
+  int dimension_;
+  int reach_;
+  std::int64_t count_; ///< bonds of the half stencil
+  std::vector<std::array<int, 3>> steps_;
+  std::vector<std::int64_t> jumps_;
+  std::array<std::vector<float>, 3> directions_;
+  std::vector<std::vector<float>> tables_; ///< k/|ξ| by kind, of each bond of the stencil
+  Box rows_;                               ///< what is written out
+  std::int64_t width_ = 0;
+  std::vector<float> values_; ///< row by row, bond by bond
+};
+
+} // namespace lamella::peridynamics
