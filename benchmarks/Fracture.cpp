@@ -100,13 +100,15 @@ int main(int argc, char** argv)
       keys[a.substr(0, e)] = e == std::string::npos ? "1" : a.substr(e + 1);
     }
     const auto text = [&](const char* k, const char* other) { return keys.contains(k) ? keys[k] : other; };
-    const auto number = [&](const char* k, double other) { return keys.contains(k) ? std::atof(keys[k].c_str()) : other; };
+    const auto number = [&](const char* k, double other)
+    { return keys.contains(k) ? std::atof(keys[k].c_str()) : other; };
     try
     {
       const auto nodes = static_cast<std::int64_t>(number("nx", 256));
       const auto seed = static_cast<std::uint64_t>(number("seed", 1));
       const std::string kind = text("kind", "aggregate");
-      const Sample s = kind == "wood" ? wood(nodes, seed) : cemented(nodes, kind == "filled" ? 1 : number("saturation", 0.5), seed);
+      const Sample s =
+        kind == "wood" ? wood(nodes, seed) : cemented(nodes, kind == "filled" ? 1 : number("saturation", 0.5), seed);
       const Communicator comm(MPI_COMM_SELF);
       BondLattice bonds(s.model, s.lattice, s.phase, s.grain, comm);
       const std::int64_t count = bonds.bonds();
@@ -124,6 +126,7 @@ int main(int argc, char** argv)
       e.globalEvery = static_cast<int>(number("every", e.globalEvery));
       e.globalIterations = static_cast<int>(number("iterations", e.globalIterations));
       e.globalTolerance = number("global", e.globalTolerance);
+      e.riseTolerance = number("rise", e.riseTolerance);
       const double begin = cpu();
       QuasiStaticFracture fracture(bonds, {}, o);
       const double ready = cpu();
@@ -136,8 +139,9 @@ int main(int argc, char** argv)
       fmt::print("  E {:.6e} first {:.6e} peak {:.7e} at {:.6e} after {} broken {} raises {}\n", r.modulus,
         r.first.stress, r.peak.stress, r.peak.strain, r.peak.broken, r.broken.size(), t.raises);
       const double events = static_cast<double>(std::max<std::int64_t>(1, t.events));
-      fmt::print("  cpu: start {:.2f} s, run {:.2f} s, {:.3f} ms an event; wall: global {:.2f} ({} of {:.1f} iterations) "
-                 "local {:.2f} ({:.2f} cycles, {:.0f} nodes an event) search {:.2f} s\n",
+      fmt::print(
+        "  cpu: start {:.2f} s, run {:.2f} s, {:.3f} ms an event; wall: global {:.2f} ({} of {:.1f} iterations) "
+        "local {:.2f} ({:.2f} cycles, {:.0f} nodes an event) search {:.2f} s\n",
         ready - begin, end - ready, 1e3 * (end - ready) / events, t.globalSeconds, t.equilibria,
         static_cast<double>(t.globalIterations) / static_cast<double>(t.equilibria), t.localSeconds,
         static_cast<double>(t.localCycles) / events, static_cast<double>(t.nodesVisited) / events, t.searchSeconds);

@@ -20,7 +20,7 @@ public:
   StretchMaximum mostCritical() override;
   std::vector<Bond> critical(double ratio) override;
   void breakBonds(std::span<const Bond> bonds) override;
-  bool settle() override { return false; }
+  bool settle(bool) override { return false; }
   NodeField<double> displacement() override { return u_; }
   [[nodiscard]] double force() const override { return force_; }
   [[nodiscard]] bool holds() const override { return holds_; }

@@ -59,8 +59,9 @@ public:
   [[nodiscard]] bool shareNeighbour(std::int64_t i, const std::array<int, 3>& step) const
   {
     return anyNeighbour(i,
-      [&](std::int64_t n, const std::array<int, 3>& s)
-      { return bonded(n, { step[0] - s[0], step[1] - s[1], step[2] - s[2] }); });
+      [&](std::int64_t n, const std::array<int, 3>& s) {
+        return bonded(n, { step[0] - s[0], step[1] - s[1], step[2] - s[2] });
+      });
   }
 
 private:

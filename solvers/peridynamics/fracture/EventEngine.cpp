@@ -1,11 +1,14 @@
 #include "peridynamics/fracture/EventEngine.h"
 
+#include <algorithm>
 #include <chrono>
 
 namespace lamella::peridynamics
 {
 namespace
 {
+
+constexpr int maxIterations = 200; // of an exact correction: some ten are usual
 
 double seconds()
 {
@@ -44,20 +47,40 @@ void EventEngine::afterGlobal(int iterations, double start)
   statistics_.bytes = state_.bytes() + tiles_.bytes() + pieces_.bytes();
 }
 
-bool EventEngine::settle()
+bool EventEngine::settle(bool exact)
 {
-  if (sinceGlobal_ == 0)
+  if (sinceGlobal_ == 0 && (exact_ || !exact))
     return false;
   const double start = seconds();
-  const int iterations = state_.correctGlobally(options_.globalIterations, options_.globalTolerance);
+  const int iterations = exact ? state_.correctGlobally(maxIterations, options_.riseTolerance)
+                               : state_.correctGlobally(options_.globalIterations, options_.globalTolerance);
   afterGlobal(iterations, start);
+  exact_ = exact;
   return true;
+}
+
+std::int64_t EventEngine::indexOf(const Bond& bond) const
+{
+  return bonds_.layout().index(bond.node[0], bond.node[1], bond.node[2]);
+}
+
+Box EventEngine::boxOf(const Bond& bond) const
+{
+  const auto& step = bonds_.stencil().half()[static_cast<std::size_t>(bond.offset)].step;
+  Box box;
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    box.low[a] = std::min(bond.node[a], bond.node[a] + step[a]);
+    box.high[a] = std::max(bond.node[a], bond.node[a] + step[a]) + 1;
+  }
+  return box;
 }
 
 NodeField<double> EventEngine::displacement()
 {
   const double start = seconds();
   afterGlobal(state_.solve(tolerance_), start);
+  exact_ = true;
   return state_.base();
 }
 
@@ -84,8 +107,7 @@ void EventEngine::breakBonds(std::span<const Bond> bonds)
 void EventEngine::breakBond(const Bond& bond)
 {
   double start = seconds();
-  const NodeLayout& l = bonds_.layout();
-  const std::int64_t i = l.index(bond.node[0], bond.node[1], bond.node[2]);
+  const std::int64_t i = indexOf(bond);
   const double before = state_.elongation(i, bond.offset);
   const double spring = state_.breakBond(i, bond.offset);
   const double broken = seconds();
@@ -95,15 +117,8 @@ void EventEngine::breakBond(const Bond& bond)
   start = seconds();
   statistics_.searchSeconds += start - broken;
 
-  Box box;
-  const auto& step = bonds_.stencil().half()[static_cast<std::size_t>(bond.offset)].step;
-  for (std::size_t a = 0; a < 3; ++a)
-  {
-    box.low[a] = std::min(bond.node[a], bond.node[a] + step[a]);
-    box.high[a] = std::max(bond.node[a], bond.node[a] + step[a]) + 1;
-  }
   const double dipole = state_.dipole(i, bond.offset, spring * before);
-  const EventHierarchy::Local local = state_.correct(box, options_.radius, options_.coarseRadius,
+  const EventHierarchy::Local local = state_.correct(boxOf(bond), options_.radius, options_.coarseRadius,
     options_.reduction * options_.reduction * dipole, options_.maxCycles);
   statistics_.localCycles += local.cycles;
   statistics_.nodesVisited += local.visited;
@@ -116,7 +131,7 @@ void EventEngine::breakBond(const Bond& bond)
   tiles_.refresh(state_, local.window);
   statistics_.searchSeconds += seconds() - relaxed;
   if (++sinceGlobal_ >= options_.globalEvery)
-    settle();
+    settle(false);
 }
 
 void EventEngine::takeOut(const std::vector<std::int64_t>& nodes)

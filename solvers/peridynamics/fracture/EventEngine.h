@@ -7,8 +7,8 @@
 namespace lamella::peridynamics
 {
 
-/// A break disturbs little but its surroundings: bond by bond, corrections on nested windows, and the whole lattice only
-/// before the load rises and now and then in an avalanche.
+/// A break disturbs little but its surroundings: bond by bond, corrections on nested windows, and the whole lattice
+/// only before the load rises and now and then in an avalanche.
 class EventEngine final : public FractureEngine
 {
 public:
@@ -18,13 +18,15 @@ public:
   StretchMaximum mostCritical() override;
   std::vector<Bond> critical(double ratio) override;
   void breakBonds(std::span<const Bond> bonds) override;
-  bool settle() override;
+  bool settle(bool exact) override;
   NodeField<double> displacement() override;
   [[nodiscard]] double force() const override { return force_; }
   [[nodiscard]] bool holds() const override { return pieces_.holds(); }
 
 private:
   void breakBond(const Bond& bond);
+  [[nodiscard]] std::int64_t indexOf(const Bond& bond) const;
+  [[nodiscard]] Box boxOf(const Bond& bond) const;
   void takeOut(const std::vector<std::int64_t>& nodes);
   void afterGlobal(int iterations, double start);
 
@@ -36,8 +38,9 @@ private:
   StretchTiles tiles_;
   LoosePieces pieces_;
   double force_ = 0;
-  double work_ = 1; ///< twice the elastic energy at unit load
-  int sinceGlobal_ = 0;
+  double work_ = 1;     ///< twice the elastic energy at unit load
+  int sinceGlobal_ = 0; ///< events
+  bool exact_ = true;   ///< was the last global correction?
 };
 
 } // namespace lamella::peridynamics

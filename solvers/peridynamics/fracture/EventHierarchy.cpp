@@ -51,8 +51,6 @@ void EventHierarchy::build()
     const Level& level = multigrid_->level(k);
     for (NodeField<float>* f : { &levels_[k].w, &levels_[k].g, &levels_[k].total, &levels_[k].change })
       *f = NodeField<float>(level.layout);
-    for (const auto& s : level.half)
-      levels_[k].jumps.push_back(s[0] + level.layout.pitch * (s[1] + level.layout.rowsY() * s[2]));
   }
   inner_.resize(levels_.size());
   outer_.resize(levels_.size());
@@ -158,8 +156,7 @@ double EventHierarchy::breakBond(std::int64_t index, int offset)
     along += (base_.component(c)[other] - base_.component(c)[index]) * spring.direction[static_cast<std::size_t>(c)];
   for (int c = 0; c < l.dimension; ++c)
   {
-    const auto pull =
-      static_cast<float>(spring.stiffness * along * spring.direction[static_cast<std::size_t>(c)]);
+    const auto pull = static_cast<float>(spring.stiffness * along * spring.direction[static_cast<std::size_t>(c)]);
     levels_.front().g.component(c)[index] -= pull;
     levels_.front().g.component(c)[other] += pull;
   }
@@ -233,8 +230,8 @@ double EventHierarchy::inconsistency()
     restrictChange(k);
     for (int c = 0; c < bonds_.dimension(); ++c)
       for (std::int64_t i = 0; i < before.layout().count(); ++i)
-        worst = std::max(worst,
-          std::abs(static_cast<double>(levels_[k + 1].g.component(c)[i] - residual[k + 1].component(c)[i])));
+        worst = std::max(
+          worst, std::abs(static_cast<double>(levels_[k + 1].g.component(c)[i] - residual[k + 1].component(c)[i])));
     levels_[k + 1].g = before;
     levels_[k + 1].change.fill(0);
   }

@@ -16,8 +16,8 @@ namespace lamella::peridynamics
 ///
 ///   u = base + U₀,   U_l = w_l + P U_{l+1},   g_{l+1} = Pᵀ(g_l − A_l w_l),
 ///
-/// with A_l the Galerkin matrices, P interpolation, and g₀ the residual force of the base. The residual of level l, g_l −
-/// A_l U_l, is then the restriction of the finest one's, whatever the parts; this is kept through every change.
+/// with A_l the Galerkin matrices, P interpolation, and g₀ the residual force of the base. The residual of level l, g_l
+/// − A_l U_l, is then the restriction of the finest one's, whatever the parts; this is kept through every change.
 ///
 /// One rank, no periodic side. All in single precision but the base; the local part runs on one thread.
 class EventHierarchy
@@ -26,8 +26,8 @@ public:
   /// Solves the first equilibrium to a tolerance.
   /// @param displacement what fixed components are given, and a first guess
   /// @param bonds, fixed must outlive this
-  EventHierarchy(BondLattice& bonds, const FixedComponents& fixed, const NodeField<double>& displacement,
-    double tolerance);
+  EventHierarchy(
+    BondLattice& bonds, const FixedComponents& fixed, const NodeField<double>& displacement, double tolerance);
 
   /// Elongation u·e of a bond in metres.
   [[nodiscard]] double elongation(std::int64_t index, int offset);
@@ -71,7 +71,6 @@ private:
     NodeField<float> g;      ///< what A_l U_l is to be
     NodeField<float> total;  ///< U_l where it was evaluated
     NodeField<float> change; ///< of the residual, not yet handed to the next level; zero between cycles
-    std::vector<std::int64_t> jumps; ///< of the half stencil
   };
 
   void build();

@@ -11,7 +11,6 @@ using V __attribute__((vector_size(4 * eventLanes))) = float;
 using AnyV __attribute__((vector_size(4 * eventLanes), aligned(4), may_alias)) = float; // at any address
 using W __attribute__((vector_size(4 * eventLanes))) = std::int32_t;
 using AnyW __attribute__((vector_size(4 * eventLanes), aligned(4), may_alias)) = std::int32_t;
-using D __attribute__((vector_size(8 * eventLanes))) = double;
 
 V load(const float* p)
 {
@@ -59,17 +58,18 @@ void springs(int dimension, std::int64_t n, const SpringRows& rows)
   dimension == 3 ? springsOf<3>(n, rows) : springsOf<2>(n, rows);
 }
 
-double total(D sums)
+// Sums over a row in single precision are good for steps of conjugate gradients; those of rows are added in double.
+double total(V sums)
 {
   double sum = 0;
   for (int i = 0; i < eventLanes; ++i)
-    sum += sums[i];
+    sum += static_cast<double>(sums[i]);
   return sum;
 }
 
 double precondition(int dimension, std::int64_t n, const float* const* inverse, const float* const* r, float* const* z)
 {
-  D sum{};
+  V sum{};
   for (std::int64_t x = 0; x < n; x += eventLanes)
   {
     const auto m = [&](int e) { return load(inverse[e] + x); };
@@ -95,18 +95,21 @@ double precondition(int dimension, std::int64_t n, const float* const* inverse, 
       store(z[2] + x, c);
       product = a * u + b * v + c * w;
     }
-    sum += __builtin_convertvector(product, D);
+    sum += product;
   }
   return total(sum);
 }
 
 double dot(std::int64_t n, const float* a, const float* b)
 {
-  D sum{};
+  V sum[4]{};
   std::int64_t x = 0;
+  for (; x + 4 * eventLanes <= n; x += 4 * eventLanes)
+    for (int s = 0; s < 4; ++s)
+      sum[s] += load(a + x + s * eventLanes) * load(b + x + s * eventLanes);
   for (; x + eventLanes <= n; x += eventLanes)
-    sum += __builtin_convertvector(load(a + x) * load(b + x), D);
-  double all = total(sum);
+    sum[0] += load(a + x) * load(b + x);
+  double all = total((sum[0] + sum[1]) + (sum[2] + sum[3]));
   for (; x < n; ++x)
     all += static_cast<double>(a[x]) * static_cast<double>(b[x]);
   return all;

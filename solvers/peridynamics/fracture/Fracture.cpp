@@ -51,20 +51,22 @@ void check(const BondLattice& bonds, const Loading& loading, const FractureOptio
   if (bonds.periodic() != std::array<bool, 3>{})
     throw ParameterError("fracture with local corrections of a periodic sample", "use the accurate method");
   const EventOptions& e = o.events;
-  const std::int64_t widest = std::max({ bonds.layout().global[0], bonds.layout().global[1], bonds.layout().global[2] });
+  const std::int64_t widest =
+    std::max({ bonds.layout().global[0], bonds.layout().global[1], bonds.layout().global[2] });
   for (const auto& [name, value, low, high] :
     { std::tuple{ "radius", std::int64_t{ e.radius }, std::int64_t{ bonds.stencil().layers() }, 2 * widest + 8 },
       { "coarse radius", std::int64_t{ e.coarseRadius }, std::int64_t{ 2 }, 2 * widest + 8 },
       { "number of cycles", std::int64_t{ e.maxCycles }, std::int64_t{ 1 }, std::int64_t{ 1000 } },
       { "number of events between global corrections", std::int64_t{ e.globalEvery }, std::int64_t{ 1 },
         std::int64_t{ 1000000 } },
-      { "number of global iterations", std::int64_t{ e.globalIterations }, std::int64_t{ 1 }, std::int64_t{ 100000 } } })
+      { "number of global iterations", std::int64_t{ e.globalIterations }, std::int64_t{ 1 },
+        std::int64_t{ 100000 } } })
     if (value < low || value > high)
       throw ParameterError(
         fmt::format("the {} of the local corrections, {}, is not in {} … {}", name, value, low, high),
         "the defaults serve most samples");
-  for (const auto& [name, value] :
-    { std::pair{ "reduction", e.reduction }, std::pair{ "global tolerance", e.globalTolerance } })
+  for (const auto& [name, value] : { std::pair{ "reduction", e.reduction },
+         std::pair{ "global tolerance", e.globalTolerance }, std::pair{ "tolerance before a rise", e.riseTolerance } })
     if (!(value > 0 && value < 1))
       throw ParameterError(fmt::format("the {} of the local corrections, {}, is not between 0 and 1", name, value),
         "the defaults serve most samples");
@@ -173,11 +175,10 @@ bool QuasiStaticFracture::report()
 {
   const double now = stress(load_);
   if (record_.peak.stress > 0)
-    share_ = std::max(
-      share_, std::clamp((1 - now / record_.peak.stress) / (1 - options_.stopShare), 0.0, 1.0));
+    share_ = std::max(share_, std::clamp((1 - now / record_.peak.stress) / (1 - options_.stopShare), 0.0, 1.0));
   return options_.progress &&
-    bonds_.communicator().any(options_.progress({ share_, static_cast<std::int64_t>(record_.broken.size()), strain(),
-      now, record_.peak.stress }));
+    bonds_.communicator().any(options_.progress(
+      { share_, static_cast<std::int64_t>(record_.broken.size()), strain(), now, record_.peak.stress }));
 }
 
 // Running: an event took place, or the state was made better.
@@ -192,7 +193,7 @@ FractureEnd QuasiStaticFracture::step()
   const bool fallen = load_ > 0 && stress(load_) <= options_.stopShare * record_.peak.stress;
   if (!critical || fallen)
   {
-    if (engine_->settle())
+    if (engine_->settle(false) || (!fallen && engine_->settle(true)))
       return FractureEnd::Running; // look again
     if (fallen)
       return FractureEnd::StressFell;

@@ -13,8 +13,8 @@
 
 /// Quasi-static fracture in small strain: the load rises until a bond is critical; it breaks, the sample comes to
 /// equilibrium again, and so on until none is critical; then the load rises further. After Frank, Ruiz, Delenne and
-/// Radjai's scheme for walls (first paper, figure 15), with the elastic ramp between two breaks jumped by scaling, since
-/// between breaks everything is in proportion to the load.
+/// Radjai's scheme for walls (first paper, figure 15), with the elastic ramp between two breaks jumped by scaling,
+/// since between breaks everything is in proportion to the load.
 namespace lamella::peridynamics
 {
 
@@ -30,26 +30,28 @@ enum class Breaking
   Batched ///< all that are critical at once, as in the papers; after the peak the path depends on it. Accurate only
 };
 
-/// How FractureMethod::Events trades time for accuracy. The defaults give the peak to 0.05 % and 98 % of the bonds.
+/// How FractureMethod::Events trades time for accuracy. With the defaults the peak was within 0.01 % and 98 to 100 % of
+/// the broken bonds were those of FractureMethod::Accurate, on cemented grains and on wood.
 struct EventOptions
 {
-  int radius = 12;       ///< nodes around a broken bond that are corrected on the finest level
-  int coarseRadius = 8;  ///< on each coarser one, beyond what the finer one's window covers
-  double reduction = 0.1; ///< of the residual around the bond, over the force that it carried
-  int maxCycles = 6;      ///< around a bond, before a global correction is asked for
-  int globalEvery = 20;   ///< events of an avalanche between two global corrections
+  int radius = 12;               ///< nodes around a broken bond that are corrected on the finest level
+  int coarseRadius = 8;          ///< on each coarser one, beyond what the finer one's window covers
+  double reduction = 0.1;        ///< of the residual around the bond, over the force that it carried
+  int maxCycles = 6;             ///< around a bond, before a global correction is asked for
+  int globalEvery = 20;          ///< events of an avalanche between two global corrections
   int globalIterations = 6;      ///< of conjugate gradients in a global correction, at most
   double globalTolerance = 1e-4; ///< of its residual force, as EquilibriumOptions::tolerance counts
+  double riseTolerance = 2e-6;   ///< the same before the load rises, on which the peak depends
 };
 
 /// Where a fracture stands, for FractureOptions::progress.
 struct FractureProgress
 {
-  double share = 0;         ///< done, 0 … 1; never falls. A guess before the peak
-  std::int64_t broken = 0;  ///< bonds so far
-  double strain = 0;        ///< now
-  double stress = 0;        ///< now [Pa]
-  double peakStress = 0;    ///< so far [Pa]
+  double share = 0;        ///< done, 0 … 1; never falls. A guess before the peak
+  std::int64_t broken = 0; ///< bonds so far
+  double strain = 0;       ///< now
+  double stress = 0;       ///< now [Pa]
+  double peakStress = 0;   ///< so far [Pa]
 };
 
 struct FractureOptions
@@ -57,7 +59,7 @@ struct FractureOptions
   FractureMethod method = FractureMethod::Events;
   Breaking breaking = Breaking::Strict;
   double stopShare = 0.05; ///< ends when the stress has fallen to this share of the peak
-  double maxStrain = std::numeric_limits<double>::infinity(); ///< ends before the strain is raised beyond
+  double maxStrain = std::numeric_limits<double>::infinity();        ///< ends before the strain is raised beyond
   std::int64_t maxBroken = std::numeric_limits<std::int64_t>::max(); ///< ends after so many broken bonds
   double tolerance = 1e-6; ///< of an equilibrium, as EquilibriumOptions::tolerance
   EventOptions events{};
@@ -87,9 +89,9 @@ struct CurvePoint
 
 enum class FractureEnd
 {
-  Running,     ///< run() has not been called
-  StressFell,  ///< to FractureOptions::stopShare of the peak
-  Severed,     ///< no piece reaches from platen to platen any more
+  Running,       ///< run() has not been called
+  StressFell,    ///< to FractureOptions::stopShare of the peak
+  Severed,       ///< no piece reaches from platen to platen any more
   NothingBreaks, ///< no bond that can break is stretched
   MaxStrain,
   MaxBroken,

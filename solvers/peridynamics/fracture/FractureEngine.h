@@ -21,9 +21,9 @@ public:
   virtual std::vector<Bond> critical(double ratio) = 0;
   /// Takes bonds out, and pieces that come loose with them; then equilibrium, as near as the method goes by itself.
   virtual void breakBonds(std::span<const Bond> bonds) = 0;
-  /// Equilibrium as good as the method has it.
+  /// Equilibrium as good as the method has it in an avalanche, or as good as it has it at all.
   /// @return whether anything was left to do
-  virtual bool settle() = 0;
+  virtual bool settle(bool exact) = 0;
   /// To a tolerance, then displacements at unit load.
   virtual NodeField<double> displacement() = 0;
 

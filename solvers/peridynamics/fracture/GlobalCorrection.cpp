@@ -21,8 +21,7 @@ template <class F>
 double EventHierarchy::rowSum(F&& f)
 {
   const NodeLayout& l = bonds_.layout();
-  forOwnRows(l,
-    [&](std::int64_t y, std::int64_t z) { sums_[static_cast<std::size_t>(y + l.size[1] * z)] = f(y, z); });
+  forOwnRows(l, [&](std::int64_t y, std::int64_t z) { sums_[static_cast<std::size_t>(y + l.size[1] * z)] = f(y, z); });
   double sum = 0;
   for (const double s : sums_)
     sum += s;

@@ -17,17 +17,13 @@ void EventHierarchy::product(std::size_t k, const Box& box, const NodeField<floa
 {
   if (k == 0)
   {
-    forRows(box,
-      [&](std::int64_t y, std::int64_t z) { springs_.product(u, out, y, z, box.low[0], box.high[0]); });
+    forRows(box, [&](std::int64_t y, std::int64_t z) { springs_.product(u, out, y, z, box.low[0], box.high[0]); });
     return;
   }
   const Level& level = multigrid_->level(k);
   const NodeLayout& l = level.layout;
   const std::int64_t n = box.high[0] - box.low[0];
   BlockRow row;
-  row.half = static_cast<int>(level.half.size());
-  row.blockStride = level.entries() * l.count();
-  row.jump = levels_[k].jumps.data();
   forRows(box,
     [&](std::int64_t y, std::int64_t z)
     {
@@ -38,11 +34,7 @@ void EventHierarchy::product(std::size_t k, const Box& box, const NodeField<floa
         row.out[c] = out.component(c) + i;
         std::fill_n(row.out[c], n, 0.0F);
       }
-      for (int e = 0; e < level.entries(); ++e)
-      {
-        row.diagonal[e] = level.diagonal.component(e) + i;
-        row.block[e] = level.blocks.component(e) + i;
-      }
+      level.pointTo(row, i);
       levelKernels().subtractProduct(l.dimension, n, row);
     });
 }
@@ -155,8 +147,7 @@ void EventHierarchy::restrictChange(std::size_t k)
   const NodeLayout& coarse = next.w.layout();
   const Box& box = outer_[k];
   if (k == 0)
-    forRows(
-      box, [&](std::int64_t y, std::int64_t z) { maskRow(level.change, y, z, box.low[0], box.high[0]); });
+    forRows(box, [&](std::int64_t y, std::int64_t z) { maskRow(level.change, y, z, box.low[0], box.high[0]); });
   const Box to = parents(box, coarse);
   const std::int64_t n = to.high[0] - to.low[0];
   const bool last = k + 2 == levels_.size();

@@ -41,8 +41,8 @@ void forRows(const Box& box, F&& f)
       f(y, z);
 }
 
-/// The springs of the bonds in a box of the finest level, written out: the bits are looked at once, the product is taken
-/// several times.
+/// The springs of the bonds in a box of the finest level, written out: the bits are looked at once, the product is
+/// taken several times.
 class SpringWindow
 {
 public:

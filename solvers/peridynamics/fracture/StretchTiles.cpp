@@ -57,8 +57,7 @@ float StretchTiles::measure(const EventHierarchy& state, std::int64_t tile) cons
   const Box box = boxOf(tile);
   const std::int64_t stripAt = (NodeLayout::margin + box.low[0]) / strip;
   bool some = false;
-  forRows(box,
-    [&](std::int64_t y, std::int64_t z) { some = some || bonds_.stripsOf(l.row(y, z))[stripAt] != 0; });
+  forRows(box, [&](std::int64_t y, std::int64_t z) { some = some || bonds_.stripsOf(l.row(y, z))[stripAt] != 0; });
   if (!some)
     return 0;
   const int d = l.dimension;
@@ -138,8 +137,7 @@ float StretchTiles::measure(const EventHierarchy& state, std::int64_t tile) cons
         }
       uniform = kind == 255 ? 0 : kind;
       for (int c = 0; c < d; ++c)
-        job.u[c] = u.data() + c * plane + side +
-          width * (y - around.low[1] + rows * (z - around.low[2]));
+        job.u[c] = u.data() + c * plane + side + width * (y - around.low[1] + rows * (z - around.low[2]));
       largest = std::max(largest, eventKernels().stretch(job));
     });
   return largest;

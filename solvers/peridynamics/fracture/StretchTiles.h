@@ -9,8 +9,8 @@
 namespace lamella::peridynamics
 {
 
-/// The largest s/s₀ of every small box of nodes (of the bonds that begin there), and how old each value is: what a break
-/// far away changes is looked at only where it may matter.
+/// The largest s/s₀ of every small box of nodes (of the bonds that begin there), and how old each value is: what a
+/// break far away changes is looked at only where it may matter.
 class StretchTiles
 {
 public:
@@ -32,10 +32,10 @@ private:
 
   const BondLattice& bonds_;
   int reach_;
-  std::array<std::int64_t, 3> size_{ 16, 8, 1 };  ///< nodes of a tile: along x a strip of the bonds
-  std::array<std::int64_t, 3> count_{ 1, 1, 1 };  ///< tiles
-  std::array<std::vector<float>, 3> directions_;  ///< e
-  std::vector<std::vector<float>> inverse_;       ///< 1/(s₀|ξ|) by kind, of each bond of the stencil
+  std::array<std::int64_t, 3> size_{ 16, 8, 1 }; ///< nodes of a tile: along x a strip of the bonds
+  std::array<std::int64_t, 3> count_{ 1, 1, 1 }; ///< tiles
+  std::array<std::vector<float>, 3> directions_; ///< e
+  std::vector<std::vector<float>> inverse_;      ///< 1/(s₀|ξ|) by kind, of each bond of the stencil
   std::vector<float> largest_;
   std::vector<std::int64_t> state_; ///< when it was looked at
   std::int64_t now_ = 0;

@@ -68,6 +68,8 @@ BondMultigrid::BondMultigrid(const BondLattice& bonds, const FixedComponents& fi
   }
   if (levels_.size() > 1 && CoarsestLevel::possible(levels_.back()->layout))
     coarsest_.emplace(*levels_.back());
+  for (const auto& level : levels_)
+    level->arrange();
 }
 
 NodeField<float> BondMultigrid::buildFinest()

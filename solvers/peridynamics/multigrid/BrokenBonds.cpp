@@ -125,17 +125,16 @@ void BondMultigrid::subtract(const SpringWeights& spring)
         const int sign = step[2] != 0 ? step[2] : step[1] != 0 ? step[1] : step[0];
         if (sign < 0)
           continue; // its mirror image is stored
-        NodeField<float>& field = sign == 0 ? level.diagonal : level.blocks;
         const int first = sign == 0 ? 0 : static_cast<int>(forwardIndex(l.ghost, step)) * level.entries();
         const std::int64_t at = l.index(a.node[0], a.node[1], a.node[2]);
         for (int e = 0; e < level.entries(); ++e)
-          field.component(first + e)[at] -= static_cast<float>(a.weight * b.weight * tensor[static_cast<std::size_t>(e)]);
+          (sign == 0 ? level.diagonal.component(e)[at] : level.block(first + e, at)) -=
+            static_cast<float>(a.weight * b.weight * tensor[static_cast<std::size_t>(e)]);
       }
     for (const Node& n : nodes)
     {
       const std::int64_t i = l.index(n.node[0], n.node[1], n.node[2]);
-      invertBlock(
-        level.diagonal, level.inverse, i, roundOff * static_cast<double>(traces_[k].component(0)[i]));
+      invertBlock(level.diagonal, level.inverse, i, roundOff * static_cast<double>(traces_[k].component(0)[i]));
     }
   }
   if (levels_.size() < 2 || !coarsest_)

@@ -292,7 +292,7 @@ MatrixRows rowsOf(const Level& level)
   };
   rows.block = [&level, copy](int q, std::int64_t y, std::int64_t z, float* out, std::int64_t stride)
   {
-    copy(level.blocks, q * level.entries(), y, z, out, stride);
+    copy(level.blocks, q * level.entries(), y, z, out, stride); // before Level::arrange()
     return true;
   };
   rows.diagonal = [&level, copy](std::int64_t y, std::int64_t z, float* out, std::int64_t stride)

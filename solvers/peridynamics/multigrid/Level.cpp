@@ -14,6 +14,39 @@ void Level::allocateVectors()
   x = NodeField<float>(layout);
   r = NodeField<float>(layout);
   d = NodeField<float>(layout);
+  for (const auto& s : half)
+    jumps_.push_back(s[0] + layout.pitch * (s[1] + layout.rowsY() * s[2]));
+  backJumps_ = jumps_;
+}
+
+void Level::arrange()
+{
+  const int components = blocks.components();
+  if (half.empty() || values_.size() > 0)
+    return;
+  AlignedArray<float> values(components * layout.count());
+  for (std::int64_t row = 0; row < layout.rows(); ++row)
+    for (int c = 0; c < components; ++c)
+      std::copy_n(
+        blocks.component(c) + row * layout.pitch, layout.pitch, values.data() + (row * components + c) * layout.pitch);
+  values_ = std::move(values);
+  blocks = NodeField<float>();
+  for (std::size_t q = 0; q < half.size(); ++q)
+    backJumps_[q] = half[q][0] + components * (jumps_[q] - half[q][0]);
+}
+
+void Level::pointTo(BlockRow& row, std::int64_t index) const noexcept
+{
+  row.half = static_cast<int>(half.size());
+  row.jump = jumps_.data();
+  row.back = backJumps_.data();
+  const bool arranged = values_.size() > 0;
+  row.blockStride = entries() * (arranged ? layout.pitch : layout.count());
+  for (int e = 0; e < entries(); ++e)
+  {
+    row.diagonal[e] = diagonal.component(e) + index;
+    row.block[e] = arranged ? values_.data() + place(e, index) : blocks.component(e) + index;
+  }
 }
 
 std::int64_t Level::bytes() const noexcept
@@ -21,7 +54,7 @@ std::int64_t Level::bytes() const noexcept
   std::int64_t components = 0;
   for (const NodeField<float>* f : { &blocks, &diagonal, &inverse, &x, &r, &d })
     components += f->layout().count() > 1 ? f->components() : 0;
-  return components * layout.count() * static_cast<std::int64_t>(sizeof(float));
+  return (components * layout.count() + values_.size()) * static_cast<std::int64_t>(sizeof(float));
 }
 
 std::vector<std::array<int, 3>> forwardNeighbours(int dimension, int reach)
@@ -39,30 +72,17 @@ void subtractProduct(const Level& level, const NodeField<float>& x, NodeField<fl
 {
   const NodeLayout& l = level.layout;
   const int d = l.dimension;
-  const int entries = level.entries();
-  BlockRow common;
-  common.half = static_cast<int>(level.half.size());
-  common.blockStride = entries * l.count();
-  std::vector<std::int64_t> jumps;
-  jumps.reserve(level.half.size());
-  for (const auto& s : level.half)
-    jumps.push_back(s[0] + l.pitch * (s[1] + l.rowsY() * s[2]));
-  common.jump = jumps.data();
   const LevelKernels& k = levelKernels();
   forOwnRows(l,
     [&](std::int64_t y, std::int64_t z)
     {
-      BlockRow row = common;
+      BlockRow row;
       const std::int64_t i = l.index(0, y, z);
+      level.pointTo(row, i);
       for (int c = 0; c < d; ++c)
       {
         row.here[c] = x.component(c) + i;
         row.out[c] = out.component(c) + i;
-      }
-      for (int e = 0; e < entries; ++e)
-      {
-        row.diagonal[e] = level.diagonal.component(e) + i;
-        row.block[e] = level.blocks.component(e) + i;
       }
       k.subtractProduct(d, l.size[0], row);
     });
@@ -108,8 +128,8 @@ bool invert(const std::array<double, 6>& entries, NodeField<float>& inverse, std
 }
 
 template <int Dim>
-std::int64_t invertRow(const NodeField<float>& blocks, NodeField<float>& inverse, std::int64_t begin, std::int64_t n,
-  double least)
+std::int64_t invertRow(
+  const NodeField<float>& blocks, NodeField<float>& inverse, std::int64_t begin, std::int64_t n, double least)
 {
   std::int64_t singular = 0;
   for (std::int64_t i = begin; i < begin + n; ++i)

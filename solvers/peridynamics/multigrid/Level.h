@@ -23,7 +23,7 @@ struct Level
 
   // the matrix of a coarse level: blocks to half of the neighbours, A(i, i + q), and of the node itself
   std::vector<std::array<int, 3>> half;
-  NodeField<float> blocks;   ///< component q · entries + e
+  NodeField<float> blocks;   ///< component q · entries + e; until arrange()
   NodeField<float> diagonal; ///< entries of A(i, i)
   NodeField<float> inverse;  ///< of their pseudo-inverses
   float lambda = 2;          ///< largest eigenvalue of D⁻¹A, a little over
@@ -35,8 +35,31 @@ struct Level
   bool gathered = false; ///< the next level is the same lattice, whole on every rank
 
   void allocateVectors();
+  /// Moves the blocks together row by row: products then read one stream of memory instead of dozens.
+  void arrange();
+  /// Block component q · entries + e at a position.
+  [[nodiscard]] float& block(int component, std::int64_t index) noexcept
+  {
+    return values_.size() > 0 ? values_[place(component, index)] : blocks.component(component)[index];
+  }
+  [[nodiscard]] float block(int component, std::int64_t index) const noexcept
+  {
+    return values_.size() > 0 ? values_[place(component, index)] : blocks.component(component)[index];
+  }
+  /// Fills in all but the fields: for a row that begins at a position.
+  void pointTo(BlockRow& row, std::int64_t index) const noexcept;
   [[nodiscard]] int entries() const noexcept { return blockEntries(layout.dimension); }
   [[nodiscard]] std::int64_t bytes() const noexcept;
+
+private:
+  [[nodiscard]] std::int64_t place(int component, std::int64_t index) const noexcept
+  {
+    const std::int64_t components = static_cast<std::int64_t>(half.size()) * entries();
+    return (index / layout.pitch * components + component) * layout.pitch + index % layout.pitch;
+  }
+  AlignedArray<float> values_;          ///< the blocks: by rows, components, nodes
+  std::vector<std::int64_t> jumps_;     ///< of the half stencil in nodes
+  std::vector<std::int64_t> backJumps_; ///< the same in floats of the blocks
 };
 
 /// Neighbours of a node within `reach` steps along every axis whose last nonzero step is positive.

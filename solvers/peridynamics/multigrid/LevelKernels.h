@@ -21,12 +21,13 @@ struct BlockRow
   const float* block[6];    ///< entry e of the first neighbour; neighbour q lies q × blockStride further
   std::int64_t blockStride; ///<
   const std::int64_t* jump; ///< from a node to neighbour q, in nodes; `half` values
+  const std::int64_t* back; ///< from the block A(i − q, i) to A(i, i + q), in floats
   float* out[3];            ///<
 };
 
 struct LevelKernels
 {
-  /// out −= A x over n nodes.
+  /// out −= A x over n nodes; up to seven values after them are read, and written as they are.
   void (*subtractProduct)(int dimension, std::int64_t n, const BlockRow& row);
   /// d = a d + b D⁻¹ r; x += d. `inverse` holds the entries of D⁻¹. With a = 0 what d and, if `first`, x hold is not
   /// read.

@@ -12,110 +12,80 @@ namespace
 
 constexpr std::int64_t strip = 128; // nodes whose sums stay in the first cache while the neighbours pass
 
-void subtract2(std::int64_t n, const BlockRow& r)
+// Eight values whatever the registers: most levels are narrow.
+constexpr int lanes = 8;
+using V __attribute__((vector_size(4 * lanes))) = float;
+using AnyV __attribute__((vector_size(4 * lanes), aligned(4), may_alias)) = float; // at any address
+
+V load(const float* p)
 {
-  for (std::int64_t begin = 0; begin < n; begin += strip)
-  {
-    const std::int64_t count = std::min(strip, n - begin);
-    float sx[strip];
-    float sy[strip];
-    const float* x = r.here[0] + begin;
-    const float* y = r.here[1] + begin;
-    {
-      const float* a = r.diagonal[0] + begin;
-      const float* b = r.diagonal[1] + begin;
-      const float* c = r.diagonal[2] + begin;
-      LAMELLA_SIMD
-      for (std::int64_t i = 0; i < count; ++i)
-      {
-        sx[i] = a[i] * x[i] + c[i] * y[i];
-        sy[i] = c[i] * x[i] + b[i] * y[i];
-      }
-    }
-    for (int q = 0; q < r.half; ++q)
-    {
-      const std::int64_t jump = r.jump[q];
-      const std::int64_t shift = begin + q * r.blockStride;
-      const float* a = r.block[0] + shift;
-      const float* b = r.block[1] + shift;
-      const float* c = r.block[2] + shift;
-      const float* a0 = a - jump;
-      const float* b0 = b - jump;
-      const float* c0 = c - jump;
-      const float* xn = x + jump;
-      const float* yn = y + jump;
-      const float* xp = x - jump;
-      const float* yp = y - jump;
-      LAMELLA_SIMD
-      for (std::int64_t i = 0; i < count; ++i)
-      {
-        sx[i] += a[i] * xn[i] + c[i] * yn[i] + a0[i] * xp[i] + c0[i] * yp[i];
-        sy[i] += c[i] * xn[i] + b[i] * yn[i] + c0[i] * xp[i] + b0[i] * yp[i];
-      }
-    }
-    float* ox = r.out[0] + begin;
-    float* oy = r.out[1] + begin;
-    LAMELLA_SIMD
-    for (std::int64_t i = 0; i < count; ++i)
-    {
-      ox[i] -= sx[i];
-      oy[i] -= sy[i];
-    }
-  }
+  return *reinterpret_cast<const AnyV*>(p);
 }
 
-void subtract3(std::int64_t n, const BlockRow& r)
+/// Component c of a symmetric block, whose entry e is at block[e], times a vector.
+template <int Dim>
+V times(int c, const V* block, const V* x)
 {
-  for (std::int64_t begin = 0; begin < n; begin += strip)
+  if constexpr (Dim == 2)
+    return c == 0 ? block[0] * x[0] + block[2] * x[1] : block[2] * x[0] + block[1] * x[1];
+  else
+    return c == 0 ? block[0] * x[0] + block[3] * x[1] + block[5] * x[2]
+      : c == 1    ? block[3] * x[0] + block[1] * x[1] + block[4] * x[2]
+                  : block[5] * x[0] + block[4] * x[1] + block[2] * x[2];
+}
+
+/// The sums of `Parts` vectors of nodes stay in registers while the neighbours pass.
+template <int Dim, int Parts>
+void subtractPart(std::int64_t at, const BlockRow& r)
+{
+  constexpr int entries = blockEntries(Dim);
+  V ahead[Parts][Dim];
+  V behind[Parts][Dim];
+  const auto add = [&](V(&sum)[Dim], const float* const* blocks, std::int64_t shift, std::int64_t jump, std::int64_t i)
   {
-    const std::int64_t count = std::min(strip, n - begin);
-    float sx[strip];
-    float sy[strip];
-    float sz[strip];
-    const float* x = r.here[0] + begin;
-    const float* y = r.here[1] + begin;
-    const float* z = r.here[2] + begin;
-    const auto at = [&](int e) { return r.diagonal[e] + begin; };
+    V block[entries];
+    V x[Dim];
+    for (int e = 0; e < entries; ++e)
+      block[e] = load(blocks[e] + shift + i);
+    for (int c = 0; c < Dim; ++c)
+      x[c] = load(r.here[c] + jump + i);
+    for (int c = 0; c < Dim; ++c)
+      sum[c] += times<Dim>(c, block, x);
+  };
+  for (int part = 0; part < Parts; ++part)
+    for (int c = 0; c < Dim; ++c)
+      ahead[part][c] = behind[part][c] = V{};
+  for (int part = 0; part < Parts; ++part)
+    add(ahead[part], r.diagonal, 0, 0, at + part * lanes);
+  for (int q = 0; q < r.half; ++q)
+    for (int part = 0; part < Parts; ++part)
     {
-      const float *xx = at(0), *yy = at(1), *zz = at(2), *xy = at(3), *yz = at(4), *xz = at(5);
-      LAMELLA_SIMD
-      for (std::int64_t i = 0; i < count; ++i)
-      {
-        sx[i] = xx[i] * x[i] + xy[i] * y[i] + xz[i] * z[i];
-        sy[i] = xy[i] * x[i] + yy[i] * y[i] + yz[i] * z[i];
-        sz[i] = xz[i] * x[i] + yz[i] * y[i] + zz[i] * z[i];
-      }
+      add(ahead[part], r.block, q * r.blockStride, r.jump[q], at + part * lanes);
+      add(behind[part], r.block, q * r.blockStride - r.back[q], -r.jump[q], at + part * lanes);
     }
-    for (int q = 0; q < r.half; ++q)
-      for (const bool forward : { true, false })
-      {
-        const std::int64_t jump = forward ? r.jump[q] : -r.jump[q];
-        const std::int64_t shift = begin + q * r.blockStride + (forward ? 0 : jump);
-        const float *xx = r.block[0] + shift, *yy = r.block[1] + shift, *zz = r.block[2] + shift;
-        const float *xy = r.block[3] + shift, *yz = r.block[4] + shift, *xz = r.block[5] + shift;
-        const float *u = x + jump, *v = y + jump, *w = z + jump;
-        LAMELLA_SIMD
-        for (std::int64_t i = 0; i < count; ++i)
-        {
-          sx[i] += xx[i] * u[i] + xy[i] * v[i] + xz[i] * w[i];
-          sy[i] += xy[i] * u[i] + yy[i] * v[i] + yz[i] * w[i];
-          sz[i] += xz[i] * u[i] + yz[i] * v[i] + zz[i] * w[i];
-        }
-      }
-    float *ox = r.out[0] + begin, *oy = r.out[1] + begin, *oz = r.out[2] + begin;
-    LAMELLA_SIMD
-    for (std::int64_t i = 0; i < count; ++i)
+  for (int part = 0; part < Parts; ++part)
+    for (int c = 0; c < Dim; ++c)
     {
-      ox[i] -= sx[i];
-      oy[i] -= sy[i];
-      oz[i] -= sz[i];
+      float* out = r.out[c] + at + part * lanes;
+      *reinterpret_cast<AnyV*>(out) = load(out) - (ahead[part][c] + behind[part][c]);
     }
-  }
+}
+
+// Past the last node of a row there is padding, where matrices are zero.
+template <int Dim>
+void subtract(std::int64_t n, const BlockRow& r)
+{
+  constexpr int parts = Dim == 2 ? 2 : 1;
+  std::int64_t i = 0;
+  for (; i + (parts - 1) * lanes < n; i += parts * lanes)
+    subtractPart<Dim, parts>(i, r);
+  for (; i < n; i += lanes)
+    subtractPart<Dim, 1>(i, r);
 }
 
 void subtractProduct(int dimension, std::int64_t n, const BlockRow& row)
 {
-  (dimension == 3 ? subtract3 : subtract2)(n, row);
+  dimension == 3 ? subtract<3>(n, row) : subtract<2>(n, row);
 }
 
 void chebyshev(int dimension, std::int64_t n, float a, float b, const float* const* inverse, const float* const* r,
