@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
@@ -38,10 +39,10 @@ struct Sample
   BondModel model;
 };
 
-Sample cemented(std::int64_t nodes, double saturation, std::uint64_t seed)
+Sample cemented(std::int64_t nodes, double saturation, std::int64_t grains, std::uint64_t seed)
 {
   packing::PackingOptions o;
-  o.count = std::max<std::int64_t>(20, 400 * nodes * nodes / (512 * 512));
+  o.count = grains;
   o.aspect = 2;
   o.seed = seed;
   const packing::Packing p = packing::pack(o);
@@ -106,9 +107,11 @@ int main(int argc, char** argv)
     {
       const auto nodes = static_cast<std::int64_t>(number("nx", 256));
       const auto seed = static_cast<std::uint64_t>(number("seed", 1));
+      const auto grains =
+        static_cast<std::int64_t>(number("grains", std::max(20.0, std::floor(400.0 * static_cast<double>(nodes * nodes) / (512 * 512)))));
       const std::string kind = text("kind", "aggregate");
       const Sample s =
-        kind == "wood" ? wood(nodes, seed) : cemented(nodes, kind == "filled" ? 1 : number("saturation", 0.5), seed);
+        kind == "wood" ? wood(nodes, seed) : cemented(nodes, kind == "filled" ? 1 : number("saturation", 0.5), grains, seed);
       const Communicator comm(MPI_COMM_SELF);
       BondLattice bonds(s.model, s.lattice, s.phase, s.grain, comm);
       const std::int64_t count = bonds.bonds();

@@ -27,16 +27,14 @@ EventEngine::EventEngine(BondLattice& bonds, const LoadedSample& sample, const P
   , tiles_(bonds)
   , pieces_(bonds, sample, platens)
 {
-  work_ = 2 * elasticEnergy(bonds, state_.base(), false);
   afterGlobal(0, seconds());
+  if (force_ > 0)
+    workOverForce_ = 2 * elasticEnergy(bonds, state_.base(), false) / force_;
 }
 
 void EventEngine::afterGlobal(int iterations, double start)
 {
-  const double before = force_;
   force_ = platens_.of(bonds_, state_.force());
-  if (before != 0)
-    work_ *= force_ / before; // both are in proportion to the stiffness
   sinceGlobal_ = 0;
   ++statistics_.equilibria;
   statistics_.globalIterations += iterations;
@@ -124,8 +122,8 @@ void EventEngine::breakBond(const Bond& bond)
   statistics_.nodesVisited += local.visited;
   // exact for an equilibrium before and after
   const double lost = spring * before * state_.elongation(i, bond.offset);
-  force_ *= 1 - lost / work_;
-  work_ -= lost;
+  if (workOverForce_ > 0)
+    force_ = std::max(0.0, force_ - lost / workOverForce_);
   const double relaxed = seconds();
   statistics_.localSeconds += relaxed - start;
   tiles_.refresh(state_, local.window);

@@ -38,7 +38,7 @@ private:
   StretchTiles tiles_;
   LoosePieces pieces_;
   double force_ = 0;
-  double work_ = 1;     ///< twice the elastic energy at unit load
+  double workOverForce_ = 0; ///< at unit load, of twice the elastic energy: both are in proportion to the stiffness
   int sinceGlobal_ = 0; ///< events
   bool exact_ = true;   ///< was the last global correction?
 };

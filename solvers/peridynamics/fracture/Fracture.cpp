@@ -18,6 +18,9 @@ namespace
 
 constexpr double equal = 1e-9; // loads nearer than this to each other are the same: elongations have fewer digits
 
+/// Of the largest s/s₀ of the unbroken sample: less than that is what equilibria leave where nothing pulls.
+constexpr double noise = 1e-3;
+
 double seconds()
 {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -106,7 +109,9 @@ QuasiStaticFracture::QuasiStaticFracture(BondLattice& bonds, const Loading& load
   sample_ = applyLoading(bonds, loading);
   const PlatenForce platens(bonds, loading, sample_);
   area_ = platens.area();
-  if (options_.method == FractureMethod::Accurate)
+  const NodeLayout& l = bonds.layout();
+  const bool tiny = l.global[0] * l.global[1] * l.global[2] <= MultigridOptions{}.coarsest; // no coarser level
+  if (options_.method == FractureMethod::Accurate || tiny)
     engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance);
   else
     engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance);
@@ -171,6 +176,11 @@ void QuasiStaticFracture::breakCritical(const StretchMaximum& most)
   engine_->breakBonds(bonds);
 }
 
+bool QuasiStaticFracture::fell(double stress) const
+{
+  return options_.stopShare > 0 && record_.peak.stress > 0 && stress <= options_.stopShare * record_.peak.stress;
+}
+
 bool QuasiStaticFracture::report()
 {
   const double now = stress(load_);
@@ -190,19 +200,21 @@ FractureEnd QuasiStaticFracture::step()
     return FractureEnd::MaxBroken;
   const StretchMaximum most = engine_->mostCritical();
   const bool critical = most.ratio > 0 && load_ * most.ratio >= 1 - equal;
-  const bool fallen = load_ > 0 && stress(load_) <= options_.stopShare * record_.peak.stress;
+  const bool fallen = fell(stress(load_));
   if (!critical || fallen)
   {
     if (engine_->settle(false) || (!fallen && engine_->settle(true)))
       return FractureEnd::Running; // look again
     if (fallen)
       return FractureEnd::StressFell;
-    if (!(most.ratio > 0))
+    if (!(most.ratio > noise * firstRatio_))
       return FractureEnd::NothingBreaks;
     if (reference_ / most.ratio > options_.maxStrain)
       return FractureEnd::MaxStrain;
+    if (record_.broken.empty())
+      firstRatio_ = most.ratio;
     raise(1 / most.ratio);
-    if (record_.curve.back().stress <= options_.stopShare * record_.peak.stress)
+    if (fell(record_.curve.back().stress))
       return FractureEnd::StressFell;
   }
   breakCritical(most);

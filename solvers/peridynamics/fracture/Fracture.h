@@ -20,7 +20,9 @@ namespace lamella::peridynamics
 
 enum class FractureMethod
 {
-  Events,  ///< local corrections around every break, global ones now and then; one rank, sides not periodic
+  /// Local corrections around every break, global ones now and then; one rank, sides not periodic. Samples of a hundred
+  /// nodes or fewer are solved as Accurate does.
+  Events,
   Accurate ///< one equilibrium a break, to FractureOptions::tolerance: slow, to check against; any number of ranks
 };
 
@@ -36,8 +38,8 @@ struct EventOptions
 {
   int radius = 12;               ///< nodes around a broken bond that are corrected on the finest level
   int coarseRadius = 8;          ///< on each coarser one, beyond what the finer one's window covers
-  double reduction = 0.1;        ///< of the residual around the bond, over the force that it carried
-  int maxCycles = 6;             ///< around a bond, before a global correction is asked for
+  double reduction = 0.02; ///< of the residual around the bond, over the force that it carried
+  int maxCycles = 12; ///< around a bond
   int globalEvery = 20;          ///< events of an avalanche between two global corrections
   int globalIterations = 6;      ///< of conjugate gradients in a global correction, at most
   double globalTolerance = 1e-4; ///< of its residual force, as EquilibriumOptions::tolerance counts
@@ -58,7 +60,9 @@ struct FractureOptions
 {
   FractureMethod method = FractureMethod::Events;
   Breaking breaking = Breaking::Strict;
-  double stopShare = 0.05; ///< ends when the stress has fallen to this share of the peak
+  /// Ends when the stress has fallen to this share of the peak; 0: not before nothing holds or nothing breaks any more,
+  /// which may take long, for hinges never part in small strain.
+  double stopShare = 0.05;
   double maxStrain = std::numeric_limits<double>::infinity();        ///< ends before the strain is raised beyond
   std::int64_t maxBroken = std::numeric_limits<std::int64_t>::max(); ///< ends after so many broken bonds
   double tolerance = 1e-6; ///< of an equilibrium, as EquilibriumOptions::tolerance
@@ -92,7 +96,8 @@ enum class FractureEnd
   Running,       ///< run() has not been called
   StressFell,    ///< to FractureOptions::stopShare of the peak
   Severed,       ///< no piece reaches from platen to platen any more
-  NothingBreaks, ///< no bond that can break is stretched
+  /// No bond that can break is stretched, or it would take a thousand times the strain of the first break.
+  NothingBreaks,
   MaxStrain,
   MaxBroken,
   Interrupted ///< by FractureOptions::progress; run() goes on
@@ -163,6 +168,7 @@ public:
 
 private:
   [[nodiscard]] double stress(double load) const;
+  [[nodiscard]] bool fell(double stress) const;
   void raise(double load);
   void breakCritical(const StretchMaximum& most);
   bool report();
@@ -175,6 +181,7 @@ private:
   double area_ = 1;      ///< [m²], [m] in the plane
   double load_ = 0;      ///< imposed strain over the reference
   double share_ = 0;
+  double firstRatio_ = 0; ///< s/s₀ at unit load of the bond that broke first
   std::unique_ptr<FractureEngine> engine_;
   FractureRecord record_;
 };

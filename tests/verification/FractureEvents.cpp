@@ -1,0 +1,417 @@
+// Fracture by local corrections against one equilibrium a break; what any of both must give; what is refused.
+#include "FractureSamples.h"
+
+#include "lattice/Error.h"
+#include "peridynamics/Fragments.h"
+#include "peridynamics/fracture/EventHierarchy.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <limits>
+
+namespace
+{
+
+using namespace lamella;
+using namespace lamella::test;
+
+// The figures: peak within 0.05 %, at least 98 % of the broken bonds the same.
+void compare(const Breakable& s, double stop, std::int64_t maxBroken = 1000000, const Loading& loading = {})
+{
+  FractureOptions o = by(FractureMethod::Accurate, stop);
+  o.maxBroken = maxBroken;
+  const FractureRecord accurate = fracture(s, o, loading);
+  o.method = FractureMethod::Events;
+  const FractureRecord events = fracture(s, o, loading);
+  EXPECT_EQ(accurate.end, maxBroken < 1000000 ? FractureEnd::MaxBroken : FractureEnd::StressFell)
+    << describe(accurate.end);
+  EXPECT_EQ(events.end, accurate.end) << describe(events.end);
+  EXPECT_GT(accurate.broken.size(), 30U);
+  EXPECT_NEAR(events.peak.stress, accurate.peak.stress, 5e-4 * accurate.peak.stress);
+  EXPECT_NEAR(events.peak.strain, accurate.peak.strain, 5e-4 * accurate.peak.strain);
+  EXPECT_NEAR(events.modulus, accurate.modulus, 1e-4 * accurate.modulus);
+  EXPECT_GE(inCommon(accurate, events), 0.98);
+  EXPECT_LE(static_cast<double>(events.broken.size()), 1.03 * static_cast<double>(accurate.broken.size()));
+}
+
+TEST(FractureEvents, CementedGrainsAsOneEquilibriumABreak)
+{
+  compare(cementedGrains(64, 0.5), 0.05);
+}
+
+TEST(FractureEvents, FilledGapsAsOneEquilibriumABreak)
+{
+  compare(cementedGrains(48, 1), 0.5);
+}
+
+TEST(FractureEvents, WoodAsOneEquilibriumABreak)
+{
+  compare(walls(64), 0.05);
+}
+
+TEST(FractureEvents, SpaceAsOneEquilibriumABreak)
+{
+  Breakable s{ aggregate(12, 12, 16), aggregateModel(3) };
+  compare(s, 0.5, 150);
+}
+
+// Under shear the platens do work across: the force that counts is another component.
+TEST(FractureEvents, ShearAsOneEquilibriumABreak)
+{
+  Loading shear;
+  shear.load = LoadCase::Shear;
+  compare({ aggregate(40, 40), aggregateModel(2) }, 0.05, 60, shear);
+}
+
+// A uniform strip breaks at E s0. Only its middle can break, away from the platens' corners; its sides are softer, over a
+// layer as thick as the horizon, so that what is missing falls like the inverse of its width.
+TEST(FractureEvents, StripBreaksAtTheStrengthOfTheBulk)
+{
+  const double s0 = 0.01;
+  const double bulk = latticeModuli(Stencil(2, 3), Continuum::PlaneStress).youngsModulus * young * s0;
+  Loading smooth;
+  smooth.smooth = true;
+  std::vector<double> missing;
+  for (const std::int64_t width : { 24, 48, 96 })
+    for (const FractureMethod method : { FractureMethod::Accurate, FractureMethod::Events })
+    {
+      Breakable s = strip(width, 96);
+      for (std::int64_t y = 0; y < 96; ++y)
+        if (y < 32 || y >= 64)
+          std::fill_n(s.sample.phase.begin() + y * width, width, std::uint8_t{ 2 });
+      s.model.pairs[{ 1, 2 }] = s.model.pairs[{ 2, 2 }] = { BondMaterial{ .youngsModulus = young } };
+      FractureOptions o = by(method, 0.5);
+      o.maxBroken = 5;
+      const FractureRecord r = fracture(s, o, smooth);
+      EXPECT_NEAR(r.first.strain, s0, 2e-3 * s0); // the platens are felt that far
+      EXPECT_EQ(r.peak.stress, r.first.stress);   // what breaks first takes the rest with it
+      const double short_ = 1 - r.peak.stress / bulk;
+      if (method == FractureMethod::Accurate)
+        missing.push_back(short_);
+      else
+        EXPECT_NEAR(short_, missing.back(), 1e-4);
+    }
+  EXPECT_LT(missing[2], 0.015);
+  EXPECT_NEAR(missing[0] / missing[1], 2, 0.2);
+  EXPECT_NEAR(missing[1] / missing[2], 2, 0.2);
+}
+
+// Batches take more bonds along after the peak, but the strength is that of strict breaking to 1 %.
+TEST(FractureEvents, BatchesBreakAtTheSameStress)
+{
+  const Breakable s = cementedGrains(64, 0.5);
+  FractureOptions o = by(FractureMethod::Accurate, 0.3);
+  const FractureRecord strict = fracture(s, by(FractureMethod::Events, 0.3));
+  o.breaking = Breaking::Batched;
+  const FractureRecord batched = fracture(s, o);
+  EXPECT_NEAR(batched.peak.stress, strict.peak.stress, 0.01 * strict.peak.stress);
+  EXPECT_LT(batched.statistics.events, static_cast<std::int64_t>(batched.broken.size()));
+  EXPECT_EQ(batched.broken.back().event, batched.statistics.events);
+}
+
+// The strain never falls; a bond breaks at or beyond the strain at which it is critical; the curve goes from event to
+// event, and what is broken is broken once.
+TEST(FractureEvents, RecordHoldsTogether)
+{
+  const FractureRecord r = fracture(cementedGrains(64, 0.5), by(FractureMethod::Events));
+  std::set<Bond> seen;
+  double strain = 0;
+  for (std::size_t i = 0; i < r.broken.size(); ++i)
+  {
+    EXPECT_TRUE(seen.insert(r.broken[i].bond).second);
+    EXPECT_EQ(r.broken[i].event, static_cast<std::int64_t>(i) + 1);
+    EXPECT_GE(r.broken[i].strain, strain);
+    EXPECT_LE(r.broken[i].criticalStrain, r.broken[i].strain);
+    strain = r.broken[i].strain;
+  }
+  EXPECT_EQ(r.broken.front().criticalStrain, r.broken.front().strain);
+  EXPECT_NEAR(r.first.stress, r.modulus * r.first.strain, 1e-6 * r.first.stress);
+  for (std::size_t i = 1; i < r.curve.size(); ++i)
+  {
+    EXPECT_GE(r.curve[i].strain, r.curve[i - 1].strain);
+    EXPECT_GE(r.curve[i].broken, r.curve[i - 1].broken);
+    EXPECT_LE(r.curve[i].stress, r.peak.stress);
+    // the secant stiffness never rises
+    EXPECT_LE(r.curve[i].stress / r.curve[i].strain, 1.001 * r.curve[i - 1].stress / r.curve[i - 1].strain);
+  }
+  EXPECT_EQ(r.curve.back().broken, static_cast<std::int64_t>(r.broken.size()));
+  EXPECT_LE(r.curve.back().stress, 0.05 * r.peak.stress);
+}
+
+TEST(FractureEvents, NothingLooseIsLeft)
+{
+  const Breakable s = walls(64, 3);
+  BondLattice bonds = latticeOf(s.model, s.sample, alone());
+  QuasiStaticFracture f(bonds, {}, by(FractureMethod::Events, 0.01));
+  f.run();
+  for (const Fragment& piece : findFragments(bonds, &f.sample().fixed).pieces)
+    EXPECT_TRUE(piece.fixed != 0 || piece.nodes == 1) << piece.nodes;
+  const FractureStatistics& t = f.record().statistics;
+  EXPECT_EQ(latticeOf(s.model, s.sample, alone()).bonds() - bonds.bonds(),
+    static_cast<std::int64_t>(f.record().broken.size()) + t.looseBonds);
+}
+
+// With four neighbours a node one bond a column crosses a weak interface: when all of them have gone, nothing holds.
+TEST(FractureEvents, SeveredAlongAWeakInterface)
+{
+  for (const FractureMethod method : { FractureMethod::Accurate, FractureMethod::Events })
+  {
+    Breakable s = strip(20, 40, 1);
+    std::fill(s.sample.phase.begin() + 20 * 20, s.sample.phase.end(), std::uint8_t{ 2 });
+    s.model.pairs[{ 2, 2 }] = s.model.pairs[{ 1, 1 }];
+    s.model.pairs[{ 1, 2 }] = { BondMaterial{ .youngsModulus = young, .criticalStretch = 0.001 } };
+    const FractureRecord r = fracture(s, by(method, 0));
+    EXPECT_EQ(r.end, FractureEnd::Severed) << describe(r.end);
+    EXPECT_EQ(r.broken.size(), 20U);
+    EXPECT_EQ(r.statistics.looseNodes, 0);
+    const BondLattice bonds = latticeOf(s.model, s.sample, alone());
+    for (const BondEnds& e : endsOf(bonds, r.broken, s.sample.phase, {}))
+    {
+      EXPECT_EQ(e.low, 1);
+      EXPECT_EQ(e.high, 2);
+      EXPECT_FALSE(e.betweenGrains);
+    }
+  }
+}
+
+TEST(FractureEvents, ThreadsDoNotMatter)
+{
+  const Breakable s = cementedGrains(112, 0.6); // large enough for threads to be used
+  FractureOptions o = by(FractureMethod::Events);
+  o.maxBroken = 60;
+  const int before = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const FractureRecord one = fracture(s, o);
+  omp_set_num_threads(3);
+  const FractureRecord three = fracture(s, o);
+  omp_set_num_threads(before);
+  expectSame(one, three, 0);
+  EXPECT_EQ(one.peak.stress, three.peak.stress);
+}
+
+TEST(FractureEvents, GoesOnAfterAnInterruption)
+{
+  const Breakable s = walls(64);
+  for (const FractureMethod method : { FractureMethod::Accurate, FractureMethod::Events })
+  {
+    FractureOptions o = by(method, 0.3);
+    const FractureRecord whole = fracture(s, o);
+    double share = 0;
+    int calls = 0;
+    o.progress = [&](const FractureProgress& p)
+    {
+      EXPECT_GE(p.share, share);
+      EXPECT_LE(p.share, 1);
+      share = p.share;
+      EXPECT_EQ(p.broken, ++calls);
+      return calls % 7 == 0;
+    };
+    BondLattice bonds = latticeOf(s.model, s.sample, alone());
+    QuasiStaticFracture f(bonds, {}, o);
+    int interruptions = 0;
+    while (f.run() == FractureEnd::Interrupted)
+      ++interruptions;
+    EXPECT_GT(interruptions, 1);
+    expectSame(whole, f.record(), 0);
+    EXPECT_EQ(whole.curve.size(), f.record().curve.size());
+  }
+}
+
+// The displacements that are handed out are those of an equilibrium, and the next bond's elongation is its limit.
+TEST(FractureEvents, DisplacementIsAnEquilibrium)
+{
+  const Breakable s = cementedGrains(48, 0.6);
+  BondLattice bonds = latticeOf(s.model, s.sample, alone());
+  FractureOptions o = by(FractureMethod::Events);
+  o.maxBroken = 40;
+  QuasiStaticFracture f(bonds, {}, o);
+  EXPECT_EQ(f.run(), FractureEnd::MaxBroken);
+  const NodeField<double> u = f.displacement();
+  LoadedSample loaded = applyLoading(bonds, {});
+  Equilibrium check(bonds, loaded.fixed, with(EquilibriumSolver::Multigrid, 1e-9));
+  check.solve(loaded.displacement);
+  double worst = 0;
+  double largest = 0;
+  NodeField<double> a(bonds.layout(), 3);
+  NodeField<double> b(bonds.layout(), 3);
+  nodalStress(bonds, u, a, false);
+  nodalStress(bonds, loaded.displacement, b, false);
+  const double scale = f.strain() / 1e-3;
+  for (int c = 0; c < 3; ++c)
+    for (std::int64_t i = 0; i < a.layout().count(); ++i)
+    {
+      worst = std::max(worst, std::abs(a.component(c)[i] - scale * b.component(c)[i]));
+      largest = std::max(largest, std::abs(a.component(c)[i]));
+    }
+  EXPECT_LT(worst, 1e-3 * largest); // of residuals of 1e-6
+  f.setLimits(std::numeric_limits<double>::infinity(), 45);
+  EXPECT_EQ(f.run(), FractureEnd::MaxBroken);
+  EXPECT_EQ(f.record().broken.size(), 45U);
+}
+
+// Broken bonds as changes of rank one: residuals of all levels agree, and matrices are those made anew. Both hold to the
+// digits of single precision, a few times 1e-7, times the few tens of terms of a sum.
+TEST(FractureEvents, LevelsStayGalerkinProducts)
+{
+  for (const bool space : { false, true })
+  {
+    const Sample s = space ? aggregate(16, 14, 20) : aggregate(60, 70);
+    BondLattice bonds = latticeOf(aggregateModel(space ? 3 : 2), s, alone());
+    const LoadedSample loaded = applyLoading(bonds, {});
+    EventHierarchy state(bonds, loaded.fixed, loaded.displacement, 1e-6);
+    BondMultigrid levels(bonds, loaded.fixed);
+    std::mt19937 random(5);
+    const NodeLayout& l = bonds.layout();
+    const std::array<std::int64_t, 3> centre{ l.size[0] / 2, l.size[1] / 2, l.size[2] / 2 };
+    int broken = 0;
+    for (int k = 0; k < 400; ++k)
+    {
+      std::array<std::int64_t, 3> n = centre;
+      for (std::size_t a = 0; a < static_cast<std::size_t>(l.dimension); ++a)
+        n[a] += static_cast<std::int64_t>(random() % 5) - 2;
+      const std::int64_t i = l.index(n[0], n[1], n[2]);
+      const int o = static_cast<int>(random() % bonds.stencil().half().size());
+      if (bonds.kind(i, o) == 0)
+        continue;
+      ++broken;
+      const SpringWeights weights = levels.weights(i, o);
+      state.breakBond(i, o);
+      levels.subtract(weights);
+      if (k % 20 == 0)
+        state.correct({ n, { n[0] + 1, n[1] + 1, n[2] + 1 } }, 6, 4, 0, 2);
+    }
+    EXPECT_GT(broken, 100);
+    EXPECT_LT(state.inconsistency(), 1e-4);
+    const BondMultigrid anew(bonds, loaded.fixed);
+    for (std::size_t k = 1; k < levels.levelCount(); ++k)
+    {
+      const Level& a = levels.level(k);
+      const Level& b = anew.level(k);
+      double worst = 0;
+      double largest = 0;
+      for (std::int64_t i = 0; i < a.layout.count(); ++i)
+      {
+        for (int e = 0; e < a.entries(); ++e)
+        {
+          largest = std::max(largest, std::abs(static_cast<double>(b.diagonal.component(e)[i])));
+          worst =
+            std::max(worst, std::abs(static_cast<double>(a.diagonal.component(e)[i] - b.diagonal.component(e)[i])));
+        }
+        for (int c = 0; c < static_cast<int>(a.half.size()) * a.entries(); ++c)
+          worst = std::max(worst, std::abs(static_cast<double>(a.block(c, i) - b.block(c, i))));
+      }
+      EXPECT_LT(worst, 1e-5 * largest) << "level " << k;
+    }
+  }
+}
+
+void refused(const std::function<void()>& act, const std::string& words)
+{
+  try
+  {
+    act();
+    FAIL() << "not refused: " << words;
+  }
+  catch (const Error& e)
+  {
+    EXPECT_NE(std::string(e.what()).find(words), std::string::npos) << e.what();
+    EXPECT_FALSE(e.hint().empty());
+  }
+}
+
+TEST(FractureEvents, RefusesWhatHasNoMeaning)
+{
+  const Breakable good = strip(24, 32);
+  const FractureOptions o = by(FractureMethod::Events);
+  for (const double s0 : { 0.0, -0.01, std::nan("") })
+  {
+    Breakable s = good;
+    s.model.pairs[{ 1, 1 }].material.criticalStretch = s0;
+    refused([&] { fracture(s, o); }, "critical stretch");
+  }
+  Breakable cut = good;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(24 * 4); ++i)
+    cut.sample.phase[24 * 14 + i] = 0;
+  refused([&] { fracture(cut, o); }, "no piece of the sample reaches");
+  Loading loading;
+  loading.load = LoadCase::Traction;
+  loading.traction = 1;
+  refused([&] { fracture(good, o, loading); }, "traction");
+  loading = {};
+  loading.strain = 0;
+  refused([&] { fracture(good, o, loading); }, "no direction");
+  Breakable periodic = good;
+  periodic.model.periodic = { true, false, false };
+  refused([&] { fracture(periodic, o); }, "periodic");
+  const auto with = [&](const auto& change, const std::string& words)
+  {
+    FractureOptions bad = o;
+    change(bad);
+    refused([&] { fracture(good, bad); }, words);
+  };
+  with([](FractureOptions& b) { b.breaking = Breaking::Batched; }, "batches");
+  with([](FractureOptions& b) { b.stopShare = 1; }, "share of the peak");
+  with([](FractureOptions& b) { b.maxStrain = 0; }, "largest strain");
+  with([](FractureOptions& b) { b.maxBroken = 0; }, "bonds are to break");
+  with([](FractureOptions& b) { b.tolerance = 0; }, "tolerance");
+  with([](FractureOptions& b) { b.events.radius = 1; }, "radius");
+  with([](FractureOptions& b) { b.events.maxCycles = 0; }, "cycles");
+  with([](FractureOptions& b) { b.events.reduction = 2; }, "reduction");
+  with([](FractureOptions& b) { b.events.globalTolerance = std::nan(""); }, "global tolerance");
+}
+
+TEST(FractureEvents, EndsWhereItIsTold)
+{
+  for (const FractureMethod method : { FractureMethod::Accurate, FractureMethod::Events })
+  {
+    Breakable s = cementedGrains(48, 0.6);
+    FractureOptions o = by(method);
+    o.maxStrain = 1e-5;
+    FractureRecord r = fracture(s, o);
+    EXPECT_EQ(r.end, FractureEnd::MaxStrain);
+    EXPECT_TRUE(r.broken.empty());
+    EXPECT_GT(r.modulus, 0);
+    o.maxStrain = std::numeric_limits<double>::infinity();
+    o.maxBroken = 3;
+    r = fracture(s, o);
+    EXPECT_EQ(r.end, FractureEnd::MaxBroken);
+    EXPECT_EQ(r.broken.size(), 3U);
+    for (auto& [pair, material] : s.model.pairs)
+    {
+      material.material.criticalStretch.reset(); // nothing is known of when it breaks: never
+      if (material.betweenGrains)
+        material.betweenGrains->criticalStretch.reset();
+    }
+    r = fracture(s, by(method));
+    EXPECT_EQ(r.end, FractureEnd::NothingBreaks);
+    EXPECT_TRUE(r.broken.empty());
+  }
+}
+
+// A hundred nodes have no coarser level to correct on: the events are solved for one by one.
+TEST(FractureEvents, TinySamples)
+{
+  const Breakable s = strip(8, 12, 1.5);
+  const FractureRecord a = fracture(s, by(FractureMethod::Accurate, 0.5));
+  const FractureRecord e = fracture(s, by(FractureMethod::Events, 0.5));
+  EXPECT_NEAR(a.peak.stress, e.peak.stress, 1e-4 * a.peak.stress);
+}
+
+// Under compression along y the sample is stretched across and splits; strains count along the load.
+TEST(FractureEvents, Compression)
+{
+  Loading down;
+  down.strain = -1e-3;
+  FractureOptions o = by(FractureMethod::Events);
+  o.maxBroken = 10;
+  const FractureRecord e = fracture(cementedGrains(48, 0.6), o, down);
+  o.method = FractureMethod::Accurate;
+  const FractureRecord a = fracture(cementedGrains(48, 0.6), o, down);
+  EXPECT_GT(e.modulus, 0);
+  EXPECT_GT(e.first.stress, 0);
+  EXPECT_NEAR(e.first.strain, a.first.strain, 1e-3 * a.first.strain);
+  EXPECT_EQ(e.broken.front().bond, a.broken.front().bond);
+}
+
+} // namespace

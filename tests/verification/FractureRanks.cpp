@@ -1,0 +1,41 @@
+// One equilibrium a break: the same bonds in the same order on any number of ranks.
+#include "FractureSamples.h"
+
+#include "lattice/Error.h"
+
+#include <gtest/gtest.h>
+
+namespace
+{
+
+using namespace lamella;
+using namespace lamella::test;
+
+// Reductions over other numbers of ranks round otherwise; equilibria agree to the tolerance of their residuals, and so do
+// strains to some 1e-5.
+TEST(FractureRanks, SameBonds)
+{
+  for (const Breaking breaking : { Breaking::Strict, Breaking::Batched })
+  {
+    const Breakable s = walls(64);
+    FractureOptions o = by(FractureMethod::Accurate, 0.2);
+    o.breaking = breaking;
+    o.tolerance = 1e-8;
+    const FractureRecord one = fracture(s, o);
+    const FractureRecord all = fracture(s, o, {}, everyone());
+    EXPECT_GT(one.broken.size(), 30U);
+    expectSame(one, all, 1e-5);
+    BondLattice bonds = latticeOf(s.model, s.sample, alone());
+    for (const BondEnds& e : endsOf(bonds, all.broken, s.sample.phase, {}))
+      EXPECT_EQ(e.low + e.high, 2);
+  }
+}
+
+TEST(FractureRanks, EventsStayOnOne)
+{
+  if (!everyone().parallel())
+    GTEST_SKIP() << "on several ranks";
+  EXPECT_THROW((void)fracture(walls(64), by(FractureMethod::Events), {}, everyone()), ParameterError);
+}
+
+} // namespace
