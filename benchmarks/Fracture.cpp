@@ -107,11 +107,11 @@ int main(int argc, char** argv)
     {
       const auto nodes = static_cast<std::int64_t>(number("nx", 256));
       const auto seed = static_cast<std::uint64_t>(number("seed", 1));
-      const auto grains =
-        static_cast<std::int64_t>(number("grains", std::max(20.0, std::floor(400.0 * static_cast<double>(nodes * nodes) / (512 * 512)))));
+      const auto grains = static_cast<std::int64_t>(
+        number("grains", std::max(20.0, std::floor(400.0 * static_cast<double>(nodes * nodes) / (512 * 512)))));
       const std::string kind = text("kind", "aggregate");
-      const Sample s =
-        kind == "wood" ? wood(nodes, seed) : cemented(nodes, kind == "filled" ? 1 : number("saturation", 0.5), grains, seed);
+      const Sample s = kind == "wood" ? wood(nodes, seed)
+                                      : cemented(nodes, kind == "filled" ? 1 : number("saturation", 0.5), grains, seed);
       const Communicator comm(MPI_COMM_SELF);
       BondLattice bonds(s.model, s.lattice, s.phase, s.grain, comm);
       const std::int64_t count = bonds.bonds();
@@ -129,6 +129,8 @@ int main(int argc, char** argv)
       e.globalEvery = static_cast<int>(number("every", e.globalEvery));
       e.globalIterations = static_cast<int>(number("iterations", e.globalIterations));
       e.globalTolerance = number("global", e.globalTolerance);
+      e.rivals = number("rivals", e.rivals);
+      e.rivalTolerance = number("rivaltol", e.rivalTolerance);
       e.riseTolerance = number("rise", e.riseTolerance);
       const double begin = cpu();
       QuasiStaticFracture fracture(bonds, {}, o);

@@ -64,8 +64,8 @@ TEST(FractureEvents, ShearAsOneEquilibriumABreak)
   compare({ aggregate(40, 40), aggregateModel(2) }, 0.05, 60, shear);
 }
 
-// A uniform strip breaks at E s0. Only its middle can break, away from the platens' corners; its sides are softer, over a
-// layer as thick as the horizon, so that what is missing falls like the inverse of its width.
+// A uniform strip breaks at E s0. Only its middle can break, away from the platens' corners; its sides are softer, over
+// a layer as thick as the horizon, so that what is missing falls like the inverse of its width.
 TEST(FractureEvents, StripBreaksAtTheStrengthOfTheBulk)
 {
   const double s0 = 0.01;
@@ -250,8 +250,8 @@ TEST(FractureEvents, DisplacementIsAnEquilibrium)
   EXPECT_EQ(f.record().broken.size(), 45U);
 }
 
-// Broken bonds as changes of rank one: residuals of all levels agree, and matrices are those made anew. Both hold to the
-// digits of single precision, a few times 1e-7, times the few tens of terms of a sum.
+// Broken bonds as changes of rank one: residuals of all levels agree, and matrices are those made anew. Both hold to
+// the digits of single precision, a few times 1e-7, times the few tens of terms of a sum.
 TEST(FractureEvents, LevelsStayGalerkinProducts)
 {
   for (const bool space : { false, true })

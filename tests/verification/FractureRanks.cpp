@@ -11,8 +11,8 @@ namespace
 using namespace lamella;
 using namespace lamella::test;
 
-// Reductions over other numbers of ranks round otherwise; equilibria agree to the tolerance of their residuals, and so do
-// strains to some 1e-5.
+// Reductions over other numbers of ranks round otherwise; equilibria agree to the tolerance of their residuals, and so
+// do strains to some 1e-5.
 TEST(FractureRanks, SameBonds)
 {
   for (const Breaking breaking : { Breaking::Strict, Breaking::Batched })

@@ -60,8 +60,8 @@ inline Breakable walls(std::int64_t nodes, std::uint64_t seed = 1)
   Breakable s{ { image.lattice, {}, {} }, {} };
   for (std::int64_t y = 0; y < nodes; ++y)
     for (std::int64_t x = 0; x < nodes; ++x)
-      s.sample.phase.push_back(y < 4 || y >= nodes - 4 ||
-            image.phases.name(image.phase[static_cast<std::size_t>(x + nodes * y)]) == "wall"
+      s.sample.phase.push_back(
+        y < 4 || y >= nodes - 4 || image.phases.name(image.phase[static_cast<std::size_t>(x + nodes * y)]) == "wall"
           ? 1
           : 0);
   s.model.pairs[{ 1, 1 }].material = { .youngsModulus = 1e9, .criticalStretch = 1e-3 };

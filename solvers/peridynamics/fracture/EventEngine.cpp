@@ -8,7 +8,7 @@ namespace lamella::peridynamics
 namespace
 {
 
-constexpr int maxIterations = 200; // of an exact correction: some ten are usual
+constexpr int mostIterations = 200; // of an exact correction: some ten are usual
 
 double seconds()
 {
@@ -26,6 +26,7 @@ EventEngine::EventEngine(BondLattice& bonds, const LoadedSample& sample, const P
   , state_(bonds, sample.fixed, sample.displacement, tolerance)
   , tiles_(bonds)
   , pieces_(bonds, sample, platens)
+  , reached_(tolerance)
 {
   afterGlobal(0, seconds());
   if (force_ > 0)
@@ -45,16 +46,20 @@ void EventEngine::afterGlobal(int iterations, double start)
   statistics_.bytes = state_.bytes() + tiles_.bytes() + pieces_.bytes();
 }
 
-bool EventEngine::settle(bool exact)
+bool EventEngine::correct(int maxIterations, double tolerance)
 {
-  if (sinceGlobal_ == 0 && (exact_ || !exact))
+  if (sinceGlobal_ == 0 && reached_ <= tolerance)
     return false;
   const double start = seconds();
-  const int iterations = exact ? state_.correctGlobally(maxIterations, options_.riseTolerance)
-                               : state_.correctGlobally(options_.globalIterations, options_.globalTolerance);
-  afterGlobal(iterations, start);
-  exact_ = exact;
+  afterGlobal(state_.correctGlobally(maxIterations, tolerance), start);
+  reached_ = tolerance;
   return true;
+}
+
+bool EventEngine::settle(bool exact)
+{
+  return exact ? correct(mostIterations, options_.riseTolerance)
+               : correct(options_.globalIterations, options_.globalTolerance);
 }
 
 std::int64_t EventEngine::indexOf(const Bond& bond) const
@@ -78,15 +83,19 @@ NodeField<double> EventEngine::displacement()
 {
   const double start = seconds();
   afterGlobal(state_.solve(tolerance_), start);
-  exact_ = true;
+  reached_ = tolerance_;
   return state_.base();
 }
 
 StretchMaximum EventEngine::mostCritical()
 {
   const double start = seconds();
-  const StretchMaximum most = tiles_.greatest(state_);
+  StretchMaximum most = tiles_.greatest(state_);
   statistics_.searchSeconds += seconds() - start;
+  // which of two it is makes the path: the errors of local corrections are not to say
+  const bool rival = options_.rivals > 0 && most.bond && tiles_.second() >= (1 - options_.rivals) * most.ratio;
+  if (rival && correct(mostIterations, options_.rivalTolerance))
+    most = tiles_.greatest(state_);
   return most;
 }
 

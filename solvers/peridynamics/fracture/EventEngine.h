@@ -25,6 +25,8 @@ public:
 
 private:
   void breakBond(const Bond& bond);
+  /// Unless that is what the state is already.
+  bool correct(int maxIterations, double tolerance);
   [[nodiscard]] std::int64_t indexOf(const Bond& bond) const;
   [[nodiscard]] Box boxOf(const Bond& bond) const;
   void takeOut(const std::vector<std::int64_t>& nodes);
@@ -39,8 +41,8 @@ private:
   LoosePieces pieces_;
   double force_ = 0;
   double workOverForce_ = 0; ///< at unit load, of twice the elastic energy: both are in proportion to the stiffness
-  int sinceGlobal_ = 0; ///< events
-  bool exact_ = true;   ///< was the last global correction?
+  int sinceGlobal_ = 0;      ///< events
+  double reached_ = 1;       ///< tolerance of the last global correction
 };
 
 } // namespace lamella::peridynamics

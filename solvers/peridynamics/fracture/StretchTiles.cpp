@@ -192,19 +192,27 @@ StretchMaximum StretchTiles::greatest(EventHierarchy& state)
     const auto tile = static_cast<std::int64_t>(top);
     state.evaluate(grown(boxOf(tile), reach_, bonds_.layout()));
     if (state_[top] == now_)
-      return search(state, tile);
+    {
+      const StretchMaximum most = search(state, tile);
+      const float largest = largest_[top];
+      largest_[top] = 0;
+      second_ = std::max(second_, static_cast<double>(*std::max_element(largest_.begin(), largest_.end())));
+      largest_[top] = largest;
+      return most;
+    }
     largest_[top] = measure(state, tile);
     state_[top] = now_;
   }
 }
 
 // In double precision.
-StretchMaximum StretchTiles::search(EventHierarchy& state, std::int64_t tile) const
+StretchMaximum StretchTiles::search(EventHierarchy& state, std::int64_t tile)
 {
   const NodeLayout& l = bonds_.layout();
   const auto& half = bonds_.stencil().half();
   const Box box = boxOf(tile);
   StretchMaximum most;
+  second_ = 0;
   forRows(box,
     [&](std::int64_t y, std::int64_t z)
     {
@@ -223,6 +231,7 @@ StretchMaximum StretchTiles::search(EventHierarchy& state, std::int64_t tile) co
                 static_cast<double>(state.correction().component(c)[j] - state.correction().component(c)[i]));
           const double ratio = along /
             (h.length * h.length * bonds_.spacing() * bonds_.kinds()[static_cast<std::size_t>(kind)].criticalStretch);
+          second_ = std::max(second_, std::min(ratio, most.ratio));
           if (ratio > most.ratio)
             most = { ratio, bonds_.bond(i, o) };
         }

@@ -22,13 +22,15 @@ public:
   void refresh(EventHierarchy& state, const Box& window);
   /// The largest, of tiles that are looked at anew until the largest one is fresh.
   StretchMaximum greatest(EventHierarchy& state);
+  /// s/s₀ of the bond that came second, as far as is known.
+  [[nodiscard]] double second() const noexcept { return second_; }
 
   [[nodiscard]] std::int64_t bytes() const noexcept;
 
 private:
   [[nodiscard]] Box boxOf(std::int64_t tile) const noexcept;
   [[nodiscard]] float measure(const EventHierarchy& state, std::int64_t tile) const;
-  [[nodiscard]] StretchMaximum search(EventHierarchy& state, std::int64_t tile) const;
+  [[nodiscard]] StretchMaximum search(EventHierarchy& state, std::int64_t tile);
 
   const BondLattice& bonds_;
   int reach_;
@@ -39,6 +41,7 @@ private:
   std::vector<float> largest_;
   std::vector<std::int64_t> state_; ///< when it was looked at
   std::int64_t now_ = 0;
+  double second_ = 0;
 };
 
 } // namespace lamella::peridynamics
