@@ -1,5 +1,6 @@
-// Quasi-static fracture: time and error of the local corrections against one equilibrium an event. Arguments: key=value
-// of kind (aggregate, filled, wood), nx, seed, method (events, accurate), breaking, stop, and those of EventOptions.
+// Quasi-static fracture: time and error of the local corrections against one equilibrium an event, a table of three
+// samples. With kind=aggregate, filled or wood one run in detail: nx=, seed=, method=events or accurate, breaking=,
+// stop=, max=, and those of EventOptions.
 #include "peridynamics/fracture/Fracture.h"
 #include "generators/Generators.h"
 #include "lattice/Error.h"
@@ -14,7 +15,9 @@
 #include <ctime>
 #include <fstream>
 #include <map>
+#include <set>
 #include <string>
+#include <vector>
 
 #include <mpi.h>
 
@@ -87,84 +90,158 @@ Sample wood(std::int64_t nodes, std::uint64_t seed)
   return s;
 }
 
+using Keys = std::map<std::string, std::string>;
+
+struct Run
+{
+  FractureRecord record;
+  std::int64_t bonds = 0;
+  double startSeconds = 0; ///< CPU
+  double runSeconds = 0;
+};
+
+Run run(const Sample& s, const FractureOptions& options)
+{
+  const Communicator comm(MPI_COMM_SELF);
+  BondLattice bonds(s.model, s.lattice, s.phase, s.grain, comm);
+  Run r;
+  r.bonds = bonds.bonds();
+  const double begin = cpu();
+  QuasiStaticFracture fracture(bonds, {}, options);
+  const double ready = cpu();
+  fracture.run();
+  r.record = fracture.record();
+  r.startSeconds = ready - begin;
+  r.runSeconds = cpu() - ready;
+  return r;
+}
+
+double number(const Keys& keys, const char* key, double other)
+{
+  const auto found = keys.find(key);
+  return found == keys.end() ? other : std::atof(found->second.c_str());
+}
+
+std::string text(const Keys& keys, const char* key, const char* other)
+{
+  const auto found = keys.find(key);
+  return found == keys.end() ? other : found->second;
+}
+
+Sample sampleOf(const std::string& kind, const Keys& keys)
+{
+  const auto nodes = static_cast<std::int64_t>(number(keys, "nx", 128));
+  const auto seed = static_cast<std::uint64_t>(number(keys, "seed", 1));
+  if (kind == "wood")
+    return wood(nodes, seed);
+  const double usual = std::max(20.0, std::floor(400.0 * static_cast<double>(nodes * nodes) / (512 * 512)));
+  return cemented(nodes, kind == "filled" ? 1 : number(keys, "saturation", 0.5),
+    static_cast<std::int64_t>(number(keys, "grains", usual)), seed);
+}
+
+FractureOptions optionsOf(const Keys& keys)
+{
+  FractureOptions o;
+  o.method = text(keys, "method", "events") == "accurate" ? FractureMethod::Accurate : FractureMethod::Events;
+  o.breaking = text(keys, "breaking", "strict") == "batched" ? Breaking::Batched : Breaking::Strict;
+  o.stopShare = number(keys, "stop", o.stopShare);
+  o.maxBroken = static_cast<std::int64_t>(number(keys, "max", 1e9));
+  o.tolerance = number(keys, "tolerance", o.tolerance);
+  EventOptions& e = o.events;
+  e.radius = static_cast<int>(number(keys, "radius", e.radius));
+  e.coarseRadius = static_cast<int>(number(keys, "coarse", e.coarseRadius));
+  e.reduction = number(keys, "reduction", e.reduction);
+  e.maxCycles = static_cast<int>(number(keys, "cycles", e.maxCycles));
+  e.globalEvery = static_cast<int>(number(keys, "every", e.globalEvery));
+  e.globalIterations = static_cast<int>(number(keys, "iterations", e.globalIterations));
+  e.globalTolerance = number(keys, "global", e.globalTolerance);
+  e.rivals = number(keys, "rivals", e.rivals);
+  e.rivalTolerance = number(keys, "rivaltol", e.rivalTolerance);
+  e.riseTolerance = number(keys, "rise", e.riseTolerance);
+  return o;
+}
+
+void one(const Keys& keys)
+{
+  const std::string kind = text(keys, "kind", "aggregate");
+  const Sample s = sampleOf(kind, keys);
+  const Run run_ = run(s, optionsOf(keys));
+  const FractureRecord& r = run_.record;
+  const FractureStatistics& t = r.statistics;
+  fmt::print(
+    "{} {} x {}, {} bonds; ended: {}\n", kind, s.lattice.size[0], s.lattice.size[1], run_.bonds, describe(r.end));
+  fmt::print("  E {:.6e} first break {:.6e} peak {:.7e} at {:.6e} after {}; {} broken, {} raises\n", r.modulus,
+    r.first.stress, r.peak.stress, r.peak.strain, r.peak.broken, r.broken.size(), t.raises);
+  const double events = static_cast<double>(std::max<std::int64_t>(1, t.events));
+  fmt::print(
+    "  CPU: start {:.2f} s, run {:.2f} s, {:.3f} ms an event; wall: global {:.2f} s ({} of {:.1f} iterations), "
+    "local {:.2f} s ({:.2f} cycles, {:.0f} nodes an event), search {:.2f} s\n",
+    run_.startSeconds, run_.runSeconds, 1e3 * run_.runSeconds / events, t.globalSeconds, t.equilibria,
+    static_cast<double>(t.globalIterations) / static_cast<double>(t.equilibria), t.localSeconds,
+    static_cast<double>(t.localCycles) / events, static_cast<double>(t.nodesVisited) / events, t.searchSeconds);
+  fmt::print("  {} searches, {} loose pieces ({} nodes, {} bonds); {:.0f} bytes a node beside the bonds\n", t.searches,
+    t.loosePieces, t.looseNodes, t.looseBonds, static_cast<double>(t.bytes) / static_cast<double>(s.lattice.count()));
+  if (const auto log = keys.find("log"); log != keys.end())
+  {
+    std::ofstream file(log->second);
+    for (const BrokenBond& b : r.broken)
+      file << fmt::format("{} {} {} {} {:.9e} {:.9e} {:.9e}\n", b.event, b.bond.node[0], b.bond.node[1], b.bond.offset,
+        b.strain, b.criticalStrain, b.stress);
+  }
+}
+
+void table(const Keys& keys)
+{
+  fmt::print("{:<10} {:<22} {:>7} {:>12} {:>12} {:>8} {:>12}\n", "sample", "method", "broken", "peak [Pa]",
+    "peak error", "bonds", "ms an event");
+  for (const char* kind : { "aggregate", "filled", "wood" })
+  {
+    const Sample s = sampleOf(kind, keys);
+    FractureRecord reference;
+    for (const char* method : { "accurate", "events", "events, no rivals" })
+    {
+      FractureOptions o = optionsOf(keys);
+      o.method = std::string(method) == "accurate" ? FractureMethod::Accurate : FractureMethod::Events;
+      if (std::string(method) == "events, no rivals")
+        o.events.rivals = 0;
+      const Run r = run(s, o);
+      if (o.method == FractureMethod::Accurate)
+        reference = r.record;
+      std::set<Bond> broken;
+      for (const BrokenBond& b : r.record.broken)
+        broken.insert(b.bond);
+      const auto same = std::count_if(
+        reference.broken.begin(), reference.broken.end(), [&](const BrokenBond& b) { return broken.contains(b.bond); });
+      fmt::print("{:<10} {:<22} {:>7} {:>12.5e} {:>+12.1e} {:>6.1f} % {:>12.2f}\n", kind, method,
+        r.record.broken.size(), r.record.peak.stress, r.record.peak.stress / reference.peak.stress - 1,
+        100.0 * static_cast<double>(same) / static_cast<double>(reference.broken.size()),
+        1e3 * r.runSeconds / static_cast<double>(r.record.statistics.events));
+    }
+  }
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
   MPI_Init(&argc, &argv);
+  Keys keys;
+  for (int i = 1; i < argc; ++i)
   {
-    std::map<std::string, std::string> keys;
-    for (int i = 1; i < argc; ++i)
-    {
-      const std::string a = argv[i];
-      const std::size_t e = a.find('=');
-      keys[a.substr(0, e)] = e == std::string::npos ? "1" : a.substr(e + 1);
-    }
-    const auto text = [&](const char* k, const char* other) { return keys.contains(k) ? keys[k] : other; };
-    const auto number = [&](const char* k, double other)
-    { return keys.contains(k) ? std::atof(keys[k].c_str()) : other; };
-    try
-    {
-      const auto nodes = static_cast<std::int64_t>(number("nx", 256));
-      const auto seed = static_cast<std::uint64_t>(number("seed", 1));
-      const auto grains = static_cast<std::int64_t>(
-        number("grains", std::max(20.0, std::floor(400.0 * static_cast<double>(nodes * nodes) / (512 * 512)))));
-      const std::string kind = text("kind", "aggregate");
-      const Sample s = kind == "wood" ? wood(nodes, seed)
-                                      : cemented(nodes, kind == "filled" ? 1 : number("saturation", 0.5), grains, seed);
-      const Communicator comm(MPI_COMM_SELF);
-      BondLattice bonds(s.model, s.lattice, s.phase, s.grain, comm);
-      const std::int64_t count = bonds.bonds();
-      FractureOptions o;
-      o.method = text("method", "events") == "accurate" ? FractureMethod::Accurate : FractureMethod::Events;
-      o.breaking = text("breaking", "strict") == "batched" ? Breaking::Batched : Breaking::Strict;
-      o.stopShare = number("stop", o.stopShare);
-      o.maxBroken = static_cast<std::int64_t>(number("max", 1e9));
-      o.tolerance = number("tolerance", o.tolerance);
-      EventOptions& e = o.events;
-      e.radius = static_cast<int>(number("radius", e.radius));
-      e.coarseRadius = static_cast<int>(number("coarse", e.coarseRadius));
-      e.reduction = number("reduction", e.reduction);
-      e.maxCycles = static_cast<int>(number("cycles", e.maxCycles));
-      e.globalEvery = static_cast<int>(number("every", e.globalEvery));
-      e.globalIterations = static_cast<int>(number("iterations", e.globalIterations));
-      e.globalTolerance = number("global", e.globalTolerance);
-      e.rivals = number("rivals", e.rivals);
-      e.rivalTolerance = number("rivaltol", e.rivalTolerance);
-      e.riseTolerance = number("rise", e.riseTolerance);
-      const double begin = cpu();
-      QuasiStaticFracture fracture(bonds, {}, o);
-      const double ready = cpu();
-      fracture.run();
-      const double end = cpu();
-      const FractureRecord& r = fracture.record();
-      const FractureStatistics& t = r.statistics;
-      fmt::print("{} {}x{} solid {} bonds {} end: {}\n", kind, s.lattice.size[0], s.lattice.size[1], bonds.solidNodes(),
-        count, describe(r.end));
-      fmt::print("  E {:.6e} first {:.6e} peak {:.7e} at {:.6e} after {} broken {} raises {}\n", r.modulus,
-        r.first.stress, r.peak.stress, r.peak.strain, r.peak.broken, r.broken.size(), t.raises);
-      const double events = static_cast<double>(std::max<std::int64_t>(1, t.events));
-      fmt::print(
-        "  cpu: start {:.2f} s, run {:.2f} s, {:.3f} ms an event; wall: global {:.2f} ({} of {:.1f} iterations) "
-        "local {:.2f} ({:.2f} cycles, {:.0f} nodes an event) search {:.2f} s\n",
-        ready - begin, end - ready, 1e3 * (end - ready) / events, t.globalSeconds, t.equilibria,
-        static_cast<double>(t.globalIterations) / static_cast<double>(t.equilibria), t.localSeconds,
-        static_cast<double>(t.localCycles) / events, static_cast<double>(t.nodesVisited) / events, t.searchSeconds);
-      fmt::print("  searches {} loose {} ({} nodes, {} bonds); {:.0f} bytes a node\n", t.searches, t.loosePieces,
-        t.looseNodes, t.looseBonds, static_cast<double>(t.bytes) / static_cast<double>(s.lattice.count()));
-      if (keys.contains("log"))
-      {
-        std::ofstream log(keys["log"]);
-        for (const BrokenBond& b : r.broken)
-          log << fmt::format("{} {} {} {} {:.9e} {:.9e} {:.9e}\n", b.event, b.bond.node[0], b.bond.node[1],
-            b.bond.offset, b.strain, b.criticalStrain, b.stress);
-      }
-    }
-    catch (const Error& e)
-    {
-      fmt::print("error: {}\nhint: {}\n", e.what(), e.hint());
-    }
+    const std::string a = argv[i];
+    const std::size_t e = a.find('=');
+    keys[a.substr(0, e)] = e == std::string::npos ? "1" : a.substr(e + 1);
+  }
+  int status = 0;
+  try
+  {
+    keys.contains("kind") ? one(keys) : table(keys);
+  }
+  catch (const Error& e)
+  {
+    fmt::print("error: {}\nhint: {}\n", e.what(), e.hint());
+    status = 1;
   }
   MPI_Finalize();
-  return 0;
+  return status;
 }

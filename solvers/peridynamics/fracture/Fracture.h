@@ -12,9 +12,9 @@
 #include <vector>
 
 /// Quasi-static fracture in small strain: the load rises until a bond is critical; it breaks, the sample comes to
-/// equilibrium again, and so on until none is critical; then the load rises further. After Frank, Ruiz, Delenne and
-/// Radjai's scheme for walls (first paper, figure 15), with the elastic ramp between two breaks jumped by scaling,
-/// since between breaks everything is in proportion to the load.
+/// equilibrium again, and so on until none is critical; then the load rises further. This is the scheme of the first
+/// paper's figure 15, with the elastic ramp between two breaks jumped by scaling, since between breaks everything is in
+/// proportion to the load. How it is done fast: docs/solvers/fracture.md.
 namespace lamella::peridynamics
 {
 
@@ -167,7 +167,8 @@ public:
   [[nodiscard]] const FractureRecord& record() const noexcept { return record_; }
   /// The imposed strain now.
   [[nodiscard]] double strain() const noexcept;
-  /// Displacements at the imposed strain, at an equilibrium of its own, to FractureOptions::tolerance [m]. Collective.
+  /// Displacements at the imposed strain, at an equilibrium of its own, to FractureOptions::tolerance [m]. With
+  /// FractureMethod::Events what breaks after that breaks from there, and may differ in near ties. Collective.
   [[nodiscard]] NodeField<double> displacement();
   [[nodiscard]] const LoadedSample& sample() const noexcept { return sample_; }
 
