@@ -16,7 +16,7 @@ public:
     : bonds_(bonds)
     , reach_(bonds.stencil().layers())
     , width_(2 * reach_ + 1)
-    , offset_(static_cast<std::size_t>(width_ * width_ * width_), 0)
+    , offset_(cube(width_), 0)
   {
     int o = 0;
     for (const Offset& half : bonds.stencil().half())
@@ -65,9 +65,15 @@ public:
   }
 
 private:
+  [[nodiscard]] static std::size_t cube(int width)
+  {
+    const auto w = static_cast<std::size_t>(width);
+    return w * w * w;
+  }
   [[nodiscard]] std::size_t place(const std::array<int, 3>& s) const
   {
-    return static_cast<std::size_t>(s[0] + reach_ + width_ * (s[1] + reach_ + width_ * (s[2] + reach_)));
+    const int at = s[0] + reach_ + width_ * (s[1] + reach_ + width_ * (s[2] + reach_));
+    return static_cast<std::size_t>(at);
   }
 
   const BondLattice& bonds_;

@@ -125,7 +125,7 @@ void BondMultigrid::subtract(const SpringWeights& spring)
         const int sign = step[2] != 0 ? step[2] : step[1] != 0 ? step[1] : step[0];
         if (sign < 0)
           continue; // its mirror image is stored
-        const int first = sign == 0 ? 0 : static_cast<int>(forwardIndex(l.ghost, step)) * level.entries();
+        const int first = sign == 0 ? 0 : forwardIndex(l.ghost, step) * level.entries();
         const std::int64_t at = l.index(a.node[0], a.node[1], a.node[2]);
         for (int e = 0; e < level.entries(); ++e)
           (sign == 0 ? level.diagonal.component(e)[at] : level.block(first + e, at)) -=

@@ -66,15 +66,14 @@ private:
 [[nodiscard]] std::vector<std::array<int, 3>> forwardNeighbours(int dimension, int reach);
 
 /// Place of a forward step in that list.
-[[nodiscard]] constexpr std::size_t forwardIndex(int reach, const std::array<int, 3>& step) noexcept
+[[nodiscard]] constexpr int forwardIndex(int reach, const std::array<int, 3>& step) noexcept
 {
   const int width = 2 * reach + 1;
   if (step[2] == 0 && step[1] == 0)
-    return static_cast<std::size_t>(step[0] - 1);
+    return step[0] - 1;
   if (step[2] == 0)
-    return static_cast<std::size_t>(reach + (step[1] - 1) * width + step[0] + reach);
-  return static_cast<std::size_t>(
-    reach + reach * width + ((step[2] - 1) * width + step[1] + reach) * width + step[0] + reach);
+    return reach + (step[1] - 1) * width + step[0] + reach;
+  return reach + reach * width + ((step[2] - 1) * width + step[1] + reach) * width + step[0] + reach;
 }
 
 /// Fewer nodes are done sooner than a second thread wakes up.
