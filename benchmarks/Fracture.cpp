@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
@@ -216,6 +217,7 @@ void table(const Keys& keys)
         r.record.broken.size(), r.record.peak.stress, r.record.peak.stress / reference.peak.stress - 1,
         100.0 * static_cast<double>(same) / static_cast<double>(reference.broken.size()),
         1e3 * r.runSeconds / static_cast<double>(r.record.statistics.events));
+      std::fflush(stdout); // a line may take a minute
     }
   }
 }
