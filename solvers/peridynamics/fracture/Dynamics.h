@@ -1,0 +1,142 @@
+#pragma once
+
+#include "peridynamics/BondForces.h"
+#include "peridynamics/BondLattice.h"
+#include "peridynamics/fracture/LoadingRate.h"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+/// Bonds in motion: velocity Verlet with the nonlinear force, bonds that break as they reach their critical elongation,
+/// and every energy accounted for.
+namespace lamella::peridynamics
+{
+
+/// The energies of a sample [J], [J/m in 2D], all ranks together.
+struct EnergyBalance
+{
+  double kinetic = 0;
+  double elastic = 0;
+  double broken = 0;   ///< that bonds held when they broke, since the start
+  double damped = 0;   ///< lost to viscous damping, since the start
+  double supplied = 0; ///< by moved nodes and loads, since the start
+  double initial = 0;  ///< kinetic and elastic at the start
+
+  /// What is missing, over the largest of the terms: 0 for an exact integration. It falls with the square of the step.
+  [[nodiscard]] double defect() const noexcept;
+};
+
+struct DynamicsProgress
+{
+  std::int64_t step = 0;
+  double time = 0; ///< [s]
+  std::int64_t broken = 0;
+};
+
+struct DynamicsOptions
+{
+  double density = 1000; ///< of all that is solid [kg/m³]
+  /// [s]; none: `safety` times the largest stable one.
+  std::optional<double> step{};
+  double safety = 0.8; ///< 0 … 1
+  /// Viscous force −ν u̇ on every node, ν as a share of the least critical viscosity √(2 m k/|ξ|) of its bonds (second
+  /// paper, appendix A): 0 none, at most 1.
+  double damping = 0;
+  bool breaking = true;
+  /// Makes the imposed velocities follow what breaks; none: they are constant.
+  std::optional<RegulatedRate> rate{};
+  std::function<bool(const DynamicsProgress&)> progress{}; ///< about every hundred steps; true asks to stop
+};
+
+/// A bond that broke, and when.
+struct DynamicBreak
+{
+  Bond bond;
+  std::int64_t step = 0;
+  double time = 0;   ///< [s]
+  double energy = 0; ///< it held [J], [J/m in 2D]
+};
+
+/// The largest stable step of velocity Verlet, from below [s]. With Bᵢ = Σ k/|ξ| e ⊗ e over the bonds of node i every
+/// frequency is at most ω² = 2 maxᵢ λmax(Bᵢ)/mᵢ, since (e·(uᵢ − uⱼ))² ≤ 2 (e·uᵢ)² + 2 (e·uⱼ)²; the step is 2/ω.
+/// Tension raises frequencies by its strain, compression by none. Collective.
+/// @param mass of a node [kg], [kg/m in 2D]
+[[nodiscard]] double stableStep(const BondLattice& bonds, double mass);
+
+class BondDynamics
+{
+public:
+  /// At rest, undeformed.
+  /// @param bonds loses the bonds that break; must outlive this
+  /// @param fixed components that move as told (setVelocities) or not at all
+  /// @throws ParameterError: options outside their range; a step above the stable one, which it names; no solid node
+  /// Memory: 8 · 3 · dimension bytes a node beside the bonds, rim and padding included.
+  BondDynamics(BondLattice& bonds, FixedComponents fixed, DynamicsOptions options);
+  BondDynamics(const BondDynamics&) = delete;
+  BondDynamics& operator=(const BondDynamics&) = delete;
+
+  /// The state to start from: displacements [m] and velocities [m/s] of all nodes; of fixed components the velocity is
+  /// the one that they keep, times the regulated rate where there is one. The balance of energy begins anew.
+  void setState(const NodeField<double>& displacement, const NodeField<double>& velocity);
+  /// Forces on the nodes from now on [N], [N/m in 2D].
+  void setLoad(NodeField<double> load);
+
+  /// @return false when progress() asked to stop
+  /// @throws DivergenceError: displacements that are no longer finite, or energy that grows out of nothing; names the
+  /// step
+  bool advance(std::int64_t steps);
+
+  [[nodiscard]] double step() const noexcept { return dt_; }       ///< [s]
+  [[nodiscard]] double stable() const noexcept { return stable_; } ///< the largest stable step [s]
+  [[nodiscard]] double viscosity() const noexcept { return nu_; }  ///< ν [kg/s], [kg/(m s) in 2D]
+  [[nodiscard]] double time() const noexcept { return time_; }     ///< [s]
+  [[nodiscard]] std::int64_t steps() const noexcept { return step_; }
+  [[nodiscard]] double mass() const noexcept { return mass_; } ///< of a node [kg], [kg/m in 2D]
+  /// Of the imposed velocities: 1 without regulation.
+  [[nodiscard]] double rate() const noexcept { return rate_ ? rate_->rate() : 1; }
+  [[nodiscard]] const NodeField<double>& displacement() const noexcept { return u_; }
+  [[nodiscard]] const NodeField<double>& velocity() const noexcept { return v_; } ///< at the time of displacement()
+  /// In the order of steps; the same on every rank, bonds of a step in order.
+  [[nodiscard]] const std::vector<DynamicBreak>& broken() const noexcept { return broken_; }
+  [[nodiscard]] EnergyBalance energies() const;
+
+private:
+  struct Sums
+  {
+    double supplied = 0;
+    double damped = 0;
+  };
+  bool forces(); ///< are bonds critical?
+  void breakCritical();
+  template <class F>
+  void forEachRow(F&& f);
+  void halfKick(bool first);
+  void drift();
+  void guard();
+
+  BondLattice& bonds_;
+  FixedComponents fixed_;
+  DynamicsOptions options_;
+  double mass_ = 0;
+  double stable_ = 0;
+  double dt_ = 0;
+  double nu_ = 0;
+  double time_ = 0;
+  std::int64_t step_ = 0;
+  NodeField<double> u_;
+  NodeField<double> v_;
+  NodeField<double> f_;
+  std::optional<NodeField<double>> load_;
+  std::optional<NodeField<double>> imposed_; ///< velocities of fixed components at a rate of 1
+  std::optional<RegulatedRate> rate_;
+  std::vector<DynamicBreak> broken_;
+  Sums sums_; ///< of this rank
+  double brokenEnergy_ = 0;
+  double initial_ = 0;
+};
+
+} // namespace lamella::peridynamics
