@@ -109,12 +109,13 @@ bool isDark(const Beside& beside, const std::array<double, 3>& limits, std::size
 double tail(std::size_t dark, std::size_t n, double p)
 {
   double sum = 0;
-  for (std::size_t k = dark; k <= n; ++k)
+  double ways = 0; // logarithm of n over k
+  for (std::size_t k = 0; k <= n; ++k)
   {
-    const auto from = static_cast<double>(n);
     const auto of = static_cast<double>(k);
-    sum += std::exp(std::lgamma(from + 1) - std::lgamma(of + 1) - std::lgamma(from - of + 1) + of * std::log(p) +
-      (from - of) * std::log1p(-p));
+    const auto left = static_cast<double>(n - k);
+    ways += k > 0 ? std::log((left + 1) / of) : 0.0;
+    sum += k >= dark ? std::exp(ways + of * std::log(p) + left * std::log1p(-p)) : 0.0;
   }
   return sum;
 }
