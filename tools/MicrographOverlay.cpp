@@ -2,6 +2,8 @@
 
 #include "MicrographLegend.h"
 
+#include "micrograph/ContourBorder.h"
+
 #include <fmt/format.h>
 
 #include <opencv2/imgproc.hpp>
@@ -10,7 +12,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <string>
 
 namespace lamella::cli
@@ -34,10 +35,10 @@ struct Drawing
     return { static_cast<int>(std::lround(256 * (x * scale - 0.5))),
       static_cast<int>(std::lround(256 * ((height - y) * scale - 0.5))) };
   }
-  [[nodiscard]] std::vector<cv::Point> points(const micrograph::Contour& contour) const
+  [[nodiscard]] std::vector<cv::Point> points(const std::vector<micrograph::Point>& chain) const
   {
     std::vector<cv::Point> found;
-    for (const micrograph::Point& p : contour.points)
+    for (const micrograph::Point& p : chain)
     {
       found.push_back(at(p[0], p[1]));
     }
@@ -71,24 +72,17 @@ cv::Mat background(const micrograph::Picture& scan, cv::Size size)
   return large;
 }
 
-/// What a lumen encloses with the picture's border: its chains in order. Lumens without a corner of the border in them
-/// only; where there is one the fill cuts it off, which a tint does not show.
+/// Lumens with the picture's border where it cuts them.
 void fillLumens(
   Drawing& drawing, const micrograph::ContourSet& set, const std::function<bool(std::int32_t)>& which, cv::Mat& mask)
 {
-  std::map<std::int32_t, std::vector<cv::Point>> outlines;
-  for (const micrograph::Contour& contour : set.contours)
+  for (const micrograph::Outline& outline : micrograph::outlines(set))
   {
-    if (which(contour.lumen))
+    if (which(outline.lumen))
     {
-      const auto points = drawing.points(contour);
-      auto& outline = outlines[contour.lumen];
-      outline.insert(outline.end(), points.begin(), points.end());
+      const std::vector<std::vector<cv::Point>> polygon{ drawing.points(outline.points) };
+      cv::fillPoly(mask, polygon, cv::Scalar(1), cv::LINE_8, 8);
     }
-  }
-  for (const auto& [lumen, outline] : outlines)
-  {
-    cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{ outline }, cv::Scalar(1), cv::LINE_8, 8);
   }
 }
 
@@ -172,8 +166,8 @@ void drawOutlines(Drawing& drawing, const micrograph::ContourSet& set)
 {
   for (const micrograph::Contour& contour : set.contours)
   {
-    cv::polylines(drawing.picture, std::vector<std::vector<cv::Point>>{ drawing.points(contour) }, contour.closed,
-      scalar(outlineColour), std::max(1, static_cast<int>(std::lround(drawing.line))), cv::LINE_AA, 8);
+    cv::polylines(drawing.picture, std::vector<std::vector<cv::Point>>{ drawing.points(contour.points) },
+      contour.closed, scalar(outlineColour), std::max(1, static_cast<int>(std::lround(drawing.line))), cv::LINE_AA, 8);
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include "Text.h"
 
+#include "statistics/Median.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -21,17 +23,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array<const char*, 2> axisNames{ "x", "y" };
 constexpr std::array<const char*, 4> kinds{ "scan", "labels", "polygons", "grey" };
-
-double median(std::vector<double> values)
-{
-  if (values.empty())
-  {
-    return 0;
-  }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Of one class of lumens.
 struct ClassNumbers

@@ -2,6 +2,7 @@
 
 #include "micrograph/LumenShapes.h"
 #include "micrograph/Pieces.h"
+#include "statistics/Median.h"
 
 #include <algorithm>
 #include <array>
@@ -58,17 +59,6 @@ std::vector<Beside> besideLumens(const Picture& picture, const EdgeDistance& edg
     }
   }
   return result;
-}
-
-double median(std::vector<double> values)
-{
-  if (values.empty())
-  {
-    return 0;
-  }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// The transmission below which tissue is dark, by channel.
