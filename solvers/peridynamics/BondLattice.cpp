@@ -16,7 +16,11 @@ std::int64_t BondLattice::bytes() const noexcept
 
 double BondLattice::springConstant(std::int64_t index, int offset) const noexcept
 {
-  const int k = kind(index, offset);
+  return springConstant(index, offset, kind(index, offset));
+}
+
+double BondLattice::springConstant(std::int64_t index, int offset, int k) const noexcept
+{
   if (k == 0)
     return 0;
   const double spring = kinds_[static_cast<std::size_t>(k)].stiffness /

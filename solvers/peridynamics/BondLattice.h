@@ -89,6 +89,8 @@ public:
   }
   /// k/|ξ| of a bond, surface correction included: [N/m], [N/m²] in the plane; 0 without a bond.
   [[nodiscard]] double springConstant(std::int64_t index, int offset) const noexcept;
+  /// The same were the bond of this kind, there or broken.
+  [[nodiscard]] double springConstant(std::int64_t index, int offset, int kind) const noexcept;
   /// From the first node of a bond to its second, in positions of the layout.
   [[nodiscard]] std::int64_t jump(int offset) const noexcept { return jump_[static_cast<std::size_t>(offset)]; }
   /// Directed bonds of a node of the layout that must have its whole neighbourhood in it (an owned one).

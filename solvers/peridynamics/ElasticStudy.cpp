@@ -30,17 +30,6 @@ void checkLoad(const Loading& loading)
       traction ? "give it in Pa, tension positive" : "give a strain, such as 1e-3; tension is positive");
 }
 
-void checkMemory(
-  const BondModel& model, const Lattice& lattice, bool grains, const ElasticOptions& options, const Communicator& comm)
-{
-  const double need = elasticBytes(model, lattice, grains, options, comm.size());
-  const double available = options.memory > 0 ? options.memory : static_cast<double>(availableMemory());
-  if (comm.any(need > available))
-    throw MemoryError(fmt::format("the equilibrium of {} nodes needs {} of memory on each of {} ranks, and {} are free",
-                        lattice.count(), bytesText(need), comm.size(), bytesText(available)),
-      "take a smaller sample, a smaller horizon or a coarser lattice, or more machines");
-}
-
 /// Forces on the nodes, linear or not.
 NodeField<double> forces(const BondLattice& bonds, const NodeField<double>& u, bool nonlinear)
 {
@@ -161,9 +150,7 @@ std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult&
 {
   std::vector<std::string> warnings = modelWarnings(model, r.thickness);
   if (r.loosePieces > 0)
-    warnings.push_back(fmt::format(
-      "{} loose pieces with {} nodes ({:.2g} % of the solid) hang on no platen and were taken out: they carry nothing",
-      r.loosePieces, r.looseNodes, 100.0 * static_cast<double>(r.looseNodes) / static_cast<double>(r.solidNodes)));
+    warnings.push_back(looseWarning(r.loosePieces, r.looseNodes, r.solidNodes));
   if (r.solve.hinges > 0)
     warnings.push_back(
       fmt::format("{} nodes hang on too few bonds to resist in every direction: they follow where nothing resists",
@@ -206,6 +193,22 @@ ThreadScope::ThreadScope(int count)
 ThreadScope::~ThreadScope()
 {
   omp_set_num_threads(before_);
+}
+
+void requireMemory(const char* what, const Lattice& lattice, double need, double given, const Communicator& comm)
+{
+  const double available = given > 0 ? given : static_cast<double>(availableMemory());
+  if (comm.any(need > available))
+    throw MemoryError(fmt::format("the {} of {} nodes needs {} of memory on each of {} ranks, and {} are free", what,
+                        lattice.count(), bytesText(need), comm.size(), bytesText(available)),
+      "take a smaller sample, a smaller horizon or a coarser lattice, or more machines");
+}
+
+std::string looseWarning(std::int64_t pieces, std::int64_t nodes, std::int64_t solidNodes)
+{
+  return fmt::format(
+    "{} loose pieces with {} nodes ({:.2g} % of the solid) hang on no platen and were taken out: they carry nothing",
+    pieces, nodes, 100.0 * static_cast<double>(nodes) / static_cast<double>(solidNodes));
 }
 
 std::string horizonWarning(const BondModel& model)
@@ -294,7 +297,8 @@ ElasticResult studyElastic(const BondModel& model, const Lattice& lattice, std::
 {
   checkLoad(options.loading);
   const ThreadScope threads(options.threads);
-  checkMemory(model, lattice, !grain.empty(), options, comm);
+  requireMemory(
+    "equilibrium", lattice, elasticBytes(model, lattice, !grain.empty(), options, comm.size()), options.memory, comm);
   ElasticResult r;
   const bool nonlinear = options.equilibrium.strains == Strains::Large;
   double start = now();

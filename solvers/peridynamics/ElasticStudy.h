@@ -119,6 +119,14 @@ private:
   int before_;
 };
 
+/// Collective. @param what needs it, a noun
+/// @param given bytes that may be taken on this machine; 0: what is free
+/// @throws MemoryError on every rank where one of them needs more
+void requireMemory(const char* what, const Lattice& lattice, double need, double given, const Communicator& comm);
+
+/// What is said of pieces that applyLoading() took out.
+[[nodiscard]] std::string looseWarning(std::int64_t pieces, std::int64_t nodes, std::int64_t solidNodes);
+
 /// What a model's horizon means for a picture: a warning, or an empty string.
 [[nodiscard]] std::string horizonWarning(const BondModel& model);
 

@@ -20,17 +20,6 @@ double now()
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-void checkMemory(const BondModel& model, const Lattice& lattice, bool grains, const StiffnessOptions& options,
-  const Communicator& comm)
-{
-  const double need = stiffnessBytes(model, lattice, grains, options, comm.size());
-  const double available = options.memory > 0 ? options.memory : static_cast<double>(availableMemory());
-  if (comm.any(need > available))
-    throw MemoryError(fmt::format("the stiffness of {} nodes needs {} of memory on each of {} ranks, and {} are free",
-                        lattice.count(), bytesText(need), comm.size(), bytesText(available)),
-      "take a smaller sample, a smaller horizon or a coarser lattice, or more machines");
-}
-
 StiffnessStep stepOf(const EffectiveStiffness& cell, const Lattice& lattice, int refinement, double seconds)
 {
   StiffnessStep step{ refinement, lattice.count(), cell.stiffness, {}, seconds, false };
@@ -95,7 +84,8 @@ public:
     // too thin to share out: each rank does the same
     const bool together = layers / all_.size() >= stencil.layers();
     const Communicator& comm = together ? all_ : alone_;
-    checkMemory(model_, lattice, !window_.grain.empty(), options_, all_);
+    requireMemory("stiffness", lattice, stiffnessBytes(model_, lattice, !window_.grain.empty(), options_, all_.size()),
+      options_.memory, all_);
     const CellWindow mine = split(window_, refinement, slab(lattice, stencil, comm));
     const BondLattice bonds(model_, lattice, mine.phase, mine.grain, comm);
     EquilibriumOptions equilibrium = options_.equilibrium;
@@ -224,7 +214,8 @@ StiffnessResult studyStiffness(const BondModel& given, const Lattice& lattice, s
   const int d = lattice.dimension;
   for (int a = 0; a < 3; ++a)
     model.periodic[static_cast<std::size_t>(a)] = a < d;
-  checkMemory(model, lattice, !grain.empty(), options, comm);
+  requireMemory(
+    "stiffness", lattice, stiffnessBytes(model, lattice, !grain.empty(), options, comm.size()), options.memory, comm);
 
   // what there is to do, in nodes, for the progress
   const int finer = 2;

@@ -1,5 +1,6 @@
 #include "PackingData.h"
 
+#include "NewArray.h"
 #include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
@@ -26,16 +27,6 @@ namespace lamella
 {
 namespace
 {
-
-template <typename Array>
-vtkSmartPointer<Array> newArray(const char* name, int components, std::size_t tuples)
-{
-  auto array = vtkSmartPointer<Array>::New();
-  array->SetName(name);
-  array->SetNumberOfComponents(components);
-  array->SetNumberOfTuples(static_cast<vtkIdType>(tuples));
-  return array;
-}
 
 void setNumber(vtkDataObject* data, const char* name, double value, const char* unit, const std::string& text,
   const std::string& creator)

@@ -8,14 +8,12 @@
 #include "vtkBondEquilibrium.h"
 #include "vtkBondStress.h"
 
-#include "vtkExtentTranslator.h"
 #include "vtkFieldData.h"
 #include "vtkFloatArray.h"
 #include "vtkIntArray.h"
 #include "vtkMPIController.h"
 #include "vtkMultiProcessController.h"
 #include "vtkOutputWindow.h"
-#include "vtkTrivialProducer.h"
 
 #include <gtest/gtest.h>
 #include <mpi.h>
@@ -368,21 +366,9 @@ TEST_F(BondEquilibrium, RanksChangeNothing)
     alone->UpdatePiece(0, 1, 0);
     vtkImageData* const whole = alone->GetOutput();
     ASSERT_GT(whole->GetNumberOfPoints(), 0);
-    for (const int split : { vtkExtentTranslator::X_SLAB_MODE, vtkExtentTranslator::BLOCK_MODE })
+    for (const bool blocks : { false, true })
     {
-      vtkNew<vtkExtentTranslator> translator;
-      translator->SetWholeExtent(image->GetExtent());
-      translator->SetNumberOfPieces(ranks());
-      translator->SetPiece(rank());
-      split == vtkExtentTranslator::X_SLAB_MODE ? translator->SetSplitModeToXSlab() : translator->SetSplitModeToBlock();
-      translator->SetGhostLevel(split == vtkExtentTranslator::X_SLAB_MODE ? 1 : 0);
-      translator->PieceToExtent();
-      vtkNew<vtkImageData> piece;
-      piece->DeepCopy(image);
-      piece->Crop(translator->GetExtent());
-      vtkNew<vtkTrivialProducer> producer;
-      producer->SetOutput(piece);
-      producer->SetWholeExtent(image->GetExtent());
+      const auto producer = pieceOf(image, blocks);
       vtkNew<vtkBondEquilibrium> together;
       set(together);
       together->SetInputConnection(producer->GetOutputPort());
@@ -390,7 +376,8 @@ TEST_F(BondEquilibrium, RanksChangeNothing)
       stress->SetInputConnection(together->GetOutputPort());
       stress->UpdatePiece(rank(), ranks(), 0);
       vtkImageData* const part = stress->GetOutput();
-      ASSERT_EQ(part->GetNumberOfPoints(), piece->GetNumberOfPoints());
+      ASSERT_EQ(
+        part->GetNumberOfPoints(), vtkImageData::SafeDownCast(producer->GetOutputDataObject(0))->GetNumberOfPoints());
       const double scale = number(whole, "effective_stress");
       for (vtkIdType i = 0; i < part->GetNumberOfPoints(); ++i)
       {

@@ -139,7 +139,7 @@ double QuasiStaticFracture::strain() const noexcept
 
 double QuasiStaticFracture::stress(double load) const
 {
-  return load * engine_->force() / area_;
+  return engine_->holds() ? load * engine_->force() / area_ : 0;
 }
 
 NodeField<double> QuasiStaticFracture::displacement()

@@ -14,7 +14,7 @@ off.)
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
 ``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkMicrographContours``,
 ``vtkMicrographLattice``, ``vtkSteadyDiffusion``, ``vtkFluxMap``, ``vtkPoreFloodFill``,
-``vtkBondEquilibrium``, ``vtkBondStiffness``, ``vtkStressPDF`` ...), runs it and hands its output out as numpy arrays.
+``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondStiffness``, ``vtkStressPDF`` ...), runs it and hands its output out as numpy arrays.
 
 Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at the top; arrays of a volume are
 ``[z, y, x]``. Vectors have their components along x (left to right), y (upwards in a picture) and z in the last axis.
@@ -41,6 +41,7 @@ from ._contours import Contours, LatticeSample, contours, read_polygons
 from ._equilibrium import BondStressResult, EquilibriumResult, bond_stress, equilibrium
 from ._errors import Cancelled, LamellaError
 from ._flux import FluxMapResult, flux_map
+from ._fracture import FractureResult, FractureState, fracture
 from ._packings import CementedSample, Packing, bridges, packing, read_packing
 from ._paraview import load_plugin, plugin_path
 from ._pictures import snapshot
@@ -69,6 +70,8 @@ __all__ = [
     "DiffusionResult",
     "EquilibriumResult",
     "FluxMapResult",
+    "FractureResult",
+    "FractureState",
     "LamellaError",
     "LatticeSample",
     "Packing",
@@ -84,6 +87,7 @@ __all__ = [
     "disks",
     "equilibrium",
     "flux_map",
+    "fracture",
     "from_array",
     "hardwood",
     "honeycomb",

@@ -3,6 +3,7 @@
 import numpy as np
 
 from . import _arrays
+from ._bonds import AXES, BondFields, set_bonds
 from ._errors import choose, run
 from ._samples import ImageBase
 from ._solve import as_image
@@ -10,52 +11,14 @@ from .vtkLamellaFilters import vtkBondStress
 from .vtkLamellaSolversVTK import vtkBondEquilibrium
 
 _LOADS = {"stretch": 0, "shear": 1, "biaxial": 2, "traction": 3}
-_AXES = {None: -1, "x": 0, "y": 1, "z": 2}
-_CONTINUA = {None: 0, "plane-stress": 1, "plane-strain": 2, "space": 3}
 _SOLVERS = {"multigrid": 0, "jacobi": 1, "direct": 2, "dynamic-relaxation": 3}
-_MIXINGS = {None: 0, "none": 0, "harmonic": 1, "minimum": 2}
-_COMPONENTS = {"xx": 0, "yy": 1, "zz": 2, "xy": 3, "yz": 4, "xz": 5}
 
 
-class EquilibriumResult(ImageBase):
+class EquilibriumResult(BondFields):
     """``vtk`` is the image with ``displacement`` and what else was asked for, and all numbers as field data.
 
     Forces and energies of a picture are per metre of thickness. y points up.
     """
-
-    @property
-    def _dimension(self):
-        return 3 if self.vtk.GetDimensions()[2] > 1 else 2
-
-    def _number(self, name):
-        return float(_arrays.numbers(self.vtk, name)[0])
-
-    def _count(self, name):
-        return int(self._number(name))
-
-    @property
-    def displacement(self):
-        """Metres, x, y (and z) in the last axis; in the order of pictures (a view)."""
-        return self.array("displacement")[..., : self._dimension]
-
-    @property
-    def stress(self):
-        """Pa, the six components xx, yy, zz, xy, yz, xz in the last axis (a view); asked for with stress=True."""
-        return self.array("stress")
-
-    def stress_component(self, name):
-        """One component of the stress, "xx" to "xz" (a view)."""
-        return self.stress[..., choose(_COMPONENTS, name, "component")]
-
-    @property
-    def strain_energy(self):
-        """J/m^3 (a view); asked for with strain_energy=True."""
-        return self.array("strain_energy")
-
-    @property
-    def effective_modulus(self):
-        """Force on the platen over the section of the box, over the strain [Pa]; a shear modulus under shear."""
-        return self._number("effective_modulus")
 
     @property
     def effective_stress(self):
@@ -110,26 +73,6 @@ class EquilibriumResult(ImageBase):
         return self._number("largest_stretch_ratio")
 
     @property
-    def pairs(self):
-        """What each pair of phases was given: {pair: {"young", "critical_stretch", "fracture_energy", "toughness"}}."""
-        names = _arrays.texts(self.vtk, "pair_names")
-        keys = ("young", "critical_stretch", "fracture_energy", "toughness")
-        columns = ("youngs_modulus", "critical_stretch", "fracture_energy", "toughness")
-        values = [_arrays.numbers(self.vtk, "pair_" + column) for column in columns]
-        return {name: {k: float(v[i]) for k, v in zip(keys, values)} for i, name in enumerate(names)}
-
-    @property
-    def platens(self):
-        """Layers that the platens hold, counted from 0 along the axis: ((first, last), (first, last))."""
-        a, b, c, d = (int(n) for n in _arrays.numbers(self.vtk, "platen_layers"))
-        return (a, b), (c, d)
-
-    @property
-    def axis(self):
-        """Axis of loading: "x", "y" or "z"."""
-        return _arrays.text(self.vtk, "load_axis")
-
-    @property
     def iterations(self):
         """Of conjugate gradients."""
         return self._count("iterations")
@@ -139,86 +82,11 @@ class EquilibriumResult(ImageBase):
         """Residual force, relative."""
         return self._number("residual")
 
-    @property
-    def loose_pieces(self):
-        """Number of pieces that hang on no platen, and of their nodes."""
-        return self._count("loose_pieces"), self._count("loose_nodes")
-
-    @property
-    def hinges(self):
-        """Nodes that hang on too few bonds to resist in every direction."""
-        return self._count("hinges")
-
-    @property
-    def warnings(self):
-        """What is doubtful about the answer, a list of sentences with their numbers."""
-        return _arrays.texts(self.vtk, "warnings")
-
     def __repr__(self):
         return (
             f"<lamella.EquilibriumResult: effective modulus {self.effective_modulus:.6g} Pa, "
             f"first break at a strain of {self.first_break_strain:.4g}>"
         )
-
-
-def _pair(name):
-    return "-".join(map(str, name)) if isinstance(name, tuple) else str(name)
-
-
-def set_bonds(
-    algorithm,
-    young=None,
-    fracture_energy=None,
-    toughness=None,
-    critical_stretch=None,
-    like=None,
-    relative_to=None,
-    mixing=None,
-    void=None,
-    horizon=3.0,
-    continuum=None,
-    micromodulus="continuum",
-    void_bonds="keep",
-    surface_correction=False,
-    notches=(),
-    periodic=(),
-    strains="small",
-    threads=1,
-):
-    """Settings that vtkBondEquilibrium and vtkBondStress share; see equilibrium()."""
-    tables = (
-        (algorithm.SetYoungsModulus, young),
-        (algorithm.SetFractureEnergy, fracture_energy),
-        (algorithm.SetToughness, toughness),
-        (algorithm.SetCriticalStretch, critical_stretch),
-    )
-    for setter, table in tables:
-        for pair, value in (table or {}).items():
-            setter(_pair(pair), float(value))
-    for pair, other in (like or {}).items():
-        algorithm.SetLike(_pair(pair), _pair(other))
-    algorithm.SetRelativeTo("" if relative_to is None else _pair(relative_to))
-    algorithm.SetMixing(choose(_MIXINGS, mixing, "mixing"))
-    for name in [void] if isinstance(void, (str, int)) else (void or ()):
-        algorithm.AddVoid(str(name))
-    algorithm.SetHorizon(float(horizon))
-    algorithm.SetContinuum(choose(_CONTINUA, continuum, "continuum"))
-    algorithm.SetMicromodulus(choose({"continuum": 0, "lattice": 1}, micromodulus, "micromodulus"))
-    algorithm.SetCutVoidBonds(choose({"keep": False, "cut": True}, void_bonds, "void_bonds"))
-    algorithm.SetSurfaceCorrection(bool(surface_correction))
-    algorithm.SetLargeStrains(choose({"small": False, "large": True}, strains, "strains"))
-    for notch in notches:
-        points = [float(value) for value in np.ravel(notch)]
-        if len(points) == 4:
-            algorithm.AddNotch(*points)
-        elif len(points) == 9:
-            algorithm.AddNotchInSpace(points[:3], points[3:6], points[6:])
-        else:
-            raise ValueError("a notch is ((x1, y1), (x2, y2)), or a corner and two edges in space")
-    if set(periodic) - set("xyz"):
-        raise ValueError(f"periodic is {periodic!r}; it names axes, as 'xy'")
-    algorithm.SetPeriodic(*(int(axis in periodic) for axis in "xyz"))
-    algorithm.SetThreads(int(threads))
 
 
 def equilibrium(
@@ -283,7 +151,7 @@ def equilibrium(
     solve.SetInputData(as_image(image))
     set_bonds(solve, young, fracture_energy, toughness, critical_stretch, **bonds)
     solve.SetLoad(choose(_LOADS, load, "load"))
-    solve.SetLoadAxis(choose(_AXES, axis, "axis"))
+    solve.SetLoadAxis(choose(AXES, axis, "axis"))
     solve.SetStrain(float(strain))
     solve.SetLateralStrain(float(lateral_strain))
     solve.SetTraction(float(traction))

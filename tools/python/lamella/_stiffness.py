@@ -3,7 +3,7 @@
 import numpy as np
 
 from . import _arrays
-from ._equilibrium import set_bonds
+from ._bonds import set_bonds
 from ._errors import run
 from ._samples import ImageBase
 from ._solve import as_image

@@ -1,0 +1,326 @@
+#include "peridynamics/fracture/FractureStudy.h"
+
+#include "lattice/Error.h"
+#include "peridynamics/BondForces.h"
+#include "peridynamics/fracture/PlatenForce.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+constexpr double endless = std::numeric_limits<double>::infinity();
+
+double now()
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+FractureMethod methodOf(const FractureStudyOptions& o, const BondModel& model, const Communicator& comm)
+{
+  const bool events =
+    !comm.parallel() && model.periodic == std::array<bool, 3>{} && o.fracture.breaking == Breaking::Strict;
+  return o.method.value_or(events ? FractureMethod::Events : FractureMethod::Accurate);
+}
+
+void check(const FractureStudyOptions& o)
+{
+  for (const double strain : o.atStrains)
+    if (!(strain > 0 && std::isfinite(strain)))
+      throw ParameterError(fmt::format("a state is asked for at the strain {}", strain),
+        "strains count along the load: give a number above 0, such as 1e-3");
+  for (const std::int64_t broken : o.atBroken)
+    if (broken < 1)
+      throw ParameterError(fmt::format("a state is asked for at {} broken bonds", broken), "give a number above 0");
+  if (!o.displacement && (o.stress || o.energyDensity))
+    throw ParameterError(fmt::format("the {} of nodes without their displacements", o.stress ? "stress" : "energy"),
+      "ask for displacements too: the one follows from the others");
+}
+
+void requireBreakable(const BondLattice& bonds)
+{
+  const auto& kinds = bonds.kinds();
+  if (std::none_of(kinds.begin() + 1, kinds.end(), [](const BondKind& k) { return std::isfinite(k.criticalStretch); }))
+    throw ParameterError("nothing can break: no bond has a critical stretch, a toughness or a fracture energy",
+      "give one of them for the pairs of phases that are to break");
+}
+
+/// What was asked for that is still to come, in order.
+template <class Number>
+class Wanted
+{
+public:
+  Wanted(std::vector<Number> values, Number limit)
+    : values_(std::move(values))
+    , limit_(limit)
+  {
+    std::sort(values_.begin(), values_.end());
+    values_.erase(std::unique(values_.begin(), values_.end()), values_.end());
+  }
+
+  [[nodiscard]] Number next() const { return some() ? values_[at_] : limit_; }
+  /// Not at the run's own limit: the end is there in any case.
+  [[nodiscard]] bool some() const { return at_ < values_.size() && values_[at_] < limit_; }
+  void passed(Number value)
+  {
+    while (at_ < values_.size() && values_[at_] <= value)
+      ++at_;
+  }
+  [[nodiscard]] std::vector<Number> left() const
+  {
+    return { values_.begin() + static_cast<std::ptrdiff_t>(at_), values_.end() };
+  }
+
+private:
+  std::vector<Number> values_;
+  std::size_t at_ = 0;
+  Number limit_;
+};
+
+/// Stress at a strain to which nothing more breaks.
+double stressAt(const FractureRecord& record, double strain)
+{
+  const bool unbroken = record.curve.empty();
+  return strain * (unbroken ? record.modulus : record.curve.back().stress / record.curve.back().strain);
+}
+
+/// Makes the fields of states.
+class StateFields
+{
+public:
+  /// @param latest where the run stands, for the progress
+  StateFields(const BondLattice& bonds, const FractureStudyOptions& options, const FractureProgress& latest)
+    : bonds_(bonds)
+    , options_(options)
+    , latest_(latest)
+    , degree_(bonds.layout(), 1)
+    , count_(bonds.layout(), 1)
+  {
+    const NodeLayout& l = bonds.layout();
+    for (std::int64_t z = 0; z < l.size[2]; ++z)
+      for (std::int64_t y = 0; y < l.size[1]; ++y)
+        for (std::int64_t x = 0; x < l.size[0]; ++x)
+          degree_.at(0, x, y, z) = static_cast<float>(bonds.degree(l.index(x, y, z)));
+  }
+
+  void make(const QuasiStaticFracture& fracture, double strain, bool last, std::vector<std::string>& warnings)
+  {
+    const FractureRecord& record = fracture.record();
+    FractureState s;
+    s.strain = strain;
+    s.stress = stressAt(record, strain);
+    s.broken = static_cast<std::int64_t>(record.broken.size());
+    s.last = last;
+    countBroken(record);
+    s.bonds = count_;
+    s.damage = NodeField<double>(bonds_.layout(), 1);
+    for (std::int64_t i = 0; i < bonds_.layout().count(); ++i)
+      if (const double all = static_cast<double>(degree_.component(0)[i]); all > 0)
+        s.damage.component(0)[i] = count_.component(0)[i] / all;
+    if (options_.displacement)
+      solve(fracture, s, warnings);
+    options_.keep(std::move(s));
+  }
+
+private:
+  void countBroken(const FractureRecord& record)
+  {
+    const NodeLayout& l = bonds_.layout();
+    for (; counted_ < record.broken.size(); ++counted_)
+    {
+      const Bond& b = record.broken[counted_].bond;
+      const auto& step = bonds_.stencil().half()[static_cast<std::size_t>(b.offset)].step;
+      for (int end = 0; end < 2; ++end)
+      {
+        std::array<std::int64_t, 3> n = b.node;
+        for (std::size_t a = 0; a < 3; ++a)
+          n[a] = (n[a] + end * step[a] + l.global[a]) % l.global[a] - l.start[a];
+        if (l.ownedNode(n))
+          count_.at(0, n[0], n[1], n[2]) += 1;
+      }
+    }
+  }
+
+  void solve(const QuasiStaticFracture& fracture, FractureState& s, std::vector<std::string>& warnings)
+  {
+    if (!unit_)
+      unit_ = fracture.sample().displacement;
+    EquilibriumOptions o;
+    o.tolerance = options_.fracture.tolerance;
+    if (options_.fracture.progress)
+      o.progress = [&](double) { return options_.fracture.progress(latest_); };
+    Equilibrium equilibrium(bonds_, fracture.sample().fixed, o);
+    try
+    {
+      const EquilibriumResult r = equilibrium.solve(*unit_);
+      s.hinges = r.hinges;
+      s.iterations = r.iterations;
+    }
+    catch (const DivergenceError& e)
+    {
+      warnings.push_back(
+        fmt::format("the displacements after {} broken bonds are not at rest: {}", s.broken, e.what()));
+    }
+    s.displacement = *unit_;
+    const double scale = s.strain / std::abs(options_.loading.strain);
+    for (int c = 0; c < s.displacement->components(); ++c)
+      for (std::int64_t i = 0; i < bonds_.layout().count(); ++i)
+        s.displacement->component(c)[i] *= scale;
+    if (options_.stress)
+    {
+      s.stressOfNodes.emplace(bonds_.layout(), bonds_.dimension() == 2 ? 3 : 6);
+      nodalStress(bonds_, *s.displacement, *s.stressOfNodes, false);
+    }
+    if (options_.energyDensity)
+    {
+      s.energyDensity.emplace(bonds_.layout(), 1);
+      energyDensity(bonds_, *s.displacement, *s.energyDensity, false);
+    }
+  }
+
+  const BondLattice& bonds_;
+  const FractureStudyOptions& options_;
+  const FractureProgress& latest_;
+  NodeField<float> degree_;               ///< bonds of a node at first
+  NodeField<double> count_;               ///< broken ones
+  std::size_t counted_ = 0;               ///< of the record
+  std::optional<NodeField<double>> unit_; ///< displacements at unit load of the last state
+};
+
+/// Runs to the end and stops at the states on the way. @return strain at the end
+double runThrough(QuasiStaticFracture& fracture, const FractureStudyOptions& o, StateFields* fields, FractureResult& r)
+{
+  Wanted<double> strains(o.atStrains, o.fracture.maxStrain);
+  Wanted<std::int64_t> numbers(o.atBroken, o.fracture.maxBroken);
+  for (;;)
+  {
+    fracture.setLimits(strains.next(), numbers.next());
+    const FractureEnd end = fracture.run();
+    if (end == FractureEnd::Interrupted)
+      throw Cancelled();
+    const bool atStrain = end == FractureEnd::MaxStrain && strains.some();
+    const bool atNumber = end == FractureEnd::MaxBroken && numbers.some();
+    const double strain = end == FractureEnd::MaxStrain ? strains.next() : fracture.strain();
+    const double start = now();
+    if (fields != nullptr)
+      fields->make(fracture, strain, !atStrain && !atNumber, r.warnings);
+    r.stateSeconds += now() - start;
+    numbers.passed(static_cast<std::int64_t>(fracture.record().broken.size()));
+    if (atStrain)
+      strains.passed(strain);
+    if (atStrain || atNumber)
+      continue;
+    if (end == FractureEnd::MaxStrain)
+      strains.passed(strain);
+    r.missedStrains = strains.left();
+    r.missedNumbers = numbers.left();
+    return strain;
+  }
+}
+
+void warn(const BondModel& model, FractureResult& r)
+{
+  std::vector<std::string> warnings = modelWarnings(model, r.thickness);
+  if (r.loosePieces > 0)
+    warnings.push_back(looseWarning(r.loosePieces, r.looseNodes, r.solidNodes));
+  if (const std::size_t missed = r.missedStrains.size() + r.missedNumbers.size(); missed > 0)
+    warnings.push_back(
+      fmt::format("{} of the states asked for lie beyond the end of the run: {}", missed, describe(r.record.end)));
+  r.warnings.insert(r.warnings.begin(), warnings.begin(), warnings.end());
+}
+
+} // namespace
+
+double fractureBytes(
+  const BondModel& model, const Lattice& lattice, bool grains, const FractureStudyOptions& options, int ranks)
+{
+  ElasticOptions elastic;
+  elastic.stress = options.stress;
+  elastic.energyDensity = options.energyDensity;
+  const double nodes = static_cast<double>(lattice.count()) / ranks;
+  const double d = lattice.dimension;
+  // four more fields of floats on all levels and one on the finest, tiles; displacements at unit load and those of the
+  // state, its counts
+  return elasticBytes(model, lattice, grains, elastic, ranks) +
+    nodes * (4 * (5 * d + 4 * d / (std::pow(2, d) - 1)) + 8 + (options.displacement ? 16 * d : 0) + 8 * 3);
+}
+
+FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,
+  std::span<const std::int32_t> grain, const FractureStudyOptions& options, const Communicator& comm)
+{
+  check(options);
+  const ThreadScope threads(options.threads);
+  requireMemory(
+    "fracture", lattice, fractureBytes(model, lattice, !grain.empty(), options, comm.size()), options.memory, comm);
+  FractureResult r;
+  double start = now();
+  const auto lap = [&start]
+  {
+    const double before = start;
+    start = now();
+    return start - before;
+  };
+  BondLattice bonds(model, lattice, phase, grain, comm);
+  requireBreakable(bonds);
+  r.nodes = lattice.count();
+  r.solidNodes = bonds.solidNodes();
+  r.bonds = bonds.bonds();
+  const StripCounts mine = bonds.strips();
+  r.strips = { comm.sum(mine.empty), comm.sum(mine.uniform), comm.sum(mine.mixed) };
+  std::vector<PhaseThickness> thickness = phaseThickness(bonds, model, phase);
+  if (thickness.size() > 1)
+    r.thickness = std::move(thickness);
+  FractureProgress latest;
+  std::optional<StateFields> fields;
+  if (options.keep)
+    fields.emplace(bonds, options, latest);
+  r.bondSeconds = lap();
+
+  FractureOptions fractureOptions = options.fracture;
+  fractureOptions.method = r.method = methodOf(options, model, comm);
+  if (options.fracture.progress)
+    fractureOptions.progress = [&](const FractureProgress& p)
+    {
+      latest = p; // a limit of the whole run may be nearer than the end of the sample
+      latest.share = std::min(1.0,
+        std::max({ p.share, p.strain / options.fracture.maxStrain,
+          static_cast<double>(p.broken) / static_cast<double>(options.fracture.maxBroken) }));
+      return options.fracture.progress(latest);
+    };
+  QuasiStaticFracture fracture(bonds, options.loading, fractureOptions);
+  const LoadedSample& sample = fracture.sample();
+  r.axis = options.loading.axis < 0 ? lattice.dimension - 1 : options.loading.axis;
+  r.area = PlatenForce(bonds, options.loading, sample).area();
+  r.lowPlaten = sample.lowLayers;
+  r.highPlaten = sample.highLayers;
+  r.length = static_cast<double>(r.highPlaten[0] - r.lowPlaten[1] + 1) * lattice.spacing;
+  r.loosePieces = sample.loosePieces;
+  r.looseNodes = sample.looseNodes;
+  r.firstSeconds = lap();
+
+  const double strain = runThrough(fracture, options, fields ? &*fields : nullptr, r);
+  r.record = fracture.record();
+  r.curve = fractureCurve(r.record);
+  r.peak = r.record.peak;
+  if (strain > r.curve.back().strain) // nothing more broke up to there
+  {
+    const CurvePoint end{ strain, stressAt(r.record, strain), static_cast<std::int64_t>(r.record.broken.size()) };
+    r.curve.push_back({ end.strain, end.stress, end.broken, end.strain, end.stress });
+    if (end.stress > r.peak.stress)
+      r.peak = end;
+  }
+  r.ends = endsOf(bonds, r.record.broken, phase, grain);
+  r.brokenEnergy = brokenEnergy(bonds, model, r.record.broken, r.ends);
+  r.bytes = comm.sum(bonds.bytes() + r.record.statistics.bytes);
+  warn(model, r);
+  return r;
+}
+
+} // namespace lamella::peridynamics

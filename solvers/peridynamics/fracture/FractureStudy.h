@@ -1,0 +1,118 @@
+#pragma once
+
+#include "peridynamics/ElasticStudy.h"
+#include "peridynamics/fracture/Fracture.h"
+
+#include <functional>
+#include <optional>
+
+/// The whole job of quasi-static fracture: from phases and materials to strength, curve, broken bonds and fields.
+namespace lamella::peridynamics
+{
+
+/// The sample in one state. Fields are those of the rank's slab.
+struct FractureState
+{
+  double strain = 0;           ///< imposed
+  double stress = 0;           ///< [Pa]
+  std::int64_t broken = 0;     ///< bonds, of the whole sample
+  bool last = false;           ///< the end of the run
+  NodeField<double> bonds{};   ///< broken bonds of each node: whole numbers, one component
+  NodeField<double> damage{};  ///< these over the bonds that it had, 0 where it had none
+  std::int64_t hinges = 0;     ///< as EquilibriumResult
+  std::int64_t iterations = 0; ///< of the equilibrium below
+  /// At an equilibrium of its own, which the run does not see: asking for a state changes nothing that breaks. Pieces
+  /// that came loose move as the mean strain has it [m].
+  std::optional<NodeField<double>> displacement{};
+  std::optional<NodeField<double>> stressOfNodes{}; ///< as nodalStress() [Pa]
+  std::optional<NodeField<double>> energyDensity{}; ///< as energyDensity() [J/m³]
+};
+
+struct FractureStudyOptions
+{
+  Loading loading{}; ///< the strain's sign is the direction, its size is of no account
+  /// Its method is of no account, and its progress may come more seldom than every event.
+  FractureOptions fracture{};
+  /// None: FractureMethod::Events where it can be had (one rank, no periodic side, strict breaking), else Accurate.
+  std::optional<FractureMethod> method{};
+  std::vector<double> atStrains{};           ///< states to keep: imposed strains
+  std::vector<std::int64_t> atBroken{};      ///< likewise: numbers of broken bonds
+  bool displacement = true;                  ///< of the states; not computed when off
+  bool stress = false;                       ///< of every node; needs displacements
+  bool energyDensity = false;                ///< likewise
+  std::function<void(FractureState)> keep{}; ///< given the states as they come, the end last; called on every rank
+  int threads = 0;                           ///< 0: as many as OpenMP would take
+  double memory = 0;                         ///< bytes that may be taken on this machine; 0: what is free
+};
+
+/// A state, and the path that follows every snap-back beside it.
+struct FractureCurvePoint
+{
+  double strain = 0;         ///< imposed; never falls
+  double stress = 0;         ///< at it [Pa]
+  std::int64_t broken = 0;   ///< bonds so far
+  double criticalStrain = 0; ///< where the state is that only just breaks the next bond: less in an avalanche
+  double criticalStress = 0; ///< at that [Pa]
+};
+
+struct FractureResult
+{
+  FractureRecord record;
+  FractureMethod method = FractureMethod::Events;
+  CurvePoint peak;            ///< the largest stress; that of the end where it is reached there, at the largest strain
+  std::vector<BondEnds> ends; ///< of the broken bonds
+  /// From the unloaded sample on: a point for every event, just before it, one for what each avalanche left, and the
+  /// end.
+  std::vector<FractureCurvePoint> curve;
+  /// Σ ½ k s₀² |ξ| over the broken bonds: what it took to break them, were the load to follow every snap-back [J],
+  /// [J/m] in the plane. Divided by a crack's length it is its fracture energy on this lattice.
+  double brokenEnergy = 0;
+  std::vector<double> missedStrains;       ///< states asked for that the run ended before
+  std::vector<std::int64_t> missedNumbers; ///< likewise, of broken bonds
+
+  int axis = 0;      ///< of loading
+  double area = 0;   ///< of a section across the axis, voids included [m²]; of a picture [m], a metre deep
+  double length = 0; ///< between the inner layers of the platens [m]
+  std::array<std::int64_t, 2> lowPlaten{}; ///< [first, last) layer along the axis
+  std::array<std::int64_t, 2> highPlaten{};
+  std::int64_t loosePieces = 0; ///< of the unbroken sample
+  std::int64_t looseNodes = 0;
+  std::vector<PhaseThickness> thickness; ///< of the phases that carry bonds, when there is more than one
+  std::vector<std::string> warnings;     ///< each one line, with its numbers
+
+  std::int64_t nodes = 0;
+  std::int64_t solidNodes = 0;
+  std::int64_t bonds = 0;  ///< of the unbroken sample
+  StripCounts strips;      ///< likewise, as ElasticResult
+  double bondSeconds = 0;  ///< making the bonds
+  double firstSeconds = 0; ///< platens, loose pieces, first equilibrium
+  double stateSeconds = 0; ///< fields of the states
+  std::int64_t bytes = 0;  ///< of all ranks: bonds and solver
+};
+
+/// @param phase, grain as BondLattice
+/// @throws what BondLattice and QuasiStaticFracture throw; ParameterError where no bond can break, for states that are
+/// not positive, and for fields that need displacements without these; MemoryError before anything is allocated;
+/// Cancelled when progress asks to stop
+[[nodiscard]] FractureResult studyFracture(const BondModel& model, const Lattice& lattice,
+  std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain, const FractureStudyOptions& options,
+  const Communicator& comm);
+
+/// Bytes that one rank takes at most, the states kept not counted.
+/// @throws ParameterError as BondLattice::bytesNeeded()
+[[nodiscard]] double fractureBytes(
+  const BondModel& model, const Lattice& lattice, bool grains, const FractureStudyOptions& options, int ranks);
+
+/// The curve of a record, see FractureResult::curve.
+[[nodiscard]] std::vector<FractureCurvePoint> fractureCurve(const FractureRecord& record);
+
+/// See FractureResult::brokenEnergy. Collective.
+/// @param model that the bonds were made of
+/// @param ends of the broken bonds
+[[nodiscard]] double brokenEnergy(const BondLattice& bonds, const BondModel& model,
+  const std::vector<BrokenBond>& broken, const std::vector<BondEnds>& ends);
+
+/// Middle of a bond [m]; of one that crosses a periodic side beyond it.
+[[nodiscard]] std::array<double, 3> middleOf(const Lattice& lattice, const Stencil& stencil, const Bond& bond);
+
+} // namespace lamella::peridynamics

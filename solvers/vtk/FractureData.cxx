@@ -1,0 +1,235 @@
+#include "FractureData.h"
+
+#include "NewArray.h"
+#include "vtkLatticeConversion.h"
+
+#include "vtkCellArray.h"
+#include "vtkDoubleArray.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkIntArray.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkTable.h"
+#include "vtkTypeInt64Array.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace pd = lamella::peridynamics;
+
+namespace lamella
+{
+namespace
+{
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+} // namespace
+
+const char* wordOf(pd::FractureEnd end)
+{
+  constexpr std::array<const char*, 7> words{ "running", "stress-fell", "severed", "nothing-breaks", "maximum-strain",
+    "maximum-broken", "interrupted" };
+  return words.at(static_cast<std::size_t>(end));
+}
+
+const char* wordOf(pd::FractureMethod method)
+{
+  return method == pd::FractureMethod::Events ? "events" : "accurate";
+}
+
+const char* wordOf(pd::Breaking breaking)
+{
+  return breaking == pd::Breaking::Strict ? "strict" : "batched";
+}
+
+void setBrokenBonds(vtkPolyData* output, const pd::FractureResult& result, const BondScene& scene, const char* creator)
+{
+  const std::vector<pd::BrokenBond>& broken = result.record.broken;
+  const std::size_t count = broken.size();
+  const Lattice& lattice = scene.lattice();
+  const pd::Stencil stencil(lattice.dimension, scene.model().horizon);
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(static_cast<vtkIdType>(count));
+  vtkNew<vtkCellArray> vertices;
+  const auto event = newArray<vtkTypeInt64Array>("event", 1, count);
+  const auto strain = newArray<vtkDoubleArray>("strain", 1, count);
+  const auto critical = newArray<vtkDoubleArray>("critical_strain", 1, count);
+  const auto stress = newArray<vtkDoubleArray>("stress", 1, count);
+  const auto bond = newArray<vtkDoubleArray>("bond", 3, count);
+  const auto phases = newArray<vtkUnsignedCharArray>("phases", 2, count);
+  const auto between = newArray<vtkUnsignedCharArray>("between_grains", 1, count);
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const pd::BrokenBond& b = broken[i];
+    const pd::BondEnds& ends = result.ends[i];
+    const auto id = static_cast<vtkIdType>(i);
+    points->SetPoint(id, pd::middleOf(lattice, stencil, b.bond).data());
+    vertices->InsertNextCell({ id });
+    event->SetValue(id, b.event);
+    strain->SetValue(id, b.strain);
+    critical->SetValue(id, b.criticalStrain);
+    stress->SetValue(id, b.stress);
+    const auto& step = stencil.half()[static_cast<std::size_t>(b.bond.offset)].step;
+    bond->SetTuple3(id, lattice.spacing * step[0], lattice.spacing * step[1], lattice.spacing * step[2]);
+    phases->SetTypedComponent(id, 0, ends.low);
+    phases->SetTypedComponent(id, 1, ends.high);
+    between->SetValue(id, ends.betweenGrains ? 1 : 0);
+  }
+  describe(event, "1", "number of the event in which it broke, from 1", creator);
+  describe(strain, "1", "strain that was imposed when it broke", creator);
+  describe(critical, "1", "strain at which it was just critical: the path that follows every snap-back", creator);
+  describe(stress, "Pa", "stress at the imposed strain, just before it broke", creator);
+  describe(bond, "m", "from its first node to its second", creator);
+  describe(phases, "1", "phases of both ends, the lesser first", creator);
+  describe(between, "1", "1 where the ends lie in two different grains", creator);
+  output->Initialize();
+  output->SetPoints(points);
+  output->SetVerts(vertices);
+  vtkPointData* const data = output->GetPointData();
+  for (vtkDataArray* const array :
+    std::initializer_list<vtkDataArray*>{ event, strain, critical, stress, bond, phases, between })
+  {
+    data->AddArray(array);
+  }
+  data->SetActiveScalars("event");
+}
+
+void setFractureCurve(vtkTable* output, const pd::FractureResult& result, const char* creator)
+{
+  const std::size_t rows = result.curve.size();
+  const auto strain = newArray<vtkDoubleArray>("strain", 1, rows);
+  const auto stress = newArray<vtkDoubleArray>("stress", 1, rows);
+  const auto broken = newArray<vtkTypeInt64Array>("broken", 1, rows);
+  const auto criticalStrain = newArray<vtkDoubleArray>("critical_strain", 1, rows);
+  const auto criticalStress = newArray<vtkDoubleArray>("critical_stress", 1, rows);
+  for (std::size_t i = 0; i < rows; ++i)
+  {
+    const pd::FractureCurvePoint& p = result.curve[i];
+    const auto row = static_cast<vtkIdType>(i);
+    strain->SetValue(row, p.strain);
+    stress->SetValue(row, p.stress);
+    broken->SetValue(row, p.broken);
+    criticalStrain->SetValue(row, p.criticalStrain);
+    criticalStress->SetValue(row, p.criticalStress);
+  }
+  describe(strain, "1", "imposed strain, which never falls", creator);
+  describe(stress, "Pa", "force on the platen over the section of the box, at that strain", creator);
+  describe(broken, "1", "bonds broken so far", creator);
+  describe(criticalStrain, "1", "strain at which the next bond is just critical: follows every snap-back", creator);
+  describe(criticalStress, "Pa", "stress at that strain", creator);
+  output->Initialize();
+  for (vtkDataArray* const column :
+    std::initializer_list<vtkDataArray*>{ strain, stress, broken, criticalStrain, criticalStress })
+  {
+    output->AddColumn(column);
+  }
+}
+
+void setFractureNumbers(vtkImageData* output, const pd::FractureResult& r)
+{
+  const auto set = [output](const char* name, std::initializer_list<double> values)
+  { setFieldNumbers(output, name, std::span(values.begin(), values.size())); };
+  const auto whole = [&](const char* name, std::int64_t value) { set(name, { static_cast<double>(value) }); };
+  const auto layer = [](std::int64_t n) { return static_cast<double>(n); };
+  const pd::FractureStatistics& s = r.record.statistics;
+  const bool some = !r.record.broken.empty();
+  set("effective_modulus", { r.record.modulus });
+  set("peak_stress", { r.peak.stress });
+  set("peak_strain", { r.peak.strain });
+  whole("peak_broken", r.peak.broken);
+  set("first_break_strain", { some ? r.record.first.strain : unknown });
+  set("first_break_stress", { some ? r.record.first.stress : unknown });
+  whole("total_broken", static_cast<std::int64_t>(r.record.broken.size()));
+  set("broken_energy", { r.brokenEnergy });
+  setFieldText(output, "end", wordOf(r.record.end));
+  setFieldText(output, "end_reason", pd::describe(r.record.end));
+  setFieldText(output, "method", wordOf(r.method));
+  setFieldText(output, "load_axis", std::string(1, "xyz"[r.axis]));
+  set("section_area", { r.area });
+  set("gauge_length", { r.length });
+  set("platen_layers",
+    { layer(r.lowPlaten[0]), layer(r.lowPlaten[1] - 1), layer(r.highPlaten[0]), layer(r.highPlaten[1] - 1) });
+  whole("loose_pieces", r.loosePieces);
+  whole("loose_nodes", r.looseNodes);
+  whole("events", s.events);
+  whole("raises", s.raises);
+  whole("equilibria", s.equilibria);
+  whole("iterations", s.globalIterations);
+  whole("local_cycles", s.localCycles);
+  whole("visited_nodes", s.nodesVisited);
+  whole("searches", s.searches);
+  whole("freed_pieces", s.loosePieces);
+  whole("freed_nodes", s.looseNodes);
+  whole("freed_bonds", s.looseBonds);
+  whole("solid_nodes", r.solidNodes);
+  whole("skipped_nodes", r.nodes - r.solidNodes);
+  whole("bonds", r.bonds);
+  set("visited_strips", { layer(r.strips.uniform), layer(r.strips.mixed) });
+  whole("skipped_strips", r.strips.empty);
+  whole("bytes", r.bytes);
+  set("seconds",
+    { r.bondSeconds, r.firstSeconds, s.globalSeconds, s.localSeconds, s.searchSeconds, s.totalSeconds,
+      r.stateSeconds });
+  setFieldTexts(output, "warnings", r.warnings);
+}
+
+void setLatticeNumbers(vtkDataObject* output, const Lattice& lattice)
+{
+  setFieldNumbers(output, "spacing", std::array{ lattice.spacing, lattice.spacing, lattice.spacing });
+  setFieldNumbers(output, "lattice_size",
+    std::array{ static_cast<double>(lattice.size[0]), static_cast<double>(lattice.size[1]),
+      static_cast<double>(lattice.size[2]) });
+  setFieldNumbers(output, "lattice_origin", lattice.origin);
+}
+
+void setFractureState(vtkImageData* output, const pd::FractureState& state, const BondScene& scene, const char* creator)
+{
+  vtkPointData* const points = output->GetPointData();
+  const auto add = [points](vtkDataArray* array) { points->AddArray(array); };
+  const auto damage = scene.toPiece(state.damage, std::array<int, 1>{ 0 }, "damage");
+  describe(damage, "1", "share of the node's bonds that are broken; 0 in voids", creator);
+  add(damage);
+  points->SetActiveScalars("damage");
+  const auto counts = scene.toPiece(state.bonds, std::array<int, 1>{ 0 }, "broken");
+  const auto broken = newArray<vtkIntArray>("broken", 1, static_cast<std::size_t>(counts->GetNumberOfTuples()));
+  for (vtkIdType i = 0; i < counts->GetNumberOfTuples(); ++i)
+  {
+    broken->SetValue(i, static_cast<int>(counts->GetValue(i)));
+  }
+  describe(broken, "1", "broken bonds of the node", creator);
+  add(broken);
+  if (state.displacement)
+  {
+    const std::array<int, 3> from{ 0, 1, scene.lattice().dimension == 3 ? 2 : -1 };
+    const auto displacement = scene.toPiece(*state.displacement, from, "displacement");
+    describe(displacement, "m", "displacement at equilibrium; 0 in voids", creator);
+    add(displacement);
+    points->SetActiveVectors("displacement");
+  }
+  if (state.stressOfNodes)
+  {
+    add(stressArray(scene, *state.stressOfNodes, creator));
+  }
+  if (state.energyDensity)
+  {
+    const auto energy = scene.toPiece(*state.energyDensity, std::array<int, 1>{ 0 }, "strain_energy");
+    describe(energy, "J/m^3", "elastic energy of half of the node's bonds over its volume", creator);
+    add(energy);
+  }
+  const auto set = [output](const char* name, double value) { setFieldNumbers(output, name, std::span(&value, 1)); };
+  set("strain", state.strain);
+  set("stress", state.stress);
+  set("broken_bonds", static_cast<double>(state.broken));
+  set("hinges", static_cast<double>(state.hinges));
+  set("state_iterations", static_cast<double>(state.iterations));
+  output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), state.strain);
+}
+
+} // namespace lamella

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "BondScene.h"
+
+#include "peridynamics/fracture/FractureStudy.h"
+
+class vtkDataObject;
+class vtkImageData;
+class vtkPolyData;
+class vtkTable;
+
+/// A fracture's outputs. Not installed.
+namespace lamella
+{
+
+/// Words for the command line, for files and for Python.
+[[nodiscard]] const char* wordOf(peridynamics::FractureEnd end);
+[[nodiscard]] const char* wordOf(peridynamics::FractureMethod method);
+[[nodiscard]] const char* wordOf(peridynamics::Breaking breaking);
+
+/// One vertex a broken bond; arrays as vtkBondFracture says, its field data not.
+void setBrokenBonds(
+  vtkPolyData* output, const peridynamics::FractureResult& result, const BondScene& scene, const char* creator);
+
+/// The curve's columns.
+void setFractureCurve(vtkTable* output, const peridynamics::FractureResult& result, const char* creator);
+
+/// What was found, as field data: all that does not depend on the state.
+void setFractureNumbers(vtkImageData* output, const peridynamics::FractureResult& result);
+
+/// `spacing` [m], `lattice_size`, `lattice_origin` [m]: 3 numbers each.
+void setLatticeNumbers(vtkDataObject* output, const Lattice& lattice);
+
+/// A state's point data and numbers. Collective.
+void setFractureState(
+  vtkImageData* output, const peridynamics::FractureState& state, const BondScene& scene, const char* creator);
+
+} // namespace lamella

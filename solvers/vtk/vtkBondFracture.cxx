@@ -1,0 +1,327 @@
+#include "vtkBondFracture.h"
+
+#include "BondScene.h"
+#include "FractureData.h"
+#include "vtkProvenance.h"
+
+#include "lattice/Error.h"
+
+#include "vtkDataObject.h"
+#include "vtkFieldData.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkObjectFactory.h"
+#include "vtkPolyData.h"
+#include "vtkTable.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <limits>
+#include <vector>
+
+namespace pd = lamella::peridynamics;
+
+namespace
+{
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array<const char*, 3> loadName{ "stretch", "shear", "biaxial" };
+
+/// Of a limit: 0 stands for none.
+template <class Number>
+void setLimit(const char* name, Number value, Number& limit)
+{
+  if (value < 0 || value != value)
+  {
+    throw lamella::ParameterError(
+      std::string(name) + " is " + std::to_string(value), "give a number above 0, or 0 for no limit");
+  }
+  if (value > 0)
+  {
+    limit = value;
+  }
+}
+
+/// The observers of progress are told some twenty times a second, however many events there are.
+class Rarely
+{
+public:
+  [[nodiscard]] bool due()
+  {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(50))
+    {
+      return false;
+    }
+    last_ = now;
+    return true;
+  }
+
+private:
+  std::chrono::steady_clock::time_point last_{};
+};
+
+} // namespace
+
+struct vtkBondFracture::Internals
+{
+  std::vector<double> Strains;
+  std::vector<std::int64_t> Broken;
+
+  // of the last run
+  std::vector<vtkSmartPointer<vtkImageData>> States;
+  vtkNew<vtkPolyData> Bonds;
+  vtkNew<vtkTable> Curve;
+  vtkMTimeType Input = 0;
+  vtkMTimeType Settings = 0;
+  int Ranks = 0;
+
+  void Forget()
+  {
+    this->States.clear();
+    this->Bonds->Initialize();
+    this->Curve->Initialize();
+  }
+};
+
+vtkStandardNewMacro(vtkBondFracture);
+
+vtkBondFracture::vtkBondFracture()
+  : Kept(std::make_unique<Internals>())
+  , PeakStress(unknown)
+{
+  this->SetNumberOfOutputPorts(3);
+}
+
+vtkBondFracture::~vtkBondFracture() = default;
+
+int vtkBondFracture::FillOutputPortInformation(int port, vtkInformation* info)
+{
+  constexpr std::array<const char*, 3> types{ "vtkImageData", "vtkPolyData", "vtkTable" };
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), types.at(static_cast<std::size_t>(port)));
+  return 1;
+}
+
+vtkPolyData* vtkBondFracture::GetBrokenBonds()
+{
+  return vtkPolyData::SafeDownCast(this->GetOutputDataObject(1));
+}
+
+vtkTable* vtkBondFracture::GetCurve()
+{
+  return vtkTable::SafeDownCast(this->GetOutputDataObject(2));
+}
+
+int vtkBondFracture::GetNumberOfStates()
+{
+  return static_cast<int>(this->Kept->States.size());
+}
+
+vtkImageData* vtkBondFracture::GetStateImage(int state)
+{
+  return state >= 0 && state < this->GetNumberOfStates() ? this->Kept->States[static_cast<std::size_t>(state)]
+                                                         : nullptr;
+}
+
+void vtkBondFracture::AddStateAtStrain(double strain)
+{
+  this->Kept->Strains.push_back(strain);
+  this->Modified();
+}
+
+void vtkBondFracture::RemoveAllStatesAtStrains()
+{
+  if (!this->Kept->Strains.empty())
+  {
+    this->Kept->Strains.clear();
+    this->Modified();
+  }
+}
+
+void vtkBondFracture::AddStateAtBroken(vtkIdType broken)
+{
+  this->Kept->Broken.push_back(broken);
+  this->Modified();
+}
+
+void vtkBondFracture::RemoveAllStatesAtBroken()
+{
+  if (!this->Kept->Broken.empty())
+  {
+    this->Kept->Broken.clear();
+    this->Modified();
+  }
+}
+
+void vtkBondFracture::SetState(int state)
+{
+  const int clamped = std::max(state, -1);
+  if (this->State != clamped)
+  {
+    this->State = clamped;
+    this->StateTime.Modified(); // not Modified(): that would run all again
+  }
+}
+
+vtkMTimeType vtkBondFracture::GetMTime()
+{
+  return std::max(this->Superclass::GetMTime(), this->StateTime.GetMTime());
+}
+
+void vtkBondFracture::Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team)
+{
+  Internals& kept = *this->Kept;
+  const vtkMTimeType settings = this->Superclass::GetMTime();
+  if (team.any(kept.States.empty() || kept.Input != input->GetMTime() || kept.Settings != settings ||
+        kept.Ranks != team.size()))
+  {
+    this->PeakStress = unknown;
+    kept.Forget();
+    try
+    {
+      this->Solve(input, team);
+    }
+    catch (...)
+    {
+      kept.Forget();
+      throw;
+    }
+    kept.Input = input->GetMTime();
+    kept.Settings = settings;
+    kept.Ranks = team.size();
+  }
+  const int last = this->GetNumberOfStates() - 1;
+  vtkImageData* const state = this->GetStateImage(this->State < 0 ? last : std::min(this->State, last));
+  output->ShallowCopy(state);
+  output->GetInformation()->Set(
+    vtkDataObject::DATA_TIME_STEP(), state->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()));
+  this->GetBrokenBonds()->ShallowCopy(kept.Bonds);
+  this->GetCurve()->ShallowCopy(kept.Curve);
+}
+
+void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team)
+{
+  Internals& kept = *this->Kept;
+  const lamella::BondSettings settings = this->Settings();
+  if (settings.largeStrains)
+  {
+    throw lamella::ParameterError("fracture in large strains", "leave them out: quasi-static fracture is linear");
+  }
+  const lamella::BondScene scene(
+    input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
+  pd::FractureStudyOptions options;
+  options.loading.load = static_cast<pd::LoadCase>(this->Load);
+  options.loading.axis = this->LoadAxis;
+  options.loading.strain = this->Compression ? -1e-3 : 1e-3;
+  options.loading.lateralStrain = this->LateralRatio * options.loading.strain;
+  options.loading.smooth = this->SmoothPlatens;
+  options.loading.rigid = this->RigidPlatens;
+  options.loading.layers = this->PlatenLayers;
+  options.fracture.breaking = static_cast<pd::Breaking>(this->Breaking);
+  options.fracture.stopShare = this->StopShare;
+  setLimit("the largest strain", this->MaximumStrain, options.fracture.maxStrain);
+  std::int64_t most = 0;
+  setLimit("the largest number of broken bonds", std::int64_t{ this->MaximumBroken }, most);
+  options.fracture.maxBroken = most > 0 ? most : options.fracture.maxBroken;
+  options.fracture.tolerance = this->Tolerance;
+  if (!this->Rivals)
+  {
+    options.fracture.events.rivals = 0;
+  }
+  if (this->Method != AUTO)
+  {
+    options.method = this->Method == EVENTS ? pd::FractureMethod::Events : pd::FractureMethod::Accurate;
+  }
+  options.atStrains = kept.Strains;
+  options.atBroken = kept.Broken;
+  options.displacement = this->ComputeDisplacement;
+  options.stress = this->ComputeStress;
+  options.energyDensity = this->ComputeStrainEnergy;
+  options.threads = this->ThreadCount();
+  this->SetProgressText("fracture");
+  Rarely rarely;
+  options.fracture.progress = [&](const pd::FractureProgress& p)
+  {
+    if (rarely.due())
+    {
+      std::array<char, 96> text{};
+      std::snprintf(text.data(), text.size(), "fracture: %lld bonds broken, peak %.4g Pa",
+        static_cast<long long>(p.broken), p.peakStress);
+      this->SetProgressText(text.data());
+      this->UpdateProgress(p.share);
+    }
+    return static_cast<bool>(this->CheckAbort());
+  };
+  options.keep = [&](const pd::FractureState& state)
+  {
+    const auto image = vtkSmartPointer<vtkImageData>::New();
+    image->ShallowCopy(input);
+    lamella::setFractureState(image, state, scene, this->GetClassName());
+    kept.States.push_back(image);
+  };
+  if (this->CheckAbort())
+  {
+    throw lamella::Cancelled();
+  }
+  const lamella::Communicator comm(team.comm());
+  const pd::FractureResult result =
+    pd::studyFracture(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, comm);
+  this->PeakStress = result.peak.stress;
+
+  for (vtkImageData* const image : kept.States)
+  {
+    lamella::setFractureNumbers(image, result);
+    lamella::describeThickness(image, scene, result.thickness);
+    const nlohmann::json model = lamella::describeModel(image, scene, settings);
+    lamella::setFieldText(image, "load", loadName.at(static_cast<std::size_t>(this->Load)));
+    lamella::setFieldText(image, "breaking", lamella::wordOf(options.fracture.breaking));
+    lamella::continueProvenance(image, "fracture",
+      { { "model", model }, { "load", loadName.at(static_cast<std::size_t>(this->Load)) },
+        { "axis", std::string(1, "xyz"[result.axis]) }, { "compression", this->Compression },
+        { "lateral_ratio", this->LateralRatio }, { "smooth_platens", this->SmoothPlatens },
+        { "rigid_platens", this->RigidPlatens }, { "platen_layers", this->PlatenLayers },
+        { "method", lamella::wordOf(result.method) }, { "breaking", lamella::wordOf(options.fracture.breaking) },
+        { "rivals", this->Rivals }, { "stop_share", this->StopShare }, { "maximum_strain", this->MaximumStrain },
+        { "maximum_broken", this->MaximumBroken }, { "tolerance", this->Tolerance } });
+  }
+  vtkImageData* const end = kept.States.back();
+  if (team.rank() == 0)
+  {
+    lamella::setBrokenBonds(kept.Bonds, result, scene, this->GetClassName());
+    lamella::setFractureCurve(kept.Curve, result, this->GetClassName());
+    for (const std::string& warning : result.warnings)
+    {
+      vtkWarningMacro(<< warning);
+    }
+  }
+  for (vtkDataObject* const data : { static_cast<vtkDataObject*>(kept.Bonds), static_cast<vtkDataObject*>(kept.Curve) })
+  {
+    data->GetFieldData()->ShallowCopy(end->GetFieldData());
+  }
+  lamella::setLatticeNumbers(kept.Bonds, scene.lattice());
+}
+
+void vtkBondFracture::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Load: " << this->Load << "\n"
+     << indent << "LoadAxis: " << this->LoadAxis << "\n"
+     << indent << "Compression: " << this->Compression << "\n"
+     << indent << "LateralRatio: " << this->LateralRatio << "\n"
+     << indent << "SmoothPlatens: " << this->SmoothPlatens << "\n"
+     << indent << "RigidPlatens: " << this->RigidPlatens << "\n"
+     << indent << "PlatenLayers: " << this->PlatenLayers << "\n"
+     << indent << "Method: " << this->Method << "\n"
+     << indent << "Breaking: " << this->Breaking << "\n"
+     << indent << "Rivals: " << this->Rivals << "\n"
+     << indent << "StopShare: " << this->StopShare << "\n"
+     << indent << "MaximumStrain: " << this->MaximumStrain << "\n"
+     << indent << "MaximumBroken: " << this->MaximumBroken << "\n"
+     << indent << "Tolerance: " << this->Tolerance << "\n"
+     << indent << "State: " << this->State << " of " << this->GetNumberOfStates() << "\n"
+     << indent << "ComputeDisplacement: " << this->ComputeDisplacement << "\n"
+     << indent << "ComputeStress: " << this->ComputeStress << "\n"
+     << indent << "ComputeStrainEnergy: " << this->ComputeStrainEnergy << "\n"
+     << indent << "PeakStress: " << this->PeakStress << "\n";
+}

@@ -1,0 +1,267 @@
+/**
+ * @class   vtkBondFracture
+ * @brief   strength, stress-strain curve, broken bonds and damage of an image of phases that is pulled apart
+ *
+ * Quasi-static fracture of bonds in small strain (peridynamics/fracture/FractureStudy.h): the sample between two
+ * platens is strained until a bond is critical; it breaks, forces balance again, and so on. The bonds' materials are
+ * the settings of vtkBondAlgorithm; pairs without a critical stretch, toughness or fracture energy never break.
+ *
+ * **Input** and **load**: as vtkBondEquilibrium; there is no load by a force, which nothing could hold after the peak.
+ * Strains and stresses count along the load: under Compression they are positive when the platens approach.
+ *
+ * **Output 0**: the input in one state (State) with
+ * - `damage` (1 double, 0 to 1): share of the node's bonds that are broken; bonds that notches cut before loading do
+ *   not count
+ * - `broken` (1 int): broken bonds of the node
+ * - `displacement` (3 doubles, [m]; 0 in voids; what came loose moves as the mean strain has it), unless switched off
+ * - `stress` (6 doubles, [Pa]), `strain_energy` (1 double, [J/m³]) on demand, as vtkBondEquilibrium.
+ *
+ * Its time is the imposed strain.
+ *
+ * **Output 1**, broken bonds: vtkPolyData, a vertex a bond at its middle [m], in the order of breaking, with the point
+ * data `event` (from 1; bonds of a batch share it), `strain` (imposed when it broke), `critical_strain` (at which it
+ * was just critical), `stress` [Pa] (imposed, just before), `bond` (3 doubles, from the first node to the second [m]),
+ * `phases` (2, of both ends, the lesser first), `between_grains`. Field data: `spacing`, `lattice_size`,
+ * `lattice_origin`, and all of output 0's.
+ *
+ * **Output 2**, curve: vtkTable with `strain`, `stress` [Pa], `broken`: the state just before each event, what each
+ * avalanche left, and the end; the strain never falls. `critical_strain` and `critical_stress` are the path that
+ * follows every snap-back. On several ranks the first holds outputs 1 and 2.
+ *
+ * **Field data**:
+ * - `peak_stress` [Pa], `peak_strain`, `peak_broken`; `first_break_strain`, `first_break_stress` (NaN where nothing
+ *   broke); `effective_modulus` [Pa] of the unbroken sample; `total_broken`
+ * - `broken_energy` [J], [J/m] of a picture: what it took to break the bonds, were the load to follow every snap-back
+ * - `end`: stress-fell, severed, nothing-breaks, maximum-strain or maximum-broken; `end_reason`: the same as a sentence
+ * - of the state: `strain`, `stress` [Pa], `broken_bonds`, `hinges`, `state_iterations`
+ * - `load`, `load_axis`, `method`, `breaking`, `section_area`, `gauge_length`, `platen_layers`
+ * - `events`, `raises` (of the load; each jumps the elastic ramp up to the next break), `equilibria` (of the whole
+ *   sample) with their `iterations`, `local_cycles` with the `visited_nodes`, `searches` for loose pieces,
+ *   `freed_pieces`, `freed_nodes`, `freed_bonds` (came loose on the way), `loose_pieces`, `loose_nodes` (were loose
+ *   before), `solid_nodes`, `skipped_nodes`, `bonds`, `visited_strips`, `skipped_strips`, `bytes` (all ranks),
+ * `seconds` (bonds; first equilibrium; equilibria, local corrections, searches, all of the run; fields)
+ * - what vtkBondEquilibrium says of pairs, phases, thickness and warnings; `bond_model`, `provenance`.
+ *
+ * **Parallel**: as vtkBondEquilibrium, by the accurate method; the same bonds break on any number of ranks.
+ *
+ * @warning Strains are small: nothing turns, and pieces that hang by a hinge never part, so a run ends at a share of
+ * the peak (StopShare).
+ *
+ * @sa vtkBondEquilibrium
+ */
+
+#ifndef vtkBondFracture_h
+#define vtkBondFracture_h
+
+#include "vtkBondAlgorithm.h"
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+
+#include "vtkTimeStamp.h" // for a member
+
+#include <memory> // for std::unique_ptr
+
+class vtkPolyData;
+class vtkTable;
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkBondFracture : public vtkBondAlgorithm
+{
+public:
+  static vtkBondFracture* New();
+  vtkTypeMacro(vtkBondFracture, vtkBondAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  enum Loads
+  {
+    STRETCH = 0, ///< the high platen moves along the axis
+    SHEAR = 1,   ///< it moves across: along x where the axis is the last one
+    BIAXIAL = 2  ///< smooth platens on all sides
+  };
+  ///@{
+  /** What is done to the sample. Default STRETCH. */
+  vtkSetClampMacro(Load, int, STRETCH, BIAXIAL);
+  vtkGetMacro(Load, int);
+  ///@}
+
+  enum Axes
+  {
+    LAST_AXIS = -1, ///< y of a picture (upwards), z of a volume
+    X = 0,
+    Y = 1,
+    Z = 2
+  };
+  ///@{
+  /** Axis of loading. Default LAST_AXIS. */
+  vtkSetClampMacro(LoadAxis, int, LAST_AXIS, Z);
+  vtkGetMacro(LoadAxis, int);
+  ///@}
+
+  ///@{
+  /** The high platen moves the other way: towards the low one. Default off. */
+  vtkSetMacro(Compression, bool);
+  vtkGetMacro(Compression, bool);
+  vtkBooleanMacro(Compression, bool);
+  ///@}
+  ///@{
+  /** BIAXIAL: strain along the other axes over that along the axis. Default 0. */
+  vtkSetMacro(LateralRatio, double);
+  vtkGetMacro(LateralRatio, double);
+  ///@}
+  ///@{
+  /** STRETCH: the platens hold the component along the axis only. Default off: they grip the sample. */
+  vtkSetMacro(SmoothPlatens, bool);
+  vtkGetMacro(SmoothPlatens, bool);
+  vtkBooleanMacro(SmoothPlatens, bool);
+  ///@}
+  ///@{
+  /**
+   * All layers of a platen move alike: then the sample tends to break beside them. Off (default): they move as the mean
+   * strain has it, as if the sample went on.
+   */
+  vtkSetMacro(RigidPlatens, bool);
+  vtkGetMacro(RigidPlatens, bool);
+  vtkBooleanMacro(RigidPlatens, bool);
+  ///@}
+  ///@{
+  /** Layers of nodes that a platen holds; 0 (default): as many as a bond reaches. */
+  vtkSetClampMacro(PlatenLayers, int, 0, VTK_INT_MAX);
+  vtkGetMacro(PlatenLayers, int);
+  ///@}
+
+  enum Methods
+  {
+    AUTO = 0,    ///< EVENTS where it can be had, else ACCURATE
+    EVENTS = 1,  ///< corrections around each break; one rank, sides not periodic, strict breaking
+    ACCURATE = 2 ///< the whole sample after each break: slow, to check against
+  };
+  ///@{
+  /** How forces are balanced between breaks. Default AUTO. */
+  vtkSetClampMacro(Method, int, AUTO, ACCURATE);
+  vtkGetMacro(Method, int);
+  ///@}
+
+  enum Breakings
+  {
+    STRICT = 0, ///< one bond at a time, the most critical
+    BATCHED = 1 ///< all that are critical at once
+  };
+  ///@{
+  /** Default STRICT. */
+  vtkSetClampMacro(Breaking, int, STRICT, BATCHED);
+  vtkGetMacro(Breaking, int);
+  ///@}
+
+  ///@{
+  /** EVENTS: look closer where two bonds are nearly as critical as each other. Default on; off is about three times as
+   * fast, the strength is the same, and in thin walls the crack may take another way after the peak. */
+  vtkSetMacro(Rivals, bool);
+  vtkGetMacro(Rivals, bool);
+  vtkBooleanMacro(Rivals, bool);
+  ///@}
+
+  ///@{
+  /** Ends when the stress has fallen to this share of the peak, in [0, 1). Default 0.05. */
+  vtkSetMacro(StopShare, double);
+  vtkGetMacro(StopShare, double);
+  ///@}
+  ///@{
+  /** Ends there; 0 (default): no limit. */
+  vtkSetMacro(MaximumStrain, double);
+  vtkGetMacro(MaximumStrain, double);
+  ///@}
+  ///@{
+  /** Ends after so many broken bonds; 0 (default): no limit. */
+  vtkSetMacro(MaximumBroken, vtkIdType);
+  vtkGetMacro(MaximumBroken, vtkIdType);
+  ///@}
+  ///@{
+  /** Of an equilibrium, as vtkBondEquilibrium. Default 1e-6; 1e-12 to 0.1. */
+  vtkSetClampMacro(Tolerance, double, 1e-12, 0.1);
+  vtkGetMacro(Tolerance, double);
+  ///@}
+
+  ///@{
+  /** States to keep on the way, at imposed strains and at numbers of broken bonds; the end is always kept. They change
+   * nothing that breaks. */
+  void AddStateAtStrain(double strain);
+  void RemoveAllStatesAtStrains();
+  void AddStateAtBroken(vtkIdType broken);
+  void RemoveAllStatesAtBroken();
+  ///@}
+  ///@{
+  /** The state that output 0 shows, from 0, in the order of the run; -1 (default): the end. A change runs nothing
+   * again. Beyond the last it is the end. */
+  void SetState(int state);
+  vtkGetMacro(State, int);
+  ///@}
+
+  ///@{
+  /** Whether the states carry displacements (default on), stress and strain energy (default off); what is off is not
+   * computed. */
+  vtkSetMacro(ComputeDisplacement, bool);
+  vtkGetMacro(ComputeDisplacement, bool);
+  vtkBooleanMacro(ComputeDisplacement, bool);
+  vtkSetMacro(ComputeStress, bool);
+  vtkGetMacro(ComputeStress, bool);
+  vtkBooleanMacro(ComputeStress, bool);
+  vtkSetMacro(ComputeStrainEnergy, bool);
+  vtkGetMacro(ComputeStrainEnergy, bool);
+  vtkBooleanMacro(ComputeStrainEnergy, bool);
+  ///@}
+
+  /** Output 1. */
+  vtkPolyData* GetBrokenBonds();
+  /** Output 2. */
+  vtkTable* GetCurve();
+  ///@{
+  /** Of the last update. The image is the piece of this rank; null where there is none such. */
+  int GetNumberOfStates();
+  vtkImageData* GetStateImage(int state);
+  ///@}
+  ///@{
+  /** Largest stress of the last update [Pa]; NaN before it. */
+  vtkGetMacro(PeakStress, double);
+  ///@}
+
+  /** Later than the last change of a setting, or of State. */
+  vtkMTimeType GetMTime() override;
+
+protected:
+  vtkBondFracture();
+  ~vtkBondFracture() override;
+
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
+
+  void Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team) override;
+
+private:
+  vtkBondFracture(const vtkBondFracture&) = delete;
+  void operator=(const vtkBondFracture&) = delete;
+
+  void Solve(vtkImageData* input, const lamella::Team& team);
+
+  struct Internals;
+  std::unique_ptr<Internals> Kept;
+
+  int Load = STRETCH;
+  int LoadAxis = LAST_AXIS;
+  bool Compression = false;
+  double LateralRatio = 0;
+  bool SmoothPlatens = false;
+  bool RigidPlatens = false;
+  int PlatenLayers = 0;
+  int Method = AUTO;
+  int Breaking = STRICT;
+  bool Rivals = true;
+  double StopShare = 0.05;
+  double MaximumStrain = 0;
+  vtkIdType MaximumBroken = 0;
+  double Tolerance = 1e-6;
+  int State = -1;
+  vtkTimeStamp StateTime;
+  bool ComputeDisplacement = true;
+  bool ComputeStress = false;
+  bool ComputeStrainEnergy = false;
+  double PeakStress;
+};
+
+#endif

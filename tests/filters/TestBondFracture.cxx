@@ -1,0 +1,478 @@
+// Fracture through VTK's pipeline: what breaks is what the solver breaks, states change nothing, arrays and tables
+// agree with each other; on distributed images the same bonds break; what is refused.
+#include "OnRanks.h"
+#include "VtkTesting.h"
+
+#include "lattice/Communicator.h"
+#include "peridynamics/fracture/FractureStudy.h"
+#include "vtkBondFracture.h"
+
+#include "vtkFieldData.h"
+#include "vtkInformation.h"
+#include "vtkMath.h"
+#include "vtkOutputWindow.h"
+#include "vtkPolyData.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace
+{
+
+using namespace lamella;
+using vtktest::cell;
+using vtktest::errorOf;
+using vtktest::picture;
+using vtktest::points;
+namespace pd = lamella::peridynamics;
+
+class BondFracture : public vtktest::OnRanks
+{
+protected:
+  static void SetUpTestSuite()
+  {
+    OnRanks::SetUpTestSuite();
+    vtkOutputWindow::GetInstance()->SetDisplayModeToNever(); // warnings of thin phases
+  }
+};
+
+constexpr double spacing = 1e-5;
+
+/// Wall with a hole and a softer, weaker band across.
+int rule(int x, int y, int z)
+{
+  const int middle = 14 + x / 8;
+  return (x - 15) * (x - 15) + (y - 20) * (y - 20) + (z - 4) * (z - 4) < 14 ? 0 : std::abs(y - middle) < 3 ? 2 : 1;
+}
+
+vtkSmartPointer<vtkImageData> sample(int nx = 24, int ny = 36, int nz = 1)
+{
+  const auto image = picture(nx, ny, nz, rule, spacing);
+  setFieldTexts(image, "phase_names", std::vector<std::string>{ "void", "wall", "lamella" });
+  return image;
+}
+
+void configure(vtkBondFracture* filter)
+{
+  filter->SetYoungsModulus("wall", 4e9);
+  filter->SetYoungsModulus("lamella", 1e9);
+  filter->SetCriticalStretch("wall", 1e-2);
+  filter->SetCriticalStretch("lamella", 2e-3);
+  filter->SetLike("lamella-wall", "lamella");
+}
+
+pd::BondModel model(int dimension)
+{
+  pd::BondModel m;
+  m.continuum = dimension == 3 ? pd::Continuum::Space : pd::Continuum::PlaneStress;
+  m.pairs[{ 1, 1 }].material = { .youngsModulus = 4e9, .criticalStretch = 1e-2 };
+  m.pairs[{ 2, 2 }].material = { .youngsModulus = 1e9, .criticalStretch = 2e-3 };
+  m.pairs[{ 1, 2 }] = m.pairs[{ 2, 2 }];
+  return m;
+}
+
+double number(vtkDataObject* data, const char* name, std::size_t i = 0)
+{
+  const std::vector<double> values = fieldNumbers(data, name);
+  EXPECT_GT(values.size(), i) << name;
+  return values.size() > i ? values[i] : std::nan("");
+}
+
+double sum(vtkDataArray* array)
+{
+  double total = 0;
+  for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i)
+  {
+    total += array->GetTuple1(i);
+  }
+  return total;
+}
+
+TEST_F(BondFracture, IsTheSolver)
+{
+  for (const int nz : { 1, 9 })
+  {
+    SCOPED_TRACE(nz);
+    const auto image = sample(24, nz > 1 ? 24 : 36, nz);
+    vtkNew<vtkBondFracture> filter;
+    configure(filter);
+    filter->SetInputData(image);
+    filter->SetMaximumBroken(nz > 1 ? 60 : 0);
+    ASSERT_EQ(errorOf(filter), "");
+
+    const PhaseView view = viewPhases(image);
+    const Communicator alone(MPI_COMM_SELF);
+    pd::BondLattice bonds(model(view.lattice.dimension), view.lattice, view.phase, {}, alone);
+    pd::FractureOptions options;
+    if (nz > 1)
+    {
+      options.maxBroken = 60;
+    }
+    pd::QuasiStaticFracture direct(bonds, {}, options);
+    const pd::FractureEnd end = direct.run();
+    const pd::FractureRecord& record = direct.record();
+
+    vtkPolyData* const broken = filter->GetBrokenBonds();
+    const vtkIdType count = broken->GetNumberOfPoints();
+    ASSERT_EQ(count, static_cast<vtkIdType>(record.broken.size()));
+    ASSERT_GT(count, 50);
+    EXPECT_EQ(broken->GetNumberOfVerts(), count);
+    vtkPointData* const data = broken->GetPointData();
+    const std::vector<pd::BondEnds> ends = pd::endsOf(bonds, record.broken, view.phase, {});
+    std::vector<int> ofNode(static_cast<std::size_t>(image->GetNumberOfPoints()));
+    for (vtkIdType i = 0; i < count; ++i)
+    {
+      const auto k = static_cast<std::size_t>(i);
+      const pd::BrokenBond& b = record.broken[k];
+      EXPECT_EQ(data->GetArray("event")->GetTuple1(i), static_cast<double>(b.event));
+      EXPECT_EQ(data->GetArray("strain")->GetTuple1(i), b.strain);
+      EXPECT_EQ(data->GetArray("critical_strain")->GetTuple1(i), b.criticalStrain);
+      EXPECT_EQ(data->GetArray("stress")->GetTuple1(i), b.stress);
+      EXPECT_EQ(data->GetArray("phases")->GetComponent(i, 0), ends[k].low);
+      EXPECT_EQ(data->GetArray("phases")->GetComponent(i, 1), ends[k].high);
+      EXPECT_EQ(data->GetArray("between_grains")->GetTuple1(i), 0);
+      // half a bond to either side of its middle there are nodes, and these are where damage is counted
+      for (const double side : { -0.5, 0.5 })
+      {
+        double at[3];
+        broken->GetPoint(i, at);
+        for (int c = 0; c < 3; ++c)
+        {
+          at[c] += side * data->GetArray("bond")->GetComponent(i, c);
+        }
+        const vtkIdType node = image->FindPoint(at);
+        ASSERT_GE(node, 0);
+        EXPECT_NEAR(vtkMath::Distance2BetweenPoints(at, image->GetPoint(node)), 0, 1e-6 * spacing * spacing);
+        ++ofNode[static_cast<std::size_t>(node)];
+      }
+    }
+    vtkImageData* const output = filter->GetOutput();
+    const pd::BondLattice whole(model(view.lattice.dimension), view.lattice, view.phase, {}, alone);
+    const pd::NodeLayout& l = whole.layout();
+    for (vtkIdType i = 0; i < output->GetNumberOfPoints(); ++i)
+    {
+      ASSERT_EQ(points(output, "broken")->GetTuple1(i), ofNode[static_cast<std::size_t>(i)]);
+      const int degree = whole.degree(l.index(i % l.size[0], i / l.size[0] % l.size[1], i / (l.size[0] * l.size[1])));
+      const double share = degree > 0 ? static_cast<double>(ofNode[static_cast<std::size_t>(i)]) / degree : 0;
+      ASSERT_EQ(points(output, "damage")->GetTuple1(i), share);
+    }
+    EXPECT_EQ(points(output, "phase"), points(image, "phase"));
+    EXPECT_EQ(points(output, "stress"), nullptr); // not asked for
+    EXPECT_EQ(filter->GetPeakStress(), record.peak.stress);
+    EXPECT_EQ(number(output, "peak_stress"), record.peak.stress);
+    EXPECT_EQ(number(output, "first_break_strain"), record.first.strain);
+    EXPECT_EQ(number(output, "effective_modulus"), record.modulus);
+    EXPECT_EQ(number(output, "total_broken"), static_cast<double>(count));
+    EXPECT_EQ(fieldText(output, "end_reason"), pd::describe(end));
+    EXPECT_EQ(fieldText(output, "end"), nz > 1 ? "maximum-broken" : "stress-fell");
+    EXPECT_EQ(fieldText(output, "method"), "events");
+    EXPECT_EQ(output->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()), direct.strain());
+    EXPECT_EQ(number(broken, "spacing"), spacing);
+    EXPECT_EQ(number(broken, "lattice_size", 1), nz > 1 ? 24 : 36);
+    EXPECT_EQ(number(broken, "horizon"), 3);
+    EXPECT_EQ(fieldTexts(broken, "phase_names").size(), 3U);
+    EXPECT_NE(provenance(output).find("\"fracture\""), std::string::npos);
+  }
+}
+
+// Between two breaks stress is in proportion to strain, and the path that follows every snap-back never lies beyond the
+// imposed strain; every event has a row.
+TEST_F(BondFracture, CurveHoldsTogether)
+{
+  vtkNew<vtkBondFracture> filter;
+  configure(filter);
+  filter->SetInputData(sample());
+  ASSERT_EQ(errorOf(filter), "");
+  vtkTable* const curve = filter->GetCurve();
+  vtkPointData* const broken = filter->GetBrokenBonds()->GetPointData();
+  const vtkIdType rows = curve->GetNumberOfRows();
+  EXPECT_EQ(cell(curve, 0, "strain"), 0);
+  EXPECT_EQ(cell(curve, 0, "stress"), 0);
+  double most = 0;
+  vtkIdType event = 0;
+  for (vtkIdType row = 1; row < rows; ++row)
+  {
+    EXPECT_GE(cell(curve, row, "strain"), cell(curve, row - 1, "strain"));
+    EXPECT_GE(cell(curve, row, "broken"), cell(curve, row - 1, "broken"));
+    EXPECT_LE(cell(curve, row, "critical_strain"), cell(curve, row, "strain"));
+    EXPECT_NEAR(cell(curve, row, "critical_stress") * cell(curve, row, "strain"),
+      cell(curve, row, "stress") * cell(curve, row, "critical_strain"),
+      1e-12 * cell(curve, row, "stress") * cell(curve, row, "strain"));
+    most = std::max(most, cell(curve, row, "stress"));
+    if (event < broken->GetNumberOfTuples() && cell(curve, row, "broken") == static_cast<double>(event) &&
+      cell(curve, row, "strain") == broken->GetArray("strain")->GetTuple1(event))
+    {
+      EXPECT_EQ(cell(curve, row, "stress"), broken->GetArray("stress")->GetTuple1(event));
+      EXPECT_EQ(cell(curve, row, "critical_strain"), broken->GetArray("critical_strain")->GetTuple1(event));
+      ++event;
+    }
+  }
+  EXPECT_EQ(event, broken->GetNumberOfTuples());
+  EXPECT_EQ(most, filter->GetPeakStress());
+  EXPECT_EQ(cell(curve, rows - 1, "broken"), static_cast<double>(event));
+  EXPECT_LE(cell(curve, rows - 1, "stress"), 0.05 * most);
+}
+
+// With four neighbours a node one bond a column crosses the band, k = 9 E/(π h³) δx⁴ and half of k s0² δx each: when
+// all have gone nothing holds, and the end bears nothing.
+TEST_F(BondFracture, EnergyOfASeveredStrip)
+{
+  vtkNew<vtkBondFracture> filter;
+  filter->SetInputData(picture(
+    20, 40, 1, [](int, int y, int) { return y < 20 ? 1 : 2; }, spacing));
+  filter->SetHorizon(1);
+  for (const char* const pair : { "b", "c", "b-c" })
+  {
+    filter->SetYoungsModulus(pair, 1e9);
+  }
+  filter->SetCriticalStretch("b-c", 1e-3);
+  filter->SetStopShare(0);
+  ASSERT_EQ(errorOf(filter), "");
+  vtkImageData* const output = filter->GetOutput();
+  EXPECT_EQ(fieldText(output, "end"), "severed");
+  EXPECT_EQ(number(output, "total_broken"), 20);
+  const double k = 9 * 1e9 / (std::numbers::pi * std::pow(spacing, 3)) * std::pow(spacing, 4);
+  EXPECT_NEAR(number(output, "broken_energy") / (20 * 0.5 * k * 1e-6 * spacing), 1, 1e-12);
+  EXPECT_EQ(number(output, "stress"), 0);
+  EXPECT_EQ(cell(filter->GetCurve(), filter->GetCurve()->GetNumberOfRows() - 1, "stress"), 0);
+  // both halves rest with their platens, which stand apart by what the high one has moved
+  const auto y = [&](vtkIdType row) { return points(output, "displacement")->GetComponent(20 * row + 7, 1); };
+  EXPECT_NEAR(y(20) - y(19), number(output, "strain") * 39 * spacing, 1e-6 * spacing);
+}
+
+TEST_F(BondFracture, StatesChangeNothing)
+{
+  const auto image = sample();
+  vtkNew<vtkBondFracture> plain;
+  configure(plain);
+  plain->SetInputData(image);
+  plain->ComputeDisplacementOff();
+  ASSERT_EQ(errorOf(plain), "");
+  EXPECT_EQ(points(plain->GetOutput(), "displacement"), nullptr);
+  EXPECT_EQ(plain->GetNumberOfStates(), 1);
+
+  vtkNew<vtkBondFracture> filter;
+  configure(filter);
+  filter->SetInputData(image);
+  filter->ComputeStressOn();
+  filter->ComputeStrainEnergyOn();
+  const double first = number(plain->GetOutput(), "first_break_strain");
+  filter->AddStateAtStrain(0.5 * first);
+  filter->AddStateAtBroken(30);
+  filter->AddStateAtBroken(10);
+  filter->AddStateAtStrain(1); // beyond the end
+  ASSERT_EQ(errorOf(filter), "");
+  ASSERT_EQ(filter->GetNumberOfStates(), 4);
+  EXPECT_EQ(fieldTexts(filter->GetOutput(), "warnings").back().find("1 of the states asked for"), 0U);
+  vtkPolyData* const broken = filter->GetBrokenBonds();
+  ASSERT_EQ(broken->GetNumberOfPoints(), plain->GetBrokenBonds()->GetNumberOfPoints());
+  for (vtkIdType i = 0; i < broken->GetNumberOfPoints(); ++i)
+  {
+    ASSERT_EQ(vtkMath::Distance2BetweenPoints(broken->GetPoint(i), plain->GetBrokenBonds()->GetPoint(i)), 0);
+  }
+
+  int runs = 0;
+  vtkNew<vtkCallbackCommand> count;
+  count->SetClientData(&runs);
+  count->SetCallback([](vtkObject*, unsigned long, void* data, void*) { ++*static_cast<int*>(data); });
+  filter->AddObserver(vtkCommand::ProgressEvent, count);
+  const std::array<double, 4> expected{ 0, 10, 30, number(filter->GetOutput(), "total_broken") };
+  for (int state = 0; state < 4; ++state)
+  {
+    filter->SetState(state);
+    ASSERT_EQ(errorOf(filter), "");
+    vtkImageData* const output = filter->GetOutput();
+    EXPECT_EQ(number(output, "broken_bonds"), expected[static_cast<std::size_t>(state)]);
+    EXPECT_EQ(sum(points(output, "broken")), 2 * number(output, "broken_bonds"));
+    // the fields are those of an equilibrium at this strain: the mean over the section of the middle layers is the
+    // stress on the platens; that of the events' method errs by 5e-3 between its corrections
+    vtkDataArray* const stress = points(output, "stress");
+    double mean = 0;
+    for (int x = 0; x < 24; ++x)
+    {
+      for (int y = 26; y < 30; ++y)
+      {
+        mean += stress->GetComponent(24 * y + x, 1) / 96;
+      }
+    }
+    if (state < 3)
+    {
+      EXPECT_NEAR(mean / number(output, "stress"), 1, 1e-2) << state;
+    }
+  }
+  EXPECT_EQ(
+    filter->GetOutput()->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()), number(filter->GetOutput(), "strain"));
+  EXPECT_LE(runs, 2 * 4); // the pipeline's own 0 and 1
+  filter->SetState(0);
+  filter->Update();
+  EXPECT_EQ(number(filter->GetOutput(), "strain"), 0.5 * first);
+  EXPECT_NEAR(
+    number(filter->GetOutput(), "stress") / number(filter->GetOutput(), "effective_modulus") / first, 0.5, 1e-9);
+  filter->SetStopShare(0.5);
+  filter->Update();
+  EXPECT_LT(number(filter->GetOutput(), "total_broken"), expected[3]);
+}
+
+TEST_F(BondFracture, EndsWhereItIsTold)
+{
+  vtkNew<vtkBondFracture> filter;
+  configure(filter);
+  filter->SetInputData(sample());
+  filter->SetMaximumStrain(1e-4);
+  ASSERT_EQ(errorOf(filter), "");
+  vtkImageData* output = filter->GetOutput();
+  EXPECT_EQ(fieldText(output, "end"), "maximum-strain");
+  EXPECT_EQ(number(output, "strain"), 1e-4);
+  EXPECT_NEAR(number(output, "peak_stress"), 1e-4 * number(output, "effective_modulus"), 1e-6);
+  EXPECT_TRUE(std::isnan(number(output, "first_break_strain")));
+  EXPECT_EQ(filter->GetBrokenBonds()->GetNumberOfPoints(), 0);
+  EXPECT_EQ(filter->GetCurve()->GetNumberOfRows(), 2);
+  filter->SetMaximumStrain(0);
+  filter->SetMaximumBroken(12);
+  filter->CompressionOn();
+  filter->Update();
+  output = filter->GetOutput();
+  EXPECT_EQ(fieldText(output, "end"), "maximum-broken");
+  EXPECT_GT(number(output, "peak_stress"), 0);
+  EXPECT_LT(points(output, "displacement")->GetComponent(24 * 35 + 3, 1), 0);
+}
+
+TEST_F(BondFracture, Cancelled)
+{
+  vtkNew<vtkBondFracture> filter;
+  configure(filter);
+  filter->SetInputData(sample());
+  vtkNew<vtkCallbackCommand> stop;
+  stop->SetCallback(
+    [](vtkObject* caller, unsigned long, void*, void*) { static_cast<vtkAlgorithm*>(caller)->SetAbortExecute(1); });
+  filter->AddObserver(vtkCommand::ProgressEvent, stop);
+  EXPECT_EQ(errorOf(filter), "");
+  EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0);
+  EXPECT_EQ(filter->GetBrokenBonds()->GetNumberOfPoints(), 0);
+  EXPECT_EQ(filter->GetNumberOfStates(), 0);
+}
+
+TEST_F(BondFracture, WhatIsRefused)
+{
+  const auto fails = [](const std::function<void(vtkBondFracture*)>& change, const char* message,
+                       int failure = vtkBondAlgorithm::PARAMETER_FAILURE)
+  {
+    SCOPED_TRACE(message);
+    vtkNew<vtkBondFracture> filter;
+    configure(filter);
+    filter->SetInputData(sample());
+    change(filter);
+    const std::string error = errorOf(filter);
+    EXPECT_NE(error.find(message), std::string::npos) << error;
+    EXPECT_NE(error.find("hint: "), std::string::npos) << error;
+    EXPECT_EQ(filter->GetFailure(), failure);
+    EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0);
+    EXPECT_EQ(filter->GetCurve()->GetNumberOfRows(), 0);
+  };
+  fails([](auto* f) { f->SetCriticalStretch("lamella", 0); }, "the critical stretch of lamella is 0");
+  fails([](auto* f) { f->SetCriticalStretch("lamella", -1e-3); }, "the critical stretch of lamella is -0.001");
+  fails([](auto* f) { f->RemoveAllCriticalStretches(); }, "nothing can break");
+  fails([](auto* f) { f->LargeStrainsOn(); }, "fracture in large strains");
+  fails([](auto* f) { f->SetStopShare(1); }, "the share of the peak at which to stop, 1, is not in [0, 1)");
+  fails([](auto* f) { f->SetMaximumStrain(-1); }, "the largest strain is -1");
+  fails([](auto* f) { f->SetMaximumStrain(std::nan("")); }, "the largest strain is nan");
+  fails([](auto* f) { f->SetMaximumBroken(-1); }, "the largest number of broken bonds is -1");
+  fails([](auto* f) { f->AddStateAtStrain(-1e-3); }, "a state is asked for at the strain -0.001");
+  fails([](auto* f) { f->AddStateAtBroken(0); }, "a state is asked for at 0 broken bonds");
+  fails(
+    [](auto* f)
+    {
+      f->ComputeDisplacementOff();
+      f->ComputeStressOn();
+    },
+    "the stress of nodes without their displacements");
+  fails(
+    [](auto* f)
+    {
+      f->SetMethod(vtkBondFracture::EVENTS);
+      f->SetBreaking(vtkBondFracture::BATCHED);
+    },
+    "batches of bonds cannot be broken with local corrections");
+  fails(
+    [](auto* f)
+    {
+      f->SetMethod(vtkBondFracture::EVENTS);
+      f->SetPeriodic(1, 0, 0);
+    },
+    "fracture with local corrections of a periodic sample");
+  fails(
+    [](auto* f)
+    {
+      const auto image = sample();
+      for (int i = 0; i < 24 * 5; ++i)
+      {
+        points(image, "phase")->SetTuple1(24 * 20 + i, 0);
+      }
+      f->SetInputData(image);
+    },
+    "no piece of the sample reaches from one platen to the other along y", vtkBondAlgorithm::NO_PATH_FAILURE);
+}
+
+// Pieces split along x and into blocks, with and without a ghost layer.
+TEST_F(BondFracture, RanksChangeNothing)
+{
+  const auto image = sample();
+  const auto set = [](vtkBondFracture* filter)
+  {
+    configure(filter);
+    filter->SetMethod(ranks() > 1 ? vtkBondFracture::AUTO : vtkBondFracture::ACCURATE);
+    filter->SetTolerance(1e-9);
+    filter->SetMaximumBroken(40);
+    filter->AddStateAtBroken(15);
+    filter->ComputeStrainEnergyOn();
+  };
+  vtkNew<vtkBondFracture> alone;
+  set(alone);
+  alone->SetMethod(vtkBondFracture::ACCURATE);
+  alone->SetInputData(image);
+  alone->UpdatePiece(0, 1, 0);
+  vtkImageData* const whole = alone->GetOutput();
+  ASSERT_GT(whole->GetNumberOfPoints(), 0);
+  for (const bool blocks : { false, true })
+  {
+    const auto producer = pieceOf(image, blocks);
+    vtkNew<vtkBondFracture> together;
+    set(together);
+    together->SetInputConnection(producer->GetOutputPort());
+    together->UpdatePiece(rank(), ranks(), 0);
+    vtkImageData* const part = together->GetOutput();
+    EXPECT_EQ(fieldText(part, "method"), "accurate");
+    for (vtkIdType i = 0; i < part->GetNumberOfPoints(); ++i)
+    {
+      const vtkIdType other = whole->FindPoint(part->GetPoint(i));
+      ASSERT_EQ(points(part, "broken")->GetTuple1(i), points(whole, "broken")->GetTuple1(other));
+      ASSERT_EQ(points(part, "damage")->GetTuple1(i), points(whole, "damage")->GetTuple1(other));
+      ASSERT_NEAR(points(part, "strain_energy")->GetTuple1(i), points(whole, "strain_energy")->GetTuple1(other),
+        1e-6 * points(whole, "strain_energy")->GetRange()[1]);
+    }
+    for (const char* const name : { "effective_modulus", "peak_stress", "broken_energy", "bonds", "total_broken" })
+    {
+      EXPECT_NEAR(number(part, name) / number(whole, name), 1, 1e-8) << name;
+    }
+    EXPECT_EQ(together->GetNumberOfStates(), 2);
+    vtkPolyData* const broken = together->GetBrokenBonds();
+    if (rank() > 0)
+    {
+      EXPECT_EQ(broken->GetNumberOfPoints(), 0);
+      EXPECT_EQ(together->GetCurve()->GetNumberOfRows(), 0);
+      continue;
+    }
+    ASSERT_EQ(broken->GetNumberOfPoints(), 40);
+    for (vtkIdType i = 0; i < 40; ++i)
+    {
+      EXPECT_EQ(vtkMath::Distance2BetweenPoints(broken->GetPoint(i), alone->GetBrokenBonds()->GetPoint(i)), 0);
+    }
+    EXPECT_EQ(together->GetCurve()->GetNumberOfRows(), alone->GetCurve()->GetNumberOfRows());
+  }
+}
+
+} // namespace

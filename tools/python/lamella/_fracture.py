@@ -1,0 +1,269 @@
+"""Quasi-static fracture: strength, curve, broken bonds, damage."""
+
+import os
+
+import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkTable
+
+from . import _arrays, _files
+from ._bonds import AXES, BondFields, BondNumbers, set_bonds
+from ._errors import choose, run
+from ._solve import as_image
+from .vtkLamellaSolversVTK import vtkBondFracture
+
+_LOADS = {"stretch": 0, "shear": 1, "biaxial": 2}
+_METHODS = {"auto": 0, "events": 1, "accurate": 2}
+_BREAKINGS = {"strict": 0, "batched": 1}
+_COUNTS = (
+    "events raises equilibria iterations local_cycles visited_nodes searches freed_pieces freed_nodes freed_bonds "
+    "solid_nodes skipped_nodes bonds skipped_strips bytes"
+).split()
+_TIMES = ("bonds", "first", "equilibria", "local", "search", "run", "states")
+
+
+class FractureState(BondFields):
+    """The sample in one state: ``vtk`` is the image with ``damage``, ``broken`` and what was asked for."""
+
+    @property
+    def damage(self):
+        """Share of each node's bonds that are broken, 0 to 1 (a view)."""
+        return self.array("damage")
+
+    @property
+    def broken(self):
+        """Broken bonds of each node (a view)."""
+        return self.array("broken")
+
+    @property
+    def imposed_strain(self):
+        """The strain imposed in this state."""
+        return self._number("strain")
+
+    @property
+    def imposed_stress(self):
+        """The stress at it [Pa]: force on the platen over the section of the box."""
+        return self._number("stress")
+
+    @property
+    def broken_bonds(self):
+        """How many bonds of the sample are broken."""
+        return self._count("broken_bonds")
+
+    def __repr__(self):
+        return f"<lamella.FractureState: strain {self.imposed_strain:.6g}, {self.broken_bonds} bonds broken>"
+
+
+class FractureResult(BondNumbers):
+    """``vtk`` is the image at the end with all numbers as field data; ``vtk_broken`` a vtkPolyData with a vertex a
+    broken bond; ``vtk_curve`` a vtkTable.
+
+    Strains and stresses are positive along the load. Energies of a picture are per metre of thickness. y points up.
+    """
+
+    def __init__(self, states, broken, curve):
+        super().__init__(states[-1])
+        #: a FractureState for each one asked for that was reached, and the end
+        self.states = [FractureState(image) for image in states]
+        self.vtk_broken = broken
+        self.vtk_curve = curve
+
+    def _column(self, name):
+        return vtk_to_numpy(self.vtk_curve.GetColumnByName(name))
+
+    @property
+    def strain(self):
+        """Curve: imposed strains, from 0 on; they never fall. Just before each event, what each avalanche left, the
+        end."""
+        return self._column("strain")
+
+    @property
+    def stress(self):
+        """Curve: stresses at ``strain`` [Pa]."""
+        return self._column("stress")
+
+    @property
+    def broken_so_far(self):
+        """Curve: number of broken bonds at ``strain``."""
+        return self._column("broken")
+
+    @property
+    def critical_strain(self):
+        """Curve that follows every snap-back: strain at which the next bond is just critical."""
+        return self._column("critical_strain")
+
+    @property
+    def critical_stress(self):
+        """Curve that follows every snap-back: stress at ``critical_strain`` [Pa]."""
+        return self._column("critical_stress")
+
+    @property
+    def broken(self):
+        """The broken bonds in order, a structured array: ``event`` (from 1), ``strain`` (imposed), ``critical_strain``,
+        ``stress`` [Pa], ``position`` of the middle and ``bond`` vector (x, y (and z) [m]), ``phases`` of both ends (the
+        lesser first), ``between_grains``."""
+        d = self._dimension
+        kinds = [("event", "i8", ()), ("strain", "f8", ()), ("critical_strain", "f8", ()), ("stress", "f8", ()),
+                 ("position", "f8", (d,)), ("bond", "f8", (d,)), ("phases", "u1", (2,)), ("between_grains", "?", ())]
+        data = self.vtk_broken.GetPointData()
+        bonds = np.zeros(self.vtk_broken.GetNumberOfPoints(), dtype=kinds)
+        if len(bonds) > 0:
+            for name, _, shape in kinds:
+                points = self.vtk_broken.GetPoints().GetData()
+                values = vtk_to_numpy(points if name == "position" else data.GetArray(name))
+                bonds[name] = values[:, : shape[0]] if shape else values
+        return bonds
+
+    @property
+    def peak_stress(self):
+        """The largest stress: the strength, if the run went beyond it [Pa]."""
+        return self._number("peak_stress")
+
+    @property
+    def peak_strain(self):
+        """The strain imposed then."""
+        return self._number("peak_strain")
+
+    @property
+    def first_break_strain(self):
+        """Strain at which the first bond broke; NaN where none did."""
+        return self._number("first_break_strain")
+
+    @property
+    def first_break_stress(self):
+        """Stress at which the first bond broke [Pa]; NaN where none did."""
+        return self._number("first_break_stress")
+
+    @property
+    def modulus(self):
+        """Stress over strain of the unbroken sample [Pa]."""
+        return self.effective_modulus
+
+    @property
+    def broken_energy(self):
+        """What it took to break the bonds, were the load to follow every snap-back [J]."""
+        return self._number("broken_energy")
+
+    @property
+    def end(self):
+        """Why the run ended: "stress-fell", "severed", "nothing-breaks", "maximum-strain" or "maximum-broken"."""
+        return _arrays.text(self.vtk, "end")
+
+    @property
+    def method(self):
+        """"events" or "accurate"."""
+        return _arrays.text(self.vtk, "method")
+
+    @property
+    def damage(self):
+        """At the end: share of each node's bonds that are broken, 0 to 1 (a view)."""
+        return self.states[-1].damage
+
+    @property
+    def displacement(self):
+        """At the end: metres, x, y (and z) in the last axis (a view)."""
+        return self.states[-1].displacement
+
+    @property
+    def statistics(self):
+        """What was done and what was skipped: a dictionary of counts, and ``seconds``, one of times."""
+        counts = {name: self._count(name) for name in _COUNTS}
+        counts["seconds"] = dict(zip(_TIMES, map(float, _arrays.numbers(self.vtk, "seconds"))))
+        return counts
+
+    def save_broken(self, path, overwrite=False):
+        """Writes the broken bonds as a .vtp file, whole or not at all."""
+        path = os.fspath(path)
+        if os.path.exists(path) and not overwrite:
+            raise FileExistsError(f"{path} exists; say overwrite=True to replace it")
+        _files.write_poly_data(self.vtk_broken, path)
+        return path
+
+    def __repr__(self):
+        return (
+            f"<lamella.FractureResult: peak stress {self.peak_stress:.6g} Pa at a strain of {self.peak_strain:.4g}, "
+            f"{self.vtk_broken.GetNumberOfPoints()} bonds broken, {self.end}>"
+        )
+
+
+def fracture(
+    image,
+    young,
+    fracture_energy=None,
+    toughness=None,
+    critical_stretch=None,
+    load="stretch",
+    axis=None,
+    compression=False,
+    lateral_ratio=0.0,
+    smooth_platens=False,
+    rigid_platens=False,
+    platen_layers=0,
+    method="auto",
+    breaking="strict",
+    rivals=True,
+    stop=0.05,
+    max_strain=None,
+    max_broken=None,
+    tolerance=1e-6,
+    at_strains=(),
+    at_broken=(),
+    displacement=True,
+    stress=False,
+    strain_energy=False,
+    progress=None,
+    **bonds,
+):
+    """Strains a sample until it has failed and returns a FractureResult.
+
+    image, young, fracture_energy, toughness, critical_stretch  as equilibrium() takes them; pairs without one of the
+              last three never break
+    load      "stretch" (bottom fixed, top moves along the axis), "shear" (it moves across), "biaxial"
+    axis      None: y of a picture, z of a volume
+    compression  the top moves towards the bottom; strains and stresses are then positive in compression
+    lateral_ratio  of "biaxial": strain along the other axes over that along the axis
+    smooth_platens, rigid_platens, platen_layers  as equilibrium() takes them
+    method    "auto", "events" (corrections around each break; one rank) or "accurate" (all after each break)
+    breaking  "strict" (one bond at a time) or "batched" (all that are critical at once; accurate only)
+    rivals    of "events": look closer where two bonds are nearly as critical as each other
+    stop      ends when the stress has fallen to this share of the peak
+    max_strain, max_broken  ends there; None: no limit
+    tolerance  largest relative residual force of an equilibrium
+    at_strains, at_broken  states to keep: imposed strains, numbers of broken bonds; the end is always kept
+    displacement, stress, strain_energy  whether states have these fields; what is off is not computed
+    progress  called as progress(share, text); return False to cancel (raises Cancelled)
+
+    Of the bonds' keywords it takes those of equilibrium() but strains: they are small. A sample that is periodic along
+    an axis is solved by the accurate method.
+    """
+    if "strains" in bonds:
+        raise TypeError("fracture() takes no strains: quasi-static fracture is linear")
+    solve = vtkBondFracture()
+    solve.SetInputData(as_image(image))
+    set_bonds(solve, young, fracture_energy, toughness, critical_stretch, **bonds)
+    solve.SetLoad(choose(_LOADS, load, "load"))
+    solve.SetLoadAxis(choose(AXES, axis, "axis"))
+    solve.SetCompression(bool(compression))
+    solve.SetLateralRatio(float(lateral_ratio))
+    solve.SetSmoothPlatens(bool(smooth_platens))
+    solve.SetRigidPlatens(bool(rigid_platens))
+    solve.SetPlatenLayers(int(platen_layers))
+    solve.SetMethod(choose(_METHODS, method, "method"))
+    solve.SetBreaking(choose(_BREAKINGS, breaking, "breaking"))
+    solve.SetRivals(bool(rivals))
+    solve.SetStopShare(float(stop))
+    solve.SetMaximumStrain(0.0 if max_strain is None else float(max_strain))
+    solve.SetMaximumBroken(0 if max_broken is None else int(max_broken))
+    solve.SetTolerance(float(tolerance))
+    for strain in np.ravel(at_strains):
+        solve.AddStateAtStrain(float(strain))
+    for count in np.ravel(at_broken):
+        solve.AddStateAtBroken(int(count))
+    solve.SetComputeDisplacement(bool(displacement))
+    solve.SetComputeStress(bool(stress))
+    solve.SetComputeStrainEnergy(bool(strain_energy))
+    run(solve, progress)
+    broken, curve = vtkPolyData(), vtkTable()
+    broken.ShallowCopy(solve.GetBrokenBonds())
+    curve.ShallowCopy(solve.GetCurve())
+    return FractureResult([solve.GetStateImage(i) for i in range(solve.GetNumberOfStates())], broken, curve)
