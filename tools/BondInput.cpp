@@ -31,6 +31,7 @@ namespace
 {
 
 const std::vector<std::string> mixings{ "none", "harmonic", "minimum" };
+const std::vector<std::string> axisNames{ "x", "y", "z" };
 const std::vector<std::string> continua{ "plane-stress", "plane-strain", "space" };
 const std::vector<std::string> micromoduli{ "continuum", "lattice" };
 const std::vector<std::string> voidBondWords{ "keep", "cut" };
@@ -196,7 +197,7 @@ void addBondOptions(CLI::App& command, BondOptions& o, BondUse use)
     "grains of a phase (grain-grain)",
     "PAIR=VALUE")
     ->required();
-  if (use == BondUse::Load)
+  if (use != BondUse::Stiffness)
   {
     material("--fracture-energy", o.fractureEnergy, "Fracture energy [J/m²]", "PAIR=VALUE");
     material("--toughness", o.toughness, "Toughness [Pa √m]", "PAIR=VALUE");
@@ -234,7 +235,7 @@ void addBondOptions(CLI::App& command, BondOptions& o, BondUse use)
          "A cut from point to point, y upwards, in metres or with a unit; of a volume a corner and two edges"))
     ->type_name("X1,Y1,X2,Y2")
     ->allow_extra_args(false);
-  if (use == BondUse::Load)
+  if (use != BondUse::Stiffness)
   {
     bond(command.add_option("--periodic", o.periodic, "Axes at whose end the sample begins again, as x; none"))
       ->type_name("AXES");
@@ -247,24 +248,56 @@ void addBondOptions(CLI::App& command, BondOptions& o, BondUse use)
     ->capture_default_str();
 }
 
-void addBalanceOptions(CLI::App& command, BalanceOptions& o)
+void addPlatenOptions(CLI::App& command, PlatenOptions& o)
 {
-  const auto numerics = [](CLI::Option* option) { return option->group("Accuracy and cost"); };
-  numerics(command.add_option("--tolerance", o.tolerance, "Largest relative residual force"))
-    ->type_name("SHARE")
-    ->capture_default_str();
-  numerics(command.add_option("--max-iterations", o.maxIterations, "Give up after this many"))
+  const auto load = [](CLI::Option* option) { return option->group("Load"); };
+  load(command.add_option("--axis", o.axis, "Axis of loading; y of a picture, z of a volume when not given"))
+    ->type_name("x|y|z");
+  load(command.add_flag("--smooth-platens", o.smooth, "Platens let the sample slip across the axis"));
+  load(command.add_flag("--rigid-platens", o.rigid, "All layers of a platen move alike, not as the mean strain"));
+  load(command.add_option("--platen-layers", o.layers, "Layers that a platen holds; 0: as many as a bond reaches"))
     ->type_name("NUMBER")
     ->capture_default_str();
 }
 
-void checkBalance(const BalanceOptions& o)
+int platenAxis(const PlatenOptions& o)
 {
-  if (!(o.tolerance >= 1e-12 && o.tolerance <= 0.1))
+  if (o.layers < 0)
   {
-    throw ParameterError(fmt::format("--tolerance {:g} is not between 1e-12 and 0.1", o.tolerance),
+    throw ParameterError(fmt::format("--platen-layers {} is below 0", o.layers), "0 takes as many as a bond reaches");
+  }
+  return o.axis.empty() ? -1 : static_cast<int>(oneOf("--axis", o.axis, axisNames));
+}
+
+void addToleranceOption(CLI::App& command, double& tolerance)
+{
+  command.add_option("--tolerance", tolerance, "Largest relative residual force")
+    ->type_name("SHARE")
+    ->capture_default_str()
+    ->group("Accuracy and cost");
+}
+
+void addBalanceOptions(CLI::App& command, BalanceOptions& o)
+{
+  addToleranceOption(command, o.tolerance);
+  command.add_option("--max-iterations", o.maxIterations, "Give up after this many")
+    ->type_name("NUMBER")
+    ->capture_default_str()
+    ->group("Accuracy and cost");
+}
+
+void checkTolerance(double tolerance)
+{
+  if (!(tolerance >= 1e-12 && tolerance <= 0.1))
+  {
+    throw ParameterError(fmt::format("--tolerance {:g} is not between 1e-12 and 0.1", tolerance),
       "it is the largest relative residual force, such as 1e-6");
   }
+}
+
+void checkBalance(const BalanceOptions& o)
+{
+  checkTolerance(o.tolerance);
   if (o.maxIterations < 1)
   {
     throw ParameterError(fmt::format("--max-iterations {} is below 1", o.maxIterations), "allow at least 1");
@@ -436,7 +469,8 @@ void runBonds(Session& session, vtkBondAlgorithm* filter, const BondSample& samp
     {
       auto* algorithm = static_cast<vtkAlgorithm*>(caller);
       auto* c = static_cast<Client*>(data);
-      if (!c->session.progress(algorithm->GetProgress(), c->what))
+      const char* const words = algorithm->GetProgressText();
+      if (!c->session.progress(algorithm->GetProgress(), words != nullptr ? words : c->what))
       {
         algorithm->SetAbortExecute(1);
       }

@@ -43,11 +43,35 @@ struct BondOptions
 enum class BondUse
 {
   Load,      ///< a sample between platens
+  Fracture,  ///< likewise, in small strains: no --large-strains
   Stiffness, ///< a cell that repeats, in small strains: no --periodic, no --large-strains, nothing about breaking
 };
 
 /// Declares the options above.
 void addBondOptions(CLI::App& command, BondOptions& options, BondUse use);
+
+/// The platens that hold a sample.
+struct PlatenOptions
+{
+  std::string axis;
+  bool smooth = false;
+  bool rigid = false;
+  int layers = 0;
+};
+void addPlatenOptions(CLI::App& command, PlatenOptions& options);
+/// @returns the axis, -1 for the last one
+/// @throws ParameterError
+[[nodiscard]] int platenAxis(const PlatenOptions& options);
+/// @param filter vtkBondEquilibrium or vtkBondFracture
+/// @throws ParameterError
+template <class Filter>
+void applyPlatens(const PlatenOptions& options, Filter* filter)
+{
+  filter->SetLoadAxis(platenAxis(options));
+  filter->SetSmoothPlatens(options.smooth);
+  filter->SetRigidPlatens(options.rigid);
+  filter->SetPlatenLayers(options.layers);
+}
 
 /// How well and how long the forces are balanced.
 struct BalanceOptions
@@ -56,8 +80,10 @@ struct BalanceOptions
   int maxIterations = 20000;
 };
 void addBalanceOptions(CLI::App& command, BalanceOptions& options);
+void addToleranceOption(CLI::App& command, double& tolerance);
 /// @throws ParameterError
 void checkBalance(const BalanceOptions& options);
+void checkTolerance(double tolerance);
 
 /// Gives the filter what the options say. @throws ParameterError for what can be said without the sample
 void applyBonds(const BondOptions& options, vtkBondAlgorithm* filter);
@@ -75,7 +101,8 @@ struct BondSample
 /// energy or a toughness where the pixel size is not known
 [[nodiscard]] BondSample loadBondSample(Session& session, const PictureOptions& picture, const BondOptions& options);
 
-/// Runs the filter on the sample that rank 0 holds, on all ranks, with a progress bar; rank 0 then holds its output.
+/// Runs the filter on the sample that rank 0 holds, on all ranks, with a progress bar of the filter's words, or `what`;
+/// rank 0 then holds its output.
 /// @throws the kind of Error that the filter met; Cancelled
 void runBonds(Session& session, vtkBondAlgorithm* filter, const BondSample& sample, const char* what);
 

@@ -109,11 +109,15 @@ void addModel(Json& json, const BondFields& f)
   json["warnings"] = fieldTexts(f.image, "warnings");
 }
 
-void addSizes(Json& json, const BondFields& f)
+void addSolve(Json& json, const BondFields& f)
 {
   json["residual"] = jsonNumber(f("residual"));
   json["levels"] = f.whole("levels");
   json["products"] = f.whole("products");
+}
+
+void addSizes(Json& json, const BondFields& f)
+{
   json["nodes"] = latticeOf(f.image).count();
   json["solid_nodes"] = f.whole("solid_nodes");
   json["bonds"] = f.whole("bonds");

@@ -55,6 +55,8 @@ struct BondFields
 
 /// Keys of every report: pairs, model, thickness of phases, what was doubtful.
 void addModel(Json& json, const BondFields& f);
+/// Of the solve: residual, levels, products.
+void addSolve(Json& json, const BondFields& f);
 /// Sizes: nodes, bonds, strips, bytes.
 void addSizes(Json& json, const BondFields& f);
 /// The sample and the run: file, size, phases, threads, version, provenance.

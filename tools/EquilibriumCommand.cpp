@@ -30,13 +30,10 @@ struct EquilibriumOptions
   PictureOptions picture;
   BondOptions bonds;
   std::string load = "stretch";
-  std::string axis;
+  PlatenOptions platens;
   double strain = 1e-3;
   double lateralStrain = 0;
   double traction = 0;
-  bool smoothPlatens = false;
-  bool rigidPlatens = false;
-  int platenLayers = 0;
   std::string solver = "multigrid";
   BalanceOptions balance;
   bool stress = false;
@@ -45,7 +42,6 @@ struct EquilibriumOptions
 };
 
 const std::vector<std::string> loads{ "stretch", "shear", "biaxial", "traction" };
-const std::vector<std::string> axes{ "x", "y", "z" };
 const std::vector<std::string> solvers{ "multigrid", "jacobi", "direct", "dynamic-relaxation" };
 
 /// What can be said without the sample. @throws ParameterError
@@ -53,10 +49,6 @@ void applyLoad(const EquilibriumOptions& o, vtkBondEquilibrium* filter)
 {
   const auto load = static_cast<int>(oneOf("--load", o.load, loads));
   filter->SetLoad(load);
-  if (!o.axis.empty())
-  {
-    filter->SetLoadAxis(static_cast<int>(oneOf("--axis", o.axis, axes)));
-  }
   if (load != vtkBondEquilibrium::BIAXIAL && o.lateralStrain != 0)
   {
     throw ParameterError("--lateral-strain is for --load biaxial", "leave it out, or add --load biaxial");
@@ -73,17 +65,10 @@ void applyLoad(const EquilibriumOptions& o, vtkBondEquilibrium* filter)
       fmt::format("--strain {} loads nothing", o.strain), "give a number such as 1e-3; tension is positive");
   }
   checkBalance(o.balance);
-  if (o.platenLayers < 0)
-  {
-    throw ParameterError(
-      fmt::format("--platen-layers {} is below 0", o.platenLayers), "0 takes as many as a bond reaches");
-  }
+  applyPlatens(o.platens, filter);
   filter->SetStrain(o.strain);
   filter->SetLateralStrain(o.lateralStrain);
   filter->SetTraction(o.traction);
-  filter->SetSmoothPlatens(o.smoothPlatens);
-  filter->SetRigidPlatens(o.rigidPlatens);
-  filter->SetPlatenLayers(o.platenLayers);
   filter->SetSolver(static_cast<int>(oneOf("--solver", o.solver, solvers)));
   filter->SetTolerance(o.balance.tolerance);
   filter->SetMaximumIterations(o.balance.maxIterations);
@@ -155,8 +140,7 @@ Command equilibriumCommand(CLI::App& root)
   load(app->add_option("--load", o->load, "The low platen stays; the high one moves along the axis, across it, ..."))
     ->type_name("stretch|shear|biaxial|traction")
     ->capture_default_str();
-  load(app->add_option("--axis", o->axis, "Axis of loading; y of a picture, z of a volume when not given"))
-    ->type_name("x|y|z");
+  addPlatenOptions(*app, o->platens);
   load(app->add_option(
          "--strain", o->strain, "Movement of the platen over the distance between the platens; tension positive"))
     ->type_name("NUMBER")
@@ -165,11 +149,6 @@ Command equilibriumCommand(CLI::App& root)
     ->type_name("NUMBER")
     ->capture_default_str();
   load(app->add_option("--traction", o->traction, "Of --load traction [Pa]; tension positive"))->type_name("PASCAL");
-  load(app->add_flag("--smooth-platens", o->smoothPlatens, "Platens let the sample slip across the axis"));
-  load(app->add_flag("--rigid-platens", o->rigidPlatens, "All layers of a platen move alike, not as the mean strain"));
-  load(app->add_option("--platen-layers", o->platenLayers, "Layers that a platen holds; 0: as many as a bond reaches"))
-    ->type_name("NUMBER")
-    ->capture_default_str();
   const auto numerics = [](CLI::Option* option) { return option->group("Accuracy and cost"); };
   numerics(app->add_option("--solver", o->solver, "How forces are balanced"))
     ->type_name("multigrid|jacobi|direct|dynamic-relaxation")

@@ -61,6 +61,7 @@ std::string equilibriumJson(const BondRun& report)
   json["solver"] = f.text("solver");
   json["iterations"] = f.whole("iterations");
   json["newton_steps"] = f.whole("newton_steps");
+  addSolve(json, f);
   addSizes(json, f);
   json["seconds"] = report.seconds;
   json["bond_seconds"] = f("seconds", 0);

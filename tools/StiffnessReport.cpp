@@ -123,6 +123,7 @@ std::string stiffnessJson(const BondRun& report)
     iterations.push_back(std::llround(n));
   }
   json["iterations"] = iterations;
+  addSolve(json, f);
   addSizes(json, f);
   json["steps"] = stepsJson(f, report.refine);
   json["seconds"] = report.seconds;

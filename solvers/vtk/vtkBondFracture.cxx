@@ -275,7 +275,9 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team)
     lamella::describeThickness(image, scene, result.thickness);
     const nlohmann::json model = lamella::describeModel(image, scene, settings);
     lamella::setFieldText(image, "load", loadName.at(static_cast<std::size_t>(this->Load)));
+    lamella::setFieldNumbers(image, "compression", std::array{ this->Compression ? 1.0 : 0.0 });
     lamella::setFieldText(image, "breaking", lamella::wordOf(options.fracture.breaking));
+
     lamella::continueProvenance(image, "fracture",
       { { "model", model }, { "load", loadName.at(static_cast<std::size_t>(this->Load)) },
         { "axis", std::string(1, "xyz"[result.axis]) }, { "compression", this->Compression },

@@ -34,7 +34,7 @@
  * - `broken_energy` [J], [J/m] of a picture: what it took to break the bonds, were the load to follow every snap-back
  * - `end`: stress-fell, severed, nothing-breaks, maximum-strain or maximum-broken; `end_reason`: the same as a sentence
  * - of the state: `strain`, `stress` [Pa], `broken_bonds`, `hinges`, `state_iterations`
- * - `load`, `load_axis`, `method`, `breaking`, `section_area`, `gauge_length`, `platen_layers`
+ * - `load`, `compression` (0 or 1), `load_axis`, `method`, `breaking`, `section_area`, `gauge_length`, `platen_layers`
  * - `events`, `raises` (of the load; each jumps the elastic ramp up to the next break), `equilibria` (of the whole
  *   sample) with their `iterations`, `local_cycles` with the `visited_nodes`, `searches` for loose pieces,
  *   `freed_pieces`, `freed_nodes`, `freed_bonds` (came loose on the way), `loose_pieces`, `loose_nodes` (were loose

@@ -480,6 +480,54 @@ class Bonds(unittest.TestCase):
         np.testing.assert_allclose(half.stress, result.stress / 2)
         self.assertEqual(result.provenance["parameters"]["equilibrium"]["model"]["young"], {"stone": 2e9})
 
+    def test_fracture(self):
+        phase = np.ones((36, 24), int)
+        for x in range(24):
+            phase[16 + x // 8 : 21 + x // 8, x] = 2  # a layer of glue, slightly inclined
+        sample = lamella.from_array(phase, names=["void", "stone", "glue"], spacing=1e-5)
+        breaks = {"critical_stretch": {"stone": 1e-2, "glue": 2e-3}, "like": {"glue-stone": "glue"}}
+        young = {"stone": 4e9, "glue": 1e9}
+        result = lamella.fracture(sample, young, **breaks)
+        self.assertEqual((result.end, result.method, result.axis), ("stress-fell", "events", "y"))
+        broken = result.broken
+        self.assertEqual(len(broken), result.statistics["events"])
+        self.assertEqual(broken["position"].shape, (len(broken), 2))
+        np.testing.assert_array_equal(broken["event"], np.arange(1, len(broken) + 1))
+        self.assertTrue((broken["critical_strain"] <= broken["strain"]).all())
+        self.assertTrue((broken["phases"][:, 1] == 2).all())  # the glue, or the glue and the stone
+        self.assertFalse(broken["between_grains"].any())
+        # each bond counts at both its ends, and is where the damage is
+        self.assertEqual(result.states[-1].broken.sum(), 2 * len(broken))
+        row = 36 - (broken["position"][:, 1] / 1e-5).astype(int) - 1
+        damage = result.damage[row, (broken["position"][:, 0] / 1e-5).astype(int).clip(0, 23)]
+        self.assertGreater(damage.mean(), 0.2)
+        self.assertEqual(result.damage[:8].max(), 0)
+        self.assertEqual(result.stress.max(), result.peak_stress)
+        self.assertEqual((result.strain[0], result.stress[0]), (0, 0))
+        self.assertTrue((np.diff(result.strain) >= 0).all() and (np.diff(result.broken_so_far) >= 0).all())
+        self.assertTrue((result.critical_strain <= result.strain).all())
+        self.assertGreater(result.broken_energy, 0)
+        self.assertEqual(set(result.pairs), {"stone", "stone-glue", "glue"})
+        self.assertIn("bonds broken, stress-fell", repr(result))
+        several = lamella.fracture(sample, young, **breaks, at_strains=1e-4, at_broken=[10, 20], stress=True)
+        np.testing.assert_array_equal(several.broken, broken)
+        self.assertEqual([state.broken_bonds for state in several.states], [0, 10, 20, len(broken)])
+        self.assertAlmostEqual(several.states[0].imposed_stress / 1e-4 / several.modulus, 1)
+        self.assertEqual(several.states[1].stress.shape, (36, 24, 6))
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "broken.vtp")
+            self.assertEqual(result.save_broken(path), path)
+            with self.assertRaises(FileExistsError):
+                result.save_broken(path)
+        none = lamella.fracture(sample, young, **breaks, max_strain=1e-5, displacement=False)
+        self.assertEqual((none.end, len(none.broken), len(none.strain)), ("maximum-strain", 0, 2))
+        with self.assertRaisesRegex(lamella.LamellaError, "nothing can break"):
+            lamella.fracture(sample, young, mixing="minimum")
+        with self.assertRaisesRegex(TypeError, "linear"):
+            lamella.fracture(sample, young, **breaks, strains="large")
+        with self.assertRaises(lamella.Cancelled):
+            lamella.fracture(sample, young, **breaks, progress=lambda share, text: False)
+
     def test_stiffness(self):
         layers = lamella.laminate(size=(32, 32), axis="y", periods=1)
         young = {"matrix": 1e9, "inclusion": 4e9}

@@ -1,0 +1,177 @@
+"""lamella fracture: numbers, files, states, several ranks, interruption; what is refused."""
+
+import csv
+import os
+import re
+import signal
+import subprocess
+import time
+import unittest
+
+import pictures
+from program import PROGRAM, Case
+
+STRIP = ["fracture", "strip.png", "--phase", "255=stone", "--phase", "100=glue", "--young", "stone=2e9", "--young",
+         "glue=1e9", "--like", "glue-stone=glue"]
+BREAKS = ["--critical-stretch", "stone=0.01", "--critical-stretch", "glue=0.002"]
+
+
+class Fracture(Case):
+    def setUp(self):
+        super().setUp()
+        # a layer of glue across, slightly inclined
+        rows = [[100 if abs(y - 20 - x // 10) < 3 else 255 for x in range(30)] for y in range(44)]
+        self.write("strip.png", pictures.png(rows, pixels_per_metre=100000))
+
+    def test_numbers(self):
+        found = self.works(*STRIP, *BREAKS, "--json").json()
+        self.assertEqual((found["end"], found["method"], found["breaking"]), ("stress-fell", "events", "strict"))
+        self.assertEqual((found["load"], found["axis"], found["compression"]), ("stretch", "y", False))
+        self.assertEqual(found["broken"], sum(found["broken_by_pair"].values()))
+        self.assertEqual(found["broken"], found["statistics"]["events"])
+        self.assertLessEqual(set(found["broken_by_pair"]), {"glue", "glue-stone"})
+        self.assertGreaterEqual(found["peak_stress"], found["first_break"]["stress"])
+        self.assertAlmostEqual(found["first_break"]["stress"] / found["first_break"]["strain"] / found["effective_modulus"],
+                               1, places=5)
+        self.assertIn("glue", found["first_break"]["phases"])
+        self.assertEqual(len(found["states"]), 1)
+        self.assertLessEqual(found["states"][0]["stress"], 0.05 * found["peak_stress"])
+        self.assertEqual(found["statistics"]["states_seconds"] < 0.1, True)  # no fields without a file
+        checked = self.works(*STRIP, *BREAKS, "--method", "accurate", "--json").json()
+        self.assertAlmostEqual(checked["peak_stress"] / found["peak_stress"], 1, places=3)
+        self.assertAlmostEqual(checked["broken_energy"] / found["broken_energy"], 1, delta=0.02)
+        batched = self.works(*STRIP, *BREAKS, "--breaking", "batched", "--json").json()
+        self.assertEqual(batched["method"], "accurate")
+        self.assertLess(batched["statistics"]["events"], batched["broken"])
+
+    def test_energy_of_a_crack(self):
+        # with four neighbours a node, one bond a column crosses: 30 bonds of half of k s0² δx, k = 9 E/(π h³) δx⁴
+        rows = [[100 if y < 22 else 255 for _ in range(30)] for y in range(44)]
+        self.write("two.png", pictures.png(rows, pixels_per_metre=100000))
+        found = self.run_lamella("fracture", "two.png", "--phase", "100=a", "--phase", "255=b", "--young", "a=1e9", "--young",
+                                 "b=1e9", "--young", "a-b=1e9", "--critical-stretch", "a-b=1e-3", "--horizon", "1", "--stop", "0", "--json").json()
+        self.assertEqual((found["end"], found["broken"]), ("severed", 30))
+        self.assertAlmostEqual(found["broken_energy"] / (30 * 0.5 * 9e9 / 3.141592653589793 * 1e-5 * 1e-6 * 1e-5), 1, places=9)
+
+    def test_table(self):
+        text = self.works(*STRIP, *BREAKS, "--stats").out
+        for words in ("modulus", "first break at", "peak at", "end at", "the stress fell to the share of the peak",
+                      "energy in them", "events, strict", "rises of the load", "local corrections", "came loose"):
+            self.assertIn(words, text)
+        text = self.works(*STRIP, *BREAKS, "--compression", "--max-broken", "5").out
+        self.assertIn("positive in compression", text)
+        self.assertNotIn("rises of the load", text)
+
+    def test_files(self):
+        words = [*STRIP, *BREAKS]
+        states = ["--at-strain", "1e-4", "--at-broken", "10,20", "--at-broken", "30", "--stress"]
+        out = self.works(*words, *states, "-o", "s.vti", "--broken", "b.vtp", "--curve", "c.csv").out
+        names = ["s_000.vti", "s_001.vti", "s_002.vti", "s_003.vti", "s_004.vti", "s.pvd", "b.vtp", "c.csv"]
+        for name in names:
+            self.assertIn("wrote " + name, out)
+        self.assertEqual(sorted(os.listdir(self.folder)), sorted([*names, "c.csv.json", "strip.png"]))
+        with open(self.path("s.pvd"), encoding="utf-8") as file:
+            sets = re.findall(r'timestep="([^"]+)" part="0" file="([^"]+)"', file.read())
+        self.assertEqual([name for _, name in sets], names[:5])
+        times = [float(value) for value, _ in sets]
+        self.assertEqual(times[0], 1e-4)
+        self.assertEqual(times, sorted(set(times)))
+        arrays = [array["name"] for array in self.info("s_002.vti")["point_arrays"]]
+        self.assertEqual(arrays, ["phase", "damage", "broken", "displacement", "stress"])
+        arrays = [array["name"] for array in self.info("b.vtp")["point_arrays"]]
+        self.assertEqual(arrays, ["event", "strain", "critical_strain", "stress", "bond", "phases", "between_grains"])
+        self.works("snapshot", "s_002.vti", "--array", "damage", "-o", "d.png")
+        with open(self.path("c.csv"), encoding="utf-8") as file:
+            rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+        self.assertEqual((rows[0]["strain"], rows[0]["stress"]), (0, 0))
+        self.assertTrue(all(a["strain"] <= b["strain"] for a, b in zip(rows, rows[1:])))
+        found = self.works(*words, *states, "-o", "s.vti", "--overwrite", "--json").json()
+        self.assertEqual([state["broken"] for state in found["states"]], [0, 10, 20, 30, found["broken"]])
+        self.assertEqual([state["file"] for state in found["states"]], names[:5])
+        self.assertEqual(max(row["stress"] for row in rows), found["peak_stress"])
+        self.assertEqual(rows[-1]["broken"], found["broken"])
+        # one state, one file; a result is a sample
+        self.works(*words, "-o", "end.vti", "--quiet")
+        again = self.works(STRIP[0], "end.vti", *STRIP[6:], *BREAKS, "--json").json()
+        self.assertEqual(again["peak_stress"], found["peak_stress"])
+
+    def test_states_beyond_the_end(self):
+        result = self.run_lamella(*STRIP, *BREAKS, "--at-strain", "0.5", "-o", "s.vti", "--json")
+        self.assertEqual(result.code, 0)
+        self.assertIn("warning: 1 of the states asked for lie beyond the end", result.err)
+        self.assertEqual([state["file"] for state in result.json()["states"]], ["s_000.vti"])
+        self.assertEqual(sorted(os.listdir(self.folder)), ["s.pvd", "s_000.vti", "strip.png"])
+
+    def test_limits(self):
+        found = self.works(*STRIP, *BREAKS, "--max-strain", "1e-4", "--json").json()
+        self.assertEqual((found["end"], found["broken"], found["first_break"]), ("maximum-strain", 0, None))
+        self.assertAlmostEqual(found["peak_stress"] / found["effective_modulus"], 1e-4)
+        found = self.works(*STRIP, *BREAKS, "--max-broken", "7", "--json").json()
+        self.assertEqual((found["end"], found["broken"]), ("maximum-broken", 7))
+        half = self.works(*STRIP, *BREAKS, "--stop", "50%", "--json").json()
+        self.assertEqual(half["end"], "stress-fell")
+        notched = self.works(*STRIP, *BREAKS, "--notch", "0,205um,100um,205um", "--json").json()
+        self.assertLess(notched["peak_stress"], half["peak_stress"])
+
+    def test_ranks_change_nothing(self):
+        words = [*STRIP, *BREAKS, "--max-broken", "40", "--tolerance", "1e-9", "--json"]
+        one = self.run_lamella(*words, "--method", "accurate").json()
+        two = self.run_lamella(*words, ranks=2).json()
+        self.assertEqual((two["ranks"], two["method"]), (2, "accurate"))
+        self.assertEqual(two["broken_by_pair"], one["broken_by_pair"])
+        # residuals of 1e-9 leave some 1e-8 of elongations
+        self.assertAlmostEqual(two["peak_stress"] / one["peak_stress"], 1, places=6)
+        self.assertAlmostEqual(two["broken_energy"] / one["broken_energy"], 1, places=9)
+
+    def test_interrupted(self):
+        big = [[100 if abs(y - 150 - x // 10) < 3 else 255 for x in range(200)] for y in range(300)]
+        self.write("big.png", pictures.png(big))
+        words = [PROGRAM, *STRIP, *BREAKS, "--method", "accurate", "-o", "s.vti", "--curve", "c.csv"]
+        words[2] = "big.png"
+        with subprocess.Popen(words, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
+            while len(os.listdir(self.folder)) < 5 and run.poll() is None:
+                time.sleep(0.02)
+            time.sleep(1)  # in the midst of it
+            run.send_signal(signal.SIGINT)
+            out, err = run.communicate(timeout=60)
+        self.assertEqual(run.returncode, 130, err)
+        self.assertEqual(out, b"")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["big.png", "strip.png"])
+
+    def test_what_cannot_be_done(self):
+        good = [*STRIP, *BREAKS]
+        self.fails(2, "nothing can break", "pairs of phases that are to break", *STRIP)
+        self.fails(2, "--critical-stretch glue=0: '0' is not a positive number", "SI units", *STRIP, "--critical-stretch", "glue=0")
+        self.fails(2, "--critical-stretch glue=-1e-3", "SI units", *STRIP, "--critical-stretch", "glue=-1e-3")
+        self.fails(2, "--toughness glue=nan", "SI units", *STRIP, "--toughness", "glue=nan")
+        self.fails(2, "--load traction: nothing can hold a force", "--curve", *good, "--load", "traction")
+        self.fails(2, "--load 'sheer'", "did you mean 'shear'?", *good, "--load", "sheer")
+        self.fails(2, "--lateral-ratio is for --load biaxial", "", *good, "--lateral-ratio", "1")
+        self.fails(2, "--stop 'half' is not a share", "1%", *good, "--stop", "half")
+        self.fails(2, "--stop '100%' is not from 0 up to 100 %", "hinges", *good, "--stop", "100%")
+        self.fails(2, "--max-strain '-1' is not a number above 0", "along the load", *good, "--max-strain=-1")
+        self.fails(2, "--max-broken '0' is not a whole number above 0", "", *good, "--max-broken", "0")
+        self.fails(2, "--at-broken '1.5' is not a whole number", "", *good, "--at-broken", "1.5", "-o", "s.vti")
+        self.fails(2, "--at-strain 'x' is not a number above 0", "", *good, "--at-strain", "1e-3,x", "-o", "s.vti")
+        self.fails(2, "--at-strain without a file", "-o FILE.vti", *good, "--at-strain", "1e-3")
+        self.fails(2, "--stress without a file", "-o FILE.vti", *good, "--stress")
+        self.fails(2, "-o 'a.png': the fields are written as .vti", "--broken", *good, "-o", "a.png")
+        self.fails(2, "--broken 'b.csv': broken bonds are written as .vtp", "", *good, "--broken", "b.csv")
+        self.fails(2, "--curve 'c.txt': tables are written as .csv", "", *good, "--curve", "c.txt")
+        self.fails(2, "--tolerance 1 is not between", "1e-6", *good, "--tolerance", "1")
+        self.fails(2, "'--large-strains' is not an option of lamella fracture", "lamella equilibrium", *good, "--large-strains")
+        self.fails(2, "batches of bonds cannot be broken with local corrections", "accurate", *good, "--breaking", "batched",
+                   "--method", "events")
+        self.fails(2, "local corrections of a periodic sample", "accurate", *good, "--periodic", "x", "--method", "events")
+        self.fails(2, "two platens of 22 layers leave nothing", "", *good, "--platen-layers", "22")
+        half = [[0] * 20 if 20 <= y < 30 else [255] * 20 for y in range(50)]
+        self.write("apart.png", pictures.png(half))
+        self.fails(4, "no piece of the sample reaches from one platen to the other along y: it is in 2 pieces",
+                   "longer horizon", "fracture", "apart.png", "--phase", "0=void", "--phase", "255=stone", "--young", "stone=1",
+                   "--critical-stretch", "stone=1e-3")
+        self.works(*good, "--max-broken", "3", "-o", "s.vti", "--at-broken", "1", "--quiet")
+        self.fails(7, "'s_000.vti' exists already", "--overwrite", *good, "-o", "s.vti", "--at-broken", "1")
+
+
+if __name__ == "__main__":
+    unittest.main()

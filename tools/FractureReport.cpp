@@ -1,0 +1,228 @@
+#include "FractureReport.h"
+
+#include "DiffusionReport.h"
+#include "Text.h"
+
+#include "lattice/Memory.h"
+#include "vtkLatticeConversion.h"
+
+#include <vtkDataArray.h>
+#include <vtkImageData.h>
+#include <vtkPointData.h>
+#include <vtkPolyData.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+vtkDataArray* column(vtkPolyData* data, const char* name)
+{
+  return data->GetPointData()->GetArray(name);
+}
+
+/// "wall", "wall-lamella", "grain-grain" for two different grains: as pairs are written on the command line.
+std::string pairOf(vtkPolyData* broken, const std::vector<std::string>& names, vtkIdType i)
+{
+  const auto phase = [&](int end)
+  { return names.at(static_cast<std::size_t>(column(broken, "phases")->GetComponent(i, end))); };
+  const bool between = column(broken, "between_grains")->GetTuple1(i) != 0;
+  return phase(0) == phase(1) && !between ? phase(0) : phase(0) + "-" + phase(1);
+}
+
+/// How many bonds of each pair broke, the most first.
+std::vector<std::pair<std::string, std::int64_t>> byPair(const FractureReport& report)
+{
+  const std::vector<std::string> names = fieldTexts(report.run.image, "phase_names");
+  std::map<std::string, std::int64_t> counts;
+  for (vtkIdType i = 0; i < report.broken->GetNumberOfPoints(); ++i)
+  {
+    ++counts[pairOf(report.broken, names, i)];
+  }
+  std::vector<std::pair<std::string, std::int64_t>> sorted(counts.begin(), counts.end());
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  return sorted;
+}
+
+Json firstBreak(const FractureReport& report, const BondFields& f)
+{
+  if (report.broken->GetNumberOfPoints() == 0)
+  {
+    return nullptr;
+  }
+  const double* const at = report.broken->GetPoint(0);
+  const std::vector<std::string> names = fieldTexts(report.run.image, "phase_names");
+  Json phases = Json::array();
+  for (int end = 0; end < 2; ++end)
+  {
+    phases.push_back(names.at(static_cast<std::size_t>(column(report.broken, "phases")->GetComponent(0, end))));
+  }
+  return { { "strain", f("first_break_strain") }, { "stress", f("first_break_stress") },
+    { "position", std::vector<double>(at, at + f.dimension) }, { "phases", std::move(phases) } };
+}
+
+Json states(const FractureReport& report)
+{
+  Json list = Json::array();
+  for (std::size_t i = 0; i < report.states.size(); ++i)
+  {
+    const auto number = [&](const char* name) { return fieldNumbers(report.states[i], name).at(0); };
+    list.push_back({ { "strain", number("strain") }, { "stress", number("stress") },
+      { "broken", std::llround(number("broken_bonds")) }, { "hinges", std::llround(number("hinges")) },
+      { "file", i < report.stateFiles.size() ? Json(report.stateFiles[i]) : Json(nullptr) } });
+  }
+  return list;
+}
+
+Json statistics(const BondFields& f)
+{
+  Json json;
+  for (const char* name : { "events", "raises", "equilibria", "iterations", "local_cycles", "visited_nodes", "searches",
+         "freed_pieces", "freed_nodes", "freed_bonds" })
+  {
+    json[name] = f.whole(name);
+  }
+  const std::array<const char*, 7> times{ "bonds", "first", "equilibria", "local", "search", "run", "states" };
+  for (std::size_t i = 0; i < times.size(); ++i)
+  {
+    json[std::string(times[i]) + "_seconds"] = f("seconds", i);
+  }
+  return json;
+}
+
+double share(double part, double whole)
+{
+  return whole > 0 ? 100 * part / whole : 0;
+}
+
+std::string statisticsText(const BondFields& f)
+{
+  const double events = std::max(f("events"), 1.0);
+  std::string text =
+    fmt::format("\n  {} rises of the load, each one step up to the next break\n", grouped(f.whole("raises")));
+  text += fmt::format("  {} equilibria of the whole sample with {} iterations   {:.3f} s\n",
+    grouped(f.whole("equilibria")), grouped(f.whole("iterations")), f("seconds", 2));
+  if (f.text("method") == "events")
+  {
+    text += fmt::format("  {} local corrections, {:.2g} % of the solid an event       {:.3f} s\n",
+      grouped(f.whole("local_cycles")), share(f("visited_nodes") / events, f("solid_nodes")), f("seconds", 3));
+  }
+  text += fmt::format("  most critical bonds, and {} searches for loose pieces    {:.3f} s\n",
+    grouped(f.whole("searches")), f("seconds", 4));
+  text += fmt::format("  {} pieces of {} nodes came loose with {} bonds\n", grouped(f.whole("freed_pieces")),
+    grouped(f.whole("freed_nodes")), grouped(f.whole("freed_bonds")));
+  text += fmt::format("  bonds {:.3f} s, first equilibrium {:.3f} s, fields {:.3f} s; {} for bonds and solver\n",
+    f("seconds", 0), f("seconds", 1), f("seconds", 6), bytesText(f("bytes")));
+  return text;
+}
+
+} // namespace
+
+std::string fractureJson(const FractureReport& report)
+{
+  const BondFields f(report.run);
+  Json json;
+  json["peak_stress"] = f("peak_stress");
+  json["peak_strain"] = f("peak_strain");
+  json["peak_broken"] = f.whole("peak_broken");
+  json["effective_modulus"] = jsonNumber(f("effective_modulus"));
+  json["first_break"] = firstBreak(report, f);
+  json["broken"] = f.whole("total_broken");
+  json["broken_by_pair"] = Json::object();
+  for (const auto& [pair, count] : byPair(report))
+  {
+    json["broken_by_pair"][pair] = count;
+  }
+  json["broken_energy"] = f("broken_energy");
+  json["end"] = f.text("end");
+  json["end_reason"] = f.text("end_reason");
+  json["states"] = states(report);
+  json["load"] = f.text("load");
+  json["axis"] = f.text("load_axis");
+  json["compression"] = f("compression") != 0;
+  json["method"] = f.text("method");
+  json["breaking"] = f.text("breaking");
+  json["gauge_length"] = f("gauge_length");
+  json["section_area"] = f("section_area");
+  json["platen_layers"] = Json{ { "low", { f.whole("platen_layers", 0), f.whole("platen_layers", 1) } },
+    { "high", { f.whole("platen_layers", 2), f.whole("platen_layers", 3) } } };
+  addModel(json, f);
+  json["statistics"] = statistics(f);
+  addSizes(json, f);
+  json["seconds"] = report.run.seconds;
+  addRun(json, report.run);
+  return dump(json);
+}
+
+std::string fractureTable(const FractureReport& report)
+{
+  const BondFields f(report.run);
+  const Lattice lattice = latticeOf(report.run.image);
+  const bool known = report.run.pixelSizeSource != "none";
+  std::string text = sampleText(report.run, true);
+  const bool shear = f.text("load") == "shear";
+  text += fmt::format("\n  {} along {}{}\n", f.text("load"), f.text("load_axis"),
+    f("compression") != 0 ? ", platens approaching: strains and stresses are positive in compression" : "");
+  text += fmt::format("    {}  {}\n", shear ? "shear modulus   " : "modulus         ", pascal(f("effective_modulus")));
+  if (f("total_broken") > 0)
+  {
+    const std::vector<std::string> names = fieldTexts(report.run.image, "phase_names");
+    text += fmt::format("    first break at    strain {:.6g}, stress {}, in {}\n", f("first_break_strain"),
+      pascal(f("first_break_stress")), pairOf(report.broken, names, 0));
+  }
+  text += fmt::format("    peak at           strain {:.6g}, stress {}, {} bonds broken\n", f("peak_strain"),
+    pascal(f("peak_stress")), grouped(f.whole("peak_broken")));
+  text += fmt::format(
+    "    end at            strain {:.6g}, stress {} ({:.2g} % of the peak), {} bonds broken:\n      {}\n", f("strain"),
+    pascal(f("stress")), share(f("stress"), f("peak_stress")), grouped(f.whole("total_broken")), f.text("end_reason"));
+  if (f("total_broken") > 0)
+  {
+    text += "    broken            ";
+    bool first = true;
+    for (const auto& [pair, count] : byPair(report))
+    {
+      text += fmt::format("{}{} {} ({:.3g} %)", first ? "" : ", ", pair, grouped(count),
+        share(static_cast<double>(count), f("total_broken")));
+      first = false;
+    }
+    text += "\n";
+    if (known)
+    {
+      text += fmt::format("    energy in them    {:.6g} {}\n", f("broken_energy"), f.dimension == 2 ? "J/m" : "J");
+    }
+  }
+  for (std::size_t i = 0; i + 1 < report.states.size(); ++i)
+  {
+    const auto number = [&](const char* name) { return fieldNumbers(report.states[i], name).at(0); };
+    text += fmt::format("    state kept at     strain {:.6g}, stress {}, {} bonds broken\n", number("strain"),
+      pascal(number("stress")), grouped(std::llround(number("broken_bonds"))));
+  }
+  const double run = f("seconds", 5);
+  text +=
+    fmt::format("\n  {}, horizon {:g}; {}, {}: {} events, {:.3g} ms each (run: {:.2f} s, everything: {:.2f} s, {})\n",
+      f.text("continuum"), f("horizon"), f.text("method"), f.text("breaking"), grouped(f.whole("events")),
+      f("events") > 0 ? 1e3 * run / f("events") : 0.0, run, report.run.seconds,
+      bytesText(static_cast<double>(peakMemoryBytes())));
+  text += sizesText(f);
+  if (report.statistics)
+  {
+    text += statisticsText(f);
+  }
+  text += fmt::format("  Strain: movement of the platen over the {:g} {} between the platens; stress: force over the\n"
+                      "  section of the box, voids included.\n",
+    known ? f("gauge_length") : f("gauge_length") / lattice.spacing, known ? "m" : "pixels");
+  for (const std::string& file : report.run.written)
+  {
+    text += "  wrote " + file + "\n";
+  }
+  return text;
+}
+
+} // namespace lamella::cli
