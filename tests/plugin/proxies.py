@@ -22,8 +22,8 @@ class Proxies(unittest.TestCase):
 
     def test_every_property_says_what_it_is(self):
         for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap, pv.PoreFloodFill,
-                       pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondStiffness,
-                       pv.BondStress, pv.StressPDF, pv.MicrographContours, pv.MicrographPolygonReader,
+                       pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondFracture,
+                       pv.BondStiffness, pv.BondStress, pv.StressPDF, pv.MicrographContours, pv.MicrographPolygonReader,
                        pv.MicrographLattice):
             proxy = create()
             properties = proxy.SMProxy
@@ -53,6 +53,11 @@ class Proxies(unittest.TestCase):
                                   "PlatenLayers",
                                   "ComputeStress", "ComputeStrainEnergy", "Solver", "Tolerance",
                                   "MaximumIterations")),
+            (pv.BondFracture, ("RelativeTo", "Mixing", "Horizon", "Continuum", "Micromodulus", "CutVoidBonds",
+                               "SurfaceCorrection", "Periodic", "Threads", "Load", "LoadAxis", "Compression",
+                               "LateralRatio", "SmoothPlatens", "RigidPlatens", "PlatenLayers", "Breaking", "StopShare",
+                               "MaximumStrain", "MaximumBroken", "State", "ComputeDisplacement", "ComputeStress",
+                               "ComputeStrainEnergy", "Method", "Rivals", "Tolerance")),
             (pv.BondStiffness, ("RelativeTo", "Mixing", "Horizon", "Continuum", "Micromodulus", "CutVoidBonds",
                                 "SurfaceCorrection", "Threads", "EstimateError", "Tolerance", "MaximumIterations")),
             (pv.BondStress, ("ModelFromInput", "ComputeStrainEnergy", "Horizon", "Mixing")),
@@ -153,6 +158,25 @@ class Proxies(unittest.TestCase):
         own = pv.BondStiffness(Input=tissue, YoungsModuli=["wall", "2e10"], EstimateError=0, Micromodulus="Lattice: exact along the axes")
         own.UpdatePipeline()
         self.assertAlmostEqual(field(own, "stiffness")[0] / expected.stiffness[0, 0] / 2 * 1.0644, 1, places=3)
+
+    def test_fracture(self):
+        tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[42, 48, 1], SolidFraction=0.6)
+        torn = pv.BondFracture(Input=tissue)  # Young's modulus and critical stretch of walls
+        torn.UpdatePipeline()
+        expected = lamella.fracture(servermanager.Fetch(tissue), {"wall": 1e10}, critical_stretch={"wall": 0.01})
+        self.assertEqual(field(torn, "peak_stress")[0], expected.peak_stress)
+        torn.SMProxy.UpdatePropertyInformation()
+        self.assertEqual(torn.GetPropertyValue("PeakStress"), expected.peak_stress)
+        self.assertEqual(servermanager.Fetch(torn, idx=1).GetNumberOfPoints(), len(expected.broken))
+        self.assertEqual(servermanager.Fetch(torn, idx=2).GetNumberOfRows(), len(expected.strain))
+        self.assertEqual(sorted(torn.PointData.keys()), ["broken", "damage", "displacement", "phase"])
+        torn.StatesAtBroken = [3, 6]
+        torn.ComputeDisplacement = 0
+        for state, broken in ((0, 3), (1, 6), (-1, len(expected.broken))):
+            torn.State = state
+            torn.UpdatePipeline()
+            self.assertEqual(field(torn, "broken_bonds")[0], broken)
+        self.assertEqual(sorted(torn.PointData.keys()), ["broken", "damage", "phase"])
 
     def test_grains(self):
         grains = pv.GrainPacking(Count=60, Softness=1e-4, Seed=4)
