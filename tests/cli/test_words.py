@@ -8,8 +8,8 @@ import unittest
 import pictures
 from program import CONDUCTIVITIES, HERE, PHASES, Case
 
-COMMANDS = ["generate", "diffusion", "flux-map", "packing", "bridges", "equilibrium", "stiffness", "pore-flood-fill",
-            "stress-pdf", "snapshot", "info"]
+COMMANDS = ["generate", "diffusion", "flux-map", "packing", "bridges", "equilibrium", "fracture", "stiffness",
+            "pore-flood-fill", "stress-pdf", "snapshot", "info"]
 
 
 class Words(Case):
