@@ -37,7 +37,7 @@ class Pieces : public vtktest::OnRanks
 {
 };
 
-Block pieceOf(const Lattice& lattice, int piece, int pieces, int split, int ghosts)
+Block heldBy(const Lattice& lattice, int piece, int pieces, int split, int ghosts)
 {
   vtkNew<vtkExtentTranslator> translator;
   translator->SetWholeExtent(0, static_cast<int>(lattice.size[0]) - 1, 0, static_cast<int>(lattice.size[1]) - 1, 0,
@@ -83,7 +83,7 @@ TEST_F(Pieces, ValuesReachTheBoxesThatNeedThem)
   {
     for (const int ghosts : { 0, 1 })
     {
-      const Block held = pieceOf(lattice, rank(), ranks(), split, ghosts);
+      const Block held = heldBy(lattice, rank(), ranks(), split, ghosts);
       Block needed = decompose(lattice, MPI_COMM_WORLD);
       for (std::size_t axis = 0; axis < 3; ++axis) // with a layer that wraps round
       {
