@@ -148,6 +148,9 @@ FractureOptions optionsOf(const Keys& keys)
   o.stopShare = number(keys, "stop", o.stopShare);
   o.maxBroken = static_cast<std::int64_t>(number(keys, "max", 1e9));
   o.tolerance = number(keys, "tolerance", o.tolerance);
+  o.renewEvery = static_cast<std::int64_t>(number(keys, "renew", static_cast<double>(o.renewEvery)));
+  o.checkpoint.path = text(keys, "checkpoint", "");
+  o.continueFrom = text(keys, "continue", "");
   EventOptions& e = o.events;
   e.radius = static_cast<int>(number(keys, "radius", e.radius));
   e.coarseRadius = static_cast<int>(number(keys, "coarse", e.coarseRadius));

@@ -1,5 +1,8 @@
 #include "lattice/Communicator.h"
 
+#include <algorithm>
+#include <numeric>
+
 namespace lamella
 {
 
@@ -59,6 +62,32 @@ std::int64_t Communicator::sumBefore(std::int64_t value) const
       before = 0;
   }
   return before;
+}
+
+std::vector<double> Communicator::gather(std::span<const double> mine) const
+{
+  if (!parallel())
+    return { mine.begin(), mine.end() };
+  const int own = static_cast<int>(mine.size());
+  std::vector<int> counts(static_cast<std::size_t>(size_));
+  MPI_Gather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm_);
+  std::vector<int> begins(counts.size(), 0);
+  std::partial_sum(counts.begin(), counts.end() - 1, begins.begin() + 1);
+  std::vector<double> all(rank_ == 0 ? static_cast<std::size_t>(begins.back() + counts.back()) : 0);
+  MPI_Gatherv(mine.data(), own, MPI_DOUBLE, all.data(), counts.data(), begins.data(), MPI_DOUBLE, 0, comm_);
+  return all;
+}
+
+void Communicator::broadcast(std::vector<std::byte>& bytes) const
+{
+  if (!parallel())
+    return;
+  std::uint64_t count = bytes.size();
+  MPI_Bcast(&count, 1, MPI_UINT64_T, 0, comm_);
+  bytes.resize(count);
+  constexpr std::size_t most = std::size_t{ 1 } << 30; // a count is an int
+  for (std::size_t at = 0; at < bytes.size(); at += most)
+    MPI_Bcast(bytes.data() + at, static_cast<int>(std::min(most, bytes.size() - at)), MPI_BYTE, 0, comm_);
 }
 
 } // namespace lamella

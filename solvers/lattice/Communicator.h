@@ -2,8 +2,10 @@
 
 #include <mpi.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace lamella
 {
@@ -28,6 +30,10 @@ public:
   [[nodiscard]] double max(double value) const;
   /// Sum over the ranks before this one.
   [[nodiscard]] std::int64_t sumBefore(std::int64_t value) const;
+  /// What the ranks hold, in their order, on rank 0; nothing on the others. At most 2³¹ − 1 values together.
+  [[nodiscard]] std::vector<double> gather(std::span<const double> mine) const;
+  /// Rank 0's bytes, of any number, on every rank.
+  void broadcast(std::vector<std::byte>& bytes) const;
 
 private:
   MPI_Comm comm_;

@@ -12,6 +12,9 @@ find_package(MPI REQUIRED COMPONENTS CXX)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 set(HDF5_PREFER_PARALLEL ON) # ParaView links the Open MPI build; two HDF5 in one program do not mix
 find_package(HDF5 REQUIRED COMPONENTS C)
+add_library(Lamella_hdf5 INTERFACE IMPORTED) # itself only: CMake's target lists all that the library was linked with
+target_include_directories(Lamella_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
+target_link_libraries(Lamella_hdf5 INTERFACE "${HDF5_C_LIBRARY_hdf5}" MPI::MPI_CXX)
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)

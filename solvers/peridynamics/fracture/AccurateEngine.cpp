@@ -2,6 +2,7 @@
 
 #include "peridynamics/Fragments.h"
 #include "peridynamics/RimExchange.h"
+#include "peridynamics/fracture/LoosePieces.h"
 
 #include <algorithm>
 #include <chrono>
@@ -18,16 +19,24 @@ double seconds()
 
 } // namespace
 
-AccurateEngine::AccurateEngine(
-  BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, double tolerance)
+AccurateEngine::AccurateEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
+  double tolerance, const EngineState* resumed)
   : bonds_(bonds)
   , sample_(sample)
   , platens_(platens)
   , tolerance_(tolerance)
   , graph_(bonds)
-  , u_(sample.displacement)
+  , u_(resumed != nullptr ? resumed->displacement : sample.displacement)
 {
-  solve();
+  if (resumed == nullptr)
+  {
+    solve();
+    return;
+  }
+  bonds.exchange(u_);
+  force_ = resumed->numbers.at("force");
+  statistics_ = resumed->statistics;
+  loose_ = statistics_.looseNodes;
 }
 
 AccurateEngine::~AccurateEngine() = default;
@@ -153,18 +162,7 @@ void AccurateEngine::takeOutLoosePieces()
   loose_ = nodes;
   if (larger == 0)
     return;
-  const NodeLayout& l = bonds_.layout();
-  std::vector<Bond> taken;
-  for (std::int64_t z = 0; z < l.size[2]; ++z)
-    for (std::int64_t y = 0; y < l.size[1]; ++y)
-      bonds_.forEachBond(y, z,
-        [&](std::int64_t i, std::int64_t, int o, int)
-        {
-          if (l.ownedNode(l.node(i)) &&
-            (fragments.pieces[static_cast<std::size_t>(fragments.piece[i])].fixed & 4U) == 0)
-            taken.push_back(bonds_.bond(i, o));
-        });
-  statistics_.looseBonds += bonds_.breakBonds(taken);
+  statistics_.looseBonds += bonds_.breakBonds(bondsOfLoosePieces(bonds_, fragments));
   equilibrium_.reset();
 }
 

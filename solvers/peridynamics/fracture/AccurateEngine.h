@@ -14,7 +14,9 @@ namespace lamella::peridynamics
 class AccurateEngine final : public FractureEngine
 {
 public:
-  AccurateEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, double tolerance);
+  /// @param resumed of another one with these bonds, or null: solves the first equilibrium
+  AccurateEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, double tolerance,
+    const EngineState* resumed = nullptr);
   ~AccurateEngine() override;
 
   StretchMaximum mostCritical() override;
@@ -22,6 +24,8 @@ public:
   void breakBonds(std::span<const Bond> bonds) override;
   bool settle(bool) override { return false; }
   NodeField<double> displacement() override { return u_; }
+  void renew() override { equilibrium_.reset(); }
+  [[nodiscard]] EngineState state() const override { return { u_, { { "force", force_ } }, statistics_ }; }
   [[nodiscard]] double force() const override { return force_; }
   [[nodiscard]] bool holds() const override { return holds_; }
 

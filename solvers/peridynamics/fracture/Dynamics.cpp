@@ -106,7 +106,13 @@ BondDynamics::BondDynamics(BondLattice& bonds, FixedComponents fixed, DynamicsOp
   if (dt_ > stable_)
     throw ParameterError(fmt::format("a step of {:.4g} s is above the stable one, {:.4g} s", dt_, stable_),
       fmt::format("give {:.3g} s or less, or leave it out", 0.99 * stable_));
-  forces();
+  checkPlace(options_.checkpoint, bonds.communicator());
+  if (!options_.checkpoint.path.empty() || !options_.continueFrom.empty())
+    scene_ = scene();
+  if (options_.continueFrom.empty())
+    forces();
+  else
+    restore();
 }
 
 template <class F>
@@ -291,6 +297,12 @@ bool BondDynamics::advance(std::int64_t steps)
       breakCritical();
     if (rate_)
       rate_->advance(dt_, brokenEnergy_ - before);
+    if (!options_.checkpoint.path.empty() &&
+      step_ % (options_.checkpoint.every > 0 ? options_.checkpoint.every : 1000) == 0)
+    {
+      guard(); // the last good one is to stay
+      save();
+    }
     if (step_ % every != 0)
       continue;
     guard();

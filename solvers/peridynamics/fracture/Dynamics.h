@@ -2,6 +2,7 @@
 
 #include "peridynamics/BondForces.h"
 #include "peridynamics/BondLattice.h"
+#include "peridynamics/fracture/FractureCheckpoint.h"
 #include "peridynamics/fracture/LoadingRate.h"
 
 #include <cstdint>
@@ -50,6 +51,8 @@ struct DynamicsOptions
   /// Makes the imposed velocities follow what breaks; none: they are constant.
   std::optional<RegulatedRate> rate{};
   std::function<bool(const DynamicsProgress&)> progress{}; ///< about every hundred steps; true asks to stop
+  CheckpointOptions checkpoint{};       ///< after every so many steps; a thousand where it does not say
+  std::filesystem::path continueFrom{}; ///< a checkpoint of the same scene; empty: at rest, undeformed
 };
 
 /// A bond that broke, and when.
@@ -70,10 +73,12 @@ struct DynamicBreak
 class BondDynamics
 {
 public:
-  /// At rest, undeformed.
-  /// @param bonds loses the bonds that break; must outlive this
+  /// At rest, undeformed; or as it was when DynamicsOptions::continueFrom was written, velocities and loads included:
+  /// it then goes on to the last bit as if it had not stopped, on as many ranks as wrote it.
+  /// @param bonds not broken yet, also when it goes on; loses the bonds that break; must outlive this
   /// @param fixed components that move as told (setVelocities) or not at all
   /// @throws ParameterError: options outside their range; a step above the stable one, which it names; no solid node
+  /// @throws InputError: a checkpoint of another scene, cut off, damaged or newer; a place where none can be written
   /// Memory: 8 · 3 · dimension bytes a node beside the bonds, rim and padding included.
   BondDynamics(BondLattice& bonds, FixedComponents fixed, DynamicsOptions options);
   BondDynamics(const BondDynamics&) = delete;
@@ -117,6 +122,9 @@ private:
   void halfKick(bool first);
   void drift();
   void guard();
+  [[nodiscard]] std::string scene() const;
+  void save();
+  void restore();
 
   BondLattice& bonds_;
   FixedComponents fixed_;
@@ -137,6 +145,7 @@ private:
   Sums sums_; ///< of this rank
   double brokenEnergy_ = 0;
   double initial_ = 0;
+  std::string scene_; ///< of the unbroken sample; empty where no file needs it
 };
 
 } // namespace lamella::peridynamics

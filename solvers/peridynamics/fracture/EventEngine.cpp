@@ -33,17 +33,56 @@ EventEngine::EventEngine(BondLattice& bonds, const LoadedSample& sample, const P
     workOverForce_ = 2 * elasticEnergy(bonds, state_.base(), false) / force_;
 }
 
-void EventEngine::afterGlobal(int iterations, double start)
+EventEngine::EventEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
+  const EventOptions& options, double tolerance, const EngineState& resumed)
+  : bonds_(bonds)
+  , platens_(platens)
+  , options_(options)
+  , tolerance_(tolerance)
+  , state_(bonds, sample.fixed, { resumed.displacement, resumed.numbers.at("load force") })
+  , tiles_(bonds)
+  , pieces_(bonds, sample, platens)
+  , workOverForce_(resumed.numbers.at("work over force"))
+  , reached_(resumed.numbers.at("residual"))
+{
+  statistics_ = resumed.statistics;
+  searchesBefore_ = statistics_.searches;
+  measure();
+}
+
+EngineState EventEngine::state() const
+{
+  return { state_.base(),
+    { { "load force", state_.reference() }, { "work over force", workOverForce_ }, { "residual", reached_ } },
+    statistics_ };
+}
+
+// Corrected before: what is left of the old levels is their residual, and that is measured anew.
+void EventEngine::renew()
+{
+  settle(false);
+  const double start = seconds();
+  state_.renew();
+  statistics_.globalSeconds += seconds() - start;
+  measure();
+}
+
+void EventEngine::measure()
 {
   force_ = platens_.of(bonds_, state_.force());
   sinceGlobal_ = 0;
+  const double start = seconds();
+  tiles_.refreshAll(state_);
+  statistics_.searchSeconds += seconds() - start;
+  statistics_.bytes = state_.bytes() + tiles_.bytes() + pieces_.bytes();
+}
+
+void EventEngine::afterGlobal(int iterations, double start)
+{
   ++statistics_.equilibria;
   statistics_.globalIterations += iterations;
-  const double solved = seconds();
-  statistics_.globalSeconds += solved - start;
-  tiles_.refreshAll(state_);
-  statistics_.searchSeconds += seconds() - solved;
-  statistics_.bytes = state_.bytes() + tiles_.bytes() + pieces_.bytes();
+  statistics_.globalSeconds += seconds() - start;
+  measure();
 }
 
 bool EventEngine::correct(int maxIterations, double tolerance)
@@ -120,7 +159,7 @@ void EventEngine::breakBond(const Bond& bond)
   const double broken = seconds();
   statistics_.localSeconds += broken - start;
   takeOut(pieces_.after(i, bond.offset));
-  statistics_.searches = pieces_.searches();
+  statistics_.searches = searchesBefore_ + pieces_.searches();
   start = seconds();
   statistics_.searchSeconds += start - broken;
 

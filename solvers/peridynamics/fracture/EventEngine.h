@@ -14,12 +14,17 @@ class EventEngine final : public FractureEngine
 public:
   EventEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, const EventOptions& options,
     double tolerance);
+  /// @param resumed of another one with these bonds
+  EventEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, const EventOptions& options,
+    double tolerance, const EngineState& resumed);
 
   StretchMaximum mostCritical() override;
   std::vector<Bond> critical(double ratio) override;
   void breakBonds(std::span<const Bond> bonds) override;
   bool settle(bool exact) override;
   NodeField<double> displacement() override;
+  void renew() override;
+  [[nodiscard]] EngineState state() const override;
   [[nodiscard]] double force() const override { return force_; }
   [[nodiscard]] bool holds() const override { return pieces_.holds(); }
 
@@ -31,6 +36,7 @@ private:
   [[nodiscard]] Box boxOf(const Bond& bond) const;
   void takeOut(const std::vector<std::int64_t>& nodes);
   void afterGlobal(int iterations, double start);
+  void measure(); ///< what follows from the state in one go
 
   BondLattice& bonds_;
   PlatenForce platens_;
@@ -43,6 +49,7 @@ private:
   double workOverForce_ = 0; ///< at unit load, of twice the elastic energy: both are in proportion to the stiffness
   int sinceGlobal_ = 0;      ///< events
   double reached_ = 1;       ///< tolerance of the last global correction
+  std::int64_t searchesBefore_ = 0; ///< that another engine made
 };
 
 } // namespace lamella::peridynamics

@@ -16,14 +16,7 @@ EventHierarchy::EventHierarchy(
   , springs_(bonds)
 {
   const NodeLayout& l = bonds.layout();
-  for (std::int64_t z = 0; z < l.size[2]; ++z)
-    for (std::int64_t y = 0; y < l.size[1]; ++y)
-    {
-      const std::uint8_t* row = fixed.data() + l.index(0, y, z);
-      rowFixed_.push_back(std::any_of(row, row + l.size[0], [](std::uint8_t f) { return f != 0; }) ? 1 : 0);
-    }
-  sums_.resize(rowFixed_.size());
-  build();
+  prepare();
 
   // the forces on free components while these have not moved
   NodeField<double> still = base_;
@@ -39,10 +32,51 @@ EventHierarchy::EventHierarchy(
     solve(tolerance);
 }
 
+EventHierarchy::EventHierarchy(BondLattice& bonds, const FixedComponents& fixed, Renewed state)
+  : bonds_(bonds)
+  , fixed_(fixed)
+  , base_(std::move(state.base))
+  , direction_(bonds.layout())
+  , reference_(state.reference)
+  , springs_(bonds)
+{
+  prepare();
+  residualInDouble();
+  restrictAll();
+}
+
+void EventHierarchy::prepare()
+{
+  const NodeLayout& l = bonds_.layout();
+  for (std::int64_t z = 0; z < l.size[2]; ++z)
+    for (std::int64_t y = 0; y < l.size[1]; ++y)
+    {
+      const std::uint8_t* row = fixed_.data() + l.index(0, y, z);
+      rowFixed_.push_back(std::any_of(row, row + l.size[0], [](std::uint8_t f) { return f != 0; }) ? 1 : 0);
+    }
+  sums_.resize(rowFixed_.size());
+  build();
+}
+
+void EventHierarchy::renew()
+{
+  collapse();
+  direction_.fill(0);
+  for (EventLevel& level : levels_)
+    for (NodeField<float>* f : { &level.g, &level.total, &level.change })
+      f->fill(0);
+  build();
+  residualInDouble();
+  restrictAll();
+  sinceDouble_ = 0;
+}
+
 // Also when round-off has got the better of the matrices.
 void EventHierarchy::build()
 {
   multigrid_ = std::make_unique<BondMultigrid>(bonds_, fixed_);
+  for (std::size_t k = 0; k < multigrid_->levelCount(); ++k)
+    multigrid_->level(k).d.fill(0); // relax() counts on it
   if (!levels_.empty())
     return;
   levels_.resize(multigrid_->levelCount());

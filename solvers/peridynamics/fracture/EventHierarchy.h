@@ -29,6 +29,18 @@ public:
   EventHierarchy(
     BondLattice& bonds, const FixedComponents& fixed, const NodeField<double>& displacement, double tolerance);
 
+  /// What renew() left of another one.
+  struct Renewed
+  {
+    NodeField<double> base;
+    double reference = 1;
+  };
+  EventHierarchy(BondLattice& bonds, const FixedComponents& fixed, Renewed state);
+  /// Collapses all into the base, and makes matrices and residuals anew: all that follows depends on the bonds, the
+  /// base and the reference alone. As much work as some ten iterations of a global correction.
+  void renew();
+  [[nodiscard]] double reference() const noexcept { return reference_; }
+
   /// Elongation u·e of a bond in metres.
   [[nodiscard]] double elongation(std::int64_t index, int offset);
   /// Takes a bond out of the lattice and of all levels, and what it pulled with into the residuals.
@@ -73,6 +85,7 @@ private:
     NodeField<float> change; ///< of the residual, not yet handed to the next level; zero between cycles
   };
 
+  void prepare();
   void build();
   void evaluate(std::size_t level, const Box& box);
   void evaluateFrom(std::size_t level, const Box& box); ///< where the next level's is known

@@ -39,6 +39,10 @@ void check(const BondLattice& bonds, const Loading& loading, const FractureOptio
       "0.05 is usual; hinges never part in small strain, so 0 may never be reached");
   if (!(o.maxStrain > 0))
     throw ParameterError(fmt::format("the largest strain, {}, is not positive", o.maxStrain), "leave it out for none");
+  if (o.renewEvery < 0 || (o.renewEvery == 0 && !o.checkpoint.path.empty()))
+    throw ParameterError(fmt::format("{} events between two renewals{}", o.renewEvery,
+                           o.renewEvery == 0 ? ", at which alone checkpoints are written" : ""),
+      "500 is usual");
   if (o.maxBroken < 1)
     throw ParameterError(fmt::format("at most {} bonds are to break", o.maxBroken), "leave it out for no limit");
   if (!(o.tolerance > 0 && o.tolerance < 1))
@@ -115,7 +119,20 @@ QuasiStaticFracture::QuasiStaticFracture(BondLattice& bonds, const Loading& load
   area_ = platens.area();
   const NodeLayout& l = bonds.layout();
   const bool tiny = l.global[0] * l.global[1] * l.global[2] <= MultigridOptions{}.coarsest; // no coarser level
-  if (options_.method == FractureMethod::Accurate || tiny)
+  const bool accurate = options_.method == FractureMethod::Accurate || tiny;
+  if (!options_.checkpoint.path.empty() || !options_.continueFrom.empty())
+    scene_ = sceneOf(bonds) + sceneOf(loading, options_);
+  checkPlace(options_.checkpoint, bonds.communicator());
+  if (!options_.continueFrom.empty())
+  {
+    const EngineState resumed = restore(platens);
+    if (accurate)
+      engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance, &resumed);
+    else
+      engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance, resumed);
+    return;
+  }
+  if (accurate)
     engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance);
   else
     engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance);
@@ -178,6 +195,11 @@ void QuasiStaticFracture::breakCritical(const StretchMaximum& most)
   for (const Bond& b : bonds)
     record_.broken.push_back({ b, event, strain(), std::min(1 / most.ratio, load_) * reference_, stress(load_) });
   engine_->breakBonds(bonds);
+  if (options_.renewEvery == 0 || event % options_.renewEvery != 0 || !engine_->holds())
+    return;
+  engine_->renew();
+  if (!options_.checkpoint.path.empty() && event - savedAt_ >= options_.checkpoint.every)
+    save();
 }
 
 bool QuasiStaticFracture::fell(double stress) const
@@ -227,8 +249,7 @@ FractureEnd QuasiStaticFracture::step()
 
 FractureEnd QuasiStaticFracture::run()
 {
-  const double start = seconds();
-  const double before = record_.statistics.totalSeconds;
+  started_ = seconds();
   FractureEnd end = FractureEnd::Running;
   while (end == FractureEnd::Running)
     end = step();
@@ -236,12 +257,20 @@ FractureEnd QuasiStaticFracture::run()
     record_.curve.back().broken != static_cast<std::int64_t>(record_.broken.size()))
     record_.curve.push_back({ strain(), stress(load_), static_cast<std::int64_t>(record_.broken.size()) });
   record_.end = end;
-  const FractureStatistics mine = record_.statistics;
-  record_.statistics = engine_->statistics();
-  record_.statistics.events = mine.events;
-  record_.statistics.raises = mine.raises;
-  record_.statistics.totalSeconds = before + seconds() - start;
+  record_.statistics = statistics();
   return end;
+}
+
+FractureStatistics QuasiStaticFracture::statistics() const
+{
+  const FractureStatistics& mine = record_.statistics;
+  FractureStatistics all = engine_->statistics();
+  all.events = mine.events;
+  all.raises = mine.raises;
+  all.checkpoints = mine.checkpoints;
+  all.checkpointSeconds = mine.checkpointSeconds;
+  all.totalSeconds = mine.totalSeconds + seconds() - started_;
+  return all;
 }
 
 } // namespace lamella::peridynamics

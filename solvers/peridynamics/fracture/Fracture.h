@@ -3,6 +3,7 @@
 #include "peridynamics/BondForces.h"
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/Loading.h"
+#include "peridynamics/fracture/FractureCheckpoint.h"
 
 #include <cstdint>
 #include <functional>
@@ -72,6 +73,12 @@ struct FractureOptions
   std::int64_t maxBroken = std::numeric_limits<std::int64_t>::max(); ///< ends after so many broken bonds
   double tolerance = 1e-6; ///< of an equilibrium, as EquilibriumOptions::tolerance
   EventOptions events{};
+  /// Events after which all that is only there to save work is made anew, whether a checkpoint is written or not: so
+  /// the same bonds break with checkpoints and without, and in a run that goes on from one. 0: never, and no
+  /// checkpoints.
+  std::int64_t renewEvery = 500;
+  CheckpointOptions checkpoint{};       ///< at renewals only
+  std::filesystem::path continueFrom{}; ///< a checkpoint of the same scene; empty: from the unbroken sample
   /// Called after every event; true asks to stop, see FractureEnd::Interrupted.
   std::function<bool(const FractureProgress&)> progress{};
 };
@@ -126,6 +133,8 @@ struct FractureStatistics
   double localSeconds = 0;
   double searchSeconds = 0; ///< for the most critical bond, and for loose pieces
   double totalSeconds = 0;
+  std::int64_t checkpoints = 0; ///< that were written
+  double checkpointSeconds = 0;
   std::int64_t bytes = 0; ///< of all that is held beside the bonds, on this rank
 };
 
@@ -140,20 +149,29 @@ struct FractureRecord
   FractureStatistics statistics;
 };
 
+/// Lines "what: value" of all about a load and its options that decides over the bonds that break. Limits do not.
+[[nodiscard]] std::string sceneOf(const Loading& loading, const FractureOptions& options);
+
 /// What the method does between two breaks.
 class FractureEngine;
+struct EngineState;
+class PlatenForce;
 
 /// Breaks a sample under a strain that only rises.
 class QuasiStaticFracture
 {
 public:
-  /// Solves the first equilibrium.
-  /// @param bonds loses the bonds that break, and all bonds of pieces that come loose; must outlive this
+  /// Solves the first equilibrium, or goes on from FractureOptions::continueFrom: the same bonds then break, in the
+  /// same order and to the last bit of every number on one rank or as many as wrote it, as if the run had not been
+  /// stopped; on another number of ranks as near as these agree anyway.
+  /// @param bonds not broken yet, also when it goes on; loses the bonds that break, and all bonds of pieces that come
+  /// loose; must outlive this
   /// @param loading Stretch, Shear or Biaxial; its strain only gives the direction and the scale: the record's strains
   /// and stresses are positive along it
   /// @throws ParameterError: options outside their range, a traction (the load cannot be held after the peak), no
   /// strain; with FractureMethod::Events several ranks, periodic sides, batches
   /// @throws NoPathError: a sample already in two pieces; as applyLoading() and Equilibrium otherwise
+  /// @throws InputError: a checkpoint of another scene, cut off, damaged or newer; a place where none can be written
   QuasiStaticFracture(BondLattice& bonds, const Loading& loading, FractureOptions options = {});
   ~QuasiStaticFracture();
   QuasiStaticFracture(const QuasiStaticFracture&) = delete;
@@ -179,6 +197,10 @@ private:
   void breakCritical(const StretchMaximum& most);
   bool report();
   FractureEnd step();
+  /// @return the state to go on from
+  EngineState restore(const PlatenForce& platens);
+  void save();
+  [[nodiscard]] FractureStatistics statistics() const;
 
   BondLattice& bonds_;
   FractureOptions options_;
@@ -190,6 +212,9 @@ private:
   double firstRatio_ = 0; ///< s/s₀ at unit load of the bond that broke first
   std::unique_ptr<FractureEngine> engine_;
   FractureRecord record_;
+  std::string scene_;        ///< of the unbroken sample; empty where no file needs it
+  std::int64_t savedAt_ = 0; ///< events
+  double started_ = 0;       ///< the clock when run() began
 };
 
 /// The phases at both ends of bonds, the lesser first, and whether the ends lie in two different grains.

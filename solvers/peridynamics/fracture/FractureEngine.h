@@ -3,11 +3,21 @@
 #include "peridynamics/BondForces.h"
 #include "peridynamics/fracture/Fracture.h"
 
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace lamella::peridynamics
 {
+
+/// All that FractureEngine::renew() leaves, beside the bonds.
+struct EngineState
+{
+  NodeField<double> displacement; ///< at unit load [m]
+  std::map<std::string, double> numbers;
+  FractureStatistics statistics;
+};
 
 /// The state at unit load, and how it follows the breaks. All members are collective.
 class FractureEngine
@@ -26,6 +36,10 @@ public:
   virtual bool settle(bool exact) = 0;
   /// To a tolerance, then displacements at unit load.
   virtual NodeField<double> displacement() = 0;
+  /// Drops all that is only there to save work, so that what follows depends on the bonds and on state() alone.
+  virtual void renew() = 0;
+  /// After renew().
+  [[nodiscard]] virtual EngineState state() const = 0;
 
   /// Force on the platens [N], [N/m] in the plane, positive along the loading.
   [[nodiscard]] virtual double force() const = 0;

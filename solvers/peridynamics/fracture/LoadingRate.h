@@ -21,6 +21,13 @@ public:
   [[nodiscard]] double rate() const noexcept { return rate_; }     ///< Γ/Γ₀
   [[nodiscard]] double damage() const noexcept { return damage_; } ///< ω [J], [J/m]
   [[nodiscard]] double relaxation() const noexcept { return relaxation_; }
+  [[nodiscard]] double reference() const noexcept { return reference_; } ///< ω₀ [J], [J/m]
+  /// Goes on from what another one reached.
+  void set(double rate, double damage) noexcept
+  {
+    rate_ = rate;
+    damage_ = damage;
+  }
 
 private:
   double relaxation_;

@@ -6,6 +6,22 @@
 namespace lamella::peridynamics
 {
 
+std::vector<Bond> bondsOfLoosePieces(const BondLattice& bonds, const Fragments& fragments)
+{
+  const NodeLayout& l = bonds.layout();
+  std::vector<Bond> loose;
+  for (std::int64_t z = 0; z < l.size[2]; ++z)
+    for (std::int64_t y = 0; y < l.size[1]; ++y)
+      bonds.forEachBond(y, z,
+        [&](std::int64_t i, std::int64_t, int o, int)
+        {
+          if (l.ownedNode(l.node(i)) &&
+            (fragments.pieces[static_cast<std::size_t>(fragments.piece[i])].fixed & 4U) == 0)
+            loose.push_back(bonds.bond(i, o));
+        });
+  return loose;
+}
+
 LoosePieces::LoosePieces(const BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens)
   : bonds_(bonds)
   , graph_(bonds)

@@ -10,6 +10,10 @@
 namespace lamella::peridynamics
 {
 
+/// The bonds of pieces without a fixed component, at nodes of this rank.
+/// @param fragments of PlatenForce::marks()
+[[nodiscard]] std::vector<Bond> bondsOfLoosePieces(const BondLattice& bonds, const Fragments& fragments);
+
 /// Finds what a broken bond lets go of, by looking no further than it must: where its ends have a neighbour in common,
 /// no further than that; else from both ends at once, until they meet or one side is exhausted. One rank.
 class LoosePieces

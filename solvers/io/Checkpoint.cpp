@@ -1,0 +1,395 @@
+#include "io/Checkpoint.h"
+
+#include "io/Provenance.h"
+#include "lamella/Version.h"
+#include "lattice/Error.h"
+
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <numeric>
+#include <utility>
+
+namespace lamella::io
+{
+namespace
+{
+
+constexpr int format = 1;                ///< one more with every change that an older program cannot read
+constexpr std::size_t headerBytes = 512; // the least that HDF5 passes over
+constexpr std::string_view magic = "Lamella checkpoint\n";
+
+/// An HDF5 identifier, closed in the end.
+class Handle
+{
+public:
+  Handle(hid_t id, herr_t (*close)(hid_t))
+    : id_(id)
+    , close_(close)
+  {
+    if (id < 0)
+      throw Error("HDF5 cannot make or read a part of the checkpoint", "report it");
+  }
+  ~Handle()
+  {
+    if (id_ >= 0)
+      close_(id_);
+  }
+  Handle(Handle&& other) noexcept
+    : id_(std::exchange(other.id_, -1))
+    , close_(other.close_)
+  {
+  }
+  Handle& operator=(Handle&&) = delete;
+  operator hid_t() const noexcept { return id_; } // NOLINT(google-explicit-constructor): as HDF5 takes it
+
+private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+std::string program()
+{
+  return fmt::format("lamella {}", lamella::version());
+}
+
+/// HDF5 says nothing by itself meanwhile: its errors become ours.
+class Quiet
+{
+public:
+  Quiet()
+  {
+    H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~Quiet() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
+  Quiet(const Quiet&) = delete;
+  Quiet& operator=(const Quiet&) = delete;
+
+private:
+  H5E_auto2_t print_ = nullptr;
+  void* data_ = nullptr;
+};
+
+void good(herr_t status)
+{
+  if (status < 0)
+    throw Error("HDF5 fails on a part of the checkpoint", "report it");
+}
+
+Handle textType(std::size_t length)
+{
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  good(H5Tset_size(type, std::max<std::size_t>(1, length)));
+  good(H5Tset_cset(type, H5T_CSET_UTF8));
+  return type;
+}
+
+void writeText(hid_t at, const char* name, const std::string& text)
+{
+  const Handle type = textType(text.size());
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle attribute(H5Acreate2(at, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  good(H5Awrite(attribute, type, text.c_str()));
+}
+
+std::string readText(hid_t at, const char* name)
+{
+  const Handle attribute(H5Aopen(at, name, H5P_DEFAULT), H5Aclose);
+  const Handle type(H5Aget_type(attribute), H5Tclose);
+  std::string text(H5Tget_size(type), '\0');
+  good(H5Aread(attribute, type, text.data()));
+  text.resize(std::min(text.size(), text.find('\0')));
+  return text;
+}
+
+/// Attributes hold 64 KiB at most; this is a dataset.
+void writeLongText(hid_t at, const char* name, const std::string& text)
+{
+  const Handle type = textType(text.size());
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle set(H5Dcreate2(at, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+  good(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()));
+}
+
+std::string readLongText(hid_t at, const char* name)
+{
+  const Handle set(H5Dopen2(at, name, H5P_DEFAULT), H5Dclose);
+  const Handle type(H5Dget_type(set), H5Tclose);
+  std::string text(H5Tget_size(type), '\0');
+  good(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()));
+  text.resize(std::min(text.size(), text.find('\0')));
+  return text;
+}
+
+hid_t memoryType(const CheckpointArray& array)
+{
+  return array.values.index() == 0 ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
+}
+
+void writeArray(hid_t file, const std::string& name, const CheckpointArray& array)
+{
+  const std::vector<hsize_t> shape(array.shape.begin(), array.shape.end());
+  const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
+  const hid_t stored = array.values.index() == 0 ? H5T_IEEE_F64LE : H5T_STD_I64LE;
+  const Handle set(H5Dcreate2(file, name.c_str(), stored, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+  std::visit(
+    [&](const auto& values)
+    {
+      if (!values.empty())
+        good(H5Dwrite(set, memoryType(array), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
+    },
+    array.values);
+  writeText(set, "unit", array.unit);
+  writeText(set, "description", array.description);
+  writeText(set, "creator", program());
+}
+
+CheckpointArray readArray(hid_t file, const char* name)
+{
+  CheckpointArray array;
+  const Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
+  const Handle space(H5Dget_space(set), H5Sclose);
+  std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
+  good(H5Sget_simple_extent_dims(space, shape.data(), nullptr));
+  array.shape.assign(shape.begin(), shape.end());
+  const Handle type(H5Dget_type(set), H5Tclose);
+  if (H5Tget_class(type) == H5T_INTEGER)
+    array.values = std::vector<std::int64_t>();
+  const auto count = std::accumulate(shape.begin(), shape.end(), std::size_t{ 1 }, std::multiplies<>());
+  std::visit(
+    [&](auto& values)
+    {
+      values.resize(count);
+      if (count > 0)
+        good(H5Dread(set, memoryType(array), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
+    },
+    array.values);
+  array.unit = readText(set, "unit");
+  array.description = readText(set, "description");
+  return array;
+}
+
+/// A file that is held in memory; what there is of it, or a new one.
+Handle openImage(std::span<const std::byte> image)
+{
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  good(H5Pset_fapl_core(access, std::size_t{ 1 } << 20, 0));
+  if (image.empty())
+    return { H5Fcreate("checkpoint", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose };
+  good(H5Pset_file_image(access, const_cast<std::byte*>(image.data()), image.size())); // NOLINT: it makes a copy
+  return { H5Fopen("checkpoint", H5F_ACC_RDONLY, access), H5Fclose };
+}
+
+std::vector<std::byte> encodeContent(const Checkpoint& checkpoint)
+{
+  const Quiet quiet;
+  const Handle file = openImage({});
+  writeText(file, "format", fmt::format("lamella checkpoint {}", format));
+  writeText(file, "kind", checkpoint.kind);
+  writeLongText(file, "scene", checkpoint.scene);
+  writeLongText(file, "provenance", checkpoint.provenance);
+  {
+    const Handle group(H5Gcreate2(file, "numbers", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+    const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+    for (const auto& [name, value] : checkpoint.numbers)
+    {
+      const Handle attribute(
+        H5Acreate2(group, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+      good(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value));
+    }
+    const Handle arrays(H5Gcreate2(file, "arrays", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+    for (const auto& [name, array] : checkpoint.arrays)
+      writeArray(arrays, name, array);
+  }
+  good(H5Fflush(file, H5F_SCOPE_GLOBAL));
+  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
+  good(size > 0 ? 0 : -1);
+  std::vector<std::byte> image(static_cast<std::size_t>(size));
+  good(H5Fget_file_image(file, image.data(), image.size()) == size ? 0 : -1);
+  return image;
+}
+
+Checkpoint decodeContent(std::span<const std::byte> image)
+{
+  const Quiet quiet;
+  const Handle file = openImage(image);
+  Checkpoint checkpoint;
+  checkpoint.kind = readText(file, "kind");
+  checkpoint.scene = readLongText(file, "scene");
+  checkpoint.provenance = readLongText(file, "provenance");
+  const Handle numbers(H5Gopen2(file, "numbers", H5P_DEFAULT), H5Gclose);
+  good(H5Aiterate2(
+    numbers, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr,
+    [](hid_t at, const char* name, const H5A_info_t*, void* to) -> herr_t
+    {
+      double value = 0;
+      const hid_t attribute = H5Aopen(at, name, H5P_DEFAULT);
+      const herr_t status = attribute < 0 ? -1 : H5Aread(attribute, H5T_NATIVE_DOUBLE, &value);
+      if (attribute >= 0)
+        H5Aclose(attribute);
+      (*static_cast<std::map<std::string, double>*>(to))[name] = value;
+      return status;
+    },
+    &checkpoint.numbers));
+  const Handle arrays(H5Gopen2(file, "arrays", H5P_DEFAULT), H5Gclose);
+  std::vector<std::string> names;
+  good(H5Literate(
+    arrays, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr,
+    [](hid_t, const char* name, const H5L_info_t*, void* to) -> herr_t
+    {
+      static_cast<std::vector<std::string>*>(to)->emplace_back(name);
+      return 0;
+    },
+    &names));
+  for (const std::string& name : names)
+    checkpoint.arrays[name] = readArray(arrays, name.c_str());
+  return checkpoint;
+}
+
+std::string hashOf(std::span<const std::byte> bytes)
+{
+  Sha256 hash;
+  hash.update(bytes);
+  return hash.finish();
+}
+
+/// What stands behind "name " in the header, up to the end of the line.
+std::string field(std::string_view header, std::string_view name)
+{
+  const std::size_t at = header.find(fmt::format("\n{} ", name));
+  if (at == std::string_view::npos)
+    return {};
+  const std::string_view rest = header.substr(at + name.size() + 2);
+  return std::string(rest.substr(0, rest.find('\n')));
+}
+
+template <class T>
+T numberIn(std::string_view header, std::string_view name)
+{
+  const std::string text = field(header, name);
+  T value = 0;
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
+template <class T>
+const T& found(const std::map<std::string, T>& all, const std::string& name)
+{
+  const auto at = all.find(name);
+  if (at == all.end())
+    throw InputError(fmt::format("the checkpoint has no '{}'", name), "start the run anew");
+  return at->second;
+}
+
+template <class Values>
+const Values& valuesOf(const Checkpoint& checkpoint, const std::string& name)
+{
+  const CheckpointArray& array = found(checkpoint.arrays, name);
+  if (!std::holds_alternative<Values>(array.values))
+    throw InputError(fmt::format("the checkpoint's '{}' are numbers of another sort", name), "start the run anew");
+  return std::get<Values>(array.values);
+}
+
+std::vector<std::string_view> linesOf(std::string_view text)
+{
+  std::vector<std::string_view> lines;
+  while (!text.empty())
+  {
+    const std::size_t end = std::min(text.size(), text.find('\n'));
+    lines.push_back(text.substr(0, end));
+    text.remove_prefix(std::min(text.size(), end + 1));
+  }
+  return lines;
+}
+
+} // namespace
+
+double Checkpoint::number(const std::string& name) const
+{
+  return found(numbers, name);
+}
+
+const std::vector<double>& Checkpoint::reals(const std::string& name) const
+{
+  return valuesOf<std::vector<double>>(*this, name);
+}
+
+const std::vector<std::int64_t>& Checkpoint::integers(const std::string& name) const
+{
+  return valuesOf<std::vector<std::int64_t>>(*this, name);
+}
+
+std::vector<std::byte> encode(const Checkpoint& checkpoint)
+{
+  const std::vector<std::byte> content = encodeContent(checkpoint);
+  const std::string header = fmt::format("{}format {}\nwritten-by {}\nbytes {}\nsha256 {}\nHDF5 from byte {}\n", magic,
+    format, program(), content.size(), hashOf(content), headerBytes);
+  std::vector<std::byte> bytes(headerBytes + content.size());
+  std::memcpy(bytes.data(), header.data(), std::min(header.size(), headerBytes));
+  std::memcpy(bytes.data() + headerBytes, content.data(), content.size());
+  return bytes;
+}
+
+Checkpoint decode(std::span<const std::byte> bytes, std::string_view name)
+{
+  const char* anew = "continue from an earlier checkpoint, or start the run anew";
+  const std::string_view header(
+    reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), headerBytes)); // NOLINT: text
+  if (bytes.empty())
+    throw InputError(fmt::format("'{}' is empty", name), anew);
+  if (header.substr(0, magic.size()) != magic.substr(0, header.size()))
+    throw InputError(fmt::format("'{}' is not a checkpoint{}", name,
+                       header.substr(0, 4) == "\x89HDF" ? ", but another HDF5 file" : ""),
+      "give a file that --checkpoint wrote");
+  const auto version = numberIn<int>(header, "format");
+  if (version > format)
+    throw InputError(fmt::format("'{}' is newer than this program: its format is {}, written by {}; this is {}, which "
+                                 "reads format {}",
+                       name, version, field(header, "written-by"), program(), format),
+      "continue with the program that wrote it");
+  const auto size = numberIn<std::size_t>(header, "bytes");
+  if (bytes.size() < headerBytes || bytes.size() - headerBytes < size)
+    throw InputError(fmt::format("'{}' is cut off: it has {} bytes of {}", name, bytes.size(),
+                       size > 0 ? fmt::format("{}", headerBytes + size) : fmt::format("more than {}", headerBytes)),
+      anew);
+  const std::span<const std::byte> content = bytes.subspan(headerBytes);
+  if (version < 1 || content.size() != size || hashOf(content) != field(header, "sha256"))
+    throw InputError(fmt::format("'{}' is damaged: its bytes are not those that were written", name), anew);
+  return decodeContent(content);
+}
+
+void expectScene(const Checkpoint& checkpoint, std::string_view kind, std::string_view scene, std::string_view name)
+{
+  if (checkpoint.kind != kind)
+    throw InputError(fmt::format("'{}' is a checkpoint of {}, not of {}", name, checkpoint.kind, kind),
+      "give a checkpoint of this run");
+  if (checkpoint.scene == scene)
+    return;
+  const auto there = linesOf(checkpoint.scene);
+  const auto here = linesOf(scene);
+  std::string differences;
+  int count = 0;
+  const auto keyOf = [](std::string_view line) { return line.substr(0, line.find(": ")); };
+  const auto valueIn = [&](const std::vector<std::string_view>& lines, std::string_view key)
+  {
+    const auto at = std::find_if(lines.begin(), lines.end(), [&](std::string_view l) { return keyOf(l) == key; });
+    return at == lines.end() ? std::string("nothing") : std::string(at->substr(std::min(at->size(), key.size() + 2)));
+  };
+  std::vector<std::string_view> keys;
+  for (const auto* lines : { &there, &here })
+    for (const std::string_view line : *lines)
+      if (std::find(keys.begin(), keys.end(), keyOf(line)) == keys.end())
+        keys.push_back(keyOf(line));
+  for (const std::string_view key : keys)
+    if (const std::string then = valueIn(there, key), now = valueIn(here, key); then != now && ++count <= 3)
+      differences += fmt::format("{}{}: {} there, {} here", count > 1 ? "; " : "", key, then, now);
+  throw InputError(fmt::format("'{}' is a checkpoint of another scene: {}{}", name, differences,
+                     count > 3 ? fmt::format("; and {} more", count - 3) : ""),
+    "give the file, the values and the options of the run that wrote it");
+}
+
+} // namespace lamella::io

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+/// What a long run keeps on disk to go on from. A checkpoint is an HDF5 file (h5dump and the like read it) behind 512
+/// bytes of text, which HDF5 passes over: format and version, and the number of bytes that follow and their SHA-256. So
+/// a file that is cut off, damaged or newer is told from a good one before anything of it is interpreted.
+namespace lamella::io
+{
+
+/// Numbers of any shape, the last index fastest.
+struct CheckpointArray
+{
+  std::vector<std::int64_t> shape;
+  std::variant<std::vector<double>, std::vector<std::int64_t>> values; ///< as many as the shape has
+  std::string unit;
+  std::string description;
+};
+
+struct Checkpoint
+{
+  std::string kind;                      ///< of the run: "quasi-static fracture"
+  std::string scene;                     ///< all that the run depends on, in lines "what: value"
+  std::string provenance;                ///< toJson(Provenance)
+  std::map<std::string, double> numbers; ///< to the last bit
+  std::map<std::string, CheckpointArray> arrays;
+
+  /// A number or an array that a good file of this kind has.
+  /// @throws InputError when it has not
+  [[nodiscard]] double number(const std::string& name) const;
+  [[nodiscard]] const std::vector<double>& reals(const std::string& name) const;
+  [[nodiscard]] const std::vector<std::int64_t>& integers(const std::string& name) const;
+};
+
+/// The bytes of a file. @throws Error when HDF5 fails
+[[nodiscard]] std::vector<std::byte> encode(const Checkpoint& checkpoint);
+
+/// @param name of the file, for messages
+/// @throws InputError: not a checkpoint, cut off, damaged, newer than this program
+[[nodiscard]] Checkpoint decode(std::span<const std::byte> bytes, std::string_view name);
+
+/// @throws InputError: a checkpoint of another kind or scene; says what differs
+void expectScene(const Checkpoint& checkpoint, std::string_view kind, std::string_view scene, std::string_view name);
+
+/// All bytes of a file. @throws InputError when it cannot be read
+[[nodiscard]] std::vector<std::byte> readBytes(const std::filesystem::path& path);
+
+/// Refuses a place where no checkpoint can be written: no such folder, a folder, a file of another sort.
+/// @throws InputError
+void checkPlace(const std::filesystem::path& path);
+
+/// Puts bytes in the place of a file: they are written to `.NAME.part` beside it and brought to the disk, and then that
+/// takes the name. Whatever happens the name stands for the old file or the new one, whole.
+/// @throws Error: the disk is full, or another reason; the old file is as it was
+void replaceFile(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+} // namespace lamella::io

@@ -1,0 +1,115 @@
+#include "io/Checkpoint.h"
+
+#include "lattice/Error.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+
+namespace lamella::io
+{
+
+namespace fs = std::filesystem;
+
+namespace
+{
+
+fs::path folderOf(const fs::path& path)
+{
+  return path.parent_path().empty() ? fs::path(".") : path.parent_path();
+}
+
+std::string reason(int error)
+{
+  return std::generic_category().message(error);
+}
+
+/// An open file; closes it.
+struct File
+{
+  int number = -1;
+  ~File()
+  {
+    if (number >= 0)
+      ::close(number);
+  }
+};
+
+/// @return 0 or the number of the error
+int writeAll(const fs::path& path, std::span<const std::byte> bytes)
+{
+  const File file{ ::open(path.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666) };
+  if (file.number < 0)
+    return errno;
+  while (!bytes.empty())
+  {
+    const ssize_t written = ::write(file.number, bytes.data(), bytes.size());
+    if (written > 0)
+      bytes = bytes.subspan(static_cast<std::size_t>(written));
+    else if (written == 0 || errno != EINTR)
+      return written == 0 ? ENOSPC : errno;
+  }
+  return ::fsync(file.number) == 0 ? 0 : errno;
+}
+
+} // namespace
+
+std::vector<std::byte> readBytes(const fs::path& path)
+{
+  std::error_code failed;
+  if (fs::is_directory(path, failed))
+    throw InputError(
+      fmt::format("'{}' is a folder, not a checkpoint", path.string()), "give the file that --checkpoint wrote");
+  errno = 0;
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  std::vector<std::byte> bytes(file ? static_cast<std::size_t>(file.tellg()) : 0);
+  file.seekg(0);
+  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())); // NOLINT
+  if (!file)
+    throw InputError(
+      fmt::format("cannot read '{}': {}", path.string(), reason(errno)), "check the path and its permissions");
+  return bytes;
+}
+
+void checkPlace(const fs::path& path)
+{
+  std::error_code ignored;
+  const fs::path folder = folderOf(path);
+  if (!fs::is_directory(folder, ignored))
+    throw InputError(fmt::format("there is no folder '{}' for the checkpoint", folder.string()), "make it first");
+  if (path.filename().empty() || fs::is_directory(path, ignored))
+    throw InputError(
+      fmt::format("'{}' is a folder, not a file for a checkpoint", path.string()), "give the name of a file");
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    throw InputError(fmt::format("cannot write in the folder '{}': {}", folder.string(), reason(errno)),
+      "choose a folder that you can write to for the checkpoint");
+  constexpr std::string_view begin = "Lamella checkpoint\n";
+  std::ifstream file(path, std::ios::binary);
+  std::string text(begin.size(), '\0');
+  if (file && !(file.read(text.data(), static_cast<std::streamsize>(text.size())) && text == begin))
+    throw InputError(fmt::format("'{}' is there already and is no checkpoint", path.string()),
+      "choose another name for the checkpoint");
+}
+
+void replaceFile(const fs::path& path, std::span<const std::byte> bytes)
+{
+  const fs::path part = folderOf(path) / fmt::format(".{}.part", path.filename().string());
+  int error = writeAll(part, bytes);
+  if (error == 0 && ::rename(part.c_str(), path.c_str()) != 0)
+    error = errno;
+  if (error != 0)
+  {
+    ::unlink(part.c_str());
+    throw Error(fmt::format("cannot write '{}': {}", path.string(), reason(error)),
+      "make room on the disk, or write to another one");
+  }
+  // the name itself is on the disk only after this
+  if (const File folder{ ::open(folderOf(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC) }; folder.number >= 0)
+    ::fsync(folder.number);
+}
+
+} // namespace lamella::io

@@ -1,0 +1,176 @@
+// What a quasi-static fracture keeps on disk, and how it goes on from it.
+#include "lattice/Error.h"
+#include "peridynamics/fracture/Fracture.h"
+#include "peridynamics/fracture/FractureEngine.h"
+#include "peridynamics/fracture/LoosePieces.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <utility>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+constexpr const char* kind = "quasi-static fracture";
+
+double seconds()
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Calls f(name, value) for every number of a record that is not in a list.
+template <class Record, class F>
+void eachNumber(Record& r, F&& f)
+{
+  f("modulus", r.modulus);
+  f("peak strain", r.peak.strain);
+  f("peak stress", r.peak.stress);
+  f("peak broken", r.peak.broken);
+  f("first strain", r.first.strain);
+  f("first stress", r.first.stress);
+  auto& t = r.statistics;
+  f("events", t.events);
+  f("raises", t.raises);
+  f("equilibria", t.equilibria);
+  f("global iterations", t.globalIterations);
+  f("local cycles", t.localCycles);
+  f("nodes visited", t.nodesVisited);
+  f("searches", t.searches);
+  f("loose pieces", t.loosePieces);
+  f("loose nodes", t.looseNodes);
+  f("loose bonds", t.looseBonds);
+  f("global seconds", t.globalSeconds);
+  f("local seconds", t.localSeconds);
+  f("search seconds", t.searchSeconds);
+  f("total seconds", t.totalSeconds);
+  f("checkpoints", t.checkpoints);
+  f("checkpoint seconds", t.checkpointSeconds);
+}
+
+template <class List, class F>
+io::CheckpointArray listOf(const List& list, const char* unit, const char* description, F&& value)
+{
+  std::vector<decltype(value(list.front()))> values;
+  for (const auto& one : list)
+    values.push_back(value(one));
+  return { { static_cast<std::int64_t>(list.size()) }, std::move(values), unit, description };
+}
+
+} // namespace
+
+std::string sceneOf(const Loading& l, const FractureOptions& o)
+{
+  const char* cases[] = { "stretch", "shear", "biaxial", "traction" };
+  std::string text;
+  const auto line = [&](const char* name, const auto& value) { text += fmt::format("{}: {}\n", name, value); };
+  line("load", cases[static_cast<int>(l.load)]);
+  line("axis of the load", l.axis);
+  line("unit strain", l.strain);
+  line("lateral strain", l.lateralStrain);
+  line("platens", l.smooth ? "smooth" : "rough");
+  line("rigid platens", l.rigid ? "yes" : "no");
+  line("layers of a platen", l.layers);
+  line("method", o.method == FractureMethod::Events ? "events" : "accurate");
+  line("breaking", o.breaking == Breaking::Strict ? "strict" : "batched");
+  line("tolerance", o.tolerance);
+  line("events between renewals", o.renewEvery);
+  if (o.method != FractureMethod::Events)
+    return text;
+  const EventOptions& e = o.events;
+  line("radius of local corrections", e.radius);
+  line("radius on coarse levels", e.coarseRadius);
+  line("reduction by local corrections", e.reduction);
+  line("most cycles around a bond", e.maxCycles);
+  line("events between global corrections", e.globalEvery);
+  line("iterations of a global correction", e.globalIterations);
+  line("tolerance of a global correction", e.globalTolerance);
+  line("rivals within", e.rivals);
+  line("tolerance among rivals", e.rivalTolerance);
+  line("tolerance before a rise", e.riseTolerance);
+  return text;
+}
+
+void QuasiStaticFracture::save()
+{
+  const double start = seconds();
+  savedAt_ = record_.statistics.events;
+  EngineState state = engine_->state();
+  io::Checkpoint c;
+  c.kind = kind;
+  c.scene = scene_;
+  c.provenance = options_.checkpoint.provenance;
+  c.arrays["displacement"] = gathered(bonds_, state.displacement, "m", "displacement at the unit load");
+  FractureRecord now{ FractureEnd::Running, {}, {}, record_.peak, record_.first, record_.modulus, statistics() };
+  ++now.statistics.checkpoints;
+  eachNumber(now, [&](const char* name, const auto& value) { c.numbers[name] = static_cast<double>(value); });
+  for (const auto& [name, value] : state.numbers)
+    c.numbers["state: " + name] = value;
+  c.numbers["load"] = load_;
+  c.numbers["share"] = share_;
+  c.numbers["first ratio"] = firstRatio_;
+  c.numbers["bonds left"] = static_cast<double>(bonds_.bonds());
+  const auto& broken = record_.broken;
+  std::vector<Bond> list;
+  for (const BrokenBond& b : broken)
+    list.push_back(b.bond);
+  c.arrays["broken"] = arrayOf(list);
+  const auto add = [&](const char* name, const auto& from, const char* unit, const char* description, auto&& value)
+  { c.arrays[name] = listOf(from, unit, description, value); };
+  using B = BrokenBond;
+  add("event", broken, "", "in which the bond broke, from 1", [](const B& b) { return b.event; });
+  add("strain", broken, "", "imposed when it broke", [](const B& b) { return b.strain; });
+  add("critical_strain", broken, "", "at which it was critical", [](const B& b) { return b.criticalStrain; });
+  add("stress", broken, "Pa", "before it broke", [](const B& b) { return b.stress; });
+  using P = CurvePoint;
+  const auto& curve = record_.curve;
+  add("curve_strain", curve, "", "strain-controlled curve", [](const P& p) { return p.strain; });
+  add("curve_stress", curve, "Pa", "strain-controlled curve", [](const P& p) { return p.stress; });
+  add("curve_broken", curve, "", "bonds broken so far", [](const P& p) { return p.broken; });
+  record_.statistics.checkpoints += write(c, options_.checkpoint, bonds_.communicator()) ? 1 : 0;
+  record_.statistics.checkpointSeconds += seconds() - start;
+}
+
+EngineState QuasiStaticFracture::restore(const PlatenForce& platens)
+{
+  const Communicator& comm = bonds_.communicator();
+  const io::Checkpoint c = readCheckpoint(options_.continueFrom, kind, scene_, comm);
+  EngineState state{ scattered(bonds_, c, "displacement"), {}, {} };
+  const std::vector<Bond> list = bondsIn(c, bonds_);
+  const auto& event = c.integers("event");
+  const auto& strain = c.reals("strain");
+  const auto& critical = c.reals("critical_strain");
+  const auto& stress = c.reals("stress");
+  const auto& curveStrain = c.reals("curve_strain");
+  const auto& curveStress = c.reals("curve_stress");
+  const auto& curveBroken = c.integers("curve_broken");
+  for (std::size_t k = 0; k < list.size(); ++k)
+    record_.broken.push_back({ list[k], event.at(k), strain.at(k), critical.at(k), stress.at(k) });
+  for (std::size_t k = 0; k < curveStrain.size(); ++k)
+    record_.curve.push_back({ curveStrain[k], curveStress.at(k), curveBroken.at(k) });
+  eachNumber(record_,
+    [&](const char* name, auto& value) { value = static_cast<std::decay_t<decltype(value)>>(c.number(name)); });
+  load_ = c.number("load");
+  share_ = c.number("share");
+  firstRatio_ = c.number("first ratio");
+  savedAt_ = record_.statistics.events;
+  state.statistics = record_.statistics;
+  const std::string prefix = "state: ";
+  for (const auto& [name, value] : c.numbers)
+    if (name.starts_with(prefix))
+      state.numbers[name.substr(prefix.size())] = value;
+
+  bonds_.breakBonds(comm.rank() == 0 ? std::span<const Bond>(list) : std::span<const Bond>());
+  // what has come loose since follows from what has broken
+  const AlignedArray<std::uint8_t> marks = platens.marks(bonds_, sample_);
+  bonds_.breakBonds(bondsOfLoosePieces(bonds_, findFragments(bonds_, &marks)));
+  if (static_cast<double>(bonds_.bonds()) != c.number("bonds left"))
+    throw InputError(
+      fmt::format("{} bonds are left of the sample, {} in the checkpoint", bonds_.bonds(), c.number("bonds left")),
+      "start the run anew, and report it");
+  return state;
+}
+
+} // namespace lamella::peridynamics
