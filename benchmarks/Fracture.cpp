@@ -1,6 +1,6 @@
 // Quasi-static fracture: time and error of the local corrections against one equilibrium an event, a table of three
 // samples. With kind=aggregate, filled or wood one run in detail: nx=, seed=, method=events or accurate, breaking=,
-// stop=, max=, and those of EventOptions.
+// stop=, max=, renew=, checkpoint=, continue=, and those of EventOptions.
 #include "peridynamics/fracture/Fracture.h"
 #include "generators/Generators.h"
 #include "lattice/Error.h"
@@ -150,6 +150,7 @@ FractureOptions optionsOf(const Keys& keys)
   o.tolerance = number(keys, "tolerance", o.tolerance);
   o.renewEvery = static_cast<std::int64_t>(number(keys, "renew", static_cast<double>(o.renewEvery)));
   o.checkpoint.path = text(keys, "checkpoint", "");
+  o.checkpoint.warn = [](const std::string& words) { fmt::print("warning: {}\n", words); };
   o.continueFrom = text(keys, "continue", "");
   EventOptions& e = o.events;
   e.radius = static_cast<int>(number(keys, "radius", e.radius));
@@ -185,6 +186,9 @@ void one(const Keys& keys)
     static_cast<double>(t.localCycles) / events, static_cast<double>(t.nodesVisited) / events, t.searchSeconds);
   fmt::print("  {} searches, {} loose pieces ({} nodes, {} bonds); {:.0f} bytes a node beside the bonds\n", t.searches,
     t.loosePieces, t.looseNodes, t.looseBonds, static_cast<double>(t.bytes) / static_cast<double>(s.lattice.count()));
+  if (t.checkpoints > 0)
+    fmt::print("  {} checkpoints, {:.1f} ms each\n", t.checkpoints,
+      1e3 * t.checkpointSeconds / static_cast<double>(t.checkpoints));
   if (const auto log = keys.find("log"); log != keys.end())
   {
     std::ofstream file(log->second);

@@ -60,20 +60,20 @@ TEST(FractureCheckpoints, AnyNumberOfRanksGoesOn)
 {
   for (const Breaking breaking : { Breaking::Strict, Breaking::Batched })
   {
-    const Breakable s = walls(64);
+    const Breakable s = walls(40, 3);
     FractureOptions o = by(FractureMethod::Accurate, 0.2);
     o.breaking = breaking;
     o.tolerance = 1e-8;
-    o.renewEvery = 8;
-    o.maxBroken = 40;
+    o.renewEvery = 6;
+    o.maxBroken = 24;
     const FractureRecord whole = fracture(s, o, {}, everyone());
     const SharedFile file;
     o.checkpoint.path = file.path();
-    o.maxBroken = 20;
+    o.maxBroken = 14;
     (void)fracture(s, o, {}, everyone());
     o.checkpoint = {};
     o.continueFrom = file.path();
-    o.maxBroken = 40;
+    o.maxBroken = 24;
     expectSame(whole, fracture(s, o, {}, everyone()), 0);
     if (const std::optional<Communicator> part = half())
       expectSame(whole, fracture(s, o, {}, *part), 1e-5);
@@ -83,13 +83,13 @@ TEST(FractureCheckpoints, AnyNumberOfRanksGoesOn)
     {
       o.continueFrom.clear();
       o.checkpoint.path = file.path();
-      o.maxBroken = 20;
+      o.maxBroken = 14;
       (void)fracture(s, o);
     }
     (void)everyone().any(false);
     o.checkpoint = {};
     o.continueFrom = file.path();
-    o.maxBroken = 40;
+    o.maxBroken = 24;
     expectSame(whole, fracture(s, o, {}, everyone()), 1e-5);
   }
 }
