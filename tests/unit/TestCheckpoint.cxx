@@ -1,0 +1,60 @@
+#include "../TemporaryFolder.h"
+
+#include "io/Checkpoint.h"
+#include "lattice/Error.h"
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <cmath>
+#include <limits>
+
+namespace
+{
+
+using namespace lamella;
+using lamella::testing::TemporaryFolder;
+namespace fs = std::filesystem;
+
+// To the last bit, and in a file that HDF5 reads where it lies.
+TEST(Checkpoint, KeepsNumbersAndIsHdf5)
+{
+  const TemporaryFolder folder;
+  io::Checkpoint c;
+  c.kind = "test";
+  c.scene = "nodes: 3\n" + std::string(100000, 'x') + ": long\n";
+  c.provenance = "{}";
+  c.numbers = { { "third", 1.0 / 3 }, { "tiny", 4e-320 }, { "infinite", std::numeric_limits<double>::infinity() } };
+  c.arrays["empty"] = { { 0, 4 }, std::vector<std::int64_t>{}, "", "" };
+  c.arrays["u"] = { { 1, 3 }, std::vector<double>{ 0.1, -0.0, 1e300 }, "m", "displacement" };
+  c.arrays["n"] = { { 2 }, std::vector<std::int64_t>{ -1, std::int64_t{ 1 } << 60 }, "", "" };
+  const fs::path file = folder / "c.h5";
+  io::replaceFile(file, io::encode(c));
+  const io::Checkpoint back = io::decode(io::readBytes(file), "c.h5");
+  EXPECT_EQ(back.kind, c.kind);
+  EXPECT_EQ(back.scene, c.scene);
+  EXPECT_EQ(back.provenance, c.provenance);
+  EXPECT_EQ(back.numbers, c.numbers);
+  ASSERT_EQ(back.arrays.size(), 3U);
+  for (const auto& [name, array] : c.arrays)
+  {
+    EXPECT_EQ(back.arrays.at(name).shape, array.shape);
+    EXPECT_EQ(back.arrays.at(name).values, array.values);
+    EXPECT_EQ(back.arrays.at(name).unit, array.unit);
+  }
+  EXPECT_TRUE(std::signbit(back.reals("u")[1]));
+  EXPECT_THROW((void)back.integers("u"), InputError);
+  EXPECT_THROW((void)back.number("fourth"), InputError);
+
+  const hid_t plain = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  ASSERT_GE(plain, 0);
+  const hid_t set = H5Dopen2(plain, "arrays/u", H5P_DEFAULT);
+  ASSERT_GE(set, 0);
+  double values[3]{};
+  EXPECT_GE(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), 0);
+  EXPECT_EQ(values[2], 1e300);
+  H5Dclose(set);
+  H5Fclose(plain);
+}
+
+} // namespace
