@@ -111,7 +111,7 @@ std::string statisticsText(const BondFields& f)
     grouped(f.whole("equilibria")), grouped(f.whole("iterations")), f("seconds", 2));
   if (f.text("method") == "events")
   {
-    text += fmt::format("  {} local corrections, {:.2g} % of the solid an event       {:.3f} s\n",
+    text += fmt::format("  {} local corrections, an event visiting {:.2g} % of the solid   {:.3f} s\n",
       grouped(f.whole("local_cycles")), share(f("visited_nodes") / events, f("solid_nodes")), f("seconds", 3));
   }
   text += fmt::format("  most critical bonds, and {} searches for loose pieces    {:.3f} s\n",

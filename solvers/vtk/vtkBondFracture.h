@@ -31,7 +31,7 @@
  * **Field data**:
  * - `peak_stress` [Pa], `peak_strain`, `peak_broken`; `first_break_strain`, `first_break_stress` (NaN where nothing
  *   broke); `effective_modulus` [Pa] of the unbroken sample; `total_broken`
- * - `broken_energy` [J], [J/m] of a picture: what it took to break the bonds, were the load to follow every snap-back
+ * - `broken_energy` [J], [J/m] of a picture: Σ ½ k s₀² |ξ|, what the broken bonds held when they were just critical
  * - `end`: stress-fell, severed, nothing-breaks, maximum-strain or maximum-broken; `end_reason`: the same as a sentence
  * - of the state: `strain`, `stress` [Pa], `broken_bonds`, `hinges`, `state_iterations`
  * - `load`, `compression` (0 or 1), `load_axis`, `method`, `breaking`, `section_area`, `gauge_length`, `platen_layers`

@@ -9,14 +9,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 
 namespace lamella::peridynamics
 {
 namespace
 {
 
-constexpr double endless = std::numeric_limits<double>::infinity();
+/// Strains above this are none for which elongations are linear.
+constexpr double small = 0.1;
 
 double now()
 {
@@ -230,6 +230,11 @@ void warn(const BondModel& model, FractureResult& r)
   std::vector<std::string> warnings = modelWarnings(model, r.thickness);
   if (r.loosePieces > 0)
     warnings.push_back(looseWarning(r.loosePieces, r.looseNodes, r.solidNodes));
+  if (!r.record.broken.empty() && r.peak.strain > small)
+    warnings.push_back(
+      fmt::format("the peak lies at a strain of {:.2g}: that is not small, and the answer with it is of "
+                  "no great worth",
+        r.peak.strain));
   if (const std::size_t missed = r.missedStrains.size() + r.missedNumbers.size(); missed > 0)
     warnings.push_back(
       fmt::format("{} of the states asked for lie beyond the end of the run: {}", missed, describe(r.record.end)));

@@ -64,8 +64,8 @@ struct FractureResult
   /// From the unloaded sample on: a point for every event, just before it, one for what each avalanche left, and the
   /// end.
   std::vector<FractureCurvePoint> curve;
-  /// Σ ½ k s₀² |ξ| over the broken bonds: what it took to break them, were the load to follow every snap-back [J],
-  /// [J/m] in the plane. Divided by a crack's length it is its fracture energy on this lattice.
+  /// Σ ½ k s₀² |ξ|: what the broken bonds held when they were just critical [J], [J/m] in the plane. The sample loses
+  /// more, for at each break its neighbours spring back.
   double brokenEnergy = 0;
   std::vector<double> missedStrains;       ///< states asked for that the run ended before
   std::vector<std::int64_t> missedNumbers; ///< likewise, of broken bonds

@@ -141,7 +141,7 @@ class FractureResult(BondNumbers):
 
     @property
     def broken_energy(self):
-        """What it took to break the bonds, were the load to follow every snap-back [J]."""
+        """What the broken bonds held when they were just critical [J]."""
         return self._number("broken_energy")
 
     @property
