@@ -192,16 +192,14 @@ struct Files
     }
     report.run.written = states.write(filter, provenance);
     report.stateFiles = report.run.written;
+    const std::vector<std::string> tables = curve.write(Json::parse(provenance));
+    states.commit();
     if (broken)
     {
-      Session::checkInterrupt();
       broken->commit();
       report.run.written.push_back(broken->path().string());
     }
-    for (std::string& name : curve.write(Json::parse(provenance)))
-    {
-      report.run.written.push_back(std::move(name));
-    }
+    report.run.written.insert(report.run.written.end(), tables.begin(), tables.end());
   }
 };
 

@@ -71,8 +71,13 @@ std::vector<std::string> StateFiles::write(vtkBondFracture* filter, const std::s
     collection_.front().write(collectionText(beside, times));
     names.push_back(collection_.front().path().string());
   }
-  Session::checkInterrupt();
-  for (std::size_t i = 0; i < times.size(); ++i)
+  written_ = times.size();
+  return names;
+}
+
+void StateFiles::commit()
+{
+  for (std::size_t i = 0; i < written_; ++i)
   {
     files_[i].commit();
   }
@@ -80,7 +85,6 @@ std::vector<std::string> StateFiles::write(vtkBondFracture* filter, const std::s
   {
     file.commit();
   }
-  return names;
 }
 
 std::string collectionText(const std::vector<std::string>& files, std::vector<double> times)

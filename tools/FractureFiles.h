@@ -25,12 +25,16 @@ public:
   /// @param bytes of one state @throws OutputError when the disk has less room
   void needs(std::uint64_t bytes) const;
 
-  /// Writes the states of the filter's last run. @returns the names @throws OutputError; Cancelled
+  /// Writes the states of the filter's last run. @returns the names, those of the states first
+  /// @throws OutputError; Cancelled
   [[nodiscard]] std::vector<std::string> write(vtkBondFracture* filter, const std::string& provenance);
+  /// Gives what was written its names. @throws OutputError; Cancelled
+  void commit();
 
 private:
   std::vector<OutputFile> files_;
   std::vector<OutputFile> collection_; ///< one or none
+  std::size_t written_ = 0;            ///< of the files
 };
 
 /// What ParaView reads as a time series.

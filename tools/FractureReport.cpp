@@ -180,7 +180,7 @@ std::string fractureTable(const FractureReport& report)
   text += fmt::format("    peak at           strain {:.6g}, stress {}, {} bonds broken\n", f("peak_strain"),
     pascal(f("peak_stress")), grouped(f.whole("peak_broken")));
   text += fmt::format(
-    "    end at            strain {:.6g}, stress {} ({:.2g} % of the peak), {} bonds broken:\n      {}\n", f("strain"),
+    "    end at            strain {:.6g}, stress {} ({:.3g} % of the peak), {} bonds broken:\n      {}\n", f("strain"),
     pascal(f("stress")), share(f("stress"), f("peak_stress")), grouped(f.whole("total_broken")), f.text("end_reason"));
   if (f("total_broken") > 0)
   {

@@ -3,6 +3,7 @@
 import csv
 import os
 import re
+import resource
 import signal
 import subprocess
 import time
@@ -137,6 +138,16 @@ class Fracture(Case):
         self.assertEqual(run.returncode, 130, err)
         self.assertEqual(out, b"")
         self.assertEqual(sorted(os.listdir(self.folder)), ["big.png", "strip.png"])
+
+    def test_a_full_disk(self):
+        # a limit on the size of files stops a write half-way; no file appears, not those that were whole either
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+
+        good = [*STRIP, *BREAKS]
+        for files in (["-o", "s.vti"], ["-o", "s.vti", "--at-broken", "5"], ["--broken", "b.vtp", "--max-broken", "400"],
+                      ["--curve", "c.csv"], ["--max-broken", "2", "--broken", "b.vtp", "-o", "s.vti"]):
+            self.fails(7, "File too large", "", *good, *files, preexec_fn=limit)
 
     def test_what_cannot_be_done(self):
         good = [*STRIP, *BREAKS]
