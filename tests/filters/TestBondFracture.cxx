@@ -1,69 +1,22 @@
-// Fracture through VTK's pipeline: what breaks is what the solver breaks, states change nothing, arrays and tables
-// agree with each other; on distributed images the same bonds break; what is refused.
-#include "OnRanks.h"
-#include "VtkTesting.h"
+// Fracture through VTK's pipeline: what breaks is what the solver breaks, arrays and tables agree with each other; on
+// distributed images the same bonds break.
+#include "FractureTesting.h"
 
 #include "lattice/Communicator.h"
 #include "peridynamics/fracture/FractureStudy.h"
-#include "vtkBondFracture.h"
 
-#include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkMath.h"
-#include "vtkOutputWindow.h"
-#include "vtkPolyData.h"
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <numbers>
 
 namespace
 {
 
 using namespace lamella;
-using vtktest::cell;
-using vtktest::errorOf;
-using vtktest::picture;
-using vtktest::points;
+using namespace lamella::vtktest;
 namespace pd = lamella::peridynamics;
-
-class BondFracture : public vtktest::OnRanks
-{
-protected:
-  static void SetUpTestSuite()
-  {
-    OnRanks::SetUpTestSuite();
-    vtkOutputWindow::GetInstance()->SetDisplayModeToNever(); // warnings of thin phases
-  }
-};
-
-constexpr double spacing = 1e-5;
-
-/// Wall with a hole and a softer, weaker band across.
-int rule(int x, int y, int z)
-{
-  const int middle = 14 + x / 8;
-  return (x - 15) * (x - 15) + (y - 20) * (y - 20) + (z - 4) * (z - 4) < 14 ? 0 : std::abs(y - middle) < 3 ? 2 : 1;
-}
-
-vtkSmartPointer<vtkImageData> sample(int nx = 24, int ny = 36, int nz = 1)
-{
-  const auto image = picture(nx, ny, nz, rule, spacing);
-  setFieldTexts(image, "phase_names", std::vector<std::string>{ "void", "wall", "lamella" });
-  return image;
-}
-
-void configure(vtkBondFracture* filter)
-{
-  filter->SetYoungsModulus("wall", 4e9);
-  filter->SetYoungsModulus("lamella", 1e9);
-  filter->SetCriticalStretch("wall", 1e-2);
-  filter->SetCriticalStretch("lamella", 2e-3);
-  filter->SetLike("lamella-wall", "lamella");
-}
 
 pd::BondModel model(int dimension)
 {
@@ -75,29 +28,12 @@ pd::BondModel model(int dimension)
   return m;
 }
 
-double number(vtkDataObject* data, const char* name, std::size_t i = 0)
-{
-  const std::vector<double> values = fieldNumbers(data, name);
-  EXPECT_GT(values.size(), i) << name;
-  return values.size() > i ? values[i] : std::nan("");
-}
-
-double sum(vtkDataArray* array)
-{
-  double total = 0;
-  for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i)
-  {
-    total += array->GetTuple1(i);
-  }
-  return total;
-}
-
 TEST_F(BondFracture, IsTheSolver)
 {
   for (const int nz : { 1, 9 })
   {
     SCOPED_TRACE(nz);
-    const auto image = sample(24, nz > 1 ? 24 : 36, nz);
+    const auto image = band(24, nz > 1 ? 24 : 36, nz);
     vtkNew<vtkBondFracture> filter;
     configure(filter);
     filter->SetInputData(image);
@@ -146,7 +82,7 @@ TEST_F(BondFracture, IsTheSolver)
         }
         const vtkIdType node = image->FindPoint(at);
         ASSERT_GE(node, 0);
-        EXPECT_NEAR(vtkMath::Distance2BetweenPoints(at, image->GetPoint(node)), 0, 1e-6 * spacing * spacing);
+        EXPECT_NEAR(vtkMath::Distance2BetweenPoints(at, image->GetPoint(node)), 0, 1e-6 * bandSpacing * bandSpacing);
         ++ofNode[static_cast<std::size_t>(node)];
       }
     }
@@ -171,7 +107,7 @@ TEST_F(BondFracture, IsTheSolver)
     EXPECT_EQ(fieldText(output, "end"), nz > 1 ? "maximum-broken" : "stress-fell");
     EXPECT_EQ(fieldText(output, "method"), "events");
     EXPECT_EQ(output->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()), direct.strain());
-    EXPECT_EQ(number(broken, "spacing"), spacing);
+    EXPECT_EQ(number(broken, "spacing"), bandSpacing);
     EXPECT_EQ(number(broken, "lattice_size", 1), nz > 1 ? 24 : 36);
     EXPECT_EQ(number(broken, "horizon"), 3);
     EXPECT_EQ(fieldTexts(broken, "phase_names").size(), 3U);
@@ -185,7 +121,7 @@ TEST_F(BondFracture, CurveHoldsTogether)
 {
   vtkNew<vtkBondFracture> filter;
   configure(filter);
-  filter->SetInputData(sample());
+  filter->SetInputData(band());
   ASSERT_EQ(errorOf(filter), "");
   vtkTable* const curve = filter->GetCurve();
   vtkPointData* const broken = filter->GetBrokenBonds()->GetPointData();
@@ -223,7 +159,7 @@ TEST_F(BondFracture, EnergyOfASeveredStrip)
 {
   vtkNew<vtkBondFracture> filter;
   filter->SetInputData(picture(
-    20, 40, 1, [](int, int y, int) { return y < 20 ? 1 : 2; }, spacing));
+    20, 40, 1, [](int, int y, int) { return y < 20 ? 1 : 2; }, bandSpacing));
   filter->SetHorizon(1);
   for (const char* const pair : { "b", "c", "b-c" })
   {
@@ -235,192 +171,19 @@ TEST_F(BondFracture, EnergyOfASeveredStrip)
   vtkImageData* const output = filter->GetOutput();
   EXPECT_EQ(fieldText(output, "end"), "severed");
   EXPECT_EQ(number(output, "total_broken"), 20);
-  const double k = 9 * 1e9 / (std::numbers::pi * std::pow(spacing, 3)) * std::pow(spacing, 4);
-  EXPECT_NEAR(number(output, "broken_energy") / (20 * 0.5 * k * 1e-6 * spacing), 1, 1e-12);
+  const double k = 9 * 1e9 / (std::numbers::pi * std::pow(bandSpacing, 3)) * std::pow(bandSpacing, 4);
+  EXPECT_NEAR(number(output, "broken_energy") / (20 * 0.5 * k * 1e-6 * bandSpacing), 1, 1e-12);
   EXPECT_EQ(number(output, "stress"), 0);
   EXPECT_EQ(cell(filter->GetCurve(), filter->GetCurve()->GetNumberOfRows() - 1, "stress"), 0);
   // both halves rest with their platens, which stand apart by what the high one has moved
   const auto y = [&](vtkIdType row) { return points(output, "displacement")->GetComponent(20 * row + 7, 1); };
-  EXPECT_NEAR(y(20) - y(19), number(output, "strain") * 39 * spacing, 1e-6 * spacing);
-}
-
-TEST_F(BondFracture, StatesChangeNothing)
-{
-  const auto image = sample();
-  vtkNew<vtkBondFracture> plain;
-  configure(plain);
-  plain->SetInputData(image);
-  plain->ComputeDisplacementOff();
-  ASSERT_EQ(errorOf(plain), "");
-  EXPECT_EQ(points(plain->GetOutput(), "displacement"), nullptr);
-  EXPECT_EQ(plain->GetNumberOfStates(), 1);
-
-  vtkNew<vtkBondFracture> filter;
-  configure(filter);
-  filter->SetInputData(image);
-  filter->ComputeStressOn();
-  filter->ComputeStrainEnergyOn();
-  const double first = number(plain->GetOutput(), "first_break_strain");
-  filter->AddStateAtStrain(0.5 * first);
-  filter->AddStateAtBroken(30);
-  filter->AddStateAtBroken(10);
-  filter->AddStateAtStrain(1); // beyond the end
-  ASSERT_EQ(errorOf(filter), "");
-  ASSERT_EQ(filter->GetNumberOfStates(), 4);
-  EXPECT_EQ(fieldTexts(filter->GetOutput(), "warnings").back().find("1 of the states asked for"), 0U);
-  vtkPolyData* const broken = filter->GetBrokenBonds();
-  ASSERT_EQ(broken->GetNumberOfPoints(), plain->GetBrokenBonds()->GetNumberOfPoints());
-  for (vtkIdType i = 0; i < broken->GetNumberOfPoints(); ++i)
-  {
-    ASSERT_EQ(vtkMath::Distance2BetweenPoints(broken->GetPoint(i), plain->GetBrokenBonds()->GetPoint(i)), 0);
-  }
-
-  int runs = 0;
-  vtkNew<vtkCallbackCommand> count;
-  count->SetClientData(&runs);
-  count->SetCallback([](vtkObject*, unsigned long, void* data, void*) { ++*static_cast<int*>(data); });
-  filter->AddObserver(vtkCommand::ProgressEvent, count);
-  const std::array<double, 4> expected{ 0, 10, 30, number(filter->GetOutput(), "total_broken") };
-  for (int state = 0; state < 4; ++state)
-  {
-    filter->SetState(state);
-    ASSERT_EQ(errorOf(filter), "");
-    vtkImageData* const output = filter->GetOutput();
-    EXPECT_EQ(number(output, "broken_bonds"), expected[static_cast<std::size_t>(state)]);
-    EXPECT_EQ(sum(points(output, "broken")), 2 * number(output, "broken_bonds"));
-    // the fields are those of an equilibrium at this strain: the mean over the section of the middle layers is the
-    // stress on the platens; that of the events' method errs by 5e-3 between its corrections
-    vtkDataArray* const stress = points(output, "stress");
-    double mean = 0;
-    for (int x = 0; x < 24; ++x)
-    {
-      for (int y = 26; y < 30; ++y)
-      {
-        mean += stress->GetComponent(24 * y + x, 1) / 96;
-      }
-    }
-    if (state < 3)
-    {
-      EXPECT_NEAR(mean / number(output, "stress"), 1, 1e-2) << state;
-    }
-  }
-  EXPECT_EQ(
-    filter->GetOutput()->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()), number(filter->GetOutput(), "strain"));
-  EXPECT_LE(runs, 2 * 4); // the pipeline's own 0 and 1
-  filter->SetState(0);
-  filter->Update();
-  EXPECT_EQ(number(filter->GetOutput(), "strain"), 0.5 * first);
-  EXPECT_NEAR(
-    number(filter->GetOutput(), "stress") / number(filter->GetOutput(), "effective_modulus") / first, 0.5, 1e-9);
-  filter->SetStopShare(0.5);
-  filter->Update();
-  EXPECT_LT(number(filter->GetOutput(), "total_broken"), expected[3]);
-}
-
-TEST_F(BondFracture, EndsWhereItIsTold)
-{
-  vtkNew<vtkBondFracture> filter;
-  configure(filter);
-  filter->SetInputData(sample());
-  filter->SetMaximumStrain(1e-4);
-  ASSERT_EQ(errorOf(filter), "");
-  vtkImageData* output = filter->GetOutput();
-  EXPECT_EQ(fieldText(output, "end"), "maximum-strain");
-  EXPECT_EQ(number(output, "strain"), 1e-4);
-  EXPECT_NEAR(number(output, "peak_stress"), 1e-4 * number(output, "effective_modulus"), 1e-6);
-  EXPECT_TRUE(std::isnan(number(output, "first_break_strain")));
-  EXPECT_EQ(filter->GetBrokenBonds()->GetNumberOfPoints(), 0);
-  EXPECT_EQ(filter->GetCurve()->GetNumberOfRows(), 2);
-  filter->SetMaximumStrain(0);
-  filter->SetMaximumBroken(12);
-  filter->CompressionOn();
-  filter->Update();
-  output = filter->GetOutput();
-  EXPECT_EQ(fieldText(output, "end"), "maximum-broken");
-  EXPECT_GT(number(output, "peak_stress"), 0);
-  EXPECT_LT(points(output, "displacement")->GetComponent(24 * 35 + 3, 1), 0);
-}
-
-TEST_F(BondFracture, Cancelled)
-{
-  vtkNew<vtkBondFracture> filter;
-  configure(filter);
-  filter->SetInputData(sample());
-  vtkNew<vtkCallbackCommand> stop;
-  stop->SetCallback(
-    [](vtkObject* caller, unsigned long, void*, void*) { static_cast<vtkAlgorithm*>(caller)->SetAbortExecute(1); });
-  filter->AddObserver(vtkCommand::ProgressEvent, stop);
-  EXPECT_EQ(errorOf(filter), "");
-  EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0);
-  EXPECT_EQ(filter->GetBrokenBonds()->GetNumberOfPoints(), 0);
-  EXPECT_EQ(filter->GetNumberOfStates(), 0);
-}
-
-TEST_F(BondFracture, WhatIsRefused)
-{
-  const auto fails = [](const std::function<void(vtkBondFracture*)>& change, const char* message,
-                       int failure = vtkBondAlgorithm::PARAMETER_FAILURE)
-  {
-    SCOPED_TRACE(message);
-    vtkNew<vtkBondFracture> filter;
-    configure(filter);
-    filter->SetInputData(sample());
-    change(filter);
-    const std::string error = errorOf(filter);
-    EXPECT_NE(error.find(message), std::string::npos) << error;
-    EXPECT_NE(error.find("hint: "), std::string::npos) << error;
-    EXPECT_EQ(filter->GetFailure(), failure);
-    EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0);
-    EXPECT_EQ(filter->GetCurve()->GetNumberOfRows(), 0);
-  };
-  fails([](auto* f) { f->SetCriticalStretch("lamella", 0); }, "the critical stretch of lamella is 0");
-  fails([](auto* f) { f->SetCriticalStretch("lamella", -1e-3); }, "the critical stretch of lamella is -0.001");
-  fails([](auto* f) { f->RemoveAllCriticalStretches(); }, "nothing can break");
-  fails([](auto* f) { f->LargeStrainsOn(); }, "fracture in large strains");
-  fails([](auto* f) { f->SetStopShare(1); }, "the share of the peak at which to stop, 1, is not in [0, 1)");
-  fails([](auto* f) { f->SetMaximumStrain(-1); }, "the largest strain is -1");
-  fails([](auto* f) { f->SetMaximumStrain(std::nan("")); }, "the largest strain is nan");
-  fails([](auto* f) { f->SetMaximumBroken(-1); }, "the largest number of broken bonds is -1");
-  fails([](auto* f) { f->AddStateAtStrain(-1e-3); }, "a state is asked for at the strain -0.001");
-  fails([](auto* f) { f->AddStateAtBroken(0); }, "a state is asked for at 0 broken bonds");
-  fails(
-    [](auto* f)
-    {
-      f->ComputeDisplacementOff();
-      f->ComputeStressOn();
-    },
-    "the stress of nodes without their displacements");
-  fails(
-    [](auto* f)
-    {
-      f->SetMethod(vtkBondFracture::EVENTS);
-      f->SetBreaking(vtkBondFracture::BATCHED);
-    },
-    "batches of bonds cannot be broken with local corrections");
-  fails(
-    [](auto* f)
-    {
-      f->SetMethod(vtkBondFracture::EVENTS);
-      f->SetPeriodic(1, 0, 0);
-    },
-    "fracture with local corrections of a periodic sample");
-  fails(
-    [](auto* f)
-    {
-      const auto image = sample();
-      for (int i = 0; i < 24 * 5; ++i)
-      {
-        points(image, "phase")->SetTuple1(24 * 20 + i, 0);
-      }
-      f->SetInputData(image);
-    },
-    "no piece of the sample reaches from one platen to the other along y", vtkBondAlgorithm::NO_PATH_FAILURE);
+  EXPECT_NEAR(y(20) - y(19), number(output, "strain") * 39 * bandSpacing, 1e-6 * bandSpacing);
 }
 
 // Pieces split along x and into blocks, with and without a ghost layer.
 TEST_F(BondFracture, RanksChangeNothing)
 {
-  const auto image = sample();
+  const auto image = band();
   const auto set = [](vtkBondFracture* filter)
   {
     configure(filter);
