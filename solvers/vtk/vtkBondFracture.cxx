@@ -246,8 +246,8 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team)
     if (rarely.due())
     {
       std::array<char, 96> text{};
-      std::snprintf(text.data(), text.size(), "%lld bonds broken, peak %.3g Pa",
-        static_cast<long long>(p.broken), p.peakStress);
+      std::snprintf(
+        text.data(), text.size(), "%lld bonds broken, peak %.3g Pa", static_cast<long long>(p.broken), p.peakStress);
       this->SetProgressText(text.data());
       this->UpdateProgress(p.share);
     }
