@@ -1,0 +1,183 @@
+"""Cemented grains pulled apart: stress-strain curves, crack paths, strength against saturation.
+
+    PYTHONPATH=build/python /usr/bin/python3 examples/cemented-grains/fracture.py
+
+The samples of study.py between two plates of grain material, pulled until the stress has fallen to 5 % of its peak, one bond at a time:
+ten packings, six widths of the bridges and filled, after section IV of Frank, Radjai, Nezamabadi and Delenne, Phys. Rev. E 102 (2020)
+022906. Grains are four times as stiff and as tough as the matrix, so all bonds break at one elongation. Writes to --output:
+  fracture-curves.png     stress against strain, one packing (their figure 12)
+  fracture-cracks.png     crack paths at two saturations (figure 13)
+  fracture-strength.png   strength against saturation (figure 14)
+  fracture-samples.csv    one row a sample; fracture-means.csv: means and deviations
+"""
+
+import argparse
+import concurrent.futures
+import math
+import os
+import statistics
+import time
+
+import lamella
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.collections import LineCollection
+from stress import CRITICAL, E_MATRIX, HORIZON, RATIO
+from study import COLOURS, FILLED, WIDTHS, bridged, panel, write_csv
+from vtkmodules.vtkCommonCore import vtkLogger
+
+MATRIX, GRAIN = 1, 2  # phases
+ALL = (0.1, *WIDTHS, FILLED)
+SHOWN = (0.5, 0.75)  # widths whose cracks are drawn
+UNIT = E_MATRIX * CRITICAL  # strength of a matrix without flaws [Pa]
+NAMES = ("strength", "first_break", "modulus", "peak_broken", "broken", "inside_grains", "between_grains", "interface", "events",
+         "seconds", "cpu_seconds")
+# the paper's two figures in words: at S = 0.9 and 1
+PAPER = {0.9: 0.38, 1.0: 0.78}
+
+
+def torn(image, **options):
+    """Bonds between two grains, and between grain and matrix, are like those of the matrix."""
+    young = {pair: E_MATRIX for pair in ("matrix", "matrix-grain", "grain-grain")}
+    young["grain"] = RATIO * E_MATRIX
+    return lamella.fracture(image, young, critical_stretch=dict.fromkeys(young, CRITICAL), horizon=HORIZON, platen_layers=HORIZON,
+                            displacement=False, **options)
+
+
+def share_of(broken, low, high, between):
+    phases = broken["phases"]
+    return float(np.mean((phases[:, 0] == low) & (phases[:, 1] == high) & (broken["between_grains"] == between)))
+
+
+def measure(task):
+    """All widths of one packing: rows of numbers, and of the first packing curves and cracks."""
+    seed, options = task
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    packing = lamella.packing(count=options.count, seed=seed)
+    rows, curves, cracks = [], [], []
+    for width in ALL:
+        image = bridged(packing, width, options.nodes, HORIZON * packing.box[0] / options.nodes)
+        begun, spent = time.perf_counter(), time.process_time()
+        result = torn(image, rivals=options.rivals, method=options.method, breaking=options.breaking)
+        broken = result.broken
+        rows.append({
+            "seed": seed, "width": width, "saturation": image.saturation, "strength": result.peak_stress / UNIT,
+            "first_break": result.first_break_stress / UNIT, "modulus": result.modulus / E_MATRIX,
+            "peak_broken": int(np.searchsorted(broken["strain"], result.peak_strain)), "broken": len(broken),
+            "inside_grains": share_of(broken, GRAIN, GRAIN, False), "between_grains": share_of(broken, GRAIN, GRAIN, True),
+            "interface": share_of(broken, MATRIX, GRAIN, False) + share_of(broken, MATRIX, GRAIN, True),
+            "events": result.statistics["events"], "seconds": time.perf_counter() - begun, "cpu_seconds": time.process_time() - spent,
+            "end": result.end,
+        })
+        if seed == 1:
+            curves.append((image.saturation, result.strain / CRITICAL, result.stress / UNIT))
+            if width in SHOWN:
+                cracks.append((image.saturation, image.spacing, image.phase[::-1], broken, 2 * float(np.mean(packing.radii))))
+    return rows, curves, cracks
+
+
+def means_of(rows):
+    means = []
+    for width in ALL:
+        mine = [row for row in rows if row["width"] == width]
+        mean = {"width": width, "samples": len(mine)}
+        for name in ("saturation", *NAMES):
+            values = [row[name] for row in mine]
+            mean[name] = statistics.fmean(values)
+            mean[name + "_deviation"] = statistics.stdev(values) if len(values) > 1 else 0.0
+        means.append(mean)
+    return means
+
+
+def slopes(means):
+    """Mean slope of strength over saturation from none to 0.4 and from there to 0.9."""
+    saturation = [0.0] + [mean["saturation"] for mean in means]
+    strength = [0.0] + [mean["strength"] for mean in means]
+    at = [float(np.interp(s, saturation, strength)) for s in (0.0, 0.4, 0.9)]
+    return (at[1] - at[0]) / 0.4, (at[2] - at[1]) / 0.5
+
+
+def draw_curves(curves, path):
+    figure, axes = plt.subplots(figsize=(5.4, 4), constrained_layout=True)
+    colours = plt.get_cmap("viridis")(np.linspace(0, 0.92, len(curves)))
+    for (saturation, strain, stress), colour in zip(curves, colours):
+        axes.plot(strain, stress, color=colour, linewidth=1.4, label=f"S = {saturation:.2f}")
+    axes.set_xlabel("strain over $s_0$")
+    axes.set_ylabel("stress over $E_M s_0$")
+    axes.set_xlim(left=0)
+    axes.set_ylim(bottom=0)
+    axes.legend(frameon=False, fontsize=9)
+    figure.savefig(path, dpi=200)
+    plt.close(figure)
+
+
+def draw_cracks(cracks, path):
+    figure, axes = plt.subplots(1, len(cracks), figsize=(4.2 * len(cracks), 4.4), constrained_layout=True)
+    for one, (saturation, spacing, phase, broken, diameter), letter in zip(np.atleast_1d(axes), cracks, "ab"):
+        high, wide = phase.shape
+        low = int(np.clip(np.median(broken["position"][:, 1]) / spacing - wide / 2, 0, high - wide))
+        panel(one, COLOURS(phase[low : low + wide]), spacing, diameter if letter == "a" else None)
+        start = broken["position"] - broken["bond"] / 2 - [0, low * spacing]
+        one.add_collection(LineCollection(np.stack([start, start + broken["bond"]], axis=1), colors="#d01c1c", linewidths=0.5))
+        one.set_title(f"({letter}) S = {saturation:.2f}", fontsize=11)
+    figure.savefig(path, dpi=200)
+    plt.close(figure)
+
+
+def draw_strength(means, path):
+    figure, axes = plt.subplots(figsize=(5.4, 4), constrained_layout=True)
+    saturation = [mean["saturation"] for mean in means]
+    axes.errorbar(saturation, [mean["strength"] for mean in means], yerr=[mean["strength_deviation"] for mean in means], fmt="o-",
+                  capsize=3, color="#1f4e9c", label="strength")
+    axes.plot(saturation, [mean["first_break"] for mean in means], "s--", markersize=4, color="#888888", label="first break")
+    axes.plot(list(PAPER), list(PAPER.values()), "*", markersize=11, color="#d01c1c", label="paper, in its text")
+    axes.set_xlabel("saturation S")
+    axes.set_ylabel("stress over $E_M s_0$")
+    axes.set_xlim(0, 1.03)
+    axes.set_ylim(bottom=0)
+    axes.legend(frameon=False, fontsize=9)
+    figure.savefig(path, dpi=200)
+    plt.close(figure)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--output", default="results/cemented-grains", help="folder for pictures and tables (default: %(default)s)")
+    parser.add_argument("--samples", type=int, default=10, help="packings (default: %(default)s)")
+    parser.add_argument("--count", type=int, default=400, help="grains of a packing (default: %(default)s)")
+    parser.add_argument("--nodes", type=int, default=256, help="nodes across (default: %(default)s)")
+    parser.add_argument("--method", default="auto", choices=("auto", "events", "accurate"))
+    parser.add_argument("--breaking", default="strict", choices=("strict", "batched"))
+    parser.add_argument("--rivals", action="store_true", help="look closer where two bonds are nearly as critical as each other")
+    parser.add_argument("--workers", type=int, default=os.cpu_count(), help="samples at a time (default: one a core)")
+    options = parser.parse_args()
+    os.makedirs(options.output, exist_ok=True)
+    begun = time.perf_counter()
+    rows, curves, cracks = [], [], []
+    with concurrent.futures.ProcessPoolExecutor(options.workers) as pool:
+        for number, part in enumerate(pool.map(measure, [(seed + 1, options) for seed in range(options.samples)]), 1):
+            rows += part[0]
+            curves += part[1]
+            cracks += part[2]
+            print(f"\r{number} of {options.samples} packings, {time.perf_counter() - begun:.0f} s", end="", flush=True)
+    print()
+    means = means_of(rows)
+    write_csv(os.path.join(options.output, "fracture-samples.csv"), rows)
+    write_csv(os.path.join(options.output, "fracture-means.csv"), means)
+    print(f"{'width':>7} {'S':>6} {'strength':>16} {'first':>6} {'E':>6} {'broken':>7} {'in grains':>9} {'ms/event':>8}")
+    for mean in means:
+        print(f"{mean['width']:>7} {mean['saturation']:>6.3f} {mean['strength']:>7.3f} ± {mean['strength_deviation']:>5.3f} "
+              f"{mean['first_break']:>6.3f} {mean['modulus']:>6.3f} {mean['broken']:>7.0f} {100 * mean['inside_grains']:>7.2f} % "
+              f"{1e3 * mean['cpu_seconds'] / max(1.0, mean['events']):>8.2f}")
+    rising, level = slopes(means)
+    print(f"slope of the strength over S: {rising:.3f} from 0 to 0.4, {level:.3f} from 0.4 to 0.9 (ratio {level / rising:.3f})")
+    if curves and cracks:
+        draw_curves(curves, os.path.join(options.output, "fracture-curves.png"))
+        draw_cracks(cracks, os.path.join(options.output, "fracture-cracks.png"))
+    draw_strength(means, os.path.join(options.output, "fracture-strength.png"))
+    cpu = math.fsum(row["cpu_seconds"] for row in rows)
+    print(f"{len(rows)} samples in {time.perf_counter() - begun:.0f} s, {cpu:.0f} s CPU; files in {options.output}")
+
+
+if __name__ == "__main__":
+    main()
