@@ -1,97 +1,25 @@
 // Quasi-static fracture: time and error of the local corrections against one equilibrium an event, a table of three
 // samples. With kind=aggregate, filled or wood one run in detail: nx=, seed=, method=events or accurate, breaking=,
 // stop=, max=, renew=, checkpoint=, continue=, and those of EventOptions.
+#include "BreakableSamples.h"
+
 #include "peridynamics/fracture/Fracture.h"
-#include "generators/Generators.h"
-#include "lattice/Error.h"
-#include "packing/Bridges.h"
-#include "packing/Packing.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <ctime>
 #include <fstream>
-#include <map>
 #include <set>
 #include <string>
 #include <vector>
-
-#include <mpi.h>
 
 namespace
 {
 
 using namespace lamella;
+using namespace lamella::benchmark;
 using namespace lamella::peridynamics;
-
-double cpu() // of all threads
-{
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-struct Sample
-{
-  Lattice lattice;
-  std::vector<std::uint8_t> phase; ///< 0 void, 1, 2
-  std::vector<std::int32_t> grain;
-  BondModel model;
-};
-
-Sample cemented(std::int64_t nodes, double saturation, std::int64_t grains, std::uint64_t seed)
-{
-  packing::PackingOptions o;
-  o.count = grains;
-  o.aspect = 2;
-  o.seed = seed;
-  const packing::Packing p = packing::pack(o);
-  packing::BridgeOptions b;
-  if (saturation < 1)
-    b.saturation = saturation;
-  else
-    b.filled = true;
-  packing::RasterOptions r;
-  r.nodesAcross = nodes;
-  r.platen = 4 * p.size[0] / static_cast<double>(nodes);
-  packing::CementedSample c = packing::cement(p, b, r);
-  Sample s{ c.image.lattice, std::move(c.image.phase), std::move(c.grain), {} };
-  const BondMaterial soft{ .youngsModulus = 1e9, .criticalStretch = 1e-3 };
-  const BondMaterial stiff{ .youngsModulus = 4e9, .criticalStretch = 1e-3 };
-  s.model.pairs[{ 1, 1 }].material = soft;
-  s.model.pairs[{ 1, 2 }].material = soft;
-  s.model.pairs[{ 2, 2 }].material = stiff;
-  s.model.pairs[{ 2, 2 }].betweenGrains = soft;
-  s.model.pairByGrain = true;
-  return s;
-}
-
-Sample wood(std::int64_t nodes, std::uint64_t seed)
-{
-  generators::SoftwoodOptions o;
-  o.size = { nodes, nodes, 1 };
-  o.spacing = 0.5e-6;
-  o.seed = seed;
-  const PhaseImage image = generators::softwood(o);
-  Sample s{ image.lattice, {}, {}, {} };
-  for (const std::uint8_t p : image.phase)
-  {
-    const std::string& name = image.phases.name(p);
-    s.phase.push_back(name == "lumen" || name == "void" ? 0 : 1);
-  }
-  const std::int64_t ny = s.lattice.size[1];
-  for (std::int64_t y = 0; y < ny; ++y)
-    if (y < 4 || y >= ny - 4)
-      std::fill_n(s.phase.begin() + y * s.lattice.size[0], s.lattice.size[0], std::uint8_t{ 1 });
-  s.model.pairs[{ 1, 1 }].material = { .youngsModulus = 1e9, .criticalStretch = 1e-3 };
-  return s;
-}
-
-using Keys = std::map<std::string, std::string>;
 
 struct Run
 {
@@ -115,29 +43,6 @@ Run run(const Sample& s, const FractureOptions& options)
   r.startSeconds = ready - begin;
   r.runSeconds = cpu() - ready;
   return r;
-}
-
-double number(const Keys& keys, const char* key, double other)
-{
-  const auto found = keys.find(key);
-  return found == keys.end() ? other : std::atof(found->second.c_str());
-}
-
-std::string text(const Keys& keys, const char* key, const char* other)
-{
-  const auto found = keys.find(key);
-  return found == keys.end() ? other : found->second;
-}
-
-Sample sampleOf(const std::string& kind, const Keys& keys)
-{
-  const auto nodes = static_cast<std::int64_t>(number(keys, "nx", 128));
-  const auto seed = static_cast<std::uint64_t>(number(keys, "seed", 1));
-  if (kind == "wood")
-    return wood(nodes, seed);
-  const double usual = std::max(20.0, std::floor(400.0 * static_cast<double>(nodes * nodes) / (512 * 512)));
-  return cemented(nodes, kind == "filled" ? 1 : number(keys, "saturation", 0.5),
-    static_cast<std::int64_t>(number(keys, "grains", usual)), seed);
 }
 
 FractureOptions optionsOf(const Keys& keys)
@@ -233,24 +138,5 @@ void table(const Keys& keys)
 
 int main(int argc, char** argv)
 {
-  MPI_Init(&argc, &argv);
-  Keys keys;
-  for (int i = 1; i < argc; ++i)
-  {
-    const std::string a = argv[i];
-    const std::size_t e = a.find('=');
-    keys[a.substr(0, e)] = e == std::string::npos ? "1" : a.substr(e + 1);
-  }
-  int status = 0;
-  try
-  {
-    keys.contains("kind") ? one(keys) : table(keys);
-  }
-  catch (const Error& e)
-  {
-    fmt::print("error: {}\nhint: {}\n", e.what(), e.hint());
-    status = 1;
-  }
-  MPI_Finalize();
-  return status;
+  return runWith(argc, argv, [](const Keys& keys) { keys.contains("kind") ? one(keys) : table(keys); });
 }

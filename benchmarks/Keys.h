@@ -1,0 +1,71 @@
+#pragma once
+
+#include "lattice/Error.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <ctime>
+#include <map>
+#include <string>
+
+#include <mpi.h>
+
+namespace lamella::benchmark
+{
+
+/// key=value of the command line; a key alone is 1.
+using Keys = std::map<std::string, std::string>;
+
+inline Keys keysOf(int argc, char** argv)
+{
+  Keys keys;
+  for (int i = 1; i < argc; ++i)
+  {
+    const std::string a = argv[i];
+    const std::size_t e = a.find('=');
+    keys[a.substr(0, e)] = e == std::string::npos ? "1" : a.substr(e + 1);
+  }
+  return keys;
+}
+
+inline double number(const Keys& keys, const char* key, double other)
+{
+  const auto found = keys.find(key);
+  return found == keys.end() ? other : std::atof(found->second.c_str());
+}
+
+inline std::string text(const Keys& keys, const char* key, const char* other)
+{
+  const auto found = keys.find(key);
+  return found == keys.end() ? other : found->second;
+}
+
+/// Of all threads [s].
+inline double cpu()
+{
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// Runs f(keys) between MPI's first and last call; errors as the command line shows them.
+template <class F>
+int runWith(int argc, char** argv, F&& f)
+{
+  MPI_Init(&argc, &argv);
+  int status = 0;
+  try
+  {
+    f(keysOf(argc, argv));
+  }
+  catch (const Error& e)
+  {
+    fmt::print(stderr, "error: {}\nhint: {}\n", e.what(), e.hint());
+    status = 1;
+  }
+  MPI_Finalize();
+  return status;
+}
+
+} // namespace lamella::benchmark
