@@ -320,7 +320,7 @@ int main(int argc, char** argv)
         return;
       }
       Keys small = keys;
-      small.emplace("nx", "48");
+      small.emplace("nx", "64");
       small.emplace("grains", "24");
       for (const char* seed : { "1", "2", "3" })
       {
@@ -328,7 +328,7 @@ int main(int argc, char** argv)
         table("aggregate", small);
       }
       small["seed"] = "1";
-      small["nx"] = "96";
-      table("wood", small);
+      small["nx"] = "128";
+      table("lamella", small);
     });
 }

@@ -206,7 +206,7 @@ void energy(bool quick)
 {
   fmt::print("{:<12} {:>10} {:>12} {:>12}\n", "scene", "step/bound", "broken", "defect");
   for (const bool branching : { true, false })
-    for (const double s : { 0.8, 0.4, 0.2, 0.1, 0.05, 0.02 })
+    for (const double s : { 0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01 })
     {
       if (quick && s < 0.1)
         continue;

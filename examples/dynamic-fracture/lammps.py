@@ -4,7 +4,8 @@
 
 Needs the program lmp with the package PERI: on Debian `apt-get install --no-install-recommends lammps`. The benchmark
 damped-strength (`./dev bench damped-strength` builds it) makes the sample and pulls it; this script writes what LAMMPS
-reads, runs it over the same steps from the same velocities, and compares. Writes to --output.
+reads, runs it with the same step from the same velocities, and compares. Writes to --output, with the cracks of all
+three in cracks-SEED.png.
 
 LAMMPS gives every pair of atom types a stiffness and a critical elongation, but takes the larger of a node's critical
 elongations for all its bonds: a valid check where all are equal. Bonds between two grains are softer than within one, so
@@ -18,7 +19,12 @@ import shutil
 import subprocess
 import sys
 
+import matplotlib
+
+matplotlib.use("Agg")
 import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.colors import ListedColormap
 
 HERE = pathlib.Path(__file__).resolve().parent
 PROGRAM = HERE.parents[1] / "build" / "bin" / "benchmarks" / "damped-strength"
@@ -47,7 +53,7 @@ def grain_types(nodes, reach):
     return types
 
 
-def write_input(folder, nodes, types, s):
+def write_input(folder, nodes, types, s, steps):
     """Data and input files. LAMMPS sums force densities: k of a bond over the fifth power of the spacing."""
     dx = s["spacing"]
     size = np.array([nodes["x"].max() + 1, nodes["y"].max() + 1])
@@ -95,9 +101,9 @@ timestep {s["step"]:.17g}
 thermo 10
 thermo_style custom step f_low[2] f_high[2]
 thermo_modify format float %.9g
-dump damage all custom {s["steps"]:.0f} damage.* id c_damage
+dump damage all custom {steps} damage.* id c_damage
 dump_modify damage sort id format float %.9g
-run {s["steps"]:.0f}
+run {steps}
 """, encoding="ascii")
 
 
@@ -116,6 +122,22 @@ def peak_of(log, nodes, s):
         if len(words) == 3 and words[0].isdigit():
             stress.append((float(words[1]) - float(words[2])) / 2 * s["spacing"] ** 2 / width)
     return max(stress)
+
+
+def draw(nodes, broken, target):
+    """Nodes that lost bonds, black, over the phases: strict, damped motion, LAMMPS."""
+    shape = nodes["y"].max() + 1, nodes["x"].max() + 1
+    figure, axes = plt.subplots(1, len(broken), figsize=(2.2 * len(broken), 4.6), layout="constrained")
+    for a, (name, ends) in zip(axes, broken.items()):
+        a.imshow(nodes["phase"].reshape(shape), origin="lower", cmap=ListedColormap(["white", "#e8d5b0", "#9fb4c7"]),
+                 vmin=0, vmax=2, interpolation="nearest")
+        crack = np.zeros((*shape, 4))
+        crack[:, :, 3] = np.clip(ends / np.maximum(1, nodes["bonds"]) / 0.3, 0, 1).reshape(shape)
+        a.imshow(crack, origin="lower", interpolation="nearest")
+        a.set_title(name, fontsize=9)
+        a.set_axis_off()
+    figure.savefig(target, dpi=130)
+    plt.close(figure)
 
 
 def main():
@@ -141,14 +163,18 @@ def main():
         rows = read_csv(folder / "nodes.csv")
         nodes = {key: np.array([float(r[key]) if key[0] == "v" else int(r[key]) for r in rows]) for key in rows[0]}
         settings = {r["name"]: float(r["value"]) for r in read_csv(folder / "settings.csv")}
-        write_input(folder, nodes, grain_types(nodes, int(settings["horizon"])), settings)
+        # Half as long again: its stress may fall a little later.
+        steps = int(1.5 * settings["steps"])
+        write_input(folder, nodes, grain_types(nodes, int(settings["horizon"])), settings, steps)
         subprocess.run(["lmp", "-in", "in", "-log", "log", "-screen", "none"], cwd=folder, check=True)
         peak = peak_of(folder / "log", nodes, settings)
-        damage = np.loadtxt(folder / f"damage.{settings['steps']:.0f}", skiprows=9)
+        damage = np.loadtxt(folder / f"damage.{steps}", skiprows=9)
         broken = np.zeros(len(rows))
         ids = damage[:, 0].astype(int) - 1
         broken[ids] = np.rint(damage[:, 1] * nodes["bonds"][ids])
         motion, strict = nodes["broken_motion"], nodes["broken_strict"]
+        draw(nodes, {"quasi-static, strict": strict, "damped motion": motion, "LAMMPS": broken},
+             args.output / f"cracks-{seed}.png")
         print(f"{seed:>4} {settings['peak']:>13.6g} {100 * (peak / settings['peak'] - 1):>+8.3f}% {motion.sum():>11} "
               f"{broken.sum():>7.0f} {100 * np.minimum(motion, broken).sum() / motion.sum():>8.1f}% {strict.sum():>7} "
               f"{100 * np.minimum(strict, broken).sum() / strict.sum():>8.1f}%")
