@@ -44,8 +44,8 @@ struct DynamicsOptions
   /// [s]; none: `safety` times the largest stable one.
   std::optional<double> step{};
   double safety = 0.8; ///< 0 … 1
-  /// Refuses a step above the stable one; false only to study what becomes of it: bonds that break at random, and energy
-  /// out of nothing, which advance() names.
+  /// Refuses a step above the stable one; false only to study what becomes of it: bonds that break at random, and
+  /// energy out of nothing, which advance() names.
   bool checkStep = true;
   /// Viscous force −ν u̇ on every node, ν as a share of the least critical viscosity √(2 m k/|ξ|) of its bonds (second
   /// paper, appendix A): 0 none, at most 1.
