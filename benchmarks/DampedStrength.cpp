@@ -8,8 +8,7 @@
 // examples/dynamic-fracture/lammps.py.
 #include "BreakableSamples.h"
 
-#include "peridynamics/Equilibrium.h"
-#include "peridynamics/fracture/Dynamics.h"
+#include "peridynamics/fracture/DampedPull.h"
 #include "peridynamics/fracture/Fracture.h"
 
 #include <array>
@@ -103,18 +102,10 @@ struct Settings
 
 struct Motion
 {
-  std::vector<std::array<double, 2>> velocity; ///< at the start [m/s], in lattice order
-  double step = 0;                             ///< [s]
-  double viscosity = 0;
-  double peak = 0;        ///< [Pa]
-  double peakKinetic = 0; ///< over the elastic energy, at the peak
+  DampedPullRecord record;
   Path path;
-  std::int64_t steps = 0;
-  double seconds = 0;
+  double seconds = 0;    ///< CPU
   double overdamped = 0; ///< ν/m over twice the lowest frequency of the sample
-  double defect = 0;
-  bool ended = false; ///< stress fell to 5 % of the peak
-  double strain = 0;  ///< in the end
 };
 
 Motion damped(const Sample& s, const FractureRecord& reference, const Settings& set)
@@ -122,17 +113,14 @@ Motion damped(const Sample& s, const FractureRecord& reference, const Settings& 
   const Communicator comm(MPI_COMM_SELF);
   const double begin = cpu();
   BondLattice bonds(s.model, s.lattice, s.phase, s.grain, comm);
-  Loading loading;
-  loading.strain = 1;
-  LoadedSample sample = applyLoading(bonds, loading);
-  const double height = s.lattice.length(1);
-  const double travel = height / std::sqrt(reference.modulus / density);
-  const double rate = reference.peak.strain / (set.transits * travel);
-
-  DynamicsOptions o;
+  const double travel = travelTime(s.lattice.length(1), reference.modulus, density);
+  DampedPullOptions o;
   o.density = density;
-  o.safety = set.safety;
+  o.strainRate = reference.peak.strain / (set.transits * travel);
   o.damping = set.damping;
+  o.safety = set.safety;
+  o.startStrain = set.jump * reference.first.strain;
+  o.maxStrain = 1.2 * reference.curve.back().strain + reference.peak.strain;
   if (set.tau > 0)
   {
     // The weakest phase's fracture energy times a short crack.
@@ -145,53 +133,10 @@ Motion damped(const Sample& s, const FractureRecord& reference, const Settings& 
     const double gc = 9 * soft.youngsModulus * h * s0 * s0 / (4 * std::numbers::pi);
     o.rate.emplace(set.tau * travel, gc * set.delta * s.lattice.length(0), 1);
   }
-  // From an equilibrium short of the first break, in motion as it would be had the strain risen to it slowly.
-  NodeField<double> u = sample.displacement;
-  Equilibrium(bonds, sample.fixed).solve(u);
-  NodeField<double> v = u;
-  const NodeLayout& l = u.layout();
-  double centre = 0; // the middle stands still: half the drag on either side
-  for (std::int64_t i = 0; i < l.count(); ++i)
-    if ((sample.fixed[i] & 2U) != 0)
-      centre = std::max(centre, u.component(1)[i]);
-  for (std::int64_t i = 0; i < l.count(); ++i)
-    for (int c = 0; c < 2; ++c)
-    {
-      const double shift = bonds.solid(i) && c == 1 ? centre / 2 : 0;
-      v.component(c)[i] = rate * (u.component(c)[i] - shift);
-      u.component(c)[i] *= set.jump * reference.first.strain;
-    }
-  BondDynamics motion(bonds, sample.fixed, o);
-  motion.setState(u, v);
-
-  Motion m;
-  for (std::int64_t y = 0; y < l.size[1]; ++y)
-    for (std::int64_t x = 0; x < l.size[0]; ++x)
-      m.velocity.push_back({ v.at(0, x, y), v.at(1, x, y) });
-  m.step = motion.step();
-  m.viscosity = motion.viscosity();
-  m.overdamped = motion.viscosity() / motion.mass() / (2 * std::numbers::pi / travel);
-  m.strain = set.jump * reference.first.strain;
-  const double area = s.lattice.length(0);
-  const double last = 1.2 * reference.curve.back().strain + reference.peak.strain;
-  constexpr std::int64_t every = 10;
-  while (!m.ended && m.strain < last)
-  {
-    motion.advance(every);
-    m.strain += every * motion.step() * rate * motion.rate();
-    const Reactions r = reactions(bonds, sample, motion.displacement(), 1, true);
-    const double stress = (r.low[1] - r.high[1]) / (2 * area);
-    if (stress > m.peak)
-    {
-      m.peak = stress;
-      const EnergyBalance e = motion.energies();
-      m.peakKinetic = e.kinetic / e.elastic;
-    }
-    m.ended = stress < 0.05 * m.peak;
-  }
-  m.steps = motion.steps();
-  m.defect = motion.energies().defect();
-  m.path = pathOf(motion.broken(), bonds.stencil());
+  Motion m{ pullApart(bonds, {}, o), {}, 0, 0 };
+  m.path = pathOf(m.record.broken, bonds.stencil());
+  const double mass = density * s.lattice.spacing * s.lattice.spacing;
+  m.overdamped = m.record.viscosity / mass / (2 * std::numbers::pi / travel);
   m.seconds = cpu() - begin;
   return m;
 }
@@ -222,7 +167,8 @@ void write(const std::string& folder, const Sample& s, const Path& strict, const
     {
       const auto i = static_cast<std::size_t>(s.lattice.index(x, y));
       nodes << fmt::format("{},{},{},{},{},{:.17g},{:.17g},{},{}\n", x, y, s.phase[i], s.grain.empty() ? 0 : s.grain[i],
-        bonds.degree(bonds.layout().index(x, y)), m.velocity[i][0], m.velocity[i][1], byEvents[i], byMotion[i]);
+        bonds.degree(bonds.layout().index(x, y)), m.record.startVelocity.at(0, x, y),
+        m.record.startVelocity.at(1, x, y), byEvents[i], byMotion[i]);
     }
   std::ofstream settings(folder + "/settings.csv");
   settings << "name,value\n";
@@ -235,8 +181,9 @@ void write(const std::string& folder, const Sample& s, const Path& strict, const
   }
   for (const auto& [name, value] : { std::pair{ "spacing", s.lattice.spacing }, { "horizon", s.model.horizon },
          { "density", density }, { "layers", static_cast<double>(bonds.stencil().layers()) }, { "soft", soft },
-         { "stiff", stiff }, { "stretch", bonds.kinds()[1].criticalStretch }, { "step", m.step },
-         { "steps", static_cast<double>(m.steps) }, { "viscosity", m.viscosity }, { "peak", m.peak } })
+         { "stiff", stiff }, { "stretch", bonds.kinds()[1].criticalStretch }, { "step", m.record.step },
+         { "steps", static_cast<double>(m.record.steps) }, { "viscosity", m.record.viscosity },
+         { "peak", m.record.peak.stress } })
     settings << fmt::format("{},{:.17g}\n", name, value);
 }
 
@@ -298,11 +245,12 @@ void table(const std::string& kind, const Keys& keys)
           line(kind, seed,
             fmt::format(
               "{:>8} {:>8} {:>6} {:>6}", transits, fmt::format("{}:{:.2f}", damping, m.overdamped), tau, delta),
-            strict, m.peak, m.path, m.steps, m.seconds, m.peakKinetic);
+            strict, m.record.peak.stress, m.path, m.record.steps, m.seconds, m.record.kineticShare);
           if (keys.contains("export"))
             write(keys.at("export"), s, strict.path, m);
-          if (!m.ended)
-            fmt::print("  the stress has not fallen to 5 % of the peak by a strain of {:.3g}\n", m.strain);
+          if (m.record.end == FractureEnd::MaxStrain)
+            fmt::print(
+              "  the stress has not fallen to 5 % of the peak by a strain of {:.3g}\n", m.record.curve.back().strain);
         }
 }
 
