@@ -340,7 +340,7 @@ void BondDynamics::guard()
   // Of waves with ω dt/2 = x velocity Verlet's energy comes to 1/(1 − x²) of what was given at most, x ≤ dt/stable: a
   // defect of x². A quarter is more than shocks and breaks leave.
   const double share = dt_ / stable_;
-  const double most = share < 1 ? std::max(0.25, share * share) : 0.25;
+  const double most = share <= 1 ? std::max(0.25, share * share) : 0.25;
   if (given > 0 && (held > 10 * given || e.defect() > most))
     throw DivergenceError(
       fmt::format(

@@ -104,7 +104,10 @@ SceneInMotion::SceneInMotion(const MovingScene& scene, DynamicsOptions options, 
 {
   ImposedMotion imposed = imposeMotion(bonds_, scene.moved);
   options.density = scene.density;
+  const bool goesOn = !options.continueFrom.empty(); // with its velocities and loads
   motion_ = std::make_unique<BondDynamics>(bonds_, std::move(imposed.fixed), std::move(options));
+  if (goesOn)
+    return;
   motion_->setState(NodeField<double>(bonds_.layout()), imposed.velocity);
   if (!scene.tractions.empty())
     motion_->setLoad(tractionLoad(bonds_, scene.tractions));
