@@ -92,10 +92,10 @@ TEST(SideLoads, RefusesWhatMakesNoSense)
   EXPECT_THROW(static_cast<void>(kalthoffWinkler({ .horizon = -1 })), ParameterError);
 }
 
-// A bar under a sudden traction σ on one end: behind the front, which runs at c, the stress is σ and the speed σ/(ρ c);
-// one period later, 2L/c, the mean stress is 0 again. Exact for the continuum; with lattice constants that give E along
-// the bar, periodic across it, uniaxial strain: E' = E/(1 − ν²) in plane stress. A front on a lattice disperses and the
-// loaded layers are five of 400 long: 2 %.
+// A bar, held at one end, under a sudden traction σ at the other: behind the front, which runs at c, the stress is σ and
+// the speed σ/(ρ c); at 2L/c the bar is stretched to twice its static length and at rest. Exact in the continuum, with
+// c² = E/((1 − ν²) ρ), for the bar is periodic across. A front on a lattice disperses, and three of 400 layers carry the
+// load: 2 %.
 TEST(BondDynamics, ASuddenTractionSendsItsWave)
 {
   const Sample s = block(12, 400);
@@ -182,7 +182,7 @@ TEST(BondDynamics, ACrackBranches)
   EXPECT_LT(std::abs(motion.energies().defect()), 5e-3);
 }
 
-// Cracks at 60 to 80° to the notches; experiments and other codes: about 70°. 65° and 64° at this coarse size.
+// Cracks at 60 to 80° to the notches; experiments and other codes: about 70°; 65° at this coarse size.
 TEST(BondDynamics, KalthoffAndWinklersCracksTurn)
 {
   const MovingScene scene = kalthoffWinkler({ .horizon = 3e-3, .ratio = 3 });

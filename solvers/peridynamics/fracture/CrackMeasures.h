@@ -71,7 +71,7 @@ struct ColumnCracks
 [[nodiscard]] std::vector<ColumnCracks> cracksByColumn(
   std::span<const DynamicBreak> broken, const Stencil& stencil, const Lattice& lattice, double width, double gap);
 
-/// Speed of Rayleigh's waves [m/s], by Viktorov's formula: within 0.5 %.
+/// Speed of Rayleigh's waves [m/s], that of shear waves times (0.862 + 1.14 ν)/(1 + ν): within 0.5 %.
 [[nodiscard]] double rayleighSpeed(double youngsModulus, double poissonsRatio, double density) noexcept;
 
 } // namespace lamella::peridynamics
