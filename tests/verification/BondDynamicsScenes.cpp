@@ -92,10 +92,10 @@ TEST(SideLoads, RefusesWhatMakesNoSense)
   EXPECT_THROW(static_cast<void>(kalthoffWinkler({ .horizon = -1 })), ParameterError);
 }
 
-// A bar, held at one end, under a sudden traction σ at the other: behind the front, which runs at c, the stress is σ and
-// the speed σ/(ρ c); at 2L/c the bar is stretched to twice its static length and at rest. Exact in the continuum, with
-// c² = E/((1 − ν²) ρ), for the bar is periodic across. A front on a lattice disperses, and three of 400 layers carry the
-// load: 2 %.
+// A bar, held at one end, under a sudden traction σ at the other: behind the front, which runs at c, the stress is σ
+// and the speed σ/(ρ c); at 2L/c the bar is stretched to twice its static length and at rest. Exact in the continuum,
+// with c² = E/((1 − ν²) ρ), for the bar is periodic across. A front on a lattice disperses, and three of 400 layers
+// carry the load: 2 %.
 TEST(BondDynamics, ASuddenTractionSendsItsWave)
 {
   const Sample s = block(12, 400);
