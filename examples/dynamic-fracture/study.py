@@ -111,7 +111,8 @@ def main():
     for name, scene in SCENES.items():
         folder = args.output / name
         size = ["quick"] if args.quick else [f"horizon={scene['horizon']}", f"ratio={scene['ratio']}"]
-        subprocess.run([PROGRAM, f"scene={name}", f"safety={args.safety}", "frames=4", f"out={folder}", *size], check=True)
+        subprocess.run([PROGRAM, f"scene={name}", f"safety={args.safety}", "frames=4", f"out={folder}", *size],
+                       check=True)
         draw(name, folder, args.output / f"{name}.png")
 
 
