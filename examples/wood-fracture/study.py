@@ -1,0 +1,161 @@
+"""Notched wood pulled apart: the crack keeps to the middle lamella.
+
+    PYTHONPATH=build/python /usr/bin/python3 examples/wood-fracture/study.py
+
+Earlywood and latewood with a middle lamella at least as thick as a bond is long (h = 4 dx), as stiff as the walls and a quarter as tough,
+pulled along y from a notch at the left until nearly nothing holds, one bond at a time; after section 4.3 of Perré, Almeida, Ayouz and Frank,
+Ann. For. Sci. 73 (2016) 117. Generated tissue, and with LAMELLA_REAL_DATA the two spruce outlines of Ferrara and Wittel. Writes to --output:
+  NAME.png      four states: stress along the load blue below 0, green at 0, red above, the crack black (their figures 16 and 17)
+  curves.png    stress against strain of all samples
+  samples.csv   one row a sample
+"""
+
+import argparse
+import concurrent.futures
+import csv
+import os
+import time
+
+import lamella
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+from matplotlib.collections import LineCollection  # noqa: E402
+from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
+
+HORIZON = 4
+YOUNG, TOUGHNESS, RATIO = 10e9, 4e5, 4  # Pa, Pa √m, of the walls over the lamella's
+WALL, LAMELLA = "secondary wall", "middle lamella"
+STATES = tuple(round(50 * 2 ** (i / 2)) for i in range(22))  # numbers of broken bonds at which fields are kept
+PAPER = LinearSegmentedColormap.from_list("paper", ["#1030c0", "#20a040", "#d01c1c"])
+REAL = {  # outlines, window [m]: low x, low y, high x, high y
+    "spruce-earlywood": ("spruce_EW_polygons.json.gz", (120e-6, 120e-6, 300e-6, 300e-6)),
+    "spruce-latewood": ("spruce_LW_polygons.json.gz", (60e-6, 60e-6, 190e-6, 190e-6)),
+}
+GENERATED = {"earlywood": dict(solid_fraction=0.3), "latewood": dict(solid_fraction=0.6, ring_position=(0.6, 0.9))}
+
+
+def tissue(name, options):
+    """Outlines on a lattice with a middle lamella of HORIZON nodes at least."""
+    spacing = options.spacing * 1e-6
+    if name in REAL:
+        file, window = REAL[name]
+        middle = [(window[0] + window[2]) / 2, (window[1] + window[3]) / 2]
+        half = options.share * (window[2] - window[0]) / 2
+        window = (middle[0] - half, middle[1] - half, middle[0] + half, middle[1] + half)
+        outlines = lamella.read_polygons(os.path.join(os.environ["LAMELLA_REAL_DATA"], file), window=window)
+    else:
+        nodes = round(options.share * options.size / 0.5)
+        sample = lamella.softwood(size=(nodes, nodes), spacing=0.5e-6, seed=options.seed, **GENERATED[name])
+        outlines = lamella.contours(sample)
+    return outlines.lattice(spacing, lamella="growth", thickness=(HORIZON + 0.5) * spacing, horizon=HORIZON)
+
+
+def pull(task):
+    name, options = task
+    begun, spent = time.perf_counter(), time.process_time()
+    image = tissue(name, options)
+    high, wide = image.phase.shape
+    size = np.array([wide, high]) * image.spacing
+    pairs = (WALL, LAMELLA, f"{WALL}-{LAMELLA}", f"{WALL}-{WALL}")  # the last one: walls of two cells
+    toughness = {pair: TOUGHNESS if pair == WALL else TOUGHNESS / RATIO for pair in pairs}
+    notch = (-image.spacing, size[1] / 2, options.notch * size[0], size[1] / 2)
+    result = lamella.fracture(image, dict.fromkeys(pairs, YOUNG), toughness=toughness, horizon=HORIZON, notches=[notch], stop=options.stop,
+                              rivals=options.rivals, at_broken=STATES, stress=True)
+    ran = time.process_time() - spent
+    path = lamella.crack_path(result)
+    states = []
+    for state in result.states:
+        states.append((state.imposed_strain, state.broken_bonds, state.stress_component("yy")[::-1].astype(np.float32),
+                       state.damage[::-1].astype(np.float32)))
+    broken = result.broken
+    in_wall = (broken["phases"][:, 0] == broken["phases"][:, 1]) & ~broken["between_grains"]
+    in_wall &= broken["phases"][:, 0] == 1
+    row = {
+        "sample": name, "wide": wide, "high": high, "spacing": image.spacing, "solid": float(np.mean(image.phase != 0)),
+        "lamella": float(np.mean(image.phase == 2)), "modulus": result.modulus, "strength": result.peak_stress,
+        "strain_at_peak": result.peak_strain, "broken": len(broken), "broken_in_walls": float(np.mean(in_wall)),
+        "crack_length": path.length, "main_length": path.main_length,
+        "length_in_walls": path.shares.get(WALL, 0.0), "events": result.statistics["events"], "end": result.end,
+        "cpu_seconds_run": ran, "seconds": time.perf_counter() - begun,
+    }
+    return name, row, (result.strain, result.stress), image.phase[::-1].copy(), broken, states, image.spacing
+
+
+def chosen(states, count=4):
+    """States from the peak's neighbourhood to the end, evenly by the logarithm of what is broken."""
+    numbers = np.array([state[1] for state in states], float)
+    wanted = np.geomspace(numbers[-1] / 30, numbers[-1], count)
+    picked = sorted({int(np.argmin(np.abs(np.log(np.maximum(numbers, 1) / number)))) for number in wanted})
+    return [states[i] for i in picked]
+
+
+def draw(name, phase, broken, states, spacing, path):
+    shown = chosen(states)
+    figure, axes = plt.subplots(1, len(shown), figsize=(3.4 * len(shown), 3.9), constrained_layout=True)
+    high, wide = phase.shape
+    extent = (0, wide * spacing * 1e6, 0, high * spacing * 1e6)
+    reach = float(np.percentile(np.abs(states[0][2][phase != 0]), 98))
+    for one, (strain, number, stress, damage), letter in zip(np.atleast_1d(axes), shown, "abcd"):
+        field = np.ma.masked_array(stress / reach, phase == 0)
+        picture = one.imshow(field, origin="lower", extent=extent, cmap=PAPER, vmin=-1, vmax=1, interpolation="nearest")
+        part = broken[:number]
+        start = (part["position"] - part["bond"] / 2) * 1e6
+        one.add_collection(LineCollection(np.stack([start, start + part["bond"] * 1e6], axis=1), colors="black", linewidths=0.6))
+        one.set_title(f"({letter}) strain {100 * strain:.3g} %, {number} bonds", fontsize=9)
+        one.set_xlabel("µm")
+    figure.colorbar(picture, ax=axes, shrink=0.8, label=f"stress along the load over {reach / 1e6:.3g} MPa", extend="both")
+    figure.savefig(path, dpi=160)
+    plt.close(figure)
+
+
+def draw_curves(curves, path):
+    figure, axes = plt.subplots(figsize=(5.4, 4), constrained_layout=True)
+    for name, (strain, stress) in curves.items():
+        axes.plot(100 * strain, stress / 1e6, linewidth=1.3, label=name)
+    axes.set_xlabel("strain [%]")
+    axes.set_ylabel("stress [MPa]")
+    axes.set_xlim(left=0)
+    axes.set_ylim(bottom=0)
+    axes.legend(frameon=False, fontsize=9)
+    figure.savefig(path, dpi=160)
+    plt.close(figure)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--output", default="results/wood-fracture", help="folder for pictures and tables (default: %(default)s)")
+    parser.add_argument("--spacing", type=float, default=0.25, help="of the lattice, micrometres (default: %(default)s)")
+    parser.add_argument("--size", type=float, default=150, help="of generated tissue, micrometres (default: %(default)s)")
+    parser.add_argument("--share", type=float, default=1, help="of the windows' and pictures' sides (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--notch", type=float, default=0.15, help="length over the width (default: %(default)s)")
+    parser.add_argument("--stop", type=float, default=0.05, help="end when the stress has fallen to this share of the peak")
+    parser.add_argument("--rivals", action="store_true", help="look closer where two bonds are nearly as critical as each other")
+    parser.add_argument("--samples", nargs="+", default=None, choices=(*GENERATED, *REAL), help="default: all")
+    parser.add_argument("--workers", type=int, default=os.cpu_count(), help="samples at a time (default: one a core)")
+    options = parser.parse_args()
+    names = options.samples or (*GENERATED, *(REAL if os.environ.get("LAMELLA_REAL_DATA") else ()))
+    os.makedirs(options.output, exist_ok=True)
+    begun = time.perf_counter()
+    rows, curves = [], {}
+    print(f"{'sample':>16} {'nodes':>10} {'E':>9} {'strength':>10} {'broken':>7} {'bonds in walls':>14} {'length in walls':>15} {'CPU':>7}")
+    with concurrent.futures.ProcessPoolExecutor(options.workers) as pool:
+        for name, row, curve, phase, broken, states, spacing in pool.map(pull, [(name, options) for name in names]):
+            rows.append(row)
+            curves[name] = curve
+            draw(name, phase, broken, states, spacing, os.path.join(options.output, name + ".png"))
+            print(f"{name:>16} {row['wide']:>4} x {row['high']:>3} {row['modulus'] / 1e9:>5.2f} GPa {row['strength'] / 1e6:>6.2f} MPa {row['broken']:>7} "
+                  f"{100 * row['broken_in_walls']:>12.2f} % {100 * row['length_in_walls']:>13.2f} % {row['cpu_seconds_run']:>5.0f} s", flush=True)
+    with open(os.path.join(options.output, "samples.csv"), "w", newline="") as file:
+        writer = csv.DictWriter(file, fieldnames=list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+    draw_curves(curves, os.path.join(options.output, "curves.png"))
+    print(f"{len(rows)} samples in {time.perf_counter() - begun:.0f} s; files in {options.output}")
+
+
+if __name__ == "__main__":
+    main()
