@@ -1,10 +1,8 @@
 #include "StressTables.h"
 
+#include "TableColumns.h"
 #include "vtkLatticeConversion.h"
 
-#include "vtkDoubleArray.h"
-#include "vtkIdTypeArray.h"
-#include "vtkNew.h"
 #include "vtkStringArray.h"
 #include "vtkTable.h"
 
@@ -23,37 +21,6 @@ using statistics::StressGroup;
 
 constexpr const char* creator = "vtkStressPDF";
 constexpr const char* means = "mean tensile stress";
-
-/// Adds columns of a fixed number of rows, each row's value from a rule.
-struct Columns
-{
-  vtkTable* table;
-  std::size_t rows;
-
-  template <typename Array, typename Value>
-  void add(const std::string& name, const char* unit, const char* description, const Value& value) const
-  {
-    vtkNew<Array> column;
-    column->SetName(name.c_str());
-    column->SetNumberOfTuples(static_cast<vtkIdType>(this->rows));
-    for (std::size_t row = 0; row < this->rows; ++row)
-    {
-      column->SetValue(static_cast<vtkIdType>(row), value(row));
-    }
-    describe(column, unit, description, creator);
-    this->table->AddColumn(column);
-  }
-  template <typename Value>
-  void numbers(const std::string& name, const char* unit, const char* description, const Value& value) const
-  {
-    this->add<vtkDoubleArray>(name, unit, description, value);
-  }
-  template <typename Value>
-  void counts(const std::string& name, const char* description, const Value& value) const
-  {
-    this->add<vtkIdTypeArray>(name, "1", description, value);
-  }
-};
 
 double over(double a, double b)
 {
@@ -74,7 +41,7 @@ void addTails(const Columns& columns, const std::vector<ExponentialTail>& tails)
 
 void fillDensity(vtkTable* table, const StressDistribution& d, std::span<const std::string> phases)
 {
-  const Columns columns{ table, d.all.bins.size() };
+  const Columns columns{ table, d.all.bins.size(), creator };
   const auto edge = [&](std::size_t bin)
   { return (static_cast<double>(d.firstBin) + static_cast<double>(bin)) * d.binWidth; };
   const auto middle = [&](std::size_t bin) { return edge(bin) + d.binWidth / 2; };
@@ -118,7 +85,7 @@ void fillPhases(vtkTable* table, const StressDistribution& d, std::span<const st
     names.push_back(phases[g]);
     tails.push_back(d.groups[g].tail);
   }
-  const Columns columns{ table, groups.size() };
+  const Columns columns{ table, groups.size(), creator };
   vtkNew<vtkStringArray> name;
   name->SetName("phase");
   for (const std::string& text : names)
@@ -155,7 +122,7 @@ void fillPhases(vtkTable* table, const StressDistribution& d, std::span<const st
 
 void fillThresholds(vtkTable* table, const StressDistribution& d)
 {
-  const Columns columns{ table, d.tails.size() };
+  const Columns columns{ table, d.tails.size(), creator };
   columns.numbers("threshold", means, "where the tail begins", [&](std::size_t i) { return d.tails[i].threshold; });
   addTails(columns, d.tails);
   columns.numbers("distance", "1", "largest difference between the cumulative shares of stresses and law",

@@ -14,7 +14,6 @@
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
-#include "vtkExecutive.h"
 #include "vtkIdTypeArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -43,12 +42,6 @@ namespace
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 using ByDirection = std::array<double, 3>;
 using Tensor = std::array<double, 9>;
-
-vtkInformation* requested(vtkInformation* request, vtkInformationVector* outputs)
-{
-  const int port = request->Has(vtkExecutive::FROM_OUTPUT_PORT()) ? request->Get(vtkExecutive::FROM_OUTPUT_PORT()) : 0;
-  return outputs->GetInformationObject(std::max(port, 0));
-}
 
 /// An array of the piece as doubles: in place, or converted into `own`.
 std::span<const double> doubles(vtkImageData* piece, const std::string& name, std::vector<double>& own)
@@ -613,7 +606,8 @@ int vtkFluxMap::FillOutputPortInformation(int port, vtkInformation* info)
 int vtkFluxMap::RequestUpdateExtent(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  lamella::requestInput(inputVector[0]->GetInformationObject(0), requested(request, outputVector), this->Controller);
+  lamella::requestInput(
+    inputVector[0]->GetInformationObject(0), lamella::requestedOutput(request, outputVector), this->Controller);
   return 1;
 }
 
@@ -632,7 +626,7 @@ int vtkFluxMap::RequestData(
   const lamella::Outcome outcome = lamella::attempt(this,
     [&]
     {
-      const lamella::Team team(this->Controller, requested(request, outputVector));
+      const lamella::Team team(this->Controller, lamella::requestedOutput(request, outputVector));
       Work work(this, input, output, lines, team);
       work.Run();
     });

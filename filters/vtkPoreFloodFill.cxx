@@ -11,7 +11,6 @@
 #include "lattice/Error.h"
 #include "pores/PoreLabelling.h"
 
-#include "vtkExecutive.h"
 #include "vtkFieldData.h"
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
@@ -34,12 +33,6 @@ namespace pores = lamella::pores;
 
 namespace
 {
-
-vtkInformation* requested(vtkInformation* request, vtkInformationVector* outputs)
-{
-  const int port = request->Has(vtkExecutive::FROM_OUTPUT_PORT()) ? request->Get(vtkExecutive::FROM_OUTPUT_PORT()) : 0;
-  return outputs->GetInformationObject(std::max(port, 0));
-}
 
 std::string listed(const std::vector<std::string>& names)
 {
@@ -287,7 +280,8 @@ int vtkPoreFloodFill::FillOutputPortInformation(int port, vtkInformation* info)
 int vtkPoreFloodFill::RequestUpdateExtent(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  lamella::requestInput(inputVector[0]->GetInformationObject(0), requested(request, outputVector), this->Controller);
+  lamella::requestInput(
+    inputVector[0]->GetInformationObject(0), lamella::requestedOutput(request, outputVector), this->Controller);
   return 1;
 }
 
@@ -310,7 +304,7 @@ int vtkPoreFloodFill::RequestData(
     {
       table->Initialize();
       distribution->Initialize();
-      const lamella::Team team(this->Controller, requested(request, outputVector));
+      const lamella::Team team(this->Controller, lamella::requestedOutput(request, outputVector));
       Work(this, input, output, table, distribution, team).Run(input);
     });
   if (outcome != lamella::Outcome::Done)

@@ -11,7 +11,6 @@
 #include "statistics/StressDistribution.h"
 
 #include "vtkDataSet.h"
-#include "vtkExecutive.h"
 #include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -24,17 +23,6 @@
 #include <algorithm>
 
 namespace statistics = lamella::statistics;
-
-namespace
-{
-
-vtkInformation* requested(vtkInformation* request, vtkInformationVector* outputs)
-{
-  const int port = request->Has(vtkExecutive::FROM_OUTPUT_PORT()) ? request->Get(vtkExecutive::FROM_OUTPUT_PORT()) : 0;
-  return outputs->GetInformationObject(std::max(port, 0));
-}
-
-} // namespace
 
 /// One run of the filter.
 struct vtkStressPDF::Work
@@ -198,7 +186,8 @@ int vtkStressPDF::FillInputPortInformation(int, vtkInformation* info)
 int vtkStressPDF::RequestUpdateExtent(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  lamella::requestInput(inputVector[0]->GetInformationObject(0), requested(request, outputVector), this->Controller);
+  lamella::requestInput(
+    inputVector[0]->GetInformationObject(0), lamella::requestedOutput(request, outputVector), this->Controller);
   return 1;
 }
 
@@ -220,7 +209,7 @@ int vtkStressPDF::RequestData(
     [&]
     {
       clear();
-      const lamella::Team team(this->Controller, requested(request, outputVector));
+      const lamella::Team team(this->Controller, lamella::requestedOutput(request, outputVector));
       Work{ this, team }.Run(input, density, phases, thresholds);
     });
   if (outcome != lamella::Outcome::Done)

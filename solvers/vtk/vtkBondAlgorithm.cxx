@@ -5,7 +5,6 @@
 #include "lattice/Error.h"
 
 #include "vtkDataObject.h"
-#include "vtkExecutive.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -38,13 +37,6 @@ vtkBondAlgorithm::Failures kindOf(const lamella::Error& error)
     return vtkBondAlgorithm::DIVERGENCE_FAILURE;
   }
   return vtkBondAlgorithm::INPUT_FAILURE;
-}
-
-/// What is asked of the output that is asked for: another than the image may be.
-vtkInformation* requested(vtkInformation* request, vtkInformationVector* outputs)
-{
-  const int port = request->Has(vtkExecutive::FROM_OUTPUT_PORT()) ? request->Get(vtkExecutive::FROM_OUTPUT_PORT()) : 0;
-  return outputs->GetInformationObject(std::max(port, 0));
 }
 
 } // namespace
@@ -179,7 +171,8 @@ int vtkBondAlgorithm::FillInputPortInformation(int, vtkInformation* info)
 int vtkBondAlgorithm::RequestUpdateExtent(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  lamella::requestInput(inputVector[0]->GetInformationObject(0), requested(request, outputVector), this->Controller);
+  lamella::requestInput(
+    inputVector[0]->GetInformationObject(0), lamella::requestedOutput(request, outputVector), this->Controller);
   return 1;
 }
 
@@ -203,7 +196,7 @@ int vtkBondAlgorithm::RequestData(
   this->Failure = NO_FAILURE;
   try
   {
-    const lamella::Team team(this->Controller, requested(request, outputVector));
+    const lamella::Team team(this->Controller, lamella::requestedOutput(request, outputVector));
     this->Run(vtkImageData::GetData(inputVector[0]), output, team);
   }
   catch (const lamella::Cancelled&)

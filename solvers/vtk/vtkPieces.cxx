@@ -6,6 +6,7 @@
 
 #include "vtkAlgorithm.h"
 #include "vtkDataObject.h"
+#include "vtkExecutive.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -222,6 +223,12 @@ WholeImage wholeImage(vtkImageData* piece, const Team& team)
   std::copy_n(geometry.begin() + 6, 9, whole.direction.begin());
   whole.held = empty ? lbm::Block{} : blockOf(extent, whole.extent.data());
   return whole;
+}
+
+vtkInformation* requestedOutput(vtkInformation* request, vtkInformationVector* outputs)
+{
+  const int port = request->Has(vtkExecutive::FROM_OUTPUT_PORT()) ? request->Get(vtkExecutive::FROM_OUTPUT_PORT()) : 0;
+  return outputs->GetInformationObject(std::max(port, 0));
 }
 
 void requestWhole(vtkInformation* input)

@@ -77,6 +77,10 @@ struct WholeImage
 /// @throws InputError when all are empty or the spacing is not that of a lattice
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT WholeImage wholeImage(vtkImageData* piece, const Team& team);
 
+/// What is asked of the output that is asked for, in any pass of the pipeline.
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkInformation* requestedOutput(
+  vtkInformation* request, vtkInformationVector* outputs);
+
 /// RequestUpdateExtent of a filter that works on all of a poly data alone.
 VTKLAMELLASOLVERSVTK_EXPORT void requestWhole(vtkInformation* input);
 
