@@ -118,9 +118,7 @@ void setPhases(CrackPath& path, std::span<const CutBond> bonds, std::span<const 
       path.points[to].phases = path.points[from].phases;
       path.points[to].betweenGrains = path.points[from].betweenGrains;
     });
-  if (phase.empty())
-    return;
-  for (std::size_t k = 0; k < path.edges.size(); ++k)
+  for (std::size_t k = 0; !phase.empty() && k < path.edges.size(); ++k)
   {
     const CrackEdge& e = path.edges[k];
     const std::int64_t node = lattice.index(e.x, e.y);
@@ -128,8 +126,12 @@ void setPhases(CrackPath& path, std::span<const CutBond> bonds, std::span<const 
     const std::uint8_t b = phase[static_cast<std::size_t>(node + (e.axis == 0 ? 1 : lattice.size[0]))];
     path.points[1 + k].phases = { std::min(a, b), std::max(a, b) };
   }
-  path.points.front().phases = path.points[1].phases;
-  path.points.back().phases = path.points[n - 2].phases;
+  // no pair is parted at the ends themselves
+  for (const auto& [to, from] : { std::pair{ std::size_t{ 0 }, std::size_t{ 1 } }, std::pair{ n - 1, n - 2 } })
+  {
+    path.points[to].phases = path.points[from].phases;
+    path.points[to].betweenGrains = path.points[from].betweenGrains;
+  }
 }
 
 Orientation orientation(double length, double cosine, double sine)

@@ -8,7 +8,7 @@ namespace lamella::cracks
 namespace
 {
 
-constexpr double tolerance = 0.1;    ///< by which a curve may miss a pair
+constexpr double tolerance = 0.05;   ///< by which a curve may miss a pair
 constexpr double farthest = 100;     ///< over which a curve is smoothed, in spacings
 constexpr double anchorWeight = 100; ///< of a point that is known
 constexpr int overlap = 60;          ///< pairs of a closed chain that are met again beyond its ends

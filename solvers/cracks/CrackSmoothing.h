@@ -23,8 +23,8 @@ struct StairCase
 ///
 /// The points minimise Σ w |p − m|² + Σ λ |p″|², m the middles and w the inverse variance of where on a pair a crack
 /// may cross, across it. λ begins so large that the whole chain is a line and is lowered around every pair that the
-/// curve misses by more than a tenth of a spacing, as far as it reaches there; so a straight part stays straight to its
-/// end, however slowly its stairs climb, while a bend is followed. What smoothing takes off bends is given back by
+/// curve misses by more than a twentieth of a spacing, as far as it reaches there; so a straight part stays straight to
+/// its end, however slowly its stairs climb, while a bend is followed. What smoothing takes off bends is given back by
 /// smoothing the remainder once more (Tukey's twicing). Stairs are not counted as length.
 [[nodiscard]] std::vector<Place> smooth(const StairCase& stairs);
 
