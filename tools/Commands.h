@@ -39,6 +39,7 @@ struct Command
 [[nodiscard]] Command bridgesCommand(CLI::App& root);
 [[nodiscard]] Command poreFloodFillCommand(CLI::App& root);
 [[nodiscard]] Command stressPdfCommand(CLI::App& root);
+[[nodiscard]] Command crackPathCommand(CLI::App& root);
 [[nodiscard]] Command snapshotCommand(CLI::App& root);
 [[nodiscard]] Command infoCommand(CLI::App& root);
 

@@ -1,8 +1,10 @@
+#include "BondReport.h"
 #include "Commands.h"
 #include "GridFile.h"
 #include "OutputFile.h"
 #include "Record.h"
 #include "TableFiles.h"
+#include "TableText.h"
 #include "Text.h"
 
 #include "io/Provenance.h"
@@ -12,12 +14,10 @@
 
 #include <vtkCallbackCommand.h>
 #include <vtkCellData.h>
-#include <vtkDataArray.h>
 #include <vtkDataSet.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkSMPTools.h>
-#include <vtkStringArray.h>
 #include <vtkTable.h>
 
 #include <fmt/format.h>
@@ -32,8 +32,6 @@ namespace lamella::cli
 
 namespace
 {
-
-using Json = nlohmann::ordered_json;
 
 struct StressPdfOptions
 {
@@ -137,46 +135,10 @@ int associationOf(vtkDataSet* data, const std::string& name)
     : vtkDataObject::FIELD_ASSOCIATION_POINTS;
 }
 
-Json known(double value)
-{
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-/// The row of a table by its columns.
-Json rowOf(vtkTable* table, vtkIdType row)
-{
-  Json json = Json::object();
-  for (vtkIdType i = 0; i < table->GetNumberOfColumns(); ++i)
-  {
-    const char* const name = table->GetColumnName(i);
-    if (auto* const words = vtkStringArray::SafeDownCast(table->GetColumn(i)))
-    {
-      json[name] = words->GetValue(row);
-    }
-    else
-    {
-      auto* const numbers = vtkDataArray::SafeDownCast(table->GetColumn(i));
-      const double value = numbers->GetTuple1(row);
-      json[name] = numbers->GetDataType() == VTK_DOUBLE ? known(value) : Json(std::llround(value));
-    }
-  }
-  return json;
-}
-
-Json rowsOf(vtkTable* table)
-{
-  Json rows = Json::array();
-  for (vtkIdType row = 0; row < table->GetNumberOfRows(); ++row)
-  {
-    rows.push_back(rowOf(table, row));
-  }
-  return rows;
-}
-
 Json reportOf(const StressPdfOptions& o, vtkStressPDF* filter)
 {
   vtkTable* const density = filter->GetOutput();
-  const auto number = [&](const char* name) { return known(fieldNumbers(density, name).at(0)); };
+  const auto number = [&](const char* name) { return jsonNumber(fieldNumbers(density, name).at(0)); };
   const auto whole = [&](const char* name) { return Json(std::llround(fieldNumbers(density, name).at(0))); };
   Json json;
   json["file"] = o.file;
@@ -195,8 +157,8 @@ Json reportOf(const StressPdfOptions& o, vtkStressPDF* filter)
   json["tail"] = { { "threshold", number("stress_tail_threshold") }, { "count", whole("stress_tail_count") },
     { "share", number("stress_tail_share") }, { "theta", number("stress_theta") },
     { "theta_error", number("stress_theta_error") }, { "distance", number("stress_tail_distance") } };
-  json["phases"] = rowsOf(filter->GetPhaseTable());
-  json["thresholds"] = rowsOf(filter->GetThresholdTable());
+  json["phases"] = jsonRows(filter->GetPhaseTable());
+  json["thresholds"] = jsonRows(filter->GetThresholdTable());
   json["bins"] = density->GetNumberOfRows();
   json["bin_width"] = o.binWidth;
   return json;

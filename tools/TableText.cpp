@@ -1,5 +1,7 @@
 #include "TableText.h"
 
+#include "BondReport.h"
+
 #include "vtkLatticeConversion.h"
 
 #include <vtkDataArray.h>
@@ -8,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdint>
 #include <iterator>
 
@@ -87,6 +90,36 @@ nlohmann::ordered_json unitsOf(vtkTable* table, bool metres)
       { "meaning", words } };
   }
   return units;
+}
+
+nlohmann::ordered_json jsonRows(vtkTable* table)
+{
+  auto rows = nlohmann::ordered_json::array();
+  for (vtkIdType row = 0; row < table->GetNumberOfRows(); ++row)
+  {
+    auto json = nlohmann::ordered_json::object();
+    for (vtkIdType i = 0; i < table->GetNumberOfColumns(); ++i)
+    {
+      const char* const name = table->GetColumnName(i);
+      if (auto* const words = vtkStringArray::SafeDownCast(table->GetColumn(i)))
+      {
+        json[name] = words->GetValue(row);
+        continue;
+      }
+      auto* const numbers = vtkDataArray::SafeDownCast(table->GetColumn(i));
+      const double value = numbers->GetTuple1(row);
+      if (numbers->GetDataType() == VTK_DOUBLE)
+      {
+        json[name] = jsonNumber(value);
+      }
+      else
+      {
+        json[name] = std::llround(value);
+      }
+    }
+    rows.push_back(std::move(json));
+  }
+  return rows;
 }
 
 } // namespace lamella::cli

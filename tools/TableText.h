@@ -18,4 +18,7 @@ namespace lamella::cli
 /// @param metres the pixel size is known; otherwise lengths are in pixels
 [[nodiscard]] nlohmann::ordered_json unitsOf(vtkTable* table, bool metres);
 
+/// The rows of a table, each an object by the names of its columns; numbers that are not finite are null.
+[[nodiscard]] nlohmann::ordered_json jsonRows(vtkTable* table);
+
 } // namespace lamella::cli

@@ -14,7 +14,8 @@ off.)
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
 ``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkMicrographContours``,
 ``vtkMicrographLattice``, ``vtkSteadyDiffusion``, ``vtkFluxMap``, ``vtkPoreFloodFill``,
-``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondStiffness``, ``vtkStressPDF`` ...), runs it and hands its output out as numpy arrays.
+``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondStiffness``, ``vtkStressPDF``, ``vtkCrackPath`` ...),
+runs it and hands its output out as numpy arrays.
 
 Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at the top; arrays of a volume are
 ``[z, y, x]``. Vectors have their components along x (left to right), y (upwards in a picture) and z in the last axis.
@@ -38,6 +39,7 @@ else:
     _windows.Install()  # does nothing where a display works
 
 from ._contours import Contours, LatticeSample, contours, read_polygons
+from ._cracks import CrackPathResult, crack_path
 from ._equilibrium import BondStressResult, EquilibriumResult, bond_stress, equilibrium
 from ._errors import Cancelled, LamellaError
 from ._flux import FluxMapResult, flux_map
@@ -67,6 +69,7 @@ __all__ = [
     "Cancelled",
     "CementedSample",
     "Contours",
+    "CrackPathResult",
     "DiffusionResult",
     "EquilibriumResult",
     "FluxMapResult",
@@ -83,6 +86,7 @@ __all__ = [
     "bridges",
     "checkerboard",
     "contours",
+    "crack_path",
     "diffusion",
     "disks",
     "equilibrium",

@@ -49,6 +49,18 @@ def view(where, name, text):
     return property(lambda self: vtk_to_numpy(getattr(self.vtk, data)().GetArray(name)), doc=text)
 
 
+def columns(table):
+    """A vtkTable as a dictionary of columns: numpy arrays, or lists of texts."""
+    found = {}
+    for i in range(table.GetNumberOfColumns()):
+        column = table.GetColumn(i)
+        if column.IsA("vtkDataArray"):
+            found[table.GetColumnName(i)] = vtk_to_numpy(column)
+        else:
+            found[table.GetColumnName(i)] = [column.GetValue(row) for row in range(column.GetNumberOfValues())]
+    return found
+
+
 def numbers(data, name):
     """Numbers of a field array, or None."""
     array = data.GetFieldData().GetArray(name)

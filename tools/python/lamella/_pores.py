@@ -1,20 +1,10 @@
 """The pores of an image."""
 
-import numpy as np
-from vtkmodules.util.numpy_support import vtk_to_numpy
-
 from . import _arrays
 from ._errors import choose, run
 from ._samples import ImageBase
 from ._solve import as_image
 from .vtkLamellaFilters import vtkPoreFloodFill
-
-
-def _columns(table):
-    """A vtkTable as a dictionary of numpy columns."""
-    return {
-        table.GetColumnName(i): vtk_to_numpy(table.GetColumn(i)) for i in range(table.GetNumberOfColumns())
-    }
 
 
 class PoreFloodFillResult(ImageBase):
@@ -46,12 +36,12 @@ class PoreFloodFillResult(ImageBase):
         ``equivalent_diameter`` [m], ``centre_x`` ... [m], ``x_first``, ``x_last`` ..., ``touches_x_min`` ...,
         ``percolates_x`` ... Axes are those of the data: of a picture, y points up.
         """
-        return _columns(self.vtk_pores)
+        return _arrays.columns(self.vtk_pores)
 
     @property
     def distribution(self):
         """Columns by name, one entry a class of sizes, each class reaching twice as far as the one before."""
-        return _columns(self.vtk_distribution)
+        return _arrays.columns(self.vtk_distribution)
 
     @property
     def phase(self):

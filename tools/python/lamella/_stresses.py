@@ -1,6 +1,5 @@
 """How stresses are distributed."""
 
-from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataSet
 
 from . import _arrays
@@ -9,18 +8,6 @@ from ._samples import ImageBase
 from .vtkLamellaFilters import vtkStressPDF
 
 _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz", "mean", "von-mises", "principal-1", "principal-2", "principal-3")
-
-
-def _columns(table):
-    """A vtkTable as a dictionary of columns: numpy arrays, or lists of texts."""
-    columns = {}
-    for i in range(table.GetNumberOfColumns()):
-        column = table.GetColumn(i)
-        if column.IsA("vtkDataArray"):
-            columns[table.GetColumnName(i)] = vtk_to_numpy(column)
-        else:
-            columns[table.GetColumnName(i)] = [column.GetValue(row) for row in range(column.GetNumberOfValues())]
-    return columns
 
 
 class StressPDFResult:
@@ -42,7 +29,7 @@ class StressPDFResult:
         """Columns by name, one entry a bin: ``stress`` (its middle), ``stress_low``, ``stress_high``, ``count``,
         ``density``, ``tail`` (the law that was fitted), ``count_<phase>``, ``density_<phase>``.
         """
-        return _columns(self.vtk)
+        return _arrays.columns(self.vtk)
 
     @property
     def phases(self):
@@ -51,7 +38,7 @@ class StressPDFResult:
         ``theta``, ``theta_error``; with a reference stress ``mean_tensile_over_reference`` and
         ``mean_compressive_over_reference``.
         """
-        columns = _columns(self.vtk_phases)
+        columns = _arrays.columns(self.vtk_phases)
         names = columns.pop("phase")
         return {name: {key: column[row].item() for key, column in columns.items()} for row, name in enumerate(names)}
 
@@ -60,7 +47,7 @@ class StressPDFResult:
         """Columns by name, one entry a threshold: ``threshold``, ``tail_count``, ``tail_share``, ``theta``,
         ``theta_error``, ``distance``.
         """
-        return _columns(self.vtk_thresholds)
+        return _arrays.columns(self.vtk_thresholds)
 
     @property
     def mean_tensile(self):

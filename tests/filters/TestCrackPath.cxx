@@ -1,0 +1,489 @@
+// Crack paths through VTK's pipeline: arrays, tables, field data, fragments, what is refused; on broken bonds and
+// images that ranks hold in pieces, the answer of one rank.
+#include "../verification/CrackCuts.h"
+#include "OnRanks.h"
+#include "VtkTesting.h"
+
+#include "vtkCellData.h"
+#include "vtkCrackPath.h"
+#include "vtkExtentTranslator.h"
+#include "vtkFieldData.h"
+#include "vtkInformation.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkTrivialProducer.h"
+#include "vtkTypeInt64Array.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace
+{
+
+using namespace lamella;
+using test::Line;
+using vtktest::cell;
+using vtktest::errorOf;
+using vtktest::picture;
+using vtktest::points;
+
+class CrackPath : public vtktest::OnRanks
+{
+};
+
+constexpr double horizon = 3;
+constexpr int size = 60;
+constexpr double spacing = 2e-6;
+
+/// Broken bonds as vtkBondFracture gives them.
+vtkSmartPointer<vtkPolyData> brokenBonds(
+  const Lattice& lattice, double h, std::span<const cracks::CutBond> bonds, const char* when = "strain")
+{
+  const auto data = vtkSmartPointer<vtkPolyData>::New();
+  vtkNew<vtkPoints> places;
+  places->SetDataTypeToDouble();
+  vtkNew<vtkDoubleArray> bond;
+  bond->SetName("bond");
+  bond->SetNumberOfComponents(3);
+  vtkNew<vtkTypeInt64Array> event;
+  event->SetName("event");
+  vtkNew<vtkDoubleArray> at;
+  at->SetName(when);
+  vtkNew<vtkUnsignedCharArray> phases;
+  phases->SetName("phases");
+  phases->SetNumberOfComponents(2);
+  vtkNew<vtkUnsignedCharArray> between;
+  between->SetName("between_grains");
+  for (const cracks::CutBond& b : bonds)
+  {
+    std::array<double, 3> middle{};
+    std::array<double, 3> along{};
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      along[a] = lattice.spacing * b.step[a];
+      middle[a] = lattice.origin[a] + lattice.spacing * static_cast<double>(b.node[a]) + along[a] / 2;
+    }
+    places->InsertNextPoint(middle.data());
+    bond->InsertNextTuple(along.data());
+    event->InsertNextValue(b.event);
+    at->InsertNextValue(b.when);
+    phases->InsertNextTuple2(b.phases[0], b.phases[1]);
+    between->InsertNextValue(b.betweenGrains ? 1 : 0);
+  }
+  data->SetPoints(places);
+  for (vtkDataArray* const array : std::initializer_list<vtkDataArray*>{ bond, event, at, phases, between })
+  {
+    data->GetPointData()->AddArray(array);
+  }
+  const std::array<double, 3> three{ lattice.spacing, lattice.spacing, lattice.spacing };
+  const std::array<double, 3> nodes{ static_cast<double>(lattice.size[0]), static_cast<double>(lattice.size[1]),
+    static_cast<double>(lattice.size[2]) };
+  setFieldNumbers(data, "spacing", three);
+  setFieldNumbers(data, "lattice_size", nodes);
+  setFieldNumbers(data, "lattice_origin", lattice.origin);
+  setFieldNumbers(data, "horizon", std::array{ h });
+  setPhaseNames(data, PhaseTable({ "void", "wall", "lamella" }));
+  return data;
+}
+
+Lattice lattice()
+{
+  return makeLattice(size, size, 1, 2, spacing);
+}
+
+int strips(std::int64_t x, std::int64_t)
+{
+  return 1 + static_cast<int>(x / 20 % 2);
+}
+
+/// The sample that breaks.
+vtkSmartPointer<vtkImageData> strippedPicture()
+{
+  const auto image = picture(
+    size, size, 1, [](int x, int y, int) { return strips(x, y); }, spacing);
+  setPhaseNames(image, PhaseTable({ "void", "wall", "lamella" }));
+  return image;
+}
+
+/// A crack from side to side at 20°, and a short one within the sample.
+std::vector<cracks::CutBond> sampleBonds()
+{
+  std::vector<cracks::CutBond> bonds =
+    test::cut(lattice(), horizon, { { -1, 15.2 }, { 61, 15.2 + 62 * std::tan(20 * test::pi / 180) } }, strips);
+  for (const cracks::CutBond& b : test::cut(lattice(), horizon, { { 10.1, 45.2 }, { 30.3, 49.9 } }, strips))
+  {
+    bonds.push_back(b);
+    bonds.back().event = 2;
+    bonds.back().when = 0.25;
+  }
+  return bonds;
+}
+
+double number(vtkCrackPath* filter, const char* name, std::size_t i = 0)
+{
+  return fieldNumbers(filter->GetOutput(), name).at(i);
+}
+
+TEST_F(CrackPath, LinesTablesAndNumbers)
+{
+  const auto broken = brokenBonds(lattice(), horizon, sampleBonds());
+  vtkNew<vtkCrackPath> filter;
+  filter->SetInputData(broken);
+  filter->SetImageData(strippedPicture());
+  ASSERT_EQ(errorOf(filter), "");
+  vtkPolyData* const lines = filter->GetOutput();
+  ASSERT_EQ(lines->GetNumberOfCells(), 2);
+  const double expected = size * spacing / std::cos(20 * test::pi / 180);
+  vtkDataArray* const length = lines->GetCellData()->GetArray("length");
+  EXPECT_NEAR(length->GetTuple1(0), expected, 0.005 * expected);
+  EXPECT_NEAR(lines->GetCellData()->GetArray("angle")->GetTuple1(0), 20, 0.5);
+  EXPECT_EQ(lines->GetCellData()->GetArray("crack")->GetTuple1(1), 2);
+  double bounds[6];
+  lines->GetBounds(bounds);
+  EXPECT_NEAR(bounds[0], 0, 1e-12); // it ends on the sides
+  EXPECT_NEAR(bounds[1], size * spacing, 1e-12);
+  for (const char* const name : { "event", "strain", "phases", "between_grains", "arc_length" })
+  {
+    vtkDataArray* const array = lines->GetPointData()->GetArray(name);
+    ASSERT_NE(array, nullptr) << name;
+    EXPECT_EQ(array->GetNumberOfTuples(), lines->GetNumberOfPoints()) << name;
+    EXPECT_NE(description(array)[2], "") << name;
+  }
+  EXPECT_EQ(lines->GetPointData()->GetArray("opening"), nullptr);
+
+  vtkTable* const table = filter->GetPathTable();
+  ASSERT_EQ(table->GetNumberOfRows(), 2);
+  EXPECT_EQ(cell(table, 0, "length"), length->GetTuple1(0));
+  EXPECT_NEAR(cell(table, 0, "tortuosity"), 1, 1e-3);
+  EXPECT_EQ(cell(table, 1, "first_event"), 2);
+  EXPECT_EQ(cell(table, 1, "last_strain"), 0.25);
+  EXPECT_EQ(table->GetValueByName(0, "begins_at").ToString(), "side");
+  EXPECT_EQ(table->GetValueByName(1, "ends_at").ToString(), "tip");
+  EXPECT_NEAR(
+    cell(table, 0, "share_wall") + cell(table, 0, "share_lamella") + cell(table, 0, "share_wall-lamella"), 1, 1e-12);
+  EXPECT_NEAR(cell(table, 0, "share_wall"), 2.0 / 3, 0.05);
+  EXPECT_NEAR(cell(table, 1, "y_max"), 50.4 * spacing, spacing);
+
+  vtkTable* const pairs = filter->GetPairTable();
+  ASSERT_EQ(pairs->GetNumberOfRows(), 3);
+  double bonds = 0;
+  double share = 0;
+  double counted = 0;
+  for (vtkIdType row = 0; row < 3; ++row)
+  {
+    bonds += cell(pairs, row, "bonds");
+    share += cell(pairs, row, "share");
+    counted += cell(pairs, row, "counted_length");
+  }
+  EXPECT_EQ(bonds, static_cast<double>(broken->GetNumberOfPoints()));
+  EXPECT_NEAR(share, 1, 1e-12);
+  EXPECT_NEAR(counted, number(filter, "counted_size"), 1e-12 * counted);
+
+  EXPECT_EQ(number(filter, "crack_count"), 2);
+  EXPECT_EQ(number(filter, "main_through", 0), 1);
+  EXPECT_EQ(number(filter, "main_through", 1), 0);
+  EXPECT_NEAR(number(filter, "counted_size"), number(filter, "crack_length"), 0.05 * number(filter, "crack_length"));
+  EXPECT_EQ(number(filter, "left_out_bonds"), 0);
+  EXPECT_NE(provenance(lines).find("crack_path"), std::string::npos);
+  EXPECT_EQ(fieldNumbers(table, "crack_count").at(0), 2);
+
+  vtkTable* const growth = filter->GetGrowthTable();
+  ASSERT_EQ(growth->GetNumberOfRows(), 2);
+  EXPECT_NEAR(cell(growth, 1, "length"), number(filter, "crack_length"), 1e-12);
+  EXPECT_NEAR(cell(growth, 1, "main_length"), number(filter, "main_length"), 1e-12);
+
+  // two pieces: the nodes below and above the crack
+  vtkDataArray* const fragment = points(filter->GetImage(), "fragment");
+  ASSERT_NE(fragment, nullptr);
+  EXPECT_EQ(number(filter, "fragment_count"), 2);
+  EXPECT_EQ(number(filter, "severed", 0), 0);
+  EXPECT_EQ(number(filter, "severed", 1), 1);
+  for (vtkIdType node = 0; node < size * size; ++node)
+  {
+    const double height = 15.2 + (static_cast<double>(node % size) + 1) * std::tan(20 * test::pi / 180);
+    ASSERT_EQ(fragment->GetTuple1(node), static_cast<double>(node / size) > height ? 1 : 2) << node; // the larger: 1
+  }
+  vtkTable* const fragments = filter->GetFragmentTable();
+  ASSERT_EQ(fragments->GetNumberOfRows(), 2);
+  EXPECT_EQ(cell(fragments, 0, "nodes") + cell(fragments, 1, "nodes"), size * size);
+  EXPECT_EQ(cell(fragments, 1, "touches_y_min"), 1);
+  EXPECT_EQ(cell(fragments, 1, "touches_y_max"), 0);
+}
+
+TEST_F(CrackPath, WithoutAnImageAndWithOpenings)
+{
+  const auto broken = brokenBonds(lattice(), horizon, sampleBonds(), "time");
+  vtkNew<vtkCrackPath> filter;
+  filter->SetInputData(broken);
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_EQ(filter->GetOutput()->GetNumberOfCells(), 2);
+  EXPECT_EQ(filter->GetImage()->GetNumberOfPoints(), 0);
+  EXPECT_EQ(filter->GetFragmentTable()->GetNumberOfRows(), 0);
+  EXPECT_TRUE(fieldNumbers(filter->GetOutput(), "fragment_count").empty());
+  EXPECT_NEAR(cell(filter->GetPathTable(), 0, "share_wall"), 2.0 / 3, 0.05); // the bonds know
+  EXPECT_NE(filter->GetOutput()->GetPointData()->GetArray("time"), nullptr);
+  EXPECT_NE(filter->GetGrowthTable()->GetColumnByName("rate"), nullptr);
+
+  filter->SetMinimumLength(40);
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_EQ(filter->GetOutput()->GetNumberOfCells(), 1);
+  EXPECT_EQ(number(filter, "left_out_cracks"), 1);
+  EXPECT_NEAR(number(filter, "left_out_length"), spacing * std::hypot(20.2, 4.7), spacing);
+  EXPECT_GT(number(filter, "left_out_bonds"), 0);
+
+  const auto image = strippedPicture();
+  vtkNew<vtkDoubleArray> u;
+  u->SetName("displacement");
+  u->SetNumberOfComponents(3);
+  for (vtkIdType node = 0; node < size * size; ++node)
+  {
+    const double height = 15.2 + (static_cast<double>(node % size) + 1) * std::tan(20 * test::pi / 180);
+    u->InsertNextTuple3(0, static_cast<double>(node / size) > height ? 1e-7 : 0, 0);
+  }
+  image->GetPointData()->AddArray(u);
+  filter->SetImageData(image);
+  filter->ComputeFragmentsOff();
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_NEAR(cell(filter->GetPathTable(), 0, "largest_opening"), 1e-7 * std::cos(20 * test::pi / 180), 2e-9);
+  EXPECT_EQ(points(filter->GetImage(), "fragment"), nullptr);
+}
+
+// A plane through a volume: its area by the broken bonds, and two fragments.
+TEST_F(CrackPath, VolumesAreCounted)
+{
+  const Lattice space = makeLattice(16, 14, 18, 3, spacing);
+  const peridynamics::Stencil stencil(3, 2);
+  std::vector<cracks::CutBond> bonds;
+  for (int z = 0; z < 18; ++z)
+  {
+    for (int y = 0; y < 14; ++y)
+    {
+      for (int x = 0; x < 16; ++x)
+      {
+        for (const peridynamics::Offset& o : stencil.half())
+        {
+          const auto in = [](int i, int n) { return i >= 0 && i < n; };
+          if (in(x + o.step[0], 16) && in(y + o.step[1], 14) && in(z + o.step[2], 18) && (z < 7) != (z + o.step[2] < 7))
+          {
+            bonds.push_back({ { x, y, z }, o.step, 1, 0.1, { 1, 1 }, false });
+          }
+        }
+      }
+    }
+  }
+  const auto image = picture(
+    16, 14, 18, [](int, int, int) { return 1; }, spacing);
+  vtkNew<vtkCrackPath> filter;
+  filter->SetInputData(brokenBonds(space, 2, bonds));
+  filter->SetImageData(image);
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_EQ(filter->GetOutput()->GetNumberOfCells(), 0);
+  EXPECT_EQ(filter->GetPathTable()->GetNumberOfRows(), 0);
+  EXPECT_TRUE(fieldNumbers(filter->GetOutput(), "crack_length").empty());
+  // as many bonds of each step as fit between the sides, times how far they reach across
+  const cracks::BondCount count(3, 2);
+  double area = 0;
+  for (const peridynamics::Offset& o : stencil.half())
+  {
+    area += count.weight(o.step) * std::abs(o.step[2]) * (16 - std::abs(o.step[0])) * (14 - std::abs(o.step[1]));
+  }
+  area *= spacing * spacing;
+  EXPECT_NEAR(number(filter, "counted_size") / area, 1, 1e-12);
+  EXPECT_NEAR(area / (16 * 14 * spacing * spacing), 1, 0.15); // by direction 8 %; the rest are bonds that sides cut off
+  EXPECT_NEAR(number(filter, "crack_normals", 8), 1, 0.25);   // few directions
+  EXPECT_NEAR(cell(filter->GetPairTable(), 0, "counted_area"), number(filter, "counted_size"), 1e-20);
+  ASSERT_EQ(filter->GetFragmentTable()->GetNumberOfRows(), 2);
+  EXPECT_EQ(cell(filter->GetFragmentTable(), 0, "nodes"), 16 * 14 * 11);
+  EXPECT_EQ(number(filter, "severed", 2), 1);
+  EXPECT_EQ(number(filter, "severed", 0), 0);
+}
+
+TEST_F(CrackPath, NoBrokenBondIsNoCrack)
+{
+  vtkNew<vtkCrackPath> filter;
+  filter->SetInputData(brokenBonds(lattice(), horizon, {}));
+  filter->SetImageData(strippedPicture());
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_EQ(number(filter, "broken_bonds"), 0);
+  EXPECT_EQ(number(filter, "crack_count"), 0);
+  EXPECT_EQ(number(filter, "fragment_count"), 1);
+}
+
+TEST_F(CrackPath, WhatCannotBeDoneIsRefusedInWords)
+{
+  struct Case
+  {
+    std::function<void(vtkCrackPath*, vtkPolyData*, vtkImageData*)> spoil;
+    const char* words;
+    const char* hint;
+  };
+  const std::vector<Case> cases{
+    { [](auto*, auto* b, auto*) { b->GetPointData()->RemoveArray("bond"); }, "the points have no array 'bond'",
+      "lamella fracture" },
+    { [](auto*, auto* b, auto*) { b->GetFieldData()->RemoveArray("lattice_size"); }, "do not tell their lattice",
+      "lamella fracture" },
+    { [](auto*, auto* b, auto*) { b->GetFieldData()->RemoveArray("horizon"); }, "do not tell their horizon",
+      "give it in spacings" },
+    { [](auto*, auto* b, auto*) { b->GetPointData()->GetArray("bond")->SetComponent(3, 0, std::nan("")); },
+      "array 'bond' is not finite at point 3", "leave such bonds out" },
+    { [](auto*, auto* b, auto*) { b->GetPoints()->SetPoint(5, 1.3e-6, 0, 0); },
+      "the broken bond at point 5 joins no two nodes", "middles of bonds" },
+    { [](auto* f, auto*, auto*) { f->SetHorizon(2); }, "is longer than the horizon of 2", "give the horizon" },
+    { [](auto* f, auto*, auto*) { f->SetHorizon(9); }, "the horizon is 9 spacings", "from 1 to 8" },
+    { [](auto* f, auto*, auto*) { f->SetMinimumLength(std::nan("")); }, "a length of nan spacings",
+      "-1 for the horizon" },
+    { [](auto*, auto*, auto* i) { i->SetDimensions(60, 30, 1); }, "is not on the lattice of the broken bonds",
+      "give the image that was broken" },
+    { [](auto*, auto*, auto* i) { i->GetPointData()->Initialize(); }, "no point array 'phase'", "picture reader" },
+  };
+  for (const Case& test : cases)
+  {
+    const auto broken = brokenBonds(lattice(), horizon, sampleBonds());
+    const auto image = strippedPicture();
+    vtkNew<vtkCrackPath> filter;
+    filter->SetInputData(broken);
+    filter->SetImageData(image);
+    test.spoil(filter.Get(), broken.Get(), image.Get());
+    const std::string error = errorOf(filter);
+    EXPECT_NE(error.find(test.words), std::string::npos) << test.words << ": " << error;
+    EXPECT_NE(error.find(test.hint), std::string::npos) << test.words << ": " << error;
+    EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0) << test.words;
+    EXPECT_EQ(filter->GetPathTable()->GetNumberOfRows(), 0) << test.words;
+  }
+}
+
+TEST_F(CrackPath, AbortLeavesNothing)
+{
+  vtkNew<vtkCrackPath> filter;
+  filter->SetInputData(brokenBonds(lattice(), horizon, sampleBonds()));
+  vtkNew<vtkCallbackCommand> stop;
+  stop->SetCallback(
+    [](vtkObject* caller, unsigned long, void*, void*) { vtkAlgorithm::SafeDownCast(caller)->SetAbortExecute(1); });
+  filter->AddObserver(vtkCommand::ProgressEvent, stop);
+  EXPECT_EQ(errorOf(filter), "");
+  EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0);
+  EXPECT_EQ(filter->GetPathTable()->GetNumberOfRows(), 0);
+}
+
+/// The part of a data set that this rank holds: points by lot, some on two ranks, in an order of its own.
+vtkSmartPointer<vtkPolyData> shareOf(std::vector<cracks::CutBond> bonds, int rank, int ranks, unsigned seed)
+{
+  std::mt19937 random(seed);
+  std::vector<cracks::CutBond> mine;
+  for (const cracks::CutBond& b : bonds)
+  {
+    const auto owner = static_cast<int>(random() % static_cast<unsigned>(ranks));
+    const bool twice = random() % 5 == 0;
+    if (owner == rank || (twice && (owner + 1) % ranks == rank))
+    {
+      mine.push_back(b);
+    }
+  }
+  std::shuffle(mine.begin(), mine.end(), std::mt19937(seed + static_cast<unsigned>(rank)));
+  return brokenBonds(lattice(), horizon, mine);
+}
+
+void expectSameTable(vtkTable* found, vtkTable* expected)
+{
+  ASSERT_EQ(found->GetNumberOfRows(), expected->GetNumberOfRows());
+  ASSERT_EQ(found->GetNumberOfColumns(), expected->GetNumberOfColumns());
+  for (vtkIdType column = 0; column < expected->GetNumberOfColumns(); ++column)
+  {
+    for (vtkIdType row = 0; row < expected->GetNumberOfRows(); ++row)
+    {
+      ASSERT_EQ(found->GetValue(row, column).ToString(), expected->GetValue(row, column).ToString())
+        << expected->GetColumnName(column) << " of row " << row;
+    }
+  }
+}
+
+TEST_F(CrackPath, SameAsOneRank)
+{
+  const auto bonds = sampleBonds();
+  const auto image = strippedPicture();
+  vtkNew<vtkCrackPath> alone;
+  alone->SetInputData(brokenBonds(lattice(), horizon, bonds));
+  alone->SetImageData(image);
+  alone->UpdatePiece(0, 1, 0);
+  ASSERT_EQ(alone->GetOutput()->GetNumberOfCells(), 2);
+  for (const bool onlyLast : { false, true }) // all broken bonds on the last rank
+  {
+    vtkNew<vtkExtentTranslator> translator;
+    translator->SetWholeExtent(image->GetExtent());
+    translator->SetNumberOfPieces(ranks());
+    translator->SetPiece(rank());
+    onlyLast ? translator->SetSplitModeToXSlab() : translator->SetSplitModeToBlock();
+    translator->SetGhostLevel(onlyLast ? 1 : 0);
+    translator->PieceToExtent();
+    vtkNew<vtkImageData> piece;
+    piece->DeepCopy(image);
+    piece->Crop(translator->GetExtent());
+    vtkNew<vtkTrivialProducer> producer;
+    producer->SetOutput(piece);
+    producer->SetWholeExtent(image->GetExtent());
+    vtkSmartPointer<vtkPolyData> mine = shareOf(bonds, rank(), ranks(), 3);
+    if (onlyLast)
+    {
+      mine = rank() == ranks() - 1 ? brokenBonds(lattice(), horizon, bonds) : vtkSmartPointer<vtkPolyData>::New();
+    }
+    vtkNew<vtkTrivialProducer> points_;
+    points_->SetOutput(mine);
+    vtkNew<vtkCrackPath> together;
+    together->SetInputConnection(points_->GetOutputPort());
+    together->SetImageConnection(producer->GetOutputPort());
+    together->UpdatePiece(rank(), ranks(), 0);
+    vtkPolyData* const lines = together->GetOutput();
+    ASSERT_EQ(lines->GetNumberOfCells(), rank() == 0 ? 2 : 0);
+    for (vtkIdType i = 0; i < lines->GetNumberOfPoints(); ++i)
+    {
+      for (int c = 0; c < 3; ++c)
+      {
+        ASSERT_EQ(lines->GetPoint(i)[c], alone->GetOutput()->GetPoint(i)[c]) << i;
+      }
+    }
+    if (rank() == 0)
+    {
+      expectSameTable(together->GetPathTable(), alone->GetPathTable());
+      expectSameTable(together->GetPairTable(), alone->GetPairTable());
+      expectSameTable(together->GetGrowthTable(), alone->GetGrowthTable());
+      expectSameTable(together->GetFragmentTable(), alone->GetFragmentTable());
+    }
+    for (const char* const name : { "crack_count", "crack_length", "broken_bonds", "counted_size", "fragment_count",
+           "severed", "left_out_bonds", "main_through" })
+    {
+      EXPECT_EQ(fieldNumbers(lines, name), fieldNumbers(alone->GetOutput(), name)) << name;
+    }
+    vtkImageData* const part = together->GetImage();
+    ASSERT_EQ(part->GetNumberOfPoints(), piece->GetNumberOfPoints());
+    for (vtkIdType i = 0; i < part->GetNumberOfPoints(); ++i)
+    {
+      ASSERT_EQ(points(part, "fragment")->GetTuple1(i),
+        points(alone->GetImage(), "fragment")->GetTuple1(alone->GetImage()->FindPoint(part->GetPoint(i))))
+        << i;
+    }
+  }
+}
+
+TEST_F(CrackPath, AnErrorIsOneOnEveryRank)
+{
+  auto mine = shareOf(sampleBonds(), rank(), ranks(), 4);
+  if (rank() == ranks() - 1)
+  {
+    mine->GetPointData()->RemoveArray("bond");
+  }
+  vtkNew<vtkTrivialProducer> producer;
+  producer->SetOutput(mine);
+  vtkNew<vtkCrackPath> filter;
+  filter->SetInputConnection(producer->GetOutputPort());
+  filter->UpdateInformation();
+  filter->GetOutputInformation(0)->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES(), ranks());
+  filter->GetOutputInformation(0)->Set(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER(), rank());
+  EXPECT_NE(errorOf(filter).find("the points have no array 'bond'"), std::string::npos);
+}
+
+} // namespace

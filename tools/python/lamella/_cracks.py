@@ -1,0 +1,180 @@
+"""Cracks from broken bonds."""
+
+import os
+
+import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+from . import _arrays
+from ._errors import run
+from ._files import write_poly_data
+from ._samples import ImageBase
+from ._solve import as_image
+from .vtkLamellaFilters import vtkCrackPath
+
+
+class CrackPathResult:
+    """``vtk`` holds the paths as poly-lines, the longest first; lengths are in metres, angles in degrees to x.
+
+    In a volume there are no paths, and areas are counted from the broken bonds.
+    """
+
+    def __init__(self, crack_path):
+        #: vtkPolyData, a poly-line a path
+        self.vtk = crack_path.GetOutput()
+        #: vtkTable, one row a path
+        self.vtk_paths = crack_path.GetPathTable()
+        #: vtkTable, one row a pair of phases
+        self.vtk_pairs = crack_path.GetPairTable()
+        #: vtkTable, one row an event at which a path grew
+        self.vtk_growth = crack_path.GetGrowthTable()
+        #: vtkTable, one row a fragment
+        self.vtk_fragments = crack_path.GetFragmentTable()
+        image = crack_path.GetImage()
+        #: the image with the array ``fragment``; None without an image of phases
+        self.image = ImageBase(image) if image.GetNumberOfPoints() > 0 else None
+
+    def _numbers(self, name):
+        return _arrays.numbers(self.vtk, name)
+
+    def _number(self, name):
+        values = self._numbers(name)
+        return None if values is None else float(values[0])
+
+    def _axes(self, name):
+        flags = self._numbers(name)
+        return None if flags is None else "".join(axis for axis, flag in zip("xyz", flags) if flag)
+
+    @property
+    def lines(self):
+        """Points of each path, an array (n, 2) of x and y [m]; y points up."""
+        points = self.vtk.GetPoints()
+        if points is None:
+            return []
+        places = vtk_to_numpy(points.GetData())[:, :2]
+        cells = self.vtk.GetLines()
+        ids = vtk_to_numpy(cells.GetConnectivityArray())
+        offsets = vtk_to_numpy(cells.GetOffsetsArray())
+        return [places[ids[first:last]] for first, last in zip(offsets[:-1], offsets[1:])]
+
+    @property
+    def table(self):
+        """Columns by name, one entry a path: ``path``, ``crack``, ``length``, ``chord``, ``tortuosity``, ``angle``,
+        ``angle_spread``, ``bonds``, ``counted_length``, ``first_event`` ..., ``begins_at``, ``ends_at``, ``x_min``
+        ..., ``share_wall`` ...
+        """
+        return _arrays.columns(self.vtk_paths)
+
+    @property
+    def pairs(self):
+        """Columns by name, one entry a pair of phases: ``pair``, ``length``, ``share``, ``bonds``,
+        ``share_of_bonds``, ``counted_length`` or, in a volume, ``counted_area``.
+        """
+        return _arrays.columns(self.vtk_pairs)
+
+    @property
+    def shares(self):
+        """Share of the length (in a volume of the counted area) by pair of phases, as "wall", "wall-lamella"."""
+        pairs = self.pairs
+        shares = pairs.get("share", pairs.get("share_of_counted", ()))
+        return {pair: float(share) for pair, share in zip(pairs.get("pair", ()), shares)}
+
+    @property
+    def growth(self):
+        """Columns by name, one entry an event: ``event``, ``strain`` or ``time``, ``length``, ``main_length``, with
+        times ``rate`` and ``main_rate`` [m/s].
+        """
+        return _arrays.columns(self.vtk_growth)
+
+    @property
+    def fragments(self):
+        """Columns by name, one entry a fragment, the largest first; empty without an image of phases."""
+        return _arrays.columns(self.vtk_fragments)
+
+    @property
+    def count(self):
+        """Number of cracks: of sets of paths that hang together. None in a volume."""
+        number = self._number("crack_count")
+        return None if number is None else int(number)
+
+    @property
+    def length(self):
+        """Length of all paths [m]. None in a volume."""
+        return self._number("crack_length")
+
+    @property
+    def main_length(self):
+        """Length of the longest crack, its branches included [m]. None in a volume."""
+        return self._number("main_length")
+
+    @property
+    def through(self):
+        """Axes along which the longest crack leads from side to side, as "x". None in a volume."""
+        return self._axes("main_through")
+
+    @property
+    def angle(self):
+        """Mean direction of all paths, weighted by length [degrees to x]. None in a volume."""
+        return self._number("crack_angle")
+
+    @property
+    def counted(self):
+        """Length [m], in a volume area [m²], that the number of broken bonds stands for."""
+        return self._number("counted_size")
+
+    @property
+    def normals(self):
+        """Mean of n n over the cracks by the broken bonds, an array (3, 3)."""
+        return np.reshape(self._numbers("crack_normals"), (3, 3))
+
+    @property
+    def broken(self):
+        """Number of broken bonds."""
+        return int(self._number("broken_bonds"))
+
+    @property
+    def severed(self):
+        """Axes along which no fragment reaches from side to side, as "y"; None without an image of phases."""
+        return self._axes("severed")
+
+    @property
+    def provenance(self):
+        """Where the broken bonds come from, and what was done since."""
+        return _arrays.provenance(self.vtk)
+
+    def save(self, path, overwrite=False):
+        """Writes the paths as .vtp, whole or not at all."""
+        path = os.fspath(path)
+        if os.path.exists(path) and not overwrite:
+            raise FileExistsError(f"{path} exists; say overwrite=True to replace it")
+        write_poly_data(self.vtk, path)
+        return path
+
+    def __repr__(self):
+        if self.length is None:
+            return f"<lamella.CrackPathResult: {self.broken} broken bonds, {self.counted:.4g} m²>"
+        return f"<lamella.CrackPathResult: {self.count} cracks, {self.length:.4g} m, {self.broken} broken bonds>"
+
+
+def crack_path(
+    broken, phases=None, minimum_length=None, spur_length=None, horizon=None, fragments=True, progress=None
+):
+    """Makes lines of broken bonds, and measures them.
+
+    broken          vtkPolyData, or an object with it as ``vtk``: points at the middles of broken bonds, with ``bond``
+    phases          a Sample, image or array of whole numbers on their lattice; with it voids and fragments are known
+    minimum_length  shorter cracks are left out unless they part a wall [spacings]; None: the horizon
+    spur_length     branches that end after no more are taken away [spacings]; None: the horizon
+    horizon         length of the longest bonds [spacings]; None: as the broken bonds tell
+    fragments       whether fragments are found where there are phases
+    """
+    path = vtkCrackPath()
+    path.SetInputData(getattr(broken, "vtk", broken))
+    if phases is not None:
+        path.SetImageData(as_image(phases))
+    path.SetMinimumLength(-1 if minimum_length is None else float(minimum_length))
+    path.SetSpurLength(-1 if spur_length is None else float(spur_length))
+    path.SetHorizon(0 if horizon is None else float(horizon))
+    path.SetComputeFragments(bool(fragments))
+    run(path, progress)
+    return CrackPathResult(path)
