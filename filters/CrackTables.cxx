@@ -1,23 +1,12 @@
 #include "CrackTables.h"
-
+#include "CrackColumns.h"
 #include "TableColumns.h"
 
-#include "vtkCellArray.h"
-#include "vtkCellData.h"
-#include "vtkIntArray.h"
-#include "vtkPointData.h"
-#include "vtkPoints.h"
-#include "vtkPolyData.h"
 #include "vtkStringArray.h"
-#include "vtkTypeInt64Array.h"
-#include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <map>
-#include <numbers>
 
 namespace lamella
 {
@@ -29,8 +18,6 @@ using cracks::CrackPath;
 using cracks::CrackPaths;
 using cracks::CrackPoint;
 
-constexpr const char* creator = "vtkCrackPath";
-constexpr double degrees = 180 / std::numbers::pi;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 const char* wordOf(ChainEnd end)
@@ -50,82 +37,9 @@ const char* wordOf(ChainEnd end)
   }
 }
 
-/// Unit of CutBond::when.
-const char* unitOf(const std::string& when)
-{
-  return when == "time" ? "s" : "1";
-}
-
 double share(double part, double all)
 {
   return all > 0 ? part / all : 0;
-}
-
-template <typename Array>
-vtkSmartPointer<Array> arrayOf(const std::string& name, int components, const char* unit, const char* description)
-{
-  const auto array = vtkSmartPointer<Array>::New();
-  array->SetName(name.c_str());
-  array->SetNumberOfComponents(components);
-  describe(array, unit, description, creator);
-  return array;
-}
-
-/// Numbers of paths: the same in the table and at the poly-lines.
-struct PathColumn
-{
-  const char* name;
-  const char* unit;
-  const char* description;
-  std::function<double(const CrackPath&)> value;
-  bool whole = false;
-};
-
-std::vector<PathColumn> pathColumns(const CrackScale& scale)
-{
-  const auto metres = [&scale](double spacings) { return scale.metres(spacings); };
-  std::vector<PathColumn> columns{
-    { "crack", "1", "paths that hang together have the same number; 1 is the longest crack",
-      [](const CrackPath& p) { return p.crack + 1; }, true },
-    { "length", "m", "length of the path", [=](const CrackPath& p) { return metres(p.length); } },
-    { "chord", "m", "distance between its ends; 0 of a closed one",
-      [=](const CrackPath& p) { return metres(p.chord); } },
-    { "tortuosity", "1", "length over chord; NaN of a closed one", [](const CrackPath& p) { return p.tortuosity(); } },
-    { "angle", "deg", "axial mean direction to x, weighted by length",
-      [](const CrackPath& p) { return degrees * p.orientation.angle; } },
-    { "angle_spread", "deg", "axial standard deviation",
-      [](const CrackPath& p) { return degrees * p.orientation.spread; } },
-    { "bonds", "1", "broken bonds that cross it", [](const CrackPath& p) { return static_cast<double>(p.bonds); },
-      true },
-    { "counted_length", "m", "length that the number of its broken bonds stands for",
-      [=](const CrackPath& p) { return metres(p.countedLength()); } },
-    { "first_event", "1", "of its bonds", [](const CrackPath& p) { return static_cast<double>(p.events[0]); }, true },
-    { "last_event", "1", "of its bonds", [](const CrackPath& p) { return static_cast<double>(p.events[1]); }, true },
-    { "closed", "1", "1: it ends where it begins",
-      [](const CrackPath& p) { return p.ends[0] == ChainEnd::None ? 1.0 : 0.0; }, true },
-  };
-  if (scale.input.when != "event")
-  {
-    const bool time = scale.input.when == "time";
-    columns.push_back({ time ? "first_time" : "first_strain", unitOf(scale.input.when), "of its bonds",
-      [](const CrackPath& p) { return p.when[0]; } });
-    columns.push_back({ time ? "last_time" : "last_strain", unitOf(scale.input.when), "of its bonds",
-      [](const CrackPath& p) { return p.when[1]; } });
-  }
-  if (scale.opening)
-  {
-    columns.push_back({ "largest_opening", "m", "of its points",
-      [](const CrackPath& p)
-      {
-        double most = -std::numeric_limits<double>::infinity();
-        for (const CrackPoint& point : p.points)
-        {
-          most = std::max(most, point.opening);
-        }
-        return most;
-      } });
-  }
-  return columns;
 }
 
 double lengthIn(const CrackPath& path, const cracks::PairShare& wanted)
@@ -140,96 +54,6 @@ double lengthIn(const CrackPath& path, const cracks::PairShare& wanted)
   return 0;
 }
 
-std::array<double, 3> placed(const CrackScale& scale, const CrackPoint& point)
-{
-  const Lattice& l = scale.input.lattice;
-  return { l.origin[0] + l.spacing * point.place[0], l.origin[1] + l.spacing * point.place[1], l.origin[2] };
-}
-
-/// Points of all paths; ends that coincide are one.
-class PointWriter
-{
-public:
-  explicit PointWriter(const CrackScale& scale)
-    : scale_(scale)
-  {
-    points_->SetDataTypeToDouble();
-  }
-
-  void add(const CrackPath& path, vtkCellArray* lines)
-  {
-    std::vector<vtkIdType> ids;
-    double along = 0;
-    for (std::size_t i = 0; i < path.points.size(); ++i)
-    {
-      const CrackPoint& p = path.points[i];
-      if (i > 0)
-      {
-        const cracks::Place& before = path.points[i - 1].place;
-        along += std::hypot(p.place[0] - before[0], p.place[1] - before[1]);
-      }
-      const bool end = i == 0 || i + 1 == path.points.size();
-      if (const auto known = ends_.find(p.place); end && known != ends_.end())
-      {
-        ids.push_back(known->second);
-        continue;
-      }
-      ids.push_back(points_->InsertNextPoint(placed(scale_, p).data()));
-      if (end)
-      {
-        ends_[p.place] = ids.back();
-      }
-      event_->InsertNextValue(p.event);
-      when_->InsertNextValue(p.when);
-      phases_->InsertNextTuple2(p.phases[0], p.phases[1]);
-      between_->InsertNextValue(p.betweenGrains ? 1 : 0);
-      along_->InsertNextValue(scale_.metres(along));
-      opening_->InsertNextValue(p.opening);
-      sliding_->InsertNextValue(p.sliding);
-    }
-    lines->InsertNextCell(static_cast<vtkIdType>(ids.size()), ids.data());
-  }
-
-  void write(vtkPolyData* output) const
-  {
-    output->SetPoints(points_);
-    vtkPointData* const data = output->GetPointData();
-    data->AddArray(event_);
-    if (scale_.input.when != "event")
-    {
-      data->AddArray(when_);
-    }
-    if (!scale_.phases.empty())
-    {
-      data->AddArray(phases_);
-      data->AddArray(between_);
-    }
-    data->AddArray(along_);
-    if (scale_.opening)
-    {
-      data->AddArray(opening_);
-      data->AddArray(sliding_);
-    }
-  }
-
-private:
-  const CrackScale& scale_;
-  std::map<cracks::Place, vtkIdType> ends_;
-  vtkNew<vtkPoints> points_;
-  vtkSmartPointer<vtkTypeInt64Array> event_ =
-    arrayOf<vtkTypeInt64Array>("event", 1, "1", "at which half of the bonds there were broken");
-  vtkSmartPointer<vtkDoubleArray> when_ = arrayOf<vtkDoubleArray>(
-    scale_.input.when, 1, unitOf(scale_.input.when), "at which half of the bonds there were broken");
-  vtkSmartPointer<vtkUnsignedCharArray> phases_ =
-    arrayOf<vtkUnsignedCharArray>("phases", 2, "1", "of the two nodes that the crack parts, the lesser first");
-  vtkSmartPointer<vtkUnsignedCharArray> between_ =
-    arrayOf<vtkUnsignedCharArray>("between_grains", 1, "1", "1: these lie in two different grains");
-  vtkSmartPointer<vtkDoubleArray> along_ = arrayOf<vtkDoubleArray>("arc_length", 1, "m", "from the path's first point");
-  vtkSmartPointer<vtkDoubleArray> opening_ =
-    arrayOf<vtkDoubleArray>("opening", 1, "m", "how far the two nodes went apart, across the path");
-  vtkSmartPointer<vtkDoubleArray> sliding_ = arrayOf<vtkDoubleArray>("sliding", 1, "m", "the same along the path");
-};
-
 } // namespace
 
 std::string CrackScale::pair(const cracks::PairShare& s) const
@@ -242,50 +66,13 @@ std::string CrackScale::pair(const cracks::PairShare& s) const
   return name(s.phases[0]) + "-" + name(s.phases[1]) + (s.betweenGrains ? " (grains)" : "");
 }
 
-void fillCrackPaths(vtkPolyData* output, const CrackPaths& paths, const CrackScale& scale)
-{
-  PointWriter writer(scale);
-  vtkNew<vtkCellArray> lines;
-  for (const CrackPath& path : paths.paths)
-  {
-    writer.add(path, lines);
-  }
-  writer.write(output);
-  output->SetLines(lines);
-  const auto number = arrayOf<vtkIntArray>("path", 1, "1", "number of the path; 1 is the longest");
-  for (std::size_t p = 0; p < paths.paths.size(); ++p)
-  {
-    number->InsertNextValue(static_cast<int>(p) + 1);
-  }
-  output->GetCellData()->AddArray(number);
-  const auto add = [&](auto array, const PathColumn& column)
-  {
-    for (const CrackPath& path : paths.paths)
-    {
-      array->InsertNextTuple1(column.value(path));
-    }
-    output->GetCellData()->AddArray(array);
-  };
-  for (const PathColumn& column : pathColumns(scale))
-  {
-    if (column.whole)
-    {
-      add(arrayOf<vtkTypeInt64Array>(column.name, 1, column.unit, column.description), column);
-    }
-    else
-    {
-      add(arrayOf<vtkDoubleArray>(column.name, 1, column.unit, column.description), column);
-    }
-  }
-}
-
 void fillPathTable(vtkTable* table, const CrackPaths& paths, const CrackScale& scale)
 {
   const std::vector<CrackPath>& list = paths.paths;
-  const Columns columns{ table, list.size(), creator };
+  const Columns columns{ table, list.size(), crackCreator };
   columns.counts(
     "path", "number of the path; 1 is the longest", [](std::size_t i) { return static_cast<vtkIdType>(i) + 1; });
-  for (const PathColumn& column : pathColumns(scale))
+  for (const PathColumn& column : pathColumns(paths, scale))
   {
     if (column.whole)
     {
@@ -364,7 +151,7 @@ void fillPairTable(
     }
   }
   const bool space = scale.input.lattice.dimension == 3;
-  const Columns columns{ table, rows.size(), creator };
+  const Columns columns{ table, rows.size(), crackCreator };
   vtkNew<vtkStringArray> names;
   names->SetName("pair");
   for (const Row& row : rows)
@@ -398,7 +185,7 @@ void fillGrowthTable(vtkTable* table, const CrackPaths& paths, const CrackScale&
   const std::vector<cracks::Growth> all = cracks::growth(paths);
   const std::vector<cracks::Growth> main =
     paths.cracks.empty() ? std::vector<cracks::Growth>() : cracks::growth(paths, 0);
-  const Columns columns{ table, all.size(), creator };
+  const Columns columns{ table, all.size(), crackCreator };
   const auto mainAt = [&](std::size_t i) -> const cracks::Growth*
   {
     const auto after = std::upper_bound(main.begin(), main.end(), all[i].event,
@@ -428,7 +215,7 @@ void fillFragmentTable(vtkTable* table, const CrackFragments& fragments, const L
 {
   const std::vector<CrackFragment>& list = fragments.list;
   const bool space = lattice.dimension == 3;
-  const Columns columns{ table, list.size(), creator };
+  const Columns columns{ table, list.size(), crackCreator };
   columns.counts("fragment", "number of the fragment; 1 is the largest",
     [](std::size_t i) { return static_cast<vtkIdType>(i) + 1; });
   columns.counts("nodes", "of the fragment", [&](std::size_t i) { return list[i].nodes; });

@@ -3,7 +3,7 @@
 #include "CrackInput.h"
 #include "CrackSample.h"
 
-#include "cracks/CrackPaths.h"
+#include "cracks/ThroughPath.h"
 
 #include <span>
 #include <string>
@@ -19,8 +19,9 @@ namespace lamella
 struct CrackScale
 {
   const CrackInput& input;
-  std::vector<std::string> phases; ///< by id
-  bool opening = false;            ///< openings are known
+  std::vector<std::string> phases;              ///< by id
+  bool opening = false;                         ///< openings are known
+  std::array<cracks::ThroughPath, 2> through{}; ///< along x, y
 
   [[nodiscard]] double metres(double spacings) const { return spacings * input.lattice.spacing; }
   /// "wall" within a phase, "wall-lamella" of two; between two grains "wall-wall" and "wall-lamella (grains)".

@@ -10,6 +10,7 @@
 
 #include "cracks/BondCount.h"
 #include "cracks/CrackPaths.h"
+#include "cracks/ThroughPath.h"
 #include "lattice/Error.h"
 
 #include "vtkFieldData.h"
@@ -64,7 +65,7 @@ struct vtkCrackPath::Work
       if (!std::isfinite(length))
       {
         throw lamella::ParameterError(
-          "a length of " + std::to_string(length) + " spacings", "give a number of spacings, or -1 for the horizon");
+          "a length of " + std::to_string(length) + " spacings", "give a number of spacings, or -1 for the default");
       }
     }
     this->Report(0.05);
@@ -76,7 +77,7 @@ struct vtkCrackPath::Work
       sample.emplace(
         image, this->Self->GetInputArrayInformation(0), this->Self->GetInputArrayInformation(1), input, this->Team);
     }
-    lamella::CrackScale scale{ input, input.phases, false };
+    lamella::CrackScale scale{ input, input.phases };
     if (sample)
     {
       scale.phases = sample->names();
@@ -89,7 +90,7 @@ struct vtkCrackPath::Work
     }
     this->Report(0.7);
     const cracks::BondCount count(input.lattice.dimension, input.horizon);
-    this->WriteNumbers(paths, count, input);
+    this->WriteNumbers(paths, count, scale);
     if (sample)
     {
       this->Image()->ShallowCopy(image);
@@ -138,6 +139,10 @@ struct vtkCrackPath::Work
         paths = cracks::findCrackPaths(input.lattice, input.horizon, input.bonds, phase, solid,
           { this->Self->MinimumLength, this->Self->SpurLength });
       });
+    for (const int axis : { 0, 1 })
+    {
+      scale.through[static_cast<std::size_t>(axis)] = cracks::throughPath(paths, input.lattice, solid, axis);
+    }
     if (!displacement.empty())
     {
       cracks::openings(paths, input.lattice, displacement);
@@ -146,8 +151,9 @@ struct vtkCrackPath::Work
   }
 
   void WriteNumbers(
-    const cracks::CrackPaths& paths, const cracks::BondCount& count, const lamella::CrackInput& input) const
+    const cracks::CrackPaths& paths, const cracks::BondCount& count, const lamella::CrackScale& scale) const
   {
+    const lamella::CrackInput& input = scale.input;
     constexpr double degrees = 180 / std::numbers::pi;
     const auto number = [](auto value) { return static_cast<double>(value); };
     const double spacing = input.lattice.spacing;
@@ -162,6 +168,16 @@ struct vtkCrackPath::Work
         { any && paths.cracks[0].through[0] ? 1.0 : 0.0, any && paths.cracks[0].through[1] ? 1.0 : 0.0 });
       this->Set("crack_angle", { any ? degrees * paths.orientation.angle : std::nan("") });
       this->Set("crack_angle_spread", { any ? degrees * paths.orientation.spread : std::nan("") });
+      const auto way = [&](const char* name, double unit, auto value)
+      {
+        const auto along = [&](std::size_t axis)
+        { return scale.through[axis].found ? unit * value(scale.through[axis]) : std::nan(""); };
+        this->Set(name, { along(0), along(1) });
+      };
+      way("through_length", spacing, [](const cracks::ThroughPath& t) { return t.length; });
+      way("through_in_voids", spacing, [](const cracks::ThroughPath& t) { return t.inVoids; });
+      way("through_chord", spacing, [](const cracks::ThroughPath& t) { return t.chord; });
+      way("through_tortuosity", 1, [](const cracks::ThroughPath& t) { return t.tortuosity(); });
       const cracks::LeftOut& left = paths.leftOut;
       this->Set("left_out_cracks", { number(left.cracks) });
       this->Set("left_out_length", { spacing * left.length });

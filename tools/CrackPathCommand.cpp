@@ -53,8 +53,8 @@ void configure(vtkCrackPath* filter, const CrackPathOptions& o)
   {
     if (!std::isfinite(length) || (length < 0 && length != -1))
     {
-      throw ParameterError(fmt::format("{} {} is not a length", option, length),
-        "give it in spacings, 0 or more; leave it out for the horizon");
+      throw ParameterError(
+        fmt::format("{} {} is not a length", option, length), "give it in spacings, 0 or more, or leave it out");
     }
   }
   if (o.horizon != 0 && !(o.horizon >= 1 && o.horizon <= 8))
@@ -212,8 +212,8 @@ Command crackPathCommand(CLI::App& root)
   cracks(app->add_option("--minimum-length", o->minimumLength,
            "Leave out shorter cracks, unless they part a wall; the horizon when not given"))
     ->type_name("SPACINGS");
-  cracks(app->add_option(
-           "--spur-length", o->spurLength, "Take away branches that end after no more; the horizon when not given"))
+  cracks(app->add_option("--spur-length", o->spurLength,
+           "Take away branches that end after no more; twice the horizon when not given"))
     ->type_name("SPACINGS");
   cracks(app->add_option("--horizon", o->horizon, "Length of the longest bonds; as the bonds tell when not given"))
     ->type_name("SPACINGS");

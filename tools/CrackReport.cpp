@@ -112,6 +112,17 @@ Json reportOf(const CrackReport& report)
     json["cracks"] = whole("crack_count");
     json["length"] = number("crack_length");
     json["main"] = { { "length", number("main_length") }, { "through", namesOf(numbers("main_through")) } };
+    json["through"] = Json::object();
+    for (std::size_t axis = 0; axis < 2; ++axis)
+    {
+      const auto along = [&](const char* name) { return jsonNumber(numbers(name).at(axis)); };
+      if (!along("through_length").is_null())
+      {
+        json["through"][std::string(1, "xy"[axis])] = { { "length", along("through_length") },
+          { "in_voids", along("through_in_voids") }, { "chord", along("through_chord") },
+          { "tortuosity", along("through_tortuosity") } };
+      }
+    }
     json["angle"] = number("crack_angle");
     json["angle_spread"] = number("crack_angle_spread");
     json["left_out"] = { { "cracks", whole("left_out_cracks") }, { "length", number("left_out_length") },
@@ -144,6 +155,12 @@ std::string tableOf(const Json& json)
     words += line("longest",
       micrometres(json["main"]["length"]) +
         (through.empty() ? ", ends within the sample" : ", from side to side along " + through));
+    for (const auto& [axis, way] : json["through"].items())
+    {
+      words += line("through",
+        fmt::format("along {}: {}, of which {} across voids; tortuosity {}", axis, micrometres(way["length"]),
+          micrometres(way["in_voids"]), text(way["tortuosity"], "{:.4f}")));
+    }
     words +=
       line("direction", text(json["angle"], "{:.1f}°") + " to x, spread " + text(json["angle_spread"], "{:.1f}°"));
     words += line("counted",

@@ -151,10 +151,10 @@ CrackPaths findCrackPaths(const Lattice& lattice, double horizon, std::span<cons
     throw InputError(fmt::format("{} phases and {} solid nodes for {} nodes", phase.size(), solid.size(), nodes),
       "give one a node, or none");
   const double minimum = options.minimumLength < 0 ? horizon : options.minimumLength;
-  const double spur = options.spurLength < 0 ? horizon : options.spurLength;
+  const double spur = options.spurLength < 0 ? 2 * horizon : options.spurLength;
   const std::vector<CrackEdge> edges = crackEdges(lattice, horizon, bonds, solid);
-  // pieces smaller than the disk as wide as the horizon are crushed
-  const auto island = static_cast<std::int64_t>(std::numbers::pi * horizon * horizon / 4);
+  // pieces of fewer nodes than a node has within its horizon are crushed
+  const auto island = static_cast<std::int64_t>(std::numbers::pi * horizon * horizon);
   const CrackGraph graph = crackGraph(lattice, edges, solid, static_cast<std::int64_t>(spur), island);
   const std::vector<CrackCurve> all = crackCurves(lattice, edges, graph);
   const std::vector<std::size_t> group = groupsOf(graph);

@@ -17,7 +17,7 @@ struct CrackPathOptions
   /// Cracks of less are left out, unless they lead from a void or a side of the picture to another place there and are
   /// longer than two spacings: what parts a thin wall is short. Below 0: the horizon. [spacings]
   double minimumLength = -1;
-  /// Chains from a junction to a tip of no more are taken away. Below 0: the horizon. [spacings]
+  /// Chains from a junction to a tip of no more are taken away. Below 0: twice the horizon. [spacings]
   double spurLength = -1;
 };
 

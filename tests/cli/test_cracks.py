@@ -101,6 +101,8 @@ class Cracks(Case):
         self.assertAlmostEqual(found["length"] / length, 1, 2)
         self.assertAlmostEqual(found["angle"], 15, 0)
         self.assertEqual(found["main"]["through"], ["x"])
+        self.assertEqual(set(found["through"]), {"x"})
+        self.assertAlmostEqual(found["through"]["x"]["tortuosity"], 1, 3)
         self.assertAlmostEqual(found["counted_length"] / length, 1, 1)
         self.assertEqual(found["fragments"]["count"], 2)
         self.assertEqual(found["fragments"]["severed"], ["y"])

@@ -187,6 +187,10 @@ TEST_F(CrackPath, LinesTablesAndNumbers)
   EXPECT_EQ(number(filter, "crack_count"), 2);
   EXPECT_EQ(number(filter, "main_through", 0), 1);
   EXPECT_EQ(number(filter, "main_through", 1), 0);
+  EXPECT_NEAR(number(filter, "through_length", 0), length->GetTuple1(0), 1e-15);
+  EXPECT_TRUE(std::isnan(number(filter, "through_length", 1)));
+  EXPECT_EQ(lines->GetCellData()->GetArray("through_x")->GetTuple1(0), 1);
+  EXPECT_EQ(lines->GetCellData()->GetArray("through_x")->GetTuple1(1), 0);
   EXPECT_NEAR(number(filter, "counted_size"), number(filter, "crack_length"), 0.05 * number(filter, "crack_length"));
   EXPECT_EQ(number(filter, "left_out_bonds"), 0);
   EXPECT_NE(provenance(lines).find("crack_path"), std::string::npos);
@@ -336,7 +340,7 @@ TEST_F(CrackPath, WhatCannotBeDoneIsRefusedInWords)
     { [](auto* f, auto*, auto*) { f->SetHorizon(2); }, "is longer than the horizon of 2", "give the horizon" },
     { [](auto* f, auto*, auto*) { f->SetHorizon(9); }, "the horizon is 9 spacings", "from 1 to 8" },
     { [](auto* f, auto*, auto*) { f->SetMinimumLength(std::nan("")); }, "a length of nan spacings",
-      "-1 for the horizon" },
+      "-1 for the default" },
     { [](auto*, auto*, auto* i) { i->SetDimensions(60, 30, 1); }, "is not on the lattice of the broken bonds",
       "give the image that was broken" },
     { [](auto*, auto*, auto* i) { i->GetPointData()->Initialize(); }, "no point array 'phase'", "picture reader" },

@@ -9,9 +9,42 @@ import unittest
 import lamella
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 PROGRAM = os.environ.get("LAMELLA_PROGRAM", os.path.join(os.path.dirname(__file__), "../../build/bin/lamella"))
 REAL_DATA = os.environ.get("LAMELLA_REAL_DATA", "")
+
+
+def straight_crack(size, spacing):
+    """Broken bonds, of a horizon of 2, along the height of 17 spacings."""
+    steps = [(1, 0), (2, 0), (-1, 1), (0, 1), (1, 1), (0, 2)]
+    bonds = [
+        (x, y, a, b)
+        for y in range(size)
+        for x in range(size)
+        for a, b in steps
+        if 0 <= x + a < size and y + b < size and (y < 17) != (y + b < 17)
+    ]
+    places = vtkPoints()
+    places.SetDataTypeToDouble()
+    for x, y, a, b in bonds:
+        places.InsertNextPoint((x + a / 2 + 0.5) * spacing, (y + b / 2 + 0.5) * spacing, 0)
+    data = vtkPolyData()
+    data.SetPoints(places)
+    arrays = {"bond": [(a * spacing, b * spacing, 0) for _, _, a, b in bonds], "event": [1] * len(bonds)}
+    fields = {
+        "spacing": [spacing] * 3,
+        "lattice_size": [size, size, 1],
+        "lattice_origin": [spacing / 2, spacing / 2, 0],
+        "horizon": [2],
+    }
+    for where, named in ((data.GetPointData(), arrays), (data.GetFieldData(), fields)):
+        for name, values in named.items():
+            array = numpy_to_vtk(np.asarray(values, float), deep=True)
+            array.SetName(name)
+            where.AddArray(array)
+    return data
 
 
 class Samples(unittest.TestCase):
@@ -362,6 +395,40 @@ class Diffusion(unittest.TestCase):
             lamella.pore_flood_fill(picture)
         with self.assertRaisesRegex(ValueError, "names axes"):
             lamella.pore_flood_fill(picture, 0, periodic="w")
+
+    def test_crack_path(self):
+        broken = straight_crack(40, 1e-6)
+        sample = lamella.from_array(np.ones((40, 40), int), ["void", "wall"], spacing=1e-6)
+        cracks = lamella.crack_path(broken, sample)
+        self.assertEqual((cracks.count, cracks.through, cracks.severed), (1, "x", "y"))
+        self.assertAlmostEqual(cracks.length / 40e-6, 1, places=2)
+        self.assertAlmostEqual(cracks.main_length, cracks.length)
+        self.assertAlmostEqual(cracks.angle, 0, places=6)
+        self.assertAlmostEqual(cracks.counted / cracks.length, 1, places=0)
+        self.assertEqual(cracks.shares, {"wall": 1.0})
+        self.assertEqual(cracks.broken, broken.GetNumberOfPoints())
+        self.assertAlmostEqual(cracks.through_tortuosity["x"], 1)
+        self.assertEqual(cracks.table["begins_at"], ["side"])
+        (line,) = cracks.lines
+        np.testing.assert_allclose(line[:, 1], 17e-6)  # between rows 16 and 17 from below
+        self.assertEqual(sorted(line[[0, -1], 0].round(12).tolist()), [0, 40e-6])
+        fragment = cracks.image.array("fragment")
+        self.assertTrue((fragment[:23] == 1).all() and (fragment[23:] == 2).all())  # rows from the top
+        self.assertEqual(cracks.fragments["nodes"].tolist(), [23 * 40, 17 * 40])
+        self.assertEqual(cracks.normals.shape, (3, 3))
+        self.assertEqual(len(cracks.growth["length"]), 1)
+        self.assertIn("crack_path", str(cracks.provenance))
+        self.assertIn("1 cracks", repr(cracks))
+        with tempfile.TemporaryDirectory() as folder:
+            path = cracks.save(os.path.join(folder, "path.vtp"))
+            with self.assertRaises(FileExistsError):
+                cracks.save(path)
+        alone = lamella.crack_path(broken, minimum_length=100)
+        self.assertEqual((alone.count, alone.image, alone.severed), (1, None, None))  # it parts the sample
+        with self.assertRaisesRegex(lamella.LamellaError, "not on the lattice"):
+            lamella.crack_path(broken, np.ones((20, 20), int))
+        with self.assertRaisesRegex(lamella.LamellaError, "longer than the horizon"):
+            lamella.crack_path(broken, horizon=1)
 
     def test_stress_pdf(self):
         bar = lamella.from_array(np.ones((40, 30), int), ["void", "bar"], spacing=1e-3)

@@ -24,7 +24,7 @@ class Proxies(unittest.TestCase):
         for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap, pv.PoreFloodFill,
                        pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondFracture,
                        pv.BondStiffness, pv.BondStress, pv.StressPDF, pv.MicrographContours, pv.MicrographPolygonReader,
-                       pv.MicrographLattice):
+                       pv.MicrographLattice, pv.CrackPath):
             proxy = create()
             properties = proxy.SMProxy
             self.assertTrue(properties.GetDocumentation().GetDescription().strip())
@@ -44,6 +44,7 @@ class Proxies(unittest.TestCase):
             (pv.PoreFloodFill, ("Phase", "Connectivity", "Periodic", "MinimumSize", "SortBySize", "ComputePoreSize")),
             (pv.StressPDF, ("Component", "LeaveOutPlatens", "Threshold", "TailShare", "BinWidth", "Range",
                             "ReferenceStress")),
+            (pv.CrackPath, ("MinimumLength", "SpurLength", "Horizon", "ComputeFragments")),
             (pv.GrainPacking, ("Dimension", "Count", "MeanDiameter", "DiameterRatio", "Sizes", "Aspect", "Periodic",
                                "Friction", "Pressure", "Softness", "PackingFraction", "Seed", "Tolerance")),
             (pv.PackingReader, ("LengthUnit", "BoxSize")),

@@ -113,6 +113,14 @@ class CrackPathResult:
         return self._axes("main_through")
 
     @property
+    def through_tortuosity(self):
+        """By axis, "x" and "y": length over chord of the shortest way from side to side, over paths and straight across
+        voids; only axes along which there is one.
+        """
+        values = self._numbers("through_tortuosity")
+        return {} if values is None else {a: float(v) for a, v in zip("xy", values) if np.isfinite(v)}
+
+    @property
     def angle(self):
         """Mean direction of all paths, weighted by length [degrees to x]. None in a volume."""
         return self._number("crack_angle")
@@ -164,7 +172,7 @@ def crack_path(
     broken          vtkPolyData, or an object with it as ``vtk``: points at the middles of broken bonds, with ``bond``
     phases          a Sample, image or array of whole numbers on their lattice; with it voids and fragments are known
     minimum_length  shorter cracks are left out unless they part a wall [spacings]; None: the horizon
-    spur_length     branches that end after no more are taken away [spacings]; None: the horizon
+    spur_length     branches that end after no more are taken away [spacings]; None: twice the horizon
     horizon         length of the longest bonds [spacings]; None: as the broken bonds tell
     fragments       whether fragments are found where there are phases
     """
