@@ -1,133 +1,18 @@
-// Crack paths through VTK's pipeline: arrays, tables, field data, fragments, what is refused; on broken bonds and
-// images that ranks hold in pieces, the answer of one rank.
-#include "../verification/CrackCuts.h"
-#include "OnRanks.h"
-#include "VtkTesting.h"
+// Crack paths through VTK's pipeline: arrays, tables, field data, fragments, what is refused.
+#include "CrackBonds.h"
 
 #include "vtkCellData.h"
-#include "vtkCrackPath.h"
-#include "vtkExtentTranslator.h"
 #include "vtkFieldData.h"
-#include "vtkInformation.h"
-#include "vtkPointData.h"
-#include "vtkPoints.h"
-#include "vtkPolyData.h"
-#include "vtkStreamingDemandDrivenPipeline.h"
-#include "vtkTrivialProducer.h"
-#include "vtkTypeInt64Array.h"
-#include "vtkUnsignedCharArray.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 namespace
 {
 
 using namespace lamella;
-using test::Line;
-using vtktest::cell;
-using vtktest::errorOf;
-using vtktest::picture;
-using vtktest::points;
-
-class CrackPath : public vtktest::OnRanks
-{
-};
-
-constexpr double horizon = 3;
-constexpr int size = 60;
-constexpr double spacing = 2e-6;
-
-/// Broken bonds as vtkBondFracture gives them.
-vtkSmartPointer<vtkPolyData> brokenBonds(
-  const Lattice& lattice, double h, std::span<const cracks::CutBond> bonds, const char* when = "strain")
-{
-  const auto data = vtkSmartPointer<vtkPolyData>::New();
-  vtkNew<vtkPoints> places;
-  places->SetDataTypeToDouble();
-  vtkNew<vtkDoubleArray> bond;
-  bond->SetName("bond");
-  bond->SetNumberOfComponents(3);
-  vtkNew<vtkTypeInt64Array> event;
-  event->SetName("event");
-  vtkNew<vtkDoubleArray> at;
-  at->SetName(when);
-  vtkNew<vtkUnsignedCharArray> phases;
-  phases->SetName("phases");
-  phases->SetNumberOfComponents(2);
-  vtkNew<vtkUnsignedCharArray> between;
-  between->SetName("between_grains");
-  for (const cracks::CutBond& b : bonds)
-  {
-    std::array<double, 3> middle{};
-    std::array<double, 3> along{};
-    for (std::size_t a = 0; a < 3; ++a)
-    {
-      along[a] = lattice.spacing * b.step[a];
-      middle[a] = lattice.origin[a] + lattice.spacing * static_cast<double>(b.node[a]) + along[a] / 2;
-    }
-    places->InsertNextPoint(middle.data());
-    bond->InsertNextTuple(along.data());
-    event->InsertNextValue(b.event);
-    at->InsertNextValue(b.when);
-    phases->InsertNextTuple2(b.phases[0], b.phases[1]);
-    between->InsertNextValue(b.betweenGrains ? 1 : 0);
-  }
-  data->SetPoints(places);
-  for (vtkDataArray* const array : std::initializer_list<vtkDataArray*>{ bond, event, at, phases, between })
-  {
-    data->GetPointData()->AddArray(array);
-  }
-  const std::array<double, 3> three{ lattice.spacing, lattice.spacing, lattice.spacing };
-  const std::array<double, 3> nodes{ static_cast<double>(lattice.size[0]), static_cast<double>(lattice.size[1]),
-    static_cast<double>(lattice.size[2]) };
-  setFieldNumbers(data, "spacing", three);
-  setFieldNumbers(data, "lattice_size", nodes);
-  setFieldNumbers(data, "lattice_origin", lattice.origin);
-  setFieldNumbers(data, "horizon", std::array{ h });
-  setPhaseNames(data, PhaseTable({ "void", "wall", "lamella" }));
-  return data;
-}
-
-Lattice lattice()
-{
-  return makeLattice(size, size, 1, 2, spacing);
-}
-
-int strips(std::int64_t x, std::int64_t)
-{
-  return 1 + static_cast<int>(x / 20 % 2);
-}
-
-/// The sample that breaks.
-vtkSmartPointer<vtkImageData> strippedPicture()
-{
-  const auto image = picture(
-    size, size, 1, [](int x, int y, int) { return strips(x, y); }, spacing);
-  setPhaseNames(image, PhaseTable({ "void", "wall", "lamella" }));
-  return image;
-}
-
-/// A crack from side to side at 20°, and a short one within the sample.
-std::vector<cracks::CutBond> sampleBonds()
-{
-  std::vector<cracks::CutBond> bonds =
-    test::cut(lattice(), horizon, { { -1, 15.2 }, { 61, 15.2 + 62 * std::tan(20 * test::pi / 180) } }, strips);
-  for (const cracks::CutBond& b : test::cut(lattice(), horizon, { { 10.1, 45.2 }, { 30.3, 49.9 } }, strips))
-  {
-    bonds.push_back(b);
-    bonds.back().event = 2;
-    bonds.back().when = 0.25;
-  }
-  return bonds;
-}
-
-double number(vtkCrackPath* filter, const char* name, std::size_t i = 0)
-{
-  return fieldNumbers(filter->GetOutput(), name).at(i);
-}
+using namespace lamella::vtktest;
 
 TEST_F(CrackPath, LinesTablesAndNumbers)
 {
@@ -372,122 +257,6 @@ TEST_F(CrackPath, AbortLeavesNothing)
   EXPECT_EQ(errorOf(filter), "");
   EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0);
   EXPECT_EQ(filter->GetPathTable()->GetNumberOfRows(), 0);
-}
-
-/// The part of a data set that this rank holds: points by lot, some on two ranks, in an order of its own.
-vtkSmartPointer<vtkPolyData> shareOf(std::vector<cracks::CutBond> bonds, int rank, int ranks, unsigned seed)
-{
-  std::mt19937 random(seed);
-  std::vector<cracks::CutBond> mine;
-  for (const cracks::CutBond& b : bonds)
-  {
-    const auto owner = static_cast<int>(random() % static_cast<unsigned>(ranks));
-    const bool twice = random() % 5 == 0;
-    if (owner == rank || (twice && (owner + 1) % ranks == rank))
-    {
-      mine.push_back(b);
-    }
-  }
-  std::shuffle(mine.begin(), mine.end(), std::mt19937(seed + static_cast<unsigned>(rank)));
-  return brokenBonds(lattice(), horizon, mine);
-}
-
-void expectSameTable(vtkTable* found, vtkTable* expected)
-{
-  ASSERT_EQ(found->GetNumberOfRows(), expected->GetNumberOfRows());
-  ASSERT_EQ(found->GetNumberOfColumns(), expected->GetNumberOfColumns());
-  for (vtkIdType column = 0; column < expected->GetNumberOfColumns(); ++column)
-  {
-    for (vtkIdType row = 0; row < expected->GetNumberOfRows(); ++row)
-    {
-      ASSERT_EQ(found->GetValue(row, column).ToString(), expected->GetValue(row, column).ToString())
-        << expected->GetColumnName(column) << " of row " << row;
-    }
-  }
-}
-
-TEST_F(CrackPath, SameAsOneRank)
-{
-  const auto bonds = sampleBonds();
-  const auto image = strippedPicture();
-  vtkNew<vtkCrackPath> alone;
-  alone->SetInputData(brokenBonds(lattice(), horizon, bonds));
-  alone->SetImageData(image);
-  alone->UpdatePiece(0, 1, 0);
-  ASSERT_EQ(alone->GetOutput()->GetNumberOfCells(), 2);
-  for (const bool onlyLast : { false, true }) // all broken bonds on the last rank
-  {
-    vtkNew<vtkExtentTranslator> translator;
-    translator->SetWholeExtent(image->GetExtent());
-    translator->SetNumberOfPieces(ranks());
-    translator->SetPiece(rank());
-    onlyLast ? translator->SetSplitModeToXSlab() : translator->SetSplitModeToBlock();
-    translator->SetGhostLevel(onlyLast ? 1 : 0);
-    translator->PieceToExtent();
-    vtkNew<vtkImageData> piece;
-    piece->DeepCopy(image);
-    piece->Crop(translator->GetExtent());
-    vtkNew<vtkTrivialProducer> producer;
-    producer->SetOutput(piece);
-    producer->SetWholeExtent(image->GetExtent());
-    vtkSmartPointer<vtkPolyData> mine = shareOf(bonds, rank(), ranks(), 3);
-    if (onlyLast)
-    {
-      mine = rank() == ranks() - 1 ? brokenBonds(lattice(), horizon, bonds) : vtkSmartPointer<vtkPolyData>::New();
-    }
-    vtkNew<vtkTrivialProducer> points_;
-    points_->SetOutput(mine);
-    vtkNew<vtkCrackPath> together;
-    together->SetInputConnection(points_->GetOutputPort());
-    together->SetImageConnection(producer->GetOutputPort());
-    together->UpdatePiece(rank(), ranks(), 0);
-    vtkPolyData* const lines = together->GetOutput();
-    ASSERT_EQ(lines->GetNumberOfCells(), rank() == 0 ? 2 : 0);
-    for (vtkIdType i = 0; i < lines->GetNumberOfPoints(); ++i)
-    {
-      for (int c = 0; c < 3; ++c)
-      {
-        ASSERT_EQ(lines->GetPoint(i)[c], alone->GetOutput()->GetPoint(i)[c]) << i;
-      }
-    }
-    if (rank() == 0)
-    {
-      expectSameTable(together->GetPathTable(), alone->GetPathTable());
-      expectSameTable(together->GetPairTable(), alone->GetPairTable());
-      expectSameTable(together->GetGrowthTable(), alone->GetGrowthTable());
-      expectSameTable(together->GetFragmentTable(), alone->GetFragmentTable());
-    }
-    for (const char* const name : { "crack_count", "crack_length", "broken_bonds", "counted_size", "fragment_count",
-           "severed", "left_out_bonds", "main_through" })
-    {
-      EXPECT_EQ(fieldNumbers(lines, name), fieldNumbers(alone->GetOutput(), name)) << name;
-    }
-    vtkImageData* const part = together->GetImage();
-    ASSERT_EQ(part->GetNumberOfPoints(), piece->GetNumberOfPoints());
-    for (vtkIdType i = 0; i < part->GetNumberOfPoints(); ++i)
-    {
-      ASSERT_EQ(points(part, "fragment")->GetTuple1(i),
-        points(alone->GetImage(), "fragment")->GetTuple1(alone->GetImage()->FindPoint(part->GetPoint(i))))
-        << i;
-    }
-  }
-}
-
-TEST_F(CrackPath, AnErrorIsOneOnEveryRank)
-{
-  auto mine = shareOf(sampleBonds(), rank(), ranks(), 4);
-  if (rank() == ranks() - 1)
-  {
-    mine->GetPointData()->RemoveArray("bond");
-  }
-  vtkNew<vtkTrivialProducer> producer;
-  producer->SetOutput(mine);
-  vtkNew<vtkCrackPath> filter;
-  filter->SetInputConnection(producer->GetOutputPort());
-  filter->UpdateInformation();
-  filter->GetOutputInformation(0)->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES(), ranks());
-  filter->GetOutputInformation(0)->Set(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER(), rank());
-  EXPECT_NE(errorOf(filter).find("the points have no array 'bond'"), std::string::npos);
 }
 
 } // namespace
