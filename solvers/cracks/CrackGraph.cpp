@@ -77,29 +77,32 @@ public:
   };
   [[nodiscard]] std::vector<Piece> pieces(const std::vector<CrackChain>& chains, std::int64_t most) const
   {
-    std::map<std::array<std::int64_t, 2>, std::size_t> chainBetween; // of two neighbours, the first one first
+    Borders borders;
     for (std::size_t c = 0; c < chains.size(); ++c)
       for (const std::size_t e : chains[c].edges)
+        borders[2 * lattice_.index(edges_[e].x, edges_[e].y) + edges_[e].axis] = c;
+    std::vector<Piece> found;
+    std::unordered_map<std::int64_t, bool> seen; // nodes, and whether their part is too large
+    for (const CrackChain& chain : chains)
+      for (const std::size_t e : chain.edges)
       {
         const std::int64_t node = lattice_.index(edges_[e].x, edges_[e].y);
-        chainBetween[{ node, node + (edges_[e].axis == 0 ? 1 : lattice_.size[0]) }] = c;
+        for (const std::int64_t start : { node, node + (edges_[e].axis == 0 ? 1 : lattice_.size[0]) })
+          if (!seen.contains(start))
+          {
+            Piece piece = flood(start, most, borders, seen);
+            if (!piece.nodes.empty())
+              found.push_back(std::move(piece));
+          }
       }
-    std::vector<Piece> found;
-    std::unordered_set<std::int64_t> seen; // in pieces, and in parts that are too large
-    for (const auto& [pair, chain] : chainBetween)
-      for (const std::int64_t start : pair)
-        if (!seen.contains(start))
-        {
-          Piece piece = flood(start, most, chainBetween, seen);
-          if (!piece.nodes.empty())
-            found.push_back(std::move(piece));
-        }
     std::stable_sort(
       found.begin(), found.end(), [](const Piece& a, const Piece& b) { return a.nodes.size() < b.nodes.size(); });
     return found;
   }
 
 private:
+  using Borders = std::unordered_map<std::int64_t, std::size_t>; ///< chain between a node and its neighbour: 2 i + axis
+
   CrackChain trace(std::size_t edge, std::int64_t from, std::vector<bool>& done)
   {
     CrackChain chain;
@@ -138,37 +141,40 @@ private:
   }
 
   /// The nodes that hang together with one by sides without an edge; none where there are too many.
-  Piece flood(std::int64_t start, std::int64_t most,
-    const std::map<std::array<std::int64_t, 2>, std::size_t>& chainBetween,
-    std::unordered_set<std::int64_t>& seen) const
+  Piece flood(
+    std::int64_t start, std::int64_t most, const Borders& borders, std::unordered_map<std::int64_t, bool>& seen) const
   {
     Piece piece;
     piece.nodes.push_back(start);
-    std::set<std::int64_t> inside{ start };
-    for (std::size_t next = 0; next < piece.nodes.size(); ++next)
+    std::unordered_set<std::int64_t> inside{ start };
+    bool large = false;
+    for (std::size_t next = 0; next < piece.nodes.size() && !large; ++next)
     {
       const std::int64_t node = piece.nodes[next];
       const std::int64_t x = node % lattice_.size[0];
       const std::int64_t y = node / lattice_.size[0];
-      const auto look = [&](std::int64_t other, bool there)
+      const auto look = [&](std::int64_t other, bool there, int axis)
       {
         if (!there || (!solid_.empty() && solid_[static_cast<std::size_t>(other)] == 0))
           return;
-        const auto between = chainBetween.find({ std::min(node, other), std::max(node, other) });
-        if (between != chainBetween.end())
-          piece.chains.insert(between->second);
+        if (const auto border = borders.find(2 * std::min(node, other) + axis); border != borders.end())
+          piece.chains.insert(border->second);
         else if (inside.insert(other).second)
+        {
           piece.nodes.push_back(other);
+          const auto known = seen.find(other);
+          large = large || (known != seen.end() && known->second);
+        }
       };
-      look(node - 1, x > 0);
-      look(node + 1, x + 1 < lattice_.size[0]);
-      look(node - lattice_.size[0], y > 0);
-      look(node + lattice_.size[0], y + 1 < lattice_.size[1]);
-      if (static_cast<std::int64_t>(piece.nodes.size()) > most)
-        return {};
+      look(node - 1, x > 0, 0);
+      look(node + 1, x + 1 < lattice_.size[0], 0);
+      look(node - lattice_.size[0], y > 0, 1);
+      look(node + lattice_.size[0], y + 1 < lattice_.size[1], 1);
+      large = large || static_cast<std::int64_t>(piece.nodes.size()) > most;
     }
-    seen.insert(piece.nodes.begin(), piece.nodes.end());
-    return piece;
+    for (const std::int64_t node : piece.nodes)
+      seen[node] = large;
+    return large ? Piece{} : piece;
   }
 
   const Lattice& lattice_;

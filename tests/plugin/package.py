@@ -430,6 +430,22 @@ class Diffusion(unittest.TestCase):
         with self.assertRaisesRegex(lamella.LamellaError, "longer than the horizon"):
             lamella.crack_path(broken, horizon=1)
 
+    def test_crack_path_of_a_fracture(self):
+        phase = np.ones((36, 24), int)
+        for x in range(24):
+            phase[16 + x // 8 : 21 + x // 8, x] = 2  # a layer of glue, slightly inclined
+        sample = lamella.from_array(phase, names=["void", "stone", "glue"], spacing=1e-5)
+        result = lamella.fracture(sample, {"stone": 4e9, "glue": 1e9}, critical_stretch={"stone": 1e-2, "glue": 2e-3},
+                                  like={"glue-stone": "glue"})
+        cracks = lamella.crack_path(result)
+        self.assertEqual(cracks.broken, len(result.broken))
+        self.assertEqual(set(cracks.shares), {"glue", "stone-glue"})  # it runs nowhere else
+        self.assertAlmostEqual(sum(cracks.shares.values()), 1)
+        self.assertGreater(cracks.length, 20e-5)
+        self.assertEqual(cracks.table["first_event"][0], 1)
+        self.assertGreater(cracks.table["largest_opening"][0], 0)
+        self.assertEqual(cracks.fragments["nodes"].sum(), phase.size)
+
     def test_stress_pdf(self):
         bar = lamella.from_array(np.ones((40, 30), int), ["void", "bar"], spacing=1e-3)
         stress = np.zeros((1200, 6))

@@ -169,15 +169,18 @@ def crack_path(
 ):
     """Makes lines of broken bonds, and measures them.
 
-    broken          vtkPolyData, or an object with it as ``vtk``: points at the middles of broken bonds, with ``bond``
-    phases          a Sample, image or array of whole numbers on their lattice; with it voids and fragments are known
+    broken          a FractureResult, or vtkPolyData: points at the middles of broken bonds, with the array ``bond``
+    phases          a Sample, image or array of whole numbers on their lattice; with it voids and fragments are known.
+                    None: the image of the FractureResult
     minimum_length  shorter cracks are left out unless they part a wall [spacings]; None: the horizon
     spur_length     branches that end after no more are taken away [spacings]; None: twice the horizon
     horizon         length of the longest bonds [spacings]; None: as the broken bonds tell
     fragments       whether fragments are found where there are phases
     """
     path = vtkCrackPath()
-    path.SetInputData(getattr(broken, "vtk", broken))
+    if phases is None and hasattr(broken, "vtk_broken"):
+        phases = broken.vtk
+    path.SetInputData(getattr(broken, "vtk_broken", broken))
     if phases is not None:
         path.SetImageData(as_image(phases))
     path.SetMinimumLength(-1 if minimum_length is None else float(minimum_length))
