@@ -141,7 +141,8 @@ struct vtkCrackPath::Work
       });
     for (const int axis : { 0, 1 })
     {
-      scale.through[static_cast<std::size_t>(axis)] = cracks::throughPath(paths, input.lattice, solid, axis);
+      scale.through[static_cast<std::size_t>(axis)] =
+        cracks::throughPath(paths, input.lattice, solid, axis, 2 * input.horizon);
     }
     if (!displacement.empty())
     {
@@ -176,6 +177,7 @@ struct vtkCrackPath::Work
       };
       way("through_length", spacing, [](const cracks::ThroughPath& t) { return t.length; });
       way("through_in_voids", spacing, [](const cracks::ThroughPath& t) { return t.inVoids; });
+      way("through_in_solid", spacing, [](const cracks::ThroughPath& t) { return t.inSolid; });
       way("through_chord", spacing, [](const cracks::ThroughPath& t) { return t.chord; });
       way("through_tortuosity", 1, [](const cracks::ThroughPath& t) { return t.tortuosity(); });
       const cracks::LeftOut& left = paths.leftOut;

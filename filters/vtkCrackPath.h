@@ -22,8 +22,8 @@
  * `opening` and `sliding` [m]. Cell data: `path`, `crack` (the same for paths that hang together; 1 is the longest),
  * `length`, `chord` [m], `tortuosity`, `angle`, `angle_spread` [deg], `bonds`, `counted_length` [m], `first_event`,
  * `last_event`, `first_strain`, `last_strain`, `closed`, `through_x`, `through_y` (1: on the shortest way from side to
- * side along this axis, over paths and straight across voids in which they end), with displacements `largest_opening`
- * [m].
+ * side along this axis, over paths, straight across voids in which they end, and through at most two horizons of
+ * solid), with displacements `largest_opening` [m].
  * **Output 1**, paths: the same as a table, with `begins_at`, `ends_at`, extents and, for every pair of phases,
  * `share_<pair>` of the length.
  * **Output 2**, pairs: `pair`, `phase_low`, `phase_high`, `between_grains`, `length` [m], `share`, `bonds`,
@@ -34,8 +34,8 @@
  * **Output 5**, fragments: `fragment`, `nodes`, `area` [m²] or `volume` [m³], `share`, `touches_x_min` ...
  *
  * **Field data** of output 0: `crack_count`, `path_count`, `crack_length`, `main_length` [m], `main_through` (2: the
- * longest crack leads from side to side along x, y), `through_length`, `through_in_voids`, `through_chord` [m],
- * `through_tortuosity` (2 each: of the shortest way along x, y; NaN where there is none), `crack_angle`,
+ * longest crack leads from side to side along x, y), `through_length`, `through_in_voids`, `through_in_solid`,
+ * `through_chord` [m], `through_tortuosity` (2 each: of the shortest way along x, y; NaN where there is none), `crack_angle`,
  * `crack_angle_spread` [deg], `broken_bonds`, `counted_size` (length [m], area [m²]), `count_anisotropy`,
  * `crack_normals` (9), `left_out_cracks`, `left_out_length` [m], `left_out_bonds`, `left_out_spurs`, `crushed_pieces`;
  * with an image `fragment_count`, `fragment_largest` (share of the solid), `severed` (3: no fragment reaches from side

@@ -119,8 +119,8 @@ Json reportOf(const CrackReport& report)
       if (!along("through_length").is_null())
       {
         json["through"][std::string(1, "xy"[axis])] = { { "length", along("through_length") },
-          { "in_voids", along("through_in_voids") }, { "chord", along("through_chord") },
-          { "tortuosity", along("through_tortuosity") } };
+          { "in_voids", along("through_in_voids") }, { "in_solid", along("through_in_solid") },
+          { "chord", along("through_chord") }, { "tortuosity", along("through_tortuosity") } };
       }
     }
     json["angle"] = number("crack_angle");
@@ -158,8 +158,9 @@ std::string tableOf(const Json& json)
     for (const auto& [axis, way] : json["through"].items())
     {
       words += line("through",
-        fmt::format("along {}: {}, of which {} across voids; tortuosity {}", axis, micrometres(way["length"]),
-          micrometres(way["in_voids"]), text(way["tortuosity"], "{:.4f}")));
+        fmt::format("along {}: {}, of which {} across voids, {} unbroken; tortuosity {}", axis,
+          micrometres(way["length"]), micrometres(way["in_voids"]), micrometres(way["in_solid"]),
+          text(way["tortuosity"], "{:.4f}")));
     }
     words +=
       line("direction", text(json["angle"], "{:.1f}°") + " to x, spread " + text(json["angle_spread"], "{:.1f}°"));

@@ -61,6 +61,18 @@ public:
       there_[e] = false;
   }
 
+  /// The part of a chain that lies around a piece.
+  void remove(const CrackChain& chain, const std::vector<std::int64_t>& piece)
+  {
+    const std::set<std::int64_t> inside(piece.begin(), piece.end());
+    for (const std::size_t e : chain.edges)
+    {
+      const std::int64_t node = lattice_.index(edges_[e].x, edges_[e].y);
+      if (inside.contains(node) || inside.contains(node + (edges_[e].axis == 0 ? 1 : lattice_.size[0])))
+        there_[e] = false;
+    }
+  }
+
   [[nodiscard]] double strength(const CrackChain& chain) const
   {
     double sum = 0;
@@ -206,7 +218,8 @@ std::int64_t removeSpurs(Tracer& tracer, const std::vector<CrackChain>& chains, 
   return static_cast<std::int64_t>(shortest.size());
 }
 
-/// The weakest chain around every piece of at most so many nodes, as long as no two of the pieces touch.
+/// What of the weakest chain lies around a piece of at most so many nodes, of every piece, as long as no two of them
+/// touch.
 std::int64_t removeIslands(Tracer& tracer, const std::vector<CrackChain>& chains, std::int64_t most)
 {
   std::set<std::size_t> touched;
@@ -222,7 +235,7 @@ std::int64_t removeIslands(Tracer& tracer, const std::vector<CrackChain>& chains
     std::size_t worst = *piece.chains.begin();
     for (const std::size_t c : piece.chains)
       worst = order(c) <= order(worst) ? c : worst;
-    tracer.remove(chains[worst]);
+    tracer.remove(chains[worst], piece.nodes);
     ++removed;
   }
   return removed;

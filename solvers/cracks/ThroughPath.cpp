@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <queue>
 #include <unordered_map>
 
@@ -13,6 +14,7 @@ namespace
 {
 
 constexpr double far = std::numeric_limits<double>::infinity();
+constexpr double dearer = 10; ///< to go through solid than through voids and cracks
 
 double distance(const Place& a, const Place& b)
 {
@@ -34,21 +36,32 @@ public:
     std::array<bool, 4> touches{}; ///< low x, high x, low y, high y
   };
 
+  /// The void node that is nearest to a place, at most so far away.
+  [[nodiscard]] std::optional<Place> nearest(const Place& place, double reach) const
+  {
+    std::optional<Place> found;
+    const auto steps = static_cast<std::int64_t>(std::ceil(reach));
+    for (std::int64_t y = std::llround(place[1]) - steps; y <= std::llround(place[1]) + steps; ++y)
+      for (std::int64_t x = std::llround(place[0]) - steps; x <= std::llround(place[0]) + steps; ++x)
+        if (isVoid(x, y))
+        {
+          const Place node{ static_cast<double>(x), static_cast<double>(y) };
+          if (const double d = distance(place, node); d <= reach)
+          {
+            reach = d;
+            found = node;
+          }
+        }
+    return found;
+  }
+
   /// The region beside a place; −1: there is none.
   int at(const Place& place)
   {
-    double nearest = 1.5;
-    std::int64_t start = -1;
-    for (std::int64_t y = std::llround(place[1]) - 1; y <= std::llround(place[1]) + 1; ++y)
-      for (std::int64_t x = std::llround(place[0]) - 1; x <= std::llround(place[0]) + 1; ++x)
-        if (isVoid(x, y))
-          if (const double d = distance(place, { static_cast<double>(x), static_cast<double>(y) }); d < nearest)
-          {
-            nearest = d;
-            start = lattice_.index(x, y);
-          }
-    if (start < 0)
+    const std::optional<Place> node = nearest(place, 1.5);
+    if (!node)
       return -1;
+    const std::int64_t start = lattice_.index(std::llround((*node)[0]), std::llround((*node)[1]));
     const auto known = region_.find(start);
     return known != region_.end() ? known->second : flood(start);
   }
@@ -95,9 +108,10 @@ private:
 class Network
 {
 public:
-  Network(const CrackPaths& paths, const Lattice& lattice, std::span<const std::uint8_t> solid, int axis)
+  Network(const CrackPaths& paths, const Lattice& lattice, std::span<const std::uint8_t> solid, int axis, double reach)
     : lattice_(lattice)
     , axis_(static_cast<std::size_t>(axis))
+    , reach_(reach)
     , voids_(lattice, solid)
   {
     for (std::size_t p = 0; p < paths.paths.size(); ++p)
@@ -105,28 +119,21 @@ public:
       const CrackPath& path = paths.paths[p];
       const std::size_t a = end(path.points.front().place, path.ends[0]);
       const std::size_t b = end(path.points.back().place, path.ends[1]);
-      links_[a].push_back({ b, path.length, static_cast<std::int64_t>(p) });
-      links_[b].push_back({ a, path.length, static_cast<std::int64_t>(p) });
+      join(a, b, path.length, static_cast<std::int64_t>(p));
     }
+    for (std::size_t a = places_.size(); a-- > 0;)
+      if (kinds_[a] == ChainEnd::Tip)
+        if (const std::optional<Place> node = voids_.nearest(places_[a], reach_))
+          join(a, end(*node, ChainEnd::Void), distance(places_[a], *node), throughSolid);
     for (std::size_t a = 0; a < places_.size(); ++a)
       for (std::size_t b = 0; b < a; ++b)
+      {
+        const double across = distance(places_[a], places_[b]);
         if (region_[a] >= 0 && region_[a] == region_[b])
-        {
-          const double across = distance(places_[a], places_[b]);
-          links_[a].push_back({ b, across, -1 });
-          links_[b].push_back({ a, across, -1 });
-        }
-  }
-
-  /// How far it is from an end to a side straight across its void; 0 at the side, infinite where it does not lead
-  /// there.
-  [[nodiscard]] double toSide(std::size_t i, bool high) const
-  {
-    const double side = high ? static_cast<double>(lattice_.size[axis_]) - 0.5 : -0.5;
-    const double away = std::abs(places_[i][axis_] - side);
-    if (kinds_[i] == ChainEnd::Border && away < 1e-6)
-      return 0;
-    return region_[i] >= 0 && voids_[region_[i]].touches[2 * axis_ + (high ? 1 : 0)] ? away : far;
+          join(a, b, across, throughVoid);
+        else if (across <= reach_)
+          join(a, b, across, throughSolid);
+      }
   }
 
   /// Dijkstra's algorithm from the low side to the high one.
@@ -139,47 +146,51 @@ public:
     using Entry = std::pair<double, std::size_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
     for (std::size_t i = 0; i < n; ++i)
-      if (const double d = toSide(i, false); d < far)
+      if (const Link side = toSide(i, false); side.length < far)
       {
-        reached[i] = d;
+        reached[i] = side.cost();
         first[i] = true;
-        queue.push({ d, i });
+        queue.push({ reached[i], i });
       }
     while (!queue.empty())
     {
-      const auto [d, i] = queue.top();
+      const auto [cost, i] = queue.top();
       queue.pop();
-      if (d > reached[i])
+      if (cost > reached[i])
         continue;
       for (const Link& link : links_[i])
-        if (d + link.length < reached[link.to])
+        if (const double sum = cost + link.cost(); sum < reached[link.to])
         {
-          reached[link.to] = d + link.length;
+          reached[link.to] = sum;
           back[link.to] = { i, link.length, link.path };
           first[link.to] = false;
-          queue.push({ reached[link.to], link.to });
+          queue.push({ sum, link.to });
         }
     }
     std::size_t last = n;
     double least = far;
     for (std::size_t i = 0; i < n; ++i)
-      if (reached[i] + toSide(i, true) < least)
+      if (const double sum = reached[i] + toSide(i, true).cost(); sum < least)
       {
-        least = reached[i] + toSide(i, true);
+        least = sum;
         last = i;
       }
     ThroughPath way;
     if (last == n)
       return way;
-    way.length = least;
-    way.inVoids = toSide(last, true);
+    const auto go = [&](const Link& link)
+    {
+      way.length += link.length;
+      way.inVoids += link.path == throughVoid ? link.length : 0;
+      way.inSolid += link.path == throughSolid ? link.length : 0;
+      if (link.path >= 0)
+        way.paths.insert(way.paths.begin(), static_cast<std::size_t>(link.path));
+    };
+    go(toSide(last, true));
     std::size_t i = last;
     for (; !first[i]; i = back[i].to)
-      if (back[i].path >= 0)
-        way.paths.insert(way.paths.begin(), static_cast<std::size_t>(back[i].path));
-      else
-        way.inVoids += back[i].length;
-    way.inVoids += toSide(i, false);
+      go(back[i]);
+    go(toSide(i, false));
     way.found = !way.paths.empty();
     Place from = places_[i];
     Place to = places_[last];
@@ -190,12 +201,34 @@ public:
   }
 
 private:
+  static constexpr std::int64_t throughVoid = -1;
+  static constexpr std::int64_t throughSolid = -2;
   struct Link
   {
     std::size_t to = 0;
-    double length = 0;
-    std::int64_t path = -1; ///< −1: across a void
+    double length = far;
+    std::int64_t path = throughVoid; ///< which path, or through what else
+
+    [[nodiscard]] double cost() const { return path == throughSolid ? dearer * length : length; }
   };
+
+  /// From an end to a side: none at the side, else straight across its void or through no more solid than may be.
+  [[nodiscard]] Link toSide(std::size_t i, bool high) const
+  {
+    const double side = high ? static_cast<double>(lattice_.size[axis_]) - 0.5 : -0.5;
+    const double away = std::abs(places_[i][axis_] - side);
+    if (kinds_[i] == ChainEnd::Border && away < 1e-6)
+      return { 0, 0, throughVoid };
+    if (region_[i] >= 0 && voids_[region_[i]].touches[2 * axis_ + (high ? 1 : 0)])
+      return { 0, away, throughVoid };
+    return { 0, away <= reach_ ? away : far, throughSolid };
+  }
+
+  void join(std::size_t a, std::size_t b, double length, std::int64_t path)
+  {
+    links_[a].push_back({ b, length, path });
+    links_[b].push_back({ a, length, path });
+  }
 
   std::size_t end(const Place& place, ChainEnd kind)
   {
@@ -212,6 +245,7 @@ private:
 
   const Lattice& lattice_;
   std::size_t axis_;
+  double reach_;
   Voids voids_;
   std::map<Place, std::size_t> number_;
   std::vector<Place> places_;
@@ -222,9 +256,10 @@ private:
 
 } // namespace
 
-ThroughPath throughPath(const CrackPaths& paths, const Lattice& lattice, std::span<const std::uint8_t> solid, int axis)
+ThroughPath throughPath(
+  const CrackPaths& paths, const Lattice& lattice, std::span<const std::uint8_t> solid, int axis, double reach)
 {
-  return Network(paths, lattice, solid, axis).shortest();
+  return Network(paths, lattice, solid, axis, reach).shortest();
 }
 
 } // namespace lamella::cracks

@@ -291,6 +291,23 @@ TEST(CrackPaths, TheWayThroughCrossesVoids)
   EXPECT_FALSE(throughPath(found, lattice, solid, 1).found);
   EXPECT_FALSE(throughPath(found, lattice, {}, 0).found); // without voids there is none
 
+  // a hinge of four spacings in a wall
+  std::vector<CutBond> hinged = cut(lattice, 3, left, isSolid);
+  std::erase_if(hinged,
+    [](const CutBond& b)
+    {
+      const double x = static_cast<double>(b.node[0]) + 0.5 * b.step[0];
+      return x > 8 && x < 12;
+    });
+  const auto rest = cut(lattice, 3, right, isSolid);
+  hinged.insert(hinged.end(), rest.begin(), rest.end());
+  const CrackPaths held = findCrackPaths(lattice, 3, canonical(hinged), {}, solid);
+  EXPECT_FALSE(throughPath(held, lattice, solid, 0).found);
+  const ThroughPath over = throughPath(held, lattice, solid, 0, 6);
+  ASSERT_TRUE(over.found);
+  EXPECT_NEAR(over.inSolid, 4, 1.5); // its two tips
+  EXPECT_NEAR(over.length, way.length, 0.5);
+
   // a crack of its own: all of it
   const CrackPaths whole = pathsOf(lattice, 3, cut(lattice, 3, { { -1, 20.3 }, { 30, 40.1 }, { 61, 20.2 } }));
   const ThroughPath all = throughPath(whole, lattice, {}, 0);
