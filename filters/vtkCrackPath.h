@@ -35,11 +35,11 @@
  *
  * **Field data** of output 0: `crack_count`, `path_count`, `crack_length`, `main_length` [m], `main_through` (2: the
  * longest crack leads from side to side along x, y), `through_length`, `through_in_voids`, `through_in_solid`,
- * `through_chord` [m], `through_tortuosity` (2 each: of the shortest way along x, y; NaN where there is none), `crack_angle`,
- * `crack_angle_spread` [deg], `broken_bonds`, `counted_size` (length [m], area [m²]), `count_anisotropy`,
- * `crack_normals` (9), `left_out_cracks`, `left_out_length` [m], `left_out_bonds`, `left_out_spurs`, `crushed_pieces`;
- * with an image `fragment_count`, `fragment_largest` (share of the solid), `severed` (3: no fragment reaches from side
- * to side along this axis).
+ * `through_chord` [m], `through_tortuosity` (2 each: of the shortest way along x, y; NaN where there is none),
+ * `crack_angle`, `crack_angle_spread` [deg], `broken_bonds`, `counted_size` (length [m], area [m²]),
+ * `count_anisotropy`, `crack_normals` (9), `left_out_cracks`, `left_out_length` [m], `left_out_bonds`,
+ * `left_out_spurs`, `crushed_pieces`; with an image `fragment_count`, `fragment_largest` (share of the solid),
+ * `severed` (3: no fragment reaches from side to side along this axis).
  *
  * **Volumes** have no paths: outputs 0, 1 and 3 are empty but for the field data, and areas are counted from the
  * broken bonds.
