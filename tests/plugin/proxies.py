@@ -179,6 +179,21 @@ class Proxies(unittest.TestCase):
             self.assertEqual(field(torn, "broken_bonds")[0], broken)
         self.assertEqual(sorted(torn.PointData.keys()), ["broken", "damage", "phase"])
 
+    def test_cracks(self):
+        tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[42, 48, 1], SolidFraction=0.6)
+        torn = pv.BondFracture(Input=tissue)
+        for image in (None, torn):
+            cracks = pv.CrackPath(Input=pv.OutputPort(torn, 1), Image=image)
+            cracks.UpdatePipeline()
+            result = lamella.fracture(servermanager.Fetch(tissue), {"wall": 1e10}, critical_stretch={"wall": 0.01})
+            expected = lamella.crack_path(result if image else result.vtk_broken)
+            self.assertEqual(field(cracks, "crack_length")[0], expected.length)
+            self.assertEqual(servermanager.Fetch(cracks).GetNumberOfCells(), len(expected.lines))
+            self.assertEqual(servermanager.Fetch(cracks, idx=1).GetNumberOfRows(), len(expected.lines))
+            if image:
+                self.assertEqual(servermanager.Fetch(cracks, idx=5).GetNumberOfRows(), len(expected.fragments["nodes"]))
+                self.assertEqual(servermanager.Fetch(cracks, idx=4).GetDimensions(), (42, 48, 1))
+
     def test_grains(self):
         grains = pv.GrainPacking(Count=60, Softness=1e-4, Seed=4)
         cemented = pv.MatrixBridges(Input=grains, Saturation=0.4, NodesAcross=50)
