@@ -24,7 +24,7 @@ class Proxies(unittest.TestCase):
         for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap, pv.PoreFloodFill,
                        pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondFracture,
                        pv.BondStiffness, pv.BondStress, pv.StressPDF, pv.MicrographContours, pv.MicrographPolygonReader,
-                       pv.MicrographLattice, pv.CrackPath):
+                       pv.CrackPath, pv.MicrographLattice):
             proxy = create()
             properties = proxy.SMProxy
             self.assertTrue(properties.GetDocumentation().GetDescription().strip())
@@ -44,7 +44,6 @@ class Proxies(unittest.TestCase):
             (pv.PoreFloodFill, ("Phase", "Connectivity", "Periodic", "MinimumSize", "SortBySize", "ComputePoreSize")),
             (pv.StressPDF, ("Component", "LeaveOutPlatens", "Threshold", "TailShare", "BinWidth", "Range",
                             "ReferenceStress")),
-            (pv.CrackPath, ("MinimumLength", "SpurLength", "Horizon", "ComputeFragments")),
             (pv.GrainPacking, ("Dimension", "Count", "MeanDiameter", "DiameterRatio", "Sizes", "Aspect", "Periodic",
                                "Friction", "Pressure", "Softness", "PackingFraction", "Seed", "Tolerance")),
             (pv.PackingReader, ("LengthUnit", "BoxSize")),
@@ -66,6 +65,7 @@ class Proxies(unittest.TestCase):
                                      "Tolerance", "SmallestArea",
                                      "LeastSolidity")),
             (pv.MicrographPolygonReader, ("Unit", "Window", "YDown")),
+            (pv.CrackPath, ("MinimumLength", "SpurLength", "Horizon", "ComputeFragments")),
             (pv.MicrographLattice, ("Spacing", "Lamella", "LamellaThickness", "LamellaRadius", "Horizon")),
             (pv.MatrixBridges, ("Width", "Reach", "Filled", "Saturation", "NodesAcross", "Platen")),
         ):
