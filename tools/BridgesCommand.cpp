@@ -228,6 +228,7 @@ Command bridgesCommand(CLI::App& root)
   in("Matrix", "RATIO",
     app->add_option("--reach", o->bridges.reach, "Centres nearer than this times both radii get a bridge, 1 to 2")
       ->capture_default_str());
+  app->add_flag("--wall-bridges", o->bridges.walls, "Bridges to the walls below and above too")->group("Matrix");
   o->nodesOption = { in(
     "Lattice", "NUMBER", app->add_option("--nodes", o->nodes, "Nodes along x")->capture_default_str()) };
   in("Lattice", "LENGTH",

@@ -56,7 +56,7 @@ def measure(task):
     packing = lamella.packing(count=options.count, seed=seed)
     rows, curves, cracks = [], [], []
     for width in ALL:
-        image = bridged(packing, width, options.nodes, HORIZON * packing.box[0] / options.nodes)
+        image = bridged(packing, width, options.nodes, HORIZON * packing.box[0] / options.nodes, wall_bridges=not options.bare_walls)
         begun, spent = time.perf_counter(), time.process_time()
         result = torn(image, rivals=options.rivals, method=options.method, breaking=options.breaking)
         broken = result.broken
@@ -148,6 +148,7 @@ def main():
     parser.add_argument("--nodes", type=int, default=256, help="nodes across (default: %(default)s)")
     parser.add_argument("--method", default="auto", choices=("auto", "events", "accurate"))
     parser.add_argument("--breaking", default="strict", choices=("strict", "batched"))
+    parser.add_argument("--bare-walls", action="store_true", help="no bridges between grains and plates")
     parser.add_argument("--rivals", action="store_true", help="look closer where two bonds are nearly as critical as each other")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="samples at a time (default: one a core)")
     options = parser.parse_args()

@@ -36,10 +36,9 @@ COLOURS = ListedColormap(["#ffffff", "#e3a857", "#4a5568"])  # void, matrix, gra
 SOLID = ListedColormap(["#eeeeee", "#cccccc"])  # matrix, grain
 
 
-def bridged(packing, width, nodes, platen=0.0):
-    if width == FILLED:
-        return lamella.bridges(packing, filled=True, nodes_across=nodes, platen=platen)
-    return lamella.bridges(packing, width=width, nodes_across=nodes, platen=platen)
+def bridged(packing, width, nodes, platen=0.0, wall_bridges=False):
+    amount = {"filled": True} if width == FILLED else {"width": width}
+    return lamella.bridges(packing, nodes_across=nodes, platen=platen, wall_bridges=wall_bridges, **amount)
 
 
 def pores_of(image, minimum):

@@ -30,9 +30,9 @@ YOUNG, TOUGHNESS, RATIO = 10e9, 4e5, 4  # Pa, Pa √m, of the walls over the lam
 WALL, LAMELLA = "secondary wall", "middle lamella"
 STATES = tuple(round(50 * 2 ** (i / 2)) for i in range(22))  # numbers of broken bonds at which fields are kept
 PAPER = LinearSegmentedColormap.from_list("paper", ["#1030c0", "#20a040", "#d01c1c"])
-REAL = {  # outlines, window [m]: low x, low y, high x, high y
-    "spruce-earlywood": ("spruce_EW_polygons.json.gz", (120e-6, 120e-6, 300e-6, 300e-6)),
-    "spruce-latewood": ("spruce_LW_polygons.json.gz", (60e-6, 60e-6, 190e-6, 190e-6)),
+REAL = {  # outlines, window [micrometres]: low x, low y, high x, high y
+    "spruce-earlywood": ("spruce_EW_polygons.json.gz", (120, 120, 300, 300)),
+    "spruce-latewood": ("spruce_LW_polygons.json.gz", (60, 60, 190, 190)),
 }
 GENERATED = {"earlywood": dict(solid_fraction=0.3), "latewood": dict(solid_fraction=0.6, ring_position=(0.6, 0.9))}
 
@@ -53,23 +53,30 @@ def tissue(name, options):
     return outlines.lattice(spacing, lamella="growth", thickness=(HORIZON + 0.5) * spacing, horizon=HORIZON)
 
 
+def notch_of(image, share):
+    """A cut from the left side, along the middle lamella as far as one runs level there in the middle third of the height."""
+    high, wide = image.phase.shape
+    length = max(1, round(share * wide))
+    low = high // 3
+    rows = np.sum(image.phase[::-1][low : high - low, :length] == 2, axis=1)
+    height = image.spacing * (low + float(np.mean(np.flatnonzero(rows == rows.max()))) + 0.5)
+    return (-image.spacing, height, length * image.spacing, height)
+
+
 def pull(task):
     name, options = task
     begun, spent = time.perf_counter(), time.process_time()
     image = tissue(name, options)
     high, wide = image.phase.shape
-    size = np.array([wide, high]) * image.spacing
     pairs = (WALL, LAMELLA, f"{WALL}-{LAMELLA}", f"{WALL}-{WALL}")  # the last one: walls of two cells
     toughness = {pair: TOUGHNESS if pair == WALL else TOUGHNESS / RATIO for pair in pairs}
-    notch = (-image.spacing, size[1] / 2, options.notch * size[0], size[1] / 2)
-    result = lamella.fracture(image, dict.fromkeys(pairs, YOUNG), toughness=toughness, horizon=HORIZON, notches=[notch], stop=options.stop,
+    result = lamella.fracture(image, dict.fromkeys(pairs, YOUNG), toughness=toughness, horizon=HORIZON, notches=[notch_of(image, options.notch)], stop=options.stop,
                               rivals=options.rivals, at_broken=STATES, stress=True)
     ran = time.process_time() - spent
     path = lamella.crack_path(result)
     states = []
     for state in result.states:
-        states.append((state.imposed_strain, state.broken_bonds, state.stress_component("yy")[::-1].astype(np.float32),
-                       state.damage[::-1].astype(np.float32)))
+        states.append((state.imposed_strain, state.imposed_stress, state.broken_bonds, state.stress_component("yy")[::-1].astype(np.float32)))
     broken = result.broken
     in_wall = (broken["phases"][:, 0] == broken["phases"][:, 1]) & ~broken["between_grains"]
     in_wall &= broken["phases"][:, 0] == 1
@@ -84,12 +91,12 @@ def pull(task):
     return name, row, (result.strain, result.stress), image.phase[::-1].copy(), broken, states, image.spacing
 
 
-def chosen(states, count=4):
-    """States from the peak's neighbourhood to the end, evenly by the logarithm of what is broken."""
-    numbers = np.array([state[1] for state in states], float)
-    wanted = np.geomspace(numbers[-1] / 30, numbers[-1], count)
-    picked = sorted({int(np.argmin(np.abs(np.log(np.maximum(numbers, 1) / number)))) for number in wanted})
-    return [states[i] for i in picked]
+def chosen(states, shares=(1, 0.7, 0.4, 0)):
+    """The state nearest to the peak, those after it nearest to shares of its stress, and the end."""
+    stress = np.array([state[1] for state in states])
+    peak = int(np.argmax(stress))
+    picked = {peak + int(np.argmin(np.abs(stress[peak:] / stress[peak] - share))) for share in shares}
+    return [states[i] for i in sorted(picked)]
 
 
 def draw(name, phase, broken, states, spacing, path):
@@ -97,8 +104,8 @@ def draw(name, phase, broken, states, spacing, path):
     figure, axes = plt.subplots(1, len(shown), figsize=(3.4 * len(shown), 3.9), constrained_layout=True)
     high, wide = phase.shape
     extent = (0, wide * spacing * 1e6, 0, high * spacing * 1e6)
-    reach = float(np.percentile(np.abs(states[0][2][phase != 0]), 98))
-    for one, (strain, number, stress, damage), letter in zip(np.atleast_1d(axes), shown, "abcd"):
+    reach = float(np.percentile(np.abs(states[0][3][phase != 0]), 98))
+    for one, (strain, _, number, stress), letter in zip(np.atleast_1d(axes), shown, "abcd"):
         field = np.ma.masked_array(stress / reach, phase == 0)
         picture = one.imshow(field, origin="lower", extent=extent, cmap=PAPER, vmin=-1, vmax=1, interpolation="nearest")
         part = broken[:number]
@@ -127,12 +134,12 @@ def draw_curves(curves, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--output", default="results/wood-fracture", help="folder for pictures and tables (default: %(default)s)")
-    parser.add_argument("--spacing", type=float, default=0.25, help="of the lattice, micrometres (default: %(default)s)")
+    parser.add_argument("--spacing", type=float, default=0.3, help="of the lattice, micrometres (default: %(default)s)")
     parser.add_argument("--size", type=float, default=150, help="of generated tissue, micrometres (default: %(default)s)")
     parser.add_argument("--share", type=float, default=1, help="of the windows' and pictures' sides (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--notch", type=float, default=0.15, help="length over the width (default: %(default)s)")
-    parser.add_argument("--stop", type=float, default=0.05, help="end when the stress has fallen to this share of the peak")
+    parser.add_argument("--notch", type=float, default=0.25, help="length over the width (default: %(default)s)")
+    parser.add_argument("--stop", type=float, default=0.1, help="end when the stress has fallen to this share of the peak")
     parser.add_argument("--rivals", action="store_true", help="look closer where two bonds are nearly as critical as each other")
     parser.add_argument("--samples", nargs="+", default=None, choices=(*GENERATED, *REAL), help="default: all")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="samples at a time (default: one a core)")

@@ -85,12 +85,16 @@ MatrixFractions fractionsOf(double grains, double matrix)
 
 } // namespace
 
-std::vector<Bridge> findBridges(const Packing& packing, double reach)
+std::vector<Bridge> findBridges(const Packing& packing, double reach, bool walls)
 {
   if (!(reach >= 1 && reach <= 2))
     throw ParameterError(fmt::format("the reach of the bridges is {}", reach),
       "bridged are pairs nearer than this times the sum of their radii, from 1 (those that touch) to 2");
   const auto axes = static_cast<std::size_t>(packing.dimension);
+  const std::size_t last = axes - 1;
+  if (walls && packing.periodic[last])
+    throw ParameterError("bridges to the walls of a packing that has none: its last axis is periodic",
+      "leave them out, or make a packing between walls");
   const double largest = *std::max_element(packing.radius.begin(), packing.radius.end());
   struct Image
   {
@@ -123,7 +127,6 @@ std::vector<Bridge> findBridges(const Packing& packing, double reach)
             images.push_back(image);
         }
   }
-  const std::size_t last = axes - 1;
   std::sort(
     images.begin(), images.end(), [&](const Image& a, const Image& b) { return a.centre[last] < b.centre[last]; });
   std::vector<Bridge> bridges;
@@ -143,6 +146,14 @@ std::vector<Bridge> findBridges(const Packing& packing, double reach)
       if (square < most * most)
         bridges.push_back({ a.grain, b.grain, b.shift });
     }
+  for (std::size_t i = 0; walls && i < packing.count(); ++i)
+    for (const double wall : { 0.0, packing.size[last] })
+      if (const double away = wall - packing.centre[i][last]; std::abs(away) < reach * packing.radius[i])
+      {
+        Bridge bridge{ static_cast<std::int32_t>(i), static_cast<std::int32_t>(i) };
+        bridge.shift[last] = 2 * away;
+        bridges.push_back(bridge);
+      }
   std::sort(bridges.begin(), bridges.end(),
     [](const Bridge& a, const Bridge& b)
     { return std::tie(a.first, a.second, a.shift) < std::tie(b.first, b.second, b.shift); });
@@ -227,7 +238,7 @@ CementedSample cement(const Packing& packing, const BridgeOptions& options, cons
   if (packing.count() == 0 || !(packing.volume() > 0))
     throw InputError("the packing has no grains", "make or read one first");
 
-  const std::vector<Bridge> bridges = findBridges(packing, options.reach);
+  const std::vector<Bridge> bridges = findBridges(packing, options.reach, options.walls);
   CementedSample sample;
   sample.bridges = static_cast<std::int64_t>(bridges.size());
   sample.width = options.width;

@@ -22,11 +22,13 @@ struct BridgeOptions
   double reach = 1.1;
   /// All of the space between the grains is matrix, whatever the width.
   bool filled = false;
+  /// Grains are bridged to the two walls along the last axis too, as to their mirror images beyond them.
+  bool walls = false;
   /// Share of the space between the grains, over the whole box, that is matrix: the width is solved for.
   std::optional<double> saturation{};
 };
 
-/// A pair of grains with a bridge; `shift` is added to the second's centre (periodic boxes) [m].
+/// A pair of grains with a bridge; `shift` is added to the second's centre (periodic boxes, mirror images) [m].
 struct Bridge
 {
   std::int32_t first = 0;
@@ -43,8 +45,9 @@ struct MatrixFractions
 };
 
 /// Pairs nearer than `reach`, by rising first and second. In periodic boxes a grain's images count as others.
-/// @throws ParameterError for a reach outside 1 … 2
-[[nodiscard]] std::vector<Bridge> findBridges(const Packing& packing, double reach);
+/// @param walls as BridgeOptions::walls: first and second are then one grain
+/// @throws ParameterError for a reach outside 1 … 2; for walls where the last axis is periodic
+[[nodiscard]] std::vector<Bridge> findBridges(const Packing& packing, double reach, bool walls = false);
 
 /// Shares of the box, exact but for the quadrature: lines along x meet disks, spheres, trapezoids and cones in
 /// intervals, whose union is exact, and are summed across with `lines` of them along each other axis (0: so many that

@@ -24,6 +24,7 @@ vtkMatrixBridges::vtkMatrixBridges()
   this->Width = bridges.width;
   this->Reach = bridges.reach;
   this->Filled = bridges.filled;
+  this->WallBridges = bridges.walls;
   this->NodesAcross = static_cast<vtkIdType>(raster.nodesAcross);
   this->Platen = raster.platen;
 }
@@ -49,6 +50,7 @@ bool vtkMatrixBridges::Cement(vtkPolyData* particles)
       bridges.width = this->Width;
       bridges.reach = this->Reach;
       bridges.filled = this->Filled;
+      bridges.walls = this->WallBridges;
       if (this->Saturation != 0)
       {
         bridges.saturation = this->Saturation;
@@ -57,6 +59,10 @@ bool vtkMatrixBridges::Cement(vtkPolyData* particles)
 
       nlohmann::json parameters{ { "reach", this->Reach }, { "nodes_across", this->NodesAcross },
         { "platen", this->Platen } };
+      if (this->WallBridges)
+      {
+        parameters["wall_bridges"] = true;
+      }
       if (this->Filled)
       {
         parameters["filled"] = true;
@@ -123,6 +129,7 @@ void vtkMatrixBridges::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Width: " << this->Width << "\n"
      << indent << "Reach: " << this->Reach << "\n"
      << indent << "Filled: " << this->Filled << "\n"
+     << indent << "WallBridges: " << this->WallBridges << "\n"
      << indent << "Saturation: " << this->Saturation << "\n"
      << indent << "NodesAcross: " << this->NodesAcross << "\n"
      << indent << "Platen: " << this->Platen << "\n";

@@ -64,6 +64,16 @@ public:
   ///@}
 
   ///@{
+  /**
+   * Bridges to the walls along the last axis too, as to the grains' mirror images beyond them. Default off: a platen
+   * then only touches grains.
+   */
+  vtkSetMacro(WallBridges, bool);
+  vtkGetMacro(WallBridges, bool);
+  vtkBooleanMacro(WallBridges, bool);
+  ///@}
+
+  ///@{
   /** Nodes along x; the spacing is the box's first edge over them. Default 400. */
   vtkSetMacro(NodesAcross, vtkIdType);
   vtkGetMacro(NodesAcross, vtkIdType);
@@ -93,6 +103,7 @@ private:
   double Width;
   double Reach;
   bool Filled;
+  bool WallBridges;
   double Saturation = 0;
   vtkIdType NodesAcross;
   double Platen;

@@ -275,7 +275,9 @@ class CementedSample(Sample):
         return self._number("saturation_on_lattice")
 
 
-def bridges(grains, width=0.5, reach=1.1, filled=False, saturation=None, nodes_across=400, platen=0.0):
+def bridges(
+    grains, width=0.5, reach=1.1, filled=False, saturation=None, nodes_across=400, platen=0.0, wall_bridges=False
+):
     """Puts bridges of matrix between grains and returns a sample of the phases void, matrix and grain.
 
     grains        a Packing, a vtkPolyData of particles, or (centres, radii) as arrays, n by 2 or 3 and n
@@ -285,6 +287,7 @@ def bridges(grains, width=0.5, reach=1.1, filled=False, saturation=None, nodes_a
     saturation    share of that space, 0 to 1: the width is found for it; None: the width is used
     nodes_across  nodes along x
     platen        thickness in metres of a plate of grain material below and above
+    wall_bridges  bridges to the walls below and above too, as to the grains' mirror images beyond them
     """
     source = vtkMatrixBridges()
     source.SetInputData(_as_particles(grains))
@@ -295,5 +298,6 @@ def bridges(grains, width=0.5, reach=1.1, filled=False, saturation=None, nodes_a
         source.SetSaturation(saturation)
     source.SetNodesAcross(int(nodes_across))
     source.SetPlaten(platen)
+    source.SetWallBridges(bool(wall_bridges))
     run(source)
     return CementedSample(source.GetOutput())
