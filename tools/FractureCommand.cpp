@@ -50,6 +50,7 @@ struct FractureOptions
   std::string output;
   std::string broken;
   std::string curve;
+  CheckpointWords checkpoint;
   bool statistics = false;
 };
 
@@ -133,6 +134,7 @@ void apply(const FractureOptions& o, vtkBondFracture* filter)
       filter->AddStateAtBroken(count("--at-broken", text));
     }
   }
+  applyCheckpoint(o.checkpoint, filter);
   const char* const forFields = !o.atStrains.empty() ? "--at-strain"
     : !o.atBroken.empty()                            ? "--at-broken"
     : o.stress                                       ? "--stress"
@@ -203,6 +205,13 @@ struct Files
   }
 };
 
+/// An interruption after which something is left.
+class Stopped : public Cancelled
+{
+public:
+  explicit Stopped(const std::string& hint) { static_cast<Error&>(*this) = Error(what(), hint); }
+};
+
 void fracture(Session& session, const FractureOptions& options, const std::string& commandLine)
 {
   const auto start = std::chrono::steady_clock::now();
@@ -213,26 +222,48 @@ void fracture(Session& session, const FractureOptions& options, const std::strin
   session.onRoot(
     [&]
     {
+      checkCheckpoint(options.checkpoint, options.common.overwrite);
       files.open(options, filter);
       sample = loadBondSample(session, options.picture, options.bonds);
       const int perNode = 1 + 12 + 24 + (options.stress ? 48 : 0) + (options.strainEnergy ? 8 : 0);
       files.states.needs(
         static_cast<std::uint64_t>(sample.image->GetNumberOfPoints()) * static_cast<std::uint64_t>(perNode));
     });
-  runBonds(session, filter, sample, "fracture");
-  session.onRoot(
-    [&]
+  const auto finish = [&]
+  {
+    FractureReport report{ bondRun(session, filter, options.picture, options.bonds, sample, commandLine),
+      filter->GetBrokenBonds(), {}, {}, options.statistics };
+    for (int i = 0; i < filter->GetNumberOfStates(); ++i)
     {
-      FractureReport report{ bondRun(session, filter, options.picture, options.bonds, sample, commandLine),
-        filter->GetBrokenBonds(), {}, {}, options.statistics };
-      for (int i = 0; i < filter->GetNumberOfStates(); ++i)
-      {
-        report.states.push_back(filter->GetStateImage(i));
-      }
-      files.write(filter, report);
-      report.run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      session.print(options.common.json ? fractureJson(report) : options.common.quiet ? "" : fractureTable(report));
-    });
+      report.states.push_back(filter->GetStateImage(i));
+    }
+    files.write(filter, report);
+    report.run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    session.print(options.common.json ? fractureJson(report) : options.common.quiet ? "" : fractureTable(report));
+  };
+  const auto left = [&] { return howToContinue(options.checkpoint, filter, commandLine); };
+  try
+  {
+    runBonds(session, filter, sample, "fracture");
+    session.onRoot(finish);
+  }
+  catch (const Cancelled&)
+  {
+    const std::string hint = left();
+    if (hint.empty())
+    {
+      throw;
+    }
+    throw Stopped(hint);
+  }
+  catch (const Error&)
+  {
+    if (filter->GetLastCheckpoint() > 0)
+    {
+      session.warn(left());
+    }
+    throw;
+  }
 }
 
 } // namespace
@@ -283,6 +314,16 @@ Command fractureCommand(CLI::App& root)
   out(app->add_flag("--strain-energy", o->strainEnergy, "Write the strain energy of every node too"));
   out(app->add_option("--broken", o->broken, "Write the broken bonds in order, a point each"))->type_name("FILE.vtp");
   out(app->add_option("--curve", o->curve, "Write the stress-strain curve"))->type_name("FILE.csv");
+  const auto checkpoints = [](CLI::Option* option) { return option->group("Checkpoints"); };
+  checkpoints(app->add_option("--checkpoint", o->checkpoint.file, "Keep where the run stands, to go on from it"))
+    ->type_name("FILE.h5");
+  checkpoints(app->add_option("--checkpoint-every", o->checkpoint.every,
+                "Bonds, or batches, between two; near ties depend on it, so go on with the number that you began with"))
+    ->type_name("NUMBER")
+    ->default_str("500");
+  checkpoints(app->add_option("--continue", o->checkpoint.continueFrom,
+                "Go on from a checkpoint of the same run; where it is that of --checkpoint and not there yet, begin"))
+    ->type_name("FILE.h5");
   addReportOptions(*app, o->common);
   app->add_flag("--stats", o->statistics, "Tell what was visited and what was skipped, with times")->group("Report");
   addExamples(*app,
@@ -295,6 +336,9 @@ Command fractureCommand(CLI::App& root)
       "lamella fracture grains.vti --young matrix=1e9 --young grain=4e9 --critical-stretch matrix=1e-3 --mixing "
       "minimum "
       "--compression --max-strain 0.01",
+      "lamella fracture volume.vti --young wall=1e10 --critical-stretch wall=0.01 --checkpoint run.h5 --continue "
+      "run.h5 "
+      "-o torn.vti",
       "lamella snapshot torn.vti --array damage -o torn.png" });
   return { app,
     [o](Session& session, const std::string& line)

@@ -3,15 +3,21 @@
 #include "GridFile.h"
 #include "Input.h"
 #include "Session.h"
+#include "Text.h"
 
 #include "vtkBondFracture.h"
 #include "vtkLatticeConversion.h"
+
+#include "io/Checkpoint.h"
+#include "io/Provenance.h"
 
 #include <vtkImageData.h>
 
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
+#include <system_error>
 
 namespace lamella::cli
 {
@@ -51,10 +57,13 @@ std::vector<std::string> StateFiles::write(vtkBondFracture* filter, const std::s
 {
   std::vector<std::string> names;
   std::vector<double> times;
+  const double before =
+    filter->GetNumberOfStates() > 0 ? fieldNumbers(filter->GetStateImage(0), "states_before").at(0) : 0;
+  first_ = files_.size() > 1 ? static_cast<std::size_t>(before) : 0;
   for (int i = 0; !files_.empty() && i < filter->GetNumberOfStates(); ++i)
   {
     vtkImageData* const image = filter->GetStateImage(i);
-    const OutputFile& file = files_.at(static_cast<std::size_t>(i));
+    const OutputFile& file = files_.at(first_ + static_cast<std::size_t>(i));
     setProvenance(image, provenance);
     writeGrid(image, file);
     names.push_back(file.path().string());
@@ -77,7 +86,7 @@ std::vector<std::string> StateFiles::write(vtkBondFracture* filter, const std::s
 
 void StateFiles::commit()
 {
-  for (std::size_t i = 0; i < written_; ++i)
+  for (std::size_t i = first_; i < first_ + written_; ++i)
   {
     files_[i].commit();
   }
@@ -85,6 +94,61 @@ void StateFiles::commit()
   {
     file.commit();
   }
+}
+
+void applyCheckpoint(const CheckpointWords& words, vtkBondFracture* filter)
+{
+  const std::string ending = std::filesystem::path(words.file).extension().string();
+  if (!words.file.empty() && ending != ".h5" && ending != ".hdf5")
+  {
+    throw ParameterError("--checkpoint '" + words.file + "': checkpoints are written as HDF5", "end the name in .h5");
+  }
+  if (!words.every.empty())
+  {
+    const auto every = toInteger(words.every);
+    if (!every || *every < 1)
+    {
+      throw ParameterError("--checkpoint-every '" + words.every + "' is not a whole number above 0",
+        "it is a number of events, such as 500");
+    }
+    filter->SetCheckpointEvery(*every);
+  }
+  filter->SetCheckpointFile(words.file);
+  filter->SetContinueFile(words.continueFrom);
+}
+
+void checkCheckpoint(const CheckpointWords& words, bool overwrite)
+{
+  std::error_code ignored;
+  if (!words.file.empty() && !overwrite && std::filesystem::is_regular_file(words.file, ignored) &&
+    (words.continueFrom.empty() || !io::sameFile(words.file, words.continueFrom)))
+  {
+    throw OutputError("'" + words.file + "' exists already",
+      "add --continue " + io::quoteCommand(std::array{ words.file }) +
+        " to go on from it, --overwrite to begin anew, or choose another name");
+  }
+}
+
+std::string howToContinue(const CheckpointWords& words, vtkBondFracture* filter, const std::string& commandLine)
+{
+  const vtkIdType events = filter->GetLastCheckpoint();
+  const bool same = !words.continueFrom.empty() && io::sameFile(words.file, words.continueFrom);
+  const auto quoted = [](const std::string& name) { return io::quoteCommand(std::array{ name }); };
+  if (events > 0)
+  {
+    const std::string go = same    ? "the same command goes on from it"
+      : words.continueFrom.empty() ? "go on from it with: " + commandLine + " --continue " + quoted(words.file)
+                                   : "go on from it with the same command but --continue " + quoted(words.file);
+    return fmt::format("the checkpoint '{}' stands after {} events; {}", words.file, events, go);
+  }
+  if (!words.continueFrom.empty() && std::filesystem::exists(words.continueFrom))
+  {
+    return "no checkpoint was written since; the same command goes on from '" + words.continueFrom + "' again";
+  }
+  return words.file.empty() ? ""
+                            : fmt::format("no checkpoint was written yet: the first comes after {} events "
+                                          "(--checkpoint-every)",
+                                filter->GetCheckpointEvery());
 }
 
 std::string collectionText(const std::vector<std::string>& files, std::vector<double> times)

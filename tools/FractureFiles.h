@@ -12,7 +12,7 @@ namespace lamella::cli
 {
 
 /// The states of a fracture as files: NAME.vti, or where several are asked for NAME_000.vti, NAME_001.vti, … and
-/// NAME.pvd, which tells their strains as times.
+/// NAME.pvd, which tells their strains as times. A run that goes on from a checkpoint counts the states before it too.
 class StateFiles
 {
 public:
@@ -34,8 +34,29 @@ public:
 private:
   std::vector<OutputFile> files_;
   std::vector<OutputFile> collection_; ///< one or none
-  std::size_t written_ = 0;            ///< of the files
+  std::size_t first_ = 0;              ///< of the files that are written
+  std::size_t written_ = 0;            ///< how many
 };
+
+/// What the command line says of checkpoints.
+struct CheckpointWords
+{
+  std::string file;         ///< --checkpoint
+  std::string every;        ///< --checkpoint-every
+  std::string continueFrom; ///< --continue
+};
+
+/// Gives the filter what the words say. @throws ParameterError
+void applyCheckpoint(const CheckpointWords& words, vtkBondFracture* filter);
+
+/// Refuses to replace a checkpoint that is there already, unless it is the one to go on from. On rank 0.
+/// @throws OutputError
+void checkCheckpoint(const CheckpointWords& words, bool overwrite);
+
+/// What is left of a run that ended before its time, and how to go on from it; empty where no checkpoint was asked for.
+/// @param commandLine of the run
+[[nodiscard]] std::string howToContinue(
+  const CheckpointWords& words, vtkBondFracture* filter, const std::string& commandLine);
 
 /// What ParaView reads as a time series.
 /// @param times of the files, made to rise by 1e-9 of themselves where they do not

@@ -89,7 +89,8 @@ Json statistics(const BondFields& f)
   {
     json[name] = f.whole(name);
   }
-  const std::array<const char*, 7> times{ "bonds", "first", "equilibria", "local", "search", "run", "states" };
+  const std::array<const char*, 8> times{ "bonds", "first", "equilibria", "local", "search", "run", "states",
+    "checkpoints" };
   for (std::size_t i = 0; i < times.size(); ++i)
   {
     json[std::string(times[i]) + "_seconds"] = f("seconds", i);
@@ -144,6 +145,10 @@ std::string fractureJson(const FractureReport& report)
   json["end"] = f.text("end");
   json["end_reason"] = f.text("end_reason");
   json["states"] = states(report);
+  json["continued_at"] = f.whole("continued_at");
+  json["states_before"] = f.whole("states_before");
+  json["checkpoints"] = f.whole("checkpoints");
+  json["last_checkpoint"] = f.whole("last_checkpoint");
   json["load"] = f.text("load");
   json["axis"] = f.text("load_axis");
   json["compression"] = f("compression") != 0;
@@ -210,6 +215,16 @@ std::string fractureTable(const FractureReport& report)
       f.text("continuum"), f("horizon"), f.text("method"), f.text("breaking"), grouped(f.whole("events")),
       f("events") > 0 ? 1e3 * run / f("events") : 0.0, run, report.run.seconds,
       bytesText(static_cast<double>(peakMemoryBytes())));
+  if (f("continued_at") > 0)
+  {
+    text += fmt::format("  continued after {} events; events and the time of the run are those of all its parts\n",
+      grouped(f.whole("continued_at")));
+  }
+  if (f("last_checkpoint") > 0)
+  {
+    text += fmt::format("  last checkpoint after {} events; {} of them took {:.2f} s\n",
+      grouped(f.whole("last_checkpoint")), grouped(f.whole("checkpoints")), f("seconds", 7));
+  }
   text += sizesText(f);
   if (report.statistics)
   {

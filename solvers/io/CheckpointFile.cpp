@@ -95,6 +95,13 @@ void checkPlace(const fs::path& path)
       "choose another name for the checkpoint");
 }
 
+bool sameFile(const fs::path& a, const fs::path& b)
+{
+  std::error_code ignored;
+  return fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
+    fs::weakly_canonical(fs::absolute(b, ignored), ignored);
+}
+
 void replaceFile(const fs::path& path, std::span<const std::byte> bytes)
 {
   const fs::path part = folderOf(path) / fmt::format(".{}.part", path.filename().string());

@@ -175,8 +175,12 @@ void setFractureNumbers(vtkImageData* output, const pd::FractureResult& r)
   whole("skipped_strips", r.strips.empty);
   whole("bytes", r.bytes);
   set("seconds",
-    { r.bondSeconds, r.firstSeconds, s.globalSeconds, s.localSeconds, s.searchSeconds, s.totalSeconds,
-      r.stateSeconds });
+    { r.bondSeconds, r.firstSeconds, s.globalSeconds, s.localSeconds, s.searchSeconds, s.totalSeconds, r.stateSeconds,
+      s.checkpointSeconds });
+  whole("continued_at", r.continuedAt);
+  whole("states_before", r.statesBefore);
+  whole("checkpoints", s.checkpoints);
+  whole("last_checkpoint", r.checkpointAt);
   setFieldTexts(output, "warnings", r.warnings);
 }
 

@@ -4,6 +4,7 @@
 #include "FractureData.h"
 #include "vtkProvenance.h"
 
+#include "io/Checkpoint.h"
 #include "lattice/Error.h"
 
 #include "vtkDataObject.h"
@@ -17,7 +18,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <limits>
+#include <system_error>
 #include <vector>
 
 namespace pd = lamella::peridynamics;
@@ -154,6 +157,24 @@ void vtkBondFracture::RemoveAllStatesAtBroken()
   }
 }
 
+void vtkBondFracture::SetCheckpointFile(const std::string& path)
+{
+  if (this->CheckpointFile != path)
+  {
+    this->CheckpointFile = path;
+    this->Modified();
+  }
+}
+
+void vtkBondFracture::SetContinueFile(const std::string& path)
+{
+  if (this->ContinueFile != path)
+  {
+    this->ContinueFile = path;
+    this->Modified();
+  }
+}
+
 void vtkBondFracture::SetState(int state)
 {
   const int clamped = std::max(state, -1);
@@ -233,6 +254,19 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team)
   {
     options.method = this->Method == EVENTS ? pd::FractureMethod::Events : pd::FractureMethod::Accurate;
   }
+  options.fracture.renewEvery = this->CheckpointEvery;
+  options.fracture.checkpoint.path = this->CheckpointFile;
+  options.fracture.checkpoint.provenance = lamella::fieldText(input, "provenance").value_or("");
+  std::error_code ignored;
+  const bool anew = !this->ContinueFile.empty() && lamella::io::sameFile(this->ContinueFile, this->CheckpointFile) &&
+    team.any(team.rank() == 0 && !std::filesystem::exists(this->ContinueFile, ignored));
+  if (!anew)
+  {
+    options.fracture.continueFrom = this->ContinueFile;
+  }
+  this->LastCheckpoint = 0;
+  bool unwritten = false; // the last checkpoint
+  options.fracture.checkpoint.warn = [&unwritten](const std::string&) { unwritten = true; };
   options.atStrains = kept.Strains;
   options.atBroken = kept.Broken;
   options.displacement = this->ComputeDisplacement;
@@ -243,11 +277,13 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team)
   Rarely rarely;
   options.fracture.progress = [&](const pd::FractureProgress& p)
   {
+    unwritten = unwritten && this->LastCheckpoint == p.checkpoint;
+    this->LastCheckpoint = p.checkpoint;
     if (rarely.due())
     {
-      std::array<char, 96> text{};
-      std::snprintf(
-        text.data(), text.size(), "%lld bonds broken, peak %.3g Pa", static_cast<long long>(p.broken), p.peakStress);
+      std::array<char, 128> text{};
+      std::snprintf(text.data(), text.size(), "%lld bonds broken, peak %.3g Pa%s", static_cast<long long>(p.broken),
+        p.peakStress, unwritten ? ", checkpoint not written" : "");
       this->SetProgressText(text.data());
       this->UpdateProgress(p.share);
     }
@@ -265,9 +301,14 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team)
     throw lamella::Cancelled();
   }
   const lamella::Communicator comm(team.comm());
-  const pd::FractureResult result =
+  pd::FractureResult result =
     pd::studyFracture(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, comm);
   this->PeakStress = result.peak.stress;
+  if (anew)
+  {
+    result.warnings.insert(result.warnings.begin(),
+      "there was no checkpoint '" + this->ContinueFile + "' yet: the run began with the unbroken sample");
+  }
 
   for (vtkImageData* const image : kept.States)
   {
@@ -285,7 +326,8 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team)
         { "rigid_platens", this->RigidPlatens }, { "platen_layers", this->PlatenLayers },
         { "method", lamella::wordOf(result.method) }, { "breaking", lamella::wordOf(options.fracture.breaking) },
         { "rivals", this->Rivals }, { "stop_share", this->StopShare }, { "maximum_strain", this->MaximumStrain },
-        { "maximum_broken", this->MaximumBroken }, { "tolerance", this->Tolerance } });
+        { "maximum_broken", this->MaximumBroken }, { "tolerance", this->Tolerance },
+        { "checkpoint_every", this->CheckpointEvery } });
   }
   vtkImageData* const end = kept.States.back();
   if (team.rank() == 0)
@@ -322,6 +364,10 @@ void vtkBondFracture::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "MaximumBroken: " << this->MaximumBroken << "\n"
      << indent << "Tolerance: " << this->Tolerance << "\n"
      << indent << "State: " << this->State << " of " << this->GetNumberOfStates() << "\n"
+     << indent << "CheckpointFile: " << this->CheckpointFile << "\n"
+     << indent << "CheckpointEvery: " << this->CheckpointEvery << "\n"
+     << indent << "ContinueFile: " << this->ContinueFile << "\n"
+     << indent << "LastCheckpoint: " << this->LastCheckpoint << "\n"
      << indent << "ComputeDisplacement: " << this->ComputeDisplacement << "\n"
      << indent << "ComputeStress: " << this->ComputeStress << "\n"
      << indent << "ComputeStrainEnergy: " << this->ComputeStrainEnergy << "\n"

@@ -39,7 +39,9 @@
  *   sample) with their `iterations`, `local_cycles` with the `visited_nodes`, `searches` for loose pieces,
  *   `freed_pieces`, `freed_nodes`, `freed_bonds` (came loose on the way), `loose_pieces`, `loose_nodes` (were loose
  *   before), `solid_nodes`, `skipped_nodes`, `bonds`, `visited_strips`, `skipped_strips`, `bytes` (all ranks),
- * `seconds` (bonds; first equilibrium; equilibria, local corrections, searches, all of the run; fields)
+ * `seconds` (bonds; first equilibrium; equilibria, local corrections, searches, all of the run; fields; checkpoints)
+ * - `continued_at` (events in the checkpoint that it went on from, or 0), `states_before` (asked for, but before it),
+ *   `checkpoints` (written, by all parts of the run), `last_checkpoint` (events in it, or 0)
  * - what vtkBondEquilibrium says of pairs, phases, thickness and warnings; `bond_model`, `provenance`.
  *
  * **Parallel**: as vtkBondEquilibrium, by the accurate method; the same bonds break on any number of ranks.
@@ -59,6 +61,7 @@
 #include "vtkTimeStamp.h" // for a member
 
 #include <memory> // for std::unique_ptr
+#include <string> // for a member
 
 class vtkPolyData;
 class vtkTable;
@@ -195,6 +198,30 @@ public:
   ///@}
 
   ///@{
+  /** A file that keeps where the run stands, in HDF5, after every CheckpointEvery events; what is there already is
+   * replaced. Empty (default): none. When it cannot be written the run goes on, and says so. */
+  void SetCheckpointFile(const std::string& path);
+  const std::string& GetCheckpointFile() const { return this->CheckpointFile; }
+  ///@}
+  ///@{
+  /** Events between two renewals of all that is only there to save work, whether a file is written or not. What breaks
+   * depends on it in near ties, so a run goes on with the number that it began with. Default 500; at least 1. */
+  vtkSetClampMacro(CheckpointEvery, vtkIdType, 1, VTK_ID_MAX);
+  vtkGetMacro(CheckpointEvery, vtkIdType);
+  ///@}
+  ///@{
+  /** A checkpoint of the same scene to go on from: the same bonds break then, to the last bit, as in a run that was
+   * never stopped. States that lie before it are not made. Empty (default): from the unbroken sample, as where this is
+   * CheckpointFile and not there yet. */
+  void SetContinueFile(const std::string& path);
+  const std::string& GetContinueFile() const { return this->ContinueFile; }
+  ///@}
+  ///@{
+  /** Events in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
+  vtkGetMacro(LastCheckpoint, vtkIdType);
+  ///@}
+
+  ///@{
   /** Whether the states carry displacements (default on), stress and strain energy (default off); what is off is not
    * computed. */
   vtkSetMacro(ComputeDisplacement, bool);
@@ -258,6 +285,10 @@ private:
   double Tolerance = 1e-6;
   int State = -1;
   vtkTimeStamp StateTime;
+  std::string CheckpointFile;
+  vtkIdType CheckpointEvery = 500;
+  std::string ContinueFile;
+  vtkIdType LastCheckpoint = 0;
   bool ComputeDisplacement = true;
   bool ComputeStress = false;
   bool ComputeStrainEnergy = false;

@@ -214,7 +214,7 @@ bool QuasiStaticFracture::report()
     share_ = std::max(share_, std::clamp((1 - now / record_.peak.stress) / (1 - options_.stopShare), 0.0, 1.0));
   return options_.progress &&
     bonds_.communicator().any(options_.progress(
-      { share_, static_cast<std::int64_t>(record_.broken.size()), strain(), now, record_.peak.stress }));
+      { share_, static_cast<std::int64_t>(record_.broken.size()), strain(), now, record_.peak.stress, writtenAt_ }));
 }
 
 // Running: an event took place, or the state was made better.

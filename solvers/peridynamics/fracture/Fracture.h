@@ -55,11 +55,12 @@ struct EventOptions
 /// Where a fracture stands, for FractureOptions::progress.
 struct FractureProgress
 {
-  double share = 0;        ///< done, 0 … 1; never falls. A guess before the peak
-  std::int64_t broken = 0; ///< bonds so far
-  double strain = 0;       ///< now
-  double stress = 0;       ///< now [Pa]
-  double peakStress = 0;   ///< so far [Pa]
+  double share = 0;            ///< done, 0 … 1; never falls. A guess before the peak
+  std::int64_t broken = 0;     ///< bonds so far
+  double strain = 0;           ///< now
+  double stress = 0;           ///< now [Pa]
+  double peakStress = 0;       ///< so far [Pa]
+  std::int64_t checkpoint = 0; ///< events in the last file that this run wrote; 0: none yet
 };
 
 struct FractureOptions
@@ -183,6 +184,8 @@ public:
   void setLimits(double maxStrain, std::int64_t maxBroken);
 
   [[nodiscard]] const FractureRecord& record() const noexcept { return record_; }
+  /// Events in the last checkpoint that this run wrote; 0: none.
+  [[nodiscard]] std::int64_t checkpointAt() const noexcept { return writtenAt_; }
   /// The imposed strain now.
   [[nodiscard]] double strain() const noexcept;
   /// Displacements at the imposed strain, at an equilibrium of its own, to FractureOptions::tolerance [m]. With
@@ -212,9 +215,10 @@ private:
   double firstRatio_ = 0; ///< s/s₀ at unit load of the bond that broke first
   std::unique_ptr<FractureEngine> engine_;
   FractureRecord record_;
-  std::string scene_;        ///< of the unbroken sample; empty where no file needs it
-  std::int64_t savedAt_ = 0; ///< events
-  double started_ = 0;       ///< the clock when run() began
+  std::string scene_;          ///< of the unbroken sample; empty where no file needs it
+  std::int64_t savedAt_ = 0;   ///< events
+  std::int64_t writtenAt_ = 0; ///< likewise, of the last file of this run
+  double started_ = 0;         ///< the clock when run() began
 };
 
 /// The phases at both ends of bonds, the lesser first, and whether the ends lie in two different grains.

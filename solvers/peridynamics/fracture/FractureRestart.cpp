@@ -129,7 +129,11 @@ void QuasiStaticFracture::save()
   add("curve_strain", curve, "", "strain-controlled curve", [](const P& p) { return p.strain; });
   add("curve_stress", curve, "Pa", "strain-controlled curve", [](const P& p) { return p.stress; });
   add("curve_broken", curve, "", "bonds broken so far", [](const P& p) { return p.broken; });
-  record_.statistics.checkpoints += write(c, options_.checkpoint, bonds_.communicator()) ? 1 : 0;
+  if (write(c, options_.checkpoint, bonds_.communicator()))
+  {
+    ++record_.statistics.checkpoints;
+    writtenAt_ = savedAt_;
+  }
   record_.statistics.checkpointSeconds += seconds() - start;
 }
 

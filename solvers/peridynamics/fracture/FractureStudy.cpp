@@ -73,6 +73,13 @@ public:
     while (at_ < values_.size() && values_[at_] <= value)
       ++at_;
   }
+  /// @return how many there were
+  std::int64_t skipBelow(Number value)
+  {
+    while (at_ < values_.size() && values_[at_] < value)
+      ++at_;
+    return static_cast<std::int64_t>(at_);
+  }
   [[nodiscard]] std::vector<Number> left() const
   {
     return { values_.begin() + static_cast<std::ptrdiff_t>(at_), values_.end() };
@@ -199,6 +206,9 @@ double runThrough(QuasiStaticFracture& fracture, const FractureStudyOptions& o, 
 {
   Wanted<double> strains(o.atStrains, o.fracture.maxStrain);
   Wanted<std::int64_t> numbers(o.atBroken, o.fracture.maxBroken);
+  if (r.continuedAt > 0)
+    r.statesBefore = strains.skipBelow(fracture.strain()) +
+      numbers.skipBelow(static_cast<std::int64_t>(fracture.record().broken.size()));
   for (;;)
   {
     fracture.setLimits(strains.next(), numbers.next());
@@ -207,7 +217,8 @@ double runThrough(QuasiStaticFracture& fracture, const FractureStudyOptions& o, 
       throw Cancelled();
     const bool atStrain = end == FractureEnd::MaxStrain && strains.some();
     const bool atNumber = end == FractureEnd::MaxBroken && numbers.some();
-    const double strain = end == FractureEnd::MaxStrain ? strains.next() : fracture.strain();
+    const double strain =
+      end == FractureEnd::MaxStrain ? std::max(strains.next(), fracture.strain()) : fracture.strain();
     const double start = now();
     if (fields != nullptr)
       fields->make(fracture, strain, !atStrain && !atNumber, r.warnings);
@@ -225,6 +236,20 @@ double runThrough(QuasiStaticFracture& fracture, const FractureStudyOptions& o, 
   }
 }
 
+/// What a run that went on from a checkpoint did not do.
+void warnContinued(std::vector<std::string>& warnings, const FractureResult& r)
+{
+  if (r.continuedAt == 0)
+    return;
+  if (r.statesBefore > 0)
+    warnings.push_back(fmt::format(
+      "{} of the states asked for lie before the checkpoint, which stands after {} events: they are not made",
+      r.statesBefore, r.continuedAt));
+  if (r.record.statistics.events == r.continuedAt)
+    warnings.push_back(fmt::format(
+      "the run had ended where the checkpoint stands, after {} events: nothing broke since", r.continuedAt));
+}
+
 void warn(const BondModel& model, FractureResult& r)
 {
   std::vector<std::string> warnings = modelWarnings(model, r.thickness);
@@ -238,6 +263,7 @@ void warn(const BondModel& model, FractureResult& r)
   if (const std::size_t missed = r.missedStrains.size() + r.missedNumbers.size(); missed > 0)
     warnings.push_back(
       fmt::format("{} of the states asked for lie beyond the end of the run: {}", missed, describe(r.record.end)));
+  warnContinued(warnings, r);
   r.warnings.insert(r.warnings.begin(), warnings.begin(), warnings.end());
 }
 
@@ -251,9 +277,12 @@ double fractureBytes(
   elastic.energyDensity = options.energyDensity;
   const double nodes = static_cast<double>(lattice.count()) / ranks;
   const double d = lattice.dimension;
+  // displacements in a checkpoint: gathered, as HDF5 has them, as a file
+  const bool file = !options.fracture.checkpoint.path.empty() || !options.fracture.continueFrom.empty();
+  const double checkpoint = file ? 3 * 8 * d * static_cast<double>(lattice.count()) : 0;
   // four more fields of floats on all levels and one on the finest, tiles; displacements at unit load and those of the
   // state, its counts
-  return elasticBytes(model, lattice, grains, elastic, ranks) +
+  return elasticBytes(model, lattice, grains, elastic, ranks) + checkpoint +
     nodes * (4 * (5 * d + 4 * d / (std::pow(2, d) - 1)) + 8 + (options.displacement ? 16 * d : 0) + 8 * 3);
 }
 
@@ -299,7 +328,15 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
           static_cast<double>(p.broken) / static_cast<double>(options.fracture.maxBroken) }));
       return options.fracture.progress(latest);
     };
+  std::vector<std::string> unwritten; // what stood in the way of checkpoints
+  fractureOptions.checkpoint.warn = [&](const std::string& why)
+  {
+    unwritten.push_back(why);
+    if (options.fracture.checkpoint.warn)
+      options.fracture.checkpoint.warn(why);
+  };
   QuasiStaticFracture fracture(bonds, options.loading, fractureOptions);
+  r.continuedAt = fracture.record().statistics.events;
   const LoadedSample& sample = fracture.sample();
   r.axis = options.loading.axis < 0 ? lattice.dimension - 1 : options.loading.axis;
   r.area = PlatenForce(bonds, options.loading, sample).area();
@@ -312,6 +349,10 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
 
   const double strain = runThrough(fracture, options, fields ? &*fields : nullptr, r);
   r.record = fracture.record();
+  r.checkpointAt = fracture.checkpointAt();
+  if (!unwritten.empty())
+    r.warnings.push_back(
+      fmt::format("{} of the checkpoints could not be written: {}", unwritten.size(), unwritten.front()));
   r.curve = fractureCurve(r.record);
   r.peak = r.record.peak;
   if (strain > r.curve.back().strain) // nothing more broke up to there

@@ -69,6 +69,9 @@ struct FractureResult
   double brokenEnergy = 0;
   std::vector<double> missedStrains;       ///< states asked for that the run ended before
   std::vector<std::int64_t> missedNumbers; ///< likewise, of broken bonds
+  std::int64_t continuedAt = 0;            ///< events in FractureOptions::continueFrom; 0: from the unbroken sample
+  std::int64_t checkpointAt = 0;           ///< events in the last checkpoint that was written; 0: none
+  std::int64_t statesBefore = 0;           ///< states asked for that lie before the one it went on from
 
   int axis = 0;      ///< of loading
   double area = 0;   ///< of a section across the axis, voids included [m²]; of a picture [m], a metre deep

@@ -19,7 +19,7 @@ _COUNTS = (
     "events raises equilibria iterations local_cycles visited_nodes searches freed_pieces freed_nodes freed_bonds "
     "solid_nodes skipped_nodes bonds skipped_strips bytes"
 ).split()
-_TIMES = ("bonds", "first", "equilibria", "local", "search", "run", "states")
+_TIMES = ("bonds", "first", "equilibria", "local", "search", "run", "states", "checkpoints")
 
 
 class FractureState(BondFields):
@@ -150,6 +150,16 @@ class FractureResult(BondNumbers):
         return _arrays.text(self.vtk, "end")
 
     @property
+    def continued_at(self):
+        """Events in the checkpoint that the run went on from; 0 where it began with the unbroken sample."""
+        return self._count("continued_at")
+
+    @property
+    def last_checkpoint(self):
+        """Events in the last checkpoint that this run wrote; 0: none."""
+        return self._count("last_checkpoint")
+
+    @property
     def method(self):
         """"events" or "accurate"."""
         return _arrays.text(self.vtk, "method")
@@ -211,6 +221,9 @@ def fracture(
     displacement=True,
     stress=False,
     strain_energy=False,
+    checkpoint=None,
+    checkpoint_every=500,
+    continue_from=None,
     progress=None,
     **bonds,
 ):
@@ -231,6 +244,12 @@ def fracture(
     tolerance  largest relative residual force of an equilibrium
     at_strains, at_broken  states to keep: imposed strains, numbers of broken bonds; the end is always kept
     displacement, stress, strain_energy  whether states have these fields; what is off is not computed
+    checkpoint  a file that keeps where the run stands, in HDF5; replaced after every checkpoint_every events. One that
+              is there already is only replaced where continue_from names it too
+    checkpoint_every  events; which of two bonds breaks first where both are nearly critical may depend on it, so a run
+              goes on with the number that it began with
+    continue_from  a checkpoint of the same run: the same bonds break, to the last bit, as if it had not been stopped;
+              states before it are not made. With the name of checkpoint, and nothing there yet, the run begins
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
 
     Of the bonds' keywords it takes those of equilibrium() but strains: they are small. A sample that is periodic along
@@ -259,6 +278,12 @@ def fracture(
         solve.AddStateAtStrain(float(strain))
     for count in np.ravel(at_broken):
         solve.AddStateAtBroken(int(count))
+    checkpoint, continue_from = (os.fspath(path) if path is not None else "" for path in (checkpoint, continue_from))
+    if checkpoint != continue_from and os.path.exists(checkpoint):
+        raise FileExistsError(f"{checkpoint} exists; remove it, or say continue_from={checkpoint!r} to go on from it")
+    solve.SetCheckpointFile(checkpoint)
+    solve.SetCheckpointEvery(int(checkpoint_every))
+    solve.SetContinueFile(continue_from)
     solve.SetComputeDisplacement(bool(displacement))
     solve.SetComputeStress(bool(stress))
     solve.SetComputeStrainEnergy(bool(strain_energy))
