@@ -222,8 +222,8 @@ std::string fractureTable(const FractureReport& report)
   }
   if (f("last_checkpoint") > 0)
   {
-    text += fmt::format("  last checkpoint after {} events; {} of them took {:.2f} s\n",
-      grouped(f.whole("last_checkpoint")), grouped(f.whole("checkpoints")), f("seconds", 7));
+    text += fmt::format("  {} checkpoints in {:.2f} s, the last after {} events\n", grouped(f.whole("checkpoints")),
+      f("seconds", 7), grouped(f.whole("last_checkpoint")));
   }
   text += sizesText(f);
   if (report.statistics)

@@ -99,7 +99,7 @@ class Checkpoints(Case):
         self.assertEqual((result.json()["continued_at"], result.json()["last_checkpoint"]), (0, 15))
         text = self.works(*WORDS, *EVERY, *both, "--max-broken", "40").out
         self.assertIn("continued after 15 events", text)
-        self.assertIn("last checkpoint after 30 events", text)
+        self.assertIn("the last after 30 events", text)
 
     def test_interrupted(self):
         rows = [[100 if abs(y - 150 - x // 10) < 3 else 255 for x in range(200)] for y in range(300)]

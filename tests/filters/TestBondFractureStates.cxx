@@ -1,5 +1,6 @@
 // States of a fracture on the way: they change nothing that breaks, and one is shown without a new run; ends,
 // interruption, what is refused.
+#include "../TemporaryFolder.h"
 #include "FractureTesting.h"
 
 #include "vtkInformation.h"
@@ -52,6 +53,12 @@ TEST_F(BondFracture, StatesChangeNothing)
   for (vtkIdType i = 0; i < broken->GetNumberOfPoints(); ++i)
   {
     ASSERT_EQ(vtkMath::Distance2BetweenPoints(broken->GetPoint(i), plain->GetBrokenBonds()->GetPoint(i)), 0);
+  }
+
+  ASSERT_EQ(filter->GetCurve()->GetNumberOfRows(), plain->GetCurve()->GetNumberOfRows());
+  for (vtkIdType row = 0; row < plain->GetCurve()->GetNumberOfRows(); ++row)
+  {
+    ASSERT_EQ(cell(filter->GetCurve(), row, "stress"), cell(plain->GetCurve(), row, "stress"));
   }
 
   int runs = 0;
@@ -133,6 +140,57 @@ TEST_F(BondFracture, Cancelled)
   EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0);
   EXPECT_EQ(filter->GetBrokenBonds()->GetNumberOfPoints(), 0);
   EXPECT_EQ(filter->GetNumberOfStates(), 0);
+}
+
+// A run of two parts breaks what one run breaks; states before the checkpoint are not made.
+TEST_F(BondFracture, GoesOnFromACheckpoint)
+{
+  const lamella::testing::TemporaryFolder folder;
+  const std::string file = folder / "run.h5";
+  const auto run = [&](vtkBondFracture* filter, vtkIdType most)
+  {
+    configure(filter);
+    filter->SetInputData(band());
+    filter->SetCheckpointEvery(15);
+    filter->SetMaximumBroken(most);
+    return errorOf(filter);
+  };
+  vtkNew<vtkBondFracture> whole;
+  ASSERT_EQ(run(whole, 60), "");
+  EXPECT_EQ(whole->GetLastCheckpoint(), 0);
+
+  vtkNew<vtkBondFracture> first;
+  first->SetCheckpointFile(file);
+  first->SetContinueFile(file); // not there yet
+  ASSERT_EQ(run(first, 40), "");
+  EXPECT_EQ(first->GetLastCheckpoint(), 30);
+  EXPECT_EQ(fieldTexts(first->GetOutput(), "warnings").front().find("there was no checkpoint"), 0U);
+
+  vtkNew<vtkBondFracture> second;
+  second->SetContinueFile(file);
+  second->AddStateAtBroken(20);
+  second->AddStateAtBroken(50);
+  ASSERT_EQ(run(second, 60), "");
+  EXPECT_EQ(number(second->GetOutput(), "continued_at"), 30);
+  EXPECT_EQ(number(second->GetOutput(), "states_before"), 1);
+  ASSERT_EQ(second->GetNumberOfStates(), 2);
+  EXPECT_EQ(number(second->GetStateImage(0), "broken_bonds"), 50);
+  ASSERT_EQ(second->GetBrokenBonds()->GetNumberOfPoints(), 60);
+  for (const char* name : { "event", "strain", "critical_strain", "stress" })
+  {
+    for (vtkIdType i = 0; i < 60; ++i)
+    {
+      ASSERT_EQ(second->GetBrokenBonds()->GetPointData()->GetArray(name)->GetTuple1(i),
+        whole->GetBrokenBonds()->GetPointData()->GetArray(name)->GetTuple1(i))
+        << name << " of bond " << i;
+    }
+  }
+  EXPECT_EQ(second->GetCurve()->GetNumberOfRows(), whole->GetCurve()->GetNumberOfRows());
+
+  vtkNew<vtkBondFracture> other;
+  other->SetContinueFile(file);
+  other->CompressionOn();
+  EXPECT_NE(run(other, 60).find("is a checkpoint of another scene: unit strain"), std::string::npos);
 }
 
 TEST_F(BondFracture, WhatIsRefused)

@@ -602,6 +602,17 @@ class Bonds(unittest.TestCase):
             self.assertEqual(result.save_broken(path), path)
             with self.assertRaises(FileExistsError):
                 result.save_broken(path)
+            path = os.path.join(folder, "run.h5")
+            keeps = {"checkpoint": path, "checkpoint_every": 15}
+            parts = [lamella.fracture(sample, young, **breaks, **keeps, continue_from=path, max_broken=n) for n in (40, 60)]
+            self.assertEqual([part.continued_at for part in parts], [0, 30])
+            self.assertEqual(parts[1].last_checkpoint, 60)
+            whole = lamella.fracture(sample, young, **breaks, checkpoint_every=15, max_broken=60)
+            np.testing.assert_array_equal(parts[1].broken, whole.broken)
+            with self.assertRaisesRegex(FileExistsError, "continue_from"):
+                lamella.fracture(sample, young, **breaks, **keeps)
+            with self.assertRaisesRegex(lamella.LamellaError, "another scene: events between renewals: 15 there, 500 here"):
+                lamella.fracture(sample, young, **breaks, continue_from=path)
         none = lamella.fracture(sample, young, **breaks, max_strain=1e-5, displacement=False)
         self.assertEqual((none.end, len(none.broken), len(none.strain)), ("maximum-strain", 0, 2))
         with self.assertRaisesRegex(lamella.LamellaError, "nothing can break"):

@@ -172,8 +172,12 @@ NodeField<double> QuasiStaticFracture::displacement()
 void QuasiStaticFracture::raise(double load)
 {
   const auto broken = static_cast<std::int64_t>(record_.broken.size());
-  if (!record_.curve.empty() && record_.curve.back().broken != broken)
-    record_.curve.push_back({ strain(), stress(load_), broken }); // what the avalanche left
+  if (!record_.curve.empty()) // what the avalanche left; run() may have stopped before all of it was at rest
+  {
+    if (record_.curve.back().broken == broken)
+      record_.curve.pop_back();
+    record_.curve.push_back({ strain(), stress(load_), broken });
+  }
   load_ = load;
   ++record_.statistics.raises;
   const CurvePoint now{ strain(), stress(load_), broken };
