@@ -74,6 +74,7 @@ void EventHierarchy::renew()
 // Also when round-off has got the better of the matrices.
 void EventHierarchy::build()
 {
+  multigrid_.reset(); // there is room for one
   multigrid_ = std::make_unique<BondMultigrid>(bonds_, fixed_);
   for (std::size_t k = 0; k < multigrid_->levelCount(); ++k)
     multigrid_->level(k).d.fill(0); // relax() counts on it
