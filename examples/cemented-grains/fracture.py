@@ -2,7 +2,7 @@
 
     PYTHONPATH=build/python /usr/bin/python3 examples/cemented-grains/fracture.py
 
-The samples of study.py between two plates of grain material, pulled until the stress has fallen to 5 % of its peak, one bond at a time:
+The packings of study.py between two plates of grain material to which they are bridged, pulled until the stress has fallen to 5 % of its peak, one bond at a time:
 ten packings, six widths of the bridges and filled, after section IV of Frank, Radjai, Nezamabadi and Delenne, Phys. Rev. E 102 (2020)
 022906. Grains are four times as stiff and as tough as the matrix, so all bonds break at one elongation. Writes to --output:
   fracture-curves.png     stress against strain, one packing (their figure 12)
@@ -27,6 +27,7 @@ from study import COLOURS, FILLED, WIDTHS, bridged, panel, write_csv
 from vtkmodules.vtkCommonCore import vtkLogger
 
 MATRIX, GRAIN = 1, 2  # phases
+PLATE = 16  # layers of nodes of a plate, of which the outer HORIZON are held: with less, cracks run along the plates
 ALL = (0.1, *WIDTHS, FILLED)
 SHOWN = (0.5, 0.75)  # widths whose cracks are drawn
 UNIT = E_MATRIX * CRITICAL  # strength of a matrix without flaws [Pa]
@@ -56,7 +57,7 @@ def measure(task):
     packing = lamella.packing(count=options.count, seed=seed)
     rows, curves, cracks = [], [], []
     for width in ALL:
-        image = bridged(packing, width, options.nodes, HORIZON * packing.box[0] / options.nodes, wall_bridges=not options.bare_walls)
+        image = bridged(packing, width, options.nodes, PLATE * packing.box[0] / options.nodes, wall_bridges=not options.bare_walls)
         begun, spent = time.perf_counter(), time.process_time()
         result = torn(image, rivals=options.rivals, method=options.method, breaking=options.breaking)
         broken = result.broken
