@@ -34,6 +34,24 @@ TEST(Bridges, BetweenTwoDisks)
   }
 }
 
+// A disk of radius 1 between two walls that it touches, and one that touches neither: each bridge is half of that to a
+// mirror image.
+TEST(Bridges, ToTheWalls)
+{
+  const Packing p =
+    packingOf(2, std::vector<Centre>{ { 1, 1, 0 }, { 4, 1, 0 } }, std::vector<double>{ 1, 0.5 }, Centre{ 5, 2, 0 });
+  EXPECT_TRUE(findBridges(p, 1.1).empty());
+  const auto bridges = findBridges(p, 1.1, true);
+  ASSERT_EQ(bridges.size(), 2U);
+  for (const double a : { 0.25, 0.5, 0.9 })
+    EXPECT_NEAR(matrixFractions(p, bridges, a, false, 20000).matrix,
+      2 * (2 * a - (std::asin(a) + a * std::sqrt(1 - a * a))) / 10, 2e-6)
+      << a; // midpoint rule, as above
+  Packing periodic = p;
+  periodic.periodic[1] = true;
+  EXPECT_THROW((void)findBridges(periodic, 1.1, true), ParameterError);
+}
+
 TEST(Bridges, BetweenTwoSpheres)
 {
   const Packing p = packingOf(3, std::vector<Centre>{ { 1, 1, 1 }, { 1, 1, 3 } }, std::vector<double>{ 1, 1 });
