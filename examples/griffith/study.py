@@ -149,15 +149,13 @@ def analyse(rows):
             lines[crack] = (fine, value, line_of(fine, value), inverse[1] ** -0.5)
         cracks = np.array(list(lines))
         x = 1 / np.sqrt(math.pi * cracks)
-        factor = np.array([plate_factor(crack) for crack in cracks])
         young, energy = lattice_moduli(horizon)
         lattice = math.sqrt(young * energy)
         linear = np.array([line[2][1] for line in lines.values()])
         limit = np.array([line[3] for line in lines.values()])
         horizons.append({
             "horizon": horizon, "runs": len(mine), "lattice_toughness": lattice, "lattice_energy": energy,
-            "paper": line_of(x, linear)[0], "paper_limit": line_of(x, limit)[0], "corrected": line_of(x, limit * factor)[0] / lattice,
-            "fitted": toughness / lattice, "process_zone": zone, "scatter": scatter,
+            "paper": line_of(x, linear)[0], "nominal": toughness, "fitted": toughness / lattice, "process_zone": zone, "scatter": scatter,
             "r2_least": min(line[2][2] for line in lines.values()), "lines": lines, "limit": limit,
         })
     return horizons
@@ -218,8 +216,8 @@ def draw_cracks(horizons, path):
 def draw_toughness(horizons, path):
     figure, axes = plt.subplots(figsize=(5.4, 4), constrained_layout=True)
     x = [of["horizon"] for of in horizons]
-    for key, marker, label in (("paper", "s:", "linear in $1/N_x$, nominal $K_{th}$"), ("paper_limit", "o-", "$1/\\sigma_c^2$ linear in $1/N_x$, nominal $K_{th}$"),
-                               ("corrected", "D-", "and plate's factor, lattice's $K_{th}$")):
+    for key, marker, label in (("paper", "s:", "$\\sigma_c$ linear in $1/N_x$, as the paper"), ("nominal", "o-", "crack and process zone, plate's factor"),
+                               ("fitted", "D-", "and the lattice's own $K_{th}$")):
         axes.plot(x, [of[key] for of in horizons], marker, markersize=5, label=label)
     axes.axhline(1, color="k", linewidth=0.8, linestyle="--")
     axes.set_xlabel("h/δx")
@@ -266,9 +264,9 @@ def main():
     horizons = [{**of, **energies[of["horizon"]]} for of in analyse(rows)]
     write_csv(os.path.join(options.output, "runs.csv"), rows)
     write_csv(os.path.join(options.output, "horizons.csv"), [{k: v for k, v in of.items() if k not in ("lines", "limit")} for of in horizons])
-    print(f"{'h/dx':>4} {'paper':>7} {'limit':>7} {'corrected':>9} {'fit':>7} {'zone/h':>7} {'scatter':>8} {'least R2':>8} {'held':>6} {'released':>8}")
+    print(f"{'h/dx':>4} {'paper':>7} {'zone':>7} {'lattice':>7} {'zone/h':>7} {'scatter':>8} {'least R2':>8} {'held':>6} {'released':>8}")
     for of in horizons:
-        print(f"{of['horizon']:>4} {of['paper']:>7.3f} {of['paper_limit']:>7.3f} {of['corrected']:>9.3f} {of['fitted']:>7.3f} "
+        print(f"{of['horizon']:>4} {of['paper']:>7.3f} {of['nominal']:>7.3f} {of['fitted']:>7.3f} "
               f"{of['process_zone']:>7.3f} {100 * of['scatter']:>6.2f} % {of['r2_least']:>8.4f} {of['held']:>6.3f} {of['released']:>8.3f}")
     shown = next((of for of in horizons if of["horizon"] == 3), horizons[0])
     draw_strength(shown, os.path.join(options.output, "strength.png"))
