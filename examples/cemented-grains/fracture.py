@@ -2,7 +2,7 @@
 
     PYTHONPATH=build/python /usr/bin/python3 examples/cemented-grains/fracture.py
 
-The packings of study.py between two plates of grain material to which they are bridged, pulled until the stress has fallen to 5 % of its peak, one bond at a time:
+The samples of study.py between two plates of grain material, pulled until the stress has fallen to 5 % of its peak, one bond at a time:
 ten packings, six widths of the bridges and filled, after section IV of Frank, Radjai, Nezamabadi and Delenne, Phys. Rev. E 102 (2020)
 022906. Grains are four times as stiff and as tough as the matrix, so all bonds break at one elongation. Writes to --output:
   fracture-curves.png     stress against strain, one packing (their figure 12)
@@ -27,7 +27,7 @@ from study import COLOURS, FILLED, WIDTHS, bridged, panel, write_csv
 from vtkmodules.vtkCommonCore import vtkLogger
 
 MATRIX, GRAIN = 1, 2  # phases
-PLATE = 16  # layers of nodes of a plate, of which the outer HORIZON are held: with less, cracks run along the plates
+THICK = 16  # layers of nodes of a plate to which grains are bridged, of which the outer HORIZON are held; else all that are held
 ALL = (0.1, *WIDTHS, FILLED)
 SHOWN = (0.5, 0.75)  # widths whose cracks are drawn
 UNIT = E_MATRIX * CRITICAL  # strength of a matrix without flaws [Pa]
@@ -57,7 +57,8 @@ def measure(task):
     packing = lamella.packing(count=options.count, seed=seed)
     rows, curves, cracks = [], [], []
     for width in ALL:
-        image = bridged(packing, width, options.nodes, PLATE * packing.box[0] / options.nodes, wall_bridges=not options.bare_walls)
+        layers = THICK if options.wall_bridges else HORIZON
+        image = bridged(packing, width, options.nodes, layers * packing.box[0] / options.nodes, wall_bridges=options.wall_bridges)
         begun, spent = time.perf_counter(), time.process_time()
         result = torn(image, rivals=options.rivals, method=options.method, breaking=options.breaking)
         broken = result.broken
@@ -149,7 +150,7 @@ def main():
     parser.add_argument("--nodes", type=int, default=256, help="nodes across (default: %(default)s)")
     parser.add_argument("--method", default="auto", choices=("auto", "events", "accurate"))
     parser.add_argument("--breaking", default="strict", choices=("strict", "batched"))
-    parser.add_argument("--bare-walls", action="store_true", help="no bridges between grains and plates")
+    parser.add_argument("--wall-bridges", action="store_true", help="grains are bridged to the plates, and these are thicker")
     parser.add_argument("--rivals", action="store_true", help="look closer where two bonds are nearly as critical as each other")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="samples at a time (default: one a core)")
     options = parser.parse_args()
