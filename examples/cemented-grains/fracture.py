@@ -15,7 +15,6 @@ import argparse
 import concurrent.futures
 import math
 import os
-import statistics
 import time
 
 import lamella
@@ -23,7 +22,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.collections import LineCollection
 from stress import CRITICAL, E_MATRIX, HORIZON, RATIO
-from study import COLOURS, FILLED, WIDTHS, bridged, panel, write_csv
+from study import COLOURS, FILLED, WIDTHS, bridged, means_of, panel, write_csv
 from vtkmodules.vtkCommonCore import vtkLogger
 
 MATRIX, GRAIN = 1, 2  # phases
@@ -76,19 +75,6 @@ def measure(task):
             if width in SHOWN:
                 cracks.append((image.saturation, image.spacing, image.phase[::-1], broken, 2 * float(np.mean(packing.radii))))
     return rows, curves, cracks
-
-
-def means_of(rows):
-    means = []
-    for width in ALL:
-        mine = [row for row in rows if row["width"] == width]
-        mean = {"width": width, "samples": len(mine)}
-        for name in ("saturation", *NAMES):
-            values = [row[name] for row in mine]
-            mean[name] = statistics.fmean(values)
-            mean[name + "_deviation"] = statistics.stdev(values) if len(values) > 1 else 0.0
-        means.append(mean)
-    return means
 
 
 def slopes(means):
@@ -164,7 +150,7 @@ def main():
             cracks += part[2]
             print(f"\r{number} of {options.samples} packings, {time.perf_counter() - begun:.0f} s", end="", flush=True)
     print()
-    means = means_of(rows)
+    means = means_of(rows, NAMES)
     write_csv(os.path.join(options.output, "fracture-samples.csv"), rows)
     write_csv(os.path.join(options.output, "fracture-means.csv"), means)
     print(f"{'width':>7} {'S':>6} {'strength':>16} {'first':>6} {'E':>6} {'broken':>7} {'in grains':>9} {'ms/event':>8}")

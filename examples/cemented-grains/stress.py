@@ -16,7 +16,6 @@ import argparse
 import concurrent.futures
 import math
 import os
-import statistics
 import time
 
 import lamella
@@ -24,7 +23,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
-from study import FILLED, WIDTHS, bridged, middle, panel, write_csv
+from study import FILLED, WIDTHS, bridged, means_of, middle, panel, write_csv
 from vtkmodules.vtkCommonCore import vtkLogger
 
 HORIZON = 3
@@ -118,19 +117,6 @@ def measure(task):
             maps.append((image.saturation, image.spacing, np.where(image.phase[::-1][window] == 0, np.nan, stress)))
     grain = 2 * float(np.mean(packing.radii))
     return rows, densities, thresholds, (grain, maps)
-
-
-def means_of(rows):
-    means = []
-    for width in ALL:
-        mine = [row for row in rows if row["width"] == width]
-        mean = {"width": width, "samples": len(mine)}
-        for name in ("saturation", *NAMES):
-            values = [row[name] for row in mine]
-            mean[name] = statistics.fmean(values)
-            mean[name + "_deviation"] = statistics.stdev(values) if len(values) > 1 else 0.0
-        means.append(mean)
-    return means
 
 
 def mean_densities(densities, samples):
@@ -237,7 +223,7 @@ def main():
             thresholds.extend(tails)
             first = first or maps
             print(f"{done} of {len(tasks)} packings, {time.perf_counter() - start:.0f} s", flush=True)
-    means = means_of(rows)
+    means = means_of(rows, NAMES)
     together = mean_densities(densities, options.samples)
     write_csv(there("samples.csv"), rows)
     write_csv(there("means.csv"), means)

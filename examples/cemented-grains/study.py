@@ -30,6 +30,7 @@ from matplotlib.colors import ListedColormap, LogNorm  # noqa: E402
 
 WIDTHS = (0.25, 0.5, 0.75, 1.0, 1.25)
 FILLED = "filled"
+NAMES = ("pores", "mean_area", "largest_area")
 # read off figure 8 of the paper
 PAPER = {0.25: 0.064, 0.5: 0.34, 0.75: 0.67, 1.0: 0.91, 1.25: 0.97}
 COLOURS = ListedColormap(["#ffffff", "#e3a857", "#4a5568"])  # void, matrix, grain
@@ -90,12 +91,13 @@ def write_csv(path, rows):
         writer.writerows(rows)
 
 
-def means_of(rows):
+def means_of(rows, names=NAMES):
+    """Means and standard deviations over the packings, one row a width."""
     means = []
-    for width in (*WIDTHS, FILLED):
+    for width in dict.fromkeys(row["width"] for row in rows):
         mine = [row for row in rows if row["width"] == width]
         mean = {"width": width, "samples": len(mine)}
-        for name in ("saturation", "pores", "mean_area", "largest_area"):
+        for name in ("saturation", *names):
             values = [row[name] for row in mine]
             mean[name] = statistics.fmean(values)
             mean[name + "_deviation"] = statistics.stdev(values) if len(values) > 1 else 0.0
