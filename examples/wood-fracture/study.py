@@ -24,6 +24,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.collections import LineCollection  # noqa: E402
 from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
+from vtkmodules.vtkCommonCore import vtkLogger  # noqa: E402
 
 HORIZON = 4
 YOUNG, TOUGHNESS, RATIO = 10e9, 4e5, 4  # Pa, Pa √m, of the walls over the lamella's
@@ -34,7 +35,7 @@ REAL = {  # outlines, window [micrometres]: low x, low y, high x, high y
     "spruce-earlywood": ("spruce_EW_polygons.json.gz", (120, 120, 300, 300)),
     "spruce-latewood": ("spruce_LW_polygons.json.gz", (60, 60, 190, 190)),
 }
-GENERATED = {"earlywood": dict(solid_fraction=0.3), "latewood": dict(solid_fraction=0.6, ring_position=(0.6, 0.9))}
+GENERATED = {"earlywood": dict(solid_fraction=0.3), "latewood": dict(solid_fraction=0.6, ring_position=(0.6, 0.9), ray_distance=0)}
 
 
 def tissue(name, options):
@@ -65,12 +66,14 @@ def notch_of(image, share):
 
 def pull(task):
     name, options = task
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)  # of states asked for that lie beyond the end
     begun, spent = time.perf_counter(), time.process_time()
     image = tissue(name, options)
     high, wide = image.phase.shape
     pairs = (WALL, LAMELLA, f"{WALL}-{LAMELLA}", f"{WALL}-{WALL}")  # the last one: walls of two cells
+    notch = notch_of(image, options.notch)
     toughness = {pair: TOUGHNESS if pair == WALL else TOUGHNESS / RATIO for pair in pairs}
-    result = lamella.fracture(image, dict.fromkeys(pairs, YOUNG), toughness=toughness, horizon=HORIZON, notches=[notch_of(image, options.notch)], stop=options.stop,
+    result = lamella.fracture(image, dict.fromkeys(pairs, YOUNG), toughness=toughness, horizon=HORIZON, notches=[notch], stop=options.stop,
                               rivals=options.rivals, at_broken=STATES, stress=True)
     ran = time.process_time() - spent
     path = lamella.crack_path(result)
@@ -88,7 +91,7 @@ def pull(task):
         "length_in_walls": path.shares.get(WALL, 0.0), "events": result.statistics["events"], "end": result.end,
         "cpu_seconds_run": ran, "seconds": time.perf_counter() - begun,
     }
-    return name, row, (result.strain, result.stress), image.phase[::-1].copy(), broken, states, image.spacing
+    return name, row, (result.strain, result.stress), (image.phase[::-1].copy(), image.spacing, notch, broken, states)
 
 
 def chosen(states, shares=(1, 0.7, 0.4, 0)):
@@ -99,7 +102,7 @@ def chosen(states, shares=(1, 0.7, 0.4, 0)):
     return [states[i] for i in sorted(picked)]
 
 
-def draw(name, phase, broken, states, spacing, path):
+def draw(phase, spacing, notch, broken, states, path):
     shown = chosen(states)
     figure, axes = plt.subplots(1, len(shown), figsize=(3.4 * len(shown), 3.9), constrained_layout=True)
     high, wide = phase.shape
@@ -111,6 +114,9 @@ def draw(name, phase, broken, states, spacing, path):
         part = broken[:number]
         start = (part["position"] - part["bond"] / 2) * 1e6
         one.add_collection(LineCollection(np.stack([start, start + part["bond"] * 1e6], axis=1), colors="black", linewidths=0.6))
+        one.plot([0, notch[2] * 1e6], [notch[1] * 1e6] * 2, color="black", linewidth=1.2)
+        one.set_xlim(extent[:2])
+        one.set_ylim(extent[2:])
         one.set_title(f"({letter}) strain {100 * strain:.3g} %, {number} bonds", fontsize=9)
         one.set_xlabel("µm")
     figure.colorbar(picture, ax=axes, shrink=0.8, label=f"stress along the load over {reach / 1e6:.3g} MPa", extend="both")
@@ -150,10 +156,10 @@ def main():
     rows, curves = [], {}
     print(f"{'sample':>16} {'nodes':>10} {'E':>9} {'strength':>10} {'broken':>7} {'bonds in walls':>14} {'length in walls':>15} {'CPU':>7}")
     with concurrent.futures.ProcessPoolExecutor(options.workers) as pool:
-        for name, row, curve, phase, broken, states, spacing in pool.map(pull, [(name, options) for name in names]):
+        for name, row, curve, sample in pool.map(pull, [(name, options) for name in names]):
             rows.append(row)
             curves[name] = curve
-            draw(name, phase, broken, states, spacing, os.path.join(options.output, name + ".png"))
+            draw(*sample, os.path.join(options.output, name + ".png"))
             print(f"{name:>16} {row['wide']:>4} x {row['high']:>3} {row['modulus'] / 1e9:>5.2f} GPa {row['strength'] / 1e6:>6.2f} MPa {row['broken']:>7} "
                   f"{100 * row['broken_in_walls']:>12.2f} % {100 * row['length_in_walls']:>13.2f} % {row['cpu_seconds_run']:>5.0f} s", flush=True)
     with open(os.path.join(options.output, "samples.csv"), "w", newline="") as file:

@@ -1,0 +1,118 @@
+"""Spheres cemented in three dimensions, pulled until they fail, and the crack's surface drawn by ParaView with no display.
+
+    PYTHONPATH=build/python pvpython examples/cemented-grains/volume.py
+
+All critical bonds break at once (batched), one equilibrium a batch; grains are four times as stiff and as tough as the matrix. Writes to
+--output: volume.vti (the end: phases, grains, damage), volume.vtp (broken bonds), volume-grains.vtp and volume.png (half of the grains, and
+in red the surface within which nodes have lost a tenth of their bonds or more)
+"""
+
+import argparse
+import os
+import time
+
+import lamella
+import numpy as np
+from paraview.simple import (
+    Contour, CreateView, GetActiveCamera, OpenDataFile, Outline, Render, SaveScreenshot, Show,
+)
+from vtkmodules.vtkFiltersCore import vtkAppendPolyData
+from vtkmodules.vtkFiltersSources import vtkSphereSource
+from vtkmodules.vtkImagingCore import vtkExtractVOI
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+YOUNG, RATIO, CRITICAL = 1e9, 4, 1e-3
+
+
+def torn(packing, options):
+    whole = lamella.bridges(packing, width=0.7, nodes_across=options.nodes).vtk
+    cut = round(options.cut * 2 * float(np.mean(packing.radii)) / whole.GetSpacing()[2])
+    part = vtkExtractVOI()
+    part.SetInputData(whole)
+    part.SetVOI(*whole.GetExtent()[:4], cut, whole.GetExtent()[5] - cut)
+    part.Update()
+    image = part.GetOutput()
+    image.GetFieldData().ShallowCopy(whole.GetFieldData())
+    young = dict.fromkeys(("matrix", "matrix-grain", "grain-grain"), YOUNG)
+    young["grain"] = RATIO * YOUNG
+    last = [0.0]
+
+    def progress(share, text):
+        if time.monotonic() - last[0] > 10:
+            last[0] = time.monotonic()
+            print(f"\r{100 * share:.0f} % {text}", end="", flush=True)
+        return True
+
+    return lamella.fracture(image, young, critical_stretch=dict.fromkeys(young, CRITICAL), horizon=options.horizon, method="accurate",
+                            breaking="batched", tolerance=options.tolerance, threads=options.threads, displacement=False, progress=progress)
+
+
+def spheres(packing, path):
+    """The grains behind a plane through the middle, as a file of surfaces."""
+    centres, radii = np.asarray(packing.centres), np.asarray(packing.radii)
+    middle = centres.mean(axis=0)
+    together = vtkAppendPolyData()
+    for centre, radius in zip(centres, radii):
+        if np.dot(centre - middle, [-0.4, 1, 0]) > 0:
+            sphere = vtkSphereSource()
+            sphere.SetRadius(radius)
+            sphere.SetThetaResolution(48)
+            sphere.SetPhiResolution(32)
+            sphere.SetCenter(*centre)
+            together.AddInputConnection(sphere.GetOutputPort())
+    writer = vtkXMLPolyDataWriter()
+    writer.SetFileName(path)
+    writer.SetInputConnection(together.GetOutputPort())
+    writer.Write()
+
+
+def draw(file, grains, path, damage=0.1):
+    view = CreateView("RenderView")
+    view.ViewSize = [1000, 1000]
+    view.Background = [1, 1, 1]
+    view.UseColorPaletteForBackground = 0
+    view.OrientationAxesVisibility = 0
+    sample = OpenDataFile(file)
+    bounds = np.reshape(sample.GetDataInformation().GetBounds(), (3, 2))
+    crack = Contour(Input=sample, ContourBy=["POINTS", "damage"], Isosurfaces=[damage])
+    for what, colour in ((OpenDataFile(grains), [0.66, 0.70, 0.76]), (crack, [0.82, 0.11, 0.11]), (Outline(Input=sample), [0.2, 0.2, 0.2])):
+        shown = Show(what, view)
+        shown.ColorArrayName = [None, ""]
+        shown.DiffuseColor = shown.AmbientColor = colour
+    camera, middle, size = GetActiveCamera(), bounds.mean(axis=1), float(np.linalg.norm(bounds[:, 1] - bounds[:, 0]))
+    camera.SetFocalPoint(*middle)
+    camera.SetPosition(*(middle + size * np.array([0.75, -1.6, 0.5])))
+    camera.SetViewUp(0, 0, 1)
+    camera.SetViewAngle(31)
+    Render(view)
+    SaveScreenshot(path, view)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--output", default="results/cemented-grains", help="folder (default: %(default)s)")
+    parser.add_argument("--nodes", type=int, default=96, help="nodes across (default: %(default)s)")
+    parser.add_argument("--count", type=int, default=200, help="spheres (default: %(default)s)")
+    parser.add_argument("--cut", type=float, default=0.5, help="off both ends, in mean diameters, for the platens to hold grains (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--horizon", type=float, default=3, help="spacings (default: %(default)s)")
+    parser.add_argument("--tolerance", type=float, default=1e-4, help="of an equilibrium (default: %(default)s)")
+    parser.add_argument("--threads", type=int, default=os.cpu_count())
+    options = parser.parse_args()
+    os.makedirs(options.output, exist_ok=True)
+    file = os.path.join(options.output, "volume.vti")
+    begun = time.perf_counter()
+    packing = lamella.packing(count=options.count, dimension=3, aspect=1.0, seed=options.seed)
+    result = torn(packing, options)
+    result.save(file, overwrite=True)
+    result.save_broken(os.path.join(options.output, "volume.vtp"), overwrite=True)
+    wide, deep, high = result.vtk.GetDimensions()
+    print(f"\n{wide} x {deep} x {high} nodes: strength {result.peak_stress:.4g} Pa, {len(result.broken)} bonds broken in "
+          f"{result.statistics['events']} batches, {time.perf_counter() - begun:.0f} s; {result.end}")
+    grains = os.path.join(options.output, "volume-grains.vtp")
+    spheres(packing, grains)
+    draw(file, grains, os.path.join(options.output, "volume.png"))
+
+
+if __name__ == "__main__":
+    main()
