@@ -155,16 +155,15 @@ private:
       const Matrix<Dim> c = points_.matrix(Points::affines, p);
       const Matrix<Dim> tau =
         s_.law.kirchhoff(points_.phase()[p], points_.matrix(Points::deformations, p), points_.vector(Points::axes, p));
-      Vector<Dim> body = s_.options.gravity;
+      Vector<Dim> body{};
       if (s_.options.acceleration)
-      {
-        const Vector<Dim> more = s_.options.acceleration(points_.id()[p], s_.time);
-        for (int a = 0; a < Dim; ++a)
-          body[a] += more[a];
-      }
-      for (int a = 0; a < Dim; ++a)
-        work_ += mass[p] * body[a] * v[a] * s_.kick / 2;
+        body = s_.options.acceleration(points_.id()[p], s_.time);
       body_.push_back(body);
+      for (int a = 0; a < Dim; ++a)
+      {
+        work_ += mass[p] * body[a] * v[a] * s_.kick / 2;
+        body[a] += s_.options.gravity[a];
+      }
       reach_[p].forEach(
         [&](std::size_t at, double n, const Vector<Dim>& gradient, const Vector<Dim>& offset)
         {
@@ -376,8 +375,8 @@ private:
   bool affine_;
   std::vector<Nodes> reach_;
   std::vector<Vector<Dim>> position_;
-  std::vector<Vector<Dim>> body_; // accelerations
-  double work_ = 0;               // of body forces, with the mean of the velocities before and after
+  std::vector<Vector<Dim>> body_; // accelerations other than gravity
+  double work_ = 0;               // of theirs, with the mean of the velocities before and after
   Values momentum_;
   Values oldMomentum_;
 };

@@ -91,6 +91,9 @@ struct PointEnergies
 };
 
 template <int Dim>
+class FusedStep;
+
+template <int Dim>
 class PointDynamics
 {
 public:
@@ -125,31 +128,38 @@ public:
   /// such bound, nor have linear shapes.
   [[nodiscard]] double stableStep() const;
   [[nodiscard]] PointEnergies energies() const;
-  [[nodiscard]] bool fused() const noexcept { return fused_; }
+  [[nodiscard]] bool fused() const noexcept { return fused_ != nullptr; }
 
 private:
   void check() const;
-  void layGrid();
+  /// Cells where the walls are now; of open axes where the points are, unless `keep`.
+  void layGrid(bool keep);
+  [[nodiscard]] GridAxis layAxis(int a, bool keep) const;
   void moveWalls(double dt);
+  void wrap();
   void chooseStep();
   bool run(std::int64_t steps, double dt);
   void generalStep(double dt, double kick);
+  void fusedStep(double dt, double kick);
+  void addWork(double kick);
+  [[nodiscard]] double gravityMoment() const;
   [[nodiscard]] double kineticEnergy() const;
   [[nodiscard]] double elasticEnergy() const;
-  [[nodiscard]] std::array<std::array<double, 2>, Dim> extents() const;
+  [[nodiscard]] std::array<double, 2> extent(int a) const;
 
   MaterialPoints<Dim> points_;
   std::shared_ptr<const PointLaw<Dim>> law_;
   PointDynamicsOptions<Dim> options_;
   BackgroundGrid<Dim> grid_;
   Walls<Dim> walls_;
-  bool fused_ = false;
+  std::unique_ptr<FusedStep<Dim>> fused_; ///< none: the general step
   double time_ = 0;
   double dt_ = 0;
   double before_ = 0; ///< the step before; 0 at the start: velocities are then those of the same time
   std::int64_t step_ = 0;
   double supplied_ = 0;
   double initial_ = 0;
+  double startMoment_ = 0; ///< Σ m g·x at the start [J]
 };
 
 extern template class PointDynamics<2>;
