@@ -14,7 +14,8 @@ namespace lamella::mpm
 namespace
 {
 
-constexpr int stripeRows = 8;     // more than twice what a stray may be off, and the three rows of a spline
+constexpr int stripeRows = 8; // more than twice what a stray may be off, and the three rows of a spline
+constexpr std::size_t worthThreads = 2000;
 constexpr double sortAt = 0.02;   // share of strays
 constexpr double worthWide = 1.5; // how many fewer wide vectors make up for their emptier lanes
 
@@ -111,10 +112,8 @@ void FusedStep<Dim>::sweep(
     axis.lower[1] = g.lower;
     axis.spacing[0] = from.axis(a).spacing;
     axis.spacing[1] = g.spacing;
-    // open ends with two cells of room, ends of periods where they are; walls keep points inside but for round-off
-    const auto bound = [&](int side) {
-      return g.end(side) == Edge::Open ? 2 : g.end(side) == Edge::Periodic ? 0 : -0.25;
-    };
+    // open ends with two cells of room; elsewhere a quarter of a cell beyond, where splines still reach no node too far
+    const auto bound = [&](int side) { return g.end(side) == Edge::Open ? 2 : -0.25; };
     axis.least = bound(0);
     axis.most = g.cells - bound(1);
     axis.end = g.cells + 0.5;
@@ -130,11 +129,12 @@ void FusedStep<Dim>::sweep(
 
   const SweepCells kernel = pointKernels().sweep[Dim - 2][static_cast<int>(kind_)][whole ? 1 : 0][wide_ ? 1 : 0];
   const auto stripes = static_cast<std::int64_t>(stripes_.size()) - 1;
+  const bool worthIt = points_.count() > worthThreads;
   std::int64_t strays = 0;
   bool far = false;
   bool outside = false;
   for (std::int64_t colour = 0; colour < 2; ++colour)
-#pragma omp parallel for schedule(dynamic, 1) reduction(+ : strays) reduction(|| : far, outside)
+#pragma omp parallel for schedule(dynamic, 1) if (worthIt) reduction(+ : strays) reduction(|| : far, outside)
     for (std::int64_t s = colour; s < stripes; s += 2)
     {
       PointSweep mine = job;
@@ -164,7 +164,7 @@ template <int Dim>
 void FusedStep<Dim>::run(const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick)
 {
   const auto values = static_cast<std::int64_t>(next_.size());
-#pragma omp parallel for simd schedule(static)
+#pragma omp parallel for simd schedule(static) if (points_.count() > worthThreads)
   for (std::int64_t i = 0; i < values; ++i)
     next_[static_cast<std::size_t>(i)] = 0;
   sweep(from, to, dt, kick, true);

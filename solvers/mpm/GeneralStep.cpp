@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <type_traits>
 
 namespace lamella::mpm
 {
@@ -96,6 +97,7 @@ public:
     , points_(given.points)
     , affine_(given.options.transfer == Transfer::Apic)
   {
+    reach_.reserve(points_.count());
     for (std::size_t p = 0; p < points_.count(); ++p)
       reach_.push_back(reachOf(p));
   }
@@ -137,10 +139,15 @@ private:
 
   [[nodiscard]] Nodes reachOf(std::size_t p) const
   {
-    // widths keep their share of a cell when the grid follows the walls
-    Vector<Dim> width;
-    for (int a = 0; a < Dim; ++a)
-      width[a] = std::fmin(1.0, std::pow(points_.column(Points::volumes)[p], 1.0 / Dim) / s_.options.spacing);
+    Vector<Dim> width{};
+    if constexpr (std::is_same_v<Shape, Gimp>)
+    {
+      // keeps its share of a cell when the grid follows the walls
+      const double volume = points_.column(Points::volumes)[p];
+      const double share = (Dim == 2 ? std::sqrt(volume) : std::cbrt(volume)) / s_.options.spacing;
+      for (int a = 0; a < Dim; ++a)
+        width[a] = std::fmin(1.0, share);
+    }
     return Nodes(s_.grid, points_.vector(Points::positions, p), width);
   }
 

@@ -211,6 +211,7 @@ void PointDynamics<Dim>::wrap()
       const double sign = x[p] < side[0].position ? 1 : x[p] >= side[1].position ? -1 : 0;
       x[p] += sign * period;
       v[p] += sign * rate;
+      startMoment_ += sign * period * options_.gravity[a] * points_.column(MaterialPoints<Dim>::masses)[p]; // no work
     }
   }
 }
@@ -220,7 +221,7 @@ double PointDynamics<Dim>::stableStep() const
 {
   using Points = MaterialPoints<Dim>;
   double worst = 0; // stiffness over density [m²/s²]
-#pragma omp parallel for schedule(static) reduction(max : worst)
+#pragma omp parallel for schedule(static) reduction(max : worst) if (points_.count() > 2000)
   for (std::size_t p = 0; p < points_.count(); ++p)
   {
     const double stiffness =

@@ -116,13 +116,16 @@ public:
   /// Of a wall or a period, from now on [m/s].
   void setVelocity(int axis, int side, double velocity);
 
+  /// In the order of cells where the step is fused: id() tells which is which. Beyond the ends of a period by a quarter
+  /// of a cell at most.
   [[nodiscard]] const MaterialPoints<Dim>& points() const noexcept { return points_; }
   [[nodiscard]] const BackgroundGrid<Dim>& grid() const noexcept { return grid_; }
   /// Velocities and forces of the last step.
   [[nodiscard]] const Wall& wall(int axis, int side) const { return walls_(axis, side); }
   [[nodiscard]] double time() const noexcept { return time_; } ///< [s]
   [[nodiscard]] std::int64_t steps() const noexcept { return step_; }
-  [[nodiscard]] double step() const noexcept { return dt_; } ///< the last one, or the next [s]
+  /// The last one, or before it the one to come [s].
+  [[nodiscard]] double step() const noexcept { return before_ > 0 ? before_ : dt_; }
   /// The largest stable step for the body as it is [s]: 2/ω, ω² ≤ Σ over axes 6 a/(ρ₀ h²) at the worst point, a its
   /// stiffness: no field of quadratic splines strains a point by more. Half of it with a consistent mass, which has no
   /// such bound, nor have linear shapes.

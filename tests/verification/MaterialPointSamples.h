@@ -21,7 +21,8 @@ using Place = Vector<Dim>;
 /// Points at rest in those cells of a lattice whose centre is inside, from the origin on.
 /// @param cells of the lattice along each axis; perNode points along each direction of one
 template <int Dim>
-MaterialPoints<Dim> filled(const std::array<int, Dim>& cells, double spacing, int perNode, double density,
+MaterialPoints<Dim> filled(
+  const std::array<int, Dim>& cells, double spacing, int perNode, double density,
   const std::function<bool(const Place<Dim>&)>& inside = [](const Place<Dim>&) { return true; })
 {
   const Lattice lattice = makeLattice(cells[0], cells[1], Dim == 3 ? cells[Dim - 1] : 1, Dim, spacing);
