@@ -1,0 +1,117 @@
+#include "mpm/WallMaterial.h"
+
+#include "lattice/Error.h"
+
+#include <Eigen/LU>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lamella::mpm
+{
+namespace
+{
+
+void requirePositive(double value, const char* what, const std::string& name)
+{
+  if (!(std::isfinite(value) && value > 0))
+    throw ParameterError(fmt::format("{}: {} is {} Pa", name, what, value), "a modulus is positive and finite");
+}
+
+// `least` < value < `most`
+void requireBetween(double value, double least, double most, const char* what, const std::string& name)
+{
+  if (!(std::isfinite(value) && value > least && value < most))
+    throw ParameterError(fmt::format("{}: {} is {}: the stiffness would not be positive definite", name, what, value),
+      fmt::format("with its other constants it lies between {:.6g} and {:.6g}", least, most));
+}
+
+void requireBarrier(double value, const std::string& name)
+{
+  if (!(std::isfinite(value) && value >= 0))
+    throw ParameterError(
+      fmt::format("{}: a barrier of {}", name, value), "times the greatest stiffness: 1, or 0 for none");
+}
+
+void check(const OrthotropicMaterial& m, bool third, const std::string& name)
+{
+  requirePositive(m.along, "Young's modulus along the axis", name);
+  requirePositive(m.across, "Young's modulus across the axis", name);
+  if (m.shearModulus)
+    requirePositive(*m.shearModulus, "the shear modulus", name);
+  const double ratio = m.along / m.across;
+  if (third)
+    requireBetween(m.acrossRatio, -1, 1, "Poisson's ratio among the directions across the axis", name);
+  const double bound = third ? std::sqrt(ratio * (1 - m.acrossRatio) / 2) : std::sqrt(ratio);
+  requireBetween(m.poissonsRatio, -bound, bound, "Poisson's ratio along the axis", name);
+  if (!m.shearModulus && !(shearModulus(m) > 0 && std::isfinite(shearModulus(m))))
+    throw ParameterError(fmt::format("{}: no shear modulus follows from Poisson's ratio {}", name, m.poissonsRatio),
+      "give the shear modulus");
+  requireBarrier(m.barrier, name);
+}
+
+} // namespace
+
+double shearModulus(const OrthotropicMaterial& m)
+{
+  return m.shearModulus ? *m.shearModulus : 1 / (1 / m.along + 1 / m.across + 2 * m.poissonsRatio / m.along);
+}
+
+template <int Dim>
+IsotropicLaw<Dim> isotropicLaw(const IsotropicMaterial& m, PlaneState state, const std::string& name)
+{
+  const bool planeStress = Dim == 2 && state == PlaneState::Stress;
+  requirePositive(m.youngsModulus, "Young's modulus", name);
+  requireBetween(m.poissonsRatio, -1, planeStress ? 1 : 0.5, "Poisson's ratio", name);
+  requireBarrier(m.barrier, name);
+  IsotropicLaw<Dim> law;
+  const double nu = m.poissonsRatio;
+  law.mu = m.youngsModulus / (2 * (1 + nu));
+  law.lambda = planeStress ? m.youngsModulus * nu / (1 - nu * nu) : m.youngsModulus * nu / ((1 + nu) * (1 - 2 * nu));
+  law.barrier.modulus = m.barrier * (law.lambda + 2 * law.mu);
+  return law;
+}
+
+template <int Dim>
+OrthotropicLaw<Dim> orthotropicLaw(const OrthotropicMaterial& m, PlaneState state, const std::string& name)
+{
+  const bool planeStress = Dim == 2 && state == PlaneState::Stress;
+  check(m, !planeStress, name);
+  // normal stresses along the axis, across it, and across it in the third direction
+  Eigen::Matrix3d compliance;
+  const double cross = -m.poissonsRatio / m.along;
+  const double third = -m.acrossRatio / m.across;
+  compliance << 1 / m.along, cross, cross, cross, 1 / m.across, third, cross, third, 1 / m.across;
+  OrthotropicLaw<Dim> law;
+  if constexpr (Dim == 2)
+  {
+    // no stress along the third direction: its row and column of the compliance go; no strain: those of the stiffness
+    const Eigen::Matrix2d c = planeStress ? Eigen::Matrix2d(compliance.topLeftCorner<2, 2>().inverse())
+                                          : Eigen::Matrix2d(compliance.inverse().topLeftCorner<2, 2>());
+    law.along = c(0, 0);
+    law.across = c(1, 1);
+    law.cross = c(0, 1);
+    law.shear = shearModulus(m);
+    law.barrier.modulus = m.barrier * std::max(law.along, law.across);
+  }
+  else
+  {
+    const Eigen::Matrix3d c = compliance.inverse();
+    law.lambda = c(1, 2);
+    law.mu = 0.5 * (c(1, 1) - c(1, 2));
+    law.alpha = c(0, 1) - c(1, 2);
+    law.delta = shearModulus(m) - law.mu;
+    law.beta = c(0, 0) - law.lambda - 2 * law.mu - 2 * law.alpha - 4 * law.delta;
+    law.barrier.modulus = m.barrier * std::max(c(0, 0), c(1, 1));
+  }
+  return law;
+}
+
+template IsotropicLaw<2> isotropicLaw<2>(const IsotropicMaterial&, PlaneState, const std::string&);
+template IsotropicLaw<3> isotropicLaw<3>(const IsotropicMaterial&, PlaneState, const std::string&);
+template OrthotropicLaw<2> orthotropicLaw<2>(const OrthotropicMaterial&, PlaneState, const std::string&);
+template OrthotropicLaw<3> orthotropicLaw<3>(const OrthotropicMaterial&, PlaneState, const std::string&);
+
+} // namespace lamella::mpm
