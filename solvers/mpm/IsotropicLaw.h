@@ -68,7 +68,7 @@ struct IsotropicLaw
   template <class Real>
   LAMELLA_POINT_INLINE Real waveModulus(const Matrix<Dim, Real>& f) const
   {
-    return Real(lambda + 2 * mu) * contraction(f, f) + barrier.waveModulus(determinant(f));
+    return Real(lambda + 2 * mu) * greatestStretchSquared(f) + barrier.waveModulus(determinant(f));
   }
 };
 

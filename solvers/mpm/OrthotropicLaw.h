@@ -21,6 +21,7 @@ struct OrthotropicLaw<2>
   double across = 0; ///< C₂₂ [Pa]
   double cross = 0;  ///< C₁₂ [Pa]
   double shear = 0;  ///< G₁₂ [Pa]
+  double wave = 0;   ///< the greatest ρ₀ c² of a wave in the unstrained material [Pa]
   VolumeBarrier barrier{};
 
   /// Kirchhoff stress τ = det F σ [Pa], symmetric.
@@ -82,14 +83,7 @@ struct OrthotropicLaw<2>
   template <class Real>
   LAMELLA_POINT_INLINE Real waveModulus(const Matrix<2, Real>& f) const
   {
-    return Real(stiffest()) * contraction(f, f) + barrier.waveModulus(determinant(f));
-  }
-
-  /// The greatest stiffness of a unit strain [Pa].
-  [[nodiscard]] double stiffest() const
-  {
-    const double normal = 0.5 * (along + across + std::sqrt((along - across) * (along - across) + 4 * cross * cross));
-    return normal > 2 * shear ? normal : 2 * shear;
+    return Real(wave) * greatestStretchSquared(f) + barrier.waveModulus(determinant(f));
   }
 
 private:
@@ -133,6 +127,7 @@ struct OrthotropicLaw<3>
   double alpha = 0;  ///< α [Pa]
   double delta = 0;  ///< δ [Pa]: μ + δ is the shear modulus along the axis
   double beta = 0;   ///< β [Pa]
+  double wave = 0;   ///< the greatest ρ₀ c² of a wave in the unstrained material [Pa]
   VolumeBarrier barrier{};
 
   /// As in a plane.
@@ -201,19 +196,7 @@ struct OrthotropicLaw<3>
   template <class Real>
   LAMELLA_POINT_INLINE Real waveModulus(const Matrix<3, Real>& f) const
   {
-    return Real(stiffest()) * contraction(f, f) + barrier.waveModulus(determinant(f));
-  }
-
-  /// The greatest stiffness of a unit strain [Pa].
-  [[nodiscard]] double stiffest() const
-  {
-    // of the two strains that are alike all round the axis: (e_aa, √2 e_tt)
-    const double along = lambda + 2 * mu + 2 * alpha + 4 * delta + beta;
-    const double across = 2 * lambda + 2 * mu;
-    const double cross = std::sqrt(2.0) * (lambda + alpha);
-    const double normal = 0.5 * (along + across + std::sqrt((along - across) * (along - across) + 4 * cross * cross));
-    const double shear = 2 * (delta > 0 ? mu + delta : mu);
-    return normal > shear ? normal : shear;
+    return Real(wave) * greatestStretchSquared(f) + barrier.waveModulus(determinant(f));
   }
 };
 

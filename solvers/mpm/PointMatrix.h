@@ -132,6 +132,17 @@ LAMELLA_POINT_INLINE Matrix<Dim, Real> lessIdentity(Matrix<Dim, Real> m)
   return m;
 }
 
+/// The square of the greatest stretch of F, or a little more in space; exact in a plane, and where two stretches of
+/// three are alike and the least.
+template <int Dim, class Real>
+LAMELLA_POINT_INLINE Real greatestStretchSquared(const Matrix<Dim, Real>& f)
+{
+  const Matrix<Dim, Real> b = productTransposed(f, f);
+  const Real mean = trace(b) * Real(1.0 / Dim);
+  const Real rest = contraction(b, b) - Dim * mean * mean; // of the deviator; round-off may leave it below 0
+  return mean + std::sqrt(Real((Dim - 1.0) / Dim) * std::abs(rest));
+}
+
 /// R of F = R U, R a rotation and U symmetric with positive eigenvalues; closed.
 /// @param f with det F > 0
 template <class Real>
