@@ -1,0 +1,109 @@
+#pragma once
+
+#include "lattice/Lattice.h"
+#include "mpm/Tensor.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lamella::mpm
+{
+
+/// Material points as a structure of arrays: one column of doubles a component, each with a few values to spare behind
+/// the last point, so that kernels can read whole vectors.
+/// Bytes a point: 8 (4 Dim + 2 Dim² + 2 + history) + 5; 2D 149 without history.
+template <int Dim>
+class MaterialPoints
+{
+public:
+  static_assert(Dim == 2 || Dim == 3);
+  /// First columns; matrices row by row.
+  static constexpr int positions = 0;                      ///< x [m]
+  static constexpr int velocities = Dim;                   ///< v [m/s]
+  static constexpr int affines = 2 * Dim;                  ///< C [1/s], v(y) ≈ v + C (y − x) (APIC)
+  static constexpr int deformations = 2 * Dim + Dim * Dim; ///< F [-]; of an elastic-plastic law its elastic part
+  static constexpr int masses = 2 * Dim + 2 * Dim * Dim;   ///< [kg], per metre of depth in 2D
+  static constexpr int volumes = masses + 1;               ///< at the start [m³], [m²] in 2D
+  static constexpr int axes = masses + 2;                  ///< unit vector along the wall, at the start
+  static constexpr int histories = masses + 2 + Dim;       ///< what a law remembers beside F
+  static constexpr std::size_t padding = 16;               ///< values to spare
+
+  /// Points at rest, undeformed (F = I), of no mass, with their axis along x, of phase 0, numbered from 0.
+  /// @param history numbers a point that the law remembers, at the start 0
+  explicit MaterialPoints(std::size_t count = 0, int history = 0);
+
+  [[nodiscard]] std::size_t count() const noexcept { return count_; }
+  [[nodiscard]] int history() const noexcept { return columns_ - histories; }
+  [[nodiscard]] int columns() const noexcept { return columns_; }
+  /// A column: count() values, and `padding` more behind them that may be read.
+  [[nodiscard]] std::span<double> column(int c) noexcept { return { data_.data() + c * pitch_, count_ }; }
+  [[nodiscard]] std::span<const double> column(int c) const noexcept { return { data_.data() + c * pitch_, count_ }; }
+  [[nodiscard]] std::span<std::uint8_t> phase() noexcept { return { phase_.data(), count_ }; }
+  [[nodiscard]] std::span<const std::uint8_t> phase() const noexcept { return { phase_.data(), count_ }; }
+  [[nodiscard]] std::span<std::uint32_t> id() noexcept { return id_; } ///< stays with a point when they are sorted
+  [[nodiscard]] std::span<const std::uint32_t> id() const noexcept { return id_; }
+  /// From a column to the next, in doubles.
+  [[nodiscard]] std::size_t pitch() const noexcept { return pitch_; }
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+  [[nodiscard]] Vector<Dim> vector(int first, std::size_t p) const noexcept
+  {
+    Vector<Dim> a;
+    for (int i = 0; i < Dim; ++i)
+      a[i] = data_[(first + i) * pitch_ + p];
+    return a;
+  }
+  void setVector(int first, std::size_t p, const Vector<Dim>& a) noexcept
+  {
+    for (int i = 0; i < Dim; ++i)
+      data_[(first + i) * pitch_ + p] = a[i];
+  }
+  [[nodiscard]] Matrix<Dim> matrix(int first, std::size_t p) const noexcept
+  {
+    Matrix<Dim> a;
+    for (int i = 0; i < Dim * Dim; ++i)
+      a.m[i] = data_[(first + i) * pitch_ + p];
+    return a;
+  }
+  void setMatrix(int first, std::size_t p, const Matrix<Dim>& a) noexcept
+  {
+    for (int i = 0; i < Dim * Dim; ++i)
+      data_[(first + i) * pitch_ + p] = a.m[i];
+  }
+
+  /// Puts them into a new order: point k becomes what order[k] was; each point once.
+  void reorder(std::span<const std::uint32_t> order);
+
+private:
+  std::size_t count_ = 0;
+  std::size_t pitch_ = 0;
+  int columns_ = histories;
+  std::vector<double> data_;
+  std::vector<std::uint8_t> phase_;
+  std::vector<std::uint32_t> id_;
+};
+
+struct PointOptions
+{
+  int perNode = 2;                     ///< points along each direction of a lattice node's cell
+  std::vector<double> density{ 1500 }; ///< by phase [kg/m³]; a single value is that of all phases
+  std::uint8_t empty = 0;              ///< phase that has no points
+  int history = 0;                     ///< numbers a point that the law remembers
+};
+
+/// Points in all nodes of a lattice but those of the empty phase, evenly spread over each node's cell, at rest.
+/// @param phase lattice.count() phases
+/// @param axis lattice.count() directions along the wall, any length; a zero vector, or none at all: along x
+/// @throws ParameterError: a lattice of another dimension, perNode < 1, a density that is not positive or lacks
+/// @throws InputError: arrays of another length, nothing but the empty phase, more than 2³² − 1 points
+template <int Dim>
+[[nodiscard]] MaterialPoints<Dim> pointsFromLattice(const Lattice& lattice, std::span<const std::uint8_t> phase,
+  std::span<const std::array<float, Dim>> axis, const PointOptions& options);
+
+extern template class MaterialPoints<2>;
+extern template class MaterialPoints<3>;
+
+} // namespace lamella::mpm

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cmath>
+
+/// Small vectors and matrices of numbers or of vectors of lanes. Templates throughout, so that the kernels, compiled
+/// for several instruction sets with a number type of their own, share no code with the rest.
+namespace lamella::mpm
+{
+
+template <int Dim, class Real = double>
+struct Vector
+{
+  Real v[Dim];
+
+  Real& operator[](int i) { return v[i]; }
+  const Real& operator[](int i) const { return v[i]; }
+};
+
+/// Row by row: m[i * Dim + j] is row i, column j, as the columns of MaterialPoints.
+template <int Dim, class Real = double>
+struct Matrix
+{
+  Real m[Dim * Dim];
+
+  Real& operator()(int i, int j) { return m[i * Dim + j]; }
+  const Real& operator()(int i, int j) const { return m[i * Dim + j]; }
+
+  [[nodiscard]] static Matrix identity()
+  {
+    Matrix a;
+    for (int i = 0; i < Dim; ++i)
+      for (int j = 0; j < Dim; ++j)
+        a(i, j) = Real(i == j ? 1.0 : 0.0);
+    return a;
+  }
+};
+
+template <int Dim, class Real>
+inline Matrix<Dim, Real> product(const Matrix<Dim, Real>& a, const Matrix<Dim, Real>& b)
+{
+  Matrix<Dim, Real> c;
+  for (int i = 0; i < Dim; ++i)
+    for (int j = 0; j < Dim; ++j)
+    {
+      Real sum = a(i, 0) * b(0, j);
+      for (int k = 1; k < Dim; ++k)
+        sum = sum + a(i, k) * b(k, j);
+      c(i, j) = sum;
+    }
+  return c;
+}
+
+/// a bᵀ
+template <int Dim, class Real>
+inline Matrix<Dim, Real> productTransposed(const Matrix<Dim, Real>& a, const Matrix<Dim, Real>& b)
+{
+  Matrix<Dim, Real> c;
+  for (int i = 0; i < Dim; ++i)
+    for (int j = 0; j < Dim; ++j)
+    {
+      Real sum = a(i, 0) * b(j, 0);
+      for (int k = 1; k < Dim; ++k)
+        sum = sum + a(i, k) * b(j, k);
+      c(i, j) = sum;
+    }
+  return c;
+}
+
+template <int Dim, class Real>
+inline Real determinant(const Matrix<Dim, Real>& a)
+{
+  if constexpr (Dim == 2)
+    return a(0, 0) * a(1, 1) - a(0, 1) * a(1, 0);
+  else
+    return a(0, 0) * (a(1, 1) * a(2, 2) - a(1, 2) * a(2, 1)) - a(0, 1) * (a(1, 0) * a(2, 2) - a(1, 2) * a(2, 0)) +
+      a(0, 2) * (a(1, 0) * a(2, 1) - a(1, 1) * a(2, 0));
+}
+
+} // namespace lamella::mpm

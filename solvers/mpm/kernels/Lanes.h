@@ -1,0 +1,81 @@
+#pragma once
+
+// Vectors of N doubles as a number type for laws and shapes. Only for sources compiled for several instruction sets
+// (lamella_kernels): everything here, and so every template instantiated with it, is local to one object file.
+
+#include <cstdint>
+
+namespace lamella::mpm
+{
+namespace
+{
+
+template <int N>
+struct Lanes
+{
+  using V __attribute__((vector_size(8 * N))) = double;
+  using I __attribute__((vector_size(8 * N))) = std::int64_t;
+  using Any __attribute__((vector_size(8 * N), aligned(8), may_alias)) = double; // at any address
+
+  V v;
+
+  Lanes() = default;
+  Lanes(V value)
+    : v(value)
+  {
+  }
+  Lanes(double value)
+    : v(value - V{})
+  {
+  }
+  static Lanes load(const double* p) { return *reinterpret_cast<const Any*>(p); }
+  void store(double* p) const { *reinterpret_cast<Any*>(p) = v; }
+
+  friend Lanes operator+(Lanes a, Lanes b) { return a.v + b.v; }
+  friend Lanes operator-(Lanes a, Lanes b) { return a.v - b.v; }
+  friend Lanes operator*(Lanes a, Lanes b) { return a.v * b.v; }
+  friend Lanes operator/(Lanes a, Lanes b) { return a.v / b.v; }
+  friend Lanes operator-(Lanes a) { return -a.v; }
+  friend I operator<(Lanes a, Lanes b) { return a.v < b.v; }
+  friend I operator>(Lanes a, Lanes b) { return a.v > b.v; }
+  friend I operator<=(Lanes a, Lanes b) { return a.v <= b.v; }
+  friend I operator>=(Lanes a, Lanes b) { return a.v >= b.v; }
+
+  /// a where the condition (a comparison of lanes) holds, else b
+  friend Lanes select(I condition, Lanes a, Lanes b) { return condition ? a.v : b.v; }
+  friend Lanes min(Lanes a, Lanes b) { return a.v < b.v ? a.v : b.v; }
+  friend Lanes max(Lanes a, Lanes b) { return a.v > b.v ? a.v : b.v; }
+  friend Lanes abs(Lanes a) { return (V)((I)a.v & INT64_MAX); }
+  friend Lanes sqrt(Lanes a)
+  {
+    for (int l = 0; l < N; ++l) // one instruction: there is no errno here
+      a.v[l] = __builtin_sqrt(a.v[l]);
+    return a;
+  }
+  /// Natural logarithm to 2 units in the last place for positive, normal numbers.
+  friend Lanes log(Lanes a)
+  {
+    // a = 2^k m with m in [√½, √2)
+    const I offset = I{} + 0x3fe6a09e667f3bcdLL; // √½
+    const I shifted = (I)a.v - offset;
+    const I k = shifted >> 52;
+    const V m = (V)((I)a.v - (k << 52));
+    // ln m = 2 artanh s, s = (m − 1)/(m + 1), |s| ≤ 0.1716: ten terms leave 2e-17
+    const V s = (m - 1.0) / (m + 1.0);
+    const V z = s * s;
+    V series = z * (1.0 / 21) + 1.0 / 19;
+    series = series * z + 1.0 / 17;
+    series = series * z + 1.0 / 15;
+    series = series * z + 1.0 / 13;
+    series = series * z + 1.0 / 11;
+    series = series * z + 1.0 / 9;
+    series = series * z + 1.0 / 7;
+    series = series * z + 1.0 / 5;
+    series = series * z + 1.0 / 3;
+    const V kd = __builtin_convertvector(k, V);
+    return kd * 0.6931471805599453 + (s + s + (s + s) * (z * series));
+  }
+};
+
+} // namespace
+} // namespace lamella::mpm
