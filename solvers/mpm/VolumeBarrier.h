@@ -1,48 +1,46 @@
 #pragma once
 
-#include "mpm/PointMatrix.h"
+#include <cmath>
 
 namespace lamella::mpm
 {
 
-/// What keeps a point from being crushed to nothing: the energy density κ d⁴/J, d = max(1 − J, 0), per initial volume.
-/// It and its first three derivatives vanish at J = 1, so small strains do not know of it; pressure is κ d³(3J + 1)/J²
-/// and grows without bound, ever faster, as J → 0. Tension is left alone.
+/// What keeps a point from being crushed to nothing: the energy density κ d⁴/J, d = max(1 − J, 0), over initial volume.
+/// It and its first three derivatives vanish at J = 1, so small strains do not know of it; its pressure κ d³(3J + 1)/J²
+/// grows without bound, ever faster, as J → 0. Tension is left alone. κ [Pa] comes with every call.
 struct VolumeBarrier
 {
-  double modulus = 0; ///< κ [Pa]
-
   /// [J/m³]
   template <class Real>
-  LAMELLA_POINT_INLINE Real energy(Real j) const
+  [[nodiscard]] static Real energy(const Real& modulus, const Real& J)
   {
-    const Real d = depth(j);
-    return Real(modulus) * d * d * d * d / j;
+    const Real d = depth(J);
+    return modulus * d * d * d * d / J;
   }
 
   /// J times the derivative of the energy: the part of the Kirchhoff stress along the identity [Pa], 0 or negative.
   template <class Real>
-  LAMELLA_POINT_INLINE Real kirchhoff(Real j) const
+  [[nodiscard]] static Real kirchhoff(const Real& modulus, const Real& J)
   {
-    const Real d = depth(j);
-    return -Real(modulus) * d * d * d * (3 * j + 1) / j;
+    const Real d = depth(J);
+    return -(modulus * d * d * d * (3.0 * J + 1.0) / J);
   }
 
   /// J² times the second derivative [Pa].
-  template <class Real>
-  LAMELLA_POINT_INLINE Real waveModulus(Real j) const
+  [[nodiscard]] static double stiffness(double modulus, double J)
   {
-    const Real d = depth(j);
-    return Real(modulus) * d * d * (12 * j * j + 8 * d * j + 2 * d * d) / j;
+    const double d = depth(J);
+    return modulus * d * d * (12 * J * J + 8 * d * J + 2 * d * d) / J;
   }
 
 private:
   // (|x| + x)/2: no branch
   template <class Real>
-  LAMELLA_POINT_INLINE static Real depth(Real j)
+  [[nodiscard]] static Real depth(const Real& J)
   {
-    const Real x = 1 - j;
-    return Real(0.5) * (std::abs(x) + x);
+    using std::abs;
+    const Real x = 1.0 - J;
+    return 0.5 * (abs(x) + x);
   }
 };
 

@@ -80,60 +80,71 @@ double shearModulus(const OrthotropicMaterial& m)
 }
 
 template <int Dim>
-IsotropicLaw<Dim> isotropicLaw(const IsotropicMaterial& m, PlaneState state, const std::string& name)
+std::array<double, Isotropic::constants> isotropicConstants(
+  const IsotropicMaterial& m, PlaneState state, const std::string& name)
 {
   const bool planeStress = Dim == 2 && state == PlaneState::Stress;
   requirePositive(m.youngsModulus, "Young's modulus", name);
   requireBetween(m.poissonsRatio, -1, planeStress ? 1 : 0.5, "Poisson's ratio", name);
   requireBarrier(m.barrier, name);
-  IsotropicLaw<Dim> law;
   const double nu = m.poissonsRatio;
-  law.mu = m.youngsModulus / (2 * (1 + nu));
-  law.lambda = planeStress ? m.youngsModulus * nu / (1 - nu * nu) : m.youngsModulus * nu / ((1 + nu) * (1 - 2 * nu));
-  law.barrier.modulus = m.barrier * (law.lambda + 2 * law.mu);
-  return law;
+  const double mu = m.youngsModulus / (2 * (1 + nu));
+  const double lambda = m.youngsModulus * nu / (planeStress ? 1 - nu * nu : (1 + nu) * (1 - 2 * nu));
+  return { lambda, mu, m.barrier * (lambda + 2 * mu) };
 }
 
 template <int Dim>
-OrthotropicLaw<Dim> orthotropicLaw(const OrthotropicMaterial& m, PlaneState state, const std::string& name)
+std::array<double, Orthotropic::constants> orthotropicConstants(
+  const OrthotropicMaterial& m, PlaneState state, const std::string& name)
 {
   const bool planeStress = Dim == 2 && state == PlaneState::Stress;
   check(m, !planeStress, name);
+  const double shear = shearModulus(m);
   // normal stresses along the axis, across it, and across it in the third direction
   Eigen::Matrix3d compliance;
   const double cross = -m.poissonsRatio / m.along;
   const double third = -m.acrossRatio / m.across;
   compliance << 1 / m.along, cross, cross, cross, 1 / m.across, third, cross, third, 1 / m.across;
-  OrthotropicLaw<Dim> law;
+  // with no stress along the third direction its row and column of the compliance go, with no strain those of the
+  // stiffness
+  Eigen::Matrix3d c = Eigen::Matrix3d::Zero();
+  if (planeStress)
+    c.topLeftCorner<2, 2>() = compliance.topLeftCorner<2, 2>().inverse();
+  else
+    c = compliance.inverse();
+  const double barrier = m.barrier * std::max(c(0, 0), c(1, 1));
+  const double wave = greatestWave(c(0, 0), c(1, 1), c(0, 1), shear);
   if constexpr (Dim == 2)
-  {
-    // no stress along the third direction: its row and column of the compliance go; no strain: those of the stiffness
-    const Eigen::Matrix2d c = planeStress ? Eigen::Matrix2d(compliance.topLeftCorner<2, 2>().inverse())
-                                          : Eigen::Matrix2d(compliance.inverse().topLeftCorner<2, 2>());
-    law.along = c(0, 0);
-    law.across = c(1, 1);
-    law.cross = c(0, 1);
-    law.shear = shearModulus(m);
-    law.wave = greatestWave(law.along, law.across, law.cross, law.shear);
-    law.barrier.modulus = m.barrier * std::max(law.along, law.across);
-  }
+    return { c(0, 0), c(1, 1), c(0, 1), shear, 0, wave, barrier };
   else
   {
-    const Eigen::Matrix3d c = compliance.inverse();
-    law.lambda = c(1, 2);
-    law.mu = 0.5 * (c(1, 1) - c(1, 2));
-    law.alpha = c(0, 1) - c(1, 2);
-    law.delta = shearModulus(m) - law.mu;
-    law.beta = c(0, 0) - law.lambda - 2 * law.mu - 2 * law.alpha - 4 * law.delta;
-    law.wave = std::max(greatestWave(c(0, 0), c(1, 1), c(0, 1), shearModulus(m)), law.mu);
-    law.barrier.modulus = m.barrier * std::max(c(0, 0), c(1, 1));
+    const double lambda = c(1, 2);
+    const double mu = 0.5 * (c(1, 1) - c(1, 2));
+    const double alpha = c(0, 1) - c(1, 2);
+    const double delta = shear - mu;
+    const double beta = c(0, 0) - lambda - 2 * mu - 2 * alpha - 4 * delta;
+    return { lambda, mu, alpha, delta, beta, std::max(wave, mu), barrier };
   }
-  return law;
 }
 
-template IsotropicLaw<2> isotropicLaw<2>(const IsotropicMaterial&, PlaneState, const std::string&);
-template IsotropicLaw<3> isotropicLaw<3>(const IsotropicMaterial&, PlaneState, const std::string&);
-template OrthotropicLaw<2> orthotropicLaw<2>(const OrthotropicMaterial&, PlaneState, const std::string&);
-template OrthotropicLaw<3> orthotropicLaw<3>(const OrthotropicMaterial&, PlaneState, const std::string&);
+std::array<double, Hencky::constants> henckyConstants(const PlasticMaterial& m, const std::string& name)
+{
+  const auto elastic = isotropicConstants<3>(m.elastic, PlaneState::Strain, name);
+  if (!(m.yieldStress > 0))
+    throw ParameterError(fmt::format("{}: a yield stress of {} Pa", name, m.yieldStress),
+      "it is positive; infinite for a wall that never yields");
+  if (!(std::isfinite(m.hardening) && m.hardening >= 0))
+    throw ParameterError(fmt::format("{}: a hardening of {} Pa", name, m.hardening), "it is finite and not negative");
+  return { elastic[0], elastic[1], elastic[2], m.yieldStress, m.hardening };
+}
+
+template std::array<double, Isotropic::constants> isotropicConstants<2>(
+  const IsotropicMaterial&, PlaneState, const std::string&);
+template std::array<double, Isotropic::constants> isotropicConstants<3>(
+  const IsotropicMaterial&, PlaneState, const std::string&);
+template std::array<double, Orthotropic::constants> orthotropicConstants<2>(
+  const OrthotropicMaterial&, PlaneState, const std::string&);
+template std::array<double, Orthotropic::constants> orthotropicConstants<3>(
+  const OrthotropicMaterial&, PlaneState, const std::string&);
 
 } // namespace lamella::mpm

@@ -1,11 +1,12 @@
 #pragma once
 
-#include "mpm/IsotropicLaw.h"
-#include "mpm/OrthotropicLaw.h"
+#include "mpm/Hencky.h"
+#include "mpm/Isotropic.h"
+#include "mpm/Orthotropic.h"
 
+#include <array>
 #include <optional>
 #include <string>
-#include <variant>
 
 /// From engineers' constants to laws of material points.
 namespace lamella::mpm
@@ -40,25 +41,27 @@ struct OrthotropicMaterial
   double barrier = 1; ///< as IsotropicMaterial
 };
 
+/// An isotropic wall that yields; in plane strain and in space.
+struct PlasticMaterial
+{
+  IsotropicMaterial elastic{};
+  double yieldStress = 100e6; ///< σ_y, pulled or pushed along one direction [Pa]; infinite: never yields
+  double hardening = 0;       ///< H, slope of the yield stress over the equivalent plastic strain [Pa]
+};
+
+/// Constants of the laws.
 /// @param name of the phase, for messages
 /// @throws ParameterError: a value that is not finite, a material that is not positive definite (names the value that
-/// breaks it and its bound)
+/// breaks it and its bounds)
 template <int Dim>
-[[nodiscard]] IsotropicLaw<Dim> isotropicLaw(
+[[nodiscard]] std::array<double, Isotropic::constants> isotropicConstants(
   const IsotropicMaterial& material, PlaneState state = PlaneState::Stress, const std::string& name = "wall");
 template <int Dim>
-[[nodiscard]] OrthotropicLaw<Dim> orthotropicLaw(
+[[nodiscard]] std::array<double, Orthotropic::constants> orthotropicConstants(
   const OrthotropicMaterial& material, PlaneState state = PlaneState::Stress, const std::string& name = "wall");
+[[nodiscard]] std::array<double, Hencky::constants> henckyConstants(
+  const PlasticMaterial& material, const std::string& name = "wall");
 
 [[nodiscard]] double shearModulus(const OrthotropicMaterial& material);
-
-/// The elastic law of a phase.
-template <int Dim>
-using PointLaw = std::variant<IsotropicLaw<Dim>, OrthotropicLaw<Dim>>;
-
-extern template IsotropicLaw<2> isotropicLaw<2>(const IsotropicMaterial&, PlaneState, const std::string&);
-extern template IsotropicLaw<3> isotropicLaw<3>(const IsotropicMaterial&, PlaneState, const std::string&);
-extern template OrthotropicLaw<2> orthotropicLaw<2>(const OrthotropicMaterial&, PlaneState, const std::string&);
-extern template OrthotropicLaw<3> orthotropicLaw<3>(const OrthotropicMaterial&, PlaneState, const std::string&);
 
 } // namespace lamella::mpm
