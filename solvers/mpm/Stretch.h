@@ -95,17 +95,23 @@ inline Matrix<Dim, Real> rotation(const Matrix<Dim, Real>& F)
   }
   else
   {
-    constexpr int passes = 8;
     Matrix<3, Real> x = F;
-    for (int pass = 0; pass < passes; ++pass)
+    const auto pass = [&x](const Real& first, const Real& second, const Matrix<3, Real>& y)
+    {
+      for (int i = 0; i < 9; ++i)
+        x.m[i] = first * x.m[i] + second * y.m[i];
+    };
+    for (int scaled = 0; scaled < 3; ++scaled)
     {
       const Matrix<3, Real> y = cofactor(x);
       const Real inverse = 1.0 / determinant(x);
-      const Real scale = sqrt(sqrt(contraction(y, y) / contraction(x, x)) * abs(inverse)); // γ, 1 in the end
-      const Real first = 0.5 * scale;
-      const Real second = 0.5 * inverse / scale;
-      for (int i = 0; i < 9; ++i)
-        x.m[i] = first * x.m[i] + second * y.m[i];
+      const Real scale = sqrt(sqrt(contraction(y, y) / contraction(x, x)) * abs(inverse));
+      pass(0.5 * scale, 0.5 * inverse / scale, y);
+    }
+    for (int polish = 0; polish < 3; ++polish) // γ = 1 but for what no longer matters
+    {
+      const Matrix<3, Real> y = cofactor(x);
+      pass(Real(0.5), 0.5 / determinant(x), y);
     }
     return x;
   }

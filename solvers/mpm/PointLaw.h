@@ -1,0 +1,93 @@
+#pragma once
+
+#include "mpm/Tensor.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace lamella::mpm
+{
+
+/// Which law: what the kernels are compiled for.
+enum class LawKind : std::uint8_t
+{
+  NeoHookean
+};
+
+/// The law of every phase, seen one point at a time. F by rows, `axis` the wall's direction at the start (unit vector).
+template <int Dim>
+class PointLaw
+{
+public:
+  virtual ~PointLaw() = default;
+  [[nodiscard]] virtual LawKind kind() const noexcept = 0;
+  [[nodiscard]] virtual int history() const noexcept = 0; ///< numbers a point remembers beside F
+  [[nodiscard]] virtual std::size_t phases() const noexcept = 0;
+  /// Constants of a phase: what the law's templates take.
+  [[nodiscard]] virtual const double* constants(std::size_t phase) const noexcept = 0;
+  [[nodiscard]] virtual int constantsCount() const noexcept = 0;
+  /// Kirchhoff stress τ [Pa].
+  [[nodiscard]] virtual Matrix<Dim> kirchhoff(
+    std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis) const = 0;
+  /// Elastic energy over initial volume [J/m³].
+  [[nodiscard]] virtual double energy(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis) const = 0;
+  /// What bounds the time step [Pa]; see NeoHookean.h.
+  [[nodiscard]] virtual double stiffness(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis) const = 0;
+  /// After F was updated, before the stress: what flows; nothing for elastic laws.
+  virtual void flow(std::size_t phase, Matrix<Dim>& F, const Vector<Dim>& axis, double* history) const = 0;
+};
+
+/// A law of templates, as described in NeoHookean.h, with its constants by phase.
+template <int Dim, class Law>
+class PointLawOf final : public PointLaw<Dim>
+{
+public:
+  using Constants = std::array<double, Law::constants>;
+  explicit PointLawOf(std::vector<Constants> byPhase)
+    : byPhase_(std::move(byPhase))
+  {
+  }
+  [[nodiscard]] LawKind kind() const noexcept override { return Law::kind; }
+  [[nodiscard]] int history() const noexcept override { return Law::history; }
+  [[nodiscard]] std::size_t phases() const noexcept override { return byPhase_.size(); }
+  [[nodiscard]] const double* constants(std::size_t phase) const noexcept override
+  {
+    return byPhase_[byPhase_.size() == 1 ? 0 : phase].data();
+  }
+  [[nodiscard]] int constantsCount() const noexcept override { return Law::constants; }
+  [[nodiscard]] Matrix<Dim> kirchhoff(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis) const override
+  {
+    return Law::template kirchhoff<Dim, double>(constants(phase), F, axis);
+  }
+  [[nodiscard]] double energy(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis) const override
+  {
+    return Law::template energy<Dim, double>(constants(phase), F, axis);
+  }
+  [[nodiscard]] double stiffness(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis) const override
+  {
+    return Law::template stiffness<Dim>(constants(phase), F, axis);
+  }
+  void flow(std::size_t phase, Matrix<Dim>& F, const Vector<Dim>& axis, double* history) const override
+  {
+    if constexpr (Law::history > 0)
+      Law::template flow<Dim, double>(constants(phase), F, axis, history);
+    else
+      (void)phase, (void)F, (void)axis, (void)history;
+  }
+
+private:
+  std::vector<Constants> byPhase_;
+};
+
+/// @param byPhase constants of each phase, of phase 0 (even if it is empty) first; a single set is that of all phases
+template <int Dim, class Law>
+[[nodiscard]] std::shared_ptr<const PointLaw<Dim>> makeLaw(std::vector<std::array<double, Law::constants>> byPhase)
+{
+  return std::make_shared<PointLawOf<Dim, Law>>(std::move(byPhase));
+}
+
+} // namespace lamella::mpm
