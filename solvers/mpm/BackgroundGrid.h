@@ -3,6 +3,7 @@
 #include "mpm/Tensor.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace lamella::mpm
@@ -25,6 +26,7 @@ struct GridAxis
   int cells = 1;                                      ///< from node 0 to the last
   std::array<Edge, 2> edge{ Edge::Open, Edge::Open }; ///< lower, upper
 
+  [[nodiscard]] Edge end(int side) const noexcept { return edge[static_cast<std::size_t>(side)]; }
   [[nodiscard]] double length() const noexcept { return spacing * cells; }
   [[nodiscard]] double upper() const noexcept { return lower + length(); }
   /// In spacings from node 0.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mpm/Tensor.h"
+#include "mpm/PointLaw.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +12,7 @@ namespace lamella::mpm
 /// or the lanes of a kernel, with no branch on values (kernels work on several points at once; a choice is
 /// `select(condition, a, b)`), found by argument-dependent lookup: sqrt, log, min, max, select.
 ///
+/// - `kind`: by which kernels find it;
 /// - `constants`: numbers of a phase, which every function gets as an array c of Real;
 /// - `history`: numbers that a point remembers beside F (0 for elastic laws). Where it is not 0 the law also has
 ///   flow(c, F, axis, history), called once after F was updated and before the stress, which may change both;
@@ -24,6 +25,7 @@ namespace lamella::mpm
 /// J → 0, but only as ln J.
 struct NeoHookean
 {
+  static constexpr LawKind kind = LawKind::NeoHookean;
   static constexpr int constants = 2; ///< λ, μ [Pa]
   static constexpr int history = 0;
 

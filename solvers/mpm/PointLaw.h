@@ -54,10 +54,7 @@ public:
   [[nodiscard]] LawKind kind() const noexcept override { return Law::kind; }
   [[nodiscard]] int history() const noexcept override { return Law::history; }
   [[nodiscard]] std::size_t phases() const noexcept override { return byPhase_.size(); }
-  [[nodiscard]] const double* constants(std::size_t phase) const noexcept override
-  {
-    return byPhase_[byPhase_.size() == 1 ? 0 : phase].data();
-  }
+  [[nodiscard]] const double* constants(std::size_t phase) const noexcept override { return byPhase_[phase].data(); }
   [[nodiscard]] int constantsCount() const noexcept override { return Law::constants; }
   [[nodiscard]] Matrix<Dim> kirchhoff(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis) const override
   {

@@ -4,6 +4,9 @@
 // (lamella_kernels): everything here, and so every template instantiated with it, is local to one object file.
 
 #include <cstdint>
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
 
 namespace lamella::mpm
 {
@@ -11,11 +14,26 @@ namespace
 {
 
 template <int N>
+struct LaneTypes; // the attribute may not depend on a template's parameter
+#define LAMELLA_LANES(N)                                                                                               \
+  template <>                                                                                                          \
+  struct LaneTypes<N>                                                                                                  \
+  {                                                                                                                    \
+    using V __attribute__((vector_size(8 * N))) = double;                                                              \
+    using I __attribute__((vector_size(8 * N))) = std::int64_t;                                                        \
+    using Any __attribute__((vector_size(8 * N), aligned(8), may_alias)) = double; /* at any address */                \
+  };
+LAMELLA_LANES(2)
+LAMELLA_LANES(4)
+LAMELLA_LANES(8)
+#undef LAMELLA_LANES
+
+template <int N>
 struct Lanes
 {
-  using V __attribute__((vector_size(8 * N))) = double;
-  using I __attribute__((vector_size(8 * N))) = std::int64_t;
-  using Any __attribute__((vector_size(8 * N), aligned(8), may_alias)) = double; // at any address
+  using V = typename LaneTypes<N>::V;
+  using I = typename LaneTypes<N>::I;
+  using Any = typename LaneTypes<N>::Any;
 
   V v;
 
@@ -48,7 +66,15 @@ struct Lanes
   friend Lanes abs(Lanes a) { return (V)((I)a.v & INT64_MAX); }
   friend Lanes sqrt(Lanes a)
   {
-    for (int l = 0; l < N; ++l) // one instruction: there is no errno here
+#if defined(__AVX512F__)
+    if constexpr (N == 8)
+      return _mm512_maskz_sqrt_pd(0xff, a.v); // the unmasked one is said to use an undefined value
+#endif
+#if defined(__AVX2__)
+    if constexpr (N == 4)
+      return _mm256_sqrt_pd(a.v);
+#endif
+    for (int l = 0; l < N; ++l)
       a.v[l] = __builtin_sqrt(a.v[l]);
     return a;
   }

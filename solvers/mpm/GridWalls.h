@@ -1,0 +1,94 @@
+#pragma once
+
+#include "mpm/BackgroundGrid.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace lamella::mpm
+{
+
+/// A wall at an end of an axis, or the far end of a period.
+struct Wall
+{
+  bool straight = false; ///< moves as it must for its force to vanish: stiff, without mass
+  bool sticks =
+    false; ///< holds what touches it along itself too; else it is frictionless. A frame of reference at rest
+  double velocity = 0; ///< along the axis [m/s]: given, or of a straight wall what was found
+  double force = 0;    ///< of the body on it, along the axis, in the last step [N], [N/m] in 2D
+};
+
+/// Lower (0) and upper (1) of every axis. Of a periodic axis the upper one says how fast the period grows.
+template <int Dim>
+struct Walls
+{
+  std::array<std::array<Wall, 2>, Dim> wall{};
+
+  Wall& operator()(int axis, int side) { return wall[static_cast<std::size_t>(axis)][static_cast<std::size_t>(side)]; }
+  const Wall& operator()(int axis, int side) const
+  {
+    return wall[static_cast<std::size_t>(axis)][static_cast<std::size_t>(side)];
+  }
+};
+
+/// A row of values a node: mass, then one a component, padded to four.
+inline constexpr int nodeValues = 4;
+
+/// A node whose velocity along a component follows from another's: v_ghost = sign · v_master + jump · V, V the wall's.
+struct MirrorPair
+{
+  int ghost;
+  int master;
+  double sign;
+  double jump;
+};
+
+/// The pairs of one end of an axis for one component: none where it is open.
+struct MirrorPairs
+{
+  int count = 0;
+  std::array<MirrorPair, 3> pair{};
+};
+
+/// Mirrors: beyond a wall the velocity is odd across it along the normal (and along a wall that sticks), even along one
+/// that does not. So the velocity that splines make of it is V at the wall. Periodic: the nodes 0 … cells − 1 are
+/// masters of those that coincide with them, a period away.
+template <int Dim>
+[[nodiscard]] MirrorPairs mirrorPairs(
+  const BackgroundGrid<Dim>& grid, const Walls<Dim>& walls, int axis, int side, int c);
+
+/// Calls f(position in memory of the first node) for every line of nodes along an axis, those beyond the ends of the
+/// other axes too (`all`), or not.
+template <int Dim, class F>
+void forEachLine(const BackgroundGrid<Dim>& grid, int axis, bool all, F&& f)
+{
+  const int b = axis == 0 ? 1 : 0;
+  const int d = Dim == 3 ? 3 - axis - b : b;
+  const int rim = all ? 0 : 1;
+  for (int k = Dim == 3 ? rim : 0; k < (Dim == 3 ? grid.nodes(d) - rim : 1); ++k)
+    for (int j = rim; j < grid.nodes(b) - rim; ++j)
+      f(j * grid.stride(b) + (Dim == 3 ? k * grid.stride(d) : 0));
+}
+
+/// Turns mass and momentum of the nodes into their velocities, walls obeyed: Galerkin's projection of the lumped
+/// equations upon the fields that the walls allow. What points spread beyond walls is folded back; straight walls get
+/// the velocity at which the momentum that they add vanishes, which is linear in it:
+/// added = μ V − π, μ = Σ m₀ + Σ j² m_g (1 − m_g/M), π = Σ p₀ + Σ j (p_g − s m_g P/M),
+/// over the nodes on the wall (m₀, p₀) and its pairs (ghost m_g, p_g; folded master M, P; sign s, jump j).
+/// @param nodes mass and momentum, nodeValues a node; then folded mass and velocity
+/// @param kick over which the momentum was changed [s]: forces are momentum over it
+/// @param find whether straight walls' velocities are to be found; else all are taken as they are
+template <int Dim>
+void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<double> nodes, double kick, bool find);
+
+/// Adds ghosts to their masters with their sign: mass (component −1) or a component, linear (V = 0).
+template <int Dim>
+void fold(const BackgroundGrid<Dim>& grid, const Walls<Dim>& walls, std::span<double> nodes);
+
+/// Velocities beyond the ends from those within.
+template <int Dim>
+void mirror(const BackgroundGrid<Dim>& grid, const Walls<Dim>& walls, std::span<double> nodes);
+
+} // namespace lamella::mpm

@@ -1,0 +1,158 @@
+#pragma once
+
+#include "mpm/BackgroundGrid.h"
+#include "mpm/GridWalls.h"
+#include "mpm/MaterialPoints.h"
+#include "mpm/PointLaw.h"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+/// The material point method, explicit in time (Sulsky, Zhou and Schreyer, Comput. Phys. Commun. 87 (1995) 236; the
+/// first paper, section 3.2): points carry everything, the grid is laid anew every step.
+namespace lamella::mpm
+{
+
+enum class Shape : std::uint8_t
+{
+  Linear, ///< the paper's
+  Gimp,   ///< uniform generalised interpolation
+  QuadraticSpline
+};
+
+/// How points get their velocity back from the grid.
+enum class Transfer : std::uint8_t
+{
+  Flip, ///< v += S Δv; keeps every energy, noise too
+  Pic,  ///< v = S v; damps
+  Apic, ///< PIC, and points carry the velocity's gradient (Jiang et al., ACM Trans. Graph. 34 (2015) 51): keeps momenta
+  Xpic  ///< FLIP less what the grid does not see (Hammerquist and Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017)
+        ///< 724)
+};
+
+enum class MassMatrix : std::uint8_t
+{
+  Lumped,
+  Consistent ///< by terms of the series M⁻¹ = Σ (1 − M_L⁻¹ M)ᵏ M_L⁻¹ (Nairn and Hammerquist, Comput. Methods Appl.
+             ///< Mech. Eng. 377 (2021) 113679): M alone can be singular, since points may be fewer than nodes
+};
+
+enum class StressUpdate : std::uint8_t
+{
+  Last,        ///< with the velocities that moved the points (USL)
+  ModifiedLast ///< with those that the points give back to the grid (MUSL)
+};
+
+/// An end of an axis.
+struct Side
+{
+  Edge edge = Edge::Open;
+  double position = 0;   ///< of a wall, or of the ends of the first period [m]
+  double velocity = 0;   ///< of a wall along the axis; of an upper periodic end: how fast the period grows [m/s]
+  bool straight = false; ///< no force: its velocity is found; also the rate of a period
+  bool sticks = false;   ///< a wall that does not let slide
+};
+
+template <int Dim>
+struct PointDynamicsOptions
+{
+  double spacing = 0; ///< of the grid [m]; between walls the nearest that divides their distance
+  std::array<std::array<Side, 2>, Dim> sides{};
+  Shape shape = Shape::QuadraticSpline;
+  Transfer transfer = Transfer::Apic;
+  int xpicOrder = 2; ///< m ≥ 1; 1 is PIC
+  MassMatrix mass = MassMatrix::Lumped;
+  int massTerms = 20; ///< of the consistent mass, at least 1; 1 is lumped
+  StressUpdate update = StressUpdate::Last;
+  /// Takes the fused kernels for quadratic splines, lumped mass, USL and APIC with no `acceleration`; the same to
+  /// round-off.
+  bool fused = true;
+  std::optional<double> step{}; ///< [s]; none: `share` times the largest stable one, followed as the body deforms
+  double share = 0.8;           ///< 0 … 1
+  Vector<Dim> gravity{};        ///< [m/s²]
+  /// Acceleration by body forces, of the point with a number, at a time [m/s²].
+  std::function<Vector<Dim>(std::uint32_t id, double time)> acceleration{};
+  std::function<bool(std::int64_t step, double time)> progress{}; ///< every hundred steps; true asks to stop
+};
+
+/// [J], [J/m] in 2D.
+struct PointEnergies
+{
+  double kinetic = 0;  ///< half a step ago, what the affine velocities hold included
+  double elastic = 0;  ///< now
+  double supplied = 0; ///< by walls and body forces since the start
+  double initial = 0;  ///< kinetic and elastic at the start
+  /// What was dissipated, by the transfer or by flow; error of second order in the step included.
+  [[nodiscard]] double dissipated() const noexcept { return initial + supplied - kinetic - elastic; }
+};
+
+template <int Dim>
+class PointDynamics
+{
+public:
+  /// @param points their velocities are those of time 0
+  /// @throws ParameterError: options outside their range; a step above the stable one, which it names; fewer than three
+  /// cells between walls; a law with fewer phases than the points have
+  /// @throws InputError: no points, or points without mass or volume, outside the walls, or not finite
+  PointDynamics(
+    MaterialPoints<Dim> points, std::shared_ptr<const PointLaw<Dim>> law, PointDynamicsOptions<Dim> options);
+  ~PointDynamics();
+  PointDynamics(const PointDynamics&) = delete;
+  PointDynamics& operator=(const PointDynamics&) = delete;
+
+  /// @return false when progress() asked to stop
+  /// @throws DivergenceError: what is no longer finite, turned inside out or out of the grid; a given step that the
+  /// deformed body makes unstable. Names the step.
+  bool advance(std::int64_t steps);
+  /// To a time [s], by as many equal steps as it takes.
+  bool advanceTo(double time);
+  /// Of a wall or a period, from now on [m/s].
+  void setVelocity(int axis, int side, double velocity);
+
+  [[nodiscard]] const MaterialPoints<Dim>& points() const noexcept { return points_; }
+  [[nodiscard]] const BackgroundGrid<Dim>& grid() const noexcept { return grid_; }
+  /// Velocities and forces of the last step.
+  [[nodiscard]] const Wall& wall(int axis, int side) const { return walls_(axis, side); }
+  [[nodiscard]] double time() const noexcept { return time_; } ///< [s]
+  [[nodiscard]] std::int64_t steps() const noexcept { return step_; }
+  [[nodiscard]] double step() const noexcept { return dt_; } ///< the last one, or the next [s]
+  /// The largest stable step for the body as it is [s]: 2/ω, ω² ≤ Σ over axes 6 a/(ρ₀ h²) at the worst point, a its
+  /// stiffness: no field of quadratic splines strains a point by more. Half of it with a consistent mass, which has no
+  /// such bound, nor have linear shapes.
+  [[nodiscard]] double stableStep() const;
+  [[nodiscard]] PointEnergies energies() const;
+  [[nodiscard]] bool fused() const noexcept { return fused_; }
+
+private:
+  void check() const;
+  void layGrid();
+  void moveWalls(double dt);
+  void chooseStep();
+  bool run(std::int64_t steps, double dt);
+  void generalStep(double dt, double kick);
+  [[nodiscard]] double kineticEnergy() const;
+  [[nodiscard]] double elasticEnergy() const;
+  [[nodiscard]] std::array<std::array<double, 2>, Dim> extents() const;
+
+  MaterialPoints<Dim> points_;
+  std::shared_ptr<const PointLaw<Dim>> law_;
+  PointDynamicsOptions<Dim> options_;
+  BackgroundGrid<Dim> grid_;
+  Walls<Dim> walls_;
+  bool fused_ = false;
+  double time_ = 0;
+  double dt_ = 0;
+  double before_ = 0; ///< the step before; 0 at the start: velocities are then those of the same time
+  std::int64_t step_ = 0;
+  double supplied_ = 0;
+  double initial_ = 0;
+};
+
+extern template class PointDynamics<2>;
+extern template class PointDynamics<3>;
+
+} // namespace lamella::mpm
