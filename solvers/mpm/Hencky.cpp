@@ -2,7 +2,7 @@
 
 #include "mpm/VolumeBarrier.h"
 
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 
 #include <cmath>
 
@@ -43,9 +43,8 @@ Matrix<Dim> part(const Eigen::Matrix3d& m)
 
 Principal principal(const Eigen::Matrix3d& m)
 {
-  // singular values rather than eigenvalues of Fe Feᵀ: small strains keep all their digits
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU);
-  return { svd.singularValues().array().log().matrix(), svd.matrixU() };
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(m * m.transpose());
+  return { 0.5 * solver.eigenvalues().array().log().matrix(), solver.eigenvectors() };
 }
 
 Eigen::Matrix3d spectral(const Eigen::Vector3d& values, const Eigen::Matrix3d& direction)

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mpm/Tensor.h"
+#include "mpm/PointLaw.h"
 
 namespace lamella::mpm
 {
@@ -15,6 +15,7 @@ namespace lamella::mpm
 /// have to be solved for. Doubles only, with branches: not for kernels. Constants from WallMaterial.h.
 struct Hencky
 {
+  static constexpr LawKind kind = LawKind::Hencky;
   static constexpr int constants = 5; ///< λ, μ, κ of the barrier, σ_y, H [Pa]
   /// Equivalent plastic strain ε̄; logarithmic elastic strain along a plane's third direction; plastic work over
   /// initial volume [J/m³]. All 0 at the start.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "mpm/PointLaw.h"
 #include "mpm/Stretch.h"
 #include "mpm/VolumeBarrier.h"
 
@@ -14,6 +15,7 @@ namespace lamella::mpm
 /// Constants from WallMaterial.h, which puts the plane's third direction into λ.
 struct Isotropic
 {
+  static constexpr LawKind kind = LawKind::Isotropic;
   static constexpr int constants = 3; ///< λ, μ, κ of the barrier [Pa]
   static constexpr int history = 0;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "mpm/PointLaw.h"
 #include "mpm/Stretch.h"
 #include "mpm/VolumeBarrier.h"
 
@@ -19,6 +20,7 @@ namespace lamella::mpm
 /// Constants from WallMaterial.h.
 struct Orthotropic
 {
+  static constexpr LawKind kind = LawKind::Orthotropic;
   /// [Pa] In a plane C₁₁ (along the axis), C₂₂, C₁₂, G₁₂, 0; in space λ, μ, α, δ, β. Then the greatest ρ₀c² of a wave
   /// in the unstrained material, and κ of the barrier.
   static constexpr int constants = 7;
