@@ -1,6 +1,7 @@
 #include "mpm/PointStiffness.h"
 
 #include "lattice/Error.h"
+#include "mpm/PointSystem.h"
 #include "mpm/SmallStrain.h"
 
 #include <Eigen/Dense>
@@ -53,21 +54,22 @@ public:
       invertBlocks(d);
   }
 
-  /// @param w a first guess, 0 as a rule; changed to the answer
+  /// @param w 0; changed to the answer
+  /// @param energy of the box's strain with w = 0, that is by how much f can change it at most
+  /// @param residual |K w − f|, every value over the root of its diagonal, over the root of the energy
   /// @returns iterations
-  std::int64_t solve(const Field& f, Field& w, double tolerance, std::int64_t most, double& residual,
+  std::int64_t solve(const Field& f, Field& w, double energy, double tolerance, std::int64_t most, double& residual,
     const std::function<void(double)>& progress) const
   {
     Field r = f;
     Field q(f.size());
     Field p(f.size(), 0.0);
     Field z(f.size(), 0.0);
-    const double load = norm(f);
-    residual = 0;
-    if (!(load > 0))
+    const double load = std::sqrt(energy);
+    residual = norm(f) / load; // of a body that strains evenly it is round-off
+    if (residual <= tolerance)
       return 0;
     double before = 0;
-    residual = 1;
     for (std::int64_t i = 1; i <= most; ++i)
     {
       precondition(r, z);
@@ -231,7 +233,7 @@ void checkPoints(const MaterialPoints<Dim>& points, std::size_t phases, const Po
     const Vector<Dim> x = points.vector(MaterialPoints<Dim>::positions, p);
     for (int a = 0; a < Dim; ++a)
       if (!(x[a] >= o.lower[static_cast<std::size_t>(a)] && x[a] <= o.upper[static_cast<std::size_t>(a)]))
-        throw InputError(fmt::format("point {} lies at {} = {} m, outside the box", points.id()[p], "xyz"[a], x[a]),
+        throw InputError(fmt::format("point {} lies at {} = {:.6g} m, outside the box", points.id()[p], "xyz"[a], x[a]),
           "make the box hold all points");
   }
 }
@@ -335,7 +337,8 @@ PointStiffness<Dim> pointStiffness(
     w.emplace_back(system.values(), 0.0);
     kw.emplace_back(system.values(), 0.0);
     double residual = 0;
-    r.iterations.push_back(solver.solve(f[k], w[k], options.tolerance, options.maximumIterations, residual,
+    r.iterations.push_back(solver.solve(f[k], w[k], system.uniform(strain[k], strain[k]), options.tolerance,
+      options.maximumIterations, residual,
       [&](double share) { say(begin + (1 - begin) * (static_cast<double>(k) + share) / static_cast<double>(n)); }));
     r.residual = std::max(r.residual, residual);
     system.apply(w[k], kw[k]);

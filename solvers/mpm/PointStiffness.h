@@ -1,8 +1,8 @@
 #pragma once
 
+#include "mpm/BoxSides.h"
 #include "mpm/MaterialPoints.h"
 #include "mpm/PointLaw.h"
-#include "mpm/PointSystem.h"
 
 #include <array>
 #include <cstdint>
@@ -32,7 +32,7 @@ struct PointStiffnessOptions
   /// walls all round: an upper bound of it. Walls all round: stretching and pressing only.
   std::array<BoxSides, Dim> sides{};
   StiffnessSolver solver = StiffnessSolver::Automatic;
-  double tolerance = 1e-7; ///< residual over load, every value scaled by the root of K's diagonal there
+  double tolerance = 1e-7; ///< of the residual, as PointStiffness::residual
   std::int64_t maximumIterations = 20000;
   std::function<bool(double)> progress{}; ///< share done; true asks to stop
 };
@@ -61,8 +61,9 @@ struct PointStiffness
   std::int64_t nodes = 0; ///< of the grid, that points act on
   std::array<double, Dim> spacing{};
   std::vector<std::int64_t> iterations; ///< of conjugate gradients, by strain
-  double residual = 0;                  ///< the worst
-  double setupSeconds = 0;              ///< wall: points, matrix, factors
+  /// The worst; of forces over the roots of K's diagonal, over the root of the energy of a box strained evenly.
+  double residual = 0;
+  double setupSeconds = 0; ///< wall: points, matrix, factors
   double solveSeconds = 0;
 
   /// @param axis loaded

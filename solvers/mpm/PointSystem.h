@@ -1,6 +1,7 @@
 #pragma once
 
 #include "mpm/BackgroundGrid.h"
+#include "mpm/BoxSides.h"
 #include "mpm/MaterialPoints.h"
 #include "mpm/PointLaw.h"
 
@@ -14,15 +15,6 @@
 /// Internal: the linear system behind PointStiffness.h.
 namespace lamella::mpm
 {
-
-/// What both ends of an axis are while the whole box is strained a little.
-enum class BoxSides : std::uint8_t
-{
-  Walls,       ///< straight walls that follow the box's strain and let slide
-  StickyWalls, ///< straight walls that hold what touches them: displacements of the box's strain
-  Open,        ///< free
-  Periodic
-};
 
 /// K w = f of material points at rest with quadratic splines on the background grid, for the displacement w that is
 /// left when that of the box's strain is taken off: K = Σ V Bᵀ C B over the points. Beyond walls w is mirrored as
