@@ -160,8 +160,8 @@ private:
     {
       const Vector<Dim> v = points_.vector(Points::velocities, p);
       const Matrix<Dim> c = points_.matrix(Points::affines, p);
-      const Matrix<Dim> tau =
-        s_.law.kirchhoff(points_.phase()[p], points_.matrix(Points::deformations, p), points_.vector(Points::axes, p));
+      const Matrix<Dim> tau = s_.law.kirchhoff(points_.phase()[p], points_.matrix(Points::deformations, p),
+        points_.vector(Points::axes, p), points_.memory(p).data());
       Vector<Dim> body{};
       if (s_.options.acceleration)
         body = s_.options.acceleration(points_.id()[p], s_.time);
@@ -350,7 +350,6 @@ private:
 
   void deform(const Values& velocity)
   {
-    std::vector<double> history(static_cast<std::size_t>(points_.history()));
     for (std::size_t p = 0; p < points_.count(); ++p)
     {
       Matrix<Dim> update{};
@@ -365,14 +364,10 @@ private:
       Matrix<Dim> F = product(update, before);
       for (int i = 0; i < Dim * Dim; ++i)
         F.m[i] += before.m[i];
-      if (!history.empty())
-      {
-        for (std::size_t h = 0; h < history.size(); ++h)
-          history[h] = points_.column(Points::histories + static_cast<int>(h))[p];
-        s_.law.flow(points_.phase()[p], F, points_.vector(Points::axes, p), history.data());
-        for (std::size_t h = 0; h < history.size(); ++h)
-          points_.column(Points::histories + static_cast<int>(h))[p] = history[h];
-      }
+      auto memory = points_.memory(p);
+      s_.law.flow(points_.phase()[p], F, points_.vector(Points::axes, p), memory.data());
+      for (int h = 0; h < points_.history(); ++h)
+        points_.column(Points::histories + h)[p] = memory[static_cast<std::size_t>(h)];
       points_.setMatrix(Points::deformations, p, F);
     }
   }

@@ -15,7 +15,8 @@ namespace lamella::mpm
 /// - `kind`: by which kernels find it;
 /// - `constants`: numbers of a phase, which every function gets as an array c of Real;
 /// - `history`: numbers that a point remembers beside F (0 for elastic laws). Where it is not 0 the law also has
-///   flow(c, F, axis, history), called once after F was updated and before the stress, which may change both;
+///   flow(c, F, axis, history), called once after F was updated and before the stress, which may change both; the
+///   functions below then take the history as well, and are of doubles only;
 /// - kirchhoff: Kirchhoff stress τ = J σ [Pa], symmetric, by rows;
 /// - energy: elastic energy over initial volume [J/m³], whose derivative gives τ exactly;
 /// - stiffness: an upper bound of L:(dτ + …):L / |L|² over all velocity gradients L [Pa], for the time step (double

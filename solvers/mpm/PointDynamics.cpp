@@ -44,7 +44,8 @@ PointDynamics<Dim>::PointDynamics(
   layGrid(false);
   chooseStep();
   if (options_.fused && options_.shape == Shape::QuadraticSpline && options_.mass == MassMatrix::Lumped &&
-    options_.transfer == Transfer::Apic && options_.update == StressUpdate::Last && !options_.acceleration)
+    options_.transfer == Transfer::Apic && options_.update == StressUpdate::Last && !options_.acceleration &&
+    static_cast<int>(law_->kind()) < lawKinds)
     fused_ = std::make_unique<FusedStep<Dim>>(points_, *law_, options_.gravity);
   initial_ = kineticEnergy() + elasticEnergy();
   startMoment_ = gravityMoment();
@@ -224,8 +225,8 @@ double PointDynamics<Dim>::stableStep() const
 #pragma omp parallel for schedule(static) reduction(max : worst) if (points_.count() > 2000)
   for (std::size_t p = 0; p < points_.count(); ++p)
   {
-    const double stiffness =
-      law_->stiffness(points_.phase()[p], points_.matrix(Points::deformations, p), points_.vector(Points::axes, p));
+    const double stiffness = law_->stiffness(points_.phase()[p], points_.matrix(Points::deformations, p),
+      points_.vector(Points::axes, p), points_.memory(p).data());
     const double ratio = stiffness * points_.column(Points::volumes)[p] / points_.column(Points::masses)[p];
     // what is not a number must come out on top
     worst = ratio <= worst ? worst : std::isfinite(ratio) ? ratio : std::numeric_limits<double>::infinity();
@@ -407,7 +408,8 @@ double PointDynamics<Dim>::elasticEnergy() const
   double sum = 0;
   for (std::size_t p = 0; p < points_.count(); ++p)
     sum += points_.column(Points::volumes)[p] *
-      law_->energy(points_.phase()[p], points_.matrix(Points::deformations, p), points_.vector(Points::axes, p));
+      law_->energy(points_.phase()[p], points_.matrix(Points::deformations, p), points_.vector(Points::axes, p),
+        points_.memory(p).data());
   return sum;
 }
 

@@ -15,7 +15,10 @@ namespace lamella::mpm
 /// Which law: what the kernels are compiled for.
 enum class LawKind : std::uint8_t
 {
-  NeoHookean
+  NeoHookean,
+  Isotropic,
+  Orthotropic,
+  Hencky ///< no kernels
 };
 
 /// The law of every phase, seen one point at a time. F by rows, `axis` the wall's direction at the start (unit vector).
@@ -31,12 +34,15 @@ public:
   [[nodiscard]] virtual const double* constants(std::size_t phase) const noexcept = 0;
   [[nodiscard]] virtual int constantsCount() const noexcept = 0;
   /// Kirchhoff stress τ [Pa].
+  /// @param history what the point remembers: history() numbers, here and below
   [[nodiscard]] virtual Matrix<Dim> kirchhoff(
-    std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis) const = 0;
+    std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history = nullptr) const = 0;
   /// Elastic energy over initial volume [J/m³].
-  [[nodiscard]] virtual double energy(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis) const = 0;
+  [[nodiscard]] virtual double energy(
+    std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history = nullptr) const = 0;
   /// What bounds the time step [Pa]; see NeoHookean.h.
-  [[nodiscard]] virtual double stiffness(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis) const = 0;
+  [[nodiscard]] virtual double stiffness(
+    std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history = nullptr) const = 0;
   /// After F was updated, before the stress: what flows; nothing for elastic laws.
   virtual void flow(std::size_t phase, Matrix<Dim>& F, const Vector<Dim>& axis, double* history) const = 0;
 };
@@ -59,22 +65,43 @@ public:
     return byPhase_[byPhase_.size() == 1 ? 0 : phase].data();
   }
   [[nodiscard]] int constantsCount() const noexcept override { return Law::constants; }
-  [[nodiscard]] Matrix<Dim> kirchhoff(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis) const override
+  [[nodiscard]] Matrix<Dim> kirchhoff(
+    std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history) const override
   {
-    return Law::template kirchhoff<Dim, double>(constants(phase), F, axis);
+    if constexpr (Law::history > 0)
+      return Law::template kirchhoff<Dim>(constants(phase), F, axis, history);
+    else
+    {
+      (void)history;
+      return Law::template kirchhoff<Dim, double>(constants(phase), F, axis);
+    }
   }
-  [[nodiscard]] double energy(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis) const override
+  [[nodiscard]] double energy(
+    std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history) const override
   {
-    return Law::template energy<Dim, double>(constants(phase), F, axis);
+    if constexpr (Law::history > 0)
+      return Law::template energy<Dim>(constants(phase), F, axis, history);
+    else
+    {
+      (void)history;
+      return Law::template energy<Dim, double>(constants(phase), F, axis);
+    }
   }
-  [[nodiscard]] double stiffness(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis) const override
+  [[nodiscard]] double stiffness(
+    std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history) const override
   {
-    return Law::template stiffness<Dim>(constants(phase), F, axis);
+    if constexpr (Law::history > 0)
+      return Law::template stiffness<Dim>(constants(phase), F, axis, history);
+    else
+    {
+      (void)history;
+      return Law::template stiffness<Dim>(constants(phase), F, axis);
+    }
   }
   void flow(std::size_t phase, Matrix<Dim>& F, const Vector<Dim>& axis, double* history) const override
   {
     if constexpr (Law::history > 0)
-      Law::template flow<Dim, double>(constants(phase), F, axis, history);
+      Law::template flow<Dim>(constants(phase), F, axis, history);
     else
       (void)phase, (void)F, (void)axis, (void)history;
   }

@@ -54,7 +54,7 @@ struct PointSweep
 /// Cells first … last − 1.
 using SweepCells = void (*)(PointSweep& sweep, std::int64_t first, std::int64_t last);
 
-inline constexpr int lawKinds = 1; ///< of LawKind
+inline constexpr int lawKinds = 3; ///< the first ones of LawKind
 
 struct PointKernels
 {

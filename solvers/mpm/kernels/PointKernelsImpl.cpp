@@ -2,7 +2,9 @@
 // with the lanes of this file only, or the linker could take another file's code for them.
 #include "mpm/kernels/PointKernels.h"
 
+#include "mpm/Isotropic.h"
 #include "mpm/NeoHookean.h"
+#include "mpm/Orthotropic.h"
 #include "mpm/kernels/CellPolynomials.h"
 
 namespace lamella::mpm
@@ -20,7 +22,6 @@ struct Columns
   static constexpr int masses = 2 * Dim + 2 * Dim * Dim;
   static constexpr int volumes = masses + 1;
   static constexpr int axes = masses + 2;
-  static constexpr int histories = masses + 2 + Dim;
 };
 
 /// A point outside its cell: from the nodes that it reaches, each of its own.
@@ -86,6 +87,7 @@ public:
   using R = Lanes<N>;
   using C = Columns<Dim>;
   static constexpr int nodes = cellNodes<Dim>;
+  static_assert(Law::history == 0);
 
   explicit Sweep(PointSweep& sweep)
     : s_(sweep)
@@ -160,7 +162,7 @@ private:
       F.m[i] = load(C::deformations + i, p);
     if constexpr (Whole)
     {
-      take(p, count, x, v, affine, F, axis);
+      take(p, count, x, v, affine, F);
     }
     else
     {
@@ -173,8 +175,7 @@ private:
   }
 
   /// Velocities from the grid; moves and strains the points.
-  void take(
-    std::int64_t p, int count, R* x, R* v, Matrix<Dim, R>& affine, Matrix<Dim, R>& F, const Vector<Dim, R>& axis)
+  void take(std::int64_t p, int count, R* x, R* v, Matrix<Dim, R>& affine, Matrix<Dim, R>& F)
   {
     CellPlace<R> at[3] = { place(0, 0, x[0]), place(0, 1, x[1]), place(0, Dim - 1, x[Dim - 1]) };
     Matrix<Dim, R> L;
@@ -211,15 +212,6 @@ private:
           sum = sum + L(i, k) * before(k, j);
         F(i, j) = before(i, j) + s_.dt * sum;
       }
-    if constexpr (Law::history > 0)
-    {
-      R history[Law::history];
-      for (int h = 0; h < Law::history; ++h)
-        history[h] = load(C::histories + h, p);
-      Law::flow(constants_, F, axis, history);
-      for (int h = 0; h < Law::history; ++h)
-        history[h].storeFirst(column(C::histories + h, p), count);
-    }
     for (int i = 0; i < Dim * Dim; ++i)
       F.m[i].storeFirst(column(C::deformations + i, p), count);
   }
@@ -406,6 +398,7 @@ constexpr int wide = 2;
   }
 extern const PointKernels LAMELLA_KERNELS;
 const PointKernels LAMELLA_KERNELS = { LAMELLA_KERNELS_NAME, { narrow, wide },
-  { { LAMELLA_LAW(2, NeoHookean) }, { LAMELLA_LAW(3, NeoHookean) } } };
+  { { LAMELLA_LAW(2, NeoHookean), LAMELLA_LAW(2, Isotropic), LAMELLA_LAW(2, Orthotropic) },
+    { LAMELLA_LAW(3, NeoHookean), LAMELLA_LAW(3, Isotropic), LAMELLA_LAW(3, Orthotropic) } } };
 
 } // namespace lamella::mpm

@@ -1,0 +1,411 @@
+// Implicit stiffness of material points: exact values, convergence, published values, what has no stiffness.
+#include "mpm/PointStiffness.h"
+#include "lattice/Error.h"
+#include "lattice/Phases.h"
+#include "micrograph/Picture.h"
+#include "mpm/WallCells.h"
+#include "mpm/WallMaterial.h"
+#include "peridynamics/ElasticConstants.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <numbers>
+
+namespace
+{
+
+using namespace lamella;
+using namespace lamella::mpm;
+
+constexpr double young = 1e9;
+
+/// Points in a box, evenly spread, `per` a cell and direction; the phase by the place, 0: none.
+template <int Dim>
+struct Body
+{
+  std::array<double, Dim> length{};
+  std::array<int, Dim> cells{};
+  MaterialPoints<Dim> points;
+
+  Body(const std::array<double, Dim>& size, const std::array<int, Dim>& n, int per,
+    const std::function<int(const std::array<double, Dim>&)>& phase, const Vector<Dim>& axis = along())
+    : length(size)
+    , cells(n)
+  {
+    std::vector<std::array<double, Dim>> places;
+    std::vector<int> phases;
+    std::array<int, Dim> i{};
+    while (i[Dim - 1] < n[Dim - 1] * per)
+    {
+      std::array<double, Dim> x;
+      for (std::size_t a = 0; a < Dim; ++a)
+        x[a] = size[a] * (i[a] + 0.5) / (n[a] * per);
+      if (const int p = phase(x); p != 0)
+      {
+        places.push_back(x);
+        phases.push_back(p);
+      }
+      for (std::size_t a = 0; a < Dim; ++a)
+        if (++i[a] < n[a] * per || a + 1 == Dim)
+          break;
+        else
+          i[a] = 0;
+    }
+    points = MaterialPoints<Dim>(places.size());
+    double volume = 1;
+    for (std::size_t a = 0; a < Dim; ++a)
+      volume *= size[a] / (n[a] * per);
+    for (std::size_t p = 0; p < places.size(); ++p)
+    {
+      for (int a = 0; a < Dim; ++a)
+        points.column(MaterialPoints<Dim>::positions + a)[p] = places[p][static_cast<std::size_t>(a)];
+      points.column(MaterialPoints<Dim>::volumes)[p] = volume;
+      points.setVector(MaterialPoints<Dim>::axes, p, axis);
+      points.phase()[p] = static_cast<std::uint8_t>(phases[p]);
+    }
+  }
+  static Vector<Dim> along()
+  {
+    Vector<Dim> v{};
+    v[0] = 1;
+    return v;
+  }
+
+  [[nodiscard]] PointStiffnessOptions<Dim> options(const std::array<BoxSides, Dim>& sides) const
+  {
+    PointStiffnessOptions<Dim> o;
+    o.upper = length;
+    o.spacing = length[0] / cells[0];
+    o.sides = sides;
+    return o;
+  }
+  [[nodiscard]] PointStiffness<Dim> solve(const PointLaw<Dim>& law, const std::array<BoxSides, Dim>& sides) const
+  {
+    return pointStiffness(points, law, options(sides));
+  }
+};
+
+constexpr std::array periodic{ BoxSides::Periodic, BoxSides::Periodic };
+constexpr std::array walls{ BoxSides::Walls, BoxSides::Walls };
+
+std::shared_ptr<const PointLaw<2>> plain(double poissonsRatio = 1.0 / 3, double contrast = 1)
+{
+  const auto constants = [&](double e)
+  { return isotropicConstants<2>({ .youngsModulus = e, .poissonsRatio = poissonsRatio }, PlaneState::Stress); };
+  return makeLaw<2, Isotropic>({ constants(young), constants(young), constants(contrast * young) });
+}
+
+const auto full = [](const auto&) { return 1; };
+
+// A block of one material strains evenly: exact to round-off and to the 1e-11 of the law's differences, at any angle of
+// its axis, where every cell has the same points.
+TEST(PointStiffness, BlockAtAnyAngle)
+{
+  const OrthotropicMaterial m{ .along = 8e9, .across = 2e9, .poissonsRatio = 0.3, .shearModulus = 0.7e9 };
+  const auto law = makeLaw<2, Orthotropic>({ orthotropicConstants<2>(m, PlaneState::Stress) });
+  for (const double degrees : { 0.0, 20.0, 45.0, 77.0, 90.0 })
+  {
+    const double t = degrees * std::numbers::pi / 180;
+    const double c = std::cos(t);
+    const double s = std::sin(t);
+    const Body<2> body({ 1.0, 0.8 }, { 10, 8 }, 2, full, { { c, s } });
+    const auto r = body.solve(*law, periodic);
+    const auto constants = peridynamics::elasticConstants(r.stiffness, 2);
+    const double slant = 1 / 0.7e9 - 2 * 0.3 / 8e9;
+    const auto modulus = [&](double cos, double sin)
+    { return 1 / (std::pow(cos, 4) / 8e9 + std::pow(sin, 4) / 2e9 + slant * cos * cos * sin * sin); };
+    EXPECT_NEAR(constants.youngsModulus[0], modulus(c, s), 1e-9 * 8e9) << degrees;
+    EXPECT_NEAR(constants.youngsModulus[1], modulus(s, c), 1e-9 * 8e9) << degrees;
+    EXPECT_NEAR(r.along(0).modulus, modulus(c, s), 1e-9 * 8e9);
+    // shear: 1/G(t) = 1/G + 4 (1/E₁ + 1/E₂ + 2ν/E₁ − 1/G) s²c²
+    const double g = 1 / (1 / 0.7e9 + 4 * (1 / 8e9 + 1 / 2e9 + 0.6 / 8e9 - 1 / 0.7e9) * s * s * c * c);
+    EXPECT_NEAR(constants.shearModulus[0], g, 1e-9 * 8e9) << degrees;
+    // sticky walls strain it evenly too
+    const auto held = body.solve(*law, { BoxSides::StickyWalls, BoxSides::StickyWalls });
+    for (std::size_t i = 0; i < 9; ++i)
+      EXPECT_NEAR(held.stiffness[i], r.stiffness[i], 1e-9 * 8e9);
+  }
+}
+
+TEST(PointStiffness, BlockBetweenWalls)
+{
+  const double nu = 0.3;
+  const Body<2> body({ 1.0, 2.0 }, { 6, 12 }, 2, full);
+  const auto r = body.solve(*plain(nu), walls);
+  ASSERT_EQ(r.strains, (std::vector{ 0, 1 }));
+  const auto straight = r.along(1);
+  EXPECT_NEAR(straight.modulus, young, 1e-9 * young);
+  EXPECT_NEAR(straight.strain[0], -nu, 1e-9);
+  EXPECT_NEAR(straight.stress[0], 0, 1e-9 * young);
+  const auto fixed = r.along(1, true);
+  EXPECT_NEAR(fixed.modulus, young / (1 - nu * nu), 1e-9 * young);
+  EXPECT_NEAR(fixed.stress[0], nu * young / (1 - nu * nu), 1e-9 * young);
+  // free sides: nodes beyond the block that hardly anything acts on, and still exact
+  const auto open = body.solve(*plain(nu), { BoxSides::Open, BoxSides::Walls });
+  EXPECT_NEAR(open.along(1).modulus, young, 1e-9 * young);
+  EXPECT_THROW((void)open.along(0), ParameterError);
+}
+
+TEST(PointStiffness, BlockInSpace)
+{
+  const OrthotropicMaterial m{
+    .along = 8e9, .across = 2e9, .poissonsRatio = 0.3, .acrossRatio = 0.25, .shearModulus = 0.7e9
+  };
+  const auto law = makeLaw<3, Orthotropic>({ orthotropicConstants<3>(m) });
+  const double s = std::sqrt(0.5);
+  const Body<3> body({ 1, 1.2, 1 }, { 5, 6, 5 }, 2, full, { { s, 0, s } });
+  PointStiffnessOptions<3> o = body.options({ BoxSides::Periodic, BoxSides::Periodic, BoxSides::Periodic });
+  const auto c = peridynamics::elasticConstants(pointStiffness(body.points, *law, o).stiffness, 3);
+  const double slant = 1 / (0.25 / 8e9 + 0.25 / 2e9 + 0.25 * (1 / 0.7e9 - 0.6 / 8e9));
+  EXPECT_NEAR(c.youngsModulus[0], slant, 1e-9 * 8e9);
+  EXPECT_NEAR(c.youngsModulus[1], 2e9, 1e-9 * 8e9);
+  EXPECT_NEAR(c.youngsModulus[2], slant, 1e-9 * 8e9);
+  const Body<3> straight({ 1, 1, 1 }, { 5, 5, 5 }, 2, full, { { 0, 0, 1 } });
+  o = straight.options({ BoxSides::Walls, BoxSides::Walls, BoxSides::Walls });
+  const auto u = pointStiffness(straight.points, *law, o).along(2);
+  EXPECT_NEAR(u.modulus, 8e9, 1e-9 * 8e9);
+  EXPECT_NEAR(u.strain[0], -0.3, 1e-9);
+}
+
+// Layers without Poisson's effect. Along them strain is even: exact. Across, splines round off the kink of the
+// displacement: too stiff by something in proportion to the spacing.
+TEST(PointStiffness, Layers)
+{
+  double before = 0;
+  for (const int n : { 8, 16, 32, 64 })
+  {
+    const Body<2> body(
+      { 1, 1 }, { n, n }, 2, [](const std::array<double, 2>& x) { return x[1] > 0.25 && x[1] < 0.75 ? 2 : 1; });
+    const auto c = peridynamics::elasticConstants(body.solve(*plain(0, 10), periodic).stiffness, 2);
+    EXPECT_NEAR(c.youngsModulus[0], 5.5 * young, 1e-8 * young);
+    const double exact = 2 / (1 + 0.1) * young;
+    const double error = c.youngsModulus[1] / exact - 1;
+    EXPECT_GT(error, 0);
+    EXPECT_LT(c.youngsModulus[1], 5.5 * young);
+    if (before > 0)
+    {
+      EXPECT_NEAR(std::log2(before / error), 1, 0.1) << n;
+    }
+    before = error;
+  }
+  EXPECT_LT(before, 0.04);
+}
+
+/// Regular pattern of hexagonal cells, one apart: the offset from the centre of the cell that a place lies in.
+std::array<double, 2> fromCentre(const std::array<double, 2>& x)
+{
+  const double height = std::numbers::sqrt3;
+  std::array<double, 2> best{ 9, 9 };
+  for (const auto& [cx, cy] :
+    { std::array{ 0.0, 0.0 }, { 1.0, 0.0 }, { 0.5, height / 2 }, { 0.0, height }, { 1.0, height } })
+    if (std::hypot(x[0] - cx, x[1] - cy) < std::hypot(best[0], best[1]))
+      best = { x[0] - cx, x[1] - cy };
+  return best;
+}
+
+PointStiffness<2> hexagonal(int cells, int per, const std::function<bool(const std::array<double, 2>&)>& hollow)
+{
+  const double height = std::numbers::sqrt3;
+  const Body<2> body({ 1, height }, { cells, static_cast<int>(std::lround(height * cells)) }, per,
+    [&](const std::array<double, 2>& x) { return hollow(fromCentre(x)) ? 0 : 1; });
+  return body.solve(*plain(), periodic);
+}
+
+// Published to five digits (plane stress). Points follow the outline in steps, so that the error jumps about below its
+// trend, which falls in proportion to the spacing or faster.
+TEST(PointStiffness, PlateWithHexagonalArrayOfHoles)
+{
+  for (const auto& [area, exact] : { std::array{ 0.1, 0.74992 }, { 0.3, 0.42948 }, { 0.5, 0.21436 } })
+  {
+    const double radius = std::sqrt(area * std::numbers::sqrt3 / (2 * std::numbers::pi));
+    const auto error = [&, exact = exact](int cells)
+    {
+      const auto r =
+        hexagonal(cells, 3, [&](const std::array<double, 2>& x) { return std::hypot(x[0], x[1]) < radius; });
+      return r.along(0).modulus / (exact * young) - 1;
+    };
+    const double coarse = std::abs(error(16));
+    const double fine = std::abs(error(64));
+    EXPECT_LT(coarse, 0.02) << area;
+    EXPECT_LT(fine, 0.004) << area;
+    EXPECT_LT(fine, coarse) << area;
+  }
+}
+
+TEST(PointStiffness, Honeycomb)
+{
+  for (const auto& [solid, exact] : { std::array{ 0.19, 0.011558 }, { 0.36, 0.075005 }, { 0.64, 0.326779 } })
+  {
+    const double inner = 0.5 * std::sqrt(1 - solid);
+    const auto error = [&, exact = exact](int cells)
+    {
+      const auto r = hexagonal(cells, 3,
+        [&](const std::array<double, 2>& x)
+        {
+          const double slant = 0.5 * std::numbers::sqrt3 * x[1];
+          return std::max({ std::abs(x[0]), std::abs(0.5 * x[0] + slant), std::abs(0.5 * x[0] - slant) }) < inner;
+        });
+      return r.along(0).modulus / (exact * young) - 1;
+    };
+    const double fine = std::abs(error(64));
+    EXPECT_LT(fine, 0.015) << solid;
+    EXPECT_LT(fine, std::abs(error(16))) << solid;
+  }
+}
+
+// What hangs on nothing and what hardly any material acts on leave the answer alone.
+TEST(PointStiffness, LoosePiecesAndSinglePoints)
+{
+  const auto column = [](double x) { return x > 0.3 && x < 0.7; };
+  const Body<2> alone({ 1, 1 }, { 20, 20 }, 2, [&](const auto& x) { return column(x[0]) ? 1 : 0; });
+  const Body<2> loose({ 1, 1 }, { 20, 20 }, 2,
+    [&](const auto& x)
+    {
+      const bool island = x[0] > 0.05 && x[0] < 0.15 && x[1] > 0.4 && x[1] < 0.6;
+      const bool crumb = std::abs(x[0] - 0.9125) < 0.01 && std::abs(x[1] - 0.5125) < 0.01;
+      return column(x[0]) || island || crumb ? 1 : 0;
+    });
+  EXPECT_EQ(loose.points.count(), alone.points.count() + 4 * 8 + 1);
+  const std::array sides{ BoxSides::Open, BoxSides::Walls };
+  const double exact = 0.4 * young;
+  EXPECT_NEAR(alone.solve(*plain(), sides).along(1).modulus, exact, 1e-9 * young);
+  const auto r = loose.solve(*plain(), sides);
+  EXPECT_NEAR(r.along(1).modulus, exact, 1e-7 * young);
+  EXPECT_LE(r.residual, 1e-7);
+  auto o = loose.options(sides);
+  o.solver = StiffnessSolver::ConjugateGradients;
+  EXPECT_NEAR(pointStiffness(loose.points, *plain(), o).along(1).modulus, exact, 1e-7 * young);
+}
+
+TEST(PointStiffness, BothSolversAgree)
+{
+  const Body<2> body({ 1, 1 }, { 16, 16 }, 2,
+    [](const auto& x) { return std::hypot(x[0] - 0.5, x[1] - 0.4) < 0.3 ? 0
+                          : x[0] > 0.8                                  ? 2
+                                                                        : 1; });
+  for (const auto& sides :
+    { periodic, walls, std::array{ BoxSides::Open, BoxSides::StickyWalls }, { BoxSides::Periodic, BoxSides::Walls } })
+  {
+    auto o = body.options(sides);
+    o.tolerance = 1e-9;
+    const auto law = plain(0.3, 3);
+    const auto factors = pointStiffness(body.points, *law, o);
+    o.solver = StiffnessSolver::ConjugateGradients;
+    const auto iterated = pointStiffness(body.points, *law, o);
+    ASSERT_EQ(factors.strains, iterated.strains);
+    EXPECT_LE(factors.iterations[0], 3);
+    // the error of the energy is the square of that of the displacement
+    for (std::size_t i = 0; i < factors.stiffness.size(); ++i)
+      EXPECT_NEAR(factors.stiffness[i], iterated.stiffness[i], 1e-10 * young);
+  }
+}
+
+// Earlywood and latewood of real spruce, against bilinear elements on pixels, at equal spacing: platens without
+// friction, sides free.
+TEST(PointStiffness, RealSpruce)
+{
+  const char* folder = std::getenv("LAMELLA_REAL_DATA");
+  if (folder == nullptr)
+    GTEST_SKIP() << "LAMELLA_REAL_DATA does not name the folder of real pictures";
+  struct
+  {
+    const char* file;
+    int axis;
+    double elements, tooCoarse;
+  } const table[] = { { "spruce_EW_labels_0.5um.png", 1, 0.0501, 8 }, { "spruce_EW_labels_0.5um.png", 0, 0.0311, 8 },
+    { "spruce_LW_labels_0.5um.png", 1, 0.3224, 16 } };
+  for (const auto& row : table)
+  {
+    const auto picture = micrograph::readPicture(std::filesystem::path(folder) / row.file);
+    GreyMap map;
+    map.phaseOfGrey[0] = "void";
+    map.other = "wall";
+    const auto image = crop(map.apply(picture.lattice, picture.grey), Window{ { 100, 20, 0 }, { 400, 400, 0 } });
+    const auto points = pointsFromLattice<2>(image.lattice, image.phase, {}, PointOptions{});
+    PointStiffnessOptions<2> o;
+    o.upper = { image.lattice.length(0), image.lattice.length(1) };
+    o.spacing = image.lattice.spacing;
+    o.sides.fill(BoxSides::Open);
+    o.sides[static_cast<std::size_t>(row.axis)] = BoxSides::Walls;
+    const auto r = pointStiffness(points, *plain(), o);
+    EXPECT_NEAR(r.along(row.axis).modulus / young, row.elements, 0.01 * row.elements);
+    EXPECT_EQ(wallWarning(wallCells(image.lattice, image.phase, 0, o.spacing)), "");
+    EXPECT_NE(wallWarning(wallCells(image.lattice, image.phase, 0, row.tooCoarse * o.spacing)), "");
+  }
+}
+
+TEST(PointStiffness, CellsAcrossWalls)
+{
+  // columns of solid: 1, 3 and 2 nodes wide, the last at the edge, which nothing says the width of
+  Lattice l = makeLattice(10, 4, 1, 2, 2.0);
+  std::vector<std::uint8_t> phase;
+  for (int y = 0; y < 4; ++y)
+    for (const int v : { 0, 1, 0, 1, 1, 1, 0, 0, 1, 1 })
+      phase.push_back(static_cast<std::uint8_t>(v));
+  const WallCells cells = wallCells(l, phase, 0, 1.0);
+  EXPECT_DOUBLE_EQ(cells.median, 6);
+  EXPECT_EQ(wallWarning(cells), "");
+  const WallCells coarse = wallCells(l, phase, 0, 4.0);
+  EXPECT_DOUBLE_EQ(coarse.median, 1.5);
+  EXPECT_DOUBLE_EQ(coarse.thinShare, 4.0 / 6);
+  EXPECT_EQ(wallWarning(coarse),
+    "walls are 1.5 cells of the grid thick (median; 67 % of the material is thinner than 2): choose a grid spacing "
+    "that "
+    "is smaller");
+  EXPECT_THROW((void)wallCells(l, std::span(phase).first(7), 0, 1.0), InputError);
+}
+
+template <class Exception>
+std::string complaint(const std::function<void()>& act)
+{
+  try
+  {
+    act();
+  }
+  catch (const Exception& error)
+  {
+    return error.what();
+  }
+  return "nothing of that kind was thrown";
+}
+
+TEST(PointStiffness, RefusesWhatItCannotDo)
+{
+  const Body<2> gap({ 1, 1 }, { 20, 20 }, 2, [](const auto& x) { return x[1] < 0.7 ? 1 : 0; });
+  EXPECT_EQ(complaint<NoPathError>(
+              [&] {
+                (void)gap.solve(*plain(), { BoxSides::Open, BoxSides::Walls });
+              }),
+    "nothing carries a load along y from one end of the box to the other");
+  const Body<2> body({ 1, 1 }, { 6, 6 }, 2, full);
+  const auto with = [&](const auto& change)
+  {
+    auto o = body.options(walls);
+    change(o);
+    return complaint<Error>([&] { (void)pointStiffness(body.points, *plain(), o); });
+  };
+  EXPECT_EQ(with([](auto& o) { o.spacing = 0; }), "a grid spacing of 0 m");
+  EXPECT_EQ(with([](auto& o) { o.spacing = 0.5; }), "2 cells along x");
+  EXPECT_EQ(with([](auto& o) { o.upper[1] = 0; }), "a box from 0 to 0 m along y");
+  EXPECT_EQ(with([](auto& o) { o.lower[0] = 0.1; }), "point 0 lies at x = 0.0416667 m, outside the box");
+  EXPECT_EQ(with([](auto& o) { o.sides.fill(BoxSides::Open); }), "no side of the box can be moved");
+  EXPECT_EQ(with([](auto& o) { o.tolerance = 2; }), "a tolerance of 2");
+  EXPECT_EQ(with([](auto& o) { o.progress = [](double) { return true; }; }), "interrupted");
+  EXPECT_EQ(with(
+              [](auto& o)
+              {
+                o.solver = StiffnessSolver::ConjugateGradients;
+                o.sides.fill(BoxSides::StickyWalls);
+                o.maximumIterations = 0;
+              }),
+    "nothing of that kind was thrown"); // an even strain leaves nothing to solve for
+  EXPECT_THROW((void)pointStiffness(MaterialPoints<2>(), *plain(), body.options(walls)), InputError);
+  const Body<2> four({ 1, 1 }, { 6, 6 }, 1, [](const auto&) { return 4; });
+  EXPECT_EQ(complaint<ParameterError>([&] { (void)four.solve(*plain(), walls); }), "no law for phase 4");
+}
+
+} // namespace
