@@ -14,7 +14,7 @@ namespace lamella::mpm
 
 /// Material points as a structure of arrays: one column of doubles a component, each with a few values to spare behind
 /// the last point, so that kernels can read whole vectors.
-/// Bytes a point: 8 (4 Dim + 2 Dim² + 2 + history) + 5; 2D 149 without history.
+/// Bytes a point: 8 (3 Dim + 2 Dim² + 2 + history) + 5, which is 133 in 2D and 237 in 3D without history.
 template <int Dim>
 class MaterialPoints
 {
