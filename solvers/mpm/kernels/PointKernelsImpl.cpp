@@ -93,7 +93,11 @@ public:
     : s_(sweep)
   {
     for (int a = 0; a < Dim; ++a)
+    {
       stride_[a] = s_.axis[a].stride;
+      for (int when = 0; when < 2; ++when)
+        inverse_[when][a] = 1 / s_.axis[a].spacing[when];
+    }
     for (int q = 0; q < Law::constants && s_.onePhase; ++q)
       constants_[q] = R(s_.constants[q]);
   }
@@ -185,9 +189,8 @@ private:
       v[c] = r.value;
       for (int b = 0; b < Dim; ++b)
       {
-        const double inverse = 1 / s_.axis[b].spacing[0];
-        L(c, b) = r.gradient[b] * inverse;
-        affine(c, b) = r.affine[b] * inverse;
+        L(c, b) = r.gradient[b] * inverse_[0][b];
+        affine(c, b) = r.affine[b] * inverse_[0][b];
       }
     }
     const unsigned strays = outsideCell(at, count);
@@ -248,7 +251,7 @@ private:
       R spread[Dim];
       for (int b = 0; b < Dim; ++b)
       {
-        gradient[b] = select(inside, impulse * tau(c, b), none) * (1 / s_.axis[b].spacing[1]);
+        gradient[b] = select(inside, impulse * tau(c, b), none) * inverse_[1][b];
         spread[b] = m * affine(c, b) * (0.25 * s_.axis[b].spacing[1]);
       }
       addMoments<Dim>(moments_[1 + c], at, m * (v[c] + R(s_.kick * s_.gravity[c])), gradient, spread);
@@ -258,7 +261,7 @@ private:
   /// @param when before (0) or after (1) the step
   CellPlace<R> place(int when, int a, R x) const
   {
-    return CellPlace<R>((x - R(s_.axis[a].lower[when])) * (1 / s_.axis[a].spacing[when]) - R(middle_[a]));
+    return CellPlace<R>((x - R(s_.axis[a].lower[when])) * inverse_[when][a] - R(middle_[a]));
   }
 
   /// A bit a point: is it outside the cell? What is not a number is.
@@ -362,8 +365,9 @@ private:
 
   PointSweep& s_;
   std::int64_t stride_[3] = {};
-  double middle_[3] = {}; ///< node in the middle of the cell's splines
-  bool edge_ = false;     ///< the cell reaches where points are to be reported
+  double inverse_[2][3] = {}; ///< of the spacings, before and after
+  double middle_[3] = {};     ///< node in the middle of the cell's splines
+  bool edge_ = false;         ///< the cell reaches where points are to be reported
   R constants_[Law::constants];
   double coefficients_[4 * nodes];
   R moments_[1 + Dim][nodes];
