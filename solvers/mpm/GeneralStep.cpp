@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <type_traits>
 
 namespace lamella::mpm
 {
@@ -96,6 +97,7 @@ public:
     , points_(given.points)
     , affine_(given.options.transfer == Transfer::Apic)
   {
+    reach_.reserve(points_.count());
     for (std::size_t p = 0; p < points_.count(); ++p)
       reach_.push_back(reachOf(p));
   }
@@ -137,10 +139,15 @@ private:
 
   [[nodiscard]] Nodes reachOf(std::size_t p) const
   {
-    // widths keep their share of a cell when the grid follows the walls
-    Vector<Dim> width;
-    for (int a = 0; a < Dim; ++a)
-      width[a] = std::fmin(1.0, std::pow(points_.column(Points::volumes)[p], 1.0 / Dim) / s_.options.spacing);
+    Vector<Dim> width{};
+    if constexpr (std::is_same_v<Shape, Gimp>)
+    {
+      // keeps its share of a cell when the grid follows the walls
+      const double volume = points_.column(Points::volumes)[p];
+      const double share = (Dim == 2 ? std::sqrt(volume) : std::cbrt(volume)) / s_.options.spacing;
+      for (int a = 0; a < Dim; ++a)
+        width[a] = std::fmin(1.0, share);
+    }
     return Nodes(s_.grid, points_.vector(Points::positions, p), width);
   }
 
@@ -153,18 +160,17 @@ private:
     {
       const Vector<Dim> v = points_.vector(Points::velocities, p);
       const Matrix<Dim> c = points_.matrix(Points::affines, p);
-      const Matrix<Dim> tau =
-        s_.law.kirchhoff(points_.phase()[p], points_.matrix(Points::deformations, p), points_.vector(Points::axes, p));
-      Vector<Dim> body = s_.options.gravity;
+      const Matrix<Dim> tau = s_.law.kirchhoff(points_.phase()[p], points_.matrix(Points::deformations, p),
+        points_.vector(Points::axes, p), points_.memory(p).data());
+      Vector<Dim> body{};
       if (s_.options.acceleration)
-      {
-        const Vector<Dim> more = s_.options.acceleration(points_.id()[p], s_.time);
-        for (int a = 0; a < Dim; ++a)
-          body[a] += more[a];
-      }
-      for (int a = 0; a < Dim; ++a)
-        work_ += mass[p] * body[a] * v[a] * s_.kick / 2;
+        body = s_.options.acceleration(points_.id()[p], s_.time);
       body_.push_back(body);
+      for (int a = 0; a < Dim; ++a)
+      {
+        work_ += mass[p] * body[a] * v[a] * s_.kick / 2;
+        body[a] += s_.options.gravity[a];
+      }
       reach_[p].forEach(
         [&](std::size_t at, double n, const Vector<Dim>& gradient, const Vector<Dim>& offset)
         {
@@ -344,7 +350,6 @@ private:
 
   void deform(const Values& velocity)
   {
-    std::vector<double> history(static_cast<std::size_t>(points_.history()));
     for (std::size_t p = 0; p < points_.count(); ++p)
     {
       Matrix<Dim> update{};
@@ -359,14 +364,10 @@ private:
       Matrix<Dim> F = product(update, before);
       for (int i = 0; i < Dim * Dim; ++i)
         F.m[i] += before.m[i];
-      if (!history.empty())
-      {
-        for (std::size_t h = 0; h < history.size(); ++h)
-          history[h] = points_.column(Points::histories + static_cast<int>(h))[p];
-        s_.law.flow(points_.phase()[p], F, points_.vector(Points::axes, p), history.data());
-        for (std::size_t h = 0; h < history.size(); ++h)
-          points_.column(Points::histories + static_cast<int>(h))[p] = history[h];
-      }
+      auto memory = points_.memory(p);
+      s_.law.flow(points_.phase()[p], F, points_.vector(Points::axes, p), memory.data());
+      for (int h = 0; h < points_.history(); ++h)
+        points_.column(Points::histories + h)[p] = memory[static_cast<std::size_t>(h)];
       points_.setMatrix(Points::deformations, p, F);
     }
   }
@@ -376,8 +377,8 @@ private:
   bool affine_;
   std::vector<Nodes> reach_;
   std::vector<Vector<Dim>> position_;
-  std::vector<Vector<Dim>> body_; // accelerations
-  double work_ = 0;               // of body forces, with the mean of the velocities before and after
+  std::vector<Vector<Dim>> body_; // accelerations other than gravity
+  double work_ = 0;               // of theirs, with the mean of the velocities before and after
   Values momentum_;
   Values oldMomentum_;
 };

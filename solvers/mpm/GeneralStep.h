@@ -21,7 +21,7 @@ struct GeneralStep
   double dt;   ///< by which points move
   double kick; ///< over which forces act: from half a step ago to half a step ahead
 
-  /// @return the work of body forces [J]
+  /// @return the work of body forces other than gravity [J]
   /// @throws DivergenceError: a point outside the grid; a consistent mass that cannot be solved with
   double run() const;
 };

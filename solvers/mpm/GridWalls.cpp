@@ -7,6 +7,7 @@ namespace lamella::mpm
 namespace
 {
 
+constexpr std::int64_t worthThreads = 20000;
 constexpr double leastMass = 1e-300; // below it a node has none: its velocity would overflow
 
 double& at(std::span<double> nodes, std::int64_t node, int value)
@@ -166,7 +167,7 @@ void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<dou
     }
 
   const std::int64_t count = grid.count();
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (count > worthThreads)
   for (std::int64_t i = 0; i < count; ++i)
   {
     double* v = nodes.data() + i * nodeValues;

@@ -17,7 +17,7 @@ struct Wall
   bool sticks =
     false; ///< holds what touches it along itself too; else it is frictionless. A frame of reference at rest
   double velocity = 0; ///< along the axis [m/s]: given, or of a straight wall what was found
-  double force = 0;    ///< of the body on it, along the axis, in the last step [N], [N/m] in 2D
+  double force = 0;    ///< of the body on it, along the axis, when the last step began [N], [N/m] in 2D
 };
 
 /// Lower (0) and upper (1) of every axis. Of a periodic axis the upper one says how fast the period grows.
@@ -59,16 +59,17 @@ template <int Dim>
 [[nodiscard]] MirrorPairs mirrorPairs(
   const BackgroundGrid<Dim>& grid, const Walls<Dim>& walls, int axis, int side, int c);
 
-/// Calls f(position in memory of the first node) for every line of nodes along an axis, those beyond the ends of the
-/// other axes too (`all`), or not.
+/// Calls f(position in memory of the first node) for every line of nodes along an axis: all of them, or only those that
+/// are no images of others across the ends of the other axes.
 template <int Dim, class F>
 void forEachLine(const BackgroundGrid<Dim>& grid, int axis, bool all, F&& f)
 {
   const int b = axis == 0 ? 1 : 0;
   const int d = Dim == 3 ? 3 - axis - b : b;
   const int rim = all ? 0 : 1;
-  for (int k = Dim == 3 ? rim : 0; k < (Dim == 3 ? grid.nodes(d) - rim : 1); ++k)
-    for (int j = rim; j < grid.nodes(b) - rim; ++j)
+  const auto end = [&](int a) { return grid.nodes(a) - (!all && grid.axis(a).end(1) == Edge::Periodic ? 2 : rim); };
+  for (int k = Dim == 3 ? rim : 0; k < (Dim == 3 ? end(d) : 1); ++k)
+    for (int j = rim; j < end(b); ++j)
       f(j * grid.stride(b) + (Dim == 3 ? k * grid.stride(d) : 0));
 }
 

@@ -37,7 +37,7 @@ std::size_t MaterialPoints<Dim>::bytes() const noexcept
 template <int Dim>
 void MaterialPoints<Dim>::reorder(std::span<const std::uint32_t> order)
 {
-#pragma omp parallel
+#pragma omp parallel if (count_ > 2000)
   {
     std::vector<double> old(count_);
 #pragma omp for schedule(dynamic, 1)

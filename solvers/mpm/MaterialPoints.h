@@ -32,7 +32,7 @@ public:
   static constexpr std::size_t padding = 16;               ///< values to spare
 
   /// Points at rest, undeformed (F = I), of no mass, with their axis along x, of phase 0, numbered from 0.
-  /// @param history numbers a point that the law remembers, at the start 0
+  /// @param history numbers a point that the law remembers, at the start 0; at most mostHistory
   explicit MaterialPoints(std::size_t count = 0, int history = 0);
 
   [[nodiscard]] std::size_t count() const noexcept { return count_; }
@@ -48,6 +48,16 @@ public:
   /// From a column to the next, in doubles.
   [[nodiscard]] std::size_t pitch() const noexcept { return pitch_; }
   [[nodiscard]] std::size_t bytes() const noexcept;
+
+  static constexpr int mostHistory = 8;
+  /// What a point remembers beside F: history() numbers, and then none.
+  [[nodiscard]] std::array<double, mostHistory> memory(std::size_t p) const noexcept
+  {
+    std::array<double, mostHistory> a{};
+    for (int i = 0; i < history(); ++i)
+      a[static_cast<std::size_t>(i)] = column(histories + i)[p];
+    return a;
+  }
 
   [[nodiscard]] Vector<Dim> vector(int first, std::size_t p) const noexcept
   {

@@ -1,6 +1,7 @@
 #include "mpm/PointDynamics.h"
 
 #include "lattice/Error.h"
+#include "mpm/FusedStep.h"
 #include "mpm/GeneralStep.h"
 
 #include <fmt/format.h>
@@ -40,9 +41,14 @@ PointDynamics<Dim>::PointDynamics(
       const Side& given = options_.sides[static_cast<std::size_t>(a)][static_cast<std::size_t>(side)];
       walls_(a, side) = Wall{ given.straight, given.sticks, given.straight ? 0 : given.velocity, 0 };
     }
-  layGrid();
+  layGrid(false);
   chooseStep();
+  if (options_.fused && options_.shape == Shape::QuadraticSpline && options_.mass == MassMatrix::Lumped &&
+    options_.transfer == Transfer::Apic && options_.update == StressUpdate::Last && !options_.acceleration &&
+    static_cast<int>(law_->kind()) < lawKinds)
+    fused_ = std::make_unique<FusedStep<Dim>>(points_, *law_, options_.gravity);
   initial_ = kineticEnergy() + elasticEnergy();
+  startMoment_ = gravityMoment();
 }
 
 template <int Dim>
@@ -102,68 +108,78 @@ void PointDynamics<Dim>::check() const
 }
 
 template <int Dim>
-std::array<std::array<double, 2>, Dim> PointDynamics<Dim>::extents() const
+std::array<double, 2> PointDynamics<Dim>::extent(int a) const
 {
-  std::array<std::array<double, 2>, Dim> extent{};
-  for (int a = 0; a < Dim; ++a)
+  const auto x = points_.column(a);
+  double low = x[0];
+  double high = x[0];
+  for (const double value : x)
   {
-    const auto x = points_.column(a);
-    double low = x[0];
-    double high = x[0];
-    for (const double value : x)
-    {
-      low = std::min(low, value);
-      high = std::max(high, value);
-    }
-    extent[static_cast<std::size_t>(a)] = { low, high };
+    low = std::min(low, value);
+    high = std::max(high, value);
   }
-  return extent;
+  return { low, high };
 }
 
 template <int Dim>
-void PointDynamics<Dim>::layGrid()
+GridAxis PointDynamics<Dim>::layAxis(int a, bool keep) const
 {
-  std::array<GridAxis, Dim> axes;
-  const auto extent = extents();
+  const auto& side = options_.sides[static_cast<std::size_t>(a)];
   const double h = options_.spacing;
-  double cells = 1;
-  for (int a = 0; a < Dim; ++a)
+  GridAxis g = grid_.axis(a);
+  g.edge = { side[0].edge, side[1].edge };
+  double lower = side[0].position;
+  double upper = side[1].position;
+  if (side[0].edge != Edge::Open && side[1].edge != Edge::Open)
   {
-    const auto& side = options_.sides[static_cast<std::size_t>(a)];
-    const auto [low, high] = extent[static_cast<std::size_t>(a)];
-    GridAxis& g = axes[static_cast<std::size_t>(a)];
-    g.edge = { side[0].edge, side[1].edge };
-    g.spacing = h;
-    const double room = rim * h;
-    double lower = side[0].position;
-    double upper = side[1].position;
-    if (side[0].edge == Edge::Open && side[1].edge == Edge::Open)
-    {
-      lower = std::floor((low - room) / h) * h; // nodes at multiples of the spacing
-      upper = lower + std::ceil((high + room - lower) / h) * h;
-    }
-    else if (side[0].edge == Edge::Open)
-      lower = upper - std::ceil((upper - low + room) / h) * h;
-    else if (side[1].edge == Edge::Open)
-      upper = lower + std::ceil((high + room - lower) / h) * h;
-    cells *= (upper - lower) / h;
-    if (!(cells < std::max(1e7, 1e3 * static_cast<double>(points_.count()))))
-      throw DivergenceError(
-        fmt::format("at step {} the points are spread from {} to {} m along axis {}", step_, low, high, a),
-        "take a smaller step, or hold them with walls");
-    g.lower = lower;
     const double wanted = (upper - lower) / h;
-    g.cells = static_cast<int>(std::lround(wanted));
     // walls that come and go across half a cell do not change the number of cells each time
-    const int last = grid_.count() > 0 ? grid_.axis(a).cells : 0;
-    if (last > 0 && side[0].edge != Edge::Open && side[1].edge != Edge::Open && std::fabs(wanted - last) < 0.75)
-      g.cells = last;
+    if (grid_.count() == 0 || std::fabs(wanted - g.cells) > 0.75)
+      g.cells = static_cast<int>(std::lround(wanted));
     if (g.cells < 3)
       throw DivergenceError(fmt::format("at step {} the walls along axis {} are {} m apart, three cells are {} m",
                               step_, a, upper - lower, 3 * h),
         "stop before, or take a finer grid");
+    g.lower = lower;
     g.spacing = (upper - lower) / g.cells;
+    return g;
   }
+  if (keep) // it moves with its wall
+  {
+    if (side[0].edge != Edge::Open)
+      g.lower = lower;
+    else if (side[1].edge != Edge::Open)
+      g.lower = upper - g.cells * h;
+    return g;
+  }
+  const auto [low, high] = extent(a);
+  const double room = rim * h;
+  if (side[0].edge != Edge::Open)
+    upper = high + room;
+  else if (side[1].edge != Edge::Open)
+    lower = low - room;
+  else
+  {
+    lower = std::floor((low - room) / h) * h; // nodes at multiples of the spacing
+    upper = high + room;
+  }
+  const double cells = std::ceil((upper - lower) / h);
+  if (!(cells < std::max(1e4, static_cast<double>(points_.count()))))
+    throw DivergenceError(
+      fmt::format("at step {} the points are spread from {} to {} m along axis {}", step_, low, high, a),
+      "take a smaller step, or hold them with walls");
+  g.cells = static_cast<int>(cells);
+  g.spacing = h;
+  g.lower = side[0].edge == Edge::Open && side[1].edge != Edge::Open ? upper - g.cells * h : lower;
+  return g;
+}
+
+template <int Dim>
+void PointDynamics<Dim>::layGrid(bool keep)
+{
+  std::array<GridAxis, Dim> axes;
+  for (int a = 0; a < Dim; ++a)
+    axes[static_cast<std::size_t>(a)] = layAxis(a, keep);
   grid_.set(axes);
 }
 
@@ -171,11 +187,20 @@ template <int Dim>
 void PointDynamics<Dim>::moveWalls(double dt)
 {
   for (int a = 0; a < Dim; ++a)
-  {
-    auto& side = options_.sides[static_cast<std::size_t>(a)];
     for (int s = 0; s < 2; ++s)
-      if (side[static_cast<std::size_t>(s)].edge != Edge::Open)
-        side[static_cast<std::size_t>(s)].position += walls_(a, s).velocity * dt;
+    {
+      Side& side = options_.sides[static_cast<std::size_t>(a)][static_cast<std::size_t>(s)];
+      if (side.edge != Edge::Open)
+        side.position += walls_(a, s).velocity * dt;
+    }
+}
+
+template <int Dim>
+void PointDynamics<Dim>::wrap()
+{
+  for (int a = 0; a < Dim; ++a)
+  {
+    const auto& side = options_.sides[static_cast<std::size_t>(a)];
     if (side[0].edge != Edge::Periodic)
       continue;
     const double period = side[1].position - side[0].position;
@@ -183,16 +208,12 @@ void PointDynamics<Dim>::moveWalls(double dt)
     auto x = points_.column(a);
     auto v = points_.column(MaterialPoints<Dim>::velocities + a);
     for (std::size_t p = 0; p < points_.count(); ++p)
-      if (x[p] < side[0].position)
-      {
-        x[p] += period;
-        v[p] += rate;
-      }
-      else if (x[p] >= side[1].position)
-      {
-        x[p] -= period;
-        v[p] -= rate;
-      }
+    {
+      const double sign = x[p] < side[0].position ? 1 : x[p] >= side[1].position ? -1 : 0;
+      x[p] += sign * period;
+      v[p] += sign * rate;
+      startMoment_ += sign * period * options_.gravity[a] * points_.column(MaterialPoints<Dim>::masses)[p]; // no work
+    }
   }
 }
 
@@ -201,11 +222,11 @@ double PointDynamics<Dim>::stableStep() const
 {
   using Points = MaterialPoints<Dim>;
   double worst = 0; // stiffness over density [m²/s²]
-#pragma omp parallel for schedule(static) reduction(max : worst)
+#pragma omp parallel for schedule(static) reduction(max : worst) if (points_.count() > 2000)
   for (std::size_t p = 0; p < points_.count(); ++p)
   {
-    const double stiffness =
-      law_->stiffness(points_.phase()[p], points_.matrix(Points::deformations, p), points_.vector(Points::axes, p));
+    const double stiffness = law_->stiffness(points_.phase()[p], points_.matrix(Points::deformations, p),
+      points_.vector(Points::axes, p), points_.memory(p).data());
     const double ratio = stiffness * points_.column(Points::volumes)[p] / points_.column(Points::masses)[p];
     // what is not a number must come out on top
     worst = ratio <= worst ? worst : std::isfinite(ratio) ? ratio : std::numeric_limits<double>::infinity();
@@ -223,7 +244,12 @@ void PointDynamics<Dim>::chooseStep()
       fmt::format("at step {} (time {:.6g} s) a point is turned inside out or no longer finite", step_, time_),
       "take a smaller step, slower walls, or a law with a barrier against collapse");
   if (!options_.step)
-    dt_ = options_.share * stable;
+  {
+    // not for every trifle: a step of another length costs the fused path a pass over the points
+    const double wanted = options_.share * stable;
+    if (step_ == 0 || dt_ > wanted * (1 + 0.1 * (1 - options_.share)) || dt_ < 0.9 * wanted)
+      dt_ = wanted;
+  }
   else if (*options_.step <= stable)
     dt_ = *options_.step;
   else if (step_ == 0)
@@ -258,12 +284,13 @@ bool PointDynamics<Dim>::run(std::int64_t steps, double dt)
         return false;
     }
     const double now = dt > 0 ? std::min(dt, dt_) : dt_;
-    generalStep(now, (before_ + now) / 2);
-    moveWalls(now);
+    if (fused_)
+      fusedStep(now, (before_ + now) / 2);
+    else
+      generalStep(now, (before_ + now) / 2);
     before_ = now;
     time_ += now;
     ++step_;
-    layGrid();
   }
   return true;
 }
@@ -288,12 +315,65 @@ bool PointDynamics<Dim>::advanceTo(double time)
 }
 
 template <int Dim>
-void PointDynamics<Dim>::generalStep(double dt, double kick)
+void PointDynamics<Dim>::addWork(double kick)
 {
-  supplied_ += GeneralStep<Dim>{ points_, *law_, options_, grid_, walls_, time_, dt, kick }.run();
   for (int a = 0; a < Dim; ++a)
     for (int side = 0; side < 2; ++side)
       supplied_ -= walls_(a, side).force * walls_(a, side).velocity * kick;
+}
+
+template <int Dim>
+void PointDynamics<Dim>::generalStep(double dt, double kick)
+{
+  supplied_ += GeneralStep<Dim>{ points_, *law_, options_, grid_, walls_, time_, dt, kick }.run();
+  addWork(kick);
+  moveWalls(dt);
+  wrap();
+  layGrid(false);
+}
+
+template <int Dim>
+void PointDynamics<Dim>::fusedStep(double dt, double kick)
+{
+  if (!fused_->ready(kick))
+  {
+    wrap();
+    layGrid(false);
+    fused_->prepare(grid_, kick);
+  }
+  constrain(grid_, walls_, fused_->nodes(), kick, true);
+  addWork(kick);
+  moveWalls(dt);
+  const BackgroundGrid<Dim> old = grid_;
+  layGrid(true);
+  bool same = true;
+  for (int a = 0; a < Dim; ++a)
+    same = same && grid_.axis(a).cells == old.axis(a).cells;
+  if (same)
+    fused_->run(old, grid_, dt, dt);
+  else
+  {
+    // another number of cells: give to a grid of as many as before, then sort the points into the new one
+    std::array<GridAxis, Dim> axes = grid_.axes();
+    for (int a = 0; a < Dim; ++a)
+    {
+      GridAxis& g = axes[static_cast<std::size_t>(a)];
+      g.spacing = g.length() / old.axis(a).cells;
+      g.cells = old.axis(a).cells;
+    }
+    fused_->run(old, BackgroundGrid<Dim>(axes), dt, dt);
+    fused_->forget();
+  }
+}
+
+template <int Dim>
+double PointDynamics<Dim>::gravityMoment() const
+{
+  double sum = 0;
+  for (int a = 0; a < Dim; ++a)
+    for (std::size_t p = 0; p < points_.count() && options_.gravity[a] != 0; ++p)
+      sum += options_.gravity[a] * points_.column(MaterialPoints<Dim>::masses)[p] * points_.column(a)[p];
+  return sum;
 }
 
 template <int Dim>
@@ -328,14 +408,15 @@ double PointDynamics<Dim>::elasticEnergy() const
   double sum = 0;
   for (std::size_t p = 0; p < points_.count(); ++p)
     sum += points_.column(Points::volumes)[p] *
-      law_->energy(points_.phase()[p], points_.matrix(Points::deformations, p), points_.vector(Points::axes, p));
+      law_->energy(points_.phase()[p], points_.matrix(Points::deformations, p), points_.vector(Points::axes, p),
+        points_.memory(p).data());
   return sum;
 }
 
 template <int Dim>
 PointEnergies PointDynamics<Dim>::energies() const
 {
-  return { kineticEnergy(), elasticEnergy(), supplied_, initial_ };
+  return { kineticEnergy(), elasticEnergy(), supplied_ + gravityMoment() - startMoment_, initial_ };
 }
 
 template class PointDynamics<2>;

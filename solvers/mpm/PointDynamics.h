@@ -91,6 +91,9 @@ struct PointEnergies
 };
 
 template <int Dim>
+class FusedStep;
+
+template <int Dim>
 class PointDynamics
 {
 public:
@@ -113,43 +116,53 @@ public:
   /// Of a wall or a period, from now on [m/s].
   void setVelocity(int axis, int side, double velocity);
 
+  /// In the order of cells where the step is fused: id() tells which is which. Beyond the ends of a period by a quarter
+  /// of a cell at most.
   [[nodiscard]] const MaterialPoints<Dim>& points() const noexcept { return points_; }
   [[nodiscard]] const BackgroundGrid<Dim>& grid() const noexcept { return grid_; }
   /// Velocities and forces of the last step.
   [[nodiscard]] const Wall& wall(int axis, int side) const { return walls_(axis, side); }
   [[nodiscard]] double time() const noexcept { return time_; } ///< [s]
   [[nodiscard]] std::int64_t steps() const noexcept { return step_; }
-  [[nodiscard]] double step() const noexcept { return dt_; } ///< the last one, or the next [s]
+  /// The last one, or before it the one to come [s].
+  [[nodiscard]] double step() const noexcept { return before_ > 0 ? before_ : dt_; }
   /// The largest stable step for the body as it is [s]: 2/ω, ω² ≤ Σ over axes 6 a/(ρ₀ h²) at the worst point, a its
   /// stiffness: no field of quadratic splines strains a point by more. Half of it with a consistent mass, which has no
   /// such bound, nor have linear shapes.
   [[nodiscard]] double stableStep() const;
   [[nodiscard]] PointEnergies energies() const;
-  [[nodiscard]] bool fused() const noexcept { return fused_; }
+  [[nodiscard]] bool fused() const noexcept { return fused_ != nullptr; }
 
 private:
   void check() const;
-  void layGrid();
+  /// Cells where the walls are now; of open axes where the points are, unless `keep`.
+  void layGrid(bool keep);
+  [[nodiscard]] GridAxis layAxis(int a, bool keep) const;
   void moveWalls(double dt);
+  void wrap();
   void chooseStep();
   bool run(std::int64_t steps, double dt);
   void generalStep(double dt, double kick);
+  void fusedStep(double dt, double kick);
+  void addWork(double kick);
+  [[nodiscard]] double gravityMoment() const;
   [[nodiscard]] double kineticEnergy() const;
   [[nodiscard]] double elasticEnergy() const;
-  [[nodiscard]] std::array<std::array<double, 2>, Dim> extents() const;
+  [[nodiscard]] std::array<double, 2> extent(int a) const;
 
   MaterialPoints<Dim> points_;
   std::shared_ptr<const PointLaw<Dim>> law_;
   PointDynamicsOptions<Dim> options_;
   BackgroundGrid<Dim> grid_;
   Walls<Dim> walls_;
-  bool fused_ = false;
+  std::unique_ptr<FusedStep<Dim>> fused_; ///< none: the general step
   double time_ = 0;
   double dt_ = 0;
   double before_ = 0; ///< the step before; 0 at the start: velocities are then those of the same time
   std::int64_t step_ = 0;
   double supplied_ = 0;
   double initial_ = 0;
+  double startMoment_ = 0; ///< Σ m g·x at the start [J]
 };
 
 extern template class PointDynamics<2>;

@@ -48,22 +48,84 @@ struct Lanes
   }
   static Lanes load(const double* p) { return *reinterpret_cast<const Any*>(p); }
   void store(double* p) const { *reinterpret_cast<Any*>(p) = v; }
+  /// The first n of them; what lies behind is not touched, since it may be another thread's.
+  void storeFirst(double* p, int n) const
+  {
+#if defined(__AVX512F__) && defined(__AVX512VL__)
+    if constexpr (N == 8)
+      return _mm512_mask_storeu_pd(p, static_cast<__mmask8>((1U << n) - 1), v);
+    if constexpr (N == 4)
+      return _mm256_mask_storeu_pd(p, static_cast<__mmask8>((1U << n) - 1), v);
+#elif defined(__AVX2__)
+    if constexpr (N == 4)
+      return _mm256_maskstore_pd(p, (__m256i)(counting() < n), v);
+#endif
+    for (int l = 0; l < n; ++l)
+      p[l] = v[l];
+  }
+  /// 0, 1, 2, …
+  static I counting()
+  {
+    I i{};
+    for (int l = 0; l < N; ++l)
+      i[l] = l;
+    return i;
+  }
 
-  friend Lanes operator+(Lanes a, Lanes b) { return a.v + b.v; }
-  friend Lanes operator-(Lanes a, Lanes b) { return a.v - b.v; }
-  friend Lanes operator*(Lanes a, Lanes b) { return a.v * b.v; }
-  friend Lanes operator/(Lanes a, Lanes b) { return a.v / b.v; }
-  friend Lanes operator-(Lanes a) { return -a.v; }
-  friend I operator<(Lanes a, Lanes b) { return a.v < b.v; }
-  friend I operator>(Lanes a, Lanes b) { return a.v > b.v; }
-  friend I operator<=(Lanes a, Lanes b) { return a.v <= b.v; }
-  friend I operator>=(Lanes a, Lanes b) { return a.v >= b.v; }
+  friend Lanes operator+(Lanes a, Lanes b)
+  {
+    return a.v + b.v;
+  }
+  friend Lanes operator-(Lanes a, Lanes b)
+  {
+    return a.v - b.v;
+  }
+  friend Lanes operator*(Lanes a, Lanes b)
+  {
+    return a.v * b.v;
+  }
+  friend Lanes operator/(Lanes a, Lanes b)
+  {
+    return a.v / b.v;
+  }
+  friend Lanes operator-(Lanes a)
+  {
+    return -a.v;
+  }
+  friend I operator<(Lanes a, Lanes b)
+  {
+    return a.v < b.v;
+  }
+  friend I operator>(Lanes a, Lanes b)
+  {
+    return a.v > b.v;
+  }
+  friend I operator<=(Lanes a, Lanes b)
+  {
+    return a.v <= b.v;
+  }
+  friend I operator>=(Lanes a, Lanes b)
+  {
+    return a.v >= b.v;
+  }
 
   /// a where the condition (a comparison of lanes) holds, else b
-  friend Lanes select(I condition, Lanes a, Lanes b) { return condition ? a.v : b.v; }
-  friend Lanes min(Lanes a, Lanes b) { return a.v < b.v ? a.v : b.v; }
-  friend Lanes max(Lanes a, Lanes b) { return a.v > b.v ? a.v : b.v; }
-  friend Lanes abs(Lanes a) { return (V)((I)a.v & INT64_MAX); }
+  friend Lanes select(I condition, Lanes a, Lanes b)
+  {
+    return condition ? a.v : b.v;
+  }
+  friend Lanes min(Lanes a, Lanes b)
+  {
+    return a.v < b.v ? a.v : b.v;
+  }
+  friend Lanes max(Lanes a, Lanes b)
+  {
+    return a.v > b.v ? a.v : b.v;
+  }
+  friend Lanes abs(Lanes a)
+  {
+    return (V)((I)a.v & INT64_MAX);
+  }
   friend Lanes sqrt(Lanes a)
   {
 #if defined(__AVX512F__)
@@ -102,6 +164,24 @@ struct Lanes
     return kd * 0.6931471805599453 + (s + s + (s + s) * (z * series));
   }
 };
+
+/// A bit a lane of a comparison.
+template <int N>
+inline unsigned bits(typename LaneTypes<N>::I mask)
+{
+#if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
+  if constexpr (N == 8)
+    return _mm512_movepi64_mask((__m512i)mask);
+#endif
+#if defined(__AVX2__)
+  if constexpr (N == 4)
+    return static_cast<unsigned>(_mm256_movemask_pd((__m256d)mask));
+#endif
+  unsigned set = 0;
+  for (int l = 0; l < N; ++l)
+    set |= mask[l] != 0 ? 1U << l : 0U;
+  return set;
+}
 
 } // namespace
 } // namespace lamella::mpm

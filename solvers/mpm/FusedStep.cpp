@@ -1,0 +1,176 @@
+#include "mpm/FusedStep.h"
+
+#include "lattice/Error.h"
+#include "mpm/GridWalls.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace lamella::mpm
+{
+namespace
+{
+
+constexpr int stripeRows = 8; // more than twice what a stray may be off, and the three rows of a spline
+constexpr std::size_t worthThreads = 2000;
+constexpr double sortAt = 0.02;   // share of strays
+constexpr double worthWide = 1.5; // how many fewer wide vectors make up for their emptier lanes
+
+} // namespace
+
+template <int Dim>
+FusedStep<Dim>::FusedStep(MaterialPoints<Dim>& points, const PointLaw<Dim>& law, const Vector<Dim>& gravity)
+  : points_(points)
+  , kind_(law.kind())
+  , gravity_(gravity)
+{
+  for (std::size_t phase = 0; phase < law.phases(); ++phase)
+    constants_.insert(constants_.end(), law.constants(phase), law.constants(phase) + law.constantsCount());
+  onePhase_ = law.phases() == 1;
+}
+
+template <int Dim>
+bool FusedStep<Dim>::ready(double kick) const noexcept
+{
+  return std::fabs(kick - kick_) <= 1e-12 * kick;
+}
+
+template <int Dim>
+void FusedStep<Dim>::sort(const BackgroundGrid<Dim>& grid)
+{
+  const std::size_t count = points_.count();
+  std::array<std::int64_t, 3> bases{ 1, 1, 1 }; // cells along each axis, by their first node
+  for (int a = 0; a < Dim; ++a)
+    bases[static_cast<std::size_t>(a)] = grid.axis(a).cells + 1;
+  std::vector<std::uint32_t> cellOf(count);
+  std::vector<std::uint32_t> first(static_cast<std::size_t>(bases[0] * bases[1] * bases[2]) + 1);
+  for (std::size_t p = 0; p < count; ++p)
+  {
+    std::int64_t cell = 0;
+    for (int a = Dim - 1; a >= 0; --a)
+    {
+      const double base = std::floor(grid.axis(a).coordinate(points_.column(a)[p]) - 0.5) + 1;
+      if (!(base >= 0 && base < static_cast<double>(bases[static_cast<std::size_t>(a)])))
+        throw DivergenceError(
+          fmt::format("a point at {} m along axis {} is outside the grid, which goes from {} to {} m",
+            points_.column(a)[p], a, grid.axis(a).lower, grid.axis(a).upper()),
+          "take a smaller step or slower walls");
+      cell = cell * bases[static_cast<std::size_t>(a)] + static_cast<std::int64_t>(base);
+    }
+    cellOf[p] = static_cast<std::uint32_t>(cell);
+    ++first[static_cast<std::size_t>(cell) + 1];
+  }
+  cells_.clear();
+  stripes_.assign(1, 0);
+  std::array<std::int64_t, 2> vectors{}; // narrow, wide
+  const auto& lanes = pointKernels().lanes;
+  const std::int64_t perLayer = bases[0] * (Dim == 3 ? bases[1] : 1);
+  for (std::size_t c = 0; c + 1 < first.size(); ++c)
+  {
+    if (c > 0 && static_cast<std::int64_t>(c) % (perLayer * stripeRows) == 0)
+      stripes_.push_back(static_cast<std::int64_t>(cells_.size()));
+    const std::uint32_t inside = first[c + 1];
+    first[c + 1] += first[c];
+    if (inside == 0)
+      continue;
+    PointCell cell{ {}, first[c] };
+    auto rest = static_cast<std::int64_t>(c);
+    for (int a = 0; a < Dim; rest /= bases[static_cast<std::size_t>(a)], ++a)
+      cell.base[a] = static_cast<std::int32_t>(rest % bases[static_cast<std::size_t>(a)]) - 1;
+    cells_.push_back(cell);
+    for (std::size_t w = 0; w < 2; ++w)
+      vectors[w] += (inside + static_cast<std::uint32_t>(lanes[w]) - 1) / static_cast<std::uint32_t>(lanes[w]);
+  }
+  stripes_.push_back(static_cast<std::int64_t>(cells_.size()));
+  cells_.push_back({ {}, static_cast<std::uint32_t>(count) });
+  wide_ = static_cast<double>(vectors[0]) > worthWide * static_cast<double>(vectors[1]);
+
+  std::vector<std::uint32_t> order(count);
+  for (std::size_t p = 0; p < count; ++p)
+    order[first[cellOf[p]]++] = static_cast<std::uint32_t>(p);
+  points_.reorder(order);
+  ++sorts_;
+}
+
+template <int Dim>
+void FusedStep<Dim>::sweep(
+  const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool whole)
+{
+  PointSweep job{};
+  job.columns = points_.column(0).data();
+  job.pitch = static_cast<std::int64_t>(points_.pitch());
+  job.phase = points_.phase().data();
+  job.cells = cells_.data();
+  for (int a = 0; a < Dim; ++a)
+  {
+    const GridAxis& g = to.axis(a);
+    SweepAxis& axis = job.axis[a];
+    axis.lower[0] = from.axis(a).lower;
+    axis.lower[1] = g.lower;
+    axis.spacing[0] = from.axis(a).spacing;
+    axis.spacing[1] = g.spacing;
+    // open ends with two cells of room; elsewhere a quarter of a cell beyond, where splines still reach no node too far
+    const auto bound = [&](int side) { return g.end(side) == Edge::Open ? 2 : -0.25; };
+    axis.least = bound(0);
+    axis.most = g.cells - bound(1);
+    axis.end = g.cells + 0.5;
+    axis.stride = to.stride(a);
+    job.gravity[a] = gravity_[a];
+  }
+  job.velocity = nodes_.data();
+  job.momentum = next_.data();
+  job.dt = dt;
+  job.kick = kick;
+  job.constants = constants_.data();
+  job.onePhase = onePhase_;
+
+  const SweepCells kernel = pointKernels().sweep[Dim - 2][static_cast<int>(kind_)][whole ? 1 : 0][wide_ ? 1 : 0];
+  const auto stripes = static_cast<std::int64_t>(stripes_.size()) - 1;
+  const bool worthIt = points_.count() > worthThreads;
+  std::int64_t strays = 0;
+  bool far = false;
+  bool outside = false;
+  for (std::int64_t colour = 0; colour < 2; ++colour)
+#pragma omp parallel for schedule(dynamic, 1) if (worthIt) reduction(+ : strays) reduction(|| : far, outside)
+    for (std::int64_t s = colour; s < stripes; s += 2)
+    {
+      PointSweep mine = job;
+      kernel(mine, stripes_[static_cast<std::size_t>(s)], stripes_[static_cast<std::size_t>(s) + 1]);
+      strays += mine.strays;
+      far = far || mine.far;
+      outside = outside || mine.outside;
+    }
+  nodes_.swap(next_);
+  kick_ = outside ? 0 : kick; // wrapped, or on a larger grid
+  if (!outside && (far || static_cast<double>(strays) > sortAt * static_cast<double>(points_.count())))
+    sort(to);
+}
+
+template <int Dim>
+void FusedStep<Dim>::prepare(const BackgroundGrid<Dim>& grid, double kick)
+{
+  sort(grid);
+  const auto values = static_cast<std::size_t>(grid.count()) * nodeValues;
+  nodes_.assign(values, 0);
+  next_.assign(values, 0);
+  sweep(grid, grid, 0, kick, false);
+  kick_ = kick;
+}
+
+template <int Dim>
+void FusedStep<Dim>::run(const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick)
+{
+  const auto values = static_cast<std::int64_t>(next_.size());
+#pragma omp parallel for simd schedule(static) if (points_.count() > worthThreads)
+  for (std::int64_t i = 0; i < values; ++i)
+    next_[static_cast<std::size_t>(i)] = 0;
+  sweep(from, to, dt, kick, true);
+}
+
+template class FusedStep<2>;
+template class FusedStep<3>;
+
+} // namespace lamella::mpm

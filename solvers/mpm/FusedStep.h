@@ -1,0 +1,64 @@
+#pragma once
+
+#include "mpm/BackgroundGrid.h"
+#include "mpm/MaterialPoints.h"
+#include "mpm/PointLaw.h"
+#include "mpm/kernels/PointKernels.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lamella::mpm
+{
+
+/// The fast path of PointDynamics: points sorted by cell, one pass a step from grid to points to the next grid, by the
+/// kernels of PointKernels.h. Rows of cells (layers in 3D) are shared out in stripes of eight, every other one at a
+/// time, so that no two threads add to a node and the order of every sum is the same whatever their number.
+template <int Dim>
+class FusedStep
+{
+public:
+  /// @param points, law must outlive this
+  FusedStep(MaterialPoints<Dim>& points, const PointLaw<Dim>& law, const Vector<Dim>& gravity);
+
+  /// Whether the nodes hold mass and momentum of the points, forces over this time [s] included.
+  [[nodiscard]] bool ready(double kick) const noexcept;
+  void forget() noexcept { kick_ = 0; }
+  /// Sorts the points and gives to the grid.
+  /// @throws DivergenceError: a point outside the grid, or not finite
+  void prepare(const BackgroundGrid<Dim>& grid, double kick);
+  /// Mass and momentum, nodeValues a node; to be made velocities before run().
+  [[nodiscard]] std::span<double> nodes() noexcept { return nodes_; }
+  /// Moves the points by the velocities on the nodes, and gives to the next grid, which has as many nodes.
+  void run(const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick);
+
+  [[nodiscard]] std::int64_t cells() const noexcept
+  {
+    return static_cast<std::int64_t>(cells_.size()) - 1;
+  } ///< with points
+  [[nodiscard]] std::int64_t sorts() const noexcept { return sorts_; }
+  [[nodiscard]] int lanes() const noexcept { return pointKernels().lanes[wide_]; }
+
+private:
+  void sort(const BackgroundGrid<Dim>& grid);
+  void sweep(const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool whole);
+
+  MaterialPoints<Dim>& points_;
+  LawKind kind_;
+  Vector<Dim> gravity_;
+  std::vector<double> constants_; ///< phase by phase
+  bool onePhase_ = true;
+  std::vector<PointCell> cells_;      ///< and one behind the last
+  std::vector<std::int64_t> stripes_; ///< first cell of each, and one behind the last
+  std::vector<double> nodes_;
+  std::vector<double> next_;
+  double kick_ = 0; ///< that the nodes were given forces for; 0: they hold nothing
+  bool wide_ = false;
+  std::int64_t sorts_ = 0;
+};
+
+extern template class FusedStep<2>;
+extern template class FusedStep<3>;
+
+} // namespace lamella::mpm

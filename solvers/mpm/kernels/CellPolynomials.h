@@ -1,0 +1,214 @@
+#pragma once
+
+// Quadratic splines as polynomials of the place e in a cell, −½ … ½ from its middle node. Only for sources compiled for
+// several instruction sets: everything here is local to one object file.
+//
+// Of nodes v₀, v₁, v₂: v(e) = A₀ + A₁ e + A₂ e², A₀ = (v₀ + 6 v₁ + v₂)/8, A₁ = (v₂ − v₀)/2, A₂ = (v₀ − 2 v₁ + v₂)/2;
+// gradient A₁ + 2 e A₂ and affine velocity 4 Σ w (x_i − x) v = A₁ + (3 e − 4 e³) A₂, both over the spacing.
+
+#include "mpm/Tensor.h"
+#include "mpm/kernels/Lanes.h"
+
+namespace lamella::mpm
+{
+namespace
+{
+
+template <int Dim>
+constexpr int cellNodes = Dim == 2 ? 9 : 27;
+
+/// Place along an axis and what follows from it.
+template <class R>
+struct CellPlace
+{
+  R e;
+  R square;   // e²
+  R gradient; // 2 e
+  R affine;   // 3 e − 4 e³
+
+  explicit CellPlace(R at)
+    : e(at)
+    , square(at * at)
+    , gradient(at + at)
+    , affine(at * (3.0 - 4.0 * square))
+  {
+  }
+};
+
+using Node = Lanes<4>; // values of a node
+
+template <int Dim>
+inline std::int64_t nodeOffset(const std::int64_t* stride, int n)
+{
+  return n % 3 * stride[0] + n / 3 % 3 * stride[1] + (Dim == 3 ? n / 9 * stride[2] : 0);
+}
+
+/// Applies f to the three values along an axis, for every line of them.
+template <int Dim, class F>
+inline void alongAxis(Node* values, int axis, F&& f)
+{
+  const int step = axis == 0 ? 1 : axis == 1 ? 3 : 9;
+  for (int outer = 0; outer < cellNodes<Dim>; outer += 3 * step)
+    for (int n = outer; n < outer + step; ++n)
+      f(values[n], values[n + step], values[n + 2 * step]);
+}
+
+template <int Dim>
+inline void toCoefficients(Node* values)
+{
+  for (int axis = 0; axis < Dim; ++axis)
+    alongAxis<Dim>(values, axis,
+      [](Node& a, Node& b, Node& c)
+      {
+        const Node ends = 0.5 * (a + c);
+        const Node first = 0.5 * (c - a);
+        c = ends - b;
+        a = 0.75 * b + 0.25 * ends;
+        b = first;
+      });
+}
+
+/// The transpose: from moments to what the nodes get.
+template <int Dim>
+inline void toNodes(Node* moments)
+{
+  for (int axis = 0; axis < Dim; ++axis)
+    alongAxis<Dim>(moments, axis,
+      [](Node& a, Node& b, Node& c)
+      {
+        const Node ends = 0.125 * a + 0.5 * c;
+        const Node half = 0.5 * b;
+        b = 0.75 * a - c;
+        a = ends - half;
+        c = ends + half;
+      });
+}
+
+/// A component's value, gradient and affine velocity, the latter two still to be divided by the spacings.
+template <int Dim, class R>
+struct Evaluated
+{
+  R value;
+  R gradient[Dim];
+  R affine[Dim];
+};
+
+/// @param k coefficients of this component, a value every `nodeValues` doubles
+template <int Dim, class R>
+inline Evaluated<Dim, R> evaluate(const double* k, const CellPlace<R>* at)
+{
+  Evaluated<Dim, R> plane[Dim == 3 ? 3 : 1];
+  for (int z = 0; z < (Dim == 3 ? 3 : 1); ++z)
+  {
+    R value[3];
+    R gradient[3];
+    R affine[3];
+    for (int y = 0; y < 3; ++y)
+    {
+      const double* row = k + (z * 9 + y * 3) * 4;
+      const R first(row[4]);
+      const R second(row[8]);
+      value[y] = R(row[0]) + at[0].e * (first + at[0].e * second);
+      gradient[y] = first + at[0].gradient * second;
+      affine[y] = first + at[0].affine * second;
+    }
+    const auto horner = [&](const R* c) { return c[0] + at[1].e * (c[1] + at[1].e * c[2]); };
+    Evaluated<Dim, R>& p = plane[z];
+    p.value = horner(value);
+    p.gradient[0] = horner(gradient);
+    p.affine[0] = horner(affine);
+    p.gradient[1] = value[1] + at[1].gradient * value[2];
+    p.affine[1] = value[1] + at[1].affine * value[2];
+  }
+  if constexpr (Dim == 2)
+    return plane[0];
+  else
+  {
+    Evaluated<Dim, R> r;
+    const auto horner = [&](R a, R b, R c) { return a + at[2].e * (b + at[2].e * c); };
+    r.value = horner(plane[0].value, plane[1].value, plane[2].value);
+    for (int a = 0; a < 2; ++a)
+    {
+      r.gradient[a] = horner(plane[0].gradient[a], plane[1].gradient[a], plane[2].gradient[a]);
+      r.affine[a] = horner(plane[0].affine[a], plane[1].affine[a], plane[2].affine[a]);
+    }
+    r.gradient[2] = plane[1].value + at[2].gradient * plane[2].value;
+    r.affine[2] = plane[1].value + at[2].affine * plane[2].value;
+    return r;
+  }
+}
+
+/// Adds the transpose of evaluate() to the moments: value × value's row + gradient[k] × gradient's row + ….
+template <int Dim, class R>
+inline void addMoments(R* moments, const CellPlace<R>* at, R value, const R* gradient, const R* affine)
+{
+  const R x[3] = { value, value * at[0].e + (gradient[0] + affine[0]),
+    value * at[0].square + (gradient[0] * at[0].gradient + affine[0] * at[0].affine) };
+  const R y1 = gradient[1] + affine[1];
+  const R y2 = gradient[1] * at[1].gradient + affine[1] * at[1].affine;
+  const R xy[9] = { x[0], x[1], x[2], x[0] * at[1].e + y1, x[1] * at[1].e + at[0].e * y1,
+    x[2] * at[1].e + at[0].square * y1, x[0] * at[1].square + y2, x[1] * at[1].square + at[0].e * y2,
+    x[2] * at[1].square + at[0].square * y2 };
+  for (int n = 0; n < 9; ++n)
+    moments[n] = moments[n] + xy[n];
+  if constexpr (Dim == 3)
+  {
+    const R z1 = gradient[2] + affine[2];
+    const R z2 = gradient[2] * at[2].gradient + affine[2] * at[2].affine;
+    const R px[3] = { R(1.0), at[0].e, at[0].square };
+    const R py[3] = { R(1.0), at[1].e, at[1].square };
+    for (int n = 0; n < 9; ++n)
+    {
+      const R p = px[n % 3] * py[n / 3];
+      moments[9 + n] = moments[9 + n] + xy[n] * at[2].e + p * z1;
+      moments[18 + n] = moments[18 + n] + xy[n] * at[2].square + p * z2;
+    }
+  }
+}
+
+/// Of a quantity that only has a value.
+template <int Dim, class R>
+inline void addMoments(R* moments, const CellPlace<R>* at, R value)
+{
+  const R z[3] = { value, Dim == 3 ? value * at[Dim - 1].e : value, Dim == 3 ? value * at[Dim - 1].square : value };
+  for (int k = 0; k < (Dim == 3 ? 3 : 1); ++k)
+  {
+    const R row[3] = { z[k], z[k] * at[1].e, z[k] * at[1].square };
+    for (int j = 0; j < 3; ++j)
+    {
+      R* m = moments + 9 * k + 3 * j;
+      m[0] = m[0] + row[j];
+      m[1] = m[1] + row[j] * at[0].e;
+      m[2] = m[2] + row[j] * at[0].square;
+    }
+  }
+}
+
+/// The sums over their lanes.
+template <int N>
+inline Node sums(Lanes<N> a, Lanes<N> b, Lanes<N> c, Lanes<N> d)
+{
+  if constexpr (N == 8)
+  {
+    const auto half = [](Lanes<8> x)
+    { return Lanes<4>(__builtin_shufflevector(x.v, x.v, 0, 1, 2, 3) + __builtin_shufflevector(x.v, x.v, 4, 5, 6, 7)); };
+    return sums(half(a), half(b), half(c), half(d));
+  }
+  else if constexpr (N == 4)
+  {
+    const auto pairs = [](Lanes<4> x, Lanes<4> y)
+    { return __builtin_shufflevector(x.v, y.v, 0, 4, 2, 6) + __builtin_shufflevector(x.v, y.v, 1, 5, 3, 7); };
+    const auto ab = pairs(a, b);
+    const auto cd = pairs(c, d);
+    return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+  }
+  else
+  {
+    Node s;
+    s.v = Node::V{ a.v[0] + a.v[1], b.v[0] + b.v[1], c.v[0] + c.v[1], d.v[0] + d.v[1] };
+    return s;
+  }
+}
+
+} // namespace
+} // namespace lamella::mpm

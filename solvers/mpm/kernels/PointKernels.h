@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+
+/// The fused step of material points with quadratic splines, lumped mass, APIC and the stress of their law: one pass
+/// takes the velocities from the grid, moves and strains the points, and gives momentum and forces to the next grid.
+/// Compiled once for every instruction set and chosen at run time; no standard library type crosses this interface.
+///
+/// In a cell splines are polynomials: the nodes' velocities become 3^Dim coefficients of powers of the place in the
+/// cell, once a cell; a point evaluates them by Horner's scheme, and its gradients and affine velocities come from the
+/// same coefficients. Backwards likewise: points add to moments, which become the nodes' sums once a cell.
+namespace lamella::mpm
+{
+
+/// Points of one cell: those whose splines begin at the same node.
+struct PointCell
+{
+  std::int32_t base[3]; ///< first node along each axis, −1 … cells − 1
+  std::uint32_t begin;  ///< first point; the end is the next cell's
+};
+
+/// An axis of the grid, before and after the step.
+struct SweepAxis
+{
+  double lower[2];
+  double spacing[2];
+  double least; ///< coordinates [spacings] beyond which a point is reported as outside, after the step
+  double most;
+  double end;          ///< −½ … end: where all nodes that a point reaches are there
+  std::int64_t stride; ///< from a node to the next, in nodes
+};
+
+struct PointSweep
+{
+  double* columns; ///< of MaterialPoints
+  std::int64_t pitch;
+  const std::uint8_t* phase;
+  const PointCell* cells;
+  SweepAxis axis[3];
+  const double* velocity; ///< of the nodes, four values each, the first unused
+  double* momentum;       ///< mass and momentum of the nodes, added to
+  double dt;
+  double kick; ///< of the forces that are added
+  double gravity[3];
+  const double* constants; ///< of the law, phase by phase
+  bool onePhase;           ///< the constants are those of all phases
+
+  // results, added to
+  std::int64_t strays; ///< points outside the cell that they are listed under; they are dealt with one by one
+  bool far;            ///< one of them by more than a cell
+  bool outside;        ///< a point beyond `least` or `most`, or no longer finite
+};
+
+/// Cells first … last − 1.
+using SweepCells = void (*)(PointSweep& sweep, std::int64_t first, std::int64_t last);
+
+inline constexpr int lawKinds = 3; ///< the first ones of LawKind
+
+struct PointKernels
+{
+  const char* name;
+  int lanes[2]; ///< points at once: for cells of few points, and of many
+  /// By dimension − 2, law, [0] only giving to the grid, [1] the whole step, and lanes.
+  SweepCells sweep[2][lawKinds][2][2];
+};
+
+/// The fastest that this processor can run.
+[[nodiscard]] const PointKernels& pointKernels();
+
+} // namespace lamella::mpm

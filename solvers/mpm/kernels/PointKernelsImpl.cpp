@@ -1,0 +1,404 @@
+// Compiled once for every instruction set, with LAMELLA_KERNELS naming the table that it defines. Laws are instantiated
+// with the lanes of this file only, or the linker could take another file's code for them.
+#include "mpm/kernels/PointKernels.h"
+
+#include "mpm/Isotropic.h"
+#include "mpm/NeoHookean.h"
+#include "mpm/Orthotropic.h"
+#include "mpm/kernels/CellPolynomials.h"
+
+namespace lamella::mpm
+{
+namespace
+{
+
+/// First columns of MaterialPoints.
+template <int Dim>
+struct Columns
+{
+  static constexpr int velocities = Dim;
+  static constexpr int affines = 2 * Dim;
+  static constexpr int deformations = 2 * Dim + Dim * Dim;
+  static constexpr int masses = 2 * Dim + 2 * Dim * Dim;
+  static constexpr int volumes = masses + 1;
+  static constexpr int axes = masses + 2;
+};
+
+/// A point outside its cell: from the nodes that it reaches, each of its own.
+template <int Dim>
+struct Stray
+{
+  std::int64_t node; ///< first
+  double value[3][3];
+  double gradient[3][3];
+  double offset[3][3];
+
+  Stray(const PointSweep& s, const double* coordinate)
+  {
+    node = 0;
+    for (int a = 0; a < Dim; ++a)
+    {
+      const double base = __builtin_floor(coordinate[a] - 0.5);
+      const double f = coordinate[a] - base;
+      node += (static_cast<std::int64_t>(base) + 1) * s.axis[a].stride;
+      value[a][0] = 0.5 * (1.5 - f) * (1.5 - f);
+      value[a][1] = 0.75 - (f - 1) * (f - 1);
+      value[a][2] = 0.5 * (f - 0.5) * (f - 0.5);
+      gradient[a][0] = f - 1.5;
+      gradient[a][1] = 2 - 2 * f;
+      gradient[a][2] = f - 0.5;
+      for (int i = 0; i < 3; ++i)
+        offset[a][i] = i - f;
+    }
+  }
+  /// f(node, N, ∇N × spacing, offset in spacings)
+  template <class F>
+  void forEach(const PointSweep& s, F&& f) const
+  {
+    for (int n = 0; n < cellNodes<Dim>; ++n)
+    {
+      const int i[3] = { n % 3, n / 3 % 3, n / 9 };
+      double weight = 1;
+      std::int64_t at = node;
+      double d[Dim];
+      for (int a = 0; a < Dim; ++a)
+      {
+        weight *= value[a][i[a]];
+        at += i[a] * s.axis[a].stride;
+        d[a] = offset[a][i[a]];
+      }
+      double g[Dim];
+      for (int a = 0; a < Dim; ++a)
+      {
+        g[a] = gradient[a][i[a]];
+        for (int b = 0; b < Dim; ++b)
+          g[a] *= b == a ? 1 : value[b][i[b]];
+      }
+      f(at * 4, weight, g, d);
+    }
+  }
+};
+
+/// The points of some cells, N at a time.
+template <int Dim, class Law, bool Whole, int N>
+class Sweep
+{
+public:
+  using R = Lanes<N>;
+  using C = Columns<Dim>;
+  static constexpr int nodes = cellNodes<Dim>;
+  static_assert(Law::history == 0);
+
+  explicit Sweep(PointSweep& sweep)
+    : s_(sweep)
+  {
+    for (int a = 0; a < Dim; ++a)
+      stride_[a] = s_.axis[a].stride;
+    for (int q = 0; q < Law::constants && s_.onePhase; ++q)
+      constants_[q] = R(s_.constants[q]);
+  }
+
+  void run(std::int64_t first, std::int64_t last)
+  {
+    for (std::int64_t c = first; c < last; ++c)
+      cell(s_.cells[c], s_.cells[c + 1].begin);
+  }
+
+private:
+  void cell(const PointCell& cell, std::uint32_t end)
+  {
+    std::int64_t corner = 0;
+    for (int a = 0; a < Dim; ++a)
+    {
+      corner += (cell.base[a] + 1) * stride_[a];
+      middle_[a] = cell.base[a] + 1;
+      edge_ = (a > 0 && edge_) || middle_[a] - 0.5 < s_.axis[a].least || middle_[a] + 0.5 > s_.axis[a].most;
+    }
+    if constexpr (Whole)
+    {
+      Node values[nodes];
+      for (int n = 0; n < nodes; ++n)
+        values[n] = Node::load(s_.velocity + (corner + nodeOffset<Dim>(stride_, n)) * 4);
+      toCoefficients<Dim>(values);
+      for (int n = 0; n < nodes; ++n)
+        values[n].store(coefficients_ + 4 * n);
+    }
+    for (auto& component : moments_)
+      for (R& m : component)
+        m = R(0.0);
+    for (std::int64_t p = cell.begin; p < end; p += N)
+      points(p, end - p < N ? static_cast<int>(end - p) : N);
+    Node out[nodes];
+    for (int n = 0; n < nodes; ++n)
+      out[n] = sums(moments_[0][n], moments_[1][n], moments_[2][n], Dim == 3 ? moments_[Dim][n] : R(0.0));
+    toNodes<Dim>(out);
+    for (int n = 0; n < nodes; ++n)
+    {
+      double* node = s_.momentum + (corner + nodeOffset<Dim>(stride_, n)) * 4;
+      (Node::load(node) + out[n]).store(node);
+    }
+  }
+
+  double* column(int c, std::int64_t p) const { return s_.columns + c * s_.pitch + p; }
+  R load(int c, std::int64_t p) const { return R::load(column(c, p)); }
+
+  void points(std::int64_t p, int count)
+  {
+    const typename R::I real = R::counting() < count;
+    for (int q = 0; q < Law::constants && !s_.onePhase; ++q)
+      for (int l = 0; l < N; ++l)
+        constants_[q].v[l] = s_.constants[s_.phase[p + l] * Law::constants + q];
+    R x[Dim];
+    R v[Dim];
+    Matrix<Dim, R> affine;
+    Matrix<Dim, R> F;
+    Vector<Dim, R> axis;
+    for (int a = 0; a < Dim; ++a)
+    {
+      x[a] = load(a, p);
+      axis[a] = load(C::axes + a, p);
+    }
+    for (int i = 0; i < Dim * Dim; ++i)
+      F.m[i] = load(C::deformations + i, p);
+    if constexpr (Whole)
+    {
+      take(p, count, x, v, affine, F);
+    }
+    else
+    {
+      for (int a = 0; a < Dim; ++a)
+        v[a] = load(C::velocities + a, p);
+      for (int i = 0; i < Dim * Dim; ++i)
+        affine.m[i] = load(C::affines + i, p);
+    }
+    give(p, count, real, x, v, affine, Law::kirchhoff(constants_, F, axis));
+  }
+
+  /// Velocities from the grid; moves and strains the points.
+  void take(std::int64_t p, int count, R* x, R* v, Matrix<Dim, R>& affine, Matrix<Dim, R>& F)
+  {
+    CellPlace<R> at[3] = { place(0, 0, x[0]), place(0, 1, x[1]), place(0, Dim - 1, x[Dim - 1]) };
+    Matrix<Dim, R> L;
+    for (int c = 0; c < Dim; ++c)
+    {
+      const Evaluated<Dim, R> r = evaluate<Dim>(coefficients_ + 1 + c, at);
+      v[c] = r.value;
+      for (int b = 0; b < Dim; ++b)
+      {
+        const double inverse = 1 / s_.axis[b].spacing[0];
+        L(c, b) = r.gradient[b] * inverse;
+        affine(c, b) = r.affine[b] * inverse;
+      }
+    }
+    const unsigned strays = outsideCell(at, count);
+    for (int l = 0; l < count && strays != 0; ++l)
+      if (strays >> l & 1U)
+        takeStray(l, x, v, affine, L);
+
+    for (int a = 0; a < Dim; ++a)
+    {
+      x[a] = x[a] + s_.dt * v[a];
+      x[a].storeFirst(column(a, p), count);
+      v[a].storeFirst(column(C::velocities + a, p), count);
+    }
+    const Matrix<Dim, R> before = F;
+    for (int i = 0; i < Dim * Dim; ++i)
+      affine.m[i].storeFirst(column(C::affines + i, p), count);
+    for (int i = 0; i < Dim; ++i)
+      for (int j = 0; j < Dim; ++j)
+      {
+        R sum = L(i, 0) * before(0, j);
+        for (int k = 1; k < Dim; ++k)
+          sum = sum + L(i, k) * before(k, j);
+        F(i, j) = before(i, j) + s_.dt * sum;
+      }
+    for (int i = 0; i < Dim * Dim; ++i)
+      F.m[i].storeFirst(column(C::deformations + i, p), count);
+  }
+
+  /// Momentum and forces to the grid.
+  void give(std::int64_t p, int count, typename R::I real, const R* x, const R* v, const Matrix<Dim, R>& affine,
+    const Matrix<Dim, R>& tau)
+  {
+    CellPlace<R> at[3] = { place(1, 0, x[0]), place(1, 1, x[1]), place(1, Dim - 1, x[Dim - 1]) };
+    const R mass = load(C::masses, p);
+    const R impulse = load(C::volumes, p) * -s_.kick;
+    const unsigned strays = outsideCell(at, count);
+    typename R::I inside = real;
+    if (strays != 0)
+    {
+      for (int l = 0; l < count; ++l)
+        if (strays >> l & 1U)
+        {
+          inside[l] = 0;
+          giveStray(l, x, v, affine, tau, mass, impulse);
+        }
+    }
+    if (strays != 0 || edge_)
+      report(at, count);
+    const R none(0.0);
+    if (strays != 0 || count < N)
+      for (int a = 0; a < 3; ++a)
+        at[a] = CellPlace<R>(select(inside, at[a].e, none));
+    const R m = select(inside, mass, none);
+    addMoments<Dim>(moments_[0], at, m);
+    for (int c = 0; c < Dim; ++c)
+    {
+      R gradient[Dim];
+      R spread[Dim];
+      for (int b = 0; b < Dim; ++b)
+      {
+        gradient[b] = select(inside, impulse * tau(c, b), none) * (1 / s_.axis[b].spacing[1]);
+        spread[b] = m * affine(c, b) * (0.25 * s_.axis[b].spacing[1]);
+      }
+      addMoments<Dim>(moments_[1 + c], at, m * (v[c] + R(s_.kick * s_.gravity[c])), gradient, spread);
+    }
+  }
+
+  /// @param when before (0) or after (1) the step
+  CellPlace<R> place(int when, int a, R x) const
+  {
+    return CellPlace<R>((x - R(s_.axis[a].lower[when])) * (1 / s_.axis[a].spacing[when]) - R(middle_[a]));
+  }
+
+  /// A bit a point: is it outside the cell? What is not a number is.
+  unsigned outsideCell(const CellPlace<R>* at, int count) const
+  {
+    typename R::I in = abs(at[0].e) <= R(0.5);
+    for (int a = 1; a < Dim; ++a)
+      in &= abs(at[a].e) <= R(0.5);
+    return bits<N>(~in) & ((1U << count) - 1);
+  }
+
+  /// Coordinates of a lane's point. @return whether all nodes that it reaches are there
+  bool coordinates(int when, int lane, const R* x, double* coordinate) const
+  {
+    bool there = true;
+    for (int a = 0; a < Dim; ++a)
+    {
+      coordinate[a] = (x[a].v[lane] - s_.axis[a].lower[when]) / s_.axis[a].spacing[when];
+      there = there && coordinate[a] >= -0.5 && coordinate[a] < s_.axis[a].end;
+    }
+    return there;
+  }
+
+  void takeStray(int lane, const R* x, R* v, Matrix<Dim, R>& affine, Matrix<Dim, R>& L) const
+  {
+    double coordinate[Dim];
+    if (!coordinates(0, lane, x, coordinate))
+      return; // it was reported when it went there
+    const Stray<Dim> stray(s_, coordinate);
+    double value[Dim] = {};
+    double gradients[Dim * Dim] = {};
+    double spread[Dim * Dim] = {};
+    stray.forEach(s_,
+      [&](std::int64_t node, double weight, const double* g, const double* d)
+      {
+        for (int c = 0; c < Dim; ++c)
+        {
+          const double u = s_.velocity[node + 1 + c];
+          value[c] += weight * u;
+          for (int b = 0; b < Dim; ++b)
+          {
+            gradients[c * Dim + b] += g[b] * u;
+            spread[c * Dim + b] += 4 * weight * d[b] * u;
+          }
+        }
+      });
+    for (int c = 0; c < Dim; ++c)
+    {
+      v[c].v[lane] = value[c];
+      for (int b = 0; b < Dim; ++b)
+      {
+        L(c, b).v[lane] = gradients[c * Dim + b] / s_.axis[b].spacing[0];
+        affine(c, b).v[lane] = spread[c * Dim + b] / s_.axis[b].spacing[0];
+      }
+    }
+  }
+
+  void giveStray(
+    int lane, const R* x, const R* v, const Matrix<Dim, R>& affine, const Matrix<Dim, R>& tau, R mass, R impulse)
+  {
+    ++s_.strays;
+    double coordinate[Dim];
+    if (!coordinates(1, lane, x, coordinate))
+    {
+      s_.outside = true;
+      return;
+    }
+    const Stray<Dim> stray(s_, coordinate);
+    stray.forEach(s_,
+      [&](std::int64_t node, double weight, const double* g, const double* d)
+      {
+        double* out = s_.momentum + node;
+        out[0] += weight * mass.v[lane];
+        for (int c = 0; c < Dim; ++c)
+        {
+          double speed = v[c].v[lane] + s_.kick * s_.gravity[c];
+          double force = 0;
+          for (int b = 0; b < Dim; ++b)
+          {
+            speed += affine(c, b).v[lane] * d[b] * s_.axis[b].spacing[1];
+            force += tau(c, b).v[lane] * g[b] / s_.axis[b].spacing[1];
+          }
+          out[1 + c] += weight * mass.v[lane] * speed + impulse.v[lane] * force;
+        }
+      });
+  }
+
+  /// Notes points that have gone further than a cell, or near an end of the grid.
+  void report(const CellPlace<R>* at, int count)
+  {
+    for (int a = 0; a < Dim; ++a)
+    {
+      const R coordinate = at[a].e + R(middle_[a]);
+      const auto in = (coordinate >= R(s_.axis[a].least)) & (coordinate <= R(s_.axis[a].most));
+      const auto near = abs(at[a].e) <= R(1.5);
+      const unsigned here = (1U << count) - 1;
+      s_.outside = s_.outside || (bits<N>(~in) & here) != 0;
+      s_.far = s_.far || (bits<N>(~near) & here) != 0;
+    }
+  }
+
+  PointSweep& s_;
+  std::int64_t stride_[3] = {};
+  double middle_[3] = {}; ///< node in the middle of the cell's splines
+  bool edge_ = false;     ///< the cell reaches where points are to be reported
+  R constants_[Law::constants];
+  double coefficients_[4 * nodes];
+  R moments_[1 + Dim][nodes];
+};
+
+template <int Dim, class Law, bool Whole, int N>
+void sweepCells(PointSweep& sweep, std::int64_t first, std::int64_t last)
+{
+  Sweep<Dim, Law, Whole, N>(sweep).run(first, last);
+}
+
+#if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
+constexpr int narrow = 4;
+constexpr int wide = 8;
+#elif defined(__AVX2__)
+constexpr int narrow = 4;
+constexpr int wide = 4;
+#else
+constexpr int narrow = 2;
+constexpr int wide = 2;
+#endif
+
+} // namespace
+
+#define LAMELLA_WIDTHS(Dim, Law, Whole)                                                                                \
+  {                                                                                                                    \
+    sweepCells<Dim, Law, Whole, narrow>, sweepCells<Dim, Law, Whole, wide>                                             \
+  }
+#define LAMELLA_LAW(Dim, Law)                                                                                          \
+  {                                                                                                                    \
+    LAMELLA_WIDTHS(Dim, Law, false), LAMELLA_WIDTHS(Dim, Law, true)                                                    \
+  }
+extern const PointKernels LAMELLA_KERNELS;
+const PointKernels LAMELLA_KERNELS = { LAMELLA_KERNELS_NAME, { narrow, wide },
+  { { LAMELLA_LAW(2, NeoHookean), LAMELLA_LAW(2, Isotropic), LAMELLA_LAW(2, Orthotropic) },
+    { LAMELLA_LAW(3, NeoHookean), LAMELLA_LAW(3, Isotropic), LAMELLA_LAW(3, Orthotropic) } } };
+
+} // namespace lamella::mpm
