@@ -13,7 +13,7 @@ template <int Dim>
 template <class Add>
 void PointSystem<Dim>::forEachBlock(std::size_t p, const Add& add) const
 {
-  const Gradients g = gradients(p);
+  const std::array<AxisShape<3>, Dim> s = profiles(p);
   std::array<std::int32_t, splines> node;
   std::array<std::array<Strain, Dim>, splines> b;  // strain of a unit displacement
   std::array<std::array<Strain, Dim>, splines> cb; // and its stress, times the volume
@@ -21,11 +21,19 @@ void PointSystem<Dim>::forEachBlock(std::size_t p, const Add& add) const
   {
     const auto at = static_cast<std::size_t>(base_[p] + jumps_[k]);
     node[k] = place_[static_cast<std::size_t>(master_[at])];
+    const std::array<std::size_t, 3> i{ k % 3, k / 3 % 3, k / 9 };
+    std::array<double, Dim> g;
+    for (std::size_t c = 0; c < Dim; ++c)
+    {
+      g[c] = 1;
+      for (std::size_t a = 0; a < Dim; ++a)
+        g[c] *= a == c ? s[a].gradient[i[a]] : s[a].value[i[a]];
+    }
     for (std::size_t c = 0; c < Dim; ++c)
     {
       std::array<std::array<double, Dim>, Dim> gradient{};
       for (std::size_t j = 0; j < Dim; ++j)
-        gradient[c][j] = sign_[at * Dim + c] * g[k][j];
+        gradient[c][j] = sign_[at * Dim + c] * g[j];
       b[k][c] = strainOf<Dim>(gradient);
       cb[k][c] = stress(p, b[k][c]);
     }

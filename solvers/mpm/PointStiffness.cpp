@@ -302,7 +302,7 @@ PointStiffness<Dim> pointStiffness(
   const BackgroundGrid<Dim> grid = gridOf(options);
   checkPoints(points, law.phases(), options);
   if (!(options.tolerance > 0 && options.tolerance < 1))
-    throw ParameterError(fmt::format("a tolerance of {}", options.tolerance), "between 0 and 1, as 1e-7");
+    throw ParameterError(fmt::format("a tolerance of {}", options.tolerance), "between 0 and 1, as 1e-6");
   PointStiffness<Dim> r;
   r.strains = allowedStrains<Dim>(options.sides);
   if (r.strains.empty())

@@ -32,7 +32,7 @@ struct PointStiffnessOptions
   /// walls all round: an upper bound of it. Walls all round: stretching and pressing only.
   std::array<BoxSides, Dim> sides{};
   StiffnessSolver solver = StiffnessSolver::Automatic;
-  double tolerance = 1e-7; ///< of the residual, as PointStiffness::residual
+  double tolerance = 1e-6; ///< of the residual, as PointStiffness::residual
   std::int64_t maximumIterations = 20000;
   std::function<bool(double)> progress{}; ///< share done; true asks to stop
 };

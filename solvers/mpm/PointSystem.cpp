@@ -148,27 +148,6 @@ void PointSystem<Dim>::findImages(const std::array<BoxSides, Dim>& sides)
 }
 
 template <int Dim>
-auto PointSystem<Dim>::gradients(std::size_t p) const -> Gradients
-{
-  std::array<AxisShape<3>, Dim> s;
-  for (std::size_t a = 0; a < Dim; ++a)
-    s[a] = QuadraticSpline::at(fraction_[p][a], 1); // its base is 0 wherever the point is
-  Gradients g;
-  for (std::size_t k = 0; k < splines; ++k)
-  {
-    const std::array<std::size_t, 3> i{ k % 3, k / 3 % 3, k / 9 };
-    for (std::size_t c = 0; c < Dim; ++c)
-    {
-      double v = 1 / grid_.axis(static_cast<int>(c)).spacing;
-      for (std::size_t a = 0; a < Dim; ++a)
-        v *= a == c ? s[a].gradient[i[a]] : s[a].value[i[a]];
-      g[k][c] = v;
-    }
-  }
-  return g;
-}
-
-template <int Dim>
 auto PointSystem<Dim>::stress(std::size_t p, const Strain& strain) const -> Strain
 {
   const double* c = &stiffness_[p * (Dim == 3 ? 21 : 6)];
@@ -185,17 +164,77 @@ auto PointSystem<Dim>::stress(std::size_t p, const Strain& strain) const -> Stra
   return t;
 }
 
+// Splines along each axis at a point, gradients over the spacing.
 template <int Dim>
-void PointSystem<Dim>::scatter(std::size_t p, const Strain& stress, Field& f) const
+auto PointSystem<Dim>::profiles(std::size_t p) const -> std::array<AxisShape<3>, Dim>
 {
-  const Gradients g = gradients(p);
-  for (std::size_t k = 0; k < splines; ++k)
+  std::array<AxisShape<3>, Dim> s;
+  for (std::size_t a = 0; a < Dim; ++a)
   {
-    const auto force = forceOf<Dim>(stress, g[k]);
-    double* to = &f[static_cast<std::size_t>(base_[p] + jumps_[k]) * Dim];
-    for (std::size_t c = 0; c < Dim; ++c)
-      to[c] += force[c];
+    s[a] = QuadraticSpline::at(fraction_[p][a], 1); // its base is 0 wherever the point is
+    for (double& v : s[a].gradient)
+      v /= grid_.axis(static_cast<int>(a)).spacing;
   }
+  return s;
+}
+
+// visit(first node of a row along x, factors of its splines): the first goes with the gradients along x, the others,
+// derivatives along y (and z), with the values.
+template <int Dim>
+template <class Visit>
+void PointSystem<Dim>::forEachRow(std::size_t p, const std::array<AxisShape<3>, Dim>& s, const Visit& visit) const
+{
+  for (std::size_t k = 0; k < (Dim == 3 ? 3 : 1); ++k)
+    for (std::size_t j = 0; j < 3; ++j)
+    {
+      const std::int64_t first = base_[p] + jumps_[9 * k + 3 * j];
+      if constexpr (Dim == 2)
+        visit(first, std::array{ s[1].value[j], s[1].gradient[j] });
+      else
+        visit(first,
+          std::array{
+            s[1].value[j] * s[2].value[k], s[1].gradient[j] * s[2].value[k], s[1].value[j] * s[2].gradient[k] });
+    }
+}
+
+template <int Dim>
+auto PointSystem<Dim>::strainAt(std::size_t p, const std::array<AxisShape<3>, Dim>& s, const Field& w) const -> Strain
+{
+  std::array<std::array<double, Dim>, Dim> gradient{};
+  forEachRow(p, s,
+    [&](std::int64_t first, const std::array<double, Dim>& factor)
+    {
+      const double* u = &w[static_cast<std::size_t>(first) * Dim];
+      for (std::size_t c = 0; c < Dim; ++c)
+      {
+        const double value = s[0].value[0] * u[c] + s[0].value[1] * u[c + Dim] + s[0].value[2] * u[c + 2 * Dim];
+        gradient[c][0] +=
+          factor[0] * (s[0].gradient[0] * u[c] + s[0].gradient[1] * u[c + Dim] + s[0].gradient[2] * u[c + 2 * Dim]);
+        for (std::size_t a = 1; a < Dim; ++a)
+          gradient[c][a] += factor[a] * value;
+      }
+    });
+  return strainOf<Dim>(gradient);
+}
+
+template <int Dim>
+void PointSystem<Dim>::scatter(
+  std::size_t p, const std::array<AxisShape<3>, Dim>& s, const Strain& stress, Field& f) const
+{
+  forEachRow(p, s,
+    [&](std::int64_t first, const std::array<double, Dim>& factor)
+    {
+      std::array<double, Dim> across = factor;
+      across[0] = 0;
+      const auto withValues = forceOf<Dim>(stress, across);
+      std::array<double, Dim> along{};
+      along[0] = factor[0];
+      const auto withGradients = forceOf<Dim>(stress, along);
+      double* to = &f[static_cast<std::size_t>(first) * Dim];
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t c = 0; c < Dim; ++c)
+          to[i * Dim + c] += s[0].value[i] * withValues[c] + s[0].gradient[i] * withGradients[c];
+    });
 }
 
 // Layers of cells two by two: those of one parity share no node, so that the order of every sum is the same whatever
@@ -250,23 +289,8 @@ void PointSystem<Dim>::apply(Field& w, Field& f) const
   forEachPoint(
     [&](std::size_t p)
     {
-      const Gradients g = gradients(p);
-      std::array<std::array<double, Dim>, Dim> gradient{};
-      for (std::size_t k = 0; k < splines; ++k)
-      {
-        const double* u = &w[static_cast<std::size_t>(base_[p] + jumps_[k]) * Dim];
-        for (std::size_t i = 0; i < Dim; ++i)
-          for (std::size_t j = 0; j < Dim; ++j)
-            gradient[i][j] += u[i] * g[k][j];
-      }
-      const Strain t = stress(p, strainOf<Dim>(gradient));
-      for (std::size_t k = 0; k < splines; ++k)
-      {
-        const auto force = forceOf<Dim>(t, g[k]);
-        double* to = &f[static_cast<std::size_t>(base_[p] + jumps_[k]) * Dim];
-        for (std::size_t c = 0; c < Dim; ++c)
-          to[c] += force[c];
-      }
+      const auto shape = profiles(p);
+      scatter(p, shape, stress(p, strainAt(p, shape, w)), f);
     });
   fold(f);
 }
@@ -281,7 +305,7 @@ auto PointSystem<Dim>::load(const Strain& strain) const -> Field
       Strain t = stress(p, strain);
       for (double& v : t)
         v = -v;
-      scatter(p, t, f);
+      scatter(p, profiles(p), t, f);
     });
   fold(f);
   return f;

@@ -4,6 +4,7 @@
 #include "mpm/BoxSides.h"
 #include "mpm/MaterialPoints.h"
 #include "mpm/PointLaw.h"
+#include "mpm/ShapeFunctions.h"
 
 #include "packing/BlockCholesky.h"
 
@@ -52,13 +53,14 @@ public:
   [[nodiscard]] packing::BlockMatrix<Dim> assemble(const std::vector<double>& scale) const;
 
 private:
-  using Gradients = std::array<std::array<double, Dim>, splines>;
-
   void readPoints(const MaterialPoints<Dim>& points, const PointLaw<Dim>& law);
   void findImages(const std::array<BoxSides, Dim>& sides);
-  [[nodiscard]] Gradients gradients(std::size_t p) const;
   [[nodiscard]] Strain stress(std::size_t p, const Strain& strain) const; ///< times the volume
-  void scatter(std::size_t p, const Strain& stress, Field& f) const;
+  [[nodiscard]] std::array<AxisShape<3>, Dim> profiles(std::size_t p) const;
+  [[nodiscard]] Strain strainAt(std::size_t p, const std::array<AxisShape<3>, Dim>& s, const Field& w) const;
+  void scatter(std::size_t p, const std::array<AxisShape<3>, Dim>& s, const Strain& stress, Field& f) const;
+  template <class Visit>
+  void forEachRow(std::size_t p, const std::array<AxisShape<3>, Dim>& s, const Visit& visit) const;
   void fold(Field& f) const;
   template <class Visit>
   void forEachPoint(const Visit& visit) const;
