@@ -16,7 +16,7 @@ namespace lamella::mpm
 namespace
 {
 
-constexpr std::int64_t between = 10; // steps from one look at the whole body to the next
+constexpr std::int64_t between = 20; // steps from one look at the whole body to the next
 constexpr int rim = 4;               // cells beyond the points where an axis is open
 
 void checkOptions(bool fine, const std::string& message, const char* hint)
@@ -280,7 +280,7 @@ bool PointDynamics<Dim>::run(std::int64_t steps, double dt)
     if (step_ % between == 0 && step_ > 0)
     {
       chooseStep();
-      if (options_.progress && step_ % (10 * between) == 0 && options_.progress(step_, time_))
+      if (options_.progress && step_ % 100 == 0 && options_.progress(step_, time_))
         return false;
     }
     const double now = dt > 0 ? std::min(dt, dt_) : dt_;

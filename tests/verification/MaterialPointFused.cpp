@@ -165,7 +165,7 @@ TEST(MaterialPointFused, AgreesWithThePlainPath2D)
 TEST(MaterialPointFused, AgreesWithThePlainPath3D)
 {
   for (const LawKind law : { LawKind::NeoHookean, LawKind::Isotropic, LawKind::Orthotropic })
-    agree<3>(law, 8, 30);
+    agree<3>(law, 8, 20);
 }
 
 TEST(MaterialPointFused, IsTheSameOnAnyNumberOfThreads)
