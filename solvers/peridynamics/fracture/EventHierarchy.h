@@ -99,6 +99,7 @@ private:
   void restrictAll();
   void residualInDouble();
   void maskRow(NodeField<float>& field, std::int64_t y, std::int64_t z, std::int64_t x0, std::int64_t x1) const;
+  [[nodiscard]] double dot(const NodeField<float>& a, const NodeField<float>& b); ///< of the finest level
   [[nodiscard]] double freeNorm(const NodeField<float>& r);
   template <class F>
   double rowSum(F&& f);

@@ -418,36 +418,34 @@ void BondMultigrid::estimateSpectrum(std::size_t index)
   level.lambda = lambda > 0 ? static_cast<float>(lambda) * margin : 1.0F;
 }
 
-const NodeField<float>& BondMultigrid::apply(const NodeField<double>& input, double scale)
+template <class F>
+const NodeField<float>& BondMultigrid::applyTo(F&& row)
 {
   Level& top = *levels_.front();
   const NodeLayout& l = top.layout;
   forOwnRows(l,
     [&](std::int64_t y, std::int64_t z)
     {
-      const std::int64_t i = l.index(0, y, z);
       for (int c = 0; c < l.dimension; ++c)
-        levelKernels().toFloat(l.size[0], scale, input.component(c) + i, top.r.component(c) + i);
+        row(l.index(0, y, z), c);
     });
   release(top.r);
   cycle(0, true);
   return top.x;
 }
 
+const NodeField<float>& BondMultigrid::apply(const NodeField<double>& input, double scale)
+{
+  Level& top = *levels_.front();
+  return applyTo([&](std::int64_t i, int c)
+    { levelKernels().toFloat(top.layout.size[0], scale, input.component(c) + i, top.r.component(c) + i); });
+}
+
 const NodeField<float>& BondMultigrid::apply(const NodeField<float>& input)
 {
   Level& top = *levels_.front();
-  const NodeLayout& l = top.layout;
-  forOwnRows(l,
-    [&](std::int64_t y, std::int64_t z)
-    {
-      const std::int64_t i = l.index(0, y, z);
-      for (int c = 0; c < l.dimension; ++c)
-        std::copy_n(input.component(c) + i, l.size[0], top.r.component(c) + i);
-    });
-  release(top.r);
-  cycle(0, true);
-  return top.x;
+  return applyTo(
+    [&](std::int64_t i, int c) { std::copy_n(input.component(c) + i, top.layout.size[0], top.r.component(c) + i); });
 }
 
 } // namespace lamella::peridynamics
