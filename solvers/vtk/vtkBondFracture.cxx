@@ -274,16 +274,25 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team)
   options.energyDensity = this->ComputeStrainEnergy;
   options.threads = this->ThreadCount();
   this->SetProgressText("fracture");
-  Rarely rarely;
+  Rarely before; // the first break
+  Rarely after;
   options.fracture.progress = [&](const pd::FractureProgress& p)
   {
     unwritten = unwritten && this->LastCheckpoint == p.checkpoint;
     this->LastCheckpoint = p.checkpoint;
-    if (rarely.due())
+    const bool first = p.equilibrium < 1;
+    if ((first ? before : after).due())
     {
       std::array<char, 128> text{};
-      std::snprintf(text.data(), text.size(), "%lld bonds broken, peak %.3g Pa%s", static_cast<long long>(p.broken),
-        p.peakStress, unwritten ? ", checkpoint not written" : "");
+      if (first)
+      {
+        std::snprintf(text.data(), text.size(), "first equilibrium, %.0f %%", 100 * p.equilibrium);
+      }
+      else
+      {
+        std::snprintf(text.data(), text.size(), "%lld bonds broken, peak %.3g Pa%s", static_cast<long long>(p.broken),
+          p.peakStress, unwritten ? ", checkpoint not written" : "");
+      }
       this->SetProgressText(text.data());
       this->UpdateProgress(p.share);
     }

@@ -204,6 +204,9 @@ TEST(FractureEvents, GoesOnAfterAnInterruption)
       EXPECT_GE(p.share, share);
       EXPECT_LE(p.share, 1);
       share = p.share;
+      if (p.broken == 0)
+        return false; // the first equilibrium
+      EXPECT_EQ(p.equilibrium, 1);
       EXPECT_EQ(p.broken, ++calls);
       return calls % 7 == 0;
     };
@@ -215,6 +218,44 @@ TEST(FractureEvents, GoesOnAfterAnInterruption)
     EXPECT_GT(interruptions, 1);
     expectSame(whole, f.record(), 0);
     EXPECT_EQ(whole.curve.size(), f.record().curve.size());
+  }
+}
+
+// It is told of by and by, and ends the run when asked to: no bond is broken then, and a run after it breaks the same
+// bonds as one that nobody stopped.
+TEST(FractureEvents, TheFirstEquilibriumCanBeStopped)
+{
+  const Breakable s = walls(64);
+  for (const FractureMethod method : { FractureMethod::Accurate, FractureMethod::Events })
+  {
+    FractureOptions o = by(method, 0.3);
+    o.maxBroken = 20;
+    const FractureRecord whole = fracture(s, o);
+    std::vector<double> shares;
+    std::size_t most = 0; // calls, and then it stops
+    o.progress = [&](const FractureProgress& p)
+    {
+      if (p.broken > 0)
+        return false;
+      EXPECT_EQ(p.share, 0);
+      shares.push_back(p.equilibrium);
+      return shares.size() == most;
+    };
+    expectSame(whole, fracture(s, o), 0);
+    ASSERT_GT(shares.size(), 5U);
+    EXPECT_LT(shares.front(), 0.5);
+    EXPECT_GT(shares.back(), 0.9);
+    BondLattice bonds = latticeOf(s.model, s.sample, alone());
+    const std::int64_t before = bonds.bonds();
+    shares.clear();
+    most = 3;
+    EXPECT_THROW(QuasiStaticFracture(bonds, {}, o), Cancelled);
+    EXPECT_EQ(shares.size(), most);
+    EXPECT_EQ(bonds.bonds(), before);
+    most = 0;
+    QuasiStaticFracture again(bonds, {}, o);
+    again.run();
+    expectSame(whole, again.record(), 0);
   }
 }
 

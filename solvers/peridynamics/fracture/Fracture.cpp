@@ -127,15 +127,18 @@ QuasiStaticFracture::QuasiStaticFracture(BondLattice& bonds, const Loading& load
   {
     const EngineState resumed = restore(platens);
     if (accurate)
-      engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance, &resumed);
+      engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance, resumed);
     else
       engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance, resumed);
     return;
   }
+  std::function<bool(double)> progress;
+  if (options_.progress)
+    progress = [this](double share) { return options_.progress({ .equilibrium = share }); };
   if (accurate)
-    engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance);
+    engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance, std::move(progress));
   else
-    engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance);
+    engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance, progress);
   record_.modulus = stress(1) / reference_;
   record_.statistics = engine_->statistics();
   record_.statistics.totalSeconds = seconds() - start;

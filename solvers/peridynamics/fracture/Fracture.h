@@ -61,6 +61,7 @@ struct FractureProgress
   double stress = 0;           ///< now [Pa]
   double peakStress = 0;       ///< so far [Pa]
   std::int64_t checkpoint = 0; ///< events in the last file that this run wrote; 0: none yet
+  double equilibrium = 1;      ///< share of the first equilibrium that is done; until then the others are 0
 };
 
 struct FractureOptions
@@ -80,7 +81,8 @@ struct FractureOptions
   std::int64_t renewEvery = 500;
   CheckpointOptions checkpoint{};       ///< at renewals only
   std::filesystem::path continueFrom{}; ///< a checkpoint of the same scene; empty: from the unbroken sample
-  /// Called after every event; true asks to stop, see FractureEnd::Interrupted.
+  /// Called after every iteration of the first equilibrium, where true makes the constructor throw Cancelled, and after
+  /// every event, where true asks to stop, see FractureEnd::Interrupted.
   std::function<bool(const FractureProgress&)> progress{};
 };
 
@@ -173,6 +175,7 @@ public:
   /// strain; with FractureMethod::Events several ranks, periodic sides, batches
   /// @throws NoPathError: a sample already in two pieces; as applyLoading() and Equilibrium otherwise
   /// @throws InputError: a checkpoint of another scene, cut off, damaged or newer; a place where none can be written
+  /// @throws Cancelled: FractureOptions::progress asked for it; no bond is broken then
   QuasiStaticFracture(BondLattice& bonds, const Loading& loading, FractureOptions options = {});
   ~QuasiStaticFracture();
   QuasiStaticFracture(const QuasiStaticFracture&) = delete;

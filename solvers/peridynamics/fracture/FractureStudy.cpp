@@ -336,6 +336,7 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
       options.fracture.checkpoint.warn(why);
   };
   QuasiStaticFracture fracture(bonds, options.loading, fractureOptions);
+  latest.equilibrium = 1;
   r.continuedAt = fracture.record().statistics.events;
   const LoadedSample& sample = fracture.sample();
   r.axis = options.loading.axis < 0 ? lattice.dimension - 1 : options.loading.axis;

@@ -109,7 +109,7 @@ void EventHierarchy::restrictAll()
   }
 }
 
-int EventHierarchy::correctGlobally(int maxIterations, double tolerance)
+int EventHierarchy::correctGlobally(int maxIterations, double tolerance, const std::function<bool(double)>& progress)
 {
   const NodeLayout& l = bonds_.layout();
   EventLevel& finest = levels_.front();
@@ -178,6 +178,8 @@ int EventHierarchy::correctGlobally(int maxIterations, double tolerance)
       });
     size = freeNorm(r);
     ++iterations;
+    if (progress && progress(std::clamp(std::log(size / reference_) / std::log(tolerance), 0.0, 1.0)))
+      throw Cancelled();
   }
   forOwnRows(l,
     [&](std::int64_t y, std::int64_t z)
@@ -199,14 +201,14 @@ int EventHierarchy::correctGlobally(int maxIterations, double tolerance)
   return iterations;
 }
 
-int EventHierarchy::solve(double tolerance)
+int EventHierarchy::solve(double tolerance, const std::function<bool(double)>& progress)
 {
   constexpr int most = 2000;
   int iterations = 0;
   for (int round = 0; round < 8; ++round)
   {
     sinceDouble_ = everyDouble;
-    const int now = correctGlobally(most, 0.5 * tolerance);
+    const int now = correctGlobally(most, 0.5 * tolerance, progress);
     iterations += now;
     if (now == 0)
       return iterations;
