@@ -241,7 +241,7 @@ void fracture(Session& session, const FractureOptions& options, const std::strin
     report.run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     session.print(options.common.json ? fractureJson(report) : options.common.quiet ? "" : fractureTable(report));
   };
-  const auto left = [&] { return howToContinue(options.checkpoint, filter, commandLine); };
+  const auto left = [&] { return howToContinue(options.checkpoint, filter, commandLine, session.ranks()); };
   try
   {
     runBonds(session, filter, sample, "fracture");
