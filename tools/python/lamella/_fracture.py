@@ -183,9 +183,7 @@ class FractureResult(BondNumbers):
 
     def save_broken(self, path, overwrite=False):
         """Writes the broken bonds as a .vtp file, whole or not at all."""
-        path = os.fspath(path)
-        if os.path.exists(path) and not overwrite:
-            raise FileExistsError(f"{path} exists; say overwrite=True to replace it")
+        path = _files.new_path(path, overwrite)
         _files.write_poly_data(self.vtk_broken, path)
         return path
 
