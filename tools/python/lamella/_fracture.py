@@ -7,12 +7,11 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkTable
 
 from . import _arrays, _files
-from ._bonds import AXES, BondFields, BondNumbers, set_bonds
+from ._bonds import LOADS, BondFields, BondNumbers, set_bonds, set_load
 from ._errors import choose, run
 from ._solve import as_image
 from .vtkLamellaSolversVTK import vtkBondFracture
 
-_LOADS = {"stretch": 0, "shear": 1, "biaxial": 2}
 _METHODS = {"auto": 0, "events": 1, "accurate": 2}
 _BREAKINGS = {"strict": 0, "batched": 1}
 _COUNTS = (
@@ -258,20 +257,15 @@ def fracture(
     solve = vtkBondFracture()
     solve.SetInputData(as_image(image))
     set_bonds(solve, young, fracture_energy, toughness, critical_stretch, **bonds)
-    solve.SetLoad(choose(_LOADS, load, "load"))
-    solve.SetLoadAxis(choose(AXES, axis, "axis"))
+    set_load(solve, LOADS, load, axis, smooth_platens, rigid_platens, platen_layers, tolerance, stress, strain_energy)
     solve.SetCompression(bool(compression))
     solve.SetLateralRatio(float(lateral_ratio))
-    solve.SetSmoothPlatens(bool(smooth_platens))
-    solve.SetRigidPlatens(bool(rigid_platens))
-    solve.SetPlatenLayers(int(platen_layers))
     solve.SetMethod(choose(_METHODS, method, "method"))
     solve.SetBreaking(choose(_BREAKINGS, breaking, "breaking"))
     solve.SetRivals(bool(rivals))
     solve.SetStopShare(float(stop))
     solve.SetMaximumStrain(0.0 if max_strain is None else float(max_strain))
     solve.SetMaximumBroken(0 if max_broken is None else int(max_broken))
-    solve.SetTolerance(float(tolerance))
     for strain in np.ravel(at_strains):
         solve.AddStateAtStrain(float(strain))
     for count in np.ravel(at_broken):
@@ -283,8 +277,6 @@ def fracture(
     solve.SetCheckpointEvery(int(checkpoint_every))
     solve.SetContinueFile(continue_from)
     solve.SetComputeDisplacement(bool(displacement))
-    solve.SetComputeStress(bool(stress))
-    solve.SetComputeStrainEnergy(bool(strain_energy))
     run(solve, progress)
     broken, curve = vtkPolyData(), vtkTable()
     broken.ShallowCopy(solve.GetBrokenBonds())
