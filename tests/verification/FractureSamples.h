@@ -36,9 +36,7 @@ inline Breakable walls(std::int64_t nodes, std::uint64_t seed = 1)
 
 inline Breakable strip(std::int64_t nx, std::int64_t ny, double horizon = 3)
 {
-  Breakable s{ { makeLattice(nx, ny, 1, 2, spacing), {}, {} }, modelOf(Continuum::PlaneStress, horizon) };
-  s.sample.phase.assign(static_cast<std::size_t>(nx * ny), 1);
-  return s;
+  return { block(nx, ny), modelOf(Continuum::PlaneStress, horizon) };
 }
 
 inline FractureRecord fracture(
