@@ -15,15 +15,18 @@ import argparse
 import concurrent.futures
 import math
 import os
+import sys
 import time
 
 import lamella
 import numpy as np
 from matplotlib import pyplot as plt
-from matplotlib.collections import LineCollection
 from stress import CRITICAL, E_MATRIX, HORIZON, RATIO
-from study import COLOURS, FILLED, WIDTHS, bridged, means_of, panel, write_csv
+from study import COLOURS, FILLED, WIDTHS, bridged, means_of, panel
 from vtkmodules.vtkCommonCore import vtkLogger
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from common import chart, draw_bonds, write_csv, write_figure  # noqa: E402
 
 MATRIX, GRAIN = 1, 2  # phases
 THICK = 16  # layers of nodes of a plate to which grains are bridged, of which the outer HORIZON are held; else all that are held
@@ -86,17 +89,10 @@ def slopes(means):
 
 
 def draw_curves(curves, path):
-    figure, axes = plt.subplots(figsize=(5.4, 4), constrained_layout=True)
     colours = plt.get_cmap("viridis")(np.linspace(0, 0.92, len(curves)))
-    for (saturation, strain, stress), colour in zip(curves, colours):
-        axes.plot(strain, stress, color=colour, linewidth=1.4, label=f"S = {saturation:.2f}")
-    axes.set_xlabel("strain over $s_0$")
-    axes.set_ylabel("stress over $E_M s_0$")
-    axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
-    axes.legend(frameon=False, fontsize=9)
-    figure.savefig(path, dpi=200)
-    plt.close(figure)
+    with chart(path, "strain over $s_0$", "stress over $E_M s_0$", dpi=200) as axes:
+        for (saturation, strain, stress), colour in zip(curves, colours):
+            axes.plot(strain, stress, color=colour, linewidth=1.4, label=f"S = {saturation:.2f}")
 
 
 def draw_cracks(cracks, path):
@@ -105,27 +101,18 @@ def draw_cracks(cracks, path):
         high, wide = phase.shape
         low = int(np.clip(np.median(broken["position"][:, 1]) / spacing - wide / 2, 0, high - wide))
         panel(one, COLOURS(phase[low : low + wide]), spacing, diameter if letter == "a" else None)
-        start = broken["position"] - broken["bond"] / 2 - [0, low * spacing]
-        one.add_collection(LineCollection(np.stack([start, start + broken["bond"]], axis=1), colors="#d01c1c", linewidths=0.5))
+        draw_bonds(one, broken, low=(0, low * spacing), colors="#d01c1c", linewidths=0.5)
         one.set_title(f"({letter}) S = {saturation:.2f}", fontsize=11)
-    figure.savefig(path, dpi=200)
-    plt.close(figure)
+    write_figure(figure, path, dpi=200)
 
 
 def draw_strength(means, path):
-    figure, axes = plt.subplots(figsize=(5.4, 4), constrained_layout=True)
     saturation = [mean["saturation"] for mean in means]
-    axes.errorbar(saturation, [mean["strength"] for mean in means], yerr=[mean["strength_deviation"] for mean in means], fmt="o-",
-                  capsize=3, color="#1f4e9c", label="strength")
-    axes.plot(saturation, [mean["first_break"] for mean in means], "s--", markersize=4, color="#888888", label="first break")
-    axes.plot(list(PAPER), list(PAPER.values()), "*", markersize=11, color="#d01c1c", label="paper, in its text")
-    axes.set_xlabel("saturation S")
-    axes.set_ylabel("stress over $E_M s_0$")
-    axes.set_xlim(0, 1.03)
-    axes.set_ylim(bottom=0)
-    axes.legend(frameon=False, fontsize=9)
-    figure.savefig(path, dpi=200)
-    plt.close(figure)
+    with chart(path, "saturation S", "stress over $E_M s_0$", xlim=(0, 1.03), dpi=200) as axes:
+        axes.errorbar(saturation, [mean["strength"] for mean in means], yerr=[mean["strength_deviation"] for mean in means], fmt="o-",
+                      capsize=3, color="#1f4e9c", label="strength")
+        axes.plot(saturation, [mean["first_break"] for mean in means], "s--", markersize=4, color="#888888", label="first break")
+        axes.plot(list(PAPER), list(PAPER.values()), "*", markersize=11, color="#d01c1c", label="paper, in its text")
 
 
 def main():
