@@ -3,6 +3,8 @@
 #include "BondScene.h"
 #include "FieldNumbers.h"
 
+#include "vtkImageData.h"
+
 #include <array>
 #include <string>
 

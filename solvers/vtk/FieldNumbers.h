@@ -2,6 +2,8 @@
 
 #include "vtkLatticeConversion.h"
 
+#include "vtkDoubleArray.h"
+
 #include <span>
 #include <string>
 

@@ -14,7 +14,6 @@ namespace
 {
 
 constexpr std::size_t maxLevels = 32;
-constexpr std::int64_t gatherNodes = 4096; ///< of a level that is not worth distributing
 
 // Reproducible numbers without a pattern, the same for a node whatever rank holds it.
 constexpr int sweepsInstead = 10; // of a coarsest level that is too large to be factorised
@@ -111,7 +110,7 @@ bool BondMultigrid::coarsenable() const
   const auto a = static_cast<std::size_t>(l.dimension - 1);
   const bool last = l.start[a] + l.size[a] == l.global[a];
   const bool good = l.start[a] % 2 == 0 && (last || l.size[a] % 2 == 0) && l.size[a] / 2 >= coarseReach(reach(level)) &&
-    nodes > gatherNodes;
+    nodes > options_.gather;
   return !level.comm->any(!good);
 }
 
