@@ -14,9 +14,12 @@
 #include "vtkBondAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 
-namespace lamella::peridynamics
+namespace lamella
+{
+namespace peridynamics // VTK's wrappers do not read lamella::peridynamics
 {
 struct Loading;
+}
 }
 
 class VTKLAMELLASOLVERSVTK_EXPORT vtkBondLoadAlgorithm : public vtkBondAlgorithm
