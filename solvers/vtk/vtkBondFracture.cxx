@@ -238,6 +238,7 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team)
   options.fracture.breaking = static_cast<pd::Breaking>(this->Breaking);
   options.fracture.stopShare = this->StopShare;
   setLimit("the largest strain", this->MaximumStrain, options.fracture.maxStrain);
+  options.fracture.strainStep = this->StrainStep;
   std::int64_t most = 0;
   setLimit("the largest number of broken bonds", std::int64_t{ this->MaximumBroken }, most);
   options.fracture.maxBroken = most > 0 ? most : options.fracture.maxBroken;
@@ -331,8 +332,8 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team)
         { "platen_layers", this->PlatenLayers }, { "method", lamella::wordOf(result.method) },
         { "breaking", lamella::wordOf(options.fracture.breaking) }, { "rivals", this->Rivals },
         { "stop_share", this->StopShare }, { "maximum_strain", this->MaximumStrain },
-        { "maximum_broken", this->MaximumBroken }, { "tolerance", this->Tolerance },
-        { "checkpoint_every", this->CheckpointEvery } });
+        { "strain_step", this->StrainStep }, { "maximum_broken", this->MaximumBroken },
+        { "tolerance", this->Tolerance }, { "checkpoint_every", this->CheckpointEvery } });
   }
   vtkImageData* const end = kept.States.back();
   if (team.rank() == 0)
@@ -361,6 +362,7 @@ void vtkBondFracture::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "Rivals: " << this->Rivals << "\n"
      << indent << "StopShare: " << this->StopShare << "\n"
      << indent << "MaximumStrain: " << this->MaximumStrain << "\n"
+     << indent << "StrainStep: " << this->StrainStep << "\n"
      << indent << "MaximumBroken: " << this->MaximumBroken << "\n"
      << indent << "State: " << this->State << " of " << this->GetNumberOfStates() << "\n"
      << indent << "CheckpointFile: " << this->CheckpointFile << "\n"

@@ -131,6 +131,13 @@ public:
   vtkGetMacro(MaximumStrain, double);
   ///@}
   ///@{
+  /** The strain is raised to multiples of this, each time to the first at which a bond is critical: batches are larger
+   *  and fewer, and a run sooner at its end, while the peak may lie up to one step higher. 0 (default): to where the
+   *  next bond just is critical. */
+  vtkSetMacro(StrainStep, double);
+  vtkGetMacro(StrainStep, double);
+  ///@}
+  ///@{
   /** Ends after so many broken bonds; 0 (default): no limit. */
   vtkSetMacro(MaximumBroken, vtkIdType);
   vtkGetMacro(MaximumBroken, vtkIdType);
@@ -223,6 +230,7 @@ private:
   bool Rivals = true;
   double StopShare = 0.05;
   double MaximumStrain = 0;
+  double StrainStep = 0;
   vtkIdType MaximumBroken = 0;
   int State = -1;
   vtkTimeStamp StateTime;

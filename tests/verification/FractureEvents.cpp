@@ -110,6 +110,30 @@ TEST(FractureEvents, BatchesBreakAtTheSameStress)
   EXPECT_EQ(batched.broken.back().event, batched.statistics.events);
 }
 
+// In steps of the strain bonds break at its multiples alone. A step may pass the peak by as much as itself and no more:
+// between two breaks the stress rises in proportion.
+TEST(FractureEvents, StepsOfStrain)
+{
+  const Breakable s = cementedGrains(64, 0.5);
+  FractureOptions o = by(FractureMethod::Accurate, 0.3);
+  o.breaking = Breaking::Batched;
+  const FractureRecord exact = fracture(s, o);
+  const double step = 0.03 * exact.peak.strain;
+  o.strainStep = step;
+  const FractureRecord stepped = fracture(s, o);
+  for (const BrokenBond& b : stepped.broken)
+  {
+    EXPECT_NEAR(std::remainder(b.strain, step), 0, 1e-9 * step);
+    EXPECT_LE(b.criticalStrain, b.strain);
+  }
+  EXPECT_NEAR(stepped.peak.stress, exact.peak.stress, 0.03 * exact.peak.stress);
+  EXPECT_LT(stepped.statistics.events, exact.statistics.events);
+  o.maxStrain = 10.5 * step; // the next would be beyond
+  const FractureRecord ended = fracture(s, o);
+  EXPECT_EQ(ended.end, FractureEnd::MaxStrain);
+  EXPECT_LT(ended.broken.back().strain, 10.01 * step);
+}
+
 // The strain never falls; a bond breaks at or beyond the strain at which it is critical; the curve goes from event to
 // event, and what is broken is broken once.
 TEST(FractureEvents, RecordHoldsTogether)
@@ -395,6 +419,7 @@ TEST(FractureEvents, RefusesWhatHasNoMeaning)
   with([](FractureOptions& b) { b.stopShare = 1; }, "share of the peak");
   with([](FractureOptions& b) { b.maxStrain = 0; }, "largest strain");
   with([](FractureOptions& b) { b.maxBroken = 0; }, "bonds are to break");
+  with([](FractureOptions& b) { b.strainStep = -1e-5; }, "in steps of -1e-05");
   with([](FractureOptions& b) { b.tolerance = 0; }, "tolerance");
   with([](FractureOptions& b) { b.events.radius = 1; }, "radius");
   with([](FractureOptions& b) { b.events.maxCycles = 0; }, "cycles");

@@ -71,7 +71,10 @@ struct FractureOptions
   /// Ends when the stress has fallen to this share of the peak; 0: not before nothing holds or nothing breaks any more,
   /// which may take long, for hinges never part in small strain.
   double stopShare = 0.05;
-  double maxStrain = std::numeric_limits<double>::infinity();        ///< ends before the strain is raised beyond
+  double maxStrain = std::numeric_limits<double>::infinity(); ///< ends before the strain is raised beyond
+  /// The strain is raised to multiples of this, each time to the first at which a bond is critical (the papers' way, in
+  /// which batches are larger and fewer); 0: to where the next bond just is.
+  double strainStep = 0;
   std::int64_t maxBroken = std::numeric_limits<std::int64_t>::max(); ///< ends after so many broken bonds
   double tolerance = 1e-6; ///< of an equilibrium, as EquilibriumOptions::tolerance
   EventOptions events{};
@@ -199,6 +202,7 @@ public:
 private:
   [[nodiscard]] double stress(double load) const;
   [[nodiscard]] bool fell(double stress) const;
+  [[nodiscard]] double nextLoad(double critical) const;
   void raise(double load);
   void breakCritical(const StretchMaximum& most);
   bool report();

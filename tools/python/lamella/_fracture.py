@@ -210,6 +210,7 @@ def fracture(
     breaking="strict",
     rivals=True,
     stop=0.05,
+    strain_step=0.0,
     max_strain=None,
     max_broken=None,
     tolerance=1e-6,
@@ -237,6 +238,8 @@ def fracture(
     breaking  "strict" (one bond at a time) or "batched" (all that are critical at once; accurate only)
     rivals    of "events": look closer where two bonds are nearly as critical as each other
     stop      ends when the stress has fallen to this share of the peak
+    strain_step  the strain is raised to multiples of this, each time to the first at which a bond is critical; with
+              batches, a run of fewer equilibria. 0: to where the next bond just is critical
     max_strain, max_broken  ends there; None: no limit
     tolerance  largest relative residual force of an equilibrium
     at_strains, at_broken  states to keep: imposed strains, numbers of broken bonds; the end is always kept
@@ -264,6 +267,7 @@ def fracture(
     solve.SetBreaking(choose(_BREAKINGS, breaking, "breaking"))
     solve.SetRivals(bool(rivals))
     solve.SetStopShare(float(stop))
+    solve.SetStrainStep(float(strain_step))
     solve.SetMaximumStrain(0.0 if max_strain is None else float(max_strain))
     solve.SetMaximumBroken(0 if max_broken is None else int(max_broken))
     for strain in np.ravel(at_strains):
