@@ -13,6 +13,7 @@ ten packings, six widths of the bridges and filled, after section IV of Frank, R
 
 import argparse
 import concurrent.futures
+import csv
 import math
 import os
 import sys
@@ -53,16 +54,17 @@ def share_of(broken, low, high, between):
 
 
 def measure(task):
-    """All widths of one packing: rows of numbers, and of the first packing curves and cracks."""
+    """All widths of one packing: rows of numbers, cracks, and of the first packing curves."""
     seed, options = task
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
     packing = lamella.packing(count=options.count, seed=seed)
     rows, curves, cracks = [], [], []
     for width in ALL:
-        layers = THICK if options.wall_bridges else HORIZON
+        layers = THICK if options.wall_bridges else HORIZON + (1 if options.smooth else 0)
         image = bridged(packing, width, options.nodes, layers * packing.box[0] / options.nodes, wall_bridges=options.wall_bridges)
         begun, spent = time.perf_counter(), time.process_time()
-        result = torn(image, rivals=options.rivals, method=options.method, breaking=options.breaking)
+        result = torn(image, rivals=options.rivals, smooth_platens=options.smooth, method=options.method,
+                      breaking=options.breaking)
         broken = result.broken
         rows.append({
             "seed": seed, "width": width, "saturation": image.saturation, "strength": result.peak_stress / UNIT,
@@ -75,8 +77,8 @@ def measure(task):
         })
         if seed == 1:
             curves.append((image.saturation, result.strain / CRITICAL, result.stress / UNIT))
-            if width in SHOWN:
-                cracks.append((image.saturation, image.spacing, image.phase[::-1], broken, 2 * float(np.mean(packing.radii))))
+        if width in SHOWN:
+            cracks.append((image.saturation, image.spacing, image.phase[::-1], broken, 2 * float(np.mean(packing.radii))))
     return rows, curves, cracks
 
 
@@ -95,6 +97,15 @@ def draw_curves(curves, path):
             axes.plot(strain, stress, color=colour, linewidth=1.4, label=f"S = {saturation:.2f}")
 
 
+def inside(cracks):
+    """How far the cracks of a packing are from the plates, the nearest of them, in mean diameters."""
+    distance = []
+    for _, spacing, phase, broken, diameter in cracks:
+        height = np.median(broken["position"][:, 1])
+        distance.append(min(height, len(phase) * spacing - height) / diameter)
+    return min(distance)
+
+
 def draw_cracks(cracks, path):
     figure, axes = plt.subplots(1, len(cracks), figsize=(4.2 * len(cracks), 4.4), constrained_layout=True)
     for one, (saturation, spacing, phase, broken, diameter), letter in zip(np.atleast_1d(axes), cracks, "ab"):
@@ -106,11 +117,22 @@ def draw_cracks(cracks, path):
     write_figure(figure, path, dpi=200)
 
 
-def draw_strength(means, path):
+def means_beside(path):
+    if not path:
+        return []
+    with open(path, newline="") as file:
+        return [{name: float(row[name]) for name in ("saturation", "strength", "strength_deviation")} for row in csv.DictReader(file)]
+
+
+def draw_strength(means, beside, path):
     saturation = [mean["saturation"] for mean in means]
     with chart(path, "saturation S", "stress over $E_M s_0$", xlim=(0, 1.03), dpi=200) as axes:
         axes.errorbar(saturation, [mean["strength"] for mean in means], yerr=[mean["strength_deviation"] for mean in means], fmt="o-",
                       capsize=3, color="#1f4e9c", label="strength")
+    if beside:
+        axes.errorbar([mean["saturation"] for mean in beside], [mean["strength"] for mean in beside],
+                      yerr=[mean["strength_deviation"] for mean in beside], fmt="D-", markersize=5, capsize=3, color="#c77f1a",
+                      label="strength, the other run")
         axes.plot(saturation, [mean["first_break"] for mean in means], "s--", markersize=4, color="#888888", label="first break")
         axes.plot(list(PAPER), list(PAPER.values()), "*", markersize=11, color="#d01c1c", label="paper, in its text")
 
@@ -124,6 +146,9 @@ def main():
     parser.add_argument("--method", default="auto", choices=("auto", "events", "accurate"))
     parser.add_argument("--breaking", default="strict", choices=("strict", "batched"))
     parser.add_argument("--wall-bridges", action="store_true", help="grains are bridged to the plates, and these are thicker")
+    parser.add_argument("--smooth", action="store_true",
+                        help="plates slip across the load, and have one layer of nodes more than is moved")
+    parser.add_argument("--beside", metavar="CSV", help="means of another run to draw with the strengths")
     parser.add_argument("--rivals", action="store_true", help="look closer where two bonds are nearly as critical as each other")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="samples at a time (default: one a core)")
     options = parser.parse_args()
@@ -134,7 +159,7 @@ def main():
         for number, part in enumerate(pool.map(measure, [(seed + 1, options) for seed in range(options.samples)]), 1):
             rows += part[0]
             curves += part[1]
-            cracks += part[2]
+            cracks.append(part[2])
             print(f"\r{number} of {options.samples} packings, {time.perf_counter() - begun:.0f} s", end="", flush=True)
     print()
     means = means_of(rows, NAMES)
@@ -147,10 +172,10 @@ def main():
               f"{1e3 * mean['cpu_seconds'] / max(1.0, mean['events']):>8.2f}")
     rising, level = slopes(means)
     print(f"slope of the strength over S: {rising:.3f} from 0 to 0.4, {level:.3f} from 0.4 to 0.9 (ratio {level / rising:.3f})")
-    if curves and cracks:
-        draw_curves(curves, os.path.join(options.output, "fracture-curves.png"))
-        draw_cracks(cracks, os.path.join(options.output, "fracture-cracks.png"))
-    draw_strength(means, os.path.join(options.output, "fracture-strength.png"))
+    draw_curves(curves, os.path.join(options.output, "fracture-curves.png"))
+    if all(cracks):
+        draw_cracks(max(cracks, key=inside), os.path.join(options.output, "fracture-cracks.png"))
+    draw_strength(means, means_beside(options.beside), os.path.join(options.output, "fracture-strength.png"))
     cpu = math.fsum(row["cpu_seconds"] for row in rows)
     print(f"{len(rows)} samples in {time.perf_counter() - begun:.0f} s, {cpu:.0f} s CPU; files in {options.output}")
 
