@@ -114,7 +114,7 @@ TEST(FractureEvents, BatchesBreakAtTheSameStress)
 // between two breaks the stress rises in proportion.
 TEST(FractureEvents, StepsOfStrain)
 {
-  const Breakable s = cementedGrains(64, 0.5);
+  const Breakable s = cementedGrains(48, 0.6);
   FractureOptions o = by(FractureMethod::Accurate, 0.3);
   o.breaking = Breaking::Batched;
   const FractureRecord exact = fracture(s, o);
