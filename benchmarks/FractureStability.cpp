@@ -2,7 +2,7 @@
 // tolerances. Each sample is pulled apart by the strict events' method and by the accurate one; a line says how it
 // ended, what the strengths differ by, and what is wrong with the curve, if anything is. A sample that cannot be pulled
 // gives its one line of error. Without arguments all of it; study=contrast, elongation, horizon, porosity, notch or
-// tolerance one of it. Exit 1 where a run ended otherwise than by coming apart or with its line.
+// tolerance one of it. Exit 1 where a curve was wrong or an error not one of ours.
 #include "DiskSamples.h"
 #include "FractureRuns.h"
 
@@ -74,8 +74,6 @@ std::string wrongWith(const FractureRecord& r)
       return "stiffer than the whole sample";
     strain = p.strain;
   }
-  if (r.end != FractureEnd::StressFell && r.end != FractureEnd::Severed)
-    return describe(r.end);
   return {};
 }
 
@@ -94,12 +92,14 @@ void line(const std::string& name, const Trial& t)
     const FractureRecord& e = events.record;
     const FractureRecord& a = accurate.record;
     const double share = common(bondsOf(a.broken), bondsOf(e.broken));
-    std::string wrong = wrongWith(e);
-    if (wrong.empty())
-      wrong = wrongWith(a);
-    failures += wrong.empty() ? 0 : 1;
+    std::string remark = wrongWith(e);
+    if (remark.empty())
+      remark = wrongWith(a);
+    failures += remark.empty() ? 0 : 1;
+    if (remark.empty() && e.end != FractureEnd::StressFell && e.end != FractureEnd::Severed)
+      remark = describe(e.end); // which is an end, too
     fmt::print(" {:>6} {:>6} {:>11.4e} {:>+10.1e} {:>6.1f} % {:>7.2f} {:>7.2f}  {}\n", e.broken.size(), a.broken.size(),
-      a.peak.stress, e.peak.stress / a.peak.stress - 1, 100 * share, events.seconds(), accurate.seconds(), wrong);
+      a.peak.stress, e.peak.stress / a.peak.stress - 1, 100 * share, events.seconds(), accurate.seconds(), remark);
   }
   catch (const Error& e)
   {

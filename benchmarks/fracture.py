@@ -20,10 +20,10 @@ LEAST = 1e-6  # of an error on a logarithmic axis
 
 
 def rows_of(path):
+    words = ("study", "method")
     with open(path, newline="") as file:
-        return [
-            {key: value if key in ("study", "method") else float(value) if value else None for key, value in row.items()} for row in csv.DictReader(file)
-        ]
+        rows = list(csv.DictReader(file))
+    return [{key: value if key in words else float(value) if value else None for key, value in row.items()} for row in rows]
 
 
 def draw(axes, rows, error, title, methods):

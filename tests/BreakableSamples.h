@@ -27,8 +27,9 @@ struct Sample
 /// the second paper. Two nodes high for each one across.
 /// @param saturation 1 and above: all gaps are filled
 /// @param platen layers of nodes in each
-inline Sample cemented(
-  std::int64_t nodes, double saturation, std::int64_t grains, std::uint64_t seed, double platen = 4)
+/// @param wallBridges matrix between platens and grains too, which else only touch
+inline Sample cemented(std::int64_t nodes, double saturation, std::int64_t grains, std::uint64_t seed,
+  double platen = 4, bool wallBridges = false)
 {
   packing::PackingOptions o;
   o.count = grains;
@@ -36,6 +37,7 @@ inline Sample cemented(
   o.seed = seed;
   const packing::Packing p = packing::pack(o);
   packing::BridgeOptions b;
+  b.walls = wallBridges;
   if (saturation < 1)
     b.saturation = saturation;
   else
