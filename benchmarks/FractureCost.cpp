@@ -175,8 +175,8 @@ void write(const std::vector<Row>& rows, const Keys& keys)
 std::vector<Row> measureAll(const Study& study, const Keys& keys, const std::function<void(Row&)>& derive)
 {
   const bool full = text(keys, "size", "quick") == "full";
-  const double eventsUpTo = number(keys, "events", full ? 1e9 : 4700);
-  const double slowUpTo = number(keys, "slow", full ? 5000 : 1200);
+  const double eventsUpTo = number(keys, "events", full ? 1e9 : 2400);
+  const double slowUpTo = number(keys, "slow", full ? 5000 : 600);
   const Keys sizes{ { "horizons", text(keys, "horizons", "3,4,6") },
     { "nodes", text(keys, "nodes", full ? "512,256,128,64" : "256,128,64") } };
   std::vector<double> nodes = list(sizes, "nodes", 0);
