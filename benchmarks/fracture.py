@@ -26,15 +26,16 @@ def rows_of(path):
     return [{key: value if key in words else float(value) if value else None for key, value in row.items()} for row in rows]
 
 
-def draw(axes, rows, error, title, methods):
+def draw(axes, rows, error, title, methods, joined=True):
     """One mark a run; lines join the lattices of one method and horizon."""
-    horizons = sorted({row["horizon"] for row in rows})
-    for horizon, colour in zip(horizons, plt.get_cmap("viridis")([i / max(1, len(horizons) - 0.6) for i in range(len(horizons))])):
+    colours = plt.get_cmap("viridis")
+    for horizon in sorted({row["horizon"] for row in rows}):
+        colour = colours(min(0.9, max(0.0, (horizon - 3) / 4)))
         for method in methods:
             of = sorted((row for row in rows if row["horizon"] == horizon and row["method"] == method), key=lambda row: row["nodes"])
-            values = [(row["cpu_seconds"], abs(error(row))) for row in of if error(row) is not None]
+            values = [(row["cpu_seconds"], max(abs(error(row)), LEAST)) for row in of if error(row) is not None]
             if values:
-                axes.plot(*zip(*[(x, max(y, LEAST)) for x, y in values]), marker=MARKERS[method], color=colour, markersize=5, linewidth=0.8)
+                axes.plot(*zip(*values), MARKERS[method], color=colour, markersize=5, linestyle="-" if joined else "", linewidth=0.8)
         axes.plot([], [], color=colour, label=f"h/δx = {horizon:g}")
     for method in methods:
         if any(row["method"] == method and error(row) is not None for row in rows):
@@ -43,7 +44,7 @@ def draw(axes, rows, error, title, methods):
     axes.set_yscale("log")
     axes.set_xlabel("CPU time [s]")
     axes.set_title(title, fontsize=10)
-    axes.legend(frameon=False, fontsize=8)
+    axes.legend(fontsize=7)
 
 
 def main():
@@ -57,10 +58,12 @@ def main():
     strength, toughness = map(rows_of, tables)
     others = [name for name in MARKERS if name != "accurate"]
     figure, axes = plt.subplots(1, 3, figsize=(13, 4.2), constrained_layout=True)
-    draw(axes[0], strength + toughness, lambda row: row["error_method"], "strength, against the accurate method, same lattice", others)
-    coarse = [row for row in strength if row["nodes"] < max(other["nodes"] for other in strength if other["horizon"] == row["horizon"])]
+    draw(axes[0], strength + toughness, lambda row: row["error_method"], "largest stress, against the accurate method", others, joined=False)
+    finest = {row["horizon"]: max(other["nodes"] for other in strength if other["horizon"] == row["horizon"]) for row in strength}
+    coarse = [row for row in strength if row["nodes"] < finest[row["horizon"]]]
     draw(axes[1], coarse, lambda row: row["error_lattice"], "strength of grains, against the finest lattice", list(MARKERS))
-    draw(axes[2], toughness, lambda row: row["lattice"] - 1, "K of a plate, against the lattice's own", list(MARKERS))
+    few = ["events", "no rivals", "accurate", "motion 100"]
+    draw(axes[2], toughness, lambda row: row["lattice"] - 1, "K of a plate, against the lattice's own", few)
     axes[0].set_ylabel("relative error")
     figure.savefig(picture, dpi=130)
     print(f"  written: {picture}")
