@@ -58,7 +58,7 @@ def main():
     strength, toughness = map(rows_of, tables)
     others = [name for name in MARKERS if name != "accurate"]
     figure, axes = plt.subplots(1, 3, figsize=(13, 4.2), constrained_layout=True)
-    draw(axes[0], strength + toughness, lambda row: row["error_method"], "largest stress, against the accurate method", others, joined=False)
+    draw(axes[0], strength + toughness, lambda row: row["error_method"], "largest stress, against accurate", others, joined=False)
     finest = {row["horizon"]: max(other["nodes"] for other in strength if other["horizon"] == row["horizon"]) for row in strength}
     coarse = [row for row in strength if row["nodes"] < finest[row["horizon"]]]
     draw(axes[1], coarse, lambda row: row["error_lattice"], "strength of grains, against the finest lattice", list(MARKERS))
