@@ -21,11 +21,10 @@ WallCells wallCells(const Lattice& lattice, std::span<const std::uint8_t> phase,
     throw ParameterError(fmt::format("a grid spacing of {} m", spacing), "it is positive and finite");
   constexpr std::int64_t unseen = std::numeric_limits<std::int32_t>::max();
   std::vector<std::int32_t> least(count, static_cast<std::int32_t>(unseen));
-  const std::int64_t strides[] = { 1, lattice.size[0], lattice.size[0] * lattice.size[1] };
+  std::int64_t stride = 1;
   for (int a = 0; a < lattice.dimension; ++a)
   {
     const std::int64_t length = lattice.size[static_cast<std::size_t>(a)];
-    const std::int64_t stride = strides[a];
     for (std::int64_t line = 0; line < lattice.count() / length; ++line)
     {
       const std::int64_t first = line % stride + line / stride * stride * length;
@@ -44,6 +43,7 @@ WallCells wallCells(const Lattice& lattice, std::span<const std::uint8_t> phase,
         begin = end + 1;
       }
     }
+    stride *= length;
   }
   std::vector<std::int32_t> runs;
   for (const std::int32_t run : least)
