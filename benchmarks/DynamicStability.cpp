@@ -3,6 +3,7 @@
 // energy. Steps above the bound are refused elsewhere; here they are let through. Without arguments all of it;
 // study=step, damping, contrast, horizon or porosity one; energy: the balance of the branching plate and of Kalthoff's
 // against the step (minutes).
+#include "DiskSamples.h"
 #include "Keys.h"
 
 #include "lattice/Communicator.h"
@@ -13,8 +14,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <random>
-#include <span>
 #include <vector>
 
 namespace
@@ -44,44 +43,6 @@ constexpr double spacing = 1e-3;
 constexpr double density = 1500;
 constexpr double young = 2e9;
 
-std::vector<std::uint8_t> phases(const Trial& t)
-{
-  std::vector<std::uint8_t> phase(static_cast<std::size_t>(nx * ny), 1);
-  std::mt19937 random(7);
-  const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
-  const auto disks = [&](double share, std::uint8_t kind)
-  {
-    const double target = share * nx * ny;
-    double filled = 0;
-    while (filled < target)
-    {
-      const double x = uniform() * nx;
-      const double y = uniform() * ny;
-      const double r = 3 + 4 * uniform();
-      for (std::int64_t j = 0; j < ny; ++j)
-        for (std::int64_t i = 0; i < nx; ++i)
-          if (auto& p = phase[static_cast<std::size_t>(i + nx * j)];
-              p == 1 && std::hypot(static_cast<double>(i) - x, static_cast<double>(j) - y) < r)
-          {
-            p = kind;
-            filled += 1;
-          }
-    }
-  };
-  disks(0.25, 2);
-  if (t.random)
-    for (auto& p : phase)
-      p = uniform() < t.porosity ? 0 : p;
-  else
-    disks(t.porosity, 0);
-  const std::int64_t platen = std::llround(std::ceil(t.horizon));
-  for (std::int64_t y = 0; y < ny; ++y)
-    if (y < platen || y >= ny - platen)
-      for (std::int64_t x = 0; x < nx; ++x)
-        phase[static_cast<std::size_t>(x + nx * y)] = 1;
-  return phase;
-}
-
 BondModel modelOf(const Trial& t)
 {
   BondModel m;
@@ -105,7 +66,8 @@ struct Outcome
 Outcome run(const Trial& t)
 {
   const Communicator comm(MPI_COMM_SELF);
-  const std::vector<std::uint8_t> phase = phases(t);
+  const std::vector<std::uint8_t> phase =
+    phasesOf({ nx, ny, t.porosity, t.random, std::llround(std::ceil(t.horizon)) });
   BondLattice bonds(modelOf(t), makeLattice(nx, ny, 1, 2, spacing), phase, {}, comm);
   Loading loading;
   loading.strain = 1;

@@ -1,18 +1,15 @@
-// Quasi-static fracture: time and error of the local corrections against one equilibrium an event, a table of three
-// samples. With kind=aggregate, filled or wood one run in detail: nx=, seed=, method=events or accurate, breaking=,
-// stop=, max=, renew=, checkpoint=, continue=, and those of EventOptions.
-#include "BreakableSamples.h"
-
-#include "peridynamics/fracture/Fracture.h"
+// Quasi-static fracture: run time against error, in three tables. study=methods: local corrections against one
+// equilibrium an event, three samples; strength, toughness: over method, horizon and lattice, see FractureCost.h, also
+// for the options of these two; none: all. With kind=aggregate, filled or wood one run in detail: nx=, seed=,
+// method=events or accurate, breaking=, stop=, max=, renew=, checkpoint=, continue=, and those of EventOptions.
+#include "FractureCost.h"
+#include "FractureRuns.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <fstream>
-#include <set>
 #include <string>
-#include <vector>
 
 namespace
 {
@@ -20,30 +17,6 @@ namespace
 using namespace lamella;
 using namespace lamella::benchmark;
 using namespace lamella::peridynamics;
-
-struct Run
-{
-  FractureRecord record;
-  std::int64_t bonds = 0;
-  double startSeconds = 0; ///< CPU
-  double runSeconds = 0;
-};
-
-Run run(const Sample& s, const FractureOptions& options)
-{
-  const Communicator comm(MPI_COMM_SELF);
-  BondLattice bonds(s.model, s.lattice, s.phase, s.grain, comm);
-  Run r;
-  r.bonds = bonds.bonds();
-  const double begin = cpu();
-  QuasiStaticFracture fracture(bonds, {}, options);
-  const double ready = cpu();
-  fracture.run();
-  r.record = fracture.record();
-  r.startSeconds = ready - begin;
-  r.runSeconds = cpu() - ready;
-  return r;
-}
 
 FractureOptions optionsOf(const Keys& keys)
 {
@@ -75,18 +48,21 @@ void one(const Keys& keys)
 {
   const std::string kind = text(keys, "kind", "aggregate");
   const Sample s = sampleOf(kind, keys);
-  const Run run_ = run(s, optionsOf(keys));
-  const FractureRecord& r = run_.record;
+  const FractureOptions options = optionsOf(keys);
+  const Run run = median<Run>(
+    static_cast<int>(number(keys, "repeat", 1)), [&] { return quasiStatic(s, options); },
+    [](const Run& x) { return x.seconds(); });
+  const FractureRecord& r = run.record;
   const FractureStatistics& t = r.statistics;
   fmt::print(
-    "{} {} x {}, {} bonds; ended: {}\n", kind, s.lattice.size[0], s.lattice.size[1], run_.bonds, describe(r.end));
+    "{} {} x {}, {} bonds; ended: {}\n", kind, s.lattice.size[0], s.lattice.size[1], run.bonds, describe(r.end));
   fmt::print("  E {:.6e} first break {:.6e} peak {:.7e} at {:.6e} after {}; {} broken, {} raises\n", r.modulus,
     r.first.stress, r.peak.stress, r.peak.strain, r.peak.broken, r.broken.size(), t.raises);
   const double events = static_cast<double>(std::max<std::int64_t>(1, t.events));
   fmt::print(
     "  CPU: start {:.2f} s, run {:.2f} s, {:.3f} ms an event; wall: global {:.2f} s ({} of {:.1f} iterations), "
     "local {:.2f} s ({:.2f} cycles, {:.0f} nodes an event), search {:.2f} s\n",
-    run_.startSeconds, run_.runSeconds, 1e3 * run_.runSeconds / events, t.globalSeconds, t.equilibria,
+    run.startSeconds, run.runSeconds, 1e3 * run.runSeconds / events, t.globalSeconds, t.equilibria,
     static_cast<double>(t.globalIterations) / static_cast<double>(t.equilibria), t.localSeconds,
     static_cast<double>(t.localCycles) / events, static_cast<double>(t.nodesVisited) / events, t.searchSeconds);
   fmt::print("  {} searches, {} loose pieces ({} nodes, {} bonds); {:.0f} bytes a node beside the bonds\n", t.searches,
@@ -105,6 +81,7 @@ void one(const Keys& keys)
 
 void table(const Keys& keys)
 {
+  fmt::print("Local corrections against one equilibrium a break\n");
   fmt::print("{:<10} {:<22} {:>7} {:>12} {:>12} {:>8} {:>12}\n", "sample", "method", "broken", "peak [Pa]",
     "peak error", "bonds", "ms an event");
   for (const char* kind : { "aggregate", "filled", "wood" })
@@ -117,17 +94,14 @@ void table(const Keys& keys)
       o.method = std::string(method) == "accurate" ? FractureMethod::Accurate : FractureMethod::Events;
       if (std::string(method) == "events, no rivals")
         o.events.rivals = 0;
-      const Run r = run(s, o);
+      const Run r = median<Run>(
+        static_cast<int>(number(keys, "repeat", 1)), [&] { return quasiStatic(s, o); },
+        [](const Run& x) { return x.seconds(); });
       if (o.method == FractureMethod::Accurate)
         reference = r.record;
-      std::set<Bond> broken;
-      for (const BrokenBond& b : r.record.broken)
-        broken.insert(b.bond);
-      const auto same = std::count_if(
-        reference.broken.begin(), reference.broken.end(), [&](const BrokenBond& b) { return broken.contains(b.bond); });
       fmt::print("{:<10} {:<22} {:>7} {:>12.5e} {:>+12.1e} {:>6.1f} % {:>12.2f}\n", kind, method,
         r.record.broken.size(), r.record.peak.stress, r.record.peak.stress / reference.peak.stress - 1,
-        100.0 * static_cast<double>(same) / static_cast<double>(reference.broken.size()),
+        100 * common(bondsOf(reference.broken), bondsOf(r.record.broken)),
         1e3 * r.runSeconds / static_cast<double>(r.record.statistics.events));
       std::fflush(stdout); // a line may take a minute
     }
@@ -138,5 +112,22 @@ void table(const Keys& keys)
 
 int main(int argc, char** argv)
 {
-  return runWith(argc, argv, [](const Keys& keys) { keys.contains("kind") ? one(keys) : table(keys); });
+  return runWith(argc, argv,
+    [](const Keys& keys)
+    {
+      const std::string study = text(keys, "study", "");
+      if (keys.contains("kind"))
+        one(keys);
+      else if (study != "" && study != "methods" && study != "strength" && study != "toughness")
+        throw ParameterError("no study '" + study + "'", "methods, strength or toughness");
+      else
+      {
+        if (study != "strength" && study != "toughness")
+          table(keys);
+        if (study != "methods" && study != "toughness")
+          strengthCost(keys);
+        if (study != "methods" && study != "strength")
+          toughnessCost(keys);
+      }
+    });
 }

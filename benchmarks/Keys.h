@@ -7,7 +7,9 @@
 #include <cstdlib>
 #include <ctime>
 #include <map>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <mpi.h>
 
@@ -39,6 +41,16 @@ inline std::string text(const Keys& keys, const char* key, const char* other)
 {
   const auto found = keys.find(key);
   return found == keys.end() ? other : found->second;
+}
+
+/// key=a,b,c, or the one value.
+inline std::vector<double> list(const Keys& keys, const char* key, double other)
+{
+  std::vector<double> values;
+  std::istringstream in(text(keys, key, fmt::format("{}", other).c_str()));
+  for (std::string part; std::getline(in, part, ',');)
+    values.push_back(std::atof(part.c_str()));
+  return values;
 }
 
 /// Of all threads [s].

@@ -1,6 +1,6 @@
 #include "vtkBondStress.h"
 
-#include "BondScene.h"
+#include "BondFields.h"
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
@@ -103,10 +103,7 @@ void vtkBondStress::Run(vtkImageData* input, vtkImageData* output, const lamella
   {
     pd::NodeField<double> energy(bonds.layout(), 1);
     pd::energyDensity(bonds, u, energy, settings.largeStrains);
-    const auto density = scene.toPiece(energy, std::array<int, 1>{ 0 }, "strain_energy");
-    lamella::describe(
-      density, "J/m^3", "elastic energy of half of the node's bonds over its volume", this->GetClassName());
-    output->GetPointData()->AddArray(density);
+    lamella::addStrainEnergy(output, scene, energy, this->GetClassName());
   }
   lamella::setFieldNumbers(output, "mean_stress", pd::meanStress(bonds, stress, scene.model().continuum));
   const nlohmann::json model = lamella::toJson(settings);

@@ -1,9 +1,9 @@
 #include "vtkStressPDF.h"
 
 #include "Attempt.h"
+#include "FieldNumbers.h"
 #include "StressInput.h"
 #include "StressTables.h"
-#include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
 
@@ -89,8 +89,7 @@ struct vtkStressPDF::Work
       lamella::fillPhases(phases, d, names);
       lamella::fillThresholds(thresholds, d);
     }
-    const auto set = [&](const char* name, double value)
-    { lamella::setFieldNumbers(density, name, std::span(&value, 1)); };
+    const auto set = [&](const char* name, double value) { lamella::setFieldNumber(density, name, value); };
     const auto share = [&](std::int64_t part) { return static_cast<double>(part) / static_cast<double>(d.all.count); };
     set("stress_count", static_cast<double>(d.all.count));
     set("stress_mean", d.all.mean);

@@ -1,5 +1,6 @@
 #include "BondInput.h"
 
+#include "FilterRun.h"
 #include "GridFile.h"
 #include "Record.h"
 #include "Text.h"
@@ -10,14 +11,11 @@
 #include "vtkBondAlgorithm.h"
 #include "vtkLatticeConversion.h"
 
-#include <vtkCallbackCommand.h>
 #include <vtkDataArray.h>
 #include <vtkImageData.h>
 #include <vtkIntArray.h>
-#include <vtkMPIController.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
-#include <vtkTrivialProducer.h>
 
 #include <fmt/format.h>
 
@@ -396,41 +394,7 @@ void runBonds(Session& session, vtkBondAlgorithm* filter, const BondSample& samp
   std::array<int, 6> extent = sample.extent;
   session.broadcast(extent);
   const auto image = sample.image ? sample.image : vtkSmartPointer<vtkImageData>::New();
-  vtkNew<vtkTrivialProducer> producer;
-  producer->SetOutput(image);
-  producer->SetWholeExtent(extent.data());
-  filter->SetInputConnection(producer->GetOutputPort());
-  struct Client
-  {
-    Session& session;
-    const char* what;
-  } client{ session, what };
-  vtkNew<vtkCallbackCommand> progress;
-  progress->SetClientData(&client);
-  progress->SetCallback(
-    [](vtkObject* caller, unsigned long, void* data, void*)
-    {
-      auto* algorithm = static_cast<vtkAlgorithm*>(caller);
-      auto* c = static_cast<Client*>(data);
-      const char* const words = algorithm->GetProgressText();
-      if (!c->session.progress(algorithm->GetProgress(), words != nullptr ? words : c->what))
-      {
-        algorithm->SetAbortExecute(1);
-      }
-    });
-  const unsigned long tag = filter->AddObserver(vtkCommand::ProgressEvent, progress);
-  vtkNew<vtkMPIController> controller;
-  if (session.ranks() > 1)
-  {
-    controller->Initialize(nullptr, nullptr, 1); // MPI is the session's
-    filter->SetController(controller);
-  }
-  session.onRoot([] { (void)VtkMessages::takeErrors(); });
-  filter->UpdatePiece(session.rank(), session.ranks(), 0);
-  filter->SetController(nullptr);
-  filter->RemoveObserver(tag);
-  session.endProgress();
-  Session::checkInterrupt();
+  runFilterOnRanks(session, filter, image, extent, what);
   session.onRoot( // a mistake is one on every rank, and told once
     [&]
     {

@@ -1,6 +1,7 @@
 #include "BondReport.h"
 
 #include "DiffusionReport.h"
+#include "Record.h"
 #include "Text.h"
 
 #include "vtkLatticeConversion.h"
@@ -145,9 +146,7 @@ void addRun(Json& json, const BondRun& run)
   json["threads"] = run.threads;
   json["ranks"] = run.ranks;
   json["files"] = run.written;
-  json["version"] = run.provenance.version;
-  json["commit"] = run.provenance.commit;
-  json["provenance"] = Json::parse(io::toJson(run.provenance));
+  addRecord(json, run.provenance);
 }
 
 std::string sampleText(const BondRun& run, bool fracture)

@@ -200,9 +200,7 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
   }
   json["files"] = options.output.empty() ? Json::array() : Json::array({ options.output });
   json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  json["version"] = record.version;
-  json["commit"] = record.commit;
-  json["provenance"] = Json::parse(io::toJson(record));
+  addRecord(json, record);
   session.print(options.common.json ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
       : options.common.quiet        ? ""
                                     : tableOf(json, source.packing));

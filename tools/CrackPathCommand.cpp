@@ -1,5 +1,6 @@
 #include "Commands.h"
 #include "CrackReport.h"
+#include "FilterRun.h"
 #include "GridFile.h"
 #include "OutputFile.h"
 #include "Record.h"
@@ -9,7 +10,6 @@
 #include "vtkCrackPath.h"
 #include "vtkLatticeConversion.h"
 
-#include <vtkCallbackCommand.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPolyData.h>
@@ -141,30 +141,12 @@ void crackPath(Session& session, const CrackPathOptions& o, const std::string& c
     filter->SetImageData(image);
     filter->SetInputArrayToProcess(0, 1, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, o.phaseArray.c_str());
   }
-  vtkNew<vtkCallbackCommand> progress;
-  progress->SetClientData(&session);
-  progress->SetCallback(
-    [](vtkObject* caller, unsigned long, void* client, void*)
-    {
-      auto* algorithm = static_cast<vtkAlgorithm*>(caller);
-      if (!static_cast<Session*>(client)->progress(algorithm->GetProgress(), "cracks"))
-      {
-        algorithm->SetAbortExecute(1);
-      }
-    });
-  filter->AddObserver(vtkCommand::ProgressEvent, progress);
-  (void)VtkMessages::takeErrors();
-  filter->Update();
-  session.endProgress();
-  Session::checkInterrupt();
+  runFilter(session, filter, "cracks");
   if (fieldNumbers(filter->GetOutput(), "broken_bonds").empty())
   {
     throwVtkErrors("");
   }
-  for (const std::string& warning : VtkMessages::takeWarnings())
-  {
-    session.warn(warning);
-  }
+  tellWarnings(session);
   Json json = reportOf({ o.file, o.phases, filter });
   if (json["broken_bonds"] == 0)
   {
@@ -189,9 +171,7 @@ void crackPath(Session& session, const CrackPathOptions& o, const std::string& c
     file.commit();
   }
   json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  json["version"] = run.version;
-  json["commit"] = run.commit;
-  json["provenance"] = Json::parse(record);
+  addRecord(json, run);
   session.print(o.common.json ? dump(json) : o.common.quiet ? "" : tableOf(json));
 }
 

@@ -1,6 +1,7 @@
 #include "DiffusionReport.h"
 
 #include "DiffusionRun.h"
+#include "Record.h"
 #include "Text.h"
 
 #include "lattice/Memory.h"
@@ -220,9 +221,7 @@ std::string toJson(const DiffusionReport& report)
   json["threads"] = report.options.steady.threads;
   json["ranks"] = report.ranks;
   json["files"] = report.written;
-  json["version"] = report.provenance.version;
-  json["commit"] = report.provenance.commit;
-  json["provenance"] = Json::parse(io::toJson(report.provenance));
+  addRecord(json, report.provenance);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -1,5 +1,6 @@
 #include "Commands.h"
 #include "DiffusionRun.h"
+#include "FilterRun.h"
 #include "GridFile.h"
 #include "OutputFile.h"
 #include "Record.h"
@@ -9,7 +10,6 @@
 #include "vtkFluxMap.h"
 #include "vtkLatticeConversion.h"
 
-#include <vtkCallbackCommand.h>
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkImageData.h>
@@ -171,21 +171,7 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
   filter->SetInputDataObject(data);
   filter->SetDirection(direction);
   filter->SetNumberOfStreamlines(options.streamlines);
-  vtkNew<vtkCallbackCommand> progress;
-  progress->SetClientData(&session);
-  progress->SetCallback(
-    [](vtkObject* caller, unsigned long, void* client, void*)
-    {
-      auto* algorithm = static_cast<vtkAlgorithm*>(caller);
-      if (!static_cast<Session*>(client)->progress(algorithm->GetProgress(), "flux map"))
-      {
-        algorithm->SetAbortExecute(1);
-      }
-    });
-  filter->AddObserver(vtkCommand::ProgressEvent, progress);
-  filter->Update();
-  session.endProgress();
-  Session::checkInterrupt();
+  runFilter(session, filter, "flux map");
   auto* map = vtkImageData::SafeDownCast(filter->GetOutputDataObject(0));
   auto* streamlines = vtkPolyData::SafeDownCast(filter->GetOutputDataObject(1));
   auto* magnitude = map->GetPointData()->GetArray("flux_magnitude");
@@ -193,10 +179,7 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
   {
     throwVtkErrors("");
   }
-  for (const std::string& warning : VtkMessages::takeWarnings())
-  {
-    session.warn(warning);
-  }
+  tellWarnings(session);
 
   const io::Provenance run = recordRun(commandLine, options.file, provenance(data));
   const std::string record = io::toJson(run);
@@ -237,9 +220,7 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
   json["line_flux"] = lineFlux.empty() ? Json(nullptr) : number(lineFlux.front());
   json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   json["files"] = options.output;
-  json["version"] = run.version;
-  json["commit"] = run.commit;
-  json["provenance"] = Json::parse(record);
+  addRecord(json, run);
   session.print(options.common.json ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
       : options.common.quiet        ? ""
                                     : tableOf(json));

@@ -38,6 +38,7 @@ struct FractureOptions
   double lateralRatio = 0;
   std::string breaking = "strict";
   std::string stop = "5%";
+  double strainStep = 0;
   std::string maxStrain;
   std::string maxBroken;
   std::string method = "auto";
@@ -118,6 +119,7 @@ void apply(const FractureOptions& o, vtkBondFracture* filter)
     throw ParameterError("--stop '" + o.stop + "' is not from 0 up to 100 %",
       "5% of the peak is usual; hinges never part, so 0 may never be reached");
   }
+  filter->SetStrainStep(o.strainStep);
   filter->SetMaximumStrain(o.maxStrain.empty() ? 0 : positive("--max-strain", o.maxStrain));
   filter->SetMaximumBroken(o.maxBroken.empty() ? 0 : count("--max-broken", o.maxBroken));
   for (const std::string& list : o.atStrains)
@@ -241,7 +243,7 @@ void fracture(Session& session, const FractureOptions& options, const std::strin
     report.run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     session.print(options.common.json ? fractureJson(report) : options.common.quiet ? "" : fractureTable(report));
   };
-  const auto left = [&] { return howToContinue(options.checkpoint, filter, commandLine); };
+  const auto left = [&] { return howToContinue(options.checkpoint, filter, commandLine, session.ranks()); };
   try
   {
     runBonds(session, filter, sample, "fracture");
@@ -287,6 +289,10 @@ Command fractureCommand(CLI::App& root)
   const auto breaks = [](CLI::Option* option) { return option->group("Breaking"); };
   breaks(app->add_option("--breaking", o->breaking, "One bond at a time, or all that are critical at once"))
     ->type_name("strict|batched")
+    ->capture_default_str();
+  breaks(app->add_option("--strain-step", o->strainStep,
+           "Raise the strain to multiples of this; 0: to where the next bond just is critical"))
+    ->type_name("STRAIN")
     ->capture_default_str();
   breaks(app->add_option("--stop", o->stop, "End when the stress has fallen to this share of the peak"))
     ->type_name("SHARE")

@@ -129,16 +129,19 @@ void checkCheckpoint(const CheckpointWords& words, bool overwrite)
   }
 }
 
-std::string howToContinue(const CheckpointWords& words, vtkBondFracture* filter, const std::string& commandLine)
+std::string howToContinue(
+  const CheckpointWords& words, vtkBondFracture* filter, const std::string& commandLine, int ranks)
 {
   const vtkIdType events = filter->GetLastCheckpoint();
   const bool same = !words.continueFrom.empty() && io::sameFile(words.file, words.continueFrom);
   const auto quoted = [](const std::string& name) { return io::quoteCommand(std::array{ name }); };
   if (events > 0)
   {
-    const std::string go = same    ? "the same command goes on from it"
-      : words.continueFrom.empty() ? "go on from it with: " + commandLine + " --continue " + quoted(words.file)
-                                   : "go on from it with the same command but --continue " + quoted(words.file);
+    const std::string launcher = ranks > 1 ? fmt::format("mpirun -n {} ", ranks) : "";
+    const std::string go = same ? "the same command goes on from it"
+      : words.continueFrom.empty()
+      ? "go on from it with: " + launcher + commandLine + " --continue " + quoted(words.file)
+      : "go on from it with the same command but --continue " + quoted(words.file);
     return fmt::format("the checkpoint '{}' stands after {} events; {}", words.file, events, go);
   }
   if (!words.continueFrom.empty() && std::filesystem::exists(words.continueFrom))

@@ -55,8 +55,9 @@ void checkCheckpoint(const CheckpointWords& words, bool overwrite);
 
 /// What is left of a run that ended before its time, and how to go on from it; empty where no checkpoint was asked for.
 /// @param commandLine of the run
+/// @param ranks that ran it: the words of the launcher before the program's are not known
 [[nodiscard]] std::string howToContinue(
-  const CheckpointWords& words, vtkBondFracture* filter, const std::string& commandLine);
+  const CheckpointWords& words, vtkBondFracture* filter, const std::string& commandLine, int ranks);
 
 /// What ParaView reads as a time series.
 /// @param times of the files, made to rise by 1e-9 of themselves where they do not

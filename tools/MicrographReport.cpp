@@ -1,5 +1,6 @@
 #include "MicrographReport.h"
 
+#include "Record.h"
 #include "Text.h"
 
 #include "statistics/Median.h"
@@ -238,9 +239,7 @@ std::string toJson(const MicrographReport& report)
   json["files"] = report.written;
   json["warnings"] = report.warnings;
   json["seconds"] = report.seconds;
-  json["version"] = report.provenance.version;
-  json["commit"] = report.provenance.commit;
-  json["provenance"] = Json::parse(io::toJson(report.provenance));
+  addRecord(json, report.provenance);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -433,9 +433,7 @@ void packingRun(Session& session, const PackingCommandOptions& options, const st
       }
     }
     json["seconds"] = seconds;
-    json["version"] = record.version;
-    json["commit"] = record.commit;
-    json["provenance"] = Json::parse(io::toJson(record));
+    addRecord(json, record);
     session.print(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   }
   else if (!options.common.quiet)

@@ -1,4 +1,5 @@
 #include "Commands.h"
+#include "FilterRun.h"
 #include "GridFile.h"
 #include "Input.h"
 #include "OutputFile.h"
@@ -13,14 +14,11 @@
 #include "vtkLatticeConversion.h"
 #include "vtkPoreFloodFill.h"
 
-#include <vtkCallbackCommand.h>
 #include <vtkImageData.h>
-#include <vtkMPIController.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkSMPTools.h>
 #include <vtkTable.h>
-#include <vtkTrivialProducer.h>
 
 #include <fmt/format.h>
 
@@ -221,32 +219,7 @@ void writeFiles(Files& files, vtkPoreFloodFill* filter, bool metres, const std::
 /// Runs the filter: rank 0 holds the sample, all ranks work on it, rank 0 holds the result.
 void run(Session& session, vtkPoreFloodFill* filter, vtkImageData* image, std::array<int, 6> extent)
 {
-  vtkNew<vtkTrivialProducer> producer;
-  producer->SetOutput(image);
-  producer->SetWholeExtent(extent.data());
-  filter->SetInputConnection(producer->GetOutputPort());
-  vtkNew<vtkCallbackCommand> progress;
-  progress->SetClientData(&session);
-  progress->SetCallback(
-    [](vtkObject* caller, unsigned long, void* client, void*)
-    {
-      auto* algorithm = static_cast<vtkAlgorithm*>(caller);
-      if (!static_cast<Session*>(client)->progress(algorithm->GetProgress(), "pores"))
-      {
-        algorithm->SetAbortExecute(1);
-      }
-    });
-  filter->AddObserver(vtkCommand::ProgressEvent, progress);
-  vtkNew<vtkMPIController> controller;
-  if (session.ranks() > 1)
-  {
-    controller->Initialize(nullptr, nullptr, 1); // MPI is the session's
-    filter->SetController(controller);
-  }
-  filter->UpdatePiece(session.rank(), session.ranks(), 0);
-  filter->SetController(nullptr);
-  session.endProgress();
-  Session::checkInterrupt();
+  runFilterOnRanks(session, filter, image, extent, "pores");
   session.onRoot( // a mistake is one on every rank, and told once
     [&]
     {
@@ -334,10 +307,7 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
   session.onRoot(
     [&]
     {
-      for (const std::string& warning : VtkMessages::takeWarnings())
-      {
-        session.warn(warning);
-      }
+      tellWarnings(session);
       const io::Provenance record = recordRun(commandLine, options.picture.file, sample.provenance);
       PoreReport report{ options.picture.file, filter.Get(), sample.pixelSizeSource != "none", record, options.output };
       if (!options.distribution.empty())

@@ -1,5 +1,6 @@
 #include "PoreReport.h"
 
+#include "Record.h"
 #include "Text.h"
 
 #include "vtkLatticeConversion.h"
@@ -153,9 +154,7 @@ std::string toJson(const PoreReport& report)
   json["ranks"] = report.ranks;
   json["seconds"] = report.seconds;
   json["files"] = report.written;
-  json["version"] = report.provenance.version;
-  json["commit"] = report.provenance.commit;
-  json["provenance"] = Json::parse(io::toJson(report.provenance));
+  addRecord(json, report.provenance);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -102,6 +102,13 @@ io::Provenance recordRun(const std::string& commandLine, const std::string& file
   return record;
 }
 
+void addRecord(Json& json, const io::Provenance& run)
+{
+  json["version"] = run.version;
+  json["commit"] = run.commit;
+  json["provenance"] = Json::parse(io::toJson(run));
+}
+
 std::vector<std::uint8_t> greysOfPhases(const PhaseTable& phases)
 {
   std::vector<std::uint8_t> greys;

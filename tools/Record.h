@@ -3,6 +3,8 @@
 #include "io/Provenance.h"
 #include "lattice/Phases.h"
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -41,6 +43,9 @@ struct Record
 /// @param file   the input; a pattern such as slice_*.png stays a name. Empty: none is recorded
 [[nodiscard]] io::Provenance recordRun(
   const std::string& commandLine, const std::string& file, const std::string& before);
+
+/// The keys that end a report: `version`, `commit`, `provenance`.
+void addRecord(nlohmann::ordered_json& json, const io::Provenance& run);
 
 /// Grey value that stands for each phase: spread evenly from 0 to 255.
 [[nodiscard]] std::vector<std::uint8_t> greysOfPhases(const PhaseTable& phases);

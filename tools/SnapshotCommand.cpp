@@ -1,4 +1,5 @@
 #include "Commands.h"
+#include "FilterRun.h"
 #include "GridFile.h"
 #include "Input.h"
 #include "OutputFile.h"
@@ -292,10 +293,7 @@ void snapshot(Session& session, const SnapshotOptions& options, const std::strin
     file.rethrow(error);
     throw error;
   }
-  for (const std::string& warning : VtkMessages::takeWarnings())
-  {
-    session.warn(warning);
-  }
+  tellWarnings(session);
   file.commit();
 
   const double* range = drawing->GetDrawnRange();

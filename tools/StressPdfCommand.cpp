@@ -1,5 +1,6 @@
 #include "BondReport.h"
 #include "Commands.h"
+#include "FilterRun.h"
 #include "GridFile.h"
 #include "OutputFile.h"
 #include "Record.h"
@@ -12,7 +13,6 @@
 #include "vtkLatticeConversion.h"
 #include "vtkStressPDF.h"
 
-#include <vtkCallbackCommand.h>
 #include <vtkCellData.h>
 #include <vtkDataSet.h>
 #include <vtkNew.h>
@@ -230,30 +230,12 @@ void stressPdf(Session& session, const StressPdfOptions& o, const std::string& c
   {
     vtkSMPTools::SetBackend("STDThread");
   }
-  vtkNew<vtkCallbackCommand> progress;
-  progress->SetClientData(&session);
-  progress->SetCallback(
-    [](vtkObject* caller, unsigned long, void* client, void*)
-    {
-      auto* algorithm = static_cast<vtkAlgorithm*>(caller);
-      if (!static_cast<Session*>(client)->progress(algorithm->GetProgress(), "stresses"))
-      {
-        algorithm->SetAbortExecute(1);
-      }
-    });
-  filter->AddObserver(vtkCommand::ProgressEvent, progress);
-  (void)VtkMessages::takeErrors();
-  filter->Update();
-  session.endProgress();
-  Session::checkInterrupt();
+  runFilter(session, filter, "stresses");
   if (filter->GetOutput()->GetNumberOfRows() == 0)
   {
     throwVtkErrors("");
   }
-  for (const std::string& warning : VtkMessages::takeWarnings())
-  {
-    session.warn(warning);
-  }
+  tellWarnings(session);
   Json json = reportOf(o, filter);
   if (json["tail"]["theta"].is_null())
   {
@@ -264,12 +246,8 @@ void stressPdf(Session& session, const StressPdfOptions& o, const std::string& c
   const std::string record = io::toJson(run);
   json["files"] = files.write(Json::parse(record));
   json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  json["version"] = run.version;
-  json["commit"] = run.commit;
-  json["provenance"] = Json::parse(record);
-  session.print(o.common.json ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
-      : o.common.quiet        ? ""
-                              : tableOf(json));
+  addRecord(json, run);
+  session.print(o.common.json ? dump(json) : o.common.quiet ? "" : tableOf(json));
 }
 
 } // namespace

@@ -13,17 +13,21 @@ ten packings, six widths of the bridges and filled, after section IV of Frank, R
 
 import argparse
 import concurrent.futures
+import csv
 import math
 import os
+import sys
 import time
 
 import lamella
 import numpy as np
 from matplotlib import pyplot as plt
-from matplotlib.collections import LineCollection
 from stress import CRITICAL, E_MATRIX, HORIZON, RATIO
-from study import COLOURS, FILLED, WIDTHS, bridged, means_of, panel, write_csv
+from study import COLOURS, FILLED, WIDTHS, bridged, means_of, panel
 from vtkmodules.vtkCommonCore import vtkLogger
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from common import chart, draw_bonds, write_csv, write_figure  # noqa: E402
 
 MATRIX, GRAIN = 1, 2  # phases
 THICK = 16  # layers of nodes of a plate to which grains are bridged, of which the outer HORIZON are held; else all that are held
@@ -50,16 +54,17 @@ def share_of(broken, low, high, between):
 
 
 def measure(task):
-    """All widths of one packing: rows of numbers, and of the first packing curves and cracks."""
+    """All widths of one packing: rows of numbers, cracks, and of the first packing curves."""
     seed, options = task
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
     packing = lamella.packing(count=options.count, seed=seed)
     rows, curves, cracks = [], [], []
     for width in ALL:
-        layers = THICK if options.wall_bridges else HORIZON
+        layers = THICK if options.wall_bridges else HORIZON + (1 if options.smooth else 0)
         image = bridged(packing, width, options.nodes, layers * packing.box[0] / options.nodes, wall_bridges=options.wall_bridges)
         begun, spent = time.perf_counter(), time.process_time()
-        result = torn(image, rivals=options.rivals, method=options.method, breaking=options.breaking)
+        result = torn(image, rivals=options.rivals, smooth_platens=options.smooth, method=options.method,
+                      breaking=options.breaking)
         broken = result.broken
         rows.append({
             "seed": seed, "width": width, "saturation": image.saturation, "strength": result.peak_stress / UNIT,
@@ -72,8 +77,8 @@ def measure(task):
         })
         if seed == 1:
             curves.append((image.saturation, result.strain / CRITICAL, result.stress / UNIT))
-            if width in SHOWN:
-                cracks.append((image.saturation, image.spacing, image.phase[::-1], broken, 2 * float(np.mean(packing.radii))))
+        if width in SHOWN:
+            cracks.append((image.saturation, image.spacing, image.phase[::-1], broken, 2 * float(np.mean(packing.radii))))
     return rows, curves, cracks
 
 
@@ -86,17 +91,19 @@ def slopes(means):
 
 
 def draw_curves(curves, path):
-    figure, axes = plt.subplots(figsize=(5.4, 4), constrained_layout=True)
     colours = plt.get_cmap("viridis")(np.linspace(0, 0.92, len(curves)))
-    for (saturation, strain, stress), colour in zip(curves, colours):
-        axes.plot(strain, stress, color=colour, linewidth=1.4, label=f"S = {saturation:.2f}")
-    axes.set_xlabel("strain over $s_0$")
-    axes.set_ylabel("stress over $E_M s_0$")
-    axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
-    axes.legend(frameon=False, fontsize=9)
-    figure.savefig(path, dpi=200)
-    plt.close(figure)
+    with chart(path, "strain over $s_0$", "stress over $E_M s_0$", dpi=200) as axes:
+        for (saturation, strain, stress), colour in zip(curves, colours):
+            axes.plot(strain, stress, color=colour, linewidth=1.4, label=f"S = {saturation:.2f}")
+
+
+def inside(cracks):
+    """How far the cracks of a packing are from the plates, the nearest of them, in mean diameters."""
+    distance = []
+    for _, spacing, phase, broken, diameter in cracks:
+        height = np.median(broken["position"][:, 1])
+        distance.append(min(height, len(phase) * spacing - height) / diameter)
+    return min(distance)
 
 
 def draw_cracks(cracks, path):
@@ -105,27 +112,29 @@ def draw_cracks(cracks, path):
         high, wide = phase.shape
         low = int(np.clip(np.median(broken["position"][:, 1]) / spacing - wide / 2, 0, high - wide))
         panel(one, COLOURS(phase[low : low + wide]), spacing, diameter if letter == "a" else None)
-        start = broken["position"] - broken["bond"] / 2 - [0, low * spacing]
-        one.add_collection(LineCollection(np.stack([start, start + broken["bond"]], axis=1), colors="#d01c1c", linewidths=0.5))
+        draw_bonds(one, broken, low=(0, low * spacing), colors="#d01c1c", linewidths=0.5)
         one.set_title(f"({letter}) S = {saturation:.2f}", fontsize=11)
-    figure.savefig(path, dpi=200)
-    plt.close(figure)
+    write_figure(figure, path, dpi=200)
 
 
-def draw_strength(means, path):
-    figure, axes = plt.subplots(figsize=(5.4, 4), constrained_layout=True)
+def means_beside(path):
+    if not path:
+        return []
+    with open(path, newline="") as file:
+        return [{name: float(row[name]) for name in ("saturation", "strength", "strength_deviation")} for row in csv.DictReader(file)]
+
+
+def draw_strength(means, beside, path):
     saturation = [mean["saturation"] for mean in means]
-    axes.errorbar(saturation, [mean["strength"] for mean in means], yerr=[mean["strength_deviation"] for mean in means], fmt="o-",
-                  capsize=3, color="#1f4e9c", label="strength")
-    axes.plot(saturation, [mean["first_break"] for mean in means], "s--", markersize=4, color="#888888", label="first break")
-    axes.plot(list(PAPER), list(PAPER.values()), "*", markersize=11, color="#d01c1c", label="paper, in its text")
-    axes.set_xlabel("saturation S")
-    axes.set_ylabel("stress over $E_M s_0$")
-    axes.set_xlim(0, 1.03)
-    axes.set_ylim(bottom=0)
-    axes.legend(frameon=False, fontsize=9)
-    figure.savefig(path, dpi=200)
-    plt.close(figure)
+    with chart(path, "saturation S", "stress over $E_M s_0$", xlim=(0, 1.03), dpi=200) as axes:
+        axes.errorbar(saturation, [mean["strength"] for mean in means], yerr=[mean["strength_deviation"] for mean in means], fmt="o-",
+                      capsize=3, color="#1f4e9c", label="strength")
+    if beside:
+        axes.errorbar([mean["saturation"] for mean in beside], [mean["strength"] for mean in beside],
+                      yerr=[mean["strength_deviation"] for mean in beside], fmt="D-", markersize=5, capsize=3, color="#c77f1a",
+                      label="strength, the other run")
+        axes.plot(saturation, [mean["first_break"] for mean in means], "s--", markersize=4, color="#888888", label="first break")
+        axes.plot(list(PAPER), list(PAPER.values()), "*", markersize=11, color="#d01c1c", label="paper, in its text")
 
 
 def main():
@@ -137,6 +146,9 @@ def main():
     parser.add_argument("--method", default="auto", choices=("auto", "events", "accurate"))
     parser.add_argument("--breaking", default="strict", choices=("strict", "batched"))
     parser.add_argument("--wall-bridges", action="store_true", help="grains are bridged to the plates, and these are thicker")
+    parser.add_argument("--smooth", action="store_true",
+                        help="plates slip across the load, and have one layer of nodes more than is moved")
+    parser.add_argument("--beside", metavar="CSV", help="means of another run to draw with the strengths")
     parser.add_argument("--rivals", action="store_true", help="look closer where two bonds are nearly as critical as each other")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="samples at a time (default: one a core)")
     options = parser.parse_args()
@@ -147,7 +159,7 @@ def main():
         for number, part in enumerate(pool.map(measure, [(seed + 1, options) for seed in range(options.samples)]), 1):
             rows += part[0]
             curves += part[1]
-            cracks += part[2]
+            cracks.append(part[2])
             print(f"\r{number} of {options.samples} packings, {time.perf_counter() - begun:.0f} s", end="", flush=True)
     print()
     means = means_of(rows, NAMES)
@@ -160,10 +172,10 @@ def main():
               f"{1e3 * mean['cpu_seconds'] / max(1.0, mean['events']):>8.2f}")
     rising, level = slopes(means)
     print(f"slope of the strength over S: {rising:.3f} from 0 to 0.4, {level:.3f} from 0.4 to 0.9 (ratio {level / rising:.3f})")
-    if curves and cracks:
-        draw_curves(curves, os.path.join(options.output, "fracture-curves.png"))
-        draw_cracks(cracks, os.path.join(options.output, "fracture-cracks.png"))
-    draw_strength(means, os.path.join(options.output, "fracture-strength.png"))
+    draw_curves(curves, os.path.join(options.output, "fracture-curves.png"))
+    if all(cracks):
+        draw_cracks(max(cracks, key=inside), os.path.join(options.output, "fracture-cracks.png"))
+    draw_strength(means, means_beside(options.beside), os.path.join(options.output, "fracture-strength.png"))
     cpu = math.fsum(row["cpu_seconds"] for row in rows)
     print(f"{len(rows)} samples in {time.perf_counter() - begun:.0f} s, {cpu:.0f} s CPU; files in {options.output}")
 

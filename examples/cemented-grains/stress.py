@@ -16,6 +16,7 @@ import argparse
 import concurrent.futures
 import math
 import os
+import sys
 import time
 
 import lamella
@@ -23,8 +24,11 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
-from study import FILLED, WIDTHS, bridged, means_of, middle, panel, write_csv
+from study import FILLED, WIDTHS, bridged, means_of, middle, panel
 from vtkmodules.vtkCommonCore import vtkLogger
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from common import write_csv, write_figure  # noqa: E402
 
 HORIZON = 3
 E_MATRIX = 1e9  # Pa; all results are ratios
@@ -142,8 +146,7 @@ def draw_maps(grain, maps, path, highest=2.5):
         one.set_title(f"S = {saturation:.2f}", fontsize=11)
     bar = figure.colorbar(ScalarMappable(norm, colours), ax=axes, fraction=0.011, pad=0.01, extend="both")
     bar.set_label("vertical stress / mean tensile")
-    figure.savefig(path, dpi=150, bbox_inches="tight")
-    plt.close(figure)
+    write_figure(figure, path, dpi=150, bbox_inches="tight")
 
 
 def errors(axes, means, name, label, marker, factor=1.0, **more):
@@ -164,8 +167,7 @@ def draw_means(means, path):
         one.set_ylim(bottom=0)
     axes[0].axhline(1, color="grey", linewidth=0.8, linestyle=":")
     axes[0].legend(frameon=False)
-    figure.savefig(path, dpi=150, bbox_inches="tight")
-    plt.close(figure)
+    write_figure(figure, path, dpi=150, bbox_inches="tight")
 
 
 def draw_densities(densities, means, path):
@@ -185,8 +187,7 @@ def draw_densities(densities, means, path):
     axes.set_xlabel("vertical stress / mean tensile")
     axes.set_ylabel("probability density")
     axes.legend(frameon=False, markerscale=2.5)
-    figure.savefig(path, dpi=150, bbox_inches="tight")
-    plt.close(figure)
+    write_figure(figure, path, dpi=150, bbox_inches="tight")
 
 
 def draw_theta(means, path):
@@ -198,8 +199,7 @@ def draw_theta(means, path):
     axes.set_ylabel("θ")
     axes.set_ylim(bottom=0)
     axes.legend(frameon=False, title="tail")
-    figure.savefig(path, dpi=150, bbox_inches="tight")
-    plt.close(figure)
+    write_figure(figure, path, dpi=150, bbox_inches="tight")
 
 
 def main():

@@ -15,18 +15,18 @@ Rev. E 102 (2020) 022906, section III. Writes to --output:
 
 import argparse
 import concurrent.futures
-import csv
 import os
 import statistics
+import sys
 
 import lamella
-import matplotlib
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, LogNorm
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.cm import ScalarMappable  # noqa: E402
-from matplotlib.colors import ListedColormap, LogNorm  # noqa: E402
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from common import write_csv, write_figure  # noqa: E402
 
 WIDTHS = (0.25, 0.5, 0.75, 1.0, 1.25)
 FILLED = "filled"
@@ -84,13 +84,6 @@ def measure(task):
     return about, rows
 
 
-def write_csv(path, rows):
-    with open(path, "w", newline="") as file:
-        writer = csv.DictWriter(file, fieldnames=list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
-
-
 def means_of(rows, names=NAMES):
     """Means and standard deviations over the packings, one row a width."""
     means = []
@@ -134,8 +127,7 @@ def draw_bridges(packing, nodes, path):
         colours = COLOURS(image.phase[::-1][middle(image, 0.5)])
         panel(one, colours, image.spacing, 2 * np.mean(packing.radii) if letter == "a" else None)
         one.set_title(f"({letter}) α = {width:g}, S = {image.saturation:.2f}", fontsize=11)
-    figure.savefig(path, dpi=200, bbox_inches="tight")
-    plt.close(figure)
+    write_figure(figure, path, dpi=200, bbox_inches="tight")
 
 
 def draw_pores(packing, nodes, path):
@@ -154,8 +146,7 @@ def draw_pores(packing, nodes, path):
         one.set_title(f"S = {image.saturation:.2f}", fontsize=11)
     bar = figure.colorbar(ScalarMappable(norm, colour_map), ax=axes, fraction=0.012, pad=0.01, extend="both")
     bar.set_label("pore area / mean grain area")
-    figure.savefig(path, dpi=200, bbox_inches="tight")
-    plt.close(figure)
+    write_figure(figure, path, dpi=200, bbox_inches="tight")
 
 
 def draw_curve(path, x, y, names, xlabel, ylabel, log=False, extra=None):
@@ -170,8 +161,7 @@ def draw_curve(path, x, y, names, xlabel, ylabel, log=False, extra=None):
     axes.set_ylabel(ylabel)
     if len(names) > 1 or extra:
         axes.legend(frameon=False)
-    figure.savefig(path, dpi=150, bbox_inches="tight")
-    plt.close(figure)
+    write_figure(figure, path, dpi=150, bbox_inches="tight")
 
 
 def main():

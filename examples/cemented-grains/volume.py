@@ -2,8 +2,8 @@
 
     PYTHONPATH=build/python pvpython examples/cemented-grains/volume.py
 
-All critical bonds break at once (batched), one equilibrium a batch; grains are four times as stiff and as tough as the matrix. Writes to
---output: volume.vti (the end: phases, grains, damage), volume.vtp (broken bonds), volume-grains.vtp and volume.png (half of the grains, and
+The strain is raised in steps; all critical bonds break at once (batched), one equilibrium a batch; grains are four times as stiff and
+as tough as the matrix. Writes to --output: volume.vti (the end: phases, grains, damage), volume.vtp (broken bonds), volume-grains.vtp and volume.png (half of the grains, and
 in red the surface within which nodes have lost a tenth of their bonds or more)
 """
 
@@ -44,7 +44,7 @@ def torn(packing, options):
         return True
 
     return lamella.fracture(image, young, critical_stretch=dict.fromkeys(young, CRITICAL), horizon=options.horizon, method="accurate",
-                            breaking="batched", tolerance=options.tolerance, threads=options.threads, displacement=False, progress=progress)
+                            breaking="batched", strain_step=options.step * CRITICAL, tolerance=options.tolerance, threads=options.threads, displacement=False, progress=progress)
 
 
 def spheres(packing, path):
@@ -96,6 +96,7 @@ def main():
     parser.add_argument("--cut", type=float, default=0.5, help="off both ends, in mean diameters, for the platens to hold grains (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--horizon", type=float, default=3, help="spacings (default: %(default)s)")
+    parser.add_argument("--step", type=float, default=0.01, help="of the strain, over that at which bonds break (default: %(default)s)")
     parser.add_argument("--tolerance", type=float, default=1e-4, help="of an equilibrium (default: %(default)s)")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     options = parser.parse_args()

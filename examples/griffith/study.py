@@ -14,17 +14,17 @@ spacings, 128 to 1024 nodes, four crack lengths, 140 runs, after section II C of
 
 import argparse
 import concurrent.futures
-import csv
 import math
 import os
+import sys
 import time
 
 import lamella
-import matplotlib
+import numpy as np
+from matplotlib import pyplot as plt
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from common import chart, write_csv, write_figure  # noqa: E402
 
 HORIZONS = (2, 3, 4, 5, 6, 7, 8)
 NODES = (128, 256, 512, 665, 1024)
@@ -174,65 +174,37 @@ def draw_stress(horizon, crack, nodes, path):
         if letter != "a":
             one.set_yticklabels([])
     figure.colorbar(picture, ax=axes, label="$\\sigma_{yy}$ over mean stress", extend="both", shrink=0.85)
-    figure.savefig(path, dpi=160)
-    plt.close(figure)
+    write_figure(figure, path, dpi=160)
 
 
 def draw_strength(of, path):
-    figure, axes = plt.subplots(figsize=(5.4, 4), constrained_layout=True)
-    for (crack, (fine, value, (slope, start, r2), _)), marker in zip(of["lines"].items(), "osD^"):
-        points = axes.plot(1000 * fine, value, marker, markersize=5, label=f"a = {crack:g}, $R^2$ = {r2:.3f}")[0]
-        reach = np.array([0, fine.max()])
-        axes.plot(1000 * reach, start + slope * reach, color=points.get_color(), linewidth=1)
-    axes.set_xlabel("1000 / $N_x$")
-    axes.set_ylabel("$\\sigma_c / K_{th}$")
-    axes.set_title(f"h/δx = {of['horizon']}", fontsize=10)
-    axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
-    axes.legend(frameon=False, fontsize=9)
-    figure.savefig(path, dpi=160)
-    plt.close(figure)
+    with chart(path, "1000 / $N_x$", "$\\sigma_c / K_{th}$") as axes:
+        for (crack, (fine, value, (slope, start, r2), _)), marker in zip(of["lines"].items(), "osD^"):
+            points = axes.plot(1000 * fine, value, marker, markersize=5, label=f"a = {crack:g}, $R^2$ = {r2:.3f}")[0]
+            reach = np.array([0, fine.max()])
+            axes.plot(1000 * reach, start + slope * reach, color=points.get_color(), linewidth=1)
+        axes.set_title(f"h/δx = {of['horizon']}", fontsize=10)
 
 
 def draw_cracks(horizons, path):
-    figure, axes = plt.subplots(figsize=(5.4, 4), constrained_layout=True)
     colours = plt.get_cmap("viridis")(np.linspace(0, 0.9, len(horizons)))
-    for of, colour in zip(horizons, colours):
-        x = 1 / np.sqrt(math.pi * np.array(list(of["lines"])))
-        slope, start, _ = line_of(x, of["limit"])
-        axes.plot(x, of["limit"], "o", color=colour, markersize=5, label=f"h/δx = {of['horizon']}")
-        reach = np.array([0, x.max()])
-        axes.plot(reach, start + slope * reach, color=colour, linewidth=1)
-    axes.plot([0, x.max()], [0, x.max()], "k--", linewidth=1, label="Griffith")
-    axes.set_xlabel("$1/\\sqrt{\\pi a}$")
-    axes.set_ylabel("$[\\sigma_c / K_{th}]$, $N_x \\to \\infty$")
-    axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
-    axes.legend(frameon=False, fontsize=9)
-    figure.savefig(path, dpi=160)
-    plt.close(figure)
+    with chart(path, "$1/\\sqrt{\\pi a}$", "$[\\sigma_c / K_{th}]$, $N_x \\to \\infty$") as axes:
+        for of, colour in zip(horizons, colours):
+            x = 1 / np.sqrt(math.pi * np.array(list(of["lines"])))
+            slope, start, _ = line_of(x, of["limit"])
+            axes.plot(x, of["limit"], "o", color=colour, markersize=5, label=f"h/δx = {of['horizon']}")
+            reach = np.array([0, x.max()])
+            axes.plot(reach, start + slope * reach, color=colour, linewidth=1)
+        axes.plot([0, x.max()], [0, x.max()], "k--", linewidth=1, label="Griffith")
 
 
 def draw_toughness(horizons, path):
-    figure, axes = plt.subplots(figsize=(5.4, 4), constrained_layout=True)
     x = [of["horizon"] for of in horizons]
-    for key, marker, label in (("paper", "s:", "$\\sigma_c$ linear in $1/N_x$, as the paper"), ("nominal", "o-", "crack and process zone, plate's factor"),
-                               ("fitted", "D-", "and the lattice's own $K_{th}$")):
-        axes.plot(x, [of[key] for of in horizons], marker, markersize=5, label=label)
-    axes.axhline(1, color="k", linewidth=0.8, linestyle="--")
-    axes.set_xlabel("h/δx")
-    axes.set_ylabel("$K/K_{th}$")
-    axes.set_ylim(0, None)
-    axes.legend(frameon=False, fontsize=9)
-    figure.savefig(path, dpi=160)
-    plt.close(figure)
-
-
-def write_csv(path, rows):
-    with open(path, "w", newline="") as file:
-        writer = csv.DictWriter(file, fieldnames=list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
+    with chart(path, "h/δx", "$K/K_{th}$", xlim=(None, None)) as axes:
+        for key, marker, label in (("paper", "s:", "$\\sigma_c$ linear in $1/N_x$, as the paper"),
+                                   ("nominal", "o-", "crack and process zone, plate's factor"), ("fitted", "D-", "and the lattice's own $K_{th}$")):
+            axes.plot(x, [of[key] for of in horizons], marker, markersize=5, label=label)
+        axes.axhline(1, color="k", linewidth=0.8, linestyle="--")
 
 
 def main():

@@ -12,18 +12,18 @@ again with nothing tuned by hand, and compares with the labels they were drawn f
 """
 
 import argparse
-import csv
 import json
 import os
 import subprocess
+import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.image as mpimg  # noqa: E402
-import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib import image as mpimg
+from matplotlib import pyplot as plt
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.append(os.path.join(HERE, ".."))
+from common import write_csv, write_figure  # noqa: E402
+
 PROGRAM = os.environ.get("LAMELLA_PROGRAM", os.path.join(HERE, "..", "..", "build", "bin", "lamella"))
 CONDUCT = ["--conductivity", "lumen=0.05", "--conductivity", "wall=1"]
 
@@ -92,8 +92,7 @@ def side_by_side(pictures, path):
         axis.set_title(f"({letter}) {name}", fontsize=12)
         axis.axis("off")
     figure.subplots_adjust(wspace=0.03)
-    figure.savefig(path, dpi=150, bbox_inches="tight", pad_inches=0.05)
-    plt.close(figure)
+    write_figure(figure, path, dpi=150, bbox_inches="tight", pad_inches=0.05)
 
 
 def main():
@@ -132,10 +131,7 @@ def main():
         ]:
             rows.append(row_of(name, micrograph(os.path.join(real, file), options.output, name, *words)))
             tell(rows[-1])
-    with open(there("tissues.csv"), "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, fieldnames=list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
+    write_csv(there("tissues.csv"), rows)
     for row in rows[: len(TISSUES)]:
         assert abs(row["wall_fraction"] - row["true_wall_fraction"]) < 0.03, "the walls' share is far from the truth"
     print(f"files in {options.output}")

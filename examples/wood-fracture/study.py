@@ -12,19 +12,18 @@ Ann. For. Sci. 73 (2016) 117. Generated tissue, and with LAMELLA_REAL_DATA the t
 
 import argparse
 import concurrent.futures
-import csv
 import os
+import sys
 import time
 
 import lamella
-import matplotlib
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.colors import LinearSegmentedColormap
+from vtkmodules.vtkCommonCore import vtkLogger
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.collections import LineCollection  # noqa: E402
-from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
-from vtkmodules.vtkCommonCore import vtkLogger  # noqa: E402
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from common import chart, draw_bonds, write_csv, write_figure  # noqa: E402
 
 HORIZON = 4
 YOUNG, TOUGHNESS, RATIO = 10e9, 4e5, 4  # Pa, Pa √m, of the walls over the lamella's
@@ -111,30 +110,20 @@ def draw(phase, spacing, notch, broken, states, path):
     for one, (strain, _, number, stress), letter in zip(np.atleast_1d(axes), shown, "abcd"):
         field = np.ma.masked_array(stress / reach, phase == 0)
         picture = one.imshow(field, origin="lower", extent=extent, cmap=PAPER, vmin=-1, vmax=1, interpolation="nearest")
-        part = broken[:number]
-        start = (part["position"] - part["bond"] / 2) * 1e6
-        one.add_collection(LineCollection(np.stack([start, start + part["bond"] * 1e6], axis=1), colors="black", linewidths=0.6))
+        draw_bonds(one, broken[:number], 1e6, colors="black", linewidths=0.6)
         one.plot([0, notch[2] * 1e6], [notch[1] * 1e6] * 2, color="black", linewidth=1.2)
         one.set_xlim(extent[:2])
         one.set_ylim(extent[2:])
         one.set_title(f"({letter}) strain {100 * strain:.3g} %, {number} bonds", fontsize=9)
         one.set_xlabel("µm")
     figure.colorbar(picture, ax=axes, shrink=0.8, label=f"stress along the load over {reach / 1e6:.3g} MPa", extend="both")
-    figure.savefig(path, dpi=160)
-    plt.close(figure)
+    write_figure(figure, path, dpi=160)
 
 
 def draw_curves(curves, path):
-    figure, axes = plt.subplots(figsize=(5.4, 4), constrained_layout=True)
-    for name, (strain, stress) in curves.items():
-        axes.plot(100 * strain, stress / 1e6, linewidth=1.3, label=name)
-    axes.set_xlabel("strain [%]")
-    axes.set_ylabel("stress [MPa]")
-    axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
-    axes.legend(frameon=False, fontsize=9)
-    figure.savefig(path, dpi=160)
-    plt.close(figure)
+    with chart(path, "strain [%]", "stress [MPa]") as axes:
+        for name, (strain, stress) in curves.items():
+            axes.plot(100 * strain, stress / 1e6, linewidth=1.3, label=name)
 
 
 def main():
@@ -162,10 +151,7 @@ def main():
             draw(*sample, os.path.join(options.output, name + ".png"))
             print(f"{name:>16} {row['wide']:>4} x {row['high']:>3} {row['modulus'] / 1e9:>5.2f} GPa {row['strength'] / 1e6:>6.2f} MPa {row['broken']:>7} "
                   f"{100 * row['broken_in_walls']:>12.2f} % {100 * row['length_in_walls']:>13.2f} % {row['cpu_seconds_run']:>5.0f} s", flush=True)
-    with open(os.path.join(options.output, "samples.csv"), "w", newline="") as file:
-        writer = csv.DictWriter(file, fieldnames=list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
+    write_csv(os.path.join(options.output, "samples.csv"), rows)
     draw_curves(curves, os.path.join(options.output, "curves.png"))
     print(f"{len(rows)} samples in {time.perf_counter() - begun:.0f} s; files in {options.output}")
 

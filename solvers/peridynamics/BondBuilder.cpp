@@ -357,10 +357,7 @@ double BondLattice::bytesNeeded(const BondModel& model, const Lattice& lattice, 
   const BondKinds kinds(model, stencil, lattice.spacing);
   const auto planes = static_cast<double>(std::bit_width(kinds.kinds().size() - 1));
   const auto words = static_cast<double>((stencil.half().size() + 31) / 32);
-  std::array<std::int64_t, 3> size = lattice.size;
-  auto& slowest = size[lattice.dimension == 3 ? 2 : 1];
-  slowest = (slowest + ranks - 1) / ranks;
-  const NodeLayout layout = NodeLayout::make(lattice.dimension, stencil.layers(), size, {}, lattice.size);
+  const NodeLayout layout = NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks);
   // bits, strips, what is solid, shares of energy; and for a while the phases and grains with their rim
   const double perNode =
     4 * planes * words + 1.0 / 16 + 1 + (model.surfaceCorrection ? 4 * stencil.dimension() : 0) + 1 + (grains ? 4 : 0);

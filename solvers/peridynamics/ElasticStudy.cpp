@@ -3,6 +3,7 @@
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
 #include "peridynamics/BondForces.h"
+#include "peridynamics/multigrid/LevelSizes.h"
 
 #include <fmt/format.h>
 
@@ -262,20 +263,19 @@ double elasticBytes(
 {
   const double bonds = BondLattice::bytesNeeded(model, lattice, ranks, grains);
   const Stencil stencil(lattice.dimension, model.horizon);
-  std::array<std::int64_t, 3> size = lattice.size;
-  auto& slowest = size[lattice.dimension == 3 ? 2 : 1];
-  slowest = (slowest + ranks - 1) / ranks;
-  const auto nodes =
-    static_cast<double>(NodeLayout::make(lattice.dimension, stencil.layers(), size, { 0, 0, 0 }, lattice.size).count());
+  const NodeLayout layout = NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks);
+  const auto nodes = static_cast<double>(layout.count());
   const double d = lattice.dimension;
+  double levels = 0; // of multigrid
   double perNode = vectorBytesPerNode(lattice.dimension);
   switch (options.equilibrium.solver)
   {
     case EquilibriumSolver::Multigrid:
-      // floats: three vectors and the blocks of the finest level; then 5^d (its half) blocks a node of the coarser
-      // levels, which together have a third (a seventh) of its nodes, and their vectors
-      perNode += 4 * (3 * d + d * d) + 4 * (std::pow(5, d) * d * d + 6 * d) / (std::pow(2, d) - 1);
+    {
+      const MultigridBytes all = multigridBytes(levelLayouts(layout, ranks > 1));
+      levels = all.held + all.making;
       break;
+    }
     case EquilibriumSolver::Jacobi:
       perNode += 4 * (d * d + 2 * d);
       break;
@@ -289,7 +289,7 @@ double elasticBytes(
     perNode += 8 * 3 * d;
   const double stress = d == 2 ? 3 : 6;
   perNode += 8 * ((options.stress ? stress : 0) + (options.energyDensity ? 1 : 0));
-  return bonds + nodes * perNode;
+  return bonds + levels + nodes * perNode;
 }
 
 ElasticResult studyElastic(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,

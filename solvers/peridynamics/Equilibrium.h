@@ -70,6 +70,9 @@ public:
   /// @throws DivergenceError when it does not converge; Cancelled
   EquilibriumResult solve(NodeField<double>& u, const NodeField<double>* load = nullptr);
 
+  /// Takes the place of EquilibriumOptions::progress in what is solved from now on.
+  void setProgress(std::function<bool(double)> progress) { options_.progress = std::move(progress); }
+
   [[nodiscard]] const FixedComponents& fixed() const noexcept { return fixed_; }
 
 private:

@@ -58,6 +58,15 @@ struct NodeLayout
   {
     return { dimension, ghost, size, start, global, (margin + size[0] + margin + 15) / 16 * 16 };
   }
+  /// Of the largest part where a lattice is cut along its last axis into as many parts as there are ranks.
+  [[nodiscard]] static NodeLayout largestPart(
+    int dimension, int ghost, const std::array<std::int64_t, 3>& global, int ranks)
+  {
+    std::array<std::int64_t, 3> size = global;
+    std::int64_t& slowest = size[dimension == 3 ? 2 : 1];
+    slowest = (slowest + ranks - 1) / ranks;
+    return make(dimension, ghost, size, {}, global);
+  }
   bool operator==(const NodeLayout&) const = default;
 };
 

@@ -158,11 +158,8 @@ double stiffnessBytes(
   elastic.equilibrium = options.equilibrium;
   elastic.stress = true; // summed up after each solution
   const Stencil stencil(lattice.dimension, model.horizon);
-  std::array<std::int64_t, 3> size = lattice.size;
-  auto& slowest = size[lattice.dimension == 3 ? 2 : 1];
-  slowest = (slowest + ranks - 1) / ranks;
   const auto nodes =
-    static_cast<double>(NodeLayout::make(lattice.dimension, stencil.layers(), size, { 0, 0, 0 }, lattice.size).count());
+    static_cast<double>(NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks).count());
   // the mean strain's displacements and its load, and which nodes are loose
   return elasticBytes(model, lattice, grains, elastic, ranks) + nodes * (2 * 8 * lattice.dimension + 1);
 }

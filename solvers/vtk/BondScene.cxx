@@ -1,6 +1,7 @@
 #include "BondScene.h"
 
 #include "BoxExchange.h"
+#include "FieldNumbers.h"
 
 #include "lattice/Error.h"
 #include "peridynamics/BondLattice.h"
@@ -306,8 +307,8 @@ json describeModel(vtkImageData* output, const BondScene& scene, const BondSetti
   setFieldNumbers(output, "pair_fracture_energy", values[2]);
   setFieldNumbers(output, "pair_toughness", values[3]);
   setFieldText(output, "continuum", continua[static_cast<std::size_t>(model.continuum)]);
-  setFieldNumbers(output, "horizon", std::array{ model.horizon });
-  setFieldNumbers(output, "poissons_ratio", std::array{ pd::poissonsRatio(model.continuum) });
+  setFieldNumber(output, "horizon", model.horizon);
+  setFieldNumber(output, "poissons_ratio", pd::poissonsRatio(model.continuum));
   std::vector<double> fractions(scene.nodes().begin(), scene.nodes().end());
   for (double& fraction : fractions)
   {

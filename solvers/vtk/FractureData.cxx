@@ -1,17 +1,14 @@
 #include "FractureData.h"
 
+#include "BondFields.h"
+#include "FieldNumbers.h"
 #include "NewArray.h"
-#include "vtkLatticeConversion.h"
 
-#include "vtkCellArray.h"
 #include "vtkDoubleArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkIntArray.h"
-#include "vtkNew.h"
 #include "vtkPointData.h"
-#include "vtkPoints.h"
-#include "vtkPolyData.h"
 #include "vtkTable.h"
 #include "vtkTypeInt64Array.h"
 #include "vtkUnsignedCharArray.h"
@@ -54,10 +51,7 @@ void setBrokenBonds(vtkPolyData* output, const pd::FractureResult& result, const
   const std::size_t count = broken.size();
   const Lattice& lattice = scene.lattice();
   const pd::Stencil stencil(lattice.dimension, scene.model().horizon);
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  points->SetNumberOfPoints(static_cast<vtkIdType>(count));
-  vtkNew<vtkCellArray> vertices;
+  const auto points = newPoints(count);
   const auto event = newArray<vtkTypeInt64Array>("event", 1, count);
   const auto strain = newArray<vtkDoubleArray>("strain", 1, count);
   const auto critical = newArray<vtkDoubleArray>("critical_strain", 1, count);
@@ -71,7 +65,6 @@ void setBrokenBonds(vtkPolyData* output, const pd::FractureResult& result, const
     const pd::BondEnds& ends = result.ends[i];
     const auto id = static_cast<vtkIdType>(i);
     points->SetPoint(id, pd::middleOf(lattice, stencil, b.bond).data());
-    vertices->InsertNextCell({ id });
     event->SetValue(id, b.event);
     strain->SetValue(id, b.strain);
     critical->SetValue(id, b.criticalStrain);
@@ -89,15 +82,9 @@ void setBrokenBonds(vtkPolyData* output, const pd::FractureResult& result, const
   describe(bond, "m", "from its first node to its second", creator);
   describe(phases, "1", "phases of both ends, the lesser first", creator);
   describe(between, "1", "1 where the ends lie in two different grains", creator);
-  output->Initialize();
-  output->SetPoints(points);
-  output->SetVerts(vertices);
+  setVertices(output, points);
   vtkPointData* const data = output->GetPointData();
-  for (vtkDataArray* const array :
-    std::initializer_list<vtkDataArray*>{ event, strain, critical, stress, bond, phases, between })
-  {
-    data->AddArray(array);
-  }
+  addArrays(data, { event, strain, critical, stress, bond, phases, between });
   data->SetActiveScalars("event");
 }
 
@@ -125,39 +112,28 @@ void setFractureCurve(vtkTable* output, const pd::FractureResult& result, const 
   describe(criticalStrain, "1", "strain at which the next bond is just critical: follows every snap-back", creator);
   describe(criticalStress, "Pa", "stress at that strain", creator);
   output->Initialize();
-  for (vtkDataArray* const column :
-    std::initializer_list<vtkDataArray*>{ strain, stress, broken, criticalStrain, criticalStress })
-  {
-    output->AddColumn(column);
-  }
+  addArrays(output->GetRowData(), { strain, stress, broken, criticalStrain, criticalStress });
 }
 
 void setFractureNumbers(vtkImageData* output, const pd::FractureResult& r)
 {
-  const auto set = [output](const char* name, std::initializer_list<double> values)
-  { setFieldNumbers(output, name, std::span(values.begin(), values.size())); };
-  const auto whole = [&](const char* name, std::int64_t value) { set(name, { static_cast<double>(value) }); };
-  const auto layer = [](std::int64_t n) { return static_cast<double>(n); };
+  const auto set = [output](const char* name, double value) { setFieldNumber(output, name, value); };
+  const auto whole = [&](const char* name, std::int64_t value) { set(name, static_cast<double>(value)); };
   const pd::FractureStatistics& s = r.record.statistics;
   const bool some = !r.record.broken.empty();
-  set("effective_modulus", { r.record.modulus });
-  set("peak_stress", { r.peak.stress });
-  set("peak_strain", { r.peak.strain });
+  setPlatens(output, r);
+  setWork(output, r);
+  set("effective_modulus", r.record.modulus);
+  set("peak_stress", r.peak.stress);
+  set("peak_strain", r.peak.strain);
   whole("peak_broken", r.peak.broken);
-  set("first_break_strain", { some ? r.record.first.strain : unknown });
-  set("first_break_stress", { some ? r.record.first.stress : unknown });
+  set("first_break_strain", some ? r.record.first.strain : unknown);
+  set("first_break_stress", some ? r.record.first.stress : unknown);
   whole("total_broken", static_cast<std::int64_t>(r.record.broken.size()));
-  set("broken_energy", { r.brokenEnergy });
+  set("broken_energy", r.brokenEnergy);
   setFieldText(output, "end", wordOf(r.record.end));
   setFieldText(output, "end_reason", pd::describe(r.record.end));
   setFieldText(output, "method", wordOf(r.method));
-  setFieldText(output, "load_axis", std::string(1, "xyz"[r.axis]));
-  set("section_area", { r.area });
-  set("gauge_length", { r.length });
-  set("platen_layers",
-    { layer(r.lowPlaten[0]), layer(r.lowPlaten[1] - 1), layer(r.highPlaten[0]), layer(r.highPlaten[1] - 1) });
-  whole("loose_pieces", r.loosePieces);
-  whole("loose_nodes", r.looseNodes);
   whole("events", s.events);
   whole("raises", s.raises);
   whole("equilibria", s.equilibria);
@@ -168,20 +144,13 @@ void setFractureNumbers(vtkImageData* output, const pd::FractureResult& r)
   whole("freed_pieces", s.loosePieces);
   whole("freed_nodes", s.looseNodes);
   whole("freed_bonds", s.looseBonds);
-  whole("solid_nodes", r.solidNodes);
-  whole("skipped_nodes", r.nodes - r.solidNodes);
-  whole("bonds", r.bonds);
-  set("visited_strips", { layer(r.strips.uniform), layer(r.strips.mixed) });
-  whole("skipped_strips", r.strips.empty);
-  whole("bytes", r.bytes);
-  set("seconds",
-    { r.bondSeconds, r.firstSeconds, s.globalSeconds, s.localSeconds, s.searchSeconds, s.totalSeconds, r.stateSeconds,
-      s.checkpointSeconds });
+  setFieldNumbers(output, "seconds",
+    std::array{ r.bondSeconds, r.firstSeconds, s.globalSeconds, s.localSeconds, s.searchSeconds, s.totalSeconds,
+      r.stateSeconds, s.checkpointSeconds });
   whole("continued_at", r.continuedAt);
   whole("states_before", r.statesBefore);
   whole("checkpoints", s.checkpoints);
   whole("last_checkpoint", r.checkpointAt);
-  setFieldTexts(output, "warnings", r.warnings);
 }
 
 void setLatticeNumbers(vtkDataObject* output, const Lattice& lattice)
@@ -211,11 +180,7 @@ void setFractureState(vtkImageData* output, const pd::FractureState& state, cons
   add(broken);
   if (state.displacement)
   {
-    const std::array<int, 3> from{ 0, 1, scene.lattice().dimension == 3 ? 2 : -1 };
-    const auto displacement = scene.toPiece(*state.displacement, from, "displacement");
-    describe(displacement, "m", "displacement at equilibrium; 0 in voids", creator);
-    add(displacement);
-    points->SetActiveVectors("displacement");
+    addDisplacement(output, scene, *state.displacement, creator);
   }
   if (state.stressOfNodes)
   {
@@ -223,11 +188,9 @@ void setFractureState(vtkImageData* output, const pd::FractureState& state, cons
   }
   if (state.energyDensity)
   {
-    const auto energy = scene.toPiece(*state.energyDensity, std::array<int, 1>{ 0 }, "strain_energy");
-    describe(energy, "J/m^3", "elastic energy of half of the node's bonds over its volume", creator);
-    add(energy);
+    addStrainEnergy(output, scene, *state.energyDensity, creator);
   }
-  const auto set = [output](const char* name, double value) { setFieldNumbers(output, name, std::span(&value, 1)); };
+  const auto set = [output](const char* name, double value) { setFieldNumber(output, name, value); };
   set("strain", state.strain);
   set("stress", state.stress);
   set("broken_bonds", static_cast<double>(state.broken));

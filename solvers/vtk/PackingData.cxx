@@ -1,20 +1,15 @@
 #include "PackingData.h"
 
+#include "FieldNumbers.h"
 #include "NewArray.h"
-#include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
 
-#include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
-#include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkIntArray.h"
-#include "vtkNew.h"
 #include "vtkPointData.h"
-#include "vtkPoints.h"
-#include "vtkPolyData.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
@@ -28,24 +23,18 @@ namespace lamella
 namespace
 {
 
-void setNumber(vtkDataObject* data, const char* name, double value, const char* unit, const std::string& text,
-  const std::string& creator)
-{
-  describe(setFieldNumbers(data, name, std::span(&value, 1)), unit, text, creator);
-}
-
 void setNumbers(
   vtkDataObject* data, const packing::Packing& p, const packing::PackingStatistics& s, const std::string& creator)
 {
   const std::array<double, 3> periodic{ p.periodic[0] ? 1.0 : 0.0, p.periodic[1] ? 1.0 : 0.0,
     p.periodic[2] ? 1.0 : 0.0 };
-  describe(setFieldNumbers(data, "box", p.size), "m", "edges of the box, from the origin; z is 0 in 2D", creator);
-  describe(setFieldNumbers(data, "periodic", periodic), "1", "1 for axes that are periodic", creator);
-  describe(setFieldNumbers(data, "fabric", s.fabric), "1",
-    "mean of n n over the contacts between grains, by rows; its trace is 1", creator);
-  describe(setFieldNumbers(data, "stress", s.stress), "Pa", "mean stress, by rows; compression is positive", creator);
+  setFieldNumbers(data, "box", p.size, "m", "edges of the box, from the origin; z is 0 in 2D", creator);
+  setFieldNumbers(data, "periodic", periodic, "1", "1 for axes that are periodic", creator);
+  setFieldNumbers(
+    data, "fabric", s.fabric, "1", "mean of n n over the contacts between grains, by rows; its trace is 1", creator);
+  setFieldNumbers(data, "stress", s.stress, "Pa", "mean stress, by rows; compression is positive", creator);
   const auto number = [&](const char* name, double value, const char* unit, const char* text)
-  { setNumber(data, name, value, unit, text, creator); };
+  { setFieldNumber(data, name, value, unit, text, creator); };
   number("packing_fraction", s.packingFraction, "1", "share of the box that is grains");
   number("aspect", s.aspect, "1", "edge of the box along the last axis over the first");
   number("rattlers", static_cast<double>(s.rattlers), "1", "grains that nothing holds");
@@ -61,9 +50,7 @@ void setNumbers(
 void setContacts(const packing::Packing& p, const std::string& creator, vtkPolyData* out)
 {
   const std::size_t count = p.contacts.size();
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  points->SetNumberOfPoints(static_cast<vtkIdType>(2 * count));
+  const auto points = newPoints(2 * count);
   vtkNew<vtkCellArray> lines;
   const auto force = newArray<vtkDoubleArray>("force", 3, count);
   const auto normal = newArray<vtkDoubleArray>("normal_force", 1, count);
@@ -105,10 +92,7 @@ void setContacts(const packing::Packing& p, const std::string& creator, vtkPolyD
   vtkCellData* const cells = out->GetCellData();
   cells->SetScalars(normal);
   cells->SetVectors(force);
-  for (vtkDataArray* const array : std::initializer_list<vtkDataArray*>{ overlap, first, second, wall })
-  {
-    cells->AddArray(array);
-  }
+  addArrays(cells, { overlap, first, second, wall });
 }
 
 } // namespace
@@ -117,10 +101,7 @@ void setPacking(const packing::Packing& p, const packing::PackingStatistics& s, 
   vtkPolyData* particles, vtkPolyData* contacts)
 {
   const std::size_t count = p.count();
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  points->SetNumberOfPoints(static_cast<vtkIdType>(count));
-  vtkNew<vtkCellArray> vertices;
+  const auto points = newPoints(count);
   const auto radius = newArray<vtkDoubleArray>("radius", 1, count);
   const auto diameter = newArray<vtkDoubleArray>("diameter", 1, count);
   const auto grain = newArray<vtkIntArray>("grain", 1, count);
@@ -131,7 +112,6 @@ void setPacking(const packing::Packing& p, const packing::PackingStatistics& s, 
   {
     const auto id = static_cast<vtkIdType>(i);
     points->SetPoint(id, p.centre[i].data());
-    vertices->InsertNextCell({ id });
     radius->SetValue(id, p.radius[i]);
     diameter->SetValue(id, 2 * p.radius[i]);
     grain->SetValue(id, static_cast<int>(i) + 1);
@@ -150,15 +130,10 @@ void setPacking(const packing::Packing& p, const packing::PackingStatistics& s, 
   describe(grain, "1", "number of the grain, from 1", creator);
   describe(number, "1", "contacts of the grain, those with walls included", creator);
   describe(rattler, "1", "1 for grains that nothing holds", creator);
-  particles->Initialize();
-  particles->SetPoints(points);
-  particles->SetVerts(vertices);
+  setVertices(particles, points);
   vtkPointData* const data = particles->GetPointData();
   data->SetScalars(radius);
-  for (vtkDataArray* const array : std::initializer_list<vtkDataArray*>{ diameter, grain, number, rattler })
-  {
-    data->AddArray(array);
-  }
+  addArrays(data, { diameter, grain, number, rattler });
   setNumbers(particles, p, s, creator);
   if (contacts != nullptr)
   {
@@ -244,7 +219,7 @@ vtkSmartPointer<vtkImageData> cementedImage(const packing::Packing& packing, con
   describe(grain, "1", "number of the grain, from 1; 0: none, -1: platen", creator);
   image->GetPointData()->AddArray(grain);
   const auto number = [&](const char* name, double value, const char* text)
-  { setNumber(image, name, value, "1", text, creator); };
+  { setFieldNumber(image, name, value, "1", text, creator); };
   number("width", sample.width, "width of a bridge at a grain's centre over the grain's diameter");
   number("reach", bridges.reach, "grains nearer than this times the sum of their radii have a bridge");
   number("bridges", static_cast<double>(sample.bridges), "pairs of grains with a bridge");

@@ -51,41 +51,18 @@
 #ifndef vtkBondEquilibrium_h
 #define vtkBondEquilibrium_h
 
-#include "vtkBondAlgorithm.h"
+#include "vtkBondLoadAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 
-class VTKLAMELLASOLVERSVTK_EXPORT vtkBondEquilibrium : public vtkBondAlgorithm
+class VTKLAMELLASOLVERSVTK_EXPORT vtkBondEquilibrium : public vtkBondLoadAlgorithm
 {
 public:
   static vtkBondEquilibrium* New();
-  vtkTypeMacro(vtkBondEquilibrium, vtkBondAlgorithm);
+  vtkTypeMacro(vtkBondEquilibrium, vtkBondLoadAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  enum Loads
-  {
-    STRETCH = 0, ///< the high platen moves along the axis
-    SHEAR = 1,   ///< it moves across: along x where the axis is the last one
-    BIAXIAL = 2, ///< smooth platens on all sides
-    TRACTION = 3 ///< a force spread evenly over the high platen, which is not stiff
-  };
-  ///@{
-  /** What is done to the sample. Default STRETCH. */
+  /** STRETCH, SHEAR, BIAXIAL or TRACTION; default STRETCH. */
   vtkSetClampMacro(Load, int, STRETCH, TRACTION);
-  vtkGetMacro(Load, int);
-  ///@}
-
-  enum Axes
-  {
-    LAST_AXIS = -1, ///< y of a picture (upwards), z of a volume
-    X = 0,
-    Y = 1,
-    Z = 2
-  };
-  ///@{
-  /** Axis of loading. Default LAST_AXIS. */
-  vtkSetClampMacro(LoadAxis, int, LAST_AXIS, Z);
-  vtkGetMacro(LoadAxis, int);
-  ///@}
 
   ///@{
   /** Movement of the high platen over the distance between the platens; tension positive. Default 1e-3. */
@@ -102,26 +79,6 @@ public:
   vtkSetMacro(Traction, double);
   vtkGetMacro(Traction, double);
   ///@}
-  ///@{
-  /** STRETCH: the platens hold the component along the axis only. Default off: they grip the sample. */
-  vtkSetMacro(SmoothPlatens, bool);
-  vtkGetMacro(SmoothPlatens, bool);
-  vtkBooleanMacro(SmoothPlatens, bool);
-  ///@}
-  ///@{
-  /**
-   * All layers of a platen move alike. Off (default): they move as the mean strain has it, as if the sample went on, so
-   * that a uniform sample is strained uniformly up to its ends; with rigid platens it breaks there first.
-   */
-  vtkSetMacro(RigidPlatens, bool);
-  vtkGetMacro(RigidPlatens, bool);
-  vtkBooleanMacro(RigidPlatens, bool);
-  ///@}
-  ///@{
-  /** Layers of nodes that a platen holds; 0 (default): as many as a bond reaches. */
-  vtkSetClampMacro(PlatenLayers, int, 0, VTK_INT_MAX);
-  vtkGetMacro(PlatenLayers, int);
-  ///@}
 
   enum Solvers
   {
@@ -136,24 +93,9 @@ public:
   vtkGetMacro(Solver, int);
   ///@}
   ///@{
-  /** Largest residual force over the forces that hold the free nodes where they are. Default 1e-6; 1e-12 to 0.1. */
-  vtkSetClampMacro(Tolerance, double, 1e-12, 0.1);
-  vtkGetMacro(Tolerance, double);
-  ///@}
-  ///@{
   /** Gives up after this many iterations. Default 20000. */
   vtkSetClampMacro(MaximumIterations, int, 1, VTK_INT_MAX);
   vtkGetMacro(MaximumIterations, int);
-  ///@}
-
-  ///@{
-  /** Whether the output carries stress and strain energy; what is off is not computed. Default off. */
-  vtkSetMacro(ComputeStress, bool);
-  vtkGetMacro(ComputeStress, bool);
-  vtkBooleanMacro(ComputeStress, bool);
-  vtkSetMacro(ComputeStrainEnergy, bool);
-  vtkGetMacro(ComputeStrainEnergy, bool);
-  vtkBooleanMacro(ComputeStrainEnergy, bool);
   ///@}
 
   ///@{
@@ -175,19 +117,11 @@ private:
   vtkBondEquilibrium(const vtkBondEquilibrium&) = delete;
   void operator=(const vtkBondEquilibrium&) = delete;
 
-  int Load = STRETCH;
-  int LoadAxis = LAST_AXIS;
   double Strain = 1e-3;
   double LateralStrain = 0;
   double Traction = 0;
-  bool SmoothPlatens = false;
-  bool RigidPlatens = false;
-  int PlatenLayers = 0;
   int Solver = MULTIGRID;
-  double Tolerance = 1e-6;
   int MaximumIterations = 20000;
-  bool ComputeStress = false;
-  bool ComputeStrainEnergy = false;
   double EffectiveModulus;
   double FirstBreakStrain;
 };

@@ -1,6 +1,7 @@
 #include "vtkBondFracture.h"
 
 #include "BondScene.h"
+#include "FieldNumbers.h"
 #include "FractureData.h"
 #include "vtkProvenance.h"
 
@@ -29,7 +30,6 @@ namespace
 {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-constexpr std::array<const char*, 3> loadName{ "stretch", "shear", "biaxial" };
 
 /// Of a limit: 0 stands for none.
 template <class Number>
@@ -232,16 +232,13 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team)
   const lamella::BondScene scene(
     input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
   pd::FractureStudyOptions options;
-  options.loading.load = static_cast<pd::LoadCase>(this->Load);
-  options.loading.axis = this->LoadAxis;
+  options.loading = this->Platens();
   options.loading.strain = this->Compression ? -1e-3 : 1e-3;
   options.loading.lateralStrain = this->LateralRatio * options.loading.strain;
-  options.loading.smooth = this->SmoothPlatens;
-  options.loading.rigid = this->RigidPlatens;
-  options.loading.layers = this->PlatenLayers;
   options.fracture.breaking = static_cast<pd::Breaking>(this->Breaking);
   options.fracture.stopShare = this->StopShare;
   setLimit("the largest strain", this->MaximumStrain, options.fracture.maxStrain);
+  options.fracture.strainStep = this->StrainStep;
   std::int64_t most = 0;
   setLimit("the largest number of broken bonds", std::int64_t{ this->MaximumBroken }, most);
   options.fracture.maxBroken = most > 0 ? most : options.fracture.maxBroken;
@@ -274,16 +271,25 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team)
   options.energyDensity = this->ComputeStrainEnergy;
   options.threads = this->ThreadCount();
   this->SetProgressText("fracture");
-  Rarely rarely;
+  Rarely before; // the first break
+  Rarely after;
   options.fracture.progress = [&](const pd::FractureProgress& p)
   {
     unwritten = unwritten && this->LastCheckpoint == p.checkpoint;
     this->LastCheckpoint = p.checkpoint;
-    if (rarely.due())
+    const bool first = p.equilibrium < 1;
+    if ((first ? before : after).due())
     {
       std::array<char, 128> text{};
-      std::snprintf(text.data(), text.size(), "%lld bonds broken, peak %.3g Pa%s", static_cast<long long>(p.broken),
-        p.peakStress, unwritten ? ", checkpoint not written" : "");
+      if (first)
+      {
+        std::snprintf(text.data(), text.size(), "first equilibrium, %.0f %%", 100 * p.equilibrium);
+      }
+      else
+      {
+        std::snprintf(text.data(), text.size(), "%lld bonds broken, peak %.3g Pa%s", static_cast<long long>(p.broken),
+          p.peakStress, unwritten ? ", checkpoint not written" : "");
+      }
       this->SetProgressText(text.data());
       this->UpdateProgress(p.share);
     }
@@ -315,19 +321,19 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team)
     lamella::setFractureNumbers(image, result);
     lamella::describeThickness(image, scene, result.thickness);
     const nlohmann::json model = lamella::describeModel(image, scene, settings);
-    lamella::setFieldText(image, "load", loadName.at(static_cast<std::size_t>(this->Load)));
-    lamella::setFieldNumbers(image, "compression", std::array{ this->Compression ? 1.0 : 0.0 });
+    lamella::setFieldText(image, "load", this->LoadName());
+    lamella::setFieldNumber(image, "compression", this->Compression ? 1.0 : 0.0);
     lamella::setFieldText(image, "breaking", lamella::wordOf(options.fracture.breaking));
 
     lamella::continueProvenance(image, "fracture",
-      { { "model", model }, { "load", loadName.at(static_cast<std::size_t>(this->Load)) },
-        { "axis", std::string(1, "xyz"[result.axis]) }, { "compression", this->Compression },
-        { "lateral_ratio", this->LateralRatio }, { "smooth_platens", this->SmoothPlatens },
-        { "rigid_platens", this->RigidPlatens }, { "platen_layers", this->PlatenLayers },
-        { "method", lamella::wordOf(result.method) }, { "breaking", lamella::wordOf(options.fracture.breaking) },
-        { "rivals", this->Rivals }, { "stop_share", this->StopShare }, { "maximum_strain", this->MaximumStrain },
-        { "maximum_broken", this->MaximumBroken }, { "tolerance", this->Tolerance },
-        { "checkpoint_every", this->CheckpointEvery } });
+      { { "model", model }, { "load", this->LoadName() }, { "axis", std::string(1, "xyz"[result.axis]) },
+        { "compression", this->Compression }, { "lateral_ratio", this->LateralRatio },
+        { "smooth_platens", this->SmoothPlatens }, { "rigid_platens", this->RigidPlatens },
+        { "platen_layers", this->PlatenLayers }, { "method", lamella::wordOf(result.method) },
+        { "breaking", lamella::wordOf(options.fracture.breaking) }, { "rivals", this->Rivals },
+        { "stop_share", this->StopShare }, { "maximum_strain", this->MaximumStrain },
+        { "strain_step", this->StrainStep }, { "maximum_broken", this->MaximumBroken },
+        { "tolerance", this->Tolerance }, { "checkpoint_every", this->CheckpointEvery } });
   }
   vtkImageData* const end = kept.States.back();
   if (team.rank() == 0)
@@ -349,27 +355,20 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team)
 void vtkBondFracture::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Load: " << this->Load << "\n"
-     << indent << "LoadAxis: " << this->LoadAxis << "\n"
-     << indent << "Compression: " << this->Compression << "\n"
+  os << indent << "Compression: " << this->Compression << "\n"
      << indent << "LateralRatio: " << this->LateralRatio << "\n"
-     << indent << "SmoothPlatens: " << this->SmoothPlatens << "\n"
-     << indent << "RigidPlatens: " << this->RigidPlatens << "\n"
-     << indent << "PlatenLayers: " << this->PlatenLayers << "\n"
      << indent << "Method: " << this->Method << "\n"
      << indent << "Breaking: " << this->Breaking << "\n"
      << indent << "Rivals: " << this->Rivals << "\n"
      << indent << "StopShare: " << this->StopShare << "\n"
      << indent << "MaximumStrain: " << this->MaximumStrain << "\n"
+     << indent << "StrainStep: " << this->StrainStep << "\n"
      << indent << "MaximumBroken: " << this->MaximumBroken << "\n"
-     << indent << "Tolerance: " << this->Tolerance << "\n"
      << indent << "State: " << this->State << " of " << this->GetNumberOfStates() << "\n"
      << indent << "CheckpointFile: " << this->CheckpointFile << "\n"
      << indent << "CheckpointEvery: " << this->CheckpointEvery << "\n"
      << indent << "ContinueFile: " << this->ContinueFile << "\n"
      << indent << "LastCheckpoint: " << this->LastCheckpoint << "\n"
      << indent << "ComputeDisplacement: " << this->ComputeDisplacement << "\n"
-     << indent << "ComputeStress: " << this->ComputeStress << "\n"
-     << indent << "ComputeStrainEnergy: " << this->ComputeStrainEnergy << "\n"
      << indent << "PeakStress: " << this->PeakStress << "\n";
 }

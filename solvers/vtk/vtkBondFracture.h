@@ -6,7 +6,8 @@
  * platens is strained until a bond is critical; it breaks, forces balance again, and so on. The bonds' materials are
  * the settings of vtkBondAlgorithm; pairs without a critical stretch, toughness or fracture energy never break.
  *
- * **Input** and **load**: as vtkBondEquilibrium; there is no load by a force, which nothing could hold after the peak.
+ * **Input** and **load**: as vtkBondEquilibrium, and so is what vtkBondLoadAlgorithm sets; there is no load by a force,
+ * which nothing could hold after the peak.
  * Strains and stresses count along the load: under Compression they are positive when the platens approach.
  *
  * **Output 0**: the input in one state (State) with
@@ -55,7 +56,7 @@
 #ifndef vtkBondFracture_h
 #define vtkBondFracture_h
 
-#include "vtkBondAlgorithm.h"
+#include "vtkBondLoadAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 
 #include "vtkTimeStamp.h" // for a member
@@ -66,37 +67,15 @@
 class vtkPolyData;
 class vtkTable;
 
-class VTKLAMELLASOLVERSVTK_EXPORT vtkBondFracture : public vtkBondAlgorithm
+class VTKLAMELLASOLVERSVTK_EXPORT vtkBondFracture : public vtkBondLoadAlgorithm
 {
 public:
   static vtkBondFracture* New();
-  vtkTypeMacro(vtkBondFracture, vtkBondAlgorithm);
+  vtkTypeMacro(vtkBondFracture, vtkBondLoadAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  enum Loads
-  {
-    STRETCH = 0, ///< the high platen moves along the axis
-    SHEAR = 1,   ///< it moves across: along x where the axis is the last one
-    BIAXIAL = 2  ///< smooth platens on all sides
-  };
-  ///@{
-  /** What is done to the sample. Default STRETCH. */
+  /** STRETCH, SHEAR or BIAXIAL; default STRETCH. */
   vtkSetClampMacro(Load, int, STRETCH, BIAXIAL);
-  vtkGetMacro(Load, int);
-  ///@}
-
-  enum Axes
-  {
-    LAST_AXIS = -1, ///< y of a picture (upwards), z of a volume
-    X = 0,
-    Y = 1,
-    Z = 2
-  };
-  ///@{
-  /** Axis of loading. Default LAST_AXIS. */
-  vtkSetClampMacro(LoadAxis, int, LAST_AXIS, Z);
-  vtkGetMacro(LoadAxis, int);
-  ///@}
 
   ///@{
   /** The high platen moves the other way: towards the low one. Default off. */
@@ -108,26 +87,6 @@ public:
   /** BIAXIAL: strain along the other axes over that along the axis. Default 0. */
   vtkSetMacro(LateralRatio, double);
   vtkGetMacro(LateralRatio, double);
-  ///@}
-  ///@{
-  /** STRETCH: the platens hold the component along the axis only. Default off: they grip the sample. */
-  vtkSetMacro(SmoothPlatens, bool);
-  vtkGetMacro(SmoothPlatens, bool);
-  vtkBooleanMacro(SmoothPlatens, bool);
-  ///@}
-  ///@{
-  /**
-   * All layers of a platen move alike: then the sample tends to break beside them. Off (default): they move as the mean
-   * strain has it, as if the sample went on.
-   */
-  vtkSetMacro(RigidPlatens, bool);
-  vtkGetMacro(RigidPlatens, bool);
-  vtkBooleanMacro(RigidPlatens, bool);
-  ///@}
-  ///@{
-  /** Layers of nodes that a platen holds; 0 (default): as many as a bond reaches. */
-  vtkSetClampMacro(PlatenLayers, int, 0, VTK_INT_MAX);
-  vtkGetMacro(PlatenLayers, int);
   ///@}
 
   enum Methods
@@ -172,14 +131,16 @@ public:
   vtkGetMacro(MaximumStrain, double);
   ///@}
   ///@{
+  /** The strain is raised to multiples of this, each time to the first at which a bond is critical: batches are larger
+   *  and fewer, and a run sooner at its end, while the peak may lie up to one step higher. 0 (default): to where the
+   *  next bond just is critical. */
+  vtkSetMacro(StrainStep, double);
+  vtkGetMacro(StrainStep, double);
+  ///@}
+  ///@{
   /** Ends after so many broken bonds; 0 (default): no limit. */
   vtkSetMacro(MaximumBroken, vtkIdType);
   vtkGetMacro(MaximumBroken, vtkIdType);
-  ///@}
-  ///@{
-  /** Of an equilibrium, as vtkBondEquilibrium. Default 1e-6; 1e-12 to 0.1. */
-  vtkSetClampMacro(Tolerance, double, 1e-12, 0.1);
-  vtkGetMacro(Tolerance, double);
   ///@}
 
   ///@{
@@ -222,17 +183,10 @@ public:
   ///@}
 
   ///@{
-  /** Whether the states carry displacements (default on), stress and strain energy (default off); what is off is not
-   * computed. */
+  /** Whether the states carry displacements; what is off is not computed. Default on. */
   vtkSetMacro(ComputeDisplacement, bool);
   vtkGetMacro(ComputeDisplacement, bool);
   vtkBooleanMacro(ComputeDisplacement, bool);
-  vtkSetMacro(ComputeStress, bool);
-  vtkGetMacro(ComputeStress, bool);
-  vtkBooleanMacro(ComputeStress, bool);
-  vtkSetMacro(ComputeStrainEnergy, bool);
-  vtkGetMacro(ComputeStrainEnergy, bool);
-  vtkBooleanMacro(ComputeStrainEnergy, bool);
   ///@}
 
   /** Output 1. */
@@ -269,20 +223,15 @@ private:
   struct Internals;
   std::unique_ptr<Internals> Kept;
 
-  int Load = STRETCH;
-  int LoadAxis = LAST_AXIS;
   bool Compression = false;
   double LateralRatio = 0;
-  bool SmoothPlatens = false;
-  bool RigidPlatens = false;
-  int PlatenLayers = 0;
   int Method = AUTO;
   int Breaking = STRICT;
   bool Rivals = true;
   double StopShare = 0.05;
   double MaximumStrain = 0;
+  double StrainStep = 0;
   vtkIdType MaximumBroken = 0;
-  double Tolerance = 1e-6;
   int State = -1;
   vtkTimeStamp StateTime;
   std::string CheckpointFile;
@@ -290,8 +239,6 @@ private:
   std::string ContinueFile;
   vtkIdType LastCheckpoint = 0;
   bool ComputeDisplacement = true;
-  bool ComputeStress = false;
-  bool ComputeStrainEnergy = false;
   double PeakStress;
 };
 

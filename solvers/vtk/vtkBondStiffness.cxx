@@ -1,6 +1,6 @@
 #include "vtkBondStiffness.h"
 
-#include "BondScene.h"
+#include "BondFields.h"
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
@@ -108,14 +108,8 @@ void write(vtkImageData* output, const pd::StiffnessResult& r, int dimension)
   whole("hinges", most.hinges);
   whole("levels", most.levels);
   whole("products", most.products);
-  whole("solid_nodes", r.solidNodes);
-  whole("skipped_nodes", r.nodes - r.solidNodes);
-  whole("bonds", r.bonds);
-  set("visited_strips", { static_cast<double>(r.strips.uniform), static_cast<double>(r.strips.mixed) });
-  whole("skipped_strips", r.strips.empty);
-  whole("bytes", r.bytes);
+  lamella::setWork(output, r);
   set("seconds", { r.bondSeconds, r.setupSeconds, r.solveSeconds, r.measureSeconds, r.estimateSeconds });
-  lamella::setFieldTexts(output, "warnings", r.warnings);
 }
 
 void addNumbers(vtkTable* table, const std::string& name, const char* unit, const char* words,

@@ -2,7 +2,7 @@
 
 #include "Attempt.h"
 #include "ContourData.h"
-#include "vtkLatticeConversion.h"
+#include "FieldNumbers.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
 
@@ -35,18 +35,6 @@ namespace
 
 using lamella::describe;
 namespace micrograph = lamella::micrograph;
-
-void setNumbers(vtkDataObject* data, const char* name, std::span<const double> values, const char* unit,
-  const char* text, const std::string& creator)
-{
-  describe(lamella::setFieldNumbers(data, name, values), unit, text, creator);
-}
-
-void setNumber(
-  vtkDataObject* data, const char* name, double value, const char* unit, const char* text, const std::string& creator)
-{
-  setNumbers(data, name, std::span(&value, 1), unit, text, creator);
-}
 
 /// A spacing that resolves the walls, as advice.
 std::string advice(const micrograph::ContourSet& contours)
@@ -97,11 +85,11 @@ void addArrays(vtkImageData* image, const micrograph::ContourLattice& lattice,
 void addLamella(vtkImageData* image, const micrograph::MiddleLamella& found, const std::string& creator)
 {
   const auto number = [&](const char* name, auto value, const char* unit, const char* text)
-  { setNumber(image, name, static_cast<double>(value), unit, text, creator); };
+  { lamella::setFieldNumber(image, name, static_cast<double>(value), unit, text, creator); };
   number("lamella_thickness", found.thickness, "m", "gap that growing outlines keep, or constant thickness");
   number("lamella_radius", found.radius, "m", "radius of curvature at which growing outlines stop; 0: never");
   number("lamella_share", found.wallShare, "1", "share of the wall's nodes that are middle lamella");
-  setNumbers(image, "lamella_nodes_across", std::array{ found.across.mean, found.across.low }, "1",
+  lamella::setFieldNumbers(image, "lamella_nodes_across", std::array{ found.across.mean, found.across.low }, "1",
     "nodes across the middle lamella: mean; 5 % of it have fewer", creator);
   number("lamella_joined", found.joined, "1", "nodes that are lamella only so that it does not tear");
   number("lamella_networks", found.networks, "1", "parts of the lamella that do not hang together");
@@ -181,11 +169,13 @@ vtkSmartPointer<vtkImageData> vtkMicrographLattice::Made(vtkPolyData* outlines)
     parameters["horizon"] = this->Horizon;
   }
   addArrays(image, lattice, directions, creator);
-  setNumber(image, "lumen_fraction", lattice.lumenFraction, "1", "share of the box within outlines, exact", creator);
-  setNumber(
+  lamella::setFieldNumber(
+    image, "lumen_fraction", lattice.lumenFraction, "1", "share of the box within outlines, exact", creator);
+  lamella::setFieldNumber(
     image, "wall_fraction", 1 - lattice.lumenFraction, "1", "share of the box outside outlines, exact", creator);
-  setNumber(image, "cropped", lattice.cropped, "m", "strip at the picture's top that no node stands for", creator);
-  setNumbers(image, "wall_thickness", std::array{ lattice.thickness.low, lattice.thickness.median }, "m",
+  lamella::setFieldNumber(
+    image, "cropped", lattice.cropped, "m", "strip at the picture's top that no node stands for", creator);
+  lamella::setFieldNumbers(image, "wall_thickness", std::array{ lattice.thickness.low, lattice.thickness.median }, "m",
     "from lumen to lumen: that 5 % of the outlines' length falls below; median", creator);
   lamella::setFieldText(
     image, "pixel_size_source", lamella::fieldText(outlines, "pixel_size_source").value_or("outlines"));

@@ -161,6 +161,7 @@ class Fracture(Case):
         self.fails(2, "--stop 'half' is not a share", "1%", *good, "--stop", "half")
         self.fails(2, "--stop '100%' is not from 0 up to 100 %", "hinges", *good, "--stop", "100%")
         self.fails(2, "--max-strain '-1' is not a number above 0", "along the load", *good, "--max-strain=-1")
+        self.fails(2, "the strain cannot be raised in steps of -1", "well below that at the peak", *good, "--strain-step=-1")
         self.fails(2, "--max-broken '0' is not a whole number above 0", "", *good, "--max-broken", "0")
         self.fails(2, "--at-broken '1.5' is not a whole number", "", *good, "--at-broken", "1.5", "-o", "s.vti")
         self.fails(2, "--at-strain 'x' is not a number above 0", "", *good, "--at-strain", "1e-3,x", "-o", "s.vti")

@@ -1,5 +1,6 @@
 """lamella fracture: killed and gone on to the same bonds, checkpoints that cannot be used, a full disk, Ctrl-C."""
 
+import glob
 import os
 import random
 import re
@@ -10,7 +11,7 @@ import time
 import unittest
 
 import pictures
-from program import PROGRAM, Case
+from program import MPIEXEC, PROGRAM, Case
 
 WORDS = ["fracture", "strip.png", "--phase", "255=stone", "--phase", "100=glue", "--young", "stone=2e9", "--young",
          "glue=1e9", "--like", "glue-stone=glue", "--critical-stretch", "stone=0.01", "--critical-stretch", "glue=0.002"]
@@ -101,11 +102,28 @@ class Checkpoints(Case):
         self.assertIn("continued after 15 events", text)
         self.assertIn("the last after 30 events", text)
 
-    def test_interrupted(self):
+    def long_run(self):
+        """Words of a run that takes long enough to be interrupted, with a checkpoint soon."""
         rows = [[100 if abs(y - 150 - x // 10) < 3 else 255 for x in range(200)] for y in range(300)]
         self.write("big.png", pictures.png(rows))
         words = [*WORDS, "--method", "accurate", "--checkpoint-every", "2", "--checkpoint", "a run.h5", "-o", "s.vti"]
         words[1] = "big.png"
+        return words
+
+    def test_interrupted_on_two_ranks(self):
+        # every rank is told, as by a terminal: mpirun's own way to pass a signal on differs from one to the next
+        words = [*MPIEXEC, "2", "sh", "-c", 'touch $$.pid; exec "$0" "$@"', PROGRAM, *self.long_run()]
+        with subprocess.Popen(words, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as run:
+            while not os.path.exists(self.path("a run.h5")) and run.poll() is None:
+                time.sleep(0.02)
+            for name in glob.glob(self.path("*.pid")):
+                os.kill(int(os.path.basename(name)[:-4]), signal.SIGINT)
+            _, err = run.communicate(timeout=60)
+        self.assertRegex(err.decode(), r"error: interrupted\nhint: the checkpoint 'a run.h5' stands after \d+ events; "
+                         r"go on from it with: mpirun -n 2 lamella fracture big.png .* --continue 'a run.h5'\n")
+
+    def test_interrupted(self):
+        words = self.long_run()
         with self.popen(*words) as run:
             while not os.path.exists(self.path("a run.h5")) and run.poll() is None:
                 time.sleep(0.02)

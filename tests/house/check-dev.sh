@@ -51,6 +51,14 @@ output=$(dev build)
 [[ ! -e $work/asked ]] || expect "all packages there: no sudo" "$output" '^$'
 expect "all packages there" "$output" '^building'
 
+# Benchmarks get what has the form KEY=VALUE; the rest are their names.
+mkdir -p "$work/repo/build/bin/benchmarks"
+printf '#!/bin/sh\necho "ran with: $*"\n' >"$work/repo/build/bin/benchmarks/thing"
+chmod +x "$work/repo/build/bin/benchmarks/thing"
+expect "a benchmark with keys" "$(dev bench thing size=full repeat=3)" '^ran with: size=full repeat=3$'
+expect "keys for all benchmarks" "$(dev bench size=full)" '^ran with: size=full$'
+expect "an unknown benchmark" "$(dev bench size=full other)" "^error: no benchmark 'other'"
+
 expect "an unknown command" "$(dev tset)" "^error: no command 'tset'"
 expect "a wrong preset" "$(PRESET=fast dev build)" "^error: no preset 'fast'"
 for command in demo test build bench lint format docs clean help; do

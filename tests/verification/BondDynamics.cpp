@@ -19,13 +19,6 @@ using namespace lamella::peridynamics;
 
 constexpr double density = 1500;
 
-Sample block(std::int64_t nx, std::int64_t ny, std::int64_t nz = 1)
-{
-  Sample s{ makeLattice(nx, ny, nz, nz > 1 ? 3 : 2, spacing), {}, {} };
-  s.phase.assign(static_cast<std::size_t>(s.lattice.count()), 1);
-  return s;
-}
-
 BondModel periodicModel(int dimension)
 {
   BondModel m = modelOf(dimension == 3 ? Continuum::Space : Continuum::PlaneStress, dimension == 3 ? 2 : 3);

@@ -23,12 +23,19 @@ inline BondModel modelOf(Continuum continuum, double horizon)
   return m;
 }
 
+/// All of phase 1.
+inline Sample block(std::int64_t nx, std::int64_t ny, std::int64_t nz = 1)
+{
+  Sample s{ makeLattice(nx, ny, nz, nz > 1 ? 3 : 2, spacing), {}, {} };
+  s.phase.assign(static_cast<std::size_t>(s.lattice.count()), 1);
+  return s;
+}
+
 /// Stiff disks (2) in a soft matrix (1) with round holes (0), all placed by a fixed rule; in 3D balls.
 inline Sample aggregate(std::int64_t nx, std::int64_t ny, std::int64_t nz = 1, double holes = 0.25)
 {
   const int d = nz > 1 ? 3 : 2;
-  Sample s{ makeLattice(nx, ny, nz, d, spacing), {}, {} };
-  s.phase.assign(static_cast<std::size_t>(s.lattice.count()), 1);
+  Sample s = block(nx, ny, nz);
   std::mt19937 random(3);
   const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
   const double largest = static_cast<double>(nx) / 9;

@@ -110,6 +110,31 @@ TEST(FractureEvents, BatchesBreakAtTheSameStress)
   EXPECT_EQ(batched.broken.back().event, batched.statistics.events);
 }
 
+// In steps of the strain bonds break at its multiples alone. A step may pass the peak by as much as itself and no more:
+// between two breaks the stress rises in proportion.
+TEST(FractureEvents, StepsOfStrain)
+{
+  const Breakable s = cementedGrains(48, 0.6);
+  FractureOptions o = by(FractureMethod::Accurate, 0.3);
+  o.breaking = Breaking::Batched;
+  const FractureRecord exact = fracture(s, o);
+  const double step = 0.03 * exact.peak.strain;
+  o.strainStep = step;
+  const FractureRecord stepped = fracture(s, o);
+  for (const BrokenBond& b : stepped.broken)
+  {
+    EXPECT_NEAR(std::remainder(b.strain, step), 0, 1e-9 * step);
+    EXPECT_LE(b.criticalStrain, b.strain);
+  }
+  EXPECT_NEAR(stepped.peak.stress, exact.peak.stress, 0.03 * exact.peak.stress);
+  EXPECT_LT(stepped.statistics.events, exact.statistics.events);
+  o.maxStrain = 30.5 * step; // the next would be beyond
+  const FractureRecord ended = fracture(s, o);
+  EXPECT_EQ(ended.end, FractureEnd::MaxStrain);
+  ASSERT_FALSE(ended.broken.empty());
+  EXPECT_LT(ended.broken.back().strain, 30.01 * step);
+}
+
 // The strain never falls; a bond breaks at or beyond the strain at which it is critical; the curve goes from event to
 // event, and what is broken is broken once.
 TEST(FractureEvents, RecordHoldsTogether)
@@ -204,6 +229,9 @@ TEST(FractureEvents, GoesOnAfterAnInterruption)
       EXPECT_GE(p.share, share);
       EXPECT_LE(p.share, 1);
       share = p.share;
+      if (p.broken == 0)
+        return false; // the first equilibrium
+      EXPECT_EQ(p.equilibrium, 1);
       EXPECT_EQ(p.broken, ++calls);
       return calls % 7 == 0;
     };
@@ -215,6 +243,44 @@ TEST(FractureEvents, GoesOnAfterAnInterruption)
     EXPECT_GT(interruptions, 1);
     expectSame(whole, f.record(), 0);
     EXPECT_EQ(whole.curve.size(), f.record().curve.size());
+  }
+}
+
+// It is told of by and by, and ends the run when asked to: no bond is broken then, and a run after it breaks the same
+// bonds as one that nobody stopped.
+TEST(FractureEvents, TheFirstEquilibriumCanBeStopped)
+{
+  const Breakable s = walls(64);
+  for (const FractureMethod method : { FractureMethod::Accurate, FractureMethod::Events })
+  {
+    FractureOptions o = by(method, 0.3);
+    o.maxBroken = 20;
+    const FractureRecord whole = fracture(s, o);
+    std::vector<double> shares;
+    std::size_t most = 0; // calls, and then it stops
+    o.progress = [&](const FractureProgress& p)
+    {
+      if (p.broken > 0)
+        return false;
+      EXPECT_EQ(p.share, 0);
+      shares.push_back(p.equilibrium);
+      return shares.size() == most;
+    };
+    expectSame(whole, fracture(s, o), 0);
+    ASSERT_GT(shares.size(), 5U);
+    EXPECT_LT(shares.front(), 0.5);
+    EXPECT_GT(shares.back(), 0.9);
+    BondLattice bonds = latticeOf(s.model, s.sample, alone());
+    const std::int64_t before = bonds.bonds();
+    shares.clear();
+    most = 3;
+    EXPECT_THROW(QuasiStaticFracture(bonds, {}, o), Cancelled);
+    EXPECT_EQ(shares.size(), most);
+    EXPECT_EQ(bonds.bonds(), before);
+    most = 0;
+    QuasiStaticFracture again(bonds, {}, o);
+    again.run();
+    expectSame(whole, again.record(), 0);
   }
 }
 
@@ -354,6 +420,7 @@ TEST(FractureEvents, RefusesWhatHasNoMeaning)
   with([](FractureOptions& b) { b.stopShare = 1; }, "share of the peak");
   with([](FractureOptions& b) { b.maxStrain = 0; }, "largest strain");
   with([](FractureOptions& b) { b.maxBroken = 0; }, "bonds are to break");
+  with([](FractureOptions& b) { b.strainStep = -1e-5; }, "in steps of -1e-05");
   with([](FractureOptions& b) { b.tolerance = 0; }, "tolerance");
   with([](FractureOptions& b) { b.events.radius = 1; }, "radius");
   with([](FractureOptions& b) { b.events.maxCycles = 0; }, "cycles");

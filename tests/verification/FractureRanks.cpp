@@ -32,6 +32,16 @@ TEST(FractureRanks, SameBonds)
   }
 }
 
+// One that asks for it is enough; none waits for the others.
+TEST(FractureRanks, OneStopsTheFirstEquilibriumOfAll)
+{
+  const Breakable s = walls(64);
+  FractureOptions o = by(FractureMethod::Accurate);
+  const int last = everyone().size() - 1;
+  o.progress = [last](const FractureProgress&) { return everyone().rank() == last; };
+  EXPECT_THROW((void)fracture(s, o, {}, everyone()), Cancelled);
+}
+
 TEST(FractureRanks, EventsStayOnOne)
 {
   if (!everyone().parallel())

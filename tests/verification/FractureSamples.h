@@ -1,11 +1,9 @@
-// Small samples that break: cemented grains, the same with all gaps filled, wood.
+// Samples that break, and what they are compared by.
 #pragma once
 
+#include "../BreakableSamples.h"
 #include "BondSamples.h"
 
-#include "generators/Generators.h"
-#include "packing/Bridges.h"
-#include "packing/Packing.h"
 #include "peridynamics/fracture/Fracture.h"
 
 #include <gtest/gtest.h>
@@ -21,58 +19,24 @@ struct Breakable
   BondModel model;
 };
 
-/// Grains four times as stiff as the matrix; all bonds break at the same elongation, as in the second paper.
-inline Breakable cementedGrains(std::int64_t nodes, double saturation, std::uint64_t seed = 1)
+inline Breakable of(breakable::Sample s)
 {
-  packing::PackingOptions o;
-  o.count = 24;
-  o.aspect = 2;
-  o.seed = seed;
-  const packing::Packing p = packing::pack(o);
-  packing::BridgeOptions b;
-  if (saturation < 1)
-    b.saturation = saturation;
-  else
-    b.filled = true;
-  packing::RasterOptions r;
-  r.nodesAcross = nodes;
-  r.platen = 4 * p.size[0] / static_cast<double>(nodes);
-  packing::CementedSample c = packing::cement(p, b, r);
-  Breakable s{ { c.image.lattice, std::move(c.image.phase), std::move(c.grain) }, {} };
-  const BondMaterial soft{ .youngsModulus = 1e9, .criticalStretch = 1e-3 };
-  const BondMaterial stiff{ .youngsModulus = 4e9, .criticalStretch = 1e-3 };
-  s.model.pairs[{ 1, 1 }].material = soft;
-  s.model.pairs[{ 1, 2 }].material = soft;
-  s.model.pairs[{ 2, 2 }].material = stiff;
-  s.model.pairs[{ 2, 2 }].betweenGrains = soft;
-  s.model.pairByGrain = true;
-  return s;
+  return { { s.lattice, std::move(s.phase), std::move(s.grain) }, std::move(s.model) };
 }
 
-/// Walls of softwood between two solid platens.
+inline Breakable cementedGrains(std::int64_t nodes, double saturation, std::uint64_t seed = 1)
+{
+  return of(breakable::cemented(nodes, saturation, 24, seed));
+}
+
 inline Breakable walls(std::int64_t nodes, std::uint64_t seed = 1)
 {
-  generators::SoftwoodOptions o;
-  o.size = { nodes, nodes, 1 };
-  o.spacing = 1e-6;
-  o.seed = seed;
-  const PhaseImage image = generators::softwood(o);
-  Breakable s{ { image.lattice, {}, {} }, {} };
-  for (std::int64_t y = 0; y < nodes; ++y)
-    for (std::int64_t x = 0; x < nodes; ++x)
-      s.sample.phase.push_back(
-        y < 4 || y >= nodes - 4 || image.phases.name(image.phase[static_cast<std::size_t>(x + nodes * y)]) == "wall"
-          ? 1
-          : 0);
-  s.model.pairs[{ 1, 1 }].material = { .youngsModulus = 1e9, .criticalStretch = 1e-3 };
-  return s;
+  return of(breakable::wood(nodes, seed, 1e-6));
 }
 
 inline Breakable strip(std::int64_t nx, std::int64_t ny, double horizon = 3)
 {
-  Breakable s{ { makeLattice(nx, ny, 1, 2, spacing), {}, {} }, modelOf(Continuum::PlaneStress, horizon) };
-  s.sample.phase.assign(static_cast<std::size_t>(nx * ny), 1);
-  return s;
+  return { block(nx, ny), modelOf(Continuum::PlaneStress, horizon) };
 }
 
 inline FractureRecord fracture(

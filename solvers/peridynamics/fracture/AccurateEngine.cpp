@@ -20,22 +20,32 @@ double seconds()
 } // namespace
 
 AccurateEngine::AccurateEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
-  double tolerance, const EngineState* resumed)
+  double tolerance, std::function<bool(double)> progress)
   : bonds_(bonds)
   , sample_(sample)
   , platens_(platens)
   , tolerance_(tolerance)
   , graph_(bonds)
-  , u_(resumed != nullptr ? resumed->displacement : sample.displacement)
+  , u_(sample.displacement)
 {
-  if (resumed == nullptr)
-  {
-    solve();
-    return;
-  }
+  prepare();
+  equilibrium_->setProgress(std::move(progress));
+  solve();
+  equilibrium_->setProgress({}); // of those that follow, the events are
+}
+
+AccurateEngine::AccurateEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
+  double tolerance, const EngineState& resumed)
+  : bonds_(bonds)
+  , sample_(sample)
+  , platens_(platens)
+  , tolerance_(tolerance)
+  , graph_(bonds)
+  , u_(resumed.displacement)
+{
   bonds.exchange(u_);
-  force_ = resumed->numbers.at("force");
-  statistics_ = resumed->statistics;
+  force_ = resumed.numbers.at("force");
+  statistics_ = resumed.statistics;
   loose_ = statistics_.looseNodes;
 }
 

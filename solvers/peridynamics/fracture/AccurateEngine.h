@@ -14,9 +14,13 @@ namespace lamella::peridynamics
 class AccurateEngine final : public FractureEngine
 {
 public:
-  /// @param resumed of another one with these bonds, or null: solves the first equilibrium
+  /// Solves the first equilibrium.
+  /// @param progress of it, as EquilibriumOptions::progress; may be empty
   AccurateEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, double tolerance,
-    const EngineState* resumed = nullptr);
+    std::function<bool(double)> progress);
+  /// @param resumed of another one with these bonds
+  AccurateEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, double tolerance,
+    const EngineState& resumed);
   ~AccurateEngine() override;
 
   StretchMaximum mostCritical() override;

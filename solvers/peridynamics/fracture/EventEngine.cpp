@@ -18,12 +18,12 @@ double seconds()
 } // namespace
 
 EventEngine::EventEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
-  const EventOptions& options, double tolerance)
+  const EventOptions& options, double tolerance, const std::function<bool(double)>& progress)
   : bonds_(bonds)
   , platens_(platens)
   , options_(options)
   , tolerance_(tolerance)
-  , state_(bonds, sample.fixed, sample.displacement, tolerance)
+  , state_(bonds, sample.fixed, sample.displacement, tolerance, progress)
   , tiles_(bonds)
   , pieces_(bonds, sample, platens)
   , reached_(tolerance)

@@ -12,8 +12,10 @@ namespace lamella::peridynamics
 class EventEngine final : public FractureEngine
 {
 public:
+  /// Solves the first equilibrium.
+  /// @param progress of it, as EquilibriumOptions::progress; may be empty
   EventEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, const EventOptions& options,
-    double tolerance);
+    double tolerance, const std::function<bool(double)>& progress);
   /// @param resumed of another one with these bonds
   EventEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, const EventOptions& options,
     double tolerance, const EngineState& resumed);

@@ -7,8 +7,8 @@
 
 namespace lamella::peridynamics
 {
-EventHierarchy::EventHierarchy(
-  BondLattice& bonds, const FixedComponents& fixed, const NodeField<double>& displacement, double tolerance)
+EventHierarchy::EventHierarchy(BondLattice& bonds, const FixedComponents& fixed, const NodeField<double>& displacement,
+  double tolerance, const std::function<bool(double)>& progress)
   : bonds_(bonds)
   , fixed_(fixed)
   , base_(displacement)
@@ -29,7 +29,7 @@ EventHierarchy::EventHierarchy(
   std::swap(still, base_);
   reference_ = freeNorm(levels_.front().g);
   if (reference_ > 0)
-    solve(tolerance);
+    solve(tolerance, progress);
 }
 
 EventHierarchy::EventHierarchy(BondLattice& bonds, const FixedComponents& fixed, Renewed state)

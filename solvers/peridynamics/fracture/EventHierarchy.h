@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -26,8 +27,9 @@ public:
   /// Solves the first equilibrium to a tolerance.
   /// @param displacement what fixed components are given, and a first guess
   /// @param bonds, fixed must outlive this
-  EventHierarchy(
-    BondLattice& bonds, const FixedComponents& fixed, const NodeField<double>& displacement, double tolerance);
+  /// @param progress told the share that is done after every iteration; true throws Cancelled
+  EventHierarchy(BondLattice& bonds, const FixedComponents& fixed, const NodeField<double>& displacement,
+    double tolerance, const std::function<bool(double)>& progress = {});
 
   /// What renew() left of another one.
   struct Renewed
@@ -61,10 +63,11 @@ public:
   Local correct(const Box& box, int radius, int coarseRadius, double target, int maxCycles);
 
   /// Conjugate gradients on the whole lattice, until the residual force is the tolerance over the reference.
+  /// @param progress as the constructor's
   /// @return iterations
-  int correctGlobally(int maxIterations, double tolerance);
+  int correctGlobally(int maxIterations, double tolerance, const std::function<bool(double)>& progress = {});
   /// The same from a residual in double precision, again and again until that is as small. Collapses all into the base.
-  int solve(double tolerance);
+  int solve(double tolerance, const std::function<bool(double)>& progress = {});
 
   /// u − base on a box of the finest level becomes what correction() holds.
   void evaluate(const Box& box) { evaluate(0, box); }
@@ -99,6 +102,7 @@ private:
   void restrictAll();
   void residualInDouble();
   void maskRow(NodeField<float>& field, std::int64_t y, std::int64_t z, std::int64_t x0, std::int64_t x1) const;
+  [[nodiscard]] double dot(const NodeField<float>& a, const NodeField<float>& b); ///< of the finest level
   [[nodiscard]] double freeNorm(const NodeField<float>& r);
   template <class F>
   double rowSum(F&& f);

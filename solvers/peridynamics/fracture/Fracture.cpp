@@ -39,6 +39,9 @@ void check(const BondLattice& bonds, const Loading& loading, const FractureOptio
       "0.05 is usual; hinges never part in small strain, so 0 may never be reached");
   if (!(o.maxStrain > 0))
     throw ParameterError(fmt::format("the largest strain, {}, is not positive", o.maxStrain), "leave it out for none");
+  if (!(o.strainStep >= 0) || !std::isfinite(o.strainStep))
+    throw ParameterError(fmt::format("the strain cannot be raised in steps of {}", o.strainStep),
+      "give a strain well below that at the peak, or 0 for none");
   if (o.renewEvery < 0 || (o.renewEvery == 0 && !o.checkpoint.path.empty()))
     throw ParameterError(fmt::format("{} events between two renewals{}", o.renewEvery,
                            o.renewEvery == 0 ? ", at which alone checkpoints are written" : ""),
@@ -127,15 +130,18 @@ QuasiStaticFracture::QuasiStaticFracture(BondLattice& bonds, const Loading& load
   {
     const EngineState resumed = restore(platens);
     if (accurate)
-      engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance, &resumed);
+      engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance, resumed);
     else
       engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance, resumed);
     return;
   }
+  std::function<bool(double)> progress;
+  if (options_.progress)
+    progress = [this](double share) { return options_.progress({ .equilibrium = share }); };
   if (accurate)
-    engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance);
+    engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance, std::move(progress));
   else
-    engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance);
+    engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance, progress);
   record_.modulus = stress(1) / reference_;
   record_.statistics = engine_->statistics();
   record_.statistics.totalSeconds = seconds() - start;
@@ -168,7 +174,15 @@ NodeField<double> QuasiStaticFracture::displacement()
   return u;
 }
 
-// The elastic ramp in one step: to where the next bond is critical.
+double QuasiStaticFracture::nextLoad(double critical) const
+{
+  if (options_.strainStep <= 0)
+    return critical;
+  const double steps = std::ceil((1 - equal) * critical * reference_ / options_.strainStep);
+  return std::max(critical, steps * options_.strainStep / reference_);
+}
+
+// The elastic ramp in one step: to where a bond is critical.
 void QuasiStaticFracture::raise(double load)
 {
   const auto broken = static_cast<std::int64_t>(record_.broken.size());
@@ -239,11 +253,12 @@ FractureEnd QuasiStaticFracture::step()
       return FractureEnd::StressFell;
     if (!(most.ratio > noise * firstRatio_))
       return FractureEnd::NothingBreaks;
-    if (reference_ / most.ratio > options_.maxStrain)
+    const double load = nextLoad(1 / most.ratio);
+    if (reference_ * load > options_.maxStrain)
       return FractureEnd::MaxStrain;
     if (record_.broken.empty())
       firstRatio_ = most.ratio;
-    raise(1 / most.ratio);
+    raise(load);
     if (fell(record_.curve.back().stress))
       return FractureEnd::StressFell;
   }

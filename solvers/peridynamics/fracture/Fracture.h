@@ -61,6 +61,7 @@ struct FractureProgress
   double stress = 0;           ///< now [Pa]
   double peakStress = 0;       ///< so far [Pa]
   std::int64_t checkpoint = 0; ///< events in the last file that this run wrote; 0: none yet
+  double equilibrium = 1;      ///< share of the first equilibrium that is done; until then the others are 0
 };
 
 struct FractureOptions
@@ -70,7 +71,10 @@ struct FractureOptions
   /// Ends when the stress has fallen to this share of the peak; 0: not before nothing holds or nothing breaks any more,
   /// which may take long, for hinges never part in small strain.
   double stopShare = 0.05;
-  double maxStrain = std::numeric_limits<double>::infinity();        ///< ends before the strain is raised beyond
+  double maxStrain = std::numeric_limits<double>::infinity(); ///< ends before the strain is raised beyond
+  /// The strain is raised to multiples of this, each time to the first at which a bond is critical (the papers' way, in
+  /// which batches are larger and fewer); 0: to where the next bond just is.
+  double strainStep = 0;
   std::int64_t maxBroken = std::numeric_limits<std::int64_t>::max(); ///< ends after so many broken bonds
   double tolerance = 1e-6; ///< of an equilibrium, as EquilibriumOptions::tolerance
   EventOptions events{};
@@ -80,7 +84,8 @@ struct FractureOptions
   std::int64_t renewEvery = 500;
   CheckpointOptions checkpoint{};       ///< at renewals only
   std::filesystem::path continueFrom{}; ///< a checkpoint of the same scene; empty: from the unbroken sample
-  /// Called after every event; true asks to stop, see FractureEnd::Interrupted.
+  /// Called after every iteration of the first equilibrium, where true makes the constructor throw Cancelled, and after
+  /// every event, where true asks to stop, see FractureEnd::Interrupted.
   std::function<bool(const FractureProgress&)> progress{};
 };
 
@@ -173,6 +178,7 @@ public:
   /// strain; with FractureMethod::Events several ranks, periodic sides, batches
   /// @throws NoPathError: a sample already in two pieces; as applyLoading() and Equilibrium otherwise
   /// @throws InputError: a checkpoint of another scene, cut off, damaged or newer; a place where none can be written
+  /// @throws Cancelled: FractureOptions::progress asked for it; no bond is broken then
   QuasiStaticFracture(BondLattice& bonds, const Loading& loading, FractureOptions options = {});
   ~QuasiStaticFracture();
   QuasiStaticFracture(const QuasiStaticFracture&) = delete;
@@ -196,6 +202,7 @@ public:
 private:
   [[nodiscard]] double stress(double load) const;
   [[nodiscard]] bool fell(double stress) const;
+  [[nodiscard]] double nextLoad(double critical) const;
   void raise(double load);
   void breakCritical(const StretchMaximum& most);
   bool report();

@@ -75,6 +75,7 @@ std::string sceneOf(const Loading& l, const FractureOptions& o)
   line("layers of a platen", l.layers);
   line("method", o.method == FractureMethod::Events ? "events" : "accurate");
   line("breaking", o.breaking == Breaking::Strict ? "strict" : "batched");
+  line("strain step", o.strainStep);
   line("tolerance", o.tolerance);
   line("events between renewals", o.renewEvery);
   if (o.method != FractureMethod::Events)

@@ -3,6 +3,7 @@
 #include "lattice/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/fracture/PlatenForce.h"
+#include "peridynamics/multigrid/LevelSizes.h"
 
 #include <fmt/format.h>
 
@@ -275,15 +276,22 @@ double fractureBytes(
   ElasticOptions elastic;
   elastic.stress = options.stress;
   elastic.energyDensity = options.energyDensity;
-  const double nodes = static_cast<double>(lattice.count()) / ranks;
+  const Stencil stencil(lattice.dimension, model.horizon);
+  const NodeLayout layout = NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks);
+  const auto nodes = static_cast<double>(layout.count());
+  const std::vector<NodeLayout> levels = levelLayouts(layout, ranks > 1);
+  double onLevels = 0; // nodes of all of them
+  for (const NodeLayout& level : levels)
+    onLevels += static_cast<double>(level.count());
   const double d = lattice.dimension;
   // displacements in a checkpoint: gathered, as HDF5 has them, as a file
   const bool file = !options.fracture.checkpoint.path.empty() || !options.fracture.continueFrom.empty();
   const double checkpoint = file ? 3 * 8 * d * static_cast<double>(lattice.count()) : 0;
-  // four more fields of floats on all levels and one on the finest, tiles; displacements at unit load and those of the
-  // state, its counts
-  return elasticBytes(model, lattice, grains, elastic, ranks) + checkpoint +
-    nodes * (4 * (5 * d + 4 * d / (std::pow(2, d) - 1)) + 8 + (options.displacement ? 16 * d : 0) + 8 * 3);
+  // states have an equilibrium of their own, beside what goes on; four more fields of floats on all levels and one on
+  // the finest, tiles; displacements at unit load and those of the state, its counts
+  const double states = options.keep && options.displacement ? multigridBytes(levels).held + 3 * 8 * d * nodes : 0;
+  return elasticBytes(model, lattice, grains, elastic, ranks) + checkpoint + states + 4 * 4 * d * onLevels +
+    nodes * (4 * d + 8 + (options.displacement ? 16 * d : 0) + 8 * 3);
 }
 
 FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,
@@ -336,6 +344,7 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
       options.fracture.checkpoint.warn(why);
   };
   QuasiStaticFracture fracture(bonds, options.loading, fractureOptions);
+  latest.equilibrium = 1;
   r.continuedAt = fracture.record().statistics.events;
   const LoadedSample& sample = fracture.sample();
   r.axis = options.loading.axis < 0 ? lattice.dimension - 1 : options.loading.axis;

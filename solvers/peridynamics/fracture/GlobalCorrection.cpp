@@ -28,6 +28,20 @@ double EventHierarchy::rowSum(F&& f)
   return sum;
 }
 
+double EventHierarchy::dot(const NodeField<float>& a, const NodeField<float>& b)
+{
+  const NodeLayout& l = a.layout();
+  return rowSum(
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(0, y, z);
+      double sum = 0;
+      for (int c = 0; c < l.dimension; ++c)
+        sum += eventKernels().dot(l.size[0], a.component(c) + i, b.component(c) + i);
+      return sum;
+    });
+}
+
 double EventHierarchy::freeNorm(const NodeField<float>& r)
 {
   const NodeLayout& l = r.layout();
@@ -95,7 +109,7 @@ void EventHierarchy::restrictAll()
   }
 }
 
-int EventHierarchy::correctGlobally(int maxIterations, double tolerance)
+int EventHierarchy::correctGlobally(int maxIterations, double tolerance, const std::function<bool(double)>& progress)
 {
   const NodeLayout& l = bonds_.layout();
   EventLevel& finest = levels_.front();
@@ -127,15 +141,7 @@ int EventHierarchy::correctGlobally(int maxIterations, double tolerance)
   for (bool restart = true; size > target && iterations < maxIterations;)
   {
     const NodeField<float>& z = multigrid_->apply(r);
-    const double next = rowSum(
-      [&](std::int64_t y, std::int64_t zz)
-      {
-        const std::int64_t i = l.index(0, y, zz);
-        double sum = 0;
-        for (int c = 0; c < l.dimension; ++c)
-          sum += eventKernels().dot(l.size[0], r.component(c) + i, z.component(c) + i);
-        return sum;
-      });
+    const double next = dot(r, z);
     const auto beta = static_cast<float>(restart ? 0 : next / rz);
     rz = next;
     forOwnRows(l,
@@ -146,15 +152,7 @@ int EventHierarchy::correctGlobally(int maxIterations, double tolerance)
           eventKernels().direction(l.size[0], z.component(c) + i, beta, p.component(c) + i);
       });
     linearForce(bonds_, p, q); // −A p
-    const double pq = -rowSum(
-      [&](std::int64_t y, std::int64_t zz)
-      {
-        const std::int64_t i = l.index(0, y, zz);
-        double sum = 0;
-        for (int c = 0; c < l.dimension; ++c)
-          sum += eventKernels().dot(l.size[0], p.component(c) + i, q.component(c) + i);
-        return sum;
-      });
+    const double pq = -dot(p, q);
     restart = false;
     if (!(rz > 0) || !(pq > 0) || !std::isfinite(rz / pq))
     {
@@ -180,6 +178,8 @@ int EventHierarchy::correctGlobally(int maxIterations, double tolerance)
       });
     size = freeNorm(r);
     ++iterations;
+    if (progress && progress(std::clamp(std::log(size / reference_) / std::log(tolerance), 0.0, 1.0)))
+      throw Cancelled();
   }
   forOwnRows(l,
     [&](std::int64_t y, std::int64_t z)
@@ -201,14 +201,14 @@ int EventHierarchy::correctGlobally(int maxIterations, double tolerance)
   return iterations;
 }
 
-int EventHierarchy::solve(double tolerance)
+int EventHierarchy::solve(double tolerance, const std::function<bool(double)>& progress)
 {
   constexpr int most = 2000;
   int iterations = 0;
   for (int round = 0; round < 8; ++round)
   {
     sinceDouble_ = everyDouble;
-    const int now = correctGlobally(most, 0.5 * tolerance);
+    const int now = correctGlobally(most, 0.5 * tolerance, progress);
     iterations += now;
     if (now == 0)
       return iterations;

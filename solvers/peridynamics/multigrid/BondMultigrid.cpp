@@ -14,7 +14,6 @@ namespace
 {
 
 constexpr std::size_t maxLevels = 32;
-constexpr std::int64_t gatherNodes = 4096; ///< of a level that is not worth distributing
 
 // Reproducible numbers without a pattern, the same for a node whatever rank holds it.
 constexpr int sweepsInstead = 10; // of a coarsest level that is too large to be factorised
@@ -111,7 +110,7 @@ bool BondMultigrid::coarsenable() const
   const auto a = static_cast<std::size_t>(l.dimension - 1);
   const bool last = l.start[a] + l.size[a] == l.global[a];
   const bool good = l.start[a] % 2 == 0 && (last || l.size[a] % 2 == 0) && l.size[a] / 2 >= coarseReach(reach(level)) &&
-    nodes > gatherNodes;
+    nodes > options_.gather;
   return !level.comm->any(!good);
 }
 
@@ -418,36 +417,34 @@ void BondMultigrid::estimateSpectrum(std::size_t index)
   level.lambda = lambda > 0 ? static_cast<float>(lambda) * margin : 1.0F;
 }
 
-const NodeField<float>& BondMultigrid::apply(const NodeField<double>& input, double scale)
+template <class F>
+const NodeField<float>& BondMultigrid::applyTo(F&& row)
 {
   Level& top = *levels_.front();
   const NodeLayout& l = top.layout;
   forOwnRows(l,
     [&](std::int64_t y, std::int64_t z)
     {
-      const std::int64_t i = l.index(0, y, z);
       for (int c = 0; c < l.dimension; ++c)
-        levelKernels().toFloat(l.size[0], scale, input.component(c) + i, top.r.component(c) + i);
+        row(l.index(0, y, z), c);
     });
   release(top.r);
   cycle(0, true);
   return top.x;
 }
 
+const NodeField<float>& BondMultigrid::apply(const NodeField<double>& input, double scale)
+{
+  Level& top = *levels_.front();
+  return applyTo([&](std::int64_t i, int c)
+    { levelKernels().toFloat(top.layout.size[0], scale, input.component(c) + i, top.r.component(c) + i); });
+}
+
 const NodeField<float>& BondMultigrid::apply(const NodeField<float>& input)
 {
   Level& top = *levels_.front();
-  const NodeLayout& l = top.layout;
-  forOwnRows(l,
-    [&](std::int64_t y, std::int64_t z)
-    {
-      const std::int64_t i = l.index(0, y, z);
-      for (int c = 0; c < l.dimension; ++c)
-        std::copy_n(input.component(c) + i, l.size[0], top.r.component(c) + i);
-    });
-  release(top.r);
-  cycle(0, true);
-  return top.x;
+  return applyTo(
+    [&](std::int64_t i, int c) { std::copy_n(input.component(c) + i, top.layout.size[0], top.r.component(c) + i); });
 }
 
 } // namespace lamella::peridynamics

@@ -77,6 +77,9 @@ private:
   void gatherField(const Level& part, const NodeField<float>& field, const Level& whole, NodeField<float>& out) const;
   void estimateSpectrum(std::size_t index);
 
+  /// x = M r of the finest level, after row(i, c) has filled r: of component c, from position i on.
+  template <class F>
+  const NodeField<float>& applyTo(F&& row);
   /// x += M r of a level, or x = M r
   void cycle(std::size_t index, bool fromZero);
   void visit(std::size_t index);

@@ -11,6 +11,7 @@ struct MultigridOptions
   int degree = 1;              ///< Chebyshev steps before and after the coarser levels
   std::size_t twiceFrom = 2;   ///< levels from this one on are visited twice (W-cycle); the finest is 0
   std::int64_t coarsest = 100; ///< nodes of a level that is solved directly
+  std::int64_t gather = 4096;  ///< nodes of a level that is not worth distributing
 };
 
 } // namespace lamella::peridynamics

@@ -6,7 +6,8 @@ from . import _arrays
 from ._errors import choose
 from ._samples import ImageBase
 
-AXES = {None: -1, "x": 0, "y": 1, "z": 2}
+LOADS = {"stretch": 0, "shear": 1, "biaxial": 2}
+_AXES = {None: -1, "x": 0, "y": 1, "z": 2}
 _CONTINUA = {None: 0, "plane-stress": 1, "plane-strain": 2, "space": 3}
 _MIXINGS = {None: 0, "none": 0, "harmonic": 1, "minimum": 2}
 _COMPONENTS = {"xx": 0, "yy": 1, "zz": 2, "xy": 3, "yz": 4, "xz": 5}
@@ -89,6 +90,20 @@ class BondFields(BondNumbers):
         return self._count("hinges")
 
 
+def set_load(
+    algorithm, loads, load, axis, smooth_platens, rigid_platens, platen_layers, tolerance, stress, strain_energy
+):
+    """Settings of vtkBondLoadAlgorithm; see equilibrium()."""
+    algorithm.SetLoad(choose(loads, load, "load"))
+    algorithm.SetLoadAxis(choose(_AXES, axis, "axis"))
+    algorithm.SetSmoothPlatens(bool(smooth_platens))
+    algorithm.SetRigidPlatens(bool(rigid_platens))
+    algorithm.SetPlatenLayers(int(platen_layers))
+    algorithm.SetTolerance(float(tolerance))
+    algorithm.SetComputeStress(bool(stress))
+    algorithm.SetComputeStrainEnergy(bool(strain_energy))
+
+
 def _pair(name):
     return "-".join(map(str, name)) if isinstance(name, tuple) else str(name)
 
@@ -113,7 +128,7 @@ def set_bonds(
     strains="small",
     threads=1,
 ):
-    """Settings that vtkBondEquilibrium and vtkBondStress share; see equilibrium()."""
+    """Settings of vtkBondAlgorithm; see equilibrium()."""
     tables = (
         (algorithm.SetYoungsModulus, young),
         (algorithm.SetFractureEnergy, fracture_energy),

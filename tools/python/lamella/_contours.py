@@ -134,9 +134,7 @@ class Contours:
 
     def save(self, path, overwrite=False):
         """Writes a .vtp, .json or .json.gz file, whole or not at all. A .vtp does not hold the cells."""
-        path = os.fspath(path)
-        if os.path.exists(path) and not overwrite:
-            raise FileExistsError(f"{path} exists; say overwrite=True to replace it")
+        path = _files.new_path(path, overwrite)
         if path.lower().endswith(".vtp"):
             _files.write_poly_data(self.vtk, path)
         elif path.lower().endswith((".json", ".json.gz")):

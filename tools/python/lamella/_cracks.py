@@ -1,13 +1,10 @@
 """Cracks from broken bonds."""
 
-import os
-
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
-from . import _arrays
+from . import _arrays, _files
 from ._errors import run
-from ._files import write_poly_data
 from ._samples import ImageBase
 from ._solve import as_image
 from .vtkLamellaFilters import vtkCrackPath
@@ -152,10 +149,8 @@ class CrackPathResult:
 
     def save(self, path, overwrite=False):
         """Writes the paths as .vtp, whole or not at all."""
-        path = os.fspath(path)
-        if os.path.exists(path) and not overwrite:
-            raise FileExistsError(f"{path} exists; say overwrite=True to replace it")
-        write_poly_data(self.vtk, path)
+        path = _files.new_path(path, overwrite)
+        _files.write_poly_data(self.vtk, path)
         return path
 
     def __repr__(self):

@@ -3,15 +3,20 @@
 import numpy as np
 
 from . import _arrays
-from ._bonds import AXES, BondFields, set_bonds
+from ._bonds import LOADS, BondFields, set_bonds, set_load
 from ._errors import choose, run
 from ._samples import ImageBase
 from ._solve import as_image
 from .vtkLamellaFilters import vtkBondStress
 from .vtkLamellaSolversVTK import vtkBondEquilibrium
 
-_LOADS = {"stretch": 0, "shear": 1, "biaxial": 2, "traction": 3}
+_LOADS = {**LOADS, "traction": 3}
 _SOLVERS = {"multigrid": 0, "jacobi": 1, "direct": 2, "dynamic-relaxation": 3}
+
+
+def _mean_stress(image):
+    xx, yy, zz, xy, yz, xz = _arrays.numbers(image, "mean_stress")
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 class EquilibriumResult(BondFields):
@@ -33,8 +38,7 @@ class EquilibriumResult(BondFields):
     @property
     def mean_stress(self):
         """Over the whole box, platens and voids included: 3 by 3 [Pa]."""
-        xx, yy, zz, xy, yz, xz = _arrays.numbers(self.vtk, "mean_stress")
-        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        return _mean_stress(self.vtk)
 
     @property
     def reactions(self):
@@ -150,19 +154,12 @@ def equilibrium(
     solve = vtkBondEquilibrium()
     solve.SetInputData(as_image(image))
     set_bonds(solve, young, fracture_energy, toughness, critical_stretch, **bonds)
-    solve.SetLoad(choose(_LOADS, load, "load"))
-    solve.SetLoadAxis(choose(AXES, axis, "axis"))
+    set_load(solve, _LOADS, load, axis, smooth_platens, rigid_platens, platen_layers, tolerance, stress, strain_energy)
     solve.SetStrain(float(strain))
     solve.SetLateralStrain(float(lateral_strain))
     solve.SetTraction(float(traction))
-    solve.SetSmoothPlatens(bool(smooth_platens))
-    solve.SetRigidPlatens(bool(rigid_platens))
-    solve.SetPlatenLayers(int(platen_layers))
     solve.SetSolver(choose(_SOLVERS, solver, "solver"))
-    solve.SetTolerance(float(tolerance))
     solve.SetMaximumIterations(int(max_iterations))
-    solve.SetComputeStress(bool(stress))
-    solve.SetComputeStrainEnergy(bool(strain_energy))
     run(solve, progress)
     return EquilibriumResult(solve.GetOutput())
 
@@ -178,8 +175,7 @@ class BondStressResult(ImageBase):
     @property
     def mean_stress(self):
         """Over the whole box, voids included: 3 by 3 [Pa]."""
-        xx, yy, zz, xy, yz, xz = _arrays.numbers(self.vtk, "mean_stress")
-        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        return _mean_stress(self.vtk)
 
 
 def bond_stress(image, young=None, strain_energy=False, progress=None, **bonds):

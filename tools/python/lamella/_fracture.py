@@ -7,12 +7,11 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkTable
 
 from . import _arrays, _files
-from ._bonds import AXES, BondFields, BondNumbers, set_bonds
+from ._bonds import LOADS, BondFields, BondNumbers, set_bonds, set_load
 from ._errors import choose, run
 from ._solve import as_image
 from .vtkLamellaSolversVTK import vtkBondFracture
 
-_LOADS = {"stretch": 0, "shear": 1, "biaxial": 2}
 _METHODS = {"auto": 0, "events": 1, "accurate": 2}
 _BREAKINGS = {"strict": 0, "batched": 1}
 _COUNTS = (
@@ -183,9 +182,7 @@ class FractureResult(BondNumbers):
 
     def save_broken(self, path, overwrite=False):
         """Writes the broken bonds as a .vtp file, whole or not at all."""
-        path = os.fspath(path)
-        if os.path.exists(path) and not overwrite:
-            raise FileExistsError(f"{path} exists; say overwrite=True to replace it")
+        path = _files.new_path(path, overwrite)
         _files.write_poly_data(self.vtk_broken, path)
         return path
 
@@ -213,6 +210,7 @@ def fracture(
     breaking="strict",
     rivals=True,
     stop=0.05,
+    strain_step=0.0,
     max_strain=None,
     max_broken=None,
     tolerance=1e-6,
@@ -240,6 +238,8 @@ def fracture(
     breaking  "strict" (one bond at a time) or "batched" (all that are critical at once; accurate only)
     rivals    of "events": look closer where two bonds are nearly as critical as each other
     stop      ends when the stress has fallen to this share of the peak
+    strain_step  the strain is raised to multiples of this, each time to the first at which a bond is critical; with
+              batches, a run of fewer equilibria. 0: to where the next bond just is critical
     max_strain, max_broken  ends there; None: no limit
     tolerance  largest relative residual force of an equilibrium
     at_strains, at_broken  states to keep: imposed strains, numbers of broken bonds; the end is always kept
@@ -260,20 +260,16 @@ def fracture(
     solve = vtkBondFracture()
     solve.SetInputData(as_image(image))
     set_bonds(solve, young, fracture_energy, toughness, critical_stretch, **bonds)
-    solve.SetLoad(choose(_LOADS, load, "load"))
-    solve.SetLoadAxis(choose(AXES, axis, "axis"))
+    set_load(solve, LOADS, load, axis, smooth_platens, rigid_platens, platen_layers, tolerance, stress, strain_energy)
     solve.SetCompression(bool(compression))
     solve.SetLateralRatio(float(lateral_ratio))
-    solve.SetSmoothPlatens(bool(smooth_platens))
-    solve.SetRigidPlatens(bool(rigid_platens))
-    solve.SetPlatenLayers(int(platen_layers))
     solve.SetMethod(choose(_METHODS, method, "method"))
     solve.SetBreaking(choose(_BREAKINGS, breaking, "breaking"))
     solve.SetRivals(bool(rivals))
     solve.SetStopShare(float(stop))
+    solve.SetStrainStep(float(strain_step))
     solve.SetMaximumStrain(0.0 if max_strain is None else float(max_strain))
     solve.SetMaximumBroken(0 if max_broken is None else int(max_broken))
-    solve.SetTolerance(float(tolerance))
     for strain in np.ravel(at_strains):
         solve.AddStateAtStrain(float(strain))
     for count in np.ravel(at_broken):
@@ -285,8 +281,6 @@ def fracture(
     solve.SetCheckpointEvery(int(checkpoint_every))
     solve.SetContinueFile(continue_from)
     solve.SetComputeDisplacement(bool(displacement))
-    solve.SetComputeStress(bool(stress))
-    solve.SetComputeStrainEnergy(bool(strain_energy))
     run(solve, progress)
     broken, curve = vtkPolyData(), vtkTable()
     broken.ShallowCopy(solve.GetBrokenBonds())

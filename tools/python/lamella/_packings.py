@@ -136,12 +136,10 @@ class Packing:
         """Writes the grains, and with ``contacts`` their contacts, as .vtp files, each whole or not at all."""
         if contacts is not None:
             self._contacts("force")  # says so where there are none
-        for name, data in ((path, self.vtk), (contacts, self.contacts_vtk)):
-            if name is not None and os.path.exists(name) and not overwrite:
-                raise FileExistsError(f"{name} exists; say overwrite=True to replace it")
-        for name, data in ((path, self.vtk), (contacts, self.contacts_vtk)):
-            if name is not None:
-                _files.write_poly_data(data, os.fspath(name))
+        both = ((path, self.vtk), (contacts, self.contacts_vtk))
+        files = [(_files.new_path(name, overwrite), data) for name, data in both if name is not None]
+        for name, data in files:
+            _files.write_poly_data(data, name)
         return os.fspath(path)
 
     def __repr__(self):

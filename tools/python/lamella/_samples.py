@@ -1,13 +1,12 @@
 """Samples: pictures of phases, read or generated."""
 
 import os
-import tempfile
 
 import numpy as np
 from vtkmodules.vtkCommonCore import vtkStringArray
 from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
-from . import _arrays
+from . import _arrays, _files
 from ._errors import LamellaError, choose, run
 from .vtkLamellaSolversVTK import vtkMicrostructureSource, vtkPictureReader
 
@@ -61,27 +60,14 @@ class ImageBase:
 
     def save(self, path, overwrite=False):
         """Writes a .vti file, whole or not at all."""
-        path = os.fspath(path)
-        if os.path.exists(path) and not overwrite:
-            raise FileExistsError(f"{path} exists; say overwrite=True to replace it")
-        folder = os.path.dirname(os.path.abspath(path))
-        # VTK writes nothing, and says it did, where a name ends with an underscore, as random ones may
-        handle, part = tempfile.mkstemp(prefix="." + os.path.basename(path), suffix=".part", dir=folder)
-        os.close(handle)
-        try:
+        path = _files.new_path(path, overwrite)
+        with _files.replacing(path) as part:
             writer = vtkXMLImageDataWriter()
             writer.SetInputData(self.vtk)
             writer.SetFileName(part)
             writer.SetDataModeToBinary()  # inline: VTK 9.2 with a new Expat cannot read "appended" data back
             if writer.Write() != 1 or os.path.getsize(part) == 0:
                 raise OSError(f"cannot write {path}: is the disk full?")
-            mask = os.umask(0)
-            os.umask(mask)
-            os.chmod(part, 0o666 & ~mask)
-            os.replace(part, path)
-        finally:
-            if os.path.exists(part):
-                os.remove(part)
         return path
 
 

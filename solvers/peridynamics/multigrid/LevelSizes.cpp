@@ -1,0 +1,66 @@
+#include "peridynamics/multigrid/LevelSizes.h"
+
+#include "peridynamics/multigrid/Galerkin.h"
+#include "peridynamics/multigrid/MultigridOptions.h"
+
+#include <algorithm>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+std::int64_t nodesOf(const std::array<std::int64_t, 3>& size)
+{
+  return size[0] * size[1] * size[2];
+}
+
+} // namespace
+
+std::vector<NodeLayout> levelLayouts(const NodeLayout& finest, bool parallel)
+{
+  constexpr MultigridOptions options;
+  std::vector<NodeLayout> levels{ finest };
+  while (nodesOf(levels.back().global) > options.coarsest)
+  {
+    if (parallel && nodesOf(levels.back().global) <= options.gather)
+    {
+      parallel = false; // from here on whole on every rank
+      levels.push_back(
+        NodeLayout::make(finest.dimension, levels.back().ghost, levels.back().global, {}, levels.back().global));
+    }
+    const NodeLayout fine = levels.back();
+    std::array<std::int64_t, 3> size = fine.size;
+    std::array<std::int64_t, 3> global = fine.global;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(fine.dimension); ++a)
+    {
+      size[a] = size[a] / 2 + 1;
+      global[a] = global[a] / 2 + 1;
+    }
+    if (nodesOf(global) >= nodesOf(fine.global))
+      break;
+    levels.push_back(NodeLayout::make(fine.dimension, coarseReach(fine.ghost), size, {}, global));
+  }
+  return levels;
+}
+
+MultigridBytes multigridBytes(const std::vector<NodeLayout>& levels)
+{
+  const int d = levels.front().dimension;
+  const double entries = blockEntries(d);
+  const auto finest = static_cast<double>(levels.front().count());
+  // inverses and three vectors of each; of the finest the force, of the others diagonal blocks, traces and the matrix
+  double floats = finest * (entries + 4 * d);
+  double largest = 0; // matrix: it is there twice while it is put in order
+  for (std::size_t k = 1; k < levels.size(); ++k)
+  {
+    const auto nodes = static_cast<double>(levels[k].count());
+    const double matrix = nodes * entries * static_cast<double>(forwardNeighbours(d, levels[k].ghost).size());
+    floats += nodes * (2 * entries + 1 + 3 * d) + matrix;
+    largest = std::max(largest, matrix);
+  }
+  const double unknowns = static_cast<double>(levels.back().owned()) * d; // of the level that is solved directly
+  return { 4 * floats + 12 * unknowns * unknowns, 4 * (largest + 2 * entries * finest) };
+}
+
+} // namespace lamella::peridynamics

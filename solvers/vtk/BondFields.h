@@ -1,0 +1,53 @@
+#pragma once
+
+#include "BondScene.h"
+#include "FieldNumbers.h"
+
+#include "vtkImageData.h"
+
+#include <array>
+#include <string>
+
+/// What solvers on bonds say alike of their results. Not installed.
+namespace lamella
+{
+
+/// Displacement [m] as point data, the active vectors. Collective.
+void addDisplacement(vtkImageData* output, const BondScene& scene, const peridynamics::NodeField<double>& displacement,
+  const char* creator);
+
+/// Strain energy [J/m³] as point data. Collective.
+VTKLAMELLASOLVERSVTK_EXPORT void addStrainEnergy(
+  vtkImageData* output, const BondScene& scene, const peridynamics::NodeField<double>& energy, const char* creator);
+
+/// What a study visited and what it skipped, and its warnings, as field data.
+/// @param r with solidNodes, nodes, bonds, strips, bytes, warnings
+template <class Result>
+void setWork(vtkImageData* output, const Result& r)
+{
+  const auto whole = [](auto n) { return static_cast<double>(n); };
+  setFieldNumber(output, "solid_nodes", whole(r.solidNodes));
+  setFieldNumber(output, "skipped_nodes", whole(r.nodes - r.solidNodes));
+  setFieldNumber(output, "bonds", whole(r.bonds));
+  setFieldNumbers(output, "visited_strips", std::array{ whole(r.strips.uniform), whole(r.strips.mixed) });
+  setFieldNumber(output, "skipped_strips", whole(r.strips.empty));
+  setFieldNumber(output, "bytes", whole(r.bytes));
+  setFieldTexts(output, "warnings", r.warnings);
+}
+
+/// Where platens hold a sample, and what they do not hold, as field data.
+/// @param r with axis, area, length, lowPlaten, highPlaten, loosePieces, looseNodes
+template <class Result>
+void setPlatens(vtkImageData* output, const Result& r)
+{
+  const auto whole = [](auto n) { return static_cast<double>(n); };
+  setFieldText(output, "load_axis", std::string(1, "xyz"[r.axis]));
+  setFieldNumber(output, "section_area", r.area);
+  setFieldNumber(output, "gauge_length", r.length);
+  setFieldNumbers(output, "platen_layers",
+    std::array{ whole(r.lowPlaten[0]), whole(r.lowPlaten[1] - 1), whole(r.highPlaten[0]), whole(r.highPlaten[1] - 1) });
+  setFieldNumber(output, "loose_pieces", whole(r.loosePieces));
+  setFieldNumber(output, "loose_nodes", whole(r.looseNodes));
+}
+
+} // namespace lamella

@@ -1,0 +1,116 @@
+/**
+ * @class   vtkBondLoadAlgorithm
+ * @brief   how a bonded sample is held and loaded: the settings that equilibrium and fracture share
+ *
+ * Platens hold as many layers of nodes as a bond reaches at either end of the axis (PlatenLayers); strains count over
+ * the distance between their inner layers. The low one never moves. Sides are free, or periodic.
+ *
+ * @sa vtkBondEquilibrium, vtkBondFracture
+ */
+
+#ifndef vtkBondLoadAlgorithm_h
+#define vtkBondLoadAlgorithm_h
+
+#include "vtkBondAlgorithm.h"
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+
+namespace lamella
+{
+namespace peridynamics // VTK's wrappers do not read lamella::peridynamics
+{
+struct Loading;
+}
+}
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkBondLoadAlgorithm : public vtkBondAlgorithm
+{
+public:
+  vtkTypeMacro(vtkBondLoadAlgorithm, vtkBondAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  enum Loads
+  {
+    STRETCH = 0, ///< the high platen moves along the axis
+    SHEAR = 1,   ///< it moves across: along x where the axis is the last one
+    BIAXIAL = 2, ///< smooth platens on all sides
+    TRACTION = 3 ///< a force spread evenly over the high platen, which is not stiff; vtkBondEquilibrium only
+  };
+  ///@{
+  /** What is done to the sample. Default STRETCH. */
+  vtkGetMacro(Load, int);
+  ///@}
+
+  enum Axes
+  {
+    LAST_AXIS = -1, ///< y of a picture (upwards), z of a volume
+    X = 0,
+    Y = 1,
+    Z = 2
+  };
+  ///@{
+  /** Axis of loading. Default LAST_AXIS. */
+  vtkSetClampMacro(LoadAxis, int, LAST_AXIS, Z);
+  vtkGetMacro(LoadAxis, int);
+  ///@}
+
+  ///@{
+  /** STRETCH: the platens hold the component along the axis only. Default off: they grip the sample. */
+  vtkSetMacro(SmoothPlatens, bool);
+  vtkGetMacro(SmoothPlatens, bool);
+  vtkBooleanMacro(SmoothPlatens, bool);
+  ///@}
+  ///@{
+  /**
+   * All layers of a platen move alike. Off (default): they move as the mean strain has it, as if the sample went on, so
+   * that a uniform sample is strained uniformly up to its ends; with rigid platens it breaks beside them first.
+   */
+  vtkSetMacro(RigidPlatens, bool);
+  vtkGetMacro(RigidPlatens, bool);
+  vtkBooleanMacro(RigidPlatens, bool);
+  ///@}
+  ///@{
+  /** Layers of nodes that a platen holds; 0 (default): as many as a bond reaches. */
+  vtkSetClampMacro(PlatenLayers, int, 0, VTK_INT_MAX);
+  vtkGetMacro(PlatenLayers, int);
+  ///@}
+
+  ///@{
+  /** Largest residual force over the forces that hold the free nodes where they are. Default 1e-6; 1e-12 to 0.1. */
+  vtkSetClampMacro(Tolerance, double, 1e-12, 0.1);
+  vtkGetMacro(Tolerance, double);
+  ///@}
+
+  ///@{
+  /** Whether the output carries stress and strain energy; what is off is not computed. Default off. */
+  vtkSetMacro(ComputeStress, bool);
+  vtkGetMacro(ComputeStress, bool);
+  vtkBooleanMacro(ComputeStress, bool);
+  vtkSetMacro(ComputeStrainEnergy, bool);
+  vtkGetMacro(ComputeStrainEnergy, bool);
+  vtkBooleanMacro(ComputeStrainEnergy, bool);
+  ///@}
+
+protected:
+  vtkBondLoadAlgorithm() = default;
+  ~vtkBondLoadAlgorithm() override = default;
+
+  /// The settings above but the amount of the load.
+  lamella::peridynamics::Loading Platens() const;
+  /// As files and people call it.
+  const char* LoadName() const;
+
+  int Load = STRETCH; ///< subclasses set it: not every load is for all
+  int LoadAxis = LAST_AXIS;
+  bool SmoothPlatens = false;
+  bool RigidPlatens = false;
+  int PlatenLayers = 0;
+  double Tolerance = 1e-6;
+  bool ComputeStress = false;
+  bool ComputeStrainEnergy = false;
+
+private:
+  vtkBondLoadAlgorithm(const vtkBondLoadAlgorithm&) = delete;
+  void operator=(const vtkBondLoadAlgorithm&) = delete;
+};
+
+#endif
