@@ -1,4 +1,6 @@
 // Laws of material points: what every elastic law must obey, and closed forms.
+#include "MaterialPointSamples.h"
+
 #include "lattice/Error.h"
 #include "mpm/WallMaterial.h"
 
@@ -594,6 +596,46 @@ TEST(PointLaws, PlasticPlaneStrainIsThatOfSpace)
       1e-11 * plain.youngsModulus);
   }
   EXPECT_GT(flat[0], 0.01);
+}
+
+// A block pressed between four walls in plane strain moves evenly from its first step on; its logarithmic strain ε
+// along y is that of the walls, and the return has a closed form: q = 2μ|ε| − 3μ ε̄ = σ_y + H ε̄.
+TEST(PointLaws, YieldingBlockInMotion)
+{
+  const PlasticMaterial m{ { .youngsModulus = 1, .poissonsRatio = 0.3, .barrier = 0 }, 0.02, 0.1 };
+  const auto c = henckyConstants(m);
+  const Lattice lattice = makeLattice(8, 8, 1, 2, 0.125);
+  const std::vector<std::uint8_t> phase(64, 1);
+  PointOptions made;
+  made.density = { 1.0 };
+  made.history = Hencky::history;
+  auto points = pointsFromLattice<2>(lattice, phase, {}, made);
+  const double rate = 0.05; // the grid keeps its eight cells: with other cells forces on them are not quite even
+  mpm::samples::setVelocities<2>(points, [&](const Vector<2>& x) { return Vector<2>{ { 0, -rate * x[1] } }; });
+  PointDynamicsOptions<2> o;
+  o.spacing = 0.125;
+  o.sides = { { { mpm::samples::wallAt(0), mpm::samples::wallAt(1) },
+    { mpm::samples::wallAt(0), mpm::samples::wallAt(1, -rate) } } };
+  PointDynamics<2> body(std::move(points), makeLaw<2, Hencky>({ c }), o);
+  body.advanceTo(0.95);
+  const double before = body.time(); // forces on walls are those of a step's start
+  body.advance(1);
+  EXPECT_FALSE(body.fused());
+  const auto logarithm = [&](double time) { return std::log(1 - rate * time); };
+  const auto flow = [&](double strain) { return (-2 * c[1] * strain - 0.02) / (3 * c[1] + 0.1); };
+  const double flowed = flow(logarithm(body.time()));
+  const double q = 0.02 + 0.1 * flowed;
+  for (std::size_t p = 0; p < body.points().count(); ++p)
+  {
+    EXPECT_NEAR(body.points().column(MaterialPoints<2>::histories + Hencky::plasticStrain)[p], flowed, 1e-10);
+    EXPECT_NEAR(
+      body.points().column(MaterialPoints<2>::histories + Hencky::plasticWork)[p], 0.5 * (0.02 + q) * flowed, 1e-10);
+  }
+  const double strain = logarithm(before);
+  const double tau = (c[0] + 2 * c[1] / 3) * strain - 2 * (0.02 + 0.1 * flow(strain)) / 3;
+  // over a width of 1; points carry gradients of velocity that are a step old: of the order of ρ V² = 2.5e-3 times Δt/H
+  // = 0.05
+  EXPECT_NEAR(body.wall(1, 1).force, -tau / std::exp(strain), 1e-4);
 }
 
 } // namespace
