@@ -92,7 +92,6 @@ void FusedStep<Dim>::sort(const BackgroundGrid<Dim>& grid)
   for (std::size_t p = 0; p < count; ++p)
     order[first[cellOf[p]]++] = static_cast<std::uint32_t>(p);
   points_.reorder(order);
-  ++sorts_;
 }
 
 template <int Dim>

@@ -33,13 +33,6 @@ public:
   /// Moves the points by the velocities on the nodes, and gives to the next grid, which has as many nodes.
   void run(const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick);
 
-  [[nodiscard]] std::int64_t cells() const noexcept
-  {
-    return static_cast<std::int64_t>(cells_.size()) - 1;
-  } ///< with points
-  [[nodiscard]] std::int64_t sorts() const noexcept { return sorts_; }
-  [[nodiscard]] int lanes() const noexcept { return pointKernels().lanes[wide_]; }
-
 private:
   void sort(const BackgroundGrid<Dim>& grid);
   void sweep(const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool whole);
@@ -55,7 +48,6 @@ private:
   std::vector<double> next_;
   double kick_ = 0; ///< that the nodes were given forces for; 0: they hold nothing
   bool wide_ = false;
-  std::int64_t sorts_ = 0;
 };
 
 extern template class FusedStep<2>;
