@@ -350,7 +350,8 @@ bool BondDynamics::advance(std::int64_t steps)
       continue;
     guard();
     if (options_.progress &&
-      bonds_.communicator().any(options_.progress({ step_, time_, static_cast<std::int64_t>(broken_.size()) })))
+      bonds_.communicator().any(
+        options_.progress({ step_, time_, static_cast<std::int64_t>(broken_.size()), checkpointAt_ })))
       return false;
   }
   guard();

@@ -36,6 +36,7 @@ struct DynamicsProgress
   std::int64_t step = 0;
   double time = 0; ///< [s]
   std::int64_t broken = 0;
+  std::int64_t checkpoint = 0; ///< steps in the last file that was written; 0: none yet
 };
 
 struct DynamicsOptions
@@ -111,6 +112,8 @@ public:
   [[nodiscard]] double viscosity() const noexcept { return nu_; }  ///< ν [kg/s], [kg/(m s) in 2D]
   [[nodiscard]] double time() const noexcept { return time_; }     ///< [s]
   [[nodiscard]] std::int64_t steps() const noexcept { return step_; }
+  [[nodiscard]] std::int64_t checkpoints() const noexcept { return checkpoints_; }   ///< written
+  [[nodiscard]] std::int64_t checkpointAt() const noexcept { return checkpointAt_; } ///< steps in the last; 0: none
   /// Of a node of DynamicsOptions::density [kg], [kg/m in 2D].
   [[nodiscard]] double mass() const noexcept { return mass_; }
   /// Of the imposed velocities: 1 without regulation.
@@ -150,6 +153,8 @@ private:
   double nu_ = 0;
   double time_ = 0;
   std::int64_t step_ = 0;
+  std::int64_t checkpoints_ = 0;
+  std::int64_t checkpointAt_ = 0;
   NodeField<double> u_;
   NodeField<double> v_;
   NodeField<double> f_;

@@ -83,7 +83,11 @@ void BondDynamics::save()
     { "initial energy", initial_ }, { "rate", rate() }, { "damage", rate_ ? rate_->damage() : 0 } };
   if (options_.keepWith)
     options_.keepWith(c);
-  write(c, options_.checkpoint, comm);
+  if (write(c, options_.checkpoint, comm))
+  {
+    ++checkpoints_;
+    checkpointAt_ = step_;
+  }
 }
 
 void BondDynamics::restore()

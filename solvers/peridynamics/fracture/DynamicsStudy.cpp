@@ -58,18 +58,10 @@ public:
     m.checkpoint.warn = [this, warn = o_.motion.checkpoint.warn](const std::string& why)
     {
       unwritten_.push_back(why);
-      --r_.checkpoints;
-      r_.checkpointAt = written_;
       if (warn)
         warn(why);
     };
-    m.keepWith = [this](io::Checkpoint& c)
-    {
-      history_.put(c);
-      ++r_.checkpoints;
-      written_ = r_.checkpointAt;
-      r_.checkpointAt = motion_->steps();
-    };
+    m.keepWith = [this](io::Checkpoint& c) { history_.put(c); };
     m.takeBack = [this](const io::Checkpoint& c) { history_.take(c); };
     const bool goesOn = !m.continueFrom.empty();
     start(std::move(m), goesOn);
@@ -121,6 +113,8 @@ public:
     r_.peak = *std::max_element(r_.history.begin(), r_.history.end(),
       [](const MotionPoint& a, const MotionPoint& b) { return a.stress < b.stress; });
     r_.broken = motion_->broken();
+    r_.checkpoints = motion_->checkpoints();
+    r_.checkpointAt = motion_->checkpointAt();
     if (!unwritten_.empty())
       r_.warnings.push_back(
         fmt::format("{} of the checkpoints could not be written: {}", unwritten_.size(), unwritten_.front()));
@@ -162,23 +156,23 @@ private:
     const auto a = static_cast<std::size_t>(r_.axis);
     if (pull_)
     {
-      r_.lowLayers = pull_->sample().lowLayers;
-      r_.highLayers = pull_->sample().highLayers;
+      r_.lowPlaten = pull_->sample().lowLayers;
+      r_.highPlaten = pull_->sample().highLayers;
       r_.loosePieces = pull_->sample().loosePieces;
       r_.looseNodes = pull_->sample().looseNodes;
     }
     else
     {
       const std::int64_t layers = std::min<std::int64_t>(bonds_.stencil().layers(), (lattice.size[a] + 1) / 2);
-      r_.lowLayers = { 0, layers };
-      r_.highLayers = { lattice.size[a] - layers, lattice.size[a] };
+      r_.lowPlaten = { 0, layers };
+      r_.highPlaten = { lattice.size[a] - layers, lattice.size[a] };
     }
-    r_.length = static_cast<double>(r_.highLayers[0] - r_.lowLayers[1] + 1) * lattice.spacing;
+    r_.length = static_cast<double>(r_.highPlaten[0] - r_.lowPlaten[1] + 1) * lattice.spacing;
     r_.area = 1;
     for (int b = 0; b < lattice.dimension; ++b)
       r_.area *= b == r_.axis ? 1 : lattice.length(b);
     gauge_ = std::make_unique<MotionGauge>(
-      bonds_, r_.axis, pull_ ? pull_->along() : r_.axis, r_.lowLayers, r_.highLayers, pull_ ? &pull_->unit() : nullptr);
+      bonds_, r_.axis, pull_ ? pull_->along() : r_.axis, r_.lowPlaten, r_.highPlaten, pull_ ? &pull_->unit() : nullptr);
     r_.modulus = r_.firstBreak = r_.strainRate = r_.travelTime = unknown;
   }
 
@@ -317,7 +311,6 @@ private:
   std::unique_ptr<BondDynamics> motion_;
   std::optional<NodeField<double>> stress_;
   std::vector<std::string> unwritten_; ///< what stood in the way of checkpoints; on rank 0
-  std::int64_t written_ = 0;           ///< steps in the checkpoint before the last one tried
 };
 
 } // namespace

@@ -133,8 +133,8 @@ struct DynamicsResult
   int axis = 0;      ///< of strain and stress
   double area = 0;   ///< of a section across the axis, voids included [m²]; of a picture [m], a metre deep
   double length = 0; ///< between the inner layers of the sides [m]
-  std::array<std::int64_t, 2> lowLayers{}; ///< [first, last) of the sides
-  std::array<std::int64_t, 2> highLayers{};
+  std::array<std::int64_t, 2> lowPlaten{}; ///< [first, last) of the sides
+  std::array<std::int64_t, 2> highPlaten{};
   std::int64_t loosePieces = 0; ///< of a pull: pieces that no platen holds; they stay where they are
   std::int64_t looseNodes = 0;
   std::vector<PhaseThickness> thickness; ///< of the phases that carry bonds, when there is more than one
