@@ -126,7 +126,9 @@ std::string describe(MotionEnd end)
 double dynamicsBytes(
   const BondModel& model, const Lattice& lattice, bool grains, const DynamicsStudyOptions& options, int ranks)
 {
-  const double nodes = static_cast<double>(lattice.count()) / ranks;
+  const Stencil stencil(lattice.dimension, model.horizon);
+  const auto nodes =
+    static_cast<double>(NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks).count());
   const double d = lattice.dimension;
   const bool file = !options.motion.checkpoint.path.empty() || !options.motion.continueFrom.empty();
   // displacement, velocity, force, load, imposed velocity; stress; masses; counts of bonds, damage
