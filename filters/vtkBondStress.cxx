@@ -69,7 +69,7 @@ void vtkBondStress::Run(vtkImageData* input, vtkImageData* output, const lamella
   lamella::setFieldNumbers(output, "mean_stress", pd::meanStress(bonds, stress, scene.model().continuum));
   const nlohmann::json model = lamella::toJson(settings);
   lamella::setFieldText(output, lamella::bondModelName, model.dump());
-  lamella::continueProvenance(output, "bond_stress", { { "model", model }, { "displacement", name } });
+  lamella::continueProvenance(output, "bond_stress", { { "model", model }, { "displacement", given.name } });
 }
 
 void vtkBondStress::PrintSelf(ostream& os, vtkIndent indent)

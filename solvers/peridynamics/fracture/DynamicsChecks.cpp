@@ -29,6 +29,15 @@ void check(const DynamicsStudyOptions& o)
 {
   const auto finite = [](const char* what, double value, const char* hint)
   { between(what, value, 0, std::numeric_limits<double>::max(), hint); };
+  const auto density = [](double d)
+  {
+    if (!(d > 0) || !std::isfinite(d))
+      throw ParameterError(fmt::format("a density of {} kg/m³", d), "give one above 0");
+  };
+  density(o.motion.density);
+  for (const double d : o.densities)
+    if (d != 0)
+      density(d);
   if (o.pull)
   {
     finite("the strain rate", o.pull->strainRate, "give a number above 0 [1/s], or 0 for one that suits the sample");
