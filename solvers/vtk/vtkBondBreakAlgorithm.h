@@ -25,9 +25,12 @@
 class vtkPolyData;
 class vtkTable;
 
-namespace lamella::peridynamics
+namespace lamella
+{
+namespace peridynamics // VTK's wrappers do not read lamella::peridynamics
 {
 struct CheckpointOptions;
+}
 }
 
 class VTKLAMELLASOLVERSVTK_EXPORT vtkBondBreakAlgorithm : public vtkBondLoadAlgorithm

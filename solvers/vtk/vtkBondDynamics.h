@@ -60,10 +60,10 @@
 namespace lamella
 {
 class BondScene;
-}
-namespace lamella::peridynamics
+namespace peridynamics // VTK's wrappers do not read lamella::peridynamics
 {
 struct DynamicsStudyOptions;
+}
 }
 
 class VTKLAMELLASOLVERSVTK_EXPORT vtkBondDynamics : public vtkBondBreakAlgorithm

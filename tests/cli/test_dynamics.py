@@ -46,9 +46,9 @@ class Dynamics(Case):
 
     def test_a_wave(self):
         # a side at V supplies ρ c V² a unit of area and time, c² = C₁₁/ρ; the lattice is within 6 % of E/(1 - ν²)
-        self.write("bar.png", pictures.png([[255] * 150 for _ in range(8)], pixels_per_metre=1000))
+        self.write("bar.png", pictures.png([[255] * 150 for _ in range(8)]))
         c = math.sqrt(2e11 * 9 / 8 / 7800)
-        found = self.works("dynamics", "bar.png", "--phase", "255=steel", "--young", "steel=2e11", "--density", "7800",
+        found = self.works("dynamics", "bar.png", "--phase", "255=steel", "--pixel-size", "1mm", "--young", "steel=2e11", "--density", "7800",
                            "--periodic", "y", "--velocity", "x-=5,free", "--axis", "x", "--end-time", 0.12 / c, "--json").json()
         self.assertEqual((found["end"], found["load"], found["broken"]), ("time", "sides", 0))
         self.assertIsNone(found["strain_rate"])
@@ -64,7 +64,7 @@ class Dynamics(Case):
         self.assertIn("sides and boxes", self.works(*STRIP, "--initial-velocity", "1,0", "--end-time", "1e-8").out)
 
     def test_files(self):
-        words = [*STRIP, *BREAKS, "--velocity", "y+=0,40", "--velocity", "y-=0,-40", "--end-time", "4e-7"]
+        words = [*STRIP, *BREAKS, "--velocity", "y+=0,40", "--velocity", "y-=0,-40", "--step-share", "20%", "--end-time", "4e-7"]
         out = self.works(*words, "--frames", "4", "--stress", "-o", "s.vti", "--broken", "b.vtp", "--curve", "c.csv").out
         names = ["s_000.vti", "s_001.vti", "s_002.vti", "s_003.vti", "s.pvd", "b.vtp", "c.csv"]
         for name in names:
@@ -90,7 +90,7 @@ class Dynamics(Case):
         self.works("crack-path", "b.vtp", "--json")
 
     def test_ranks_change_nothing(self):
-        words = [*STRIP, *BREAKS, "--velocity", "y+=0,40", "--velocity", "y-=0,-40", "--end-time", "4e-7", "--json"]
+        words = [*STRIP, *BREAKS, "--velocity", "y+=0,40", "--velocity", "y-=0,-40", "--step-share", "20%", "--end-time", "4e-7", "--json"]
         one = self.run_lamella(*words).json()
         two = self.run_lamella(*words, ranks=2).json()
         self.assertEqual(two["ranks"], 2)
