@@ -48,8 +48,9 @@ class Dynamics(Case):
         # a side at V supplies ρ c V² a unit of area and time, c² = C₁₁/ρ; the lattice is within 6 % of E/(1 - ν²)
         self.write("bar.png", pictures.png([[255] * 150 for _ in range(8)]))
         c = math.sqrt(2e11 * 9 / 8 / 7800)
-        found = self.works("dynamics", "bar.png", "--phase", "255=steel", "--pixel-size", "0.1mm", "--young", "steel=2e11", "--density", "7800",
-                           "--periodic", "y", "--velocity", "x-=5,free", "--axis", "x", "--end-time", 0.012 / c, "--json").json()
+        found = self.works("dynamics", "bar.png", "--phase", "255=steel", "--pixel-size", "0.1mm", "--young", "steel=2e11",
+                           "--density", "7800", "--periodic", "y", "--velocity", "x-=5,free", "--axis", "x",
+                           "--end-time", 0.012 / c, "--json").json()
         self.assertEqual((found["end"], found["load"], found["broken"]), ("time", "sides", 0))
         self.assertIsNone(found["strain_rate"])
         self.assertIsNone(found["first_break_time"])
