@@ -1,7 +1,6 @@
 // Cracks that run: the branching plate and the plate of Kalthoff and Winkler. Without arguments a table of both. With
 // scene=branching or kalthoff one run: ratio= (h/dx), horizon= [m], safety=, duration= [s], traction= [Pa], speed=
-// [m/s], frames=, out=FOLDER for what examples/dynamic-fracture/study.py draws: bonds.csv, tip.csv, energy.csv,
-// frame-N.csv. quick makes all of it small.
+// [m/s]. quick makes all of it small. examples/dynamic-fracture/study.py draws the same plates.
 #include "Keys.h"
 
 #include "lattice/Communicator.h"
@@ -10,9 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <vector>
 
@@ -47,31 +43,6 @@ MovingScene sceneOf(const std::string& name, const Keys& keys)
   return branchingPlate(p);
 }
 
-// ---- what is written for pictures
-
-void writeFrame(const std::string& name, const MovingScene& scene, const SceneInMotion& run, BondDynamics& motion,
-  const std::vector<int>& degrees)
-{
-  const NodeLayout& l = run.bonds().layout();
-  NodeField<double> stress(l, 3);
-  nodalStress(run.bonds(), motion.displacement(), stress, true);
-  std::ofstream file(name);
-  file << fmt::format("# {} x {} nodes, spacing {} m, time {:.9e} s\n", scene.lattice.size[0], scene.lattice.size[1],
-    scene.lattice.spacing, motion.time());
-  file << "damage,speed,mean_stress,ux,uy\n";
-  for (std::int64_t y = 0; y < l.size[1]; ++y)
-    for (std::int64_t x = 0; x < l.size[0]; ++x)
-    {
-      const std::int64_t i = l.index(x, y);
-      const int before = degrees[static_cast<std::size_t>(scene.lattice.index(x, y))];
-      file << fmt::format("{:.3f},{:.4g},{:.4g},{:.4g},{:.4g}\n",
-        before > 0 ? 1 - static_cast<double>(run.bonds().degree(i)) / before : 0,
-        std::hypot(motion.velocity().component(0)[i], motion.velocity().component(1)[i]),
-        (stress.component(0)[i] + stress.component(1)[i]) / 2, motion.displacement().component(0)[i],
-        motion.displacement().component(1)[i]);
-    }
-}
-
 struct Result
 {
   std::vector<DynamicBreak> broken;
@@ -93,32 +64,8 @@ Result run(const MovingScene& scene, const Keys& keys)
   r.bonds = sample.bonds().bonds();
   r.step = motion.step();
   r.steps = std::llround(scene.duration / motion.step());
-  const std::string out = text(keys, "out", "");
   const double begin = cpu();
-  if (out.empty())
-    motion.advance(r.steps);
-  else
-  {
-    std::filesystem::create_directories(out);
-    const NodeLayout& l = sample.bonds().layout();
-    std::vector<int> degrees;
-    for (std::int64_t y = 0; y < l.size[1]; ++y)
-      for (std::int64_t x = 0; x < l.size[0]; ++x)
-        degrees.push_back(sample.bonds().degree(l.index(x, y)));
-    std::ofstream energy(out + "/energy.csv");
-    energy << "time,kinetic,elastic,broken,supplied,initial,defect\n";
-    const auto frames = static_cast<std::int64_t>(number(keys, "frames", 3));
-    constexpr std::int64_t samples = 120;
-    for (std::int64_t k = 1; k <= samples; ++k)
-    {
-      motion.advance(r.steps * k / samples - r.steps * (k - 1) / samples);
-      const EnergyBalance e = motion.energies();
-      energy << fmt::format("{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},{:.3e}\n", motion.time(), e.kinetic, e.elastic,
-        e.broken, e.supplied, e.initial, e.defect());
-      if (k * frames / samples != (k - 1) * frames / samples)
-        writeFrame(fmt::format("{}/frame-{}.csv", out, k * frames / samples), scene, sample, motion, degrees);
-    }
-  }
+  motion.advance(r.steps);
   r.seconds = cpu() - begin;
   r.energies = motion.energies();
   r.broken = motion.broken();
@@ -137,21 +84,6 @@ std::vector<DynamicBreak> where(const Result& r, const MovingScene& scene, const
   return some;
 }
 
-void writeTip(const Keys& keys, const std::vector<TipPoint>& tip, const std::vector<TipSpeed>& speeds)
-{
-  const std::string out = text(keys, "out", "");
-  if (out.empty())
-    return;
-  std::ofstream file(out + "/tip.csv");
-  file << "time,position\n";
-  for (const TipPoint& t : tip)
-    file << fmt::format("{:.6e},{:.6e}\n", t.time, t.position);
-  std::ofstream other(out + "/speed.csv");
-  other << "time,speed\n";
-  for (const TipSpeed& s : speeds)
-    other << fmt::format("{:.6e},{:.6e}\n", s.time, s.speed);
-}
-
 void common(const std::string& name, const MovingScene& scene, const Result& r)
 {
   const Stencil stencil(2, scene.model.horizon);
@@ -165,21 +97,6 @@ void common(const std::string& name, const MovingScene& scene, const Result& r)
   fmt::print("  energy [J/m]: supplied {:.5g}, initial {:.5g}, kinetic {:.5g}, elastic {:.5g}, broken {:.5g}; defect "
              "{:.1e}\n",
     e.supplied, e.initial, e.kinetic, e.elastic, e.broken, e.defect());
-}
-
-void writeBonds(const Keys& keys, const MovingScene& scene, const Result& r)
-{
-  const std::string out = text(keys, "out", "");
-  if (out.empty())
-    return;
-  const Stencil stencil(2, scene.model.horizon);
-  std::ofstream file(out + "/bonds.csv");
-  file << "x,y,time\n";
-  for (const DynamicBreak& b : r.broken)
-  {
-    const PlanePoint p = middleOf(b.bond, stencil, scene.lattice);
-    file << fmt::format("{:.6e},{:.6e},{:.6e}\n", p[0], p[1], b.time);
-  }
 }
 
 double fastest(const std::vector<TipSpeed>& speeds)
@@ -218,8 +135,6 @@ void branching(const Keys& keys)
   const double rayleigh = rayleighSpeed(72e9, 1.0 / 3, scene.density);
   fmt::print("\n  fastest tip {:.0f} m/s in 2 us, Rayleigh {:.0f} m/s: {:.2f} of it\n", fastest(speeds), rayleigh,
     fastest(speeds) / rayleigh);
-  writeTip(keys, tip, speeds);
-  writeBonds(keys, scene, r);
 }
 
 void kalthoff(const Keys& keys)
@@ -258,10 +173,7 @@ void kalthoff(const Keys& keys)
       side == 0 ? "lower" : "upper", 1e6 * tip.front().time, 1e3 * line.length, angle / degree,
       std::abs(fitLine(start).angle) / degree, 1e3 * line.deviation, fastest(speeds), fastest(speeds) / rayleigh,
       rayleigh);
-    if (side == 1)
-      writeTip(keys, tip, speeds);
   }
-  writeBonds(keys, scene, r);
 }
 
 } // namespace

@@ -10,41 +10,10 @@
 
 #include "vtkDoubleArray.h"
 #include "vtkImageData.h"
-#include "vtkInformation.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 
 namespace pd = lamella::peridynamics;
-
-namespace
-{
-
-std::string nameOf(vtkInformation* choice, const char* otherwise)
-{
-  const bool named = choice != nullptr && choice->Has(vtkDataObject::FIELD_NAME());
-  const char* const name = named ? choice->Get(vtkDataObject::FIELD_NAME()) : "";
-  return *name != '\0' ? name : otherwise;
-}
-
-/// @throws InputError
-vtkDataArray* displacementOf(vtkImageData* input, const std::string& name, int dimension)
-{
-  vtkDataArray* const array = input->GetPointData()->GetArray(name.c_str());
-  if (array == nullptr)
-  {
-    throw lamella::InputError("the image has no point array '" + name + "'",
-      "solve for it with lamella equilibrium, or choose the array of displacements");
-  }
-  if (array->GetNumberOfComponents() < dimension || array->GetNumberOfComponents() > 3)
-  {
-    throw lamella::InputError("array '" + name + "' has " + std::to_string(array->GetNumberOfComponents()) +
-        " components; displacements have " + (dimension == 2 ? "2 or 3" : "3"),
-      "choose the array of displacements");
-  }
-  return array;
-}
-
-} // namespace
 
 vtkStandardNewMacro(vtkBondStress);
 
@@ -71,22 +40,14 @@ void vtkBondStress::Run(vtkImageData* input, vtkImageData* output, const lamella
   const lamella::BondScene scene(
     input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
   const int dimension = scene.lattice().dimension;
-  const std::string name = nameOf(this->GetInputArrayInformation(2), "displacement");
-  vtkDataArray* given = nullptr;
-  team.agree(
-    [&]
-    {
-      if (input->GetNumberOfPoints() > 0)
-      {
-        given = displacementOf(input, name, dimension);
-      }
-    });
+  const lamella::NodeVectors given = lamella::vectorsOf(
+    input, this->GetInputArrayInformation(2), "displacement", "solve for it with lamella equilibrium", dimension, team);
   this->UpdateProgress(0.1);
   const pd::ThreadScope threads(this->ThreadCount());
   const lamella::Communicator comm(team.comm());
   const pd::BondLattice bonds(scene.model(), scene.lattice(), scene.phase(), scene.grain(), comm);
   pd::NodeField<double> u(bonds.layout());
-  scene.toSlab(given, name, u);
+  scene.toSlab(given.array, given.name, u);
   bonds.exchange(u);
   this->UpdateProgress(0.5);
   if (team.any(this->CheckAbort()))
@@ -108,7 +69,7 @@ void vtkBondStress::Run(vtkImageData* input, vtkImageData* output, const lamella
   lamella::setFieldNumbers(output, "mean_stress", pd::meanStress(bonds, stress, scene.model().continuum));
   const nlohmann::json model = lamella::toJson(settings);
   lamella::setFieldText(output, lamella::bondModelName, model.dump());
-  lamella::continueProvenance(output, "bond_stress", { { "model", model }, { "displacement", name } });
+  lamella::continueProvenance(output, "bond_stress", { { "model", model }, { "displacement", given.name } });
 }
 
 void vtkBondStress::PrintSelf(ostream& os, vtkIndent indent)

@@ -49,17 +49,6 @@ std::array<Table, 4> tables(const BondOptions& o)
     { "--critical-stretch", o.criticalStretch, &vtkBondAlgorithm::SetCriticalStretch } } };
 }
 
-/// A coordinate: a number in metres, or one with a unit. 0 and negative ones are coordinates too.
-double coordinate(const std::string& text)
-{
-  if (const auto number = toNumber(text); number && std::isfinite(*number))
-  {
-    return *number;
-  }
-  const bool negative = !text.empty() && text.front() == '-';
-  return (negative ? -1 : 1) * lengthInMetres("--notch", negative ? text.substr(1) : text);
-}
-
 std::array<int, 3> parsePeriodic(const std::string& text)
 {
   std::array<int, 3> axes{ 0, 0, 0 };
@@ -108,12 +97,23 @@ void checkNames(const BondOptions& o, const std::vector<std::string>& names)
   {
     check("--relative-to", o.relativeTo);
   }
-  for (const std::string& name : o.voids)
+  const auto checkPhase = [&](const std::string& option, const std::string& name)
   {
     if (std::find(names.begin(), names.end(), name) == names.end())
     {
-      throw ParameterError("--void names '" + name + "', which is no phase of this sample",
+      throw ParameterError(option + " names '" + name + "', which is no phase of this sample",
         suggestion(name, names, "its phases are " + quotedList(names, "and")));
+    }
+  };
+  for (const std::string& name : o.voids)
+  {
+    checkPhase("--void", name);
+  }
+  for (const std::string& text : o.density)
+  {
+    if (text.find('=') != std::string::npos)
+    {
+      checkPhase("--density", keyValue("--density", text, "PHASE=VALUE").first);
     }
   }
 }
@@ -185,6 +185,16 @@ vtkSmartPointer<vtkIntArray> grainArray(const std::vector<std::int32_t>& grains,
 
 } // namespace
 
+double coordinate(const std::string& option, const std::string& text)
+{
+  if (const auto number = toNumber(text); number && std::isfinite(*number))
+  {
+    return *number;
+  }
+  const bool negative = !text.empty() && text.front() == '-';
+  return (negative ? -1 : 1) * lengthInMetres(option, negative ? text.substr(1) : text);
+}
+
 void addBondOptions(CLI::App& command, BondOptions& o, BondUse use)
 {
   const auto material = [&](const char* name, std::vector<std::string>& list, const char* text, const char* type)
@@ -199,6 +209,11 @@ void addBondOptions(CLI::App& command, BondOptions& o, BondUse use)
     material("--fracture-energy", o.fractureEnergy, "Fracture energy [J/m²]", "PAIR=VALUE");
     material("--toughness", o.toughness, "Toughness [Pa √m]", "PAIR=VALUE");
     material("--critical-stretch", o.criticalStretch, "Elongation at which bonds break", "PAIR=VALUE");
+  }
+  if (use == BondUse::Motion)
+  {
+    material("--density", o.density, "Density [kg/m³] of all that is solid, or of a phase", "VALUE|PHASE=VALUE")
+      ->required();
   }
   material("--like", o.like, "Bonds of the first pair are like those of the second", "PAIR=PAIR");
   command.add_option("--relative-to", o.relativeTo, "All other values are multiples of this pair's")
@@ -291,7 +306,7 @@ void applyBonds(const BondOptions& o, vtkBondAlgorithm* filter)
     std::vector<double> p;
     for (const std::string& part : split(text, ','))
     {
-      p.push_back(coordinate(part));
+      p.push_back(coordinate("--notch", part));
     }
     if (p.size() == 4)
     {
@@ -337,11 +352,15 @@ BondSample loadBondSample(Session& session, const PictureOptions& picture, const
     });
   Session::checkInterrupt();
   checkNames(o, sample.image.phases.names());
-  if (sample.pixelSizeSource == "none" && (!o.fractureEnergy.empty() || !o.toughness.empty()))
+  if (sample.pixelSizeSource == "none" && (!o.density.empty() || !o.fractureEnergy.empty() || !o.toughness.empty()))
   {
     throw ParameterError(fmt::format("{} needs the size of a pixel, which '{}' does not tell",
-                           o.toughness.empty() ? "--fracture-energy" : "--toughness", picture.file),
-      "add --pixel-size, such as --pixel-size 0.5um; or give --critical-stretch");
+                           !o.density.empty()      ? "motion"
+                             : o.toughness.empty() ? "--fracture-energy"
+                                                   : "--toughness",
+                           picture.file),
+      std::string("add --pixel-size, such as --pixel-size 0.5um") +
+        (o.density.empty() ? "; or give --critical-stretch" : ""));
   }
   BondSample result;
   result.pixelSizeSource = sample.pixelSizeSource;

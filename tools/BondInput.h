@@ -24,7 +24,8 @@ struct BondOptions
   std::vector<std::string> fractureEnergy;
   std::vector<std::string> toughness;
   std::vector<std::string> criticalStretch;
-  std::vector<std::string> like; ///< PAIR=PAIR
+  std::vector<std::string> like;    ///< PAIR=PAIR
+  std::vector<std::string> density; ///< VALUE of all, or PHASE=VALUE
   std::string relativeTo;
   std::string mixing = "none";
   std::vector<std::string> voids;
@@ -40,11 +41,15 @@ struct BondOptions
   int threads = 1;
 };
 
+/// A coordinate [m]: a number, or one with a unit. 0 and negative ones are coordinates too. @throws ParameterError
+[[nodiscard]] double coordinate(const std::string& option, const std::string& text);
+
 /// What a command does with the bonds: some options make no sense for some.
 enum class BondUse
 {
   Load,      ///< a sample between platens
   Fracture,  ///< likewise, in small strains: no --large-strains
+  Motion,    ///< forces are exact for large strains: no --large-strains; --density
   Stiffness, ///< a cell that repeats, in small strains: no --periodic, no --large-strains, nothing about breaking
 };
 

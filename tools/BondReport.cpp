@@ -106,7 +106,10 @@ void addModel(Json& json, const BondFields& f)
   json["thickness"] = thickness(f);
   json["loose_pieces"] = f.whole("loose_pieces");
   json["loose_nodes"] = f.whole("loose_nodes");
-  json["hinges"] = f.whole("hinges");
+  if (!f.numbers("hinges").empty()) // of an equilibrium
+  {
+    json["hinges"] = f.whole("hinges");
+  }
   json["warnings"] = fieldTexts(f.image, "warnings");
 }
 

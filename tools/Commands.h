@@ -31,6 +31,7 @@ struct Command
 [[nodiscard]] Command generateCommand(CLI::App& root);
 [[nodiscard]] Command diffusionCommand(CLI::App& root);
 [[nodiscard]] Command equilibriumCommand(CLI::App& root);
+[[nodiscard]] Command dynamicsCommand(CLI::App& root);
 [[nodiscard]] Command fractureCommand(CLI::App& root);
 [[nodiscard]] Command stiffnessCommand(CLI::App& root);
 [[nodiscard]] Command fluxMapCommand(CLI::App& root);

@@ -5,13 +5,15 @@
 #include "Session.h"
 #include "Text.h"
 
-#include "vtkBondFracture.h"
+#include "vtkBondBreakAlgorithm.h"
 #include "vtkLatticeConversion.h"
 
 #include "io/Checkpoint.h"
 #include "io/Provenance.h"
 
+#include <vtkDataObject.h>
 #include <vtkImageData.h>
+#include <vtkInformation.h>
 
 #include <fmt/format.h>
 
@@ -53,7 +55,7 @@ void StateFiles::needs(std::uint64_t bytes) const
   }
 }
 
-std::vector<std::string> StateFiles::write(vtkBondFracture* filter, const std::string& provenance)
+std::vector<std::string> StateFiles::write(vtkBondBreakAlgorithm* filter, const std::string& provenance)
 {
   std::vector<std::string> names;
   std::vector<double> times;
@@ -67,7 +69,7 @@ std::vector<std::string> StateFiles::write(vtkBondFracture* filter, const std::s
     setProvenance(image, provenance);
     writeGrid(image, file);
     names.push_back(file.path().string());
-    times.push_back(fieldNumbers(image, "strain").at(0));
+    times.push_back(image->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()));
     Session::checkInterrupt();
   }
   if (!collection_.empty())
@@ -96,7 +98,7 @@ void StateFiles::commit()
   }
 }
 
-void applyCheckpoint(const CheckpointWords& words, vtkBondFracture* filter)
+void applyCheckpoint(const CheckpointWords& words, vtkBondBreakAlgorithm* filter)
 {
   const std::string ending = std::filesystem::path(words.file).extension().string();
   if (!words.file.empty() && ending != ".h5" && ending != ".hdf5")
@@ -108,8 +110,7 @@ void applyCheckpoint(const CheckpointWords& words, vtkBondFracture* filter)
     const auto every = toInteger(words.every);
     if (!every || *every < 1)
     {
-      throw ParameterError("--checkpoint-every '" + words.every + "' is not a whole number above 0",
-        "it is a number of events, such as 500");
+      throw ParameterError("--checkpoint-every '" + words.every + "' is not a whole number above 0", "such as 500");
     }
     filter->SetCheckpointEvery(*every);
   }
@@ -129,8 +130,8 @@ void checkCheckpoint(const CheckpointWords& words, bool overwrite)
   }
 }
 
-std::string howToContinue(
-  const CheckpointWords& words, vtkBondFracture* filter, const std::string& commandLine, int ranks)
+std::string howToContinue(const CheckpointWords& words, vtkBondBreakAlgorithm* filter, const std::string& commandLine,
+  int ranks, const char* unit)
 {
   const vtkIdType events = filter->GetLastCheckpoint();
   const bool same = !words.continueFrom.empty() && io::sameFile(words.file, words.continueFrom);
@@ -142,16 +143,16 @@ std::string howToContinue(
       : words.continueFrom.empty()
       ? "go on from it with: " + launcher + commandLine + " --continue " + quoted(words.file)
       : "go on from it with the same command but --continue " + quoted(words.file);
-    return fmt::format("the checkpoint '{}' stands after {} events; {}", words.file, events, go);
+    return fmt::format("the checkpoint '{}' stands after {} {}; {}", words.file, events, unit, go);
   }
   if (!words.continueFrom.empty() && std::filesystem::exists(words.continueFrom))
   {
     return "no checkpoint was written since; the same command goes on from '" + words.continueFrom + "' again";
   }
   return words.file.empty() ? ""
-                            : fmt::format("no checkpoint was written yet: the first comes after {} events "
+                            : fmt::format("no checkpoint was written yet: the first comes after {} {} "
                                           "(--checkpoint-every)",
-                                filter->GetCheckpointEvery());
+                                filter->GetCheckpointEvery(), unit);
 }
 
 std::string collectionText(const std::vector<std::string>& files, std::vector<double> times)

@@ -5,14 +5,15 @@
 #include <string>
 #include <vector>
 
-class vtkBondFracture;
+class vtkBondBreakAlgorithm;
 class vtkImageData;
 
 namespace lamella::cli
 {
 
 /// The states of a fracture as files: NAME.vti, or where several are asked for NAME_000.vti, NAME_001.vti, … and
-/// NAME.pvd, which tells their strains as times. A run that goes on from a checkpoint counts the states before it too.
+/// NAME.pvd, which tells their strains, or times, as times. A run that goes on from a checkpoint counts the states
+/// before it too.
 class StateFiles
 {
 public:
@@ -27,7 +28,7 @@ public:
 
   /// Writes the states of the filter's last run. @returns the names, those of the states first
   /// @throws OutputError; Cancelled
-  [[nodiscard]] std::vector<std::string> write(vtkBondFracture* filter, const std::string& provenance);
+  [[nodiscard]] std::vector<std::string> write(vtkBondBreakAlgorithm* filter, const std::string& provenance);
   /// Gives what was written its names. @throws OutputError; Cancelled
   void commit();
 
@@ -47,7 +48,7 @@ struct CheckpointWords
 };
 
 /// Gives the filter what the words say. @throws ParameterError
-void applyCheckpoint(const CheckpointWords& words, vtkBondFracture* filter);
+void applyCheckpoint(const CheckpointWords& words, vtkBondBreakAlgorithm* filter);
 
 /// Refuses to replace a checkpoint that is there already, unless it is the one to go on from. On rank 0.
 /// @throws OutputError
@@ -55,9 +56,10 @@ void checkCheckpoint(const CheckpointWords& words, bool overwrite);
 
 /// What is left of a run that ended before its time, and how to go on from it; empty where no checkpoint was asked for.
 /// @param commandLine of the run
+/// @param unit that checkpoints count: "events"
 /// @param ranks that ran it: the words of the launcher before the program's are not known
-[[nodiscard]] std::string howToContinue(
-  const CheckpointWords& words, vtkBondFracture* filter, const std::string& commandLine, int ranks);
+[[nodiscard]] std::string howToContinue(const CheckpointWords& words, vtkBondBreakAlgorithm* filter,
+  const std::string& commandLine, int ranks, const char* unit);
 
 /// What ParaView reads as a time series.
 /// @param times of the files, made to rise by 1e-9 of themselves where they do not

@@ -23,6 +23,11 @@ namespace lamella::cli
 namespace
 {
 
+double share(double part, double whole)
+{
+  return whole > 0 ? 100 * part / whole : 0;
+}
+
 vtkDataArray* column(vtkPolyData* data, const char* name)
 {
   return data->GetPointData()->GetArray(name);
@@ -35,20 +40,6 @@ std::string pairOf(vtkPolyData* broken, const std::vector<std::string>& names, v
   { return names.at(static_cast<std::size_t>(column(broken, "phases")->GetComponent(i, end))); };
   const bool between = column(broken, "between_grains")->GetTuple1(i) != 0;
   return phase(0) == phase(1) && !between ? phase(0) : phase(0) + "-" + phase(1);
-}
-
-/// How many bonds of each pair broke, the most first.
-std::vector<std::pair<std::string, std::int64_t>> byPair(const FractureReport& report)
-{
-  const std::vector<std::string> names = fieldTexts(report.run.image, "phase_names");
-  std::map<std::string, std::int64_t> counts;
-  for (vtkIdType i = 0; i < report.broken->GetNumberOfPoints(); ++i)
-  {
-    ++counts[pairOf(report.broken, names, i)];
-  }
-  std::vector<std::pair<std::string, std::int64_t>> sorted(counts.begin(), counts.end());
-  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
-  return sorted;
 }
 
 Json firstBreak(const FractureReport& report, const BondFields& f)
@@ -98,11 +89,6 @@ Json statistics(const BondFields& f)
   return json;
 }
 
-double share(double part, double whole)
-{
-  return whole > 0 ? 100 * part / whole : 0;
-}
-
 std::string statisticsText(const BondFields& f)
 {
   const double events = std::max(f("events"), 1.0);
@@ -126,6 +112,41 @@ std::string statisticsText(const BondFields& f)
 
 } // namespace
 
+std::vector<std::pair<std::string, std::int64_t>> brokenByPair(const FractureReport& report)
+{
+  const std::vector<std::string> names = fieldTexts(report.run.image, "phase_names");
+  std::map<std::string, std::int64_t> counts;
+  for (vtkIdType i = 0; i < report.broken->GetNumberOfPoints(); ++i)
+  {
+    ++counts[pairOf(report.broken, names, i)];
+  }
+  std::vector<std::pair<std::string, std::int64_t>> sorted(counts.begin(), counts.end());
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  return sorted;
+}
+
+Json brokenByPairJson(const FractureReport& report)
+{
+  Json json = Json::object();
+  for (const auto& [pair, count] : brokenByPair(report))
+  {
+    json[pair] = count;
+  }
+  return json;
+}
+
+std::string brokenByPairText(const FractureReport& report)
+{
+  const auto all = static_cast<double>(report.broken->GetNumberOfPoints());
+  std::string text;
+  for (const auto& [pair, count] : brokenByPair(report))
+  {
+    text += fmt::format(
+      "{}{} {} ({:.3g} %)", text.empty() ? "" : ", ", pair, grouped(count), share(static_cast<double>(count), all));
+  }
+  return text;
+}
+
 std::string fractureJson(const FractureReport& report)
 {
   const BondFields f(report.run);
@@ -136,11 +157,7 @@ std::string fractureJson(const FractureReport& report)
   json["effective_modulus"] = jsonNumber(f("effective_modulus"));
   json["first_break"] = firstBreak(report, f);
   json["broken"] = f.whole("total_broken");
-  json["broken_by_pair"] = Json::object();
-  for (const auto& [pair, count] : byPair(report))
-  {
-    json["broken_by_pair"][pair] = count;
-  }
+  json["broken_by_pair"] = brokenByPairJson(report);
   json["broken_energy"] = f("broken_energy");
   json["end"] = f.text("end");
   json["end_reason"] = f.text("end_reason");
@@ -189,15 +206,7 @@ std::string fractureTable(const FractureReport& report)
     pascal(f("stress")), share(f("stress"), f("peak_stress")), grouped(f.whole("total_broken")), f.text("end_reason"));
   if (f("total_broken") > 0)
   {
-    text += "    broken            ";
-    bool first = true;
-    for (const auto& [pair, count] : byPair(report))
-    {
-      text += fmt::format("{}{} {} ({:.3g} %)", first ? "" : ", ", pair, grouped(count),
-        share(static_cast<double>(count), f("total_broken")));
-      first = false;
-    }
-    text += "\n";
+    text += "    broken            " + brokenByPairText(report) + "\n";
     if (known)
     {
       text += fmt::format("    energy in them    {:.6g} {}\n", f("broken_energy"), f.dimension == 2 ? "J/m" : "J");

@@ -1,7 +1,11 @@
 #include "BondFields.h"
 
+#include "lattice/Error.h"
+
+#include "vtkDataObject.h"
 #include "vtkDoubleArray.h"
 #include "vtkImageData.h"
+#include "vtkInformation.h"
 #include "vtkPointData.h"
 
 namespace pd = lamella::peridynamics;
@@ -25,6 +29,35 @@ void addStrainEnergy(
   const auto array = scene.toPiece(energy, std::array<int, 1>{ 0 }, "strain_energy");
   describe(array, "J/m^3", "elastic energy of half of the node's bonds over its volume", creator);
   output->GetPointData()->AddArray(array);
+}
+
+NodeVectors vectorsOf(vtkImageData* piece, vtkInformation* choice, const char* otherwise, const char* whence,
+  int dimension, const Team& team)
+{
+  const bool named = choice != nullptr && choice->Has(vtkDataObject::FIELD_NAME());
+  const char* const name = named ? choice->Get(vtkDataObject::FIELD_NAME()) : "";
+  NodeVectors v{ nullptr, *name != '\0' ? name : otherwise };
+  team.agree(
+    [&]
+    {
+      if (piece->GetNumberOfPoints() == 0)
+      {
+        return;
+      }
+      v.array = piece->GetPointData()->GetArray(v.name.c_str());
+      if (v.array == nullptr)
+      {
+        throw InputError(
+          "the image has no point array '" + v.name + "'", std::string(whence) + ", or choose another array");
+      }
+      if (const int n = v.array->GetNumberOfComponents(); n < dimension || n > 3)
+      {
+        throw InputError("array '" + v.name + "' has " + std::to_string(n) + " components; vectors of a " +
+            (dimension == 2 ? "picture have 2 or 3" : "volume have 3"),
+          "choose another array");
+      }
+    });
+  return v;
 }
 
 } // namespace lamella

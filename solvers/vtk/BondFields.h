@@ -20,6 +20,19 @@ void addDisplacement(vtkImageData* output, const BondScene& scene, const peridyn
 VTKLAMELLASOLVERSVTK_EXPORT void addStrainEnergy(
   vtkImageData* output, const BondScene& scene, const peridynamics::NodeField<double>& energy, const char* creator);
 
+/// Vectors at the nodes of a piece.
+struct NodeVectors
+{
+  vtkDataArray* array = nullptr; ///< null where the piece is empty
+  std::string name;
+};
+
+/// Collective. The point array that `choice` (vtkAlgorithm::GetInputArrayInformation) names, or `otherwise`.
+/// @param whence words for the hint where there is none
+/// @throws InputError on every rank where it is missing or has no such number of components
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT NodeVectors vectorsOf(vtkImageData* piece, vtkInformation* choice,
+  const char* otherwise, const char* whence, int dimension, const Team& team);
+
 /// What a study visited and what it skipped, and its warnings, as field data.
 /// @param r with solidNodes, nodes, bonds, strips, bytes, warnings
 template <class Result>

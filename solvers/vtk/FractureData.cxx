@@ -45,47 +45,59 @@ const char* wordOf(pd::Breaking breaking)
   return breaking == pd::Breaking::Strict ? "strict" : "batched";
 }
 
+void setBonds(vtkPolyData* output, std::span<const pd::Bond> bonds, std::span<const pd::BondEnds> ends,
+  const BondScene& scene, const char* creator, std::initializer_list<vtkDataArray*> first)
+{
+  const Lattice& lattice = scene.lattice();
+  const pd::Stencil stencil(lattice.dimension, scene.model().horizon);
+  const auto points = newPoints(bonds.size());
+  const auto vector = newArray<vtkDoubleArray>("bond", 3, bonds.size());
+  const auto phases = newArray<vtkUnsignedCharArray>("phases", 2, bonds.size());
+  const auto between = newArray<vtkUnsignedCharArray>("between_grains", 1, bonds.size());
+  for (std::size_t i = 0; i < bonds.size(); ++i)
+  {
+    const auto id = static_cast<vtkIdType>(i);
+    points->SetPoint(id, pd::middleOf(lattice, stencil, bonds[i]).data());
+    const auto& step = stencil.half()[static_cast<std::size_t>(bonds[i].offset)].step;
+    vector->SetTuple3(id, lattice.spacing * step[0], lattice.spacing * step[1], lattice.spacing * step[2]);
+    phases->SetTypedComponent(id, 0, ends[i].low);
+    phases->SetTypedComponent(id, 1, ends[i].high);
+    between->SetValue(id, ends[i].betweenGrains ? 1 : 0);
+  }
+  describe(vector, "m", "from its first node to its second", creator);
+  describe(phases, "1", "phases of both ends, the lesser first", creator);
+  describe(between, "1", "1 where the ends lie in two different grains", creator);
+  setVertices(output, points);
+  vtkPointData* const data = output->GetPointData();
+  addArrays(data, first);
+  addArrays(data, { vector, phases, between });
+  data->SetActiveScalars("event");
+}
+
 void setBrokenBonds(vtkPolyData* output, const pd::FractureResult& result, const BondScene& scene, const char* creator)
 {
   const std::vector<pd::BrokenBond>& broken = result.record.broken;
   const std::size_t count = broken.size();
-  const Lattice& lattice = scene.lattice();
-  const pd::Stencil stencil(lattice.dimension, scene.model().horizon);
-  const auto points = newPoints(count);
+  std::vector<pd::Bond> bonds;
   const auto event = newArray<vtkTypeInt64Array>("event", 1, count);
   const auto strain = newArray<vtkDoubleArray>("strain", 1, count);
   const auto critical = newArray<vtkDoubleArray>("critical_strain", 1, count);
   const auto stress = newArray<vtkDoubleArray>("stress", 1, count);
-  const auto bond = newArray<vtkDoubleArray>("bond", 3, count);
-  const auto phases = newArray<vtkUnsignedCharArray>("phases", 2, count);
-  const auto between = newArray<vtkUnsignedCharArray>("between_grains", 1, count);
   for (std::size_t i = 0; i < count; ++i)
   {
     const pd::BrokenBond& b = broken[i];
-    const pd::BondEnds& ends = result.ends[i];
     const auto id = static_cast<vtkIdType>(i);
-    points->SetPoint(id, pd::middleOf(lattice, stencil, b.bond).data());
+    bonds.push_back(b.bond);
     event->SetValue(id, b.event);
     strain->SetValue(id, b.strain);
     critical->SetValue(id, b.criticalStrain);
     stress->SetValue(id, b.stress);
-    const auto& step = stencil.half()[static_cast<std::size_t>(b.bond.offset)].step;
-    bond->SetTuple3(id, lattice.spacing * step[0], lattice.spacing * step[1], lattice.spacing * step[2]);
-    phases->SetTypedComponent(id, 0, ends.low);
-    phases->SetTypedComponent(id, 1, ends.high);
-    between->SetValue(id, ends.betweenGrains ? 1 : 0);
   }
   describe(event, "1", "number of the event in which it broke, from 1", creator);
   describe(strain, "1", "strain that was imposed when it broke", creator);
   describe(critical, "1", "strain at which it was just critical: the path that follows every snap-back", creator);
   describe(stress, "Pa", "stress at the imposed strain, just before it broke", creator);
-  describe(bond, "m", "from its first node to its second", creator);
-  describe(phases, "1", "phases of both ends, the lesser first", creator);
-  describe(between, "1", "1 where the ends lie in two different grains", creator);
-  setVertices(output, points);
-  vtkPointData* const data = output->GetPointData();
-  addArrays(data, { event, strain, critical, stress, bond, phases, between });
-  data->SetActiveScalars("event");
+  setBonds(output, bonds, result.ends, scene, creator, { event, strain, critical, stress });
 }
 
 void setFractureCurve(vtkTable* output, const pd::FractureResult& result, const char* creator)
@@ -162,7 +174,7 @@ void setLatticeNumbers(vtkDataObject* output, const Lattice& lattice)
   setFieldNumbers(output, "lattice_origin", lattice.origin);
 }
 
-void setFractureState(vtkImageData* output, const pd::FractureState& state, const BondScene& scene, const char* creator)
+void setBrokenState(vtkImageData* output, const pd::BrokenState& state, const BondScene& scene, const char* creator)
 {
   vtkPointData* const points = output->GetPointData();
   const auto add = [points](vtkDataArray* array) { points->AddArray(array); };
@@ -190,12 +202,16 @@ void setFractureState(vtkImageData* output, const pd::FractureState& state, cons
   {
     addStrainEnergy(output, scene, *state.energyDensity, creator);
   }
-  const auto set = [output](const char* name, double value) { setFieldNumber(output, name, value); };
-  set("strain", state.strain);
-  set("stress", state.stress);
-  set("broken_bonds", static_cast<double>(state.broken));
-  set("hinges", static_cast<double>(state.hinges));
-  set("state_iterations", static_cast<double>(state.iterations));
+  setFieldNumber(output, "strain", state.strain);
+  setFieldNumber(output, "stress", state.stress);
+  setFieldNumber(output, "broken_bonds", static_cast<double>(state.broken));
+}
+
+void setFractureState(vtkImageData* output, const pd::FractureState& state, const BondScene& scene, const char* creator)
+{
+  setBrokenState(output, state, scene, creator);
+  setFieldNumber(output, "hinges", static_cast<double>(state.hinges));
+  setFieldNumber(output, "state_iterations", static_cast<double>(state.iterations));
   output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), state.strain);
 }
 

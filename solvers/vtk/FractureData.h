@@ -4,6 +4,10 @@
 
 #include "peridynamics/fracture/FractureStudy.h"
 
+#include <initializer_list>
+#include <span>
+
+class vtkDataArray;
 class vtkDataObject;
 class vtkImageData;
 class vtkPolyData;
@@ -18,6 +22,11 @@ namespace lamella
 [[nodiscard]] const char* wordOf(peridynamics::FractureMethod method);
 [[nodiscard]] const char* wordOf(peridynamics::Breaking breaking);
 
+/// One vertex a bond, with `bond`, `phases`, `between_grains` behind the arrays given.
+void setBonds(vtkPolyData* output, std::span<const peridynamics::Bond> bonds,
+  std::span<const peridynamics::BondEnds> ends, const BondScene& scene, const char* creator,
+  std::initializer_list<vtkDataArray*> first);
+
 /// One vertex a broken bond; arrays as vtkBondFracture says, its field data not.
 void setBrokenBonds(
   vtkPolyData* output, const peridynamics::FractureResult& result, const BondScene& scene, const char* creator);
@@ -30,6 +39,10 @@ void setFractureNumbers(vtkImageData* output, const peridynamics::FractureResult
 
 /// `spacing` [m], `lattice_size`, `lattice_origin` [m]: 3 numbers each.
 void setLatticeNumbers(vtkDataObject* output, const Lattice& lattice);
+
+/// What all states of samples that break have as point data and numbers. Collective.
+void setBrokenState(
+  vtkImageData* output, const peridynamics::BrokenState& state, const BondScene& scene, const char* creator);
 
 /// A state's point data and numbers. Collective.
 void setFractureState(

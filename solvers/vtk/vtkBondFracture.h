@@ -56,33 +56,21 @@
 #ifndef vtkBondFracture_h
 #define vtkBondFracture_h
 
-#include "vtkBondLoadAlgorithm.h"
+#include "vtkBondBreakAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 
-#include "vtkTimeStamp.h" // for a member
-
 #include <memory> // for std::unique_ptr
-#include <string> // for a member
 
-class vtkPolyData;
-class vtkTable;
-
-class VTKLAMELLASOLVERSVTK_EXPORT vtkBondFracture : public vtkBondLoadAlgorithm
+class VTKLAMELLASOLVERSVTK_EXPORT vtkBondFracture : public vtkBondBreakAlgorithm
 {
 public:
   static vtkBondFracture* New();
-  vtkTypeMacro(vtkBondFracture, vtkBondLoadAlgorithm);
+  vtkTypeMacro(vtkBondFracture, vtkBondBreakAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /** STRETCH, SHEAR or BIAXIAL; default STRETCH. */
   vtkSetClampMacro(Load, int, STRETCH, BIAXIAL);
 
-  ///@{
-  /** The high platen moves the other way: towards the low one. Default off. */
-  vtkSetMacro(Compression, bool);
-  vtkGetMacro(Compression, bool);
-  vtkBooleanMacro(Compression, bool);
-  ///@}
   ///@{
   /** BIAXIAL: strain along the other axes over that along the axis. Default 0. */
   vtkSetMacro(LateralRatio, double);
@@ -121,125 +109,37 @@ public:
   ///@}
 
   ///@{
-  /** Ends when the stress has fallen to this share of the peak, in [0, 1). Default 0.05. */
-  vtkSetMacro(StopShare, double);
-  vtkGetMacro(StopShare, double);
-  ///@}
-  ///@{
-  /** Ends there; 0 (default): no limit. */
-  vtkSetMacro(MaximumStrain, double);
-  vtkGetMacro(MaximumStrain, double);
-  ///@}
-  ///@{
   /** The strain is raised to multiples of this, each time to the first at which a bond is critical: batches are larger
    *  and fewer, and a run sooner at its end, while the peak may lie up to one step higher. 0 (default): to where the
    *  next bond just is critical. */
   vtkSetMacro(StrainStep, double);
   vtkGetMacro(StrainStep, double);
   ///@}
-  ///@{
-  /** Ends after so many broken bonds; 0 (default): no limit. */
-  vtkSetMacro(MaximumBroken, vtkIdType);
-  vtkGetMacro(MaximumBroken, vtkIdType);
-  ///@}
 
   ///@{
-  /** States to keep on the way, at imposed strains and at numbers of broken bonds; the end is always kept. They change
-   * nothing that breaks. */
+  /** States to keep on the way, at imposed strains. They change nothing that breaks. */
   void AddStateAtStrain(double strain);
   void RemoveAllStatesAtStrains();
-  void AddStateAtBroken(vtkIdType broken);
-  void RemoveAllStatesAtBroken();
   ///@}
-  ///@{
-  /** The state that output 0 shows, from 0, in the order of the run; -1 (default): the end. A change runs nothing
-   * again. Beyond the last it is the end. */
-  void SetState(int state);
-  vtkGetMacro(State, int);
-  ///@}
-
-  ///@{
-  /** A file that keeps where the run stands, in HDF5, after every CheckpointEvery events; what is there already is
-   * replaced. Empty (default): none. When it cannot be written the run goes on, and says so. */
-  void SetCheckpointFile(const std::string& path);
-  const std::string& GetCheckpointFile() const { return this->CheckpointFile; }
-  ///@}
-  ///@{
-  /** Events between two renewals of all that is only there to save work, whether a file is written or not. What breaks
-   * depends on it in near ties, so a run goes on with the number that it began with. Default 500; at least 1. */
-  vtkSetClampMacro(CheckpointEvery, vtkIdType, 1, VTK_ID_MAX);
-  vtkGetMacro(CheckpointEvery, vtkIdType);
-  ///@}
-  ///@{
-  /** A checkpoint of the same scene to go on from: the same bonds break then, to the last bit, as in a run that was
-   * never stopped. States that lie before it are not made. Empty (default): from the unbroken sample, as where this is
-   * CheckpointFile and not there yet. */
-  void SetContinueFile(const std::string& path);
-  const std::string& GetContinueFile() const { return this->ContinueFile; }
-  ///@}
-  ///@{
-  /** Events in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
-  vtkGetMacro(LastCheckpoint, vtkIdType);
-  ///@}
-
-  ///@{
-  /** Whether the states carry displacements; what is off is not computed. Default on. */
-  vtkSetMacro(ComputeDisplacement, bool);
-  vtkGetMacro(ComputeDisplacement, bool);
-  vtkBooleanMacro(ComputeDisplacement, bool);
-  ///@}
-
-  /** Output 1. */
-  vtkPolyData* GetBrokenBonds();
-  /** Output 2. */
-  vtkTable* GetCurve();
-  ///@{
-  /** Of the last update. The image is the piece of this rank; null where there is none such. */
-  int GetNumberOfStates();
-  vtkImageData* GetStateImage(int state);
-  ///@}
-  ///@{
-  /** Largest stress of the last update [Pa]; NaN before it. */
-  vtkGetMacro(PeakStress, double);
-  ///@}
-
-  /** Later than the last change of a setting, or of State. */
-  vtkMTimeType GetMTime() override;
 
 protected:
   vtkBondFracture();
   ~vtkBondFracture() override;
 
-  int FillOutputPortInformation(int port, vtkInformation* info) override;
-
-  void Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team) override;
+  void Solve(vtkImageData* input, const lamella::Team& team, vtkPolyData* broken, vtkTable* curve) override;
 
 private:
   vtkBondFracture(const vtkBondFracture&) = delete;
   void operator=(const vtkBondFracture&) = delete;
 
-  void Solve(vtkImageData* input, const lamella::Team& team);
-
   struct Internals;
-  std::unique_ptr<Internals> Kept;
+  std::unique_ptr<Internals> Internal;
 
-  bool Compression = false;
   double LateralRatio = 0;
   int Method = AUTO;
   int Breaking = STRICT;
   bool Rivals = true;
-  double StopShare = 0.05;
-  double MaximumStrain = 0;
   double StrainStep = 0;
-  vtkIdType MaximumBroken = 0;
-  int State = -1;
-  vtkTimeStamp StateTime;
-  std::string CheckpointFile;
-  vtkIdType CheckpointEvery = 500;
-  std::string ContinueFile;
-  vtkIdType LastCheckpoint = 0;
-  bool ComputeDisplacement = true;
-  double PeakStress;
 };
 
 #endif

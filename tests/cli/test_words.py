@@ -8,7 +8,7 @@ import unittest
 import pictures
 from program import CONDUCTIVITIES, HERE, PHASES, Case
 
-COMMANDS = ["generate", "diffusion", "flux-map", "packing", "bridges", "equilibrium", "fracture", "stiffness",
+COMMANDS = ["generate", "diffusion", "flux-map", "packing", "bridges", "equilibrium", "fracture", "dynamics", "stiffness",
             "pore-flood-fill", "stress-pdf", "crack-path", "snapshot", "info"]
 
 

@@ -44,7 +44,7 @@ inline vtkSmartPointer<vtkImageData> band(int nx = 24, int ny = 36, int nz = 1)
   return image;
 }
 
-inline void configure(vtkBondFracture* filter)
+inline void configure(vtkBondAlgorithm* filter)
 {
   filter->SetYoungsModulus("wall", 4e9);
   filter->SetYoungsModulus("lamella", 1e9);

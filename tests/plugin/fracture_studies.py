@@ -1,9 +1,11 @@
-"""The studies of fracture at a quick size, and what they are to show: griffith, grains or wood."""
+"""The studies of fracture at a quick size, and what they are to show: griffith, grains, wood or motion."""
 
 import importlib.util
 import os
 import sys
 import types
+
+import numpy as np
 
 EXAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "examples")
 
@@ -51,6 +53,22 @@ def grains():
     assert len(curves) == len(rows) and len(cracks) == 2
 
 
+def motion():
+    study = load("dynamic-fracture", "study")
+    # Coarse plates: what holds on all lattices of docs/benchmarks/dynamic-fracture.md.
+    plate, (_, speeds) = study.study("branching", quick=True)
+    assert abs(plate.energy_defect[-1]) < 2e-3, plate.energy_defect[-1]
+    near("fastest tip over Rayleigh's", speeds.max() / study.SCENES["branching"]["rayleigh"], 0.5, 0.15)
+    middle = 0.5 * plate.shape[0] * plate.spacing
+    x, y = plate.broken["position"].T
+    near("mean height of the broken bonds over half the plate's", y.mean() / middle, 1, 1e-9)  # images of each other
+    assert x.max() > 0.08 and np.ptp(y[x > 0.085]) > 0.008, "two branches"
+    struck, _ = study.study("kalthoff", quick=True)
+    crack, direction = study.crack_of("kalthoff", struck.broken, struck.spacing)
+    near("angle of the crack", np.degrees(np.arctan2(direction[1], direction[0])), 65, 10)
+    assert len(crack) > 50
+
+
 def wood():
     study = load("wood-fracture", "study")
     options = types.SimpleNamespace(spacing=0.3, size=75, share=1, seed=2, notch=0.25, stop=0.3, rivals=False)
@@ -64,4 +82,4 @@ def wood():
 
 
 if __name__ == "__main__":
-    {"griffith": griffith, "grains": grains, "wood": wood}[sys.argv[1]]()
+    {"griffith": griffith, "grains": grains, "wood": wood, "motion": motion}[sys.argv[1]]()

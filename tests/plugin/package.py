@@ -563,6 +563,50 @@ class Bonds(unittest.TestCase):
         np.testing.assert_allclose(half.stress, result.stress / 2)
         self.assertEqual(result.provenance["parameters"]["equilibrium"]["model"]["young"], {"stone": 2e9})
 
+    def test_motion(self):
+        phase = np.ones((36, 24), int)
+        for x in range(24):
+            phase[16 + x // 8 : 21 + x // 8, x] = 2  # a layer of glue, slightly inclined
+        sample = lamella.from_array(phase, names=["void", "stone", "glue"], spacing=1e-5)
+        young = {"stone": 4e9, "glue": 1e9}
+        whole = {"like": {"glue-stone": "glue"}}
+        breaks = {"critical_stretch": {"stone": 1e-2, "glue": 2e-3}, **whole}
+        density = {"stone": 2000, "glue": 1000}
+        torn = lamella.dynamics(sample, young, density, **breaks, damping=0.1, at_broken=[10])
+        self.assertEqual((torn.end, torn.axis), ("stress-fell", "y"))
+        strict = lamella.fracture(sample, young, **breaks)
+        self.assertAlmostEqual(torn.peak_stress / strict.peak_stress, 1, delta=0.05)  # at 30 travel times
+        broken = torn.broken
+        self.assertAlmostEqual(broken["energy"].sum() / torn.energies["broken"][-1], 1)
+        self.assertTrue((np.diff(broken["time"]) >= 0).all())
+        self.assertEqual(torn.states[-1].broken.sum(), 2 * len(broken))
+        self.assertGreaterEqual(torn.states[0].broken_bonds, 10)
+        self.assertEqual(torn.stress.max(), torn.peak_stress)
+        self.assertEqual(torn.broken_so_far[-1], len(broken))
+        self.assertAlmostEqual(torn.time[-1] / (torn.steps * torn.time_step), 1)
+        self.assertIn("bonds broken, stress-fell", repr(torn))
+        # what flies keeps its energy; the top row of velocities is the top of the picture
+        start = np.zeros((36, 24, 2))
+        start[..., 0] = 3
+        start[:4, :, 1] = 4  # the upper four rows
+        mass = 1e-10 * np.where(phase == 2, 1000, 2000)
+        energy = 0.5 * (mass * (start**2).sum(axis=-1)).sum()
+        flying = lamella.dynamics(sample, young, density, **whole, velocity=start, end_time=1e-12)
+        self.assertAlmostEqual(flying.energies["kinetic"][0] / energy, 1)
+        self.assertAlmostEqual(flying.velocity[0, 5, 1], 4, delta=0.1)
+        self.assertAlmostEqual(flying.velocity[30, 5, 1], 0, delta=0.1)
+        uniform = lamella.dynamics(sample, young, 1500, **whole, velocity=(1, -2), end_time=1e-9)
+        self.assertAlmostEqual(uniform.energies["kinetic"][-1] / (0.5 * 1500 * 5 * 36 * 24 * 1e-10), 1)
+        self.assertTrue(np.isnan(uniform.strain_rate))
+        with self.assertRaisesRegex(lamella.LamellaError, "is above the stable one"):
+            lamella.dynamics(sample, young, density, **breaks, step=2 * torn.stable_step)
+        with self.assertRaisesRegex(lamella.LamellaError, "there is no side 'top'"):
+            lamella.dynamics(sample, young, density, **whole, velocities={"top": (0, 1)}, end_time=1e-9)
+        with self.assertRaisesRegex(ValueError, "the sample's is"):
+            lamella.dynamics(sample, young, density, **whole, velocity=np.zeros((24, 36, 2)), end_time=1e-9)
+        with self.assertRaisesRegex(TypeError, "large"):
+            lamella.dynamics(sample, young, density, strains="large")
+
     def test_fracture(self):
         phase = np.ones((36, 24), int)
         for x in range(24):

@@ -1,5 +1,7 @@
 """The plugin's sources and filters through paraview.simple: names, defaults, documentation, numbers."""
 
+import os
+import tempfile
 import unittest
 
 import lamella
@@ -23,6 +25,7 @@ class Proxies(unittest.TestCase):
     def test_every_property_says_what_it_is(self):
         for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap, pv.PoreFloodFill,
                        pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondFracture,
+                       pv.BondDynamics,
                        pv.BondStiffness, pv.BondStress, pv.StressPDF, pv.MicrographContours, pv.MicrographPolygonReader,
                        pv.CrackPath, pv.MicrographLattice):
             proxy = create()
@@ -57,7 +60,15 @@ class Proxies(unittest.TestCase):
                                "SurfaceCorrection", "Periodic", "Threads", "Load", "LoadAxis", "Compression",
                                "LateralRatio", "SmoothPlatens", "RigidPlatens", "PlatenLayers", "Breaking", "StrainStep",
                                "StopShare", "MaximumStrain", "MaximumBroken", "State", "ComputeDisplacement", "ComputeStress",
-                               "ComputeStrainEnergy", "Method", "Rivals", "Tolerance")),
+                               "ComputeStrainEnergy", "Method", "Rivals", "Tolerance", "CheckpointFile",
+                               "CheckpointEvery", "ContinueFile")),
+            (pv.BondDynamics, ("Density", "Pull", "Load", "LoadAxis", "Compression", "StrainRate", "TravelTimes",
+                               "StartShare", "SmoothPlatens", "RigidPlatens", "PlatenLayers", "InitialVelocity",
+                               "UseInputVelocity", "Relaxation", "ReferenceEnergy", "ReferenceCrack", "StartRate",
+                               "Damping", "TimeStep", "StepShare", "EndTime", "StopShare", "MaximumStrain",
+                               "MaximumBroken", "HistoryEvery", "State", "ComputeDisplacement", "ComputeVelocity",
+                               "ComputeStress", "ComputeStrainEnergy", "CheckpointFile", "CheckpointEvery",
+                               "ContinueFile", "Horizon", "Mixing", "Continuum", "Micromodulus", "Threads")),
             (pv.BondStiffness, ("RelativeTo", "Mixing", "Horizon", "Continuum", "Micromodulus", "CutVoidBonds",
                                 "SurfaceCorrection", "Threads", "EstimateError", "Tolerance", "MaximumIterations")),
             (pv.BondStress, ("ModelFromInput", "ComputeStrainEnergy", "Horizon", "Mixing")),
@@ -178,6 +189,48 @@ class Proxies(unittest.TestCase):
             torn.UpdatePipeline()
             self.assertEqual(field(torn, "broken_bonds")[0], broken)
         self.assertEqual(sorted(torn.PointData.keys()), ["broken", "damage", "phase"])
+
+    def test_fracture_goes_on(self):
+        tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[42, 48, 1], SolidFraction=0.6)
+        whole = pv.BondFracture(Input=tissue, CheckpointEvery=4)
+        whole.UpdatePipeline()
+        count = servermanager.Fetch(whole, idx=1).GetNumberOfPoints()
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "run.h5")
+            first = pv.BondFracture(Input=tissue, CheckpointFile=file, CheckpointEvery=4, MaximumBroken=10)
+            first.UpdatePipeline()
+            self.assertEqual(field(first, "last_checkpoint"), [8])
+            second = pv.BondFracture(Input=tissue, ContinueFile=file, CheckpointEvery=4)
+            second.UpdatePipeline()
+            self.assertEqual(field(second, "continued_at"), [8])
+        self.assertEqual(servermanager.Fetch(second, idx=1).GetNumberOfPoints(), count)
+        self.assertEqual(field(second, "peak_stress"), field(whole, "peak_stress"))
+
+    def test_motion(self):
+        tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[42, 48, 1], SolidFraction=0.6)
+        torn = pv.BondDynamics(Input=tissue)  # Young's modulus and critical stretch of walls
+        torn.UpdatePipeline()
+        image = servermanager.Fetch(tissue)
+        expected = lamella.dynamics(image, {"wall": 1e10}, 1000, critical_stretch={"wall": 0.01})
+        self.assertEqual(field(torn, "peak_stress")[0], expected.peak_stress)
+        self.assertEqual(servermanager.Fetch(torn, idx=1).GetNumberOfPoints(), len(expected.broken))
+        self.assertEqual(servermanager.Fetch(torn, idx=2).GetNumberOfRows(), len(expected.time))
+        self.assertEqual(sorted(torn.PointData.keys()), ["broken", "damage", "displacement", "phase", "velocity"])
+        struck = pv.BondDynamics(
+            Input=tissue, Pull=0, PhaseDensities=["wall", "1500"], SideVelocities=["y+", "y", "30", "y+", "x", "0"],
+            SideTractions=["x-", "x", "1e5"], BoxVelocities=["0", "0", "0", "1", "2e-6", "0", "y", "-30"], EndTime=2e-9,
+            StatesAtTimes=[1e-9], StepShare=0.5)
+        struck.UpdatePipeline()
+        expected = lamella.dynamics(
+            image, {"wall": 1e10}, {"wall": 1500}, critical_stretch={"wall": 0.01}, velocities={"y+": (0, 30)},
+            tractions={"x-": (1e5, 0)}, boxes=[((0, 0), (1, 2e-6), (None, -30))], end_time=2e-9, at_times=[1e-9],
+            step_share=0.5)
+        self.assertEqual(field(struck, "supplied_energy")[0], expected.energies["supplied"][-1])
+        self.assertGreater(field(struck, "supplied_energy")[0], 0)
+        for state in (0, 1):
+            struck.State = state
+            struck.UpdatePipeline()
+            self.assertEqual(field(struck, "time")[0], expected.states[state].time)
 
     def test_cracks(self):
         tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[42, 48, 1], SolidFraction=0.6)

@@ -1,11 +1,13 @@
 #include "peridynamics/fracture/DampedPull.h"
 
 #include "lattice/Error.h"
+#include "peridynamics/BondForces.h"
 #include "peridynamics/Equilibrium.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace lamella::peridynamics
@@ -34,6 +36,16 @@ std::array<double, 3> centreOf(const BondLattice& bonds, const LoadedSample& sam
   return centre;
 }
 
+/// A strain of one, in the direction that is asked for.
+Loading unitOf(const Loading& loading)
+{
+  if (loading.load != LoadCase::Stretch && loading.load != LoadCase::Shear)
+    throw ParameterError("a damped pull by a load that is neither stretch nor shear", "choose one of these");
+  Loading unit = loading;
+  unit.strain = loading.strain < 0 ? -1 : 1;
+  return unit;
+}
+
 } // namespace
 
 double travelTime(double length, double modulus, double density) noexcept
@@ -41,10 +53,48 @@ double travelTime(double length, double modulus, double density) noexcept
   return length / std::sqrt(modulus / density);
 }
 
+SlowPull::SlowPull(const BondLattice& bonds, const Loading& loading, std::function<bool(double)> progress)
+  : bonds_(bonds)
+  , loading_(unitOf(loading))
+  , axis_(loading.axis < 0 ? bonds.dimension() - 1 : loading.axis)
+  , along_(loading.load == LoadCase::Shear ? (axis_ + 1) % bonds.dimension() : axis_)
+  , sample_(applyLoading(bonds, loading_))
+  , force_(bonds, loading_, sample_)
+  , unit_(sample_.displacement)
+{
+  EquilibriumOptions o;
+  o.progress = std::move(progress);
+  Equilibrium(bonds, sample_.fixed, o).solve(unit_);
+  bonds.exchange(unit_);
+  centre_ = centreOf(bonds, sample_);
+  NodeField<double> force(bonds.layout());
+  linearForce(bonds, unit_, force);
+  modulus_ = stress(force);
+  const double ratio = largestStretch(bonds, unit_, false).ratio;
+  firstBreak_ = ratio > 0 ? 1 / ratio : std::numeric_limits<double>::infinity();
+}
+
+NodeField<double> SlowPull::displacement(double strain) const
+{
+  NodeField<double> u = unit_;
+  for (int c = 0; c < u.components(); ++c)
+    for (std::int64_t i = 0; i < u.layout().count(); ++i)
+      u.component(c)[i] *= strain;
+  return u;
+}
+
+NodeField<double> SlowPull::velocity(double strainRate) const
+{
+  NodeField<double> v(unit_.layout());
+  for (int c = 0; c < v.components(); ++c)
+    for (std::int64_t i = 0; i < v.layout().count(); ++i)
+      if (bonds_.solid(i))
+        v.component(c)[i] = strainRate * (unit_.component(c)[i] - centre_[static_cast<std::size_t>(c)]);
+  return v;
+}
+
 DampedPullRecord pullApart(BondLattice& bonds, const Loading& loading, const DampedPullOptions& options)
 {
-  if (loading.load != LoadCase::Stretch && loading.load != LoadCase::Shear)
-    throw ParameterError("a damped pull by a load that is neither stretch nor shear", "choose one of these");
   if (!(options.strainRate > 0) || !std::isfinite(options.strainRate))
     throw ParameterError(fmt::format("a strain rate of {} 1/s", options.strainRate), "give a number above 0");
   if (!(options.startStrain >= 0) || !std::isfinite(options.startStrain))
@@ -52,38 +102,17 @@ DampedPullRecord pullApart(BondLattice& bonds, const Loading& loading, const Dam
   if (options.every < 1)
     throw ParameterError(fmt::format("a point of the curve every {} steps", options.every), "give 1 or more");
 
-  Loading unit = loading;
-  unit.strain = loading.strain < 0 ? -1 : 1;
-  LoadedSample sample = applyLoading(bonds, unit);
+  const SlowPull pull(bonds, loading);
   DynamicsOptions o;
   o.density = options.density;
   o.safety = options.safety;
   o.damping = options.damping;
   o.rate = options.rate;
   o.progress = options.progress;
-  const int axis = loading.axis < 0 ? bonds.dimension() - 1 : loading.axis;
-  const int along = loading.load == LoadCase::Shear ? (axis + 1) % bonds.dimension() : axis;
-  const NodeLayout& l = bonds.layout();
-  double area = 1;
-  for (int a = 0; a < l.dimension; ++a)
-    area *= a == axis ? 1 : bonds.spacing() * static_cast<double>(l.global[static_cast<std::size_t>(a)]);
-
-  NodeField<double> u = sample.displacement;
-  Equilibrium(bonds, sample.fixed).solve(u);
-  NodeField<double> v = u;
-  const std::array<double, 3> centre = centreOf(bonds, sample);
-  for (int c = 0; c < l.dimension; ++c)
-    for (std::int64_t i = 0; i < l.count(); ++i)
-    {
-      v.component(c)[i] =
-        bonds.solid(i) ? options.strainRate * (u.component(c)[i] - centre[static_cast<std::size_t>(c)]) : 0;
-      u.component(c)[i] *= options.startStrain;
-    }
-  BondDynamics motion(bonds, sample.fixed, std::move(o));
-  motion.setState(u, v);
-
   DampedPullRecord r;
-  r.startVelocity = std::move(v);
+  r.startVelocity = pull.velocity(options.strainRate);
+  BondDynamics motion(bonds, pull.sample().fixed, std::move(o));
+  motion.setState(pull.displacement(options.startStrain), r.startVelocity);
   r.step = motion.step();
   r.viscosity = motion.viscosity();
   double strain = options.startStrain;
@@ -91,9 +120,7 @@ DampedPullRecord pullApart(BondLattice& bonds, const Loading& loading, const Dam
   {
     const bool goesOn = motion.advance(options.every);
     strain += static_cast<double>(options.every) * motion.step() * options.strainRate * motion.rate();
-    const Reactions forces = reactions(bonds, sample, motion.displacement(), axis, true);
-    const auto a = static_cast<std::size_t>(along);
-    const double stress = unit.strain * (forces.low[a] - forces.high[a]) / (2 * area);
+    const double stress = pull.stress(motion.force());
     r.curve.push_back({ strain, stress, static_cast<std::int64_t>(motion.broken().size()) });
     if (stress > r.peak.stress)
     {

@@ -3,6 +3,7 @@
 #include "peridynamics/Loading.h"
 #include "peridynamics/fracture/Dynamics.h"
 #include "peridynamics/fracture/Fracture.h"
+#include "peridynamics/fracture/PlatenForce.h"
 
 #include <cstdint>
 #include <functional>
@@ -13,6 +14,46 @@
 /// Strength as the papers compute it: a sample between platens under a slow pull, in damped motion.
 namespace lamella::peridynamics
 {
+
+/// A sample in the midst of a slow pull: in the equilibrium of small strains, with the speeds that the pull would have
+/// given it. Both platens move, so that the middle stands still: half the drag.
+class SlowPull
+{
+public:
+  /// Collective. @param bonds not broken yet; must outlive this
+  /// @param loading Stretch or Shear; its strain gives the sign and no more
+  /// @param progress as EquilibriumOptions
+  /// @throws ParameterError: other loads; as applyLoading() and Equilibrium
+  SlowPull(const BondLattice& bonds, const Loading& loading, std::function<bool(double)> progress = {});
+
+  [[nodiscard]] int axis() const noexcept { return axis_; }
+  /// Component of displacement and force along which the platens move.
+  [[nodiscard]] int along() const noexcept { return along_; }
+  [[nodiscard]] const LoadedSample& sample() const noexcept { return sample_; }
+  [[nodiscard]] double area() const noexcept { return force_.area(); } ///< of the section [m²], [m] in the plane
+  [[nodiscard]] double modulus() const noexcept { return modulus_; }   ///< stress over strain, unbroken [Pa]
+  /// Strain at which the first bond breaks; infinite where none does.
+  [[nodiscard]] double firstBreak() const noexcept { return firstBreak_; }
+  /// At a strain of one [m], rim filled.
+  [[nodiscard]] const NodeField<double>& unit() const noexcept { return unit_; }
+  [[nodiscard]] NodeField<double> displacement(double strain) const; ///< [m]
+  [[nodiscard]] NodeField<double> velocity(double strainRate) const; ///< [m/s] @param strainRate [1/s]
+  /// Mean force on both platens over the section, positive along the pull [Pa]. Collective.
+  /// @param force on every node, those of the platens included
+  [[nodiscard]] double stress(const NodeField<double>& force) const { return force_.of(bonds_, force) / area(); }
+
+private:
+  const BondLattice& bonds_;
+  Loading loading_;
+  int axis_;
+  int along_;
+  LoadedSample sample_;
+  PlatenForce force_;
+  NodeField<double> unit_;
+  std::array<double, 3> centre_{}; ///< what the middle moves at a strain of one
+  double modulus_ = 0;
+  double firstBreak_ = 0;
+};
 
 struct DampedPullOptions
 {
@@ -47,7 +88,7 @@ struct DampedPullRecord
   NodeField<double> startVelocity; ///< [m/s]
 };
 
-/// Pulls a sample until it is broken. Both platens move, so that the middle stands still: half the drag. Collective.
+/// Pulls a sample until it is broken, as SlowPull begins it. Collective.
 /// @param bonds loses those that break
 /// @param loading Stretch or Shear; its strain gives the sign and no more
 /// @throws ParameterError: other loads, a strain rate that is not positive, a strain to start at that is negative; as

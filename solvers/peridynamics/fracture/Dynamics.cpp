@@ -35,22 +35,64 @@ double massOf(const BondLattice& bonds, double density)
   return density * std::pow(bonds.spacing(), bonds.dimension());
 }
 
-/// The least √(2 m k/|ξ|) of all bonds.
-double criticalViscosity(const BondLattice& bonds, double mass)
+/// The masses of nodes of these densities, rim filled. Collective.
+NodeField<double> massesOf(const BondLattice& bonds, const NodeField<double>& densities)
+{
+  if (!(densities.layout() == bonds.layout()) || densities.components() != 1)
+    throw ParameterError("densities of another lattice", "make them for this lattice");
+  const NodeLayout& l = bonds.layout();
+  NodeField<double> masses(l, 1);
+  double bad = 1;
+  for (std::int64_t z = 0; z < l.size[2]; ++z)
+    for (std::int64_t y = 0; y < l.size[1]; ++y)
+      for (std::int64_t i = l.index(0, y, z); i < l.index(l.size[0], y, z); ++i)
+        if (const double density = densities.component(0)[i]; bonds.solid(i))
+        {
+          bad = density > 0 && std::isfinite(density) ? bad : density;
+          masses.component(0)[i] = massOf(bonds, density);
+        }
+  const bool mine = !(bad > 0) || !std::isfinite(bad);
+  if (bonds.communicator().any(mine))
+    throw ParameterError(mine ? fmt::format("a density of {} kg/m³", bad) : "a density that is not above 0",
+      "give one above 0 for all that is solid");
+  bonds.exchange(masses);
+  return masses;
+}
+
+/// The largest step for which 2/step is at least any frequency. @param mass of a position
+template <class F>
+double stableStepOf(const BondLattice& bonds, F&& mass)
+{
+  const NodeLayout& l = bonds.layout();
+  NodeField<double> blocks(l, l.dimension == 3 ? 6 : 3);
+  diagonalBlocks(bonds, blocks);
+  double most = 0;
+  for (std::int64_t z = 0; z < l.size[2]; ++z)
+    for (std::int64_t y = 0; y < l.size[1]; ++y)
+      for (std::int64_t i = l.index(0, y, z); i < l.index(l.size[0], y, z); ++i)
+        if (bonds.solid(i))
+          most = std::max(most, largest(blocks, i) / mass(i));
+  most = bonds.communicator().max(most);
+  return most > 0 ? std::sqrt(2 / most) : std::numeric_limits<double>::infinity();
+}
+
+/// The least √(2 m k/|ξ|) of all bonds, m of the lighter end. @param mass of a position
+template <class F>
+double criticalViscosity(const BondLattice& bonds, F&& mass)
 {
   double least = 0;
   const NodeLayout& l = bonds.layout();
   for (std::int64_t z = -l.ghostZ(); z < l.size[2]; ++z)
     for (std::int64_t y = -l.ghost; y < l.size[1]; ++y)
       bonds.forEachBond(y, z,
-        [&](std::int64_t i, std::int64_t, int offset, int)
+        [&](std::int64_t i, std::int64_t j, int offset, int)
         {
-          const double k = bonds.springConstant(i, offset);
+          const double k = bonds.springConstant(i, offset) * std::min(mass(i), mass(j));
           least = k > 0 && (least == 0 || k < least) ? k : least;
         });
   // The least over ranks as the largest inverse; ranks without bonds say nothing.
   const double inverse = bonds.communicator().max(least > 0 ? 1 / least : 0);
-  return inverse > 0 ? std::sqrt(2 * mass / inverse) : 0;
+  return inverse > 0 ? std::sqrt(2 / inverse) : 0;
 }
 
 } // namespace
@@ -63,17 +105,12 @@ double EnergyBalance::defect() const noexcept
 
 double stableStep(const BondLattice& bonds, double mass)
 {
-  const NodeLayout& l = bonds.layout();
-  NodeField<double> blocks(l, l.dimension == 3 ? 6 : 3);
-  diagonalBlocks(bonds, blocks);
-  double most = 0;
-  for (std::int64_t z = 0; z < l.size[2]; ++z)
-    for (std::int64_t y = 0; y < l.size[1]; ++y)
-      for (std::int64_t i = l.index(0, y, z); i < l.index(l.size[0], y, z); ++i)
-        if (bonds.solid(i))
-          most = std::max(most, largest(blocks, i));
-  most = bonds.communicator().max(most);
-  return most > 0 ? std::sqrt(2 * mass / most) : std::numeric_limits<double>::infinity();
+  return stableStepOf(bonds, [mass](std::int64_t) { return mass; });
+}
+
+double stableStep(const BondLattice& bonds, const NodeField<double>& masses)
+{
+  return stableStepOf(bonds, [m = masses.component(0)](std::int64_t i) { return m[i]; });
 }
 
 BondDynamics::BondDynamics(BondLattice& bonds, FixedComponents fixed, DynamicsOptions options)
@@ -96,8 +133,12 @@ BondDynamics::BondDynamics(BondLattice& bonds, FixedComponents fixed, DynamicsOp
     throw ParameterError("fixed components of another lattice", "make them for this lattice");
   if (bonds.solidNodes() == 0)
     throw ParameterError("a sample without matter", "check which phases are voids");
-  stable_ = stableStep(bonds, mass_);
-  nu_ = options_.damping * criticalViscosity(bonds, mass_);
+  if (options_.densities)
+    masses_ = massesOf(bonds, *options_.densities);
+  stable_ = masses_ ? stableStep(bonds, *masses_) : stableStep(bonds, mass_);
+  const double* const masses = masses_ ? masses_->component(0) : nullptr;
+  nu_ =
+    options_.damping * criticalViscosity(bonds, [&](std::int64_t i) { return masses != nullptr ? masses[i] : mass_; });
   if (!std::isfinite(stable_) && !options_.step)
     throw ParameterError("a sample without bonds has no stable step", "give a step");
   dt_ = options_.step.value_or(options_.safety * stable_);
@@ -220,9 +261,7 @@ void BondDynamics::halfKick(bool first)
 {
   const NodeLayout& l = u_.layout();
   const double half = dt_ / 2;
-  // Over half a step the damping is implicit in the second half and explicit in the first: central in time.
-  const double before = first ? 1 - half * nu_ / mass_ : 1;
-  const double after = first ? 1 : 1 / (1 + half * nu_ / mass_);
+  const double* const masses = masses_ ? masses_->component(0) : nullptr;
   const double rate = this->rate();
   std::vector<Sums> sums(static_cast<std::size_t>(l.size[1] * l.size[2]));
   forEachRow(
@@ -240,20 +279,24 @@ void BondDynamics::halfKick(bool first)
         {
           if (!bonds_.solid(i))
             continue;
+          const double mass = masses != nullptr ? masses[i] : mass_;
+          // Over half a step the damping is implicit in the second half and explicit in the first: central in time.
+          const double before = first ? 1 - half * nu_ / mass : 1;
+          const double after = first ? 1 : 1 / (1 + half * nu_ / mass);
           const double push = load != nullptr ? load[i] : 0;
           const double old = v[i];
           const bool held = (fixed_[i] & bit) != 0;
           if (held)
             v[i] = imposed != nullptr ? rate * imposed[i] : 0;
           else
-            v[i] = (before * old + half / mass_ * (f[i] + push)) * after;
+            v[i] = (before * old + half / mass * (f[i] + push)) * after;
           // The velocity with which nodes move over the step, and that which damps them in this half of it.
           const double moves = first ? v[i] : old;
           const double damps = held ? moves : first ? old : v[i];
           sum.damped += half * nu_ * damps * moves;
           // What holds a node supplies what its bonds, its damping and its own inertia take.
           sum.supplied +=
-            held ? half * moves * (nu_ * moves - f[i]) + 0.5 * mass_ * (v[i] * v[i] - old * old) : half * moves * push;
+            held ? half * moves * (nu_ * moves - f[i]) + 0.5 * mass * (v[i] * v[i] - old * old) : half * moves * push;
         }
       }
     });
@@ -307,7 +350,8 @@ bool BondDynamics::advance(std::int64_t steps)
       continue;
     guard();
     if (options_.progress &&
-      bonds_.communicator().any(options_.progress({ step_, time_, static_cast<std::int64_t>(broken_.size()) })))
+      bonds_.communicator().any(
+        options_.progress({ step_, time_, static_cast<std::int64_t>(broken_.size()), checkpointAt_ })))
       return false;
   }
   guard();
@@ -317,16 +361,18 @@ bool BondDynamics::advance(std::int64_t steps)
 EnergyBalance BondDynamics::energies() const
 {
   const NodeLayout& l = u_.layout();
-  double squares = 0;
+  const double* const masses = masses_ ? masses_->component(0) : nullptr;
+  double squares = 0; // times the mass where they differ
   for (std::int64_t z = 0; z < l.size[2]; ++z)
     for (std::int64_t y = 0; y < l.size[1]; ++y)
       for (int c = 0; c < l.dimension; ++c)
         for (std::int64_t i = l.index(0, y, z); i < l.index(l.size[0], y, z); ++i)
           if (bonds_.solid(i))
-            squares += v_.component(c)[i] * v_.component(c)[i];
+            squares += (masses != nullptr ? masses[i] : 1) * v_.component(c)[i] * v_.component(c)[i];
   std::array<double, 3> sums{ squares, sums_.supplied, sums_.damped };
   bonds_.communicator().sum(sums);
-  return { 0.5 * mass_ * sums[0], elasticEnergy(bonds_, u_, true), brokenEnergy_, sums[2], sums[1], initial_ };
+  return { 0.5 * (masses != nullptr ? 1 : mass_) * sums[0], elasticEnergy(bonds_, u_, true), brokenEnergy_, sums[2],
+    sums[1], initial_ };
 }
 
 void BondDynamics::guard()

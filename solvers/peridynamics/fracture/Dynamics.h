@@ -36,11 +36,14 @@ struct DynamicsProgress
   std::int64_t step = 0;
   double time = 0; ///< [s]
   std::int64_t broken = 0;
+  std::int64_t checkpoint = 0; ///< steps in the last file that was written; 0: none yet
 };
 
 struct DynamicsOptions
 {
   double density = 1000; ///< of all that is solid [kg/m³]
+  /// Of each node instead, one component [kg/m³]; 0 in voids. The rim need not be filled.
+  std::optional<NodeField<double>> densities{};
   /// [s]; none: `safety` times the largest stable one.
   std::optional<double> step{};
   double safety = 0.8; ///< 0 … 1
@@ -56,6 +59,10 @@ struct DynamicsOptions
   std::function<bool(const DynamicsProgress&)> progress{}; ///< about every hundred steps; true asks to stop
   CheckpointOptions checkpoint{};       ///< after every so many steps; a thousand where it does not say
   std::filesystem::path continueFrom{}; ///< a checkpoint of the same scene; empty: at rest, undeformed
+  /// Called on every rank with a checkpoint that is about to be written, to put more into it, and with the one that the
+  /// motion goes on from.
+  std::function<void(io::Checkpoint&)> keepWith{};
+  std::function<void(const io::Checkpoint&)> takeBack{};
 };
 
 /// A bond that broke, and when.
@@ -72,6 +79,8 @@ struct DynamicBreak
 /// Tension raises frequencies by its strain, compression by none. Collective.
 /// @param mass of a node [kg], [kg/m in 2D]
 [[nodiscard]] double stableStep(const BondLattice& bonds, double mass);
+/// @param masses of the nodes, one component, above 0 where there is matter
+[[nodiscard]] double stableStep(const BondLattice& bonds, const NodeField<double>& masses);
 
 class BondDynamics
 {
@@ -103,11 +112,16 @@ public:
   [[nodiscard]] double viscosity() const noexcept { return nu_; }  ///< ν [kg/s], [kg/(m s) in 2D]
   [[nodiscard]] double time() const noexcept { return time_; }     ///< [s]
   [[nodiscard]] std::int64_t steps() const noexcept { return step_; }
-  [[nodiscard]] double mass() const noexcept { return mass_; } ///< of a node [kg], [kg/m in 2D]
+  [[nodiscard]] std::int64_t checkpoints() const noexcept { return checkpoints_; }   ///< written
+  [[nodiscard]] std::int64_t checkpointAt() const noexcept { return checkpointAt_; } ///< steps in the last; 0: none
+  /// Of a node of DynamicsOptions::density [kg], [kg/m in 2D].
+  [[nodiscard]] double mass() const noexcept { return mass_; }
   /// Of the imposed velocities: 1 without regulation.
   [[nodiscard]] double rate() const noexcept { return rate_ ? rate_->rate() : 1; }
   [[nodiscard]] const NodeField<double>& displacement() const noexcept { return u_; }
   [[nodiscard]] const NodeField<double>& velocity() const noexcept { return v_; } ///< at the time of displacement()
+  /// Of the bonds on the nodes, at the time of displacement() [N], [N/m in 2D]; own nodes.
+  [[nodiscard]] const NodeField<double>& force() const noexcept { return f_; }
   /// In the order of steps; the same on every rank, bonds of a step in order.
   [[nodiscard]] const std::vector<DynamicBreak>& broken() const noexcept { return broken_; }
   [[nodiscard]] EnergyBalance energies() const;
@@ -133,11 +147,14 @@ private:
   FixedComponents fixed_;
   DynamicsOptions options_;
   double mass_ = 0;
+  std::optional<NodeField<double>> masses_; ///< where they are not all alike, rim filled
   double stable_ = 0;
   double dt_ = 0;
   double nu_ = 0;
   double time_ = 0;
   std::int64_t step_ = 0;
+  std::int64_t checkpoints_ = 0;
+  std::int64_t checkpointAt_ = 0;
   NodeField<double> u_;
   NodeField<double> v_;
   NodeField<double> f_;

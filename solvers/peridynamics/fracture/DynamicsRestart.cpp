@@ -18,7 +18,17 @@ std::string BondDynamics::scene() const
   const NodeLayout& l = u_.layout();
   std::string text = sceneOf(bonds_);
   const auto line = [&](const char* name, const auto& value) { text += fmt::format("{}: {}\n", name, value); };
-  line("density", options_.density);
+  if (masses_)
+    line("masses",
+      hashOfRows(bonds_,
+        [&](std::int64_t y, std::int64_t z)
+        {
+          const double* row = masses_->component(0) + l.index(0, y, z);
+          return std::string(reinterpret_cast<const char*>(row), static_cast<std::size_t>(l.size[0]) * sizeof(double));
+        })
+        .substr(0, 16));
+  else
+    line("density", options_.density);
   line("step", dt_);
   line("viscosity", nu_);
   line("bonds break", options_.breaking ? "yes" : "no");
@@ -71,7 +81,13 @@ void BondDynamics::save()
   c.arrays["broken_energy"] = { { count }, std::move(energy), joule, "that the bond held" };
   c.numbers = { { "steps", static_cast<double>(step_) }, { "time", time_ }, { "broken energy", brokenEnergy_ },
     { "initial energy", initial_ }, { "rate", rate() }, { "damage", rate_ ? rate_->damage() : 0 } };
-  write(c, options_.checkpoint, comm);
+  if (options_.keepWith)
+    options_.keepWith(c);
+  if (write(c, options_.checkpoint, comm))
+  {
+    ++checkpoints_;
+    checkpointAt_ = step_;
+  }
 }
 
 void BondDynamics::restore()
@@ -106,6 +122,8 @@ void BondDynamics::restore()
   initial_ = c.number("initial energy");
   if (rate_)
     rate_->set(c.number("rate"), c.number("damage"));
+  if (options_.takeBack)
+    options_.takeBack(c);
 }
 
 } // namespace lamella::peridynamics

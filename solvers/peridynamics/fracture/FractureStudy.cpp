@@ -3,6 +3,7 @@
 #include "lattice/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/fracture/PlatenForce.h"
+#include "peridynamics/fracture/WantedStates.h"
 #include "peridynamics/multigrid/LevelSizes.h"
 
 #include <fmt/format.h>
@@ -53,45 +54,6 @@ void requireBreakable(const BondLattice& bonds)
       "give one of them for the pairs of phases that are to break");
 }
 
-/// What was asked for that is still to come, in order.
-template <class Number>
-class Wanted
-{
-public:
-  Wanted(std::vector<Number> values, Number limit)
-    : values_(std::move(values))
-    , limit_(limit)
-  {
-    std::sort(values_.begin(), values_.end());
-    values_.erase(std::unique(values_.begin(), values_.end()), values_.end());
-  }
-
-  [[nodiscard]] Number next() const { return some() ? values_[at_] : limit_; }
-  /// Not at the run's own limit: the end is there in any case.
-  [[nodiscard]] bool some() const { return at_ < values_.size() && values_[at_] < limit_; }
-  void passed(Number value)
-  {
-    while (at_ < values_.size() && values_[at_] <= value)
-      ++at_;
-  }
-  /// @return how many there were
-  std::int64_t skipBelow(Number value)
-  {
-    while (at_ < values_.size() && values_[at_] < value)
-      ++at_;
-    return static_cast<std::int64_t>(at_);
-  }
-  [[nodiscard]] std::vector<Number> left() const
-  {
-    return { values_.begin() + static_cast<std::ptrdiff_t>(at_), values_.end() };
-  }
-
-private:
-  std::vector<Number> values_;
-  std::size_t at_ = 0;
-  Number limit_;
-};
-
 /// Stress at a strain to which nothing more breaks.
 double stressAt(const FractureRecord& record, double strain)
 {
@@ -108,14 +70,8 @@ public:
     : bonds_(bonds)
     , options_(options)
     , latest_(latest)
-    , degree_(bonds.layout(), 1)
-    , count_(bonds.layout(), 1)
+    , damage_(bonds)
   {
-    const NodeLayout& l = bonds.layout();
-    for (std::int64_t z = 0; z < l.size[2]; ++z)
-      for (std::int64_t y = 0; y < l.size[1]; ++y)
-        for (std::int64_t x = 0; x < l.size[0]; ++x)
-          degree_.at(0, x, y, z) = static_cast<float>(bonds.degree(l.index(x, y, z)));
   }
 
   void make(const QuasiStaticFracture& fracture, double strain, bool last, std::vector<std::string>& warnings)
@@ -126,36 +82,16 @@ public:
     s.stress = stressAt(record, strain);
     s.broken = static_cast<std::int64_t>(record.broken.size());
     s.last = last;
-    countBroken(record);
-    s.bonds = count_;
-    s.damage = NodeField<double>(bonds_.layout(), 1);
-    for (std::int64_t i = 0; i < bonds_.layout().count(); ++i)
-      if (const double all = static_cast<double>(degree_.component(0)[i]); all > 0)
-        s.damage.component(0)[i] = count_.component(0)[i] / all;
+    for (; counted_ < record.broken.size(); ++counted_)
+      damage_.add(record.broken[counted_].bond);
+    s.bonds = damage_.counts();
+    s.damage = damage_.damage();
     if (options_.displacement)
       solve(fracture, s, warnings);
     options_.keep(std::move(s));
   }
 
 private:
-  void countBroken(const FractureRecord& record)
-  {
-    const NodeLayout& l = bonds_.layout();
-    for (; counted_ < record.broken.size(); ++counted_)
-    {
-      const Bond& b = record.broken[counted_].bond;
-      const auto& step = bonds_.stencil().half()[static_cast<std::size_t>(b.offset)].step;
-      for (int end = 0; end < 2; ++end)
-      {
-        std::array<std::int64_t, 3> n = b.node;
-        for (std::size_t a = 0; a < 3; ++a)
-          n[a] = (n[a] + end * step[a] + l.global[a]) % l.global[a] - l.start[a];
-        if (l.ownedNode(n))
-          count_.at(0, n[0], n[1], n[2]) += 1;
-      }
-    }
-  }
-
   void solve(const QuasiStaticFracture& fracture, FractureState& s, std::vector<std::string>& warnings)
   {
     if (!unit_)
@@ -181,23 +117,13 @@ private:
     for (int c = 0; c < s.displacement->components(); ++c)
       for (std::int64_t i = 0; i < bonds_.layout().count(); ++i)
         s.displacement->component(c)[i] *= scale;
-    if (options_.stress)
-    {
-      s.stressOfNodes.emplace(bonds_.layout(), bonds_.dimension() == 2 ? 3 : 6);
-      nodalStress(bonds_, *s.displacement, *s.stressOfNodes, false);
-    }
-    if (options_.energyDensity)
-    {
-      s.energyDensity.emplace(bonds_.layout(), 1);
-      energyDensity(bonds_, *s.displacement, *s.energyDensity, false);
-    }
+    measure(s, bonds_, options_.stress, options_.energyDensity, false);
   }
 
   const BondLattice& bonds_;
   const FractureStudyOptions& options_;
   const FractureProgress& latest_;
-  NodeField<float> degree_;               ///< bonds of a node at first
-  NodeField<double> count_;               ///< broken ones
+  NodeDamage damage_;
   std::size_t counted_ = 0;               ///< of the record
   std::optional<NodeField<double>> unit_; ///< displacements at unit load of the last state
 };

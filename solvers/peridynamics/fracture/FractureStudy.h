@@ -2,6 +2,7 @@
 
 #include "peridynamics/ElasticStudy.h"
 #include "peridynamics/fracture/Fracture.h"
+#include "peridynamics/fracture/NodeDamage.h"
 
 #include <functional>
 #include <optional>
@@ -10,22 +11,12 @@
 namespace lamella::peridynamics
 {
 
-/// The sample in one state. Fields are those of the rank's slab.
-struct FractureState
+/// Its displacement is that of an equilibrium of its own, which the run does not see: asking for a state changes
+/// nothing that breaks. Pieces that came loose move as the mean strain has it.
+struct FractureState : BrokenState
 {
-  double strain = 0;           ///< imposed
-  double stress = 0;           ///< [Pa]
-  std::int64_t broken = 0;     ///< bonds, of the whole sample
-  bool last = false;           ///< the end of the run
-  NodeField<double> bonds{};   ///< broken bonds of each node: whole numbers, one component
-  NodeField<double> damage{};  ///< these over the bonds that it had, 0 where it had none
   std::int64_t hinges = 0;     ///< as EquilibriumResult
-  std::int64_t iterations = 0; ///< of the equilibrium below
-  /// At an equilibrium of its own, which the run does not see: asking for a state changes nothing that breaks. Pieces
-  /// that came loose move as the mean strain has it [m].
-  std::optional<NodeField<double>> displacement{};
-  std::optional<NodeField<double>> stressOfNodes{}; ///< as nodalStress() [Pa]
-  std::optional<NodeField<double>> energyDensity{}; ///< as energyDensity() [J/m³]
+  std::int64_t iterations = 0; ///< of the equilibrium
 };
 
 struct FractureStudyOptions

@@ -14,7 +14,7 @@ off.)
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
 ``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkMicrographContours``,
 ``vtkMicrographLattice``, ``vtkSteadyDiffusion``, ``vtkFluxMap``, ``vtkPoreFloodFill``,
-``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondStiffness``, ``vtkStressPDF``, ``vtkCrackPath`` ...),
+``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondDynamics``, ``vtkBondStiffness``, ``vtkStressPDF``, ``vtkCrackPath`` ...),
 runs it and hands its output out as numpy arrays.
 
 Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at the top; arrays of a volume are
@@ -40,6 +40,7 @@ else:
 
 from ._contours import Contours, LatticeSample, contours, read_polygons
 from ._cracks import CrackPathResult, crack_path
+from ._dynamics import DynamicsResult, MotionState, dynamics
 from ._equilibrium import BondStressResult, EquilibriumResult, bond_stress, equilibrium
 from ._errors import Cancelled, LamellaError
 from ._flux import FluxMapResult, flux_map
@@ -71,12 +72,14 @@ __all__ = [
     "Contours",
     "CrackPathResult",
     "DiffusionResult",
+    "DynamicsResult",
     "EquilibriumResult",
     "FluxMapResult",
     "FractureResult",
     "FractureState",
     "LamellaError",
     "LatticeSample",
+    "MotionState",
     "Packing",
     "PoreFloodFillResult",
     "Sample",
@@ -89,6 +92,7 @@ __all__ = [
     "crack_path",
     "diffusion",
     "disks",
+    "dynamics",
     "equilibrium",
     "flux_map",
     "fracture",

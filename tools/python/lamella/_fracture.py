@@ -1,13 +1,10 @@
 """Quasi-static fracture: strength, curve, broken bonds, damage."""
 
-import os
-
 import numpy as np
-from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkTable
 
-from . import _arrays, _files
-from ._bonds import LOADS, BondFields, BondNumbers, set_bonds, set_load
+from . import _arrays
+from ._bonds import LOADS, set_bonds, set_load
+from ._breaks import BreakResult, BrokenState, set_breaks, set_checkpoint
 from ._errors import choose, run
 from ._solve import as_image
 from .vtkLamellaSolversVTK import vtkBondFracture
@@ -21,70 +18,28 @@ _COUNTS = (
 _TIMES = ("bonds", "first", "equilibria", "local", "search", "run", "states", "checkpoints")
 
 
-class FractureState(BondFields):
+class FractureState(BrokenState):
     """The sample in one state: ``vtk`` is the image with ``damage``, ``broken`` and what was asked for."""
-
-    @property
-    def damage(self):
-        """Share of each node's bonds that are broken, 0 to 1 (a view)."""
-        return self.array("damage")
-
-    @property
-    def broken(self):
-        """Broken bonds of each node (a view)."""
-        return self.array("broken")
-
-    @property
-    def imposed_strain(self):
-        """The strain imposed in this state."""
-        return self._number("strain")
-
-    @property
-    def imposed_stress(self):
-        """The stress at it [Pa]: force on the platen over the section of the box."""
-        return self._number("stress")
-
-    @property
-    def broken_bonds(self):
-        """How many bonds of the sample are broken."""
-        return self._count("broken_bonds")
 
     def __repr__(self):
         return f"<lamella.FractureState: strain {self.imposed_strain:.6g}, {self.broken_bonds} bonds broken>"
 
 
-class FractureResult(BondNumbers):
+class FractureResult(BreakResult):
     """``vtk`` is the image at the end with all numbers as field data; ``vtk_broken`` a vtkPolyData with a vertex a
     broken bond; ``vtk_curve`` a vtkTable.
 
     Strains and stresses are positive along the load. Energies of a picture are per metre of thickness. y points up.
     """
 
-    def __init__(self, states, broken, curve):
-        super().__init__(states[-1])
-        #: a FractureState for each one asked for that was reached, and the end
-        self.states = [FractureState(image) for image in states]
-        self.vtk_broken = broken
-        self.vtk_curve = curve
-
-    def _column(self, name):
-        return vtk_to_numpy(self.vtk_curve.GetColumnByName(name))
+    _State = FractureState
+    _KINDS = (("event", "i8", 1), ("strain", "f8", 1), ("critical_strain", "f8", 1), ("stress", "f8", 1))
 
     @property
     def strain(self):
         """Curve: imposed strains, from 0 on; they never fall. Just before each event, what each avalanche left, the
         end."""
         return self._column("strain")
-
-    @property
-    def stress(self):
-        """Curve: stresses at ``strain`` [Pa]."""
-        return self._column("stress")
-
-    @property
-    def broken_so_far(self):
-        """Curve: number of broken bonds at ``strain``."""
-        return self._column("broken")
 
     @property
     def critical_strain(self):
@@ -101,27 +56,7 @@ class FractureResult(BondNumbers):
         """The broken bonds in order, a structured array: ``event`` (from 1), ``strain`` (imposed), ``critical_strain``,
         ``stress`` [Pa], ``position`` of the middle and ``bond`` vector (x, y (and z) [m]), ``phases`` of both ends (the
         lesser first), ``between_grains``."""
-        d = self._dimension
-        kinds = [("event", "i8", ()), ("strain", "f8", ()), ("critical_strain", "f8", ()), ("stress", "f8", ()),
-                 ("position", "f8", (d,)), ("bond", "f8", (d,)), ("phases", "u1", (2,)), ("between_grains", "?", ())]
-        data = self.vtk_broken.GetPointData()
-        bonds = np.zeros(self.vtk_broken.GetNumberOfPoints(), dtype=kinds)
-        if len(bonds) > 0:
-            for name, _, shape in kinds:
-                points = self.vtk_broken.GetPoints().GetData()
-                values = vtk_to_numpy(points if name == "position" else data.GetArray(name))
-                bonds[name] = values[:, : shape[0]] if shape else values
-        return bonds
-
-    @property
-    def peak_stress(self):
-        """The largest stress: the strength, if the run went beyond it [Pa]."""
-        return self._number("peak_stress")
-
-    @property
-    def peak_strain(self):
-        """The strain imposed then."""
-        return self._number("peak_strain")
+        return self._broken_bonds()
 
     @property
     def first_break_strain(self):
@@ -149,29 +84,9 @@ class FractureResult(BondNumbers):
         return _arrays.text(self.vtk, "end")
 
     @property
-    def continued_at(self):
-        """Events in the checkpoint that the run went on from; 0 where it began with the unbroken sample."""
-        return self._count("continued_at")
-
-    @property
-    def last_checkpoint(self):
-        """Events in the last checkpoint that this run wrote; 0: none."""
-        return self._count("last_checkpoint")
-
-    @property
     def method(self):
         """"events" or "accurate"."""
         return _arrays.text(self.vtk, "method")
-
-    @property
-    def damage(self):
-        """At the end: share of each node's bonds that are broken, 0 to 1 (a view)."""
-        return self.states[-1].damage
-
-    @property
-    def displacement(self):
-        """At the end: metres, x, y (and z) in the last axis (a view)."""
-        return self.states[-1].displacement
 
     @property
     def statistics(self):
@@ -179,12 +94,6 @@ class FractureResult(BondNumbers):
         counts = {name: self._count(name) for name in _COUNTS}
         counts["seconds"] = dict(zip(_TIMES, map(float, _arrays.numbers(self.vtk, "seconds"))))
         return counts
-
-    def save_broken(self, path, overwrite=False):
-        """Writes the broken bonds as a .vtp file, whole or not at all."""
-        path = _files.new_path(path, overwrite)
-        _files.write_poly_data(self.vtk_broken, path)
-        return path
 
     def __repr__(self):
         return (
@@ -261,28 +170,14 @@ def fracture(
     solve.SetInputData(as_image(image))
     set_bonds(solve, young, fracture_energy, toughness, critical_stretch, **bonds)
     set_load(solve, LOADS, load, axis, smooth_platens, rigid_platens, platen_layers, tolerance, stress, strain_energy)
-    solve.SetCompression(bool(compression))
     solve.SetLateralRatio(float(lateral_ratio))
     solve.SetMethod(choose(_METHODS, method, "method"))
     solve.SetBreaking(choose(_BREAKINGS, breaking, "breaking"))
     solve.SetRivals(bool(rivals))
-    solve.SetStopShare(float(stop))
     solve.SetStrainStep(float(strain_step))
-    solve.SetMaximumStrain(0.0 if max_strain is None else float(max_strain))
-    solve.SetMaximumBroken(0 if max_broken is None else int(max_broken))
     for strain in np.ravel(at_strains):
         solve.AddStateAtStrain(float(strain))
-    for count in np.ravel(at_broken):
-        solve.AddStateAtBroken(int(count))
-    checkpoint, continue_from = (os.fspath(path) if path is not None else "" for path in (checkpoint, continue_from))
-    if checkpoint != continue_from and os.path.exists(checkpoint):
-        raise FileExistsError(f"{checkpoint} exists; remove it, or say continue_from={checkpoint!r} to go on from it")
-    solve.SetCheckpointFile(checkpoint)
-    solve.SetCheckpointEvery(int(checkpoint_every))
-    solve.SetContinueFile(continue_from)
-    solve.SetComputeDisplacement(bool(displacement))
+    set_breaks(solve, compression, stop, max_strain, max_broken, at_broken, displacement)
+    set_checkpoint(solve, checkpoint, checkpoint_every, continue_from)
     run(solve, progress)
-    broken, curve = vtkPolyData(), vtkTable()
-    broken.ShallowCopy(solve.GetBrokenBonds())
-    curve.ShallowCopy(solve.GetCurve())
-    return FractureResult([solve.GetStateImage(i) for i in range(solve.GetNumberOfStates())], broken, curve)
+    return FractureResult(solve)

@@ -1,0 +1,189 @@
+/**
+ * @class   vtkBondBreakAlgorithm
+ * @brief   a bonded sample that breaks: states kept on the way, broken bonds, a curve, checkpoints
+ *
+ * What fracture in steps of load and motion in time share. Output 0 is the input in one state (State), output 1 the
+ * broken bonds (vtkPolyData, a vertex a bond), output 2 a table. All states of a run are kept, so that a change of
+ * State runs nothing again.
+ *
+ * @sa vtkBondFracture, vtkBondDynamics
+ */
+
+#ifndef vtkBondBreakAlgorithm_h
+#define vtkBondBreakAlgorithm_h
+
+#include "vtkBondLoadAlgorithm.h"
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+
+#include "vtkTimeStamp.h" // for a member
+
+#include <cstdint> // for std::int64_t
+#include <memory>  // for std::unique_ptr
+#include <string>  // for members
+#include <vector>  // for return values
+
+class vtkPolyData;
+class vtkTable;
+
+namespace lamella
+{
+namespace peridynamics // VTK's wrappers do not read lamella::peridynamics
+{
+struct CheckpointOptions;
+}
+}
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkBondBreakAlgorithm : public vtkBondLoadAlgorithm
+{
+public:
+  vtkTypeMacro(vtkBondBreakAlgorithm, vtkBondLoadAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /** The high platen moves the other way: towards the low one. Default off. */
+  vtkSetMacro(Compression, bool);
+  vtkGetMacro(Compression, bool);
+  vtkBooleanMacro(Compression, bool);
+  ///@}
+
+  ///@{
+  /** Ends when the stress has fallen to this share of the peak, in [0, 1). Default 0.05. */
+  vtkSetMacro(StopShare, double);
+  vtkGetMacro(StopShare, double);
+  ///@}
+  ///@{
+  /** Ends there; 0 (default): no limit. */
+  vtkSetMacro(MaximumStrain, double);
+  vtkGetMacro(MaximumStrain, double);
+  vtkSetMacro(MaximumBroken, vtkIdType);
+  vtkGetMacro(MaximumBroken, vtkIdType);
+  ///@}
+
+  ///@{
+  /** States to keep on the way, at numbers of broken bonds; the end is always kept. They change nothing that breaks. */
+  void AddStateAtBroken(vtkIdType broken);
+  void RemoveAllStatesAtBroken();
+  ///@}
+  ///@{
+  /** The state that output 0 shows, from 0, in the order of the run; -1 (default): the end. A change runs nothing
+   * again. Beyond the last it is the end. */
+  void SetState(int state);
+  vtkGetMacro(State, int);
+  ///@}
+
+  ///@{
+  /** A file that keeps where the run stands, in HDF5, after every CheckpointEvery; what is there already is replaced.
+   * Empty (default): none. When it cannot be written the run goes on, and says so. */
+  void SetCheckpointFile(const std::string& path);
+  const std::string& GetCheckpointFile() const { return this->CheckpointFile; }
+  ///@}
+  ///@{
+  /** Events of fracture (default 500) or steps in time (default 1000) between two checkpoints; at least 1. In fracture
+   * all that is only there to save work is made anew then, whether a file is written or not: what breaks depends on it
+   * in near ties, so a run goes on with the number that it began with. */
+  vtkSetClampMacro(CheckpointEvery, vtkIdType, 1, VTK_ID_MAX);
+  vtkGetMacro(CheckpointEvery, vtkIdType);
+  ///@}
+  ///@{
+  /** A checkpoint of the same scene to go on from: the same bonds break then, to the last bit, as in a run that was
+   * never stopped. States that lie before it are not made. Empty (default): from the unbroken sample, as where this is
+   * CheckpointFile and not there yet. */
+  void SetContinueFile(const std::string& path);
+  const std::string& GetContinueFile() const { return this->ContinueFile; }
+  ///@}
+  ///@{
+  /** Events or steps in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
+  vtkGetMacro(LastCheckpoint, vtkIdType);
+  ///@}
+
+  ///@{
+  /** Whether the states carry displacements. Default on. */
+  vtkSetMacro(ComputeDisplacement, bool);
+  vtkGetMacro(ComputeDisplacement, bool);
+  vtkBooleanMacro(ComputeDisplacement, bool);
+  ///@}
+
+  /** Output 1. */
+  vtkPolyData* GetBrokenBonds();
+  /** Output 2. */
+  vtkTable* GetCurve();
+  ///@{
+  /** Of the last update. The image is the piece of this rank; null where there is none such. */
+  int GetNumberOfStates();
+  vtkImageData* GetStateImage(int state);
+  ///@}
+  ///@{
+  /** Largest stress of the last update [Pa]; NaN before it. */
+  vtkGetMacro(PeakStress, double);
+  ///@}
+
+  /** Later than the last change of a setting, or of State. */
+  vtkMTimeType GetMTime() override;
+
+protected:
+  vtkBondBreakAlgorithm();
+  ~vtkBondBreakAlgorithm() override;
+
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
+
+  void Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team) override;
+
+  /// Runs it all: fills broken bonds and curve, which are given empty, keeps at least one state. Collective.
+  virtual void Solve(vtkImageData* input, const lamella::Team& team, vtkPolyData* broken, vtkTable* curve) = 0;
+
+  /// A new state, a shallow copy of the input.
+  vtkImageData* NewState(vtkImageData* input);
+  /// The states kept so far.
+  std::vector<vtkImageData*> KeptStates() const;
+  std::vector<std::int64_t> StatesAtBroken() const;
+  /// Gives broken bonds and curve the field data of the last state, and says the warnings on rank 0.
+  void Finish(
+    vtkPolyData* broken, vtkTable* curve, const std::vector<std::string>& warnings, const lamella::Team& team);
+
+  /// Of a limit: 0 stands for none, and leaves `limit` as it is. @throws lamella::ParameterError below 0
+  static void SetLimit(const char* name, double value, double& limit);
+  static void SetLimit(const char* name, vtkIdType value, std::int64_t& limit);
+
+  /// Where checkpoints go.
+  /// @return the file to go on from, empty where the run begins
+  std::string PrepareCheckpoints(
+    vtkImageData* input, const lamella::Team& team, lamella::peridynamics::CheckpointOptions& options);
+  /// Whether ContinueFile was to be made by this very run; a warning to say so, or empty.
+  std::string BeginsAnew() const;
+
+  /// Tells observers at most some twenty times a second. @param text called for the words when it is due
+  template <class Text>
+  void Tell(double share, Text&& text)
+  {
+    if (this->Due())
+    {
+      this->SetProgressText(text().c_str());
+      this->UpdateProgress(share);
+    }
+  }
+  /// The next Tell() is heard whatever the time.
+  void TellNext();
+  bool Due();
+
+  bool Compression = false;
+  double StopShare = 0.05;
+  double MaximumStrain = 0;
+  vtkIdType MaximumBroken = 0;
+  int State = -1;
+  std::string CheckpointFile;
+  vtkIdType CheckpointEvery = 500;
+  std::string ContinueFile;
+  vtkIdType LastCheckpoint = 0;
+  bool ComputeDisplacement = true;
+  double PeakStress;
+
+private:
+  vtkBondBreakAlgorithm(const vtkBondBreakAlgorithm&) = delete;
+  void operator=(const vtkBondBreakAlgorithm&) = delete;
+
+  struct Internals;
+  std::unique_ptr<Internals> Kept;
+  vtkTimeStamp StateTime;
+};
+
+#endif

@@ -1,0 +1,139 @@
+"""What samples that break have in common, under a load and in motion: states, broken bonds, curve, checkpoints."""
+
+import os
+
+import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkTable
+
+from . import _arrays, _files
+from ._bonds import BondFields, BondNumbers
+
+
+class BrokenState(BondFields):
+    """The sample in one state: ``vtk`` is the image with ``damage``, ``broken`` and what was asked for."""
+
+    @property
+    def damage(self):
+        """Share of each node's bonds that are broken, 0 to 1 (a view)."""
+        return self.array("damage")
+
+    @property
+    def broken(self):
+        """Broken bonds of each node (a view)."""
+        return self.array("broken")
+
+    @property
+    def imposed_strain(self):
+        """The strain in this state."""
+        return self._number("strain")
+
+    @property
+    def imposed_stress(self):
+        """The stress in it [Pa]: force on the platen over the section of the box."""
+        return self._number("stress")
+
+    @property
+    def broken_bonds(self):
+        """How many bonds of the sample are broken."""
+        return self._count("broken_bonds")
+
+
+class BreakResult(BondNumbers):
+    """``vtk`` is the image at the end with all numbers as field data; ``vtk_broken`` a vtkPolyData with a vertex a
+    broken bond; ``vtk_curve`` a vtkTable."""
+
+    _State = BrokenState
+    _KINDS = ()  # of broken bonds: name, type, components
+
+    def __init__(self, algorithm):
+        images = [algorithm.GetStateImage(i) for i in range(algorithm.GetNumberOfStates())]
+        super().__init__(images[-1])
+        #: a state for each one asked for that was reached, and the end
+        self.states = [self._State(image) for image in images]
+        self.vtk_broken, self.vtk_curve = vtkPolyData(), vtkTable()
+        self.vtk_broken.ShallowCopy(algorithm.GetBrokenBonds())
+        self.vtk_curve.ShallowCopy(algorithm.GetCurve())
+
+    def _column(self, name):
+        return vtk_to_numpy(self.vtk_curve.GetColumnByName(name))
+
+    @property
+    def stress(self):
+        """Curve: stresses at ``strain`` [Pa]."""
+        return self._column("stress")
+
+    @property
+    def broken_so_far(self):
+        """Curve: number of broken bonds at ``strain``."""
+        return self._column("broken")
+
+    def _broken_bonds(self):
+        d = self._dimension
+        kinds = [(name, kind, () if n == 1 else (n,)) for name, kind, n in self._KINDS]
+        kinds += [("position", "f8", (d,)), ("bond", "f8", (d,)), ("phases", "u1", (2,)), ("between_grains", "?", ())]
+        data = self.vtk_broken.GetPointData()
+        bonds = np.zeros(self.vtk_broken.GetNumberOfPoints(), dtype=kinds)
+        if len(bonds) > 0:
+            for name, _, shape in kinds:
+                points = self.vtk_broken.GetPoints().GetData()
+                values = vtk_to_numpy(points if name == "position" else data.GetArray(name))
+                bonds[name] = values[:, : shape[0]] if shape else values
+        return bonds
+
+    @property
+    def peak_stress(self):
+        """The largest stress: the strength, if the run went beyond it [Pa]."""
+        return self._number("peak_stress")
+
+    @property
+    def peak_strain(self):
+        """The strain imposed then."""
+        return self._number("peak_strain")
+
+    @property
+    def continued_at(self):
+        """What the checkpoint stands after that the run went on from, events or steps; 0 where it began anew."""
+        return self._count("continued_at")
+
+    @property
+    def last_checkpoint(self):
+        """What the last checkpoint of this run stands after, events or steps; 0: none."""
+        return self._count("last_checkpoint")
+
+    @property
+    def damage(self):
+        """At the end: share of each node's bonds that are broken, 0 to 1 (a view)."""
+        return self.states[-1].damage
+
+    @property
+    def displacement(self):
+        """At the end: metres, x, y (and z) in the last axis (a view)."""
+        return self.states[-1].displacement
+
+    def save_broken(self, path, overwrite=False):
+        """Writes the broken bonds as a .vtp file, whole or not at all."""
+        path = _files.new_path(path, overwrite)
+        _files.write_poly_data(self.vtk_broken, path)
+        return path
+
+
+def set_breaks(algorithm, compression, stop, max_strain, max_broken, at_broken, displacement):
+    """Settings of vtkBondBreakAlgorithm but checkpoints; see fracture()."""
+    algorithm.SetCompression(bool(compression))
+    algorithm.SetStopShare(float(stop))
+    algorithm.SetMaximumStrain(0.0 if max_strain is None else float(max_strain))
+    algorithm.SetMaximumBroken(0 if max_broken is None else int(max_broken))
+    for count in np.ravel(at_broken):
+        algorithm.AddStateAtBroken(int(count))
+    algorithm.SetComputeDisplacement(bool(displacement))
+
+
+def set_checkpoint(algorithm, checkpoint, every, continue_from):
+    """Its checkpoints; an error where one is there that is not to be replaced."""
+    checkpoint, continue_from = (os.fspath(path) if path is not None else "" for path in (checkpoint, continue_from))
+    if checkpoint != continue_from and os.path.exists(checkpoint):
+        raise FileExistsError(f"{checkpoint} exists; remove it, or say continue_from={checkpoint!r} to go on from it")
+    algorithm.SetCheckpointFile(checkpoint)
+    algorithm.SetCheckpointEvery(int(every))
+    algorithm.SetContinueFile(continue_from)
