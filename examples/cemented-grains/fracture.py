@@ -6,7 +6,7 @@ The samples of study.py between two plates of grain material, pulled until the s
 ten packings, six widths of the bridges and filled, after section IV of Frank, Radjai, Nezamabadi and Delenne, Phys. Rev. E 102 (2020)
 022906. Grains are four times as stiff and as tough as the matrix, so all bonds break at one elongation. Writes to --output:
   fracture-curves.png     stress against strain, one packing (their figure 12)
-  fracture-cracks.png     crack paths at two saturations (figure 13)
+  fracture-cracks.png     crack paths at two saturations, inside samples with their ends cut off (figure 13)
   fracture-strength.png   strength against saturation (figure 14)
   fracture-samples.csv    one row a sample; fracture-means.csv: means and deviations
 """
@@ -22,6 +22,7 @@ import time
 import lamella
 import numpy as np
 from matplotlib import pyplot as plt
+from ends import without_ends
 from stress import CRITICAL, E_MATRIX, HORIZON, RATIO
 from study import COLOURS, FILLED, WIDTHS, bridged, means_of, panel
 from vtkmodules.vtkCommonCore import vtkLogger
@@ -32,7 +33,8 @@ from common import chart, draw_bonds, write_csv, write_figure  # noqa: E402
 MATRIX, GRAIN = 1, 2  # phases
 THICK = 16  # layers of nodes of a plate to which grains are bridged, of which the outer HORIZON are held; else all that are held
 ALL = (0.1, *WIDTHS, FILLED)
-SHOWN = (0.5, 0.75)  # widths whose cracks are drawn
+SHOWN = (0.5, 0.75)  # widths whose cracks are drawn, of samples whose plates hold whatever lies there:
+HELD = 1.5  # mean diameters are cut off at both ends
 UNIT = E_MATRIX * CRITICAL  # strength of a matrix without flaws [Pa]
 NAMES = ("strength", "first_break", "modulus", "peak_broken", "broken", "inside_grains", "between_grains", "interface", "events",
          "seconds", "cpu_seconds")
@@ -54,7 +56,7 @@ def share_of(broken, low, high, between):
 
 
 def measure(task):
-    """All widths of one packing: rows of numbers, cracks, and of the first packing curves."""
+    """All widths of one packing: rows of numbers, and of the first packing curves and, where plates hold what lies there, cracks."""
     seed, options = task
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
     packing = lamella.packing(count=options.count, seed=seed)
@@ -77,8 +79,12 @@ def measure(task):
         })
         if seed == 1:
             curves.append((image.saturation, result.strain / CRITICAL, result.stress / UNIT))
-        if width in SHOWN:
-            cracks.append((image.saturation, image.spacing, image.phase[::-1], broken, 2 * float(np.mean(packing.radii))))
+        if seed == 1 and width in SHOWN:
+            diameter = 2 * float(np.mean(packing.radii))
+            held = without_ends(image, HELD * diameter)
+            broken = torn(held, rivals=options.rivals, method=options.method, breaking=options.breaking).broken
+            bottom = round(held.vtk.GetBounds()[2] / image.spacing - 0.5)  # layers cut off there
+            cracks.append((image.saturation, image.spacing, held.phase[::-1], bottom, broken, diameter))
     return rows, curves, cracks
 
 
@@ -97,24 +103,15 @@ def draw_curves(curves, path):
             axes.plot(strain, stress, color=colour, linewidth=1.4, label=f"S = {saturation:.2f}")
 
 
-def inside(cracks):
-    """How far the cracks of a packing are from the plates, the nearest of them, in mean diameters."""
-    distance = []
-    for _, spacing, phase, broken, diameter in cracks:
-        height = np.median(broken["position"][:, 1])
-        distance.append(min(height, len(phase) * spacing - height) / diameter)
-    return min(distance)
-
-
 def draw_cracks(cracks, path):
     figure, axes = plt.subplots(1, len(cracks), figsize=(4.2 * len(cracks), 4.4), constrained_layout=True)
-    for one, (saturation, spacing, phase, broken, diameter), letter in zip(np.atleast_1d(axes), cracks, "ab"):
+    for one, (saturation, spacing, phase, bottom, broken, diameter), letter in zip(np.atleast_1d(axes), cracks, "ab"):
         high, wide = phase.shape
-        low = int(np.clip(np.median(broken["position"][:, 1]) / spacing - wide / 2, 0, high - wide))
+        low = int(np.clip(np.median(broken["position"][:, 1]) / spacing - bottom - wide / 2, 0, high - wide))
         panel(one, COLOURS(phase[low : low + wide]), spacing, diameter if letter == "a" else None)
-        draw_bonds(one, broken, low=(0, low * spacing), colors="#d01c1c", linewidths=0.5)
+        draw_bonds(one, broken, low=(0, (bottom + low) * spacing), colors="#d01c1c", linewidths=0.5)
         one.set_title(f"({letter}) S = {saturation:.2f}", fontsize=11)
-    write_figure(figure, path, dpi=200)
+    write_figure(figure, path, dpi=200, bbox_inches="tight")
 
 
 def means_beside(path):
@@ -159,7 +156,7 @@ def main():
         for number, part in enumerate(pool.map(measure, [(seed + 1, options) for seed in range(options.samples)]), 1):
             rows += part[0]
             curves += part[1]
-            cracks.append(part[2])
+            cracks += part[2]
             print(f"\r{number} of {options.samples} packings, {time.perf_counter() - begun:.0f} s", end="", flush=True)
     print()
     means = means_of(rows, NAMES)
@@ -173,8 +170,8 @@ def main():
     rising, level = slopes(means)
     print(f"slope of the strength over S: {rising:.3f} from 0 to 0.4, {level:.3f} from 0.4 to 0.9 (ratio {level / rising:.3f})")
     draw_curves(curves, os.path.join(options.output, "fracture-curves.png"))
-    if all(cracks):
-        draw_cracks(max(cracks, key=inside), os.path.join(options.output, "fracture-cracks.png"))
+    if cracks:
+        draw_cracks(cracks, os.path.join(options.output, "fracture-cracks.png"))
     draw_strength(means, means_beside(options.beside), os.path.join(options.output, "fracture-strength.png"))
     cpu = math.fsum(row["cpu_seconds"] for row in rows)
     print(f"{len(rows)} samples in {time.perf_counter() - begun:.0f} s, {cpu:.0f} s CPU; files in {options.output}")

@@ -13,26 +13,20 @@ import time
 
 import lamella
 import numpy as np
+from ends import without_ends
 from paraview.simple import (
     Contour, CreateView, GetActiveCamera, OpenDataFile, Outline, Render, SaveScreenshot, Show,
 )
 from vtkmodules.vtkFiltersCore import vtkAppendPolyData
 from vtkmodules.vtkFiltersSources import vtkSphereSource
-from vtkmodules.vtkImagingCore import vtkExtractVOI
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 YOUNG, RATIO, CRITICAL = 1e9, 4, 1e-3
 
 
 def torn(packing, options):
-    whole = lamella.bridges(packing, width=0.7, nodes_across=options.nodes).vtk
-    cut = round(options.cut * 2 * float(np.mean(packing.radii)) / whole.GetSpacing()[2])
-    part = vtkExtractVOI()
-    part.SetInputData(whole)
-    part.SetVOI(*whole.GetExtent()[:4], cut, whole.GetExtent()[5] - cut)
-    part.Update()
-    image = part.GetOutput()
-    image.GetFieldData().ShallowCopy(whole.GetFieldData())
+    whole = lamella.bridges(packing, width=0.7, nodes_across=options.nodes)
+    image = without_ends(whole, options.cut * 2 * float(np.mean(packing.radii)))
     young = dict.fromkeys(("matrix", "matrix-grain", "grain-grain"), YOUNG)
     young["grain"] = RATIO * YOUNG
     last = [0.0]
