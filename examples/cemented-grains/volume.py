@@ -3,8 +3,9 @@
     PYTHONPATH=build/python pvpython examples/cemented-grains/volume.py
 
 The strain is raised in steps; all critical bonds break at once (batched), one equilibrium a batch; grains are four times as stiff and
-as tough as the matrix. Writes to --output: volume.vti (the end: phases, grains, damage), volume.vtp (broken bonds), volume-grains.vtp and volume.png (half of the grains, and
-in red the surface within which nodes have lost a tenth of their bonds or more)
+as tough as the matrix. Writes to --output: volume.vti (the end: phases, grains, damage), volume.vtp (broken bonds), volume.csv (stress and strain),
+volume-grains.vtp and volume.png (half of the grains, and in red the surface within which nodes have lost a tenth of their bonds or
+more). With --checkpoint a run that was stopped goes on where its file stands.
 """
 
 import argparse
@@ -38,7 +39,9 @@ def torn(packing, options):
         return True
 
     return lamella.fracture(image, young, critical_stretch=dict.fromkeys(young, CRITICAL), horizon=options.horizon, method="accurate",
-                            breaking="batched", strain_step=options.step * CRITICAL, tolerance=options.tolerance, threads=options.threads, displacement=False, progress=progress)
+                            breaking="batched", strain_step=options.step * CRITICAL, stop=options.stop, tolerance=options.tolerance,
+                            checkpoint=options.checkpoint, continue_from=options.checkpoint, checkpoint_every=50,
+                            threads=options.threads, displacement=False, progress=progress)
 
 
 def spheres(packing, path):
@@ -89,8 +92,10 @@ def main():
     parser.add_argument("--count", type=int, default=200, help="spheres (default: %(default)s)")
     parser.add_argument("--cut", type=float, default=0.5, help="off both ends, in mean diameters, for the platens to hold grains (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--horizon", type=float, default=3, help="spacings (default: %(default)s)")
-    parser.add_argument("--step", type=float, default=0.01, help="of the strain, over that at which bonds break (default: %(default)s)")
+    parser.add_argument("--horizon", type=float, default=2, help="spacings (default: %(default)s)")
+    parser.add_argument("--step", type=float, default=0.05, help="of the strain, over that at which bonds break (default: %(default)s)")
+    parser.add_argument("--stop", type=float, default=0.1, help="share of the peak at which the sample has failed (default: %(default)s)")
+    parser.add_argument("--checkpoint", help="file that keeps where the run stands, and from which it goes on")
     parser.add_argument("--tolerance", type=float, default=1e-4, help="of an equilibrium (default: %(default)s)")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     options = parser.parse_args()

@@ -319,7 +319,11 @@ void PointDynamics<Dim>::addWork(double kick)
 {
   for (int a = 0; a < Dim; ++a)
     for (int side = 0; side < 2; ++side)
-      supplied_ -= walls_(a, side).force * walls_(a, side).velocity * kick;
+    {
+      const Wall& wall = walls_(a, side);
+      supplied_ -= wall.force * wall.velocity * kick;
+      impulse_[static_cast<std::size_t>(a)][static_cast<std::size_t>(side)] += wall.force * kick;
+    }
 }
 
 template <int Dim>
@@ -377,40 +381,118 @@ double PointDynamics<Dim>::gravityMoment() const
 }
 
 template <int Dim>
+template <class F>
+double PointDynamics<Dim>::sumOver(F&& f) const
+{
+  constexpr std::int64_t block = 4096;
+  const auto count = static_cast<std::int64_t>(points_.count());
+  std::vector<double> sums(static_cast<std::size_t>((count + block - 1) / block));
+#pragma omp parallel for schedule(static) if (sums.size() > 1)
+  for (std::int64_t b = 0; b < static_cast<std::int64_t>(sums.size()); ++b)
+  {
+    double sum = 0;
+    for (std::int64_t p = b * block; p < std::min(count, (b + 1) * block); ++p)
+      sum += f(static_cast<std::size_t>(p));
+    sums[static_cast<std::size_t>(b)] = sum;
+  }
+  double total = 0;
+  for (const double sum : sums)
+    total += sum;
+  return total;
+}
+
+template <int Dim>
 double PointDynamics<Dim>::kineticEnergy() const
 {
   using Points = MaterialPoints<Dim>;
   const auto mass = points_.column(Points::masses);
   const bool affine = options_.transfer == Transfer::Apic && options_.shape == Shape::QuadraticSpline;
-  double sum = 0;
-  for (std::size_t p = 0; p < points_.count(); ++p)
-  {
-    double squares = 0;
-    for (int a = 0; a < Dim; ++a)
+  return sumOver(
+    [&](std::size_t p)
     {
-      const double v = points_.column(Points::velocities + a)[p];
-      squares += v * v;
-      for (int b = 0; b < Dim && affine; ++b)
+      double squares = 0;
+      for (int a = 0; a < Dim; ++a)
       {
-        const double c = points_.column(Points::affines + a * Dim + b)[p] * grid_.axis(b).spacing;
-        squares += c * c / 4;
+        const double v = points_.column(Points::velocities + a)[p];
+        squares += v * v;
+        for (int b = 0; b < Dim && affine; ++b)
+        {
+          const double c = points_.column(Points::affines + a * Dim + b)[p] * grid_.axis(b).spacing;
+          squares += c * c / 4;
+        }
       }
-    }
-    sum += mass[p] * squares / 2;
-  }
-  return sum;
+      return mass[p] * squares / 2;
+    });
 }
 
 template <int Dim>
 double PointDynamics<Dim>::elasticEnergy() const
 {
   using Points = MaterialPoints<Dim>;
-  double sum = 0;
-  for (std::size_t p = 0; p < points_.count(); ++p)
-    sum += points_.column(Points::volumes)[p] *
-      law_->energy(points_.phase()[p], points_.matrix(Points::deformations, p), points_.vector(Points::axes, p),
-        points_.memory(p).data());
-  return sum;
+  return sumOver(
+    [&](std::size_t p)
+    {
+      return points_.column(Points::volumes)[p] *
+        law_->energy(points_.phase()[p], points_.matrix(Points::deformations, p), points_.vector(Points::axes, p),
+          points_.memory(p).data());
+    });
+}
+
+template <int Dim>
+std::array<double, 2> PointDynamics<Dim>::volumes() const
+{
+  using Points = MaterialPoints<Dim>;
+  const auto volume = points_.column(Points::volumes);
+  return { sumOver([&](std::size_t p) { return volume[p] * determinant(points_.matrix(Points::deformations, p)); }),
+    sumOver([&](std::size_t p) { return volume[p]; }) };
+}
+
+template <int Dim>
+double PointDynamics<Dim>::changeVelocities(double keep, double add, int axis, double rate, double still)
+{
+  using Points = MaterialPoints<Dim>;
+  const double before = kineticEnergy();
+  const auto x = points_.column(axis);
+  for (int a = 0; a < Dim; ++a)
+  {
+    const double own = a == axis ? rate : 0;
+    auto v = points_.column(Points::velocities + a);
+#pragma omp parallel for simd schedule(static) if (points_.count() > 2000)
+    for (std::size_t p = 0; p < points_.count(); ++p)
+      v[p] = keep * v[p] + (1 - keep + add) * own * (x[p] - still);
+    for (int b = 0; b < Dim; ++b)
+    {
+      const double ownGradient = a == axis && b == axis ? rate : 0;
+      auto c = points_.column(Points::affines + a * Dim + b);
+#pragma omp parallel for simd schedule(static) if (points_.count() > 2000)
+      for (std::size_t p = 0; p < points_.count(); ++p)
+        c[p] = keep * c[p] + (1 - keep + add) * ownGradient;
+    }
+  }
+  if (fused_)
+    fused_->forget();
+  return kineticEnergy() - before;
+}
+
+template <int Dim>
+void PointDynamics<Dim>::scaleVelocities(double factor)
+{
+  supplied_ += changeVelocities(factor, 0, 0, 0, 0);
+  for (int a = 0; a < Dim; ++a)
+    for (int side = 0; side < 2; ++side)
+      walls_(a, side).velocity *= factor;
+}
+
+template <int Dim>
+void PointDynamics<Dim>::addStretching(int axis, double rate, double still)
+{
+  supplied_ += changeVelocities(1, 1, axis, rate, still);
+}
+
+template <int Dim>
+void PointDynamics<Dim>::calm(double factor, int axis, double rate, double still)
+{
+  changeVelocities(factor, 0, axis, rate, still);
 }
 
 template <int Dim>

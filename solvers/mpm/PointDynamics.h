@@ -1,5 +1,6 @@
 #pragma once
 
+#include "io/Checkpoint.h"
 #include "mpm/BackgroundGrid.h"
 #include "mpm/GridWalls.h"
 #include "mpm/MaterialPoints.h"
@@ -115,6 +116,15 @@ public:
   bool advanceTo(double time);
   /// Of a wall or a period, from now on [m/s].
   void setVelocity(int axis, int side, double velocity);
+  /// Multiplies all velocities, those of walls and periods too; the kinetic energy that this brings counts as supplied.
+  void scaleVelocities(double factor);
+  /// Adds to the velocities those of an even stretching along an axis, rate (x − still); walls keep theirs. The kinetic
+  /// energy counts as supplied.
+  /// @param rate [1/s] @param still where nothing is added [m]
+  void addStretching(int axis, double rate, double still);
+  /// Multiplies what velocities differ by from those of an even stretching: friction against a frame that deforms
+  /// evenly, which dissipates.
+  void calm(double factor, int axis, double rate, double still);
 
   /// In the order of cells where the step is fused: id() tells which is which. Beyond the ends of a period by a quarter
   /// of a cell at most.
@@ -126,11 +136,30 @@ public:
   [[nodiscard]] std::int64_t steps() const noexcept { return step_; }
   /// The last one, or before it the one to come [s].
   [[nodiscard]] double step() const noexcept { return before_ > 0 ? before_ : dt_; }
+  [[nodiscard]] double pace() const noexcept { return dt_; } ///< the step to come, where no time is to be hit [s]
   /// The largest stable step for the body as it is [s]: 2/ω, ω² ≤ Σ over axes 6 a/(ρ₀ h²) at the worst point, a its
   /// stiffness: no field of quadratic splines strains a point by more. Half of it with a consistent mass, which has no
   /// such bound, nor have linear shapes.
   [[nodiscard]] double stableStep() const;
   [[nodiscard]] PointEnergies energies() const;
+  /// Momentum that the body gave to a wall, along its axis, since the start [N s], [N s/m] in 2D.
+  [[nodiscard]] double impulse(int axis, int side) const
+  {
+    return impulse_[static_cast<std::size_t>(axis)][static_cast<std::size_t>(side)];
+  }
+  /// Where a wall, or an end of a period, is now [m].
+  [[nodiscard]] double position(int axis, int side) const
+  {
+    return options_.sides[static_cast<std::size_t>(axis)][static_cast<std::size_t>(side)].position;
+  }
+  /// Volume of the points now over their volume at the start, both summed [m³], [m²] in 2D.
+  [[nodiscard]] std::array<double, 2> volumes() const;
+
+  /// Puts all that goes on from one step to the next into a checkpoint. A run that was kept goes on as one that takes
+  /// it back, to the last bit: both sort their points anew.
+  void keep(io::Checkpoint& checkpoint);
+  /// @throws InputError where it is of other points
+  void takeBack(const io::Checkpoint& checkpoint);
   [[nodiscard]] bool fused() const noexcept { return fused_ != nullptr; }
 
 private:
@@ -148,6 +177,11 @@ private:
   [[nodiscard]] double gravityMoment() const;
   [[nodiscard]] double kineticEnergy() const;
   [[nodiscard]] double elasticEnergy() const;
+  /// Velocities become keep (v − w) + w + add w, w those of the stretching. @return kinetic energy gained
+  double changeVelocities(double keep, double add, int axis, double rate, double still);
+  /// f(point) over all points, in blocks, so that it is the same for any number of threads.
+  template <class F>
+  [[nodiscard]] double sumOver(F&& f) const;
   [[nodiscard]] std::array<double, 2> extent(int a) const;
 
   MaterialPoints<Dim> points_;
@@ -163,6 +197,7 @@ private:
   double supplied_ = 0;
   double initial_ = 0;
   double startMoment_ = 0; ///< Σ m g·x at the start [J]
+  std::array<std::array<double, 2>, Dim> impulse_{};
 };
 
 extern template class PointDynamics<2>;

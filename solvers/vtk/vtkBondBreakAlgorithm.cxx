@@ -227,7 +227,7 @@ void vtkBondBreakAlgorithm::SetLimit(const char* name, vtkIdType value, std::int
 }
 
 std::string vtkBondBreakAlgorithm::PrepareCheckpoints(
-  vtkImageData* input, const lamella::Team& team, lamella::peridynamics::CheckpointOptions& options)
+  vtkImageData* input, const lamella::Team& team, lamella::io::CheckpointOptions& options)
 {
   options.path = this->CheckpointFile;
   options.provenance = lamella::fieldText(input, "provenance").value_or("");

@@ -27,7 +27,7 @@ class vtkTable;
 
 namespace lamella
 {
-namespace peridynamics // VTK's wrappers do not read lamella::peridynamics
+namespace io // VTK's wrappers do not read lamella::io
 {
 struct CheckpointOptions;
 }
@@ -147,7 +147,7 @@ protected:
   /// Where checkpoints go.
   /// @return the file to go on from, empty where the run begins
   std::string PrepareCheckpoints(
-    vtkImageData* input, const lamella::Team& team, lamella::peridynamics::CheckpointOptions& options);
+    vtkImageData* input, const lamella::Team& team, lamella::io::CheckpointOptions& options);
   /// Whether ContinueFile was to be made by this very run; a warning to say so, or empty.
   std::string BeginsAnew() const;
 

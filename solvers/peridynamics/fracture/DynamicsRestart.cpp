@@ -93,7 +93,7 @@ void BondDynamics::save()
 void BondDynamics::restore()
 {
   const Communicator& comm = bonds_.communicator();
-  const io::Checkpoint c = readCheckpoint(options_.continueFrom, kind, scene_, comm);
+  const io::Checkpoint c = io::readCheckpoint(options_.continueFrom, kind, scene_, comm);
   u_ = scattered(bonds_, c, "displacement");
   v_ = scattered(bonds_, c, "velocity");
   f_ = scattered(bonds_, c, "force");

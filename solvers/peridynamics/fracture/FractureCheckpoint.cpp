@@ -6,41 +6,12 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cstring>
-#include <exception>
 #include <utility>
 
 namespace lamella::peridynamics
 {
 namespace
 {
-
-/// An Error of rank 0, thrown by all: by its message and hint.
-void share(const Communicator& comm, const std::function<void()>& onFirst)
-{
-  std::string message;
-  std::string hint;
-  if (comm.rank() == 0)
-    try
-    {
-      onFirst();
-    }
-    catch (const Error& e)
-    {
-      message = e.what();
-      hint = e.hint();
-    }
-  if (!comm.any(!message.empty()))
-    return;
-  for (std::string* text : { &message, &hint })
-  {
-    std::vector<std::byte> bytes(text->size());
-    std::memcpy(bytes.data(), text->data(), text->size());
-    comm.broadcast(bytes);
-    text->assign(reinterpret_cast<const char*>(bytes.data()), bytes.size()); // NOLINT: text
-  }
-  throw InputError(message, hint);
-}
 
 std::string bytesOf(const void* data, std::size_t size)
 {
@@ -155,44 +126,6 @@ std::vector<Bond> bondsIn(const io::Checkpoint& checkpoint, const BondLattice& b
     broken.push_back({ { values[k], values[k + 1], values[k + 2] }, static_cast<int>(values[k + 3]) });
   }
   return broken;
-}
-
-bool write(const io::Checkpoint& checkpoint, const CheckpointOptions& options, const Communicator& comm)
-{
-  bool failed = false;
-  if (comm.rank() == 0)
-    try
-    {
-      io::replaceFile(options.path, io::encode(checkpoint));
-    }
-    catch (const Error& e)
-    {
-      failed = true;
-      if (options.warn)
-        options.warn(std::string(e.what()) + "; the last good checkpoint stays, the run goes on (" + e.hint() + ")");
-    }
-  return !comm.any(failed);
-}
-
-io::Checkpoint readCheckpoint(
-  const std::filesystem::path& path, const std::string& kind, const std::string& scene, const Communicator& comm)
-{
-  std::vector<std::byte> bytes;
-  share(comm, [&] { bytes = io::readBytes(path); });
-  comm.broadcast(bytes);
-  io::Checkpoint checkpoint = io::decode(bytes, path.string());
-  io::expectScene(checkpoint, kind, scene, path.string());
-  return checkpoint;
-}
-
-void checkPlace(const CheckpointOptions& options, const Communicator& comm)
-{
-  if (options.path.empty())
-    return;
-  if (options.every < 0)
-    throw ParameterError(
-      fmt::format("a checkpoint every {} events", options.every), "give a number above 0, or leave it out");
-  share(comm, [&] { io::checkPlace(options.path); });
 }
 
 } // namespace lamella::peridynamics

@@ -1,10 +1,9 @@
 #pragma once
 
-#include "io/Checkpoint.h"
+#include "io/RunCheckpoint.h"
 #include "peridynamics/BondLattice.h"
 
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -13,14 +12,7 @@
 namespace lamella::peridynamics
 {
 
-struct CheckpointOptions
-{
-  std::filesystem::path path{}; ///< none: no checkpoints. Replaced whenever there is a newer state
-  std::int64_t every = 0;       ///< events, or steps in time, between two files at least
-  std::string provenance{};     ///< io::toJson(); goes into the file as it is
-  /// Called on rank 0 when a file cannot be written (a full disk): the last good one stays, the run goes on.
-  std::function<void(const std::string&)> warn{};
-};
+using io::CheckpointOptions;
 
 /// Lines "what: value" of all about the bonds that a run depends on; before any breaks. The same for any number of
 /// ranks. Collective.
@@ -41,14 +33,5 @@ struct CheckpointOptions
 /// x, y, z of the first nodes, then places in Stencil::half(): shape (n, 4).
 [[nodiscard]] io::CheckpointArray arrayOf(const std::vector<Bond>& bonds);
 [[nodiscard]] std::vector<Bond> bondsIn(const io::Checkpoint& checkpoint, const BondLattice& bonds);
-
-/// Writes on rank 0; says there, by CheckpointOptions::warn, what stands in the way. Collective.
-/// @return whether it was written
-bool write(const io::Checkpoint& checkpoint, const CheckpointOptions& options, const Communicator& comm);
-/// Read by rank 0 for all. @throws InputError on all ranks alike: see io::decode(), io::expectScene()
-[[nodiscard]] io::Checkpoint readCheckpoint(
-  const std::filesystem::path& path, const std::string& kind, const std::string& scene, const Communicator& comm);
-/// Refuses a place where no file can be written, before the run. @throws InputError on all ranks. Collective.
-void checkPlace(const CheckpointOptions& options, const Communicator& comm);
 
 } // namespace lamella::peridynamics

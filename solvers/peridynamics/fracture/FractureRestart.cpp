@@ -141,7 +141,7 @@ void QuasiStaticFracture::save()
 EngineState QuasiStaticFracture::restore(const PlatenForce& platens)
 {
   const Communicator& comm = bonds_.communicator();
-  const io::Checkpoint c = readCheckpoint(options_.continueFrom, kind, scene_, comm);
+  const io::Checkpoint c = io::readCheckpoint(options_.continueFrom, kind, scene_, comm);
   EngineState state{ scattered(bonds_, c, "displacement"), {}, {} };
   const std::vector<Bond> list = bondsIn(c, bonds_);
   const auto& event = c.integers("event");

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "io/Checkpoint.h"
+#include "lattice/Communicator.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+/// Checkpoints of a run on any number of ranks: rank 0 writes and reads.
+namespace lamella::io
+{
+
+struct CheckpointOptions
+{
+  std::filesystem::path path{}; ///< none: no checkpoints. Replaced whenever there is a newer state
+  std::int64_t every = 0;       ///< events, or steps in time, between two files at least
+  std::string provenance{};     ///< io::toJson(); goes into the file as it is
+  /// Called on rank 0 when a file cannot be written (a full disk): the last good one stays, the run goes on.
+  std::function<void(const std::string&)> warn{};
+};
+
+/// Writes on rank 0; says there, by CheckpointOptions::warn, what stands in the way. Collective.
+/// @return whether it was written
+bool write(const Checkpoint& checkpoint, const CheckpointOptions& options, const Communicator& comm);
+/// Read by rank 0 for all. @throws InputError on all ranks alike: see decode(), expectScene()
+[[nodiscard]] Checkpoint readCheckpoint(
+  const std::filesystem::path& path, const std::string& kind, const std::string& scene, const Communicator& comm);
+/// Refuses a place where no file can be written, before the run. @throws InputError on all ranks. Collective.
+void checkPlace(const CheckpointOptions& options, const Communicator& comm);
+
+} // namespace lamella::io
