@@ -18,7 +18,9 @@ from ends import without_ends
 from paraview.simple import (
     Contour, CreateView, GetActiveCamera, OpenDataFile, Outline, Render, SaveScreenshot, Show,
 )
+from vtkmodules.vtkCommonDataModel import vtkPlane, vtkPlaneCollection
 from vtkmodules.vtkFiltersCore import vtkAppendPolyData
+from vtkmodules.vtkFiltersGeneral import vtkClipClosedSurface
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
@@ -44,8 +46,8 @@ def torn(packing, options):
                             threads=options.threads, displacement=False, progress=progress)
 
 
-def spheres(packing, path):
-    """The grains behind a plane through the middle, as a file of surfaces."""
+def spheres(packing, bounds, path):
+    """The grains behind a plane through the middle, as a file of surfaces, cut where the sample ends."""
     centres, radii = np.asarray(packing.centres), np.asarray(packing.radii)
     middle = centres.mean(axis=0)
     together = vtkAppendPolyData()
@@ -57,9 +59,18 @@ def spheres(packing, path):
             sphere.SetPhiResolution(32)
             sphere.SetCenter(*centre)
             together.AddInputConnection(sphere.GetOutputPort())
+    ends = vtkPlaneCollection()
+    for place, direction in ((bounds[4], 1), (bounds[5], -1)):
+        plane = vtkPlane()
+        plane.SetOrigin(0, 0, place)
+        plane.SetNormal(0, 0, direction)
+        ends.AddItem(plane)
+    cut = vtkClipClosedSurface()
+    cut.SetInputConnection(together.GetOutputPort())
+    cut.SetClippingPlanes(ends)
     writer = vtkXMLPolyDataWriter()
     writer.SetFileName(path)
-    writer.SetInputConnection(together.GetOutputPort())
+    writer.SetInputConnection(cut.GetOutputPort())
     writer.Write()
 
 
@@ -88,13 +99,13 @@ def draw(file, grains, path, damage=0.1):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--output", default="results/cemented-grains", help="folder (default: %(default)s)")
-    parser.add_argument("--nodes", type=int, default=96, help="nodes across (default: %(default)s)")
-    parser.add_argument("--count", type=int, default=200, help="spheres (default: %(default)s)")
+    parser.add_argument("--nodes", type=int, default=100, help="nodes across (default: %(default)s)")
+    parser.add_argument("--count", type=int, default=250, help="spheres (default: %(default)s)")
     parser.add_argument("--cut", type=float, default=0.5, help="off both ends, in mean diameters, for the platens to hold grains (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--horizon", type=float, default=2, help="spacings (default: %(default)s)")
     parser.add_argument("--step", type=float, default=0.05, help="of the strain, over that at which bonds break (default: %(default)s)")
-    parser.add_argument("--stop", type=float, default=0.1, help="share of the peak at which the sample has failed (default: %(default)s)")
+    parser.add_argument("--stop", type=float, default=0.2, help="share of the peak at which the sample has failed (default: %(default)s)")
     parser.add_argument("--checkpoint", help="file that keeps where the run stands, and from which it goes on")
     parser.add_argument("--tolerance", type=float, default=1e-4, help="of an equilibrium (default: %(default)s)")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
@@ -102,15 +113,17 @@ def main():
     os.makedirs(options.output, exist_ok=True)
     file = os.path.join(options.output, "volume.vti")
     begun = time.perf_counter()
-    packing = lamella.packing(count=options.count, dimension=3, aspect=1.0, seed=options.seed)
+    packing = lamella.packing(count=options.count, dimension=3, aspect=1.2, seed=options.seed)
     result = torn(packing, options)
     result.save(file, overwrite=True)
     result.save_broken(os.path.join(options.output, "volume.vtp"), overwrite=True)
+    np.savetxt(os.path.join(options.output, "volume.csv"), np.column_stack([result.strain, result.stress]), delimiter=",",
+               header="strain,stress [Pa]", comments="")
     wide, deep, high = result.vtk.GetDimensions()
     print(f"\n{wide} x {deep} x {high} nodes: strength {result.peak_stress:.4g} Pa, {len(result.broken)} bonds broken in "
           f"{result.statistics['events']} batches, {time.perf_counter() - begun:.0f} s; {result.end}")
     grains = os.path.join(options.output, "volume-grains.vtp")
-    spheres(packing, grains)
+    spheres(packing, result.vtk.GetBounds(), grains)
     draw(file, grains, os.path.join(options.output, "volume.png"))
 
 

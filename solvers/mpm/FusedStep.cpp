@@ -96,7 +96,7 @@ void FusedStep<Dim>::sort(const BackgroundGrid<Dim>& grid)
 
 template <int Dim>
 void FusedStep<Dim>::sweep(
-  const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool whole)
+  const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool whole, bool keep)
 {
   PointSweep job{};
   job.columns = points_.column(0).data();
@@ -123,6 +123,7 @@ void FusedStep<Dim>::sweep(
   job.momentum = next_.data();
   job.dt = dt;
   job.kick = kick;
+  job.keep = keep;
   job.constants = constants_.data();
   job.onePhase = onePhase_;
 
@@ -155,18 +156,19 @@ void FusedStep<Dim>::prepare(const BackgroundGrid<Dim>& grid, double kick)
   const auto values = static_cast<std::size_t>(grid.count()) * nodeValues;
   nodes_.assign(values, 0);
   next_.assign(values, 0);
-  sweep(grid, grid, 0, kick, false);
+  sweep(grid, grid, 0, kick, false, false);
   kick_ = kick;
 }
 
 template <int Dim>
-void FusedStep<Dim>::run(const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick)
+void FusedStep<Dim>::run(
+  const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool keep)
 {
   const auto values = static_cast<std::int64_t>(next_.size());
 #pragma omp parallel for simd schedule(static) if (points_.count() > worthThreads)
   for (std::int64_t i = 0; i < values; ++i)
     next_[static_cast<std::size_t>(i)] = 0;
-  sweep(from, to, dt, kick, true);
+  sweep(from, to, dt, kick, true, keep);
 }
 
 template class FusedStep<2>;

@@ -31,11 +31,14 @@ public:
   /// Mass and momentum, nodeValues a node; to be made velocities before run().
   [[nodiscard]] std::span<double> nodes() noexcept { return nodes_; }
   /// Moves the points by the velocities on the nodes, and gives to the next grid, which has as many nodes.
-  void run(const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick);
+  /// @param keep whether the points get their velocities and gradients, which cost memory traffic and are needed only
+  /// where they are looked at or given to a grid anew
+  void run(const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool keep);
 
 private:
   void sort(const BackgroundGrid<Dim>& grid);
-  void sweep(const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool whole);
+  void sweep(
+    const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool whole, bool keep);
 
   MaterialPoints<Dim>& points_;
   LawKind kind_;

@@ -16,8 +16,12 @@ namespace lamella::mpm
 namespace
 {
 
-constexpr std::int64_t between = 20; // steps from one look at the whole body to the next
-constexpr int rim = 4;               // cells beyond the points where an axis is open
+constexpr std::int64_t between = 20;     // steps from one look at the whole body to the next
+constexpr std::int64_t remeasure = 2000; // steps from one measurement of the wave factor to the next
+constexpr double otherShapes = 6;
+constexpr double leastFactor = 4.5; // outlines of tissue, wherever they lie on the grid
+constexpr double mostStrain = 0.5;       // of a point from one look to the next
+constexpr int rim = 4;              // cells beyond the points where an axis is open
 
 void checkOptions(bool fine, const std::string& message, const char* hint)
 {
@@ -33,6 +37,7 @@ PointDynamics<Dim>::PointDynamics(
   : points_(std::move(points))
   , law_(std::move(law))
   , options_(std::move(options))
+  , measured_(bulkRatio(*law_))
 {
   check();
   for (int a = 0; a < Dim; ++a)
@@ -41,6 +46,8 @@ PointDynamics<Dim>::PointDynamics(
       const Side& given = options_.sides[static_cast<std::size_t>(a)][static_cast<std::size_t>(side)];
       walls_(a, side) = Wall{ given.straight, given.sticks, given.straight ? 0 : given.velocity, 0 };
     }
+  for (const auto& side : options_.sides)
+    walled_ = walled_ && side[0].edge == Edge::Wall && side[1].edge == Edge::Wall;
   layGrid(false);
   chooseStep();
   if (options_.fused && options_.shape == Shape::QuadraticSpline && options_.mass == MassMatrix::Lumped &&
@@ -232,12 +239,37 @@ double PointDynamics<Dim>::stableStep() const
     worst = ratio <= worst ? worst : std::isfinite(ratio) ? ratio : std::numeric_limits<double>::infinity();
   }
   const double h = grid_.smallestSpacing();
-  return 2 * h / std::sqrt(6 * worst) * (options_.mass == MassMatrix::Consistent ? 0.5 : 1);
+  return 2 * h / std::sqrt(factor_ * worst) * (options_.mass == MassMatrix::Consistent ? 0.5 : 1);
+}
+
+template <int Dim>
+void PointDynamics<Dim>::measureFactor()
+{
+  if (options_.shape != Shape::QuadraticSpline || options_.mass != MassMatrix::Lumped)
+  {
+    factor_ = otherShapes;
+    return;
+  }
+  const double seen = measured_.measure(points_, grid_, factor_ == 0 ? 24 : 8);
+  factor_ = std::max({ factor_, seen * 8 / 7, leastFactor });
+}
+
+template <int Dim>
+double PointDynamics<Dim>::fastestStrain() const
+{
+  double worst = 0;
+#pragma omp parallel for schedule(static) reduction(max : worst) if (points_.count() > 2000)
+  for (std::size_t p = 0; p < points_.count(); ++p)
+    for (int i = 0; i < Dim * Dim; ++i)
+      worst = std::max(worst, std::fabs(points_.column(MaterialPoints<Dim>::affines + i)[p]));
+  return worst;
 }
 
 template <int Dim>
 void PointDynamics<Dim>::chooseStep()
 {
+  if (step_ % remeasure == 0)
+    measureFactor();
   const double stable = stableStep();
   if (!(stable > 0))
     throw DivergenceError(
@@ -246,7 +278,7 @@ void PointDynamics<Dim>::chooseStep()
   if (!options_.step)
   {
     // not for every trifle: a step of another length costs the fused path a pass over the points
-    const double wanted = options_.share * stable;
+    const double wanted = std::min(options_.share * stable, mostStrain / (between * fastestStrain()));
     if (step_ == 0 || dt_ > wanted * (1 + 0.1 * (1 - options_.share)) || dt_ < 0.9 * wanted)
       dt_ = wanted;
   }
@@ -285,7 +317,7 @@ bool PointDynamics<Dim>::run(std::int64_t steps, double dt)
     }
     const double now = dt > 0 ? std::min(dt, dt_) : dt_;
     if (fused_)
-      fusedStep(now, (before_ + now) / 2);
+      fusedStep(now, (before_ + now) / 2, i + 1 == steps || (step_ + 1) % between == 0);
     else
       generalStep(now, (before_ + now) / 2);
     before_ = now;
@@ -337,7 +369,7 @@ void PointDynamics<Dim>::generalStep(double dt, double kick)
 }
 
 template <int Dim>
-void PointDynamics<Dim>::fusedStep(double dt, double kick)
+void PointDynamics<Dim>::fusedStep(double dt, double kick, bool look)
 {
   if (!fused_->ready(kick))
   {
@@ -354,7 +386,7 @@ void PointDynamics<Dim>::fusedStep(double dt, double kick)
   for (int a = 0; a < Dim; ++a)
     same = same && grid_.axis(a).cells == old.axis(a).cells;
   if (same)
-    fused_->run(old, grid_, dt, dt);
+    fused_->run(old, grid_, dt, dt, look || !walled_);
   else
   {
     // another number of cells: give to a grid of as many as before, then sort the points into the new one
@@ -365,7 +397,7 @@ void PointDynamics<Dim>::fusedStep(double dt, double kick)
       g.spacing = g.length() / old.axis(a).cells;
       g.cells = old.axis(a).cells;
     }
-    fused_->run(old, BackgroundGrid<Dim>(axes), dt, dt);
+    fused_->run(old, BackgroundGrid<Dim>(axes), dt, dt, true);
     fused_->forget();
   }
 }

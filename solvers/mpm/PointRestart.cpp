@@ -48,6 +48,7 @@ void PointDynamics<Dim>::keep(io::Checkpoint& checkpoint)
   checkpoint.numbers["time"] = time_;
   checkpoint.numbers["step"] = dt_;
   checkpoint.numbers["last step"] = before_;
+  checkpoint.numbers["wave factor"] = factor_;
   checkpoint.numbers["supplied energy"] = supplied_;
   checkpoint.numbers["initial energy"] = initial_;
   checkpoint.numbers["initial moment"] = startMoment_;
@@ -93,6 +94,7 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
   time_ = checkpoint.number("time");
   dt_ = checkpoint.number("step");
   before_ = checkpoint.number("last step");
+  factor_ = checkpoint.number("wave factor");
   supplied_ = checkpoint.number("supplied energy");
   initial_ = checkpoint.number("initial energy");
   startMoment_ = checkpoint.number("initial moment");

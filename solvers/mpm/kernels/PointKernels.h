@@ -41,6 +41,7 @@ struct PointSweep
   double* momentum;       ///< mass and momentum of the nodes, added to
   double dt;
   double kick; ///< of the forces that are added
+  bool keep;   ///< writes the points' velocities and their gradients: nothing within the sweeps reads them
   double gravity[3];
   const double* constants; ///< of the law, phase by phase
   bool onePhase;           ///< the constants are those of all phases

@@ -202,11 +202,15 @@ private:
     {
       x[a] = x[a] + s_.dt * v[a];
       x[a].storeFirst(column(a, p), count);
-      v[a].storeFirst(column(C::velocities + a, p), count);
+    }
+    if (s_.keep)
+    {
+      for (int a = 0; a < Dim; ++a)
+        v[a].storeFirst(column(C::velocities + a, p), count);
+      for (int i = 0; i < Dim * Dim; ++i)
+        affine.m[i].storeFirst(column(C::affines + i, p), count);
     }
     const Matrix<Dim, R> before = F;
-    for (int i = 0; i < Dim * Dim; ++i)
-      affine.m[i].storeFirst(column(C::affines + i, p), count);
     for (int i = 0; i < Dim; ++i)
       for (int j = 0; j < Dim; ++j)
       {

@@ -1,0 +1,198 @@
+#include "mpm/WaveFactor.h"
+
+#include "mpm/ShapeFunctions.h"
+#include "mpm/SmallStrain.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace lamella::mpm
+{
+namespace
+{
+
+/// A number between −1 and 1 that looks like chance, the same for the same node.
+double scrambled(std::uint64_t i)
+{
+  i = (i + 0x9E3779B97F4A7C15ULL) * 0xBF58476D1CE4E5B9ULL;
+  i = (i ^ (i >> 27U)) * 0x94D049BB133111EBULL;
+  return static_cast<double>(static_cast<std::int64_t>(i)) / 9.3e18;
+}
+
+template <int Dim>
+struct Reach
+{
+  static constexpr int splines = Dim == 3 ? 27 : 9;
+  std::int64_t first;
+  double value[splines];
+  double gradient[Dim][splines]; // times the smallest spacing
+};
+
+} // namespace
+
+template <int Dim>
+double bulkRatio(const PointLaw<Dim>& law)
+{
+  constexpr int strains = Dim == 3 ? 6 : 3;
+  constexpr double small = 1e-6; // laws have finite third derivatives: exact to a millionth or so
+  Vector<Dim> axis{};
+  axis[0] = 1;
+  const std::array<double, MaterialPoints<Dim>::mostHistory> history{};
+  double ratio = 1;
+  for (std::size_t phase = 0; phase < law.phases(); ++phase)
+  {
+    Eigen::Matrix<double, strains, strains> C; // by orthonormal strains: shear ones times √2
+    for (int v = 0; v < strains; ++v)
+    {
+      const auto [i, j] = voigt<Dim>[static_cast<std::size_t>(v)];
+      std::array<Matrix<Dim>, 2> tau;
+      for (const int side : { 0, 1 })
+      {
+        Matrix<Dim> F = Matrix<Dim>::identity();
+        const double e = (side == 0 ? -small : small) / (i == j ? 1 : std::sqrt(2.0));
+        F(i, j) += e;
+        if (i != j)
+          F(j, i) += e;
+        tau[static_cast<std::size_t>(side)] = law.kirchhoff(phase, F, axis, history.data());
+      }
+      for (int w = 0; w < strains; ++w)
+      {
+        const auto [k, l] = voigt<Dim>[static_cast<std::size_t>(w)];
+        C(w, v) = (tau[1](k, l) - tau[0](k, l)) / (2 * small) * (k == l ? 1 : std::sqrt(2.0));
+      }
+    }
+    const Eigen::Matrix<double, strains, strains> symmetric = (C + C.transpose()) / 2;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, strains, strains>> eigen(
+      symmetric, Eigen::EigenvaluesOnly);
+    ratio = std::max(
+      ratio, eigen.eigenvalues().maxCoeff() / law.stiffness(phase, Matrix<Dim>::identity(), axis, history.data()));
+  }
+  return std::min(ratio, static_cast<double>(Dim));
+}
+
+template <int Dim>
+WaveFactor<Dim>::WaveFactor(double bulk)
+  : lame_((bulk - 1) / (Dim - 1))
+  , shear_((Dim - bulk) / (2 * (Dim - 1)))
+{
+}
+
+template <int Dim>
+double WaveFactor<Dim>::measure(const MaterialPoints<Dim>& points, const BackgroundGrid<Dim>& grid, int passes)
+{
+  using Points = MaterialPoints<Dim>;
+  const auto nodes = static_cast<std::size_t>(grid.count());
+  const auto mass = points.column(Points::masses);
+  std::array<std::int64_t, Reach<Dim>::splines> jump{};
+  for (int n = 0; n < Reach<Dim>::splines; ++n)
+    jump[static_cast<std::size_t>(n)] =
+      n % 3 * grid.stride(0) + n / 3 % 3 * grid.stride(1) + (Dim == 3 ? n / 9 * grid.stride(Dim - 1) : 0);
+  const double h = grid.smallestSpacing();
+
+  // what a point reaches; false where it lies outside the grid
+  const auto reach = [&](std::size_t p, Reach<Dim>& r)
+  {
+    std::array<AxisShape<3>, Dim> s;
+    r.first = 0;
+    for (int a = 0; a < Dim; ++a)
+    {
+      const auto i = static_cast<std::size_t>(a);
+      s[i] = QuadraticSpline::at(grid.axis(a).coordinate(points.column(a)[p]), 0);
+      if (s[i].base < -1 || s[i].base > grid.axis(a).cells - 1)
+        return false;
+      r.first += (s[i].base + 1) * grid.stride(a);
+    }
+    for (int n = 0; n < Reach<Dim>::splines; ++n)
+    {
+      const int k[3] = { n % 3, n / 3 % 3, n / 9 };
+      r.value[n] = 1;
+      for (int a = 0; a < Dim; ++a)
+        r.value[n] *= s[static_cast<std::size_t>(a)].value[k[a]];
+      for (int a = 0; a < Dim; ++a)
+      {
+        double g = h / grid.axis(a).spacing;
+        for (int b = 0; b < Dim; ++b)
+          g *= a == b ? s[static_cast<std::size_t>(b)].gradient[k[b]] : s[static_cast<std::size_t>(b)].value[k[b]];
+        r.gradient[a][n] = g;
+      }
+    }
+    return true;
+  };
+
+  std::vector<double> scale(nodes); // 1/√M
+  Reach<Dim> r;
+  for (std::size_t p = 0; p < points.count(); ++p)
+    if (reach(p, r))
+      for (int n = 0; n < Reach<Dim>::splines; ++n)
+        scale[static_cast<std::size_t>(r.first + jump[static_cast<std::size_t>(n)])] += mass[p] * r.value[n];
+  for (double& m : scale)
+    m = m > 1e-300 ? 1 / std::sqrt(m) : 0;
+  if (field_.size() != nodes * Dim)
+  {
+    field_.resize(nodes * Dim);
+    for (std::size_t i = 0; i < field_.size(); ++i)
+      field_[i] = scrambled(i);
+  }
+
+  double factor = 0;
+  std::vector<double> next(nodes * Dim);
+  for (int pass = 0; pass < passes; ++pass)
+  {
+    double norm = 0;
+    for (std::size_t i = 0; i < field_.size(); ++i)
+      norm += scale[i / Dim] > 0 ? field_[i] * field_[i] : 0;
+    if (!(norm > 0))
+      return factor;
+    norm = 1 / std::sqrt(norm);
+    for (std::size_t i = 0; i < field_.size(); ++i)
+      field_[i] *= norm * scale[i / Dim];
+    std::fill(next.begin(), next.end(), 0);
+    double energy = 0;
+    for (std::size_t p = 0; p < points.count(); ++p)
+    {
+      if (!reach(p, r))
+        continue;
+      Matrix<Dim> slope{};
+      for (int n = 0; n < Reach<Dim>::splines; ++n)
+      {
+        const double* u = field_.data() + (r.first + jump[static_cast<std::size_t>(n)]) * Dim;
+        for (int a = 0; a < Dim; ++a)
+          for (int b = 0; b < Dim; ++b)
+            slope(a, b) += u[a] * r.gradient[b][n];
+      }
+      double dilation = 0;
+      for (int a = 0; a < Dim; ++a)
+        dilation += slope(a, a);
+      Matrix<Dim> stress;
+      for (int a = 0; a < Dim; ++a)
+        for (int b = 0; b < Dim; ++b)
+        {
+          stress(a, b) = mass[p] * (shear_ * (slope(a, b) + slope(b, a)) + (a == b ? lame_ * dilation : 0));
+          energy += stress(a, b) * slope(a, b);
+        }
+      for (int n = 0; n < Reach<Dim>::splines; ++n)
+      {
+        double* f = next.data() + (r.first + jump[static_cast<std::size_t>(n)]) * Dim;
+        for (int a = 0; a < Dim; ++a)
+          for (int b = 0; b < Dim; ++b)
+            f[a] += stress(a, b) * r.gradient[b][n];
+      }
+    }
+    factor = std::max(factor, energy); // Rayleigh's quotient
+    for (std::size_t i = 0; i < field_.size(); ++i)
+      field_[i] = next[i] * scale[i / Dim];
+  }
+  return factor;
+}
+
+template double bulkRatio(const PointLaw<2>&);
+template double bulkRatio(const PointLaw<3>&);
+template class WaveFactor<2>;
+template class WaveFactor<3>;
+
+} // namespace lamella::mpm
