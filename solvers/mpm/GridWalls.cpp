@@ -171,7 +171,7 @@ void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<dou
   for (std::int64_t i = 0; i < count; ++i)
   {
     double* v = nodes.data() + i * nodeValues;
-    const double inverse = v[0] > leastMass ? 1 / v[0] : 0;
+    const double inverse = v[0] > walls.least ? 1 / v[0] : 0;
     for (int c = 0; c < Dim; ++c)
       v[1 + c] *= inverse;
   }

@@ -25,6 +25,8 @@ template <int Dim>
 struct Walls
 {
   std::array<std::array<Wall, 2>, Dim> wall{};
+  /// Mass of a node [kg], up to which its velocity is set to 0: sums over whole cells have lost it in round-off.
+  double least = 1e-300;
 
   Wall& operator()(int axis, int side) { return wall[static_cast<std::size_t>(axis)][static_cast<std::size_t>(side)]; }
   const Wall& operator()(int axis, int side) const

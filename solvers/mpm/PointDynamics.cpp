@@ -18,10 +18,13 @@ namespace
 
 constexpr std::int64_t between = 20;     // steps from one look at the whole body to the next
 constexpr std::int64_t remeasure = 2000; // steps from one measurement of the wave factor to the next
+constexpr double worthMass = 1e-12;      // of a node, over that of the heaviest point: its round-off is 1e-16 or so
 constexpr double otherShapes = 6;
-constexpr double leastFactor = 4.5; // outlines of tissue, wherever they lie on the grid
-constexpr double mostStrain = 0.5;       // of a point from one look to the next
-constexpr int rim = 4;              // cells beyond the points where an axis is open
+constexpr double margin = 1.07;   // for power iteration, which ends early
+constexpr double smoothing = 1.5; // greatest found: 1.49, APIC on tissue
+constexpr double leastFactor = 4.5;
+constexpr double mostStrain = 0.5; // of a point from one look to the next
+constexpr int rim = 4;             // cells beyond the points where an axis is open
 
 void checkOptions(bool fine, const std::string& message, const char* hint)
 {
@@ -46,6 +49,8 @@ PointDynamics<Dim>::PointDynamics(
       const Side& given = options_.sides[static_cast<std::size_t>(a)][static_cast<std::size_t>(side)];
       walls_(a, side) = Wall{ given.straight, given.sticks, given.straight ? 0 : given.velocity, 0 };
     }
+  const auto mass = points_.column(MaterialPoints<Dim>::masses);
+  walls_.least = worthMass * *std::max_element(mass.begin(), mass.end());
   for (const auto& side : options_.sides)
     walled_ = walled_ && side[0].edge == Edge::Wall && side[1].edge == Edge::Wall;
   layGrid(false);
@@ -251,7 +256,8 @@ void PointDynamics<Dim>::measureFactor()
     return;
   }
   const double seen = measured_.measure(points_, grid_, factor_ == 0 ? 24 : 8);
-  factor_ = std::max({ factor_, seen * 8 / 7, leastFactor });
+  // transfers that smooth velocities (T) are stable up to the greatest eigenvalue of (½ M (1 + T))⁻¹ K
+  factor_ = std::max({ factor_, seen * margin * (options_.transfer == Transfer::Flip ? 1 : smoothing), leastFactor });
 }
 
 template <int Dim>

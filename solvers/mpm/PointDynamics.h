@@ -139,9 +139,9 @@ public:
   [[nodiscard]] double step() const noexcept { return before_ > 0 ? before_ : dt_; }
   [[nodiscard]] double pace() const noexcept { return dt_; } ///< the step to come, where no time is to be hit [s]
   /// The largest stable step for the body as it is [s]: 2/ω, ω² = κ a/(ρ₀ h²) at the stiffest point, a its stiffness.
-  /// κ with quadratic splines and lumped mass: the largest WaveFactor seen so far and a seventh more, at least 4.5; it
-  /// is measured at the start and every two thousand steps. Else 6, and half the step with a consistent
-  /// mass, which has no such bound, nor have linear shapes.
+  /// κ with quadratic splines and lumped mass: the largest WaveFactor seen so far and 7 % more, times 1.5
+  /// where the transfer smooths velocities (all but FLIP), at least 4.5; it is measured at the start and every two
+  /// thousand steps. Else 6, and half the step with a consistent mass, which has no such bound, nor have linear shapes.
   [[nodiscard]] double stableStep() const;
   [[nodiscard]] PointEnergies energies() const;
   /// Momentum that the body gave to a wall, along its axis, since the start [N s], [N s/m] in 2D.
