@@ -320,9 +320,6 @@ ElasticResult studyElastic(const BondModel& model, const Lattice& lattice, std::
   r.highPlaten = sample.highLayers;
   r.loosePieces = sample.loosePieces;
   r.looseNodes = sample.looseNodes;
-  r.nodes = lattice.count();
-  r.solidNodes = bonds.solidNodes();
-  r.bonds = bonds.bonds();
   r.area = 1;
   for (int c = 0; c < d; ++c)
     r.area *= c == r.axis ? 1 : lattice.length(c);
@@ -368,11 +365,7 @@ ElasticResult studyElastic(const BondModel& model, const Lattice& lattice, std::
   r.largestRatio = most.ratio;
   if (!nonlinear)
     r.firstBreak = firstBreak(bonds, lattice, phase, most, r);
-  std::vector<PhaseThickness> thickness = phaseThickness(bonds, model, phase);
-  if (thickness.size() > 1)
-    r.thickness = std::move(thickness);
-  const StripCounts mine = bonds.strips();
-  r.strips = { comm.sum(mine.empty), comm.sum(mine.uniform), comm.sum(mine.mixed) };
+  static_cast<SampleCounts&>(r) = countSample(bonds, model, phase);
   const std::int64_t fields =
     (1 + (options.stress ? (d == 2 ? 3 : 6) : 0) + (options.energyDensity ? 1 : 0)) * bonds.layout().count() * 8;
   r.bytes = comm.sum(bonds.bytes() + r.solve.bytes + fields);

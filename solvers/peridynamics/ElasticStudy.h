@@ -35,6 +35,16 @@ struct PhaseThickness
   double thinShare = 0; ///< share of its nodes where it is thinner than the horizon
 };
 
+/// What a sample is made of, before anything breaks.
+struct SampleCounts
+{
+  std::int64_t nodes = 0;
+  std::int64_t solidNodes = 0;
+  std::int64_t bonds = 0;
+  StripCounts strips;                    ///< of all ranks: runs of 16 nodes that the sums skip, and that they visit
+  std::vector<PhaseThickness> thickness; ///< of the phases that carry bonds, when there is more than one
+};
+
 /// The bond that breaks first as the load grows from nothing.
 struct FirstBreak
 {
@@ -46,7 +56,7 @@ struct FirstBreak
   std::array<std::uint8_t, 2> phases{}; ///< of its ends
 };
 
-struct ElasticResult
+struct ElasticResult : SampleCounts
 {
   EquilibriumResult solve;
   NodeField<double> displacement;                 ///< [m], own nodes and rim
@@ -72,13 +82,8 @@ struct ElasticResult
   std::array<std::int64_t, 2> highPlaten{};
   std::int64_t loosePieces = 0;
   std::int64_t looseNodes = 0;
-  std::vector<PhaseThickness> thickness; ///< of the phases that carry bonds, when there is more than one
-  std::vector<std::string> warnings;     ///< each one line, with its numbers
+  std::vector<std::string> warnings; ///< each one line, with its numbers
 
-  std::int64_t nodes = 0;
-  std::int64_t solidNodes = 0;
-  std::int64_t bonds = 0;
-  StripCounts strips;        ///< of all ranks: runs of 16 nodes that the sums skip, and that they visit
   double bondSeconds = 0;    ///< making the bonds
   double loadSeconds = 0;    ///< platens, loose pieces
   double measureSeconds = 0; ///< all that comes after the solve
@@ -137,6 +142,12 @@ void requireMemory(const char* what, const Lattice& lattice, double need, double
 /// Thickness of every phase that has nodes and is no void. Collective.
 /// @param phase of the rank's slab
 [[nodiscard]] std::vector<PhaseThickness> phaseThickness(
+  const BondLattice& bonds, const BondModel& model, std::span<const std::uint8_t> phase);
+
+/// Collective.
+/// @param bonds none of them broken
+/// @param phase of the rank's slab
+[[nodiscard]] SampleCounts countSample(
   const BondLattice& bonds, const BondModel& model, std::span<const std::uint8_t> phase);
 
 } // namespace lamella::peridynamics

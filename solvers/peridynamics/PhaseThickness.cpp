@@ -120,4 +120,20 @@ std::vector<PhaseThickness> phaseThickness(
   return result;
 }
 
+SampleCounts countSample(const BondLattice& bonds, const BondModel& model, std::span<const std::uint8_t> phase)
+{
+  const Communicator& comm = bonds.communicator();
+  const std::array<std::int64_t, 3>& size = bonds.layout().global;
+  SampleCounts r;
+  r.nodes = size[0] * size[1] * size[2];
+  r.solidNodes = bonds.solidNodes();
+  r.bonds = bonds.bonds();
+  const StripCounts mine = bonds.strips();
+  r.strips = { comm.sum(mine.empty), comm.sum(mine.uniform), comm.sum(mine.mixed) };
+  std::vector<PhaseThickness> thickness = phaseThickness(bonds, model, phase);
+  if (thickness.size() > 1)
+    r.thickness = std::move(thickness);
+  return r;
+}
+
 } // namespace lamella::peridynamics

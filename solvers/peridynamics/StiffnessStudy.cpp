@@ -37,15 +37,8 @@ void solveSample(const BondModel& model, const Lattice& lattice, std::span<const
   const BondLattice bonds(model, lattice, phase, grain, comm);
   r.bondSeconds = now() - start;
   r.cell = effectiveStiffness(bonds, equilibrium);
-  r.nodes = lattice.count();
-  r.solidNodes = bonds.solidNodes();
-  r.bonds = bonds.bonds();
+  static_cast<SampleCounts&>(r) = countSample(bonds, model, phase);
   r.sides = sideMatch(bonds, phase);
-  std::vector<PhaseThickness> thickness = phaseThickness(bonds, model, phase);
-  if (thickness.size() > 1)
-    r.thickness = std::move(thickness);
-  const StripCounts mine = bonds.strips();
-  r.strips = { comm.sum(mine.empty), comm.sum(mine.uniform), comm.sum(mine.mixed) };
   std::int64_t solver = 0;
   for (const EquilibriumResult& s : r.cell.solutions)
   {

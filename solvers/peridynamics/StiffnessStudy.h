@@ -47,20 +47,15 @@ struct StiffnessError
   std::vector<double> ofConstants;  ///< as constantValues(); empty likewise
 };
 
-struct StiffnessResult
+struct StiffnessResult : SampleCounts
 {
   EffectiveStiffness cell; ///< at the sample's own spacing
   StiffnessError error;
   std::vector<StiffnessStep> steps; ///< every solve, in order
 
   std::array<SideMatch, 3> sides{};
-  std::vector<PhaseThickness> thickness; ///< of the phases that carry bonds, when there is more than one
-  std::vector<std::string> warnings;     ///< each one line, with its numbers
+  std::vector<std::string> warnings; ///< each one line, with its numbers
 
-  std::int64_t nodes = 0;
-  std::int64_t solidNodes = 0;
-  std::int64_t bonds = 0;
-  StripCounts strips;      ///< of all ranks
   double bondSeconds = 0;  ///< making the bonds
   double setupSeconds = 0; ///< of the solver
   double solveSeconds = 0;

@@ -325,14 +325,7 @@ DynamicsResult studyDynamics(const BondModel& model, const Lattice& lattice, std
   DynamicsResult r;
   double begin = now();
   BondLattice bonds(model, lattice, phase, grain, comm);
-  r.nodes = lattice.count();
-  r.solidNodes = bonds.solidNodes();
-  r.bonds = bonds.bonds();
-  const StripCounts mine = bonds.strips();
-  r.strips = { comm.sum(mine.empty), comm.sum(mine.uniform), comm.sum(mine.mixed) };
-  std::vector<PhaseThickness> thickness = phaseThickness(bonds, model, phase);
-  if (thickness.size() > 1)
-    r.thickness = std::move(thickness);
+  static_cast<SampleCounts&>(r) = countSample(bonds, model, phase);
   r.bondSeconds = now() - begin;
   begin = now();
   Run run(model, lattice, phase, options, bonds, r);

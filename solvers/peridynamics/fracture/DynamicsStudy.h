@@ -107,7 +107,7 @@ struct DynamicsStudyOptions
   double memory = 0; ///< bytes that may be taken on this machine; 0: what is free
 };
 
-struct DynamicsResult
+struct DynamicsResult : SampleCounts
 {
   MotionEnd end = MotionEnd::Time;
   std::vector<MotionPoint> history; ///< from the start on, the end last; of a run that went on, of all its parts
@@ -137,13 +137,8 @@ struct DynamicsResult
   std::array<std::int64_t, 2> highPlaten{};
   std::int64_t loosePieces = 0; ///< of a pull: pieces that no platen holds; they stay where they are
   std::int64_t looseNodes = 0;
-  std::vector<PhaseThickness> thickness; ///< of the phases that carry bonds, when there is more than one
-  std::vector<std::string> warnings;     ///< each one line, with its numbers
+  std::vector<std::string> warnings; ///< each one line, with its numbers
 
-  std::int64_t nodes = 0;
-  std::int64_t solidNodes = 0;
-  std::int64_t bonds = 0;   ///< at the start
-  StripCounts strips;       ///< likewise, as ElasticResult
   double bondSeconds = 0;   ///< making the bonds
   double startSeconds = 0;  ///< masses, loads, equilibrium of a pull
   double motionSeconds = 0; ///< with its history

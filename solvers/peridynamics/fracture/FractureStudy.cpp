@@ -237,14 +237,7 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
   };
   BondLattice bonds(model, lattice, phase, grain, comm);
   requireBreakable(bonds);
-  r.nodes = lattice.count();
-  r.solidNodes = bonds.solidNodes();
-  r.bonds = bonds.bonds();
-  const StripCounts mine = bonds.strips();
-  r.strips = { comm.sum(mine.empty), comm.sum(mine.uniform), comm.sum(mine.mixed) };
-  std::vector<PhaseThickness> thickness = phaseThickness(bonds, model, phase);
-  if (thickness.size() > 1)
-    r.thickness = std::move(thickness);
+  static_cast<SampleCounts&>(r) = countSample(bonds, model, phase);
   FractureProgress latest;
   std::optional<StateFields> fields;
   if (options.keep)

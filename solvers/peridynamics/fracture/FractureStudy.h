@@ -46,7 +46,7 @@ struct FractureCurvePoint
   double criticalStress = 0; ///< at that [Pa]
 };
 
-struct FractureResult
+struct FractureResult : SampleCounts
 {
   FractureRecord record;
   FractureMethod method = FractureMethod::Events;
@@ -71,13 +71,8 @@ struct FractureResult
   std::array<std::int64_t, 2> highPlaten{};
   std::int64_t loosePieces = 0; ///< of the unbroken sample
   std::int64_t looseNodes = 0;
-  std::vector<PhaseThickness> thickness; ///< of the phases that carry bonds, when there is more than one
-  std::vector<std::string> warnings;     ///< each one line, with its numbers
+  std::vector<std::string> warnings; ///< each one line, with its numbers
 
-  std::int64_t nodes = 0;
-  std::int64_t solidNodes = 0;
-  std::int64_t bonds = 0;  ///< of the unbroken sample
-  StripCounts strips;      ///< likewise, as ElasticResult
   double bondSeconds = 0;  ///< making the bonds
   double firstSeconds = 0; ///< platens, loose pieces, first equilibrium
   double stateSeconds = 0; ///< fields of the states
