@@ -52,8 +52,10 @@ inline Sample sampleOf(const std::string& kind, const Keys& keys)
   if (kind != "aggregate" && kind != "filled")
     throw ParameterError("no sample '" + kind + "'", "aggregate, filled, wood or lamella");
   const double usual = std::max(20.0, std::floor(400.0 * static_cast<double>(nodes * nodes) / (512 * 512)));
-  return cemented(nodes, kind == "filled" ? 1 : number(keys, "saturation", 0.5),
-    static_cast<std::int64_t>(number(keys, "grains", usual)), seed);
+  return cemented({ .nodes = nodes,
+    .saturation = kind == "filled" ? 1 : number(keys, "saturation", 0.5),
+    .grains = static_cast<std::int64_t>(number(keys, "grains", usual)),
+    .seed = seed });
 }
 
 } // namespace lamella::benchmark

@@ -3,7 +3,7 @@
 // energy. Steps above the bound are refused elsewhere; here they are let through. Without arguments all of it;
 // study=step, damping, contrast, horizon or porosity one; energy: the balance of the branching plate and of Kalthoff's
 // against the step (minutes).
-#include "DiskSamples.h"
+#include "../tests/DiskPlate.h"
 #include "Keys.h"
 
 #include "lattice/Communicator.h"
@@ -21,6 +21,7 @@ namespace
 
 using namespace lamella;
 using namespace lamella::benchmark;
+using namespace lamella::breakable;
 using namespace lamella::peridynamics;
 
 /// Stiff disks in a soft matrix, with holes; both of one density.
@@ -192,19 +193,8 @@ int main(int argc, char** argv)
   return runWith(argc, argv,
     [](const Keys& keys)
     {
-      const std::string study = text(keys, "study", "");
-      const auto wanted = [&](const char* name) { return study.empty() || study == name; };
-      if (wanted("step"))
-        steps();
-      if (wanted("damping"))
-        damping();
-      if (wanted("contrast"))
-        contrast();
-      if (wanted("horizon"))
-        horizons();
-      if (wanted("porosity"))
-        porosity();
-      if (wanted("energy"))
-        energy(study.empty());
+      runStudies(keys,
+        { { "step", steps }, { "damping", damping }, { "contrast", contrast }, { "horizon", horizons },
+          { "porosity", porosity }, { "energy", [&] { energy(!keys.contains("study")); } } });
     });
 }

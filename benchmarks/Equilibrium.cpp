@@ -1,10 +1,8 @@
 // Linear equilibrium of bond lattices: run time, iterations and error. Arguments: speed, solvers, accuracy, stability,
 // space or scaling (under mpirun); none: all but space and scaling.
 #include "peridynamics/Equilibrium.h"
-#include "generators/Generators.h"
-#include "lattice/Error.h"
-#include "packing/Bridges.h"
-#include "packing/Packing.h"
+#include "BreakableSamples.h"
+
 #include "peridynamics/BondForces.h"
 #include "peridynamics/Loading.h"
 #include "peridynamics/PeriodicCell.h"
@@ -14,7 +12,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -26,15 +23,12 @@ namespace
 {
 
 using namespace lamella;
+using namespace lamella::benchmark;
 using namespace lamella::peridynamics;
 
-struct Sample
+struct Named : Sample
 {
   std::string name;
-  Lattice lattice;
-  std::vector<std::uint8_t> phase; ///< 0 void, 1, 2
-  std::vector<std::int32_t> grain;
-  double contrast = 1; ///< E of phase 2 over that of phase 1
 };
 
 double wall()
@@ -42,59 +36,40 @@ double wall()
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-double cpu() // of all threads
+Sample uniform(std::int64_t nx, std::int64_t ny)
 {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-Sample homogeneous(std::int64_t nx, std::int64_t ny)
-{
-  Sample s{ "homogeneous", makeLattice(nx, ny, 1, 2, 1e-3), {}, {}, 1 };
+  Sample s{ makeLattice(nx, ny, 1, 2, 1e-3), {}, {}, {} };
   s.phase.assign(static_cast<std::size_t>(nx * ny), 1);
+  s.model.pairs[{ 1, 1 }].material = { .youngsModulus = 1e9, .criticalStretch = 1e-3 };
   return s;
 }
 
-Sample cemented(int dimension, std::int64_t nodes, double saturation, double contrast)
+Named homogeneous(std::int64_t nx, std::int64_t ny)
 {
-  packing::PackingOptions o;
-  o.dimension = dimension;
-  o.count = dimension == 3 ? 200 : 400;
-  o.aspect = dimension == 3 ? 1 : 2;
-  o.seed = 1;
-  const packing::Packing p = packing::pack(o);
-  packing::BridgeOptions b;
-  b.saturation = saturation;
-  packing::RasterOptions r;
-  r.nodesAcross = nodes;
-  r.platen = 4 * p.size[0] / static_cast<double>(nodes);
-  packing::CementedSample c = packing::cement(p, b, r);
-  return { fmt::format("cemented grains, S = {:.2f}", saturation), c.image.lattice, std::move(c.image.phase),
-    std::move(c.grain), contrast };
+  return { uniform(nx, ny), "homogeneous" };
 }
 
-Sample softwood(std::int64_t nx, std::int64_t ny)
+Named grains(int dimension, std::int64_t nodes, double contrast = 4)
 {
-  generators::SoftwoodOptions o;
-  o.size = { nx, ny, 1 };
-  o.spacing = 0.5e-6;
-  o.seed = 1;
-  const PhaseImage image = generators::softwood(o);
-  Sample s{ "softwood", image.lattice, {}, {}, 1 };
-  for (const std::uint8_t p : image.phase)
-  {
-    const std::string& name = image.phases.name(p);
-    s.phase.push_back(name == "lumen" || name == "void" ? 0 : 1);
-  }
-  return s;
+  constexpr double saturation = 0.34;
+  return { cemented({ .nodes = nodes,
+             .saturation = saturation,
+             .grains = dimension == 3 ? 200 : 400,
+             .dimension = dimension,
+             .contrast = contrast }),
+    fmt::format("cemented grains, S = {:.2f}", saturation) };
+}
+
+Named softwood(std::int64_t nx, std::int64_t ny)
+{
+  return { breakable::softwood(nx, ny, 1, 0.5e-6), "softwood" };
 }
 
 /// Holes of a hexagonal array, round or six-sided, in a cell of n × √3 n nodes (rounded to even).
 Sample holes(std::int64_t n, double solid, bool round)
 {
   const std::int64_t ny = 2 * std::llround(static_cast<double>(n) * std::numbers::sqrt3 / 2);
-  Sample s{ round ? "round holes" : "honeycomb", makeLattice(n, ny, 1, 2, 1e-3), {}, {}, 1 };
+  Sample s = uniform(n, ny);
   const double w = static_cast<double>(n);
   const double h = static_cast<double>(ny);
   const double radius = round ? std::sqrt((1 - solid) * w * h / (2 * std::numbers::pi)) : std::sqrt(1 - solid) * w / 2;
@@ -110,25 +85,10 @@ Sample holes(std::int64_t n, double solid, bool round)
           const double c = std::abs(a) / 2 + std::abs(b) * std::numbers::sqrt3 / 2;
           hole = hole || (round ? a * a + b * b < radius * radius : std::max(std::abs(a), c) < radius);
         }
-      s.phase.push_back(hole ? 0 : 1);
+      if (hole)
+        s.phase[static_cast<std::size_t>(s.lattice.index(x, y))] = 0;
     }
   return s;
-}
-
-BondModel modelOf(const Sample& s)
-{
-  BondModel m;
-  m.continuum = s.lattice.dimension == 3 ? Continuum::Space : Continuum::PlaneStress;
-  const auto material = [](double e) { return BondMaterial{ .youngsModulus = e, .criticalStretch = 1e-3 }; };
-  m.pairs[{ 1, 1 }].material = material(1e9);
-  if (std::find(s.phase.begin(), s.phase.end(), 2) != s.phase.end())
-  {
-    m.pairs[{ 1, 2 }].material = material(1e9);
-    m.pairs[{ 2, 2 }].material = material(s.contrast * 1e9);
-    m.pairs[{ 2, 2 }].betweenGrains = material(1e9);
-    m.pairByGrain = !s.grain.empty();
-  }
-  return m;
 }
 
 BondLattice bondsOf(const BondModel& model, const Sample& s, const Communicator& comm)
@@ -151,7 +111,7 @@ const char* name(EquilibriumSolver solver)
 }
 
 /// Everything from the phases on: bonds, loading, set-up, solution. The median of the runs by wall time.
-void time(const Sample& s, EquilibriumSolver solver, int runs, const Communicator& comm)
+void time(const Named& s, EquilibriumSolver solver, int runs, const Communicator& comm)
 {
   struct Run
   {
@@ -165,7 +125,7 @@ void time(const Sample& s, EquilibriumSolver solver, int runs, const Communicato
   {
     const double startWall = wall();
     const double startCpu = cpu();
-    const BondLattice bonds = bondsOf(modelOf(s), s, comm);
+    const BondLattice bonds = bondsOf(s.model, s, comm);
     LoadedSample loaded = applyLoading(bonds, {});
     EquilibriumOptions o;
     o.solver = solver;
@@ -195,7 +155,7 @@ void speed(const Communicator& comm)
   fmt::print("\nBonds, loading, set-up and solution to 1e-6, horizon 3, all threads; median of 3\n");
   for (const std::int64_t n : { 256, 512, 1024 })
   {
-    for (const Sample& s : { homogeneous(n, 2 * n), cemented(2, n, 0.34, 4), softwood(n, 2 * n) })
+    for (const Named& s : { homogeneous(n, 2 * n), grains(2, n), softwood(n, 2 * n) })
       time(s, EquilibriumSolver::Multigrid, 3, comm);
   }
 }
@@ -203,7 +163,7 @@ void speed(const Communicator& comm)
 void solvers(const Communicator& comm)
 {
   fmt::print("\nThe same by other solvers, one run\n");
-  for (const Sample& s : { homogeneous(256, 512), cemented(2, 256, 0.34, 4), softwood(256, 512) })
+  for (const Named& s : { homogeneous(256, 512), grains(2, 256), softwood(256, 512) })
     for (const EquilibriumSolver solver :
       { EquilibriumSolver::Multigrid, EquilibriumSolver::Jacobi, EquilibriumSolver::DynamicRelaxation })
       time(s, solver, 1, comm);
@@ -229,7 +189,7 @@ void accuracy(const Communicator& comm)
         for (const std::int64_t n : { 52, 112, 224 })
         {
           const Sample s = holes(n, c.solid, c.round);
-          BondModel m = modelOf(s);
+          BondModel m = s.model;
           m.horizon = horizon;
           m.periodic = { true, true, false };
           m.micromodulus = form % 2 == 0 ? Micromodulus::Continuum : Micromodulus::Lattice;
@@ -247,7 +207,7 @@ void accuracy(const Communicator& comm)
 void stability(const Communicator& comm)
 {
   fmt::print("\nContrast, porosity, thin walls: iterations to 1e-6\n");
-  const auto run = [&](Sample s)
+  const auto run = [&](const Named& s)
   {
     try
     {
@@ -260,61 +220,53 @@ void stability(const Communicator& comm)
   };
   for (const double contrast : { 1.0, 10.0, 100.0, 1e3, 1e4 })
   {
-    Sample s = cemented(2, 256, 0.34, contrast);
+    Named s = grains(2, 256, contrast);
     s.name = fmt::format("contrast {:g}", contrast);
-    run(std::move(s));
+    run(s);
   }
   for (const double voids : { 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9 })
   {
-    Sample s = homogeneous(256, 512);
+    Named s = homogeneous(256, 512);
     s.name = fmt::format("single voids, {:.0f} %", 100 * voids);
     std::mt19937 random(1);
     for (std::uint8_t& p : s.phase)
       p = static_cast<double>(random()) < voids * 4294967296.0 ? 0 : 1;
-    run(std::move(s));
+    run(s);
   }
   for (const int thick : { 1, 2, 3, 5, 8 })
   {
-    Sample s = homogeneous(256, 512);
+    Named s = homogeneous(256, 512);
     s.name = fmt::format("square cells, wall {}", thick);
     for (std::int64_t y = 0; y < 512; ++y)
       for (std::int64_t x = 0; x < 256; ++x)
         if (x % 32 >= thick && y % 32 >= thick && y > 3 && y < 508)
           s.phase[static_cast<std::size_t>(s.lattice.index(x, y))] = 0;
-    run(std::move(s));
+    run(s);
   }
 }
 
 } // namespace
 
 int main(int argc, char** argv)
-try
 {
-  MPI_Init(&argc, &argv);
-  {
-    const Communicator comm(MPI_COMM_WORLD);
-    const std::vector<std::string> words(argv + 1, argv + argc);
-    const auto wanted = [&](const char* word, bool always)
-    { return (words.empty() && always) || std::find(words.begin(), words.end(), word) != words.end(); };
-    if (wanted("speed", true))
-      speed(comm);
-    if (wanted("solvers", true))
-      solvers(comm);
-    if (wanted("accuracy", true))
-      accuracy(comm);
-    if (wanted("stability", true))
-      stability(comm);
-    if (wanted("space", false))
-      time(cemented(3, 128, 0.34, 4), EquilibriumSolver::Multigrid, 1, comm);
-    if (wanted("scaling", false))
-      for (const Sample& s : { homogeneous(512, 1024), cemented(2, 512, 0.34, 4), softwood(512, 1024) })
-        time(s, EquilibriumSolver::Multigrid, 3, comm);
-  }
-  MPI_Finalize();
-  return 0;
-}
-catch (const lamella::Error& e)
-{
-  fmt::print(stderr, "error: {}\nhint: {}\n", e.what(), e.hint());
-  return 1;
+  return runWith(argc, argv,
+    [](const Keys& keys)
+    {
+      const Communicator comm(MPI_COMM_WORLD);
+      const auto wanted = [&](const char* word, bool always)
+      { return (keys.empty() && always) || keys.contains(word); };
+      if (wanted("speed", true))
+        speed(comm);
+      if (wanted("solvers", true))
+        solvers(comm);
+      if (wanted("accuracy", true))
+        accuracy(comm);
+      if (wanted("stability", true))
+        stability(comm);
+      if (wanted("space", false))
+        time(grains(3, 128), EquilibriumSolver::Multigrid, 1, comm);
+      if (wanted("scaling", false))
+        for (const Named& s : { homogeneous(512, 1024), grains(2, 512), softwood(512, 1024) })
+          time(s, EquilibriumSolver::Multigrid, 3, comm);
+    });
 }

@@ -115,19 +115,11 @@ int main(int argc, char** argv)
   return runWith(argc, argv,
     [](const Keys& keys)
     {
-      const std::string study = text(keys, "study", "");
       if (keys.contains("kind"))
         one(keys);
-      else if (study != "" && study != "methods" && study != "strength" && study != "toughness")
-        throw ParameterError("no study '" + study + "'", "methods, strength or toughness");
       else
-      {
-        if (study != "strength" && study != "toughness")
-          table(keys);
-        if (study != "methods" && study != "toughness")
-          strengthCost(keys);
-        if (study != "methods" && study != "strength")
-          toughnessCost(keys);
-      }
+        runStudies(keys,
+          { { "methods", [&] { table(keys); } }, { "strength", [&] { strengthCost(keys); } },
+            { "toughness", [&] { toughnessCost(keys); } } });
     });
 }

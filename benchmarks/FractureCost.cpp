@@ -226,7 +226,11 @@ void strengthCost(const Keys& keys)
     {
       // Platens of one thickness, as thick as the longest horizon on the coarsest lattice; without bridges to them the
       // sample would part along points that touch, which is no strength.
-      Sample s = cemented(nodes, saturation, 24, seed, 6.0 * static_cast<double>(nodes) / 64, true);
+      Sample s = cemented({ .nodes = nodes,
+        .saturation = saturation,
+        .seed = seed,
+        .platen = 6.0 * static_cast<double>(nodes) / 64,
+        .wallBridges = true });
       s.model.horizon = horizon;
       scaleStretch(s.model, stretchOn(horizon, nodes) / coarsestStretch);
       return s;

@@ -3,7 +3,7 @@
 // ended, what the strengths differ by, and what is wrong with the curve, if anything is. A sample that cannot be pulled
 // gives its one line of error. Without arguments all of it; study=contrast, elongation, horizon, porosity, notch or
 // tolerance one of it.
-#include "DiskSamples.h"
+#include "../tests/DiskPlate.h"
 #include "FractureRuns.h"
 
 #include <cmath>
@@ -15,6 +15,7 @@ namespace
 
 using namespace lamella;
 using namespace lamella::benchmark;
+using namespace lamella::breakable;
 using namespace lamella::peridynamics;
 
 constexpr double spacing = 1e-3;
@@ -173,19 +174,8 @@ int main(int argc, char** argv)
   return runWith(argc, argv,
     [](const Keys& keys)
     {
-      const std::string study = text(keys, "study", "");
-      const auto wanted = [&](const char* name) { return study.empty() || study == name; };
-      if (wanted("contrast"))
-        contrast();
-      if (wanted("elongation"))
-        elongation();
-      if (wanted("horizon"))
-        horizons();
-      if (wanted("porosity"))
-        porosity();
-      if (wanted("notch"))
-        notches();
-      if (wanted("tolerance"))
-        tolerance();
+      runStudies(keys,
+        { { "contrast", contrast }, { "elongation", elongation }, { "horizon", horizons }, { "porosity", porosity },
+          { "notch", notches }, { "tolerance", tolerance } });
     });
 }

@@ -6,9 +6,11 @@
 
 #include <cstdlib>
 #include <ctime>
+#include <functional>
 #include <map>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <mpi.h>
@@ -59,6 +61,24 @@ inline double cpu()
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// Parts of a benchmark with their names: study= runs one, without it all run in turn.
+inline void runStudies(const Keys& keys, const std::vector<std::pair<std::string, std::function<void()>>>& studies)
+{
+  const std::string wanted = text(keys, "study", "");
+  std::string names;
+  bool found = wanted.empty();
+  for (const auto& [name, run] : studies)
+  {
+    found = found || name == wanted;
+    names += (names.empty() ? "" : ", ") + name;
+  }
+  if (!found)
+    throw ParameterError("no study '" + wanted + "'", "one of " + names);
+  for (const auto& [name, run] : studies)
+    if (wanted.empty() || name == wanted)
+      run();
 }
 
 /// Runs f(keys) between MPI's first and last call; errors as the command line shows them.

@@ -26,7 +26,7 @@ inline Breakable of(breakable::Sample s)
 
 inline Breakable cementedGrains(std::int64_t nodes, double saturation, std::uint64_t seed = 1)
 {
-  return of(breakable::cemented(nodes, saturation, 24, seed));
+  return of(breakable::cemented({ .nodes = nodes, .saturation = saturation, .seed = seed }));
 }
 
 inline Breakable walls(std::int64_t nodes, std::uint64_t seed = 1)

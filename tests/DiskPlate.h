@@ -1,3 +1,4 @@
+// A plate of stiff disks with holes, for tests and benchmarks.
 #pragma once
 
 #include <cmath>
@@ -5,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace lamella::benchmark
+namespace lamella::breakable
 {
 
 /// Phases of a plate: a quarter of stiff disks (2) in a matrix (1), then holes (0), then platens of matrix.
@@ -56,4 +57,4 @@ inline std::vector<std::uint8_t> phasesOf(const DiskPlate& t)
   return phase;
 }
 
-} // namespace lamella::benchmark
+} // namespace lamella::breakable
