@@ -49,4 +49,14 @@ TEST(FractureRanks, EventsStayOnOne)
   EXPECT_THROW((void)fracture(walls(64), by(FractureMethod::Events), {}, everyone()), ParameterError);
 }
 
+// All learn of it. Six zigzags of single nodes unfold and resist nothing.
+TEST(FractureRanks, HingesHaveNoStrength)
+{
+  Breakable s = strip(48, 48, 1.5);
+  for (std::int64_t y = 8; y < 40; ++y)
+    for (std::int64_t x = 0; x < 48; ++x)
+      s.sample.phase[static_cast<std::size_t>(s.sample.lattice.index(x, y))] = x % 8 == 3 + y % 2 ? 1 : 0;
+  EXPECT_THROW((void)fracture(s, by(FractureMethod::Accurate), {}, everyone()), InputError);
+}
+
 } // namespace

@@ -1,8 +1,10 @@
 // Samples at the edge of what fracture stands come apart by both methods alike, or say why they do not. The benchmark
 // fracture-stability has more of them.
+#include "../DiskPlate.h"
 #include "FractureSamples.h"
 
 #include "lattice/Error.h"
+#include "peridynamics/fracture/PlatenForce.h"
 
 #include <gtest/gtest.h>
 
@@ -30,6 +32,28 @@ void alike(const Breakable& s, double tolerance)
     }
   }
   EXPECT_NEAR(events.peak.stress, accurate.peak.stress, tolerance * accurate.peak.stress);
+}
+
+/// Single nodes are missing.
+Breakable pores(double share, double horizon)
+{
+  const breakable::DiskPlate plate{
+    .nx = 40, .ny = 60, .porosity = share, .singleNodes = true, .platen = static_cast<std::int64_t>(horizon)
+  };
+  Breakable s{ block(plate.nx, plate.ny), aggregateModel(2) };
+  s.sample.phase = breakable::phasesOf(plate);
+  s.model.horizon = horizon;
+  return s;
+}
+
+/// Two blocks that a zigzag of single nodes joins: it unfolds and resists nothing.
+Breakable zigzag()
+{
+  Breakable s = strip(24, 32, 1.5);
+  for (std::int64_t y = 8; y < 24; ++y)
+    for (std::int64_t x = 0; x < 24; ++x)
+      s.sample.phase[static_cast<std::size_t>(s.sample.lattice.index(x, y))] = x == 12 + y % 2 ? 1 : 0;
+  return s;
 }
 
 Breakable disks(double contrast, double horizon = 3)
@@ -74,6 +98,73 @@ TEST(FractureStability, NotchThroughEverything)
       EXPECT_NE(std::string(e.what()).find("in 2 pieces"), std::string::npos) << e.what();
       EXPECT_NE(std::string(e.hint()), "");
     }
+}
+
+// Measured against the forces through every section, bond by bond, in a state that is no equilibrium.
+TEST(FractureStability, Imbalance)
+{
+  Breakable s = disks(4);
+  const BondLattice bonds = latticeOf(s.model, s.sample, alone());
+  for (const LoadCase load : { LoadCase::Stretch, LoadCase::Shear })
+  {
+    const Loading loading{ .load = load };
+    const LoadedSample sample = applyLoading(bonds, loading);
+    const PlatenForce platens(bonds, loading, sample);
+    NodeField<double> force(bonds.layout());
+    linearForce(bonds, sample.displacement, force);
+    const double carried = platens.of(bonds, force);
+    double worst = 0;
+    for (std::int64_t layer = sample.lowLayers[1]; layer <= sample.highLayers[0]; ++layer)
+    {
+      const double section = sectionForce(bonds, sample.displacement, 1, layer, false)[load == LoadCase::Shear ? 0 : 1];
+      worst = std::max(worst, std::abs(section / carried - 1));
+    }
+    EXPECT_GT(worst, 0.1);
+    EXPECT_NEAR(platens.imbalance(bonds, force), worst, 1e-12); // two orders of one sum
+  }
+}
+
+// Something reaches through both, but turns about single nodes: what comes out as force is what the residual left.
+TEST(FractureStability, HingesHaveNoStrength)
+{
+  FractureOptions batched = by(FractureMethod::Accurate);
+  batched.breaking = Breaking::Batched;
+  for (const Breakable& s : { pores(0.6, 2), zigzag() })
+    for (const FractureOptions& o : { by(FractureMethod::Events), by(FractureMethod::Accurate), batched })
+      try
+      {
+        fracture(s, o);
+        FAIL() << "it was pulled";
+      }
+      catch (const InputError& e)
+      {
+        EXPECT_NE(
+          std::string(e.what()).find("carries too little for a strength at a tolerance of 1e-06"), std::string::npos)
+          << e.what();
+        EXPECT_NE(e.hint().find("hinges"), std::string::npos) << e.hint();
+      }
+}
+
+// With as many pores they hold where the bonds are longer.
+TEST(FractureStability, PoresHoldAtALongerHorizon)
+{
+  alike(pores(0.6, 3), 1e-4);
+}
+
+// The loosest tolerance costs some 0.2 % of a strength, where it is tight enough for the sample at all.
+TEST(FractureStability, LooseTolerances)
+{
+  const Breakable s = disks(4);
+  FractureOptions o = by(FractureMethod::Accurate, 0.3);
+  const double strength = fracture(s, o).peak.stress;
+  o.tolerance = 1e-3;
+  EXPECT_NEAR(fracture(s, o).peak.stress, strength, 0.01 * strength);
+  EXPECT_THROW((void)fracture(pores(0.5, 2), o), InputError);
+  for (const double refused : { 1e-2, 0.0, -1.0, 1.0, std::nan("") })
+  {
+    o.tolerance = refused;
+    EXPECT_THROW((void)fracture(s, o), ParameterError) << refused;
+  }
 }
 
 } // namespace

@@ -76,7 +76,7 @@ struct FractureOptions
   /// which batches are larger and fewer); 0: to where the next bond just is.
   double strainStep = 0;
   std::int64_t maxBroken = std::numeric_limits<std::int64_t>::max(); ///< ends after so many broken bonds
-  double tolerance = 1e-6; ///< of an equilibrium, as EquilibriumOptions::tolerance
+  double tolerance = 1e-6; ///< of an equilibrium, as EquilibriumOptions::tolerance; at most 1e-3
   EventOptions events{};
   /// Events after which all that is only there to save work is made anew, whether a checkpoint is written or not: so
   /// the same bonds break with checkpoints and without, and in a run that goes on from one. 0: never, and no
@@ -177,6 +177,8 @@ public:
   /// @throws ParameterError: options outside their range, a traction (the load cannot be held after the peak), no
   /// strain; with FractureMethod::Events several ranks, periodic sides, batches
   /// @throws NoPathError: a sample already in two pieces; as applyLoading() and Equilibrium otherwise
+  /// @throws InputError: a first equilibrium in which sections bear another force than the platens, by more than 1 %:
+  /// only hinges reach through, or the tolerance is too loose for the sample
   /// @throws InputError: a checkpoint of another scene, cut off, damaged or newer; a place where none can be written
   /// @throws Cancelled: FractureOptions::progress asked for it; no bond is broken then
   QuasiStaticFracture(BondLattice& bonds, const Loading& loading, FractureOptions options = {});

@@ -2,6 +2,10 @@
 
 #include "peridynamics/BondForces.h"
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 namespace lamella::peridynamics
 {
 
@@ -27,6 +31,29 @@ double PlatenForce::of(const BondLattice& bonds, const NodeField<Real>& force) c
 }
 template double PlatenForce::of(const BondLattice&, const NodeField<double>&) const;
 template double PlatenForce::of(const BondLattice&, const NodeField<float>&) const;
+
+// A section bears what all nodes below it feel together.
+double PlatenForce::imbalance(const BondLattice& bonds, const NodeField<double>& force) const
+{
+  const NodeLayout& l = bonds.layout();
+  const auto a = static_cast<std::size_t>(axis_);
+  std::vector<double> layers(static_cast<std::size_t>(l.global[a]));
+  for (std::int64_t z = 0; z < l.size[2]; ++z)
+    for (std::int64_t y = 0; y < l.size[1]; ++y)
+      for (std::int64_t x = 0; x < l.size[0]; ++x)
+        layers[static_cast<std::size_t>(std::array{ x, y, z }[a] + l.start[a])] += force.at(component_, x, y, z);
+  bonds.communicator().sum(layers);
+  const double platens = sign_ * of(bonds, force);
+  double section = 0;
+  double worst = 0;
+  for (std::int64_t layer = 0; layer < high_[0]; ++layer)
+  {
+    section += layers[static_cast<std::size_t>(layer)];
+    if (layer >= low_[1] - 1)
+      worst = std::max(worst, std::abs(section - platens));
+  }
+  return worst > 0 ? worst / std::abs(platens) : 0;
+}
 
 AlignedArray<std::uint8_t> PlatenForce::marks(const BondLattice& bonds, const LoadedSample& sample) const
 {

@@ -15,6 +15,10 @@ public:
   /// Half of what the two platens feel together: the same at equilibrium. Collective.
   template <class Real>
   [[nodiscard]] double of(const BondLattice& bonds, const NodeField<Real>& force) const;
+  /// How far a state is from equilibrium: the largest difference between the force through a section between the
+  /// platens and that on the platens, over the latter; 0 where both vanish, infinite where only the latter does.
+  /// Collective.
+  [[nodiscard]] double imbalance(const BondLattice& bonds, const NodeField<double>& force) const;
   /// Of the section that carries it [m²], [m] in the plane.
   [[nodiscard]] double area() const noexcept { return area_; }
   /// Bits 1 and 2 of nodes within the low and the high platen, bit 4 of those with a fixed component; rim not filled.
