@@ -1,5 +1,6 @@
-"""What the studies share: tables, charts, broken bonds. They find it in the folder above their own."""
+"""What the studies share: options, tables, charts, broken bonds. They find it in the folder above their own."""
 
+import argparse
 import contextlib
 import csv
 
@@ -9,6 +10,13 @@ matplotlib.use("Agg")
 import numpy as np  # noqa: E402
 from matplotlib import pyplot as plt  # noqa: E402
 from matplotlib.collections import LineCollection  # noqa: E402
+
+
+def parser_of(doc, output):
+    """Options of a study: its first line, and the folder that it writes to."""
+    parser = argparse.ArgumentParser(description=doc.splitlines()[0])
+    parser.add_argument("--output", default=output, help="folder for pictures and tables (default: %(default)s)")
+    return parser
 
 
 def write_csv(path, rows):

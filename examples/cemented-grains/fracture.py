@@ -11,7 +11,6 @@ ten packings, six widths of the bridges and filled, after section IV of Frank, R
   fracture-samples.csv    one row a sample; fracture-means.csv: means and deviations
 """
 
-import argparse
 import concurrent.futures
 import csv
 import math
@@ -28,7 +27,7 @@ from study import COLOURS, FILLED, WIDTHS, bridged, means_of, panel
 from vtkmodules.vtkCommonCore import vtkLogger
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from common import chart, draw_bonds, write_csv, write_figure  # noqa: E402
+from common import chart, draw_bonds, parser_of, write_csv, write_figure  # noqa: E402
 
 MATRIX, GRAIN = 1, 2  # phases
 THICK = 16  # layers of nodes of a plate to which grains are bridged, of which the outer HORIZON are held; else all that are held
@@ -135,8 +134,7 @@ def draw_strength(means, beside, path):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--output", default="results/cemented-grains", help="folder for pictures and tables (default: %(default)s)")
+    parser = parser_of(__doc__, "results/cemented-grains")
     parser.add_argument("--samples", type=int, default=10, help="packings (default: %(default)s)")
     parser.add_argument("--count", type=int, default=400, help="grains of a packing (default: %(default)s)")
     parser.add_argument("--nodes", type=int, default=256, help="nodes across (default: %(default)s)")

@@ -12,7 +12,6 @@ spacings, 128 to 1024 nodes, four crack lengths, 140 runs, after section II C of
   runs.csv        one row a run; horizons.csv: one row a horizon
 """
 
-import argparse
 import concurrent.futures
 import math
 import os
@@ -24,7 +23,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from common import chart, write_csv, write_figure  # noqa: E402
+from common import chart, parser_of, write_csv, write_figure  # noqa: E402
 
 HORIZONS = (2, 3, 4, 5, 6, 7, 8)
 NODES = (128, 256, 512, 665, 1024)
@@ -208,8 +207,7 @@ def draw_toughness(horizons, path):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--output", default="results/griffith", help="folder for pictures and tables (default: %(default)s)")
+    parser = parser_of(__doc__, "results/griffith")
     parser.add_argument("--horizons", type=int, nargs="+", default=HORIZONS, metavar="H")
     parser.add_argument("--nodes", type=int, nargs="+", default=NODES, metavar="N", help="lattices, three at least")
     parser.add_argument("--cracks", type=float, nargs="+", default=CRACKS, metavar="A", help="half lengths, two at least")

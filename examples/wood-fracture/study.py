@@ -10,7 +10,6 @@ Ann. For. Sci. 73 (2016) 117. Generated tissue, and with LAMELLA_REAL_DATA the t
   samples.csv   one row a sample
 """
 
-import argparse
 import concurrent.futures
 import os
 import sys
@@ -23,7 +22,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from vtkmodules.vtkCommonCore import vtkLogger
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from common import chart, draw_bonds, write_csv, write_figure  # noqa: E402
+from common import chart, draw_bonds, parser_of, write_csv, write_figure  # noqa: E402
 
 HORIZON = 4
 YOUNG, TOUGHNESS, RATIO = 10e9, 4e5, 4  # Pa, Pa √m, of the walls over the lamella's
@@ -127,8 +126,7 @@ def draw_curves(curves, path):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--output", default="results/wood-fracture", help="folder for pictures and tables (default: %(default)s)")
+    parser = parser_of(__doc__, "results/wood-fracture")
     parser.add_argument("--spacing", type=float, default=0.3, help="of the lattice, micrometres (default: %(default)s)")
     parser.add_argument("--size", type=float, default=150, help="of generated tissue, micrometres (default: %(default)s)")
     parser.add_argument("--share", type=float, default=1, help="of the windows' and pictures' sides (default: %(default)s)")

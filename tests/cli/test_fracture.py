@@ -171,6 +171,7 @@ class Fracture(Case):
         self.fails(2, "--broken 'b.csv': broken bonds are written as .vtp", "", *good, "--broken", "b.csv")
         self.fails(2, "--curve 'c.txt': tables are written as .csv", "", *good, "--curve", "c.txt")
         self.fails(2, "--tolerance 1 is not between", "1e-6", *good, "--tolerance", "1")
+        self.fails(2, "a tolerance of 0.01 for fracture", "1e-6", *good, "--tolerance", "0.01")
         self.fails(2, "'--large-strains' is not an option of lamella fracture", "lamella equilibrium", *good, "--large-strains")
         self.fails(2, "batches of bonds cannot be broken with local corrections", "accurate", *good, "--breaking", "batched",
                    "--method", "events")
@@ -181,6 +182,11 @@ class Fracture(Case):
         self.fails(4, "no piece of the sample reaches from one platen to the other along y: it is in 2 pieces",
                    "longer horizon", "fracture", "apart.png", "--phase", "0=void", "--phase", "255=stone", "--young", "stone=1",
                    "--critical-stretch", "stone=1e-3")
+        hinges = [[255 * (x == 8 + y % 2) for x in range(20)] if 20 <= y < 30 else [255] * 20 for y in range(50)]
+        self.write("hinges.png", pictures.png(hinges))
+        self.fails(3, "the sample carries too little for a strength at a tolerance of 1e-06", "hinges", "fracture", "hinges.png",
+                   "--phase", "0=void", "--phase", "255=stone", "--young", "stone=1", "--critical-stretch", "stone=1e-3",
+                   "--horizon", "1.5")
         self.works(*good, "--max-broken", "3", "-o", "s.vti", "--at-broken", "1", "--quiet")
         self.fails(7, "'s_000.vti' exists already", "--overwrite", *good, "-o", "s.vti", "--at-broken", "1")
 

@@ -1,32 +1,24 @@
 #pragma once
 
-#include "OnRanks.h"
-#include "VtkTesting.h"
+#include "BondTesting.h"
 
 #include "vtkBondFracture.h"
 
-#include "vtkOutputWindow.h"
+#include "vtkCallbackCommand.h"
+#include "vtkMath.h"
 #include "vtkPolyData.h"
+#include "vtkTable.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <string>
 #include <vector>
 
-/// A sample that breaks along a weak band, for the tests of vtkBondFracture.
+/// A sample that breaks along a weak band, and what vtkBondFracture and vtkBondDynamics both do with it.
 namespace lamella::vtktest
 {
-
-class BondFracture : public OnRanks
-{
-protected:
-  static void SetUpTestSuite()
-  {
-    OnRanks::SetUpTestSuite();
-    vtkOutputWindow::GetInstance()->SetDisplayModeToNever(); // warnings of thin phases
-  }
-};
 
 inline constexpr double bandSpacing = 1e-5;
 
@@ -59,5 +51,100 @@ inline double number(vtkDataObject* data, const char* name, std::size_t i = 0)
   EXPECT_GT(values.size(), i) << name;
   return values.size() > i ? values[i] : std::nan("");
 }
+
+/// How often a filter has told its progress.
+class ProgressCount
+{
+public:
+  explicit ProgressCount(vtkAlgorithm* filter)
+  {
+    count_->SetClientData(&runs_);
+    count_->SetCallback([](vtkObject*, unsigned long, void* runs, void*) { ++*static_cast<int*>(runs); });
+    filter->AddObserver(vtkCommand::ProgressEvent, count_);
+  }
+  [[nodiscard]] int get() const noexcept { return runs_; }
+
+private:
+  vtkNew<vtkCallbackCommand> count_;
+  int runs_ = 0;
+};
+
+/// The band, changed, is refused; there is no curve either.
+template <class Filter>
+void expectBandRefused(const std::function<void(Filter*)>& change, const char* message, int failure)
+{
+  vtkNew<Filter> filter;
+  configure(filter);
+  filter->SetInputData(band());
+  change(filter);
+  expectRefused(filter, message, failure);
+  EXPECT_EQ(filter->GetCurve()->GetNumberOfRows(), 0);
+}
+
+class BondFracture : public OnBonds
+{
+protected:
+  /// Breaks 40 bonds of the band, in pieces split along x and into blocks, with and without a layer of ghosts: the same
+  /// as alone.
+  /// @param set also told whether the filter works alone
+  /// @param energy of its largest, by which the energy of nodes may differ
+  /// @param numbers relative, by which those of the whole may
+  template <class Filter>
+  static void expectSameOnRanks(const std::function<void(Filter*, bool)>& set, double energy, double numbers)
+  {
+    const auto image = band();
+    const auto prepare = [&](Filter* filter, bool one)
+    {
+      configure(filter);
+      filter->SetMaximumBroken(40);
+      filter->AddStateAtBroken(15);
+      filter->ComputeStrainEnergyOn();
+      set(filter, one);
+    };
+    vtkNew<Filter> alone;
+    prepare(alone, true);
+    alone->SetInputData(image);
+    alone->UpdatePiece(0, 1, 0);
+    vtkImageData* const whole = alone->GetOutput();
+    ASSERT_GT(whole->GetNumberOfPoints(), 0);
+    for (const bool blocks : { false, true })
+    {
+      const auto producer = pieceOf(image, blocks);
+      vtkNew<Filter> together;
+      prepare(together, false);
+      together->SetInputConnection(producer->GetOutputPort());
+      together->UpdatePiece(rank(), ranks(), 0);
+      vtkImageData* const part = together->GetOutput();
+      EXPECT_EQ(fieldText(part, "method"), fieldText(whole, "method"));
+      for (vtkIdType i = 0; i < part->GetNumberOfPoints(); ++i)
+      {
+        const vtkIdType other = whole->FindPoint(part->GetPoint(i));
+        ASSERT_EQ(points(part, "broken")->GetTuple1(i), points(whole, "broken")->GetTuple1(other));
+        ASSERT_EQ(points(part, "damage")->GetTuple1(i), points(whole, "damage")->GetTuple1(other));
+        ASSERT_NEAR(points(part, "strain_energy")->GetTuple1(i), points(whole, "strain_energy")->GetTuple1(other),
+          energy * points(whole, "strain_energy")->GetRange()[1]);
+      }
+      for (const char* const name : { "effective_modulus", "peak_stress", "broken_energy", "bonds", "total_broken" })
+      {
+        EXPECT_NEAR(number(part, name) / number(whole, name), 1, numbers) << name;
+      }
+      EXPECT_EQ(together->GetNumberOfStates(), 2);
+      vtkPolyData* const broken = together->GetBrokenBonds();
+      if (rank() > 0)
+      {
+        EXPECT_EQ(broken->GetNumberOfPoints(), 0);
+        EXPECT_EQ(together->GetCurve()->GetNumberOfRows(), 0);
+        continue;
+      }
+      ASSERT_EQ(broken->GetNumberOfPoints(), alone->GetBrokenBonds()->GetNumberOfPoints());
+      EXPECT_GE(broken->GetNumberOfPoints(), 40);
+      for (vtkIdType i = 0; i < broken->GetNumberOfPoints(); ++i)
+      {
+        EXPECT_EQ(vtkMath::Distance2BetweenPoints(broken->GetPoint(i), alone->GetBrokenBonds()->GetPoint(i)), 0);
+      }
+      EXPECT_EQ(together->GetCurve()->GetNumberOfRows(), alone->GetCurve()->GetNumberOfRows());
+    }
+  }
+};
 
 } // namespace lamella::vtktest

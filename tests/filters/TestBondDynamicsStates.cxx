@@ -63,11 +63,7 @@ TEST_F(BondDynamics, StatesAtTimesChangeNothing)
   ASSERT_EQ(filter->GetNumberOfStates(), 4);
   EXPECT_EQ(fieldTexts(filter->GetOutput(), "warnings").back().find("1 of the states asked for"), 0U);
   const std::array<double, 4> times{ 0, 0.7e-7, 1.5e-7, number(filter->GetOutput(), "end_time") };
-  int runs = 0;
-  vtkNew<vtkCallbackCommand> count;
-  count->SetClientData(&runs);
-  count->SetCallback([](vtkObject*, unsigned long, void* data, void*) { ++*static_cast<int*>(data); });
-  filter->AddObserver(vtkCommand::ProgressEvent, count);
+  const ProgressCount runs(filter);
   for (int state = 0; state < 4; ++state)
   {
     filter->SetState(state);
@@ -80,7 +76,7 @@ TEST_F(BondDynamics, StatesAtTimesChangeNothing)
     EXPECT_EQ(points(output, "velocity")->GetComponent(24 * 35 + 3, 1), 20);
     EXPECT_EQ(points(output, "stress")->GetNumberOfComponents(), 6);
   }
-  EXPECT_LE(runs, 2 * 4); // the pipeline's own 0 and 1
+  EXPECT_LE(runs.get(), 2 * 4); // the pipeline's own 0 and 1
   filter->ComputeVelocityOff();
   filter->ComputeDisplacementOff();
   ASSERT_EQ(errorOf(filter), "");
@@ -193,19 +189,7 @@ TEST_F(BondDynamics, WhatIsRefused)
 {
   const auto fails = [](const std::function<void(vtkBondDynamics*)>& change, const char* message,
                        int failure = vtkBondAlgorithm::PARAMETER_FAILURE)
-  {
-    SCOPED_TRACE(message);
-    vtkNew<vtkBondDynamics> filter;
-    configure(filter);
-    filter->SetInputData(band());
-    change(filter);
-    const std::string error = errorOf(filter);
-    EXPECT_NE(error.find(message), std::string::npos) << error;
-    EXPECT_NE(error.find("hint: "), std::string::npos) << error;
-    EXPECT_EQ(filter->GetFailure(), failure);
-    EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0);
-    EXPECT_EQ(filter->GetCurve()->GetNumberOfRows(), 0);
-  };
+  { expectBandRefused<vtkBondDynamics>(change, message, failure); };
   const auto free = [](auto&& change)
   {
     return [change](vtkBondDynamics* f)

@@ -180,62 +180,15 @@ TEST_F(BondFracture, EnergyOfASeveredStrip)
   EXPECT_NEAR(y(20) - y(19), number(output, "strain") * 39 * bandSpacing, 1e-6 * bandSpacing);
 }
 
-// Pieces split along x and into blocks, with and without a ghost layer.
 TEST_F(BondFracture, RanksChangeNothing)
 {
-  const auto image = band();
-  const auto set = [](vtkBondFracture* filter)
-  {
-    configure(filter);
-    filter->SetMethod(ranks() > 1 ? vtkBondFracture::AUTO : vtkBondFracture::ACCURATE);
-    filter->SetTolerance(1e-9);
-    filter->SetMaximumBroken(40);
-    filter->AddStateAtBroken(15);
-    filter->ComputeStrainEnergyOn();
-  };
-  vtkNew<vtkBondFracture> alone;
-  set(alone);
-  alone->SetMethod(vtkBondFracture::ACCURATE);
-  alone->SetInputData(image);
-  alone->UpdatePiece(0, 1, 0);
-  vtkImageData* const whole = alone->GetOutput();
-  ASSERT_GT(whole->GetNumberOfPoints(), 0);
-  for (const bool blocks : { false, true })
-  {
-    const auto producer = pieceOf(image, blocks);
-    vtkNew<vtkBondFracture> together;
-    set(together);
-    together->SetInputConnection(producer->GetOutputPort());
-    together->UpdatePiece(rank(), ranks(), 0);
-    vtkImageData* const part = together->GetOutput();
-    EXPECT_EQ(fieldText(part, "method"), "accurate");
-    for (vtkIdType i = 0; i < part->GetNumberOfPoints(); ++i)
+  expectSameOnRanks<vtkBondFracture>(
+    [](vtkBondFracture* filter, bool alone)
     {
-      const vtkIdType other = whole->FindPoint(part->GetPoint(i));
-      ASSERT_EQ(points(part, "broken")->GetTuple1(i), points(whole, "broken")->GetTuple1(other));
-      ASSERT_EQ(points(part, "damage")->GetTuple1(i), points(whole, "damage")->GetTuple1(other));
-      ASSERT_NEAR(points(part, "strain_energy")->GetTuple1(i), points(whole, "strain_energy")->GetTuple1(other),
-        1e-6 * points(whole, "strain_energy")->GetRange()[1]);
-    }
-    for (const char* const name : { "effective_modulus", "peak_stress", "broken_energy", "bonds", "total_broken" })
-    {
-      EXPECT_NEAR(number(part, name) / number(whole, name), 1, 1e-8) << name;
-    }
-    EXPECT_EQ(together->GetNumberOfStates(), 2);
-    vtkPolyData* const broken = together->GetBrokenBonds();
-    if (rank() > 0)
-    {
-      EXPECT_EQ(broken->GetNumberOfPoints(), 0);
-      EXPECT_EQ(together->GetCurve()->GetNumberOfRows(), 0);
-      continue;
-    }
-    ASSERT_EQ(broken->GetNumberOfPoints(), 40);
-    for (vtkIdType i = 0; i < 40; ++i)
-    {
-      EXPECT_EQ(vtkMath::Distance2BetweenPoints(broken->GetPoint(i), alone->GetBrokenBonds()->GetPoint(i)), 0);
-    }
-    EXPECT_EQ(together->GetCurve()->GetNumberOfRows(), alone->GetCurve()->GetNumberOfRows());
-  }
+      filter->SetMethod(alone || ranks() == 1 ? vtkBondFracture::ACCURATE : vtkBondFracture::AUTO);
+      filter->SetTolerance(1e-9);
+    },
+    1e-6, 1e-8);
 }
 
 } // namespace

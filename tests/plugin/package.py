@@ -661,6 +661,13 @@ class Bonds(unittest.TestCase):
         self.assertEqual((none.end, len(none.broken), len(none.strain)), ("maximum-strain", 0, 2))
         with self.assertRaisesRegex(lamella.LamellaError, "nothing can break"):
             lamella.fracture(sample, young, mixing="minimum")
+        with self.assertRaisesRegex(lamella.LamellaError, "a tolerance of 0.01 for fracture"):
+            lamella.fracture(sample, young, **breaks, tolerance=1e-2)
+        hinges = np.ones((50, 20), int)
+        hinges[20:30] = [[x == 8 + y % 2 for x in range(20)] for y in range(10)]  # a zigzag: it unfolds and resists nothing
+        with self.assertRaisesRegex(lamella.LamellaError, "the sample carries too little for a strength"):
+            lamella.fracture(lamella.from_array(hinges, ["void", "stone"], spacing=1e-5), {"stone": 1e9},
+                             critical_stretch={"stone": 1e-3}, horizon=1.5)
         with self.assertRaisesRegex(TypeError, "linear"):
             lamella.fracture(sample, young, **breaks, strains="large")
         with self.assertRaises(lamella.Cancelled):

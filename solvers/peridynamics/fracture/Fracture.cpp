@@ -24,8 +24,9 @@ constexpr double noise = 1e-3;
 /// Of a tolerance. An equilibrium starts from the one before, and does nothing about a break that disturbs less.
 constexpr double loosest = 1e-3;
 
-/// PlatenForce::imbalance() of the first equilibrium. At 1e-6 sound samples have 4e-4 at most, hinges 5 % and more.
-constexpr double balanced = 0.01;
+/// PlatenForce::imbalance() of the first equilibrium. At 1e-6 sound samples had 4e-4 at most, hinges 5e-2 and more; at
+/// any tolerance samples with less than this had their strength to 0.5 %. docs/solvers/fracture.md
+constexpr double balanced = 5e-3;
 
 double seconds()
 {
@@ -109,7 +110,7 @@ void requireBalance(const BondLattice& bonds, const LoadedSample& sample, const 
   throw InputError(
     fmt::format(
       "the sample carries too little for a strength at a tolerance of {:g}: forces through its sections are off "
-      "by {:.2g} of that on the platens (at most {:g}), which is {:.1e} of the one under even strain",
+      "by {:.2g} times that on the platens (at most {:g}), which is {:.1e} of the one under even strain",
       tolerance, imbalance, balanced, carried / platens.of(bonds, force)),
     "where only hinges reach through, a longer horizon or thicker necks; else a tighter tolerance");
 }

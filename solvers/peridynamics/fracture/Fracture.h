@@ -177,7 +177,7 @@ public:
   /// @throws ParameterError: options outside their range, a traction (the load cannot be held after the peak), no
   /// strain; with FractureMethod::Events several ranks, periodic sides, batches
   /// @throws NoPathError: a sample already in two pieces; as applyLoading() and Equilibrium otherwise
-  /// @throws InputError: a first equilibrium in which sections bear another force than the platens, by more than 1 %:
+  /// @throws InputError: a first equilibrium in which sections bear another force than the platens, by more than 0.5 %:
   /// only hinges reach through, or the tolerance is too loose for the sample
   /// @throws InputError: a checkpoint of another scene, cut off, damaged or newer; a place where none can be written
   /// @throws Cancelled: FractureOptions::progress asked for it; no bond is broken then

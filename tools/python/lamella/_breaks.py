@@ -8,6 +8,7 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkTable
 
 from . import _arrays, _files
 from ._bonds import BondFields, BondNumbers
+from ._errors import run
 
 
 class BrokenState(BondFields):
@@ -45,6 +46,7 @@ class BreakResult(BondNumbers):
 
     _State = BrokenState
     _KINDS = ()  # of broken bonds: name, type, components
+    _TIMES = ()  # what took how long
 
     def __init__(self, algorithm):
         images = [algorithm.GetStateImage(i) for i in range(algorithm.GetNumberOfStates())]
@@ -80,6 +82,15 @@ class BreakResult(BondNumbers):
                 values = vtk_to_numpy(points if name == "position" else data.GetArray(name))
                 bonds[name] = values[:, : shape[0]] if shape else values
         return bonds
+
+    @property
+    def end(self):
+        """Why the run ended: "stress-fell", "maximum-strain" or "maximum-broken"; of fracture() also "severed" or
+        "nothing-breaks", of dynamics() "time"."""
+        return _arrays.text(self.vtk, "end")
+
+    def _seconds(self):
+        return dict(zip(self._TIMES, map(float, _arrays.numbers(self.vtk, "seconds"))))
 
     @property
     def peak_stress(self):
@@ -118,8 +129,22 @@ class BreakResult(BondNumbers):
         return path
 
 
-def set_breaks(algorithm, compression, stop, max_strain, max_broken, at_broken, displacement):
-    """Settings of vtkBondBreakAlgorithm but checkpoints; see fracture()."""
+def run_breaks(
+    algorithm,
+    result,
+    progress,
+    compression,
+    stop,
+    max_strain,
+    max_broken,
+    at_broken,
+    displacement,
+    checkpoint,
+    checkpoint_every,
+    continue_from,
+):
+    """Settings of vtkBondBreakAlgorithm, see fracture(), and the run, as a result of this class; an error where a
+    checkpoint is there that is not to be replaced."""
     algorithm.SetCompression(bool(compression))
     algorithm.SetStopShare(float(stop))
     algorithm.SetMaximumStrain(0.0 if max_strain is None else float(max_strain))
@@ -127,13 +152,11 @@ def set_breaks(algorithm, compression, stop, max_strain, max_broken, at_broken, 
     for count in np.ravel(at_broken):
         algorithm.AddStateAtBroken(int(count))
     algorithm.SetComputeDisplacement(bool(displacement))
-
-
-def set_checkpoint(algorithm, checkpoint, every, continue_from):
-    """Its checkpoints; an error where one is there that is not to be replaced."""
     checkpoint, continue_from = (os.fspath(path) if path is not None else "" for path in (checkpoint, continue_from))
     if checkpoint != continue_from and os.path.exists(checkpoint):
         raise FileExistsError(f"{checkpoint} exists; remove it, or say continue_from={checkpoint!r} to go on from it")
     algorithm.SetCheckpointFile(checkpoint)
-    algorithm.SetCheckpointEvery(int(every))
+    algorithm.SetCheckpointEvery(int(checkpoint_every))
     algorithm.SetContinueFile(continue_from)
+    run(algorithm, progress)
+    return result(algorithm)

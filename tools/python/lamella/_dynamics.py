@@ -4,16 +4,13 @@ import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
-from . import _arrays
 from ._bonds import set_bonds, set_load
-from ._breaks import BreakResult, BrokenState, set_breaks, set_checkpoint
-from ._errors import run
+from ._breaks import BreakResult, BrokenState, run_breaks
 from ._solve import as_image
 from .vtkLamellaSolversVTK import vtkBondDynamics
 
 _LOADS = {"stretch": 0, "shear": 1, "sides": 0}
 _ENERGIES = "kinetic elastic broken damped supplied".split()
-_TIMES = ("bonds", "start", "motion", "states")
 
 
 class MotionState(BrokenState):
@@ -44,6 +41,7 @@ class DynamicsResult(BreakResult):
 
     _State = MotionState
     _KINDS = (("event", "i8", 1), ("step", "i8", 1), ("time", "f8", 1), ("energy", "f8", 1))
+    _TIMES = ("bonds", "start", "motion", "states")
 
     @property
     def time(self):
@@ -83,11 +81,6 @@ class DynamicsResult(BreakResult):
         return self.states[-1].velocity
 
     @property
-    def end(self):
-        """Why the run ended: "time", "stress-fell", "maximum-strain" or "maximum-broken"."""
-        return _arrays.text(self.vtk, "end")
-
-    @property
     def steps(self):
         """How many there were."""
         return self._count("steps")
@@ -115,7 +108,7 @@ class DynamicsResult(BreakResult):
     @property
     def seconds(self):
         """What took how long, a dictionary."""
-        return dict(zip(_TIMES, map(float, _arrays.numbers(self.vtk, "seconds"))))
+        return self._seconds()
 
     def __repr__(self):
         return (
@@ -270,7 +263,7 @@ def dynamics(
     solve.SetHistoryEvery(int(history_every))
     for time in np.ravel(at_times):
         solve.AddStateAtTime(float(time))
-    set_breaks(solve, compression, stop, max_strain, max_broken, at_broken, displacement)
-    set_checkpoint(solve, checkpoint, checkpoint_every, continue_from)
-    run(solve, progress)
-    return DynamicsResult(solve)
+    return run_breaks(
+        solve, DynamicsResult, progress, compression, stop, max_strain, max_broken, at_broken, displacement,
+        checkpoint, checkpoint_every, continue_from,
+    )

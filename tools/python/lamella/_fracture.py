@@ -4,8 +4,8 @@ import numpy as np
 
 from . import _arrays
 from ._bonds import LOADS, set_bonds, set_load
-from ._breaks import BreakResult, BrokenState, set_breaks, set_checkpoint
-from ._errors import choose, run
+from ._breaks import BreakResult, BrokenState, run_breaks
+from ._errors import choose
 from ._solve import as_image
 from .vtkLamellaSolversVTK import vtkBondFracture
 
@@ -15,7 +15,6 @@ _COUNTS = (
     "events raises equilibria iterations local_cycles visited_nodes searches freed_pieces freed_nodes freed_bonds "
     "solid_nodes skipped_nodes bonds skipped_strips bytes"
 ).split()
-_TIMES = ("bonds", "first", "equilibria", "local", "search", "run", "states", "checkpoints")
 
 
 class FractureState(BrokenState):
@@ -34,6 +33,7 @@ class FractureResult(BreakResult):
 
     _State = FractureState
     _KINDS = (("event", "i8", 1), ("strain", "f8", 1), ("critical_strain", "f8", 1), ("stress", "f8", 1))
+    _TIMES = ("bonds", "first", "equilibria", "local", "search", "run", "states", "checkpoints")
 
     @property
     def strain(self):
@@ -79,11 +79,6 @@ class FractureResult(BreakResult):
         return self._number("broken_energy")
 
     @property
-    def end(self):
-        """Why the run ended: "stress-fell", "severed", "nothing-breaks", "maximum-strain" or "maximum-broken"."""
-        return _arrays.text(self.vtk, "end")
-
-    @property
     def method(self):
         """"events" or "accurate"."""
         return _arrays.text(self.vtk, "method")
@@ -92,7 +87,7 @@ class FractureResult(BreakResult):
     def statistics(self):
         """What was done and what was skipped: a dictionary of counts, and ``seconds``, one of times."""
         counts = {name: self._count(name) for name in _COUNTS}
-        counts["seconds"] = dict(zip(_TIMES, map(float, _arrays.numbers(self.vtk, "seconds"))))
+        counts["seconds"] = self._seconds()
         return counts
 
     def __repr__(self):
@@ -150,7 +145,8 @@ def fracture(
     strain_step  the strain is raised to multiples of this, each time to the first at which a bond is critical; with
               batches, a run of fewer equilibria. 0: to where the next bond just is critical
     max_strain, max_broken  ends there; None: no limit
-    tolerance  largest relative residual force of an equilibrium
+    tolerance  largest relative residual force of an equilibrium, at most 1e-3; a sample that carries too little for it,
+              as hinges do, is refused
     at_strains, at_broken  states to keep: imposed strains, numbers of broken bonds; the end is always kept
     displacement, stress, strain_energy  whether states have these fields; what is off is not computed
     checkpoint  a file that keeps where the run stands, in HDF5; replaced after every checkpoint_every events. One that
@@ -177,7 +173,7 @@ def fracture(
     solve.SetStrainStep(float(strain_step))
     for strain in np.ravel(at_strains):
         solve.AddStateAtStrain(float(strain))
-    set_breaks(solve, compression, stop, max_strain, max_broken, at_broken, displacement)
-    set_checkpoint(solve, checkpoint, checkpoint_every, continue_from)
-    run(solve, progress)
-    return FractureResult(solve)
+    return run_breaks(
+        solve, FractureResult, progress, compression, stop, max_strain, max_broken, at_broken, displacement,
+        checkpoint, checkpoint_every, continue_from,
+    )
