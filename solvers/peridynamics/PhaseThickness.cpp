@@ -69,7 +69,7 @@ std::vector<PhaseThickness> phaseThickness(
   const Counts counts(bonds, ids);
 
   // by phase, how many nodes have each thickness
-  const auto classes = static_cast<std::size_t>(2 * l.ghost + 2);
+  const auto classes = 2 * static_cast<std::size_t>(l.ghost) + 2;
   std::vector<double> histogram(256 * classes, 0.0);
   const std::int64_t rows = l.size[1] * l.size[2];
 #pragma omp parallel
