@@ -27,7 +27,7 @@ struct LumenOptions
 /// A lumen that the sample's rim cuts is closed there by the straight line (plane) that fits best, by least squares,
 /// the wall's corners on that side: that of the platen, where one holds them.
 ///
-/// Memory beside the labels (4 bytes a node): in 2D about 32 bytes an edge, in 3D about 46 a face; bytes() tells. While
+/// Memory beside the labels (4 bytes a node): in 2D about 30 bytes an edge, in 3D about 47 a face; bytes() tells. While
 /// it is made 4 bytes a corner of the lattice more. Time of areas(): a pass over the ids, and a few operations an edge.
 class LumenAreas
 {

@@ -219,12 +219,12 @@ TEST(LumenAreas, BytesOfAnEdge)
   const Lattice flat = makeLattice(200, 200, 1, 2, 1e-6);
   const LumenAreas plane(flat, phases(flat, [](int x, int y, int) { return x % 20 < 4 || y % 20 < 4 ? 1 : 0; }), {});
   EXPECT_EQ(plane.edges(), 100U * 64);
-  EXPECT_NEAR(static_cast<double>(plane.bytes()) / static_cast<double>(plane.edges()), 32, 3);
+  EXPECT_NEAR(static_cast<double>(plane.bytes()) / static_cast<double>(plane.edges()), 30, 2);
   const Lattice deep = makeLattice(60, 60, 60, 3, 1e-6);
   const LumenAreas space(
     deep, phases(deep, [](int x, int y, int z) { return x % 20 < 4 || y % 20 < 4 || z % 20 < 4 ? 1 : 0; }), {});
   EXPECT_EQ(space.edges(), 27U * 6 * 256);
-  EXPECT_NEAR(static_cast<double>(space.bytes()) / static_cast<double>(space.edges()), 46, 4);
+  EXPECT_NEAR(static_cast<double>(space.bytes()) / static_cast<double>(space.edges()), 47, 2);
 }
 
 TEST(LumenAreas, WhatDoesNotFitIsRefusedInWords)
