@@ -31,48 +31,6 @@
 
 namespace pores = lamella::pores;
 
-namespace
-{
-
-std::string listed(const std::vector<std::string>& names)
-{
-  std::string list;
-  for (const std::string& name : names)
-  {
-    list += (list.empty() ? "" : ", ") + name;
-  }
-  return list;
-}
-
-/// The id of the phase of this name or value; of none, that of the first with a name that voids have.
-/// @throws ParameterError for a phase that the image does not know
-std::uint8_t findPhase(const lamella::PhaseIds& phases, const std::string& wanted)
-{
-  const auto& names = phases.names;
-  if (wanted.empty())
-  {
-    if (const auto found = pores::voidPhase(names))
-    {
-      return static_cast<std::uint8_t>(*found);
-    }
-    throw lamella::ParameterError(
-      "no phase is called void, pore, lumen or air", "say which phase the pores are; there are: " + listed(names));
-  }
-  auto found = static_cast<std::size_t>(std::find(names.begin(), names.end(), wanted) - names.begin());
-  for (std::size_t id = 0; found == names.size() && id < names.size(); ++id)
-  {
-    found = std::to_string(phases.values[id]) == wanted ? id : found;
-  }
-  if (found == names.size())
-  {
-    throw lamella::ParameterError(
-      "'" + wanted + "' is no phase of this image", "choose one of its phases: " + listed(names));
-  }
-  return static_cast<std::uint8_t>(found);
-}
-
-} // namespace
-
 /// One run of the filter.
 struct vtkPoreFloodFill::Work
 {
@@ -145,7 +103,7 @@ struct vtkPoreFloodFill::Work
   void Run(vtkImageData* input)
   {
     const lamella::PhaseIds phases = lamella::phaseIds(input, this->Self->GetInputArrayInformation(0), this->Team);
-    const std::uint8_t wanted = findPhase(phases, this->Self->Phase);
+    const std::uint8_t wanted = lamella::findVoid(phases, this->Self->Phase, "pores");
     const pores::LabelOptions options = this->Options();
     this->Output->ShallowCopy(input);
 

@@ -3,6 +3,7 @@
 #include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
+#include "pores/PoreLabelling.h"
 
 #include "vtkArrayDispatch.h"
 #include "vtkCellData.h"
@@ -258,6 +259,35 @@ PhaseIds phaseIds(vtkDataSet* piece, const std::function<vtkDataArray*()>& find,
     result.names.push_back(known ? named[static_cast<std::size_t>(value)] : std::to_string(value));
   }
   return result;
+}
+
+std::uint8_t findVoid(const PhaseIds& phases, const std::string& wanted, const std::string& what)
+{
+  const std::vector<std::string>& names = phases.names;
+  std::string there;
+  for (const std::string& name : names)
+  {
+    there += (there.empty() ? "" : ", ") + name;
+  }
+  if (wanted.empty())
+  {
+    if (const auto found = pores::voidPhase(names))
+    {
+      return static_cast<std::uint8_t>(*found);
+    }
+    throw ParameterError(
+      "no phase is called void, pore, lumen or air", "say which phase the " + what + " are; there are: " + there);
+  }
+  auto found = static_cast<std::size_t>(std::find(names.begin(), names.end(), wanted) - names.begin());
+  for (std::size_t id = 0; found == names.size() && id < names.size(); ++id)
+  {
+    found = std::to_string(phases.values[id]) == wanted ? id : found;
+  }
+  if (found == names.size())
+  {
+    throw ParameterError("'" + wanted + "' is no phase of this image", "choose one of its phases: " + there);
+  }
+  return static_cast<std::uint8_t>(found);
 }
 
 std::vector<double> conductivityById(

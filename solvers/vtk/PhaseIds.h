@@ -39,6 +39,12 @@ struct PhaseIds
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseIds phaseIds(
   vtkDataSet* piece, const std::function<vtkDataArray*()>& find, const Team& team);
 
+/// The id of the phase of this name or value; of none, that of the first that is called void, pore, lumen or air.
+/// @param what says in the message what the phase is wanted for: "pores"
+/// @throws ParameterError for a phase that the image does not know; where none has such a name
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::uint8_t findVoid(
+  const PhaseIds& phases, const std::string& wanted, const std::string& what);
+
 /// Conductivity by id from a table by name or value.
 /// @param nodes by id, how many nodes have it in the whole image; phases without nodes need no conductivity
 /// @throws ParameterError for a missing, negative or non-finite one

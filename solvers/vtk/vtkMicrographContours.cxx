@@ -10,7 +10,6 @@
 
 #include "lattice/Error.h"
 #include "micrograph/ContourExtraction.h"
-#include "pores/PoreLabelling.h"
 
 #include "vtkDataObject.h"
 #include "vtkDoubleArray.h"
@@ -27,52 +26,6 @@
 #include <span>
 #include <string>
 #include <vector>
-
-namespace
-{
-
-std::string listed(const std::vector<std::string>& names)
-{
-  std::string list;
-  for (const std::string& name : names)
-  {
-    list += (list.empty() ? "" : ", ") + name;
-  }
-  return list;
-}
-
-/// The id of the phase of this name or value; of none, that of the first with a name that voids have.
-std::size_t findPhase(const lamella::PhaseIds& phases, const std::string& wanted)
-{
-  const std::vector<std::string>& names = phases.names;
-  if (wanted.empty())
-  {
-    if (const auto found = lamella::pores::voidPhase(names))
-    {
-      return *found;
-    }
-    throw lamella::ParameterError(
-      "no phase is called void, pore, lumen or air", "say which phase the lumens are; there are: " + listed(names));
-  }
-  for (std::size_t id = 0; id < names.size(); ++id)
-  {
-    if (names[id] == wanted)
-    {
-      return id;
-    }
-  }
-  for (std::size_t id = 0; id < names.size(); ++id)
-  {
-    if (std::to_string(phases.values[id]) == wanted)
-    {
-      return id;
-    }
-  }
-  throw lamella::ParameterError(
-    "'" + wanted + "' is no phase of this image", "choose one of its phases: " + listed(names));
-}
-
-} // namespace
 
 vtkStandardNewMacro(vtkMicrographContours);
 
@@ -125,7 +78,7 @@ void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
   {
     const lamella::PhaseIds phases =
       lamella::phaseIds(image, this->GetInputArrayInformation(0), lamella::Team(nullptr, nullptr));
-    const std::size_t lumen = findPhase(phases, this->LumenPhase);
+    const std::size_t lumen = lamella::findVoid(phases, this->LumenPhase, "lumens");
     field.image = { lamella::latticeOf(image), {}, lamella::PhaseTable({ "lumen", "wall" }) };
     field.image.phase.resize(phases.ids.size());
     std::transform(phases.ids.begin(), phases.ids.end(), field.image.phase.begin(),

@@ -1,0 +1,98 @@
+/**
+ * @class   vtkCompressionCurve
+ * @brief   what a stress–strain curve in compression tells: stiffness, collapse, plateau, densification, energy
+ *
+ * **Input**: vtkTable with a column of strains and one of stresses [Pa], compression positive, strains rising from row
+ * to row and below 1: `strain` and `stress` unless others are chosen with SetInputArrayToProcess(0, ...) and (1, ...).
+ *
+ * **Output**: the table with `absorbed_energy` (W = ∫ σ dε [J/m³]), `efficiency` (W/σ, of the smoothed stress; NaN
+ * where that is not above 0) and `smooth_stress` [Pa].
+ *
+ * **Field data**, NaN where the curve does not hold it: `curve_stiffness`, `curve_stiffness_error`, `curve_intercept`
+ * [Pa], `curve_r2`, `curve_toe` (strain at which the fitted line begins), `curve_fit_range` (2), `curve_fit_rows`;
+ * `curve_yield_strain`, `curve_yield_stress` [Pa] (where the curve meets the line moved by Offset);
+ * `curve_peak_strain`, `curve_peak_stress` [Pa] (first maximum); `curve_plateau_stress` [Pa], `curve_plateau_range`
+ * (2), `curve_plateau_end_strain` (the stress is 1.3 times the plateau's); `curve_densification_strain`, `_stress`
+ * [Pa],
+ * `_energy` [J/m³], `_efficiency`; `curve_energy` [J/m³] of all the curve; `curve_missing` (texts: what was not found,
+ * and why).
+ *
+ * Definitions are those of ISO 13314:2011; densification begins where the efficiency is largest (Li, Magkiriadis and
+ * Harrigan, J. Cell. Plast. 42 (2006) 371–392; Tan, Reid, Harrigan, Zou and Li, J. Mech. Phys. Solids 53 (2005)
+ * 2174–2205). See compression/CompressionCurve.h.
+ *
+ * **Parallel**: the table is taken whole; the first rank holds the result.
+ */
+
+#ifndef vtkCompressionCurve_h
+#define vtkCompressionCurve_h
+
+#include "vtkLamellaFiltersModule.h" // for export macro
+#include "vtkTableAlgorithm.h"
+
+class VTKLAMELLAFILTERS_EXPORT vtkCompressionCurve : public vtkTableAlgorithm
+{
+public:
+  static vtkCompressionCurve* New();
+  vtkTypeMacro(vtkCompressionCurve, vtkTableAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /** Strains between which rows give the stiffness. Default 0 to 0.03. */
+  vtkSetVector2Macro(StiffnessRange, double);
+  vtkGetVector2Macro(StiffnessRange, double);
+  ///@}
+
+  ///@{
+  /** Width in strain of the steepest window within that range that is fitted instead. Default 0: all of the range. */
+  vtkSetMacro(Window, double);
+  vtkGetMacro(Window, double);
+  ///@}
+
+  ///@{
+  /** Plastic strain at the yield stress, at least 0 and below 1. Default 0.002. */
+  vtkSetMacro(Offset, double);
+  vtkGetMacro(Offset, double);
+  ///@}
+
+  ///@{
+  /** Strains between which the plateau's mean is taken. Default 0, 0: from collapse to densification. */
+  vtkSetVector2Macro(PlateauRange, double);
+  vtkGetVector2Macro(PlateauRange, double);
+  ///@}
+
+  ///@{
+  /** Width in strain over which stresses are smoothed before maxima are looked for; 0: not at all. Default 0.01. */
+  vtkSetMacro(Smoothing, double);
+  vtkGetMacro(Smoothing, double);
+  ///@}
+
+  ///@{
+  /** Share that the curve falls by beyond a maximum that counts, at least 0 and below 1. Default 0.05. */
+  vtkSetMacro(Prominence, double);
+  vtkGetMacro(Prominence, double);
+  ///@}
+
+protected:
+  vtkCompressionCurve();
+  ~vtkCompressionCurve() override = default;
+
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkCompressionCurve(const vtkCompressionCurve&) = delete;
+  void operator=(const vtkCompressionCurve&) = delete;
+
+  void Run(vtkTable* input, vtkTable* output);
+
+  double StiffnessRange[2] = { 0, 0.03 };
+  double Window = 0;
+  double Offset = 0.002;
+  double PlateauRange[2] = { 0, 0 };
+  double Smoothing = 0.01;
+  double Prominence = 0.05;
+};
+
+#endif
