@@ -214,6 +214,11 @@ void vtkCollapseMap::AddPointsData(vtkPolyData* points)
   this->AddInputDataObject(1, points);
 }
 
+void vtkCollapseMap::RemoveAllPoints()
+{
+  this->SetInputConnection(1, nullptr);
+}
+
 vtkTable* vtkCollapseMap::GetLumenTable()
 {
   return vtkTable::SafeDownCast(this->GetOutputDataObject(1));

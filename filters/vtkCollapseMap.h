@@ -73,6 +73,7 @@ public:
   /** The points, input 1: where they come from, time steps and all; or one state more. */
   void SetPointsConnection(vtkAlgorithmOutput* points);
   void AddPointsData(vtkPolyData* points);
+  void RemoveAllPoints();
 
   /** Outputs 1 and 2. */
   vtkTable* GetLumenTable();

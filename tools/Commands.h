@@ -41,6 +41,8 @@ struct Command
 [[nodiscard]] Command poreFloodFillCommand(CLI::App& root);
 [[nodiscard]] Command stressPdfCommand(CLI::App& root);
 [[nodiscard]] Command crackPathCommand(CLI::App& root);
+[[nodiscard]] Command compressionCurveCommand(CLI::App& root);
+[[nodiscard]] Command collapseMapCommand(CLI::App& root);
 [[nodiscard]] Command snapshotCommand(CLI::App& root);
 [[nodiscard]] Command infoCommand(CLI::App& root);
 

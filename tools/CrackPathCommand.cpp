@@ -19,7 +19,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 
 namespace lamella::cli
@@ -74,16 +73,6 @@ void configure(vtkCrackPath* filter, const CrackPathOptions& o)
   filter->SetHorizon(o.horizon);
 }
 
-/// A grid of this ending. @throws ParameterError for another one
-OutputFile openGrid(const std::string& option, const std::string& name, const std::string& ending, bool overwrite)
-{
-  if (std::filesystem::path(name).extension() != ending)
-  {
-    throw ParameterError(option + " '" + name + "': it is written as " + ending, "end the name in " + ending);
-  }
-  return OutputFile(name, overwrite);
-}
-
 struct Files
 {
   std::vector<std::pair<OutputFile, int>> grids; ///< and the output of the filter
@@ -109,18 +98,6 @@ Files openFiles(const CrackPathOptions& o, vtkCrackPath* filter)
   return files;
 }
 
-template <typename Grid>
-vtkSmartPointer<Grid> read(const std::string& path, const char* wanted, const char* hint)
-{
-  const auto data = readGrid(path);
-  const vtkSmartPointer<Grid> grid = Grid::SafeDownCast(data);
-  if (grid == nullptr)
-  {
-    throw InputError("'" + path + "' holds no " + wanted, hint);
-  }
-  return grid;
-}
-
 void crackPath(Session& session, const CrackPathOptions& o, const std::string& commandLine)
 {
   const auto start = std::chrono::steady_clock::now();
@@ -133,11 +110,11 @@ void crackPath(Session& session, const CrackPathOptions& o, const std::string& c
   }
   Files files = openFiles(o, filter);
   const auto bonds =
-    read<vtkPolyData>(o.file, "broken bonds", "give the broken bonds that lamella fracture writes (.vtp)");
+    readAs<vtkPolyData>(o.file, "broken bonds", "give the broken bonds that lamella fracture writes (.vtp)");
   filter->SetInputDataObject(0, bonds);
   if (!o.phases.empty())
   {
-    const auto image = read<vtkImageData>(o.phases, "image", "give the image that was broken (.vti)");
+    const auto image = readAs<vtkImageData>(o.phases, "image", "give the image that was broken (.vti)");
     filter->SetImageData(image);
     filter->SetInputArrayToProcess(0, 1, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, o.phaseArray.c_str());
   }

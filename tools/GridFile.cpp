@@ -258,6 +258,15 @@ void forgetRanges(vtkFieldData* data)
 
 } // namespace
 
+OutputFile openGrid(const std::string& option, const std::string& name, const std::string& ending, bool overwrite)
+{
+  if (std::filesystem::path(name).extension() != ending)
+  {
+    throw ParameterError(option + " '" + name + "': it is written as " + ending, "end the name in " + ending);
+  }
+  return OutputFile(name, overwrite);
+}
+
 void writeGrid(vtkDataObject* data, const OutputFile& file)
 {
   forgetRanges(data->GetFieldData());

@@ -41,6 +41,20 @@ using SizeKnown = std::function<void(const Lattice& whole)>;
 /// @throws InputError for anything that is not a whole .vti or .vtp file; what `sizeKnown` throws
 [[nodiscard]] vtkSmartPointer<vtkDataObject> readGrid(const std::string& path, const SizeKnown& sizeKnown = {});
 
+/// The same where it must be of one kind.
+/// @param wanted what the message says that the file does not hold
+/// @throws InputError
+template <typename Grid>
+[[nodiscard]] vtkSmartPointer<Grid> readAs(const std::string& path, const char* wanted, const char* hint)
+{
+  const vtkSmartPointer<Grid> grid = Grid::SafeDownCast(readGrid(path));
+  if (grid == nullptr)
+  {
+    throw InputError("'" + path + "' holds no " + wanted, hint);
+  }
+  return grid;
+}
+
 struct PhaseGrid
 {
   PhaseImage image;
@@ -50,6 +64,10 @@ struct PhaseGrid
 /// The array `phase` of a .vti that names its phases; nothing when it has none or does not name them. @throws
 /// InputError
 [[nodiscard]] std::optional<PhaseGrid> readPhaseGrid(const std::string& path, const SizeKnown& sizeKnown = {});
+
+/// A file to write a grid to. @throws ParameterError for another ending; OutputError
+[[nodiscard]] OutputFile openGrid(
+  const std::string& option, const std::string& name, const std::string& ending, bool overwrite);
 
 /// Writes .vti or .vtp: binary, compressed. @throws OutputError when the disk is full or fails
 void writeGrid(vtkDataObject* data, const OutputFile& file);

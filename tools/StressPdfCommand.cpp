@@ -64,19 +64,6 @@ double positive(const std::string& option, const std::string& text, const std::s
   return *number;
 }
 
-std::array<double, 2> parseRange(const std::string& text)
-{
-  const std::vector<std::string> ends = split(text, ',');
-  const std::optional<double> low = ends.size() == 2 ? toNumber(ends[0]) : std::nullopt;
-  const std::optional<double> high = ends.size() == 2 ? toNumber(ends[1]) : std::nullopt;
-  if (!low || !high || !std::isfinite(*low) || !std::isfinite(*high) || !(*low < *high))
-  {
-    throw ParameterError(
-      "--range '" + text + "' is not two numbers, the lower first", "write it in mean tensile stresses: --range=-1,6");
-  }
-  return { *low, *high };
-}
-
 /// What can be said without the file, handed to the filter. @throws ParameterError
 void configure(vtkStressPDF* filter, const StressPdfOptions& o)
 {
@@ -104,7 +91,7 @@ void configure(vtkStressPDF* filter, const StressPdfOptions& o)
   filter->SetBinWidth(o.binWidth);
   if (!o.range.empty())
   {
-    filter->SetRange(parseRange(o.range).data());
+    filter->SetRange(rangeOf("--range", o.range, "in mean tensile stresses: --range=-1,6").data());
   }
   if (!o.reference.empty())
   {

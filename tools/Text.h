@@ -40,6 +40,10 @@ namespace lamella::cli
 /// A share: "0.4" or "40%".
 [[nodiscard]] double share(const std::string& option, const std::string& text);
 
+/// "LOW,HIGH", finite, the lower first. @param example how it is written, with its unit
+[[nodiscard]] std::array<double, 2> rangeOf(
+  const std::string& option, const std::string& text, const std::string& example);
+
 /// "KEY=VALUE" with neither empty.
 [[nodiscard]] std::pair<std::string, std::string> keyValue(
   const std::string& option, const std::string& text, const std::string& form);

@@ -174,7 +174,8 @@ int run(Session& session, std::vector<std::string> words)
   const std::vector<Command> commands{ generateCommand(root), diffusionCommand(root), fluxMapCommand(root),
     packingCommand(root), bridgesCommand(root), equilibriumCommand(root), fractureCommand(root), dynamicsCommand(root),
     stiffnessCommand(root), poreFloodFillCommand(root), micrographCommand(root), stressPdfCommand(root),
-    crackPathCommand(root), snapshotCommand(root), infoCommand(root) };
+    crackPathCommand(root), compressionCurveCommand(root), collapseMapCommand(root), snapshotCommand(root),
+    infoCommand(root) };
   root.require_subcommand(0, 1);
 
   const std::string commandLine = io::quoteCommand(words);

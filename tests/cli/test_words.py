@@ -9,7 +9,7 @@ import pictures
 from program import CONDUCTIVITIES, HERE, PHASES, Case
 
 COMMANDS = ["generate", "diffusion", "flux-map", "packing", "bridges", "equilibrium", "fracture", "dynamics", "stiffness",
-            "pore-flood-fill", "stress-pdf", "crack-path", "snapshot", "info"]
+            "pore-flood-fill", "stress-pdf", "crack-path", "compression-curve", "collapse-map", "snapshot", "info"]
 
 
 class Words(Case):

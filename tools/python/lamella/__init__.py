@@ -14,7 +14,8 @@ off.)
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
 ``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkMicrographContours``,
 ``vtkMicrographLattice``, ``vtkSteadyDiffusion``, ``vtkFluxMap``, ``vtkPoreFloodFill``,
-``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondDynamics``, ``vtkBondStiffness``, ``vtkStressPDF``, ``vtkCrackPath`` ...),
+``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondDynamics``, ``vtkBondStiffness``, ``vtkStressPDF``, ``vtkCrackPath``,
+``vtkCompressionCurve``, ``vtkCollapseMap`` ...),
 runs it and hands its output out as numpy arrays.
 
 Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at the top; arrays of a volume are
@@ -38,6 +39,7 @@ except ModuleNotFoundError:  # built without pictures
 else:
     _windows.Install()  # does nothing where a display works
 
+from ._compression import CollapseMapResult, CompressionCurveResult, collapse_map, compression_curve
 from ._contours import Contours, LatticeSample, contours, read_polygons
 from ._cracks import CrackPathResult, crack_path
 from ._dynamics import DynamicsResult, MotionState, dynamics
@@ -69,6 +71,8 @@ __all__ = [
     "BondStressResult",
     "Cancelled",
     "CementedSample",
+    "CollapseMapResult",
+    "CompressionCurveResult",
     "Contours",
     "CrackPathResult",
     "DiffusionResult",
@@ -88,6 +92,8 @@ __all__ = [
     "bond_stress",
     "bridges",
     "checkerboard",
+    "collapse_map",
+    "compression_curve",
     "contours",
     "crack_path",
     "diffusion",

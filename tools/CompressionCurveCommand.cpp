@@ -1,0 +1,234 @@
+#include "BondReport.h"
+#include "Commands.h"
+#include "FilterRun.h"
+#include "GridFile.h"
+#include "Record.h"
+#include "TableFiles.h"
+#include "Text.h"
+
+#include "TextTable.h"
+#include "io/Provenance.h"
+#include "vtkCompressionCurve.h"
+#include "vtkLatticeConversion.h"
+
+#include <vtkDoubleArray.h>
+#include <vtkNew.h>
+#include <vtkTable.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+struct CompressionCurveOptions
+{
+  CommonOptions common;
+  std::string file;
+  std::string strain = "strain";
+  std::string stress = "stress";
+  std::string stiffnessRange = "0,0.03";
+  double window = 0;
+  double offset = 0.002;
+  std::string plateauRange;
+  double smoothing = 0.01;
+  double prominence = 0.05;
+  std::string output;
+};
+
+/// What can be said without the file, handed to the filter. @throws ParameterError
+void configure(vtkCompressionCurve* filter, const CompressionCurveOptions& o)
+{
+  filter->SetStiffnessRange(
+    rangeOf("--stiffness-range", o.stiffnessRange, "as strains: --stiffness-range 0,0.03").data());
+  if (!o.plateauRange.empty())
+  {
+    filter->SetPlateauRange(rangeOf("--plateau-range", o.plateauRange, "as strains: --plateau-range 0.2,0.4").data());
+  }
+  for (const auto& [option, value] : { std::pair{ "--window", o.window }, std::pair{ "--offset", o.offset },
+         std::pair{ "--smoothing", o.smoothing }, std::pair{ "--prominence", o.prominence } })
+  {
+    if (!(value >= 0 && value < 1))
+    {
+      throw ParameterError(
+        fmt::format("{} {} is outside 0 to 1", option, value), "give a fraction, such as 0.01 for 1 %");
+    }
+  }
+  filter->SetWindow(o.window);
+  filter->SetOffset(o.offset);
+  filter->SetSmoothing(o.smoothing);
+  filter->SetProminence(o.prominence);
+}
+
+/// The two columns of the file. @throws InputError
+vtkSmartPointer<vtkTable> readCurve(const CompressionCurveOptions& o)
+{
+  const TextTable text(o.file, "name the columns with --strain and --stress");
+  auto table = vtkSmartPointer<vtkTable>::New();
+  for (const auto& [name, column] : { std::pair{ "strain", o.strain }, std::pair{ "stress", o.stress } })
+  {
+    const auto found = std::ranges::find(text.names(), column);
+    if (found == text.names().end())
+    {
+      text.lacks("'" + column + "'");
+    }
+    vtkNew<vtkDoubleArray> values;
+    values->SetName(name);
+    for (std::size_t row = 0; row < text.rows(); ++row)
+    {
+      values->InsertNextValue(text.number(row, static_cast<std::size_t>(found - text.names().begin())));
+    }
+    describe(values, name == std::string("strain") ? "1" : "Pa", "column '" + column + "' of the file", "lamella");
+    table->AddColumn(values);
+  }
+  return table;
+}
+
+Json reportOf(const CompressionCurveOptions& o, vtkTable* curve)
+{
+  const auto number = [&](const std::string& name, std::size_t i = 0)
+  { return jsonNumber(fieldNumbers(curve, ("curve_" + name).c_str()).at(i)); };
+  // what was not found is null as a whole
+  const auto group = [&](const Json& object) { return object.front().is_null() ? Json(nullptr) : object; };
+  Json json;
+  json["file"] = o.file;
+  json["rows"] = curve->GetNumberOfRows();
+  json["stiffness"] = group(
+    { { "value", number("stiffness") }, { "error", number("stiffness_error") }, { "intercept", number("intercept") },
+      { "r2", number("r2") }, { "toe", number("toe") }, { "low", number("fit_range", 0) },
+      { "high", number("fit_range", 1) }, { "rows", std::llround(fieldNumbers(curve, "curve_fit_rows").at(0)) } });
+  for (const char* const name : { "yield", "peak" })
+  {
+    json[name] = group(
+      { { "strain", number(std::string(name) + "_strain") }, { "stress", number(std::string(name) + "_stress") } });
+  }
+  json["plateau"] = group({ { "stress", number("plateau_stress") }, { "low", number("plateau_range", 0) },
+    { "high", number("plateau_range", 1) }, { "end_strain", number("plateau_end_strain") } });
+  json["densification"] =
+    group({ { "strain", number("densification_strain") }, { "stress", number("densification_stress") },
+      { "energy", number("densification_energy") }, { "efficiency", number("densification_efficiency") } });
+  json["energy"] = number("energy");
+  json["missing"] = fieldTexts(curve, "curve_missing");
+  return json;
+}
+
+std::string tableOf(const Json& json)
+{
+  std::string text = fmt::format("{}: {} rows\n\n", json["file"].get<std::string>(), json["rows"].get<int>());
+  const auto line = [&](const char* name, const Json& group, const auto& words)
+  { text += fmt::format("  {:<14} {}\n", name, group.is_null() ? std::string("none") : words(group)); };
+  const auto at = [](const Json& group, const char* key) { return group[key].template get<double>(); };
+  const auto point = [&](const Json& p)
+  { return fmt::format("{:.4g} Pa at a strain of {:.4g}", at(p, "stress"), at(p, "strain")); };
+  line("stiffness", json["stiffness"],
+    [&](const Json& s)
+    {
+      return fmt::format("{:.4g} ± {:.2g} Pa between strains of {:.4g} and {:.4g} ({} rows, R² {:.4f}, toe {:.2g})",
+        at(s, "value"), at(s, "error"), at(s, "low"), at(s, "high"), s["rows"].get<int>(), at(s, "r2"), at(s, "toe"));
+    });
+  line("yield", json["yield"], point);
+  line("first peak", json["peak"], point);
+  line("plateau", json["plateau"],
+    [&](const Json& p)
+    {
+      return fmt::format(
+        "{:.4g} Pa between strains of {:.4g} and {:.4g}", at(p, "stress"), at(p, "low"), at(p, "high"));
+    });
+  line("densification", json["densification"],
+    [&](const Json& d)
+    {
+      return fmt::format("at a strain of {:.4g}: {:.4g} J/m³ absorbed, efficiency {:.4f}", at(d, "strain"),
+        at(d, "energy"), at(d, "efficiency"));
+    });
+  line("energy", json["energy"], [](const Json& e) { return fmt::format("{:.4g} J/m³ in all", e.get<double>()); });
+  if (!json["missing"].empty())
+  {
+    text += "\n";
+  }
+  for (const Json& why : json["missing"])
+  {
+    text += "  " + why.get<std::string>() + "\n";
+  }
+  for (const Json& file : json["files"])
+  {
+    text += "  wrote " + file.get<std::string>() + "\n";
+  }
+  return text;
+}
+
+void compressionCurve(Session& session, const CompressionCurveOptions& o, const std::string& commandLine)
+{
+  const auto start = std::chrono::steady_clock::now();
+  vtkNew<vtkCompressionCurve> filter;
+  configure(filter, o);
+  requireFile(o.file);
+  TableFiles files;
+  files.add("-o", o.output, filter->GetOutput(), o.common.overwrite);
+  const vtkSmartPointer<vtkTable> table = readCurve(o);
+  filter->SetInputData(table);
+  runFilter(session, filter, "curve");
+  if (filter->GetOutput()->GetNumberOfRows() == 0)
+  {
+    throwVtkErrors("");
+  }
+  tellWarnings(session);
+  Json json = reportOf(o, filter->GetOutput());
+  const io::Provenance run = recordRun(commandLine, o.file, "");
+  json["files"] = files.write(Json::parse(io::toJson(run)));
+  json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  addRecord(json, run);
+  session.print(o.common.json ? dump(json) : o.common.quiet ? "" : tableOf(json));
+}
+
+} // namespace
+
+Command compressionCurveCommand(CLI::App& root)
+{
+  CLI::App* app = root.add_subcommand("compression-curve",
+    "Stiffness, collapse, plateau, densification and energy of a stress-strain curve in compression");
+  auto o = std::make_shared<CompressionCurveOptions>();
+  app->add_option("FILE", o->file, "A table as .csv, its first line the columns' names")->required();
+  const auto curve = [](CLI::Option* option, const char* type)
+  { option->group("Curve")->type_name(type)->capture_default_str(); };
+  curve(app->add_option("--strain", o->strain, "Column of strains: fractions, rising, compression positive"), "NAME");
+  curve(app->add_option("--stress", o->stress, "Column of stresses [Pa], compression positive"), "NAME");
+  curve(app->add_option("--stiffness-range", o->stiffnessRange, "Strains between which the stiffness is fitted"),
+    "LOW,HIGH");
+  curve(app->add_option(
+          "--window", o->window, "Fit the steepest window of this width within them, past a toe; 0: all of the range"),
+    "STRAIN");
+  curve(app->add_option("--offset", o->offset, "Plastic strain at the yield stress"), "STRAIN");
+  app
+    ->add_option("--plateau-range", o->plateauRange,
+      "Strains of the plateau's mean; from collapse to densification when not given")
+    ->group("Curve")
+    ->type_name("LOW,HIGH");
+  curve(app->add_option("--smoothing", o->smoothing, "Smooth stresses over this width before maxima are looked for"),
+    "STRAIN");
+  curve(app->add_option("--prominence", o->prominence, "The curve falls by this share beyond a maximum that counts"),
+    "SHARE");
+  app->add_option("-o,--output", o->output, "Write the curve with energy and efficiency, one row a row")
+    ->type_name("FILE.csv")
+    ->group("Output");
+  app->add_flag("--overwrite", o->common.overwrite, "Replace a file that exists")->group("Output");
+  addReportOptions(*app, o->common);
+  addExamples(*app,
+    { "lamella compression-curve curve.csv --json",
+      "lamella compression-curve curve.csv --plateau-range 0.2,0.4 -o energy.csv",
+      "lamella compression-curve test.csv --strain eps --stress sigma --stiffness-range 0,0.1 --window 0.01" });
+  return { app,
+    [o](Session& session, const std::string& line)
+    {
+      session.setQuiet(o->common.quiet);
+      session.onRoot([&] { compressionCurve(session, *o, line); });
+    } };
+}
+
+} // namespace lamella::cli
