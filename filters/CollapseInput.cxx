@@ -7,8 +7,6 @@
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
 #include "vtkDataArrayRange.h"
-#include "vtkDataObject.h"
-#include "vtkInformation.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
@@ -23,9 +21,8 @@ namespace
 {
 
 /// @throws InputError
-vtkDataArray* arrayOf(vtkPolyData* points, vtkInformation* choice)
+vtkDataArray* arrayOf(vtkPolyData* points, const std::string& name)
 {
-  const std::string name = choice->Get(vtkDataObject::FIELD_NAME());
   vtkDataArray* const array = points->GetPointData()->GetArray(name.c_str());
   if (array == nullptr)
   {
@@ -44,15 +41,14 @@ std::vector<double> numbers(vtkDataArray* array)
 
 } // namespace
 
-CollapseInput collapseInput(
-  vtkPolyData* points, vtkInformation* id, vtkInformation* gradient, int dimension, double time)
+CollapseInput collapseInput(vtkPolyData* points, int dimension, double time)
 {
   if (points->GetNumberOfPoints() == 0)
   {
     throw InputError("a state has no material points", "check that the source before it worked");
   }
-  vtkDataArray* const ids = arrayOf(points, id);
-  vtkDataArray* const gradients = arrayOf(points, gradient);
+  vtkDataArray* const ids = arrayOf(points, "id");
+  vtkDataArray* const gradients = arrayOf(points, "deformation_gradient");
   if (ids->GetNumberOfComponents() != 1)
   {
     throw InputError(

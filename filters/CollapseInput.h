@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-class vtkInformation;
 class vtkPolyData;
 
 /// Helpers of vtkCollapseMap; not installed.
@@ -24,10 +23,8 @@ struct CollapseInput
 };
 
 /// Checks in the order present, at points, components, whole.
-/// @param id, gradient choices (vtkAlgorithm::GetInputArrayInformation)
 /// @param time of the step, where the points have no field data `strain`; NaN: they have no time either
 /// @throws InputError
-[[nodiscard]] CollapseInput collapseInput(
-  vtkPolyData* points, vtkInformation* id, vtkInformation* gradient, int dimension, double time);
+[[nodiscard]] CollapseInput collapseInput(vtkPolyData* points, int dimension, double time);
 
 } // namespace lamella

@@ -82,8 +82,7 @@ struct vtkCollapseMap::Work
 
   void Add(vtkPolyData* points, double time)
   {
-    const lamella::CollapseInput input = lamella::collapseInput(points, this->Self->GetInputArrayInformation(1),
-      this->Self->GetInputArrayInformation(2), this->Whole.lattice.dimension, time);
+    const lamella::CollapseInput input = lamella::collapseInput(points, this->Whole.lattice.dimension, time);
     std::vector<double> ratio(this->Areas->lumens().size());
     this->Areas->areas(input.state(), ratio);
     double now = 0;
@@ -198,8 +197,6 @@ vtkCollapseMap::vtkCollapseMap()
   this->SetNumberOfInputPorts(2);
   this->SetNumberOfOutputPorts(3);
   this->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "phase");
-  this->SetInputArrayToProcess(1, 1, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "id");
-  this->SetInputArrayToProcess(2, 1, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "deformation_gradient");
 }
 
 vtkCollapseMap::~vtkCollapseMap() = default;

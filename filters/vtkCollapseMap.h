@@ -6,10 +6,9 @@
  * another is chosen with SetInputArrayToProcess(0, ...).
  *
  * **Input 1**: vtkPolyData, the material points that were made from this image, with the point arrays `id` (the place
- * of each in the order in which they were made: index 1) and `deformation_gradient` (9 components by rows or, of a
- * picture, 4: index 2). All time steps that this input offers are states; or, where there are several connections, each
- * is one state. The strain of a state is its field data `strain`; without one, its time. Strains rise, compression
- * positive.
+ * of each in the order in which they were made) and `deformation_gradient` (9 components by rows or, of a picture, 4).
+ * All time steps that this input offers are states; or, where there are several connections, each is one state. The
+ * strain of a state is its field data `strain`; without one, its time. Strains rise, compression positive.
  *
  * **Output 0**: the image with `lumen` (int: label, 1 is the largest; 0 in walls), `lumen_ratio` (float: area, or
  * volume, in the last state over that at the start; NaN in walls) and `collapse_strain` (float: strain at which that

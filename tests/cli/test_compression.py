@@ -53,7 +53,7 @@ class Curve(Case):
         self.fails(2, "--offset -1 is outside 0 to 1", "such as 0.01", *run, "--offset=-1")
         self.fails(2, "--smoothing nan is outside", "such as 0.01", *run, "--smoothing", "nan")
         self.fails(2, "-o 'e.txt'", ".csv", *run, "-o", "e.txt")
-        self.fails(2, "a window of 0.1 does not fit", "up to that of the range", *run, "--window", "0.1")
+        self.fails(3, "a window of 0.1 does not fit", "up to that of the range", *run, "--window", "0.1")
         self.fails(3, "lacks the column 'force'", "--strain and --stress", *run, "--stress", "force")
         self.fails(3, "there is no file 'no.csv'", "check the name", "compression-curve", "no.csv")
         bad = {
@@ -128,7 +128,7 @@ class Map(Case):
             rows = list(csv.DictReader(file))
         self.assertEqual([row["lumen"] for row in rows], ["1", "2", "3"])
         self.assertAlmostEqual(float(rows[2]["collapse_strain"]), 0.5, 9)
-        self.assertIn("collapse_strain", [array["name"] for array in self.info("m.vti")["arrays"]])
+        self.assertIn("collapse_strain", [array["name"] for array in self.info("m.vti")["point_arrays"]])
         text = self.works("collapse-map", "t.vti", "s0.3.vtp", "s0.6.vtp", "--share", "30%").out
         self.assertIn("3 lumens of 'lumen', 0 cut by the rim", text)
         self.assertIn("none collapsed", text)

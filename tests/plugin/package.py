@@ -479,6 +479,70 @@ class Diffusion(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "ndarray"):
             lamella.stress_pdf(stress)
 
+    def test_compression_curve(self):
+        strain = np.linspace(0, 0.8, 801)
+        stress = np.minimum(2e8 * strain, 4e6) + 4e8 * np.maximum(strain - 0.5, 0) ** 2
+        curve = lamella.compression_curve(strain, stress, stiffness_range=(0, 0.015), plateau_range=(0.2, 0.4))
+        self.assertAlmostEqual(curve.stiffness / 2e8, 1)
+        self.assertAlmostEqual(curve.plateau_stress / 4e6, 1)
+        self.assertEqual(curve.plateau_range, (0.2, 0.4))
+        self.assertAlmostEqual(curve.densification, 0.51, delta=0.002)
+        self.assertAlmostEqual(curve.yield_point[0], 0.022, delta=0.001)
+        self.assertIsNone(curve.peak)
+        self.assertEqual(len(curve.missing), 1)
+        np.testing.assert_allclose(curve.table["absorbed_energy"][-1], curve.energy)
+        np.testing.assert_allclose(curve.energy, np.trapz(stress, strain))
+        self.assertIn("densification at 0.51", repr(curve))
+        early = lamella.compression_curve(strain[:400], stress[:400])
+        self.assertIsNone(early.densification)
+        self.assertIn("none", repr(early))
+        with self.assertRaisesRegex(lamella.LamellaError, "does not rise"):
+            lamella.compression_curve(strain[::-1], stress)
+        with self.assertRaisesRegex(lamella.LamellaError, "a curve of 2 rows"):
+            lamella.compression_curve(strain[:2], stress[:2])
+        with self.assertRaisesRegex(ValueError, "give two columns"):
+            lamella.compression_curve(strain, stress[:5])
+
+    def test_collapse_map(self):
+        phase = np.ones((8, 20), int)
+        phase[2:6] = (np.arange(20) % 6 < 2).astype(int)
+        tissue = lamella.from_array(phase, ["lumen", "wall"], spacing=1e-6)
+        # a point a node of the wall, from the lowest row on
+        places = np.argwhere(phase[::-1] == 1)[:, ::-1] + 0.5
+
+        def state(height):
+            data = vtkPolyData()
+            points = vtkPoints()
+            points.SetData(numpy_to_vtk(np.column_stack([places * (1e-6, height * 1e-6), np.zeros(len(places))]), deep=True))
+            data.SetPoints(points)
+            for name, values in (
+                ("id", np.arange(len(places), dtype=np.uint32)),
+                ("deformation_gradient", np.tile([1.0, 0, 0, height], (len(places), 1))),
+            ):
+                array = numpy_to_vtk(values, deep=True)
+                array.SetName(name)
+                data.GetPointData().AddArray(array)
+            return data
+
+        found = lamella.collapse_map(tissue, [state(0.7), state(0.4)], strains=[0.3, 0.6])
+        self.assertEqual((found.count, found.collapsed), (3, 3))
+        self.assertAlmostEqual(found.first_strain, 0.5)
+        np.testing.assert_allclose(found.collapse_strain[phase == 0], 0.5, rtol=1e-6)
+        self.assertTrue(np.all(np.isnan(found.ratio[phase == 1])))
+        self.assertEqual(set(found.labels[3]), {0, 1, 2, 3})
+        np.testing.assert_allclose(found.table["ratio"], 0.4)
+        np.testing.assert_allclose(found.states["ratio"], [0.7, 0.4])
+        self.assertIn("3 of 3 lumens", repr(found))
+        self.assertIsNone(lamella.collapse_map(tissue, state(0.9), 0.1, share=0.3).first_strain)
+        with self.assertRaisesRegex(lamella.LamellaError, "neither its strain nor its time"):
+            lamella.collapse_map(tissue, state(0.9))
+        with self.assertRaisesRegex(ValueError, "2 strains for 1 states"):
+            lamella.collapse_map(tissue, state(0.9), [0.1, 0.2])
+        with self.assertRaisesRegex(ValueError, "empty list"):
+            lamella.collapse_map(tissue, [])
+        with self.assertRaisesRegex(lamella.LamellaError, "'resin' is no phase"):
+            lamella.collapse_map(tissue, state(0.9), 0.1, phase="resin")
+
     def test_stress_in_cemented_grains(self):
         """What Frank et al. (2020) say of their figures 16 to 18, on one small sample."""
         packing = lamella.packing(count=60, seed=1)

@@ -27,7 +27,7 @@ class Proxies(unittest.TestCase):
                        pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondFracture,
                        pv.BondDynamics,
                        pv.BondStiffness, pv.BondStress, pv.StressPDF, pv.MicrographContours, pv.MicrographPolygonReader,
-                       pv.CrackPath, pv.MicrographLattice):
+                       pv.CrackPath, pv.CompressionCurve, pv.CollapseMap, pv.MicrographLattice):
             proxy = create()
             properties = proxy.SMProxy
             self.assertTrue(properties.GetDocumentation().GetDescription().strip())
@@ -76,6 +76,8 @@ class Proxies(unittest.TestCase):
                                      "Tolerance", "SmallestArea",
                                      "LeastSolidity")),
             (pv.MicrographPolygonReader, ("Unit", "Window", "YDown")),
+            (pv.CompressionCurve, ("StiffnessRange", "Window", "Offset", "PlateauRange", "Smoothing", "Prominence")),
+            (pv.CollapseMap, ("Phase", "Share", "MinimumSize")),
             (pv.CrackPath, ("MinimumLength", "SpurLength", "Horizon", "ComputeFragments")),
             (pv.MicrographLattice, ("Spacing", "Lamella", "LamellaThickness", "LamellaRadius", "Horizon")),
             (pv.MatrixBridges, ("Width", "Reach", "Filled", "Saturation", "NodesAcross", "Platen")),
@@ -156,6 +158,77 @@ class Proxies(unittest.TestCase):
         self.assertEqual(sum(count.GetValue(i) for i in range(density.GetNumberOfRows())), wall.sum())
         self.assertIsNotNone(density.GetColumnByName("density_wall"))
         self.assertGreater(servermanager.Fetch(pdf, idx=2).GetNumberOfRows(), 3)
+
+    def test_compression_curve(self):
+        source = pv.ProgrammableSource(OutputDataSetType="vtkTable", Script="""
+from vtkmodules.vtkCommonCore import vtkDoubleArray
+for name in ("strain", "force"):
+    column = vtkDoubleArray()
+    column.SetName(name)
+    for i in range(801):
+        e = i * 1e-3
+        column.InsertNextValue(e if name == "strain" else min(2e8 * e, 4e6) + 4e8 * max(e - 0.5, 0) ** 2)
+    self.GetTableOutput().AddColumn(column)
+""")
+        curve = pv.CompressionCurve(Input=source, StressColumn=["ROWS", "force"], StiffnessRange=[0, 0.015], PlateauRange=[0.2, 0.4])
+        curve.UpdatePipeline()
+        self.assertAlmostEqual(field(curve, "curve_stiffness")[0] / 2e8, 1)
+        self.assertAlmostEqual(field(curve, "curve_plateau_stress")[0] / 4e6, 1)
+        self.assertAlmostEqual(field(curve, "curve_densification_strain")[0], 0.51, delta=0.002)
+
+    def test_collapse_map(self):
+        tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[84, 96, 1])
+        # a point a node of the wall; two states, and a source of both as time steps
+        phase = lamella.honeycomb(size=(84, 96)).phase[::-1]
+        script = """
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonCore import vtkPoints
+wall = np.array({wall})
+strain = {strain}
+places = (np.column_stack([wall[:, ::-1], np.zeros(len(wall))]) + 0.5) * {spacing}
+places[:, 1] *= 1 - strain
+out = self.GetPolyDataOutput()
+points = vtkPoints()
+points.SetData(numpy_to_vtk(places, deep=True))
+out.SetPoints(points)
+for name, values in (("id", np.arange(len(wall), dtype=np.uint32)),
+                     ("deformation_gradient", np.tile([1.0, 0, 0, 1 - strain], (len(wall), 1)))):
+    array = numpy_to_vtk(values, deep=True)
+    array.SetName(name)
+    out.GetPointData().AddArray(array)
+{field}
+"""
+        told = """
+array = numpy_to_vtk(np.array([strain]), deep=True)
+array.SetName("strain")
+out.GetFieldData().AddArray(array)
+"""
+        words = {"wall": np.argwhere(phase == 1).tolist(), "spacing": tissue.Spacing}
+        states = [pv.ProgrammableSource(OutputDataSetType="vtkPolyData", Script=script.format(strain=s, field=told, **words))
+                  for s in (0.3, 0.6)]
+        collapse = pv.CollapseMap(Input=tissue, Points=states)
+        collapse.UpdatePipeline()
+        self.assertAlmostEqual(field(collapse, "first_collapse_strain")[0], 0.5, places=6)
+        self.assertEqual(field(collapse, "state_count"), [2])
+        count = field(collapse, "lumen_count")[0]
+        self.assertEqual(servermanager.Fetch(collapse, idx=1).GetNumberOfRows(), count)
+        self.assertEqual(servermanager.Fetch(collapse, idx=2).GetNumberOfRows(), 2)
+        information = """
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as pipeline
+self.GetOutputInformation(0).Set(pipeline.TIME_STEPS(), [0.2, 0.4, 0.6], 3)
+self.GetOutputInformation(0).Set(pipeline.TIME_RANGE(), [0.2, 0.6], 2)
+"""
+        time = ("__import__('vtkmodules.vtkCommonExecutionModel').vtkCommonExecutionModel.vtkStreamingDemandDrivenPipeline"
+                ".UPDATE_TIME_STEP()")
+        steps = pv.ProgrammableSource(OutputDataSetType="vtkPolyData", ScriptRequestInformation=information,
+                                      Script=script.format(strain=f"self.GetOutputInformation(0).Get({time})", field="", **words))
+        collapse.Points = [steps]  # in place of the two
+        collapse.Share = 0.7
+        collapse.UpdatePipeline()
+        self.assertEqual(field(collapse, "state_count"), [3])
+        self.assertAlmostEqual(field(collapse, "first_collapse_strain")[0], 0.3, places=6)
+        self.assertEqual(field(collapse, "lumen_collapsed"), [count])
 
     def test_stiffness(self):
         tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[84, 96, 1])
