@@ -39,7 +39,7 @@ except ModuleNotFoundError:  # built without pictures
 else:
     _windows.Install()  # does nothing where a display works
 
-from ._compression import CollapseMapResult, CompressionCurveResult, collapse_map, compression_curve
+from ._collapse import CollapseMapResult, CompressionCurveResult, collapse_map, compression_curve
 from ._contours import Contours, LatticeSample, contours, read_polygons
 from ._cracks import CrackPathResult, crack_path
 from ._dynamics import DynamicsResult, MotionState, dynamics

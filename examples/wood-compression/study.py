@@ -1,0 +1,179 @@
+"""Wood pressed across the grain, from the first touch to densification, by material points.
+
+    PYTHONPATH=build/python /usr/bin/python3 examples/wood-compression/study.py
+
+Spruce earlywood and latewood and poplar, generated, and with LAMELLA_REAL_DATA the two spruce outlines of Ferrara and Wittel, pressed
+radially and tangentially between platens; walls 8 GPa along and 6.4 GPa across, sides that stay straight without force; after section 4.2 of
+Perré, Almeida, Ayouz and Frank, Ann. For. Sci. 73 (2016) 117. Writes to --output:
+  NAME.png      both curves and the radial test at four strains (their figures 13 and 14): points by the stress along the load
+  NAME-collapse.png  which lumens give way, and when
+  NAME-R.csv, NAME-T.csv  the curves
+  stiffness.csv one row a sample and direction (their Table 1): implicit solve, regression over 0 to 3 %, plateau, densification
+--frames N keeps N pictures of each radial test besides, for a film: NAME-frame-000.png ...
+"""
+
+import concurrent.futures
+import os
+import sys
+import time
+
+import lamella
+import numpy as np
+from matplotlib import pyplot as plt
+from vtkmodules.vtkCommonCore import vtkLogger
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from common import parser_of, write_csv, write_figure  # noqa: E402
+
+SPACING = 0.5e-6
+REAL = {  # outlines, corner of the window [micrometres]
+    "spruce-earlywood": ("spruce_EW_polygons.json.gz", (110, 110)),
+    "spruce-latewood": ("spruce_LW_polygons.json.gz", (40, 40)),
+}
+GENERATED = {
+    "earlywood": (lamella.softwood, dict(solid_fraction=0.4, ray_distance=0)),
+    "latewood": (lamella.softwood, dict(solid_fraction=0.78, ring_position=(0.8, 1.0), ray_distance=0)),
+    "poplar": (lamella.hardwood, dict(solid_fraction=0.38)),
+}
+SNAPSHOTS = {"poplar": (0.10, 0.20, 0.42)}
+USUAL = (0.05, 0.12, 0.25, 0.48)
+DIRECTIONS = {"R": "radial", "T": "tangential"}
+
+
+def tissue(name, options):
+    """Walls with their directions on a lattice, and which axis is radial."""
+    spacing = options.spacing * 1e-6
+    if name in REAL:
+        file, corner = REAL[name]
+        window = (*corner, corner[0] + options.size, corner[1] + options.size)
+        outlines = lamella.read_polygons(os.path.join(os.environ["LAMELLA_REAL_DATA"], file), window=window)
+        return outlines.lattice(spacing), "y"
+    make, how = GENERATED[name]
+    nodes = round(options.size * 1e-6 / SPACING)
+    sample = make(size=(nodes, nodes), spacing=SPACING, seed=options.seed, **how)
+    return lamella.contours(sample).lattice(spacing), "x"
+
+
+def pressed(name, direction, options):
+    """One test; what is drawn of it, and its row of the table."""
+    begun = time.process_time()
+    image, radial = tissue(name, options)
+    axis = radial if direction == "R" else "xy".replace(radial, "")
+    walls = dict(points_per_node=options.per, threads=options.threads)
+    modulus = lamella.point_stiffness(image, **walls).constants[f"E_{axis}"]
+    spent = time.process_time() - begun
+    strains = [strain for strain in SNAPSHOTS.get(name, USUAL) if strain <= options.strain] if direction == "R" else []
+    frames = list(np.linspace(0, options.strain, options.frames + 1)[1:]) if direction == "R" else []
+    kept = sorted({*strains, *frames, *np.linspace(0.04, options.strain, 12)}) if direction == "R" else []
+    result = lamella.compression(image, axis=axis, strain=options.strain, energy_ratio=options.energy_ratio, at_strains=kept,
+                                 fields=("displacement", "deformation_gradient", "stress"), **walls)
+    result.save_curve(os.path.join(options.output, f"{name}-{direction}.csv"), overwrite=True)
+    curve = lamella.compression_curve(result.strain, result.stress)
+    row = dict(sample=name, direction=direction, solid=1 - result.curve["porosity"][0], points=result.statistics["points"],
+               implicit_MPa=modulus / 1e6, slope_MPa=curve.stiffness / 1e6, plateau_MPa=curve.plateau_stress / 1e6,
+               densification=curve.densification, energy_ratio=result.energy_ratio, steps=result.statistics["steps"],
+               stiffness_s=round(spent, 2), total_s=round(time.process_time() - begun, 1))
+    drawn = {}
+    if direction == "R":
+        shown = [state for state in result.states if any(abs(state.imposed_strain - e) < 1e-6 for e in strains)]
+        drawn["states"] = [picture_of(state, axis) for state in shown]
+        drawn["frames"] = [picture_of(state, axis) for state in result.states
+                           if any(abs(state.imposed_strain - e) < 1e-6 for e in frames)]
+        collapse = lamella.collapse_map(image, [state.vtk for state in result.states])
+        drawn["collapse"] = collapse.collapse_strain.copy() if axis == "y" else collapse.collapse_strain.T.copy()
+    return row, result.strain.copy(), result.stress.copy(), drawn
+
+
+def picture_of(state, axis):
+    """Strain, places with the load upwards [m], and the stress along the load [Pa]."""
+    places = np.asarray(state.positions)[:, :2]
+    stress = state.array("stress")
+    upwards = axis == "y"
+    return (state.imposed_strain, places if upwards else places[:, ::-1], np.asarray(stress[:, 1 if upwards else 0]))
+
+
+def show(axes, picture, width, height, limit):
+    strain, places, stress = picture
+    side = 72 * axes.get_position().width * axes.figure.get_figwidth() / width * SPACING  # of a pixel, in points of print
+    axes.scatter(*(places * 1e6).T, c=np.clip(-stress / limit, -1, 1), cmap="RdBu_r", vmin=-1, vmax=1, s=(0.55 * side) ** 2, marker="s",
+                 linewidths=0, rasterized=True)
+    axes.set_title(f"{100 * strain:.0f} %", fontsize=9)
+    middle = 1e6 * (places[:, 0].min() + places[:, 0].max()) / 2
+    axes.set_xlim(middle - width * 5.2e5, middle + width * 5.2e5)
+    low = places[:, 1].min() * 1e6
+    axes.set_ylim(low - 2, low + height * 1e6 + 2)
+    axes.set_aspect("equal")
+    axes.axis("off")
+
+
+def draw(name, tests, options):
+    """Curves of both directions beside the radial test's states."""
+    _, _, _, drawn = tests["R"]
+    states = drawn["states"]
+    figure = plt.figure(figsize=(4.2 + 2.5 * len(states), 3.4))
+    share = 4.2 / (4.2 + 2.5 * len(states))
+    axes = figure.add_axes([0.14 * share, 0.15, 0.82 * share, 0.78])
+    for (direction, (_, strain, stress, _)), style in zip(sorted(tests.items()), ("-", "--")):
+        axes.plot(100 * strain, stress / 1e6, style, color="0.1", linewidth=1.2, label=DIRECTIONS[direction])
+    axes.set_xlabel("strain [%]")
+    axes.set_ylabel("stress [MPa]")
+    axes.set_xlim(0, 100 * options.strain)
+    middle = [np.interp(0.7 * options.strain, strain, stress) for _, strain, stress, _ in tests.values()]
+    axes.set_ylim(0, 2.2 * max(middle) / 1e6)
+    axes.legend(frameon=False, fontsize=9)
+    width, height = (np.ptp(states[0][1][:, i]) for i in (0, 1))
+    height /= 1 - states[0][0]
+    limit = 3 * np.percentile(np.abs(states[0][2]), 75)
+    each = (1 - share) / len(states)
+    for k, picture in enumerate(states):
+        show(figure.add_axes([share + k * each + 0.004, 0.02, each - 0.008, 0.86]), picture, width, height, limit)
+    write_figure(figure, os.path.join(options.output, f"{name}.png"), dpi=200)
+
+    for k, picture in enumerate(drawn["frames"]):
+        figure = plt.figure(figsize=(5, 5.2))
+        show(figure.add_axes([0.01, 0.01, 0.98, 0.92]), picture, width, height, limit)
+        write_figure(figure, os.path.join(options.output, f"{name}-frame-{k:03d}.png"), dpi=160)
+
+    figure, axes = plt.subplots(figsize=(5, 4.2), constrained_layout=True)
+    shown = axes.imshow(100 * drawn["collapse"], cmap="viridis", vmin=0, vmax=100 * options.strain, interpolation="nearest")
+    axes.axis("off")
+    axes.set_title("strain at which a lumen has lost half of its area [%]", fontsize=9)
+    figure.colorbar(shown, ax=axes, shrink=0.85)
+    write_figure(figure, os.path.join(options.output, f"{name}-collapse.png"), dpi=160)
+
+
+def main():
+    parser = parser_of(__doc__, "results/wood-compression")
+    parser.add_argument("--size", type=float, default=200, help="width and height of the samples [micrometres] (default: %(default)s)")
+    parser.add_argument("--spacing", type=float, default=0.5, help="of the lattice [micrometres] (default: %(default)s)")
+    parser.add_argument("--per", type=int, default=2, help="points along each axis in a pixel (default: %(default)s)")
+    parser.add_argument("--strain", type=float, default=0.48, help="to end at (default: %(default)s)")
+    parser.add_argument("--energy-ratio", type=float, default=0.01, help="kinetic over elastic energy allowed (default: %(default)s)")
+    parser.add_argument("--only", nargs="+", help="these samples alone")
+    parser.add_argument("--frames", type=int, default=0, help="pictures of each radial test, for a film (default: none)")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--threads", type=int, default=1, help="of one test; tests run side by side (default: %(default)s)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="tests at once (default: all cores)")
+    options = parser.parse_args()
+    os.makedirs(options.output, exist_ok=True)
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)  # thin walls are warned of; the table says how many points there are
+    names = [*GENERATED, *(REAL if os.environ.get("LAMELLA_REAL_DATA") else ())]
+    if options.only:
+        names = [name for name in names if name in options.only]
+    if not names:
+        parser.error(f"none of {', '.join(options.only)}: there are {', '.join([*GENERATED, *REAL])}; the last two want LAMELLA_REAL_DATA")
+    rows = []
+    with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
+        jobs = {name: {d: pool.submit(pressed, name, d, options) for d in DIRECTIONS} for name in names}
+        for name, of in jobs.items():
+            tests = {direction: job.result() for direction, job in of.items()}
+            draw(name, tests, options)
+            for row, *_ in tests.values():
+                rows.append(row)
+                print("  ".join(f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}" for key, value in row.items()), flush=True)
+    write_csv(os.path.join(options.output, "stiffness.csv"), rows)
+    print(f"pictures and tables: {options.output}")
+
+
+if __name__ == "__main__":
+    main()
