@@ -167,7 +167,7 @@ for name in ("strain", "force"):
     column.SetName(name)
     for i in range(801):
         e = i * 1e-3
-        column.InsertNextValue(e if name == "strain" else min(2e8 * e, 4e6) + 4e8 * max(e - 0.5, 0) ** 2)
+        column.InsertNextValue(e if name == "strain" else 2e8 * e if e < 0.02 else 4e6 if e < 0.5 else 4e6 + 4e8 * (e - 0.5) ** 2)
     self.GetTableOutput().AddColumn(column)
 """)
         curve = pv.CompressionCurve(Input=source, StressColumn=["ROWS", "force"], StiffnessRange=[0, 0.015], PlateauRange=[0.2, 0.4])
