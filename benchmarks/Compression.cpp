@@ -348,6 +348,7 @@ void stability(const Keys& keys)
       {
         CompressionOptions<2> o = specimen(image.lattice, 1);
         o.strain = 0.3;
+        o.leastSpeed = 5e-4; // one point a cell comes apart, and then waits for an elastic energy that is not there
         PointCompression<2> c(pointsOf(image, per), wall(), o);
         c.run();
         return howItWent(c);

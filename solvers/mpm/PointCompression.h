@@ -141,9 +141,10 @@ private:
   CompressionRow row_{};
   std::array<double, 2 * Dim + 1> from_{}; ///< impulses and the time where the row began
   double height_ = 0;
-  double area_ = 0;  ///< section at the start [m²], [m] in 2D
-  double wave_ = 0;  ///< [m/s]
-  double speed_ = 0; ///< over the wave's
+  double area_ = 0;     ///< section at the start [m²], [m] in 2D
+  bool elastic_ = true; ///< walls that do not flow
+  double wave_ = 0;     ///< [m/s]
+  double speed_ = 0;    ///< over the wave's
   double worstRatio_ = 0;
   double worstRatioAt_ = 0;
   std::int64_t halfRows_ = 0; ///< gone through
