@@ -18,7 +18,6 @@
 #include <vector>
 
 #include <mpi.h>
-#include <unistd.h>
 
 namespace
 {
@@ -85,15 +84,8 @@ void compare(const char* label, const PhaseImage& image, const std::vector<doubl
 int main(int argc, char** argv)
 try
 {
-  if (std::getenv("OMPI_COMM_WORLD_SIZE") == nullptr)
-  {
-    std::vector<const char*> words{ "mpirun", "--allow-run-as-root", "-n", "2" };
-    words.insert(words.end(), argv, argv + argc);
-    words.push_back(nullptr);
-    execvp(words[0], const_cast<char* const*>(words.data()));
-    fmt::print(stderr, "error: cannot start mpirun\nhint: install openmpi-bin\n");
+  if (!benchmark::onRanks(argc, argv))
     return 1;
-  }
   MPI_Init(&argc, &argv);
   const long edge = argc > 1 ? std::atol(argv[1]) : 200;
   const int pairs = argc > 2 ? std::atoi(argv[2]) : 9;

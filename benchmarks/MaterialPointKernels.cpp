@@ -3,12 +3,11 @@
 // seven.
 //   quick      smaller blocks, fewer repetitions
 #include "Keys.h"
+#include "MaterialPointBlock.h"
 
 #include "lattice/Error.h"
 #include "mpm/Isotropic.h"
 #include "mpm/NeoHookean.h"
-#include "mpm/Orthotropic.h"
-#include "mpm/PointDynamics.h"
 #include "mpm/WallMaterial.h"
 #include "mpm/kernels/PointKernels.h"
 
@@ -16,11 +15,8 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -40,51 +36,22 @@ struct Rates
   std::size_t bytes = 0; ///< a point
 };
 
-/// A block of unit cells between platens that close slowly; of `porous` ones, walls two cells thick around lumens of 9
-/// × 4.
 template <int Dim>
 Rates measure(std::shared_ptr<const PointLaw<Dim>> law, double stiffness, int cells, int perCell, bool porous,
   bool fused, int steps, int repeats)
 {
-  const Lattice lattice = makeLattice(cells, cells, Dim == 3 ? cells : 1, Dim, 1);
-  std::vector<std::uint8_t> phase(static_cast<std::size_t>(lattice.count()), 1);
-  std::vector<std::array<float, Dim>> axis(phase.size());
-  for (std::size_t i = 0; i < phase.size(); ++i)
-  {
-    const auto n = static_cast<std::int64_t>(i);
-    const std::int64_t x = n % cells;
-    const std::int64_t y = n / cells % cells;
-    if (porous && x % 11 >= 2 && y % 6 >= 2)
-      phase[i] = 0;
-    axis[i] = {};
-    axis[i][0] = std::cos(0.3F * std::sin(0.1F * static_cast<float>(x)));
-    axis[i][1] = std::sin(0.3F * std::sin(0.1F * static_cast<float>(x)));
-  }
-  PointOptions made;
-  made.perNode = perCell;
-  made.density = { 1 };
-  MaterialPoints<Dim> points = pointsFromLattice<Dim>(lattice, phase, axis, made);
+  const auto body = benchmark::block<Dim>(std::move(law), stiffness, cells, perCell, porous, fused);
   Rates rates;
-  rates.points = points.count();
-  rates.bytes = points.bytes() / points.count();
-
-  PointDynamicsOptions<Dim> options;
-  options.spacing = 1;
-  options.fused = fused;
-  const double speed = 0.01 * std::sqrt(stiffness); // of the wave's
-  for (auto& side : options.sides)
-    side = { Side{ Edge::Wall, 0 }, Side{ Edge::Wall, static_cast<double>(cells) } };
-  options.sides[0] = { Side{ Edge::Wall, 0, 0, true }, Side{ Edge::Wall, static_cast<double>(cells), 0, true } };
-  options.sides[1][1].velocity = -speed;
-  PointDynamics<Dim> body(std::move(points), std::move(law), options);
-  body.advance(steps);
+  rates.points = body->points().count();
+  rates.bytes = body->points().bytes() / rates.points;
+  body->advance(steps);
   std::vector<double> processor;
   std::vector<double> wall;
   for (int r = 0; r < repeats; ++r)
   {
     const auto from = std::chrono::steady_clock::now();
     const double t = benchmark::cpu();
-    body.advance(steps);
+    body->advance(steps);
     const double updates = static_cast<double>(rates.points) * steps / 1e6;
     processor.push_back(updates / (benchmark::cpu() - t));
     wall.push_back(updates / std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count());
@@ -97,12 +64,6 @@ Rates measure(std::shared_ptr<const PointLaw<Dim>> law, double stiffness, int ce
   rates.processor = median(processor);
   rates.wall = median(wall);
   return rates;
-}
-
-template <int Dim>
-std::shared_ptr<const PointLaw<Dim>> wood()
-{
-  return makeLaw<Dim, Orthotropic>({ orthotropicConstants<Dim>(OrthotropicMaterial{}) });
 }
 
 void print(const std::string& what, const Rates& r)
@@ -129,16 +90,19 @@ int main(int argc, char** argv)
       const int side = cells * 2 / perCell;
       const int steps = quick ? 10 : 20;
       const std::string each = fmt::format(", {} a cell", perCell * perCell);
-      print("orthotropic, full" + each, measure<2>(wood<2>(), young, side, perCell, false, true, steps, repeats));
-      print("orthotropic, porous" + each, measure<2>(wood<2>(), young, side, perCell, true, true, steps, repeats));
+      print("orthotropic, full" + each,
+        measure<2>(benchmark::wood<2>(), young, side, perCell, false, true, steps, repeats));
+      print("orthotropic, porous" + each,
+        measure<2>(benchmark::wood<2>(), young, side, perCell, true, true, steps, repeats));
     }
     const auto isotropic = makeLaw<2, Isotropic>({ isotropicConstants<2>(IsotropicMaterial{}) });
     const auto rubber = makeLaw<2, NeoHookean>({ { young / 2, young / 3 } });
     print("isotropic, full, 4 a cell", measure<2>(isotropic, young, cells, 2, false, true, 20, repeats));
     print("neo-Hookean, full, 4 a cell", measure<2>(rubber, young, cells, 2, false, true, 20, repeats));
-    print("orthotropic, full, 4 a cell, plain path", measure<2>(wood<2>(), young, cells / 4, 2, false, false, 5, 3));
+    print("orthotropic, full, 4 a cell, plain path",
+      measure<2>(benchmark::wood<2>(), young, cells / 4, 2, false, false, 5, 3));
     print("orthotropic, in space, full, 8 a cell",
-      measure<3>(wood<3>(), young, quick ? 16 : 28, 2, false, true, 10, repeats));
+      measure<3>(benchmark::wood<3>(), young, quick ? 16 : 28, 2, false, true, 10, repeats));
     print("neo-Hookean, in space, full, 8 a cell",
       measure<3>(
         makeLaw<3, NeoHookean>({ { young / 2, young / 3 } }), young, quick ? 16 : 28, 2, false, true, 10, repeats));

@@ -1,11 +1,11 @@
 #include "io/RunCheckpoint.h"
 
 #include "lattice/Error.h"
+#include "lattice/Together.h"
 
 #include <fmt/format.h>
 
 #include <cstddef>
-#include <cstring>
 #include <vector>
 
 namespace lamella::io
@@ -13,31 +13,15 @@ namespace lamella::io
 namespace
 {
 
-/// An Error of rank 0, thrown by all: by its message and hint.
-void share(const Communicator& comm, const std::function<void()>& onFirst)
+/// An error of rank 0 is thrown by all.
+void onFirst(const Communicator& comm, const std::function<void()>& f)
 {
-  std::string message;
-  std::string hint;
-  if (comm.rank() == 0)
-    try
+  together(comm,
+    [&]
     {
-      onFirst();
-    }
-    catch (const Error& e)
-    {
-      message = e.what();
-      hint = e.hint();
-    }
-  if (!comm.any(!message.empty()))
-    return;
-  for (std::string* text : { &message, &hint })
-  {
-    std::vector<std::byte> bytes(text->size());
-    std::memcpy(bytes.data(), text->data(), text->size());
-    comm.broadcast(bytes);
-    text->assign(reinterpret_cast<const char*>(bytes.data()), bytes.size()); // NOLINT: text
-  }
-  throw InputError(message, hint);
+      if (comm.rank() == 0)
+        f();
+    });
 }
 
 } // namespace
@@ -63,7 +47,7 @@ Checkpoint readCheckpoint(
   const std::filesystem::path& path, const std::string& kind, const std::string& scene, const Communicator& comm)
 {
   std::vector<std::byte> bytes;
-  share(comm, [&] { bytes = readBytes(path); });
+  onFirst(comm, [&] { bytes = readBytes(path); });
   comm.broadcast(bytes);
   Checkpoint checkpoint = decode(bytes, path.string());
   expectScene(checkpoint, kind, scene, path.string());
@@ -77,7 +61,7 @@ void checkPlace(const CheckpointOptions& options, const Communicator& comm)
   if (options.every < 0)
     throw ParameterError(
       fmt::format("a checkpoint every {} events or steps", options.every), "give a number above 0, or leave it out");
-  share(comm, [&] { checkPlace(options.path); });
+  onFirst(comm, [&] { checkPlace(options.path); });
 }
 
 } // namespace lamella::io

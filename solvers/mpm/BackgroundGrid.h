@@ -25,7 +25,11 @@ struct GridAxis
   double spacing = 1;                                 ///< [m]
   int cells = 1;                                      ///< from node 0 to the last
   std::array<Edge, 2> edge{ Edge::Open, Edge::Open }; ///< lower, upper
+  /// Another rank's rows follow. The nodes beyond are then a copy of its, not an end; an edge that is periodic says
+  /// that the period's other end is there, else it is open.
+  std::array<bool, 2> cut{};
 
+  [[nodiscard]] bool isCut(int side) const noexcept { return cut[static_cast<std::size_t>(side)]; }
   [[nodiscard]] Edge end(int side) const noexcept { return edge[static_cast<std::size_t>(side)]; }
   [[nodiscard]] double length() const noexcept { return spacing * cells; }
   [[nodiscard]] double upper() const noexcept { return lower + length(); }

@@ -19,6 +19,14 @@ constexpr std::size_t worthThreads = 2000;
 constexpr double sortAt = 0.02;   // share of strays
 constexpr double worthWide = 1.5; // how many fewer wide vectors make up for their emptier lanes
 
+/// From node 0, or from the last one inwards, to where a point counts as outside [spacings]: open ends with two cells
+/// of room, cuts half a cell beyond this rank's rows; elsewhere a quarter of a cell beyond the last nodes, where
+/// splines still reach no node too far.
+double roomAt(const GridAxis& g, int side)
+{
+  return g.end(side) != Edge::Open ? -0.25 : g.isCut(side) ? 0 : 2;
+}
+
 } // namespace
 
 template <int Dim>
@@ -103,6 +111,7 @@ void FusedStep<Dim>::sweep(
   job.pitch = static_cast<std::int64_t>(points_.pitch());
   job.phase = points_.phase().data();
   job.cells = cells_.data();
+  bool cut = false;
   for (int a = 0; a < Dim; ++a)
   {
     const GridAxis& g = to.axis(a);
@@ -111,8 +120,8 @@ void FusedStep<Dim>::sweep(
     axis.lower[1] = g.lower;
     axis.spacing[0] = from.axis(a).spacing;
     axis.spacing[1] = g.spacing;
-    // open ends with two cells of room; elsewhere a quarter of a cell beyond, where splines still reach no node too far
-    const auto bound = [&](int side) { return g.end(side) == Edge::Open ? 2 : -0.25; };
+    const auto bound = [&](int side) { return roomAt(g, side); };
+    cut = cut || g.isCut(0) || g.isCut(1);
     axis.least = bound(0);
     axis.most = g.cells - bound(1);
     axis.end = g.cells + 0.5;
@@ -144,9 +153,37 @@ void FusedStep<Dim>::sweep(
       outside = outside || mine.outside;
     }
   nodes_.swap(next_);
+  leaving_ = false;
+  lost_ = false;
+  if (outside && cut)
+    outside = beyondEnds(to, keep);
   kick_ = outside ? 0 : kick; // wrapped, or on a larger grid
-  if (!outside && (far || static_cast<double>(strays) > sortAt * static_cast<double>(points_.count())))
+  if (!outside && !lost_ && (far || static_cast<double>(strays) > sortAt * static_cast<double>(points_.count())))
     sort(to);
+}
+
+template <int Dim>
+bool FusedStep<Dim>::beyondEnds(const BackgroundGrid<Dim>& grid, bool kept)
+{
+  bool ends = false;
+  bool across = false;
+  bool lost = false;
+  for (int a = 0; a < Dim; ++a)
+  {
+    const GridAxis& g = grid.axis(a);
+    for (const double x : points_.column(a))
+    {
+      const double at = g.coordinate(x);
+      lost = lost || !(at >= -0.5 && at < g.cells + 0.5);
+      for (const int side : { 0, 1 })
+        if ((side == 0 ? at : g.cells - at) < roomAt(g, side))
+          (g.isCut(side) && g.end(side) == Edge::Open ? across : ends) = true;
+    }
+  }
+  lost_ = lost && !kept;
+  ends = ends || lost;
+  leaving_ = across && !ends;
+  return ends && !lost_;
 }
 
 template <int Dim>

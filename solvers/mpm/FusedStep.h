@@ -24,6 +24,11 @@ public:
 
   /// Whether the nodes hold mass and momentum of the points, forces over this time [s] included.
   [[nodiscard]] bool ready(double kick) const noexcept;
+  /// Where ranks share the grid: whether a point is half a cell beyond the rows of this one. One more step can be run,
+  /// and has to keep velocities; then the point has to go to the other rank.
+  [[nodiscard]] bool leaving() const noexcept { return leaving_; }
+  /// Whether one is so far beyond that the nodes do not hold it, and has not kept its velocity.
+  [[nodiscard]] bool lost() const noexcept { return lost_; }
   void forget() noexcept { kick_ = 0; }
   /// Sorts the points and gives to the grid.
   /// @throws DivergenceError: a point outside the grid, or not finite
@@ -36,6 +41,9 @@ public:
   void run(const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool keep);
 
 private:
+  /// Of points that are outside of a rank's part of the grid: beyond its ends, across its cuts, or out of reach?
+  /// @return whether the nodes are to be given to anew
+  bool beyondEnds(const BackgroundGrid<Dim>& grid, bool kept);
   void sort(const BackgroundGrid<Dim>& grid);
   void sweep(
     const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool whole, bool keep);
@@ -50,6 +58,8 @@ private:
   std::vector<double> nodes_;
   std::vector<double> next_;
   double kick_ = 0; ///< that the nodes were given forces for; 0: they hold nothing
+  bool leaving_ = false;
+  bool lost_ = false;
   bool wide_ = false;
 };
 

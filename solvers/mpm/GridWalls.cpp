@@ -1,5 +1,9 @@
 #include "mpm/GridWalls.h"
 
+#include "mpm/SharedRows.h"
+
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace lamella::mpm
@@ -8,7 +12,6 @@ namespace
 {
 
 constexpr std::int64_t worthThreads = 20000;
-constexpr double leastMass = 1e-300; // below it a node has none: its velocity would overflow
 
 double& at(std::span<double> nodes, std::int64_t node, int value)
 {
@@ -27,13 +30,6 @@ bool odd(const Wall& wall, int axis, int c)
   return c == axis || wall.sticks;
 }
 
-/// Mass and momentum that a wall moves.
-struct WallSums
-{
-  double mass = 0;     // μ
-  double momentum = 0; // π
-};
-
 template <int Dim>
 WallSums wallSums(const BackgroundGrid<Dim>& grid, const Walls<Dim>& walls, std::span<double> nodes, int axis, int side)
 {
@@ -41,7 +37,7 @@ WallSums wallSums(const BackgroundGrid<Dim>& grid, const Walls<Dim>& walls, std:
   const GridAxis& g = grid.axis(axis);
   const MirrorPairs pairs = mirrorPairs(grid, walls, axis, side, axis);
   const bool wall = g.end(side) == Edge::Wall;
-  forEachLine(grid, axis, false,
+  forEachLine(grid, axis, Lines::Own,
     [&](std::int64_t line)
     {
       if (wall)
@@ -82,7 +78,7 @@ MirrorPairs mirrorPairs(const BackgroundGrid<Dim>& grid, const Walls<Dim>& walls
     }
     case Edge::Periodic:
     {
-      if (side == 0)
+      if (side == 0 || g.isCut(1)) // where ranks share it SharedRows joins the ends
         return {};
       const double jump = c == axis ? 1 : 0;
       return { 3, { MirrorPair{ -1, n - 1, 1, -jump }, MirrorPair{ n, 0, 1, jump }, MirrorPair{ n + 1, 1, 1, jump } } };
@@ -99,7 +95,7 @@ void fold(const BackgroundGrid<Dim>& grid, const Walls<Dim>& walls, std::span<do
       for (int c = -1; c < Dim; ++c) // mass first
       {
         const MirrorPairs pairs = mirrorPairs(grid, walls, axis, side, c);
-        forEachLine(grid, axis, true,
+        forEachLine(grid, axis, Lines::All,
           [&](std::int64_t line)
           {
             for (int q = 0; q < pairs.count; ++q)
@@ -121,7 +117,7 @@ void mirror(const BackgroundGrid<Dim>& grid, const Walls<Dim>& walls, std::span<
       {
         const MirrorPairs pairs = mirrorPairs(grid, walls, axis, side, c);
         const double velocity = walls(axis, side).velocity;
-        forEachLine(grid, axis, true,
+        forEachLine(grid, axis, Lines::All,
           [&](std::int64_t line)
           {
             for (int q = 0; q < pairs.count; ++q)
@@ -135,36 +131,52 @@ void mirror(const BackgroundGrid<Dim>& grid, const Walls<Dim>& walls, std::span<
 }
 
 template <int Dim>
-void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<double> nodes, double kick, bool find)
+void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<double> nodes, double kick, bool find,
+  SharedRows<Dim>* rows)
 {
   fold(grid, walls, nodes);
+  std::array<std::array<WallSums, 2>, Dim> sums{};
+  if (rows)
+    sums[static_cast<std::size_t>(rows->axis())][1] = rows->add(grid, nodes);
+  if (find)
+  {
+    for (int axis = 0; axis < Dim; ++axis)
+      for (int side = 0; side < 2; ++side)
+        if (mirrorPairs(grid, walls, axis, side, axis).count > 0)
+          sums[static_cast<std::size_t>(axis)][static_cast<std::size_t>(side)] =
+            wallSums(grid, walls, nodes, axis, side);
+    if (rows)
+      rows->sum(sums);
+    for (int axis = 0; axis < Dim; ++axis)
+      for (int side = 0; side < 2; ++side)
+      {
+        Wall& wall = walls(axis, side);
+        const WallSums& s = sums[static_cast<std::size_t>(axis)][static_cast<std::size_t>(side)];
+        if (wall.straight)
+          wall.velocity = s.mass > leastMass ? s.momentum / s.mass : 0;
+        wall.force = (s.momentum - s.mass * wall.velocity) / kick;
+      }
+  }
   for (int axis = 0; axis < Dim; ++axis)
     for (int side = 0; side < 2; ++side)
     {
-      const auto edge = grid.axis(axis).end(side);
-      if (edge == Edge::Open || (edge == Edge::Periodic && side == 0))
-        continue;
-      Wall& wall = walls(axis, side);
-      if (find)
-      {
-        const WallSums sums = wallSums(grid, walls, nodes, axis, side);
-        if (wall.straight)
-          wall.velocity = sums.mass > leastMass ? sums.momentum / sums.mass : 0;
-        wall.force = (sums.momentum - sums.mass * wall.velocity) / kick;
-      }
       // momentum of the masters for this velocity
+      const double velocity = walls(axis, side).velocity;
       const MirrorPairs pairs = mirrorPairs(grid, walls, axis, side, axis);
-      forEachLine(grid, axis, false,
-        [&](std::int64_t line)
-        {
-          for (int q = 0; q < pairs.count; ++q)
+      if (pairs.count > 0)
+        forEachLine(grid, axis, Lines::Real,
+          [&](std::int64_t line)
           {
-            const MirrorPair& p = pairs.pair[static_cast<std::size_t>(q)];
-            at(nodes, line + step(grid, axis, p.master), 1 + axis) -=
-              p.sign * p.jump * wall.velocity * at(nodes, line + step(grid, axis, p.ghost), 0);
-          }
-        });
+            for (int q = 0; q < pairs.count; ++q)
+            {
+              const MirrorPair& p = pairs.pair[static_cast<std::size_t>(q)];
+              at(nodes, line + step(grid, axis, p.master), 1 + axis) -=
+                p.sign * p.jump * velocity * at(nodes, line + step(grid, axis, p.ghost), 0);
+            }
+          });
     }
+  if (rows)
+    rows->shift(grid, nodes, walls(rows->axis(), 1).velocity);
 
   const std::int64_t count = grid.count();
 #pragma omp parallel for schedule(static) if (count > worthThreads)
@@ -184,7 +196,7 @@ void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<dou
         const Wall& wall = walls(axis, side);
         if (grid.axis(axis).end(side) != Edge::Wall || (!normal && !wall.sticks))
           continue;
-        forEachLine(grid, axis, false,
+        forEachLine(grid, axis, Lines::Real,
           [&](std::int64_t line)
           {
             const std::int64_t i = line + step(grid, axis, side == 0 ? 0 : grid.axis(axis).cells);
@@ -200,7 +212,7 @@ void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<dou
   template MirrorPairs mirrorPairs(const BackgroundGrid<Dim>&, const Walls<Dim>&, int, int, int);                      \
   template void fold(const BackgroundGrid<Dim>&, const Walls<Dim>&, std::span<double>);                                \
   template void mirror(const BackgroundGrid<Dim>&, const Walls<Dim>&, std::span<double>);                              \
-  template void constrain(const BackgroundGrid<Dim>&, Walls<Dim>&, std::span<double>, double, bool);
+  template void constrain(const BackgroundGrid<Dim>&, Walls<Dim>&, std::span<double>, double, bool, SharedRows<Dim>*);
 LAMELLA_INSTANTIATE(2)
 LAMELLA_INSTANTIATE(3)
 #undef LAMELLA_INSTANTIATE

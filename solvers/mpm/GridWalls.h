@@ -37,6 +37,7 @@ struct Walls
 
 /// A row of values a node: mass, then one a component, padded to four.
 inline constexpr int nodeValues = 4;
+inline constexpr double leastMass = 1e-300; ///< of a node; below it it has none: its velocity would overflow
 
 /// A node whose velocity along a component follows from another's: v_ghost = sign · v_master + jump · V, V the wall's.
 struct MirrorPair
@@ -61,19 +62,42 @@ template <int Dim>
 [[nodiscard]] MirrorPairs mirrorPairs(
   const BackgroundGrid<Dim>& grid, const Walls<Dim>& walls, int axis, int side, int c);
 
-/// Calls f(position in memory of the first node) for every line of nodes along an axis: all of them, or only those that
-/// are no images of others across the ends of the other axes.
+/// Lines of nodes along an axis.
+enum class Lines : std::uint8_t
+{
+  All,
+  Real, ///< that are no images of others across the ends of the other axes
+  Own   ///< of those, each on one rank only where several share a grid
+};
+
+/// Calls f(position in memory of the first node) for every such line.
 template <int Dim, class F>
-void forEachLine(const BackgroundGrid<Dim>& grid, int axis, bool all, F&& f)
+void forEachLine(const BackgroundGrid<Dim>& grid, int axis, Lines lines, F&& f)
 {
   const int b = axis == 0 ? 1 : 0;
   const int d = Dim == 3 ? 3 - axis - b : b;
-  const int rim = all ? 0 : 1;
-  const auto end = [&](int a) { return grid.nodes(a) - (!all && grid.axis(a).end(1) == Edge::Periodic ? 2 : rim); };
-  for (int k = Dim == 3 ? rim : 0; k < (Dim == 3 ? end(d) : 1); ++k)
-    for (int j = rim; j < end(b); ++j)
+  const auto rim = [&](int a, int side) // what is left out at an end
+  {
+    const GridAxis& g = grid.axis(a);
+    if (lines == Lines::All || (lines == Lines::Real && g.isCut(side)))
+      return 0;
+    return (g.end(side) == Edge::Periodic ? side == 1 : g.isCut(side)) ? 2 : 1;
+  };
+  const auto end = [&](int a) { return grid.nodes(a) - rim(a, 1); };
+  for (int k = Dim == 3 ? rim(d, 0) : 0; k < (Dim == 3 ? end(d) : 1); ++k)
+    for (int j = rim(b, 0); j < end(b); ++j)
       f(j * grid.stride(b) + (Dim == 3 ? k * grid.stride(d) : 0));
 }
+
+/// Mass μ and momentum π that a wall moves.
+struct WallSums
+{
+  double mass = 0;
+  double momentum = 0;
+};
+
+template <int Dim>
+class SharedRows;
 
 /// Turns mass and momentum of the nodes into their velocities, walls obeyed: Galerkin's projection of the lumped
 /// equations upon the fields that the walls allow. What points spread beyond walls is folded back; straight walls get
@@ -83,8 +107,10 @@ void forEachLine(const BackgroundGrid<Dim>& grid, int axis, bool all, F&& f)
 /// @param nodes mass and momentum, nodeValues a node; then folded mass and velocity
 /// @param kick over which the momentum was changed [s]: forces are momentum over it
 /// @param find whether straight walls' velocities are to be found; else all are taken as they are
+/// @param rows of a grid that several ranks share: each gives what its own points have given; collective then
 template <int Dim>
-void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<double> nodes, double kick, bool find);
+void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<double> nodes, double kick, bool find,
+  SharedRows<Dim>* rows = nullptr);
 
 /// Adds ghosts to their masters with their sign: mass (component −1) or a component, linear (V = 0).
 template <int Dim>

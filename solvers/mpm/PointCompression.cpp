@@ -119,6 +119,8 @@ void PointCompression<Dim>::check(const MaterialPoints<Dim>& points) const
   const auto& o = options_;
   require(o.axis >= 0 && o.axis < Dim, fmt::format("a compression along axis {}", o.axis),
     Dim == 2 ? "0 or 1 in a plane" : "0, 1 or 2");
+  require(!o.motion.comm.parallel(), fmt::format("a compression on {} ranks", o.motion.comm.size()),
+    "take one rank and threads; it is PointDynamics that several can share");
   require(o.strain > 0 && o.strain < 1, fmt::format("compression to a strain of {}", o.strain),
     "above 0 and below 1, at which nothing of the height is left");
   require(o.energyRatio > 0, fmt::format("a kinetic energy of {} of the elastic one", o.energyRatio), "above 0");

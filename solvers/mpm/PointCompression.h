@@ -104,7 +104,7 @@ class PointCompression
 public:
   /// @param points at rest, inside the box
   /// @throws ParameterError: strain not above 0 and below 1, ratios, speeds or rows outside their range, a box without
-  /// extent, and what PointDynamics refuses
+  /// extent, several ranks, and what PointDynamics refuses
   /// @throws InputError: points that touch no platen; what io::readCheckpoint() refuses
   PointCompression(
     MaterialPoints<Dim> points, std::shared_ptr<const PointLaw<Dim>> law, CompressionOptions<Dim> options);

@@ -1,6 +1,7 @@
 #include "mpm/PointDynamics.h"
 
 #include "lattice/Error.h"
+#include "lattice/Together.h"
 #include "mpm/FusedStep.h"
 #include "mpm/GeneralStep.h"
 
@@ -40,25 +41,34 @@ PointDynamics<Dim>::PointDynamics(
   : points_(std::move(points))
   , law_(std::move(law))
   , options_(std::move(options))
+  , ranks_(options_.comm)
+  , count_(options_.comm.sum(static_cast<std::int64_t>(points_.count())))
   , measured_(bulkRatio(*law_))
 {
-  check();
+  together(options_.comm, [this] { check(); });
+  ranks_.checkNumbers(points_);
   for (int a = 0; a < Dim; ++a)
     for (int side = 0; side < 2; ++side)
     {
       const Side& given = options_.sides[static_cast<std::size_t>(a)][static_cast<std::size_t>(side)];
       walls_(a, side) = Wall{ given.straight, given.sticks, given.straight ? 0 : given.velocity, 0 };
     }
-  const auto mass = points_.column(MaterialPoints<Dim>::masses);
-  walls_.least = worthMass * *std::max_element(mass.begin(), mass.end());
+  double heaviest = 0;
+  for (const double mass : points_.column(MaterialPoints<Dim>::masses))
+    heaviest = std::max(heaviest, mass);
+  walls_.least = worthMass * options_.comm.max(heaviest);
   for (const auto& side : options_.sides)
     walled_ = walled_ && side[0].edge == Edge::Wall && side[1].edge == Edge::Wall;
   layGrid(false);
+  ranks_.chooseAxis(grid_);
   chooseStep();
   if (options_.fused && options_.shape == Shape::QuadraticSpline && options_.mass == MassMatrix::Lumped &&
     options_.transfer == Transfer::Apic && options_.update == StressUpdate::Last && !options_.acceleration &&
     static_cast<int>(law_->kind()) < lawKinds)
     fused_ = std::make_unique<FusedStep<Dim>>(points_, *law_, options_.gravity);
+  checkOptions(fused_ || !options_.comm.parallel(),
+    fmt::format("{} ranks, but the step is not one of the fused ones", options_.comm.size()),
+    "take quadratic splines, lumped mass, APIC, stress last, an elastic law and no acceleration; or one rank");
   initial_ = kineticEnergy() + elasticEnergy();
   startMoment_ = gravityMoment();
 }
@@ -77,7 +87,7 @@ void PointDynamics<Dim>::check() const
   checkOptions(!o.step || *o.step > 0, fmt::format("a step of {} s", o.step.value_or(0)), "give one above 0, or none");
   checkOptions(o.xpicOrder >= 1, fmt::format("XPIC of order {}", o.xpicOrder), "at least 1");
   checkOptions(o.massTerms >= 1, fmt::format("{} terms of the mass", o.massTerms), "at least 1");
-  if (points_.count() == 0)
+  if (count_ == 0)
     throw InputError("no material points", "look at which phase is the empty one");
   for (int a = 0; a < Dim; ++a)
   {
@@ -122,15 +132,14 @@ void PointDynamics<Dim>::check() const
 template <int Dim>
 std::array<double, 2> PointDynamics<Dim>::extent(int a) const
 {
-  const auto x = points_.column(a);
-  double low = x[0];
-  double high = x[0];
-  for (const double value : x)
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const double value : points_.column(a))
   {
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  return { low, high };
+  return { -options_.comm.max(-low), options_.comm.max(high) };
 }
 
 template <int Dim>
@@ -244,7 +253,7 @@ double PointDynamics<Dim>::stableStep() const
     worst = ratio <= worst ? worst : std::isfinite(ratio) ? ratio : std::numeric_limits<double>::infinity();
   }
   const double h = grid_.smallestSpacing();
-  return 2 * h / std::sqrt(factor_ * worst) * (options_.mass == MassMatrix::Consistent ? 0.5 : 1);
+  return 2 * h / std::sqrt(factor_ * options_.comm.max(worst)) * (options_.mass == MassMatrix::Consistent ? 0.5 : 1);
 }
 
 template <int Dim>
@@ -255,7 +264,7 @@ void PointDynamics<Dim>::measureFactor()
     factor_ = otherShapes;
     return;
   }
-  const double seen = measured_.measure(points_, grid_, factor_ == 0 ? 24 : 8);
+  const double seen = measured_.measure(points_, grid_, factor_ == 0 ? 24 : 8, options_.comm);
   // transfers that smooth velocities (T) are stable up to the greatest eigenvalue of (½ M (1 + T))⁻¹ K
   factor_ = std::max({ factor_, seen * margin * (options_.transfer == Transfer::Flip ? 1 : smoothing), leastFactor });
 }
@@ -268,7 +277,7 @@ double PointDynamics<Dim>::fastestStrain() const
   for (std::size_t p = 0; p < points_.count(); ++p)
     for (int i = 0; i < Dim * Dim; ++i)
       worst = std::max(worst, std::fabs(points_.column(MaterialPoints<Dim>::affines + i)[p]));
-  return worst;
+  return options_.comm.max(worst);
 }
 
 template <int Dim>
@@ -318,7 +327,7 @@ bool PointDynamics<Dim>::run(std::int64_t steps, double dt)
     if (step_ % between == 0 && step_ > 0)
     {
       chooseStep();
-      if (options_.progress && step_ % 100 == 0 && options_.progress(step_, time_))
+      if (step_ % 100 == 0 && options_.comm.any(options_.progress && options_.progress(step_, time_)))
         return false;
     }
     const double now = dt > 0 ? std::min(dt, dt_) : dt_;
@@ -375,15 +384,36 @@ void PointDynamics<Dim>::generalStep(double dt, double kick)
 }
 
 template <int Dim>
+void PointDynamics<Dim>::prepare(double kick)
+{
+  ranks_.distribute(points_, grid_);
+  together(options_.comm, [&] { fused_->prepare(ranks_.local(grid_), kick); });
+}
+
+template <int Dim>
 void PointDynamics<Dim>::fusedStep(double dt, double kick, bool look)
 {
-  if (!fused_->ready(kick))
+  // of the rank that is worst off
+  constexpr int leaving = 1;
+  constexpr int empty = 2;
+  constexpr int lost = 3;
+  const auto state = static_cast<int>(options_.comm.max(fused_->lost() ? lost
+      : !fused_->ready(kick)                                           ? empty
+      : fused_->leaving()                                              ? leaving
+                                                                       : 0));
+  if (state == lost)
+    throw DivergenceError(
+      fmt::format("at step {} (time {:.6g} s) a point has gone further than half a cell in a step, or is no longer "
+                  "finite",
+        step_, time_),
+      "take a smaller step, slower walls, or a law with a barrier against collapse");
+  if (state == empty)
   {
     wrap();
     layGrid(false);
-    fused_->prepare(grid_, kick);
+    prepare(kick);
   }
-  constrain(grid_, walls_, fused_->nodes(), kick, true);
+  constrain(ranks_.local(grid_), walls_, fused_->nodes(), kick, true, ranks_.rows());
   addWork(kick);
   moveWalls(dt);
   const BackgroundGrid<Dim> old = grid_;
@@ -392,7 +422,7 @@ void PointDynamics<Dim>::fusedStep(double dt, double kick, bool look)
   for (int a = 0; a < Dim; ++a)
     same = same && grid_.axis(a).cells == old.axis(a).cells;
   if (same)
-    fused_->run(old, grid_, dt, dt, look || !walled_);
+    fused_->run(ranks_.local(old), ranks_.local(grid_), dt, dt, look || !walled_ || state == leaving);
   else
   {
     // another number of cells: give to a grid of as many as before, then sort the points into the new one
@@ -403,9 +433,12 @@ void PointDynamics<Dim>::fusedStep(double dt, double kick, bool look)
       g.spacing = g.length() / old.axis(a).cells;
       g.cells = old.axis(a).cells;
     }
-    fused_->run(old, BackgroundGrid<Dim>(axes), dt, dt, true);
-    fused_->forget();
+    fused_->run(ranks_.local(old), ranks_.local(BackgroundGrid<Dim>(axes)), dt, dt, true);
   }
+  if (!same)
+    fused_->forget();
+  else if (state == leaving && !options_.comm.any(!fused_->ready(dt)))
+    prepare(dt); // and nothing is wrapped: when that is done must not depend on where the cuts are
 }
 
 template <int Dim>
@@ -436,7 +469,7 @@ double PointDynamics<Dim>::sumOver(F&& f) const
   double total = 0;
   for (const double sum : sums)
     total += sum;
-  return total;
+  return options_.comm.sum(total);
 }
 
 template <int Dim>
@@ -536,7 +569,9 @@ void PointDynamics<Dim>::calm(double factor, int axis, double rate, double still
 template <int Dim>
 PointEnergies PointDynamics<Dim>::energies() const
 {
-  return { kineticEnergy(), elasticEnergy(), supplied_ + gravityMoment() - startMoment_, initial_ };
+  std::array<double, 2> moments{ gravityMoment(), startMoment_ };
+  options_.comm.sum(moments);
+  return { kineticEnergy(), elasticEnergy(), supplied_ + moments[0] - moments[1], initial_ };
 }
 
 template class PointDynamics<2>;

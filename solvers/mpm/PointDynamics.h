@@ -1,10 +1,12 @@
 #pragma once
 
 #include "io/Checkpoint.h"
+#include "lattice/Communicator.h"
 #include "mpm/BackgroundGrid.h"
 #include "mpm/GridWalls.h"
 #include "mpm/MaterialPoints.h"
 #include "mpm/PointLaw.h"
+#include "mpm/PointRanks.h"
 #include "mpm/WaveFactor.h"
 
 #include <array>
@@ -79,6 +81,9 @@ struct PointDynamicsOptions
   /// Acceleration by body forces, of the point with a number, at a time [m/s²].
   std::function<Vector<Dim>(std::uint32_t id, double time)> acceleration{};
   std::function<bool(std::int64_t step, double time)> progress{}; ///< every hundred steps; true asks to stop
+  /// Ranks that share the points; several take the fused step only. Options are the same on all, but for `progress`,
+  /// which each may have: one that asks is enough.
+  Communicator comm{};
 };
 
 /// [J], [J/m] in 2D.
@@ -95,13 +100,16 @@ struct PointEnergies
 template <int Dim>
 class FusedStep;
 
+/// On several ranks everything that is not a plain look at a member is collective; errors are thrown by all.
 template <int Dim>
 class PointDynamics
 {
 public:
-  /// @param points their velocities are those of time 0
+  /// @param points their velocities are those of time 0. Of several ranks together: all on one rank or some on each, no
+  /// two with one number. With the first step each point goes to the rank in whose slab of the grid it is.
   /// @throws ParameterError: options outside their range; a step above the stable one, which it names; fewer than three
-  /// cells between walls; a law with fewer phases than the points have
+  /// cells between walls; a law with fewer phases than the points have; several ranks and a step that is not fused, or
+  /// fewer than four rows of cells each
   /// @throws InputError: no points, or points without mass or volume, outside the walls, or not finite
   PointDynamics(
     MaterialPoints<Dim> points, std::shared_ptr<const PointLaw<Dim>> law, PointDynamicsOptions<Dim> options);
@@ -128,8 +136,10 @@ public:
   void calm(double factor, int axis, double rate, double still);
 
   /// In the order of cells where the step is fused: id() tells which is which. Beyond the ends of a period by a quarter
-  /// of a cell at most.
+  /// of a cell at most. This rank's.
   [[nodiscard]] const MaterialPoints<Dim>& points() const noexcept { return points_; }
+  /// Those of all ranks in the order of their numbers, on rank 0; none on the others.
+  [[nodiscard]] MaterialPoints<Dim> gather() const { return ranks_.gather(points_); }
   [[nodiscard]] const BackgroundGrid<Dim>& grid() const noexcept { return grid_; }
   /// Velocities and forces of the last step.
   [[nodiscard]] const Wall& wall(int axis, int side) const { return walls_(axis, side); }
@@ -158,8 +168,10 @@ public:
   [[nodiscard]] std::array<double, 2> volumes() const;
 
   /// Puts all that goes on from one step to the next into a checkpoint. A run that was kept goes on as one that takes
-  /// it back, to the last bit: both sort their points anew.
+  /// it back, to the last bit: both sort their points anew. Of several ranks rank 0's has the points, in the order of
+  /// their numbers, and it is to round-off that runs are the same; they may go on on another number of ranks.
   void keep(io::Checkpoint& checkpoint);
+  /// @param checkpoint the whole of it on every rank
   /// @throws InputError where it is of other points
   void takeBack(const io::Checkpoint& checkpoint);
   [[nodiscard]] bool fused() const noexcept { return fused_ != nullptr; }
@@ -177,15 +189,17 @@ private:
   void chooseStep();
   bool run(std::int64_t steps, double dt);
   void generalStep(double dt, double kick);
+  /// Points to their ranks and cells, and what they have to the nodes.
+  void prepare(double kick);
   /// @param look whether anyone may look at the points before the next step
   void fusedStep(double dt, double kick, bool look);
   void addWork(double kick);
-  [[nodiscard]] double gravityMoment() const;
+  [[nodiscard]] double gravityMoment() const; // of this rank
   [[nodiscard]] double kineticEnergy() const;
   [[nodiscard]] double elasticEnergy() const;
   /// Velocities become keep (v − w) + w + add w, w those of the stretching. @return kinetic energy gained
   double changeVelocities(double keep, double add, int axis, double rate, double still);
-  /// f(point) over all points, in blocks, so that it is the same for any number of threads.
+  /// f(point) over all points of all ranks, in blocks, so that it is the same for any number of threads.
   template <class F>
   [[nodiscard]] double sumOver(F&& f) const;
   [[nodiscard]] std::array<double, 2> extent(int a) const;
@@ -195,6 +209,8 @@ private:
   PointDynamicsOptions<Dim> options_;
   BackgroundGrid<Dim> grid_;
   Walls<Dim> walls_;
+  PointRanks<Dim> ranks_;
+  std::int64_t count_;                    ///< of all ranks
   std::unique_ptr<FusedStep<Dim>> fused_; ///< none: the general step
   bool walled_ = true;                    ///< all round: no point may have to be taken to another place or grid
   double time_ = 0;
@@ -205,7 +221,7 @@ private:
   double initial_ = 0;
   WaveFactor<Dim> measured_;
   double factor_ = 0;      ///< κ
-  double startMoment_ = 0; ///< Σ m g·x at the start [J]
+  double startMoment_ = 0; ///< Σ m g·x at the start [J], this rank's share
   std::array<std::array<double, 2>, Dim> impulse_{};
 };
 

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 namespace lamella::mpm
 {
@@ -20,17 +20,20 @@ constexpr int valuesASide = 4; // position, velocity, force, impulse
 template <int Dim>
 void PointDynamics<Dim>::keep(io::Checkpoint& checkpoint)
 {
-  const auto count = static_cast<std::int64_t>(points_.count());
+  const bool several = options_.comm.parallel();
+  const MaterialPoints<Dim> all = several ? gather() : MaterialPoints<Dim>();
+  const MaterialPoints<Dim>& points = several ? all : points_;
+  const auto count = static_cast<std::int64_t>(points.count());
   std::vector<double> columns;
-  columns.reserve(points_.count() * static_cast<std::size_t>(points_.columns()));
-  for (int c = 0; c < points_.columns(); ++c)
-    columns.insert(columns.end(), points_.column(c).begin(), points_.column(c).end());
-  checkpoint.arrays["points"] = { { points_.columns(), count }, std::move(columns), "SI",
+  columns.reserve(points.count() * static_cast<std::size_t>(points.columns()));
+  for (int c = 0; c < points.columns(); ++c)
+    columns.insert(columns.end(), points.column(c).begin(), points.column(c).end());
+  checkpoint.arrays["points"] = { { points.columns(), count }, std::move(columns), "SI",
     "by component: position, velocity, gradient of velocity, deformation gradient, mass, initial volume, wall axis, "
     "history" };
-  checkpoint.arrays["phase"] = { { count }, std::vector<std::int64_t>(points_.phase().begin(), points_.phase().end()),
-    "", "phase of each point" };
-  checkpoint.arrays["id"] = { { count }, std::vector<std::int64_t>(points_.id().begin(), points_.id().end()), "",
+  checkpoint.arrays["phase"] = { { count }, std::vector<std::int64_t>(points.phase().begin(), points.phase().end()), "",
+    "phase of each point" };
+  checkpoint.arrays["id"] = { { count }, std::vector<std::int64_t>(points.id().begin(), points.id().end()), "",
     "number of each point" };
   std::vector<double> sides;
   std::vector<std::int64_t> cells;
@@ -51,7 +54,7 @@ void PointDynamics<Dim>::keep(io::Checkpoint& checkpoint)
   checkpoint.numbers["wave factor"] = factor_;
   checkpoint.numbers["supplied energy"] = supplied_;
   checkpoint.numbers["initial energy"] = initial_;
-  checkpoint.numbers["initial moment"] = startMoment_;
+  checkpoint.numbers["initial moment"] = options_.comm.sum(startMoment_);
   if (fused_)
     fused_->forget(); // the run that goes on sorts its points too
 }
@@ -64,17 +67,23 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
   const auto& ids = checkpoint.integers("id");
   const auto& sides = checkpoint.reals("sides");
   const auto& cells = checkpoint.integers("cells");
-  if (columns.size() != points_.count() * static_cast<std::size_t>(points_.columns()) ||
-    phases.size() != points_.count() || ids.size() != points_.count() ||
-    sides.size() != static_cast<std::size_t>(Dim * 2 * valuesASide) || cells.size() != static_cast<std::size_t>(Dim))
-    throw InputError(fmt::format("the checkpoint is not of {} material points", points_.count()), "start the run anew");
-  for (int c = 0; c < points_.columns(); ++c)
-    std::copy_n(columns.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(c) * points_.count()),
-      points_.count(), points_.column(c).begin());
-  std::transform(
-    phases.begin(), phases.end(), points_.phase().begin(), [](std::int64_t i) { return static_cast<std::uint8_t>(i); });
-  std::transform(
-    ids.begin(), ids.end(), points_.id().begin(), [](std::int64_t i) { return static_cast<std::uint32_t>(i); });
+  const auto count = static_cast<std::size_t>(count_);
+  if (columns.size() != count * static_cast<std::size_t>(points_.columns()) || phases.size() != count ||
+    ids.size() != count || sides.size() != static_cast<std::size_t>(Dim * 2 * valuesASide) ||
+    cells.size() != static_cast<std::size_t>(Dim))
+    throw InputError(fmt::format("the checkpoint is not of {} material points", count), "start the run anew");
+  // a share on each rank; the first step sends them where they belong
+  const auto rank = static_cast<std::size_t>(options_.comm.rank());
+  const auto ranks = static_cast<std::size_t>(options_.comm.size());
+  const std::size_t first = count * rank / ranks;
+  points_ = MaterialPoints<Dim>(count * (rank + 1) / ranks - first, points_.history());
+  for (std::size_t p = 0; p < points_.count(); ++p)
+  {
+    for (int c = 0; c < points_.columns(); ++c)
+      points_.column(c)[p] = columns[static_cast<std::size_t>(c) * count + first + p];
+    points_.phase()[p] = static_cast<std::uint8_t>(phases[first + p]);
+    points_.id()[p] = static_cast<std::uint32_t>(ids[first + p]);
+  }
   auto value = sides.begin();
   std::array<GridAxis, Dim> axes = grid_.axes();
   for (int a = 0; a < Dim; ++a)
@@ -97,7 +106,7 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
   factor_ = checkpoint.number("wave factor");
   supplied_ = checkpoint.number("supplied energy");
   initial_ = checkpoint.number("initial energy");
-  startMoment_ = checkpoint.number("initial moment");
+  startMoment_ = rank == 0 ? checkpoint.number("initial moment") : 0;
   if (fused_)
     fused_->forget();
 }

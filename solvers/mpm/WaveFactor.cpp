@@ -83,7 +83,8 @@ WaveFactor<Dim>::WaveFactor(double bulk)
 }
 
 template <int Dim>
-double WaveFactor<Dim>::measure(const MaterialPoints<Dim>& points, const BackgroundGrid<Dim>& grid, int passes)
+double WaveFactor<Dim>::measure(
+  const MaterialPoints<Dim>& points, const BackgroundGrid<Dim>& grid, int passes, const Communicator& comm)
 {
   using Points = MaterialPoints<Dim>;
   const auto nodes = static_cast<std::size_t>(grid.count());
@@ -130,6 +131,7 @@ double WaveFactor<Dim>::measure(const MaterialPoints<Dim>& points, const Backgro
     if (reach(p, r))
       for (int n = 0; n < Reach<Dim>::splines; ++n)
         scale[static_cast<std::size_t>(r.first + jump[static_cast<std::size_t>(n)])] += mass[p] * r.value[n];
+  comm.sum(scale);
   for (double& m : scale)
     m = m > 1e-300 ? 1 / std::sqrt(m) : 0;
   if (field_.size() != nodes * Dim)
@@ -183,7 +185,8 @@ double WaveFactor<Dim>::measure(const MaterialPoints<Dim>& points, const Backgro
             f[a] += stress(a, b) * r.gradient[b][n];
       }
     }
-    factor = std::max(factor, energy); // Rayleigh's quotient
+    comm.sum(next);
+    factor = std::max(factor, comm.sum(energy)); // Rayleigh's quotient
     for (std::size_t i = 0; i < field_.size(); ++i)
       field_[i] = next[i] * scale[i / Dim];
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lattice/Communicator.h"
 #include "mpm/BackgroundGrid.h"
 #include "mpm/MaterialPoints.h"
 #include "mpm/PointLaw.h"
@@ -20,7 +21,9 @@ public:
   /// @param bulk greatest eigenvalue of C over a: see bulkRatio()
   explicit WaveFactor(double bulk);
   /// Power iteration, from where the last call ended. Comes near from below: within 6 % after 24 passes.
-  [[nodiscard]] double measure(const MaterialPoints<Dim>& points, const BackgroundGrid<Dim>& grid, int passes);
+  /// @param points of this rank  @param grid of all: each rank takes 8 (2 Dim + 1) bytes a node. Collective
+  [[nodiscard]] double measure(
+    const MaterialPoints<Dim>& points, const BackgroundGrid<Dim>& grid, int passes, const Communicator& comm);
 
 private:
   double lame_;               ///< λ/a

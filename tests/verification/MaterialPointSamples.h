@@ -1,10 +1,14 @@
 #pragma once
 
+#include "lattice/Communicator.h"
 #include "mpm/MaterialPoints.h"
 #include "mpm/NeoHookean.h"
 #include "mpm/PointDynamics.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -87,6 +91,59 @@ inline Side straightAt(double position)
 inline Side periodicAt(double position)
 {
   return Side{ Edge::Periodic, position, 0, false, false };
+}
+
+/// Those points whose number leaves this rank's as the rest by how many ranks there are.
+template <int Dim>
+MaterialPoints<Dim> shareOf(const MaterialPoints<Dim>& points, const Communicator& comm)
+{
+  std::vector<std::size_t> mine;
+  for (std::size_t p = 0; p < points.count(); ++p)
+    if (points.id()[p] % static_cast<unsigned>(comm.size()) == static_cast<unsigned>(comm.rank()))
+      mine.push_back(p);
+  MaterialPoints<Dim> share(mine.size(), points.history());
+  for (std::size_t p = 0; p < mine.size(); ++p)
+  {
+    for (int c = 0; c < points.columns(); ++c)
+      share.column(c)[p] = points.column(c)[mine[p]];
+    share.phase()[p] = points.phase()[mine[p]];
+    share.id()[p] = points.id()[mine[p]];
+  }
+  return share;
+}
+
+/// Largest difference of a column over its largest value, or 0.01, over all columns, of points with the same numbers; a
+/// point may be on the other side of a period.
+template <int Dim>
+double difference(const PointDynamics<Dim>& a, const MaterialPoints<Dim>& b)
+{
+  constexpr int velocities = MaterialPoints<Dim>::velocities;
+  std::vector<std::size_t> place(b.count());
+  for (std::size_t p = 0; p < place.size(); ++p)
+    place[b.id()[p]] = p;
+  double worst = 0;
+  for (int c = 0; c < a.points().columns(); ++c)
+  {
+    const int axis = c < velocities ? c : c - velocities;
+    const bool turns = c < velocities + Dim && a.grid().axis(axis).end(0) == Edge::Periodic;
+    double largest = 0.01; // what vanishes is round-off: nothing moves along z
+    double off = 0;
+    for (std::size_t p = 0; p < place.size(); ++p)
+    {
+      const std::size_t other = place[a.points().id()[p]];
+      double d = a.points().column(c)[p] - b.column(c)[other];
+      if (turns) // then it has the velocity of the other end too
+      {
+        const double length = a.grid().axis(axis).length();
+        const double count = std::round((a.points().column(axis)[p] - b.column(axis)[other]) / length);
+        d -= count * (c < velocities ? length : a.wall(axis, 1).velocity);
+      }
+      largest = std::max(largest, std::fabs(a.points().column(c)[p]));
+      off = std::max(off, std::fabs(d));
+    }
+    worst = std::max(worst, off / largest);
+  }
+  return worst;
 }
 
 /// Exponent of the fall of errors with spacings that halve, between the last two.
