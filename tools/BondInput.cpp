@@ -3,6 +3,7 @@
 #include "FilterRun.h"
 #include "GridFile.h"
 #include "Record.h"
+#include "SampleRun.h"
 #include "Text.h"
 
 #include "lattice/Memory.h"
@@ -121,41 +122,17 @@ void checkNames(const BondOptions& o, const std::vector<std::string>& names)
 /// The grains of a .vti, where it has them, in the sample's order: window cut out, not refined.
 std::vector<std::int32_t> loadGrains(const PictureOptions& picture, const Sample& sample)
 {
-  if (!isVtkImage(picture.file))
+  const NodeArray array = sampleArray(picture, sample, "grain");
+  std::vector<std::int32_t> grains(array.components == 1 ? array.values.size() : 0);
+  for (std::size_t i = 0; i < grains.size(); ++i)
   {
-    return {};
-  }
-  const auto data = readGrid(picture.file);
-  auto* const image = vtkImageData::SafeDownCast(data);
-  vtkDataArray* const array = image != nullptr ? image->GetPointData()->GetArray("grain") : nullptr;
-  if (array == nullptr || array->GetNumberOfComponents() != 1)
-  {
-    return {};
-  }
-  const Lattice whole = latticeOf(image);
-  if (whole.size != sample.fileSize) // phases were taken from cells
-  {
-    return {};
-  }
-  const Lattice& lattice = sample.image.lattice;
-  const std::array<std::int64_t, 3> start =
-    sample.window ? firstNode(whole, *sample.window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
-  std::vector<std::int32_t> grains(static_cast<std::size_t>(lattice.count()));
-  for (std::int64_t z = 0; z < lattice.size[2]; ++z)
-  {
-    for (std::int64_t y = 0; y < lattice.size[1]; ++y)
+    const double value = array.values[i];
+    if (!(std::abs(value) < 2147483647) || value != std::floor(value))
     {
-      for (std::int64_t x = 0; x < lattice.size[0]; ++x)
-      {
-        const double value = array->GetComponent(whole.index(x + start[0], y + start[1], z + start[2]), 0);
-        if (!(std::abs(value) < 2147483647) || value != std::floor(value))
-        {
-          throw InputError(fmt::format("'{}': array 'grain' holds {}; grains are whole numbers", picture.file, value),
-            "0 stands for no grain");
-        }
-        grains[static_cast<std::size_t>(lattice.index(x, y, z))] = static_cast<std::int32_t>(value);
-      }
+      throw InputError(fmt::format("'{}': array 'grain' holds {}; grains are whole numbers", picture.file, value),
+        "0 stands for no grain");
     }
+    grains[i] = static_cast<std::int32_t>(value);
   }
   return grains;
 }
@@ -365,17 +342,7 @@ BondSample loadBondSample(Session& session, const PictureOptions& picture, const
   BondSample result;
   result.pixelSizeSource = sample.pixelSizeSource;
   result.provenance = sample.provenance;
-  for (const std::string& warning : sample.warnings)
-  {
-    session.warn(warning);
-  }
-  if (sample.pixelSizeSource == "option")
-  {
-    if (const std::string doubt = pixelSizeDoubt("--pixel-size", sample.image.lattice.spacing); !doubt.empty())
-    {
-      session.warn(doubt);
-    }
-  }
+  tellDoubts(session, sample);
   const std::vector<std::int32_t> grains = loadGrains(picture, sample);
   const Lattice lattice = sample.image.lattice;
   result.image = toImageData(o.refine > 1 ? refine(sample.image, o.refine) : std::move(sample.image));
@@ -421,26 +388,7 @@ void runBonds(Session& session, vtkBondAlgorithm* filter, const BondSample& samp
       {
         return;
       }
-      try
-      {
-        throwVtkErrors("");
-      }
-      catch (const InputError& error) // as what it was before the filter made a message of it
-      {
-        switch (filter->GetFailure())
-        {
-          case vtkBondAlgorithm::PARAMETER_FAILURE:
-            throw ParameterError(error.what(), error.hint());
-          case vtkBondAlgorithm::NO_PATH_FAILURE:
-            throw NoPathError(error.what(), error.hint());
-          case vtkBondAlgorithm::MEMORY_FAILURE:
-            throw MemoryError(error.what(), error.hint());
-          case vtkBondAlgorithm::DIVERGENCE_FAILURE:
-            throw DivergenceError(error.what(), error.hint());
-          default:
-            throw;
-        }
-      }
+      throwFailure(filter->GetFailure());
     });
 }
 

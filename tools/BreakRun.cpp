@@ -44,7 +44,8 @@ struct Files
 
   void open(const BreakOptions& o, vtkBondBreakAlgorithm* filter, std::size_t mostStates)
   {
-    states = StateFiles(o.output, mostStates, o.common.overwrite);
+    states = StateFiles(o.output, mostStates, o.common.overwrite, ".vti",
+      { "the fields", "broken bonds go to --broken FILE.vtp, the curve to --curve FILE.csv" });
     if (!o.broken.empty())
     {
       if (std::filesystem::path(o.broken).extension() != ".vtp")
@@ -57,7 +58,7 @@ struct Files
   }
 
   /// All are written before the first appears under its name.
-  void write(vtkBondBreakAlgorithm* filter, FractureReport& report)
+  void write(FractureReport& report)
   {
     const std::string provenance = io::toJson(report.run.provenance);
     if (broken)
@@ -65,7 +66,8 @@ struct Files
       setProvenance(report.broken, provenance);
       writeGrid(report.broken, *broken);
     }
-    report.run.written = states.write(filter, provenance);
+    const std::vector<vtkDataObject*> images(report.states.begin(), report.states.end());
+    report.run.written = states.write(images, provenance);
     report.stateFiles = report.run.written;
     const std::vector<std::string> tables = curve.write(Json::parse(provenance));
     states.commit();
@@ -76,13 +78,6 @@ struct Files
     }
     report.run.written.insert(report.run.written.end(), tables.begin(), tables.end());
   }
-};
-
-/// An interruption after which something is left.
-class Stopped : public Cancelled
-{
-public:
-  explicit Stopped(const std::string& hint) { static_cast<Error&>(*this) = Error(what(), hint); }
 };
 
 } // namespace
@@ -116,15 +111,7 @@ void addFileOptions(CLI::App& command, BreakOptions& o, const BreakWords& words)
   out(command.add_flag("--strain-energy", o.strainEnergy, "Write the strain energy of every node too"));
   out(command.add_option("--broken", o.broken, "Write the broken bonds in order, a point each"))->type_name("FILE.vtp");
   out(command.add_option("--curve", o.curve, words.curve))->type_name("FILE.csv");
-  const auto checkpoints = [](CLI::Option* option) { return option->group("Checkpoints"); };
-  checkpoints(command.add_option("--checkpoint", o.checkpoint.file, "Keep where the run stands, to go on from it"))
-    ->type_name("FILE.h5");
-  checkpoints(command.add_option("--checkpoint-every", o.checkpoint.every, words.checkpoint))
-    ->type_name("NUMBER")
-    ->default_str(words.every);
-  checkpoints(command.add_option("--continue", o.checkpoint.continueFrom,
-                "Go on from a checkpoint of the same run; where it is that of --checkpoint and not there yet, begin"))
-    ->type_name("FILE.h5");
+  addCheckpointOptions(command, o.checkpoint, words.checkpoint, words.every);
 }
 
 double positive(const char* option, const std::string& text, const char* hint)
@@ -205,33 +192,18 @@ void runBreak(Session& session, const BreakOptions& options, vtkBondBreakAlgorit
     {
       report.states.push_back(filter->GetStateImage(i));
     }
-    files.write(filter, report);
+    files.write(report);
     report.run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     session.print(options.common.quiet && !options.common.json ? "" : print(report));
   };
-  const auto left = [&] { return howToContinue(options.checkpoint, filter, commandLine, session.ranks(), unit); };
-  try
-  {
-    runBonds(session, filter, sample, what);
-    session.onRoot(finish);
-  }
-  catch (const Cancelled&)
-  {
-    const std::string hint = left();
-    if (hint.empty())
+  const KeptRun kept{ commandLine, session.ranks(), unit, [filter] { return filter->GetLastCheckpoint(); },
+    [filter] { return filter->GetCheckpointEvery(); } };
+  runKept(session, options.checkpoint, kept,
+    [&]
     {
-      throw;
-    }
-    throw Stopped(hint);
-  }
-  catch (const Error&)
-  {
-    if (filter->GetLastCheckpoint() > 0)
-    {
-      session.warn(left());
-    }
-    throw;
-  }
+      runBonds(session, filter, sample, what);
+      session.onRoot(finish);
+    });
 }
 
 } // namespace lamella::cli

@@ -33,6 +33,7 @@ struct Command
 [[nodiscard]] Command equilibriumCommand(CLI::App& root);
 [[nodiscard]] Command dynamicsCommand(CLI::App& root);
 [[nodiscard]] Command fractureCommand(CLI::App& root);
+[[nodiscard]] Command compressionCommand(CLI::App& root);
 [[nodiscard]] Command stiffnessCommand(CLI::App& root);
 [[nodiscard]] Command fluxMapCommand(CLI::App& root);
 [[nodiscard]] Command micrographCommand(CLI::App& root);

@@ -2,6 +2,9 @@
 
 #include "GridFile.h"
 
+#include "lattice/Error.h"
+#include "vtkBondAlgorithm.h"
+
 #include <vtkAlgorithm.h>
 #include <vtkCallbackCommand.h>
 
@@ -39,6 +42,28 @@ void runFilter(Session& session, vtkAlgorithm* filter, const char* what, const s
 void runFilter(Session& session, vtkAlgorithm* filter, const char* what)
 {
   runFilter(session, filter, what, [filter] { filter->Update(); });
+}
+
+void throwFailure(int failure)
+try
+{
+  throwVtkErrors("");
+}
+catch (const InputError& error)
+{
+  switch (failure)
+  {
+    case vtkBondAlgorithm::PARAMETER_FAILURE: // the numbers are the same in all classes that have them
+      throw ParameterError(error.what(), error.hint());
+    case vtkBondAlgorithm::NO_PATH_FAILURE:
+      throw NoPathError(error.what(), error.hint());
+    case vtkBondAlgorithm::MEMORY_FAILURE:
+      throw MemoryError(error.what(), error.hint());
+    case vtkBondAlgorithm::DIVERGENCE_FAILURE:
+      throw DivergenceError(error.what(), error.hint());
+    default:
+      throw;
+  }
 }
 
 void tellWarnings(Session& session)

@@ -49,6 +49,10 @@ void runFilterOnRanks(
     });
 }
 
+/// What a filter said went wrong, as the error that it was before the filter made a message of it.
+/// @param failure a value of its Failures @throws Error always
+[[noreturn]] void throwFailure(int failure);
+
 /// Says what VTK classes have warned of.
 void tellWarnings(Session& session);
 

@@ -1,18 +1,14 @@
 #include "FractureFiles.h"
 
 #include "GridFile.h"
-#include "Input.h"
-#include "Session.h"
 #include "Text.h"
 
-#include "vtkBondBreakAlgorithm.h"
 #include "vtkLatticeConversion.h"
 
 #include "io/Checkpoint.h"
 #include "io/Provenance.h"
 
 #include <vtkDataObject.h>
-#include <vtkImageData.h>
 #include <vtkInformation.h>
 
 #include <fmt/format.h>
@@ -24,16 +20,54 @@
 namespace lamella::cli
 {
 
-StateFiles::StateFiles(const std::string& name, std::size_t states, bool overwrite)
+namespace
+{
+
+/// An interruption after which something is left.
+class Stopped : public Cancelled
+{
+public:
+  explicit Stopped(const std::string& hint) { static_cast<Error&>(*this) = Error(what(), hint); }
+};
+
+/// What is left of a run that ended before its time, and how to go on from it; empty where no checkpoint was asked for.
+std::string howToContinue(const CheckpointWords& words, const KeptRun& run)
+{
+  const std::int64_t last = run.last();
+  const bool same = !words.continueFrom.empty() && io::sameFile(words.file, words.continueFrom);
+  const auto quoted = [](const std::string& name) { return io::quoteCommand(std::array{ name }); };
+  if (last > 0)
+  {
+    const std::string launcher = run.ranks > 1 ? fmt::format("mpirun -n {} ", run.ranks) : "";
+    const std::string go = same ? "the same command goes on from it"
+      : words.continueFrom.empty()
+      ? "go on from it with: " + launcher + run.commandLine + " --continue " + quoted(words.file)
+      : "go on from it with the same command but --continue " + quoted(words.file);
+    return fmt::format("the checkpoint '{}' stands after {} {}; {}", words.file, last, run.unit, go);
+  }
+  if (!words.continueFrom.empty() && std::filesystem::exists(words.continueFrom))
+  {
+    return "no checkpoint was written since; the same command goes on from '" + words.continueFrom + "' again";
+  }
+  return words.file.empty() ? ""
+                            : fmt::format("no checkpoint was written yet: the first comes after {} {} "
+                                          "(--checkpoint-every)",
+                                run.every(), run.unit);
+}
+
+} // namespace
+
+StateFiles::StateFiles(const std::string& name, std::size_t states, bool overwrite, const char* ending,
+  const std::array<const char*, 2>& what)
 {
   if (name.empty())
   {
     return;
   }
-  if (!isVtkImage(name))
+  if (std::filesystem::path(name).extension() != ending)
   {
-    throw ParameterError("-o '" + name + "': the fields are written as .vti",
-      "end the name in .vti; broken bonds go to --broken FILE.vtp, the curve to --curve FILE.csv");
+    throw ParameterError(fmt::format("-o '{}': {} are written as {}", name, what[0], ending),
+      fmt::format("end the name in {}; {}", ending, what[1]));
   }
   if (states == 1)
   {
@@ -55,21 +89,20 @@ void StateFiles::needs(std::uint64_t bytes) const
   }
 }
 
-std::vector<std::string> StateFiles::write(vtkBondBreakAlgorithm* filter, const std::string& provenance)
+std::vector<std::string> StateFiles::write(std::span<vtkDataObject* const> states, const std::string& provenance)
 {
   std::vector<std::string> names;
   std::vector<double> times;
-  const double before =
-    filter->GetNumberOfStates() > 0 ? fieldNumbers(filter->GetStateImage(0), "states_before").at(0) : 0;
+  const double before = states.empty() ? 0 : fieldNumbers(states.front(), "states_before").at(0);
   first_ = files_.size() > 1 ? static_cast<std::size_t>(before) : 0;
-  for (int i = 0; !files_.empty() && i < filter->GetNumberOfStates(); ++i)
+  for (std::size_t i = 0; !files_.empty() && i < states.size(); ++i)
   {
-    vtkImageData* const image = filter->GetStateImage(i);
-    const OutputFile& file = files_.at(first_ + static_cast<std::size_t>(i));
-    setProvenance(image, provenance);
-    writeGrid(image, file);
+    vtkDataObject* const state = states[i];
+    const OutputFile& file = files_.at(first_ + i);
+    setProvenance(state, provenance);
+    writeGrid(state, file);
     names.push_back(file.path().string());
-    times.push_back(image->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()));
+    times.push_back(state->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()));
     Session::checkInterrupt();
   }
   if (!collection_.empty())
@@ -98,24 +131,34 @@ void StateFiles::commit()
   }
 }
 
-void applyCheckpoint(const CheckpointWords& words, vtkBondBreakAlgorithm* filter)
+std::optional<std::int64_t> checkedEvery(const CheckpointWords& words)
 {
   const std::string ending = std::filesystem::path(words.file).extension().string();
   if (!words.file.empty() && ending != ".h5" && ending != ".hdf5")
   {
     throw ParameterError("--checkpoint '" + words.file + "': checkpoints are written as HDF5", "end the name in .h5");
   }
-  if (!words.every.empty())
+  if (words.every.empty())
   {
-    const auto every = toInteger(words.every);
-    if (!every || *every < 1)
-    {
-      throw ParameterError("--checkpoint-every '" + words.every + "' is not a whole number above 0", "such as 500");
-    }
-    filter->SetCheckpointEvery(*every);
+    return std::nullopt;
   }
-  filter->SetCheckpointFile(words.file);
-  filter->SetContinueFile(words.continueFrom);
+  const auto every = toInteger(words.every);
+  if (!every || *every < 1)
+  {
+    throw ParameterError("--checkpoint-every '" + words.every + "' is not a whole number above 0", "such as 500");
+  }
+  return every;
+}
+
+void addCheckpointOptions(CLI::App& command, CheckpointWords& words, const char* every, const char* standard)
+{
+  const auto checkpoints = [](CLI::Option* option) { return option->group("Checkpoints"); };
+  checkpoints(command.add_option("--checkpoint", words.file, "Keep where the run stands, to go on from it"))
+    ->type_name("FILE.h5");
+  checkpoints(command.add_option("--checkpoint-every", words.every, every))->type_name("NUMBER")->default_str(standard);
+  checkpoints(command.add_option("--continue", words.continueFrom,
+                "Go on from a checkpoint of the same run; where it is that of --checkpoint and not there yet, begin"))
+    ->type_name("FILE.h5");
 }
 
 void checkCheckpoint(const CheckpointWords& words, bool overwrite)
@@ -130,29 +173,29 @@ void checkCheckpoint(const CheckpointWords& words, bool overwrite)
   }
 }
 
-std::string howToContinue(const CheckpointWords& words, vtkBondBreakAlgorithm* filter, const std::string& commandLine,
-  int ranks, const char* unit)
+void runKept(Session& session, const CheckpointWords& words, const KeptRun& kept, const std::function<void()>& run)
 {
-  const vtkIdType events = filter->GetLastCheckpoint();
-  const bool same = !words.continueFrom.empty() && io::sameFile(words.file, words.continueFrom);
-  const auto quoted = [](const std::string& name) { return io::quoteCommand(std::array{ name }); };
-  if (events > 0)
+  try
   {
-    const std::string launcher = ranks > 1 ? fmt::format("mpirun -n {} ", ranks) : "";
-    const std::string go = same ? "the same command goes on from it"
-      : words.continueFrom.empty()
-      ? "go on from it with: " + launcher + commandLine + " --continue " + quoted(words.file)
-      : "go on from it with the same command but --continue " + quoted(words.file);
-    return fmt::format("the checkpoint '{}' stands after {} {}; {}", words.file, events, unit, go);
+    run();
   }
-  if (!words.continueFrom.empty() && std::filesystem::exists(words.continueFrom))
+  catch (const Cancelled&)
   {
-    return "no checkpoint was written since; the same command goes on from '" + words.continueFrom + "' again";
+    const std::string hint = howToContinue(words, kept);
+    if (hint.empty())
+    {
+      throw;
+    }
+    throw Stopped(hint);
   }
-  return words.file.empty() ? ""
-                            : fmt::format("no checkpoint was written yet: the first comes after {} {} "
-                                          "(--checkpoint-every)",
-                                filter->GetCheckpointEvery(), unit);
+  catch (const Error&)
+  {
+    if (kept.last() > 0)
+    {
+      session.warn(howToContinue(words, kept));
+    }
+    throw;
+  }
 }
 
 std::string collectionText(const std::vector<std::string>& files, std::vector<double> times)

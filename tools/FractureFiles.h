@@ -1,34 +1,43 @@
 #pragma once
 
 #include "OutputFile.h"
+#include "Session.h"
 
+#include <CLI/App.hpp>
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-class vtkBondBreakAlgorithm;
-class vtkImageData;
+class vtkDataObject;
 
 namespace lamella::cli
 {
 
-/// The states of a fracture as files: NAME.vti, or where several are asked for NAME_000.vti, NAME_001.vti, … and
-/// NAME.pvd, which tells their strains, or times, as times. A run that goes on from a checkpoint counts the states
-/// before it too.
+/// The states of a run as files: NAME.vti, or where several are asked for NAME_000.vti, NAME_001.vti, … and NAME.pvd,
+/// which tells their strains, or times, as times. A run that goes on from a checkpoint counts the states before it too.
 class StateFiles
 {
 public:
   StateFiles() = default;
   /// Opens as many files as there may be states.
   /// @param name of the option -o; empty: no file
-  /// @throws ParameterError for another ending than .vti; OutputError
-  StateFiles(const std::string& name, std::size_t states, bool overwrite);
+  /// @param ending of such files: ".vti", ".vtp" @param what is written in them, and where the rest goes
+  /// @throws ParameterError for another ending; OutputError
+  StateFiles(const std::string& name, std::size_t states, bool overwrite, const char* ending,
+    const std::array<const char*, 2>& what);
 
   /// @param bytes of one state @throws OutputError when the disk has less room
   void needs(std::uint64_t bytes) const;
 
-  /// Writes the states of the filter's last run. @returns the names, those of the states first
+  /// Writes the states of a run, with `states_before` in the field data of the first and a time each.
+  /// @returns the names, those of the states first
   /// @throws OutputError; Cancelled
-  [[nodiscard]] std::vector<std::string> write(vtkBondBreakAlgorithm* filter, const std::string& provenance);
+  [[nodiscard]] std::vector<std::string> write(std::span<vtkDataObject* const> states, const std::string& provenance);
   /// Gives what was written its names. @throws OutputError; Cancelled
   void commit();
 
@@ -47,19 +56,42 @@ struct CheckpointWords
   std::string continueFrom; ///< --continue
 };
 
+/// What --checkpoint-every says; nothing where it is not given. @throws ParameterError for these and a name that is
+/// none
+[[nodiscard]] std::optional<std::int64_t> checkedEvery(const CheckpointWords& words);
+
 /// Gives the filter what the words say. @throws ParameterError
-void applyCheckpoint(const CheckpointWords& words, vtkBondBreakAlgorithm* filter);
+template <class Filter>
+void applyCheckpoint(const CheckpointWords& words, Filter* filter)
+{
+  if (const auto every = checkedEvery(words))
+  {
+    filter->SetCheckpointEvery(*every);
+  }
+  filter->SetCheckpointFile(words.file);
+  filter->SetContinueFile(words.continueFrom);
+}
+
+/// Declares these words. @param every text of --checkpoint-every @param standard its default
+void addCheckpointOptions(CLI::App& command, CheckpointWords& words, const char* every, const char* standard);
 
 /// Refuses to replace a checkpoint that is there already, unless it is the one to go on from. On rank 0.
 /// @throws OutputError
 void checkCheckpoint(const CheckpointWords& words, bool overwrite);
 
-/// What is left of a run that ended before its time, and how to go on from it; empty where no checkpoint was asked for.
-/// @param commandLine of the run
-/// @param unit that checkpoints count: "events"
-/// @param ranks that ran it: the words of the launcher before the program's are not known
-[[nodiscard]] std::string howToContinue(const CheckpointWords& words, vtkBondBreakAlgorithm* filter,
-  const std::string& commandLine, int ranks, const char* unit);
+/// A run that may be interrupted.
+struct KeptRun
+{
+  std::string commandLine;
+  int ranks = 1;                       ///< that run it: the words of the launcher before the program's are not known
+  const char* unit = "events";         ///< that checkpoints count
+  std::function<std::int64_t()> last;  ///< units in its last checkpoint; 0: none
+  std::function<std::int64_t()> every; ///< units between two
+};
+
+/// Runs it. Where it ends before its time, an interruption's hint, or a warning before the error, tells how to go on
+/// from the last checkpoint. @throws what `run` throws
+void runKept(Session& session, const CheckpointWords& words, const KeptRun& kept, const std::function<void()>& run);
 
 /// What ParaView reads as a time series.
 /// @param times of the files, made to rise by 1e-9 of themselves where they do not

@@ -1,12 +1,12 @@
 #include "peridynamics/PairTable.h"
 
 #include "lattice/Error.h"
+#include "lattice/VoidNames.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -31,12 +31,6 @@ std::optional<std::uint8_t> findPhase(const std::string& name, std::span<const s
   if (found == names.end())
     return std::nullopt;
   return static_cast<std::uint8_t>(found - names.begin());
-}
-
-bool isVoidName(std::string name)
-{
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-  return name == "void" || name == "pore" || name == "lumen" || name == "air" || name == "0";
 }
 
 /// The tables by key instead of by name.

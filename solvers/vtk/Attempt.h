@@ -2,6 +2,8 @@
 
 #include "lattice/Error.h"
 
+#include "vtkDataObject.h"
+#include "vtkInformationVector.h"
 #include "vtkObject.h"
 
 #include <exception>
@@ -17,10 +19,47 @@ enum class Outcome
   Failed     ///< what was wrong has been said, with its hint
 };
 
-/// Runs what a source or filter does; exceptions become its errors (vtkErrorMacro), as VTK's callers expect.
-template <typename Action>
-[[nodiscard]] Outcome attempt(vtkObject* self, const Action& action)
+/// What kind of mistake it was: values of the classes' own Failures.
+enum class Failure
 {
+  None,
+  Input,
+  Parameter,
+  NoPath, ///< nothing carries the load
+  Memory,
+  Divergence,
+  Other
+};
+
+[[nodiscard]] inline Failure failureOf(const Error& error)
+{
+  if (dynamic_cast<const ParameterError*>(&error) != nullptr)
+  {
+    return Failure::Parameter;
+  }
+  if (dynamic_cast<const NoPathError*>(&error) != nullptr)
+  {
+    return Failure::NoPath;
+  }
+  if (dynamic_cast<const MemoryError*>(&error) != nullptr)
+  {
+    return Failure::Memory;
+  }
+  return dynamic_cast<const DivergenceError*>(&error) != nullptr ? Failure::Divergence : Failure::Input;
+}
+
+/// Runs what a source or filter does; exceptions become its errors (vtkErrorMacro), as VTK's callers expect.
+/// @param failure what kind it was; not changed where there was none
+template <typename Action>
+[[nodiscard]] Outcome attempt(vtkObject* self, const Action& action, Failure* failure = nullptr)
+{
+  const auto keep = [failure](Failure kind)
+  {
+    if (failure != nullptr)
+    {
+      *failure = kind;
+    }
+  };
   try
   {
     action();
@@ -32,13 +71,31 @@ template <typename Action>
   }
   catch (const Error& error)
   {
+    keep(failureOf(error));
     vtkErrorWithObjectMacro(self, << error.what() << "\nhint: " << error.hint());
   }
   catch (const std::exception& error)
   {
+    keep(Failure::Other);
     vtkErrorWithObjectMacro(self, << error.what());
   }
   return Outcome::Failed;
+}
+
+/// Ends RequestData of an algorithm with several outputs: empties them where it was cancelled or failed.
+/// @returns what RequestData returns
+template <typename Algorithm>
+[[nodiscard]] int concluded(Algorithm* self, Outcome outcome, vtkInformationVector* outputs)
+{
+  for (int port = 0; outcome != Outcome::Done && port < outputs->GetNumberOfInformationObjects(); ++port)
+  {
+    vtkDataObject::GetData(outputs, port)->Initialize();
+  }
+  if (outcome == Outcome::Cancelled)
+  {
+    self->SetAbortOutput(true);
+  }
+  return outcome == Outcome::Failed ? 0 : 1;
 }
 
 } // namespace lamella

@@ -1,8 +1,7 @@
 #include "vtkBondAlgorithm.h"
 
+#include "Attempt.h"
 #include "BondScene.h"
-
-#include "lattice/Error.h"
 
 #include "vtkDataObject.h"
 #include "vtkImageData.h"
@@ -14,32 +13,6 @@
 #include <thread>
 
 namespace pd = lamella::peridynamics;
-
-namespace
-{
-
-vtkBondAlgorithm::Failures kindOf(const lamella::Error& error)
-{
-  if (dynamic_cast<const lamella::ParameterError*>(&error) != nullptr)
-  {
-    return vtkBondAlgorithm::PARAMETER_FAILURE;
-  }
-  if (dynamic_cast<const lamella::NoPathError*>(&error) != nullptr)
-  {
-    return vtkBondAlgorithm::NO_PATH_FAILURE;
-  }
-  if (dynamic_cast<const lamella::MemoryError*>(&error) != nullptr)
-  {
-    return vtkBondAlgorithm::MEMORY_FAILURE;
-  }
-  if (dynamic_cast<const lamella::DivergenceError*>(&error) != nullptr)
-  {
-    return vtkBondAlgorithm::DIVERGENCE_FAILURE;
-  }
-  return vtkBondAlgorithm::INPUT_FAILURE;
-}
-
-} // namespace
 
 struct vtkBondAlgorithm::Internals
 {
@@ -180,41 +153,17 @@ int vtkBondAlgorithm::RequestData(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   vtkImageData* const output = vtkImageData::GetData(outputVector);
-  const auto clear = [&]
-  {
-    for (int port = 0; port < outputVector->GetNumberOfInformationObjects(); ++port)
+  lamella::Failure failure = lamella::Failure::None;
+  const lamella::Outcome outcome = lamella::attempt(
+    this,
+    [&]
     {
-      vtkDataObject::GetData(outputVector, port)->Initialize();
-    }
-  };
-  const auto fail = [&](Failures failure)
-  {
-    this->Failure = failure;
-    clear();
-    return 0;
-  };
-  this->Failure = NO_FAILURE;
-  try
-  {
-    const lamella::Team team(this->Controller, lamella::requestedOutput(request, outputVector));
-    this->Run(vtkImageData::GetData(inputVector[0]), output, team);
-  }
-  catch (const lamella::Cancelled&)
-  {
-    clear();
-    this->SetAbortOutput(true);
-  }
-  catch (const lamella::Error& error)
-  {
-    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
-    return fail(kindOf(error));
-  }
-  catch (const std::exception& error)
-  {
-    vtkErrorMacro(<< error.what());
-    return fail(OTHER_FAILURE);
-  }
-  return 1;
+      const lamella::Team team(this->Controller, lamella::requestedOutput(request, outputVector));
+      this->Run(vtkImageData::GetData(inputVector[0]), output, team);
+    },
+    &failure);
+  this->Failure = static_cast<int>(failure);
+  return lamella::concluded(this, outcome, outputVector);
 }
 
 lamella::BondSettings vtkBondAlgorithm::Settings() const

@@ -1,9 +1,10 @@
 #include "vtkBondBreakAlgorithm.h"
 
+#include "LongRun.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 
-#include "io/Checkpoint.h"
+#include "io/RunCheckpoint.h"
 #include "lattice/Error.h"
 #include "peridynamics/fracture/FractureCheckpoint.h"
 
@@ -18,10 +19,7 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
-#include <filesystem>
 #include <limits>
-#include <system_error>
 
 namespace
 {
@@ -47,7 +45,7 @@ void setLimit(const char* name, Number value, Limit& limit)
 struct vtkBondBreakAlgorithm::Internals
 {
   std::vector<std::int64_t> Broken;
-  std::chrono::steady_clock::time_point Told{};
+  lamella::Pace Told;
   bool Anew = false;
 
   // of the last run
@@ -232,33 +230,23 @@ std::string vtkBondBreakAlgorithm::PrepareCheckpoints(
   options.path = this->CheckpointFile;
   options.provenance = lamella::fieldText(input, "provenance").value_or("");
   this->LastCheckpoint = 0;
-  std::error_code ignored;
-  this->Kept->Anew = !this->ContinueFile.empty() && lamella::io::sameFile(this->ContinueFile, this->CheckpointFile) &&
-    team.any(team.rank() == 0 && !std::filesystem::exists(this->ContinueFile, ignored));
+  this->Kept->Anew = lamella::beginsAnew(this->ContinueFile, this->CheckpointFile, team);
   return this->Kept->Anew ? std::string() : this->ContinueFile;
 }
 
 std::string vtkBondBreakAlgorithm::BeginsAnew() const
 {
-  return this->Kept->Anew
-    ? "there was no checkpoint '" + this->ContinueFile + "' yet: the run began with the unbroken sample"
-    : std::string();
+  return this->Kept->Anew ? lamella::anewWarning(this->ContinueFile, "the unbroken sample") : std::string();
 }
 
 void vtkBondBreakAlgorithm::TellNext()
 {
-  this->Kept->Told = {};
+  this->Kept->Told.next();
 }
 
 bool vtkBondBreakAlgorithm::Due()
 {
-  const auto now = std::chrono::steady_clock::now();
-  if (now - this->Kept->Told < std::chrono::milliseconds(50))
-  {
-    return false;
-  }
-  this->Kept->Told = now;
-  return true;
+  return this->Kept->Told.due();
 }
 
 void vtkBondBreakAlgorithm::PrintSelf(ostream& os, vtkIndent indent)

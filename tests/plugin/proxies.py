@@ -26,7 +26,8 @@ class Proxies(unittest.TestCase):
         for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap, pv.PoreFloodFill,
                        pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondFracture,
                        pv.BondDynamics,
-                       pv.BondStiffness, pv.BondStress, pv.StressPDF, pv.MicrographContours, pv.MicrographPolygonReader,
+                       pv.BondStiffness, pv.BondStress, pv.PointCompression, pv.PointStiffness,
+                       pv.StressPDF, pv.MicrographContours, pv.MicrographPolygonReader,
                        pv.CrackPath, pv.CompressionCurve, pv.CollapseMap, pv.MicrographLattice):
             proxy = create()
             properties = proxy.SMProxy
@@ -71,6 +72,15 @@ class Proxies(unittest.TestCase):
                                "ContinueFile", "Horizon", "Mixing", "Continuum", "Micromodulus", "Threads")),
             (pv.BondStiffness, ("RelativeTo", "Mixing", "Horizon", "Continuum", "Micromodulus", "CutVoidBonds",
                                 "SurfaceCorrection", "Threads", "EstimateError", "Tolerance", "MaximumIterations")),
+            (pv.PointCompression, ("Law", "Plane", "YoungsModulus", "TransverseModulus", "PoissonsRatio", "TransversePoissonsRatio",
+                                   "ShearModulus", "Barrier", "YieldStress", "Hardening", "Density", "PointsPerNode",
+                                   "CellsPerNode", "FitPlatens", "Threads", "LoadAxis", "Strain", "Sides", "Grip",
+                                   "EnergyRatio", "CalmFrom", "FirstSpeed", "LeastSpeed", "MostSpeed", "Damping", "Rows",
+                                   "Shape", "Transfer", "ConsistentMass", "ModifiedUpdate", "TimeStep", "State",
+                                   "ComputeDisplacement", "ComputeVelocity", "ComputeStress", "ComputeDeformationGradient",
+                                   "ComputeEnergyDensity", "CheckpointFile", "CheckpointEvery", "ContinueFile")),
+            (pv.PointStiffness, ("Law", "Plane", "YoungsModulus", "PointsPerNode", "CellsPerNode", "FitPlatens", "Sides",
+                                 "Tolerance", "MaximumIterations", "Threads")),
             (pv.BondStress, ("ModelFromInput", "ComputeStrainEnergy", "Horizon", "Mixing")),
             (pv.MicrographContours, ("Basis", "Level", "LumenBelow", "LumenPhase", "Smooth", "Wavelength",
                                      "Tolerance", "SmallestArea",
@@ -281,6 +291,30 @@ self.GetOutputInformation(0).Set(pipeline.TIME_RANGE(), [0.2, 0.6], 2)
             self.assertEqual(field(second, "continued_at"), [8])
         self.assertEqual(servermanager.Fetch(second, idx=1).GetNumberOfPoints(), count)
         self.assertEqual(field(second, "peak_stress"), field(whole, "peak_stress"))
+
+    def test_compression(self):
+        tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[21, 24, 1], SolidFraction=0.7)
+        image = servermanager.Fetch(tissue)
+        still = pv.PointStiffness(Input=tissue)
+        still.UpdatePipeline()
+        expected = lamella.point_stiffness(image)
+        self.assertEqual(field(still, "constants"), list(expected.constants.values()))
+        self.assertEqual(servermanager.Fetch(still).GetColumnByName("constant").GetValue(0), "E_x")
+        self.assertEqual(servermanager.Fetch(still, idx=1).GetNumberOfRows(), 2)
+        own = pv.PointStiffness(Input=tissue, PhaseConstants=["wall", "young", "1.44e10"], Sides="Periodic: the whole tensor")
+        own.UpdatePipeline()
+        expected = lamella.point_stiffness(image, young=14.4e9, sides="periodic")
+        np.testing.assert_allclose(field(own, "stiffness"), expected.stiffness.ravel(), rtol=1e-12)
+        pressed = pv.PointCompression(Input=tissue, Strain=0.03, Rows=6, FirstSpeed=0.01, StatesAtStrains=[0.01], ComputeStress=1)
+        pressed.UpdatePipeline()
+        expected = lamella.compression(image, strain=0.03, rows=6, speeds=(0.01, 5e-5, 2e-2))
+        self.assertEqual(field(pressed, "stress"), [expected.stress[-1]])
+        self.assertEqual(sorted(pressed.PointData.keys()), ["displacement", "id", "phase", "stress"])
+        curve = servermanager.Fetch(pressed, idx=1)
+        self.assertEqual([curve.GetColumnByName("stress").GetValue(i) for i in range(7)], list(expected.stress))
+        pressed.State = 0  # runs nothing again
+        pressed.UpdatePipeline()
+        self.assertAlmostEqual(field(pressed, "strain")[0], 0.01, places=9)
 
     def test_motion(self):
         tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[42, 48, 1], SolidFraction=0.6)

@@ -14,8 +14,8 @@ off.)
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
 ``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkMicrographContours``,
 ``vtkMicrographLattice``, ``vtkSteadyDiffusion``, ``vtkFluxMap``, ``vtkPoreFloodFill``,
-``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondDynamics``, ``vtkBondStiffness``, ``vtkStressPDF``, ``vtkCrackPath``,
-``vtkCompressionCurve``, ``vtkCollapseMap`` ...),
+``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondDynamics``, ``vtkBondStiffness``, ``vtkPointCompression``,
+``vtkPointStiffness``, ``vtkStressPDF``, ``vtkCrackPath``, ``vtkCompressionCurve``, ``vtkCollapseMap`` ...),
 runs it and hands its output out as numpy arrays.
 
 Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at the top; arrays of a volume are
@@ -40,6 +40,7 @@ else:
     _windows.Install()  # does nothing where a display works
 
 from ._collapse import CollapseMapResult, CompressionCurveResult, collapse_map, compression_curve
+from ._compression import CompressionResult, PointState, PointStiffnessResult, compression, point_stiffness
 from ._contours import Contours, LatticeSample, contours, read_polygons
 from ._cracks import CrackPathResult, crack_path
 from ._dynamics import DynamicsResult, MotionState, dynamics
@@ -73,6 +74,7 @@ __all__ = [
     "CementedSample",
     "CollapseMapResult",
     "CompressionCurveResult",
+    "CompressionResult",
     "Contours",
     "CrackPathResult",
     "DiffusionResult",
@@ -85,6 +87,8 @@ __all__ = [
     "LatticeSample",
     "MotionState",
     "Packing",
+    "PointState",
+    "PointStiffnessResult",
     "PoreFloodFillResult",
     "Sample",
     "StiffnessResult",
@@ -93,6 +97,7 @@ __all__ = [
     "bridges",
     "checkerboard",
     "collapse_map",
+    "compression",
     "compression_curve",
     "contours",
     "crack_path",
@@ -109,6 +114,7 @@ __all__ = [
     "load_plugin",
     "packing",
     "plugin_path",
+    "point_stiffness",
     "pore_flood_fill",
     "read_packing",
     "read_picture",

@@ -1,0 +1,187 @@
+#include "PointOutput.h"
+
+#include "FieldNumbers.h"
+#include "NewArray.h"
+
+#include "vtkDataObject.h"
+#include "vtkDoubleArray.h"
+#include "vtkInformation.h"
+#include "vtkPointData.h"
+#include "vtkPolyData.h"
+#include "vtkTable.h"
+#include "vtkTypeUInt32Array.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lamella
+{
+namespace
+{
+
+constexpr std::array<const char*, 6> stressNames{ "XX", "YY", "ZZ", "XY", "YZ", "XZ" };
+constexpr std::array<std::array<int, 2>, 6> stressPlaces{ { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 1, 2 },
+  { 0, 2 } } };
+
+struct Column
+{
+  const char* name;
+  double mpm::CompressionRow::*value;
+  const char* unit;
+  const char* text;
+};
+constexpr std::array<Column, 13> columns{ {
+  { "strain", &mpm::CompressionRow::strain, "1", "of the height, positive in compression" },
+  { "stress", &mpm::CompressionRow::stress, "Pa", "mean force on the platens over the section at the start" },
+  { "imbalance", &mpm::CompressionRow::imbalance, "Pa", "upper platen's stress less the lower one's" },
+  { "lateral_stress", &mpm::CompressionRow::lateral, "Pa", "mean on the sides, over their present area" },
+  { "lateral_strain", &mpm::CompressionRow::lateralStrain, "1", "of the width, positive where it grows" },
+  { "porosity", &mpm::CompressionRow::porosity, "1", "of the box" },
+  { "elastic_energy", &mpm::CompressionRow::elastic, "J", "J/m in a plane" },
+  { "kinetic_energy", &mpm::CompressionRow::kinetic, "J", "J/m in a plane" },
+  { "work", &mpm::CompressionRow::work, "J", "of the platens; J/m in a plane" },
+  { "dissipated", &mpm::CompressionRow::dissipated, "J", "by method, damping and yield; J/m in a plane" },
+  { "speed", &mpm::CompressionRow::speed, "1", "of the platens towards each other, over the fastest wave in the wall" },
+  { "steps", &mpm::CompressionRow::steps, "1", "done" },
+  { "time", &mpm::CompressionRow::time, "s", "of the motion" },
+} };
+static_assert(sizeof(mpm::CompressionRow) == columns.size() * sizeof(double), "a column a number of the row");
+
+} // namespace
+
+template <int Dim>
+void setPointState(vtkPolyData* output, const mpm::PointCompression<Dim>& run, const mpm::PointLaw<Dim>& law,
+  const std::vector<mpm::Vector<Dim>>& start, const PointArrays& arrays, double depth, const char* creator)
+{
+  using Points = mpm::MaterialPoints<Dim>;
+  const Points& p = run.body().points();
+  const std::size_t count = p.count();
+  const auto places = newPoints(count);
+  const auto id = newArray<vtkTypeUInt32Array>("id", 1, count);
+  const auto phase = newArray<vtkUnsignedCharArray>("phase", 1, count);
+  const auto displacement = newArray<vtkDoubleArray>("displacement", 3, arrays.displacement ? count : 0);
+  const auto velocity = newArray<vtkDoubleArray>("velocity", 3, arrays.velocity ? count : 0);
+  const auto stress = newArray<vtkDoubleArray>("stress", 6, arrays.stress ? count : 0);
+  const auto gradient = newArray<vtkDoubleArray>("deformation_gradient", 9, arrays.deformationGradient ? count : 0);
+  const auto energy = newArray<vtkDoubleArray>("energy_density", 1, arrays.energyDensity ? count : 0);
+  std::array<double, Dim> period{}; // of periodic axes, where points come in again at the other end
+  for (int a = 0; a < Dim; ++a)
+  {
+    period[static_cast<std::size_t>(a)] = run.body().grid().axis(a).edge[0] == mpm::Edge::Periodic
+      ? run.body().position(a, 1) - run.body().position(a, 0)
+      : 0;
+  }
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const std::uint32_t number = p.id()[i];
+    const auto to = static_cast<vtkIdType>(number);
+    const mpm::Vector<Dim> x = p.vector(Points::positions, i);
+    const mpm::Vector<Dim> v = p.vector(Points::velocities, i);
+    places->SetPoint(to, x[0], x[1], Dim == 3 ? x[Dim - 1] : depth);
+    id->SetValue(to, number);
+    phase->SetValue(to, p.phase()[i]);
+    for (int c = 0; c < 3 && arrays.displacement; ++c)
+    {
+      double u = c < Dim ? x[c] - start[number][c] : 0;
+      if (const double length = c < Dim ? period[static_cast<std::size_t>(c)] : 0; length > 0)
+      {
+        u -= length * std::round(u / length);
+      }
+      displacement->SetTypedComponent(to, c, u);
+    }
+    for (int c = 0; c < 3 && arrays.velocity; ++c)
+    {
+      velocity->SetTypedComponent(to, c, c < Dim ? v[c] : 0);
+    }
+    if (!arrays.stress && !arrays.deformationGradient && !arrays.energyDensity)
+    {
+      continue;
+    }
+    const mpm::Matrix<Dim> F = p.matrix(Points::deformations, i);
+    const mpm::Vector<Dim> axis = p.vector(Points::axes, i);
+    const auto memory = p.memory(i);
+    if (arrays.stress)
+    {
+      const mpm::Matrix<Dim> tau = law.kirchhoff(p.phase()[i], F, axis, memory.data());
+      const double J = mpm::determinant(F);
+      for (int c = 0; c < 6; ++c)
+      {
+        const auto [a, b] = stressPlaces[static_cast<std::size_t>(c)];
+        stress->SetTypedComponent(to, c, a < Dim && b < Dim ? tau(a, b) / J : 0);
+      }
+    }
+    for (int c = 0; c < 9 && arrays.deformationGradient; ++c)
+    {
+      const int a = c / 3;
+      const int b = c % 3;
+      gradient->SetTypedComponent(to, c, a < Dim && b < Dim ? F(a, b) : (a == b ? 1 : 0));
+    }
+    if (arrays.energyDensity)
+    {
+      energy->SetValue(to, law.energy(p.phase()[i], F, axis, memory.data()));
+    }
+  }
+  for (int c = 0; c < 6; ++c)
+  {
+    stress->SetComponentName(c, stressNames[static_cast<std::size_t>(c)]);
+  }
+  describe(id, "1", "number of the point, the same in all states", creator);
+  describe(phase, "1", "phase of the point", creator);
+  describe(displacement, "m", "from the start", creator);
+  describe(velocity, "m/s", "half a step ago", creator);
+  describe(stress, "Pa", "Cauchy's, tension positive; of a picture zz, yz, xz are 0", creator);
+  describe(gradient, "1", "by rows; of walls that yield its elastic part, of a picture zz is 1", creator);
+  describe(energy, "J/m^3", "elastic, over the volume at the start", creator);
+  setVertices(output, places);
+  vtkPointData* const data = output->GetPointData();
+  addArrays(data, { id, phase });
+  for (vtkDoubleArray* const array :
+    std::initializer_list<vtkDoubleArray*>{ displacement, velocity, stress, gradient, energy })
+  {
+    if (array->GetNumberOfTuples() > 0)
+    {
+      data->AddArray(array);
+    }
+  }
+  data->SetActiveScalars("phase");
+  data->SetActiveVectors(arrays.displacement ? "displacement" : arrays.velocity ? "velocity" : nullptr);
+  setFieldNumber(output, "strain", run.strain(), "1", "of the height, positive in compression", creator);
+  output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), run.strain());
+}
+
+void setCompressionCurve(vtkTable* output, const std::vector<mpm::CompressionRow>& rows, const char* creator)
+{
+  output->Initialize();
+  for (const Column& column : columns)
+  {
+    const auto array = newArray<vtkDoubleArray>(column.name, 1, rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i)
+    {
+      array->SetValue(static_cast<vtkIdType>(i), rows[i].*column.value);
+    }
+    describe(array, column.unit, column.text, creator);
+    output->AddColumn(array);
+  }
+}
+
+double stressAt(const std::vector<mpm::CompressionRow>& rows, double strain)
+{
+  const auto next = std::lower_bound(
+    rows.begin(), rows.end(), strain, [](const mpm::CompressionRow& row, double e) { return row.strain < e; });
+  if (next == rows.begin() || next == rows.end())
+  {
+    return rows.empty() ? 0 : (next == rows.end() ? rows.back() : rows.front()).stress;
+  }
+  const auto before = next - 1;
+  const double share = (strain - before->strain) / (next->strain - before->strain);
+  return before->stress + share * (next->stress - before->stress);
+}
+
+template void setPointState<2>(vtkPolyData*, const mpm::PointCompression<2>&, const mpm::PointLaw<2>&,
+  const std::vector<mpm::Vector<2>>&, const PointArrays&, double, const char*);
+template void setPointState<3>(vtkPolyData*, const mpm::PointCompression<3>&, const mpm::PointLaw<3>&,
+  const std::vector<mpm::Vector<3>>&, const PointArrays&, double, const char*);
+
+} // namespace lamella

@@ -1,0 +1,119 @@
+#pragma once
+
+#include "PhaseIds.h"
+
+#include "lattice/Lattice.h"
+#include "mpm/MaterialPoints.h"
+#include "mpm/PointLaw.h"
+#include "mpm/WallMaterial.h"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+class vtkDataObject;
+class vtkImageData;
+class vtkInformation;
+
+/// Between images of phases and material points: what the classes on them share. Not installed.
+namespace lamella
+{
+
+enum class WallLaw : std::uint8_t
+{
+  Isotropic,
+  Orthotropic,
+  Plastic
+};
+
+/// Constants of a wall, in the order of constantNames.
+enum class WallConstant : std::uint8_t
+{
+  Young,             ///< [Pa]; along the axis where there is one. 0: the law's own
+  Transverse,        ///< Young's modulus across the axis [Pa]
+  Poisson,           ///< along the axis
+  TransversePoisson, ///< among the directions across it
+  Shear,             ///< [Pa]; 0: from the others
+  Barrier,           ///< over the greatest normal stiffness
+  Yield,             ///< [Pa]
+  Hardening,         ///< [Pa]
+  Density            ///< [kg/m³]
+};
+inline constexpr std::size_t wallConstants = 9;
+/// As they are written.
+inline constexpr std::array<const char*, wallConstants> wallConstantNames{ "young", "transverse", "poisson",
+  "transverse-poisson", "shear", "barrier", "yield", "hardening", "density" };
+
+/// How an image becomes points, as people say it.
+struct PointSettings
+{
+  std::optional<WallLaw> law{};           ///< none: orthotropic where the image has wall directions, else isotropic
+  std::optional<mpm::PlaneState> plane{}; ///< none: stress; strain where walls yield
+  std::array<double, wallConstants> wall{};
+  std::map<std::string, std::map<WallConstant, double>> ofPhase{}; ///< what some phases have of their own
+  std::vector<std::string> voids{};                                ///< none: by their names
+  int perNode = 2;
+  double cellsPerNode = 1; ///< of the grid, along each axis
+};
+
+/// The constant of this name. @throws ParameterError that lists all
+[[nodiscard]] WallConstant wallConstant(const std::string& name);
+
+class PointScene
+{
+public:
+  /// @param image whole
+  /// @throws InputError, ParameterError
+  PointScene(vtkImageData* image, vtkInformation* phaseChoice, vtkInformation* axisChoice,
+    const PointSettings& settings, const Team& alone);
+
+  [[nodiscard]] const Lattice& lattice() const noexcept { return lattice_; }
+  [[nodiscard]] double gridSpacing() const noexcept { return lattice_.spacing / settings_.cellsPerNode; }
+  /// x, y or z; the last for −1. @throws ParameterError
+  [[nodiscard]] int axis(int chosen) const;
+  /// Lower and upper end of the image [m]; along `fitted`, where that is an axis, of its tissue.
+  [[nodiscard]] std::array<std::array<double, 3>, 2> box(int fitted) const;
+
+  /// Of the image's dimension. @throws as mpm::pointsFromLattice() and the constants of the laws; MemoryError
+  template <int Dim>
+  [[nodiscard]] mpm::MaterialPoints<Dim> points() const;
+  template <int Dim>
+  [[nodiscard]] std::shared_ptr<const mpm::PointLaw<Dim>> law() const;
+  /// A line on walls that are too thin for the grid, or nothing.
+  [[nodiscard]] std::string wallWarning() const;
+
+  /// What an output says of its points: phases, law, grid. @returns the settings, for the provenance
+  nlohmann::json describe(vtkDataObject* output) const;
+
+private:
+  [[nodiscard]] bool solid(std::size_t id) const; ///< whether points have this phase
+  [[nodiscard]] bool held(std::size_t id, WallConstant constant) const;
+  [[nodiscard]] double value(std::size_t id, WallConstant constant) const;
+  void checkConstants() const;
+  void findVoids();
+
+  PointSettings settings_;
+  Lattice lattice_;
+  PhaseIds phases_;
+  std::vector<std::int64_t> nodes_; ///< by phase
+  std::vector<bool> void_;          ///< by phase
+  std::vector<std::uint8_t> phase_; ///< all that is void in one phase
+  std::uint8_t empty_ = 0;
+  std::vector<std::array<float, 3>> directions_;
+  WallLaw law_ = WallLaw::Isotropic;
+  mpm::PlaneState plane_ = mpm::PlaneState::Stress;
+};
+
+extern template mpm::MaterialPoints<2> PointScene::points<2>() const;
+extern template mpm::MaterialPoints<3> PointScene::points<3>() const;
+extern template std::shared_ptr<const mpm::PointLaw<2>> PointScene::law<2>() const;
+extern template std::shared_ptr<const mpm::PointLaw<3>> PointScene::law<3>() const;
+
+} // namespace lamella

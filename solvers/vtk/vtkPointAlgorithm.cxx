@@ -1,0 +1,190 @@
+#include "vtkPointAlgorithm.h"
+
+#include "Attempt.h"
+#include "PointScene.h"
+#include "vtkPieces.h"
+
+#include "peridynamics/ElasticStudy.h"
+
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+
+#include <algorithm>
+#include <string>
+#include <thread>
+#include <vector>
+
+struct vtkPointAlgorithm::Internals
+{
+  std::map<std::string, std::map<std::string, double>> Constants;
+  std::vector<std::string> Voids;
+};
+
+vtkPointAlgorithm::vtkPointAlgorithm()
+  : Internal(std::make_unique<Internals>())
+{
+  const lamella::mpm::OrthotropicMaterial wall; // the library's own defaults
+  const lamella::mpm::PlasticMaterial plastic;
+  const lamella::mpm::PointOptions points;
+  this->TransverseModulus = wall.across;
+  this->PoissonsRatio = wall.poissonsRatio;
+  this->TransversePoissonsRatio = wall.acrossRatio;
+  this->Barrier = wall.barrier;
+  this->YieldStress = plastic.yieldStress;
+  this->Hardening = plastic.hardening;
+  this->Density = points.density.front();
+  this->PointsPerNode = points.perNode;
+  this->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "phase");
+  this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "axis");
+}
+
+vtkPointAlgorithm::~vtkPointAlgorithm() = default;
+
+void vtkPointAlgorithm::SetPhaseConstant(const char* phase, const char* constant, double value)
+{
+  if (phase == nullptr || *phase == '\0' || constant == nullptr)
+  {
+    return;
+  }
+  auto& constants = this->Internal->Constants[phase];
+  const auto entry = constants.find(constant);
+  if (entry == constants.end() || entry->second != value)
+  {
+    constants[constant] = value;
+    this->Modified();
+  }
+}
+
+void vtkPointAlgorithm::RemoveAllPhaseConstants()
+{
+  if (!this->Internal->Constants.empty())
+  {
+    this->Internal->Constants.clear();
+    this->Modified();
+  }
+}
+
+void vtkPointAlgorithm::AddVoid(const char* phase)
+{
+  auto& voids = this->Internal->Voids;
+  if (phase != nullptr && *phase != '\0' && std::find(voids.begin(), voids.end(), phase) == voids.end())
+  {
+    voids.emplace_back(phase);
+    this->Modified();
+  }
+}
+
+void vtkPointAlgorithm::RemoveAllVoids()
+{
+  if (!this->Internal->Voids.empty())
+  {
+    this->Internal->Voids.clear();
+    this->Modified();
+  }
+}
+
+int vtkPointAlgorithm::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
+  return 1;
+}
+
+int vtkPointAlgorithm::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  lamella::allInFirstPiece(outputVector);
+  return 1;
+}
+
+int vtkPointAlgorithm::RequestUpdateExtent(
+  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  lamella::requestInput(
+    inputVector[0]->GetInformationObject(0), lamella::requestedOutput(request, outputVector), nullptr);
+  return 1;
+}
+
+int vtkPointAlgorithm::RequestData(
+  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  this->Failure = NO_FAILURE;
+  vtkInformation* const asked = lamella::requestedOutput(request, outputVector);
+  if (!lamella::isFirstPiece(outputVector))
+  {
+    return 1;
+  }
+  lamella::Failure failure = lamella::Failure::None;
+  const lamella::Outcome outcome = lamella::attempt(
+    this,
+    [&]
+    {
+      const lamella::Team alone(nullptr, asked);
+      const lamella::peridynamics::ThreadScope threads(this->ThreadCount());
+      if (this->CheckAbort())
+      {
+        throw lamella::Cancelled();
+      }
+      this->Run(vtkImageData::GetData(inputVector[0]), outputVector, alone);
+    },
+    &failure);
+  this->Failure = static_cast<int>(failure);
+  return lamella::concluded(this, outcome, outputVector);
+}
+
+lamella::PointSettings vtkPointAlgorithm::Settings() const
+{
+  lamella::PointSettings s;
+  if (this->Law != AUTO_LAW)
+  {
+    s.law = static_cast<lamella::WallLaw>(this->Law - ISOTROPIC);
+  }
+  if (this->Plane != AUTO_PLANE)
+  {
+    s.plane = this->Plane == PLANE_STRESS ? lamella::mpm::PlaneState::Stress : lamella::mpm::PlaneState::Strain;
+  }
+  s.wall = { this->YoungsModulus, this->TransverseModulus, this->PoissonsRatio, this->TransversePoissonsRatio,
+    this->ShearModulus, this->Barrier, this->YieldStress, this->Hardening, this->Density };
+  for (const auto& [phase, constants] : this->Internal->Constants)
+  {
+    for (const auto& [name, value] : constants)
+    {
+      s.ofPhase[phase][lamella::wallConstant(name)] = value;
+    }
+  }
+  s.voids = this->Internal->Voids;
+  s.perNode = this->PointsPerNode;
+  s.cellsPerNode = this->CellsPerNode;
+  return s;
+}
+
+int vtkPointAlgorithm::ThreadCount() const
+{
+  return this->Threads > 0 ? this->Threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+void vtkPointAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Law: " << this->Law << "\n"
+     << indent << "Plane: " << this->Plane << "\n"
+     << indent << "YoungsModulus: " << this->YoungsModulus << "\n"
+     << indent << "TransverseModulus: " << this->TransverseModulus << "\n"
+     << indent << "PoissonsRatio: " << this->PoissonsRatio << "\n"
+     << indent << "TransversePoissonsRatio: " << this->TransversePoissonsRatio << "\n"
+     << indent << "ShearModulus: " << this->ShearModulus << "\n"
+     << indent << "Barrier: " << this->Barrier << "\n"
+     << indent << "YieldStress: " << this->YieldStress << "\n"
+     << indent << "Hardening: " << this->Hardening << "\n"
+     << indent << "Density: " << this->Density << "\n"
+     << indent << "PointsPerNode: " << this->PointsPerNode << "\n"
+     << indent << "CellsPerNode: " << this->CellsPerNode << "\n"
+     << indent << "FitPlatens: " << this->FitPlatens << "\n"
+     << indent << "Threads: " << this->Threads << "\n";
+  for (const auto& [phase, constants] : this->Internal->Constants)
+  {
+    for (const auto& [name, value] : constants)
+    {
+      os << indent << "Constant " << name << " of " << phase << ": " << value << "\n";
+    }
+  }
+}

@@ -1,0 +1,223 @@
+/**
+ * @class   vtkPointAlgorithm
+ * @brief   an image of phases as material points: walls, plane and grid; what the solvers on points share
+ *
+ * Every node of the image that is not void becomes PointsPerNode points along each axis (mpm/MaterialPoints.h), on a
+ * grid of CellsPerNode cells a node.
+ *
+ * **Input**: vtkImageData, whole, with phases at its points (array `phase` unless SetInputArrayToProcess(0, ...) names
+ * another) and, for orthotropic walls, the direction along the wall (array `axis`, 2 or 3 components of any length, as
+ * vtkMicrographLattice gives it; index 1). An image of one layer along z is two-dimensional.
+ *
+ * **Walls**: what is set here holds for all phases, but for what SetPhaseConstant() says of one. The defaults are the
+ * first paper's 8 GPa along and 6.4 GPa across the wall; docs/solvers/point-stiffness.md says what it leaves open.
+ *
+ * **Voids** carry no points: the phases of AddVoid(), or without any those called void, pore, lumen, air or 0 that have
+ * no constants of their own.
+ *
+ * **Parallel**: the first piece has all that comes out; the others are empty.
+ *
+ * @sa vtkPointCompression, vtkPointStiffness
+ */
+
+#ifndef vtkPointAlgorithm_h
+#define vtkPointAlgorithm_h
+
+#include "vtkDataObjectAlgorithm.h"
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+
+#include <memory> // for std::unique_ptr
+
+class vtkImageData;
+
+namespace lamella
+{
+struct PointSettings;
+class Team;
+}
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkPointAlgorithm : public vtkDataObjectAlgorithm
+{
+public:
+  vtkTypeMacro(vtkPointAlgorithm, vtkDataObjectAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  enum Laws
+  {
+    AUTO_LAW = 0, ///< orthotropic where the image has directions along the walls, else isotropic
+    ISOTROPIC = 1,
+    ORTHOTROPIC = 2,
+    PLASTIC = 3 ///< isotropic, yields (J2, linear hardening); in plane strain and in space
+  };
+  ///@{
+  /** Law of all walls, elastic for large rotations. Default AUTO_LAW. */
+  vtkSetClampMacro(Law, int, AUTO_LAW, PLASTIC);
+  vtkGetMacro(Law, int);
+  ///@}
+
+  enum Planes
+  {
+    AUTO_PLANE = 0, ///< plane stress; plane strain where walls yield; space for volumes
+    PLANE_STRESS = 1,
+    PLANE_STRAIN = 2
+  };
+  ///@{
+  /** What a picture takes the third direction for. Default AUTO_PLANE. */
+  vtkSetClampMacro(Plane, int, AUTO_PLANE, PLANE_STRAIN);
+  vtkGetMacro(Plane, int);
+  ///@}
+
+  ///@{
+  /** Young's modulus, along the axis where there is one [Pa]. 0 (default): 8 GPa with an axis, 7.2 GPa without. */
+  vtkSetMacro(YoungsModulus, double);
+  vtkGetMacro(YoungsModulus, double);
+  ///@}
+  ///@{
+  /** ORTHOTROPIC: Young's modulus across the axis [Pa]. Default 6.4e9. */
+  vtkSetMacro(TransverseModulus, double);
+  vtkGetMacro(TransverseModulus, double);
+  ///@}
+  ///@{
+  /** Poisson's ratio; with an axis contraction across it over extension along it. Default 0.3. */
+  vtkSetMacro(PoissonsRatio, double);
+  vtkGetMacro(PoissonsRatio, double);
+  ///@}
+  ///@{
+  /** ORTHOTROPIC: Poisson's ratio among the directions across the axis; of no account in plane stress. Default 0.3. */
+  vtkSetMacro(TransversePoissonsRatio, double);
+  vtkGetMacro(TransversePoissonsRatio, double);
+  ///@}
+  ///@{
+  /** ORTHOTROPIC: shear modulus along the axis [Pa]. 0 (default): 1/G = 1/E + 1/E_t + 2 ν/E. */
+  vtkSetMacro(ShearModulus, double);
+  vtkGetMacro(ShearModulus, double);
+  ///@}
+  ///@{
+  /** Modulus of what keeps points from being crushed to nothing, over the greatest normal stiffness. Default 1. */
+  vtkSetMacro(Barrier, double);
+  vtkGetMacro(Barrier, double);
+  ///@}
+  ///@{
+  /** PLASTIC: stress at which walls yield [Pa]. Default 1e8. */
+  vtkSetMacro(YieldStress, double);
+  vtkGetMacro(YieldStress, double);
+  ///@}
+  ///@{
+  /** PLASTIC: slope of the yield stress over the plastic strain [Pa]. Default 0. */
+  vtkSetMacro(Hardening, double);
+  vtkGetMacro(Hardening, double);
+  ///@}
+  ///@{
+  /** Density of the walls [kg/m³]. Default 1500. */
+  vtkSetMacro(Density, double);
+  vtkGetMacro(Density, double);
+  ///@}
+
+  ///@{
+  /**
+   * A constant of one phase: young, transverse, poisson, transverse-poisson, shear, barrier, yield, hardening or
+   * density. An empty name is ignored (an empty row in a panel), and so is a phase that the image does not know. The
+   * update fails for another constant.
+   */
+  void SetPhaseConstant(const char* phase, const char* constant, double value);
+  void RemoveAllPhaseConstants();
+  ///@}
+
+  ///@{
+  /** Phases without points. */
+  void AddVoid(const char* phase);
+  void RemoveAllVoids();
+  ///@}
+
+  ///@{
+  /** Points along each axis in a node's cell. Default 2. */
+  vtkSetClampMacro(PointsPerNode, int, 1, 16);
+  vtkGetMacro(PointsPerNode, int);
+  ///@}
+  ///@{
+  /** Cells of the grid along each axis in a node's cell, above 0; 0.5: a cell over two nodes. Default 1. */
+  vtkSetMacro(CellsPerNode, double);
+  vtkGetMacro(CellsPerNode, double);
+  ///@}
+
+  enum Axes
+  {
+    LAST_AXIS = -1, ///< y of a picture (upwards), z of a volume
+    X = 0,
+    Y = 1,
+    Z = 2
+  };
+
+  ///@{
+  /** Platens stand where the tissue begins and ends along the load. Default off: at the image's ends. */
+  vtkSetMacro(FitPlatens, bool);
+  vtkGetMacro(FitPlatens, bool);
+  vtkBooleanMacro(FitPlatens, bool);
+  ///@}
+
+  ///@{
+  /** Threads; 0: one for each core that the machine has. Default 1. */
+  vtkSetClampMacro(Threads, int, 0, VTK_INT_MAX);
+  vtkGetMacro(Threads, int);
+  ///@}
+
+  enum Failures
+  {
+    NO_FAILURE = 0,
+    INPUT_FAILURE = 1,
+    PARAMETER_FAILURE = 2,
+    NO_PATH_FAILURE = 3, ///< nothing carries the load
+    MEMORY_FAILURE = 4,
+    DIVERGENCE_FAILURE = 5,
+    OTHER_FAILURE = 6
+  };
+  ///@{
+  /** What kind of mistake the last update ended with. */
+  vtkGetMacro(Failure, int);
+  ///@}
+
+protected:
+  vtkPointAlgorithm();
+  ~vtkPointAlgorithm() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+  /// Fills the outputs; RequestData() makes errors of VTK of what it throws.
+  /// @param alone a team of this process
+  virtual void Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& alone) = 0;
+
+  /// All of the settings above.
+  lamella::PointSettings Settings() const;
+  int ThreadCount() const;
+
+private:
+  vtkPointAlgorithm(const vtkPointAlgorithm&) = delete;
+  void operator=(const vtkPointAlgorithm&) = delete;
+
+  struct Internals;
+  std::unique_ptr<Internals> Internal;
+
+  int Law = AUTO_LAW;
+  int Plane = AUTO_PLANE;
+  double YoungsModulus = 0;
+  double TransverseModulus;
+  double PoissonsRatio;
+  double TransversePoissonsRatio;
+  double ShearModulus = 0;
+  double Barrier;
+  double YieldStress;
+  double Hardening;
+  double Density;
+  int PointsPerNode;
+  double CellsPerNode = 1;
+  int Threads = 1;
+  int Failure = NO_FAILURE;
+
+protected:
+  bool FitPlatens = false;
+};
+
+#endif

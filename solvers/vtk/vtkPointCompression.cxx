@@ -1,0 +1,428 @@
+#include "vtkPointCompression.h"
+
+#include "FieldNumbers.h"
+#include "LongRun.h"
+#include "PointOutput.h"
+#include "PointScene.h"
+#include "vtkLatticeConversion.h"
+#include "vtkProvenance.h"
+
+#include "lattice/Error.h"
+
+#include "vtkFieldData.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPolyData.h"
+#include "vtkSmartPointer.h"
+#include "vtkTable.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <vector>
+
+namespace mpm = lamella::mpm;
+
+namespace
+{
+
+constexpr std::array<const char*, 4> sidesNames{ "straight", "open", "fixed", "periodic" };
+constexpr std::array<const char*, 3> shapeNames{ "linear", "gimp", "spline" };
+constexpr std::array<const char*, 4> transferNames{ "flip", "pic", "apic", "xpic" };
+constexpr double sameStrain = 1e-9; // of the last one
+
+double secondsSince(std::chrono::steady_clock::time_point start)
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+} // namespace
+
+struct vtkPointCompression::Internals
+{
+  vtkPointCompression* Self;
+  std::vector<double> Strains;
+  lamella::Pace Told;
+
+  // of the last run
+  std::vector<vtkSmartPointer<vtkPolyData>> States;
+  vtkNew<vtkTable> Curve;
+  vtkMTimeType Input = 0;
+  vtkMTimeType Settings = 0;
+
+  /// What is said of a run.
+  struct Account
+  {
+    mpm::CompressionSummary Summary;
+    std::vector<std::string> Warnings;
+    double Points = 0;
+    double BytesPerPoint = 0;
+    double ContinuedAt = 0;
+    double StatesBefore = 0;
+    double SetupSeconds = 0;
+    double RunSeconds = 0;
+    int Axis = 0;
+    std::array<std::array<double, 3>, 2> Box{};
+  };
+
+  void Forget()
+  {
+    this->States.clear();
+    this->Curve->Initialize();
+  }
+
+  template <int Dim>
+  mpm::CompressionOptions<Dim> Options(const lamella::PointScene& scene, const Account& account) const;
+  template <int Dim>
+  void Solve(vtkImageData* input, const lamella::PointScene& scene, const lamella::Team& alone);
+  void Describe(
+    vtkImageData* input, vtkDataObject* output, const lamella::PointScene& scene, const Account& account) const;
+};
+
+vtkStandardNewMacro(vtkPointCompression);
+
+vtkPointCompression::vtkPointCompression()
+  : Kept(std::make_unique<Internals>())
+{
+  const mpm::CompressionOptions<2> options; // the library's own defaults
+  this->Strain = options.strain;
+  this->EnergyRatio = options.energyRatio;
+  this->CalmFrom = options.calmFrom;
+  this->FirstSpeed = options.firstSpeed;
+  this->LeastSpeed = options.leastSpeed;
+  this->MostSpeed = options.mostSpeed;
+  this->Rows = options.rows;
+  this->Kept->Self = this;
+  this->SetNumberOfOutputPorts(2);
+}
+
+vtkPointCompression::~vtkPointCompression() = default;
+
+int vtkPointCompression::FillOutputPortInformation(int port, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkPolyData" : "vtkTable");
+  return 1;
+}
+
+vtkPolyData* vtkPointCompression::GetPoints()
+{
+  return vtkPolyData::SafeDownCast(this->GetOutputDataObject(0));
+}
+
+vtkTable* vtkPointCompression::GetCurve()
+{
+  return vtkTable::SafeDownCast(this->GetOutputDataObject(1));
+}
+
+int vtkPointCompression::GetNumberOfStates()
+{
+  return static_cast<int>(this->Kept->States.size());
+}
+
+vtkPolyData* vtkPointCompression::GetStatePoints(int state)
+{
+  return state >= 0 && state < this->GetNumberOfStates() ? this->Kept->States[static_cast<std::size_t>(state)]
+                                                         : nullptr;
+}
+
+void vtkPointCompression::AddStateAtStrain(double strain)
+{
+  this->Kept->Strains.push_back(strain);
+  this->Modified();
+}
+
+void vtkPointCompression::RemoveAllStatesAtStrains()
+{
+  if (!this->Kept->Strains.empty())
+  {
+    this->Kept->Strains.clear();
+    this->Modified();
+  }
+}
+
+void vtkPointCompression::SetState(int state)
+{
+  const int clamped = std::max(state, -1);
+  if (this->State != clamped)
+  {
+    this->State = clamped;
+    this->StateTime.Modified(); // not Modified(): that would run all again
+  }
+}
+
+vtkMTimeType vtkPointCompression::GetMTime()
+{
+  return std::max(this->Superclass::GetMTime(), this->StateTime.GetMTime());
+}
+
+void vtkPointCompression::SetCheckpointFile(const std::string& path)
+{
+  if (this->CheckpointFile != path)
+  {
+    this->CheckpointFile = path;
+    this->Modified();
+  }
+}
+
+void vtkPointCompression::SetContinueFile(const std::string& path)
+{
+  if (this->ContinueFile != path)
+  {
+    this->ContinueFile = path;
+    this->Modified();
+  }
+}
+
+void vtkPointCompression::Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& alone)
+{
+  Internals& kept = *this->Kept;
+  const vtkMTimeType settings = this->Superclass::GetMTime();
+  if (kept.States.empty() || kept.Input != input->GetMTime() || kept.Settings != settings)
+  {
+    kept.Forget();
+    this->LastCheckpoint = 0;
+    try
+    {
+      const lamella::PointScene scene(
+        input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), this->Settings(), alone);
+      if (scene.lattice().dimension == 3)
+      {
+        kept.Solve<3>(input, scene, alone);
+      }
+      else
+      {
+        kept.Solve<2>(input, scene, alone);
+      }
+    }
+    catch (...)
+    {
+      kept.Forget();
+      throw;
+    }
+    kept.Input = input->GetMTime();
+    kept.Settings = settings;
+  }
+  const int last = this->GetNumberOfStates() - 1;
+  vtkPolyData* const state = this->GetStatePoints(this->State < 0 ? last : std::min(this->State, last));
+  vtkDataObject* const output = vtkDataObject::GetData(outputs, 0);
+  output->ShallowCopy(state);
+  output->GetInformation()->Set(
+    vtkDataObject::DATA_TIME_STEP(), state->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()));
+  vtkDataObject::GetData(outputs, 1)->ShallowCopy(kept.Curve);
+}
+
+template <int Dim>
+mpm::CompressionOptions<Dim> vtkPointCompression::Internals::Options(
+  const lamella::PointScene& scene, const Account& account) const
+{
+  const vtkPointCompression& s = *this->Self;
+  mpm::CompressionOptions<Dim> o;
+  o.axis = account.Axis;
+  std::copy_n(account.Box[0].begin(), Dim, o.lower.begin());
+  std::copy_n(account.Box[1].begin(), Dim, o.upper.begin());
+  o.strain = s.Strain;
+  o.sides = static_cast<mpm::LateralSides>(s.Sides);
+  o.grip = s.Grip;
+  o.energyRatio = s.EnergyRatio;
+  o.calmFrom = s.CalmFrom;
+  o.firstSpeed = s.FirstSpeed;
+  o.leastSpeed = s.LeastSpeed;
+  o.mostSpeed = s.MostSpeed;
+  o.damping = s.Damping;
+  o.rows = s.Rows;
+  o.atStrains = this->Strains;
+  o.checkpoint.path = s.CheckpointFile;
+  o.checkpoint.every = s.CheckpointEvery;
+  o.motion.spacing = scene.gridSpacing();
+  o.motion.shape = static_cast<mpm::Shape>(s.Shape);
+  o.motion.transfer = static_cast<mpm::Transfer>(s.Transfer);
+  o.motion.mass = s.ConsistentMass ? mpm::MassMatrix::Consistent : mpm::MassMatrix::Lumped;
+  o.motion.update = s.ModifiedUpdate ? mpm::StressUpdate::ModifiedLast : mpm::StressUpdate::Last;
+  if (s.TimeStep != 0)
+  {
+    o.motion.step = s.TimeStep;
+  }
+  return o;
+}
+
+template <int Dim>
+void vtkPointCompression::Internals::Solve(
+  vtkImageData* input, const lamella::PointScene& scene, const lamella::Team& alone)
+{
+  const auto start = std::chrono::steady_clock::now();
+  vtkPointCompression& self = *this->Self;
+  const char* const creator = self.GetClassName();
+  Account account;
+  account.Axis = scene.axis(self.LoadAxis);
+  account.Box = scene.box(self.FitPlatens ? account.Axis : -1);
+  mpm::CompressionOptions<Dim> options = this->Options<Dim>(scene, account);
+  options.checkpoint.provenance = lamella::fieldText(input, "provenance").value_or("");
+  const bool anew = lamella::beginsAnew(self.ContinueFile, self.CheckpointFile, alone);
+  options.continueFrom = anew ? std::string() : self.ContinueFile;
+
+  const auto law = scene.law<Dim>();
+  mpm::MaterialPoints<Dim> points = scene.points<Dim>();
+  account.Points = static_cast<double>(points.count());
+  account.BytesPerPoint = static_cast<double>(points.bytes()) / account.Points;
+  std::vector<mpm::Vector<Dim>> places(points.count());
+  for (std::size_t p = 0; p < places.size(); ++p)
+  {
+    places[points.id()[p]] = points.vector(mpm::MaterialPoints<Dim>::positions, p);
+  }
+  const lamella::PointArrays arrays{ self.ComputeDisplacement, self.ComputeVelocity, self.ComputeStress,
+    self.ComputeDeformationGradient, self.ComputeEnergyDensity };
+  const double depth = scene.lattice().origin[2];
+
+  mpm::PointCompression<Dim>* running = nullptr;
+  const auto keep = [&](double)
+  {
+    const auto state = vtkSmartPointer<vtkPolyData>::New();
+    lamella::setPointState(state, *running, *law, places, arrays, depth, creator);
+    this->States.push_back(state);
+  };
+  std::int64_t seen = 0; // steps when it was last looked at: a checkpoint follows a look
+  std::int64_t written = 0;
+  const auto look = [&]
+  {
+    const mpm::CompressionSummary s = running->summary();
+    self.LastCheckpoint = s.checkpoints > written ? seen : self.LastCheckpoint;
+    written = s.checkpoints;
+    seen = s.steps;
+  };
+  self.SetProgressText("compression");
+  options.state = keep;
+  options.progress = [&](double share)
+  {
+    look();
+    if (this->Told.due())
+    {
+      const double stress = running->rows().empty() ? 0 : running->rows().back().stress;
+      self.SetProgressText(fmt::format("strain {:.3f}, stress {:.3g} Pa", running->strain(), stress).c_str());
+      self.UpdateProgress(share);
+    }
+    return static_cast<bool>(self.CheckAbort());
+  };
+  mpm::PointCompression<Dim> run(std::move(points), law, options);
+  running = &run;
+  const std::int64_t before = run.body().steps();
+  account.ContinuedAt = static_cast<double>(before);
+  account.StatesBefore = static_cast<double>(std::count_if(this->Strains.begin(), this->Strains.end(),
+    [&](double e) { return before > 0 && e < run.strain() - sameStrain * self.Strain; }));
+  account.SetupSeconds = secondsSince(start);
+  const auto moved = std::chrono::steady_clock::now();
+  seen = before;
+  const bool finished = run.run();
+  account.RunSeconds = secondsSince(moved);
+  seen = run.body().steps(); // also where it was stopped
+  look();
+  if (!finished)
+  {
+    throw lamella::Cancelled();
+  }
+  const bool ended = !this->States.empty() &&
+    this->States.back()->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()) >=
+      run.strain() - sameStrain * self.Strain;
+  if (!ended)
+  {
+    keep(run.strain());
+  }
+
+  account.Summary = run.summary();
+  if (anew)
+  {
+    account.Warnings.push_back(lamella::anewWarning(self.ContinueFile, "the undeformed specimen"));
+  }
+  if (const std::string thin = scene.wallWarning(); !thin.empty())
+  {
+    account.Warnings.push_back(thin);
+  }
+  const auto& more = account.Summary.warnings;
+  account.Warnings.insert(account.Warnings.end(), more.begin(), more.end());
+  for (const std::string& warning : account.Warnings)
+  {
+    vtkWarningWithObjectMacro(&self, << warning);
+  }
+  for (const auto& state : this->States)
+  {
+    lamella::setFieldNumber(
+      state, "stress", lamella::stressAt(run.rows(), lamella::fieldNumbers(state, "strain").at(0)));
+    this->Describe(input, state, scene, account);
+  }
+  lamella::setCompressionCurve(this->Curve, run.rows(), creator);
+  this->Curve->GetFieldData()->ShallowCopy(this->States.back()->GetFieldData());
+}
+
+void vtkPointCompression::Internals::Describe(
+  vtkImageData* input, vtkDataObject* output, const lamella::PointScene& scene, const Account& account) const
+{
+  const vtkPointCompression& self = *this->Self;
+  const mpm::CompressionSummary& s = account.Summary;
+  const auto number = [output](const char* name, double value) { lamella::setFieldNumber(output, name, value); };
+  const auto whole = [&](const char* name, std::int64_t value) { number(name, static_cast<double>(value)); };
+  number("worst_energy_ratio", s.worstRatio);
+  number("worst_energy_ratio_strain", s.worstRatioAt);
+  number("worst_lateral", s.worstLateral);
+  number("worst_imbalance", s.worstImbalance);
+  number("wave_speed", s.waveSpeed);
+  number("first_touch_strain", s.firstTouch);
+  whole("slowdowns", s.slowdowns);
+  whole("steps", s.steps);
+  number("points", account.Points);
+  number("bytes_per_point", account.BytesPerPoint);
+  number(
+    "updates_per_second", account.Points * (static_cast<double>(s.steps) - account.ContinuedAt) / account.RunSeconds);
+  lamella::setFieldNumbers(output, "seconds", std::array{ account.SetupSeconds, account.RunSeconds });
+  number("continued_at", account.ContinuedAt);
+  number("states_before", account.StatesBefore);
+  whole("checkpoints", s.checkpoints);
+  whole("last_checkpoint", self.LastCheckpoint);
+  lamella::setFieldNumbers(output, "box",
+    std::array{ account.Box[0][0], account.Box[0][1], account.Box[0][2], account.Box[1][0], account.Box[1][1],
+      account.Box[1][2] });
+  const std::string axis(1, "xyz"[account.Axis]);
+  lamella::setFieldText(output, "load_axis", axis);
+  lamella::setFieldText(output, "sides", sidesNames.at(static_cast<std::size_t>(self.Sides)));
+  lamella::setFieldTexts(output, "warnings", account.Warnings);
+  const nlohmann::json model = scene.describe(output);
+  lamella::setProvenance(output, lamella::provenance(input));
+  lamella::continueProvenance(output, "compression",
+    { { "model", model }, { "axis", axis }, { "strain", self.Strain },
+      { "sides", sidesNames.at(static_cast<std::size_t>(self.Sides)) }, { "grip", self.Grip },
+      { "fit_platens", self.FitPlatens }, { "energy_ratio", self.EnergyRatio }, { "calm_from", self.CalmFrom },
+      { "speeds", { self.FirstSpeed, self.LeastSpeed, self.MostSpeed } }, { "damping", self.Damping },
+      { "rows", self.Rows }, { "shape", shapeNames.at(static_cast<std::size_t>(self.Shape)) },
+      { "transfer", transferNames.at(static_cast<std::size_t>(self.Transfer)) },
+      { "mass", self.ConsistentMass ? "consistent" : "lumped" }, { "update", self.ModifiedUpdate ? "musl" : "usl" },
+      { "time_step", self.TimeStep }, { "checkpoint_every", self.CheckpointEvery } });
+}
+
+void vtkPointCompression::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "LoadAxis: " << this->LoadAxis << "\n"
+     << indent << "Strain: " << this->Strain << "\n"
+     << indent << "Sides: " << sidesNames.at(static_cast<std::size_t>(this->Sides)) << "\n"
+     << indent << "Grip: " << this->Grip << "\n"
+     << indent << "EnergyRatio: " << this->EnergyRatio << "\n"
+     << indent << "CalmFrom: " << this->CalmFrom << "\n"
+     << indent << "FirstSpeed: " << this->FirstSpeed << "\n"
+     << indent << "LeastSpeed: " << this->LeastSpeed << "\n"
+     << indent << "MostSpeed: " << this->MostSpeed << "\n"
+     << indent << "Damping: " << this->Damping << "\n"
+     << indent << "Rows: " << this->Rows << "\n"
+     << indent << "Shape: " << shapeNames.at(static_cast<std::size_t>(this->Shape)) << "\n"
+     << indent << "Transfer: " << transferNames.at(static_cast<std::size_t>(this->Transfer)) << "\n"
+     << indent << "ConsistentMass: " << this->ConsistentMass << "\n"
+     << indent << "ModifiedUpdate: " << this->ModifiedUpdate << "\n"
+     << indent << "TimeStep: " << this->TimeStep << "\n"
+     << indent << "State: " << this->State << " of " << this->GetNumberOfStates() << "\n"
+     << indent << "CheckpointFile: " << this->CheckpointFile << "\n"
+     << indent << "CheckpointEvery: " << this->CheckpointEvery << "\n"
+     << indent << "ContinueFile: " << this->ContinueFile << "\n"
+     << indent << "LastCheckpoint: " << this->LastCheckpoint << "\n";
+}

@@ -1,0 +1,275 @@
+/**
+ * @class   vtkPointCompression
+ * @brief   an image of phases pressed between platens by material points: stress-strain curve and deformed points
+ *
+ * Large strains, from the first touch to densification (mpm/PointCompression.h): points in motion, pressed so slowly
+ * that the kinetic energy stays small beside the elastic one; how small is told. Walls, plane and grid are the settings
+ * of vtkPointAlgorithm. Walls that meet feel each other through the grid, without slip.
+ *
+ * **Output 0**: vtkPolyData, a vertex a point in one state (State), in the order of their numbers, with
+ * - `id` (uint32): the point's number, the same in all states; `phase` (unsigned char)
+ * - `displacement` (3 doubles, [m]) from the start, unless switched off
+ * - on demand `velocity` (3 doubles, [m/s]); `stress` (6 doubles XX YY ZZ XY YZ XZ, [Pa]): Cauchy's, Kirchhoff's stress
+ *   of the law over det F, tension positive; `deformation_gradient` (9 doubles by rows); `energy_density` (elastic,
+ * over the volume at the start [J/m³]).
+ *
+ * Of a picture ZZ, YZ and XZ of the stress are 0 and the third diagonal entry of the deformation gradient is 1: a plane
+ * does not follow them. Of walls that yield the gradient is the elastic part. The time of a state is its strain.
+ *
+ * **Output 1**, curve: vtkTable, a row at even strains: `strain` (1 − H/H₀), `stress` [Pa] (means over half a row
+ * before and after), `imbalance` [Pa], `lateral_stress` [Pa], `lateral_strain`, `porosity`, `elastic_energy`,
+ * `kinetic_energy`, `work`, `dissipated` ([J], [J/m] of a picture), `speed` (over the wave's), `steps`, `time` [s].
+ * Stresses and strains are positive in compression.
+ *
+ * **Field data** of both:
+ * - of the state: `strain`, `stress` [Pa] (of the curve at that strain)
+ * - `worst_energy_ratio` with `worst_energy_ratio_strain`, `worst_lateral`, `worst_imbalance` (over the axial stress):
+ *   how quasi-static it was, beyond the strain CalmFrom; `slowdowns`; `first_touch_strain`; `wave_speed` [m/s]
+ * - `box` (6 numbers [m], lower and upper end by axis), `load_axis`, `sides`, `phase_names`, `phase_fraction`,
+ *   `phase_array`, `law`, `plane`, `grid_spacing` [m], `points_per_node`, `cells_across_walls` and `thin_wall_share`
+ *   (mpm/WallCells.h), `spacing`, `lattice_size`, `lattice_origin`
+ * - `points`, `bytes_per_point`, `steps`, `updates_per_second` (of points, wall time), `seconds` (points; run)
+ * - `continued_at` (steps in the checkpoint that it went on from, or 0), `states_before` (asked for, but before it),
+ *   `checkpoints` (written by this run), `last_checkpoint` (steps in it, or 0)
+ * - `warnings`, `point_model`, `provenance`.
+ *
+ * @sa vtkPointStiffness, vtkMicrographLattice
+ */
+
+#ifndef vtkPointCompression_h
+#define vtkPointCompression_h
+
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkPointAlgorithm.h"
+
+#include "vtkTimeStamp.h" // for a member
+
+#include <memory> // for std::unique_ptr
+#include <string> // for members
+
+class vtkPolyData;
+class vtkTable;
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkPointCompression : public vtkPointAlgorithm
+{
+public:
+  static vtkPointCompression* New();
+  vtkTypeMacro(vtkPointCompression, vtkPointAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /** Axis of loading. Default LAST_AXIS. */
+  vtkSetClampMacro(LoadAxis, int, LAST_AXIS, Z);
+  vtkGetMacro(LoadAxis, int);
+  ///@}
+
+  ///@{
+  /** Strain to end at, above 0 and below 1. Default 0.48. */
+  vtkSetMacro(Strain, double);
+  vtkGetMacro(Strain, double);
+  ///@}
+
+  enum SideKinds
+  {
+    STRAIGHT = 0, ///< walls that stay straight and move so that the force on them is nothing
+    OPEN = 1,
+    FIXED = 2,
+    PERIODIC = 3 ///< a period that grows so that there is no mean stress
+  };
+  ///@{
+  /** Both ends of the axes across the load. Default STRAIGHT. */
+  vtkSetClampMacro(Sides, int, STRAIGHT, PERIODIC);
+  vtkGetMacro(Sides, int);
+  ///@}
+
+  ///@{
+  /** Platens do not let slide. Default off. */
+  vtkSetMacro(Grip, bool);
+  vtkGetMacro(Grip, bool);
+  vtkBooleanMacro(Grip, bool);
+  ///@}
+
+  ///@{
+  /** Kinetic over elastic energy that is allowed, from the strain CalmFrom on. Defaults 0.01, 0.05. */
+  vtkSetMacro(EnergyRatio, double);
+  vtkGetMacro(EnergyRatio, double);
+  vtkSetMacro(CalmFrom, double);
+  vtkGetMacro(CalmFrom, double);
+  ///@}
+  ///@{
+  /** Of the platens towards each other, over the fastest wave in the wall: where it starts, and what the control keeps
+   * it between; above 0, below 1, FirstSpeed between the others. Defaults 1e-3, 5e-5, 2e-2. */
+  vtkSetMacro(FirstSpeed, double);
+  vtkGetMacro(FirstSpeed, double);
+  vtkSetMacro(LeastSpeed, double);
+  vtkGetMacro(LeastSpeed, double);
+  vtkSetMacro(MostSpeed, double);
+  vtkGetMacro(MostSpeed, double);
+  ///@}
+  ///@{
+  /** Friction against a frame that deforms evenly, over the lowest circular frequency of a bar of the wall's material
+   * as high as the specimen. Default 0: none. */
+  vtkSetMacro(Damping, double);
+  vtkGetMacro(Damping, double);
+  ///@}
+  ///@{
+  /** Rows of the curve. Default 240. */
+  vtkSetMacro(Rows, int);
+  vtkGetMacro(Rows, int);
+  ///@}
+
+  enum Shapes
+  {
+    LINEAR = 0, ///< the first paper's
+    GIMP = 1,
+    SPLINE = 2 ///< quadratic B-splines
+  };
+  ///@{
+  /** Default SPLINE. */
+  vtkSetClampMacro(Shape, int, LINEAR, SPLINE);
+  vtkGetMacro(Shape, int);
+  ///@}
+  enum Transfers
+  {
+    FLIP = 0,
+    PIC = 1,
+    APIC = 2,
+    XPIC = 3 ///< of order 2
+  };
+  ///@{
+  /** Default APIC. */
+  vtkSetClampMacro(Transfer, int, FLIP, XPIC);
+  vtkGetMacro(Transfer, int);
+  ///@}
+  ///@{
+  /** Consistent mass, by a series, instead of lumped. Default off. */
+  vtkSetMacro(ConsistentMass, bool);
+  vtkGetMacro(ConsistentMass, bool);
+  vtkBooleanMacro(ConsistentMass, bool);
+  ///@}
+  ///@{
+  /** Stress from the velocities that points give back to the grid (MUSL), not from those that moved them (USL). Default
+   * off. */
+  vtkSetMacro(ModifiedUpdate, bool);
+  vtkGetMacro(ModifiedUpdate, bool);
+  vtkBooleanMacro(ModifiedUpdate, bool);
+  ///@}
+  ///@{
+  /** Step in time [s]; 0 (default): 0.8 of the largest stable one, followed as the points deform. One above that is
+   * refused with it. */
+  vtkSetMacro(TimeStep, double);
+  vtkGetMacro(TimeStep, double);
+  ///@}
+
+  ///@{
+  /** States to keep on the way, at strains; the end is always kept. */
+  void AddStateAtStrain(double strain);
+  void RemoveAllStatesAtStrains();
+  ///@}
+  ///@{
+  /** The state that output 0 shows, from 0, in the order of the run; -1 (default): the end. A change runs nothing
+   * again. Beyond the last it is the end. */
+  void SetState(int state);
+  vtkGetMacro(State, int);
+  ///@}
+
+  ///@{
+  /** What states carry besides `id` and `phase`. Displacement on, all others off. */
+  vtkSetMacro(ComputeDisplacement, bool);
+  vtkGetMacro(ComputeDisplacement, bool);
+  vtkBooleanMacro(ComputeDisplacement, bool);
+  vtkSetMacro(ComputeVelocity, bool);
+  vtkGetMacro(ComputeVelocity, bool);
+  vtkBooleanMacro(ComputeVelocity, bool);
+  vtkSetMacro(ComputeStress, bool);
+  vtkGetMacro(ComputeStress, bool);
+  vtkBooleanMacro(ComputeStress, bool);
+  vtkSetMacro(ComputeDeformationGradient, bool);
+  vtkGetMacro(ComputeDeformationGradient, bool);
+  vtkBooleanMacro(ComputeDeformationGradient, bool);
+  vtkSetMacro(ComputeEnergyDensity, bool);
+  vtkGetMacro(ComputeEnergyDensity, bool);
+  vtkBooleanMacro(ComputeEnergyDensity, bool);
+  ///@}
+
+  ///@{
+  /** A file that keeps where the run stands, in HDF5, after every CheckpointEvery steps, at the end and where the run
+   * is interrupted; what is there already is replaced. Empty (default): none. When it cannot be written the run goes
+   * on, and says so. */
+  void SetCheckpointFile(const std::string& path);
+  const std::string& GetCheckpointFile() const { return this->CheckpointFile; }
+  ///@}
+  ///@{
+  /** Steps between two checkpoints, at least 1; looked at every 200. Points are sorted anew where one is written, so
+   * a run goes on to the last bit with the number that it began with. Default 2000. */
+  vtkSetClampMacro(CheckpointEvery, vtkIdType, 1, VTK_ID_MAX);
+  vtkGetMacro(CheckpointEvery, vtkIdType);
+  ///@}
+  ///@{
+  /** A checkpoint of the same scene to go on from, to the same curve. States before it are not made. Empty (default):
+   * from the start, as where this is CheckpointFile and not there yet. */
+  void SetContinueFile(const std::string& path);
+  const std::string& GetContinueFile() const { return this->ContinueFile; }
+  ///@}
+  ///@{
+  /** Steps in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
+  vtkGetMacro(LastCheckpoint, vtkIdType);
+  ///@}
+
+  /** Output 0. */
+  vtkPolyData* GetPoints();
+  /** Output 1. */
+  vtkTable* GetCurve();
+  ///@{
+  /** Of the last update; null where there is none such. */
+  int GetNumberOfStates();
+  vtkPolyData* GetStatePoints(int state);
+  ///@}
+
+  /** Later than the last change of a setting, or of State. */
+  vtkMTimeType GetMTime() override;
+
+protected:
+  vtkPointCompression();
+  ~vtkPointCompression() override;
+
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
+  void Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& alone) override;
+
+private:
+  vtkPointCompression(const vtkPointCompression&) = delete;
+  void operator=(const vtkPointCompression&) = delete;
+
+  struct Internals;
+  std::unique_ptr<Internals> Kept;
+  vtkTimeStamp StateTime;
+
+  int LoadAxis = LAST_AXIS;
+  double Strain;
+  int Sides = STRAIGHT;
+  bool Grip = false;
+  double EnergyRatio;
+  double CalmFrom;
+  double FirstSpeed;
+  double LeastSpeed;
+  double MostSpeed;
+  double Damping = 0;
+  int Rows;
+  int Shape = SPLINE;
+  int Transfer = APIC;
+  bool ConsistentMass = false;
+  bool ModifiedUpdate = false;
+  double TimeStep = 0;
+  int State = -1;
+  bool ComputeDisplacement = true;
+  bool ComputeVelocity = false;
+  bool ComputeStress = false;
+  bool ComputeDeformationGradient = false;
+  bool ComputeEnergyDensity = false;
+  std::string CheckpointFile;
+  vtkIdType CheckpointEvery = 2000;
+  std::string ContinueFile;
+  vtkIdType LastCheckpoint = 0;
+};
+
+#endif

@@ -1,0 +1,267 @@
+#include "vtkPointStiffness.h"
+
+#include "FieldNumbers.h"
+#include "NewArray.h"
+#include "PointScene.h"
+#include "vtkProvenance.h"
+
+#include "lattice/Error.h"
+#include "mpm/PointStiffness.h"
+#include "peridynamics/ElasticConstants.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkStringArray.h"
+#include "vtkTable.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mpm = lamella::mpm;
+namespace pd = lamella::peridynamics;
+
+namespace
+{
+
+constexpr std::array<const char*, 5> sidesNames{ "straight", "open", "fixed", "periodic", "sticky" };
+
+vtkSmartPointer<vtkStringArray> textColumn(const char* name, const std::vector<std::string>& texts)
+{
+  const auto column = vtkSmartPointer<vtkStringArray>::New();
+  column->SetName(name);
+  for (const std::string& text : texts)
+  {
+    column->InsertNextValue(text);
+  }
+  return column;
+}
+
+vtkSmartPointer<vtkDoubleArray> numberColumn(const std::string& name, const std::vector<double>& values)
+{
+  const auto column = lamella::newArray<vtkDoubleArray>(name.c_str(), 1, values.size());
+  std::copy(values.begin(), values.end(), column->GetPointer(0));
+  return column;
+}
+
+} // namespace
+
+struct vtkPointStiffness::Answer
+{
+  std::vector<std::string> Names; ///< of constants
+  std::vector<double> Values;
+  std::vector<std::string> Components;
+  std::vector<double> Tensor; ///< by rows
+  double Points = 0;
+  double Nodes = 0;
+  double Iterations = 0;
+  double Residual = 0;
+  double SetupSeconds = 0;
+  double SolveSeconds = 0;
+
+  template <int Dim>
+  void Add(const mpm::PointStiffness<Dim>& s)
+  {
+    this->Points = static_cast<double>(s.points);
+    this->Nodes = static_cast<double>(s.nodes);
+    for (const std::int64_t n : s.iterations)
+    {
+      this->Iterations += static_cast<double>(n);
+    }
+    this->Residual = std::max(this->Residual, s.residual);
+    this->SetupSeconds += s.setupSeconds;
+    this->SolveSeconds += s.solveSeconds;
+  }
+  template <int Dim>
+  void SetTensor(const mpm::PointStiffness<Dim>& s)
+  {
+    const std::vector<std::string> names = pd::voigtNames(Dim);
+    for (const int strain : s.strains)
+    {
+      this->Components.push_back(names.at(static_cast<std::size_t>(strain)));
+    }
+    this->Tensor = s.stiffness;
+  }
+  template <int Dim>
+  void AddUniaxial(const mpm::UniaxialStiffness<Dim>& u, int axis, bool lateral)
+  {
+    const std::string letters = "xyz";
+    const char along = letters[static_cast<std::size_t>(axis)];
+    this->Names.push_back(std::string("E_") + along);
+    this->Values.push_back(u.modulus);
+    for (int a = 0; a < Dim && lateral; ++a)
+    {
+      if (a != axis)
+      {
+        this->Names.push_back(std::string("nu_") + along + letters[static_cast<std::size_t>(a)]);
+        this->Values.push_back(-u.strain[static_cast<std::size_t>(a)]);
+      }
+    }
+  }
+};
+
+vtkStandardNewMacro(vtkPointStiffness);
+
+vtkPointStiffness::vtkPointStiffness()
+{
+  const mpm::PointStiffnessOptions<2> options; // the library's own defaults
+  this->Tolerance = options.tolerance;
+  this->MaximumIterations = static_cast<int>(options.maximumIterations);
+  this->SetNumberOfOutputPorts(2);
+}
+
+int vtkPointStiffness::FillOutputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkTable");
+  return 1;
+}
+
+vtkTable* vtkPointStiffness::GetConstants()
+{
+  return vtkTable::SafeDownCast(this->GetOutputDataObject(0));
+}
+
+vtkTable* vtkPointStiffness::GetTensor()
+{
+  return vtkTable::SafeDownCast(this->GetOutputDataObject(1));
+}
+
+template <int Dim>
+vtkPointStiffness::Answer vtkPointStiffness::Solve(const lamella::PointScene& scene)
+{
+  const auto law = scene.law<Dim>();
+  const mpm::MaterialPoints<Dim> points = scene.points<Dim>();
+  mpm::PointStiffnessOptions<Dim> options;
+  options.spacing = scene.gridSpacing();
+  options.tolerance = this->Tolerance;
+  options.maximumIterations = this->MaximumIterations;
+  options.sides.fill(this->Sides == PERIODIC ? mpm::BoxSides::Periodic
+      : this->Sides == STICKY                ? mpm::BoxSides::StickyWalls
+                                             : mpm::BoxSides::Walls);
+  const auto setBox = [&](const std::array<std::array<double, 3>, 2>& box)
+  {
+    std::copy_n(box[0].begin(), Dim, options.lower.begin());
+    std::copy_n(box[1].begin(), Dim, options.upper.begin());
+  };
+  Answer answer;
+  const bool tensor = this->Sides == PERIODIC || this->Sides == STICKY;
+  int done = 0;
+  const int solves = tensor ? 1 : Dim;
+  options.progress = [&](double share)
+  {
+    this->UpdateProgress((done + share) / solves);
+    return static_cast<bool>(this->CheckAbort());
+  };
+  if (tensor)
+  {
+    setBox(scene.box(-1));
+    const mpm::PointStiffness<Dim> s = mpm::pointStiffness(points, *law, options);
+    answer.Add(s);
+    answer.SetTensor(s);
+    answer.Names = pd::constantNames(Dim);
+    answer.Values = pd::constantValues(pd::elasticConstants(s.stiffness, Dim));
+    return answer;
+  }
+  std::optional<mpm::PointStiffness<Dim>> last;
+  bool boxes = false; // more than one
+  for (int axis = 0; axis < Dim; ++axis, ++done)
+  {
+    const auto before = std::pair(options.lower, options.upper);
+    setBox(scene.box(this->FitPlatens ? axis : -1));
+    const bool moved = before != std::pair(options.lower, options.upper);
+    boxes = boxes || (axis > 0 && moved);
+    if (this->Sides == OPEN)
+    {
+      options.sides.fill(mpm::BoxSides::Open);
+      options.sides[static_cast<std::size_t>(axis)] = mpm::BoxSides::Walls;
+    }
+    if (!last || moved || this->Sides == OPEN)
+    {
+      last = mpm::pointStiffness(points, *law, options);
+      answer.Add(*last);
+    }
+    answer.AddUniaxial(last->along(axis, this->Sides == FIXED), axis, this->Sides == STRAIGHT);
+  }
+  if (!boxes && this->Sides != OPEN)
+  {
+    answer.SetTensor(*last);
+  }
+  return answer;
+}
+
+void vtkPointStiffness::Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& alone)
+{
+  const lamella::PointScene scene(
+    input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), this->Settings(), alone);
+  this->SetProgressText("stiffness");
+  const Answer answer = scene.lattice().dimension == 3 ? this->Solve<3>(scene) : this->Solve<2>(scene);
+
+  vtkTable* const constants = vtkTable::GetData(outputs, 0);
+  vtkTable* const tensor = vtkTable::GetData(outputs, 1);
+  constants->Initialize();
+  tensor->Initialize();
+  std::vector<std::string> units;
+  for (const std::string& name : answer.Names)
+  {
+    units.emplace_back(name.starts_with("nu") ? "1" : "Pa");
+  }
+  const auto values = numberColumn("value", answer.Values);
+  lamella::describe(values, "", "moduli in Pa, Poisson's ratios", this->GetClassName());
+  constants->AddColumn(textColumn("constant", answer.Names));
+  constants->AddColumn(values);
+  constants->AddColumn(textColumn("unit", units));
+  const std::size_t n = answer.Components.size();
+  tensor->AddColumn(textColumn("stress", answer.Components));
+  for (std::size_t strain = 0; strain < n; ++strain)
+  {
+    std::vector<double> column;
+    for (std::size_t stress = 0; stress < n; ++stress)
+    {
+      column.push_back(answer.Tensor[stress * n + strain]);
+    }
+    const auto array = numberColumn(answer.Components[strain], column);
+    lamella::describe(array, "Pa", "stress over this mean strain", this->GetClassName());
+    tensor->AddColumn(array);
+  }
+  const std::string thin = scene.wallWarning();
+  if (!thin.empty())
+  {
+    vtkWarningMacro(<< thin);
+  }
+  for (vtkTable* const table : { constants, tensor })
+  {
+    const auto number = [table](const char* name, double value) { lamella::setFieldNumber(table, name, value); };
+    lamella::setFieldTexts(table, "constant_names", answer.Names);
+    lamella::setFieldNumbers(table, "constants", answer.Values);
+    lamella::setFieldTexts(table, "stiffness_components", answer.Components);
+    lamella::setFieldNumbers(table, "stiffness", answer.Tensor);
+    number("points", answer.Points);
+    number("nodes", answer.Nodes);
+    number("iterations", answer.Iterations);
+    number("residual", answer.Residual);
+    lamella::setFieldNumbers(table, "seconds", std::array{ answer.SetupSeconds, answer.SolveSeconds });
+    const char* const sides = sidesNames.at(static_cast<std::size_t>(this->Sides));
+    lamella::setFieldText(table, "sides", sides);
+    lamella::setFieldTexts(
+      table, "warnings", thin.empty() ? std::vector<std::string>() : std::vector<std::string>{ thin });
+    const nlohmann::json model = scene.describe(table);
+    lamella::setProvenance(table, lamella::provenance(input));
+    lamella::continueProvenance(table, "point stiffness",
+      { { "model", model }, { "sides", sides }, { "fit_platens", this->FitPlatens },
+        { "tolerance", this->Tolerance } });
+  }
+}
+
+void vtkPointStiffness::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Sides: " << sidesNames.at(static_cast<std::size_t>(this->Sides)) << "\n"
+     << indent << "Tolerance: " << this->Tolerance << "\n"
+     << indent << "MaximumIterations: " << this->MaximumIterations << "\n";
+}

@@ -1,0 +1,98 @@
+/**
+ * @class   vtkPointStiffness
+ * @brief   stiffness of an image of phases by material points, without time
+ *
+ * Small strains of a whole box by an implicit solve (mpm/PointStiffness.h) of the discretisation that
+ * vtkPointCompression moves: the slope at which its curve begins, exactly quasi-static, in seconds. A filter of its
+ * own, because it has no states, no time and nothing to go on from, and tells every axis at once. Walls, plane and grid
+ * are the settings of vtkPointAlgorithm.
+ *
+ * **Output 0**, constants: vtkTable, a row each: `constant`, `value`, `unit` (Pa or 1). By Sides:
+ * - STRAIGHT: E_x, nu_xy, … under a load along each axis between platens, the other sides straight and without force
+ * - OPEN: E_x, … with free sides
+ * - FIXED: E_x, … with the other sides held
+ * - PERIODIC, STICKY: E_x, nu_xy, G_xy … from the inverse of the tensor.
+ *
+ * **Output 1**, tensor: vtkTable, a row a stress: `stress` (its name), then a column a strain, `xx`, `yy`, `xy`; xx,
+ * yy, zz, yz, xz, xy of a volume [Pa], shear strains as angles. Without shear for STRAIGHT and FIXED; no rows for OPEN,
+ * nor where FitPlatens gives each axis a box of its own.
+ *
+ * **Field data** of both: `constant_names`, `constants`, `stiffness` (by rows) and `stiffness_components`; `points`,
+ * `nodes`, `iterations` (of conjugate gradients, all loads), `residual`, `seconds` (points, matrix and factors; loads);
+ * `sides`, what vtkPointCompression says of phases, law, grid and thickness of walls; `warnings`, `point_model`,
+ * `provenance`.
+ *
+ * @sa vtkPointCompression, vtkBondStiffness
+ */
+
+#ifndef vtkPointStiffness_h
+#define vtkPointStiffness_h
+
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkPointAlgorithm.h"
+
+class vtkTable;
+
+namespace lamella
+{
+class PointScene;
+}
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkPointStiffness : public vtkPointAlgorithm
+{
+public:
+  static vtkPointStiffness* New();
+  vtkTypeMacro(vtkPointStiffness, vtkPointAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  enum SideKinds
+  {
+    STRAIGHT = 0, ///< straight, without force
+    OPEN = 1,
+    FIXED = 2,
+    PERIODIC = 3, ///< all round: the whole tensor
+    STICKY = 4    ///< walls that hold what touches them, all round: an upper bound of the tensor
+  };
+  ///@{
+  /** Sides across the load, or all of them. Default STRAIGHT. */
+  vtkSetClampMacro(Sides, int, STRAIGHT, STICKY);
+  vtkGetMacro(Sides, int);
+  ///@}
+
+  ///@{
+  /** Largest residual. Default 1e-6; 1e-12 to 0.1. */
+  vtkSetClampMacro(Tolerance, double, 1e-12, 0.1);
+  vtkGetMacro(Tolerance, double);
+  ///@}
+  ///@{
+  /** Gives up after this many iterations for one strain. Default 20000. */
+  vtkSetClampMacro(MaximumIterations, int, 1, VTK_INT_MAX);
+  vtkGetMacro(MaximumIterations, int);
+  ///@}
+
+  /** Output 0. */
+  vtkTable* GetConstants();
+  /** Output 1. */
+  vtkTable* GetTensor();
+
+protected:
+  vtkPointStiffness();
+  ~vtkPointStiffness() override = default;
+
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
+  void Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& alone) override;
+
+private:
+  vtkPointStiffness(const vtkPointStiffness&) = delete;
+  void operator=(const vtkPointStiffness&) = delete;
+
+  struct Answer;
+  template <int Dim>
+  Answer Solve(const lamella::PointScene& scene);
+
+  int Sides = STRAIGHT;
+  double Tolerance;
+  int MaximumIterations;
+};
+
+#endif

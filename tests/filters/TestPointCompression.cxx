@@ -1,0 +1,461 @@
+// Compression and stiffness by material points through VTK's pipeline: the numbers are the solver's, arrays and tables
+// agree with each other, mistakes are told.
+#include "../TemporaryFolder.h"
+#include "VtkTesting.h"
+
+#include "mpm/PointCompression.h"
+#include "mpm/PointStiffness.h"
+#include "mpm/WallMaterial.h"
+#include "vtkPointCompression.h"
+#include "vtkPointStiffness.h"
+
+#include "vtkFloatArray.h"
+#include "vtkInformation.h"
+#include "vtkOutputWindow.h"
+#include "vtkPolyData.h"
+
+#include <fstream>
+
+namespace
+{
+
+using namespace lamella;
+using namespace lamella::vtktest;
+using lamella::testing::TemporaryFolder;
+
+constexpr double spacing = 1e-6;
+
+class Points : public ::testing::Test
+{
+protected:
+  static void SetUpTestSuite() { vtkOutputWindow::GetInstance()->SetDisplayModeToNever(); } // warnings of thin walls
+};
+
+/// Walls round a lumen, each three nodes thick, of a picture or a volume.
+int cellRule(int x, int y, int z)
+{
+  return x > 2 && x < 9 && y > 2 && y < 11 && (z == 0 || (z > 2 && z < 5)) ? 0 : 1;
+}
+
+vtkSmartPointer<vtkImageData> cellOf(int nz = 1)
+{
+  const auto image = picture(12, 14, nz, cellRule, spacing);
+  setFieldTexts(image, "phase_names", std::vector<std::string>{ "lumen", "wall" });
+  return image;
+}
+
+/// Directions along x + y.
+void addAxis(vtkImageData* image)
+{
+  vtkNew<vtkFloatArray> axis;
+  axis->SetName("axis");
+  axis->SetNumberOfComponents(3);
+  axis->SetNumberOfTuples(image->GetNumberOfPoints());
+  for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
+  {
+    axis->SetTuple3(i, 1, 1, 0);
+  }
+  image->GetPointData()->AddArray(axis);
+}
+
+/// Short: to 4 %, of few rows, not so calm.
+void quick(vtkPointCompression* filter)
+{
+  filter->SetStrain(0.04);
+  filter->SetRows(8);
+  filter->SetFirstSpeed(0.01);
+}
+
+vtkDataArray* array(vtkPolyData* data, const char* name)
+{
+  return data->GetPointData()->GetArray(name);
+}
+
+template <int Dim>
+void expectTheSolver(int nz)
+{
+  const auto image = cellOf(nz);
+  vtkNew<vtkPointCompression> filter;
+  quick(filter);
+  filter->SetInputData(image);
+  filter->ComputeStressOn();
+  filter->ComputeDeformationGradientOn();
+  filter->ComputeEnergyDensityOn();
+  filter->ComputeVelocityOn();
+  ASSERT_EQ(errorOf(filter), "");
+
+  const PhaseView view = viewPhases(image);
+  const auto law = mpm::makeLaw<Dim, mpm::Isotropic>({ mpm::isotropicConstants<Dim>({}) });
+  mpm::PointOptions points;
+  mpm::CompressionOptions<Dim> options;
+  options.axis = Dim - 1;
+  options.strain = 0.04;
+  options.rows = 8;
+  options.firstSpeed = 0.01;
+  options.upper[0] = 12 * spacing;
+  options.upper[1] = 14 * spacing;
+  if (Dim == 3)
+  {
+    options.upper[Dim - 1] = nz * spacing;
+  }
+  options.motion.spacing = spacing;
+  mpm::PointCompression<Dim> direct(mpm::pointsFromLattice<Dim>(view.lattice, view.phase, {}, points), law, options);
+  ASSERT_TRUE(direct.run());
+
+  vtkTable* const curve = filter->GetCurve();
+  ASSERT_EQ(curve->GetNumberOfRows(), 9);
+  ASSERT_EQ(curve->GetNumberOfColumns(), 13);
+  for (vtkIdType row = 0; row < 9; ++row)
+  {
+    const mpm::CompressionRow& r = direct.rows()[static_cast<std::size_t>(row)];
+    EXPECT_EQ(cell(curve, row, "strain"), r.strain);
+    EXPECT_EQ(cell(curve, row, "stress"), r.stress);
+    EXPECT_EQ(cell(curve, row, "lateral_strain"), r.lateralStrain);
+    EXPECT_EQ(cell(curve, row, "porosity"), r.porosity);
+    EXPECT_EQ(cell(curve, row, "elastic_energy"), r.elastic);
+    EXPECT_EQ(cell(curve, row, "steps"), r.steps);
+  }
+  vtkPolyData* const output = filter->GetPoints();
+  const auto& p = direct.body().points();
+  const auto count = static_cast<vtkIdType>(p.count());
+  ASSERT_EQ(output->GetNumberOfPoints(), count);
+  EXPECT_EQ(output->GetNumberOfVerts(), count);
+  using Material = mpm::MaterialPoints<Dim>;
+  double elastic = 0;
+  for (std::size_t i = 0; i < p.count(); ++i)
+  {
+    const vtkIdType id = p.id()[i];
+    ASSERT_EQ(array(output, "id")->GetTuple1(id), static_cast<double>(id));
+    ASSERT_EQ(array(output, "phase")->GetTuple1(id), 1);
+    const auto F = p.matrix(Material::deformations, i);
+    const auto tau = law->kirchhoff(1, F, p.vector(Material::axes, i));
+    for (int a = 0; a < Dim; ++a)
+    {
+      ASSERT_EQ(output->GetPoint(id)[a], p.column(a)[i]);
+      ASSERT_EQ(array(output, "velocity")->GetComponent(id, a), p.column(Material::velocities + a)[i]);
+      ASSERT_EQ(array(output, "stress")->GetComponent(id, a), tau(a, a) / mpm::determinant(F));
+      for (int b = 0; b < Dim; ++b)
+      {
+        ASSERT_EQ(array(output, "deformation_gradient")->GetComponent(id, 3 * a + b), F(a, b));
+      }
+    }
+    ASSERT_EQ(array(output, "stress")->GetComponent(id, 3), tau(0, 1) / mpm::determinant(F));
+    ASSERT_EQ(array(output, "deformation_gradient")->GetComponent(id, 8), Dim == 3 ? F(Dim - 1, Dim - 1) : 1);
+    elastic += array(output, "energy_density")->GetTuple1(id) * p.column(Material::volumes)[i];
+  }
+  EXPECT_NEAR(elastic / direct.body().energies().elastic, 1, 1e-12); // another order of the same sum
+  const mpm::CompressionSummary s = direct.summary();
+  const auto number = [&](const char* name) { return fieldNumbers(output, name).at(0); };
+  EXPECT_EQ(number("strain"), direct.strain());
+  EXPECT_EQ(number("stress"), direct.rows().back().stress);
+  EXPECT_EQ(number("steps"), static_cast<double>(s.steps));
+  EXPECT_EQ(number("worst_imbalance"), s.worstImbalance);
+  EXPECT_EQ(number("points"), static_cast<double>(count));
+  EXPECT_EQ(number("cells_across_walls"), 0); // no wall is seen whole: all reach the image's edge
+  EXPECT_EQ(number("continued_at"), 0);
+  EXPECT_GT(number("updates_per_second"), 0);
+  EXPECT_EQ(fieldText(output, "law"), "isotropic");
+  EXPECT_EQ(fieldText(output, "plane"), Dim == 3 ? "space" : "plane-stress");
+  EXPECT_EQ(fieldText(output, "load_axis"), Dim == 3 ? "z" : "y");
+  EXPECT_NE(provenance(output).find("\"compression\""), std::string::npos);
+  EXPECT_EQ(output->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()), direct.strain());
+  EXPECT_EQ(fieldNumbers(curve, "box").at(4), 14 * spacing);
+}
+
+TEST_F(Points, CompressionIsTheSolver)
+{
+  expectTheSolver<2>(1);
+}
+
+TEST_F(Points, CompressionIsTheSolverInSpace)
+{
+  expectTheSolver<3>(8);
+}
+
+// Displacements lead from the places at the start, states are kept by strain, and a change of State runs nothing.
+TEST_F(Points, States)
+{
+  vtkNew<vtkPointCompression> filter;
+  quick(filter);
+  filter->SetInputData(cellOf());
+  filter->AddStateAtStrain(0.03);
+  filter->AddStateAtStrain(0.01);
+  filter->AddStateAtStrain(0.04); // the end, which is kept once
+  filter->SetSides(vtkPointCompression::PERIODIC);
+  ASSERT_EQ(errorOf(filter), "");
+  ASSERT_EQ(filter->GetNumberOfStates(), 3);
+  EXPECT_EQ(filter->GetStatePoints(3), nullptr);
+  for (const auto& [state, strain] : { std::pair{ 0, 0.01 }, { 1, 0.03 }, { 2, 0.04 } })
+  {
+    // platens are moved to the strain, a step cut short, to round-off of their places
+    EXPECT_NEAR(fieldNumbers(filter->GetStatePoints(state), "strain").at(0), strain, 1e-9);
+  }
+  vtkPolyData* const end = filter->GetStatePoints(2);
+  EXPECT_EQ(array(end, "velocity"), nullptr); // not asked for
+  // points begin at the middles of quarters of nodes; platens close by half the strain from each end
+  for (vtkIdType i = 0; i < end->GetNumberOfPoints(); ++i)
+  {
+    for (int a = 0; a < 2; ++a)
+    {
+      const double start = (end->GetPoint(i)[a] - array(end, "displacement")->GetComponent(i, a)) / spacing;
+      ASSERT_NEAR(start * 4 - 1, 2 * std::round(start * 2 - 0.5), 1e-9);
+    }
+    ASSERT_LE(std::abs(array(end, "displacement")->GetComponent(i, 1)), 0.5 * 0.04 * 14 * spacing + 1e-12);
+  }
+  vtkTable* const curve = filter->GetCurve();
+  const double stress = cell(curve, 2, "stress");
+  EXPECT_NEAR(fieldNumbers(filter->GetStatePoints(0), "stress").at(0) / stress, 1, 1e-6); // strain 0.01 is row 2
+  const auto made = filter->GetStatePoints(0);
+  filter->SetState(0);
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_EQ(filter->GetStatePoints(0), made);
+  EXPECT_NEAR(fieldNumbers(filter->GetPoints(), "strain").at(0), 0.01, 1e-9);
+}
+
+TEST_F(Points, LawsByPhaseAndAxis)
+{
+  const auto image = cellOf();
+  vtkNew<vtkPointStiffness> filter;
+  filter->SetInputData(image);
+  const auto modulus = [&]
+  {
+    EXPECT_EQ(errorOf(filter), "");
+    return fieldNumbers(filter->GetConstants(), "constants").at(0);
+  };
+  const double standard = modulus();
+  // moduli scale, whether they are given of all walls or of one phase; density is of no account
+  filter->SetYoungsModulus(14.4e9);
+  EXPECT_NEAR(modulus() / standard, 2, 1e-9);
+  filter->SetPhaseConstant("wall", "young", 3.6e9);
+  filter->SetPhaseConstant("no such phase", "yield", 1);
+  filter->SetPhaseConstant("wall", "density", 500);
+  EXPECT_NEAR(modulus() / standard, 0.5, 1e-9);
+  filter->RemoveAllPhaseConstants();
+  filter->SetYoungsModulus(0);
+  addAxis(image);
+  image->Modified();
+  const double turned = modulus();
+  EXPECT_EQ(fieldText(filter->GetConstants(), "law"), "orthotropic");
+  EXPECT_NE(turned, standard);
+  filter->SetLaw(vtkPointAlgorithm::ISOTROPIC);
+  EXPECT_NEAR(modulus() / standard, 1, 1e-12);
+  filter->SetLaw(vtkPointAlgorithm::PLASTIC); // plane strain: stiffer, and by no more than 1/(1 − ν²)
+  const double held = modulus();
+  EXPECT_EQ(fieldText(filter->GetConstants(), "plane"), "plane-strain");
+  EXPECT_GT(held, standard);
+  EXPECT_LT(held, standard / (1 - 0.09) * (1 + 1e-6));
+}
+
+TEST_F(Points, StiffnessIsTheSolver)
+{
+  const auto image = cellOf();
+  const PhaseView view = viewPhases(image);
+  const auto law = mpm::makeLaw<2, mpm::Isotropic>({ mpm::isotropicConstants<2>({}) });
+  const mpm::MaterialPoints<2> points = mpm::pointsFromLattice<2>(view.lattice, view.phase, {}, {});
+  mpm::PointStiffnessOptions<2> options;
+  options.upper = { 12 * spacing, 14 * spacing };
+  options.spacing = spacing;
+  vtkNew<vtkPointStiffness> filter;
+  filter->SetInputData(image);
+  const auto constants = [&](int sides)
+  {
+    filter->SetSides(sides);
+    EXPECT_EQ(errorOf(filter), "");
+    return fieldNumbers(filter->GetConstants(), "constants");
+  };
+  const std::vector<double> straight = constants(vtkPointStiffness::STRAIGHT);
+  EXPECT_EQ(
+    fieldTexts(filter->GetConstants(), "constant_names"), (std::vector<std::string>{ "E_x", "nu_xy", "E_y", "nu_yx" }));
+  const auto walls = mpm::pointStiffness(points, *law, options);
+  EXPECT_EQ(straight.at(0), walls.along(0).modulus);
+  EXPECT_EQ(straight.at(3), -walls.along(1).strain[0]);
+  ASSERT_EQ(filter->GetTensor()->GetNumberOfRows(), 2);
+  EXPECT_EQ(cell(filter->GetTensor(), 0, "yy"), walls.stiffness[1]);
+  const std::vector<double> fixed = constants(vtkPointStiffness::FIXED);
+  EXPECT_EQ(fixed.at(1), walls.along(1, true).modulus);
+  const std::vector<double> open = constants(vtkPointStiffness::OPEN);
+  EXPECT_EQ(filter->GetTensor()->GetNumberOfRows(), 0);
+  options.sides = { mpm::BoxSides::Open, mpm::BoxSides::Walls };
+  EXPECT_EQ(open.at(1), mpm::pointStiffness(points, *law, options).along(1).modulus);
+  const std::vector<double> periodic = constants(vtkPointStiffness::PERIODIC);
+  options.sides.fill(mpm::BoxSides::Periodic);
+  const auto cellOfAll = mpm::pointStiffness(points, *law, options);
+  EXPECT_EQ(fieldNumbers(filter->GetTensor(), "stiffness"), cellOfAll.stiffness);
+  // a box mirrored at its walls is a cell of its own that repeats: with walls of its own phase the same, E as well
+  EXPECT_NEAR(periodic.at(0) * 1e-9, straight.at(0) * 1e-9, 0.2 * straight.at(0) * 1e-9);
+  const std::vector<double> sticky = constants(vtkPointStiffness::STICKY);
+  EXPECT_GE(fieldNumbers(filter->GetTensor(), "stiffness").at(0), cellOfAll.stiffness.at(0)); // an upper bound
+  EXPECT_LE(open.at(0), straight.at(0));
+  EXPECT_LE(straight.at(0), fixed.at(0));
+  EXPECT_EQ(sticky.size(), 5U);
+}
+
+TEST_F(Points, PlatensAtTheTissue)
+{
+  // two empty rows below, one above
+  const auto image = picture(
+    12, 15, 1, [](int, int y, int) { return y > 1 && y < 14 ? 1 : 0; }, spacing);
+  setFieldTexts(image, "phase_names", std::vector<std::string>{ "lumen", "wall" });
+  vtkNew<vtkPointCompression> filter;
+  quick(filter);
+  filter->SetInputData(image);
+  EXPECT_NE(
+    errorOf(filter).find("the tissue does not touch the lower platen: 2e-06 m lie between them"), std::string::npos);
+  EXPECT_EQ(filter->GetFailure(), vtkPointAlgorithm::INPUT_FAILURE);
+  EXPECT_EQ(filter->GetPoints()->GetNumberOfPoints(), 0);
+  filter->FitPlatensOn();
+  ASSERT_EQ(errorOf(filter), "");
+  const std::vector<double> box = fieldNumbers(filter->GetPoints(), "box");
+  EXPECT_DOUBLE_EQ(box.at(1), 2 * spacing);
+  EXPECT_DOUBLE_EQ(box.at(4), 14 * spacing);
+  vtkNew<vtkPointStiffness> still;
+  still->SetInputData(image);
+  still->FitPlatensOn();
+  ASSERT_EQ(errorOf(still), "");
+  // a solid block of plane stress: its own E along y; along x it fills 12 of 15 rows
+  const std::vector<double> constants = fieldNumbers(still->GetConstants(), "constants");
+  EXPECT_NEAR(constants.at(2) / 7.2e9, 1, 1e-6); // the tolerance of the solve
+  EXPECT_NEAR(constants.at(0) / (7.2e9 * 12 / 15), 1, 1e-6);
+  EXPECT_EQ(still->GetTensor()->GetNumberOfRows(), 0); // of two boxes
+}
+
+TEST_F(Points, GoesOnFromACheckpoint)
+{
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "run.h5").string();
+  const auto image = cellOf();
+  const auto set = [&](vtkPointCompression* filter)
+  {
+    quick(filter);
+    filter->SetInputData(image);
+    filter->AddStateAtStrain(0.01);
+    filter->AddStateAtStrain(0.035);
+    filter->SetCheckpointEvery(400);
+    filter->SetCheckpointFile(file);
+    filter->SetContinueFile(file);
+  };
+  vtkNew<vtkPointCompression> whole;
+  set(whole);
+  ASSERT_EQ(errorOf(whole), "");
+  EXPECT_EQ(fieldTexts(whole->GetPoints(), "warnings").at(0),
+    "there was no checkpoint '" + file + "' yet: the run began with the undeformed specimen");
+  EXPECT_EQ(whole->GetLastCheckpoint(), fieldNumbers(whole->GetPoints(), "steps").at(0)); // at the end
+  std::filesystem::remove(file);
+
+  vtkNew<vtkPointCompression> first;
+  set(first);
+  vtkNew<vtkCallbackCommand> stop;
+  stop->SetCallback(
+    [](vtkObject* caller, unsigned long, void*, void*)
+    {
+      auto* const algorithm = vtkAlgorithm::SafeDownCast(caller);
+      algorithm->SetAbortExecute(algorithm->GetProgress() > 0.3);
+    });
+  first->AddObserver(vtkCommand::ProgressEvent, stop);
+  EXPECT_EQ(errorOf(first), "");
+  EXPECT_EQ(first->GetNumberOfStates(), 0);
+  if (first->GetLastCheckpoint() == 0) // on a machine so fast that it was told nothing on the way
+  {
+    GTEST_SKIP() << "not interrupted";
+  }
+  vtkNew<vtkPointCompression> second;
+  set(second);
+  ASSERT_EQ(errorOf(second), "");
+  const auto number = [&](const char* name) { return fieldNumbers(second->GetPoints(), name).at(0); };
+  EXPECT_EQ(number("continued_at"), static_cast<double>(first->GetLastCheckpoint()));
+  EXPECT_EQ(number("states_before"), 1);
+  ASSERT_EQ(second->GetNumberOfStates(), 2);
+  // the run was sorted anew once more than the whole one, where it was interrupted: round-off, grown by what vibrates
+  const double expected = cell(whole->GetCurve(), 8, "stress");
+  EXPECT_NEAR(cell(second->GetCurve(), 8, "stress") / expected, 1, 1e-3);
+
+  second->SetStrain(0.05);
+  EXPECT_NE(errorOf(second).find("another scene: last strain: 0.04 there, 0.05 here"), std::string::npos);
+  std::ofstream(file, std::ios::binary | std::ios::trunc) << "no checkpoint";
+  second->SetStrain(0.04);
+  EXPECT_NE(errorOf(second), "");
+  EXPECT_EQ(second->GetFailure(), vtkPointAlgorithm::INPUT_FAILURE);
+}
+
+TEST_F(Points, MistakesAreTold)
+{
+  struct Mistake
+  {
+    const char* words;
+    std::function<void(vtkPointCompression*, vtkImageData*)> make;
+    int failure = vtkPointAlgorithm::PARAMETER_FAILURE;
+  };
+  const double nan = std::nan("");
+  const std::vector<Mistake> mistakes{
+    { "compression to a strain of 1", [](auto* f, auto*) { f->SetStrain(1); } },
+    { "compression to a strain of nan", [&](auto* f, auto*) { f->SetStrain(nan); } },
+    { "a state at a strain of 0.5", [](auto* f, auto*) { f->AddStateAtStrain(0.5); } },
+    { "the stiffness would not be positive definite", [](auto* f, auto*) { f->SetPoissonsRatio(1.2); } },
+    { "Young's modulus is -1 Pa", [](auto* f, auto*) { f->SetYoungsModulus(-1); } },
+    { "'young' of phase 'wall' is nan", [&](auto* f, auto*) { f->SetPhaseConstant("wall", "young", nan); } },
+    { "'stiff' is no constant of a wall", [](auto* f, auto*) { f->SetPhaseConstant("wall", "stiff", 1); } },
+    { "'yield' of phase 'wall' is no constant of the isotropic law",
+      [](auto* f, auto*) { f->SetPhaseConstant("wall", "yield", 1e8); } },
+    { "walls that yield in plane stress",
+      [](auto* f, auto*)
+      {
+        f->SetLaw(vtkPointAlgorithm::PLASTIC);
+        f->SetPlane(vtkPointAlgorithm::PLANE_STRESS);
+      } },
+    { "a load along z of a picture", [](auto* f, auto*) { f->SetLoadAxis(vtkPointAlgorithm::Z); } },
+    { "0 cells of the grid a node", [](auto* f, auto*) { f->SetCellsPerNode(0); } },
+    { "is unstable: the largest stable one is", [](auto* f, auto*) { f->SetTimeStep(1); } },
+    { "speeds of 0.01 to 0.5 to 0.02", [](auto* f, auto*) { f->SetFirstSpeed(0.5); } },
+    { "the image has no point array 'axis'", [](auto* f, auto*) { f->SetLaw(vtkPointAlgorithm::ORTHOTROPIC); },
+      vtkPointAlgorithm::INPUT_FAILURE },
+    { "array 'axis' holds nan at node 0",
+      [&](auto*, vtkImageData* image)
+      {
+        addAxis(image);
+        points(image, "axis")->SetComponent(0, 0, nan);
+      },
+      vtkPointAlgorithm::INPUT_FAILURE },
+    { "all 168 nodes are void",
+      [](auto* f, auto*)
+      {
+        f->AddVoid("wall");
+        f->AddVoid("lumen");
+      },
+      vtkPointAlgorithm::INPUT_FAILURE },
+  };
+  for (const Mistake& mistake : mistakes)
+  {
+    SCOPED_TRACE(mistake.words);
+    const auto image = cellOf();
+    vtkNew<vtkPointCompression> filter;
+    quick(filter);
+    filter->SetLeastSpeed(0.01);
+    filter->SetMostSpeed(0.02);
+    filter->SetInputData(image);
+    mistake.make(filter, image);
+    const std::string said = errorOf(filter);
+    EXPECT_NE(said.find(mistake.words), std::string::npos) << said;
+    EXPECT_NE(said.find("\nhint: "), std::string::npos) << said;
+    EXPECT_EQ(filter->GetFailure(), mistake.failure);
+    EXPECT_EQ(filter->GetCurve()->GetNumberOfRows(), 0);
+  }
+}
+
+TEST_F(Points, ThinWallsAreTold)
+{
+  const auto image = picture(
+    20, 20, 1, [](int x, int y, int) { return x % 6 == 3 || y % 6 == 3 || y == 0 || y == 19; },
+    spacing); // one node thick
+  setFieldTexts(image, "phase_names", std::vector<std::string>{ "lumen", "wall" });
+  vtkNew<vtkPointStiffness> filter;
+  filter->SetInputData(image);
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_NE(fieldTexts(filter->GetConstants(), "warnings").at(0).find("walls are 1 cells of the grid thick"),
+    std::string::npos);
+  filter->SetCellsPerNode(2);
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_TRUE(fieldTexts(filter->GetConstants(), "warnings").empty());
+  EXPECT_DOUBLE_EQ(fieldNumbers(filter->GetConstants(), "grid_spacing").at(0), spacing / 2);
+}
+
+} // namespace
