@@ -271,7 +271,7 @@ void addRunOptions(CLI::App& app, CompressionOptions& o)
   run(app.add_flag("--consistent-mass", o.consistentMass, "Instead of lumped mass"), points);
   run(app.add_flag("--modified-update", o.modifiedUpdate, "Stress from what points give back to the grid (MUSL)"),
     points);
-  run(app.add_option("--time-step", o.timeStep, "0.8 of the largest stable one when not given"), points)
+  run(app.add_option("--time-step", o.timeStep, "0.9 of the largest stable one when not given"), points)
     ->type_name("SECONDS");
 }
 

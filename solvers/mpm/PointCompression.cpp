@@ -86,7 +86,8 @@ PointCompression<Dim>::PointCompression(
   double stiffest = 0;
   for (std::size_t p = 0; p < points.count(); ++p)
     stiffest = std::max(stiffest,
-      law->stiffness(points.phase()[p], points.matrix(Points::deformations, p), points.vector(Points::axes, p)) *
+      law->stiffness(points.phase()[p], points.matrix(Points::deformations, p), points.vector(Points::axes, p),
+        points.memory(p).data()) *
         points.column(Points::volumes)[p] / points.column(Points::masses)[p]);
   wave_ = std::sqrt(stiffest);
   speed_ = options_.firstSpeed;

@@ -207,14 +207,14 @@ int PointScene::axis(int chosen) const
   return chosen < 0 ? lattice_.dimension - 1 : chosen;
 }
 
-std::array<std::array<double, 3>, 2> PointScene::box(int fitted) const
+std::array<std::array<double, 3>, 2> PointScene::box(const std::array<bool, 3>& fitted) const
 {
   std::array<std::array<double, 3>, 2> ends{};
   for (std::size_t a = 0; a < static_cast<std::size_t>(lattice_.dimension); ++a)
   {
     std::int64_t first = 0;
     std::int64_t last = lattice_.size[a] - 1;
-    if (static_cast<int>(a) == fitted)
+    if (fitted[a])
     {
       std::swap(first, last);
       for (std::int64_t i = 0; i < lattice_.count(); ++i)

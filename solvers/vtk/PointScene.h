@@ -78,8 +78,8 @@ public:
   [[nodiscard]] double gridSpacing() const noexcept { return lattice_.spacing / settings_.cellsPerNode; }
   /// x, y or z; the last for −1. @throws ParameterError
   [[nodiscard]] int axis(int chosen) const;
-  /// Lower and upper end of the image [m]; along `fitted`, where that is an axis, of its tissue.
-  [[nodiscard]] std::array<std::array<double, 3>, 2> box(int fitted) const;
+  /// Lower and upper end of the image [m]; along the axes that are to be fitted those of its tissue.
+  [[nodiscard]] std::array<std::array<double, 3>, 2> box(const std::array<bool, 3>& fitted) const;
 
   /// Of the image's dimension. @throws as mpm::pointsFromLattice() and the constants of the laws; MemoryError
   template <int Dim>

@@ -259,7 +259,9 @@ void vtkPointCompression::Internals::Solve(
   const char* const creator = self.GetClassName();
   Account account;
   account.Axis = scene.axis(self.LoadAxis);
-  account.Box = scene.box(self.FitPlatens ? account.Axis : -1);
+  std::array<bool, 3> fitted{};
+  fitted[static_cast<std::size_t>(account.Axis)] = self.FitPlatens;
+  account.Box = scene.box(fitted);
   mpm::CompressionOptions<Dim> options = this->Options<Dim>(scene, account);
   options.checkpoint.provenance = lamella::fieldText(input, "provenance").value_or("");
   const bool anew = lamella::beginsAnew(self.ContinueFile, self.CheckpointFile, alone);

@@ -155,7 +155,7 @@ public:
   vtkBooleanMacro(ModifiedUpdate, bool);
   ///@}
   ///@{
-  /** Step in time [s]; 0 (default): 0.8 of the largest stable one, followed as the points deform. One above that is
+  /** Step in time [s]; 0 (default): 0.9 of the largest stable one, followed as the points deform. One above that is
    * refused with it. */
   vtkSetMacro(TimeStep, double);
   vtkGetMacro(TimeStep, double);

@@ -20,7 +20,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -144,15 +143,14 @@ vtkPointStiffness::Answer vtkPointStiffness::Solve(const lamella::PointScene& sc
   options.sides.fill(this->Sides == PERIODIC ? mpm::BoxSides::Periodic
       : this->Sides == STICKY                ? mpm::BoxSides::StickyWalls
                                              : mpm::BoxSides::Walls);
-  const auto setBox = [&](const std::array<std::array<double, 3>, 2>& box)
-  {
-    std::copy_n(box[0].begin(), Dim, options.lower.begin());
-    std::copy_n(box[1].begin(), Dim, options.upper.begin());
-  };
-  Answer answer;
   const bool tensor = this->Sides == PERIODIC || this->Sides == STICKY;
+  const bool fit = this->FitPlatens && !tensor;
+  const auto box = scene.box({ fit, fit, fit });
+  std::copy_n(box[0].begin(), Dim, options.lower.begin());
+  std::copy_n(box[1].begin(), Dim, options.upper.begin());
+  Answer answer;
   int done = 0;
-  const int solves = tensor ? 1 : Dim;
+  const int solves = this->Sides == OPEN ? Dim : 1;
   options.progress = [&](double share)
   {
     this->UpdateProgress((done + share) / solves);
@@ -160,7 +158,6 @@ vtkPointStiffness::Answer vtkPointStiffness::Solve(const lamella::PointScene& sc
   };
   if (tensor)
   {
-    setBox(scene.box(-1));
     const mpm::PointStiffness<Dim> s = mpm::pointStiffness(points, *law, options);
     answer.Add(s);
     answer.SetTensor(s);
@@ -168,29 +165,24 @@ vtkPointStiffness::Answer vtkPointStiffness::Solve(const lamella::PointScene& sc
     answer.Values = pd::constantValues(pd::elasticConstants(s.stiffness, Dim));
     return answer;
   }
-  std::optional<mpm::PointStiffness<Dim>> last;
-  bool boxes = false; // more than one
+  if (this->Sides != OPEN)
+  {
+    const mpm::PointStiffness<Dim> s = mpm::pointStiffness(points, *law, options);
+    answer.Add(s);
+    answer.SetTensor(s);
+    for (int axis = 0; axis < Dim; ++axis)
+    {
+      answer.AddUniaxial(s.along(axis, this->Sides == FIXED), axis, this->Sides == STRAIGHT);
+    }
+    return answer;
+  }
   for (int axis = 0; axis < Dim; ++axis, ++done)
   {
-    const auto before = std::pair(options.lower, options.upper);
-    setBox(scene.box(this->FitPlatens ? axis : -1));
-    const bool moved = before != std::pair(options.lower, options.upper);
-    boxes = boxes || (axis > 0 && moved);
-    if (this->Sides == OPEN)
-    {
-      options.sides.fill(mpm::BoxSides::Open);
-      options.sides[static_cast<std::size_t>(axis)] = mpm::BoxSides::Walls;
-    }
-    if (!last || moved || this->Sides == OPEN)
-    {
-      last = mpm::pointStiffness(points, *law, options);
-      answer.Add(*last);
-    }
-    answer.AddUniaxial(last->along(axis, this->Sides == FIXED), axis, this->Sides == STRAIGHT);
-  }
-  if (!boxes && this->Sides != OPEN)
-  {
-    answer.SetTensor(*last);
+    options.sides.fill(mpm::BoxSides::Open);
+    options.sides[static_cast<std::size_t>(axis)] = mpm::BoxSides::Walls;
+    const mpm::PointStiffness<Dim> s = mpm::pointStiffness(points, *law, options);
+    answer.Add(s);
+    answer.AddUniaxial(s.along(axis), axis, false);
   }
   return answer;
 }

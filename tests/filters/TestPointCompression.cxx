@@ -15,6 +15,7 @@
 #include "vtkPolyData.h"
 
 #include <fstream>
+#include <limits>
 
 namespace
 {
@@ -151,7 +152,8 @@ void expectTheSolver(int nz)
   EXPECT_EQ(number("steps"), static_cast<double>(s.steps));
   EXPECT_EQ(number("worst_imbalance"), s.worstImbalance);
   EXPECT_EQ(number("points"), static_cast<double>(count));
-  EXPECT_EQ(number("cells_across_walls"), 0); // no wall is seen whole: all reach the image's edge
+  // of the picture no wall is seen whole, all reach its edge; in space two layers lie between two lumens
+  EXPECT_EQ(number("cells_across_walls"), Dim == 3 ? 2 : 0);
   EXPECT_EQ(number("continued_at"), 0);
   EXPECT_GT(number("updates_per_second"), 0);
   EXPECT_EQ(fieldText(output, "law"), "isotropic");
@@ -200,7 +202,8 @@ TEST_F(Points, States)
       const double start = (end->GetPoint(i)[a] - array(end, "displacement")->GetComponent(i, a)) / spacing;
       ASSERT_NEAR(start * 4 - 1, 2 * std::round(start * 2 - 0.5), 1e-9);
     }
-    ASSERT_LE(std::abs(array(end, "displacement")->GetComponent(i, 1)), 0.5 * 0.04 * 14 * spacing + 1e-12);
+    // but for what vibrates, less than a hundredth of a cell
+    ASSERT_LE(std::abs(array(end, "displacement")->GetComponent(i, 1)), (0.5 * 0.04 * 14 + 0.01) * spacing);
   }
   vtkTable* const curve = filter->GetCurve();
   const double stress = cell(curve, 2, "stress");
@@ -244,6 +247,27 @@ TEST_F(Points, LawsByPhaseAndAxis)
   EXPECT_EQ(fieldText(filter->GetConstants(), "plane"), "plane-strain");
   EXPECT_GT(held, standard);
   EXPECT_LT(held, standard / (1 - 0.09) * (1 + 1e-6));
+}
+
+// Stresses of a solid section cannot pass 2/√3 of the yield stress in plane strain, Tresca's limit for J2; 10 % for
+// what swings. Walls that never yield carry E ε/(1 − ν²), several times as much.
+TEST_F(Points, WallsThatYield)
+{
+  const auto image = picture(
+    12, 14, 1, [](int, int, int) { return 1; }, spacing);
+  setFieldTexts(image, "phase_names", std::vector<std::string>{ "lumen", "wall" });
+  vtkNew<vtkPointCompression> filter;
+  quick(filter);
+  filter->SetInputData(image);
+  filter->SetLaw(vtkPointAlgorithm::PLASTIC);
+  filter->SetYieldStress(std::numeric_limits<double>::infinity());
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_NEAR(cell(filter->GetCurve(), 7, "stress") / (7.2e9 / 0.91 * 0.035), 1, 0.1);
+  filter->SetPhaseConstant("wall", "yield", 5e7);
+  ASSERT_EQ(errorOf(filter), "");
+  const double limit = 2 / std::sqrt(3) * 5e7;
+  EXPECT_NEAR(cell(filter->GetCurve(), 7, "stress") / limit, 1, 0.1);
+  EXPECT_GT(cell(filter->GetCurve(), 7, "dissipated"), cell(filter->GetCurve(), 7, "elastic_energy"));
 }
 
 TEST_F(Points, StiffnessIsTheSolver)

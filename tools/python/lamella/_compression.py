@@ -305,7 +305,7 @@ def compression(
     shape     "linear", "gimp", "spline"
     transfer  "flip", "pic", "apic", "xpic"
     consistent_mass, modified_update  see vtkPointCompression
-    time_step  seconds; None: 0.8 of the largest stable one
+    time_step  seconds; None: 0.9 of the largest stable one
     checkpoint, checkpoint_every, continue_from  as fracture() takes them; checkpoint_every in steps
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
 
