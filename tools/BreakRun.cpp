@@ -38,13 +38,13 @@ std::int64_t count(const char* option, const std::string& text)
 /// What rank 0 writes.
 struct Files
 {
-  StateFiles states;
+  StateWriter states;
   std::optional<OutputFile> broken;
   TableFiles curve;
 
   void open(const BreakOptions& o, vtkBondBreakAlgorithm* filter, std::size_t mostStates)
   {
-    states = StateFiles(o.output, mostStates, o.common.overwrite, ".vti",
+    states = StateWriter(o.output, mostStates, o.common.overwrite, ".vti",
       { "the fields", "broken bonds go to --broken FILE.vtp, the curve to --curve FILE.csv" });
     if (!o.broken.empty())
     {

@@ -177,7 +177,7 @@ void press(Session& session, const CompressionOptions& o, const std::string& com
       "--constants of a compression", "it is for --stiffness-only; the curve goes to --curve FILE.csv");
   }
   checkCheckpoint(o.checkpoint, o.common.overwrite);
-  StateFiles states(o.output, 1 + listed(o.atStrains).size(), o.common.overwrite, ".vtp",
+  StateWriter states(o.output, 1 + listed(o.atStrains).size(), o.common.overwrite, ".vtp",
     { "points", "the curve goes to --curve FILE.csv" });
   TableFiles curve;
   curve.add("--curve", o.curve, filter->GetCurve(), o.common.overwrite);

@@ -57,7 +57,7 @@ std::string howToContinue(const CheckpointWords& words, const KeptRun& run)
 
 } // namespace
 
-StateFiles::StateFiles(const std::string& name, std::size_t states, bool overwrite, const char* ending,
+StateWriter::StateWriter(const std::string& name, std::size_t states, bool overwrite, const char* ending,
   const std::array<const char*, 2>& what)
 {
   if (name.empty())
@@ -81,7 +81,7 @@ StateFiles::StateFiles(const std::string& name, std::size_t states, bool overwri
   collection_.emplace_back(std::filesystem::path(name).replace_extension(".pvd"), overwrite);
 }
 
-void StateFiles::needs(std::uint64_t bytes) const
+void StateWriter::needs(std::uint64_t bytes) const
 {
   if (!files_.empty())
   {
@@ -89,7 +89,7 @@ void StateFiles::needs(std::uint64_t bytes) const
   }
 }
 
-std::vector<std::string> StateFiles::write(std::span<vtkDataObject* const> states, const std::string& provenance)
+std::vector<std::string> StateWriter::write(std::span<vtkDataObject* const> states, const std::string& provenance)
 {
   std::vector<std::string> names;
   std::vector<double> times;
@@ -119,7 +119,7 @@ std::vector<std::string> StateFiles::write(std::span<vtkDataObject* const> state
   return names;
 }
 
-void StateFiles::commit()
+void StateWriter::commit()
 {
   for (std::size_t i = first_; i < first_ + written_; ++i)
   {

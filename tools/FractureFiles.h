@@ -20,15 +20,15 @@ namespace lamella::cli
 
 /// The states of a run as files: NAME.vti, or where several are asked for NAME_000.vti, NAME_001.vti, … and NAME.pvd,
 /// which tells their strains, or times, as times. A run that goes on from a checkpoint counts the states before it too.
-class StateFiles
+class StateWriter
 {
 public:
-  StateFiles() = default;
+  StateWriter() = default;
   /// Opens as many files as there may be states.
   /// @param name of the option -o; empty: no file
   /// @param ending of such files: ".vti", ".vtp" @param what is written in them, and where the rest goes
   /// @throws ParameterError for another ending; OutputError
-  StateFiles(const std::string& name, std::size_t states, bool overwrite, const char* ending,
+  StateWriter(const std::string& name, std::size_t states, bool overwrite, const char* ending,
     const std::array<const char*, 2>& what);
 
   /// @param bytes of one state @throws OutputError when the disk has less room

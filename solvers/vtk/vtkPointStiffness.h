@@ -14,8 +14,10 @@
  * - PERIODIC, STICKY: E_x, nu_xy, G_xy … from the inverse of the tensor.
  *
  * **Output 1**, tensor: vtkTable, a row a stress: `stress` (its name), then a column a strain, `xx`, `yy`, `xy`; xx,
- * yy, zz, yz, xz, xy of a volume [Pa], shear strains as angles. Without shear for STRAIGHT and FIXED; no rows for OPEN,
- * nor where FitPlatens gives each axis a box of its own.
+ * yy, zz, yz, xz, xy of a volume [Pa], shear strains as angles. Without shear for STRAIGHT and FIXED; no rows for OPEN.
+ *
+ * FitPlatens here makes the box that of the tissue along every axis, and stresses count over its sections; of no
+ * account for PERIODIC and STICKY.
  *
  * **Field data** of both: `constant_names`, `constants`, `stiffness` (by rows) and `stiffness_components`; `points`,
  * `nodes`, `iterations` (of conjugate gradients, all loads), `residual`, `seconds` (points, matrix and factors; loads);

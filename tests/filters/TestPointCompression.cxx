@@ -242,11 +242,12 @@ TEST_F(Points, LawsByPhaseAndAxis)
   EXPECT_NE(turned, standard);
   filter->SetLaw(vtkPointAlgorithm::ISOTROPIC);
   EXPECT_NEAR(modulus() / standard, 1, 1e-12);
-  filter->SetLaw(vtkPointAlgorithm::PLASTIC); // plane strain: stiffer, and by no more than 1/(1 − ν²)
+  filter->SetLaw(vtkPointAlgorithm::PLASTIC);
   const double held = modulus();
   EXPECT_EQ(fieldText(filter->GetConstants(), "plane"), "plane-strain");
-  EXPECT_GT(held, standard);
-  EXPECT_LT(held, standard / (1 - 0.09) * (1 + 1e-6));
+  // in a plane with holes Young's modulus does not depend on Poisson's ratio (Cherkaev, Lurie and Milton 1992), and
+  // plane strain has E/(1 − ν²) for E: exact between free sides; straight ones and the grid leave 1e-3
+  EXPECT_NEAR(held / standard * 0.91, 1, 2e-3);
 }
 
 // Stresses of a solid section cannot pass 2/√3 of the yield stress in plane strain, Tresca's limit for J2; 10 % for
@@ -336,11 +337,10 @@ TEST_F(Points, PlatensAtTheTissue)
   still->SetInputData(image);
   still->FitPlatensOn();
   ASSERT_EQ(errorOf(still), "");
-  // a solid block of plane stress: its own E along y; along x it fills 12 of 15 rows
+  // a solid block of plane stress in its own box: its own E; 1e-6 is the tolerance of the solve
   const std::vector<double> constants = fieldNumbers(still->GetConstants(), "constants");
-  EXPECT_NEAR(constants.at(2) / 7.2e9, 1, 1e-6); // the tolerance of the solve
-  EXPECT_NEAR(constants.at(0) / (7.2e9 * 12 / 15), 1, 1e-6);
-  EXPECT_EQ(still->GetTensor()->GetNumberOfRows(), 0); // of two boxes
+  EXPECT_NEAR(constants.at(0) / 7.2e9, 1, 1e-6);
+  EXPECT_NEAR(constants.at(2) / 7.2e9, 1, 1e-6);
 }
 
 TEST_F(Points, GoesOnFromACheckpoint)
@@ -373,26 +373,29 @@ TEST_F(Points, GoesOnFromACheckpoint)
     [](vtkObject* caller, unsigned long, void*, void*)
     {
       auto* const algorithm = vtkAlgorithm::SafeDownCast(caller);
-      algorithm->SetAbortExecute(algorithm->GetProgress() > 0.3);
+      algorithm->SetAbortExecute(algorithm->GetProgress() > 0); // the first time that it is told anything
     });
   first->AddObserver(vtkCommand::ProgressEvent, stop);
   EXPECT_EQ(errorOf(first), "");
   EXPECT_EQ(first->GetNumberOfStates(), 0);
-  if (first->GetLastCheckpoint() == 0) // on a machine so fast that it was told nothing on the way
-  {
-    GTEST_SKIP() << "not interrupted";
-  }
+  ASSERT_GT(first->GetLastCheckpoint(), 0);
   vtkNew<vtkPointCompression> second;
   set(second);
   ASSERT_EQ(errorOf(second), "");
   const auto number = [&](const char* name) { return fieldNumbers(second->GetPoints(), name).at(0); };
   EXPECT_EQ(number("continued_at"), static_cast<double>(first->GetLastCheckpoint()));
-  EXPECT_EQ(number("states_before"), 1);
-  ASSERT_EQ(second->GetNumberOfStates(), 2);
+  EXPECT_EQ(number("states_before"), 0);
+  ASSERT_EQ(second->GetNumberOfStates(), 3);
   // the run was sorted anew once more than the whole one, where it was interrupted: round-off, grown by what vibrates
   const double expected = cell(whole->GetCurve(), 8, "stress");
   EXPECT_NEAR(cell(second->GetCurve(), 8, "stress") / expected, 1, 1e-3);
 
+  vtkNew<vtkPointCompression> third; // from the checkpoint at the end
+  set(third);
+  ASSERT_EQ(errorOf(third), "");
+  EXPECT_EQ(third->GetNumberOfStates(), 1);
+  EXPECT_EQ(fieldNumbers(third->GetPoints(), "states_before").at(0), 2);
+  EXPECT_EQ(cell(third->GetCurve(), 8, "stress"), cell(second->GetCurve(), 8, "stress"));
   second->SetStrain(0.05);
   EXPECT_NE(errorOf(second).find("another scene: last strain: 0.04 there, 0.05 here"), std::string::npos);
   std::ofstream(file, std::ios::binary | std::ios::trunc) << "no checkpoint";

@@ -294,6 +294,7 @@ self.GetOutputInformation(0).Set(pipeline.TIME_RANGE(), [0.2, 0.6], 2)
 
     def test_compression(self):
         tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[21, 24, 1], SolidFraction=0.7)
+        tissue.UpdatePipeline()
         image = servermanager.Fetch(tissue)
         still = pv.PointStiffness(Input=tissue)
         still.UpdatePipeline()
