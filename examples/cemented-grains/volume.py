@@ -19,7 +19,7 @@ from paraview.simple import (
     Contour, CreateView, GetActiveCamera, OpenDataFile, Outline, Render, SaveScreenshot, Show,
 )
 from vtkmodules.vtkCommonDataModel import vtkPlane, vtkPlaneCollection
-from vtkmodules.vtkFiltersCore import vtkAppendPolyData
+from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkPolyDataNormals
 from vtkmodules.vtkFiltersGeneral import vtkClipClosedSurface
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
@@ -68,9 +68,12 @@ def spheres(packing, bounds, path):
     cut = vtkClipClosedSurface()
     cut.SetInputConnection(together.GetOutputPort())
     cut.SetClippingPlanes(ends)
+    smooth = vtkPolyDataNormals()
+    smooth.SetInputConnection(cut.GetOutputPort())
+    smooth.SetFeatureAngle(40)
     writer = vtkXMLPolyDataWriter()
     writer.SetFileName(path)
-    writer.SetInputConnection(cut.GetOutputPort())
+    writer.SetInputConnection(smooth.GetOutputPort())
     writer.Write()
 
 

@@ -25,11 +25,12 @@ from vtkmodules.vtkCommonCore import vtkLogger
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 from common import parser_of, write_csv, write_figure  # noqa: E402
 
-SPACING = 0.5e-6
-REAL = {  # outlines, corner of the window [micrometres]
-    "spruce-earlywood": ("spruce_EW_polygons.json.gz", (110, 110)),
-    "spruce-latewood": ("spruce_LW_polygons.json.gz", (40, 40)),
+REAL = {  # outlines, window [micrometres]: low x, low y, high x, high y
+    "spruce-earlywood": ("spruce_EW_polygons.json.gz", (120, 120, 260, 260)),
+    "spruce-latewood": ("spruce_LW_polygons.json.gz", (60, 60, 160, 160)),
 }
+SIZE = 200e-6  # of the generated ones
+SPACINGS = {True: 0.5e-6, False: 1e-6}  # real, generated, whose walls are thicker
 GENERATED = {
     "earlywood": (lamella.softwood, dict(solid_fraction=0.4, ray_distance=0)),
     "latewood": (lamella.softwood, dict(solid_fraction=0.78, ring_position=(0.8, 1.0), ray_distance=0)),
@@ -37,20 +38,21 @@ GENERATED = {
 }
 SNAPSHOTS = {"poplar": (0.10, 0.20, 0.42)}
 USUAL = (0.05, 0.12, 0.25, 0.48)
+ENDS = {"latewood": 0.2, "spruce-latewood": 0.35}  # where hardly a lumen is left
+END = 0.48
 DIRECTIONS = {"R": "radial", "T": "tangential"}
 
 
 def tissue(name, options):
     """Walls with their directions on a lattice, and which axis is radial."""
-    spacing = options.spacing * 1e-6
+    spacing = SPACINGS[name in REAL] * options.coarser
     if name in REAL:
-        file, corner = REAL[name]
-        window = (*corner, corner[0] + options.size, corner[1] + options.size)
+        file, window = REAL[name]
         outlines = lamella.read_polygons(os.path.join(os.environ["LAMELLA_REAL_DATA"], file), window=window)
         return outlines.lattice(spacing), "y"
     make, how = GENERATED[name]
-    nodes = round(options.size * 1e-6 / SPACING)
-    sample = make(size=(nodes, nodes), spacing=SPACING, seed=options.seed, **how)
+    nodes = round(SIZE / SPACINGS[False])
+    sample = make(size=(nodes, nodes), spacing=SPACINGS[False], seed=options.seed, **how)
     return lamella.contours(sample).lattice(spacing), "x"
 
 
@@ -62,10 +64,11 @@ def pressed(name, direction, options):
     walls = dict(points_per_node=options.per, threads=options.threads)
     modulus = lamella.point_stiffness(image, **walls).constants[f"E_{axis}"]
     spent = time.process_time() - begun
-    strains = [strain for strain in SNAPSHOTS.get(name, USUAL) if strain <= options.strain] if direction == "R" else []
-    frames = list(np.linspace(0, options.strain, options.frames + 1)[1:]) if direction == "R" else []
-    kept = sorted({*strains, *frames, *np.linspace(0.04, options.strain, 12)}) if direction == "R" else []
-    result = lamella.compression(image, axis=axis, strain=options.strain, energy_ratio=options.energy_ratio, at_strains=kept,
+    end = min(options.strain, ENDS.get(name, END))
+    strains = [strain for strain in SNAPSHOTS.get(name, USUAL) if strain <= end] if direction == "R" else []
+    frames = list(np.linspace(0, end, options.frames + 1)[1:]) if direction == "R" else []
+    kept = sorted({*strains, *frames, *np.linspace(end / 12, end, 12)}) if direction == "R" else []
+    result = lamella.compression(image, axis=axis, strain=end, energy_ratio=options.energy_ratio, at_strains=kept,
                                  fields=("displacement", "deformation_gradient", "stress"), **walls)
     result.save_curve(os.path.join(options.output, f"{name}-{direction}.csv"), overwrite=True)
     curve = lamella.compression_curve(result.strain, result.stress)
@@ -73,7 +76,7 @@ def pressed(name, direction, options):
                implicit_MPa=modulus / 1e6, slope_MPa=curve.stiffness / 1e6, plateau_MPa=curve.plateau_stress / 1e6,
                densification=curve.densification, energy_ratio=result.energy_ratio, steps=result.statistics["steps"],
                stiffness_s=round(spent, 2), total_s=round(time.process_time() - begun, 1))
-    drawn = {}
+    drawn = {"spacing": image.vtk.GetSpacing()[0], "end": end}
     if direction == "R":
         shown = [state for state in result.states if any(abs(state.imposed_strain - e) < 1e-6 for e in strains)]
         drawn["states"] = [picture_of(state, axis) for state in shown]
@@ -92,9 +95,9 @@ def picture_of(state, axis):
     return (state.imposed_strain, places if upwards else places[:, ::-1], np.asarray(stress[:, 1 if upwards else 0]))
 
 
-def show(axes, picture, width, height, limit):
+def show(axes, picture, width, height, limit, spacing):
     strain, places, stress = picture
-    side = 72 * axes.get_position().width * axes.figure.get_figwidth() / width * SPACING  # of a pixel, in points of print
+    side = 72 * axes.get_position().width * axes.figure.get_figwidth() / width * spacing  # of a pixel, in points of print
     axes.scatter(*(places * 1e6).T, c=np.clip(-stress / limit, -1, 1), cmap="RdBu_r", vmin=-1, vmax=1, s=(0.55 * side) ** 2, marker="s",
                  linewidths=0, rasterized=True)
     axes.set_title(f"{100 * strain:.0f} %", fontsize=9)
@@ -117,8 +120,8 @@ def draw(name, tests, options):
         axes.plot(100 * strain, stress / 1e6, style, color="0.1", linewidth=1.2, label=DIRECTIONS[direction])
     axes.set_xlabel("strain [%]")
     axes.set_ylabel("stress [MPa]")
-    axes.set_xlim(0, 100 * options.strain)
-    middle = [np.interp(0.7 * options.strain, strain, stress) for _, strain, stress, _ in tests.values()]
+    axes.set_xlim(0, 100 * drawn["end"])
+    middle = [np.interp(0.7 * drawn["end"], strain, stress) for _, strain, stress, _ in tests.values()]
     axes.set_ylim(0, 2.2 * max(middle) / 1e6)
     axes.legend(frameon=False, fontsize=9)
     width, height = (np.ptp(states[0][1][:, i]) for i in (0, 1))
@@ -126,16 +129,16 @@ def draw(name, tests, options):
     limit = 3 * np.percentile(np.abs(states[0][2]), 75)
     each = (1 - share) / len(states)
     for k, picture in enumerate(states):
-        show(figure.add_axes([share + k * each + 0.004, 0.02, each - 0.008, 0.86]), picture, width, height, limit)
+        show(figure.add_axes([share + k * each + 0.004, 0.02, each - 0.008, 0.86]), picture, width, height, limit, drawn["spacing"])
     write_figure(figure, os.path.join(options.output, f"{name}.png"), dpi=200)
 
     for k, picture in enumerate(drawn["frames"]):
         figure = plt.figure(figsize=(5, 5.2))
-        show(figure.add_axes([0.01, 0.01, 0.98, 0.92]), picture, width, height, limit)
+        show(figure.add_axes([0.01, 0.01, 0.98, 0.92]), picture, width, height, limit, drawn["spacing"])
         write_figure(figure, os.path.join(options.output, f"{name}-frame-{k:03d}.png"), dpi=160)
 
     figure, axes = plt.subplots(figsize=(5, 4.2), constrained_layout=True)
-    shown = axes.imshow(100 * drawn["collapse"], cmap="viridis", vmin=0, vmax=100 * options.strain, interpolation="nearest")
+    shown = axes.imshow(100 * drawn["collapse"], cmap="viridis", vmin=0, vmax=100 * drawn["end"], interpolation="nearest")
     axes.axis("off")
     axes.set_title("strain at which a lumen has lost half of its area [%]", fontsize=9)
     figure.colorbar(shown, ax=axes, shrink=0.85)
@@ -144,10 +147,9 @@ def draw(name, tests, options):
 
 def main():
     parser = parser_of(__doc__, "results/wood-compression")
-    parser.add_argument("--size", type=float, default=200, help="width and height of the samples [micrometres] (default: %(default)s)")
-    parser.add_argument("--spacing", type=float, default=0.5, help="of the lattice [micrometres] (default: %(default)s)")
+    parser.add_argument("--coarser", type=float, default=1, help="lattice's spacing, over 0.5 (real) and 1 micrometre (default: %(default)s)")
     parser.add_argument("--per", type=int, default=2, help="points along each axis in a pixel (default: %(default)s)")
-    parser.add_argument("--strain", type=float, default=0.48, help="to end at (default: %(default)s)")
+    parser.add_argument("--strain", type=float, default=END, help="to end at, where a sample has lumens left (default: %(default)s)")
     parser.add_argument("--energy-ratio", type=float, default=0.01, help="kinetic over elastic energy allowed (default: %(default)s)")
     parser.add_argument("--only", nargs="+", help="these samples alone")
     parser.add_argument("--frames", type=int, default=0, help="pictures of each radial test, for a film (default: none)")
