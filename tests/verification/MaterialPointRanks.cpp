@@ -27,8 +27,8 @@ using namespace lamella::mpm::samples;
 using lamella::test::alone;
 using lamella::test::everyone;
 
-/// The same motion by rank 0 alone and by all, to the round-off of sums in another order, which the motion amplifies: up
-/// to 4e-11 was measured on 2 to 4 ranks.
+/// The same motion by rank 0 alone and by all, to the round-off of sums in another order, which the motion amplifies:
+/// up to 4e-11 was measured on 2 to 4 ranks.
 /// @param energies whether they can be compared: of a period that grows each image has another kinetic energy
 template <int Dim, class Make>
 void expectSame(Make&& make, std::int64_t steps, double tolerance, bool energies)
