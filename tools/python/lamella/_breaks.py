@@ -129,6 +129,17 @@ class BreakResult(BondNumbers):
         return path
 
 
+def set_checkpoint(algorithm, checkpoint, checkpoint_every, continue_from):
+    """Where a run keeps how it stands, and what it goes on from; an error where a checkpoint is there that is not to be
+    replaced."""
+    checkpoint, continue_from = (os.fspath(path) if path is not None else "" for path in (checkpoint, continue_from))
+    if checkpoint != continue_from and os.path.exists(checkpoint):
+        raise FileExistsError(f"{checkpoint} exists; remove it, or say continue_from={checkpoint!r} to go on from it")
+    algorithm.SetCheckpointFile(checkpoint)
+    algorithm.SetCheckpointEvery(int(checkpoint_every))
+    algorithm.SetContinueFile(continue_from)
+
+
 def run_breaks(
     algorithm,
     result,
@@ -152,11 +163,6 @@ def run_breaks(
     for count in np.ravel(at_broken):
         algorithm.AddStateAtBroken(int(count))
     algorithm.SetComputeDisplacement(bool(displacement))
-    checkpoint, continue_from = (os.fspath(path) if path is not None else "" for path in (checkpoint, continue_from))
-    if checkpoint != continue_from and os.path.exists(checkpoint):
-        raise FileExistsError(f"{checkpoint} exists; remove it, or say continue_from={checkpoint!r} to go on from it")
-    algorithm.SetCheckpointFile(checkpoint)
-    algorithm.SetCheckpointEvery(int(checkpoint_every))
-    algorithm.SetContinueFile(continue_from)
+    set_checkpoint(algorithm, checkpoint, checkpoint_every, continue_from)
     run(algorithm, progress)
     return result(algorithm)
