@@ -294,10 +294,9 @@ self.GetOutputInformation(0).Set(pipeline.TIME_RANGE(), [0.2, 0.6], 2)
 
     def test_compression(self):
         tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[21, 24, 1], SolidFraction=0.7)
-        tissue.UpdatePipeline()
-        image = servermanager.Fetch(tissue)
         still = pv.PointStiffness(Input=tissue)
         still.UpdatePipeline()
+        image = servermanager.Fetch(tissue)
         expected = lamella.point_stiffness(image)
         self.assertEqual(field(still, "constants"), list(expected.constants.values()))
         self.assertEqual(servermanager.Fetch(still).GetColumnByName("constant").GetValue(0), "E_x")
