@@ -293,7 +293,7 @@ self.GetOutputInformation(0).Set(pipeline.TIME_RANGE(), [0.2, 0.6], 2)
         self.assertEqual(field(second, "peak_stress"), field(whole, "peak_stress"))
 
     def test_compression(self):
-        tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[21, 24, 1], SolidFraction=0.7)
+        tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[42, 48, 1], SolidFraction=0.6)
         still = pv.PointStiffness(Input=tissue)
         still.UpdatePipeline()
         image = servermanager.Fetch(tissue)
