@@ -26,8 +26,8 @@ sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 from common import parser_of, write_csv, write_figure  # noqa: E402
 
 REAL = {  # outlines, window [micrometres]: low x, low y, high x, high y
-    "spruce-earlywood": ("spruce_EW_polygons.json.gz", (120, 120, 260, 260)),
-    "spruce-latewood": ("spruce_LW_polygons.json.gz", (60, 60, 160, 160)),
+    "spruce-earlywood": ("spruce_EW_polygons.json.gz", (130, 130, 240, 240)),
+    "spruce-latewood": ("spruce_LW_polygons.json.gz", (70, 70, 140, 140)),
 }
 SIZE = 200e-6  # of the generated ones
 SPACINGS = {True: 0.5e-6, False: 1e-6}  # real, generated, whose walls are thicker
@@ -56,6 +56,11 @@ def tissue(name, options):
     return lamella.contours(sample).lattice(spacing), "x"
 
 
+def number(value):
+    """What a curve that ends early does not have."""
+    return np.nan if value is None else value
+
+
 def pressed(name, direction, options):
     """One test; what is drawn of it, and its row of the table."""
     begun = time.process_time()
@@ -67,14 +72,14 @@ def pressed(name, direction, options):
     end = min(options.strain, ENDS.get(name, END))
     strains = [strain for strain in SNAPSHOTS.get(name, USUAL) if strain <= end] if direction == "R" else []
     frames = list(np.linspace(0, end, options.frames + 1)[1:]) if direction == "R" else []
-    kept = sorted({*strains, *frames, *np.linspace(end / 12, end, 12)}) if direction == "R" else []
+    kept = sorted({round(e, 6) for e in (*strains, *frames, *np.linspace(end / 12, end, 12))}) if direction == "R" else []
     result = lamella.compression(image, axis=axis, strain=end, energy_ratio=options.energy_ratio, at_strains=kept,
                                  fields=("displacement", "deformation_gradient", "stress"), **walls)
     result.save_curve(os.path.join(options.output, f"{name}-{direction}.csv"), overwrite=True)
     curve = lamella.compression_curve(result.strain, result.stress)
     row = dict(sample=name, direction=direction, solid=1 - result.curve["porosity"][0], points=result.statistics["points"],
-               implicit_MPa=modulus / 1e6, slope_MPa=curve.stiffness / 1e6, plateau_MPa=curve.plateau_stress / 1e6,
-               densification=curve.densification, energy_ratio=result.energy_ratio, steps=result.statistics["steps"],
+               implicit_MPa=modulus / 1e6, slope_MPa=curve.stiffness / 1e6, plateau_MPa=number(curve.plateau_stress) / 1e6,
+               densification=number(curve.densification), energy_ratio=result.energy_ratio, steps=result.statistics["steps"],
                stiffness_s=round(spent, 2), total_s=round(time.process_time() - begun, 1))
     drawn = {"spacing": image.vtk.GetSpacing()[0], "end": end}
     if direction == "R":
