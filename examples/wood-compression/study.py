@@ -103,7 +103,7 @@ def picture_of(state, axis):
 def show(axes, picture, width, height, limit, spacing):
     strain, places, stress = picture
     side = 72 * axes.get_position().width * axes.figure.get_figwidth() / width * spacing  # of a pixel, in points of print
-    axes.scatter(*(places * 1e6).T, c=np.clip(-stress / limit, -1, 1), cmap="RdBu_r", vmin=-1, vmax=1, s=(0.75 * side) ** 2, marker="s",
+    axes.scatter(*(places * 1e6).T, c=np.clip(-stress / limit, -1, 1), cmap="RdBu_r", vmin=-1, vmax=1, s=(0.55 * side) ** 2, marker="s",
                  linewidths=0, rasterized=True)
     axes.set_title(f"{100 * strain:.0f} %", fontsize=9)
     middle = 1e6 * (places[:, 0].min() + places[:, 0].max()) / 2
@@ -131,7 +131,7 @@ def draw(name, tests, options):
     axes.legend(frameon=False, fontsize=9)
     width, height = (np.ptp(states[0][1][:, i]) for i in (0, 1))
     height /= 1 - states[0][0]
-    limit = np.percentile(np.abs(states[len(states) // 2][2]), 97)
+    limit = 3 * np.percentile(np.abs(states[0][2]), 75)
     each = (1 - share) / len(states)
     for k, picture in enumerate(states):
         show(figure.add_axes([share + k * each + 0.004, 0.02, each - 0.008, 0.86]), picture, width, height, limit, drawn["spacing"])

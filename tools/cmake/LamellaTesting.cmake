@@ -20,6 +20,7 @@ set(_lamella_test_environment
   OMP_WAIT_POLICY=PASSIVE
   OMPI_ALLOW_RUN_AS_ROOT=1
   OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+  OMPI_MCA_mpi_yield_when_idle=1 # more ranks than idle cores would spin: minutes in place of seconds
   OMPI_MCA_btl_vader_single_copy_mechanism=none # containers refuse the system call and Open MPI then complains
 )
 if(LAMELLA_SANITIZE)
