@@ -88,7 +88,7 @@ TEST(MaterialPointBodies, ASpinningDiskKeepsItsAngularMomentum)
     return sum;
   };
   const double before = angular();
-  disk.advanceTo(2 * pi / rate); // a whole turn, 2668 steps
+  disk.advanceTo(2 * pi / rate); // a whole turn
   EXPECT_NEAR(angular(), before, 1e-11 * before);
   // the centrifugal stress of a disk, ρ ω² R² (3 − 2ν)/(8 (1 − ν)), which sets in at once: at most twice that
   const double centrifugal = rate * rate * 0.16 * 2.4 / 5.6;
