@@ -111,7 +111,7 @@ Command fractureCommand(CLI::App& root)
     ->type_name("auto|events|accurate")
     ->capture_default_str();
   numerics(app->add_flag("--no-rivals", o->noRivals,
-    "Of events: do not look closer where two bonds are nearly as critical; three times as fast"));
+    "Of events: do not look closer where two bonds are nearly as critical; sooner by a third to a half"));
   addToleranceOption(*app, o->tolerance);
   addFileOptions(*app, *o,
     { "Write damage and displacement at the end as .vti, for ParaView", "Write the stress-strain curve",

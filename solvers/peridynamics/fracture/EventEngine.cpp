@@ -131,8 +131,9 @@ StretchMaximum EventEngine::mostCritical()
   const double start = seconds();
   StretchMaximum most = tiles_.greatest(state_);
   statistics_.searchSeconds += seconds() - start;
-  // which of two it is makes the path: the errors of local corrections are not to say
-  const bool rival = options_.rivals > 0 && most.bond && tiles_.second() >= (1 - options_.rivals) * most.ratio;
+  // which of two it is makes the path: the errors of local corrections, which add up, are not to say
+  const double margin = options_.rivals * std::min(1.0, (sinceGlobal_ + 1.0) / options_.globalEvery);
+  const bool rival = margin > 0 && most.bond && tiles_.second() >= (1 - margin) * most.ratio;
   if (rival && correct(mostIterations, options_.rivalTolerance))
     most = tiles_.greatest(state_);
   return most;
