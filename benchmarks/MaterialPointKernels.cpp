@@ -82,9 +82,10 @@ int main(int argc, char** argv)
     const int cells = quick ? 112 : 224;
     const double young = OrthotropicMaterial{}.along;
     const PointKernels& kernels = pointKernels();
-    fmt::print("Quadratic splines, lumped mass, APIC, double; kernels {} with {} or {} lanes; {} thread(s)\n"
-               "millions of point updates a second                     points  processor      wall  bytes\n",
-      kernels.name, kernels.lanes[0], kernels.lanes[1], omp_get_max_threads());
+    fmt::print(
+      "Quadratic splines, lumped mass, APIC, double; kernels {} with {} lanes for {} cell(s) at once; {} thread(s)\n"
+      "millions of point updates a second                     points  processor      wall  bytes\n",
+      kernels.name, kernels.lanes, kernels.cells, omp_get_max_threads());
     for (const int perCell : { 2, 3, 4 })
     {
       const int side = cells * 2 / perCell;

@@ -16,8 +16,7 @@ namespace
 
 constexpr int stripeRows = 8; // more than twice what a stray may be off, and the three rows of a spline
 constexpr std::size_t worthThreads = 2000;
-constexpr double sortAt = 0.02;   // share of strays
-constexpr double worthWide = 1.5; // how many fewer wide vectors make up for their emptier lanes
+constexpr double sortAt = 0.02; // share of strays
 
 /// From node 0, or from the last one inwards, to where a point counts as outside [spacings]: open ends with two cells
 /// of room, cuts half a cell beyond this rank's rows; elsewhere a quarter of a cell beyond the last nodes, where
@@ -73,8 +72,6 @@ void FusedStep<Dim>::sort(const BackgroundGrid<Dim>& grid)
   }
   cells_.clear();
   stripes_.assign(1, 0);
-  std::array<std::int64_t, 2> vectors{}; // narrow, wide
-  const auto& lanes = pointKernels().lanes;
   const std::int64_t perLayer = bases[0] * (Dim == 3 ? bases[1] : 1);
   for (std::size_t c = 0; c + 1 < first.size(); ++c)
   {
@@ -89,12 +86,9 @@ void FusedStep<Dim>::sort(const BackgroundGrid<Dim>& grid)
     for (int a = 0; a < Dim; rest /= bases[static_cast<std::size_t>(a)], ++a)
       cell.base[a] = static_cast<std::int32_t>(rest % bases[static_cast<std::size_t>(a)]) - 1;
     cells_.push_back(cell);
-    for (std::size_t w = 0; w < 2; ++w)
-      vectors[w] += (inside + static_cast<std::uint32_t>(lanes[w]) - 1) / static_cast<std::uint32_t>(lanes[w]);
   }
   stripes_.push_back(static_cast<std::int64_t>(cells_.size()));
   cells_.push_back({ {}, static_cast<std::uint32_t>(count) });
-  wide_ = static_cast<double>(vectors[0]) > worthWide * static_cast<double>(vectors[1]);
 
   std::vector<std::uint32_t> order(count);
   for (std::size_t p = 0; p < count; ++p)
@@ -136,7 +130,7 @@ void FusedStep<Dim>::sweep(
   job.constants = constants_.data();
   job.onePhase = onePhase_;
 
-  const SweepCells kernel = pointKernels().sweep[Dim - 2][static_cast<int>(kind_)][whole ? 1 : 0][wide_ ? 1 : 0];
+  const SweepCells kernel = pointKernels().sweep[Dim - 2][static_cast<int>(kind_)][whole ? 1 : 0];
   const auto stripes = static_cast<std::int64_t>(stripes_.size()) - 1;
   const bool worthIt = points_.count() > worthThreads;
   std::int64_t strays = 0;

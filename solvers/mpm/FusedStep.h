@@ -60,7 +60,6 @@ private:
   double kick_ = 0; ///< that the nodes were given forces for; 0: they hold nothing
   bool leaving_ = false;
   bool lost_ = false;
-  bool wide_ = false;
 };
 
 extern template class FusedStep<2>;

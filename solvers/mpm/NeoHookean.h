@@ -10,7 +10,7 @@ namespace lamella::mpm
 
 /// A law of a point's material. A law is a struct of static templates over the dimension and the number type, a double
 /// or the lanes of a kernel, with no branch on values (kernels work on several points at once; a choice is
-/// `select(condition, a, b)`), found by argument-dependent lookup: sqrt, log, min, max, select.
+/// `select(condition, a, b)`), found by argument-dependent lookup: sqrt, inverseSqrt, log, min, max, select.
 ///
 /// - `kind`: by which kernels find it;
 /// - `constants`: numbers of a phase, which every function gets as an array c of Real;

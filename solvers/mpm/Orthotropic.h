@@ -96,7 +96,6 @@ private:
   [[nodiscard]] static Matrix<2, Real> inPlane(
     const Real* k, const Matrix<2, Real>& F, const Vector<2, Real>& axis, const Real& volume)
   {
-    using std::sqrt;
     // F on the material's axes, its columns along and across; R then turns from those to the present
     const Real f11 = F(0, 0) * axis[0] + F(0, 1) * axis[1];
     const Real f12 = F(0, 1) * axis[0] - F(0, 0) * axis[1];
@@ -104,7 +103,7 @@ private:
     const Real f22 = F(1, 1) * axis[0] - F(1, 0) * axis[1];
     const Real x = f11 + f22;
     const Real y = f21 - f12;
-    const Real inverse = 1.0 / sqrt(x * x + y * y); // of tr U
+    const Real inverse = inverseSqrt(x * x + y * y); // of tr U
     const Real c = x * inverse;
     const Real s = y * inverse;
     const Real u11 = c * f11 + s * f21;

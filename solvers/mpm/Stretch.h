@@ -88,7 +88,7 @@ inline Matrix<Dim, Real> rotation(const Matrix<Dim, Real>& F)
   {
     const Real x = F(0, 0) + F(1, 1);
     const Real y = F(1, 0) - F(0, 1);
-    const Real inverse = 1.0 / sqrt(x * x + y * y);
+    const Real inverse = inverseSqrt(x * x + y * y);
     const Real c = x * inverse;
     const Real s = y * inverse;
     return { { c, -s, s, c } };

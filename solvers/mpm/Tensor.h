@@ -7,6 +7,12 @@
 namespace lamella::mpm
 {
 
+/// 1/√x
+[[nodiscard]] inline double inverseSqrt(double x)
+{
+  return 1.0 / std::sqrt(x);
+}
+
 template <int Dim, class Real = double>
 struct Vector
 {

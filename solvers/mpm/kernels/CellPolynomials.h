@@ -44,8 +44,8 @@ inline std::int64_t nodeOffset(const std::int64_t* stride, int n)
 }
 
 /// Applies f to the three values along an axis, for every line of them.
-template <int Dim, class F>
-inline void alongAxis(Node* values, int axis, F&& f)
+template <int Dim, class R, class F>
+inline void alongAxis(R* values, int axis, F&& f)
 {
   const int step = axis == 0 ? 1 : axis == 1 ? 3 : 9;
   for (int outer = 0; outer < cellNodes<Dim>; outer += 3 * step)
@@ -53,15 +53,16 @@ inline void alongAxis(Node* values, int axis, F&& f)
       f(values[n], values[n + step], values[n + 2 * step]);
 }
 
-template <int Dim>
-inline void toCoefficients(Node* values)
+/// @param values of the nodes of a cell, or of several side by side
+template <int Dim, class R>
+inline void toCoefficients(R* values)
 {
   for (int axis = 0; axis < Dim; ++axis)
     alongAxis<Dim>(values, axis,
-      [](Node& a, Node& b, Node& c)
+      [](R& a, R& b, R& c)
       {
-        const Node ends = 0.5 * (a + c);
-        const Node first = 0.5 * (c - a);
+        const R ends = 0.5 * (a + c);
+        const R first = 0.5 * (c - a);
         c = ends - b;
         a = 0.75 * b + 0.25 * ends;
         b = first;
@@ -69,15 +70,15 @@ inline void toCoefficients(Node* values)
 }
 
 /// The transpose: from moments to what the nodes get.
-template <int Dim>
-inline void toNodes(Node* moments)
+template <int Dim, class R>
+inline void toNodes(R* moments)
 {
   for (int axis = 0; axis < Dim; ++axis)
     alongAxis<Dim>(moments, axis,
-      [](Node& a, Node& b, Node& c)
+      [](R& a, R& b, R& c)
       {
-        const Node ends = 0.125 * a + 0.5 * c;
-        const Node half = 0.5 * b;
+        const R ends = 0.125 * a + 0.5 * c;
+        const R half = 0.5 * b;
         b = 0.75 * a - c;
         a = ends - half;
         c = ends + half;
@@ -93,9 +94,9 @@ struct Evaluated
   R affine[Dim];
 };
 
-/// @param k coefficients of this component, a value every `nodeValues` doubles
-template <int Dim, class R>
-inline Evaluated<Dim, R> evaluate(const double* k, const CellPlace<R>* at)
+/// @param coefficient coefficient(n) of this component, for every lane that of its cell
+template <int Dim, class R, class F>
+inline Evaluated<Dim, R> evaluate(F&& coefficient, const CellPlace<R>* at)
 {
   Evaluated<Dim, R> plane[Dim == 3 ? 3 : 1];
   for (int z = 0; z < (Dim == 3 ? 3 : 1); ++z)
@@ -105,10 +106,10 @@ inline Evaluated<Dim, R> evaluate(const double* k, const CellPlace<R>* at)
     R affine[3];
     for (int y = 0; y < 3; ++y)
     {
-      const double* row = k + (z * 9 + y * 3) * 4;
-      const R first(row[4]);
-      const R second(row[8]);
-      value[y] = R(row[0]) + at[0].e * (first + at[0].e * second);
+      const int n = z * 9 + y * 3;
+      const R first = coefficient(n + 1);
+      const R second = coefficient(n + 2);
+      value[y] = coefficient(n) + at[0].e * (first + at[0].e * second);
       gradient[y] = first + at[0].gradient * second;
       affine[y] = first + at[0].affine * second;
     }
@@ -184,15 +185,22 @@ inline void addMoments(R* moments, const CellPlace<R>* at, R value)
   }
 }
 
-/// The sums over their lanes.
-template <int N>
-inline Node sums(Lanes<N> a, Lanes<N> b, Lanes<N> c, Lanes<N> d)
+/// The sums over the lanes of every cell, next to each other: four of them a cell.
+template <int N, int Cells>
+inline Lanes<4 * Cells> sums(Lanes<N> a, Lanes<N> b, Lanes<N> c, Lanes<N> d)
 {
+  static_assert((N == 8 && Cells == 2) || (N <= 4 && Cells == 1));
   if constexpr (N == 8)
   {
-    const auto half = [](Lanes<8> x)
-    { return Lanes<4>(__builtin_shufflevector(x.v, x.v, 0, 1, 2, 3) + __builtin_shufflevector(x.v, x.v, 4, 5, 6, 7)); };
-    return sums(half(a), half(b), half(c), half(d));
+    const auto pairs = [](Lanes<8> x, Lanes<8> y)
+    {
+      return __builtin_shufflevector(x.v, y.v, 0, 8, 2, 10, 4, 12, 6, 14) +
+        __builtin_shufflevector(x.v, y.v, 1, 9, 3, 11, 5, 13, 7, 15);
+    };
+    const auto ab = pairs(a, b);
+    const auto cd = pairs(c, d);
+    return __builtin_shufflevector(ab, cd, 0, 1, 8, 9, 4, 5, 12, 13) +
+      __builtin_shufflevector(ab, cd, 2, 3, 10, 11, 6, 7, 14, 15);
   }
   else if constexpr (N == 4)
   {
@@ -207,6 +215,22 @@ inline Node sums(Lanes<N> a, Lanes<N> b, Lanes<N> c, Lanes<N> d)
     Node s;
     s.v = Node::V{ a.v[0] + a.v[1], b.v[0] + b.v[1], c.v[0] + c.v[1], d.v[0] + d.v[1] };
     return s;
+  }
+}
+
+/// One of the four values of every cell, in all lanes of that cell.
+template <int N, int Cells>
+inline Lanes<N> spread(const double* values, int which)
+{
+  if constexpr (Cells == 1)
+    return Lanes<N>(values[which]);
+  else
+  {
+    const typename Lanes<8>::V v = Lanes<8>::load(values).v;
+    return which == 0 ? __builtin_shufflevector(v, v, 0, 0, 0, 0, 4, 4, 4, 4)
+      : which == 1    ? __builtin_shufflevector(v, v, 1, 1, 1, 1, 5, 5, 5, 5)
+      : which == 2    ? __builtin_shufflevector(v, v, 2, 2, 2, 2, 6, 6, 6, 6)
+                      : __builtin_shufflevector(v, v, 3, 3, 3, 3, 7, 7, 7, 7);
   }
 }
 

@@ -63,6 +63,33 @@ struct Lanes
     for (int l = 0; l < n; ++l)
       p[l] = v[l];
   }
+  /// In `Groups` equal parts, each from its own place.
+  template <int Groups>
+  static Lanes loadGroups(const double* const* p)
+  {
+    if constexpr (Groups == 1)
+      return load(p[0]);
+    else
+    {
+      using Half = typename LaneTypes<N / 2>::Any;
+      const auto a = *reinterpret_cast<const Half*>(p[0]);
+      const auto b = *reinterpret_cast<const Half*>(p[1]);
+      static_assert(Groups == 2 && N == 8);
+      return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+    }
+  }
+  /// A part of them.
+  template <int Groups>
+  [[nodiscard]] Lanes<N / Groups> group(int g) const
+  {
+    if constexpr (Groups == 1)
+      return v;
+    else
+    {
+      static_assert(Groups == 2 && N == 8);
+      return g == 0 ? __builtin_shufflevector(v, v, 0, 1, 2, 3) : __builtin_shufflevector(v, v, 4, 5, 6, 7);
+    }
+  }
   /// 0, 1, 2, …
   static I counting()
   {
@@ -139,6 +166,20 @@ struct Lanes
     for (int l = 0; l < N; ++l)
       a.v[l] = __builtin_sqrt(a.v[l]);
     return a;
+  }
+  /// 1/√a of positive, normal numbers, to 2 units in the last place.
+  friend Lanes inverseSqrt(Lanes a)
+  {
+#if defined(__AVX512F__)
+    if constexpr (N == 8) // sooner than a root and a division
+    {
+      V y = _mm512_maskz_rsqrt14_pd(0xff, a.v);
+      y = y + 0.5 * y * (1.0 - a.v * y * y);
+      const V rest = 1.0 - a.v * y * y;
+      return y + y * rest * (0.5 + 0.375 * rest);
+    }
+#endif
+    return 1.0 / sqrt(a);
   }
   /// Natural logarithm to 2 units in the last place for positive, normal numbers.
   friend Lanes log(Lanes a)

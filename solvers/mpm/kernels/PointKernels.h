@@ -60,9 +60,10 @@ inline constexpr int lawKinds = 3; ///< the first ones of LawKind
 struct PointKernels
 {
   const char* name;
-  int lanes[2]; ///< points at once: for cells of few points, and of many
-  /// By dimension − 2, law, [0] only giving to the grid, [1] the whole step, and lanes.
-  SweepCells sweep[2][lawKinds][2][2];
+  int lanes; ///< points at once
+  int cells; ///< that they are of
+  /// By dimension − 2, law, [0] only giving to the grid, [1] the whole step.
+  SweepCells sweep[2][lawKinds][2];
 };
 
 /// The fastest that this processor can run.

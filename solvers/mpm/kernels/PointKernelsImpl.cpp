@@ -79,14 +79,16 @@ struct Stray
   }
 };
 
-/// The points of some cells, N at a time.
-template <int Dim, class Law, bool Whole, int N>
+/// The points of some cells, N at a time: of `Cells` cells side by side, each of which has as many lanes.
+template <int Dim, class Law, bool Whole, int N, int Cells>
 class Sweep
 {
 public:
   using R = Lanes<N>;
   using C = Columns<Dim>;
+  using Nodes = Lanes<4 * Cells>; ///< the values of a node of every cell
   static constexpr int nodes = cellNodes<Dim>;
+  static constexpr int own = N / Cells; ///< lanes of a cell
   static_assert(Law::history == 0);
 
   explicit Sweep(PointSweep& sweep)
@@ -104,54 +106,107 @@ public:
 
   void run(std::int64_t first, std::int64_t last)
   {
-    for (std::int64_t c = first; c < last; ++c)
-      cell(s_.cells[c], s_.cells[c + 1].begin);
+    for (std::int64_t c = first; c < last; c += Cells)
+      cells(c, static_cast<int>(last - c < Cells ? last - c : Cells));
   }
 
 private:
-  void cell(const PointCell& cell, std::uint32_t end)
+  /// Where some lanes' points stand: those of one cell after another.
+  struct Chunk
   {
-    std::int64_t corner = 0;
-    for (int a = 0; a < Dim; ++a)
+    std::int64_t point[Cells];
+    int count[Cells];
+  };
+
+  /// @param present how many of the cells there are; of the others nothing is given to the grid
+  void cells(std::int64_t first, int present)
+  {
+    std::int64_t corner[Cells];
+    std::int64_t most = 0; // points of a cell
+    edge_ = false;
+    for (int k = 0; k < Cells; ++k)
     {
-      corner += (cell.base[a] + 1) * stride_[a];
-      middle_[a] = cell.base[a] + 1;
-      edge_ = (a > 0 && edge_) || middle_[a] - 0.5 < s_.axis[a].least || middle_[a] + 0.5 > s_.axis[a].most;
+      const PointCell& cell = s_.cells[first + (k < present ? k : 0)];
+      corner[k] = 0;
+      for (int a = 0; a < Dim; ++a)
+      {
+        const double middle = cell.base[a] + 1;
+        corner[k] += (cell.base[a] + 1) * stride_[a];
+        for (int l = 0; l < own; ++l)
+          middle_[a].v[k * own + l] = middle;
+        edge_ = edge_ || middle - 0.5 < s_.axis[a].least || middle + 0.5 > s_.axis[a].most;
+      }
+      if (k < present && s_.cells[first + k + 1].begin - cell.begin > most)
+        most = s_.cells[first + k + 1].begin - cell.begin;
     }
     if constexpr (Whole)
     {
-      Node values[nodes];
+      Nodes values[nodes];
       for (int n = 0; n < nodes; ++n)
-        values[n] = Node::load(s_.velocity + (corner + nodeOffset<Dim>(stride_, n)) * 4);
+      {
+        const double* at[Cells];
+        for (int k = 0; k < Cells; ++k)
+          at[k] = s_.velocity + (corner[k] + nodeOffset<Dim>(stride_, n)) * 4;
+        values[n] = Nodes::template loadGroups<Cells>(at);
+      }
       toCoefficients<Dim>(values);
       for (int n = 0; n < nodes; ++n)
-        values[n].store(coefficients_ + 4 * n);
+        values[n].store(coefficients_ + 4 * Cells * n);
     }
     for (auto& component : moments_)
       for (R& m : component)
         m = R(0.0);
-    for (std::int64_t p = cell.begin; p < end; p += N)
-      points(p, end - p < N ? static_cast<int>(end - p) : N);
-    Node out[nodes];
-    for (int n = 0; n < nodes; ++n)
-      out[n] = sums(moments_[0][n], moments_[1][n], moments_[2][n], Dim == 3 ? moments_[Dim][n] : R(0.0));
-    toNodes<Dim>(out);
-    for (int n = 0; n < nodes; ++n)
+    for (std::int64_t done = 0; done < most; done += own)
     {
-      double* node = s_.momentum + (corner + nodeOffset<Dim>(stride_, n)) * 4;
-      (Node::load(node) + out[n]).store(node);
+      Chunk chunk;
+      for (int k = 0; k < Cells; ++k)
+      {
+        const std::int64_t begin = s_.cells[first + (k < present ? k : 0)].begin;
+        const std::int64_t left = k < present ? s_.cells[first + k + 1].begin - begin - done : 0;
+        chunk.count[k] = static_cast<int>(left < 0 ? 0 : left < own ? left : own);
+        chunk.point[k] = chunk.count[k] > 0 ? begin + done : begin; // somewhere there is memory
+      }
+      points(chunk);
     }
+    Nodes out[nodes];
+    for (int n = 0; n < nodes; ++n)
+      out[n] = sums<N, Cells>(moments_[0][n], moments_[1][n], moments_[2][n], Dim == 3 ? moments_[Dim][n] : R(0.0));
+    toNodes<Dim>(out);
+    for (int k = 0; k < present; ++k)
+      for (int n = 0; n < nodes; ++n)
+      {
+        double* node = s_.momentum + (corner[k] + nodeOffset<Dim>(stride_, n)) * 4;
+        (Node::load(node) + out[n].template group<Cells>(k)).store(node);
+      }
   }
 
   double* column(int c, std::int64_t p) const { return s_.columns + c * s_.pitch + p; }
-  R load(int c, std::int64_t p) const { return R::load(column(c, p)); }
-
-  void points(std::int64_t p, int count)
+  R load(int c, const Chunk& chunk) const
   {
-    const typename R::I real = R::counting() < count;
+    const double* at[Cells];
+    for (int k = 0; k < Cells; ++k)
+      at[k] = column(c, chunk.point[k]);
+    return R::template loadGroups<Cells>(at);
+  }
+  void store(int c, const Chunk& chunk, const R& value) const
+  {
+    for (int k = 0; k < Cells; ++k)
+      value.template group<Cells>(k).storeFirst(column(c, chunk.point[k]), chunk.count[k]);
+  }
+  /// A bit for every lane that has a point.
+  static unsigned present(const Chunk& chunk)
+  {
+    unsigned lanes = 0;
+    for (int k = 0; k < Cells; ++k)
+      lanes |= ((1U << chunk.count[k]) - 1) << (k * own);
+    return lanes;
+  }
+
+  void points(const Chunk& chunk)
+  {
     for (int q = 0; q < Law::constants && !s_.onePhase; ++q)
       for (int l = 0; l < N; ++l)
-        constants_[q].v[l] = s_.constants[s_.phase[p + l] * Law::constants + q];
+        constants_[q].v[l] = s_.constants[s_.phase[chunk.point[l / own] + l % own] * Law::constants + q];
     R x[Dim];
     R v[Dim];
     Matrix<Dim, R> affine;
@@ -159,33 +214,34 @@ private:
     Vector<Dim, R> axis;
     for (int a = 0; a < Dim; ++a)
     {
-      x[a] = load(a, p);
-      axis[a] = load(C::axes + a, p);
+      x[a] = load(a, chunk);
+      axis[a] = load(C::axes + a, chunk);
     }
     for (int i = 0; i < Dim * Dim; ++i)
-      F.m[i] = load(C::deformations + i, p);
+      F.m[i] = load(C::deformations + i, chunk);
     if constexpr (Whole)
     {
-      take(p, count, x, v, affine, F);
+      take(chunk, x, v, affine, F);
     }
     else
     {
       for (int a = 0; a < Dim; ++a)
-        v[a] = load(C::velocities + a, p);
+        v[a] = load(C::velocities + a, chunk);
       for (int i = 0; i < Dim * Dim; ++i)
-        affine.m[i] = load(C::affines + i, p);
+        affine.m[i] = load(C::affines + i, chunk);
     }
-    give(p, count, real, x, v, affine, Law::kirchhoff(constants_, F, axis));
+    give(chunk, x, v, affine, Law::kirchhoff(constants_, F, axis));
   }
 
   /// Velocities from the grid; moves and strains the points.
-  void take(std::int64_t p, int count, R* x, R* v, Matrix<Dim, R>& affine, Matrix<Dim, R>& F)
+  void take(const Chunk& chunk, R* x, R* v, Matrix<Dim, R>& affine, Matrix<Dim, R>& F)
   {
     CellPlace<R> at[3] = { place(0, 0, x[0]), place(0, 1, x[1]), place(0, Dim - 1, x[Dim - 1]) };
     Matrix<Dim, R> L;
     for (int c = 0; c < Dim; ++c)
     {
-      const Evaluated<Dim, R> r = evaluate<Dim>(coefficients_ + 1 + c, at);
+      const Evaluated<Dim, R> r =
+        evaluate<Dim, R>([&](int n) { return spread<N, Cells>(coefficients_ + 4 * Cells * n, 1 + c); }, at);
       v[c] = r.value;
       for (int b = 0; b < Dim; ++b)
       {
@@ -193,22 +249,22 @@ private:
         affine(c, b) = r.affine[b] * inverse_[0][b];
       }
     }
-    const unsigned strays = outsideCell(at, count);
-    for (int l = 0; l < count && strays != 0; ++l)
+    const unsigned strays = outsideCell(at) & present(chunk);
+    for (int l = 0; l < N && strays != 0; ++l)
       if (strays >> l & 1U)
         takeStray(l, x, v, affine, L);
 
     for (int a = 0; a < Dim; ++a)
     {
       x[a] = x[a] + s_.dt * v[a];
-      x[a].storeFirst(column(a, p), count);
+      store(a, chunk, x[a]);
     }
     if (s_.keep)
     {
       for (int a = 0; a < Dim; ++a)
-        v[a].storeFirst(column(C::velocities + a, p), count);
+        store(C::velocities + a, chunk, v[a]);
       for (int i = 0; i < Dim * Dim; ++i)
-        affine.m[i].storeFirst(column(C::affines + i, p), count);
+        store(C::affines + i, chunk, affine.m[i]);
     }
     const Matrix<Dim, R> before = F;
     for (int i = 0; i < Dim; ++i)
@@ -220,21 +276,24 @@ private:
         F(i, j) = before(i, j) + s_.dt * sum;
       }
     for (int i = 0; i < Dim * Dim; ++i)
-      F.m[i].storeFirst(column(C::deformations + i, p), count);
+      store(C::deformations + i, chunk, F.m[i]);
   }
 
   /// Momentum and forces to the grid.
-  void give(std::int64_t p, int count, typename R::I real, const R* x, const R* v, const Matrix<Dim, R>& affine,
-    const Matrix<Dim, R>& tau)
+  void give(const Chunk& chunk, const R* x, const R* v, const Matrix<Dim, R>& affine, const Matrix<Dim, R>& tau)
   {
     CellPlace<R> at[3] = { place(1, 0, x[0]), place(1, 1, x[1]), place(1, Dim - 1, x[Dim - 1]) };
-    const R mass = load(C::masses, p);
-    const R impulse = load(C::volumes, p) * -s_.kick;
-    const unsigned strays = outsideCell(at, count);
-    typename R::I inside = real;
+    const R mass = load(C::masses, chunk);
+    const R impulse = load(C::volumes, chunk) * -s_.kick;
+    const unsigned here = present(chunk);
+    const unsigned strays = outsideCell(at) & here;
+    typename R::I inside = R::counting();
+    for (int k = 0; k < Cells; ++k)
+      for (int l = 0; l < own; ++l)
+        inside[k * own + l] = l < chunk.count[k] ? -1 : 0;
     if (strays != 0)
     {
-      for (int l = 0; l < count; ++l)
+      for (int l = 0; l < N; ++l)
         if (strays >> l & 1U)
         {
           inside[l] = 0;
@@ -242,9 +301,9 @@ private:
         }
     }
     if (strays != 0 || edge_)
-      report(at, count);
+      report(at, here);
     const R none(0.0);
-    if (strays != 0 || count < N)
+    if (strays != 0 || here != (1U << N) - 1)
       for (int a = 0; a < 3; ++a)
         at[a] = CellPlace<R>(select(inside, at[a].e, none));
     const R m = select(inside, mass, none);
@@ -265,16 +324,16 @@ private:
   /// @param when before (0) or after (1) the step
   CellPlace<R> place(int when, int a, R x) const
   {
-    return CellPlace<R>((x - R(s_.axis[a].lower[when])) * inverse_[when][a] - R(middle_[a]));
+    return CellPlace<R>((x - R(s_.axis[a].lower[when])) * inverse_[when][a] - middle_[a]);
   }
 
-  /// A bit a point: is it outside the cell? What is not a number is.
-  unsigned outsideCell(const CellPlace<R>* at, int count) const
+  /// A bit a lane: is it outside the cell? What is not a number is.
+  unsigned outsideCell(const CellPlace<R>* at) const
   {
     typename R::I in = abs(at[0].e) <= R(0.5);
     for (int a = 1; a < Dim; ++a)
       in &= abs(at[a].e) <= R(0.5);
-    return bits<N>(~in) & ((1U << count) - 1);
+    return bits<N>(~in);
   }
 
   /// Coordinates of a lane's point. @return whether all nodes that it reaches are there
@@ -354,14 +413,13 @@ private:
   }
 
   /// Notes points that have gone further than a cell, or near an end of the grid.
-  void report(const CellPlace<R>* at, int count)
+  void report(const CellPlace<R>* at, unsigned here)
   {
     for (int a = 0; a < Dim; ++a)
     {
-      const R coordinate = at[a].e + R(middle_[a]);
+      const R coordinate = at[a].e + middle_[a];
       const auto in = (coordinate >= R(s_.axis[a].least)) & (coordinate <= R(s_.axis[a].most));
       const auto near = abs(at[a].e) <= R(1.5);
-      const unsigned here = (1U << count) - 1;
       s_.outside = s_.outside || (bits<N>(~in) & here) != 0;
       s_.far = s_.far || (bits<N>(~near) & here) != 0;
     }
@@ -370,42 +428,39 @@ private:
   PointSweep& s_;
   std::int64_t stride_[3] = {};
   double inverse_[2][3] = {}; ///< of the spacings, before and after
-  double middle_[3] = {};     ///< node in the middle of the cell's splines
-  bool edge_ = false;         ///< the cell reaches where points are to be reported
+  R middle_[3];               ///< node in the middle of the cells' splines
+  bool edge_ = false;         ///< a cell reaches where points are to be reported
   R constants_[Law::constants];
-  double coefficients_[4 * nodes];
+  double coefficients_[4 * Cells * nodes];
   R moments_[1 + Dim][nodes];
 };
 
-template <int Dim, class Law, bool Whole, int N>
+template <int Dim, class Law, bool Whole, int N, int Cells>
 void sweepCells(PointSweep& sweep, std::int64_t first, std::int64_t last)
 {
-  Sweep<Dim, Law, Whole, N>(sweep).run(first, last);
+  Sweep<Dim, Law, Whole, N, Cells>(sweep).run(first, last);
 }
 
+// Cells of four points, and outlines of tissue, where cells are half empty, fill eight lanes by two.
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
-constexpr int narrow = 4;
-constexpr int wide = 8;
+constexpr int lanes = 8;
+constexpr int cellsAtOnce = 2;
 #elif defined(__AVX2__)
-constexpr int narrow = 4;
-constexpr int wide = 4;
+constexpr int lanes = 4;
+constexpr int cellsAtOnce = 1;
 #else
-constexpr int narrow = 2;
-constexpr int wide = 2;
+constexpr int lanes = 2;
+constexpr int cellsAtOnce = 1;
 #endif
 
 } // namespace
 
-#define LAMELLA_WIDTHS(Dim, Law, Whole)                                                                                \
-  {                                                                                                                    \
-    sweepCells<Dim, Law, Whole, narrow>, sweepCells<Dim, Law, Whole, wide>                                             \
-  }
 #define LAMELLA_LAW(Dim, Law)                                                                                          \
   {                                                                                                                    \
-    LAMELLA_WIDTHS(Dim, Law, false), LAMELLA_WIDTHS(Dim, Law, true)                                                    \
+    sweepCells<Dim, Law, false, lanes, cellsAtOnce>, sweepCells<Dim, Law, true, lanes, cellsAtOnce>                    \
   }
 extern const PointKernels LAMELLA_KERNELS;
-const PointKernels LAMELLA_KERNELS = { LAMELLA_KERNELS_NAME, { narrow, wide },
+const PointKernels LAMELLA_KERNELS = { LAMELLA_KERNELS_NAME, lanes, cellsAtOnce,
   { { LAMELLA_LAW(2, NeoHookean), LAMELLA_LAW(2, Isotropic), LAMELLA_LAW(2, Orthotropic) },
     { LAMELLA_LAW(3, NeoHookean), LAMELLA_LAW(3, Isotropic), LAMELLA_LAW(3, Orthotropic) } } };
 
