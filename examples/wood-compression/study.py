@@ -81,7 +81,7 @@ def pressed(name, direction, options):
                implicit_MPa=modulus / 1e6, slope_MPa=curve.stiffness / 1e6, plateau_MPa=number(curve.plateau_stress) / 1e6,
                densification=number(curve.densification), energy_ratio=result.energy_ratio, steps=result.statistics["steps"],
                stiffness_s=round(spent, 2), total_s=round(time.process_time() - begun, 1))
-    drawn = {"spacing": image.vtk.GetSpacing()[0], "end": end}
+    drawn = {"side": image.vtk.GetSpacing()[0] / options.per, "end": end}
     if direction == "R":
         shown = [state for state in result.states if any(abs(state.imposed_strain - e) < 1e-6 for e in strains)]
         drawn["states"] = [picture_of(state, axis) for state in shown]
@@ -100,10 +100,10 @@ def picture_of(state, axis):
     return (state.imposed_strain, places if upwards else places[:, ::-1], np.asarray(stress[:, 1 if upwards else 0]))
 
 
-def show(axes, picture, width, height, limit, spacing):
+def show(axes, picture, width, height, limit, side):
     strain, places, stress = picture
-    side = 72 * axes.get_position().width * axes.figure.get_figwidth() / width * spacing  # of a pixel, in points of print
-    axes.scatter(*(places * 1e6).T, c=np.clip(-stress / limit, -1, 1), cmap="RdBu_r", vmin=-1, vmax=1, s=(0.55 * side) ** 2, marker="s",
+    size = 1.5 * 72 * axes.get_position().width * axes.figure.get_figwidth() / width * side  # of a stretched point, in points of print
+    axes.scatter(*(places * 1e6).T, c=np.clip(-stress / limit, -1, 1), cmap="RdBu_r", vmin=-1, vmax=1, s=size**2, marker="s",
                  linewidths=0, rasterized=True)
     axes.set_title(f"{100 * strain:.0f} %", fontsize=9)
     middle = 1e6 * (places[:, 0].min() + places[:, 0].max()) / 2
@@ -131,15 +131,15 @@ def draw(name, tests, options):
     axes.legend(frameon=False, fontsize=9)
     width, height = (np.ptp(states[0][1][:, i]) for i in (0, 1))
     height /= 1 - states[0][0]
-    limit = 3 * np.percentile(np.abs(states[0][2]), 75)
+    limit = 2 * np.percentile(np.abs(states[len(states) // 2][2]), 75)
     each = (1 - share) / len(states)
     for k, picture in enumerate(states):
-        show(figure.add_axes([share + k * each + 0.004, 0.02, each - 0.008, 0.86]), picture, width, height, limit, drawn["spacing"])
+        show(figure.add_axes([share + k * each + 0.004, 0.02, each - 0.008, 0.86]), picture, width, height, limit, drawn["side"])
     write_figure(figure, os.path.join(options.output, f"{name}.png"), dpi=200)
 
     for k, picture in enumerate(drawn["frames"]):
         figure = plt.figure(figsize=(5, 5.2))
-        show(figure.add_axes([0.01, 0.01, 0.98, 0.92]), picture, width, height, limit, drawn["spacing"])
+        show(figure.add_axes([0.01, 0.01, 0.98, 0.92]), picture, width, height, limit, drawn["side"])
         write_figure(figure, os.path.join(options.output, f"{name}-frame-{k:03d}.png"), dpi=160)
 
     figure, axes = plt.subplots(figsize=(5, 4.2), constrained_layout=True)
@@ -153,7 +153,7 @@ def draw(name, tests, options):
 def main():
     parser = parser_of(__doc__, "results/wood-compression")
     parser.add_argument("--coarser", type=float, default=1, help="lattice's spacing, over 0.5 (real) and 1 micrometre (default: %(default)s)")
-    parser.add_argument("--per", type=int, default=2, help="points along each axis in a pixel (default: %(default)s)")
+    parser.add_argument("--per", type=int, default=3, help="points along each axis in a pixel (default: %(default)s)")
     parser.add_argument("--strain", type=float, default=END, help="to end at, where a sample has lumens left (default: %(default)s)")
     parser.add_argument("--energy-ratio", type=float, default=0.01, help="kinetic over elastic energy allowed (default: %(default)s)")
     parser.add_argument("--only", nargs="+", help="these samples alone")
