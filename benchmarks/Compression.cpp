@@ -6,7 +6,8 @@
 //   stiffness  implicit against explicit
 //   stability  what is pressed to 90 %, thin walls, points a cell, contrast of two phases, points that leave an open
 //   grid
-// none: all. Keys: quick, output=FOLDER for CSV files. Processor time of all threads.
+// none: all. Keys: quick, output=FOLDER for CSV files (default results/bench-compression). Processor time of all
+// threads.
 #include "Keys.h"
 
 #include "../tests/verification/ManufacturedMotion.h"
@@ -35,15 +36,13 @@ using namespace lamella;
 using namespace lamella::benchmark;
 using namespace lamella::mpm;
 
-/// Lines of a table, on the terminal and, where a folder was named, in a file.
+/// Lines of a table in a file.
 class Table
 {
 public:
   Table(const Keys& keys, const char* name, const char* columns)
   {
-    const std::string folder = text(keys, "output", "");
-    if (folder.empty())
-      return;
+    const std::string folder = text(keys, "output", "results/bench-compression");
     std::filesystem::create_directories(folder);
     file_.open(std::filesystem::path(folder) / fmt::format("compression-{}.csv", name));
     file_ << columns << "\n";
@@ -54,8 +53,7 @@ public:
     std::string text;
     ((text += fmt::format("{},", values)), ...);
     text.pop_back();
-    if (file_.is_open())
-      file_ << text << "\n" << std::flush;
+    file_ << text << "\n" << std::flush;
   }
 
 private:
