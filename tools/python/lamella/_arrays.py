@@ -81,3 +81,27 @@ def text(data, name):
 def provenance(data):
     """Where an image comes from, as a dictionary."""
     return json.loads(text(data, "provenance") or "{}")
+
+
+class FieldData:
+    """What an object tells in the field data of ``self.vtk``."""
+
+    def _number(self, name):
+        return float(numbers(self.vtk, name)[0])
+
+    def _count(self, name):
+        return int(self._number(name))
+
+    @property
+    def provenance(self):
+        """Version, parameters, seed and input files as a dictionary."""
+        return provenance(self.vtk)
+
+
+class Answer(FieldData):
+    """The same of a solver, which says what it doubts."""
+
+    @property
+    def warnings(self):
+        """What is doubtful about the answer, a list of sentences with their numbers."""
+        return texts(self.vtk, "warnings")

@@ -13,18 +13,12 @@ _MIXINGS = {None: 0, "none": 0, "harmonic": 1, "minimum": 2}
 _COMPONENTS = {"xx": 0, "yy": 1, "zz": 2, "xy": 3, "yz": 4, "xz": 5}
 
 
-class BondNumbers(ImageBase):
+class BondNumbers(ImageBase, _arrays.Answer):
     """What solvers on bonds say of the sample and its bonds."""
 
     @property
     def _dimension(self):
         return 3 if self.vtk.GetDimensions()[2] > 1 else 2
-
-    def _number(self, name):
-        return float(_arrays.numbers(self.vtk, name)[0])
-
-    def _count(self, name):
-        return int(self._number(name))
 
     @property
     def effective_modulus(self):
@@ -55,11 +49,6 @@ class BondNumbers(ImageBase):
     def loose_pieces(self):
         """Number of pieces that hang on no platen, and of their nodes."""
         return self._count("loose_pieces"), self._count("loose_nodes")
-
-    @property
-    def warnings(self):
-        """What is doubtful about the answer, a list of sentences with their numbers."""
-        return _arrays.texts(self.vtk, "warnings")
 
 
 class BondFields(BondNumbers):

@@ -1,7 +1,5 @@
 """What samples that break have in common, under a load and in motion: states, broken bonds, curve, checkpoints."""
 
-import os
-
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkTable
@@ -9,9 +7,10 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkTable
 from . import _arrays, _files
 from ._bonds import BondFields, BondNumbers
 from ._errors import run
+from ._runs import LoadedState, LongRun, set_checkpoint
 
 
-class BrokenState(BondFields):
+class BrokenState(BondFields, LoadedState):
     """The sample in one state: ``vtk`` is the image with ``damage``, ``broken`` and what was asked for."""
 
     @property
@@ -25,22 +24,12 @@ class BrokenState(BondFields):
         return self.array("broken")
 
     @property
-    def imposed_strain(self):
-        """The strain in this state."""
-        return self._number("strain")
-
-    @property
-    def imposed_stress(self):
-        """The stress in it [Pa]: force on the platen over the section of the box."""
-        return self._number("stress")
-
-    @property
     def broken_bonds(self):
         """How many bonds of the sample are broken."""
         return self._count("broken_bonds")
 
 
-class BreakResult(BondNumbers):
+class BreakResult(BondNumbers, LongRun):
     """``vtk`` is the image at the end with all numbers as field data; ``vtk_broken`` a vtkPolyData with a vertex a
     broken bond; ``vtk_curve`` a vtkTable."""
 
@@ -103,16 +92,6 @@ class BreakResult(BondNumbers):
         return self._number("peak_strain")
 
     @property
-    def continued_at(self):
-        """What the checkpoint stands after that the run went on from, events or steps; 0 where it began anew."""
-        return self._count("continued_at")
-
-    @property
-    def last_checkpoint(self):
-        """What the last checkpoint of this run stands after, events or steps; 0: none."""
-        return self._count("last_checkpoint")
-
-    @property
     def damage(self):
         """At the end: share of each node's bonds that are broken, 0 to 1 (a view)."""
         return self.states[-1].damage
@@ -127,17 +106,6 @@ class BreakResult(BondNumbers):
         path = _files.new_path(path, overwrite)
         _files.write_poly_data(self.vtk_broken, path)
         return path
-
-
-def set_checkpoint(algorithm, checkpoint, checkpoint_every, continue_from):
-    """Where a run keeps how it stands, and what it goes on from; an error where a checkpoint is there that is not to be
-    replaced."""
-    checkpoint, continue_from = (os.fspath(path) if path is not None else "" for path in (checkpoint, continue_from))
-    if checkpoint != continue_from and os.path.exists(checkpoint):
-        raise FileExistsError(f"{checkpoint} exists; remove it, or say continue_from={checkpoint!r} to go on from it")
-    algorithm.SetCheckpointFile(checkpoint)
-    algorithm.SetCheckpointEvery(int(checkpoint_every))
-    algorithm.SetContinueFile(continue_from)
 
 
 def run_breaks(

@@ -13,7 +13,7 @@ from ._solve import as_image
 from .vtkLamellaFilters import vtkCollapseMap, vtkCompressionCurve
 
 
-class CompressionCurveResult:
+class CompressionCurveResult(_arrays.FieldData):
     """Numbers of vtkCompressionCurve: strains are fractions, compression positive. What was not found is None."""
 
     def __init__(self, table):
@@ -120,11 +120,6 @@ class CompressionCurveResult:
         """What was not found, and why: a list of texts."""
         return _arrays.texts(self.vtk, "curve_missing")
 
-    @property
-    def provenance(self):
-        """Version and parameters as a dictionary."""
-        return _arrays.provenance(self.vtk)
-
     def __repr__(self):
         def shown(value, unit=""):
             return "none" if value is None else f"{value:.4g}{unit}"
@@ -178,9 +173,6 @@ class CollapseMapResult(ImageBase):
         self.vtk_lumens = collapse.GetLumenTable()
         #: vtkTable, one row a state
         self.vtk_states = collapse.GetStateTable()
-
-    def _number(self, name):
-        return float(_arrays.numbers(self.vtk, name)[0])
 
     @property
     def labels(self):

@@ -5,8 +5,8 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkTable
 
 from . import _arrays, _files
-from ._breaks import set_checkpoint
 from ._errors import choose, run
+from ._runs import LoadedState, LongRun, set_checkpoint
 from ._solve import as_image
 from .vtkLamellaSolversVTK import vtkPointCompression, vtkPointStiffness
 
@@ -25,42 +25,12 @@ _FIELDS = {
 }
 
 
-class _Numbers:
-    """Numbers in the field data of ``self.vtk``."""
-
-    def _number(self, name):
-        return float(_arrays.numbers(self.vtk, name)[0])
-
-    def _count(self, name):
-        return int(self._number(name))
-
-    @property
-    def warnings(self):
-        """What is doubtful about the answer, a list of sentences with their numbers."""
-        return _arrays.texts(self.vtk, "warnings")
-
-    @property
-    def provenance(self):
-        """Where it comes from, a dictionary."""
-        return _arrays.provenance(self.vtk)
-
-
-class PointState(_Numbers):
+class PointState(LoadedState, _arrays.Answer):
     """The points at one strain: ``vtk`` is the vtkPolyData. Points stand in the order of their numbers."""
 
     def __init__(self, points):
         #: the vtkPolyData
         self.vtk = points
-
-    @property
-    def imposed_strain(self):
-        """The strain in this state."""
-        return self._number("strain")
-
-    @property
-    def imposed_stress(self):
-        """The stress in it [Pa], from the curve."""
-        return self._number("stress")
 
     @property
     def positions(self):
@@ -85,7 +55,7 @@ class PointState(_Numbers):
         return f"<lamella.PointState: strain {self.imposed_strain:.6g}, {self.vtk.GetNumberOfPoints()} points>"
 
 
-class CompressionResult(_Numbers):
+class CompressionResult(LongRun, _arrays.Answer):
     """``vtk`` is the vtkPolyData at the end with all numbers as field data; ``vtk_curve`` a vtkTable.
 
     Strains and stresses are positive in compression. Energies of a picture are per metre of thickness. y points up.
@@ -149,16 +119,6 @@ class CompressionResult(_Numbers):
         """Axis of loading: "x", "y" or "z"."""
         return _arrays.text(self.vtk, "load_axis")
 
-    @property
-    def continued_at(self):
-        """Steps in the checkpoint that the run went on from; 0 where it began anew."""
-        return self._count("continued_at")
-
-    @property
-    def last_checkpoint(self):
-        """Steps in the last checkpoint of this run; 0: none."""
-        return self._count("last_checkpoint")
-
     def save(self, path, overwrite=False):
         """Writes the points at the end as a .vtp file, whole or not at all."""
         return self.points.save(path, overwrite)
@@ -178,7 +138,7 @@ class CompressionResult(_Numbers):
         )
 
 
-class PointStiffnessResult(_Numbers):
+class PointStiffnessResult(_arrays.Answer):
     """``vtk`` is the vtkTable of constants with all numbers as field data; ``vtk_tensor`` that of the tensor."""
 
     def __init__(self, constants, tensor):

@@ -15,7 +15,7 @@ from .vtkLamellaSolversVTK import vtkMicrographContours, vtkMicrographLattice, v
 _LAMELLAE = {None: 0, "none": 0, "growth": 1, "constant": 2}
 
 
-class Contours:
+class Contours(_arrays.FieldData):
     """Outlines of lumens. Lengths are in metres; x points right and y up from the picture's lower left corner."""
 
     def __init__(self, outlines, cells=None):
@@ -90,11 +90,6 @@ class Contours:
     def report(self):
         """What finding them did, a line for each step."""
         return _arrays.texts(self.vtk, "report")
-
-    @property
-    def provenance(self):
-        """Version, parameters, seed and input files as a dictionary."""
-        return _arrays.provenance(self.vtk)
 
     def lattice(self, spacing=None, lamella=None, thickness=None, radius=None, horizon=0):
         """Puts the outlines on a lattice and returns a LatticeSample.

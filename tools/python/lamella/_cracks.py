@@ -10,7 +10,7 @@ from ._solve import as_image
 from .vtkLamellaFilters import vtkCrackPath
 
 
-class CrackPathResult:
+class CrackPathResult(_arrays.FieldData):
     """``vtk`` holds the paths as poly-lines, the longest first; lengths are in metres, angles in degrees to x.
 
     In a volume there are no paths, and areas are counted from the broken bonds.
@@ -141,11 +141,6 @@ class CrackPathResult:
     def severed(self):
         """Axes along which no fragment reaches from side to side, as "y"; None without an image of phases."""
         return self._axes("severed")
-
-    @property
-    def provenance(self):
-        """Where the broken bonds come from, and what was done since."""
-        return _arrays.provenance(self.vtk)
 
     def save(self, path, overwrite=False):
         """Writes the paths as .vtp, whole or not at all."""

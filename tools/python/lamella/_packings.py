@@ -15,7 +15,7 @@ from .vtkLamellaSolversVTK import vtkGrainPacking, vtkMatrixBridges, vtkPackingR
 _SIZES = {"volume": 0, "volume-share": 1, "diameter": 2}
 
 
-class Packing:
+class Packing(_arrays.FieldData):
     """Grains at rest. Lengths are in metres, forces in newtons (of disks: a metre of thickness)."""
 
     def __init__(self, particles, contacts=None):
@@ -126,11 +126,6 @@ class Packing:
     def unbalanced_force(self):
         """Mean net force on a grain over the mean contact force."""
         return self._number("unbalanced_force")
-
-    @property
-    def provenance(self):
-        """Version, parameters, seed and input files as a dictionary."""
-        return _arrays.provenance(self.vtk)
 
     def save(self, path, contacts=None, overwrite=False):
         """Writes the grains, and with ``contacts`` their contacts, as .vtp files, each whole or not at all."""
@@ -243,9 +238,6 @@ def _as_particles(grains):
 
 class CementedSample(Sample):
     """Grains and matrix on a lattice: phases void, matrix, grain."""
-
-    def _number(self, name):
-        return float(_arrays.numbers(self.vtk, name)[0])
 
     @property
     def grain(self):

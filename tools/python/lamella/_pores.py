@@ -17,9 +17,6 @@ class PoreFloodFillResult(ImageBase):
         #: vtkTable, one row a class of sizes
         self.vtk_distribution = distribution
 
-    def _number(self, name):
-        return float(_arrays.numbers(self.vtk, name)[0])
-
     @property
     def labels(self):
         """Number of each pixel's pore, 0 outside, in the order of pictures (a view, no copy)."""

@@ -11,7 +11,7 @@ from ._errors import LamellaError, choose, run
 from .vtkLamellaSolversVTK import vtkMicrostructureSource, vtkPictureReader
 
 
-class ImageBase:
+class ImageBase(_arrays.FieldData):
     """An image on a lattice and what it carries."""
 
     def __init__(self, image):
@@ -33,11 +33,6 @@ class ImageBase:
     def pixel_size_source(self):
         """Who says so: "option", an entry of the file, or "none"."""
         return _arrays.text(self.vtk, "pixel_size_source")
-
-    @property
-    def provenance(self):
-        """Version, parameters, seed and input files as a dictionary."""
-        return _arrays.provenance(self.vtk)
 
     @property
     def names(self):

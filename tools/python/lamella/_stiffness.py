@@ -10,7 +10,7 @@ from ._solve import as_image
 from .vtkLamellaSolversVTK import vtkBondStiffness
 
 
-class StiffnessResult(ImageBase):
+class StiffnessResult(ImageBase, _arrays.Answer):
     """``vtk`` is the image with all numbers as field data; ``vtk_tensor`` and ``vtk_constants`` are vtkTables.
 
     Tensors are 3 by 3 of a picture (xx, yy, xy) and 6 by 6 of a volume (xx, yy, zz, yz, xz, xy), shear strains as
@@ -23,9 +23,6 @@ class StiffnessResult(ImageBase):
         self.vtk_tensor = tensor
         #: one row a constant
         self.vtk_constants = constants
-
-    def _number(self, name):
-        return float(_arrays.numbers(self.vtk, name)[0])
 
     def _tensor(self, name):
         n = len(self.components)
@@ -120,11 +117,6 @@ class StiffnessResult(ImageBase):
         layers = _arrays.numbers(self.vtk, "layer_mismatch")
         axes = "xyz" if len(self.components) == 6 else "xy"
         return {axis: (float(seam[i]), float(layers[i])) for i, axis in enumerate(axes)}
-
-    @property
-    def warnings(self):
-        """What is doubtful about the answer, a list of sentences with their numbers."""
-        return _arrays.texts(self.vtk, "warnings")
 
     def modulus(self, direction):
         """Young's modulus [Pa] under stress along a direction: an angle in radians from x of a picture, or a vector."""

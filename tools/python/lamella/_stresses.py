@@ -10,7 +10,7 @@ from .vtkLamellaFilters import vtkStressPDF
 _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz", "mean", "von-mises", "principal-1", "principal-2", "principal-3")
 
 
-class StressPDFResult:
+class StressPDFResult(_arrays.FieldData):
     """Tables of vtkStressPDF; stresses of the density are in mean tensile stresses."""
 
     def __init__(self, density, phases, thresholds):
@@ -20,9 +20,6 @@ class StressPDFResult:
         self.vtk_phases = phases
         #: vtkTable, one row a threshold
         self.vtk_thresholds = thresholds
-
-    def _number(self, name):
-        return float(_arrays.numbers(self.vtk, name)[0])
 
     @property
     def density(self):
@@ -78,11 +75,6 @@ class StressPDFResult:
     def distance(self):
         """Largest difference between the cumulative shares of the tail's stresses and of the law."""
         return self._number("stress_tail_distance")
-
-    @property
-    def provenance(self):
-        """Version, parameters, seed and input files as a dictionary."""
-        return _arrays.provenance(self.vtk)
 
     def __repr__(self):
         return (
