@@ -350,18 +350,7 @@ int vtkCollapseMap::RequestData(
     return 1;
   }
   stop();
-  if (outcome != lamella::Outcome::Done)
-  {
-    for (int port = 0; port < this->GetNumberOfOutputPorts(); ++port)
-    {
-      vtkDataObject::GetData(outputVector, port)->Initialize();
-    }
-  }
-  if (outcome == lamella::Outcome::Cancelled)
-  {
-    this->SetAbortOutput(true);
-  }
-  return outcome == lamella::Outcome::Failed ? 0 : 1;
+  return lamella::concluded(this, outcome, outputVector);
 }
 
 void vtkCollapseMap::PrintSelf(ostream& os, vtkIndent indent)

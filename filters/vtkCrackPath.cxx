@@ -321,29 +321,14 @@ int vtkCrackPath::RequestUpdateExtent(
 int vtkCrackPath::RequestData(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  const auto clear = [&]
-  {
-    for (int port = 0; port < this->GetNumberOfOutputPorts(); ++port)
-    {
-      vtkDataObject::GetData(outputVector, port)->Initialize();
-    }
-  };
   const lamella::Outcome outcome = lamella::attempt(this,
     [&]
     {
-      clear();
+      lamella::emptyAll(outputVector);
       const lamella::Team team(this->Controller, lamella::requestedOutput(request, outputVector));
       Work{ this, team, outputVector }.Run(vtkPolyData::GetData(inputVector[0]), vtkImageData::GetData(inputVector[1]));
     });
-  if (outcome != lamella::Outcome::Done)
-  {
-    clear();
-  }
-  if (outcome == lamella::Outcome::Cancelled)
-  {
-    this->SetAbortOutput(true);
-  }
-  return outcome == lamella::Outcome::Failed ? 0 : 1;
+  return lamella::concluded(this, outcome, outputVector);
 }
 
 void vtkCrackPath::PrintSelf(ostream& os, vtkIndent indent)

@@ -617,12 +617,6 @@ int vtkFluxMap::RequestData(
   vtkImageData* const input = vtkImageData::GetData(inputVector[0]);
   vtkImageData* const output = vtkImageData::GetData(outputVector, 0);
   vtkPolyData* const lines = vtkPolyData::GetData(outputVector, 1);
-  const auto fail = [&]
-  {
-    output->Initialize();
-    lines->Initialize();
-    return 0;
-  };
   const lamella::Outcome outcome = lamella::attempt(this,
     [&]
     {
@@ -630,15 +624,7 @@ int vtkFluxMap::RequestData(
       Work work(this, input, output, lines, team);
       work.Run();
     });
-  if (outcome != lamella::Outcome::Done)
-  {
-    fail();
-  }
-  if (outcome == lamella::Outcome::Cancelled)
-  {
-    this->SetAbortOutput(true);
-  }
-  return outcome == lamella::Outcome::Failed ? 0 : 1;
+  return lamella::concluded(this, outcome, outputVector);
 }
 
 void vtkFluxMap::PrintSelf(ostream& os, vtkIndent indent)

@@ -250,13 +250,6 @@ int vtkPoreFloodFill::RequestData(
   vtkImageData* const output = vtkImageData::GetData(outputVector, 0);
   vtkTable* const table = vtkTable::GetData(outputVector, 1);
   vtkTable* const distribution = vtkTable::GetData(outputVector, 2);
-  const auto fail = [&]
-  {
-    output->Initialize();
-    table->Initialize();
-    distribution->Initialize();
-    return 0;
-  };
   const lamella::Outcome outcome = lamella::attempt(this,
     [&]
     {
@@ -265,15 +258,7 @@ int vtkPoreFloodFill::RequestData(
       const lamella::Team team(this->Controller, lamella::requestedOutput(request, outputVector));
       Work(this, input, output, table, distribution, team).Run(input);
     });
-  if (outcome != lamella::Outcome::Done)
-  {
-    fail();
-  }
-  if (outcome == lamella::Outcome::Cancelled)
-  {
-    this->SetAbortOutput(true);
-  }
-  return outcome == lamella::Outcome::Failed ? 0 : 1;
+  return lamella::concluded(this, outcome, outputVector);
 }
 
 void vtkPoreFloodFill::PrintSelf(ostream& os, vtkIndent indent)

@@ -197,29 +197,14 @@ int vtkStressPDF::RequestData(
   vtkTable* const density = vtkTable::GetData(outputVector, 0);
   vtkTable* const phases = vtkTable::GetData(outputVector, 1);
   vtkTable* const thresholds = vtkTable::GetData(outputVector, 2);
-  const auto clear = [&]
-  {
-    density->Initialize();
-    phases->Initialize();
-    thresholds->Initialize();
-    return 0;
-  };
   const lamella::Outcome outcome = lamella::attempt(this,
     [&]
     {
-      clear();
+      lamella::emptyAll(outputVector);
       const lamella::Team team(this->Controller, lamella::requestedOutput(request, outputVector));
       Work{ this, team }.Run(input, density, phases, thresholds);
     });
-  if (outcome != lamella::Outcome::Done)
-  {
-    clear();
-  }
-  if (outcome == lamella::Outcome::Cancelled)
-  {
-    this->SetAbortOutput(true);
-  }
-  return outcome == lamella::Outcome::Failed ? 0 : 1;
+  return lamella::concluded(this, outcome, outputVector);
 }
 
 void vtkStressPDF::PrintSelf(ostream& os, vtkIndent indent)

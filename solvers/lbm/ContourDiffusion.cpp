@@ -1,11 +1,11 @@
 #include "lbm/ContourDiffusion.h"
 
+#include "lattice/Clock.h"
 #include "lattice/Error.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace lamella::lbm
@@ -95,7 +95,6 @@ LinkTable linksOf(const micrograph::ContourLattice& lattice, std::span<const dou
 std::vector<ContourAnswer> studyContours(
   const micrograph::ContourSet& contours, const ContourStudyOptions& options, MPI_Comm comm, const ContourSink& sink)
 {
-  using Clock = std::chrono::steady_clock;
   std::vector<ContourAnswer> answers;
   for (const int axis : options.axes)
     answers.emplace_back().axis = axis;
@@ -128,8 +127,7 @@ std::vector<ContourAnswer> studyContours(
     const Block block = decompose(lattice.image.lattice, comm);
     SteadyDiffusion solver(
       lattice.image.lattice, block, blockOf(lattice.image, block), options.conductivity, steady, comm);
-    const double made =
-      std::chrono::duration<double>(Clock::now() - start).count() / static_cast<double>(answers.size());
+    const double made = secondsSince(start) / static_cast<double>(answers.size());
     double worst = 0;
     for (ContourAnswer& answer : answers)
     {
@@ -137,8 +135,7 @@ std::vector<ContourAnswer> studyContours(
       const SteadyResult result = solver.solve(answer.axis);
       answer.coarse = answer.fine;
       answer.fine = { lattice.image.lattice.spacing, result.effective[static_cast<std::size_t>(answer.axis)],
-        lattice.image.lattice.count(), result.iterations,
-        made + std::chrono::duration<double>(Clock::now() - begin).count() };
+        lattice.image.lattice.count(), result.iterations, made + secondsSince(begin) };
       answer.steps.push_back(answer.fine);
       if (!fine)
         continue;

@@ -1,5 +1,6 @@
 #include "lbm/SteadyDiffusion.h"
 
+#include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
 #include "lbm/Backend.h"
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace lamella::lbm
@@ -24,11 +24,6 @@ constexpr int patience = 100;
 int dimensionOf(Stencil stencil)
 {
   return stencil == Stencil::D2Q5 || stencil == Stencil::D2Q9 ? 2 : 3;
-}
-
-double secondsSince(std::chrono::steady_clock::time_point start)
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 } // namespace
@@ -247,7 +242,7 @@ SteadyResult SteadyDiffusion::solve(int axis)
       "use a smaller window or refinement, or more machines with mpirun");
 
   reportProgress(m.options, m.comm, 0.0, "setting up");
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   double setup = 0;
   SteadyResult result;
   const auto run = [&](std::unique_ptr<Backend> backend)

@@ -82,14 +82,22 @@ template <typename Action>
   return Outcome::Failed;
 }
 
-/// Ends RequestData of an algorithm with several outputs: empties them where it was cancelled or failed.
+inline void emptyAll(vtkInformationVector* outputs)
+{
+  for (int port = 0; port < outputs->GetNumberOfInformationObjects(); ++port)
+  {
+    vtkDataObject::GetData(outputs, port)->Initialize();
+  }
+}
+
+/// Ends RequestData: empties all outputs where it was cancelled or failed.
 /// @returns what RequestData returns
 template <typename Algorithm>
 [[nodiscard]] int concluded(Algorithm* self, Outcome outcome, vtkInformationVector* outputs)
 {
-  for (int port = 0; outcome != Outcome::Done && port < outputs->GetNumberOfInformationObjects(); ++port)
+  if (outcome != Outcome::Done)
   {
-    vtkDataObject::GetData(outputs, port)->Initialize();
+    emptyAll(outputs);
   }
   if (outcome == Outcome::Cancelled)
   {

@@ -1,5 +1,7 @@
 #include "LongRun.h"
 
+#include "vtkLatticeConversion.h"
+
 #include "io/Checkpoint.h"
 
 #include <filesystem>
@@ -8,16 +10,19 @@
 namespace lamella
 {
 
-bool beginsAnew(const std::string& continueFile, const std::string& checkpointFile, const Team& team)
+RunStart startOf(const std::string& continueFile, const std::string& checkpointFile, const char* beginning,
+  vtkDataObject* input, const Team& team, io::CheckpointOptions& options)
 {
+  options.path = checkpointFile;
+  options.provenance = fieldText(input, "provenance").value_or("");
   std::error_code ignored;
-  return !continueFile.empty() && io::sameFile(continueFile, checkpointFile) &&
+  const bool anew = !continueFile.empty() && io::sameFile(continueFile, checkpointFile) &&
     team.any(team.rank() == 0 && !std::filesystem::exists(continueFile, ignored));
-}
-
-std::string anewWarning(const std::string& continueFile, const char* from)
-{
-  return "there was no checkpoint '" + continueFile + "' yet: the run began with " + from;
+  if (!anew)
+  {
+    return { continueFile, {} };
+  }
+  return { {}, "there was no checkpoint '" + continueFile + "' yet: the run began with " + beginning };
 }
 
 } // namespace lamella

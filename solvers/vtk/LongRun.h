@@ -2,10 +2,20 @@
 
 #include "vtkPieces.h"
 
+#include "io/RunCheckpoint.h"
+
+#include "vtkDataObject.h"
+#include "vtkInformation.h"
+#include "vtkSmartPointer.h"
+#include "vtkTimeStamp.h"
+
+#include <algorithm>
 #include <chrono>
 #include <string>
+#include <vector>
 
-/// What algorithms share that run long: how often observers are told, and checkpoints to go on from. Not installed.
+/// What algorithms share that run long: how often observers are told, the states that they keep, and checkpoints to go
+/// on from. Not installed.
 namespace lamella
 {
 
@@ -31,11 +41,92 @@ private:
   std::chrono::steady_clock::time_point told_{};
 };
 
-/// Collective. Whether the checkpoint to go on from is the one that this very run is to make, and not there yet.
-[[nodiscard]] bool beginsAnew(const std::string& continueFile, const std::string& checkpointFile, const Team& team);
+/// The states of a run, kept so that another one can be shown without running again.
+template <class Data>
+class KeptStates
+{
+public:
+  [[nodiscard]] int count() const { return static_cast<int>(states_.size()); }
+  /// Null where there is none such.
+  [[nodiscard]] Data* at(int state) const
+  {
+    return state >= 0 && state < count() ? states_[static_cast<std::size_t>(state)].Get() : nullptr;
+  }
+  [[nodiscard]] const std::vector<vtkSmartPointer<Data>>& all() const { return states_; }
+  /// A new state, empty.
+  Data* add() { return states_.emplace_back(vtkSmartPointer<Data>::New()); }
 
-/// A warning that says so.
-/// @param from what the run began with
-[[nodiscard]] std::string anewWarning(const std::string& continueFile, const char* from);
+  /// Which one is shown, from 0; below 0, and beyond the last one: the last.
+  void choose(int state)
+  {
+    if (const int chosen = std::max(state, -1); chosen != chosen_)
+    {
+      chosen_ = chosen;
+      changed_.Modified(); // not the algorithm's Modified(): that would run all again
+    }
+  }
+  [[nodiscard]] int chosen() const { return chosen_; }
+  /// Of an algorithm that shows them, whose own settings changed at this time.
+  [[nodiscard]] vtkMTimeType changed(vtkMTimeType settings) const { return std::max(settings, changed_.GetMTime()); }
+  /// Gives the output the chosen state and its time. There is one at least.
+  void show(vtkDataObject* output) const
+  {
+    Data* const state = at(chosen_ < 0 ? count() - 1 : std::min(chosen_, count() - 1));
+    output->ShallowCopy(state);
+    output->GetInformation()->Set(
+      vtkDataObject::DATA_TIME_STEP(), state->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()));
+  }
+
+  /// Runs, unless the last run was of the same input, settings and ranks. Collective.
+  /// @param settings when they changed last
+  /// @param forget what there is besides the states; called before a run, and where it fails
+  template <class Run, class Forget>
+  void renew(vtkDataObject* input, vtkMTimeType settings, const Team& team, const Run& run, const Forget& forget)
+  {
+    if (!team.any(states_.empty() || input_ != input->GetMTime() || settings_ != settings || ranks_ != team.size()))
+    {
+      return;
+    }
+    const auto forgetAll = [&]
+    {
+      states_.clear();
+      forget();
+    };
+    forgetAll();
+    try
+    {
+      run();
+    }
+    catch (...)
+    {
+      forgetAll();
+      throw;
+    }
+    input_ = input->GetMTime();
+    settings_ = settings;
+    ranks_ = team.size();
+  }
+
+private:
+  std::vector<vtkSmartPointer<Data>> states_;
+  int chosen_ = -1;
+  vtkTimeStamp changed_;
+  // of the last run
+  vtkMTimeType input_ = 0;
+  vtkMTimeType settings_ = 0;
+  int ranks_ = 0;
+};
+
+/// Where a run begins.
+struct RunStart
+{
+  std::string from;    ///< the checkpoint to go on from; empty: the beginning
+  std::string warning; ///< or empty
+};
+/// Tells the run where its checkpoints go and what its input is made from. It begins anew, with a warning, where the
+/// checkpoint to go on from is the one that this very run is to make, and not there yet. Collective.
+/// @param beginning what it begins with, as the warning calls it
+[[nodiscard]] RunStart startOf(const std::string& continueFile, const std::string& checkpointFile,
+  const char* beginning, vtkDataObject* input, const Team& team, io::CheckpointOptions& options);
 
 } // namespace lamella

@@ -1,6 +1,5 @@
 #include "vtkBondAlgorithm.h"
 
-#include "Attempt.h"
 #include "BondScene.h"
 
 #include "vtkDataObject.h"
@@ -9,8 +8,9 @@
 #include "vtkInformationVector.h"
 #include "vtkMultiProcessController.h"
 
-#include <algorithm>
-#include <thread>
+#include <array>
+#include <string>
+#include <vector>
 
 namespace pd = lamella::peridynamics;
 
@@ -47,7 +47,6 @@ struct vtkBondAlgorithm::Internals
 vtkBondAlgorithm::vtkBondAlgorithm()
   : Internal(std::make_unique<Internals>())
 {
-  this->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "phase");
   this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "grain");
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }
@@ -96,24 +95,6 @@ void vtkBondAlgorithm::RemoveAllLikes()
   }
 }
 
-void vtkBondAlgorithm::AddVoid(const char* phase)
-{
-  auto& voids = this->Internal->Table.voids;
-  if (phase != nullptr && *phase != '\0' && std::find(voids.begin(), voids.end(), phase) == voids.end())
-  {
-    voids.emplace_back(phase);
-    this->Modified();
-  }
-}
-
-void vtkBondAlgorithm::RemoveAllVoids()
-{
-  if (Internals::Clear(this->Internal->Table.voids))
-  {
-    this->Modified();
-  }
-}
-
 void vtkBondAlgorithm::AddNotch(double x1, double y1, double x2, double y2)
 {
   this->Internal->Notches.push_back({ { x1, y1, 0 }, { x2 - x1, y2 - y1, 0 }, { 0, 0, 0 } });
@@ -135,41 +116,39 @@ void vtkBondAlgorithm::RemoveAllNotches()
   }
 }
 
-int vtkBondAlgorithm::FillInputPortInformation(int, vtkInformation* info)
+vtkImageData* vtkBondAlgorithm::GetOutput()
 {
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
-  return 1;
+  return this->GetOutput(0);
 }
 
-int vtkBondAlgorithm::RequestUpdateExtent(
-  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+vtkImageData* vtkBondAlgorithm::GetOutput(int port)
 {
-  lamella::requestInput(
-    inputVector[0]->GetInformationObject(0), lamella::requestedOutput(request, outputVector), this->Controller);
+  return vtkImageData::SafeDownCast(this->GetOutputDataObject(port));
+}
+
+int vtkBondAlgorithm::FillOutputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkImageData");
   return 1;
 }
 
 int vtkBondAlgorithm::RequestData(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  vtkImageData* const output = vtkImageData::GetData(outputVector);
-  lamella::Failure failure = lamella::Failure::None;
-  const lamella::Outcome outcome = lamella::attempt(
-    this,
+  return this->Attempt(
     [&]
     {
       const lamella::Team team(this->Controller, lamella::requestedOutput(request, outputVector));
-      this->Run(vtkImageData::GetData(inputVector[0]), output, team);
+      this->Run(vtkImageData::GetData(inputVector[0]), vtkImageData::GetData(outputVector), team);
     },
-    &failure);
-  this->Failure = static_cast<int>(failure);
-  return lamella::concluded(this, outcome, outputVector);
+    outputVector);
 }
 
 lamella::BondSettings vtkBondAlgorithm::Settings() const
 {
   lamella::BondSettings s;
   s.materials = this->Internal->Table;
+  s.materials.voids = this->GivenVoids();
   s.materials.relativeTo = this->RelativeTo;
   s.materials.mixing = static_cast<pd::Mixing>(this->Mixing);
   if (this->Continuum != AUTO_CONTINUUM)
@@ -189,14 +168,8 @@ lamella::BondSettings vtkBondAlgorithm::Settings() const
   return s;
 }
 
-int vtkBondAlgorithm::ThreadCount() const
-{
-  return this->Threads > 0 ? this->Threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-}
-
 void vtkBondAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Model: " << lamella::toJson(this->Settings()).dump() << "\n"
-     << indent << "Threads: " << this->Threads << "\n";
+  os << indent << "Model: " << lamella::toJson(this->Settings()).dump() << "\n";
 }

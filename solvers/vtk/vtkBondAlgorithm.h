@@ -24,12 +24,13 @@
 #ifndef vtkBondAlgorithm_h
 #define vtkBondAlgorithm_h
 
-#include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkSampleAlgorithm.h"
 
 #include <memory> // for std::unique_ptr
 #include <string> // for members
 
+class vtkImageData;
 class vtkMultiProcessController;
 
 namespace lamella
@@ -38,10 +39,10 @@ struct BondSettings;
 class Team;
 }
 
-class VTKLAMELLASOLVERSVTK_EXPORT vtkBondAlgorithm : public vtkImageAlgorithm
+class VTKLAMELLASOLVERSVTK_EXPORT vtkBondAlgorithm : public vtkSampleAlgorithm
 {
 public:
-  vtkTypeMacro(vtkBondAlgorithm, vtkImageAlgorithm);
+  vtkTypeMacro(vtkBondAlgorithm, vtkSampleAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
@@ -93,12 +94,6 @@ public:
   /** Bonds of two phases that have no material of their own. Default NO_MIXING: an error that names them. */
   vtkSetClampMacro(Mixing, int, NO_MIXING, MINIMUM);
   vtkGetMacro(Mixing, int);
-  ///@}
-
-  ///@{
-  /** Phases without bonds. */
-  void AddVoid(const char* phase);
-  void RemoveAllVoids();
   ///@}
 
   enum Continua
@@ -170,39 +165,22 @@ public:
   ///@}
 
   ///@{
-  /** Threads of each rank; 0: one for each core that the machine has. Default 1. */
-  vtkSetClampMacro(Threads, int, 0, VTK_INT_MAX);
-  vtkGetMacro(Threads, int);
-  ///@}
-
-  enum Failures
-  {
-    NO_FAILURE = 0,
-    INPUT_FAILURE = 1,
-    PARAMETER_FAILURE = 2,
-    NO_PATH_FAILURE = 3, ///< nothing carries the load
-    MEMORY_FAILURE = 4,
-    DIVERGENCE_FAILURE = 5,
-    OTHER_FAILURE = 6
-  };
-  ///@{
-  /** What kind of mistake the last update ended with. */
-  vtkGetMacro(Failure, int);
-  ///@}
-
-  ///@{
   /** The processes that may work together. Default: the global controller. */
   virtual void SetController(vtkMultiProcessController* controller);
   vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  ///@}
+
+  ///@{
+  /** Output 0, or another where it is an image; else null. */
+  vtkImageData* GetOutput();
+  vtkImageData* GetOutput(int port);
   ///@}
 
 protected:
   vtkBondAlgorithm();
   ~vtkBondAlgorithm() override;
 
-  int FillInputPortInformation(int port, vtkInformation* info) override;
-  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
-
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
   /// Fills the output; RequestData() makes errors of VTK of what it throws. Collective over the team.
@@ -210,9 +188,6 @@ protected:
 
   /// All of the settings above.
   lamella::BondSettings Settings() const;
-  int ThreadCount() const;
-
-  vtkMultiProcessController* Controller = nullptr;
 
 private:
   vtkBondAlgorithm(const vtkBondAlgorithm&) = delete;
@@ -230,8 +205,6 @@ private:
   bool SurfaceCorrection = false;
   bool LargeStrains = false;
   int Periodic[3] = { 0, 0, 0 };
-  int Threads = 1;
-  int Failure = NO_FAILURE;
 };
 
 #endif

@@ -1,10 +1,8 @@
 #include "vtkBondBreakAlgorithm.h"
 
 #include "LongRun.h"
-#include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 
-#include "io/RunCheckpoint.h"
 #include "lattice/Error.h"
 #include "peridynamics/fracture/FractureCheckpoint.h"
 
@@ -14,10 +12,8 @@
 #include "vtkInformation.h"
 #include "vtkNew.h"
 #include "vtkPolyData.h"
-#include "vtkSmartPointer.h"
 #include "vtkTable.h"
 
-#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -46,22 +42,12 @@ struct vtkBondBreakAlgorithm::Internals
 {
   std::vector<std::int64_t> Broken;
   lamella::Pace Told;
-  bool Anew = false;
+  std::string Anew; ///< a warning, or empty
 
   // of the last run
-  std::vector<vtkSmartPointer<vtkImageData>> States;
+  lamella::KeptStates<vtkImageData> States;
   vtkNew<vtkPolyData> Bonds;
   vtkNew<vtkTable> Curve;
-  vtkMTimeType Input = 0;
-  vtkMTimeType Settings = 0;
-  int Ranks = 0;
-
-  void Forget()
-  {
-    this->States.clear();
-    this->Bonds->Initialize();
-    this->Curve->Initialize();
-  }
 };
 
 vtkBondBreakAlgorithm::vtkBondBreakAlgorithm()
@@ -92,13 +78,12 @@ vtkTable* vtkBondBreakAlgorithm::GetCurve()
 
 int vtkBondBreakAlgorithm::GetNumberOfStates()
 {
-  return static_cast<int>(this->Kept->States.size());
+  return this->Kept->States.count();
 }
 
 vtkImageData* vtkBondBreakAlgorithm::GetStateImage(int state)
 {
-  return state >= 0 && state < this->GetNumberOfStates() ? this->Kept->States[static_cast<std::size_t>(state)]
-                                                         : nullptr;
+  return this->Kept->States.at(state);
 }
 
 void vtkBondBreakAlgorithm::AddStateAtBroken(vtkIdType broken)
@@ -121,81 +106,47 @@ std::vector<std::int64_t> vtkBondBreakAlgorithm::StatesAtBroken() const
   return this->Kept->Broken;
 }
 
-void vtkBondBreakAlgorithm::SetCheckpointFile(const std::string& path)
-{
-  if (this->CheckpointFile != path)
-  {
-    this->CheckpointFile = path;
-    this->Modified();
-  }
-}
-
-void vtkBondBreakAlgorithm::SetContinueFile(const std::string& path)
-{
-  if (this->ContinueFile != path)
-  {
-    this->ContinueFile = path;
-    this->Modified();
-  }
-}
-
 void vtkBondBreakAlgorithm::SetState(int state)
 {
-  const int clamped = std::max(state, -1);
-  if (this->State != clamped)
-  {
-    this->State = clamped;
-    this->StateTime.Modified(); // not Modified(): that would run all again
-  }
+  this->Kept->States.choose(state);
+}
+
+int vtkBondBreakAlgorithm::GetState()
+{
+  return this->Kept->States.chosen();
 }
 
 vtkMTimeType vtkBondBreakAlgorithm::GetMTime()
 {
-  return std::max(this->Superclass::GetMTime(), this->StateTime.GetMTime());
+  return this->Kept->States.changed(this->Superclass::GetMTime());
 }
 
 void vtkBondBreakAlgorithm::Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team)
 {
   Internals& kept = *this->Kept;
-  const vtkMTimeType settings = this->Superclass::GetMTime();
-  if (team.any(kept.States.empty() || kept.Input != input->GetMTime() || kept.Settings != settings ||
-        kept.Ranks != team.size()))
-  {
-    this->PeakStress = unknown;
-    kept.Forget();
-    try
+  kept.States.renew(
+    input, this->Superclass::GetMTime(), team, [&] { this->Solve(input, team, kept.Bonds, kept.Curve); },
+    [&]
     {
-      this->Solve(input, team, kept.Bonds, kept.Curve);
-    }
-    catch (...)
-    {
-      kept.Forget();
-      throw;
-    }
-    kept.Input = input->GetMTime();
-    kept.Settings = settings;
-    kept.Ranks = team.size();
-  }
-  const int last = this->GetNumberOfStates() - 1;
-  vtkImageData* const state = this->GetStateImage(this->State < 0 ? last : std::min(this->State, last));
-  output->ShallowCopy(state);
-  output->GetInformation()->Set(
-    vtkDataObject::DATA_TIME_STEP(), state->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()));
+      this->PeakStress = unknown;
+      kept.Bonds->Initialize();
+      kept.Curve->Initialize();
+    });
+  kept.States.show(output);
   this->GetBrokenBonds()->ShallowCopy(kept.Bonds);
   this->GetCurve()->ShallowCopy(kept.Curve);
 }
 
 vtkImageData* vtkBondBreakAlgorithm::NewState(vtkImageData* input)
 {
-  const auto image = vtkSmartPointer<vtkImageData>::New();
+  vtkImageData* const image = this->Kept->States.add();
   image->ShallowCopy(input);
-  this->Kept->States.push_back(image);
   return image;
 }
 
 std::vector<vtkImageData*> vtkBondBreakAlgorithm::KeptStates() const
 {
-  return { this->Kept->States.begin(), this->Kept->States.end() };
+  return { this->Kept->States.all().begin(), this->Kept->States.all().end() };
 }
 
 void vtkBondBreakAlgorithm::Finish(
@@ -210,7 +161,7 @@ void vtkBondBreakAlgorithm::Finish(
   }
   for (vtkDataObject* const data : { static_cast<vtkDataObject*>(broken), static_cast<vtkDataObject*>(curve) })
   {
-    data->GetFieldData()->ShallowCopy(this->Kept->States.back()->GetFieldData());
+    data->GetFieldData()->ShallowCopy(this->Kept->States.all().back()->GetFieldData());
   }
 }
 
@@ -227,16 +178,16 @@ void vtkBondBreakAlgorithm::SetLimit(const char* name, vtkIdType value, std::int
 std::string vtkBondBreakAlgorithm::PrepareCheckpoints(
   vtkImageData* input, const lamella::Team& team, lamella::io::CheckpointOptions& options)
 {
-  options.path = this->CheckpointFile;
-  options.provenance = lamella::fieldText(input, "provenance").value_or("");
   this->LastCheckpoint = 0;
-  this->Kept->Anew = lamella::beginsAnew(this->ContinueFile, this->CheckpointFile, team);
-  return this->Kept->Anew ? std::string() : this->ContinueFile;
+  const lamella::RunStart start =
+    lamella::startOf(this->ContinueFile, this->CheckpointFile, "the unbroken sample", input, team, options);
+  this->Kept->Anew = start.warning;
+  return start.from;
 }
 
 std::string vtkBondBreakAlgorithm::BeginsAnew() const
 {
-  return this->Kept->Anew ? lamella::anewWarning(this->ContinueFile, "the unbroken sample") : std::string();
+  return this->Kept->Anew;
 }
 
 void vtkBondBreakAlgorithm::TellNext()
@@ -256,7 +207,7 @@ void vtkBondBreakAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "StopShare: " << this->StopShare << "\n"
      << indent << "MaximumStrain: " << this->MaximumStrain << "\n"
      << indent << "MaximumBroken: " << this->MaximumBroken << "\n"
-     << indent << "State: " << this->State << " of " << this->GetNumberOfStates() << "\n"
+     << indent << "State: " << this->GetState() << " of " << this->GetNumberOfStates() << "\n"
      << indent << "CheckpointFile: " << this->CheckpointFile << "\n"
      << indent << "CheckpointEvery: " << this->CheckpointEvery << "\n"
      << indent << "ContinueFile: " << this->ContinueFile << "\n"

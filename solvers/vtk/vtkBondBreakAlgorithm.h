@@ -15,8 +15,6 @@
 #include "vtkBondLoadAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 
-#include "vtkTimeStamp.h" // for a member
-
 #include <cstdint> // for std::int64_t
 #include <memory>  // for std::unique_ptr
 #include <string>  // for members
@@ -68,14 +66,14 @@ public:
   /** The state that output 0 shows, from 0, in the order of the run; -1 (default): the end. A change runs nothing
    * again. Beyond the last it is the end. */
   void SetState(int state);
-  vtkGetMacro(State, int);
+  int GetState();
   ///@}
 
   ///@{
   /** A file that keeps where the run stands, in HDF5, after every CheckpointEvery; what is there already is replaced.
    * Empty (default): none. When it cannot be written the run goes on, and says so. */
-  void SetCheckpointFile(const std::string& path);
-  const std::string& GetCheckpointFile() const { return this->CheckpointFile; }
+  vtkSetMacro(CheckpointFile, std::string);
+  vtkGetMacro(CheckpointFile, std::string);
   ///@}
   ///@{
   /** Events of fracture (default 500) or steps in time (default 1000) between two checkpoints; at least 1. In fracture
@@ -88,8 +86,8 @@ public:
   /** A checkpoint of the same scene to go on from: the same bonds break then, to the last bit, as in a run that was
    * never stopped. States that lie before it are not made. Empty (default): from the unbroken sample, as where this is
    * CheckpointFile and not there yet. */
-  void SetContinueFile(const std::string& path);
-  const std::string& GetContinueFile() const { return this->ContinueFile; }
+  vtkSetMacro(ContinueFile, std::string);
+  vtkGetMacro(ContinueFile, std::string);
   ///@}
   ///@{
   /** Events or steps in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
@@ -169,7 +167,6 @@ protected:
   double StopShare = 0.05;
   double MaximumStrain = 0;
   vtkIdType MaximumBroken = 0;
-  int State = -1;
   std::string CheckpointFile;
   vtkIdType CheckpointEvery = 500;
   std::string ContinueFile;
@@ -183,7 +180,6 @@ private:
 
   struct Internals;
   std::unique_ptr<Internals> Kept;
-  vtkTimeStamp StateTime;
 };
 
 #endif

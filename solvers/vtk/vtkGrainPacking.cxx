@@ -116,11 +116,7 @@ int vtkGrainPacking::RequestData(vtkInformation*, vtkInformationVector**, vtkInf
     return 1;
   }
   const lamella::Outcome outcome = lamella::attempt(this, [&] { this->Pack(particles, contacts); });
-  if (outcome == lamella::Outcome::Cancelled)
-  {
-    this->SetAbortOutput(true);
-  }
-  return outcome == lamella::Outcome::Failed ? 0 : 1;
+  return lamella::concluded(this, outcome, outputVector);
 }
 
 void vtkGrainPacking::PrintSelf(ostream& os, vtkIndent indent)

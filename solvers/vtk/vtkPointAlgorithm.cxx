@@ -1,24 +1,21 @@
 #include "vtkPointAlgorithm.h"
 
-#include "Attempt.h"
 #include "PointScene.h"
 #include "vtkPieces.h"
 
+#include "lattice/Error.h"
 #include "peridynamics/ElasticStudy.h"
 
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 
-#include <algorithm>
+#include <map>
 #include <string>
-#include <thread>
-#include <vector>
 
 struct vtkPointAlgorithm::Internals
 {
   std::map<std::string, std::map<std::string, double>> Constants;
-  std::vector<std::string> Voids;
 };
 
 vtkPointAlgorithm::vtkPointAlgorithm()
@@ -35,7 +32,6 @@ vtkPointAlgorithm::vtkPointAlgorithm()
   this->Hardening = plastic.hardening;
   this->Density = points.density.front();
   this->PointsPerNode = points.perNode;
-  this->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "phase");
   this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "axis");
 }
 
@@ -65,60 +61,23 @@ void vtkPointAlgorithm::RemoveAllPhaseConstants()
   }
 }
 
-void vtkPointAlgorithm::AddVoid(const char* phase)
-{
-  auto& voids = this->Internal->Voids;
-  if (phase != nullptr && *phase != '\0' && std::find(voids.begin(), voids.end(), phase) == voids.end())
-  {
-    voids.emplace_back(phase);
-    this->Modified();
-  }
-}
-
-void vtkPointAlgorithm::RemoveAllVoids()
-{
-  if (!this->Internal->Voids.empty())
-  {
-    this->Internal->Voids.clear();
-    this->Modified();
-  }
-}
-
-int vtkPointAlgorithm::FillInputPortInformation(int, vtkInformation* info)
-{
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
-  return 1;
-}
-
 int vtkPointAlgorithm::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   lamella::allInFirstPiece(outputVector);
   return 1;
 }
 
-int vtkPointAlgorithm::RequestUpdateExtent(
-  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
-{
-  lamella::requestInput(
-    inputVector[0]->GetInformationObject(0), lamella::requestedOutput(request, outputVector), nullptr);
-  return 1;
-}
-
 int vtkPointAlgorithm::RequestData(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  this->Failure = NO_FAILURE;
-  vtkInformation* const asked = lamella::requestedOutput(request, outputVector);
-  if (!lamella::isFirstPiece(outputVector))
-  {
-    return 1;
-  }
-  lamella::Failure failure = lamella::Failure::None;
-  const lamella::Outcome outcome = lamella::attempt(
-    this,
+  return this->Attempt(
     [&]
     {
-      const lamella::Team alone(nullptr, asked);
+      if (!lamella::isFirstPiece(outputVector))
+      {
+        return;
+      }
+      const lamella::Team alone(nullptr, lamella::requestedOutput(request, outputVector));
       const lamella::peridynamics::ThreadScope threads(this->ThreadCount());
       if (this->CheckAbort())
       {
@@ -126,9 +85,7 @@ int vtkPointAlgorithm::RequestData(
       }
       this->Run(vtkImageData::GetData(inputVector[0]), outputVector, alone);
     },
-    &failure);
-  this->Failure = static_cast<int>(failure);
-  return lamella::concluded(this, outcome, outputVector);
+    outputVector);
 }
 
 lamella::PointSettings vtkPointAlgorithm::Settings() const
@@ -151,15 +108,10 @@ lamella::PointSettings vtkPointAlgorithm::Settings() const
       s.ofPhase[phase][lamella::wallConstant(name)] = value;
     }
   }
-  s.voids = this->Internal->Voids;
+  s.voids = this->GivenVoids();
   s.perNode = this->PointsPerNode;
   s.cellsPerNode = this->CellsPerNode;
   return s;
-}
-
-int vtkPointAlgorithm::ThreadCount() const
-{
-  return this->Threads > 0 ? this->Threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
 void vtkPointAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
@@ -178,8 +130,7 @@ void vtkPointAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "Density: " << this->Density << "\n"
      << indent << "PointsPerNode: " << this->PointsPerNode << "\n"
      << indent << "CellsPerNode: " << this->CellsPerNode << "\n"
-     << indent << "FitPlatens: " << this->FitPlatens << "\n"
-     << indent << "Threads: " << this->Threads << "\n";
+     << indent << "FitPlatens: " << this->FitPlatens << "\n";
   for (const auto& [phase, constants] : this->Internal->Constants)
   {
     for (const auto& [name, value] : constants)

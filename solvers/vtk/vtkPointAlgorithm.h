@@ -23,8 +23,8 @@
 #ifndef vtkPointAlgorithm_h
 #define vtkPointAlgorithm_h
 
-#include "vtkDataObjectAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkSampleAlgorithm.h"
 
 #include <memory> // for std::unique_ptr
 
@@ -36,10 +36,10 @@ struct PointSettings;
 class Team;
 }
 
-class VTKLAMELLASOLVERSVTK_EXPORT vtkPointAlgorithm : public vtkDataObjectAlgorithm
+class VTKLAMELLASOLVERSVTK_EXPORT vtkPointAlgorithm : public vtkSampleAlgorithm
 {
 public:
-  vtkTypeMacro(vtkPointAlgorithm, vtkDataObjectAlgorithm);
+  vtkTypeMacro(vtkPointAlgorithm, vtkSampleAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   enum Laws
@@ -124,12 +124,6 @@ public:
   ///@}
 
   ///@{
-  /** Phases without points. */
-  void AddVoid(const char* phase);
-  void RemoveAllVoids();
-  ///@}
-
-  ///@{
   /** Points along each axis in a node's cell. Default 2. */
   vtkSetClampMacro(PointsPerNode, int, 1, 16);
   vtkGetMacro(PointsPerNode, int);
@@ -155,34 +149,11 @@ public:
   vtkBooleanMacro(FitPlatens, bool);
   ///@}
 
-  ///@{
-  /** Threads; 0: one for each core that the machine has. Default 1. */
-  vtkSetClampMacro(Threads, int, 0, VTK_INT_MAX);
-  vtkGetMacro(Threads, int);
-  ///@}
-
-  enum Failures
-  {
-    NO_FAILURE = 0,
-    INPUT_FAILURE = 1,
-    PARAMETER_FAILURE = 2,
-    NO_PATH_FAILURE = 3, ///< nothing carries the load
-    MEMORY_FAILURE = 4,
-    DIVERGENCE_FAILURE = 5,
-    OTHER_FAILURE = 6
-  };
-  ///@{
-  /** What kind of mistake the last update ended with. */
-  vtkGetMacro(Failure, int);
-  ///@}
-
 protected:
   vtkPointAlgorithm();
   ~vtkPointAlgorithm() override;
 
-  int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
-  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
   /// Fills the outputs; RequestData() makes errors of VTK of what it throws.
@@ -191,7 +162,6 @@ protected:
 
   /// All of the settings above.
   lamella::PointSettings Settings() const;
-  int ThreadCount() const;
 
 private:
   vtkPointAlgorithm(const vtkPointAlgorithm&) = delete;
@@ -213,8 +183,6 @@ private:
   double Density;
   int PointsPerNode;
   double CellsPerNode = 1;
-  int Threads = 1;
-  int Failure = NO_FAILURE;
 
 protected:
   bool FitPlatens = false;

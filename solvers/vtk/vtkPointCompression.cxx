@@ -7,6 +7,7 @@
 #include "vtkLatticeConversion.h"
 #include "vtkProvenance.h"
 
+#include "lattice/Clock.h"
 #include "lattice/Error.h"
 
 #include "vtkFieldData.h"
@@ -16,14 +17,12 @@
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
-#include "vtkSmartPointer.h"
 #include "vtkTable.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <vector>
 
 namespace mpm = lamella::mpm;
@@ -36,11 +35,6 @@ constexpr std::array<const char*, 3> shapeNames{ "linear", "gimp", "spline" };
 constexpr std::array<const char*, 4> transferNames{ "flip", "pic", "apic", "xpic" };
 constexpr double sameStrain = 1e-9; // of the last one
 
-double secondsSince(std::chrono::steady_clock::time_point start)
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 } // namespace
 
 struct vtkPointCompression::Internals
@@ -50,10 +44,8 @@ struct vtkPointCompression::Internals
   lamella::Pace Told;
 
   // of the last run
-  std::vector<vtkSmartPointer<vtkPolyData>> States;
+  lamella::KeptStates<vtkPolyData> States;
   vtkNew<vtkTable> Curve;
-  vtkMTimeType Input = 0;
-  vtkMTimeType Settings = 0;
 
   /// What is said of a run.
   struct Account
@@ -69,12 +61,6 @@ struct vtkPointCompression::Internals
     int Axis = 0;
     std::array<std::array<double, 3>, 2> Box{};
   };
-
-  void Forget()
-  {
-    this->States.clear();
-    this->Curve->Initialize();
-  }
 
   template <int Dim>
   mpm::CompressionOptions<Dim> Options(const lamella::PointScene& scene, const Account& account) const;
@@ -121,13 +107,12 @@ vtkTable* vtkPointCompression::GetCurve()
 
 int vtkPointCompression::GetNumberOfStates()
 {
-  return static_cast<int>(this->Kept->States.size());
+  return this->Kept->States.count();
 }
 
 vtkPolyData* vtkPointCompression::GetStatePoints(int state)
 {
-  return state >= 0 && state < this->GetNumberOfStates() ? this->Kept->States[static_cast<std::size_t>(state)]
-                                                         : nullptr;
+  return this->Kept->States.at(state);
 }
 
 void vtkPointCompression::AddStateAtStrain(double strain)
@@ -147,47 +132,27 @@ void vtkPointCompression::RemoveAllStatesAtStrains()
 
 void vtkPointCompression::SetState(int state)
 {
-  const int clamped = std::max(state, -1);
-  if (this->State != clamped)
-  {
-    this->State = clamped;
-    this->StateTime.Modified(); // not Modified(): that would run all again
-  }
+  this->Kept->States.choose(state);
+}
+
+int vtkPointCompression::GetState()
+{
+  return this->Kept->States.chosen();
 }
 
 vtkMTimeType vtkPointCompression::GetMTime()
 {
-  return std::max(this->Superclass::GetMTime(), this->StateTime.GetMTime());
-}
-
-void vtkPointCompression::SetCheckpointFile(const std::string& path)
-{
-  if (this->CheckpointFile != path)
-  {
-    this->CheckpointFile = path;
-    this->Modified();
-  }
-}
-
-void vtkPointCompression::SetContinueFile(const std::string& path)
-{
-  if (this->ContinueFile != path)
-  {
-    this->ContinueFile = path;
-    this->Modified();
-  }
+  return this->Kept->States.changed(this->Superclass::GetMTime());
 }
 
 void vtkPointCompression::Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& alone)
 {
   Internals& kept = *this->Kept;
-  const vtkMTimeType settings = this->Superclass::GetMTime();
-  if (kept.States.empty() || kept.Input != input->GetMTime() || kept.Settings != settings)
-  {
-    kept.Forget();
-    this->LastCheckpoint = 0;
-    try
+  kept.States.renew(
+    input, this->Superclass::GetMTime(), alone,
+    [&]
     {
+      this->LastCheckpoint = 0;
       const lamella::PointScene scene(
         input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), this->Settings(), alone);
       if (scene.lattice().dimension == 3)
@@ -198,21 +163,9 @@ void vtkPointCompression::Run(vtkImageData* input, vtkInformationVector* outputs
       {
         kept.Solve<2>(input, scene, alone);
       }
-    }
-    catch (...)
-    {
-      kept.Forget();
-      throw;
-    }
-    kept.Input = input->GetMTime();
-    kept.Settings = settings;
-  }
-  const int last = this->GetNumberOfStates() - 1;
-  vtkPolyData* const state = this->GetStatePoints(this->State < 0 ? last : std::min(this->State, last));
-  vtkDataObject* const output = vtkDataObject::GetData(outputs, 0);
-  output->ShallowCopy(state);
-  output->GetInformation()->Set(
-    vtkDataObject::DATA_TIME_STEP(), state->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()));
+    },
+    [&] { kept.Curve->Initialize(); });
+  kept.States.show(vtkDataObject::GetData(outputs, 0));
   vtkDataObject::GetData(outputs, 1)->ShallowCopy(kept.Curve);
 }
 
@@ -236,7 +189,6 @@ mpm::CompressionOptions<Dim> vtkPointCompression::Internals::Options(
   o.damping = s.Damping;
   o.rows = s.Rows;
   o.atStrains = this->Strains;
-  o.checkpoint.path = s.CheckpointFile;
   o.checkpoint.every = s.CheckpointEvery;
   o.motion.spacing = scene.gridSpacing();
   o.motion.shape = static_cast<mpm::Shape>(s.Shape);
@@ -254,7 +206,7 @@ template <int Dim>
 void vtkPointCompression::Internals::Solve(
   vtkImageData* input, const lamella::PointScene& scene, const lamella::Team& alone)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = lamella::Clock::now();
   vtkPointCompression& self = *this->Self;
   const char* const creator = self.GetClassName();
   Account account;
@@ -263,9 +215,9 @@ void vtkPointCompression::Internals::Solve(
   fitted[static_cast<std::size_t>(account.Axis)] = self.FitPlatens;
   account.Box = scene.box(fitted);
   mpm::CompressionOptions<Dim> options = this->Options<Dim>(scene, account);
-  options.checkpoint.provenance = lamella::fieldText(input, "provenance").value_or("");
-  const bool anew = lamella::beginsAnew(self.ContinueFile, self.CheckpointFile, alone);
-  options.continueFrom = anew ? std::string() : self.ContinueFile;
+  const lamella::RunStart begin = lamella::startOf(
+    self.ContinueFile, self.CheckpointFile, "the undeformed specimen", input, alone, options.checkpoint);
+  options.continueFrom = begin.from;
 
   const auto law = scene.law<Dim>();
   mpm::MaterialPoints<Dim> points = scene.points<Dim>();
@@ -282,11 +234,7 @@ void vtkPointCompression::Internals::Solve(
 
   mpm::PointCompression<Dim>* running = nullptr;
   const auto keep = [&](double)
-  {
-    const auto state = vtkSmartPointer<vtkPolyData>::New();
-    lamella::setPointState(state, *running, *law, places, arrays, depth, creator);
-    this->States.push_back(state);
-  };
+  { lamella::setPointState(this->States.add(), *running, *law, places, arrays, depth, creator); };
   std::int64_t seen = 0; // steps when it was last looked at: a checkpoint follows a look
   std::int64_t written = 0;
   const auto look = [&]
@@ -315,19 +263,19 @@ void vtkPointCompression::Internals::Solve(
   account.ContinuedAt = static_cast<double>(before);
   account.StatesBefore = static_cast<double>(std::count_if(this->Strains.begin(), this->Strains.end(),
     [&](double e) { return before > 0 && e < run.strain() - sameStrain * self.Strain; }));
-  account.SetupSeconds = secondsSince(start);
-  const auto moved = std::chrono::steady_clock::now();
+  account.SetupSeconds = lamella::secondsSince(start);
+  const auto moved = lamella::Clock::now();
   seen = before;
   const bool finished = run.run();
-  account.RunSeconds = secondsSince(moved);
+  account.RunSeconds = lamella::secondsSince(moved);
   seen = run.body().steps(); // also where it was stopped
   look();
   if (!finished)
   {
     throw lamella::Cancelled();
   }
-  const bool ended = !this->States.empty() &&
-    this->States.back()->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()) >=
+  const bool ended = this->States.count() > 0 &&
+    this->States.all().back()->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()) >=
       run.strain() - sameStrain * self.Strain;
   if (!ended)
   {
@@ -335,9 +283,9 @@ void vtkPointCompression::Internals::Solve(
   }
 
   account.Summary = run.summary();
-  if (anew)
+  if (!begin.warning.empty())
   {
-    account.Warnings.push_back(lamella::anewWarning(self.ContinueFile, "the undeformed specimen"));
+    account.Warnings.push_back(begin.warning);
   }
   if (const std::string thin = scene.wallWarning(); !thin.empty())
   {
@@ -349,14 +297,14 @@ void vtkPointCompression::Internals::Solve(
   {
     vtkWarningWithObjectMacro(&self, << warning);
   }
-  for (const auto& state : this->States)
+  for (const auto& state : this->States.all())
   {
     lamella::setFieldNumber(
       state, "stress", lamella::stressAt(run.rows(), lamella::fieldNumbers(state, "strain").at(0)));
     this->Describe(input, state, scene, account);
   }
   lamella::setCompressionCurve(this->Curve, run.rows(), creator);
-  this->Curve->GetFieldData()->ShallowCopy(this->States.back()->GetFieldData());
+  this->Curve->GetFieldData()->ShallowCopy(this->States.all().back()->GetFieldData());
 }
 
 void vtkPointCompression::Internals::Describe(
@@ -422,7 +370,7 @@ void vtkPointCompression::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "ConsistentMass: " << this->ConsistentMass << "\n"
      << indent << "ModifiedUpdate: " << this->ModifiedUpdate << "\n"
      << indent << "TimeStep: " << this->TimeStep << "\n"
-     << indent << "State: " << this->State << " of " << this->GetNumberOfStates() << "\n"
+     << indent << "State: " << this->GetState() << " of " << this->GetNumberOfStates() << "\n"
      << indent << "CheckpointFile: " << this->CheckpointFile << "\n"
      << indent << "CheckpointEvery: " << this->CheckpointEvery << "\n"
      << indent << "ContinueFile: " << this->ContinueFile << "\n"

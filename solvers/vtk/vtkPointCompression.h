@@ -42,8 +42,6 @@
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPointAlgorithm.h"
 
-#include "vtkTimeStamp.h" // for a member
-
 #include <memory> // for std::unique_ptr
 #include <string> // for members
 
@@ -170,7 +168,7 @@ public:
   /** The state that output 0 shows, from 0, in the order of the run; -1 (default): the end. A change runs nothing
    * again. Beyond the last it is the end. */
   void SetState(int state);
-  vtkGetMacro(State, int);
+  int GetState();
   ///@}
 
   ///@{
@@ -196,8 +194,8 @@ public:
   /** A file that keeps where the run stands, in HDF5, after every CheckpointEvery steps, at the end and where the run
    * is interrupted; what is there already is replaced. Empty (default): none. When it cannot be written the run goes
    * on, and says so. */
-  void SetCheckpointFile(const std::string& path);
-  const std::string& GetCheckpointFile() const { return this->CheckpointFile; }
+  vtkSetMacro(CheckpointFile, std::string);
+  vtkGetMacro(CheckpointFile, std::string);
   ///@}
   ///@{
   /** Steps between two checkpoints, at least 1; looked at every 200. Points are sorted anew where one is written, so
@@ -208,8 +206,8 @@ public:
   ///@{
   /** A checkpoint of the same scene to go on from, to the same curve. States before it are not made. Empty (default):
    * from the start, as where this is CheckpointFile and not there yet. */
-  void SetContinueFile(const std::string& path);
-  const std::string& GetContinueFile() const { return this->ContinueFile; }
+  vtkSetMacro(ContinueFile, std::string);
+  vtkGetMacro(ContinueFile, std::string);
   ///@}
   ///@{
   /** Steps in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
@@ -242,7 +240,6 @@ private:
 
   struct Internals;
   std::unique_ptr<Internals> Kept;
-  vtkTimeStamp StateTime;
 
   int LoadAxis = LAST_AXIS;
   double Strain;
@@ -260,7 +257,6 @@ private:
   bool ConsistentMass = false;
   bool ModifiedUpdate = false;
   double TimeStep = 0;
-  int State = -1;
   bool ComputeDisplacement = true;
   bool ComputeVelocity = false;
   bool ComputeStress = false;

@@ -3,6 +3,7 @@
 #include "Attempt.h"
 #include "BoxExchange.h"
 #include "PhaseIds.h"
+#include "ThreadCount.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -26,7 +27,6 @@
 #include <limits>
 #include <map>
 #include <string>
-#include <thread>
 #include <vector>
 
 namespace lbm = lamella::lbm;
@@ -302,15 +302,7 @@ int vtkSteadyDiffusion::RequestData(
       const lamella::Team team(this->Controller, outputVector->GetInformationObject(0));
       this->Solve(input, output, team);
     });
-  if (outcome != lamella::Outcome::Done)
-  {
-    output->Initialize();
-  }
-  if (outcome == lamella::Outcome::Cancelled)
-  {
-    this->SetAbortOutput(true);
-  }
-  return outcome == lamella::Outcome::Failed ? 0 : 1;
+  return lamella::concluded(this, outcome, outputVector);
 }
 
 void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team)
@@ -356,8 +348,7 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   options.method = methodOf(this->Method);
   options.tolerance = this->Tolerance;
   options.maxIterations = this->MaximumIterations;
-  options.threads =
-    this->Threads > 0 ? this->Threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  options.threads = lamella::threadCount(this->Threads);
   std::vector<int> axes{ this->Direction };
   if (this->Direction == ALL)
   {

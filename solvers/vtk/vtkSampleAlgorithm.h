@@ -1,0 +1,84 @@
+/**
+ * @class   vtkSampleAlgorithm
+ * @brief   takes an image of phases as a sample: which of them are void, threads, what went wrong
+ *
+ * What the solvers on bonds and those on points share.
+ *
+ * **Input**: vtkImageData, with phases at its points (array `phase` unless SetInputArrayToProcess(0, ...) names
+ * another).
+ *
+ * @sa vtkBondAlgorithm, vtkPointAlgorithm
+ */
+
+#ifndef vtkSampleAlgorithm_h
+#define vtkSampleAlgorithm_h
+
+#include "vtkDataObjectAlgorithm.h"
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+
+#include <functional> // for std::function
+#include <string>     // for members
+#include <vector>     // for members
+
+class vtkMultiProcessController;
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkSampleAlgorithm : public vtkDataObjectAlgorithm
+{
+public:
+  vtkTypeMacro(vtkSampleAlgorithm, vtkDataObjectAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /** Phases that are void: without bonds, without points. An empty name is ignored (an empty row in a panel). */
+  void AddVoid(const char* phase);
+  void RemoveAllVoids();
+  ///@}
+
+  ///@{
+  /** Threads of each rank; 0: one for each core that the machine has. Default 1. */
+  vtkSetClampMacro(Threads, int, 0, VTK_INT_MAX);
+  vtkGetMacro(Threads, int);
+  ///@}
+
+  enum Failures
+  {
+    NO_FAILURE = 0,
+    INPUT_FAILURE = 1,
+    PARAMETER_FAILURE = 2,
+    NO_PATH_FAILURE = 3, ///< nothing carries the load
+    MEMORY_FAILURE = 4,
+    DIVERGENCE_FAILURE = 5,
+    OTHER_FAILURE = 6
+  };
+  ///@{
+  /** What kind of mistake the last update ended with. */
+  vtkGetMacro(Failure, int);
+  ///@}
+
+protected:
+  vtkSampleAlgorithm();
+  ~vtkSampleAlgorithm() override = default;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  /// Each rank's piece of the image where the controller's ranks work together, else all of it.
+  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+  /// Runs it; what it throws becomes an error of VTK, with its kind in Failure and empty outputs.
+  /// @return what RequestData() returns
+  int Attempt(const std::function<void()>& run, vtkInformationVector* outputs);
+
+  const std::vector<std::string>& GivenVoids() const { return this->Voids; }
+  int ThreadCount() const;
+
+  vtkMultiProcessController* Controller = nullptr; ///< null: each rank works by itself
+
+private:
+  vtkSampleAlgorithm(const vtkSampleAlgorithm&) = delete;
+  void operator=(const vtkSampleAlgorithm&) = delete;
+
+  std::vector<std::string> Voids;
+  int Threads = 1;
+  int Failure = NO_FAILURE;
+};
+
+#endif
