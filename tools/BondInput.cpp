@@ -304,11 +304,7 @@ void applyBonds(const BondOptions& o, vtkBondAlgorithm* filter)
   {
     throw ParameterError(fmt::format("--refine {} is below 1", o.refine), "every pixel becomes N × N");
   }
-  if (o.threads < 1 || o.threads > 1024)
-  {
-    throw ParameterError(
-      fmt::format("--threads {} is outside 1 to 1024", o.threads), "give the number of cores to use");
-  }
+  checkThreads(o.threads);
   filter->SetThreads(o.threads);
 }
 

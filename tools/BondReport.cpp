@@ -47,11 +47,6 @@ Json thickness(const BondFields& f)
 
 } // namespace
 
-Json jsonNumber(double value)
-{
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 std::string pascal(double value)
 {
   return std::isfinite(value) ? fmt::format("{:.7g} Pa", value) : "-";
@@ -187,11 +182,6 @@ std::string sizesText(const BondFields& f)
   return fmt::format("  {} nodes, of which {} carry {} bonds and {} were skipped\n",
     grouped(latticeOf(f.image).count()), grouped(f.whole("solid_nodes")), grouped(f.whole("bonds")),
     grouped(f.whole("skipped_nodes")));
-}
-
-std::string dump(const Json& json)
-{
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 } // namespace lamella::cli

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "io/Provenance.h"
+#include "JsonReport.h"
 
-#include <nlohmann/json.hpp>
+#include "io/Provenance.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -28,11 +28,6 @@ struct BondRun
   int ranks = 1;
   double seconds = 0;
 };
-
-using Json = nlohmann::ordered_json;
-
-/// JSON has no NaN and no infinity.
-[[nodiscard]] Json jsonNumber(double value);
 
 /// "1.234e+09 Pa", or "-" for what is not known.
 [[nodiscard]] std::string pascal(double value);
@@ -66,7 +61,5 @@ void addRun(Json& json, const BondRun& run);
 [[nodiscard]] std::string sampleText(const BondRun& run, bool fracture);
 /// Nodes and bonds, in a line.
 [[nodiscard]] std::string sizesText(const BondFields& f);
-
-[[nodiscard]] std::string dump(const Json& json);
 
 } // namespace lamella::cli

@@ -1,9 +1,10 @@
 #include "BreakRun.h"
 
 #include "GridFile.h"
-#include "TableFiles.h"
+#include "ResultFiles.h"
 #include "Text.h"
 
+#include "lattice/Clock.h"
 #include "vtkBondBreakAlgorithm.h"
 #include "vtkLatticeConversion.h"
 
@@ -13,7 +14,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -40,7 +40,7 @@ struct Files
 {
   StateWriter states;
   std::optional<OutputFile> broken;
-  TableFiles curve;
+  ResultFiles curve;
 
   void open(const BreakOptions& o, vtkBondBreakAlgorithm* filter, std::size_t mostStates)
   {
@@ -54,7 +54,7 @@ struct Files
       }
       broken.emplace(o.broken, o.common.overwrite);
     }
-    curve.add("--curve", o.curve, filter->GetCurve(), o.common.overwrite);
+    curve.addTable("--curve", o.curve, filter->GetCurve(), o.common.overwrite);
   }
 
   /// All are written before the first appears under its name.
@@ -69,7 +69,7 @@ struct Files
     const std::vector<vtkDataObject*> images(report.states.begin(), report.states.end());
     report.run.written = states.write(images, provenance);
     report.stateFiles = report.run.written;
-    const std::vector<std::string> tables = curve.write(Json::parse(provenance));
+    const std::vector<std::string> tables = curve.write(provenance);
     states.commit();
     if (broken)
     {
@@ -112,16 +112,6 @@ void addFileOptions(CLI::App& command, BreakOptions& o, const BreakWords& words)
   out(command.add_option("--broken", o.broken, "Write the broken bonds in order, a point each"))->type_name("FILE.vtp");
   out(command.add_option("--curve", o.curve, words.curve))->type_name("FILE.csv");
   addCheckpointOptions(command, o.checkpoint, words.checkpoint, words.every);
-}
-
-double positive(const char* option, const std::string& text, const char* hint)
-{
-  const auto value = toNumber(text);
-  if (!value || !(*value > 0) || !std::isfinite(*value))
-  {
-    throw ParameterError(fmt::format("{} '{}' is not a number above 0", option, text), hint);
-  }
-  return *value;
 }
 
 std::vector<std::string> listed(const std::vector<std::string>& lists)
@@ -171,7 +161,7 @@ void runBreak(Session& session, const BreakOptions& options, vtkBondBreakAlgorit
   const std::string& commandLine, const char* what, const char* unit, std::size_t states, int perNode,
   const std::function<std::string(const FractureReport&)>& print)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   BondSample sample;
   Files files; // rank 0
   session.onRoot(
@@ -193,7 +183,7 @@ void runBreak(Session& session, const BreakOptions& options, vtkBondBreakAlgorit
       report.states.push_back(filter->GetStateImage(i));
     }
     files.write(report);
-    report.run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report.run.seconds = secondsSince(start);
     session.print(options.common.quiet && !options.common.json ? "" : print(report));
   };
   const KeptRun kept{ commandLine, session.ranks(), unit, [filter] { return filter->GetLastCheckpoint(); },

@@ -53,8 +53,6 @@ void addFileOptions(CLI::App& command, BreakOptions& options, const BreakWords& 
 
 inline constexpr const char* alongTheLoad = "strains count along the load, in compression too: write it as 0.002";
 
-/// A number above 0. @param hint where it is none @throws ParameterError
-[[nodiscard]] double positive(const char* option, const std::string& text, const char* hint);
 /// All numbers of options that take lists: "A,B".
 [[nodiscard]] std::vector<std::string> listed(const std::vector<std::string>& lists);
 

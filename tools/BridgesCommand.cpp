@@ -1,5 +1,6 @@
 #include "Commands.h"
 #include "GridFile.h"
+#include "JsonReport.h"
 #include "OutputFile.h"
 #include "PackingInput.h"
 #include "Record.h"
@@ -8,6 +9,7 @@
 
 #include "PackingData.h"
 #include "io/Provenance.h"
+#include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "packing/Bridges.h"
 #include "vtkLatticeConversion.h"
@@ -15,9 +17,7 @@
 #include <vtkImageData.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -27,8 +27,6 @@ namespace lamella::cli
 
 namespace
 {
-
-using Json = nlohmann::ordered_json;
 
 struct BridgesCommandOptions
 {
@@ -102,10 +100,7 @@ std::string tableOf(const Json& json, const packing::Packing& packing)
   }
   line("lattice",
     fmt::format("{} nodes of {:.5g} µm", sizeText(size, packing.dimension), 1e6 * json["pixel_size"].get<double>()));
-  for (const Json& file : json["files"])
-  {
-    text += "  wrote " + file.get<std::string>() + "\n";
-  }
+  text += wroteText(json["files"].get<std::vector<std::string>>());
   return text;
 }
 
@@ -132,7 +127,7 @@ void refuseContradictions(const BridgesCommandOptions& options)
 
 void bridgesRun(Session& session, const BridgesCommandOptions& options, const std::string& commandLine)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   refuseContradictions(options);
   packing::BridgeOptions bridges = options.bridges;
   if (!options.saturation.empty())
@@ -199,11 +194,8 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
     }
   }
   json["files"] = options.output.empty() ? Json::array() : Json::array({ options.output });
-  json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  addRecord(json, record);
-  session.print(options.common.json ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
-      : options.common.quiet        ? ""
-                                    : tableOf(json, source.packing));
+  json["seconds"] = secondsSince(start);
+  printReport(session, options.common, json, record, [&](const Json& all) { return tableOf(all, source.packing); });
 }
 
 } // namespace
@@ -240,12 +232,7 @@ Command bridgesCommand(CLI::App& root)
     { "lamella bridges grains.vtp --saturation 40% -o cemented.vti",
       "lamella bridges measured.csv --unit 1mm --width 0.7 --spacing 25um -o cemented.png",
       "lamella bridges spheres.vtp --nodes 120 --filled --json" });
-  return { app,
-    [o](Session& session, const std::string& line)
-    {
-      session.setQuiet(o->common.quiet);
-      session.onRoot([&] { bridgesRun(session, *o, line); });
-    } };
+  return aloneCommand(app, o, bridgesRun);
 }
 
 } // namespace lamella::cli

@@ -1,14 +1,15 @@
-#include "BondReport.h"
 #include "Commands.h"
 #include "FilterRun.h"
 #include "GridFile.h"
+#include "JsonReport.h"
 #include "Record.h"
+#include "ResultFiles.h"
 #include "StateFiles.h"
-#include "TableFiles.h"
 #include "TableText.h"
 #include "Text.h"
 
 #include "io/Provenance.h"
+#include "lattice/Clock.h"
 #include "vtkCollapseMap.h"
 #include "vtkLatticeConversion.h"
 
@@ -18,7 +19,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -120,16 +120,13 @@ std::string tableOf(const Json& json)
   text += json["first_collapse_strain"].is_null()
     ? std::string("\n  none collapsed\n")
     : fmt::format("\n  the first at a strain of {:.4g}\n", json["first_collapse_strain"].get<double>());
-  for (const Json& file : json["files"])
-  {
-    text += "  wrote " + file.get<std::string>() + "\n";
-  }
+  text += wroteText(json["files"].get<std::vector<std::string>>());
   return text;
 }
 
 void collapseMap(Session& session, const CollapseMapOptions& o, const std::string& commandLine)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   vtkNew<vtkCollapseMap> filter;
   configure(filter, o);
   const std::vector<double> strains = strainsOf(o);
@@ -138,14 +135,10 @@ void collapseMap(Session& session, const CollapseMapOptions& o, const std::strin
   {
     requireFile(name);
   }
-  std::optional<OutputFile> map;
-  if (!o.output.empty())
-  {
-    map.emplace(openGrid("-o", o.output, ".vti", o.common.overwrite));
-  }
-  TableFiles tables;
-  tables.add("--table", o.table, filter->GetLumenTable(), o.common.overwrite);
-  tables.add("--states", o.states, filter->GetStateTable(), o.common.overwrite);
+  ResultFiles files;
+  files.addGrid("-o", o.output, ".vti", filter->GetOutput(), o.common.overwrite);
+  files.addTable("--table", o.table, filter->GetLumenTable(), o.common.overwrite);
+  files.addTable("--states", o.states, filter->GetStateTable(), o.common.overwrite);
   const auto image = readAs<vtkImageData>(o.image, "image", "give the image that the points were made from (.vti)");
   vtkNew<StateFiles> states;
   states->SetFiles(o.points, strains);
@@ -159,25 +152,9 @@ void collapseMap(Session& session, const CollapseMapOptions& o, const std::strin
   tellWarnings(session);
   Json json = reportOf(o, filter);
   const io::Provenance run = recordRun(commandLine, o.image, provenance(filter->GetOutput()));
-  const std::string record = io::toJson(run);
-  json["files"] = Json::array();
-  if (map)
-  {
-    setProvenance(filter->GetOutput(), record);
-    writeGrid(filter->GetOutput(), *map);
-    json["files"].push_back(o.output);
-  }
-  for (const std::string& name : tables.write(Json::parse(record)))
-  {
-    json["files"].push_back(name);
-  }
-  if (map)
-  {
-    map->commit();
-  }
-  json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  addRecord(json, run);
-  session.print(o.common.json ? dump(json) : o.common.quiet ? "" : tableOf(json));
+  json["files"] = files.write(io::toJson(run));
+  json["seconds"] = secondsSince(start);
+  printReport(session, o.common, json, run, tableOf);
 }
 
 } // namespace
@@ -200,23 +177,15 @@ Command collapseMapCommand(CLI::App& root)
     ->capture_default_str();
   lumens(app->add_option("--minimum-size", o->minimumSize, "Leave out lumens of fewer pixels or voxels"), "NUMBER")
     ->capture_default_str();
-  const auto file = [&](const char* names, std::string& target, const char* words, const char* type = "FILE.csv")
-  { app->add_option(names, target, words)->type_name(type)->group("Output"); };
-  file("-o,--output", o->output, "Write the map", "FILE.vti");
-  file("--table", o->table, "Write one row a lumen");
-  file("--states", o->states, "Write one row a state");
-  app->add_flag("--overwrite", o->common.overwrite, "Replace a file that exists")->group("Output");
-  addReportOptions(*app, o->common);
+  addResultFile(*app, "-o,--output", o->output, "Write the map", "FILE.vti");
+  addResultFile(*app, "--table", o->table, "Write one row a lumen");
+  addResultFile(*app, "--states", o->states, "Write one row a state");
+  addResultOptions(*app, o->common);
   addExamples(*app,
     { "lamella collapse-map tissue.vti state_*.vtp --json",
       "lamella collapse-map tissue.vti state_*.vtp -o map.vti --table lumens.csv",
       "lamella collapse-map tissue.vti a.vtp b.vtp --strains 0.1,0.2 --share 30%" });
-  return { app,
-    [o](Session& session, const std::string& line)
-    {
-      session.setQuiet(o->common.quiet);
-      session.onRoot([&] { collapseMap(session, *o, line); });
-    } };
+  return aloneCommand(app, o, collapseMap);
 }
 
 } // namespace lamella::cli

@@ -6,8 +6,10 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace lamella::cli
@@ -52,7 +54,25 @@ void addReportOptions(CLI::App& command, CommonOptions& options);
 /// -o, --overwrite
 CLI::Option* addOutputOptions(
   CLI::App& command, std::string& output, CommonOptions& options, const std::string& description);
+/// A file of results to write.
+CLI::Option* addResultFile(CLI::App& command, const char* names, std::string& file, const std::string& description,
+  const char* type = "FILE.csv");
+/// --overwrite, --json, --quiet
+void addResultOptions(CLI::App& command, CommonOptions& options);
 /// A section at the end of the help.
 void addExamples(CLI::App& command, const std::vector<std::string>& examples);
+
+/// A command that one rank does by itself.
+template <class Options>
+[[nodiscard]] Command aloneCommand(CLI::App* app, std::shared_ptr<Options> options,
+  void (*run)(Session&, const Options&, const std::string& commandLine))
+{
+  return { app,
+    [options = std::move(options), run](Session& session, const std::string& line)
+    {
+      session.setQuiet(options->common.quiet);
+      session.onRoot([&] { run(session, *options, line); });
+    } };
+}
 
 } // namespace lamella::cli

@@ -6,9 +6,10 @@
 #include "GridFile.h"
 #include "PointInput.h"
 #include "Record.h"
-#include "TableFiles.h"
+#include "ResultFiles.h"
 #include "Text.h"
 
+#include "lattice/Clock.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPointCompression.h"
 #include "vtkPointStiffness.h"
@@ -21,7 +22,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <memory>
 
 namespace lamella::cli
@@ -161,14 +161,9 @@ BondRun runOf(Session& session, const CompressionOptions& o, const PointSample& 
   return run;
 }
 
-double secondsSince(std::chrono::steady_clock::time_point start)
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 void press(Session& session, const CompressionOptions& o, const std::string& commandLine)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   vtkNew<vtkPointCompression> filter;
   apply(o, filter);
   if (!o.constants.empty())
@@ -179,8 +174,8 @@ void press(Session& session, const CompressionOptions& o, const std::string& com
   checkCheckpoint(o.checkpoint, o.common.overwrite);
   StateWriter states(o.output, 1 + listed(o.atStrains).size(), o.common.overwrite, ".vtp",
     { "points", "the curve goes to --curve FILE.csv" });
-  TableFiles curve;
-  curve.add("--curve", o.curve, filter->GetCurve(), o.common.overwrite);
+  ResultFiles curve;
+  curve.addTable("--curve", o.curve, filter->GetCurve(), o.common.overwrite);
   const PointSample sample = loadPointSample(session, o.picture, o.points);
   const KeptRun kept{ commandLine, 1, "steps", [&] { return filter->GetLastCheckpoint(); },
     [&] { return filter->GetCheckpointEvery(); } };
@@ -197,7 +192,7 @@ void press(Session& session, const CompressionOptions& o, const std::string& com
       const std::string provenance = io::toJson(report.run.provenance);
       report.run.written = states.write(report.states, provenance);
       report.stateFiles = report.run.written;
-      const std::vector<std::string> tables = curve.write(Json::parse(provenance));
+      const std::vector<std::string> tables = curve.write(provenance);
       states.commit();
       report.run.written.insert(report.run.written.end(), tables.begin(), tables.end());
       report.run.seconds = secondsSince(start);
@@ -207,7 +202,7 @@ void press(Session& session, const CompressionOptions& o, const std::string& com
 
 void stiffness(Session& session, const CompressionOptions& o, const std::string& commandLine)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   for (const CLI::Option* option : o.ofTheRun)
   {
     if (option->count() > 0)
@@ -219,12 +214,12 @@ void stiffness(Session& session, const CompressionOptions& o, const std::string&
   vtkNew<vtkPointStiffness> filter;
   applyPoints(o.points, filter);
   filter->SetSides(static_cast<int>(oneOf("--sides", o.sides, sidesNames)));
-  TableFiles files;
-  files.add("--constants", o.constants, filter->GetConstants(), o.common.overwrite);
+  ResultFiles files;
+  files.addTable("--constants", o.constants, filter->GetConstants(), o.common.overwrite);
   const PointSample sample = loadPointSample(session, o.picture, o.points);
   update(session, filter, sample, "stiffness");
   BondRun run = runOf(session, o, sample, filter->GetConstants(), commandLine);
-  run.written = files.write(Json::parse(io::toJson(run.provenance)));
+  run.written = files.write(io::toJson(run.provenance));
   run.seconds = secondsSince(start);
   session.print(o.common.json ? pointStiffnessJson(run) : o.common.quiet ? "" : pointStiffnessTable(run));
 }

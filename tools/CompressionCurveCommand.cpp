@@ -1,13 +1,14 @@
-#include "BondReport.h"
 #include "Commands.h"
 #include "FilterRun.h"
 #include "GridFile.h"
+#include "JsonReport.h"
 #include "Record.h"
-#include "TableFiles.h"
+#include "ResultFiles.h"
 #include "Text.h"
 
 #include "TextTable.h"
 #include "io/Provenance.h"
+#include "lattice/Clock.h"
 #include "vtkCompressionCurve.h"
 #include "vtkLatticeConversion.h"
 
@@ -18,7 +19,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 
@@ -156,21 +156,18 @@ std::string tableOf(const Json& json)
   {
     text += "  " + why.get<std::string>() + "\n";
   }
-  for (const Json& file : json["files"])
-  {
-    text += "  wrote " + file.get<std::string>() + "\n";
-  }
+  text += wroteText(json["files"].get<std::vector<std::string>>());
   return text;
 }
 
 void compressionCurve(Session& session, const CompressionCurveOptions& o, const std::string& commandLine)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   vtkNew<vtkCompressionCurve> filter;
   configure(filter, o);
   requireFile(o.file);
-  TableFiles files;
-  files.add("-o", o.output, filter->GetOutput(), o.common.overwrite);
+  ResultFiles files;
+  files.addTable("-o", o.output, filter->GetOutput(), o.common.overwrite);
   const vtkSmartPointer<vtkTable> table = readCurve(o);
   filter->SetInputData(table);
   runFilter(session, filter, "curve");
@@ -181,10 +178,9 @@ void compressionCurve(Session& session, const CompressionCurveOptions& o, const 
   tellWarnings(session);
   Json json = reportOf(o, filter->GetOutput());
   const io::Provenance run = recordRun(commandLine, o.file, "");
-  json["files"] = files.write(Json::parse(io::toJson(run)));
-  json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  addRecord(json, run);
-  session.print(o.common.json ? dump(json) : o.common.quiet ? "" : tableOf(json));
+  json["files"] = files.write(io::toJson(run));
+  json["seconds"] = secondsSince(start);
+  printReport(session, o.common, json, run, tableOf);
 }
 
 } // namespace
@@ -217,18 +213,12 @@ Command compressionCurveCommand(CLI::App& root)
   app->add_option("-o,--output", o->output, "Write the curve with energy and efficiency, one row a row")
     ->type_name("FILE.csv")
     ->group("Output");
-  app->add_flag("--overwrite", o->common.overwrite, "Replace a file that exists")->group("Output");
-  addReportOptions(*app, o->common);
+  addResultOptions(*app, o->common);
   addExamples(*app,
     { "lamella compression-curve curve.csv --json",
       "lamella compression-curve curve.csv --plateau-range 0.2,0.4 -o energy.csv",
       "lamella compression-curve test.csv --strain eps --stress sigma --stiffness-range 0,0.1 --window 0.01" });
-  return { app,
-    [o](Session& session, const std::string& line)
-    {
-      session.setQuiet(o->common.quiet);
-      session.onRoot([&] { compressionCurve(session, *o, line); });
-    } };
+  return aloneCommand(app, o, compressionCurve);
 }
 
 } // namespace lamella::cli

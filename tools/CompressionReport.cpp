@@ -69,10 +69,7 @@ std::string headText(const BondRun& run, const BondFields& f)
 std::string filesText(const BondRun& run)
 {
   std::string text;
-  for (const std::string& file : run.written)
-  {
-    text += "  wrote " + file + "\n";
-  }
+  text += wroteText(run.written);
   return text;
 }
 

@@ -4,9 +4,10 @@
 #include "GridFile.h"
 #include "OutputFile.h"
 #include "Record.h"
-#include "TableFiles.h"
+#include "ResultFiles.h"
 
 #include "io/Provenance.h"
+#include "lattice/Clock.h"
 #include "vtkCrackPath.h"
 #include "vtkLatticeConversion.h"
 
@@ -17,7 +18,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <memory>
 
@@ -73,34 +73,22 @@ void configure(vtkCrackPath* filter, const CrackPathOptions& o)
   filter->SetHorizon(o.horizon);
 }
 
-struct Files
+ResultFiles openFiles(const CrackPathOptions& o, vtkCrackPath* filter)
 {
-  std::vector<std::pair<OutputFile, int>> grids; ///< and the output of the filter
-  TableFiles tables;
-};
-
-Files openFiles(const CrackPathOptions& o, vtkCrackPath* filter)
-{
-  Files files;
+  ResultFiles files;
   const bool overwrite = o.common.overwrite;
-  if (!o.output.empty())
-  {
-    files.grids.emplace_back(openGrid("-o", o.output, ".vtp", overwrite), 0);
-  }
-  if (!o.image.empty())
-  {
-    files.grids.emplace_back(openGrid("--image", o.image, ".vti", overwrite), 4);
-  }
-  files.tables.add("--table", o.table, filter->GetPathTable(), overwrite);
-  files.tables.add("--pairs", o.pairs, filter->GetPairTable(), overwrite);
-  files.tables.add("--growth", o.growth, filter->GetGrowthTable(), overwrite);
-  files.tables.add("--fragments", o.fragments, filter->GetFragmentTable(), overwrite);
+  files.addGrid("-o", o.output, ".vtp", filter->GetOutput(), overwrite);
+  files.addGrid("--image", o.image, ".vti", filter->GetImage(), overwrite);
+  files.addTable("--table", o.table, filter->GetPathTable(), overwrite);
+  files.addTable("--pairs", o.pairs, filter->GetPairTable(), overwrite);
+  files.addTable("--growth", o.growth, filter->GetGrowthTable(), overwrite);
+  files.addTable("--fragments", o.fragments, filter->GetFragmentTable(), overwrite);
   return files;
 }
 
 void crackPath(Session& session, const CrackPathOptions& o, const std::string& commandLine)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   vtkNew<vtkCrackPath> filter;
   configure(filter, o);
   requireFile(o.file);
@@ -108,7 +96,7 @@ void crackPath(Session& session, const CrackPathOptions& o, const std::string& c
   {
     requireFile(o.phases);
   }
-  Files files = openFiles(o, filter);
+  ResultFiles files = openFiles(o, filter);
   const auto bonds =
     readAs<vtkPolyData>(o.file, "broken bonds", "give the broken bonds that lamella fracture writes (.vtp)");
   filter->SetInputDataObject(0, bonds);
@@ -130,26 +118,9 @@ void crackPath(Session& session, const CrackPathOptions& o, const std::string& c
     session.warn("'" + o.file + "' holds no broken bond: there is no crack");
   }
   const io::Provenance run = recordRun(commandLine, o.file, provenance(bonds));
-  const std::string record = io::toJson(run);
-  json["files"] = Json::array();
-  for (const auto& [file, port] : files.grids)
-  {
-    vtkDataObject* const data = filter->GetOutputDataObject(port);
-    setProvenance(data, record);
-    writeGrid(data, file);
-    json["files"].push_back(file.path().string());
-  }
-  for (const std::string& name : files.tables.write(Json::parse(record)))
-  {
-    json["files"].push_back(name);
-  }
-  for (auto& [file, port] : files.grids)
-  {
-    file.commit();
-  }
-  json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  addRecord(json, run);
-  session.print(o.common.json ? dump(json) : o.common.quiet ? "" : tableOf(json));
+  json["files"] = files.write(io::toJson(run));
+  json["seconds"] = secondsSince(start);
+  printReport(session, o.common, json, run, tableOf);
 }
 
 } // namespace
@@ -174,26 +145,18 @@ Command crackPathCommand(CLI::App& root)
     ->type_name("SPACINGS");
   cracks(app->add_option("--horizon", o->horizon, "Length of the longest bonds; as the bonds tell when not given"))
     ->type_name("SPACINGS");
-  const auto file = [&](const char* names, std::string& target, const char* words, const char* type = "FILE.csv")
-  { app->add_option(names, target, words)->type_name(type)->group("Output"); };
-  file("-o,--output", o->output, "Write the paths", "FILE.vtp");
-  file("--table", o->table, "Write one row a path");
-  file("--pairs", o->pairs, "Write one row a pair of phases");
-  file("--growth", o->growth, "Write the length after every event");
-  file("--fragments", o->fragments, "Write one row a fragment");
-  file("--image", o->image, "Write the image with its fragments", "FILE.vti");
-  app->add_flag("--overwrite", o->common.overwrite, "Replace a file that exists")->group("Output");
-  addReportOptions(*app, o->common);
+  addResultFile(*app, "-o,--output", o->output, "Write the paths", "FILE.vtp");
+  addResultFile(*app, "--table", o->table, "Write one row a path");
+  addResultFile(*app, "--pairs", o->pairs, "Write one row a pair of phases");
+  addResultFile(*app, "--growth", o->growth, "Write the length after every event");
+  addResultFile(*app, "--fragments", o->fragments, "Write one row a fragment");
+  addResultFile(*app, "--image", o->image, "Write the image with its fragments", "FILE.vti");
+  addResultOptions(*app, o->common);
   addExamples(*app,
     { "lamella crack-path broken.vtp --json",
       "lamella crack-path broken.vtp --phases sample.vti -o path.vtp --table path.csv",
       "lamella crack-path broken.vtp --phases state.vti --image pieces.vti --fragments pieces.csv" });
-  return { app,
-    [o](Session& session, const std::string& line)
-    {
-      session.setQuiet(o->common.quiet);
-      session.onRoot([&] { crackPath(session, *o, line); });
-    } };
+  return aloneCommand(app, o, crackPath);
 }
 
 } // namespace lamella::cli

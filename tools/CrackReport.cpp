@@ -196,10 +196,7 @@ std::string tableOf(const Json& json)
   {
     words += pairsText(json);
   }
-  for (const Json& file : json["files"])
-  {
-    words += "  wrote " + file.get<std::string>() + "\n";
-  }
+  words += wroteText(json["files"].get<std::vector<std::string>>());
   return words;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "BondReport.h"
+#include "JsonReport.h"
 
 class vtkCrackPath;
 

@@ -7,10 +7,11 @@
 #include "Record.h"
 #include "Text.h"
 
+#include "lattice/Clock.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -72,11 +73,7 @@ lbm::StudyOptions parseStudy(const DiffusionOptions& options)
     throw ParameterError(fmt::format("--max-iterations {} is below 1", options.maxIterations), "allow at least 1");
   }
   study.steady.maxIterations = options.maxIterations;
-  if (options.threads < 1 || options.threads > 1024)
-  {
-    throw ParameterError(
-      fmt::format("--threads {} is outside 1 to 1024", options.threads), "give the number of cores to use");
-  }
+  checkThreads(options.threads);
   study.steady.threads = options.threads;
   if (options.refine < 1)
   {
@@ -248,7 +245,7 @@ std::vector<std::string> outputNames(const std::string& output, const std::vecto
 
 void diffusion(Session& session, const DiffusionOptions& options, const std::string& commandLine)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   lbm::StudyOptions study = parseStudy(options);
   const auto given = parseConductivities(options.conductivity);
 
@@ -407,7 +404,7 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
       {
         report.provenance = recordRun(commandLine, options.common.json ? options.picture.file : "", sample.provenance);
       }
-      report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      report.seconds = secondsSince(start);
       if (study.estimateError || study.targetError)
       {
         for (const auto& answer : report.answers)

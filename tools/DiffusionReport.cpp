@@ -1,13 +1,13 @@
 #include "DiffusionReport.h"
 
 #include "DiffusionRun.h"
+#include "JsonReport.h"
 #include "Record.h"
 #include "Text.h"
 
 #include "lattice/Memory.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <sys/resource.h>
 
@@ -20,8 +20,6 @@ namespace lamella::cli
 
 namespace
 {
-
-using Json = nlohmann::ordered_json;
 
 /// JSON has no NaN and no infinity.
 Json number(double value)
@@ -222,7 +220,7 @@ std::string toJson(const DiffusionReport& report)
   json["ranks"] = report.ranks;
   json["files"] = report.written;
   addRecord(json, report.provenance);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return dump(json);
 }
 
 std::string toTable(const DiffusionReport& report)
@@ -307,10 +305,7 @@ std::string toTable(const DiffusionReport& report)
     ? "  Length: one spacing a node. An empty box of conductivity 1 has 1.\n"
     : "  Length: one spacing a node; the faces lie half a spacing outside the outer nodes. An empty box of\n"
       "  conductivity 1 has 1.\n";
-  for (const std::string& file : report.written)
-  {
-    text += "  wrote " + file + "\n";
-  }
+  text += wroteText(report.written);
   return text;
 }
 

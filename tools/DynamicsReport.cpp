@@ -143,10 +143,7 @@ std::string dynamicsTable(const FractureReport& report)
       grouped(f.whole("last_checkpoint")));
   }
   text += sizesText(f);
-  for (const std::string& file : report.run.written)
-  {
-    text += "  wrote " + file + "\n";
-  }
+  text += wroteText(report.run.written);
   return text;
 }
 

@@ -5,6 +5,7 @@
 #include "OutputFile.h"
 #include "Text.h"
 
+#include "lattice/Clock.h"
 #include "vtkBondEquilibrium.h"
 #include "vtkLatticeConversion.h"
 
@@ -13,7 +14,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -83,7 +83,7 @@ void applyLoad(const EquilibriumOptions& o, vtkBondEquilibrium* filter)
 
 void equilibrium(Session& session, const EquilibriumOptions& options, const std::string& commandLine)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   vtkNew<vtkBondEquilibrium> filter;
   applyBonds(options.bonds, filter);
   applyLoad(options, filter);
@@ -120,7 +120,7 @@ void equilibrium(Session& session, const EquilibriumOptions& options, const std:
         file->commit();
         report.written.push_back(options.output);
       }
-      report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      report.seconds = secondsSince(start);
       session.print(options.common.json ? equilibriumJson(report)
           : options.common.quiet        ? ""
                                         : equilibriumTable(report));

@@ -3,7 +3,7 @@
 #include "GridFile.h"
 
 #include "lattice/Error.h"
-#include "vtkBondAlgorithm.h"
+#include "vtkSampleAlgorithm.h"
 
 #include <vtkAlgorithm.h>
 #include <vtkCallbackCommand.h>
@@ -53,13 +53,13 @@ catch (const InputError& error)
 {
   switch (failure)
   {
-    case vtkBondAlgorithm::PARAMETER_FAILURE: // the numbers are the same in all classes that have them
+    case vtkSampleAlgorithm::PARAMETER_FAILURE:
       throw ParameterError(error.what(), error.hint());
-    case vtkBondAlgorithm::NO_PATH_FAILURE:
+    case vtkSampleAlgorithm::NO_PATH_FAILURE:
       throw NoPathError(error.what(), error.hint());
-    case vtkBondAlgorithm::MEMORY_FAILURE:
+    case vtkSampleAlgorithm::MEMORY_FAILURE:
       throw MemoryError(error.what(), error.hint());
-    case vtkBondAlgorithm::DIVERGENCE_FAILURE:
+    case vtkSampleAlgorithm::DIVERGENCE_FAILURE:
       throw DivergenceError(error.what(), error.hint());
     default:
       throw;

@@ -2,11 +2,13 @@
 #include "DiffusionRun.h"
 #include "FilterRun.h"
 #include "GridFile.h"
-#include "OutputFile.h"
+#include "JsonReport.h"
 #include "Record.h"
+#include "ResultFiles.h"
 #include "Text.h"
 
 #include "io/Provenance.h"
+#include "lattice/Clock.h"
 #include "vtkFluxMap.h"
 #include "vtkLatticeConversion.h"
 
@@ -18,9 +20,7 @@
 #include <vtkPolyData.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -30,8 +30,6 @@ namespace lamella::cli
 
 namespace
 {
-
-using Json = nlohmann::ordered_json;
 
 struct FluxMapOptions
 {
@@ -43,11 +41,6 @@ struct FluxMapOptions
 };
 
 const std::vector<std::string> directions{ "x", "y", "z", "auto" };
-
-Json number(double value)
-{
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 /// {"x": ..., "y": ...} of the entries that are known.
 Json byAxis(const std::vector<double>& numbers, std::size_t first, std::size_t step)
@@ -72,7 +65,7 @@ Json matrix(const std::vector<double>& numbers, int dimension)
     Json line = Json::array();
     for (int column = 0; column < dimension; ++column)
     {
-      line.push_back(number(numbers[static_cast<std::size_t>(3 * row + column)]));
+      line.push_back(jsonNumber(numbers[static_cast<std::size_t>(3 * row + column)]));
     }
     rows.push_back(line);
   }
@@ -102,10 +95,7 @@ std::string tableOf(const Json& json)
       numberText(json["flux_magnitude"]["mean"]));
   }
   text += fmt::format("  {} streamlines\n", json["streamlines"].get<std::int64_t>());
-  for (const Json& file : json["files"])
-  {
-    text += "  wrote " + file.get<std::string>() + "\n";
-  }
+  text += wroteText(json["files"].get<std::vector<std::string>>());
   return text;
 }
 
@@ -133,7 +123,7 @@ bool holdsSolution(vtkImageData* image)
 
 void fluxMap(Session& session, const FluxMapOptions& options, const std::string& commandLine)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   const auto direction = static_cast<int>(oneOf("--direction", options.direction, directions));
   if (options.streamlines < 0 || options.streamlines > 1000000)
   {
@@ -141,8 +131,8 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
       fmt::format("--streamlines {} is outside 0 to 1000000", options.streamlines), "60 are enough for a picture");
   }
   requireFile(options.file);
-  std::vector<OutputFile> files;
-  bool lines = false;
+  vtkNew<vtkFluxMap> filter;
+  ResultFiles files;
   for (const std::string& name : options.output)
   {
     const std::string ending = std::filesystem::path(name).extension().string();
@@ -151,8 +141,7 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
       throw ParameterError("-o '" + name + "': the map is written as .vti, its streamlines as .vtp",
         "end the name in one of these; -o can be given twice");
     }
-    lines = lines || ending == ".vtp";
-    files.emplace_back(name, options.common.overwrite);
+    files.addGrid("-o", name, ending, filter->GetOutputDataObject(ending == ".vti" ? 0 : 1), options.common.overwrite);
   }
 
   const auto data = readGrid(options.file);
@@ -167,7 +156,6 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
       "'" + options.file + "' holds a sample and no solution: neither temperature, concentration nor flux",
       "solve first: lamella diffusion " + options.file + " --conductivity NAME=VALUE ... -o FILE.vti");
   }
-  vtkNew<vtkFluxMap> filter;
   filter->SetInputDataObject(data);
   filter->SetDirection(direction);
   filter->SetNumberOfStreamlines(options.streamlines);
@@ -182,18 +170,7 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
   tellWarnings(session);
 
   const io::Provenance run = recordRun(commandLine, options.file, provenance(data));
-  const std::string record = io::toJson(run);
-  for (const OutputFile& file : files)
-  {
-    vtkDataObject* part = file.path().extension() == ".vtp" ? static_cast<vtkDataObject*>(streamlines) : map;
-    setProvenance(part, record);
-    writeGrid(part, file);
-  }
-  Session::checkInterrupt();
-  for (OutputFile& file : files)
-  {
-    file.commit();
-  }
+  const std::vector<std::string> written = files.write(io::toJson(run));
 
   const int dimension = latticeOf(map).dimension;
   Json json;
@@ -213,17 +190,14 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
   {
     sum += magnitude->GetTuple1(i);
   }
-  json["flux_magnitude"] = { { "smallest", number(range[0]) }, { "largest", number(range[1]) },
-    { "mean", number(sum / static_cast<double>(magnitude->GetNumberOfTuples())) } };
+  json["flux_magnitude"] = { { "smallest", jsonNumber(range[0]) }, { "largest", jsonNumber(range[1]) },
+    { "mean", jsonNumber(sum / static_cast<double>(magnitude->GetNumberOfTuples())) } };
   json["streamlines"] = streamlines == nullptr ? 0 : streamlines->GetNumberOfLines();
   const auto lineFlux = fieldNumbers(map, "line_flux");
-  json["line_flux"] = lineFlux.empty() ? Json(nullptr) : number(lineFlux.front());
-  json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  json["files"] = options.output;
-  addRecord(json, run);
-  session.print(options.common.json ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
-      : options.common.quiet        ? ""
-                                    : tableOf(json));
+  json["line_flux"] = lineFlux.empty() ? Json(nullptr) : jsonNumber(lineFlux.front());
+  json["seconds"] = secondsSince(start);
+  json["files"] = written;
+  printReport(session, options.common, json, run, tableOf);
 }
 
 } // namespace
@@ -245,15 +219,9 @@ Command fluxMapCommand(CLI::App& root)
     ->type_name("FILE")
     ->allow_extra_args(false)
     ->group("Output");
-  app->add_flag("--overwrite", o->common.overwrite, "Replace a file that exists")->group("Output");
-  addReportOptions(*app, o->common);
+  addResultOptions(*app, o->common);
   addExamples(*app, { "lamella flux-map heat_y.vti -o map.vti -o lines.vtp", "lamella flux-map heat_y.vti --json" });
-  return { app,
-    [o](Session& session, const std::string& line)
-    {
-      session.setQuiet(o->common.quiet);
-      session.onRoot([&] { fluxMap(session, *o, line); });
-    } };
+  return aloneCommand(app, o, fluxMap);
 }
 
 } // namespace lamella::cli

@@ -242,10 +242,7 @@ std::string fractureTable(const FractureReport& report)
   text += fmt::format("  Strain: movement of the platen over the {:g} {} between the platens; stress: force over the\n"
                       "  section of the box, voids included.\n",
     known ? f("gauge_length") : f("gauge_length") / lattice.spacing, known ? "m" : "pixels");
-  for (const std::string& file : report.run.written)
-  {
-    text += "  wrote " + file + "\n";
-  }
+  text += wroteText(report.run.written);
   return text;
 }
 

@@ -10,6 +10,7 @@
 
 #include "generators/Generators.h"
 #include "io/Provenance.h"
+#include "lattice/Clock.h"
 #include "lattice/Memory.h"
 #include "vtkLatticeConversion.h"
 
@@ -19,7 +20,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -113,7 +113,7 @@ void generate(Session& session, const GenerateOptions& options, const std::strin
   const std::optional<Look>& look = std::nullopt)
 {
   checkSampleEnding(options.output, box.dimension);
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   session.onRoot(
     [&]
     {
@@ -160,7 +160,7 @@ void generate(Session& session, const GenerateOptions& options, const std::strin
       }
 
       const std::vector<double> fractions = image.fractions();
-      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      const double seconds = secondsSince(start);
       if (options.common.json)
       {
         Json json;

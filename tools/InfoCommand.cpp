@@ -1,6 +1,7 @@
 #include "Commands.h"
 #include "GridFile.h"
 #include "Input.h"
+#include "JsonReport.h"
 #include "Record.h"
 #include "Text.h"
 
@@ -17,7 +18,6 @@
 #include <vtkStringArray.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -29,8 +29,6 @@ namespace lamella::cli
 
 namespace
 {
-
-using Json = nlohmann::ordered_json;
 
 struct InfoOptions
 {
@@ -393,8 +391,7 @@ Command infoCommand(CLI::App& root)
               session.warn(warning.get<std::string>());
             }
           }
-          session.print(
-            o->common.json ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : infoText(json));
+          session.print(o->common.json ? dump(json) : infoText(json));
         });
     } };
 }

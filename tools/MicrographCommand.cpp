@@ -11,6 +11,7 @@
 #include "Text.h"
 
 #include "io/Provenance.h"
+#include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
 #include "micrograph/MiddleLamella.h"
@@ -20,7 +21,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <optional>
 
@@ -101,7 +101,7 @@ public:
     measure();
     step(0.3, "lattice");
     makeLattice();
-    report_.latticeSeconds = std::chrono::duration<double>(Clock::now() - start).count();
+    report_.latticeSeconds = secondsSince(start);
     if (plan_.conductivities)
     {
       solve();
@@ -111,13 +111,11 @@ public:
     write();
     session_.endProgress();
     outputs_.commit();
-    report_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    report_.seconds = secondsSince(start);
     session_.print(options_.common.json ? toJson(report_) : options_.common.quiet ? "" : toTable(report_));
   }
 
 private:
-  using Clock = std::chrono::steady_clock;
-
   void step(double share, const char* what)
   {
     (void)session_.progress(share, what);
@@ -322,6 +320,11 @@ private:
   MicrographReport report_;
 };
 
+void micrographRun(Session& session, const MicrographCommandOptions& options, const std::string& commandLine)
+{
+  Run(session, options, commandLine)();
+}
+
 } // namespace
 
 Command micrographCommand(CLI::App& root)
@@ -371,12 +374,7 @@ Command micrographCommand(CLI::App& root)
       "lamella micrograph spruce.json.gz --conductivity lumen=0.05 --conductivity wall=1 --json",
       "lamella micrograph scan.png --window 0,0,800,600 --lamella growth --lamella-thickness 1um --horizon 3 -o "
       "part.vti" });
-  return { app,
-    [o](Session& session, const std::string& line)
-    {
-      session.setQuiet(o->common.quiet);
-      session.onRoot([&] { Run(session, *o, line)(); });
-    } };
+  return aloneCommand(app, o, micrographRun);
 }
 
 } // namespace lamella::cli

@@ -72,11 +72,7 @@ Plan planOf(const MicrographCommandOptions& o)
         "--target-error '" + o.targetError + "' is not between 0 and 1", "write it as 0.1% or 0.001");
     }
   }
-  if (o.threads < 1 || o.threads > 1024)
-  {
-    throw ParameterError(
-      fmt::format("--threads {} is outside 1 to 1024", o.threads), "give the number of cores to use");
-  }
+  checkThreads(o.threads);
   if (o.overlayWidth != 0 && (o.overlayWidth < 100 || o.overlayWidth > 20000))
   {
     throw ParameterError(

@@ -1,12 +1,12 @@
 #include "MicrographReport.h"
 
+#include "JsonReport.h"
 #include "Record.h"
 #include "Text.h"
 
 #include "statistics/Median.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -19,8 +19,6 @@ namespace lamella::cli
 
 namespace
 {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::array<const char*, 2> axisNames{ "x", "y" };
 constexpr std::array<const char*, 4> kinds{ "scan", "labels", "polygons", "grey" };
@@ -240,7 +238,7 @@ std::string toJson(const MicrographReport& report)
   json["warnings"] = report.warnings;
   json["seconds"] = report.seconds;
   addRecord(json, report.provenance);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return dump(json);
 }
 
 std::string toTable(const MicrographReport& report)
@@ -312,10 +310,7 @@ std::string toTable(const MicrographReport& report)
         axisNames[static_cast<std::size_t>(a.axis)], a.value, a.error * a.value, 100 * a.error, a.coarse.value,
         micrometres(a.coarse.spacing), a.fine.value, micrometres(a.fine.spacing), secondsOf(a)));
   }
-  for (const std::string& file : report.written)
-  {
-    text += "  wrote " + file + "\n";
-  }
+  text += wroteText(report.written);
   return text;
 }
 

@@ -1,5 +1,6 @@
 #include "Commands.h"
 #include "GridFile.h"
+#include "JsonReport.h"
 #include "OutputFile.h"
 #include "PackingInput.h"
 #include "Record.h"
@@ -7,6 +8,7 @@
 
 #include "PackingData.h"
 #include "io/Provenance.h"
+#include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "packing/Packing.h"
 #include "vtkLatticeConversion.h"
@@ -15,10 +17,8 @@
 #include <vtkPolyData.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -30,8 +30,6 @@ namespace lamella::cli
 
 namespace
 {
-
-using Json = nlohmann::ordered_json;
 
 const std::vector<std::string> sizesNames{ "volume", "volume-share", "diameter" };
 
@@ -180,10 +178,7 @@ std::string tableOf(const Made& made, double seconds)
     line("unbalanced force", fmt::format("{:.1e} of the mean contact force", p.unbalanced));
   }
   text += fmt::format("  {:.2f} s\n", seconds);
-  for (const std::string& file : made.files)
-  {
-    text += "  wrote " + file + "\n";
-  }
+  text += wroteText(made.files);
   return text;
 }
 
@@ -281,10 +276,7 @@ void refuseContradictions(const PackingCommandOptions& options)
     throw ParameterError(
       "--threads is for --seeds: one packing runs on one thread", "add --seeds 1-10, or leave it out");
   }
-  if (options.threads < 1 || options.threads > 1024)
-  {
-    throw ParameterError(fmt::format("--threads {} is outside 1 to 1024", options.threads), "1 is the default");
-  }
+  checkThreads(options.threads, "1 is the default");
 }
 
 std::vector<Made> make(Session& session, const PackingCommandOptions& options, std::span<const std::uint64_t> seeds)
@@ -362,7 +354,7 @@ void write(const Made& made, const Files& files, io::Provenance record)
 
 void packingRun(Session& session, const PackingCommandOptions& options, const std::string& commandLine)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   refuseContradictions(options);
   std::vector<std::uint64_t> seeds{ options.packing.seed };
   if (!options.seeds.empty())
@@ -416,7 +408,7 @@ void packingRun(Session& session, const PackingCommandOptions& options, const st
     }
   }
 
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = secondsSince(start);
   if (options.common.json)
   {
     Json json;
@@ -434,7 +426,7 @@ void packingRun(Session& session, const PackingCommandOptions& options, const st
     }
     json["seconds"] = seconds;
     addRecord(json, record);
-    session.print(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    session.print(dump(json));
   }
   else if (!options.common.quiet)
   {
@@ -497,12 +489,7 @@ Command packingCommand(CLI::App& root)
       "lamella packing --dimension 3 --count 500 --friction 0.3 -o spheres.vtp",
       "lamella packing --seeds 1-10 --threads 2 -o pack_{seed}.vtp --json",
       "lamella packing --read measured.csv --unit 1mm -o grains.vtp" });
-  return { app,
-    [o](Session& session, const std::string& line)
-    {
-      session.setQuiet(o->common.quiet);
-      session.onRoot([&] { packingRun(session, *o, line); });
-    } };
+  return aloneCommand(app, o, packingRun);
 }
 
 } // namespace lamella::cli

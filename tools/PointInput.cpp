@@ -160,11 +160,7 @@ void applyPoints(const PointOptions& o, vtkPointAlgorithm* filter)
   filter->SetPointsPerNode(o.perNode);
   filter->SetCellsPerNode(o.cellsPerNode);
   filter->SetFitPlatens(o.fitPlatens);
-  if (o.threads < 1 || o.threads > 1024)
-  {
-    throw ParameterError(
-      fmt::format("--threads {} is outside 1 to 1024", o.threads), "give the number of cores to use");
-  }
+  checkThreads(o.threads);
   filter->SetThreads(o.threads);
 }
 

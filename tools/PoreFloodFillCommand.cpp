@@ -2,6 +2,7 @@
 #include "FilterRun.h"
 #include "GridFile.h"
 #include "Input.h"
+#include "JsonReport.h"
 #include "OutputFile.h"
 #include "PoreReport.h"
 #include "Record.h"
@@ -9,6 +10,7 @@
 #include "Text.h"
 
 #include "io/Provenance.h"
+#include "lattice/Clock.h"
 #include "lattice/Memory.h"
 #include "pores/PoreLabelling.h"
 #include "vtkLatticeConversion.h"
@@ -23,7 +25,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -93,11 +94,7 @@ void checkOptions(const PoreFloodFillOptions& options)
     throw ParameterError(fmt::format("--minimum-size {} is below 0", options.minimumSize),
       "give the pixels or voxels that the smallest pore to keep has");
   }
-  if (options.threads < 1 || options.threads > 1024)
-  {
-    throw ParameterError(
-      fmt::format("--threads {} is outside 1 to 1024", options.threads), "give the number of cores to use");
-  }
+  checkThreads(options.threads);
 }
 
 /// What does not fit the picture. @throws ParameterError
@@ -196,7 +193,7 @@ void writeFiles(Files& files, vtkPoreFloodFill* filter, bool metres, const std::
     {
       file.table.write(toCsv(table));
       const Json beside{ { "provenance", Json::parse(record) }, { "columns", unitsOf(table, metres) } };
-      file.record.write(beside.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+      file.record.write(dump(beside));
     }
   };
   write(files.pores, filter->GetPores());
@@ -250,7 +247,7 @@ void requireMemory(const Lattice& lattice, bool sizes, int ranks, int ranksOnMac
 
 void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const std::string& commandLine)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   checkOptions(options);
   std::array<int, 3> periodic = parseAxes(options.periodic);
   vtkSmartPointer<vtkImageData> image = vtkSmartPointer<vtkImageData>::New();
@@ -316,7 +313,7 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
       }
       report.ranks = session.ranks();
       writeFiles(files, filter, report.metres, io::toJson(record));
-      report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      report.seconds = secondsSince(start);
       session.print(options.common.json ? toJson(report) : options.common.quiet ? "" : toTable(report));
     });
 }
@@ -352,8 +349,7 @@ Command poreFloodFillCommand(CLI::App& root)
   app->add_option("--distribution", o->distribution, "Write how sizes are distributed")
     ->type_name("FILE.csv")
     ->group("Output");
-  app->add_flag("--overwrite", o->common.overwrite, "Replace a file that exists")->group("Output");
-  addReportOptions(*app, o->common);
+  addResultOptions(*app, o->common);
   addExamples(*app,
     { "lamella pore-flood-fill tissue.png --phase 0=void --other solid --connectivity 4 --json",
       "lamella pore-flood-fill tissue.png --phase 0=lumen --other wall --minimum-size 10 -o pores.csv -o labels.vti",

@@ -1,5 +1,6 @@
 #include "PoreReport.h"
 
+#include "JsonReport.h"
 #include "Record.h"
 #include "Text.h"
 
@@ -155,7 +156,7 @@ std::string toJson(const PoreReport& report)
   json["seconds"] = report.seconds;
   json["files"] = report.written;
   addRecord(json, report.provenance);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return dump(json);
 }
 
 std::string toTable(const PoreReport& report)
@@ -203,10 +204,7 @@ std::string toTable(const PoreReport& report)
   const std::vector<std::string> through = percolating(number);
   text += line("percolates",
     through.empty() ? "no pore leads from side to side" : fmt::format("along {}", fmt::join(through, ", ")));
-  for (const std::string& file : report.written)
-  {
-    text += "  wrote " + file + "\n";
-  }
+  text += wroteText(report.written);
   return text;
 }
 

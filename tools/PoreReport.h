@@ -2,8 +2,6 @@
 
 #include "io/Provenance.h"
 
-#include <nlohmann/json.hpp>
-
 #include <string>
 #include <vector>
 
@@ -12,8 +10,6 @@ class vtkPoreFloodFill;
 /// What `lamella pore-flood-fill` tells.
 namespace lamella::cli
 {
-
-using Json = nlohmann::ordered_json;
 
 struct PoreReport
 {

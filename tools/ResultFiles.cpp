@@ -1,16 +1,30 @@
-#include "TableFiles.h"
+#include "ResultFiles.h"
 
+#include "GridFile.h"
+#include "JsonReport.h"
 #include "Session.h"
 #include "TableText.h"
 
 #include "lattice/Error.h"
+#include "vtkLatticeConversion.h"
+
+#include <vtkDataObject.h>
 
 #include <filesystem>
 
 namespace lamella::cli
 {
 
-void TableFiles::add(const std::string& option, const std::string& name, vtkTable* table, bool overwrite)
+void ResultFiles::addGrid(
+  const std::string& option, const std::string& name, const std::string& ending, vtkDataObject* grid, bool overwrite)
+{
+  if (!name.empty())
+  {
+    grids_.push_back({ grid, openGrid(option, name, ending, overwrite) });
+  }
+}
+
+void ResultFiles::addTable(const std::string& option, const std::string& name, vtkTable* table, bool overwrite)
 {
   if (name.empty())
   {
@@ -20,24 +34,34 @@ void TableFiles::add(const std::string& option, const std::string& name, vtkTabl
   {
     throw ParameterError(option + " '" + name + "': tables are written as .csv", "end the name in .csv");
   }
-  files_.push_back({ table, OutputFile(name, overwrite), OutputFile(name + ".json", overwrite) });
+  tables_.push_back({ table, OutputFile(name, overwrite), OutputFile(name + ".json", overwrite) });
 }
 
-std::vector<std::string> TableFiles::write(const nlohmann::ordered_json& provenance)
+std::vector<std::string> ResultFiles::write(const std::string& provenance)
 {
   std::vector<std::string> names;
-  for (const File& file : files_)
+  for (const Grid& grid : grids_)
   {
-    file.csv.write(toCsv(file.table));
-    const nlohmann::ordered_json beside{ { "provenance", provenance }, { "columns", unitsOf(file.table, true) } };
-    file.record.write(beside.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
-    names.push_back(file.csv.path().string());
+    setProvenance(grid.data, provenance);
+    writeGrid(grid.data, grid.file);
+    names.push_back(grid.file.path().string());
+  }
+  for (const Table& table : tables_)
+  {
+    table.csv.write(toCsv(table.table));
+    const Json beside{ { "provenance", Json::parse(provenance) }, { "columns", unitsOf(table.table, true) } };
+    table.record.write(dump(beside));
+    names.push_back(table.csv.path().string());
   }
   Session::checkInterrupt();
-  for (File& file : files_)
+  for (Grid& grid : grids_)
   {
-    file.csv.commit();
-    file.record.commit();
+    grid.file.commit();
+  }
+  for (Table& table : tables_)
+  {
+    table.csv.commit();
+    table.record.commit();
   }
   return names;
 }

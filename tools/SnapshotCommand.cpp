@@ -382,12 +382,7 @@ Command snapshotCommand(CLI::App& root)
       "lamella snapshot heat_y.vti --array temperature --overlay isolines --size 1600,1200 -o heat.png",
       "lamella snapshot tissue.png --phase 0=lumen --phase 255=wall --pixel-size 0.5um --transparent -o "
       "tissue_figure.png" });
-  return { app,
-    [o](Session& session, const std::string& line)
-    {
-      session.setQuiet(o->common.quiet);
-      session.onRoot([&] { snapshot(session, *o, line); });
-    } };
+  return aloneCommand(app, o, snapshot);
 }
 
 } // namespace lamella::cli

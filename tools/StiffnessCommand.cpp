@@ -1,16 +1,16 @@
 #include "BondInput.h"
 #include "Commands.h"
 #include "OutputFile.h"
+#include "ResultFiles.h"
 #include "StiffnessReport.h"
-#include "TableFiles.h"
 
+#include "lattice/Clock.h"
 #include "vtkBondStiffness.h"
 
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkTable.h>
 
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -32,17 +32,17 @@ struct StiffnessOptions
   std::string constants;
 };
 
-TableFiles openFiles(const StiffnessOptions& o, vtkBondStiffness* filter)
+ResultFiles openFiles(const StiffnessOptions& o, vtkBondStiffness* filter)
 {
-  TableFiles files;
-  files.add("-o", o.output, filter->GetTensor(), o.common.overwrite);
-  files.add("--constants", o.constants, filter->GetConstants(), o.common.overwrite);
+  ResultFiles files;
+  files.addTable("-o", o.output, filter->GetTensor(), o.common.overwrite);
+  files.addTable("--constants", o.constants, filter->GetConstants(), o.common.overwrite);
   return files;
 }
 
 void stiffness(Session& session, const StiffnessOptions& options, const std::string& commandLine)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   vtkNew<vtkBondStiffness> filter;
   applyBonds(options.bonds, filter);
   checkBalance(options.balance);
@@ -50,7 +50,7 @@ void stiffness(Session& session, const StiffnessOptions& options, const std::str
   filter->SetMaximumIterations(options.balance.maxIterations);
   filter->SetEstimateError(!options.noErrorEstimate);
   BondSample sample;
-  TableFiles files; // rank 0
+  ResultFiles files; // rank 0
   session.onRoot(
     [&]
     {
@@ -62,8 +62,8 @@ void stiffness(Session& session, const StiffnessOptions& options, const std::str
     [&]
     {
       BondRun report = bondRun(session, filter, options.picture, options.bonds, sample, commandLine);
-      report.written = files.write(Json::parse(io::toJson(report.provenance)));
-      report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      report.written = files.write(io::toJson(report.provenance));
+      report.seconds = secondsSince(start);
       session.print(options.common.json ? stiffnessJson(report) : options.common.quiet ? "" : stiffnessTable(report));
     });
 }
@@ -88,8 +88,7 @@ Command stiffnessCommand(CLI::App& root)
   app->add_option("--constants", o->constants, "Write Young's moduli, shear moduli and Poisson's ratios, one row each")
     ->type_name("FILE.csv")
     ->group("Output");
-  app->add_flag("--overwrite", o->common.overwrite, "Replace a file that exists")->group("Output");
-  addReportOptions(*app, o->common);
+  addResultOptions(*app, o->common);
   addExamples(*app,
     { "lamella stiffness honeycomb.png --phase 0=void --other wall --young wall=10e9",
       "lamella stiffness composite.png --young matrix=3e9 --young inclusion=70e9 --mixing harmonic --continuum "

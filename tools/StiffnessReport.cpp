@@ -213,10 +213,7 @@ std::string stiffnessTable(const BondRun& report)
   {
     text += "  Constants of the plane: an isotropic material would have E/(1 - nu²) and nu/(1 - nu).\n";
   }
-  for (const std::string& file : report.written)
-  {
-    text += "  wrote " + file + "\n";
-  }
+  text += wroteText(report.written);
   return text;
 }
 

@@ -1,14 +1,15 @@
-#include "BondReport.h"
 #include "Commands.h"
 #include "FilterRun.h"
 #include "GridFile.h"
+#include "JsonReport.h"
 #include "OutputFile.h"
 #include "Record.h"
-#include "TableFiles.h"
+#include "ResultFiles.h"
 #include "TableText.h"
 #include "Text.h"
 
 #include "io/Provenance.h"
+#include "lattice/Clock.h"
 #include "statistics/StressMeasure.h"
 #include "vtkLatticeConversion.h"
 #include "vtkStressPDF.h"
@@ -22,7 +23,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -53,17 +53,6 @@ struct StressPdfOptions
   std::string thresholds;
 };
 
-/// A number above 0. @throws ParameterError
-double positive(const std::string& option, const std::string& text, const std::string& example)
-{
-  const std::optional<double> number = toNumber(text);
-  if (!number || !std::isfinite(*number) || *number <= 0)
-  {
-    throw ParameterError(option + " '" + text + "' is not a number above 0", "write it as " + example);
-  }
-  return *number;
-}
-
 /// What can be said without the file, handed to the filter. @throws ParameterError
 void configure(vtkStressPDF* filter, const StressPdfOptions& o)
 {
@@ -74,7 +63,7 @@ void configure(vtkStressPDF* filter, const StressPdfOptions& o)
   }
   if (!o.threshold.empty())
   {
-    filter->SetThreshold(positive("--threshold", o.threshold, "2, in mean tensile stresses"));
+    filter->SetThreshold(positive("--threshold", o.threshold, "write it as 2, in mean tensile stresses"));
   }
   filter->SetLeaveOutPlatens(!o.keepPlatens);
   const double part = share("--tail-share", o.tailShare);
@@ -95,21 +84,17 @@ void configure(vtkStressPDF* filter, const StressPdfOptions& o)
   }
   if (!o.reference.empty())
   {
-    filter->SetReferenceStress(positive("--reference", o.reference, "1.7e6, in Pa"));
+    filter->SetReferenceStress(positive("--reference", o.reference, "write it as 1.7e6, in Pa"));
   }
-  if (o.threads < 1 || o.threads > 1024)
-  {
-    throw ParameterError(
-      fmt::format("--threads {} is outside 1 to 1024", o.threads), "give the number of cores to use");
-  }
+  checkThreads(o.threads);
 }
 
-TableFiles openFiles(const StressPdfOptions& o, vtkStressPDF* filter)
+ResultFiles openFiles(const StressPdfOptions& o, vtkStressPDF* filter)
 {
-  TableFiles files;
-  files.add("-o", o.output, filter->GetOutput(), o.common.overwrite);
-  files.add("--phases", o.phases, filter->GetPhaseTable(), o.common.overwrite);
-  files.add("--thresholds", o.thresholds, filter->GetThresholdTable(), o.common.overwrite);
+  ResultFiles files;
+  files.addTable("-o", o.output, filter->GetOutput(), o.common.overwrite);
+  files.addTable("--phases", o.phases, filter->GetPhaseTable(), o.common.overwrite);
+  files.addTable("--thresholds", o.thresholds, filter->GetThresholdTable(), o.common.overwrite);
   return files;
 }
 
@@ -188,20 +173,17 @@ std::string tableOf(const Json& json)
       row["threshold"].get<double>(), 100 * row["tail_share"].get<double>(), row["theta"].get<double>(),
       row["theta_error"].get<double>(), cell(row["distance"], "{:.4f}"));
   }
-  for (const Json& file : json["files"])
-  {
-    text += "  wrote " + file.get<std::string>() + "\n";
-  }
+  text += wroteText(json["files"].get<std::vector<std::string>>());
   return text;
 }
 
 void stressPdf(Session& session, const StressPdfOptions& o, const std::string& commandLine)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   vtkNew<vtkStressPDF> filter;
   configure(filter, o);
   requireFile(o.file);
-  TableFiles files = openFiles(o, filter);
+  ResultFiles files = openFiles(o, filter);
   const auto data = readGrid(o.file);
   auto* const grid = vtkDataSet::SafeDownCast(data);
   if (grid == nullptr)
@@ -230,11 +212,9 @@ void stressPdf(Session& session, const StressPdfOptions& o, const std::string& c
   }
 
   const io::Provenance run = recordRun(commandLine, o.file, provenance(data));
-  const std::string record = io::toJson(run);
-  json["files"] = files.write(Json::parse(record));
-  json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  addRecord(json, run);
-  session.print(o.common.json ? dump(json) : o.common.quiet ? "" : tableOf(json));
+  json["files"] = files.write(io::toJson(run));
+  json["seconds"] = secondsSince(start);
+  printReport(session, o.common, json, run, tableOf);
 }
 
 } // namespace
@@ -275,22 +255,14 @@ Command stressPdfCommand(CLI::App& root)
   law(app->add_option("--range", o->range, "Where the density begins and ends; wherever stresses are when not given"))
     ->type_name("LOW,HIGH");
   law(app->add_option("--threads", o->threads, "Threads"))->type_name("NUMBER")->capture_default_str();
-  const auto file = [&](const char* names, std::string& target, const char* words)
-  { app->add_option(names, target, words)->type_name("FILE.csv")->group("Output"); };
-  file("-o,--output,--csv", o->output, "Write the density, one row a bin");
-  file("--phases", o->phases, "Write the means and the tail, one row a phase");
-  file("--thresholds", o->thresholds, "Write theta against the threshold");
-  app->add_flag("--overwrite", o->common.overwrite, "Replace a file that exists")->group("Output");
-  addReportOptions(*app, o->common);
+  addResultFile(*app, "-o,--output,--csv", o->output, "Write the density, one row a bin");
+  addResultFile(*app, "--phases", o->phases, "Write the means and the tail, one row a phase");
+  addResultFile(*app, "--thresholds", o->thresholds, "Write theta against the threshold");
+  addResultOptions(*app, o->common);
   addExamples(*app,
     { "lamella stress-pdf loaded.vti --json", "lamella stress-pdf loaded.vti --component von-mises --phase matrix",
       "lamella stress-pdf loaded.vti --threshold 2 --reference 1.7e6 -o pdf.csv --phases means.csv" });
-  return { app,
-    [o](Session& session, const std::string& line)
-    {
-      session.setQuiet(o->common.quiet);
-      session.onRoot([&] { stressPdf(session, *o, line); });
-    } };
+  return aloneCommand(app, o, stressPdf);
 }
 
 } // namespace lamella::cli

@@ -1,6 +1,6 @@
 #include "TableText.h"
 
-#include "BondReport.h"
+#include "JsonReport.h"
 
 #include "vtkLatticeConversion.h"
 

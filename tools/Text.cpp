@@ -192,6 +192,24 @@ double share(const std::string& option, const std::string& text)
   return percent ? *value / 100 : *value;
 }
 
+double positive(const std::string& option, const std::string& text, const std::string& hint)
+{
+  const auto value = toNumber(text);
+  if (!value || !(*value > 0) || !std::isfinite(*value))
+  {
+    throw ParameterError(fmt::format("{} '{}' is not a number above 0", option, text), hint);
+  }
+  return *value;
+}
+
+void checkThreads(int threads, const char* hint)
+{
+  if (threads < 1 || threads > 1024)
+  {
+    throw ParameterError(fmt::format("--threads {} is outside 1 to 1024", threads), hint);
+  }
+}
+
 std::array<double, 2> rangeOf(const std::string& option, const std::string& text, const std::string& example)
 {
   const std::vector<std::string> ends = split(text, ',');
@@ -229,6 +247,16 @@ std::size_t oneOf(const std::string& option, const std::string& text, std::span<
 std::string grouped(std::int64_t count)
 {
   return count < 1000 ? std::to_string(count) : fmt::format("{} {:03}", grouped(count / 1000), count % 1000);
+}
+
+std::string wroteText(const std::vector<std::string>& files)
+{
+  std::string text;
+  for (const std::string& file : files)
+  {
+    text += "  wrote " + file + "\n";
+  }
+  return text;
 }
 
 std::string sizeText(const std::array<std::int64_t, 3>& size, int dimension)

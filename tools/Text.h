@@ -40,6 +40,12 @@ namespace lamella::cli
 /// A share: "0.4" or "40%".
 [[nodiscard]] double share(const std::string& option, const std::string& text);
 
+/// A number above 0. @param hint where it is none @throws ParameterError
+[[nodiscard]] double positive(const std::string& option, const std::string& text, const std::string& hint);
+
+/// Refuses --threads that no machine has. @throws ParameterError
+void checkThreads(int threads, const char* hint = "give the number of cores to use");
+
 /// "LOW,HIGH", finite, the lower first. @param example how it is written, with its unit
 [[nodiscard]] std::array<double, 2> rangeOf(
   const std::string& option, const std::string& text, const std::string& example);
@@ -53,6 +59,9 @@ namespace lamella::cli
 
 /// 123456 as "123 456": counts for people.
 [[nodiscard]] std::string grouped(std::int64_t count);
+
+/// The last lines of a report.
+[[nodiscard]] std::string wroteText(const std::vector<std::string>& files);
 
 /// "400 × 300" or "200 × 200 × 200".
 [[nodiscard]] std::string sizeText(const std::array<std::int64_t, 3>& size, int dimension);

@@ -214,6 +214,11 @@ int run(Session& session, std::vector<std::string> words)
   return exitUsage;
 }
 
+void addOverwrite(CLI::App& command, CommonOptions& options)
+{
+  command.add_flag("--overwrite", options.overwrite, "Replace a file that exists")->group("Output");
+}
+
 } // namespace
 
 void addReportOptions(CLI::App& command, CommonOptions& options)
@@ -223,11 +228,23 @@ void addReportOptions(CLI::App& command, CommonOptions& options)
   command.add_flag("--quiet", options.quiet, "No progress bar and no table")->group("Report");
 }
 
+CLI::Option* addResultFile(
+  CLI::App& command, const char* names, std::string& file, const std::string& description, const char* type)
+{
+  return command.add_option(names, file, description)->type_name(type)->group("Output");
+}
+
+void addResultOptions(CLI::App& command, CommonOptions& options)
+{
+  addOverwrite(command, options);
+  addReportOptions(command, options);
+}
+
 CLI::Option* addOutputOptions(
   CLI::App& command, std::string& output, CommonOptions& options, const std::string& description)
 {
-  CLI::Option* option = command.add_option("-o,--output", output, description)->type_name("FILE")->group("Output");
-  command.add_flag("--overwrite", options.overwrite, "Replace a file that exists")->group("Output");
+  CLI::Option* option = addResultFile(command, "-o,--output", output, description, "FILE");
+  addOverwrite(command, options);
   return option;
 }
 
