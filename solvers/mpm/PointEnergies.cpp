@@ -156,6 +156,8 @@ template void PointDynamics<2>::addStretching(int, double, double);
 template void PointDynamics<3>::addStretching(int, double, double);
 template void PointDynamics<2>::calm(double, int, double, double);
 template void PointDynamics<3>::calm(double, int, double, double);
+template double PointDynamics<2>::changeVelocities(double, double, int, double, double);
+template double PointDynamics<3>::changeVelocities(double, double, int, double, double);
 template PointEnergies PointDynamics<2>::energies() const;
 template PointEnergies PointDynamics<3>::energies() const;
 
