@@ -411,8 +411,8 @@ CompressionSummary PointCompression<Dim>::summary() const
       worstRatio_, worstRatioAt_, options_.energyRatio));
   if (elastic_ && !rows_.empty() && rows_.back().dissipated > mostLost * rows_.back().work)
     s.warnings.push_back(fmt::format("{:.0f} % of the work on walls that are elastic is gone: walls may have come "
-                                     "apart between points; take more points "
-                                     "or cells across them, or a lower energy ratio",
+                                     "apart between points; take more of them "
+                                     "a cell: 9 in a plane hold where 4 tear",
       100 * rows_.back().dissipated / rows_.back().work));
   return s;
 }

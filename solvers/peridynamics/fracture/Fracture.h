@@ -45,8 +45,9 @@ struct EventOptions
   int globalIterations = 6;      ///< of conjugate gradients in a global correction, at most
   double globalTolerance = 1e-4; ///< of its residual force, as EquilibriumOptions::tolerance counts
   /// Where a second bond is as near to its limit as this, a global correction to rivalTolerance says which of them
-  /// breaks: globalEvery local corrections leave errors of some 0.5 %, and the margin grows with their number. 0: never,
-  /// which is sooner by a third to a half; the peak is the same, but after it cracks in thin walls may take another way.
+  /// breaks: globalEvery local corrections leave errors of some 0.5 %, and the margin grows with their number. 0:
+  /// never, which is sooner by a third to a half; the peak is the same, but after it cracks in thin walls may take
+  /// another way.
   double rivals = 5e-3;
   double rivalTolerance = 5e-5;
   double riseTolerance = 2e-6; ///< the same before the load rises, on which the peak depends

@@ -275,7 +275,7 @@ def compression(
     young, transverse, poisson, transverse_poisson, shear, barrier, yield_stress, hardening, density  of all walls, or
               {phase: value}, SI units; None: those of vtkPointAlgorithm
     void      phases without points; None: those called void, pore, lumen, air or 0
-    points_per_node  along each axis in a pixel
+    points_per_node  along each axis in a pixel; 3 where walls fold, beyond some 20 % strain
     cells_per_node  of the grid, along each axis in a pixel
     fit_platens  platens stand where the tissue begins and ends, not at the ends of the image
     threads   0: all cores
