@@ -26,7 +26,7 @@ sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 from common import parser_of, write_csv, write_figure  # noqa: E402
 
 REAL = {  # outlines, window [micrometres]: low x, low y, high x, high y
-    "spruce-earlywood": ("spruce_EW_polygons.json.gz", (130, 130, 240, 240)),
+    "spruce-earlywood": ("spruce_EW_polygons.json.gz", (100, 80, 266.5, 246.5)),
     "spruce-latewood": ("spruce_LW_polygons.json.gz", (70, 70, 140, 140)),
 }
 SIZE = 200e-6  # of the generated ones
