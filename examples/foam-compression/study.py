@@ -3,7 +3,7 @@
     PYTHONPATH=build/python /usr/bin/python3 examples/foam-compression/study.py
 
 The foam is what a dense packing of spheres leaves once they have grown until neighbours open into each other (foam.py); isotropic elastic
-walls, two points a cell along each axis, pressed along z between platens, sides straight without force. Writes to --output:
+walls, two points along each axis of a cell, pressed along z between platens, sides straight without force. Writes to --output:
   foam.png    the curve, and the foam coloured by the stress along the load
   curve.csv   the curve; foam.csv: one row of numbers
 With --checkpoint a run that was stopped goes on where its file stands; states before that are not drawn.
@@ -101,7 +101,7 @@ def draw(foam, result, options):
     figure.colorbar(colours, cax=scale, orientation="horizontal", extend="both")
     scale.tick_params(labelsize=8, pad=1)
     scale.set_xlabel("stress in the solid along the load [MPa], pressed above 0", fontsize=8, labelpad=1)
-    write_figure(figure, os.path.join(options.output, "foam.png"), dpi=150, pil_kwargs={"optimize": True})
+    write_figure(figure, os.path.join(options.output, "foam.png"), dpi=125, pil_kwargs={"optimize": True})
 
 
 def study(options):
