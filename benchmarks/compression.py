@@ -69,17 +69,17 @@ def main():
     picture = pathlib.Path(keys.get("picture", folder / "compression.png"))
     panels = [(draw, folder / f"compression-{draw.__name__}.csv") for draw in (motion, tissue, speed)]
     panels = [(draw, rows_of(table)) for draw, table in panels if table.exists()]
-    panels = [(draw, rows) for draw, rows in panels if rows]
+    panels = [(draw, rows) for draw, rows in panels if len(rows) > 1]  # one would be its own reference
     if not panels:
-        print(f"  nothing drawn: {folder} has no table")
+        print(f"  nothing drawn: {folder} has no table of two runs")
         return
-    figure, axes = plt.subplots(1, len(panels), figsize=(4.5 * len(panels), 4.2), constrained_layout=True, squeeze=False)
+    figure, axes = plt.subplots(1, len(panels), figsize=(4.5 * len(panels), 4.8), constrained_layout=True, squeeze=False)
     for place, (draw, rows) in zip(axes[0], panels):
         draw(place, rows)
         place.set_xscale("log")
         place.set_yscale("log")
         place.set_xlabel("CPU time [s]")
-        place.legend(fontsize=7)
+        place.legend(fontsize=7, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.15))
     axes[0][0].set_ylabel("relative error")
     figure.savefig(picture, dpi=130)
     print(f"  written: {picture}")
