@@ -1,14 +1,16 @@
 #include "mpm/PointCompression.h"
 
 #include "io/Provenance.h"
-#include "lattice/Communicator.h"
 #include "lattice/Error.h"
+#include "lattice/Together.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -56,9 +58,11 @@ PointCompression<Dim>::PointCompression(
   : options_(std::move(options))
 {
   using Points = MaterialPoints<Dim>;
-  check(points);
+  const Communicator& comm = options_.motion.comm;
+  together(comm, [this] { check(); });
+  checkTouch(points);
   scene_ = scene(points, *law);
-  io::checkPlace(options_.checkpoint, Communicator());
+  io::checkPlace(options_.checkpoint, comm);
   auto& motion = options_.motion;
   const int axis = options_.axis;
   const auto at = static_cast<std::size_t>(axis);
@@ -89,7 +93,7 @@ PointCompression<Dim>::PointCompression(
       law->stiffness(points.phase()[p], points.matrix(Points::deformations, p), points.vector(Points::axes, p),
         points.memory(p).data()) *
         points.column(Points::volumes)[p] / points.column(Points::masses)[p]);
-  wave_ = std::sqrt(stiffest);
+  wave_ = std::sqrt(comm.max(stiffest));
   speed_ = options_.firstSpeed;
   const double closing = speed_ * wave_;
   if (options_.affineStart)
@@ -115,13 +119,11 @@ template <int Dim>
 PointCompression<Dim>::~PointCompression() = default;
 
 template <int Dim>
-void PointCompression<Dim>::check(const MaterialPoints<Dim>& points) const
+void PointCompression<Dim>::check() const
 {
   const auto& o = options_;
   require(o.axis >= 0 && o.axis < Dim, fmt::format("a compression along axis {}", o.axis),
     Dim == 2 ? "0 or 1 in a plane" : "0, 1 or 2");
-  require(!o.motion.comm.parallel(), fmt::format("a compression on {} ranks", o.motion.comm.size()),
-    "take one rank and threads; it is PointDynamics that several can share");
   require(o.strain > 0 && o.strain < 1, fmt::format("compression to a strain of {}", o.strain),
     "above 0 and below 1, at which nothing of the height is left");
   require(o.energyRatio > 0, fmt::format("a kinetic energy of {} of the elastic one", o.energyRatio), "above 0");
@@ -137,14 +139,31 @@ void PointCompression<Dim>::check(const MaterialPoints<Dim>& points) const
   for (std::size_t a = 0; a < Dim; ++a)
     require(o.upper[a] > o.lower[a], fmt::format("a box from {} to {} m along axis {}", o.lower[a], o.upper[a], a),
       "its upper end above its lower one");
-  if (points.count() == 0)
-    return; // PointDynamics says so
+}
+
+template <int Dim>
+void PointCompression<Dim>::checkTouch(const MaterialPoints<Dim>& points) const
+{
+  const auto& o = options_;
+  const Communicator& comm = o.motion.comm;
   const auto x = points.column(o.axis);
-  const auto volume = points.column(MaterialPoints<Dim>::volumes);
-  const auto [low, high] = std::minmax_element(x.begin(), x.end());
-  const double size = std::pow(*std::max_element(volume.begin(), volume.end()), 1.0 / Dim);
+  constexpr double none = std::numeric_limits<double>::max();
+  double low = none;
+  double high = -none;
+  double largest = 0;
+  for (std::size_t p = 0; p < points.count(); ++p)
+  {
+    low = std::min(low, x[p]);
+    high = std::max(high, x[p]);
+    largest = std::max(largest, points.column(MaterialPoints<Dim>::volumes)[p]);
+  }
+  low = -comm.max(-low);
+  high = comm.max(high);
+  if (low > high)
+    return; // no points: PointDynamics says so
+  const double size = std::pow(comm.max(largest), 1.0 / Dim);
   const auto axis = static_cast<std::size_t>(o.axis);
-  const std::array<double, 2> gap{ *low - o.lower[axis] - size / 2, o.upper[axis] - *high - size / 2 };
+  const std::array<double, 2> gap{ low - o.lower[axis] - size / 2, o.upper[axis] - high - size / 2 };
   for (const std::size_t side : { 0U, 1U })
     if (gap[side] > size / 2)
       throw InputError(fmt::format("the tissue does not touch the {} platen: {:.4g} m lie between them",
@@ -153,8 +172,12 @@ void PointCompression<Dim>::check(const MaterialPoints<Dim>& points) const
 }
 
 template <int Dim>
-std::string PointCompression<Dim>::scene(const MaterialPoints<Dim>& points, const PointLaw<Dim>& law) const
+std::string PointCompression<Dim>::scene(const MaterialPoints<Dim>& mine, const PointLaw<Dim>& law) const
 {
+  const Communicator& comm = options_.motion.comm;
+  const MaterialPoints<Dim> all =
+    comm.parallel() ? PointRanks<Dim>(comm).gather(mine) : MaterialPoints<Dim>(); // on rank 0
+  const MaterialPoints<Dim>& points = comm.parallel() ? all : mine;
   std::string text;
   const auto line = [&](const char* name, const auto& value) { text += fmt::format("{}: {}\n", name, value); };
   const auto& o = options_;
@@ -193,6 +216,10 @@ std::string PointCompression<Dim>::scene(const MaterialPoints<Dim>& points, cons
   line("stress update", static_cast<int>(m.update));
   line("fused", m.fused ? "yes" : "no");
   line("step", m.step ? fmt::format("{}", *m.step) : fmt::format("{} of the stable one", m.share));
+  std::vector<std::byte> bytes(text.size());
+  std::memcpy(bytes.data(), text.data(), text.size());
+  comm.broadcast(bytes);
+  text.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return text;
 }
 
@@ -329,7 +356,8 @@ bool PointCompression<Dim>::advance(double to)
     else
       body_->advanceTo(body_->time() + duration);
     control();
-    if (options_.progress && options_.progress(std::min(strain() / options_.strain, 1.0)))
+    const bool enough = options_.progress && options_.progress(std::min(strain() / options_.strain, 1.0));
+    if (options_.motion.comm.any(enough))
     {
       if (!options_.checkpoint.path.empty())
         save();
@@ -446,7 +474,7 @@ void PointCompression<Dim>::save()
     if (options_.checkpoint.warn)
       options_.checkpoint.warn(why);
   };
-  if (io::write(c, place, Communicator()))
+  if (io::write(c, place, options_.motion.comm))
     ++checkpoints_;
   savedAt_ = body_->steps();
 }
@@ -454,7 +482,7 @@ void PointCompression<Dim>::save()
 template <int Dim>
 void PointCompression<Dim>::restore()
 {
-  const io::Checkpoint c = io::readCheckpoint(options_.continueFrom, kind, scene_, Communicator());
+  const io::Checkpoint c = io::readCheckpoint(options_.continueFrom, kind, scene_, options_.motion.comm);
   body_->takeBack(c);
   const std::vector<double>& table = c.reals("rows");
   const std::vector<double>& began = c.reals("row_began");

@@ -98,13 +98,15 @@ struct CompressionSummary
   std::vector<std::string> warnings;
 };
 
+/// On several ranks (`motion.comm`) run() and the constructor are collective, and rows and summary the same on all;
+/// state() is called by all.
 template <int Dim>
 class PointCompression
 {
 public:
-  /// @param points at rest, inside the box
+  /// @param points at rest, inside the box; of several ranks together, as PointDynamics takes them
   /// @throws ParameterError: strain not above 0 and below 1, ratios, speeds or rows outside their range, a box without
-  /// extent, several ranks, and what PointDynamics refuses
+  /// extent, and what PointDynamics refuses
   /// @throws InputError: points that touch no platen; what io::readCheckpoint() refuses
   PointCompression(
     MaterialPoints<Dim> points, std::shared_ptr<const PointLaw<Dim>> law, CompressionOptions<Dim> options);
@@ -122,7 +124,8 @@ public:
   [[nodiscard]] double strain() const; ///< now
 
 private:
-  void check(const MaterialPoints<Dim>& points) const;
+  void check() const;
+  void checkTouch(const MaterialPoints<Dim>& points) const; ///< collective
   [[nodiscard]] std::string scene(const MaterialPoints<Dim>& points, const PointLaw<Dim>& law) const;
   bool advance(double strain);
   void control();
