@@ -97,8 +97,19 @@ bool EventEngine::correct(int maxIterations, double tolerance)
 
 bool EventEngine::settle(bool exact)
 {
-  return exact ? correct(mostIterations, options_.riseTolerance)
-               : correct(options_.globalIterations, options_.globalTolerance);
+  if (sinceGlobal_ == 0)
+    return exact && correct(mostIterations, options_.riseTolerance);
+  const double start = seconds();
+  double reached = options_.globalTolerance;
+  int iterations = state_.correctGlobally(options_.globalIterations, reached);
+  if (exact && iterations == 0) // nothing new to look at
+  {
+    reached = options_.riseTolerance;
+    iterations = state_.correctGlobally(mostIterations, reached);
+  }
+  afterGlobal(iterations, start);
+  reached_ = reached;
+  return true;
 }
 
 std::int64_t EventEngine::indexOf(const Bond& bond) const

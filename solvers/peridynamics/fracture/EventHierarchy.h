@@ -104,6 +104,8 @@ private:
   void maskRow(NodeField<float>& field, std::int64_t y, std::int64_t z, std::int64_t x0, std::int64_t x1) const;
   [[nodiscard]] double dot(const NodeField<float>& a, const NodeField<float>& b); ///< of the finest level
   [[nodiscard]] double freeNorm(const NodeField<float>& r);
+  /// Of a row: the squares of what is not fixed.
+  [[nodiscard]] double freeSquare(const NodeField<float>& r, std::int64_t y, std::int64_t z) const;
   template <class F>
   double rowSum(F&& f);
 

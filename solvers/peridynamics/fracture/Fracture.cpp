@@ -277,7 +277,7 @@ FractureEnd QuasiStaticFracture::step()
   const bool fallen = fell(stress(load_));
   if (!critical || fallen)
   {
-    if (engine_->settle(false) || (!fallen && engine_->settle(true)))
+    if (engine_->settle(!fallen))
       return FractureEnd::Running; // look again
     if (fallen)
       return FractureEnd::StressFell;

@@ -42,26 +42,27 @@ double EventHierarchy::dot(const NodeField<float>& a, const NodeField<float>& b)
     });
 }
 
-double EventHierarchy::freeNorm(const NodeField<float>& r)
+double EventHierarchy::freeSquare(const NodeField<float>& r, std::int64_t y, std::int64_t z) const
 {
   const NodeLayout& l = r.layout();
-  return std::sqrt(rowSum(
-    [&](std::int64_t y, std::int64_t z)
-    {
-      const std::int64_t i = l.index(0, y, z);
-      double sum = 0;
-      for (int c = 0; c < l.dimension; ++c)
-      {
-        const float* v = r.component(c) + i;
-        if (rowFixed_[static_cast<std::size_t>(y + l.size[1] * z)] == 0)
-          sum += eventKernels().dot(l.size[0], v, v);
-        else
-          for (std::int64_t x = 0; x < l.size[0]; ++x)
-            if ((fixed_[i + x] >> c & 1U) == 0)
-              sum += static_cast<double>(v[x]) * static_cast<double>(v[x]);
-      }
-      return sum;
-    }));
+  const std::int64_t i = l.index(0, y, z);
+  double sum = 0;
+  for (int c = 0; c < l.dimension; ++c)
+  {
+    const float* v = r.component(c) + i;
+    if (rowFixed_[static_cast<std::size_t>(y + l.size[1] * z)] == 0)
+      sum += eventKernels().dot(l.size[0], v, v);
+    else
+      for (std::int64_t x = 0; x < l.size[0]; ++x)
+        if ((fixed_[i + x] >> c & 1U) == 0)
+          sum += static_cast<double>(v[x]) * static_cast<double>(v[x]);
+  }
+  return sum;
+}
+
+double EventHierarchy::freeNorm(const NodeField<float>& r)
+{
+  return std::sqrt(rowSum([&](std::int64_t y, std::int64_t z) { return freeSquare(r, y, z); }));
 }
 
 void EventHierarchy::collapse()
@@ -166,7 +167,7 @@ int EventHierarchy::correctGlobally(int maxIterations, double tolerance, const s
       continue;
     }
     const auto alpha = static_cast<float>(rz / pq);
-    forOwnRows(l,
+    size = std::sqrt(rowSum(
       [&](std::int64_t y, std::int64_t zz)
       {
         const std::int64_t i = l.index(0, y, zz);
@@ -175,23 +176,26 @@ int EventHierarchy::correctGlobally(int maxIterations, double tolerance, const s
           levelKernels().axpy(l.size[0], alpha, p.component(c) + i, finest.w.component(c) + i);
           levelKernels().axpy(l.size[0], alpha, q.component(c) + i, r.component(c) + i);
         }
-      });
-    size = freeNorm(r);
+        return freeSquare(r, y, zz);
+      }));
     ++iterations;
     if (progress && progress(std::clamp(std::log(size / reference_) / std::log(tolerance), 0.0, 1.0)))
       throw Cancelled();
   }
-  forOwnRows(l,
-    [&](std::int64_t y, std::int64_t z)
-    {
-      const std::int64_t i = l.index(0, y, z);
-      for (int c = 0; c < l.dimension; ++c)
-        for (std::int64_t x = i; x < i + l.size[0]; ++x)
-          base_.component(c)[x] += static_cast<double>(finest.w.component(c)[x]);
-    });
-  for (EventLevel& level : levels_)
+  if (iterations > 0)
   {
-    level.w.fill(0);
+    forOwnRows(l,
+      [&](std::int64_t y, std::int64_t z)
+      {
+        const std::int64_t i = l.index(0, y, z);
+        for (int c = 0; c < l.dimension; ++c)
+          for (std::int64_t x = i; x < i + l.size[0]; ++x)
+            base_.component(c)[x] += static_cast<double>(finest.w.component(c)[x]);
+      });
+    finest.w.fill(0);
+  }
+  for (EventLevel& level : levels_) // w is zero since it was collapsed
+  {
     level.total.fill(0);
     level.change.fill(0);
   }

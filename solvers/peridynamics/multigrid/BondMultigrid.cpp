@@ -313,14 +313,7 @@ void BondMultigrid::cycle(std::size_t index, bool fromZero)
   subtract(index);
   restrictResidual(index);
   visit(index + 1);
-  interpolate(index); // into d
-  forOwnRows(level.layout,
-    [&](std::int64_t y, std::int64_t z)
-    {
-      const std::int64_t i = level.layout.index(0, y, z);
-      for (int c = 0; c < level.layout.dimension; ++c)
-        levelKernels().axpy(level.layout.size[0], 1.0F, level.d.component(c) + i, level.x.component(c) + i);
-    });
+  interpolate(index);
   subtract(index);
   smooth(index, false);
 }
@@ -349,6 +342,7 @@ void BondMultigrid::restrictResidual(std::size_t index)
     });
 }
 
+// The correction from the next level, into d and onto x.
 void BondMultigrid::interpolate(std::size_t index)
 {
   Level& level = *levels_[index];
@@ -366,12 +360,17 @@ void BondMultigrid::interpolate(std::size_t index)
         for (std::int64_t cz = z / 2; cz <= (z + 1) / 2; ++cz)
           for (std::int64_t cy = y / 2; cy <= (y + 1) / 2; ++cy)
             rows[count++] = next.x.component(a) + c.index(0, cy, cz);
+        const std::int64_t i = l.index(0, y, z);
         levelKernels().interpolateRow(
-          l.size[0], 1.0F / static_cast<float>(count), count, rows, level.d.component(a) + l.index(0, y, z));
+          l.size[0], 1.0F / static_cast<float>(count), count, rows, level.d.component(a) + i);
+        levelKernels().axpy(l.size[0], 1.0F, level.d.component(a) + i, level.x.component(a) + i);
       }
     });
   if (index == 0)
+  {
     release(level.d);
+    release(level.x);
+  }
 }
 
 // Power iteration; a tenth over what it finds, which errs on the low side.

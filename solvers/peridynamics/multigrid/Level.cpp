@@ -42,6 +42,7 @@ void Level::pointTo(BlockRow& row, std::int64_t index) const noexcept
   row.back = backJumps_.data();
   const bool arranged = values_.size() > 0;
   row.blockStride = entries() * (arranged ? layout.pitch : layout.count());
+  row.nextRow = (arranged ? static_cast<std::int64_t>(half.size()) * entries() : 1) * layout.pitch;
   for (int e = 0; e < entries(); ++e)
   {
     row.diagonal[e] = diagonal.component(e) + index;

@@ -20,6 +20,7 @@ struct BlockRow
   const float* diagonal[6]; ///<
   const float* block[6];    ///< entry e of the first neighbour; neighbour q lies q × blockStride further
   std::int64_t blockStride; ///<
+  std::int64_t nextRow = 0; ///< from a block to the same node's of the next row, in floats: fetched ahead
   const std::int64_t* jump; ///< from a node to neighbour q, in nodes; `half` values
   const std::int64_t* back; ///< from the block A(i − q, i) to A(i, i + q), in floats
   float* out[3];            ///<

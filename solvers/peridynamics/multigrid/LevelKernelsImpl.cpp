@@ -58,11 +58,15 @@ void subtractPart(std::int64_t at, const BlockRow& r)
   for (int part = 0; part < Parts; ++part)
     add(ahead[part], r.diagonal, 0, 0, at + part * lanes);
   for (int q = 0; q < r.half; ++q)
+  {
+    for (int e = 0; e < entries; ++e) // the streams are many and short: the processor does not see them coming
+      __builtin_prefetch(r.block[e] + q * r.blockStride + at + r.nextRow, 0, 2);
     for (int part = 0; part < Parts; ++part)
     {
       add(ahead[part], r.block, q * r.blockStride, r.jump[q], at + part * lanes);
       add(behind[part], r.block, q * r.blockStride - r.back[q], -r.jump[q], at + part * lanes);
     }
+  }
   for (int part = 0; part < Parts; ++part)
     for (int c = 0; c < Dim; ++c)
     {
