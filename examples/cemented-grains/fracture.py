@@ -13,6 +13,7 @@ ten packings, six widths of the bridges and filled, after section IV of Frank, R
 
 import concurrent.futures
 import csv
+import functools
 import math
 import os
 import sys
@@ -54,37 +55,40 @@ def share_of(broken, low, high, between):
     return float(np.mean((phases[:, 0] == low) & (phases[:, 1] == high) & (broken["between_grains"] == between)))
 
 
+@functools.lru_cache(maxsize=1)
+def packing_of(count, seed):
+    return lamella.packing(count=count, seed=seed)
+
+
 def measure(task):
-    """All widths of one packing: rows of numbers, and of the first packing curves and, where plates hold what lies there, cracks."""
-    seed, options = task
+    """One failure: its row of numbers, and of the first packing its curve and, where plates hold what lies there, its crack."""
+    seed, width, options = task
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
-    packing = lamella.packing(count=options.count, seed=seed)
-    rows, curves, cracks = [], [], []
-    for width in ALL:
-        layers = THICK if options.wall_bridges else HORIZON + (1 if options.smooth else 0)
-        image = bridged(packing, width, options.nodes, layers * packing.box[0] / options.nodes, wall_bridges=options.wall_bridges)
-        begun, spent = time.perf_counter(), time.process_time()
-        result = torn(image, rivals=options.rivals, smooth_platens=options.smooth, method=options.method,
-                      breaking=options.breaking)
-        broken = result.broken
-        rows.append({
-            "seed": seed, "width": width, "saturation": image.saturation, "strength": result.peak_stress / UNIT,
-            "first_break": result.first_break_stress / UNIT, "modulus": result.modulus / E_MATRIX,
-            "peak_broken": int(np.searchsorted(broken["strain"], result.peak_strain)), "broken": len(broken),
-            "inside_grains": share_of(broken, GRAIN, GRAIN, False), "between_grains": share_of(broken, GRAIN, GRAIN, True),
-            "interface": share_of(broken, MATRIX, GRAIN, False) + share_of(broken, MATRIX, GRAIN, True),
-            "events": result.statistics["events"], "seconds": time.perf_counter() - begun, "cpu_seconds": time.process_time() - spent,
-            "end": result.end,
-        })
-        if seed == 1:
-            curves.append((image.saturation, result.strain / CRITICAL, result.stress / UNIT))
-        if seed == 1 and width in SHOWN:
-            diameter = 2 * float(np.mean(packing.radii))
-            held = without_ends(image, HELD * diameter)
-            broken = torn(held, rivals=options.rivals, method=options.method, breaking=options.breaking).broken
-            bottom = round(held.vtk.GetBounds()[2] / image.spacing - 0.5)  # layers cut off there
-            cracks.append((image.saturation, image.spacing, held.phase[::-1], bottom, broken, diameter))
-    return rows, curves, cracks
+    packing = packing_of(options.count, seed)
+    layers = THICK if options.wall_bridges else HORIZON + (1 if options.smooth else 0)
+    image = bridged(packing, width, options.nodes, layers * packing.box[0] / options.nodes, wall_bridges=options.wall_bridges)
+    begun, spent = time.perf_counter(), time.process_time()
+    result = torn(image, rivals=options.rivals, smooth_platens=options.smooth, method=options.method, breaking=options.breaking)
+    broken = result.broken
+    row = {
+        "seed": seed, "width": width, "saturation": image.saturation, "strength": result.peak_stress / UNIT,
+        "first_break": result.first_break_stress / UNIT, "modulus": result.modulus / E_MATRIX,
+        "peak_broken": int(np.searchsorted(broken["strain"], result.peak_strain)), "broken": len(broken),
+        "inside_grains": share_of(broken, GRAIN, GRAIN, False), "between_grains": share_of(broken, GRAIN, GRAIN, True),
+        "interface": share_of(broken, MATRIX, GRAIN, False) + share_of(broken, MATRIX, GRAIN, True),
+        "events": result.statistics["events"], "seconds": time.perf_counter() - begun, "cpu_seconds": time.process_time() - spent,
+        "end": result.end,
+    }
+    if seed != 1:
+        return row, None, None
+    curve = (image.saturation, result.strain / CRITICAL, result.stress / UNIT)
+    if width not in SHOWN:
+        return row, curve, None
+    diameter = 2 * float(np.mean(packing.radii))
+    held = without_ends(image, HELD * diameter)
+    broken = torn(held, rivals=options.rivals, method=options.method, breaking=options.breaking).broken
+    bottom = round(held.vtk.GetBounds()[2] / image.spacing - 0.5)  # layers cut off there
+    return row, curve, (image.saturation, image.spacing, held.phase[::-1], bottom, broken, diameter)
 
 
 def slopes(means):
@@ -149,13 +153,15 @@ def main():
     options = parser.parse_args()
     os.makedirs(options.output, exist_ok=True)
     begun = time.perf_counter()
-    rows, curves, cracks = [], [], []
+    tasks = [(seed + 1, width, options) for seed in range(options.samples) for width in ALL]
+    parts = []
     with concurrent.futures.ProcessPoolExecutor(options.workers) as pool:
-        for number, part in enumerate(pool.map(measure, [(seed + 1, options) for seed in range(options.samples)]), 1):
-            rows += part[0]
-            curves += part[1]
-            cracks += part[2]
-            print(f"\r{number} of {options.samples} packings, {time.perf_counter() - begun:.0f} s", end="", flush=True)
+        for part in pool.map(measure, tasks):
+            parts.append(part)
+            print(f"\r{len(parts)} of {len(tasks)} samples, {time.perf_counter() - begun:.0f} s", end="", flush=True)
+    rows = [row for row, _, _ in parts]
+    curves = [curve for _, curve, _ in parts if curve]
+    cracks = [crack for _, _, crack in parts if crack]
     print()
     means = means_of(rows, NAMES)
     write_csv(os.path.join(options.output, "fracture-samples.csv"), rows)

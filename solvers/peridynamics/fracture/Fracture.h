@@ -50,7 +50,7 @@ struct EventOptions
   /// another way.
   double rivals = 5e-3;
   double rivalTolerance = 5e-5;
-  double riseTolerance = 1e-5; ///< the same before the load rises, on which the peak depends
+  double riseTolerance = 2e-6; ///< the same before the load rises, on which the peak depends
 };
 
 /// Where a fracture stands, for FractureOptions::progress.
