@@ -158,6 +158,7 @@ private:
         m = R(0.0);
     for (std::int64_t done = 0; done < most; done += own)
     {
+      fetchAhead(s_.cells[first].begin + done * Cells);
       Chunk chunk;
       for (int k = 0; k < Cells; ++k)
       {
@@ -181,6 +182,19 @@ private:
   }
 
   double* column(int c, std::int64_t p) const { return s_.columns + c * s_.pitch + p; }
+  /// The processor does not follow so many streams; past the last point there is other memory, or nothing is fetched.
+  void fetchAhead(std::int64_t p) const
+  {
+    constexpr std::int64_t ahead = 64; // points
+    const auto fetch = [&](int c, int columns)
+    {
+      for (int i = 0; i < columns; ++i)
+        __builtin_prefetch(column(c + i, p + ahead));
+    };
+    fetch(0, Dim);
+    fetch(C::deformations, Dim * Dim);
+    fetch(C::masses, 2 + Dim); // volumes and axes behind them
+  }
   R load(int c, const Chunk& chunk) const
   {
     const double* at[Cells];
