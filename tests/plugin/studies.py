@@ -1,5 +1,5 @@
-"""The studies of fracture and of compression at a quick size, and what they are to show: griffith, grains, wood, motion,
-compression or foam."""
+"""The studies of fracture, compression and diffusion at a quick size, and what they are to show: griffith, grains, wood,
+motion, compression, foam or diffusion."""
 
 import importlib.util
 import os
@@ -125,5 +125,36 @@ def foam():
     assert red.mean() > 0.01 and blue.mean() > 0.001, (red.mean(), blue.mean())
 
 
+def diffusion():
+    study = load("wood-diffusion", "study")
+    with tempfile.TemporaryDirectory() as folder:
+        options = types.SimpleNamespace(spacing=1, share=0.5, seeds=1, fractions=2, windows=1, jobs=1, output=folder)
+        rows = study.study(options)
+        study.draw_fields([("latewood", 0.78, None)], "heat", os.path.join(folder, "heat.png"), options)
+        files = sorted(os.listdir(folder))
+        picture = study.plt.imread(os.path.join(folder, "heat.png"))[..., :3]
+    assert files == ["conductivity.png", "diffusivity.png", "heat.png", "ratio.png", "tissues.csv", "values.csv"], files
+    # Hot and cold sides: red and blue
+    red, blue = picture[..., 0] - picture[..., 2] > 0.4, picture[..., 2] - picture[..., 0] > 0.4
+    assert red.mean() > 0.01 and blue.mean() > 0.01, (red.mean(), blue.mean())
+    for row in rows:
+        assert row["error"] <= 0.03 * row["value"], row  # walls are 5 to 14 nodes of the finer lattice thick
+        assert row["series"] < row["value"] < row["parallel"], row
+        # Between the series model (0) and the parallel one (1): heat flows in the walls, vapour waits for them
+        assert row["share"] > 0.35 if row["quantity"] == "heat" else row["share"] < 0.05, row
+    for quantity, conductivity in study.CONDUCTIVITY.items():
+        for radial, tangential in study.pairs(rows, quantity):
+            room = study.rooms(radial["value"], tangential["value"], radial["solid"], conductivity)
+            ratio = radial["value"] / tangential["value"]
+            print(f"{radial['tissue']}, {quantity}: R/T {ratio:.3f}, room to the bounds {room[0]:.3f} below, {room[1]:.3f} above")
+            assert min(room) > 0, room  # no two phases in the plane go beyond these bounds
+            assert quantity == "vapour" or room[1] < 0.08  # walls conduct heat nearly as well as any arrangement of them can
+            late = "latewood" in radial["tissue"]
+            assert ratio < 0.95 if late else ratio > 1.1, (radial["tissue"], ratio)  # inverted between early- and latewood
+    # A pair beyond the bounds that are sharp for anisotropic media, though each of the two lies between series and parallel
+    assert study.rooms(0.40, 0.40, 0.45, study.CONDUCTIVITY["heat"])[1] < 0
+
+
 if __name__ == "__main__":
-    {"griffith": griffith, "grains": grains, "wood": wood, "motion": motion, "compression": compression, "foam": foam}[sys.argv[1]]()
+    {"griffith": griffith, "grains": grains, "wood": wood, "motion": motion, "compression": compression, "foam": foam,
+     "diffusion": diffusion}[sys.argv[1]]()

@@ -1,0 +1,301 @@
+"""Heat and water vapour across the grain of wood: conductivity and diffusivity against density, and where the flux runs.
+
+    PYTHONPATH=build/python /usr/bin/python3 examples/wood-diffusion/study.py
+
+Generated earlywood, latewood and poplar with walls of several thicknesses, and with LAMELLA_REAL_DATA windows of the two spruce outlines of
+Ferrara and Wittel, radially (R) and tangentially (T), between insulated sides; after section 4.1 of Perré, Almeida, Ayouz and Frank, Ann. For.
+Sci. 73 (2016) 117. Heat: wall 1, air 0.023 W/(m K). Vapour: wall 0.004, air 1 (over that in air). Writes to --output:
+  conductivity.png, diffusivity.png  both against the solid fraction between their bounds (their figures 11 and 12, latewood enlarged)
+  ratio.png                          radial over tangential
+  heat.png, vapour.png, NAME.png     fields with lines along the flux (their figure 10)
+  values.csv                         one row a sample, quantity and direction, with its error; tissues.csv: one a tissue
+"""
+
+import concurrent.futures
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+import lamella
+import numpy as np
+from matplotlib import pyplot as plt
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.append(os.path.join(HERE, ".."))
+from common import parser_of, write_csv, write_figure  # noqa: E402
+
+PROGRAM = os.environ.get("LAMELLA_PROGRAM", os.path.join(HERE, "..", "..", "build", "bin", "lamella"))
+CONDUCTIVITY = {"heat": {"lumen": 0.023, "wall": 1.0}, "vapour": {"lumen": 1.0, "wall": 0.004}}
+SPACING = 0.5  # micrometres
+# generator, edge [micrometres], solid fractions, the first of which is the paper's
+GENERATED = {
+    "earlywood": (lamella.softwood, 200, (0.40, 0.20, 0.30, 0.50), dict(ray_distance=0)),
+    "latewood": (lamella.softwood, 200, (0.78, 0.60, 0.70, 0.85), dict(ray_distance=0, ring_position=(0.8, 1.0))),
+    "poplar": (lamella.hardwood, 400, (0.38, 0.28, 0.33, 0.45), dict(ray_distance=95e-6)),
+}
+REAL = {  # outlines; windows [micrometres]: low x, low y, high x, high y. The radial direction is y
+    "spruce earlywood": ("spruce_EW_polygons.json.gz", [(x, y, x + 170, y + 170) for y in (25, 205) for x in (65, 240)]),
+    "spruce latewood": ("spruce_LW_polygons.json.gz", [(x, y, x + 110, y + 110) for y in (15, 130) for x in (40, 150, 260)]),
+}
+DRAWN = {"earlywood": 150, "latewood": 120, "poplar": 200}  # edges of the samples whose fields are drawn [micrometres]
+STYLE = {"earlywood": ("C2", "o"), "latewood": ("C3", "s"), "poplar": ("C0", "^"), "spruce earlywood": ("C8", "D"), "spruce latewood": ("C1", "v")}
+
+
+def samples(options):
+    """What there is to measure: tissue, its number, solid fraction aimed at, window."""
+    for name, (_, _, fractions, _) in GENERATED.items():
+        for fraction in fractions[: options.fractions]:
+            for seed in range(1, options.seeds + 1):
+                yield name, seed, fraction, None
+    if os.environ.get("LAMELLA_REAL_DATA"):
+        for name, (_, windows) in REAL.items():
+            for number, window in enumerate(windows[: options.windows], 1):
+                yield name, number, None, window
+
+
+def outlines_of(name, number, fraction, window, options, edge=None):
+    """Outlines of the lumens, and the axis along the radial direction."""
+    if name in REAL:
+        return lamella.read_polygons(os.path.join(os.environ["LAMELLA_REAL_DATA"], REAL[name][0]), window=window), "y"
+    make, usual, _, how = GENERATED[name]
+    nodes = round(options.share * (edge or usual) / options.spacing)
+    return lamella.contours(make(size=(nodes, nodes), spacing=options.spacing * 1e-6, solid_fraction=fraction, seed=number, **how)), "x"
+
+
+def bounds(solid, conductivity):
+    """Series, Hashin-Shtrikman's lower and upper one, parallel; of two phases in the plane."""
+    wall, lumen = conductivity["wall"], conductivity["lumen"]
+    series = 1 / (solid / wall + (1 - solid) / lumen)
+    parallel = solid * wall + (1 - solid) * lumen
+    of = [a + share / (1 / (b - a) + (1 - share) / (2 * a)) for a, b, share in ((wall, lumen, 1 - solid), (lumen, wall, solid))]
+    return series, min(of), max(of), parallel
+
+
+def rooms(radial, tangential, solid, conductivity):
+    """How far a pair of conductivities lies within the sharp bounds of two phases in the plane, anisotropic ones included: two numbers, 0 on
+    a bound and negative beyond it. Lurie and Cherkaev, Proc. R. Soc. Edinburgh A 99 (1984) 71; Tartar 1985. A box between insulated sides,
+    mirrored at them, is a cell of a periodic medium whose axes are those of the box, so they hold for its two values."""
+    low, high = sorted(conductivity.values())
+    series, _, _, parallel = bounds(solid, conductivity)
+    pair = np.array([radial, tangential])
+    below = 1 / (series - low) + 1 / (parallel - low)
+    above = 1 / (high - series) + 1 / (high - parallel)
+    return 1 - np.sum(1 / (pair - low)) / below, 1 - np.sum(1 / (high - pair)) / above
+
+
+def measure(task):
+    """Rows of one sample: two quantities in two directions."""
+    (name, number, fraction, window), options = task
+    begun = time.process_time()
+    outlines, radial = outlines_of(name, number, fraction, window, options)
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        file = outlines.save(os.path.join(folder, "outlines.json.gz"))
+        spent = time.process_time() - begun
+        for quantity, conductivity in CONDUCTIVITY.items():
+            words = [f"{phase}={value}" for phase, value in conductivity.items()]
+            before = os.times().children_user
+            text = subprocess.run([PROGRAM, "micrograph", file, "--spacing", f"{options.spacing}um", "--lamella", "none", "--conductivity",
+                                   ",".join(words), "--json"], check=True, stdout=subprocess.PIPE, encoding="utf-8").stdout
+            answer = json.loads(text)
+            solid = answer["wall_fraction"]
+            series, lower, upper, parallel = bounds(solid, conductivity)
+            for direction, axis in (("R", radial), ("T", "xy".replace(radial, ""))):
+                solved = answer["diffusion"]["axes"][axis]
+                rows.append(dict(
+                    tissue=name, sample=number, solid=solid, quantity=quantity, direction=direction, value=solved["value"], error=solved["error"],
+                    share=(solved["value"] - series) / (parallel - series), series=series, hashin_shtrikman_lower=lower,
+                    hashin_shtrikman_upper=upper, parallel=parallel, nodes=solved["fine"]["nodes"], nodes_across_wall=answer["lattice"]["nodes_across_wall"]["median"],
+                    seconds=round(spent / 4 + (os.times().children_user - before) / 2, 3)))
+    return rows
+
+
+def pick(rows, **wanted):
+    return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
+
+
+def pairs(rows, quantity):
+    """Radial and tangential row of each sample."""
+    return list(zip(pick(rows, quantity=quantity, direction="R"), pick(rows, quantity=quantity, direction="T")))
+
+
+def summary(rows):
+    """A row a tissue, at the solid fraction that comes first: means over its samples, and their scatter."""
+    table = []
+    for name in dict.fromkeys(row["tissue"] for row in rows):
+        of = pick(rows, tissue=name)
+        if name in GENERATED:
+            of = [row for row in of if abs(row["solid"] - GENERATED[name][2][0]) < 0.02]
+        row = dict(tissue=name, samples=len({r["sample"] for r in of}), solid=float(np.mean([r["solid"] for r in of])))
+        for quantity, conductivity in CONDUCTIVITY.items():
+            couples = pairs(of, quantity)
+            radial, tangential = (np.array([couple[i]["value"] for couple in couples]) for i in (0, 1))
+            for direction, values in (("R", radial), ("T", tangential)):
+                row[f"{quantity}_{direction}"] = values.mean()
+                row[f"{quantity}_{direction}_scatter"] = values.std(ddof=1) if len(values) > 1 else 0.0
+                row[f"{quantity}_{direction}_share"] = np.mean([r["share"] for r in pick(of, quantity=quantity, direction=direction)])
+            row[f"{quantity}_ratio"] = np.mean(radial / tangential)
+            row[f"{quantity}_ratio_low"], row[f"{quantity}_ratio_high"] = np.min(radial / tangential), np.max(radial / tangential)
+            row[f"{quantity}_room_above"] = np.mean([rooms(r["value"], t["value"], r["solid"], conductivity)[1] for r, t in couples])
+        row["error"] = max(r["error"] / r["value"] for r in of)
+        table.append(row)
+    return table
+
+
+def draw_bounds(axes, conductivity):
+    solid = np.linspace(0, 1, 201)
+    series, lower, upper, parallel = (np.array(curve) for curve in zip(*(bounds(s, conductivity) for s in solid)))
+    axes.plot(solid, parallel, color="0.1", linewidth=1.2, label="parallel")
+    axes.plot(solid, series, "--", color="0.1", linewidth=1.2, label="series")
+    axes.fill_between(solid, lower, upper, color="0.9", linewidth=0, label="Hashin–Shtrikman")
+
+
+def draw_points(axes, rows, quantity, size=24):
+    for name in dict.fromkeys(row["tissue"] for row in rows):
+        colour, mark = STYLE[name]
+        for direction in "RT":
+            of = pick(rows, tissue=name, quantity=quantity, direction=direction)
+            axes.scatter([r["solid"] for r in of], [r["value"] for r in of], s=size, marker=mark, linewidths=0.9, zorder=3,
+                         facecolors=colour if direction == "R" else "white", edgecolors=colour,
+                         label=f"{name}, {'radial' if direction == 'R' else 'tangential'}")
+
+
+def draw_values(rows, quantity, path):
+    """The paper's figure 11 or 12."""
+    heat = quantity == "heat"
+    figure, axes = plt.subplots(figsize=(7.4, 4.9), constrained_layout=True)
+    draw_bounds(axes, CONDUCTIVITY[quantity])
+    draw_points(axes, rows, quantity)
+    axes.set_xlim(0, 1)
+    axes.set_ylim(0, 1)
+    axes.set_xlabel("solid fraction")
+    axes.set_ylabel("conductivity over the walls'" if heat else "diffusivity over that in air")
+    axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1, 1))
+    if not heat:
+        late = [row for row in rows if "latewood" in row["tissue"]]
+        inset = axes.inset_axes([0.53, 0.52, 0.45, 0.42])
+        draw_bounds(inset, CONDUCTIVITY[quantity])
+        draw_points(inset, late, quantity, size=16)
+        at = [row["solid"] for row in late]
+        inset.set_xlim(min(at) - 0.03, max(at) + 0.03)
+        inset.set_ylim(0.003, 1.15 * max(row["value"] for row in pick(late, quantity=quantity)))
+        inset.tick_params(labelsize=7)
+        inset.set_title("latewood", fontsize=8)
+    write_figure(figure, path, dpi=200)
+
+
+def draw_ratio(rows, path):
+    figure, axes = plt.subplots(1, 2, figsize=(8.2, 3.7), sharey=True, constrained_layout=True)
+    for axis, quantity in zip(axes, CONDUCTIVITY):
+        axis.axhline(1, color="0.6", linewidth=0.8)
+        for name in dict.fromkeys(row["tissue"] for row in rows):
+            colour, mark = STYLE[name]
+            of = pairs(pick(rows, tissue=name), quantity)
+            axis.scatter([r["solid"] for r, _ in of], [r["value"] / t["value"] for r, t in of], s=24, marker=mark, facecolors=colour,
+                         edgecolors=colour, linewidths=0.9, label=name)
+        axis.set_xlim(0, 1)
+        axis.set_yscale("log")
+        axis.set_yticks([0.6, 0.8, 1, 1.25, 1.6, 2], labels=["0.6", "0.8", "1", "1.25", "1.6", "2"])
+        axis.minorticks_off()
+        axis.set_xlabel("solid fraction")
+        axis.set_title(quantity, fontsize=10)
+    axes[0].set_ylabel("radial over tangential")
+    axes[1].legend(frameon=False, fontsize=8)
+    write_figure(figure, path, dpi=200)
+
+
+def field(name, fraction, window, direction, quantity, options):
+    """Field and flux of one sample with the flux from left to right (R) or top to bottom (T), radial across; and its walls."""
+    outlines, radial = outlines_of(name, 1, fraction, window, options, DRAWN.get(name))
+    image = outlines.lattice(options.spacing * 1e-6)
+    axis = radial if direction == "R" else "xy".replace(radial, "")
+    kind = "temperature" if quantity == "heat" else "concentration"
+    solved = lamella.diffusion(image, CONDUCTIVITY[quantity], direction=axis, quantity=kind, tolerance=1e-6)
+    value, flux, walls = solved.fields[kind], solved.fields["flux"][..., :2], image.phase != 0
+    if radial == "y":  # radial upwards in the file: turned so that it runs across, from the left
+        value, walls = value.T, walls.T
+        flux = flux.transpose(1, 0, 2)[..., ::-1] * (-1, -1)
+    return value, flux, walls
+
+
+def show_field(axes, value, flux, walls, spacing):
+    """Colours for the field, paler in the lumens, and lines along the flux that are as wide as it is strong."""
+    high, wide = value.shape
+    extent = (0, wide * spacing, 0, high * spacing)
+    x, y = ((np.arange(n) + 0.5) * spacing for n in (wide, high))
+    picture = axes.imshow(value, cmap="RdYlBu_r", vmin=0, vmax=1, extent=extent, interpolation="nearest", rasterized=True)
+    axes.contourf(x, y, walls[::-1].astype(float), levels=[-1, 0.5], colors="white", alpha=0.5)
+    axes.contour(x, y, walls[::-1].astype(float), levels=[0.5], colors="0.35", linewidths=0.35)
+    u, v = flux[::-1, :, 0], flux[::-1, :, 1]
+    strength = np.hypot(u, v)
+    width = np.clip(strength / np.percentile(strength, 95), 0, 1)
+    axes.streamplot(x, y, u, v, density=1.8, color="black", linewidth=0.15 + 0.9 * width, arrowsize=0.6)
+    axes.set_xlim(extent[:2])
+    axes.set_ylim(extent[2:])
+    axes.set_xticks([])
+    axes.set_yticks([])
+    return picture
+
+
+def draw_fields(cases, quantity, path, options):
+    """Rows: both directions; columns: samples, each (name, fraction, window)."""
+    figure, axes = plt.subplots(2, len(cases), figsize=(3.5 * len(cases) + 0.6, 7.1), squeeze=False, constrained_layout=True)
+    for column, (name, fraction, window) in enumerate(cases):
+        for row, direction in enumerate("RT"):
+            value, flux, walls = field(name, fraction, window, direction, quantity, options)
+            picture = show_field(axes[row, column], value, flux, walls, options.spacing)
+        axes[0, column].set_title(f"{name}, solid {np.mean(walls):.2f}, {walls.shape[1] * options.spacing:.0f} µm", fontsize=10)
+    for row, direction in enumerate(("radial", "tangential")):
+        axes[row, 0].set_ylabel(direction, fontsize=10)
+    figure.colorbar(picture, ax=axes, shrink=0.5, label="temperature" if quantity == "heat" else "concentration")
+    write_figure(figure, path, dpi=125)
+
+
+def study(options):
+    """Everything but the fields; returns the rows."""
+    tasks = [(sample, options) for sample in samples(options)]
+    if options.jobs == 1:
+        measured = list(map(measure, tasks))
+    else:
+        with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
+            measured = list(pool.map(measure, tasks))
+    rows = [row for of in measured for row in of]
+    there = lambda file: os.path.join(options.output, file)  # noqa: E731
+    write_csv(there("values.csv"), rows)
+    write_csv(there("tissues.csv"), summary(rows))
+    draw_values(rows, "heat", there("conductivity.png"))
+    draw_values(rows, "vapour", there("diffusivity.png"))
+    draw_ratio(rows, there("ratio.png"))
+    return rows
+
+
+def main():
+    parser = parser_of(__doc__, "results/wood-diffusion")
+    parser.add_argument("--spacing", type=float, default=SPACING, help="of the finer lattice, micrometres (default: %(default)s)")
+    parser.add_argument("--share", type=float, default=1, help="of the generated samples' edges (default: %(default)s)")
+    parser.add_argument("--seeds", type=int, default=3, help="samples of each generated tissue and solid fraction (default: %(default)s)")
+    parser.add_argument("--fractions", type=int, default=4, help="solid fractions of each generated tissue (default: %(default)s)")
+    parser.add_argument("--windows", type=int, default=6, help="most windows of each real one (default: %(default)s)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="samples at once (default: all cores)")
+    options = parser.parse_args()
+    os.makedirs(options.output, exist_ok=True)
+    begun = time.perf_counter()
+    rows = study(options)
+    for row in summary(rows):
+        print("  ".join(f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}" for key, value in row.items()), flush=True)
+    there = lambda file: os.path.join(options.output, file)  # noqa: E731
+    cases = [(name, of[2][0], None) for name, of in GENERATED.items()]
+    for quantity in CONDUCTIVITY:
+        draw_fields(cases, quantity, there(f"{quantity}.png"), options)
+    if os.environ.get("LAMELLA_REAL_DATA"):
+        for quantity in CONDUCTIVITY:
+            real = [(name, None, windows[0]) for name, (_, windows) in REAL.items()]
+            draw_fields(real, quantity, there(f"spruce-{quantity}.png"), options)
+    print(f"{len(rows)} values, {sum(os.times()[:4]):.0f} s of processor time, {time.perf_counter() - begun:.0f} s; pictures and tables: {options.output}")
+
+
+if __name__ == "__main__":
+    main()
