@@ -89,11 +89,12 @@ void BoxField::rowLinks(std::int64_t y, std::int64_t z, const Direction& d, F&& 
   };
   if (const double* given = links_.given(d, p[1]); given != nullptr)
   {
-    if (d.y != 0 && (p[1] + d.y < 0 || p[1] + d.y >= problem_.lattice.size[1]))
+    const bool periodic = problem_.options.sides == Sides::Periodic;
+    if (!periodic && (p[1] + d.y < 0 || p[1] + d.y >= problem_.lattice.size[1]))
       return;
     const double* v = u_.data() + halo_.row(y + d.y, z) * stride_ + 1 + d.x;
-    for (std::int64_t x = d.x < 0 ? 1 : 0; x < (d.x > 0 ? nx - 1 : nx); ++x)
-      f(x, given[x], u[x] - v[x]);
+    for (std::int64_t x = d.x < 0 && !periodic ? 1 : 0; x < (d.x > 0 && !periodic ? nx - 1 : nx); ++x)
+      f(x, given[x], u[x] - v[x] + jump);
     return;
   }
   // the two ends, where sides wrap or reflect, then the rest with one weight

@@ -196,8 +196,10 @@ std::vector<std::uint8_t> gatherBits(const Lattice& lattice, const Decomposition
           bits[static_cast<std::size_t>(r * rowBytes + x / 8)] |= static_cast<std::uint8_t>(1U << (x % 8));
     return bits;
   };
-  const auto mine =
-    pack(parts.block(), [&](std::int64_t i) { return links.conducts(phase[static_cast<std::size_t>(i)]); });
+  const Block& block = parts.block();
+  const auto mine = pack(block,
+    [&](std::int64_t i)
+    { return links.conducts(phase[static_cast<std::size_t>(i)], i % nx, i / nx % block.size[1] + block.start[1]); });
   std::vector<std::uint8_t> all(static_cast<std::size_t>(rowBytes * lattice.size[1] * lattice.size[2]));
   std::vector<std::uint8_t> received = mine;
   std::vector<int> counts;
@@ -275,7 +277,7 @@ Percolation periodicPercolation(const Lattice& lattice, const Decomposition& par
             q[a] -= wrap[a] * lattice.size[a];
           }
         }
-        if (conducts(q))
+        if (conducts(q) && links.open(d, p[0], p[1]))
           clusters.join(idOf(p), idOf(q), wrap);
       }
     });

@@ -2,6 +2,7 @@
 
 #include "lattice/Clock.h"
 #include "lattice/Error.h"
+#include "lbm/Links.h"
 
 #include <fmt/format.h>
 
@@ -13,16 +14,11 @@ namespace lamella::lbm
 namespace
 {
 
-double harmonic(double a, double b)
-{
-  return a > 0 && b > 0 ? 2 * (a / (a + b)) * b : 0.0;
-}
-
 // The conductor of a cut link that is not lumen: the phases of its ends, or any wall where both ends lie in lumens.
 double wallOf(std::uint8_t a, std::uint8_t b, std::span<const double> k)
 {
   if (a != 0 && b != 0)
-    return harmonic(k[a], k[b]);
+    return harmonicMean(k[a], k[b]);
   if (a != 0 || b != 0)
     return k[a != 0 ? a : b];
   return k[1];
@@ -76,7 +72,7 @@ LinkTable linksOf(const micrograph::ContourLattice& lattice, std::span<const dou
     for (std::size_t i = 0; i < g.size(); ++i)
     {
       const auto [a, b] = ends(axis, static_cast<std::int64_t>(i));
-      g[i] = harmonic(conductivity[a], conductivity[b]);
+      g[i] = harmonicMean(conductivity[a], conductivity[b]);
     }
     const micrograph::LinkCuts& cuts = lattice.links[static_cast<std::size_t>(axis)];
     for (std::size_t c = 0; c < cuts.link.size(); ++c)

@@ -37,7 +37,7 @@ Links::Links(const Lattice& lattice, Stencil stencil, std::array<Boundary, 3> bo
   if (table != nullptr)
   {
     given_ = *table;
-    for (auto* values : { &given_.x, &given_.y })
+    for (auto* values : { &given_.x, &given_.y, &given_.rising, &given_.falling })
       for (double& g : *values)
         g /= scale_;
   }
@@ -47,12 +47,7 @@ Links::Links(const Lattice& lattice, Stencil stencil, std::array<Boundary, 3> bo
   table_.resize(phases_ * phases_);
   for (std::size_t a = 0; a < phases_; ++a)
     for (std::size_t b = 0; b < phases_; ++b)
-    {
-      const double da = diffusivity_[a];
-      const double db = diffusivity_[b];
-      // da / (da + db) first: the product of two tiny values would underflow
-      table_[a * phases_ + b] = da > 0.0 && db > 0.0 ? 2.0 * (da / (da + db)) * db : 0.0;
-    }
+      table_[a * phases_ + b] = harmonicMean(diffusivity_[a], diffusivity_[b]);
 }
 
 } // namespace lamella::lbm

@@ -13,6 +13,12 @@
 namespace lamella::lbm
 {
 
+/// Two halves of a link in series, 0 where either does not conduct. The product of two tiny values would underflow.
+[[nodiscard]] inline double harmonicMean(double a, double b) noexcept
+{
+  return a > 0.0 && b > 0.0 ? 2.0 * (a / (a + b)) * b : 0.0;
+}
+
 /// What lies beyond the outer nodes along an axis.
 enum class Boundary
 {
@@ -36,7 +42,7 @@ struct Direction
 class Links
 {
 public:
-  /// @param table conductivities instead of the harmonic means (D2Q5, no periodic side), or null; it is copied
+  /// @param table conductivities instead of the harmonic means (D2Q5; D2Q9 with diagonals), or null; it is copied
   Links(const Lattice& lattice, Stencil stencil, std::array<Boundary, 3> boundary, std::span<const double> diffusivity,
     const LinkTable* table = nullptr);
 

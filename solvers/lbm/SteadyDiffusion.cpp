@@ -134,21 +134,37 @@ namespace
 void requireLinks(const Lattice& lattice, const SteadyOptions& options)
 {
   const LinkTable& table = *options.links;
-  if (options.stencil != Stencil::D2Q5 || options.sides != Sides::Insulated)
-    throw ParameterError(fmt::format("conductivities of single links were given for {}, {} sides",
-                           name(options.stencil), options.sides == Sides::Periodic ? "periodic" : "insulated"),
-      "they go with d2q5 and insulated sides");
+  const bool diagonals = options.stencil == Stencil::D2Q9;
+  if ((options.stencil != Stencil::D2Q5 && !diagonals) || diagonals != !table.rising.empty())
+    throw ParameterError(fmt::format("conductivities of single links {} diagonals were given for {}",
+                           table.rising.empty() ? "without" : "with", name(options.stencil)),
+      "without diagonals they go with d2q5, with diagonals with d2q9");
   const auto nx = static_cast<std::size_t>(lattice.size[0]);
   const auto ny = static_cast<std::size_t>(lattice.size[1]);
+  const std::size_t corners = diagonals ? (nx + 1) * (ny + 1) : 0;
   if (table.size[0] != lattice.size[0] || table.size[1] != lattice.size[1] || table.x.size() != (nx + 1) * ny ||
-    table.y.size() != nx * (ny + 1))
+    table.y.size() != nx * (ny + 1) || table.rising.size() != corners || table.falling.size() != corners)
     throw ParameterError(fmt::format("links of {} × {} nodes were given for a lattice of {} × {}", table.size[0],
                            table.size[1], lattice.size[0], lattice.size[1]),
-      "give (nx + 1) ny along x and nx (ny + 1) along y");
-  for (const auto* values : { &table.x, &table.y })
+      "give (nx + 1) ny along x, nx (ny + 1) along y and (nx + 1) (ny + 1) along each diagonal");
+  for (const auto* values : { &table.x, &table.y, &table.rising, &table.falling })
     for (const double g : *values)
       if (!std::isfinite(g) || g < 0)
         throw ParameterError(fmt::format("a link has the conductivity {}", g), "give finite values of at least 0");
+  if (options.sides != Sides::Periodic)
+    return;
+  bool wraps = true;
+  for (std::size_t j = 0; j < ny; ++j)
+    wraps = wraps && table.x[(nx + 1) * j] == table.x[(nx + 1) * j + nx];
+  for (std::size_t i = 0; i < nx; ++i)
+    wraps = wraps && table.y[i] == table.y[i + nx * ny];
+  for (const auto* values : { &table.rising, &table.falling })
+    for (std::size_t j = 0; j <= ny && diagonals; ++j)
+      for (std::size_t i = 0; i <= nx; ++i)
+        wraps = wraps && (*values)[i + (nx + 1) * j] == (*values)[i % nx + (nx + 1) * (j % ny)];
+  if (!wraps)
+    throw ParameterError("links that differ on opposite sides were given for periodic sides",
+      "the first link of a row or column and its last are one and the same: give them one value");
 }
 
 } // namespace

@@ -59,8 +59,8 @@ struct SteadyOptions
   int maxIterations = 500;
   int threads = 1;
   Progress progress;
-  /// Conductivities of the links one by one instead of harmonic means of the phases'; D2Q5 between insulated sides
-  /// only.
+  /// Conductivities of the links one by one instead of harmonic means of the phases': D2Q5, or with diagonals D2Q9
+  /// (linksOf(), directedLinks()).
   std::shared_ptr<const LinkTable> links;
 };
 
