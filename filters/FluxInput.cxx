@@ -134,7 +134,9 @@ void findPhases(vtkImageData* piece, FluxInput& input)
         "apply Steady Diffusion to the image as it is now");
     }
   }
-  if (array != nullptr && array->GetNumberOfComponents() == 1 && !input.conductivity.empty())
+  // Conductivities along and across walls: the links need more than the phases, the nodes' fluxes have to do.
+  const bool directed = !fieldNumbers(piece, "phase_conductivity_across").empty();
+  if (array != nullptr && array->GetNumberOfComponents() == 1 && !input.conductivity.empty() && !directed)
   {
     input.phaseArray = name;
   }

@@ -1,4 +1,5 @@
 #include "Commands.h"
+#include "DiffusionConductivity.h"
 #include "DiffusionFields.h"
 #include "DiffusionReport.h"
 #include "DiffusionRun.h"
@@ -99,79 +100,6 @@ lbm::StudyOptions parseStudy(const DiffusionOptions& options)
   return study;
 }
 
-/// NAME=VALUE. @throws ParameterError
-std::vector<std::pair<std::string, double>> parseConductivities(const std::vector<std::string>& texts)
-{
-  std::vector<std::pair<std::string, double>> values;
-  for (const std::string& text : texts)
-  {
-    const auto [name, number] = keyValue("--conductivity", text, "NAME=VALUE");
-    const auto value = toNumber(number);
-    if (!value)
-    {
-      throw ParameterError("--conductivity '" + text + "': '" + number + "' is not a number",
-        "write it as --conductivity NAME=VALUE, such as --conductivity wall=0.41");
-    }
-    if (!std::isfinite(*value) || *value < 0)
-    {
-      throw ParameterError(fmt::format("--conductivity {}: a conductivity must be a finite number of at least 0", text),
-        "give a positive value, or 0 for a phase that does not conduct");
-    }
-    const auto same =
-      std::find_if(values.begin(), values.end(), [&, phase = name](const auto& v) { return v.first == phase; });
-    if (same != values.end() && same->second != *value)
-    {
-      throw ParameterError(
-        fmt::format("--conductivity gives '{}' two values, {:g} and {:g}", name, same->second, *value),
-        "give every phase one value");
-    }
-    values.emplace_back(name, *value);
-  }
-  return values;
-}
-
-/// By phase id; a phase that no node has may do without. @throws ParameterError
-std::vector<double> conductivities(
-  const std::vector<std::pair<std::string, double>>& given, const PhaseTable& phases, std::span<const double> fractions)
-{
-  std::vector<double> values(phases.size(), std::numeric_limits<double>::quiet_NaN());
-  for (const auto& [name, value] : given)
-  {
-    const auto id = phases.find(name);
-    if (!id)
-    {
-      throw ParameterError("--conductivity names '" + name + "', which is no phase of this sample",
-        suggestion(name, phases.names(), "its phases are " + quotedList(phases.names(), "and")));
-    }
-    values[*id] = value;
-  }
-  std::vector<std::string> missing;
-  bool any = false;
-  for (std::size_t id = 0; id < values.size(); ++id)
-  {
-    if (std::isnan(values[id]) && fractions[id] > 0)
-    {
-      missing.push_back(phases.names()[id]);
-    }
-    any = any || (values[id] > 0 && fractions[id] > 0);
-  }
-  if (!missing.empty())
-  {
-    std::string hint = "add";
-    for (const std::string& name : missing)
-    {
-      hint += " --conductivity " + name + "=VALUE";
-    }
-    throw ParameterError("no conductivity was given for " + quotedList(missing, "and"), hint);
-  }
-  if (!any)
-  {
-    throw NoPathError(
-      "no phase of this sample conducts: all conductivities are 0", "give at least one phase a --conductivity above 0");
-  }
-  return values;
-}
-
 lbm::Stencil stencilFor(const DiffusionOptions& options, const Lattice& lattice, lbm::Stencil chosen)
 {
   if (options.lattice.empty())
@@ -185,6 +113,22 @@ lbm::Stencil stencilFor(const DiffusionOptions& options, const Lattice& lattice,
       lattice.dimension == 3 ? "use d3q7 or d3q19" : "use d2q5 or d2q9");
   }
   return chosen;
+}
+
+/// That of conductivities along and across the walls.
+lbm::Stencil directedStencil(const DiffusionOptions& options, const Lattice& lattice)
+{
+  if (lattice.dimension != 2)
+  {
+    throw ParameterError(
+      "--conductivity NAME=ALONG:ACROSS of a volume", "two values go with pictures; give each phase of a volume one");
+  }
+  if (!options.lattice.empty() && options.lattice != "d2q9")
+  {
+    throw ParameterError("--conductivity NAME=ALONG:ACROSS on --lattice " + options.lattice,
+      "it wants the diagonal links of d2q9, which it takes by itself: leave --lattice out");
+  }
+  return lbm::Stencil::D2Q9;
 }
 
 /// The axes asked for. One node along an axis is no sample of anything: refused, where it is asked for.
@@ -252,6 +196,7 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
   Sample sample;
   DiffusionReport report;
   std::array<std::optional<OutputFile>, 3> files; // rank 0
+  std::shared_ptr<lbm::DirectedDiffusivity> directed;
   report.file = options.picture.file;
   report.sample = &sample;
   report.ranks = session.ranks();
@@ -261,7 +206,8 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
   size.fields = !options.output.empty();
   size.ranks = session.ranks();
   size.ranksOnMachine = session.ranksOnMachine();
-  const bool allConduct = std::all_of(given.begin(), given.end(), [](const auto& v) { return v.second > 0; });
+  const bool allConduct =
+    std::all_of(given.begin(), given.end(), [](const auto& v) { return v.along > 0 || v.across > 0; });
   const auto check = [&](const Lattice& lattice)
   {
     study.axes = parseAxes(options.direction, lattice);
@@ -285,7 +231,15 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
       study.axes = parseAxes(options.direction, lattice);
       study.steady.stencil = stencilFor(options, lattice, study.steady.stencil);
       report.fractions = sample.image.fractions();
-      report.conductivity = conductivities(given, sample.image.phases, report.fractions);
+      Conductivities found = conductivities(given, sample.image.phases, report.fractions);
+      if (found.directed(report.fractions))
+      {
+        study.steady.stencil = directedStencil(options, lattice);
+        directed = std::make_shared<lbm::DirectedDiffusivity>();
+        directed->axis = readAxes(options.picture, sample);
+        report.across = found.across;
+      }
+      report.conductivity = std::move(found.along);
       const std::vector<std::string> names = outputNames(options.output, study.axes);
       for (std::size_t i = 0; i < names.size(); ++i)
       {
@@ -308,15 +262,41 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
   study.axes.assign(axes.begin(), std::find(axes.begin(), axes.end(), -1));
   session.broadcast(study.steady.stencil);
   std::array<double, 256> values{};
-  std::transform(report.conductivity.begin(), report.conductivity.end(), values.begin(),
-    [](double v) { return std::isnan(v) ? 0 : v; });
-  session.broadcast(values);
+  const auto spread = [&](const std::vector<double>& byId)
+  {
+    std::array<double, 256> all{};
+    std::transform(byId.begin(), byId.end(), all.begin(), [](double v) { return std::isnan(v) ? 0 : v; });
+    session.broadcast(all);
+    return all;
+  };
+  values = spread(report.conductivity);
+  share(session, sample.image);
+  std::array<int, 1> twoValues{ directed ? 1 : 0 };
+  session.broadcast(twoValues);
+  std::array<double, 256> least = values;
+  if (twoValues[0] != 0)
+  {
+    const std::array<double, 256> across = spread(report.across);
+    if (!directed)
+    {
+      directed = std::make_shared<lbm::DirectedDiffusivity>();
+    }
+    share(session, directed->axis, sample.image.phase.size());
+    directed->along.assign(values.begin(), values.end());
+    directed->across.assign(across.begin(), across.end());
+    std::ranges::copy(directed->larger(), values.begin()); // what conducts at all
+    std::ranges::copy(directed->smaller(), least.begin());
+    study.directed = directed;
+  }
   if (session.root())
   {
-    report.bounds =
-      lbm::bounds(report.fractions, std::span(values).first(report.fractions.size()), sample.image.lattice.dimension);
+    const auto bounds = [&](const std::array<double, 256>& k) {
+      return lbm::bounds(report.fractions, std::span(k).first(report.fractions.size()), sample.image.lattice.dimension);
+    };
+    report.bounds = bounds(values);
+    report.bounds.series = bounds(least).series; // more of a conductor conducts no less
+    report.bounds.hashinShtrikmanLower = bounds(least).hashinShtrikmanLower;
   }
-  share(session, sample.image);
   size.lattice = sample.image.lattice;
   size.stencil = study.steady.stencil;
   size.conducting = std::count_if(
@@ -431,11 +411,14 @@ Command diffusionCommand(CLI::App& root)
   auto o = std::make_shared<DiffusionOptions>();
   addPictureOptions(*app, o->picture);
   const auto physics = [](CLI::Option* option) { option->group("Physics"); };
-  physics(
-    app->add_option("--conductivity", o->conductivity, "Conductivity of a phase, in any unit; 0: it does not conduct")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false)
-      ->required());
+  physics(app
+            ->add_option("--conductivity", o->conductivity,
+              "Conductivity of a phase, in any unit; 0: it does not conduct. ALONG:ACROSS where it differs along the "
+              "walls of a "
+              "lattice from outlines")
+            ->type_name("NAME=VALUE|NAME=ALONG:ACROSS")
+            ->allow_extra_args(false)
+            ->required());
   physics(app->add_option("--direction", o->direction, "x across the picture, y down it, z through a volume")
             ->type_name("x|y|z|all")
             ->capture_default_str());
@@ -474,6 +457,8 @@ Command diffusionCommand(CLI::App& root)
       "lamella diffusion tissue.png --conductivity lumen=1 --conductivity wall=0.004 --target-error 1% --json",
       "lamella diffusion rock_200x200x200_u8.raw --phase 1=pore --other grain --conductivity pore=1 --conductivity "
       "grain=0",
+      "lamella diffusion tissue.vti --conductivity void=0.023 --conductivity 'secondary wall=1.2:0.8' --conductivity "
+      "'middle lamella=1'",
       "mpirun -n 4 lamella diffusion tissue.vti --conductivity lumen=0 --conductivity wall=1 --direction z -o "
       "heat.vti" });
   return { app,

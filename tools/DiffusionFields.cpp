@@ -87,6 +87,10 @@ void writeFields(
   setFieldNumbers(image, "stored_nodes", byAxis(static_cast<double>(result.stored)));
   setFieldNumbers(image, "skipped_nodes", byAxis(static_cast<double>(result.skipped)));
   setFieldNumbers(image, "phase_conductivity", report.conductivity);
+  if (!report.across.empty())
+  {
+    setFieldNumbers(image, "phase_conductivity_across", report.across);
+  }
   setFieldNumbers(image, "phase_fraction", report.fractions);
   setFieldText(image, "phase_array", "phase");
   setFieldText(image, "direction", axisNames[answer.axis]);

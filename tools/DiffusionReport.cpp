@@ -177,6 +177,10 @@ std::string toJson(const DiffusionReport& report)
   {
     json["phases"].push_back({ { "name", report.sample->image.phases.names()[id] },
       { "fraction", report.fractions[id] }, { "conductivity", number(report.conductivity[id]) } });
+    if (!report.across.empty())
+    {
+      json["phases"].back()["conductivity_across"] = number(report.across[id]);
+    }
   }
   json["file"] = report.file;
   json["size"] = std::vector<std::int64_t>(lattice.size.begin(), lattice.size.begin() + dimension);
@@ -254,8 +258,13 @@ std::string toTable(const DiffusionReport& report)
   {
     if (report.fractions[id] > 0)
     {
-      text += fmt::format("  {:<{}}  {:.5f}  {:g}\n", report.sample->image.phases.names()[id], width,
+      text += fmt::format("  {:<{}}  {:.5f}  {:g}", report.sample->image.phases.names()[id], width,
         report.fractions[id], report.conductivity[id]);
+      if (!report.across.empty() && report.across[id] != report.conductivity[id])
+      {
+        text += fmt::format(" along the walls, {:g} across", report.across[id]);
+      }
+      text += "\n";
     }
   }
 

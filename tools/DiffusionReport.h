@@ -19,6 +19,7 @@ struct DiffusionReport
   std::string file;
   const Sample* sample = nullptr;
   std::vector<double> conductivity; ///< by phase id; NaN where it has none and no node either
+  std::vector<double> across;       ///< by phase id; empty where all conduct the same in every direction
   std::vector<double> fractions;    ///< by phase id
   lbm::StudyOptions options;
   std::vector<lbm::DiffusionAnswer> answers;

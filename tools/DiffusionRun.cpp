@@ -42,6 +42,18 @@ void share(const Session& session, PhaseImage& image)
     [&](std::size_t at, int bytes) { MPI_Bcast(image.phase.data() + at, bytes, MPI_BYTE, 0, session.communicator()); });
 }
 
+void share(const Session& session, std::vector<std::array<float, 2>>& axes, std::size_t nodes)
+{
+  if (session.ranks() == 1)
+  {
+    return;
+  }
+  axes.resize(nodes);
+  auto* const first = reinterpret_cast<std::byte*>(axes.data());
+  inPieces(nodes * sizeof(axes[0]),
+    [&](std::size_t at, int bytes) { MPI_Bcast(first + at, bytes, MPI_BYTE, 0, session.communicator()); });
+}
+
 void gather(const Session& session, const Lattice& lattice, const Block& own, std::span<const double> part,
   std::span<double> whole, int components)
 {
@@ -125,6 +137,11 @@ void requirePaths(const PhaseImage& image, std::span<const double> conductivity,
   // Refining splits pixels and changes no neighbourhood, so the picture as it is tells.
   lbm::SteadyOptions steady = options.steady;
   steady.progress = {};
+  if (options.directed) // and its links are refused here, before anything is solved
+  {
+    steady.links =
+      std::make_shared<lbm::LinkTable>(lbm::directedLinks(image.lattice, image.phase, *options.directed, steady.sides));
+  }
   lbm::SteadyDiffusion solver(
     image.lattice, { { 0, 0, 0 }, image.lattice.size }, image.phase, conductivity, steady, MPI_COMM_SELF);
   std::string blocked;

@@ -5,6 +5,8 @@
 #include "lattice/Phases.h"
 #include "lbm/DiffusionStudy.h"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -18,6 +20,9 @@ inline constexpr const char* axisNames[3] = { "x", "y", "z" };
 
 /// Gives every rank the picture of rank 0.
 void share(const Session& session, PhaseImage& image);
+
+/// The same of the axes of its nodes.
+void share(const Session& session, std::vector<std::array<float, 2>>& axes, std::size_t nodes);
 
 /// Brings the blocks of an array with `components` numbers a node together on rank 0 (`whole` there, empty elsewhere).
 void gather(const Session& session, const Lattice& lattice, const Block& block, std::span<const double> part,

@@ -51,6 +51,11 @@ private:
     SteadyOptions steady = options_.steady;
     if (!final || !sink_)
       steady.fieldTolerance = std::numeric_limits<double>::infinity(); // nobody sees the field
+    if (options_.directed)
+    {
+      steady.stencil = Stencil::D2Q9;
+      steady.links = std::make_shared<LinkTable>(linksOf(refined, refinement));
+    }
     SteadyDiffusion solver(refined.lattice, block, blockOf(refined, block), diffusivity_, steady, comm_);
     const SteadyResult result = solver.solve(answer.axis);
     answer.steps.push_back({ refinement, result.effective[static_cast<std::size_t>(answer.axis)],
@@ -60,6 +65,19 @@ private:
     if (final && sink_)
       sink_(solver, answer, refined.lattice, block);
     return answer.steps.back().value;
+  }
+
+  // Links of the picture or, once there is one, of the window, split.
+  [[nodiscard]] LinkTable linksOf(const PhaseImage& refined, int refinement) const
+  {
+    const DirectedDiffusivity& whole = *options_.directed;
+    DirectedDiffusivity part{ whole.along, whole.across, {} };
+    part.axis.reserve(refined.phase.size());
+    for (std::int64_t y = 0; y < refined.lattice.size[1]; ++y)
+      for (std::int64_t x = 0; x < refined.lattice.size[0]; ++x)
+        part.axis.push_back(whole.axis[static_cast<std::size_t>(
+          image_.lattice.index(first_[0] + x / refinement, first_[1] + y / refinement))]);
+    return directedLinks(refined.lattice, refined.phase, part, options_.steady.sides);
   }
 
   void solveAll(int refinement, std::vector<DiffusionAnswer>& answers, bool final)
@@ -177,7 +195,7 @@ private:
   }
 
   // The largest centred window, the same shape as the picture, whose refined lattice keeps to estimateNodes.
-  [[nodiscard]] PhaseImage centredWindow(int n, int factor) const
+  [[nodiscard]] PhaseImage centredWindow(int n, int factor)
   {
     const int d = image_.lattice.dimension;
     const double allowed = static_cast<double>(options_.estimateNodes) / factor / std::pow(n, d);
@@ -192,6 +210,7 @@ private:
       w.size[a] = size;
       w.start[a] = (full - size) / 2;
     }
+    first_ = firstNode(image_.lattice, w);
     return crop(image_, w);
   }
 
@@ -200,6 +219,7 @@ private:
   const StudyOptions& options_;
   MPI_Comm comm_;
   const FieldSink& sink_;
+  std::array<std::int64_t, 3> first_{ 0, 0, 0 }; // node of the picture that is solved: of the window, once there is one
 };
 
 } // namespace
@@ -231,6 +251,10 @@ std::vector<DiffusionAnswer> studyDiffusion(const PhaseImage& image, std::span<c
   if (options.targetError && !(*options.targetError > 0 && *options.targetError < 1))
     throw ParameterError(fmt::format("target error {} is not between 0 and 1", *options.targetError),
       "ask for instance for 0.01, which is 1 %");
+  if (options.directed && options.directed->axis.size() != image.phase.size())
+    throw ParameterError(
+      fmt::format("{} axes were given for a picture of {} nodes", options.directed->axis.size(), image.phase.size()),
+      "give one for every node");
   return Study(image, diffusivity, options, comm, sink).run();
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 
 #include "lattice/Phases.h"
+#include "lbm/DirectedLinks.h"
 #include "lbm/SteadyDiffusion.h"
 
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -55,6 +57,9 @@ struct StudyOptions
   /// Above this many nodes the solve for the estimate is done on a centred window of the picture at both refinements
   /// instead of on all of it: the lattice's error is a local matter, and the window's relative change stands for it.
   std::int64_t estimateNodes = std::int64_t{ 1 } << 22;
+  /// Of the picture's phases and nodes: conductivities along and across an axis (directedLinks()), on D2Q9. A refined
+  /// pixel's nodes have its axis. The study's diffusivities are then directed->larger().
+  std::shared_ptr<const DirectedDiffusivity> directed;
 };
 
 /// Called after the solve whose fields count, for each axis, before the solver goes: take value() and flux() here.

@@ -1,9 +1,11 @@
 #include "vtkSteadyDiffusion.h"
 
 #include "Attempt.h"
+#include "BondFields.h"
 #include "BoxExchange.h"
 #include "PhaseIds.h"
 #include "ThreadCount.h"
+#include "WallConductivity.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -86,18 +88,6 @@ std::string storePhases(vtkImageData* output, const lamella::PhaseIds& phases, c
   return name;
 }
 
-/// The whole image's phases on every rank.
-lamella::PhaseImage gather(
-  const lamella::Lattice& lattice, const lbm::Block& held, const lamella::PhaseIds& phases, const lamella::Team& team)
-{
-  lamella::PhaseImage image{ lattice, std::vector<std::uint8_t>(static_cast<std::size_t>(lattice.count())),
-    lamella::PhaseTable(phases.names) };
-  const lbm::Block everything{ { 0, 0, 0 }, lattice.size };
-  lamella::BoxExchange(lattice, held, everything, { false, false, false }, team.comm(), team.size())
-    .run<std::uint8_t>(phases.ids, image.phase);
-  return image;
-}
-
 std::span<double> values(vtkDoubleArray* array)
 {
   return { array->GetPointer(0), static_cast<std::size_t>(array->GetNumberOfValues()) };
@@ -108,6 +98,7 @@ std::span<double> values(vtkDoubleArray* array)
 struct vtkSteadyDiffusion::Internals
 {
   std::map<std::string, double> Conductivity;
+  std::map<std::string, double> Across; ///< of the phases whose conductivity differs across the wall
 
   /// By direction, NaN where not solved.
   using ByDirection = std::array<double, 3>;
@@ -119,6 +110,7 @@ struct vtkSteadyDiffusion::Internals
   ByDirection Error;
   ByDirection Extrapolated;
   std::vector<double> PhaseConductivity; ///< by id
+  std::vector<double> PhaseAcross;       ///< by id; empty: the same in every direction
   std::vector<double> PhaseFraction;     ///< by id
   std::vector<std::string> PhaseNames;   ///< by id
   std::string PhaseArray;
@@ -218,6 +210,7 @@ vtkSteadyDiffusion::vtkSteadyDiffusion()
   : Internal(std::make_unique<Internals>())
 {
   this->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "phase");
+  this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "axis");
   std::fill_n(this->EffectiveConductivity, 9, notSolved);
   this->EstimatedError = notSolved;
   this->Internal->Forget();
@@ -272,6 +265,35 @@ double vtkSteadyDiffusion::GetConductivity(const char* phase)
 {
   const auto entry = this->Internal->Conductivity.find(phase != nullptr ? phase : "");
   return entry != this->Internal->Conductivity.end() ? entry->second : notSolved;
+}
+
+void vtkSteadyDiffusion::SetConductivityAcross(const char* phase, double value)
+{
+  if (phase == nullptr || *phase == '\0')
+  {
+    return; // an empty row in a panel
+  }
+  const auto [entry, added] = this->Internal->Across.try_emplace(phase, value);
+  if (added || entry->second != value)
+  {
+    entry->second = value;
+    this->Modified();
+  }
+}
+
+void vtkSteadyDiffusion::RemoveAllConductivitiesAcross()
+{
+  if (!this->Internal->Across.empty())
+  {
+    this->Internal->Across.clear();
+    this->Modified();
+  }
+}
+
+double vtkSteadyDiffusion::GetConductivityAcross(const char* phase)
+{
+  const auto entry = this->Internal->Across.find(phase != nullptr ? phase : "");
+  return entry != this->Internal->Across.end() ? entry->second : notSolved;
 }
 
 int vtkSteadyDiffusion::FillInputPortInformation(int, vtkInformation* info)
@@ -340,10 +362,30 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   }
   team.sum(nodes);
   std::vector<double> conductivity;
-  team.agree([&] { conductivity = lamella::conductivityById(phases, this->Internal->Conductivity, nodes); });
+  std::vector<double> across;
+  team.agree(
+    [&]
+    {
+      conductivity = lamella::conductivityById(phases, this->Internal->Conductivity, nodes);
+      across = lamella::acrossById(phases, this->Internal->Conductivity, this->Internal->Across, nodes);
+      if (!across.empty() && this->Lattice != AUTO_LATTICE && this->Lattice != D2Q9)
+      {
+        throw lamella::ParameterError(std::string("conductivities along and across walls on ") +
+            lbm::name(stencilOf(this->Lattice, lattice.dimension)),
+          "they want the diagonal links of d2q9: choose it, or leave the choice");
+      }
+      if (!across.empty() && lattice.dimension != 2)
+      {
+        throw lamella::ParameterError("conductivities along and across walls in a volume",
+          "they go with pictures; give each phase of a volume one value");
+      }
+    });
+  auto& internal = *this->Internal;
+  internal.PhaseConductivity = conductivity;
+  internal.PhaseAcross = across;
 
   lbm::SteadyOptions options;
-  options.stencil = stencilOf(this->Lattice, lattice.dimension);
+  options.stencil = across.empty() ? stencilOf(this->Lattice, lattice.dimension) : lbm::Stencil::D2Q9;
   options.sides = periodic ? lbm::Sides::Periodic : lbm::Sides::Insulated;
   options.method = methodOf(this->Method);
   options.tolerance = this->Tolerance;
@@ -369,9 +411,27 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
 
   output->ShallowCopy(input);
   const FieldStore store{ this, output, lattice, block, outward };
-  auto& internal = *this->Internal;
+  std::shared_ptr<lbm::DirectedDiffusivity> directed;
+  lamella::PhaseImage image;
+  if (!across.empty() || this->EstimateError)
+  {
+    image = lamella::gatherPhases(lattice, whole.held, phases, team);
+  }
+  if (!across.empty())
+  {
+    const lamella::NodeVectors axis = lamella::vectorsOf(input, this->GetInputArrayInformation(1), "axis",
+      "give the directions along the walls, as MicrographLattice does, take one conductivity a phase", 2, team);
+    directed = std::make_shared<lbm::DirectedDiffusivity>(
+      lbm::DirectedDiffusivity{ conductivity, across, lamella::gatherAxes(lattice, whole.held, axis.array, team) });
+    conductivity = directed->larger(); // what conducts at all
+  }
   if (!this->EstimateError)
   {
+    if (directed)
+    {
+      options.links =
+        std::make_shared<lbm::LinkTable>(lbm::directedLinks(lattice, image.phase, *directed, options.sides));
+    }
     lbm::SteadyDiffusion solver(lattice, block, ids, conductivity, options, team.comm());
     for (const int axis : axes)
     {
@@ -382,10 +442,10 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   }
   else
   {
-    const lamella::PhaseImage image = gather(lattice, whole.held, phases, team);
     lbm::StudyOptions study;
     study.steady = options;
     study.axes = axes;
+    study.directed = directed;
     for (const lbm::DiffusionAnswer& answer : lbm::studyDiffusion(image, conductivity, study, team.comm(),
            [&](const lbm::SteadyDiffusion&solver, const lbm::DiffusionAnswer&sofar, const lamella::Lattice&,
              const lbm::Block&) { store(solver, sofar.axis); }))
@@ -406,13 +466,18 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   }
   this->EstimatedError = *std::max_element(
     internal.Error.begin(), internal.Error.end(), [](double a, double b) { return std::isnan(a) || a < b; });
-  internal.PhaseConductivity = conductivity;
   internal.PhaseFraction.assign(nodes.begin(), nodes.end());
   for (double& fraction : internal.PhaseFraction)
   {
     fraction /= static_cast<double>(lattice.count());
   }
   internal.Bounds = lbm::bounds(internal.PhaseFraction, conductivity, lattice.dimension);
+  if (directed) // more of a conductor conducts no less
+  {
+    const lbm::Bounds least = lbm::bounds(internal.PhaseFraction, directed->smaller(), lattice.dimension);
+    internal.Bounds.series = least.series;
+    internal.Bounds.hashinShtrikmanLower = least.hashinShtrikmanLower;
+  }
   internal.PhaseNames = phases.names;
   internal.PhaseArray = storePhases(output, phases, team);
   internal.LatticeName = lbm::name(options.stencil);
@@ -439,6 +504,10 @@ void vtkSteadyDiffusion::Describe(vtkImageData* output)
   lamella::setFieldNumbers(output, "skipped_nodes", internal.Skipped);
   const int phases = static_cast<int>(internal.PhaseConductivity.size());
   lamella::setFieldNumbers(output, "phase_conductivity", internal.PhaseConductivity);
+  if (!internal.PhaseAcross.empty())
+  {
+    lamella::setFieldNumbers(output, "phase_conductivity_across", internal.PhaseAcross);
+  }
   lamella::setFieldNumbers(output, "phase_fraction", internal.PhaseFraction);
   lamella::setFieldTexts(output, "phase_names", internal.PhaseNames);
   lamella::setFieldText(output, "phase_array", internal.PhaseArray);
@@ -450,10 +519,15 @@ void vtkSteadyDiffusion::Describe(vtkImageData* output)
   nlohmann::json conductivity;
   for (int id = 0; id < phases; ++id)
   {
-    if (internal.PhaseFraction[static_cast<std::size_t>(id)] > 0)
+    const auto place = static_cast<std::size_t>(id);
+    if (internal.PhaseFraction[place] > 0)
     {
-      conductivity[internal.PhaseNames[static_cast<std::size_t>(id)]] =
-        internal.PhaseConductivity[static_cast<std::size_t>(id)];
+      auto& entry = conductivity[internal.PhaseNames[place]];
+      entry = internal.PhaseConductivity[place];
+      if (!internal.PhaseAcross.empty() && internal.PhaseAcross[place] != internal.PhaseConductivity[place])
+      {
+        entry = { internal.PhaseConductivity[place], internal.PhaseAcross[place] }; // along, across
+      }
     }
   }
   lamella::continueProvenance(output, "steady_diffusion",
@@ -478,5 +552,9 @@ void vtkSteadyDiffusion::PrintSelf(ostream& os, vtkIndent indent)
   for (const auto& [phase, value] : this->Internal->Conductivity)
   {
     os << indent << "Conductivity of " << phase << ": " << value << "\n";
+  }
+  for (const auto& [phase, value] : this->Internal->Across)
+  {
+    os << indent << "Conductivity across " << phase << ": " << value << "\n";
   }
 }

@@ -8,7 +8,9 @@
  *
  * **Input**: vtkImageData with phases at its points: an array of whole numbers, `phase` unless another is chosen with
  * SetInputArrayToProcess(0, ...). Nodes are pixel centres; the spacing is the same along every axis. An image of one
- * layer along z is two-dimensional.
+ * layer along z is two-dimensional. For phases that conduct differently along and across the wall, in two dimensions,
+ * also the direction along it: `axis` unless another is chosen with SetInputArrayToProcess(1, ...), 2 or 3 components
+ * of any length, as vtkMicrographLattice makes it (lbm/DirectedLinks.h).
  *
  * **Output**: the input with, as asked for,
  * - `temperature` or `concentration` (double, scaled 0 to 1; NaN where nothing conducts),
@@ -19,9 +21,11 @@
  * - `estimated_error`: relative numerical error of the effective conductivity, the largest of the directions solved;
  *   NaN unless EstimateError is on. `estimated_error_by_direction`: 3 numbers. `extrapolated_conductivity`: 3 numbers,
  *   the diagonal that the estimate expects on an endlessly fine lattice.
- * - `bounds`: series, lower and upper Hashin–Shtrikman, parallel
+ * - `bounds`: series, lower and upper Hashin–Shtrikman, parallel; of a phase with two conductivities the lower ones
+ *   are those of the smaller, the upper ones those of the larger
  * - `balance`, `iterations`, `stored_nodes`, `skipped_nodes`: 3 numbers, by direction; NaN where not solved
- * - `phase_conductivity`: by phase id; `phase_fraction` likewise; `phase_names`
+ * - `phase_conductivity`: by phase id; `phase_fraction` likewise; `phase_names`. Where one differs across the wall
+ *   also `phase_conductivity_across`
  * - `direction` ("x", "y", "z" or "all"), `sides`, `lattice`, `phase_array` (the array of the ids): strings
  * - `provenance`: one JSON string.
  *
@@ -71,6 +75,18 @@ public:
   double GetConductivity(const char* phase);
   ///@}
 
+  ///@{
+  /**
+   * Conductivity of a phase across the direction that `axis` gives; the one above is then that along it. The links of
+   * D2Q9 carry ratios up to 5.82 in every direction, larger ones near the lattice's axes and diagonals only; what they
+   * cannot carry is refused. `phase` is the word that SetConductivity() was given. Default: as along.
+   */
+  void SetConductivityAcross(const char* phase, double value);
+  void RemoveAllConductivitiesAcross();
+  /** NaN when the phase has none. */
+  double GetConductivityAcross(const char* phase);
+  ///@}
+
   enum Directions
   {
     X = 0,
@@ -97,14 +113,17 @@ public:
 
   enum Lattices
   {
-    AUTO_LATTICE = 0, ///< D2Q5 or D3Q7
+    AUTO_LATTICE = 0, ///< D2Q5 or D3Q7; D2Q9 for conductivities along and across
     D2Q5 = 1,
     D2Q9 = 2,
     D3Q7 = 3,
     D3Q19 = 4
   };
   ///@{
-  /** Links of the lattice. D2Q5 and D3Q7 are the finite volume scheme with harmonic faces. Default AUTO_LATTICE. */
+  /**
+   * Links of the lattice. D2Q5 and D3Q7 are the finite volume scheme with harmonic faces. Conductivities along and
+   * across a wall want D2Q9, which AUTO_LATTICE then takes. Default AUTO_LATTICE.
+   */
   vtkSetClampMacro(Lattice, int, AUTO_LATTICE, D3Q19);
   vtkGetMacro(Lattice, int);
   ///@}

@@ -177,6 +177,68 @@ class Answers(Case):
         self.assertEqual(names, ["phase", "concentration", "flux"])
 
 
+class Walls(Case):
+    """NAME=ALONG:ACROSS: walls whose direction the lattice knows."""
+
+    def lattice(self):
+        self.works("generate", "softwood", "--size", "120,90", "--seed", "2", "-o", "labels.png")
+        self.works("micrograph", "labels.png", "--lamella", "none", "-o", "w.vti")
+        return ["w.vti", "--conductivity", "lumen=0.023"]
+
+    def test_directions_matter_as_they_should(self):
+        words = self.lattice()
+
+        def solve(wall, *more):
+            answer = self.works("diffusion", *words, "--conductivity", "wall=" + wall, "--json", *more).json()
+            return answer, answer["effective"]
+
+        _, plain = solve("1")
+        _, same = solve("1:1")
+        answer, along = solve("1.2:0.8")
+        _, across = solve("0.8:1.2")
+        self.assertEqual(same, plain)  # the very same solve
+        for axis in "xy":  # heat runs along the walls
+            self.assertGreater(along[axis], 1.05 * plain[axis])
+            self.assertLess(across[axis], 0.95 * plain[axis])
+            self.assertLess(along[axis], 1.2 * plain[axis])  # no more than if all of the wall had the larger one
+        self.assertEqual(answer["lattice"], "d2q9")
+        wall = answer["phases"][1]
+        self.assertEqual((wall["conductivity"], wall["conductivity_across"]), (1.2, 0.8))
+        # bounds: series with the smaller one, parallel with the larger one
+        share = wall["fraction"]
+        self.assertAlmostEqual(answer["bounds"]["parallel"], share * 1.2 + (1 - share) * 0.023, delta=1e-9)
+        self.assertAlmostEqual(answer["bounds"]["series"], 1 / (share / 0.8 + (1 - share) / 0.023), delta=1e-9)
+        table = self.works("diffusion", *words, "--conductivity", "wall=1.2:0.8", "--no-error-estimate").out
+        self.assertIn("1.2 along the walls, 0.8 across", table)
+        # a window, a refinement, a file, two ranks
+        small, _ = solve("1.2:0.8", "--window", "30,20,60,50", "--refine", "2", "-o", "f.vti", "--direction", "x")
+        self.assertEqual(small["nodes"], 120 * 100)
+        shared, _ = solve("1.2:0.8", "--window", "30,20,60,50", "--refine", "2", "--direction", "x", "--no-error-estimate")
+        self.assertAlmostEqual(shared["effective"]["x"], small["effective"]["x"], delta=1e-9)
+        two = self.works("diffusion", *words, "--conductivity", "wall=1.2:0.8", "--json", ranks=2).json()
+        self.assertAlmostEqual(two["effective"]["y"], along["y"], delta=1e-8)
+        # fluxes of the nodes stand for those of the links
+        flux = self.works("flux-map", "f.vti", "-o", "map.vti", "--json").json()
+        self.assertAlmostEqual(flux["effective"]["x"], small["effective"]["x"], delta=1e-6)
+
+    def test_what_it_refuses(self):
+        words = self.lattice()
+        fails = lambda *rest: self.fails(*rest[:3], "diffusion", *words, *rest[3:])  # noqa: E731
+        fails(2, "a ratio of 20, are more than the links of d2q9 can carry", "keep to a ratio of 5.82", "--conductivity", "wall=1:0.05")
+        fails(2, "ALONG:ACROSS on --lattice d2q5", "leave --lattice out", "--conductivity", "wall=1:0.5", "--lattice", "d2q5")
+        fails(2, "'b' is not a number", "NAME=ALONG:ACROSS", "--conductivity", "wall=1:b")
+        fails(2, "two values, 1:0.5 and 1", "one value", "--conductivity", "wall=1:0.5", "--conductivity", "wall=1")
+        fails(2, "finite number of at least 0", "0 for a phase", "--conductivity", "wall=1:-1")
+        self.fails(3, "does not say which way the walls run", "lamella micrograph", "diffusion", "labels.png", "--conductivity",
+                   "lumen=1", "--conductivity", "wall=1:0.5")
+        self.works("generate", "softwood", "--size", "40,30", "-o", "plain.vti")
+        self.fails(3, "no point array 'axis'", "lamella micrograph", "diffusion", "plain.vti", "--conductivity", "lumen=1",
+                   "--conductivity", "wall=1:0.5")
+        self.works("generate", "softwood", "--size", "20,20,20", "-o", "v.vti")
+        self.fails(2, "ALONG:ACROSS of a volume", "each phase of a volume one", "diffusion", "v.vti", "--conductivity", "lumen=1",
+                   "--conductivity", "wall=1:0.5")
+
+
 class Ranks(Case):
     def test_any_number_of_ranks_gives_the_same(self):
         self.works("generate", "softwood", "--size", "90,80", "-o", "t.png")

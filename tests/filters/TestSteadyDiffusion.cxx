@@ -229,6 +229,109 @@ TEST(SteadyDiffusion, ProgressRisesAndAbortLeavesNothing)
   EXPECT_LT(seen.size(), all / 2 + 1); // VTK itself says "done" at the end
 }
 
+/// Layers across x, 3 nodes thick, whose walls run at an angle to x that differs between the two phases.
+vtkSmartPointer<vtkImageData> directedLayers(double ofA, double ofB)
+{
+  const auto image = picture(12, 9, 1, layersAcrossX);
+  vtkNew<vtkFloatArray> axis;
+  axis->SetName("axis");
+  axis->SetNumberOfComponents(3);
+  for (int node = 0; node < 12 * 9; ++node)
+  {
+    const double angle = layersAcrossX(node % 12, 0, 0) == 0 ? ofA : ofB;
+    axis->InsertNextTuple3(-2 * std::cos(angle), -2 * std::sin(angle), 0); // neither length nor sign matters
+  }
+  image->GetPointData()->AddArray(axis);
+  return image;
+}
+
+TEST(SteadyDiffusion, ConductivitiesAlongAndAcrossTheWalls)
+{
+  const double half = vtkMath::Pi() / 2;
+  // a: 1 along x, 4 along y; b: 2 along x, 10 along y
+  const auto filter = solver(directedLayers(half, 0), vtkSteadyDiffusion::ALL);
+  filter->SetConductivity("a", 4);
+  filter->SetConductivityAcross("a", 1);
+  filter->SetConductivity("b", 2);
+  filter->SetConductivityAcross("b", 10);
+  filter->EstimateErrorOn();
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_NEAR(filter->GetEffectiveConductivity()[0], 2 / (1.0 / 1 + 1.0 / 2), 1e-6); // the axes are floats
+  EXPECT_NEAR(filter->GetEffectiveConductivity()[4], (4 + 10) / 2.0, 1e-6);
+  EXPECT_LT(filter->GetEstimatedError(), 1e-6); // exact at any resolution
+  vtkImageData* const output = filter->GetOutput();
+  EXPECT_EQ(fieldNumbers(output, "phase_conductivity"), (std::vector<double>{ 4, 2, 0 }));
+  EXPECT_EQ(fieldNumbers(output, "phase_conductivity_across"), (std::vector<double>{ 1, 10, 0 }));
+  EXPECT_EQ(fieldText(output, "lattice").value_or(""), "d2q9");
+  const std::vector<double> bounds = fieldNumbers(output, "bounds"); // of the smaller and of the larger ones
+  EXPECT_DOUBLE_EQ(bounds[0], 2 / (1.0 / 1 + 1.0 / 2));
+  EXPECT_DOUBLE_EQ(bounds[3], 7);
+  EXPECT_NE(provenance(output).find("[4.0,1.0]"), std::string::npos) << provenance(output);
+
+  // Periodic, one tensor everywhere: it is its own effective one, and in the axes of the data.
+  const auto uniform = solver(directedLayers(0.5, 0.5), vtkSteadyDiffusion::ALL);
+  for (const char* const phase : { "a", "b" })
+  {
+    uniform->SetConductivity(phase, 3);
+    uniform->SetConductivityAcross(phase, 1);
+  }
+  uniform->SetSides(vtkSteadyDiffusion::PERIODIC);
+  ASSERT_EQ(errorOf(uniform), "");
+  const double* const k = uniform->GetEffectiveConductivity();
+  const double c = std::cos(0.5);
+  const double s = std::sin(0.5);
+  EXPECT_NEAR(k[0], 3 * c * c + s * s, 1e-6);
+  EXPECT_NEAR(k[1], 2 * c * s, 1e-6);
+  EXPECT_NEAR(k[3], 2 * c * s, 1e-6);
+  EXPECT_NEAR(k[4], 3 * s * s + c * c, 1e-6);
+  // Forgotten again: five-point links, no second values.
+  uniform->RemoveAllConductivitiesAcross();
+  EXPECT_TRUE(std::isnan(uniform->GetConductivityAcross("a")));
+  ASSERT_EQ(errorOf(uniform), "");
+  EXPECT_NEAR(uniform->GetEffectiveConductivity()[0], 3, 1e-7);
+  EXPECT_TRUE(fieldNumbers(uniform->GetOutput(), "phase_conductivity_across").empty());
+}
+
+TEST(SteadyDiffusion, ConductivitiesAcrossThatCannotBe)
+{
+  struct Case
+  {
+    const char* what;
+    std::function<void(vtkSteadyDiffusion*, vtkImageData*)> spoil;
+    std::vector<const char*> words;
+  };
+  const std::vector<Case> cases{
+    { "no axis", [](auto*, auto* i) { i->GetPointData()->RemoveArray("axis"); },
+      { "no point array 'axis'", "MicrographLattice", "one conductivity a phase" } },
+    { "another axis", [](auto* f, auto*) { f->SetInputArrayToProcess(1, 0, 0, 0, "grain"); },
+      { "no point array 'grain'" } },
+    { "one component", [](auto* f, auto*) { f->SetInputArrayToProcess(1, 0, 0, 0, "phase"); },
+      { "'phase' has 1 components" } },
+    { "zero", [](auto*, auto* i) { i->GetPointData()->GetArray("axis")->Fill(0); }, { "54 nodes", "have no axis" } },
+    { "ratio", [](auto* f, auto*) { f->SetConductivityAcross("a", 0.1); }, { "a ratio of 10", "28.6", "5.82" } },
+    { "negative", [](auto* f, auto*) { f->SetConductivityAcross("a", -1); }, { "'a' is -1" } },
+    { "none along", [](auto* f, auto*) { f->SetConductivityAcross("c", 1); },
+      { "'c' has a conductivity across the wall and none" } },
+    { "lattice", [](auto* f, auto*) { f->SetLattice(vtkSteadyDiffusion::D2Q5); }, { "on d2q5", "d2q9" } },
+  };
+  for (const Case& test : cases)
+  {
+    const auto image = directedLayers(0.5, 0.5);
+    const auto filter = solver(image, vtkSteadyDiffusion::X);
+    filter->SetConductivityAcross("a", 0.5);
+    test.spoil(filter.Get(), image.Get());
+    const std::string error = errorOf(filter);
+    for (const char* const word : test.words)
+    {
+      EXPECT_NE(error.find(word), std::string::npos) << test.what << ": " << error;
+    }
+    EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0) << test.what;
+  }
+  const auto volume = solver(picture(4, 4, 4, layersAcrossX), vtkSteadyDiffusion::X);
+  volume->SetConductivityAcross("a", 0.5);
+  EXPECT_NE(errorOf(volume).find("in a volume"), std::string::npos);
+}
+
 TEST(SteadyDiffusion, InputThatCannotBeUsedIsRefusedInWords)
 {
   const auto image = picture(8, 8, 1, layersAcrossX);

@@ -359,6 +359,22 @@ class Diffusion(unittest.TestCase):
         self.assertLess(field[-1, 0], 0.05)
         self.assertEqual(result.fields["flux_x"].shape, (20, 30, 3))
 
+    def test_walls_with_a_direction(self):
+        # One wall all over, 3 along the diagonal and 1 across it: the tensor, in the axes of the data (y up).
+        cells = lamella.from_array(np.ones((8, 12), dtype=np.uint8), names=["lumen", "wall"], spacing=1e-6)
+        axis = numpy_to_vtk(np.tile([1.0, 1.0, 0.0], (96, 1)), deep=True)
+        axis.SetName("axis")
+        cells.vtk.GetPointData().AddArray(axis)
+        result = lamella.diffusion(cells, {"wall": (3, 1), "lumen": 1}, sides="periodic")
+        np.testing.assert_allclose(result.effective, [[2, 1], [1, 2]], atol=1e-6)
+        # twelve nodes along the flux and eight across it
+        insulated = lamella.diffusion(cells, {"wall": (3, 1), "lumen": 1}, direction="x", estimate_error=True)
+        self.assertTrue(1.5 < insulated.effective[0, 0] < 2)  # between D_xx - D_xy^2 / D_yy and D_xx
+        self.assertLess(insulated.estimated_error, 0.05)
+        with self.assertRaises(lamella.LamellaError) as caught:
+            lamella.diffusion(lamella.softwood(size=(40, 30)), {"wall": (3, 1), "lumen": 1})
+        self.assertIn("no point array 'axis'", str(caught.exception))
+
     def test_flux_map(self):
         result = lamella.diffusion(lamella.softwood(size=(80, 60)), {"wall": 1, "lumen": 0.023}, "x")
         flux = lamella.flux_map(result, streamlines=20)

@@ -401,6 +401,13 @@ self.GetOutputInformation(0).Set(pipeline.TIME_RANGE(), [0.2, 0.6], 2)
         self.assertEqual(lattice.PointData["axis"].GetNumberOfComponents(), 3)
         result = lamella.diffusion(sample, {"void": 0.02, "secondary wall": 1, "middle lamella": 0.5}, "x")
         self.assertAlmostEqual(field(heat, "effective_conductivity")[0], result.effective[0, 0], places=7)
+        directed = pv.SteadyDiffusion(
+            Input=lattice, Conductivities=["void", "0.02", "secondary wall", "1.2", "middle lamella", "0.5"],
+            ConductivitiesAcross=["secondary wall", "0.8"])
+        directed.UpdatePipeline()
+        result = lamella.diffusion(sample, {"void": 0.02, "secondary wall": (1.2, 0.8), "middle lamella": 0.5}, "x")
+        self.assertAlmostEqual(field(directed, "effective_conductivity")[0], result.effective[0, 0], places=7)
+        self.assertNotAlmostEqual(result.effective[0, 0], field(heat, "effective_conductivity")[0], places=3)
         walls = pv.MicrographContours(Input=tissue, LumenPhase="lumen", Smooth=0, LeastSolidity=0.5)
         walls.UpdatePipeline()
         raw = lamella.contours(lamella.softwood(size=(180, 150), spacing=5e-7), smooth=False, least_solidity=0.5)

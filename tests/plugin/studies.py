@@ -131,6 +131,7 @@ def diffusion():
         options = types.SimpleNamespace(spacing=1, share=0.5, seeds=1, fractions=2, windows=1, jobs=1, output=folder)
         rows = study.study(options)
         study.draw_fields([("latewood", 0.78, None)], "heat", os.path.join(folder, "heat.png"), options)
+        walls = study.measure_walls(options)
         files = sorted(os.listdir(folder))
         picture = study.plt.imread(os.path.join(folder, "heat.png"))[..., :3]
     assert files == ["conductivity.png", "diffusivity.png", "heat.png", "ratio.png", "tissues.csv", "values.csv"], files
@@ -151,6 +152,12 @@ def diffusion():
             assert quantity == "vapour" or room[1] < 0.08  # walls conduct heat nearly as well as any arrangement of them can
             late = "latewood" in radial["tissue"]
             assert ratio < 0.95 if late else ratio > 1.1, (radial["tissue"], ratio)  # inverted between early- and latewood
+    for row in walls:  # heat runs along the walls, vapour across them
+        more = {"fibrils at 20°": row["quantity"] == "heat", "1.2 to 0.8": row["quantity"] == "heat", "0.8 to 1.2": row["quantity"] == "vapour"}
+        if row["walls"] in more and not (row["quantity"] == "vapour" and row["walls"].startswith("fibrils")):
+            assert (row["R_change"] > 0) == (row["T_change"] > 0) == more[row["walls"]], row
+        assert abs(row["R_change"]) < 0.21 and abs(row["T_change"]) < 0.21, row  # no more than if all of the wall had one of the two
+        assert abs(row["ratio"] / row["plain_ratio"] - 1) < 0.1, row  # the way the cells lie decides
     # A pair beyond the bounds that are sharp for anisotropic media, though each of the two lies between series and parallel
     assert study.rooms(0.40, 0.40, 0.45, study.CONDUCTIVITY["heat"])[1] < 0
 

@@ -97,7 +97,9 @@ def diffusion(
     """Solves steady diffusion and returns a DiffusionResult.
 
     image         a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers
-    conductivity  {name or number of the phase: value}, one for each phase that occurs, 0 for what does not conduct
+    conductivity  {name or number of the phase: value}, one for each phase that occurs, 0 for what does not conduct;
+                  (along, across) where it differs along the wall, whose direction is the point array ``axis`` of a
+                  lattice from outlines; pictures only, ratios up to 5.82 in every direction
     direction     "x" (left to right), "y" (in a picture from top to bottom), "z" or "all"
     sides         "insulated" or "periodic"
     quantity      "temperature" or "concentration": names the field
@@ -118,7 +120,10 @@ def diffusion(
     solver.SetLattice(choose(_LATTICES, lattice, "lattice"))
     solver.SetMethod(choose(_METHODS, method, "method"))
     for name, value in conductivity.items():
-        solver.SetConductivity(str(name), float(value))
+        along, across = value if isinstance(value, (tuple, list)) else (value, None)
+        solver.SetConductivity(str(name), float(along))
+        if across is not None:
+            solver.SetConductivityAcross(str(name), float(across))
     solver.SetTolerance(tolerance)
     solver.SetMaximumIterations(max_iterations)
     solver.SetThreads(threads)

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "PhaseIds.h"
+
+#include "lattice/Phases.h"
+#include "lbm/SteadyDiffusion.h"
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+class vtkDataArray;
+
+/// What links one by one want of an image: all of it on every rank. Not installed.
+namespace lamella
+{
+
+/// Collective. The whole image's phases.
+[[nodiscard]] PhaseImage gatherPhases(
+  const Lattice& lattice, const lbm::Block& held, const PhaseIds& phases, const Team& team);
+
+/// Collective. The directions along the walls of the whole image, the first two components.
+/// @param array of the piece; null where that is empty
+[[nodiscard]] std::vector<std::array<float, 2>> gatherAxes(
+  const Lattice& lattice, const lbm::Block& held, vtkDataArray* array, const Team& team);
+
+/// Conductivities across the walls by id, as conductivityById() has those along them; empty where no phase with nodes
+/// conducts differently across.
+/// @param across by the words that `along` has; phases that it does not name conduct as along
+/// @throws ParameterError as conductivityById(); for a phase with none along
+[[nodiscard]] std::vector<double> acrossById(const PhaseIds& phases, const std::map<std::string, double>& along,
+  const std::map<std::string, double>& across, std::span<const std::int64_t> nodes);
+
+} // namespace lamella

@@ -1,0 +1,164 @@
+#include "DiffusionConductivity.h"
+
+#include "GridFile.h"
+#include "Text.h"
+
+#include <fmt/format.h>
+
+#include <vtkDataArray.h>
+#include <vtkImageData.h>
+#include <vtkPointData.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+double parseValue(const std::string& text, const std::string& number)
+{
+  const auto value = toNumber(number);
+  if (!value)
+  {
+    throw ParameterError("--conductivity '" + text + "': '" + number + "' is not a number",
+      "write it as --conductivity NAME=VALUE, such as --conductivity wall=0.41, or NAME=ALONG:ACROSS");
+  }
+  if (!std::isfinite(*value) || *value < 0)
+  {
+    throw ParameterError(fmt::format("--conductivity {}: a conductivity must be a finite number of at least 0", text),
+      "give a positive value, or 0 for a phase that does not conduct");
+  }
+  return *value;
+}
+
+std::string valueText(const GivenConductivity& given)
+{
+  return given.along == given.across ? fmt::format("{:g}", given.along)
+                                     : fmt::format("{:g}:{:g}", given.along, given.across);
+}
+
+} // namespace
+
+std::vector<GivenConductivity> parseConductivities(const std::vector<std::string>& texts)
+{
+  std::vector<GivenConductivity> values;
+  for (const std::string& text : texts)
+  {
+    const auto [name, numbers] = keyValue("--conductivity", text, "NAME=VALUE");
+    GivenConductivity given{ name };
+    const std::size_t colon = numbers.find(':');
+    given.along = parseValue(text, numbers.substr(0, colon));
+    given.across = colon == std::string::npos ? given.along : parseValue(text, numbers.substr(colon + 1));
+    const auto same =
+      std::find_if(values.begin(), values.end(), [&](const GivenConductivity& v) { return v.phase == given.phase; });
+    if (same != values.end() && (same->along != given.along || same->across != given.across))
+    {
+      throw ParameterError(
+        "--conductivity gives '" + name + "' two values, " + valueText(*same) + " and " + valueText(given),
+        "give every phase one value");
+    }
+    values.push_back(given);
+  }
+  return values;
+}
+
+bool Conductivities::directed(std::span<const double> fractions) const
+{
+  for (std::size_t id = 0; id < along.size(); ++id)
+  {
+    if (fractions[id] > 0 && along[id] != across[id])
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+Conductivities conductivities(
+  const std::vector<GivenConductivity>& given, const PhaseTable& phases, std::span<const double> fractions)
+{
+  Conductivities values;
+  values.along.assign(phases.size(), std::numeric_limits<double>::quiet_NaN());
+  values.across = values.along;
+  for (const GivenConductivity& one : given)
+  {
+    const auto id = phases.find(one.phase);
+    if (!id)
+    {
+      throw ParameterError("--conductivity names '" + one.phase + "', which is no phase of this sample",
+        suggestion(one.phase, phases.names(), "its phases are " + quotedList(phases.names(), "and")));
+    }
+    values.along[*id] = one.along;
+    values.across[*id] = one.across;
+  }
+  std::vector<std::string> missing;
+  bool any = false;
+  for (std::size_t id = 0; id < phases.size(); ++id)
+  {
+    if (std::isnan(values.along[id]) && fractions[id] > 0)
+    {
+      missing.push_back(phases.names()[id]);
+    }
+    any = any || ((values.along[id] > 0 || values.across[id] > 0) && fractions[id] > 0);
+  }
+  if (!missing.empty())
+  {
+    std::string hint = "add";
+    for (const std::string& name : missing)
+    {
+      hint += " --conductivity " + name + "=VALUE";
+    }
+    throw ParameterError("no conductivity was given for " + quotedList(missing, "and"), hint);
+  }
+  if (!any)
+  {
+    throw NoPathError(
+      "no phase of this sample conducts: all conductivities are 0", "give at least one phase a --conductivity above 0");
+  }
+  return values;
+}
+
+std::vector<std::array<float, 2>> readAxes(const PictureOptions& options, const Sample& sample)
+{
+  const std::string hint = "make the lattice with lamella micrograph -o FILE.vti, or give each phase one value";
+  if (!isVtkImage(options.file))
+  {
+    throw InputError("conductivities along and across the walls, and '" + options.file +
+        "' does not say which way the walls run: only a .vti can, in its point array 'axis'",
+      hint);
+  }
+  const auto grid = readAs<vtkImageData>(options.file, "picture", hint.c_str());
+  vtkDataArray* const array = grid->GetPointData()->GetArray("axis");
+  if (array == nullptr)
+  {
+    throw InputError("'" + options.file + "' has no point array 'axis': it does not say which way the walls run", hint);
+  }
+  const auto& whole = sample.fileSize;
+  if (array->GetNumberOfComponents() < 2 || array->GetNumberOfTuples() != whole[0] * whole[1])
+  {
+    throw InputError(fmt::format("the array 'axis' of '{}' has {} values of {} components for {} nodes", options.file,
+                       array->GetNumberOfTuples(), array->GetNumberOfComponents(), whole[0] * whole[1]),
+      hint);
+  }
+  Lattice file = sample.image.lattice;
+  file.size = whole;
+  const auto first = sample.window ? firstNode(file, *sample.window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
+  std::vector<std::array<float, 2>> axes;
+  axes.reserve(sample.image.phase.size());
+  for (std::int64_t y = 0; y < sample.image.lattice.size[1]; ++y)
+  {
+    for (std::int64_t x = 0; x < sample.image.lattice.size[0]; ++x)
+    {
+      const vtkIdType node = file.index(first[0] + x, first[1] + y);
+      axes.push_back(
+        { static_cast<float>(array->GetComponent(node, 0)), static_cast<float>(array->GetComponent(node, 1)) });
+    }
+  }
+  return axes;
+}
+
+} // namespace lamella::cli
