@@ -1,0 +1,154 @@
+// What can be read from the populations, and what is kept of them on disk.
+#include "lattice/Error.h"
+#include "lbm/stepping/Impl.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace lamella::lbm
+{
+namespace
+{
+
+constexpr const char* kind = "lattice Boltzmann steps";
+
+const char* nameOf(Boundary side)
+{
+  return side == Boundary::Fixed ? "fixed" : side == Boundary::Insulated ? "insulated" : "periodic";
+}
+
+} // namespace
+
+void LatticeBoltzmann::value(std::span<double> out) const
+{
+  const Impl& m = *impl_;
+  if (out.size() != static_cast<std::size_t>(m.parts.block().count()))
+    throw ParameterError(
+      fmt::format("room for {} values was given for a block of {} nodes", out.size(), m.parts.block().count()),
+      "hand over one number a node of this rank's block");
+  std::fill(out.begin(), out.end(), std::numeric_limits<double>::quiet_NaN());
+  m.forEachArrived(
+    [&](std::int32_t, std::int64_t index, const std::array<double, maxPopulations>& f)
+    {
+      double u = 0;
+      for (int q = 0; q < m.velocities.count(); ++q)
+        u += f[q];
+      out[index] = u;
+    });
+}
+
+void LatticeBoltzmann::flux(std::span<double> out) const
+{
+  const Impl& m = *impl_;
+  if (out.size() != 3 * static_cast<std::size_t>(m.parts.block().count()))
+    throw ParameterError(fmt::format("room for {} numbers was given for the flux on a block of {} nodes", out.size(),
+                           m.parts.block().count()),
+      "hand over three numbers a node of this rank's block");
+  std::fill(out.begin(), out.end(), 0.0);
+  m.forEachArrived(
+    [&](std::int32_t node, std::int64_t index, const std::array<double, maxPopulations>& f)
+    {
+      // (τ − ½)/τ Σ c f: eq. 10, τ that of the odd populations
+      const double rate = m.sweep->rate(node);
+      const double share = 1 - 0.5 * (m.two ? 2 - rate : rate);
+      for (int q = m.velocities.rest; q < m.velocities.count(); ++q)
+        for (int a = 0; a < 3; ++a)
+          out[3 * index + a] += share * m.velocities.c[q][a] * f[q] * m.lattice.spacing / m.dt;
+    });
+}
+
+double LatticeBoltzmann::mean() const
+{
+  const Impl& m = *impl_;
+  const std::int64_t nx = m.parts.block().size[0];
+  const std::int64_t ny = m.parts.block().size[1];
+  double sum = 0;
+  m.forEachArrived(
+    [&](std::int32_t, std::int64_t index, const std::array<double, maxPopulations>& f)
+    {
+      double u = 0;
+      for (int q = 0; q < m.velocities.count(); ++q)
+        u += f[q];
+      const std::int64_t row = index / nx;
+      sum += u *
+        m.map->share({ index % nx, row % ny + m.parts.block().start[1], row / ny + m.parts.block().start[2] });
+    });
+  return m.comm.sum(sum) / (m.across() * m.length(m.options.axis));
+}
+
+std::string LatticeBoltzmann::Impl::scene() const
+{
+  std::string s = fmt::format("lattice: {} × {} × {} nodes, {} m apart\nphases: {}\nstencil: {}\ncollision: {}\n",
+    lattice.size[0], lattice.size[1], lattice.size[2], lattice.spacing, phaseSum, name(options.stencil),
+    two ? "trt" : "bgk");
+  for (int a = 0; a < lattice.dimension; ++a)
+    s += fmt::format("sides along {}: {} {} {}\n", "xyz"[a], nameOf(options.sides[a]), options.faceValues[a][0],
+      options.faceValues[a][1]);
+  s += fmt::format("axis: {}\ndrop: {}\nsteady: {}\ntime step: {} s\ndiffusivities: {} m²/s\n", options.axis,
+    options.drop, options.steady, dt, fmt::join(diffusivity, " "));
+  return s;
+}
+
+void LatticeBoltzmann::save() const
+{
+  Impl& m = *impl_;
+  io::Checkpoint c;
+  c.kind = kind;
+  c.scene = m.scene();
+  c.provenance = m.options.checkpoint.provenance;
+  c.numbers["steps"] = static_cast<double>(m.steps);
+  c.numbers["most squares"] = m.mostSquares;
+  const Block& block = m.parts.block();
+  const auto count = static_cast<std::size_t>(block.count());
+  std::vector<double> mine(count, 0.0);
+  for (int q = 0; q < m.velocities.count(); ++q)
+  {
+    for (std::size_t r = 0; r < m.map->rows().size(); ++r)
+      m.map->forEach(r,
+        [&](std::int32_t node, std::int64_t index) { mine[index] = m.sweep->data()[q * m.map->stride() + node]; });
+    const std::vector<double> gathered = m.comm.gather(mine);
+    if (m.comm.rank() != 0)
+      continue;
+    std::vector<double> whole(static_cast<std::size_t>(m.lattice.count()));
+    auto from = gathered.begin();
+    for (int rank = 0; rank < m.comm.size(); ++rank) // blocks of whole rows, in the order of the ranks
+    {
+      const Block b = m.parts.block(rank);
+      for (std::int64_t z = b.start[2]; z < b.start[2] + b.size[2]; ++z)
+        for (std::int64_t y = b.start[1]; y < b.start[1] + b.size[1]; ++y, from += b.size[0])
+          std::copy_n(from, b.size[0], whole.begin() + m.lattice.index(0, y, z));
+    }
+    c.arrays[fmt::format("f{:02}", q)] = { { m.lattice.size[2], m.lattice.size[1], m.lattice.size[0] },
+      std::move(whole), "1", "population that arrived, 0 at nodes that are not stored" };
+  }
+  io::write(c, m.options.checkpoint, m.comm);
+  m.savedAt = m.steps;
+}
+
+void LatticeBoltzmann::restore(const std::filesystem::path& path)
+{
+  Impl& m = *impl_;
+  const io::Checkpoint c = io::readCheckpoint(path, kind, m.scene(), m.comm);
+  const Block& block = m.parts.block();
+  for (int q = 0; q < m.velocities.count(); ++q)
+  {
+    const std::vector<double>& whole = c.reals(fmt::format("f{:02}", q));
+    if (whole.size() != static_cast<std::size_t>(m.lattice.count()))
+      throw InputError("the checkpoint's populations have another number of nodes", "start the run anew");
+    for (std::size_t r = 0; r < m.map->rows().size(); ++r)
+      m.map->forEach(r,
+        [&](std::int32_t node, std::int64_t index)
+        {
+          const auto p = m.map->position(r, index - static_cast<std::int64_t>(r) * block.size[0]);
+          m.sweep->data()[q * m.map->stride() + node] = whole[m.lattice.index(p[0], p[1], p[2])];
+        });
+  }
+  m.steps = static_cast<std::int64_t>(c.number("steps"));
+  m.mostSquares = c.number("most squares");
+  m.savedAt = m.steps;
+}
+
+} // namespace lamella::lbm

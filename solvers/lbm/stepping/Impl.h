@@ -1,0 +1,114 @@
+#pragma once
+
+#include "lbm/stepping/LatticeBoltzmann.h"
+#include "lbm/stepping/SlotMap.h"
+#include "lbm/stepping/Sweep.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lamella::lbm
+{
+
+/// What LatticeBoltzmann holds, for its files.
+struct LatticeBoltzmann::Impl
+{
+  Lattice lattice;
+  Communicator comm;
+  Decomposition parts;
+  SteppingOptions options;
+  Velocities velocities;
+  bool two = true; ///< relaxation times
+  std::vector<double> diffusivity;
+  double largest = 0;    ///< diffusivity that occurs [m²/s]
+  double relaxation = 0; ///< of it
+  double dt = 0;
+  std::string phaseSum; ///< tells pictures apart
+  std::unique_ptr<SlotMap> map;
+  std::unique_ptr<Sweep> sweep;
+  std::array<SlotMap::Plane, 2> planes;
+  double mostSquares = 0; ///< Σ u² above which stepping has gone wrong
+  std::int64_t steps = 0;
+  std::int64_t stepped = 0; ///< in this object, whatever was restored
+  std::int64_t savedAt = 0;
+  double seconds = 0;
+
+  Impl(const Lattice& box, MPI_Comm handle, SteppingOptions given);
+
+  void check(const Block& block, std::span<const std::uint8_t> phase) const;
+  /// Nodes that take part. @throws NoPathError
+  [[nodiscard]] NodeSet participants(const Halo& halo, std::span<const std::uint8_t> phase) const;
+  void chooseTime(std::span<const std::uint8_t> phase);
+  [[nodiscard]] double restRelaxation(std::span<const std::uint8_t> phase) const;
+  [[nodiscard]] double relaxationOf(double d) const noexcept { return relaxation * d / largest; }
+  [[nodiscard]] SlotSides slotSides() const;
+  void build(std::span<const std::uint8_t> phase);
+  void allowUpTo(double magnitude);
+  /// Populations of every stored node from f(index in the block, position).
+  template <class F>
+  void fill(F&& value);
+  /// Calls f(node, index in the block, populations that have arrived, completed at mirrors and faces).
+  template <class F>
+  void forEachArrived(F&& f) const;
+
+  /// Length between the faces and area across, in spacings.
+  [[nodiscard]] double length(int axis) const;
+  [[nodiscard]] double across() const;
+  /// What crosses the two planes in one step, over the area across. Collective.
+  [[nodiscard]] std::array<double, 2> crossing() const;
+  void report(double fraction, const char* what) const;
+  void advance(std::int64_t count);
+  [[nodiscard]] std::string scene() const;
+};
+
+template <class F>
+void LatticeBoltzmann::Impl::fill(F&& value)
+{
+  double* f = sweep->data();
+  const std::int64_t nx = parts.block().size[0];
+  for (std::size_t r = 0; r < map->rows().size(); ++r)
+    map->forEach(r,
+      [&](std::int32_t node, std::int64_t index)
+      {
+        const double u = value(index, map->position(r, index - static_cast<std::int64_t>(r) * nx));
+        for (int q = 0; q < velocities.count(); ++q)
+          f[q * map->stride() + node] = velocities.weight[q] * u;
+      });
+}
+
+template <class F>
+void LatticeBoltzmann::Impl::forEachArrived(F&& f) const
+{
+  const double* data = sweep->data();
+  const int count = velocities.count();
+  std::array<double, maxPopulations> slot{};
+  std::array<double, maxPopulations> arrived{};
+  for (std::size_t r = 0; r < map->rows().size(); ++r)
+  {
+    const SlotRun* run = map->runs().data() + map->rows()[r].firstRun;
+    map->forEach(r,
+      [&](std::int32_t node, std::int64_t index)
+      {
+        while (node >= run->first + run->count)
+          ++run;
+        const SlotPattern& pattern = map->patterns()[run->pattern];
+        for (int q = 0; q < count; ++q)
+          slot[q] = data[q * map->stride() + node];
+        for (int q = 0; q < count; ++q)
+          arrived[q] = slot[pattern.mirror[q]];
+        if (pattern.share != 0)
+        {
+          double known = 0;
+          for (int q = 0; q < count; ++q)
+            known += pattern.fixed[q] ? 0.0 : arrived[q];
+          for (int q = 0; q < count; ++q)
+            if (pattern.fixed[q])
+              arrived[q] = velocities.weight[q] * (pattern.value - known) * pattern.share;
+        }
+        f(node, index, arrived);
+      });
+  }
+}
+
+} // namespace lamella::lbm
