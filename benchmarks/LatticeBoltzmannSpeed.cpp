@@ -70,7 +70,10 @@ public:
     for (std::int64_t i = 0; i < n; ++i)
       a[i] = 0.999 * a[i] + 0.001;
   }
-  [[nodiscard]] double bytes() const { return 16.0 * static_cast<double>(n_); }
+  [[nodiscard]] double bytes() const
+  {
+    return 16.0 * static_cast<double>(n_);
+  }
 
 private:
   struct Free
@@ -89,8 +92,8 @@ PhaseImage cells(std::int64_t n, int dimension, bool voids)
   for (std::int64_t z = 0, i = 0; z < image.lattice.size[2]; ++z)
     for (std::int64_t y = 0; y < n; ++y)
       for (std::int64_t x = 0; x < n; ++x, ++i)
-        image.phase[i] = static_cast<std::uint8_t>(
-          voids ? (x % 15 < 8 && y % 15 < 8 ? 0 : 1) : (x / 5 + y / 7 + z / 3) % 2);
+        image.phase[i] =
+          static_cast<std::uint8_t>(voids ? (x % 15 < 8 && y % 15 < 8 ? 0 : 1) : (x / 5 + y / 7 + z / 3) % 2);
   return image;
 }
 
@@ -116,7 +119,12 @@ void measure(lbm::Stencil stencil, std::int64_t n, lbm::Collision collision, boo
   scaling.pass(threads);
   for (int r = 0; r < repeats; ++r)
   {
-    const Times copy = timed(threads, [&] { scaling.pass(threads); scaling.pass(threads); });
+    const Times copy = timed(threads,
+      [&]
+      {
+        scaling.pass(threads);
+        scaling.pass(threads);
+      });
     const Times step = timed(threads, [&] { solver.advance(steps); });
     const double updates = static_cast<double>(stat.stored * steps);
     bandwidth.push_back(2 * scaling.bytes() / copy.processor / 1e9);
@@ -145,8 +153,7 @@ int main(int argc, char** argv)
     const auto most = static_cast<int>(benchmark::number(keys, "threads", 2));
     const int repeats = quick ? 3 : 5;
     const auto asked = keys.find("collision");
-    const auto collision =
-      asked != keys.end() && asked->second == "bgk" ? lbm::Collision::BGK : lbm::Collision::TRT;
+    const auto collision = asked != keys.end() && asked->second == "bgk" ? lbm::Collision::BGK : lbm::Collision::TRT;
     for (int threads = 1; threads <= most; ++threads)
     {
       fmt::print("{} thread(s), {}; rates by processor time a thread\n"

@@ -115,7 +115,7 @@ TEST(LatticeBoltzmannLayers, DecayAtSecondOrder)
     const double m2 = std::sqrt(rate / d2);
     return d1 * m1 / std::tan(m1 / 2) + d2 * m2 / std::tan(m2 / 2);
   };
-  double low = d2 * pi * pi * 1.0001; // μ₂/2 = π/2: both terms above 0
+  double low = d2 * pi * pi * 1.0001;      // μ₂/2 = π/2: both terms above 0
   double high = d2 * 4 * pi * pi * 0.9999; // μ₂/2 = π: −∞
   ASSERT_GT(mismatch(low), 0);
   ASSERT_LT(mismatch(high), 0);

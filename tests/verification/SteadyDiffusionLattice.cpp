@@ -1,9 +1,9 @@
-// The discrete system: equal to two-relaxation-time lattice Boltzmann at rest, the same whichever way it is solved.
+// The discrete system: the same whichever way it is solved. That lattice Boltzmann with two relaxation times comes to
+// rest in it is LatticeBoltzmannRest.cpp's.
 #include "Diffusion.h"
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -12,133 +12,6 @@ namespace
 
 using namespace lamella;
 using namespace lamella::test;
-
-// Two-relaxation-time lattice Boltzmann stepped to rest, as plainly as can be: Λ⁺Λ⁻ = ¼ in every node, values 1 and 0
-// half-way beyond the faces of x (anti-bounce-back), the other sides insulated (specular) or everything periodic under
-// a mean gradient. After Ginzburg, Adv. Water Resour. 28 (2005) 1171. Returns the effective conductivity along x.
-double timeStepping(const PhaseImage& image, const std::array<double, 2>& d, bool diagonal, double scale)
-{
-  const auto& l = image.lattice;
-  struct Velocity
-  {
-    int c[3];
-    double w;
-    std::size_t opposite = 0;
-  };
-  std::vector<Velocity> q;
-  const int reach = l.dimension == 3 ? 1 : 0;
-  for (int z = -reach; z <= reach; ++z)
-    for (int y = -1; y <= 1; ++y)
-      for (int x = -1; x <= 1; ++x)
-      {
-        const int axes = (x != 0) + (y != 0) + (z != 0);
-        if (axes == 0 || axes > (diagonal ? 2 : 1))
-          continue;
-        double w = 1.0 / 6.0;
-        if (diagonal)
-          w = axes == 2 ? 1.0 / 36 : l.dimension == 2 ? 1.0 / 9 : 1.0 / 18;
-        q.push_back({ { x, y, z }, w });
-      }
-  double rest = 1;
-  for (auto& v : q)
-  {
-    rest -= v.w;
-    for (std::size_t j = 0; j < q.size(); ++j)
-      if (q[j].c[0] == -v.c[0] && q[j].c[1] == -v.c[1] && q[j].c[2] == -v.c[2])
-        v.opposite = j;
-  }
-  const auto n = static_cast<std::size_t>(l.count());
-  const std::size_t m = q.size();
-  std::vector<double> f(n * m);
-  std::vector<double> f0(n);
-  std::vector<double> post(n * m);
-  const double nx = static_cast<double>(l.size[0]);
-  for (std::size_t i = 0; i < n; ++i)
-  {
-    const double u = 1 - (static_cast<double>(i % static_cast<std::size_t>(l.size[0])) + 0.5) / nx;
-    f0[i] = rest * u;
-    for (std::size_t k = 0; k < m; ++k)
-      f[i * m + k] = q[k].w * u;
-  }
-  double conductivity = 0;
-  double before = -1;
-  for (int step = 0; step < 400000; ++step)
-  {
-    for (std::size_t i = 0; i < n; ++i)
-    {
-      double u = f0[i];
-      for (std::size_t k = 0; k < m; ++k)
-        u += f[i * m + k];
-      // D = Λ⁻/3 with Λ = τ − ½; the even one follows from Λ⁺Λ⁻ = ¼
-      const double odd = 3 * d[image.phase[i]] * scale;
-      const double even = 0.25 / odd;
-      const double omegaOdd = 1 / (odd + 0.5);
-      const double omegaEven = 1 / (even + 0.5);
-      for (std::size_t k = 0; k < m; ++k)
-      {
-        const double a = f[i * m + k];
-        const double b = f[i * m + q[k].opposite];
-        post[i * m + k] = a - omegaEven * (0.5 * (a + b) - q[k].w * u) - omegaOdd * 0.5 * (a - b);
-      }
-      f0[i] -= omegaEven * (f0[i] - rest * u);
-    }
-    double in = 0;
-    for (std::int64_t z = 0; z < l.size[2]; ++z)
-      for (std::int64_t y = 0; y < l.size[1]; ++y)
-        for (std::int64_t x = 0; x < l.size[0]; ++x)
-        {
-          const auto i = static_cast<std::size_t>(l.index(x, y, z));
-          for (std::size_t k = 0; k < m; ++k)
-          {
-            std::array<std::int64_t, 3> p{ x + q[k].c[0], y + q[k].c[1], z + q[k].c[2] };
-            if (p[0] < 0 || p[0] >= l.size[0])
-            {
-              const double wall = p[0] < 0 ? 1.0 : 0.0;
-              const double back = -post[i * m + k] + 2 * q[k].w * wall;
-              f[i * m + q[k].opposite] = back;
-              if (p[0] < 0)
-                in += back - post[i * m + k];
-              continue;
-            }
-            std::array<int, 3> c{ q[k].c[0], q[k].c[1], q[k].c[2] };
-            for (std::size_t a = 1; a < 3; ++a)
-              if (p[a] < 0 || p[a] >= l.size[a]) // specular: the population comes back from the mirror node
-              {
-                p[a] -= c[a];
-                c[a] = -c[a];
-              }
-            std::size_t arriving = k;
-            for (std::size_t j = 0; j < m; ++j)
-              if (q[j].c[0] == c[0] && q[j].c[1] == c[1] && q[j].c[2] == c[2])
-                arriving = j;
-            f[static_cast<std::size_t>(l.index(p[0], p[1], p[2])) * m + arriving] = post[i * m + k];
-          }
-        }
-    conductivity = in / scale * nx / (static_cast<double>(n) / nx);
-    if (step % 500 == 499)
-    {
-      if (std::abs(conductivity - before) < 1e-13 * conductivity)
-        break;
-      before = conductivity;
-    }
-  }
-  return conductivity;
-}
-
-TEST(LatticeBoltzmannAtRest, IsTheSteadySystem)
-{
-  // Whatever the pseudo-time scale, to the round-off of some ten thousand steps.
-  for (const bool diagonal : { false, true })
-  {
-    const auto image = noise(12, 10, 1, 0.4, 11);
-    const double k = solve(image, { 0.1, 1.0 }, { .diagonal = diagonal }).effective[0];
-    for (const double scale : { 0.1, 0.3, 1.0 })
-      EXPECT_NEAR(timeStepping(image, { 0.1, 1.0 }, diagonal, scale) / k, 1.0, 1e-9) << diagonal << " " << scale;
-    const auto volume = noise(7, 6, 5, 0.4, 12);
-    const double k3 = solve(volume, { 0.1, 1.0 }, { .diagonal = diagonal }).effective[0];
-    EXPECT_NEAR(timeStepping(volume, { 0.1, 1.0 }, diagonal, 0.3) / k3, 1.0, 1e-9) << diagonal;
-  }
-}
 
 TEST(Methods, AgreeOnEveryLatticeAndSide)
 {

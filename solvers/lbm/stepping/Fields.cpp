@@ -73,22 +73,21 @@ double LatticeBoltzmann::mean() const
       for (int q = 0; q < m.velocities.count(); ++q)
         u += f[q];
       const std::int64_t row = index / nx;
-      sum += u *
-        m.map->share({ index % nx, row % ny + m.parts.block().start[1], row / ny + m.parts.block().start[2] });
+      sum += u * m.map->share({ index % nx, row % ny + m.parts.block().start[1], row / ny + m.parts.block().start[2] });
     });
   return m.comm.sum(sum) / (m.across() * m.length(m.options.axis));
 }
 
 std::string LatticeBoltzmann::Impl::scene() const
 {
-  std::string s = fmt::format("lattice: {} × {} × {} nodes, {} m apart\nphases: {}\nstencil: {}\ncollision: {}\n",
-    lattice.size[0], lattice.size[1], lattice.size[2], lattice.spacing, phaseSum, name(options.stencil),
-    two ? "trt" : "bgk");
+  std::string s =
+    fmt::format("lattice: {} × {} × {} nodes, {} m apart\nphases: {}\nstencil: {}\ncollision: {}\n", lattice.size[0],
+      lattice.size[1], lattice.size[2], lattice.spacing, phaseSum, name(options.stencil), two ? "trt" : "bgk");
   for (int a = 0; a < lattice.dimension; ++a)
     s += fmt::format("sides along {}: {} {} {}\n", "xyz"[a], nameOf(options.sides[a]), options.faceValues[a][0],
       options.faceValues[a][1]);
-  s += fmt::format("axis: {}\ndrop: {}\nsteady: {}\ntime step: {} s\ndiffusivities: {} m²/s\n", options.axis,
-    options.drop, options.steady, dt, fmt::join(diffusivity, " "));
+  s += fmt::format("axis: {}\ndrop: {}\nsteady: {}\ntime step: {}\ndiffusivities: {} m²/s\n", options.axis,
+    options.drop, options.steady, adapts ? "chosen" : fmt::format("{} s", dt), fmt::join(diffusivity, " "));
   return s;
 }
 
@@ -99,6 +98,7 @@ void LatticeBoltzmann::save() const
   c.kind = kind;
   c.scene = m.scene();
   c.provenance = m.options.checkpoint.provenance;
+  c.numbers["relaxation"] = m.relaxation;
   c.numbers["steps"] = static_cast<double>(m.steps);
   c.numbers["most squares"] = m.mostSquares;
   const Block& block = m.parts.block();
@@ -107,8 +107,8 @@ void LatticeBoltzmann::save() const
   for (int q = 0; q < m.velocities.count(); ++q)
   {
     for (std::size_t r = 0; r < m.map->rows().size(); ++r)
-      m.map->forEach(r,
-        [&](std::int32_t node, std::int64_t index) { mine[index] = m.sweep->data()[q * m.map->stride() + node]; });
+      m.map->forEach(
+        r, [&](std::int32_t node, std::int64_t index) { mine[index] = m.sweep->data()[q * m.map->stride() + node]; });
     const std::vector<double> gathered = m.comm.gather(mine);
     if (m.comm.rank() != 0)
       continue;
@@ -132,6 +132,8 @@ void LatticeBoltzmann::restore(const std::filesystem::path& path)
 {
   Impl& m = *impl_;
   const io::Checkpoint c = io::readCheckpoint(path, kind, m.scene(), m.comm);
+  if (m.adapts)
+    m.relaxAt(c.number("relaxation"));
   const Block& block = m.parts.block();
   for (int q = 0; q < m.velocities.count(); ++q)
   {

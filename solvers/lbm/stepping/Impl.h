@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lattice/Error.h"
 #include "lbm/stepping/LatticeBoltzmann.h"
 #include "lbm/stepping/SlotMap.h"
 #include "lbm/stepping/Sweep.h"
@@ -10,6 +11,12 @@
 
 namespace lamella::lbm
 {
+
+inline void require(bool fine, const std::string& message, const char* hint)
+{
+  if (!fine)
+    throw ParameterError(message, hint);
+}
 
 /// What LatticeBoltzmann holds, for its files.
 struct LatticeBoltzmann::Impl
@@ -24,6 +31,8 @@ struct LatticeBoltzmann::Impl
   double largest = 0;    ///< diffusivity that occurs [m²/s]
   double relaxation = 0; ///< of it
   double dt = 0;
+  bool adapts = false;  ///< the time step only brings the run to rest, and is chosen as the flux becomes known
+  double chord = 0;     ///< mean length of the runs along x of the phase that conducts best, in spacings
   std::string phaseSum; ///< tells pictures apart
   std::unique_ptr<SlotMap> map;
   std::unique_ptr<Sweep> sweep;
@@ -40,7 +49,12 @@ struct LatticeBoltzmann::Impl
   /// Nodes that take part. @throws NoPathError
   [[nodiscard]] NodeSet participants(const Halo& halo, std::span<const std::uint8_t> phase) const;
   void chooseTime(std::span<const std::uint8_t> phase);
-  [[nodiscard]] double restRelaxation(std::span<const std::uint8_t> phase) const;
+  /// Relaxation that comes to rest soonest where the whole box conducts like this [m²/s].
+  [[nodiscard]] double restRelaxation(double effective) const;
+  /// Relaxation rates of all phase ids at the present relaxation.
+  [[nodiscard]] std::vector<double> rates() const;
+  /// Goes on at another relaxation with the same field and flux.
+  void relaxAt(double other);
   [[nodiscard]] double relaxationOf(double d) const noexcept { return relaxation * d / largest; }
   [[nodiscard]] SlotSides slotSides() const;
   void build(std::span<const std::uint8_t> phase);

@@ -22,8 +22,8 @@ namespace lamella::lbm
 enum class Collision
 {
   Auto, ///< TRT, always
-  BGK,  ///< one relaxation time, as in the first paper: D = (τ − ½) δx²/(3 δt); faces and mirrors on the outer nodes
-  TRT   ///< two relaxation times, Λ⁺Λ⁻ = ¼ in every node, Λ⁻ = 3 D δt/δx²; faces half a spacing outside the outer nodes
+  BGK, ///< one relaxation time, as in the first paper: D = (τ − ½) δx²/(3 δt); faces and mirrors on the outer nodes
+  TRT ///< two relaxation times, Λ⁺Λ⁻ = ¼ in every node, Λ⁻ = 3 D δt/δx²; faces half a spacing outside the outer nodes
 };
 [[nodiscard]] const char* name(Collision collision) noexcept;
 
@@ -83,8 +83,8 @@ struct SteppingStatistics
 ///
 /// One relaxation time: Perré, Almeida, Ayouz & Frank, Annals of Forest Science 73 (2016) 147, eqs. 1 – 13; lengths are
 /// (n − 1) δx between faces. Its answer depends on τ (warning()). Two relaxation times: Ginzburg, Adv. Water Resour. 28
-/// (2005) 1171, with anti-bounce-back at the faces and specular insulated sides; lengths are n δx, and the state at rest
-/// is SteadyDiffusion's whatever the time step.
+/// (2005) 1171, with anti-bounce-back at the faces and specular insulated sides; lengths are n δx, and the state at
+/// rest is SteadyDiffusion's whatever the time step.
 ///
 /// Nodes of diffusivity 0 are neither stored nor visited; populations bounce back from them. Memory: 8 Q + 1 bytes a
 /// stored node (Q = 5, 9, 6, 19 on D2Q5, D2Q9, D3Q7, D3Q19: the one at rest of D3Q7 weighs nothing), 3/2 bits a node,
@@ -117,7 +117,8 @@ public:
   /// time(). Collective.
   using Sink = std::function<void(const LatticeBoltzmann&)>;
   void run(std::span<const double> times, const Sink& sink);
-  /// Steps until the flux through both faces is at rest. @throws DivergenceError when maxSteps are not enough, Cancelled
+  /// Steps until the flux through both faces is at rest. @throws DivergenceError when maxSteps are not enough,
+  /// Cancelled
   RestResult rest(const RestOptions& options = {});
 
   [[nodiscard]] std::int64_t steps() const noexcept;

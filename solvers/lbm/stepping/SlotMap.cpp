@@ -126,8 +126,8 @@ SlotMap::Source SlotMap::source(const std::array<std::int64_t, 3>& p, int q) con
       continue;
     if (sides_.boundary[a] == Boundary::Fixed && !sides_.onNodes)
     {
-        s.sign = -1;
-        s.shift = 2 * velocities_.weight[q] * sides_.value[a][beyond < 0 ? 0 : 1];
+      s.sign = -1;
+      s.shift = 2 * velocities_.weight[q] * sides_.value[a][beyond < 0 ? 0 : 1];
     }
     return s;
   }
@@ -205,8 +205,7 @@ std::int32_t SlotMap::patternOf(const std::array<std::int64_t, 3>& p, const std:
       mirrored = true;
     }
     if (mirrored && !pattern.fixed[q])
-      pattern.mirror[q] =
-        static_cast<std::uint8_t>(velocities_.find({ component[0], component[1], component[2] }));
+      pattern.mirror[q] = static_cast<std::uint8_t>(velocities_.find({ component[0], component[1], component[2] }));
   }
   pattern.share = unknown > 0 ? 1 / unknown : 0.0;
   for (std::size_t k = 0; k < patterns_.size(); ++k)
@@ -322,8 +321,7 @@ void SlotMap::matchGhosts()
             const std::int64_t y = (s.row % wide - 1 + block_.start[1] + lattice_.size[1]) % lattice_.size[1];
             const std::int64_t z = (deep + block_.start[2] + lattice_.size[2]) % lattice_.size[2];
             const auto owner = std::find_if(blocks.begin(), blocks.end(),
-              [&](const Block& b)
-              {
+              [&](const Block& b) {
                 return y >= b.start[1] && y < b.start[1] + b.size[1] && z >= b.start[2] && z < b.start[2] + b.size[2];
               });
             const auto rank = static_cast<std::size_t>(owner - blocks.begin());
@@ -343,8 +341,7 @@ void SlotMap::matchGhosts()
     const auto k = static_cast<std::size_t>(rank);
     wanted[k].resize(static_cast<std::size_t>(toReceive[k]));
     if (toReceive[k] > 0)
-      MPI_Irecv(
-        wanted[k].data(), toReceive[k], MPI_INT64_T, rank, 0, comm_.handle(), &requests.emplace_back());
+      MPI_Irecv(wanted[k].data(), toReceive[k], MPI_INT64_T, rank, 0, comm_.handle(), &requests.emplace_back());
     if (toSend[k] > 0)
       MPI_Isend(asked[k].data(), toSend[k], MPI_INT64_T, rank, 0, comm_.handle(), &requests.emplace_back());
   }

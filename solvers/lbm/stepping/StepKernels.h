@@ -45,19 +45,19 @@ struct SlotRun
 /// What the loops work on.
 struct SlotArrays
 {
-  double* f;                    ///< population q of node i at f[q × stride + i]
-  std::int64_t stride;          ///<
-  const std::uint8_t* phase;    ///< of the stored nodes
-  const double* rate;           ///< 256 relaxation rates s, one a phase id
-  bool fewPhases;               ///< no id above 7 occurs
-  const SlotPattern* pattern;   ///<
-  const std::int32_t* source;   ///< of each run: the nodes that the moving populations of its first node come from
+  double* f;                  ///< population q of node i at f[q × stride + i]
+  std::int64_t stride;        ///<
+  const std::uint8_t* phase;  ///< of the stored nodes
+  const double* rate;         ///< 256 relaxation rates s, one a phase id
+  bool fewPhases;             ///< no id above 7 occurs
+  const SlotPattern* pattern; ///<
+  const std::int32_t* source; ///< of each run: the nodes that the moving populations of its first node come from
 };
 
 /// One collision model on one lattice. Each returns Σ u² over its nodes, not finite when one is not.
 struct StepLoops
 {
-  int populations;  ///< that are stored: D3Q7's at rest has weight 0 and stays empty
+  int populations; ///< that are stored: D3Q7's at rest has weight 0 and stays empty
   /// Even step of nodes first … first + count − 1.
   double (*even)(const SlotArrays& a, std::int64_t first, std::int64_t count);
   /// Even step of some runs, mirrors and fixed values included.

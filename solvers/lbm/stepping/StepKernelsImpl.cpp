@@ -143,7 +143,8 @@ inline V complete(V* v, const SlotPattern& pattern)
 }
 
 template <class S, bool Two, bool Odd, class V>
-inline V specialAt(double* const* p, const std::uint8_t* phase, const double* rate, const SlotPattern& pattern, std::int64_t i)
+inline V specialAt(
+  double* const* p, const std::uint8_t* phase, const double* rate, const SlotPattern& pattern, std::int64_t i)
 {
   V v[S::count];
   for (int q = 0; q < S::count; ++q)
@@ -237,7 +238,7 @@ double evenRuns(const SlotArrays& a, const SlotRun* runs, std::int64_t count)
     for (int q = 0; q < S::count; ++q)
       p[q] = a.f + q * a.stride + run.first;
     sum += pattern.special ? special<S, Two, false>(p, a.phase + run.first, a.rate, pattern, run.count)
-                                : plainOf<S, Two>(a, p, run.first, run.count);
+                           : plainOf<S, Two>(a, p, run.first, run.count);
   }
   return sum;
 }
@@ -258,7 +259,7 @@ double oddRuns(const SlotArrays& a, const SlotRun* runs, std::int64_t number, st
     for (int q = S::rest; q < S::count; ++q)
       p[q] = a.f + ((run.own >> q) & 1U ? q : pattern.slot[q]) * a.stride + source[q - S::rest];
     sum += pattern.special ? special<S, Two, true>(p, a.phase + run.first, a.rate, pattern, run.count)
-                                : plainOf<S, Two>(a, p, run.first, run.count);
+                           : plainOf<S, Two>(a, p, run.first, run.count);
   }
   return sum;
 }
@@ -272,10 +273,10 @@ constexpr StepLoops loopsOf()
 } // namespace
 
 extern const StepKernels LAMELLA_KERNELS;
-const StepKernels LAMELLA_KERNELS = { { { loopsOf<D2Q5, false>(), loopsOf<D2Q9, false>(), loopsOf<D3Q7, false>(),
-                                          loopsOf<D3Q19, false>() },
-                                        { loopsOf<D2Q5, true>(), loopsOf<D2Q9, true>(), loopsOf<D3Q7, true>(),
-                                          loopsOf<D3Q19, true>() } },
-  LAMELLA_KERNELS_NAME };
+const StepKernels LAMELLA_KERNELS = {
+  { { loopsOf<D2Q5, false>(), loopsOf<D2Q9, false>(), loopsOf<D3Q7, false>(), loopsOf<D3Q19, false>() },
+    { loopsOf<D2Q5, true>(), loopsOf<D2Q9, true>(), loopsOf<D3Q7, true>(), loopsOf<D3Q19, true>() } },
+  LAMELLA_KERNELS_NAME
+};
 
 } // namespace lamella::lbm

@@ -159,7 +159,7 @@ double Sweep::advance(int pairs)
 {
   double squares = 0;
   const auto slabs = static_cast<std::int64_t>(slabs_.size()) - 1;
-#pragma omp parallel num_threads(static_cast<int>(slabs)) reduction(+ : squares)
+#pragma omp parallel num_threads(static_cast <int>(slabs)) reduction(+ : squares)
   {
     if (interleaved_)
     {
@@ -186,7 +186,7 @@ double Sweep::advance(int pairs)
   if (comm_.parallel())
   {
     exchange(false);
-#pragma omp parallel for schedule(static) num_threads(static_cast<int>(slabs))
+#pragma omp parallel for schedule(static) num_threads(static_cast <int>(slabs))
     for (std::int64_t r = 0; r < rowsAll_; ++r)
       if (map_.rows()[r].late)
         odd(r);
@@ -219,8 +219,8 @@ void Sweep::exchange(bool back)
       comm_.handle(), &requests[2 * k]);
     for (std::size_t i = 0; i < from.size(); ++i)
       send_[outgoing + i] = f_[from[i]];
-    MPI_Isend(send_.data() + outgoing, static_cast<int>(from.size()), MPI_DOUBLE, neighbours[k].rank, 0,
-      comm_.handle(), &requests[2 * k + 1]);
+    MPI_Isend(send_.data() + outgoing, static_cast<int>(from.size()), MPI_DOUBLE, neighbours[k].rank, 0, comm_.handle(),
+      &requests[2 * k + 1]);
     outgoing += from.size();
     incoming += to.size();
   }

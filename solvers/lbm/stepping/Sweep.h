@@ -2,9 +2,10 @@
 
 #include "lbm/stepping/SlotMap.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 namespace lamella::lbm
@@ -31,6 +32,8 @@ public:
   [[nodiscard]] const double* data() const noexcept { return f_.get(); }
   [[nodiscard]] const std::vector<std::uint8_t>& phase() const noexcept { return phase_; }
   [[nodiscard]] std::uint64_t bytes() const noexcept;
+  /// Other relaxation rates from now on, 256 of them.
+  void relaxAt(const std::vector<double>& rate) { std::copy(rate.begin(), rate.end(), rate_.begin()); }
   /// Relaxation rate of a stored node.
   [[nodiscard]] double rate(std::int32_t node) const noexcept { return rate_[phase_[node]]; }
 
@@ -53,7 +56,7 @@ private:
   std::vector<double> rate_;
   std::unique_ptr<double[], Free> f_;
   std::int64_t rowsAll_ = 0;
-  std::int64_t lag_ = 1; ///< rows that a row's neighbours lie apart, at most
+  std::int64_t lag_ = 1;     ///< rows that a row's neighbours lie apart, at most
   bool interleaved_ = false; ///< odd steps follow even ones at once
   int depth_ = 1;
   std::vector<std::int64_t> slabs_; ///< first rows; one more than threads
