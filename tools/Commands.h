@@ -32,6 +32,7 @@ struct Command
 
 [[nodiscard]] Command generateCommand(CLI::App& root);
 [[nodiscard]] Command diffusionCommand(CLI::App& root);
+[[nodiscard]] Command transientCommand(CLI::App& root);
 [[nodiscard]] Command equilibriumCommand(CLI::App& root);
 [[nodiscard]] Command dynamicsCommand(CLI::App& root);
 [[nodiscard]] Command fractureCommand(CLI::App& root);

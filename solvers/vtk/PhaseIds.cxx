@@ -290,8 +290,8 @@ std::uint8_t findVoid(const PhaseIds& phases, const std::string& wanted, const s
   return static_cast<std::uint8_t>(found);
 }
 
-std::vector<double> conductivityById(
-  const PhaseIds& phases, const std::map<std::string, double>& table, std::span<const std::int64_t> nodes)
+std::vector<double> conductivityById(const PhaseIds& phases, const std::map<std::string, double>& table,
+  std::span<const std::int64_t> nodes, const std::string& quantity)
 {
   std::vector<double> result(phases.values.size(), 0.0);
   std::string all;
@@ -315,7 +315,7 @@ std::vector<double> conductivityById(
     {
       if (!std::isfinite(entry->second) || entry->second < 0)
       {
-        throw ParameterError("the conductivity of phase '" + name + "' is " + numberText(entry->second) +
+        throw ParameterError("the " + quantity + " of phase '" + name + "' is " + numberText(entry->second) +
             "; it must be finite and not negative",
           "give 0 for a phase that does not conduct");
       }
@@ -323,7 +323,7 @@ std::vector<double> conductivityById(
     }
     else if (nodes[id] > 0)
     {
-      throw ParameterError("phase '" + name + "' has no conductivity (" + std::to_string(nodes[id]) + " nodes)",
+      throw ParameterError("phase '" + name + "' has no " + quantity + " (" + std::to_string(nodes[id]) + " nodes)",
         "give one to each phase of the image: " + all);
     }
   }

@@ -45,10 +45,11 @@ struct PhaseIds
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::uint8_t findVoid(
   const PhaseIds& phases, const std::string& wanted, const std::string& what);
 
-/// Conductivity by id from a table by name or value.
+/// Conductivity, or another number that is not negative, by id from a table by name or value.
 /// @param nodes by id, how many nodes have it in the whole image; phases without nodes need no conductivity
+/// @param quantity what messages call it
 /// @throws ParameterError for a missing, negative or non-finite one
-[[nodiscard]] std::vector<double> conductivityById(
-  const PhaseIds& phases, const std::map<std::string, double>& table, std::span<const std::int64_t> nodes);
+[[nodiscard]] std::vector<double> conductivityById(const PhaseIds& phases, const std::map<std::string, double>& table,
+  std::span<const std::int64_t> nodes, const std::string& quantity = "conductivity");
 
 } // namespace lamella

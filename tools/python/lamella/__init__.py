@@ -13,7 +13,7 @@ off.)
 
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
 ``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkMicrographContours``,
-``vtkMicrographLattice``, ``vtkSteadyDiffusion``, ``vtkFluxMap``, ``vtkPoreFloodFill``,
+``vtkMicrographLattice``, ``vtkSteadyDiffusion``, ``vtkLatticeBoltzmann``, ``vtkFluxMap``, ``vtkPoreFloodFill``,
 ``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondDynamics``, ``vtkBondStiffness``, ``vtkPointCompression``,
 ``vtkPointStiffness``, ``vtkStressPDF``, ``vtkCrackPath``, ``vtkCompressionCurve``, ``vtkCollapseMap`` ...),
 runs it and hands its output out as numpy arrays.
@@ -67,6 +67,7 @@ from ._samples import (
 from ._solve import DiffusionResult, diffusion
 from ._stiffness import StiffnessResult, stiffness
 from ._stresses import StressPDFResult, stress_pdf
+from ._transient import TransientResult, TransientState, lattice_boltzmann
 
 __all__ = [
     "BondStressResult",
@@ -93,6 +94,8 @@ __all__ = [
     "Sample",
     "StiffnessResult",
     "StressPDFResult",
+    "TransientResult",
+    "TransientState",
     "bond_stress",
     "bridges",
     "checkerboard",
@@ -111,6 +114,7 @@ __all__ = [
     "hardwood",
     "honeycomb",
     "laminate",
+    "lattice_boltzmann",
     "load_plugin",
     "packing",
     "plugin_path",

@@ -18,7 +18,7 @@ def plugin_path():
 def load_plugin(namespace=None):
     """Loads the plugin into pvpython or pvbatch, on all ranks: PictureReader, MicrostructureSource, GrainPacking,
     PackingReader, MatrixBridges, MicrographContours, MicrographPolygonReader, MicrographLattice, SteadyDiffusion,
-    FluxMap, PoreFloodFill, StressPDF, CrackPath, CompressionCurve and CollapseMap then work like ParaView's own. Call it as
+    LatticeBoltzmann, FluxMap, PoreFloodFill, StressPDF, CrackPath, CompressionCurve and CollapseMap then work like ParaView's own. Call it as
     ``lamella.load_plugin(globals())`` after ``from paraview.simple import *``; without a namespace use them as ``paraview.simple.SteadyDiffusion``.
     """
     from paraview import simple  # pylint: disable=import-outside-toplevel

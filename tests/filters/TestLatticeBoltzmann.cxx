@@ -1,0 +1,167 @@
+// Lattice Boltzmann as a VTK filter: times of the pipeline, a slab's heating, the directions' convention, ranks, bad
+// input.
+#include "VtkTesting.h"
+
+#include "vtkFieldData.h"
+#include "vtkInformation.h"
+#include "vtkLatticeBoltzmann.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkStringArray.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace
+{
+
+using namespace lamella;
+using vtktest::errorOf;
+using vtktest::picture;
+
+// A box of 20 µm: L²/D is 4e-3 s.
+vtkNew<vtkLatticeBoltzmann> stepper(vtkImageData* image, int direction = vtkLatticeBoltzmann::X)
+{
+  vtkNew<vtkLatticeBoltzmann> filter;
+  filter->SetInputData(image);
+  filter->SetDiffusivity("a", 1e-7);
+  filter->SetDiffusivity("b", 1e-8);
+  filter->SetDirection(direction);
+  filter->SetEndTime(1e-3);
+  filter->SetNumberOfSteps(4);
+  return filter;
+}
+
+double value(vtkDataObject* data, const char* name)
+{
+  return vtkDoubleArray::SafeDownCast(data->GetFieldData()->GetAbstractArray(name))->GetValue(0);
+}
+
+int uniform(int, int, int)
+{
+  return 0;
+}
+
+TEST(LatticeBoltzmann, HasTheTimesOfThePipeline)
+{
+  const auto filter = stepper(picture(20, 6, 1, uniform));
+  ASSERT_EQ(errorOf(filter), "");
+  vtkInformation* const told = filter->GetOutputInformation(0);
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  ASSERT_EQ(told->Length(Pipeline::TIME_STEPS()), 5);
+  EXPECT_DOUBLE_EQ(told->Get(Pipeline::TIME_STEPS())[3], 7.5e-4);
+  EXPECT_NEAR(value(filter->GetOutput(), "time"), 1e-3, 1e-15); // without a time the last one
+  double before = -1;
+  for (const double t : { 0.0, 2.5e-4, 5e-4, 7.5e-4, 1e-3 })
+  {
+    ASSERT_TRUE(filter->UpdateTimeStep(t));
+    vtkImageData* const out = filter->GetOutput();
+    EXPECT_NEAR(out->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()), t, 1e-15);
+    EXPECT_NEAR(value(out, "time"), t, 1e-15); // a pair of steps divides the interval
+    // u = 1 at the left, 0 at the right: Σ over the sines of the slab; second order in 1/20
+    const double x = (4 + 0.5) / 20;
+    double exact = 1 - x;
+    for (int k = 1; k < 200 && t > 0; ++k)
+    {
+      const double wave = k * std::numbers::pi;
+      exact -= 2 / wave * std::sin(wave * x) * std::exp(-1e-7 * std::pow(wave / 20e-6, 2) * t);
+    }
+    const double u = out->GetPointData()->GetArray("temperature")->GetTuple1(4);
+    EXPECT_NEAR(u, t > 0 ? exact : 0.0, 2e-3);
+    EXPECT_GT(u, before);
+    before = u;
+  }
+}
+
+TEST(LatticeBoltzmann, ComesToRestAsSteadyDiffusion)
+{
+  const auto image = picture(18, 16, 1, [](int x, int y, int z) { return vtktest::blobs(x, y, z) > 0 ? 1 : 0; });
+  for (const int direction : { vtkLatticeBoltzmann::X, vtkLatticeBoltzmann::Y })
+  {
+    const auto filter = stepper(image, direction);
+    filter->SetQuantity(vtkLatticeBoltzmann::CONCENTRATION);
+    filter->SetComputeFlux(true);
+    filter->SetEndTime(0.2); // 50 L²/D of the better phase, and 5 of the other
+    filter->SetNumberOfSteps(1);
+    ASSERT_EQ(errorOf(filter), "");
+    vtkNew<vtkSteadyDiffusion> steady;
+    steady->SetInputData(image);
+    steady->SetConductivity("a", 1e-7);
+    steady->SetConductivity("b", 1e-8);
+    steady->SetDirection(direction);
+    steady->SetQuantity(vtkSteadyDiffusion::CONCENTRATION);
+    ASSERT_EQ(errorOf(steady), "");
+    vtkPointData* const a = filter->GetOutput()->GetPointData();
+    vtkPointData* const b = steady->GetOutput()->GetPointData();
+    for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
+    {
+      // the steady field is within 1e-6 in the energy norm
+      EXPECT_NEAR(a->GetArray("concentration")->GetTuple1(i), b->GetArray("concentration")->GetTuple1(i), 1e-5);
+    }
+    const double k = steady->GetEffectiveConductivity()[4 * direction];
+    const double length = (direction == vtkLatticeBoltzmann::X ? 18 : 16) * 1e-6;
+    EXPECT_NEAR(value(filter->GetOutput(), "inlet_flux") * length / k, 1, 1e-5);
+    EXPECT_NEAR(value(filter->GetOutput(), "outlet_flux") * length / k, 1, 1e-5);
+    double mean = 0;
+    for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
+    {
+      mean += a->GetArray("flux")->GetComponent(i, direction) / static_cast<double>(image->GetNumberOfPoints());
+    }
+    // y leads downwards in a picture, and vectors point in the data's axes
+    EXPECT_NEAR(mean * length / k, direction == vtkLatticeBoltzmann::Y ? -1 : 1, 1e-5);
+  }
+}
+
+TEST(LatticeBoltzmann, RunsOnceForAllTimes)
+{
+  const auto filter = stepper(picture(20, 6, 1, uniform));
+  ASSERT_EQ(errorOf(filter), "");
+  vtkDataArray* const first = filter->GetOutput()->GetPointData()->GetArray("temperature");
+  ASSERT_TRUE(filter->UpdateTimeStep(0));
+  EXPECT_EQ(filter->GetOutput()->GetPointData()->GetArray("temperature")->GetTuple1(0), 0);
+  ASSERT_TRUE(filter->UpdateTimeStep(1e-3));
+  EXPECT_EQ(filter->GetOutput()->GetPointData()->GetArray("temperature"), first); // the array that was kept
+}
+
+TEST(LatticeBoltzmann, WarnsOfOneRelaxationTime)
+{
+  const auto filter = stepper(picture(20, 6, 1, uniform));
+  filter->SetCollision(vtkLatticeBoltzmann::BGK);
+  filter->SetTimeStep(1e-5); // τ = ½ + 3 D δt/δx² = 3.5
+  vtkObject::GlobalWarningDisplayOff();
+  ASSERT_EQ(errorOf(filter), "");
+  vtkObject::GlobalWarningDisplayOn();
+  auto* const text = vtkStringArray::SafeDownCast(filter->GetOutput()->GetFieldData()->GetAbstractArray("warning"));
+  ASSERT_NE(text, nullptr);
+  EXPECT_NE(text->GetValue(0).find("3.5"), std::string::npos) << text->GetValue(0);
+}
+
+TEST(LatticeBoltzmann, SaysWhatIsWrong)
+{
+  const auto image = picture(20, 6, 1, [](int x, int, int) { return x % 2; });
+  auto refused = [&](auto&& change)
+  {
+    const auto filter = stepper(image);
+    change(filter.Get());
+    return errorOf(filter);
+  };
+  using Filter = vtkLatticeBoltzmann*;
+  EXPECT_NE(refused([](Filter f) { f->SetEndTime(0); }).find("an end time of 0 s is not above 0"), std::string::npos);
+  EXPECT_NE(refused([](Filter f) { f->SetDirection(2); }).find("direction z"), std::string::npos);
+  EXPECT_NE(refused([](Filter f) { f->SetDiffusivity("b", -1); }).find("the diffusivity of phase 'b' is -1"),
+    std::string::npos);
+  EXPECT_NE(refused([](Filter f) { f->SetTimeStep(-1); }).find("a time step of -1 s"), std::string::npos);
+  EXPECT_NE(
+    refused([](Filter f) { f->SetLattice(vtkLatticeBoltzmann::D3Q7); }).find("d3q7 does not fit"), std::string::npos);
+  EXPECT_NE(refused(
+              [](Filter f)
+              {
+                f->RemoveAllDiffusivities();
+                f->SetDiffusivity("a", 1);
+              })
+              .find("phase 'b' has no diffusivity (60 nodes)"),
+    std::string::npos);
+}
+
+} // namespace

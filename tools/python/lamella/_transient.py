@@ -1,0 +1,149 @@
+"""Diffusion in time."""
+
+import numpy as np
+from vtkmodules.vtkCommonDataModel import vtkImageData
+
+from . import _arrays
+from ._errors import choose, run
+from ._samples import ImageBase
+from ._solve import _LATTICES, as_image
+from .vtkLamellaSolversVTK import vtkLatticeBoltzmann
+
+_COLLISIONS = {"auto": 0, "bgk": 1, "trt": 2}
+
+
+class TransientState(ImageBase):
+    """The sample at one time: ``vtk`` is the image with the field and, where it was asked for, its ``flux``."""
+
+    def _number(self, name):
+        return float(_arrays.numbers(self.vtk, name)[0])
+
+    @property
+    def time(self):
+        """Since the start [s]."""
+        return self._number("time")
+
+    @property
+    def field(self):
+        """Temperature or concentration in the order of pictures, NaN where nothing conducts (a view)."""
+        return self.array(self.vtk.GetPointData().GetScalars().GetName())
+
+    @property
+    def flux(self):
+        """-D grad u [m/s], x, y and z in the last axis (a view); only where it was asked for."""
+        return self.array("flux")
+
+    def __repr__(self):
+        return f"<lamella.TransientState: {self.time:.6g} s>"
+
+
+class TransientResult:
+    """What a run gives: ``states``, and the numbers of all of them as arrays."""
+
+    def __init__(self, states, times):
+        #: a TransientState for each time, from 0
+        self.states = states
+        #: the times [s]
+        self.times = times
+
+    def _each(self, name):
+        return np.array([state._number(name) for state in self.states])
+
+    @property
+    def inlet_flux(self):
+        """Mean flux through the face where the direction begins [m/s], by time."""
+        return self._each("inlet_flux")
+
+    @property
+    def outlet_flux(self):
+        """Mean flux through the face where it ends [m/s], by time."""
+        return self._each("outlet_flux")
+
+    @property
+    def mean(self):
+        """Mean of the field over the box, 0 where nothing conducts, by time."""
+        return self._each("mean_value")
+
+    @property
+    def time_step(self):
+        """Of lattice Boltzmann [s]."""
+        return self.states[-1]._number("time_step")
+
+    @property
+    def relaxation(self):
+        """tau - 1/2 of the phase that conducts best."""
+        return self.states[-1]._number("relaxation")
+
+    @property
+    def steps(self):
+        """How many there were."""
+        return int(self.states[-1]._number("steps"))
+
+    @property
+    def warning(self):
+        """Where one relaxation time is inaccurate, what to expect; else empty."""
+        return self.states[-1].vtk.GetFieldData().GetAbstractArray("warning").GetValue(0)
+
+    def __repr__(self):
+        return f"<lamella.TransientResult: {self.times[-1]:.6g} s in {self.steps} steps, {len(self.states)} states>"
+
+
+def lattice_boltzmann(
+    image,
+    diffusivity,
+    end_time,
+    frames=10,
+    direction="x",
+    values=(1.0, 0.0),
+    initial=0.0,
+    sides="insulated",
+    quantity="temperature",
+    stepping="auto",
+    lattice=None,
+    time_step=None,
+    flux=False,
+    threads=1,
+    progress=None,
+):
+    """Steps diffusion through time by lattice Boltzmann and returns a TransientResult.
+
+    image        a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers
+    diffusivity  {name or number of the phase: value [m2/s]}, one for each phase that occurs, 0 for what does not conduct
+    end_time     the last time [s]
+    frames       times after 0 that are kept, evenly until the end
+    direction    "x" (left to right), "y" (in a picture from top to bottom) or "z"
+    values       on the face where the direction begins and on that where it ends
+    initial      inside, at time 0
+    sides        "insulated" or "periodic": the others
+    quantity     "temperature" or "concentration": names the field
+    stepping     "auto" and "trt": two relaxation times; "bgk": one, as in the first paper
+    lattice      None (d2q5 or d3q7), "d2q5", "d2q9", "d3q7" or "d3q19"
+    time_step    [s]; None: short enough to be accurate, and such that every time is met
+    flux         whether the flux is kept too
+    threads      0: all cores
+    progress     called as progress(share, text); return False to cancel (raises Cancelled)
+    """
+    solver = vtkLatticeBoltzmann()
+    solver.SetInputData(as_image(image))
+    for name, value in diffusivity.items():
+        solver.SetDiffusivity(str(name), float(value))
+    solver.SetEndTime(end_time)
+    solver.SetNumberOfSteps(frames)
+    solver.SetDirection(choose({"x": 0, "y": 1, "z": 2}, direction, "direction"))
+    solver.SetInletValue(values[0])
+    solver.SetOutletValue(values[1])
+    solver.SetInitialValue(initial)
+    solver.SetSides(choose({"insulated": 0, "periodic": 1}, sides, "sides"))
+    solver.SetQuantity(choose({"temperature": 0, "concentration": 1}, quantity, "quantity"))
+    solver.SetCollision(choose(_COLLISIONS, stepping, "stepping"))
+    solver.SetLattice(choose(_LATTICES, lattice, "lattice"))
+    solver.SetTimeStep(0 if time_step is None else time_step)
+    solver.SetComputeFlux(bool(flux))
+    solver.SetThreads(threads)
+    run(solver, progress)
+    states = []
+    for k in range(solver.GetNumberOfStates()):
+        state = vtkImageData()
+        state.ShallowCopy(solver.GetStateImage(k))
+        states.append(TransientState(state))
+    return TransientResult(states, np.array([state.time for state in states]))
