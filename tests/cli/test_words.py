@@ -8,7 +8,7 @@ import unittest
 import pictures
 from program import CONDUCTIVITIES, HERE, PHASES, Case
 
-COMMANDS = ["generate", "diffusion", "flux-map", "packing", "bridges", "equilibrium", "fracture", "dynamics", "stiffness",
+COMMANDS = ["generate", "diffusion", "transient", "flux-map", "packing", "bridges", "equilibrium", "fracture", "dynamics", "stiffness",
             "pore-flood-fill", "stress-pdf", "crack-path", "compression-curve", "collapse-map", "snapshot", "info"]
 
 

@@ -374,6 +374,26 @@ class Diffusion(unittest.TestCase):
         with self.assertRaises(lamella.LamellaError) as caught:
             lamella.diffusion(lamella.softwood(size=(40, 30)), {"wall": (3, 1), "lumen": 1})
         self.assertIn("no point array 'axis'", str(caught.exception))
+    def test_in_time(self):
+        layers = lamella.from_array(np.ones((12, 20), int), spacing=1e-6)
+        run = lamella.lattice_boltzmann(layers, {1: 1e-7}, 1e-3, frames=4, flux=True, values=(2, 1), initial=1)
+        np.testing.assert_allclose(run.times, [0, 2.5e-4, 5e-4, 7.5e-4, 1e-3], atol=1e-15)
+        self.assertEqual(run.states[0].field.shape, (12, 20))
+        np.testing.assert_array_equal(run.states[0].field, 1)
+        # the slab's sines, second order in 1/20
+        x, wave = (np.arange(20) + 0.5) / 20, np.pi * np.arange(1, 200)[:, None]
+        exact = 2 - x - (2 / wave * np.sin(wave * x) * np.exp(-1e-7 * (wave / 20e-6) ** 2 * 1e-3)).sum(axis=0)
+        np.testing.assert_allclose(run.states[-1].field[3], exact, atol=1e-3)
+        self.assertEqual(run.states[-1].flux.shape, (12, 20, 3))
+        self.assertGreater(run.inlet_flux[-1], run.outlet_flux[-1])
+        self.assertTrue(np.all(np.diff(run.mean) > 0))
+        self.assertEqual((run.warning, run.relaxation > 0, run.steps * run.time_step), ("", True, run.times[-1]))
+        with self.assertRaisesRegex(lamella.LamellaError, "has no diffusivity"):
+            lamella.lattice_boltzmann(layers, {}, 1)
+        with self.assertRaisesRegex(ValueError, "'auto', 'bgk', 'trt'"):
+            lamella.lattice_boltzmann(layers, {1: 1}, 1, stepping="mrt")
+        with self.assertRaises(lamella.Cancelled):
+            lamella.lattice_boltzmann(layers, {1: 1e-7}, 1, progress=lambda share, text: False)
 
     def test_flux_map(self):
         result = lamella.diffusion(lamella.softwood(size=(80, 60)), {"wall": 1, "lumen": 0.023}, "x")

@@ -28,7 +28,8 @@ class Proxies(unittest.TestCase):
             del globals()[name]  # sum, min and the like: a ProgrammableSource puts its arrays' own in their place
 
     def test_every_property_says_what_it_is(self):
-        for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.FluxMap, pv.PoreFloodFill,
+        for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.LatticeBoltzmann,
+                       pv.FluxMap, pv.PoreFloodFill,
                        pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondFracture,
                        pv.BondDynamics,
                        pv.BondStiffness, pv.BondStress, pv.PointCompression, pv.PointStiffness,
@@ -49,6 +50,8 @@ class Proxies(unittest.TestCase):
                                        "Cells", "Axis")),
             (pv.SteadyDiffusion, ("Direction", "Quantity", "Sides", "ComputeField", "ComputeFlux", "EstimateError",
                                   "Lattice", "Method", "Tolerance", "MaximumIterations", "Threads")),
+            (pv.LatticeBoltzmann, ("Direction", "InletValue", "OutletValue", "InitialValue", "Quantity", "Sides", "EndTime",
+                                   "NumberOfSteps", "ComputeFlux", "Collision", "Lattice", "TimeStep", "Threads")),
             (pv.FluxMap, ("Direction", "NumberOfStreamlines")),
             (pv.PoreFloodFill, ("Phase", "Connectivity", "Periodic", "MinimumSize", "SortBySize", "ComputePoreSize")),
             (pv.StressPDF, ("Component", "LeaveOutPlatens", "Threshold", "TailShare", "BinWidth", "Range",
@@ -117,6 +120,17 @@ class Proxies(unittest.TestCase):
         self.assertAlmostEqual(heat.GetPropertyValue("EffectiveConductivity")[0], expected.effective[0, 0], places=7)
         self.assertEqual(servermanager.Fetch(flux, idx=1).GetNumberOfLines(), 60)
         self.assertEqual(flux.PointData["flux_magnitude"].GetNumberOfComponents(), 1)
+
+    def test_lattice_boltzmann_has_times(self):
+        tissue = pv.MicrostructureSource(Size=[60, 50, 1])
+        heat = pv.LatticeBoltzmann(Input=tissue, EndTime=1e-3, NumberOfSteps=4)
+        heat.UpdatePipelineInformation()
+        self.assertEqual(list(heat.TimestepValues), [0, 0.00025, 0.0005, 0.00075, 0.001])
+        diffusivity = {"wall": 1.8e-7, "lumen": 2.2e-5}
+        expected = lamella.lattice_boltzmann(lamella.softwood(size=(60, 50)), diffusivity, 1e-3, 4)
+        for k, time in enumerate(heat.TimestepValues):
+            heat.UpdatePipeline(time)
+            self.assertAlmostEqual(field(heat, "mean_value")[0], expected.mean[k], places=12)
 
     def test_properties_reach_the_classes(self):
         layers = pv.MicrostructureSource(Kind="Layers", Size=[40, 20, 1], SolidFraction=0.5, Axis="x")

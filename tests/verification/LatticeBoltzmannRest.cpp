@@ -21,28 +21,30 @@ TEST(LatticeBoltzmannAtRest, IsTheSteadySystem)
     {
       const bool flat = dimensionOf(stencil) == 2;
       const bool diagonal = stencil == lbm::Stencil::D2Q9 || stencil == lbm::Stencil::D3Q19;
-      const auto image = flat ? noise(14, 10, 1, 0.4, 11) : noise(8, 6, 5, 0.4, 12);
+      const auto image = flat ? noise(14, 10, 1, 0.75, 11) : noise(8, 6, 5, 0.75, 12);
       for (const int axis : { 0, 1 })
-      {
-        const double k = solve(image, { 0.1, 1.0 },
-          { .axis = axis, .sides = periodic ? lbm::Sides::Periodic : lbm::Sides::Insulated, .diagonal = diagonal })
-                           .effective[static_cast<std::size_t>(axis)];
-        for (const double relaxation : { 0.3, 0.9, 3.0 })
+        for (const double weak : { 0.1, 0.0 })
         {
-          SteppingOptions o;
-          o.stencil = stencil;
-          o.axis = axis;
-          o.sides = periodic ? sidesOf(axis, Boundary::Periodic, Boundary::Periodic)
-                             : sidesOf(axis, Boundary::Fixed, Boundary::Insulated);
-          o.drop = periodic ? 1 : 0;
-          o.steady = true;
-          o.relaxation = relaxation;
-          auto solver = stepper(image, { 0.1, 1.0 }, o);
-          const auto r = solver.rest({ .tolerance = 1e-10 });
-          EXPECT_NEAR(r.inletFlux / k, 1.0, 1e-9) << name(stencil) << " axis " << axis << " relaxation " << relaxation;
-          EXPECT_NEAR(r.outletFlux / k, 1.0, 1e-9) << name(stencil) << " axis " << axis << " relaxation " << relaxation;
+          const double k = solve(image, { weak, 1.0 },
+            { .axis = axis, .sides = periodic ? lbm::Sides::Periodic : lbm::Sides::Insulated, .diagonal = diagonal })
+                             .effective[static_cast<std::size_t>(axis)];
+          for (const double relaxation : { 0.3, 0.9, 3.0 })
+          {
+            SteppingOptions o;
+            o.stencil = stencil;
+            o.axis = axis;
+            o.sides = periodic ? sidesOf(axis, Boundary::Periodic, Boundary::Periodic)
+                               : sidesOf(axis, Boundary::Fixed, Boundary::Insulated);
+            o.drop = periodic ? 1 : 0;
+            o.steady = true;
+            o.relaxation = relaxation;
+            auto solver = stepper(image, { weak, 1.0 }, o);
+            const auto r = solver.rest({ .tolerance = 1e-10 });
+            for (const double flux : { r.inletFlux, r.outletFlux })
+              EXPECT_NEAR(flux / k, 1.0, 1e-9)
+                << name(stencil) << " axis " << axis << " weak " << weak << " relaxation " << relaxation;
+          }
         }
-      }
     }
 }
 
