@@ -153,10 +153,10 @@ def diffusion():
             late = "latewood" in radial["tissue"]
             assert ratio < 0.95 if late else ratio > 1.1, (radial["tissue"], ratio)  # inverted between early- and latewood
     for row in walls:  # heat runs along the walls, vapour across them
-        more = {"fibrils at 20°": row["quantity"] == "heat", "1.2 to 0.8": row["quantity"] == "heat", "0.8 to 1.2": row["quantity"] == "vapour"}
-        if row["walls"] in more and not (row["quantity"] == "vapour" and row["walls"].startswith("fibrils")):
-            assert (row["R_change"] > 0) == (row["T_change"] > 0) == more[row["walls"]], row
-        assert abs(row["R_change"]) < 0.21 and abs(row["T_change"]) < 0.21, row  # no more than if all of the wall had one of the two
+        along = row["walls"] != "0.8 to 1.2"  # the larger one is along the walls
+        gains = row["walls"].startswith("fibrils") or along == (row["quantity"] == "heat")
+        for change in (row["R_change"], row["T_change"]):
+            assert (change > 0) == gains and abs(change) < 0.2, row  # no more than if all of the wall had one of the two
         assert abs(row["ratio"] / row["plain_ratio"] - 1) < 0.1, row  # the way the cells lie decides
     # A pair beyond the bounds that are sharp for anisotropic media, though each of the two lies between series and parallel
     assert study.rooms(0.40, 0.40, 0.45, study.CONDUCTIVITY["heat"])[1] < 0
