@@ -374,6 +374,7 @@ class Diffusion(unittest.TestCase):
         with self.assertRaises(lamella.LamellaError) as caught:
             lamella.diffusion(lamella.softwood(size=(40, 30)), {"wall": (3, 1), "lumen": 1})
         self.assertIn("no point array 'axis'", str(caught.exception))
+
     def test_in_time(self):
         layers = lamella.from_array(np.ones((12, 20), int), spacing=1e-6)
         run = lamella.lattice_boltzmann(layers, {1: 1e-7}, 1e-3, frames=4, flux=True, values=(2, 1), initial=1)
