@@ -7,6 +7,7 @@
 #include "Record.h"
 #include "ResultFiles.h"
 #include "SampleRun.h"
+#include "TableText.h"
 #include "Text.h"
 
 #include "lattice/Clock.h"
@@ -256,8 +257,8 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
 
 Command transientCommand(CLI::App& root)
 {
-  CLI::App* app = root.add_subcommand(
-    "transient", "Heat or vapour through a picture or volume in time, by lattice Boltzmann steps");
+  CLI::App* app =
+    root.add_subcommand("transient", "Heat or vapour through a picture or volume in time, by lattice Boltzmann steps");
   auto o = std::make_shared<TransientOptions>();
   addPictureOptions(*app, o->picture);
   const auto option = [&](const char* group, const char* name, auto& value, const char* text, const char* type)

@@ -71,8 +71,7 @@ class Transient(Case):
         self.fails(2, "--diffusivity 'slow=-1'", "m²/s", *known, "--diffusivity", "slow=-1")
         self.fails(2, "--flux without a file", "-o FILE.vti", *known, "--flux")
         self.fails(2, "lattice d3q7 does not fit", "d2q5", *known, "--lattice", "d3q7")
-        self.fails(2, "has no diffusivity", "give one to each phase", *[w for w in known if w != "fast=1e-7"][:-3],
-                   "slow=1e-8", "--end-time", "1")
+        self.fails(2, "has no diffusivity", "give one to each phase", *LAYERS[:-2], "--end-time", "1")
         self.write("bare.png", pictures.png([[0] * 9] * 9))
         self.fails(2, "needs the size of a pixel", "--pixel-size", "transient", "bare.png", "--phase", "0=a",
                    "--diffusivity", "a=1", "--end-time", "1")

@@ -126,6 +126,19 @@ TEST(LatticeBoltzmannRanks, ThreadsGiveTheSameBits)
   one.advance(38);
   two.advance(38);
   EXPECT_EQ(differing(tall, decompose(tall.lattice, world()), two, one), 0);
+  // planes too large for the cache are swept in tiles, but where each thread has one plane only
+  const auto deep = noise(64, 40, 40, 0.7, 2);
+  o.stencil = lbm::Stencil::D3Q19;
+  o.threads = 40;
+  auto plain = stepper(deep, { 0.0, 1.0 }, o);
+  plain.advance(6);
+  for (const int threads : { 1, 2 })
+  {
+    o.threads = threads;
+    auto tiled = stepper(deep, { 0.0, 1.0 }, o, world());
+    tiled.advance(6);
+    EXPECT_EQ(differing(deep, decompose(deep.lattice, world()), tiled, plain), 0);
+  }
 }
 
 TEST(LatticeBoltzmannRanks, GoOnFromACheckpointToTheSameBits)

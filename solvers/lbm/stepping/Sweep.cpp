@@ -15,6 +15,7 @@ namespace
 // Rows that several pairs of steps work on at a time should stay in the second-level cache and leave room there.
 constexpr double cacheBytes = 640e3;
 constexpr int deepest = 8;
+constexpr std::int64_t narrowestTile = 8; // rows; the outer two of a tile are read twice
 
 double* allocate(std::size_t n)
 {
@@ -53,28 +54,34 @@ Sweep::Sweep(const SlotMap& map, const Communicator& comm, const StepLoops& loop
   arrays_ = { f_.get(), map.stride(), phase_.data(), rate_.data(), largest < 8, map.patterns().data(),
     map.sources().data() };
 
-  // slabs of equal numbers of nodes
   const auto& rows = map.rows();
+  const double rowBytes = static_cast<double>(map.stored()) / static_cast<double>(std::max<std::int64_t>(rowsAll_, 1)) *
+    static_cast<double>(loops.populations) * sizeof(double);
+  if (size[2] > 1 && !wrapsY && 2 * static_cast<double>(lag_) * rowBytes > cacheBytes)
+  {
+    plane_ = size[1];
+    tile_ = std::clamp<std::int64_t>(static_cast<std::int64_t>(cacheBytes / (2 * rowBytes)), narrowestTile, plane_);
+    lag_ = plane_;
+  }
+
+  // slabs of equal numbers of nodes, of whole planes where those are swept in tiles
   slabs_.push_back(0);
   std::int64_t done = 0;
   for (std::int64_t r = 0; r < rowsAll_; ++r)
   {
     if (done * threads >= map.stored() * static_cast<std::int64_t>(slabs_.size()) &&
-      static_cast<int>(slabs_.size()) < threads)
+      static_cast<int>(slabs_.size()) < threads && (tile_ == 0 || r % plane_ == 0))
       slabs_.push_back(r);
     done += rows[r].count;
   }
   slabs_.push_back(rowsAll_);
-
   std::int64_t narrowest = rowsAll_;
   for (std::size_t k = 0; k + 1 < slabs_.size(); ++k)
     narrowest = std::min(narrowest, slabs_[k + 1] - slabs_[k]);
   interleaved_ = narrowest >= 2 * lag_;
-  if (interleaved_ && !comm.parallel())
+  if (interleaved_ && !comm.parallel() && tile_ == 0)
   {
     // a pair keeps the rows of two lags in use; the gaps between the slabs take a share of the time
-    const double rowBytes = static_cast<double>(map.stored()) / static_cast<double>(rowsAll_) *
-      static_cast<double>(loops.populations) * sizeof(double);
     const double fitting = cacheBytes / (2 * static_cast<double>(lag_) * rowBytes);
     const double wide = static_cast<double>(narrowest) / (8 * static_cast<double>(lag_));
     depth_ = std::clamp(static_cast<int>(std::min(fitting, wide)), 1, deepest);
@@ -128,6 +135,30 @@ double Sweep::slab(std::int64_t begin, std::int64_t end, int pairs) const
   return squares;
 }
 
+// One pair where a plane is too large for the cache: tiles of a few rows of each plane, one tile through all planes
+// after the other. The odd step is a row and a plane behind the even one, so the rows that it needs of the tile before
+// are done.
+double Sweep::tiles(std::int64_t begin, std::int64_t end) const
+{
+  double squares = 0;
+  const std::int64_t low = begin / plane_;
+  const std::int64_t high = end / plane_;
+  for (std::int64_t from = 0; from < plane_; from += tile_)
+  {
+    const std::int64_t to = std::min(from + tile_, plane_);
+    for (std::int64_t z = low; z < high; ++z)
+      for (std::int64_t y = from; y < (to == plane_ ? to + 1 : to); ++y)
+      {
+        if (y < to)
+          squares += even(z * plane_ + y);
+        const std::int64_t o = (z - 1) * plane_ + y - 1;
+        if (y > 0 && z - 1 > low && !map_.rows()[o].late)
+          odd(o);
+      }
+  }
+  return squares;
+}
+
 // What the slabs on both sides of a boundary have left out.
 double Sweep::gap(std::int64_t boundary, int pairs) const
 {
@@ -165,7 +196,7 @@ double Sweep::advance(int pairs)
     {
 #pragma omp for schedule(static)
       for (std::int64_t k = 0; k < slabs; ++k)
-        squares += slab(slabs_[k], slabs_[k + 1], pairs);
+        squares += tile_ > 0 ? tiles(slabs_[k], slabs_[k + 1]) : slab(slabs_[k], slabs_[k + 1], pairs);
 #pragma omp for schedule(static)
       for (std::int64_t k = 0; k < slabs; ++k)
         squares += gap(slabs_[k], pairs);

@@ -45,6 +45,7 @@ private:
   double even(std::int64_t row) const;
   double odd(std::int64_t row) const;
   double slab(std::int64_t begin, std::int64_t end, int pairs) const;
+  double tiles(std::int64_t begin, std::int64_t end) const;
   double gap(std::int64_t boundary, int pairs) const;
   void exchange(bool back);
 
@@ -59,6 +60,8 @@ private:
   std::int64_t lag_ = 1;     ///< rows that a row's neighbours lie apart, at most
   bool interleaved_ = false; ///< odd steps follow even ones at once
   int depth_ = 1;
+  std::int64_t plane_ = 0;          ///< rows of a plane, where planes are swept in tiles
+  std::int64_t tile_ = 0;           ///< rows of a tile; 0: they are not
   std::vector<std::int64_t> slabs_; ///< first rows; one more than threads
   std::vector<double> send_;
   std::vector<double> receive_;
