@@ -172,10 +172,10 @@ int run(Session& session, std::vector<std::string> words)
       "lamella diffusion tissue.png --conductivity lumen=0.023 --conductivity wall=1 -o heat.vti",
       "lamella snapshot heat_y.vti -o heat.png", "lamella info heat_y.vti" });
   const std::vector<Command> commands{ generateCommand(root), diffusionCommand(root), transientCommand(root),
-    fluxMapCommand(root), packingCommand(root), bridgesCommand(root), equilibriumCommand(root), fractureCommand(root), dynamicsCommand(root),
-    compressionCommand(root), stiffnessCommand(root), poreFloodFillCommand(root), micrographCommand(root),
-    stressPdfCommand(root), crackPathCommand(root), compressionCurveCommand(root), collapseMapCommand(root),
-    snapshotCommand(root), infoCommand(root) };
+    fluxMapCommand(root), packingCommand(root), bridgesCommand(root), equilibriumCommand(root), fractureCommand(root),
+    dynamicsCommand(root), compressionCommand(root), stiffnessCommand(root), poreFloodFillCommand(root),
+    micrographCommand(root), stressPdfCommand(root), crackPathCommand(root), compressionCurveCommand(root),
+    collapseMapCommand(root), snapshotCommand(root), infoCommand(root) };
   root.require_subcommand(0, 1);
 
   const std::string commandLine = io::quoteCommand(words);
