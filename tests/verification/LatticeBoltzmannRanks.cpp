@@ -102,6 +102,8 @@ TEST(LatticeBoltzmannRanks, GiveTheSameBits)
 
 TEST(LatticeBoltzmannRanks, ThreadsGiveTheSameBits)
 {
+  if (Communicator(world()).size() > 2)
+    GTEST_SKIP() << "threads of more ranks than there are cores only wait for each other";
   for (auto& s : scenes(7))
   {
     auto one = stepper(s.image, s.d, s.options);
