@@ -47,7 +47,7 @@ using SizeKnown = std::function<void(const Lattice& whole)>;
 template <typename Grid>
 [[nodiscard]] vtkSmartPointer<Grid> readAs(const std::string& path, const char* wanted, const char* hint)
 {
-  const vtkSmartPointer<Grid> grid = Grid::SafeDownCast(readGrid(path));
+  vtkSmartPointer<Grid> grid = Grid::SafeDownCast(readGrid(path));
   if (grid == nullptr)
   {
     throw InputError("'" + path + "' holds no " + wanted, hint);

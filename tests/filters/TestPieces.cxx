@@ -9,6 +9,7 @@
 
 #include "vtkCellData.h"
 #include "vtkExtentTranslator.h"
+#include "vtkFloatArray.h"
 #include "vtkFluxMap.h"
 #include "vtkIdTypeArray.h"
 #include "vtkInformation.h"
@@ -271,6 +272,49 @@ TEST_F(Pieces, RanksWithoutAPieceWorkAlong)
   EXPECT_NEAR(solver->GetEffectiveConductivity()[0], 2 / 1.1, 1e-7);
   EXPECT_NEAR(fieldNumbers(map->GetOutput(), "effective_from_flux").at(0), 2 / 1.1, 1e-7);
   EXPECT_EQ(map->GetOutput()->GetNumberOfPoints(), rank() == 0 ? 720 : 0);
+}
+
+TEST_F(Pieces, DirectionsAlongWallsReachEveryRank)
+{
+  const auto whole = vtktest::picture(30, 24, 1, [](int x, int y, int) { return (x + y / 2) / 3 % 2; });
+  vtkNew<vtkFloatArray> axis;
+  axis->SetName("axis");
+  axis->SetNumberOfComponents(2);
+  for (int node = 0; node < 720; ++node)
+  {
+    axis->InsertNextTuple2(std::cos(0.02 * node), std::sin(0.02 * node));
+  }
+  whole->GetPointData()->AddArray(axis);
+  vtkNew<vtkImageData> mine; // rows, the seams shared
+  mine->ShallowCopy(whole);
+  const int rows[6] = { 0, 29, 23 * rank() / ranks(), 23 * (rank() + 1) / ranks(), 0, 0 };
+  mine->Crop(rows);
+  vtkNew<vtkTrivialProducer> producer;
+  producer->SetOutput(mine);
+  producer->SetWholeExtent(0, 29, 0, 23, 0, 0);
+  const auto set = [](vtkSteadyDiffusion* solver)
+  {
+    solver->SetConductivity("a", 0.1);
+    solver->SetConductivity("b", 3);
+    solver->SetConductivityAcross("b", 1);
+    solver->SetDirection(vtkSteadyDiffusion::ALL);
+    solver->SetTolerance(1e-10);
+  };
+  vtkNew<vtkSteadyDiffusion> together;
+  together->SetInputConnection(producer->GetOutputPort());
+  set(together);
+  vtkNew<vtkFluxMap> map; // has the nodes' fluxes to go by
+  map->SetInputConnection(together->GetOutputPort());
+  map->UpdatePiece(rank(), ranks(), 0);
+  vtkNew<vtkSteadyDiffusion> alone;
+  alone->SetInputData(whole);
+  set(alone);
+  alone->Update();
+  for (const int i : { 0, 4 })
+  {
+    EXPECT_NEAR(together->GetEffectiveConductivity()[i], alone->GetEffectiveConductivity()[i], 1e-9);
+  }
+  EXPECT_NEAR(fieldNumbers(map->GetOutput(), "effective_from_flux").at(0), alone->GetEffectiveConductivity()[0], 1e-6);
 }
 
 TEST_F(Pieces, AnErrorOnOneRankIsAnErrorOnAll)
