@@ -256,6 +256,8 @@ std::array<double, 2> LatticeBoltzmann::Impl::crossing() const
 
 std::array<double, 2> LatticeBoltzmann::faceFlux() const
 {
+  if (impl_->steps == 0)
+    return {};
   auto flux = impl_->crossing();
   for (double& f : flux)
     f *= impl_->lattice.spacing / impl_->dt;

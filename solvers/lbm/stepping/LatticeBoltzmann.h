@@ -130,8 +130,8 @@ public:
   void value(std::span<double> out) const;
   /// The flux on this rank's block, −D grad u [m/s]: three components a node, interleaved; 0 where nothing is stored.
   void flux(std::span<double> out) const;
-  /// Mean flux through the low and the high face of the axis over the last step [m/s], positive along the axis.
-  /// Collective.
+  /// Mean flux through the low and the high face of the axis over the last step [m/s], positive along the axis; 0
+  /// before the first. Collective.
   [[nodiscard]] std::array<double, 2> faceFlux() const;
   /// Mean of the value over the box, 0 where nothing is stored; what insulated sides conserve. Collective.
   [[nodiscard]] double mean() const;
