@@ -4,23 +4,41 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace lamella::lbm
 {
 
-std::string singleRateWarning(double tau, double chord)
+std::string singleRateWarning(double relaxation, std::span<const Chord> chords)
 {
   constexpr double accurate = 1.0;
-  if (tau <= accurate * (1 + 1e-12))
+  constexpr double thin = 0.03;
+  const double tau = relaxation + 0.5;
+  if (tau > accurate * (1 + 1e-12))
+  {
+    const double beyond = tau - accurate;
+    const double chord = chords.front().length;
+    return fmt::format(
+      "bgk is accurate up to a relaxation time of 1, and that of the phase that conducts best is {:.4g}: "
+      "expect an effective value about {:.0f} % too low in pieces of that phase {:.1f} spacings long; use "
+      "trt, whose answer does not depend on it, or a time step {:.3g} times smaller",
+      tau, 100 * beyond / (chord + beyond), chord, relaxation / (accurate - 0.5));
+  }
+  if (chords.size() == 1)
     return {};
-  const double beyond = tau - accurate;
+  const auto gain = [&](const Chord& c)
+  { return c.diffusivity > 0 ? (accurate - 0.5 - relaxation * c.diffusivity) / c.length : 0.0; };
+  const Chord& worst =
+    *std::max_element(chords.begin(), chords.end(), [&](const Chord& a, const Chord& b) { return gain(a) < gain(b); });
+  if (gain(worst) <= thin)
+    return {};
   return fmt::format(
-    "bgk is accurate up to a relaxation time of 1, and that of the phase that conducts best is {:.4g}: "
-    "expect an effective value about {:.0f} % too low in pieces of that phase {:.1f} spacings long; use "
-    "trt, whose answer does not depend on it, or a time step {:.3g} times smaller",
-    tau, 100 * beyond / (chord + beyond), chord, (tau - 0.5) / (accurate - 0.5));
+    "bgk has interfaces in their places at a relaxation time of 1, and that of a phase whose pieces are "
+    "{:.1f} spacings long is {:.4g}: expect an effective value up to about {:.0f} % too high; use trt, "
+    "whose answer does not depend on it, or more nodes across the pieces",
+    worst.length, 0.5 + relaxation * worst.diffusivity, 100 * gain(worst));
 }
 
 // With a large time step diffusion becomes a wave that is damped: κ ∂q/∂t + q/D = −grad u, κ the same everywhere. The

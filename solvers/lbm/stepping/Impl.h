@@ -1,6 +1,7 @@
 #pragma once
 
 #include "lattice/Error.h"
+#include "lbm/stepping/Accuracy.h"
 #include "lbm/stepping/LatticeBoltzmann.h"
 #include "lbm/stepping/SlotMap.h"
 #include "lbm/stepping/Sweep.h"
@@ -31,8 +32,9 @@ struct LatticeBoltzmann::Impl
   double largest = 0;    ///< diffusivity that occurs [m²/s]
   double relaxation = 0; ///< of it
   double dt = 0;
-  bool adapts = false;  ///< the time step only brings the run to rest, and is chosen as the flux becomes known
-  double chord = 0;     ///< mean length of the runs along x of the phase that conducts best, in spacings
+  bool adapts = false; ///< the time step only brings the run to rest, and is chosen as the flux becomes known
+  /// Mean length of the runs of each diffusivity that occurs along x, in spacings; the best comes first.
+  std::vector<Chord> chords;
   std::string phaseSum; ///< tells pictures apart
   std::unique_ptr<SlotMap> map;
   std::unique_ptr<Sweep> sweep;
@@ -71,6 +73,12 @@ struct LatticeBoltzmann::Impl
   [[nodiscard]] double across() const;
   /// What crosses the two planes in one step, over the area across. Collective.
   [[nodiscard]] std::array<double, 2> crossing() const;
+  /// Are all sides but those of the axis free of given values?
+  [[nodiscard]] bool onlyAxisFixed() const;
+  /// How far the state is from rest when this crosses the faces in one step, over the area across: the largest relative
+  /// deviation of what crosses between two planes and, with two relaxation times, of what is dissipated (at rest the
+  /// flux times the fall of the value, Σ over the half links net²/(4 Λ w)). Collective.
+  [[nodiscard]] double unrest(double flux, double fall) const;
   void report(double fraction, const char* what) const;
   void advance(std::int64_t count);
   [[nodiscard]] std::string scene() const;

@@ -275,6 +275,7 @@ RestResult LatticeBoltzmann::rest(const RestOptions& options)
   const double fall = faces ? m.options.faceValues[axis][0] - m.options.faceValues[axis][1] : m.options.drop;
   require(fall != 0, "no flux is driven through the box, so there is none to come to rest",
     "fix different values on the two faces, or give a drop between periodic sides");
+  const bool alone = m.onlyAxisFixed();
   const double perStep = m.length(axis) * m.lattice.spacing * m.lattice.spacing / fall;
   // Between two looks the slowest mode fades by a good third at the best scale; see restRelaxation().
   const std::int64_t window = 2 * std::max<std::int64_t>(10, m.lattice.size[axis] / 8);
@@ -302,7 +303,13 @@ RestResult LatticeBoltzmann::rest(const RestOptions& options)
     result.outletFlux = now[1] * perStep / m.dt;
     result.effective = 0.5 * (result.inletFlux + result.outletFlux);
     result.balance = std::fabs(result.inletFlux - result.outletFlux) / std::fabs(result.effective);
-    const double worse = std::max(result.change, result.balance);
+    double worse = std::max(result.change, result.balance);
+    // Faces that say the same, and slowly, are not enough: a symmetric picture's always do.
+    if (worse <= options.tolerance && alone)
+    {
+      result.balance = std::max(result.balance, m.unrest(0.5 * (now[0] + now[1]), fall));
+      worse = std::max(worse, result.balance);
+    }
     calm = worse <= options.tolerance;
     if (m.adapts && adaptations < 4 && worse < known && result.effective > 0)
     {
@@ -343,7 +350,7 @@ double LatticeBoltzmann::relaxation() const noexcept
 
 std::string LatticeBoltzmann::warning() const
 {
-  return impl_->two ? std::string() : singleRateWarning(impl_->relaxation + 0.5, impl_->chord);
+  return impl_->two ? std::string() : singleRateWarning(impl_->relaxation, impl_->chords);
 }
 
 SteppingStatistics LatticeBoltzmann::statistics() const

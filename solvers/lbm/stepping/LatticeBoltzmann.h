@@ -61,8 +61,10 @@ struct RestResult
   double effective = 0;  ///< mean of what the two faces say [m²/s]
   double inletFlux = 0;  ///< effective diffusivity seen at the low face (periodic: at the low side)
   double outletFlux = 0; ///< the same at the high face (periodic: half-way across)
-  double balance = 0;    ///< |inlet − outlet| over the mean
-  double change = 0;     ///< estimated relative error that stepping leaves in the worse of the two
+  /// |inlet − outlet| over the mean; at rest the worst of this, of what crosses any plane between and, with two
+  /// relaxation times, of what is dissipated over the fall of the value, against that mean.
+  double balance = 0;
+  double change = 0; ///< estimated relative error that stepping leaves in the worse of the two
   std::int64_t steps = 0;
 };
 

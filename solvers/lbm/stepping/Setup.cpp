@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <utility>
 
 namespace lamella::lbm
@@ -82,12 +84,16 @@ void LatticeBoltzmann::Impl::check(const Block& block, std::span<const std::uint
     fmt::format("a time step of {} s is not above 0", options.timeStep), "give a time in seconds, or none");
 }
 
+bool LatticeBoltzmann::Impl::onlyAxisFixed() const
+{
+  return std::none_of(options.sides.begin(), options.sides.begin() + lattice.dimension,
+    [&](const Boundary& b) { return b == Boundary::Fixed && &b != &options.sides[options.axis]; });
+}
+
 NodeSet LatticeBoltzmann::Impl::participants(const Halo& halo, std::span<const std::uint8_t> phase) const
 {
   const Block& block = parts.block();
-  const bool onlyAxis = std::none_of(options.sides.begin(), options.sides.begin() + lattice.dimension,
-    [&](const Boundary& b) { return b == Boundary::Fixed && &b != &options.sides[options.axis]; });
-  if (options.steady && onlyAxis) // faces across another axis hold what leads to them, too
+  if (options.steady && onlyAxisFixed()) // faces across another axis hold what leads to them, too
   {
     const Links links(lattice, options.stencil, options.sides, diffusivity);
     Percolation found = findPercolation(lattice, parts, halo, comm, links, options.axis, phase);
@@ -143,21 +149,24 @@ void LatticeBoltzmann::Impl::build(std::span<const std::uint8_t> phase)
     throw MemoryError(fmt::format("stepping on {} nodes needs about {} on each rank, and {} are available", conducting,
                         bytesText(needed), bytesText(available)),
       "use a smaller window or refinement, a lattice of fewer populations, or more machines with mpirun");
-  std::int64_t best = 0;
-  std::int64_t runs = 0;
+  std::array<double, 2 * 256> runs{}; // nodes and runs of each phase
   for (std::int64_t z = 0, i = 0; z < block.size[2]; ++z)
     for (std::int64_t y = 0; y < block.size[1]; ++y)
       for (std::int64_t x = 0; x < block.size[0]; ++x, ++i)
       {
-        if (diffusivity[phase[i]] == largest)
-        {
-          ++best;
-          runs += x == 0 || diffusivity[phase[i - 1]] != largest ? 1 : 0;
-        }
+        runs[2 * phase[i]] += 1;
+        runs[2 * phase[i] + 1] += x == 0 || diffusivity[phase[i - 1]] != diffusivity[phase[i]] ? 1 : 0;
         const auto at = static_cast<std::uint64_t>(lattice.index(x, y + block.start[1], z + block.start[2]));
         sum += static_cast<std::int64_t>(((at + 1) * (phase[i] + 1) * 0x9E3779B97F4A7C15ULL) >> 34);
       }
-  chord = static_cast<double>(comm.sum(best)) / static_cast<double>(comm.sum(runs));
+  comm.sum(runs);
+  std::map<double, std::array<double, 2>, std::greater<>> alike;
+  for (std::size_t id = 0; id < diffusivity.size() && id < counts.size(); ++id)
+    if (runs[2 * id] > 0)
+      for (const std::size_t k : { 0, 1 })
+        alike[diffusivity[id]][k] += runs[2 * id + k];
+  for (const auto& [d, sums] : alike)
+    chords.push_back({ d / largest, sums[0] / sums[1] });
   phaseSum = fmt::format("{:x}", comm.sum(sum));
   chooseTime(phase);
 
