@@ -9,6 +9,7 @@
 // none: all. Keys: quick, output=FOLDER for CSV files (default results/bench-compression). Processor time of all
 // threads.
 #include "Keys.h"
+#include "Table.h"
 
 #include "../tests/verification/ManufacturedMotion.h"
 
@@ -23,8 +24,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <string>
 #include <utility>
@@ -37,37 +36,13 @@ using namespace lamella;
 using namespace lamella::benchmark;
 using namespace lamella::mpm;
 
-/// Lines of a table in a file.
-class Table
-{
-public:
-  Table(const Keys& keys, const char* name, const char* columns)
-  {
-    const std::string folder = text(keys, "output", "results/bench-compression");
-    std::filesystem::create_directories(folder);
-    file_.open(std::filesystem::path(folder) / fmt::format("compression-{}.csv", name));
-    file_ << columns << "\n";
-  }
-  template <class... Values>
-  void line(const Values&... values)
-  {
-    std::string text;
-    ((text += fmt::format("{},", values)), ...);
-    text.pop_back();
-    file_ << text << "\n" << std::flush;
-  }
-
-private:
-  std::ofstream file_;
-};
-
 // ---------------------------------------------------------------------------------------------------------------------
 
 void motion(const Keys& keys)
 {
   using namespace samples;
   const bool quick = keys.contains("quick");
-  Table table(keys, "motion", "amplitude,shape,transfer,cells,per_cell,error,cpu_seconds");
+  Table table(keys, "compression", "motion", "amplitude,shape,transfer,cells,per_cell,error,cpu_seconds");
   fmt::print("Manufactured solution: root mean square error of the displacement at its largest, over its amplitude\n"
              "strain  shape    transfer  cells  a cell      error     CPU\n");
   const std::pair<const char*, Shape> shapes[] = { { "linear", Shape::Linear }, { "GIMP", Shape::Gimp },
@@ -206,7 +181,7 @@ void tissue(const Keys& keys)
 {
   const bool quick = keys.contains("quick");
   const int finest = quick ? 200 : 400;
-  Table table(keys, "tissue", "spacing,per_cell,points,slope,plateau,steps,cpu_seconds");
+  Table table(keys, "compression", "tissue", "spacing,per_cell,points,slope,plateau,steps,cpu_seconds");
   fmt::print("\nGenerated earlywood, 150 µm, pressed to 16 %: the picture at its finest; cells of the grid coarser\n"
              "spacing  a cell   points      slope    plateau    steps      CPU\n");
   const PhaseImage image = earlywood(finest);
@@ -228,7 +203,8 @@ void tissue(const Keys& keys)
 void speed(const Keys& keys)
 {
   const int nodes = keys.contains("quick") ? 150 : 250;
-  Table table(keys, "speed", "start,speed,energy_ratio,slope,plateau,worst_ratio,worst_imbalance,steps,cpu_seconds");
+  Table table(keys, "compression", "speed",
+    "start,speed,energy_ratio,slope,plateau,worst_ratio,worst_imbalance,steps,cpu_seconds");
   fmt::print("\nSpeed: over the wall's waves, or as the energy ratio allows; slope over the implicit one\n"
              "start   speed      slope    plateau  kinetic/elastic  platens differ    steps      CPU\n");
   const PhaseImage image = earlywood(nodes);
@@ -265,7 +241,7 @@ void speed(const Keys& keys)
 
 void stiffness(const Keys& keys)
 {
-  Table table(keys, "stiffness", "nodes,points,implicit,implicit_seconds,explicit,explicit_seconds");
+  Table table(keys, "compression", "stiffness", "nodes,points,implicit,implicit_seconds,explicit,explicit_seconds");
   fmt::print("\nStiffness: implicit, and the slope up to 0.3 % of slow explicit runs (energy ratio 1e-4)\n"
              "nodes    points   implicit      CPU   explicit      CPU   over\n");
   for (const int nodes : { 100, 150, 200 })
