@@ -27,7 +27,8 @@ constexpr std::int64_t directLimit3 = 16000;
 constexpr double slowRate = 0.35;
 
 // The estimate of the error knows the spectrum as far as the iteration has. So it is taken times `safety`, and a
-// tolerance looser than `loosest` ends no iteration before the spectrum has shown. (Measured: benchmarks/Diffusion.cpp.)
+// tolerance looser than `loosest` ends no iteration before the spectrum has shown. (Measured:
+// benchmarks/Diffusion.cpp.)
 constexpr double safety = 4;
 constexpr double loosest = 1e-6;
 constexpr double tightest = 1e-20; // round-off of the residual is near
