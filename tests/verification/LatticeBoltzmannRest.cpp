@@ -134,19 +134,26 @@ TEST(LatticeBoltzmannAtRest, LayersAreExact)
   }
 }
 
+/// Softwood and the conductivities of its phases.
+std::pair<PhaseImage, std::vector<double>> heatedSoftwood(std::int64_t nodes)
+{
+  generators::SoftwoodOptions g;
+  g.dimension = 2;
+  g.size = { nodes, nodes, 1 };
+  g.solidFraction = 0.40;
+  g.seed = 1;
+  auto image = generators::softwood(g);
+  std::vector<double> d;
+  for (const auto& phase : image.phases.names())
+    d.push_back(phase == "lumen" ? 0.023 : 1.0);
+  return { std::move(image), std::move(d) };
+}
+
 // One relaxation time has its interfaces and faces elsewhere at every τ: on generated softwood the conductivity falls
 // by half from τ = 1 to 22, where two of them stay at the steady solver's.
 TEST(LatticeBoltzmannAtRest, OneRelaxationTimeDependsOnIt)
 {
-  generators::SoftwoodOptions g;
-  g.dimension = 2;
-  g.size = { 100, 100, 1 };
-  g.solidFraction = 0.40;
-  g.seed = 1;
-  const auto image = generators::softwood(g);
-  std::vector<double> d;
-  for (const auto& phase : image.phases.names())
-    d.push_back(phase == "lumen" ? 0.023 : 1.0);
+  const auto [image, d] = heatedSoftwood(100);
   const double exact = solve(image, d, { .diagonal = true }).effective[0];
   // shares of the exact value, measured on this code to 1e-3
   const std::array<std::array<double, 2>, 3> known{ { { 2, 0.951 }, { 5, 0.808 }, { 22, 0.554 } } };
@@ -175,15 +182,7 @@ TEST(LatticeBoltzmannAtRest, OneRelaxationTimeDependsOnIt)
 // 1e-3 and 2840 to 1e-6 for heat, both scales on softwood of 200², D2Q9).
 TEST(LatticeBoltzmannAtRest, ChoosesItsTimeStep)
 {
-  generators::SoftwoodOptions g;
-  g.dimension = 2;
-  g.size = { 200, 200, 1 };
-  g.solidFraction = 0.40;
-  g.seed = 1;
-  const auto image = generators::softwood(g);
-  std::vector<double> d;
-  for (const auto& phase : image.phases.names())
-    d.push_back(phase == "lumen" ? 0.023 : 1.0);
+  const auto [image, d] = heatedSoftwood(200);
   const double exact = solve(image, d, { .diagonal = true }).effective[0];
   SteppingOptions o;
   o.stencil = lbm::Stencil::D2Q9;
