@@ -129,10 +129,10 @@ def draw_strength(means, beside, path):
     with chart(path, "saturation S", "stress over $E_M s_0$", xlim=(0, 1.03), dpi=200) as axes:
         axes.errorbar(saturation, [mean["strength"] for mean in means], yerr=[mean["strength_deviation"] for mean in means], fmt="o-",
                       capsize=3, color="#1f4e9c", label="strength")
-    if beside:
-        axes.errorbar([mean["saturation"] for mean in beside], [mean["strength"] for mean in beside],
-                      yerr=[mean["strength_deviation"] for mean in beside], fmt="D-", markersize=5, capsize=3, color="#c77f1a",
-                      label="strength, the other run")
+        if beside:
+            axes.errorbar([mean["saturation"] for mean in beside], [mean["strength"] for mean in beside],
+                          yerr=[mean["strength_deviation"] for mean in beside], fmt="D-", markersize=5, capsize=3, color="#c77f1a",
+                          label="strength, the other run")
         axes.plot(saturation, [mean["first_break"] for mean in means], "s--", markersize=4, color="#888888", label="first break")
         axes.plot(list(PAPER), list(PAPER.values()), "*", markersize=11, color="#d01c1c", label="paper, in its text")
 
