@@ -133,11 +133,14 @@ struct vtkPoreFloodFill::Work
     }
 
     const bool same = inward.identity();
-    vtkNew<vtkIntArray> labels;
-    this->Add(labels.Get(), "pore", "1", "label of the pore; 0 outside", same,
-      [&](std::span<int> out) { labelling.labels(out); });
-    this->Output->GetPointData()->SetActiveScalars("pore");
-    if (this->Self->ComputePoreSize)
+    if (this->Self->ComputeLabels)
+    {
+      vtkNew<vtkIntArray> labels;
+      this->Add(labels.Get(), "pore", "1", "label of the pore; 0 outside", same,
+        [&](std::span<int> out) { labelling.labels(out); });
+      this->Output->GetPointData()->SetActiveScalars("pore");
+    }
+    if (this->Self->ComputeLabels && this->Self->ComputePoreSize)
     {
       vtkNew<vtkFloatArray> sizes;
       this->Add(sizes.Get(), "pore_size", lamella::nodesOf(this->Whole.lattice), "size of the node's pore; NaN outside",
@@ -270,6 +273,7 @@ void vtkPoreFloodFill::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "Periodic: " << this->Periodic[0] << ", " << this->Periodic[1] << ", " << this->Periodic[2] << "\n"
      << indent << "MinimumSize: " << this->MinimumSize << "\n"
      << indent << "SortBySize: " << this->SortBySize << "\n"
+     << indent << "ComputeLabels: " << this->ComputeLabels << "\n"
      << indent << "ComputePoreSize: " << this->ComputePoreSize << "\n"
      << indent << "MaximumNumberOfLabels: " << this->MaximumNumberOfLabels << "\n";
 }

@@ -91,6 +91,14 @@ public:
   ///@}
 
   ///@{
+  /** Whether the image carries `pore`, and `pore_size` with it. Off, pores are counted and measured only. Default on.
+   */
+  vtkSetMacro(ComputeLabels, bool);
+  vtkGetMacro(ComputeLabels, bool);
+  vtkBooleanMacro(ComputeLabels, bool);
+  ///@}
+
+  ///@{
   /** Whether the image carries `pore_size`, to be coloured by. Default on. */
   vtkSetMacro(ComputePoreSize, bool);
   vtkGetMacro(ComputePoreSize, bool);
@@ -133,6 +141,7 @@ private:
   int Periodic[3] = { 0, 0, 0 };
   int MinimumSize = 1;
   bool SortBySize = true;
+  bool ComputeLabels = true;
   bool ComputePoreSize = true;
   int MaximumNumberOfLabels = VTK_INT_MAX;
   vtkMultiProcessController* Controller = nullptr;

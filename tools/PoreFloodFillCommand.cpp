@@ -298,6 +298,7 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
   filter->SetPeriodic(periodic.data());
   filter->SetMinimumSize(options.minimumSize);
   filter->SetSortBySize(options.order == "size");
+  filter->SetComputeLabels(!options.output.empty());
   filter->SetComputePoreSize(!options.output.empty());
   session.onRoot([] { (void)VtkMessages::takeErrors(); });
   run(session, filter, image, extent);

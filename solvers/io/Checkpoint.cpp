@@ -1,109 +1,36 @@
 #include "io/Checkpoint.h"
 
+#include "io/Hdf5.h"
 #include "io/Provenance.h"
 #include "lamella/Version.h"
 #include "lattice/Error.h"
 
 #include <fmt/format.h>
-#include <hdf5.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <numeric>
-#include <utility>
 
 namespace lamella::io
 {
 namespace
 {
 
+using hdf5::good;
+using hdf5::Handle;
+using hdf5::Quiet;
+using hdf5::readText;
+using hdf5::textType;
+using hdf5::writeText;
+
 constexpr int format = 1;                ///< one more with every change that an older program cannot read
 constexpr std::size_t headerBytes = 512; // the least that HDF5 passes over
 constexpr std::string_view magic = "Lamella checkpoint\n";
 
-/// An HDF5 identifier, closed in the end.
-class Handle
-{
-public:
-  Handle(hid_t id, herr_t (*close)(hid_t))
-    : id_(id)
-    , close_(close)
-  {
-    if (id < 0)
-      throw Error("HDF5 cannot make or read a part of the checkpoint", "report it");
-  }
-  ~Handle()
-  {
-    if (id_ >= 0)
-      close_(id_);
-  }
-  Handle(Handle&& other) noexcept
-    : id_(std::exchange(other.id_, -1))
-    , close_(other.close_)
-  {
-  }
-  Handle& operator=(Handle&&) = delete;
-  operator hid_t() const noexcept { return id_; } // NOLINT(google-explicit-constructor): as HDF5 takes it
-
-private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
 std::string program()
 {
   return fmt::format("lamella {}", lamella::version());
-}
-
-/// HDF5 says nothing by itself meanwhile: its errors become ours.
-class Quiet
-{
-public:
-  Quiet()
-  {
-    H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~Quiet() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
-  Quiet(const Quiet&) = delete;
-  Quiet& operator=(const Quiet&) = delete;
-
-private:
-  H5E_auto2_t print_ = nullptr;
-  void* data_ = nullptr;
-};
-
-void good(herr_t status)
-{
-  if (status < 0)
-    throw Error("HDF5 fails on a part of the checkpoint", "report it");
-}
-
-Handle textType(std::size_t length)
-{
-  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  good(H5Tset_size(type, std::max<std::size_t>(1, length)));
-  good(H5Tset_cset(type, H5T_CSET_UTF8));
-  return type;
-}
-
-void writeText(hid_t at, const char* name, const std::string& text)
-{
-  const Handle type = textType(text.size());
-  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Handle attribute(H5Acreate2(at, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  good(H5Awrite(attribute, type, text.c_str()));
-}
-
-std::string readText(hid_t at, const char* name)
-{
-  const Handle attribute(H5Aopen(at, name, H5P_DEFAULT), H5Aclose);
-  const Handle type(H5Aget_type(attribute), H5Tclose);
-  std::string text(H5Tget_size(type), '\0');
-  good(H5Aread(attribute, type, text.data()));
-  text.resize(std::min(text.size(), text.find('\0')));
-  return text;
 }
 
 /// Attributes hold 64 KiB at most; this is a dataset.

@@ -3,6 +3,7 @@
 #include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
+#include "lattice/Passes.h"
 #include "lbm/Backend.h"
 #include "lbm/CompactSystem.h"
 #include "lbm/Connectivity.h"
@@ -309,6 +310,7 @@ void SteadyDiffusion::flux(std::span<double> out) const
   if (!impl_->backend || out.size() != 3 * impl_->phase.size())
     throw ParameterError("there is no flux to return, or its size is not three times that of the block",
       "solve first, and hand over three numbers a node of this rank's block");
+  countPass(Pass::Flux);
   impl_->backend->flux(out);
 }
 

@@ -1,5 +1,6 @@
 // What is asked for now and then: stress, energy, the most stretched bond, sections, diagonal blocks, tangents. One
 // bond of the stencil and one row of nodes at a time, with the springs of the row written out first; plain loops.
+#include "lattice/Passes.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/BondRows.h"
 #include "peridynamics/RimExchange.h"
@@ -147,6 +148,7 @@ double elasticEnergy(const BondLattice& bonds, const NodeField<Real>& u, bool no
 template <class Real>
 void energyDensity(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& density, bool nonlinear)
 {
+  countPass(Pass::EnergyDensity);
   const auto share = static_cast<Real>(0.25 / std::pow(bonds.spacing(), bonds.dimension()));
   choose(bonds, nonlinear,
     [&]<int Dim, bool Nonlinear>()
@@ -168,6 +170,7 @@ void energyDensity(const BondLattice& bonds, const NodeField<Real>& u, NodeField
 template <class Real>
 void nodalStress(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& stress, bool nonlinear)
 {
+  countPass(Pass::NodalStress);
   const auto share = static_cast<Real>(0.5 / std::pow(bonds.spacing(), bonds.dimension()));
   choose(bonds, nonlinear,
     [&]<int Dim, bool Nonlinear>()

@@ -1,6 +1,7 @@
 #include "pores/PoreLabelling.h"
 
 #include "lattice/Error.h"
+#include "lattice/Passes.h"
 #include "pores/Forest.h"
 #include "pores/Gathering.h"
 #include "pores/Merging.h"
@@ -202,6 +203,7 @@ PoreLabelling::~PoreLabelling() = default;
 
 void PoreLabelling::labels(std::span<std::int32_t> labels) const
 {
+  countPass(Pass::Labels);
   forEach_(static_cast<int>(slabs_.size()),
     [&](int i)
     {

@@ -48,19 +48,27 @@ void setWork(vtkImageData* output, const Result& r)
   setFieldTexts(output, "warnings", r.warnings);
 }
 
+/// Which layers platens hold, as field data.
+/// @param r with axis, lowPlaten, highPlaten
+template <class Result>
+void setPlatenLayers(vtkImageData* output, const Result& r)
+{
+  const auto whole = [](auto n) { return static_cast<double>(n); };
+  setFieldText(output, "load_axis", std::string(1, "xyz"[r.axis]));
+  setFieldNumbers(output, "platen_layers",
+    std::array{ whole(r.lowPlaten[0]), whole(r.lowPlaten[1] - 1), whole(r.highPlaten[0]), whole(r.highPlaten[1] - 1) });
+}
+
 /// Where platens hold a sample, and what they do not hold, as field data.
 /// @param r with axis, area, length, lowPlaten, highPlaten, loosePieces, looseNodes
 template <class Result>
 void setPlatens(vtkImageData* output, const Result& r)
 {
-  const auto whole = [](auto n) { return static_cast<double>(n); };
-  setFieldText(output, "load_axis", std::string(1, "xyz"[r.axis]));
+  setPlatenLayers(output, r);
   setFieldNumber(output, "section_area", r.area);
   setFieldNumber(output, "gauge_length", r.length);
-  setFieldNumbers(output, "platen_layers",
-    std::array{ whole(r.lowPlaten[0]), whole(r.lowPlaten[1] - 1), whole(r.highPlaten[0]), whole(r.highPlaten[1] - 1) });
-  setFieldNumber(output, "loose_pieces", whole(r.loosePieces));
-  setFieldNumber(output, "loose_nodes", whole(r.looseNodes));
+  setFieldNumber(output, "loose_pieces", static_cast<double>(r.loosePieces));
+  setFieldNumber(output, "loose_nodes", static_cast<double>(r.looseNodes));
 }
 
 } // namespace lamella

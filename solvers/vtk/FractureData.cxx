@@ -205,6 +205,7 @@ void setBrokenState(vtkImageData* output, const pd::BrokenState& state, const Bo
   setFieldNumber(output, "strain", state.strain);
   setFieldNumber(output, "stress", state.stress);
   setFieldNumber(output, "broken_bonds", static_cast<double>(state.broken));
+  setPlatenLayers(output, state);
 }
 
 void setFractureState(vtkImageData* output, const pd::FractureState& state, const BondScene& scene, const char* creator)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vtkPieces.h"
+#include "vtkSampleAlgorithm.h"
 
 #include "io/RunCheckpoint.h"
 
@@ -53,8 +54,15 @@ public:
     return state >= 0 && state < count() ? states_[static_cast<std::size_t>(state)].Get() : nullptr;
   }
   [[nodiscard]] const std::vector<vtkSmartPointer<Data>>& all() const { return states_; }
-  /// A new state, empty.
-  Data* add() { return states_.emplace_back(vtkSmartPointer<Data>::New()); }
+  /// A new state, empty. Where only the last one is to be kept, those before it go.
+  Data* add(bool keepAll)
+  {
+    if (!keepAll)
+    {
+      states_.clear();
+    }
+    return states_.emplace_back(vtkSmartPointer<Data>::New());
+  }
 
   /// Which one is shown, from 0; below 0, and beyond the last one: the last.
   void choose(int state)
@@ -116,6 +124,12 @@ private:
   vtkMTimeType settings_ = 0;
   int ranks_ = 0;
 };
+
+/// Hands a state to those who observe an algorithm's steps.
+inline void tellStep(vtkObject* algorithm, vtkDataObject* state)
+{
+  algorithm->InvokeEvent(vtkSampleAlgorithm::STEP_EVENT, state);
+}
 
 /// Where a run begins.
 struct RunStart

@@ -139,9 +139,14 @@ void vtkBondBreakAlgorithm::Run(vtkImageData* input, vtkImageData* output, const
 
 vtkImageData* vtkBondBreakAlgorithm::NewState(vtkImageData* input)
 {
-  vtkImageData* const image = this->Kept->States.add();
+  vtkImageData* const image = this->Kept->States.add(this->KeepStates);
   image->ShallowCopy(input);
   return image;
+}
+
+void vtkBondBreakAlgorithm::EmitState(vtkImageData* state)
+{
+  lamella::tellStep(this, state);
 }
 
 std::vector<vtkImageData*> vtkBondBreakAlgorithm::KeptStates() const
@@ -204,6 +209,7 @@ void vtkBondBreakAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "Compression: " << this->Compression << "\n"
+     << indent << "KeepStates: " << this->KeepStates << "\n"
      << indent << "StopShare: " << this->StopShare << "\n"
      << indent << "MaximumStrain: " << this->MaximumStrain << "\n"
      << indent << "MaximumBroken: " << this->MaximumBroken << "\n"

@@ -63,6 +63,13 @@ public:
   void RemoveAllStatesAtBroken();
   ///@}
   ///@{
+  /** Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
+   * vtkSampleAlgorithm::STEP_EVENT have seen each. Default on. */
+  vtkSetMacro(KeepStates, bool);
+  vtkGetMacro(KeepStates, bool);
+  vtkBooleanMacro(KeepStates, bool);
+  ///@}
+  ///@{
   /** The state that output 0 shows, from 0, in the order of the run; -1 (default): the end. A change runs nothing
    * again. Beyond the last it is the end. */
   void SetState(int state);
@@ -131,6 +138,8 @@ protected:
 
   /// A new state, a shallow copy of the input.
   vtkImageData* NewState(vtkImageData* input);
+  /// Hands a state that is complete to those who observe steps.
+  void EmitState(vtkImageData* state);
   /// The states kept so far.
   std::vector<vtkImageData*> KeptStates() const;
   std::vector<std::int64_t> StatesAtBroken() const;
@@ -164,6 +173,7 @@ protected:
   bool Due();
 
   bool Compression = false;
+  bool KeepStates = true;
   double StopShare = 0.05;
   double MaximumStrain = 0;
   vtkIdType MaximumBroken = 0;

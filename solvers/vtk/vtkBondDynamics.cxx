@@ -288,7 +288,11 @@ void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkP
     return static_cast<bool>(this->CheckAbort());
   };
   options.keep = [&](const pd::MotionState& state)
-  { lamella::setMotionState(this->NewState(input), state, scene, this->GetClassName()); };
+  {
+    vtkImageData* const image = this->NewState(input);
+    lamella::setMotionState(image, state, scene, this->GetClassName());
+    this->EmitState(image);
+  };
   if (this->CheckAbort())
   {
     throw lamella::Cancelled();

@@ -114,7 +114,11 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
     return static_cast<bool>(this->CheckAbort());
   };
   options.keep = [&](const pd::FractureState& state)
-  { lamella::setFractureState(this->NewState(input), state, scene, this->GetClassName()); };
+  {
+    vtkImageData* const image = this->NewState(input);
+    lamella::setFractureState(image, state, scene, this->GetClassName());
+    this->EmitState(image);
+  };
   if (this->CheckAbort())
   {
     throw lamella::Cancelled();

@@ -282,10 +282,12 @@ void vtkLatticeBoltzmann::Run(vtkImageData* input, const lamella::Team& team)
     times.push_back(interval * k);
   }
   const std::string quantity = quantityName[static_cast<std::size_t>(this->Quantity)];
+  const std::string collision = options.collision == lbm::Collision::BGK ? "bgk" : "trt";
+  const std::string sides = this->Sides == PERIODIC ? "periodic" : "insulated";
   const char* const creator = this->GetClassName();
   const auto keep = [&](const lbm::LatticeBoltzmann&)
   {
-    vtkImageData* const state = this->Internal->States.add();
+    vtkImageData* const state = this->Internal->States.add(this->KeepStates);
     state->ShallowCopy(input);
     const vtkIdType points = input->GetNumberOfPoints();
     const auto field =
@@ -317,7 +319,14 @@ void vtkLatticeBoltzmann::Run(vtkImageData* input, const lamella::Team& team)
     set("updates_per_second", s.seconds > 0 ? static_cast<double>(s.updates) / s.seconds : 0.0);
     set("bytes", static_cast<double>(s.bytes));
     state->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), solver.time());
+    lamella::setFieldText(state, "collision", collision);
+    lamella::setFieldText(state, "lattice", lbm::name(options.stencil));
+    lamella::setFieldText(state, "direction", axisName[axis]);
+    lamella::setFieldText(state, "sides", sides);
+    lamella::setFieldText(state, "quantity", quantity);
+    lamella::setFieldText(state, "warning", warning);
     done += 1;
+    lamella::tellStep(this, state);
   };
   solver.run(times, keep);
 
@@ -329,16 +338,8 @@ void vtkLatticeBoltzmann::Run(vtkImageData* input, const lamella::Team& team)
       values[phases.names[id]] = diffusivity[id];
     }
   }
-  const std::string collision = options.collision == lbm::Collision::BGK ? "bgk" : "trt";
-  const std::string sides = this->Sides == PERIODIC ? "periodic" : "insulated";
   for (const auto& state : this->Internal->States.all())
   {
-    lamella::setFieldText(state, "collision", collision);
-    lamella::setFieldText(state, "lattice", lbm::name(options.stencil));
-    lamella::setFieldText(state, "direction", axisName[axis]);
-    lamella::setFieldText(state, "sides", sides);
-    lamella::setFieldText(state, "quantity", quantity);
-    lamella::setFieldText(state, "warning", warning);
     lamella::continueProvenance(state, "lattice_boltzmann",
       { { "diffusivity", values }, { "direction", axisName[axis] }, { "quantity", quantity }, { "sides", sides },
         { "lattice", lbm::name(options.stencil) }, { "collision", collision }, { "inlet_value", this->InletValue },

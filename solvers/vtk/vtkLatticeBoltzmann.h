@@ -159,6 +159,13 @@ public:
   ///@}
 
   ///@{
+  /** Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
+   * vtkSampleAlgorithm::STEP_EVENT have seen each. Default on. */
+  vtkSetMacro(KeepStates, bool);
+  vtkGetMacro(KeepStates, bool);
+  vtkBooleanMacro(KeepStates, bool);
+  ///@}
+  ///@{
   /** The times that the last update has kept, from 0, and the image of each; null where there is none such. */
   int GetNumberOfStates();
   vtkImageData* GetStateImage(int state);
@@ -204,6 +211,7 @@ private:
   int NumberOfSteps = 10;
   double TimeStep = 0;
   bool ComputeFlux = false;
+  bool KeepStates = true;
   int Threads = 1;
   int Failure = 0;
   vtkMultiProcessController* Controller = nullptr;

@@ -234,7 +234,11 @@ void vtkPointCompression::Internals::Solve(
 
   mpm::PointCompression<Dim>* running = nullptr;
   const auto keep = [&](double)
-  { lamella::setPointState(this->States.add(), *running, *law, places, arrays, depth, creator); };
+  {
+    vtkPolyData* const state = this->States.add(self.KeepStates);
+    lamella::setPointState(state, *running, *law, places, arrays, depth, creator);
+    lamella::tellStep(this->Self, state);
+  };
   std::int64_t seen = 0; // steps when it was last looked at: a checkpoint follows a look
   std::int64_t written = 0;
   const auto look = [&]
@@ -370,6 +374,7 @@ void vtkPointCompression::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "ConsistentMass: " << this->ConsistentMass << "\n"
      << indent << "ModifiedUpdate: " << this->ModifiedUpdate << "\n"
      << indent << "TimeStep: " << this->TimeStep << "\n"
+     << indent << "KeepStates: " << this->KeepStates << "\n"
      << indent << "State: " << this->GetState() << " of " << this->GetNumberOfStates() << "\n"
      << indent << "CheckpointFile: " << this->CheckpointFile << "\n"
      << indent << "CheckpointEvery: " << this->CheckpointEvery << "\n"

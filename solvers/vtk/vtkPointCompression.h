@@ -165,6 +165,13 @@ public:
   void RemoveAllStatesAtStrains();
   ///@}
   ///@{
+  /** Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
+   * vtkSampleAlgorithm::STEP_EVENT have seen each. Default on. */
+  vtkSetMacro(KeepStates, bool);
+  vtkGetMacro(KeepStates, bool);
+  vtkBooleanMacro(KeepStates, bool);
+  ///@}
+  ///@{
   /** The state that output 0 shows, from 0, in the order of the run; -1 (default): the end. A change runs nothing
    * again. Beyond the last it is the end. */
   void SetState(int state);
@@ -245,6 +252,7 @@ private:
   double Strain;
   int Sides = STRAIGHT;
   bool Grip = false;
+  bool KeepStates = true;
   double EnergyRatio;
   double CalmFrom;
   double FirstSpeed;

@@ -40,6 +40,13 @@ public:
   vtkGetMacro(Threads, int);
   ///@}
 
+  enum Events
+  {
+    /// A run that keeps states has come to one: the call data are this vtkDataObject, with its arrays, its time and the
+    /// numbers of the state. What the run as a whole found is not in it yet.
+    STEP_EVENT = 1100
+  };
+
   enum Failures
   {
     NO_FAILURE = 0,

@@ -3,10 +3,13 @@
 #include "../TemporaryFolder.h"
 #include "FractureTesting.h"
 
+#include "vtkCallbackCommand.h"
 #include "vtkInformation.h"
 #include "vtkMath.h"
 
 #include <array>
+#include <cstddef>
+#include <vector>
 
 namespace
 {
@@ -22,6 +25,56 @@ double sum(vtkDataArray* array)
     total += array->GetTuple1(i);
   }
   return total;
+}
+
+/// What a run hands out on its way.
+struct Seen
+{
+  std::vector<double> Broken;
+  std::vector<double> MeanStress;
+  std::vector<std::size_t> PlatenLayers;
+};
+
+TEST_F(BondFracture, StepsAreHandedOutOneAtATime)
+{
+  const auto image = band();
+  vtkNew<vtkBondFracture> kept;
+  vtkNew<vtkBondFracture> passing;
+  Seen seen;
+  vtkNew<vtkCallbackCommand> take;
+  take->SetClientData(&seen);
+  take->SetCallback(
+    [](vtkObject*, unsigned long, void* to, void* state)
+    {
+      auto* const data = vtkImageData::SafeDownCast(static_cast<vtkDataObject*>(state));
+      auto* const s = static_cast<Seen*>(to);
+      s->Broken.push_back(number(data, "broken_bonds"));
+      s->MeanStress.push_back(sum(points(data, "damage")) + points(data, "stress")->GetTuple(30 * 24 + 5)[1]);
+      s->PlatenLayers.push_back(fieldNumbers(data, "platen_layers").size());
+    });
+  passing->AddObserver(vtkSampleAlgorithm::STEP_EVENT, take);
+  passing->KeepStatesOff();
+  for (vtkBondFracture* const filter : { kept.Get(), passing.Get() })
+  {
+    configure(filter);
+    filter->SetInputData(image);
+    filter->ComputeStressOn();
+    filter->AddStateAtBroken(10);
+    filter->AddStateAtBroken(30);
+    ASSERT_EQ(errorOf(filter), "");
+  }
+  ASSERT_EQ(kept->GetNumberOfStates(), 3);
+  EXPECT_EQ(passing->GetNumberOfStates(), 1);
+  ASSERT_EQ(seen.Broken.size(), 3U);
+  for (int i = 0; i < 3; ++i) // the same states to the bit, those of platens with them
+  {
+    vtkImageData* const state = kept->GetStateImage(i);
+    EXPECT_EQ(seen.Broken[static_cast<std::size_t>(i)], number(state, "broken_bonds"));
+    EXPECT_EQ(seen.MeanStress[static_cast<std::size_t>(i)],
+      sum(points(state, "damage")) + points(state, "stress")->GetTuple(30 * 24 + 5)[1]);
+    EXPECT_EQ(seen.PlatenLayers[static_cast<std::size_t>(i)], 4U);
+  }
+  EXPECT_EQ(number(passing->GetOutput(), "total_broken"), number(kept->GetOutput(), "total_broken"));
 }
 
 TEST_F(BondFracture, StatesChangeNothing)

@@ -147,6 +147,11 @@ TEST_F(PoreFloodFill, ThreadsAndSettings)
   EXPECT_EQ(points(filter->GetOutput(), "pore_size"), nullptr);
   EXPECT_GT(fieldNumbers(filter->GetOutput(), "pore_dropped").at(0), 0);
   EXPECT_LT(filter->GetPores()->GetNumberOfRows(), fieldNumbers(alone, "pore_count").at(0));
+  const vtkIdType rows = filter->GetPores()->GetNumberOfRows();
+  filter->ComputeLabelsOff(); // counted and measured all the same
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_EQ(points(filter->GetOutput(), "pore"), nullptr);
+  EXPECT_EQ(filter->GetPores()->GetNumberOfRows(), rows);
 }
 
 TEST_F(PoreFloodFill, WhatCannotBeDoneIsRefusedInWords)

@@ -742,6 +742,21 @@ class Bonds(unittest.TestCase):
         self.assertEqual([state.broken_bonds for state in several.states], [0, 10, 20, len(broken)])
         self.assertAlmostEqual(several.states[0].imposed_stress / 1e-4 / several.modulus, 1)
         self.assertEqual(several.states[1].stress.shape, (36, 24, 6))
+        seen = []
+        stepped = lamella.fracture(
+            sample, young, **breaks, at_strains=1e-4, at_broken=[10, 20], stress=True,
+            on_step=lambda state: seen.append((state.GetClassName(), state.GetPointData().GetArray("stress").GetRange(1))))
+        self.assertEqual([name for name, _ in seen], ["vtkImageData"] * 4)
+        self.assertEqual([range_ for _, range_ in seen], [state.vtk.GetPointData().GetArray("stress").GetRange(1)
+                                                          for state in several.states])
+        self.assertEqual(len(stepped.states), 1)  # the last one only
+        np.testing.assert_array_equal(stepped.damage, several.damage)
+
+        def refuse(state):
+            raise ZeroDivisionError(state.GetClassName())
+
+        with self.assertRaises(ZeroDivisionError):  # not lost in VTK
+            lamella.fracture(sample, young, **breaks, on_step=refuse)
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "broken.vtp")
             self.assertEqual(result.save_broken(path), path)

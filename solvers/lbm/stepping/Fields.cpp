@@ -1,5 +1,6 @@
 // What can be read from the populations, and what is kept of them on disk.
 #include "lattice/Error.h"
+#include "lattice/Passes.h"
 #include "lbm/stepping/Impl.h"
 
 #include <fmt/format.h>
@@ -43,6 +44,7 @@ void LatticeBoltzmann::value(std::span<double> out) const
 
 void LatticeBoltzmann::flux(std::span<double> out) const
 {
+  countPass(Pass::Flux);
   const Impl& m = *impl_;
   if (out.size() != 3 * static_cast<std::size_t>(m.parts.block().count()))
     throw ParameterError(fmt::format("room for {} numbers was given for the flux on a block of {} nodes", out.size(),

@@ -269,6 +269,9 @@ private:
     s.strain = gauge_->strain(motion_->displacement());
     s.stress = stress();
     s.last = last;
+    s.axis = r_.axis;
+    s.lowPlaten = r_.lowPlaten;
+    s.highPlaten = r_.highPlaten;
     s.broken = static_cast<std::int64_t>(motion_->broken().size());
     for (; counted_ < motion_->broken().size(); ++counted_)
       damage_.add(motion_->broken()[counted_].bond);

@@ -61,6 +61,11 @@ double stressAt(const FractureRecord& record, double strain)
   return strain * (unbroken ? record.modulus : record.curve.back().stress / record.curve.back().strain);
 }
 
+int axisOf(const FractureStudyOptions& options, int dimension)
+{
+  return options.loading.axis < 0 ? dimension - 1 : options.loading.axis;
+}
+
 /// Makes the fields of states.
 class StateFields
 {
@@ -82,6 +87,9 @@ public:
     s.stress = stressAt(record, strain);
     s.broken = static_cast<std::int64_t>(record.broken.size());
     s.last = last;
+    s.axis = axisOf(options_, bonds_.dimension());
+    s.lowPlaten = fracture.sample().lowLayers;
+    s.highPlaten = fracture.sample().highLayers;
     for (; counted_ < record.broken.size(); ++counted_)
       damage_.add(record.broken[counted_].bond);
     s.bonds = damage_.counts();
@@ -266,7 +274,7 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
   latest.equilibrium = 1;
   r.continuedAt = fracture.record().statistics.events;
   const LoadedSample& sample = fracture.sample();
-  r.axis = options.loading.axis < 0 ? lattice.dimension - 1 : options.loading.axis;
+  r.axis = axisOf(options, lattice.dimension);
   r.area = PlatenForce(bonds, options.loading, sample).area();
   r.lowPlaten = sample.lowLayers;
   r.highPlaten = sample.highLayers;

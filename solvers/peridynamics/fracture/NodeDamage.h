@@ -3,6 +3,7 @@
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/NodeField.h"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -16,6 +17,9 @@ struct BrokenState
   double stress = 0;                                ///< [Pa]
   std::int64_t broken = 0;                          ///< bonds, of the whole sample
   bool last = false;                                ///< the end of the run
+  int axis = 0;                                     ///< of the load
+  std::array<std::int64_t, 2> lowPlaten{};          ///< [first, last) layer along it that a platen holds
+  std::array<std::int64_t, 2> highPlaten{};         ///< likewise
   NodeField<double> bonds{};                        ///< broken bonds of each node: whole numbers, one component
   NodeField<double> damage{};                       ///< these over the bonds that it had, 0 where it had none
   std::optional<NodeField<double>> displacement{};  ///< [m]

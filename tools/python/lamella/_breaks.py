@@ -121,6 +121,7 @@ def run_breaks(
     checkpoint,
     checkpoint_every,
     continue_from,
+    on_step=None,
 ):
     """Settings of vtkBondBreakAlgorithm, see fracture(), and the run, as a result of this class; an error where a
     checkpoint is there that is not to be replaced."""
@@ -132,5 +133,5 @@ def run_breaks(
         algorithm.AddStateAtBroken(int(count))
     algorithm.SetComputeDisplacement(bool(displacement))
     set_checkpoint(algorithm, checkpoint, checkpoint_every, continue_from)
-    run(algorithm, progress)
+    run(algorithm, progress, on_step)
     return result(algorithm)

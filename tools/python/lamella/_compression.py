@@ -245,6 +245,7 @@ def compression(
     checkpoint_every=2000,
     continue_from=None,
     progress=None,
+    on_step=None,
     **points,
 ):
     """Presses a sample between platens, slowly, and returns a CompressionResult.
@@ -268,6 +269,8 @@ def compression(
     time_step  seconds; None: 0.9 of the largest stable one
     checkpoint, checkpoint_every, continue_from  as fracture() takes them; checkpoint_every in steps
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
+    on_step   called as on_step(data) with each state that the run comes to, a vtkDataObject with its arrays, ``strain`` and
+              the like as field data; memory then holds one state at a time, and the result has the last one only
 
     Of the points:
     law       "isotropic", "orthotropic", "plastic"; None: orthotropic where the image has ``axis``, else isotropic
@@ -306,7 +309,7 @@ def compression(
     solve.SetModifiedUpdate(bool(modified_update))
     solve.SetTimeStep(0.0 if time_step is None else float(time_step))
     set_checkpoint(solve, checkpoint, checkpoint_every, continue_from)
-    run(solve, progress)
+    run(solve, progress, on_step)
     return CompressionResult(solve)
 
 

@@ -182,6 +182,7 @@ def dynamics(
     checkpoint_every=1000,
     continue_from=None,
     progress=None,
+    on_step=None,
     **bonds,
 ):
     """Moves a sample, breaks its bonds as they become critical, and returns a DynamicsResult.
@@ -213,6 +214,8 @@ def dynamics(
     displacement, stress, strain_energy  whether states have these fields
     checkpoint, checkpoint_every, continue_from  as fracture() takes them; in steps
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
+    on_step   called as on_step(data) with each state that the run comes to, a vtkDataObject with its arrays, ``strain`` and
+              the like as field data; memory then holds one state at a time, and the result has the last one only
 
     Of the bonds' keywords it takes those of equilibrium() but strains: forces are exact for large ones.
     """
@@ -265,5 +268,5 @@ def dynamics(
         solve.AddStateAtTime(float(time))
     return run_breaks(
         solve, DynamicsResult, progress, compression, stop, max_strain, max_broken, at_broken, displacement,
-        checkpoint, checkpoint_every, continue_from,
+        checkpoint, checkpoint_every, continue_from, on_step,
     )

@@ -2,6 +2,10 @@
 
 import re
 
+from vtkmodules.vtkCommonCore import VTK_OBJECT
+
+from .vtkLamellaSolversVTK import vtkSampleAlgorithm
+
 
 class LamellaError(RuntimeError):
     """Something that you can mend. ``hint`` says how."""
@@ -33,10 +37,13 @@ def choose(table, value, what):
         raise ValueError(f"{what} is {value!r}; it can be {known}") from None
 
 
-def run(algorithm, progress=None):
+def run(algorithm, progress=None, on_step=None):
     """Updates an algorithm. Raises LamellaError for what it reports, and what ``progress`` or Ctrl-C raised.
 
     ``progress(share, text)`` is called with the share done, from 0 to 1; returning False cancels.
+
+    ``on_step(data)`` is called with each state that the run comes to, a vtkDataObject; of the states only the last one
+    is kept then.
     """
     errors = []
     stopped = []
@@ -55,12 +62,26 @@ def run(algorithm, progress=None):
         if stopped:
             caller.SetAbortExecute(1)
 
+    def on_state(caller, _event, state):
+        if stopped:
+            return
+        try:
+            on_step(state)
+        except BaseException as exception:  # pylint: disable=broad-except
+            stopped.append(exception)
+            caller.SetAbortExecute(1)
+
+    on_state.CallDataType = VTK_OBJECT
+
     executive = algorithm.GetExecutive()
     tags = [
         (algorithm, algorithm.AddObserver("ErrorEvent", on_error)),
         (executive, executive.AddObserver("ErrorEvent", lambda *_: None)),  # only says that the algorithm failed
         (algorithm, algorithm.AddObserver("ProgressEvent", on_progress)),
     ]
+    if on_step is not None:
+        algorithm.KeepStatesOff()
+        tags.append((algorithm, algorithm.AddObserver(vtkSampleAlgorithm.STEP_EVENT, on_state)))
     try:
         algorithm.Update()
     finally:

@@ -127,6 +127,7 @@ def fracture(
     checkpoint_every=500,
     continue_from=None,
     progress=None,
+    on_step=None,
     **bonds,
 ):
     """Strains a sample until it has failed and returns a FractureResult.
@@ -156,6 +157,8 @@ def fracture(
     continue_from  a checkpoint of the same run: the same bonds break, to the last bit, as if it had not been stopped;
               states before it are not made. With the name of checkpoint, and nothing there yet, the run begins
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
+    on_step   called as on_step(data) with each state that the run comes to, a vtkDataObject with its arrays, ``strain`` and
+              the like as field data; memory then holds one state at a time, and the result has the last one only
 
     Of the bonds' keywords it takes those of equilibrium() but strains: they are small. A sample that is periodic along
     an axis is solved by the accurate method.
@@ -175,5 +178,5 @@ def fracture(
         solve.AddStateAtStrain(float(strain))
     return run_breaks(
         solve, FractureResult, progress, compression, stop, max_strain, max_broken, at_broken, displacement,
-        checkpoint, checkpoint_every, continue_from,
+        checkpoint, checkpoint_every, continue_from, on_step,
     )

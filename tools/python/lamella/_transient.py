@@ -104,6 +104,7 @@ def lattice_boltzmann(
     flux=False,
     threads=1,
     progress=None,
+    on_step=None,
 ):
     """Steps diffusion through time by lattice Boltzmann and returns a TransientResult.
 
@@ -122,6 +123,8 @@ def lattice_boltzmann(
     flux         whether the flux is kept too
     threads      0: all cores
     progress     called as progress(share, text); return False to cancel (raises Cancelled)
+    on_step      called as on_step(data) with the vtkImageData of each time; memory then holds one at a time, and the result
+                 has the last one only
     """
     solver = vtkLatticeBoltzmann()
     solver.SetInputData(as_image(image))
@@ -140,7 +143,7 @@ def lattice_boltzmann(
     solver.SetTimeStep(0 if time_step is None else time_step)
     solver.SetComputeFlux(bool(flux))
     solver.SetThreads(threads)
-    run(solver, progress)
+    run(solver, progress, on_step)
     states = []
     for k in range(solver.GetNumberOfStates()):
         state = vtkImageData()
