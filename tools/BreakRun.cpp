@@ -3,6 +3,7 @@
 #include "GridFile.h"
 #include "ResultFiles.h"
 #include "Text.h"
+#include "Workspace.h"
 
 #include "lattice/Clock.h"
 #include "vtkBondBreakAlgorithm.h"
@@ -33,6 +34,13 @@ std::int64_t count(const char* option, const std::string& text)
       "it is a number of broken bonds, such as 100");
   }
   return *value;
+}
+
+/// Of a scene whose pictures and filters show other things of the states, the displacements are left out, and with them
+/// an equilibrium for each state.
+bool statesNeedDisplacement(const BreakOptions& o)
+{
+  return Workspace::current() == nullptr || Workspace::current()->wants("displacement") || o.stress || o.strainEnergy;
 }
 
 /// What rank 0 writes.
@@ -143,6 +151,7 @@ void applyBreak(const BreakOptions& o, vtkBondBreakAlgorithm* filter, const char
     filter->AddStateAtBroken(count("--at-broken", text));
   }
   applyCheckpoint(o.checkpoint, filter);
+  filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
   const char* const forFields = forStates != nullptr ? forStates
     : !o.atBroken.empty()                            ? "--at-broken"
     : o.stress                                       ? "--stress"
@@ -152,7 +161,7 @@ void applyBreak(const BreakOptions& o, vtkBondBreakAlgorithm* filter, const char
   {
     throw ParameterError(fmt::format("{} without a file to write to", forFields), "add -o FILE.vti");
   }
-  filter->SetComputeDisplacement(!o.output.empty());
+  filter->SetComputeDisplacement(!o.output.empty() && statesNeedDisplacement(o));
   filter->SetComputeStress(o.stress);
   filter->SetComputeStrainEnergy(o.strainEnergy);
 }

@@ -8,6 +8,7 @@
 #include "Record.h"
 #include "ResultFiles.h"
 #include "Text.h"
+#include "Workspace.h"
 
 #include "lattice/Clock.h"
 #include "vtkLatticeConversion.h"
@@ -130,6 +131,7 @@ void apply(const CompressionOptions& o, vtkPointCompression* filter)
   filter->SetComputeDeformationGradient(o.deformationGradient);
   filter->SetComputeEnergyDensity(o.energyDensity);
   applyCheckpoint(o.checkpoint, filter);
+  filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
 }
 
 void update(Session& session, vtkPointAlgorithm* filter, const PointSample& sample, const char* what)

@@ -5,6 +5,7 @@
 #include "Record.h"
 #include "ResultFiles.h"
 #include "Text.h"
+#include "Workspace.h"
 
 #include "TextTable.h"
 #include "io/Provenance.h"
@@ -67,9 +68,34 @@ void configure(vtkCompressionCurve* filter, const CompressionCurveOptions& o)
   filter->SetProminence(o.prominence);
 }
 
+/// The same of a table in memory. @throws InputError
+vtkSmartPointer<vtkTable> curveInMemory(const CompressionCurveOptions& o)
+{
+  const auto data = Workspace::current()->get(o.file);
+  auto* const whole = vtkTable::SafeDownCast(data);
+  auto table = vtkSmartPointer<vtkTable>::New();
+  for (const auto& [name, column] : { std::pair{ "strain", o.strain }, std::pair{ "stress", o.stress } })
+  {
+    auto* const found = whole != nullptr ? vtkDataArray::SafeDownCast(whole->GetColumnByName(column.c_str())) : nullptr;
+    if (found == nullptr)
+    {
+      throw InputError("'" + o.file + "' has no column '" + column + "'", "name the columns with strain and stress");
+    }
+    vtkNew<vtkDoubleArray> values;
+    values->DeepCopy(found);
+    values->SetName(name);
+    table->AddColumn(values);
+  }
+  return table;
+}
+
 /// The two columns of the file. @throws InputError
 vtkSmartPointer<vtkTable> readCurve(const CompressionCurveOptions& o)
 {
+  if (Workspace::holds(o.file))
+  {
+    return curveInMemory(o);
+  }
   const TextTable text(o.file, "name the columns with --strain and --stress");
   auto table = vtkSmartPointer<vtkTable>::New();
   for (const auto& [name, column] : { std::pair{ "strain", o.strain }, std::pair{ "stress", o.stress } })

@@ -1,15 +1,83 @@
 #include "FilterRun.h"
 
 #include "GridFile.h"
+#include "Workspace.h"
 
 #include "lattice/Error.h"
 #include "vtkSampleAlgorithm.h"
 
 #include <vtkAlgorithm.h>
 #include <vtkCallbackCommand.h>
+#include <vtkDataObject.h>
+
+#include <exception>
 
 namespace lamella::cli
 {
+
+namespace
+{
+
+/// Hands the steps of a filter to the scene that waits for them. What fails there stops the filter.
+class StepWatch
+{
+public:
+  explicit StepWatch(vtkAlgorithm* filter)
+    : filter_(filter)
+    , take_(Workspace::current() != nullptr ? Workspace::current()->onStep : nullptr)
+  {
+    if (take_)
+    {
+      vtkNew<vtkCallbackCommand> command;
+      command->SetClientData(this);
+      command->SetCallback([](vtkObject*, unsigned long, void* self, void* state)
+        { static_cast<StepWatch*>(self)->hand(static_cast<vtkDataObject*>(state)); });
+      tag_ = filter_->AddObserver(vtkSampleAlgorithm::STEP_EVENT, command);
+    }
+  }
+  ~StepWatch()
+  {
+    if (take_)
+    {
+      filter_->RemoveObserver(tag_);
+    }
+  }
+  StepWatch(const StepWatch&) = delete;
+  StepWatch& operator=(const StepWatch&) = delete;
+
+  void rethrow() const
+  {
+    if (failed_)
+    {
+      std::rethrow_exception(failed_);
+    }
+  }
+
+private:
+  void hand(vtkDataObject* state)
+  {
+    if (failed_)
+    {
+      return;
+    }
+    try
+    {
+      take_(state);
+    }
+    catch (...)
+    {
+      failed_ = std::current_exception();
+      filter_->SetAbortExecute(1);
+    }
+  }
+
+  vtkAlgorithm* filter_;
+  std::function<void(vtkDataObject*)> take_;
+  unsigned long tag_ = 0;
+  std::exception_ptr failed_;
+};
+
+} // namespace
 
 void runFilter(Session& session, vtkAlgorithm* filter, const char* what, const std::function<void()>& update)
 {
@@ -32,10 +100,12 @@ void runFilter(Session& session, vtkAlgorithm* filter, const char* what, const s
       }
     });
   const unsigned long tag = filter->AddObserver(vtkCommand::ProgressEvent, progress);
+  const StepWatch steps(filter);
   (void)VtkMessages::takeErrors();
   update();
   filter->RemoveObserver(tag);
   session.endProgress();
+  steps.rethrow();
   Session::checkInterrupt();
 }
 

@@ -2,6 +2,7 @@
 
 #include "GridFile.h"
 #include "Text.h"
+#include "Workspace.h"
 
 #include "vtkLatticeConversion.h"
 
@@ -69,7 +70,7 @@ StateWriter::StateWriter(const std::string& name, std::size_t states, bool overw
     throw ParameterError(fmt::format("-o '{}': {} are written as {}", name, what[0], ending),
       fmt::format("end the name in {}; {}", ending, what[1]));
   }
-  if (states == 1)
+  if (states == 1 || Workspace::holds(name))
   {
     files_.emplace_back(name, overwrite);
     return;
@@ -95,6 +96,10 @@ std::vector<std::string> StateWriter::write(std::span<vtkDataObject* const> stat
   std::vector<double> times;
   const double before = states.empty() ? 0 : fieldNumbers(states.front(), "states_before").at(0);
   first_ = files_.size() > 1 ? static_cast<std::size_t>(before) : 0;
+  if (!files_.empty() && files_.front().inMemory())
+  {
+    return keep(states, provenance);
+  }
   for (std::size_t i = 0; !files_.empty() && i < states.size(); ++i)
   {
     vtkDataObject* const state = states[i];
@@ -117,6 +122,18 @@ std::vector<std::string> StateWriter::write(std::span<vtkDataObject* const> stat
   }
   written_ = times.size();
   return names;
+}
+
+std::vector<std::string> StateWriter::keep(std::span<vtkDataObject* const> states, const std::string& provenance)
+{
+  const std::filesystem::path& name = files_.front().path();
+  for (std::size_t i = 0; i < states.size(); ++i)
+  {
+    setProvenance(states[i], provenance);
+    Workspace::current()->put(withSuffix(name, fmt::format("_{:03}", i)), states[i]);
+  }
+  Workspace::current()->put(name, states.back());
+  return { name.string() };
 }
 
 void StateWriter::commit()

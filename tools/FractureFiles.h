@@ -42,6 +42,9 @@ public:
   void commit();
 
 private:
+  /// In memory (Workspace.h): NAME_000 ..., and NAME for the last.
+  [[nodiscard]] std::vector<std::string> keep(std::span<vtkDataObject* const> states, const std::string& provenance);
+
   std::vector<OutputFile> files_;
   std::vector<OutputFile> collection_; ///< one or none
   std::size_t first_ = 0;              ///< of the files that are written

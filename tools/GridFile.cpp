@@ -1,5 +1,7 @@
 #include "GridFile.h"
 
+#include "Workspace.h"
+
 #include "GridChecks.h"
 #include "GridReaders.h"
 #include "vtkLatticeConversion.h"
@@ -134,6 +136,11 @@ void throwVtkErrors(const std::string& doing)
 
 void requireFile(const std::string& path)
 {
+  if (Workspace::holds(path))
+  {
+    (void)Workspace::current()->get(path);
+    return;
+  }
   std::error_code failed;
   const auto status = fs::status(path, failed);
   if (!fs::exists(status))
@@ -206,6 +213,15 @@ std::string endingOf(const fs::path& path)
 
 vtkSmartPointer<vtkDataObject> readGrid(const std::string& path, const SizeKnown& sizeKnown)
 {
+  if (Workspace::holds(path))
+  {
+    const auto data = Workspace::current()->get(path);
+    if (auto* const image = vtkImageData::SafeDownCast(data); image != nullptr && sizeKnown)
+    {
+      sizeKnown(latticeOf(image));
+    }
+    return data;
+  }
   requireFile(path);
   if (endingOf(path) == ".vtp")
   {
@@ -269,6 +285,11 @@ OutputFile openGrid(const std::string& option, const std::string& name, const st
 
 void writeGrid(vtkDataObject* data, const OutputFile& file)
 {
+  if (file.inMemory())
+  {
+    Workspace::current()->put(file.path(), data);
+    return;
+  }
   forgetRanges(data->GetFieldData());
   if (auto* set = vtkDataSet::SafeDownCast(data))
   {

@@ -1,5 +1,7 @@
 #include "OutputFile.h"
 
+#include "Workspace.h"
+
 #include "lattice/Memory.h"
 
 #include <fcntl.h>
@@ -75,7 +77,12 @@ std::string hintFor(int error)
 OutputFile::OutputFile(const fs::path& path, bool overwrite)
   : path_(path)
   , overwrite_(overwrite)
+  , inMemory_(Workspace::holds(path))
 {
+  if (inMemory_)
+  {
+    return;
+  }
   std::error_code ignored;
   const fs::path folder = folderOf(path);
   if (path.filename().empty() || fs::is_directory(path, ignored))
@@ -130,6 +137,7 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
   : path_(std::move(other.path_))
   , temporary_(std::exchange(other.temporary_, {}))
   , overwrite_(other.overwrite_)
+  , inMemory_(other.inMemory_)
   , slot_(std::exchange(other.slot_, -1))
 {
 }
@@ -139,6 +147,7 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept
   std::swap(path_, other.path_);
   std::swap(temporary_, other.temporary_);
   std::swap(overwrite_, other.overwrite_);
+  std::swap(inMemory_, other.inMemory_);
   std::swap(slot_, other.slot_);
   return *this;
 }
@@ -146,7 +155,7 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept
 void OutputFile::needs(std::uint64_t bytes) const
 {
   struct statvfs disk = {};
-  if (::statvfs(folderOf(path_).c_str(), &disk) == 0)
+  if (!inMemory_ && ::statvfs(folderOf(path_).c_str(), &disk) == 0)
   {
     const double room = static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);
     if (room < static_cast<double>(bytes))
@@ -203,6 +212,10 @@ void OutputFile::rethrow(const Error& error) const
 
 void OutputFile::write(std::string_view bytes) const
 {
+  if (inMemory_)
+  {
+    return;
+  }
   const int file = ::open(temporary_.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
   int error = file < 0 ? errno : 0;
   while (error == 0 && !bytes.empty())
@@ -232,6 +245,10 @@ void OutputFile::commit()
   if (removed.load()) // a writer that opens by name may have made the file anew
   {
     throw Cancelled();
+  }
+  if (inMemory_)
+  {
+    return;
   }
   const int file = ::open(temporary_.c_str(), O_WRONLY | O_CLOEXEC);
   if (file < 0 || ::fsync(file) != 0)

@@ -37,6 +37,9 @@ public:
   /// Where to write: in the same folder, with the same ending.
   [[nodiscard]] const std::filesystem::path& temporary() const noexcept { return temporary_; }
 
+  /// Whether it stands for data of a scene (Workspace.h): then nothing touches the disk.
+  [[nodiscard]] bool inMemory() const noexcept { return inMemory_; }
+
   /// Refuses when the disk has less room than the result will take.
   /// @throws OutputError
   void needs(std::uint64_t bytes) const;
@@ -65,6 +68,7 @@ private:
   std::filesystem::path path_;
   std::filesystem::path temporary_;
   bool overwrite_ = false;
+  bool inMemory_ = false;
   int slot_ = -1;
 };
 

@@ -1,5 +1,7 @@
 #include "Record.h"
 
+#include "Workspace.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -84,20 +86,29 @@ std::optional<Record> readRecordBeside(const std::filesystem::path& raw)
 io::Provenance recordRun(const std::string& commandLine, const std::string& file, const std::string& before)
 {
   io::Provenance record = io::makeProvenance(commandLine);
-  if (!file.empty())
+  if (!file.empty() && !Workspace::holds(file)) // data in memory tell themselves what they were made from
   {
     std::error_code failed;
     record.inputs.push_back(
       std::filesystem::exists(file, failed) ? io::describeInput(file) : io::InputFile{ file, 0, "" });
   }
+  Json parameters;
+  if (const Workspace* const scene = Workspace::current(); scene != nullptr && !scene->record.empty())
+  {
+    parameters["scene"] = Json::parse(scene->record);
+  }
   const Json old = Json::parse(before, nullptr, false);
   if (old.is_object())
   {
-    record.parameters = Json{ { "made_from", old } }.dump();
+    parameters["made_from"] = old;
     if (const auto seed = old.find("seed"); seed != old.end() && seed->is_number_unsigned())
     {
       record.seed = seed->get<std::uint64_t>();
     }
+  }
+  if (!parameters.empty())
+  {
+    record.parameters = parameters.dump();
   }
   return record;
 }

@@ -4,11 +4,13 @@
 #include "JsonReport.h"
 #include "Session.h"
 #include "TableText.h"
+#include "Workspace.h"
 
 #include "lattice/Error.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkDataObject.h>
+#include <vtkTable.h>
 
 #include <filesystem>
 
@@ -48,9 +50,16 @@ std::vector<std::string> ResultFiles::write(const std::string& provenance)
   }
   for (const Table& table : tables_)
   {
-    table.csv.write(toCsv(table.table));
-    const Json beside{ { "provenance", Json::parse(provenance) }, { "columns", unitsOf(table.table, true) } };
-    table.record.write(dump(beside));
+    if (table.csv.inMemory())
+    {
+      Workspace::current()->put(table.csv.path(), table.table);
+    }
+    else
+    {
+      table.csv.write(toCsv(table.table));
+      const Json beside{ { "provenance", Json::parse(provenance) }, { "columns", unitsOf(table.table, true) } };
+      table.record.write(dump(beside));
+    }
     names.push_back(table.csv.path().string());
   }
   Session::checkInterrupt();

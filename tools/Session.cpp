@@ -14,6 +14,7 @@
 #include <cstring>
 #include <new>
 #include <thread>
+#include <utility>
 
 namespace lamella::cli
 {
@@ -141,6 +142,12 @@ Session::Session(int& argc, char**& argv)
   }
 }
 
+Session::Session(std::function<bool(double share, const std::string& what)> progress)
+  : outside_(std::move(progress))
+  , start_(std::chrono::steady_clock::now())
+{
+}
+
 Session::~Session()
 {
   if (mpi_)
@@ -166,7 +173,11 @@ int Session::ranksOnMachine() const
 
 void Session::warn(const std::string& text)
 {
-  if (root())
+  if (outside_)
+  {
+    warnings_.push_back(text);
+  }
+  else if (root())
   {
     endProgress();
     std::fputs(("warning: " + text + "\n").c_str(), stderr);
@@ -253,7 +264,11 @@ bool Session::waitForAll()
 
 void Session::print(const std::string& text) const
 {
-  if (root() && (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0))
+  if (outside_)
+  {
+    printed_ += text;
+  }
+  else if (root() && (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0))
   {
     throw OutputError(std::string("cannot write the result to standard output: ") + std::strerror(errno),
       "make room on the disk, or send it elsewhere");
@@ -265,6 +280,10 @@ bool Session::progress(double share, const std::string& what)
   if (interrupted())
   {
     return false;
+  }
+  if (outside_)
+  {
+    return outside_(share, what);
   }
   if (!root() || !terminal_ || quiet_)
   {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 namespace lamella::cli
 {
@@ -44,6 +45,9 @@ public:
   /// Starts MPI when an MPI launcher started the program, and only then: alone the solvers do not need it, and starting
   /// it costs 0.4 s.
   Session(int& argc, char**& argv);
+  /// One process on its own within a run: what it prints and warns of is kept, its progress goes to `progress`, and
+  /// signals stop it as they stop the run. There may be one at a time.
+  explicit Session(std::function<bool(double share, const std::string& what)> progress);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -90,6 +94,10 @@ public:
   bool progress(double share, const std::string& what);
   void endProgress();
 
+  /// Of a session within a run.
+  [[nodiscard]] const std::string& printed() const noexcept { return printed_; }
+  [[nodiscard]] const std::vector<std::string>& warnings() const noexcept { return warnings_; }
+
   /// True after Ctrl-C or SIGTERM.
   [[nodiscard]] static bool interrupted() noexcept;
   /// @throws Cancelled after Ctrl-C or SIGTERM
@@ -100,6 +108,9 @@ public:
 private:
   bool waitForAll();
 
+  std::function<bool(double, const std::string&)> outside_; ///< of a session within a run
+  mutable std::string printed_;
+  std::vector<std::string> warnings_;
   bool mpi_ = false;
   int rank_ = 0;
   int ranks_ = 1;

@@ -9,11 +9,14 @@
 #include "SampleRun.h"
 #include "TableText.h"
 #include "Text.h"
+#include "Workspace.h"
 
 #include "lattice/Clock.h"
 #include "vtkLatticeBoltzmann.h"
 #include "vtkLatticeConversion.h"
+#include "vtkSampleAlgorithm.h"
 
+#include <vtkCallbackCommand.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
 #include <vtkImageData.h>
@@ -22,6 +25,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -107,6 +111,7 @@ void apply(const TransientOptions& o, vtkLatticeBoltzmann* filter)
   checkThreads(o.threads);
   filter->SetThreads(o.threads);
   filter->SetComputeFlux(o.flux);
+  filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
   if (o.flux && o.output.empty())
   {
     throw ParameterError("--flux without a file to write to", "add -o FILE.vti");
@@ -130,18 +135,45 @@ double numberOf(vtkImageData* state, const char* name)
   return fieldNumbers(state, name).at(0);
 }
 
-vtkNew<vtkTable> curveOf(const std::vector<vtkDataObject*>& states)
+using Row = std::array<double, columns.size()>;
+
+/// The numbers of each state that a run comes to, whether it is kept or not.
+class History
+{
+public:
+  explicit History(vtkLatticeBoltzmann* filter)
+  {
+    command_->SetClientData(&rows_);
+    command_->SetCallback(
+      [](vtkObject*, unsigned long, void* rows, void* state)
+      {
+        Row row{};
+        std::transform(columns.begin(), columns.end(), row.begin(),
+          [&](const Column& column)
+          { return numberOf(vtkImageData::SafeDownCast(static_cast<vtkDataObject*>(state)), column.name); });
+        static_cast<std::vector<Row>*>(rows)->push_back(row);
+      });
+    filter->AddObserver(vtkSampleAlgorithm::STEP_EVENT, command_);
+  }
+  [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
+
+private:
+  std::vector<Row> rows_;
+  vtkNew<vtkCallbackCommand> command_;
+};
+
+vtkNew<vtkTable> curveOf(const std::vector<Row>& rows)
 {
   vtkNew<vtkTable> table;
-  for (const Column& column : columns)
+  for (std::size_t c = 0; c < columns.size(); ++c)
   {
     vtkNew<vtkDoubleArray> array;
-    array->SetName(column.name);
-    for (vtkDataObject* const state : states)
+    array->SetName(columns[c].name);
+    for (const Row& row : rows)
     {
-      array->InsertNextValue(numberOf(vtkImageData::SafeDownCast(state), column.name));
+      array->InsertNextValue(row[c]);
     }
-    describe(array, column.unit, column.what, "lamella transient");
+    describe(array, columns[c].unit, columns[c].what, "lamella transient");
     table->AddColumn(array);
   }
   return table;
@@ -172,6 +204,7 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
   const auto start = Clock::now();
   vtkNew<vtkLatticeBoltzmann> filter;
   apply(o, filter);
+  const History history(filter);
   auto image = vtkSmartPointer<vtkImageData>::New();
   std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
   std::string provenance;
@@ -223,7 +256,7 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
         setFieldNumbers(states.back(), "states_before", std::array{ 0.0 });
       }
       const io::Provenance record = recordRun(commandLine, o.picture.file, provenance);
-      curve->ShallowCopy(curveOf(states));
+      curve->ShallowCopy(curveOf(history.rows()));
       std::vector<std::string> written = files.write(states, io::toJson(record));
       for (const std::string& name : tables.write(io::toJson(record)))
       {

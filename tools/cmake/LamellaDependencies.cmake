@@ -2,7 +2,7 @@
 find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore)
 set(LAMELLA_VTK_COMPONENTS # LamellaConfig.cmake asks for the same
   CommonCore CommonDataModel CommonExecutionModel CommonMath CommonColor FiltersCore FiltersFlowPaths FiltersGeneral
-  FiltersGeometry FiltersSources FiltersExtraction ImagingCore InteractionStyle IOCore IOImage IOInfovis IOXML ParallelCore
+  FiltersGeometry FiltersSources FiltersExtraction ImagingCore InteractionStyle IOCore IOImage IOInfovis IOOggTheora IOXML ParallelCore
   ParallelMPI RenderingAnnotation RenderingCore RenderingFreeType RenderingOpenGL2 RenderingContext2D
   RenderingContextOpenGL2 ChartsCore)
 find_package(VTK REQUIRED COMPONENTS ${LAMELLA_VTK_COMPONENTS})
@@ -20,6 +20,7 @@ find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(fmt REQUIRED)
+find_package(tomlplusplus REQUIRED)
 find_package(JPEG REQUIRED)
 find_package(PNG REQUIRED)
 find_package(ZLIB REQUIRED)

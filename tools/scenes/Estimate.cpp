@@ -1,0 +1,253 @@
+#include "scenes/Estimate.h"
+
+#include "scenes/Memory.h"
+#include "scenes/SampleRunner.h"
+
+#include "Text.h"
+
+#include "lattice/Phases.h"
+#include "vtkLatticeConversion.h"
+
+#include <vtkImageData.h>
+#include <vtkPolyData.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+/// The text of an option in words; what holds without it otherwise.
+std::string textOf(const std::vector<std::string>& words, const std::string& option, const std::string& otherwise)
+{
+  const std::string dashed = "--" + option + "=";
+  const auto found = std::ranges::find_if(words, [&](const std::string& word) { return word.starts_with(dashed); });
+  return found == words.end() ? otherwise : found->substr(dashed.size());
+}
+
+double numberOf(const std::vector<std::string>& words, const std::string& option, double otherwise)
+{
+  return toNumber(textOf(words, option, "")).value_or(otherwise);
+}
+
+bool has(const std::vector<std::string>& words, const std::string& flag)
+{
+  return std::ranges::find(words, "--" + flag) != words.end();
+}
+
+/// What a formula is given.
+struct Size
+{
+  double nodes;
+  double solid;  ///< nodes that are no void
+  double across; ///< nodes along an edge
+  int dimension;
+  double spacing;
+};
+
+/// Directions solved for.
+double directions(const std::vector<std::string>& words, const Size& s)
+{
+  return textOf(words, "direction", "all") == "all" ? s.dimension : 1;
+}
+
+// Bytes a node and seconds are those of docs/benchmarks, on one core, rounded up. `docs/scenes.md` lists them.
+
+Cost diffusion(const std::vector<std::string>& words, const Size& s)
+{
+  // the error comes from a lattice twice as fine, of at most 2^22 nodes
+  const double finer = has(words, "no-error-estimate") ? 0 : std::min(s.nodes * std::pow(2, s.dimension), 4194304.0);
+  const double iterations = 15;
+  const double all = (s.nodes + finer) * directions(words, s);
+  return { "", 54 * std::max(s.nodes, finer) + 60 * s.nodes, all * iterations, "node iterations", 4e-7 * all };
+}
+
+Cost transient(const std::vector<std::string>& words, const Size& s)
+{
+  double fastest = 0;
+  for (const std::string& word : words)
+  {
+    if (word.starts_with("--diffusivity="))
+    {
+      fastest = std::max(fastest, toNumber(word.substr(word.rfind('=') + 1)).value_or(0));
+    }
+  }
+  const double step = numberOf(words, "step", fastest > 0 ? s.spacing * s.spacing / (6 * fastest) : 1);
+  const double steps = std::max(numberOf(words, "end-time", 1) / step, numberOf(words, "frames", 10));
+  return { "", 150 * s.nodes, s.nodes * steps, "node steps", s.nodes * steps / 5e7 };
+}
+
+/// An equilibrium of bonds, whose number grows with the horizon.
+double reach(const std::vector<std::string>& words, const Size& s)
+{
+  return std::pow(numberOf(words, "horizon", 3) / 3, s.dimension);
+}
+
+Cost equilibrium(const std::vector<std::string>& words, const Size& s)
+{
+  const double flat = s.dimension == 2 ? 1 : 0;
+  return { "", (flat > 0 ? 330 : 900) * s.nodes, 25 * s.nodes, "node iterations",
+    (flat > 0 ? 5e-6 : 2e-5) * s.nodes * reach(words, s) };
+}
+
+Cost stiffness(const std::vector<std::string>& words, const Size& s)
+{
+  const double cases = s.dimension == 2 ? 3 : 6;
+  const double finer = has(words, "no-error-estimate") ? 1 : 1 + std::pow(2, s.dimension);
+  Cost cost = equilibrium(words, s);
+  cost.bytes *= finer > 1 ? std::pow(2, s.dimension) : 1;
+  cost.work *= cases * finer;
+  cost.seconds *= cases * finer;
+  return cost;
+}
+
+Cost fracture(const std::vector<std::string>& words, const Size& s)
+{
+  // a crack through the sample and what breaks beside it: bonds that cross a section, ten times
+  const double events = std::min(numberOf(words, "max-broken", 1e300), 10 * s.across * reach(words, s));
+  return { "", (s.dimension == 2 ? 400 : 1300) * s.nodes, events, "broken bonds", events * (1e-3 + 4e-8 * s.nodes) };
+}
+
+Cost dynamics(const std::vector<std::string>& words, const Size& s)
+{
+  // a wave takes about one step a node to cross
+  const double steps = 2 * numberOf(words, "travel-times", 30) * s.across;
+  return { "", 400 * s.nodes, s.nodes * steps, "node steps", s.nodes * steps * reach(words, s) / 2e7 };
+}
+
+Cost compression(const std::vector<std::string>& words, const Size& s)
+{
+  const double points = s.solid * std::pow(numberOf(words, "points-per-node", 2), s.dimension);
+  if (has(words, "stiffness-only"))
+  {
+    return { "", 500 * points, 300 * points * s.dimension, "point iterations", 1e-4 * points * s.dimension };
+  }
+  // platens that move at some thousandths of the wave's speed
+  const double steps = 1200 * s.across * numberOf(words, "strain", 0.48);
+  return { "", 300 * points, points * steps, "point steps", points * steps / 8e6 };
+}
+
+const std::map<std::string, std::function<Cost(const std::vector<std::string>&, const Size&)>>& formulas()
+{
+  static const std::map<std::string, std::function<Cost(const std::vector<std::string>&, const Size&)>> all{
+    { "diffusion", diffusion }, { "transient", transient }, { "equilibrium", equilibrium }, { "stiffness", stiffness },
+    { "fracture", fracture }, { "dynamics", dynamics }, { "compression", compression }
+  };
+  return all;
+}
+
+/// Bytes and seconds a node of filters and of what makes samples.
+Cost simple(const std::string& command, const Size& s)
+{
+  const double perNode = command == "generate" || command == "micrograph" ? 2e-6 : command == "snapshot" ? 1e-6 : 3e-7;
+  return { "", 60 * s.nodes, s.nodes, "nodes", 0.05 + perNode * s.nodes };
+}
+
+/// How many nodes the options of a sample say, up to a factor that all samples of a scene share.
+double scaleOf(const SamplePlan& plan, int dimension)
+{
+  double scale = 1;
+  for (const PlannedStage& stage : plan.stages)
+  {
+    const std::string size = textOf(stage.words, "size", "");
+    for (const std::string& edge : size.empty() ? std::vector<std::string>{} : split(size, ','))
+    {
+      scale *= toNumber(edge).value_or(1);
+    }
+    if (stage.stage->command == "bridges")
+    {
+      scale *= std::pow(numberOf(stage.words, "nodes", 1), dimension);
+    }
+  }
+  return scale;
+}
+
+} // namespace
+
+Estimator::Estimator(const Scene& scene, const SamplePlan& first, const CommandSet& commands)
+  : commands_(commands)
+{
+  SamplePlan sample = first;
+  std::erase_if(sample.stages,
+    [](const PlannedStage& stage)
+    {
+      return output(*stage.stage->ports, "output") == nullptr ||
+        (!stage.stage->ports->takes.empty() && stage.stage->command != "bridges");
+    });
+  for (PlannedStage& stage : sample.stages)
+  {
+    const Port* const port = output(*stage.stage->ports, "output");
+    stage.each.clear();
+    if (!stage.outputs.contains("output"))
+    {
+      stage.outputs["output"] = Workspace::nameOf(stage.stage->name, port->ending);
+      stage.words.push_back("--output=" + stage.outputs["output"]);
+    }
+  }
+  base_ = static_cast<double>(memoryNow());
+  SampleRunner runner(scene, "", [](double, const std::string&) { return !Session::interrupted(); });
+  static_cast<void>(runner.run(sample, ""));
+  for (const PlannedStage& stage : sample.stages)
+  {
+    const auto data = Workspace::current()->get(stage.outputs.at("output"));
+    if (auto* const image = vtkImageData::SafeDownCast(data))
+    {
+      const Lattice lattice = latticeOf(image);
+      nodes_ = static_cast<double>(lattice.count());
+      dimension_ = lattice.dimension;
+      spacing_ = lattice.spacing;
+      const PhaseImage phases = toPhaseImage(image);
+      solid_ = 0;
+      for (std::size_t id = 0; id < phases.phases.size(); ++id)
+      {
+        const std::string& name = phases.phases.names()[id];
+        const bool open = name == "void" || name == "pore" || name == "lumen" || name == "air";
+        solid_ += open ? 0 : phases.fractions()[id];
+      }
+    }
+    else if (auto* const grains = vtkPolyData::SafeDownCast(data))
+    {
+      nodes_ = std::max(nodes_, static_cast<double>(grains->GetNumberOfPoints()));
+    }
+  }
+  scaleOfFirst_ = scaleOf(first, dimension_);
+}
+
+SampleCost Estimator::operator()(const SamplePlan& plan) const
+{
+  SampleCost cost;
+  cost.nodes = nodes_ * scaleOf(plan, dimension_) / scaleOfFirst_;
+  cost.dimension = dimension_;
+  double most = 0;
+  double held = 20 * cost.nodes; // the sample, and what is joined to it
+  for (const PlannedStage& planned : plan.stages)
+  {
+    Size size{ cost.nodes, solid_ * cost.nodes, std::pow(cost.nodes, 1.0 / dimension_), dimension_, spacing_ };
+    const double refine = numberOf(planned.words, "refine", 1);
+    size.nodes *= std::pow(refine, dimension_);
+    size.solid *= std::pow(refine, dimension_);
+    size.across *= refine;
+    const auto formula = formulas().find(planned.stage->command);
+    Cost one =
+      formula == formulas().end() ? simple(planned.stage->command, size) : formula->second(planned.words, size);
+    one.stage = planned.stage->name;
+    one.seconds /= std::max(1.0, std::min(numberOf(planned.words, "threads", 1), 64.0));
+    if (planned.outputs.contains("output"))
+    {
+      held += 24 * size.nodes;
+    }
+    most = std::max(most, one.bytes);
+    cost.seconds += one.seconds;
+    cost.stages.push_back(std::move(one));
+  }
+  cost.bytes = base_ + most + held;
+  return cost;
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,103 @@
+#include "scenes/Scene.h"
+
+#include "GridFile.h"
+#include "Input.h"
+#include "JsonReport.h"
+#include "SampleRun.h"
+
+#include "vtkLatticeConversion.h"
+
+#include <vtkDataArray.h>
+#include <vtkFloatArray.h>
+#include <vtkImageData.h>
+#include <vtkIntArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+
+#include <array>
+#include <filesystem>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+struct ReadOptions
+{
+  CommonOptions common;
+  PictureOptions picture;
+  std::string output;
+};
+
+/// What a .vti knows of each node besides its phase, in the sample's order.
+template <class Array>
+void carry(const PictureOptions& picture, const Sample& sample, vtkImageData* image, const char* name)
+{
+  const NodeArray nodes = sampleArray(picture, sample, name);
+  if (nodes.components == 0)
+  {
+    return;
+  }
+  vtkNew<Array> array;
+  array->SetName(name);
+  array->SetNumberOfComponents(nodes.components);
+  array->SetNumberOfTuples(image->GetNumberOfPoints());
+  for (std::size_t i = 0; i < nodes.values.size(); ++i)
+  {
+    array->SetValue(static_cast<vtkIdType>(i), static_cast<typename Array::ValueType>(nodes.values[i]));
+  }
+  image->GetPointData()->AddArray(array);
+}
+
+/// Nothing said of it: the file as it is.
+bool asItIs(const PictureOptions& o)
+{
+  return o.phase.empty() && o.other.empty() && o.window.empty() && o.pixelSize.empty() && o.array.empty() && !o.segment;
+}
+
+void readSample(Session& session, const ReadOptions& o, const std::string& commandLine)
+{
+  Json json;
+  json["file"] = o.picture.file;
+  const std::string ending = std::filesystem::path(o.picture.file).extension().string();
+  vtkSmartPointer<vtkDataObject> data;
+  if (ending == ".vtp" || (ending == ".vti" && asItIs(o.picture) && readPhaseGrid(o.picture.file)))
+  {
+    data = readGrid(o.picture.file);
+    setProvenance(data, io::toJson(recordRun(commandLine, o.picture.file, provenance(data))));
+  }
+  else
+  {
+    Sample sample = loadSample(o.picture);
+    tellDoubts(session, sample);
+    json["phases"] = Json::array();
+    const std::vector<double> fractions = sample.image.fractions();
+    for (std::size_t id = 0; id < fractions.size(); ++id)
+    {
+      json["phases"].push_back({ { "name", sample.image.phases.names()[id] }, { "fraction", fractions[id] } });
+    }
+    const auto image = toImageData(PhaseImage(sample.image));
+    carry<vtkFloatArray>(o.picture, sample, image, "axis");
+    carry<vtkIntArray>(o.picture, sample, image, "grain");
+    setFieldText(image, "pixel_size_source", sample.pixelSizeSource);
+    setProvenance(image, io::toJson(recordRun(commandLine, o.picture.file, sample.provenance)));
+    data = image;
+  }
+  writeGrid(data, OutputFile(o.output, o.common.overwrite));
+  session.print(dump(json));
+}
+
+} // namespace
+
+Command readCommand(CLI::App& root)
+{
+  CLI::App* app = root.add_subcommand("read", "Takes a sample from a file");
+  auto o = std::make_shared<ReadOptions>();
+  addPictureOptions(*app, o->picture);
+  addOutputOptions(*app, o->output, o->common, "The sample in memory");
+  addReportOptions(*app, o->common);
+  return aloneCommand(app, o, readSample);
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,83 @@
+#pragma once
+
+#include "scenes/Plan.h"
+
+#include "Session.h"
+#include "Workspace.h"
+
+#include <cctype>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+class vtkDataObject;
+
+namespace lamella::cli
+{
+
+/// Runs the stages of samples, one sample after the other. What two samples in a row have in common is computed once.
+class SampleRunner
+{
+public:
+  using Progress = std::function<bool(double share, const std::string& what)>;
+
+  /// @param commandLine for the record
+  SampleRunner(const Scene& scene, const std::string& commandLine, Progress progress);
+
+  /// @param folder for pictures and files; made where something is to be written
+  /// @returns the record: settings, what each stage reported, what ran on steps, times, memory, warnings
+  /// @throws Error as the commands do, with the place in the scene where that is known; Cancelled
+  [[nodiscard]] Json run(const SamplePlan& plan, const std::filesystem::path& folder);
+
+private:
+  struct Done
+  {
+    std::string key; ///< of words and of what they were applied to
+    Json report;
+    std::vector<std::string> warnings;
+  };
+  class Steps;
+
+  Json runStage(const PlannedStage& planned, Steps* steps, std::vector<std::string>& warnings);
+  Json runCommand(const std::vector<std::string>& words, std::vector<std::string>& warnings);
+  void write(const PlannedStage& planned, const std::filesystem::path& folder);
+  /// The number of what the present sample has done so far, for the progress.
+  bool tell(double share, const std::string& what) const;
+
+  const Scene& scene_;
+  std::string commandLine_;
+  Progress progress_;
+  Workspace workspace_;
+  std::map<std::string, Done> done_;
+  double before_ = 0; ///< share of the sample's stages that are done
+  double part_ = 1;   ///< share of the stage that runs
+};
+
+/// The same error with the place in the scene of the option that it names, or of the section.
+template <class Kind>
+[[noreturn]] void throwAt(const Kind& error, const SceneStage& stage)
+{
+  const std::string message = error.what();
+  if (message.starts_with(stage.where.substr(0, stage.where.find(':') + 1))) // it is told already
+  {
+    throw Kind(error);
+  }
+  for (const SceneOption& option : stage.options)
+  {
+    const std::size_t at = message.find("--" + option.name);
+    const std::size_t end = at + 2 + option.name.size();
+    if (at != std::string::npos && (end == message.size() || (std::isalnum(message[end]) == 0 && message[end] != '-')))
+    {
+      throw Kind(option.where + ": " + message, error.hint());
+    }
+  }
+  throw Kind(stage.where + ": [" + stage.name + "] " + message, error.hint());
+}
+
+/// The first bonds of those that broke, in order.
+[[nodiscard]] vtkSmartPointer<vtkDataObject> firstBonds(vtkDataObject* broken, std::int64_t count);
+
+} // namespace lamella::cli
