@@ -21,7 +21,8 @@ public:
     , close_(close)
   {
     if (id < 0)
-      throw Error("HDF5 cannot make or read a part of the file", "look whether the file is whole and the disk has room");
+      throw Error(
+        "HDF5 cannot make or read a part of the file", "look whether the file is whole and the disk has room");
   }
   ~Handle()
   {

@@ -239,9 +239,12 @@ class Scenes(Case):
         self.assertLess(work / (iterations * 5 * 700 * 700), 10)
 
         self.scene("[sample]\ngenerate = \"softwood\"\nsize = [64, 64]\nsolid-fraction = 0.5\n[fracture]\nyoung = { wall = 1e10 }\n"
-                   "critical-stretch = { wall = 0.01 }\n", "f.toml")
+                   "critical-stretch = { wall = 0.01 }\n[[picture]]\narray = \"damage\"\n", "f.toml")
         plan = self.works("run", "f.toml", "--dry-run", "--json").json()
         self.works("run", "f.toml", "--quiet")
+        real = float(self.table("times.csv", "f.results")[0]["peak_memory"])
+        self.assertLess(0.5, plan["memory"] / real)  # most of it is Mesa, which draws
+        self.assertLess(plan["memory"] / real, 2)
         row = self.table("table.csv", "f.results")[0]
         work = next(stage["work"] for stage in plan["stages"] if stage["name"] == "fracture")
         self.assertLess(0.1, work / float(row["fracture.broken"]))

@@ -57,7 +57,7 @@ double directions(const std::vector<std::string>& words, const Size& s)
   return textOf(words, "direction", "all") == "all" ? s.dimension : 1;
 }
 
-// Bytes a node and seconds are those of docs/benchmarks, on one core, rounded up. `docs/scenes.md` lists them.
+// Bytes a node and seconds are those of docs/benchmarks, on one core, rounded up.
 
 Cost diffusion(const std::vector<std::string>& words, const Size& s)
 {
@@ -140,6 +140,15 @@ const std::map<std::string, std::function<Cost(const std::vector<std::string>&, 
     { "fracture", fracture }, { "dynamics", dynamics }, { "compression", compression }
   };
   return all;
+}
+
+/// What drawing takes, whatever is drawn: Mesa and its compiler.
+constexpr double drawingBytes = 1.5e8;
+
+bool draws(const PlannedStage& planned)
+{
+  return planned.stage->command == "snapshot" ||
+    std::ranges::any_of(planned.each, [](const PlannedEach& each) { return each.each->command == "snapshot"; });
 }
 
 /// Bytes and seconds a node of filters and of what makes samples.
@@ -246,7 +255,7 @@ SampleCost Estimator::operator()(const SamplePlan& plan) const
     cost.seconds += one.seconds;
     cost.stages.push_back(std::move(one));
   }
-  cost.bytes = base_ + most + held;
+  cost.bytes = base_ + most + held + (std::ranges::any_of(plan.stages, draws) ? drawingBytes : 0);
   return cost;
 }
 
