@@ -3,6 +3,7 @@
 #include "peridynamics/Equilibrium.h"
 #include "BreakableSamples.h"
 
+#include "lattice/Clock.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/Loading.h"
 #include "peridynamics/PeriodicCell.h"
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -30,11 +30,6 @@ struct Named : Sample
 {
   std::string name;
 };
-
-double wall()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 Sample uniform(std::int64_t nx, std::int64_t ny)
 {
@@ -123,7 +118,7 @@ void time(const Named& s, EquilibriumSolver solver, int runs, const Communicator
   std::vector<Run> all;
   for (int i = 0; i < runs; ++i)
   {
-    const double startWall = wall();
+    const auto startWall = Clock::now();
     const double startCpu = cpu();
     const BondLattice bonds = bondsOf(s.model, s, comm);
     LoadedSample loaded = applyLoading(bonds, {});
@@ -132,7 +127,7 @@ void time(const Named& s, EquilibriumSolver solver, int runs, const Communicator
     o.maxIterations = 200000;
     Equilibrium equilibrium(bonds, std::move(loaded.fixed), o);
     const EquilibriumResult r = equilibrium.solve(loaded.displacement);
-    const double endWall = wall() - startWall;
+    const double endWall = secondsSince(startWall);
     const double endCpu = cpu() - startCpu;
     all.push_back(
       { endWall, endCpu, r, static_cast<double>(r.bytes + bonds.bytes()) / static_cast<double>(bonds.layout().owned()),

@@ -7,6 +7,7 @@
 //   voids      a third of the nodes do not conduct
 #include "Keys.h"
 
+#include "lattice/Clock.h"
 #include "lattice/Phases.h"
 #include "lbm/stepping/LatticeBoltzmann.h"
 #include "lbm/stepping/StepKernels.h"
@@ -14,7 +15,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -26,7 +26,6 @@ namespace
 {
 
 using namespace lamella;
-using Clock = std::chrono::steady_clock;
 
 double median(std::vector<double> v)
 {
@@ -46,7 +45,7 @@ Times timed(int threads, F&& f)
   const auto from = Clock::now();
   const double t = benchmark::cpu();
   f();
-  return { std::chrono::duration<double>(Clock::now() - from).count(), (benchmark::cpu() - t) / threads };
+  return { secondsSince(from), (benchmark::cpu() - t) / threads };
 }
 
 // An array read, scaled and written in place, in large pages like the populations.

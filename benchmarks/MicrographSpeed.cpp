@@ -2,6 +2,7 @@
 // middle lamella of about 3 Mpixel, each part's user CPU, medians of several turns.
 #include "generators/Generators.h"
 #include "generators/MicrographLook.h"
+#include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "micrograph/ContourExtraction.h"
 #include "micrograph/ContourLattice.h"
@@ -14,7 +15,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -33,11 +33,6 @@ using namespace lamella;
 using namespace lamella::micrograph;
 
 constexpr double megapixels = 3;
-
-double wallClock()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 double cpu() // of all threads, user and system
 {
@@ -114,7 +109,7 @@ void measure(const std::string& name, const Picture& picture, int turns)
   for (int i = 0; i < turns; ++i)
   {
     Turn turn;
-    const double begin = wallClock();
+    const auto begin = Clock::now();
     const auto timed = [&](const char* part, const auto& action)
     {
       const double start = cpu();
@@ -136,7 +131,7 @@ void measure(const std::string& name, const Picture& picture, int turns)
     options.spacing = scan.lattice.spacing;
     options.lines = 0;
     const ContourLattice lattice = timed("lattice", [&] { return contourLattice(found.contours, options); });
-    turn.wall = wallClock() - begin;
+    turn.wall = secondsSince(begin);
     const WallDirections directions = timed("directions", [&] { return wallDirections(found.contours, lattice); });
     const MiddleLamella lamella = timed("lamella", [&] { return middleLamella(lattice, directions); });
     (void)timed(links.c_str(),

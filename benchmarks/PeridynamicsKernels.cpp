@@ -4,6 +4,7 @@
 // lattice, and, for what the machine allows, each rank on a whole lattice of its own at the same time.
 #include "Ranks.h"
 
+#include "lattice/Clock.h"
 #include "lattice/Communicator.h"
 #include "lattice/Memory.h"
 #include "peridynamics/BondForces.h"
@@ -14,7 +15,6 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -42,11 +42,6 @@ double userSeconds()
   return static_cast<double>(usage.ru_utime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec);
 }
 
-double wallSeconds()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 /// Seconds of one call.
 template <class F>
 double measure(F&& f, bool wall, int repeats)
@@ -55,10 +50,11 @@ double measure(F&& f, bool wall, int repeats)
   f();
   for (int k = 0; k < 7; ++k)
   {
-    const double start = wall ? wallSeconds() : userSeconds();
+    const auto from = Clock::now();
+    const double start = userSeconds();
     for (int r = 0; r < repeats; ++r)
       f();
-    times.push_back(((wall ? wallSeconds() : userSeconds()) - start) / repeats);
+    times.push_back((wall ? secondsSince(from) : userSeconds() - start) / repeats);
   }
   std::sort(times.begin(), times.end());
   return times[times.size() / 2];
