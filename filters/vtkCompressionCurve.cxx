@@ -14,6 +14,7 @@
 #include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
+#include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkTable.h"
 
@@ -114,9 +115,14 @@ int vtkCompressionCurve::RequestInformation(vtkInformation*, vtkInformationVecto
   return 1;
 }
 
-int vtkCompressionCurve::RequestUpdateExtent(vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector*)
+int vtkCompressionCurve::RequestUpdateExtent(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  lamella::requestWhole(inputVector[0]->GetInformationObject(0));
+  // ranks that press a specimen together must all be asked for their pieces: the first has the curve
+  if (!lamella::Team::together(vtkMultiProcessController::GetGlobalController(), outputVector->GetInformationObject(0)))
+  {
+    lamella::requestWhole(inputVector[0]->GetInformationObject(0));
+  }
   return 1;
 }
 

@@ -21,7 +21,8 @@
  * Harrigan, J. Cell. Plast. 42 (2006) 371–392; Tan, Reid, Harrigan, Zou and Li, J. Mech. Phys. Solids 53 (2005)
  * 2174–2205). See compression/CompressionCurve.h.
  *
- * **Parallel**: the table is taken whole; the first rank holds the result.
+ * **Parallel**: where ranks work together the first one takes its piece of the table, which holds all that
+ * vtkPointCompression gives; else the table is taken whole. The first piece holds the result.
  */
 
 #ifndef vtkCompressionCurve_h

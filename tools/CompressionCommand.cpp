@@ -19,10 +19,12 @@
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
 #include <vtkTable.h>
 
 #include <fmt/format.h>
 
+#include <array>
 #include <memory>
 
 namespace lamella::cli
@@ -134,10 +136,9 @@ void apply(const CompressionOptions& o, vtkPointCompression* filter)
   filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
 }
 
-void update(Session& session, vtkPointAlgorithm* filter, const PointSample& sample, const char* what)
+/// What a run of the filter said.
+void checkRun(vtkPointAlgorithm* filter)
 {
-  filter->SetInputData(sample.image);
-  runFilter(session, filter, what);
   if (filter->GetFailure() != vtkPointAlgorithm::NO_FAILURE)
   {
     throwFailure(filter->GetFailure());
@@ -160,6 +161,7 @@ BondRun runOf(Session& session, const CompressionOptions& o, const PointSample& 
   run.pixelSizeSource = sample.pixelSizeSource;
   run.provenance = recordRun(commandLine, o.picture.file, sample.provenance);
   run.threads = o.points.threads;
+  run.ranks = session.ranks();
   return run;
 }
 
@@ -173,38 +175,56 @@ void press(Session& session, const CompressionOptions& o, const std::string& com
     throw ParameterError(
       "--constants of a compression", "it is for --stiffness-only; the curve goes to --curve FILE.csv");
   }
-  checkCheckpoint(o.checkpoint, o.common.overwrite);
-  StateWriter states(o.output, 1 + listed(o.atStrains).size(), o.common.overwrite, ".vtp",
-    { "points", "the curve goes to --curve FILE.csv" });
+  StateWriter states; // of rank 0
   ResultFiles curve;
-  curve.addTable("--curve", o.curve, filter->GetCurve(), o.common.overwrite);
-  const PointSample sample = loadPointSample(session, o.picture, o.points);
-  const KeptRun kept{ commandLine, 1, "steps", [&] { return filter->GetLastCheckpoint(); },
+  PointSample sample;
+  std::array<int, 6> extent{};
+  session.onRoot(
+    [&]
+    {
+      checkCheckpoint(o.checkpoint, o.common.overwrite);
+      states = StateWriter(o.output, 1 + listed(o.atStrains).size(), o.common.overwrite, ".vtp",
+        { "points", "the curve goes to --curve FILE.csv" });
+      curve.addTable("--curve", o.curve, filter->GetCurve(), o.common.overwrite);
+      sample = loadPointSample(session, o.picture, o.points);
+      sample.image->GetExtent(extent.data());
+    });
+  session.broadcast(extent);
+  const auto finish = [&]
+  {
+    checkRun(filter); // a mistake is one on every rank, and told once
+    CompressionReport report{ runOf(session, o, sample, filter->GetPoints(), commandLine), filter->GetCurve(), {}, {} };
+    for (int i = 0; i < filter->GetNumberOfStates(); ++i)
+    {
+      report.states.push_back(filter->GetStatePoints(i));
+    }
+    const std::string provenance = io::toJson(report.run.provenance);
+    report.run.written = states.write(report.states, provenance);
+    report.stateFiles = report.run.written;
+    const std::vector<std::string> tables = curve.write(provenance);
+    states.commit();
+    report.run.written.insert(report.run.written.end(), tables.begin(), tables.end());
+    report.run.seconds = secondsSince(start);
+    session.print(o.common.json ? compressionJson(report) : o.common.quiet ? "" : compressionTable(report));
+  };
+  const KeptRun kept{ commandLine, session.ranks(), "steps", [&] { return filter->GetLastCheckpoint(); },
     [&] { return filter->GetCheckpointEvery(); } };
   runKept(session, o.checkpoint, kept,
     [&]
     {
-      update(session, filter, sample, "compression");
-      CompressionReport report{ runOf(session, o, sample, filter->GetPoints(), commandLine), filter->GetCurve(), {},
-        {} };
-      for (int i = 0; i < filter->GetNumberOfStates(); ++i)
-      {
-        report.states.push_back(filter->GetStatePoints(i));
-      }
-      const std::string provenance = io::toJson(report.run.provenance);
-      report.run.written = states.write(report.states, provenance);
-      report.stateFiles = report.run.written;
-      const std::vector<std::string> tables = curve.write(provenance);
-      states.commit();
-      report.run.written.insert(report.run.written.end(), tables.begin(), tables.end());
-      report.run.seconds = secondsSince(start);
-      session.print(o.common.json ? compressionJson(report) : o.common.quiet ? "" : compressionTable(report));
+      const auto piece = sample.image ? sample.image : vtkSmartPointer<vtkImageData>::New();
+      runFilterOnRanks(session, filter.GetPointer(), piece, extent, "compression");
+      session.onRoot(finish);
     });
 }
 
 void stiffness(Session& session, const CompressionOptions& o, const std::string& commandLine)
 {
   const auto start = Clock::now();
+  if (session.ranks() > 1)
+  {
+    throw ParameterError(fmt::format("--stiffness-only on {} processes", session.ranks()), "run one, with --threads");
+  }
   for (const CLI::Option* option : o.ofTheRun)
   {
     if (option->count() > 0)
@@ -219,7 +239,9 @@ void stiffness(Session& session, const CompressionOptions& o, const std::string&
   ResultFiles files;
   files.addTable("--constants", o.constants, filter->GetConstants(), o.common.overwrite);
   const PointSample sample = loadPointSample(session, o.picture, o.points);
-  update(session, filter, sample, "stiffness");
+  filter->SetInputData(sample.image);
+  runFilter(session, filter, "stiffness");
+  checkRun(filter);
   BondRun run = runOf(session, o, sample, filter->GetConstants(), commandLine);
   run.written = files.write(io::toJson(run.provenance));
   run.seconds = secondsSince(start);
@@ -324,11 +346,6 @@ Command compressionCommand(CLI::App& root)
     [o](Session& session, const std::string& line)
     {
       session.setQuiet(o->common.quiet);
-      if (session.ranks() > 1)
-      {
-        throw ParameterError(
-          fmt::format("lamella compression on {} processes", session.ranks()), "run one, with --threads");
-      }
       o->stiffnessOnly ? stiffness(session, *o, line) : press(session, *o, line);
     } };
 }

@@ -1,6 +1,7 @@
 #include "mpm/GeneralStep.h"
 
 #include "lattice/Error.h"
+#include "lattice/Together.h"
 #include "mpm/ShapeFunctions.h"
 
 #include <fmt/format.h>
@@ -98,8 +99,12 @@ public:
     , affine_(given.options.transfer == Transfer::Apic)
   {
     reach_.reserve(points_.count());
-    for (std::size_t p = 0; p < points_.count(); ++p)
-      reach_.push_back(reachOf(p));
+    together(given.options.comm,
+      [this]
+      {
+        for (std::size_t p = 0; p < points_.count(); ++p)
+          reach_.push_back(reachOf(p));
+      });
   }
 
   double run()
@@ -107,7 +112,7 @@ public:
     Values old = zero();
     Values velocity = zero();
     scatter(old, velocity);
-    constrain(s_.grid, s_.walls, std::span<double>(velocity), s_.kick, true);
+    constrain(s_.grid, s_.walls, std::span<double>(velocity), s_.kick, true, s_.rows);
     if (s_.options.mass == MassMatrix::Consistent)
     {
       solveConsistent(velocity, momentum_, s_.kick, true);
@@ -123,7 +128,7 @@ public:
     {
       again = zero();
       scatterVelocity(again, true);
-      constrain(s_.grid, s_.walls, std::span<double>(again), 1, false);
+      constrain(s_.grid, s_.walls, std::span<double>(again), 1, false, s_.rows);
       strains = &again;
     }
     deform(*strains);

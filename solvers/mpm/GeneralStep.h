@@ -17,11 +17,13 @@ struct GeneralStep
   const PointDynamicsOptions<Dim>& options;
   const BackgroundGrid<Dim>& grid;
   Walls<Dim>& walls;
+  SharedRows<Dim>* rows; ///< of a grid that several ranks share, else null
   double time;
   double dt;   ///< by which points move
   double kick; ///< over which forces act: from half a step ago to half a step ahead
 
-  /// @return the work of body forces other than gravity [J]
+  /// Collective where ranks share the grid: lumped mass, PIC or APIC then.
+  /// @return the work of body forces other than gravity, on this rank's points [J]
   /// @throws DivergenceError: a point outside the grid; a consistent mass that cannot be solved with
   double run() const;
 };

@@ -64,13 +64,24 @@ template <int Dim>
 MaterialPoints<Dim> pointsFromLattice(const Lattice& lattice, std::span<const std::uint8_t> phase,
   std::span<const std::array<float, Dim>> axis, const PointOptions& options)
 {
+  MaterialPoints<Dim> points = pointsFromLattice<Dim>(lattice, { { 0, 0, 0 }, lattice.size }, phase, axis, options, 0);
+  if (points.count() == 0)
+    throw InputError(fmt::format("all {} nodes are empty (phase {})", lattice.count(), options.empty),
+      "look at which phase is the empty one");
+  return points;
+}
+
+template <int Dim>
+MaterialPoints<Dim> pointsFromLattice(const Lattice& lattice, const Block& part, std::span<const std::uint8_t> phase,
+  std::span<const std::array<float, Dim>> axis, const PointOptions& options, std::int64_t firstNumber)
+{
   if (lattice.dimension != Dim)
     throw ParameterError(
       fmt::format("a lattice of {} dimensions for points in {}", lattice.dimension, Dim), "take points of as many");
   const int k = options.perNode;
   if (k < 1)
     throw ParameterError(fmt::format("{} points a node and direction", k), "at least 1");
-  const auto nodes = static_cast<std::size_t>(lattice.count());
+  const auto nodes = static_cast<std::size_t>(part.count());
   if (phase.size() != nodes || (!axis.empty() && axis.size() != nodes))
     throw InputError(fmt::format("{} phases and {} directions for {} nodes", phase.size(), axis.size(), nodes),
       "give one a node, or no directions");
@@ -86,23 +97,22 @@ MaterialPoints<Dim> pointsFromLattice(const Lattice& lattice, std::span<const st
             : fmt::format("a density of {} kg/m³ for phase {}", options.density[row], id),
           "give each phase a density above 0");
     }
-  if (solid == 0)
-    throw InputError(
-      fmt::format("all {} nodes are empty (phase {})", nodes, options.empty), "look at which phase is the empty one");
   const double each = std::pow(k, Dim);
-  if (static_cast<double>(solid) * each > std::numeric_limits<std::uint32_t>::max())
-    throw InputError(fmt::format("{} nodes with {} points each are too many", solid, each), "at most 2³² - 1 points");
+  const double all = static_cast<double>(firstNumber) + static_cast<double>(solid) * each;
+  if (all > std::numeric_limits<std::uint32_t>::max())
+    throw InputError(
+      fmt::format("{} nodes with {} points each are too many", std::floor(all / each), each), "at most 2³² - 1 points");
 
   using Points = MaterialPoints<Dim>;
   Points points(solid * static_cast<std::size_t>(each), options.history);
   const double side = lattice.spacing / k;
   const double volume = std::pow(side, Dim);
   std::size_t p = 0;
-  for (std::int64_t z = 0; z < lattice.size[2]; ++z)
-    for (std::int64_t y = 0; y < lattice.size[1]; ++y)
-      for (std::int64_t x = 0; x < lattice.size[0]; ++x)
+  for (std::int64_t z = 0; z < part.size[2]; ++z)
+    for (std::int64_t y = 0; y < part.size[1]; ++y)
+      for (std::int64_t x = 0; x < part.size[0]; ++x)
       {
-        const auto node = static_cast<std::size_t>(lattice.index(x, y, z));
+        const auto node = static_cast<std::size_t>(x + part.size[0] * (y + part.size[1] * z));
         if (phase[node] == options.empty)
           continue;
         Vector<Dim> along{};
@@ -113,7 +123,7 @@ MaterialPoints<Dim> pointsFromLattice(const Lattice& lattice, std::span<const st
         for (int i = 0; i < Dim && length > 0; ++i)
           along[i] = static_cast<double>(axis[node][i]) / std::sqrt(length);
         const double density = options.density[options.density.size() == 1 ? 0 : phase[node]];
-        const std::array<std::int64_t, 3> at{ x, y, z };
+        const std::array<std::int64_t, 3> at{ x + part.start[0], y + part.start[1], z + part.start[2] };
         for (int n = 0; n < static_cast<int>(each); ++n, ++p)
         {
           Vector<Dim> position;
@@ -125,6 +135,7 @@ MaterialPoints<Dim> pointsFromLattice(const Lattice& lattice, std::span<const st
           points.column(Points::masses)[p] = density * volume;
           points.column(Points::volumes)[p] = volume;
           points.phase()[p] = phase[node];
+          points.id()[p] = static_cast<std::uint32_t>(firstNumber + static_cast<std::int64_t>(p));
         }
       }
   return points;
@@ -136,5 +147,9 @@ template MaterialPoints<2> pointsFromLattice<2>(
   const Lattice&, std::span<const std::uint8_t>, std::span<const std::array<float, 2>>, const PointOptions&);
 template MaterialPoints<3> pointsFromLattice<3>(
   const Lattice&, std::span<const std::uint8_t>, std::span<const std::array<float, 3>>, const PointOptions&);
+template MaterialPoints<2> pointsFromLattice<2>(const Lattice&, const Block&, std::span<const std::uint8_t>,
+  std::span<const std::array<float, 2>>, const PointOptions&, std::int64_t);
+template MaterialPoints<3> pointsFromLattice<3>(const Lattice&, const Block&, std::span<const std::uint8_t>,
+  std::span<const std::array<float, 3>>, const PointOptions&, std::int64_t);
 
 } // namespace lamella::mpm

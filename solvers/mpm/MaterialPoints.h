@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lattice/Decomposition.h"
 #include "lattice/Lattice.h"
 #include "mpm/Tensor.h"
 
@@ -112,6 +113,14 @@ struct PointOptions
 template <int Dim>
 [[nodiscard]] MaterialPoints<Dim> pointsFromLattice(const Lattice& lattice, std::span<const std::uint8_t> phase,
   std::span<const std::array<float, Dim>> axis, const PointOptions& options);
+
+/// The same of a part of the lattice, which may be nothing but the empty phase: the points, to the last bit, that have
+/// the numbers from firstNumber on among those of the whole lattice, where the part is whole rows, layers of it in 3D.
+/// @param phase part.count() phases; directions likewise
+template <int Dim>
+[[nodiscard]] MaterialPoints<Dim> pointsFromLattice(const Lattice& lattice, const Block& part,
+  std::span<const std::uint8_t> phase, std::span<const std::array<float, Dim>> axis, const PointOptions& options,
+  std::int64_t firstNumber);
 
 extern template class MaterialPoints<2>;
 extern template class MaterialPoints<3>;

@@ -50,6 +50,15 @@ std::string hashOf(std::span<const T> values)
   return hash.finish().substr(0, 16);
 }
 
+/// Rank 0's text on every rank.
+std::string ofFirst(const Communicator& comm, const std::string& text)
+{
+  std::vector<std::byte> bytes(text.size());
+  std::memcpy(bytes.data(), text.data(), text.size());
+  comm.broadcast(bytes);
+  return { reinterpret_cast<const char*>(bytes.data()), bytes.size() };
+}
+
 } // namespace
 
 template <int Dim>
@@ -216,11 +225,7 @@ std::string PointCompression<Dim>::scene(const MaterialPoints<Dim>& mine, const 
   line("stress update", static_cast<int>(m.update));
   line("fused", m.fused ? "yes" : "no");
   line("step", m.step ? fmt::format("{}", *m.step) : fmt::format("{} of the stable one", m.share));
-  std::vector<std::byte> bytes(text.size());
-  std::memcpy(bytes.data(), text.data(), text.size());
-  comm.broadcast(bytes);
-  text.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  return text;
+  return ofFirst(comm, text);
 }
 
 template <int Dim>
@@ -468,14 +473,17 @@ void PointCompression<Dim>::save()
   c.numbers["worst ratio"] = worstRatio_;
   c.numbers["worst ratio at"] = worstRatioAt_;
   io::CheckpointOptions place = options_.checkpoint;
-  place.warn = [this](const std::string& why)
+  std::string words; // on rank 0
+  place.warn = [&](const std::string& why)
   {
-    warnings_.push_back("a checkpoint could not be written: " + why);
+    words = "a checkpoint could not be written: " + why;
     if (options_.checkpoint.warn)
       options_.checkpoint.warn(why);
   };
   if (io::write(c, place, options_.motion.comm))
     ++checkpoints_;
+  else
+    warnings_.push_back(ofFirst(options_.motion.comm, words));
   savedAt_ = body_->steps();
 }
 

@@ -65,9 +65,11 @@ PointDynamics<Dim>::PointDynamics(
     options_.transfer == Transfer::Apic && options_.update == StressUpdate::Last && !options_.acceleration &&
     static_cast<int>(law_->kind()) < lawKinds)
     fused_ = std::make_unique<FusedStep<Dim>>(points_, *law_, options_.gravity);
-  checkOptions(fused_ || !options_.comm.parallel(),
-    fmt::format("{} ranks, but the step is not one of the fused ones", options_.comm.size()),
-    "take quadratic splines, lumped mass, APIC, stress last, an elastic law and no acceleration; or one rank");
+  checkOptions(!options_.comm.parallel() ||
+      (options_.mass == MassMatrix::Lumped &&
+        (options_.transfer == Transfer::Apic || options_.transfer == Transfer::Pic)),
+    fmt::format("{} ranks with FLIP, XPIC or a consistent mass", options_.comm.size()),
+    "take APIC or PIC and lumped mass; or one rank");
   initial_ = kineticEnergy() + elasticEnergy();
   startMoment_ = gravityMoment();
 }
@@ -266,7 +268,10 @@ void PointDynamics<Dim>::addWork(double kick)
 template <int Dim>
 void PointDynamics<Dim>::generalStep(double dt, double kick)
 {
-  supplied_ += GeneralStep<Dim>{ points_, *law_, options_, grid_, walls_, time_, dt, kick }.run();
+  ranks_.distribute(points_, grid_);
+  const BackgroundGrid<Dim> mine = ranks_.local(grid_);
+  supplied_ +=
+    options_.comm.sum(GeneralStep<Dim>{ points_, *law_, options_, mine, walls_, ranks_.rows(), time_, dt, kick }.run());
   addWork(kick);
   moveWalls(dt);
   wrap();

@@ -14,6 +14,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 /// The material point method, explicit in time (Sulsky, Zhou and Schreyer, Comput. Phys. Commun. 87 (1995) 236; the
@@ -81,8 +82,8 @@ struct PointDynamicsOptions
   /// Acceleration by body forces, of the point with a number, at a time [m/s²].
   std::function<Vector<Dim>(std::uint32_t id, double time)> acceleration{};
   std::function<bool(std::int64_t step, double time)> progress{}; ///< every hundred steps; true asks to stop
-  /// Ranks that share the points; several take the fused step only. Options are the same on all, but for `progress`,
-  /// which each may have: one that asks is enough.
+  /// Ranks that share the points; several take lumped mass and PIC or APIC only. Options are the same on all, but for
+  /// `progress`, which each may have: one that asks is enough.
   Communicator comm{};
 };
 
@@ -108,8 +109,8 @@ public:
   /// @param points their velocities are those of time 0. Of several ranks together: all on one rank or some on each, no
   /// two with one number. With the first step each point goes to the rank in whose slab of the grid it is.
   /// @throws ParameterError: options outside their range; a step above the stable one, which it names; fewer than three
-  /// cells between walls; a law with fewer phases than the points have; several ranks and a step that is not fused, or
-  /// fewer than four rows of cells each
+  /// cells between walls; a law with fewer phases than the points have; several ranks and a transfer or mass that they
+  /// do not take, or fewer than four rows of cells each
   /// @throws InputError: no points, or points without mass or volume, outside the walls, or not finite
   PointDynamics(
     MaterialPoints<Dim> points, std::shared_ptr<const PointLaw<Dim>> law, PointDynamicsOptions<Dim> options);
@@ -140,6 +141,12 @@ public:
   [[nodiscard]] const MaterialPoints<Dim>& points() const noexcept { return points_; }
   /// Those of all ranks in the order of their numbers, on rank 0; none on the others.
   [[nodiscard]] MaterialPoints<Dim> gather() const { return ranks_.gather(points_); }
+  /// Those whose numbers are from this rank's of `firsts` to the next one's, in no order. @param firsts as PointRanks
+  /// takes them
+  [[nodiscard]] MaterialPoints<Dim> byNumber(std::span<const std::int64_t> firsts) const
+  {
+    return ranks_.byNumber(points_, firsts);
+  }
   [[nodiscard]] const BackgroundGrid<Dim>& grid() const noexcept { return grid_; }
   /// Velocities and forces of the last step.
   [[nodiscard]] const Wall& wall(int axis, int side) const { return walls_(axis, side); }

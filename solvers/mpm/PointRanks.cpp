@@ -137,9 +137,28 @@ void PointRanks<Dim>::migrate(MaterialPoints<Dim>& points, const std::vector<int
   for (std::size_t p = 0; p < rows.size(); ++p)
     to[static_cast<std::size_t>(std::upper_bound(firsts_.begin(), firsts_.end() - 1, rows[p]) - firsts_.begin() - 1)]
       .push_back(p);
-  if (!comm_.any(to[self].size() != points.count()))
-    return;
+  if (comm_.any(to[self].size() != points.count()))
+    points = send(points, to);
+}
 
+template <int Dim>
+MaterialPoints<Dim> PointRanks<Dim>::byNumber(
+  const MaterialPoints<Dim>& points, std::span<const std::int64_t> firsts) const
+{
+  std::vector<std::vector<std::size_t>> to(static_cast<std::size_t>(comm_.size()));
+  for (std::size_t p = 0; p < points.count(); ++p)
+    to[static_cast<std::size_t>(
+         std::upper_bound(firsts.begin(), firsts.end() - 1, std::int64_t{ points.id()[p] }) - firsts.begin() - 1)]
+      .push_back(p);
+  return send(points, to);
+}
+
+template <int Dim>
+MaterialPoints<Dim> PointRanks<Dim>::send(
+  const MaterialPoints<Dim>& points, const std::vector<std::vector<std::size_t>>& to) const
+{
+  const auto ranks = static_cast<std::size_t>(comm_.size());
+  const auto self = static_cast<std::size_t>(comm_.rank());
   const auto values = static_cast<std::size_t>(valuesOf(points));
   std::vector<int> sent(ranks);
   std::vector<int> sentFrom(ranks);
@@ -181,7 +200,7 @@ void PointRanks<Dim>::migrate(MaterialPoints<Dim>& points, const std::vector<int
   }
   for (std::size_t p = 0; p < come; ++p)
     unpack(next, stay.size() + p, coming.data() + p * values);
-  points = std::move(next);
+  return next;
 }
 
 template <int Dim>

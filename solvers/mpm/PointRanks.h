@@ -5,7 +5,10 @@
 #include "mpm/MaterialPoints.h"
 #include "mpm/SharedRows.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace lamella::mpm
@@ -41,6 +44,10 @@ public:
   /// None on one rank.
   [[nodiscard]] SharedRows<Dim>* rows() noexcept { return rows_ ? &*rows_ : nullptr; }
 
+  /// Each point on the rank to which its number belongs, in no order. Collective.
+  /// @param firsts first number of each rank, and one behind all numbers; rising
+  [[nodiscard]] MaterialPoints<Dim> byNumber(
+    const MaterialPoints<Dim>& points, std::span<const std::int64_t> firsts) const;
   /// The points of all ranks in the order of their numbers, on rank 0; none on the others. Collective.
   [[nodiscard]] MaterialPoints<Dim> gather(const MaterialPoints<Dim>& points) const;
   /// @throws InputError on all ranks: two points of one number. Collective.
@@ -50,6 +57,9 @@ private:
   [[nodiscard]] std::vector<int> rowsOf(const MaterialPoints<Dim>& points, const GridAxis& g) const;
   [[nodiscard]] std::vector<int> balanced(const std::vector<double>& counts) const;
   void migrate(MaterialPoints<Dim>& points, const std::vector<int>& rows) const;
+  /// @param to the points that go to each rank, all of this one's, those that stay too
+  [[nodiscard]] MaterialPoints<Dim> send(
+    const MaterialPoints<Dim>& points, const std::vector<std::vector<std::size_t>>& to) const;
 
   Communicator comm_;
   int axis_ = 0;

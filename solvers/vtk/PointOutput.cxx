@@ -52,11 +52,29 @@ static_assert(sizeof(mpm::CompressionRow) == columns.size() * sizeof(double), "a
 } // namespace
 
 template <int Dim>
-void setPointState(vtkPolyData* output, const mpm::PointCompression<Dim>& run, const mpm::PointLaw<Dim>& law,
-  const std::vector<mpm::Vector<Dim>>& start, const PointArrays& arrays, double depth, const char* creator)
+PointShare<Dim> shareAtStart(
+  const mpm::MaterialPoints<Dim>& points, const std::vector<std::int64_t>& firsts, const Communicator& comm)
 {
   using Points = mpm::MaterialPoints<Dim>;
-  const Points& p = run.body().points();
+  const Points moved = comm.parallel() ? mpm::PointRanks<Dim>(comm).byNumber(points, firsts) : Points();
+  const Points& mine = comm.parallel() ? moved : points;
+  PointShare<Dim> share{ firsts, firsts[static_cast<std::size_t>(comm.rank())], {} };
+  share.places.resize(mine.count());
+  for (std::size_t p = 0; p < mine.count(); ++p)
+  {
+    share.places[static_cast<std::size_t>(mine.id()[p] - share.first)] = mine.vector(Points::positions, p);
+  }
+  return share;
+}
+
+template <int Dim>
+void setPointState(vtkPolyData* output, const mpm::PointCompression<Dim>& run, const mpm::PointLaw<Dim>& law,
+  const PointShare<Dim>& share, const PointArrays& arrays, double depth, const char* creator)
+{
+  using Points = mpm::MaterialPoints<Dim>;
+  const bool several = share.firsts.size() > 2;
+  const Points moved = several ? run.body().byNumber(share.firsts) : Points();
+  const Points& p = several ? moved : run.body().points();
   const std::size_t count = p.count();
   const auto places = newPoints(count);
   const auto id = newArray<vtkTypeUInt32Array>("id", 1, count);
@@ -76,7 +94,7 @@ void setPointState(vtkPolyData* output, const mpm::PointCompression<Dim>& run, c
   for (std::size_t i = 0; i < count; ++i)
   {
     const std::uint32_t number = p.id()[i];
-    const auto to = static_cast<vtkIdType>(number);
+    const auto to = static_cast<vtkIdType>(number - share.first);
     const mpm::Vector<Dim> x = p.vector(Points::positions, i);
     const mpm::Vector<Dim> v = p.vector(Points::velocities, i);
     places->SetPoint(to, x[0], x[1], Dim == 3 ? x[Dim - 1] : depth);
@@ -84,7 +102,7 @@ void setPointState(vtkPolyData* output, const mpm::PointCompression<Dim>& run, c
     phase->SetValue(to, p.phase()[i]);
     for (int c = 0; c < 3 && arrays.displacement; ++c)
     {
-      double u = c < Dim ? x[c] - start[number][c] : 0;
+      double u = c < Dim ? x[c] - share.places[static_cast<std::size_t>(to)][c] : 0;
       if (const double length = c < Dim ? period[static_cast<std::size_t>(c)] : 0; length > 0)
       {
         u -= length * std::round(u / length);
@@ -179,9 +197,13 @@ double stressAt(const std::vector<mpm::CompressionRow>& rows, double strain)
   return before->stress + share * (next->stress - before->stress);
 }
 
+template PointShare<2> shareAtStart<2>(
+  const mpm::MaterialPoints<2>&, const std::vector<std::int64_t>&, const Communicator&);
+template PointShare<3> shareAtStart<3>(
+  const mpm::MaterialPoints<3>&, const std::vector<std::int64_t>&, const Communicator&);
 template void setPointState<2>(vtkPolyData*, const mpm::PointCompression<2>&, const mpm::PointLaw<2>&,
-  const std::vector<mpm::Vector<2>>&, const PointArrays&, double, const char*);
+  const PointShare<2>&, const PointArrays&, double, const char*);
 template void setPointState<3>(vtkPolyData*, const mpm::PointCompression<3>&, const mpm::PointLaw<3>&,
-  const std::vector<mpm::Vector<3>>&, const PointArrays&, double, const char*);
+  const PointShare<3>&, const PointArrays&, double, const char*);
 
 } // namespace lamella

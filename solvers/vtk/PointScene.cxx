@@ -1,13 +1,14 @@
 #include "PointScene.h"
 
 #include "BondFields.h"
+#include "BoxExchange.h"
 #include "FieldNumbers.h"
 #include "FractureData.h"
 
+#include "lattice/Communicator.h"
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
 #include "lattice/VoidNames.h"
-#include "mpm/WallCells.h"
 
 #include "vtkDataArray.h"
 #include "vtkDataObject.h"
@@ -19,6 +20,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace lamella
 {
@@ -49,11 +51,13 @@ const char* nameOf(WallConstant constant)
   return wallConstantNames[static_cast<std::size_t>(constant)];
 }
 
-/// Directions along the wall at every node.
-std::vector<std::array<float, 3>> directionsOf(const NodeVectors& vectors)
+constexpr std::array<bool, 3> notPeriodic{ false, false, false };
+
+/// Directions along the wall at every node of a piece.
+std::vector<std::array<float, 3>> directionsOf(const NodeVectors& vectors, const WholeImage& whole)
 {
   vtkDataArray* const array = vectors.array;
-  std::vector<std::array<float, 3>> directions(static_cast<std::size_t>(array->GetNumberOfTuples()));
+  std::vector<std::array<float, 3>> directions(static_cast<std::size_t>(whole.held.count()));
   for (std::size_t i = 0; i < directions.size(); ++i)
   {
     for (int c = 0; c < array->GetNumberOfComponents(); ++c)
@@ -61,7 +65,12 @@ std::vector<std::array<float, 3>> directionsOf(const NodeVectors& vectors)
       const double value = array->GetComponent(static_cast<vtkIdType>(i), c);
       if (!std::isfinite(value))
       {
-        throw InputError(fmt::format("array '{}' holds {} at node {}", vectors.name, value, i),
+        const Block& held = whole.held;
+        const auto at = static_cast<std::int64_t>(i);
+        throw InputError(
+          fmt::format("array '{}' holds {} at node {}", vectors.name, value,
+            whole.lattice.index(held.start[0] + at % held.size[0], held.start[1] + at / held.size[0] % held.size[1],
+              held.start[2] + at / (held.size[0] * held.size[1]))),
           "directions are finite; 0, 0, 0 where there is none");
       }
       directions[i][static_cast<std::size_t>(c)] = static_cast<float>(value);
@@ -83,31 +92,46 @@ WallConstant wallConstant(const std::string& name)
   return static_cast<WallConstant>(found - wallConstantNames.begin());
 }
 
-PointScene::PointScene(vtkImageData* image, vtkInformation* phaseChoice, vtkInformation* axisChoice,
-  const PointSettings& settings, const Team& alone)
+PointScene::PointScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInformation* axisChoice,
+  const PointSettings& settings, const Team& team)
   : settings_(settings)
-  , lattice_(wholeImage(image, alone).lattice)
-  , phases_(phaseIds(image, phaseChoice, alone))
+  , team_(team)
+  , whole_(wholeImage(piece, team))
+  , lattice_(whole_.lattice)
+  , own_{ { 0, 0, 0 }, lattice_.size }
+  , phases_(phaseIds(piece, phaseChoice, team))
 {
   if (!(std::isfinite(settings.cellsPerNode) && settings.cellsPerNode > 0))
   {
     throw ParameterError(fmt::format("{} cells of the grid a node", settings.cellsPerNode), "above 0; 1 is usual");
   }
+  const auto last = static_cast<std::size_t>(lattice_.dimension) - 1;
+  const std::int64_t rows = lattice_.size[last];
+  own_.start[last] = rows * team.rank() / team.size();
+  own_.size[last] = rows * (team.rank() + 1) / team.size() - own_.start[last];
+  const BoxExchange inward(lattice_, whole_.held, own_, notPeriodic, team.comm(), team.size());
+  phase_.resize(static_cast<std::size_t>(own_.count()));
+  inward.run<std::uint8_t>(phases_.ids, phase_);
   nodes_.assign(std::max<std::size_t>(phases_.values.size(), 1), 0);
-  for (const std::uint8_t id : phases_.ids)
+  for (const std::uint8_t id : phase_)
   {
     ++nodes_[id];
   }
+  team.sum(nodes_);
   findVoids();
   const bool named = axisChoice != nullptr && axisChoice->Has(vtkDataObject::FIELD_NAME());
   const char* const axes = named ? axisChoice->Get(vtkDataObject::FIELD_NAME()) : "axis";
-  const bool directed = image->GetPointData()->HasArray(axes) != 0;
+  const bool directed = team.any(piece->GetPointData()->HasArray(axes) != 0);
   law_ = settings.law.value_or(directed ? WallLaw::Orthotropic : WallLaw::Isotropic);
   if (law_ == WallLaw::Orthotropic)
   {
-    directions_ = directionsOf(vectorsOf(image, axisChoice, "axis",
+    const NodeVectors vectors = vectorsOf(piece, axisChoice, "axis",
       "give the directions along the walls, as MicrographLattice does, take the isotropic law", lattice_.dimension,
-      alone));
+      team);
+    std::vector<std::array<float, 3>> held;
+    team.agree([&] { held = directionsOf(vectors, whole_); });
+    directions_.resize(phase_.size());
+    inward.run<std::array<float, 3>>(held, directions_);
   }
   const bool yields = law_ == WallLaw::Plastic;
   plane_ = settings.plane.value_or(yields ? mpm::PlaneState::Strain : mpm::PlaneState::Stress);
@@ -120,6 +144,8 @@ PointScene::PointScene(vtkImageData* image, vtkInformation* phaseChoice, vtkInfo
     throw ParameterError("walls that yield in plane stress", "take plane strain, or a volume");
   }
   checkConstants();
+  shareOut();
+  measureWalls();
 }
 
 void PointScene::findVoids()
@@ -148,11 +174,66 @@ void PointScene::findVoids()
   {
     throw InputError("256 phases, and none of them void", "one at least has to be without nodes, or void");
   }
-  phase_.assign(phases_.ids.begin(), phases_.ids.end());
   for (std::uint8_t& id : phase_)
   {
     id = void_[id] ? empty_ : id;
   }
+  for (std::size_t id = 0; id < nodes_.size(); ++id)
+  {
+    solidNodes_ += void_[id] ? 0 : nodes_[id];
+  }
+}
+
+std::int64_t PointScene::eachNode() const noexcept
+{
+  std::int64_t each = 1;
+  for (int a = 0; a < lattice_.dimension; ++a)
+  {
+    each *= settings_.perNode;
+  }
+  return each;
+}
+
+void PointScene::shareOut()
+{
+  // layers that several pieces hold count for each of them
+  std::vector<double> held(static_cast<std::size_t>(team_.size()));
+  held[static_cast<std::size_t>(team_.rank())] = static_cast<double>(
+    std::count_if(phases_.ids.begin(), phases_.ids.end(), [&](std::uint8_t id) { return !void_[id]; }));
+  team_.sum(held);
+  const double all = std::accumulate(held.begin(), held.end(), 0.0);
+  double before = 0;
+  for (const double share : held)
+  {
+    shares_.push_back(static_cast<std::int64_t>(std::round(static_cast<double>(pointCount()) * (before / all))));
+    before += share;
+  }
+  shares_.push_back(pointCount());
+}
+
+void PointScene::measureWalls()
+{
+  // runs through walls cross the ranks' rows: a byte a node is little beside the points, so the first rank has them all
+  const Block none{ { 0, 0, 0 }, { 0, 0, 0 } };
+  const Block needed = team_.rank() == 0 ? Block{ { 0, 0, 0 }, lattice_.size } : none;
+  const BoxExchange toFirst(lattice_, own_, needed, notPeriodic, team_.comm(), team_.size());
+  std::vector<std::uint8_t> all(toFirst.identity() ? 0 : static_cast<std::size_t>(needed.count()));
+  if (!toFirst.identity())
+  {
+    toFirst.run<std::uint8_t>(phase_, all);
+  }
+  std::array<double, 2> found{};
+  team_.agree(
+    [&]
+    {
+      if (team_.rank() == 0)
+      {
+        const mpm::WallCells cells = mpm::wallCells(lattice_, toFirst.identity() ? phase_ : all, empty_, gridSpacing());
+        found = { cells.median, cells.thinShare };
+      }
+    });
+  team_.sum(std::span<double>(found));
+  cells_ = { found[0], found[1] };
 }
 
 bool PointScene::solid(std::size_t id) const
@@ -217,16 +298,20 @@ std::array<std::array<double, 3>, 2> PointScene::box(const std::array<bool, 3>& 
     if (fitted[a])
     {
       std::swap(first, last);
-      for (std::int64_t i = 0; i < lattice_.count(); ++i)
+      for (std::int64_t i = 0; i < own_.count(); ++i)
       {
         if (phase_[static_cast<std::size_t>(i)] != empty_)
         {
-          const std::array<std::int64_t, 3> at{ i % lattice_.size[0], i / lattice_.size[0] % lattice_.size[1],
-            i / (lattice_.size[0] * lattice_.size[1]) };
-          first = std::min(first, at[a]);
-          last = std::max(last, at[a]);
+          const std::array<std::int64_t, 3> at{ i % own_.size[0], i / own_.size[0] % own_.size[1],
+            i / (own_.size[0] * own_.size[1]) };
+          first = std::min(first, own_.start[a] + at[a]);
+          last = std::max(last, own_.start[a] + at[a]);
         }
       }
+      std::array<std::int64_t, 2> found{ -first, last };
+      team_.maximum(found);
+      first = -found[0];
+      last = found[1];
     }
     ends[0][a] = lattice_.origin[a] + lattice_.spacing * (static_cast<double>(first) - 0.5);
     ends[1][a] = lattice_.origin[a] + lattice_.spacing * (static_cast<double>(last) + 0.5);
@@ -242,27 +327,34 @@ mpm::MaterialPoints<Dim> PointScene::points() const
   options.empty = empty_;
   options.history = law_ == WallLaw::Plastic ? mpm::Hencky::history : 0;
   options.density.clear();
-  std::int64_t solid = 0;
   for (std::size_t id = 0; id < nodes_.size(); ++id)
   {
     options.density.push_back(value(id, WallConstant::Density));
-    solid += void_[id] ? 0 : nodes_[id];
   }
-  // the points themselves; sorting them anew takes a column, a solve and the grid about as much again
-  const double bytes = static_cast<double>(solid) * std::pow(std::max(options.perNode, 1), Dim) *
-    (8.0 * (mpm::MaterialPoints<Dim>::histories + options.history) + 5);
-  if (const auto available = static_cast<double>(availableMemory()); 2 * bytes > available)
-  {
-    throw MemoryError(fmt::format("material points and their grid need {} of memory at least, and {} are free",
-                        bytesText(2 * bytes), bytesText(available)),
-      "take a part of the image, or fewer points a node");
-  }
-  std::vector<std::array<float, Dim>> axis(directions_.size());
-  for (std::size_t i = 0; i < axis.size(); ++i)
-  {
-    std::copy_n(directions_[i].begin(), Dim, axis[i].begin());
-  }
-  return mpm::pointsFromLattice<Dim>(lattice_, phase_, axis, options);
+  const std::int64_t mine =
+    eachNode() * (own_.count() - std::count(phase_.begin(), phase_.end(), empty_)); // points of own nodes
+  const std::int64_t first = Communicator(team_.comm()).sumBefore(mine);
+  mpm::MaterialPoints<Dim> points;
+  team_.agree(
+    [&]
+    {
+      // the points themselves; sorting them anew takes a column, a solve and the grid about as much again
+      const double bytes =
+        static_cast<double>(mine) * (8.0 * (mpm::MaterialPoints<Dim>::histories + options.history) + 5);
+      if (const auto available = static_cast<double>(availableMemory()); 2 * bytes > available)
+      {
+        throw MemoryError(fmt::format("material points and their grid need {} of memory at least, and {} are free",
+                            bytesText(2 * bytes), bytesText(available)),
+          "take a part of the image, or fewer points a node");
+      }
+      std::vector<std::array<float, Dim>> axis(directions_.size());
+      for (std::size_t i = 0; i < axis.size(); ++i)
+      {
+        std::copy_n(directions_[i].begin(), Dim, axis[i].begin());
+      }
+      points = mpm::pointsFromLattice<Dim>(lattice_, own_, phase_, axis, options, first);
+    });
+  return points;
 }
 
 template <int Dim>
@@ -314,11 +406,6 @@ std::shared_ptr<const mpm::PointLaw<Dim>> PointScene::law() const
                                     : mpm::makeLaw<Dim, mpm::Orthotropic>(orthotropic);
 }
 
-std::string PointScene::wallWarning() const
-{
-  return mpm::wallWarning(mpm::wallCells(lattice_, phase_, empty_, gridSpacing()));
-}
-
 nlohmann::json PointScene::describe(vtkDataObject* output) const
 {
   nlohmann::json walls;
@@ -336,7 +423,6 @@ nlohmann::json PointScene::describe(vtkDataObject* output) const
       }
     }
   }
-  const mpm::WallCells cells = mpm::wallCells(lattice_, phase_, empty_, gridSpacing());
   setFieldTexts(output, "phase_names", phases_.names);
   setFieldText(output, "phase_array", phases_.array);
   setFieldNumbers(output, "phase_fraction", fractions);
@@ -347,8 +433,8 @@ nlohmann::json PointScene::describe(vtkDataObject* output) const
   setFieldText(output, "plane", plane);
   setFieldNumber(output, "grid_spacing", gridSpacing());
   setFieldNumber(output, "points_per_node", settings_.perNode);
-  setFieldNumber(output, "cells_across_walls", cells.median);
-  setFieldNumber(output, "thin_wall_share", cells.thinShare);
+  setFieldNumber(output, "cells_across_walls", cells_.median);
+  setFieldNumber(output, "thin_wall_share", cells_.thinShare);
   setLatticeNumbers(output, lattice_);
   nlohmann::json model{ { "law", laws[static_cast<std::size_t>(law_)] }, { "plane", plane }, { "walls", walls },
     { "void", settings_.voids }, { "points_per_node", settings_.perNode },

@@ -1,10 +1,12 @@
 #pragma once
 
 #include "PhaseIds.h"
+#include "vtkPieces.h"
 
 #include "lattice/Lattice.h"
 #include "mpm/MaterialPoints.h"
 #include "mpm/PointLaw.h"
+#include "mpm/WallCells.h"
 #include "mpm/WallMaterial.h"
 
 #include <nlohmann/json.hpp>
@@ -66,14 +68,18 @@ struct PointSettings
 /// The constant of this name. @throws ParameterError that lists all
 [[nodiscard]] WallConstant wallConstant(const std::string& name);
 
+/// An image, whatever pieces the pipeline made of it, as points of which each rank makes those of some rows of nodes
+/// (layers of a volume). Everything that is not a plain look at a member is collective; errors are thrown by all.
 class PointScene
 {
 public:
-  /// @param image whole
+  /// @param piece of this rank; all of the image where it works alone
+  /// @param team must outlive this
   /// @throws InputError, ParameterError
-  PointScene(vtkImageData* image, vtkInformation* phaseChoice, vtkInformation* axisChoice,
-    const PointSettings& settings, const Team& alone);
+  PointScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInformation* axisChoice,
+    const PointSettings& settings, const Team& team);
 
+  /// Of the whole image.
   [[nodiscard]] const Lattice& lattice() const noexcept { return lattice_; }
   [[nodiscard]] double gridSpacing() const noexcept { return lattice_.spacing / settings_.cellsPerNode; }
   /// x, y or z; the last for −1. @throws ParameterError
@@ -81,13 +87,19 @@ public:
   /// Lower and upper end of the image [m]; along the axes that are to be fitted those of its tissue.
   [[nodiscard]] std::array<std::array<double, 3>, 2> box(const std::array<bool, 3>& fitted) const;
 
-  /// Of the image's dimension. @throws as mpm::pointsFromLattice() and the constants of the laws; MemoryError
+  /// This rank's, of the image's dimension; their numbers are those that they have on one rank.
+  /// @throws as mpm::pointsFromLattice() and the constants of the laws; MemoryError
   template <int Dim>
   [[nodiscard]] mpm::MaterialPoints<Dim> points() const;
+  /// Of all ranks.
+  [[nodiscard]] std::int64_t pointCount() const noexcept { return eachNode() * solidNodes_; }
+  /// First number of the points that each rank is to give out, and one behind the last number: of all points a share as
+  /// large as its piece of the image has of the nodes that are not void.
+  [[nodiscard]] const std::vector<std::int64_t>& shares() const noexcept { return shares_; }
   template <int Dim>
   [[nodiscard]] std::shared_ptr<const mpm::PointLaw<Dim>> law() const;
   /// A line on walls that are too thin for the grid, or nothing.
-  [[nodiscard]] std::string wallWarning() const;
+  [[nodiscard]] std::string wallWarning() const { return mpm::wallWarning(cells_); }
 
   /// What an output says of its points: phases, law, grid. @returns the settings, for the provenance
   nlohmann::json describe(vtkDataObject* output) const;
@@ -96,17 +108,26 @@ private:
   [[nodiscard]] bool solid(std::size_t id) const; ///< whether points have this phase
   [[nodiscard]] bool held(std::size_t id, WallConstant constant) const;
   [[nodiscard]] double value(std::size_t id, WallConstant constant) const;
+  [[nodiscard]] std::int64_t eachNode() const noexcept;
   void checkConstants() const;
   void findVoids();
+  void shareOut();
+  void measureWalls();
 
   PointSettings settings_;
+  const Team& team_;
+  WholeImage whole_;
   Lattice lattice_;
+  Block own_; ///< rows, or layers, whose points this rank makes
   PhaseIds phases_;
-  std::vector<std::int64_t> nodes_; ///< by phase
+  std::vector<std::int64_t> nodes_; ///< by phase, of the whole image
   std::vector<bool> void_;          ///< by phase
-  std::vector<std::uint8_t> phase_; ///< all that is void in one phase
+  std::vector<std::uint8_t> phase_; ///< of own nodes, all that is void in one phase
   std::uint8_t empty_ = 0;
-  std::vector<std::array<float, 3>> directions_;
+  std::int64_t solidNodes_ = 0;
+  std::vector<std::int64_t> shares_;
+  mpm::WallCells cells_;
+  std::vector<std::array<float, 3>> directions_; ///< of own nodes, or none
   WallLaw law_ = WallLaw::Isotropic;
   mpm::PlaneState plane_ = mpm::PlaneState::Stress;
 };

@@ -73,17 +73,17 @@ int vtkPointAlgorithm::RequestData(
   return this->Attempt(
     [&]
     {
-      if (!lamella::isFirstPiece(outputVector))
+      const lamella::Team team(this->Controller, lamella::requestedOutput(request, outputVector));
+      if (team.size() == 1 && !lamella::isFirstPiece(outputVector))
       {
         return;
       }
-      const lamella::Team alone(nullptr, lamella::requestedOutput(request, outputVector));
       const lamella::peridynamics::ThreadScope threads(this->ThreadCount());
-      if (this->CheckAbort())
+      if (team.any(this->CheckAbort()))
       {
         throw lamella::Cancelled();
       }
-      this->Run(vtkImageData::GetData(inputVector[0]), outputVector, alone);
+      this->Run(vtkImageData::GetData(inputVector[0]), outputVector, team);
     },
     outputVector);
 }

@@ -15,7 +15,8 @@
  * **Voids** carry no points: the phases of AddVoid(), or without any those called void, pore, lumen, air or 0 that have
  * no constants of their own.
  *
- * **Parallel**: the first piece has all that comes out; the others are empty.
+ * **Parallel**: where the ranks of a controller do not work together, the first piece has all that comes out; the
+ * others are empty.
  *
  * @sa vtkPointCompression, vtkPointStiffness
  */
@@ -156,9 +157,8 @@ protected:
   int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
-  /// Fills the outputs; RequestData() makes errors of VTK of what it throws.
-  /// @param alone a team of this process
-  virtual void Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& alone) = 0;
+  /// Fills the outputs; RequestData() makes errors of VTK of what it throws. Collective over the team.
+  virtual void Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& team) = 0;
 
   /// All of the settings above.
   lamella::PointSettings Settings() const;

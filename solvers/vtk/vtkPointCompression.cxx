@@ -8,12 +8,14 @@
 #include "vtkProvenance.h"
 
 #include "lattice/Clock.h"
+#include "lattice/Communicator.h"
 #include "lattice/Error.h"
 
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
+#include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
@@ -60,14 +62,14 @@ struct vtkPointCompression::Internals
     double RunSeconds = 0;
     int Axis = 0;
     std::array<std::array<double, 3>, 2> Box{};
+    std::string Provenance; ///< of the input
   };
 
   template <int Dim>
   mpm::CompressionOptions<Dim> Options(const lamella::PointScene& scene, const Account& account) const;
   template <int Dim>
-  void Solve(vtkImageData* input, const lamella::PointScene& scene, const lamella::Team& alone);
-  void Describe(
-    vtkImageData* input, vtkDataObject* output, const lamella::PointScene& scene, const Account& account) const;
+  void Solve(vtkImageData* input, const lamella::PointScene& scene, const lamella::Team& team);
+  void Describe(vtkDataObject* output, const lamella::PointScene& scene, const Account& account) const;
 };
 
 vtkStandardNewMacro(vtkPointCompression);
@@ -85,9 +87,15 @@ vtkPointCompression::vtkPointCompression()
   this->Rows = options.rows;
   this->Kept->Self = this;
   this->SetNumberOfOutputPorts(2);
+  this->SetController(vtkMultiProcessController::GetGlobalController());
 }
 
-vtkPointCompression::~vtkPointCompression() = default;
+vtkPointCompression::~vtkPointCompression()
+{
+  this->SetController(nullptr);
+}
+
+vtkCxxSetObjectMacro(vtkPointCompression, Controller, vtkMultiProcessController);
 
 int vtkPointCompression::FillOutputPortInformation(int port, vtkInformation* info)
 {
@@ -145,23 +153,23 @@ vtkMTimeType vtkPointCompression::GetMTime()
   return this->Kept->States.changed(this->Superclass::GetMTime());
 }
 
-void vtkPointCompression::Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& alone)
+void vtkPointCompression::Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& team)
 {
   Internals& kept = *this->Kept;
   kept.States.renew(
-    input, this->Superclass::GetMTime(), alone,
+    input, this->Superclass::GetMTime(), team,
     [&]
     {
       this->LastCheckpoint = 0;
       const lamella::PointScene scene(
-        input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), this->Settings(), alone);
+        input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), this->Settings(), team);
       if (scene.lattice().dimension == 3)
       {
-        kept.Solve<3>(input, scene, alone);
+        kept.Solve<3>(input, scene, team);
       }
       else
       {
-        kept.Solve<2>(input, scene, alone);
+        kept.Solve<2>(input, scene, team);
       }
     },
     [&] { kept.Curve->Initialize(); });
@@ -204,30 +212,30 @@ mpm::CompressionOptions<Dim> vtkPointCompression::Internals::Options(
 
 template <int Dim>
 void vtkPointCompression::Internals::Solve(
-  vtkImageData* input, const lamella::PointScene& scene, const lamella::Team& alone)
+  vtkImageData* input, const lamella::PointScene& scene, const lamella::Team& team)
 {
   const auto start = lamella::Clock::now();
   vtkPointCompression& self = *this->Self;
   const char* const creator = self.GetClassName();
+  const lamella::Communicator comm(team.comm());
   Account account;
+  account.Provenance = team.share(lamella::provenance(input), input->GetNumberOfPoints() > 0);
   account.Axis = scene.axis(self.LoadAxis);
   std::array<bool, 3> fitted{};
   fitted[static_cast<std::size_t>(account.Axis)] = self.FitPlatens;
   account.Box = scene.box(fitted);
   mpm::CompressionOptions<Dim> options = this->Options<Dim>(scene, account);
   const lamella::RunStart begin = lamella::startOf(
-    self.ContinueFile, self.CheckpointFile, "the undeformed specimen", input, alone, options.checkpoint);
+    self.ContinueFile, self.CheckpointFile, "the undeformed specimen", input, team, options.checkpoint);
+  options.checkpoint.provenance = account.Provenance;
   options.continueFrom = begin.from;
+  options.motion.comm = comm;
 
   const auto law = scene.law<Dim>();
   mpm::MaterialPoints<Dim> points = scene.points<Dim>();
-  account.Points = static_cast<double>(points.count());
-  account.BytesPerPoint = static_cast<double>(points.bytes()) / account.Points;
-  std::vector<mpm::Vector<Dim>> places(points.count());
-  for (std::size_t p = 0; p < places.size(); ++p)
-  {
-    places[points.id()[p]] = points.vector(mpm::MaterialPoints<Dim>::positions, p);
-  }
+  account.Points = static_cast<double>(scene.pointCount());
+  account.BytesPerPoint = comm.sum(static_cast<double>(points.bytes())) / account.Points;
+  const lamella::PointShare<Dim> share = lamella::shareAtStart(points, scene.shares(), comm);
   const lamella::PointArrays arrays{ self.ComputeDisplacement, self.ComputeVelocity, self.ComputeStress,
     self.ComputeDeformationGradient, self.ComputeEnergyDensity };
   const double depth = scene.lattice().origin[2];
@@ -236,7 +244,7 @@ void vtkPointCompression::Internals::Solve(
   const auto keep = [&](double)
   {
     vtkPolyData* const state = this->States.add(self.KeepStates);
-    lamella::setPointState(state, *running, *law, places, arrays, depth, creator);
+    lamella::setPointState(state, *running, *law, share, arrays, depth, creator);
     lamella::tellStep(this->Self, state);
   };
   std::int64_t seen = 0; // steps when it was last looked at: a checkpoint follows a look
@@ -250,14 +258,14 @@ void vtkPointCompression::Internals::Solve(
   };
   self.SetProgressText("compression");
   options.state = keep;
-  options.progress = [&](double share)
+  options.progress = [&](double done)
   {
     look();
     if (this->Told.due())
     {
       const double stress = running->rows().empty() ? 0 : running->rows().back().stress;
       self.SetProgressText(fmt::format("strain {:.3f}, stress {:.3g} Pa", running->strain(), stress).c_str());
-      self.UpdateProgress(share);
+      self.UpdateProgress(done);
     }
     return static_cast<bool>(self.CheckAbort());
   };
@@ -267,11 +275,11 @@ void vtkPointCompression::Internals::Solve(
   account.ContinuedAt = static_cast<double>(before);
   account.StatesBefore = static_cast<double>(std::count_if(this->Strains.begin(), this->Strains.end(),
     [&](double e) { return before > 0 && e < run.strain() - sameStrain * self.Strain; }));
-  account.SetupSeconds = lamella::secondsSince(start);
+  account.SetupSeconds = comm.max(lamella::secondsSince(start));
   const auto moved = lamella::Clock::now();
   seen = before;
   const bool finished = run.run();
-  account.RunSeconds = lamella::secondsSince(moved);
+  account.RunSeconds = comm.max(lamella::secondsSince(moved));
   seen = run.body().steps(); // also where it was stopped
   look();
   if (!finished)
@@ -299,20 +307,26 @@ void vtkPointCompression::Internals::Solve(
   account.Warnings.insert(account.Warnings.end(), more.begin(), more.end());
   for (const std::string& warning : account.Warnings)
   {
-    vtkWarningWithObjectMacro(&self, << warning);
+    if (team.rank() == 0)
+    {
+      vtkWarningWithObjectMacro(&self, << warning);
+    }
   }
   for (const auto& state : this->States.all())
   {
     lamella::setFieldNumber(
       state, "stress", lamella::stressAt(run.rows(), lamella::fieldNumbers(state, "strain").at(0)));
-    this->Describe(input, state, scene, account);
+    this->Describe(state, scene, account);
   }
-  lamella::setCompressionCurve(this->Curve, run.rows(), creator);
+  if (team.rank() == 0)
+  {
+    lamella::setCompressionCurve(this->Curve, run.rows(), creator);
+  }
   this->Curve->GetFieldData()->ShallowCopy(this->States.all().back()->GetFieldData());
 }
 
 void vtkPointCompression::Internals::Describe(
-  vtkImageData* input, vtkDataObject* output, const lamella::PointScene& scene, const Account& account) const
+  vtkDataObject* output, const lamella::PointScene& scene, const Account& account) const
 {
   const vtkPointCompression& self = *this->Self;
   const mpm::CompressionSummary& s = account.Summary;
@@ -343,7 +357,7 @@ void vtkPointCompression::Internals::Describe(
   lamella::setFieldText(output, "sides", sidesNames.at(static_cast<std::size_t>(self.Sides)));
   lamella::setFieldTexts(output, "warnings", account.Warnings);
   const nlohmann::json model = scene.describe(output);
-  lamella::setProvenance(output, lamella::provenance(input));
+  lamella::setProvenance(output, account.Provenance);
   lamella::continueProvenance(output, "compression",
     { { "model", model }, { "axis", axis }, { "strain", self.Strain },
       { "sides", sidesNames.at(static_cast<std::size_t>(self.Sides)) }, { "grip", self.Grip },

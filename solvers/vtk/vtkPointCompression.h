@@ -33,6 +33,11 @@
  *   `checkpoints` (written by this run), `last_checkpoint` (steps in it, or 0)
  * - `warnings`, `point_model`, `provenance`.
  *
+ * **Parallel**: the ranks work together where each is asked for its own piece. Each gives out as large a share of the
+ * points as its piece of the image has of the nodes that are not void, in the order of their numbers and the same ones
+ * in every state; the first rank has the curve. Field data are the same on all. To round-off the curve does not depend
+ * on the number of ranks.
+ *
  * @sa vtkPointStiffness, vtkMicrographLattice
  */
 
@@ -45,6 +50,7 @@
 #include <memory> // for std::unique_ptr
 #include <string> // for members
 
+class vtkMultiProcessController;
 class vtkPolyData;
 class vtkTable;
 
@@ -221,12 +227,18 @@ public:
   vtkGetMacro(LastCheckpoint, vtkIdType);
   ///@}
 
+  ///@{
+  /** The processes that may work together. Default: the global controller. */
+  virtual void SetController(vtkMultiProcessController* controller);
+  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  ///@}
+
   /** Output 0. */
   vtkPolyData* GetPoints();
   /** Output 1. */
   vtkTable* GetCurve();
   ///@{
-  /** Of the last update; null where there is none such. */
+  /** Of the last update, the points of this rank; null where there is none such. */
   int GetNumberOfStates();
   vtkPolyData* GetStatePoints(int state);
   ///@}
@@ -239,7 +251,7 @@ protected:
   ~vtkPointCompression() override;
 
   int FillOutputPortInformation(int port, vtkInformation* info) override;
-  void Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& alone) override;
+  void Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& team) override;
 
 private:
   vtkPointCompression(const vtkPointCompression&) = delete;

@@ -119,6 +119,25 @@ class Compression(Case):
         self.fails(3, "", "", *words, "--continue", "foreign.h5")
         self.fails(7, "exists already", "--continue", *words, "--checkpoint", "run.h5")
 
+    def test_ranks(self):
+        words = [*TISSUE, *QUICK, "--at-strain", "0.02"]
+        one = self.works(*words, "-o", "one.vtp", "--curve", "one.csv", "--checkpoint", "one.h5", "--json").json()
+        several = self.run_lamella(*words, "-o", "two.vtp", "--curve", "two.csv", "--json", ranks=2)
+        self.assertEqual((several.code, several.err), (0, ""))
+        two = several.json()
+        self.assertEqual((two["ranks"], two["points"], two["steps"]), (2, one["points"], one["steps"]))
+        # the same to the round-off of sums in another order
+        for row, expected in zip(self.curve("two.csv"), self.curve("one.csv")):
+            self.assertAlmostEqual(row["strain"], expected["strain"], delta=1e-9)
+            self.assertAlmostEqual(row["stress"], expected["stress"], delta=1e-9 * one["stress"])
+        for name in ("two_000.vtp", "two_001.vtp"):
+            found, expected = self.info(name), self.info(name.replace("two", "one"))
+            self.assertEqual(found["points"], expected["points"])
+            self.assertEqual([a["name"] for a in found["point_arrays"]], [a["name"] for a in expected["point_arrays"]])
+        again = self.run_lamella(*words, "--continue", "one.h5", "--json", ranks=2)
+        self.assertEqual(again.json()["continued_at"], one["steps"])
+        self.assertAlmostEqual(again.json()["stress"] / one["stress"], 1, delta=1e-9)
+
     def test_interrupted(self):
         with self.popen(*TISSUE, "--strain", "0.3", "--checkpoint", "run.h5", "--checkpoint-every", "200", "-o", "p.vtp") as run:
             while not os.path.exists(self.path("run.h5")) and run.poll() is None:
@@ -176,9 +195,13 @@ class Compression(Case):
         ):
             with self.subTest(message):
                 self.fails(code, message, hint, *TISSUE, *(word for i in range(0, 6, 2) if QUICK[i] not in more for word in QUICK[i : i + 2]), *more)
-        several = self.run_lamella(*TISSUE, *QUICK, ranks=2)  # the launcher has its say too
+        # the launcher has its say too
+        several = self.run_lamella(*TISSUE, "--stiffness-only", ranks=2)
         self.assertEqual(several.code, 2)
-        self.assertIn("error: lamella compression on 2 processes\nhint: run one, with --threads", several.err)
+        self.assertIn("error: --stiffness-only on 2 processes\nhint: run one, with --threads", several.err)
+        several = self.run_lamella(*TISSUE, *QUICK, "--transfer", "flip", ranks=2)
+        self.assertEqual(several.code, 2)
+        self.assertEqual(several.err.count("error: 2 ranks with FLIP, XPIC or a consistent mass\nhint: take APIC or PIC"), 1)
 
 
 if __name__ == "__main__":

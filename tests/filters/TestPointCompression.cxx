@@ -1,6 +1,7 @@
 // Compression and stiffness by material points through VTK's pipeline: the numbers are the solver's, arrays and tables
 // agree with each other, mistakes are told.
 #include "../TemporaryFolder.h"
+#include "PointCells.h"
 #include "VtkTesting.h"
 
 #include "mpm/PointCompression.h"
@@ -9,7 +10,6 @@
 #include "vtkPointCompression.h"
 #include "vtkPointStiffness.h"
 
-#include "vtkFloatArray.h"
 #include "vtkInformation.h"
 #include "vtkOutputWindow.h"
 #include "vtkPolyData.h"
@@ -24,48 +24,13 @@ using namespace lamella;
 using namespace lamella::vtktest;
 using lamella::testing::TemporaryFolder;
 
-constexpr double spacing = 1e-6;
+constexpr double spacing = pointSpacing;
 
 class Points : public ::testing::Test
 {
 protected:
   static void SetUpTestSuite() { vtkOutputWindow::GetInstance()->SetDisplayModeToNever(); } // warnings of thin walls
 };
-
-/// Walls round a lumen, each three nodes thick, of a picture or a volume.
-int cellRule(int x, int y, int z)
-{
-  return x > 2 && x < 9 && y > 2 && y < 11 && (z == 0 || (z > 2 && z < 5)) ? 0 : 1;
-}
-
-vtkSmartPointer<vtkImageData> cellOf(int nz = 1)
-{
-  const auto image = picture(12, 14, nz, cellRule, spacing);
-  setFieldTexts(image, "phase_names", std::vector<std::string>{ "lumen", "wall" });
-  return image;
-}
-
-/// Directions along x + y.
-void addAxis(vtkImageData* image)
-{
-  vtkNew<vtkFloatArray> axis;
-  axis->SetName("axis");
-  axis->SetNumberOfComponents(3);
-  axis->SetNumberOfTuples(image->GetNumberOfPoints());
-  for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
-  {
-    axis->SetTuple3(i, 1, 1, 0);
-  }
-  image->GetPointData()->AddArray(axis);
-}
-
-/// Short: to 4 %, of few rows, not so calm.
-void quick(vtkPointCompression* filter)
-{
-  filter->SetStrain(0.04);
-  filter->SetRows(8);
-  filter->SetFirstSpeed(0.01);
-}
 
 vtkDataArray* array(vtkPolyData* data, const char* name)
 {

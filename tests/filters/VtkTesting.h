@@ -31,7 +31,7 @@ inline std::string latticeName(int lattice)
 }
 
 /// Updates an algorithm and returns the first error it reports, or an empty string; nothing is printed.
-inline std::string errorOf(vtkAlgorithm* algorithm)
+inline std::string errorOf(vtkAlgorithm* algorithm, const std::function<void()>& update)
 {
   std::string first;
   vtkNew<vtkCallbackCommand> keep;
@@ -49,10 +49,14 @@ inline std::string errorOf(vtkAlgorithm* algorithm)
   silence->SetCallback([](vtkObject*, unsigned long, void*, void*) {});
   algorithm->AddObserver(vtkCommand::ErrorEvent, keep);
   algorithm->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, silence);
-  algorithm->Update();
+  update();
   algorithm->RemoveObserver(keep);
   algorithm->GetExecutive()->RemoveObserver(silence);
   return first;
+}
+inline std::string errorOf(vtkAlgorithm* algorithm)
+{
+  return errorOf(algorithm, [algorithm] { algorithm->Update(); });
 }
 
 /// A picture of phases "a", "b", ... from a rule (x, y, z) → id.

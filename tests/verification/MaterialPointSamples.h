@@ -27,7 +27,7 @@ using Place = Vector<Dim>;
 template <int Dim>
 MaterialPoints<Dim> filled(
   const std::array<int, Dim>& cells, double spacing, int perNode, double density,
-  const std::function<bool(const Place<Dim>&)>& inside = [](const Place<Dim>&) { return true; })
+  const std::function<bool(const Place<Dim>&)>& inside = [](const Place<Dim>&) { return true; }, int history = 0)
 {
   const Lattice lattice = makeLattice(cells[0], cells[1], Dim == 3 ? cells[Dim - 1] : 1, Dim, spacing);
   std::vector<std::uint8_t> phase(static_cast<std::size_t>(lattice.count()));
@@ -45,6 +45,7 @@ MaterialPoints<Dim> filled(
   PointOptions options;
   options.perNode = perNode;
   options.density = { density };
+  options.history = history;
   return pointsFromLattice<Dim>(lattice, phase, {}, options);
 }
 
