@@ -3,6 +3,7 @@
 //   tissue     generated earlywood: first slope and plateau over spacing and points a cell; the finest is the reference
 //   speed      the first slope and the plateau over the speed, from rest and from an even start, and over the energy
 //              ratio that the control allows
+//   precision  the points' state in double and in single: a bar that vibrates, and the tissue's slope and plateau
 //   stiffness  implicit against explicit
 //   stability  what is pressed to 90 %, thin walls, points a cell, contrast of two phases, points that leave an open
 //   grid
@@ -14,6 +15,8 @@
 #include "../tests/verification/ManufacturedMotion.h"
 
 #include "generators/Generators.h"
+#include "micrograph/ContourLattice.h"
+#include "micrograph/PolygonFile.h"
 #include "mpm/PointCompression.h"
 #include "mpm/PointStiffness.h"
 #include "mpm/WallCells.h"
@@ -24,6 +27,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <utility>
@@ -90,6 +95,17 @@ PhaseImage earlywood(int nodes, double solid = 0.3)
   o.solidFraction = solid;
   o.rayEvery = 0;
   return generators::softwood(o);
+}
+
+/// Earlywood of spruce, 60 µm each way of the outlines of Ferrara and Wittel.
+PhaseImage spruce(const char* folder)
+{
+  micrograph::PolygonReadOptions part;
+  part.window = { 100, 80, 160, 140 }; // [µm]
+  const std::filesystem::path file = std::filesystem::path(folder) / "spruce_EW_polygons.json.gz";
+  micrograph::ContourLatticeOptions o;
+  o.spacing = 0.5e-6;
+  return micrograph::contourLattice(micrograph::readPolygons(file, part).lumens, o).image;
 }
 
 /// @param per points along each direction of a cell of the grid, whose cells are `cells` nodes wide
@@ -237,6 +253,55 @@ void speed(const Keys& keys)
     given.energyRatio = ratio;
     show("even", fmt::format("r {:g}", ratio), 0, ratio, press(points, given));
   }
+}
+
+void precision(const Keys& keys)
+{
+  const bool quick = keys.contains("quick");
+  const std::pair<const char*, Precision> precisions[] = { { "double", Precision::Double },
+    { "single", Precision::Single } };
+  Table bars(keys, "compression", "precision-bar", "precision,cells,error,energy,cpu_seconds");
+  fmt::print("\nA bar that vibrates, strain 1e-4, splines, APIC, 4 points a cell: root mean square error of its mean\n"
+             "velocity over two periods, over its amplitude; energy at the end over that at the start\n"
+             "precision  cells      error    energy     CPU\n");
+  for (const int cells : { 8, 16, 32, 64 })
+    for (const auto& [name, kind] : precisions)
+    {
+      samples::Method method;
+      method.precision = kind;
+      const double from = cpu();
+      const samples::BarResult r = samples::vibrate(cells, method);
+      const double seconds = cpu() - from;
+      fmt::print("{:9} {:6} {:10.5f} {:9.5f} {:7.2f} s\n", name, cells, r.error, r.energy, seconds);
+      std::fflush(stdout);
+      bars.line(name, cells, r.error, r.energy, seconds);
+    }
+  Table table(keys, "compression", "precision",
+    "tissue,precision,per_cell,points,slope,plateau,worst_ratio,worst_imbalance,steps,cpu_seconds");
+  fmt::print("\nEarlywood pressed to 16 %: generated, 150 µm; of spruce, 60 µm\n"
+             "tissue     precision  a cell   points      slope    plateau  kinetic/elastic    steps      CPU\n");
+  const auto compare = [&](const char* tissue, const PhaseImage& image, int axis, int per)
+  {
+    for (const auto& [name, kind] : precisions)
+    {
+      CompressionOptions<2> o = specimen(image.lattice, 1);
+      o.axis = axis;
+      o.strain = 0.16;
+      o.rows = 320;
+      o.motion.precision = kind;
+      const Pressed p = press(pointsOf(image, per), o);
+      fmt::print("{:10} {:9} {:7} {:8} {:6.2f} MPa {:6.3f} MPa {:16.2e} {:8} {:6.1f} s\n", tissue, name, per * per,
+        p.points, p.slope / 1e6, p.plateau / 1e6, p.ratio, p.steps, p.seconds);
+      std::fflush(stdout);
+      table.line(tissue, name, per * per, p.points, p.slope, p.plateau, p.ratio, p.imbalance, p.steps, p.seconds);
+    }
+  };
+  if (const char* const folder = std::getenv("LAMELLA_REAL_DATA"))
+    compare("spruce", spruce(folder), 1, 3);
+  else
+    fmt::print("(no tissue of spruce: LAMELLA_REAL_DATA is not set)\n");
+  for (const int per : { 2, 3, 4 })
+    compare("generated", earlywood(quick ? 150 : 250), 0, per);
 }
 
 void stiffness(const Keys& keys)
@@ -397,7 +462,7 @@ int main(int argc, char** argv)
     [](const Keys& keys)
     {
       const std::pair<const char*, void (*)(const Keys&)> studies[] = { { "motion", motion }, { "tissue", tissue },
-        { "speed", speed }, { "stiffness", stiffness }, { "stability", stability } };
+        { "speed", speed }, { "precision", precision }, { "stiffness", stiffness }, { "stability", stability } };
       const std::string wanted = text(keys, "study", "");
       bool found = wanted.empty();
       for (const auto& [name, study] : studies)
@@ -407,6 +472,6 @@ int main(int argc, char** argv)
           found = true;
         }
       if (!found)
-        throw ParameterError("no study '" + wanted + "'", "motion, tissue, speed, stiffness or stability");
+        throw ParameterError("no study '" + wanted + "'", "motion, tissue, speed, precision, stiffness or stability");
     });
 }

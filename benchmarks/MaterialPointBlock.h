@@ -28,7 +28,8 @@ std::shared_ptr<const PointLaw<Dim>> wood()
 /// @param stiffness of the law  @param comm ranks that share it
 template <int Dim>
 std::unique_ptr<PointDynamics<Dim>> block(std::shared_ptr<const PointLaw<Dim>> law, double stiffness, int cells,
-  int perCell, bool porous, bool fused, const Communicator& comm = Communicator())
+  int perCell, bool porous, bool fused, const Communicator& comm = Communicator(),
+  Precision precision = Precision::Double)
 {
   const Lattice lattice = makeLattice(cells, cells, Dim == 3 ? cells : 1, Dim, 1);
   std::vector<std::uint8_t> phase(static_cast<std::size_t>(lattice.count()), 1);
@@ -54,6 +55,7 @@ std::unique_ptr<PointDynamics<Dim>> block(std::shared_ptr<const PointLaw<Dim>> l
   PointDynamicsOptions<Dim> options;
   options.spacing = 1;
   options.fused = fused;
+  options.precision = precision;
   options.comm = comm;
   const double speed = 0.01 * std::sqrt(stiffness); // of the wave's
   for (auto& side : options.sides)

@@ -1,10 +1,11 @@
-// Point updates a second of the explicit steps: fused kernels by law, points a cell and dimension, and the plain path;
-// a full block and one with two thirds of its cells empty, as tissue has. Processor time of all threads; median of
-// seven.
+// Point updates a second of the explicit steps: fused kernels by law, precision, points a cell and dimension, and the
+// plain path; a full block and one with two thirds of its cells empty, as tissue has. Processor time of all threads;
+// median of seven.
 //   quick      smaller blocks, fewer repetitions
 #include "Keys.h"
 #include "MaterialPointBlock.h"
 
+#include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "mpm/Isotropic.h"
 #include "mpm/NeoHookean.h"
@@ -15,7 +16,6 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -38,9 +38,10 @@ struct Rates
 
 template <int Dim>
 Rates measure(std::shared_ptr<const PointLaw<Dim>> law, double stiffness, int cells, int perCell, bool porous,
-  bool fused, int steps, int repeats)
+  bool fused, int steps, int repeats, Precision precision = Precision::Double)
 {
-  const auto body = benchmark::block<Dim>(std::move(law), stiffness, cells, perCell, porous, fused);
+  const auto body =
+    benchmark::block<Dim>(std::move(law), stiffness, cells, perCell, porous, fused, Communicator(), precision);
   Rates rates;
   rates.points = body->points().count();
   rates.bytes = body->points().bytes() / rates.points;
@@ -49,12 +50,12 @@ Rates measure(std::shared_ptr<const PointLaw<Dim>> law, double stiffness, int ce
   std::vector<double> wall;
   for (int r = 0; r < repeats; ++r)
   {
-    const auto from = std::chrono::steady_clock::now();
+    const auto from = Clock::now();
     const double t = benchmark::cpu();
     body->advance(steps);
     const double updates = static_cast<double>(rates.points) * steps / 1e6;
     processor.push_back(updates / (benchmark::cpu() - t));
-    wall.push_back(updates / std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count());
+    wall.push_back(updates / secondsSince(from));
   }
   const auto median = [](std::vector<double>& v)
   {
@@ -82,19 +83,19 @@ int main(int argc, char** argv)
     const int cells = quick ? 112 : 224;
     const double young = OrthotropicMaterial{}.along;
     const PointKernels& kernels = pointKernels();
-    fmt::print(
-      "Quadratic splines, lumped mass, APIC, double; kernels {} with {} lanes for {} cell(s) at once; {} thread(s)\n"
-      "millions of point updates a second                     points  processor      wall  bytes\n",
+    fmt::print("Quadratic splines, lumped mass, APIC, double unless said; kernels {} with {} lanes for {} cell(s) at "
+               "once; {} thread(s)\n"
+               "millions of point updates a second                     points  processor      wall  bytes\n",
       kernels.name, kernels.lanes, kernels.cells, omp_get_max_threads());
     for (const int perCell : { 2, 3, 4 })
     {
       const int side = cells * 2 / perCell;
       const int steps = quick ? 10 : 20;
-      const std::string each = fmt::format(", {} a cell", perCell * perCell);
-      print("orthotropic, full" + each,
-        measure<2>(benchmark::wood<2>(), young, side, perCell, false, true, steps, repeats));
-      print("orthotropic, porous" + each,
-        measure<2>(benchmark::wood<2>(), young, side, perCell, true, true, steps, repeats));
+      for (const bool porous : { false, true })
+        for (const Precision precision : { Precision::Double, Precision::Single })
+          print(fmt::format("orthotropic, {}, {} a cell{}", porous ? "porous" : "full", perCell * perCell,
+                  precision == Precision::Single ? ", single" : ""),
+            measure<2>(benchmark::wood<2>(), young, side, perCell, porous, true, steps, repeats, precision));
     }
     const auto isotropic = makeLaw<2, Isotropic>({ isotropicConstants<2>(IsotropicMaterial{}) });
     const auto rubber = makeLaw<2, NeoHookean>({ { young / 2, young / 3 } });
@@ -102,8 +103,9 @@ int main(int argc, char** argv)
     print("neo-Hookean, full, 4 a cell", measure<2>(rubber, young, cells, 2, false, true, 20, repeats));
     print("orthotropic, full, 4 a cell, plain path",
       measure<2>(benchmark::wood<2>(), young, cells / 4, 2, false, false, 5, 3));
-    print("orthotropic, in space, full, 8 a cell",
-      measure<3>(benchmark::wood<3>(), young, quick ? 16 : 28, 2, false, true, 10, repeats));
+    for (const Precision precision : { Precision::Double, Precision::Single })
+      print(std::string("orthotropic, in space, full, 8 a cell") + (precision == Precision::Single ? ", single" : ""),
+        measure<3>(benchmark::wood<3>(), young, quick ? 16 : 28, 2, false, true, 10, repeats, precision));
     print("neo-Hookean, in space, full, 8 a cell",
       measure<3>(
         makeLaw<3, NeoHookean>({ { young / 2, young / 3 } }), young, quick ? 16 : 28, 2, false, true, 10, repeats));

@@ -29,10 +29,12 @@ double roomAt(const GridAxis& g, int side)
 } // namespace
 
 template <int Dim>
-FusedStep<Dim>::FusedStep(MaterialPoints<Dim>& points, const PointLaw<Dim>& law, const Vector<Dim>& gravity)
+FusedStep<Dim>::FusedStep(
+  MaterialPoints<Dim>& points, const PointLaw<Dim>& law, const Vector<Dim>& gravity, bool single)
   : points_(points)
   , kind_(law.kind())
   , gravity_(gravity)
+  , single_(single)
 {
   for (std::size_t phase = 0; phase < law.phases(); ++phase)
     constants_.insert(constants_.end(), law.constants(phase), law.constants(phase) + law.constantsCount());
@@ -94,6 +96,64 @@ void FusedStep<Dim>::sort(const BackgroundGrid<Dim>& grid)
   for (std::size_t p = 0; p < count; ++p)
     order[first[cellOf[p]]++] = static_cast<std::uint32_t>(p);
   points_.reorder(order);
+  if (single_)
+    pack(grid);
+}
+
+template <int Dim>
+void FusedStep<Dim>::pack(const BackgroundGrid<Dim>& grid)
+{
+  using Points = MaterialPoints<Dim>;
+  using State = StateColumns<Dim>;
+  const std::size_t pitch = points_.pitch();
+  state_.resize(pitch * static_cast<std::size_t>(State::count));
+  const auto masses = points_.column(Points::masses);
+  massScale_ = masses.empty() ? 1 : *std::max_element(masses.begin(), masses.end());
+  const auto fill = [&](int to, int from, auto&& of)
+  {
+    const auto values = points_.column(from);
+    float* state = state_.data() + static_cast<std::size_t>(to) * pitch;
+    for (std::size_t p = 0; p < values.size(); ++p)
+      state[p] = static_cast<float>(of(values[p]));
+  };
+  for (int i = 0; i < Dim * Dim; ++i)
+    fill(State::deformations + i, Points::deformations + i,
+      [one = i % (Dim + 1) == 0 ? 1 : 0](double F) { return F - one; });
+  fill(State::masses, Points::masses, [this](double m) { return m / massScale_; });
+  fill(State::volumes, Points::volumes, [this](double v) { return v / massScale_; });
+  for (int a = 0; a < Dim; ++a)
+  {
+    fill(State::axes + a, Points::axes + a, [](double n) { return n; });
+    const auto x = points_.column(a);
+    float* state = state_.data() + static_cast<std::size_t>(State::positions + a) * pitch;
+    for (std::size_t c = 0; c + 1 < cells_.size(); ++c)
+      for (std::size_t p = cells_[c].begin; p < cells_[c + 1].begin; ++p)
+        state[p] = static_cast<float>(grid.axis(a).coordinate(x[p]) - (cells_[c].base[a] + 1));
+  }
+}
+
+template <int Dim>
+void FusedStep<Dim>::unpack(const BackgroundGrid<Dim>& grid)
+{
+  using Points = MaterialPoints<Dim>;
+  using State = StateColumns<Dim>;
+  const std::size_t pitch = points_.pitch();
+  for (int i = 0; i < Dim * Dim; ++i)
+  {
+    const auto F = points_.column(Points::deformations + i);
+    const float* state = state_.data() + static_cast<std::size_t>(State::deformations + i) * pitch;
+    for (std::size_t p = 0; p < F.size(); ++p)
+      F[p] = static_cast<double>(state[p]) + (i % (Dim + 1) == 0 ? 1 : 0);
+  }
+  for (int a = 0; a < Dim; ++a)
+  {
+    const GridAxis& g = grid.axis(a);
+    const auto x = points_.column(a);
+    const float* state = state_.data() + static_cast<std::size_t>(State::positions + a) * pitch;
+    for (std::size_t c = 0; c + 1 < cells_.size(); ++c)
+      for (std::size_t p = cells_[c].begin; p < cells_[c + 1].begin; ++p)
+        x[p] = g.lower + g.spacing * (cells_[c].base[a] + 1 + static_cast<double>(state[p]));
+  }
 }
 
 template <int Dim>
@@ -103,6 +163,9 @@ void FusedStep<Dim>::sweep(
   PointSweep job{};
   job.columns = points_.column(0).data();
   job.pitch = static_cast<std::int64_t>(points_.pitch());
+  job.state = state_.data();
+  job.statePitch = job.pitch;
+  job.massScale = massScale_;
   job.phase = points_.phase().data();
   job.cells = cells_.data();
   bool cut = false;
@@ -130,7 +193,7 @@ void FusedStep<Dim>::sweep(
   job.constants = constants_.data();
   job.onePhase = onePhase_;
 
-  const SweepCells kernel = pointKernels().sweep[Dim - 2][static_cast<int>(kind_)][whole ? 1 : 0];
+  const SweepCells kernel = pointKernels().sweep[single_ ? 1 : 0][Dim - 2][static_cast<int>(kind_)][whole ? 1 : 0];
   const auto stripes = static_cast<std::int64_t>(stripes_.size()) - 1;
   const bool worthIt = points_.count() > worthThreads;
   std::int64_t strays = 0;
@@ -149,10 +212,13 @@ void FusedStep<Dim>::sweep(
   nodes_.swap(next_);
   leaving_ = false;
   lost_ = false;
+  const bool astray = far || static_cast<double>(strays) > sortAt * static_cast<double>(points_.count());
+  if (single_ && whole && (keep || outside || astray))
+    unpack(to);
   if (outside && cut)
     outside = beyondEnds(to, keep);
   kick_ = outside ? 0 : kick; // wrapped, or on a larger grid
-  if (!outside && !lost_ && (far || static_cast<double>(strays) > sortAt * static_cast<double>(points_.count())))
+  if (!outside && !lost_ && astray)
     sort(to);
 }
 

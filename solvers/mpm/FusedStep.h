@@ -20,7 +20,9 @@ class FusedStep
 {
 public:
   /// @param points, law must outlive this
-  FusedStep(MaterialPoints<Dim>& points, const PointLaw<Dim>& law, const Vector<Dim>& gravity);
+  /// @param single whether the points' state is moved in single precision: places in their cells and F − I, which are
+  /// given back to the points whenever those are sorted, or to be looked at
+  FusedStep(MaterialPoints<Dim>& points, const PointLaw<Dim>& law, const Vector<Dim>& gravity, bool single = false);
 
   /// Whether the nodes hold mass and momentum of the points, forces over this time [s] included.
   [[nodiscard]] bool ready(double kick) const noexcept;
@@ -45,6 +47,9 @@ private:
   /// @return whether the nodes are to be given to anew
   bool beyondEnds(const BackgroundGrid<Dim>& grid, bool kept);
   void sort(const BackgroundGrid<Dim>& grid);
+  /// State in single precision from the points, which lie in their cells, and back.
+  void pack(const BackgroundGrid<Dim>& grid);
+  void unpack(const BackgroundGrid<Dim>& grid);
   void sweep(
     const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool whole, bool keep);
 
@@ -53,6 +58,9 @@ private:
   Vector<Dim> gravity_;
   std::vector<double> constants_; ///< phase by phase
   bool onePhase_ = true;
+  bool single_;
+  double massScale_ = 1;              ///< of the state in single precision [kg]
+  std::vector<float> state_;          ///< by the columns of StateColumns, each as long as those of the points
   std::vector<PointCell> cells_;      ///< and one behind the last
   std::vector<std::int64_t> stripes_; ///< first cell of each, and one behind the last
   std::vector<double> nodes_;

@@ -224,6 +224,8 @@ std::string PointCompression<Dim>::scene(const MaterialPoints<Dim>& mine, const 
   line("terms of the mass", m.massTerms);
   line("stress update", static_cast<int>(m.update));
   line("fused", m.fused ? "yes" : "no");
+  if (m.precision == Precision::Single)
+    line("precision", "single");
   line("step", m.step ? fmt::format("{}", *m.step) : fmt::format("{} of the stable one", m.share));
   return ofFirst(comm, text);
 }

@@ -64,7 +64,10 @@ PointDynamics<Dim>::PointDynamics(
   if (options_.fused && options_.shape == Shape::QuadraticSpline && options_.mass == MassMatrix::Lumped &&
     options_.transfer == Transfer::Apic && options_.update == StressUpdate::Last && !options_.acceleration &&
     static_cast<int>(law_->kind()) < lawKinds)
-    fused_ = std::make_unique<FusedStep<Dim>>(points_, *law_, options_.gravity);
+    fused_ =
+      std::make_unique<FusedStep<Dim>>(points_, *law_, options_.gravity, options_.precision == Precision::Single);
+  checkOptions(fused_ || options_.precision == Precision::Double, "single precision, but the step is not a fused one",
+    "take quadratic splines, lumped mass, APIC, stress last, an elastic law and no acceleration; or double");
   checkOptions(!options_.comm.parallel() ||
       (options_.mass == MassMatrix::Lumped &&
         (options_.transfer == Transfer::Apic || options_.transfer == Transfer::Pic)),

@@ -46,6 +46,13 @@ enum class MassMatrix : std::uint8_t
              ///< Mech. Eng. 377 (2021) 113679): M alone can be singular, since points may be fewer than nodes
 };
 
+/// Of the points' state while they move on the fast path; what nodes sum up is double.
+enum class Precision : std::uint8_t
+{
+  Double,
+  Single
+};
+
 enum class StressUpdate : std::uint8_t
 {
   Last,        ///< with the velocities that moved the points (USL)
@@ -76,6 +83,7 @@ struct PointDynamicsOptions
   /// Takes the fused kernels for quadratic splines, lumped mass, USL and APIC with no `acceleration`; the same to
   /// round-off.
   bool fused = true;
+  Precision precision = Precision::Double; ///< Single: with the fused kernels only
   std::optional<double> step{}; ///< [s]; none: `share` times the largest stable one, followed as the body deforms
   double share = 0.9;           ///< 0 … 1
   Vector<Dim> gravity{};        ///< [m/s²]

@@ -134,7 +134,7 @@ class Compression(Case):
             found, expected = self.info(name), self.info(name.replace("two", "one"))
             self.assertEqual(found["points"], expected["points"])
             self.assertEqual([a["name"] for a in found["point_arrays"]], [a["name"] for a in expected["point_arrays"]])
-        again = self.run_lamella(*words, "--continue", "one.h5", "--json", ranks=2)
+        again = self.run_lamella(*TISSUE, *QUICK, "--continue", "one.h5", "--json", ranks=2)
         self.assertEqual(again.json()["continued_at"], one["steps"])
         self.assertAlmostEqual(again.json()["stress"] / one["stress"], 1, delta=1e-9)
 

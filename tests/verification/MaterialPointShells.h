@@ -43,8 +43,8 @@ std::shared_ptr<const PointLaw<Dim>> lawOf(LawKind kind)
 /// A shell with sheared, swirling start, under gravity, so that points change cells everywhere; two phases.
 /// On several ranks each gives some of the points, far from where they belong.
 template <int Dim>
-std::unique_ptr<PointDynamics<Dim>> shell(
-  LawKind law, Scene scene, bool fused, int cells, const Communicator& comm = Communicator())
+std::unique_ptr<PointDynamics<Dim>> shell(LawKind law, Scene scene, bool fused, int cells,
+  const Communicator& comm = Communicator(), Precision precision = Precision::Double)
 {
   const double h = 1.0 / cells;
   std::array<int, Dim> size;
@@ -76,6 +76,7 @@ std::unique_ptr<PointDynamics<Dim>> shell(
   PointDynamicsOptions<Dim> options;
   options.spacing = h;
   options.fused = fused;
+  options.precision = precision;
   options.comm = comm;
   options.gravity[0] = 0.3;
   options.gravity[1] = -0.1;

@@ -30,7 +30,7 @@ struct CellPlace
     : e(at)
     , square(at * at)
     , gradient(at + at)
-    , affine(at * (3.0 - 4.0 * square))
+    , affine(at * (R(3.0) - R(4.0) * square))
   {
   }
 };
@@ -185,52 +185,65 @@ inline void addMoments(R* moments, const CellPlace<R>* at, R value)
   }
 }
 
-/// The sums over the lanes of every cell, next to each other: four of them a cell.
-template <int N, int Cells>
-inline Lanes<4 * Cells> sums(Lanes<N> a, Lanes<N> b, Lanes<N> c, Lanes<N> d)
+/// The same two of every four lanes of a, and then of b: picks 0 and 2, or 1 and 3, crosswise.
+template <int N, class T>
+inline Lanes<N, T> paired(Lanes<N, T> a, Lanes<N, T> b)
 {
-  static_assert((N == 8 && Cells == 2) || (N <= 4 && Cells == 1));
-  if constexpr (N == 8)
-  {
-    const auto pairs = [](Lanes<8> x, Lanes<8> y)
-    {
-      return __builtin_shufflevector(x.v, y.v, 0, 8, 2, 10, 4, 12, 6, 14) +
-        __builtin_shufflevector(x.v, y.v, 1, 9, 3, 11, 5, 13, 7, 15);
-    };
-    const auto ab = pairs(a, b);
-    const auto cd = pairs(c, d);
-    return __builtin_shufflevector(ab, cd, 0, 1, 8, 9, 4, 5, 12, 13) +
-      __builtin_shufflevector(ab, cd, 2, 3, 10, 11, 6, 7, 14, 15);
-  }
-  else if constexpr (N == 4)
-  {
-    const auto pairs = [](Lanes<4> x, Lanes<4> y)
-    { return __builtin_shufflevector(x.v, y.v, 0, 4, 2, 6) + __builtin_shufflevector(x.v, y.v, 1, 5, 3, 7); };
-    const auto ab = pairs(a, b);
-    const auto cd = pairs(c, d);
-    return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
-  }
+  if constexpr (N == 4)
+    return __builtin_shufflevector(a.v, b.v, 0, 4, 2, 6) + __builtin_shufflevector(a.v, b.v, 1, 5, 3, 7);
+  else if constexpr (N == 8)
+    return __builtin_shufflevector(a.v, b.v, 0, 8, 2, 10, 4, 12, 6, 14) +
+      __builtin_shufflevector(a.v, b.v, 1, 9, 3, 11, 5, 13, 7, 15);
   else
+    return __builtin_shufflevector(a.v, b.v, 0, 16, 2, 18, 4, 20, 6, 22, 8, 24, 10, 26, 12, 28, 14, 30) +
+      __builtin_shufflevector(a.v, b.v, 1, 17, 3, 19, 5, 21, 7, 23, 9, 25, 11, 27, 13, 29, 15, 31);
+}
+
+/// The sums over the lanes of every cell, next to each other: four of them a cell.
+template <int N, int Cells, class T>
+inline Lanes<4 * Cells, T> sums(Lanes<N, T> a, Lanes<N, T> b, Lanes<N, T> c, Lanes<N, T> d)
+{
+  static_assert(N == 4 * Cells || (N == 2 && Cells == 1));
+  if constexpr (N == 2)
   {
     Node s;
     s.v = Node::V{ a.v[0] + a.v[1], b.v[0] + b.v[1], c.v[0] + c.v[1], d.v[0] + d.v[1] };
     return s;
   }
+  else
+  {
+    const auto ab = paired(a, b).v;
+    const auto cd = paired(c, d).v;
+    if constexpr (N == 4)
+      return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+    else if constexpr (N == 8)
+      return __builtin_shufflevector(ab, cd, 0, 1, 8, 9, 4, 5, 12, 13) +
+        __builtin_shufflevector(ab, cd, 2, 3, 10, 11, 6, 7, 14, 15);
+    else
+      return __builtin_shufflevector(ab, cd, 0, 1, 16, 17, 4, 5, 20, 21, 8, 9, 24, 25, 12, 13, 28, 29) +
+        __builtin_shufflevector(ab, cd, 2, 3, 18, 19, 6, 7, 22, 23, 10, 11, 26, 27, 14, 15, 30, 31);
+  }
 }
 
 /// One of the four values of every cell, in all lanes of that cell.
-template <int N, int Cells>
-inline Lanes<N> spread(const double* values, int which)
+template <int N, int Cells, class T>
+inline Lanes<N, T> spread(const T* values, int which)
 {
   if constexpr (Cells == 1)
-    return Lanes<N>(values[which]);
+    return Lanes<N, T>(values[which]);
   else
   {
-    const typename Lanes<8>::V v = Lanes<8>::load(values).v;
-    return which == 0 ? __builtin_shufflevector(v, v, 0, 0, 0, 0, 4, 4, 4, 4)
-      : which == 1    ? __builtin_shufflevector(v, v, 1, 1, 1, 1, 5, 5, 5, 5)
-      : which == 2    ? __builtin_shufflevector(v, v, 2, 2, 2, 2, 6, 6, 6, 6)
-                      : __builtin_shufflevector(v, v, 3, 3, 3, 3, 7, 7, 7, 7);
+    const auto v = Lanes<N, T>::load(values).v;
+    if constexpr (N == 8)
+      return which == 0 ? __builtin_shufflevector(v, v, 0, 0, 0, 0, 4, 4, 4, 4)
+        : which == 1    ? __builtin_shufflevector(v, v, 1, 1, 1, 1, 5, 5, 5, 5)
+        : which == 2    ? __builtin_shufflevector(v, v, 2, 2, 2, 2, 6, 6, 6, 6)
+                        : __builtin_shufflevector(v, v, 3, 3, 3, 3, 7, 7, 7, 7);
+    else
+      return which == 0 ? __builtin_shufflevector(v, v, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12)
+        : which == 1    ? __builtin_shufflevector(v, v, 1, 1, 1, 1, 5, 5, 5, 5, 9, 9, 9, 9, 13, 13, 13, 13)
+        : which == 2    ? __builtin_shufflevector(v, v, 2, 2, 2, 2, 6, 6, 6, 6, 10, 10, 10, 10, 14, 14, 14, 14)
+                        : __builtin_shufflevector(v, v, 3, 3, 3, 3, 7, 7, 7, 7, 11, 11, 11, 11, 15, 15, 15, 15);
   }
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 
-// Vectors of N doubles as a number type for laws and shapes. Only for sources compiled for several instruction sets
-// (lamella_kernels): everything here, and so every template instantiated with it, is local to one object file.
+// Vectors of N doubles or floats as a number type for laws and shapes. Only for sources compiled for several
+// instruction sets (lamella_kernels): everything here, and so every template instantiated with it, is local to one
+// object file.
 
 #include <cstdint>
 #if defined(__AVX2__)
@@ -13,27 +14,34 @@ namespace lamella::mpm
 namespace
 {
 
-template <int N>
+template <int N, class T>
 struct LaneTypes; // the attribute may not depend on a template's parameter
-#define LAMELLA_LANES(N)                                                                                               \
+#define LAMELLA_LANES(N, Number, Whole)                                                                                \
   template <>                                                                                                          \
-  struct LaneTypes<N>                                                                                                  \
+  struct LaneTypes<N, Number>                                                                                          \
   {                                                                                                                    \
-    using V __attribute__((vector_size(8 * N))) = double;                                                              \
-    using I __attribute__((vector_size(8 * N))) = std::int64_t;                                                        \
-    using Any __attribute__((vector_size(8 * N), aligned(8), may_alias)) = double; /* at any address */                \
+    using V __attribute__((vector_size(sizeof(Number) * N))) = Number;                                                 \
+    using I __attribute__((vector_size(sizeof(Number) * N))) = Whole;                                                  \
+    using Any __attribute__((vector_size(sizeof(Number) * N), aligned(sizeof(Number)), may_alias)) =                   \
+      Number; /* any place */                                                                                          \
   };
-LAMELLA_LANES(2)
-LAMELLA_LANES(4)
-LAMELLA_LANES(8)
+LAMELLA_LANES(2, double, std::int64_t)
+LAMELLA_LANES(4, double, std::int64_t)
+LAMELLA_LANES(8, double, std::int64_t)
+LAMELLA_LANES(16, double, std::int64_t)
+LAMELLA_LANES(4, float, std::int32_t)
+LAMELLA_LANES(8, float, std::int32_t)
+LAMELLA_LANES(16, float, std::int32_t)
 #undef LAMELLA_LANES
 
-template <int N>
+/// @param T double, or float with twice as many lanes
+template <int N, class T = double>
 struct Lanes
 {
-  using V = typename LaneTypes<N>::V;
-  using I = typename LaneTypes<N>::I;
-  using Any = typename LaneTypes<N>::Any;
+  using V = typename LaneTypes<N, T>::V;
+  using I = typename LaneTypes<N, T>::I;
+  using Any = typename LaneTypes<N, T>::Any;
+  static constexpr bool single = sizeof(T) == 4;
 
   V v;
 
@@ -43,52 +51,66 @@ struct Lanes
   {
   }
   Lanes(double value)
-    : v(value - V{})
+    : v(static_cast<T>(value) - V{})
   {
   }
-  static Lanes load(const double* p) { return *reinterpret_cast<const Any*>(p); }
-  void store(double* p) const { *reinterpret_cast<Any*>(p) = v; }
+  static Lanes load(const T* p) { return *reinterpret_cast<const Any*>(p); }
+  void store(T* p) const { *reinterpret_cast<Any*>(p) = v; }
   /// The first n of them; what lies behind is not touched, since it may be another thread's.
-  void storeFirst(double* p, int n) const
+  void storeFirst(T* p, int n) const
   {
 #if defined(__AVX512F__) && defined(__AVX512VL__)
-    if constexpr (N == 8)
-      return _mm512_mask_storeu_pd(p, static_cast<__mmask8>((1U << n) - 1), v);
-    if constexpr (N == 4)
-      return _mm256_mask_storeu_pd(p, static_cast<__mmask8>((1U << n) - 1), v);
+    const unsigned first = (1U << n) - 1;
+    if constexpr (N == 8 && !single)
+      return _mm512_mask_storeu_pd(p, static_cast<__mmask8>(first), v);
+    if constexpr (N == 4 && !single)
+      return _mm256_mask_storeu_pd(p, static_cast<__mmask8>(first), v);
+    if constexpr (N == 4 && single)
+      return _mm_mask_storeu_ps(p, static_cast<__mmask8>(first), v);
 #elif defined(__AVX2__)
-    if constexpr (N == 4)
+    if constexpr (N == 4 && !single)
       return _mm256_maskstore_pd(p, (__m256i)(counting() < n), v);
+    if constexpr (N == 4 && single)
+      return _mm_maskstore_ps(p, (__m128i)(counting() < n), v);
 #endif
     for (int l = 0; l < n; ++l)
       p[l] = v[l];
   }
   /// In `Groups` equal parts, each from its own place.
   template <int Groups>
-  static Lanes loadGroups(const double* const* p)
+  static Lanes loadGroups(const T* const* p)
   {
     if constexpr (Groups == 1)
       return load(p[0]);
     else
     {
-      using Half = typename LaneTypes<N / 2>::Any;
-      const auto a = *reinterpret_cast<const Half*>(p[0]);
-      const auto b = *reinterpret_cast<const Half*>(p[1]);
-      static_assert(Groups == 2 && N == 8);
-      return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+      using Half = Lanes<N / 2, T>;
+      return joined(Half::template loadGroups<Groups / 2>(p), Half::template loadGroups<Groups / 2>(p + Groups / 2));
     }
+  }
+  /// One behind the other.
+  static Lanes joined(Lanes<N / 2, T> a, Lanes<N / 2, T> b)
+  {
+    static_assert(N == 8 || N == 16);
+    if constexpr (N == 8)
+      return __builtin_shufflevector(a.v, b.v, 0, 1, 2, 3, 4, 5, 6, 7);
+    else
+      return __builtin_shufflevector(a.v, b.v, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   }
   /// A part of them.
   template <int Groups>
-  [[nodiscard]] Lanes<N / Groups> group(int g) const
+  [[nodiscard]] Lanes<N / Groups, T> group(int g) const
   {
+    static_assert(Groups == 1 || N / Groups == 4);
     if constexpr (Groups == 1)
       return v;
-    else
-    {
-      static_assert(Groups == 2 && N == 8);
+    else if constexpr (Groups == 2)
       return g == 0 ? __builtin_shufflevector(v, v, 0, 1, 2, 3) : __builtin_shufflevector(v, v, 4, 5, 6, 7);
-    }
+    else
+      return g == 0 ? __builtin_shufflevector(v, v, 0, 1, 2, 3)
+        : g == 1    ? __builtin_shufflevector(v, v, 4, 5, 6, 7)
+        : g == 2    ? __builtin_shufflevector(v, v, 8, 9, 10, 11)
+                    : __builtin_shufflevector(v, v, 12, 13, 14, 15);
   }
   /// 0, 1, 2, …
   static I counting()
@@ -97,6 +119,17 @@ struct Lanes
     for (int l = 0; l < N; ++l)
       i[l] = l;
     return i;
+  }
+  /// All bits of a lane where its bit is set.
+  static I where(unsigned bits)
+  {
+    const I each = (I{} + 1) << counting();
+    return ((I{} + static_cast<int>(bits)) & each) != 0;
+  }
+  template <class Other>
+  [[nodiscard]] Lanes<N, Other> as() const
+  {
+    return __builtin_convertvector(v, typename LaneTypes<N, Other>::V);
   }
 
   friend Lanes operator+(Lanes a, Lanes b)
@@ -151,17 +184,21 @@ struct Lanes
   }
   friend Lanes abs(Lanes a)
   {
-    return (V)((I)a.v & INT64_MAX);
+    return (V)((I)a.v & (single ? INT32_MAX : INT64_MAX));
   }
   friend Lanes sqrt(Lanes a)
   {
 #if defined(__AVX512F__)
-    if constexpr (N == 8)
+    if constexpr (N == 8 && !single)
       return _mm512_maskz_sqrt_pd(0xff, a.v); // the unmasked one is said to use an undefined value
+    if constexpr (N == 16 && single)
+      return _mm512_maskz_sqrt_ps(0xffff, a.v);
 #endif
 #if defined(__AVX2__)
-    if constexpr (N == 4)
+    if constexpr (N == 4 && !single)
       return _mm256_sqrt_pd(a.v);
+    if constexpr (N == 8 && single)
+      return _mm256_sqrt_ps(a.v);
 #endif
     for (int l = 0; l < N; ++l)
       a.v[l] = __builtin_sqrt(a.v[l]);
@@ -171,7 +208,13 @@ struct Lanes
   friend Lanes inverseSqrt(Lanes a)
   {
 #if defined(__AVX512F__)
-    if constexpr (N == 8) // sooner than a root and a division
+    if constexpr (N == 16 && single)
+    {
+      const V y = _mm512_maskz_rsqrt14_ps(0xffff, a.v);
+      const V rest = 1.0F - a.v * y * y;
+      return y + y * rest * (0.5F + 0.375F * rest);
+    }
+    if constexpr (N == 8 && !single) // sooner than a root and a division
     {
       V y = _mm512_maskz_rsqrt14_pd(0xff, a.v);
       y = y + 0.5 * y * (1.0 - a.v * y * y);
@@ -183,6 +226,15 @@ struct Lanes
   }
   /// Natural logarithm to 2 units in the last place for positive, normal numbers.
   friend Lanes log(Lanes a)
+  {
+    if constexpr (single)
+      return log(a.template as<double>()).template as<float>();
+    else
+      return logarithm(a);
+  }
+
+private:
+  static Lanes logarithm(Lanes a)
   {
     // a = 2^k m with m in [√½, √2)
     const I offset = I{} + 0x3fe6a09e667f3bcdLL; // √½
@@ -207,16 +259,21 @@ struct Lanes
 };
 
 /// A bit a lane of a comparison.
-template <int N>
-inline unsigned bits(typename LaneTypes<N>::I mask)
+template <int N, class T>
+inline unsigned bits(typename LaneTypes<N, T>::I mask)
 {
+  [[maybe_unused]] constexpr bool single = sizeof(T) == 4;
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
-  if constexpr (N == 8)
+  if constexpr (N == 8 && !single)
     return _mm512_movepi64_mask((__m512i)mask);
+  if constexpr (N == 16 && single)
+    return _mm512_movepi32_mask((__m512i)mask);
 #endif
 #if defined(__AVX2__)
-  if constexpr (N == 4)
+  if constexpr (N == 4 && !single)
     return static_cast<unsigned>(_mm256_movemask_pd((__m256d)mask));
+  if constexpr (N == 8 && single)
+    return static_cast<unsigned>(_mm256_movemask_ps((__m256)mask));
 #endif
   unsigned set = 0;
   for (int l = 0; l < N; ++l)

@@ -9,6 +9,10 @@
 /// In a cell splines are polynomials: the nodes' velocities become 3^Dim coefficients of powers of the place in the
 /// cell, once a cell; a point evaluates them by Horner's scheme, and its gradients and affine velocities come from the
 /// same coefficients. Backwards likewise: points add to moments, which become the nodes' sums once a cell.
+///
+/// In single precision a point's place is kept from the middle of its cell, and F less the identity: what a step adds
+/// is a millionth of a box's length or less, which a float of that length would not notice. The nodes stay double, and
+/// so do the coefficients until they are made: neighbours' velocities differ by little.
 namespace lamella::mpm
 {
 
@@ -30,10 +34,25 @@ struct SweepAxis
   std::int64_t stride; ///< from a node to the next, in nodes
 };
 
+/// Columns of the points' state in single precision.
+template <int Dim>
+struct StateColumns
+{
+  static constexpr int positions = 0;      ///< from the middle node of the cell's splines [spacings], −½ … ½
+  static constexpr int deformations = Dim; ///< F − I
+  static constexpr int masses = Dim + Dim * Dim; ///< over massScale
+  static constexpr int volumes = masses + 1;     ///< at the start, over massScale
+  static constexpr int axes = masses + 2;
+  static constexpr int count = axes + Dim;
+};
+
 struct PointSweep
 {
-  double* columns; ///< of MaterialPoints
+  double* columns; ///< of MaterialPoints; in single precision only the velocities and their gradients are used
   std::int64_t pitch;
+  float* state; ///< of the kernels in single precision
+  std::int64_t statePitch;
+  double massScale; ///< [kg]: of what is far below 1 no product may underflow
   const std::uint8_t* phase;
   const PointCell* cells;
   SweepAxis axis[3];
@@ -60,10 +79,10 @@ inline constexpr int lawKinds = 3; ///< the first ones of LawKind
 struct PointKernels
 {
   const char* name;
-  int lanes; ///< points at once
+  int lanes; ///< points at once, twice as many in single precision
   int cells; ///< that they are of
-  /// By dimension − 2, law, [0] only giving to the grid, [1] the whole step.
-  SweepCells sweep[2][lawKinds][2];
+  /// By precision (double, single), dimension − 2, law, [0] only giving to the grid, [1] the whole step.
+  SweepCells sweep[2][2][lawKinds][2];
 };
 
 /// The fastest that this processor can run.

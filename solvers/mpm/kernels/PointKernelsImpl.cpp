@@ -16,12 +16,23 @@ namespace
 template <int Dim>
 struct Columns
 {
+  static constexpr int positions = 0;
   static constexpr int velocities = Dim;
   static constexpr int affines = 2 * Dim;
   static constexpr int deformations = 2 * Dim + Dim * Dim;
   static constexpr int masses = 2 * Dim + 2 * Dim * Dim;
   static constexpr int volumes = masses + 1;
   static constexpr int axes = masses + 2;
+};
+
+/// Of a point's state, by precision.
+template <int Dim, class T>
+struct State : Columns<Dim>
+{
+};
+template <int Dim>
+struct State<Dim, float> : StateColumns<Dim>
+{
 };
 
 /// A point outside its cell: from the nodes that it reaches, each of its own.
@@ -80,13 +91,15 @@ struct Stray
 };
 
 /// The points of some cells, N at a time: of `Cells` cells side by side, each of which has as many lanes.
-template <int Dim, class Law, bool Whole, int N, int Cells>
+template <int Dim, class Law, bool Whole, int N, int Cells, class T>
 class Sweep
 {
 public:
-  using R = Lanes<N>;
-  using C = Columns<Dim>;
-  using Nodes = Lanes<4 * Cells>; ///< the values of a node of every cell
+  using R = Lanes<N, T>;
+  using C = State<Dim, T>;
+  using Kept = Columns<Dim>;         ///< of what is kept in double
+  using Nodes = Lanes<4 * Cells, T>; ///< the values of a node of every cell
+  static constexpr bool single = sizeof(T) == 4;
   static constexpr int nodes = cellNodes<Dim>;
   static constexpr int own = N / Cells; ///< lanes of a cell
   static_assert(Law::history == 0);
@@ -99,6 +112,7 @@ public:
       stride_[a] = s_.axis[a].stride;
       for (int when = 0; when < 2; ++when)
         inverse_[when][a] = 1 / s_.axis[a].spacing[when];
+      stretch_[a] = s_.axis[a].spacing[0] * inverse_[1][a] - 1;
     }
     for (int q = 0; q < Law::constants && s_.onePhase; ++q)
       constants_[q] = R(s_.constants[q]);
@@ -132,14 +146,38 @@ private:
       {
         const double middle = cell.base[a] + 1;
         corner[k] += (cell.base[a] + 1) * stride_[a];
+        const SweepAxis& g = s_.axis[a];
+        const double shift = (g.lower[0] - g.lower[1] + g.spacing[0] * middle) * inverse_[1][a] - middle;
         for (int l = 0; l < own; ++l)
-          middle_[a].v[k * own + l] = middle;
+        {
+          middle_[a].v[k * own + l] = static_cast<T>(middle);
+          if constexpr (single)
+            shift_[a].v[k * own + l] = static_cast<T>(shift);
+        }
         edge_ = edge_ || middle - 0.5 < s_.axis[a].least || middle + 0.5 > s_.axis[a].most;
       }
       if (k < present && s_.cells[first + k + 1].begin - cell.begin > most)
         most = s_.cells[first + k + 1].begin - cell.begin;
     }
-    if constexpr (Whole)
+    if constexpr (Whole && single)
+    {
+      constexpr int together = Cells > 1 ? 2 : 1;
+      for (int k = 0; k < Cells; k += together)
+      {
+        Lanes<4 * together> values[nodes];
+        for (int n = 0; n < nodes; ++n)
+        {
+          const double* at[together];
+          for (int i = 0; i < together; ++i)
+            at[i] = s_.velocity + (corner[k + i] + nodeOffset<Dim>(stride_, n)) * 4;
+          values[n] = Lanes<4 * together>::template loadGroups<together>(at);
+        }
+        toCoefficients<Dim>(values);
+        for (int n = 0; n < nodes; ++n)
+          values[n].template as<T>().store(coefficients_ + 4 * (Cells * n + k));
+      }
+    }
+    else if constexpr (Whole)
     {
       Nodes values[nodes];
       for (int n = 0; n < nodes; ++n)
@@ -177,11 +215,21 @@ private:
       for (int n = 0; n < nodes; ++n)
       {
         double* node = s_.momentum + (corner[k] + nodeOffset<Dim>(stride_, n)) * 4;
-        (Node::load(node) + out[n].template group<Cells>(k)).store(node);
+        const Lanes<4, T> more = out[n].template group<Cells>(k);
+        if constexpr (single)
+          (Node::load(node) + more.template as<double>() * s_.massScale).store(node);
+        else
+          (Node::load(node) + more).store(node);
       }
   }
 
-  double* column(int c, std::int64_t p) const { return s_.columns + c * s_.pitch + p; }
+  T* column(int c, std::int64_t p) const
+  {
+    if constexpr (single)
+      return s_.state + c * s_.statePitch + p;
+    else
+      return s_.columns + c * s_.pitch + p;
+  }
   /// The processor does not follow so many streams; past the last point there is other memory, or nothing is fetched.
   void fetchAhead(std::int64_t p) const
   {
@@ -191,13 +239,13 @@ private:
       for (int i = 0; i < columns; ++i)
         __builtin_prefetch(column(c + i, p + ahead));
     };
-    fetch(0, Dim);
+    fetch(C::positions, Dim);
     fetch(C::deformations, Dim * Dim);
     fetch(C::masses, 2 + Dim); // volumes and axes behind them
   }
   R load(int c, const Chunk& chunk) const
   {
-    const double* at[Cells];
+    const T* at[Cells];
     for (int k = 0; k < Cells; ++k)
       at[k] = column(c, chunk.point[k]);
     return R::template loadGroups<Cells>(at);
@@ -206,6 +254,32 @@ private:
   {
     for (int k = 0; k < Cells; ++k)
       value.template group<Cells>(k).storeFirst(column(c, chunk.point[k]), chunk.count[k]);
+  }
+  /// Of what is kept in double.
+  R loadKept(int c, const Chunk& chunk) const
+  {
+    if constexpr (single)
+    {
+      T values[N];
+      for (int k = 0; k < Cells; ++k)
+        Node::load(s_.columns + c * s_.pitch + chunk.point[k]).template as<T>().store(values + own * k);
+      return R::load(values);
+    }
+    else
+      return load(c, chunk);
+  }
+  void storeKept(int c, const Chunk& chunk, const R& value) const
+  {
+    for (int k = 0; k < Cells; ++k)
+      value.template group<Cells>(k).template as<double>().storeFirst(
+        s_.columns + c * s_.pitch + chunk.point[k], chunk.count[k]);
+  }
+  /// F of what is stored of it.
+  static Matrix<Dim, R> wholeOf(Matrix<Dim, R> stored)
+  {
+    for (int a = 0; a < Dim && single; ++a)
+      stored(a, a) = stored(a, a) + R(1.0);
+    return stored;
   }
   /// A bit for every lane that has a point.
   static unsigned present(const Chunk& chunk)
@@ -220,7 +294,8 @@ private:
   {
     for (int q = 0; q < Law::constants && !s_.onePhase; ++q)
       for (int l = 0; l < N; ++l)
-        constants_[q].v[l] = s_.constants[s_.phase[chunk.point[l / own] + l % own] * Law::constants + q];
+        constants_[q].v[l] =
+          static_cast<T>(s_.constants[s_.phase[chunk.point[l / own] + l % own] * Law::constants + q]);
     R x[Dim];
     R v[Dim];
     Matrix<Dim, R> affine;
@@ -228,7 +303,7 @@ private:
     Vector<Dim, R> axis;
     for (int a = 0; a < Dim; ++a)
     {
-      x[a] = load(a, chunk);
+      x[a] = load(C::positions + a, chunk);
       axis[a] = load(C::axes + a, chunk);
     }
     for (int i = 0; i < Dim * Dim; ++i)
@@ -240,14 +315,15 @@ private:
     else
     {
       for (int a = 0; a < Dim; ++a)
-        v[a] = load(C::velocities + a, chunk);
+        v[a] = loadKept(Kept::velocities + a, chunk);
       for (int i = 0; i < Dim * Dim; ++i)
-        affine.m[i] = load(C::affines + i, chunk);
+        affine.m[i] = loadKept(Kept::affines + i, chunk);
     }
-    give(chunk, x, v, affine, Law::kirchhoff(constants_, F, axis));
+    give(chunk, x, v, affine, Law::kirchhoff(constants_, wholeOf(F), axis));
   }
 
   /// Velocities from the grid; moves and strains the points.
+  /// @param F as it is stored
   void take(const Chunk& chunk, R* x, R* v, Matrix<Dim, R>& affine, Matrix<Dim, R>& F)
   {
     CellPlace<R> at[3] = { place(0, 0, x[0]), place(0, 1, x[1]), place(0, Dim - 1, x[Dim - 1]) };
@@ -270,24 +346,27 @@ private:
 
     for (int a = 0; a < Dim; ++a)
     {
-      x[a] = x[a] + s_.dt * v[a];
-      store(a, chunk, x[a]);
+      if constexpr (single)
+        x[a] = x[a] + (x[a] * R(stretch_[a]) + (shift_[a] + v[a] * R(s_.dt * inverse_[1][a])));
+      else
+        x[a] = x[a] + s_.dt * v[a];
+      store(C::positions + a, chunk, x[a]);
     }
     if (s_.keep)
     {
       for (int a = 0; a < Dim; ++a)
-        store(C::velocities + a, chunk, v[a]);
+        storeKept(Kept::velocities + a, chunk, v[a]);
       for (int i = 0; i < Dim * Dim; ++i)
-        store(C::affines + i, chunk, affine.m[i]);
+        storeKept(Kept::affines + i, chunk, affine.m[i]);
     }
-    const Matrix<Dim, R> before = F;
+    const Matrix<Dim, R> before = wholeOf(F);
     for (int i = 0; i < Dim; ++i)
       for (int j = 0; j < Dim; ++j)
       {
         R sum = L(i, 0) * before(0, j);
         for (int k = 1; k < Dim; ++k)
           sum = sum + L(i, k) * before(k, j);
-        F(i, j) = before(i, j) + s_.dt * sum;
+        F(i, j) = F(i, j) + s_.dt * sum;
       }
     for (int i = 0; i < Dim * Dim; ++i)
       store(C::deformations + i, chunk, F.m[i]);
@@ -298,22 +377,13 @@ private:
   {
     CellPlace<R> at[3] = { place(1, 0, x[0]), place(1, 1, x[1]), place(1, Dim - 1, x[Dim - 1]) };
     const R mass = load(C::masses, chunk);
-    const R impulse = load(C::volumes, chunk) * -s_.kick;
+    const R impulse = load(C::volumes, chunk) * R(-s_.kick);
     const unsigned here = present(chunk);
     const unsigned strays = outsideCell(at) & here;
-    typename R::I inside = R::counting();
-    for (int k = 0; k < Cells; ++k)
-      for (int l = 0; l < own; ++l)
-        inside[k * own + l] = l < chunk.count[k] ? -1 : 0;
-    if (strays != 0)
-    {
-      for (int l = 0; l < N; ++l)
-        if (strays >> l & 1U)
-        {
-          inside[l] = 0;
-          giveStray(l, x, v, affine, tau, mass, impulse);
-        }
-    }
+    const typename R::I inside = R::where(here & ~strays);
+    for (int l = 0; l < N && strays != 0; ++l)
+      if (strays >> l & 1U)
+        giveStray(l, x, v, affine, tau, mass, impulse);
     if (strays != 0 || edge_)
       report(at, here);
     const R none(0.0);
@@ -329,7 +399,7 @@ private:
       for (int b = 0; b < Dim; ++b)
       {
         gradient[b] = select(inside, impulse * tau(c, b), none) * inverse_[1][b];
-        spread[b] = m * affine(c, b) * (0.25 * s_.axis[b].spacing[1]);
+        spread[b] = m * affine(c, b) * R(0.25 * s_.axis[b].spacing[1]);
       }
       addMoments<Dim>(moments_[1 + c], at, m * (v[c] + R(s_.kick * s_.gravity[c])), gradient, spread);
     }
@@ -338,7 +408,10 @@ private:
   /// @param when before (0) or after (1) the step
   CellPlace<R> place(int when, int a, R x) const
   {
-    return CellPlace<R>((x - R(s_.axis[a].lower[when])) * inverse_[when][a] - middle_[a]);
+    if constexpr (single)
+      return CellPlace<R>(x);
+    else
+      return CellPlace<R>((x - R(s_.axis[a].lower[when])) * inverse_[when][a] - middle_[a]);
   }
 
   /// A bit a lane: is it outside the cell? What is not a number is.
@@ -347,7 +420,7 @@ private:
     typename R::I in = abs(at[0].e) <= R(0.5);
     for (int a = 1; a < Dim; ++a)
       in &= abs(at[a].e) <= R(0.5);
-    return bits<N>(~in);
+    return bits<N, T>(~in);
   }
 
   /// Coordinates of a lane's point. @return whether all nodes that it reaches are there
@@ -356,7 +429,10 @@ private:
     bool there = true;
     for (int a = 0; a < Dim; ++a)
     {
-      coordinate[a] = (x[a].v[lane] - s_.axis[a].lower[when]) / s_.axis[a].spacing[when];
+      if constexpr (single)
+        coordinate[a] = static_cast<double>(x[a].v[lane]) + static_cast<double>(middle_[a].v[lane]);
+      else
+        coordinate[a] = (x[a].v[lane] - s_.axis[a].lower[when]) / s_.axis[a].spacing[when];
       there = there && coordinate[a] >= -0.5 && coordinate[a] < s_.axis[a].end;
     }
     return there;
@@ -387,11 +463,11 @@ private:
       });
     for (int c = 0; c < Dim; ++c)
     {
-      v[c].v[lane] = value[c];
+      v[c].v[lane] = static_cast<T>(value[c]);
       for (int b = 0; b < Dim; ++b)
       {
-        L(c, b).v[lane] = gradients[c * Dim + b] / s_.axis[b].spacing[0];
-        affine(c, b).v[lane] = spread[c * Dim + b] / s_.axis[b].spacing[0];
+        L(c, b).v[lane] = static_cast<T>(gradients[c * Dim + b] / s_.axis[b].spacing[0]);
+        affine(c, b).v[lane] = static_cast<T>(spread[c * Dim + b] / s_.axis[b].spacing[0]);
       }
     }
   }
@@ -407,21 +483,24 @@ private:
       return;
     }
     const Stray<Dim> stray(s_, coordinate);
+    const double scale = single ? s_.massScale : 1;
+    const double bulk = scale * static_cast<double>(mass.v[lane]);
+    const double push = scale * static_cast<double>(impulse.v[lane]);
     stray.forEach(s_,
       [&](std::int64_t node, double weight, const double* g, const double* d)
       {
         double* out = s_.momentum + node;
-        out[0] += weight * mass.v[lane];
+        out[0] += weight * bulk;
         for (int c = 0; c < Dim; ++c)
         {
-          double speed = v[c].v[lane] + s_.kick * s_.gravity[c];
+          double speed = static_cast<double>(v[c].v[lane]) + s_.kick * s_.gravity[c];
           double force = 0;
           for (int b = 0; b < Dim; ++b)
           {
-            speed += affine(c, b).v[lane] * d[b] * s_.axis[b].spacing[1];
-            force += tau(c, b).v[lane] * g[b] / s_.axis[b].spacing[1];
+            speed += static_cast<double>(affine(c, b).v[lane]) * d[b] * s_.axis[b].spacing[1];
+            force += static_cast<double>(tau(c, b).v[lane]) * g[b] / s_.axis[b].spacing[1];
           }
-          out[1 + c] += weight * mass.v[lane] * speed + impulse.v[lane] * force;
+          out[1 + c] += weight * bulk * speed + push * force;
         }
       });
   }
@@ -434,25 +513,27 @@ private:
       const R coordinate = at[a].e + middle_[a];
       const auto in = (coordinate >= R(s_.axis[a].least)) & (coordinate <= R(s_.axis[a].most));
       const auto near = abs(at[a].e) <= R(1.5);
-      s_.outside = s_.outside || (bits<N>(~in) & here) != 0;
-      s_.far = s_.far || (bits<N>(~near) & here) != 0;
+      s_.outside = s_.outside || (bits<N, T>(~in) & here) != 0;
+      s_.far = s_.far || (bits<N, T>(~near) & here) != 0;
     }
   }
 
   PointSweep& s_;
   std::int64_t stride_[3] = {};
   double inverse_[2][3] = {}; ///< of the spacings, before and after
+  double stretch_[3] = {};    ///< of the spacings in the step
   R middle_[3];               ///< node in the middle of the cells' splines
+  R shift_[3];                ///< of the cells' middles in the step, in single precision [spacings]
   bool edge_ = false;         ///< a cell reaches where points are to be reported
   R constants_[Law::constants];
-  double coefficients_[4 * Cells * nodes];
+  T coefficients_[4 * Cells * nodes];
   R moments_[1 + Dim][nodes];
 };
 
-template <int Dim, class Law, bool Whole, int N, int Cells>
+template <int Dim, class Law, bool Whole, int N, int Cells, class T>
 void sweepCells(PointSweep& sweep, std::int64_t first, std::int64_t last)
 {
-  Sweep<Dim, Law, Whole, N, Cells>(sweep).run(first, last);
+  Sweep<Dim, Law, Whole, N, Cells, T>(sweep).run(first, last);
 }
 
 // Cells of four points, and outlines of tissue, where cells are half empty, fill eight lanes by two.
@@ -466,16 +547,22 @@ constexpr int cellsAtOnce = 1;
 constexpr int lanes = 2;
 constexpr int cellsAtOnce = 1;
 #endif
+constexpr int singleCells = lanes / 2; // of four lanes each
 
 } // namespace
 
-#define LAMELLA_LAW(Dim, Law)                                                                                          \
+#define LAMELLA_LAW(Dim, Law, N, Cells, T)                                                                             \
   {                                                                                                                    \
-    sweepCells<Dim, Law, false, lanes, cellsAtOnce>, sweepCells<Dim, Law, true, lanes, cellsAtOnce>                    \
+    sweepCells<Dim, Law, false, N, Cells, T>, sweepCells<Dim, Law, true, N, Cells, T>                                  \
+  }
+#define LAMELLA_LAWS(Dim, N, Cells, T)                                                                                 \
+  {                                                                                                                    \
+    LAMELLA_LAW(Dim, NeoHookean, N, Cells, T), LAMELLA_LAW(Dim, Isotropic, N, Cells, T),                               \
+      LAMELLA_LAW(Dim, Orthotropic, N, Cells, T)                                                                       \
   }
 extern const PointKernels LAMELLA_KERNELS;
 const PointKernels LAMELLA_KERNELS = { LAMELLA_KERNELS_NAME, lanes, cellsAtOnce,
-  { { LAMELLA_LAW(2, NeoHookean), LAMELLA_LAW(2, Isotropic), LAMELLA_LAW(2, Orthotropic) },
-    { LAMELLA_LAW(3, NeoHookean), LAMELLA_LAW(3, Isotropic), LAMELLA_LAW(3, Orthotropic) } } };
+  { { LAMELLA_LAWS(2, lanes, cellsAtOnce, double), LAMELLA_LAWS(3, lanes, cellsAtOnce, double) },
+    { LAMELLA_LAWS(2, 2 * lanes, singleCells, float), LAMELLA_LAWS(3, 2 * lanes, singleCells, float) } } };
 
 } // namespace lamella::mpm
