@@ -126,6 +126,37 @@ TEST(LatticeBoltzmann, RefusesBadCalls)
   EXPECT_EQ(refusal<ParameterError>([&] { solver.rest({ .tolerance = 0 }); }), "tolerance 0 is not between 0 and 1");
 }
 
+TEST(LatticeBoltzmann, SaysHowMuchMemoryItWouldNeed)
+{
+  SteppingOptions o;
+  o.memory = 1000;
+  // 60 nodes of 5 populations and a phase, and two bits of all
+  EXPECT_EQ(refusal<MemoryError>([&] { make(o); }),
+    "stepping on 60 nodes needs about 2.5 kB on each rank, and 1.0 kB are available");
+}
+
+TEST(LatticeBoltzmann, StopsWhereItIsAskedTo)
+{
+  auto solver = make({});
+  std::vector<std::int64_t> seen;
+  solver.run(std::vector<std::int64_t>{ 0, 2, 10 }, [&](const LatticeBoltzmann& s) { seen.push_back(s.steps()); });
+  EXPECT_EQ(seen, (std::vector<std::int64_t>{ 0, 2, 10 }));
+  ASSERT_EQ(solver.records().size(), 3U);
+  EXPECT_EQ(solver.records()[2].steps, 10);
+  EXPECT_EQ(solver.records()[2].time, solver.time());
+  EXPECT_EQ(solver.records()[2].faceFlux, solver.faceFlux());
+  EXPECT_EQ(solver.records()[2].mean, solver.mean());
+  EXPECT_EQ(solver.stepsAt(solver.time() * 1.01), 10);
+  const std::vector<std::int64_t> odd{ 11 };
+  EXPECT_EQ(
+    refusal<ParameterError>([&] { solver.run(odd, [](const auto&) {}); }), "step 11 cannot be reached from step 10");
+  const std::vector<std::int64_t> past{ 8 };
+  EXPECT_EQ(
+    refusal<ParameterError>([&] { solver.run(past, [](const auto&) {}); }), "step 8 cannot be reached from step 10");
+  solver.start(0);
+  EXPECT_TRUE(solver.records().empty());
+}
+
 TEST(LatticeBoltzmann, NamesWhatDiverges)
 {
   // Growth past any bound that diffusion has: the largest double squares to infinity in the first pair of steps.

@@ -8,7 +8,10 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <span>
 #include <string>
+#include <tuple>
+#include <vector>
 
 namespace
 {
@@ -165,6 +168,47 @@ TEST(LatticeBoltzmannRanks, GoOnFromACheckpointToTheSameBits)
     auto other = stepper(s.image, s.d, s.options, world());
     EXPECT_THROW(other.restore(s.options.checkpoint.path), InputError);
   }
+}
+
+// A run that writes every so many steps, is cancelled, and goes on: its own records and those before.
+TEST(LatticeBoltzmannRanks, InterruptedRunsGoOnWithTheirRecords)
+{
+  const lamella::testing::TemporaryFolder folder; // only that of rank 0 is used
+  const auto image = noise(40, 30, 1, 0.7, 3);
+  const std::vector<double> d{ 0.0, 1.0 };
+  const std::vector<std::int64_t> stops{ 0, 100, 400, 1000 };
+  SteppingOptions o;
+  auto whole = stepper(image, d, o);
+  whole.advance(stops.back());
+  auto never = stepper(image, d, o, world()); // interrupted; means are summed by rank
+  never.run(stops, [](const LatticeBoltzmann&) {});
+  o.checkpoint.path = folder / "run.h5";
+  o.checkpoint.every = 150;
+  {
+    int seen = 0;
+    o.progress = [&](double, const char*) { return seen < 3; };
+    auto first = stepper(image, d, o, world());
+    EXPECT_THROW(first.run(stops, [&](const LatticeBoltzmann&) { ++seen; }), Cancelled);
+    EXPECT_GT(first.lastCheckpoint(), 400); // where it stood
+    EXPECT_EQ(first.lastCheckpoint(), first.steps());
+    EXPECT_GT(first.checkpoints(), 1);
+  }
+  o.progress = nullptr;
+  auto second = stepper(image, d, o, world());
+  second.restore(o.checkpoint.path);
+  second.run(std::span(stops).last(1), [](const LatticeBoltzmann&) {});
+  EXPECT_EQ(second.lastCheckpoint(), 1000); // the end
+  EXPECT_EQ(differing(image, decompose(image.lattice, world()), second, whole), 0);
+  ASSERT_EQ(second.records().size(), stops.size());
+  for (std::size_t i = 0; i < stops.size(); ++i)
+  {
+    const auto& a = second.records()[i];
+    const auto& b = never.records()[i];
+    EXPECT_EQ(std::tie(a.steps, a.time, a.faceFlux, a.mean), std::tie(b.steps, b.time, b.faceFlux, b.mean)) << i;
+  }
+  auto other = stepper(image, d, o, world());
+  other.start(0.5);
+  EXPECT_THROW(other.restore(o.checkpoint.path), InputError); // another initial value
 }
 
 TEST(LatticeBoltzmannRanks, ComeToRestAlike)

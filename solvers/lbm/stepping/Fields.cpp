@@ -16,6 +16,7 @@ namespace
 {
 
 constexpr const char* kind = "lattice Boltzmann steps";
+constexpr std::int64_t recordNumbers = 5;
 
 const char* nameOf(Boundary side)
 {
@@ -126,12 +127,13 @@ std::string LatticeBoltzmann::Impl::scene() const
   for (int a = 0; a < lattice.dimension; ++a)
     s += fmt::format("sides along {}: {} {} {}\n", "xyz"[a], nameOf(options.sides[a]), options.faceValues[a][0],
       options.faceValues[a][1]);
-  s += fmt::format("axis: {}\ndrop: {}\nsteady: {}\ntime step: {}\ndiffusivities: {} m²/s\n", options.axis,
-    options.drop, options.steady, adapts ? "chosen" : fmt::format("{} s", dt), fmt::join(diffusivity, " "));
+  s += fmt::format("axis: {}\ndrop: {}\nsteady: {}\ntime step: {}\ndiffusivities: {} m²/s\ninitial value: {}\n",
+    options.axis, options.drop, options.steady, adapts ? "chosen" : fmt::format("{} s", dt),
+    fmt::join(diffusivity, " "), initial);
   return s;
 }
 
-void LatticeBoltzmann::save() const
+void LatticeBoltzmann::save()
 {
   Impl& m = *impl_;
   io::Checkpoint c;
@@ -164,7 +166,19 @@ void LatticeBoltzmann::save() const
     c.arrays[fmt::format("f{:02}", q)] = { { m.lattice.size[2], m.lattice.size[1], m.lattice.size[0] },
       std::move(whole), "1", "population that arrived, 0 at nodes that are not stored" };
   }
-  io::write(c, m.options.checkpoint, m.comm);
+  if (!m.records.empty())
+  {
+    std::vector<double> numbers;
+    for (const SteppingRecord& r : m.records)
+      numbers.insert(numbers.end(), { static_cast<double>(r.steps), r.time, r.faceFlux[0], r.faceFlux[1], r.mean });
+    c.arrays["records"] = { { static_cast<std::int64_t>(m.records.size()), recordNumbers }, std::move(numbers), "SI",
+      "by stop: steps, time, flux through the low and the high face, mean value" };
+  }
+  if (io::write(c, m.options.checkpoint, m.comm))
+  {
+    ++m.checkpoints;
+    m.lastCheckpoint = m.steps;
+  }
   m.savedAt = m.steps;
 }
 
@@ -187,6 +201,16 @@ void LatticeBoltzmann::restore(const std::filesystem::path& path)
           const auto p = m.map->position(r, index - static_cast<std::int64_t>(r) * block.size[0]);
           m.sweep->data()[q * m.map->stride() + node] = whole[m.lattice.index(p[0], p[1], p[2])];
         });
+  }
+  m.records.clear();
+  if (c.arrays.contains("records"))
+  {
+    const std::vector<double>& numbers = c.reals("records");
+    if (numbers.size() % recordNumbers != 0)
+      throw InputError("the checkpoint's records have another shape", "start the run anew");
+    for (std::size_t i = 0; i < numbers.size(); i += recordNumbers)
+      m.records.push_back(
+        { static_cast<std::int64_t>(numbers[i]), numbers[i + 1], { numbers[i + 2], numbers[i + 3] }, numbers[i + 4] });
   }
   m.steps = static_cast<std::int64_t>(c.number("steps"));
   m.mostSquares = c.number("most squares");

@@ -19,6 +19,12 @@ inline void require(bool fine, const std::string& message, const char* hint)
     throw ParameterError(message, hint);
 }
 
+/// A number from a node and what it has; their sum tells pictures and fields apart, whichever rank holds the node.
+inline std::int64_t mixed(std::int64_t node, std::uint64_t what)
+{
+  return static_cast<std::int64_t>(((static_cast<std::uint64_t>(node) + 1) * (what + 1) * 0x9E3779B97F4A7C15ULL) >> 34);
+}
+
 /// What LatticeBoltzmann holds, for its files.
 struct LatticeBoltzmann::Impl
 {
@@ -36,13 +42,17 @@ struct LatticeBoltzmann::Impl
   /// Mean length of the runs of each diffusivity that occurs along x, in spacings; the best comes first.
   std::vector<Chord> chords;
   std::string phaseSum; ///< tells pictures apart
+  std::string initial;  ///< tells initial values apart
   std::unique_ptr<SlotMap> map;
   std::unique_ptr<Sweep> sweep;
   std::array<SlotMap::Plane, 2> planes;
   double mostSquares = 0; ///< Σ u² above which stepping has gone wrong
   std::int64_t steps = 0;
   std::int64_t stepped = 0; ///< in this object, whatever was restored
-  std::int64_t savedAt = 0;
+  std::int64_t savedAt = 0; ///< steps when a checkpoint was tried last
+  std::int64_t checkpoints = 0;
+  std::int64_t lastCheckpoint = 0;
+  std::vector<SteppingRecord> records;
   double seconds = 0;
 
   Impl(const Lattice& box, MPI_Comm handle, SteppingOptions given);

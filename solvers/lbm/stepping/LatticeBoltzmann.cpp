@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -87,6 +88,7 @@ LatticeBoltzmann::LatticeBoltzmann(const Lattice& lattice, const Block& block, s
     m.fill([&](std::int64_t, const std::array<std::int64_t, 3>& p)
       { return low - fall * (static_cast<double>(p[axis]) + shift) / m.length(axis); });
     m.allowUpTo(std::max(std::fabs(low), std::fabs(fall)));
+    m.initial = "an even fall";
   }
   io::checkPlace(m.options.checkpoint, m.comm);
 }
@@ -131,6 +133,7 @@ void LatticeBoltzmann::Impl::allowUpTo(double magnitude)
   mostSquares = magnitude * magnitude * static_cast<double>(lattice.count());
   steps = 0;
   savedAt = 0;
+  records.clear();
 }
 
 void LatticeBoltzmann::start(double value)
@@ -138,12 +141,14 @@ void LatticeBoltzmann::start(double value)
   require(std::isfinite(value), fmt::format("the initial value {} is not finite", value), "give a finite number");
   impl_->fill([&](std::int64_t, const std::array<std::int64_t, 3>&) { return value; });
   impl_->allowUpTo(std::fabs(value));
+  impl_->initial = fmt::format("{}", value);
 }
 
 void LatticeBoltzmann::start(std::span<const double> value)
 {
   Impl& m = *impl_;
   double most = 0;
+  std::int64_t sum = 0; // tells fields apart, whichever rank holds the node
   together(m.comm,
     [&]
     {
@@ -151,16 +156,18 @@ void LatticeBoltzmann::start(std::span<const double> value)
         fmt::format("{} initial values were given for a block of {} nodes", value.size(), m.parts.block().count()),
         "hand over one number a node of this rank's block");
       m.fill(
-        [&](std::int64_t index, const std::array<std::int64_t, 3>&)
+        [&](std::int64_t index, const std::array<std::int64_t, 3>& p)
         {
           require(std::isfinite(value[index]),
             fmt::format("the initial value {} of node {} is not finite", value[index], index),
             "give finite numbers where the picture conducts");
           most = std::max(most, std::fabs(value[index]));
+          sum += mixed(m.lattice.index(p[0], p[1], p[2]), std::bit_cast<std::uint64_t>(value[index]));
           return value[index];
         });
     });
   m.allowUpTo(m.comm.max(most));
+  m.initial = fmt::format("a field ({:x})", m.comm.sum(sum));
 }
 
 void LatticeBoltzmann::Impl::report(double fraction, const char* what) const
@@ -199,29 +206,72 @@ void LatticeBoltzmann::advance(std::int64_t steps)
   {
     const std::int64_t piece = std::max<std::int64_t>(reportEvery, std::int64_t{ 2 } * m.sweep->pairsAtOnce());
     m.advance(std::min(piece, to - m.steps));
-    m.report(1 - static_cast<double>(to - m.steps) / static_cast<double>(steps), "stepping");
-    if (!m.options.checkpoint.path.empty() && m.options.checkpoint.every > 0 &&
-      m.steps - m.savedAt >= m.options.checkpoint.every)
-      save();
+    try
+    {
+      m.report(1 - static_cast<double>(to - m.steps) / static_cast<double>(steps), "stepping");
+    }
+    catch (const Cancelled&)
+    {
+      saveAfter(1);
+      throw;
+    }
+    saveAfter(m.options.checkpoint.every);
   }
+}
+
+void LatticeBoltzmann::saveAfter(std::int64_t steps)
+{
+  Impl& m = *impl_;
+  if (!m.options.checkpoint.path.empty() && steps > 0 && m.steps - m.savedAt >= steps)
+    save();
+}
+
+void LatticeBoltzmann::run(std::span<const std::int64_t> steps, const Sink& sink)
+{
+  Impl& m = *impl_;
+  std::int64_t before = m.steps;
+  for (const std::int64_t s : steps)
+  {
+    require(s >= before && s % 2 == 0, fmt::format("step {} cannot be reached from step {}", s, before),
+      "give even numbers that do not fall, none before the present one");
+    before = s;
+  }
+  for (const std::int64_t to : steps)
+  {
+    advance(to - m.steps);
+    if (!m.records.empty() && m.records.back().steps == to) // a checkpoint that was written here
+      m.records.pop_back();
+    m.records.push_back({ to, time(), faceFlux(), mean() });
+    sink(*this);
+  }
+  saveAfter(1);
+}
+
+std::int64_t LatticeBoltzmann::stepsAt(double time) const
+{
+  constexpr double most = 1e15; // steps: no run takes as many, and no number of them is lost
+  require(std::isfinite(time) && time >= 0 && time / impl_->dt < most,
+    fmt::format("a time of {} s cannot be reached in steps of {} s", time, impl_->dt), "give a time in seconds");
+  return 2 * std::llround(time / (2 * impl_->dt));
 }
 
 void LatticeBoltzmann::run(std::span<const double> times, const Sink& sink)
 {
-  Impl& m = *impl_;
-  double before = time() - m.dt;
+  double before = time() - impl_->dt;
+  std::vector<std::int64_t> steps;
   for (const double t : times)
   {
-    require(std::isfinite(t) && t >= before, fmt::format("a time of {} s cannot be reached from {} s", t, before),
+    require(t >= before, fmt::format("a time of {} s cannot be reached from {} s", t, before),
       "give rising times in seconds, none before the present one");
     before = t;
+    steps.push_back(std::max(stepsAt(t), impl_->steps));
   }
-  for (const double t : times)
-  {
-    const std::int64_t to = 2 * std::llround(t / (2 * m.dt));
-    advance(std::max<std::int64_t>(to - m.steps, 0));
-    sink(*this);
-  }
+  run(steps, sink);
+}
+
+std::span<const SteppingRecord> LatticeBoltzmann::records() const noexcept
+{
+  return impl_->records;
 }
 
 double LatticeBoltzmann::Impl::length(int axis) const
@@ -287,7 +337,7 @@ RestResult LatticeBoltzmann::rest(const RestOptions& options)
   for (bool calm = false; !calm;)
   {
     if (m.steps - from >= options.maxSteps)
-      throw DivergenceError(
+      throw StepLimitError(
         fmt::format("after {} steps the flux through the faces still changes by {:.1e} and differs by {:.1e} between "
                     "them (asked for {:.1e})",
           m.steps - from, result.change, result.balance, options.tolerance),
@@ -323,9 +373,7 @@ RestResult LatticeBoltzmann::rest(const RestOptions& options)
       }
     }
     m.report(std::clamp(std::log(std::min(worse, 1.0)) / std::log(options.tolerance), 0.0, 1.0), "coming to rest");
-    if (!m.options.checkpoint.path.empty() && m.options.checkpoint.every > 0 &&
-      m.steps - m.savedAt >= m.options.checkpoint.every)
-      save();
+    saveAfter(m.options.checkpoint.every);
   }
   result.steps = m.steps - from;
   return result;
@@ -346,6 +394,15 @@ double LatticeBoltzmann::timeStep() const noexcept
 double LatticeBoltzmann::relaxation() const noexcept
 {
   return impl_->relaxation;
+}
+
+std::int64_t LatticeBoltzmann::checkpoints() const noexcept
+{
+  return impl_->checkpoints;
+}
+std::int64_t LatticeBoltzmann::lastCheckpoint() const noexcept
+{
+  return impl_->lastCheckpoint;
 }
 
 std::string LatticeBoltzmann::warning() const

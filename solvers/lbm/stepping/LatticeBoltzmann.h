@@ -2,6 +2,7 @@
 
 #include "io/RunCheckpoint.h"
 #include "lattice/Decomposition.h"
+#include "lattice/Error.h"
 #include "lattice/Lattice.h"
 #include "lbm/Links.h"
 #include "lbm/SteadyDiffusion.h"
@@ -46,8 +47,15 @@ struct SteppingOptions
   double relaxation = 0;
   double timeStep = 0; ///< [s]; 0: from the relaxation. Not both
   int threads = 1;
+  double memory = 0; ///< bytes that each rank may take; 0: what the machine has
   Progress progress;
   io::CheckpointOptions checkpoint; ///< `every` in steps
+};
+
+/// The steps allowed were not enough to come to rest; more may be.
+class StepLimitError : public DivergenceError
+{
+  using DivergenceError::DivergenceError;
 };
 
 struct RestOptions
@@ -66,6 +74,15 @@ struct RestResult
   double balance = 0;
   double change = 0; ///< estimated relative error that stepping leaves in the worse of the two
   std::int64_t steps = 0;
+};
+
+/// What run() notes where it is to stop on the way.
+struct SteppingRecord
+{
+  std::int64_t steps = 0;
+  double time = 0; ///< [s]
+  std::array<double, 2> faceFlux{};
+  double mean = 0;
 };
 
 struct SteppingStatistics
@@ -115,12 +132,18 @@ public:
 
   /// @throws DivergenceError, which names step and quantity, within two passes of what went wrong. Collective.
   void advance(std::int64_t steps);
-  /// Steps to the end of each of these times [s], rising, and calls `sink` there. The step nearest to each counts: see
-  /// time(). Collective.
+  /// Steps on to each of these numbers of steps, which are even and do not fall, notes a record there and calls `sink`.
+  /// Checkpoints are written after every so many steps, at the end, and where it is cancelled. Collective.
   using Sink = std::function<void(const LatticeBoltzmann&)>;
+  void run(std::span<const std::int64_t> steps, const Sink& sink);
+  /// The same to the steps that are nearest to these times [s]: see stepsAt().
   void run(std::span<const double> times, const Sink& sink);
-  /// Steps until the flux through both faces is at rest. @throws DivergenceError when maxSteps are not enough,
-  /// Cancelled
+  /// The even number of steps whose end is nearest to this time [s].
+  [[nodiscard]] std::int64_t stepsAt(double time) const;
+  /// Of every stop of run() since the start, also before the checkpoint that this run went on from.
+  [[nodiscard]] std::span<const SteppingRecord> records() const noexcept;
+  /// Steps until the flux through both faces is at rest. @throws StepLimitError when maxSteps are not enough,
+  /// DivergenceError, Cancelled
   RestResult rest(const RestOptions& options = {});
 
   [[nodiscard]] std::int64_t steps() const noexcept;
@@ -142,12 +165,17 @@ public:
   [[nodiscard]] std::string warning() const;
   [[nodiscard]] SteppingStatistics statistics() const; ///< collective
 
-  /// Writes options.checkpoint.path now; goes on from one, to the same bits on any number of ranks.
+  [[nodiscard]] std::int64_t checkpoints() const noexcept;    ///< written by this object
+  [[nodiscard]] std::int64_t lastCheckpoint() const noexcept; ///< steps in the last of them; 0: none
+  /// Writes options.checkpoint.path now; goes on from one, after start(), to the same bits on any number of ranks.
   /// @throws InputError of another scene or kind. Collective.
-  void save() const;
+  void save();
   void restore(const std::filesystem::path& path);
 
 private:
+  /// Writes a checkpoint, where they are asked for, if so many steps were taken since the last.
+  void saveAfter(std::int64_t steps);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -52,6 +52,8 @@ void LatticeBoltzmann::Impl::check(const Block& block, std::span<const std::uint
     "hand over one id a node of this rank's block");
   require(std::isfinite(lattice.spacing) && lattice.spacing > 0,
     fmt::format("a spacing of {} m is not above 0", lattice.spacing), "give the distance of two nodes in metres");
+  require(std::isfinite(options.memory) && options.memory >= 0,
+    fmt::format("{} bytes of memory are allowed", options.memory), "give a number above 0, or 0 for all there is");
   require(options.threads >= 1, fmt::format("{} threads are too few", options.threads), "allow at least 1");
   for (std::size_t i = 0; i < diffusivity.size(); ++i)
     require(std::isfinite(diffusivity[i]) && diffusivity[i] >= 0,
@@ -144,7 +146,7 @@ void LatticeBoltzmann::Impl::build(std::span<const std::uint8_t> phase)
     throw NoPathError("no node of the picture conducts", "give at least one phase that occurs a diffusivity above 0");
   const double needed = static_cast<double>(conducting) * (8.0 * velocities.count() + 1) / comm.size() +
     static_cast<double>(block.count()) / 4;
-  const auto available = static_cast<double>(availableMemory());
+  const double available = options.memory > 0 ? options.memory : static_cast<double>(availableMemory());
   if (comm.any(needed > available))
     throw MemoryError(fmt::format("stepping on {} nodes needs about {} on each rank, and {} are available", conducting,
                         bytesText(needed), bytesText(available)),
@@ -156,8 +158,7 @@ void LatticeBoltzmann::Impl::build(std::span<const std::uint8_t> phase)
       {
         runs[2 * phase[i]] += 1;
         runs[2 * phase[i] + 1] += x == 0 || diffusivity[phase[i - 1]] != diffusivity[phase[i]] ? 1 : 0;
-        const auto at = static_cast<std::uint64_t>(lattice.index(x, y + block.start[1], z + block.start[2]));
-        sum += static_cast<std::int64_t>(((at + 1) * (phase[i] + 1) * 0x9E3779B97F4A7C15ULL) >> 34);
+        sum += mixed(lattice.index(x, y + block.start[1], z + block.start[2]), phase[i]);
       }
   comm.sum(runs);
   std::map<double, std::array<double, 2>, std::greater<>> alike;
