@@ -181,7 +181,7 @@ public:
           make.grain = false;
           const micrograph::ContourLattice lattice = micrograph::contourLattice(disk, make);
           result.value =
-            value(lattice.image, d, lbm::Stencil::D2Q5, std::make_shared<lbm::LinkTable>(lbm::linksOf(lattice, d)));
+            value(lattice.image, d, lbm::Stencil::D2Q5, std::make_shared<lbm::LinkTable>(lbm::linksOf(lattice, d, 0)));
         });
       line("outlines", lbm::Stencil::D2Q5, n, now.value, now.seconds);
       if (n > 8)

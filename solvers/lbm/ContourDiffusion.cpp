@@ -8,11 +8,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
 
 namespace lamella::lbm
 {
 namespace
 {
+
+constexpr std::int64_t fewNodes = 4096; // of a lattice whose error bar needs a third one
 
 // The conductor of a cut link that is not lumen: the phases of its ends, or any wall where both ends lie in lumens.
 double wallOf(std::uint8_t a, std::uint8_t b, std::span<const double> k)
@@ -26,9 +31,9 @@ double wallOf(std::uint8_t a, std::uint8_t b, std::span<const double> k)
 
 double inSeries(double share, double lumen, double wall)
 {
-  if (share >= 1)
-    return lumen;
-  return wall > 0 && (lumen > 0 || share <= 0) ? 1 / (share / lumen + (1 - share) / wall) : 0.0;
+  if (share >= 1 || share <= 0)
+    return share >= 1 ? lumen : wall;
+  return wall > 0 && lumen > 0 ? 1 / (share / lumen + (1 - share) / wall) : 0.0;
 }
 
 void requireCuts(const micrograph::ContourLattice& lattice, std::span<const double> conductivity)
@@ -46,43 +51,164 @@ void requireCuts(const micrograph::ContourLattice& lattice, std::span<const doub
       throw ParameterError(fmt::format("a conductivity of {}", k), "give finite values of at least 0");
 }
 
+/// The ends of the links of a lattice in a direction; at a face, the only one twice.
+class LinkEnds
+{
+public:
+  explicit LinkEnds(const Lattice& lattice)
+    : size_{ lattice.size[0], lattice.size[1] }
+  {
+  }
+  [[nodiscard]] std::array<std::int64_t, 2> operator()(int direction, std::int64_t link) const noexcept
+  {
+    const std::int64_t nx = size_[0];
+    const std::int64_t across = direction == 0 ? link / (nx + 1) : link % nx;
+    const std::int64_t along = direction == 0 ? link % (nx + 1) : link / nx;
+    const std::int64_t low = std::max<std::int64_t>(along - 1, 0);
+    const std::int64_t high = std::min(along, size_[static_cast<std::size_t>(direction)] - 1);
+    return direction == 0 ? std::array{ low + nx * across, high + nx * across }
+                          : std::array{ across + nx * low, across + nx * high };
+  }
+
+private:
+  std::array<std::int64_t, 2> size_;
+};
+
+/// Which lumens lead across along an axis, and which part the walls from side to side.
+class Carriers
+{
+public:
+  Carriers(const micrograph::ContourLattice& lattice, int axis)
+    : phase_(lattice.image.phase)
+    , nx_(lattice.image.lattice.size[0])
+    , ny_(lattice.image.lattice.size[1])
+    , whole_{ std::vector<bool>(static_cast<std::size_t>((nx_ + 1) * ny_)),
+      std::vector<bool>(static_cast<std::size_t>(nx_ * (ny_ + 1))) }
+  {
+    const LinkEnds ends(lattice.image.lattice);
+    for (const int direction : { 0, 1 })
+    {
+      std::vector<bool>& whole = whole_[static_cast<std::size_t>(direction)];
+      for (std::size_t i = 0; i < whole.size(); ++i)
+      {
+        const auto [a, b] = ends(direction, static_cast<std::int64_t>(i));
+        whole[i] = isLumen(a) && isLumen(b);
+      }
+      const micrograph::LinkCuts& cuts = lattice.links[static_cast<std::size_t>(direction)];
+      for (std::size_t c = 0; c < cuts.link.size(); ++c)
+        if (cuts.share[c] < 1)
+          whole[static_cast<std::size_t>(cuts.link[c])] = false;
+    }
+    leads_ = leading(axis);
+    parts_ = leading(1 - axis);
+  }
+
+  /// Are lumen and wall in parallel at a link? They are where the better conductor leads across there: a lumen that
+  /// does, or walls, which do, however thin, but where a lumen parts them.
+  [[nodiscard]] bool parallel(bool lumenBetter, std::array<std::int64_t, 2> ends, int direction) const
+  {
+    return lumenBetter ? at(leads_, ends, direction) : !at(parts_, ends, direction);
+  }
+
+private:
+  [[nodiscard]] bool isLumen(std::int64_t node) const { return phase_[static_cast<std::size_t>(node)] == 0; }
+
+  /// Does one of the ends belong to these lumens, or where both lie in walls a node beside them?
+  [[nodiscard]] bool at(const std::vector<bool>& lumens, std::array<std::int64_t, 2> ends, int direction) const
+  {
+    const auto has = [&](std::int64_t x, std::int64_t y)
+    { return x >= 0 && x < nx_ && y >= 0 && y < ny_ && lumens[static_cast<std::size_t>(x + nx_ * y)]; };
+    const bool inWalls = !isLumen(ends[0]) && !isLumen(ends[1]);
+    const std::int64_t dx = inWalls ? direction : 0;
+    const std::int64_t dy = inWalls ? 1 - direction : 0;
+    return std::any_of(ends.begin(), ends.end(),
+      [&](std::int64_t n) { return has(n % nx_ - dx, n / nx_ - dy) || has(n % nx_ + dx, n / nx_ + dy); });
+  }
+
+  /// Nodes of lumens that hang on both faces of an axis, by links that no outline cuts.
+  [[nodiscard]] std::vector<bool> leading(int axis) const
+  {
+    std::vector<bool> found = reached(axis, false);
+    const std::vector<bool> other = reached(axis, true);
+    for (std::size_t i = 0; i < found.size(); ++i)
+      found[i] = found[i] && other[i];
+    return found;
+  }
+  /// On one face.
+  [[nodiscard]] std::vector<bool> reached(int axis, bool high) const
+  {
+    std::vector<bool> found(phase_.size(), false);
+    std::vector<std::int64_t> front;
+    const auto visit = [&](std::int64_t node, bool whole)
+    {
+      if (whole && !found[static_cast<std::size_t>(node)])
+      {
+        found[static_cast<std::size_t>(node)] = true;
+        front.push_back(node);
+      }
+    };
+    const auto linkX = [&](std::int64_t x, std::int64_t y)
+    { return whole_[0][static_cast<std::size_t>(x + (nx_ + 1) * y)]; };
+    const auto linkY = [&](std::int64_t x, std::int64_t y) { return whole_[1][static_cast<std::size_t>(x + nx_ * y)]; };
+    for (std::int64_t y = 0; axis == 0 && y < ny_; ++y)
+      visit((high ? nx_ - 1 : 0) + nx_ * y, linkX(high ? nx_ : 0, y));
+    for (std::int64_t x = 0; axis == 1 && x < nx_; ++x)
+      visit(x + nx_ * (high ? ny_ - 1 : 0), linkY(x, high ? ny_ : 0));
+    while (!front.empty())
+    {
+      const std::int64_t node = front.back();
+      front.pop_back();
+      const std::int64_t x = node % nx_;
+      const std::int64_t y = node / nx_;
+      if (x > 0)
+        visit(node - 1, linkX(x, y));
+      if (x + 1 < nx_)
+        visit(node + 1, linkX(x + 1, y));
+      if (y > 0)
+        visit(node - nx_, linkY(x, y));
+      if (y + 1 < ny_)
+        visit(node + nx_, linkY(x, y + 1));
+    }
+    return found;
+  }
+
+  std::span<const std::uint8_t> phase_;
+  std::int64_t nx_;
+  std::int64_t ny_;
+  std::array<std::vector<bool>, 2> whole_; ///< by direction: links in lumens that no outline cuts
+  std::vector<bool> leads_;
+  std::vector<bool> parts_;
+};
+
 } // namespace
 
-LinkTable linksOf(const micrograph::ContourLattice& lattice, std::span<const double> conductivity)
+LinkTable linksOf(const micrograph::ContourLattice& lattice, std::span<const double> conductivity, int axis)
 {
   requireCuts(lattice, conductivity);
+  const Carriers carriers(lattice, axis);
+  const LinkEnds ends(lattice.image.lattice);
   const std::int64_t nx = lattice.image.lattice.size[0];
   const std::int64_t ny = lattice.image.lattice.size[1];
   const std::uint8_t* phase = lattice.image.phase.data();
   LinkTable table(nx, ny);
-  // the ends of a link; at a face, the only one twice
-  const auto ends = [&](int axis, std::int64_t link)
+  for (const int direction : { 0, 1 })
   {
-    const std::int64_t across = axis == 0 ? link / (nx + 1) : link % nx;
-    const std::int64_t along = axis == 0 ? link % (nx + 1) : link / nx;
-    const std::int64_t n = axis == 0 ? nx : ny;
-    const std::int64_t low = std::max<std::int64_t>(along - 1, 0);
-    const std::int64_t high = std::min(along, n - 1);
-    return axis == 0 ? std::array{ phase[low + nx * across], phase[high + nx * across] }
-                     : std::array{ phase[across + nx * low], phase[across + nx * high] };
-  };
-  for (const int axis : { 0, 1 })
-  {
-    std::vector<double>& g = axis == 0 ? table.x : table.y;
+    std::vector<double>& g = direction == 0 ? table.x : table.y;
     for (std::size_t i = 0; i < g.size(); ++i)
     {
-      const auto [a, b] = ends(axis, static_cast<std::int64_t>(i));
-      g[i] = harmonicMean(conductivity[a], conductivity[b]);
+      const auto [a, b] = ends(direction, static_cast<std::int64_t>(i));
+      g[i] = harmonicMean(conductivity[phase[a]], conductivity[phase[b]]);
     }
-    const micrograph::LinkCuts& cuts = lattice.links[static_cast<std::size_t>(axis)];
+    const micrograph::LinkCuts& cuts = lattice.links[static_cast<std::size_t>(direction)];
     for (std::size_t c = 0; c < cuts.link.size(); ++c)
     {
-      const auto [a, b] = ends(axis, cuts.link[c]);
-      const double wall = wallOf(a, b, conductivity);
+      const auto nodes = ends(direction, cuts.link[c]);
+      const double wall = wallOf(phase[nodes[0]], phase[nodes[1]], conductivity);
       const double lumen = conductivity[0];
       const double across = cuts.across[c];
-      g[static_cast<std::size_t>(cuts.link[c])] =
-        lumen > wall ? inSeries(cuts.share[c], lumen, wall) : across * lumen + (1 - across) * wall;
+      g[static_cast<std::size_t>(cuts.link[c])] = carriers.parallel(lumen > wall, nodes, direction)
+        ? across * lumen + (1 - across) * wall
+        : inSeries(cuts.share[c], lumen, wall);
     }
   }
   return table;
@@ -100,50 +226,100 @@ std::vector<ContourAnswer> studyContours(
       fmt::format("a target of {} for the error", options.targetError), "give a share such as 0.001");
   }
   const Lattice first = micrograph::latticeOf(contours.size, options.spacing, 2);
-  // Each lattice lies in the next: half the spacing, the same part of the picture.
-  for (int level = 0;; ++level)
+  struct Solved
+  {
+    micrograph::ContourLattice lattice;
+    Block block;
+    std::optional<SteadyDiffusion> solver; ///< of the axis solved last
+  };
+  // On a lattice of 2^-level of twice the spacing. Each lies in the next: half the spacing, the same part of the
+  // picture.
+  const auto solveOn =
+    [&](int level, const std::function<void(std::size_t, const ContourStep&, const Solved&, const SteadyResult&)>& take)
   {
     const auto start = Clock::now();
-    const bool fine = level > 0;
+    Solved s;
     micrograph::ContourLatticeOptions make;
     make.spacing = std::ldexp(first.spacing, 1 - level);
-    make.multiple = 1 << level;
+    make.multiple = 1 << std::max(level, 0);
     make.lines = 1;
     make.across = true;
     make.grain = false;
-    micrograph::ContourLattice lattice = micrograph::contourLattice(contours, make);
+    s.lattice = micrograph::contourLattice(contours, make);
     if (options.phases)
-      options.phases(lattice);
+      options.phases(s.lattice);
+    const Lattice& lattice = s.lattice.image.lattice;
     SteadyOptions steady = options.steady;
     steady.stencil = Stencil::D2Q5;
     steady.sides = Sides::Insulated;
-    steady.links = std::make_shared<LinkTable>(linksOf(lattice, options.conductivity));
-    if (!fine || !sink)
+    if (level < 1 || !sink)
       steady.fieldTolerance = std::max(steady.fieldTolerance, std::sqrt(steady.tolerance));
-    const Block block = decompose(lattice.image.lattice, comm);
-    SteadyDiffusion solver(
-      lattice.image.lattice, block, blockOf(lattice.image, block), options.conductivity, steady, comm);
+    s.block = decompose(lattice, comm);
+    const std::vector<std::uint8_t> phase = blockOf(s.lattice.image, s.block);
     const double made = secondsSince(start) / static_cast<double>(answers.size());
-    double worst = 0;
-    for (ContourAnswer& answer : answers)
+    for (std::size_t i = 0; i < answers.size(); ++i)
     {
       const auto begin = Clock::now();
-      const SteadyResult result = solver.solve(answer.axis);
-      answer.coarse = answer.fine;
-      answer.fine = { lattice.image.lattice.spacing, result.effective[static_cast<std::size_t>(answer.axis)],
-        lattice.image.lattice.count(), result.iterations, made + secondsSince(begin) };
-      answer.steps.push_back(answer.fine);
-      if (!fine)
-        continue;
-      answer.result = result;
-      answer.value = 2 * answer.fine.value - answer.coarse.value;
-      answer.error = std::abs(answer.fine.value - answer.coarse.value) / answer.value;
-      worst = std::max(worst, answer.error);
-      if (sink)
-        sink(solver, answer, lattice, block);
+      const int axis = answers[i].axis;
+      LinkTable links = linksOf(s.lattice, options.conductivity, axis);
+      if (!s.solver || links.x != steady.links->x || links.y != steady.links->y)
+      {
+        steady.links = std::make_shared<LinkTable>(std::move(links));
+        s.solver.emplace(lattice, s.block, phase, options.conductivity, steady, comm);
+      }
+      const SteadyResult result = s.solver->solve(axis);
+      take(i,
+        { lattice.spacing, result.effective[static_cast<std::size_t>(axis)], lattice.count(), result.iterations,
+          made + secondsSince(begin) },
+        s, result);
     }
-    const bool tooMany = options.mostNodes > 0 && 4 * lattice.image.lattice.count() > options.mostNodes;
-    if (fine && (options.targetError == 0 || worst <= options.targetError || tooMany))
+  };
+
+  // Two lattices of a few nodes may agree by chance; then a coarser one tells.
+  std::vector<double> before(answers.size(), std::numeric_limits<double>::quiet_NaN());
+  if (first.count() < fewNodes)
+  {
+    try
+    {
+      solveOn(-1,
+        [&](std::size_t i, const ContourStep& step, const Solved&, const SteadyResult&) { before[i] = step.value; });
+    }
+    catch (const Cancelled&)
+    {
+      throw;
+    }
+    catch (const Error&) // too few nodes, or no path through them
+    {
+    }
+  }
+  for (int level = 0;; ++level)
+  {
+    double worst = 0;
+    std::int64_t count = 0;
+    solveOn(level,
+      [&](std::size_t i, const ContourStep& step, const Solved& solved, const SteadyResult& result)
+      {
+        ContourAnswer& answer = answers[i];
+        if (level > 1)
+          before[i] = answer.coarse.value;
+        answer.coarse = answer.fine;
+        answer.fine = step;
+        answer.steps.push_back(step);
+        count = step.nodes;
+        if (level == 0)
+          return;
+        answer.result = result;
+        answer.value = 2 * answer.fine.value - answer.coarse.value;
+        double change = std::abs(answer.fine.value - answer.coarse.value);
+        if (step.nodes < fewNodes && std::isfinite(before[i]))
+          change = std::max(change, std::abs(answer.coarse.value - before[i]) / 2);
+        answer.error = change / answer.value;
+        worst = std::max(worst, answer.error);
+        if (sink)
+          sink(*solved.solver, answer, solved.lattice, solved.block);
+      });
+    const bool tooMany = options.mostNodes > 0 && 4 * count > options.mostNodes;
+    if (level > 0 && (options.targetError == 0 || worst <= options.targetError || tooMany))
     {
       break;
     }

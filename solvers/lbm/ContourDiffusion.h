@@ -12,22 +12,25 @@
 namespace lamella::lbm
 {
 
-/// Conductivities of the links of a lattice made from outlines (`lines` = 1, `across` = true).
+/// Conductivities of the links of a lattice made from outlines (`lines` = 1, `across` = true), for flux along an axis.
 ///
-/// A link that no outline passes carries the harmonic mean of the phases at its ends. One that is cut carries, where
-/// the lumen conducts better than the wall, the harmonic mean along the link's own line, and where it conducts worse
-/// the arithmetic mean across the link, half-way. The walls hang together and the lumens do not: along the field lines
-/// that matter, which lie in the worse conductor in the first case and in the better one in the second, lumen and wall
-/// are then in series and in parallel as they are there. Each is the other's dual (Keller's theorem turns one into the
-/// other with the lattice of the links' faces), so both err alike: on arrays of disks at 128 nodes by 0.07 % at worst
-/// up to an area fraction of one half, where the mean over the face of harmonic means along errs by 1.4 %
-/// (docs/benchmarks/contours.md).
+/// A link that no outline passes carries the harmonic mean of the phases at its ends. One that is cut carries the
+/// harmonic mean along its own line, unless the better conductor of the two leads across the box there, from face to
+/// face along the axis: then the arithmetic mean across the link, half-way. (Walls do, but where a lumen parts them
+/// from side to side.) So where walls hang together and lumens do
+/// not, which is tissue, lumen and wall are in series where the lumen conducts better and in parallel where it conducts
+/// worse, as they are along the field lines that matter, which lie in the worse conductor in the first case and in the
+/// better one in the second. Each is the other's dual (Keller's theorem turns one into the other with the lattice of
+/// the links' faces), so both err alike: on arrays of disks at 128 nodes by 0.07 % at worst up to an area fraction of
+/// one half, where the mean over the face of harmonic means along errs by 1.4 % (docs/benchmarks/contours.md). Layers
+/// along the axis and across it are exact.
 ///
 /// @param lattice its phases may be more than lumen and wall; the lumen is phase 0
 /// @param conductivity one a phase, ≥ 0
 /// @throws ParameterError for a lattice without these shares, or conductivities that are negative, not finite or too
 /// few
-[[nodiscard]] LinkTable linksOf(const micrograph::ContourLattice& lattice, std::span<const double> conductivity);
+[[nodiscard]] LinkTable linksOf(
+  const micrograph::ContourLattice& lattice, std::span<const double> conductivity, int axis);
 
 /// What the solve on one lattice gave.
 struct ContourStep
@@ -68,10 +71,11 @@ using ContourSink = std::function<void(const SteadyDiffusion& solver, const Cont
   const micrograph::ContourLattice& lattice, const Block& block)>;
 
 /// Effective conductivity of a picture of outlines at a spacing and at twice that, and what follows for a spacing of
-/// zero. The error bar is the change from the finer value to the extrapolated one. On arrays of disks (five
-/// conductivities, four area fractions, 64 and 128 nodes) it holds 18 errors of 20 and is 2.7 times the error in the
-/// median. With a target the last pair of lattices counts; each halving takes about four times as long and as much
-/// memory as the last, and halves the error bar.
+/// zero. The error bar is the change from the finer value to the extrapolated one; on fewer than 64² nodes, where two
+/// lattices may agree by chance, at least half the change before that one, from a lattice coarser still. On arrays of
+/// disks (five conductivities, four area fractions, 64 and 128 nodes) it holds 18 errors of 20 and is 2.7 times the
+/// error in the median. With a target the last pair of lattices counts; each halving takes about four times as long and
+/// as much memory as the last, and halves the error bar.
 /// @param sink with a target it is called for every pair
 /// @throws ParameterError for a target that is negative or not finite; what contourLattice(), linksOf() and
 /// SteadyDiffusion throw

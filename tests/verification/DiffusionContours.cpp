@@ -116,8 +116,6 @@ ContourSet turned(ContourSet set)
 
 } // namespace
 
-// Layers in series and in parallel are exact wherever they lie between the nodes: across lumens that conduct better,
-// and along those that conduct worse.
 // The spacing is halved until the bar is short enough: the bar halves with it, and holds the table's value.
 TEST(DiffusionContours, ATargetIsReached)
 {
@@ -148,16 +146,34 @@ TEST(DiffusionContours, ATargetIsReached)
   EXPECT_THROW((void)studyContours(disk, options, MPI_COMM_WORLD), ParameterError);
 }
 
+// In series and in parallel, wherever they lie between the nodes and whichever conducts better: that lumens lead across
+// is seen, where rules for tissue (walls hang together, lumens do not) would count rows of nodes and call that exact.
 TEST(DiffusionContours, Layers)
 {
   const ContourSet layers = slots(0.237, 0.651, 3);
   const double share = 0.651 - 0.237;
   for (const int nodes : { 16, 40 })
+    for (const double lumen : { 250.0, 1 / 250.0, 1e6, 1e-6 })
+    {
+      SCOPED_TRACE(testing::Message() << nodes << " nodes, " << lumen);
+      const double series = 1 / (share / lumen + (1 - share));
+      const double parallel = share * lumen + (1 - share);
+      const ContourAnswer a = solve(layers, nodes, lumen, 1);
+      EXPECT_NEAR(a.fine.value / series, 1, 1e-7); // ten times the solver's tolerance
+      EXPECT_NEAR(solve(turned(layers), nodes, lumen, 1, 1).fine.value / a.fine.value, 1, 1e-7);
+      EXPECT_NEAR(solve(layers, nodes, lumen, 1, 1).fine.value / parallel, 1, 1e-7);
+    }
+}
+
+// Walls that no node lies in still part the lumens on both sides.
+TEST(DiffusionContours, ThinSheets)
+{
+  const ContourSet sheets = slots(0.001, 0.999, 3);
+  for (const double lumen : { 1e4, 1e-4 })
   {
-    const ContourAnswer across = solve(layers, nodes, 250, 1);
-    EXPECT_NEAR(across.fine.value, 1 / (share / 250 + (1 - share)), 1e-6);
-    const ContourAnswer turnedAcross = solve(turned(layers), nodes, 250, 1, 1);
-    EXPECT_NEAR(turnedAcross.fine.value, across.fine.value, 1e-6);
+    // shares are floats, and a sheet takes a hundredth of a link
+    EXPECT_NEAR(solve(sheets, 16, lumen, 1).fine.value * (0.998 / lumen + 0.002), 1, 1e-5);
+    EXPECT_NEAR(solve(sheets, 16, lumen, 1, 1).fine.value / (0.998 * lumen + 0.002), 1, 1e-5);
   }
 }
 
@@ -198,9 +214,9 @@ TEST(DiffusionContours, TableOfPhases)
         .solve(axis)
         .effective[static_cast<std::size_t>(axis)];
     };
-    const auto exact = std::make_shared<LinkTable>(linksOf(lattice, k));
     for (const int axis : { 0, 1 })
     {
+      const auto exact = std::make_shared<LinkTable>(linksOf(lattice, k, axis));
       EXPECT_NEAR(value(table, MPI_COMM_WORLD, axis), value(nullptr, MPI_COMM_SELF, axis), 1e-10);
       EXPECT_NEAR(value(exact, MPI_COMM_WORLD, axis), value(exact, MPI_COMM_SELF, axis), 1e-10);
     }
