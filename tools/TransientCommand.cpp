@@ -1,3 +1,4 @@
+#include "BreakRun.h"
 #include "Commands.h"
 #include "FilterRun.h"
 #include "FractureFiles.h"
@@ -14,10 +15,7 @@
 #include "lattice/Clock.h"
 #include "vtkLatticeBoltzmann.h"
 #include "vtkLatticeConversion.h"
-#include "vtkSampleAlgorithm.h"
 
-#include <vtkCallbackCommand.h>
-#include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
@@ -25,7 +23,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -49,7 +46,9 @@ struct TransientOptions
   std::string sides = "insulated";
   std::string quantity = "temperature";
   std::string endTime;
-  int frames = 10;
+  std::string frames;
+  std::vector<std::string> atTimes;
+  std::vector<std::string> atSteps;
   std::string collision = "auto";
   std::string lattice;
   std::string step;
@@ -57,6 +56,7 @@ struct TransientOptions
   bool flux = false;
   std::string output;
   std::string curve;
+  CheckpointWords checkpoint;
 };
 
 const std::vector<std::string> directions{ "x", "y", "z" };
@@ -65,6 +65,57 @@ const std::vector<std::string> quantities{ "temperature", "concentration" };
 const std::vector<std::string> collisions{ "auto", "bgk", "trt" };
 const std::vector<std::string> lattices{ "auto", "d2q5", "d2q9", "d3q7", "d3q19" };
 constexpr const char* seconds = "write it in seconds, such as 0.5";
+constexpr int usualFrames = 10;
+
+/// When states are kept. @returns how many @throws ParameterError
+std::size_t applyTimes(const TransientOptions& o, vtkLatticeBoltzmann* filter)
+{
+  const std::vector<std::string> times = listed(o.atTimes);
+  const std::vector<std::string> steps = listed(o.atSteps);
+  if (times.empty() && steps.empty())
+  {
+    if (o.endTime.empty())
+    {
+      throw ParameterError(
+        "no --end-time was given", "write it in seconds, such as 0.5, or name states with --at-time");
+    }
+    filter->SetEndTime(positive("--end-time", o.endTime, seconds));
+    const auto frames = o.frames.empty() ? usualFrames : toInteger(o.frames).value_or(0);
+    if (frames < 1 || frames > 100000)
+    {
+      throw ParameterError(fmt::format("--frames {} is not from 1 to 100000", o.frames),
+        "it is how many times after 0 are kept, evenly until --end-time");
+    }
+    filter->SetNumberOfSteps(static_cast<int>(frames));
+    return static_cast<std::size_t>(frames) + 1;
+  }
+  if (!o.endTime.empty() || !o.frames.empty())
+  {
+    throw ParameterError(fmt::format("{} with {}", times.empty() ? "--at-step" : "--at-time",
+                           o.endTime.empty() ? "--frames" : "--end-time"),
+      "states are kept evenly until --end-time, or where --at-time and --at-step say, the last of which is the end");
+  }
+  for (const std::string& text : times)
+  {
+    const auto time = toNumber(text);
+    if (!time || !std::isfinite(*time) || *time < 0)
+    {
+      throw ParameterError("--at-time '" + text + "' is not a time", "write times in seconds, such as 0,1e-3,1e-2");
+    }
+    filter->AddStateAtTime(*time);
+  }
+  for (const std::string& text : steps)
+  {
+    const auto step = toInteger(text);
+    if (!step || *step < 0 || *step % 2 != 0)
+    {
+      throw ParameterError(
+        "--at-step '" + text + "' is not an even number of steps", "steps come in pairs: write 0,100,1000");
+    }
+    filter->AddStateAtStep(*step);
+  }
+  return times.size() + steps.size();
+}
 
 /// What can be said without the sample. @throws ParameterError
 void apply(const TransientOptions& o, vtkLatticeBoltzmann* filter)
@@ -96,18 +147,7 @@ void apply(const TransientOptions& o, vtkLatticeBoltzmann* filter)
   filter->SetInletValue(*inlet);
   filter->SetOutletValue(*outlet);
   filter->SetInitialValue(o.initial);
-  if (o.endTime.empty())
-  {
-    throw ParameterError("no --end-time was given", seconds);
-  }
-  filter->SetEndTime(positive("--end-time", o.endTime, seconds));
   filter->SetTimeStep(o.step.empty() ? 0 : positive("--step", o.step, seconds));
-  if (o.frames < 1 || o.frames > 100000)
-  {
-    throw ParameterError(fmt::format("--frames {} is not from 1 to 100000", o.frames),
-      "it is how many times after 0 are kept, evenly until --end-time");
-  }
-  filter->SetNumberOfSteps(o.frames);
   checkThreads(o.threads);
   filter->SetThreads(o.threads);
   filter->SetComputeFlux(o.flux);
@@ -116,67 +156,12 @@ void apply(const TransientOptions& o, vtkLatticeBoltzmann* filter)
   {
     throw ParameterError("--flux without a file to write to", "add -o FILE.vti");
   }
+  applyCheckpoint(o.checkpoint, filter);
 }
-
-/// A column of a number that each state has in its field data.
-struct Column
-{
-  const char* name;
-  const char* unit;
-  const char* what;
-};
-constexpr std::array<Column, 4> columns{ { { "time", "s", "since the start" },
-  { "inlet_flux", "m/s", "mean over the face where the direction begins, times the unit of the values" },
-  { "outlet_flux", "m/s", "mean over the face where it ends, times the unit of the values" },
-  { "mean_value", "1", "over the box, 0 where nothing conducts" } } };
 
 double numberOf(vtkImageData* state, const char* name)
 {
   return fieldNumbers(state, name).at(0);
-}
-
-using Row = std::array<double, columns.size()>;
-
-/// The numbers of each state that a run comes to, whether it is kept or not.
-class History
-{
-public:
-  explicit History(vtkLatticeBoltzmann* filter)
-  {
-    command_->SetClientData(&rows_);
-    command_->SetCallback(
-      [](vtkObject*, unsigned long, void* rows, void* state)
-      {
-        Row row{};
-        std::transform(columns.begin(), columns.end(), row.begin(),
-          [&](const Column& column)
-          { return numberOf(vtkImageData::SafeDownCast(static_cast<vtkDataObject*>(state)), column.name); });
-        static_cast<std::vector<Row>*>(rows)->push_back(row);
-      });
-    filter->AddObserver(vtkSampleAlgorithm::STEP_EVENT, command_);
-  }
-  [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
-
-private:
-  std::vector<Row> rows_;
-  vtkNew<vtkCallbackCommand> command_;
-};
-
-vtkNew<vtkTable> curveOf(const std::vector<Row>& rows)
-{
-  vtkNew<vtkTable> table;
-  for (std::size_t c = 0; c < columns.size(); ++c)
-  {
-    vtkNew<vtkDoubleArray> array;
-    array->SetName(columns[c].name);
-    for (const Row& row : rows)
-    {
-      array->InsertNextValue(row[c]);
-    }
-    describe(array, columns[c].unit, columns[c].what, "lamella transient");
-    table->AddColumn(array);
-  }
-  return table;
 }
 
 std::string words(const Json& json)
@@ -191,6 +176,15 @@ std::string words(const Json& json)
     grouped(json.at("steps").get<std::int64_t>()), json.at("time_step").get<double>(),
     json.at("stepping").get<std::string>(), json.at("lattice").get<std::string>(), json.at("relaxation").get<double>(),
     grouped(json.at("stored_nodes").get<std::int64_t>()), grouped(json.at("skipped_nodes").get<std::int64_t>()));
+  if (const auto at = json.at("continued_at").get<std::int64_t>(); at > 0)
+  {
+    text += fmt::format("  continued after {} steps\n", grouped(at));
+  }
+  if (const auto last = json.at("last_checkpoint").get<std::int64_t>(); last > 0)
+  {
+    text += fmt::format("  {} checkpoints, the last after {} steps\n",
+      grouped(json.at("checkpoints").get<std::int64_t>()), grouped(last));
+  }
   return text + wroteText(json.at("written").get<std::vector<std::string>>());
 }
 
@@ -204,26 +198,22 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
   const auto start = Clock::now();
   vtkNew<vtkLatticeBoltzmann> filter;
   apply(o, filter);
-  const History history(filter);
+  const std::size_t frames = applyTimes(o, filter);
   auto image = vtkSmartPointer<vtkImageData>::New();
   std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
   std::string provenance;
   StateWriter files;
   ResultFiles tables;
-  const auto nameTable = [&](vtkTable* table)
-  {
-    if (!o.curve.empty())
-    {
-      tables.addTable("--curve", o.curve, table, o.common.overwrite);
-    }
-  };
-  vtkNew<vtkTable> curve;
   session.onRoot(
     [&]
     {
-      files = StateWriter(o.output, static_cast<std::size_t>(o.frames) + 1, o.common.overwrite, ".vti",
-        { "fields", "the history goes to --curve FILE.csv" });
-      nameTable(curve);
+      checkCheckpoint(o.checkpoint, o.common.overwrite);
+      files =
+        StateWriter(o.output, frames, o.common.overwrite, ".vti", { "fields", "the history goes to --curve FILE.csv" });
+      if (!o.curve.empty())
+      {
+        tables.addTable("--curve", o.curve, filter->GetCurve(), o.common.overwrite);
+      }
       Sample sample = loadSample(o.picture);
       Session::checkInterrupt();
       if (sample.pixelSizeSource == "none")
@@ -240,49 +230,57 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
       image->GetExtent(extent.data());
     });
   session.broadcast(extent);
-  runFilterOnRanks(session, filter.Get(), image, extent, "stepping");
-  session.onRoot(
+  const auto finish = [&]
+  {
+    if (filter->GetNumberOfStates() == 0)
+    {
+      throwFailure(filter->GetFailure());
+    }
+    tellWarnings(session);
+    std::vector<vtkDataObject*> states;
+    for (int k = 0; k < filter->GetNumberOfStates(); ++k)
+    {
+      states.push_back(filter->GetStateImage(k));
+    }
+    const io::Provenance record = recordRun(commandLine, o.picture.file, provenance);
+    std::vector<std::string> written = files.write(states, io::toJson(record));
+    for (const std::string& name : tables.write(io::toJson(record)))
+    {
+      written.push_back(name);
+    }
+    files.commit();
+    vtkImageData* const last = vtkImageData::SafeDownCast(states.back());
+    Json json;
+    json["file"] = o.picture.file;
+    json["curve"] = jsonRows(filter->GetCurve());
+    json["stepping"] = textOf(last, "collision");
+    json["lattice"] = textOf(last, "lattice");
+    json["direction"] = o.direction;
+    json["sides"] = o.sides;
+    json["steps"] = static_cast<std::int64_t>(numberOf(last, "steps"));
+    json["time_step"] = numberOf(last, "time_step");
+    json["relaxation"] = numberOf(last, "relaxation");
+    json["stored_nodes"] = static_cast<std::int64_t>(numberOf(last, "stored_nodes"));
+    json["skipped_nodes"] = static_cast<std::int64_t>(numberOf(last, "skipped_nodes"));
+    json["updates_per_second"] = numberOf(last, "updates_per_second");
+    json["bytes"] = numberOf(last, "bytes");
+    for (const char* name : { "continued_at", "states_before", "checkpoints", "last_checkpoint" })
+    {
+      json[name] = static_cast<std::int64_t>(numberOf(last, name));
+    }
+    json["warning"] = textOf(last, "warning");
+    json["ranks"] = session.ranks();
+    json["seconds"] = secondsSince(start);
+    json["written"] = written;
+    printReport(session, o.common, json, record, words);
+  };
+  const KeptRun kept{ commandLine, session.ranks(), "steps", [&] { return filter->GetLastCheckpoint(); },
+    [&] { return filter->GetCheckpointEvery(); } };
+  runKept(session, o.checkpoint, kept,
     [&]
     {
-      if (filter->GetNumberOfStates() == 0)
-      {
-        throwFailure(filter->GetFailure());
-      }
-      tellWarnings(session);
-      std::vector<vtkDataObject*> states;
-      for (int k = 0; k < filter->GetNumberOfStates(); ++k)
-      {
-        states.push_back(filter->GetStateImage(k));
-        setFieldNumbers(states.back(), "states_before", std::array{ 0.0 });
-      }
-      const io::Provenance record = recordRun(commandLine, o.picture.file, provenance);
-      curve->ShallowCopy(curveOf(history.rows()));
-      std::vector<std::string> written = files.write(states, io::toJson(record));
-      for (const std::string& name : tables.write(io::toJson(record)))
-      {
-        written.push_back(name);
-      }
-      files.commit();
-      vtkImageData* const last = vtkImageData::SafeDownCast(states.back());
-      Json json;
-      json["file"] = o.picture.file;
-      json["curve"] = jsonRows(curve);
-      json["stepping"] = textOf(last, "collision");
-      json["lattice"] = textOf(last, "lattice");
-      json["direction"] = o.direction;
-      json["sides"] = o.sides;
-      json["steps"] = static_cast<std::int64_t>(numberOf(last, "steps"));
-      json["time_step"] = numberOf(last, "time_step");
-      json["relaxation"] = numberOf(last, "relaxation");
-      json["stored_nodes"] = static_cast<std::int64_t>(numberOf(last, "stored_nodes"));
-      json["skipped_nodes"] = static_cast<std::int64_t>(numberOf(last, "skipped_nodes"));
-      json["updates_per_second"] = numberOf(last, "updates_per_second");
-      json["bytes"] = numberOf(last, "bytes");
-      json["warning"] = textOf(last, "warning");
-      json["ranks"] = session.ranks();
-      json["seconds"] = secondsSince(start);
-      json["written"] = written;
-      printReport(session, o.common, json, record, words);
+      runFilterOnRanks(session, filter.Get(), image, extent, "stepping");
+      session.onRoot(finish);
     });
 }
 
@@ -307,8 +305,11 @@ Command transientCommand(CLI::App& root)
   option(diffusion, "--quantity", o->quantity, "Names the field", "temperature|concentration")->capture_default_str();
   const char* const time = "Time";
   option(time, "--end-time", o->endTime, "The last time [s]", "NUMBER");
-  option(time, "--frames", o->frames, "Times after 0 that are kept, evenly until the end", "NUMBER")
-    ->capture_default_str();
+  option(time, "--frames", o->frames, "Times after 0 that are kept, evenly until the end", "NUMBER")->default_str("10");
+  option(time, "--at-time", o->atTimes, "Keep these times [s] instead; the last is the end", "LIST")
+    ->allow_extra_args(false);
+  option(time, "--at-step", o->atSteps, "Keep the ends of these numbers of steps instead, likewise", "LIST")
+    ->allow_extra_args(false);
   const char* const numerics = "Accuracy and cost";
   option(numerics, "--stepping", o->collision, "Two relaxation times, or one as in the first paper; auto is trt",
     "auto|bgk|trt")
@@ -319,6 +320,7 @@ Command transientCommand(CLI::App& root)
   addOutputOptions(*app, o->output, o->common, "Write the field at each time: FILE_000.vti ... and FILE.pvd");
   app->add_flag("--flux", o->flux, "With its flux")->group("Output");
   addResultFile(*app, "--curve", o->curve, "Write times, fluxes through both faces and the mean value");
+  addCheckpointOptions(*app, o->checkpoint, "Steps between two", "10000");
   addReportOptions(*app, o->common);
   addExamples(*app,
     { "lamella transient tissue.vti --diffusivity wall=1.8e-7 --diffusivity lumen=2.2e-5 --end-time 0.02 -o heat.vti "
@@ -326,7 +328,9 @@ Command transientCommand(CLI::App& root)
       "lamella transient cells.png --phase 0=lumen --other wall --pixel-size 0.5um --diffusivity lumen=2.6e-5 "
       "--diffusivity wall=1e-9 --end-time 1 --frames 50 --quantity concentration --json",
       "lamella transient tissue.vti --diffusivity wall=1.8e-7 --diffusivity lumen=0 --stepping bgk --lattice d2q9 "
-      "--end-time 0.1" });
+      "--end-time 0.1",
+      "lamella transient volume.vti --diffusivity wall=1.8e-7 --diffusivity lumen=0 --at-time 1e-4,1e-3,1e-2 "
+      "--checkpoint run.h5 --continue run.h5 -o heat.vti --overwrite" });
   return { app,
     [o](Session& session, const std::string& line)
     {

@@ -7,20 +7,21 @@
  * as in Perré, Almeida, Ayouz & Frank, Annals of Forest Science 73 (2016) 147, section 3.1. Two faces keep their
  * values, the field starts at a constant.
  *
- * **Input**: an image of phases, as vtkSteadyDiffusion.
+ * **Input**: that of vtkDiffusionAlgorithm.
  *
- * **Output**: the input at one of NumberOfSteps + 1 evenly spaced times from 0 to EndTime, which the pipeline knows as
- * time steps [s], with
+ * **Output**: the input at one of the times that are kept, which the pipeline knows as time steps [s], with
  * - `temperature` or `concentration` (double; NaN where nothing conducts),
  * - `flux` (3 doubles, −D grad u [m/s]; 0 where nothing conducts), on demand.
  * Field data: `time` [s], `inlet_flux` and `outlet_flux` (means over the faces of the direction [m/s]), `mean_value`
  * (over the box, 0 where nothing conducts); `time_step` [s], `steps` (to this time), `relaxation` (τ − ½ of the phase
- * that conducts best), `stored_nodes`, `skipped_nodes`, `updates_per_second`, `bytes`; `collision`, `lattice`,
- * `direction`, `sides`, `warning` (empty, or where one relaxation time is inaccurate) and `provenance`.
+ * that conducts best), `stored_nodes`, `skipped_nodes`, `updates_per_second`, `bytes`; `continued_at` (steps in the
+ * checkpoint that it went on from, or 0), `states_before` (asked for, but before it), `checkpoints` (written by this
+ * run), `last_checkpoint` (steps in it, or 0); `collision`, `lattice`, `direction`, `sides`, `warning` (empty, or where
+ * one relaxation time is inaccurate) and `provenance`.
  *
  * All times are stepped through at the first request and kept: 8 bytes a node and time (32 with the flux).
  *
- * **Parallel**: as vtkSteadyDiffusion; the field is the same to the bit.
+ * **Parallel**: the field is the same to the bit.
  *
  * @warning The answer of one relaxation time (BGK) depends on the time step; it is there to compare with.
  *
@@ -30,23 +31,25 @@
 #ifndef vtkLatticeBoltzmann_h
 #define vtkLatticeBoltzmann_h
 
-#include "vtkImageAlgorithm.h"
+#include "vtkDiffusionAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 
 #include <memory> // for std::unique_ptr
+#include <string> // for members
 
-class vtkMultiProcessController;
+class vtkImageData;
+class vtkTable;
 
 namespace lamella
 {
 class Team;
 }
 
-class VTKLAMELLASOLVERSVTK_EXPORT vtkLatticeBoltzmann : public vtkImageAlgorithm
+class VTKLAMELLASOLVERSVTK_EXPORT vtkLatticeBoltzmann : public vtkDiffusionAlgorithm
 {
 public:
   static vtkLatticeBoltzmann* New();
-  vtkTypeMacro(vtkLatticeBoltzmann, vtkImageAlgorithm);
+  vtkTypeMacro(vtkLatticeBoltzmann, vtkDiffusionAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
@@ -59,16 +62,9 @@ public:
   void RemoveAllDiffusivities();
   ///@}
 
-  enum Directions
-  {
-    X = 0,
-    Y = 1,
-    Z = 2
-  };
   ///@{
-  /** Axis of the two faces that keep their values; in a picture y leads from the top to the bottom. Default X. */
+  /** Axis of the two faces that keep their values. Default X. */
   vtkSetClampMacro(Direction, int, X, Z);
-  vtkGetMacro(Direction, int);
   ///@}
   ///@{
   /** Values on the face where the direction begins (default 1), where it ends (0), and inside at time 0 (0). */
@@ -78,28 +74,6 @@ public:
   vtkGetMacro(OutletValue, double);
   vtkSetMacro(InitialValue, double);
   vtkGetMacro(InitialValue, double);
-  ///@}
-
-  enum Quantities
-  {
-    TEMPERATURE = 0,
-    CONCENTRATION = 1
-  };
-  ///@{
-  /** What diffuses: names the output array. Default TEMPERATURE. */
-  vtkSetClampMacro(Quantity, int, TEMPERATURE, CONCENTRATION);
-  vtkGetMacro(Quantity, int);
-  ///@}
-
-  enum SideTypes
-  {
-    INSULATED = 0,
-    PERIODIC = 1
-  };
-  ///@{
-  /** The other sides. Default INSULATED. */
-  vtkSetClampMacro(Sides, int, INSULATED, PERIODIC);
-  vtkGetMacro(Sides, int);
   ///@}
 
   enum Collisions
@@ -114,48 +88,58 @@ public:
   vtkGetMacro(Collision, int);
   ///@}
 
-  enum Lattices
-  {
-    AUTO_LATTICE = 0, ///< D2Q5 or D3Q7
-    D2Q5 = 1,
-    D2Q9 = 2,
-    D3Q7 = 3,
-    D3Q19 = 4
-  };
-  ///@{
-  /** Default AUTO_LATTICE. */
-  vtkSetClampMacro(Lattice, int, AUTO_LATTICE, D3Q19);
-  vtkGetMacro(Lattice, int);
-  ///@}
-
   ///@{
   /** The last time [s], above 0. Default 1. */
   vtkSetMacro(EndTime, double);
   vtkGetMacro(EndTime, double);
   ///@}
   ///@{
-  /** Times after 0 that are kept. Default 10. */
+  /** Times after 0 that are kept, evenly until EndTime; 0 is kept too. Default 10. */
   vtkSetClampMacro(NumberOfSteps, int, 1, 100000);
   vtkGetMacro(NumberOfSteps, int);
   ///@}
   ///@{
   /**
-   * δt [s]; 0 (default): at most that of a relaxation of ½, and such that every time is met. A δt that is given meets
-   * each time as nearly as pairs of steps do, and the output says the time that it has.
+   * States at these times [s] and at the end of these numbers of steps, which are even, are kept instead, and the last
+   * of them is the end; EndTime and NumberOfSteps do not count then. With numbers of steps and no TimeStep the pipeline
+   * knows no times beforehand.
+   */
+  void AddStateAtTime(double time);
+  void RemoveAllStatesAtTimes();
+  void AddStateAtStep(vtkIdType step);
+  void RemoveAllStatesAtSteps();
+  ///@}
+  ///@{
+  /**
+   * δt [s]; 0 (default): at most that of a relaxation of ½, and such that evenly spaced times, or the last of given
+   * ones, are met. Else each time is met as nearly as pairs of steps do, and the output says the time that it has.
    */
   vtkSetMacro(TimeStep, double);
   vtkGetMacro(TimeStep, double);
   ///@}
+
   ///@{
-  /** Whether the output has the flux. Default off. */
-  vtkSetMacro(ComputeFlux, bool);
-  vtkGetMacro(ComputeFlux, bool);
-  vtkBooleanMacro(ComputeFlux, bool);
+  /** A file that keeps where the run stands, in HDF5, after every CheckpointEvery steps, at the end and where the run
+   * is interrupted; what is there already is replaced. Empty (default): none. When it cannot be written the run goes
+   * on, and says so. */
+  vtkSetMacro(CheckpointFile, std::string);
+  vtkGetMacro(CheckpointFile, std::string);
   ///@}
   ///@{
-  /** Threads of each rank; 0: one for each core that the machine has. Default 1. */
-  vtkSetClampMacro(Threads, int, 0, VTK_INT_MAX);
-  vtkGetMacro(Threads, int);
+  /** Steps between two checkpoints, at least 1; looked at every 64 or so. Default 10000. */
+  vtkSetClampMacro(CheckpointEvery, vtkIdType, 1, VTK_ID_MAX);
+  vtkGetMacro(CheckpointEvery, vtkIdType);
+  ///@}
+  ///@{
+  /** A checkpoint of the same scene to go on from, to the same bits; states before it are not made, the curve has
+   * them. The times asked for may differ, the time step may not. Empty (default): from time 0, as where this is
+   * CheckpointFile and not there yet. */
+  vtkSetMacro(ContinueFile, std::string);
+  vtkGetMacro(ContinueFile, std::string);
+  ///@}
+  ///@{
+  /** Steps in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
+  vtkGetMacro(LastCheckpoint, vtkIdType);
   ///@}
 
   ///@{
@@ -166,28 +150,21 @@ public:
   vtkBooleanMacro(KeepStates, bool);
   ///@}
   ///@{
-  /** The times that the last update has kept, from 0, and the image of each; null where there is none such. */
+  /** The times that the last update has kept and the image of each; null where there is none such. */
   int GetNumberOfStates();
   vtkImageData* GetStateImage(int state);
   ///@}
-  ///@{
-  /** What kind of mistake the last update ended with: a value of vtkSampleAlgorithm::Failures. */
-  vtkGetMacro(Failure, int);
-  ///@}
-
-  ///@{
-  /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
-  ///@}
+  /**
+   * A row a time that the run kept, also of those before the checkpoint that it went on from: `time` [s],
+   * `inlet_flux`, `outlet_flux` [m/s], `mean_value`, `steps`.
+   */
+  vtkTable* GetCurve();
 
 protected:
   vtkLatticeBoltzmann();
   ~vtkLatticeBoltzmann() override;
 
-  int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
-  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
@@ -199,22 +176,18 @@ private:
 
   std::unique_ptr<Internals> Internal;
 
-  int Direction = X;
   double InletValue = 1;
   double OutletValue = 0;
   double InitialValue = 0;
-  int Quantity = TEMPERATURE;
-  int Sides = INSULATED;
   int Collision = AUTO_COLLISION;
-  int Lattice = AUTO_LATTICE;
   double EndTime = 1;
   int NumberOfSteps = 10;
   double TimeStep = 0;
-  bool ComputeFlux = false;
   bool KeepStates = true;
-  int Threads = 1;
-  int Failure = 0;
-  vtkMultiProcessController* Controller = nullptr;
+  std::string CheckpointFile;
+  vtkIdType CheckpointEvery = 10000;
+  std::string ContinueFile;
+  vtkIdType LastCheckpoint = 0;
 };
 
 #endif

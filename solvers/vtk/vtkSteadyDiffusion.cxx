@@ -1,10 +1,7 @@
 #include "vtkSteadyDiffusion.h"
 
-#include "Attempt.h"
 #include "BondFields.h"
-#include "BoxExchange.h"
-#include "PhaseIds.h"
-#include "ThreadCount.h"
+#include "DiffusionScene.h"
 #include "WallConductivity.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
@@ -18,7 +15,6 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
@@ -37,25 +33,6 @@ namespace
 {
 
 constexpr double notSolved = std::numeric_limits<double>::quiet_NaN();
-constexpr std::array<const char*, 3> axisName{ "x", "y", "z" };
-constexpr std::array<const char*, 2> quantityName{ "temperature", "concentration" };
-
-lbm::Stencil stencilOf(int lattice, int dimension)
-{
-  switch (lattice)
-  {
-    case vtkSteadyDiffusion::D2Q5:
-      return lbm::Stencil::D2Q5;
-    case vtkSteadyDiffusion::D2Q9:
-      return lbm::Stencil::D2Q9;
-    case vtkSteadyDiffusion::D3Q7:
-      return lbm::Stencil::D3Q7;
-    case vtkSteadyDiffusion::D3Q19:
-      return lbm::Stencil::D3Q19;
-    default:
-      return dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5;
-  }
-}
 
 lbm::Method methodOf(int method)
 {
@@ -88,9 +65,11 @@ std::string storePhases(vtkImageData* output, const lamella::PhaseIds& phases, c
   return name;
 }
 
-std::span<double> values(vtkDoubleArray* array)
+/// Applies f to each number.
+template <class F>
+void change(vtkDoubleArray* array, F&& f)
 {
-  return { array->GetPointer(0), static_cast<std::size_t>(array->GetNumberOfValues()) };
+  std::for_each(array->GetPointer(0), array->GetPointer(0) + array->GetNumberOfValues(), f);
 }
 
 } // namespace
@@ -141,27 +120,26 @@ struct vtkSteadyDiffusion::FieldStore
 {
   vtkSteadyDiffusion* Self;
   vtkImageData* Output;
-  const lamella::Lattice& Lattice;
-  const lbm::Block& Block;
-  const lamella::BoxExchange& Outward; ///< from the solver's block to the piece
+  const lamella::DiffusionScene& Scene;
 
   void operator()(const lbm::SteadyDiffusion& solver, int axis) const
   {
     const bool all = this->Self->Direction == ALL;
-    const std::string suffix = all ? std::string("_") + axisName[static_cast<std::size_t>(axis)] : "";
-    const std::string quantity = quantityName[static_cast<std::size_t>(this->Self->Quantity)];
-    // The solver has value 1 on the low face; in a picture y starts at the top, which is the high face.
-    const bool fromTop = this->Lattice.dimension == 2 && axis == Y;
+    const std::string suffix = all ? std::string("_") + lamella::axisNames[static_cast<std::size_t>(axis)] : "";
+    const std::string quantity = this->Self->QuantityName();
+    // The solver has value 1 on the low face.
+    const bool fromTop = this->Scene.fromTop(axis);
     vtkPointData* const points = this->Output->GetPointData();
     const bool first = !all || axis == X;
     if (this->Self->ComputeField)
     {
-      vtkDoubleArray* const field = this->Add(quantity + suffix, 1, [&](std::span<double> out) { solver.value(out); });
+      const auto field = this->Scene.array(quantity + suffix, 1, [&](std::span<double> out) { solver.value(out); });
       if (fromTop)
       {
-        std::ranges::for_each(values(field), [](double& value) { value = 1 - value; });
+        change(field, [](double& value) { value = 1 - value; });
       }
       lamella::describe(field, "1", quantity + ", 1 at the inlet and 0 at the outlet", "vtkSteadyDiffusion");
+      points->AddArray(field);
       if (first)
       {
         points->SetActiveScalars(field->GetName());
@@ -169,38 +147,18 @@ struct vtkSteadyDiffusion::FieldStore
     }
     if (this->Self->ComputeFlux)
     {
-      vtkDoubleArray* const flux = this->Add("flux" + suffix, 3, [&](std::span<double> out) { solver.flux(out); });
+      const auto flux = this->Scene.array("flux" + suffix, 3, [&](std::span<double> out) { solver.flux(out); });
       if (fromTop)
       {
-        std::ranges::for_each(values(flux), [](double& value) { value = value == 0 ? 0 : -value; });
+        change(flux, [](double& value) { value = value == 0 ? 0 : -value; });
       }
       lamella::describe(flux, "conductivity/m", "flux of " + quantity + ", -D grad u", "vtkSteadyDiffusion");
+      points->AddArray(flux);
       if (first)
       {
         points->SetActiveVectors(flux->GetName());
       }
     }
-  }
-
-  template <typename Read>
-  vtkDoubleArray* Add(const std::string& name, int components, const Read& read) const
-  {
-    vtkNew<vtkDoubleArray> array;
-    array->SetName(name.c_str());
-    array->SetNumberOfComponents(components);
-    array->SetNumberOfTuples(this->Output->GetNumberOfPoints());
-    if (this->Outward.identity())
-    {
-      read(values(array));
-    }
-    else
-    {
-      std::vector<double> own(static_cast<std::size_t>(this->Block.count() * components));
-      read(std::span<double>(own));
-      this->Outward.run<double>(own, values(array), components);
-    }
-    this->Output->GetPointData()->AddArray(array); // the image keeps it
-    return array;
   }
 };
 
@@ -209,51 +167,27 @@ vtkStandardNewMacro(vtkSteadyDiffusion);
 vtkSteadyDiffusion::vtkSteadyDiffusion()
   : Internal(std::make_unique<Internals>())
 {
-  this->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "phase");
   this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "axis");
   std::fill_n(this->EffectiveConductivity, 9, notSolved);
   this->EstimatedError = notSolved;
   this->Internal->Forget();
-  this->SetController(vtkMultiProcessController::GetGlobalController());
 }
 
-vtkSteadyDiffusion::~vtkSteadyDiffusion()
-{
-  this->SetController(nullptr);
-}
-
-vtkCxxSetObjectMacro(vtkSteadyDiffusion, Controller, vtkMultiProcessController);
+vtkSteadyDiffusion::~vtkSteadyDiffusion() = default;
 
 void vtkSteadyDiffusion::SetConductivity(const char* phase, double value)
 {
-  if (phase == nullptr || *phase == '\0')
-  {
-    return; // an empty row in a panel
-  }
-  const auto entry = this->Internal->Conductivity.find(phase);
-  if (entry != this->Internal->Conductivity.end() && entry->second == value)
-  {
-    return;
-  }
-  this->Internal->Conductivity[phase] = value;
-  this->Modified();
+  this->SetPhaseValue(this->Internal->Conductivity, phase, value);
 }
 
 void vtkSteadyDiffusion::RemoveConductivity(const char* phase)
 {
-  if (phase != nullptr && this->Internal->Conductivity.erase(phase) > 0)
-  {
-    this->Modified();
-  }
+  this->RemovePhaseValue(this->Internal->Conductivity, phase);
 }
 
 void vtkSteadyDiffusion::RemoveAllConductivities()
 {
-  if (!this->Internal->Conductivity.empty())
-  {
-    this->Internal->Conductivity.clear();
-    this->Modified();
-  }
+  this->RemoveAllPhaseValues(this->Internal->Conductivity);
 }
 
 int vtkSteadyDiffusion::GetNumberOfConductivities()
@@ -263,51 +197,22 @@ int vtkSteadyDiffusion::GetNumberOfConductivities()
 
 double vtkSteadyDiffusion::GetConductivity(const char* phase)
 {
-  const auto entry = this->Internal->Conductivity.find(phase != nullptr ? phase : "");
-  return entry != this->Internal->Conductivity.end() ? entry->second : notSolved;
+  return PhaseValue(this->Internal->Conductivity, phase);
 }
 
 void vtkSteadyDiffusion::SetConductivityAcross(const char* phase, double value)
 {
-  if (phase == nullptr || *phase == '\0')
-  {
-    return; // an empty row in a panel
-  }
-  const auto [entry, added] = this->Internal->Across.try_emplace(phase, value);
-  if (added || entry->second != value)
-  {
-    entry->second = value;
-    this->Modified();
-  }
+  this->SetPhaseValue(this->Internal->Across, phase, value);
 }
 
 void vtkSteadyDiffusion::RemoveAllConductivitiesAcross()
 {
-  if (!this->Internal->Across.empty())
-  {
-    this->Internal->Across.clear();
-    this->Modified();
-  }
+  this->RemoveAllPhaseValues(this->Internal->Across);
 }
 
 double vtkSteadyDiffusion::GetConductivityAcross(const char* phase)
 {
-  const auto entry = this->Internal->Across.find(phase != nullptr ? phase : "");
-  return entry != this->Internal->Across.end() ? entry->second : notSolved;
-}
-
-int vtkSteadyDiffusion::FillInputPortInformation(int, vtkInformation* info)
-{
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
-  return 1;
-}
-
-int vtkSteadyDiffusion::RequestUpdateExtent(
-  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
-{
-  lamella::requestInput(
-    inputVector[0]->GetInformationObject(0), outputVector->GetInformationObject(0), this->Controller);
-  return 1;
+  return PhaseValue(this->Internal->Across, phase);
 }
 
 int vtkSteadyDiffusion::RequestData(
@@ -318,60 +223,32 @@ int vtkSteadyDiffusion::RequestData(
   std::fill_n(this->EffectiveConductivity, 9, notSolved);
   this->EstimatedError = notSolved;
   this->Internal->Forget();
-  const lamella::Outcome outcome = lamella::attempt(this,
+  return this->Attempt(
     [&]
     {
       const lamella::Team team(this->Controller, outputVector->GetInformationObject(0));
       this->Solve(input, output, team);
-    });
-  return lamella::concluded(this, outcome, outputVector);
+    },
+    outputVector);
 }
 
 void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team)
 {
-  const lamella::WholeImage whole = lamella::wholeImage(input, team);
-  const lamella::Lattice& lattice = whole.lattice;
-  const lamella::PhaseIds phases = lamella::phaseIds(input, this->GetInputArrayInformation(0), team);
+  const lamella::DiffusionScene scene(input, this->GetInputArrayInformation(0), this->Direction, team);
+  const lamella::Lattice& lattice = scene.lattice();
+  const lamella::PhaseIds& phases = scene.phases;
   const bool periodic = this->Sides == PERIODIC;
-  if (this->Direction == Z && lattice.dimension == 2)
-  {
-    throw lamella::ParameterError("direction z of a two-dimensional image", "solve along x or y");
-  }
-
-  // The solver's block of whole rows, whatever pieces the pipeline made.
-  lbm::Block block{ { 0, 0, 0 }, lattice.size };
-  if (team.size() > 1)
-  {
-    team.agree([&] { block = lbm::decompose(lattice, team.comm()); });
-  }
-  const lamella::BoxExchange inward(lattice, whole.held, block, { false, false, false }, team.comm(), team.size());
-  const lamella::BoxExchange outward(lattice, block, whole.held, { false, false, false }, team.comm(), team.size());
-  std::vector<std::uint8_t> moved;
-  std::span<const std::uint8_t> ids = phases.ids;
-  if (!inward.identity())
-  {
-    moved.resize(static_cast<std::size_t>(block.count()));
-    inward.run<std::uint8_t>(phases.ids, moved);
-    ids = moved;
-  }
-
-  std::vector<std::int64_t> nodes(phases.values.size(), 0);
-  for (const std::uint8_t id : ids)
-  {
-    ++nodes[id];
-  }
-  team.sum(nodes);
   std::vector<double> conductivity;
   std::vector<double> across;
   team.agree(
     [&]
     {
-      conductivity = lamella::conductivityById(phases, this->Internal->Conductivity, nodes);
-      across = lamella::acrossById(phases, this->Internal->Conductivity, this->Internal->Across, nodes);
+      conductivity = lamella::conductivityById(phases, this->Internal->Conductivity, scene.nodes);
+      across = lamella::acrossById(phases, this->Internal->Conductivity, this->Internal->Across, scene.nodes);
       if (!across.empty() && this->Lattice != AUTO_LATTICE && this->Lattice != D2Q9)
       {
-        throw lamella::ParameterError(std::string("conductivities along and across walls on ") +
-            lbm::name(stencilOf(this->Lattice, lattice.dimension)),
+        throw lamella::ParameterError(
+          std::string("conductivities along and across walls on ") + lbm::name(scene.stencil(this->Lattice)),
           "they want the diagonal links of d2q9: choose it, or leave the choice");
       }
       if (!across.empty() && lattice.dimension != 2)
@@ -385,12 +262,12 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   internal.PhaseAcross = across;
 
   lbm::SteadyOptions options;
-  options.stencil = across.empty() ? stencilOf(this->Lattice, lattice.dimension) : lbm::Stencil::D2Q9;
+  options.stencil = across.empty() ? scene.stencil(this->Lattice) : lbm::Stencil::D2Q9;
   options.sides = periodic ? lbm::Sides::Periodic : lbm::Sides::Insulated;
   options.method = methodOf(this->Method);
   options.tolerance = this->Tolerance;
   options.maxIterations = this->MaximumIterations;
-  options.threads = lamella::threadCount(this->Threads);
+  options.threads = this->ThreadCount();
   std::vector<int> axes{ this->Direction };
   if (this->Direction == ALL)
   {
@@ -410,19 +287,19 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   };
 
   output->ShallowCopy(input);
-  const FieldStore store{ this, output, lattice, block, outward };
+  const FieldStore store{ this, output, scene };
   std::shared_ptr<lbm::DirectedDiffusivity> directed;
   lamella::PhaseImage image;
   if (!across.empty() || this->EstimateError)
   {
-    image = lamella::gatherPhases(lattice, whole.held, phases, team);
+    image = lamella::gatherPhases(lattice, scene.whole.held, phases, team);
   }
   if (!across.empty())
   {
     const lamella::NodeVectors axis = lamella::vectorsOf(input, this->GetInputArrayInformation(1), "axis",
       "give the directions along the walls, as MicrographLattice does, take one conductivity a phase", 2, team);
-    directed = std::make_shared<lbm::DirectedDiffusivity>(
-      lbm::DirectedDiffusivity{ conductivity, across, lamella::gatherAxes(lattice, whole.held, axis.array, team) });
+    directed = std::make_shared<lbm::DirectedDiffusivity>(lbm::DirectedDiffusivity{
+      conductivity, across, lamella::gatherAxes(lattice, scene.whole.held, axis.array, team) });
     conductivity = directed->larger(); // what conducts at all
   }
   if (!this->EstimateError)
@@ -432,7 +309,7 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
       options.links =
         std::make_shared<lbm::LinkTable>(lbm::directedLinks(lattice, image.phase, *directed, options.sides));
     }
-    lbm::SteadyDiffusion solver(lattice, block, ids, conductivity, options, team.comm());
+    lbm::SteadyDiffusion solver(lattice, scene.block, scene.ids, conductivity, options, team.comm());
     for (const int axis : axes)
     {
       const lbm::SteadyResult result = solver.solve(axis);
@@ -466,7 +343,7 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   }
   this->EstimatedError = *std::max_element(
     internal.Error.begin(), internal.Error.end(), [](double a, double b) { return std::isnan(a) || a < b; });
-  internal.PhaseFraction.assign(nodes.begin(), nodes.end());
+  internal.PhaseFraction.assign(scene.nodes.begin(), scene.nodes.end());
   for (double& fraction : internal.PhaseFraction)
   {
     fraction /= static_cast<double>(lattice.count());
@@ -487,9 +364,10 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
 void vtkSteadyDiffusion::Describe(vtkImageData* output)
 {
   const auto& internal = *this->Internal;
-  const std::string direction = this->Direction == ALL ? "all" : axisName[static_cast<std::size_t>(this->Direction)];
-  const std::string sides = this->Sides == PERIODIC ? "periodic" : "insulated";
-  const std::string quantity = quantityName[static_cast<std::size_t>(this->Quantity)];
+  const std::string direction =
+    this->Direction == ALL ? "all" : lamella::axisNames[static_cast<std::size_t>(this->Direction)];
+  const std::string sides = this->SidesName();
+  const std::string quantity = this->QuantityName();
   lamella::setFieldNumbers(output, "effective_conductivity", this->EffectiveConductivity);
   lamella::setFieldNumbers(output, "estimated_error", std::span(&this->EstimatedError, 1));
   lamella::setFieldNumbers(output, "estimated_error_by_direction", internal.Error);
@@ -538,23 +416,11 @@ void vtkSteadyDiffusion::Describe(vtkImageData* output)
 void vtkSteadyDiffusion::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Direction: " << this->Direction << "\n"
-     << indent << "Quantity: " << this->Quantity << "\n"
-     << indent << "Lattice: " << this->Lattice << "\n"
-     << indent << "Sides: " << this->Sides << "\n"
-     << indent << "Method: " << this->Method << "\n"
+  os << indent << "Method: " << this->Method << "\n"
      << indent << "Tolerance: " << this->Tolerance << "\n"
      << indent << "MaximumIterations: " << this->MaximumIterations << "\n"
-     << indent << "Threads: " << this->Threads << "\n"
      << indent << "ComputeField: " << this->ComputeField << "\n"
-     << indent << "ComputeFlux: " << this->ComputeFlux << "\n"
      << indent << "EstimateError: " << this->EstimateError << "\n";
-  for (const auto& [phase, value] : this->Internal->Conductivity)
-  {
-    os << indent << "Conductivity of " << phase << ": " << value << "\n";
-  }
-  for (const auto& [phase, value] : this->Internal->Across)
-  {
-    os << indent << "Conductivity across " << phase << ": " << value << "\n";
-  }
+  PrintPhaseValues(os, indent, "Conductivity of", this->Internal->Conductivity);
+  PrintPhaseValues(os, indent, "Conductivity across", this->Internal->Across);
 }

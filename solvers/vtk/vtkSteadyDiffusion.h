@@ -6,11 +6,9 @@
  * exactly the steady state of two-relaxation-time lattice Boltzmann, and gives the effective conductivity, and on
  * demand the field and its flux.
  *
- * **Input**: vtkImageData with phases at its points: an array of whole numbers, `phase` unless another is chosen with
- * SetInputArrayToProcess(0, ...). Nodes are pixel centres; the spacing is the same along every axis. An image of one
- * layer along z is two-dimensional. For phases that conduct differently along and across the wall, in two dimensions,
- * also the direction along it: `axis` unless another is chosen with SetInputArrayToProcess(1, ...), 2 or 3 components
- * of any length, as vtkMicrographLattice makes it (lbm/DirectedLinks.h).
+ * **Input**: that of vtkDiffusionAlgorithm. For phases that conduct differently along and across the wall, in two
+ * dimensions, also the direction along it: `axis` unless another is chosen with SetInputArrayToProcess(1, ...), 2 or 3
+ * components of any length, as vtkMicrographLattice makes it (lbm/DirectedLinks.h).
  *
  * **Output**: the input with, as asked for,
  * - `temperature` or `concentration` (double, scaled 0 to 1; NaN where nothing conducts),
@@ -29,35 +27,35 @@
  * - `direction` ("x", "y", "z" or "all"), `sides`, `lattice`, `phase_array` (the array of the ids): strings
  * - `provenance`: one JSON string.
  *
- * **Directions**: x from left to right, y in two dimensions from the top of the picture (value 1) to its bottom (0),
- * in three dimensions along rising y; z along rising z.
+ * **Sides**: INSULATED: values 1 and 0 on the two faces of the direction, half a spacing outside the outer nodes, no
+ * flux through all others. PERIODIC: a cell of an infinite medium under a mean gradient, all sides periodic.
  *
- * **Parallel**: with a vtkMPIController and as many pieces as processes all ranks solve together, whatever pieces the
- * pipeline gave them; the numbers are those of one rank to round-off.
+ * **Lattice**: D2Q5 and D3Q7 are the finite volume scheme with harmonic faces. Conductivities along and across a wall
+ * want D2Q9, which AUTO_LATTICE then takes.
  *
- * @sa vtkFluxMap, vtkPictureReader, vtkMicrostructureSource
+ * **Parallel**: the numbers are those of one rank to round-off.
+ *
+ * @sa vtkLatticeBoltzmann, vtkFluxMap, vtkPictureReader, vtkMicrostructureSource
  */
 
 #ifndef vtkSteadyDiffusion_h
 #define vtkSteadyDiffusion_h
 
-#include "vtkImageAlgorithm.h"
+#include "vtkDiffusionAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 
 #include <memory> // for std::unique_ptr
-
-class vtkMultiProcessController;
 
 namespace lamella
 {
 class Team;
 }
 
-class VTKLAMELLASOLVERSVTK_EXPORT vtkSteadyDiffusion : public vtkImageAlgorithm
+class VTKLAMELLASOLVERSVTK_EXPORT vtkSteadyDiffusion : public vtkDiffusionAlgorithm
 {
 public:
   static vtkSteadyDiffusion* New();
-  vtkTypeMacro(vtkSteadyDiffusion, vtkImageAlgorithm);
+  vtkTypeMacro(vtkSteadyDiffusion, vtkDiffusionAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
@@ -87,59 +85,13 @@ public:
   double GetConductivityAcross(const char* phase);
   ///@}
 
-  enum Directions
+  enum AllDirections
   {
-    X = 0,
-    Y = 1,
-    Z = 2,
     ALL = 3
   };
   ///@{
   /** Along which axis the gradient lies; ALL solves once for each (2 or 3). Default X. */
   vtkSetClampMacro(Direction, int, X, ALL);
-  vtkGetMacro(Direction, int);
-  ///@}
-
-  enum Quantities
-  {
-    TEMPERATURE = 0,
-    CONCENTRATION = 1
-  };
-  ///@{
-  /** What diffuses: names the output array. Default TEMPERATURE. */
-  vtkSetClampMacro(Quantity, int, TEMPERATURE, CONCENTRATION);
-  vtkGetMacro(Quantity, int);
-  ///@}
-
-  enum Lattices
-  {
-    AUTO_LATTICE = 0, ///< D2Q5 or D3Q7; D2Q9 for conductivities along and across
-    D2Q5 = 1,
-    D2Q9 = 2,
-    D3Q7 = 3,
-    D3Q19 = 4
-  };
-  ///@{
-  /**
-   * Links of the lattice. D2Q5 and D3Q7 are the finite volume scheme with harmonic faces. Conductivities along and
-   * across a wall want D2Q9, which AUTO_LATTICE then takes. Default AUTO_LATTICE.
-   */
-  vtkSetClampMacro(Lattice, int, AUTO_LATTICE, D3Q19);
-  vtkGetMacro(Lattice, int);
-  ///@}
-
-  enum SideTypes
-  {
-    INSULATED = 0,
-    PERIODIC = 1
-  };
-  ///@{
-  /**
-   * INSULATED: values 1 and 0 on the two faces of the direction, half a spacing outside the outer nodes, no flux
-   * through all others. PERIODIC: a cell of an infinite medium under a mean gradient. Default INSULATED.
-   */
-  vtkSetClampMacro(Sides, int, INSULATED, PERIODIC);
-  vtkGetMacro(Sides, int);
   ///@}
 
   enum Methods
@@ -167,19 +119,10 @@ public:
   ///@}
 
   ///@{
-  /** Threads of each rank; 0: one for each core that the machine has. Default 1. */
-  vtkSetClampMacro(Threads, int, 0, VTK_INT_MAX);
-  vtkGetMacro(Threads, int);
-  ///@}
-
-  ///@{
-  /** What the output carries; what is off is neither computed nor stored. Default on. */
+  /** Whether the output has the field; as with the flux, what is off is neither computed nor stored. Both on. */
   vtkSetMacro(ComputeField, bool);
   vtkGetMacro(ComputeField, bool);
   vtkBooleanMacro(ComputeField, bool);
-  vtkSetMacro(ComputeFlux, bool);
-  vtkGetMacro(ComputeFlux, bool);
-  vtkBooleanMacro(ComputeFlux, bool);
   ///@}
 
   ///@{
@@ -199,18 +142,10 @@ public:
   vtkGetVectorMacro(EffectiveConductivity, double, 9);
   ///@}
 
-  ///@{
-  /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
-  ///@}
-
 protected:
   vtkSteadyDiffusion();
   ~vtkSteadyDiffusion() override;
 
-  int FillInputPortInformation(int port, vtkInformation* info) override;
-  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
@@ -224,20 +159,13 @@ private:
 
   std::unique_ptr<Internals> Internal;
 
-  int Direction = X;
-  int Quantity = TEMPERATURE;
-  int Lattice = AUTO_LATTICE;
-  int Sides = INSULATED;
   int Method = AUTO_METHOD;
   double Tolerance = 1e-8;
   int MaximumIterations = 500;
-  int Threads = 1;
   bool ComputeField = true;
-  bool ComputeFlux = true;
   bool EstimateError = false;
   double EffectiveConductivity[9];
   double EstimatedError;
-  vtkMultiProcessController* Controller = nullptr;
 };
 
 #endif

@@ -60,6 +60,10 @@ class Case(unittest.TestCase):
             )
         )
 
+    def popen(self, *words):
+        """A run that is still going, to be interrupted or killed."""
+        return subprocess.Popen([PROGRAM, *words], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
     def works(self, *words, **options):
         """Runs and expects success and silence on standard error."""
         result = self.run_lamella(*words, **options)

@@ -4,13 +4,12 @@ import csv
 import os
 import re
 import signal
-import subprocess
 import time
 import unittest
 
 import grids
 import pictures
-from program import PROGRAM, Case
+from program import Case
 
 TISSUE = ["compression", "tissue.png", "--phase", "255=wall", "--phase", "0=lumen"]
 # to 4 %, of few rows, not so calm: a second or two
@@ -23,9 +22,6 @@ class Compression(Case):
         # two lumens, walls of three pixels
         self.rows = [[0 if x % 10 in range(3, 10) and x < 20 and 2 < y < 13 else 255 for x in range(23)] for y in range(16)]
         self.write("tissue.png", pictures.png(self.rows, pixels_per_metre=1000000))
-
-    def popen(self, *words):
-        return subprocess.Popen([PROGRAM, *words], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
     def curve(self, name):
         with open(self.path(name), encoding="utf-8") as file:

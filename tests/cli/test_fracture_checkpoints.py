@@ -25,9 +25,6 @@ class Checkpoints(Case):
         rows = [[100 if abs(y - 40 - x // 10) < 3 else 255 for x in range(60)] for y in range(88)]
         self.write("strip.png", pictures.png(rows, pixels_per_metre=100000))
 
-    def popen(self, *words):
-        return subprocess.Popen([PROGRAM, *words], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-
     def arrays(self, name):
         """Points, point data and cells of a .vtp to the last bit, as they are stored; field data has times."""
         with open(self.path(name), encoding="utf-8") as file:

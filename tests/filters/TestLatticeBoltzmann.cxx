@@ -1,12 +1,16 @@
 // Lattice Boltzmann as a VTK filter: times of the pipeline, a slab's heating, the directions' convention, ranks, bad
 // input.
+#include "../TemporaryFolder.h"
 #include "VtkTesting.h"
 
 #include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkLatticeBoltzmann.h"
+#include "vtkSampleAlgorithm.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkStringArray.h"
+#include "vtkTable.h"
+#include "vtkVariant.h"
 
 #include <gtest/gtest.h>
 
@@ -122,6 +126,75 @@ TEST(LatticeBoltzmann, RunsOnceForAllTimes)
   EXPECT_EQ(filter->GetOutput()->GetPointData()->GetArray("temperature")->GetTuple1(0), 0);
   ASSERT_TRUE(filter->UpdateTimeStep(1e-3));
   EXPECT_EQ(filter->GetOutput()->GetPointData()->GetArray("temperature"), first); // the array that was kept
+}
+
+TEST(LatticeBoltzmann, KeepsStatesAtTimesAndSteps)
+{
+  const auto filter = stepper(picture(20, 6, 1, uniform));
+  filter->AddStateAtStep(40);
+  filter->AddStateAtStep(0);
+  ASSERT_EQ(errorOf(filter), "");
+  ASSERT_EQ(filter->GetNumberOfStates(), 2);
+  EXPECT_EQ(value(filter->GetStateImage(0), "steps"), 0);
+  EXPECT_EQ(value(filter->GetStateImage(1), "steps"), 40);
+  const double step = value(filter->GetOutput(), "time_step");
+  EXPECT_NEAR(step / (1e-12 / 6e-7), 1, 1e-12); // a relaxation of ½
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  EXPECT_FALSE(filter->GetOutputInformation(0)->Has(Pipeline::TIME_STEPS())); // without a time step nobody knows
+
+  filter->SetTimeStep(1e-6);
+  filter->AddStateAtTime(1e-4);
+  filter->UpdateInformation();
+  ASSERT_EQ(filter->GetOutputInformation(0)->Length(Pipeline::TIME_STEPS()), 3);
+  EXPECT_DOUBLE_EQ(filter->GetOutputInformation(0)->Get(Pipeline::TIME_STEPS())[1], 4e-5);
+  ASSERT_TRUE(filter->UpdateTimeStep(4.1e-5)); // the nearest
+  EXPECT_EQ(value(filter->GetOutput(), "steps"), 40);
+  vtkTable* const curve = filter->GetCurve();
+  ASSERT_EQ(curve->GetNumberOfRows(), 3);
+  for (vtkIdType row = 0; row < 3; ++row)
+    for (const char* name : { "time", "inlet_flux", "outlet_flux", "mean_value", "steps" })
+    {
+      EXPECT_EQ(curve->GetValueByName(row, name).ToDouble(), value(filter->GetStateImage(static_cast<int>(row)), name));
+    }
+  filter->AddStateAtStep(41);
+  EXPECT_NE(errorOf(filter).find("a state after 41 steps cannot be kept"), std::string::npos);
+}
+
+TEST(LatticeBoltzmann, GoesOnFromACheckpoint)
+{
+  const lamella::testing::TemporaryFolder folder;
+  const std::string file = (folder / "run.h5").string();
+  const auto image = picture(20, 16, 1, [](int x, int y, int z) { return vtktest::blobs(x, y, z) > 0 ? 1 : 0; });
+  const auto whole = stepper(image, vtkLatticeBoltzmann::Y);
+  ASSERT_EQ(errorOf(whole), "");
+  const auto first = stepper(image, vtkLatticeBoltzmann::Y);
+  first->SetEndTime(5e-4);
+  first->SetNumberOfSteps(2);
+  first->SetCheckpointFile(file);
+  ASSERT_EQ(errorOf(first), "");
+  EXPECT_EQ(first->GetLastCheckpoint(), static_cast<vtkIdType>(value(first->GetOutput(), "steps")));
+  const auto second = stepper(image, vtkLatticeBoltzmann::Y);
+  second->SetContinueFile(file);
+  vtkObject::GlobalWarningDisplayOff(); // of the states before
+  ASSERT_EQ(errorOf(second), "");
+  vtkObject::GlobalWarningDisplayOn();
+  EXPECT_EQ(value(second->GetOutput(), "continued_at"), static_cast<double>(first->GetLastCheckpoint()));
+  EXPECT_EQ(value(second->GetOutput(), "states_before"), 2);
+  EXPECT_EQ(second->GetNumberOfStates(), 3);
+  EXPECT_EQ(second->GetCurve()->GetNumberOfRows(), 5);
+  for (const char* name : { "inlet_flux", "outlet_flux", "mean_value", "time" })
+  {
+    EXPECT_EQ(value(second->GetOutput(), name), value(whole->GetOutput(), name));
+    EXPECT_EQ(second->GetCurve()->GetValueByName(0, name), whole->GetCurve()->GetValueByName(0, name));
+  }
+  for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
+  {
+    EXPECT_EQ(second->GetOutput()->GetPointData()->GetArray("temperature")->GetTuple1(i),
+      whole->GetOutput()->GetPointData()->GetArray("temperature")->GetTuple1(i));
+  }
+  second->SetInitialValue(1);
+  EXPECT_NE(errorOf(second).find("initial value: 0 there, 1 here"), std::string::npos);
+  EXPECT_EQ(second->GetFailure(), vtkSampleAlgorithm::INPUT_FAILURE);
 }
 
 TEST(LatticeBoltzmann, WarnsOfOneRelaxationTime)

@@ -389,8 +389,24 @@ class Diffusion(unittest.TestCase):
         self.assertGreater(run.inlet_flux[-1], run.outlet_flux[-1])
         self.assertTrue(np.all(np.diff(run.mean) > 0))
         self.assertEqual((run.warning, run.relaxation > 0, run.steps * run.time_step), ("", True, run.times[-1]))
+        np.testing.assert_array_equal(run.curve["time"], run.times)
+        np.testing.assert_array_equal(run.curve["mean_value"], run.mean)
         with self.assertRaisesRegex(lamella.LamellaError, "has no diffusivity"):
             lamella.lattice_boltzmann(layers, {}, 1)
+        for times in ({}, {"end_time": 1, "at_steps": 2}):
+            with self.assertRaisesRegex(ValueError, "give end_time, or at_times and at_steps"):
+                lamella.lattice_boltzmann(layers, {1: 1}, **times)
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "run.h5")
+            whole = lamella.lattice_boltzmann(layers, {1: 1e-7}, at_steps=[0, 100, 300])
+            first = lamella.lattice_boltzmann(layers, {1: 1e-7}, at_steps=100, checkpoint=file)
+            self.assertEqual((first.continued_at, first.last_checkpoint, first.steps), (0, 100, 100))
+            again = lamella.lattice_boltzmann(layers, {1: 1e-7}, at_steps=300, continue_from=file)
+            self.assertEqual((again.continued_at, again.last_checkpoint), (100, 0))
+            np.testing.assert_array_equal(again.states[-1].field, whole.states[-1].field)
+            np.testing.assert_array_equal(again.curve["steps"], [100, 300])
+            with self.assertRaises(FileExistsError):
+                lamella.lattice_boltzmann(layers, {1: 1e-7}, at_steps=300, checkpoint=file)
         with self.assertRaisesRegex(ValueError, "'auto', 'bgk', 'trt'"):
             lamella.lattice_boltzmann(layers, {1: 1}, 1, stepping="mrt")
         with self.assertRaises(lamella.Cancelled):

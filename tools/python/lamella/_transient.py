@@ -5,6 +5,7 @@ from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays
 from ._errors import choose, run
+from ._runs import set_checkpoint
 from ._samples import ImageBase
 from ._solve import _LATTICES, as_image
 from .vtkLamellaSolversVTK import vtkLatticeBoltzmann
@@ -40,11 +41,13 @@ class TransientState(ImageBase):
 class TransientResult:
     """What a run gives: ``states``, and the numbers of all of them as arrays."""
 
-    def __init__(self, states, times):
-        #: a TransientState for each time, from 0
+    def __init__(self, states, curve):
+        #: a TransientState for each time kept; where the run went on from a checkpoint, from there on
         self.states = states
-        #: the times [s]
-        self.times = times
+        #: their times [s]
+        self.times = np.array([state.time for state in states])
+        #: by time kept, also before the checkpoint: "time" [s], "inlet_flux", "outlet_flux" [m/s], "mean_value", "steps"
+        self.curve = curve
 
     def _each(self, name):
         return np.array([state._number(name) for state in self.states])
@@ -80,6 +83,16 @@ class TransientResult:
         return int(self.states[-1]._number("steps"))
 
     @property
+    def continued_at(self):
+        """Steps in the checkpoint that the run went on from; 0 where it began anew."""
+        return int(self.states[-1]._number("continued_at"))
+
+    @property
+    def last_checkpoint(self):
+        """Steps in the last checkpoint of this run; 0: none."""
+        return int(self.states[-1]._number("last_checkpoint"))
+
+    @property
     def warning(self):
         """Where one relaxation time is inaccurate, what to expect; else empty."""
         return self.states[-1].vtk.GetFieldData().GetAbstractArray("warning").GetValue(0)
@@ -91,7 +104,7 @@ class TransientResult:
 def lattice_boltzmann(
     image,
     diffusivity,
-    end_time,
+    end_time=None,
     frames=10,
     direction="x",
     values=(1.0, 0.0),
@@ -105,6 +118,11 @@ def lattice_boltzmann(
     threads=1,
     progress=None,
     on_step=None,
+    at_times=(),
+    at_steps=(),
+    checkpoint=None,
+    checkpoint_every=10000,
+    continue_from=None,
 ):
     """Steps diffusion through time by lattice Boltzmann and returns a TransientResult.
 
@@ -125,13 +143,24 @@ def lattice_boltzmann(
     progress     called as progress(share, text); return False to cancel (raises Cancelled)
     on_step      called as on_step(data) with the vtkImageData of each time; memory then holds one at a time, and the result
                  has the last one only
+    at_times     [s], at_steps: even numbers of steps: kept instead of evenly spaced times; the last of them is the end
+    checkpoint, checkpoint_every, continue_from  as fracture() takes them; in steps. A run goes on to the same bits, at the
+                 same time step; other times may be asked for
     """
+    at_times, at_steps = np.ravel(at_times), np.ravel(at_steps)
+    if (end_time is None) == (at_times.size + at_steps.size == 0):
+        raise ValueError("give end_time, or at_times and at_steps")
     solver = vtkLatticeBoltzmann()
     solver.SetInputData(as_image(image))
     for name, value in diffusivity.items():
         solver.SetDiffusivity(str(name), float(value))
-    solver.SetEndTime(end_time)
+    if end_time is not None:
+        solver.SetEndTime(end_time)
     solver.SetNumberOfSteps(frames)
+    for time in at_times:
+        solver.AddStateAtTime(float(time))
+    for step in at_steps:
+        solver.AddStateAtStep(int(step))
     solver.SetDirection(choose({"x": 0, "y": 1, "z": 2}, direction, "direction"))
     solver.SetInletValue(values[0])
     solver.SetOutletValue(values[1])
@@ -143,10 +172,11 @@ def lattice_boltzmann(
     solver.SetTimeStep(0 if time_step is None else time_step)
     solver.SetComputeFlux(bool(flux))
     solver.SetThreads(threads)
+    set_checkpoint(solver, checkpoint, checkpoint_every, continue_from)
     run(solver, progress, on_step)
     states = []
     for k in range(solver.GetNumberOfStates()):
         state = vtkImageData()
         state.ShallowCopy(solver.GetStateImage(k))
         states.append(TransientState(state))
-    return TransientResult(states, np.array([state.time for state in states]))
+    return TransientResult(states, {name: column.copy() for name, column in _arrays.columns(solver.GetCurve()).items()})

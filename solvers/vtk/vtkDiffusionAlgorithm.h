@@ -1,0 +1,150 @@
+/**
+ * @class   vtkDiffusionAlgorithm
+ * @brief   diffusion through an image of phases: lattice, sides, what diffuses, threads, what went wrong
+ *
+ * What diffusion at rest and in time share.
+ *
+ * **Input**: vtkImageData with phases at its points: an array of whole numbers, `phase` unless another is chosen with
+ * SetInputArrayToProcess(0, ...). Nodes are pixel centres; the spacing is the same along every axis. An image of one
+ * layer along z is two-dimensional.
+ *
+ * **Directions**: x from left to right, y in two dimensions from the top of the picture to its bottom, in three
+ * dimensions along rising y; z along rising z.
+ *
+ * **Parallel**: with a vtkMPIController and as many pieces as processes all ranks work together, whatever pieces the
+ * pipeline gave them.
+ *
+ * @sa vtkSteadyDiffusion, vtkLatticeBoltzmann
+ */
+
+#ifndef vtkDiffusionAlgorithm_h
+#define vtkDiffusionAlgorithm_h
+
+#include "vtkImageAlgorithm.h"
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+
+#include <functional> // for std::function
+#include <map>        // for tables by phase
+#include <string>     // for tables by phase
+
+class vtkMultiProcessController;
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkDiffusionAlgorithm : public vtkImageAlgorithm
+{
+public:
+  vtkTypeMacro(vtkDiffusionAlgorithm, vtkImageAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  enum Directions
+  {
+    X = 0,
+    Y = 1,
+    Z = 2
+  };
+  ///@{
+  /** Axis of the gradient, between the two faces that keep their values. Default X. */
+  vtkGetMacro(Direction, int);
+  ///@}
+
+  enum Quantities
+  {
+    TEMPERATURE = 0,
+    CONCENTRATION = 1
+  };
+  ///@{
+  /** What diffuses: names the output array. Default TEMPERATURE. */
+  vtkSetClampMacro(Quantity, int, TEMPERATURE, CONCENTRATION);
+  vtkGetMacro(Quantity, int);
+  ///@}
+
+  enum SideTypes
+  {
+    INSULATED = 0,
+    PERIODIC = 1
+  };
+  ///@{
+  /** The sides across the direction. Default INSULATED. */
+  vtkSetClampMacro(Sides, int, INSULATED, PERIODIC);
+  vtkGetMacro(Sides, int);
+  ///@}
+
+  enum Lattices
+  {
+    AUTO_LATTICE = 0, ///< D2Q5 or D3Q7; D2Q9 for conductivities along and across
+    D2Q5 = 1,
+    D2Q9 = 2,
+    D3Q7 = 3,
+    D3Q19 = 4
+  };
+  ///@{
+  /** Links of the lattice. Default AUTO_LATTICE. */
+  vtkSetClampMacro(Lattice, int, AUTO_LATTICE, D3Q19);
+  vtkGetMacro(Lattice, int);
+  ///@}
+
+  ///@{
+  /** Whether the output has the flux; where not, it is neither computed nor stored. */
+  vtkSetMacro(ComputeFlux, bool);
+  vtkGetMacro(ComputeFlux, bool);
+  vtkBooleanMacro(ComputeFlux, bool);
+  ///@}
+
+  ///@{
+  /** Threads of each rank; 0: one for each core that the machine has. Default 1. */
+  vtkSetClampMacro(Threads, int, 0, VTK_INT_MAX);
+  vtkGetMacro(Threads, int);
+  ///@}
+
+  ///@{
+  /** What kind of mistake the last update ended with: a value of vtkSampleAlgorithm::Failures. */
+  vtkGetMacro(Failure, int);
+  ///@}
+
+  ///@{
+  /** The processes that may work together. Default: the global controller. */
+  virtual void SetController(vtkMultiProcessController* controller);
+  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  ///@}
+
+protected:
+  vtkDiffusionAlgorithm();
+  ~vtkDiffusionAlgorithm() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+  /// Runs it; what it throws becomes an error of VTK, with its kind in Failure and empty outputs.
+  /// @return what RequestData() returns
+  int Attempt(const std::function<void()>& run, vtkInformationVector* outputs);
+
+  /// A number of each phase, by its name or, where no phase has that name, its id.
+  using PhaseValues = std::map<std::string, double>;
+  /// An empty name is ignored: an empty row in a panel.
+  void SetPhaseValue(PhaseValues& table, const char* phase, double value);
+  void RemovePhaseValue(PhaseValues& table, const char* phase);
+  void RemoveAllPhaseValues(PhaseValues& table);
+  /// NaN when the phase has none.
+  static double PhaseValue(const PhaseValues& table, const char* phase);
+  static void PrintPhaseValues(ostream& os, vtkIndent indent, const char* what, const PhaseValues& table);
+
+  /// "temperature" or "concentration"; "insulated" or "periodic".
+  const char* QuantityName() const;
+  const char* SidesName() const;
+  int ThreadCount() const;
+
+  int Direction = X;
+  int Quantity = TEMPERATURE;
+  int Sides = INSULATED;
+  int Lattice = AUTO_LATTICE;
+  bool ComputeFlux = true;
+  vtkMultiProcessController* Controller = nullptr;
+
+private:
+  vtkDiffusionAlgorithm(const vtkDiffusionAlgorithm&) = delete;
+  void operator=(const vtkDiffusionAlgorithm&) = delete;
+
+  int Threads = 1;
+  int Failure = 0;
+};
+
+#endif
