@@ -6,24 +6,10 @@ FOLDER holds fracture-strength.csv and fracture-toughness.csv (default: results/
 `./dev bench fracture` runs it after the measurements, with the benchmark's keys: others are no concern of it.
 """
 
-import csv
-import pathlib
-import sys
-
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
+from drawing import error_against_time, panels_of, places, plt, rows_of, save
 
 MARKERS = {"events": "o", "no rivals": "s", "accurate": "D", "batched": "^", "motion 30": "v", "motion 100": "P"}
 LEAST = 1e-6  # of an error on a logarithmic axis
-
-
-def rows_of(path):
-    words = ("study", "method")
-    with open(path, newline="") as file:
-        rows = list(csv.DictReader(file))
-    return [{key: value if key in words else float(value) if value else None for key, value in row.items()} for row in rows]
 
 
 def draw(axes, rows, error, title, methods, joined=True):
@@ -40,33 +26,24 @@ def draw(axes, rows, error, title, methods, joined=True):
     for method in methods:
         if any(row["method"] == method and error(row) is not None for row in rows):
             axes.plot([], [], MARKERS[method], color="0.4", markersize=5, label=method)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.set_xlabel("CPU time [s]")
-    axes.set_title(title, fontsize=10)
-    axes.legend(fontsize=7)
+    error_against_time(axes, title)
 
 
 def main():
-    keys = dict(argument.partition("=")[::2] for argument in sys.argv[1:])
-    folder = pathlib.Path(keys.get("output", "results/bench-fracture"))
-    picture = pathlib.Path(keys.get("picture", folder / "fracture.png"))
-    tables = [folder / f"fracture-{name}.csv" for name in ("strength", "toughness")]
-    if not all(table.exists() for table in tables):
+    folder, picture = places("fracture")
+    strength, toughness = (rows_of(folder / f"fracture-{name}.csv") for name in ("strength", "toughness"))
+    if not (strength and toughness):
         print(f"  nothing drawn: {folder} has no table of both strength and toughness")
         return
-    strength, toughness = map(rows_of, tables)
     others = [name for name in MARKERS if name != "accurate"]
-    figure, axes = plt.subplots(1, 3, figsize=(13, 4.2), constrained_layout=True)
+    figure, axes = panels_of(3, (4.33, 4.2))
     draw(axes[0], strength + toughness, lambda row: row["error_method"], "largest stress, against accurate", others, joined=False)
     finest = {row["horizon"]: max(other["nodes"] for other in strength if other["horizon"] == row["horizon"]) for row in strength}
     coarse = [row for row in strength if row["nodes"] < finest[row["horizon"]]]
     draw(axes[1], coarse, lambda row: row["error_lattice"], "strength of grains, against the finest lattice", list(MARKERS))
     few = ["events", "no rivals", "accurate", "motion 100"]
     draw(axes[2], toughness, lambda row: row["lattice"] - 1, "K of a plate, against the lattice's own", few)
-    axes[0].set_ylabel("relative error")
-    figure.savefig(picture, dpi=130)
-    print(f"  written: {picture}")
+    save(figure, picture)
 
 
 if __name__ == "__main__":
