@@ -7,14 +7,7 @@ FOLDER/diffusion.png unless told. `./dev bench diffusion` runs it after the meas
 of it.
 """
 
-import pathlib
-import sys
-
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-from compression import rows_of  # noqa: E402
+from drawing import error_against_time, front, panels_of, places, rows_of, save
 
 TITLES = {
     "heat": "heat: disks 0.023 in 1",
@@ -29,17 +22,12 @@ STYLES = {  # of a method: colour, marker
     "pixels extrapolated": ("tab:cyan", "x"),
     "outlines": ("tab:green", "D"),
     "outlines extrapolated": ("k", "*"),
+    "scipy CG": ("0.45", "P"),
+    "scipy LU": ("0.65", "<"),
+    "petsc AMG": ("tab:brown", "X"),
 }
+PEERS = ("scipy", "petsc")  # drawn with dots
 DIAGONAL = ("d2q9", "d3q19")  # drawn with broken lines
-
-
-def front(points):
-    """The points below which no other is: none as fast errs less."""
-    best = []
-    for seconds, error in sorted(points):
-        if not best or error < best[-1][1]:
-            best.append((seconds, error))
-    return best
 
 
 def draw(axes, rows):
@@ -50,31 +38,23 @@ def draw(axes, rows):
         of = [(row["cpu_seconds"], abs(row["error"])) for row in rows if (row["method"], row["stencil"]) == (method, stencil)]
         colour, marker = STYLES[method]
         diagonal = stencil in DIAGONAL
-        axes.plot(*zip(*of), color=colour, marker=marker, markersize=5, linewidth=0.8, linestyle="--" if diagonal else "-",
+        line = ":" if method.startswith(PEERS) else "--" if diagonal else "-"
+        axes.plot(*zip(*of), color=colour, marker=marker, markersize=5, linewidth=0.8, linestyle=line,
                   markerfacecolor="none" if diagonal else colour, label=f"{method}, {stencil.upper()}")
 
 
 def main():
-    keys = dict(argument.partition("=")[::2] for argument in sys.argv[1:])
-    folder = pathlib.Path(keys.get("output", "results/bench-diffusion"))
-    picture = pathlib.Path(keys.get("picture", folder / "diffusion.png"))
-    tables = {scene: folder / f"diffusion-{scene}.csv" for scene in TITLES}
-    panels = {scene: rows_of(table) for scene, table in tables.items() if table.exists()}
+    folder, picture = places("diffusion")
+    panels = {scene: rows_of(folder / f"diffusion-{scene}.csv") for scene in TITLES}
     panels = {scene: rows for scene, rows in panels.items() if rows}
     if not panels:
         print(f"  nothing drawn: {folder} has no table of a run")
         return
-    figure, axes = plt.subplots(1, len(panels), figsize=(4.8 * len(panels), 5.4), constrained_layout=True, squeeze=False)
-    for place, (scene, rows) in zip(axes[0], panels.items()):
+    figure, axes = panels_of(len(panels), (4.8, 5.4))
+    for place, (scene, rows) in zip(axes, panels.items()):
         draw(place, rows)
-        place.set_xscale("log")
-        place.set_yscale("log")
-        place.set_title(TITLES[scene], fontsize=10)
-        place.set_xlabel("processor time [s]")
-        place.legend(fontsize=7, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.12))
-    axes[0][0].set_ylabel("relative error")
-    figure.savefig(picture, dpi=110)
-    print(f"  written: {picture}")
+        error_against_time(place, TITLES[scene], below=0.12)
+    save(figure, picture, dpi=110)
 
 
 if __name__ == "__main__":
