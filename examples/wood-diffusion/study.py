@@ -23,6 +23,8 @@ import time
 import lamella
 import numpy as np
 from matplotlib import pyplot as plt
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.append(os.path.join(HERE, ".."))
@@ -45,7 +47,11 @@ DRAWN = {"earlywood": 150, "latewood": 120, "poplar": 200}  # edges of the sampl
 # Cell walls conduct twice as well along their fibrils as across (Siau, Wood and Fiber 1 (1970) 302: 21 against 10.5e-4 cal/(cm s K)). Fibrils
 # at 20 degrees to the cell's axis, as the paper has them, leave 1 + sin^2 20 = 1.117 along the wall in a cross-section.
 WALLS = {"fibrils at 20°": (1.117, 1.0), "1.2 to 0.8": (1.2, 0.8), "0.8 to 1.2": (0.8, 1.2)}
-STYLE = {"earlywood": ("C2", "o"), "latewood": ("C3", "s"), "poplar": ("C0", "^"), "spruce earlywood": ("C8", "D"), "spruce latewood": ("C1", "v")}
+# colours that colour-blind eyes tell apart (Okabe and Ito)
+STYLE = {"earlywood": ("#009e73", "o"), "latewood": ("#d55e00", "s"), "poplar": ("#0072b2", "^"), "spruce earlywood": ("#56b4e9", "D"),
+         "spruce latewood": ("#e69f00", "v")}
+NAMES = {"earlywood": "softwood, earlywood", "latewood": "softwood, latewood", "poplar": "poplar", "spruce earlywood": "real spruce, earlywood",
+         "spruce latewood": "real spruce, latewood"}
 
 
 def samples(options):
@@ -150,64 +156,106 @@ def summary(rows):
 
 
 def draw_bounds(axes, conductivity):
-    solid = np.linspace(0, 1, 201)
+    solid = np.linspace(0, 1, 1001)
     series, lower, upper, parallel = (np.array(curve) for curve in zip(*(bounds(s, conductivity) for s in solid)))
-    axes.plot(solid, parallel, color="0.1", linewidth=1.2, label="parallel")
-    axes.plot(solid, series, "--", color="0.1", linewidth=1.2, label="series")
-    axes.fill_between(solid, lower, upper, color="0.9", linewidth=0, label="Hashin–Shtrikman")
+    axes.plot(solid, parallel, color="0.1", linewidth=1.1)
+    axes.plot(solid, series, "--", color="0.1", linewidth=1.1)
+    axes.fill_between(solid, lower, upper, color="0.9", linewidth=0)
 
 
 def draw_points(axes, rows, quantity, size=24):
+    """Full marks: radial; open ones: tangential."""
     for name in dict.fromkeys(row["tissue"] for row in rows):
         colour, mark = STYLE[name]
-        for direction in "RT":
+        for direction, look in (("R", dict(s=1.3 * size, facecolors=colour, edgecolors="white", linewidths=0.5)),
+                                ("T", dict(s=size, facecolors="white", edgecolors=colour, linewidths=0.9))):
             of = pick(rows, tissue=name, quantity=quantity, direction=direction)
-            axes.scatter([r["solid"] for r in of], [r["value"] for r in of], s=size, marker=mark, linewidths=0.9, zorder=3,
-                         facecolors=colour if direction == "R" else "white", edgecolors=colour,
-                         label=f"{name}, {'radial' if direction == 'R' else 'tangential'}")
+            axes.scatter([r["solid"] for r in of], [r["value"] for r in of], marker=mark, zorder=3, **look)
+
+
+def keys_of(tissues):
+    """A legend's entries of tissues."""
+    return [Line2D([], [], linestyle="", marker=STYLE[name][1], color=STYLE[name][0], markersize=5, label=NAMES[name]) for name in tissues]
+
+
+def keys_of_values(tissues):
+    """With the bounds, and what full and open marks mean."""
+    line = lambda style, label: Line2D([], [], linestyle=style, color="0.1", linewidth=1.1, label=label)  # noqa: E731
+    look = lambda face, label: Line2D([], [], linestyle="", marker="o", color="0.4", markerfacecolor=face, markersize=5, label=label)  # noqa: E731
+    return [line("-", "parallel"), line("--", "series"), Patch(color="0.9", label="Hashin–Shtrikman"), look("0.4", "radial"),
+            look("white", "tangential"), *keys_of(tissues)]
+
+
+def with_legend_below(panels, size, below):
+    """A figure, its panels side by side, and the part below them for a legend. @param size of the panels, below it [inches]"""
+    figure = plt.figure(figsize=(size[0], size[1] + below), layout="constrained")
+    above, legend = figure.subfigures(2, 1, height_ratios=[size[1], below])
+    return figure, above.subplots(1, panels, squeeze=False)[0], legend
 
 
 def draw_values(rows, quantity, path):
     """The paper's figure 11 or 12."""
-    heat = quantity == "heat"
-    figure, axes = plt.subplots(figsize=(7.4, 4.9), constrained_layout=True)
-    draw_bounds(axes, CONDUCTIVITY[quantity])
-    draw_points(axes, rows, quantity)
-    axes.set_xlim(0, 1)
-    axes.set_ylim(0, 1)
-    axes.set_xlabel("solid fraction")
-    axes.set_ylabel("conductivity over the walls'" if heat else "diffusivity over that in air")
-    axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1, 1))
-    if not heat:
-        late = [row for row in rows if "latewood" in row["tissue"]]
-        inset = axes.inset_axes([0.53, 0.52, 0.45, 0.42])
-        draw_bounds(inset, CONDUCTIVITY[quantity])
-        draw_points(inset, late, quantity, size=16)
-        at = [row["solid"] for row in late]
-        inset.set_xlim(min(at) - 0.03, max(at) + 0.03)
-        inset.set_ylim(0.003, 1.15 * max(row["value"] for row in pick(late, quantity=quantity)))
-        inset.tick_params(labelsize=7)
-        inset.set_title("latewood", fontsize=8)
+    conductivity = CONDUCTIVITY[quantity]
+    panels = 1 if quantity == "heat" else 2
+    figure, axes, legend = with_legend_below(panels, (5.2 if panels == 1 else 9.6, 4.5), 1.1 if panels == 1 else 0.6)
+    for place in axes:
+        draw_bounds(place, conductivity)
+        draw_points(place, rows, quantity)
+        place.set_xlim(0, 1)
+        place.set_xlabel("solid fraction")
+    axes[0].set_ylim(0, 1)
+    if quantity == "heat":
+        axes[0].set_ylabel("conductivity over that of the walls, $k/k_\\mathrm{wall}$")
+    else:
+        draw_late(axes[0], rows, quantity)
+        values = [row["value"] for row in pick(rows, quantity=quantity)]
+        axes[1].set_yscale("log")
+        axes[1].set_title("(b) the same, logarithmic", fontsize=10, loc="left")
+        axes[0].set_title("(a)", fontsize=10, loc="left")
+        axes[1].set_ylim(0.8 * min(values), 2 * max(values))
+        ticks = (0.004, 0.006, 0.01, 0.02, 0.04, 0.08)
+        axes[1].set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+        axes[1].minorticks_off()
+        axes[0].set_ylabel("diffusivity over that in air, $D/D_\\mathrm{air}$")
+    keys = keys_of_values(dict.fromkeys(row["tissue"] for row in rows))
+    legend.legend(handles=keys, loc="center", ncols=2 if panels == 1 else 5, frameon=False, fontsize=8)
     write_figure(figure, path, dpi=200)
 
 
+def draw_late(axes, rows, quantity):
+    """Latewood enlarged."""
+    late = [row for row in pick(rows, quantity=quantity) if "latewood" in row["tissue"]]
+    solid, values = [row["solid"] for row in late], [row["value"] for row in late]
+    box = [0.52, 0.54, 0.45, 0.36]
+    axes.add_patch(plt.Rectangle((box[0] - 0.15, box[1] - 0.08), box[2] + 0.17, box[3] + 0.15, facecolor="white", edgecolor="0.7", linewidth=0.6,
+                                 transform=axes.transAxes, zorder=4))  # behind the numbers, too
+    inset = axes.inset_axes(box, zorder=5)
+    draw_bounds(inset, CONDUCTIVITY[quantity])
+    draw_points(inset, late, quantity, size=16)
+    inset.set_xlim(min(solid) - 0.03, max(solid) + 0.03)
+    inset.set_ylim(0.003, 1.12 * max(values))
+    inset.tick_params(labelsize=8)
+    inset.set_title("latewood", fontsize=9, pad=3)
+
+
 def draw_ratio(rows, path):
-    figure, axes = plt.subplots(1, 2, figsize=(8.2, 3.7), sharey=True, constrained_layout=True)
-    for axis, quantity in zip(axes, CONDUCTIVITY):
+    figure, axes, legend = with_legend_below(2, (8.6, 3.4), 0.3)
+    axes[1].sharey(axes[0])
+    for axis, letter, quantity in zip(axes, "ab", CONDUCTIVITY):
         axis.axhline(1, color="0.6", linewidth=0.8)
         for name in dict.fromkeys(row["tissue"] for row in rows):
             colour, mark = STYLE[name]
             of = pairs(pick(rows, tissue=name), quantity)
-            axis.scatter([r["solid"] for r, _ in of], [r["value"] / t["value"] for r, t in of], s=24, marker=mark, facecolors=colour,
-                         edgecolors=colour, linewidths=0.9, label=name)
+            axis.scatter([r["solid"] for r, _ in of], [r["value"] / t["value"] for r, t in of], s=26, marker=mark, facecolors=colour,
+                         edgecolors="white", linewidths=0.4)
         axis.set_xlim(0, 1)
         axis.set_yscale("log")
         axis.set_yticks([0.6, 0.8, 1, 1.25, 1.6, 2], labels=["0.6", "0.8", "1", "1.25", "1.6", "2"])
         axis.minorticks_off()
         axis.set_xlabel("solid fraction")
-        axis.set_title(quantity, fontsize=10)
+        axis.set_title(f"({letter}) {quantity}", fontsize=10, loc="left")
     axes[0].set_ylabel("radial over tangential")
-    axes[1].legend(frameon=False, fontsize=8)
+    legend.legend(handles=keys_of(dict.fromkeys(row["tissue"] for row in rows)), loc="center", ncols=5, frameon=False, fontsize=8)
     write_figure(figure, path, dpi=200)
 
 
@@ -226,13 +274,13 @@ def field(name, fraction, window, direction, quantity, options):
 
 
 def show_field(axes, value, flux, walls, spacing):
-    """Colours for the field, paler in the lumens, and lines along the flux that are as wide as it is strong."""
+    """Colours for the field, a little paler in the lumens, and lines along the flux that are as wide as it is strong."""
     high, wide = value.shape
     extent = (0, wide * spacing, 0, high * spacing)
     x, y = ((np.arange(n) + 0.5) * spacing for n in (wide, high))
     picture = axes.imshow(value, cmap="RdYlBu_r", vmin=0, vmax=1, extent=extent, interpolation="nearest", rasterized=True)
-    axes.contourf(x, y, walls[::-1].astype(float), levels=[-1, 0.5], colors="white", alpha=0.5)
-    axes.contour(x, y, walls[::-1].astype(float), levels=[0.5], colors="0.35", linewidths=0.35)
+    axes.contourf(x, y, walls[::-1].astype(float), levels=[-1, 0.5], colors="white", alpha=0.3)
+    axes.contour(x, y, walls[::-1].astype(float), levels=[0.5], colors="0.3", linewidths=0.6)
     u, v = flux[::-1, :, 0], flux[::-1, :, 1]
     strength = np.hypot(u, v)
     width = np.clip(strength / np.percentile(strength, 95), 0, 1)
@@ -244,17 +292,31 @@ def show_field(axes, value, flux, walls, spacing):
     return picture
 
 
+def scale_bar(axes, wide):
+    """About a quarter of the picture, in a round number of micrometres."""
+    length = max(n for n in (10, 20, 50, 100, 200) if n <= wide / 3)
+    box = dict(facecolor="white", edgecolor="none", alpha=0.85, boxstyle="square,pad=0.25")
+    left, low = 0.05 * wide, 0.045 * wide
+    axes.text(left + length / 2, low + 0.035 * wide, f"{length} µm", ha="center", va="bottom", fontsize=8, bbox=box, zorder=6)
+    axes.plot([left, left + length], [low + 0.018 * wide] * 2, color="black", linewidth=2.5, solid_capstyle="butt", zorder=7)
+
+
 def draw_fields(cases, quantity, path, options):
     """Rows: both directions; columns: samples, each (name, fraction, window)."""
     figure, axes = plt.subplots(2, len(cases), figsize=(3.5 * len(cases) + 0.6, 7.1), squeeze=False, constrained_layout=True)
-    for column, (name, fraction, window) in enumerate(cases):
-        for row, direction in enumerate("RT"):
+    letters = iter("abcdef")
+    for row, direction in enumerate("RT"):
+        for column, (name, fraction, window) in enumerate(cases):
             value, flux, walls = field(name, fraction, window, direction, quantity, options)
-            picture = show_field(axes[row, column], value, flux, walls, options.spacing)
-        axes[0, column].set_title(f"{name}, solid {np.mean(walls):.2f}, {walls.shape[1] * options.spacing:.0f} µm", fontsize=10)
-    for row, direction in enumerate(("radial", "tangential")):
+            place = axes[row, column]
+            picture = show_field(place, value, flux, walls, options.spacing)
+            scale_bar(place, walls.shape[1] * options.spacing)
+            title = f"{NAMES[name]}, solid fraction {np.mean(walls):.2f}" if row == 0 else ""
+            place.set_title(f"({next(letters)}) {title}", fontsize=9, loc="left")
+    for row, direction in enumerate(("radial flux, from the left", "tangential flux, from the top")):
         axes[row, 0].set_ylabel(direction, fontsize=10)
-    figure.colorbar(picture, ax=axes, shrink=0.5, label="temperature" if quantity == "heat" else "concentration")
+    label = "temperature" if quantity == "heat" else "concentration"
+    figure.colorbar(picture, ax=axes, shrink=0.5, label=f"{label}, 1 at the inlet and 0 at the outlet")
     write_figure(figure, path, dpi=125)
 
 
