@@ -44,7 +44,7 @@ void needMemory(const std::string& name, double bytes)
 
 /// Sets the lattice, with the spacing that the option or the file says.
 void setLattice(Picture& picture, const std::string& name, std::int64_t nx, std::int64_t ny, std::int64_t nz,
-  int dimension, const std::optional<MetadataSize>& size, const ReadOptions& options)
+  int dimension, const std::optional<MetadataSize>& said, const ReadOptions& options)
 {
   double spacing = 1;
   picture.pixelSizeSource = "none";
@@ -53,22 +53,9 @@ void setLattice(Picture& picture, const std::string& name, std::int64_t nx, std:
     spacing = *options.pixelSize;
     picture.pixelSizeSource = "option";
   }
-  else if (size)
+  else if (const auto size = trustedSize(said, name, picture.warnings))
   {
-    const bool forPrint = size->source != "ImageJ" && size->source != "OME-XML";
-    if (forPrint && std::max(size->x, size->y) > largestPixel)
-    {
-      picture.warnings.push_back(
-        fmt::format("{} of '{}' says {:.4g} dots an inch, pixels of {}: left out, as that is a "
-                    "printer's resolution, not a microscope's",
-          size->source, name, 0.0254 / size->x, micrometres(size->x)));
-    }
-    else if (std::min(size->x, size->y) < 1e-10)
-    {
-      picture.warnings.push_back(
-        fmt::format("{} of '{}' says pixels of {:.3g} m: left out", size->source, name, std::min(size->x, size->y)));
-    }
-    else if (std::abs(size->x - size->y) > 1e-3 * size->x)
+    if (std::abs(size->x - size->y) > 1e-3 * size->x)
     {
       throw InputError(fmt::format("the pixels of '{}' are not square: {} says {} by {}", name, size->source,
                          micrometres(size->x), micrometres(size->y)),
@@ -349,6 +336,30 @@ bool isRaw(const fs::path& path, const ReadOptions& options)
 }
 
 } // namespace
+
+std::optional<MetadataSize> trustedSize(
+  const std::optional<MetadataSize>& size, const std::string& name, std::vector<std::string>& warnings)
+{
+  if (!size)
+  {
+    return std::nullopt;
+  }
+  const bool forPrint = size->source != "ImageJ" && size->source != "OME-XML";
+  if (forPrint && std::max(size->x, size->y) > largestPixel)
+  {
+    warnings.push_back(fmt::format("{} of '{}' says {:.4g} dots an inch, pixels of {}: left out, as that is a "
+                                   "printer's resolution, not a microscope's",
+      size->source, name, 0.0254 / size->x, micrometres(size->x)));
+    return std::nullopt;
+  }
+  if (std::min(size->x, size->y) < 1e-10)
+  {
+    warnings.push_back(
+      fmt::format("{} of '{}' says pixels of {:.3g} m: left out", size->source, name, std::min(size->x, size->y)));
+    return std::nullopt;
+  }
+  return size;
+}
 
 void crop(Picture& picture, const Window& window)
 {

@@ -36,6 +36,7 @@ struct Probe
   int bits = 8;                    ///< of a channel
   int channels = 1;                ///< as decoded; a palette counts as 3
   bool whiteIsZero = false;        ///< TIFF only
+  int sampleFormat = 1;            ///< TIFF: 1 unsigned, 2 signed, 3 floating point
   std::vector<std::size_t> slices; ///< TIFF: which pages are slices, reduced copies left out
   std::size_t pages = 1;           ///< TIFF: how many there are in all
   std::optional<MetadataSize> size;
@@ -44,14 +45,19 @@ struct Probe
   std::vector<std::string> warnings;
 };
 
+/// @param anyNumbers lets TIFF files of signed and real numbers and of more than 16 bits pass
 /// @throws InputError for a file that is no PNG, JPEG or TIFF, is truncated or damaged, or holds what cannot become
 /// greys
 ///         (CMYK, floating point, more than 16 bits)
-[[nodiscard]] Probe probe(FileBytes& file);
+[[nodiscard]] Probe probe(FileBytes& file, bool anyNumbers = false);
 
 [[nodiscard]] Probe probePng(FileBytes& file);
 [[nodiscard]] Probe probeJpeg(FileBytes& file);
-[[nodiscard]] Probe probeTiff(FileBytes& file);
+[[nodiscard]] Probe probeTiff(FileBytes& file, bool anyNumbers = false);
+
+/// The pixel size, unless it is what printers' resolutions come to or no length at all: a warning says so then.
+[[nodiscard]] std::optional<MetadataSize> trustedSize(
+  const std::optional<MetadataSize>& size, const std::string& name, std::vector<std::string>& warnings);
 
 /// Refuses a file that says it is much larger than its bytes can hold, before memory is taken for it.
 /// @param ratio how many bytes of pixels one byte of the file can stand for at most

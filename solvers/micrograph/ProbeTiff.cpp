@@ -147,7 +147,7 @@ std::optional<MetadataSize> tagSize(const TiffDirectory& page, const std::string
 struct Page
 {
   std::int64_t width, height;
-  int bits, channels;
+  int bits, channels, format;
   double bytes; ///< of its pixels
   bool whiteIsZero;
 };
@@ -193,7 +193,7 @@ void checkData(FileBytes& file, const TiffDirectory& page, std::size_t number, c
   }
 }
 
-Page readPage(const FileBytes& file, const TiffDirectory& page, std::size_t number)
+Page readPage(const FileBytes& file, const TiffDirectory& page, std::size_t number, bool anyNumbers)
 {
   Page result{};
   result.width = static_cast<std::int64_t>(page.value(ImageWidth, 0));
@@ -216,24 +216,26 @@ Page readPage(const FileBytes& file, const TiffDirectory& page, std::size_t numb
     throw InputError(fmt::format("'{}' is a CMYK TIFF, made for printing", file.name()),
       "convert it to grey or RGB first, for example: convert in.tif -colorspace Gray out.png");
   }
-  if (page.value(SampleFormat, 1) == 3)
+  result.format = static_cast<int>(page.value(SampleFormat, 1));
+  if (result.format == 3 && !anyNumbers)
   {
     throw InputError(fmt::format("'{}' holds floating-point values of {} bits", file.name(), bits),
       "convert it to 8-bit or 16-bit grey values first");
   }
-  if (page.value(SampleFormat, 1) == 2)
+  if (result.format == 2 && !anyNumbers)
   {
     throw InputError(fmt::format("'{}' holds signed values of {} bits", file.name(), bits),
       "convert it to unsigned 8-bit or 16-bit grey values first");
   }
-  if (bits != 1 && bits != 4 && bits != 8 && bits != 16)
+  const bool wide = anyNumbers && (bits == 32 || bits == 64);
+  if (bits != 1 && bits != 4 && bits != 8 && bits != 16 && !wide)
   {
     throw InputError(
       fmt::format("'{}' holds {} bits a value", file.name(), bits), "convert it to 8-bit or 16-bit grey values first");
   }
   result.bytes = std::ceil(static_cast<double>(result.width) * static_cast<double>(samples * bits) / 8) *
     static_cast<double>(result.height);
-  result.bits = bits == 16 ? 16 : 8;
+  result.bits = bits >= 16 ? static_cast<int>(bits) : 8;
   result.channels = photometric == 3 ? 3 : static_cast<int>(std::min<std::uint64_t>(samples, 4));
   result.whiteIsZero = photometric == 0;
   return result;
@@ -241,7 +243,7 @@ Page readPage(const FileBytes& file, const TiffDirectory& page, std::size_t numb
 
 } // namespace
 
-Probe probeTiff(FileBytes& file)
+Probe probeTiff(FileBytes& file, bool anyNumbers)
 {
   Probe result;
   result.format = Format::Tiff;
@@ -263,7 +265,7 @@ Probe probeTiff(FileBytes& file)
       {
         continue; // a smaller copy of a page
       }
-      const Page page = readPage(file, directory, result.pages);
+      const Page page = readPage(file, directory, result.pages, anyNumbers);
       checkData(file, directory, result.pages, page);
       if (result.slices.empty())
       {
@@ -272,6 +274,7 @@ Probe probeTiff(FileBytes& file)
         result.bits = page.bits;
         result.channels = page.channels;
         result.whiteIsZero = page.whiteIsZero;
+        result.sampleFormat = page.format;
         result.description = directory.text(ImageDescription);
         result.size = omeSize(result.description);
         if (!result.size)
@@ -284,7 +287,8 @@ Probe probeTiff(FileBytes& file)
             fmt::format("the TIFF is to be shown turned or mirrored (orientation {}); look at the result", turned));
         }
       }
-      else if (page.width != result.width || page.height != result.height || page.bits != result.bits)
+      else if (page.width != result.width || page.height != result.height || page.bits != result.bits ||
+        page.format != result.sampleFormat)
       {
         throw InputError(
           fmt::format("page {} of '{}' is {} × {} pixels of {} bits, the first is {} × {} of {}", result.pages + 1,
@@ -361,7 +365,7 @@ const char* name(Format format) noexcept
   return "TIFF";
 }
 
-Probe probe(FileBytes& file)
+Probe probe(FileBytes& file, bool anyNumbers)
 {
   const std::vector<std::uint8_t> head = file.read(0, std::min<std::uint64_t>(file.size(), 8));
   const auto starts = [&](std::initializer_list<std::uint8_t> bytes)
@@ -377,7 +381,7 @@ Probe probe(FileBytes& file)
   if (starts({ 'I', 'I', 42, 0 }) || starts({ 'M', 'M', 0, 42 }) || starts({ 'I', 'I', 43, 0 }) ||
     starts({ 'M', 'M', 0, 43 }))
   {
-    return probeTiff(file);
+    return probeTiff(file, anyNumbers);
   }
   if (starts({ 0x1f, 0x8b }))
   {

@@ -59,12 +59,13 @@ std::vector<std::uint8_t> rowsFromTop(const PhaseImage& image, std::span<const s
 }
 
 /// A PNG file of rows from the top.
-std::string png(const cv::Mat& pixels, const Lattice& lattice, std::string_view description, bool hasPixelSize)
+std::string png(
+  const cv::Mat& pixels, const Lattice& lattice, std::string_view description, bool hasPixelSize, int effort = 9)
 {
   std::vector<std::uint8_t> encoded;
   try
   {
-    if (!cv::imencode(".png", pixels, encoded, { cv::IMWRITE_PNG_COMPRESSION, 9 }))
+    if (!cv::imencode(".png", pixels, encoded, { cv::IMWRITE_PNG_COMPRESSION, effort }))
     {
       encoded.clear();
     }
@@ -266,34 +267,47 @@ void writeLabels(const PhaseImage& image, const fs::path& path, std::span<const 
   }
 }
 
-void writePicture(const Picture& picture, const fs::path& path, std::string_view description)
+namespace
 {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (ending != ".png" || picture.lattice.dimension != 2 || picture.bits != 8)
-  {
-    throw ParameterError(fmt::format("a {}D picture of {} bits cannot be written as '{}'", picture.lattice.dimension,
-                           picture.bits, path.filename().string()),
-      "a picture of 8 bits a channel can be written as .png");
-  }
+
+/// The pixels of a picture as OpenCV has them: rows from the top, blue first.
+template <typename Value>
+cv::Mat matrixOf(const Picture& picture, int type)
+{
   const bool colour = !picture.colour.empty();
   const auto width = static_cast<int>(picture.lattice.size[0]);
   const auto height = static_cast<int>(picture.lattice.size[1]);
-  cv::Mat pixels(height, width, colour ? CV_8UC3 : CV_8UC1);
   const int channels = colour ? 3 : 1;
+  cv::Mat pixels(height, width, CV_MAKETYPE(type, channels));
   const std::vector<std::uint16_t>& values = colour ? picture.colour : picture.grey;
   for (int row = 0; row < height; ++row)
   {
-    auto* const to = pixels.ptr<std::uint8_t>(row);
+    auto* const to = pixels.ptr<Value>(row);
     const std::size_t from = static_cast<std::size_t>(height - 1 - row) * static_cast<std::size_t>(width * channels);
     for (int i = 0; i < width * channels; ++i)
     {
-      // OpenCV has blue first.
       const int source = colour ? i / 3 * 3 + 2 - i % 3 : i;
-      to[i] = static_cast<std::uint8_t>(values[from + static_cast<std::size_t>(source)]);
+      to[i] = static_cast<Value>(values[from + static_cast<std::size_t>(source)]);
     }
   }
-  const std::string bytes = png(pixels, picture.lattice, description, picture.pixelSizeSource != "none");
+  return pixels;
+}
+
+} // namespace
+
+void writePicture(const Picture& picture, const fs::path& path, std::string_view description, int effort)
+{
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (ending != ".png" || picture.lattice.dimension != 2)
+  {
+    throw ParameterError(
+      fmt::format("a {}D picture cannot be written as '{}'", picture.lattice.dimension, path.filename().string()),
+      "a picture can be written as .png");
+  }
+  const cv::Mat pixels =
+    picture.bits == 16 ? matrixOf<std::uint16_t>(picture, CV_16U) : matrixOf<std::uint8_t>(picture, CV_8U);
+  const std::string bytes = png(pixels, picture.lattice, description, picture.pixelSizeSource != "none", effort);
   writeWhole(path, [&](std::ostream& out) { out.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
 }
 

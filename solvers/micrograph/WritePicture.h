@@ -25,9 +25,11 @@ void writeWhole(const std::filesystem::path& path, const std::function<void(std:
 void writeLabels(const PhaseImage& image, const std::filesystem::path& path, std::span<const std::uint8_t> grey = {},
   std::string_view description = {}, bool hasPixelSize = true);
 
-/// Writes a picture of 8 bits as PNG, in colour where it has any; pixel size (unless its source is "none") and
+/// Writes a picture as PNG of 8 or 16 bits, in colour where it has any; pixel size (unless its source is "none") and
 /// description as writeLabels().
-/// @throws ParameterError for another ending, a volume or 16 bits; Error as writeWhole()
-void writePicture(const Picture& picture, const std::filesystem::path& path, std::string_view description = {});
+/// @param effort of packing, 0 to 9: 1 is several times as fast as 9
+/// @throws ParameterError for another ending or a volume; Error as writeWhole()
+void writePicture(
+  const Picture& picture, const std::filesystem::path& path, std::string_view description = {}, int effort = 9);
 
 } // namespace lamella::micrograph

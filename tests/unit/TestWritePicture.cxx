@@ -147,3 +147,25 @@ TEST(WriteWhole, LeavesNothingBehindWhenTheWriterGivesUp)
     Cancelled);
   EXPECT_EQ(filesIn(folder.path()), 0U);
 }
+
+TEST(WritePicture, SixteenBitsAndColoursComeBack)
+{
+  const TemporaryFolder folder;
+  Picture picture;
+  picture.lattice = makeLattice(7, 5, 1, 2, 0.5e-6);
+  picture.pixelSizeSource = "option";
+  picture.bits = 16;
+  picture.grey.resize(35);
+  std::iota(picture.grey.begin(), picture.grey.end(), std::uint16_t{ 65000 });
+  writePicture(picture, folder / "a.png", "a test", 1);
+  const Picture grey = readPicture(folder / "a.png");
+  EXPECT_EQ(grey.grey, picture.grey);
+  EXPECT_EQ(grey.bits, 16);
+  EXPECT_EQ(grey.description, "a test");
+  picture.colour.resize(105);
+  std::iota(picture.colour.begin(), picture.colour.end(), std::uint16_t{ 300 });
+  writePicture(picture, folder / "b.png");
+  ReadOptions options;
+  options.keepColour = true;
+  EXPECT_EQ(readPicture(folder / "b.png", options).colour, picture.colour);
+}
