@@ -11,6 +11,7 @@ import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkIOHDF import vtkHDFReader
 
 PROGRAM = os.environ.get("LAMELLA_PROGRAM", os.path.join(os.path.dirname(__file__), "../../build/bin/lamella"))
 REAL_DATA = os.environ.get("LAMELLA_REAL_DATA", "")
@@ -121,6 +122,16 @@ class Samples(unittest.TestCase):
                 self.assertGreater(os.path.getsize(tissue.save(path, overwrite=True)), 0)
         np.testing.assert_array_equal(back.phase[::2, ::2], tissue.phase[5:25, 10:40])
         self.assertEqual(back.names, ["lumen", "wall"])
+
+    def test_vtkhdf(self):
+        tissue = lamella.softwood(size=(60, 40))
+        with tempfile.TemporaryDirectory() as folder:
+            reader = vtkHDFReader()
+            reader.SetFileName(tissue.save(os.path.join(folder, "tissue.hdf")))
+            reader.Update()
+            back = lamella.Sample(reader.GetOutputDataObject(0))
+        np.testing.assert_array_equal(back.phase, tissue.phase)
+        self.assertEqual(back.vtk.GetSpacing(), tissue.vtk.GetSpacing())
 
     @unittest.skipUnless(REAL_DATA, "set LAMELLA_REAL_DATA to the folder of real pictures")
     def test_real_picture(self):

@@ -2,7 +2,8 @@
 find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore)
 set(LAMELLA_VTK_COMPONENTS # LamellaConfig.cmake asks for the same
   CommonCore CommonDataModel CommonExecutionModel CommonMath CommonColor FiltersCore FiltersFlowPaths FiltersGeneral
-  FiltersGeometry FiltersSources FiltersExtraction ImagingCore InteractionStyle IOCore IOImage IOInfovis IOOggTheora IOXML ParallelCore
+  FiltersGeometry FiltersSources FiltersExtraction ImagingCore InteractionStyle IOCore IOHDF IOImage IOInfovis IOOggTheora
+  IOXML IOXMLParser ParallelCore
   ParallelMPI RenderingAnnotation RenderingCore RenderingFreeType RenderingOpenGL2 RenderingContext2D
   RenderingContextOpenGL2 ChartsCore)
 find_package(VTK REQUIRED COMPONENTS ${LAMELLA_VTK_COMPONENTS})
@@ -23,6 +24,7 @@ find_package(fmt REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(JPEG REQUIRED)
 find_package(PNG REQUIRED)
+find_package(TIFF REQUIRED)
 find_package(ZLIB REQUIRED)
 
 # Debian has no CMake config for these two when only the needed parts are installed.

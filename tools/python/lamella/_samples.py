@@ -8,7 +8,7 @@ from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
 from . import _arrays, _files
 from ._errors import LamellaError, choose, run
-from .vtkLamellaSolversVTK import vtkMicrostructureSource, vtkPictureReader
+from .vtkLamellaSolversVTK import vtkMicrostructureSource, vtkPictureReader, vtkVTKHDFWriter
 
 
 class ImageBase(_arrays.FieldData):
@@ -54,13 +54,16 @@ class ImageBase(_arrays.FieldData):
         return _arrays.to_numpy(self.vtk, array)
 
     def save(self, path, overwrite=False):
-        """Writes a .vti file, whole or not at all."""
+        """Writes a .vti file, or VTKHDF where the path ends in .hdf or .vtkhdf, whole or not at all."""
         path = _files.new_path(path, overwrite)
         with _files.replacing(path) as part:
-            writer = vtkXMLImageDataWriter()
+            if path.endswith((".hdf", ".vtkhdf")):
+                writer = vtkVTKHDFWriter()
+            else:
+                writer = vtkXMLImageDataWriter()
+                writer.SetDataModeToBinary()  # inline: VTK 9.2 with a new Expat cannot read "appended" data back
             writer.SetInputData(self.vtk)
             writer.SetFileName(part)
-            writer.SetDataModeToBinary()  # inline: VTK 9.2 with a new Expat cannot read "appended" data back
             if writer.Write() != 1 or os.path.getsize(part) == 0:
                 raise OSError(f"cannot write {path}: is the disk full?")
         return path
