@@ -1,5 +1,6 @@
 #include "GridFile.h"
 
+#include "ArrayRanges.h"
 #include "Workspace.h"
 
 #include "GridChecks.h"
@@ -20,10 +21,13 @@
 #include <vtkOutputWindow.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
+#include <vtkUnstructuredGrid.h>
 #include <vtkXMLImageDataReader.h>
 #include <vtkXMLImageDataWriter.h>
 #include <vtkXMLPolyDataReader.h>
 #include <vtkXMLPolyDataWriter.h>
+#include <vtkXMLUnstructuredGridReader.h>
+#include <vtkXMLUnstructuredGridWriter.h>
 
 #include <algorithm>
 #include <cctype>
@@ -198,6 +202,10 @@ vtkSmartPointer<vtkDataObject> read(const vtkSmartPointer<Reader>& reader, const
   {
     requireSoundCells(poly, path);
   }
+  if (auto* const grid = vtkUnstructuredGrid::SafeDownCast(reader->GetOutput()))
+  {
+    requireSoundCells(grid, path);
+  }
   return reader->GetOutput();
 }
 
@@ -226,6 +234,10 @@ vtkSmartPointer<vtkDataObject> readGrid(const std::string& path, const SizeKnown
   if (endingOf(path) == ".vtp")
   {
     return read(newPolyDataReader(), path, ".vtp");
+  }
+  if (endingOf(path) == ".vtu")
+  {
+    return read(newUnstructuredGridReader(), path, ".vtu");
   }
   if (endingOf(path) == ".vti")
   {
@@ -257,8 +269,6 @@ std::optional<PhaseGrid> readPhaseGrid(const std::string& path, const SizeKnown&
 namespace
 {
 
-/// Ranges that were worked out on the way would be written, as "-nan" where an array holds NaN, and every reader would
-/// complain about them.
 void forgetRanges(vtkFieldData* data)
 {
   for (int i = 0; i < data->GetNumberOfArrays(); ++i)
@@ -283,6 +293,16 @@ OutputFile openGrid(const std::string& option, const std::string& name, const st
   return OutputFile(name, overwrite);
 }
 
+void forgetRanges(vtkDataObject* data)
+{
+  forgetRanges(data->GetFieldData());
+  if (auto* set = vtkDataSet::SafeDownCast(data))
+  {
+    forgetRanges(set->GetPointData());
+    forgetRanges(set->GetCellData());
+  }
+}
+
 void writeGrid(vtkDataObject* data, const OutputFile& file)
 {
   if (file.inMemory())
@@ -290,12 +310,7 @@ void writeGrid(vtkDataObject* data, const OutputFile& file)
     Workspace::current()->put(file.path(), data);
     return;
   }
-  forgetRanges(data->GetFieldData());
-  if (auto* set = vtkDataSet::SafeDownCast(data))
-  {
-    forgetRanges(set->GetPointData());
-    forgetRanges(set->GetCellData());
-  }
+  forgetRanges(data);
   (void)VtkMessages::takeErrors();
   const auto write = [&](auto& writer)
   {
@@ -311,6 +326,13 @@ void writeGrid(vtkDataObject* data, const OutputFile& file)
   {
     // By way of memory: when the disk is full, VTK 9.2's writer of inline poly data frees what it never allocated.
     vtkNew<vtkXMLPolyDataWriter> writer;
+    writer->WriteToOutputStringOn();
+    write(writer);
+    file.write(writer->GetOutputString());
+  }
+  else if (vtkUnstructuredGrid::SafeDownCast(data) != nullptr)
+  {
+    vtkNew<vtkXMLUnstructuredGridWriter> writer;
     writer->WriteToOutputStringOn();
     write(writer);
     file.write(writer->GetOutputString());

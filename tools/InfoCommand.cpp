@@ -4,6 +4,7 @@
 #include "JsonReport.h"
 #include "Record.h"
 #include "Text.h"
+#include "convert/VtkFiles.h"
 
 #include "io/Provenance.h"
 #include "vtkLatticeConversion.h"
@@ -112,10 +113,16 @@ Json fieldJson(vtkFieldData* data)
   return fields;
 }
 
-/// What is in a .vti or .vtp.
+bool isHdf(const std::string& path)
+{
+  const std::string ending = std::filesystem::path(path).extension().string();
+  return ending == ".hdf" || ending == ".vtkhdf";
+}
+
+/// What is in a .vti, .vtp, .vtu or VTKHDF file.
 Json gridJson(const std::string& path)
 {
-  const auto data = readGrid(path);
+  const vtkSmartPointer<vtkDataObject> data = isHdf(path) ? wholeHdf(path).Get() : readGrid(path).Get();
   auto* set = vtkDataSet::SafeDownCast(data);
   Json json;
   json["file"] = path;
@@ -383,7 +390,9 @@ Command infoCommand(CLI::App& root)
         [&]
         {
           const std::string ending = std::filesystem::path(o->picture.file).extension().string();
-          const Json json = ending == ".vti" || ending == ".vtp" ? gridJson(o->picture.file) : pictureJson(o->picture);
+          const Json json = ending == ".vti" || ending == ".vtp" || ending == ".vtu" || isHdf(o->picture.file)
+            ? gridJson(o->picture.file)
+            : pictureJson(o->picture);
           if (!o->common.json && json.contains("warnings"))
           {
             for (const Json& warning : json["warnings"])

@@ -1,5 +1,6 @@
 #include "TableText.h"
 
+#include "CsvField.h"
 #include "JsonReport.h"
 
 #include "vtkLatticeConversion.h"
@@ -16,25 +17,6 @@
 
 namespace lamella::cli
 {
-
-namespace
-{
-
-std::string csvField(const std::string& text)
-{
-  if (text.find_first_of(",\"\n\r") == std::string::npos)
-  {
-    return text;
-  }
-  std::string result = "\"";
-  for (const char c : text)
-  {
-    result += c == '"' ? "\"\"" : std::string(1, c);
-  }
-  return result + "\"";
-}
-
-} // namespace
 
 std::string toCsv(vtkTable* table)
 {

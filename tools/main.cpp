@@ -47,6 +47,7 @@ int run(Session& session, std::vector<std::string> words)
       "lamella diffusion tissue.png --conductivity lumen=0.023 --conductivity wall=1 -o heat.vti",
       "lamella snapshot heat_y.vti -o heat.png", "lamella info heat_y.vti" });
   std::vector<Command> commands = addCommands(root);
+  commands.push_back(convertCommand(root));
   commands.push_back(runCommand(root));
   commands.push_back(infoCommand(root));
   root.require_subcommand(0, 1);

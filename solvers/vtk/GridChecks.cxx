@@ -6,6 +6,7 @@
 #include "vtkCellArray.h"
 #include "vtkDataArray.h"
 #include "vtkPolyData.h"
+#include "vtkUnstructuredGrid.h"
 #include "vtkXMLDataElement.h"
 #include "vtkXMLDataParser.h"
 #include "vtkXMLReader.h"
@@ -121,6 +122,26 @@ Claim polyClaim(vtkXMLDataElement* poly)
   return claim;
 }
 
+Claim gridClaim(vtkXMLDataElement* grid)
+{
+  Claim claim;
+  double points = 0;
+  double cells = 0;
+  forNested(grid, "Piece",
+    [&](vtkXMLDataElement* piece)
+    {
+      const double pointsHere = number(piece, "NumberOfPoints");
+      const double cellsHere = number(piece, "NumberOfCells");
+      // Of a cell there are at least an offset of 4 bytes and a type.
+      claim.bytes += arrayBytes(piece, "Points", pointsHere) + arrayBytes(piece, "PointData", pointsHere) +
+        arrayBytes(piece, "CellData", cellsHere) + 5 * cellsHere;
+      points += pointsHere;
+      cells += cellsHere;
+    });
+  claim.what = fmt::format("{:.0f} points and {:.0f} cells", points, cells);
+  return claim;
+}
+
 /// A field array says for itself how many tuples it has.
 Claim fieldClaim(vtkXMLDataElement* data)
 {
@@ -220,33 +241,53 @@ void requireReadable(vtkXMLReader* reader, const std::string& path)
       requireBytes(polyClaim(poly), path, lzma);
       requireBytes(fieldClaim(poly), path, lzma);
     });
+  forNested(root, "UnstructuredGrid",
+    [&](vtkXMLDataElement* grid)
+    {
+      requireBytes(gridClaim(grid), path, lzma);
+      requireBytes(fieldClaim(grid), path, lzma);
+    });
 }
+
+namespace
+{
+
+void requireSound(vtkCellArray* cells, vtkIdType points, const std::string& path)
+{
+  if (cells == nullptr || cells->GetNumberOfCells() == 0)
+  {
+    return;
+  }
+  if (!cells->IsValid())
+  {
+    damaged(path, "its cells begin and end where there are none");
+  }
+  std::array<double, 2> range{ 0, 0 };
+  if (cells->GetNumberOfConnectivityIds() > 0)
+  {
+    cells->GetConnectivityArray()->GetRange(range.data());
+  }
+  if (range[0] < 0 || range[1] >= static_cast<double>(points))
+  {
+    damaged(path,
+      fmt::format(
+        "a cell has point {:.0f}, and there are {} points, from 0", range[0] < 0 ? range[0] : range[1], points));
+  }
+}
+
+} // namespace
 
 void requireSoundCells(vtkPolyData* data, const std::string& path)
 {
-  const auto points = static_cast<double>(data->GetNumberOfPoints());
   for (vtkCellArray* const cells : { data->GetVerts(), data->GetLines(), data->GetPolys(), data->GetStrips() })
   {
-    if (cells->GetNumberOfCells() == 0)
-    {
-      continue;
-    }
-    if (!cells->IsValid())
-    {
-      damaged(path, "its cells begin and end where there are none");
-    }
-    std::array<double, 2> range{ 0, 0 };
-    if (cells->GetNumberOfConnectivityIds() > 0)
-    {
-      cells->GetConnectivityArray()->GetRange(range.data());
-    }
-    if (range[0] < 0 || range[1] >= points)
-    {
-      damaged(path,
-        fmt::format(
-          "a cell has point {:.0f}, and there are {:.0f} points, from 0", range[0] < 0 ? range[0] : range[1], points));
-    }
+    requireSound(cells, data->GetNumberOfPoints(), path);
   }
+}
+
+void requireSoundCells(vtkUnstructuredGrid* data, const std::string& path)
+{
+  requireSound(data->GetCells(), data->GetNumberOfPoints(), path);
 }
 
 } // namespace lamella

@@ -5,6 +5,7 @@
 #include <string>
 
 class vtkPolyData;
+class vtkUnstructuredGrid;
 class vtkXMLReader;
 
 /// What VTK's readers take on trust. They take memory for as many points as a file says it has, and end the program
@@ -22,5 +23,6 @@ VTKLAMELLASOLVERSVTK_EXPORT void requireReadable(vtkXMLReader* reader, const std
 
 /// Refuses cells of points that are not there. @throws InputError
 VTKLAMELLASOLVERSVTK_EXPORT void requireSoundCells(vtkPolyData* data, const std::string& path);
+VTKLAMELLASOLVERSVTK_EXPORT void requireSoundCells(vtkUnstructuredGrid* data, const std::string& path);
 
 } // namespace lamella

@@ -15,6 +15,7 @@
 #include "vtkXMLDataParser.h"
 #include "vtkXMLImageDataReader.h"
 #include "vtkXMLPolyDataReader.h"
+#include "vtkXMLUnstructuredGridReader.h"
 
 #include <dlfcn.h>
 
@@ -86,6 +87,11 @@ vtkSmartPointer<vtkXMLImageDataReader> newImageReader()
 vtkSmartPointer<vtkXMLPolyDataReader> newPolyDataReader()
 {
   return vtkSmartPointer<PromptReader<vtkXMLPolyDataReader>>::New();
+}
+
+vtkSmartPointer<vtkXMLUnstructuredGridReader> newUnstructuredGridReader()
+{
+  return vtkSmartPointer<PromptReader<vtkXMLUnstructuredGridReader>>::New();
 }
 
 std::string endingOf(const char* fileName)

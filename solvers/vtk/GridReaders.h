@@ -12,8 +12,9 @@
 class vtkPolyData;
 class vtkXMLImageDataReader;
 class vtkXMLPolyDataReader;
+class vtkXMLUnstructuredGridReader;
 
-/// VTK's readers of .vti and .vtp files, for files with "appended" data too.
+/// VTK's readers of .vti, .vtp and .vtu files, for files with "appended" data too.
 ///
 /// Expat 2.6, and Debian 12's 2.5.0-1+deb12u2, which has the same remedy for CVE-2023-52425, put off parsing until much
 /// text has come in. VTK 9.2 does not expect that: it reads on into appended data, takes them for XML and fails.
@@ -25,6 +26,7 @@ namespace lamella
 
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkSmartPointer<vtkXMLImageDataReader> newImageReader();
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkSmartPointer<vtkXMLPolyDataReader> newPolyDataReader();
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkSmartPointer<vtkXMLUnstructuredGridReader> newUnstructuredGridReader();
 
 /// The ending of a reader's file in small letters, with its dot. @throws InputError where no file is named
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::string endingOf(const char* fileName);

@@ -296,6 +296,17 @@ std::array<hsize_t, 3> countsOf(const std::array<int, 6>& extent)
   return counts;
 }
 
+/// As HDF5 counts: z first, components last.
+Shape shapeOf(const std::array<hsize_t, 3>& xyz, int components)
+{
+  Shape shape{ xyz[2], xyz[1], xyz[0] };
+  if (components != 1)
+  {
+    shape.push_back(static_cast<hsize_t>(components));
+  }
+  return shape;
+}
+
 } // namespace
 
 /// A file that is being written.
@@ -337,6 +348,11 @@ void vtkVTKHDFWriter::File::BeginImage(vtkImageData* image, const std::array<int
   writeNumbers<double>(this->Root, "Direction", H5T_NATIVE_DOUBLE, { direction, direction + 9 });
   this->Whole = whole;
   this->Next = whole[4];
+  if (whole[2] == whole[3] || whole[4] == whole[5])
+  {
+    throw lamella::InputError(
+      "the image is flat, and VTK 9.2's reader of VTKHDF crashes on flat images", "write it as .vti");
+  }
   if (vtkCellData* const cells = image->GetCellData(); cells->GetNumberOfArrays() > 0)
   {
     throw lamella::InputError("the image has an array in cells, '" + nameOf(cells->GetAbstractArray(0)) +
@@ -348,18 +364,12 @@ void vtkVTKHDFWriter::File::BeginImage(vtkImageData* image, const std::array<int
   for (vtkDataArray* const array : arraysOf(image->GetPointData()))
   {
     const hid_t type = nativeType(array->GetDataType(), nameOf(array));
-    Shape shape{ counts[2], counts[1], counts[0] };
-    Shape chunk{ 1, counts[1], counts[0] };
-    if (array->GetNumberOfComponents() != 1)
-    {
-      shape.push_back(static_cast<hsize_t>(array->GetNumberOfComponents()));
-      chunk.push_back(shape.back());
-    }
+    const int components = array->GetNumberOfComponents();
     // About 1 MB at most, which is what HDF5 keeps of a dataset in memory.
-    const hsize_t row =
-      std::accumulate(chunk.begin() + 2, chunk.end(), hsize_t{ H5Tget_size(type) }, std::multiplies<>());
-    chunk[1] = std::clamp((hsize_t{ 1 } << 20) / row, hsize_t{ 1 }, counts[1]);
-    Handle set = newSet(group, nameOf(array), type, shape, level, chunk);
+    const hsize_t row = counts[0] * static_cast<hsize_t>(components) * H5Tget_size(type);
+    const hsize_t rows = std::clamp((hsize_t{ 1 } << 20) / row, hsize_t{ 1 }, counts[1]);
+    Handle set = newSet(
+      group, nameOf(array), type, shapeOf(counts, components), level, shapeOf({ counts[0], rows, 1 }, components));
     writeDescription(set, array);
     this->Sets.emplace(nameOf(array), std::move(set));
   }
@@ -380,13 +390,10 @@ void vtkVTKHDFWriter::File::WriteLayers(vtkImageData* image, int first, int last
     {
       throw lamella::InputError("the array '" + name + "' is missing in a part of the image", "look at what made it");
     }
-    Shape start{ static_cast<hsize_t>(first - this->Whole[4]), 0, 0 };
-    Shape size{ static_cast<hsize_t>(last - first + 1), counts[1], counts[0] };
-    if (array->GetNumberOfComponents() != 1)
-    {
-      start.push_back(0);
-      size.push_back(static_cast<hsize_t>(array->GetNumberOfComponents()));
-    }
+    const int components = array->GetNumberOfComponents();
+    Shape start = shapeOf({ 0, 0, static_cast<hsize_t>(first - this->Whole[4]) }, components);
+    start.back() = components != 1 ? 0 : start.back();
+    const Shape size = shapeOf({ counts[0], counts[1], static_cast<hsize_t>(last - first + 1) }, components);
     const vtkIdType layer = static_cast<vtkIdType>(counts[0] * counts[1]) * array->GetNumberOfComponents();
     const vtkIdType offset = layer * (first - held[4]);
     if (offset < 0 || offset + layer * (last - first + 1) > array->GetNumberOfValues())

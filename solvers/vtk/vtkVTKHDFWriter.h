@@ -11,15 +11,16 @@
  * own: VTK 9.2 fails to read an image with field data. The active scalars, vectors, normals, texture coordinates,
  * tensors and global ids are named as the format says.
  *
- * The extent of an image begins at 0 in the file, and its origin is the place of the first point: VTK 9.2's reader takes
- * the extent for places in the dataset.
+ * The extent of an image begins at 0 in the file, and its origin is the place of the first point: VTK 9.2's reader
+ * takes the extent for places in the dataset.
  *
  * An image is asked for in slabs of layers along z, so that a pipeline that can stream never holds all of it.
  *
  * A file that cannot be finished is removed. ErrorCode then says why.
  *
  * @warning Version 1.0 has no time: a step is a file. Arrays of bits and of texts at points or in cells, names with a
- * slash, and arrays in cells of an image (VTK 9.2's reader crashes on them) are refused. One process writes.
+ * slash, and what VTK 9.2's reader crashes on (arrays in cells of an image, flat images) are refused. One process
+ * writes.
  *
  * Format: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html#vtkhdf-file-format
  */

@@ -118,15 +118,6 @@ TEST(VTKHDFWriter, KeepsAnImage)
   expectSameImage(image, read(file));
 }
 
-TEST(VTKHDFWriter, KeepsAPicture)
-{
-  const TemporaryFolder folder;
-  const auto image = sample(7, 4, 1);
-  const std::string file = (folder / "a.hdf").string();
-  ASSERT_EQ(write(image, file), "");
-  expectSameImage(image, read(file));
-}
-
 /// Makes what it is asked for and nothing else, and keeps how much that was.
 class Layers : public vtkImageAlgorithm
 {
@@ -245,6 +236,7 @@ TEST(VTKHDFWriter, RefusesWhatTheFormatCannotHold)
   image->GetPointData()->GetArray("phase")->SetName("wall/lumen");
   EXPECT_NE(write(image, file).find("'wall/lumen', which HDF5 cannot store"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(file)) << "nothing half-written is left";
+  EXPECT_NE(write(sample(3, 3, 1), file).find("the image is flat"), std::string::npos); // the reader would crash
   const auto cells = sample(3, 3, 3);
   cells->GetCellData()->AddArray(counted<vtkUnsignedShortArray>("grain", 1, cells->GetNumberOfCells()));
   EXPECT_NE(write(cells, file).find("an array in cells, 'grain'"), std::string::npos);

@@ -124,14 +124,14 @@ class Samples(unittest.TestCase):
         self.assertEqual(back.names, ["lumen", "wall"])
 
     def test_vtkhdf(self):
-        tissue = lamella.softwood(size=(60, 40))
+        sample = lamella.spheres(size=(20, 18, 16))
         with tempfile.TemporaryDirectory() as folder:
             reader = vtkHDFReader()
-            reader.SetFileName(tissue.save(os.path.join(folder, "tissue.hdf")))
+            reader.SetFileName(sample.save(os.path.join(folder, "spheres.hdf")))
             reader.Update()
             back = lamella.Sample(reader.GetOutputDataObject(0))
-        np.testing.assert_array_equal(back.phase, tissue.phase)
-        self.assertEqual(back.vtk.GetSpacing(), tissue.vtk.GetSpacing())
+        np.testing.assert_array_equal(back.phase, sample.phase)
+        self.assertEqual(back.vtk.GetSpacing(), sample.vtk.GetSpacing())
 
     @unittest.skipUnless(REAL_DATA, "set LAMELLA_REAL_DATA to the folder of real pictures")
     def test_real_picture(self):

@@ -479,13 +479,13 @@ self.GetOutputInformation(0).Set(pipeline.TIME_RANGE(), [0.2, 0.6], 2)
         self.assertEqual([names.GetValue(i) for i in range(2)], ["void", "solid"])
 
     def test_saving_vtkhdf(self):
-        sample = pv.MicrostructureSource(Kind="Softwood", Size=[30, 20, 1])
+        sample = pv.MicrostructureSource(Kind="Spheres", Size=[30, 20, 10])
         pv.SaveData("sample.hdf", proxy=sample)
         back = pv.OpenDataFile("sample.hdf")
         back.UpdatePipeline()
         self.assertEqual(type(back).__name__, "VTKHDFReader")
         for one in (back, sample):
-            self.assertEqual(servermanager.Fetch(one).GetDimensions(), (30, 20, 1))
+            self.assertEqual(servermanager.Fetch(one).GetDimensions(), (30, 20, 10))
         self.assertEqual(back.PointData["phase"].GetRange(), sample.PointData["phase"].GetRange())
 
 
