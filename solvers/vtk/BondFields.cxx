@@ -1,6 +1,8 @@
 #include "BondFields.h"
 
 #include "lattice/Error.h"
+#include "peridynamics/BondForces.h"
+#include "peridynamics/BondLattice.h"
 
 #include "vtkDataObject.h"
 #include "vtkDoubleArray.h"
@@ -29,6 +31,41 @@ void addStrainEnergy(
   const auto array = scene.toPiece(energy, std::array<int, 1>{ 0 }, "strain_energy");
   describe(array, "J/m^3", "elastic energy of half of the node's bonds over its volume", creator);
   output->GetPointData()->AddArray(array);
+}
+
+void addMeasures(vtkImageData* state, const BondScene& scene, const pd::BondLattice& bonds, const Measures& measures,
+  const char* creator, const Team& team)
+{
+  const int dimension = scene.lattice().dimension;
+  const NodeVectors given = vectorsOf(state, nullptr, "displacement", "keep it in the states", dimension, team);
+  pd::NodeField<double> u(bonds.layout());
+  scene.toSlab(given.array, given.name, u);
+  bonds.exchange(u);
+  if (measures.stress)
+  {
+    pd::NodeField<double> stress(bonds.layout(), dimension == 2 ? 3 : 6);
+    pd::nodalStress(bonds, u, stress, measures.largeStrains);
+    state->GetPointData()->AddArray(stressArray(scene, stress, creator));
+  }
+  if (measures.energy)
+  {
+    pd::NodeField<double> energy(bonds.layout(), 1);
+    pd::energyDensity(bonds, u, energy, measures.largeStrains);
+    addStrainEnergy(state, scene, energy, creator);
+  }
+}
+
+void leaveOut(vtkImageData* output, vtkImageData* input, const char* name)
+{
+  vtkDataArray* const given = input->GetPointData()->GetArray(name);
+  if (given != output->GetPointData()->GetArray(name))
+  {
+    output->GetPointData()->RemoveArray(name);
+    if (given != nullptr)
+    {
+      output->GetPointData()->AddArray(given);
+    }
+  }
 }
 
 NodeVectors vectorsOf(vtkImageData* piece, vtkInformation* choice, const char* otherwise, const char* whence,

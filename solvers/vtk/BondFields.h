@@ -20,6 +20,20 @@ void addDisplacement(vtkImageData* output, const BondScene& scene, const peridyn
 VTKLAMELLASOLVERSVTK_EXPORT void addStrainEnergy(
   vtkImageData* output, const BondScene& scene, const peridynamics::NodeField<double>& energy, const char* creator);
 
+/// What is found from a displacement.
+struct Measures
+{
+  bool stress = false;
+  bool energy = false;
+  bool largeStrains = false;
+};
+/// Adds stress and strain energy to a state that carries its displacement. Collective.
+void addMeasures(vtkImageData* state, const BondScene& scene, const peridynamics::BondLattice& bonds,
+  const Measures& measures, const char* creator, const Team& team);
+
+/// Takes a point array out of the output again; one that the input has by that name takes its place.
+void leaveOut(vtkImageData* output, vtkImageData* input, const char* name);
+
 /// Vectors at the nodes of a piece.
 struct NodeVectors
 {

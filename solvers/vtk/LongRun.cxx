@@ -4,11 +4,47 @@
 
 #include "io/Checkpoint.h"
 
+#include "vtkAbstractArray.h"
+#include "vtkCellData.h"
+#include "vtkFieldData.h"
+#include "vtkPointData.h"
+
 #include <filesystem>
+#include <initializer_list>
 #include <system_error>
 
 namespace lamella
 {
+
+InputMark::Content InputMark::contentOf(vtkImageData* image)
+{
+  Content content;
+  image->GetExtent(content.extent.data());
+  image->GetOrigin(content.origin.data());
+  image->GetSpacing(content.spacing.data());
+  for (vtkFieldData* const data : std::initializer_list<vtkFieldData*>{
+         image->GetPointData(), image->GetCellData(), image->GetFieldData() })
+  {
+    for (int i = 0; i < data->GetNumberOfArrays(); ++i)
+    {
+      vtkAbstractArray* const array = data->GetAbstractArray(i);
+      content.arrays.emplace_back(array, array->GetMTime());
+    }
+  }
+  return content;
+}
+
+void InputMark::take(vtkImageData* image)
+{
+  kept_ = vtkSmartPointer<vtkImageData>::New();
+  kept_->ShallowCopy(image);
+  content_ = contentOf(image);
+}
+
+bool InputMark::same(vtkImageData* image) const
+{
+  return kept_ != nullptr && content_ == contentOf(image);
+}
 
 RunStart startOf(const std::string& continueFile, const std::string& checkpointFile, const char* beginning,
   vtkDataObject* input, const Team& team, io::CheckpointOptions& options)

@@ -6,14 +6,19 @@
 #include "io/RunCheckpoint.h"
 
 #include "vtkDataObject.h"
+#include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkSmartPointer.h"
 #include "vtkTimeStamp.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <string>
+#include <utility>
 #include <vector>
+
+class vtkAbstractArray;
 
 /// What algorithms share that run long: how often observers are told, the states that they keep, and checkpoints to go
 /// on from. Not installed.
@@ -40,6 +45,30 @@ public:
 
 private:
   std::chrono::steady_clock::time_point told_{};
+};
+
+/// What an image was made of at a time: its lattice and its arrays. ParaView puts filters of its own before every other
+/// one, which hand the same arrays on in an image that is always new: the image's own time tells nothing.
+class InputMark
+{
+public:
+  void take(vtkImageData* image);
+  /// Whether it has the same lattice and arrays, unchanged since. False before take().
+  [[nodiscard]] bool same(vtkImageData* image) const;
+
+private:
+  struct Content
+  {
+    std::array<int, 6> extent{};
+    std::array<double, 3> origin{};
+    std::array<double, 3> spacing{};
+    std::vector<std::pair<vtkAbstractArray*, vtkMTimeType>> arrays{};
+    bool operator==(const Content&) const = default;
+  };
+  static Content contentOf(vtkImageData* image);
+
+  vtkSmartPointer<vtkImageData> kept_; ///< keeps the arrays, so that no others come to lie where they were
+  Content content_;
 };
 
 /// The states of a run, kept so that another one can be shown without running again.
@@ -76,22 +105,31 @@ public:
   [[nodiscard]] int chosen() const { return chosen_; }
   /// Of an algorithm that shows them, whose own settings changed at this time.
   [[nodiscard]] vtkMTimeType changed(vtkMTimeType settings) const { return std::max(settings, changed_.GetMTime()); }
-  /// Gives the output the chosen state and its time. There is one at least.
+  /// Something else of them is to be shown, for which nothing runs again.
+  void touch() { changed_.Modified(); }
+  /// The one that is shown. There is one at least.
+  [[nodiscard]] Data* shown() const { return at(chosen_ < 0 ? count() - 1 : std::min(chosen_, count() - 1)); }
+  /// Gives the output that state and its time.
   void show(vtkDataObject* output) const
   {
-    Data* const state = at(chosen_ < 0 ? count() - 1 : std::min(chosen_, count() - 1));
+    Data* const state = shown();
     output->ShallowCopy(state);
-    output->GetInformation()->Set(
-      vtkDataObject::DATA_TIME_STEP(), state->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()));
+    if (state->GetInformation()->Has(vtkDataObject::DATA_TIME_STEP()) != 0)
+    {
+      output->GetInformation()->Set(
+        vtkDataObject::DATA_TIME_STEP(), state->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()));
+    }
   }
 
   /// Runs, unless the last run was of the same input, settings and ranks. Collective.
   /// @param settings when they changed last
   /// @param forget what there is besides the states; called before a run, and where it fails
+  /// @param lacking the states lack something that is asked for now
   template <class Run, class Forget>
-  void renew(vtkDataObject* input, vtkMTimeType settings, const Team& team, const Run& run, const Forget& forget)
+  void renew(vtkImageData* input, vtkMTimeType settings, const Team& team, const Run& run, const Forget& forget,
+    bool lacking = false)
   {
-    if (!team.any(states_.empty() || input_ != input->GetMTime() || settings_ != settings || ranks_ != team.size()))
+    if (!team.any(lacking || states_.empty() || !input_.same(input) || settings_ != settings || ranks_ != team.size()))
     {
       return;
     }
@@ -110,7 +148,7 @@ public:
       forgetAll();
       throw;
     }
-    input_ = input->GetMTime();
+    input_.take(input);
     settings_ = settings;
     ranks_ = team.size();
   }
@@ -120,7 +158,7 @@ private:
   int chosen_ = -1;
   vtkTimeStamp changed_;
   // of the last run
-  vtkMTimeType input_ = 0;
+  InputMark input_;
   vtkMTimeType settings_ = 0;
   int ranks_ = 0;
 };

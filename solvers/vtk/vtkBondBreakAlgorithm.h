@@ -4,7 +4,9 @@
  *
  * What fracture in steps of load and motion in time share. Output 0 is the input in one state (State), output 1 the
  * broken bonds (vtkPolyData, a vertex a bond), output 2 a table. All states of a run are kept, so that a change of
- * State runs nothing again.
+ * State runs nothing again. Nor does one of the fields that states show: what is switched off is only left out, and
+ * stress and strain energy follow from a state's displacement and its bonds, of the state that is shown. Displacement
+ * and velocity that a run was not to keep need another run.
  *
  * @sa vtkBondFracture, vtkBondDynamics
  */
@@ -18,6 +20,7 @@
 #include <cstdint> // for std::int64_t
 #include <memory>  // for std::unique_ptr
 #include <string>  // for members
+#include <utility> // for std::pair
 #include <vector>  // for return values
 
 class vtkPolyData;
@@ -28,6 +31,10 @@ namespace lamella
 namespace io // VTK's wrappers do not read lamella::io
 {
 struct CheckpointOptions;
+}
+namespace peridynamics
+{
+struct Bond;
 }
 }
 
@@ -75,6 +82,10 @@ public:
   void SetState(int state);
   int GetState();
   ///@}
+  ///@{
+  /** -1 and the number of the last state, for a slider; 0 before the first update. */
+  vtkGetVector2Macro(StateRange, int);
+  ///@}
 
   ///@{
   /** A file that keeps where the run stands, in HDF5, after every CheckpointEvery; what is there already is replaced.
@@ -103,9 +114,14 @@ public:
 
   ///@{
   /** Whether the states carry displacements. Default on. */
-  vtkSetMacro(ComputeDisplacement, bool);
+  virtual void SetComputeDisplacement(bool on);
   vtkGetMacro(ComputeDisplacement, bool);
   vtkBooleanMacro(ComputeDisplacement, bool);
+  ///@}
+  ///@{
+  /** As vtkBondLoadAlgorithm; a change runs nothing again where the states carry displacements. */
+  void SetComputeStress(bool on) override;
+  void SetComputeStrainEnergy(bool on) override;
   ///@}
 
   /** Output 1. */
@@ -144,8 +160,16 @@ protected:
   std::vector<vtkImageData*> KeptStates() const;
   std::vector<std::int64_t> StatesAtBroken() const;
   /// Gives broken bonds and curve the field data of the last state, and says the warnings on rank 0.
-  void Finish(
-    vtkPolyData* broken, vtkTable* curve, const std::vector<std::string>& warnings, const lamella::Team& team);
+  /// @param order the broken bonds, in the order of the run
+  void Finish(vtkPolyData* broken, vtkTable* curve, std::vector<lamella::peridynamics::Bond> order,
+    const std::vector<std::string>& warnings, const lamella::Team& team);
+
+  /// Whether the sample is in motion: forces are those of large strains, and pieces that come loose fly on.
+  virtual bool Moves() const { return false; }
+  /// The fields that only Solve() makes, by name, and whether they are asked for.
+  virtual std::vector<std::pair<std::string, bool>> MadeFields() const;
+  /// Switches a field of the states on or off: runs nothing again by itself.
+  void Show(bool& setting, bool on);
 
   /// Of a limit: 0 stands for none, and leaves `limit` as it is. @throws lamella::ParameterError below 0
   static void SetLimit(const char* name, double value, double& limit);
@@ -183,10 +207,18 @@ protected:
   vtkIdType LastCheckpoint = 0;
   bool ComputeDisplacement = true;
   double PeakStress;
+  int StateRange[2] = { -1, 0 }; // VTK's macros want an array
 
 private:
   vtkBondBreakAlgorithm(const vtkBondBreakAlgorithm&) = delete;
   void operator=(const vtkBondBreakAlgorithm&) = delete;
+
+  /// All fields that states may show or not.
+  std::vector<std::pair<std::string, bool>> ShownFields() const;
+  /// Whether the states neither have a field nor what it follows from.
+  bool Lacks(const std::string& field) const;
+  /// Adds stress and strain energy that are asked for to the state that is shown.
+  void Measure(vtkImageData* input, const lamella::Team& team);
 
   struct Internals;
   std::unique_ptr<Internals> Kept;

@@ -338,8 +338,25 @@ void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkP
     lamella::setBrokenBonds(broken, result, scene, this->GetClassName());
     lamella::setHistory(curve, result, scene.lattice().dimension, this->GetClassName());
   }
-  this->Finish(broken, curve, result.warnings, team);
+  std::vector<pd::Bond> order;
+  for (const auto& b : result.broken)
+  {
+    order.push_back(b.bond);
+  }
+  this->Finish(broken, curve, std::move(order), result.warnings, team);
   lamella::setLatticeNumbers(broken, scene.lattice());
+}
+
+void vtkBondDynamics::SetComputeVelocity(bool on)
+{
+  this->Show(this->ComputeVelocity, on);
+}
+
+std::vector<std::pair<std::string, bool>> vtkBondDynamics::MadeFields() const
+{
+  std::vector<std::pair<std::string, bool>> fields = this->Superclass::MadeFields();
+  fields.emplace_back("velocity", this->ComputeVelocity);
+  return fields;
 }
 
 void vtkBondDynamics::PrintSelf(ostream& os, vtkIndent indent)

@@ -196,8 +196,8 @@ public:
   void RemoveAllStatesAtTimes();
   ///@}
   ///@{
-  /** Whether the states carry velocities. Default on. */
-  vtkSetMacro(ComputeVelocity, bool);
+  /** Whether the states carry velocities. Default on. Off and on again runs nothing. */
+  virtual void SetComputeVelocity(bool on);
   vtkGetMacro(ComputeVelocity, bool);
   vtkBooleanMacro(ComputeVelocity, bool);
   ///@}
@@ -207,6 +207,8 @@ protected:
   ~vtkBondDynamics() override;
 
   void Solve(vtkImageData* input, const lamella::Team& team, vtkPolyData* broken, vtkTable* curve) override;
+  bool Moves() const override { return true; }
+  std::vector<std::pair<std::string, bool>> MadeFields() const override;
 
 private:
   vtkBondDynamics(const vtkBondDynamics&) = delete;

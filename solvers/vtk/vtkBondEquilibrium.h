@@ -54,6 +54,8 @@
 #include "vtkBondLoadAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 
+#include <memory> // for std::unique_ptr
+
 class VTKLAMELLASOLVERSVTK_EXPORT vtkBondEquilibrium : public vtkBondLoadAlgorithm
 {
 public:
@@ -99,6 +101,15 @@ public:
   ///@}
 
   ///@{
+  /** As vtkBondLoadAlgorithm; a change solves nothing again. */
+  void SetComputeStress(bool on) override;
+  void SetComputeStrainEnergy(bool on) override;
+  ///@}
+
+  /** Later than the last change of a setting, or of what is shown. */
+  vtkMTimeType GetMTime() override;
+
+  ///@{
   /** Of the last update [Pa]; NaN before it. */
   vtkGetMacro(EffectiveModulus, double);
   ///@}
@@ -109,11 +120,16 @@ public:
 
 protected:
   vtkBondEquilibrium();
-  ~vtkBondEquilibrium() override = default;
+  ~vtkBondEquilibrium() override;
 
   void Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team) override;
 
 private:
+  void Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team);
+
+  struct Internals;
+  std::unique_ptr<Internals> Kept;
+
   vtkBondEquilibrium(const vtkBondEquilibrium&) = delete;
   void operator=(const vtkBondEquilibrium&) = delete;
 

@@ -156,7 +156,12 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
     lamella::setBrokenBonds(broken, result, scene, this->GetClassName());
     lamella::setFractureCurve(curve, result, this->GetClassName());
   }
-  this->Finish(broken, curve, result.warnings, team);
+  std::vector<pd::Bond> order;
+  for (const auto& b : result.record.broken)
+  {
+    order.push_back(b.bond);
+  }
+  this->Finish(broken, curve, std::move(order), result.warnings, team);
   lamella::setLatticeNumbers(broken, scene.lattice());
 }
 

@@ -18,6 +18,7 @@
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkTable.h"
 
@@ -25,6 +26,8 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <string>
 #include <vector>
 
 namespace mpm = lamella::mpm;
@@ -48,6 +51,7 @@ struct vtkPointCompression::Internals
   // of the last run
   lamella::KeptStates<vtkPolyData> States;
   vtkNew<vtkTable> Curve;
+  std::map<std::string, bool> Made; ///< fields of the states
 
   /// What is said of a run.
   struct Account
@@ -138,6 +142,22 @@ void vtkPointCompression::RemoveAllStatesAtStrains()
   }
 }
 
+#define LAMELLA_SHOW(name)                                                                                             \
+  void vtkPointCompression::SetCompute##name(bool on)                                                                  \
+  {                                                                                                                    \
+    if (this->Compute##name != on)                                                                                     \
+    {                                                                                                                  \
+      this->Compute##name = on;                                                                                        \
+      this->Kept->States.touch();                                                                                      \
+    }                                                                                                                  \
+  }
+LAMELLA_SHOW(Displacement)
+LAMELLA_SHOW(Velocity)
+LAMELLA_SHOW(Stress)
+LAMELLA_SHOW(DeformationGradient)
+LAMELLA_SHOW(EnergyDensity)
+#undef LAMELLA_SHOW
+
 void vtkPointCompression::SetState(int state)
 {
   this->Kept->States.choose(state);
@@ -156,10 +176,16 @@ vtkMTimeType vtkPointCompression::GetMTime()
 void vtkPointCompression::Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& team)
 {
   Internals& kept = *this->Kept;
+  const std::map<std::string, bool> fields{ { "displacement", this->ComputeDisplacement },
+    { "velocity", this->ComputeVelocity }, { "stress", this->ComputeStress },
+    { "deformation_gradient", this->ComputeDeformationGradient }, { "energy_density", this->ComputeEnergyDensity } };
+  const bool lacking = std::any_of(
+    fields.begin(), fields.end(), [&](const auto& field) { return field.second && kept.Made[field.first] == false; });
   kept.States.renew(
     input, this->Superclass::GetMTime(), team,
     [&]
     {
+      kept.Made = fields;
       this->LastCheckpoint = 0;
       const lamella::PointScene scene(
         input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), this->Settings(), team);
@@ -172,8 +198,23 @@ void vtkPointCompression::Run(vtkImageData* input, vtkInformationVector* outputs
         kept.Solve<2>(input, scene, team);
       }
     },
-    [&] { kept.Curve->Initialize(); });
-  kept.States.show(vtkDataObject::GetData(outputs, 0));
+    [&]
+    {
+      kept.Curve->Initialize();
+      kept.Made.clear();
+      this->StateRange[1] = 0;
+    },
+    lacking);
+  this->StateRange[1] = kept.States.count() - 1;
+  vtkPolyData* const output = vtkPolyData::GetData(outputs, 0);
+  kept.States.show(output);
+  for (const auto& [name, on] : fields)
+  {
+    if (!on)
+    {
+      output->GetPointData()->RemoveArray(name.c_str());
+    }
+  }
   vtkDataObject::GetData(outputs, 1)->ShallowCopy(kept.Curve);
 }
 

@@ -185,20 +185,21 @@ public:
   ///@}
 
   ///@{
-  /** What states carry besides `id` and `phase`. Displacement on, all others off. */
-  vtkSetMacro(ComputeDisplacement, bool);
+  /** What states carry besides `id` and `phase`. Displacement on, all others off. What is switched off after a run is
+   * left out, and comes back without another one; what the run was not to keep needs another. */
+  virtual void SetComputeDisplacement(bool on);
   vtkGetMacro(ComputeDisplacement, bool);
   vtkBooleanMacro(ComputeDisplacement, bool);
-  vtkSetMacro(ComputeVelocity, bool);
+  virtual void SetComputeVelocity(bool on);
   vtkGetMacro(ComputeVelocity, bool);
   vtkBooleanMacro(ComputeVelocity, bool);
-  vtkSetMacro(ComputeStress, bool);
+  virtual void SetComputeStress(bool on);
   vtkGetMacro(ComputeStress, bool);
   vtkBooleanMacro(ComputeStress, bool);
-  vtkSetMacro(ComputeDeformationGradient, bool);
+  virtual void SetComputeDeformationGradient(bool on);
   vtkGetMacro(ComputeDeformationGradient, bool);
   vtkBooleanMacro(ComputeDeformationGradient, bool);
-  vtkSetMacro(ComputeEnergyDensity, bool);
+  virtual void SetComputeEnergyDensity(bool on);
   vtkGetMacro(ComputeEnergyDensity, bool);
   vtkBooleanMacro(ComputeEnergyDensity, bool);
   ///@}
@@ -242,6 +243,10 @@ public:
   int GetNumberOfStates();
   vtkPolyData* GetStatePoints(int state);
   ///@}
+  ///@{
+  /** -1 and the number of the last state, for a slider; 0 before the first update. */
+  vtkGetVector2Macro(StateRange, int);
+  ///@}
 
   /** Later than the last change of a setting, or of State. */
   vtkMTimeType GetMTime() override;
@@ -282,6 +287,7 @@ private:
   bool ComputeStress = false;
   bool ComputeDeformationGradient = false;
   bool ComputeEnergyDensity = false;
+  int StateRange[2] = { -1, 0 }; // VTK's macros want an array
   std::string CheckpointFile;
   vtkIdType CheckpointEvery = 2000;
   std::string ContinueFile;

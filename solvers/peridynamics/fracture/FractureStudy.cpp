@@ -2,6 +2,7 @@
 
 #include "lattice/Error.h"
 #include "peridynamics/BondForces.h"
+#include "peridynamics/fracture/LoosePieces.h"
 #include "peridynamics/fracture/PlatenForce.h"
 #include "peridynamics/fracture/WantedStates.h"
 #include "peridynamics/multigrid/LevelSizes.h"
@@ -303,6 +304,22 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
   r.bytes = comm.sum(bonds.bytes() + r.record.statistics.bytes);
   warn(model, r);
   return r;
+}
+
+BondLattice remainingBonds(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,
+  std::span<const std::int32_t> grain, std::span<const Bond> broken, const Loading* held, const Communicator& comm)
+{
+  BondLattice bonds(model, lattice, phase, grain, comm);
+  std::optional<LoadedSample> sample;
+  if (held != nullptr)
+    sample = applyLoading(bonds, *held);
+  bonds.breakBonds(comm.rank() == 0 ? broken : std::span<const Bond>());
+  if (sample)
+  {
+    const AlignedArray<std::uint8_t> marks = PlatenForce(bonds, *held, *sample).marks(bonds, *sample);
+    bonds.breakBonds(bondsOfLoosePieces(bonds, findFragments(bonds, &marks)));
+  }
+  return bonds;
 }
 
 } // namespace lamella::peridynamics

@@ -92,6 +92,14 @@ struct FractureResult : SampleCounts
 [[nodiscard]] double fractureBytes(
   const BondModel& model, const Lattice& lattice, bool grains, const FractureStudyOptions& options, int ranks);
 
+/// The bonds of a state that a run came through, made anew: what is left after so many broken ones, in the order of the
+/// run. The sample is as studyFracture() takes it, or studyDynamics(). Collective.
+/// @param held how platens hold it: bonds of pieces that came loose are taken out then, as studyFracture() does; null
+/// where they fly on, as in studyDynamics()
+[[nodiscard]] BondLattice remainingBonds(const BondModel& model, const Lattice& lattice,
+  std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain, std::span<const Bond> broken,
+  const Loading* held, const Communicator& comm);
+
 /// The curve of a record, see FractureResult::curve.
 [[nodiscard]] std::vector<FractureCurvePoint> fractureCurve(const FractureRecord& record);
 
