@@ -25,7 +25,7 @@ function(lamella_python_package)
   endforeach()
 
   set(_source "${CMAKE_CURRENT_SOURCE_DIR}/tools/python/lamella")
-  file(GLOB _files CONFIGURE_DEPENDS RELATIVE "${_source}" "${_source}/*.py")
+  file(GLOB _files CONFIGURE_DEPENDS RELATIVE "${_source}" "${_source}/*.py" "${_source}/py.typed")
   set(_copies)
   foreach(file IN LISTS _files)
     add_custom_command(OUTPUT "${_folder}/${file}"

@@ -49,7 +49,7 @@ from ._errors import Cancelled, LamellaError
 from ._flux import FluxMapResult, flux_map
 from ._fracture import FractureResult, FractureState, fracture
 from ._packings import CementedSample, Packing, bridges, packing, read_packing
-from ._paraview import load_plugin, plugin_path
+from ._paraview import load_plugin, load_presets, plugin_path, use_preset
 from ._pictures import snapshot
 from ._pores import PoreFloodFillResult, pore_flood_fill
 from ._samples import (
@@ -116,6 +116,7 @@ __all__ = [
     "laminate",
     "lattice_boltzmann",
     "load_plugin",
+    "load_presets",
     "packing",
     "plugin_path",
     "point_stiffness",
@@ -128,4 +129,5 @@ __all__ = [
     "spheres",
     "stiffness",
     "stress_pdf",
+    "use_preset",
 ]

@@ -1,6 +1,9 @@
 """Between VTK images and numpy arrays in the order of pictures."""
 
+from __future__ import annotations
+
 import json
+from ._types import Any
 
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
@@ -17,36 +20,93 @@ def to_numpy(image, array):
     return values.reshape((nz, ny, nx) + tail)
 
 
-def to_image(phase, spacing, name="phase"):
-    """An image with the point array of this name from numbers in the order of pictures; phases are whole ones."""
-    phase = np.asarray(phase)
-    if phase.ndim not in (2, 3) or phase.size == 0:
-        raise ValueError(f"an array of shape {phase.shape} is neither a picture nor a volume")
-    if phase.dtype == bool:
-        phase = phase.astype(np.uint8)
-    if name != "phase" and not np.issubdtype(phase.dtype, np.unsignedinteger):
-        phase = phase.astype(float)
-    elif not np.issubdtype(phase.dtype, np.integer):
-        raise ValueError(f"phases are whole numbers, not {phase.dtype}")
-    if phase.ndim == 2:
-        phase = phase[::-1][np.newaxis]
-    if name == "phase" and phase.min() >= 0 and phase.max() < 256:
-        phase = phase.astype(np.uint8)
-    nz, ny, nx = phase.shape
+def checked(values, what, remedy):
+    """The values as a numpy array of numbers that VTK knows, in the machine's byte order."""
+    if np.ma.isMaskedArray(values) and np.ma.count_masked(values) > 0:
+        raise ValueError(
+            f"{what} is a masked array with {np.ma.count_masked(values)} values masked; fill them: values.filled(0)")
+    array = np.asarray(values)
+    if array.ndim == 0 and array.dtype.kind not in "biuf":
+        raise ValueError(f"{what} is of type {type(values).__name__}; give an array of numbers, or what lamella makes")
+    if array.dtype.kind not in "biuf" or array.dtype.itemsize > 8 or array.dtype == np.float16:
+        raise ValueError(f"{what} is of type {array.dtype}; {remedy}")
+    if array.dtype == bool:
+        array = array.view(np.uint8)
+    return array if array.dtype.isnative else array.astype(array.dtype.newbyteorder("="))
+
+
+def reals(values, what, shape=None):
+    """The values as an array of doubles; an error in words where they are none. ``shape``: -1 for any length."""
+    array = checked(values, what, "give real numbers").astype(float, copy=False)
+    fits = shape is None or (array.ndim == len(shape) and all(n in (-1, m) for n, m in zip(shape, array.shape)))
+    if not fits:
+        wanted = " by ".join("n" if n == -1 else str(n) for n in shape)
+        raise ValueError(f"{what} has the shape {array.shape}; give {wanted} numbers")
+    return array
+
+
+def to_vtk(values, name, tail=(), copy=None):
+    """A VTK array of values in the order of VTK, whose last axes ``tail`` are the components.
+
+    It shares the memory of the values where they are contiguous, and keeps it from being freed.
+    """
+    count = int(np.prod(tail, dtype=int))
+    flat = np.ascontiguousarray(values).reshape((-1, count) if tail else -1)
+    shares = np.shares_memory(flat, values) and flat.flags.writeable  # VTK takes no memory that is read-only
+    if copy is False and not shares:
+        why = "its rows do not lie in memory as VTK wants them" if flat.flags.writeable else "its memory is read-only"
+        raise ValueError(f"{name} needs a copy: {why}; say copy=None to make one")
+    if np.shares_memory(flat, values) and (copy or not shares):
+        flat = flat.copy()
+    array = numpy_to_vtk(flat)
+    array.AddObserver("DeleteEvent", lambda *_, owner=flat: None)  # the memory lives as long as the array of VTK
+    array.SetName(name)
+    return array
+
+
+def in_vtk_order(values, dimension):
+    """Rows of a picture begin at the top, those of VTK at the bottom; volumes stay."""
+    return values[::-1] if dimension == 2 else values
+
+
+def to_image(phase, spacing, name="phase", copy=None):
+    """An image with the point array of this name from numbers in the order of pictures; phases are whole ones.
+
+    The image shares the memory of the numbers where its layout allows it: ``copy`` as of from_array().
+    """
+    if not (np.isscalar(spacing) and np.isreal(spacing) and np.isfinite(spacing) and spacing > 0):
+        raise ValueError(f"spacing is {spacing!r}; give the distance of two nodes in metres, above 0")
+    remedy = "give whole numbers: values.astype(numpy.uint8)" if name == "phase" else "give real numbers"
+    given = checked(phase, name, remedy)
+    if given.ndim not in (2, 3) or given.size == 0:
+        raise ValueError(f"an array of shape {given.shape} is neither a picture nor a volume; give rows by columns, or z by y by x")
+    values = given
+    if name != "phase" and values.dtype.kind != "u":
+        values = values.astype(float, copy=False)
+    elif values.dtype.kind == "f":
+        raise ValueError(f"phases are whole numbers, not {values.dtype}; {remedy}")
+    if name == "phase" and values.dtype != np.uint8 and values.min() >= 0 and values.max() < 256:
+        values = values.astype(np.uint8)
+    if copy is False and not np.shares_memory(values, phase):
+        raise ValueError(f"{name} needs a copy: its type is {np.asarray(phase).dtype}; give numpy.uint8, or say copy=None")
+    ordered = in_vtk_order(values, values.ndim)
+    nz, ny, nx = ordered.shape if ordered.ndim == 3 else (1, *ordered.shape)
     image = vtkImageData()
     image.SetDimensions(nx, ny, nz)
     image.SetSpacing(spacing, spacing, spacing)
     image.SetOrigin(spacing / 2, spacing / 2, spacing / 2 if nz > 1 else 0)
-    array = numpy_to_vtk(np.ascontiguousarray(phase).ravel(), deep=True)
-    array.SetName(name)
-    image.GetPointData().SetScalars(array)
+    image.GetPointData().SetScalars(to_vtk(ordered, name, copy=copy))
     return image
 
 
 def view(where, name, text):
     """A property that shows a point or cell array of ``self.vtk`` in place."""
     data = {"point": "GetPointData", "cell": "GetCellData"}[where]
-    return property(lambda self: vtk_to_numpy(getattr(self.vtk, data)().GetArray(name)), doc=text)
+
+    def get(self) -> np.ndarray:
+        return vtk_to_numpy(getattr(self.vtk, data)().GetArray(name))
+
+    return property(get, doc=text)
 
 
 def columns(table):
@@ -93,7 +153,7 @@ class FieldData:
         return int(self._number(name))
 
     @property
-    def provenance(self):
+    def provenance(self) -> dict[str, Any]:
         """Version, parameters, seed and input files as a dictionary."""
         return provenance(self.vtk)
 
@@ -102,6 +162,6 @@ class Answer(FieldData):
     """The same of a solver, which says what it doubts."""
 
     @property
-    def warnings(self):
+    def warnings(self) -> list[str]:
         """What is doubtful about the answer, a list of sentences with their numbers."""
         return texts(self.vtk, "warnings")

@@ -1,10 +1,13 @@
 """What solvers on bonds share: their settings, and what they say of the sample."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from . import _arrays
 from ._errors import choose
 from ._samples import ImageBase
+from ._types import Array
 
 LOADS = {"stretch": 0, "shear": 1, "biaxial": 2}
 _AXES = {None: -1, "x": 0, "y": 1, "z": 2}
@@ -21,12 +24,12 @@ class BondNumbers(ImageBase, _arrays.Answer):
         return 3 if self.vtk.GetDimensions()[2] > 1 else 2
 
     @property
-    def effective_modulus(self):
+    def effective_modulus(self) -> float:
         """Force on the platen over the section of the box, over the strain [Pa]; a shear modulus under shear."""
         return self._number("effective_modulus")
 
     @property
-    def pairs(self):
+    def pairs(self) -> dict[str, dict[str, float]]:
         """What each pair of phases was given: {pair: {"young", "critical_stretch", "fracture_energy", "toughness"}}."""
         names = _arrays.texts(self.vtk, "pair_names")
         keys = ("young", "critical_stretch", "fracture_energy", "toughness")
@@ -35,18 +38,18 @@ class BondNumbers(ImageBase, _arrays.Answer):
         return {name: {k: float(v[i]) for k, v in zip(keys, values)} for i, name in enumerate(names)}
 
     @property
-    def platens(self):
+    def platens(self) -> tuple[tuple[int, int], tuple[int, int]]:
         """Layers that the platens hold, counted from 0 along the axis: ((first, last), (first, last))."""
         a, b, c, d = (int(n) for n in _arrays.numbers(self.vtk, "platen_layers"))
         return (a, b), (c, d)
 
     @property
-    def axis(self):
+    def axis(self) -> str:
         """Axis of loading: "x", "y" or "z"."""
         return _arrays.text(self.vtk, "load_axis")
 
     @property
-    def loose_pieces(self):
+    def loose_pieces(self) -> tuple[int, int]:
         """Number of pieces that hang on no platen, and of their nodes."""
         return self._count("loose_pieces"), self._count("loose_nodes")
 
@@ -55,26 +58,26 @@ class BondFields(BondNumbers):
     """What they say of every node. y points up."""
 
     @property
-    def displacement(self):
-        """Metres, x, y (and z) in the last axis; in the order of pictures (a view)."""
+    def displacement(self) -> Array:
+        """[m], x, y (and z) in the last axis; in the order of pictures (a view)."""
         return self.array("displacement")[..., : self._dimension]
 
     @property
-    def stress(self):
-        """Pa, the six components xx, yy, zz, xy, yz, xz in the last axis (a view); asked for with stress=True."""
+    def stress(self) -> Array:
+        """[Pa], the six components xx, yy, zz, xy, yz, xz in the last axis (a view); asked for with stress=True."""
         return self.array("stress")
 
-    def stress_component(self, name):
-        """One component of the stress, "xx" to "xz" (a view)."""
+    def stress_component(self, name: str) -> Array:
+        """One component of the stress [Pa], "xx" to "xz", in the order of pictures (a view)."""
         return self.stress[..., choose(_COMPONENTS, name, "component")]
 
     @property
-    def strain_energy(self):
-        """J/m^3 (a view); asked for with strain_energy=True."""
+    def strain_energy(self) -> Array:
+        """[J/m^3], in the order of pictures (a view); asked for with strain_energy=True."""
         return self.array("strain_energy")
 
     @property
-    def hinges(self):
+    def hinges(self) -> int:
         """Nodes that hang on too few bonds to resist in every direction."""
         return self._count("hinges")
 

@@ -1,5 +1,7 @@
 """What samples that break have in common, under a load and in motion: states, broken bonds, curve, checkpoints."""
 
+from __future__ import annotations
+
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkTable
@@ -8,23 +10,24 @@ from . import _arrays, _files
 from ._bonds import BondFields, BondNumbers
 from ._errors import run
 from ._runs import LoadedState, LongRun, set_checkpoint
+from ._types import Array, Path
 
 
 class BrokenState(BondFields, LoadedState):
     """The sample in one state: ``vtk`` is the image with ``damage``, ``broken`` and what was asked for."""
 
     @property
-    def damage(self):
+    def damage(self) -> Array:
         """Share of each node's bonds that are broken, 0 to 1 (a view)."""
         return self.array("damage")
 
     @property
-    def broken(self):
+    def broken(self) -> Array:
         """Broken bonds of each node (a view)."""
         return self.array("broken")
 
     @property
-    def broken_bonds(self):
+    def broken_bonds(self) -> int:
         """How many bonds of the sample are broken."""
         return self._count("broken_bonds")
 
@@ -37,7 +40,7 @@ class BreakResult(BondNumbers, LongRun):
     _KINDS = ()  # of broken bonds: name, type, components
     _TIMES = ()  # what took how long
 
-    def __init__(self, algorithm):
+    def __init__(self, algorithm) -> None:
         images = [algorithm.GetStateImage(i) for i in range(algorithm.GetNumberOfStates())]
         super().__init__(images[-1])
         #: a state for each one asked for that was reached, and the end
@@ -50,12 +53,12 @@ class BreakResult(BondNumbers, LongRun):
         return vtk_to_numpy(self.vtk_curve.GetColumnByName(name))
 
     @property
-    def stress(self):
+    def stress(self) -> Array:
         """Curve: stresses at ``strain`` [Pa]."""
         return self._column("stress")
 
     @property
-    def broken_so_far(self):
+    def broken_so_far(self) -> Array:
         """Curve: number of broken bonds at ``strain``."""
         return self._column("broken")
 
@@ -73,7 +76,7 @@ class BreakResult(BondNumbers, LongRun):
         return bonds
 
     @property
-    def end(self):
+    def end(self) -> str:
         """Why the run ended: "stress-fell", "maximum-strain" or "maximum-broken"; of fracture() also "severed" or
         "nothing-breaks", of dynamics() "time"."""
         return _arrays.text(self.vtk, "end")
@@ -82,26 +85,26 @@ class BreakResult(BondNumbers, LongRun):
         return dict(zip(self._TIMES, map(float, _arrays.numbers(self.vtk, "seconds"))))
 
     @property
-    def peak_stress(self):
+    def peak_stress(self) -> float:
         """The largest stress: the strength, if the run went beyond it [Pa]."""
         return self._number("peak_stress")
 
     @property
-    def peak_strain(self):
+    def peak_strain(self) -> float:
         """The strain imposed then."""
         return self._number("peak_strain")
 
     @property
-    def damage(self):
+    def damage(self) -> Array:
         """At the end: share of each node's bonds that are broken, 0 to 1 (a view)."""
         return self.states[-1].damage
 
     @property
-    def displacement(self):
-        """At the end: metres, x, y (and z) in the last axis (a view)."""
+    def displacement(self) -> Array:
+        """At the end: [m], x, y (and z) in the last axis (a view)."""
         return self.states[-1].displacement
 
-    def save_broken(self, path, overwrite=False):
+    def save_broken(self, path: Path, overwrite: bool = False) -> str:
         """Writes the broken bonds as a .vtp file, whole or not at all."""
         path = _files.new_path(path, overwrite)
         _files.write_poly_data(self.vtk_broken, path)

@@ -1,7 +1,8 @@
 """What a compression run tells: its curve, and which cells gave way."""
 
+from __future__ import annotations
+
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkDoubleArray
 from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkTable
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
@@ -10,13 +11,14 @@ from . import _arrays
 from ._errors import run
 from ._samples import ImageBase
 from ._solve import as_image
+from ._types import Array, ArrayLike, Columns, Image, Name, Progress, Sequence
 from .vtkLamellaFilters import vtkCollapseMap, vtkCompressionCurve
 
 
 class CompressionCurveResult(_arrays.FieldData):
     """Numbers of vtkCompressionCurve: strains are fractions, compression positive. What was not found is None."""
 
-    def __init__(self, table):
+    def __init__(self, table) -> None:
         #: vtkTable, one row a row of the curve
         self.vtk = table
 
@@ -25,48 +27,48 @@ class CompressionCurveResult(_arrays.FieldData):
         return None if np.isnan(value) else value
 
     @property
-    def table(self):
+    def table(self) -> Columns:
         """Columns by name: ``strain``, ``stress``, ``absorbed_energy`` [J/m^3], ``efficiency``, ``smooth_stress`` [Pa]."""
         return _arrays.columns(self.vtk)
 
     @property
-    def stiffness(self):
+    def stiffness(self) -> float | None:
         """Slope of the fitted line [Pa]."""
         return self._number("curve_stiffness")
 
     @property
-    def stiffness_error(self):
+    def stiffness_error(self) -> float | None:
         """Standard error of the slope [Pa]."""
         return self._number("curve_stiffness_error")
 
     @property
-    def intercept(self):
+    def intercept(self) -> float | None:
         """Stress of the fitted line at no strain [Pa]."""
         return self._number("curve_intercept")
 
     @property
-    def r2(self):
+    def r2(self) -> float | None:
         """Share of the variance that the fitted line explains."""
         return self._number("curve_r2")
 
     @property
-    def toe(self):
+    def toe(self) -> float | None:
         """Strain at which the fitted line begins."""
         return self._number("curve_toe")
 
     @property
-    def fit_range(self):
+    def fit_range(self) -> tuple[float, float] | None:
         """Strains of the first and the last row that were fitted."""
         low, high = _arrays.numbers(self.vtk, "curve_fit_range")
         return None if np.isnan(low) else (float(low), float(high))
 
     @property
-    def yield_point(self):
+    def yield_point(self) -> tuple[float, float] | None:
         """Strain and stress [Pa] where the curve meets the fitted line moved by the offset."""
         return self._point("yield")
 
     @property
-    def peak(self):
+    def peak(self) -> tuple[float, float] | None:
         """Strain and stress [Pa] of the first maximum."""
         return self._point("peak")
 
@@ -75,52 +77,52 @@ class CompressionCurveResult(_arrays.FieldData):
         return None if strain is None else (strain, self._number(f"curve_{name}_stress"))
 
     @property
-    def plateau_stress(self):
+    def plateau_stress(self) -> float | None:
         """Mean stress of the plateau [Pa]."""
         return self._number("curve_plateau_stress")
 
     @property
-    def plateau_range(self):
+    def plateau_range(self) -> tuple[float, float] | None:
         """Strains between which that mean was taken."""
         low, high = _arrays.numbers(self.vtk, "curve_plateau_range")
         return None if np.isnan(low) else (float(low), float(high))
 
     @property
-    def plateau_end(self):
+    def plateau_end(self) -> float | None:
         """Strain at which the stress is 1.3 times the plateau's."""
         return self._number("curve_plateau_end_strain")
 
     @property
-    def densification(self):
+    def densification(self) -> float | None:
         """Strain at which densification begins: the efficiency of energy absorption is largest."""
         return self._number("curve_densification_strain")
 
     @property
-    def densification_stress(self):
+    def densification_stress(self) -> float | None:
         """Stress there [Pa]."""
         return self._number("curve_densification_stress")
 
     @property
-    def densification_energy(self):
+    def densification_energy(self) -> float | None:
         """Energy absorbed up to there [J/m^3]."""
         return self._number("curve_densification_energy")
 
     @property
-    def efficiency(self):
+    def efficiency(self) -> float | None:
         """The largest efficiency: energy absorbed over the stress."""
         return self._number("curve_densification_efficiency")
 
     @property
-    def energy(self):
+    def energy(self) -> float | None:
         """Energy absorbed by all of the curve [J/m^3]."""
         return self._number("curve_energy")
 
     @property
-    def missing(self):
+    def missing(self) -> list[str]:
         """What was not found, and why: a list of texts."""
         return _arrays.texts(self.vtk, "curve_missing")
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         def shown(value, unit=""):
             return "none" if value is None else f"{value:.4g}{unit}"
 
@@ -131,8 +133,8 @@ class CompressionCurveResult(_arrays.FieldData):
 
 
 def compression_curve(
-    strain, stress, stiffness_range=(0, 0.03), window=0, offset=0.002, plateau_range=None, smoothing=0.01, prominence=0.05
-):
+    strain: ArrayLike, stress: ArrayLike, stiffness_range: Sequence[float] = (0, 0.03), window: float = 0, offset: float = 0.002, plateau_range: Sequence[float] | None = None, smoothing: float = 0.01, prominence: float = 0.05
+) -> CompressionCurveResult:
     """Stiffness, collapse, plateau, densification and energy of a stress-strain curve in compression.
 
     strain, stress   columns of equal length: fractions, rising from row to row; Pa. Compression is positive
@@ -144,13 +146,12 @@ def compression_curve(
     prominence       share that the curve falls by beyond a maximum that counts
     """
     table = vtkTable()
-    columns = [np.ascontiguousarray(column, dtype=float) for column in (strain, stress)]
-    if columns[0].ndim != 1 or columns[0].shape != columns[1].shape:
-        raise ValueError(f"strain and stress have the shapes {columns[0].shape} and {columns[1].shape}; give two columns")
-    for name, column in zip(("strain", "stress"), columns):
-        array = numpy_to_vtk(column, deep=True)
-        array.SetName(name)
-        table.AddColumn(array)
+    columns = {name: _arrays.reals(column, name) for name, column in (("strain", strain), ("stress", stress))}
+    shapes = [column.shape for column in columns.values()]
+    if len(shapes[0]) != 1 or shapes[0] != shapes[1]:
+        raise ValueError(f"strain and stress have the shapes {shapes[0]} and {shapes[1]}; give two columns")
+    for name, column in columns.items():
+        table.AddColumn(_arrays.to_vtk(column, name))
     curve = vtkCompressionCurve()
     curve.SetInputData(table)
     curve.SetStiffnessRange(*(float(end) for end in stiffness_range))
@@ -167,7 +168,7 @@ def compression_curve(
 class CollapseMapResult(ImageBase):
     """``vtk`` is the image with ``lumen``, ``lumen_ratio`` and ``collapse_strain``."""
 
-    def __init__(self, collapse):
+    def __init__(self, collapse) -> None:
         super().__init__(collapse.GetOutput())
         #: vtkTable, one row a lumen
         self.vtk_lumens = collapse.GetLumenTable()
@@ -175,49 +176,49 @@ class CollapseMapResult(ImageBase):
         self.vtk_states = collapse.GetStateTable()
 
     @property
-    def labels(self):
+    def labels(self) -> Array:
         """Number of each pixel's lumen, 0 in walls, in the order of pictures (a view, no copy)."""
         return self.array("lumen")
 
     @property
-    def ratio(self):
+    def ratio(self) -> Array:
         """Area (volume) of each pixel's lumen in the last state over that at the start; NaN in walls (a view)."""
         return self.array("lumen_ratio")
 
     @property
-    def collapse_strain(self):
+    def collapse_strain(self) -> Array:
         """Strain at which each pixel's lumen collapsed; NaN in walls and where it did not (a view)."""
         return self.array("collapse_strain")
 
     @property
-    def table(self):
+    def table(self) -> Columns:
         """Columns by name, one entry a lumen: those of ``lamella.pore_flood_fill``, ``cut``, ``ratio``,
         ``collapse_strain``.
         """
         return _arrays.columns(self.vtk_lumens)
 
     @property
-    def states(self):
+    def states(self) -> Columns:
         """Columns by name, one entry a state: ``strain``, ``collapsed``, ``collapsed_share``, ``ratio``."""
         return _arrays.columns(self.vtk_states)
 
     @property
-    def count(self):
+    def count(self) -> int:
         """Number of lumens."""
         return int(self._number("lumen_count"))
 
     @property
-    def collapsed(self):
+    def collapsed(self) -> int:
         """Number of lumens that collapsed."""
         return int(self._number("lumen_collapsed"))
 
     @property
-    def first_strain(self):
+    def first_strain(self) -> float | None:
         """Strain at which the first lumen collapsed; None where none did."""
         value = self._number("first_collapse_strain")
         return None if np.isnan(value) else value
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<lamella.CollapseMapResult: {self.collapsed} of {self.count} lumens collapsed>"
 
 
@@ -231,7 +232,15 @@ def _with_strain(points, strain):
     return state
 
 
-def collapse_map(sample, points, strains=None, phase=None, share=0.5, minimum_size=1, progress=None):
+def collapse_map(
+    sample: Image,
+    points: vtkPolyData | Sequence[vtkPolyData] | vtkAlgorithm,
+    strains: ArrayLike | None = None,
+    phase: Name | None = None,
+    share: float = 0.5,
+    minimum_size: int = 1,
+    progress: Progress | None = None,
+) -> CollapseMapResult:
     """Which cells of a tissue give way in compression, and at which strain.
 
     sample        the Sample, image or array of phases that the points were made from
@@ -241,6 +250,7 @@ def collapse_map(sample, points, strains=None, phase=None, share=0.5, minimum_si
     phase         name or number of the lumens' phase; None: the first that is called void, pore, lumen or air
     share         share of its area at which a lumen has collapsed
     minimum_size  smaller lumens are left out
+    progress      called as progress(share, text); return False to cancel (raises Cancelled)
     """
     collapse = vtkCollapseMap()
     collapse.SetInputData(as_image(sample))

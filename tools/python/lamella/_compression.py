@@ -1,5 +1,7 @@
 """Material points: compression to densification, and stiffness without time."""
 
+from __future__ import annotations
+
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkTable
@@ -8,6 +10,7 @@ from . import _arrays, _files
 from ._errors import choose, run
 from ._runs import LoadedState, LongRun, set_checkpoint
 from ._solve import as_image
+from ._types import Any, Array, ArrayLike, Columns, Image, OnStep, Path, Progress, Sequence
 from .vtkLamellaSolversVTK import vtkPointCompression, vtkPointStiffness
 
 _AXES = {None: -1, "x": 0, "y": 1, "z": 2}
@@ -28,16 +31,16 @@ _FIELDS = {
 class PointState(LoadedState, _arrays.Answer):
     """The points at one strain: ``vtk`` is the vtkPolyData. Points stand in the order of their numbers."""
 
-    def __init__(self, points):
+    def __init__(self, points) -> None:
         #: the vtkPolyData
         self.vtk = points
 
     @property
-    def positions(self):
+    def positions(self) -> Array:
         """x, y, z of every point [m], n by 3 (a view)."""
         return vtk_to_numpy(self.vtk.GetPoints().GetData())
 
-    def array(self, name):
+    def array(self, name: str) -> Array:
         """An array of the points: "id", "phase", "displacement" [m] and what was asked for: "velocity" [m/s], "stress" [Pa]
         (Cauchy's: xx, yy, zz, xy, yz, xz), "deformation_gradient" (9, by rows), "energy_density" [J/m^3] (a view)."""
         found = self.vtk.GetPointData().GetArray(name)
@@ -45,13 +48,13 @@ class PointState(LoadedState, _arrays.Answer):
             raise KeyError(f"the points have no array {name!r}; ask for it with fields=")
         return vtk_to_numpy(found)
 
-    def save(self, path, overwrite=False):
+    def save(self, path: Path, overwrite: bool = False) -> str:
         """Writes the points as a .vtp file, whole or not at all."""
         path = _files.new_path(path, overwrite)
         _files.write_poly_data(self.vtk, path)
         return path
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<lamella.PointState: strain {self.imposed_strain:.6g}, {self.vtk.GetNumberOfPoints()} points>"
 
 
@@ -61,7 +64,7 @@ class CompressionResult(LongRun, _arrays.Answer):
     Strains and stresses are positive in compression. Energies of a picture are per metre of thickness. y points up.
     """
 
-    def __init__(self, algorithm):
+    def __init__(self, algorithm) -> None:
         points = [algorithm.GetStatePoints(i) for i in range(algorithm.GetNumberOfStates())]
         #: a state for each strain asked for, and the end
         self.states = [PointState(state) for state in points]
@@ -72,33 +75,33 @@ class CompressionResult(LongRun, _arrays.Answer):
         self.vtk_curve.ShallowCopy(algorithm.GetCurve())
 
     @property
-    def curve(self):
+    def curve(self) -> Columns:
         """All columns of the curve, a dictionary of arrays: strain, stress, imbalance, lateral_stress, lateral_strain, porosity,
         elastic_energy, kinetic_energy, work, dissipated, speed, steps, time (SI)."""
         return _arrays.columns(self.vtk_curve)
 
     @property
-    def strain(self):
-        """Curve: 1 - H/H0."""
+    def strain(self) -> Array:
+        """Curve: 1 - H/H0 [1]."""
         return vtk_to_numpy(self.vtk_curve.GetColumnByName("strain"))
 
     @property
-    def stress(self):
+    def stress(self) -> Array:
         """Curve: force on the platens over the section at the start [Pa], means over half a row before and after."""
         return vtk_to_numpy(self.vtk_curve.GetColumnByName("stress"))
 
     @property
-    def points(self):
+    def points(self) -> PointState:
         """The points at the end, a PointState."""
         return self.states[-1]
 
     @property
-    def energy_ratio(self):
+    def energy_ratio(self) -> float:
         """The largest kinetic over elastic energy beyond ``calm_from``: how quasi-static it was."""
         return self._number("worst_energy_ratio")
 
     @property
-    def quality(self):
+    def quality(self) -> dict[str, float]:
         """How far to trust the curve beyond ``calm_from``: worst "energy_ratio" (at "energy_ratio_strain"), "lateral" and
         "imbalance" stress over the axial one; "slowdowns" of the platens; "first_touch_strain"."""
         names = ("worst_energy_ratio", "worst_energy_ratio_strain", "worst_lateral", "worst_imbalance", "first_touch_strain")
@@ -107,7 +110,7 @@ class CompressionResult(LongRun, _arrays.Answer):
         return found
 
     @property
-    def statistics(self):
+    def statistics(self) -> dict[str, float]:
         """"points", "bytes_per_point", "steps", "updates_per_second" (of points, wall time), "setup_seconds", "run_seconds"."""
         counts = {name: self._count(name) for name in ("points", "steps", "updates_per_second")}
         seconds = _arrays.numbers(self.vtk, "seconds")
@@ -115,15 +118,15 @@ class CompressionResult(LongRun, _arrays.Answer):
                 "run_seconds": float(seconds[1])}
 
     @property
-    def axis(self):
+    def axis(self) -> str:
         """Axis of loading: "x", "y" or "z"."""
         return _arrays.text(self.vtk, "load_axis")
 
-    def save(self, path, overwrite=False):
+    def save(self, path: Path, overwrite: bool = False) -> str:
         """Writes the points at the end as a .vtp file, whole or not at all."""
         return self.points.save(path, overwrite)
 
-    def save_curve(self, path, overwrite=False):
+    def save_curve(self, path: Path, overwrite: bool = False) -> str:
         """Writes the curve as comma-separated values, whole or not at all."""
         path = _files.new_path(path, overwrite)
         curve = self.curve
@@ -131,7 +134,7 @@ class CompressionResult(LongRun, _arrays.Answer):
         _files.write_bytes(("\n".join(lines) + "\n").encode("utf-8"), path)
         return path
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return (
             f"<lamella.CompressionResult: stress {self.stress[-1]:.6g} Pa at a strain of {self.strain[-1]:.4g}, "
             f"{self.vtk.GetNumberOfPoints()} points, kinetic energy at most {100 * self.energy_ratio:.2g} % of the elastic>"
@@ -141,37 +144,37 @@ class CompressionResult(LongRun, _arrays.Answer):
 class PointStiffnessResult(_arrays.Answer):
     """``vtk`` is the vtkTable of constants with all numbers as field data; ``vtk_tensor`` that of the tensor."""
 
-    def __init__(self, constants, tensor):
+    def __init__(self, constants, tensor) -> None:
         #: one row a constant
         self.vtk = constants
         #: one row a stress
         self.vtk_tensor = tensor
 
     @property
-    def constants(self):
+    def constants(self) -> dict[str, float]:
         """Moduli [Pa] and Poisson's ratios by name: E_x, nu_xy ..."""
         return dict(zip(_arrays.texts(self.vtk, "constant_names"), map(float, _arrays.numbers(self.vtk, "constants"))))
 
     @property
-    def components(self):
+    def components(self) -> list[str]:
         """Names of the tensor's rows and columns."""
         return _arrays.texts(self.vtk, "stiffness_components")
 
     @property
-    def stiffness(self):
+    def stiffness(self) -> Array:
         """The tensor [Pa], of the strains that the sides allow; empty for open sides."""
         n = len(self.components)
         return _arrays.numbers(self.vtk, "stiffness").reshape(n, n)
 
     @property
-    def statistics(self):
+    def statistics(self) -> dict[str, float]:
         """"points", "nodes", "iterations", "residual", "setup_seconds", "solve_seconds"."""
         seconds = _arrays.numbers(self.vtk, "seconds")
         counts = {name: self._count(name) for name in ("points", "nodes", "iterations")}
         return {**counts, "residual": self._number("residual"), "setup_seconds": float(seconds[0]),
                 "solve_seconds": float(seconds[1])}
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         numbers = ", ".join(f"{name} {value:.6g}" for name, value in self.constants.items() if name[0] == "E")
         return f"<lamella.PointStiffnessResult: {numbers} Pa>"
 
@@ -224,30 +227,30 @@ def _set_points(
 
 
 def compression(
-    image,
-    axis=None,
-    strain=0.48,
-    sides="straight",
-    grip=False,
-    energy_ratio=0.01,
-    calm_from=0.05,
-    speeds=(1e-3, 5e-5, 2e-2),
-    damping=0.0,
-    rows=240,
-    at_strains=(),
-    fields=("displacement",),
-    shape="spline",
-    transfer="apic",
-    consistent_mass=False,
-    modified_update=False,
-    time_step=None,
-    checkpoint=None,
-    checkpoint_every=2000,
-    continue_from=None,
-    progress=None,
-    on_step=None,
-    **points,
-):
+    image: Image,
+    axis: str | None = None,
+    strain: float = 0.48,
+    sides: str = "straight",
+    grip: bool = False,
+    energy_ratio: float = 0.01,
+    calm_from: float = 0.05,
+    speeds: Sequence[float] = (1e-3, 5e-5, 2e-2),
+    damping: float = 0.0,
+    rows: int = 240,
+    at_strains: ArrayLike = (),
+    fields: str | Sequence[str] = ("displacement",),
+    shape: str = "spline",
+    transfer: str = "apic",
+    consistent_mass: bool = False,
+    modified_update: bool = False,
+    time_step: float | None = None,
+    checkpoint: Path | None = None,
+    checkpoint_every: int = 2000,
+    continue_from: Path | None = None,
+    progress: Progress | None = None,
+    on_step: OnStep | None = None,
+    **points: Any,
+) -> CompressionResult:
     """Presses a sample between platens, slowly, and returns a CompressionResult.
 
     image     a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers; with the point array
@@ -313,13 +316,20 @@ def compression(
     return CompressionResult(solve)
 
 
-def point_stiffness(image, sides="straight", tolerance=1e-6, max_iterations=20000, progress=None, **points):
+def point_stiffness(
+    image: Image,
+    sides: str = "straight",
+    tolerance: float = 1e-6,
+    max_iterations: int = 20000,
+    progress: Progress | None = None,
+    **points: Any,
+) -> PointStiffnessResult:
     """Stiffness of a sample by an implicit solve, along every axis; returns a PointStiffnessResult.
 
     image     as compression() takes it, and so are the keywords of the points
     sides     "straight" (platens on one axis, the others straight and without force), "open", "fixed", "periodic" (the
               whole tensor) or "sticky" (an upper bound of it)
-    tolerance  largest residual
+    tolerance, max_iterations  largest residual; gives up after so many iterations
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
     """
     solve = vtkPointStiffness()

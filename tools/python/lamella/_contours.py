@@ -1,5 +1,7 @@
 """Micrographs: outlines of lumens, and lattices made from them."""
 
+from __future__ import annotations
+
 import gzip
 import json
 import os
@@ -10,6 +12,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from . import _arrays, _files
 from ._errors import LamellaError, choose, run
 from ._samples import ImageBase, Sample
+from ._types import Array, Image, Name, Path, Sequence
 from .vtkLamellaSolversVTK import vtkMicrographContours, vtkMicrographLattice, vtkMicrographPolygonReader
 
 _LAMELLAE = {None: 0, "none": 0, "growth": 1, "constant": 2}
@@ -18,7 +21,7 @@ _LAMELLAE = {None: 0, "none": 0, "growth": 1, "constant": 2}
 class Contours(_arrays.FieldData):
     """Outlines of lumens. Lengths are in metres; x points right and y up from the picture's lower left corner."""
 
-    def __init__(self, outlines, cells=None):
+    def __init__(self, outlines, cells=None) -> None:
         #: vtkPolyData: a poly-line a chain
         self.vtk = outlines
         #: vtkPolyData: the same of the cells' outlines; None where they are not known
@@ -27,7 +30,7 @@ class Contours(_arrays.FieldData):
     def _values(self, name):
         return vtk_to_numpy(self.vtk.GetCellData().GetArray(name))
 
-    def __len__(self):
+    def __len__(self) -> int:
         return self.vtk.GetNumberOfLines()
 
     def _chains(self, data):
@@ -46,52 +49,59 @@ class Contours(_arrays.FieldData):
         return chains
 
     @property
-    def chains(self):
-        """A list of #points by 2, with the lumen on the left; closed ones do not repeat their first point. Views."""
+    def chains(self) -> list[Array]:
+        """A list of #points by 2 [m], with the lumen on the left; closed ones do not repeat their first point. Views."""
         return self._chains(self.vtk)
 
     @property
-    def cells(self):
-        """The same of the outlines of the cells, outside their walls; an empty list where they are not known."""
+    def cells(self) -> list[Array]:
+        """The outlines of the cells, outside their walls, #points by 2 [m] each; an empty list where they are not known."""
         return self._chains(self.cells_vtk)
 
     lumens = _arrays.view(
         "cell", "lumen", "#chains: number of the lumen, from 1; chains of a lumen that the border cuts share it (a view).")
 
     @property
-    def closed(self):
+    def closed(self) -> Array:
         """#chains: False for those that end on the picture's border."""
         return self._values("closed").astype(bool)
 
-    areas = _arrays.view("cell", "area", "#chains: of the whole lumen (a view).")
+    areas = _arrays.view("cell", "area", "#chains: of the whole lumen [m^2] (a view).")
 
     solidities = _arrays.view(
         "cell", "solidity", "#chains: area of the whole lumen over that of its convex hull (a view).")
 
     equivalent_diameters = _arrays.view(
-        "cell", "equivalent_diameter", "#chains: of the circle as large as the lumen (a view).")
+        "cell", "equivalent_diameter", "#chains: of the circle as large as the lumen [m] (a view).")
 
     @property
-    def size(self):
-        """Width and height of the picture."""
+    def size(self) -> Array:
+        """Width and height of the picture, 2 numbers [m]."""
         return _arrays.numbers(self.vtk, "size")
 
     @property
-    def corner(self):
-        """Where the picture's lower left corner lies: x, y."""
+    def corner(self) -> Array:
+        """Where the picture's lower left corner lies: x, y [m]."""
         return _arrays.numbers(self.vtk, "corner")[:2]
 
     @property
-    def wall_fraction(self):
+    def wall_fraction(self) -> float:
         """Share of the picture that no outline encloses."""
         return float(_arrays.numbers(self.vtk, "wall_fraction")[0])
 
     @property
-    def report(self):
+    def report(self) -> list[str]:
         """What finding them did, a line for each step."""
         return _arrays.texts(self.vtk, "report")
 
-    def lattice(self, spacing=None, lamella=None, thickness=None, radius=None, horizon=0):
+    def lattice(
+        self,
+        spacing: float | None = None,
+        lamella: str | None = None,
+        thickness: float | None = None,
+        radius: float | None = None,
+        horizon: float = 0,
+    ) -> LatticeSample:
         """Puts the outlines on a lattice and returns a LatticeSample.
 
         spacing    metres; changes a little so that a whole number fits the picture's width. None raises LamellaError
@@ -127,7 +137,7 @@ class Contours(_arrays.FieldData):
             for c, number, points in zip(closed, lumens, self._chains(data))
         ]
 
-    def save(self, path, overwrite=False):
+    def save(self, path: Path, overwrite: bool = False) -> str:
         """Writes a .vtp, .json or .json.gz file, whole or not at all. A .vtp does not hold the cells."""
         path = _files.new_path(path, overwrite)
         if path.lower().endswith(".vtp"):
@@ -146,7 +156,7 @@ class Contours(_arrays.FieldData):
             raise ValueError(f"{path}: outlines are written as .vtp, .json or .json.gz")
         return path
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<lamella.Contours {len(self)} chains: wall fraction {self.wall_fraction:.4f}>"
 
 
@@ -160,59 +170,59 @@ class LatticeSample(Sample):
         return values
 
     @property
-    def grain(self):
-        """Number of the cell: the lumen, and in the wall the nearest lumen (a view)."""
+    def grain(self) -> Array:
+        """Number of the cell at each node: the lumen, and in the wall the nearest lumen (a view)."""
         return self.array("grain")
 
     @property
-    def axis(self):
+    def axis(self) -> Array:
         """rows by columns by 3: unit vector along the wall, whose sign means nothing; 0 in lumens (a view)."""
         return self.array("axis")
 
     @property
-    def lumen_share(self):
+    def lumen_share(self) -> Array:
         """Lumen's exact share of each pixel (a view)."""
         return self.array("lumen_share")
 
     @property
-    def wall_fraction(self):
+    def wall_fraction(self) -> float:
         """Share of the box outside the outlines, exact."""
         return float(self._numbers("wall_fraction")[0])
 
     @property
-    def wall_thickness(self):
+    def wall_thickness(self) -> tuple[float, float]:
         """From lumen to lumen: what 5 % of the outlines' length falls below, and the median."""
         return tuple(self._numbers("wall_thickness").tolist())
 
     @property
-    def lamella_thickness(self):
+    def lamella_thickness(self) -> float:
         """As used."""
         return float(self._numbers("lamella_thickness")[0])
 
     @property
-    def lamella_nodes_across(self):
+    def lamella_nodes_across(self) -> tuple[float, float]:
         """Nodes across the middle lamella: the mean, and what 5 % of it fall below."""
         return tuple(self._numbers("lamella_nodes_across").tolist())
 
     @property
-    def lamella_share(self):
+    def lamella_share(self) -> float:
         """Share of the wall's nodes that are middle lamella."""
         return float(self._numbers("lamella_share")[0])
 
 
 def contours(
-    sample,
-    lumen=None,
-    smooth=True,
-    wavelength=20.0,
-    tolerance=0.02,
-    smallest_area=0.0,
-    least_solidity=0.0,
-    array=None,
-    level=None,
-    shares=False,
-    lumen_below=False,
-):
+    sample: Image,
+    lumen: Name | None = None,
+    smooth: bool = True,
+    wavelength: float = 20.0,
+    tolerance: float = 0.02,
+    smallest_area: float = 0.0,
+    least_solidity: float = 0.0,
+    array: str | None = None,
+    level: float | None = None,
+    shares: bool = False,
+    lumen_below: bool = False,
+) -> Contours:
     """Finds the outlines of lumens in a picture of phases, or of numbers, and returns Contours.
 
     sample          a Sample, a vtkImageData, or phases or numbers as an array (spacing 1)
@@ -260,9 +270,15 @@ def contours(
     return Contours(source.GetOutput())
 
 
-def read_polygons(path, unit=None, window=None, y_down=False):
-    """Reads a JSON file of polygons (packed by gzip or not), or the .vtp of Contours.
+def read_polygons(
+    path: Path,
+    unit: float | None = None,
+    window: Sequence[float] | None = None,
+    y_down: bool = False,
+) -> Contours:
+    """Reads outlines of cells and lumens.
 
+    path    a JSON file of polygons, packed by gzip or not, or the .vtp of Contours
     unit    one unit of the file's coordinates in metres; None: what the file says
     window  what of the file is the picture: (low x, low y, high x, high y) in its coordinates; None: the box around all
             of its points

@@ -1,12 +1,18 @@
 """Cracks from broken bonds."""
 
+from __future__ import annotations
+
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from . import _arrays, _files
+from ._dynamics import DynamicsResult
 from ._errors import run
+from ._fracture import FractureResult
 from ._samples import ImageBase
 from ._solve import as_image
+from ._types import Array, Columns, Image, Path, Progress
 from .vtkLamellaFilters import vtkCrackPath
 
 
@@ -16,7 +22,7 @@ class CrackPathResult(_arrays.FieldData):
     In a volume there are no paths, and areas are counted from the broken bonds.
     """
 
-    def __init__(self, crack_path):
+    def __init__(self, crack_path) -> None:
         #: vtkPolyData, a poly-line a path
         self.vtk = crack_path.GetOutput()
         #: vtkTable, one row a path
@@ -43,7 +49,7 @@ class CrackPathResult(_arrays.FieldData):
         return None if flags is None else "".join(axis for axis, flag in zip("xyz", flags) if flag)
 
     @property
-    def lines(self):
+    def lines(self) -> list[Array]:
         """Points of each path, an array (n, 2) of x and y [m]; y points up."""
         points = self.vtk.GetPoints()
         if points is None:
@@ -55,7 +61,7 @@ class CrackPathResult(_arrays.FieldData):
         return [places[ids[first:last]] for first, last in zip(offsets[:-1], offsets[1:])]
 
     @property
-    def table(self):
+    def table(self) -> Columns:
         """Columns by name, one entry a path: ``path``, ``crack``, ``length``, ``chord``, ``tortuosity``, ``angle``,
         ``angle_spread``, ``bonds``, ``counted_length``, ``first_event`` ..., ``begins_at``, ``ends_at``, ``x_min``
         ..., ``share_wall`` ...
@@ -63,54 +69,54 @@ class CrackPathResult(_arrays.FieldData):
         return _arrays.columns(self.vtk_paths)
 
     @property
-    def pairs(self):
+    def pairs(self) -> Columns:
         """Columns by name, one entry a pair of phases: ``pair``, ``length``, ``share``, ``bonds``,
         ``share_of_bonds``, ``counted_length`` or, in a volume, ``counted_area``.
         """
         return _arrays.columns(self.vtk_pairs)
 
     @property
-    def shares(self):
+    def shares(self) -> dict[str, float]:
         """Share of the length (in a volume of the counted area) by pair of phases, as "wall", "wall-lamella"."""
         pairs = self.pairs
         shares = pairs.get("share", pairs.get("share_of_counted", ()))
         return {pair: float(share) for pair, share in zip(pairs.get("pair", ()), shares)}
 
     @property
-    def growth(self):
+    def growth(self) -> Columns:
         """Columns by name, one entry an event: ``event``, ``strain`` or ``time``, ``length``, ``main_length``, with
         times ``rate`` and ``main_rate`` [m/s].
         """
         return _arrays.columns(self.vtk_growth)
 
     @property
-    def fragments(self):
+    def fragments(self) -> Columns:
         """Columns by name, one entry a fragment, the largest first; empty without an image of phases."""
         return _arrays.columns(self.vtk_fragments)
 
     @property
-    def count(self):
+    def count(self) -> int | None:
         """Number of cracks: of sets of paths that hang together. None in a volume."""
         number = self._number("crack_count")
         return None if number is None else int(number)
 
     @property
-    def length(self):
+    def length(self) -> float | None:
         """Length of all paths [m]. None in a volume."""
         return self._number("crack_length")
 
     @property
-    def main_length(self):
+    def main_length(self) -> float | None:
         """Length of the longest crack, its branches included [m]. None in a volume."""
         return self._number("main_length")
 
     @property
-    def through(self):
+    def through(self) -> str | None:
         """Axes along which the longest crack leads from side to side, as "x". None in a volume."""
         return self._axes("main_through")
 
     @property
-    def through_tortuosity(self):
+    def through_tortuosity(self) -> dict[str, float]:
         """By axis, "x" and "y": length over chord of the shortest way from side to side, over paths and straight across
         voids; only axes along which there is one.
         """
@@ -118,45 +124,45 @@ class CrackPathResult(_arrays.FieldData):
         return {} if values is None else {a: float(v) for a, v in zip("xy", values) if np.isfinite(v)}
 
     @property
-    def angle(self):
+    def angle(self) -> float | None:
         """Mean direction of all paths, weighted by length [degrees to x]. None in a volume."""
         return self._number("crack_angle")
 
     @property
-    def counted(self):
+    def counted(self) -> float | None:
         """Length [m], in a volume area [m²], that the number of broken bonds stands for."""
         return self._number("counted_size")
 
     @property
-    def normals(self):
+    def normals(self) -> Array:
         """Mean of n n over the cracks by the broken bonds, an array (3, 3)."""
         return np.reshape(self._numbers("crack_normals"), (3, 3))
 
     @property
-    def broken(self):
+    def broken(self) -> float | None:
         """Number of broken bonds."""
         return int(self._number("broken_bonds"))
 
     @property
-    def severed(self):
+    def severed(self) -> str | None:
         """Axes along which no fragment reaches from side to side, as "y"; None without an image of phases."""
         return self._axes("severed")
 
-    def save(self, path, overwrite=False):
+    def save(self, path: Path, overwrite: bool = False) -> str:
         """Writes the paths as .vtp, whole or not at all."""
         path = _files.new_path(path, overwrite)
         _files.write_poly_data(self.vtk, path)
         return path
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         if self.length is None:
             return f"<lamella.CrackPathResult: {self.broken} broken bonds, {self.counted:.4g} m²>"
         return f"<lamella.CrackPathResult: {self.count} cracks, {self.length:.4g} m, {self.broken} broken bonds>"
 
 
 def crack_path(
-    broken, phases=None, minimum_length=None, spur_length=None, horizon=None, fragments=True, progress=None
-):
+    broken: FractureResult | DynamicsResult | vtkPolyData, phases: Image | None = None, minimum_length: float | None = None, spur_length: float | None = None, horizon: float | None = None, fragments: bool = True, progress: Progress | None = None
+) -> CrackPathResult:
     """Makes lines of broken bonds, and measures them.
 
     broken          a FractureResult, or vtkPolyData: points at the middles of broken bonds, with the array ``bond``
@@ -166,6 +172,7 @@ def crack_path(
     spur_length     branches that end after no more are taken away [spacings]; None: twice the horizon
     horizon         length of the longest bonds [spacings]; None: as the broken bonds tell
     fragments       whether fragments are found where there are phases
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
     path = vtkCrackPath()
     if phases is None and hasattr(broken, "vtk_broken"):

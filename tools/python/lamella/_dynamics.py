@@ -1,12 +1,16 @@
 """Bonds in motion: waves, cracks that run, strength by a damped pull, with every energy accounted for."""
 
+from __future__ import annotations
+
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
+from . import _arrays
 from ._bonds import set_bonds, set_load
 from ._breaks import BreakResult, BrokenState, run_breaks
+from ._samples import ImageBase
 from ._solve import as_image
+from ._types import Any, Array, ArrayLike, Image, Mapping, Name, OnStep, Pairs, Path, Progress, Sequence
 from .vtkLamellaSolversVTK import vtkBondDynamics
 
 _LOADS = {"stretch": 0, "shear": 1, "sides": 0}
@@ -17,16 +21,16 @@ class MotionState(BrokenState):
     """The sample at one time: ``vtk`` is the image with ``damage``, ``broken``, ``velocity`` and what was asked for."""
 
     @property
-    def time(self):
+    def time(self) -> float:
         """Since the start [s]."""
         return self._number("time")
 
     @property
-    def velocity(self):
-        """m/s, x, y (and z) in the last axis (a view)."""
+    def velocity(self) -> Array:
+        """[m/s], x, y (and z) in the last axis (a view)."""
         return self.array("velocity")[..., : self._dimension]
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<lamella.MotionState: {self.time:.6g} s, {self.broken_bonds} bonds broken>"
 
 
@@ -44,73 +48,73 @@ class DynamicsResult(BreakResult):
     _TIMES = ("bonds", "start", "motion", "states")
 
     @property
-    def time(self):
+    def time(self) -> Array:
         """History: times [s]."""
         return self._column("time")
 
     @property
-    def strain(self):
+    def strain(self) -> Array:
         """History: strains at ``time``."""
         return self._column("strain")
 
     @property
-    def rate(self):
+    def rate(self) -> Array:
         """History: imposed speeds over what they are without regulation."""
         return self._column("rate")
 
     @property
-    def energies(self):
+    def energies(self) -> dict[str, Array]:
         """History [J]: a dictionary of "kinetic", "elastic", "broken", "damped" and "supplied"."""
         return {name: self._column(name + "_energy") for name in _ENERGIES}
 
     @property
-    def energy_defect(self):
+    def energy_defect(self) -> Array:
         """History: what the energies miss or have too much, over the largest of them."""
         return self._column("energy_defect")
 
     @property
-    def broken(self):
+    def broken(self) -> Array:
         """The broken bonds in order, a structured array: ``event`` (from 1; those of one step share it), ``step``,
         ``time`` [s], ``energy`` that it held [J], ``position`` of the middle and ``bond`` vector (x, y (and z) [m]),
         ``phases`` of both ends (the lesser first), ``between_grains``."""
         return self._broken_bonds()
 
     @property
-    def velocity(self):
-        """At the end: m/s, x, y (and z) in the last axis (a view)."""
+    def velocity(self) -> Array:
+        """At the end: [m/s], x, y (and z) in the last axis (a view)."""
         return self.states[-1].velocity
 
     @property
-    def steps(self):
+    def steps(self) -> int:
         """How many there were."""
         return self._count("steps")
 
     @property
-    def time_step(self):
+    def time_step(self) -> float:
         """Of the integration [s]."""
         return self._number("time_step")
 
     @property
-    def stable_step(self):
+    def stable_step(self) -> float:
         """The largest stable step [s]."""
         return self._number("stable_step")
 
     @property
-    def strain_rate(self):
+    def strain_rate(self) -> float:
         """Of a pull [1/s]; NaN without."""
         return self._number("strain_rate")
 
     @property
-    def travel_time(self):
+    def travel_time(self) -> float:
         """Of a pull: of a wave from platen to platen [s]; NaN without."""
         return self._number("travel_time")
 
     @property
-    def seconds(self):
+    def seconds(self) -> dict[str, float]:
         """What took how long, a dictionary."""
         return self._seconds()
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return (
             f"<lamella.DynamicsResult: {self.time[-1]:.6g} s in {self.steps} steps, "
             f"{self.vtk_broken.GetNumberOfPoints()} bonds broken, {self.end}>"
@@ -126,65 +130,58 @@ def _each(vector, what):
 
 def _with_velocity(image, velocity):
     """A copy of the image with an array of velocities, given in the order of pictures."""
-    x, y, z = image.GetDimensions()
-    shape = (z, y, x, 3) if z > 1 else (y, x, 2)
-    velocity = np.asarray(velocity, dtype=float)
-    if velocity.shape != shape:
-        raise ValueError(f"velocity has the shape {velocity.shape}; the sample's is {shape}")
-    if z == 1:  # the top row comes first in pictures, the bottom row in VTK
-        velocity = np.concatenate([velocity[::-1], np.zeros((y, x, 1))], axis=-1)
     copy = vtkImageData()
     copy.ShallowCopy(image)
-    array = numpy_to_vtk(np.ascontiguousarray(velocity).reshape(-1, 3), deep=True)
-    array.SetName("velocity")
-    copy.GetPointData().AddArray(array)
+    sample = ImageBase(copy)
+    shape = (*sample.shape, len(sample.shape))
+    sample.set_array("velocity", _arrays.reals(velocity, "velocity", shape))
     return copy
 
 
 def dynamics(
-    image,
-    young,
-    density,
-    fracture_energy=None,
-    toughness=None,
-    critical_stretch=None,
-    load=None,
-    axis=None,
-    compression=False,
-    smooth_platens=False,
-    rigid_platens=False,
-    platen_layers=0,
-    strain_rate=None,
-    travel_times=30.0,
-    start=0.98,
-    velocities=None,
-    tractions=None,
-    boxes=(),
-    velocity=None,
-    tau=None,
-    omega0=None,
-    delta_l=None,
-    start_rate=1.0,
-    damping=0.0,
-    step=None,
-    step_share=0.8,
-    end_time=None,
-    stop=0.05,
-    max_strain=None,
-    max_broken=None,
-    at_times=(),
-    at_broken=(),
-    history_every=0,
-    displacement=True,
-    stress=False,
-    strain_energy=False,
-    checkpoint=None,
-    checkpoint_every=1000,
-    continue_from=None,
-    progress=None,
-    on_step=None,
-    **bonds,
-):
+    image: Image,
+    young: Pairs,
+    density: float | Mapping[Name, float],
+    fracture_energy: Pairs | None = None,
+    toughness: Pairs | None = None,
+    critical_stretch: Pairs | None = None,
+    load: str | None = None,
+    axis: str | None = None,
+    compression: bool = False,
+    smooth_platens: bool = False,
+    rigid_platens: bool = False,
+    platen_layers: int = 0,
+    strain_rate: float | None = None,
+    travel_times: float = 30.0,
+    start: float = 0.98,
+    velocities: Mapping[str, Sequence[float | None]] | None = None,
+    tractions: Mapping[str, Sequence[float | None]] | None = None,
+    boxes: Sequence[tuple] = (),
+    velocity: ArrayLike | None = None,
+    tau: float | None = None,
+    omega0: float | None = None,
+    delta_l: float | None = None,
+    start_rate: float = 1.0,
+    damping: float = 0.0,
+    step: float | None = None,
+    step_share: float = 0.8,
+    end_time: float | None = None,
+    stop: float = 0.05,
+    max_strain: float | None = None,
+    max_broken: int | None = None,
+    at_times: ArrayLike = (),
+    at_broken: ArrayLike = (),
+    history_every: int = 0,
+    displacement: bool = True,
+    stress: bool = False,
+    strain_energy: bool = False,
+    checkpoint: Path | None = None,
+    checkpoint_every: int = 1000,
+    continue_from: Path | None = None,
+    progress: Progress | None = None,
+    on_step: OnStep | None = None,
+    **bonds: Any,
+) -> DynamicsResult:
     """Moves a sample, breaks its bonds as they become critical, and returns a DynamicsResult.
 
     image, young, fracture_energy, toughness, critical_stretch  as fracture() takes them; without one of the last three

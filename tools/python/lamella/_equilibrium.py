@@ -1,5 +1,7 @@
 """Elastic equilibrium: displacement, stress, stiffness, first break."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from . import _arrays
@@ -7,6 +9,7 @@ from ._bonds import LOADS, BondFields, set_bonds, set_load
 from ._errors import choose, run
 from ._samples import ImageBase
 from ._solve import as_image
+from ._types import Any, Array, Image, Pairs, Progress
 from .vtkLamellaFilters import vtkBondStress
 from .vtkLamellaSolversVTK import vtkBondEquilibrium
 
@@ -26,67 +29,67 @@ class EquilibriumResult(BondFields):
     """
 
     @property
-    def effective_stress(self):
+    def effective_stress(self) -> float:
         """Force on the platen over the section of the box [Pa]."""
         return self._number("effective_stress")
 
     @property
-    def strain(self):
+    def strain(self) -> float:
         """The strain applied; of a traction the one that it causes."""
         return self._number("strain")
 
     @property
-    def mean_stress(self):
+    def mean_stress(self) -> Array:
         """Over the whole box, platens and voids included: 3 by 3 [Pa]."""
         return _mean_stress(self.vtk)
 
     @property
-    def reactions(self):
+    def reactions(self) -> Array:
         """Forces that the sample exerts on the low and on the high platen [N]: 2 by 2 or 3."""
         low = _arrays.numbers(self.vtk, "reaction_low")
         return np.stack([low, _arrays.numbers(self.vtk, "reaction_high")])[:, : self._dimension]
 
     @property
-    def elastic_energy(self):
+    def elastic_energy(self) -> float:
         """J."""
         return self._number("elastic_energy")
 
     @property
-    def first_break_strain(self):
+    def first_break_strain(self) -> float:
         """Strain at which the first bond breaks; NaN where none does, and in large strains."""
         return self._number("first_break_strain")
 
     @property
-    def first_break_stress(self):
+    def first_break_stress(self) -> float:
         """Effective stress at which the first bond breaks [Pa]; NaN likewise."""
         return self._number("first_break_stress")
 
     @property
-    def first_break_position(self):
+    def first_break_position(self) -> Array:
         """Middle of that bond [m]."""
         return _arrays.numbers(self.vtk, "first_break_position")[: self._dimension]
 
     @property
-    def first_break_phases(self):
+    def first_break_phases(self) -> tuple[str, ...]:
         """Names of the phases at its two ends."""
         return tuple(_arrays.texts(self.vtk, "first_break_phases"))
 
     @property
-    def largest_stretch_ratio(self):
+    def largest_stretch_ratio(self) -> float:
         """The largest elongation of a bond over its critical one, at this load."""
         return self._number("largest_stretch_ratio")
 
     @property
-    def iterations(self):
+    def iterations(self) -> int:
         """Of conjugate gradients."""
         return self._count("iterations")
 
     @property
-    def residual(self):
+    def residual(self) -> float:
         """Residual force, relative."""
         return self._number("residual")
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return (
             f"<lamella.EquilibriumResult: effective modulus {self.effective_modulus:.6g} Pa, "
             f"first break at a strain of {self.first_break_strain:.4g}>"
@@ -94,27 +97,27 @@ class EquilibriumResult(BondFields):
 
 
 def equilibrium(
-    image,
-    young,
-    fracture_energy=None,
-    toughness=None,
-    critical_stretch=None,
-    load="stretch",
-    strain=1e-3,
-    axis=None,
-    lateral_strain=0.0,
-    traction=0.0,
-    smooth_platens=False,
-    rigid_platens=False,
-    platen_layers=0,
-    stress=False,
-    strain_energy=False,
-    solver="multigrid",
-    tolerance=1e-6,
-    max_iterations=20000,
-    progress=None,
-    **bonds,
-):
+    image: Image,
+    young: Pairs,
+    fracture_energy: Pairs | None = None,
+    toughness: Pairs | None = None,
+    critical_stretch: Pairs | None = None,
+    load: str = "stretch",
+    strain: float = 1e-3,
+    axis: str | None = None,
+    lateral_strain: float = 0.0,
+    traction: float = 0.0,
+    smooth_platens: bool = False,
+    rigid_platens: bool = False,
+    platen_layers: int = 0,
+    stress: bool = False,
+    strain_energy: bool = False,
+    solver: str = "multigrid",
+    tolerance: float = 1e-6,
+    max_iterations: int = 20000,
+    progress: Progress | None = None,
+    **bonds: Any,
+) -> EquilibriumResult:
     """Loads a sample of bonded nodes and returns an EquilibriumResult.
 
     image     a Sample, a vtkImageData with the point array ``phase`` (and ``grain``), or an array of whole numbers
@@ -132,7 +135,7 @@ def equilibrium(
     platen_layers   nodes that a platen holds; 0: as many as a bond reaches
     stress, strain_energy  whether these fields are computed
     solver    "multigrid", "jacobi", "direct" (small images) or "dynamic-relaxation"
-    tolerance  largest relative residual force
+    tolerance, max_iterations  largest relative residual force; gives up after so many iterations
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
 
     and of the bonds, as keywords:
@@ -168,22 +171,29 @@ class BondStressResult(ImageBase):
     """``vtk`` is the image with ``stress``."""
 
     @property
-    def stress(self):
-        """Pa, the six components xx, yy, zz, xy, yz, xz in the last axis (a view)."""
+    def stress(self) -> Array:
+        """[Pa], the six components xx, yy, zz, xy, yz, xz in the last axis (a view)."""
         return self.array("stress")
 
     @property
-    def mean_stress(self):
+    def mean_stress(self) -> Array:
         """Over the whole box, voids included: 3 by 3 [Pa]."""
         return _mean_stress(self.vtk)
 
 
-def bond_stress(image, young=None, strain_energy=False, progress=None, **bonds):
+def bond_stress(
+    image: Image,
+    young: Pairs | None = None,
+    strain_energy: bool = False,
+    progress: Progress | None = None,
+    **bonds: Any,
+) -> BondStressResult:
     """Stress of every node from its displacement and its bonds; returns a BondStressResult.
 
     image   an EquilibriumResult, or an image with the point arrays ``phase`` and ``displacement`` (metres)
     young   None: the model with which the image was solved. Else the bonds as equilibrium() takes them, with **bonds
     strain_energy  also the strain energy of every node
+    progress  called as progress(share, text); return False to cancel (raises Cancelled)
     """
     stress = vtkBondStress()
     stress.SetInputData(as_image(image))

@@ -1,5 +1,7 @@
 """Errors, and running a VTK algorithm so that its errors become exceptions."""
 
+from __future__ import annotations
+
 import re
 
 from vtkmodules.vtkCommonCore import VTK_OBJECT
@@ -10,7 +12,7 @@ from .vtkLamellaSolversVTK import vtkSampleAlgorithm
 class LamellaError(RuntimeError):
     """Something that you can mend. ``hint`` says how."""
 
-    def __init__(self, message, hint=""):
+    def __init__(self, message: str, hint: str = "") -> None:
         super().__init__(f"{message} ({hint})" if hint else message)
         self.message = message
         self.hint = hint

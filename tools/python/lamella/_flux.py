@@ -1,5 +1,7 @@
 """Where the flux goes."""
 
+from __future__ import annotations
+
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
@@ -7,13 +9,14 @@ from . import _arrays
 from ._errors import choose, run
 from ._samples import ImageBase
 from ._solve import as_image
+from ._types import Array, Image, Progress
 from .vtkLamellaFilters import vtkFluxMap
 
 
 class FluxMapResult(ImageBase):
     """``vtk`` is the image with ``flux_magnitude``; ``streamlines`` the vtkPolyData of the lines."""
 
-    def __init__(self, image, streamlines):
+    def __init__(self, image, streamlines) -> None:
         super().__init__(image)
         #: vtkPolyData
         self.streamlines = streamlines
@@ -23,34 +26,34 @@ class FluxMapResult(ImageBase):
         return {axis: float(value) for axis, value in zip("xyz", values) if not np.isnan(value)}
 
     @property
-    def magnitude(self):
-        """Magnitude of the flux in the order of pictures (a view)."""
+    def magnitude(self) -> Array:
+        """Magnitude of the flux [conductivity's unit/m], in the order of pictures (a view)."""
         return self.array("flux_magnitude")
 
     @property
-    def effective(self):
+    def effective(self) -> Array:
         """The effective conductivity from the mean flux, NaN in columns that were not solved."""
         n = 3 if self.vtk.GetDimensions()[2] > 1 else 2
         return _arrays.numbers(self.vtk, "effective_from_flux").reshape(3, 3)[:n, :n]
 
     @property
-    def tortuosity(self):
+    def tortuosity(self) -> dict[str, float]:
         """Mean magnitude of the flux over its mean along the direction, by direction."""
         return self._by_direction("tortuosity")
 
     @property
-    def tortuosity_factor(self):
+    def tortuosity_factor(self) -> dict[str, float]:
         """Mean conductivity over the effective one, by direction."""
         return self._by_direction("tortuosity_factor")
 
     @property
-    def streamline_tortuosity(self):
+    def streamline_tortuosity(self) -> dict[str, float]:
         """Mean length of the streamlines over the length of the box, of the direction shown."""
         return self._by_direction("streamline_tortuosity")
 
     @property
-    def lines(self):
-        """The streamlines as arrays of points (n by 3, metres)."""
+    def lines(self) -> list[Array]:
+        """The streamlines as arrays of points (n by 3) [m]."""
         points = vtk_to_numpy(self.streamlines.GetPoints().GetData()) if self.streamlines.GetNumberOfPoints() else None
         cells = self.streamlines.GetLines()
         if points is None:
@@ -60,11 +63,18 @@ class FluxMapResult(ImageBase):
         return [points[ids[begin:end]] for begin, end in zip(offsets[:-1], offsets[1:])]
 
 
-def flux_map(result, direction=None, streamlines=60, progress=None):
-    """Magnitude, streamlines and effective numbers of a DiffusionResult (or of an image like it).
+def flux_map(
+    result: Image,
+    direction: str | None = None,
+    streamlines: int = 60,
+    progress: Progress | None = None,
+) -> FluxMapResult:
+    """Magnitude, streamlines and effective numbers.
 
+    result       a DiffusionResult, or an image like it
     direction    "x", "y" or "z": the one to show; None: the first that was solved
     streamlines  how many; each carries the same share of the flux. 0: none
+    progress     called as progress(share, text); return False to cancel (raises Cancelled)
     """
     flux = vtkFluxMap()
     flux.SetInputData(as_image(result))

@@ -1,5 +1,7 @@
 """Quasi-static fracture: strength, curve, broken bonds, damage."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from . import _arrays
@@ -7,6 +9,7 @@ from ._bonds import LOADS, set_bonds, set_load
 from ._breaks import BreakResult, BrokenState, run_breaks
 from ._errors import choose
 from ._solve import as_image
+from ._types import Any, Array, ArrayLike, Image, OnStep, Pairs, Path, Progress
 from .vtkLamellaSolversVTK import vtkBondFracture
 
 _METHODS = {"auto": 0, "events": 1, "accurate": 2}
@@ -20,7 +23,7 @@ _COUNTS = (
 class FractureState(BrokenState):
     """The sample in one state: ``vtk`` is the image with ``damage``, ``broken`` and what was asked for."""
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<lamella.FractureState: strain {self.imposed_strain:.6g}, {self.broken_bonds} bonds broken>"
 
 
@@ -36,61 +39,61 @@ class FractureResult(BreakResult):
     _TIMES = ("bonds", "first", "equilibria", "local", "search", "run", "states", "checkpoints")
 
     @property
-    def strain(self):
+    def strain(self) -> Array:
         """Curve: imposed strains, from 0 on; they never fall. Just before each event, what each avalanche left, the
         end."""
         return self._column("strain")
 
     @property
-    def critical_strain(self):
+    def critical_strain(self) -> Array:
         """Curve that follows every snap-back: strain at which the next bond is just critical."""
         return self._column("critical_strain")
 
     @property
-    def critical_stress(self):
+    def critical_stress(self) -> Array:
         """Curve that follows every snap-back: stress at ``critical_strain`` [Pa]."""
         return self._column("critical_stress")
 
     @property
-    def broken(self):
+    def broken(self) -> Array:
         """The broken bonds in order, a structured array: ``event`` (from 1), ``strain`` (imposed), ``critical_strain``,
         ``stress`` [Pa], ``position`` of the middle and ``bond`` vector (x, y (and z) [m]), ``phases`` of both ends (the
         lesser first), ``between_grains``."""
         return self._broken_bonds()
 
     @property
-    def first_break_strain(self):
+    def first_break_strain(self) -> float:
         """Strain at which the first bond broke; NaN where none did."""
         return self._number("first_break_strain")
 
     @property
-    def first_break_stress(self):
+    def first_break_stress(self) -> float:
         """Stress at which the first bond broke [Pa]; NaN where none did."""
         return self._number("first_break_stress")
 
     @property
-    def modulus(self):
+    def modulus(self) -> float:
         """Stress over strain of the unbroken sample [Pa]."""
         return self.effective_modulus
 
     @property
-    def broken_energy(self):
+    def broken_energy(self) -> float:
         """What the broken bonds held when they were just critical [J]."""
         return self._number("broken_energy")
 
     @property
-    def method(self):
+    def method(self) -> str:
         """"events" or "accurate"."""
         return _arrays.text(self.vtk, "method")
 
     @property
-    def statistics(self):
+    def statistics(self) -> dict[str, Any]:
         """What was done and what was skipped: a dictionary of counts, and ``seconds``, one of times."""
         counts = {name: self._count(name) for name in _COUNTS}
         counts["seconds"] = self._seconds()
         return counts
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return (
             f"<lamella.FractureResult: peak stress {self.peak_stress:.6g} Pa at a strain of {self.peak_strain:.4g}, "
             f"{self.vtk_broken.GetNumberOfPoints()} bonds broken, {self.end}>"
@@ -98,38 +101,38 @@ class FractureResult(BreakResult):
 
 
 def fracture(
-    image,
-    young,
-    fracture_energy=None,
-    toughness=None,
-    critical_stretch=None,
-    load="stretch",
-    axis=None,
-    compression=False,
-    lateral_ratio=0.0,
-    smooth_platens=False,
-    rigid_platens=False,
-    platen_layers=0,
-    method="auto",
-    breaking="strict",
-    rivals=True,
-    stop=0.05,
-    strain_step=0.0,
-    max_strain=None,
-    max_broken=None,
-    tolerance=1e-6,
-    at_strains=(),
-    at_broken=(),
-    displacement=True,
-    stress=False,
-    strain_energy=False,
-    checkpoint=None,
-    checkpoint_every=500,
-    continue_from=None,
-    progress=None,
-    on_step=None,
-    **bonds,
-):
+    image: Image,
+    young: Pairs,
+    fracture_energy: Pairs | None = None,
+    toughness: Pairs | None = None,
+    critical_stretch: Pairs | None = None,
+    load: str = "stretch",
+    axis: str | None = None,
+    compression: bool = False,
+    lateral_ratio: float = 0.0,
+    smooth_platens: bool = False,
+    rigid_platens: bool = False,
+    platen_layers: int = 0,
+    method: str = "auto",
+    breaking: str = "strict",
+    rivals: bool = True,
+    stop: float = 0.05,
+    strain_step: float = 0.0,
+    max_strain: float | None = None,
+    max_broken: int | None = None,
+    tolerance: float = 1e-6,
+    at_strains: ArrayLike = (),
+    at_broken: ArrayLike = (),
+    displacement: bool = True,
+    stress: bool = False,
+    strain_energy: bool = False,
+    checkpoint: Path | None = None,
+    checkpoint_every: int = 500,
+    continue_from: Path | None = None,
+    progress: Progress | None = None,
+    on_step: OnStep | None = None,
+    **bonds: Any,
+) -> FractureResult:
     """Strains a sample until it has failed and returns a FractureResult.
 
     image, young, fracture_energy, toughness, critical_stretch  as equilibrium() takes them; pairs without one of the

@@ -1,15 +1,18 @@
 """Packings of grains and the matrix between them."""
 
+from __future__ import annotations
+
 import os
 
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
 from . import _arrays, _files
 from ._errors import LamellaError, choose, run
 from ._samples import Sample
+from ._types import Array, ArrayLike, Path, Progress, Sequence
 from .vtkLamellaSolversVTK import vtkGrainPacking, vtkMatrixBridges, vtkPackingReader
 
 _SIZES = {"volume": 0, "volume-share": 1, "diameter": 2}
@@ -18,7 +21,7 @@ _SIZES = {"volume": 0, "volume-share": 1, "diameter": 2}
 class Packing(_arrays.FieldData):
     """Grains at rest. Lengths are in metres, forces in newtons (of disks: a metre of thickness)."""
 
-    def __init__(self, particles, contacts=None):
+    def __init__(self, particles, contacts=None) -> None:
         #: vtkPolyData: a point a grain
         self.vtk = particles
         #: vtkPolyData: a line a contact; None where they are not known
@@ -40,11 +43,11 @@ class Packing(_arrays.FieldData):
         n = self.dimension
         return _arrays.numbers(self.vtk, name).reshape(3, 3)[:n, :n]
 
-    def __len__(self):
+    def __len__(self) -> int:
         return self.vtk.GetNumberOfPoints()
 
     @property
-    def dimension(self):
+    def dimension(self) -> int:
         """2: disks, 3: spheres."""
         box = _arrays.numbers(self.vtk, "box")
         return 3 if (box[2] > 0 if box is not None else np.ptp(self._all_centres()[:, 2]) > 0) else 2
@@ -53,81 +56,81 @@ class Packing(_arrays.FieldData):
         return vtk_to_numpy(self.vtk.GetPoints().GetData())
 
     @property
-    def centres(self):
-        """#grains by 2 (disks: x, and y upwards) or 3 (a view)."""
+    def centres(self) -> Array:
+        """#grains by 2 (disks: x, and y upwards) or 3 [m] (a view)."""
         return self._all_centres()[:, : self.dimension]
 
-    radii = _arrays.view("point", "radius", "#grains (a view).")
+    radii = _arrays.view("point", "radius", "#grains [m] (a view).")
 
     @property
-    def rattlers(self):
+    def rattlers(self) -> Array:
         """#grains, True for those that nothing holds."""
         return self._points("rattler").astype(bool)
 
     contact_numbers = _arrays.view("point", "contacts", "#grains, how many contacts each has, walls included (a view).")
 
     @property
-    def contacts(self):
+    def contacts(self) -> Array:
         """#contacts by 2, grains counted from 0; the second is -1 ... -6 for the walls at low x, high x, low y ..."""
         pairs = np.stack([self._contacts("first"), self._contacts("second")], axis=1)
         return np.where(pairs > 0, pairs - 1, pairs)
 
     @property
-    def forces(self):
-        """#contacts by 2 or 3, on the second grain of each by the first (a view)."""
+    def forces(self) -> Array:
+        """#contacts by 2 or 3, on the second grain of each by the first [N], of disks [N/m] (a view)."""
         return self._contacts("force")[:, : self.dimension]
 
     @property
-    def normal_forces(self):
-        """#contacts, compression is positive (a view)."""
+    def normal_forces(self) -> Array:
+        """#contacts, compression is positive [N], of disks [N/m] (a view)."""
         return self._contacts("normal_force")
 
     @property
-    def box(self):
-        """Edges of the box, 2 or 3 numbers."""
+    def box(self) -> Array:
+        """Edges of the box [m], 2 or 3 numbers."""
         return _arrays.numbers(self.vtk, "box")[: self.dimension]
 
     @property
-    def periodic(self):
+    def periodic(self) -> bool:
         """Whether the box is one cell of an endless packing."""
         return bool(self._number("periodic") == 1)
 
     @property
-    def packing_fraction(self):
+    def packing_fraction(self) -> float:
         """Share of the box that is grains."""
         return self._number("packing_fraction")
 
     @property
-    def coordination(self):
+    def coordination(self) -> float:
         """Contacts of a grain that is no rattler."""
         return self._number("coordination")
 
     @property
-    def fabric(self):
+    def fabric(self) -> Array:
         """Mean of n n over the contacts between grains, a matrix whose trace is 1."""
         return self._tensor("fabric")
 
     @property
-    def stress(self):
-        """Mean stress in pascals, compression positive."""
+    def stress(self) -> Array:
+        """Mean stress [Pa], 2 by 2 or 3 by 3, compression positive."""
         return self._tensor("stress")
 
     @property
-    def fabric_anisotropy(self):
+    def fabric_anisotropy(self) -> float:
         """(largest - smallest)/sum of the fabric's principal values."""
         return self._number("fabric_anisotropy")
 
     @property
-    def stress_anisotropy(self):
+    def stress_anisotropy(self) -> float:
         """The same of the stress."""
         return self._number("stress_anisotropy")
 
     @property
-    def unbalanced_force(self):
+    def unbalanced_force(self) -> float:
         """Mean net force on a grain over the mean contact force."""
         return self._number("unbalanced_force")
 
-    def save(self, path, contacts=None, overwrite=False):
+    def save(self, path: Path, contacts: Path | None = None, overwrite: bool = False) -> str:
         """Writes the grains, and with ``contacts`` their contacts, as .vtp files, each whole or not at all."""
         if contacts is not None:
             self._contacts("force")  # says so where there are none
@@ -137,27 +140,27 @@ class Packing(_arrays.FieldData):
             _files.write_poly_data(data, name)
         return os.fspath(path)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         kind = "spheres" if self.dimension == 3 else "disks"
         return f"<lamella.Packing {len(self)} {kind}: packing fraction {self.packing_fraction:.4f}>"
 
 
 def packing(
-    count=400,
-    dimension=2,
-    mean_diameter=1e-3,
-    diameter_ratio=2.0,
-    sizes="volume",
-    aspect=2.0,
-    periodic=False,
-    friction=0.0,
-    pressure=1e3,
-    softness=1e-6,
-    packing_fraction=None,
-    seed=1,
-    tolerance=1e-4,
-    progress=None,
-):
+    count: int = 400,
+    dimension: int = 2,
+    mean_diameter: float = 1e-3,
+    diameter_ratio: float = 2.0,
+    sizes: str = "volume",
+    aspect: float = 2.0,
+    periodic: bool = False,
+    friction: float = 0.0,
+    pressure: float = 1e3,
+    softness: float = 1e-6,
+    packing_fraction: float | None = None,
+    seed: int = 1,
+    tolerance: float = 1e-4,
+    progress: Progress | None = None,
+) -> Packing:
     """Presses grains together until they are at rest and returns a Packing.
 
     count             how many grains
@@ -195,9 +198,10 @@ def packing(
     return Packing(source.GetOutput(), source.GetContacts())
 
 
-def read_packing(path, unit=1.0, box=None):
-    """Reads a table of grains (columns x, z, r of disks or x, y, z, r of spheres) or the .vtp of a Packing.
+def read_packing(path: Path, unit: float = 1.0, box: Sequence[float] | None = None) -> Packing:
+    """Reads grains.
 
+    path  a table (columns x, z, r of disks or x, y, z, r of spheres), or the .vtp of a Packing
     unit  length of the table's unit in metres
     box   edges of the box in metres, two or three; None: that of the grains
     """
@@ -219,20 +223,20 @@ def _as_particles(grains):
         return grains.vtk
     if hasattr(grains, "IsA"):
         return grains
+    if not (isinstance(grains, (tuple, list)) and len(grains) == 2):
+        raise ValueError(f"grains is of type {type(grains).__name__}; give a Packing, a vtkPolyData or (centres, radii)")
     centres, radii = grains
-    centres = np.atleast_2d(np.asarray(centres, float))
-    radii = np.asarray(radii, float).ravel()
+    centres = np.atleast_2d(_arrays.reals(centres, "centres"))
+    radii = _arrays.reals(radii, "radii").ravel()
     if centres.shape[1] not in (2, 3) or len(centres) != len(radii):
         raise ValueError(f"centres {centres.shape} and radii {radii.shape}: they are n by 2 or 3, and n")
     points = np.zeros((len(centres), 3))
     points[:, : centres.shape[1]] = centres
     data = vtkPolyData()
     data.SetPoints(vtkPoints())
-    data.GetPoints().SetData(numpy_to_vtk(points, deep=True))
+    data.GetPoints().SetData(_arrays.to_vtk(points, "centres", (3,)))
     data.SetVerts(vtkCellArray())
-    array = numpy_to_vtk(radii, deep=True)
-    array.SetName("radius")
-    data.GetPointData().AddArray(array)
+    data.GetPointData().AddArray(_arrays.to_vtk(radii, "radius"))
     return data
 
 
@@ -240,34 +244,34 @@ class CementedSample(Sample):
     """Grains and matrix on a lattice: phases void, matrix, grain."""
 
     @property
-    def grain(self):
+    def grain(self) -> Array:
         """Number of the grain at each node, from 1; 0: none, -1: platen. In the order of pictures (a view)."""
         return self.array("grain")
 
     @property
-    def width(self):
+    def width(self) -> float:
         """Width of a bridge at a grain's centre over the grain's diameter."""
         return self._number("width")
 
     @property
-    def bridges(self):
+    def bridges(self) -> int:
         """Number of bridges."""
         return int(self._number("bridges"))
 
     @property
-    def saturation(self):
+    def saturation(self) -> float:
         """Share of the space between the grains that is matrix, of the geometry."""
         return self._number("saturation")
 
     @property
-    def saturation_on_lattice(self):
+    def saturation_on_lattice(self) -> float:
         """The same of the nodes."""
         return self._number("saturation_on_lattice")
 
 
 def bridges(
-    grains, width=0.5, reach=1.1, filled=False, saturation=None, nodes_across=400, platen=0.0, wall_bridges=False
-):
+    grains: Packing | vtkPolyData | tuple[ArrayLike, ArrayLike], width: float = 0.5, reach: float = 1.1, filled: bool = False, saturation: float | None = None, nodes_across: int = 400, platen: float = 0.0, wall_bridges: bool = False
+) -> CementedSample:
     """Puts bridges of matrix between grains and returns a sample of the phases void, matrix and grain.
 
     grains        a Packing, a vtkPolyData of particles, or (centres, radii) as arrays, n by 2 or 3 and n

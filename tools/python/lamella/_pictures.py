@@ -1,10 +1,15 @@
 """Pictures fit for a paper, with no display."""
 
+from __future__ import annotations
+
 import os
+
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkPolyData
 
 from ._errors import LamellaError
 from ._samples import ImageBase
 from ._solve import as_image
+from ._types import ArrayLike, HasImage, Path, Sequence
 
 try:
     from .vtkLamellaRendering import vtkSnapshot
@@ -13,23 +18,25 @@ except ModuleNotFoundError:
 
 
 def snapshot(
-    data,
-    path,
-    preset="auto",
-    array=None,
-    title=None,
-    size=None,
-    value_range=None,
-    color_map=None,
-    overlay="auto",
-    overlay_array=None,
-    lines=None,
-    background=(1, 1, 1),
-    transparent=False,
-    overwrite=False,
-):
+    data: HasImage | vtkDataObject | ArrayLike,
+    path: Path,
+    preset: str = "auto",
+    array: str | None = None,
+    title: str | None = None,
+    size: Sequence[int] | None = None,
+    value_range: Sequence[float] | None = None,
+    color_map: str | None = None,
+    overlay: str = "auto",
+    overlay_array: str | None = None,
+    lines: vtkPolyData | None = None,
+    background: Sequence[float] = (1, 1, 1),
+    transparent: bool = False,
+    overwrite: bool = False,
+) -> str:
     """Draws a Sample, a result or a VTK data object into a PNG.
 
+    data         what to draw
+    path, overwrite  the file; one that is there already is only replaced where overwrite is True
     preset       "auto", "phase", "temperature", "concentration", "flux", "grain", "pores", "stress" or "scalar"
     array        the array to draw; None: the preset's own
     size         (width, height) in pixels; None: follows from the data
@@ -38,6 +45,8 @@ def snapshot(
     overlay      "auto", "none", "lines", "arrows" or "isolines"
     overlay_array  the vectors that lines and arrows follow; None: the array drawn, or "flux"
     lines        streamlines (vtkPolyData) to draw instead of those that it finds
+    title        above the picture; None: none
+    background, transparent  colour (red, green, blue), 0 to 1 each; or none at all
     """
     if vtkSnapshot is None:
         raise LamellaError("this build draws no pictures", "build filters/rendering as well")

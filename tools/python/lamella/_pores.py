@@ -1,16 +1,19 @@
 """The pores of an image."""
 
+from __future__ import annotations
+
 from . import _arrays
 from ._errors import choose, run
 from ._samples import ImageBase
 from ._solve import as_image
+from ._types import Array, Columns, Image, Name, Progress, Sequence
 from .vtkLamellaFilters import vtkPoreFloodFill
 
 
 class PoreFloodFillResult(ImageBase):
     """``vtk`` is the image with ``pore`` and ``pore_size``; sizes are in pixels or voxels."""
 
-    def __init__(self, image, pores, distribution):
+    def __init__(self, image, pores, distribution) -> None:
         super().__init__(image)
         #: vtkTable, one row a pore
         self.vtk_pores = pores
@@ -18,17 +21,17 @@ class PoreFloodFillResult(ImageBase):
         self.vtk_distribution = distribution
 
     @property
-    def labels(self):
+    def labels(self) -> Array:
         """Number of each pixel's pore, 0 outside, in the order of pictures (a view, no copy)."""
         return self.array("pore")
 
     @property
-    def sizes(self):
+    def sizes(self) -> Array:
         """Size of each pixel's pore, NaN outside (a view, no copy)."""
         return self.array("pore_size")
 
     @property
-    def table(self):
+    def table(self) -> Columns:
         """Columns by name, one entry a pore: ``pore``, ``size``, ``area`` or ``volume`` [m^2, m^3],
         ``equivalent_diameter`` [m], ``centre_x`` ... [m], ``x_first``, ``x_last`` ..., ``touches_x_min`` ...,
         ``percolates_x`` ... Axes are those of the data: of a picture, y points up.
@@ -36,69 +39,69 @@ class PoreFloodFillResult(ImageBase):
         return _arrays.columns(self.vtk_pores)
 
     @property
-    def distribution(self):
+    def distribution(self) -> Columns:
         """Columns by name, one entry a class of sizes, each class reaching twice as far as the one before."""
         return _arrays.columns(self.vtk_distribution)
 
     @property
-    def phase(self):
+    def phase(self) -> str:
         """Name of the phase that the pores are."""
         return _arrays.text(self.vtk, "pore_phase")
 
     @property
-    def count(self):
+    def count(self) -> int:
         """Number of pores."""
         return int(self._number("pore_count"))
 
     @property
-    def total(self):
+    def total(self) -> int:
         """Size of all pores together."""
         return int(self._number("pore_total"))
 
     @property
-    def mean(self):
+    def mean(self) -> float:
         """Mean size."""
         return self._number("pore_mean")
 
     @property
-    def largest(self):
+    def largest(self) -> int:
         """Size of the largest pore."""
         return int(self._number("pore_largest"))
 
     @property
-    def porosity(self):
+    def porosity(self) -> float:
         """Share of the phase, pores below the minimum size included."""
         return self._number("porosity")
 
     @property
-    def dropped(self):
+    def dropped(self) -> tuple[int, ...]:
         """Number and total size of the pores below the minimum size."""
         return tuple(int(value) for value in _arrays.numbers(self.vtk, "pore_dropped"))
 
     @property
-    def open_share(self):
+    def open_share(self) -> float:
         """Share of the total that is open: touches a border that is not periodic, or percolates."""
         return self._number("pore_open")
 
     @property
-    def percolates(self):
+    def percolates(self) -> str:
         """Axes along which some pore leads from side to side, as "xy"."""
         found = _arrays.numbers(self.vtk, "pore_percolates")
         return "".join(axis for axis, flag in zip("xyz", found) if flag)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<lamella.PoreFloodFillResult: {self.count} pores, mean {self.mean:.1f}, largest {self.largest}>"
 
 
 def pore_flood_fill(
-    sample,
-    phase=None,
-    connectivity=None,
-    periodic=(),
-    minimum_size=1,
-    sort_by_size=True,
-    progress=None,
-):
+    sample: Image,
+    phase: Name | None = None,
+    connectivity: int | None = None,
+    periodic: str | Sequence[str] = (),
+    minimum_size: int = 1,
+    sort_by_size: bool = True,
+    progress: Progress | None = None,
+) -> PoreFloodFillResult:
     """Labels the connected pores of one phase of a Sample, an array of whole numbers or an image.
 
     phase         its name or number; None: the first that is called void, pore, lumen or air
@@ -106,6 +109,7 @@ def pore_flood_fill(
     periodic      axes at whose end the sample begins again, as "xy"
     minimum_size  smaller pores get no label
     sort_by_size  label 1 is the largest; otherwise labels follow the order of memory
+    progress      called as progress(share, text); return False to cancel (raises Cancelled)
     """
     fill = vtkPoreFloodFill()
     fill.SetInputData(as_image(sample))

@@ -1,5 +1,7 @@
 """Samples: pictures of phases, read or generated."""
 
+from __future__ import annotations
+
 import os
 
 import numpy as np
@@ -8,43 +10,44 @@ from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
 from . import _arrays, _files
 from ._errors import LamellaError, choose, run
+from ._types import Any, Array, ArrayLike, Mapping, Path, Sequence
 from .vtkLamellaSolversVTK import vtkMicrostructureSource, vtkPictureReader, vtkVTKHDFWriter
 
 
 class ImageBase(_arrays.FieldData):
     """An image on a lattice and what it carries."""
 
-    def __init__(self, image):
+    def __init__(self, image) -> None:
         #: the vtkImageData itself
         self.vtk = image
 
     @property
-    def spacing(self):
+    def spacing(self) -> float:
         """Distance of neighbouring nodes in metres (1 where nobody knows it: see ``pixel_size_source``)."""
         return self.vtk.GetSpacing()[0]
 
     @property
-    def shape(self):
+    def shape(self) -> tuple[int, ...]:
         """(rows, columns) of a picture, (z, y, x) of a volume."""
         nx, ny, nz = self.vtk.GetDimensions()
         return (ny, nx) if nz == 1 else (nz, ny, nx)
 
     @property
-    def pixel_size_source(self):
+    def pixel_size_source(self) -> str:
         """Who says so: "option", an entry of the file, or "none"."""
         return _arrays.text(self.vtk, "pixel_size_source")
 
     @property
-    def names(self):
+    def names(self) -> list[str]:
         """Names of the phases; the position is the phase's number."""
         return _arrays.texts(self.vtk, "phase_names")
 
     @property
-    def phase(self):
+    def phase(self) -> Array:
         """Numbers of the phases as an array of the image's shape (a view, no copy)."""
         return self.array("phase")
 
-    def array(self, name):
+    def array(self, name: str) -> Array:
         """A point array by its name, in the order of pictures (a view, no copy)."""
         array = self.vtk.GetPointData().GetArray(name)
         if array is None:
@@ -53,7 +56,27 @@ class ImageBase(_arrays.FieldData):
             raise KeyError(f"no array '{name}'; there are: {there}")
         return _arrays.to_numpy(self.vtk, array)
 
-    def save(self, path, overwrite=False):
+    def set_array(self, name: str, values: ArrayLike, copy: bool | None = None) -> None:
+        """Adds a point array, or replaces it: numbers of the image's shape, in the order of pictures.
+
+        Vectors and tensors have their components in the last axis; of vectors of a picture two are enough. Names and
+        units that solvers look for: ``grain`` (whole numbers, 0 none), ``axis`` (unit vectors), ``displacement`` [m],
+        ``velocity`` [m/s], ``stress`` [Pa]. ``copy`` as of from_array(), for any type of numbers.
+        """
+        given = _arrays.checked(values, name, "give numbers of 1, 2, 4 or 8 bytes")
+        dimension = len(self.shape)
+        tail = given.shape[dimension:]
+        if given.shape[:dimension] != self.shape or len(tail) > 1 or 0 in tail:
+            raise ValueError(f"{name} has the shape {given.shape}; the sample's is {self.shape}, with components behind it")
+        ordered = _arrays.in_vtk_order(given, dimension)
+        if tail == (2,):
+            ordered = np.concatenate([ordered, np.zeros((*self.shape, 1), given.dtype)], axis=-1)
+            tail = (3,)
+            if copy is False:
+                raise ValueError(f"{name} needs a copy: VTK's vectors have three components; give three, or say copy=None")
+        self.vtk.GetPointData().AddArray(_arrays.to_vtk(ordered, name, tail, copy))
+
+    def save(self, path: Path, overwrite: bool = False) -> str:
         """Writes a .vti file, or VTKHDF where the path ends in .hdf or .vtkhdf, whole or not at all."""
         path = _files.new_path(path, overwrite)
         with _files.replacing(path) as part:
@@ -74,17 +97,17 @@ class ImageBase(_arrays.FieldData):
 class Sample(ImageBase):
     """A picture or volume of phases. ``numpy.asarray(sample)`` gives their numbers."""
 
-    def __array__(self, dtype=None):
+    def __array__(self, dtype: Any = None) -> Array:
         return np.asarray(self.phase, dtype=dtype)
 
     @property
-    def fractions(self):
+    def fractions(self) -> dict[str, float]:
         """Share of each phase by its name."""
         count = np.bincount(self.phase.ravel(), minlength=len(self.names))
         names = self.names or [str(i) for i in range(len(count))]
         return {name: float(n) / self.phase.size for name, n in zip(names, count)}
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         shares = ", ".join(f"{name} {share:.3f}" for name, share in self.fractions.items())
         return f"<lamella.Sample {' x '.join(map(str, self.shape))}: {shares}>"
 
@@ -95,22 +118,23 @@ def _sample(algorithm):
 
 
 def read_picture(
-    path,
-    phases=None,
-    other=None,
-    window=None,
-    refine=1,
-    pixel_size=None,
-    segment=False,
-    lumen="auto",
-    threshold=None,
-    array=None,
-    raw_size=None,
-    raw_bits=None,
-    raw_header=0,
-):
+    path: Path,
+    phases: Mapping[int, str] | None = None,
+    other: str | None = None,
+    window: Sequence[int] | None = None,
+    refine: int = 1,
+    pixel_size: float | None = None,
+    segment: bool = False,
+    lumen: str = "auto",
+    threshold: float | None = None,
+    array: str | None = None,
+    raw_size: Sequence[int] | None = None,
+    raw_bits: int | None = None,
+    raw_header: int = 0,
+) -> Sample:
     """Reads a picture (PNG, JPEG, TIFF), a volume (TIFF stack, slices, raw) or a .vti file.
 
+    path        of slices a pattern, such as slice_%03d.png
     phases      {grey value: name}; none: every grey value is a phase of its own, named by its value
     other       name for all greys that are not listed; none: such a grey is an error
     window      (x, y, width, height) in pixels from the top left; of a volume (x, y, z, width, height, depth)
@@ -155,13 +179,22 @@ def read_picture(
     return _sample(reader)
 
 
-def from_array(phase, names=None, spacing=1.0):
+def from_array(
+    phase: ArrayLike,
+    names: Sequence[str] | Mapping[int, str] | None = None,
+    spacing: float = 1.0,
+    copy: bool | None = None,
+) -> Sample:
     """A sample from whole numbers: ``phase[row, column]`` with row 0 at the top, or ``phase[z, y, x]``.
 
     names    names of the phases, a list by number or {number: name}
     spacing  metres
+    copy     None: the sample shares the array's memory where it can, and keeps it alive. It can with a volume of
+             numpy.uint8 that is contiguous and writeable, and with a picture of that type whose *last* row comes first
+             in memory, as ``numpy.empty((rows, columns), numpy.uint8)[::-1]`` and the arrays of this package have it.
+             True: always a copy. False: an error where one is needed
     """
-    image = _arrays.to_image(phase, spacing)
+    image = _arrays.to_image(phase, spacing, copy=copy)
     if names is not None:
         if isinstance(names, dict):
             names = [names.get(i, str(i)) for i in range(max(names) + 1)]
@@ -185,21 +218,29 @@ def _source(kind, size, spacing):
 
 
 def softwood(
-    size=(200, 200),
-    solid_fraction=0.4,
-    seed=1,
-    spacing=1e-6,
-    ring_position=(0.0, 0.0),
-    tangential_diameter=30e-6,
-    radial_diameter=(36e-6, 15e-6),
-    ray_distance=240e-6,
-    tracheid_length=200e-6,
-    scatter=0.12,
-):
-    """Softwood tissue with the phases lumen and wall; ``size`` is (nx, ny) or (nx, ny, nz) nodes, x the radial axis.
+    size: Sequence[int] = (200, 200),
+    solid_fraction: float = 0.4,
+    seed: int = 1,
+    spacing: float = 1e-6,
+    ring_position: Sequence[float] = (0.0, 0.0),
+    tangential_diameter: float = 30e-6,
+    radial_diameter: Sequence[float] = (36e-6, 15e-6),
+    ray_distance: float = 240e-6,
+    tracheid_length: float = 200e-6,
+    scatter: float = 0.12,
+) -> Sample:
+    """Softwood tissue with the phases lumen and wall.
 
-    ring_position is the place in the annual ring of the left and the right edge, 0 earlywood to 1 latewood;
-    diameters, distances and lengths are in metres.
+    size            (nx, ny) or (nx, ny, nz) nodes, x the radial axis
+    solid_fraction  share of the walls
+    seed            another seed gives another tissue
+    spacing         distance of the nodes [m]
+    ring_position   place in the annual ring of the left and the right edge, 0 earlywood to 1 latewood
+    tangential_diameter  of the tracheids across the radial files, along y [m]
+    radial_diameter  along the files, in earlywood and in latewood [m]
+    ray_distance    mean distance between rays [m]; 0: none
+    tracheid_length  in three dimensions, along z [m]
+    scatter         relative standard deviation of the diameters
     """
     source = _source(vtkMicrostructureSource.SOFTWOOD, size, spacing)
     source.SetSolidFraction(solid_fraction)
@@ -214,26 +255,32 @@ def softwood(
 
 
 def hardwood(
-    size=(400, 400),
-    solid_fraction=0.38,
-    seed=1,
-    spacing=1e-6,
-    ring_position=(0.0, 0.0),
-    fibre_diameter=16e-6,
-    vessel_diameter=(64e-6, 40e-6),
-    vessel_share=(0.32, 0.15),
-    early_end=0.6,
-    multiples=0.45,
-    ray_distance=95e-6,
-    scatter=0.12,
-):
-    """Hardwood tissue with the phases lumen and wall: vessels among fibres, rays; ``size`` is (nx, ny) nodes, x the
-    radial axis.
+    size: Sequence[int] = (400, 400),
+    solid_fraction: float = 0.38,
+    seed: int = 1,
+    spacing: float = 1e-6,
+    ring_position: Sequence[float] = (0.0, 0.0),
+    fibre_diameter: float = 16e-6,
+    vessel_diameter: Sequence[float] = (64e-6, 40e-6),
+    vessel_share: Sequence[float] = (0.32, 0.15),
+    early_end: float = 0.6,
+    multiples: float = 0.45,
+    ray_distance: float = 95e-6,
+    scatter: float = 0.12,
+) -> Sample:
+    """Hardwood tissue with the phases lumen and wall: vessels among fibres, rays.
 
-    ring_position is the place in the annual ring of the left and the right edge, 0 its start to 1 its end;
-    vessel_diameter and vessel_share are those at the start and at the end of the ring; early_end is where late vessels
-    begin (0.25 in ring-porous wood); multiples is the share of the groups of vessels that are radial files of two to
-    four; diameters and distances are in metres.
+    size            (nx, ny) nodes, x the radial axis
+    solid_fraction  share of the walls
+    seed            another seed gives another tissue
+    spacing         distance of the nodes [m]
+    ring_position   place in the annual ring of the left and the right edge, 0 its start to 1 its end
+    fibre_diameter  between the middles of the walls [m]
+    vessel_diameter, vessel_share  of the vessels at the start and at the end of the ring [m], share of the picture
+    early_end       place in the ring where late vessels begin (0.25 in ring-porous wood)
+    multiples       share of the groups of vessels that are radial files of two to four
+    ray_distance    mean distance between rays [m]; 0: none
+    scatter         relative standard deviation of the diameters
     """
     if len(size) != 2:
         raise ValueError("hardwood is a cross-section: give a size (nx, ny)")
@@ -251,23 +298,45 @@ def hardwood(
     return _sample(source)
 
 
-def honeycomb(size=(200, 200), solid_fraction=0.4, cells=4, spacing=1e-6):
-    """Honeycomb of straight walls, ``cells`` along x; phases lumen and wall."""
+def honeycomb(
+    size: Sequence[int] = (200, 200),
+    solid_fraction: float = 0.4,
+    cells: int = 4,
+    spacing: float = 1e-6,
+) -> Sample:
+    """Honeycomb of straight walls: phases lumen and wall.
+
+    size            (nx, ny) or (nx, ny, nz) nodes
+    solid_fraction  share of the walls
+    cells           along x
+    spacing         distance of the nodes [m]
+    """
     source = _source(vtkMicrostructureSource.HONEYCOMB, size, spacing)
     source.SetSolidFraction(solid_fraction)
     source.SetCells(cells)
     return _sample(source)
 
 
-def checkerboard(size=(200, 200), cells=4, spacing=1e-6):
-    """``cells`` fields along each axis; phases matrix and inclusion."""
+def checkerboard(size: Sequence[int] = (200, 200), cells: int = 4, spacing: float = 1e-6) -> Sample:
+    """A checkerboard of the phases matrix and inclusion.
+
+    size     (nx, ny) or (nx, ny, nz) nodes
+    cells    fields along each axis
+    spacing  distance of the nodes [m]
+    """
     source = _source(vtkMicrostructureSource.CHECKERBOARD, size, spacing)
     source.SetCells(cells)
     return _sample(source)
 
 
-def disks(size=(200, 200), fraction=0.5, cells=1, spacing=1e-6):
-    """``cells`` by ``cells`` disks of an area fraction; phases matrix and inclusion."""
+def disks(size: Sequence[int] = (200, 200), fraction: float = 0.5, cells: int = 1, spacing: float = 1e-6) -> Sample:
+    """Disks in a square array: phases matrix and inclusion.
+
+    size      (nx, ny) nodes
+    fraction  share of the disks
+    cells     disks along each axis
+    spacing   distance of the nodes [m]
+    """
     if len(size) != 2:
         raise ValueError("disks lie in a picture: give a size (nx, ny), or make spheres")
     source = _source(vtkMicrostructureSource.INCLUSIONS, size, spacing)
@@ -276,8 +345,14 @@ def disks(size=(200, 200), fraction=0.5, cells=1, spacing=1e-6):
     return _sample(source)
 
 
-def spheres(size=(64, 64, 64), fraction=0.5, cells=1, spacing=1e-6):
-    """``cells`` spheres along each axis, of a volume fraction; phases matrix and inclusion."""
+def spheres(size: Sequence[int] = (64, 64, 64), fraction: float = 0.5, cells: int = 1, spacing: float = 1e-6) -> Sample:
+    """Spheres in a cubic array: phases matrix and inclusion.
+
+    size      (nx, ny, nz) nodes
+    fraction  share of the spheres
+    cells     spheres along each axis
+    spacing   distance of the nodes [m]
+    """
     if len(size) != 3:
         raise ValueError("spheres lie in a volume: give a size (nx, ny, nz), or make disks")
     source = _source(vtkMicrostructureSource.INCLUSIONS, size, spacing)
@@ -286,8 +361,21 @@ def spheres(size=(64, 64, 64), fraction=0.5, cells=1, spacing=1e-6):
     return _sample(source)
 
 
-def laminate(size=(200, 200), axis="x", fraction=0.5, periods=4, spacing=1e-6):
-    """Layers across an axis; phases matrix and inclusion."""
+def laminate(
+    size: Sequence[int] = (200, 200),
+    axis: str = "x",
+    fraction: float = 0.5,
+    periods: int = 4,
+    spacing: float = 1e-6,
+) -> Sample:
+    """Layers: phases matrix and inclusion.
+
+    size      (nx, ny) or (nx, ny, nz) nodes
+    axis      "x", "y" or "z": across the layers
+    fraction  share of the phase inclusion
+    periods   pairs of layers
+    spacing   distance of the nodes [m]
+    """
     source = _source(vtkMicrostructureSource.LAMINATE, size, spacing)
     source.SetAxis("xyz".index(axis))
     source.SetSolidFraction(fraction)

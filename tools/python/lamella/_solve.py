@@ -1,11 +1,14 @@
 """Steady diffusion."""
 
+from __future__ import annotations
+
 import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays
 from ._errors import choose, run
 from ._samples import ImageBase, from_array
+from ._types import Array, Image, Mapping, Name, Progress
 from .vtkLamellaSolversVTK import vtkSteadyDiffusion
 
 _DIRECTIONS = {"x": 0, "y": 1, "z": 2, "all": 3}
@@ -25,46 +28,46 @@ class DiffusionResult(ImageBase):
         return {axis: float(value) for axis, value in zip("xyz", values) if not np.isnan(value)}
 
     @property
-    def effective(self):
+    def effective(self) -> Array:
         """The effective conductivity as a matrix (2 by 2 or 3 by 3), NaN in columns that were not solved."""
         n = self._dimension
         return _arrays.numbers(self.vtk, "effective_conductivity").reshape(3, 3)[:n, :n]
 
     @property
-    def estimated_error(self):
+    def estimated_error(self) -> float:
         """Relative numerical error of the effective conductivity; NaN unless it was asked for."""
         return float(_arrays.numbers(self.vtk, "estimated_error")[0])
 
     @property
-    def extrapolated(self):
+    def extrapolated(self) -> dict[str, float]:
         """Effective conductivity that the error estimate expects on an endlessly fine lattice, by direction."""
         return self._by_direction("extrapolated_conductivity")
 
     @property
-    def bounds(self):
+    def bounds(self) -> dict[str, float]:
         """Bounds that only the phases' shares are needed for, a dictionary."""
         names = ("series", "hashin_shtrikman_lower", "hashin_shtrikman_upper", "parallel")
         return dict(zip(names, map(float, _arrays.numbers(self.vtk, "bounds"))))
 
     @property
-    def iterations(self):
+    def iterations(self) -> dict[str, int]:
         """Iterations by direction."""
         return {axis: int(value) for axis, value in self._by_direction("iterations").items()}
 
     @property
-    def balance(self):
+    def balance(self) -> dict[str, float]:
         """Relative difference of the flux through the worse face, by direction."""
         return self._by_direction("balance")
 
     @property
-    def fields(self):
+    def fields(self) -> dict[str, Array]:
         """Fields and fluxes by name, as arrays in the order of pictures (views, no copies)."""
         data = self.vtk.GetPointData()
         names = [data.GetArrayName(i) for i in range(data.GetNumberOfArrays())]
         kinds = ("temperature", "concentration", "flux")
         return {name: self.array(name) for name in names if name.split("_")[0] in kinds}
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         numbers = ", ".join(f"k_{axis} {self.effective[i, i]:.6g}" for i, axis in enumerate("xyz"[: self._dimension]))
         return f"<lamella.DiffusionResult {numbers}>"
 
@@ -79,21 +82,21 @@ def as_image(image):
 
 
 def diffusion(
-    image,
-    conductivity,
-    direction="all",
-    sides="insulated",
-    quantity="temperature",
-    lattice=None,
-    tolerance=1e-8,
-    threads=1,
-    fields=True,
-    flux=True,
-    estimate_error=False,
-    method="auto",
-    max_iterations=500,
-    progress=None,
-):
+    image: Image,
+    conductivity: Mapping[Name, float | tuple[float, float]],
+    direction: str = "all",
+    sides: str = "insulated",
+    quantity: str = "temperature",
+    lattice: str | None = None,
+    tolerance: float = 1e-8,
+    threads: int = 1,
+    fields: bool = True,
+    flux: bool = True,
+    estimate_error: bool = False,
+    method: str = "auto",
+    max_iterations: int = 500,
+    progress: Progress | None = None,
+) -> DiffusionResult:
     """Solves steady diffusion and returns a DiffusionResult.
 
     image         a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers
@@ -104,7 +107,9 @@ def diffusion(
     sides         "insulated" or "periodic"
     quantity      "temperature" or "concentration": names the field
     lattice       None (d2q5 or d3q7), "d2q5", "d2q9", "d3q7" or "d3q19"
+    method        "auto", "multigrid" or "algebraic": how the system is solved; all give the same answer
     tolerance     largest relative error of the flux through either face
+    max_iterations  gives up after so many
     threads       0: all cores
     fields, flux  whether the field and its flux are kept; what is not asked for is not computed
     estimate_error  solve on a finer lattice too and estimate the error; several times the work

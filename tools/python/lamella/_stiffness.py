@@ -1,5 +1,7 @@
 """Effective stiffness of a cell that repeats, with its error."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from . import _arrays
@@ -7,6 +9,7 @@ from ._bonds import set_bonds
 from ._errors import run
 from ._samples import ImageBase
 from ._solve import as_image
+from ._types import Any, Array, Image, Pairs, Progress, Sequence
 from .vtkLamellaSolversVTK import vtkBondStiffness
 
 
@@ -17,7 +20,7 @@ class StiffnessResult(ImageBase, _arrays.Answer):
     angles. y points up.
     """
 
-    def __init__(self, image, tensor, constants):
+    def __init__(self, image, tensor, constants) -> None:
         super().__init__(image)
         #: one row a stress
         self.vtk_tensor = tensor
@@ -32,67 +35,67 @@ class StiffnessResult(ImageBase, _arrays.Answer):
         return dict(zip(_arrays.texts(self.vtk, "constant_names"), map(float, _arrays.numbers(self.vtk, name))))
 
     @property
-    def components(self):
+    def components(self) -> list[str]:
         """Names of rows and columns."""
         return _arrays.texts(self.vtk, "stiffness_components")
 
     @property
-    def stiffness(self):
+    def stiffness(self) -> Array:
         """The tensor at the image's own spacing [Pa]."""
         return self._tensor("stiffness")
 
     @property
-    def extrapolated(self):
+    def extrapolated(self) -> Array:
         """The tensor that an endlessly fine lattice is expected to have [Pa]; NaN where the error is not known."""
         return self._tensor("stiffness_extrapolated")
 
     @property
-    def errors(self):
+    def errors(self) -> Array:
         """Estimated error of each component [Pa]; NaN where it is not known."""
         return self._tensor("stiffness_error")
 
     @property
-    def estimated_error(self):
+    def estimated_error(self) -> float:
         """The largest relative error on the diagonal; NaN where it is not known."""
         return self._number("estimated_error")
 
     @property
-    def bounds(self):
+    def bounds(self) -> dict[str, Array]:
         """Voigt's and Reuss's bounds of the tensor [Pa], a dictionary."""
         return {name: self._tensor("stiffness_" + name) for name in ("voigt", "reuss")}
 
     @property
-    def constants(self):
+    def constants(self) -> dict[str, float]:
         """Young's and shear moduli [Pa] and Poisson's ratios by name: E_x ..., nu_xy ..., G_xy ..."""
         return self._by_constant("constants")
 
     @property
-    def constants_extrapolated(self):
+    def constants_extrapolated(self) -> dict[str, float]:
         """The same on an endlessly fine lattice."""
         return self._by_constant("constants_extrapolated")
 
     @property
-    def constants_errors(self):
+    def constants_errors(self) -> dict[str, float]:
         """The estimated errors of the constants, in their own units."""
         return self._by_constant("constants_error")
 
     @property
-    def eigenvalues(self):
+    def eigenvalues(self) -> Array:
         """Stiffnesses of the tensor's own strains, rising [Pa]."""
         return _arrays.numbers(self.vtk, "eigenvalues")
 
     @property
-    def resisting(self):
+    def resisting(self) -> int:
         """How many of them are above zero: 3 or 6 unless something is a mechanism."""
         return int(self._number("resisting"))
 
     @property
-    def crosses(self):
+    def crosses(self) -> str:
         """Axes along which the solid goes on into the next cell, as "xy"."""
         return "".join(axis for axis, flag in zip("xyz", _arrays.numbers(self.vtk, "crosses")) if flag)
 
     @property
-    def steps(self):
+    def steps(self) -> list[dict[str, Any]]:
         """Every solve: a list of {"refinement", "nodes", "iterations", "seconds", "part"}."""
         keys = ("refinement", "nodes", "iterations", "seconds", "part")
         kinds = (int, int, int, float, bool)
@@ -100,17 +103,17 @@ class StiffnessResult(ImageBase, _arrays.Answer):
         return [{k: kind(v) for k, kind, v in zip(keys, kinds, row)} for row in zip(*columns)]
 
     @property
-    def iterations(self):
+    def iterations(self) -> dict[str, int]:
         """Of conjugate gradients at the image's own spacing, by unit strain."""
         return dict(zip(self.components, map(int, _arrays.numbers(self.vtk, "iterations"))))
 
     @property
-    def loose_pieces(self):
+    def loose_pieces(self) -> float:
         """Number of pieces that go on nowhere, and of their nodes."""
         return int(self._number("loose_pieces")), int(self._number("loose_nodes"))
 
     @property
-    def mismatch(self):
+    def mismatch(self) -> dict[str, tuple[float, float]]:
         """By axis, share of nodes whose neighbour across the seam is of another phase, and the largest such share
         between two layers within."""
         seam = _arrays.numbers(self.vtk, "seam_mismatch")
@@ -118,7 +121,7 @@ class StiffnessResult(ImageBase, _arrays.Answer):
         axes = "xyz" if len(self.components) == 6 else "xy"
         return {axis: (float(seam[i]), float(layers[i])) for i, axis in enumerate(axes)}
 
-    def modulus(self, direction):
+    def modulus(self, direction: Sequence[float]) -> float:
         """Young's modulus [Pa] under stress along a direction: an angle in radians from x of a picture, or a vector."""
         n = len(self.components)
         if np.isscalar(direction):
@@ -134,18 +137,26 @@ class StiffnessResult(ImageBase, _arrays.Answer):
             stress = np.array([d[0] ** 2, d[1] ** 2, d[0] * d[1]])
         return float(1 / (stress @ np.linalg.solve(self.stiffness, stress)))
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         numbers = ", ".join(f"{name} {value:.6g}" for name, value in self.constants.items() if name[0] == "E")
         return f"<lamella.StiffnessResult: {numbers} Pa, error {100 * self.estimated_error:.2g} %>"
 
 
-def stiffness(image, young, estimate_error=True, tolerance=1e-6, max_iterations=20000, progress=None, **bonds):
+def stiffness(
+    image: Image,
+    young: Pairs,
+    estimate_error: bool = True,
+    tolerance: float = 1e-6,
+    max_iterations: int = 20000,
+    progress: Progress | None = None,
+    **bonds: Any,
+) -> StiffnessResult:
     """Effective stiffness tensor of a sample taken as a cell that repeats; returns a StiffnessResult.
 
     image     a Sample, a vtkImageData with the point array ``phase`` (and ``grain``), or an array of whole numbers
     young     {pair: Young's modulus in Pa}, as equilibrium() takes it
     estimate_error  solve at half the spacing as well and tell the error; several times the work
-    tolerance  largest relative residual force
+    tolerance, max_iterations  largest relative residual force; gives up after so many iterations
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
 
     Of the bonds' keywords it takes like, relative_to, mixing, void, horizon, continuum, micromodulus, void_bonds,

@@ -1,10 +1,13 @@
 """How stresses are distributed."""
 
+from __future__ import annotations
+
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataSet
 
 from . import _arrays
 from ._errors import choose, run
 from ._samples import ImageBase
+from ._types import ArrayLike, Columns, HasImage, Names, Progress, Sequence
 from .vtkLamellaFilters import vtkStressPDF
 
 _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz", "mean", "von-mises", "principal-1", "principal-2", "principal-3")
@@ -13,7 +16,7 @@ _COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz", "mean", "von-mises", "princip
 class StressPDFResult(_arrays.FieldData):
     """Tables of vtkStressPDF; stresses of the density are in mean tensile stresses."""
 
-    def __init__(self, density, phases, thresholds):
+    def __init__(self, density, phases, thresholds) -> None:
         #: vtkTable, one row a bin
         self.vtk = density
         #: vtkTable, one row for all, then one a phase
@@ -22,14 +25,14 @@ class StressPDFResult(_arrays.FieldData):
         self.vtk_thresholds = thresholds
 
     @property
-    def density(self):
+    def density(self) -> Columns:
         """Columns by name, one entry a bin: ``stress`` (its middle), ``stress_low``, ``stress_high``, ``count``,
         ``density``, ``tail`` (the law that was fitted), ``count_<phase>``, ``density_<phase>``.
         """
         return _arrays.columns(self.vtk)
 
     @property
-    def phases(self):
+    def phases(self) -> dict[str, dict[str, float]]:
         """By name of the phase, and for ``"all"``: ``count``, ``mean``, ``deviation``, ``mean_tensile``,
         ``mean_compressive``, ``smallest``, ``largest`` [Pa], ``tensile_share``, ``compressive_share``, ``tail_count``,
         ``theta``, ``theta_error``; with a reference stress ``mean_tensile_over_reference`` and
@@ -40,43 +43,43 @@ class StressPDFResult(_arrays.FieldData):
         return {name: {key: column[row].item() for key, column in columns.items()} for row, name in enumerate(names)}
 
     @property
-    def thresholds(self):
+    def thresholds(self) -> Columns:
         """Columns by name, one entry a threshold: ``threshold``, ``tail_count``, ``tail_share``, ``theta``,
         ``theta_error``, ``distance``.
         """
         return _arrays.columns(self.vtk_thresholds)
 
     @property
-    def mean_tensile(self):
+    def mean_tensile(self) -> float:
         """Mean of the stresses above 0 [Pa]."""
         return self._number("stress_mean_tensile")
 
     @property
-    def mean_compressive(self):
+    def mean_compressive(self) -> float:
         """Mean of the stresses below 0 [Pa], negative; 0 where there is none."""
         return self._number("stress_mean_compressive")
 
     @property
-    def theta(self):
+    def theta(self) -> float:
         """Rate of the exponential tail; NaN where fewer than two stresses are beyond the threshold."""
         return self._number("stress_theta")
 
     @property
-    def theta_error(self):
+    def theta_error(self) -> float:
         """Standard error of ``theta`` if stresses were independent. Neighbours are alike: samples scatter more."""
         return self._number("stress_theta_error")
 
     @property
-    def threshold(self):
+    def threshold(self) -> float:
         """Where the tail begins, in mean tensile stresses."""
         return self._number("stress_tail_threshold")
 
     @property
-    def distance(self):
+    def distance(self) -> float:
         """Largest difference between the cumulative shares of the tail's stresses and of the law."""
         return self._number("stress_tail_distance")
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return (
             f"<lamella.StressPDFResult: mean tensile {self.mean_tensile:.4g} Pa, "
             f"theta {self.theta:.3f} beyond {self.threshold:.3g}>"
@@ -84,20 +87,20 @@ class StressPDFResult(_arrays.FieldData):
 
 
 def stress_pdf(
-    data,
-    component="yy",
-    phases=None,
-    threshold=None,
-    tail_share=0.1,
-    bin_width=0.05,
-    range=None,  # pylint: disable=redefined-builtin
-    reference=None,
-    array="stress",
-    phase_array="phase",
-    cells=False,
-    keep_platens=False,
-    progress=None,
-):
+    data: HasImage | vtkDataSet,
+    component: str = "yy",
+    phases: Names | None = None,
+    threshold: float | None = None,
+    tail_share: float = 0.1,
+    bin_width: float = 0.05,
+    range: Sequence[float] | None = None,  # pylint: disable=redefined-builtin
+    reference: float | None = None,
+    array: str = "stress",
+    phase_array: str = "phase",
+    cells: bool = False,
+    keep_platens: bool = False,
+    progress: Progress | None = None,
+) -> StressPDFResult:
     """Probability density of a stress, mean tensile and compressive stress, and the exponential tail.
 
     data        a result of ``lamella.equilibrium``, or any vtkDataSet with stresses
@@ -109,6 +112,7 @@ def stress_pdf(
     reference   a stress to compare the means with [Pa]
     array, phase_array, cells   where stresses and phases are, and whether at cells
     keep_platens   also count the layers that platens hold
+    progress     called as progress(share, text); return False to cancel (raises Cancelled)
     """
     pdf = vtkStressPDF()
     if isinstance(data, ImageBase):

@@ -1,5 +1,7 @@
 """Diffusion in time."""
 
+from __future__ import annotations
+
 import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
@@ -8,6 +10,7 @@ from ._errors import choose, run
 from ._runs import set_checkpoint
 from ._samples import ImageBase
 from ._solve import _LATTICES, as_image
+from ._types import Array, ArrayLike, Image, Mapping, Name, OnStep, Path, Progress, Sequence
 from .vtkLamellaSolversVTK import vtkLatticeBoltzmann
 
 _COLLISIONS = {"auto": 0, "bgk": 1, "trt": 2}
@@ -20,28 +23,28 @@ class TransientState(ImageBase):
         return float(_arrays.numbers(self.vtk, name)[0])
 
     @property
-    def time(self):
+    def time(self) -> float:
         """Since the start [s]."""
         return self._number("time")
 
     @property
-    def field(self):
+    def field(self) -> Array:
         """Temperature or concentration in the order of pictures, NaN where nothing conducts (a view)."""
         return self.array(self.vtk.GetPointData().GetScalars().GetName())
 
     @property
-    def flux(self):
+    def flux(self) -> Array:
         """-D grad u [m/s], x, y and z in the last axis (a view); only where it was asked for."""
         return self.array("flux")
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<lamella.TransientState: {self.time:.6g} s>"
 
 
 class TransientResult:
     """What a run gives: ``states``, and the numbers of all of them as arrays."""
 
-    def __init__(self, states, curve):
+    def __init__(self, states, curve) -> None:
         #: a TransientState for each time kept; where the run went on from a checkpoint, from there on
         self.states = states
         #: their times [s]
@@ -53,77 +56,77 @@ class TransientResult:
         return np.array([state._number(name) for state in self.states])
 
     @property
-    def inlet_flux(self):
+    def inlet_flux(self) -> Array:
         """Mean flux through the face where the direction begins [m/s], by time."""
         return self._each("inlet_flux")
 
     @property
-    def outlet_flux(self):
+    def outlet_flux(self) -> Array:
         """Mean flux through the face where it ends [m/s], by time."""
         return self._each("outlet_flux")
 
     @property
-    def mean(self):
+    def mean(self) -> Array:
         """Mean of the field over the box, 0 where nothing conducts, by time."""
         return self._each("mean_value")
 
     @property
-    def time_step(self):
+    def time_step(self) -> float:
         """Of lattice Boltzmann [s]."""
         return self.states[-1]._number("time_step")
 
     @property
-    def relaxation(self):
+    def relaxation(self) -> float:
         """tau - 1/2 of the phase that conducts best."""
         return self.states[-1]._number("relaxation")
 
     @property
-    def steps(self):
+    def steps(self) -> int:
         """How many there were."""
         return int(self.states[-1]._number("steps"))
 
     @property
-    def continued_at(self):
+    def continued_at(self) -> int:
         """Steps in the checkpoint that the run went on from; 0 where it began anew."""
         return int(self.states[-1]._number("continued_at"))
 
     @property
-    def last_checkpoint(self):
+    def last_checkpoint(self) -> int:
         """Steps in the last checkpoint of this run; 0: none."""
         return int(self.states[-1]._number("last_checkpoint"))
 
     @property
-    def warning(self):
+    def warning(self) -> str:
         """Where one relaxation time is inaccurate, what to expect; else empty."""
         return self.states[-1].vtk.GetFieldData().GetAbstractArray("warning").GetValue(0)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<lamella.TransientResult: {self.times[-1]:.6g} s in {self.steps} steps, {len(self.states)} states>"
 
 
 def lattice_boltzmann(
-    image,
-    diffusivity,
-    end_time=None,
-    frames=10,
-    direction="x",
-    values=(1.0, 0.0),
-    initial=0.0,
-    sides="insulated",
-    quantity="temperature",
-    stepping="auto",
-    lattice=None,
-    time_step=None,
-    flux=False,
-    threads=1,
-    progress=None,
-    on_step=None,
-    at_times=(),
-    at_steps=(),
-    checkpoint=None,
-    checkpoint_every=10000,
-    continue_from=None,
-):
+    image: Image,
+    diffusivity: Mapping[Name, float],
+    end_time: float | None = None,
+    frames: int = 10,
+    direction: str = "x",
+    values: Sequence[float] = (1.0, 0.0),
+    initial: float = 0.0,
+    sides: str = "insulated",
+    quantity: str = "temperature",
+    stepping: str = "auto",
+    lattice: str | None = None,
+    time_step: float | None = None,
+    flux: bool = False,
+    threads: int = 1,
+    progress: Progress | None = None,
+    on_step: OnStep | None = None,
+    at_times: ArrayLike = (),
+    at_steps: ArrayLike = (),
+    checkpoint: Path | None = None,
+    checkpoint_every: int = 10000,
+    continue_from: Path | None = None,
+) -> TransientResult:
     """Steps diffusion through time by lattice Boltzmann and returns a TransientResult.
 
     image        a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers
