@@ -20,7 +20,7 @@ scale = float(os.environ.get("LAMELLA_SCALE", 1))
 
 grains = pv.GrainPacking(Count=int(200 * scale), Softness=1e-4)
 cemented = pv.MatrixBridges(Input=grains, Saturation=0.5, NodesAcross=int(200 * scale))
-torn = pv.BondFracture(Input=cemented, StatesAtBroken=[50, 200, 800], ComputeStress=1)
+torn = pv.BondFracture(Input=cemented, StatesAtBroken=[50, 200], ComputeStress=1)
 lamella.use_preset(torn, "cemented grains")
 
 layout = pv.CreateLayout("Fracture")

@@ -27,88 +27,22 @@ class Proxies(unittest.TestCase):
         for name in set(globals()) - NAMES - {"NAMES", "Proxies"}:
             del globals()[name]  # sum, min and the like: a ProgrammableSource puts its arrays' own in their place
 
-    def test_every_property_says_what_it_is(self):
-        for create in (pv.PictureReader, pv.MicrostructureSource, pv.SteadyDiffusion, pv.LatticeBoltzmann,
-                       pv.FluxMap, pv.PoreFloodFill,
-                       pv.GrainPacking, pv.PackingReader, pv.MatrixBridges, pv.BondEquilibrium, pv.BondFracture,
-                       pv.BondDynamics,
-                       pv.BondStiffness, pv.BondStress, pv.PointCompression, pv.PointStiffness,
-                       pv.StressPDF, pv.MicrographContours, pv.MicrographPolygonReader,
-                       pv.CrackPath, pv.CompressionCurve, pv.CollapseMap, pv.MicrographLattice):
-            proxy = create()
-            properties = proxy.SMProxy
-            self.assertTrue(properties.GetDocumentation().GetDescription().strip())
-            for name in proxy.ListProperties():
-                documentation = proxy.GetProperty(name).SMProperty.GetDocumentation()
-                text = documentation.GetDescription() if documentation else ""
-                self.assertTrue((text or "").strip(), f"{create.__name__}.{name} has no tooltip")
-
     def test_defaults_are_those_of_the_classes(self):
-        for create, names in (
-            (pv.MicrostructureSource, ("Kind", "Size", "Spacing", "SolidFraction", "Seed", "TangentialDiameter",
-                                       "RadialDiameter", "RingPosition", "RayDistance", "TracheidLength", "Scatter",
-                                       "Cells", "Axis")),
-            (pv.SteadyDiffusion, ("Direction", "Quantity", "Sides", "ComputeField", "ComputeFlux", "EstimateError",
-                                  "Lattice", "Method", "Tolerance", "MaximumIterations", "Threads")),
-            (pv.LatticeBoltzmann, ("Direction", "InletValue", "OutletValue", "InitialValue", "Quantity", "Sides", "EndTime",
-                                   "NumberOfSteps", "ComputeFlux", "Collision", "Lattice", "TimeStep", "Threads",
-                                   "CheckpointFile", "CheckpointEvery", "ContinueFile")),
-            (pv.FluxMap, ("Direction", "NumberOfStreamlines")),
-            (pv.PoreFloodFill, ("Phase", "Connectivity", "Periodic", "MinimumSize", "SortBySize", "ComputePoreSize")),
-            (pv.StressPDF, ("Component", "LeaveOutPlatens", "Threshold", "TailShare", "BinWidth", "Range",
-                            "ReferenceStress")),
-            (pv.GrainPacking, ("Dimension", "Count", "MeanDiameter", "DiameterRatio", "Sizes", "Aspect", "Periodic",
-                               "Friction", "Pressure", "Softness", "PackingFraction", "Seed", "Tolerance")),
-            (pv.PackingReader, ("LengthUnit", "BoxSize")),
-            (pv.BondEquilibrium, ("RelativeTo", "Mixing", "Horizon", "Continuum", "Micromodulus", "CutVoidBonds",
-                                  "SurfaceCorrection", "LargeStrains", "Periodic", "Threads", "Load", "LoadAxis",
-                                  "Strain", "LateralStrain", "Traction", "SmoothPlatens", "RigidPlatens",
-                                  "PlatenLayers",
-                                  "ComputeStress", "ComputeStrainEnergy", "Solver", "Tolerance",
-                                  "MaximumIterations")),
-            (pv.BondFracture, ("RelativeTo", "Mixing", "Horizon", "Continuum", "Micromodulus", "CutVoidBonds",
-                               "SurfaceCorrection", "Periodic", "Threads", "Load", "LoadAxis", "Compression",
-                               "LateralRatio", "SmoothPlatens", "RigidPlatens", "PlatenLayers", "Breaking", "StrainStep",
-                               "StopShare", "MaximumStrain", "MaximumBroken", "State", "ComputeDisplacement", "ComputeStress",
-                               "ComputeStrainEnergy", "Method", "Rivals", "Tolerance", "CheckpointFile",
-                               "CheckpointEvery", "ContinueFile")),
-            (pv.BondDynamics, ("Density", "Pull", "Load", "LoadAxis", "Compression", "StrainRate", "TravelTimes",
-                               "StartShare", "SmoothPlatens", "RigidPlatens", "PlatenLayers", "InitialVelocity",
-                               "UseInputVelocity", "Relaxation", "ReferenceEnergy", "ReferenceCrack", "StartRate",
-                               "Damping", "TimeStep", "StepShare", "EndTime", "StopShare", "MaximumStrain",
-                               "MaximumBroken", "HistoryEvery", "State", "ComputeDisplacement", "ComputeVelocity",
-                               "ComputeStress", "ComputeStrainEnergy", "CheckpointFile", "CheckpointEvery",
-                               "ContinueFile", "Horizon", "Mixing", "Continuum", "Micromodulus", "Threads")),
-            (pv.BondStiffness, ("RelativeTo", "Mixing", "Horizon", "Continuum", "Micromodulus", "CutVoidBonds",
-                                "SurfaceCorrection", "Threads", "EstimateError", "Tolerance", "MaximumIterations")),
-            (pv.PointCompression, ("Law", "Plane", "YoungsModulus", "TransverseModulus", "PoissonsRatio", "TransversePoissonsRatio",
-                                   "ShearModulus", "Barrier", "YieldStress", "Hardening", "Density", "PointsPerNode",
-                                   "CellsPerNode", "FitPlatens", "Threads", "LoadAxis", "Strain", "Sides", "Grip",
-                                   "EnergyRatio", "CalmFrom", "FirstSpeed", "LeastSpeed", "MostSpeed", "Damping", "Rows",
-                                   "Shape", "Transfer", "ConsistentMass", "ModifiedUpdate", "TimeStep", "State",
-                                   "ComputeDisplacement", "ComputeVelocity", "ComputeStress", "ComputeDeformationGradient",
-                                   "ComputeEnergyDensity", "CheckpointFile", "CheckpointEvery", "ContinueFile")),
-            (pv.PointStiffness, ("Law", "Plane", "YoungsModulus", "PointsPerNode", "CellsPerNode", "FitPlatens", "Sides",
-                                 "Tolerance", "MaximumIterations", "Threads")),
-            (pv.BondStress, ("ModelFromInput", "ComputeStrainEnergy", "Horizon", "Mixing")),
-            (pv.MicrographContours, ("Basis", "Level", "LumenBelow", "LumenPhase", "Smooth", "Wavelength",
-                                     "Tolerance", "SmallestArea",
-                                     "LeastSolidity")),
-            (pv.MicrographPolygonReader, ("Unit", "Window", "YDown")),
-            (pv.CompressionCurve, ("StiffnessRange", "Window", "Offset", "PlateauRange", "Smoothing", "Prominence")),
-            (pv.CollapseMap, ("Phase", "Share", "MinimumSize")),
-            (pv.CrackPath, ("MinimumLength", "SpurLength", "Horizon", "ComputeFragments")),
-            (pv.MicrographLattice, ("Spacing", "Lamella", "LamellaThickness", "LamellaRadius", "Horizon")),
-            (pv.MatrixBridges, ("Width", "Reach", "Filled", "Saturation", "NodesAcross", "Platen")),
-        ):
-            proxy = create()
-            fresh = getattr(lamella, "vtk" + create.__name__)()
-            for name in names:
+        # Of the XML: tests/plugin/panels.py. Here: nothing that ParaView does when it makes a proxy changes them.
+        makers = [name for name in dir(pv) if hasattr(lamella, "vtk" + name)]
+        self.assertGreater(len(makers), 20)
+        for maker in makers:
+            proxy = getattr(pv, maker)()
+            fresh = getattr(lamella, "vtk" + maker)()
+            for name in proxy.ListProperties():
                 value = proxy.SMProxy.GetProperty(name)
-                shown = tuple(value.GetElement(i) for i in range(value.GetNumberOfElements()))
-                own = getattr(fresh, "Get" + name)()
-                own = tuple(own) if isinstance(own, (tuple, list)) else (own,)
-                self.assertEqual(shown, own, f"{create.__name__}.{name}")
+                getter = "G" + (value.GetCommand() or "")[1:]
+                plain = not value.GetInformationOnly() and value.IsA("vtkSMVectorProperty") and not value.GetRepeatable()
+                if plain and hasattr(fresh, getter) and getter.startswith("Get"):
+                    shown = tuple(value.GetElement(i) for i in range(value.GetNumberOfElements()))
+                    own = getattr(fresh, getter)()
+                    own = tuple(own) if isinstance(own, (tuple, list)) else ("" if own is None else own,)
+                    self.assertEqual(shown, own, f"{maker}.{name}")
 
     def test_defaults_run(self):
         tissue = pv.MicrostructureSource(Size=[90, 80, 1])

@@ -1,51 +1,153 @@
-"""The plugin in the ParaView window itself, under Xvfb: it loads, its pipeline runs and draws.
+"""The plugin in the ParaView window itself, under Xvfb: a fracture that runs live, a number changed in its panel, Apply pressed
+again; what ran again, and a picture of the whole window.
 
-window.py XVFB_RUN PARAVIEW
+window.py XVFB_RUN PARAVIEW SOURCES [PICTURE.png]
 """
 
+import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 
-xvfb, paraview = sys.argv[1:3]
+import numpy as np
+from matplotlib import image
+
+xvfb, paraview, sources = sys.argv[1:4]
 if not os.access(xvfb, os.X_OK) or not os.access(paraview, os.X_OK):
     print("xvfb-run or paraview is not installed")
     sys.exit(77)
 
+WIDTH, HEIGHT = 1500, 1100
+# Runs in the window, after the example; the panel then changes what the events say.
 SCRIPT = """
-import os
+import json, traceback
+log = open({log!r}, "a", buffering=1)
 try:
-    import lamella
-    import paraview.simple as pv
-    lamella.load_plugin()
-    tissue = pv.MicrostructureSource(Size=[80, 60, 1])
-    flux = pv.FluxMap(Input=pv.SteadyDiffusion(Input=tissue))
-    view = pv.GetActiveViewOrCreate("RenderView")
-    pv.Show(flux, view)
-    pv.ResetCamera(view)
-    pv.SaveScreenshot({picture!r}, view)
-    answer = "lines %d, installed %s" % (
-        pv.servermanager.Fetch(flux, idx=1).GetNumberOfLines(), lamella.vtkOffScreenWindows.IsInstalled())
-except BaseException as error:
-    answer = repr(error)
-with open({answer!r}, "w") as file:
-    file.write(answer)
-os._exit(0)
+    exec(compile(open({example!r}, encoding="utf-8").read(), {example!r}, "exec"))
+    objects = {{"packing": grains, "bridges": cemented, "fracture": torn}}
+    def record(name, proxy):
+        def ended(caller, event):
+            data = caller.GetOutputDataObject(0).GetFieldData()
+            number = lambda key: data.GetArray(key).GetTuple1(0) if data.GetArray(key) else None
+            times = data.GetArray("seconds")
+            run = [times.GetTuple1(i) for i in range(times.GetNumberOfTuples())] if times else None
+            log.write(json.dumps([name, number("total_broken"), number("broken_bonds"), run,
+                                  caller.GetOutputDataObject(0).GetPointData().HasArray("strain_energy")]) + "\\n")
+        proxy.GetClientSideObject().AddObserver("EndEvent", ended)
+    for name, proxy in objects.items():
+        record(name, proxy)
+    log.write(json.dumps(["ready", lamella.vtkOffScreenWindows.IsInstalled()]) + "\\n")
+except BaseException:
+    log.write(json.dumps(["failed", traceback.format_exc()]) + "\\n")
+"""
+PANEL = "pqClientMainWindow/propertiesDock/propertiesPanel"
+FIELD = PANEL + "/scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/PropertiesFrame/ProxyPanel"
+EVENTS = f"""<?xml version="1.0" ?>
+<pqevents>
+  <pqevent object="{FIELD}/ComputeStrainEnergy/CheckBox" command="set_boolean" arguments="true" />
+  <pqevent object="{PANEL}/Accept" command="activate" arguments="" />
+  <pqevent object="{FIELD}/StopShare/DoubleRangeWidget/DoubleLineEdit" command="set_string" arguments="0.5" />
+  <pqevent object="{PANEL}/Accept" command="activate" arguments="" />
+</pqevents>
 """
 
+
+def screen(path):
+    """What Xvfb shows, in X's dump format: rows by columns by red, green, blue."""
+    with open(path, "rb") as file:
+        raw = file.read()
+    header = np.frombuffer(raw[:100], ">u4")
+    size, width, height, order, row, colours = header[[0, 4, 5, 7, 12, 19]]
+    begin = int(size) + 12 * int(colours)
+    pixels = np.frombuffer(raw[begin : begin + int(row) * int(height)], np.uint8).reshape(int(height), -1, 4)[:, : int(width)]
+    return np.ascontiguousarray(pixels[..., 2::-1] if order == 0 else pixels[..., 1:])
+
+
+def entries(path):
+    if not os.path.exists(path):
+        return []
+    with open(path, encoding="utf-8") as file:
+        return [json.loads(line) for line in file if line.endswith("\n")]
+
+
+def wait(what, ready, process, seconds):
+    end = time.monotonic() + seconds
+    while not ready():
+        if process.poll() is not None:
+            sys.exit(f"paraview ended before {what}")
+        if time.monotonic() > end:
+            sys.exit(f"no {what} within {seconds} s")
+        time.sleep(0.2)
+
+
+def runs(log, name):
+    """The runs of one of the three, without those that only show what there is: a run has times of its own."""
+    found = []
+    for entry in entries(log):
+        if entry[0] == name and (entry[3] is None or entry[3] not in [run[3] for run in found]):
+            found.append(entry)
+    return found
+
+
 with tempfile.TemporaryDirectory() as folder:
-    picture = os.path.join(folder, "picture.png")
-    answer = os.path.join(folder, "answer.txt")
-    script = os.path.join(folder, "script.py")
-    with open(script, "w", encoding="utf-8") as file:
-        file.write(SCRIPT.format(picture=picture, answer=answer))
-    subprocess.run(
-        [xvfb, "-a", "-s", "-screen 0 1280x1024x24", paraview, f"--script={script}"], check=False, timeout=150
-    )
-    with open(answer, encoding="utf-8") as file:
-        text = file.read()
-    print(text)
-    # Where a display works, the windows stay ParaView's own.
-    assert text == "lines 60, installed False", text
-    assert os.path.getsize(picture) > 3000, "the view is empty"
+    def inside(name, text=None):
+        path = os.path.join(folder, name)
+        if text is not None:
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+        return path
+
+    log = inside("log.txt")
+    settings = os.path.join(folder, "home", ".config", "ParaView")
+    os.makedirs(settings)
+    os.chmod(os.path.join(folder, "home"), 0o700)
+    with open(os.path.join(settings, "ParaView5.11.0.ini"), "w", encoding="ascii") as file:
+        file.write("[General]\nGeneralSettings.ShowWelcomeDialog=false\n")
+    os.mkdir(inside("screen"))
+    example = os.path.join(sources, "examples", "paraview", "live_fracture.py")
+    # The name of the sheet of styles is Qt's own option: it makes the panel wide enough to be read.
+    command = [
+        xvfb, "-a", "-s", f"-screen 0 {WIDTH}x{HEIGHT}x24 -fbdir {inside('screen')}", paraview,
+        "--script=" + inside("script.py", SCRIPT.format(log=log, example=example)),
+        "--test-script=" + inside("events.xml", EVENTS), "-qwindowgeometry", f"{WIDTH}x{HEIGHT}+0+0",
+        "-stylesheet", inside("panel.qss", "pqPropertiesPanel { min-width: 480px; }"),
+    ]
+    environment = {**os.environ, "LAMELLA_SCALE": "0.3", "HOME": inside("home"), "XDG_RUNTIME_DIR": inside("home")}
+    with open(inside("output.txt"), "w", encoding="utf-8") as output:
+        process = subprocess.Popen(command, env=environment, stdout=output, stderr=subprocess.STDOUT, start_new_session=True)
+        try:
+            wait("sample", lambda: entries(log), process, 300)
+            assert entries(log)[0][0] == "ready", entries(log)[0]
+            assert entries(log)[0][1] is False, "where a display works, the windows stay ParaView's own"
+            wait("second Apply", lambda: len(runs(log, "fracture")) == 2, process, 240)
+            time.sleep(3)  # for the window to draw it
+            picture = screen(inside("screen/Xvfb_screen0"))
+        except SystemExit:
+            print(entries(log))
+            with open(inside("output.txt"), encoding="utf-8") as said:
+                print(said.read()[-3000:])
+            raise
+        finally:
+            os.killpg(process.pid, signal.SIGTERM)
+            process.wait(30)
+    with open(inside("output.txt"), encoding="utf-8") as output:
+        messages = output.read()
+    assert "Couldn't find" not in messages, messages[:2000]
+    for entry in entries(log):
+        print(entry)
+    shown, again = runs(log, "fracture")
+    # The first Apply, of a field, ran nothing: it only showed what the run before had; the second ran the fracture alone.
+    assert shown[4] == 1, "the first Apply shows the strain energy"
+    assert again[1] < shown[1], (shown, again)
+    assert not runs(log, "packing") and not runs(log, "bridges"), entries(log)
+    # The picture: most of it is the window, with colours of the sample, of the curve and of the panel.
+    grey = (np.ptp(picture.astype(int), axis=2) < 12).mean()
+    colours = len(np.unique(picture.reshape(-1, 3), axis=0))
+    print(f"{grey:.2f} of the window is grey, {colours} colours")
+    assert picture.shape == (HEIGHT, WIDTH, 3) and (picture.max(axis=2) > 0).mean() > 0.9, "the window does not fill the screen"
+    assert grey < 0.97 and colours > 300, "the views are empty"
+    if len(sys.argv) > 4:
+        image.imsave(sys.argv[4], picture)
