@@ -68,36 +68,45 @@ def free_port():
         return found.getsockname()[1]
 
 
+def wait_for(server, output):
+    """Until the server listens."""
+    for _ in range(600):
+        with open(output, encoding="utf-8") as said:
+            text = said.read()
+        if "Accepting connection" in text:
+            return
+        if server.poll() is not None:
+            sys.exit(f"pvserver ended: {text}")
+        time.sleep(0.1)
+    sys.exit(f"pvserver does not accept connections: {text}")
+
+
 expected, points = work()
 pv.Disconnect()
 port = free_port()
-with tempfile.TemporaryFile("w+") as said:
-    server = subprocess.Popen(
-        [*launcher, pvserver, f"--server-port={port}", "--force-offscreen-rendering"], stdout=said, stderr=subprocess.STDOUT,
-        start_new_session=True)
+# This process has started MPI for itself, and its environment says so: the server's ranks get the one that it was given.
+with open("/proc/self/environ", encoding="utf-8") as given:
+    environment = dict(entry.split("=", 1) for entry in given.read().split("\0") if "=" in entry)
+with tempfile.TemporaryDirectory() as folder:
+    output = os.path.join(folder, "output.txt")
+    with open(output, "w", encoding="utf-8") as said:
+        server = subprocess.Popen(
+            [*launcher, pvserver, f"--server-port={port}", "--force-offscreen-rendering"], stdout=said, stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL, start_new_session=True, env=environment)
     try:
-        for _ in range(600):
-            said.seek(0)
-            if "Accepting connection" in said.read():
-                break
-            if server.poll() is not None:
-                break
-            time.sleep(0.1)
-        else:
-            sys.exit("pvserver does not accept connections")
+        wait_for(server, output)
         pv.Connect("localhost", port)
         assert servermanager.ActiveConnection.IsRemote()
         assert servermanager.ActiveConnection.GetNumberOfDataPartitions() == int(ranks)
         found, there = work()
+        with open(output, encoding="utf-8") as said:
+            text = said.read()
+        assert "ERR|" not in text and "ERROR" not in text, text
         pv.Disconnect()
-        server.wait(60)
     finally:
         if server.poll() is None:
             os.killpg(server.pid, signal.SIGTERM)
-            server.wait(30)
-    said.seek(0)
-    text = said.read()
-    assert "ERR|" not in text and "ERROR" not in text, text
+            server.wait(60)
 for name, values in expected.items():
     error = np.abs(found[name] - values).max() / max(np.abs(values).max(), 1e-300)
     print(f"{name}: differs by {error:.1e}")
