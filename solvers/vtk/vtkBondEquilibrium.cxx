@@ -113,7 +113,7 @@ void vtkBondEquilibrium::Run(vtkImageData* input, vtkImageData* output, const la
     input, this->Superclass::GetMTime(), team,
     [&]
     {
-      this->Solve(input, kept.Solved.add(), team);
+      this->Solve(input, kept.Solved.add(true), team);
       kept.Stress = this->ComputeStress;
       kept.Energy = this->ComputeStrainEnergy;
     },
