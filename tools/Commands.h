@@ -49,6 +49,7 @@ struct Command
 [[nodiscard]] Command collapseMapCommand(CLI::App& root);
 [[nodiscard]] Command snapshotCommand(CLI::App& root);
 [[nodiscard]] Command convertCommand(CLI::App& root);
+[[nodiscard]] Command reportCommand(CLI::App& root);
 [[nodiscard]] Command infoCommand(CLI::App& root);
 [[nodiscard]] Command runCommand(CLI::App& root);
 

@@ -49,6 +49,7 @@ int run(Session& session, std::vector<std::string> words)
   std::vector<Command> commands = addCommands(root);
   commands.push_back(convertCommand(root));
   commands.push_back(runCommand(root));
+  commands.push_back(reportCommand(root));
   commands.push_back(infoCommand(root));
   root.require_subcommand(0, 1);
 

@@ -126,10 +126,15 @@ std::size_t TextTable::rows() const noexcept
   return static_cast<std::size_t>(table_->GetNumberOfRows());
 }
 
-double TextTable::number(std::size_t row, std::size_t column) const
+const std::string& TextTable::text(std::size_t row, std::size_t column) const
 {
   auto* const cells = vtkStringArray::SafeDownCast(table_->GetColumn(static_cast<vtkIdType>(column)));
-  const std::string& text = cells->GetValue(static_cast<vtkIdType>(row));
+  return cells->GetValue(static_cast<vtkIdType>(row));
+}
+
+double TextTable::number(std::size_t row, std::size_t column) const
+{
+  const std::string& text = this->text(row, column);
   if (const auto value = toNumber(text))
   {
     return *value;

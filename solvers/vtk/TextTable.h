@@ -28,6 +28,7 @@ public:
   [[nodiscard]] std::size_t rows() const noexcept;
   /// @throws InputError: nothing, a decimal comma or text where a number belongs (row and column)
   [[nodiscard]] double number(std::size_t row, std::size_t column) const;
+  [[nodiscard]] const std::string& text(std::size_t row, std::size_t column) const;
 
   /// "  Radius [mm]" → "radius"
   [[nodiscard]] static std::string plainName(std::string_view name);

@@ -27,12 +27,18 @@ find_package(PNG REQUIRED)
 find_package(TIFF REQUIRED)
 find_package(ZLIB REQUIRED)
 
-# Debian has no CMake config for these two when only the needed parts are installed.
+# Debian has no CMake config for these three when only the needed parts are installed.
 find_path(HYPRE_INCLUDE_DIR HYPRE.h PATH_SUFFIXES hypre REQUIRED)
 find_library(HYPRE_LIBRARY HYPRE REQUIRED)
 add_library(Lamella_hypre INTERFACE IMPORTED)
 target_include_directories(Lamella_hypre SYSTEM INTERFACE "${HYPRE_INCLUDE_DIR}")
 target_link_libraries(Lamella_hypre INTERFACE "${HYPRE_LIBRARY}" MPI::MPI_CXX)
+
+find_path(CMARK_INCLUDE_DIR cmark.h REQUIRED)
+find_library(CMARK_LIBRARY cmark REQUIRED)
+add_library(Lamella_cmark INTERFACE IMPORTED)
+target_include_directories(Lamella_cmark SYSTEM INTERFACE "${CMARK_INCLUDE_DIR}")
+target_link_libraries(Lamella_cmark INTERFACE "${CMARK_LIBRARY}")
 
 find_path(OpenCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
 add_library(Lamella_opencv INTERFACE IMPORTED)

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "JsonReport.h"
+#include "reports/Plan.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// A folder of results, as commands and scenes leave it.
+namespace lamella::reports
+{
+
+/// What is missing or damaged, one line each.
+using Problems = std::vector<std::string>;
+
+/// The JSON object that a command printed, or that stands beside its results.
+struct JsonFile
+{
+  std::string name;
+  cli::Json json;
+};
+
+struct Found
+{
+  std::vector<std::string> pictures;
+  std::vector<std::string> tables;
+  std::vector<std::pair<std::string, std::string>> scenes; ///< name and text of .toml files
+  std::vector<JsonFile> reports;
+  std::vector<JsonFile> besides;                              ///< NAME.csv.json and the like: provenance, units
+  std::vector<std::pair<std::string, std::uintmax_t>> others; ///< names and bytes
+  std::vector<std::string> notes;                             ///< what was left out, one line each
+};
+
+/// Looks through the folder and three levels below it, in the order of the names. Names that begin with a dot are left
+/// out, and so is `own`, the page itself.
+/// @throws InputError when it is no folder, cannot be read, or is empty
+[[nodiscard]] Found look(const std::filesystem::path& folder, const std::filesystem::path& own, Problems& problems);
+
+/// A page of all of it where nobody ordered it: a section for each folder within, tables whose first column rises drawn
+/// as curves.
+/// @param path the folder, to look into its tables
+[[nodiscard]] Plan planOf(const std::filesystem::path& path, const Found& found);
+
+} // namespace lamella::reports
