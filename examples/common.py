@@ -3,6 +3,8 @@
 import argparse
 import contextlib
 import csv
+import json
+import os
 
 import matplotlib
 
@@ -17,6 +19,13 @@ def parser_of(doc, output):
     parser = argparse.ArgumentParser(description=doc.splitlines()[0])
     parser.add_argument("--output", default=output, help="folder for pictures and tables (default: %(default)s)")
     return parser
+
+
+def paper_numbers(paper, figure):
+    """What a paper says in a figure, by what it says it for: the numbers that examples/PAPER/paper.json has with an "at"."""
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), paper, "paper.json"), encoding="utf-8") as file:
+        figures = {one["number"]: one for one in json.load(file)["figures"]}
+    return {row["at"]: row["paper"] for row in figures[figure]["comparison"] if "at" in row}
 
 
 def write_csv(path, rows):

@@ -28,7 +28,7 @@ from study import COLOURS, FILLED, WIDTHS, bridged, means_of, panel
 from vtkmodules.vtkCommonCore import vtkLogger
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from common import chart, draw_bonds, parser_of, write_csv, write_figure  # noqa: E402
+from common import chart, draw_bonds, paper_numbers, parser_of, write_csv, write_figure  # noqa: E402
 
 MATRIX, GRAIN = 1, 2  # phases
 THICK = 16  # layers of nodes of a plate to which grains are bridged, of which the outer HORIZON are held; else all that are held
@@ -38,8 +38,7 @@ HELD = 1.5  # mean diameters are cut off at both ends
 UNIT = E_MATRIX * CRITICAL  # strength of a matrix without flaws [Pa]
 NAMES = ("strength", "first_break", "modulus", "peak_broken", "broken", "inside_grains", "between_grains", "interface", "events",
          "seconds", "cpu_seconds")
-# the paper's two figures in words: at S = 0.9 and 1
-PAPER = {0.9: 0.38, 1.0: 0.78}
+PAPER = paper_numbers("frank-2020", "Figure 14")  # strength by saturation, the text's two
 
 
 def torn(image, **options):

@@ -26,13 +26,12 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, LogNorm
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from common import write_csv, write_figure  # noqa: E402
+from common import paper_numbers, write_csv, write_figure  # noqa: E402
 
 WIDTHS = (0.25, 0.5, 0.75, 1.0, 1.25)
 FILLED = "filled"
 NAMES = ("pores", "mean_area", "largest_area")
-# read off figure 8 of the paper
-PAPER = {0.25: 0.064, 0.5: 0.34, 0.75: 0.67, 1.0: 0.91, 1.25: 0.97}
+PAPER = paper_numbers("frank-2020", "Figure 8")  # saturation by width
 COLOURS = ListedColormap(["#ffffff", "#e3a857", "#4a5568"])  # void, matrix, grain
 SOLID = ListedColormap(["#eeeeee", "#cccccc"])  # matrix, grain
 

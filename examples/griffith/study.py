@@ -153,7 +153,7 @@ def analyse(rows):
         linear = np.array([line[2][1] for line in lines.values()])
         limit = np.array([line[3] for line in lines.values()])
         horizons.append({
-            "horizon": horizon, "runs": len(mine), "lattice_toughness": lattice, "lattice_energy": energy,
+            "horizon": horizon, "bonds": 2 * len(stencil(horizon)), "runs": len(mine), "lattice_toughness": lattice, "lattice_energy": energy,
             "paper": line_of(x, linear)[0], "nominal": toughness, "fitted": toughness / lattice, "process_zone": zone, "scatter": scatter,
             "r2_least": min(line[2][2] for line in lines.values()), "lines": lines, "limit": limit,
         })
