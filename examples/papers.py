@@ -203,10 +203,13 @@ def paragraph(file, begins):
                 blocks.append([])
             if line.strip():
                 blocks[-1].append(line.strip())
-    found = [" ".join(block) for block in blocks if block and block[0].startswith(begins)]
+    blocks = [" ".join(block) for block in blocks if block]
+    found = [i for i, block in enumerate(blocks) if block.startswith(begins)]
     if len(found) != 1:
         raise Failure(f"{len(found)} paragraphs of examples/{file} begin with '{begins}'", "mend the discussion in paper.json")
-    return found[0].removeprefix("- ")
+    after = (blocks + [""])[found[0] + 1]
+    leads = blocks[found[0]].endswith(":") and after.startswith(("|", "!["))
+    return blocks[found[0]] + (" *(there)*" if leads else "")
 
 
 def np_free(value):
@@ -233,7 +236,9 @@ def ours_of(said, folder, derived, tables):
 def section_of(figure, study, folder, derived, tables, quick):
     """A figure of paper.json as a section of the page."""
     title = f"{figure['number']}: {figure['title']}"
-    section = {"title": title, "text": [figure["paper"]] if "paper" in figure else []}
+    section = {"title": title, "text": [f"**The paper:** {figure['paper']}"] if "paper" in figure else []}
+    if "text" in figure:
+        section["text"].append(figure["text"])
     if "not_made" in figure:
         section["text"].append(f"*Not made.* {figure['not_made']}")
     section["comparison"] = [
@@ -255,9 +260,11 @@ def section_of(figure, study, folder, derived, tables, quick):
 
 
 def numbers_of(figures):
-    """'figures 3, 4 and 5' of their titles: 'Figure 3', 'Table 1'."""
-    names = [figure["number"] for figure in figures]
-    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
+    """'figures 3 and 4' of 'Figure 3' and 'Figure 4'; others by their names."""
+    short = [figure["number"].removeprefix("Figure ") for figure in figures]
+    names = short if all(figure["number"].startswith("Figure ") for figure in figures) else [figure["number"] for figure in figures]
+    listed = names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
+    return listed if names != short else f"{'figures' if len(names) > 1 else 'figure'} {listed}"
 
 
 def page_of(paper, figures, folders, derived, quick):
@@ -268,7 +275,7 @@ def page_of(paper, figures, folders, derived, quick):
     times = []
     for name, record in records.items():
         mine = [figure for figure in figures if figure.get("study") == name]
-        note = "taken from a run by hand" if record.get("taken") else record["provenance"]["date"][:10]
+        note = "taken from a run by hand" if record.get("taken") else ""
         times.append({"what": f"{paper['studies'][name]['about']}: {numbers_of(mine)}", "seconds": record["seconds"],
                       "processor_seconds": record["processor_seconds"], "note": note})
     made = [figure for figure in figures if "not_made" not in figure]
@@ -365,7 +372,13 @@ def make(doc, home, derived):
         raise Failure("the page lacks something", "its warnings above name it")
 
 
+def interrupted(*_):
+    raise KeyboardInterrupt
+
+
 def main(doc, file, derived):
+    for number_of_signal in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number_of_signal, interrupted)
     try:
         make(doc, os.path.dirname(os.path.abspath(file)), derived)
     except Failure as failure:

@@ -99,19 +99,24 @@ std::string dashes(std::size_t number)
   return of[number / colours % of.size()];
 }
 
-/// The number beside a tick, as SVG: powers of ten cannot stand higher there as <sup>, so they are written out.
+/// The number beside a tick: 0.25, 8 × 10⁷.
 std::string tickText(double value)
 {
-  if (value != 0 && (std::abs(value) >= 1e5 || std::abs(value) < 1e-3))
+  if (value == 0 || (std::abs(value) < 1e5 && std::abs(value) >= 1e-3))
   {
-    std::string text = fmt::format("{:.6g}", value);
-    if (const std::size_t e = text.find("e+"); e != std::string::npos)
-    {
-      text.erase(e + 1, 1);
-    }
-    return text;
+    return fmt::format("{:.6g}", value);
   }
-  return fmt::format("{:.6g}", value);
+  constexpr std::array<const char*, 10> raised{ "⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹" };
+  const std::string text = fmt::format("{:.5e}", value);
+  const std::size_t e = text.find('e');
+  const std::string factor = fmt::format("{:.6g}", std::stod(text.substr(0, e)));
+  const int power = std::stoi(text.substr(e + 1));
+  std::string exponent = power < 0 ? "⁻" : "";
+  for (const char digit : std::to_string(std::abs(power)))
+  {
+    exponent += raised[static_cast<std::size_t>(digit - '0')];
+  }
+  return (factor == "1" ? "" : factor + " × ") + "10" + exponent;
 }
 
 void drawAxes(std::string& out, const Chart& chart, const Place& place)

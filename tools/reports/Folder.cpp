@@ -133,7 +133,7 @@ std::vector<CurvesPlan> curvesOf(const std::string& file, const DataTable& table
     {
       const std::string& name = table.names()[column];
       curves.push_back({ file, table.names()[0], { name }, "", "", labelOf(table, table.names()[0]),
-        labelOf(table, name), false, false, false, literal(nameOf(file)) + ": " + literal(name) });
+        labelOf(table, name), 1, 1, false, false, false, literal(nameOf(file)) + ": " + literal(name) });
     }
   }
   return curves;

@@ -225,37 +225,47 @@ std::string numberHtml(double value, const Rounding& rounding)
   {
     return fixedText(value, *rounding.decimals);
   }
+  const int digits = rounding.digits.value_or(usualDigits);
+  const std::string rounded = fmt::format("{:.{}e}", value, digits - 1); // once: 9.9996 to four digits is 10.00
   if (wantsPower(value))
   {
-    const std::string text = fmt::format("{:.{}e}", value, rounding.digits - 1);
-    const std::size_t e = text.find('e');
-    return withSign(text.substr(0, e)) + " × 10<sup>" + withSign(std::to_string(std::stoi(text.substr(e + 1)))) +
-      "</sup>";
+    const std::size_t e = rounded.find('e');
+    return fmt::format("{} × 10<sup>{}</sup>", withSign(rounded.substr(0, e)),
+      withSign(std::to_string(std::stoi(rounded.substr(e + 1)))));
   }
   if (value == std::round(value))
   {
     return fixedText(value, 0); // a count, in full
   }
-  // Rounded first: 9.9996 to four digits is 10.00, not 10.000.
-  const std::string rounded = fmt::format("{:.{}e}", value, rounding.digits - 1);
-  return fixedText(value, decimalsOf(std::stod(rounded), rounding.digits));
+  const double shown = std::stod(rounded);
+  if (!rounding.digits && shown == value)
+  {
+    return writtenHtml(value); // 0.25 has no more digits
+  }
+  return fixedText(shown, decimalsOf(shown, digits));
+}
+
+std::string writtenHtml(double value)
+{
+  return wantsPower(value) || !std::isfinite(value) ? numberHtml(value) : withSign(fmt::format("{}", value));
 }
 
 std::string numberHtml(double value, double error, const Rounding& rounding)
 {
-  if (!std::isfinite(value) || !std::isfinite(error))
+  if (!std::isfinite(value) || !std::isfinite(error) || error == 0)
   {
     return numberHtml(value, rounding);
   }
+  const int digits = rounding.digits.value_or(usualDigits);
   if (!rounding.decimals && wantsPower(value))
   {
     const int power = static_cast<int>(std::floor(std::log10(std::abs(value))));
     const double unit = std::pow(10.0, power);
-    const Rounding inner{ rounding.digits, rounding.digits - 1 };
+    const Rounding inner{ {}, digits - 1 };
     return fmt::format("({} ± {}) × 10<sup>{}</sup>", numberHtml(value / unit, inner), numberHtml(error / unit, inner),
       withSign(std::to_string(power)));
   }
-  const int decimals = rounding.decimals.value_or(std::max(0, decimalsOf(value, rounding.digits)));
+  const int decimals = rounding.decimals.value_or(std::max(0, decimalsOf(value, digits)));
   return fixedText(value, decimals) + " ± " + fixedText(error, decimals);
 }
 

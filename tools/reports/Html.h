@@ -23,17 +23,21 @@ namespace lamella::reports
 
 [[nodiscard]] std::string base64(std::span<const std::byte> bytes);
 
-/// How a number is rounded: to decimals, else to significant digits.
+/// How a number is rounded: to decimals, else to significant digits, else to four of these at most.
 struct Rounding
 {
-  int digits = 4;
-  std::optional<int> decimals;
+  std::optional<int> digits = {};
+  std::optional<int> decimals = {};
 };
+inline constexpr int usualDigits = 4;
 
 /// A number as HTML: 0.279, −1.5, 2.3 × 10<sup>−7</sup>; "–" for one that is not finite.
 [[nodiscard]] std::string numberHtml(double value, const Rounding& rounding = {});
 
-/// "value ± error", both to the same decimals; an error that is not finite is left out.
+/// A number as somebody wrote it down: with all of its digits and no more.
+[[nodiscard]] std::string writtenHtml(double value);
+
+/// "value ± error", both to the same decimals; an error that is 0 or not finite is left out.
 [[nodiscard]] std::string numberHtml(double value, double error, const Rounding& rounding = {});
 
 /// "12 s", "3 min 20 s", "2 h 5 min".

@@ -87,7 +87,7 @@ std::string valueHtml(const cli::Json& value)
   }
   if (value.is_number())
   {
-    return numberHtml(value.get<double>(), { 6, std::nullopt });
+    return numberHtml(value.get<double>(), { 6, {} });
   }
   if (value.is_boolean())
   {

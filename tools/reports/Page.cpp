@@ -93,7 +93,15 @@ private:
     }
     return *kept;
   }
-  std::optional<Measured> measured(const Said& said);
+  /// One side of a comparison.
+  struct Cell
+  {
+    std::string html;
+    std::optional<Measured> number;
+  };
+  Cell cellOf(const std::optional<Said>& said, const ComparisonPlan& row, bool asWritten);
+  /// @pre no text
+  Measured measured(const Said& said);
 
   fs::path folder_;
   const PageOptions& options_;
@@ -156,28 +164,25 @@ void Writer::writeSection(const SectionPlan& section, const std::string& id, int
   add("</section>\n");
 }
 
-std::optional<Measured> Writer::measured(const Said& said)
+Measured Writer::measured(const Said& said)
 {
   if (const auto* number = std::get_if<Measured>(&said))
   {
     return *number;
   }
-  if (const auto* cell = std::get_if<CellPlan>(&said))
+  const auto& cell = std::get<CellPlan>(said);
+  const DataTable& from = table(cell.file);
+  const std::size_t row = from.row(cell.where);
+  Measured found{ cell.factor * from.number(row, from.column(cell.column)), std::nullopt };
+  if (!cell.error.empty())
   {
-    const DataTable& from = table(cell->file);
-    const std::size_t row = from.row(cell->where);
-    Measured found{ cell->factor * from.number(row, from.column(cell->column)), std::nullopt };
-    if (!cell->error.empty())
-    {
-      found.error = std::abs(cell->factor) * from.number(row, from.column(cell->error));
-    }
-    if (!std::isfinite(found.value))
-    {
-      throw InputError("'" + cell->file + "' has no number in the column '" + cell->column + "' there", "");
-    }
-    return found;
+    found.error = std::abs(cell.factor) * from.number(row, from.column(cell.error));
   }
-  return std::nullopt;
+  if (!std::isfinite(found.value))
+  {
+    throw InputError("'" + cell.file + "' has no number in the column '" + cell.column + "' there", "");
+  }
+  return found;
 }
 
 std::string differenceHtml(
@@ -193,8 +198,36 @@ std::string differenceHtml(
   }
   const double percent = 100 * (ours->value - paper->value) / std::abs(paper->value);
   const int decimals = std::abs(percent) < 9.95 ? 1 : 0;
-  const std::string text = numberHtml(percent, { 2, decimals }) + " %";
-  return percent > 0 ? "+" + text : text;
+  const std::string text = numberHtml(percent, { {}, decimals }) + " %";
+  return percent == 0 ? "0" : percent > 0 ? "+" + text : text;
+}
+
+/// What one of the two says; nothing but a dash where it says nothing.
+/// @param asWritten a number that stands in report.json keeps the digits that it has there
+Writer::Cell Writer::cellOf(const std::optional<Said>& said, const ComparisonPlan& row, bool asWritten)
+{
+  if (!said)
+  {
+    return { "–", std::nullopt };
+  }
+  if (const auto* const words = std::get_if<std::string>(&*said))
+  {
+    return { markdownLine(*words), std::nullopt };
+  }
+  try
+  {
+    const Measured found = measured(*said);
+    const bool written = asWritten && std::holds_alternative<Measured>(*said) && !found.error;
+    const std::string number = written ? writtenHtml(found.value)
+      : found.error                    ? numberHtml(found.value, *found.error, row.rounding)
+                                       : numberHtml(found.value, row.rounding);
+    return { number + (row.unit.empty() ? "" : " " + escaped(row.unit)), found };
+  }
+  catch (const Error& error)
+  {
+    page_.problems.emplace_back(error.what());
+    return { "missing: " + escaped(error.what()), std::nullopt };
+  }
 }
 
 void Writer::writeComparison(const std::vector<ComparisonPlan>& rows)
@@ -203,42 +236,17 @@ void Writer::writeComparison(const std::vector<ComparisonPlan>& rows)
   {
     return;
   }
-  add("<div class=\"table\"><table>\n<tr><th>quantity</th><th>the paper says</th><th>ours</th><th>difference</th>"
+  add("<div class=\"table\"><table>\n<tr><th>quantity</th><th class=\"v\">the paper "
+      "says</th><th>ours</th><th>difference</th>"
       "<th>why</th></tr>\n");
   for (const ComparisonPlan& row : rows)
   {
-    std::optional<Measured> numbers[2];
-    std::string html[2];
-    const std::optional<Said>* const said[2] = { &row.paper, &row.ours };
-    for (int i = 0; i < 2; ++i)
-    {
-      try
-      {
-        if (!said[i]->has_value())
-        {
-          html[i] = "–";
-        }
-        else if (const auto* words = std::get_if<std::string>(&said[i]->value()))
-        {
-          html[i] = markdownLine(*words);
-        }
-        else
-        {
-          numbers[i] = measured(said[i]->value());
-          html[i] = numbers[i]->error ? numberHtml(numbers[i]->value, *numbers[i]->error, row.rounding)
-                                      : numberHtml(numbers[i]->value, row.rounding);
-          html[i] += row.unit.empty() ? "" : " " + escaped(row.unit);
-        }
-      }
-      catch (const Error& error)
-      {
-        numbers[i].reset();
-        page_.problems.emplace_back(error.what());
-        html[i] = "missing: " + escaped(error.what());
-      }
-    }
-    add("<tr><td>" + markdownLine(row.what) + "</td><td>" + html[0] + "</td><td>" + html[1] + "</td><td>" +
-      (row.difference.empty() ? differenceHtml(numbers[0], numbers[1], row.rounding) : markdownLine(row.difference)) +
+    const Cell paper = cellOf(row.paper, row, true);
+    const Cell ours = cellOf(row.ours, row, false);
+    const auto cell = [](const Cell& one) { return (one.number ? "<td class=\"v\">" : "<td>") + one.html + "</td>"; };
+    add("<tr><td>" + markdownLine(row.what) + "</td>" + cell(paper) + cell(ours) + "<td>" +
+      (row.difference.empty() ? differenceHtml(paper.number, ours.number, row.rounding)
+                              : markdownLine(row.difference)) +
       "</td><td class=\"wide\">" + markdownLine(row.why) + "</td></tr>\n");
   }
   add("</table></div>\n");
@@ -272,23 +280,30 @@ void Writer::writeFigure(const FigurePlan& plan)
   }
 }
 
+std::vector<double> numbersOf(const DataTable& table, const std::string& column, double factor)
+{
+  std::vector<double> numbers = table.numbers(table.column(column));
+  std::for_each(numbers.begin(), numbers.end(), [&](double& number) { number *= factor; });
+  return numbers;
+}
+
 /// One curve, or one for each value of the column `group`.
 std::vector<Curve> curvesFrom(const DataTable& table, const CurvesPlan& plan)
 {
-  const std::vector<double> x = table.numbers(table.column(plan.x));
+  const std::vector<double> x = numbersOf(table, plan.x, plan.xFactor);
   const std::vector<double> error =
-    plan.error.empty() ? std::vector<double>{} : table.numbers(table.column(plan.error));
+    plan.error.empty() ? std::vector<double>{} : numbersOf(table, plan.error, plan.yFactor);
   std::vector<Curve> curves;
   if (plan.group.empty())
   {
     for (const std::string& name : plan.y)
     {
-      curves.push_back({ plan.y.size() > 1 ? name : "", x, table.numbers(table.column(name)), error });
+      curves.push_back({ plan.y.size() > 1 ? name : "", x, numbersOf(table, name, plan.yFactor), error });
     }
     return curves;
   }
   const std::size_t group = table.column(plan.group);
-  const std::vector<double> y = table.numbers(table.column(plan.y.front()));
+  const std::vector<double> y = numbersOf(table, plan.y.front(), plan.yFactor);
   for (std::size_t row = 0; row < x.size(); ++row)
   {
     const std::string name = plan.group + " " + table.text(row, group);

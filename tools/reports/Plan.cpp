@@ -190,7 +190,7 @@ private:
 Rounding roundingOf(Object& object)
 {
   Rounding rounding;
-  rounding.digits = object.whole("digits", 1, 17).value_or(rounding.digits);
+  rounding.digits = object.whole("digits", 1, 17);
   rounding.decimals = object.whole("decimals", 0, 17);
   return rounding;
 }
@@ -226,8 +226,8 @@ TablePlan tableOf(Object& object)
 CurvesPlan curvesOf(Object& object)
 {
   CurvesPlan curves{ object.file("file"), object.required("x"), object.texts("y"), object.text("group"),
-    object.text("error"), object.text("x_label"), object.text("y_label"), false, false, object.flag("points"),
-    object.text("caption") };
+    object.text("error"), object.text("x_label"), object.text("y_label"), object.number("x_factor").value_or(1),
+    object.number("y_factor").value_or(1), false, false, object.flag("points"), object.text("caption") };
   if (curves.y.empty())
   {
     refuse(object.at("y"), "is missing", "name one column or more: \"y\": [\"stress\"]");

@@ -51,6 +51,8 @@ struct CurvesPlan
   std::string error;
   std::string xLabel;
   std::string yLabel;
+  double xFactor = 1; ///< numbers are multiplied by it
+  double yFactor = 1;
   bool logX = false;
   bool logY = false;
   bool points = false;

@@ -36,7 +36,7 @@ nav ol, nav ul { columns: 2 20rem; padding-left: 1.4rem; }
 nav li { break-inside: avoid; }
 nav .no { color: var(--soft); }
 figure { margin: 1.1rem 0; }
-figure img { display: block; max-width: 100%; height: auto; background: #ffffff; border: 1px solid var(--line); padding: 0.3rem; }
+figure img { display: block; max-width: 100%; max-height: 34rem; width: auto; height: auto; background: #ffffff; border: 1px solid var(--line); padding: 0.3rem; }
 figure svg { display: block; width: 100%; max-width: 42rem; height: auto; color: var(--ink); }
 figcaption { margin-top: 0.35rem; }
 .missing { border: 1px dashed var(--warn); color: var(--warn); background: var(--warnfill); padding: 0.6rem 0.9rem; margin: 1rem 0; }
@@ -46,9 +46,12 @@ figcaption { margin-top: 0.35rem; }
 table { border-collapse: collapse; font-size: 0.92rem; font-variant-numeric: tabular-nums; }
 caption { text-align: left; color: var(--soft); padding-bottom: 0.3rem; }
 th, td { text-align: left; vertical-align: top; padding: 0.25rem 0.8rem 0.25rem 0; border-bottom: 1px solid var(--line); }
-th { font-weight: 600; border-bottom: 2px solid var(--line); }
-td.n, th.n { text-align: right; white-space: nowrap; }
+th { font-weight: 600; vertical-align: bottom; border-bottom: 2px solid var(--line); }
+th.n { text-align: right; }
+td.n { text-align: right; white-space: nowrap; }
+td.v, th.v { white-space: nowrap; }
 td.wide { min-width: 16rem; overflow-wrap: anywhere; }
+td.wide:empty { min-width: 0; }
 .unit { font-weight: 400; color: var(--soft); }
 footer { margin-top: 3rem; border-top: 1px solid var(--line); padding-top: 0.6rem; color: var(--soft); font-size: 0.88rem; }
 @media print {
