@@ -52,6 +52,18 @@ class Report(Case):
         self.assertEqual((said["charts"], said["tables"]), (1, 2))
         self.assertIn("stress [Pa]", self.page().text)
 
+    def test_a_scenes_folder(self):
+        rows = "".join(f"{k},{k / 10},{k * k}\n" for k in range(12))
+        self.folder(**{"lamella-results__json": {"format": 1}, "scene__toml": "[fracture]\nradius = 4 # <b>\n", "table__csv": "key,alpha,strength\n" + rows,
+                       "settings__csv": "alpha,strength.mean\n" + rows, "samples/ab/record__json": {"key": "ab", "seconds": 1},
+                       "samples/ab/field__png": PICTURE, "samples/cd/failure__json": {"error": "nothing carries the load", "hint": "more"}})
+        said = self.works("report", "results", "--json").json()
+        self.assertEqual((said["pictures"], said["tables"], said["problems"]), (1, 2, []))
+        page = self.page()
+        for words in ("Samples that are finished: 1", "radius = 4 # <b>", "samples/cd/failure.json: nothing carries the load", "samples/ab"):
+            self.assertIn(words, page.text)
+        self.assertNotIn("record.json", page.text)
+
     def test_an_ordered_page(self):
         self.ordered(
             {"text": ["**One** paragraph.", "Another, with [a link](https://doi.org/10.1000/1)."],

@@ -23,6 +23,7 @@ namespace
 {
 
 constexpr int deepest = 3;                                         // levels of folders below the first
+constexpr const char* sceneMark = "lamella-results.json";          // in the folder that a scene's samples lie in
 constexpr std::size_t mostPictures = 100;                          // in a page that nobody ordered
 constexpr std::size_t mostTables = 50;                             //
 constexpr std::uintmax_t largestText = std::uintmax_t{ 16 } << 20; // of JSON and scenes [bytes]
@@ -177,12 +178,20 @@ Found look(const fs::path& folder, const fs::path& own, Problems& problems)
     [](const fs::path& a, const fs::path& b)
     { return std::pair(a.parent_path(), a.filename()) < std::pair(b.parent_path(), b.filename()); });
   Found found;
+  std::error_code none;
+  const bool scene = fs::exists(folder / sceneMark, none);
+  std::size_t finished = 0;
   for (const fs::path& path : files)
   {
     const std::string name = path.lexically_relative(folder).string();
     const std::string ending = path.extension().string();
-    if (name == "report.json")
+    if (name == "report.json" || name == sceneMark)
     {
+      continue;
+    }
+    if (scene && path.filename() == "record.json") // of a sample; its numbers are in the tables
+    {
+      ++finished;
       continue;
     }
     if (isPicture(path))
@@ -210,9 +219,12 @@ Found look(const fs::path& folder, const fs::path& own, Problems& problems)
     }
     else
     {
-      std::error_code none;
       found.others.emplace_back(name, fs::file_size(path, none));
     }
+  }
+  if (scene)
+  {
+    found.notes.push_back(fmt::format("Samples that are finished: {}", finished));
   }
   if (files.empty())
   {

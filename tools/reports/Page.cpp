@@ -560,11 +560,11 @@ void Writer::write(const Plan& plan, const Found& found)
   add(markdown(plan.text));
   writeContents(plan.sections);
   const std::size_t intro = body_.size();
+  writeScenes(found);
   for (std::size_t i = 0; i < plan.sections.size(); ++i)
   {
     writeSection(plan.sections[i], "s" + std::to_string(i + 1), 2);
   }
-  writeScenes(found);
   if (!page_.ordered)
   {
     writeReports(found);
