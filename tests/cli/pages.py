@@ -35,7 +35,8 @@ class Page(html.parser.HTMLParser):
             self.open.pop()
 
     def handle_data(self, data):
-        self.words.append(data)
+        if self.open[-1:] != ["style"]:
+            self.words.append(data)
 
     def faults(self):
         """What keeps the page from standing alone, and elements that are not closed."""

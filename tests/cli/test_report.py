@@ -18,7 +18,7 @@ class Report(Case):
         self.assertEqual(page.faults(), [])
         return page
 
-    def folder(self, **files):
+    def fill(self, **files):
         os.makedirs(self.path("results"), exist_ok=True)
         for name, data in files.items():
             data = json.dumps(data) if isinstance(data, (dict, list)) else data
@@ -27,13 +27,13 @@ class Report(Case):
             self.write(name, data if isinstance(data, bytes) else data.encode())
 
     def ordered(self, section, **files):
-        self.folder(report__json={"title": "T", "sections": [{"title": "S", **section}]}, **files)
+        self.fill(report__json={"title": "T", "sections": [{"title": "S", **section}]}, **files)
 
     def test_what_commands_leave(self):
         os.makedirs(self.path("results"))
-        self.works("generate", "honeycomb", "--size", "60,52", "--cell", "16", "--wall", "4", "-o", "results/cells.png")
-        solved = self.works("diffusion", "results/cells.png", "--conductivity", "lumen=0.1,wall=1", "-o", "results/k.vti", "--json")
-        self.folder(k__json=solved.out)
+        self.works("generate", "honeycomb", "--size", "64,64", "-o", "results/cells.png")
+        solved = self.works("diffusion", "results/cells.png", "--conductivity", "lumen=0.1", "--conductivity", "wall=1", "-o", "results/k.vti", "--json")
+        self.fill(k__json=solved.out)
         said = self.works("report", "results", "--json").json()
         self.assertEqual((said["pictures"], said["problems"], said["ordered"]), (1, [], False))
         page = self.page()
@@ -46,7 +46,7 @@ class Report(Case):
 
     def test_tables_that_rise_are_drawn(self):
         rising = "strain,stress,name\n" + "".join(f"{i},{i * i},a\n" for i in range(10))
-        self.folder(curve__csv=rising, curve__csv__json={"columns": {"stress": {"unit": "Pa"}}},
+        self.fill(curve__csv=rising, curve__csv__json={"columns": {"stress": {"unit": "Pa"}}},
                     other__csv="a,b\n3,1\n1,2\n")
         said = self.works("report", "results", "--json").json()
         self.assertEqual((said["charts"], said["tables"]), (1, 2))
@@ -54,7 +54,7 @@ class Report(Case):
 
     def test_a_scenes_folder(self):
         rows = "".join(f"{k},{k / 10},{k * k}\n" for k in range(12))
-        self.folder(**{"lamella-results__json": {"format": 1}, "scene__toml": "[fracture]\nradius = 4 # <b>\n", "table__csv": "key,alpha,strength\n" + rows,
+        self.fill(**{"lamella-results__json": {"format": 1}, "scene__toml": "[fracture]\nradius = 4 # <b>\n", "table__csv": "key,alpha,strength\n" + rows,
                        "settings__csv": "alpha,strength.mean\n" + rows, "samples/ab/record__json": {"key": "ab", "seconds": 1},
                        "samples/ab/field__png": PICTURE, "samples/cd/failure__json": {"error": "nothing carries the load", "hint": "more"}})
         said = self.works("report", "results", "--json").json()
@@ -75,7 +75,7 @@ class Report(Case):
         said = self.works("report", "results", "-o", "page.html", "--title", "Mine", "--json").json()
         self.assertEqual((said["pictures"], said["charts"], said["tables"], said["title"]), (1, 1, 1, "Mine"))
         page = self.page("page.html")
-        for words in ("Mine", "One paragraph.", "4 Stripes", "kind a", "kind b", "1.23 ± 0.05", "2 of 3 rows", "[ MPa ]"):
+        for words in ("Mine", "One paragraph.", "4 Stripes", "kind a", "kind b", "1.23 ± 0.05", "2 of 3 rows", "[MPa]"):
             self.assertIn(words, page.text)
         self.assertEqual(page.links, ["https://doi.org/10.1000/1"])
 
@@ -118,11 +118,11 @@ class Report(Case):
         self.assertEqual(page.tags.count("img"), 1)
         strict = self.run_lamella("report", "results", "--strict", "--overwrite", "--quiet", environment=now)
         self.assertEqual(strict.code, 3)
-        self.assertIn("error: 13 pieces are missing or damaged", strict.err)
+        self.assertIn("error: 13 of the pieces are missing or damaged", strict.err)
         self.assertEqual(self.page().text, page.text.replace("--json", "--strict --overwrite --quiet"))
 
     def test_pictures_wider_than_the_page(self):
-        self.folder(wide__png=pictures.png(pictures.stripes(400, 30)), small__png=PICTURE)
+        self.fill(wide__png=pictures.png(pictures.stripes(400, 30)), small__png=PICTURE)
         said = self.works("report", "results", "--picture-width", "200", "--json").json()
         self.assertEqual(said["scaled"], 1)
         self.assertIn("shown 200 pixels wide; the file has 400 × 30", self.page().text)
@@ -134,18 +134,18 @@ class Report(Case):
         self.fails(3, "'file' is a file, not a folder", "wrote to", "report", "file")
         os.makedirs(self.path("results"))
         self.fails(3, "the folder 'results' is empty", "wrote to", "report", "results", "-o", "x.html")
-        self.folder(report__json='{"title": "x"')
+        self.fill(report__json='{"title": "x"')
         self.fails(3, "report.json' is no JSON", "docs/commands/report.md", "report", "results")
-        self.folder(report__json={"sections": [{"title": "a", "figure": []}]})
+        self.fill(report__json={"sections": [{"title": "a", "figure": []}]})
         self.fails(3, "sections[0].figure is not known", "did you mean 'figures'?", "report", "results")
-        self.folder(report__json={"sections": [{"title": "a", "figures": [{"file": "../secret.png"}]}]})
+        self.fill(report__json={"sections": [{"title": "a", "figures": [{"file": "../secret.png"}]}]})
         self.fails(3, "lies outside the folder", "copy the file", "report", "results")
         self.fails(2, "'x.pdf': pages are written as .html", "end the name", "report", "results", "-o", "x.pdf")
-        self.folder(report__json="[" * 100000)
+        self.fill(report__json="[" * 100000)
         self.fails(3, "report.json", "", "report", "results")
 
     def test_a_large_folder(self):
-        self.folder(**{f"f{i:03d}__png": PICTURE for i in range(110)}, **{f"t{i:03d}__csv": "a,b\n1,2\n" for i in range(60)},
+        self.fill(**{f"f{i:03d}__png": PICTURE for i in range(110)}, **{f"t{i:03d}__csv": "a,b\n1,2\n" for i in range(60)},
                     deep__json="[" * 90 + "]" * 90, deeper__json='{"a":' * 5000 + "1" + "}" * 5000)
         result = self.run_lamella("report", "results", "--json")
         said = result.json()

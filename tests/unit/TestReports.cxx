@@ -116,8 +116,9 @@ TEST(ReportChart, TicksAreRoundAndInside)
   }
   const std::vector<double> decades = logTicks(1e-3, 1e3);
   ASSERT_EQ(decades.size(), 7U);
-  EXPECT_NEAR(decades[2], 0.1, 1e-15);   // powers by pow(), to round-off
-  EXPECT_EQ(logTicks(1, 20).size(), 5U); // 1, 2, 5, 10, 20
+  EXPECT_NEAR(decades[2], 0.1, 1e-15);        // powers by pow(), to round-off
+  EXPECT_EQ(logTicks(1, 20).size(), 5U);      // 1, 2, 5, 10, 20
+  EXPECT_EQ(logTicks(1.2e6, 4e6).size(), 4U); // 1.5, 2, 3 and 4 of a million
 }
 
 TEST(ReportChart, ThinningKeepsThePeaks)

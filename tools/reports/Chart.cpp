@@ -237,10 +237,10 @@ std::vector<double> logTicks(double low, double high)
   std::vector<double> ticks;
   for (int power = static_cast<int>(std::floor(std::log10(low))); power <= std::ceil(std::log10(high)); ++power)
   {
-    for (const double factor : { 1.0, 2.0, 5.0 })
+    for (const double factor : { 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0 })
     {
       const double value = factor * std::pow(10.0, power);
-      const bool wanted = factor == 1 ? power % every == 0 : decades < 2.5;
+      const bool wanted = factor == 1 ? power % every == 0 : factor == 2 || factor == 5 ? decades < 2.5 : decades < 1;
       if (wanted && value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9))
       {
         ticks.push_back(value);

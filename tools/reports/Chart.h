@@ -30,7 +30,7 @@ struct Chart
 /// @pre low < high, both finite
 [[nodiscard]] std::vector<double> linearTicks(double low, double high, int count);
 
-/// Powers of ten, with 2 and 5 times them where there are few. @pre 0 < low < high
+/// Powers of ten, with 2 and 5 times them, and more of them, where there are few. @pre 0 < low < high
 [[nodiscard]] std::vector<double> logTicks(double low, double high);
 
 /// Fewer points for a picture a few hundred pixels wide: in each of `bins` stretches of the curve, in the order of its
