@@ -279,8 +279,11 @@ def page_of(paper, figures, folders, derived, quick):
         times.append({"what": f"{paper['studies'][name]['about']}: {numbers_of(mine)}", "seconds": record["seconds"],
                       "processor_seconds": record["processor_seconds"], "note": note})
     made = [figure for figure in figures if "not_made" not in figure]
-    text = [paper["about"], f"Of {len(figures)} figures and tables {len(made)} are made here, in the paper's order. Numbers under *ours* are read "
-            "from the tables of this run, which lie beside this page; a difference is ours less the paper's, over the paper's."]
+    part = len(figures) < len(paper["figures"])
+    asked = f"Of the paper's {len(paper['figures'])} figures and tables, these {len(figures)} were asked for; {len(made)} of them" if part else (
+        f"Of the paper's {len(figures)} figures and tables {len(made)}")
+    text = [paper["about"], f"{asked} are made, in the paper's order. Numbers under *ours* are read from the tables of this run, which lie beside "
+            "this page; a difference is ours less the paper's, over the paper's."]
     if quick:
         text.append("**A quick run:** samples are few, small and coarse, to show that all of it works. Its numbers are not to be compared with "
                     "the paper's; the discussion is of the full run.")
