@@ -1,12 +1,12 @@
 #include "reports/Pictures.h"
 
-#include "Record.h"
 #include "reports/Html.h"
 
 #include "lattice/Error.h"
 #include "micrograph/FileBytes.h"
 #include "micrograph/Probe.h"
 
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -124,8 +124,10 @@ EmbeddedPicture embed(const fs::path& path, int mostWide)
         std::to_string(probe.height) + " pixels, too many for a page",
       "make a smaller one, of 100 million pixels at most");
   }
-  const auto record = cli::parseRecord(probe.description);
-  picture.provenance = record ? record->provenance : probe.provenance;
+  // A drawing carries it by itself, a picture of labels within its description (Record.h).
+  const auto record = nlohmann::json::parse(probe.description, nullptr, false);
+  const bool labels = record.is_object() && record.contains("provenance") && record["provenance"].is_object();
+  picture.provenance = labels ? record["provenance"].dump() : probe.provenance;
   const std::vector<std::uint8_t> bytes = file.read(0, file.size());
   const bool jpeg = probe.format == micrograph::Format::Jpeg;
   if (probe.width <= mostWide && probe.format != micrograph::Format::Tiff)
