@@ -87,7 +87,7 @@ TEST(ReportText, NumbersAreRoundedOnce)
   EXPECT_EQ(numberHtml(216494), "216494");
   EXPECT_EQ(numberHtml(123456.7), "123500");
   EXPECT_EQ(numberHtml(2.34567e-7), "2.346 × 10<sup>−7</sup>");
-  EXPECT_EQ(numberHtml(-1e9), "−1.000 × 10<sup>9</sup>");
+  EXPECT_EQ(numberHtml(-1e9), "−1 × 10<sup>9</sup>");
   EXPECT_EQ(numberHtml(0.0004, { {}, 2 }), "0.00");
   EXPECT_EQ(numberHtml(-0.0004, { {}, 2 }), "0.00") << "no minus nothing";
   EXPECT_EQ(numberHtml(nan), "–");

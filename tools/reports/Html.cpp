@@ -230,7 +230,9 @@ std::string numberHtml(double value, const Rounding& rounding)
   if (wantsPower(value))
   {
     const std::size_t e = rounded.find('e');
-    return fmt::format("{} × 10<sup>{}</sup>", withSign(rounded.substr(0, e)),
+    const std::string factor = rounded.substr(0, e);
+    return fmt::format("{} × 10<sup>{}</sup>",
+      withSign(rounding.digits ? factor : fmt::format("{}", std::stod(factor))),
       withSign(std::to_string(std::stoi(rounded.substr(e + 1)))));
   }
   if (value == std::round(value))

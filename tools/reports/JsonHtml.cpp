@@ -87,7 +87,7 @@ std::string valueHtml(const cli::Json& value)
   }
   if (value.is_number())
   {
-    return numberHtml(value.get<double>(), { 6, {} });
+    return writtenHtml(std::stod(fmt::format("{:.6g}", value.get<double>())));
   }
   if (value.is_boolean())
   {
