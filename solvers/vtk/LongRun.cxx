@@ -22,8 +22,8 @@ InputMark::Content InputMark::contentOf(vtkImageData* image)
   image->GetExtent(content.extent.data());
   image->GetOrigin(content.origin.data());
   image->GetSpacing(content.spacing.data());
-  for (vtkFieldData* const data : std::initializer_list<vtkFieldData*>{
-         image->GetPointData(), image->GetCellData(), image->GetFieldData() })
+  for (vtkFieldData* const data :
+    std::initializer_list<vtkFieldData*>{ image->GetPointData(), image->GetCellData(), image->GetFieldData() })
   {
     for (int i = 0; i < data->GetNumberOfArrays(); ++i)
     {

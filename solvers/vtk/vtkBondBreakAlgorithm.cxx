@@ -61,9 +61,9 @@ struct vtkBondBreakAlgorithm::Internals
   lamella::KeptStates<vtkImageData> States;
   vtkNew<vtkPolyData> Bonds;
   vtkNew<vtkTable> Curve;
-  std::vector<pd::Bond> Order;                           ///< the broken bonds
-  std::set<std::string> Made;                            ///< fields that all states were given
-  std::map<vtkImageData*, std::set<std::string>> Found;  ///< and those that were found for one since
+  std::vector<pd::Bond> Order;                          ///< the broken bonds
+  std::set<std::string> Made;                           ///< fields that all states were given
+  std::map<vtkImageData*, std::set<std::string>> Found; ///< and those that were found for one since
 };
 
 vtkBondBreakAlgorithm::vtkBondBreakAlgorithm()
