@@ -97,19 +97,25 @@ double difference(vtkImageData* a, vtkImageData* b, const char* name)
   return most / largest;
 }
 
-// Fields of a state that are asked for after the run are those of the run, to the last bit, pieces that came loose
-// included; and neither they nor an image that is new but holds the same arrays, as ParaView's are, run it again.
+// Fields of a state that are asked for after the run are those of the run, to the last bit (tests/plugin/live.py:
+// pieces that came loose included); and neither they nor an image that is new but holds the same arrays, as ParaView's
+// are, run it again.
 TEST_F(BondFracture, FieldsRunNothing)
 {
-  // a wall of holes whose struts part
+  // two platens, a column from one to the other, and a block between weak necks
   const auto image = picture(
-    40, 44, 1, [](int x, int y, int) { return (x % 8 < 5 && y % 8 < 5 && y > 3 && y < 40) ? 0 : bandRule(x, 60, 0); },
+    40, 44, 1,
+    [](int x, int y, int)
+    {
+      const bool block = x >= 8 && x < 19;
+      return y < 12 || y >= 32 || x >= 26 ? 1 : !block ? 0 : y < 17 || y >= 27 ? 2 : 1;
+    },
     bandSpacing);
   setFieldTexts(image, "phase_names", std::vector<std::string>{ "void", "wall", "lamella" });
   const auto prepare = [&](vtkBondFracture* filter)
   {
     configure(filter);
-    filter->SetStopShare(0.005);
+    filter->SetMaximumStrain(6e-3);
     filter->AddStateAtBroken(20);
     filter->SetInputData(image);
   };
@@ -121,7 +127,6 @@ TEST_F(BondFracture, FieldsRunNothing)
   vtkNew<vtkBondFracture> after;
   prepare(after);
   ASSERT_EQ(errorOf(after), "");
-  EXPECT_GT(number(after->GetOutput(), "freed_nodes"), 0);
   const auto time = [&] { return number(after->GetOutput(), "seconds", 5); }; // of the whole run
   const double ran = time();
   for (const int state : { 0, 1 })

@@ -33,7 +33,8 @@ def work():
     heat = pv.SteadyDiffusion(Input=tissue, Direction="All", Tolerance=1e-10)
     pores = pv.PoreFloodFill(Input=tissue)
     walls = pv.MicrostructureSource(Kind="Honeycomb", Size=[42, 48, 1], SolidFraction=0.6)
-    torn = pv.BondFracture(Input=walls, Method="Accurate: all after each break", MaximumBroken=12, StatesAtBroken=[5])
+    torn = pv.BondFracture(Input=walls, Method="Accurate: all after each break", MaximumBroken=12, StatesAtBroken=[5],
+                           Tolerance=1e-9)
     steps = pv.LatticeBoltzmann(Input=walls, EndTime=1e-7, NumberOfSteps=2)
     results = {}
     for proxy in (heat, pores, torn, steps):
@@ -48,10 +49,8 @@ def work():
     torn.State, torn.ComputeStress = 0, 1
     torn.UpdatePipeline()
     assert np.array_equal(numbers(torn, "seconds"), before), "another state runs the fracture again"
-    state = servermanager.Fetch(torn)
-    stress = vtk_to_numpy(state.GetPointData().GetArray("stress"))
     results["broken bonds"] = numbers(torn, "broken_bonds")
-    results["stress"] = stress.mean(axis=0)
+    results["stress"] = np.ravel([torn.PointData["stress"].GetRange(component) for component in (0, 1, 3)])  # of all ranks
     torn.MaximumBroken = 8
     torn.UpdatePipeline()
     assert not np.array_equal(numbers(torn, "seconds"), before), "a changed number does not run the fracture again"
@@ -108,8 +107,12 @@ with tempfile.TemporaryDirectory() as folder:
             os.killpg(server.pid, signal.SIGTERM)
             server.wait(60)
 for name, values in expected.items():
-    error = np.abs(found[name] - values).max() / max(np.abs(values).max(), 1e-300)
+    known = ~np.isnan(values)  # of a picture nothing is solved along z
+    np.testing.assert_array_equal(known, ~np.isnan(found[name]))
+    error = np.abs(found[name] - values)[known].max() / max(np.abs(values[known]).max(), 1e-300)
     print(f"{name}: differs by {error:.1e}")
-    # 1e-10 is what the solver of diffusion is asked for, twice: rank by rank only sums differ; forces are balanced to 1e-6
-    assert error <= (1e-9 if name in ("conductivity", "pores", "outlet flux") else 0 if name in ("broken", "fewer", "broken bonds") else 1e-5)
+    # Diffusion is solved to 1e-10 and lattice Boltzmann is the same to round-off; of fracture forces balance to 1e-9 of those
+    # on the platens, and strengths and stresses follow with some tens of that.
+    limit = {"conductivity": 1e-9, "outlet flux": 1e-12, "strength": 1e-6, "stress": 1e-6}
+    assert error <= limit.get(name, 0), name
 assert there >= points  # pieces share their rims
