@@ -10,6 +10,8 @@ import sys
 
 ELSEWHERE = {
     "demo/table.py": "demo/run.sh runs it",
+    "frank-2020/run.py": "tests/plugin/papers.py runs it",
+    "perre-2016/run.py": "tests/plugin/papers.py runs it",
     "dynamic-fracture/lammps.py": "needs the program lmp, which nothing else does",
 }
 
