@@ -413,7 +413,7 @@ self.GetOutputInformation(0).Set(pipeline.TIME_RANGE(), [0.2, 0.6], 2)
         self.assertEqual([names.GetValue(i) for i in range(2)], ["void", "solid"])
 
     def test_saving_vtkhdf(self):
-        sample = pv.MicrostructureSource(Kind="Spheres", Size=[30, 20, 10])
+        sample = pv.MicrostructureSource(Kind="Layers", Size=[30, 20, 10], SolidFraction=0.5, Axis="x")
         pv.SaveData("sample.hdf", proxy=sample)
         back = pv.OpenDataFile("sample.hdf")
         back.UpdatePipeline()
