@@ -89,38 +89,44 @@ std::string HelpFormatter::make_usage(const CLI::App* app, std::string name) con
   return text + "\n";
 }
 
-std::string HelpFormatter::make_option(const CLI::Option* option, bool positional) const
+OptionWords optionWords(const CLI::Option& option)
 {
-  std::string name;
+  OptionWords words{ "", option.get_description() };
+  const bool positional = option.get_positional();
   if (positional)
   {
-    name = option->get_name(true);
+    words.names = option.get_name(true);
   }
   else
   {
-    for (const std::string& letter : option->get_snames())
+    for (const std::string& letter : option.get_snames())
     {
-      name.append(name.empty() ? "-" : ", -").append(letter);
+      words.names.append(words.names.empty() ? "-" : ", -").append(letter);
     }
-    for (const std::string& word : option->get_lnames())
+    for (const std::string& word : option.get_lnames())
     {
-      name.append(name.empty() ? "--" : ", --").append(word);
+      words.names.append(words.names.empty() ? "--" : ", --").append(word);
     }
-    if (option->get_type_size() != 0)
+    if (option.get_type_size() != 0 && !option.get_type_name().empty())
     {
-      name.append(" ").append(option->get_type_name());
+      words.names.append(" ").append(option.get_type_name());
     }
   }
-  std::string description = option->get_description();
-  if (option->get_required() && !positional)
+  if (option.get_required() && !positional)
   {
-    description += " (needed)";
+    words.description += " (needed)";
   }
-  if (!option->get_default_str().empty())
+  if (!option.get_default_str().empty())
   {
-    description.append(" [").append(option->get_default_str()).append("]");
+    words.description.append(" [").append(option.get_default_str()).append("]");
   }
-  return entry(name, description);
+  return words;
+}
+
+std::string HelpFormatter::make_option(const CLI::Option* option, bool /*positional*/) const
+{
+  const OptionWords words = optionWords(*option);
+  return entry(words.names, words.description);
 }
 
 std::string HelpFormatter::make_group(std::string group, bool positional, std::vector<const CLI::Option*> options) const

@@ -7,6 +7,15 @@
 namespace lamella::cli
 {
 
+/// An option as people read it: its names with what they take, and its description with its default.
+struct OptionWords
+{
+  std::string names;
+  std::string description;
+};
+
+[[nodiscard]] OptionWords optionWords(const CLI::Option& option);
+
 /// The layout of --help: two columns, wrapped at 100, defaults in brackets.
 class HelpFormatter : public CLI::Formatter
 {

@@ -3,6 +3,7 @@
 #include "GridFile.h"
 #include "Help.h"
 #include "Session.h"
+#include "ShellPages.h"
 #include "Text.h"
 
 #include "io/Provenance.h"
@@ -42,6 +43,11 @@ int run(Session& session, std::vector<std::string> words)
   root.set_help_flag("-h,--help", "Print this help and exit");
   bool version = false;
   root.add_flag("--version", version, "Print version, commit, VTK and MPI, and exit");
+  std::string shell;
+  root.add_option("--completion", shell, "Print a script that completes words in this shell, and exit")
+    ->type_name("bash|zsh|fish");
+  bool manual = false;
+  root.add_flag("--man", manual, "Print the manual page, for man, and exit");
   addExamples(root,
     { "lamella generate softwood -o tissue.png",
       "lamella diffusion tissue.png --conductivity lumen=0.023 --conductivity wall=1 -o heat.vti",
@@ -63,6 +69,11 @@ int run(Session& session, std::vector<std::string> words)
   if (version)
   {
     session.print(versionText());
+    return exitOk;
+  }
+  if (manual || root.count("--completion") > 0)
+  {
+    session.print(manual ? manualPage(root) : shellCompletion(root, shell));
     return exitOk;
   }
   for (const Command& command : commands)

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import subprocess
 import unittest
 
 import pictures
@@ -54,6 +55,36 @@ class Words(Case):
                 self.assertRegex(page, re.escape(option) + r"(?![\w-])", command + ".md")
             for option in re.findall(r"(?<![\w-])--[a-z][\w-]*(?![\w.-])", page):
                 self.assertIn(option, every, command + ".md")
+
+    def test_the_manual_page_has_every_option(self):
+        page = self.works("--man").out.replace("\\-", "-")
+        self.assertTrue(page.startswith(".TH LAMELLA 1"))
+        for command in [*COMMANDS, "generate softwood"]:
+            self.assertIn(".SS lamella " + command + "\n", page)
+            text = self.works(*command.split(), "--help").out
+            for option in re.findall(r"^  (?:-\w, )?(--[\w-]+)", text, re.MULTILINE):
+                self.assertIn(option, page)
+        for line in page.splitlines():  # requests are those that man knows
+            if line.startswith((".", "'")):
+                self.assertRegex(line, r"^\.(TH|SH|SS|TP|B|PP|EX|EE)( |$)")
+
+    def test_shells_complete_commands_options_and_values(self):
+        script = self.works("--completion", "bash").out
+        self.write("completion.sh", script.encode())
+
+        def completed(*words):
+            line = " ".join(f"'{word}'" for word in words)
+            asked = f"source ./completion.sh; COMP_WORDS=({line}); COMP_CWORD={len(words) - 1}; _lamella; echo ${{COMPREPLY[*]}}"
+            return subprocess.run(["bash", "-c", asked], cwd=self.folder, capture_output=True, text=True, check=True).stdout.split()
+
+        self.assertEqual(set(COMMANDS) - set(completed("lamella", "")), set())
+        self.assertEqual(completed("lamella", "diff"), ["diffusion"])
+        self.assertEqual(completed("lamella", "generate", "soft"), ["softwood"])
+        self.assertEqual(completed("lamella", "generate", "softwood", "--see"), ["--seed"])
+        self.assertEqual(completed("lamella", "diffusion", "p.png", "--sides", ""), ["insulated", "periodic"])
+        self.assertEqual(completed("lamella", "diffusion", "p.p"), [])  # then the shell offers files
+        self.assertIn("complete -c lamella", self.works("--completion", "fish").out)
+        self.fails(2, "--completion 'basch' is not a shell", "did you mean 'bash'?", "--completion", "basch")
 
     def test_nothing_is_a_question_for_help(self):
         result = self.run_lamella()
