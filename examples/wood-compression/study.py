@@ -120,7 +120,7 @@ def draw(name, tests, options):
     states = drawn["states"]
     figure = plt.figure(figsize=(4.2 + 2.5 * len(states), 3.4))
     share = 4.2 / (4.2 + 2.5 * len(states))
-    axes = figure.add_axes([0.14 * share, 0.15, 0.82 * share, 0.78])
+    axes = figure.add_axes([0.19 * share, 0.15, 0.77 * share, 0.78])
     for (direction, (_, strain, stress, _)), style in zip(sorted(tests.items()), ("-", "--")):
         axes.plot(100 * strain, stress / 1e6, style, color="0.1", linewidth=1.2, label=DIRECTIONS[direction])
     axes.set_xlabel("strain [%]")
