@@ -3,7 +3,7 @@
 #include <cstdint>
 
 /// Random numbers without a state: each is a function of a seed and of what it is for. They need only whole-number and
-/// basic floating-point arithmetic, so that they are the same on every machine (the distributions of <random> are not).
+/// basic floating-point arithmetic, so that they are the same on every machine (those of the standard library are not).
 namespace lamella::generators
 {
 

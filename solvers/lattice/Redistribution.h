@@ -15,7 +15,8 @@ namespace lamella
 class Redistribution
 {
 public:
-  /// @param blocks  blocks of every rank before and after
+  /// @param before  blocks of every rank
+  /// @param after   the same
   Redistribution(int dimension, std::array<std::int64_t, 3> size, std::vector<Block> before, std::vector<Block> after,
     const Communicator& comm);
 

@@ -90,7 +90,7 @@ struct Packing
 [[nodiscard]] std::vector<Packing> packMany(
   const PackingOptions& options, std::span<const std::uint64_t> seeds, int threads);
 
-/// A packing of somebody else: centres and radii [m], `#grains` each. Grains that overlap or are nearer than
+/// A packing of somebody else: centres and radii [m], (#grains) each. Grains that overlap or are nearer than
 /// `touching` × the mean diameter are in contact, without a force.
 /// @param size edges of the box; none: that of the grains, moved to the origin
 /// @throws InputError: no grain, a radius that is not positive, a number that is not finite, grains outside a given
