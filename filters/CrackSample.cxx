@@ -78,7 +78,7 @@ CrackSample::CrackSample(
   : piece_(piece)
   , input_(input)
   , team_(team)
-  , whole_(wholeImage(piece, team))
+  , whole_(uprightImage(piece, team))
 {
   team.agree([&] { requireSameLattice(whole_.lattice, input.lattice); });
   const std::string model =

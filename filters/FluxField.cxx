@@ -15,7 +15,7 @@ std::array<Boundary, 3> boundaries(const FluxSetting& setting)
 {
   const Boundary side = setting.periodic ? Boundary::Periodic : Boundary::Insulated;
   std::array<Boundary, 3> result{ side, side, side };
-  if (!setting.periodic)
+  if (!setting.wraps(static_cast<std::size_t>(setting.axis)))
   {
     result[static_cast<std::size_t>(setting.axis)] = Boundary::Fixed;
   }
@@ -58,7 +58,7 @@ bool LinkFlux::inside(const Node& node) const noexcept
 {
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    if (!setting_.periodic && (node[axis] < 0 || node[axis] >= setting_.lattice.size[axis]))
+    if (!setting_.wraps(axis) && (node[axis] < 0 || node[axis] >= setting_.lattice.size[axis]))
     {
       return false;
     }
@@ -83,7 +83,7 @@ double LinkFlux::link(const Node& node, const Direction& d) const
 double LinkFlux::face(const Node& node, int axis) const
 {
   const auto a = static_cast<std::size_t>(axis);
-  if (!setting_.periodic && (node[a] == 0 || node[a] == setting_.lattice.size[a]))
+  if (!setting_.wraps(a) && (node[a] == 0 || node[a] == setting_.lattice.size[a]))
   {
     if (axis != setting_.axis)
     {
@@ -113,8 +113,8 @@ double LinkFlux::face(const Node& node, int axis) const
 double LinkFlux::valueAt(const Node& node, int axis) const
 {
   const auto a = static_cast<std::size_t>(axis);
-  const bool low = !setting_.periodic && node[a] == 0;
-  const bool high = !setting_.periodic && node[a] == setting_.lattice.size[a];
+  const bool low = !setting_.wraps(a) && node[a] == 0;
+  const bool high = !setting_.wraps(a) && node[a] == setting_.lattice.size[a];
   if ((low || high) && axis == setting_.axis)
   {
     return wallValue(high);
@@ -146,7 +146,7 @@ std::array<double, 3> LinkFlux::atNode(const Node& node) const
     }
   }
   const auto a = static_cast<std::size_t>(setting_.axis);
-  if (!setting_.periodic)
+  if (!setting_.wraps(a))
   {
     if (node[a] == 0)
     {
@@ -172,7 +172,7 @@ double NodeFlux::face(const Node& node, int axis) const
   const auto a = static_cast<std::size_t>(axis);
   const bool low = node[a] == 0;
   const bool high = node[a] == setting_.lattice.size[a];
-  if (!setting_.periodic && (low || high))
+  if (!setting_.wraps(a) && (low || high))
   {
     return axis == setting_.axis ? flux_[3 * setting_.index(high ? moved(node, along(axis, -1)) : node) + a] : 0.0;
   }
@@ -186,8 +186,8 @@ double NodeFlux::valueAt(const Node& node, int axis) const
     return std::numeric_limits<double>::quiet_NaN();
   }
   const auto a = static_cast<std::size_t>(axis);
-  const bool low = !setting_.periodic && node[a] == 0;
-  const bool high = !setting_.periodic && node[a] == setting_.lattice.size[a];
+  const bool low = !setting_.wraps(a) && node[a] == 0;
+  const bool high = !setting_.wraps(a) && node[a] == setting_.lattice.size[a];
   const double above = value_[setting_.index(high ? moved(node, along(axis, -1)) : node)];
   const double below = value_[setting_.index(low ? node : moved(node, along(axis, -1)))];
   return (above + below) / 2;

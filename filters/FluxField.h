@@ -33,12 +33,16 @@ public:
 struct FluxSetting
 {
   Lattice lattice;
-  lbm::Block box; ///< see FluxField
-  int axis = 0;   ///< direction of the mean gradient
-  bool periodic =
-    false;             ///< every side periodic; else values 1 and 0 on the two faces of `axis`, no flux through others
-  bool rising = false; ///< the value rises along +axis: 0 on the low face, 1 on the high one
+  lbm::Block box;         ///< see FluxField
+  int axis = 0;           ///< direction of the mean gradient
+  bool periodic = false;  ///< every side; else values 1 and 0 on the two faces of `axis`, no flux through others
+  bool transient = false; ///< values on the two faces of `axis` though the others are periodic
+  bool rising = false;    ///< the value rises along +axis: 0 on the low face, 1 on the high one
 
+  [[nodiscard]] bool wraps(std::size_t a) const noexcept
+  {
+    return periodic && !(transient && a == static_cast<std::size_t>(axis));
+  }
   [[nodiscard]] std::size_t index(const Node& node) const noexcept
   {
     return static_cast<std::size_t>(

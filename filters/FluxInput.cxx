@@ -150,8 +150,8 @@ json toJson(const FluxInput& input)
     directions.push_back({ direction.axis, direction.value, direction.flux, direction.suffix });
   }
   return { { "directions", directions }, { "quantity", input.quantity }, { "periodic", input.periodic },
-    { "stencil", input.stencil ? static_cast<int>(*input.stencil) : -1 }, { "phase", input.phaseArray },
-    { "conductivity", input.conductivity } };
+    { "transient", input.transient }, { "stencil", input.stencil ? static_cast<int>(*input.stencil) : -1 },
+    { "phase", input.phaseArray }, { "conductivity", input.conductivity } };
 }
 
 FluxInput fromJson(const json& text)
@@ -164,6 +164,7 @@ FluxInput fromJson(const json& text)
   }
   input.quantity = text.at("quantity").get<std::string>();
   input.periodic = text.at("periodic").get<bool>();
+  input.transient = text.at("transient").get<bool>();
   if (const int stencil = text.at("stencil").get<int>(); stencil >= 0)
   {
     input.stencil = static_cast<lbm::Stencil>(stencil);
@@ -225,7 +226,11 @@ FluxInput fluxInput(vtkImageData* piece, vtkInformation* value, vtkInformation* 
           input.stencil = stencil;
         }
       }
-      findPhases(piece, input);
+      input.transient = !fieldNumbers(piece, "time").empty() && !fieldNumbers(piece, "inlet_flux").empty();
+      if (!input.transient) // its flux is more than what the links carry between values 1 and 0
+      {
+        findPhases(piece, input);
+      }
       for (const SolvedDirection& direction : input.directions)
       {
         requireNumbers(piece, direction.value, 1, true);
@@ -234,7 +239,8 @@ FluxInput fluxInput(vtkImageData* piece, vtkInformation* value, vtkInformation* 
         {
           throw InputError("there is no flux, and it cannot be computed from '" + direction.value +
               "' without phases and their conductivities",
-            "apply Steady Diffusion with its flux output on");
+            input.transient ? "write the states with their flux (lamella transient --flux, ComputeFlux on)"
+                            : "apply Steady Diffusion with its flux output on");
         }
       }
       text = toJson(input).dump();

@@ -30,6 +30,7 @@ struct FluxInput
   std::vector<SolvedDirection> directions;
   std::string quantity; ///< "temperature", "concentration" or another name
   bool periodic = false;
+  bool transient = false; ///< a state in time, between values on the faces of its direction whatever the other sides
   std::optional<lbm::Stencil> stencil;
   std::string phaseArray;           ///< empty: no phases, or no conductivities
   std::vector<double> conductivity; ///< by phase id

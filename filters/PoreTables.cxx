@@ -38,18 +38,6 @@ void addColumn(vtkTable* table, const std::string& name, const std::string& unit
   table->AddColumn(column);
 }
 
-/// Where a place, in nodes from the image's first one, lies in space.
-double physical(const WholeImage& whole, const std::array<double, 3>& place, std::size_t row)
-{
-  const Lattice& lattice = whole.lattice;
-  double result = lattice.origin[row];
-  for (std::size_t column = 0; column < 3; ++column)
-  {
-    result += whole.direction[3 * row + column] * lattice.spacing * place[column];
-  }
-  return result;
-}
-
 } // namespace
 
 const char* nodesOf(const Lattice& lattice)
@@ -77,7 +65,7 @@ void fillPores(vtkTable* table, std::span<const pores::Pore> pores, const WholeI
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     addColumn<vtkDoubleArray>(table, std::string("centre_") + axisName[axis], "m", "mean place of the pore's nodes",
-      rows, [&](std::size_t i) { return physical(whole, pores[i].centre, axis); });
+      rows, [&](std::size_t i) { return whole.physical(pores[i].centre)[axis]; });
   }
   for (std::size_t axis = 0; axis < 3; ++axis)
   {

@@ -4,7 +4,7 @@
 #include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
-#include "pores/PoreLabelling.h"
+#include "lattice/VoidNames.h"
 #include "statistics/StressDistribution.h"
 
 #include "vtkCellData.h"
@@ -205,10 +205,15 @@ std::string listed(const std::vector<std::string>& names)
 std::vector<std::uint8_t> choosePhases(
   const PhaseIds& phases, std::span<const std::string> wanted, std::vector<std::string>& names)
 {
-  std::vector<bool> counted(phases.names.size(), wanted.empty());
-  if (const auto hollow = pores::voidPhase(phases.names); hollow && wanted.empty())
+  std::vector<bool> counted(phases.names.size(), false);
+  if (wanted.empty()) // all that a solver takes for solid
   {
-    counted[*hollow] = false;
+    std::transform(phases.names.begin(), phases.names.end(), counted.begin(),
+      [](const std::string& name) { return !isVoidName(name); });
+    if (std::find(counted.begin(), counted.end(), true) == counted.end())
+    {
+      counted.assign(counted.size(), true);
+    }
   }
   for (const std::string& name : wanted)
   {

@@ -68,7 +68,7 @@ struct vtkCollapseMap::Work
   Work(vtkCollapseMap* self, vtkImageData* image, vtkInformation* request)
     : Self(self)
     , Alone(nullptr, request)
-    , Whole(lamella::wholeImage(image, Alone))
+    , Whole(lamella::uprightImage(image, Alone))
     , Provenance(lamella::provenance(image))
   {
     const lamella::PhaseIds phases = lamella::phaseIds(image, self->GetInputArrayInformation(0), this->Alone);

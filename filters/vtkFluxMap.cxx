@@ -315,7 +315,8 @@ struct vtkFluxMap::Work
 
   void Solve(const lamella::SolvedDirection& direction, bool shown)
   {
-    lamella::FluxSetting setting{ this->Whole.lattice, this->Box, direction.axis, this->Found.periodic };
+    lamella::FluxSetting setting{ this->Whole.lattice, this->Box, direction.axis, this->Found.periodic,
+      this->Found.transient };
     const bool links = !direction.value.empty() && !this->Found.phaseArray.empty();
     std::vector<double> own;
     std::vector<double> valueBox;
@@ -349,7 +350,7 @@ struct vtkFluxMap::Work
     const lamella::SolvedDirection named{ direction.axis, valueBox.empty() ? "" : direction.value, direction.flux,
       direction.suffix };
     this->Orient(named, valueBox, sums, setting);
-    if (setting.periodic && !valueBox.empty())
+    if (setting.wraps(static_cast<std::size_t>(setting.axis)) && !valueBox.empty())
     {
       lamella::continueValues(setting, valueBox);
     }
@@ -405,7 +406,10 @@ struct vtkFluxMap::Work
     for (std::size_t row = 0; row < static_cast<std::size_t>(setting.lattice.dimension); ++row)
     {
       this->MeanFlux[3 * row + axis] = sums[row] / nodes;
-      this->Effective[3 * row + axis] = sign * sums[row] / nodes * setting.lattice.length(setting.axis);
+      if (!setting.transient) // it flows between values that are not 1 and 0, and not evenly
+      {
+        this->Effective[3 * row + axis] = sign * sums[row] / nodes * setting.lattice.length(setting.axis);
+      }
     }
     this->Tortuosity[axis] = sums[3] / (sign * sums[axis]);
     this->TortuosityFactor[axis] = this->MeanConductivity / this->Effective[4 * axis];
@@ -508,7 +512,7 @@ struct vtkFluxMap::Work
       for (std::size_t i = 0; i < piece.points.size(); ++i, ++at)
       {
         cells->InsertCellPoint(at);
-        points->SetPoint(at, this->Physical(piece.points[i]).data());
+        points->SetPoint(at, this->Whole.physical(piece.points[i]).data());
         magnitude->SetValue(at, piece.flux[i]);
         value->SetValue(at, piece.value[i]);
         arc->SetValue(at, piece.length[i] * spacing);
@@ -536,29 +540,11 @@ struct vtkFluxMap::Work
     this->Lines->GetCellData()->AddArray(arrived);
   }
 
-  /// Place in space of a point counted in nodes from the first one.
-  [[nodiscard]] std::array<double, 3> Physical(const std::array<double, 3>& point) const
-  {
-    const lamella::Lattice& lattice = this->Whole.lattice;
-    std::array<double, 3> result{};
-    for (std::size_t row = 0; row < 3; ++row)
-    {
-      const double first = this->Whole.extent[2 * row] * lattice.spacing;
-      result[row] = lattice.origin[row] - first;
-      for (std::size_t column = 0; column < 3; ++column)
-      {
-        result[row] +=
-          this->Whole.direction[3 * row + column] * lattice.spacing * (this->Whole.extent[2 * column] + point[column]);
-      }
-    }
-    return result;
-  }
-
   void WriteNumbers() const
   {
     lamella::setFieldNumbers(this->Output, "mean_flux", this->MeanFlux);
     lamella::setFieldNumbers(this->Output, "effective_from_flux", this->Effective);
-    if (lamella::fieldNumbers(this->Output, "effective_conductivity").empty())
+    if (!this->Found.transient && lamella::fieldNumbers(this->Output, "effective_conductivity").empty())
     {
       lamella::setFieldNumbers(this->Output, "effective_conductivity", this->Effective);
     }

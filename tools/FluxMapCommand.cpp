@@ -82,10 +82,11 @@ std::string tableOf(const Json& json)
 {
   std::string text = json["file"].get<std::string>() + "\n\n";
   text += "  direction  effective from flux  tortuosity  tortuosity factor  of the streamlines\n";
-  for (const auto& [axis, value] : json["effective"].items())
+  for (const auto& [axis, value] : json["tortuosity"].items())
   {
-    const auto cell = [&, key = axis](const char* name) { return numberText(json[name].value(key, Json(nullptr))); };
-    text += fmt::format("  {:<9}  {:<19}  {:<10}  {:<17}  {}\n", axis, numberText(value, 7), cell("tortuosity"),
+    const auto cell = [&, key = axis](const char* name, int digits = 6)
+    { return numberText(json[name].value(key, Json(nullptr)), digits); };
+    text += fmt::format("  {:<9}  {:<19}  {:<10}  {:<17}  {}\n", axis, cell("effective", 7), numberText(value),
       cell("tortuosity_factor"), cell("streamline_tortuosity"));
   }
   if (!json["flux_magnitude"].is_null())
@@ -182,7 +183,7 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
   json["tortuosity_factor"] = byAxis(fieldNumbers(map, "tortuosity_factor"), 0, 1);
   json["streamline_tortuosity"] = byAxis(fieldNumbers(map, "streamline_tortuosity"), 0, 1);
   json["direction"] =
-    options.direction == "auto" && !json["effective"].empty() ? json["effective"].begin().key() : options.direction;
+    options.direction == "auto" && !json["tortuosity"].empty() ? json["tortuosity"].begin().key() : options.direction;
   double range[2] = { 0, 0 };
   magnitude->GetFiniteRange(range, 0);
   double sum = 0;

@@ -69,7 +69,7 @@ def pressed(name, direction, options):
     walls = dict(points_per_node=options.per, threads=options.threads)
     modulus = lamella.point_stiffness(image, **walls).constants[f"E_{axis}"]
     spent = time.process_time() - begun
-    end = min(options.strain, ENDS.get(name, END))
+    end = min(options.strain, ENDS.get(name, options.strain))
     strains = [strain for strain in SNAPSHOTS.get(name, USUAL) if strain <= end] if direction == "R" else []
     frames = list(np.linspace(0, end, options.frames + 1)[1:]) if direction == "R" else []
     kept = sorted({round(e, 6) for e in (*strains, *frames, *np.linspace(end / 12, end, 12))}) if direction == "R" else []

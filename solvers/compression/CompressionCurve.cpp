@@ -261,15 +261,28 @@ public:
     if (!from)
       return miss("densification: no collapse before it");
     const std::size_t first = curve_.between(from->strain, curve_.end()).first;
-    // NaN is below everything
-    const auto less = [](double a, double b) { return std::isnan(a) ? !std::isnan(b) : a < b; };
-    const std::span<const double> after = std::span(found_.efficiency).subspan(first);
-    const std::size_t best = first + static_cast<std::size_t>(std::ranges::max_element(after, less) - after.begin());
-    const double largest = found_.efficiency[best];
-    const double last = found_.efficiency.back();
-    if (std::isnan(largest) || !(last < (1 - options_.prominence) * largest))
+    const std::vector<double>& efficiency = found_.efficiency;
+    const double kept = 1 - options_.prominence;
+    double largest = 0;
+    for (std::size_t row = first; row < efficiency.size(); ++row)
+      largest = std::fmax(largest, efficiency[row]); // which passes NaN over
+    // Of two plateaus that absorb as well as each other the first ends where walls begin to meet.
+    std::size_t best = first;
+    std::optional<std::size_t> found;
+    for (std::size_t row = first; row < efficiency.size() && !found; ++row)
+      if (std::isnan(efficiency[best]) || efficiency[row] > efficiency[best])
+        best = row;
+      else if (efficiency[row] < kept * efficiency[best])
+      {
+        if (efficiency[best] >= kept * largest)
+          found = best;
+        best = row;
+      }
+    if (!found)
       return miss("densification: the efficiency does not fall before the curve ends");
-    found_.densification = Densification{ curve_.strain[best], found_.smooth[best], found_.energy[best], largest };
+    best = *found;
+    found_.densification =
+      Densification{ curve_.strain[best], found_.smooth[best], found_.energy[best], efficiency[best] };
   }
 
   void plateau()

@@ -75,7 +75,7 @@ struct CompressionCurve
   std::optional<CurvePoint> yield; ///< where the curve meets the line moved by the offset
   std::optional<CurvePoint> peak;  ///< first maximum of the smoothed stress
   std::optional<Plateau> plateau;
-  std::optional<Densification> densification; ///< onset: where η is largest
+  std::optional<Densification> densification; ///< onset: where η is largest, or nearly so before
   std::optional<CurvePoint> plateauEnd;       ///< where the stress first is 1.3 times the plateau's, beyond its low end
   std::vector<std::string> missing;           ///< "densification: the efficiency still rises where the curve ends"
 
@@ -89,7 +89,8 @@ struct CompressionCurve
 /// Offset yield stress, first maximum, plateau stress and its end are those of ISO 13314:2011. Densification begins
 /// where the efficiency of energy absorption η(ε) = 1/σ(ε) ∫₀^ε σ dε' is largest (Li, Magkiriadis and Harrigan, J.
 /// Cell. Plast. 42 (2006) 371–392; Tan, Reid, Harrigan, Zou and Li, J. Mech. Phys. Solids 53 (2005) 2174–2205), from
-/// the end of the linear part on, if it falls by `prominence` beyond: a curve that ends before has none.
+/// the end of the linear part on, if it falls by `prominence` beyond: a curve that ends before has none. Of maxima
+/// within `prominence` of the largest the first one counts.
 ///
 /// Time: rows × rows a window, of fit and of smoothing.
 /// @param strain at least 3, not falling, below 1

@@ -146,7 +146,8 @@ private:
       const std::uint64_t needed =
         estimateBytes(lattice, options_.steady.stencil, Method::Multigrid, nodes) + static_cast<std::uint64_t>(nodes);
       const double reached = answers.front().steps.size() < 2 ? 1.0 : worst(answers);
-      if (needed / static_cast<std::uint64_t>(Communicator(comm_).size()) > availableMemory())
+      const Communicator comm(comm_);
+      if (comm.any(needed / static_cast<std::uint64_t>(comm.size()) > availableMemory()))
         throw MemoryError(
           fmt::format("an error of {:.2g} % needs refinement {} and about {}, and {} are available", 100 * target,
             finer, bytesText(static_cast<double>(needed)), bytesText(static_cast<double>(availableMemory()))),

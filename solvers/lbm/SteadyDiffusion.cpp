@@ -253,7 +253,7 @@ SteadyResult SteadyDiffusion::solve(int axis)
   const Method method = m.method();
   const std::uint64_t needed = estimateBytes(m.lattice, m.options.stencil, method, m.conducting);
   const std::uint64_t available = availableMemory();
-  if (needed / static_cast<std::uint64_t>(m.comm.size()) > available)
+  if (m.comm.any(needed / static_cast<std::uint64_t>(m.comm.size()) > available))
     throw MemoryError(fmt::format("solving on {} nodes needs about {}, and {} are available", m.lattice.count(),
                         bytesText(static_cast<double>(needed)), bytesText(static_cast<double>(available))),
       "use a smaller window or refinement, or more machines with mpirun");
@@ -287,7 +287,7 @@ SteadyResult SteadyDiffusion::solve(int axis)
       m.options.maxIterations = allowed;
       m.backend.reset();
       const std::uint64_t more = estimateBytes(m.lattice, m.options.stencil, Method::AlgebraicMultigrid, m.conducting);
-      if (more / static_cast<std::uint64_t>(m.comm.size()) > availableMemory())
+      if (m.comm.any(more / static_cast<std::uint64_t>(m.comm.size()) > availableMemory()))
         throw;
       run(makeCompactSystem(m.problem(axis)));
     }

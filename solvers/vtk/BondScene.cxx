@@ -150,7 +150,7 @@ BondSettings bondSettingsFromJson(const std::string& text)
 BondScene::BondScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInformation* grainChoice,
   const BondSettings& settings, const Team& team)
   : team_(team)
-  , whole_(wholeImage(piece, team))
+  , whole_(uprightImage(piece, team))
   , phases_(phaseIds(piece, phaseChoice, team))
 {
   team.agree(

@@ -22,7 +22,7 @@ Block blockOf(const Lattice& lattice, const Team& team)
 } // namespace
 
 DiffusionScene::DiffusionScene(vtkImageData* input, vtkInformation* choice, int direction, const Team& team)
-  : whole(wholeImage(input, team))
+  : whole(uprightImage(input, team))
   , phases(phaseIds(input, choice, team))
   , block(blockOf(whole.lattice, team))
   , outward(whole.lattice, block, whole.held, { false, false, false }, team.comm(), team.size())

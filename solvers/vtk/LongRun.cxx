@@ -7,8 +7,10 @@
 #include "vtkAbstractArray.h"
 #include "vtkCellData.h"
 #include "vtkFieldData.h"
+#include "vtkMatrix3x3.h"
 #include "vtkPointData.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <initializer_list>
 #include <system_error>
@@ -22,6 +24,7 @@ InputMark::Content InputMark::contentOf(vtkImageData* image)
   image->GetExtent(content.extent.data());
   image->GetOrigin(content.origin.data());
   image->GetSpacing(content.spacing.data());
+  std::copy_n(image->GetDirectionMatrix()->GetData(), 9, content.direction.begin());
   for (vtkFieldData* const data :
     std::initializer_list<vtkFieldData*>{ image->GetPointData(), image->GetCellData(), image->GetFieldData() })
   {

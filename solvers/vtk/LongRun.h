@@ -62,6 +62,7 @@ private:
     std::array<int, 6> extent{};
     std::array<double, 3> origin{};
     std::array<double, 3> spacing{};
+    std::array<double, 9> direction{};
     std::vector<std::pair<vtkAbstractArray*, vtkMTimeType>> arrays{};
     bool operator==(const Content&) const = default;
   };

@@ -124,6 +124,7 @@ ImageArray chooseArray(vtkImageData* image, const std::string& wanted, const fs:
 /// Lattice and values of an image file; cells become nodes.
 micrograph::Picture greysOf(vtkImageData* image, const ImageArray& chosen, const micrograph::ReadOptions& options)
 {
+  requireUpright(image);
   micrograph::Picture picture;
   std::array<int, 6> extent{};
   std::array<double, 3> origin{};

@@ -96,7 +96,7 @@ PointScene::PointScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInfo
   const PointSettings& settings, const Team& team)
   : settings_(settings)
   , team_(team)
-  , whole_(wholeImage(piece, team))
+  , whole_(uprightImage(piece, team))
   , lattice_(whole_.lattice)
   , own_{ { 0, 0, 0 }, lattice_.size }
   , phases_(phaseIds(piece, phaseChoice, team))

@@ -9,12 +9,14 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationStringKey.h"
+#include "vtkMatrix3x3.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkStringArray.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <mutex>
 #include <unordered_map>
@@ -93,6 +95,7 @@ vtkSmartPointer<vtkImageData> toImageData(PhaseImage image)
 PhaseView viewPhases(vtkImageData* image, const char* name)
 {
   PhaseView view;
+  requireUpright(image);
   view.lattice = latticeOf(image);
   vtkDataArray* const array = image->GetPointData()->GetArray(name);
   if (array == nullptr)
@@ -159,6 +162,21 @@ Lattice latticeOf(const int whole[6], const double origin[3], const double spaci
     }
   }
   return lattice;
+}
+
+void requireUpright(const double direction[9])
+{
+  constexpr std::array<double, 9> upright{ 1, 0, 0, 0, 1, 0, 0, 0, 1 };
+  if (!std::equal(upright.begin(), upright.end(), direction))
+  {
+    throw InputError("the image is turned in space, and what is computed goes along x, y and z",
+      "give it the direction matrix 1 0 0 0 1 0 0 0 1; what is computed is then along its own axes");
+  }
+}
+
+void requireUpright(vtkImageData* image)
+{
+  requireUpright(image->GetDirectionMatrix()->GetData());
 }
 
 Lattice latticeOf(vtkImageData* image)

@@ -56,6 +56,10 @@ struct PhaseView
   const int wholeExtent[6], const double origin[3], const double spacing[3]);
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT Lattice latticeOf(vtkImageData* image);
 
+/// @throws InputError for an image whose axes are not those of space: what is computed goes along x, y and z
+VTKLAMELLASOLVERSVTK_EXPORT void requireUpright(const double direction[9]);
+VTKLAMELLASOLVERSVTK_EXPORT void requireUpright(vtkImageData* image);
+
 /// A piece's extent as a block counted from the first node of the whole extent; all zero when the piece is empty.
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT lbm::Block blockOf(const int extent[6], const int wholeExtent[6]) noexcept;
 

@@ -16,7 +16,6 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkMatrix3x3.h"
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
@@ -67,11 +66,7 @@ int vtkMicrographContours::RequestUpdateExtent(
 
 void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
 {
-  if (!image->GetDirectionMatrix()->IsIdentity())
-  {
-    throw lamella::InputError(
-      "the image is turned in space", "outlines need its axes along x and y: reset the direction");
-  }
+  lamella::requireUpright(image);
   lamella::ContourField field;
   nlohmann::json parameters;
   if (this->Basis == PHASES)

@@ -225,6 +225,27 @@ WholeImage wholeImage(vtkImageData* piece, const Team& team)
   return whole;
 }
 
+WholeImage uprightImage(vtkImageData* piece, const Team& team)
+{
+  WholeImage whole = wholeImage(piece, team);
+  requireUpright(whole.direction.data());
+  return whole;
+}
+
+std::array<double, 3> WholeImage::physical(const std::array<double, 3>& place) const
+{
+  std::array<double, 3> result{};
+  for (std::size_t row = 0; row < 3; ++row)
+  {
+    result[row] = lattice.origin[row] - extent[2 * row] * lattice.spacing; // of the node of index 0
+    for (std::size_t column = 0; column < 3; ++column)
+    {
+      result[row] += direction[3 * row + column] * lattice.spacing * (extent[2 * column] + place[column]);
+    }
+  }
+  return result;
+}
+
 vtkInformation* requestedOutput(vtkInformation* request, vtkInformationVector* outputs)
 {
   const int port = request->Has(vtkExecutive::FROM_OUTPUT_PORT()) ? request->Get(vtkExecutive::FROM_OUTPUT_PORT()) : 0;

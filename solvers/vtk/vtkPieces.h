@@ -71,11 +71,17 @@ struct WholeImage
   Lattice lattice;
   std::array<double, 9> direction{ 1, 0, 0, 0, 1, 0, 0, 0, 1 }; ///< the image's axes in space, by rows
   lbm::Block held; ///< the piece on this rank, ghost and shared layers included; all zero when it is empty
+
+  /// Where a place, in nodes from the image's first one, lies in space [m].
+  [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::array<double, 3> physical(const std::array<double, 3>& place) const;
 };
 
 /// Collective. Puts together what the pieces say: the whole extent is the box around all of them.
 /// @throws InputError when all are empty or the spacing is not that of a lattice
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT WholeImage wholeImage(vtkImageData* piece, const Team& team);
+/// The same of an image whose axes are those of space: solvers give vectors, and images of their own, along these.
+/// @throws InputError for one that is turned, besides
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT WholeImage uprightImage(vtkImageData* piece, const Team& team);
 
 /// What is asked of the output that is asked for, in any pass of the pipeline.
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkInformation* requestedOutput(

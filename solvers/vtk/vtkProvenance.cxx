@@ -19,7 +19,12 @@ void addStep(io::Provenance& record, const std::string& step, const nlohmann::js
   {
     all = nlohmann::json::object();
   }
-  all[step] = parameters;
+  std::string key = step;
+  for (int again = 2; all.contains(key); ++again)
+  {
+    key = step + " " + std::to_string(again);
+  }
+  all[key] = parameters;
   record.parameters = all.dump();
   record.command += (record.command.empty() ? "" : " | ") + step;
 }

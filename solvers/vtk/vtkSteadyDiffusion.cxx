@@ -12,6 +12,7 @@
 #include "lbm/DiffusionStudy.h"
 
 #include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -287,6 +288,10 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   };
 
   output->ShallowCopy(input);
+  for (const char* const name : { "time", "inlet_flux", "outlet_flux" }) // of a state in time: this is none
+  {
+    output->GetFieldData()->RemoveArray(name);
+  }
   const FieldStore store{ this, output, scene };
   std::shared_ptr<lbm::DirectedDiffusivity> directed;
   lamella::PhaseImage image;

@@ -7,6 +7,7 @@
 #include "vtkCellData.h"
 #include "vtkFluxMap.h"
 #include "vtkIdTypeArray.h"
+#include "vtkLatticeBoltzmann.h"
 #include "vtkPolyData.h"
 #include "vtkSteadyDiffusion.h"
 
@@ -274,6 +275,31 @@ TEST(FluxMap, WorksOnFluxAlone)
   map->SetNumberOfStreamlines(0);
   ASSERT_EQ(errorOf(map), "");
   EXPECT_EQ(map->GetStreamlines()->GetNumberOfLines(), 0);
+}
+
+TEST(FluxMap, StatesInTimeHaveLinesAndNoConductivity)
+{
+  vtkNew<vtkLatticeBoltzmann> stepper;
+  stepper->SetInputData(picture(20, 6, 1, [](int, int y, int) { return y / 3; }));
+  stepper->SetDiffusivity("a", 1e-7);
+  stepper->SetDiffusivity("b", 1e-8);
+  stepper->SetInletValue(20);
+  stepper->SetOutletValue(5);
+  stepper->SetSides(vtkLatticeBoltzmann::PERIODIC);
+  stepper->SetEndTime(0.4); // at rest: ten times L²/D of b
+  stepper->SetNumberOfSteps(1);
+  stepper->ComputeFluxOn();
+  vtkNew<vtkFluxMap> map;
+  map->SetInputConnection(stepper->GetOutputPort());
+  map->SetNumberOfStreamlines(12);
+  ASSERT_EQ(errorOf(map), "");
+  vtkImageData* const output = map->GetOutput();
+  EXPECT_TRUE(std::isnan(fieldNumbers(output, "effective_from_flux").at(0)));
+  EXPECT_TRUE(fieldNumbers(output, "effective_conductivity").empty());
+  EXPECT_NEAR(fieldNumbers(output, "tortuosity").at(0), 1, 1e-6);
+  // Layers in parallel: 15 × 5.5e-8 / 20 µm through 6 µm, an equal share for each line.
+  const double through = 15 * 5.5e-8 / 20e-6 * 6e-6;
+  EXPECT_NEAR(12 * fieldNumbers(output, "line_flux").at(0) / through, 1, 1e-6);
 }
 
 TEST(FluxMap, AbortLeavesNothing)

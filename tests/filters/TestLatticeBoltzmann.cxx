@@ -194,6 +194,16 @@ TEST(LatticeBoltzmann, GoesOnFromACheckpoint)
   }
   second->SetInitialValue(1);
   EXPECT_NE(errorOf(second).find("initial value: 0 there, 1 here"), std::string::npos);
+  // Pictures of which two nodes differ, so that products of node and phase would add up to the same
+  const auto other = stepper(picture(20, 16, 1,
+                               [](int x, int y, int z)
+                               {
+                                 const int was = vtktest::blobs(x, y, z) > 0 ? 1 : 0;
+                                 return y == 0 && x < 2 ? 1 - was : was;
+                               }),
+    vtkLatticeBoltzmann::Y);
+  other->SetContinueFile(file);
+  EXPECT_NE(errorOf(other).find("there, "), std::string::npos);
   EXPECT_EQ(second->GetFailure(), vtkSampleAlgorithm::INPUT_FAILURE);
 }
 
@@ -227,6 +237,11 @@ TEST(LatticeBoltzmann, SaysWhatIsWrong)
   EXPECT_NE(refused([](Filter f) { f->SetTimeStep(-1); }).find("a time step of -1 s"), std::string::npos);
   EXPECT_NE(
     refused([](Filter f) { f->SetLattice(vtkLatticeBoltzmann::D3Q7); }).find("d3q7 does not fit"), std::string::npos);
+  const auto turned = stepper(image);
+  ASSERT_EQ(errorOf(turned), ""); // and its states are kept
+  image->SetDirectionMatrix(0, -1, 0, 1, 0, 0, 0, 0, 1);
+  EXPECT_NE(errorOf(turned).find("the image is turned in space"), std::string::npos);
+  image->SetDirectionMatrix(1, 0, 0, 0, 1, 0, 0, 0, 1);
   EXPECT_NE(refused(
               [](Filter f)
               {

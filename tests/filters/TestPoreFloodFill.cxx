@@ -104,6 +104,35 @@ TEST_F(PoreFloodFill, LabelsSizesTableAndNumbers)
   EXPECT_DOUBLE_EQ(cell(classes, 2, "cumulative_share_of_pores"), 1);
 }
 
+TEST_F(PoreFloodFill, CentresLieWhereTheImageDoes)
+{
+  const auto image = picture(8, 6, 1, twoPores, 2e-6);
+  image->SetExtent(10, 17, 20, 25, 0, 0);
+  image->SetOrigin(5e-6, 3e-6, 0);
+  image->SetDirectionMatrix(0, -1, 0, 1, 0, 0, 0, 0, 1);
+  vtkNew<vtkPoreFloodFill> filter;
+  filter->SetInputData(image);
+  filter->SetPhase("a");
+  ASSERT_EQ(errorOf(filter), "");
+  std::array<double, 3> there{};
+  image->TransformContinuousIndexToPhysicalPoint(std::array<double, 3>{ 15, 24, 0 }.data(), there.data());
+  EXPECT_NEAR(cell(filter->GetPores(), 1, "centre_x"), there[0], 1e-18); // 1e-18 m: round-off of places of 1e-5 m
+  EXPECT_NEAR(cell(filter->GetPores(), 1, "centre_y"), there[1], 1e-18);
+}
+
+TEST_F(PoreFloodFill, ProvenanceHasEachTimeThatAFilterRan)
+{
+  vtkNew<vtkPoreFloodFill> first;
+  first->SetInputData(picture(8, 6, 1, twoPores));
+  first->SetPhase("a");
+  vtkNew<vtkPoreFloodFill> second;
+  second->SetInputConnection(first->GetOutputPort());
+  second->SetPhase("b");
+  ASSERT_EQ(errorOf(second), "");
+  const std::string text = provenance(second->GetOutput());
+  EXPECT_NE(text.find("pore_flood_fill 2"), std::string::npos) << text;
+}
+
 TEST_F(PoreFloodFill, PhasesByNameByValueAndByWhatTheyAreCalled)
 {
   const auto image = picture(8, 6, 1, twoPores);

@@ -176,6 +176,23 @@ TEST_F(StressPDF, ComponentsPhasesAndPlatens)
   EXPECT_EQ(number(filter->GetOutput(), "stress_count"), 50 * 40);
 }
 
+TEST_F(StressPDF, LeavesOutAllThatHoldsNothing)
+{
+  const auto image = picture(30, 12, 1, [](int x, int, int) { return x / 10; });
+  image->GetPointData()->AddArray(
+    tensors(image->GetNumberOfPoints(), [](vtkIdType i, int) { return i % 30 < 20 ? 0 : 1e5; }));
+  vtkNew<vtkStressPDF> filter;
+  filter->SetInputData(image);
+  setPhaseNames(image, PhaseTable({ "void", "Lumen", "wall" })); // as the solvers have it
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_EQ(number(filter->GetOutput(), "stress_count"), 120);
+  EXPECT_NEAR(number(filter->GetOutput(), "stress_mean_tensile"), 1e5, 1e-6);
+  setPhaseNames(image, PhaseTable({ "void", "lumen", "0" })); // or all of it
+  image->Modified();
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_EQ(number(filter->GetOutput(), "stress_count"), 360);
+}
+
 TEST_F(StressPDF, NineComponentsOneComponentCellsAndNoPhases)
 {
   vtkNew<vtkImageData> image;

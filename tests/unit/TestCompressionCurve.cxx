@@ -174,6 +174,24 @@ TEST(CompressionCurve, FirstPeakIsWhereCellsCollapse)
   EXPECT_EQ(found.plateau->low, found.peak->strain);
 }
 
+TEST(CompressionCurve, OfTwoPlateausThatAbsorbAlikeTheFirstEndsTheCollapse)
+{
+  const auto stress = [](double second, double e)
+  {
+    const double first = plateau * std::min(e / 0.02, 1.0) * (1 + std::clamp((e - 0.3) / 0.03, 0.0, 1.0));
+    return first * (1 + 20 * std::max(e - second, 0.0));
+  };
+  CurveOptions options;
+  options.smoothing = 0;
+  // W/σ is 0.29 at the end of the first plateau, and of the second 0.2975 (within 5 %) or 0.3675 (beyond).
+  for (const auto& [second, expected] : { std::pair{ 0.46, 0.3 }, { 0.53, 0.53 } })
+  {
+    const CompressionCurve found = analysed(sampled(0.7, 1e-3, [&](double e) { return stress(second, e); }), options);
+    ASSERT_TRUE(found.densification && found.plateau);
+    EXPECT_NEAR(found.densification->strain, expected, 1e-3); // a row
+  }
+}
+
 TEST(CompressionCurve, SteepestWindowLeavesOutAToe)
 {
   // σ = E ε²/(2t) up to a toe t, then straight: the line begins at t/2.

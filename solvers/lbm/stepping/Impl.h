@@ -1,6 +1,7 @@
 #pragma once
 
 #include "lattice/Error.h"
+#include "lattice/Mix.h"
 #include "lbm/stepping/Accuracy.h"
 #include "lbm/stepping/LatticeBoltzmann.h"
 #include "lbm/stepping/SlotMap.h"
@@ -19,10 +20,11 @@ inline void require(bool fine, const std::string& message, const char* hint)
     throw ParameterError(message, hint);
 }
 
-/// A number from a node and what it has; their sum tells pictures and fields apart, whichever rank holds the node.
-inline std::int64_t mixed(std::int64_t node, std::uint64_t what)
+/// A number of 30 bits from a node and what it has; their sum tells pictures and fields apart, whichever rank holds the
+/// node, and does not overflow below 2^33 nodes.
+inline std::int64_t mark(std::int64_t node, std::uint64_t what)
 {
-  return static_cast<std::int64_t>(((static_cast<std::uint64_t>(node) + 1) * (what + 1) * 0x9E3779B97F4A7C15ULL) >> 34);
+  return static_cast<std::int64_t>(mixed(mixed(static_cast<std::uint64_t>(node)) ^ what) >> 34);
 }
 
 /// What LatticeBoltzmann holds, for its files.

@@ -158,11 +158,11 @@ void LatticeBoltzmann::start(std::span<const double> value)
       m.fill(
         [&](std::int64_t index, const std::array<std::int64_t, 3>& p)
         {
-          require(std::isfinite(value[index]),
-            fmt::format("the initial value {} of node {} is not finite", value[index], index),
-            "give finite numbers where the picture conducts");
+          if (!std::isfinite(value[index]))
+            throw ParameterError(fmt::format("the initial value {} of node {} is not finite", value[index], index),
+              "give finite numbers where the picture conducts");
           most = std::max(most, std::fabs(value[index]));
-          sum += mixed(m.lattice.index(p[0], p[1], p[2]), std::bit_cast<std::uint64_t>(value[index]));
+          sum += mark(m.lattice.index(p[0], p[1], p[2]), std::bit_cast<std::uint64_t>(value[index]));
           return value[index];
         });
     });

@@ -59,8 +59,9 @@ void LatticeBoltzmann::Impl::check(const Block& block, std::span<const std::uint
     require(std::isfinite(diffusivity[i]) && diffusivity[i] >= 0,
       fmt::format("diffusivity {} of phase {} is not a finite number of at least 0", diffusivity[i], i),
       "give a positive value in m²/s, or 0 for a phase that does not conduct");
-  for (const std::uint8_t id : phase)
-    require(id < diffusivity.size(), fmt::format("phase {} has no diffusivity", id), "give one value for each phase");
+  if (const auto beyond = std::ranges::find_if(phase, [&](std::uint8_t id) { return id >= diffusivity.size(); });
+      beyond != phase.end())
+    throw ParameterError(fmt::format("phase {} has no diffusivity", *beyond), "give one value for each phase");
   for (int a = 0; a < lattice.dimension; ++a)
   {
     if (options.sides[a] == Boundary::Fixed)
@@ -158,7 +159,7 @@ void LatticeBoltzmann::Impl::build(std::span<const std::uint8_t> phase)
       {
         runs[2 * phase[i]] += 1;
         runs[2 * phase[i] + 1] += x == 0 || diffusivity[phase[i - 1]] != diffusivity[phase[i]] ? 1 : 0;
-        sum += mixed(lattice.index(x, y + block.start[1], z + block.start[2]), phase[i]);
+        sum += mark(lattice.index(x, y + block.start[1], z + block.start[2]), phase[i]);
       }
   comm.sum(runs);
   std::map<double, std::array<double, 2>, std::greater<>> alike;
