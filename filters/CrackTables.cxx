@@ -95,6 +95,15 @@ void fillPathTable(vtkTable* table, const CrackPaths& paths, const CrackScale& s
     }
     table->AddColumn(words);
   }
+  for (const bool last : { false, true })
+  {
+    for (std::size_t axis = 0; axis < 2; ++axis)
+    {
+      columns.numbers(std::string(last ? "end_" : "begin_") + "xy"[axis], "m",
+        last ? "its last point" : "its first point",
+        [&](std::size_t i) { return placed(scale, last ? list[i].points.back() : list[i].points.front())[axis]; });
+    }
+  }
   for (std::size_t axis = 0; axis < 2; ++axis)
   {
     for (const bool high : { false, true })

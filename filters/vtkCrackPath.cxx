@@ -10,6 +10,7 @@
 
 #include "cracks/BondCount.h"
 #include "cracks/CrackPaths.h"
+#include "cracks/CrackTip.h"
 #include "cracks/ThroughPath.h"
 #include "lattice/Error.h"
 
@@ -169,6 +170,16 @@ struct vtkCrackPath::Work
         { any && paths.cracks[0].through[0] ? 1.0 : 0.0, any && paths.cracks[0].through[1] ? 1.0 : 0.0 });
       this->Set("crack_angle", { any ? degrees * paths.orientation.angle : std::nan("") });
       this->Set("crack_angle_spread", { any ? degrees * paths.orientation.spread : std::nan("") });
+      const cracks::CrackTip tip = any ? cracks::crackTip(paths, 0, input.horizon) : cracks::CrackTip();
+      const auto place = [&](const char* name, const cracks::Place& at)
+      {
+        const auto along = [&](std::size_t axis)
+        { return tip.found ? input.lattice.origin[axis] + spacing * at[axis] : std::nan(""); };
+        this->Set(name, { along(0), along(1) });
+      };
+      place("main_start", tip.start);
+      place("main_tip", tip.tip);
+      this->Set("main_extension", { tip.found ? spacing * tip.extension : 0 });
       const auto way = [&](const char* name, double unit, auto value)
       {
         const auto along = [&](std::size_t axis)

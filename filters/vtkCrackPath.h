@@ -24,8 +24,8 @@
  * `last_event`, `first_strain`, `last_strain`, `closed`, `through_x`, `through_y` (1: on the shortest way from side to
  * side along this axis, over paths, straight across voids in which they end, and through at most two horizons of
  * solid), with displacements `largest_opening` [m].
- * **Output 1**, paths: the same as a table, with `begins_at`, `ends_at`, extents and, for every pair of phases,
- * `share_<pair>` of the length.
+ * **Output 1**, paths: the same as a table, with `begins_at`, `ends_at`, the places of these ends (`begin_x`,
+ * `begin_y`, `end_x`, `end_y` [m]), extents and, for every pair of phases, `share_<pair>` of the length.
  * **Output 2**, pairs: `pair`, `phase_low`, `phase_high`, `between_grains`, `length` [m], `share`, `bonds`,
  * `share_of_bonds`, `counted_length` [m] or `counted_area` [m²], `share_of_counted`.
  * **Output 3**, growth: `event`, `strain` (or `time`), `length`, `main_length` [m], with times `rate`, `main_rate`
@@ -34,8 +34,10 @@
  * **Output 5**, fragments: `fragment`, `nodes`, `area` [m²] or `volume` [m³], `share`, `touches_x_min` ...
  *
  * **Field data** of output 0: `crack_count`, `path_count`, `crack_length`, `main_length` [m], `main_through` (2: the
- * longest crack leads from side to side along x, y), `through_length`, `through_in_voids`, `through_in_solid`,
- * `through_chord` [m], `through_tortuosity` (2 each: of the shortest way along x, y; NaN where there is none),
+ * longest crack leads from side to side along x, y), `main_start`, `main_tip` (x, y [m]: where the longest crack broke
+ * first, and the end of it that is farthest from there along its paths; NaN where it has no end), `main_extension` [m]
+ * (length from the one to the other), `through_length`, `through_in_voids`, `through_in_solid`, `through_chord` [m],
+ * `through_tortuosity` (2 each: of the shortest way along x, y; NaN where there is none),
  * `crack_angle`, `crack_angle_spread` [deg], `broken_bonds`, `counted_size` (length [m], area [m²]),
  * `count_anisotropy`, `crack_normals` (9), `left_out_cracks`, `left_out_length` [m], `left_out_bonds`,
  * `left_out_spurs`, `crushed_pieces`; with an image `fragment_count`, `fragment_largest` (share of the solid),

@@ -111,7 +111,11 @@ Json reportOf(const CrackReport& report)
   {
     json["cracks"] = whole("crack_count");
     json["length"] = number("crack_length");
-    json["main"] = { { "length", number("main_length") }, { "through", namesOf(numbers("main_through")) } };
+    const auto place = [&](const char* name) {
+      return Json{ { "x", jsonNumber(numbers(name).at(0)) }, { "y", jsonNumber(numbers(name).at(1)) } };
+    };
+    json["main"] = { { "length", number("main_length") }, { "through", namesOf(numbers("main_through")) },
+      { "start", place("main_start") }, { "tip", place("main_tip") }, { "extension", number("main_extension") } };
     json["through"] = Json::object();
     for (std::size_t axis = 0; axis < 2; ++axis)
     {
@@ -155,6 +159,13 @@ std::string tableOf(const Json& json)
     words += line("longest",
       micrometres(json["main"]["length"]) +
         (through.empty() ? ", ends within the sample" : ", from side to side along " + through));
+    if (const Json& tip = json["main"]["tip"]; !tip["x"].is_null())
+    {
+      const Json& start = json["main"]["start"];
+      words += line("tip",
+        fmt::format("at {}, {}; {} along the crack from {}, {}", micrometres(tip["x"]), micrometres(tip["y"]),
+          micrometres(json["main"]["extension"]), micrometres(start["x"]), micrometres(start["y"])));
+    }
     for (const auto& [axis, way] : json["through"].items())
     {
       words += line("through",

@@ -101,12 +101,19 @@ class Cracks(Case):
         self.assertAlmostEqual(found["length"] / length, 1, 2)
         self.assertAlmostEqual(found["angle"], 15, 0)
         self.assertEqual(found["main"]["through"], ["x"])
+        # bonds broke from the left to the right
+        main = found["main"]
+        self.assertAlmostEqual(main["start"]["x"], 0, 12)
+        self.assertAlmostEqual(main["tip"]["x"], SIZE * SPACING, 12)  # on the side itself
+        self.assertAlmostEqual(main["tip"]["y"] / SPACING, 20.3 + SLOPE * (SIZE - 0.5) + 0.5, delta=0.5)
+        self.assertAlmostEqual(main["extension"], found["length"], 12)
         self.assertEqual(set(found["through"]), {"x"})
         self.assertAlmostEqual(found["through"]["x"]["tortuosity"], 1, 3)
         self.assertAlmostEqual(found["counted_length"] / length, 1, 1)
         self.assertEqual(found["fragments"]["count"], 2)
         self.assertEqual(found["fragments"]["severed"], ["y"])
         (path,) = found["paths"]
+        self.assertEqual({path["begin_x"], path["end_x"]}, {main["start"]["x"], main["tip"]["x"]})
         self.assertEqual((path["begins_at"], path["ends_at"]), ("side", "side"))
         self.assertAlmostEqual(path["tortuosity"], 1, 3)
         pairs = {row["pair"]: row for row in found["pairs"]}

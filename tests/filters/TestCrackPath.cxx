@@ -74,6 +74,11 @@ TEST_F(CrackPath, LinesTablesAndNumbers)
   EXPECT_EQ(number(filter, "main_through", 1), 0);
   EXPECT_NEAR(number(filter, "through_length", 0), length->GetTuple1(0), 1e-15);
   EXPECT_TRUE(std::isnan(number(filter, "through_length", 1)));
+  // all of it broke at once: from one end to the other
+  EXPECT_NEAR(number(filter, "main_extension"), number(filter, "main_length"), 1e-15);
+  EXPECT_NEAR(std::abs(number(filter, "main_tip", 0) - number(filter, "main_start", 0)), size * spacing, 1e-12);
+  EXPECT_NEAR(std::abs(cell(table, 0, "end_x") - cell(table, 0, "begin_x")), size * spacing, 1e-12);
+  EXPECT_NEAR(std::max(cell(table, 1, "begin_y"), cell(table, 1, "end_y")), cell(table, 1, "y_max"), 1e-15);
   EXPECT_EQ(lines->GetCellData()->GetArray("through_x")->GetTuple1(0), 1);
   EXPECT_EQ(lines->GetCellData()->GetArray("through_x")->GetTuple1(1), 0);
   EXPECT_NEAR(number(filter, "counted_size"), number(filter, "crack_length"), 0.05 * number(filter, "crack_length"));
@@ -174,6 +179,7 @@ TEST_F(CrackPath, VolumesAreCounted)
   EXPECT_EQ(filter->GetOutput()->GetNumberOfCells(), 0);
   EXPECT_EQ(filter->GetPathTable()->GetNumberOfRows(), 0);
   EXPECT_TRUE(fieldNumbers(filter->GetOutput(), "crack_length").empty());
+  EXPECT_TRUE(fieldNumbers(filter->GetOutput(), "main_tip").empty()); // a front is no point
   // as many bonds of each step as fit between the sides, times how far they reach across
   const cracks::BondCount count(3, 2);
   double area = 0;
@@ -200,6 +206,8 @@ TEST_F(CrackPath, NoBrokenBondIsNoCrack)
   ASSERT_EQ(errorOf(filter), "");
   EXPECT_EQ(number(filter, "broken_bonds"), 0);
   EXPECT_EQ(number(filter, "crack_count"), 0);
+  EXPECT_TRUE(std::isnan(number(filter, "main_tip", 1)));
+  EXPECT_EQ(number(filter, "main_extension"), 0);
   EXPECT_EQ(number(filter, "fragment_count"), 1);
 }
 

@@ -100,7 +100,7 @@ TEST_F(CrackPath, SameAsOneRank)
       expectSameTable(together->GetFragmentTable(), alone->GetFragmentTable());
     }
     for (const char* const name : { "crack_count", "crack_length", "broken_bonds", "counted_size", "fragment_count",
-           "severed", "left_out_bonds", "main_through" })
+           "severed", "left_out_bonds", "main_through", "main_start", "main_tip", "main_extension" })
     {
       EXPECT_EQ(fieldNumbers(lines, name), fieldNumbers(alone->GetOutput(), name)) << name;
     }

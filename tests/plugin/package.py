@@ -467,6 +467,8 @@ class Diffusion(unittest.TestCase):
         self.assertEqual((cracks.count, cracks.through, cracks.severed), (1, "x", "y"))
         self.assertAlmostEqual(cracks.length / 40e-6, 1, places=2)
         self.assertAlmostEqual(cracks.main_length, cracks.length)
+        self.assertAlmostEqual(abs(cracks.tip[0] - cracks.start[0]) / 40e-6, 1)
+        self.assertAlmostEqual(cracks.extension, cracks.length)
         self.assertAlmostEqual(cracks.angle, 0, places=6)
         self.assertAlmostEqual(cracks.counted / cracks.length, 1, places=0)
         self.assertAlmostEqual(cracks.shares["wall"], 1)

@@ -305,6 +305,7 @@ self.GetOutputInformation(0).Set(pipeline.TIME_RANGE(), [0.2, 0.6], 2)
             result = lamella.fracture(servermanager.Fetch(tissue), {"wall": 1e10}, critical_stretch={"wall": 0.01})
             expected = lamella.crack_path(result if image else result.vtk_broken)
             self.assertEqual(field(cracks, "crack_length")[0], expected.length)
+            self.assertEqual((field(cracks, "main_tip")[0], field(cracks, "main_tip")[1]), expected.tip)
             self.assertEqual(servermanager.Fetch(cracks).GetNumberOfCells(), len(expected.lines))
             self.assertEqual(servermanager.Fetch(cracks, idx=1).GetNumberOfRows(), len(expected.lines))
             if image:

@@ -63,8 +63,8 @@ class CrackPathResult(_arrays.FieldData):
     @property
     def table(self) -> Columns:
         """Columns by name, one entry a path: ``path``, ``crack``, ``length``, ``chord``, ``tortuosity``, ``angle``,
-        ``angle_spread``, ``bonds``, ``counted_length``, ``first_event`` ..., ``begins_at``, ``ends_at``, ``x_min``
-        ..., ``share_wall`` ...
+        ``angle_spread``, ``bonds``, ``counted_length``, ``first_event`` ..., ``begins_at``, ``ends_at``, ``begin_x``
+        ..., ``x_min`` ..., ``share_wall`` ...
         """
         return _arrays.columns(self.vtk_paths)
 
@@ -109,6 +109,27 @@ class CrackPathResult(_arrays.FieldData):
     def main_length(self) -> float | None:
         """Length of the longest crack, its branches included [m]. None in a volume."""
         return self._number("main_length")
+
+    def _place(self, name):
+        place = self._numbers(name)
+        return None if place is None or np.isnan(place[0]) else (float(place[0]), float(place[1]))
+
+    @property
+    def tip(self) -> tuple[float, float] | None:
+        """Tip of the longest crack, x and y [m]: the end of it that is farthest, along its paths, from where it broke
+        first. None where there is no crack or it is closed, and in a volume.
+        """
+        return self._place("main_tip")
+
+    @property
+    def start(self) -> tuple[float, float] | None:
+        """Where the longest crack broke first, x and y [m]. None as of tip."""
+        return self._place("main_start")
+
+    @property
+    def extension(self) -> float | None:
+        """Length of the longest crack from start to tip [m]; without a crack 0. None in a volume."""
+        return self._number("main_extension")
 
     @property
     def through(self) -> str | None:
