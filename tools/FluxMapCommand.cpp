@@ -36,6 +36,7 @@ struct FluxMapOptions
   CommonOptions common;
   std::string file;
   std::vector<std::string> output;
+  std::string lines;
   std::string direction = "auto";
   int streamlines = 60;
 };
@@ -144,6 +145,7 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
     }
     files.addGrid("-o", name, ending, filter->GetOutputDataObject(ending == ".vti" ? 0 : 1), options.common.overwrite);
   }
+  files.addGrid("--lines", options.lines, ".vtp", filter->GetOutputDataObject(1), options.common.overwrite);
 
   const auto data = readGrid(options.file);
   auto* const image = vtkImageData::SafeDownCast(data);
@@ -220,6 +222,7 @@ Command fluxMapCommand(CLI::App& root)
     ->type_name("FILE")
     ->allow_extra_args(false)
     ->group("Output");
+  addResultFile(*app, "--lines", o->lines, "Write the streamlines; the same as -o FILE.vtp", "FILE.vtp");
   addResultOptions(*app, o->common);
   addExamples(*app, { "lamella flux-map heat_y.vti -o map.vti -o lines.vtp", "lamella flux-map heat_y.vti --json" });
   return aloneCommand(app, o, fluxMap);

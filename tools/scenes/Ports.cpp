@@ -34,7 +34,8 @@ const std::vector<Ports>& table()
     { "stiffness", { { "FILE", "sample", "" } }, {},
       { { "output", "tensor", ".csv" }, { "constants", "constants", ".csv" } }, true },
     // filters
-    { "flux-map", { { "FILE", "fields", "" } }, {}, { { "output", "fields", ".vti" } } },
+    { "flux-map", { { "FILE", "fields", "" } }, {},
+      { { "output", "fields", ".vti" }, { "lines", "streamlines", ".vtp" } } },
     { "pore-flood-fill", { { "FILE", "sample", "" } }, {},
       { { "output", "fields", ".vti" }, { "distribution", "distribution", ".csv" } } },
     { "stress-pdf", { { "FILE", "fields|points", "" } }, {},
@@ -45,8 +46,8 @@ const std::vector<Ports>& table()
     { "compression-curve", { { "FILE", "curve", "" } }, {}, { { "output", "energy", ".csv" } } },
     { "collapse-map", { { "IMAGE", "sample", "" }, { "POINTS", "points", "" } }, {},
       { { "output", "fields", ".vti" }, { "table", "table", ".csv" }, { "states", "states", ".csv" } } },
-    { "snapshot", { { "FILE", "fields|points|paths|sample|grains", "" } }, { { "lines", "paths|contacts", "" } },
-      { { "output", "picture", ".png" } } },
+    { "snapshot", { { "FILE", "fields|points|paths|sample|grains", "" } },
+      { { "lines", "paths|contacts|streamlines", "" } }, { { "output", "picture", ".png" } } },
   };
   return all;
 }
