@@ -223,6 +223,10 @@ class Scenes(Case):
         self.assertIn("sample.seed", text)
         self.assertIn("an order of magnitude", text)
 
+    def within(self, factor, estimate, real):
+        self.assertLess(1 / factor, estimate / real)
+        self.assertLess(estimate / real, factor)
+
     def test_estimates_against_reality(self):
         # memory to a factor of two, as the docs say; work to a factor of ten
         self.scene("[sample]\ngenerate = \"softwood\"\nsize = [700, 700]\n[diffusion]\nconductivity = { lumen = 0.1, wall = 1 }\n"
@@ -230,25 +234,48 @@ class Scenes(Case):
         plan = self.works("run", "scene.toml", "--dry-run", "--json").json()
         self.works("run", "scene.toml", "--quiet")
         real = float(self.table("times.csv")[0]["peak_memory"])
-        self.assertLess(0.5, plan["memory"] / real)
-        self.assertLess(plan["memory"] / real, 2)
+        self.within(2, plan["memory"], real)
         row = self.table("table.csv")[0]
         iterations = float(row["diffusion.iterations"])
         work = next(stage["work"] for stage in plan["stages"] if stage["name"] == "diffusion")
-        self.assertLess(0.1, work / (iterations * 5 * 700 * 700))  # on the sample and on one twice as fine
-        self.assertLess(work / (iterations * 5 * 700 * 700), 10)
+        self.within(10, work, iterations * 5 * 700 * 700)  # on the sample and on one twice as fine
 
         self.scene("[sample]\ngenerate = \"softwood\"\nsize = [64, 64]\nsolid-fraction = 0.5\n[fracture]\nyoung = { wall = 1e10 }\n"
                    "critical-stretch = { wall = 0.01 }\n[[picture]]\narray = \"damage\"\n", "f.toml")
         plan = self.works("run", "f.toml", "--dry-run", "--json").json()
         self.works("run", "f.toml", "--quiet")
         real = float(self.table("times.csv", "f.results")[0]["peak_memory"])
-        self.assertLess(0.5, plan["memory"] / real)  # most of it is Mesa, which draws
-        self.assertLess(plan["memory"] / real, 2)
+        self.within(2, plan["memory"], real)  # most of it is Mesa, which draws
         row = self.table("table.csv", "f.results")[0]
         work = next(stage["work"] for stage in plan["stages"] if stage["name"] == "fracture")
-        self.assertLess(0.1, work / float(row["fracture.broken"]))
-        self.assertLess(work / float(row["fracture.broken"]), 10)
+        self.within(10, work, float(row["fracture.broken"]))
+
+    def test_estimates_of_each_solver(self):
+        """Memory to a factor of two, work to one of ten, as the docs say."""
+        transient = "[transient]\ndiffusivity = { lumen = 2e-5, wall = 2e-7 }\n"
+        wood = '[sample]\ngenerate = "softwood"\nsize = [%d, %d]\nsolid-fraction = 0.45\n'
+        for name, text, count in (
+            ("transient", wood % (500, 500) + transient + "end-time = 1e-6\nframes = 4\n", lambda r: 250000 * r["steps"]),
+            ("transient", wood % (500, 500) + transient + "at-time = [2e-7, 1e-6]\n", lambda r: 250000 * r["steps"]),
+            ("transient", wood % (500, 500) + transient + "at-step = [20, 60]\n", lambda r: 250000 * r["steps"]),
+            ("equilibrium", wood % (350, 350) + "[equilibrium]\nyoung = { wall = 1e10 }\n", lambda r: 350 * 350 * r["iterations"]),
+            ("stiffness", wood % (90, 90) + "[stiffness]\nyoung = { wall = 1e10 }\n",
+             lambda r: 5 * 8100 * sum(r["iterations"])),  # on the sample and on one twice as fine
+            ("dynamics", wood % (300, 300) + "[dynamics]\nyoung = { wall = 1e10 }\ncritical-stretch = { wall = 0.01 }\n"
+             "density = 1500\nvelocity = [\"x-=1,free\"]\nend-time = 1e-8\n", lambda r: 90000 * r["steps"]),
+            ("compression", wood % (70, 70) + "[compression]\nstrain = 0.01\n", lambda r: r["points"] * r["steps"]),
+        ):
+            with self.subTest(text):
+                self.scene(text)
+                plan = self.works("run", "scene.toml", "--dry-run", "--json").json()
+                result = self.run_lamella("run", "scene.toml", "--json")
+                self.assertEqual(result.code, 0, result.err)
+                key = self.table("table.csv")[0]["sample"]
+                with open(self.path(f"scene.results/samples/{key}/record.json"), encoding="utf-8") as file:
+                    record = json.load(file)
+                self.within(2, plan["memory"], record["peak_memory"])
+                (work,) = [stage["work"] for stage in plan["stages"] if stage["name"] == name]
+                self.within(10, work, count(record["stages"][name]))
 
     def test_pictures_films_and_files(self):
         self.scene("""

@@ -36,6 +36,28 @@ double numberOf(const std::vector<std::string>& words, const std::string& option
   return toNumber(textOf(words, option, "")).value_or(otherwise);
 }
 
+/// The numbers that an option lists, or gives to names.
+std::vector<double> numbersOf(const std::vector<std::string>& words, const std::string& option)
+{
+  const std::string dashed = "--" + option + "=";
+  std::vector<double> numbers;
+  for (const std::string& word : words)
+  {
+    for (const std::string& part :
+      word.starts_with(dashed) ? split(word.substr(word.rfind('=') + 1), ',') : std::vector<std::string>())
+    {
+      numbers.push_back(toNumber(part).value_or(0));
+    }
+  }
+  return numbers;
+}
+
+/// 0 where there is none.
+double largest(const std::vector<double>& numbers)
+{
+  return numbers.empty() ? 0 : *std::ranges::max_element(numbers);
+}
+
 bool has(const std::vector<std::string>& words, const std::string& flag)
 {
   return std::ranges::find(words, "--" + flag) != words.end();
@@ -70,16 +92,10 @@ Cost diffusion(const std::vector<std::string>& words, const Size& s)
 
 Cost transient(const std::vector<std::string>& words, const Size& s)
 {
-  double fastest = 0;
-  for (const std::string& word : words)
-  {
-    if (word.starts_with("--diffusivity="))
-    {
-      fastest = std::max(fastest, toNumber(word.substr(word.rfind('=') + 1)).value_or(0));
-    }
-  }
+  const double fastest = largest(numbersOf(words, "diffusivity"));
   const double step = numberOf(words, "step", fastest > 0 ? s.spacing * s.spacing / (6 * fastest) : 1);
-  const double steps = std::max(numberOf(words, "end-time", 1) / step, numberOf(words, "frames", 10));
+  const double end = std::max(numberOf(words, "end-time", 0), largest(numbersOf(words, "at-time")));
+  const double steps = std::max({ end / step, largest(numbersOf(words, "at-step")), numberOf(words, "frames", 2) });
   return { "", 150 * s.nodes, s.nodes * steps, "node steps", s.nodes * steps / 5e7 };
 }
 
@@ -116,8 +132,12 @@ Cost fracture(const std::vector<std::string>& words, const Size& s)
 
 Cost dynamics(const std::vector<std::string>& words, const Size& s)
 {
-  // a wave takes about one step a node to cross
-  const double steps = 2 * numberOf(words, "travel-times", 30) * s.across;
+  // a wave takes about one step a node to cross; platens break a sample in twice the time to the first break
+  const std::vector<double> density = numbersOf(words, "density");
+  const double lightest = density.empty() ? 1 : *std::ranges::min_element(density);
+  const double step = numberOf(words, "step", s.spacing * std::sqrt(lightest / largest(numbersOf(words, "young"))));
+  const double end = numberOf(words, "end-time", 0);
+  const double steps = end > 0 && std::isfinite(step) ? end / step : 2 * numberOf(words, "travel-times", 30) * s.across;
   return { "", 400 * s.nodes, s.nodes * steps, "node steps", s.nodes * steps * reach(words, s) / 2e7 };
 }
 

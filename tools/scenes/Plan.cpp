@@ -36,6 +36,7 @@ public:
     , planned_(scene.stages.size())
     , needed_(scene.stages.size(), false)
     , words_(scene.stages.size())
+    , lookedAt_(scene.stages.size())
   {
   }
 
@@ -260,11 +261,14 @@ private:
   /// The arrays of states that a stage looks at.
   void wantArrays(std::size_t giver, const SceneStage& taker, const std::vector<std::string>& options)
   {
-    std::optional<std::set<std::string>>& arrays = planned_[giver].arrays;
-    if (!arrays)
+    const auto look = [&](const std::string& name)
     {
-      return;
-    }
+      lookedAt_[giver].insert(name);
+      if (planned_[giver].arrays) // else all are wanted
+      {
+        planned_[giver].arrays->insert(name);
+      }
+    };
     std::string array;
     std::string preset;
     for (const std::string& word : options)
@@ -274,23 +278,23 @@ private:
     }
     if (taker.command == "stress-pdf")
     {
-      arrays->insert(array.empty() ? "stress" : array);
+      look(array.empty() ? "stress" : array);
     }
     else if (taker.command == "flux-map")
     {
-      arrays->insert("flux");
+      look("flux");
     }
     else if (taker.command == "collapse-map")
     {
-      arrays->insert("deformation_gradient");
+      look("deformation_gradient");
     }
     else if (taker.command == "snapshot" && array.empty() && (preset.empty() || preset == "auto" || preset == "scalar"))
     {
-      arrays->insert("displacement"); // whatever the picture takes by itself is there
+      look("displacement"); // whatever the picture takes by itself is there
     }
     else if (taker.command == "snapshot")
     {
-      arrays->insert(array.empty() ? preset : array);
+      look(array.empty() ? preset : array);
     }
   }
 
@@ -321,7 +325,7 @@ private:
       std::replace(array.begin(), array.end(), '-', '_');
       const auto given = std::ranges::find(words_[i], "--" + flag);
       const bool written = !planned.outputs.contains("output") ? false : !planned.arrays.has_value();
-      const bool wanted = planned.arrays && planned.arrays->contains(array);
+      const bool wanted = lookedAt_[i].contains(array);
       if (wanted && given == words_[i].end())
       {
         words_[i].push_back("--" + flag);
@@ -370,10 +374,11 @@ private:
     }
   }
 
-  /// States that nobody looks at are not made: a command refuses to keep states and write none.
+  /// States that nobody looks at are not made: a command refuses to keep states and write none. Those of transient say
+  /// where its history has points, and where it ends.
   static void dropStateOptions(PlannedStage& planned)
   {
-    if (planned.stage->ports->steps)
+    if (planned.stage->ports->steps && planned.stage->command != "transient")
     {
       std::vector<std::string> options{ "--at-strain=", "--at-broken=", "--at-time=" };
       if (planned.stage->command == "dynamics") // where its states are points of the history, they stay
@@ -392,6 +397,7 @@ private:
   std::vector<PlannedStage> planned_;
   std::vector<bool> needed_;
   std::vector<std::vector<std::string>> words_; ///< options of each
+  std::vector<std::set<std::string>> lookedAt_; ///< arrays of the states of each, by what runs on them
 };
 
 /// Which words of a command line name files of the user.
