@@ -30,6 +30,31 @@ def png(rows, bits=8, palette=None, colour=None, pixels_per_metre=None, height=N
     return out + _chunk(b"IDAT", zlib.compress(raw)) + _chunk(b"IEND", b"")
 
 
+def luma(data):
+    """Luma (Rec. 601, 16 to 235) of the pixels of a PNG of 8 bits and three or four colours, row by row."""
+    width, height, bits, kind = struct.unpack(">IIBB", data[16:26])
+    assert bits == 8 and kind in (2, 6)
+    at, packed = 8, b""
+    while at < len(data):
+        size, name = struct.unpack(">I4s", data[at : at + 8])
+        packed += data[at + 8 : at + 8 + size] if name == b"IDAT" else b""
+        at += 12 + size
+    raw = zlib.decompress(packed)
+    step = 3 if kind == 2 else 4
+    found, above = [], bytearray(width * step)
+    for y in range(height):
+        start = y * (width * step + 1)
+        row = bytearray(raw[start + 1 : start + 1 + width * step])
+        for i, value in enumerate(row):
+            left = row[i - step] if i >= step else 0
+            corner = above[i - step] if i >= step else 0
+            nearest = min((left, above[i], corner), key=lambda p, q=left + above[i] - corner: abs(q - p))
+            row[i] = (value + (0, left, above[i], (left + above[i]) // 2, nearest)[raw[start]]) & 255
+        found += [16 + (65.481 * row[i] + 128.553 * row[i + 1] + 24.966 * row[i + 2]) / 255 for i in range(0, len(row), step)]
+        above = row
+    return found
+
+
 def cmyk_tiff(width, height):
     """An uncompressed TIFF of four inks."""
     pixels = bytes(4 * width * height)

@@ -8,7 +8,9 @@ import subprocess
 import time
 import unittest
 
+import pictures
 import program
+import theora
 from program import HERE, Case
 
 EXAMPLES = os.path.join(HERE, "..", "..", "examples", "scenes")
