@@ -3,6 +3,8 @@
 import csv
 import json
 import os
+import pty
+import select
 import signal
 import subprocess
 import time
@@ -439,6 +441,51 @@ tensile = "stress-pdf.mean_tensile"
         bad('[sample]\nfile = "none.png"\n' + solver, "there is no file 'none.png'", "folder", 3)
         bad(good + 'seed = "1..20000"\n' + solver, "20 000 samples", "--yes")
         bad(good + 'seed = "1..1000000"\n[diffusion]\nconductivity = { lumen = "1..1000", wall = 1 }\n', "samples", "fewer values")
+
+    def at_a_terminal(self, words, answer):
+        """Runs at a pseudo-terminal and types `answer` once it is asked. Returns the program and what it showed so far."""
+        ours, its = pty.openpty()
+        self.addCleanup(os.close, ours)
+        run = subprocess.Popen([program.PROGRAM, *words], cwd=self.folder, stdin=its, stdout=its, stderr=its, start_new_session=True)
+        os.close(its)
+        self.addCleanup(run.kill)
+        shown = self.read_until(ours, "[y/N] ")
+        self.assertTrue(shown.endswith("this sweep has 10 002 samples. Run them? [y/N] "), shown)
+        os.write(ours, answer)
+        return run, ours
+
+    @staticmethod
+    def read_until(terminal, words):
+        shown = b""
+        while words.encode() not in shown and select.select([terminal], [], [], 60)[0]:
+            try:
+                shown += os.read(terminal, 4096)
+            except OSError:  # it is closed: the program has ended
+                break
+        return shown.decode().replace("\r\n", "\n")
+
+    def test_a_large_sweep_asks(self):
+        self.scene('[sample]\ngenerate = "checkerboard"\nsize = [4, 4]\ncells = 2\n'
+                   '[diffusion]\nconductivity = { matrix = "1..5001", inclusion = [1, 2] }\n')
+        for answer in (b"n\n", b"\n", b"what?\n", b"\x04"):  # the last one: end of file
+            with self.subTest(answer):
+                run, terminal = self.at_a_terminal(["run", "scene.toml"], answer)
+                shown = self.read_until(terminal, "dry-run first\n")
+                self.assertIn("error: this sweep has 10 002 samples, and was not run\nhint: look at it with --dry-run first\n", shown)
+                self.assertEqual(run.wait(60), 2)
+                self.assertEqual(os.listdir(self.folder), ["scene.toml"])
+        run, terminal = self.at_a_terminal(["run", "scene.toml"], b"")
+        run.send_signal(signal.SIGINT)
+        self.assertEqual(run.wait(60), 130)
+        run, terminal = self.at_a_terminal(["run", "scene.toml"], b"y\n")
+        for _ in range(1200):
+            if os.path.isdir(self.path("scene.results/samples")) and len(os.listdir(self.path("scene.results/samples"))) > 2:
+                break
+            time.sleep(0.05)
+        run.send_signal(signal.SIGINT)
+        self.assertIn("the same command goes on", self.read_until(terminal, "goes on from them"))
+        self.assertEqual(run.wait(60), 130)
+        self.assertGreater(len(os.listdir(self.path("scene.results/samples"))), 2)
 
     def test_bad_folders(self):
         self.scene(DIFFUSION)

@@ -23,9 +23,11 @@
 
 #include <fmt/format.h>
 
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -87,6 +89,23 @@ void setFromWords(SceneFile& scene, const RunOptions& o)
   }
 }
 
+/// A line that somebody types; empty at the end of the input. @throws Cancelled after Ctrl-C, which ends no read
+std::string typedLine()
+{
+  pollfd input{ STDIN_FILENO, POLLIN, 0 };
+  constexpr int patience = 100; // [ms]: a signal may come between a look and the wait
+  for (int ready = 0; ready == 0 || (ready < 0 && errno == EINTR); ready = ::poll(&input, 1, patience))
+  {
+    Session::checkInterrupt();
+  }
+  std::string line;
+  if (!std::getline(std::cin, line))
+  {
+    std::cerr << "\n";
+  }
+  return line;
+}
+
 /// Asks, where somebody sits there. @throws ParameterError where not, or for no
 void confirm(Session& session, double count)
 {
@@ -100,12 +119,12 @@ void confirm(Session& session, double count)
   if (asks)
   {
     std::cerr << what << ". Run them? [y/N] " << std::flush;
-    std::string answer;
-    std::getline(std::cin, answer);
-    if (answer == "y" || answer == "yes")
+    const std::string answer = typedLine();
+    if (answer == "y" || answer == "Y" || answer == "yes")
     {
       return;
     }
+    throw ParameterError(what + ", and was not run", "look at it with --dry-run first");
   }
   throw ParameterError(what, "look at it with --dry-run, and add --yes to run them");
 }
