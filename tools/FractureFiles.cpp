@@ -1,6 +1,7 @@
 #include "FractureFiles.h"
 
 #include "GridFile.h"
+#include "Stopped.h"
 #include "Text.h"
 #include "Workspace.h"
 
@@ -23,13 +24,6 @@ namespace lamella::cli
 
 namespace
 {
-
-/// An interruption after which something is left.
-class Stopped : public Cancelled
-{
-public:
-  explicit Stopped(const std::string& hint) { static_cast<Error&>(*this) = Error(what(), hint); }
-};
 
 /// What is left of a run that ended before its time, and how to go on from it; empty where no checkpoint was asked for.
 std::string howToContinue(const CheckpointWords& words, const KeptRun& run)
@@ -198,7 +192,7 @@ void runKept(Session& session, const CheckpointWords& words, const KeptRun& kept
   }
   catch (const Cancelled&)
   {
-    const std::string hint = howToContinue(words, kept);
+    const std::string hint = Workspace::current() == nullptr ? howToContinue(words, kept) : "";
     if (hint.empty())
     {
       throw;
@@ -207,7 +201,7 @@ void runKept(Session& session, const CheckpointWords& words, const KeptRun& kept
   }
   catch (const Error&)
   {
-    if (kept.last() > 0)
+    if (kept.last() > 0 && Workspace::current() == nullptr)
     {
       session.warn(howToContinue(words, kept));
     }

@@ -2,6 +2,7 @@
 
 #include "OutputFile.h"
 #include "Session.h"
+#include "Workspace.h"
 
 #include <CLI/App.hpp>
 
@@ -70,6 +71,10 @@ void applyCheckpoint(const CheckpointWords& words, Filter* filter)
   if (const auto every = checkedEvery(words))
   {
     filter->SetCheckpointEvery(*every);
+  }
+  if (Workspace::current() != nullptr)
+  {
+    filter->SetCheckpointSeconds(Workspace::current()->checkpointSeconds);
   }
   filter->SetCheckpointFile(words.file);
   filter->SetContinueFile(words.continueFrom);

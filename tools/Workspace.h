@@ -54,6 +54,8 @@ public:
   /// Arrays of states that somebody wants besides phases; nothing: all that there are.
   std::optional<std::set<std::string>> wantedArrays;
   [[nodiscard]] bool wants(const std::string& array) const { return !wantedArrays || wantedArrays->contains(array); }
+  /// Wall time between two checkpoints of the command that runs [s].
+  double checkpointSeconds = 0;
   /// JSON text that goes into the provenance of all that is made, or empty.
   std::string record;
 

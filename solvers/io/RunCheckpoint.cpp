@@ -54,6 +54,11 @@ Checkpoint readCheckpoint(
   return checkpoint;
 }
 
+bool CheckpointPace::due(const CheckpointOptions& options, const Communicator& comm) const
+{
+  return !(options.seconds > 0) || comm.any(secondsSince(last_) >= options.seconds);
+}
+
 void checkPlace(const CheckpointOptions& options, const Communicator& comm)
 {
   if (options.path.empty())

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "io/Checkpoint.h"
+#include "lattice/Clock.h"
 #include "lattice/Communicator.h"
 
 #include <cstdint>
@@ -16,7 +17,10 @@ struct CheckpointOptions
 {
   std::filesystem::path path{}; ///< none: no checkpoints. Replaced whenever there is a newer state
   std::int64_t every = 0;       ///< events, or steps in time, between two files at least
-  std::string provenance{};     ///< io::toJson(); goes into the file as it is
+  /// Wall time before the first file and between two at least. Above 0 there is none at the end, and none that the run
+  /// would not go on from to the same bits.
+  double seconds = 0;
+  std::string provenance{}; ///< io::toJson(); goes into the file as it is
   /// Called on rank 0 when a file cannot be written (a full disk): the last good one stays, the run goes on.
   std::function<void(const std::string&)> warn{};
 };
@@ -27,6 +31,18 @@ bool write(const Checkpoint& checkpoint, const CheckpointOptions& options, const
 /// Read by rank 0 for all. @throws InputError on all ranks alike: see decode(), expectScene()
 [[nodiscard]] Checkpoint readCheckpoint(
   const std::filesystem::path& path, const std::string& kind, const std::string& scene, const Communicator& comm);
+/// Tells when CheckpointOptions::seconds have passed.
+class CheckpointPace
+{
+public:
+  /// Whether they have since written(), or since this was made. The same on all ranks. Collective.
+  [[nodiscard]] bool due(const CheckpointOptions& options, const Communicator& comm) const;
+  void written() { last_ = Clock::now(); }
+
+private:
+  Clock::time_point last_ = Clock::now();
+};
+
 /// Refuses a place where no file can be written, before the run. @throws InputError on all ranks. Collective.
 void checkPlace(const CheckpointOptions& options, const Communicator& comm);
 

@@ -355,6 +355,7 @@ template <int Dim>
 bool PointCompression<Dim>::advance(double to)
 {
   const double half = options_.strain / (2 * options_.rows);
+  const bool sparing = options_.checkpoint.path.empty() || options_.checkpoint.seconds > 0;
   for (double left = to - strain(); left > close * half; left = to - strain())
   {
     const double duration = left * height_ / (speed_ * wave_);
@@ -366,13 +367,17 @@ bool PointCompression<Dim>::advance(double to)
     const bool enough = options_.progress && options_.progress(std::min(strain() / options_.strain, 1.0));
     if (options_.motion.comm.any(enough))
     {
-      if (!options_.checkpoint.path.empty())
+      if (!sparing)
         save();
       return false;
     }
-    if (!options_.checkpoint.path.empty() &&
-      body_->steps() - savedAt_ >= (options_.checkpoint.every > 0 ? options_.checkpoint.every : 2000))
+    if (body_->steps() - savedAt_ < (options_.checkpoint.every > 0 ? options_.checkpoint.every : 2000))
+      continue;
+    if (!options_.checkpoint.path.empty() && pace_.due(options_.checkpoint, options_.motion.comm))
       save();
+    else
+      body_->sortAnew(); // as where one is written: it changes nothing of the run
+    savedAt_ = body_->steps();
   }
   return true;
 }
@@ -408,7 +413,7 @@ try
     if (halfRows_ % 2 == 1)
       openRow();
   }
-  if (!options_.checkpoint.path.empty())
+  if (!options_.checkpoint.path.empty() && !(options_.checkpoint.seconds > 0))
     save();
   return true;
 }
@@ -482,11 +487,11 @@ void PointCompression<Dim>::save()
     if (options_.checkpoint.warn)
       options_.checkpoint.warn(why);
   };
+  pace_.written();
   if (io::write(c, place, options_.motion.comm))
     ++checkpoints_;
   else
     warnings_.push_back(ofFirst(options_.motion.comm, words));
-  savedAt_ = body_->steps();
 }
 
 template <int Dim>

@@ -56,7 +56,7 @@ struct CompressionOptions
   /// Share of the strain done; true asks to stop. Called every few hundred steps.
   std::function<bool(double share)> progress{};
 
-  io::CheckpointOptions checkpoint{}; ///< `every` in steps
+  io::CheckpointOptions checkpoint{}; ///< `every` in steps; points are sorted anew there, with a file or without
   std::filesystem::path continueFrom{};
   /// How the points move: spacing, shape, transfer, mass, update, fused, step, share. Its sides, gravity, acceleration
   /// and progress are not used.
@@ -153,8 +153,9 @@ private:
   std::int64_t halfRows_ = 0; ///< gone through
   std::int64_t slowdowns_ = 0;
   std::int64_t checkpoints_ = 0;
-  std::int64_t savedAt_ = 0;
-  std::size_t states_ = 0; ///< called
+  io::CheckpointPace pace_;
+  std::int64_t savedAt_ = 0; ///< steps where a file was written last, or could have been
+  std::size_t states_ = 0;   ///< called
   std::vector<std::string> warnings_;
 };
 

@@ -186,6 +186,8 @@ public:
   /// it back, to the last bit: both sort their points anew. Of several ranks rank 0's has the points, in the order of
   /// their numbers, and it is to round-off that runs are the same; they may go on on another number of ranks.
   void keep(io::Checkpoint& checkpoint);
+  /// Sorts its points as keep() does.
+  void sortAnew();
   /// @param checkpoint the whole of it on every rank
   /// @throws InputError where it is of other points
   void takeBack(const io::Checkpoint& checkpoint);

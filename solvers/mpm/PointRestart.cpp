@@ -55,8 +55,14 @@ void PointDynamics<Dim>::keep(io::Checkpoint& checkpoint)
   checkpoint.numbers["supplied energy"] = supplied_;
   checkpoint.numbers["initial energy"] = initial_;
   checkpoint.numbers["initial moment"] = options_.comm.sum(startMoment_);
+  sortAnew(); // the run that goes on does, too
+}
+
+template <int Dim>
+void PointDynamics<Dim>::sortAnew()
+{
   if (fused_)
-    fused_->forget(); // the run that goes on sorts its points too
+    fused_->forget();
 }
 
 template <int Dim>
@@ -113,6 +119,8 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
 
 template void PointDynamics<2>::keep(io::Checkpoint&);
 template void PointDynamics<3>::keep(io::Checkpoint&);
+template void PointDynamics<2>::sortAnew();
+template void PointDynamics<3>::sortAnew();
 template void PointDynamics<2>::takeBack(const io::Checkpoint&);
 template void PointDynamics<3>::takeBack(const io::Checkpoint&);
 

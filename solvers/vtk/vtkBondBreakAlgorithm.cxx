@@ -308,6 +308,7 @@ std::string vtkBondBreakAlgorithm::PrepareCheckpoints(
   vtkImageData* input, const lamella::Team& team, lamella::io::CheckpointOptions& options)
 {
   this->LastCheckpoint = 0;
+  options.seconds = this->CheckpointSeconds;
   const lamella::RunStart start =
     lamella::startOf(this->ContinueFile, this->CheckpointFile, "the unbroken sample", input, team, options);
   this->Kept->Anew = start.warning;
@@ -340,6 +341,7 @@ void vtkBondBreakAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "State: " << this->GetState() << " of " << this->GetNumberOfStates() << "\n"
      << indent << "CheckpointFile: " << this->CheckpointFile << "\n"
      << indent << "CheckpointEvery: " << this->CheckpointEvery << "\n"
+     << indent << "CheckpointSeconds: " << this->CheckpointSeconds << "\n"
      << indent << "ContinueFile: " << this->ContinueFile << "\n"
      << indent << "LastCheckpoint: " << this->LastCheckpoint << "\n"
      << indent << "ComputeDisplacement: " << this->ComputeDisplacement << "\n"

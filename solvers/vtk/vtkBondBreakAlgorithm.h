@@ -101,6 +101,12 @@ public:
   vtkGetMacro(CheckpointEvery, vtkIdType);
   ///@}
   ///@{
+  /** Wall time before the first checkpoint and between two at least [s]. Default 0. Above 0 there is none at the end,
+   * and none that the run would not go on from to the same bits. */
+  vtkSetClampMacro(CheckpointSeconds, double, 0, VTK_DOUBLE_MAX);
+  vtkGetMacro(CheckpointSeconds, double);
+  ///@}
+  ///@{
   /** A checkpoint of the same scene to go on from: the same bonds break then, to the last bit, as in a run that was
    * never stopped. States that lie before it are not made. Empty (default): from the unbroken sample, as where this is
    * CheckpointFile and not there yet. */
@@ -203,6 +209,7 @@ protected:
   vtkIdType MaximumBroken = 0;
   std::string CheckpointFile;
   vtkIdType CheckpointEvery = 500;
+  double CheckpointSeconds = 0;
   std::string ContinueFile;
   vtkIdType LastCheckpoint = 0;
   bool ComputeDisplacement = true;

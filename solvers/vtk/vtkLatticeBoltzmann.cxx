@@ -288,6 +288,7 @@ void vtkLatticeBoltzmann::Run(vtkImageData* input, const lamella::Team& team)
   options.threads = this->ThreadCount();
   options.timeStep = internal.StepFor(*this, scene, diffusivity);
   options.checkpoint.every = this->CheckpointEvery;
+  options.checkpoint.seconds = this->CheckpointSeconds;
   const lamella::RunStart begin =
     lamella::startOf(this->ContinueFile, this->CheckpointFile, "the initial value", input, team, options.checkpoint);
   std::vector<std::string> unwritten;
@@ -454,6 +455,7 @@ void vtkLatticeBoltzmann::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "KeepStates: " << this->KeepStates << "\n"
      << indent << "CheckpointFile: " << this->CheckpointFile << "\n"
      << indent << "CheckpointEvery: " << this->CheckpointEvery << "\n"
+     << indent << "CheckpointSeconds: " << this->CheckpointSeconds << "\n"
      << indent << "ContinueFile: " << this->ContinueFile << "\n"
      << indent << "LastCheckpoint: " << this->LastCheckpoint << "\n";
   PrintPhaseValues(os, indent, "Diffusivity of", this->Internal->Diffusivity);

@@ -131,6 +131,12 @@ public:
   vtkGetMacro(CheckpointEvery, vtkIdType);
   ///@}
   ///@{
+  /** Wall time before the first checkpoint and between two at least [s]. Default 0. Above 0 there is none at the end,
+   * and none that the run would not go on from to the same bits. */
+  vtkSetClampMacro(CheckpointSeconds, double, 0, VTK_DOUBLE_MAX);
+  vtkGetMacro(CheckpointSeconds, double);
+  ///@}
+  ///@{
   /** A checkpoint of the same scene to go on from, to the same bits; states before it are not made, the curve has
    * them. The times asked for may differ, the time step may not. Empty (default): from time 0, as where this is
    * CheckpointFile and not there yet. */
@@ -186,6 +192,7 @@ private:
   bool KeepStates = true;
   std::string CheckpointFile;
   vtkIdType CheckpointEvery = 10000;
+  double CheckpointSeconds = 0;
   std::string ContinueFile;
   vtkIdType LastCheckpoint = 0;
 };

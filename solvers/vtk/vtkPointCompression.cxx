@@ -239,6 +239,7 @@ mpm::CompressionOptions<Dim> vtkPointCompression::Internals::Options(
   o.rows = s.Rows;
   o.atStrains = this->Strains;
   o.checkpoint.every = s.CheckpointEvery;
+  o.checkpoint.seconds = s.CheckpointSeconds;
   o.motion.spacing = scene.gridSpacing();
   o.motion.shape = static_cast<mpm::Shape>(s.Shape);
   o.motion.transfer = static_cast<mpm::Transfer>(s.Transfer);
@@ -433,6 +434,7 @@ void vtkPointCompression::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "State: " << this->GetState() << " of " << this->GetNumberOfStates() << "\n"
      << indent << "CheckpointFile: " << this->CheckpointFile << "\n"
      << indent << "CheckpointEvery: " << this->CheckpointEvery << "\n"
+     << indent << "CheckpointSeconds: " << this->CheckpointSeconds << "\n"
      << indent << "ContinueFile: " << this->ContinueFile << "\n"
      << indent << "LastCheckpoint: " << this->LastCheckpoint << "\n";
 }

@@ -212,10 +212,16 @@ public:
   vtkGetMacro(CheckpointFile, std::string);
   ///@}
   ///@{
-  /** Steps between two checkpoints, at least 1; looked at every 200. Points are sorted anew where one is written, so
-   * a run goes on to the last bit with the number that it began with. Default 2000. */
+  /** Steps between two checkpoints, at least 1; looked at every 200. Points are sorted anew then, with a file or
+   * without, so a run goes on to the last bit with the number that it began with. Default 2000. */
   vtkSetClampMacro(CheckpointEvery, vtkIdType, 1, VTK_ID_MAX);
   vtkGetMacro(CheckpointEvery, vtkIdType);
+  ///@}
+  ///@{
+  /** Wall time before the first checkpoint and between two at least [s]. Default 0. Above 0 there is none at the end,
+   * and none that the run would not go on from to the same bits. */
+  vtkSetClampMacro(CheckpointSeconds, double, 0, VTK_DOUBLE_MAX);
+  vtkGetMacro(CheckpointSeconds, double);
   ///@}
   ///@{
   /** A checkpoint of the same scene to go on from, to the same curve. States before it are not made. Empty (default):
@@ -290,6 +296,7 @@ private:
   int StateRange[2] = { -1, 0 }; // VTK's macros want an array
   std::string CheckpointFile;
   vtkIdType CheckpointEvery = 2000;
+  double CheckpointSeconds = 0;
   std::string ContinueFile;
   vtkIdType LastCheckpoint = 0;
 };

@@ -158,6 +158,12 @@ TEST(FractureCheckpoints, NoneIsAsMany)
   EXPECT_EQ(with.statistics.checkpoints, with.statistics.events / 15);
   o.checkpoint.every = 40;
   EXPECT_EQ(runOf(o).statistics.checkpoints, with.statistics.events / 45);
+  o.checkpoint.seconds = 1e-9; // pass before each
+  EXPECT_EQ(runOf(o).statistics.checkpoints, with.statistics.events / 45);
+  o.checkpoint.seconds = 1e9;
+  o.checkpoint.path = folder / "none.h5";
+  EXPECT_EQ(runOf(o).statistics.checkpoints, 0);
+  EXPECT_FALSE(fs::exists(o.checkpoint.path));
 }
 
 // A limit is no part of the scene: a run that came to its end there goes on from its last checkpoint.

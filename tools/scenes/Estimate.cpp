@@ -162,6 +162,18 @@ const std::map<std::string, std::function<Cost(const std::vector<std::string>&, 
   return all;
 }
 
+/// Bytes that a checkpoint takes while it is written: gathered, as HDF5 has it, as a file.
+double checkpointBytes(const std::string& command, const std::vector<std::string>& words, const Size& s)
+{
+  const double d = s.dimension;
+  const double numbers = command == "fracture" ? 2 * d
+    : command == "dynamics"                    ? 5 * d
+    : command == "transient"                   ? 2 * d + 1
+    : command == "compression"                 ? std::pow(numberOf(words, "points-per-node", 2), d) * (d == 2 ? 18 : 28)
+                                               : 0;
+  return 3 * 8 * numbers * s.nodes;
+}
+
 /// What drawing takes, whatever is drawn: Mesa and its compiler.
 constexpr double drawingBytes = 1.5e8;
 
@@ -201,6 +213,7 @@ double scaleOf(const SamplePlan& plan, int dimension)
 
 Estimator::Estimator(const Scene& scene, const SamplePlan& first, const CommandSet& commands)
   : commands_(commands)
+  , checkpoint_(scene.checkpoint)
 {
   SamplePlan sample = first;
   std::erase_if(sample.stages,
@@ -267,6 +280,10 @@ SampleCost Estimator::operator()(const SamplePlan& plan) const
       formula == formulas().end() ? simple(planned.stage->command, size) : formula->second(planned.words, size);
     one.stage = planned.stage->name;
     one.seconds /= std::max(1.0, std::min(numberOf(planned.words, "threads", 1), 64.0));
+    if (checkpoint_ && one.seconds > *checkpoint_)
+    {
+      one.bytes += checkpointBytes(planned.stage->command, planned.words, size);
+    }
     if (planned.outputs.contains("output"))
     {
       held += 24 * size.nodes;

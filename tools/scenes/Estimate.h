@@ -2,6 +2,7 @@
 
 #include "scenes/Plan.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,8 +42,9 @@ public:
 
 private:
   const CommandSet& commands_;
-  double nodes_ = 0; ///< of the first sample
-  double solid_ = 1; ///< share that is no void
+  std::optional<double> checkpoint_; ///< of the scene
+  double nodes_ = 0;                 ///< of the first sample
+  double solid_ = 1;                 ///< share that is no void
   double spacing_ = 1;
   int dimension_ = 2;
   double scaleOfFirst_ = 1;

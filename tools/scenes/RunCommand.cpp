@@ -4,12 +4,14 @@
 #include "scenes/Results.h"
 #include "scenes/SampleRunner.h"
 #include "scenes/Sharing.h"
+#include "scenes/StageCheckpoint.h"
 
 #include "CommandLine.h"
 #include "JsonReport.h"
 #include "OutputFile.h"
 #include "Record.h"
 #include "ResultFiles.h"
+#include "Stopped.h"
 #include "Text.h"
 
 #include "io/Provenance.h"
@@ -298,8 +300,12 @@ private:
     catch (const Cancelled&)
     {
       session_.endProgress();
-      session_.warn(fmt::format("finished samples are in '{}'; the same command goes on from them", folder().string()));
-      throw;
+      const auto begun = std::ranges::count_if(unfinished_,
+        [&](std::size_t sample) { return StageCheckpoint::any(results_->folderOf(samples_[sample].plan.key)); });
+      throw Stopped(fmt::format("finished samples are in '{}'; the same command goes on from them{}", folder().string(),
+        begun > 0 ? fmt::format(", and from the {} of {} that {} not", begun > 1 ? "checkpoints" : "checkpoint", begun,
+                      begun > 1 ? "are" : "is")
+                  : ""));
     }
   }
 
@@ -322,6 +328,7 @@ private:
     }
     catch (const Error& error)
     {
+      StageCheckpoint::removeAll(results_->folderOf(plan.key));
       results_->saveFailure(plan.key, error.what(), error.hint(), exitCode(error));
       return;
     }
@@ -337,6 +344,7 @@ private:
     record["command"] = commandLine_;
     record["date"] = io::timestamp();
     results_->save(plan.key, record);
+    StageCheckpoint::removeAll(results_->folderOf(plan.key));
     checkMeasures(scene_, record.at("stages"));
   }
 

@@ -2,6 +2,7 @@
 
 #include "scenes/Memory.h"
 #include "scenes/Movie.h"
+#include "scenes/StageCheckpoint.h"
 
 #include "CommandLine.h"
 #include "FractureFiles.h"
@@ -58,6 +59,30 @@ Json placeOf(vtkDataObject* state, int number)
   return step;
 }
 
+/// Whether a step comes after another one.
+bool follows(const Json& place, const Json& before)
+{
+  for (const char* const name : { "time", "strain", "broken_bonds" })
+  {
+    if (place.contains(name) && before.contains(name) && place[name] != before[name])
+    {
+      return place[name] > before[name];
+    }
+  }
+  return false;
+}
+
+/// Whether a stage may go on from a checkpoint: what is wanted of it at its end must not be states before that, which
+/// would be missing then.
+bool canGoOn(const PlannedStage& planned)
+{
+  const bool states = planned.stage->command == "transient" ||
+    std::ranges::any_of(
+      planned.words, [](const std::string& word) { return word.starts_with("--at-") || word.starts_with("--frames"); });
+  return planned.stage->ports->steps && (planned.lastStateOnly || !states) &&
+    std::ranges::find(planned.words, "--stiffness-only") == planned.words.end();
+}
+
 /// Of a command's report what stays in the record: where it comes from stands there once.
 Json kept(Json report)
 {
@@ -85,20 +110,39 @@ void addTo(std::vector<std::string>& list, const std::vector<std::string>& more)
 class SampleRunner::Steps
 {
 public:
-  Steps(SampleRunner& runner, const PlannedStage& planned, fs::path folder, std::vector<std::string>& warnings)
+  /// @param kept where they are told while the stage runs, or null
+  Steps(SampleRunner& runner, const PlannedStage& planned, fs::path folder, std::vector<std::string>& warnings,
+    StageCheckpoint* kept)
     : runner_(runner)
     , planned_(planned)
     , folder_(std::move(folder))
     , warnings_(warnings)
+    , kept_(kept)
     , rows_(planned.each.size(), Json::array())
     , pictures_(planned.each.size())
   {
+    if (kept_ != nullptr)
+    {
+      before_ = kept_->there() ? kept_->steps() : std::vector<Json>();
+      goesOn_ = kept_->there();
+      if (!goesOn_)
+      {
+        kept_->begin({});
+      }
+    }
   }
 
   /// A state that the run has come to.
   void take(vtkDataObject* state)
+  try
   {
+    if (std::exchange(goesOn_, false))
+    {
+      takeBack(placeOf(state, 0));
+    }
     const Json place = placeOf(state, number_);
+    Json line{ { "number", number_ }, { "place", place }, { "rows", Json::object() }, { "pictures", Json::object() } };
+    std::vector<std::string> told;
     for (std::size_t i = 0; i < planned_.each.size(); ++i)
     {
       const PlannedEach& each = planned_.each[i];
@@ -112,10 +156,29 @@ public:
       }
       else
       {
-        run(i, state, place);
+        run(i, state, place, told);
+      }
+      line["rows"][std::to_string(i)] = rows_[i].back();
+      if (each.each->command == "snapshot")
+      {
+        line["pictures"][std::to_string(i)] = pictures_[i].back().filename().string();
       }
     }
+    addTo(warnings_, told);
+    line["warnings"] = told;
+    if (kept_ != nullptr)
+    {
+      kept_->add(line);
+    }
     ++number_;
+  }
+  catch (...)
+  {
+    if (kept_ != nullptr)
+    {
+      kept_->hold();
+    }
+    throw;
   }
 
   /// After the run: what takes broken bonds.
@@ -128,7 +191,7 @@ public:
         const auto all = runner_.workspace_.get(planned_.outputs.at("broken"));
         for (const Json& place : std::exchange(rows_[i], Json::array()))
         {
-          run(i, firstBonds(all, place.at("broken_bonds").get<std::int64_t>()), place);
+          run(i, firstBonds(all, place.at("broken_bonds").get<std::int64_t>()), place, warnings_);
         }
       }
       if (const std::string& movie = planned_.each[i].each->movie; !movie.empty())
@@ -149,7 +212,42 @@ public:
   }
 
 private:
-  void run(std::size_t i, vtkDataObject* data, const Json& place)
+  /// Of a run that goes on from a checkpoint: what ran on the steps before it. Those after it come again.
+  /// @param place of the first that comes @throws InputError where they do not fit together
+  void takeBack(Json place)
+  {
+    std::vector<Json> taken;
+    place.erase("step");
+    for (const Json& line : before_)
+    {
+      Json known = line.at("place");
+      known.erase("step");
+      if (known == place)
+      {
+        break;
+      }
+      bool fits = follows(place, known);
+      for (const auto& [each, row] : line.at("rows").items())
+      {
+        rows_.at(std::stoul(each)).push_back(row);
+      }
+      for (const auto& [each, name] : line.at("pictures").items())
+      {
+        pictures_.at(std::stoul(each)).push_back(folder_ / name.get<std::string>());
+        fits = fits && fs::exists(pictures_.at(std::stoul(each)).back());
+      }
+      if (!fits)
+      {
+        throw InputError("the steps of '" + kept_->file().string() + "' are not those of its run", "begin anew");
+      }
+      addTo(warnings_, line.at("warnings").get<std::vector<std::string>>());
+      taken.push_back(line);
+    }
+    number_ = static_cast<int>(taken.size());
+    kept_->begin(taken);
+  }
+
+  void run(std::size_t i, vtkDataObject* data, const Json& place, std::vector<std::string>& warnings)
   {
     const PlannedEach& each = planned_.each[i];
     const std::string input = Workspace::nameOf(
@@ -175,7 +273,7 @@ private:
     try
     {
       Json row = place;
-      row["report"] = kept(runner_.runCommand(words, warnings_));
+      row["report"] = kept(runner_.runCommand(words, warnings));
       rows_[i].push_back(std::move(row));
     }
     catch (const ParameterError& error)
@@ -195,6 +293,9 @@ private:
   const PlannedStage& planned_;
   fs::path folder_;
   std::vector<std::string>& warnings_;
+  StageCheckpoint* kept_;
+  std::vector<Json> before_; ///< what was told by the part of the run that came to an early end
+  bool goesOn_ = false;      ///< from a checkpoint, and no step has come yet
   std::vector<Json> rows_;
   std::vector<std::vector<fs::path>> pictures_;
   int number_ = 0;
@@ -249,33 +350,10 @@ Json SampleRunner::run(const SamplePlan& plan, const fs::path& folder)
     else
     {
       done_.erase(name); // should it fail, what it leaves is nobody's
-      std::optional<Steps> steps;
-      Done result{ key, {}, {} };
-      if (!planned.each.empty())
-      {
-        steps.emplace(*this, planned, folder, result.warnings);
-      }
-      if (planned.stage->command == "snapshot")
-      {
-        fs::create_directories(folder);
-        PlannedStage drawing = planned;
-        drawing.words.push_back("--output=" + (folder / (name + ".png")).string());
-        drawing.words.emplace_back("--overwrite");
-        result.report = runStage(drawing, nullptr, result.warnings);
-      }
-      else
-      {
-        result.report = runStage(planned, steps ? &*steps : nullptr, result.warnings);
-      }
-      if (steps)
-      {
-        steps->finish();
-        const Json rows = steps->record();
-        for (const auto& [each, list] : rows.items())
-        {
-          record["steps"][each] = list;
-        }
-      }
+      const bool takesLong = scene_.checkpoint && !folder.empty() && canGoOn(planned);
+      Done result =
+        takesLong ? performLong(planned, folder, record["steps"]) : perform(planned, folder, nullptr, record["steps"]);
+      result.key = key;
       done_[name] = std::move(result);
     }
     write(planned, folder);
@@ -295,6 +373,73 @@ Json SampleRunner::run(const SamplePlan& plan, const fs::path& folder)
   record["stage_seconds"] = std::move(seconds);
   record["peak_memory"] = peakMemory();
   return record;
+}
+
+SampleRunner::Done SampleRunner::perform(
+  const PlannedStage& planned, const fs::path& folder, StageCheckpoint* kept, Json& steps)
+{
+  Done result;
+  std::optional<Steps> watching;
+  if (!planned.each.empty())
+  {
+    watching.emplace(*this, planned, folder, result.warnings, kept);
+  }
+  PlannedStage running = planned;
+  if (planned.stage->command == "snapshot")
+  {
+    fs::create_directories(folder);
+    running.words.push_back("--output=" + (folder / (planned.stage->name + ".png")).string());
+    running.words.emplace_back("--overwrite");
+  }
+  if (kept != nullptr)
+  {
+    running.words.push_back("--checkpoint=" + kept->file().string());
+    if (kept->there())
+    {
+      running.words.push_back("--continue=" + kept->file().string());
+    }
+  }
+  try
+  {
+    result.report = runStage(running, watching ? &*watching : nullptr, result.warnings);
+  }
+  catch (...)
+  {
+    if (kept != nullptr)
+    {
+      kept->release();
+    }
+    throw;
+  }
+  if (kept != nullptr) // the steps before it are there
+  {
+    std::erase_if(result.warnings,
+      [](const std::string& warning) { return warning.find("lie before the checkpoint") != std::string::npos; });
+  }
+  if (watching)
+  {
+    watching->finish();
+    steps.update(watching->record());
+  }
+  return result;
+}
+
+SampleRunner::Done SampleRunner::performLong(const PlannedStage& planned, const fs::path& folder, Json& steps)
+{
+  StageCheckpoint kept(folder, planned.stage->name);
+  workspace_.checkpointSeconds = *scene_.checkpoint;
+  if (kept.there())
+  {
+    try
+    {
+      return perform(planned, folder, &kept, steps);
+    }
+    catch (const InputError&) // of another build, damaged: it cannot be used, and if it is not that, it comes again
+    {
+      kept.remove();
+    }
+  }
+  return perform(planned, folder, &kept, steps);
 }
 
 Json SampleRunner::runStage(const PlannedStage& planned, Steps* steps, std::vector<std::string>& warnings)

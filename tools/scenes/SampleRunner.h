@@ -18,6 +18,8 @@ class vtkDataObject;
 namespace lamella::cli
 {
 
+class StageCheckpoint;
+
 /// Runs the stages of samples, one sample after the other. What two samples in a row have in common is computed once.
 class SampleRunner
 {
@@ -41,6 +43,10 @@ private:
   };
   class Steps;
 
+  /// Runs a stage that was not reused. @param kept or null @param steps takes what ran on its steps
+  Done perform(const PlannedStage& planned, const std::filesystem::path& folder, StageCheckpoint* kept, Json& steps);
+  /// The same from its checkpoint, where there is one that fits.
+  Done performLong(const PlannedStage& planned, const std::filesystem::path& folder, Json& steps);
   Json runStage(const PlannedStage& planned, Steps* steps, std::vector<std::string>& warnings);
   Json runCommand(const std::vector<std::string>& words, std::vector<std::string>& warnings);
   void write(const PlannedStage& planned, const std::filesystem::path& folder);

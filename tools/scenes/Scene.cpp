@@ -59,7 +59,9 @@ std::string whyManaged(const std::string& key)
 {
   if (key == "checkpoint" || key == "checkpoint-every" || key == "continue")
   {
-    return "a scene goes on from its last finished sample by itself";
+    return "a scene goes on from checkpoints by itself; before the first section, checkpoint = \"10min\" says how "
+           "often "
+           "it keeps one";
   }
   return key == "json" || key == "quiet" || key == "overwrite" || key == "stats"
     ? "it is for lamella run itself: lamella run SCENE --" + key
@@ -90,7 +92,7 @@ public:
 private:
   void readTop()
   {
-    static const std::vector<std::string> known{ "title", "results", "average-over" };
+    static const std::vector<std::string> known{ "title", "results", "average-over", "checkpoint" };
     for (const SceneKey& key : scene_.source.keys)
     {
       if (!contains(known, key.name))
@@ -105,12 +107,39 @@ private:
         scene_.averageOver = texts(key);
         continue;
       }
+      if (key.name == "checkpoint")
+      {
+        scene_.checkpoint = secondsBetween(key);
+        continue;
+      }
       if (!key.value.is_string())
       {
         sceneError(key.where, fmt::format("{} = {} is not a text", key.name, key.value.dump()), "write it in quotes");
       }
       (key.name == "title" ? scene_.title : scene_.results) = key.value.get<std::string>();
     }
+  }
+
+  /// 600, "10min", or false for nothing.
+  static std::optional<double> secondsBetween(const SceneKey& key)
+  {
+    static const std::map<std::string, double> units{ { "s", 1 }, { "min", 60 }, { "h", 3600 } };
+    // no checkpoint before some time has passed, however short: see io::CheckpointOptions
+    constexpr double least = 1e-9;
+    if (key.value == false)
+    {
+      return std::nullopt;
+    }
+    const std::string text = wordOf(key.value);
+    const std::size_t digits = text.find_first_not_of("0123456789.e+-");
+    const auto number = toNumber(text.substr(0, digits));
+    const auto unit = digits == std::string::npos ? units.find("s") : units.find(text.substr(digits));
+    if (key.value.is_boolean() || !number || !(*number >= 0 && *number < 1e9) || unit == units.end())
+    {
+      sceneError(key.where, fmt::format("checkpoint = {} is no time", key.value.dump()),
+        "write seconds, \"30s\", \"10min\" or \"1h\", or false for none");
+    }
+    return std::max(least, *number * unit->second);
   }
 
   static std::vector<std::string> texts(const SceneKey& key)

@@ -8,6 +8,7 @@
 #include <CLI/App.hpp>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -91,7 +92,8 @@ struct Scene
   std::string results;                  ///< folder
   std::vector<std::string> averageOver; ///< keys over which samples are averaged
   bool averageGiven = false;
-  std::vector<SceneStage> stages; ///< in the order in which they run
+  std::optional<double> checkpoint = 60; ///< wall time between two of a solver [s]; none: no checkpoints
+  std::vector<SceneStage> stages;        ///< in the order in which they run
   std::vector<SceneEach> each;
   std::vector<SceneMeasure> measures; ///< none: all numbers
 };

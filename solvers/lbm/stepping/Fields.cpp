@@ -174,6 +174,7 @@ void LatticeBoltzmann::save()
     c.arrays["records"] = { { static_cast<std::int64_t>(m.records.size()), recordNumbers }, std::move(numbers), "SI",
       "by stop: steps, time, flux through the low and the high face, mean value" };
   }
+  m.pace.written();
   if (io::write(c, m.options.checkpoint, m.comm))
   {
     ++m.checkpoints;

@@ -52,6 +52,7 @@ struct LatticeBoltzmann::Impl
   std::int64_t steps = 0;
   std::int64_t stepped = 0; ///< in this object, whatever was restored
   std::int64_t savedAt = 0; ///< steps when a checkpoint was tried last
+  io::CheckpointPace pace;
   std::int64_t checkpoints = 0;
   std::int64_t lastCheckpoint = 0;
   std::vector<SteppingRecord> records;

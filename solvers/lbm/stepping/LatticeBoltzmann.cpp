@@ -215,7 +215,7 @@ void LatticeBoltzmann::advance(std::int64_t steps)
       saveAfter(1);
       throw;
     }
-    saveAfter(m.options.checkpoint.every);
+    saveEvery();
   }
 }
 
@@ -224,6 +224,13 @@ void LatticeBoltzmann::saveAfter(std::int64_t steps)
   Impl& m = *impl_;
   if (!m.options.checkpoint.path.empty() && steps > 0 && m.steps - m.savedAt >= steps)
     save();
+}
+
+void LatticeBoltzmann::saveEvery()
+{
+  const io::CheckpointOptions& o = impl_->options.checkpoint;
+  if (!o.path.empty() && impl_->pace.due(o, impl_->comm))
+    saveAfter(o.every);
 }
 
 void LatticeBoltzmann::run(std::span<const std::int64_t> steps, const Sink& sink)
@@ -244,7 +251,8 @@ void LatticeBoltzmann::run(std::span<const std::int64_t> steps, const Sink& sink
     m.records.push_back({ to, time(), faceFlux(), mean() });
     sink(*this);
   }
-  saveAfter(1);
+  if (!(impl_->options.checkpoint.seconds > 0))
+    saveAfter(1);
 }
 
 std::int64_t LatticeBoltzmann::stepsAt(double time) const
@@ -373,7 +381,7 @@ RestResult LatticeBoltzmann::rest(const RestOptions& options)
       }
     }
     m.report(std::clamp(std::log(std::min(worse, 1.0)) / std::log(options.tolerance), 0.0, 1.0), "coming to rest");
-    saveAfter(m.options.checkpoint.every);
+    saveEvery();
   }
   result.steps = m.steps - from;
   return result;

@@ -175,6 +175,8 @@ public:
 private:
   /// Writes a checkpoint, where they are asked for, if so many steps were taken since the last.
   void saveAfter(std::int64_t steps);
+  /// After options.checkpoint.every, where its seconds have passed.
+  void saveEvery();
 
   struct Impl;
   std::unique_ptr<Impl> impl_;

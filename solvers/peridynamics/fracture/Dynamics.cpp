@@ -341,7 +341,8 @@ bool BondDynamics::advance(std::int64_t steps)
     if (rate_)
       rate_->advance(dt_, brokenEnergy_ - before);
     if (!options_.checkpoint.path.empty() &&
-      step_ % (options_.checkpoint.every > 0 ? options_.checkpoint.every : 1000) == 0)
+      step_ % (options_.checkpoint.every > 0 ? options_.checkpoint.every : 1000) == 0 &&
+      pace_.due(options_.checkpoint, bonds_.communicator()))
     {
       guard(); // the last good one is to stay
       save();

@@ -153,6 +153,7 @@ private:
   double nu_ = 0;
   double time_ = 0;
   std::int64_t step_ = 0;
+  io::CheckpointPace pace_;
   std::int64_t checkpoints_ = 0;
   std::int64_t checkpointAt_ = 0;
   NodeField<double> u_;

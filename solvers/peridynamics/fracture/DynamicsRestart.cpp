@@ -83,6 +83,7 @@ void BondDynamics::save()
     { "initial energy", initial_ }, { "rate", rate() }, { "damage", rate_ ? rate_->damage() : 0 } };
   if (options_.keepWith)
     options_.keepWith(c);
+  pace_.written();
   if (write(c, options_.checkpoint, comm))
   {
     ++checkpoints_;

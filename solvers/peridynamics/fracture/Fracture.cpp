@@ -246,7 +246,8 @@ void QuasiStaticFracture::breakCritical(const StretchMaximum& most)
   if (options_.renewEvery == 0 || event % options_.renewEvery != 0 || !engine_->holds())
     return;
   engine_->renew();
-  if (!options_.checkpoint.path.empty() && event - savedAt_ >= options_.checkpoint.every)
+  if (!options_.checkpoint.path.empty() && event - savedAt_ >= options_.checkpoint.every &&
+    pace_.due(options_.checkpoint, bonds_.communicator()))
     save();
 }
 

@@ -85,6 +85,9 @@ struct FractureOptions
   std::int64_t renewEvery = 500;
   CheckpointOptions checkpoint{};       ///< at renewals only
   std::filesystem::path continueFrom{}; ///< a checkpoint of the same scene; empty: from the unbroken sample
+  /// As those of DynamicsOptions.
+  std::function<void(io::Checkpoint&)> keepWith{};
+  std::function<void(const io::Checkpoint&)> takeBack{};
   /// Called after every iteration of the first equilibrium, where true makes the constructor throw Cancelled, and after
   /// every event, where true asks to stop, see FractureEnd::Interrupted.
   std::function<bool(const FractureProgress&)> progress{};
@@ -225,7 +228,8 @@ private:
   double firstRatio_ = 0; ///< s/s₀ at unit load of the bond that broke first
   std::unique_ptr<FractureEngine> engine_;
   FractureRecord record_;
-  std::string scene_;          ///< of the unbroken sample; empty where no file needs it
+  std::string scene_; ///< of the unbroken sample; empty where no file needs it
+  io::CheckpointPace pace_;
   std::int64_t savedAt_ = 0;   ///< events
   std::int64_t writtenAt_ = 0; ///< likewise, of the last file of this run
   double started_ = 0;         ///< the clock when run() began

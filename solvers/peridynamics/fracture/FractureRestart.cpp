@@ -130,6 +130,9 @@ void QuasiStaticFracture::save()
   add("curve_strain", curve, "", "strain-controlled curve", [](const P& p) { return p.strain; });
   add("curve_stress", curve, "Pa", "strain-controlled curve", [](const P& p) { return p.stress; });
   add("curve_broken", curve, "", "bonds broken so far", [](const P& p) { return p.broken; });
+  if (options_.keepWith)
+    options_.keepWith(c);
+  pace_.written();
   if (write(c, options_.checkpoint, bonds_.communicator()))
   {
     ++record_.statistics.checkpoints;
@@ -167,6 +170,8 @@ EngineState QuasiStaticFracture::restore(const PlatenForce& platens)
     if (name.starts_with(prefix))
       state.numbers[name.substr(prefix.size())] = value;
 
+  if (options_.takeBack)
+    options_.takeBack(c);
   bonds_.breakBonds(comm.rank() == 0 ? std::span<const Bond>(list) : std::span<const Bond>());
   // what has come loose since follows from what has broken
   const AlignedArray<std::uint8_t> marks = platens.marks(bonds_, sample_);

@@ -2,6 +2,7 @@
 
 #include "lattice/Error.h"
 #include "peridynamics/BondForces.h"
+#include "peridynamics/fracture/FractureCheckpoint.h"
 #include "peridynamics/fracture/LoosePieces.h"
 #include "peridynamics/fracture/PlatenForce.h"
 #include "peridynamics/fracture/WantedStates.h"
@@ -100,7 +101,21 @@ public:
     options_.keep(std::move(s));
   }
 
+  /// Equilibria of states begin with that of the one before, in a run that goes on too.
+  void put(io::Checkpoint& checkpoint) const
+  {
+    if (unit_)
+      checkpoint.arrays[name] = gathered(bonds_, *unit_, "m", "displacement of the last state at the unit load");
+  }
+  void take(const io::Checkpoint& checkpoint)
+  {
+    if (checkpoint.arrays.contains(name))
+      unit_ = scattered(bonds_, checkpoint, name);
+  }
+
 private:
+  static constexpr const char* name = "state displacement";
+
   void solve(const QuasiStaticFracture& fracture, FractureState& s, std::vector<std::string>& warnings)
   {
     if (!unit_)
@@ -271,6 +286,11 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
     if (options.fracture.checkpoint.warn)
       options.fracture.checkpoint.warn(why);
   };
+  if (fields)
+  {
+    fractureOptions.keepWith = [&](io::Checkpoint& c) { fields->put(c); };
+    fractureOptions.takeBack = [&](const io::Checkpoint& c) { fields->take(c); };
+  }
   QuasiStaticFracture fracture(bonds, options.loading, fractureOptions);
   latest.equilibrium = 1;
   r.continuedAt = fracture.record().statistics.events;
