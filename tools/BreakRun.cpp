@@ -182,6 +182,10 @@ void runBreak(Session& session, const BreakOptions& options, vtkBondBreakAlgorit
       const int bytes = perNode + 1 + 12 + 24 + (options.stress ? 48 : 0) + (options.strainEnergy ? 8 : 0);
       files.states.needs(
         static_cast<std::uint64_t>(sample.image->GetNumberOfPoints()) * static_cast<std::uint64_t>(bytes));
+      if (!options.checkpoint.file.empty())
+      {
+        files.states.follow(session, io::toJson(recordRun(commandLine, options.picture.file, sample.provenance)));
+      }
     });
   const auto finish = [&]
   {
@@ -196,7 +200,7 @@ void runBreak(Session& session, const BreakOptions& options, vtkBondBreakAlgorit
     session.print(options.common.quiet && !options.common.json ? "" : print(report));
   };
   const KeptRun kept{ commandLine, session.ranks(), unit, [filter] { return filter->GetLastCheckpoint(); },
-    [filter] { return filter->GetCheckpointEvery(); } };
+    [filter] { return filter->GetCheckpointEvery(); }, [&] { return files.states.leaves(); } };
   runKept(session, options.checkpoint, kept,
     [&]
     {

@@ -188,6 +188,10 @@ void press(Session& session, const CompressionOptions& o, const std::string& com
       curve.addTable("--curve", o.curve, filter->GetCurve(), o.common.overwrite);
       sample = loadPointSample(session, o.picture, o.points);
       sample.image->GetExtent(extent.data());
+      if (!o.checkpoint.file.empty())
+      {
+        states.follow(session, io::toJson(recordRun(commandLine, o.picture.file, sample.provenance)));
+      }
     });
   session.broadcast(extent);
   const auto finish = [&]
@@ -208,7 +212,7 @@ void press(Session& session, const CompressionOptions& o, const std::string& com
     session.print(o.common.json ? compressionJson(report) : o.common.quiet ? "" : compressionTable(report));
   };
   const KeptRun kept{ commandLine, session.ranks(), "steps", [&] { return filter->GetLastCheckpoint(); },
-    [&] { return filter->GetCheckpointEvery(); } };
+    [&] { return filter->GetCheckpointEvery(); }, [&] { return states.leaves(); } };
   runKept(session, o.checkpoint, kept,
     [&]
     {

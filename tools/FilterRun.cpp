@@ -18,13 +18,13 @@ namespace lamella::cli
 namespace
 {
 
-/// Hands the steps of a filter to the scene that waits for them. What fails there stops the filter.
+/// Hands the steps of a filter to the scene or the session that waits for them. What fails there stops the filter.
 class StepWatch
 {
 public:
-  explicit StepWatch(vtkAlgorithm* filter)
+  StepWatch(const Session& session, vtkAlgorithm* filter)
     : filter_(filter)
-    , take_(Workspace::current() != nullptr ? Workspace::current()->onStep : nullptr)
+    , take_(Workspace::current() != nullptr ? Workspace::current()->onStep : session.onStep())
   {
     if (take_)
     {
@@ -100,7 +100,7 @@ void runFilter(Session& session, vtkAlgorithm* filter, const char* what, const s
       }
     });
   const unsigned long tag = filter->AddObserver(vtkCommand::ProgressEvent, progress);
-  const StepWatch steps(filter);
+  const StepWatch steps(session, filter);
   (void)VtkMessages::takeErrors();
   update();
   filter->RemoveObserver(tag);

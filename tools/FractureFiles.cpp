@@ -12,12 +12,17 @@
 
 #include <vtkDataObject.h>
 #include <vtkInformation.h>
+#include <vtkSmartPointer.h>
+#include <vtkXMLDataElement.h>
+#include <vtkXMLUtilities.h>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 namespace lamella::cli
 {
@@ -28,6 +33,8 @@ namespace
 /// What is left of a run that ended before its time, and how to go on from it; empty where no checkpoint was asked for.
 std::string howToContinue(const CheckpointWords& words, const KeptRun& run)
 {
+  // States that came before it stopped are there already.
+  const std::string replace = run.leaves() && run.commandLine.find(" --overwrite") == std::string::npos ? " --overwrite" : "";
   const std::int64_t last = run.last();
   const bool same = !words.continueFrom.empty() && io::sameFile(words.file, words.continueFrom);
   const auto quoted = [](const std::string& name) { return io::quoteCommand(std::array{ name }); };
@@ -36,8 +43,8 @@ std::string howToContinue(const CheckpointWords& words, const KeptRun& run)
     const std::string launcher = run.ranks > 1 ? fmt::format("mpirun -n {} ", run.ranks) : "";
     const std::string go = same ? "the same command goes on from it"
       : words.continueFrom.empty()
-      ? "go on from it with: " + launcher + run.commandLine + " --continue " + quoted(words.file)
-      : "go on from it with the same command but --continue " + quoted(words.file);
+      ? "go on from it with: " + launcher + run.commandLine + replace + " --continue " + quoted(words.file)
+      : "go on from it with the same command but" + replace + " --continue " + quoted(words.file);
     return fmt::format("the checkpoint '{}' stands after {} {}; {}", words.file, last, run.unit, go);
   }
   if (!words.continueFrom.empty() && std::filesystem::exists(words.continueFrom))
@@ -104,18 +111,85 @@ std::vector<std::string> StateWriter::write(std::span<vtkDataObject* const> stat
     times.push_back(state->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()));
     Session::checkInterrupt();
   }
+  written_ = times.size();
   if (!collection_.empty())
   {
-    std::vector<std::string> beside;
-    for (const std::string& name : names)
+    std::vector<Listed> all = listed(first_);
+    for (std::size_t i = 0; i < names.size(); ++i)
     {
-      beside.push_back(std::filesystem::path(name).filename().string());
+      all.push_back({ std::filesystem::path(names[i]).filename().string(), times[i] });
     }
-    collection_.front().write(collectionText(beside, times));
+    writeList(std::move(all));
     names.push_back(collection_.front().path().string());
   }
-  written_ = times.size();
   return names;
+}
+
+std::vector<StateWriter::Listed> StateWriter::listed(std::size_t most) const
+{
+  std::vector<Listed> found;
+  const std::filesystem::path& list = collection_.front().path();
+  std::error_code ignored;
+  if (most == 0 || !std::filesystem::is_regular_file(list, ignored))
+  {
+    return found;
+  }
+  const auto root = vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(list.c_str()));
+  vtkXMLDataElement* const entries = root ? root->FindNestedElementWithName("Collection") : nullptr;
+  for (int i = 0; entries != nullptr && i < entries->GetNumberOfNestedElements(); ++i)
+  {
+    vtkXMLDataElement* const entry = entries->GetNestedElement(i);
+    const char* const name = entry->GetAttribute("file");
+    double time = 0;
+    const auto first = std::span(files_).first(most);
+    const auto file = std::find_if(first.begin(), first.end(),
+      [&](const OutputFile& f) { return name != nullptr && f.path().filename() == name; });
+    if (file != first.end() && std::filesystem::is_regular_file(file->path(), ignored) &&
+      entry->GetScalarAttribute("timestep", time) == 1)
+    {
+      found.push_back({ name, time });
+    }
+  }
+  return found;
+}
+
+void StateWriter::writeList(std::vector<Listed> states)
+{
+  std::vector<std::string> names;
+  std::vector<double> times;
+  for (Listed& state : states)
+  {
+    names.push_back(std::move(state.file));
+    times.push_back(state.time);
+  }
+  collection_.front().write(collectionText(names, times));
+}
+
+void StateWriter::follow(Session& session, const std::string& record)
+{
+  if (files_.size() > 1 && session.ranks() == 1)
+  {
+    session.setOnStep([this, record](vtkDataObject* state) { this->writeNow(state, record); });
+  }
+}
+
+void StateWriter::writeNow(vtkDataObject* state, const std::string& provenance)
+{
+  const auto number = static_cast<std::size_t>(fieldNumbers(state, stateNumber).at(0));
+  OutputFile& file = files_.at(number);
+  const auto copy = vtkSmartPointer<vtkDataObject>::Take(state->NewInstance()); // the run goes on with its own
+  copy->ShallowCopy(state);
+  setProvenance(copy, provenance);
+  writeGrid(copy, file);
+  std::vector<Listed> all = listed(number);
+  all.push_back({ file.path().filename().string(), state->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()) });
+  writeList(std::move(all));
+  for (OutputFile* const one : { &file, &collection_.front() })
+  {
+    one->commit();
+    *one = OutputFile(one->path(), true);
+  }
+  leaves_ = true;
 }
 
 std::vector<std::string> StateWriter::keep(std::span<vtkDataObject* const> states, const std::string& provenance)

@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 class vtkDataObject;
@@ -35,6 +36,12 @@ public:
   /// @param bytes of one state @throws OutputError when the disk has less room
   void needs(std::uint64_t bytes) const;
 
+  /// From now on states appear under their names as they come, and the list of them, so that a run that is stopped
+  /// leaves what a checkpoint does not bring back. For runs of one process that keep checkpoints; write() does all anew.
+  /// @param record provenance of the run's input
+  void follow(Session& session, const std::string& record);
+  [[nodiscard]] bool leaves() const { return leaves_; } ///< whether such files are there
+
   /// Writes the states of a run, with `states_before` in the field data of the first and a time each.
   /// @returns the names, those of the states first
   /// @throws OutputError; Cancelled
@@ -43,6 +50,15 @@ public:
   void commit();
 
 private:
+  struct Listed
+  {
+    std::string file;
+    double time = 0;
+  };
+  /// Of the list that is there, the first states, as many as are told and there.
+  [[nodiscard]] std::vector<Listed> listed(std::size_t most) const;
+  void writeNow(vtkDataObject* state, const std::string& provenance);
+  void writeList(std::vector<Listed> states);
   /// In memory (Workspace.h): NAME_000 ..., and NAME for the last.
   [[nodiscard]] std::vector<std::string> keep(std::span<vtkDataObject* const> states, const std::string& provenance);
 
@@ -50,6 +66,7 @@ private:
   std::vector<OutputFile> collection_; ///< one or none
   std::size_t first_ = 0;              ///< of the files that are written
   std::size_t written_ = 0;            ///< how many
+  bool leaves_ = false;
 };
 
 /// What the command line says of checkpoints.
@@ -95,6 +112,7 @@ struct KeptRun
   const char* unit = "events";         ///< that checkpoints count
   std::function<std::int64_t()> last;  ///< units in its last checkpoint; 0: none
   std::function<std::int64_t()> every; ///< units between two
+  std::function<bool()> leaves;        ///< whether states are in their files already
 };
 
 /// Runs it. Where it ends before its time, an interruption's hint, or a warning before the error, tells how to go on

@@ -8,7 +8,10 @@
 #include <functional>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
+
+class vtkDataObject;
 
 namespace lamella::cli
 {
@@ -94,6 +97,10 @@ public:
   bool progress(double share, const std::string& what);
   void endProgress();
 
+  /// Who sees the states of a run as they come (vtkSampleAlgorithm::STEP_EVENT); none: nobody.
+  void setOnStep(std::function<void(vtkDataObject*)> onStep) { onStep_ = std::move(onStep); }
+  [[nodiscard]] const std::function<void(vtkDataObject*)>& onStep() const noexcept { return onStep_; }
+
   /// Of a session within a run.
   [[nodiscard]] const std::string& printed() const noexcept { return printed_; }
   [[nodiscard]] const std::vector<std::string>& warnings() const noexcept { return warnings_; }
@@ -108,6 +115,7 @@ public:
 private:
   bool waitForAll();
 
+  std::function<void(vtkDataObject*)> onStep_;
   std::function<bool(double, const std::string&)> outside_; ///< of a session within a run
   mutable std::string printed_;
   std::vector<std::string> warnings_;

@@ -224,6 +224,10 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
       tellDoubts(session, sample);
       files.needs(static_cast<std::uint64_t>(sample.image.lattice.count()) * (o.flux ? 33 : 9));
       provenance = sample.provenance;
+      if (!o.checkpoint.file.empty())
+      {
+        files.follow(session, io::toJson(recordRun(commandLine, o.picture.file, provenance)));
+      }
       image = toImageData(std::move(sample.image));
       setFieldText(image, "pixel_size_source", sample.pixelSizeSource);
       setProvenance(image, provenance);
@@ -275,7 +279,7 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
     printReport(session, o.common, json, record, words);
   };
   const KeptRun kept{ commandLine, session.ranks(), "steps", [&] { return filter->GetLastCheckpoint(); },
-    [&] { return filter->GetCheckpointEvery(); } };
+    [&] { return filter->GetCheckpointEvery(); }, [&] { return files.leaves(); } };
   runKept(session, o.checkpoint, kept,
     [&]
     {

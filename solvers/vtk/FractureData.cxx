@@ -176,6 +176,7 @@ void setLatticeNumbers(vtkDataObject* output, const Lattice& lattice)
 
 void setBrokenState(vtkImageData* output, const pd::BrokenState& state, const BondScene& scene, const char* creator)
 {
+  setFieldNumber(output, stateNumber, static_cast<double>(state.number));
   vtkPointData* const points = output->GetPointData();
   const auto add = [points](vtkDataArray* array) { points->AddArray(array); };
   const auto damage = scene.toPiece(state.damage, std::array<int, 1>{ 0 }, "damage");

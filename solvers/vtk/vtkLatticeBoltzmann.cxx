@@ -362,6 +362,7 @@ void vtkLatticeBoltzmann::Run(vtkImageData* input, const lamella::Team& team)
   const std::string sides = this->SidesName();
   const char* const direction = lamella::axisNames.at(axis);
   const char* const creator = this->GetClassName();
+  double made = 0;
   const auto keep = [&](const lbm::LatticeBoltzmann&)
   {
     vtkImageData* const state = this->Internal->States.add(this->KeepStates);
@@ -381,6 +382,7 @@ void vtkLatticeBoltzmann::Run(vtkImageData* input, const lamella::Team& team)
     const lbm::SteppingStatistics s = solver.statistics();
     const auto set = [state](const char* name, double value) { lamella::setFieldNumber(state, name, value); };
     set("time", now.time);
+    set(lamella::stateNumber, (ended ? 0 : static_cast<double>(before)) + made++);
     set("inlet_flux", fromTop ? -now.faceFlux[1] : now.faceFlux[0]);
     set("outlet_flux", fromTop ? -now.faceFlux[0] : now.faceFlux[1]);
     set("mean_value", now.mean);

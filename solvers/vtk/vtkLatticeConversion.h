@@ -76,6 +76,9 @@ VTKLAMELLASOLVERSVTK_EXPORT void describe(
 /// What describe() wrote as {unit, description, creator}; empty strings where there is nothing.
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::array<std::string, 3> description(vtkDataArray* array);
 
+/// Field number of a run's state: its place among all that were asked for, from 0, those before a checkpoint too.
+inline constexpr const char* stateNumber = "state_number";
+
 /// Field data. Setting replaces what has that name; reading gives nothing (or an empty list) where it is missing.
 VTKLAMELLASOLVERSVTK_EXPORT void setFieldText(vtkDataObject* data, const char* name, const std::string& text);
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::optional<std::string> fieldText(vtkDataObject* data, const char* name);

@@ -283,10 +283,12 @@ void vtkPointCompression::Internals::Solve(
   const double depth = scene.lattice().origin[2];
 
   mpm::PointCompression<Dim>* running = nullptr;
+  double made = 0;
   const auto keep = [&](double)
   {
     vtkPolyData* const state = this->States.add(self.KeepStates);
     lamella::setPointState(state, *running, *law, share, arrays, depth, creator);
+    lamella::setFieldNumber(state, lamella::stateNumber, account.StatesBefore + made++);
     lamella::tellStep(this->Self, state);
   };
   std::int64_t seen = 0; // steps when it was last looked at: a checkpoint follows a look

@@ -89,6 +89,27 @@ class Checkpoints(Case):
         self.assertIn("warning: the run had ended where the checkpoint stands, after 60 events", ended.err)
         self.assertEqual((ended.json()["broken"], ended.json()["end"]), (60, "maximum-broken"))
 
+    def times(self, name):
+        with open(self.path(name), encoding="utf-8") as file:
+            return re.findall(r'timestep="(.*?)".*file="(.*?)"', file.read())
+
+    def test_states_of_a_run_that_is_killed(self):
+        """They are in their files as they come, and the list of them is whole when the run has gone on."""
+        states = ["--at-broken", "20,100,200", "-o", "s.vti", "--checkpoint", "run.h5", "--overwrite"]
+        with self.popen(*WORDS, *EVERY, *states) as run:
+            while not os.path.exists(self.path("s_001.vti")) and run.poll() is None:
+                time.sleep(0.002)
+            run.kill()
+        self.assertEqual([file for _, file in self.times("s.pvd")][:1], ["s_000.vti"])
+        before = os.stat(self.path("s_000.vti")).st_mtime_ns
+        result = self.run_lamella(*WORDS, *EVERY, *states, "--continue", "run.h5", "--json")
+        self.assertEqual(result.code, 0)
+        self.assertGreater(result.json()["states_before"], 0)
+        self.assertEqual(os.stat(self.path("s_000.vti")).st_mtime_ns, before)
+        self.works(*WORDS, *EVERY, *states[:2], "-o", "t.vti")
+        self.assertEqual(self.times("s.pvd"), [(at, file.replace("t_", "s_")) for at, file in self.times("t.pvd")])
+        self.assertEqual(glob.glob(self.path("*.part*")), [])
+
     def test_begins_where_there_is_none_yet(self):
         both = ["--checkpoint", "run.h5", "--continue", "./run.h5"]
         result = self.run_lamella(*WORDS, *EVERY, *both, "--max-broken", "20", "--json")

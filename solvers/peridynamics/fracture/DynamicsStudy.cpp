@@ -269,6 +269,7 @@ private:
     s.strain = gauge_->strain(motion_->displacement());
     s.stress = stress();
     s.last = last;
+    s.number = r_.statesBefore + kept_++;
     s.axis = r_.axis;
     s.lowPlaten = r_.lowPlaten;
     s.highPlaten = r_.highPlaten;
@@ -307,6 +308,7 @@ private:
   DynamicsResult& r_;
   Continuum continuum_;
   NodeDamage damage_;
+  std::int64_t kept_ = 0; ///< states
   std::size_t counted_ = 0; ///< broken bonds that damage_ knows
   MotionHistory history_;
   std::optional<SlowPull> pull_;

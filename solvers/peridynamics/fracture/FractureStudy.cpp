@@ -81,6 +81,8 @@ public:
   {
   }
 
+  void countFrom(std::int64_t number) { number_ = number; }
+
   void make(const QuasiStaticFracture& fracture, double strain, bool last, std::vector<std::string>& warnings)
   {
     const FractureRecord& record = fracture.record();
@@ -89,6 +91,7 @@ public:
     s.stress = stressAt(record, strain);
     s.broken = static_cast<std::int64_t>(record.broken.size());
     s.last = last;
+    s.number = number_++;
     s.axis = axisOf(options_, bonds_.dimension());
     s.lowPlaten = fracture.sample().lowLayers;
     s.highPlaten = fracture.sample().highLayers;
@@ -149,6 +152,7 @@ private:
   const FractureProgress& latest_;
   NodeDamage damage_;
   std::size_t counted_ = 0;               ///< of the record
+  std::int64_t number_ = 0;               ///< of the next state
   std::optional<NodeField<double>> unit_; ///< displacements at unit load of the last state
 };
 
@@ -160,6 +164,8 @@ double runThrough(QuasiStaticFracture& fracture, const FractureStudyOptions& o, 
   if (r.continuedAt > 0)
     r.statesBefore = strains.skipBelow(fracture.strain()) +
       numbers.skipBelow(static_cast<std::int64_t>(fracture.record().broken.size()));
+  if (fields != nullptr)
+    fields->countFrom(r.statesBefore);
   for (;;)
   {
     fracture.setLimits(strains.next(), numbers.next());

@@ -17,6 +17,7 @@ struct BrokenState
   double stress = 0;                                ///< [Pa]
   std::int64_t broken = 0;                          ///< bonds, of the whole sample
   bool last = false;                                ///< the end of the run
+  std::int64_t number = 0;                          ///< among all states asked for, from 0, those before a checkpoint too
   int axis = 0;                                     ///< of the load
   std::array<std::int64_t, 2> lowPlaten{};          ///< [first, last) layer along it that a platen holds
   std::array<std::int64_t, 2> highPlaten{};         ///< likewise
