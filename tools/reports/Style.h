@@ -52,6 +52,7 @@ td.n { text-align: right; white-space: nowrap; }
 td.v, th.v { white-space: nowrap; }
 td.wide { min-width: 16rem; overflow-wrap: anywhere; }
 td.wide:empty { min-width: 0; }
+.record td { overflow-wrap: anywhere; min-width: 6rem; }
 .unit { font-weight: 400; color: var(--soft); }
 footer { margin-top: 3rem; border-top: 1px solid var(--line); padding-top: 0.6rem; color: var(--soft); font-size: 0.88rem; }
 @media print {
