@@ -156,7 +156,7 @@ CrackTip crackTip(const CrackPaths& paths, std::size_t crack, double horizon)
       }
   }
   double nearest = horizon;
-  for (std::size_t e = 0; e < ends.size(); ++e)
+  for (std::size_t e = 0; start != nullptr && e < ends.size(); ++e)
     if (const double length = e == tip ? far : Branches::lengthTo(*start, reached[e]); length <= nearest)
     {
       nearest = length;
