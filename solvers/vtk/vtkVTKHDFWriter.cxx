@@ -296,15 +296,55 @@ std::array<hsize_t, 3> countsOf(const std::array<int, 6>& extent)
   return counts;
 }
 
-/// As HDF5 counts: z first, components last.
-Shape shapeOf(const std::array<hsize_t, 3>& xyz, int components)
+/// Which axis of the image each axis of the file is, x first.
+using Axes = std::array<std::size_t, 3>;
+
+/// VTK 9.2's reader writes beyond its memory where there is one point along y or z, and not where there is one along
+/// x: the axis of one point comes first. Values stay in their order.
+/// @throws lamella::InputError for a single line of points
+Axes axesOf(const std::array<hsize_t, 3>& counts)
 {
-  Shape shape{ xyz[2], xyz[1], xyz[0] };
+  Axes axes{ 0, 1, 2 };
+  if (counts[2] == 1)
+  {
+    axes = { 2, 0, 1 };
+  }
+  else if (counts[1] == 1)
+  {
+    axes = { 1, 0, 2 };
+  }
+  if (counts[axes[1]] == 1 || counts[axes[2]] == 1)
+  {
+    throw lamella::InputError(
+      "the image is a single line of points, on which VTK 9.2's reader of VTKHDF crashes", "write it as .vti");
+  }
+  return axes;
+}
+
+/// As HDF5 counts: the last axis first, components last.
+Shape shapeOf(const std::array<hsize_t, 3>& xyz, const Axes& axes, int components)
+{
+  Shape shape{ xyz[axes[2]], xyz[axes[1]], xyz[axes[0]] };
   if (components != 1)
   {
     shape.push_back(static_cast<hsize_t>(components));
   }
   return shape;
+}
+
+/// Columns that point along the file's axes. A swap of two turns the one of one point round, and hands stay hands.
+std::vector<double> directionOf(const double* columns, const Axes& axes)
+{
+  std::vector<double> turned(9);
+  for (std::size_t row = 0; row < 3; ++row)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const double value = columns[3 * row + axes[axis]];
+      turned[3 * row + axis] = axis == 0 && axes[0] == 1 && value != 0 ? -value : value;
+    }
+  }
+  return turned;
 }
 
 } // namespace
@@ -329,6 +369,7 @@ struct vtkVTKHDFWriter::File
   Handle Id;
   Handle Root;
   std::array<int, 6> Whole{};
+  Axes Order{ 0, 1, 2 };
   int Next = 0;                       ///< the first layer of points that is not written yet
   int Depth = 1;                      ///< layers a slab
   std::map<std::string, Handle> Sets; ///< by name
@@ -337,39 +378,47 @@ struct vtkVTKHDFWriter::File
 void vtkVTKHDFWriter::File::BeginImage(vtkImageData* image, const std::array<int, 6>& whole, int level)
 {
   writeAscii(this->Root, "Type", "ImageData");
+  const auto counts = countsOf(whole);
+  this->Order = axesOf(counts);
   // From 0: VTK 9.2's reader takes the extent for places in the dataset.
   std::array<double, 3> first{};
   image->TransformIndexToPhysicalPoint(whole[0], whole[2], whole[4], first.data());
-  writeNumbers<int>(this->Root, "WholeExtent", H5T_NATIVE_INT,
-    { 0, whole[1] - whole[0], 0, whole[3] - whole[2], 0, whole[5] - whole[4] });
+  std::vector<int> extent;
+  std::vector<double> spacing;
+  for (const std::size_t axis : this->Order)
+  {
+    extent.insert(extent.end(), { 0, whole[2 * axis + 1] - whole[2 * axis] });
+    spacing.push_back(image->GetSpacing()[axis]);
+  }
+  writeNumbers<int>(this->Root, "WholeExtent", H5T_NATIVE_INT, extent);
   writeNumbers<double>(this->Root, "Origin", H5T_NATIVE_DOUBLE, { first.begin(), first.end() });
-  writeNumbers<double>(this->Root, "Spacing", H5T_NATIVE_DOUBLE, { image->GetSpacing(), image->GetSpacing() + 3 });
-  const double* const direction = image->GetDirectionMatrix()->GetData();
-  writeNumbers<double>(this->Root, "Direction", H5T_NATIVE_DOUBLE, { direction, direction + 9 });
+  writeNumbers<double>(this->Root, "Spacing", H5T_NATIVE_DOUBLE, spacing);
+  writeNumbers<double>(
+    this->Root, "Direction", H5T_NATIVE_DOUBLE, directionOf(image->GetDirectionMatrix()->GetData(), this->Order));
+  if (this->Order[0] != 0)
+  {
+    writeNumbers<int>(this->Root, "axes", H5T_NATIVE_INT, { this->Order.begin(), this->Order.end() });
+  }
   this->Whole = whole;
   this->Next = whole[4];
-  if (whole[2] == whole[3] || whole[4] == whole[5])
-  {
-    throw lamella::InputError(
-      "the image is flat, and VTK 9.2's reader of VTKHDF crashes on flat images", "write it as .vti");
-  }
   if (vtkCellData* const cells = image->GetCellData(); cells->GetNumberOfArrays() > 0)
   {
     throw lamella::InputError("the image has an array in cells, '" + nameOf(cells->GetAbstractArray(0)) +
-        "', on which VTK 9.2's reader of VTKHDF crashes",
+        "', which VTK 9.2's reader of VTKHDF takes for one at points",
       "make points of the cells (vtkCellDataToPointData), or write .vti");
   }
   const Handle group = newGroup(this->Root, "PointData");
-  const auto counts = countsOf(whole);
   for (vtkDataArray* const array : arraysOf(image->GetPointData()))
   {
     const hid_t type = nativeType(array->GetDataType(), nameOf(array));
     const int components = array->GetNumberOfComponents();
     // About 1 MB at most, which is what HDF5 keeps of a dataset in memory.
     const hsize_t row = counts[0] * static_cast<hsize_t>(components) * H5Tget_size(type);
-    const hsize_t rows = std::clamp((hsize_t{ 1 } << 20) / row, hsize_t{ 1 }, counts[1]);
-    Handle set = newSet(
-      group, nameOf(array), type, shapeOf(counts, components), level, shapeOf({ counts[0], rows, 1 }, components));
+    std::array<hsize_t, 3> chunk{ counts[0], 1, 1 };
+    const std::size_t stacked = counts[1] > 1 ? 1 : 2;
+    chunk[stacked] = std::clamp((hsize_t{ 1 } << 20) / row, hsize_t{ 1 }, counts[stacked]);
+    Handle set = newSet(group, nameOf(array), type, shapeOf(counts, this->Order, components), level,
+      shapeOf(chunk, this->Order, components));
     writeDescription(set, array);
     this->Sets.emplace(nameOf(array), std::move(set));
   }
@@ -391,9 +440,10 @@ void vtkVTKHDFWriter::File::WriteLayers(vtkImageData* image, int first, int last
       throw lamella::InputError("the array '" + name + "' is missing in a part of the image", "look at what made it");
     }
     const int components = array->GetNumberOfComponents();
-    Shape start = shapeOf({ 0, 0, static_cast<hsize_t>(first - this->Whole[4]) }, components);
+    Shape start = shapeOf({ 0, 0, static_cast<hsize_t>(first - this->Whole[4]) }, this->Order, components);
     start.back() = components != 1 ? 0 : start.back();
-    const Shape size = shapeOf({ counts[0], counts[1], static_cast<hsize_t>(last - first + 1) }, components);
+    const Shape size =
+      shapeOf({ counts[0], counts[1], static_cast<hsize_t>(last - first + 1) }, this->Order, components);
     const vtkIdType layer = static_cast<vtkIdType>(counts[0] * counts[1]) * array->GetNumberOfComponents();
     const vtkIdType offset = layer * (first - held[4]);
     if (offset < 0 || offset + layer * (last - first + 1) > array->GetNumberOfValues())

@@ -14,13 +14,18 @@
  * The extent of an image begins at 0 in the file, and its origin is the place of the first point: VTK 9.2's reader
  * takes the extent for places in the dataset.
  *
+ * Of an image that is flat along z or y, that axis comes first in the file, and the direction turns it back: VTK 9.2's
+ * reader writes beyond its memory where the second or third axis has one point. The attribute `axes` tells which axis
+ * of the image each of the file is. (That reader's own output has its places right in a copy only, such as
+ * ShallowCopy().)
+ *
  * An image is asked for in slabs of layers along z, so that a pipeline that can stream never holds all of it.
  *
  * A file that cannot be finished is removed. ErrorCode then says why.
  *
  * @warning Version 1.0 has no time: a step is a file. Arrays of bits and of texts at points or in cells, names with a
- * slash, and what VTK 9.2's reader crashes on (arrays in cells of an image, flat images) are refused. One process
- * writes.
+ * slash, and what VTK 9.2's reader cannot read (arrays in cells of an image, a single line of points) are refused. One
+ * process writes.
  *
  * Format: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html#vtkhdf-file-format
  */
