@@ -1,39 +1,16 @@
 #include "Commands.h"
-#include "FractureFiles.h"
-#include "GridFile.h"
 #include "Input.h"
 #include "JsonReport.h"
-#include "Record.h"
 #include "Text.h"
-#include "convert/Formats.h"
-#include "convert/PointTable.h"
-#include "convert/Source.h"
-#include "convert/Types.h"
+#include "convert/Conversion.h"
 
-#include "CellConversion.h"
-#include "GridReaders.h"
-#include "io/Provenance.h"
-#include "lattice/Clock.h"
 #include "lattice/Error.h"
-#include "vtkLatticeConversion.h"
-
-#include <vtkCellData.h>
-#include <vtkDataArray.h>
-#include <vtkFieldData.h>
-#include <vtkPointData.h>
-#include <vtkPolyData.h>
-#include <vtkTable.h>
-#include <vtkUnstructuredGrid.h>
 
 #include <fmt/format.h>
 #include <hdf5.h>
 
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <limits>
+#include <array>
 #include <memory>
-#include <optional>
 
 namespace lamella::cli
 {
@@ -44,397 +21,9 @@ namespace
 struct ConvertOptions
 {
   CommonOptions common;
-  RawOptions raw;
-  std::string output;
-  std::vector<std::string> arrays;
-  std::string step;
-  std::string type;
-  std::string range;
-  bool lossy = false;
+  ConversionWords words;
   bool formats = false;
 };
-
-/// The same changes for all steps.
-struct Plan
-{
-  const ConvertOptions& options;
-  const Format& target;
-  std::string ending;                           ///< of the files that are written
-  std::optional<int> type{};                    ///< --type
-  std::optional<std::array<double, 2>> range{}; ///< --range
-  std::optional<double> pixelSize{};
-  std::vector<std::string> warnings{};
-};
-
-std::string nameOf(vtkAbstractArray* array)
-{
-  return array->GetName() == nullptr ? "" : array->GetName();
-}
-
-std::vector<std::string> namesOf(vtkFieldData* data)
-{
-  std::vector<std::string> names;
-  for (int i = 0; i < data->GetNumberOfArrays(); ++i)
-  {
-    names.push_back(nameOf(data->GetAbstractArray(i)));
-  }
-  return names;
-}
-
-/// Leaves out all arrays but those that are wanted, if any are named.
-void select(vtkDataSetAttributes* data, const std::vector<std::string>& wanted)
-{
-  for (const std::string& name : wanted.empty() ? std::vector<std::string>() : namesOf(data))
-  {
-    if (std::ranges::find(wanted, name) == wanted.end())
-    {
-      data->RemoveArray(name.c_str());
-    }
-  }
-}
-
-/// @throws ParameterError for a name that the grid does not have
-void requireArrays(vtkDataSet* grid, const std::vector<std::string>& wanted)
-{
-  auto names = namesOf(grid->GetPointData());
-  const auto cells = namesOf(grid->GetCellData());
-  names.insert(names.end(), cells.begin(), cells.end());
-  for (const std::string& name : wanted)
-  {
-    if (std::ranges::find(names, name) == names.end())
-    {
-      throw ParameterError(fmt::format("--array '{}': there is none of that name", name),
-        names.empty() ? "the file holds no array" : suggestion(name, names, "there are " + quotedList(names, "and")));
-    }
-  }
-}
-
-/// The type that the numbers of an array are to have, as --type and --range say.
-vtkSmartPointer<vtkDataArray> shaped(const Plan& plan, vtkDataArray* array)
-{
-  if (plan.range)
-  {
-    return spread(array, plan.type.value_or(VTK_UNSIGNED_CHAR), plan.range->front(), plan.range->back());
-  }
-  return plan.type ? cast(array, *plan.type, !plan.options.lossy) : vtkSmartPointer<vtkDataArray>(array);
-}
-
-void shape(const Plan& plan, vtkDataSetAttributes* data)
-{
-  for (const std::string& name : plan.type || plan.range ? namesOf(data) : std::vector<std::string>())
-  {
-    if (vtkDataArray* const array = data->GetArray(name.c_str()))
-    {
-      data->AddArray(shaped(plan, array)); // takes the place of the one of this name
-    }
-  }
-}
-
-/// A spacing from outside: the image is as large again, about the same corner.
-void resize(vtkImageData* image, double pixelSize)
-{
-  std::array<double, 3> origin{};
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    origin[axis] = image->GetOrigin()[axis] / image->GetSpacing()[axis] * pixelSize;
-  }
-  image->SetOrigin(origin.data());
-  image->SetSpacing(pixelSize, pixelSize, pixelSize);
-  setFieldText(image, "pixel_size_source", "option");
-}
-
-std::unique_ptr<Volume> selected(std::unique_ptr<Volume> volume, const Plan& plan)
-{
-  requireArrays(volume->sample(), plan.options.arrays);
-  return changed(std::move(volume),
-    [&plan](vtkSmartPointer<vtkImageData> slab)
-    {
-      auto image = vtkSmartPointer<vtkImageData>::New();
-      image->ShallowCopy(slab);
-      select(image->GetPointData(), plan.options.arrays);
-      select(image->GetCellData(), plan.options.arrays);
-      shape(plan, image->GetPointData());
-      shape(plan, image->GetCellData());
-      if (plan.pixelSize)
-      {
-        resize(image, *plan.pixelSize);
-      }
-      return image;
-    });
-}
-
-/// Where a format has one array of pixels, that of cells becomes pixels at their centres.
-std::unique_ptr<Volume> onePixelArray(std::unique_ptr<Volume> volume, const Plan& plan)
-{
-  vtkImageData* const sample = volume->sample();
-  auto names = namesOf(sample->GetPointData());
-  const auto cells = namesOf(sample->GetCellData());
-  const bool inCells = names.empty();
-  names.insert(names.end(), cells.begin(), cells.end());
-  if (names.empty())
-  {
-    throw InputError(fmt::format("'{}' holds no array", plan.options.raw.picture.file), "nothing can be converted");
-  }
-  if (names.size() > 1)
-  {
-    throw InputError(fmt::format("'{}' holds {} arrays ({}), and {} takes one", plan.options.raw.picture.file,
-                       names.size(), quotedList(names, "and"), plan.ending),
-      "choose one with --array NAME, or write .vti or .hdf");
-  }
-  return inCells ? cellsAsPoints(std::move(volume)) : std::move(volume);
-}
-
-/// The least and the largest whole number, read slab by slab.
-std::array<double, 2> wholeRange(Session& session, Volume& volume)
-{
-  std::array<double, 2> all{ std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity() };
-  forSlabs(session, volume,
-    [&](vtkDataArray* values, int, int)
-    {
-      double range[2];
-      values->GetRange(range, 0);
-      all = { std::min(all[0], range[0]), std::max(all[1], range[1]) };
-    });
-  return all;
-}
-
-/// Values of a type that the format has. Whole numbers that fit into 8 or 16 bits lose nothing.
-/// @param noted takes the type that they had
-std::unique_ptr<Volume> holdable(Session& session, std::unique_ptr<Volume> volume, const Plan& plan, int& noted)
-{
-  vtkDataArray* const array = onlyArray(volume->sample());
-  const int type = array->GetDataType();
-  const int components = array->GetNumberOfComponents();
-  if (plan.target.holds(type, components))
-  {
-    return volume;
-  }
-  const std::string name = nameOf(array);
-  if (components != 1)
-  {
-    throw InputError(fmt::format("'{}' has {} values of {} a pixel, and {} holds {}", name, components, typeName(type),
-                       plan.ending, plan.target.values),
-      "write .vti, .hdf, .mhd or .nhdr");
-  }
-  if (isReal(type) || !plan.target.holds(VTK_UNSIGNED_CHAR, 1))
-  {
-    throw InputError(
-      fmt::format("'{}' holds {} values, and {} holds {}", name, typeName(type), plan.ending, plan.target.values),
-      "map them to greys with --range LOW,HIGH, or write .tif, .mhd, .nhdr, .vti or .hdf, which keep them");
-  }
-  const auto [least, most] = wholeRange(session, *volume);
-  if (least < 0 || most > std::numeric_limits<std::uint16_t>::max())
-  {
-    throw InputError(fmt::format("'{}' holds whole numbers from {:.0f} to {:.0f}, and {} holds {}", name, least, most,
-                       plan.ending, plan.target.values),
-      "map them to greys with --range LOW,HIGH, or write .tif, .mhd, .nhdr, .vti or .hdf, which keep them");
-  }
-  noted = type;
-  const int small = most > 255 ? VTK_UNSIGNED_SHORT : VTK_UNSIGNED_CHAR;
-  return changed(std::move(volume),
-    [small](vtkSmartPointer<vtkImageData> slab)
-    {
-      auto image = vtkSmartPointer<vtkImageData>::New();
-      image->ShallowCopy(slab);
-      const auto values = cast(onlyArray(slab), small, true);
-      image->GetPointData()->Initialize();
-      image->GetPointData()->SetScalars(values);
-      return image;
-    });
-}
-
-void prepareImage(Session& session, Step& step, Plan& plan)
-{
-  step.volume = selected(std::move(step.volume), plan);
-  if (!plan.target.manyArrays)
-  {
-    step.volume = onePixelArray(std::move(step.volume), plan);
-    step.volume = holdable(session, std::move(step.volume), plan, step.noted);
-    return;
-  }
-  vtkImageData* const sample = step.volume->sample();
-  if (plan.ending == ".vti" || sample->GetCellData()->GetNumberOfArrays() == 0)
-  {
-    return;
-  }
-  if (sample->GetPointData()->GetNumberOfArrays() == 0)
-  {
-    step.volume = cellsAsPoints(std::move(step.volume));
-  }
-  else if (!plan.options.lossy)
-  {
-    throw InputError(fmt::format("the image holds arrays at points and in cells ({}), and {} has no place for those",
-                       quotedList(namesOf(sample->GetCellData()), "and"), plan.ending),
-      "choose those of one kind with --array NAME, write .vti, or leave those in cells out with --lossy");
-  }
-  else
-  {
-    step.volume = changed(std::move(step.volume),
-      [](vtkSmartPointer<vtkImageData> slab)
-      {
-        auto image = vtkSmartPointer<vtkImageData>::New();
-        image->ShallowCopy(slab);
-        image->GetCellData()->Initialize();
-        return image;
-      });
-  }
-}
-
-void preparePoints(Step& step, Plan& plan)
-{
-  requireArrays(step.points, plan.options.arrays);
-  const auto points = vtkSmartPointer<vtkPointSet>::Take(step.points->NewInstance());
-  points->ShallowCopy(step.points);
-  select(points->GetPointData(), plan.options.arrays);
-  select(points->GetCellData(), plan.options.arrays);
-  shape(plan, points->GetPointData());
-  shape(plan, points->GetCellData());
-  step.points = points;
-  if (plan.ending == ".csv" && !onlyPoints(points) && !plan.options.lossy)
-  {
-    throw InputError(fmt::format("'{}' has {} cells, of which a table keeps nothing", plan.options.raw.picture.file,
-                       points->GetNumberOfCells()),
-      "write .vtp, .vtu or .hdf, or take the points alone with --lossy");
-  }
-}
-
-/// What the source cannot be in the target.
-void requireKind(Step& step, const Plan& plan)
-{
-  if (step.table != nullptr)
-  {
-    if ((plan.target.writes & Numbers) == 0)
-    {
-      throw ParameterError(
-        fmt::format("the arrays of a checkpoint have no place, and {} needs one", plan.ending), "write them as .csv");
-    }
-    return;
-  }
-  if (step.volume == nullptr && (plan.target.writes & Points) == 0)
-  {
-    if (!onlyPoints(step.points))
-    {
-      throw InputError(fmt::format("'{}' holds points with {} cells, and {} holds an image",
-                         plan.options.raw.picture.file, step.points->GetNumberOfCells(), plan.ending),
-        "write .vtp, .vtu or .hdf");
-    }
-    step.volume = wholeVolume(gridOf(step.points));
-    step.points = nullptr;
-  }
-  if (step.volume != nullptr && (plan.target.writes & Image) == 0)
-  {
-    throw InputError(
-      fmt::format("'{}' holds an image, and {} holds points", plan.options.raw.picture.file, plan.ending),
-      "write .vti or .hdf; a table (.csv) has a line for each node, and can become points");
-  }
-  if (step.volume != nullptr && (plan.target.writes & Picture2D) == 0 &&
-    (step.volume->layers() == 1 || step.volume->extent()[2] == step.volume->extent()[3]))
-  {
-    throw InputError(
-      fmt::format("'{}' is a picture, and ParaView 5.11 crashes on pictures in VTKHDF", plan.options.raw.picture.file),
-      "write it as .vti");
-  }
-}
-
-vtkDataObject* headOf(Step& step)
-{
-  if (step.volume != nullptr)
-  {
-    return step.volume->sample();
-  }
-  return step.points != nullptr ? static_cast<vtkDataObject*>(step.points) : step.table;
-}
-
-/// Writes a record, and the time where there is one, into the field data.
-void stamp(Step& step, const std::string& record, std::optional<double> time)
-{
-  const auto mark = [record, time](vtkDataObject* data)
-  {
-    setProvenance(data, record);
-    if (time)
-    {
-      setFieldNumbers(data, "TimeValue", std::array{ *time });
-    }
-  };
-  if (step.volume == nullptr)
-  {
-    mark(headOf(step));
-    return;
-  }
-  step.volume = changed(std::move(step.volume),
-    [mark](vtkSmartPointer<vtkImageData> slab)
-    {
-      auto image = vtkSmartPointer<vtkImageData>::New();
-      image->ShallowCopy(slab);
-      mark(image);
-      return image;
-    });
-}
-
-Plan planOf(const ConvertOptions& o, const Format& target, const std::string& ending)
-{
-  Plan plan{ o, target, ending };
-  if (!o.type.empty())
-  {
-    plan.type = typeNamed(numberTypes()[oneOf("--type", o.type, numberTypes())]);
-  }
-  if (!o.range.empty())
-  {
-    plan.range = rangeOf("--range", o.range, "0.1,0.9");
-    if (plan.type && *plan.type != VTK_UNSIGNED_CHAR && *plan.type != VTK_UNSIGNED_SHORT)
-    {
-      throw ParameterError("--range maps values to the greys of u8 or u16, and --type says " + o.type,
-        "leave --type out, or take u8 or u16");
-    }
-  }
-  plan.pixelSize = readOptions(o.raw.picture).pixelSize;
-  if (target.write == nullptr)
-  {
-    throw ParameterError(
-      fmt::format("-o '{}': JPEG blurs the values and is not written", o.output), "end the name in .png");
-  }
-  return plan;
-}
-
-Json arraysJson(vtkDataObject* data)
-{
-  Json arrays = Json::array();
-  auto* const set = vtkDataSet::SafeDownCast(data);
-  for (vtkFieldData* const from : { set == nullptr ? nullptr : static_cast<vtkFieldData*>(set->GetPointData()),
-         set == nullptr ? nullptr : static_cast<vtkFieldData*>(set->GetCellData()) })
-  {
-    for (int i = 0; from != nullptr && i < from->GetNumberOfArrays(); ++i)
-    {
-      vtkAbstractArray* const array = from->GetAbstractArray(i);
-      arrays.push_back({ { "name", nameOf(array) }, { "type", typeName(array->GetDataType()) },
-        { "components", array->GetNumberOfComponents() }, { "in", set->GetCellData() == from ? "cells" : "points" } });
-    }
-  }
-  return arrays;
-}
-
-void describeStep(Json& json, Step& step)
-{
-  if (step.volume != nullptr)
-  {
-    const auto& e = step.volume->extent();
-    json["kind"] = "image";
-    json["size"] = { e[1] - e[0] + 1, e[3] - e[2] + 1, e[5] - e[4] + 1 };
-  }
-  else if (step.points != nullptr)
-  {
-    json["kind"] =
-      step.points->GetClassName() == std::string("vtkUnstructuredGrid") ? "unstructured grid" : "poly data";
-    json["points"] = step.points->GetNumberOfPoints();
-    json["cells"] = step.points->GetNumberOfCells();
-  }
-  else
-  {
-    json["kind"] = "table";
-    json["rows"] = step.table->GetNumberOfRows();
-  }
-  json["arrays"] = arraysJson(headOf(step));
-}
 
 std::string reportText(const Json& json)
 {
@@ -469,159 +58,24 @@ std::string reportText(const Json& json)
     wroteText(files);
 }
 
-/// The name that a step's files have, by what the step is.
-std::string stepName(const std::string& output, const std::string& ending, std::size_t number, Step& step)
+void runConvert(Session& session, const ConvertOptions& o, const std::string& commandLine)
 {
-  if (ending != ".pvd")
-  {
-    return numbered(output, number);
-  }
-  const char* const kind = step.volume != nullptr       ? ".vti"
-    : vtkPolyData::SafeDownCast(step.points) != nullptr ? ".vtp"
-                                                        : ".vtu";
-  return withSuffix(std::filesystem::path(output).replace_extension(kind), fmt::format("_{:03}", number)).string();
-}
-
-std::vector<std::size_t> stepsOf(const ConvertOptions& o, const Source& source, const std::string& ending)
-{
-  std::vector<std::size_t> steps;
-  if (!o.step.empty())
-  {
-    const auto number = toInteger(o.step);
-    if (!number || *number < 0 || *number >= static_cast<std::int64_t>(source.files.size()))
-    {
-      throw ParameterError(fmt::format("--step '{}' is none of the {} steps", o.step, source.files.size()),
-        fmt::format("steps count from 0 to {}", source.files.size() - 1));
-    }
-    return { static_cast<std::size_t>(*number) };
-  }
-  if (source.files.size() > 1 && ending != ".pvd" && !isPattern(o.output))
-  {
-    throw ParameterError(
-      fmt::format("'{}' is a series of {} steps, and '{}' one file", o.raw.picture.file, source.files.size(), o.output),
-      "choose one with --step NUMBER (from 0), or write -o NAME.pvd or a pattern such as -o NAME_%03d.vti");
-  }
-  for (std::size_t i = 0; i < source.files.size(); ++i)
-  {
-    steps.push_back(i);
-  }
-  return steps;
-}
-
-void convert(Session& session, const ConvertOptions& o, const std::string& commandLine)
-{
-  const auto start = Clock::now();
   H5dont_atexit(); // it would try once more to fill a disk that is full, and crash
   if (o.formats)
   {
     session.print(formatsText());
     return;
   }
-  const std::string& file = o.raw.picture.file;
-  if (file.empty() || o.output.empty())
+  const std::string& file = o.words.raw.picture.file;
+  if (file.empty() || o.words.output.empty())
   {
     throw ParameterError(file.empty() ? "FILE is missing" : "-o is missing",
       file.empty() ? "see lamella convert --help" : "add -o FILE; see lamella convert --help");
   }
-  const std::string ending = endingOf(o.output.c_str());
-  const Format& named = ending == ".pvd" ? formatOf("-o", "steps.vti") : formatOf("-o", o.output);
-  Reading reading{ o.raw, o.arrays, o.lossy };
-  (void)planOf(o, named, ending);
-  const Source source = findSource(file, reading);
-  const std::vector<std::size_t> steps = stepsOf(o, source, ending);
-  const bool several = steps.size() > 1;
-
-  Json json;
-  json["file"] = file;
-  json["format"] = source.format->name;
-  std::vector<std::string> names;
-  std::vector<std::string> stepNames;
-  std::vector<double> times;
-  std::vector<OutputFile> done;
-  std::vector<OutputFile> list;
-  if (ending == ".pvd")
-  {
-    list.emplace_back(o.output, o.common.overwrite);
-  }
-  std::optional<io::Provenance> run;
-  for (std::size_t i = 0; i < steps.size(); ++i)
-  {
-    Step step = source.open(steps[i], reading);
-    const std::string name = stepName(o.output, ending, several || ending == ".pvd" ? i : steps[i], step);
-    const Format& target = formatOf("-o", name);
-    Plan plan = planOf(o, target, endingOf(name.c_str()));
-    if (several && ending != ".pvd" && target.slices)
-    {
-      throw ParameterError(fmt::format("'{}' is a series of {} steps, and numbered pictures are the slices of a volume",
-                             file, steps.size()),
-        "choose one with --step NUMBER, or draw them with lamella snapshot");
-    }
-    requireKind(step, plan);
-    if (step.volume != nullptr)
-    {
-      prepareImage(session, step, plan);
-    }
-    else if (step.points != nullptr)
-    {
-      preparePoints(step, plan);
-    }
-    std::vector<OutputFile> files;
-    // Slices have the numbers of a pattern for themselves.
-    for (const std::string& one : target.files(target.slices ? o.output : name, step))
-    {
-      files.emplace_back(one, o.common.overwrite);
-    }
-    if (!run)
-    {
-      run = recordRun(commandLine, file, provenance(headOf(step)));
-    }
-    std::optional<double> time;
-    if (!source.times.empty())
-    {
-      time = source.times[steps[i]];
-    }
-    else if (const auto known = source.series ? fieldNumbers(headOf(step), "TimeValue") : std::vector<double>();
-             known.size() == 1)
-    {
-      time = known.front();
-    }
-    stamp(step, io::toJson(*run), time);
-    if (i == 0)
-    {
-      describeStep(json, step);
-    }
-    target.write({ session, step, files });
-    times.push_back(time.value_or(static_cast<double>(i)));
-    stepNames.push_back(std::filesystem::path(name).filename().string());
-    for (OutputFile& one : files)
-    {
-      names.push_back(one.path().string());
-      done.push_back(std::move(one));
-    }
-    Session::checkInterrupt();
-  }
-  for (OutputFile& one : list)
-  {
-    one.write(collectionText(stepNames, times));
-    names.push_back(one.path().string());
-  }
-  for (OutputFile& one : done)
-  {
-    one.commit();
-  }
-  for (OutputFile& one : list)
-  {
-    one.commit();
-  }
-  for (const std::string& warning : reading.warnings)
-  {
-    session.warn(warning);
-  }
-  json["steps"] = steps.size();
-  json["times"] = times;
-  json["files"] = names;
-  json["seconds"] = secondsSince(start);
-  printReport(session, o.common, json, *run, reportText);
+  ConversionWords words = o.words;
+  words.overwrite = o.common.overwrite;
+  const Converted done = convert(session, words, commandLine);
+  printReport(session, o.common, done.report, done.run, reportText);
 }
 
 } // namespace
@@ -631,27 +85,23 @@ Command convertCommand(CLI::App& root)
   CLI::App* app = root.add_subcommand(
     "convert", "From any format to any other: pictures, stacks, raw volumes, VTK, VTKHDF, tables, series");
   auto o = std::make_shared<ConvertOptions>();
-  app->add_option("FILE", o->raw.picture.file,
+  app->add_option("FILE", o->words.raw.picture.file,
     "What to convert: a file, a folder or pattern of slices, a .pvd, or a pattern of steps such as step_*.vti");
   const auto values = [](CLI::Option* option) { return option->group("Values"); };
-  values(app->add_option("--array", o->arrays, "Convert this array only; may be given several times"))
+  values(app->add_option("--array", o->words.arrays, "Convert this array only; may be given several times"))
     ->type_name("NAME")
     ->allow_extra_args(false);
-  values(app->add_option("--step", o->step, "Of a series: convert this step, counted from 0"))->type_name("NUMBER");
-  values(app->add_option("--type", o->type, "Write numbers as u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64"))
+  values(app->add_option("--step", o->words.step, "Of a series: convert this step, counted from 0"))
+    ->type_name("NUMBER");
+  values(app->add_option("--type", o->words.type, "Write numbers as u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64"))
     ->type_name("TYPE");
-  values(app->add_option("--range", o->range, "Map these values to the greys of u8, or of --type u16"))
+  values(app->add_option("--range", o->words.range, "Map these values to the greys of u8, or of --type u16"))
     ->type_name("LOW,HIGH");
-  values(app->add_flag("--lossy", o->lossy,
+  values(app->add_flag("--lossy", o->words.lossy,
     "Go on where something is lost: nearest values of --type, cells in a table, gaps in a series, transparency"));
-  addRawOptions(*app, o->raw.picture);
-  const auto sample = [](CLI::Option* option) { return option->group("Sample"); };
-  sample(app->add_option("--raw-type", o->raw.type, "Type of the numbers in a raw volume: u8, i16, f32 ..."))
-    ->type_name("TYPE");
-  sample(app->add_option("--raw-order", o->raw.order, "Byte order in a raw volume"))
-    ->type_name("little|big")
-    ->default_str("little");
-  addOutputOptions(*app, o->output, o->common,
+  addRawOptions(*app, o->words.raw.picture);
+  addRawTypeOptions(*app, o->words.raw);
+  addOutputOptions(*app, o->words.output, o->common,
     "File to write; its ending tells the format. A pattern such as slice_%04d.png for slices or steps");
   app->add_flag("--formats", o->formats, "List the formats and what they hold, and exit")->group("Report");
   addReportOptions(*app, o->common);
@@ -660,7 +110,7 @@ Command convertCommand(CLI::App& root)
       "lamella convert berea_400x400x400_u16.raw -o slices_%04d.png",
       "lamella convert heat_y.vti --array temperature --range 0,1 -o heat.png",
       "lamella convert torn.pvd -o torn_%03d.hdf", "lamella convert grains.csv -o grains.vtp" });
-  return aloneCommand(app, o, convert);
+  return aloneCommand(app, o, runConvert);
 }
 
 } // namespace lamella::cli

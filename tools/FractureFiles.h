@@ -119,8 +119,4 @@ struct KeptRun
 /// from the last checkpoint. @throws what `run` throws
 void runKept(Session& session, const CheckpointWords& words, const KeptRun& kept, const std::function<void()>& run);
 
-/// What ParaView reads as a time series.
-/// @param times of the files, made to rise by 1e-9 of themselves where they do not
-[[nodiscard]] std::string collectionText(const std::vector<std::string>& files, std::vector<double> times);
-
 } // namespace lamella::cli

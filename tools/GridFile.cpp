@@ -102,10 +102,18 @@ namespace lamella::cli
 {
 
 VtkMessages::VtkMessages()
+  : before_(vtkOutputWindow::GetInstance())
+  , verbosity_(vtkLogger::GetCurrentVerbosityCutoff())
 {
   vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF); // it would print them as well
   vtkNew<MessageWindow> messages;
   vtkOutputWindow::SetInstance(messages);
+}
+
+VtkMessages::~VtkMessages()
+{
+  vtkOutputWindow::SetInstance(before_);
+  vtkLogger::SetStderrVerbosity(static_cast<vtkLogger::Verbosity>(verbosity_));
 }
 
 std::vector<std::string> VtkMessages::takeErrors()

@@ -12,19 +12,29 @@
 
 class vtkDataObject;
 class vtkImageData;
+class vtkOutputWindow;
 
 /// VTK's files, with what VTK says about them turned into exceptions.
 namespace lamella::cli
 {
 
-/// Keeps what VTK would print: its errors become ours. Made once by main(), before anything of VTK.
+/// Keeps what VTK would print while it lives: its errors become ours. There is one at a time; main() makes one before
+/// anything of VTK.
 class VtkMessages
 {
 public:
   VtkMessages();
+  /// VTK prints again as it did.
+  ~VtkMessages();
+  VtkMessages(const VtkMessages&) = delete;
+  VtkMessages& operator=(const VtkMessages&) = delete;
   /// Errors since the last call, one line each, without VTK's file names and addresses.
   [[nodiscard]] static std::vector<std::string> takeErrors();
   [[nodiscard]] static std::vector<std::string> takeWarnings();
+
+private:
+  vtkSmartPointer<vtkOutputWindow> before_;
+  int verbosity_; ///< of VTK's logger
 };
 
 /// What a VTK class said went wrong, as an error of ours; its hint is kept where the message holds one.

@@ -4,9 +4,15 @@
 #include "JsonReport.h"
 #include "Record.h"
 #include "Text.h"
-#include "convert/VtkFiles.h"
+#include "convert/CheckpointTable.h"
+#include "convert/Conversion.h"
+#include "convert/Source.h"
 
+#include "GridReaders.h"
+#include "io/Checkpoint.h"
 #include "io/Provenance.h"
+#include "lattice/Error.h"
+#include "micrograph/Slices.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkAbstractArray.h>
@@ -34,7 +40,8 @@ namespace
 struct InfoOptions
 {
   CommonOptions common;
-  PictureOptions picture;
+  RawOptions raw;
+  std::string step;
 };
 
 Json number(double value)
@@ -113,16 +120,9 @@ Json fieldJson(vtkFieldData* data)
   return fields;
 }
 
-bool isHdf(const std::string& path)
+/// What is in data of VTK.
+Json gridJson(const std::string& path, vtkDataObject* data)
 {
-  const std::string ending = std::filesystem::path(path).extension().string();
-  return ending == ".hdf" || ending == ".vtkhdf";
-}
-
-/// What is in a .vti, .vtp, .vtu or VTKHDF file.
-Json gridJson(const std::string& path)
-{
-  const vtkSmartPointer<vtkDataObject> data = isHdf(path) ? wholeHdf(path).Get() : readGrid(path).Get();
   auto* set = vtkDataSet::SafeDownCast(data);
   Json json;
   json["file"] = path;
@@ -173,6 +173,67 @@ Json gridJson(const std::string& path)
   return json;
 }
 
+/// What is in a file that is read as `lamella convert` reads it.
+Json convertedJson(Session& session, const InfoOptions& o)
+{
+  ConversionWords words;
+  words.raw = o.raw;
+  words.step = o.step.empty() ? "0" : o.step;
+  words.lossy = true;
+  const Loaded loaded = load(session, words);
+  Json json = gridJson(o.raw.picture.file, loaded.data);
+  if (loaded.steps > 1)
+  {
+    json["steps"] = loaded.steps;
+    json["times"] = loaded.times.empty() ? Json(nullptr) : Json(loaded.times);
+  }
+  return json;
+}
+
+/// What is in the checkpoint of a run.
+Json checkpointJson(const std::string& path)
+{
+  const io::Checkpoint checkpoint = io::decode(io::readBytes(path), path);
+  Json json;
+  json["file"] = path;
+  json["kind"] = "checkpoint";
+  json["run"] = checkpoint.kind;
+  json["arrays"] = Json::array();
+  for (const auto& [name, array] : checkpoint.arrays)
+  {
+    const bool real = std::holds_alternative<std::vector<double>>(array.values);
+    json["arrays"].push_back({ { "name", name }, { "type", real ? "f64" : "i64" }, { "shape", array.shape },
+      { "unit", array.unit }, { "description", array.description } });
+  }
+  const Json record = Json::parse(checkpoint.provenance, nullptr, false);
+  json["provenance"] = record.is_object() ? record : Json(nullptr);
+  return json;
+}
+
+/// Does the file hold grey values or colours of 8 or 16 bits, which are counted?
+bool isPicture(const RawOptions& raw)
+{
+  const std::string ending = endingOf(raw.picture.file.c_str());
+  const auto anyOf = [&](std::initializer_list<const char*> list)
+  { return std::find(list.begin(), list.end(), ending) != list.end(); };
+  if (!anyOf({ ".tif", ".tiff", ".raw" }))
+  {
+    return !anyOf({ ".bin", ".mhd", ".mha", ".nhdr", ".nrrd", ".vti", ".vtp", ".vtu", ".pvd", ".hdf", ".vtkhdf", ".h5",
+      ".hdf5", ".csv" });
+  }
+  try
+  {
+    Reading reading{ raw, {}, true };
+    Step step = findSource(raw.picture.file, reading).open(0, reading);
+    const int type = onlyArray(step.volume->sample())->GetDataType();
+    return type == VTK_UNSIGNED_CHAR || type == VTK_UNSIGNED_SHORT;
+  }
+  catch (const Error&)
+  {
+    return true; // what is wrong is said where it is read
+  }
+}
+
 /// What is in a picture or volume.
 Json pictureJson(const PictureOptions& options)
 {
@@ -216,6 +277,27 @@ Json pictureJson(const PictureOptions& options)
   const Json text = Json::parse(carried, nullptr, false);
   json["provenance"] = text.is_object() ? text : Json(nullptr);
   return json;
+}
+
+/// What is in any file.
+Json anyJson(Session& session, const InfoOptions& o)
+{
+  const std::string& file = o.raw.picture.file;
+  const std::string ending = endingOf(file.c_str());
+  if (isPicture(o.raw))
+  {
+    return pictureJson(o.raw.picture);
+  }
+  if (ending == ".h5" || ending == ".hdf5")
+  {
+    requireFile(file);
+    if (isCheckpoint(file))
+    {
+      return checkpointJson(file);
+    }
+  }
+  const bool ofVtk = ending == ".vti" || ending == ".vtp" || ending == ".vtu";
+  return ofVtk && !micrograph::isSlicePattern(file) ? gridJson(file, readGrid(file)) : convertedJson(session, o);
 }
 
 std::string listText(const Json& list, const char* separator = ", ")
@@ -307,7 +389,18 @@ std::string infoText(const Json& json)
   {
     text += fmt::format(", {} points, {} cells", json["points"].get<std::int64_t>(), json["cells"].get<std::int64_t>());
   }
+  if (json.contains("run"))
+  {
+    text += " of a run (" + json["run"].get<std::string>() + ")";
+  }
   text += "\n";
+  if (json.contains("steps"))
+  {
+    const Json& times = json["times"];
+    text += fmt::format("steps: {}{}\n", json["steps"].get<std::int64_t>(),
+      times.is_null() ? ""
+                      : fmt::format(", at {:.7g} to {:.7g}", times.front().get<double>(), times.back().get<double>()));
+  }
   if (json.contains("greys"))
   {
     // All greys of a label picture; a coarse histogram of a scan.
@@ -353,6 +446,13 @@ std::string infoText(const Json& json)
         grouped(phase["nodes"].get<std::int64_t>()));
     }
   }
+  for (const Json& array : json.value("arrays", Json::array()))
+  {
+    const auto unit = array["unit"].get<std::string>();
+    text += fmt::format("  {:<16} {:<4} {}{}; {}\n", array["name"].get<std::string>(), array["type"].get<std::string>(),
+      listText(array["shape"], " × "), unit.empty() || unit == "1" ? "" : " " + unit,
+      array["description"].get<std::string>());
+  }
   if (json.contains("point_arrays"))
   {
     text += arraysText("arrays at points:\n", json["point_arrays"]);
@@ -378,8 +478,17 @@ Command infoCommand(CLI::App& root)
   CLI::App* app = root.add_subcommand(
     "info", "What is in a file: arrays, units, ranges, phases, grey values, pixel size, provenance");
   auto o = std::make_shared<InfoOptions>();
-  addFileOption(*app, o->picture);
-  addRawOptions(*app, o->picture);
+  app
+    ->add_option("FILE", o->raw.picture.file,
+      "Any file that lamella convert reads: a picture, a folder or pattern of slices, a volume, .vti, .hdf, .csv, .pvd "
+      "...")
+    ->required();
+  addRawOptions(*app, o->raw.picture);
+  addRawTypeOptions(*app, o->raw);
+  app->add_option("--step", o->step, "Of a series: look at this step, counted from 0")
+    ->type_name("NUMBER")
+    ->default_str("0")
+    ->group("Sample");
   app->add_flag("--json", o->common.json, "Print one JSON object to standard output, and nothing else")
     ->group("Report");
   addExamples(*app, { "lamella info tissue.png", "lamella info heat_y.vti --json" });
@@ -389,10 +498,7 @@ Command infoCommand(CLI::App& root)
       session.onRoot(
         [&]
         {
-          const std::string ending = std::filesystem::path(o->picture.file).extension().string();
-          const Json json = ending == ".vti" || ending == ".vtp" || ending == ".vtu" || isHdf(o->picture.file)
-            ? gridJson(o->picture.file)
-            : pictureJson(o->picture);
+          const Json json = anyJson(session, *o);
           if (!o->common.json && json.contains("warnings"))
           {
             for (const Json& warning : json["warnings"])

@@ -27,6 +27,7 @@ SECTIONS = (
     ("What results tell", (
         "pore_flood_fill", "stress_pdf", "crack_path", "compression_curve", "collapse_map", "PoreFloodFillResult",
         "StressPDFResult", "CrackPathResult", "CompressionCurveResult", "CollapseMapResult")),
+    ("Files", ("read", "read_steps", "write", "convert", "arrays")),
     ("Pictures and ParaView", ("snapshot", "load_plugin", "load_presets", "plugin_path", "use_preset")),
     ("Errors", ("LamellaError", "Cancelled")),
 )

@@ -1,4 +1,4 @@
-# The VTK modules, each a folder with a vtk.module file: solvers/vtk, filters, filters/rendering. Then their Python
+# The VTK modules, each a folder with a vtk.module file: solvers/vtk, filters, filters/rendering, tools/vtk. Then their Python
 # wrapping (build/python/lamella) and the ParaView plugin (build/lib/lamella).
 include(LamellaPython)
 
@@ -29,7 +29,7 @@ function(lamella_module)
 endfunction()
 
 set(_module_files)
-foreach(folder solvers/vtk filters filters/rendering)
+foreach(folder solvers/vtk filters filters/rendering tools/vtk)
   if(EXISTS "${CMAKE_CURRENT_SOURCE_DIR}/${folder}/vtk.module")
     list(APPEND _module_files "${CMAKE_CURRENT_SOURCE_DIR}/${folder}/vtk.module")
   endif()

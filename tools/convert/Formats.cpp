@@ -324,7 +324,7 @@ const std::vector<Format>& formats()
       writeVtp },
     { "VTK unstructured grid", { ".vtu" }, Mesh, Points, "all", true, false, false, inside, anything, openXmlFile,
       itself, writeVtu },
-    { "VTKHDF 1.0", { ".hdf", ".vtkhdf", ".h5", ".hdf5" }, Image | Mesh | Numbers, Volume3D | Points,
+    { "VTKHDF 1.0", { ".hdf", ".vtkhdf", ".h5", ".hdf5" }, Image | Mesh | Numbers, Image | Points,
       "all but bits and texts", true, true, false, inside, anyNumbers, openHdfFile, itself, writeVtkHdf },
     { "CSV", { ".csv" }, Image | Poly, Image | Points | Numbers, "all; whole numbers to 2^53", true, true, false,
       besideIt, anyNumbers, openCsv, withNotesBeside, writeCsv },

@@ -465,6 +465,16 @@ Named saidBy(const std::string& name)
 
 } // namespace
 
+void addRawTypeOptions(CLI::App& command, RawOptions& options)
+{
+  const auto sample = [](CLI::Option* option) { return option->group("Sample"); };
+  sample(command.add_option("--raw-type", options.type, "Type of the numbers in a raw volume: u8, i16, f32 ..."))
+    ->type_name("TYPE");
+  sample(command.add_option("--raw-order", options.order, "Byte order in a raw volume"))
+    ->type_name("little|big")
+    ->default_str("little");
+}
+
 RawLayout rawLayout(const std::string& path, const RawOptions& options)
 {
   const micrograph::ReadOptions read = readOptions(options.picture);
@@ -716,7 +726,7 @@ namespace
 template <typename Map>
 std::string wordFor(const Map& types, int type)
 {
-  const std::string name = typeName(type);
+  const std::string name = type == VTK_CHAR ? "i8" : type == VTK_ID_TYPE ? "i64" : typeName(type);
   for (const auto& [word, value] : types)
   {
     if (value == type || (typeName(value) == name && vtkDataArray::GetDataTypeSize(value) == bytesOf(type)))

@@ -41,6 +41,9 @@ struct RawOptions
   std::string order; ///< --raw-order
 };
 
+/// Declares --raw-type and --raw-order; addRawOptions() the others.
+void addRawTypeOptions(CLI::App& command, RawOptions& options);
+
 /// @throws InputError, ParameterError
 [[nodiscard]] RawLayout rawLayout(const std::string& path, const RawOptions& options);
 [[nodiscard]] RawLayout metaLayout(const std::string& path);

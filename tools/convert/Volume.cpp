@@ -162,7 +162,7 @@ vtkSmartPointer<vtkImageData> readAll(Session& session, Volume& volume)
   if (const auto free = static_cast<double>(availableMemory()); bytes > free)
   {
     throw MemoryError(fmt::format("the image takes {}, and {} are free", bytesText(bytes), bytesText(free)),
-      "write it as .vti, .hdf, .mhd, .nhdr, .raw or pictures, which takes a slab at a time");
+      "convert it instead, which takes a slab at a time");
   }
   session.progress(0, "reading");
   const auto image = volume.read(volume.extent()[4], volume.extent()[5]);

@@ -55,6 +55,7 @@ public:
     this->TheSession = session;
     this->TheVolume = volume;
   }
+  bool HasFailed() const { return this->Failure != nullptr; }
   /// What went wrong on the way, as it was. @throws it
   void Rethrow() const
   {
@@ -84,6 +85,12 @@ protected:
     vtkInformation* const out = outputs->GetInformationObject(0);
     int extent[6];
     out->Get(Pipeline::UPDATE_EXTENT(), extent);
+    // A sink that continues would ask for ever where this returned 0 (VTK 9.2): after a failure there are no arrays.
+    vtkImageData::GetData(out)->SetExtent(extent);
+    if (this->HasFailed())
+    {
+      return 1;
+    }
     try
     {
       Session::checkInterrupt();
@@ -98,7 +105,7 @@ protected:
     catch (...)
     {
       this->Failure = std::current_exception();
-      return 0;
+      return 1;
     }
   }
 
@@ -120,6 +127,12 @@ protected:
   vtkTypeBool ProcessRequest(
     vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs) override
   {
+    auto* const source = SlabSource::SafeDownCast(this->GetInputAlgorithm());
+    if (request->Has(vtkDemandDrivenPipeline::REQUEST_DATA()) != 0 && source != nullptr && source->HasFailed())
+    {
+      request->Remove(Pipeline::CONTINUE_EXECUTING());
+      return 0;
+    }
     const vtkTypeBool done = this->Superclass::ProcessRequest(request, inputs, outputs);
     if (request->Has(Pipeline::REQUEST_UPDATE_EXTENT()) != 0 && this->NumberOfPieces > 1)
     {
@@ -411,6 +424,11 @@ public:
     {
       this->numbers("Direction", H5T_NATIVE_DOUBLE, direction_);
     }
+    if (H5Aexists(root_, "axes") > 0)
+    {
+      this->numbers("axes", H5T_NATIVE_INT, axes_);
+      this->turnBack();
+    }
     if (extent_[1] < extent_[0] || extent_[3] < extent_[2] || extent_[5] < extent_[4])
     {
       damaged(path, "VTKHDF");
@@ -478,6 +496,31 @@ private:
     io::hdf5::good(H5Aread(attribute, type, to.data()));
   }
 
+  /// From the file's axes to the image's, as vtkVTKHDFWriter turned them.
+  void turnBack()
+  {
+    constexpr std::array<std::array<int, 3>, 3> turns{ { { 0, 1, 2 }, { 1, 0, 2 }, { 2, 0, 1 } } };
+    if (std::ranges::find(turns, axes_) == turns.end())
+    {
+      damaged(path_, "VTKHDF");
+    }
+    const auto extent = extent_;
+    const auto spacing = spacing_;
+    const auto direction = direction_;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const auto image = static_cast<std::size_t>(axes_[axis]);
+      extent_[2 * image] = extent[2 * axis];
+      extent_[2 * image + 1] = extent[2 * axis + 1];
+      spacing_[image] = spacing[axis];
+      for (std::size_t row = 0; row < 3; ++row)
+      {
+        const double value = direction[3 * row + axis];
+        direction_[3 * row + image] = axis == 0 && image == 1 && value != 0 ? -value : value;
+      }
+    }
+  }
+
   /// Points, or cells between them, along an axis.
   [[nodiscard]] hsize_t count(std::size_t axis, bool cells) const
   {
@@ -519,13 +562,14 @@ private:
       fmt::format("the array '{}' of '{}' does not have the shape of its image", name, path_), "look at what wrote it");
   }
 
-  /// Numbers along z, y and x; those of axes with one point left out unless `all`.
+  /// Numbers along z, y and x of the file; those of axes with one point left out unless `all`.
   [[nodiscard]] std::vector<hsize_t> shapeOf(bool cells, bool all, const std::array<hsize_t, 3>& xyz) const
   {
     std::vector<hsize_t> shape;
-    for (const std::size_t axis : { 2, 1, 0 })
+    for (std::size_t place = 3; place-- > 0;)
     {
-      if (all || this->count(axis, cells) > 1 || (axis == 0 && shape.empty()))
+      const auto axis = static_cast<std::size_t>(axes_[place]);
+      if (all || this->count(axis, cells) > 1 || (place == 0 && shape.empty()))
       {
         shape.push_back(xyz[axis]);
       }
@@ -564,6 +608,7 @@ private:
   std::array<double, 3> origin_{};
   std::array<double, 3> spacing_{};
   std::array<double, 9> direction_{ 1, 0, 0, 0, 1, 0, 0, 0, 1 };
+  std::array<int, 3> axes_{ 0, 1, 2 }; ///< which axis of the image each of the file is
   std::vector<Set> sets_;
 };
 
@@ -617,16 +662,6 @@ Step openHdf(const std::string& path)
   requireSoundCells(grid, path);
   describeArrays(grid, header.described);
   return { .points = grid };
-}
-
-vtkSmartPointer<vtkDataSet> wholeHdf(const std::string& path)
-{
-  const Step step = openHdf(path);
-  if (step.volume == nullptr)
-  {
-    return step.points;
-  }
-  return step.volume->read(step.volume->extent()[4], step.volume->extent()[5]);
 }
 
 namespace

@@ -29,9 +29,6 @@ struct Step
 /// @throws InputError: no HDF5, no VTKHDF, a newer version, another type of data
 [[nodiscard]] Step openHdf(const std::string& path);
 
-/// All that a file holds, an image too, as one grid. @throws as these
-[[nodiscard]] vtkSmartPointer<vtkDataSet> wholeHdf(const std::string& path);
-
 /// Writes a .vti, in pieces of one slab each where it is larger than that. @throws OutputError; Cancelled
 void writeXmlImage(Session& session, Volume& volume, const OutputFile& file);
 /// @throws OutputError; InputError for what the format has no place for; Cancelled

@@ -4,8 +4,8 @@
 #include "scenes/Movie.h"
 #include "scenes/StageCheckpoint.h"
 
+#include "Collection.h"
 #include "CommandLine.h"
-#include "FractureFiles.h"
 #include "GridFile.h"
 #include "JsonReport.h"
 #include "OutputFile.h"

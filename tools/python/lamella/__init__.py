@@ -15,7 +15,8 @@ It is a thin layer: every function sets up one of the VTK classes that the packa
 ``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkMicrographContours``,
 ``vtkMicrographLattice``, ``vtkSteadyDiffusion``, ``vtkLatticeBoltzmann``, ``vtkFluxMap``, ``vtkPoreFloodFill``,
 ``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondDynamics``, ``vtkBondStiffness``, ``vtkPointCompression``,
-``vtkPointStiffness``, ``vtkStressPDF``, ``vtkCrackPath``, ``vtkCompressionCurve``, ``vtkCollapseMap`` ...),
+``vtkPointStiffness``, ``vtkStressPDF``, ``vtkCrackPath``, ``vtkCompressionCurve``, ``vtkCollapseMap``,
+``vtkFileConverter`` ...),
 runs it and hands its output out as numpy arrays.
 
 Arrays of a picture have the picture's order, ``[row, column]`` with row 0 at the top; arrays of a volume are
@@ -30,6 +31,7 @@ if "OMP_WAIT_POLICY" not in _os.environ:
 
 from .vtkLamellaSolversVTK import *  # noqa: F401,F403 - the VTK classes
 from .vtkLamellaFilters import *  # noqa: F401,F403
+from .vtkLamellaConvert import *  # noqa: F401,F403
 
 try:
     from .vtkLamellaRendering import *  # noqa: F401,F403
@@ -42,6 +44,7 @@ else:
 from ._collapse import CollapseMapResult, CompressionCurveResult, collapse_map, compression_curve
 from ._compression import CompressionResult, PointState, PointStiffnessResult, compression, point_stiffness
 from ._contours import Contours, LatticeSample, contours, read_polygons
+from ._convert import arrays, convert, read, read_steps, write
 from ._cracks import CrackPathResult, crack_path
 from ._dynamics import DynamicsResult, MotionState, dynamics
 from ._equilibrium import BondStressResult, EquilibriumResult, bond_stress, equilibrium
@@ -96,6 +99,7 @@ __all__ = [
     "StressPDFResult",
     "TransientResult",
     "TransientState",
+    "arrays",
     "bond_stress",
     "bridges",
     "checkerboard",
@@ -103,6 +107,7 @@ __all__ = [
     "compression",
     "compression_curve",
     "contours",
+    "convert",
     "crack_path",
     "diffusion",
     "disks",
@@ -121,13 +126,16 @@ __all__ = [
     "plugin_path",
     "point_stiffness",
     "pore_flood_fill",
+    "read",
     "read_packing",
     "read_picture",
     "read_polygons",
+    "read_steps",
     "snapshot",
     "softwood",
     "spheres",
     "stiffness",
     "stress_pdf",
     "use_preset",
+    "write",
 ]

@@ -74,28 +74,32 @@ def to_image(phase, spacing, name="phase", copy=None):
 
     The image shares the memory of the numbers where its layout allows it: ``copy`` as of from_array().
     """
-    if not (np.isscalar(spacing) and np.isreal(spacing) and np.isfinite(spacing) and spacing > 0):
-        raise ValueError(f"spacing is {spacing!r}; give the distance of two nodes in metres, above 0")
     remedy = "give whole numbers: values.astype(numpy.uint8)" if name == "phase" else "give real numbers"
-    given = checked(phase, name, remedy)
-    if given.ndim not in (2, 3) or given.size == 0:
-        raise ValueError(f"an array of shape {given.shape} is neither a picture nor a volume; give rows by columns, or z by y by x")
-    values = given
+    values = given = checked(phase, name, remedy)
     if name != "phase" and values.dtype.kind != "u":
         values = values.astype(float, copy=False)
     elif values.dtype.kind == "f":
         raise ValueError(f"phases are whole numbers, not {values.dtype}; {remedy}")
-    if name == "phase" and values.dtype != np.uint8 and values.min() >= 0 and values.max() < 256:
+    if name == "phase" and values.dtype != np.uint8 and values.size > 0 and values.min() >= 0 and values.max() < 256:
         values = values.astype(np.uint8)
     if copy is False and not np.shares_memory(values, phase):
         raise ValueError(f"{name} needs a copy: its type is {np.asarray(phase).dtype}; give numpy.uint8, or say copy=None")
-    ordered = in_vtk_order(values, values.ndim)
-    nz, ny, nx = ordered.shape if ordered.ndim == 3 else (1, *ordered.shape)
+    return image_of(values, spacing, name, copy=copy)
+
+
+def image_of(values, spacing, name, tail=(), copy=None):
+    """An image with a point array of numbers in the order of pictures, whose last axes ``tail`` are the components."""
+    shape = values.shape[: values.ndim - len(tail)]
+    if not (np.isscalar(spacing) and np.isreal(spacing) and np.isfinite(spacing) and spacing > 0):
+        raise ValueError(f"spacing is {spacing!r}; give the distance of two nodes in metres, above 0")
+    if len(shape) not in (2, 3) or values.size == 0:
+        raise ValueError(f"an array of shape {values.shape} is neither a picture nor a volume; give rows by columns, or z by y by x")
+    nz, ny, nx = shape if len(shape) == 3 else (1, *shape)
     image = vtkImageData()
     image.SetDimensions(nx, ny, nz)
     image.SetSpacing(spacing, spacing, spacing)
     image.SetOrigin(spacing / 2, spacing / 2, spacing / 2 if nz > 1 else 0)
-    image.GetPointData().SetScalars(to_vtk(ordered, name, copy=copy))
+    image.GetPointData().SetScalars(to_vtk(in_vtk_order(values, len(shape)), name, tail, copy))
     return image
 
 

@@ -81,8 +81,6 @@ class ImageBase(_arrays.FieldData):
         path = _files.new_path(path, overwrite)
         with _files.replacing(path) as part:
             if path.endswith((".hdf", ".vtkhdf")):
-                if len(self.shape) == 2:
-                    raise ValueError("ParaView 5.11 crashes on pictures in VTKHDF; save a picture as .vti")
                 writer = vtkVTKHDFWriter()
             else:
                 writer = vtkXMLImageDataWriter()

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Protocol, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
-__all__ = ["Any", "Array", "ArrayLike", "Columns", "HasImage", "Image", "Mapping", "Name", "Names", "OnStep", "Pairs", "Path", "Progress", "Sequence"]
+__all__ = ["Any", "Array", "ArrayLike", "Columns", "HasImage", "Image", "Iterator", "Mapping", "Name", "Names", "OnStep", "Pairs", "Path", "Progress", "Sequence"]
 
 
 class HasImage(Protocol):

@@ -1,0 +1,308 @@
+"""lamella.read, write and convert: every pair of formats, on pictures, volumes and points, in one process."""
+
+import gzip
+import itertools
+import os
+import tempfile
+import unittest
+
+import lamella
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkDataArray, vtkPoints, vtkStringArray
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkMultiBlockDataSet, vtkPolyData
+from vtkmodules.vtkIOHDF import vtkHDFReader
+
+IMAGES = ("png", "tif", "raw", "mhd", "mha", "nhdr", "nrrd", "vti", "hdf", "csv")
+REALS = IMAGES[1:]
+POINTS = ("vtp", "vtu", "hdf", "csv")
+
+
+def counted(shape, dtype):
+    """Numbers that hardly two places share; real ones need all their digits."""
+    count = np.arange(int(np.prod(shape)))
+    if np.dtype(dtype).kind == "f":
+        return (np.sin(count) / 3).astype(dtype).reshape(shape)
+    return (count * 977 % (int(np.iinfo(dtype).max) + 1)).astype(dtype).reshape(shape)
+
+
+def column(name, values, unit="Pa"):
+    array = numpy_to_vtk(values, deep=True)
+    array.SetName(name)
+    array.GetInformation().Set(vtkDataArray.UNITS_LABEL(), unit)
+    return array
+
+
+def with_fields(data):
+    texts = vtkStringArray()
+    texts.SetName("who")
+    for text in ('Grün & "quoted"', "two"):
+        texts.InsertNextValue(text)
+    data.GetFieldData().AddArray(texts)
+    data.GetFieldData().AddArray(column("strain", np.array([0.1, 1 / 3])))
+    return data
+
+
+def image(shape, dtype, tail=()):
+    """An image with an array, at a place of its own."""
+    data = vtkImageData()
+    data.SetDimensions((*shape[::-1], 1)[:3])
+    data.SetSpacing(4e-6, 5e-6, 6e-6)
+    data.SetOrigin(0.1, 1 / 3, -7)
+    data.GetPointData().AddArray(column("grain", counted((int(np.prod(shape)), *tail), dtype)))
+    return with_fields(data)
+
+
+def points():
+    data = vtkPolyData()
+    places, vertices = vtkPoints(), vtkCellArray()
+    places.SetDataTypeToDouble()
+    for i in range(20):
+        vertices.InsertNextCell(1, [places.InsertNextPoint(i / 3, i * i / 7, -i)])
+    data.SetPoints(places)
+    data.SetVerts(vertices)
+    data.GetPointData().AddArray(column("radius", counted(20, "f8")))
+    data.GetPointData().AddArray(column("force", counted((20, 3), "f4"), "N"))
+    data.GetPointData().AddArray(column("contacts", counted(20, "i4")))
+    return with_fields(data)
+
+
+class Files(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def path(self, *names):
+        return os.path.join(self.folder, *names)
+
+    def same(self, back, data, what):
+        """To the bit, with place, types, units and field data."""
+        if isinstance(data, vtkImageData):
+            for get in ("GetDimensions", "GetSpacing", "GetOrigin"):
+                self.assertEqual(getattr(back, get)(), getattr(data, get)(), what)
+            self.assertTrue(back.GetDirectionMatrix().IsIdentity(), what)
+        else:
+            self.assertEqual(back.GetNumberOfCells(), data.GetNumberOfCells(), what)
+            np.testing.assert_array_equal(*([one.GetPoint(i) for i in range(20)] for one in (back, data)))
+        self.assertEqual(back.GetPointData().GetNumberOfArrays(), data.GetPointData().GetNumberOfArrays(), what)
+        for name, values in lamella.arrays(data).items():
+            found = lamella.arrays(back)[name]
+            self.assertEqual((found.dtype, found.tobytes()), (values.dtype, values.tobytes()), f"{what}: {name}")
+            units = [one.GetPointData().GetArray(name).GetInformation().Get(vtkDataArray.UNITS_LABEL()) for one in (back, data)]
+            self.assertEqual(units[0], units[1], what)
+        fields = back.GetFieldData()
+        self.assertEqual([fields.GetAbstractArray("who").GetValue(i) for i in range(2)], ['Grün & "quoted"', "two"], what)
+        self.assertEqual([fields.GetArray("strain").GetValue(i) for i in range(2)], [0.1, 1 / 3], what)
+        self.assertIn("lamella", fields.GetAbstractArray("provenance").GetValue(0), what)
+
+    def through_every_pair(self, data, formats, slices=False):
+        def file(folder, ending):
+            os.makedirs(self.path(folder), exist_ok=True)
+            return self.path(folder, ("v_%02d." if slices and ending == "png" else "v.") + ending)
+
+        for ending in formats:
+            lamella.write(data, file(ending, ending))
+        for before, after in itertools.product(formats, repeat=2):
+            into = file(f"{before}-{after}", after)
+            lamella.convert(file(before, before), into)
+            self.same(lamella.read(into), data, f"{before} to {after}")
+
+
+class RoundTrips(Files):
+    def test_pictures(self):
+        for dtype in ("u1", "u2"):
+            with self.subTest(dtype):
+                self.folder = tempfile.mkdtemp(dir=self.folder)
+                self.through_every_pair(image((5, 7), dtype), IMAGES)
+
+    def test_pictures_of_real_numbers(self):
+        self.through_every_pair(image((5, 7), "f4"), REALS)
+
+    def test_volumes(self):
+        self.through_every_pair(image((5, 3, 4), "u2"), IMAGES, slices=True)
+
+    def test_volumes_of_real_numbers(self):
+        self.through_every_pair(image((5, 3, 4), "f8"), REALS)
+
+    def test_volumes_of_vectors(self):
+        self.through_every_pair(image((5, 3, 4), "f4", (3,)), [name for name in REALS if name != "tif"])
+
+    def test_colours(self):
+        self.through_every_pair(image((5, 7), "u1", (3,)), IMAGES)
+
+    def test_volumes_of_whole_numbers_of_any_type(self):
+        for dtype in ("i1", "i2", "i4", "u4", "i8"):
+            with self.subTest(dtype):
+                self.folder = tempfile.mkdtemp(dir=self.folder)
+                self.through_every_pair(image((2, 3, 4), dtype), ["tif", "raw", "mha", "nrrd", "vti", "hdf", "csv"])
+
+    def test_points(self):
+        self.through_every_pair(points(), POINTS)
+
+    def test_flat_volumes(self):
+        flat = image((5, 1, 4), "f8")
+        self.through_every_pair(flat, ["raw", "mha", "nrrd", "vti", "hdf"])
+
+
+class VtkHdf(Files):
+    def test_pictures_are_read_by_paraview(self):
+        for shape in ((5, 7), (5, 1, 7)):  # flat along z, and along y
+            data = image(shape, "f4")
+            data.GetPointData().AddArray(column("flux", counted((35, 3), "f8")))
+            path = self.path(f"picture{len(shape)}.hdf")
+            lamella.write(data, path)
+            reader = vtkHDFReader()
+            reader.SetFileName(path)
+            reader.Update()
+            back = reader.GetOutputDataObject(0)
+            self.assertEqual(sorted(back.GetDimensions()), sorted(data.GetDimensions()))
+            self.assertEqual(back.GetDimensions()[0], 1)
+            for name in ("grain", "flux"):  # in the order of VTK
+                before, after = (vtk_to_numpy(one.GetPointData().GetArray(name)) for one in (data, back))
+                self.assertEqual((after.dtype, after.tobytes()), (before.dtype, before.tobytes()))
+            # Each point is where it was, once a copy follows the direction; sums of three products round.
+            copy = vtkImageData()
+            copy.ShallowCopy(back)
+            places = [[one.GetPoint(i) for i in range(35)] for one in (copy, data)]
+            np.testing.assert_allclose(*places, rtol=1e-15, atol=1e-20)
+
+    def test_what_its_reader_cannot_take(self):
+        with self.assertRaisesRegex(lamella.LamellaError, "single line of points.*\\.vti"):
+            lamella.write(image((1, 7), "u1"), self.path("x.hdf"))
+        self.assertEqual(os.listdir(self.folder), [])
+
+
+class Arrays(Files):
+    def test_numpy_arrays_go_through_files(self):
+        picture = np.arange(35, dtype=np.uint16).reshape(5, 7)
+        self.assertEqual(lamella.write(picture, self.path("a.png"), spacing=5e-7, name="grain"), [self.path("a.png")])
+        data = lamella.read(self.path("a.png"))
+        self.assertEqual(data.GetSpacing()[:2], (5e-7, 5e-7))
+        np.testing.assert_array_equal(lamella.arrays(data)["grain"], picture)
+        volume = counted((2, 3, 4), "f8")
+        lamella.write(volume, self.path("v.nrrd"))
+        np.testing.assert_array_equal(lamella.arrays(lamella.read(self.path("v.nrrd")))["values"], volume)
+        colours = counted((5, 7, 3), "u1")
+        lamella.write(colours, self.path("c.png"), vectors=True)
+        np.testing.assert_array_equal(next(iter(lamella.arrays(lamella.read(self.path("c.png"))).values())), colours)
+
+    def test_samples_and_results(self):
+        tissue = lamella.softwood(size=(40, 30), spacing=5e-7, seed=3)
+        lamella.write(tissue, self.path("t.tif"))
+        back = lamella.read(self.path("t.tif"))
+        np.testing.assert_array_equal(lamella.arrays(back)["phase"], tissue.phase)
+        result = lamella.diffusion(back, {"wall": 1, "lumen": 0.1}, "x")
+        self.assertAlmostEqual(result.effective[0, 0], lamella.diffusion(tissue, {"wall": 1, "lumen": 0.1}, "x").effective[0, 0], 12)
+        lamella.write(result, self.path("t.csv"), array="temperature")
+        self.assertEqual(list(lamella.arrays(lamella.read(self.path("t.csv")))), ["temperature"])
+
+    def test_types_and_ranges(self):
+        values = np.linspace(0, 1, 24).reshape(4, 6)
+        lamella.write(values, self.path("a.png"), range=(0, 1))
+        greys = next(iter(lamella.arrays(lamella.read(self.path("a.png"))).values()))
+        np.testing.assert_array_equal(greys, np.floor(values * 255 + 0.5))
+        lamella.write(values, self.path("a.raw"), type="f32", lossy=True)
+        self.assertEqual(np.fromfile(self.path("a.raw"), "f4").tobytes(), values[::-1].astype("f4").tobytes())
+
+    def test_raw_volumes(self):
+        values = counted((2, 3, 4), ">i2")
+        values.tofile(self.path("v.raw"))
+        raw = {"raw_size": (4, 3, 2), "raw_type": "i16", "raw_order": "big", "pixel_size": 1e-6}
+        data = lamella.read(self.path("v.raw"), **raw)
+        np.testing.assert_array_equal(lamella.arrays(data)["grey"], values)
+        self.assertEqual(lamella.convert(self.path("v.raw"), self.path("v.vti"), **raw), [self.path("v.vti")])
+        np.testing.assert_array_equal(lamella.arrays(lamella.read(self.path("v.vti")))["grey"], values)
+        self.assertEqual(lamella.read(self.path("v.vti")).GetSpacing(), (1e-6,) * 3)
+
+
+class Series(Files):
+    def test_steps(self):
+        for i in (0, 1, 2):
+            data = image((2, 3, 4), "f8")
+            data.GetFieldData().AddArray(column("TimeValue", np.array([0.1 * i])))
+            data.GetPointData().GetArray(0).SetValue(0, i)
+            lamella.write(data, self.path(f"s_{i}.vti"))
+        files = lamella.convert(self.path("s_*.vti"), self.path("t.pvd"))
+        self.assertEqual([os.path.basename(name) for name in files], ["t_000.vti", "t_001.vti", "t_002.vti", "t.pvd"])
+        times = []
+        for number, (time, data) in enumerate(lamella.read_steps(self.path("t.pvd"))):
+            times.append(time)
+            self.assertEqual(lamella.arrays(data)["grain"][0, 0, 0], number)
+        self.assertEqual(times, [0, 0.1, 0.2])
+        with self.assertRaisesRegex(lamella.LamellaError, r"is a series of 3 steps \(choose one with step NUMBER"):
+            lamella.read(self.path("t.pvd"))
+        self.assertEqual(lamella.arrays(lamella.read(self.path("t.pvd"), step=2))["grain"][0, 0, 0], 2)
+        with self.assertRaisesRegex(lamella.LamellaError, "step '3' is none of the 3 steps"):
+            lamella.read(self.path("t.pvd"), step=3)
+
+
+class Mistakes(Files):
+    def test_they_are_told_in_words_of_python(self):
+        data = image((4, 6), "f8")
+        data.GetPointData().AddArray(column("more", counted(24, "f8")))
+        with self.assertRaisesRegex(lamella.LamellaError, "holds 2 arrays .* takes one .choose one with array NAME"):
+            lamella.write(data, self.path("a.png"))
+        with self.assertRaisesRegex(lamella.LamellaError, "range LOW,HIGH"):
+            lamella.write(data, self.path("a.png"), array="more")
+        with self.assertRaisesRegex(lamella.LamellaError, "did you mean 'more'"):
+            lamella.write(data, self.path("a.vti"), array="mere")
+        with self.assertRaisesRegex(lamella.LamellaError, "there is no file"):
+            lamella.read(self.path("nothing.vti"))
+        with self.assertRaisesRegex(lamella.LamellaError, "has no ending of a format that is known"):
+            lamella.write(data, self.path("a.xyz"))
+        with self.assertRaisesRegex(lamella.LamellaError, "a vtkMultiBlockDataSet cannot be written"):
+            lamella.write(vtkMultiBlockDataSet(), self.path("a.vti"))
+        with self.assertRaisesRegex(ValueError, "neither a picture nor a volume"):
+            lamella.write(np.zeros(3), self.path("a.vti"))
+        with self.assertRaisesRegex(ValueError, "pixel_size is -1"):
+            lamella.read(self.path("a.png"), pixel_size=-1)
+        self.assertEqual(os.listdir(self.folder), [])
+
+    def test_damaged_files(self):
+        for ending in ("vti", "vtp", "vtu", "hdf", "png", "tif", "mha", "nrrd", "csv", "pvd"):
+            for content in (b"", b"not at all", b"<VTKFile type='ImageData'>", bytes(300)):
+                with open(self.path("bad." + ending), "wb") as file:
+                    file.write(content)
+                with self.assertRaises(lamella.LamellaError, msg=f"{ending}: {content[:20]}"):
+                    lamella.read(self.path("bad." + ending))
+
+    def test_a_volume_that_ends_in_its_third_slab(self):
+        head = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 512 512 256\nencoding: gzip\n\n"
+        with open(self.path("v.nrrd"), "wb") as file:
+            file.write(head + gzip.compress(bytes(40 * 2**20)))
+        for ending in ("vti", "hdf", "mha", "tif"):
+            with self.assertRaisesRegex(lamella.LamellaError, "v.nrrd. is truncated: its packed values end"):
+                lamella.convert(self.path("v.nrrd"), self.path("x." + ending))
+        self.assertEqual(os.listdir(self.folder), ["v.nrrd"])
+
+    def test_nothing_is_overwritten_without_leave(self):
+        lamella.write(np.zeros((3, 3)), self.path("a.vti"))
+        with self.assertRaisesRegex(lamella.LamellaError, "'.*a.vti' exists already .*overwrite"):
+            lamella.write(np.ones((3, 3)), self.path("a.vti"))
+        self.assertEqual(lamella.arrays(lamella.read(self.path("a.vti")))["values"].max(), 0)
+        lamella.write(np.ones((3, 3)), self.path("a.vti"), overwrite=True)
+        self.assertEqual(lamella.arrays(lamella.read(self.path("a.vti")))["values"].max(), 1)
+
+    def test_cancelling_leaves_nothing(self):
+        np.zeros(2**25, np.uint8).tofile(self.path("v_512x256x256_u8.raw"))
+        shares = []
+
+        def stop(share, _):
+            shares.append(share)
+            return share < 0.4
+
+        def fail(*_):
+            raise KeyError("mine")
+
+        for ending in ("vti", "hdf", "mha"):
+            with self.assertRaises(lamella.Cancelled):
+                lamella.convert(self.path("v_512x256x256_u8.raw"), self.path("x." + ending), progress=stop)
+            with self.assertRaisesRegex(KeyError, "mine"):
+                lamella.convert(self.path("v_512x256x256_u8.raw"), self.path("x." + ending), progress=fail)
+        self.assertTrue(all(0 <= share <= 1 for share in shares))
+        self.assertEqual(os.listdir(self.folder), ["v_512x256x256_u8.raw"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=["files"], verbosity=2)
