@@ -61,7 +61,7 @@ double value(const std::string& option, const std::string& text, const std::stri
   return *found;
 }
 
-/// Phases that the sample does not have are slips here; the filter would ignore them.
+/// Phases that the sample does not have are slips: told with their option.
 void checkNames(const PointOptions& o, const std::vector<std::string>& names)
 {
   const auto check = [&](const std::string& option, const std::string& name)

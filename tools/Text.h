@@ -1,5 +1,7 @@
 #pragma once
 
+#include "lattice/Suggestion.h"
+
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -12,17 +14,6 @@
 /// Reading what users type, and telling them what they probably meant. Everything throws ParameterError.
 namespace lamella::cli
 {
-
-/// The candidate that is fewest edits (insert, delete, replace, swap of neighbours) away from `word`, where that is few
-/// enough to be a slip: at most a third of its letters, and at least one letter right.
-[[nodiscard]] std::optional<std::string> closest(std::string_view word, std::span<const std::string> candidates);
-
-/// "did you mean 'X'?" where something is close, else `otherwise`.
-[[nodiscard]] std::string suggestion(
-  std::string_view word, std::span<const std::string> candidates, std::string_view otherwise);
-
-/// 'a', 'b' or 'c'; of a long list the first 16 and how many there are besides
-[[nodiscard]] std::string quotedList(std::span<const std::string> words, std::string_view last = "or");
 
 [[nodiscard]] std::vector<std::string> split(std::string_view text, char separator);
 

@@ -156,6 +156,7 @@ BondScene::BondScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInform
   team.agree(
     [&]
     {
+      requireVoids(phases_, settings.materials.voids);
       model_ = modelFrom(settings, lattice().dimension);
       slab_ = pd::slab(lattice(), pd::Stencil(lattice().dimension, model_.horizon), Communicator(team.comm()));
     });

@@ -3,6 +3,7 @@
 #include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
+#include "lattice/Suggestion.h"
 #include "pores/PoreLabelling.h"
 
 #include "vtkArrayDispatch.h"
@@ -17,6 +18,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <set>
 #include <sstream>
@@ -258,6 +260,10 @@ PhaseIds phaseIds(vtkDataSet* piece, const std::function<vtkDataArray*()>& find,
     const bool known = value >= 0 && static_cast<std::size_t>(value) < named.size();
     result.names.push_back(known ? named[static_cast<std::size_t>(value)] : std::to_string(value));
   }
+  result.known = result.names;
+  std::copy_if(named.begin(), named.end(), std::back_inserter(result.known),
+    [&](const std::string& name)
+    { return std::find(result.names.begin(), result.names.end(), name) == result.names.end(); });
   return result;
 }
 
@@ -288,6 +294,22 @@ std::uint8_t findVoid(const PhaseIds& phases, const std::string& wanted, const s
     throw ParameterError("'" + wanted + "' is no phase of this image", "choose one of its phases: " + there);
   }
   return static_cast<std::uint8_t>(found);
+}
+
+void requirePhase(const PhaseIds& phases, const std::string& name, const std::string& message)
+{
+  if (std::find(phases.known.begin(), phases.known.end(), name) == phases.known.end())
+  {
+    throw ParameterError(message, suggestion(name, phases.known, "its phases are " + quotedList(phases.known, "and")));
+  }
+}
+
+void requireVoids(const PhaseIds& phases, const std::vector<std::string>& voids)
+{
+  for (const std::string& name : voids)
+  {
+    requirePhase(phases, name, "'" + name + "' is to be void, but is no phase of this image");
+  }
 }
 
 std::vector<double> conductivityById(const PhaseIds& phases, const std::map<std::string, double>& table,

@@ -26,6 +26,7 @@ struct PhaseIds
   std::vector<std::uint8_t> own;     ///< holds the ids where they had to be converted
   std::vector<std::int64_t> values;  ///< by id: the value in the array
   std::vector<std::string> names;    ///< by id: the phase's name, or its value as text
+  std::vector<std::string> known;    ///< the same, and behind them the named phases that the array does not hold
 };
 
 /// Collective. The array that `choice` (vtkAlgorithm::GetInputArrayInformation) names, checked in the order present,
@@ -44,6 +45,12 @@ struct PhaseIds
 /// @throws ParameterError for a phase that the image does not know; where none has such a name
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::uint8_t findVoid(
   const PhaseIds& phases, const std::string& wanted, const std::string& what);
+
+/// @throws ParameterError with this message, and a hint that says what was probably meant, where there is no such phase
+void requirePhase(const PhaseIds& phases, const std::string& name, const std::string& message);
+
+/// @throws ParameterError for a phase that is to be void and that the image does not know
+void requireVoids(const PhaseIds& phases, const std::vector<std::string>& voids);
 
 /// Conductivity, or another number that is not negative, by id from a table by name or value.
 /// @param nodes by id, how many nodes have it in the whole image; phases without nodes need no conductivity

@@ -150,6 +150,12 @@ PointScene::PointScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInfo
 
 void PointScene::findVoids()
 {
+  requireVoids(phases_, settings_.voids);
+  for (const auto& [name, constants] : settings_.ofPhase)
+  {
+    requirePhase(phases_, name,
+      fmt::format("'{}' is given for '{}', which is no phase of this image", nameOf(constants.begin()->first), name));
+  }
   const std::vector<std::string>& names = phases_.names;
   void_.assign(nodes_.size(), false);
   for (std::size_t id = 0; id < names.size(); ++id)

@@ -117,8 +117,8 @@ public:
   ///@{
   /**
    * A constant of one phase: young, transverse, poisson, transverse-poisson, shear, barrier, yield, hardening or
-   * density. An empty name is ignored (an empty row in a panel), and so is a phase that the image does not know. The
-   * update fails for another constant.
+   * density. An empty name is ignored (an empty row in a panel). The update fails for another constant, and for a phase
+   * that the image does not know.
    */
   void SetPhaseConstant(const char* phase, const char* constant, double value);
   void RemoveAllPhaseConstants();

@@ -29,7 +29,10 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** Phases that are void: without bonds, without points. An empty name is ignored (an empty row in a panel). */
+  /**
+   * Phases that are void: without bonds, without points. An empty name is ignored (an empty row in a panel); the update
+   * fails for a phase that the image does not know.
+   */
   void AddVoid(const char* phase);
   void RemoveAllVoids();
   ///@}

@@ -11,6 +11,7 @@
 #include "vtkPointStiffness.h"
 
 #include "vtkInformation.h"
+#include "vtkIntArray.h"
 #include "vtkOutputWindow.h"
 #include "vtkPolyData.h"
 
@@ -195,7 +196,6 @@ TEST_F(Points, LawsByPhaseAndAxis)
   filter->SetYoungsModulus(14.4e9);
   EXPECT_NEAR(modulus() / standard, 2, 1e-9);
   filter->SetPhaseConstant("wall", "young", 3.6e9);
-  filter->SetPhaseConstant("no such phase", "yield", 1);
   filter->SetPhaseConstant("wall", "density", 500);
   EXPECT_NEAR(modulus() / standard, 0.5, 1e-9);
   filter->RemoveAllPhaseConstants();
@@ -407,6 +407,9 @@ TEST_F(Points, MistakesAreTold)
         points(image, "axis")->SetComponent(0, 0, nan);
       },
       vtkPointAlgorithm::INPUT_FAILURE },
+    { "'viod' is to be void, but is no phase of this image", [](auto* f, auto*) { f->AddVoid("viod"); } },
+    { "'young' is given for 'wal', which is no phase of this image\nhint: did you mean 'wall'?",
+      [](auto* f, auto*) { f->SetPhaseConstant("wal", "young", 5e9); } },
     { "all 168 nodes are void",
       [](auto* f, auto*)
       {
@@ -431,6 +434,25 @@ TEST_F(Points, MistakesAreTold)
     EXPECT_EQ(filter->GetFailure(), mistake.failure);
     EXPECT_EQ(filter->GetCurve()->GetNumberOfRows(), 0);
   }
+}
+
+// Arrays of other whole numbers than bytes have only the phases that they hold; a name that no node has is no slip.
+TEST_F(Points, PhasesWithoutNodesAreKnown)
+{
+  const auto image = wallsOf(12, 14, 1, [](int, int, int) { return 1; });
+  vtkNew<vtkIntArray> phase;
+  phase->DeepCopy(points(image, "phase"));
+  image->GetPointData()->RemoveArray("phase");
+  image->GetPointData()->AddArray(phase);
+  vtkNew<vtkPointStiffness> filter;
+  filter->SetInputData(image);
+  filter->AddVoid("lumen");
+  filter->SetPhaseConstant("lumen", "young", 1e9);
+  EXPECT_EQ(errorOf(filter), "");
+  filter->AddVoid("0");
+  EXPECT_NE(errorOf(filter).find("'0' is to be void, but is no phase of this image\nhint: its phases are 'wall' and "
+                                 "'lumen'"),
+    std::string::npos);
 }
 
 TEST_F(Points, ThinWallsAreTold)
