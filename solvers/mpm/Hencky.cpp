@@ -24,7 +24,7 @@ template <int Dim>
 Eigen::Matrix3d inSpace(const Matrix<Dim>& F, const double* history)
 {
   Eigen::Matrix3d m = Eigen::Matrix3d::Identity();
-  m(2, 2) = std::exp(history[Hencky::thirdStrain]);
+  m(2, 2) = Hencky::thirdStretch(history);
   for (int i = 0; i < Dim; ++i)
     for (int j = 0; j < Dim; ++j)
       m(i, j) = F(i, j);
@@ -50,6 +50,14 @@ Principal principal(const Eigen::Matrix3d& m)
 Eigen::Matrix3d spectral(const Eigen::Vector3d& values, const Eigen::Matrix3d& direction)
 {
   return direction * values.asDiagonal() * direction.transpose();
+}
+
+template <int Dim>
+Eigen::Matrix3d kirchhoffInSpace(const double* c, const Matrix<Dim>& F, const double* history)
+{
+  const Principal p = principal(inSpace(F, history));
+  const double all = c[0] * p.strain.sum() + VolumeBarrier::kirchhoff(c[2], p.volume());
+  return spectral((2 * c[1] * p.strain.array() + all).matrix(), p.direction);
 }
 
 } // namespace
@@ -78,9 +86,17 @@ void Hencky::flow(const double* c, Matrix<Dim>& F, const Vector<Dim>& /*axis*/, 
 template <int Dim>
 Matrix<Dim> Hencky::kirchhoff(const double* c, const Matrix<Dim>& F, const Vector<Dim>& /*axis*/, const double* history)
 {
-  const Principal p = principal(inSpace(F, history));
-  const double all = c[0] * p.strain.sum() + VolumeBarrier::kirchhoff(c[2], p.volume());
-  return part<Dim>(spectral((2 * c[1] * p.strain.array() + all).matrix(), p.direction));
+  return part<Dim>(kirchhoffInSpace(c, F, history));
+}
+
+double Hencky::thirdStress(const double* c, const Matrix<2>& F, const Vector<2>& /*axis*/, const double* history)
+{
+  return kirchhoffInSpace(c, F, history)(2, 2);
+}
+
+double Hencky::thirdStretch(const double* history)
+{
+  return std::exp(history[thirdStrain]);
 }
 
 template <int Dim>

@@ -33,6 +33,10 @@ struct Hencky
   template <int Dim>
   [[nodiscard]] static Matrix<Dim> kirchhoff(
     const double* c, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history);
+  /// Of plane strain: along the third direction.
+  [[nodiscard]] static double thirdStress(
+    const double* c, const Matrix<2>& F, const Vector<2>& axis, const double* history);
+  [[nodiscard]] static double thirdStretch(const double* history);
   /// The elastic part [J/m³].
   template <int Dim>
   [[nodiscard]] static double energy(

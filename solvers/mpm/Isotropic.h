@@ -34,6 +34,12 @@ struct Isotropic
     return tau;
   }
 
+  /// The third stretch is 1: what is left are λ and the barrier.
+  [[nodiscard]] static double thirdStress(const double* c, const Matrix<2>& F, const Vector<2>& /*axis*/)
+  {
+    return c[0] * (trace(productTransposed(F, rotation(F))) - 2) + VolumeBarrier::kirchhoff(c[2], determinant(F));
+  }
+
   template <int Dim, class Real>
   [[nodiscard]] static Real energy(const Real* c, const Matrix<Dim, Real>& F, const Vector<Dim, Real>& /*axis*/)
   {

@@ -16,8 +16,10 @@ namespace lamella::mpm
 /// - `constants`: numbers of a phase, which every function gets as an array c of Real;
 /// - `history`: numbers that a point remembers beside F (0 for elastic laws). Where it is not 0 the law also has
 ///   flow(c, F, axis, history), called once after F was updated and before the stress, which may change both; the
-///   functions below then take the history as well, and are of doubles only;
+///   functions below then take the history as well, and are of doubles only; and thirdStretch(history), the stretch
+///   along a plane's third direction that belongs to F;
 /// - kirchhoff: Kirchhoff stress τ = J σ [Pa], symmetric, by rows;
+/// - thirdStress: of plane strain, the Kirchhoff stress along the third direction [Pa] (double only);
 /// - energy: elastic energy over initial volume [J/m³], whose derivative gives τ exactly;
 /// - stiffness: an upper bound of L:(dτ + …):L / |L|² over all velocity gradients L [Pa], for the time step (double
 /// only).
@@ -42,6 +44,11 @@ struct NeoHookean
     for (int i = 0; i < Dim; ++i)
       tau(i, i) = tau(i, i) + pressure;
     return tau;
+  }
+
+  [[nodiscard]] static double thirdStress(const double* c, const Matrix<2>& F, const Vector<2>& /*axis*/)
+  {
+    return c[0] * std::log(determinant(F));
   }
 
   template <int Dim, class Real>

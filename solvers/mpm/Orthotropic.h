@@ -21,8 +21,8 @@ namespace lamella::mpm
 struct Orthotropic
 {
   static constexpr LawKind kind = LawKind::Orthotropic;
-  /// [Pa] In a plane C₁₁ (along the axis), C₂₂, C₁₂, G₁₂, 0; in space λ, μ, α, δ, β. Then the greatest ρ₀c² of a wave
-  /// in the unstrained material, and κ of the barrier.
+  /// [Pa] In a plane C₁₁ (along the axis), C₂₂, C₁₂ (= C₁₃), G₁₂, C₂₃; in space λ, μ, α, δ, β. Then the greatest ρ₀c²
+  /// of a wave in the unstrained material, and κ of the barrier.
   static constexpr int constants = 7;
   static constexpr int wave = 5;
   static constexpr int barrier = 6;
@@ -37,6 +37,14 @@ struct Orthotropic
       return inPlane(c, F, axis, volume);
     else
       return inSpace(c, F, axis, volume);
+  }
+
+  /// The third stretch is 1, so R does not turn it: C₁₃ e₁₁ + C₂₃ e₂₂ on the wall's axes, and the barrier.
+  [[nodiscard]] static double thirdStress(const double* c, const Matrix<2>& F, const Vector<2>& axis)
+  {
+    const Matrix<2> e = lessIdentity(transposedProduct(rotation(F), F));
+    const double along = axis[0] * axis[0] * e(0, 0) + 2 * axis[0] * axis[1] * e(0, 1) + axis[1] * axis[1] * e(1, 1);
+    return c[2] * along + c[4] * (trace(e) - along) + VolumeBarrier::kirchhoff(c[barrier], determinant(F));
   }
 
   template <int Dim, class Real>

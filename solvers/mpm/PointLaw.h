@@ -21,6 +21,13 @@ enum class LawKind : std::uint8_t
   Hencky ///< no kernels
 };
 
+/// What a plane takes the third direction for. Space has no choice.
+enum class PlaneState
+{
+  Stress, ///< free: no stress along it
+  Strain  ///< held: no strain along it
+};
+
 /// The law of every phase, seen one point at a time. F by rows, `axis` the wall's direction at the start (unit vector).
 template <int Dim>
 class PointLaw
@@ -37,6 +44,12 @@ public:
   /// @param history what the point remembers: history() numbers, here and below
   [[nodiscard]] virtual Matrix<Dim> kirchhoff(
     std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history = nullptr) const = 0;
+  /// Kirchhoff stress along a plane's third direction [Pa]; 0 in plane stress, and in space, where kirchhoff() has it.
+  [[nodiscard]] virtual double thirdStress(
+    std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history = nullptr) const = 0;
+  /// Stretch along a plane's third direction that belongs to F: det F times it is the volume over that at the start. 1
+  /// of elastic laws, and in space.
+  [[nodiscard]] virtual double thirdStretch(const double* history = nullptr) const = 0;
   /// Elastic energy over initial volume [J/m³].
   [[nodiscard]] virtual double energy(
     std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history = nullptr) const = 0;
@@ -53,8 +66,9 @@ class PointLawOf final : public PointLaw<Dim>
 {
 public:
   using Constants = std::array<double, Law::constants>;
-  explicit PointLawOf(std::vector<Constants> byPhase)
+  PointLawOf(std::vector<Constants> byPhase, PlaneState plane)
     : byPhase_(std::move(byPhase))
+    , plane_(plane)
   {
   }
   [[nodiscard]] LawKind kind() const noexcept override { return Law::kind; }
@@ -75,6 +89,23 @@ public:
       (void)history;
       return Law::template kirchhoff<Dim, double>(constants(phase), F, axis);
     }
+  }
+  [[nodiscard]] double thirdStress(
+    std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history) const override
+  {
+    if constexpr (Dim == 3)
+      return 0;
+    else if constexpr (Law::history > 0)
+      return Law::thirdStress(constants(phase), F, axis, history);
+    else
+      return plane_ == PlaneState::Strain ? Law::thirdStress(constants(phase), F, axis) : 0;
+  }
+  [[nodiscard]] double thirdStretch(const double* history) const override
+  {
+    if constexpr (Dim == 2 && Law::history > 0)
+      return Law::thirdStretch(history);
+    else
+      return 1;
   }
   [[nodiscard]] double energy(
     std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history) const override
@@ -108,13 +139,17 @@ public:
 
 private:
   std::vector<Constants> byPhase_;
+  PlaneState plane_;
 };
 
 /// @param byPhase constants of each phase, of phase 0 (even if it is empty) first; a single set is that of all phases
+/// @param plane that the constants are of: it tells the third stress of elastic laws. Laws with a history have plane
+/// strain only
 template <int Dim, class Law>
-[[nodiscard]] std::shared_ptr<const PointLaw<Dim>> makeLaw(std::vector<std::array<double, Law::constants>> byPhase)
+[[nodiscard]] std::shared_ptr<const PointLaw<Dim>> makeLaw(
+  std::vector<std::array<double, Law::constants>> byPhase, PlaneState plane = PlaneState::Stress)
 {
-  return std::make_shared<PointLawOf<Dim, Law>>(std::move(byPhase));
+  return std::make_shared<PointLawOf<Dim, Law>>(std::move(byPhase), plane);
 }
 
 } // namespace lamella::mpm

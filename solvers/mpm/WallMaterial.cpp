@@ -115,7 +115,7 @@ std::array<double, Orthotropic::constants> orthotropicConstants(
   const double barrier = m.barrier * std::max(c(0, 0), c(1, 1));
   const double wave = greatestWave(c(0, 0), c(1, 1), c(0, 1), shear);
   if constexpr (Dim == 2)
-    return { c(0, 0), c(1, 1), c(0, 1), shear, 0, wave, barrier };
+    return { c(0, 0), c(1, 1), c(0, 1), shear, c(1, 2), wave, barrier };
   else
   {
     const double lambda = c(1, 2);

@@ -12,13 +12,6 @@
 namespace lamella::mpm
 {
 
-/// What a plane takes the third direction for. Space has no choice.
-enum class PlaneState
-{
-  Stress, ///< free: no stress along it
-  Strain  ///< held: no strain along it
-};
-
 struct IsotropicMaterial
 {
   double youngsModulus = 7.2e9; ///< E [Pa]

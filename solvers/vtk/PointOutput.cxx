@@ -123,11 +123,12 @@ void setPointState(vtkPolyData* output, const mpm::PointCompression<Dim>& run, c
     if (arrays.stress)
     {
       const mpm::Matrix<Dim> tau = law.kirchhoff(p.phase()[i], F, axis, memory.data());
+      const double third = law.thirdStress(p.phase()[i], F, axis, memory.data());
       const double J = mpm::determinant(F);
       for (int c = 0; c < 6; ++c)
       {
         const auto [a, b] = stressPlaces[static_cast<std::size_t>(c)];
-        stress->SetTypedComponent(to, c, a < Dim && b < Dim ? tau(a, b) / J : 0);
+        stress->SetTypedComponent(to, c, (a < Dim && b < Dim ? tau(a, b) : a == b ? third : 0) / J);
       }
     }
     for (int c = 0; c < 9 && arrays.deformationGradient; ++c)
@@ -149,7 +150,7 @@ void setPointState(vtkPolyData* output, const mpm::PointCompression<Dim>& run, c
   describe(phase, "1", "phase of the point", creator);
   describe(displacement, "m", "from the start", creator);
   describe(velocity, "m/s", "half a step ago", creator);
-  describe(stress, "Pa", "Cauchy's, tension positive; of a picture zz, yz, xz are 0", creator);
+  describe(stress, "Pa", "Cauchy's, tension positive; of a picture yz and xz are 0, in plane stress zz too", creator);
   describe(gradient, "1", "by rows; of walls that yield its elastic part, of a picture zz is 1", creator);
   describe(energy, "J/m^3", "elastic, over the volume at the start", creator);
   setVertices(output, places);

@@ -407,9 +407,9 @@ std::shared_ptr<const mpm::PointLaw<Dim>> PointScene::law() const
       orthotropic.push_back(mpm::orthotropicConstants<Dim>(m, plane_, name));
     }
   }
-  return law_ == WallLaw::Isotropic ? mpm::makeLaw<Dim, mpm::Isotropic>(isotropic)
+  return law_ == WallLaw::Isotropic ? mpm::makeLaw<Dim, mpm::Isotropic>(isotropic, plane_)
     : law_ == WallLaw::Plastic      ? mpm::makeLaw<Dim, mpm::Hencky>(plastic)
-                                    : mpm::makeLaw<Dim, mpm::Orthotropic>(orthotropic);
+                                    : mpm::makeLaw<Dim, mpm::Orthotropic>(orthotropic, plane_);
 }
 
 nlohmann::json PointScene::describe(vtkDataObject* output) const

@@ -2,6 +2,7 @@
 #include "PointChance.h"
 
 #include "lattice/Error.h"
+#include "mpm/NeoHookean.h"
 
 #include <gtest/gtest.h>
 
@@ -452,6 +453,36 @@ TEST(PointLaws, RefusesWhatIsNotPositiveDefinite)
   EXPECT_NO_THROW((void)flat(0.5, PlaneState::Stress));
   EXPECT_THROW((void)henckyConstants({ plain, 0, 0 }), ParameterError);
   EXPECT_THROW((void)henckyConstants({ plain, 1, -1 }), ParameterError);
+}
+
+// In plane strain the stress along the third direction is that of the law in space, F's third stretch being 1: to
+// round-off, which the barrier's high powers and Newton's iteration for R make larger than 1e-16. In plane stress it is
+// 0.
+TEST(PointLaws, ThirdStressOfPlaneStrainIsThatOfSpace)
+{
+  constexpr IsotropicMaterial even{ .youngsModulus = 8e9, .poissonsRatio = 0.35 };
+  const auto flat = makeLaw<2, Isotropic>({ isotropicConstants<2>(even, PlaneState::Strain) }, PlaneState::Strain);
+  const auto deep = makeLaw<3, Isotropic>({ isotropicConstants<3>(even) });
+  const auto flatWall =
+    makeLaw<2, Orthotropic>({ orthotropicConstants<2>(wall, PlaneState::Strain) }, PlaneState::Strain);
+  const auto deepWall = makeLaw<3, Orthotropic>({ orthotropicConstants<3>(wall) });
+  const auto flatRubber = makeLaw<2, NeoHookean>({ { 2e9, 1e9 } }, PlaneState::Strain);
+  const auto deepRubber = makeLaw<3, NeoHookean>({ { 2e9, 1e9 } });
+  const auto thin = makeLaw<2, Orthotropic>({ orthotropicConstants<2>(wall, PlaneState::Stress) }, PlaneState::Stress);
+  Chance<2> chance;
+  for (int trial = 0; trial < 50; ++trial)
+  {
+    const Matrix<2> f = chance.deformation(0.6, 1.4);
+    const Matrix<3> g{ { f(0, 0), f(0, 1), 0, f(1, 0), f(1, 1), 0, 0, 0, 1 } };
+    const Vector<2> axis = chance.direction();
+    const Vector<3> axisInSpace{ { axis[0], axis[1], 0 } };
+    constexpr double tolerance = 1e-11 * 8e9;
+    EXPECT_NEAR(flat->thirdStress(0, f, axis), deep->kirchhoff(0, g, axisInSpace)(2, 2), tolerance);
+    EXPECT_NEAR(flatWall->thirdStress(0, f, axis), deepWall->kirchhoff(0, g, axisInSpace)(2, 2), tolerance);
+    EXPECT_NEAR(flatRubber->thirdStress(0, f, axis), deepRubber->kirchhoff(0, g, axisInSpace)(2, 2), tolerance);
+    EXPECT_EQ(thin->thirdStress(0, f, axis), 0);
+    EXPECT_EQ(deepWall->thirdStress(0, g, axisInSpace), 0);
+  }
 }
 
 } // namespace

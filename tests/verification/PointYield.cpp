@@ -119,6 +119,8 @@ TEST(PointYield, PlasticPlaneStrainIsThatOfSpace)
     EXPECT_NEAR(flat[2], deep[2], 1e-12 * deep[2]);
     EXPECT_NEAR(Hencky::kirchhoff(c.data(), f, x, flat)(0, 1), Hencky::kirchhoff(c.data(), g, y, deep)(0, 1),
       1e-11 * plain.youngsModulus);
+    EXPECT_NEAR(Hencky::thirdStress(c.data(), f, x, flat), Hencky::kirchhoff(c.data(), g, y, deep)(2, 2),
+      1e-11 * plain.youngsModulus);
   }
   EXPECT_GT(flat[0], 0.01);
 }
