@@ -730,6 +730,12 @@ class Bonds(unittest.TestCase):
         self.assertTrue(np.isnan(uniform.strain_rate))
         with self.assertRaisesRegex(lamella.LamellaError, "is above the stable one"):
             lamella.dynamics(sample, young, density, **breaks, step=2 * torn.stable_step)
+        with self.assertRaisesRegex(lamella.LamellaError, "'glu' is no phase of this sample") as caught:
+            lamella.dynamics(sample, young, {"glu": 1200}, **whole, end_time=1e-9)
+        self.assertEqual(caught.exception.hint, "did you mean 'glue'?")
+        with self.assertRaisesRegex(lamella.LamellaError, "'glu-stone' is no phase or pair of phases of this sample") as caught:
+            lamella.fracture(sample, young, toughness={"glu-stone": 1e5})
+        self.assertEqual(caught.exception.hint, "did you mean 'glue-stone'?")
         with self.assertRaisesRegex(lamella.LamellaError, "there is no side 'top'"):
             lamella.dynamics(sample, young, density, **whole, velocities={"top": (0, 1)}, end_time=1e-9)
         with self.assertRaisesRegex(ValueError, "give 36 by 24 by 2 numbers"):

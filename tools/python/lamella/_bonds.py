@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from difflib import get_close_matches
+
 import numpy as np
 
 from . import _arrays
-from ._errors import choose
+from ._errors import LamellaError, choose
 from ._samples import ImageBase
 from ._types import Array
 
@@ -100,8 +102,27 @@ def _pair(name):
     return "-".join(map(str, name)) if isinstance(name, tuple) else str(name)
 
 
+def check_names(image, names, pairs=True):
+    """Raises LamellaError for names that fit no phase of the image, and no pair of its phases: the solver leaves them out, so
+    that rows of ParaView's panels suit samples of several kinds; in a script they are slips."""
+    known = _arrays.texts(image, "phase_names")
+
+    def fits(name):
+        return not known or name in known or name.isdigit()  # values that the table has no name for
+
+    for name in names:
+        cuts = [i for i, letter in enumerate(name) if letter == "-"] if pairs else []
+        if not fits(name) and not any(fits(name[:i]) and fits(name[i + 1 :]) for i in cuts):
+            words = [*known, *(f"{a}-{b}" for a in known for b in known)] if pairs else known
+            close = get_close_matches(name, words, 1)
+            listed = "its phases are " + ", ".join(map(repr, known))
+            message = f"{name!r} is no phase{' or pair of phases' if pairs else ''} of this sample"
+            raise LamellaError(message, f"did you mean {close[0]!r}?" if close else listed)
+
+
 def set_bonds(
     algorithm,
+    image,
     young=None,
     fracture_energy=None,
     toughness=None,
@@ -128,8 +149,10 @@ def set_bonds(
         (algorithm.SetCriticalStretch, critical_stretch),
     )
     for setter, table in tables:
+        check_names(image, map(_pair, table or {}))
         for pair, value in (table or {}).items():
             setter(_pair(pair), float(value))
+    check_names(image, map(_pair, like or {}))
     for pair, other in (like or {}).items():
         algorithm.SetLike(_pair(pair), _pair(other))
     algorithm.SetRelativeTo("" if relative_to is None else _pair(relative_to))

@@ -6,7 +6,7 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays
-from ._bonds import set_bonds, set_load
+from ._bonds import check_names, set_bonds, set_load
 from ._breaks import BreakResult, BrokenState, run_breaks
 from ._samples import ImageBase
 from ._solve import as_image
@@ -220,8 +220,9 @@ def dynamics(
         raise TypeError("dynamics() takes no strains: its forces are exact for large ones")
     solve = vtkBondDynamics()
     sample = as_image(image)
-    set_bonds(solve, young, fracture_energy, toughness, critical_stretch, **bonds)
+    set_bonds(solve, sample, young, fracture_energy, toughness, critical_stretch, **bonds)
     if isinstance(density, dict):
+        check_names(sample, map(str, density), pairs=False)
         for phase, value in density.items():
             solve.SetPhaseDensity(str(phase), float(value))
     else:

@@ -155,8 +155,9 @@ def equilibrium(
     threads       0: all cores
     """
     solve = vtkBondEquilibrium()
-    solve.SetInputData(as_image(image))
-    set_bonds(solve, young, fracture_energy, toughness, critical_stretch, **bonds)
+    sample = as_image(image)
+    solve.SetInputData(sample)
+    set_bonds(solve, sample, young, fracture_energy, toughness, critical_stretch, **bonds)
     set_load(solve, _LOADS, load, axis, smooth_platens, rigid_platens, platen_layers, tolerance, stress, strain_energy)
     solve.SetStrain(float(strain))
     solve.SetLateralStrain(float(lateral_strain))
@@ -196,11 +197,12 @@ def bond_stress(
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
     """
     stress = vtkBondStress()
-    stress.SetInputData(as_image(image))
+    sample = as_image(image)
+    stress.SetInputData(sample)
     stress.SetModelFromInput(young is None)
     if young is None and set(bonds) - {"threads"}:
         raise ValueError("the model comes with the image unless young is given")
-    set_bonds(stress, young, **bonds)
+    set_bonds(stress, sample, young, **bonds)
     stress.SetComputeStrainEnergy(bool(strain_energy))
     run(stress, progress)
     return BondStressResult(stress.GetOutput())

@@ -169,8 +169,9 @@ def fracture(
     if "strains" in bonds:
         raise TypeError("fracture() takes no strains: quasi-static fracture is linear")
     solve = vtkBondFracture()
-    solve.SetInputData(as_image(image))
-    set_bonds(solve, young, fracture_energy, toughness, critical_stretch, **bonds)
+    sample = as_image(image)
+    solve.SetInputData(sample)
+    set_bonds(solve, sample, young, fracture_energy, toughness, critical_stretch, **bonds)
     set_load(solve, LOADS, load, axis, smooth_platens, rigid_platens, platen_layers, tolerance, stress, strain_energy)
     solve.SetLateralRatio(float(lateral_ratio))
     solve.SetMethod(choose(_METHODS, method, "method"))

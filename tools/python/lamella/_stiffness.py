@@ -168,8 +168,9 @@ def stiffness(
         raise TypeError(f"stiffness() takes no {', '.join(sorted(set(bonds) - known))}: strains are small, every side "
                         "is periodic, nothing breaks")
     solve = vtkBondStiffness()
-    solve.SetInputData(as_image(image))
-    set_bonds(solve, young, **bonds)
+    sample = as_image(image)
+    solve.SetInputData(sample)
+    set_bonds(solve, sample, young, **bonds)
     solve.SetEstimateError(bool(estimate_error))
     solve.SetTolerance(float(tolerance))
     solve.SetMaximumIterations(int(max_iterations))
