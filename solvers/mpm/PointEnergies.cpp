@@ -82,7 +82,12 @@ std::array<double, 2> PointDynamics<Dim>::volumes() const
 {
   using Points = MaterialPoints<Dim>;
   const auto volume = points_.column(Points::volumes);
-  return { sumOver([&](std::size_t p) { return volume[p] * determinant(points_.matrix(Points::deformations, p)); }),
+  return { sumOver(
+             [&](std::size_t p)
+             {
+               return volume[p] * determinant(points_.matrix(Points::deformations, p)) *
+                 law_->thirdStretch(points_.memory(p).data());
+             }),
     sumOver([&](std::size_t p) { return volume[p]; }) };
 }
 

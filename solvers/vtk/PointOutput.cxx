@@ -120,11 +120,12 @@ void setPointState(vtkPolyData* output, const mpm::PointCompression<Dim>& run, c
     const mpm::Matrix<Dim> F = p.matrix(Points::deformations, i);
     const mpm::Vector<Dim> axis = p.vector(Points::axes, i);
     const auto memory = p.memory(i);
+    const double thirdStretch = law.thirdStretch(memory.data());
     if (arrays.stress)
     {
       const mpm::Matrix<Dim> tau = law.kirchhoff(p.phase()[i], F, axis, memory.data());
       const double third = law.thirdStress(p.phase()[i], F, axis, memory.data());
-      const double J = mpm::determinant(F);
+      const double J = mpm::determinant(F) * thirdStretch;
       for (int c = 0; c < 6; ++c)
       {
         const auto [a, b] = stressPlaces[static_cast<std::size_t>(c)];
@@ -135,7 +136,7 @@ void setPointState(vtkPolyData* output, const mpm::PointCompression<Dim>& run, c
     {
       const int a = c / 3;
       const int b = c % 3;
-      gradient->SetTypedComponent(to, c, a < Dim && b < Dim ? F(a, b) : (a == b ? 1 : 0));
+      gradient->SetTypedComponent(to, c, a < Dim && b < Dim ? F(a, b) : (a == b ? thirdStretch : 0));
     }
     if (arrays.energyDensity)
     {
@@ -151,7 +152,8 @@ void setPointState(vtkPolyData* output, const mpm::PointCompression<Dim>& run, c
   describe(displacement, "m", "from the start", creator);
   describe(velocity, "m/s", "half a step ago", creator);
   describe(stress, "Pa", "Cauchy's, tension positive; of a picture yz and xz are 0, in plane stress zz too", creator);
-  describe(gradient, "1", "by rows; of walls that yield its elastic part, of a picture zz is 1", creator);
+  describe(gradient, "1", "by rows; of walls that yield its elastic part; of a picture zz is 1, or the elastic part's",
+    creator);
   describe(energy, "J/m^3", "elastic, over the volume at the start", creator);
   setVertices(output, places);
   vtkPointData* const data = output->GetPointData();

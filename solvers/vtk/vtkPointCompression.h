@@ -14,7 +14,8 @@
  * over the volume at the start [J/m³]).
  *
  * Of a picture YZ and XZ of the stress are 0; ZZ is 0 in plane stress, in plane strain what holds the third direction.
- * The third diagonal entry of the deformation gradient is 1. Of walls that yield the gradient is the elastic part. The time of a state is its strain.
+ * The third diagonal entry of the deformation gradient is 1. Of walls that yield the gradient is the elastic part, the
+ * third entry too. The time of a state is its strain.
  *
  * **Output 1**, curve: vtkTable, a row at even strains: `strain` (1 − H/H₀), `stress` [Pa] (means over half a row
  * before and after), `imbalance` [Pa], `lateral_stress` [Pa], `lateral_strain`, `porosity`, `elastic_energy`,
