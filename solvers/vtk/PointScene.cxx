@@ -219,27 +219,35 @@ void PointScene::shareOut()
 
 void PointScene::measureWalls()
 {
-  // runs through walls cross the ranks' rows: a byte a node is little beside the points, so the first rank has them all
-  const Block none{ { 0, 0, 0 }, { 0, 0, 0 } };
-  const Block needed = team_.rank() == 0 ? Block{ { 0, 0, 0 }, lattice_.size } : none;
-  const BoxExchange toFirst(lattice_, own_, needed, notPeriodic, team_.comm(), team_.size());
-  std::vector<std::uint8_t> all(toFirst.identity() ? 0 : static_cast<std::size_t>(needed.count()));
-  if (!toFirst.identity())
+  const auto last = static_cast<std::size_t>(lattice_.dimension) - 1;
+  std::vector<std::int32_t> least(phase_.size(), mpm::noRun);
+  for (std::size_t a = 0; a < last; ++a)
   {
-    toFirst.run<std::uint8_t>(phase_, all);
+    mpm::shortenRuns(own_.size, phase_, empty_, static_cast<int>(a), least);
   }
-  std::array<double, 2> found{};
-  team_.agree(
-    [&]
+  // runs along the last axis cross the ranks' rows: for these each rank takes a part of the lattice cut across x
+  Block columns{ { 0, 0, 0 }, lattice_.size };
+  columns.start[0] = lattice_.size[0] * team_.rank() / team_.size();
+  columns.size[0] = lattice_.size[0] * (team_.rank() + 1) / team_.size() - columns.start[0];
+  const BoxExchange across(lattice_, own_, columns, notPeriodic, team_.comm(), team_.size());
+  std::vector<std::uint8_t> phases(static_cast<std::size_t>(columns.count()));
+  across.run<std::uint8_t>(phase_, phases);
+  std::vector<std::int32_t> runs(least.size());
+  std::vector<std::int32_t> found(phases.size(), mpm::noRun);
+  mpm::shortenRuns(columns.size, phases, empty_, static_cast<int>(last), found);
+  const BoxExchange back(lattice_, columns, own_, notPeriodic, team_.comm(), team_.size());
+  back.run<std::int32_t>(found, runs);
+  std::vector<std::int64_t> nodes(
+    static_cast<std::size_t>(*std::max_element(lattice_.size.begin(), lattice_.size.end())));
+  for (std::size_t i = 0; i < least.size(); ++i)
+  {
+    if (const std::int32_t run = std::min(least[i], runs[i]); run != mpm::noRun)
     {
-      if (team_.rank() == 0)
-      {
-        const mpm::WallCells cells = mpm::wallCells(lattice_, toFirst.identity() ? phase_ : all, empty_, gridSpacing());
-        found = { cells.median, cells.thinShare };
-      }
-    });
-  team_.sum(std::span<double>(found));
-  cells_ = { found[0], found[1] };
+      ++nodes[static_cast<std::size_t>(run)];
+    }
+  }
+  team_.sum(nodes);
+  cells_ = mpm::wallCells(nodes, solidNodes_, lattice_.spacing / gridSpacing());
 }
 
 bool PointScene::solid(std::size_t id) const
