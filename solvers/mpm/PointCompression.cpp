@@ -1,12 +1,13 @@
 #include "mpm/PointCompression.h"
 
-#include "io/Provenance.h"
 #include "lattice/Error.h"
+#include "lattice/Mix.h"
 #include "lattice/Together.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -42,12 +43,18 @@ std::span<const double> valuesOf(const CompressionRow& row)
   return { reinterpret_cast<const double*>(&row), rowValues }; // NOLINT: a row of doubles
 }
 
-template <class T>
-std::string hashOf(std::span<const T> values)
+/// Of the points of all ranks, wherever they are and in any order: a sum over hashes of their numbers and of what `mix`
+/// puts to them. Collective.
+template <class Mix>
+std::string hashOf(std::span<const std::uint32_t> numbers, const Communicator& comm, Mix&& mix)
 {
-  io::Sha256 hash;
-  hash.update(std::as_bytes(values));
-  return hash.finish().substr(0, 16);
+  std::uint64_t sum = 0;
+  for (std::size_t p = 0; p < numbers.size(); ++p)
+    sum += mix(mixed(numbers[p]), p);
+  // in halves, which do not overflow
+  const auto low = static_cast<std::uint64_t>(comm.sum(static_cast<std::int64_t>(sum & 0xffffffffU)));
+  const auto high = static_cast<std::uint64_t>(comm.sum(static_cast<std::int64_t>(sum >> 32U)));
+  return fmt::format("{:016x}", low + (high << 32U));
 }
 
 /// Rank 0's text on every rank.
@@ -70,7 +77,8 @@ PointCompression<Dim>::PointCompression(
   const Communicator& comm = options_.motion.comm;
   together(comm, [this] { check(); });
   checkTouch(points);
-  scene_ = scene(points, *law);
+  if (!options_.checkpoint.path.empty() || !options_.continueFrom.empty())
+    scene_ = scene(points, *law);
   io::checkPlace(options_.checkpoint, comm);
   auto& motion = options_.motion;
   const int axis = options_.axis;
@@ -181,22 +189,24 @@ void PointCompression<Dim>::checkTouch(const MaterialPoints<Dim>& points) const
 }
 
 template <int Dim>
-std::string PointCompression<Dim>::scene(const MaterialPoints<Dim>& mine, const PointLaw<Dim>& law) const
+std::string PointCompression<Dim>::scene(const MaterialPoints<Dim>& points, const PointLaw<Dim>& law) const
 {
   const Communicator& comm = options_.motion.comm;
-  const MaterialPoints<Dim> all =
-    comm.parallel() ? PointRanks<Dim>(comm).gather(mine) : MaterialPoints<Dim>(); // on rank 0
-  const MaterialPoints<Dim>& points = comm.parallel() ? all : mine;
   std::string text;
   const auto line = [&](const char* name, const auto& value) { text += fmt::format("{}: {}\n", name, value); };
   const auto& o = options_;
   line("dimension", Dim);
-  line("points", points.count());
-  std::string columns;
-  for (int c = 0; c < points.columns(); ++c)
-    columns += hashOf(points.column(c));
-  line("what the points are", hashOf(std::span<const char>(columns)));
-  line("phases of the points", hashOf(points.phase()));
+  line("points", comm.sum(static_cast<std::int64_t>(points.count())));
+  line("what the points are",
+    hashOf(points.id(), comm,
+      [&](std::uint64_t hash, std::size_t p)
+      {
+        for (int c = 0; c < points.columns(); ++c)
+          hash = mixed(hash ^ std::bit_cast<std::uint64_t>(points.column(c)[p]));
+        return hash;
+      }));
+  line("phases of the points",
+    hashOf(points.id(), comm, [&](std::uint64_t hash, std::size_t p) { return mixed(hash ^ points.phase()[p]); }));
   line("law", static_cast<int>(law.kind()));
   for (std::size_t phase = 0; phase < law.phases(); ++phase)
     for (int c = 0; c < law.constantsCount(); ++c)
@@ -227,7 +237,7 @@ std::string PointCompression<Dim>::scene(const MaterialPoints<Dim>& mine, const 
   if (m.precision == Precision::Single)
     line("precision", "single");
   line("step", m.step ? fmt::format("{}", *m.step) : fmt::format("{} of the stable one", m.share));
-  return ofFirst(comm, text);
+  return text;
 }
 
 template <int Dim>

@@ -126,6 +126,7 @@ public:
 private:
   void check() const;
   void checkTouch(const MaterialPoints<Dim>& points) const; ///< collective
+  /// What a checkpoint is of, the same text on all ranks. Collective.
   [[nodiscard]] std::string scene(const MaterialPoints<Dim>& points, const PointLaw<Dim>& law) const;
   bool advance(double strain);
   void control();
@@ -138,7 +139,7 @@ private:
   [[nodiscard]] double allowed(double strain) const;
 
   CompressionOptions<Dim> options_;
-  std::string scene_;
+  std::string scene_; ///< where checkpoints are written or read
   std::unique_ptr<PointDynamics<Dim>> body_;
   std::vector<CompressionRow> rows_;
   CompressionRow row_{};

@@ -1,6 +1,7 @@
 #include "mpm/PointRanks.h"
 
 #include "lattice/Error.h"
+#include "lattice/Mix.h"
 #include "lattice/Together.h"
 
 #include <fmt/format.h>
@@ -46,6 +47,24 @@ void unpack(MaterialPoints<Dim>& points, std::size_t p, const double* values)
     points.column(c)[p] = *values++;
   points.phase()[p] = static_cast<std::uint8_t>(*values++);
   points.id()[p] = static_cast<std::uint32_t>(*values);
+}
+
+/// How many values come from each rank, and where they begin.
+struct Coming
+{
+  std::vector<int> counts;
+  std::vector<int> begins;
+  std::size_t all = 0;
+};
+
+/// @param sent how many go to each rank
+Coming coming(const Communicator& comm, const std::vector<int>& sent)
+{
+  Coming c{ std::vector<int>(sent.size()), std::vector<int>(sent.size()) };
+  MPI_Alltoall(sent.data(), 1, MPI_INT, c.counts.data(), 1, MPI_INT, comm.handle());
+  std::partial_sum(c.counts.begin(), c.counts.end() - 1, c.begins.begin() + 1);
+  c.all = static_cast<std::size_t>(c.begins.back() + c.counts.back());
+  return c;
 }
 
 template <int Dim>
@@ -175,17 +194,14 @@ MaterialPoints<Dim> PointRanks<Dim>::send(
       pack(points, p, leaving.data() + leaving.size() - values);
     }
   }
-  std::vector<int> got(ranks);
-  std::vector<int> gotAt(ranks);
-  MPI_Alltoall(sent.data(), 1, MPI_INT, got.data(), 1, MPI_INT, comm_.handle());
-  std::partial_sum(got.begin(), got.end() - 1, gotAt.begin() + 1);
-  const auto come = static_cast<std::size_t>(gotAt.back() + got.back());
-  std::vector<double> coming(come * values);
+  const Coming got = coming(comm_, sent);
+  const std::size_t come = got.all;
+  std::vector<double> arrived(come * values);
   MPI_Datatype point = MPI_DATATYPE_NULL; // counts in points: many doubles overflow an int
   MPI_Type_contiguous(static_cast<int>(values), MPI_DOUBLE, &point);
   MPI_Type_commit(&point);
-  MPI_Alltoallv(leaving.data(), sent.data(), sentFrom.data(), point, coming.data(), got.data(), gotAt.data(), point,
-    comm_.handle());
+  MPI_Alltoallv(leaving.data(), sent.data(), sentFrom.data(), point, arrived.data(), got.counts.data(),
+    got.begins.data(), point, comm_.handle());
   MPI_Type_free(&point);
 
   const std::vector<std::size_t>& stay = to[self];
@@ -199,7 +215,7 @@ MaterialPoints<Dim> PointRanks<Dim>::send(
     next.id()[p] = points.id()[stay[p]];
   }
   for (std::size_t p = 0; p < come; ++p)
-    unpack(next, stay.size() + p, coming.data() + p * values);
+    unpack(next, stay.size() + p, arrived.data() + p * values);
   return next;
 }
 
@@ -251,7 +267,22 @@ void PointRanks<Dim>::checkNumbers(const MaterialPoints<Dim>& points) const
 {
   if (!comm_.parallel())
     return;
-  std::vector<double> numbers = comm_.gather(std::vector<double>(points.id().begin(), points.id().end()));
+  // a number goes to one rank, whoever has it: there the same ones meet, and no rank has many more than others
+  const auto ranks = static_cast<std::size_t>(comm_.size());
+  const auto receiver = [&](std::uint32_t number) { return static_cast<std::size_t>(mixed(number) % ranks); };
+  std::vector<int> sent(ranks);
+  std::vector<int> from(ranks);
+  for (const std::uint32_t number : points.id())
+    ++sent[receiver(number)];
+  std::partial_sum(sent.begin(), sent.end() - 1, from.begin() + 1);
+  std::vector<std::uint32_t> leaving(points.count());
+  std::vector<int> next = from;
+  for (const std::uint32_t number : points.id())
+    leaving[static_cast<std::size_t>(next[receiver(number)]++)] = number;
+  const Coming got = coming(comm_, sent);
+  std::vector<std::uint32_t> numbers(got.all);
+  MPI_Alltoallv(leaving.data(), sent.data(), from.data(), MPI_UINT32_T, numbers.data(), got.counts.data(),
+    got.begins.data(), MPI_UINT32_T, comm_.handle());
   together(comm_,
     [&]
     {

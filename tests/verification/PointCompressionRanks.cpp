@@ -10,8 +10,25 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
+
+namespace
+{
+
+int gathers = 0;
+
+} // namespace
+
+// Stands before MPI's own, to count.
+int MPI_Gatherv(const void* sent, int count, MPI_Datatype type, void* got, const int counts[], const int begins[],
+  MPI_Datatype gotType, int root, MPI_Comm comm)
+{
+  ++gathers;
+  return PMPI_Gatherv(sent, count, type, got, counts, begins, gotType, root, comm);
+}
 
 namespace
 {
@@ -25,13 +42,17 @@ using lamella::testing::TemporaryFolder;
 constexpr double young = 1e9;
 
 /// Walls two cells thick around lumens of 6 × 4, 14 × 50 cells; a part of the points on each rank.
-PointCompression<2> tissue(const Communicator& comm, CompressionOptions<2> o)
+/// @param change what is changed in all of the points before
+PointCompression<2> tissue(
+  const Communicator& comm, CompressionOptions<2> o,
+  const std::function<void(MaterialPoints<2>&)>& change = [](MaterialPoints<2>&) {})
 {
   o.upper = { 14, 50 };
   o.motion.spacing = 1;
   o.motion.comm = comm;
-  const MaterialPoints<2> points = samples::filled<2>(
+  MaterialPoints<2> points = samples::filled<2>(
     { 14, 50 }, 1, 2, 1500, [](const Vector<2>& x) { return std::fmod(x[0], 6) < 2 || std::fmod(x[1], 6) < 2; });
+  change(points);
   return { samples::shareOf(points, comm),
     makeLaw<2, Isotropic>({ isotropicConstants<2>(IsotropicMaterial{ young, 0.25, 1 }) }), o };
 }
@@ -102,6 +123,54 @@ TEST(PointCompressionRanks, StopsTogetherAndGoesOnAlone)
   PointCompression<2> single = tissue(alone(), rest); // of all ranks' checkpoint
   ASSERT_TRUE(single.run());
   expectSame(single.rows(), whole.rows());
+}
+
+// A specimen need not fit on one rank: only a checkpoint that is written brings it together.
+TEST(PointCompressionRanks, NothingIsBroughtTogetherWithoutACheckpoint)
+{
+  gathers = 0;
+  const PointCompression<2> begun = tissue(everyone(), options(0.11));
+  EXPECT_EQ(gathers, 0);
+  CompressionOptions<2> kept = options(0.11);
+  const TemporaryFolder folder;
+  kept.checkpoint.path = folder.path() / "part.h5";
+  kept.progress = [](double) { return true; };
+  PointCompression<2> stopped = tissue(everyone(), kept);
+  EXPECT_EQ(gathers, 0); // what it is a checkpoint of is told without the points
+  EXPECT_FALSE(stopped.run());
+  EXPECT_EQ(gathers > 0, everyone().parallel());
+}
+
+// The checkpoint knows every point by its number, whichever rank has it.
+TEST(PointCompressionRanks, PointsOfAnotherSpecimenAreRefused)
+{
+  const TemporaryFolder folder;
+  CompressionOptions<2> o = options(0.11);
+  o.checkpoint.path = folder.path() / "part.h5";
+  o.progress = [](double) { return true; };
+  PointCompression<2> stopped = tissue(everyone(), o);
+  EXPECT_FALSE(stopped.run());
+  const auto refused = [&](const std::function<void(MaterialPoints<2>&)>& change)
+  {
+    CompressionOptions<2> rest = options(0.11);
+    rest.continueFrom = o.checkpoint.path;
+    try
+    {
+      (void)tissue(everyone(), rest, change);
+    }
+    catch (const InputError& e)
+    {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refused([](MaterialPoints<2>&) {}), "");
+  EXPECT_NE(
+    refused([](auto& points) { points.column(0)[7] *= 1 + 1e-15; }).find("what the points are"), std::string::npos);
+  EXPECT_NE(refused([](auto& points) { points.phase()[7] = 0; }).find("phases of the points"), std::string::npos);
+  // two points change their numbers: columns and phases are still the same sets
+  EXPECT_NE(refused([](auto& points) { std::swap(points.id()[7], points.id()[8]); }).find("what the points are"),
+    std::string::npos);
 }
 
 TEST(PointCompressionRanks, AGapIsSeenByAll)
