@@ -1,11 +1,13 @@
 #include "io/RunCheckpoint.h"
 
 #include "lattice/Error.h"
+#include "lattice/Memory.h"
 #include "lattice/Together.h"
 
 #include <fmt/format.h>
 
 #include <cstddef>
+#include <new>
 #include <vector>
 
 namespace lamella::io
@@ -24,7 +26,27 @@ void onFirst(const Communicator& comm, const std::function<void()>& f)
     });
 }
 
+void warnNotWritten(const CheckpointOptions& options, const std::string& what, const std::string& hint)
+{
+  if (options.warn)
+    options.warn(what + "; the last good checkpoint stays, the run goes on (" + hint + ")");
+}
+
+constexpr const char* forMemory = "free memory, or run without checkpoints";
+
 } // namespace
+
+bool roomFor(std::uint64_t bytes, const CheckpointOptions& options, const Communicator& comm)
+{
+  const std::uint64_t available = availableMemory();
+  const bool missing = comm.rank() == 0 && bytes > available;
+  if (missing)
+    warnNotWritten(options,
+      fmt::format("a checkpoint needs about {} of memory to be put together, and {} are available",
+        bytesText(static_cast<double>(bytes)), bytesText(static_cast<double>(available))),
+      forMemory);
+  return !comm.any(missing);
+}
 
 bool write(const Checkpoint& checkpoint, const CheckpointOptions& options, const Communicator& comm)
 {
@@ -37,8 +59,12 @@ bool write(const Checkpoint& checkpoint, const CheckpointOptions& options, const
     catch (const Error& e)
     {
       failed = true;
-      if (options.warn)
-        options.warn(std::string(e.what()) + "; the last good checkpoint stays, the run goes on (" + e.hint() + ")");
+      warnNotWritten(options, e.what(), e.hint());
+    }
+    catch (const std::bad_alloc&)
+    {
+      failed = true;
+      warnNotWritten(options, "there is not memory enough to write a checkpoint", forMemory);
     }
   return !comm.any(failed);
 }

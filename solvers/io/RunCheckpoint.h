@@ -25,6 +25,9 @@ struct CheckpointOptions
   std::function<void(const std::string&)> warn{};
 };
 
+/// Whether rank 0 has so much memory, which it takes to put a checkpoint together; says there if not. Collective.
+[[nodiscard]] bool roomFor(std::uint64_t bytes, const CheckpointOptions& options, const Communicator& comm);
+
 /// Writes on rank 0; says there, by CheckpointOptions::warn, what stands in the way. Collective.
 /// @return whether it was written
 bool write(const Checkpoint& checkpoint, const CheckpointOptions& options, const Communicator& comm);

@@ -244,6 +244,11 @@ void writeRows(hid_t at, const std::string& name, vtkDataArray* array, int level
 
 void writeGrid(hid_t root, vtkUnstructuredGrid* grid, int level)
 {
+  if (grid->GetFaces() != nullptr)
+  {
+    throw lamella::InputError(
+      "the grid has polyhedra, and VTKHDF 1.0 has no place for their faces", "write it as .vtu, or in tetrahedra");
+  }
   const auto one = [&](const char* name, vtkIdType value) { writeAll(root, name, H5T_NATIVE_LONG, { 1 }, &value, 0); };
   vtkCellArray* const cells = grid->GetCells();
   vtkNew<vtkIdTypeArray> offsets; // always of 64 bits here, whatever the cells are kept in
@@ -353,19 +358,28 @@ std::vector<double> directionOf(const double* columns, const Axes& axes)
 struct vtkVTKHDFWriter::File
 {
   explicit File(const char* name)
-    : Id(H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose)
+    : Name(name)
+    , Part(Name + ".part")
+    , Id(H5Fcreate(Part.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose)
     , Root(newGroup(Id, "VTKHDF"))
   {
     writeNumbers<long>(this->Root, "Version", H5T_NATIVE_LONG, { 1, 0 });
   }
 
-  bool Close() { return this->Sets.clear(), this->Root.finish() && this->Id.finish(); }
+  /// Whole, it gets its name.
+  bool Close()
+  {
+    this->Sets.clear();
+    return this->Root.finish() && this->Id.finish() && std::rename(this->Part.c_str(), this->Name.c_str()) == 0;
+  }
 
   /// Makes the datasets of an image; their values come with the slabs.
   void BeginImage(vtkImageData* image, const std::array<int, 6>& whole, int level);
   /// Layers [first, last] of points, which `image` holds.
   void WriteLayers(vtkImageData* image, int first, int last);
 
+  std::string Name;
+  std::string Part; ///< beside it, until it is whole: what had the name stays where nothing comes of this
   Handle Id;
   Handle Root;
   std::array<int, 6> Whole{};
@@ -474,8 +488,9 @@ void vtkVTKHDFWriter::Discard()
   if (this->Open)
   {
     const Quiet quiet;
+    const std::string part = this->Open->Part;
     this->Open.reset();
-    std::remove(this->FileName);
+    std::remove(part.c_str());
   }
 }
 

@@ -21,7 +21,8 @@
  *
  * An image is asked for in slabs of layers along z, so that a pipeline that can stream never holds all of it.
  *
- * A file that cannot be finished is removed. ErrorCode then says why.
+ * A file appears under its name when it is whole; what had the name before stays where nothing comes of it. ErrorCode
+ * then says why.
  *
  * @warning Version 1.0 has no time: a step is a file. Arrays of bits and of texts at points or in cells, names with a
  * slash, and what VTK 9.2's reader cannot read (arrays in cells of an image, a single line of points) are refused. One
@@ -58,7 +59,7 @@ public:
   ///@}
 
   ///@{
-  /** Images: bytes of one array that a slab holds at most, if that is a layer at all. Default 16 MiB. */
+  /** Images: bytes of all arrays that a slab holds at most, if that is a layer at all. Default 16 MiB. */
   vtkSetClampMacro(SlabBytes, vtkIdType, 1, VTK_ID_MAX);
   vtkGetMacro(SlabBytes, vtkIdType);
   ///@}

@@ -28,6 +28,8 @@
 #include "vtkUnstructuredGrid.h"
 
 #include <gtest/gtest.h>
+
+#include <array>
 #include <unistd.h>
 
 #include <cstring>
@@ -284,6 +286,18 @@ TEST(VTKHDFWriter, RefusesWhatTheFormatCannotHold)
   poly->GetPointData()->AddArray(texts);
   EXPECT_NE(write(poly, file).find("'words' holds texts"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(file));
+  vtkNew<vtkUnstructuredGrid> grid;
+  grid->SetPoints(poly->GetPoints());
+  const std::array<vtkIdType, 4> points{ 0, 1, 2, 3 };
+  const std::array<vtkIdType, 16> faces{ 3, 0, 1, 2, 3, 0, 1, 3, 3, 0, 2, 3, 3, 1, 2, 3 };
+  grid->InsertNextCell(VTK_POLYHEDRON, 4, points.data(), 4, faces.data());
+  EXPECT_NE(write(grid, file).find("polyhedra"), std::string::npos);
+  // What was there before stays.
+  ASSERT_EQ(write(sample(3, 3, 3), file), "");
+  EXPECT_NE(write(grid, file).find("polyhedra"), std::string::npos);
+  EXPECT_NE(write(image, file).find("'wall/lumen'"), std::string::npos);
+  EXPECT_EQ(read(file)->GetNumberOfPoints(), 27);
+  EXPECT_FALSE(std::filesystem::exists(file + ".part"));
 }
 
 TEST(VTKHDFWriter, SaysWhereNothingCanBeWritten)

@@ -136,6 +136,13 @@ std::string LatticeBoltzmann::Impl::scene() const
 void LatticeBoltzmann::save()
 {
   Impl& m = *impl_;
+  m.savedAt = m.steps;
+  m.pace.written();
+  // The populations, the same as gathered, in the file's image and in its bytes.
+  if (!io::roomFor(static_cast<std::uint64_t>(m.lattice.count()) *
+          static_cast<std::uint64_t>(3 * m.velocities.count() + 2) * sizeof(double),
+        m.options.checkpoint, m.comm))
+    return;
   io::Checkpoint c;
   c.kind = kind;
   c.scene = m.scene();
@@ -174,13 +181,11 @@ void LatticeBoltzmann::save()
     c.arrays["records"] = { { static_cast<std::int64_t>(m.records.size()), recordNumbers }, std::move(numbers), "SI",
       "by stop: steps, time, flux through the low and the high face, mean value" };
   }
-  m.pace.written();
   if (io::write(c, m.options.checkpoint, m.comm))
   {
     ++m.checkpoints;
     m.lastCheckpoint = m.steps;
   }
-  m.savedAt = m.steps;
 }
 
 void LatticeBoltzmann::restore(const std::filesystem::path& path)
