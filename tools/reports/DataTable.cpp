@@ -69,7 +69,7 @@ std::size_t DataTable::column(const std::string& name) const
   if (found == names().end())
   {
     throw InputError("'" + name_ + "' has no column '" + name + "'",
-      cli::suggestion(name, names(), "it has " + cli::quotedList(names(), "and")));
+      suggestion(name, names(), "it has " + quotedList(names(), "and")));
   }
   return static_cast<std::size_t>(found - names().begin());
 }

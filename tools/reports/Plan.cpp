@@ -176,7 +176,7 @@ public:
     {
       if (std::find(asked_.begin(), asked_.end(), key) == asked_.end())
       {
-        refuse(at(key), "is not known", cli::suggestion(key, asked_, "there are " + cli::quotedList(asked_, "and")));
+        refuse(at(key), "is not known", suggestion(key, asked_, "there are " + quotedList(asked_, "and")));
       }
     }
   }
