@@ -35,7 +35,8 @@ namespace
 std::string howToContinue(const CheckpointWords& words, const KeptRun& run)
 {
   // States that came before it stopped are there already.
-  const std::string replace = run.leaves() && run.commandLine.find(" --overwrite") == std::string::npos ? " --overwrite" : "";
+  const std::string replace =
+    run.leaves() && run.commandLine.find(" --overwrite") == std::string::npos ? " --overwrite" : "";
   const std::int64_t last = run.last();
   const bool same = !words.continueFrom.empty() && io::sameFile(words.file, words.continueFrom);
   const auto quoted = [](const std::string& name) { return io::quoteCommand(std::array{ name }); };
@@ -143,8 +144,8 @@ std::vector<StateWriter::Listed> StateWriter::listed(std::size_t most) const
     const char* const name = entry->GetAttribute("file");
     double time = 0;
     const auto first = std::span(files_).first(most);
-    const auto file = std::find_if(first.begin(), first.end(),
-      [&](const OutputFile& f) { return name != nullptr && f.path().filename() == name; });
+    const auto file = std::find_if(
+      first.begin(), first.end(), [&](const OutputFile& f) { return name != nullptr && f.path().filename() == name; });
     if (file != first.end() && std::filesystem::is_regular_file(file->path(), ignored) &&
       entry->GetScalarAttribute("timestep", time) == 1)
     {

@@ -37,7 +37,8 @@ public:
   void needs(std::uint64_t bytes) const;
 
   /// From now on states appear under their names as they come, and the list of them, so that a run that is stopped
-  /// leaves what a checkpoint does not bring back. For runs of one process that keep checkpoints; write() does all anew.
+  /// leaves what a checkpoint does not bring back. For runs of one process that keep checkpoints; write() does all
+  /// anew.
   /// @param record provenance of the run's input
   void follow(Session& session, const std::string& record);
   [[nodiscard]] bool leaves() const { return leaves_; } ///< whether such files are there

@@ -83,9 +83,9 @@ std::string recordsHtml(const std::vector<JsonFile>& records)
   {
     return "";
   }
-  std::string html =
-    "<div class=\"table\"><table class=\"record\">\n<tr><th>file</th><th>command</th><th>version, commit</th><th>date</th>"
-    "<th>seed</th><th>inputs, SHA-256</th></tr>\n";
+  std::string html = "<div class=\"table\"><table class=\"record\">\n<tr><th>file</th><th>command</th><th>version, "
+                     "commit</th><th>date</th>"
+                     "<th>seed</th><th>inputs, SHA-256</th></tr>\n";
   for (std::size_t i = 0; i < std::min(mostRecords, once.size()); ++i)
   {
     addRows(html, once[i].name, once[i].json, 0);

@@ -308,7 +308,7 @@ private:
   DynamicsResult& r_;
   Continuum continuum_;
   NodeDamage damage_;
-  std::int64_t kept_ = 0; ///< states
+  std::int64_t kept_ = 0;   ///< states
   std::size_t counted_ = 0; ///< broken bonds that damage_ knows
   MotionHistory history_;
   std::optional<SlowPull> pull_;

@@ -13,16 +13,16 @@ namespace lamella::peridynamics
 /// A sample that breaks, in one state. Fields are those of the rank's slab.
 struct BrokenState
 {
-  double strain = 0;                                ///< imposed
-  double stress = 0;                                ///< [Pa]
-  std::int64_t broken = 0;                          ///< bonds, of the whole sample
-  bool last = false;                                ///< the end of the run
-  std::int64_t number = 0;                          ///< among all states asked for, from 0, those before a checkpoint too
-  int axis = 0;                                     ///< of the load
-  std::array<std::int64_t, 2> lowPlaten{};          ///< [first, last) layer along it that a platen holds
-  std::array<std::int64_t, 2> highPlaten{};         ///< likewise
-  NodeField<double> bonds{};                        ///< broken bonds of each node: whole numbers, one component
-  NodeField<double> damage{};                       ///< these over the bonds that it had, 0 where it had none
+  double strain = 0;                        ///< imposed
+  double stress = 0;                        ///< [Pa]
+  std::int64_t broken = 0;                  ///< bonds, of the whole sample
+  bool last = false;                        ///< the end of the run
+  std::int64_t number = 0;                  ///< among all states asked for, from 0, those before a checkpoint too
+  int axis = 0;                             ///< of the load
+  std::array<std::int64_t, 2> lowPlaten{};  ///< [first, last) layer along it that a platen holds
+  std::array<std::int64_t, 2> highPlaten{}; ///< likewise
+  NodeField<double> bonds{};                ///< broken bonds of each node: whole numbers, one component
+  NodeField<double> damage{};               ///< these over the bonds that it had, 0 where it had none
   std::optional<NodeField<double>> displacement{};  ///< [m]
   std::optional<NodeField<double>> stressOfNodes{}; ///< as nodalStress() [Pa]
   std::optional<NodeField<double>> energyDensity{}; ///< as energyDensity() [J/m³]
