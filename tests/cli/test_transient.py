@@ -110,7 +110,9 @@ class Transient(Case):
             run.kill()
             run.communicate()
         before = os.stat(self.path("run.h5")).st_mtime_ns
-        with self.popen(*words, "--continue", "run.h5") as run:
+        # the state at step 0 is there
+        self.assertIn("'f_000.vti' exists already", self.run_lamella(*words, "--continue", "run.h5").err)
+        with self.popen(*words, "--continue", "run.h5", "--overwrite") as run:
             while os.stat(self.path("run.h5")).st_mtime_ns == before and run.poll() is None:
                 time.sleep(0.002)
             run.send_signal(signal.SIGINT)
