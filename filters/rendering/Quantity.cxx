@@ -224,6 +224,24 @@ void HideNonConducting(Quantity& quantity, vtkDataSet* data)
   }
 }
 
+/// Fields of bonds that are 0 in voids because nothing is there.
+bool IsOfSolid(const Quantity& quantity)
+{
+  const std::string name = quantity.array->GetName();
+  return quantity.preset == vtkSnapshot::STRESS ||
+    (quantity.preset == vtkSnapshot::SCALAR &&
+      (name == "displacement" || name == "velocity" || name == "damage" || name == "strain_energy"));
+}
+
+void HideVoids(Quantity& quantity, vtkDataSet* data)
+{
+  const std::vector<bool> solid = quantity.onCells ? std::vector<bool>{} : FindSolid(data);
+  for (std::size_t i = 0; i < solid.size(); ++i)
+  {
+    quantity.values[i] = solid[i] ? quantity.values[i] : std::numeric_limits<float>::quiet_NaN();
+  }
+}
+
 /// The component of a stress along the load that the field data tell, by VTK's order xx, yy, zz, xy, yz, xz; without
 /// one along the last axis.
 int ComponentAlongLoad(vtkDataSet* data, vtkDataArray* array, bool flat)
@@ -520,13 +538,15 @@ Quantity FindQuantity(vtkDataSet* data, const std::array<int, 3>& size, const Sn
   double mean = 0;
   if (quantity.preset == vtkSnapshot::STRESS)
   {
-    const std::vector<bool> solid = quantity.onCells ? std::vector<bool>{} : FindSolid(data);
     mean = options.relativeFlux ? MeanStress(data, quantity.values) : 0;
-    for (std::size_t i = 0; i < quantity.values.size(); ++i)
+    for (float& value : quantity.values)
     {
-      const float value = mean != 0 ? static_cast<float>(quantity.values[i] / mean) : quantity.values[i];
-      quantity.values[i] = solid.empty() || solid[i] ? value : std::numeric_limits<float>::quiet_NaN();
+      value = mean != 0 ? static_cast<float>(value / mean) : value;
     }
+  }
+  if (IsOfSolid(quantity))
+  {
+    HideVoids(quantity, data);
   }
   if (quantity.preset == vtkSnapshot::FLUX)
   {

@@ -187,6 +187,11 @@ BondScene::BondScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInform
   }
 }
 
+bool BondScene::isVoid(std::size_t node) const
+{
+  return std::find(model_.voids.begin(), model_.voids.end(), phase_[node]) != model_.voids.end();
+}
+
 vtkSmartPointer<vtkDoubleArray> BondScene::toPiece(
   const pd::NodeField<double>& field, std::span<const int> from, const char* name) const
 {
@@ -201,15 +206,17 @@ vtkSmartPointer<vtkDoubleArray> BondScene::toPiece(
   std::vector<double> moved(outward.identity() ? 0 : static_cast<std::size_t>(slab_.count()) * components);
   const std::span<double> own = outward.identity() ? piece : std::span<double>(moved);
   std::size_t at = 0;
+  std::size_t node = 0;
   for (std::int64_t z = 0; z < l.size[2]; ++z)
   {
     for (std::int64_t y = 0; y < l.size[1]; ++y)
     {
-      for (std::int64_t x = 0; x < l.size[0]; ++x)
+      for (std::int64_t x = 0; x < l.size[0]; ++x, ++node)
       {
+        const bool skip = isVoid(node);
         for (const int c : from)
         {
-          own[at++] = c >= 0 ? field.at(c, x, y, z) : 0;
+          own[at++] = c >= 0 && !skip ? field.at(c, x, y, z) : 0;
         }
       }
     }
@@ -234,8 +241,6 @@ void BondScene::toSlab(vtkDataArray* array, const std::string& name, pd::NodeFie
   std::vector<double> own(static_cast<std::size_t>(slab_.count()) * count);
   BoxExchange(lattice(), whole_.held, slab_, { false, false, false }, team_.comm(), team_.size())
     .run<double>(held, own, components);
-  const auto isVoid = [&](std::size_t node)
-  { return std::find(model_.voids.begin(), model_.voids.end(), phase_[node]) != model_.voids.end(); };
   team_.agree(
     [&]
     {

@@ -68,7 +68,7 @@ public:
   [[nodiscard]] const std::vector<std::int64_t>& nodes() const noexcept { return nodes_; }
 
   /// Collective. Own nodes of a field as an array of the piece: component c of the array is component `from[c]` of the
-  /// field, or 0 where that is negative.
+  /// field, or 0 where that is negative. Nodes in voids get 0: what solvers keep there has no meaning.
   [[nodiscard]] vtkSmartPointer<vtkDoubleArray> toPiece(
     const peridynamics::NodeField<double>& field, std::span<const int> from, const char* name) const;
 
@@ -77,6 +77,8 @@ public:
   void toSlab(vtkDataArray* array, const std::string& name, peridynamics::NodeField<double>& field) const;
 
 private:
+  [[nodiscard]] bool isVoid(std::size_t node) const;
+
   const Team& team_;
   WholeImage whole_;
   PhaseIds phases_;

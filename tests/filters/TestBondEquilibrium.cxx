@@ -128,9 +128,11 @@ TEST_F(BondEquilibrium, IsTheSolver)
       const std::int64_t x = i % nx;
       const std::int64_t y = i / nx % ny;
       const std::int64_t z = i / (nx * ny);
+      const bool empty = view.phase[static_cast<std::size_t>(i)] == 0;
       for (int c = 0; c < d; ++c)
       {
-        ASSERT_EQ(u->GetComponent(i, c), r.displacement.at(c, x, y, z));
+        // 0 in voids, whatever the solver keeps there
+        ASSERT_EQ(u->GetComponent(i, c), empty ? 0 : r.displacement.at(c, x, y, z));
       }
       for (std::size_t c = 0; c < places.size(); ++c)
       {

@@ -321,6 +321,24 @@ TEST_F(SnapshotTest, StressIsThatAlongTheLoad)
   EXPECT_EQ(this->colorOf(picture, 40, 20), (Rgb{ 0x31, 0x36, 0x95 })) << "nothing along x";
 }
 
+// What moves or breaks is the solid: voids are grey. Of an array of another name nobody knows what its 0 means.
+TEST_F(SnapshotTest, VoidsNeitherMoveNorBreak)
+{
+  this->Image = samples::lattice(50, 40, 1, 1e-6);
+  samples::addField(this->Image, "phase", { [](int i, int, int) { return i < 10 ? 0.0 : 1.0; } });
+  const auto rising = [](int i, int, int) { return i < 10 ? 0.0 : 0.01 * i; };
+  for (const char* const name : { "displacement", "damage", "mine" })
+  {
+    SCOPED_TRACE(name);
+    samples::addField(this->Image, name, { rising, rising, rising });
+    this->Snapshot->SetArrayName(name);
+    vtkImageData* picture = this->draw();
+    ASSERT_NE(picture, nullptr);
+    EXPECT_EQ(this->colorOf(picture, 3, 20) == Undefined, std::string(name) != "mine");
+    EXPECT_NE(this->colorOf(picture, 12, 20), Undefined);
+  }
+}
+
 // Pores of 1, 10, 100 and 1000 pixels in what is no pore: a third of the colours each, on a logarithmic scale.
 TEST_F(SnapshotTest, PoreSizesAreOnALogarithmicScale)
 {
