@@ -133,7 +133,7 @@ void addRun(Json& json, const BondRun& run)
   json["file"] = run.file;
   json["size"] = std::vector<std::int64_t>(lattice.size.begin(), lattice.size.begin() + lattice.dimension);
   json["refine"] = run.refine;
-  json["pixel_size"] = run.pixelSizeSource != "none" ? Json(lattice.spacing * run.refine) : Json(nullptr);
+  json["pixel_size"] = sizeKnown(run) ? Json(lattice.spacing * run.refine) : Json(nullptr);
   json["pixel_size_source"] = run.pixelSizeSource;
   const std::vector<std::string> names = fieldTexts(run.image, "phase_names");
   json["phases"] = Json::array();
@@ -147,11 +147,34 @@ void addRun(Json& json, const BondRun& run)
   addRecord(json, run.provenance);
 }
 
+bool sizeKnown(const BondRun& run)
+{
+  return run.pixelSizeSource != "none";
+}
+
+std::string lengthsText(const BondRun& run, const std::vector<double>& lengths)
+{
+  const double unit = sizeKnown(run) ? 1 : latticeOf(run.image).spacing * run.refine;
+  std::string text;
+  for (const double length : lengths)
+  {
+    text += fmt::format("{}{:.6g}", text.empty() ? "" : ", ", length / unit);
+  }
+  return text + (sizeKnown(run) ? " m" : " pixels");
+}
+
+std::string platensText(const BondRun& run)
+{
+  return fmt::format("  Strain: movement of the platen over the {} between the platens; stress: force over the\n"
+                     "  section of the box, voids included.\n",
+    lengthsText(run, { BondFields(run)("gauge_length") }));
+}
+
 std::string sampleText(const BondRun& run, bool fracture)
 {
   const BondFields f(run);
   const Lattice lattice = latticeOf(run.image);
-  const bool known = run.pixelSizeSource != "none";
+  const bool known = sizeKnown(run);
   std::string text = fmt::format("{}: {} nodes{}\n\n", run.file, sizeText(lattice.size, lattice.dimension),
     known ? fmt::format(" of {:g} µm", lattice.spacing * 1e6) : ", pixel size unknown");
   const std::vector<std::string> names = fieldTexts(run.image, "pair_names");

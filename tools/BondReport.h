@@ -57,6 +57,13 @@ void addSizes(Json& json, const BondFields& f);
 /// The sample and the run: file, size, phases, threads, version, provenance.
 void addRun(Json& json, const BondRun& run);
 
+/// Whether lengths are in metres: without the pixel size they are in pixels, and energies mean nothing.
+[[nodiscard]] bool sizeKnown(const BondRun& run);
+/// Lengths of the result, one or several, with their unit: "1.2, 3 m", or in pixels of the file.
+[[nodiscard]] std::string lengthsText(const BondRun& run, const std::vector<double>& lengths);
+/// Last words of a table of a sample between platens: what strain and stress mean.
+[[nodiscard]] std::string platensText(const BondRun& run);
+
 /// First lines of a table: the sample, and the bonds by pair; with what breaks them, or without.
 [[nodiscard]] std::string sampleText(const BondRun& run, bool fracture);
 /// Nodes and bonds, in a line.

@@ -50,7 +50,7 @@ std::string equilibriumJson(const BondRun& report)
   }
   json["mean_stress"] = std::move(mean);
   json["reactions"] = { { "low", f.vector("reaction_low") }, { "high", f.vector("reaction_high") } };
-  json["elastic_energy"] = jsonNumber(f("elastic_energy"));
+  json["elastic_energy"] = sizeKnown(report) ? jsonNumber(f("elastic_energy")) : Json(nullptr);
   json["load"] = f.text("load");
   json["axis"] = f.text("load_axis");
   json["gauge_length"] = f("gauge_length");
@@ -76,27 +76,25 @@ std::string equilibriumJson(const BondRun& report)
 std::string equilibriumTable(const BondRun& report)
 {
   const BondFields f(report);
-  const Lattice lattice = latticeOf(report.image);
-  const bool known = report.pixelSizeSource != "none";
   std::string text = sampleText(report, true);
   const bool shear = f.text("load") == "shear";
   text += fmt::format("\n  {} along {} at a strain of {:g}\n", f.text("load"), f.text("load_axis"), f("strain"));
   text += fmt::format(
     "    effective {}  {}\n", shear ? "shear modulus  " : "modulus        ", pascal(f("effective_modulus")));
   text += fmt::format("    stress on the platen       {}\n", pascal(f("effective_stress")));
-  text +=
-    fmt::format("    elastic energy             {:.6g} {}\n", f("elastic_energy"), f.dimension == 2 ? "J/m" : "J");
+  if (sizeKnown(report))
+  {
+    text +=
+      fmt::format("    elastic energy             {:.6g} {}\n", f("elastic_energy"), f.dimension == 2 ? "J/m" : "J");
+  }
   if (std::isfinite(f("first_break_strain")))
   {
     const std::vector<std::string> ends = fieldTexts(report.image, "first_break_phases");
-    std::string where;
-    for (int c = 0; c < f.dimension; ++c)
-    {
-      where += fmt::format("{}{:.6g}", c == 0 ? "" : ", ", f("first_break_position", static_cast<std::size_t>(c)));
-    }
+    std::vector<double> where = f.numbers("first_break_position");
+    where.resize(static_cast<std::size_t>(f.dimension));
     text += fmt::format("    first bond breaks at       strain {:.6g}, stress {}\n", f("first_break_strain"),
       pascal(f("first_break_stress")));
-    text += fmt::format("      between {} and {}, at {} m\n", ends.at(0), ends.at(1), where);
+    text += fmt::format("      between {} and {}, at {}\n", ends.at(0), ends.at(1), lengthsText(report, where));
   }
   else if (f("largest_stretch_ratio") > 0)
   {
@@ -107,9 +105,7 @@ std::string equilibriumTable(const BondRun& report)
     f.text("continuum"), f("horizon"), f.text("solver"), f.whole("iterations"), f("residual"), solve, report.seconds,
     bytesText(static_cast<double>(peakMemoryBytes())));
   text += sizesText(f);
-  text += fmt::format("  Strain: movement of the platen over the {:g} {} between the platens; stress: force over the\n"
-                      "  section of the box, voids included.\n",
-    known ? f("gauge_length") : f("gauge_length") / lattice.spacing, known ? "m" : "pixels");
+  text += platensText(report);
   text += wroteText(report.written);
   return text;
 }

@@ -158,7 +158,7 @@ std::string fractureJson(const FractureReport& report)
   json["first_break"] = firstBreak(report, f);
   json["broken"] = f.whole("total_broken");
   json["broken_by_pair"] = brokenByPairJson(report);
-  json["broken_energy"] = f("broken_energy");
+  json["broken_energy"] = sizeKnown(report.run) ? Json(f("broken_energy")) : Json(nullptr);
   json["end"] = f.text("end");
   json["end_reason"] = f.text("end_reason");
   json["states"] = states(report);
@@ -186,8 +186,6 @@ std::string fractureJson(const FractureReport& report)
 std::string fractureTable(const FractureReport& report)
 {
   const BondFields f(report.run);
-  const Lattice lattice = latticeOf(report.run.image);
-  const bool known = report.run.pixelSizeSource != "none";
   std::string text = sampleText(report.run, true);
   const bool shear = f.text("load") == "shear";
   text += fmt::format("\n  {} along {}{}\n", f.text("load"), f.text("load_axis"),
@@ -207,7 +205,7 @@ std::string fractureTable(const FractureReport& report)
   if (f("total_broken") > 0)
   {
     text += "    broken            " + brokenByPairText(report) + "\n";
-    if (known)
+    if (sizeKnown(report.run))
     {
       text += fmt::format("    energy in them    {:.6g} {}\n", f("broken_energy"), f.dimension == 2 ? "J/m" : "J");
     }
@@ -239,9 +237,7 @@ std::string fractureTable(const FractureReport& report)
   {
     text += statisticsText(f);
   }
-  text += fmt::format("  Strain: movement of the platen over the {:g} {} between the platens; stress: force over the\n"
-                      "  section of the box, voids included.\n",
-    known ? f("gauge_length") : f("gauge_length") / lattice.spacing, known ? "m" : "pixels");
+  text += platensText(report.run);
   text += wroteText(report.run.written);
   return text;
 }

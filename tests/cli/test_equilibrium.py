@@ -18,6 +18,19 @@ class Equilibrium(Case):
         self.works("packing", "--count", "40", "--seed", "2", "-o", "p.vtp")
         self.works("bridges", "p.vtp", "--filled", "--nodes", "64", "-o", "grains.vti")
 
+    def test_without_a_pixel_size(self):
+        self.write("sizeless.png", pictures.png([[255] * 30 for _ in range(60)]))
+        bar = ["equilibrium", "sizeless.png", "--phase", "255=stone", "--young", "stone=2e9", "--critical-stretch", "stone=1e-3"]
+        text = self.works(*bar, "--refine", "2").out
+        self.assertIn("pixel size unknown", text)
+        self.assertNotRegex(text, r"[0-9] m\b|J/m")  # nobody knows how many metres or joules
+        self.assertRegex(text, r"stone and stone, at [0-9.]+, [0-9.]+ pixels\n")
+        where = [float(word.strip(", ")) for word in text.split("stone and stone, at ")[1].split()[:2]]
+        self.assertTrue(0 < where[0] < 30 and 0 < where[1] < 60, where)  # in pixels of the picture, not in nodes
+        self.assertRegex(text, r"over the 5[0-9.]+ pixels between the platens")
+        self.assertIsNone(self.works(*bar, "--json").json()["elastic_energy"])
+        self.assertIn("elastic energy", self.works(*BAR, "--young", "stone=2e9").out)
+
     def test_numbers(self):
         found = self.works(*BAR, "--young", "stone=2e9", "--fracture-energy", "stone=10", "--json").json()
         # 1.064 is the lattice at a horizon of 3; grips and soft sides change it by some per cent
