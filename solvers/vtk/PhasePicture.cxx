@@ -214,6 +214,7 @@ micrograph::Picture readGreys(const fs::path& path, const micrograph::ReadOption
 
 PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
 {
+  PhasePicture result;
   micrograph::Picture picture;
   PhaseTable names;
   micrograph::ReadOptions read = options.read;
@@ -230,13 +231,13 @@ PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
       names = phaseNames(image);
     }
     picture = greysOf(image, chosen, read);
+    result.file = chosen.cells ? nullptr : image;
   }
   else
   {
     read.keepColour = read.keepColour || options.segment;
     picture = micrograph::readPicture(path, read);
   }
-  PhasePicture result;
   result.pixelSizeSource = picture.pixelSizeSource;
   result.warnings = picture.warnings;
   if (options.segment)

@@ -6,10 +6,14 @@
 
 #include "vtkLamellaSolversVTKModule.h" // for the export macro
 
+#include "vtkSmartPointer.h"
+
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
+
+class vtkImageData;
 
 namespace lamella
 {
@@ -29,8 +33,9 @@ struct PictureOptions
 struct PhasePicture
 {
   PhaseImage image;
-  std::string pixelSizeSource;       ///< "option", what the file calls it, or "none" (spacing 1)
-  std::vector<std::string> warnings; ///< what a user should know, each one line
+  std::string pixelSizeSource;        ///< "option", what the file calls it, or "none" (spacing 1)
+  std::vector<std::string> warnings;  ///< what a user should know, each one line
+  vtkSmartPointer<vtkImageData> file; ///< a .vti read at its points, with all it holds, before the window; else null
 };
 
 /// Reads PNG, JPEG, TIFF, stacks, raw volumes (micrograph::readPicture) and VTK image files (.vti), with values at

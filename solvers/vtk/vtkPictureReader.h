@@ -10,6 +10,9 @@
  * With no phase named every grey value is a phase of its own, named by its value. Once one is named, a grey that is in
  * no phase is an error, unless OtherPhase says what all other greys are.
  *
+ * Of a .vti the other point arrays come along, cut out with the window (with Refinement only `grain` and `axis`), and
+ * its field data where there is no window, no Refinement and no PixelSize.
+ *
  * The pixel size is never guessed: PixelSize, or what the file says; without either the spacing is 1 and
  * `pixel_size_source` is "none".
  */

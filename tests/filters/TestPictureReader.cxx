@@ -153,6 +153,49 @@ TEST_F(PictureReader, FilesOfPhasesKeepTheirNames)
   EXPECT_NE(error.find("no array 'nothing'"), std::string::npos) << error;
 }
 
+// Solvers look for grains and for the way walls run: without them their answer is another one.
+TEST_F(PictureReader, WhatElseTheFileHoldsIsCarriedAlong)
+{
+  const auto image = vtktest::picture(6, 5, 1, vtktest::blobs);
+  vtkNew<vtkDoubleArray> axis;
+  axis->SetName("axis");
+  axis->SetNumberOfComponents(3);
+  axis->SetNumberOfTuples(30);
+  axis->SetComponentName(1, "up");
+  vtkNew<vtkDoubleArray> field;
+  field->SetName("field");
+  field->SetNumberOfTuples(30);
+  for (vtkIdType i = 0; i < 30; ++i)
+  {
+    axis->SetTuple3(i, static_cast<double>(i), 1, 0);
+    field->SetValue(i, static_cast<double>(i));
+  }
+  image->GetPointData()->AddArray(axis);
+  image->GetPointData()->AddArray(field);
+  setFieldText(image, "load_axis", "x");
+  write(image, path("a.vti"));
+  const auto picture = reader(path("a.vti"));
+  ASSERT_EQ(errorOf(picture), "");
+  const auto value = [&](const char* name, vtkIdType node)
+  { return vtktest::points(picture->GetOutput(), name)->GetComponent(node, 0); };
+  EXPECT_EQ(value("axis", 29), 29);
+  EXPECT_EQ(value("field", 7), 7);
+  EXPECT_EQ(fieldText(picture->GetOutput(), "load_axis"), "x");
+  EXPECT_NE(provenance(picture->GetOutput()).find("\"picture\""), std::string::npos); // of this reading
+
+  picture->SetWindow(2, 0, 0, 3, 2, 0); // of the two upper rows, which are the last in memory
+  ASSERT_EQ(errorOf(picture), "");
+  EXPECT_EQ(value("axis", 0), 6 * 3 + 2);
+  EXPECT_EQ(value("field", 5), 6 * 4 + 4);
+  EXPECT_STREQ(vtktest::points(picture->GetOutput(), "axis")->GetComponentName(1), "up");
+  EXPECT_FALSE(fieldText(picture->GetOutput(), "load_axis")); // of the whole
+
+  picture->SetRefinement(2);
+  ASSERT_EQ(errorOf(picture), "");
+  EXPECT_EQ(value("axis", 6 * 3 + 5), 6 * 4 + 4);
+  EXPECT_EQ(vtktest::points(picture->GetOutput(), "field"), nullptr); // solved on a coarser lattice
+}
+
 TEST_F(PictureReader, SaysWhatIsWrongWithAFile)
 {
   EXPECT_NE(errorOf(vtkNew<vtkPictureReader>()).find("no file is named"), std::string::npos);

@@ -431,6 +431,23 @@ class Diffusion(unittest.TestCase):
         self.assertGreater(flux.tortuosity["x"], 1)
         self.assertEqual(flux.magnitude.shape, (60, 80))
         np.testing.assert_allclose(flux.magnitude, np.linalg.norm(result.fields["flux"], axis=-1))
+        with tempfile.TemporaryDirectory() as folder:  # a file is as good as the result
+            again = lamella.flux_map(lamella.read_picture(result.save(os.path.join(folder, "heat.vti"))), streamlines=20)
+        self.assertEqual(again.effective[0, 0], flux.effective[0, 0])
+
+    def test_walls_of_a_file_keep_their_direction(self):
+        cells = lamella.from_array(np.ones((8, 12), dtype=np.uint8), names=["lumen", "wall"], spacing=1e-6)
+        cells.set_array("axis", np.tile(np.float32([0.6, 0.8]), (8, 12, 1)))
+        cells.set_array("grain", np.ones((8, 12), np.int32))
+        with tempfile.TemporaryDirectory() as folder:
+            path = cells.save(os.path.join(folder, "cells.vti"))
+            read = lamella.read_picture(path)
+            np.testing.assert_array_equal(read.array("axis"), cells.array("axis"))
+            np.testing.assert_array_equal(read.array("grain"), cells.array("grain"))
+            part = lamella.read_picture(path, window=(2, 1, 6, 6))
+            self.assertEqual(part.array("axis").shape, (6, 6, 3))
+        tensor = [lamella.diffusion(one, {"wall": (3, 1), "lumen": 1}, sides="periodic").effective for one in (cells, read)]
+        np.testing.assert_array_equal(*tensor)
 
     def test_pore_flood_fill(self):
         picture = np.ones((6, 8), int)
