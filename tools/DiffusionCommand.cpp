@@ -246,13 +246,6 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
         files[static_cast<std::size_t>(study.axes[i])].emplace(names[i], options.common.overwrite);
         report.written.push_back(names[i]);
       }
-      if (sample.pixelSizeSource == "option")
-      {
-        if (const std::string doubt = pixelSizeDoubt("--pixel-size", lattice.spacing); !doubt.empty())
-        {
-          session.warn(doubt);
-        }
-      }
     });
 
   // What every rank needs to know.

@@ -130,7 +130,7 @@ void generate(Session& session, const GenerateOptions& options, const std::strin
       {
         beside.emplace(recordBeside(labels->path()), options.common.overwrite);
       }
-      if (const std::string doubt = pixelSizeDoubt("--pixel-size", box.spacing); !doubt.empty())
+      if (const std::string doubt = pixelSizeDoubt(options.pixelSize); !doubt.empty())
       {
         session.warn(doubt);
       }

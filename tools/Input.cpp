@@ -263,10 +263,13 @@ bool isRawVolume(const std::string& path)
   return end == ".raw" || end == ".bin";
 }
 
-std::string pixelSizeDoubt(const std::string& option, double metres)
+std::string pixelSizeDoubt(const std::string& given)
 {
-  // No cell or grain needs pixels of a millimetre; 0.5 is surely 0.5 µm.
-  return metres < 1e-3 ? "" : fmt::format("{0} {1:g} is {1:g} metres; for micrometres write {1:g}um", option, metres);
+  // Nobody's pixels are of a millimetre by mistake where it says mm; a bare 0.5 is surely 0.5 µm.
+  const std::optional<double> metres = toNumber(given);
+  return !metres || *metres < 1e-3
+    ? ""
+    : fmt::format("--pixel-size {0:g} is {0:g} metres; for micrometres write {0:g}um", *metres);
 }
 
 namespace
@@ -332,6 +335,10 @@ Sample loadSample(const PictureOptions& options, const SampleCheck& check)
   }
   Sample sample;
   sample.window = window;
+  if (std::string doubt = pixelSizeDoubt(options.pixelSize); !doubt.empty())
+  {
+    sample.warnings.push_back(std::move(doubt));
+  }
   if (isVtkImage(options.file) && options.array.empty() && !map)
   {
     if (auto grid = readPhaseGrid(options.file, read.sizeKnown)) // phases that have names
@@ -360,7 +367,7 @@ Sample loadSample(const PictureOptions& options, const SampleCheck& check)
   sample.fileSize = picture.fileSize;
   sample.pixelSizeSource = picture.pixelSizeSource;
   sample.provenance = file.record ? file.record->provenance : "";
-  sample.warnings = picture.warnings;
+  sample.warnings.insert(sample.warnings.end(), picture.warnings.begin(), picture.warnings.end());
   if (options.segment)
   {
     if (map)

@@ -60,8 +60,8 @@ struct Sample
   std::array<std::int64_t, 3> fileSize{}; ///< before the window
   std::optional<Window> window;
   std::optional<micrograph::SegmentReport> segmentation;
-  std::string provenance; ///< of the file, where it carries one
-  std::vector<std::string> warnings;
+  std::string provenance;            ///< of the file, where it carries one
+  std::vector<std::string> warnings; ///< what is doubtful about it
 };
 
 /// Told the lattice of the sample, which comes from the file's header, before the pixels are read; throws to refuse it,
@@ -81,7 +81,8 @@ struct PictureFile
 /// @throws InputError
 [[nodiscard]] PictureFile readPictureFile(const PictureOptions& options, micrograph::ReadOptions read);
 
-/// A pixel size that is certainly no microscope's: micrometres were meant. Empty where there is nothing to say.
-[[nodiscard]] std::string pixelSizeDoubt(const std::string& option, double metres);
+/// A --pixel-size, as given, without a unit and certainly no microscope's: micrometres were meant. Empty where there is
+/// nothing to say.
+[[nodiscard]] std::string pixelSizeDoubt(const std::string& given);
 
 } // namespace lamella::cli

@@ -84,8 +84,7 @@ public:
     {
       warn(warning);
     }
-    const bool given = source_.pixelSizeSource == "option";
-    if (const std::string doubt = given ? pixelSizeDoubt("--pixel-size", source_.pixel) : ""; !doubt.empty())
+    if (const std::string doubt = pixelSizeDoubt(options_.input.picture.pixelSize); !doubt.empty())
     {
       warn(doubt);
     }

@@ -267,13 +267,6 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
       }
       checkSample(options, periodic, sample.image);
       files = openFiles(options);
-      if (sample.pixelSizeSource == "option")
-      {
-        if (const std::string doubt = pixelSizeDoubt("--pixel-size", sample.image.lattice.spacing); !doubt.empty())
-        {
-          session.warn(doubt);
-        }
-      }
       const auto nodes = static_cast<std::uint64_t>(sample.image.lattice.count());
       for (const OutputFile& file : files.labels)
       {

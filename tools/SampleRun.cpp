@@ -20,13 +20,6 @@ void tellDoubts(Session& session, const Sample& sample)
   {
     session.warn(warning);
   }
-  if (sample.pixelSizeSource == "option")
-  {
-    if (const std::string doubt = pixelSizeDoubt("--pixel-size", sample.image.lattice.spacing); !doubt.empty())
-    {
-      session.warn(doubt);
-    }
-  }
 }
 
 NodeArray sampleArray(const PictureOptions& picture, const Sample& sample, const char* name)

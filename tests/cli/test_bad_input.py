@@ -222,6 +222,7 @@ class Sizes(Case):
         result = self.run_lamella("diffusion", "p.png", *SOLVE, "--pixel-size", "0.5", "--quiet")
         self.assertEqual(result.code, 0)
         self.assertEqual(result.err, "warning: --pixel-size 0.5 is 0.5 metres; for micrometres write 0.5um\n")
+        self.works("diffusion", "p.png", *SOLVE, "--pixel-size", "500mm", "--quiet")  # says what it means
 
     def test_generators_refuse_what_cannot_be(self):
         for words, message in [
