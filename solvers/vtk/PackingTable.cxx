@@ -4,6 +4,7 @@
 
 #include "lattice/Error.h"
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,8 @@ struct Columns
   std::optional<std::size_t> x;
   std::optional<std::size_t> y;
   std::optional<std::size_t> z;
-  std::optional<std::size_t> size;
-  double sizeToRadius = 1;
+  std::optional<std::size_t> radius;
+  std::optional<std::size_t> diameter;
 };
 
 Columns findColumns(const TextTable& table)
@@ -53,10 +54,13 @@ Columns findColumns(const TextTable& table)
     {
       take(columns.z);
     }
-    else if (name == "r" || name == "radius" || name == "d" || name == "diameter")
+    else if (name == "r" || name == "radius")
     {
-      take(columns.size);
-      columns.sizeToRadius = name[0] == 'd' ? 0.5 : 1;
+      take(columns.radius);
+    }
+    else if (name == "d" || name == "diameter")
+    {
+      take(columns.diameter);
     }
   }
   std::string missing;
@@ -64,12 +68,34 @@ Columns findColumns(const TextTable& table)
   { missing += there ? "" : (missing.empty() ? "" : ", ") + std::string(name); };
   need(columns.x.has_value(), "x");
   need(columns.y || columns.z, "y or z");
-  need(columns.size.has_value(), "r");
+  need(columns.radius || columns.diameter, "r");
   if (!missing.empty())
   {
     table.lacks(missing);
   }
   return columns;
+}
+
+/// The radius in a row. Where the table has the diameter as well, as ours do, it must be twice that: the last of seven
+/// digits may differ.
+double radiusOf(const TextTable& table, const Columns& columns, std::size_t row)
+{
+  if (!columns.radius)
+  {
+    return table.number(row, *columns.diameter) / 2;
+  }
+  const double radius = table.number(row, *columns.radius);
+  if (columns.diameter)
+  {
+    const double diameter = table.number(row, *columns.diameter);
+    if (!(std::abs(diameter - 2 * radius) <= 1e-6 * std::abs(diameter)))
+    {
+      table.refuse("has a radius of " + table.text(row, *columns.radius) + " and a diameter of " +
+          table.text(row, *columns.diameter) + " in row " + std::to_string(row + 2),
+        "make the diameter twice the radius, or leave one of the columns out");
+    }
+  }
+  return radius;
 }
 
 } // namespace
@@ -92,7 +118,7 @@ packing::Packing readPackingTable(const fs::path& path, const PackingTableOption
   {
     centre.push_back({ table.number(row, *columns.x) * options.unit, table.number(row, second) * options.unit,
       spheres ? table.number(row, *columns.z) * options.unit : 0.0 });
-    radius.push_back(table.number(row, *columns.size) * columns.sizeToRadius * options.unit);
+    radius.push_back(radiusOf(table, columns, row) * options.unit);
   }
   try
   {

@@ -345,6 +345,8 @@ INSTANTIATE_TEST_SUITE_P(All, PackingReaderErrors,
     BadTable{ "no_radius", "x,z,mass\n0,0,1\n", "lacks the column r; separated by commas, it has 'x', 'z', 'mass'" },
     BadTable{ "one_axis", "x,r\n0,1\n", "lacks the column y or z" },
     BadTable{ "twice", "x,z,r,radius\n0,0,1,1\n", "has two columns for the same: 'r' and 'radius'" },
+    BadTable{
+      "two_sizes", "x,z,radius,diameter\n0,0,1,2\n3,0,1,1\n", "has a radius of 1 and a diameter of 1 in row 3" },
     BadTable{ "text", "x,z,r\n0,0,1\n0,five,1\n", "has the text 'five' where a number belongs, in row 3, column 'z'" },
     BadTable{ "gap", "x,z,r\n0,0,1\n0,,1\n", "has nothing in row 3, column 'z'" },
     BadTable{ "decimal_comma", "x;z;r\n0;0;1\n0,5;3;1\n", "has a decimal comma: '0,5' in row 3, column 'x'" },
@@ -356,7 +358,8 @@ INSTANTIATE_TEST_SUITE_P(All, PackingReaderErrors,
 TEST(PackingReaderTables, AcceptEverySeparator)
 {
   for (const char* const text : { "x,z,r\n1,1,1\n3,1,1\n", "x;z;r\n1;1;1\n3;1;1\n", "x\tz\tr\n1\t1\t1\n3\t1\t1\n",
-         "x  z   r\n1 1  1\n3 1 1\n", "# x, z, r\r\n1, 1, 1\r\n3, 1, 1\r\n", "z,d,X\n1,2,1\n1,2,3\n" })
+         "x  z   r\n1 1  1\n3 1 1\n", "# x, z, r\r\n1, 1, 1\r\n3, 1, 1\r\n", "z,d,X\n1,2,1\n1,2,3\n",
+         "x,z,Radius [m],diameter\n1,1,1,2\n3,1,1,2.000001\n" })
   {
     std::ofstream("separated.csv") << text;
     vtkNew<vtkPackingReader> reader;
