@@ -657,6 +657,24 @@ class Diffusion(unittest.TestCase):
             lamella.diffusion(picture, {0: 1, 1: 0}, "y")
         with self.assertRaisesRegex(lamella.LamellaError, "missing.png"):
             lamella.read_picture("missing.png")
+        with self.assertRaisesRegex(TypeError, "conductivity is of type list; give a dictionary, {phase: value}"):
+            lamella.diffusion(picture, [1, 3])
+        with self.assertRaisesRegex(TypeError, "the conductivity of 0 is None; give a number"):
+            lamella.diffusion(picture, {0: None, 1: 1})
+        with self.assertRaisesRegex(ValueError, "the conductivity of 1 is 'much'; give a number"):
+            lamella.diffusion(picture, {0: 1, 1: "much"})
+        with self.assertRaisesRegex(ValueError, "give a number, or .along, across."):
+            lamella.diffusion(picture, {0: 1, 1: (1, 2, 3)})
+        with self.assertRaisesRegex(TypeError, "young is of type float; give a dictionary, {pair of phases: value}"):
+            lamella.equilibrium(picture, 1e9)
+        with self.assertRaisesRegex(TypeError, "density is of type list; give a dictionary, {phase: value}, or a number"):
+            lamella.dynamics(picture, {1: 1e9}, [1000])
+        with self.assertRaisesRegex(TypeError, "diffusivity is of type list"):
+            lamella.lattice_boltzmann(picture, [1e-7], 1)
+        with self.assertRaisesRegex(TypeError, "young is of type list"):
+            lamella.compression(picture, young=[1e9])
+        with self.assertRaisesRegex(TypeError, "phases is of type list"):
+            lamella.read_picture("missing.png", ["lumen"])
         with self.assertRaisesRegex(ValueError, "'x', 'y', 'z', 'all'"):
             lamella.diffusion(picture, {0: 1, 1: 1}, "w")
 
@@ -678,6 +696,9 @@ class Diffusion(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             path = lamella.snapshot(lamella.softwood(size=(60, 40)), os.path.join(folder, "tissue.png"))
             self.assertGreater(os.path.getsize(path), 1000)
+            with self.assertRaisesRegex(FileExistsError, "tissue.png exists; say overwrite=True"):  # as save() has it
+                lamella.snapshot(lamella.softwood(size=(60, 40)), path)
+            lamella.snapshot(lamella.softwood(size=(60, 40)), path, overwrite=True)
 
 
 class Bonds(unittest.TestCase):

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 import numpy as np
 
 from . import _arrays
-from ._errors import LamellaError, choose
+from ._errors import LamellaError, choose, entries, number
 from ._samples import ImageBase
 from ._types import Array
 
@@ -143,17 +143,19 @@ def set_bonds(
 ):
     """Settings of vtkBondAlgorithm; see equilibrium()."""
     tables = (
-        (algorithm.SetYoungsModulus, young),
-        (algorithm.SetFractureEnergy, fracture_energy),
-        (algorithm.SetToughness, toughness),
-        (algorithm.SetCriticalStretch, critical_stretch),
+        (algorithm.SetYoungsModulus, "young", young),
+        (algorithm.SetFractureEnergy, "fracture_energy", fracture_energy),
+        (algorithm.SetToughness, "toughness", toughness),
+        (algorithm.SetCriticalStretch, "critical_stretch", critical_stretch),
     )
-    for setter, table in tables:
-        check_names(image, map(_pair, table or {}))
-        for pair, value in (table or {}).items():
-            setter(_pair(pair), float(value))
-    check_names(image, map(_pair, like or {}))
-    for pair, other in (like or {}).items():
+    for setter, name, table in tables:
+        given = entries(table, name, "{pair of phases: value}")
+        check_names(image, [_pair(pair) for pair, _ in given])
+        for pair, value in given:
+            setter(_pair(pair), number(value, f"{name} of {pair!r}"))
+    alike = entries(like, "like", "{pair of phases: pair of phases}")
+    check_names(image, [_pair(pair) for pair, _ in alike])
+    for pair, other in alike:
         algorithm.SetLike(_pair(pair), _pair(other))
     algorithm.SetRelativeTo("" if relative_to is None else _pair(relative_to))
     algorithm.SetMixing(choose(_MIXINGS, mixing, "mixing"))

@@ -7,7 +7,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkTable
 
 from . import _arrays, _files
-from ._errors import choose, run
+from ._errors import choose, entries, number, run
 from ._runs import LoadedState, LongRun, set_checkpoint
 from ._solve import as_image
 from ._types import Any, Array, ArrayLike, Columns, Image, OnStep, Path, Progress, Sequence
@@ -213,11 +213,11 @@ def _set_points(
         (algorithm.SetDensity, "density", density),
     )
     for setter, name, value in constants:
-        if isinstance(value, dict):
-            for phase, number in value.items():
-                algorithm.SetPhaseConstant(str(phase), name, float(number))
-        elif value is not None:
-            setter(float(value))
+        if np.isscalar(value):
+            setter(number(value, name))
+            continue
+        for phase, constant in entries(value, name, "{phase: value}, or a number"):
+            algorithm.SetPhaseConstant(str(phase), name, number(constant, f"{name} of {phase!r}"))
     for name in [void] if isinstance(void, (str, int)) else (void or ()):
         algorithm.AddVoid(str(name))
     algorithm.SetPointsPerNode(int(points_per_node))

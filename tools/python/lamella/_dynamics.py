@@ -8,6 +8,7 @@ from vtkmodules.vtkCommonDataModel import vtkImageData
 from . import _arrays
 from ._bonds import check_names, set_bonds, set_load
 from ._breaks import BreakResult, BrokenState, run_breaks
+from ._errors import entries, number
 from ._samples import ImageBase
 from ._solve import as_image
 from ._types import Any, Array, ArrayLike, Image, Mapping, Name, OnStep, Pairs, Path, Progress, Sequence
@@ -221,12 +222,13 @@ def dynamics(
     solve = vtkBondDynamics()
     sample = as_image(image)
     set_bonds(solve, sample, young, fracture_energy, toughness, critical_stretch, **bonds)
-    if isinstance(density, dict):
-        check_names(sample, map(str, density), pairs=False)
-        for phase, value in density.items():
-            solve.SetPhaseDensity(str(phase), float(value))
+    if np.isscalar(density):
+        solve.SetDensity(number(density, "density"))
     else:
-        solve.SetDensity(float(density))
+        given = entries(density, "density", "{phase: value}, or a number")
+        check_names(sample, [str(phase) for phase, _ in given], pairs=False)
+        for phase, value in given:
+            solve.SetPhaseDensity(str(phase), number(value, f"density of {phase!r}"))
     sides = bool(velocities or tractions or len(boxes) or velocity is not None)
     load = load or ("sides" if sides else "stretch")
     set_load(solve, _LOADS, load, axis, smooth_platens, rigid_platens, platen_layers, 1e-6, stress, strain_energy)
@@ -234,10 +236,10 @@ def dynamics(
     solve.SetStrainRate(0.0 if strain_rate is None else float(strain_rate))
     solve.SetTravelTimes(float(travel_times))
     solve.SetStartShare(float(start))
-    for side, vector in (velocities or {}).items():
+    for side, vector in entries(velocities, "velocities", "{side: vector}"):
         for component, value in _each(vector, "a velocity"):
             solve.SetSideVelocity(side, component, value)
-    for side, vector in (tractions or {}).items():
+    for side, vector in entries(tractions, "tractions", "{side: vector}"):
         for component, value in _each(vector, "a traction"):
             solve.SetSideTraction(side, component, value)
     for low, high, vector in boxes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 from vtkmodules.vtkCommonCore import VTK_OBJECT
 
@@ -37,6 +38,24 @@ def choose(table, value, what):
     except (KeyError, TypeError):
         known = ", ".join(repr(key) for key in table)
         raise ValueError(f"{what} is {value!r}; it can be {known}") from None
+
+
+def entries(table, what, form):
+    """Keys and values of a dictionary, none of None, or an error that says what it is to hold."""
+    if table is None:
+        return []
+    if not isinstance(table, Mapping):
+        raise TypeError(f"{what} is of type {type(table).__name__}; give a dictionary, {form}")
+    return list(table.items())
+
+
+def number(value, what):
+    """A number as VTK takes it, or an error that says which it was."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        kind = TypeError if not isinstance(value, str) else ValueError
+        raise kind(f"{what} is {value!r}; give a number") from None
 
 
 def run(algorithm, progress=None, on_step=None):

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
-
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkPolyData
 
+from . import _files
 from ._errors import LamellaError
 from ._samples import ImageBase
 from ._solve import as_image
@@ -75,7 +74,7 @@ def snapshot(
     drawing.SetBackground(*background)
     drawing.SetTransparent(bool(transparent))
     drawing.SetOverwrite(bool(overwrite))
-    path = os.fspath(path)
+    path = _files.new_path(path, overwrite)
     if not drawing.Write(path) or errors:
         raise LamellaError(drawing.GetErrorMessage(), drawing.GetErrorHint())
     return path

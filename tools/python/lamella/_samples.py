@@ -9,7 +9,7 @@ from vtkmodules.vtkCommonCore import vtkStringArray
 from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
 from . import _arrays, _files
-from ._errors import LamellaError, choose, run
+from ._errors import LamellaError, choose, entries, run
 from ._types import Any, Array, ArrayLike, Mapping, Path, Sequence
 from .vtkLamellaSolversVTK import vtkMicrostructureSource, vtkPictureReader, vtkVTKHDFWriter
 
@@ -146,7 +146,7 @@ def read_picture(
     """
     reader = vtkPictureReader()
     reader.SetFileName(os.fspath(path))
-    for grey, name in (phases or {}).items():
+    for grey, name in entries(phases, "phases", "{grey value: name}"):
         reader.SetPhase(int(grey), name)
     reader.SetOtherPhase(other)
     if window is not None:

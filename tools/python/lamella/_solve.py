@@ -6,7 +6,7 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays
-from ._errors import choose, run
+from ._errors import choose, entries, number, run
 from ._samples import ImageBase, from_array
 from ._types import Array, Image, Mapping, Name, Progress
 from .vtkLamellaSolversVTK import vtkSteadyDiffusion
@@ -124,11 +124,14 @@ def diffusion(
     solver.SetQuantity(choose({"temperature": 0, "concentration": 1}, quantity, "quantity"))
     solver.SetLattice(choose(_LATTICES, lattice, "lattice"))
     solver.SetMethod(choose(_METHODS, method, "method"))
-    for name, value in conductivity.items():
-        along, across = value if isinstance(value, (tuple, list)) else (value, None)
-        solver.SetConductivity(str(name), float(along))
-        if across is not None:
-            solver.SetConductivityAcross(str(name), float(across))
+    for name, value in entries(conductivity, "conductivity", "{phase: value}"):
+        what = f"the conductivity of {name!r}"
+        pair = isinstance(value, (tuple, list))
+        if pair and len(value) != 2:
+            raise ValueError(f"{what} is {value!r}; give a number, or (along, across)")
+        solver.SetConductivity(str(name), number(value[0] if pair else value, what))
+        if pair:
+            solver.SetConductivityAcross(str(name), number(value[1], what))
     solver.SetTolerance(tolerance)
     solver.SetMaximumIterations(max_iterations)
     solver.SetThreads(threads)

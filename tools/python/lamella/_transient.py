@@ -6,7 +6,7 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays
-from ._errors import choose, run
+from ._errors import choose, entries, number, run
 from ._runs import set_checkpoint
 from ._samples import ImageBase
 from ._solve import _LATTICES, as_image
@@ -155,8 +155,8 @@ def lattice_boltzmann(
         raise ValueError("give end_time, or at_times and at_steps")
     solver = vtkLatticeBoltzmann()
     solver.SetInputData(as_image(image))
-    for name, value in diffusivity.items():
-        solver.SetDiffusivity(str(name), float(value))
+    for name, value in entries(diffusivity, "diffusivity", "{phase: value}"):
+        solver.SetDiffusivity(str(name), number(value, f"the diffusivity of {name!r}"))
     if end_time is not None:
         solver.SetEndTime(end_time)
     solver.SetNumberOfSteps(frames)
