@@ -32,7 +32,8 @@ class FluxMapResult(ImageBase):
 
     @property
     def effective(self) -> Array:
-        """The effective conductivity from the mean flux, NaN in columns that were not solved."""
+        """The mean flux over the mean gradient, NaN in columns that were not solved. Off the diagonal with insulated sides
+        it is what flows across in this box, and no property of the material."""
         n = 3 if self.vtk.GetDimensions()[2] > 1 else 2
         return _arrays.numbers(self.vtk, "effective_from_flux").reshape(3, 3)[:n, :n]
 

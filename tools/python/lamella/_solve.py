@@ -29,9 +29,13 @@ class DiffusionResult(ImageBase):
 
     @property
     def effective(self) -> Array:
-        """The effective conductivity as a matrix (2 by 2 or 3 by 3), NaN in columns that were not solved."""
+        """The effective conductivity as a matrix (2 by 2 or 3 by 3), NaN in columns that were not solved, and off the
+        diagonal with insulated sides: what flows across there is decided by the box, not by the material."""
         n = self._dimension
-        return _arrays.numbers(self.vtk, "effective_conductivity").reshape(3, 3)[:n, :n]
+        values = _arrays.numbers(self.vtk, "effective_conductivity").reshape(3, 3)[:n, :n]
+        if _arrays.text(self.vtk, "sides") == "insulated":
+            values[~np.eye(n, dtype=bool)] = np.nan
+        return values
 
     @property
     def estimated_error(self) -> float:
