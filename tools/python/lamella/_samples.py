@@ -141,7 +141,7 @@ def read_picture(
     segment     the picture is a raw scan: find the phases lumen and wall in it
     lumen       with segment: "auto", "bright" or "dark"
     threshold   with segment: grey between lumen and wall once the light is even, 0 to 255; None: found
-    array       .vti files: which array
+    array       .vti files: which array; the other point arrays come along (with refine only grain and axis)
     raw_size, raw_bits, raw_header   raw volumes: (nx, ny, nz), 8 or 16, bytes to skip
     """
     reader = vtkPictureReader()
