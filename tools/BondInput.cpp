@@ -83,12 +83,12 @@ void checkNames(const BondOptions& o, const std::vector<std::string>& names)
   };
   for (const Table& table : tables(o))
   {
-    for (const std::string& text : table.texts)
+    for (const std::string& text : listItems(table.texts))
     {
       check(table.option, keyValue(table.option, text, "PAIR=VALUE").first);
     }
   }
-  for (const std::string& text : o.like)
+  for (const std::string& text : listItems(o.like))
   {
     const auto [pair, other] = keyValue("--like", text, "PAIR=PAIR");
     check("--like", pair);
@@ -110,7 +110,7 @@ void checkNames(const BondOptions& o, const std::vector<std::string>& names)
   {
     checkPhase("--void", name);
   }
-  for (const std::string& text : o.density)
+  for (const std::string& text : listItems(o.density))
   {
     if (text.find('=') != std::string::npos)
     {
@@ -241,19 +241,19 @@ void applyBonds(const BondOptions& o, vtkBondAlgorithm* filter)
 {
   for (const Table& table : tables(o))
   {
-    for (const std::string& text : table.texts)
+    for (const std::string& text : listItems(table.texts))
     {
       const auto [pair, number] = keyValue(table.option, text, "PAIR=VALUE");
       const auto value = toNumber(number);
       if (!value || !(*value > 0) || !std::isfinite(*value))
       {
         throw ParameterError(fmt::format("{} {}: '{}' is not a positive number", table.option, text, number),
-          fmt::format("write it as {} grain=VALUE, in SI units", table.option));
+          fmt::format("write it as {} {}=VALUE, in SI units", table.option, pair));
       }
       (filter->*table.set)(pair.c_str(), *value);
     }
   }
-  for (const std::string& text : o.like)
+  for (const std::string& text : listItems(o.like))
   {
     const auto [pair, other] = keyValue("--like", text, "PAIR=PAIR");
     filter->SetLike(pair.c_str(), other.c_str());

@@ -25,7 +25,8 @@ double parseValue(const std::string& text, const std::string& number)
   if (!value)
   {
     throw ParameterError("--conductivity '" + text + "': '" + number + "' is not a number",
-      "write it as --conductivity NAME=VALUE, such as --conductivity wall=0.41, or NAME=ALONG:ACROSS");
+      fmt::format("write it as --conductivity NAME=VALUE, such as --conductivity {}=0.41, or NAME=ALONG:ACROSS",
+        text.substr(0, text.find('='))));
   }
   if (!std::isfinite(*value) || *value < 0)
   {
@@ -46,7 +47,7 @@ std::string valueText(const GivenConductivity& given)
 std::vector<GivenConductivity> parseConductivities(const std::vector<std::string>& texts)
 {
   std::vector<GivenConductivity> values;
-  for (const std::string& text : texts)
+  for (const std::string& text : listItems(texts))
   {
     const auto [name, numbers] = keyValue("--conductivity", text, "NAME=VALUE");
     GivenConductivity given{ name };

@@ -208,7 +208,7 @@ std::size_t apply(const DynamicsOptions& o, vtkBondDynamics* filter)
 {
   const char* const forStates = !o.atTimes.empty() ? "--at-time" : !o.frames.empty() ? "--frames" : nullptr;
   applyBreak(o, filter, forStates);
-  for (const std::string& text : o.bonds.density)
+  for (const std::string& text : listItems(o.bonds.density))
   {
     constexpr const char* hint = "write it as --density 2440 or --density wall=1500, in kg/m³";
     if (text.find('=') == std::string::npos)

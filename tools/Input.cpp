@@ -148,7 +148,7 @@ std::optional<GreyMap> greyMap(const PictureOptions& options)
     return std::nullopt;
   }
   GreyMap map;
-  for (const std::string& text : options.phase)
+  for (const std::string& text : listItems(options.phase))
   {
     const auto [key, name] = keyValue("--phase", text, "GREY=NAME");
     const auto grey = toInteger(key);

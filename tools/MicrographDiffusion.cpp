@@ -22,33 +22,30 @@ Conductivities parseConductivities(const std::vector<std::string>& texts, bool h
     { "lamella", 2 }, { "middle lamella", 2 } };
   constexpr std::array<const char*, 3> names{ "lumen", "wall", "lamella" };
   std::array<std::optional<double>, 3> values;
-  for (const std::string& text : texts)
+  for (const std::string& part : listItems(texts))
   {
-    for (const std::string& part : split(text, ','))
+    const auto [name, number] = keyValue("--conductivity", part, "NAME=VALUE");
+    const auto found = known.find(name);
+    if (found == known.end())
     {
-      const auto [name, number] = keyValue("--conductivity", part, "NAME=VALUE");
-      const auto found = known.find(name);
-      if (found == known.end())
-      {
-        const std::vector<std::string> words{ "lumen", "wall", "lamella" };
-        throw ParameterError("--conductivity names '" + name + "', which is no phase of a micrograph",
-          suggestion(name, words, "its phases are 'lumen', 'wall' and 'lamella'"));
-      }
-      const auto value = toNumber(number);
-      if (!value || !std::isfinite(*value) || *value < 0)
-      {
-        throw ParameterError("--conductivity " + part + ": a conductivity must be a finite number of at least 0",
-          "write it as --conductivity wall=1 --conductivity lumen=0.05");
-      }
-      auto& place = values[found->second];
-      if (place && *place != *value)
-      {
-        throw ParameterError(
-          fmt::format("--conductivity gives '{}' two values, {:g} and {:g}", names[found->second], *place, *value),
-          "give every phase one value");
-      }
-      place = value;
+      const std::vector<std::string> words{ "lumen", "wall", "lamella" };
+      throw ParameterError("--conductivity names '" + name + "', which is no phase of a micrograph",
+        suggestion(name, words, "its phases are 'lumen', 'wall' and 'lamella'"));
     }
+    const auto value = toNumber(number);
+    if (!value || !std::isfinite(*value) || *value < 0)
+    {
+      throw ParameterError("--conductivity " + part + ": a conductivity must be a finite number of at least 0",
+        "write it as --conductivity wall=1 --conductivity lumen=0.05");
+    }
+    auto& place = values[found->second];
+    if (place && *place != *value)
+    {
+      throw ParameterError(
+        fmt::format("--conductivity gives '{}' two values, {:g} and {:g}", names[found->second], *place, *value),
+        "give every phase one value");
+    }
+    place = value;
   }
   if (!values[0] || !values[1])
   {

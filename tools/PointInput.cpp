@@ -75,7 +75,7 @@ void checkNames(const PointOptions& o, const std::vector<std::string>& names)
   for (std::size_t c = 0; c < constants.size(); ++c)
   {
     const std::string option = std::string("--") + constants[c].name;
-    for (const std::string& text : o.constants[c])
+    for (const std::string& text : listItems(o.constants[c]))
     {
       if (text.find('=') != std::string::npos)
       {
@@ -138,7 +138,7 @@ void applyPoints(const PointOptions& o, vtkPointAlgorithm* filter)
     {
       throw ParameterError(option + " without walls that yield", "add --law plastic");
     }
-    for (const std::string& text : o.constants[c])
+    for (const std::string& text : listItems(o.constants[c]))
     {
       if (text.find('=') == std::string::npos)
       {

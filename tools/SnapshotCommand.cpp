@@ -140,7 +140,7 @@ void configure(vtkSnapshot* snapshot, const SnapshotOptions& options)
   {
     snapshot->SetColorMap(colorMaps[oneOf("--color-map", options.colorMap, colorMaps)].c_str());
   }
-  for (const std::string& text : options.phaseColor)
+  for (const std::string& text : listItems(options.phaseColor))
   {
     const auto [name, value] = keyValue("--phase-color", text, "NAME=COLOUR");
     const auto color = parseColor("--phase-color", value);

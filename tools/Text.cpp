@@ -161,6 +161,28 @@ std::pair<std::string, std::string> keyValue(
   return { text.substr(0, equals), text.substr(equals + 1) };
 }
 
+std::vector<std::string> listItems(const std::vector<std::string>& texts)
+{
+  std::vector<std::string> items;
+  for (const std::string& text : texts)
+  {
+    bool first = true;
+    for (std::string& part : split(text, ','))
+    {
+      if (first || part.find('=') != std::string::npos)
+      {
+        items.push_back(std::move(part));
+      }
+      else
+      {
+        items.back() += "," + part;
+      }
+      first = false;
+    }
+  }
+  return items;
+}
+
 std::size_t oneOf(const std::string& option, const std::string& text, std::span<const std::string> words)
 {
   const auto found = std::find(words.begin(), words.end(), text);

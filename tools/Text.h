@@ -45,6 +45,10 @@ void checkThreads(int threads, const char* hint = "give the number of cores to u
 [[nodiscard]] std::pair<std::string, std::string> keyValue(
   const std::string& option, const std::string& text, const std::string& form);
 
+/// What an option was given that may be written again and again, or once with commas between: "a=1,b=2" is "a=1",
+/// "b=2". A comma with no "=" behind it, as in "a=0,5" or "x-=5,free", separates nothing.
+[[nodiscard]] std::vector<std::string> listItems(const std::vector<std::string>& texts);
+
 /// The position of `text` among the words an option knows.
 [[nodiscard]] std::size_t oneOf(const std::string& option, const std::string& text, std::span<const std::string> words);
 

@@ -120,14 +120,14 @@ std::size_t applyTimes(const TransientOptions& o, vtkLatticeBoltzmann* filter)
 /// What can be said without the sample. @throws ParameterError
 void apply(const TransientOptions& o, vtkLatticeBoltzmann* filter)
 {
-  for (const std::string& text : o.diffusivity)
+  for (const std::string& text : listItems(o.diffusivity))
   {
     const auto [name, number] = keyValue("--diffusivity", text, "NAME=VALUE");
     const auto value = toNumber(number);
     if (!value || !std::isfinite(*value) || *value < 0)
     {
       throw ParameterError("--diffusivity '" + text + "': '" + number + "' is no diffusivity",
-        "write it in m²/s, such as --diffusivity wall=1.8e-7; 0 for a phase that does not conduct");
+        fmt::format("write it in m²/s, such as --diffusivity {}=1.8e-7; 0 for a phase that does not conduct", name));
     }
     filter->SetDiffusivity(name.c_str(), *value);
   }

@@ -31,6 +31,18 @@ class Equilibrium(Case):
         self.assertIsNone(self.works(*bar, "--json").json()["elastic_energy"])
         self.assertIn("elastic energy", self.works(*BAR, "--young", "stone=2e9").out)
 
+    def test_values_with_commas(self):
+        self.write("two.png", pictures.png([[255 if x < 15 else 100 for x in range(30)] for _ in range(40)], pixels_per_metre=100000))
+        once = ["equilibrium", "two.png", "--phase", "255=stone,100=glue", "--young", "stone=2e9,glue=1e9", "--like",
+                "glue-stone=glue", "--json"]
+        often = ["equilibrium", "two.png", "--phase", "255=stone", "--phase", "100=glue", "--young", "stone=2e9", "--young", "glue=1e9",
+                 "--like", "glue-stone=glue", "--json"]
+        answers = [self.works(*words).json() for words in (once, often)]
+        self.assertEqual(answers[0]["effective_modulus"], answers[1]["effective_modulus"])
+        bar = ["equilibrium", "bar.png", "--phase", "255=stone"]
+        self.fails(2, "--young stone=2,5e9: '2,5e9' is not a positive number", "--young stone=VALUE", *bar, "--young", "stone=2,5e9")
+        self.fails(2, "--young names 'glue'", "its phases are 'stone'", *bar, "--young", "stone=2e9,glue=1e9")
+
     def test_numbers(self):
         found = self.works(*BAR, "--young", "stone=2e9", "--fracture-energy", "stone=10", "--json").json()
         # 1.064 is the lattice at a horizon of 3; grips and soft sides change it by some per cent
