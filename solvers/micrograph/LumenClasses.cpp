@@ -246,7 +246,11 @@ LumenClasses tellVessels(std::span<const LumenExtent> lumens)
   classes.vessels = 0;
   for (std::size_t i = 0; i < lumens.size() && classes.two; ++i)
   {
-    classes.vessel[i] = !slender(lumens[i]) && circle(lumens[i]) > classes.threshold;
+    const LumenExtent& one = lumens[i];
+    // The cut may leave a slender part of a broad lumen: larger than a fibre all the same, as no cell of a ray is.
+    const bool broad =
+      !slender(one) || (!one.whole && one.length * one.width * std::numbers::pi / 4 > classes.threshold);
+    classes.vessel[i] = broad && circle(one) > classes.threshold;
     classes.vessels += classes.vessel[i];
   }
   return classes;

@@ -42,7 +42,8 @@ struct LumenExtent
 
 /// Vessels among lumens of any kind: the classes are those of whole lumens by the circles over their lengths. Lumens
 /// more than three times as long as wide, cells of rays among them, are neither vessels nor fibres, unless most are.
-/// What the border cuts is a vessel where the part that is seen is long enough for one.
+/// What the border cuts is a vessel where the part that is seen is long enough for one; where the cut made it slender,
+/// its ellipse must have the area of a vessel as well.
 /// @throws ParameterError for a length that is not positive and finite
 [[nodiscard]] LumenClasses tellVessels(std::span<const LumenExtent> lumens);
 
