@@ -327,7 +327,7 @@ Command transientCommand(CLI::App& root)
   addCheckpointOptions(*app, o->checkpoint, "Steps between two", "10000");
   addReportOptions(*app, o->common);
   addExamples(*app,
-    { "lamella transient tissue.vti --diffusivity wall=1.8e-7 --diffusivity lumen=2.2e-5 --end-time 0.02 -o heat.vti "
+    { "lamella transient tissue.vti --diffusivity wall=1.8e-7 --diffusivity lumen=2.2e-5 --end-time 1e-4 -o heat.vti "
       "--curve heat.csv",
       "lamella transient cells.png --phase 0=lumen --other wall --pixel-size 0.5um --diffusivity lumen=2.6e-5 "
       "--diffusivity wall=1e-9 --end-time 1 --frames 50 --quantity concentration --json",
