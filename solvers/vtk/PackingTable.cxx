@@ -110,7 +110,12 @@ packing::Packing readPackingTable(const fs::path& path, const PackingTableOption
   const TextTable table(path, wanted);
   const Columns columns = findColumns(table);
 
-  const bool spheres = columns.y && columns.z;
+  // Disks of a .vtp lie at z = 0, and so they do in a table that lamella convert made of it.
+  bool spheres = false;
+  for (std::size_t row = 0; row < table.rows() && columns.y && columns.z && !spheres; ++row)
+  {
+    spheres = table.number(row, *columns.z) != 0;
+  }
   const std::size_t second = columns.y ? *columns.y : *columns.z;
   std::vector<std::array<double, 3>> centre;
   std::vector<double> radius;

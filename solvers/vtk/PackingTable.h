@@ -18,9 +18,10 @@ struct PackingTableOptions
 };
 
 /// A packing from a table: one line of names, one line a grain. Columns are found by their names, in any order and
-/// case: x, z, r (or x, y, r) for disks, whose second coordinate points up; x, y, z, r for spheres. `radius` stands for
-/// r, `d` or `diameter` for twice r, and both may be there; what follows the name, such as a unit in brackets, and other columns are ignored.
-/// Commas, semicolons, tabs or blanks separate columns, whichever the line of names has.
+/// case: x, z, r (or x, y, r) for disks, whose second coordinate points up; x, y, z, r for spheres, but for disks where
+/// every z is 0. `radius` stands for r, `d` or `diameter` for twice r, and both may be there; what follows the name,
+/// such as a unit in brackets, and other columns are ignored. Commas, semicolons, tabs or blanks separate columns,
+/// whichever the line of names has.
 /// @throws InputError: no file, no line of names, columns that are missing (lists those found), text where a number
 /// belongs (row and column), decimal commas, and what packing::packingOf() refuses
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT packing::Packing readPackingTable(

@@ -359,7 +359,7 @@ TEST(PackingReaderTables, AcceptEverySeparator)
 {
   for (const char* const text : { "x,z,r\n1,1,1\n3,1,1\n", "x;z;r\n1;1;1\n3;1;1\n", "x\tz\tr\n1\t1\t1\n3\t1\t1\n",
          "x  z   r\n1 1  1\n3 1 1\n", "# x, z, r\r\n1, 1, 1\r\n3, 1, 1\r\n", "z,d,X\n1,2,1\n1,2,3\n",
-         "x,z,Radius [m],diameter\n1,1,1,2\n3,1,1,2.000001\n" })
+         "x,z,Radius [m],diameter\n1,1,1,2\n3,1,1,2.000001\n", "x,y,z,radius,diameter\n1,1,0,1,2\n3,1,0,1,2\n" })
   {
     std::ofstream("separated.csv") << text;
     vtkNew<vtkPackingReader> reader;
