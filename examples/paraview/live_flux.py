@@ -25,6 +25,7 @@ flux = pv.FluxMap(Input=heat, NumberOfStreamlines=40)
 view = pv.GetActiveViewOrCreate("RenderView")
 view.InteractionMode = "2D"
 view.OrientationAxesVisibility = 0
+view.UseColorPaletteForBackground, view.Background = 0, [1, 1, 1]
 field = pv.Show(pv.OutputPort(flux, 0), view, "UniformGridRepresentation")
 field.SetRepresentationType("Slice")
 pv.ColorBy(field, ("POINTS", "flux_magnitude"))
@@ -33,7 +34,9 @@ magnitude.ApplyPreset("Inferno (matplotlib)", True)
 field.SetScalarBarVisibility(view, True)
 bar = pv.GetScalarBar(magnitude, view)
 bar.Title = "flux [W/m²]"
-bar.TitleFontSize, bar.LabelFontSize = 12, 10
+bar.TitleFontSize, bar.LabelFontSize = 20, 18
+bar.TitleColor = bar.LabelColor = [0, 0, 0]
+bar.AutomaticLabelFormat, bar.LabelFormat, bar.RangeLabelFormat = 0, "%.0f", "%.0f"
 lines = pv.Show(pv.OutputPort(flux, 1), view)
 pv.ColorBy(lines, None)
 lines.AmbientColor = lines.DiffuseColor = [0.6, 0.9, 1]
