@@ -278,7 +278,7 @@ class Mistakes(Files):
 
     def test_nothing_is_overwritten_without_leave(self):
         lamella.write(np.zeros((3, 3)), self.path("a.vti"))
-        with self.assertRaisesRegex(lamella.LamellaError, "'.*a.vti' exists already .*overwrite"):
+        with self.assertRaisesRegex(FileExistsError, "'.*a.vti' exists already.*overwrite"):
             lamella.write(np.ones((3, 3)), self.path("a.vti"))
         self.assertEqual(lamella.arrays(lamella.read(self.path("a.vti")))["values"].max(), 0)
         lamella.write(np.ones((3, 3)), self.path("a.vti"), overwrite=True)

@@ -62,6 +62,8 @@ def _run(converter, progress):
     except Cancelled:
         raise
     except LamellaError as error:
+        if " exists already" in error.message:
+            raise FileExistsError(f"{error.message}; {_in_words_of_python(error.hint)}") from None
         raise LamellaError(_in_words_of_python(error.message), _in_words_of_python(error.hint)) from None
 
 
