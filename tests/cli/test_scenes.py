@@ -419,6 +419,7 @@ tensile = "stress-pdf.mean_tensile"
         bad(good + solver + 'output = "x.vti"\n', "'output'", "write =")
         bad('[sample]\ngenerate = "softwod"\n', "'softwod'", "did you mean 'softwood'?")
         bad('[sample]\nseed = 1\n' + solver, "does not say what the sample is", "file =")
+        bad('[sample]\ngenrate = "softwood"\n' + solver, "scene.toml:2: 'genrate' is no key of [sample]", "did you mean 'generate'?")
         bad('[sample]\nfile = "a.png"\ngenerate = "softwood"\n' + solver, "both", "give one of")
         bad(solver, "no [sample]", "say what the sample is")
         bad(good + solver + 'direction = true\n', "diffusion.direction = true", "--help")

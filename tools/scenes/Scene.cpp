@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -200,13 +199,20 @@ private:
 
   void readSample(const SceneSection& section)
   {
-    static const std::array<const char*, 4> ways{ "file", "generate", "micrograph", "packing" };
+    static const std::vector<std::string> ways{ "file", "generate", "micrograph", "packing" };
     std::vector<std::string> given;
-    for (const char* const way : ways)
+    for (const std::string& way : ways)
     {
       if (section.find(way) != nullptr)
       {
-        given.emplace_back(way);
+        given.push_back(way);
+      }
+    }
+    for (const SceneKey& key : section.keys)
+    {
+      if (given.empty() && closest(key.name, ways))
+      {
+        unknownKey(section, key, ways, "");
       }
     }
     if (given.size() != 1)
