@@ -310,7 +310,12 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
     });
   session.onRoot([&] { requirePaths(sample.image, values, study); });
 
-  study.steady.progress = studyProgress(session, sample.image.lattice, study);
+  study.steady.progress = [&session](double part, const char* what) { return session.progress(part, what); };
+  study.announce = [&session](const lbm::TargetPlan& plan)
+  {
+    session.onRoot([&] { session.note(planText(plan)); });
+    return !Session::interrupted();
+  };
   Fields taken;
   const lbm::FieldSink take = [&](const lbm::SteadyDiffusion& solver, const lbm::DiffusionAnswer& answer,
                                 const Lattice& lattice, const Block& block)
@@ -337,7 +342,7 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
       {
         one.targetError.reset();
         one.estimateError = false;
-        one.refinement = refinementOf(report.answers[i]);
+        one.refinement = report.answers[i].refinement;
         (void)run(one, true);
       }
       else
@@ -384,15 +389,20 @@ void diffusion(Session& session, const DiffusionOptions& options, const std::str
         {
           if (!std::isfinite(answer.error.relative))
           {
-            session.warn(
-              fmt::format("the error along {} could not be estimated: the part of the sample that is refined "
-                          "for it has no conducting path",
-                axisNames[answer.axis]));
+            session.warn(fmt::format("the error along {} could not be estimated: the middle of the sample, which is "
+                                     "solved for it, has no conducting path",
+              axisNames[answer.axis]));
           }
         }
       }
       session.print(options.common.json ? toJson(report) : options.common.quiet ? "" : toTable(report));
     });
+  const lbm::Target how = report.answers.front().target;
+  if (how == lbm::Target::PictureTooCoarse || how == lbm::Target::MemoryShort)
+  {
+    const Shortfall shortfall = shortfallOf(report);
+    session.fallShort(shortfall.message, shortfall.hint);
+  }
 }
 
 } // namespace
@@ -425,10 +435,12 @@ Command diffusionCommand(CLI::App& root)
   numerics(app->add_option("--refine", o->refine, "Split every pixel into N × N (× N)")
              ->type_name("N")
              ->capture_default_str());
-  numerics(app->add_option("--target-error", o->targetError, "Refine until the estimated error is below this, as 1%")
+  numerics(app
+             ->add_option("--target-error", o->targetError,
+               "Refine until the estimated error is below this, as 1%, as far as the picture's own pixels allow")
              ->type_name("SHARE"));
   numerics(app->add_flag("--no-error-estimate", o->noErrorEstimate,
-    "Leave out the second solve, on the twice refined sample, that the error is estimated from"));
+    "Leave out the solves that the error is estimated from: every second pixel, and every pixel split"));
   numerics(app->add_option("--lattice", o->lattice, "Links of the lattice; d2q5 or d3q7 when not given")
              ->type_name("d2q5|d2q9|d3q7|d3q19"));
   numerics(app->add_option("--method", o->method, "How the system is solved")

@@ -60,7 +60,7 @@ Fields takeFields(const Session& session, const lbm::SteadyDiffusion& solver, in
 void writeFields(
   const DiffusionReport& report, const lbm::DiffusionAnswer& answer, Fields fields, const OutputFile& file)
 {
-  const auto image = toImageData(refine(report.sample->image, refinementOf(answer)));
+  const auto image = toImageData(refine(report.sample->image, answer.refinement));
   const std::string quantity = fields.value->GetName();
   image->GetPointData()->AddArray(std::exchange(fields.value, nullptr));
   image->GetPointData()->AddArray(std::exchange(fields.flux, nullptr));
@@ -78,6 +78,8 @@ void writeFields(
   setFieldNumbers(image, "effective_conductivity", tensorOf({ answer }, report.sample->image.lattice.dimension));
   setFieldNumbers(image, "estimated_error", std::array{ answer.error.relative });
   setFieldNumbers(image, "estimated_error_by_direction", byAxis(answer.error.relative));
+  setFieldNumbers(image, "lattice_error", std::array{ answer.error.lattice });
+  setFieldNumbers(image, "picture_error", std::array{ answer.error.picture });
   setFieldNumbers(image, "extrapolated_conductivity", byAxis(answer.error.extrapolated));
   setFieldNumbers(image, "bounds",
     std::array{ report.bounds.series, report.bounds.hashinShtrikmanLower, report.bounds.hashinShtrikmanUpper,

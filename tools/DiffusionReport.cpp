@@ -37,14 +37,38 @@ const char* name(lbm::Sides sides)
   return sides == lbm::Sides::Periodic ? "periodic" : "insulated";
 }
 
-double worstError(const DiffusionReport& report)
+double worst(const DiffusionReport& report, double lbm::ErrorEstimate::*kind)
 {
   double worst = std::numeric_limits<double>::quiet_NaN();
   for (const auto& answer : report.answers)
   {
-    worst = std::isnan(worst) || answer.error.relative > worst ? answer.error.relative : worst;
+    worst = std::isnan(worst) || answer.error.*kind > worst ? answer.error.*kind : worst;
   }
   return worst;
+}
+
+/// Whether outlines can be drawn through the pixels: a picture of two phases, each of which conducts the same in every
+/// direction.
+bool outlinesServe(const DiffusionReport& report)
+{
+  return report.sample->image.lattice.dimension == 2 && report.across.empty() &&
+    std::ranges::count_if(report.fractions, [](double f) { return f > 0; }) == 2;
+}
+
+const char* name(lbm::Target target)
+{
+  switch (target)
+  {
+    case lbm::Target::Reached:
+      return "reached";
+    case lbm::Target::PictureTooCoarse:
+      return "picture too coarse";
+    case lbm::Target::MemoryShort:
+      return "memory short";
+    case lbm::Target::None:
+      break;
+  }
+  return "none";
 }
 
 Json stepsJson(const lbm::DiffusionAnswer& answer)
@@ -53,10 +77,13 @@ Json stepsJson(const lbm::DiffusionAnswer& answer)
   for (const auto& step : answer.steps)
   {
     steps.push_back({ { "refine", step.refinement }, { "value", number(step.value) }, { "nodes", step.nodes },
-      { "iterations", step.iterations }, { "seconds", step.seconds }, { "part_of_sample", step.sampled } });
+      { "iterations", step.iterations }, { "seconds", step.seconds }, { "part_of_sample", step.sampled },
+      { "every_pixel", step.every }, { "pictures", step.pictures }, { "scatter", number(step.scatter) } });
   }
   return steps;
 }
+
+constexpr std::array ordinals{ "", "first", "second", "third", "fourth" };
 
 std::string percent(double share)
 {
@@ -72,17 +99,37 @@ std::uint64_t peakMemoryBytes()
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024; // Linux counts kilobytes
 }
 
-int refinementOf(const lbm::DiffusionAnswer& answer)
+std::string planText(const lbm::TargetPlan& plan)
 {
-  // The value is that of the last solve of all nodes that the result counts.
-  for (const auto& step : answer.steps)
+  return fmt::format(
+    "this error needs refinement {} as far as can be foreseen: {} nodes, {} of the {} it may take, {:.2g} s",
+    plan.refinement, grouped(plan.nodes), bytesText(static_cast<double>(plan.bytes)),
+    bytesText(static_cast<double>(plan.allowed)), plan.seconds);
+}
+
+Shortfall shortfallOf(const DiffusionReport& report)
+{
+  const lbm::DiffusionAnswer& first = report.answers.front();
+  Shortfall text;
+  const std::string asked = fmt::format("an error below {} was asked for, and {} was reached",
+    percent(report.options.targetError.value_or(0)), percent(worst(report, &lbm::ErrorEstimate::relative)));
+  if (first.target == lbm::Target::MemoryShort)
   {
-    if (!step.sampled && step.nodes == answer.result.nodes)
-    {
-      return step.refinement;
-    }
+    text.message = asked +
+      fmt::format(": refinement {} needs about {}, more than the {} it may take", first.plan.refinement,
+        bytesText(static_cast<double>(first.plan.bytes)), bytesText(static_cast<double>(first.plan.allowed)));
+    text.hint = "use a smaller --window, a machine with more free memory, or several with mpirun";
+    return text;
   }
-  return answer.steps.empty() ? 1 : answer.steps.front().refinement;
+  text.message = asked +
+    fmt::format(": {} of it is the picture's own, which splitting its pixels does not change",
+      percent(worst(report, &lbm::ErrorEstimate::picture)));
+  text.hint = "only a picture with smaller pixels reaches it";
+  if (outlinesServe(report))
+  {
+    text.hint += ", or outlines through these, which err less: lamella micrograph FILE --conductivity NAME=VALUE";
+  }
+  return text;
 }
 
 std::array<double, 9> tensorOf(const std::vector<lbm::DiffusionAnswer>& answers, int dimension)
@@ -103,22 +150,31 @@ std::string toJson(const DiffusionReport& report)
 {
   const Lattice& lattice = report.sample->image.lattice;
   const int dimension = lattice.dimension;
-  const int refinement = refinementOf(report.answers.front());
+  const int refinement = report.answers.front().refinement;
   Json json;
   Json effective;
   Json extrapolated;
-  Json errors;
   for (const auto& answer : report.answers)
   {
     const char* axis = axisNames[answer.axis];
     effective[axis] = number(own(answer));
     extrapolated[axis] = number(answer.error.extrapolated);
-    errors[axis] = number(answer.error.relative);
   }
   json["effective"] = std::move(effective);
   json["extrapolated"] = std::move(extrapolated);
-  json["estimated_errors"] = std::move(errors);
-  json["estimated_error"] = number(worstError(report));
+  for (const auto& [key, kind] : { std::pair{ "estimated_error", &lbm::ErrorEstimate::relative },
+         std::pair{ "lattice_error", &lbm::ErrorEstimate::lattice },
+         std::pair{ "picture_error", &lbm::ErrorEstimate::picture } })
+  {
+    json[key] = number(worst(report, kind));
+    Json& byDirection = json[std::string(key) + "s"];
+    for (const auto& answer : report.answers)
+    {
+      byDirection[axisNames[answer.axis]] = number(answer.error.*kind);
+    }
+  }
+  json["target_error"] = report.options.targetError ? Json(*report.options.targetError) : Json(nullptr);
+  json["target"] = report.options.targetError ? Json(name(report.answers.front().target)) : Json(nullptr);
   const auto tensor = tensorOf(report.answers, dimension);
   json["tensor"] = Json::array();
   for (int row = 0; row < dimension; ++row)
@@ -166,8 +222,7 @@ std::string toJson(const DiffusionReport& report)
       { "outlet", number(result.outletFlux) }, { "residual", number(result.residual) },
       { "setup_seconds", result.setupSeconds }, { "solve_seconds", result.solveSeconds },
       { "solver_bytes", result.bytes }, { "nodes", result.nodes }, { "stored", result.stored },
-      { "skipped", result.skipped }, { "refine", refinementOf(answer) },
-      { "convergence_order", number(answer.error.order) }, { "steps", stepsJson(answer) } };
+      { "skipped", result.skipped }, { "refine", answer.refinement }, { "steps", stepsJson(answer) } };
   }
 
   json["directions"] = std::move(directions);
@@ -230,7 +285,7 @@ std::string toJson(const DiffusionReport& report)
 std::string toTable(const DiffusionReport& report)
 {
   const Lattice& lattice = report.sample->image.lattice;
-  const int refinement = refinementOf(report.answers.front());
+  const int refinement = report.answers.front().refinement;
   std::string text = fmt::format(
     "{}: {} {}", report.file, sizeText(lattice.size, lattice.dimension), lattice.dimension == 3 ? "voxels" : "pixels");
   text += report.sample->pixelSizeSource == "none" ? ", pixel size unknown"
@@ -268,13 +323,32 @@ std::string toTable(const DiffusionReport& report)
     }
   }
 
-  text += "\n  effective conductivity      error     from series (0 %) to parallel (100 %)\n";
+  const bool known = report.options.estimateError || report.options.targetError;
+  text += fmt::format("\n  effective conductivity      error     {}from series (0 %) to parallel (100 %)\n",
+    known ? "lattice   picture   " : "");
   for (const auto& answer : report.answers)
   {
     const double span = report.bounds.parallel - report.bounds.series;
-    text += fmt::format("    {}  {:<20.7g}  {:<8}  {}\n", axisNames[answer.axis], own(answer),
-      report.options.estimateError || report.options.targetError ? percent(answer.error.relative) : "-",
-      span > 0 ? fmt::format("{:.1f} %", 100 * (own(answer) - report.bounds.series) / span) : "-");
+    text += fmt::format(
+      "    {}  {:<20.7g}  {:<8}  ", axisNames[answer.axis], own(answer), known ? percent(answer.error.relative) : "-");
+    if (known)
+    {
+      text += fmt::format("{:<8}  {:<8}  ", percent(answer.error.lattice), percent(answer.error.picture));
+    }
+    text += span > 0 ? fmt::format("{:.1f} %\n", 100 * (own(answer) - report.bounds.series) / span) : "-\n";
+  }
+  const bool nearer =
+    std::ranges::any_of(report.answers, [](const auto& answer) { return std::isfinite(answer.error.extrapolated); });
+  if (nearer)
+  {
+    text += "  expected of the material, from how the value changes with the pixel\n";
+    for (const auto& answer : report.answers)
+    {
+      if (std::isfinite(answer.error.extrapolated))
+      {
+        text += fmt::format("    {}  {:.5g}\n", axisNames[answer.axis], answer.error.extrapolated);
+      }
+    }
   }
   text +=
     fmt::format("  bounds\n    series {:.7g}   parallel {:.7g}   Hashin-Shtrikman (isotropic media) {:.7g} to {:.7g}\n",
@@ -289,14 +363,23 @@ std::string toTable(const DiffusionReport& report)
     {
       for (const auto& step : answer.steps)
       {
-        text += fmt::format("    {}  refine {:<3} {:<10.7g}  {:>13} nodes  {:.2f} s\n", axisNames[answer.axis],
-          step.refinement, step.value, grouped(step.nodes), step.seconds);
+        text += fmt::format("    {}  refine {:<3} {:<10.7g}  {:>13} nodes  {:.2f} s{}\n", axisNames[answer.axis],
+          step.refinement, step.value, grouped(step.nodes), step.seconds,
+          step.every > 1 ? fmt::format("  every {} pixel, {} pictures", ordinals[static_cast<std::size_t>(step.every)],
+                             step.pictures)
+                         : "");
         total += step.seconds;
       }
     }
     text += fmt::format("    {:.2f} s in all\n", total);
   }
 
+  const double picture = worst(report, &lbm::ErrorEstimate::picture);
+  if (picture > 0.005 && picture >= worst(report, &lbm::ErrorEstimate::lattice) && outlinesServe(report))
+  {
+    text += "\n  Most of the error is the pixels' own steps. Outlines through them err less: lamella micrograph with\n"
+            "  the same --conductivity.\n";
+  }
   std::string iterations;
   double solve = 0;
   for (const auto& answer : report.answers)

@@ -40,8 +40,16 @@ struct DiffusionReport
 /// Bytes that this process held at its largest.
 [[nodiscard]] std::uint64_t peakMemoryBytes();
 
-/// The refinement that an answer's value holds for.
-[[nodiscard]] int refinementOf(const lbm::DiffusionAnswer& answer);
+/// What a target error will take, for people.
+[[nodiscard]] std::string planText(const lbm::TargetPlan& plan);
+
+/// Why a target error was not reached, and what to do about it.
+struct Shortfall
+{
+  std::string message;
+  std::string hint;
+};
+[[nodiscard]] Shortfall shortfallOf(const DiffusionReport& report);
 
 /// The tensor by rows, 9 numbers, NaN in columns that were not solved.
 [[nodiscard]] std::array<double, 9> tensorOf(const std::vector<lbm::DiffusionAnswer>& answers, int dimension);

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-/// The parts of `lamella diffusion` around the study itself: memory, ranks, progress.
+/// The parts of `lamella diffusion` around the study itself: memory, ranks, paths.
 namespace lamella::cli
 {
 
@@ -48,8 +48,5 @@ void requireMemory(const DiffusionSize& size);
 /// asks for all.
 /// @throws NoPathError
 void requirePaths(const PhaseImage& image, std::span<const double> conductivity, const lbm::StudyOptions& options);
-
-/// Shows how far a study is: the share of all its solves as far as they can be foreseen.
-[[nodiscard]] lbm::Progress studyProgress(Session& session, const Lattice& lattice, const lbm::StudyOptions& options);
 
 } // namespace lamella::cli

@@ -171,6 +171,15 @@ int Session::ranksOnMachine() const
   return count;
 }
 
+void Session::note(const std::string& text)
+{
+  if (!outside_ && root() && !quiet_)
+  {
+    endProgress();
+    std::fputs(("note: " + text + "\n").c_str(), stderr);
+  }
+}
+
 void Session::warn(const std::string& text)
 {
   if (outside_)
@@ -181,6 +190,21 @@ void Session::warn(const std::string& text)
   {
     endProgress();
     std::fputs(("warning: " + text + "\n").c_str(), stderr);
+  }
+}
+
+void Session::fallShort(const std::string& message, const std::string& hint)
+{
+  if (outside_)
+  {
+    warn(message + ": " + hint);
+    return;
+  }
+  code_ = exitShort;
+  if (root())
+  {
+    endProgress();
+    printError(ParameterError(message, hint));
   }
 }
 

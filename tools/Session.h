@@ -27,6 +27,7 @@ enum ExitCode : int
   exitMemory = 5,
   exitDiverged = 6,
   exitOutput = 7, ///< the result cannot be written
+  exitShort = 8,  ///< done, but the accuracy asked for was not reached
   exitInterrupted = 130
 };
 
@@ -65,8 +66,17 @@ public:
 
   void setQuiet(bool quiet) noexcept { quiet_ = quiet; }
 
+  /// "note: ..." on standard error, from rank 0 only: what is about to be done. Not where all is quiet.
+  void note(const std::string& text);
+
   /// "warning: ..." on standard error, from rank 0 only.
   void warn(const std::string& text);
+
+  /// Something asked for was not reached, though all there is is printed and written: "error: ..." and "hint: ...", and
+  /// the run ends with exitShort. Within a run of samples it is a warning. Every rank calls it.
+  void fallShort(const std::string& message, const std::string& hint);
+  /// What a run ends with that no error ended.
+  [[nodiscard]] int code() const noexcept { return code_; }
 
   /// Does `work` on rank 0. When it fails there, the other ranks stop as well, without a word.
   void onRoot(const std::function<void()>& work);
@@ -117,6 +127,7 @@ private:
 
   std::function<void(vtkDataObject*)> onStep_;
   std::function<bool(double, const std::string&)> outside_; ///< of a session within a run
+  int code_ = exitOk;
   mutable std::string printed_;
   std::vector<std::string> warnings_;
   bool mpi_ = false;

@@ -81,7 +81,7 @@ int run(Session& session, std::vector<std::string> words)
     if (command.app->parsed())
     {
       command.run(session, commandLine);
-      return exitOk;
+      return session.code();
     }
   }
   if (!words.empty())

@@ -2,15 +2,74 @@
 
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
+#include "lattice/Subsample.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
 
 namespace lamella::lbm
 {
 namespace
 {
+
+// Every second, third and fourth pixel make pictures.
+constexpr std::array strides{ 2, 3, 4 };
+// A subsample of fewer nodes along an axis tells nothing: second pixels only, then.
+constexpr std::int64_t fewestAcross = 3;
+// Pictures of a stride that are solved, about; in the plane there are 4, 9 and 16, in space 8, 27 and 64.
+constexpr std::size_t fewPictures = 8;
+
+/// The shares of solves in the whole, as far as they can be foreseen, handed on as one share that rises.
+class StudyProgress
+{
+public:
+  explicit StudyProgress(Progress outside)
+    : outside_(std::move(outside))
+  {
+  }
+  void foresee(double nodes, int solves = 1)
+  {
+    ahead_ += nodes * solves;
+    solves_ += solves;
+  }
+  /// Of a solve that begins now.
+  [[nodiscard]] Progress of(double nodes)
+  {
+    if (!outside_)
+    {
+      return {};
+    }
+    done_ += current_;
+    current_ = nodes;
+    begun_ += 1;
+    ahead_ = std::max(ahead_, done_ + current_);
+    return [this](double share, const char* what)
+    {
+      const std::string text = fmt::format("solve {} of {}: {}", begun_, std::max(begun_, solves_), what);
+      return outside_(std::min(1.0, (done_ + share * current_) / ahead_), text.c_str());
+    };
+  }
+
+private:
+  Progress outside_;
+  double ahead_ = 0; ///< nodes of all solves
+  double done_ = 0;
+  double current_ = 0;
+  int solves_ = 0;
+  int begun_ = 0;
+};
+
+/// Which nodes of the study's picture another one holds: every stride-th from first on.
+struct Part
+{
+  std::array<std::int64_t, 3> first{ 0, 0, 0 };
+  std::int64_t stride = 1;
+};
 
 class Study
 {
@@ -22,6 +81,9 @@ public:
     , options_(options)
     , comm_(comm)
     , sink_(sink)
+    , factor_(image.lattice.dimension == 3 ? 8 : 4)
+    , base_(nodesAt(options.refinement))
+    , progress_(options.steady.progress)
   {
   }
 
@@ -33,174 +95,372 @@ public:
       answers.emplace_back();
       answers.back().axis = axis;
     }
-    int refinement = options_.refinement;
-    solveAll(refinement, answers, !options_.targetError);
+    foresee();
+    const int refinement = options_.refinement;
+    solvePicture(refinement, answers, !options_.targetError);
     if (options_.targetError)
-      refineToTarget(refinement, answers);
+      refineToTarget(answers);
     else if (options_.estimateError)
       estimate(answers);
     return answers;
   }
 
 private:
-  // Solves `image` at a refinement along one axis and notes it as a step.
-  double solveOne(const PhaseImage& refined, int refinement, DiffusionAnswer& answer, bool sampled, bool final)
+  [[nodiscard]] double nodesAt(int refinement) const
   {
-    const Communicator comm(comm_);
-    const Block block = decompose(refined.lattice, comm_);
+    return static_cast<double>(image_.lattice.count()) * std::pow(refinement, image_.lattice.dimension);
+  }
+
+  void foresee()
+  {
+    const int axes = static_cast<int>(options_.axes.size());
+    progress_.foresee(base_, axes);
+    if (!options_.estimateError && !options_.targetError)
+      return;
+    const double most = static_cast<double>(options_.estimateNodes);
+    if (base_ > most)
+      progress_.foresee(most, axes);
+    for (const int stride : strides)
+      progress_.foresee(std::min(base_, most) / std::pow(stride, image_.lattice.dimension),
+        axes * static_cast<int>(subsampleStarts(image_.lattice, stride, fewPictures).size()));
+    if (base_ * factor_ <= most || options_.targetError)
+      progress_.foresee(base_ * factor_, axes);
+    else
+    {
+      progress_.foresee(most / factor_, axes);
+      progress_.foresee(most, axes);
+    }
+  }
+
+  /// Solves a picture along one axis.
+  /// @param refined the nodes of `part`, split
+  SteadyResult solve(const PhaseImage& refined, const Part& part, int refinement, DiffusionAnswer& answer,
+    RefinementStep& step, bool fields)
+  {
+    const MPI_Comm handle = shares(refined.lattice) ? comm_ : MPI_COMM_SELF;
+    const Communicator comm(handle);
+    const Block block = decompose(refined.lattice, handle);
     SteadyOptions steady = options_.steady;
-    if (!final || !sink_)
+    steady.progress = progress_.of(static_cast<double>(refined.lattice.count()));
+    if (handle != comm_)
+      steady.progress = {}; // a moment's work that every rank does: none may stop alone
+    if (!fields)
       steady.fieldTolerance = std::numeric_limits<double>::infinity(); // nobody sees the field
+    if (part.stride > 1)
+      steady.method = Method::Auto; // what suits the picture need not suit a part of it
     if (options_.directed)
     {
       steady.stencil = Stencil::D2Q9;
-      steady.links = std::make_shared<LinkTable>(linksOf(refined, refinement));
+      steady.links = std::make_shared<LinkTable>(linksOf(refined, part, refinement));
     }
-    SteadyDiffusion solver(refined.lattice, block, blockOf(refined, block), diffusivity_, steady, comm_);
-    const SteadyResult result = solver.solve(answer.axis);
-    answer.steps.push_back({ refinement, result.effective[static_cast<std::size_t>(answer.axis)],
-      refined.lattice.count(), result.iterations, comm.max(result.setupSeconds + result.solveSeconds), sampled });
-    if (!sampled)
-      answer.result = result;
-    if (final && sink_)
+    SteadyDiffusion solver(refined.lattice, block, blockOf(refined, block), diffusivity_, steady, handle);
+    SteadyResult result = solver.solve(answer.axis);
+    step.refinement = refinement;
+    step.nodes += refined.lattice.count();
+    step.iterations += result.iterations;
+    step.seconds += comm.max(result.setupSeconds + result.solveSeconds);
+    step.value = valueOf(result, answer.axis);
+    if (fields)
       sink_(solver, answer, refined.lattice, block);
-    return answer.steps.back().value;
+    return result;
   }
 
-  // Links of the picture or, once there is one, of the window, split.
-  [[nodiscard]] LinkTable linksOf(const PhaseImage& refined, int refinement) const
+  static double valueOf(const SteadyResult& result, int axis)
+  {
+    return result.effective[static_cast<std::size_t>(axis)];
+  }
+
+  /// Whether all ranks find rows in a lattice.
+  [[nodiscard]] bool shares(const Lattice& lattice) const
+  {
+    const Communicator comm(comm_);
+    if (!comm.parallel())
+      return true;
+    try
+    {
+      (void)Decomposition(lattice, comm);
+      return true;
+    }
+    catch (const ParameterError&)
+    {
+      return lattice.count() == image_.lattice.count(); // the picture itself: refused as it is
+    }
+  }
+
+  // Links of a part of the picture, split.
+  [[nodiscard]] LinkTable linksOf(const PhaseImage& refined, const Part& of, int refinement) const
   {
     const DirectedDiffusivity& whole = *options_.directed;
     DirectedDiffusivity part{ whole.along, whole.across, {} };
     part.axis.reserve(refined.phase.size());
+    const auto node = [&](std::size_t axis, std::int64_t i) { return of.first[axis] + of.stride * (i / refinement); };
     for (std::int64_t y = 0; y < refined.lattice.size[1]; ++y)
       for (std::int64_t x = 0; x < refined.lattice.size[0]; ++x)
-        part.axis.push_back(whole.axis[static_cast<std::size_t>(
-          image_.lattice.index(first_[0] + x / refinement, first_[1] + y / refinement))]);
+        part.axis.push_back(whole.axis[static_cast<std::size_t>(image_.lattice.index(node(0, x), node(1, y)))]);
     return directedLinks(refined.lattice, refined.phase, part, options_.steady.sides);
   }
 
-  void solveAll(int refinement, std::vector<DiffusionAnswer>& answers, bool final)
+  /// The whole picture along all axes: the answers' results.
+  void solvePicture(int refinement, std::vector<DiffusionAnswer>& answers, bool final)
   {
-    if (refinement == 1)
-      for (auto& a : answers)
-        solveOne(image_, 1, a, false, final);
-    else
+    const PhaseImage split = refinement == 1 ? PhaseImage{} : refine(image_, refinement);
+    const PhaseImage& refined = refinement == 1 ? image_ : split;
+    for (auto& a : answers)
     {
-      const PhaseImage refined = refine(image_, refinement);
-      for (auto& a : answers)
-        solveOne(refined, refinement, a, false, final);
+      RefinementStep step;
+      a.refinement = refinement;
+      a.result = solve(refined, {}, refinement, a, step, final && sink_);
+      a.steps.push_back(step);
     }
   }
 
-  void estimate(std::vector<DiffusionAnswer>& answers)
+  /// Value of a centred window, or of all, noted as a step for the estimate.
+  double solveSample(const PhaseImage& refined, const Part& part, int refinement, bool whole, DiffusionAnswer& a)
   {
-    const int factor = image_.lattice.dimension == 3 ? 8 : 4;
+    RefinementStep step;
+    step.sampled = !whole;
+    (void)solve(refined, part, refinement, a, step, false);
+    a.steps.push_back(step);
+    return step.value;
+  }
+
+  /// What an endlessly fine lattice would add to the values of `answers`, relative to them, from pixels split in two
+  /// (Richardson, order 1: between order 1 and 2, whatever the corners do, it is the cautious choice). NaN: no path
+  /// through the window.
+  [[nodiscard]] std::vector<double> latticeChanges(std::vector<DiffusionAnswer>& answers)
+  {
     const int n = options_.refinement;
-    std::int64_t base = image_.lattice.count();
-    for (int i = 0; i < image_.lattice.dimension; ++i)
-      base *= n;
-    const bool whole = base * factor <= options_.estimateNodes;
-    const PhaseImage part = whole ? PhaseImage{} : centredWindow(n, factor);
-    const PhaseImage& sample = whole ? image_ : part;
-    const PhaseImage fine = refine(sample, 2 * n);
+    const bool whole = base_ * factor_ <= static_cast<double>(options_.estimateNodes);
+    Part part;
+    const PhaseImage window = whole ? PhaseImage{} : centredWindow(n, factor_, part);
+    const PhaseImage& sample = whole ? image_ : window;
     const PhaseImage coarse = whole ? PhaseImage{} : refine(sample, n);
+    const PhaseImage fine = refine(sample, 2 * n);
+    std::vector<double> changes;
     for (auto& a : answers)
     {
       try
       {
-        const double atN = whole ? a.steps.front().value : solveOne(coarse, n, a, true, false);
-        const double at2N = solveSampled(fine, 2 * n, a, whole);
-        a.error.relative = richardsonError(atN, at2N, 1.0, false);
-        const double change = (at2N - atN) / atN; // order 1: the limit lies as far again beyond the finer value
-        a.error.extrapolated = a.result.effective[static_cast<std::size_t>(a.axis)] * (1 + 2 * change);
+        const double atN = whole ? valueOf(a.result, a.axis) : solveSample(coarse, part, n, whole, a);
+        changes.push_back(2 * (solveSample(fine, part, 2 * n, whole, a) - atN) / atN);
       }
       catch (const NoPathError&)
       {
-        // the window does not percolate: no estimate, said as NaN
+        changes.push_back(std::numeric_limits<double>::quiet_NaN());
       }
     }
+    return changes;
   }
 
-  double solveSampled(const PhaseImage& fine, int refinement, DiffusionAnswer& a, bool whole)
+  /// What the picture's subsamples say, by answer; none: no path through the window.
+  [[nodiscard]] std::vector<std::optional<PictureError>> pictureErrors(std::vector<DiffusionAnswer>& answers)
   {
-    const SteadyResult kept = a.result;
-    const double value = solveOne(fine, refinement, a, true, false);
-    a.steps.back().sampled = !whole;
-    a.result = kept;
-    return value;
+    const int n = options_.refinement;
+    const bool whole = base_ <= static_cast<double>(options_.estimateNodes);
+    Part part;
+    const PhaseImage window = whole ? PhaseImage{} : centredWindow(n, 1, part);
+    const PhaseImage& sample = whole ? image_ : window;
+    const PhaseImage refined = whole || n == 1 ? PhaseImage{} : refine(sample, n);
+    std::vector<std::optional<PictureError>> errors;
+    for (auto& a : answers)
+    {
+      try
+      {
+        const double value =
+          whole ? valueOf(a.result, a.axis) : solveSample(n == 1 ? sample : refined, part, n, whole, a);
+        std::vector<SubsampleValues> subsamples;
+        for (const int stride : strides)
+          if (stride == 2 ||
+            std::ranges::all_of(
+              sample.lattice.size, [&](std::int64_t s) { return s == 1 || s >= stride * fewestAcross; }))
+            subsamples.push_back({ stride, subsampleValues(sample, part, stride, n, whole, a) });
+        errors.emplace_back(std::in_place, value, subsamples);
+      }
+      catch (const NoPathError&)
+      {
+        errors.emplace_back();
+      }
+    }
+    return errors;
   }
 
-  void refineToTarget(int refinement, std::vector<DiffusionAnswer>& answers)
+  [[nodiscard]] std::vector<double> subsampleValues(
+    const PhaseImage& sample, const Part& part, int stride, int refinement, bool whole, DiffusionAnswer& a)
+  {
+    std::vector<double> values;
+    RefinementStep step;
+    step.sampled = !whole;
+    step.every = stride;
+    for (const auto& start : subsampleStarts(sample.lattice, stride, fewPictures))
+    {
+      PhaseImage picture = subsample(sample, start, stride);
+      if (refinement > 1)
+        picture = refine(picture, refinement);
+      Part of = part;
+      of.stride = stride;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        of.first[axis] += start[axis];
+      try
+      {
+        (void)solve(picture, of, refinement, a, step, false);
+        values.push_back(step.value);
+      }
+      catch (const NoPathError&)
+      {
+        values.push_back(0);
+      }
+    }
+    const double count = static_cast<double>(values.size());
+    step.pictures = static_cast<int>(values.size());
+    step.value = std::accumulate(values.begin(), values.end(), 0.0) / count;
+    for (const double v : values)
+      step.scatter += (v - step.value) * (v - step.value);
+    step.scatter = count > 1 ? std::sqrt(step.scatter / (count - 1)) : 0;
+    a.steps.push_back(step);
+    return values;
+  }
+
+  /// Adds what the iteration leaves.
+  static ErrorEstimate withSolver(ErrorEstimate error, const SteadyResult& result)
+  {
+    error.relative += result.solverError;
+    error.lattice += result.solverError;
+    return error;
+  }
+
+  void estimate(std::vector<DiffusionAnswer>& answers)
+  {
+    lattices_ = latticeChanges(answers);
+    pictures_ = pictureErrors(answers);
+    changes_.assign(answers.size(), 0.0);
+    takeErrors(answers);
+  }
+
+  void takeErrors(std::vector<DiffusionAnswer>& answers) const
+  {
+    for (std::size_t i = 0; i < answers.size(); ++i)
+      if (pictures_[i])
+        answers[i].error = withSolver(pictures_[i]->estimate(changes_[i], lattices_[i]), answers[i].result);
+  }
+
+  /// The worst total error once pixels are split `times` as often as now; infinite where it is not known.
+  [[nodiscard]] double foreseen(double times) const
+  {
+    double worst = 0;
+    for (std::size_t i = 0; i < pictures_.size(); ++i)
+    {
+      const double change = changes_[i] + (1 - 1 / times) * lattices_[i];
+      const double bar = pictures_[i] ? pictures_[i]->bar(change) / (1 + change) : std::nan("");
+      worst = std::isfinite(bar) ? std::max(worst, bar) : std::numeric_limits<double>::infinity();
+    }
+    return worst;
+  }
+
+  void refineToTarget(std::vector<DiffusionAnswer>& answers)
   {
     const double target = *options_.targetError;
-    for (;;)
+    const auto allowed = static_cast<std::uint64_t>(options_.memoryShare * static_cast<double>(availableMemory()));
+    std::vector<double> base; // values at the first refinement
+    for (const auto& a : answers)
+      base.push_back(valueOf(a.result, a.axis));
+    estimate(answers);
+    Target how = Target::Reached;
+    TargetPlan plan;
+    for (int refinement = options_.refinement; worst(answers) > target;)
     {
-      const int finer = 2 * refinement;
-      std::int64_t nodes = image_.lattice.count();
-      for (int i = 0; i < image_.lattice.dimension; ++i)
-        nodes *= finer;
-      Lattice lattice = image_.lattice;
-      lattice.size[0] = nodes; // only the count matters
-      lattice.size[1] = lattice.size[2] = 1;
-      const std::uint64_t needed =
-        estimateBytes(lattice, options_.steady.stencil, Method::Multigrid, nodes) + static_cast<std::uint64_t>(nodes);
-      const double reached = answers.front().steps.size() < 2 ? 1.0 : worst(answers);
-      const Communicator comm(comm_);
-      if (comm.any(needed / static_cast<std::uint64_t>(comm.size()) > availableMemory()))
-        throw MemoryError(
-          fmt::format("an error of {:.2g} % needs refinement {} and about {}, and {} are available", 100 * target,
-            finer, bytesText(static_cast<double>(needed)), bytesText(static_cast<double>(availableMemory()))),
-          answers.front().steps.size() < 2
-            ? std::string("ask for a larger error, or use a smaller window")
-            : fmt::format("ask for at most {:.2g} %, which refinement {} reaches, or use a smaller window",
-                100 * reached * 1.01, refinement));
-      solveAll(finer, answers, false);
-      refinement = finer;
-      for (auto& a : answers)
-        updateError(a);
-      if (worst(answers) <= target)
-        break;
-    }
-    if (sink_) // the fields of the last refinement: solved again, so that only one field is ever held
-    {
-      const PhaseImage refined = refine(image_, refinement);
-      for (auto& a : answers)
+      constexpr int mostDoublings = 12;
+      int doublings = 1;
+      while (doublings <= mostDoublings && foreseen(std::exp2(doublings)) > target)
+        ++doublings;
+      if (doublings > mostDoublings)
       {
-        solveOne(refined, refinement, a, false, true);
-        a.steps.pop_back();
+        how = Target::PictureTooCoarse;
+        break;
       }
+      const int next = refinement << doublings;
+      plan = planOf(next, refinement, answers, allowed);
+      if (plan.bytes > plan.allowed)
+      {
+        how = Target::MemoryShort;
+        break;
+      }
+      if (options_.announce && Communicator(comm_).any(!options_.announce(plan)))
+        throw Cancelled();
+      progress_.foresee(nodesAt(next), static_cast<int>(answers.size()));
+      const std::vector<double> before = changes_;
+      solvePicture(next, answers, false);
+      for (std::size_t i = 0; i < answers.size(); ++i)
+      {
+        changes_[i] = valueOf(answers[i].result, answers[i].axis) / base[i] - 1;
+        lattices_[i] = (changes_[i] - before[i]) / (std::exp2(doublings) - 1); // order 1: what is still to come
+      }
+      takeErrors(answers);
+      refinement = next;
     }
-  }
-
-  static void updateError(DiffusionAnswer& a)
-  {
-    const std::size_t n = a.steps.size();
-    const double fine = a.steps[n - 1].value;
-    const double coarse = a.steps[n - 2].value;
-    if (n >= 3)
+    for (auto& a : answers)
     {
-      const double ratio = (coarse - a.steps[n - 3].value) / (fine - coarse);
-      a.error.order = ratio > 2.0 ? std::min(std::log2(ratio), 2.0) : 1.0;
+      a.target = how;
+      a.plan = plan;
     }
-    a.error.relative = richardsonError(coarse, fine, a.error.order, true);
-    a.error.extrapolated = fine + (fine - coarse) / (std::exp2(a.error.order) - 1);
+    if (sink_) // the fields of the refinement that counts: solved again, so that only one field is ever held
+      solveFields(answers);
   }
 
+  void solveFields(std::vector<DiffusionAnswer>& answers)
+  {
+    const int refinement = answers.front().refinement;
+    const PhaseImage split = refinement == 1 ? PhaseImage{} : refine(image_, refinement);
+    for (auto& a : answers)
+    {
+      RefinementStep step;
+      a.result = solve(refinement == 1 ? image_ : split, {}, refinement, a, step, true);
+    }
+  }
+
+  [[nodiscard]] TargetPlan planOf(
+    int next, int refinement, const std::vector<DiffusionAnswer>& answers, std::uint64_t allowed) const
+  {
+    TargetPlan plan;
+    plan.refinement = next;
+    const double nodes = nodesAt(next);
+    Lattice lattice = image_.lattice;
+    // Only the count matters; more than this many need more memory than there is, whatever the rest.
+    lattice.size = { static_cast<std::int64_t>(std::min(nodes, 1e17)), 1, 1 };
+    plan.nodes = lattice.count();
+    const std::int64_t zeros =
+      std::ranges::count_if(image_.phase, [&](std::uint8_t id) { return !(diffusivity_[id] > 0); });
+    const double share = 1 - static_cast<double>(zeros) / static_cast<double>(image_.lattice.count());
+    plan.bytes = estimateBytes(lattice, options_.directed ? Stencil::D2Q9 : options_.steady.stencil,
+                   zeros > 0 ? Method::AlgebraicMultigrid : Method::Multigrid,
+                   static_cast<std::int64_t>(share * static_cast<double>(plan.nodes))) +
+      static_cast<std::uint64_t>(plan.nodes);
+    plan.allowed = allowed;
+    double seconds = 0;
+    for (const auto& a : answers)
+      seconds += a.result.setupSeconds + a.result.solveSeconds;
+    plan.seconds = Communicator(comm_).max(seconds) * nodes / nodesAt(refinement);
+    // One decision for all ranks.
+    plan.bytes = static_cast<std::uint64_t>(Communicator(comm_).max(static_cast<double>(plan.bytes)));
+    plan.allowed = static_cast<std::uint64_t>(-Communicator(comm_).max(-static_cast<double>(allowed)));
+    return plan;
+  }
+
+  /// Infinite where an error is not known.
   static double worst(const std::vector<DiffusionAnswer>& answers)
   {
     double e = 0;
     for (const auto& a : answers)
-      e = std::max(e, a.error.relative);
+      e = std::isnan(a.error.relative) ? std::numeric_limits<double>::infinity() : std::max(e, a.error.relative);
     return e;
   }
 
-  // The largest centred window, the same shape as the picture, whose refined lattice keeps to estimateNodes.
-  [[nodiscard]] PhaseImage centredWindow(int n, int factor)
+  /// The largest centred window, the same shape as the picture, whose refined lattice times `factor` keeps to
+  /// estimateNodes.
+  [[nodiscard]] PhaseImage centredWindow(int n, int factor, Part& part) const
   {
     const int d = image_.lattice.dimension;
     const double allowed = static_cast<double>(options_.estimateNodes) / factor / std::pow(n, d);
-    const double share = std::pow(allowed / static_cast<double>(image_.lattice.count()), 1.0 / d);
+    const double share = std::min(1.0, std::pow(allowed / static_cast<double>(image_.lattice.count()), 1.0 / d));
     Window w;
     for (int a = 0; a < d; ++a)
     {
@@ -211,7 +471,7 @@ private:
       w.size[a] = size;
       w.start[a] = (full - size) / 2;
     }
-    first_ = firstNode(image_.lattice, w);
+    part.first = firstNode(image_.lattice, w);
     return crop(image_, w);
   }
 
@@ -220,17 +480,15 @@ private:
   const StudyOptions& options_;
   MPI_Comm comm_;
   const FieldSink& sink_;
-  std::array<std::int64_t, 3> first_{ 0, 0, 0 }; // node of the picture that is solved: of the window, once there is one
+  int factor_;  ///< nodes a node becomes when it is split in two along each axis
+  double base_; ///< nodes at the first refinement
+  StudyProgress progress_;
+  std::vector<std::optional<PictureError>> pictures_; ///< by answer
+  std::vector<double> changes_;  ///< by answer: of the value at the present refinement from that at the first, relative
+  std::vector<double> lattices_; ///< what a lattice without end would add to it, over the value at the first
 };
 
 } // namespace
-
-double richardsonError(double coarse, double fine, double order, bool ofFine)
-{
-  const double change = std::abs(fine - coarse);
-  const double ofFineOne = change / (std::exp2(order) - 1);
-  return (ofFine ? ofFineOne : ofFineOne + change) / std::abs(ofFine ? fine : coarse);
-}
 
 std::vector<std::uint8_t> blockOf(const PhaseImage& image, const Block& block)
 {

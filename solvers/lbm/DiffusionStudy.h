@@ -2,11 +2,11 @@
 
 #include "lattice/Phases.h"
 #include "lbm/DirectedLinks.h"
+#include "lbm/PictureError.h"
 #include "lbm/SteadyDiffusion.h"
 
-#include <cmath>
+#include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,47 +15,65 @@
 namespace lamella::lbm
 {
 
-/// One solve of a study: the picture at one refinement, in one direction.
+/// One line of what a study did: the picture at one refinement in one direction, or what stands for it.
 struct RefinementStep
 {
   int refinement = 1;
-  double value = 0; ///< effective conductivity along the axis
+  double value = 0; ///< effective conductivity along the axis; of several pictures the mean
   std::int64_t nodes = 0;
   int iterations = 0;
   double seconds = 0;   ///< wall, set-up included
   bool sampled = false; ///< solved on a centred window only, for the error estimate
+  int every = 1;        ///< every so many pixels along each axis make a picture
+  int pictures = 1;     ///< how many such pictures were solved
+  double scatter = 0;   ///< standard deviation of their values
 };
 
-/// What is known about the error of an effective conductivity from two or more refinements of one picture.
-struct ErrorEstimate
+/// How the search for a target error ended.
+enum class Target
 {
-  double relative = std::numeric_limits<double>::quiet_NaN(); ///< of the finest full solve; NaN: could not be had
-  double extrapolated = std::numeric_limits<double>::quiet_NaN();
-  double order = 1; ///< order of convergence used: 1, or observed from three refinements (between 1 and 2)
+  None,             ///< none was set
+  Reached,          ///< the total error is below it
+  PictureTooCoarse, ///< the picture's own error is not, and splitting pixels does not change it
+  MemoryShort       ///< the refinement that would reach it takes more than the share of memory
 };
 
-/// Error of `coarse` and `fine`, solved with a ratio of 2 in spacing, when the error falls like spacing^order:
-/// the fine one errs by |fine − coarse| / (2^order − 1), the coarse one by that and |fine − coarse|. Pixels converge
-/// with an order between 1 and 2, whatever their corners do; order 1 is the cautious choice.
-[[nodiscard]] double richardsonError(double coarse, double fine, double order, bool ofFine);
+/// What is asked of the machine for a target error, foreseen from two refinements.
+struct TargetPlan
+{
+  int refinement = 1;
+  std::int64_t nodes = 0;
+  std::uint64_t bytes = 0;   ///< largest together, this machine's ranks
+  std::uint64_t allowed = 0; ///< of the memory that was free at the start: memoryShare of it
+  double seconds = 0;        ///< wall, all directions, from the time of the last refinement
+};
 
 struct DiffusionAnswer
 {
   int axis = 0;
   SteadyResult result; ///< of the solve whose fields are handed out
+  int refinement = 1;  ///< of that solve
   ErrorEstimate error;
+  Target target = Target::None;      ///< of the study: the same in every direction
+  TargetPlan plan;                   ///< where target is MemoryShort: what it would take
   std::vector<RefinementStep> steps; ///< every solve, in order
 };
 
 struct StudyOptions
 {
-  SteadyOptions steady;
+  SteadyOptions steady; ///< its `progress` gets the share of the whole study
   std::vector<int> axes{ 0, 1 };
-  int refinement = 1;                ///< each pixel split into n × n (× n)
-  bool estimateError = true;         ///< one more solve at twice the refinement
-  std::optional<double> targetError; ///< relative; refines by 2 from `refinement` until the estimate is below
-  /// Above this many nodes the solve for the estimate is done on a centred window of the picture at both refinements
-  /// instead of on all of it: the lattice's error is a local matter, and the window's relative change stands for it.
+  int refinement = 1;        ///< each pixel split into n × n (× n)
+  bool estimateError = true; ///< of the lattice, from pixels split in two, and of the picture, from its subsamples
+  /// Relative, of the total error: refines from `refinement` until it is below, as far as the picture itself allows.
+  std::optional<double> targetError;
+  /// Part of the memory that is free at the start that a target error may take.
+  double memoryShare = 0.5;
+  /// Told, where there is a target, what it will take before it is taken; returning false cancels.
+  std::function<bool(const TargetPlan&)> announce;
+  /// Above this many nodes the solves for the estimate are done on a centred window of the picture instead of on all
+  /// of it: pixels are a local matter, and the window's relative changes stand for those of the whole. What chance does
+  /// is larger on a window, so the error is, too.
   std::int64_t estimateNodes = std::int64_t{ 1 } << 22;
   /// Of the picture's phases and nodes: conductivities along and across an axis (directedLinks()), on D2Q9. A refined
   /// pixel's nodes have its axis. The study's diffusivities are then directed->larger().
@@ -68,10 +86,14 @@ using FieldSink = std::function<void(
 
 /// The whole job: refinement, solves along the axes, error estimate.
 ///
+/// The error is that of the value against the material's (PictureError): the picture's subsamples are solved, which
+/// takes about as long as the picture itself, and its pixels split in two for the part that is the lattice's. Where
+/// nothing conducts in a subsample its value is 0. What this does not see: features below a pixel of which no pixel
+/// tells, a segmentation that errs, and how far the picture speaks for more material than it shows.
+///
 /// @param image        the whole picture, the same on every rank
 /// @param diffusivity  one a phase id
-/// @throws what SteadyDiffusion and refine() throw; ParameterError when the target error needs more memory than there
-/// is
+/// @throws what SteadyDiffusion and refine() throw. A target that is not reached is no error: `target` says why
 [[nodiscard]] std::vector<DiffusionAnswer> studyDiffusion(const PhaseImage& image, std::span<const double> diffusivity,
   const StudyOptions& options, MPI_Comm comm, const FieldSink& sink = {});
 

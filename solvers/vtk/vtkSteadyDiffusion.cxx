@@ -66,6 +66,12 @@ std::string storePhases(vtkImageData* output, const lamella::PhaseIds& phases, c
   return name;
 }
 
+/// The largest of those that are numbers, else NaN.
+double worst(const std::array<double, 3>& errors)
+{
+  return *std::ranges::max_element(errors, [](double a, double b) { return std::isnan(a) || a < b; });
+}
+
 /// Applies f to each number.
 template <class F>
 void change(vtkDoubleArray* array, F&& f)
@@ -88,6 +94,8 @@ struct vtkSteadyDiffusion::Internals
   ByDirection Stored;
   ByDirection Skipped;
   ByDirection Error;
+  ByDirection LatticeError;
+  ByDirection PictureError;
   ByDirection Extrapolated;
   std::vector<double> PhaseConductivity; ///< by id
   std::vector<double> PhaseAcross;       ///< by id; empty: the same in every direction
@@ -99,8 +107,9 @@ struct vtkSteadyDiffusion::Internals
 
   void Forget()
   {
-    for (ByDirection* const numbers : { &this->Effective[0], &this->Effective[1], &this->Effective[2], &this->Balance,
-           &this->Iterations, &this->Stored, &this->Skipped, &this->Error, &this->Extrapolated })
+    for (ByDirection* const numbers :
+      { &this->Effective[0], &this->Effective[1], &this->Effective[2], &this->Balance, &this->Iterations, &this->Stored,
+        &this->Skipped, &this->Error, &this->LatticeError, &this->PictureError, &this->Extrapolated })
     {
       numbers->fill(notSolved);
     }
@@ -274,13 +283,14 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   {
     axes = lattice.dimension == 3 ? std::vector<int>{ X, Y, Z } : std::vector<int>{ X, Y };
   }
-  // Each solve counts from 0 again: the next one has begun when the share falls.
-  const double solves = static_cast<double>(axes.size()) * (this->EstimateError ? 2 : 1);
+  // Without an estimate each solve counts from 0 again: the next one has begun when the share falls. A study tells the
+  // share of the whole.
+  const double solves = this->EstimateError ? 1.0 : static_cast<double>(axes.size());
   double done = 0;
   double last = 0;
   options.progress = [this, solves, &done, &last](double share, const char* what)
   {
-    done += share < last ? 1 : 0;
+    done += share < last && solves > 1 ? 1 : 0;
     last = share;
     this->SetProgressText(what);
     this->UpdateProgress(std::min((done + share) / solves, 1.0));
@@ -334,6 +344,8 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
     {
       internal.Keep(answer.axis, answer.result);
       internal.Error[static_cast<std::size_t>(answer.axis)] = answer.error.relative;
+      internal.LatticeError[static_cast<std::size_t>(answer.axis)] = answer.error.lattice;
+      internal.PictureError[static_cast<std::size_t>(answer.axis)] = answer.error.picture;
       internal.Extrapolated[static_cast<std::size_t>(answer.axis)] = answer.error.extrapolated;
     }
   }
@@ -346,8 +358,7 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
         row < lattice.dimension ? column[static_cast<std::size_t>(row)] : notSolved;
     }
   }
-  this->EstimatedError = *std::max_element(
-    internal.Error.begin(), internal.Error.end(), [](double a, double b) { return std::isnan(a) || a < b; });
+  this->EstimatedError = worst(internal.Error);
   internal.PhaseFraction.assign(scene.nodes.begin(), scene.nodes.end());
   for (double& fraction : internal.PhaseFraction)
   {
@@ -376,6 +387,13 @@ void vtkSteadyDiffusion::Describe(vtkImageData* output)
   lamella::setFieldNumbers(output, "effective_conductivity", this->EffectiveConductivity);
   lamella::setFieldNumbers(output, "estimated_error", std::span(&this->EstimatedError, 1));
   lamella::setFieldNumbers(output, "estimated_error_by_direction", internal.Error);
+  for (const auto& [name, errors] :
+    { std::pair{ "lattice_error", &internal.LatticeError }, std::pair{ "picture_error", &internal.PictureError } })
+  {
+    const double largest = worst(*errors);
+    lamella::setFieldNumbers(output, name, std::span(&largest, 1));
+    lamella::setFieldNumbers(output, (std::string(name) + "_by_direction").c_str(), *errors);
+  }
   lamella::setFieldNumbers(output, "extrapolated_conductivity", internal.Extrapolated);
   const lbm::Bounds& bounds = internal.Bounds;
   const std::array<double, 4> limits{ bounds.series, bounds.hashinShtrikmanLower, bounds.hashinShtrikmanUpper,

@@ -16,9 +16,11 @@
  * each with `_x`, `_y`, `_z` after its name when all directions are solved. Field data:
  * - `effective_conductivity`: 9 numbers, the tensor K in data axes by rows; column j is mean flux over mean gradient
  *   of the solve along j; NaN in columns that were not solved. In the unit of the conductivities.
- * - `estimated_error`: relative numerical error of the effective conductivity, the largest of the directions solved;
- *   NaN unless EstimateError is on. `estimated_error_by_direction`: 3 numbers. `extrapolated_conductivity`: 3 numbers,
- *   the diagonal that the estimate expects on an endlessly fine lattice.
+ * - `estimated_error`: relative error of the effective conductivity against the material's, the largest of the
+ *   directions solved; NaN unless EstimateError is on. `lattice_error` and `picture_error`: its two parts, that of one
+ *   node a pixel and that of the pixels' own steps (lbm/PictureError.h); they may cancel. Each `_by_direction`: 3
+ *   numbers. `extrapolated_conductivity`: 3 numbers, the diagonal that the material is expected to have; NaN where that
+ *   is not surely nearer.
  * - `bounds`: series, lower and upper Hashin–Shtrikman, parallel; of a phase with two conductivities the lower ones
  *   are those of the smaller, the upper ones those of the larger
  * - `balance`, `iterations`, `stored_nodes`, `skipped_nodes`: 3 numbers, by direction; NaN where not solved
@@ -127,8 +129,9 @@ public:
 
   ///@{
   /**
-   * Also solve with every pixel split in 2 × 2 (× 2), on a part of a large image, and estimate the numerical error
-   * from the difference. Costs several times the solve itself (the output stays on the image's lattice). Default off.
+   * Also solve the pictures that every second, third and fourth pixel gives, and every pixel split in 2 × 2 (× 2), on a
+   * part of a large image, and estimate the error of the value against the material's. Costs several times the solve
+   * itself (the output stays on the image's lattice). Default off.
    */
   vtkSetMacro(EstimateError, bool);
   vtkGetMacro(EstimateError, bool);

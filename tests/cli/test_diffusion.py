@@ -19,7 +19,9 @@ class Answers(Case):
         self.assertAlmostEqual(answer["effective"]["y"], 0.55, delta=1e-8)
         self.assertAlmostEqual(answer["bounds"]["series"], 2 / 11, delta=1e-12)
         self.assertAlmostEqual(answer["bounds"]["parallel"], 0.55, delta=1e-12)
-        self.assertLess(answer["estimated_error"], 1e-7)
+        self.assertLess(answer["lattice_error"], 1e-7)
+        # Whether the layers end where their pixels do the picture does not tell: a bar, but no longer than a pixel.
+        self.assertLess(answer["estimated_error"], 0.1)
         self.assertEqual(answer["size"], [40, 30])
         self.assertEqual([phase["name"] for phase in answer["phases"]], ["lumen", "wall"])
         self.assertEqual([phase["fraction"] for phase in answer["phases"]], [0.5, 0.5])
@@ -35,7 +37,8 @@ class Answers(Case):
         self.works("generate", "softwood", "--size", "60,50", "-o", "t.png")
         answer = self.solve("t.png", *CONDUCTIVITIES, "--threads", "2")
         for key in [
-            "effective", "extrapolated", "estimated_error", "estimated_errors", "tensor", "bounds", "iterations",
+            "effective", "extrapolated", "estimated_error", "estimated_errors", "lattice_error", "lattice_errors",
+            "picture_error", "picture_errors", "target_error", "target", "tensor", "bounds", "iterations",
             "seconds", "setup_seconds", "solve_seconds", "peak_memory_bytes", "method", "directions", "phases", "file",
             "size", "window", "pixel_size", "pixel_size_source", "refine", "lattice", "sides", "length", "tolerance",
             "balance", "solver_error", "nodes", "stored", "skipped", "solver_bytes", "threads", "ranks", "files", "version", "commit",
@@ -111,24 +114,50 @@ class Answers(Case):
         self.assertEqual(fine["nodes"], 4 * coarse["nodes"])
         self.assertEqual(fine["refine"], 2)
         self.assertEqual(fine["phases"], coarse["phases"])
-        # The estimate of the coarse one used that very solve: error of order 1 means twice the change.
+        # The lattice's part of the coarse one used that very solve: error of order 1 means twice the change.
         change = abs(fine["effective"]["x"] - coarse["effective"]["x"]) / coarse["effective"]["x"]
-        self.assertAlmostEqual(coarse["estimated_error"], 2 * change, delta=1e-6)
-        self.assertLess(fine["estimated_error"], coarse["estimated_error"])
+        self.assertAlmostEqual(coarse["lattice_error"], 2 * change, delta=1e-6)
+        self.assertLess(fine["lattice_error"], coarse["lattice_error"])
+        # and the picture's own part is not changed by splitting its pixels
+        self.assertLess(abs(fine["picture_error"] / coarse["picture_error"] - 1), 0.2)
+        every = {step["every_pixel"]: step for step in coarse["directions"]["x"]["steps"] if step["every_pixel"] > 1}
+        self.assertEqual([every[stride]["pictures"] for stride in (2, 3, 4)], [4, 9, 8])
+        self.assertEqual(every[2]["nodes"], coarse["nodes"])
 
     def test_a_target_for_the_error(self):
         self.works("generate", "softwood", "--size", "60,50", "-o", "t.png")
-        answer = self.solve("t.png", *CONDUCTIVITIES, "--target-error", "1%", "-o", "h.vti")
-        self.assertLessEqual(answer["estimated_error"], 0.01)
+        plain = self.solve("t.png", *CONDUCTIVITIES)
+        within = (plain["estimated_error"] + plain["picture_error"]) / 2  # halfway to what splitting pixels can reach
+        run = self.run_lamella("diffusion", "t.png", *CONDUCTIVITIES, "--target-error", str(within), "-o", "h.vti", "--json")
+        self.assertEqual(run.code, 0, run.err)
+        answer = run.json()
+        self.assertEqual(answer["target"], "reached")
+        self.assertEqual(answer["target_error"], within)
+        self.assertLessEqual(answer["estimated_error"], within)
+        self.assertGreater(answer["refine"], 1)
+        self.assertIn("note: this error needs refinement", run.err, "said beforehand")
         for axis in "xy":
             steps = answer["directions"][axis]["steps"]
-            self.assertEqual([step["refine"] for step in steps], [2**i for i in range(len(steps))])
             self.assertEqual(steps[-1]["refine"], answer["refine"])
             self.assertTrue(all(step["seconds"] > 0 for step in steps), "what each cost")
         self.assertEqual(self.info("h_x.vti")["size"], [60 * answer["refine"], 50 * answer["refine"]])
-        table = self.works("diffusion", "t.png", *CONDUCTIVITIES, "--target-error", "0.01").out
-        self.assertIn("what an error below 1 % took", table)
+        table = self.run_lamella("diffusion", "t.png", *CONDUCTIVITIES, "--target-error", str(within)).out
+        self.assertIn("what an error below", table)
+        self.assertIn("every second pixel, 4 pictures", table)
         self.assertIn(" s in all", table)
+
+    def test_a_target_that_only_a_finer_picture_reaches(self):
+        self.works("generate", "softwood", "--size", "60,50", "-o", "t.png")
+        result = self.run_lamella("diffusion", "t.png", *CONDUCTIVITIES, "--target-error", "0.1%", "--json", "-o", "h.vti")
+        self.assertEqual(result.code, 8)
+        self.assertIn("error: an error below 0.1 % was asked for, and ", result.err)
+        self.assertIn("of it is the picture's own", result.err)
+        self.assertIn("hint: only a picture with smaller pixels", result.err)
+        self.assertIn("lamella micrograph", result.err)
+        answer = result.json()  # what was found is printed and written all the same
+        self.assertEqual(answer["target"], "picture too coarse")
+        self.assertGreater(answer["picture_error"], 0.001)
+        self.assertEqual(self.info("h_x.vti")["size"], [60, 50])
 
     def test_without_an_estimate_there_is_one_solve(self):
         self.works("generate", "softwood", "--size", "60,50", "-o", "t.png")

@@ -186,14 +186,7 @@ TEST(Bounds, HoldEveryResult)
   EXPECT_EQ(lbm::bounds(std::vector<double>{ 0.5, 0.5 }, std::vector<double>{ 0.0, 1.0 }, 2).series, 0.0);
 }
 
-TEST(ErrorEstimate, RichardsonOnAKnownSequence)
-{
-  // values 1 + h: the fine one errs by what it changed, the coarse one by twice that
-  EXPECT_NEAR(lbm::richardsonError(1.2, 1.1, 1.0, true), 0.1 / 1.1, 1e-14);
-  EXPECT_NEAR(lbm::richardsonError(1.2, 1.1, 1.0, false), 0.2 / 1.2, 1e-14);
-}
-
-TEST(ErrorEstimate, HoldsTheLimitOnTissue)
+TEST(ErrorEstimate, TheLatticesPartHoldsTheLimitOfThesePixels)
 {
   generators::SoftwoodOptions o;
   o.size = { 120, 120, 1 };
@@ -211,31 +204,32 @@ TEST(ErrorEstimate, HoldsTheLimitOnTissue)
     const double k4 = solve(refine(image, 4), d, { .axis = a.axis, .tolerance = 1e-8 }).effective[a.axis];
     const double limit = k8 + (k8 - k4) / (std::exp2(1.3) - 1);
     const double error = std::abs(k / limit - 1);
-    std::printf("axis %d: k %.6f, limit %.6f, error %.4f, estimated %.4f\n", a.axis, k, limit, error, a.error.relative);
-    EXPECT_GE(a.error.relative, error * 0.95); // cautious: order 1 assumed, the true one is above
-    EXPECT_LE(a.error.relative, error * 2.5);  // and not by much
+    std::printf("axis %d: k %.6f, limit %.6f, error %.4f, estimated %.4f\n", a.axis, k, limit, error, a.error.lattice);
+    EXPECT_GE(a.error.lattice, error * 0.95); // cautious: order 1 assumed, the true one is above
+    EXPECT_LE(a.error.lattice, error * 2.5);  // and not by much
   }
 }
 
-TEST(ErrorEstimate, TargetIsReached)
+TEST(ErrorEstimate, FieldsComeAtTheRefinementOfTheTarget)
 {
   generators::SoftwoodOptions o;
   o.size = { 100, 80, 1 };
   const auto image = generators::softwood(o);
   lbm::StudyOptions s;
-  s.targetError = 0.01;
+  s.targetError = 0.5; // met at once
   int fields = 0;
   const auto answers = lbm::studyDiffusion(image, std::vector<double>{ 0.023, 1.0 }, s, MPI_COMM_SELF,
     [&](const lbm::SteadyDiffusion&, const lbm::DiffusionAnswer& a, const Lattice& lattice, const Block&)
     {
       ++fields;
-      EXPECT_EQ(lattice.size[0], 100 * a.steps.back().refinement);
+      EXPECT_EQ(lattice.size[0], 100 * a.refinement);
     });
   EXPECT_EQ(fields, 2);
   for (const auto& a : answers)
   {
-    EXPECT_LE(a.error.relative, 0.01);
-    EXPECT_GE(a.steps.size(), 2U);
+    EXPECT_EQ(a.target, lbm::Target::Reached);
+    EXPECT_LE(a.error.relative, 0.5);
+    EXPECT_GE(a.steps.size(), 4U); // the picture, its halves, its quarters, its pixels split
   }
 }
 

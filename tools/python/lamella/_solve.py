@@ -39,12 +39,22 @@ class DiffusionResult(ImageBase):
 
     @property
     def estimated_error(self) -> float:
-        """Relative numerical error of the effective conductivity; NaN unless it was asked for."""
+        """Relative error of the effective conductivity against the material's; NaN unless it was asked for."""
         return float(_arrays.numbers(self.vtk, "estimated_error")[0])
 
     @property
+    def lattice_error(self) -> float:
+        """The part of it that one node a pixel makes, which a finer lattice of the same pixels mends."""
+        return float(_arrays.numbers(self.vtk, "lattice_error")[0])
+
+    @property
+    def picture_error(self) -> float:
+        """The part of it that the steps of the pixels make, which only smaller pixels mend."""
+        return float(_arrays.numbers(self.vtk, "picture_error")[0])
+
+    @property
     def extrapolated(self) -> dict[str, float]:
-        """Effective conductivity that the error estimate expects on an endlessly fine lattice, by direction."""
+        """Effective conductivity that the material is expected to have, by direction: only where it is nearer."""
         return self._by_direction("extrapolated_conductivity")
 
     @property
@@ -116,7 +126,7 @@ def diffusion(
     max_iterations  gives up after so many
     threads       0: all cores
     fields, flux  whether the field and its flux are kept; what is not asked for is not computed
-    estimate_error  solve on a finer lattice too and estimate the error; several times the work
+    estimate_error  solve every second pixel and a finer lattice too, and estimate the error; several times the work
     progress      called as progress(share, text); return False to cancel (raises Cancelled)
 
     With direction "all" names of fields end in _x, _y, _z.

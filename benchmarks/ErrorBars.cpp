@@ -1,0 +1,456 @@
+// Do the error bars of `lamella diffusion` hold? Pictures of known materials, coarse and less coarse, odd and even, in
+// the plane and in space; the truth is the material's own conductivity: a series where there is one, else far finer
+// pictures of the same geometry, extrapolated. study=
+//   bars    the total error of every case against the truth, by kind of material
+//   target  the same of answers to a target error
+// none: both. Keys: seed=N of the random shapes (2026), quick (a fifth of the cases), cases=FILE for a line a case
+// The estimate's constants were found on other shapes and seeds, see docs/benchmarks/diffusion.md.
+#include "Keys.h"
+
+#include "../tests/verification/DiskArray.h"
+
+#include "generators/Generators.h"
+#include "lbm/DiffusionStudy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace
+{
+
+using namespace lamella;
+using namespace lamella::benchmark;
+
+using Random = std::mt19937_64;
+
+double uniform(Random& random, double low, double high)
+{
+  return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+}
+
+template <class T>
+T pick(Random& random, std::initializer_list<T> values)
+{
+  return values.begin()[random() % values.size()];
+}
+
+struct Spot
+{
+  double x = 0, y = 0, z = 0;
+};
+
+/// A geometry in a box 1 wide, and how it is drawn with n pixels across.
+struct Material
+{
+  std::string kind;
+  int dimension = 2;
+  lbm::Sides sides = lbm::Sides::Insulated;
+  std::vector<double> conductivity; ///< of phases 0 and 1
+  int axis = 0;
+  std::function<PhaseImage(int)> draw;
+  double truth = 0; ///< 0: from finer pictures
+};
+
+/// Sampled at the centres of pixels.
+PhaseImage sampled(int dimension, std::array<std::int64_t, 3> size, const std::function<bool(Spot)>& inside)
+{
+  PhaseImage image;
+  image.lattice = makeLattice(size[0], size[1], size[2], dimension, 1.0 / static_cast<double>(size[0]));
+  image.phases = PhaseTable({ "matrix", "inclusion" });
+  const double h = 1.0 / static_cast<double>(size[0]);
+  for (std::int64_t z = 0; z < size[2]; ++z)
+    for (std::int64_t y = 0; y < size[1]; ++y)
+      for (std::int64_t x = 0; x < size[0]; ++x)
+        image.phase.push_back(inside({ (static_cast<double>(x) + 0.5) * h, (static_cast<double>(y) + 0.5) * h,
+                                dimension == 3 ? (static_cast<double>(z) + 0.5) * h : 0.0 })
+            ? 1
+            : 0);
+  return image;
+}
+
+std::array<std::int64_t, 3> cube(int n, int dimension)
+{
+  return { n, n, dimension == 3 ? n : 1 };
+}
+
+double wrapped(double d)
+{
+  return d - std::round(d);
+}
+
+double near2(Spot p, Spot q)
+{
+  const double x = wrapped(p.x - q.x);
+  const double y = wrapped(p.y - q.y);
+  const double z = wrapped(p.z - q.z);
+  return x * x + y * y + z * z;
+}
+
+/// Inclusions and what is around them, conducting either way round.
+std::vector<double> contrast(Random& random)
+{
+  return pick<std::vector<double>>(random,
+    { { 1, 0.05 }, { 1, 0.2 }, { 1, 0 }, { 1, 0.003 }, { 1, 4 }, { 1, 20 }, { 1, 100 }, { 0.04, 1 }, { 0.4, 1 } });
+}
+
+lbm::Sides someSides(Random& random)
+{
+  return random() % 2 == 0 ? lbm::Sides::Periodic : lbm::Sides::Insulated;
+}
+
+/// One disk of the square array, anywhere in a cell of which every side is periodic, or in its middle.
+Material squareArray(Random& random)
+{
+  const double fraction = pick(random, { 0.15, 0.25, 0.4, 0.55, 0.65 });
+  const bool periodic = random() % 2 == 0;
+  const Spot c = periodic ? Spot{ uniform(random, 0, 1), uniform(random, 0, 1), 0 } : Spot{ 0.5, 0.5, 0 };
+  const double r2 = fraction / std::numbers::pi;
+  Material m{ "disks, square array", 2, periodic ? lbm::Sides::Periodic : lbm::Sides::Insulated, contrast(random), 0,
+    [=](int n) { return sampled(2, cube(n, 2), [=](Spot p) { return near2(p, c) < r2; }); } };
+  m.truth = m.conductivity[0] * test::squareArrayOfDisks(fraction, m.conductivity[1] / m.conductivity[0]);
+  return m;
+}
+
+/// Spheres on a cubic lattice, by Sangani and Acrivos, Proc. R. Soc. A 386 (1983) 263, their equation 52: to the order
+/// 25/3 in the volume fraction.
+double cubicSpheres(int kind, double fraction, double s)
+{
+  constexpr double c[3][6] = { { 1.305, 0.231, 0.405, 0.0723, 0.153, 0.0105 },
+    { 0.129, -0.413, 0.764, 0.257, 0.0113, 0.00562 }, { 0.0753, 0.697, -0.741, 0.0420, 0.0231, 9.14e-7 } };
+  const auto l = [&](int i) { return (s - 1) / (s + 2.0 * i / (2 * i - 1)); };
+  const auto power = [&](double e) { return std::pow(fraction, e / 3); };
+  const double* const a = c[kind];
+  const double d = -1 / l(1) + fraction +
+    a[0] * l(2) * power(10) * (1 + a[1] * l(3) * power(11)) / (1 - a[2] * l(2) * power(7)) + a[3] * l(3) * power(14) +
+    a[4] * l(4) * power(18) + a[5] * l(5) * power(22);
+  return 1 - 3 * fraction / d;
+}
+
+Material sphereArray(Random& random)
+{
+  const int kind = static_cast<int>(random() % 3);
+  const double fraction = pick(random, { 0.1, 0.2, 0.3 });
+  const std::vector<std::vector<Spot>> bases{ { {} }, { {}, { .5, .5, .5 } },
+    { {}, { .5, .5, 0 }, { .5, 0, .5 }, { 0, .5, .5 } } };
+  const std::vector<Spot> base = bases[static_cast<std::size_t>(kind)];
+  const Spot shift{ uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1) };
+  const double r2 = std::pow(3 * fraction / (4 * std::numbers::pi * static_cast<double>(base.size())), 2.0 / 3);
+  Material m{ "spheres, cubic arrays", 3, lbm::Sides::Periodic, contrast(random), 0,
+    [=](int n)
+    {
+      return sampled(3, cube(n, 3),
+        [=](Spot p)
+        {
+          return std::ranges::any_of(base,
+            [&](Spot b) {
+              return near2(p, { b.x + shift.x, b.y + shift.y, b.z + shift.z }) < r2;
+            });
+        });
+    } };
+  m.truth = m.conductivity[0] * cubicSpheres(kind, fraction, m.conductivity[1] / m.conductivity[0]);
+  return m;
+}
+
+/// Regular polygons of three to seven corners, turned at random, that do not overlap; in space boxes.
+Material polygons(Random& random, int dimension)
+{
+  struct Grain
+  {
+    Spot centre;
+    double radius;
+    int corners;
+    double turn;
+    double tilt;
+  };
+  std::vector<Grain> grains;
+  const int count = dimension == 2 ? static_cast<int>(6 + random() % 25) : static_cast<int>(3 + random() % 5);
+  const double radius = dimension == 2 ? 0.42 / std::sqrt(count) : 0.40 / std::cbrt(count);
+  for (int tries = 0; tries < 100000 && static_cast<int>(grains.size()) < count; ++tries)
+  {
+    const Grain g{ { uniform(random, 0, 1), uniform(random, 0, 1), dimension == 3 ? uniform(random, 0, 1) : 0 },
+      radius * uniform(random, 0.8, 1.2), static_cast<int>(3 + random() % 5), uniform(random, 0, std::numbers::pi),
+      uniform(random, 0, std::numbers::pi) };
+    if (std::ranges::all_of(grains,
+          [&](const Grain& o) { return near2(o.centre, g.centre) > std::pow(1.02 * (o.radius + g.radius), 2); }))
+      grains.push_back(g);
+  }
+  const auto inside = [=](Spot p)
+  {
+    return std::ranges::any_of(grains,
+      [&](const Grain& g)
+      {
+        const double x = wrapped(p.x - g.centre.x);
+        const double y = wrapped(p.y - g.centre.y);
+        const double z = wrapped(p.z - g.centre.z);
+        const double u = x * std::cos(g.turn) + y * std::sin(g.turn);
+        const double v = -x * std::sin(g.turn) + y * std::cos(g.turn);
+        if (dimension == 3)
+        {
+          const double v2 = v * std::cos(g.tilt) + z * std::sin(g.tilt);
+          const double w = -v * std::sin(g.tilt) + z * std::cos(g.tilt);
+          return std::max({ std::abs(u), std::abs(v2), std::abs(w) }) < g.radius / std::sqrt(3.0);
+        }
+        const double sector = 2 * std::numbers::pi / g.corners;
+        const double angle = std::atan2(v, u);
+        const double off = angle - sector * std::round(angle / sector);
+        return std::hypot(u, v) * std::cos(off) < g.radius * std::cos(sector / 2);
+      });
+  };
+  return { dimension == 2 ? "random polygons" : "random boxes", dimension, someSides(random), contrast(random),
+    static_cast<int>(random() % static_cast<unsigned>(dimension)),
+    [=](int n) { return sampled(dimension, cube(n, dimension), inside); } };
+}
+
+/// Heat or vapour through wood: phase 0 lumen, 1 wall.
+std::vector<double> woodContrast(Random& random)
+{
+  return pick<std::vector<double>>(random, { { 0.023, 1 }, { 0, 1 }, { 0.3, 1 }, { 1, 0.004 }, { 1, 0.05 } });
+}
+
+Material tissue(Random& random, int kind)
+{
+  const auto seed = static_cast<std::uint64_t>(random() % 100000);
+  const double ring = uniform(random, 0, 1);
+  const auto axis = static_cast<int>(random() % 2);
+  if (kind == 0)
+    return { "softwood", 2, lbm::Sides::Insulated, woodContrast(random), axis,
+      [=](int n)
+      {
+        generators::SoftwoodOptions o;
+        o.size = { n, n, 1 };
+        o.spacing = 180e-6 / n;
+        o.ringPosition0 = o.ringPosition1 = ring;
+        o.solidFraction = 0.25 + 0.5 * ring;
+        o.seed = seed;
+        return generators::softwood(o);
+      } };
+  if (kind == 1)
+    return { "hardwood", 2, lbm::Sides::Insulated, woodContrast(random), axis,
+      [=](int n)
+      {
+        generators::HardwoodOptions o;
+        o.size = { n, n, 1 };
+        o.spacing = 200e-6 / n;
+        o.ringPosition0 = 0.5 * ring;
+        o.ringPosition1 = 0.5 + 0.5 * ring;
+        o.solidFraction = 0.35 + 0.2 * ring;
+        o.seed = seed;
+        return generators::hardwood(o);
+      } };
+  return { "softwood in space", 3, lbm::Sides::Insulated, woodContrast(random), static_cast<int>(random() % 3),
+    [=](int n)
+    {
+      generators::SoftwoodOptions o;
+      o.dimension = 3;
+      o.size = { n, n, n };
+      o.spacing = 110e-6 / n;
+      o.solidFraction = 0.45 + 0.2 * ring;
+      o.rayEvery = 0;
+      o.tracheidLength = 120e-6;
+      o.seed = seed;
+      return generators::softwood(o);
+    } };
+}
+
+Material honeycomb(Random& random)
+{
+  const double solid = uniform(random, 0.25, 0.6);
+  return { "honeycomb", 2, lbm::Sides::Periodic, woodContrast(random), static_cast<int>(random() % 2),
+    [=](int n)
+    {
+      generators::HoneycombOptions o;
+      o.size = { n, static_cast<std::int64_t>(std::lround(n * std::sqrt(3.0) / 2)), 1 };
+      o.solidFraction = solid;
+      o.cellsAcross = 2;
+      return generators::honeycomb(o);
+    } };
+}
+
+lbm::DiffusionAnswer answerOf(const Material& m, const PhaseImage& image, lbm::StudyOptions options)
+{
+  options.steady.stencil = m.dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5;
+  options.steady.sides = m.sides;
+  options.axes = { m.axis };
+  return lbm::studyDiffusion(image, m.conductivity, options, MPI_COMM_SELF).front();
+}
+
+double valueOf(const lbm::DiffusionAnswer& answer)
+{
+  return answer.result.effective[static_cast<std::size_t>(answer.axis)];
+}
+
+/// Of the material: 0 where it has none.
+double truthOf(const Material& m)
+{
+  if (m.truth > 0)
+    return m.truth;
+  const int fine = m.dimension == 3 ? 160 : 2048;
+  lbm::StudyOptions options;
+  options.estimateError = false;
+  try
+  {
+    const double half = valueOf(answerOf(m, m.draw(fine / 2), options));
+    const double whole = valueOf(answerOf(m, m.draw(fine), options));
+    return 2 * whole - half;
+  }
+  catch (const NoPathError&)
+  {
+    return 0;
+  }
+}
+
+struct Tally
+{
+  int cases = 0;
+  int held = 0;
+  int lattice = 0;          ///< held by the lattice's part alone
+  std::vector<double> bars; ///< bar over error
+  double worst = 0;         ///< error over bar
+  int given = 0;            ///< with an extrapolated value
+  int nearer = 0;           ///< of these nearer than the value
+
+  void add(const lbm::DiffusionAnswer& answer, double truth)
+  {
+    const double value = valueOf(answer);
+    const double error = std::abs(truth / value - 1); // relative to the value, as the bar is
+    ++cases;
+    held += error <= answer.error.relative ? 1 : 0;
+    lattice += error <= answer.error.lattice ? 1 : 0;
+    bars.push_back(answer.error.relative / std::max(error, 1e-9));
+    worst = std::max(worst, error / answer.error.relative);
+    if (std::isfinite(answer.error.extrapolated))
+    {
+      ++given;
+      nearer += std::abs(answer.error.extrapolated - truth) < std::abs(value - truth) ? 1 : 0;
+    }
+  }
+  void add(const Tally& other)
+  {
+    cases += other.cases;
+    held += other.held;
+    lattice += other.lattice;
+    bars.insert(bars.end(), other.bars.begin(), other.bars.end());
+    worst = std::max(worst, other.worst);
+    given += other.given;
+    nearer += other.nearer;
+  }
+};
+
+void print(const std::map<std::string, Tally>& tallies)
+{
+  fmt::print("| material | cases | total holds | median bar over error | worst error over bar | lattice's part alone "
+             "would hold | extrapolated nearer |\n|---|---|---|---|---|---|---|\n");
+  Tally all;
+  const auto line = [](const std::string& kind, Tally t)
+  {
+    const auto middle = t.bars.begin() + static_cast<std::ptrdiff_t>(t.bars.size() / 2);
+    std::nth_element(t.bars.begin(), middle, t.bars.end());
+    fmt::print("| {} | {} | {} | {:.1f} | {:.2f} | {} | {} of {} |\n", kind, t.cases, t.held, *middle, t.worst,
+      t.lattice, t.nearer, t.given);
+  };
+  for (const auto& [kind, tally] : tallies)
+  {
+    line(kind, tally);
+    all.add(tally);
+  }
+  line("all", all);
+}
+
+std::vector<Material> materials(Random& random, const Keys& keys)
+{
+  const int times = keys.contains("quick") ? 2 : 10;
+  std::vector<Material> all;
+  for (int i = 0; i < times; ++i)
+  {
+    all.push_back(squareArray(random));
+    all.push_back(squareArray(random));
+    all.push_back(polygons(random, 2));
+    all.push_back(polygons(random, 2));
+    all.push_back(honeycomb(random));
+    all.push_back(tissue(random, 0));
+    all.push_back(tissue(random, 1));
+    all.push_back(sphereArray(random));
+    if (i % 2 == 0)
+      all.push_back(polygons(random, 3));
+    if (i % 3 == 0)
+      all.push_back(tissue(random, 2));
+  }
+  return all;
+}
+
+/// Pixels across, two or three sizes a material, odd and even.
+std::vector<int> sizesOf(const Material& m, Random& random)
+{
+  const auto about = [&](int n) { return n + static_cast<int>(random() % static_cast<unsigned>(n / 4)); };
+  if (m.kind == "softwood" || m.kind == "hardwood")
+    return { about(110), about(220), about(400) };
+  if (m.kind == "softwood in space")
+    return { about(46), about(64) };
+  return m.dimension == 3 ? std::vector<int>{ about(18), about(32) }
+                          : std::vector<int>{ about(26), about(60), about(130) };
+}
+
+void run(const Keys& keys)
+{
+  const auto seed = static_cast<std::uint64_t>(number(keys, "seed", 2026));
+  std::ofstream lines;
+  if (keys.contains("cases"))
+    lines.open(text(keys, "cases", ""));
+  const auto each = [&](double target, const char* what)
+  {
+    Random random(seed);
+    std::map<std::string, Tally> tallies;
+    int missed = 0;
+    for (const Material& m : materials(random, keys))
+    {
+      const std::vector<int> sizes = sizesOf(m, random);
+      const double truth = truthOf(m);
+      for (const int n : sizes)
+      {
+        lbm::StudyOptions options;
+        if (target > 0)
+          options.targetError = target;
+        try
+        {
+          const lbm::DiffusionAnswer answer = answerOf(m, m.draw(n), options);
+          if (target > 0 && answer.target != lbm::Target::Reached)
+          {
+            ++missed;
+            continue;
+          }
+          tallies[m.kind].add(answer, truth);
+          if (lines)
+            lines << fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", what, m.kind, n, m.conductivity[0],
+              m.conductivity[1], m.sides == lbm::Sides::Periodic ? "periodic" : "insulated", valueOf(answer), truth,
+              answer.error.relative, answer.error.lattice, answer.error.picture);
+        }
+        catch (const Error& e) // a picture too coarse for closed walls, or for a path
+        {
+          fmt::print(stderr, "left out: {} with {} pixels across: {}\n", m.kind, n, e.what());
+        }
+      }
+    }
+    fmt::print("\n{}\n\n", what);
+    print(tallies);
+    if (target > 0)
+      fmt::print("\nand {} that said a finer picture is needed\n", missed);
+  };
+  runStudies(
+    keys, { { "bars", [&] { each(0, "error bars"); } }, { "target", [&] { each(0.02, "target error 2 %"); } } });
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+  return runWith(argc, argv, run);
+}
