@@ -51,7 +51,8 @@ public:
     return [this](double share, const char* what)
     {
       const std::string text = fmt::format("solve {} of {}: {}", begun_, std::max(begun_, solves_), what);
-      return outside_(std::min(1.0, (done_ + share * current_) / ahead_), text.c_str());
+      told_ = std::max(told_, std::min(1.0, (done_ + share * current_) / ahead_)); // more may come than was foreseen
+      return outside_(told_, text.c_str());
     };
   }
 
@@ -60,6 +61,7 @@ private:
   double ahead_ = 0; ///< nodes of all solves
   double done_ = 0;
   double current_ = 0;
+  double told_ = 0;
   int solves_ = 0;
   int begun_ = 0;
 };

@@ -361,7 +361,10 @@ class Diffusion(unittest.TestCase):
         result = lamella.diffusion(layers, {0: 1, 1: 10}, tolerance=1e-10, estimate_error=True)
         self.assertAlmostEqual(result.effective[0, 0], 5.5, places=8)
         self.assertAlmostEqual(result.effective[1, 1], 2 / 1.1, places=8)
-        self.assertLess(result.estimated_error, 1e-6)
+        self.assertLess(result.lattice_error, 1e-6)
+        # where its layers end the picture tells to half a pixel of ten
+        self.assertGreater(result.estimated_error, 0.9 * result.picture_error)
+        self.assertLess(result.estimated_error, 0.1)
         self.assertTrue(np.isnan(result.effective[0, 1]) and np.isnan(result.effective[1, 0]))  # the box decides
         self.assertAlmostEqual(result.bounds["series"], 2 / 1.1)
         self.assertAlmostEqual(result.bounds["parallel"], 5.5)
