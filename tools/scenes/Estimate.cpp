@@ -83,10 +83,12 @@ double directions(const std::vector<std::string>& words, const Size& s)
 
 Cost diffusion(const std::vector<std::string>& words, const Size& s)
 {
-  // the error comes from a lattice twice as fine, of at most 2^22 nodes
-  const double finer = has(words, "no-error-estimate") ? 0 : std::min(s.nodes * std::pow(2, s.dimension), 4194304.0);
+  // the error comes from a lattice twice as fine and from every second, third and fourth pixel, of at most 2^22 nodes each
+  const bool error = !has(words, "no-error-estimate");
+  const double finer = error ? std::min(s.nodes * std::pow(2, s.dimension), 4194304.0) : 0;
+  const double coarser = error ? 3 * std::min(s.nodes, 4194304.0) : 0;
   const double iterations = 15;
-  const double all = (s.nodes + finer) * directions(words, s);
+  const double all = (s.nodes + finer + coarser) * directions(words, s);
   return { "", 54 * std::max(s.nodes, finer) + 60 * s.nodes, all * iterations, "node iterations", 4e-7 * all };
 }
 
