@@ -69,7 +69,7 @@ ErrorEstimate PictureError::estimate(double change, double lattice) const noexce
   result.relative = bar(change) / scale;
   result.lattice = std::abs(lattice) / scale;
   result.picture = bar(change + lattice) / scale;
-  // Over the scatter by so much the expected value was the nearer one in each of 66 cases (docs/benchmarks).
+  // Over the scatter by so much the expected value was the nearer one in 37 cases of 39 (docs/benchmarks/diffusion.md).
   if (std::abs(bias_ - change) > 2 * scatter_)
   {
     result.extrapolated = value_ * (1 + bias_);
