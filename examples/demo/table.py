@@ -13,7 +13,7 @@ def percent(share):
 
 
 def rows(name, result):
-    """One row a direction: name, direction, series, HS lower, answer, HS upper, parallel, estimated error."""
+    """One row a direction: name, direction, series, Hashin and Shtrikman's lower, answer, their upper, parallel, estimated error."""
     bounds = result["bounds"]
     low, high = bounds["hashin_shtrikman"]
     for axis, value in result["effective"].items():
@@ -34,7 +34,7 @@ def main():
         cells = [text.ljust(width) if column < 2 else text.rjust(width)
                  for column, (text, width) in enumerate(zip(row, widths))]
         print("  " + "  ".join(cells).rstrip())
-    print("\n  series and parallel bound every material of these phases, Hashin-Shtrikman (HS) an isotropic one;"
+    print("\n  series and parallel bound every material of these phases; Hashin and Shtrikman (HS) isotropic media alone, and wood is none;"
           "\n  error: against the material, estimated from every second, third and fourth pixel")
 
 

@@ -130,6 +130,7 @@ def main():
         print(f"{name:>9}  " + "  ".join(f"{value:9.5f}" for value in values))
         series, parallel = values[2], values[5]
         assert all(series <= k <= parallel for k in values[:2]), "a conductivity outside its bounds"
+    print("series and parallel bound every material of these phases; Hashin and Shtrikman (HS) isotropic media alone, and wood is none")
     print(f"x radial, y tangential; {parts} process(es); files in {options.output}")
 
 

@@ -4,7 +4,7 @@
 
 Generated earlywood, latewood and poplar with walls of several thicknesses, and with LAMELLA_REAL_DATA windows of the two spruce outlines of
 Ferrara and Wittel, radially (R) and tangentially (T), between insulated sides; after section 4.1 of Perré, Almeida, Ayouz and Frank, Ann. For.
-Sci. 73 (2016) 117. Heat: wall 1, air 0.023 W/(m K). Vapour: wall 0.004, air 1 (over that in air). Writes to --output:
+Sci. 73 (2016) 147. Heat: wall 1, air 0.023 W/(m K). Vapour: wall 0.004, air 1 (over that in air). Writes to --output:
   conductivity.png, diffusivity.png  both against the solid fraction between their bounds (their figures 11 and 12, latewood enlarged)
   ratio.png                          radial over tangential
   heat.png, vapour.png, NAME.png     fields with lines along the flux (their figure 10)
@@ -76,7 +76,7 @@ def outlines_of(name, number, fraction, window, options, edge=None):
 
 
 def bounds(solid, conductivity):
-    """Series, Hashin-Shtrikman's lower and upper one, parallel; of two phases in the plane."""
+    """Series, Hashin and Shtrikman's lower and upper one (of isotropic media), parallel; of two phases in the plane."""
     wall, lumen = conductivity["wall"], conductivity["lumen"]
     series = 1 / (solid / wall + (1 - solid) / lumen)
     parallel = solid * wall + (1 - solid) * lumen
@@ -182,7 +182,7 @@ def keys_of_values(tissues):
     """With the bounds, and what full and open marks mean."""
     line = lambda style, label: Line2D([], [], linestyle=style, color="0.1", linewidth=1.1, label=label)  # noqa: E731
     look = lambda face, label: Line2D([], [], linestyle="", marker="o", color="0.4", markerfacecolor=face, markersize=5, label=label)  # noqa: E731
-    return [line("-", "parallel"), line("--", "series"), Patch(color="0.9", label="Hashin–Shtrikman"), look("0.4", "radial"),
+    return [line("-", "parallel"), line("--", "series"), Patch(color="0.9", label="Hashin–Shtrikman, of\nisotropic media"), look("0.4", "radial"),
             look("white", "tangential"), *keys_of(tissues)]
 
 

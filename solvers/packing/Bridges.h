@@ -8,9 +8,9 @@
 #include <vector>
 
 /// The binding matrix of cemented grains, as Frank, Radjai, Nezamabadi and Delenne, Phys. Rev. E 102 (2020) 022906,
-/// section III and figure 7: a bridge between the centres of each pair of grains that touch or nearly do, in 2D a
-/// trapezoid, in 3D a truncated cone, whose width at each end is a share of that grain's diameter. Where grain and
-/// bridge overlap there is grain.
+/// section III and figure 7: a bridge between the centres of each pair of grains that touch or nearly do, a trapezoid
+/// whose width at each end is a share of that grain's diameter; in 3D, which the paper has not, a truncated cone.
+/// Where grain and bridge overlap there is grain.
 namespace lamella::packing
 {
 

@@ -21,8 +21,8 @@
  *   node a pixel and that of the pixels' own steps (lbm/PictureError.h); they may cancel. Each `_by_direction`: 3
  *   numbers. `extrapolated_conductivity`: 3 numbers, the diagonal that the material is expected to have; NaN where that
  *   is not surely nearer.
- * - `bounds`: series, lower and upper Hashin–Shtrikman, parallel; of a phase with two conductivities the lower ones
- *   are those of the smaller, the upper ones those of the larger
+ * - `bounds`: series, Hashin–Shtrikman of isotropic media (lower, upper), parallel; of a phase with two conductivities
+ *   the lower ones are those of the smaller, the upper ones those of the larger
  * - `balance`, `iterations`, `stored_nodes`, `skipped_nodes`: 3 numbers, by direction; NaN where not solved
  * - `phase_conductivity`: by phase id; `phase_fraction` likewise; `phase_names`. Where one differs across the wall
  *   also `phase_conductivity_across`

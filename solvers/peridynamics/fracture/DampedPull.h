@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-/// Strength as the papers compute it: a sample between platens under a slow pull, in damped motion.
+/// Strength as the second paper computes it: a sample between platens under a slow pull, in damped motion.
 namespace lamella::peridynamics
 {
 

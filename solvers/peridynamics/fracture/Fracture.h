@@ -14,8 +14,8 @@
 
 /// Quasi-static fracture in small strain: the load rises until a bond is critical; it breaks, the sample comes to
 /// equilibrium again, and so on until none is critical; then the load rises further. This is the scheme of the first
-/// paper's figure 15, with the elastic ramp between two breaks jumped by scaling, since between breaks everything is in
-/// proportion to the load. How it is done fast: docs/solvers/fracture.md.
+/// paper's figure 15 (which breaks all critical bonds at once: Batched), with the ramp between two breaks jumped by
+/// scaling, since between breaks everything is in proportion to the load. Done fast: docs/solvers/fracture.md.
 namespace lamella::peridynamics
 {
 

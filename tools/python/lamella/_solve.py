@@ -59,7 +59,8 @@ class DiffusionResult(ImageBase):
 
     @property
     def bounds(self) -> dict[str, float]:
-        """Bounds that only the phases' shares are needed for, a dictionary."""
+        """Bounds that only the phases' shares are needed for, a dictionary: series and parallel, which hold for every
+        material of these phases, and Hashin and Shtrikman's of isotropic media, which wood may pass."""
         names = ("series", "hashin_shtrikman_lower", "hashin_shtrikman_upper", "parallel")
         return dict(zip(names, map(float, _arrays.numbers(self.vtk, "bounds"))))
 
