@@ -1,12 +1,13 @@
 """From micrographs to lattices: outlines, wall directions, cells, middle lamella and diffusion of three tissues.
 
-    /usr/bin/python3 examples/micrographs/study.py
+    PYTHONPATH=build/python /usr/bin/python3 examples/micrographs/study.py
 
 Generates a micrograph each of earlywood, latewood and poplar (stain, blur, noise, uneven light, dirt), finds their lumens
 again with nothing tuned by hand, and compares with the labels they were drawn from, as section 2 of the first paper (figures
 2 to 5). With LAMELLA_REAL_DATA set and --scale 1 also a real conifer scan and two sets of spruce polygons. Writes to --output:
   scan.png          a part of the earlywood's micrograph with outlines, directions and lamella
   tissues.png       the three tissues side by side
+  grid.png, directions.png, growth.png, points.png  after the paper's figures 2 to 5: figures.py
   <name>.vti        the lattice: phase, grain, axis, lumen_share; <name>.json: all numbers; <name>-look.png: the whole picture
   tissues.csv       a row a tissue
 """
@@ -23,6 +24,9 @@ from matplotlib import pyplot as plt
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.append(os.path.join(HERE, ".."))
 from common import write_csv, write_figure  # noqa: E402
+
+sys.path.append(HERE)
+import figures  # noqa: E402
 
 PROGRAM = os.environ.get("LAMELLA_PROGRAM", os.path.join(HERE, "..", "..", "build", "bin", "lamella"))
 CONDUCT = ["--conductivity", "lumen=0.05", "--conductivity", "wall=1"]
@@ -121,6 +125,7 @@ def main():
     os.replace(there("earlywood-part.png"), there("scan.png"))
     shown[0] = ("earlywood", there("scan.png"))
     side_by_side(shown, there("tissues.png"))
+    figures.draw(there, TISSUES[0][3], {row["tissue"]: row["wall_fraction"] for row in rows})
 
     real = os.environ.get("LAMELLA_REAL_DATA")
     if real and options.scale == 1:
