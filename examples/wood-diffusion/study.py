@@ -7,7 +7,8 @@ Ferrara and Wittel, radially (R) and tangentially (T), between insulated sides; 
 Sci. 73 (2016) 147. Heat: wall 1, air 0.023 W/(m K). Vapour: wall 0.004, air 1 (over that in air). Writes to --output:
   conductivity.png, diffusivity.png  both against the solid fraction between their bounds (their figures 11 and 12, latewood enlarged)
   ratio.png                          radial over tangential
-  heat.png, vapour.png, NAME.png     fields with lines along the flux (their figure 10)
+  heat-arrows.png                    temperature in colour and heat flux as arrows (their figure 10)
+  heat.png, vapour.png, NAME.png     fields with lines along the flux
   values.csv                         one row a sample, quantity and direction, with its error; tissues.csv: one a tissue
   walls.csv                          what it changes when walls conduct differently along and across (--walls alone makes nothing else)
 """
@@ -45,7 +46,7 @@ REAL = {  # outlines; windows [micrometres]: low x, low y, high x, high y. The r
 }
 DRAWN = {"earlywood": 150, "latewood": 120, "poplar": 200}  # edges of the samples whose fields are drawn [micrometres]
 # Cell walls conduct twice as well along their fibrils as across (Siau, Wood and Fiber 1 (1970) 302: 21 against 10.5e-4 cal/(cm s K)). Fibrils
-# at 20 degrees to the cell's axis, as the paper has them, leave 1 + sin^2 20 = 1.117 along the wall in a cross-section.
+# at 20 degrees to the cell's axis, as the paper's section 4.2 has them, leave 1 + sin^2 20 = 1.117 along the wall in a cross-section.
 WALLS = {"fibrils at 20°": (1.117, 1.0), "1.2 to 0.8": (1.2, 0.8), "0.8 to 1.2": (0.8, 1.2)}
 # colours that colour-blind eyes tell apart (Okabe and Ito)
 STYLE = {"earlywood": ("#009e73", "o"), "latewood": ("#d55e00", "s"), "poplar": ("#0072b2", "^"), "spruce earlywood": ("#56b4e9", "D"),
@@ -320,6 +321,16 @@ def draw_fields(cases, quantity, path, options):
     write_figure(figure, path, dpi=125)
 
 
+def draw_arrows(path, options):
+    """Earlywood's temperature and heat flux, radially, as lamella snapshot draws them."""
+    outlines, axis = outlines_of("earlywood", 1, GENERATED["earlywood"][2][0], None, options, 100)
+    solved = lamella.diffusion(outlines.lattice(options.spacing * 1e-6), CONDUCTIVITY["heat"], direction=axis, tolerance=1e-6)
+    with tempfile.TemporaryDirectory() as folder:
+        file = solved.save(os.path.join(folder, "heat.vti"))
+        subprocess.run([PROGRAM, "snapshot", file, "--preset", "temperature", "--overlay", "arrows", "--overlay-count", "50", "--size", "1000,900",
+                        "-o", path, "--overwrite", "--quiet"], check=True)
+
+
 def extrapolated(lattices, conductivity, radial):
     """R and T of a lattice of twice the spacing and of a finer one, 2 fine - coarse, and the error bar."""
     both = []
@@ -386,6 +397,7 @@ def main():
     for row in summary(rows):
         print("  ".join(f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}" for key, value in row.items()), flush=True)
     there = lambda file: os.path.join(options.output, file)  # noqa: E731
+    draw_arrows(there("heat-arrows.png"), options)
     cases = [(name, of[2][0], None) for name, of in GENERATED.items()]
     for quantity in CONDUCTIVITY:
         draw_fields(cases, quantity, there(f"{quantity}.png"), options)

@@ -19,7 +19,6 @@ target_link_libraries(Lamella_hdf5 INTERFACE "${HDF5_C_LIBRARY_hdf5}" MPI::MPI_C
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
-find_package(spdlog REQUIRED)
 find_package(fmt REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(JPEG REQUIRED)
