@@ -1,7 +1,6 @@
 """What the pages of the papers share: studies that run once, what a paper says beside what this run found, the page.
 
-A paper is a paper.json: its studies (script, arguments, what they took when last measured; tests/house/check_times.py holds the pages to it),
-when and on what machine that was, and its figures in order, each as a section of
+A paper is a paper.json: its studies (script, arguments, what they took when last measured) and its figures in order, each as a section of
 report.json (docs/commands/report.md) whose files are of the study's folder. Besides, a figure has
   study        whose files are shown; without one "not_made" says why
   discussion   paragraphs of Markdown files, by the words that they begin with: one text for the study's page and this one
