@@ -5,7 +5,7 @@
 Generated earlywood, latewood and poplar with walls of several thicknesses, and with LAMELLA_REAL_DATA windows of the two spruce outlines of
 Ferrara and Wittel, radially (R) and tangentially (T), between insulated sides; after section 4.1 of Perré, Almeida, Ayouz and Frank, Ann. For.
 Sci. 73 (2016) 147. Heat: wall 1, air 0.023 W/(m K). Vapour: wall 0.004, air 1 (over that in air). Writes to --output:
-  conductivity.png, diffusivity.png  both against the solid fraction between their bounds (their figures 11 and 12, latewood enlarged)
+  conductivity.png, diffusivity.png  both against the solid fraction between series and parallel (their figures 11 and 12, latewood enlarged)
   ratio.png                          radial over tangential
   heat-arrows.png                    temperature in colour and heat flux as arrows (their figure 10)
   heat.png, vapour.png, NAME.png     fields with lines along the flux
@@ -323,7 +323,7 @@ def draw_fields(cases, quantity, path, options):
 
 def draw_arrows(path, options):
     """Earlywood's temperature and heat flux, radially, as lamella snapshot draws them."""
-    outlines, axis = outlines_of("earlywood", 1, GENERATED["earlywood"][2][0], None, options, 100)
+    outlines, axis = outlines_of("earlywood", 1, GENERATED["earlywood"][2][0], None, options, DRAWN["earlywood"])
     solved = lamella.diffusion(outlines.lattice(options.spacing * 1e-6), CONDUCTIVITY["heat"], direction=axis, tolerance=1e-6)
     with tempfile.TemporaryDirectory() as folder:
         file = solved.save(os.path.join(folder, "heat.vti"))
