@@ -20,7 +20,7 @@ sys.path.append(str(examples))
 sys.dont_write_bytecode = True
 from papers import minutes  # noqa: E402
 
-TIME = r"\d(?:[\d ]*\d)? (?:s|min) of processor time"
+TIME = r"\d(?:[\d ]*\d)?\s(?:s|min)\s+of\s+processor\s+time"  # also across the end of a line
 COMMAND = r"examples/([\w-]+/\w+\.py)"
 
 seconds = {}
@@ -30,12 +30,13 @@ for path in sorted(examples.glob("*/paper.json")):
     seconds[path.parent.name + "/run.py"] = sum(study["processor_seconds"] for study in paper["studies"].values())
 said = {script: f"{minutes(time)} of processor time" for script, time in seconds.items()}
 
-wrong, rows = [], set()
+wrong, lacking, rows = [], [], set()
 
 
 def mend(path, text, script, pattern):
     """The text with the time of a script where the pattern has another one."""
     for found in re.findall(pattern, text):
+        found = " ".join(found.split())
         if not found.startswith(said[script]):
             wrong.append(f"{path.relative_to(sources)}: '{found}', and paper.json has {said[script]} for {script}")
     return re.sub(pattern, lambda match: re.sub(TIME, said[script], match[0]), text)
@@ -50,7 +51,7 @@ for path in sorted(examples.rglob("*.md")):
             if line.startswith("|") and script and script[1] in said:
                 rows.add(script[1])
                 if not re.search(TIME, line):
-                    wrong.append(f"examples/README.md: the row of {script[1]} does not say '{said[script[1]]}'")
+                    lacking.append(f"examples/README.md: the row of {script[1]} does not say '{said[script[1]]}'")
                 lines[i] = mend(path, line, script[1], TIME)
         mended = "\n".join(lines)
     else:
@@ -59,9 +60,9 @@ for path in sorted(examples.rglob("*.md")):
     if write and mended != text:
         path.write_text(mended, encoding="utf-8")
 
-lacking = sorted(set(said) - rows)
-if lacking:
-    wrong.append("examples/README.md has no row of " + ", ".join(lacking))
+lacking += [f"examples/README.md has no row of {script}" for script in sorted(set(said) - rows)]
 if wrong and not write:
-    sys.exit("FAILED (check_times.py SOURCES --write puts it right):\n  " + "\n  ".join(wrong))
+    print("check_times.py SOURCES --write puts right:\n  " + "\n  ".join(wrong))
+if lacking or (wrong and not write):
+    sys.exit("\n  ".join(["FAILED", *lacking]))
 print(f"{len(said)} times agree")
