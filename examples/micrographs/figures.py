@@ -19,7 +19,6 @@ from common import write_figure  # noqa: E402
 UM = 1e6
 BLUE, RED, YELLOW = "#3b6fb6", "#c8382e", "#f7c325"  # lumens, secondary wall, middle lamella: the paper's colours
 LUMEN, WALL, LAMELLA = range(3)
-POINTS = ("lumen", "wall", "lamella")
 
 
 class Part:
@@ -215,11 +214,13 @@ def draw_growth(outlines, window, path, gap=1.0, step=0.8):
     x, y = np.meshgrid(coarse.x, coarse.y)
     for phase, colour in ((LUMEN, BLUE), (WALL, RED), (LAMELLA, YELLOW)):
         axes[2].plot(x[coarse.phase == phase], y[coarse.phase == phase], ".", markersize=3.4, markeredgewidth=0, color=colour)
-    for place, title in zip(axes, ("(a) contours of the lumens", f"(b) contours that grow, each {step:g} µm", f"(c) points {coarse.spacing:.1f} µm apart")):
+    titles = ("(a) contours of the lumens", f"(b) contours that grow, each {step:g} µm", f"(c) points {coarse.spacing:.1f} µm apart")
+    for place, title in zip(axes, titles):
         part.frame(place)
         place.set_title(title, fontsize=10, loc="left")
     scale_bar(axes[0], 10)
-    figure.legend(handles=[Patch(color=colour, label=name) for name, colour in (("lumen", BLUE), ("secondary wall", RED), ("middle lamella", YELLOW))],
+    colours = (("lumen", BLUE), ("secondary wall", RED), ("middle lamella", YELLOW))
+    figure.legend(handles=[Patch(color=colour, label=name) for name, colour in colours],
                   loc="lower right", bbox_to_anchor=(0.995, -0.01), ncols=3, frameon=False, fontsize=9)
     figure.subplots_adjust(left=0.005, right=0.995, top=0.93, bottom=0.075, wspace=0.03)
     write_figure(figure, path, dpi=150)
