@@ -4,7 +4,7 @@
 
 Spruce earlywood and latewood and poplar, generated, and with LAMELLA_REAL_DATA the two spruce outlines of Ferrara and Wittel, pressed
 radially and tangentially between platens, 9 points a pixel (--per 3, along each axis); walls 8 GPa along and 6.4 GPa across, sides that
-stay straight without force; after section 4.2 of Perré, Almeida, Ayouz and Frank, Ann. For. Sci. 73 (2016) 147. Writes to --output:
+stay straight without force; after section 4.2 of Perré, Almeida, Ayouz and Frank, Ann. For. Sci. 73 (2016) 117. Writes to --output:
   NAME.png      both curves and the radial test at four strains (their figures 13 and 14): points by the stress along the load
   NAME-collapse.png  which lumens give way, and when
   NAME-R.csv, NAME-T.csv  the curves

@@ -4,7 +4,7 @@
 
 Earlywood and latewood with a middle lamella at least as thick as a bond is long (h = 4 dx), as stiff as the walls and a quarter as tough,
 pulled along y from a notch at the left until nearly nothing holds, one bond at a time; after section 4.3 of Perré, Almeida, Ayouz and Frank,
-Ann. For. Sci. 73 (2016) 147. Generated tissue, and with LAMELLA_REAL_DATA the two spruce outlines of Ferrara and Wittel. Writes to --output:
+Ann. For. Sci. 73 (2016) 117. Generated tissue, and with LAMELLA_REAL_DATA the two spruce outlines of Ferrara and Wittel. Writes to --output:
   NAME.png      four states: stress along the load blue below 0, green at 0, red above, the crack black (their figures 16 and 17)
   curves.png    stress against strain of all samples
   samples.csv   one row a sample

@@ -110,8 +110,7 @@ TEST(Bridges, PeriodicBoxesHaveNoPlaceOfTheirOwn)
   EXPECT_NEAR(matrixFractions(p, here, 0.7).saturation, matrixFractions(shifted, there, 0.7).saturation, 2e-5);
 }
 
-// Ten samples of 400 disks. The paper has S = 0.064, 0.34, 0.67, 0.91, 0.97 (captions 9 and 15), α from 0.25 to 1.25
-// and, at α = 1, S = 0.9; which S belongs to which α is our pairing, in order.
+// Ten samples of 400 disks. The paper's figure 8 as read: 0.064, 0.34, 0.67, 0.91, 0.97.
 TEST(Bridges, SaturationsOfThePaper)
 {
   std::vector<std::uint64_t> seeds(10);
