@@ -348,7 +348,7 @@ def make(doc, home, derived):
         folder = folders[name] = os.path.join(options.output, name)
         words = study["quick"] if options.quick else study.get("arguments", [])
         why = "taken" if name in taken else state_of(study, words, folder, options.keep)
-        usual = f"{minutes(study['processor_seconds'])} of processor time when last measured, {paper['measured']}"
+        usual = f"{minutes(study['processor_seconds'])} of processor time when last measured"
         if name in taken:
             print(f"{name}: taken from {taken[name]}")
         elif why is None:
@@ -357,6 +357,7 @@ def make(doc, home, derived):
             print(f"{name}: {study['about']}; {why}; " + ("a quick run" if options.quick else usual))
             waiting.append((name, study, words, folder))
     if options.dry_run:
+        print(f"measured: {paper['measured']}")
         return
     os.makedirs(options.output, exist_ok=True)
     for name, source in taken.items():
