@@ -261,7 +261,8 @@ std::string toJson(const DiffusionReport& report)
       { "smallest_wall", found.smallestWall }, { "lumens_removed", found.lumensRemoved },
       { "walls_removed", found.wallsRemoved }, { "opening", found.opening }, { "rim", found.rim },
       { "half_height", found.halfHeight }, { "ray_gaps", found.rays }, { "graphics", found.graphicsShare },
-      { "vessels", found.vessels }, { "lumens", found.lumens }, { "lumen_fraction", found.lumenFraction } };
+      { "vessels", found.vessels }, { "lumens", found.lumens }, { "lumen_fraction", found.lumenFraction },
+      { "cells", found.cells }, { "doubts", found.doubtNames() } };
   }
   json["refine"] = refinement;
   json["lattice"] = lbm::name(report.options.steady.stencil);

@@ -87,8 +87,10 @@ std::optional<Remark> doubtTheResolution(const Evidence& e)
 {
   std::string text;
   const auto add = [&](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
-  // Whole tissue with lumens six pixels wide and more has none of these; spots hold 0.1 % of a real scan.
-  if (e.spotShare > 0.01)
+  // Whole tissue with lumens six pixels wide and more has none of these; in a real scan spots are a third as many as
+  // lumens and hold 0.1 %.
+  const bool outnumbered = e.spots >= 20 && static_cast<double>(e.spots) > 0.8 * static_cast<double>(e.lumens.pieces);
+  if (e.spotShare > 0.01 || outnumbered)
   {
     add(fmt::format("{} lumens or so of a few pixels within the walls are not seen, some {} of the picture", e.spots,
       percent(e.spotShare)));

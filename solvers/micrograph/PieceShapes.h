@@ -1,5 +1,7 @@
 #pragma once
 
+#include "micrograph/SegmentTypes.h"
+
 #include <opencv2/core.hpp>
 
 #include <cstdint>
@@ -27,10 +29,6 @@ struct SideShape
   double largest = 0; ///< share of its area in the largest piece
   std::int64_t pieces = 0;
 };
-
-/// A polygon of a cell with round corners has 0.9 and more even where it is three pixels wide, two cells that run
-/// together 0.8 and less.
-constexpr double compactSolidity = 0.85;
 
 [[nodiscard]] SideShape sideShape(const std::vector<PieceShape>& pieces);
 

@@ -35,6 +35,9 @@ struct Mark
 /// "margin", "scale bar", "text", "ray gap", "gap".
 [[nodiscard]] std::string name(Mark::Kind kind);
 
+/// From which solidity on a lumen is compact as a cell is: its area over that of its convex hull.
+constexpr double compactSolidity = 0.85;
+
 /// Why a segmentation may be wrong.
 enum class Doubt
 {

@@ -8,6 +8,7 @@
 #include "micrograph/HalfHeight.h"
 #include "micrograph/LumenShapes.h"
 #include "micrograph/Otsu.h"
+#include "micrograph/PieceShapes.h"
 #include "micrograph/Pieces.h"
 #include "micrograph/Rays.h"
 #include "micrograph/Rims.h"
@@ -229,10 +230,13 @@ void describe(const cv::Mat& lumen, Segmentation& result)
   result.lumen.assign(pieces.labels.begin<int>(), pieces.labels.end<int>());
   result.shapes = lumenShapes(pieces.labels, static_cast<int>(pieces.area.size()));
   result.shapes.erase(result.shapes.begin());
+  // Both number the pieces alike: rows first, through faces.
+  const std::vector<PieceShape> solid = pieceShapes(lumen, 1);
   std::vector<LumenExtent> extents;
-  for (const LumenShape& shape : result.shapes)
+  for (std::size_t i = 0; i < result.shapes.size(); ++i)
   {
-    extents.push_back({ shape.length, shape.width, !shape.cut });
+    const LumenShape& shape = result.shapes[i];
+    extents.push_back({ shape.length, shape.width, !shape.cut, solid[i].solidity });
   }
   const LumenClasses classes = tellVessels(extents);
   SegmentReport& report = result.report;
@@ -332,6 +336,16 @@ void markGaps(const Evidence& evidence, const cv::Rect& part, Segmentation& resu
 }
 
 } // namespace
+
+std::vector<std::string> SegmentReport::doubtNames() const
+{
+  std::vector<std::string> names;
+  for (const Remark& remark : doubts)
+  {
+    names.push_back(name(remark.doubt));
+  }
+  return names;
+}
 
 std::vector<std::string> SegmentReport::lines() const
 {

@@ -76,6 +76,7 @@ struct SegmentReport
   bool cells = true;          ///< the lumens look like a tissue's cells: else they are called pores, not vessels
   std::vector<Remark> doubts; ///< what may be wrong with it, the gravest first; `Segmentation::warnings` hold them too
 
+  [[nodiscard]] std::vector<std::string> doubtNames() const;
   /// A line for each step, for people.
   [[nodiscard]] std::vector<std::string> lines() const;
 };
