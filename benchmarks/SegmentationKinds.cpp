@@ -1,5 +1,5 @@
 // Is a raw picture segmented right, or is the user warned? Every kind of tests/MicrographKinds.h, by seeds.
-//   segmentation-kinds [PICTURES A KIND] [FIRST SEED] [other] [--list] [--write FOLDER]
+//   segmentation-kinds [PICTURES A KIND] [FIRST SEED] [other] [good|faulty] [--list] [--write FOLDER]
 #include "../tests/MicrographKinds.h"
 
 #include "micrograph/Segmentation.h"
@@ -29,6 +29,8 @@ int main(int argc, char** argv)
     return there;
   };
   const bool other = flag("other");
+  const bool good = flag("good");
+  const bool faulty = flag("faulty");
   const bool list = flag("--list");
   std::filesystem::path folder;
   if (const auto at = std::find(words.begin(), words.end(), "--write"); at != words.end() && at + 1 != words.end())
@@ -40,8 +42,15 @@ int main(int argc, char** argv)
   const int count = words.empty() ? 12 : std::atoi(words[0].c_str());
   const int first = words.size() < 2 ? 1 : std::atoi(words[1].c_str());
 
-  std::vector<kinds::Kind> all{ kinds::Kind::Good };
-  all.insert(all.end(), kinds::faulty().begin(), kinds::faulty().end());
+  std::vector<kinds::Kind> all;
+  if (!faulty)
+  {
+    all.push_back(kinds::Kind::Good);
+  }
+  if (!good)
+  {
+    all.insert(all.end(), kinds::faulty().begin(), kinds::faulty().end());
+  }
   fmt::print("{:<26} {:>8} {:>14} {:>14} {:>14} {:>14}\n", "kind", "pictures", "right, silent", "right, warned",
     "wrong, warned", "wrong, silent");
   for (const kinds::Kind kind : all)

@@ -42,12 +42,21 @@ std::optional<Remark> doubtTheSide(const Evidence& e, const SegmentReport& repor
       taken, percent(e.lumens.compact), percent(e.walls.compact), left) };
 }
 
+/// A third class matters where two do not hold the picture: tomograms of three phases have a separability of 0.8 and
+/// less, rocks of several minerals 0.86. Tissue with some dark contents has three classes too, and two that are clearly
+/// apart.
+bool manyGreys(const Evidence& e, const SegmentReport& report)
+{
+  constexpr double clear = 0.88;
+  return (e.classes.size() >= 3 || e.evenClasses.size() >= 3) && report.separability < clear;
+}
+
 /// Three classes and more, of the picture as it is or of the grey that was split.
 std::optional<Remark> doubtTheGreys(const Evidence& e, const SegmentReport& report, const Picture& picture)
 {
   const bool asSeen = e.classes.size() >= 3;
   const std::vector<GreyClass>& classes = asSeen ? e.classes : e.evenClasses;
-  if (classes.size() < 3)
+  if (!manyGreys(e, report))
   {
     return std::nullopt;
   }
@@ -119,7 +128,7 @@ std::optional<Remark> doubtTheResolution(const Evidence& e)
 std::optional<Remark> doubtTheWalls(const Evidence& e)
 {
   // Whole tissue 0.2 and less, the scan with torn rays 0.38, tissue with every third cell filled 0.8.
-  constexpr double most = 0.5;
+  constexpr double most = 0.45;
   if (e.wallShareThick <= most)
   {
     return std::nullopt;
@@ -194,11 +203,11 @@ std::vector<Remark> doubtsOf(
   };
   if (evidence.lumens.pieces > 0)
   {
-    const bool three = add(doubtTheGreys(evidence, report, picture));
+    add(doubtTheGreys(evidence, report, picture));
     const bool side = add(doubtTheSide(evidence, report, options));
     const bool coarse = add(doubtTheResolution(evidence));
     // Where lumens are too small to be seen, or are no cells, walls are thick for that reason.
-    if (!coarse && !side && !three && cells(evidence))
+    if (!coarse && !side && cells(evidence))
     {
       add(doubtTheWalls(evidence));
     }
@@ -209,9 +218,9 @@ std::vector<Remark> doubtsOf(
   return all;
 }
 
-bool looksLikeCells(const Evidence& evidence)
+bool looksLikeCells(const Evidence& evidence, const SegmentReport& report)
 {
-  return cells(evidence) && evidence.classes.size() < 3 && evidence.evenClasses.size() < 3;
+  return cells(evidence) && !manyGreys(evidence, report);
 }
 
 } // namespace lamella::micrograph

@@ -17,6 +17,6 @@ namespace lamella::micrograph
   const Evidence& evidence, const SegmentReport& report, const SegmentOptions& options, const Picture& picture);
 
 /// Whether the lumens look like the cells of a tissue, so that words of wood are in place.
-[[nodiscard]] bool looksLikeCells(const Evidence& evidence);
+[[nodiscard]] bool looksLikeCells(const Evidence& evidence, const SegmentReport& report);
 
 } // namespace lamella::micrograph

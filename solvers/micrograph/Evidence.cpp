@@ -211,7 +211,8 @@ void lookAtLumens(const cv::Mat& lumen, Evidence& e)
   e.lumenWidth = std::max(0.0, 2 * quantile(whole, 0.5) - 1);
 }
 
-/// Tears and what lies beside the tissue are larger than cells and ragged, or open to the border.
+/// Tears and what lies beside the tissue are larger than cells and ragged, or open along the border. A vessel that the
+/// border cuts is as large among fibres, but touches it along its own width alone.
 void lookForGaps(const std::vector<PieceShape>& pieces, double nodes, Evidence& e)
 {
   std::vector<double> whole;
@@ -237,7 +238,7 @@ void lookForGaps(const std::vector<PieceShape>& pieces, double nodes, Evidence& 
   for (const PieceShape& piece : pieces)
   {
     const auto area = static_cast<double>(piece.area);
-    if ((piece.solidity < ragged && area > 3 * usual) || (piece.cut && area > 3 * largest))
+    if ((piece.solidity < ragged && area > 3 * usual) || (piece.open && area > 3 * largest))
     {
       ++e.gaps;
       inGaps += area;

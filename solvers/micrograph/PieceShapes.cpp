@@ -7,6 +7,32 @@
 namespace lamella::micrograph
 {
 
+namespace
+{
+
+/// How many pixels of a piece are at the picture's border.
+int alongBorder(const cv::Mat& labels, int label, const cv::Rect& box)
+{
+  int count = 0;
+  for (const int row : { 0, labels.rows - 1 })
+  {
+    for (int x = box.x; x < box.br().x && row >= box.y && row < box.br().y; ++x)
+    {
+      count += labels.at<int>(row, x) == label;
+    }
+  }
+  for (const int x : { 0, labels.cols - 1 })
+  {
+    for (int row = box.y; row < box.br().y && x >= box.x && x < box.br().x; ++row)
+    {
+      count += labels.at<int>(row, x) == label;
+    }
+  }
+  return count;
+}
+
+} // namespace
+
 std::vector<PieceShape> pieceShapes(const cv::Mat& mask, std::int64_t least)
 {
   cv::Mat labels;
@@ -28,6 +54,8 @@ std::vector<PieceShape> pieceShapes(const cv::Mat& mask, std::int64_t least)
       stats.at<int>(label, cv::CC_STAT_WIDTH), stats.at<int>(label, cv::CC_STAT_HEIGHT));
     const cv::Point end = piece.box.br();
     piece.cut = piece.box.x == 0 || piece.box.y == 0 || end.x == mask.cols || end.y == mask.rows;
+    const int sides = (piece.box.x == 0) + (piece.box.y == 0) + (end.x == mask.cols) + (end.y == mask.rows);
+    piece.open = sides >= 3 || 8 * alongBorder(labels, label, piece.box) > 2 * (mask.cols + mask.rows);
     // The corners of the pixels, so that a square has a hull of its own area.
     corners.clear();
     for (int y = piece.box.y; y < end.y; ++y)

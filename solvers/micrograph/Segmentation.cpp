@@ -110,7 +110,8 @@ Thresholded threshold(const cv::Mat& grey, const SegmentOptions& options, Segmen
 {
   // Bringing two classes to one level each would tear a third one apart.
   const std::vector<GreyClass> classes = classesOf(grey);
-  const bool many = classes.size() >= 3;
+  constexpr double clear = 0.85; // where two classes hold the picture well, a third is some dark content
+  const bool many = classes.size() >= 3 && otsu(grey).separability < clear;
   Flattened flat = many && !options.background ? Flattened{ grey.clone(), 0, 0 } : flatten(grey, options.background);
   Otsu rough = otsu(flat.grey);
   // Where a few walls stand in much lumen, or the other way round, the classes themselves may pass for uneven light.
@@ -433,7 +434,7 @@ Segmentation segment(const Picture& picture, const SegmentOptions& options)
   const cv::Rect part = judgedPart(picture, options);
   const Evidence evidence =
     gather(lumen(part), stain.grey(part), found.bright(part), report.noise, report.smallestLumen);
-  report.cells = looksLikeCells(evidence);
+  report.cells = looksLikeCells(evidence, report);
   report.doubts = doubtsOf(evidence, report, options, picture);
   markGaps(evidence, part, result);
   warn(graphics, result);

@@ -46,7 +46,7 @@ class Faulty : public ::testing::TestWithParam<Kind>
 
 TEST(SegmentationDoubts, WholeTissueRaisesNoAlarm)
 {
-  for (const kinds::Sample& sample : some(Kind::Good, 12))
+  for (const kinds::Sample& sample : some(Kind::Good, 8))
   {
     const Segmentation result = segment(sample.picture);
     EXPECT_TRUE(kinds::compare(result.image, sample.open).right()) << sample.what;
@@ -61,7 +61,7 @@ TEST(SegmentationDoubts, WholeTissueRaisesNoAlarm)
 // Right, or told. Every doubt is among the warnings, which is what people see.
 TEST_P(Faulty, IsRightOrWarnedOf)
 {
-  for (const kinds::Sample& sample : some(GetParam(), 4))
+  for (const kinds::Sample& sample : some(GetParam(), 2))
   {
     const Segmentation result = segment(sample.picture);
     EXPECT_TRUE(kinds::compare(result.image, sample.open).right() || !result.report.doubts.empty()) << sample.what;
@@ -141,7 +141,7 @@ TEST(SegmentationDoubts, TearsAndBackgroundAreNoVessels)
 {
   for (const Kind kind : { Kind::Torn, Kind::Background })
   {
-    for (const kinds::Sample& sample : some(kind, 4))
+    for (const kinds::Sample& sample : some(kind, 2))
     {
       const Segmentation result = segment(sample.picture);
       for (const Mark& mark : result.marks)
