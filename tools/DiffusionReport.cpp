@@ -252,6 +252,7 @@ std::string toJson(const DiffusionReport& report)
   const bool known = report.sample->pixelSizeSource != "none";
   json["pixel_size"] = known ? Json(lattice.spacing) : Json(nullptr);
   json["pixel_size_source"] = report.sample->pixelSizeSource;
+  json["warnings"] = report.sample->warnings;
   if (report.sample->segmentation)
   {
     const micrograph::SegmentReport& found = *report.sample->segmentation;

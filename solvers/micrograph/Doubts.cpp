@@ -128,7 +128,7 @@ std::optional<Remark> doubtTheResolution(const Evidence& e)
 std::optional<Remark> doubtTheWalls(const Evidence& e)
 {
   // Whole tissue 0.2 and less, the scan with torn rays 0.38, tissue with every third cell filled 0.8.
-  constexpr double most = 0.45;
+  constexpr double most = 0.5;
   if (e.wallShareThick <= most)
   {
     return std::nullopt;
