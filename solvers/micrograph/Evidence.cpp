@@ -3,6 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -41,7 +42,8 @@ std::vector<float> sampled(const cv::Mat& grey, const cv::Mat& mask)
   return values;
 }
 
-void lookAtWalls(const cv::Mat& lumen, Evidence& e)
+/// @return how far every pixel lies from the nearest lumen; 0 within
+cv::Mat lookAtWalls(const cv::Mat& lumen, Evidence& e)
 {
   cv::Mat away;
   cv::Mat nearest;
@@ -63,7 +65,7 @@ void lookAtWalls(const cv::Mat& lumen, Evidence& e)
   }
   if (half.empty())
   {
-    return;
+    return away;
   }
   // Pixels' centres lie half a pixel from the outline at least.
   e.wallThickness = 2 * quantile(half, 0.5) - 1;
@@ -79,6 +81,7 @@ void lookAtWalls(const cv::Mat& lumen, Evidence& e)
     e.wallShareThick =
       cv::countNonZero(thick) / std::max(1.0, static_cast<double>(lumen.total()) - cv::countNonZero(lumen));
   }
+  return away;
 }
 
 /// The width of a step's ramp from how steep it is at the outline: a Gaussian's is height / (√(2π) s), and from 10 to
@@ -106,72 +109,71 @@ void lookAtEdges(const cv::Mat& lumen, const cv::Mat& even, double contrast, Evi
   e.edgeWidth = slope > 0 ? 2.563 * contrast / (std::sqrt(2 * std::numbers::pi) * slope) : 0;
 }
 
-/// Tops of the grey within walls that fall off on all sides. The grain of noise has them too: they must be as curved as
-/// a lumen two pixels wide of an eighth of the contrast is.
-void lookForSpots(const cv::Mat& lumen, const cv::Mat& even, Evidence& e)
+/// Whether a place is a top that falls off on all sides, as steeply curved as a lumen 2 × 2 pixels wide with a third of
+/// the contrast is through a lens of one pixel.
+bool isSpot(const cv::Mat& smooth, int row, int x, double contrast)
 {
-  constexpr double sigma = 1;
-  constexpr double away = 1.8; // from lumens, whose own flanks bend
-  constexpr double reach = 2.5;
-  cv::Mat smooth;
-  cv::GaussianBlur(even, smooth, cv::Size(), sigma, sigma, cv::BORDER_REFLECT);
-  const cv::Mat wall = 255 - lumen;
-  std::vector<float> inLumens = sampled(even, lumen);
-  std::vector<float> inWalls = sampled(even, wall);
-  const double bright = quantile(inLumens, 0.5);
-  const double dark = quantile(inWalls, 0.25);
-  const double contrast = std::max(1.0, bright - dark);
-  cv::Mat distance;
-  cv::distanceTransform(wall, distance, cv::DIST_L2, cv::DIST_MASK_5);
-  cv::Mat xx;
-  cv::Mat yy;
-  cv::Mat xy;
-  cv::Sobel(smooth, xx, CV_32F, 2, 0, 3, 0.25);
-  cv::Sobel(smooth, yy, CV_32F, 0, 2, 3, 0.25);
-  cv::Sobel(smooth, xy, CV_32F, 1, 1, 3, 0.25);
-  cv::Mat spots(lumen.size(), CV_8U, cv::Scalar(255));
-  for (int row = 1; row + 1 < lumen.rows; ++row)
+  std::array<float, 9> v{};
+  for (int k = 0; k < 9; ++k)
   {
-    for (int x = 1; x + 1 < lumen.cols; ++x)
+    v[static_cast<std::size_t>(k)] = smooth.ptr<float>(row + k / 3 - 1)[x + k % 3 - 1];
+    if (k != 4 && v[static_cast<std::size_t>(k)] >= smooth.ptr<float>(row)[x])
     {
-      if (distance.at<float>(row, x) < away)
-      {
-        continue;
-      }
-      const float value = smooth.at<float>(row, x);
-      bool top = true;
-      for (int k = 0; k < 9 && top; ++k)
-      {
-        top = k == 4 || smooth.at<float>(row + k / 3 - 1, x + k % 3 - 1) < value;
-      }
-      if (!top)
-      {
-        continue;
-      }
-      const double mean = (xx.at<float>(row, x) + yy.at<float>(row, x)) / 2;
-      const double apart = std::hypot((xx.at<float>(row, x) - yy.at<float>(row, x)) / 2, xy.at<float>(row, x));
-      constexpr double curved = 0.04;
-      if (-(mean + apart) > curved * contrast)
-      {
-        ++e.spots;
-        spots.at<std::uint8_t>(row, x) = 0;
-      }
+      return false;
     }
   }
-  if (e.spots == 0)
-  {
-    return;
-  }
-  cv::Mat toSpot;
-  cv::distanceTransform(spots, toSpot, cv::DIST_L2, cv::DIST_MASK_5);
+  // Second differences over three rows, columns.
+  const double xx = (v[0] - 2 * v[1] + v[2] + 2 * (v[3] - 2 * v[4] + v[5]) + v[6] - 2 * v[7] + v[8]) / 4;
+  const double yy = (v[0] - 2 * v[3] + v[6] + 2 * (v[1] - 2 * v[4] + v[7]) + v[2] - 2 * v[5] + v[8]) / 4;
+  const double xy = (v[0] - v[2] - v[6] + v[8]) / 4;
+  constexpr double curved = 0.04;
+  return -((xx + yy) / 2 + std::hypot((xx - yy) / 2, xy)) > curved * contrast;
+}
+
+/// Bright spots within walls, and what they hold: the grain of noise has tops too, but not as curved.
+void lookForSpots(const cv::Mat& lumen, const cv::Mat& even, const cv::Mat& away, Evidence& e)
+{
+  constexpr double sigma = 1;
+  constexpr float flank = 1.8F; // nearer to a lumen its own flank bends
+  constexpr int reach = 2;
+  cv::Mat smooth;
+  cv::GaussianBlur(even, smooth, cv::Size(), sigma, sigma, cv::BORDER_REFLECT);
+  std::vector<float> inLumens = sampled(even, lumen);
+  std::vector<float> inWalls = sampled(even, 255 - lumen);
+  const double dark = quantile(inWalls, 0.25);
+  const double contrast = std::max(1.0, quantile(inLumens, 0.5) - dark);
+  cv::Mat counted(lumen.size(), CV_8U, cv::Scalar(0));
   double held = 0;
-  for (int row = 0; row < lumen.rows; ++row)
+  const auto count = [&](int row, int x)
   {
-    for (int x = 0; x < lumen.cols; ++x)
+    auto& seen = counted.ptr<std::uint8_t>(row)[x];
+    if (seen == 0 && lumen.ptr<std::uint8_t>(row)[x] == 0)
     {
-      if (toSpot.at<float>(row, x) <= reach && wall.at<std::uint8_t>(row, x) > 0)
+      seen = 1;
+      held += std::clamp((even.ptr<float>(row)[x] - dark) / contrast, 0.0, 1.0);
+    }
+  };
+  for (int row = 1; row + 1 < lumen.rows; ++row)
+  {
+    const auto* distance = away.ptr<float>(row);
+    for (int x = 1; x + 1 < lumen.cols; ++x)
+    {
+      if (distance[x] < flank || !isSpot(smooth, row, x, contrast))
       {
-        held += std::clamp((even.at<float>(row, x) - dark) / contrast, 0.0, 1.0);
+        continue;
+      }
+      ++e.spots;
+      for (int dy = -reach; dy <= reach; ++dy)
+      {
+        for (int dx = -reach; dx <= reach; ++dx)
+        {
+          const bool corner = std::abs(dy) == reach && std::abs(dx) == reach;
+          const bool inside = row + dy >= 0 && row + dy < lumen.rows && x + dx >= 0 && x + dx < lumen.cols;
+          if (inside && !corner)
+          {
+            count(row + dy, x + dx);
+          }
+        }
       }
     }
   }
@@ -268,9 +270,9 @@ Evidence gather(const cv::Mat& lumen, const cv::Mat& asSeen, const cv::Mat& even
   { return std::max(1.0, std::abs(cv::mean(grey, lumen)[0] - cv::mean(grey, wall)[0])); };
   e.classes = greyClasses(asSeen, contrastOf(asSeen), noise);
   e.evenClasses = greyClasses(even, contrastOf(even), noise);
-  lookAtWalls(lumen, e);
+  const cv::Mat away = lookAtWalls(lumen, e);
   lookAtEdges(lumen, even, contrastOf(even), e);
-  lookForSpots(lumen, even, e);
+  lookForSpots(lumen, even, away, e);
   lookAtLumens(lumen, e);
   lookForGaps(pieces, static_cast<double>(lumen.total()), e);
   return e;

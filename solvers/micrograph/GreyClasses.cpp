@@ -16,6 +16,27 @@ namespace
 constexpr std::size_t greys = 256;
 using Histogram = std::array<double, greys>;
 
+/// Every so many bands of rows, so that about a million pixels are left: enough to tell classes by. Where bands meet
+/// there are no flat places, or few.
+cv::Mat bands(const cv::Mat& grey)
+{
+  constexpr double plenty = 1e6;
+  constexpr int height = 64;
+  const int step = std::max(1, static_cast<int>(std::lround(static_cast<double>(grey.total()) / plenty)));
+  if (step == 1 || grey.rows < 4 * step * height)
+  {
+    return grey;
+  }
+  std::vector<cv::Mat> kept;
+  for (int row = 0; row + height <= grey.rows; row += step * height)
+  {
+    kept.push_back(grey.rowRange(row, row + height));
+  }
+  cv::Mat result;
+  cv::vconcat(kept, result);
+  return result;
+}
+
 /// Greys of flat places, as shares; all 0 where there are hardly any.
 Histogram flatGreys(const cv::Mat& grey, double contrast, double noise)
 {
@@ -97,7 +118,7 @@ std::vector<std::size_t> summits(const Histogram& curve)
 
 std::vector<GreyClass> greyClasses(const cv::Mat& grey, double contrast, double noise, double least)
 {
-  const Histogram shares = flatGreys(grey, contrast, noise);
+  const Histogram shares = flatGreys(bands(grey), contrast, noise);
   const Histogram curve = smoothed(shares, std::max(2.5, contrast / 20));
   const auto valleyBetween = [&](std::size_t low, std::size_t high)
   { return static_cast<std::size_t>(std::min_element(&curve[low], &curve[high]) - curve.data()); };
