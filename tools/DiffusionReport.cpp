@@ -252,6 +252,7 @@ std::string toJson(const DiffusionReport& report)
   const bool known = report.sample->pixelSizeSource != "none";
   json["pixel_size"] = known ? Json(lattice.spacing) : Json(nullptr);
   json["pixel_size_source"] = report.sample->pixelSizeSource;
+  json["warnings"] = report.sample->warnings;
   if (report.sample->segmentation)
   {
     const micrograph::SegmentReport& found = *report.sample->segmentation;
@@ -261,7 +262,8 @@ std::string toJson(const DiffusionReport& report)
       { "smallest_wall", found.smallestWall }, { "lumens_removed", found.lumensRemoved },
       { "walls_removed", found.wallsRemoved }, { "opening", found.opening }, { "rim", found.rim },
       { "half_height", found.halfHeight }, { "ray_gaps", found.rays }, { "graphics", found.graphicsShare },
-      { "vessels", found.vessels }, { "lumens", found.lumens }, { "lumen_fraction", found.lumenFraction } };
+      { "vessels", found.vessels }, { "lumens", found.lumens }, { "lumen_fraction", found.lumenFraction },
+      { "cells", found.cells }, { "doubts", found.doubtNames() } };
   }
   json["refine"] = refinement;
   json["lattice"] = lbm::name(report.options.steady.stencil);

@@ -376,7 +376,9 @@ Sample loadSample(const PictureOptions& options, const SampleCheck& check)
         "leave --phase and --other out: the phases of a segmented scan are 'lumen' and 'wall'");
     }
     // The whole scan, for the light and the threshold; the window is cut afterwards.
-    micrograph::Segmentation found = micrograph::segment(picture, segmentOptions(options));
+    micrograph::SegmentOptions how = segmentOptions(options);
+    how.judged = window;
+    micrograph::Segmentation found = micrograph::segment(picture, how);
     sample.segmentation = found.report;
     sample.warnings.insert(sample.warnings.end(), found.warnings.begin(), found.warnings.end());
     sample.image = window ? crop(found.image, *window) : std::move(found.image);

@@ -133,6 +133,7 @@ private:
     report_.micrograph = &source_;
     report_.measures = micrograph::measureLumens(source_.contours);
     report_.classes = classify(report_.measures);
+    report_.cells = lookLikeCells(source_, report_.measures);
     report_.wallFraction = micrograph::wallFraction(source_.contours);
     report_.thickness = micrograph::wallThickness(source_.contours);
   }
@@ -299,6 +300,7 @@ private:
       {
         parts.vessel[static_cast<std::size_t>(report_.measures[i].lumen - 1)] = report_.classes.vessel[i];
       }
+      parts.cells = report_.cells;
       parts.marks = source_.marks;
       parts.pixel = source_.pixel;
       parts.width = options_.overlayWidth;

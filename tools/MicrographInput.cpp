@@ -220,8 +220,9 @@ Micrograph segmentScan(const MicrographOptions& options, PictureFile file)
   const auto window = parseWindow(options.picture.window);
   requireWindowFits(picture.lattice, window);
   const auto first = window ? firstNode(picture.lattice, *window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
-  const micrograph::SegmentOptions how = segmentOptions(options);
+  micrograph::SegmentOptions how = segmentOptions(options);
   // The whole scan, for the light and the threshold; the window is cut afterwards.
+  how.judged = window;
   micrograph::Segmentation parts = micrograph::segment(picture, how);
   Session::checkInterrupt();
   Micrograph found;

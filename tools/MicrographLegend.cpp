@@ -128,13 +128,19 @@ cv::Mat withLegend(const cv::Mat& picture, const OverlayParts& parts, double sca
   }
   if (std::find(parts.vessel.begin(), parts.vessel.end(), true) != parts.vessel.end())
   {
-    items.push_back({ "vessel", area(vesselColour, 0.45), wide });
+    items.push_back({ parts.cells ? "vessel" : "large pore", area(vesselColour, 0.45), wide });
   }
-  if (!parts.marks.empty())
+  const auto frame = [](const Colour& colour)
+  { return [=](cv::Mat& to, cv::Rect box) { cv::rectangle(to, box, scalar(colour), std::max(1, box.height / 8)); }; };
+  const auto gaps = std::count_if(parts.marks.begin(), parts.marks.end(),
+    [](const micrograph::Mark& mark) { return mark.kind == micrograph::Mark::Kind::Gap; });
+  if (gaps < static_cast<std::ptrdiff_t>(parts.marks.size()))
   {
-    items.push_back({ "not counted",
-      [](cv::Mat& to, cv::Rect box) { cv::rectangle(to, box, scalar(markColour), std::max(1, box.height / 8)); },
-      wide });
+    items.push_back({ "not counted", frame(markColour), wide });
+  }
+  if (gaps > 0)
+  {
+    items.push_back({ "tear or background", frame(gapColour), wide });
   }
 
   const int margin = static_cast<int>(std::lround(0.5 * font));

@@ -14,6 +14,7 @@ inline const Colour strokeColour(20, 20, 20);
 inline const Colour lamellaColour(255, 170, 0);
 inline const Colour vesselColour(0, 170, 150);
 inline const Colour markColour(220, 0, 60);
+inline const Colour gapColour(240, 130, 0);
 inline const Colour wallColour(214, 208, 202);
 inline const Colour ink(25, 25, 25);
 

@@ -176,7 +176,8 @@ void drawMarks(Drawing& drawing, const OverlayParts& parts)
   for (const micrograph::Mark& mark : parts.marks)
   {
     cv::rectangle(drawing.picture, drawing.at(mark.x0 * parts.pixel, mark.y0 * parts.pixel),
-      drawing.at(mark.x1 * parts.pixel, mark.y1 * parts.pixel), scalar(markColour),
+      drawing.at(mark.x1 * parts.pixel, mark.y1 * parts.pixel),
+      scalar(mark.kind == micrograph::Mark::Kind::Gap ? gapColour : markColour),
       std::max(1, static_cast<int>(std::lround(drawing.line))), cv::LINE_AA, 8);
   }
 }

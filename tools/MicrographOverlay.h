@@ -21,6 +21,7 @@ struct OverlayParts
   const micrograph::WallDirections* directions = nullptr;
   const std::vector<std::uint8_t>* phase = nullptr; ///< #nodes, 2 for the lamella
   std::vector<bool> vessel;                         ///< by lumen − 1
+  bool cells = true;                                ///< the large lumens are called vessels
   std::vector<micrograph::Mark> marks;
   double pixel = 0; ///< of the marks [m]
   int width = 0;    ///< of the picture [pixels]; 0: as fits

@@ -83,6 +83,7 @@ Json jsonOf(const micrograph::SegmentReport& r)
   json["graphics_share"] = r.graphicsShare;
   json["lumens"] = r.lumens;
   json["lumen_fraction"] = r.lumenFraction;
+  json["doubts"] = r.doubtNames();
   json["lines"] = r.lines();
   return json;
 }
@@ -117,9 +118,22 @@ micrograph::LumenClasses classify(const std::vector<micrograph::LumenMeasures>& 
   extents.reserve(measures.size());
   for (const auto& m : measures)
   {
-    extents.push_back({ m.major, m.minor, !m.open });
+    extents.push_back({ m.major, m.minor, !m.open, m.solidity });
   }
   return micrograph::tellVessels(extents);
+}
+
+bool lookLikeCells(const Micrograph& micrograph, const std::vector<micrograph::LumenMeasures>& measures)
+{
+  double compact = 0;
+  double area = 0;
+  for (const auto& m : measures)
+  {
+    area += m.area;
+    compact += m.solidity >= micrograph::compactSolidity ? m.area : 0;
+  }
+  constexpr double most = 0.8; // of their area, as of lumens in a scan
+  return (!micrograph.segmentation || micrograph.segmentation->cells) && compact >= most * area;
 }
 
 std::string toJson(const MicrographReport& report)
@@ -167,6 +181,7 @@ std::string toJson(const MicrographReport& report)
     solidity.push_back(l.solidity);
   }
   json["lumens"]["median_solidity"] = median(std::move(solidity));
+  json["cells"] = report.cells;
   if (report.classes.two)
   {
     json["vessels"] = jsonOf(numbersOf(report, [&](std::size_t i) { return report.classes.vessel[i]; }));
@@ -282,8 +297,8 @@ std::string toTable(const MicrographReport& report)
     of([](std::size_t) { return true; }) + (open > 0 ? fmt::format("; {} cut by the border", grouped(open)) : ""));
   if (report.classes.two)
   {
-    line("vessels", of([&](std::size_t i) { return report.classes.vessel[i]; }));
-    line("fibres", of([&](std::size_t i) { return !report.classes.vessel[i]; }));
+    line(report.cells ? "vessels" : "large pores", of([&](std::size_t i) { return report.classes.vessel[i]; }));
+    line(report.cells ? "fibres" : "small pores", of([&](std::size_t i) { return !report.classes.vessel[i]; }));
   }
   line("walls",
     fmt::format("{} of the picture, {} thick (median), thinner than {} in 5 % of their length",

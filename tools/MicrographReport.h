@@ -37,6 +37,7 @@ struct MicrographReport
   const Micrograph* micrograph = nullptr;
   std::vector<micrograph::LumenMeasures> measures;
   micrograph::LumenClasses classes; ///< by lumen as `measures`; those that the border cuts are classed by what is seen
+  bool cells = true;                ///< lumens look like a tissue's: words of wood are in place
   double wallFraction = 0;
   micrograph::WallThickness thickness;
   std::optional<double> spacing; ///< of the lattice [m]
@@ -59,6 +60,10 @@ struct MicrographReport
 /// Vessels and fibres by the longest diameters of lumens that are whole; one that the border cuts is a vessel where
 /// what is seen of it is larger than the threshold.
 [[nodiscard]] micrograph::LumenClasses classify(const std::vector<micrograph::LumenMeasures>& measures);
+
+/// Whether most of the lumens' area is in compact ones, and the segmentation found no reason to doubt that they are
+/// cells.
+[[nodiscard]] bool lookLikeCells(const Micrograph& micrograph, const std::vector<micrograph::LumenMeasures>& measures);
 
 [[nodiscard]] std::string toJson(const MicrographReport& report);
 [[nodiscard]] std::string toTable(const MicrographReport& report);

@@ -181,7 +181,7 @@ double emptyShare(const cv::Mat& mask, double place)
 
 std::string name(Mark::Kind kind)
 {
-  static constexpr std::array names{ "margin", "scale bar", "text", "ray gap" };
+  static constexpr std::array names{ "margin", "scale bar", "text", "ray gap", "gap" };
   return names.at(static_cast<std::size_t>(kind));
 }
 

@@ -233,10 +233,19 @@ LumenClasses tellVessels(std::span<const LumenExtent> lumens)
     2 * std::count_if(lumens.begin(), lumens.end(), isSlender) > static_cast<std::ptrdiff_t>(lumens.size());
   const auto slender = [&](const LumenExtent& one) { return !usual && isSlender(one); };
   const auto circle = [](const LumenExtent& one) { return one.length * one.length * std::numbers::pi / 4; };
+  const auto area = [](const LumenExtent& one) { return one.length * one.width * std::numbers::pi / 4; };
+  constexpr double ragged = 0.75;
+  double largest = 0;
+  for (const LumenExtent& one : lumens)
+  {
+    largest = one.whole && one.solidity >= ragged ? std::max(largest, area(one)) : largest;
+  }
+  const auto cell = [&](const LumenExtent& one)
+  { return one.solidity >= ragged && (one.whole || largest == 0 || area(one) <= 3 * largest); };
   std::vector<double> sizes;
   for (const LumenExtent& one : lumens)
   {
-    if (one.whole && !slender(one))
+    if (one.whole && cell(one) && !slender(one))
     {
       sizes.push_back(circle(one));
     }
@@ -248,9 +257,8 @@ LumenClasses tellVessels(std::span<const LumenExtent> lumens)
   {
     const LumenExtent& one = lumens[i];
     // The cut may leave a slender part of a broad lumen: larger than a fibre all the same, as no cell of a ray is.
-    const bool broad =
-      !slender(one) || (!one.whole && one.length * one.width * std::numbers::pi / 4 > classes.threshold);
-    classes.vessel[i] = broad && circle(one) > classes.threshold;
+    const bool broad = !slender(one) || (!one.whole && area(one) > classes.threshold);
+    classes.vessel[i] = broad && cell(one) && circle(one) > classes.threshold;
     classes.vessels += classes.vessel[i];
   }
   return classes;

@@ -35,15 +35,18 @@ struct LumenClasses
 /// Axes of a lumen, in any unit.
 struct LumenExtent
 {
-  double length = 0; ///< its longest diameter, or the major axis of the ellipse of the same second moments
-  double width = 0;  ///< across it
-  bool whole = true; ///< not cut by the picture's border
+  double length = 0;   ///< its longest diameter, or the major axis of the ellipse of the same second moments
+  double width = 0;    ///< across it
+  bool whole = true;   ///< not cut by the picture's border
+  double solidity = 1; ///< its area over that of its convex hull
 };
 
 /// Vessels among lumens of any kind: the classes are those of whole lumens by the circles over their lengths. Lumens
 /// more than three times as long as wide, cells of rays among them, are neither vessels nor fibres, unless most are.
 /// What the border cuts is a vessel where the part that is seen is long enough for one; where the cut made it slender,
-/// its ellipse must have the area of a vessel as well.
+/// its ellipse must have the area of a vessel as well. Ragged lumens (a solidity below 0.75) are tears or run together,
+/// and what the border cuts and is more than three times as large as any whole lumen is slide beside the tissue: both
+/// are no vessels and say nothing of the classes.
 /// @throws ParameterError for a length that is not positive and finite
 [[nodiscard]] LumenClasses tellVessels(std::span<const LumenExtent> lumens);
 

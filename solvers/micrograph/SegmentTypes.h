@@ -25,14 +25,40 @@ struct Mark
     Margin, ///< blank rows or columns at the picture's side, data bars among them
     Bar,    ///< a scale bar
     Text,   ///< one line of it
-    Ray     ///< a gap in a ray, taken for wall
+    Ray,    ///< a gap in a ray, taken for wall
+    Gap     ///< a tear, or slide beside the tissue; counted as lumen
   };
   Kind kind = Kind::Bar;
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
 
-/// "margin", "scale bar", "text", "ray gap".
+/// "margin", "scale bar", "text", "ray gap", "gap".
 [[nodiscard]] std::string name(Mark::Kind kind);
+
+/// From which solidity on a lumen is compact as a cell is: its area over that of its convex hull.
+constexpr double compactSolidity = 0.85;
+
+/// Why a segmentation may be wrong.
+enum class Doubt
+{
+  Side,       ///< what was taken for lumens does not look like cells
+  Greys,      ///< there are more than two classes of greys
+  Filled,     ///< places in the walls are as thick as cells are wide
+  Resolution, ///< lumens, walls or edges are too few pixels wide
+  Gaps,       ///< tears, or slide beside the tissue, are among the lumens
+  Contrast,   ///< the two classes are hard to tell apart
+  Share       ///< hardly any lumen, or hardly any wall
+};
+
+/// "side", "greys", "filled", "resolution", "gaps", "contrast", "share".
+[[nodiscard]] std::string name(Doubt doubt);
+
+/// A doubt, in words.
+struct Remark
+{
+  Doubt doubt{};
+  std::string text; ///< one line
+};
 
 /// A lumen as the ellipse with its second moments shows it; lengths in pixels, x to the right, y up the rows in memory.
 struct LumenShape

@@ -1,11 +1,14 @@
 #include "micrograph/Segmentation.h"
 
 #include "lattice/Error.h"
+#include "micrograph/Doubts.h"
+#include "micrograph/Evidence.h"
 #include "micrograph/Flatten.h"
 #include "micrograph/Graphics.h"
 #include "micrograph/HalfHeight.h"
 #include "micrograph/LumenShapes.h"
 #include "micrograph/Otsu.h"
+#include "micrograph/PieceShapes.h"
 #include "micrograph/Pieces.h"
 #include "micrograph/Rays.h"
 #include "micrograph/Rims.h"
@@ -85,9 +88,31 @@ struct Thresholded
   double level = 0;
 };
 
+/// Before anything is known of lumens and walls.
+std::vector<GreyClass> classesOf(const cv::Mat& grey)
+{
+  const cv::Mat bright = grey >= otsu(grey).threshold;
+  const double contrast = std::max(1.0, cv::mean(grey, bright)[0] - cv::mean(grey, 255 - bright)[0]);
+  return greyClasses(grey, contrast, noiseOf(grey) / contrast);
+}
+
+double nearestValley(const std::vector<GreyClass>& classes, double threshold)
+{
+  double best = classes[1].from;
+  for (std::size_t i = 2; i < classes.size(); ++i)
+  {
+    best = std::abs(classes[i].from - threshold) < std::abs(best - threshold) ? classes[i].from : best;
+  }
+  return best;
+}
+
 Thresholded threshold(const cv::Mat& grey, const SegmentOptions& options, SegmentReport& report)
 {
-  Flattened flat = flatten(grey, options.background);
+  // Bringing two classes to one level each would tear a third one apart.
+  const std::vector<GreyClass> classes = classesOf(grey);
+  constexpr double clear = 0.85; // where two classes hold the picture well, a third is some dark content
+  const bool many = classes.size() >= 3 && otsu(grey).separability < clear;
+  Flattened flat = many && !options.background ? Flattened{ grey.clone(), 0, 0 } : flatten(grey, options.background);
   Otsu rough = otsu(flat.grey);
   // Where a few walls stand in much lumen, or the other way round, the classes themselves may pass for uneven light.
   constexpr double lossAllowed = 0.1;
@@ -115,7 +140,8 @@ Thresholded threshold(const cv::Mat& grey, const SegmentOptions& options, Segmen
     cv::GaussianBlur(flat.grey, flat.grey, cv::Size(), report.smoothing, report.smoothing, cv::BORDER_REFLECT);
   }
   const Otsu split = otsu(flat.grey);
-  report.threshold = options.threshold.value_or(split.threshold);
+  const bool between = many && !options.background;
+  report.threshold = options.threshold.value_or(between ? nearestValley(classes, split.threshold) : split.threshold);
   report.separability = split.separability;
   brightMask = flat.grey >= report.threshold;
   report.brightLumen = options.lumen == LumenSide::Bright ||
@@ -205,10 +231,13 @@ void describe(const cv::Mat& lumen, Segmentation& result)
   result.lumen.assign(pieces.labels.begin<int>(), pieces.labels.end<int>());
   result.shapes = lumenShapes(pieces.labels, static_cast<int>(pieces.area.size()));
   result.shapes.erase(result.shapes.begin());
+  // Both number the pieces alike: rows first, through faces.
+  const std::vector<PieceShape> solid = pieceShapes(lumen, 1);
   std::vector<LumenExtent> extents;
-  for (const LumenShape& shape : result.shapes)
+  for (std::size_t i = 0; i < result.shapes.size(); ++i)
   {
-    extents.push_back({ shape.length, shape.width, !shape.cut });
+    const LumenShape& shape = result.shapes[i];
+    extents.push_back({ shape.length, shape.width, !shape.cut, solid[i].solidity });
   }
   const LumenClasses classes = tellVessels(extents);
   SegmentReport& report = result.report;
@@ -255,14 +284,14 @@ void warn(const Graphics& graphics, Segmentation& result)
           100 * share, colour));
     }
   }
-  if (report.separability < 0.7)
+  for (const Remark& remark : report.doubts)
   {
-    say(fmt::format(
-      "lumens and walls are hard to tell apart (separability {:.2f}): look at the result", report.separability));
+    say(remark.text);
   }
   if (report.rays > 0)
   {
-    say(fmt::format("{} gaps in rays ({:.1f} % of the picture) taken for wall: look at the result", report.rays,
+    say(fmt::format("{} {} ({:.1f} % of the picture) taken for wall: look at the result", report.rays,
+      report.cells ? "gaps in rays" : "slender gaps in dark places",
       100 * static_cast<double>(report.rayNodes) / static_cast<double>(result.lumen.size())));
   }
   if (report.lumenFraction <= 0)
@@ -281,7 +310,43 @@ void warn(const Graphics& graphics, Segmentation& result)
   }
 }
 
+/// In nodes of the picture.
+cv::Rect judgedPart(const Picture& picture, const SegmentOptions& options)
+{
+  const auto& size = picture.lattice.size;
+  if (!options.judged)
+  {
+    return { 0, 0, static_cast<int>(size[0]), static_cast<int>(size[1]) };
+  }
+  const auto first = firstNode(picture.lattice, *options.judged);
+  return { static_cast<int>(first[0]), static_cast<int>(first[1]), static_cast<int>(options.judged->size[0]),
+    static_cast<int>(options.judged->size[1]) };
+}
+
+void markGaps(const Evidence& evidence, const cv::Rect& part, Segmentation& result)
+{
+  const auto& doubts = result.report.doubts;
+  if (std::any_of(doubts.begin(), doubts.end(), [](const Remark& r) { return r.doubt == Doubt::Gaps; }))
+  {
+    for (const cv::Rect& box : evidence.gapBoxes)
+    {
+      const cv::Rect at = box + part.tl();
+      result.marks.push_back({ Mark::Kind::Gap, at.x, at.y, at.x + at.width, at.y + at.height });
+    }
+  }
+}
+
 } // namespace
+
+std::vector<std::string> SegmentReport::doubtNames() const
+{
+  std::vector<std::string> names;
+  for (const Remark& remark : doubts)
+  {
+    names.push_back(name(remark.doubt));
+  }
+  return names;
+}
 
 std::vector<std::string> SegmentReport::lines() const
 {
@@ -309,7 +374,7 @@ std::vector<std::string> SegmentReport::lines() const
   }
   if (rays > 0)
   {
-    text.push_back(fmt::format("rays: {} gaps taken for wall, {} pixels", rays, rayNodes));
+    text.push_back(fmt::format("{}: {} gaps taken for wall, {} pixels", cells ? "rays" : "slender", rays, rayNodes));
   }
   if (graphicsShare > 0)
   {
@@ -318,8 +383,9 @@ std::vector<std::string> SegmentReport::lines() const
   text.push_back(fmt::format("result: {} lumens, {:.2f} % of the picture", lumens, 100 * lumenFraction));
   if (vesselsFound)
   {
-    text.push_back(fmt::format(
-      "vessels: {} lumens longer than {:.1f} pixels", vessels, std::sqrt(vesselSize * 4 / std::numbers::pi)));
+    text.push_back(fmt::format("{} longer than {:.1f} pixels",
+      cells ? fmt::format("vessels: {} lumens", vessels) : fmt::format("large pores: {}", vessels),
+      std::sqrt(vesselSize * 4 / std::numbers::pi)));
   }
   return text;
 }
@@ -365,6 +431,12 @@ Segmentation segment(const Picture& picture, const SegmentOptions& options)
     growBy(lumen, options.grow);
   }
   describe(lumen, result);
+  const cv::Rect part = judgedPart(picture, options);
+  const Evidence evidence =
+    gather(lumen(part), stain.grey(part), found.bright(part), report.noise, report.smallestLumen);
+  report.cells = looksLikeCells(evidence, report);
+  report.doubts = doubtsOf(evidence, report, options, picture);
+  markGaps(evidence, part, result);
   warn(graphics, result);
 
   result.image.lattice = picture.lattice;

@@ -37,6 +37,8 @@ struct SegmentOptions
   double raySlenderness =
     3;             ///< gaps in rays are so many times longer than wide, and than their neighbours (Rays.h); 0: kept
   double grow = 0; ///< moves the outlines outwards by so many pixels besides (inwards if negative)
+  /// The part that will be kept: what lies outside it is not warned of. The whole picture is segmented all the same.
+  std::optional<Window> judged;
 };
 
 /// What segment() did.
@@ -50,7 +52,7 @@ struct SegmentReport
   double noise = 0;        ///< standard deviation of the noise, over the contrast between lumen and wall
   double smoothing = 0;    ///< [pixels]
   double threshold = 0;    ///< on the flattened grey, 0 … 255
-  double separability = 0; ///< between-class over total variance at the threshold, 0 … 1; below 0.7 look twice
+  double separability = 0; ///< between-class over total variance at the threshold, 0 … 1; below 0.75 look twice
   std::int64_t smallestLumen = 0;
   std::int64_t smallestWall = 0;
   std::int64_t lumensRemoved = 0; ///< specks
@@ -71,7 +73,10 @@ struct SegmentReport
   double vesselSeparability = 0; ///< Ashman's D
   std::int64_t lumens = 0;       ///< left, connected through faces
   double lumenFraction = 0;
+  bool cells = true;          ///< the lumens look like a tissue's cells: else they are called pores, not vessels
+  std::vector<Remark> doubts; ///< what may be wrong with it, the gravest first; `Segmentation::warnings` hold them too
 
+  [[nodiscard]] std::vector<std::string> doubtNames() const;
   /// A line for each step, for people.
   [[nodiscard]] std::vector<std::string> lines() const;
 };
@@ -104,6 +109,10 @@ struct Segmentation
 /// 10. vessels and fibres are told apart by the circle over their longest diameter (LumenClasses.h), from lumens that
 /// are
 ///     whole and less than three times as long as wide.
+///
+/// Then it is asked whether the result can be right (Evidence.h, Doubts.h); what speaks against it is a doubt and a
+/// warning. A grey with three classes or more (GreyClasses.h), which two hold badly, is not flattened, and split in the
+/// valley between two classes that is nearest to Otsu's threshold.
 ///
 /// On the conifer scan that the tests use the lumens agree with an expert's to an intersection over union of 0.957 (a
 /// threshold alone 0.88 to 0.89), with 241 lumens of at least 100 pixels where the expert has 236.

@@ -243,7 +243,9 @@ PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
   if (options.segment)
   {
     // The whole scan, for the light and the threshold; the window is cut afterwards.
-    micrograph::Segmentation found = micrograph::segment(picture, *options.segment);
+    micrograph::SegmentOptions how = *options.segment;
+    how.judged = options.window;
+    micrograph::Segmentation found = micrograph::segment(picture, how);
     result.warnings.insert(result.warnings.end(), found.warnings.begin(), found.warnings.end());
     result.image = options.window ? crop(found.image, *options.window) : std::move(found.image);
     if (options.refine != 1)

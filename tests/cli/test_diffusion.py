@@ -327,6 +327,22 @@ class Segments(Case):
         # The disks' own area; the border of a disk is half a pixel uncertain, 3 % of it.
         self.assertAlmostEqual(shares["lumen"], math.pi * 13 * 13 / 1600, delta=0.03)
         self.assertEqual(answer["segmentation"]["lumens"], 12)
+        self.assertEqual((answer["segmentation"]["cells"], answer["segmentation"]["doubts"]), (True, []))
+
+    def test_what_may_be_wrong_is_told(self):
+        # Void, matrix and fibres, of which two phases can hold two.
+        def grey(x, y):
+            if math.hypot(x % 80 - 40, y % 80 - 40) < 24:
+                return 30
+            return 210 if math.hypot(x % 20 - 10, y % 20 - 10) < 6 else 120
+
+        self.write("slice.png", pictures.png([[grey(x, y) + (x * 7 + y * 13) % 9 for x in range(160)] for y in range(160)]))
+        result = self.run_lamella("diffusion", "slice.png", "--segment", *CONDUCTIVITIES, "--json")
+        self.assertEqual(result.code, 0, result.err)
+        answer = result.json()
+        self.assertIn("greys", answer["segmentation"]["doubts"])
+        told = next(text for text in answer["warnings"] if "3 classes of greys" in text)
+        self.assertIn("warning: " + told, result.err)
 
 
 if __name__ == "__main__":

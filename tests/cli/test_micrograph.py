@@ -29,6 +29,99 @@ def size_of(path):
         return struct.unpack(">II", file.read(24)[16:24])
 
 
+def drawn(width, height, grey):
+    """A grey picture of a function of the place, with a lens of 3 x 3 pixels and a little noise."""
+    sharp = [[grey(x, y) for x in range(width)] for y in range(height)]
+    rows = []
+    for y in range(height):
+        row = []
+        for x in range(width):
+            around = [
+                sharp[min(max(y + j, 0), height - 1)][min(max(x + i, 0), width - 1)] for j in (-1, 0, 1) for i in (-1, 0, 1)
+            ]
+            row.append(round(sum(around) / 9) + (x * 7 + y * 13) % 5)
+        rows.append(row)
+    return pictures.png(rows)
+
+
+def cell(x, y, pitch, wall):
+    """Number of the square cell, and whether the place is in its lumen."""
+    inside = wall <= x % pitch < pitch and wall <= y % pitch < pitch
+    return x // pitch * 31 + y // pitch * 17, inside
+
+
+class Doubts(Case):
+    """What a threshold gets wrong is told on standard error and in JSON."""
+
+    def doubts(self, picture, *options):
+        self.write("scan.png", picture)
+        result = self.run_lamella("micrograph", "scan.png", "--pixel-size", "1um", "--lamella", "none", "--json", *options)
+        self.assertEqual(result.code, 0, result.err)
+        answer = result.json()
+        for warning in answer["warnings"]:
+            self.assertIn("warning: " + warning, result.err)
+        return answer
+
+    def test_whole_tissue_raises_none(self):
+        answer = self.doubts(drawn(200, 160, lambda x, y: 220 if cell(x, y, 20, 4)[1] else 90))
+        self.assertEqual(answer["segmentation"]["doubts"], [])
+        self.assertEqual(answer["cells"], True)
+
+    def test_cells_filled_with_stain(self):
+        def grey(x, y):
+            number, inside = cell(x, y, 20, 3)
+            return 220 if inside and number * 2654435761 % 2**32 < 2**31 else 90  # as chance has it
+
+        answer = self.doubts(drawn(200, 160, grey))
+        self.assertIn("filled", answer["segmentation"]["doubts"])
+
+    def test_three_phases(self):
+        def grey(x, y):
+            if math.hypot(x % 80 - 40, y % 80 - 40) < 24:
+                return 30
+            return 210 if math.hypot(x % 20 - 10, y % 20 - 10) < 6 else 120
+
+        answer = self.doubts(drawn(240, 160, grey))
+        self.assertIn("greys", answer["segmentation"]["doubts"])
+        told = next(text for text in answer["warnings"] if "3 classes of greys" in text)
+        self.assertIn("--threshold", told)
+        self.assertIn("--phase", told)
+
+    def test_lumens_of_three_pixels(self):
+        def grey(x, y):
+            if y % 80 < 30:  # a row of vessels above fibres
+                return 220 if math.hypot(x % 40 - 20, y % 80 - 15) < 12 else 90
+            return 220 if x % 6 < 3 and y % 6 < 3 else 90
+
+        answer = self.doubts(drawn(240, 160, grey))
+        self.assertIn("resolution", answer["segmentation"]["doubts"])
+
+    def test_slide_beside_the_tissue(self):
+        def grey(x, y):
+            return 220 if x < 80 or cell(x, y, 20, 4)[1] else 90
+
+        picture = drawn(240, 160, grey)
+        answer = self.doubts(picture)
+        self.assertIn("gaps", answer["segmentation"]["doubts"])
+        self.assertIsNone(answer["vessels"])
+        # What is cut away is not warned of.
+        self.assertEqual(self.doubts(picture, "--window", "90,0,150,160")["segmentation"]["doubts"], [])
+
+    def test_grains_that_touch(self):
+        def grey(x, y):
+            # Bars of unlike length, shifted from row to row, that meet every other one.
+            row = y // 26
+            along = (x + 37 * row) % 61
+            pore = y % 26 < 3 and (x // 9 + row) % 3 or along < 4 and (y // 9) % 3 and row % 2
+            return 70 if pore else 225
+
+        answer = self.doubts(drawn(240, 160, grey))
+        self.assertIn("side", answer["segmentation"]["doubts"])
+        self.assertTrue(any("--lumen dark" in text for text in answer["warnings"]))
+        self.assertEqual(answer["cells"], False)
+        self.assertNotIn("side", self.doubts(drawn(240, 160, grey), "--lumen", "dark")["segmentation"]["doubts"])
+
+
 class Micrograph(Case):
     def polygons(self, name="cells.json", lumens=None, **more):
         text = json.dumps({"units": "um", "lumens": honeycomb() if lumens is None else lumens, **more})

@@ -5,13 +5,15 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import warnings
 
 import lamella
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPolyData
 from vtkmodules.vtkIOHDF import vtkHDFReader
+from vtkmodules.vtkIOImage import vtkPNGWriter
 
 PROGRAM = os.environ.get("LAMELLA_PROGRAM", os.path.join(os.path.dirname(__file__), "../../build/bin/lamella"))
 REAL_DATA = os.environ.get("LAMELLA_REAL_DATA", "")
@@ -132,6 +134,25 @@ class Samples(unittest.TestCase):
             back = lamella.Sample(reader.GetOutputDataObject(0))
         np.testing.assert_array_equal(back.phase, sample.phase)
         self.assertEqual(back.vtk.GetSpacing(), sample.vtk.GetSpacing())
+
+    def test_what_a_segmentation_doubts_is_a_warning(self):
+        # Square cells, and slide as bright as their lumens beside them.
+        y, x = np.mgrid[0:160, 0:240]
+        bright = (x < 80) | ((x % 20 >= 4) & (y % 20 >= 4))
+        image = vtkImageData()
+        image.SetDimensions(240, 160, 1)
+        image.GetPointData().SetScalars(numpy_to_vtk(np.where(bright, 220, 90).astype(np.uint8).ravel(), deep=True))
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "scan.png")
+            writer = vtkPNGWriter()
+            writer.SetFileName(path)
+            writer.SetInputData(image)
+            writer.Write()
+            with self.assertWarnsRegex(UserWarning, "slide beside the tissue"):
+                lamella.read_picture(path, segment=True, pixel_size=1e-6)
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                lamella.read_picture(path, segment=True, pixel_size=1e-6, window=(90, 0, 150, 160))
 
     @unittest.skipUnless(REAL_DATA, "set LAMELLA_REAL_DATA to the folder of real pictures")
     def test_real_picture(self):

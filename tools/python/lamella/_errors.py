@@ -25,10 +25,22 @@ class Cancelled(LamellaError):
 
 def _parse(text):
     """What vtkErrorMacro was given, without VTK's own words around it."""
-    text = re.sub(r"^ERROR: In .*?, line \d+\n", "", text.strip())
+    text = re.sub(r"^(ERROR|Warning): In .*?, line \d+\n", "", text.strip())
     text = re.sub(r"^vtk\w+ \(0x[0-9a-f]+\): ", "", text)
     message, _, hint = text.partition("\nhint: ")
     return message.strip(), hint.strip()
+
+
+def collect_warnings(algorithm):
+    """A list that fills with what an algorithm warns of while it runs, which is not printed then."""
+    texts = []
+
+    def on_warning(_caller, _event, text):
+        texts.append(_parse(text)[0])
+
+    on_warning.CallDataType = "string0"
+    algorithm.AddObserver("WarningEvent", on_warning)
+    return texts
 
 
 def choose(table, value, what):

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+import warnings
 
 import numpy as np
 from vtkmodules.vtkCommonCore import vtkStringArray
 from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
 from . import _arrays, _files
-from ._errors import LamellaError, choose, entries, run
+from ._errors import LamellaError, choose, collect_warnings, entries, run
 from ._types import Any, Array, ArrayLike, Mapping, Path, Sequence
 from .vtkLamellaSolversVTK import vtkMicrostructureSource, vtkPictureReader, vtkVTKHDFWriter
 
@@ -143,6 +144,8 @@ def read_picture(
     threshold   with segment: grey between lumen and wall once the light is even, 0 to 255; None: found
     array       .vti files: which array; the other point arrays come along (with refine only grain and axis)
     raw_size, raw_bits, raw_header   raw volumes: (nx, ny, nz), 8 or 16, bytes to skip
+
+    What is doubtful about the file, or about what segmenting made of it, is a Python warning.
     """
     reader = vtkPictureReader()
     reader.SetFileName(os.fspath(path))
@@ -174,7 +177,11 @@ def read_picture(
     if raw_bits is not None:
         reader.SetRawBits(raw_bits)
     reader.SetRawHeader(raw_header)
-    return _sample(reader)
+    doubts = collect_warnings(reader)
+    sample = _sample(reader)
+    for doubt in doubts:
+        warnings.warn(doubt, stacklevel=2)
+    return sample
 
 
 def from_array(
