@@ -47,6 +47,7 @@ struct Choice
   std::vector<int> sizes;  ///< nodes across outlines
   std::vector<int> pixels; ///< across masks
   std::uint64_t seed = 1;  ///< the first of everything random
+  double doubt = micrograph::segmentDoubt;
 };
 
 Choice choiceOf(const Keys& keys)
@@ -146,13 +147,14 @@ private:
 };
 
 std::vector<ContourAnswer> solve(const ContourSet& set, double spacing, double lumen, const std::vector<int>& axes,
-  const std::vector<micrograph::CoarserOutlines>& coarser = {})
+  const std::vector<micrograph::CoarserOutlines>& coarser = {}, const ContourSet& moved = {})
 {
   ContourStudyOptions options;
   options.spacing = spacing;
   options.axes = axes;
   options.conductivity = { lumen, 1 };
   options.coarser = coarser;
+  options.moved = moved;
   return lbm::studyContours(set, options, MPI_COMM_SELF);
 }
 
@@ -267,7 +269,7 @@ void outlines(Judge& judge, const Choice& choice)
                                          : test::squareArrayOfDisks(fraction, lumen, 60);
           for (const ContourAnswer& a :
             solve(set, 1.0 / size, lumen, hexagonal ? std::vector<int>{ 0, 1 } : std::vector<int>{ 0 }))
-            judge.take(hexagonal ? "outlines, hexagonal disks" : "outlines, square disks",
+            judge.take(hexagonal ? "outlines: hexagonal disks" : "outlines: square disks",
               fmt::format("fraction {}", fraction), lumen, size, truth, a);
         }
   std::vector<Named> sets = tissues(choice.seed);
@@ -279,21 +281,22 @@ void outlines(Judge& judge, const Choice& choice)
       const auto truth = truthOf(sets[i].set, lumen, 480);
       for (const int size : { choice.unseen ? 49 : 40, choice.unseen ? 70 : 64, choice.unseen ? 125 : 128 })
         for (const ContourAnswer& a : solve(sets[i].set, sets[i].set.size[0] / size, lumen, { 0, 1 }))
-          judge.take(i < 3 ? "outlines, tissues" : "outlines, random polygons", sets[i].name, lumen, size,
+          judge.take(i < 3 ? "outlines: tissues" : "outlines: random polygons", sets[i].name, lumen, size,
             truth[static_cast<std::size_t>(a.axis)], a);
     }
 }
 
 /// What a picture of it is judged by.
 void picture(Judge& judge, const std::string& group, const std::string& name, const PhaseImage& mask,
-  std::span<const float> level, const std::map<double, std::array<double, 2>>& truths)
+  std::span<const float> level, const std::map<double, std::array<double, 2>>& truths, double doubt = 0)
 {
   try
   {
     const ContourSet set = micrograph::extractContours(mask, 0, level).contours;
     const auto coarser = micrograph::coarserOutlines(mask, 0, level);
+    const ContourSet moved = doubt > 0 ? micrograph::movedOutlines(set, doubt * mask.lattice.spacing) : ContourSet{};
     for (const auto& [lumen, truth] : truths)
-      for (const ContourAnswer& a : solve(set, mask.lattice.spacing, lumen, { 0, 1 }, coarser))
+      for (const ContourAnswer& a : solve(set, mask.lattice.spacing, lumen, { 0, 1 }, coarser, moved))
         judge.take(
           group, name, lumen, static_cast<int>(mask.lattice.size[0]), truth[static_cast<std::size_t>(a.axis)], a);
   }
@@ -333,10 +336,10 @@ void masks(Judge& judge, const Choice& choice)
       make.grain = false;
       const micrograph::ContourLattice drawn = micrograph::contourLattice(set, make);
       PhaseImage mask = drawn.image;
-      picture(judge, "masks by centres, " + s.group, s.sample.name, mask, {}, truths);
+      picture(judge, "masks by centres: " + s.group, s.sample.name, mask, {}, truths);
       for (std::size_t i = 0; i < mask.phase.size(); ++i)
         mask.phase[i] = drawn.lumenShare[i] >= 0.5F ? 0 : 1;
-      picture(judge, "masks by half areas, " + s.group, s.sample.name, mask, {}, truths);
+      picture(judge, "masks by half areas: " + s.group, s.sample.name, mask, {}, truths);
       if (pixels != choice.pixels[1] && pixels != choice.pixels[3])
         continue;
       const std::vector<float> level = micrograph::levelOfShares(mask.lattice, drawn.lumenShare);
@@ -371,8 +374,8 @@ void scans(Judge& judge, const Choice& choice)
           look.stain = stain;
           look.seed = seed;
           const auto parts = micrograph::segment(generators::makeLook(image, n, look));
-          picture(judge, fmt::format("scans, pixels of {:g} µm", 1e6 * pixel), hard ? "hardwood" : "softwood",
-            parts.image, {}, truths);
+          picture(judge, fmt::format("scans: pixels of {:g} µm", 1e6 * pixel), hard ? "hardwood" : "softwood",
+            parts.image, {}, truths, choice.doubt);
         }
       }
 }
@@ -384,7 +387,8 @@ int main(int argc, char** argv)
   return runWith(argc, argv,
     [](const Keys& keys)
     {
-      const Choice choice = choiceOf(keys);
+      Choice choice = choiceOf(keys);
+      choice.doubt = number(keys, "doubt", choice.doubt);
       Judge judge(keys);
       const double start = cpu();
       runStudies(keys,

@@ -113,6 +113,7 @@ public:
     outputs_.commit();
     report_.seconds = secondsSince(start);
     session_.print(options_.common.json ? toJson(report_) : options_.common.quiet ? "" : toTable(report_));
+    judgeTarget();
   }
 
 private:
@@ -249,8 +250,8 @@ private:
       throw ParameterError("--conductivity of a lamella, and this picture has none", "leave it out");
     }
     report_.conductivity = plan_.conductivities->named;
-    MicrographProblem problem{ source_.contours, *plan_.conductivities, {}, *report_.spacing, plan_.targetError,
-      plan_.axes, options_.threads };
+    MicrographProblem problem{ source_.contours, *plan_.conductivities, {}, source_.doubt, *report_.spacing,
+      plan_.targetError, plan_.axes, options_.threads };
     if (source_.coarser)
     {
       problem.coarser = source_.coarser();
@@ -267,17 +268,39 @@ private:
                          "pixel have no lumens or no walls",
           answer.axis == 0 ? 'x' : 'y'));
       }
-      else if (plan_.targetError > 0 && !(answer.error <= plan_.targetError))
-      {
-        warn(fmt::format("the error bar along {} is {:.2g} % of the value, and {:.2g} % was asked for: {}",
-          answer.axis == 0 ? 'x' : 'y', 100 * answer.error, 100 * plan_.targetError,
-          answer.pictureError < plan_.targetError
-            ? fmt::format("the next lattice, of {} nodes, would take more than half of the memory that is free",
-                grouped(4 * answer.fine.nodes))
-            : fmt::format(
-                "{:.2g} % is the picture's, which only a finer picture can lower", 100 * answer.pictureError)));
-      }
     }
+  }
+
+  /// Says why a target was not reached, after all that was has been printed.
+  void judgeTarget()
+  {
+    if (plan_.targetError == 0)
+    {
+      return;
+    }
+    // One whose error is not known before all others.
+    const auto worst = std::max_element(report_.answers.begin(), report_.answers.end(),
+      [](const lbm::ContourAnswer& a, const lbm::ContourAnswer& b)
+      { return std::isfinite(a.error) && !(b.error <= a.error); });
+    if (worst->error <= plan_.targetError)
+    {
+      return;
+    }
+    const char axis = worst->axis == 0 ? 'x' : 'y';
+    const std::string asked = fmt::format("an error of {:.2g} % was asked for, and ", 100 * plan_.targetError);
+    if (!std::isfinite(worst->error))
+    {
+      session_.fallShort(asked + fmt::format("that of the picture along {} is not known", axis),
+        "take a picture of smaller pixels, or outlines as vectors");
+      return;
+    }
+    session_.fallShort(asked + fmt::format("{:.2g} % along {} was reached", 100 * worst->error, axis),
+      worst->pictureError >= plan_.targetError
+        ? fmt::format("{:.2g} % of it is the picture's: only smaller pixels or outlines as vectors lower that",
+            100 * worst->pictureError)
+        : fmt::format("the next lattice, of {} nodes, would take more than half of the free memory: use a part of the "
+                      "picture with --window, or a machine with more",
+            grouped(4 * worst->fine.nodes)));
   }
 
   void write()

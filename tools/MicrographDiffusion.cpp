@@ -96,6 +96,10 @@ std::vector<lbm::ContourAnswer> solveMicrograph(
   study.conductivity = problem.conductivities.values;
   study.steady.threads = problem.threads;
   study.coarser = problem.coarser;
+  if (problem.doubt > 0)
+  {
+    study.moved = micrograph::movedOutlines(problem.contours, problem.doubt);
+  }
   const Lattice lattice = micrograph::fitContours(problem.contours, problem.spacing, 2).lattice;
   // The solver, its links, the lattice and what its outlines cut; directions where there is a lamella.
   const auto nodes = static_cast<double>(lattice.count());
@@ -134,7 +138,7 @@ std::vector<lbm::ContourAnswer> solveMicrograph(
     double before = 0;
   };
   auto state = std::make_shared<State>();
-  std::size_t others = 2;
+  std::size_t others = problem.doubt > 0 ? 3 : 2;
   for (const micrograph::CoarserOutlines& outlines : problem.coarser)
   {
     others += outlines.sets.size();

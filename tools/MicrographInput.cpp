@@ -241,6 +241,7 @@ Micrograph segmentScan(const MicrographOptions& options, PictureFile file)
   }
   found.marks = marksIn(std::move(parts.marks), first, picture.lattice);
   extract(found, std::make_shared<PhaseImage>(std::move(parts.image)), 0, options);
+  found.doubt = micrograph::segmentDoubt * found.pixel;
   found.scan = std::move(picture);
   return found;
 }

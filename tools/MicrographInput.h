@@ -41,6 +41,7 @@ struct Micrograph
   std::optional<micrograph::ExtractReport> extraction;
   /// Of pictures: outlines from coarser pictures of the same material.
   std::function<std::vector<micrograph::CoarserOutlines>()> coarser;
+  double doubt = 0;       ///< about where the walls of a segmented scan begin [m]
   std::string provenance; ///< of the file
   std::vector<std::string> warnings;
 };

@@ -244,6 +244,10 @@ std::string toJson(const MicrographReport& report)
       {
         axis["steps"].push_back(jsonOf(step));
       }
+      if (m.kind == MicrographKind::Scan)
+      {
+        axis["segmentation_doubt"] = std::abs(a.moved);
+      }
       for (const lbm::CoarserValues& c : a.coarser)
       {
         axis["coarser_pictures"].push_back({ { "stride", c.stride }, { "values", c.values } });

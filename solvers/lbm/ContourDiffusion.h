@@ -73,6 +73,7 @@ struct ContourAnswer
   double error = 0;                   ///< the root of the sum of both squares; NaN as the picture's
   std::vector<ContourStep> steps;     ///< all lattices, the coarsest first; `coarse` and `fine` are the last two
   std::vector<CoarserValues> coarser; ///< of the outlines from coarser pictures, on the first coarse lattice
+  double moved = 0;                   ///< of `moved` outlines, relative to those as they are; 0 where there are none
   double seconds = 0;                 ///< wall, of all lattices, coarser pictures included
   SteadyResult result;
 };
@@ -102,6 +103,9 @@ struct ContourStudyOptions
   /// Outlines of the same material from coarser pictures, for the picture's error; empty: the outlines are taken as
   /// they are.
   std::vector<micrograph::CoarserOutlines> coarser;
+  /// The outlines moved by as much as is in doubt about where walls begin (micrograph::movedOutlines()), of a picture
+  /// that was segmented: what it changes is added, squared, to the picture's error. Empty: no doubt.
+  micrograph::ContourSet moved;
 };
 
 /// Effective conductivity of the whole of a picture of outlines, at a spacing, twice and four times that, and what

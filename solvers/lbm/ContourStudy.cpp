@@ -164,6 +164,15 @@ private:
     }
     for (ContourAnswer& answer : answers_)
       answer.pictureError = options_.coarser.empty() ? 0 : outlineError(answer.fine.value, answer.coarser);
+    if (options_.moved.contours.empty())
+      return;
+    const std::vector<Solved> solved = solveOn(options_.moved, -1);
+    for (std::size_t i = 0; i < solved.size(); ++i)
+    {
+      ContourAnswer& answer = answers_[i];
+      answer.moved = solved[i].step.value / answer.fine.value - 1;
+      answer.pictureError = std::sqrt(answer.pictureError * answer.pictureError + answer.moved * answer.moved);
+    }
   }
 
   void judge(ContourAnswer& answer) const
