@@ -22,8 +22,8 @@ struct CoarserOutlines
 [[nodiscard]] std::vector<CoarserOutlines> coarserOutlines(
   const PhaseImage& image, std::uint8_t lumen, std::span<const float> level = {}, const ExtractOptions& options = {});
 
-/// How far the outlines of a segmented scan lie from where the walls begin, twice the standard deviation [pixels];
-/// docs/benchmarks/contours.md.
+/// How far the outlines of a segmented scan may lie from where the walls begin [pixels]: with it the error bars of
+/// generated scans hold (docs/benchmarks/contours.md).
 constexpr double segmentDoubt = 0.1;
 
 /// Outlines with every lumen's boundary moved into the wall by a distance, for what a doubt about where walls begin
