@@ -21,6 +21,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 
@@ -112,6 +113,7 @@ public:
     outputs_.commit();
     report_.seconds = secondsSince(start);
     session_.print(options_.common.json ? toJson(report_) : options_.common.quiet ? "" : toTable(report_));
+    judgeTarget();
   }
 
 private:
@@ -138,11 +140,10 @@ private:
     report_.thickness = micrograph::wallThickness(source_.contours);
   }
 
-  micrograph::ContourLattice latticeOf(double spacing, int multiple) const
+  micrograph::ContourLattice latticeOf(double spacing) const
   {
     micrograph::ContourLatticeOptions make;
     make.spacing = spacing;
-    make.multiple = multiple;
     make.lines = 0;
     return micrograph::contourLattice(source_.contours, make);
   }
@@ -151,7 +152,7 @@ private:
   {
     const double spacing = spacingOf(plan_, source_, report_.thickness);
     requireMemory(source_.contours, spacing, !options_.output.empty());
-    made_.lattice = latticeOf(spacing, 1);
+    made_.lattice = latticeOf(spacing);
     for (const std::string& warning : made_.lattice.warnings)
     {
       warn(warning);
@@ -224,25 +225,21 @@ private:
   }
 
   /// The lamella on one of the solver's lattices.
-  void givePhases(micrograph::ContourLattice& lattice) const
+  void givePhases(const micrograph::FittedContours& fitted, micrograph::ContourLattice& lattice) const
   {
-    const Lattice& theirs = lattice.image.lattice;
-    int multiple = 1;
-    while (multiple < (1 << 16) &&
-      micrograph::latticeOf(source_.contours.size, theirs.spacing, multiple).size != theirs.size)
-    {
-      multiple *= 2;
-    }
-    const micrograph::ContourLattice own = latticeOf(theirs.spacing, multiple);
+    micrograph::ContourLatticeOptions make;
+    make.spacing = fitted.lattice.spacing;
+    make.lines = 0;
+    const micrograph::ContourLattice own = micrograph::contourLattice(fitted.contours, make);
     if (plan_.lamella == "labels")
     {
-      lattice.image = fromLabels(own, *source_.labels, labelled_);
+      lattice.image = fromLabels(own, *source_.labels, labelled_, fitted.stretch);
       return;
     }
     micrograph::LamellaOptions how = plan_.how;
     how.thickness = report_.lamella->thickness;
     how.radius = report_.lamella->radius;
-    const auto directions = micrograph::wallDirections(source_.contours, own);
+    const auto directions = micrograph::wallDirections(fitted.contours, own);
     lattice.image = micrograph::middleLamella(own, directions, how).image;
     Session::checkInterrupt();
   }
@@ -254,18 +251,57 @@ private:
       throw ParameterError("--conductivity of a lamella, and this picture has none", "leave it out");
     }
     report_.conductivity = plan_.conductivities->named;
-    report_.answers =
-      solveMicrograph(session_, source_.contours, *plan_.conductivities, *report_.spacing, plan_.targetError,
-        plan_.axes, options_.threads, [this](micrograph::ContourLattice& lattice) { givePhases(lattice); });
+    MicrographProblem problem{ source_.contours, *plan_.conductivities, {}, source_.doubt, *report_.spacing,
+      plan_.targetError, plan_.axes, options_.threads };
+    if (source_.coarser)
+    {
+      problem.coarser = source_.coarser();
+      Session::checkInterrupt();
+    }
+    report_.answers = solveMicrograph(session_, problem,
+      [this](const micrograph::FittedContours& fitted, micrograph::ContourLattice& lattice)
+      { givePhases(fitted, lattice); });
     for (const lbm::ContourAnswer& answer : report_.answers)
     {
-      if (plan_.targetError > 0 && !(answer.error <= plan_.targetError))
+      if (!std::isfinite(answer.pictureError))
       {
-        warn(fmt::format("the error bar along {} is {:.2g} % of the value, and {:.2g} % was asked for: memory does not "
-                         "hold the next lattice, of {} nodes",
-          answer.axis == 0 ? 'x' : 'y', 100 * answer.error, 100 * plan_.targetError, 4 * answer.fine.nodes));
+        warn(fmt::format("the error along {} that the picture's pixels leave is not known: pictures of every second "
+                         "pixel have no lumens or no walls",
+          answer.axis == 0 ? 'x' : 'y'));
       }
     }
+  }
+
+  /// Says why a target was not reached, after all that was has been printed.
+  void judgeTarget()
+  {
+    if (plan_.targetError == 0)
+    {
+      return;
+    }
+    // One whose error is not known before all others.
+    const auto worst = std::max_element(report_.answers.begin(), report_.answers.end(),
+      [](const lbm::ContourAnswer& a, const lbm::ContourAnswer& b)
+      { return std::isfinite(a.error) && !(b.error <= a.error); });
+    if (worst->error <= plan_.targetError)
+    {
+      return;
+    }
+    const char axis = worst->axis == 0 ? 'x' : 'y';
+    const std::string asked = fmt::format("an error of {:.2g} % was asked for, and ", 100 * plan_.targetError);
+    if (!std::isfinite(worst->error))
+    {
+      session_.fallShort(asked + fmt::format("that of the picture along {} is not known", axis),
+        "take a picture of smaller pixels, or outlines as vectors");
+      return;
+    }
+    session_.fallShort(asked + fmt::format("{:.2g} % along {} was reached", 100 * worst->error, axis),
+      worst->pictureError >= plan_.targetError
+        ? fmt::format("{:.2g} % of it is the picture's: only smaller pixels or outlines as vectors lower that",
+            100 * worst->pictureError)
+        : fmt::format("the next lattice, of {} nodes, would take more than half of the free memory: use a part of the "
+                      "picture with --window, or a machine with more",
+            grouped(4 * worst->fine.nodes)));
   }
 
   void write()

@@ -15,6 +15,16 @@
 namespace lamella::cli
 {
 
+namespace
+{
+
+std::string percentOf(double share)
+{
+  return fmt::format("{:.2g} %", 100 * share);
+}
+
+} // namespace
+
 Conductivities parseConductivities(const std::vector<std::string>& texts, bool hasLamella)
 {
   // Two names a phase: what people say, and what the lattice calls it.
@@ -76,41 +86,66 @@ Conductivities parseConductivities(const std::vector<std::string>& texts, bool h
   return result;
 }
 
-std::vector<lbm::ContourAnswer> solveMicrograph(Session& session, const micrograph::ContourSet& contours,
-  const Conductivities& conductivities, double spacing, double targetError, const std::vector<int>& axes, int threads,
-  const PhaseMaker& phases)
+std::vector<lbm::ContourAnswer> solveMicrograph(
+  Session& session, const MicrographProblem& problem, const PhaseMaker& phases)
 {
+  constexpr double share = 0.5; // of the memory that is free, for a target's sake
   lbm::ContourStudyOptions study;
-  study.spacing = spacing;
-  study.axes = axes;
-  study.conductivity = conductivities.values;
-  study.steady.threads = threads;
-  const Lattice lattice = micrograph::latticeOf(contours.size, spacing, 2);
+  study.spacing = problem.spacing;
+  study.axes = problem.axes;
+  study.conductivity = problem.conductivities.values;
+  study.steady.threads = problem.threads;
+  study.coarser = problem.coarser;
+  if (problem.doubt > 0)
+  {
+    study.moved = micrograph::movedOutlines(problem.contours, problem.doubt);
+  }
+  const Lattice lattice = micrograph::fitContours(problem.contours, problem.spacing, 2).lattice;
   // The solver, its links, the lattice and what its outlines cut; directions where there is a lamella.
   const auto nodes = static_cast<double>(lattice.count());
   const double bytes = static_cast<double>(lbm::estimateBytes(
                          lattice, lbm::Stencil::D2Q5, lbm::Method::AlgebraicMultigrid, lattice.count())) +
-    nodes * (16 + 9 + 30 + (conductivities.values.size() > 2 ? 60 : 0));
-  if (const auto available = static_cast<double>(availableMemory()); bytes > available)
+    nodes * (16 + 9 + 30 + (problem.conductivities.values.size() > 2 ? 60 : 0));
+  const auto available = static_cast<double>(availableMemory());
+  if (bytes > available)
   {
     throw MemoryError(fmt::format("diffusion on {} nodes takes about {}, and {} are free", sizeText(lattice.size, 2),
                         bytesText(bytes), bytesText(available)),
       "take a larger --spacing or a part of the picture with --window");
   }
-  study.targetError = targetError;
-  study.mostNodes =
-    static_cast<std::int64_t>(static_cast<double>(availableMemory()) / bytes * static_cast<double>(lattice.count()));
-  // Two lattices, the second of four times the nodes, each solved along every axis; nobody knows how many with a
-  // target, and each begins anew.
+  study.targetError = problem.targetError;
+  study.mostNodes = static_cast<std::int64_t>(share * available / bytes * nodes);
+  study.plan = [&](const lbm::ContourPlan& plan)
+  {
+    const double takes = bytes / nodes * static_cast<double>(plan.nodes);
+    const bool reaches = plan.pictureError < plan.target;
+    std::string text = fmt::format("the error bar is {}; ", percentOf(plan.error));
+    text += reaches ? percentOf(plan.target) + " takes"
+                    : fmt::format("of the {} asked for only a finer picture can reach, half of the picture's {} takes",
+                        percentOf(plan.target), percentOf(plan.pictureError));
+    text += fmt::format(" about {} nodes and {} of memory", grouped(plan.nodes), bytesText(takes));
+    if (takes > share * available)
+    {
+      text += fmt::format(", and no more than half of the {} that are free is taken", bytesText(available));
+    }
+    session.note(text);
+  };
+  // Three lattices, each of four times the nodes of the one before, and one for every coarser picture, each solved
+  // along every axis; nobody knows how many with a target, and each begins anew.
   struct State
   {
     std::size_t begun = 0;
     double before = 0;
   };
   auto state = std::make_shared<State>();
-  const double each = 1.0 / (5.0 * static_cast<double>(axes.size()));
-  const std::size_t coarse = axes.size();
-  study.steady.progress = [&session, state, each, coarse, refines = targetError > 0](double part, const char* what)
+  std::size_t others = problem.doubt > 0 ? 3 : 2;
+  for (const micrograph::CoarserOutlines& outlines : problem.coarser)
+  {
+    others += outlines.sets.size();
+  }
+  const std::size_t coarse = others * problem.axes.size();
+  const double each = 1.0 / static_cast<double>(coarse + 4 * problem.axes.size());
+  study.steady.progress = [&session, state, each, coarse, axes = problem.axes.size()](double part, const char* what)
   {
     const auto weight = [&](std::size_t solve) { return solve <= coarse ? each : 4 * each; };
     if (part <= 0 || state->begun == 0)
@@ -118,18 +153,18 @@ std::vector<lbm::ContourAnswer> solveMicrograph(Session& session, const microgra
       state->before += state->begun > 0 ? weight(state->begun) : 0;
       ++state->begun;
     }
-    if (refines)
+    if (state->begun > coarse + axes)
     {
-      const std::size_t ofThis = (state->begun - 1) % coarse;
-      return session.progress((static_cast<double>(ofThis) + part) / static_cast<double>(coarse), what);
+      const std::size_t ofThis = (state->begun - 1 - coarse) % axes;
+      return session.progress((static_cast<double>(ofThis) + part) / static_cast<double>(axes), what);
     }
     return session.progress(std::min(1.0, state->before + part * weight(state->begun)), what);
   };
-  if (conductivities.values.size() > 2)
+  if (problem.conductivities.values.size() > 2)
   {
     study.phases = phases;
   }
-  auto answers = lbm::studyContours(contours, study, MPI_COMM_SELF);
+  auto answers = lbm::studyContours(problem.contours, study, MPI_COMM_SELF);
   session.endProgress();
   return answers;
 }

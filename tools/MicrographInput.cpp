@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <set>
 
 namespace lamella::cli
@@ -138,9 +139,10 @@ std::uint8_t lumenOf(const MicrographOptions& options, const PhaseTable& phases)
     "add --lumen-phase NAME");
 }
 
-void extract(Micrograph& found, const PhaseImage& image, std::uint8_t lumen, const MicrographOptions& options,
-  std::span<const float> level = {})
+void extract(Micrograph& found, const std::shared_ptr<const PhaseImage>& picture, std::uint8_t lumen,
+  const MicrographOptions& options, std::vector<float> level = {})
 {
+  const PhaseImage& image = *picture;
   micrograph::ExtractOptions how;
   how.smooth = !options.noSmooth;
   how.wavelength = options.wavelength;
@@ -154,6 +156,8 @@ void extract(Micrograph& found, const PhaseImage& image, std::uint8_t lumen, con
   found.warnings.insert(found.warnings.end(), result.warnings.begin(), result.warnings.end());
   found.pixel = image.lattice.spacing;
   found.size = image.lattice.size;
+  found.coarser = [picture, lumen, how, level = std::move(level)]
+  { return micrograph::coarserOutlines(*picture, lumen, level, how); };
 }
 
 Micrograph loadGrey(const MicrographOptions& options)
@@ -173,7 +177,7 @@ Micrograph loadGrey(const MicrographOptions& options)
   found.pixelSizeSource = std::move(grey.pixelSizeSource);
   found.provenance = std::move(grey.provenance);
   found.warnings = std::move(grey.warnings);
-  extract(found, grey.field.image, 0, options, grey.field.level);
+  extract(found, std::make_shared<PhaseImage>(std::move(grey.field.image)), 0, options, std::move(grey.field.level));
   found.scan = std::move(grey.picture);
   return found;
 }
@@ -190,8 +194,8 @@ Micrograph loadLabels(const MicrographOptions& options)
   found.pixelSizeSource = sample.pixelSizeSource;
   found.provenance = sample.provenance;
   found.warnings = sample.warnings;
-  extract(found, sample.image, lumenOf(options, sample.image.phases), options);
-  found.labels = std::move(sample.image);
+  found.labels = std::make_shared<PhaseImage>(std::move(sample.image));
+  extract(found, found.labels, lumenOf(options, found.labels->phases), options);
   return found;
 }
 
@@ -237,7 +241,8 @@ Micrograph segmentScan(const MicrographOptions& options, PictureFile file)
     micrograph::crop(picture, *window);
   }
   found.marks = marksIn(std::move(parts.marks), first, picture.lattice);
-  extract(found, parts.image, 0, options);
+  extract(found, std::make_shared<PhaseImage>(std::move(parts.image)), 0, options);
+  found.doubt = micrograph::segmentDoubt * found.pixel;
   found.scan = std::move(picture);
   return found;
 }

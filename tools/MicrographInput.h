@@ -2,11 +2,14 @@
 
 #include "MicrographOptions.h"
 
+#include "micrograph/CoarserOutlines.h"
 #include "micrograph/Contour.h"
 #include "micrograph/ContourExtraction.h"
 #include "micrograph/Picture.h"
 #include "micrograph/Segmentation.h"
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,10 +35,13 @@ struct Micrograph
   std::array<std::int64_t, 3> size{}; ///< pixels, after the window
   double unit = 0;                    ///< of polygons [m]
   std::optional<micrograph::Picture> scan;
-  std::optional<PhaseImage> labels;
+  std::shared_ptr<const PhaseImage> labels;
   std::optional<micrograph::SegmentReport> segmentation;
   std::vector<micrograph::Mark> marks; ///< in pixels of the window
   std::optional<micrograph::ExtractReport> extraction;
+  /// Of pictures: outlines from coarser pictures of the same material.
+  std::function<std::vector<micrograph::CoarserOutlines>()> coarser;
+  double doubt = 0;       ///< about where the walls of a segmented scan begin [m]
   std::string provenance; ///< of the file
   std::vector<std::string> warnings;
 };

@@ -32,7 +32,8 @@ std::uint8_t labelledLamella(const MicrographCommandOptions& o, const PhaseTable
     "add --lamella-phase NAME, or choose --lamella growth");
 }
 
-PhaseImage fromLabels(const micrograph::ContourLattice& lattice, const PhaseImage& labels, std::uint8_t lamella)
+PhaseImage fromLabels(
+  const micrograph::ContourLattice& lattice, const PhaseImage& labels, std::uint8_t lamella, double stretch)
 {
   PhaseImage image = lattice.image;
   image.phases = PhaseTable({ "void", "secondary wall", "middle lamella" });
@@ -40,7 +41,7 @@ PhaseImage fromLabels(const micrograph::ContourLattice& lattice, const PhaseImag
   const Lattice& from = labels.lattice;
   const auto pixel = [&](std::int64_t i, int axis)
   {
-    const double at = (static_cast<double>(i) + 0.5) * to.spacing / from.spacing;
+    const double at = (static_cast<double>(i) + 0.5) * to.spacing / from.spacing / (axis == 1 ? stretch : 1);
     return std::min(static_cast<std::int64_t>(at), from.size[static_cast<std::size_t>(axis)] - 1);
   };
   for (std::int64_t y = 0; y < to.size[1]; ++y)

@@ -15,8 +15,9 @@ namespace lamella::cli
 [[nodiscard]] std::uint8_t labelledLamella(const MicrographCommandOptions& o, const PhaseTable& phases);
 
 /// Wall nodes that lie in a pixel labelled lamella become that.
+/// @param stretch of the lattice's lengths along y (micrograph::FittedContours)
 [[nodiscard]] PhaseImage fromLabels(
-  const micrograph::ContourLattice& lattice, const PhaseImage& labels, std::uint8_t lamella);
+  const micrograph::ContourLattice& lattice, const PhaseImage& labels, std::uint8_t lamella, double stretch = 1);
 
 /// Share of the wall's nodes.
 [[nodiscard]] double lamellaShare(const PhaseImage& image);

@@ -94,12 +94,6 @@ Json jsonOf(const lbm::ContourStep& step)
     { "iterations", step.iterations }, { "seconds", step.seconds } };
 }
 
-double secondsOf(const lbm::ContourAnswer& answer)
-{
-  return std::accumulate(answer.steps.begin(), answer.steps.end(), 0.0,
-    [](double sum, const lbm::ContourStep& step) { return sum + step.seconds; });
-}
-
 std::string micrometres(double metres)
 {
   return fmt::format("{:.4g} µm", 1e6 * metres);
@@ -108,6 +102,21 @@ std::string micrometres(double metres)
 std::string percent(double share)
 {
   return fmt::format("{:.2f} %", 100 * share);
+}
+
+/// The error bar and its parts.
+std::string errorText(const lbm::ContourAnswer& a, bool picture)
+{
+  if (!picture)
+  {
+    return fmt::format("{:.2g} ({:.2g} % lattice; outlines as given)", a.error * a.value, 100 * a.error);
+  }
+  if (!std::isfinite(a.pictureError))
+  {
+    return fmt::format("unknown ({:.2g} % lattice, picture unknown)", 100 * a.latticeError);
+  }
+  return fmt::format("{:.2g} ({:.2g} %: {:.2g} % lattice, {:.2g} % picture)", a.error * a.value, 100 * a.error,
+    100 * a.latticeError, 100 * a.pictureError);
 }
 
 } // namespace
@@ -241,11 +250,22 @@ std::string toJson(const MicrographReport& report)
     for (const lbm::ContourAnswer& a : report.answers)
     {
       diffusion["axes"][axisNames[static_cast<std::size_t>(a.axis)]] = { { "value", a.value },
-        { "error", a.error * a.value }, { "relative_error", a.error }, { "fine", jsonOf(a.fine) },
-        { "coarse", jsonOf(a.coarse) }, { "balance", a.result.balance }, { "seconds", secondsOf(a) } };
+        { "error", jsonNumber(a.error * a.value) }, { "relative_error", jsonNumber(a.error) },
+        { "lattice_error", a.latticeError }, { "picture_error", jsonNumber(a.pictureError) },
+        { "fine", jsonOf(a.fine) }, { "coarse", jsonOf(a.coarse) }, { "balance", a.result.balance },
+        { "seconds", a.seconds } };
+      Json& axis = diffusion["axes"][axisNames[static_cast<std::size_t>(a.axis)]];
       for (const lbm::ContourStep& step : a.steps)
       {
-        diffusion["axes"][axisNames[static_cast<std::size_t>(a.axis)]]["steps"].push_back(jsonOf(step));
+        axis["steps"].push_back(jsonOf(step));
+      }
+      if (m.kind == MicrographKind::Scan)
+      {
+        axis["segmentation_doubt"] = std::abs(a.moved);
+      }
+      for (const lbm::CoarserValues& c : a.coarser)
+      {
+        axis["coarser_pictures"].push_back({ { "stride", c.stride }, { "values", c.values } });
       }
     }
   }
@@ -306,8 +326,10 @@ std::string toTable(const MicrographReport& report)
   if (report.spacing)
   {
     line("lattice",
-      fmt::format("{} nodes of {}, {} in walls, {:.3g} across them (median)", sizeText(report.size, 2),
-        micrometres(*report.spacing), grouped(report.wallNodes), report.thickness.median / *report.spacing));
+      fmt::format("{} nodes of {}, {} in walls, {:.3g} across them (median){}", sizeText(report.size, 2),
+        micrometres(*report.spacing), grouped(report.wallNodes), report.thickness.median / *report.spacing,
+        report.cropped > 1e-6 * *report.spacing ? fmt::format("; {} at the top cut off", micrometres(report.cropped))
+                                                : ""));
   }
   if (report.lamella)
   {
@@ -321,9 +343,9 @@ std::string toTable(const MicrographReport& report)
   for (const lbm::ContourAnswer& a : report.answers)
   {
     line(a.axis == report.answers.front().axis ? "conductivity" : "",
-      fmt::format("{}  {:.6g} ± {:.2g} ({:.2g} %), {:.6g} at {} and {:.6g} at {}, {:.2f} s",
-        axisNames[static_cast<std::size_t>(a.axis)], a.value, a.error * a.value, 100 * a.error, a.coarse.value,
-        micrometres(a.coarse.spacing), a.fine.value, micrometres(a.fine.spacing), secondsOf(a)));
+      fmt::format("{}  {:.6g} ± {}, {:.6g} at {} and {:.6g} at {}, {:.2f} s",
+        axisNames[static_cast<std::size_t>(a.axis)], a.value, errorText(a, m.pixel > 0), a.coarse.value,
+        micrometres(a.coarse.spacing), a.fine.value, micrometres(a.fine.spacing), a.seconds));
   }
   text += wroteText(report.written);
   return text;

@@ -1,6 +1,5 @@
 #include "lbm/ContourDiffusion.h"
 
-#include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "lbm/Links.h"
 
@@ -8,16 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
-#include <optional>
 
 namespace lamella::lbm
 {
 namespace
 {
-
-constexpr std::int64_t fewNodes = 4096; // of a lattice whose error bar needs a third one
 
 // The conductor of a cut link that is not lumen: the phases of its ends, or any wall where both ends lie in lumens.
 double wallOf(std::uint8_t a, std::uint8_t b, std::span<const double> k)
@@ -212,119 +206,6 @@ LinkTable linksOf(const micrograph::ContourLattice& lattice, std::span<const dou
     }
   }
   return table;
-}
-
-std::vector<ContourAnswer> studyContours(
-  const micrograph::ContourSet& contours, const ContourStudyOptions& options, MPI_Comm comm, const ContourSink& sink)
-{
-  std::vector<ContourAnswer> answers;
-  for (const int axis : options.axes)
-    answers.emplace_back().axis = axis;
-  if (!(options.targetError >= 0) || !std::isfinite(options.targetError))
-  {
-    throw ParameterError(
-      fmt::format("a target of {} for the error", options.targetError), "give a share such as 0.001");
-  }
-  const Lattice first = micrograph::latticeOf(contours.size, options.spacing, 2);
-  struct Solved
-  {
-    micrograph::ContourLattice lattice;
-    Block block;
-    std::optional<SteadyDiffusion> solver; ///< of the axis solved last
-  };
-  // On a lattice of 2^-level of twice the spacing. Each lies in the next: half the spacing, the same part of the
-  // picture.
-  const auto solveOn =
-    [&](int level, const std::function<void(std::size_t, const ContourStep&, const Solved&, const SteadyResult&)>& take)
-  {
-    const auto start = Clock::now();
-    Solved s;
-    micrograph::ContourLatticeOptions make;
-    make.spacing = std::ldexp(first.spacing, 1 - level);
-    make.multiple = 1 << std::max(level, 0);
-    make.lines = 1;
-    make.across = true;
-    make.grain = false;
-    s.lattice = micrograph::contourLattice(contours, make);
-    if (options.phases)
-      options.phases(s.lattice);
-    const Lattice& lattice = s.lattice.image.lattice;
-    SteadyOptions steady = options.steady;
-    steady.stencil = Stencil::D2Q5;
-    steady.sides = Sides::Insulated;
-    if (level < 1 || !sink)
-      steady.fieldTolerance = std::max(steady.fieldTolerance, std::sqrt(steady.tolerance));
-    s.block = decompose(lattice, comm);
-    const std::vector<std::uint8_t> phase = blockOf(s.lattice.image, s.block);
-    const double made = secondsSince(start) / static_cast<double>(answers.size());
-    for (std::size_t i = 0; i < answers.size(); ++i)
-    {
-      const auto begin = Clock::now();
-      const int axis = answers[i].axis;
-      LinkTable links = linksOf(s.lattice, options.conductivity, axis);
-      if (!s.solver || links.x != steady.links->x || links.y != steady.links->y)
-      {
-        steady.links = std::make_shared<LinkTable>(std::move(links));
-        s.solver.emplace(lattice, s.block, phase, options.conductivity, steady, comm);
-      }
-      const SteadyResult result = s.solver->solve(axis);
-      take(i,
-        { lattice.spacing, result.effective[static_cast<std::size_t>(axis)], lattice.count(), result.iterations,
-          made + secondsSince(begin) },
-        s, result);
-    }
-  };
-
-  // Two lattices of a few nodes may agree by chance; then a coarser one tells.
-  std::vector<double> before(answers.size(), std::numeric_limits<double>::quiet_NaN());
-  if (first.count() < fewNodes)
-  {
-    try
-    {
-      solveOn(-1,
-        [&](std::size_t i, const ContourStep& step, const Solved&, const SteadyResult&) { before[i] = step.value; });
-    }
-    catch (const Cancelled&)
-    {
-      throw;
-    }
-    catch (const Error&) // too few nodes, or no path through them
-    {
-    }
-  }
-  for (int level = 0;; ++level)
-  {
-    double worst = 0;
-    std::int64_t count = 0;
-    solveOn(level,
-      [&](std::size_t i, const ContourStep& step, const Solved& solved, const SteadyResult& result)
-      {
-        ContourAnswer& answer = answers[i];
-        if (level > 1)
-          before[i] = answer.coarse.value;
-        answer.coarse = answer.fine;
-        answer.fine = step;
-        answer.steps.push_back(step);
-        count = step.nodes;
-        if (level == 0)
-          return;
-        answer.result = result;
-        answer.value = 2 * answer.fine.value - answer.coarse.value;
-        double change = std::abs(answer.fine.value - answer.coarse.value);
-        if (step.nodes < fewNodes && std::isfinite(before[i]))
-          change = std::max(change, std::abs(answer.coarse.value - before[i]) / 2);
-        answer.error = change / answer.value;
-        worst = std::max(worst, answer.error);
-        if (sink)
-          sink(*solved.solver, answer, solved.lattice, solved.block);
-      });
-    const bool tooMany = options.mostNodes > 0 && 4 * count > options.mostNodes;
-    if (level > 0 && (options.targetError == 0 || worst <= options.targetError || tooMany))
-    {
-      break;
-    }
-  }
-  return answers;
 }
 
 } // namespace lamella::lbm

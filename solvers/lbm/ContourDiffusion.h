@@ -2,6 +2,7 @@
 
 #include "lbm/DiffusionStudy.h"
 #include "lbm/LinkTable.h"
+#include "micrograph/CoarserOutlines.h"
 #include "micrograph/ContourLattice.h"
 
 #include <functional>
@@ -35,51 +36,90 @@ namespace lamella::lbm
 /// What the solve on one lattice gave.
 struct ContourStep
 {
-  double spacing = 0; ///< [m]
+  double spacing = 0; ///< along x [m]
   double value = 0;   ///< effective conductivity along the axis
   std::int64_t nodes = 0;
   int iterations = 0;
   double seconds = 0; ///< wall, lattice included
 };
 
+/// What the outlines from every stride-th pixel of a picture conduct along an axis; 0 where nothing does.
+struct CoarserValues
+{
+  int stride = 2;
+  std::vector<double> values;
+};
+
+/// Error that a picture's pixels leave in the value that its outlines have, from those of every second and every third
+/// pixel (micrograph/CoarserOutlines.h): 1.8 times the standard deviation that follows from the squared mean of their
+/// differences from `value`. The area of a lumen in a mask errs like the pixel to the power 3/2, and so, as measured,
+/// do the values; then values of pixels n times as large, which share every n² th pixel with the picture, differ from
+/// its own with n³ − 1 times the variance of its own error. Of two strides the finer has the weight 3/4.
+/// @param value what the picture's own outlines conduct on the same lattice, > 0
+/// @return relative to `value`; NaN where there are fewer than two values of the finest stride
+/// How often it holds: docs/benchmarks/contours.md.
+[[nodiscard]] double outlineError(double value, std::span<const CoarserValues> coarser);
+
 struct ContourAnswer
 {
   int axis = 0;
   ContourStep coarse;
   ContourStep fine;
-  double value = 0;               ///< 2 fine − coarse: Richardson's, for an error that halves with the spacing
-  double error = 0;               ///< |fine − coarse|: of `value`, relative to it (see studyContours())
-  std::vector<ContourStep> steps; ///< all lattices, the coarsest first; `coarse` and `fine` are the last two
+  double value = 0;        ///< 2 fine − coarse: Richardson's, for an error that halves with the spacing
+  double latticeError = 0; ///< of `value`, relative to it: of the lattices, see studyContours()
+  /// Of `value`, relative to it: of the picture that the outlines are from, see outlineError(); 0 where they are taken
+  /// as they are, NaN where nothing can be said.
+  double pictureError = 0;
+  double error = 0;                   ///< the root of the sum of both squares; NaN as the picture's
+  std::vector<ContourStep> steps;     ///< all lattices, the coarsest first; `coarse` and `fine` are the last two
+  std::vector<CoarserValues> coarser; ///< of the outlines from coarser pictures, on the first coarse lattice
+  double moved = 0;                   ///< of `moved` outlines, relative to those as they are; 0 where there are none
+  double seconds = 0;                 ///< wall, of all lattices, coarser pictures included
   SteadyResult result;
+};
+
+/// What a target for the error takes, as seen from two lattices.
+struct ContourPlan
+{
+  double target = 0;
+  double error = 0;        ///< the largest of the axes, now
+  double pictureError = 0; ///< the largest that is known; not below the target: only a finer picture reaches it
+  std::int64_t nodes = 0;  ///< of the finest lattice that it should take, the error halving with the spacing
 };
 
 struct ContourStudyOptions
 {
   SteadyOptions steady; ///< D2Q5, insulated sides; `links` is set here
   double spacing = 0;   ///< of the finer lattice [m]; of the first such one where there is a target
-  /// The spacing is halved until `error` of every axis is at most this; 0: the two lattices only.
+  /// The spacing is halved until `error` of every axis is at most this; 0: the lattices above only. Where the picture's
+  /// error is larger, until the lattice's is at most half of it, which no halving makes much better.
   double targetError = 0;
-  std::int64_t mostNodes = 0; ///< no lattice of more than these for the target's sake; 0: no bound
+  std::int64_t mostNodes = 0;                   ///< no lattice of more than these for the target's sake; 0: no bound
+  std::function<void(const ContourPlan&)> plan; ///< told once, before the first lattice for the target's sake
   std::vector<int> axes{ 0, 1 };
   std::vector<double> conductivity; ///< one a phase: lumen, wall, and what `phases` adds
-  /// Gives walls other phases, a middle lamella for instance, or empty.
-  std::function<void(micrograph::ContourLattice&)> phases;
+  /// Gives walls other phases, a middle lamella for instance, or empty. The outlines are stretched along y.
+  std::function<void(const micrograph::FittedContours&, micrograph::ContourLattice&)> phases;
+  /// Outlines of the same material from coarser pictures, for the picture's error; empty: the outlines are taken as
+  /// they are.
+  std::vector<micrograph::CoarserOutlines> coarser;
+  /// The outlines moved by as much as is in doubt about where walls begin (micrograph::movedOutlines()), of a picture
+  /// that was segmented: what it changes is added, squared, to the picture's error. Empty: no doubt.
+  micrograph::ContourSet moved;
 };
 
-/// Called after the finer solve of an axis, before the solver goes: take value() and flux() here.
-using ContourSink = std::function<void(const SteadyDiffusion& solver, const ContourAnswer& answer,
-  const micrograph::ContourLattice& lattice, const Block& block)>;
-
-/// Effective conductivity of a picture of outlines at a spacing and at twice that, and what follows for a spacing of
-/// zero. The error bar is the change from the finer value to the extrapolated one; on fewer than 64² nodes, where two
-/// lattices may agree by chance, at least half the change before that one, from a lattice coarser still. On arrays of
-/// disks (five conductivities, four area fractions, 64 and 128 nodes) it holds 18 errors of 20 and is 2.7 times the
-/// error in the median. With a target the last pair of lattices counts; each halving takes about four times as long and
-/// as much memory as the last, and halves the error bar.
-/// @param sink with a target it is called for every pair
+/// Effective conductivity of the whole of a picture of outlines, at a spacing, twice and four times that, and what
+/// follows for a spacing of zero. Each lattice covers exactly the picture (micrograph::fitContours()), in numbers of
+/// nodes of which each is twice the one before, so that cells are longer or shorter along y by a part in twice the
+/// number of their rows; links conduct by their true lengths and widths.
+///
+/// The lattice's error bar is the change from the finer value to the extrapolated one, |fine − coarse|, or a third of
+/// the change before that one where that is larger, since two lattices may agree by chance. The picture's is
+/// outlineError() of `coarser`. How often they hold: docs/benchmarks/contours.md. With a target the last three lattices
+/// count; each halving takes about four times as long and as much memory as the last, and halves the lattice's error.
 /// @throws ParameterError for a target that is negative or not finite; what contourLattice(), linksOf() and
 /// SteadyDiffusion throw
-[[nodiscard]] std::vector<ContourAnswer> studyContours(const micrograph::ContourSet& contours,
-  const ContourStudyOptions& options, MPI_Comm comm, const ContourSink& sink = {});
+[[nodiscard]] std::vector<ContourAnswer> studyContours(
+  const micrograph::ContourSet& contours, const ContourStudyOptions& options, MPI_Comm comm);
 
 } // namespace lamella::lbm

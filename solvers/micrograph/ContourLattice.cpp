@@ -182,7 +182,11 @@ void warnOfThinWalls(ContourLattice& result)
 
 } // namespace
 
-Lattice latticeOf(const std::array<double, 2>& size, double spacing, int multiple)
+namespace
+{
+
+/// Nodes along x and y, of which those along y fill the height or leave a rest. @throws as latticeOf()
+Lattice latticeOver(const std::array<double, 2>& size, double spacing, int multiple, bool crops)
 {
   if (!(spacing > 0) || !std::isfinite(spacing))
   {
@@ -192,10 +196,11 @@ Lattice latticeOf(const std::array<double, 2>& size, double spacing, int multipl
   {
     throw ParameterError(fmt::format("nodes in multiples of {}", multiple), "give 1 or more");
   }
-  // A part in a thousand million of the height is round-off.
   const double columns = multiple * std::round(size[0] / spacing / multiple);
   const double fitted = size[0] / columns;
-  const double rows = multiple * std::floor(size[1] / fitted / multiple * (1 + 1e-9));
+  // A part in a thousand million of the height is round-off.
+  const double filled = size[1] / fitted / multiple;
+  const double rows = multiple * (crops ? std::floor(filled * (1 + 1e-9)) : std::round(filled));
   if (!(columns >= 1) || !(rows >= 1))
   {
     throw ParameterError(
@@ -210,6 +215,29 @@ Lattice latticeOf(const std::array<double, 2>& size, double spacing, int multipl
   return makeLattice(static_cast<std::int64_t>(columns), static_cast<std::int64_t>(rows), 1, 2, fitted);
 }
 
+} // namespace
+
+Lattice latticeOf(const std::array<double, 2>& size, double spacing)
+{
+  return latticeOver(size, spacing, 1, true);
+}
+
+FittedContours fitContours(const ContourSet& contours, double spacing, int multiple)
+{
+  FittedContours fitted{ contours, latticeOver(contours.size, spacing, multiple, false), 1 };
+  ContourSet& set = fitted.contours;
+  fitted.stretch = fitted.lattice.length(1) / set.size[1];
+  set.size = { fitted.lattice.length(0), fitted.lattice.length(1) };
+  for (Contour& contour : set.contours)
+  {
+    for (Point& point : contour.points)
+    {
+      point[1] *= fitted.stretch;
+    }
+  }
+  return fitted;
+}
+
 ContourLattice contourLattice(const ContourSet& contours, const ContourLatticeOptions& options)
 {
   if (options.lines < 0 || options.lines > 16)
@@ -217,7 +245,7 @@ ContourLattice contourLattice(const ContourSet& contours, const ContourLatticeOp
     throw ParameterError(fmt::format("{} lines across a link", options.lines), "give 1 to 16, or 0 for no links");
   }
   checkContours(contours);
-  const Lattice lattice = latticeOf(contours.size, options.spacing, options.multiple);
+  const Lattice lattice = latticeOf(contours.size, options.spacing);
   const std::vector<ContourEdge> edges = closedEdges(contours, 1 / lattice.spacing);
   checkMemory(lattice, edges, options);
 

@@ -14,9 +14,7 @@ namespace lamella::micrograph
 
 struct ContourLatticeOptions
 {
-  double spacing = 0; ///< asked for [m]; see latticeOf()
-  int multiple =
-    1; ///< nodes along each axis are a multiple of this: 2 for a second lattice, twice as coarse, of the same box
+  double spacing = 0;  ///< asked for [m]; see latticeOf()
   int lines = 4;       ///< Gauss points across a link's face, and across the link if `across`; 0 (no links) to 16
   bool across = false; ///< shares on lines across the links too
   bool grain = true;
@@ -61,10 +59,25 @@ struct ContourLattice
 };
 
 /// The lattice of a picture: as many nodes as come nearest to the spacing asked for fit its width exactly, so that the
-/// spacing changes a little (by spacing/2 over the width at most, with `multiple` = 1); along y there are as many as
-/// fit, and what is left of the height, less than `multiple` spacings, is cropped at the top. Nothing is stretched.
-/// @throws ParameterError for a spacing that is no positive number or larger than the picture, or a multiple below 1
-[[nodiscard]] Lattice latticeOf(const std::array<double, 2>& size, double spacing, int multiple = 1);
+/// spacing changes a little (by spacing/2 over the width at most); along y there are as many as fit, and what is left
+/// of the height, less than a spacing, is cropped at the top. Nothing is stretched.
+/// @throws ParameterError for a spacing that is no positive number or larger than the picture
+[[nodiscard]] Lattice latticeOf(const std::array<double, 2>& size, double spacing);
+
+/// A picture for a lattice that covers all of it, whatever its size: the lattice's cells are a little longer or shorter
+/// along y than along x, and the outlines are stretched along y so that they are squares.
+struct FittedContours
+{
+  ContourSet contours; ///< of `lattice`'s size exactly
+  Lattice lattice;     ///< its spacing is the cells' true one along x
+  double stretch = 1;  ///< of lengths along y, within multiple / (2 · rows + multiple) of 1
+};
+
+/// @param spacing  asked for [m]; that along x fits the width as latticeOf() has it, that along y the height
+/// @param multiple nodes along both axes are multiples of this: with 2^n, n more lattices, each twice as coarse as the
+/// one before, cover the picture as exactly
+/// @throws ParameterError, MemoryError as latticeOf(), and for a multiple below 1
+[[nodiscard]] FittedContours fitContours(const ContourSet& contours, double spacing, int multiple = 1);
 
 /// Puts the outlines of lumens on a lattice of any spacing: what lies at each node, the exact share of each pixel, and
 /// exactly where outlines cut the lines along which nodes are linked.

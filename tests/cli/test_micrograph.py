@@ -261,21 +261,72 @@ class Micrograph(Case):
         self.assertEqual(list(one["axes"]), ["y"])
         self.assertAlmostEqual(one["axes"]["y"]["value"], axes["y"]["value"])
 
+    def test_conductivity_is_of_the_whole_picture(self):
+        # Layers across y in a picture of 10.37 um, which no spacing fits: were a row cut off, the value would show it.
+        size = "0,0,8,10.37"
+        layers = [[[-1, low], [9, low], [9, high], [-1, high]] for low, high in ((1, 2.5), (4, 5), (9.5, 10))]
+        self.polygons(lumens=layers)
+        for spacing in ("0.25um", "0.3um", "0.41um"):
+            run = ["micrograph", "cells.json", "--window", size, "--spacing", spacing, "--lamella", "none", *CONDUCT]
+            answer = self.works(*run, "--json").json()
+            axes = answer["diffusion"]["axes"]
+            share = 3 / 10.37
+            self.assertAlmostEqual(axes["x"]["value"], 1 - 0.95 * share, places=6)
+            self.assertAlmostEqual(axes["y"]["value"], 1 / (1 - share + share / 0.05), places=6)
+            lattice = answer["lattice"]
+            rest = 10.37e-6 - lattice["size"][1] * lattice["spacing"]
+            self.assertAlmostEqual(lattice["cropped"], rest, delta=1e-12)
+            self.assertTrue(0 < rest < lattice["spacing"])
+            self.assertIn("at the top cut off", self.works(*run).out)
+            self.assertEqual(axes["x"]["picture_error"], 0)
+            self.assertEqual(axes["x"]["relative_error"], axes["x"]["lattice_error"])
+
+    def test_errors_of_lattice_and_picture(self):
+        self.works("generate", "softwood", "--size", "121,97", "--pixel-size", "1um", "-o", "t.png")
+        run = ["micrograph", "t.png", "--phase", "0=lumen", "--other", "wall", "--lamella", "none", *CONDUCT]
+        text = self.works(*run).out
+        self.assertIn("% lattice", text)
+        self.assertIn("% picture", text)
+        answer = self.works(*run, "--json").json()
+        self.assertEqual(answer["lattice"]["cropped"], 0)
+        # The same tissue drawn four times as fine.
+        self.works("generate", "softwood", "--size", "484,388", "--pixel-size", "0.25um", "-o", "fine.png")
+        fine = self.works("micrograph", "fine.png", *run[2:], "--json").json()["diffusion"]["axes"]
+        for axis in "xy":
+            found = answer["diffusion"]["axes"][axis]
+            self.assertAlmostEqual(found["relative_error"], math.hypot(found["lattice_error"], found["picture_error"]))
+            self.assertGreater(found["picture_error"], 3 * fine[axis]["picture_error"])  # order 3/2: eight
+            self.assertLess(abs(found["value"] - fine[axis]["value"]), found["error"] + fine[axis]["error"])
+            self.assertEqual([len(c["values"]) for c in found["coarser_pictures"]], [4, 5])
+
     def test_a_target_for_the_error_halves_the_spacing(self):
-        self.works("generate", "softwood", "--size", "160,120", "-o", "t.png")
-        run = ["micrograph", "t.png", "--phase", "0=lumen", "--other", "wall", "--pixel-size", "1um", "--direction", "x",
-               "--lamella-thickness", "4um", "--json", *CONDUCT, "--conductivity", "lamella=0.3"]  # fmt: skip
+        self.polygons()
+        run = ["micrograph", "cells.json", "--window", "0,0,36,36", "--spacing", "0.6um", "--direction", "x",
+               "--lamella-thickness", "0.6um", "--json", *CONDUCT, "--conductivity", "lamella=0.3"]  # fmt: skip
         pair = self.works(*run).json()["diffusion"]["axes"]["x"]
         self.assertEqual(len(pair["steps"]), 2)
         target = pair["relative_error"] / 1.5
-        answer = self.works(*run, "--target-error", f"{target:.6f}")
+        answer = self.run_lamella(*run, "--target-error", f"{target:.6f}")
+        self.assertEqual(answer.code, 0, answer.err)
+        self.assertRegex(answer.err, r"^note: the error bar is .* takes about .* nodes and .* of memory\n$")
         fine = answer.json()["diffusion"]["axes"]["x"]
         self.assertLessEqual(fine["relative_error"], target)
         self.assertGreater(len(fine["steps"]), 2)
         self.assertEqual([step["value"] for step in fine["steps"][:2]], [step["value"] for step in pair["steps"]])
         self.assertEqual(fine["steps"][-1]["value"], fine["fine"]["value"])
         # The lattice that is written is that of --spacing all the same.
-        self.assertEqual(answer.json()["lattice"]["size"], [160, 120])
+        self.assertEqual(answer.json()["lattice"]["size"], [60, 60])
+
+    def test_a_target_that_only_a_finer_picture_reaches(self):
+        self.works("generate", "softwood", "--size", "120,90", "-o", "t.png")
+        answer = self.run_lamella("micrograph", "t.png", "--phase", "0=lumen", "--other", "wall", "--pixel-size", "1um",
+                                  "--lamella", "none", "--json", *CONDUCT, "--target-error", "0.01%")  # fmt: skip
+        self.assertEqual(answer.code, 8, answer.err)
+        self.assertIn("an error of 0.01 % was asked for", answer.err)
+        self.assertIn("only smaller pixels or outlines as vectors", answer.err)
+        for found in answer.json()["diffusion"]["axes"].values():
+            self.assertGreater(found["picture_error"], 1e-4)
+            self.assertLessEqual(found["lattice_error"], found["picture_error"] / 2)
 
     def test_lamella(self):
         self.polygons()

@@ -301,13 +301,39 @@ TEST(ContourLattice, TheSpacingFitsTheWidth)
   const Lattice exact = latticeOf({ 200e-6, 100e-6 }, 0.5e-6);
   EXPECT_EQ(exact.size[0], 400);
   EXPECT_EQ(exact.size[1], 200);
-  const Lattice fine = latticeOf({ 200e-6, 101e-6 }, 0.3e-6, 2);
-  EXPECT_EQ(fine.size[0], 666); // 666.7 to the nearest even number
-  EXPECT_EQ(fine.size[1], 336); // 336.3
-  const Lattice coarse = latticeOf({ 200e-6, 101e-6 }, 2 * fine.spacing, 1);
-  EXPECT_EQ(coarse.size[0], 333);
-  EXPECT_EQ(coarse.size[1], 168);
-  EXPECT_DOUBLE_EQ(coarse.length(1), fine.length(1)) << "the same box";
+  const Lattice fine = latticeOf({ 200e-6, 101e-6 }, 0.3e-6);
+  EXPECT_EQ(fine.size[0], 667); // 666.7
+  EXPECT_EQ(fine.size[1], 336); // 336.8 fit
+  EXPECT_LT(fine.length(1), 101e-6);
+}
+
+// Whatever the size, in multiples: nothing is cropped, and what is stretched is told.
+TEST(ContourLattice, AFittedPictureIsCoveredWhole)
+{
+  for (const double height : { 1.0, 0.731, std::sqrt(3.0), 1.2345 })
+    for (const int nodes : { 41, 42, 43, 64, 127 })
+      for (const int multiple : { 1, 2, 4 })
+      {
+        SCOPED_TRACE(::testing::Message() << height << ", " << nodes << " nodes, multiples of " << multiple);
+        ContourSet set{ { 1, height }, {} };
+        set.contours.push_back({ { { 0.2, 0.1 * height }, { 0.8, 0.1 * height }, { 0.5, 0.9 * height } }, true, 1 });
+        const FittedContours fitted = fitContours(set, 1.0 / nodes, multiple);
+        const Lattice& lattice = fitted.lattice;
+        EXPECT_EQ(lattice.size[0] % multiple, 0);
+        EXPECT_EQ(lattice.size[1] % multiple, 0);
+        EXPECT_NEAR(static_cast<double>(lattice.size[0]), nodes, multiple / 2.0);
+        EXPECT_DOUBLE_EQ(lattice.length(0), 1);
+        EXPECT_DOUBLE_EQ(lattice.length(1), height * fitted.stretch);
+        EXPECT_LE(std::abs(fitted.stretch - 1), multiple / (2.0 * static_cast<double>(lattice.size[1])) * 1.1);
+        EXPECT_DOUBLE_EQ(fitted.contours.size[1], lattice.length(1));
+        EXPECT_DOUBLE_EQ(fitted.contours.contours[0].points[2][1], 0.9 * height * fitted.stretch);
+        const ContourLattice made = onLattice(fitted.contours, lattice.spacing);
+        EXPECT_EQ(made.image.lattice.size, lattice.size);
+        EXPECT_LE(made.cropped, 1e-12);
+        EXPECT_NEAR(made.lumenFraction, 0.24, 1e-7); // shares are floats
+      }
+  const auto none = refusal<ParameterError>([] { (void)fitContours({ { 1, 1 }, {} }, 0.1, 0); });
+  EXPECT_NE(none.first.find("multiples of 0"), std::string::npos);
 }
 
 TEST(ContourLattice, ThinWallsAreReported)

@@ -3,8 +3,10 @@
 #include "micrograph/Contour.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -25,22 +27,46 @@ inline micrograph::ContourSet squareOfDisk(double fraction, double cell, int cor
   return set;
 }
 
-/// Effective conductivity of the square array of disks over that of the matrix, by Rayleigh's multipoles (Perrins,
-/// McKenzie & McPhedran, Proc. R. Soc. A 369 (1979) 207): with B_n the amplitude of r^-n cos nθ, n odd, around each
-/// disk of radius a in a square of side 1 under a mean gradient of 1, and T = (s − 1)/(s + 1),
-///   B_n = −T a^2n (δ_n1 − Σ_m C(n+m−1, n) S_(n+m) B_m),  k = 1 − 2π B_1,
-/// where S_2 = π, S_4 = Γ(1/4)^8/(960 π²), and the others follow from it as in Laurent's series of Weierstrass's ℘.
-/// @param fraction share of area, up to 0.7 (towards touching disks, π/4, it takes ever more terms)
+/// A hexagonal array of disks at distance 1 (times `side`): the disk in the middle of a box of 1 by √3 and quarters of
+/// four more in its corners, polygons of the disks' area. Between two opposite faces and insulated sides the box
+/// conducts as the array does, by symmetry, along either axis.
+inline micrograph::ContourSet hexagonsOfDisks(double fraction, double side, int corners = 2000)
+{
+  const double step = 2 * std::numbers::pi / corners;
+  const double height = side * std::sqrt(3.0);
+  const double radius = std::sqrt(fraction * side * height / 2 / (0.5 * corners * std::sin(step)));
+  micrograph::ContourSet set{ { side, height }, {} };
+  const std::array<micrograph::Point, 5> centres{ micrograph::Point{ side / 2, height / 2 }, micrograph::Point{ 0, 0 },
+    micrograph::Point{ side, 0 }, micrograph::Point{ side, height }, micrograph::Point{ 0, height } };
+  for (const micrograph::Point& centre : centres)
+  {
+    micrograph::Contour disk{ {}, true, static_cast<std::int32_t>(set.contours.size()) + 1 };
+    for (int k = 0; k < corners; ++k)
+      disk.points.push_back({ centre[0] + radius * std::cos(k * step), centre[1] + radius * std::sin(k * step) });
+    set.contours.push_back(disk);
+  }
+  return set;
+}
+
+/// Effective conductivity of an array of disks over that of the matrix, by Rayleigh's multipoles (Perrins, McKenzie &
+/// McPhedran, Proc. R. Soc. A 369 (1979) 207): with B_n the amplitude of r^-n cos nθ, n odd, around each
+/// disk of radius a at distance 1 from its neighbours, in a cell of area A, under a mean gradient of 1, and
+/// T = (s − 1)/(s + 1),
+///   B_n = −T a^2n (δ_n1 − Σ_m C(n+m−1, n) S_(n+m) B_m),  k = 1 − 2π B_1/A,
+/// where S_2 = π/A, and the others follow from S_4 and S_6 as in Laurent's series of Weierstrass's ℘.
+/// @param fraction share of area (towards touching disks it takes ever more terms)
 /// @param s        conductivity of the disks over that of the matrix, ≥ 0
-/// @param terms    multipoles, of which ten are enough for nine digits up to 0.6
-inline double squareArrayOfDisks(double fraction, double s, int terms = 40)
+/// @param area     A  @param s4, s6 lattice sums Σ z^-4, Σ z^-6
+/// @param terms    multipoles
+inline double arrayOfDisks(double fraction, double s, double area, double s4, double s6, int terms)
 {
   const double t = (s - 1) / (s + 1);
-  const double a = std::sqrt(fraction / std::numbers::pi);
+  const double a = std::sqrt(fraction * area / std::numbers::pi);
   const auto most = static_cast<std::size_t>(2 * terms + 1);
   // c_k = (2k − 1) S_2k, in units of a^2k so that nothing overflows
   std::vector<double> c(most, 0.0);
-  c[2] = 3 * std::pow(std::tgamma(0.25), 8) / (960 * std::numbers::pi * std::numbers::pi) * std::pow(a, 4);
+  c[2] = 3 * s4 * std::pow(a, 4);
+  c[3] = 5 * s6 * std::pow(a, 6);
   for (std::size_t k = 4; k < most; ++k)
   {
     for (std::size_t m = 2; m + 2 <= k; ++m)
@@ -57,7 +83,7 @@ inline double squareArrayOfDisks(double fraction, double s, int terms = 40)
       const auto m = static_cast<double>(2 * j + 1);
       const std::size_t k = i + j + 1;
       sums[i * size + j] = std::exp(std::lgamma(n + m) - std::lgamma(n + 1) - std::lgamma(m)) *
-        (k == 1 ? std::numbers::pi * a * a : c[k] / static_cast<double>(2 * k - 1));
+        (k == 1 ? std::numbers::pi * a * a / area : c[k] / static_cast<double>(2 * k - 1));
     }
   // x_n = B_n / a^n by Gauss & Seidel: the disks' influence on each other is a contraction
   std::vector<double> x(size, 0.0);
@@ -73,7 +99,22 @@ inline double squareArrayOfDisks(double fraction, double s, int terms = 40)
       x[i] = t * others;
     }
   }
-  return 1 - 2 * std::numbers::pi * a * x[0];
+  return 1 - 2 * std::numbers::pi * a * x[0] / area;
+}
+
+/// The square array: S_4 = Γ(1/4)^8/(960 π²), S_6 = 0. Up to 0.7 of π/4; ten terms are enough for nine digits to 0.6.
+inline double squareArrayOfDisks(double fraction, double s, int terms = 40)
+{
+  return arrayOfDisks(
+    fraction, s, 1, std::pow(std::tgamma(0.25), 8) / (960 * std::numbers::pi * std::numbers::pi), 0, terms);
+}
+
+/// The hexagonal array, neighbours at distance 1 in cells of √3/2: S_4 = 0, S_6 = Γ(1/3)^18/(8960 π⁶). Up to 0.85 of
+/// π/√12 = 0.9069.
+inline double hexagonalArrayOfDisks(double fraction, double s, int terms = 40)
+{
+  return arrayOfDisks(fraction, s, std::sqrt(3.0) / 2, 0,
+    std::pow(std::tgamma(1.0 / 3), 18) / (8960 * std::pow(std::numbers::pi, 6)), terms);
 }
 
 } // namespace lamella::test
