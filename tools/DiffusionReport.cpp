@@ -103,7 +103,7 @@ Json jsonOf(const micrograph::VolumeReport& found)
   for (std::size_t id = 0; id < found.phases.size(); ++id)
   {
     json["phases"].push_back({ { "name", found.phases[id] }, { "fraction", found.shares[id] },
-      { "fraction_error", found.shareError[id] }, { "thickness", found.chord[id] } });
+      { "fraction_error", found.shareError[id] }, { "thickness", found.thickness[id] } });
   }
   return json;
 }

@@ -89,28 +89,33 @@ int toMiddleOfGap(std::span<const std::int64_t> histogram, int last)
   return below + (above - below - 1) / 2;
 }
 
-/// Depth of the valley at a level: bins of a thirty-second of the contrast, each averaged with its neighbours.
+/// Depth of the valley at a level, in bins of a sixteenth of the contrast, one of them at the level. A grey counts in
+/// the two bins beside it and bins are smoothed, so that greys that come in steps make no peaks.
 double valleyAt(std::span<const std::int64_t> histogram, int last, double dark, double bright)
 {
-  const double width = std::max(1.0, (bright - dark) / 32);
-  constexpr int reach = 64;
-  std::array<double, 2 * reach> heights{};
+  const double width = std::max(1.0, (bright - dark) / 16);
+  constexpr int reach = 32;
+  std::array<double, 2 * reach + 1> heights{};
   for (int grey = 0; grey < static_cast<int>(greyCount); ++grey)
   {
-    const double bin = std::floor((grey - last - 0.5) / width) + reach;
-    if (bin >= 0 && bin < 2 * reach)
+    const double place = (grey - last - 0.5) / width + reach;
+    if (place >= 0 && place < 2 * reach)
     {
-      heights[static_cast<std::size_t>(bin)] += static_cast<double>(histogram[static_cast<std::size_t>(grey)]);
+      const auto bin = static_cast<std::size_t>(place);
+      const double beyond = place - std::floor(place);
+      const auto count = static_cast<double>(histogram[static_cast<std::size_t>(grey)]);
+      heights[bin] += (1 - beyond) * count;
+      heights[bin + 1] += beyond * count;
     }
   }
-  std::array<double, 2 * reach> smooth = heights;
+  std::array<double, 2 * reach + 1> smooth = heights;
   for (std::size_t i = 1; i + 1 < heights.size(); ++i)
   {
-    smooth[i] = (heights[i - 1] + heights[i] + heights[i + 1]) / 3;
+    smooth[i] = (heights[i - 1] + 2 * heights[i] + heights[i + 1]) / 4;
   }
-  const auto middle = smooth.begin() + reach;
-  const double lower = std::min(*std::max_element(smooth.begin(), middle), *std::max_element(middle, smooth.end()));
-  const double between = *std::min_element(middle - 3, middle + 3);
+  const auto level = smooth.begin() + reach;
+  const double lower = std::min(*std::max_element(smooth.begin(), level), *std::max_element(level + 1, smooth.end()));
+  const double between = *std::min_element(level - 1, level + 2);
   return lower > 0 ? std::min(1.0, between / lower) : 1.0;
 }
 

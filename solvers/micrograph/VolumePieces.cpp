@@ -239,35 +239,38 @@ ClearedPieces clearPieces(const Lattice& lattice, std::span<std::uint8_t> phase,
   return smallest > 1 ? Pieces(lattice, phase).clear(smallest) : ClearedPieces{};
 }
 
-std::vector<double> meanChords(const Lattice& lattice, std::span<const std::uint8_t> phase, std::size_t phases)
+std::vector<double> thicknesses(const Lattice& lattice, std::span<const std::uint8_t> phase, std::size_t phases)
 {
   std::vector<std::int64_t> voxels(phases, 0);
-  std::vector<std::int64_t> ends(phases, 0); // lines along any axis, each counted where it begins
-  const std::array<std::int64_t, 3> step{ 1, lattice.size[0], lattice.size[0] * lattice.size[1] };
-  const std::uint8_t* value = phase.data();
-  const int axes = lattice.dimension;
-  for (std::int64_t z = 0; z < lattice.size[2]; ++z)
+  std::vector<std::int64_t> atEdge(phases, 0);
+  const auto [nx, ny, nz] = lattice.size;
+  const std::int64_t slice = nx * ny;
+  const std::uint8_t* at = phase.data();
+  for (std::int64_t z = 0; z < nz; ++z)
   {
-    for (std::int64_t y = 0; y < lattice.size[1]; ++y)
+    for (std::int64_t y = 0; y < ny; ++y)
     {
-      for (std::int64_t x = 0; x < lattice.size[0]; ++x, ++value)
+      for (std::int64_t x = 0; x < nx; ++x, ++at)
       {
-        const std::array<std::int64_t, 3> at{ x, y, z };
-        ++voxels[*value];
-        for (int axis = 0; axis < axes; ++axis)
-        {
-          const auto a = static_cast<std::size_t>(axis);
-          ends[*value] += at[a] == 0 || value[-step[a]] != *value ? 1 : 0;
-        }
+        const std::uint8_t own = *at;
+        const bool edge = (x > 0 && at[-1] != own) || (x + 1 < nx && at[1] != own) || (y > 0 && at[-nx] != own) ||
+          (y + 1 < ny && at[nx] != own) || (z > 0 && at[-slice] != own) || (z + 1 < nz && at[slice] != own);
+        ++voxels[own];
+        atEdge[own] += edge ? 1 : 0;
       }
     }
   }
-  std::vector<double> chords(phases, 0);
+  const auto longest = static_cast<double>(std::max({ nx, ny, nz }));
+  std::vector<double> thick(phases, 0);
   for (std::size_t id = 0; id < phases; ++id)
   {
-    chords[id] = ends[id] > 0 ? axes * static_cast<double>(voxels[id]) / static_cast<double>(ends[id]) : 0;
+    if (voxels[id] > 0)
+    {
+      thick[id] = std::min(
+        longest, 2 * static_cast<double>(voxels[id]) / static_cast<double>(std::max<std::int64_t>(1, atEdge[id])));
+    }
   }
-  return chords;
+  return thick;
 }
 
 std::int64_t clearShells(

@@ -293,7 +293,7 @@ void measure(const std::vector<std::int64_t>& histogram, std::span<const int> la
   const PhaseImage& image = result.image;
   report.phases = image.phases.names();
   report.shares = image.fractions();
-  report.chord = meanChords(image.lattice, image.phase, image.phases.size());
+  report.thickness = thicknesses(image.lattice, image.phase, image.phases.size());
   // What 5 % of the contrast to either side of a level would change hands; half of it for the shift one way.
   report.shareError.assign(report.phases.size(), 0);
   const double total = static_cast<double>(image.phase.size());
@@ -346,10 +346,11 @@ void warn(const GreyLevels& levels, double outside, VolumeSegmentation& result)
       say(fmt::format("{} of the volume is '{}': give the greys that part the phases",
         report.shares[id] <= 0 ? "nothing" : "all", report.phases[id]));
     }
-    else if (report.chord[id] < 3)
+    else if (report.thickness[id] < 3)
     {
-      say(fmt::format("'{}' is {:.1f} voxels thick on average: parts below three are lost or too thick; scan it finer",
-        report.phases[id], report.chord[id]));
+      say(fmt::format(
+        "'{}' is {:.1f} voxels thick on average: what is thinner than about three is lost or too thick; scan it finer",
+        report.phases[id], report.thickness[id]));
     }
     if (report.shareError[id] > 0.03)
     {
@@ -514,7 +515,7 @@ std::vector<std::string> VolumeReport::lines() const
   for (std::size_t id = 0; id < phases.size(); ++id)
   {
     result += fmt::format("{}{} {:.4f} ± {:.4f}, {:.1f} voxels thick", id == 0 ? "" : "; ", phases[id], shares[id],
-      shareError[id], chord[id]);
+      shareError[id], thickness[id]);
   }
   text.push_back("result: " + result);
   return text;
