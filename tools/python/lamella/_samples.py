@@ -43,11 +43,6 @@ class ImageBase(_arrays.FieldData):
         return _arrays.texts(self.vtk, "phase_names")
 
     @property
-    def segmentation(self) -> list[str]:
-        """How read_picture() parted its greys, a line a step; empty where it did not."""
-        return _arrays.texts(self.vtk, "segmentation")
-
-    @property
     def phase(self) -> Array:
         """Numbers of the phases as an array of the image's shape (a view, no copy)."""
         return self.array("phase")
@@ -109,6 +104,11 @@ class Sample(ImageBase):
         count = np.bincount(self.phase.ravel(), minlength=len(self.names))
         names = self.names or [str(i) for i in range(len(count))]
         return {name: float(n) / self.phase.size for name, n in zip(names, count)}
+
+    @property
+    def segmentation(self) -> list[str]:
+        """How read_picture() parted its greys, a line a step; empty where it did not."""
+        return _arrays.texts(self.vtk, "segmentation")
 
     def __repr__(self) -> str:
         shares = ", ".join(f"{name} {share:.3f}" for name, share in self.fractions.items())
