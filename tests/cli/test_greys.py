@@ -48,7 +48,7 @@ class Ranges(Case):
             self.works("convert", "wide_10x10x10_u16.raw", "-o", name)
         words = ["--phase", "..32499=void", "--phase", "32500..=fibre"]
         self.assertEqual(self.shares(*words, name="wide.tif"), {"void": 0.5, "fibre": 0.5})
-        array = self.info("wide.vti")["arrays"][0]["name"]
+        array = self.info("wide.vti")["point_arrays"][0]["name"]
         self.assertEqual(self.shares(*words, "--array", array, name="wide.vti"), {"void": 0.5, "fibre": 0.5})
 
     def test_bad_ranges(self):
@@ -91,7 +91,7 @@ share = "sample.phases.fibre.fraction"
 y = "diffusion.effective.y"
 """)
         self.works("run", "scene.toml", "--results", "r", "--quiet")
-        with open(self.path("r/samples.csv"), encoding="utf-8") as file:
+        with open(self.path("r/table.csv"), encoding="utf-8") as file:
             self.assertIn(str(166 / 256), file.read())
 
 
@@ -132,7 +132,7 @@ class Volumes(Case):
                           "--no-error-estimate", "--json").json()
         self.assertAlmostEqual(wide["effective"]["z"], 0.25, delta=0.005)
         pores = self.works("pore-flood-fill", "t_40x40x40_u8.raw", "--segment", *NAMED, "--json").json()
-        self.assertEqual(pores["pores"], 1)
+        self.assertEqual(pores["count"], 1)
         # Of a volume only the window is looked at: within one bar all is one heap of noise, and a warning says so.
         within = self.run_lamella("diffusion", "t_40x40x40_u8.raw", "--segment", "--window", "6,6,0,8,8,40", "--conductivity",
                                   "void=0.1,solid=1", "--no-error-estimate", "--json")
