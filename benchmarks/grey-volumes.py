@@ -1,6 +1,6 @@
 """Volumes of known phases as grey tomograms, with blur, noise, uneven light and rings, and what is found in them.
 
-    PYTHONPATH=build/python /usr/bin/python3 benchmarks/grey-volumes.py [edge=96] [output=FOLDER] [real=FOLDER]
+    PYTHONPATH=build/python /usr/bin/python3 benchmarks/grey-volumes.py [edge=80] [output=FOLDER] [real=FOLDER]
 
 Prints the table of docs/solvers/segmentation.md: the share of voxels with the wrong phase by Otsu's level alone and by --segment, the share
 of the solid and the conductivity along x, of the truth and as found. FOLDER (default: results/bench-grey-volumes) gets grey-volumes.csv.
@@ -64,7 +64,9 @@ def samples(edge, real):
     yield "softwood, walls of 6 voxels", wood, heat
     thin = np.asarray(lamella.softwood((edge,) * 3, solid_fraction=0.3, spacing=2e-6, seed=2)) == 1
     yield "softwood, walls of 3 voxels", thin, heat
-    yield "spheres of 10 voxels' radius", np.asarray(lamella.spheres((edge,) * 3, 0.3, max(1, edge // 24))) == 1, heat
+    cells = max(1, edge // 24)
+    radius = (0.3 * 0.75 / np.pi) ** (1 / 3) * edge / cells
+    yield f"spheres, radius of {radius:.0f} voxels", np.asarray(lamella.spheres((edge,) * 3, 0.3, cells)) == 1, heat
     path = os.path.join(real, "berea_200x200x200_u8.raw.gz") if real else ""
     if os.path.exists(path):
         with gzip.open(path) as file:
@@ -81,7 +83,7 @@ def effective(solid, conductivity):
 
 def main():
     keys = dict(word.split("=", 1) for word in sys.argv[1:])
-    edge = int(keys.get("edge", 96))
+    edge = int(keys.get("edge", 80))
     folder = keys.get("output", "results/bench-grey-volumes")
     rows = []
     print("| sample | scan | wrong by Otsu's level [%] | wrong [%] | solid | found | conductivity | found | |")
