@@ -17,7 +17,7 @@ def tomogram(truth, noise=0.2, seed=1):
     return np.clip(np.rint(grey), 0, 255).astype(np.uint8)
 
 
-class Greys(unittest.TestCase):
+class Volume(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -30,6 +30,8 @@ class Greys(unittest.TestCase):
         array.tofile(path)
         return path
 
+
+class Greys(Volume):
     def test_ranges(self):
         ramp = np.arange(27000, dtype="<u2").reshape(30, 30, 30)
         path = self.raw(ramp, "u16")
@@ -74,17 +76,22 @@ class Greys(unittest.TestCase):
         self.assertAlmostEqual(along, self.truth.mean(), delta=0.003)
 
 
-try:
-    import paraview.simple as pv
-    from paraview import servermanager
-except ImportError:
-    pv = None
+def paraview_with_plugin():
+    """ParaView's modules once the plugin is loaded; nothing where either is missing."""
+    try:
+        import paraview.simple
+        from paraview import servermanager
 
-
-@unittest.skipIf(pv is None, "needs ParaView's Python")
-class Proxy(Greys):
-    def test_the_panels_rows_are_ranges(self):
         lamella.load_plugin()
+    except (ImportError, FileNotFoundError):
+        return None
+    return paraview.simple, servermanager
+
+
+@unittest.skipIf(paraview_with_plugin() is None, "needs ParaView's Python and the plugin")
+class Proxy(Volume):
+    def test_the_panels_rows_are_ranges(self):
+        pv, servermanager = paraview_with_plugin()
         path = self.raw(tomogram(self.truth, 0))
         reader = pv.PictureReader(FileName=path, Phases=["..89", "void", "90..", "fibre"])
         image = servermanager.Fetch(reader)
