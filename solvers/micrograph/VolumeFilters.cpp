@@ -319,13 +319,13 @@ void smooth(const Lattice& lattice, std::span<std::uint16_t> grey, double deviat
     return;
   }
   const auto [nx, ny, nz] = lattice.size;
-  const auto reach = static_cast<std::int64_t>(std::ceil(3 * deviation));
+  const auto reach = static_cast<std::int64_t>(std::ceil(4 * deviation));
   std::vector<float> kernel;
   float whole = 0;
   for (std::int64_t i = -reach; i <= reach; ++i)
   {
     const double from = static_cast<double>(i) / deviation;
-    kernel.push_back(static_cast<float>(std::exp(-from * from / 2)));
+    kernel.push_back(static_cast<float>((3 - from * from) / 2 * std::exp(-from * from / 2)));
     whole += kernel.back();
   }
   for (float& weight : kernel)

@@ -9,9 +9,12 @@
 namespace lamella::micrograph
 {
 
-/// Convolves with a Gaussian, in place; the volume goes on beyond its faces as in a mirror.
-/// @param deviation [voxels]; 0 leaves everything as it is
-/// Memory: as many planes as the kernel is long (6 deviations), of floats.
+/// Convolves with ½ (3 − x²/s²) exp(−x²/2s²) along each axis, in place: the Gaussian kernel of fourth order (M. P.
+/// Wand, W. R. Schucany, Can. J. Statist. 18, 1990, 197–204). It leaves polynomials up to the third degree as they are,
+/// so that curved surfaces do not move as they do under a Gaussian (by s² times their mean curvature), and takes white
+/// noise to 0.33 s^(−3/2). The volume goes on beyond its faces as in a mirror.
+/// @param deviation s [voxels], of 0.7 or more (below, the voxels do not show its shape); 0 leaves everything as it is
+/// Memory: as many planes as the kernel is long (8 s), of floats.
 void smooth(const Lattice& lattice, std::span<std::uint16_t> grey, double deviation);
 
 struct VolumeLight

@@ -62,15 +62,15 @@ struct Inside
 };
 
 /// Of the voxels whose neighbours so many voxels away along every axis are of their class.
-/// @param smoothing of the volume: what it took from the greys of thin walls is given back to the first order, I − s²/2
-///                  ∇²I, which leaves the mean over noise as it is
+/// @param smoothing of the volume: what it took from the greys of thin walls is given back to the first order, I + s⁴/8
+///                  (∂x⁴ + ∂y⁴ + ∂z⁴) I, which leaves the mean over noise as it is
 Inside insideBy(std::int64_t away, const Lattice& lattice, std::span<const std::uint16_t> grey,
   std::span<const int> last, double smoothing)
 {
   const std::size_t classes = last.size() + 1;
   std::vector<double> sum(classes, 0);
   std::vector<double> square(classes, 0);
-  std::vector<double> curvature(classes, 0);
+  std::vector<double> fourths(classes, 0);
   Inside found{ sum, sum, std::vector<std::int64_t>(classes, 0) };
   const auto [nx, ny, nz] = lattice.size;
   // Of a large volume every second voxel along each axis says as much.
@@ -93,8 +93,9 @@ Inside insideBy(std::int64_t away, const Lattice& lattice, std::span<const std::
           sum[cls] += value;
           square[cls] += value * value;
           ++found.voxels[cls];
-          const int inPlane = at[1] + at[-1] + at[nx] + at[-nx] - 4 * *at;
-          curvature[cls] += inPlane + (deep > 0 ? at[slice] + at[-slice] - 2 * *at : 0);
+          const auto fourth = [&](std::int64_t by)
+          { return at[2 * by] + at[-2 * by] - 4 * (at[by] + at[-by]) + 6 * *at; };
+          fourths[cls] += fourth(1) + fourth(nx) + (deep > 0 ? fourth(slice) : 0);
         }
       }
     }
@@ -104,7 +105,7 @@ Inside insideBy(std::int64_t away, const Lattice& lattice, std::span<const std::
     const double n = std::max<double>(1, static_cast<double>(found.voxels[k]));
     const double mean = sum[k] / n;
     found.deviation[k] = std::sqrt(std::max(0.0, square[k] / n - mean * mean));
-    found.mean[k] = mean - smoothing * smoothing / 2 * curvature[k] / n;
+    found.mean[k] = mean + std::pow(smoothing, 4) / 8 * fourths[k] / n;
   }
   return found;
 }
@@ -201,7 +202,7 @@ std::vector<std::pair<Lattice, std::vector<std::uint16_t>>> boxesOf(
   return boxes;
 }
 
-/// The deviation of the Gaussian after which the classes are farthest apart: less would leave noise, more would take
+/// The width of the smoothing after which the classes are farthest apart: less would leave noise, more would take
 /// away what is thin. Of noise from voxel to voxel, noise that hangs together and rings alike it left nearly the fewest
 /// voxels wrong (docs/solvers/segmentation.md).
 double bestSmoothing(const Lattice& lattice, std::span<const std::uint16_t> grey, int classes)
@@ -220,15 +221,15 @@ double bestSmoothing(const Lattice& lattice, std::span<const std::uint16_t> grey
   };
   double best = 0;
   double reached = separability();
-  double before = 0;
+  const auto before = boxes;
   // All are tried: where noise buries a rare phase the classes are halves of the noise at first.
-  for (const double next : { 0.5, 0.6, 0.7, 0.85, 1.0, 1.2, 1.4, 1.7, 2.0 })
+  for (const double next : { 0.7, 0.85, 1.0, 1.2, 1.4, 1.7, 2.0, 2.4, 2.8 })
   {
+    boxes = before;
     for (auto& [of, values] : boxes)
     {
-      smooth(of, values, std::sqrt(next * next - before * before));
+      smooth(of, values, next);
     }
-    before = next;
     if (const double found = separability(); found > reached)
     {
       best = next;

@@ -21,7 +21,7 @@ struct VolumeOptions
   LumenSide empty = LumenSide::Auto;    ///< with no phases given: the side of `void`; Auto: the dark one
   std::optional<double> threshold;      ///< with no phases given: grey between the two
   bool flatten = true;                  ///< takes a slow background out where that tells the phases apart better
-  std::optional<double> smoothing;      ///< standard deviation of the Gaussian [voxels]; 0: none
+  std::optional<double> smoothing;      ///< s of smooth() [voxels], from 0.7; 0: none
   std::optional<std::int64_t> smallest; ///< smaller pieces become what is around them [voxels]; 0: none do
 };
 
@@ -31,7 +31,7 @@ struct VolumeReport
   std::string polarity;            ///< "void is dark", or "" where the caller named the phases
   double unevenness = 0;           ///< how much the light varied, over the contrast
   bool flattened = false;          ///< whether that was taken out
-  double smoothing = 0;            ///< standard deviation of the Gaussian
+  double smoothing = 0;            ///< s of smooth()
   double separabilityBefore = 0;   ///< of Otsu's classes before it
   double noiseLeft = 0;            ///< standard deviation within phases, as far from edges as can be, over the contrast
   std::vector<double> levels;      ///< greys between the classes, rising
@@ -59,7 +59,8 @@ struct VolumeSegmentation
 };
 
 /// Finds phases in a grey volume, such as a tomogram:
-/// 1. a Gaussian, as wide as makes Otsu's classes most separable (in eight boxes of 48³): less would leave noise, more
+/// 1. smoothing (a Gaussian kernel of fourth order, VolumeFilters.h), as wide as makes Otsu's classes most separable
+/// (in eight boxes of 48³): less would leave noise, more
 ///    would take away what is thin;
 /// 2. light: polynomials of fourth degree through the darkest and the brightest class are brought to one grey each,
 ///    where that tells the classes apart better;
