@@ -90,6 +90,24 @@ std::string percent(double share)
   return std::isfinite(share) ? fmt::format("{:.2g} %", 100 * share) : "unknown";
 }
 
+/// How a volume was segmented; greys as in its file, lengths in voxels.
+Json jsonOf(const micrograph::VolumeReport& found)
+{
+  Json json{ { "polarity", found.polarity.empty() ? Json(nullptr) : Json(found.polarity) },
+    { "unevenness", found.unevenness }, { "flattened", found.flattened }, { "smoothing", found.smoothing },
+    { "separability_before", found.separabilityBefore }, { "noise_left", found.noiseLeft }, { "levels", found.levels },
+    { "means", found.means }, { "separability", found.separability }, { "valley", found.valley },
+    { "smallest", found.smallest }, { "specks", found.specks }, { "speck_voxels", found.speckVoxels },
+    { "shell_voxels", found.shellVoxels } };
+  json["phases"] = Json::array();
+  for (std::size_t id = 0; id < found.phases.size(); ++id)
+  {
+    json["phases"].push_back({ { "name", found.phases[id] }, { "fraction", found.shares[id] },
+      { "fraction_error", found.shareError[id] }, { "thickness", found.thickness[id] } });
+  }
+  return json;
+}
+
 } // namespace
 
 std::uint64_t peakMemoryBytes()
@@ -265,6 +283,10 @@ std::string toJson(const DiffusionReport& report)
       { "vessels", found.vessels }, { "lumens", found.lumens }, { "lumen_fraction", found.lumenFraction },
       { "cells", found.cells }, { "doubts", found.doubtNames() } };
   }
+  if (report.sample->volumeSegmentation)
+  {
+    json["segmentation"] = jsonOf(*report.sample->volumeSegmentation);
+  }
   json["refine"] = refinement;
   json["lattice"] = lbm::name(report.options.steady.stencil);
   json["sides"] = name(report.options.steady.sides);
@@ -297,14 +319,11 @@ std::string toTable(const DiffusionReport& report)
         lattice.dimension == 3 ? fmt::format("{0} × {0} × {0}", refinement) : fmt::format("{0} × {0}", refinement))
     : "\n\n";
 
-  if (report.sample->segmentation)
+  for (const std::string& line : report.sample->notes)
   {
-    for (const std::string& line : report.sample->segmentation->lines())
-    {
-      text += "  " + line + "\n";
-    }
-    text += "\n";
+    text += "  " + line + "\n";
   }
+  text += report.sample->notes.empty() ? "" : "\n";
   std::size_t width = 5;
   for (const std::string& phase : report.sample->image.phases.names())
   {

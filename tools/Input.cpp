@@ -61,20 +61,28 @@ void addPictureOptions(CLI::App& command, PictureOptions& options)
 
 void addPhaseOptions(CLI::App& command, PictureOptions& options)
 {
-  inSample(command.add_option("--phase", options.phase, "This grey value is this phase; once for every grey value")
+  inSample(command
+             .add_option("--phase", options.phase,
+               "These grey values are this phase: one, as 255, or a range with both ends in it, as 90..255, 90.. or "
+               "..89; ..otsu "
+               "and otsu.. part the greys where the picture says (otsu1, otsu2: three classes)")
              ->type_name("GREY=NAME")
              ->allow_extra_args(false));
   inSample(command.add_option("--other", options.other, "All grey values that are not listed are this phase")
              ->type_name("NAME"));
-  inSample(command.add_flag(
-    "--segment", options.segment, "The picture is a raw scan, not labels: find the phases 'lumen' and 'wall' in it"));
-  inSample(command.add_option("--lumen", options.lumen, "With --segment: lumens are brighter or darker than walls")
+  inSample(command.add_flag("--segment", options.segment,
+    "A raw scan, not labels: find 'lumen' and 'wall' in a picture, 'void' and 'solid' (or what --phase names) in a "
+    "volume"));
+  inSample(command
+             .add_option("--lumen", options.lumen,
+               "With --segment: lumens are brighter or darker than walls, void than solid; in volumes auto is dark")
              ->type_name("auto|bright|dark")
              ->capture_default_str());
-  inSample(command
-             .add_option("--threshold", options.threshold,
-               "With --segment: grey value between the two, 0 to 255, once the light is even; found when not given")
-             ->type_name("GREY"));
+  inSample(
+    command
+      .add_option("--threshold", options.threshold,
+        "With --segment: grey value between the two once the light is even, in pictures 0 to 255; found when not given")
+      ->type_name("GREY"));
   inSample(
     command
       .add_option("--window", options.window,
@@ -141,35 +149,23 @@ micrograph::ReadOptions readOptions(const PictureOptions& options)
   return read;
 }
 
-std::optional<GreyMap> greyMap(const PictureOptions& options)
+std::optional<GreyRanges> greyRanges(const PictureOptions& options)
 {
   if (options.phase.empty() && options.other.empty())
   {
     return std::nullopt;
   }
-  GreyMap map;
+  GreyRanges ranges;
   for (const std::string& text : listItems(options.phase))
   {
-    const auto [key, name] = keyValue("--phase", text, "GREY=NAME");
-    const auto grey = toInteger(key);
-    if (!grey || *grey < 0 || *grey > 65535)
-    {
-      throw ParameterError("--phase '" + text + "': '" + key + "' is not a grey value",
-        "write it as --phase GREY=NAME with GREY from 0 to 255 (16-bit pictures: 65535), such as --phase 255=wall");
-    }
-    const auto [entry, added] = map.phaseOfGrey.try_emplace(static_cast<int>(*grey), name);
-    if (!added && entry->second != name)
-    {
-      throw ParameterError(
-        "--phase gives the grey value " + key + " two names, '" + entry->second + "' and '" + name + "'",
-        "give every grey value one phase");
-    }
+    const auto [range, name] = keyValue("--phase", text, "GREY=NAME");
+    ranges.add(range, name);
   }
   if (!options.other.empty())
   {
-    map.other = options.other;
+    ranges.other = options.other;
   }
-  return map;
+  return ranges;
 }
 
 namespace
@@ -231,6 +227,7 @@ std::string greyShares(const std::vector<std::pair<int, std::int64_t>>& greys, s
     }
   }
   std::stable_sort(greys.begin(), greys.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  const bool volume = picture.lattice.dimension == 3;
   std::string hint;
   if (greys.size() <= 8)
   {
@@ -242,8 +239,12 @@ std::string greyShares(const std::vector<std::pair<int, std::int64_t>>& greys, s
   }
   else
   {
-    hint = "this looks like a scan: add --segment to find lumens and walls in it; or name its grey values with "
-           "--phase GREY=NAME and --other NAME";
+    hint = volume
+      ? "this looks like a grey volume: add --segment to find void and solid in it; or name ranges of its grey values, "
+        "as "
+        "--phase ..89=void --phase 90..=solid, or --phase ..otsu=void --phase otsu..=solid"
+      : "this looks like a scan: add --segment to find lumens and walls in it; or name its grey values with "
+        "--phase GREY=NAME, ranges of them with --phase 0..89=NAME, and --other NAME";
   }
   throw InputError(fmt::format("which phases are in '{}'? Its grey values are {}", options.file,
                      greyShares(greys, static_cast<std::int64_t>(picture.grey.size()), 8)),
@@ -275,21 +276,53 @@ std::string pixelSizeDoubt(const std::string& given)
 namespace
 {
 
+micrograph::LumenSide segmentSide(const PictureOptions& options)
+{
+  const std::vector<std::string> sides{ "auto", "bright", "dark" };
+  return static_cast<micrograph::LumenSide>(oneOf("--lumen", options.lumen, sides));
+}
+
+double thresholdOf(const std::string& text, int top)
+{
+  const std::optional<double> threshold = toNumber(text);
+  if (!threshold || !(*threshold > 0 && *threshold < top))
+  {
+    throw ParameterError(
+      fmt::format("--threshold '{}' is not a grey value between 0 and {}", text, top), "leave it out to have it found");
+  }
+  return *threshold;
+}
+
 micrograph::SegmentOptions segmentOptions(const PictureOptions& options)
 {
   micrograph::SegmentOptions segment;
-  const std::vector<std::string> sides{ "auto", "bright", "dark" };
-  segment.lumen = static_cast<micrograph::LumenSide>(oneOf("--lumen", options.lumen, sides));
+  segment.lumen = segmentSide(options);
   if (!options.threshold.empty())
   {
-    segment.threshold = toNumber(options.threshold);
-    if (!segment.threshold || !(*segment.threshold > 0 && *segment.threshold < 255))
-    {
-      throw ParameterError("--threshold '" + options.threshold + "' is not a grey value between 0 and 255",
-        "leave it out to have it found");
-    }
+    segment.threshold = thresholdOf(options.threshold, 255);
   }
   return segment;
+}
+
+micrograph::VolumeOptions volumeOptions(const PictureOptions& options, const std::optional<GreyRanges>& ranges)
+{
+  micrograph::VolumeOptions volume;
+  volume.empty = segmentSide(options);
+  if (!options.threshold.empty())
+  {
+    volume.threshold = thresholdOf(options.threshold, 65535);
+  }
+  if (ranges)
+  {
+    if (volume.threshold || volume.empty != micrograph::LumenSide::Auto)
+    {
+      throw ParameterError(
+        std::string(volume.threshold ? "--threshold" : "--lumen") + " and --phase contradict each other",
+        "in a volume the ranges say both: --phase ..89=void --phase 90..=fibre, or ..otsu and otsu..");
+    }
+    volume.phases = *ranges;
+  }
+  return volume;
 }
 
 /// What can be said once the size of the file is known.
@@ -308,8 +341,10 @@ void checkSize(
   {
     check(kept);
   }
-  // Greys of 16 bits, and the phases that are made of them.
-  const double bytes = 3 * static_cast<double>((options.segment ? whole : kept).count());
+  // Greys of 16 bits, and the phases that are made of them; runs of one phase where a volume is cleaned.
+  const bool volume = whole.dimension == 3;
+  const double each = options.segment && volume ? 5 : 3;
+  const double bytes = each * static_cast<double>((options.segment && !volume ? whole : kept).count());
   if (const auto available = static_cast<double>(availableMemory()); bytes > available)
   {
     throw MemoryError(
@@ -323,15 +358,17 @@ void checkSize(
 Sample loadSample(const PictureOptions& options, const SampleCheck& check)
 {
   const auto window = parseWindow(options.window);
-  auto map = greyMap(options);
+  const auto ranges = greyRanges(options);
   micrograph::ReadOptions read = readOptions(options);
   read.keepColour = options.segment;
-  read.window = options.segment ? std::nullopt : window;
+  // A picture is segmented whole, for its light; of a volume, whose corners may be empty, only the window is looked at.
+  read.window = options.segment && window && window->size[2] == 0 ? std::nullopt : window;
   read.sizeKnown = [&](const Lattice& whole) { checkSize(options, whole, window, check); };
 
   if (!options.segment && (options.lumen != "auto" || !options.threshold.empty()))
   {
-    throw ParameterError("--lumen and --threshold are for --segment", "add --segment, or leave them out");
+    throw ParameterError("--lumen and --threshold are for --segment",
+      "add --segment, or leave them out; greys are parted without it by ranges: --phase ..89=void --phase 90..=solid");
   }
   Sample sample;
   sample.window = window;
@@ -339,7 +376,7 @@ Sample loadSample(const PictureOptions& options, const SampleCheck& check)
   {
     sample.warnings.push_back(std::move(doubt));
   }
-  if (isVtkImage(options.file) && options.array.empty() && !map)
+  if (isVtkImage(options.file) && options.array.empty() && !ranges)
   {
     if (auto grid = readPhaseGrid(options.file, read.sizeKnown)) // phases that have names
     {
@@ -368,9 +405,19 @@ Sample loadSample(const PictureOptions& options, const SampleCheck& check)
   sample.pixelSizeSource = picture.pixelSizeSource;
   sample.provenance = file.record ? file.record->provenance : "";
   sample.warnings.insert(sample.warnings.end(), picture.warnings.begin(), picture.warnings.end());
+  if (options.segment && picture.lattice.dimension == 3)
+  {
+    micrograph::VolumeSegmentation found =
+      micrograph::segmentVolume(std::move(picture), volumeOptions(options, ranges));
+    sample.notes = found.report.lines();
+    sample.volumeSegmentation = std::move(found.report);
+    sample.warnings.insert(sample.warnings.end(), found.warnings.begin(), found.warnings.end());
+    sample.image = std::move(found.image);
+    return sample;
+  }
   if (options.segment)
   {
-    if (map)
+    if (ranges)
     {
       throw ParameterError("--segment and --phase contradict each other",
         "leave --phase and --other out: the phases of a segmented scan are 'lumen' and 'wall'");
@@ -380,19 +427,29 @@ Sample loadSample(const PictureOptions& options, const SampleCheck& check)
     how.judged = window;
     micrograph::Segmentation found = micrograph::segment(picture, how);
     sample.segmentation = found.report;
+    sample.notes = found.report.lines();
     sample.warnings.insert(sample.warnings.end(), found.warnings.begin(), found.warnings.end());
     sample.image = window ? crop(found.image, *window) : std::move(found.image);
     return sample;
   }
-  if (!map && file.record && !file.record->phases.empty())
+  if (!ranges && file.record && !file.record->phases.empty())
   {
-    map = GreyMap{ file.record->phases, std::nullopt };
+    const GreyMap map{ file.record->phases, std::nullopt };
+    sample.image = map.apply(picture.lattice, picture.grey);
+    return sample;
   }
-  if (!map)
+  if (!ranges)
   {
     refuseUnnamed(options, picture);
   }
-  sample.image = map->apply(picture.lattice, picture.grey);
+  GreyRanges::Applied named =
+    ranges->apply(picture.lattice, picture.grey, { isVtkImage(options.file) ? 16 : picture.bits, 1, std::nullopt });
+  if (named.levels)
+  {
+    sample.notes.push_back(named.levels->text());
+  }
+  sample.warnings.insert(sample.warnings.end(), named.warnings.begin(), named.warnings.end());
+  sample.image = std::move(named.image);
   return sample;
 }
 

@@ -2,8 +2,10 @@
 
 #include "Record.h"
 
+#include "lattice/GreyRanges.h"
 #include "micrograph/Picture.h"
 #include "micrograph/Segmentation.h"
+#include "micrograph/VolumeSegmentation.h"
 
 #include <CLI/App.hpp>
 
@@ -21,7 +23,7 @@ namespace lamella::cli
 struct PictureOptions
 {
   std::string file;
-  std::vector<std::string> phase; ///< --phase GREY=NAME
+  std::vector<std::string> phase; ///< --phase GREY=NAME, or a range of greys
   std::string other;              ///< --other NAME
   std::string window;             ///< --window X,Y,WIDTH,HEIGHT
   std::string pixelSize;          ///< --pixel-size METRES
@@ -46,7 +48,7 @@ void addPictureOptions(CLI::App& command, PictureOptions& options);
 /// Four numbers for a picture, six for a volume. @throws ParameterError
 void requireWindowFits(const Lattice& lattice, const std::optional<Window>& window);
 [[nodiscard]] micrograph::ReadOptions readOptions(const PictureOptions& options);
-[[nodiscard]] std::optional<GreyMap> greyMap(const PictureOptions& options);
+[[nodiscard]] std::optional<GreyRanges> greyRanges(const PictureOptions& options);
 
 /// The kinds of file, told by the ending of the name.
 [[nodiscard]] bool isVtkImage(const std::string& path);
@@ -59,9 +61,11 @@ struct Sample
   std::string pixelSizeSource;            ///< "none" when the pixel size is not known
   std::array<std::int64_t, 3> fileSize{}; ///< before the window
   std::optional<Window> window;
-  std::optional<micrograph::SegmentReport> segmentation;
-  std::string provenance;            ///< of the file, where it carries one
-  std::vector<std::string> warnings; ///< what is doubtful about it
+  std::optional<micrograph::SegmentReport> segmentation;      ///< of a picture
+  std::optional<micrograph::VolumeReport> volumeSegmentation; ///< of a volume
+  std::vector<std::string> notes;                             ///< how its greys were parted, a line a step
+  std::string provenance;                                     ///< of the file, where it carries one
+  std::vector<std::string> warnings;                          ///< what is doubtful about it
 };
 
 /// Told the lattice of the sample, which comes from the file's header, before the pixels are read; throws to refuse it,

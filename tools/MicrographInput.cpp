@@ -289,12 +289,12 @@ Micrograph loadMicrograph(const MicrographOptions& options)
   {
     return loadGrey(options);
   }
-  if (picture.segment && greyMap(picture))
+  if (picture.segment && greyRanges(picture))
   {
     throw ParameterError("--segment and --phase contradict each other",
       "leave --phase and --other out: the phases of a segmented scan are 'lumen' and 'wall'");
   }
-  if (!picture.segment && (isVtkImage(picture.file) || greyMap(picture)))
+  if (!picture.segment && (isVtkImage(picture.file) || greyRanges(picture)))
   {
     return loadLabels(options);
   }

@@ -135,7 +135,9 @@ void addMicrographInput(CLI::App& command, MicrographOptions& o)
     command.add_option("--window", o.picture.window,
       "Use this part only: pixels from the top left; of polygons the file's own coordinates, from the lower left"));
   o.forLabels = { in("Labels", "GREY=NAME",
-                    command.add_option("--phase", o.picture.phase, "This grey value is this phase: FILE holds labels")
+                    command
+                      .add_option("--phase", o.picture.phase,
+                        "These grey values, one or a range such as 90..255, are this phase: FILE holds labels")
                       ->allow_extra_args(false)),
     in("Labels", "NAME",
       command.add_option("--other", o.picture.other, "All grey values that are not listed are this phase")),

@@ -2,6 +2,7 @@
 
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
+#include "lattice/NodeText.h"
 
 #include <fmt/format.h>
 
@@ -20,16 +21,6 @@ std::string sizeText(const Lattice& lattice)
 {
   return lattice.dimension == 3 ? fmt::format("{} × {} × {}", lattice.size[0], lattice.size[1], lattice.size[2])
                                 : fmt::format("{} × {}", lattice.size[0], lattice.size[1]);
-}
-
-/// Where a node is, in the words of the command line: pixels from the top left in 2D, file order in 3D.
-std::string nodeText(const Lattice& lattice, std::int64_t node)
-{
-  const std::int64_t x = node % lattice.size[0];
-  const std::int64_t y = node / lattice.size[0] % lattice.size[1];
-  const std::int64_t z = node / (lattice.size[0] * lattice.size[1]);
-  return lattice.dimension == 3 ? fmt::format("voxel {}, {}, {}", x, y, z)
-                                : fmt::format("pixel {}, {} from the top left", x, lattice.size[1] - 1 - y);
 }
 
 void requireCount(const Lattice& lattice, std::size_t values)
@@ -61,6 +52,15 @@ void requireCount(const Lattice& lattice, std::size_t values)
 }
 
 } // namespace
+
+std::string nodeText(const Lattice& lattice, std::int64_t node)
+{
+  const std::int64_t x = node % lattice.size[0];
+  const std::int64_t y = node / lattice.size[0] % lattice.size[1];
+  const std::int64_t z = node / (lattice.size[0] * lattice.size[1]);
+  return lattice.dimension == 3 ? fmt::format("voxel {}, {}, {}", x, y, z)
+                                : fmt::format("pixel {}, {} from the top left", x, lattice.size[1] - 1 - y);
+}
 
 PhaseTable::PhaseTable(const std::vector<std::string>& names)
 {

@@ -218,7 +218,8 @@ PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
   micrograph::Picture picture;
   PhaseTable names;
   micrograph::ReadOptions read = options.read;
-  if (!options.segment)
+  // A picture is segmented whole, for its light; of a volume, whose corners may be empty, only the window is looked at.
+  if (!options.segment || (options.window && options.window->size[2] != 0))
   {
     read.window = options.window;
   }
@@ -240,13 +241,31 @@ PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
   }
   result.pixelSizeSource = picture.pixelSizeSource;
   result.warnings = picture.warnings;
+  if (options.segment && picture.lattice.dimension == 3)
+  {
+    micrograph::VolumeOptions how;
+    how.phases = options.greys;
+    how.empty = options.segment->lumen;
+    how.threshold = options.segment->threshold;
+    micrograph::VolumeSegmentation found = micrograph::segmentVolume(std::move(picture), how);
+    result.warnings.insert(result.warnings.end(), found.warnings.begin(), found.warnings.end());
+    result.notes = found.report.lines();
+    result.image = options.refine != 1 ? refine(found.image, options.refine) : std::move(found.image);
+    return result;
+  }
   if (options.segment)
   {
+    if (!options.greys.empty())
+    {
+      throw ParameterError("phases are named for a scan that is to be segmented",
+        "name none: the phases of a segmented scan are 'lumen' and 'wall'");
+    }
     // The whole scan, for the light and the threshold; the window is cut afterwards.
     micrograph::SegmentOptions how = *options.segment;
     how.judged = options.window;
     micrograph::Segmentation found = micrograph::segment(picture, how);
     result.warnings.insert(result.warnings.end(), found.warnings.begin(), found.warnings.end());
+    result.notes = found.report.lines();
     result.image = options.window ? crop(found.image, *options.window) : std::move(found.image);
     if (options.refine != 1)
     {
@@ -254,16 +273,26 @@ PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
     }
     return result;
   }
-  const bool mapped = !options.greys.phaseOfGrey.empty() || options.greys.other;
-  const bool known = !mapped && names.size() > 0 &&
+  const bool known = options.greys.empty() && names.size() > 0 &&
     std::ranges::all_of(picture.grey, [&](std::uint16_t id) { return id < names.size(); });
   if (known)
   {
     result.image = PhaseImage{ picture.lattice, { picture.grey.begin(), picture.grey.end() }, names };
   }
+  else if (options.greys.empty())
+  {
+    result.image = everyGrey(picture).apply(picture.lattice, picture.grey);
+  }
   else
   {
-    result.image = (mapped ? options.greys : everyGrey(picture)).apply(picture.lattice, picture.grey);
+    GreyRanges::Applied named =
+      options.greys.apply(picture.lattice, picture.grey, { isVti(path) ? 16 : picture.bits, 1, std::nullopt });
+    result.warnings.insert(result.warnings.end(), named.warnings.begin(), named.warnings.end());
+    if (named.levels)
+    {
+      result.notes.push_back(named.levels->text());
+    }
+    result.image = std::move(named.image);
   }
   if (options.refine != 1)
   {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include "lattice/GreyRanges.h"
 #include "lattice/Phases.h"
 #include "micrograph/Picture.h"
 #include "micrograph/Segmentation.h"
+#include "micrograph/VolumeSegmentation.h"
 
 #include "vtkLamellaSolversVTKModule.h" // for the export macro
 
@@ -22,9 +24,11 @@ namespace lamella
 struct PictureOptions
 {
   micrograph::ReadOptions read;
-  /// Finds lumens and walls in a raw scan; the grey map is not used then. The whole scan, before the window is cut.
+  /// Finds phases in a raw scan. Of a picture lumens and walls, in the whole scan, before the window is cut; `greys`
+  /// has to be empty then. Of a volume void and solid, or what `greys` names, in the window
+  /// (micrograph::segmentVolume); of these options `lumen` and `threshold` count there.
   std::optional<micrograph::SegmentOptions> segment;
-  GreyMap greys;                ///< none given: every grey value is a phase of its own, named by its value
+  GreyRanges greys;             ///< none given: every grey value is a phase of its own, named by its value
   std::optional<Window> window; ///< cut out first, or when the scan has been segmented; not `read.window`
   int refine = 1;               ///< then each pixel into n × n
   std::string array;            ///< .vti: the array to read; empty: `phase`, else the first array of whole numbers
@@ -35,6 +39,7 @@ struct PhasePicture
   PhaseImage image;
   std::string pixelSizeSource;        ///< "option", what the file calls it, or "none" (spacing 1)
   std::vector<std::string> warnings;  ///< what a user should know, each one line
+  std::vector<std::string> notes;     ///< how its greys were parted, a line a step
   vtkSmartPointer<vtkImageData> file; ///< a .vti read at its points, with all it holds, before the window; else null
 };
 

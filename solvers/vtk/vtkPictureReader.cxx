@@ -105,30 +105,35 @@ vtkPictureReader::~vtkPictureReader()
 
 void vtkPictureReader::SetPhase(int grey, const char* name)
 {
-  if (name == nullptr || *name == '\0')
+  this->SetPhase(std::to_string(grey).c_str(), name);
+}
+
+void vtkPictureReader::SetPhase(const char* greys, const char* name)
+{
+  if (greys == nullptr || *greys == '\0' || name == nullptr || *name == '\0')
   {
     return; // an empty row in a panel
   }
-  const auto entry = this->PhaseOfGrey.find(grey);
-  if (entry == this->PhaseOfGrey.end() || entry->second != name)
+  const auto entry = this->PhaseOfGreys.find(greys);
+  if (entry == this->PhaseOfGreys.end() || entry->second != name)
   {
-    this->PhaseOfGrey[grey] = name;
+    this->PhaseOfGreys[greys] = name;
     this->Modified();
   }
 }
 
 void vtkPictureReader::RemoveAllPhases()
 {
-  if (!this->PhaseOfGrey.empty())
+  if (!this->PhaseOfGreys.empty())
   {
-    this->PhaseOfGrey.clear();
+    this->PhaseOfGreys.clear();
     this->Modified();
   }
 }
 
 int vtkPictureReader::GetNumberOfPhases()
 {
-  return static_cast<int>(this->PhaseOfGrey.size());
+  return static_cast<int>(this->PhaseOfGreys.size());
 }
 
 bool vtkPictureReader::Read()
@@ -146,7 +151,10 @@ bool vtkPictureReader::Read()
   try
   {
     lamella::PictureOptions options;
-    options.greys.phaseOfGrey = this->PhaseOfGrey;
+    for (const auto& [greys, name] : this->PhaseOfGreys)
+    {
+      options.greys.add(greys, name);
+    }
     if (this->OtherPhase != nullptr && *this->OtherPhase != '\0')
     {
       options.greys.other = this->OtherPhase;
@@ -186,6 +194,10 @@ bool vtkPictureReader::Read()
     lamella::PhasePicture picture = lamella::readPhases(this->FileName, options);
     this->Image = lamella::toImageData(std::move(picture.image));
     lamella::setFieldText(this->Image, "pixel_size_source", picture.pixelSizeSource);
+    if (!picture.notes.empty())
+    {
+      lamella::setFieldTexts(this->Image, "segmentation", picture.notes);
+    }
 
     for (const std::string& warning : picture.warnings)
     {
@@ -197,9 +209,9 @@ bool vtkPictureReader::Read()
     {
       parameters["segment"] = true;
     }
-    for (const auto& [grey, name] : this->PhaseOfGrey)
+    for (const auto& [greys, name] : this->PhaseOfGreys)
     {
-      parameters["phases"][std::to_string(grey)] = name;
+      parameters["phases"][greys] = name;
     }
     if (options.greys.other)
     {
@@ -273,8 +285,8 @@ void vtkPictureReader::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "PixelSize: " << this->PixelSize << "\n"
      << indent << "RawBits: " << this->RawBits << "\n"
      << indent << "RawHeader: " << this->RawHeader << "\n";
-  for (const auto& [grey, name] : this->PhaseOfGrey)
+  for (const auto& [greys, name] : this->PhaseOfGreys)
   {
-    os << indent << "Phase of grey " << grey << ": " << name << "\n";
+    os << indent << "Phase of grey " << greys << ": " << name << "\n";
   }
 }

@@ -8,7 +8,8 @@
  * flipped, so that they stand upright in a view: the first row in memory is the bottom row of the picture.
  *
  * With no phase named every grey value is a phase of its own, named by its value. Once one is named, a grey that is in
- * no phase is an error, unless OtherPhase says what all other greys are.
+ * no phase is an error, unless OtherPhase says what all other greys are. Phases are named by grey values or by ranges
+ * of them.
  *
  * Of a .vti the other point arrays come along, cut out with the window (with Refinement only `grain` and `axis`), and
  * its field data where there is no window, no Refinement and no PixelSize.
@@ -41,7 +42,12 @@ public:
   ///@}
 
   ///@{
-  /** Names the phase of a grey value (0 to 255, of 16-bit pictures to 65535). Several greys may be one phase. */
+  /**
+   * Names the phase of a grey value (0 to 255, of 16-bit pictures to 65535), or of a range with both ends in it, as
+   * "0..89", "..89" or "90.."; "..otsu" and "otsu.." part the greys at Otsu's level, "..otsu1", "otsu1..otsu2" and
+   * "otsu2.." at those of three classes. Several greys may be one phase.
+   */
+  void SetPhase(const char* greys, const char* name);
   void SetPhase(int grey, const char* name);
   void RemoveAllPhases();
   int GetNumberOfPhases();
@@ -54,7 +60,11 @@ public:
   ///@}
 
   ///@{
-  /** The picture is a raw scan: find the phases `lumen` and `wall` in it (micrograph::segment). Default off. */
+  /**
+   * A raw scan: find the phases `lumen` and `wall` in a picture (micrograph::segment), `void` and `solid`, or the
+   * phases named, in a volume (micrograph::segmentVolume). Field data `segmentation` says how, a line a step. Default
+   * off.
+   */
   vtkSetMacro(Segment, bool);
   vtkGetMacro(Segment, bool);
   vtkBooleanMacro(Segment, bool);
@@ -67,13 +77,16 @@ public:
     DARK = 2
   };
   ///@{
-  /** Segment: whether lumens are brighter or darker than walls. Default AUTO_LUMEN. */
+  /** Segment: whether lumens are brighter or darker than walls, void than solid. Default AUTO_LUMEN; volumes: dark. */
   vtkSetClampMacro(Lumen, int, AUTO_LUMEN, DARK);
   vtkGetMacro(Lumen, int);
   ///@}
 
   ///@{
-  /** Segment: grey value between lumen and wall once the light is even, 0 to 255; negative (the default): found. */
+  /**
+   * Segment: grey value between the two once the light is even, of pictures 0 to 255, of volumes as in the file;
+   * negative (the default): found.
+   */
   vtkSetMacro(Threshold, double);
   vtkGetMacro(Threshold, double);
   ///@}
@@ -141,7 +154,7 @@ private:
   char* FileName = nullptr;
   char* OtherPhase = nullptr;
   char* ArrayName = nullptr;
-  std::map<int, std::string> PhaseOfGrey;
+  std::map<std::string, std::string> PhaseOfGreys;
   bool Segment = false;
   int Lumen = AUTO_LUMEN;
   double Threshold = -1;

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
@@ -126,6 +127,60 @@ TEST_F(PictureReader, AGreyInNoPhaseIsAnErrorUnlessOtherSaysWhatItIs)
   picture->SetOtherPhase("wall");
   ASSERT_EQ(errorOf(picture), "");
   EXPECT_EQ(phases(picture), (std::vector<int>{ 0, 0, 1, 1, 0, 1, 1, 1, 0, 0, 0, 1 }));
+}
+
+TEST_F(PictureReader, RangesOfGreysAreTextsThatOneReaderReads)
+{
+  write(greys(), path("a.vti"));
+  const auto picture = reader(path("a.vti"));
+  picture->SetPhase("..127", "lumen");
+  picture->SetPhase("128..", "wall");
+  EXPECT_EQ(picture->GetNumberOfPhases(), 2);
+  ASSERT_EQ(errorOf(picture), "");
+  EXPECT_EQ(phases(picture), (std::vector<int>{ 0, 0, 1, 1, 0, 1, 1, 1, 0, 0, 0, 1 }));
+  EXPECT_NE(provenance(picture->GetOutput()).find("128.."), std::string::npos);
+  picture->SetPhase("120..140", "lamella");
+  EXPECT_NE(errorOf(picture).find("overlap"), std::string::npos);
+  picture->RemoveAllPhases();
+  picture->SetPhase("..otsu", "lumen");
+  picture->SetPhase("otsu..", "wall");
+  ASSERT_EQ(errorOf(picture), "");
+  // 0, 128 and 255: 128 goes with 255, and the level to the middle between 0 and 128.
+  EXPECT_EQ(phases(picture), (std::vector<int>{ 0, 0, 1, 1, 0, 1, 1, 1, 0, 0, 0, 1 }));
+  EXPECT_NE(fieldText(picture->GetOutput(), "segmentation")->find("parted at 64"), std::string::npos);
+}
+
+TEST_F(PictureReader, AVolumeIsSegmentedAndSaysHow)
+{
+  // A slab of bright voxels with a speck beside it.
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(20, 20, 20);
+  std::vector<std::uint8_t> values(8000, 50);
+  for (std::size_t node = 0; node < values.size(); ++node)
+  {
+    values[node] = static_cast<std::uint8_t>(50 + (node % 20 >= 8 && node % 20 < 16 ? 100 : 0) + node * 7919 % 11);
+  }
+  values[20 * 20 * 10 + 20 * 10 + 2] = 160;
+  image->GetPointData()->SetScalars(adopt(values, "scan"));
+  write(image, path("v.vti"));
+  const auto volume = reader(path("v.vti"));
+  volume->SegmentOn();
+  ASSERT_EQ(errorOf(volume), "");
+  EXPECT_EQ(phaseNames(volume->GetOutput()).names(), (std::vector<std::string>{ "void", "solid" }));
+  const std::vector<int> found = phases(volume);
+  EXPECT_EQ(std::count(found.begin(), found.end(), 1), 8 * 400);
+  EXPECT_NE(fieldText(volume->GetOutput(), "segmentation"), "");
+  volume->SetPhase("..otsu", "air");
+  volume->SetPhase("otsu..", "fibre");
+  ASSERT_EQ(errorOf(volume), "");
+  EXPECT_EQ(phaseNames(volume->GetOutput()).names(), (std::vector<std::string>{ "air", "fibre" }));
+  volume->SetWindow(4, 0, 0, 8, 20, 20); // cut before it is segmented
+  ASSERT_EQ(errorOf(volume), "");
+  EXPECT_EQ(volume->GetOutput()->GetDimensions()[0], 8);
+  EXPECT_EQ(phases(volume)[3], 0);
+  EXPECT_EQ(phases(volume)[4], 1);
+  volume->SetThreshold(100);
+  EXPECT_NE(errorOf(volume).find("contradicts"), std::string::npos);
 }
 
 TEST_F(PictureReader, CellsBecomeNodesAtTheirCentres)

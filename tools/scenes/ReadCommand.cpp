@@ -84,7 +84,10 @@ void readSample(Session& session, const ReadOptions& o, const std::string& comma
     setProvenance(image, io::toJson(recordRun(commandLine, o.picture.file, sample.provenance)));
     data = image;
   }
-  writeGrid(data, OutputFile(o.output, o.common.overwrite));
+  if (!o.output.empty()) // asked for its numbers alone where the next stage reads the file itself
+  {
+    writeGrid(data, OutputFile(o.output, o.common.overwrite));
+  }
   session.print(dump(json));
 }
 

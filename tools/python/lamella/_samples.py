@@ -106,6 +106,11 @@ class Sample(ImageBase):
         names = self.names or [str(i) for i in range(len(count))]
         return {name: float(n) / self.phase.size for name, n in zip(names, count)}
 
+    @property
+    def segmentation(self) -> list[str]:
+        """How read_picture() parted its greys, a line a step; empty where it did not."""
+        return _arrays.texts(self.vtk, "segmentation")
+
     def __repr__(self) -> str:
         shares = ", ".join(f"{name} {share:.3f}" for name, share in self.fractions.items())
         return f"<lamella.Sample {' x '.join(map(str, self.shape))}: {shares}>"
@@ -118,7 +123,7 @@ def _sample(algorithm):
 
 def read_picture(
     path: Path,
-    phases: Mapping[int, str] | None = None,
+    phases: Mapping[int | str, str] | None = None,
     other: str | None = None,
     window: Sequence[int] | None = None,
     refine: int = 1,
@@ -134,14 +139,16 @@ def read_picture(
     """Reads a picture (PNG, JPEG, TIFF), a volume (TIFF stack, slices, raw) or a .vti file.
 
     path        of slices a pattern, such as slice_%03d.png
-    phases      {grey value: name}; none: every grey value is a phase of its own, named by its value
+    phases      {grey value or range of them: name}: 255, "90..255", "90..", "..89", both ends in it; "..otsu" and "otsu.."
+                part the greys where the picture says, "..otsu1", "otsu1..otsu2" and "otsu2.." into three. None: every grey
+                value is a phase of its own, named by its value
     other       name for all greys that are not listed; none: such a grey is an error
     window      (x, y, width, height) in pixels from the top left; of a volume (x, y, z, width, height, depth)
     refine      splits each pixel into refine x refine nodes
     pixel_size  metres; wins over what the file says
-    segment     the picture is a raw scan: find the phases lumen and wall in it
-    lumen       with segment: "auto", "bright" or "dark"
-    threshold   with segment: grey between lumen and wall once the light is even, 0 to 255; None: found
+    segment     a raw scan: find the phases lumen and wall in a picture; void and solid, or those of phases, in a volume
+    lumen       with segment: "auto", "bright" or "dark" lumens; of a volume the void, and "auto" is dark
+    threshold   with segment: grey between the two once the light is even, of a picture 0 to 255; None: found
     array       .vti files: which array; the other point arrays come along (with refine only grain and axis)
     raw_size, raw_bits, raw_header   raw volumes: (nx, ny, nz), 8 or 16, bytes to skip
 
@@ -150,7 +157,7 @@ def read_picture(
     reader = vtkPictureReader()
     reader.SetFileName(os.fspath(path))
     for grey, name in entries(phases, "phases", "{grey value: name}"):
-        reader.SetPhase(int(grey), name)
+        reader.SetPhase(grey if isinstance(grey, str) else str(int(grey)), name)
     reader.SetOtherPhase(other)
     if window is not None:
         window = [int(value) for value in window]
