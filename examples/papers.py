@@ -2,7 +2,7 @@
 
 A paper is a paper.json: its studies (script, arguments, what they took when last measured) and its figures in order, each as a section of
 report.json (docs/commands/report.md) whose files are of the study's folder. Besides, a figure has
-  study        whose files are shown; without one "not_made" says why
+  study        whose files are shown; without one "not_made" says why. A part of a figure may name another study of its own
   discussion   paragraphs of Markdown files, by the words that they begin with: one text for the study's page and this one
 and "ours" of a comparison may be {"derived": NAME}: what a function of run.py makes of the tables.
 """
@@ -233,8 +233,15 @@ def ours_of(said, folder, derived, tables):
     return {**said, "file": os.path.join(os.path.basename(folder), said["file"])}
 
 
-def section_of(figure, study, folder, derived, tables, quick):
+def studies_of(figure):
+    """Names of the studies whose files a figure of paper.json shows."""
+    parts = [figure, *(part for key in ("figures", "curves", "tables") for part in figure.get(key, ()))]
+    return {part["study"] for part in parts if "study" in part}
+
+
+def section_of(figure, folders, derived, tables, quick):
     """A figure of paper.json as a section of the page."""
+    folder = folders.get(figure.get("study"), "")
     title = f"{figure['number']}: {figure['title']}"
     section = {"title": title, "text": [f"**The paper:** {figure['paper']}"] if "paper" in figure else []}
     if "text" in figure:
@@ -248,10 +255,11 @@ def section_of(figure, study, folder, derived, tables, quick):
     for key in ("figures", "curves", "tables"):
         section[key] = []
         for part in figure.get(key, ()):
-            there = folder and os.path.isfile(os.path.join(folder, part["file"]))
+            of = folders.get(part.get("study"), folder)
+            there = of and os.path.isfile(os.path.join(of, part["file"]))
             if there or not (quick or part.get("real_data")):  # what a full run lacks, the page names as missing
-                part = {name: value for name, value in part.items() if name != "real_data"}
-                section[key].append({**part, "file": os.path.join(os.path.basename(folder), part["file"])})
+                part = {name: value for name, value in part.items() if name not in ("real_data", "study")}
+                section[key].append({**part, "file": os.path.join(os.path.basename(of), part["file"])})
     discussion = [paragraph(one["file"], begins) for one in figure.get("discussion", ()) for begins in one["begins"]]
     if discussion:
         files = ", ".join(dict.fromkeys(f"`examples/{one['file']}`" for one in figure["discussion"]))
@@ -270,11 +278,10 @@ def numbers_of(figures):
 def page_of(paper, figures, folders, derived, quick):
     tables = Tables(folders)
     records = {name: done(folder) for name, folder in folders.items()}
-    sections = [section_of(figure, paper["studies"].get(figure.get("study")), folders.get(figure.get("study"), ""), derived, tables, quick)
-                for figure in figures]
+    sections = [section_of(figure, folders, derived, tables, quick) for figure in figures]
     times = []
     for name, record in records.items():
-        mine = [figure for figure in figures if figure.get("study") == name]
+        mine = [figure for figure in figures if name in studies_of(figure)]
         note = "taken from a run by hand" if record.get("taken") else ""
         times.append({"what": f"{paper['studies'][name]['about']}: {numbers_of(mine)}", "seconds": record["seconds"],
                       "processor_seconds": record["processor_seconds"], "note": note})
@@ -343,7 +350,7 @@ def make(doc, home, derived):
     taken = taken_folders(paper, options.take)
     folders, waiting = {}, []
     for name, study in paper["studies"].items():
-        if not any(figure.get("study") == name for figure in figures):
+        if not any(name in studies_of(figure) for figure in figures):
             continue
         folder = folders[name] = os.path.join(options.output, name)
         words = study["quick"] if options.quick else study.get("arguments", [])
