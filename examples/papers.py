@@ -4,7 +4,8 @@ A paper is a paper.json: its studies (script, arguments, what they took when las
 report.json (docs/commands/report.md) whose files are of the study's folder. Besides, a figure has
   study        whose files are shown; without one "not_made" says why. A part of a figure may name another study of its own
   discussion   paragraphs of Markdown files, by the words that they begin with: one text for the study's page and this one
-and "ours" of a comparison may be {"derived": NAME}: what a function of run.py makes of the tables.
+and "ours" of a comparison may be {"derived": NAME}: what a function of run.py makes of the tables. The paper's "differences" name the heading
+of a Markdown file whose list the page begins with.
 """
 
 import argparse
@@ -212,6 +213,15 @@ def paragraph(file, begins):
     return blocks[found[0]] + (" *(there)*" if leads else "")
 
 
+def items_below(file, heading):
+    """A heading of a Markdown file under examples/ and the list below it, as one text."""
+    with open(os.path.join(EXAMPLES, file), encoding="utf-8") as lines:
+        text = lines.read().split(f"\n## {heading}\n")
+    if len(text) != 2:
+        raise Failure(f"examples/{file} has {len(text) - 1} headings '{heading}'", "mend 'differences' in paper.json")
+    return f"**{heading}**\n\n" + text[1].split("\n## ")[0].strip()
+
+
 def np_free(value):
     """A value, or a value and its error, as numbers of Python."""
     return tuple(float(one) for one in (value if isinstance(value, tuple) else (value,)))
@@ -291,6 +301,8 @@ def page_of(paper, figures, folders, derived, quick):
         f"Of the paper's {len(figures)} figures and tables {len(made)}")
     text = [paper["about"], f"{asked} are made, in the paper's order. Numbers under *ours* are read from the tables of this run, which lie beside "
             "this page; a difference is ours less the paper's, over the paper's."]
+    if "differences" in paper:
+        text.append(items_below(**paper["differences"]))
     if quick:
         text.append("**A quick run:** samples are few, small and coarse, to show that all of it works. Its numbers are not to be compared with "
                     "the paper's; the discussion is of the full run.")
