@@ -20,7 +20,7 @@ import lamella
 import numpy as np
 from matplotlib import pyplot as plt
 from ends import without_ends
-from fracture import HELD, PAPER, UNIT, packing_of, slopes
+from fracture import HELD, PAPER, UNIT, packing_of
 from stress import CRITICAL, E_MATRIX, HORIZON, RATIO
 from study import FILLED, bridged, means_of
 from vtkmodules.vtkCommonCore import vtkLogger
@@ -119,6 +119,12 @@ def known_rows(path):
         return [{key: text if key == "setup" or text == FILLED else float(text) for key, text in row.items()} for row in csv.DictReader(file)]
 
 
+def slope(means, width, other):
+    """Of the strength over saturation between two measured widths of the bridges; NaN where one was not."""
+    low, high = ([mean for mean in means if mean["width"] == one] for one in (width, other))
+    return (high[0]["strength"] - low[0]["strength"]) / (high[0]["saturation"] - low[0]["saturation"]) if low and high else math.nan
+
+
 def label_of(name):
     return SETUPS[name].label if name in SETUPS else "the same, quasi-static"
 
@@ -149,7 +155,7 @@ def draw_setups(means, path):
 
 def draw_motion(means, curves, path):
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), constrained_layout=True)
-    widths = list(dict.fromkeys(row["width"] for row in curves))
+    widths = list(dict.fromkeys(row["width"] for row in sorted(curves, key=lambda row: row["saturation"])))
     for width, colour in zip(widths, plt.get_cmap("viridis")(np.linspace(0, 0.92, len(widths)))):
         for name, line in (("motion-still", "--"), ("motion", "-")):
             of = [row for row in curves if row["width"] == width and row["setup"] == name]
@@ -198,9 +204,8 @@ def main():
     for name in dict.fromkeys(row["setup"] for row in rows):
         of = sorted((row for row in rows if row["setup"] == name), key=lambda row: row["saturation"])
         means[name] = means_of(of, NAMES)
-        rising, level = slopes(means[name])
         print(f"{label_of(name)}: " + ", ".join(f"{mean['strength']:.3f} at {mean['saturation']:.3f}" for mean in means[name]))
-        print(f"    slope {rising:.2f} to 0.4, {level:.2f} from there to 0.9; near plates " +
+        print(f"    slope {slope(means[name], 0.25, 0.5):.2f} from width 0.25 to 0.5, {slope(means[name], 0.5, 1.0):.2f} to 1; near plates " +
               ", ".join(f"{100 * mean['near_plates']:.0f} %" for mean in means[name]))
     write_csv(there("setups.csv"), [{"setup": name, **mean} for name, of in means.items() for mean in of])
     draw_setups(means, there("setups.png"))
