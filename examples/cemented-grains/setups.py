@@ -2,7 +2,8 @@
 
     PYTHONPATH=build/python /usr/bin/python3 examples/cemented-grains/setups.py
 
-A packing of study.py, pulled as in fracture.py by each set-up of the list below, and by the damped motion and the rate that gives way of appendix A (A1, A2) of Frank, Radjai, Nezamabadi and Delenne, Phys. Rev. E 102 (2020) 022906. Writes to --output:
+A packing of study.py, pulled as in fracture.py by each set-up of the list below, and by the damped motion and the rate that gives way of
+appendix A (A1, A2) of Frank, Radjai, Nezamabadi and Delenne, Phys. Rev. E 102 (2020) 022906. Writes to --output:
   setups.png          strength against saturation by set-up, measured points only
   motion.png          the same, and stress against strain, by damped motion beside the quasi-static pull
   setups-samples.csv  one row a sample, written as they come; setups.csv: means, one row a set-up and width

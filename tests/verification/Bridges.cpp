@@ -110,9 +110,10 @@ TEST(Bridges, PeriodicBoxesHaveNoPlaceOfTheirOwn)
   EXPECT_NEAR(matrixFractions(p, here, 0.7).saturation, matrixFractions(shifted, there, 0.7).saturation, 2e-5);
 }
 
-// Ten samples of 400 disks. The captions of the paper's figures 9 and 15 name the saturations 0.064, 0.34, 0.67, 0.91 and 0.97, its text widths
-// from 0.25 to 1.25 and "for α = 1, 90% of the interstitial space is filled". That the five are those of these five widths is our inference;
-// 0.03: packings are not the paper's; the means of these ten differ from the captions by 0.019 at most.
+// Ten samples of 400 disks. The captions of the paper's figures 9 and 15 name the saturations 0.064, 0.34, 0.67, 0.91
+// and 0.97, its text widths from 0.25 to 1.25 and "for α = 1, 90% of the interstitial space is filled". That the five
+// are those of these five widths is our inference; 0.03: packings are not the paper's; the means of these ten differ
+// from the captions by 0.019 at most.
 TEST(Bridges, SaturationsOfThePapersCaptions)
 {
   std::vector<std::uint64_t> seeds(10);
