@@ -2,9 +2,10 @@
 
 A paper is a paper.json: its studies (script, arguments, what they took when last measured) and its figures in order, each as a section of
 report.json (docs/commands/report.md) whose files are of the study's folder. Besides, a figure has
-  study        whose files are shown; without one "not_made" says why
+  study        whose files are shown; without one "not_made" says why. A part of a figure may name another study of its own
   discussion   paragraphs of Markdown files, by the words that they begin with: one text for the study's page and this one
-and "ours" of a comparison may be {"derived": NAME}: what a function of run.py makes of the tables.
+and "ours" of a comparison may be {"derived": NAME}: what a function of run.py makes of the tables. The paper's "differences" name the heading
+of a Markdown file whose list the page begins with.
 """
 
 import argparse
@@ -212,6 +213,15 @@ def paragraph(file, begins):
     return blocks[found[0]] + (" *(there)*" if leads else "")
 
 
+def items_below(file, heading):
+    """A heading of a Markdown file under examples/ and the list below it, as one text."""
+    with open(os.path.join(EXAMPLES, file), encoding="utf-8") as lines:
+        text = lines.read().split(f"\n## {heading}\n")
+    if len(text) != 2:
+        raise Failure(f"examples/{file} has {len(text) - 1} headings '{heading}'", "mend 'differences' in paper.json")
+    return f"**{heading}**\n\n" + text[1].split("\n## ")[0].strip()
+
+
 def np_free(value):
     """A value, or a value and its error, as numbers of Python."""
     return tuple(float(one) for one in (value if isinstance(value, tuple) else (value,)))
@@ -233,8 +243,15 @@ def ours_of(said, folder, derived, tables):
     return {**said, "file": os.path.join(os.path.basename(folder), said["file"])}
 
 
-def section_of(figure, study, folder, derived, tables, quick):
+def studies_of(figure):
+    """Names of the studies whose files a figure of paper.json shows."""
+    parts = [figure, *(part for key in ("figures", "curves", "tables") for part in figure.get(key, ()))]
+    return {part["study"] for part in parts if "study" in part}
+
+
+def section_of(figure, folders, derived, tables, quick):
     """A figure of paper.json as a section of the page."""
+    folder = folders.get(figure.get("study"), "")
     title = f"{figure['number']}: {figure['title']}"
     section = {"title": title, "text": [f"**The paper:** {figure['paper']}"] if "paper" in figure else []}
     if "text" in figure:
@@ -248,10 +265,11 @@ def section_of(figure, study, folder, derived, tables, quick):
     for key in ("figures", "curves", "tables"):
         section[key] = []
         for part in figure.get(key, ()):
-            there = folder and os.path.isfile(os.path.join(folder, part["file"]))
+            of = folders.get(part.get("study"), folder)
+            there = of and os.path.isfile(os.path.join(of, part["file"]))
             if there or not (quick or part.get("real_data")):  # what a full run lacks, the page names as missing
-                part = {name: value for name, value in part.items() if name != "real_data"}
-                section[key].append({**part, "file": os.path.join(os.path.basename(folder), part["file"])})
+                part = {name: value for name, value in part.items() if name not in ("real_data", "study")}
+                section[key].append({**part, "file": os.path.join(os.path.basename(of), part["file"])})
     discussion = [paragraph(one["file"], begins) for one in figure.get("discussion", ()) for begins in one["begins"]]
     if discussion:
         files = ", ".join(dict.fromkeys(f"`examples/{one['file']}`" for one in figure["discussion"]))
@@ -270,11 +288,10 @@ def numbers_of(figures):
 def page_of(paper, figures, folders, derived, quick):
     tables = Tables(folders)
     records = {name: done(folder) for name, folder in folders.items()}
-    sections = [section_of(figure, paper["studies"].get(figure.get("study")), folders.get(figure.get("study"), ""), derived, tables, quick)
-                for figure in figures]
+    sections = [section_of(figure, folders, derived, tables, quick) for figure in figures]
     times = []
     for name, record in records.items():
-        mine = [figure for figure in figures if figure.get("study") == name]
+        mine = [figure for figure in figures if name in studies_of(figure)]
         note = "taken from a run by hand" if record.get("taken") else ""
         times.append({"what": f"{paper['studies'][name]['about']}: {numbers_of(mine)}", "seconds": record["seconds"],
                       "processor_seconds": record["processor_seconds"], "note": note})
@@ -284,6 +301,8 @@ def page_of(paper, figures, folders, derived, quick):
         f"Of the paper's {len(figures)} figures and tables {len(made)}")
     text = [paper["about"], f"{asked} are made, in the paper's order. Numbers under *ours* are read from the tables of this run, which lie beside "
             "this page; a difference is ours less the paper's, over the paper's."]
+    if "differences" in paper:
+        text.append(items_below(**paper["differences"]))
     if quick:
         text.append("**A quick run:** samples are few, small and coarse, to show that all of it works. Its numbers are not to be compared with "
                     "the paper's; the discussion is of the full run.")
@@ -343,7 +362,7 @@ def make(doc, home, derived):
     taken = taken_folders(paper, options.take)
     folders, waiting = {}, []
     for name, study in paper["studies"].items():
-        if not any(figure.get("study") == name for figure in figures):
+        if not any(name in studies_of(figure) for figure in figures):
             continue
         folder = folders[name] = os.path.join(options.output, name)
         words = study["quick"] if options.quick else study.get("arguments", [])

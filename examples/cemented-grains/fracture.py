@@ -91,11 +91,12 @@ def measure(task):
 
 
 def slopes(means):
-    """Mean slope of strength over saturation from none to 0.4 and from there to 0.9."""
-    saturation = [0.0] + [mean["saturation"] for mean in means]
-    strength = [0.0] + [mean["strength"] for mean in means]
-    at = [float(np.interp(s, saturation, strength)) for s in (0.0, 0.4, 0.9)]
-    return (at[1] - at[0]) / 0.4, (at[2] - at[1]) / 0.5
+    """Mean slope of strength over saturation from the least that was measured to 0.4, and from there to 0.9, on straight lines between measured
+    points; NaN without points on both sides."""
+    saturation = [mean["saturation"] for mean in means]
+    strength = [mean["strength"] for mean in means]
+    low, middle, high = np.interp((saturation[0], 0.4, 0.9), saturation, strength, right=math.nan)
+    return float((middle - low) / (0.4 - saturation[0])) if saturation[0] < 0.4 else math.nan, float((high - middle) / 0.5)
 
 
 def draw_curves(curves, path):
@@ -171,7 +172,7 @@ def main():
               f"{mean['first_break']:>6.3f} {mean['modulus']:>6.3f} {mean['broken']:>7.0f} {100 * mean['inside_grains']:>7.2f} % "
               f"{1e3 * mean['cpu_seconds'] / max(1.0, mean['events']):>8.2f}")
     rising, level = slopes(means)
-    print(f"slope of the strength over S: {rising:.3f} from 0 to 0.4, {level:.3f} from 0.4 to 0.9 (ratio {level / rising:.3f})")
+    print(f"slope of the strength over S: {rising:.3f} from {means[0]['saturation']:.3f} to 0.4, {level:.3f} from there to 0.9")
     draw_curves(curves, os.path.join(options.output, "fracture-curves.png"))
     if cracks:
         draw_cracks(cracks, os.path.join(options.output, "fracture-cracks.png"))

@@ -31,7 +31,7 @@ from common import paper_numbers, write_csv, write_figure  # noqa: E402
 WIDTHS = (0.25, 0.5, 0.75, 1.0, 1.25)
 FILLED = "filled"
 NAMES = ("pores", "mean_area", "largest_area")
-PAPER = paper_numbers("frank-2020", "Figure 8")  # saturation by width
+PAPER = paper_numbers("frank-2020", "Figure 8")  # saturations of its captions by the width that we take them for
 COLOURS = ListedColormap(["#ffffff", "#e3a857", "#4a5568"])  # void, matrix, grain
 SOLID = ListedColormap(["#eeeeee", "#cccccc"])  # matrix, grain
 
@@ -192,7 +192,7 @@ def main():
     both = lambda name, of=means: (column(name, of), column(name + "_deviation", of))  # noqa: E731
     draw_curve(there("saturation.png"), (column("width", bridges), None), [both("saturation", bridges)],
                [f"{options.samples} packings"], "width of the bridges, α", "saturation, S",
-               extra=(list(PAPER), list(PAPER.values()), "Frank et al. 2020"))
+               extra=(list(PAPER), list(PAPER.values()), "S of Frank et al. 2020,\nat α as we infer"))
     draw_curve(there("pore-number.png"), both("saturation"), [both("pores")], ["pores"], "saturation, S",
                "pores in a sample")
     draw_curve(there("pore-area.png"), both("saturation", bridges), [both("mean_area", bridges), both("largest_area", bridges)],

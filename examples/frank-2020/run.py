@@ -30,12 +30,32 @@ def over(study, file, name, width, other):
     return ratio
 
 
-def slopes(tables):
-    """Slope of the strength over saturation from 0.4 to 0.9, over that from none to 0.4."""
-    means = tables("strength", "fracture-means.csv")
-    saturation, strength = (np.append(0.0, column(means, name)) for name in ("saturation", "strength"))
-    none, low, high = np.interp((0.0, 0.4, 0.9), saturation, strength)
-    return (high - low) / 0.5 / ((low - none) / 0.4)
+def slope(part):
+    """Of the strength over saturation, on straight lines between measured points: 0 from the least saturation to 0.4, 1 from there to 0.9."""
+
+    def between(tables):
+        means = tables("strength", "fracture-means.csv")
+        saturation, strength = column(means, "saturation"), column(means, "strength")
+        low, high = ((saturation[0], 0.4), (0.4, 0.9))[part]
+        return float(np.diff(np.interp((low, high), saturation, strength))[0] / (high - low))
+
+    return between
+
+
+def theta_slope(width, other):
+    """Of the tails' rate over saturation between two widths of the bridges."""
+
+    def between(tables):
+        low, high = (the_row(tables("stress", "stress-means.csv"), width=one) for one in (width, other))
+        return (number(high["theta"]) - number(low["theta"])) / (number(high["saturation"]) - number(low["saturation"]))
+
+    return between
+
+
+def bond_exponent(tables):
+    """Exponent of the power law through the numbers of bonds of a node; a run of one horizon has none."""
+    table = [row for row in tables("griffith", "horizons.csv") if number(row["horizon"]) <= 6]
+    return np.polyfit(np.log(column(table, "horizon")), np.log(column(table, "bonds")), 1)[0] if len(table) > 1 else np.nan
 
 
 def inside_grains(tables):
@@ -55,14 +75,20 @@ def first_break(tables):
     return spread(column(samples, "first_break") / column(samples, "strength"))
 
 
-def aspect(tables):
-    return spread(column(tables("grains", "packings.csv"), "aspect"))
+def of_packings(name):
+    return lambda tables: spread(column(tables("grains", "packings.csv"), name))
 
 
 DERIVED = {
     "runs": lambda tables: len(tables("griffith", "runs.csv")),
     "packings": lambda tables: len(tables("grains", "packings.csv")),
-    "aspect": aspect,
+    "bond_exponent": bond_exponent,
+    "aspect": of_packings("aspect"),
+    "contact_anisotropy": of_packings("fabric_anisotropy"),
+    "force_anisotropy": of_packings("stress_anisotropy"),
+    "pores_fall": over("grains", "means.csv", "pores", 0.25, 1.25),
+    "mean_area_fall": over("grains", "means.csv", "mean_area", 0.25, 1.25),
+    "largest_area_fall": over("grains", "means.csv", "largest_area", 0.25, 1.25),
     "pores_before": over("grains", "means.csv", "pores", 0.5, 0.25),
     "pores_middle": over("grains", "means.csv", "pores", 0.75, 0.5),
     "pores_after": over("grains", "means.csv", "pores", 1.25, 0.75),
@@ -74,9 +100,11 @@ DERIVED = {
     "first_break": first_break,
     "inside_grains": inside_grains,
     "doubling": over("strength", "fracture-means.csv", "strength", "filled", 1),
-    "levelling": slopes,
-    "theta_before": over("stress", "stress-means.csv", "theta", 1, 0.25),
-    "theta_after": over("stress", "stress-means.csv", "theta", "filled", 1),
+    "slope_low": slope(0),
+    "slope_middle": slope(1),
+    "theta_low": theta_slope(0.25, 0.75),
+    "theta_middle": theta_slope(0.75, 1),
+    "theta_high": theta_slope(1, "filled"),
 }
 
 if __name__ == "__main__":

@@ -110,15 +110,18 @@ TEST(Bridges, PeriodicBoxesHaveNoPlaceOfTheirOwn)
   EXPECT_NEAR(matrixFractions(p, here, 0.7).saturation, matrixFractions(shifted, there, 0.7).saturation, 2e-5);
 }
 
-// Ten samples of 400 disks. The paper's figure 8 as read: 0.064, 0.34, 0.67, 0.91, 0.97.
-TEST(Bridges, SaturationsOfThePaper)
+// Ten samples of 400 disks. The captions of the paper's figures 9 and 15 name the saturations 0.064, 0.34, 0.67, 0.91
+// and 0.97, its text widths from 0.25 to 1.25 and "for α = 1, 90% of the interstitial space is filled". That the five
+// are those of these five widths is our inference; 0.03: packings are not the paper's; the means of these ten differ
+// from the captions by 0.019 at most.
+TEST(Bridges, SaturationsOfThePapersCaptions)
 {
   std::vector<std::uint64_t> seeds(10);
   std::iota(seeds.begin(), seeds.end(), std::uint64_t{ 1 });
   const auto samples = packMany({}, seeds, 2);
-  const std::array<std::array<double, 2>, 5> figure{ { { 0.25, 0.064 }, { 0.5, 0.34 }, { 0.75, 0.67 }, { 1, 0.91 },
+  const std::array<std::array<double, 2>, 5> inferred{ { { 0.25, 0.064 }, { 0.5, 0.34 }, { 0.75, 0.67 }, { 1, 0.91 },
     { 1.25, 0.97 } } };
-  for (const auto& [width, expected] : figure)
+  for (const auto& [width, expected] : inferred)
   {
     double mean = 0;
     for (const Packing& p : samples)
