@@ -174,6 +174,11 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
   Session::checkInterrupt();
   const io::Provenance record = recordRun(commandLine, options.file, source.provenance);
   setProvenance(image, io::toJson(record));
+  const std::vector<std::string> warnings = fieldTexts(image, "warnings");
+  for (const std::string& warning : warnings)
+  {
+    session.warn(warning);
+  }
   const bool filled = bridges.filled || bridges.saturation == 1.0;
   Json json = toJson(options.file, filled, source.packing, image);
   if (file)
@@ -194,6 +199,7 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
     }
   }
   json["files"] = options.output.empty() ? Json::array() : Json::array({ options.output });
+  json["warnings"] = warnings;
   json["seconds"] = secondsSince(start);
   printReport(session, options.common, json, record, [&](const Json& all) { return tableOf(all, source.packing); });
 }

@@ -174,6 +174,7 @@ Json toJson(const Made& made)
   json["unbalanced_force"] = std::isfinite(unbalanced) ? Json(unbalanced) : Json(nullptr);
   json["pressure"] = made.number("pressure");
   json["steps"] = made.whole("relaxation_steps");
+  json["warnings"] = fieldTexts(made.grains, "warnings");
   json["files"] = made.files;
   return json;
 }
@@ -343,6 +344,7 @@ void packOne(Session& session, vtkGrainPacking* filter, const PackingCommandOpti
   {
     throwFailure(filter->GetFailure());
   }
+  (void)VtkMessages::takeWarnings(); // the same as in the field data
 }
 
 /// Several at once, the same but without states. @throws Error
@@ -398,9 +400,16 @@ void write(const Made& made, const Files& files, io::Provenance record)
 }
 
 /// Prints the samples, one alone or as a list.
-void report(const Session& session, const PackingCommandOptions& options, const std::vector<Made>& samples,
+void report(Session& session, const PackingCommandOptions& options, const std::vector<Made>& samples,
   const io::Provenance& record, double seconds)
 {
+  for (const Made& made : samples)
+  {
+    for (const std::string& warning : fieldTexts(made.grains, "warnings"))
+    {
+      session.warn(samples.size() == 1 ? warning : fmt::format("seed {}: {}", *made.seed, warning));
+    }
+  }
   if (options.common.json)
   {
     Json json;

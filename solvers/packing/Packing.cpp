@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace lamella::packing
 {
@@ -109,6 +110,7 @@ private:
           random.uniform(Use::GrainOrder, static_cast<std::int64_t>(i)) * static_cast<double>(i + 1))]);
     for (std::size_t i = 0; i < n; ++i)
       grains_.radius[i] = 0.5 * d[i];
+    grains_.friction = o_.friction;
     grains_.periodic.fill(o_.periodic);
     const double loose = Dim == 2 ? 0.70 : 0.50;
     const double fraction = o_.packingFraction ? std::min(loose, *o_.packingFraction) : loose;
@@ -123,13 +125,22 @@ private:
     for (std::size_t i = 0; i < n; ++i)
       for (int a = 0; a < Dim; ++a)
         grains_.position[i][a] = random.uniform(Use::GrainPlace, static_cast<std::int64_t>(i), a) * grains_.box[a];
-    if (o_.friction > 0)
-    {
-      // Grains that overlap at random places are in nobody's way but friction's, which would lock them there.
-      relaxation_.negligible = 1e-12;
-      rest(BoxMotion::Fixed, 0, 1e-8, 100'000);
-      grains_.rub(o_.friction);
-    }
+  }
+
+  // Much friction locks grains that overlap at their random places, far below any density at which they would jam:
+  // they are let go without it, once.
+  // @returns they were
+  bool unlock()
+  {
+    if (o_.friction == 0 || unlocked_)
+      return false;
+    unlocked_ = true;
+    const double negligible = std::exchange(relaxation_.negligible, 1e-12);
+    grains_.rub(0);
+    rest(BoxMotion::Fixed, 0, 1e-8, 100'000);
+    grains_.rub(o_.friction);
+    relaxation_.negligible = negligible;
+    return true;
   }
 
   [[nodiscard]] double fraction() const { return grains_.grainVolume() / grains_.volume(); }
@@ -143,9 +154,12 @@ private:
   void compact()
   {
     relaxation_.negligible = 1e-4;
+    const double first = fraction();
     for (double step = 0.01;;)
     {
-      const RelaxationResult r = rest(BoxMotion::Fixed, 0, 1e-2, 20'000);
+      RelaxationResult r = rest(BoxMotion::Fixed, 0, 1e-2, 20'000);
+      if (fraction() == first && pressure() > 1e-4 && unlock())
+        r = rest(BoxMotion::Fixed, 0, 1e-2, 20'000);
       if (pressure() > (o_.friction > 0 ? 1e-4 : 1e-3) && r.atRest)
         return;
       if (fraction() > 0.98)
@@ -162,6 +176,8 @@ private:
     for (;;)
     {
       const RelaxationResult r = rest(BoxMotion::Fixed, 0, 1e-8, 100'000);
+      if (grains_.forceSum > relaxation_.negligible * static_cast<double>(o_.count) && unlock())
+        continue;
       if (grains_.forceSum > relaxation_.negligible * static_cast<double>(o_.count))
         throw ParameterError(
           fmt::format("the grains jam at a packing fraction of {:.3f}, before {:.3f}", fraction(), wanted),
@@ -520,6 +536,7 @@ private:
   std::int64_t steps_ = 0;
   std::int64_t next_ = 0; ///< steps at which a state is due
   const char* stage_ = "compressing";
+  bool unlocked_ = false;
   double reported_ = 0;
 };
 

@@ -69,9 +69,9 @@ struct Packing
   std::vector<std::array<double, 3>> centre; ///< #grains; z = 0 in 2D [m]
   std::vector<double> radius;                ///< #grains [m]
   std::vector<Contact> contacts;
-  double pressure = 0;    ///< mean stress [Pa]
-  double unbalanced = 0;  ///< mean net force on a grain over the mean contact force
-  std::int64_t steps = 0; ///< of all relaxations
+  double pressure = 0;               ///< mean stress [Pa]
+  double unbalanced = 0;             ///< mean net force on a grain over the mean contact force
+  std::int64_t steps = 0;            ///< of all relaxations
   std::vector<std::string> warnings; ///< where it is not all that was asked for
 
   [[nodiscard]] std::size_t count() const noexcept { return radius.size(); }

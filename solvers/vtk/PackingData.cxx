@@ -45,6 +45,7 @@ void setNumbers(
   number("stress_anisotropy", s.stressAnisotropy, "1", "of the principal values, (largest - smallest)/sum");
   number("unbalanced_force", p.unbalanced, "1", "mean net force on a grain over the mean contact force");
   number("pressure", p.pressure, "Pa", "mean stress");
+  setFieldTexts(data, "warnings", p.warnings);
 }
 
 /// Of each grain: the sum of its contacts' forces, and of their parts along the contacts.
@@ -266,6 +267,7 @@ vtkSmartPointer<vtkImageData> cementedImage(const packing::Packing& packing, con
   number("saturation", sample.fractions.saturation, "share of the space between grains that is matrix");
   number("saturation_on_lattice", sample.onLattice.saturation, "the same of the nodes");
   setFieldText(image, "pixel_size_source", "packing");
+  setFieldTexts(image, "warnings", sample.warnings);
   return image;
 }
 

@@ -174,7 +174,12 @@ void vtkGrainPacking::Pack()
   };
   options.every = this->StateEvery;
   options.state = [&](const packing::PackingState& state) { keep(state.packing, state.stage); };
-  keep(packing::pack(options), "at rest");
+  const packing::Packing end = packing::pack(options);
+  for (const std::string& warning : end.warnings)
+  {
+    vtkWarningMacro(<< warning);
+  }
+  keep(end, "at rest");
 }
 
 int vtkGrainPacking::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)

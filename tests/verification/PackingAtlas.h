@@ -254,4 +254,124 @@ inline Outcome attempt(const packing::PackingOptions& o)
   return judged([&] { return judge(packing::pack(o), o); });
 }
 
+/// Whether a place is in the grain; in the trapezoid, or truncated cone, between two places.
+inline bool inGrain(const Vector& at, const Vector& centre, double radius)
+{
+  const Vector r{ at[0] - centre[0], at[1] - centre[1], at[2] - centre[2] };
+  return dot(r, r) <= radius * radius;
+}
+inline bool inBridge(const Vector& at, const Vector& from, const Vector& to, double halfFrom, double halfTo)
+{
+  const Vector line{ to[0] - from[0], to[1] - from[1], to[2] - from[2] };
+  const Vector r{ at[0] - from[0], at[1] - from[1], at[2] - from[2] };
+  const double along = dot(r, line) / dot(line, line);
+  const double beside = std::sqrt(std::max(0.0, dot(r, r) - along * along * dot(line, line)));
+  return along >= 0 && along <= 1 && beside <= halfFrom + (halfTo - halfFrom) * along;
+}
+
+/// Shares of the box by places on a grid: each asks every grain and every pair of grains and images, by the definition.
+inline packing::MatrixFractions sharesByPlaces(const packing::Packing& p, const packing::BridgeOptions& o, int across)
+{
+  struct Pair
+  {
+    Vector from, to;
+    double halfFrom, halfTo;
+  };
+  std::vector<Pair> pairs;
+  std::vector<std::pair<Vector, double>> grains;
+  const auto axes = static_cast<std::size_t>(p.dimension);
+  const auto shifted = [&](std::size_t i, int image)
+  {
+    Vector c = p.centre[i];
+    for (std::size_t a = 0; a < axes; ++a, image /= 3)
+      c[a] += (image % 3 - 1) * p.size[a];
+    return c;
+  };
+  const int images = p.dimension == 2 ? 9 : 27;
+  for (std::size_t i = 0; i < p.count(); ++i)
+    for (int k = 0; k < images; ++k)
+    {
+      if (k != images / 2 && !p.periodic[0])
+        continue;
+      const Vector first = shifted(i, k);
+      grains.emplace_back(first, p.radius[i]);
+      for (std::size_t j = 0; j < p.count(); ++j)
+        for (int l = 0; l < images; ++l)
+        {
+          if (l != images / 2 && !p.periodic[0])
+            continue;
+          const Vector second = shifted(j, l);
+          const Vector r{ second[0] - first[0], second[1] - first[1], second[2] - first[2] };
+          const double reach = o.reach * (p.radius[i] + p.radius[j]);
+          if (std::pair(j, l) > std::pair(i, k) && dot(r, r) < reach * reach)
+            pairs.push_back({ first, second, o.width * p.radius[i], o.width * p.radius[j] });
+        }
+    }
+  const int deep = p.dimension == 3 ? across : 1;
+  std::int64_t grain = 0;
+  std::int64_t matrix = 0;
+  for (int z = 0; z < deep; ++z)
+    for (int y = 0; y < across; ++y)
+      for (int x = 0; x < across; ++x)
+      {
+        const Vector at{ (x + 0.5) / across * p.size[0], (y + 0.5) / across * p.size[1],
+          p.dimension == 3 ? (z + 0.5) / across * p.size[2] : 0.0 };
+        if (std::any_of(grains.begin(), grains.end(), [&](const auto& g) { return inGrain(at, g.first, g.second); }))
+          ++grain;
+        else if (o.filled ||
+          std::any_of(pairs.begin(), pairs.end(),
+            [&](const Pair& b) { return inBridge(at, b.from, b.to, b.halfFrom, b.halfTo); }))
+          ++matrix;
+      }
+  const double all = static_cast<double>(across) * across * deep;
+  packing::MatrixFractions f{ static_cast<double>(grain) / all, static_cast<double>(matrix) / all, 0, 0 };
+  f.voids = 1 - f.grains - f.matrix;
+  f.saturation = f.matrix + f.voids > 0 ? f.matrix / (f.matrix + f.voids) : 0;
+  return f;
+}
+
+/// Cement, by places: the geometry to what so many places tell, the lattice to 2 % of the box or warned.
+inline Outcome judge(
+  const packing::Packing& p, packing::BridgeOptions o, const packing::RasterOptions& raster, int across)
+{
+  const packing::CementedSample s = packing::cement(p, o, raster);
+  if (o.saturation)
+    o.width = s.width;
+  o.filled = o.filled || (o.saturation && *o.saturation == 1);
+  const packing::MatrixFractions expected = sharesByPlaces(p, o, across);
+  Findings f;
+  const auto share = [&](const char* what, double value) { f.must(what, value >= 0 && value <= 1); };
+  for (const packing::MatrixFractions* of : { &s.fractions, &s.onLattice })
+  {
+    share("share of grains outside 0 to 1", of->grains);
+    share("share of matrix outside 0 to 1", of->matrix);
+    share("share of void outside 0 to 1", of->voids);
+    share("saturation outside 0 to 1", of->saturation);
+    f.check("shares sum to 1 but for", std::fabs(of->grains + of->matrix + of->voids - 1), 1e-9);
+  }
+  // A place is right but near an edge: of n across about n edges, half a place each, signs at random.
+  const double places = (p.dimension == 2 ? 3.0 : 2.0) / across * std::pow(across, -0.5) + 2e-3;
+  const bool overlaps = std::any_of(
+    s.warnings.begin(), s.warnings.end(), [](const std::string& w) { return w.find("overlap") != std::string::npos; });
+  f.check("grains off by", std::fabs(s.fractions.grains - expected.grains), places);
+  f.check("matrix off by", std::fabs(s.fractions.matrix - expected.matrix), places);
+  if (o.saturation)
+    f.check("saturation asked for off by", std::fabs(s.fractions.saturation - *o.saturation), 1e-5);
+  if (!overlaps)
+  {
+    double grains = 0;
+    for (std::size_t i = 0; i < p.count(); ++i)
+      grains += p.grainVolume(i) / p.volume();
+    f.check("grains against their radii off by", std::fabs(s.fractions.grains - grains),
+      p.dimension == 2 ? 2e-4 + 2 * grains * 1e-2 : 2e-2);
+  }
+  f.check("grains of the lattice off by", std::fabs(s.onLattice.grains - s.fractions.grains), 0.02);
+  f.check("matrix of the lattice off by", std::fabs(s.onLattice.matrix - s.fractions.matrix), 0.02);
+  std::int64_t bad = 0;
+  for (std::size_t i = 0; i < s.image.phase.size(); ++i)
+    bad += (s.image.phase[i] == 2) != (s.grain[i] != 0) || s.image.phase[i] > 2 ? 1 : 0;
+  f.must("phases and grains of the lattice contradict each other", bad == 0);
+  return f.outcome(s.warnings);
+}
+
 } // namespace lamella::test
