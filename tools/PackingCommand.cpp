@@ -30,6 +30,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -464,6 +465,13 @@ void packInStates(Session& session, const PackingCommandOptions& options, const 
   Session::checkInterrupt();
   grains.commit();
   contacts.commit();
+  if (!options.common.json && made.files.size() > 6) // hundreds
+  {
+    std::vector<std::string> few{ made.files.front(), fmt::format("... {} states in all", states.size()) };
+    std::copy_if(made.files.begin(), made.files.end(), std::back_inserter(few),
+      [](const std::string& name) { return std::filesystem::path(name).extension() == ".pvd"; });
+    made.files = few;
+  }
   report(session, options, samples, record, secondsSince(start));
 }
 
@@ -605,7 +613,7 @@ Command packingCommand(CLI::App& root)
   addExamples(*app,
     { "lamella packing --count 400 --seed 3 -o grains.vtp --contacts forces.vtp",
       "lamella packing --dimension 3 --count 500 --friction 0.3 -o spheres.vtp",
-      "lamella packing --count 200 --every 100 -o way.vtp --contacts forces.vtp",
+      "lamella packing --count 200 --every 1000 -o way.vtp --contacts forces.vtp",
       "lamella packing --seeds 1-10 --threads 2 -o pack_{seed}.vtp --json",
       "lamella packing --read measured.csv --unit 1mm -o grains.vtp" });
   return aloneCommand(app, o, packingRun);

@@ -151,7 +151,7 @@ std::vector<Bridge> findBridges(const Packing& packing, double reach, bool walls
         square += (a.centre[axis] - b.centre[axis]) * (a.centre[axis] - b.centre[axis]);
       const double most =
         reach * (packing.radius[static_cast<std::size_t>(a.grain)] + packing.radius[static_cast<std::size_t>(b.grain)]);
-      if (square < most * most && square > 0)
+      if (square < most * most)
         bridges.push_back({ a.grain, b.grain, image.shift });
     }
   for (std::size_t i = 0; walls && i < packing.count(); ++i)
@@ -243,9 +243,15 @@ namespace
 {
 
 /// What of a sample is doubtful.
-std::vector<std::string> doubts(const Packing& packing, std::span<const Bridge> bridges, const CementedSample& sample)
+std::vector<std::string> doubts(
+  const Packing& packing, std::span<const Bridge> bridges, const CementedSample& sample, const BridgeOptions& options)
 {
   std::vector<std::string> found;
+  if (options.saturation && std::abs(sample.fractions.saturation - *options.saturation) > 1e-4 * *options.saturation)
+    found.push_back(
+      fmt::format("the saturation is {:.5g} in place of {:.5g}: so few bridges, along x, grow in steps of the "
+                  "lines by which shares are measured",
+        sample.fractions.saturation, *options.saturation));
   double overlap = 0; // over the smaller one's diameter
   double thinnest = std::numeric_limits<double>::infinity();
   for (const Bridge& b : bridges)
@@ -383,7 +389,7 @@ CementedSample cement(const Packing& packing, const BridgeOptions& options, cons
   }
   if (filled)
     sample.width = 0; // there are none
-  sample.warnings = doubts(packing, bridges, sample);
+  sample.warnings = doubts(packing, bridges, sample, options);
   sample.width = filled ? options.width : sample.width;
   return sample;
 }

@@ -131,7 +131,7 @@ INSTANTIATE_TEST_SUITE_P(All, BridgesStand,
     Grains{
       "wider_than_grains", Verdict::Right, false, { { 0.5, 1, 0 }, { 1.5, 1, 0 } }, { 0.5, 0.5 }, { .width = 2 } },
     Grains{ "no_width", Verdict::Right, false, { { 0.5, 1, 0 }, { 1.5, 1, 0 } }, { 0.5, 0.5 }, { .width = 0 } },
-    Grains{ "one_place_for_two", Verdict::Right, false, { { 1, 1, 0 }, { 1, 1, 0 } }, { 0.5, 0.3 }, {} },
+    Grains{ "one_place_for_two", Verdict::Warned, false, { { 1, 1, 0 }, { 1, 1, 0 } }, { 0.5, 0.3 }, {} },
     Grains{
       "unreachable", Verdict::Refused, false, { { 0.4, 1, 0 }, { 1.6, 1, 0 } }, { 0.2, 0.2 }, { .saturation = 0.5 } },
     Grains{ "two_nodes", Verdict::Warned, false, { { 0.5, 1, 0 }, { 1.5, 1, 0 } }, { 0.5, 0.5 }, {}, 2 }),
