@@ -1,7 +1,10 @@
 // Linear equilibrium of bond lattices: run time, iterations and error. Arguments: speed, solvers, accuracy, stability,
-// space or scaling (under mpirun); none: all but space and scaling.
+// space or scaling (under mpirun); none: all but space and scaling. Keys: nodes=LIST across the cells of accuracy
+// (52,112,224), output=FOLDER for its table equilibrium-accuracy.csv (default results/bench-equilibrium), which
+// benchmarks/equilibrium.py draws.
 #include "peridynamics/Equilibrium.h"
 #include "BreakableSamples.h"
+#include "Table.h"
 
 #include "lattice/Clock.h"
 #include "peridynamics/BondForces.h"
@@ -164,8 +167,13 @@ void solvers(const Communicator& comm)
       time(s, solver, 1, comm);
 }
 
-void accuracy(const Communicator& comm)
+void accuracy(const Keys& keys, const Communicator& comm)
 {
+  Table table(keys, "equilibrium", "accuracy",
+    "cell,solid,horizon,micromodulus,surface_correction,nodes,modulus,exact,error,cpu_seconds");
+  std::vector<double> sizes = list(keys, "nodes", 0);
+  if (!keys.contains("nodes"))
+    sizes = { 52, 112, 224 };
   fmt::print("\nYoung's modulus of periodic cells over that of the solid, and its error against finite elements\n");
   struct Case
   {
@@ -181,8 +189,9 @@ void accuracy(const Communicator& comm)
         fmt::print("{:<11} solid {:.2f} horizon {:.0f} micromodulus {:<9} {:<20}",
           c.round ? "round holes" : "honeycomb", c.solid, horizon, form % 2 == 0 ? "continuum" : "lattice",
           form < 2 ? "" : "surface correction");
-        for (const std::int64_t n : { 52, 112, 224 })
+        for (const double across : sizes)
         {
+          const auto n = static_cast<std::int64_t>(across);
           const Sample s = holes(n, c.solid, c.round);
           BondModel m = s.model;
           m.horizon = horizon;
@@ -192,7 +201,10 @@ void accuracy(const Communicator& comm)
           const double start = cpu();
           const EffectiveStiffness e = effectiveStiffness(bondsOf(m, s, comm));
           const double value = (e.constants.youngsModulus[0] + e.constants.youngsModulus[1]) / 2e9;
-          fmt::print("  n {:3d}: {:.5f} ({:+5.1f} %, {:.2f} s)", n, value, 100 * (value / c.exact - 1), cpu() - start);
+          const double seconds = cpu() - start;
+          fmt::print("  n {:3d}: {:.5f} ({:+5.1f} %, {:.2f} s)", n, value, 100 * (value / c.exact - 1), seconds);
+          table.line(c.round ? "holes" : "honeycomb", c.solid, horizon, form % 2 == 0 ? "continuum" : "lattice",
+            form < 2 ? "no" : "yes", n, value, c.exact, value / c.exact - 1, seconds);
         }
         fmt::print("\n");
         std::fflush(stdout);
@@ -248,14 +260,15 @@ int main(int argc, char** argv)
     [](const Keys& keys)
     {
       const Communicator comm(MPI_COMM_WORLD);
-      const auto wanted = [&](const char* word, bool always)
-      { return (keys.empty() && always) || keys.contains(word); };
+      const bool any = std::any_of(
+        keys.begin(), keys.end(), [](const auto& key) { return key.second == "1" && key.first != "nodes"; });
+      const auto wanted = [&](const char* word, bool always) { return (!any && always) || keys.contains(word); };
       if (wanted("speed", true))
         speed(comm);
       if (wanted("solvers", true))
         solvers(comm);
       if (wanted("accuracy", true))
-        accuracy(comm);
+        accuracy(keys, comm);
       if (wanted("stability", true))
         stability(comm);
       if (wanted("space", false))

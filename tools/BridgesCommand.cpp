@@ -80,7 +80,7 @@ Json toJson(const std::string& file, bool filled, const packing::Packing& packin
 std::string tableOf(const Json& json, const packing::Packing& packing)
 {
   std::string text = fmt::format("{}: {} {}, box {}\n\n", json["file"].get<std::string>(),
-    grouped(json["count"].get<std::int64_t>()), packing.dimension == 3 ? "spheres" : "disks", boxText(packing));
+    grouped(json["count"].get<std::int64_t>()), packing.dimension == 3 ? "spheres" : "disks", boxText(packing.size));
   const auto line = [&](const char* name, const std::string& value)
   { text += fmt::format("  {:<12} {}\n", name, value); };
   const auto percent = [&](const char* name) { return fmt::format("{:.3f} %", 100 * json[name].get<double>()); };
@@ -162,7 +162,7 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
     if (!(nodes >= 2 && nodes <= 1e6))
     {
       throw ParameterError(fmt::format("--spacing '{}' makes {:g} nodes across a box of {}", options.spacing, nodes,
-                             boxText(source.packing)),
+                             boxText(source.packing.size)),
         "give a length that goes into it 2 to 1000000 times");
     }
     raster.nodesAcross = static_cast<std::int64_t>(nodes);
@@ -174,6 +174,11 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
   Session::checkInterrupt();
   const io::Provenance record = recordRun(commandLine, options.file, source.provenance);
   setProvenance(image, io::toJson(record));
+  const std::vector<std::string> warnings = fieldTexts(image, "warnings");
+  for (const std::string& warning : warnings)
+  {
+    session.warn(warning);
+  }
   const bool filled = bridges.filled || bridges.saturation == 1.0;
   Json json = toJson(options.file, filled, source.packing, image);
   if (file)
@@ -194,6 +199,7 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
     }
   }
   json["files"] = options.output.empty() ? Json::array() : Json::array({ options.output });
+  json["warnings"] = warnings;
   json["seconds"] = secondsSince(start);
   printReport(session, options.common, json, record, [&](const Json& all) { return tableOf(all, source.packing); });
 }

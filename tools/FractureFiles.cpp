@@ -78,7 +78,9 @@ StateWriter::StateWriter(const std::string& name, std::size_t states, bool overw
     files_.emplace_back(name, overwrite);
     return;
   }
-  for (std::size_t i = 0; i < states; ++i)
+  name_ = states == 0 ? name : "";
+  overwrite_ = overwrite;
+  for (std::size_t i = 0; i < std::max<std::size_t>(states, 1); ++i)
   {
     files_.emplace_back(withSuffix(name, fmt::format("_{:03}", i)), overwrite);
   }
@@ -97,8 +99,9 @@ std::vector<std::string> StateWriter::write(std::span<vtkDataObject* const> stat
 {
   std::vector<std::string> names;
   std::vector<double> times;
-  const double before = states.empty() ? 0 : fieldNumbers(states.front(), "states_before").at(0);
-  first_ = files_.size() > 1 ? static_cast<std::size_t>(before) : 0;
+  const std::vector<double> before =
+    states.empty() ? std::vector<double>() : fieldNumbers(states.front(), "states_before");
+  first_ = files_.size() > 1 && !before.empty() ? static_cast<std::size_t>(before.front()) : 0;
   if (!files_.empty() && files_.front().inMemory())
   {
     return keep(states, provenance);
@@ -106,6 +109,10 @@ std::vector<std::string> StateWriter::write(std::span<vtkDataObject* const> stat
   for (std::size_t i = 0; !files_.empty() && i < states.size(); ++i)
   {
     vtkDataObject* const state = states[i];
+    if (!name_.empty() && i == files_.size())
+    {
+      files_.emplace_back(withSuffix(name_, fmt::format("_{:03}", i)), overwrite_);
+    }
     const OutputFile& file = files_.at(first_ + i);
     setProvenance(state, provenance);
     writeGrid(state, file);

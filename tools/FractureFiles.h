@@ -26,7 +26,7 @@ class StateWriter
 {
 public:
   StateWriter() = default;
-  /// Opens as many files as there may be states.
+  /// Opens as many files as there may be states; 0: as many as come, of which the first is opened.
   /// @param name of the option -o; empty: no file
   /// @param ending of such files: ".vti", ".vtp" @param what is written in them, and where the rest goes
   /// @throws ParameterError for another ending; OutputError
@@ -43,7 +43,8 @@ public:
   void follow(Session& session, const std::string& record);
   [[nodiscard]] bool leaves() const { return leaves_; } ///< whether such files are there
 
-  /// Writes the states of a run, with `states_before` in the field data of the first and a time each.
+  /// Writes the states of a run, each with its time and, where it went on from a checkpoint, `states_before` in the
+  /// field data of the first.
   /// @returns the names, those of the states first
   /// @throws OutputError; Cancelled
   [[nodiscard]] std::vector<std::string> write(std::span<vtkDataObject* const> states, const std::string& provenance);
@@ -67,6 +68,8 @@ private:
   std::vector<OutputFile> collection_; ///< one or none
   std::size_t first_ = 0;              ///< of the files that are written
   std::size_t written_ = 0;            ///< how many
+  std::string name_;                   ///< where as many as come are written, else empty
+  bool overwrite_ = false;
   bool leaves_ = false;
 };
 

@@ -1,26 +1,37 @@
 #include "Commands.h"
+#include "FilterRun.h"
+#include "FractureFiles.h"
 #include "GridFile.h"
 #include "JsonReport.h"
 #include "OutputFile.h"
 #include "PackingInput.h"
 #include "Record.h"
 #include "Text.h"
+#include "Workspace.h"
 
+#include "FieldNumbers.h"
 #include "PackingData.h"
 #include "io/Provenance.h"
 #include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "packing/Packing.h"
+#include "vtkGrainPacking.h"
 #include "vtkLatticeConversion.h"
+#include "vtkSampleAlgorithm.h"
 
+#include <vtkDataArray.h>
 #include <vtkNew.h>
+#include <vtkPointData.h>
 #include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -114,68 +125,81 @@ void checkName(
 struct Made
 {
   std::optional<std::uint64_t> seed;
-  packing::Packing packing;
-  packing::PackingStatistics numbers;
+  vtkSmartPointer<vtkPolyData> grains = vtkSmartPointer<vtkPolyData>::New(); ///< with all numbers as field data
+  vtkSmartPointer<vtkPolyData> contacts = vtkSmartPointer<vtkPolyData>::New();
   std::vector<std::string> files;
+
+  [[nodiscard]] double number(const char* name) const { return fieldNumbers(grains, name).at(0); }
+  [[nodiscard]] std::int64_t whole(const char* name) const { return static_cast<std::int64_t>(number(name)); }
+  [[nodiscard]] std::array<double, 3> box() const
+  {
+    const std::vector<double> edges = fieldNumbers(grains, "box");
+    return { edges.at(0), edges.at(1), edges.at(2) };
+  }
+  [[nodiscard]] bool spheres() const { return box()[2] > 0; }
+  [[nodiscard]] std::int64_t count() const { return grains->GetNumberOfPoints(); }
 };
 
-Json rows(const std::array<double, 9>& tensor, int dimension)
+Json rows(const Made& made, const char* tensor)
 {
+  const std::vector<double> all = fieldNumbers(made.grains, tensor);
   Json json = Json::array();
-  for (std::size_t row = 0; row < static_cast<std::size_t>(dimension); ++row)
+  const std::ptrdiff_t dimension = made.spheres() ? 3 : 2;
+  for (std::ptrdiff_t row = 0; row < dimension; ++row)
   {
-    json.push_back(std::vector<double>(tensor.begin() + static_cast<std::ptrdiff_t>(3 * row),
-      tensor.begin() + static_cast<std::ptrdiff_t>(3 * row) + dimension));
+    json.push_back(std::vector<double>(all.begin() + 3 * row, all.begin() + 3 * row + dimension));
   }
   return json;
 }
 
 Json toJson(const Made& made)
 {
-  const packing::Packing& p = made.packing;
-  const packing::PackingStatistics& s = made.numbers;
+  const std::array<double, 3> box = made.box();
+  const double unbalanced = made.number("unbalanced_force");
   Json json;
   json["seed"] = made.seed ? Json(*made.seed) : Json(nullptr);
-  json["dimension"] = p.dimension;
-  json["count"] = p.count();
-  json["box"] = std::vector<double>(p.size.begin(), p.size.begin() + p.dimension);
-  json["periodic"] = p.periodic[0];
-  json["packing_fraction"] = s.packingFraction;
-  json["aspect"] = s.aspect;
-  json["rattlers"] = s.rattlers;
-  json["contacts"] = s.grainContacts;
-  json["wall_contacts"] = s.wallContacts;
-  json["coordination"] = s.coordination;
-  json["fabric"] = rows(s.fabric, p.dimension);
-  json["stress"] = rows(s.stress, p.dimension);
-  json["fabric_anisotropy"] = s.fabricAnisotropy;
-  json["stress_anisotropy"] = s.stressAnisotropy;
-  json["unbalanced_force"] = std::isfinite(p.unbalanced) ? Json(p.unbalanced) : Json(nullptr);
-  json["pressure"] = p.pressure;
+  json["dimension"] = made.spheres() ? 3 : 2;
+  json["count"] = made.count();
+  json["box"] = std::vector<double>(box.begin(), box.begin() + (made.spheres() ? 3 : 2));
+  json["periodic"] = made.number("periodic") != 0;
+  json["packing_fraction"] = made.number("packing_fraction");
+  json["aspect"] = made.number("aspect");
+  json["rattlers"] = made.whole("rattlers");
+  json["contacts"] = made.whole("contacts");
+  json["wall_contacts"] = made.whole("wall_contacts");
+  json["coordination"] = made.number("coordination");
+  json["fabric"] = rows(made, "fabric");
+  json["stress"] = rows(made, "stress");
+  json["fabric_anisotropy"] = made.number("fabric_anisotropy");
+  json["stress_anisotropy"] = made.number("stress_anisotropy");
+  json["unbalanced_force"] = std::isfinite(unbalanced) ? Json(unbalanced) : Json(nullptr);
+  json["pressure"] = made.number("pressure");
+  json["steps"] = made.whole("relaxation_steps");
+  json["warnings"] = fieldTexts(made.grains, "warnings");
   json["files"] = made.files;
   return json;
 }
 
 std::string tableOf(const Made& made, double seconds)
 {
-  const packing::Packing& p = made.packing;
-  const packing::PackingStatistics& s = made.numbers;
-  std::string text = fmt::format("{} {}, {} {}\n\n", grouped(static_cast<std::int64_t>(p.count())),
-    p.dimension == 3 ? "spheres" : "disks", p.periodic[0] ? "periodic box" : "box", boxText(p));
+  std::string text = fmt::format("{} {}, {} {}\n\n", grouped(made.count()), made.spheres() ? "spheres" : "disks",
+    made.number("periodic") != 0 ? "periodic box" : "box", boxText(made.box()));
   const auto line = [&](const char* name, const std::string& value)
   { text += fmt::format("  {:<18} {}\n", name, value); };
-  line("packing fraction", fmt::format("{:.5f}", s.packingFraction));
-  line("aspect", fmt::format("{:.4f}", s.aspect));
+  line("packing fraction", fmt::format("{:.5f}", made.number("packing_fraction")));
+  line("aspect", fmt::format("{:.4f}", made.number("aspect")));
   line("rattlers",
-    fmt::format("{} ({:.1f} %)", s.rattlers, 100.0 * static_cast<double>(s.rattlers) / static_cast<double>(p.count())));
-  line("contacts", fmt::format("{} between grains, {} with walls", s.grainContacts, s.wallContacts));
-  line("coordination", fmt::format("{:.4f}", s.coordination));
-  line("fabric anisotropy", fmt::format("{:.4f}", s.fabricAnisotropy));
-  if (p.pressure > 0)
+    fmt::format(
+      "{} ({:.1f} %)", made.whole("rattlers"), 100.0 * made.number("rattlers") / static_cast<double>(made.count())));
+  line(
+    "contacts", fmt::format("{} between grains, {} with walls", made.whole("contacts"), made.whole("wall_contacts")));
+  line("coordination", fmt::format("{:.4f}", made.number("coordination")));
+  line("fabric anisotropy", fmt::format("{:.4f}", made.number("fabric_anisotropy")));
+  if (made.number("pressure") > 0)
   {
-    line("stress anisotropy", fmt::format("{:.4f}", s.stressAnisotropy));
-    line("pressure", fmt::format("{:.5g} Pa", p.pressure));
-    line("unbalanced force", fmt::format("{:.1e} of the mean contact force", p.unbalanced));
+    line("stress anisotropy", fmt::format("{:.4f}", made.number("stress_anisotropy")));
+    line("pressure", fmt::format("{:.5g} Pa", made.number("pressure")));
+    line("unbalanced force", fmt::format("{:.1e} of the mean contact force", made.number("unbalanced_force")));
   }
   text += fmt::format("  {:.2f} s\n", seconds);
   text += wroteText(made.files);
@@ -184,9 +208,8 @@ std::string tableOf(const Made& made, double seconds)
 
 std::string tableOf(const std::vector<Made>& samples, double seconds)
 {
-  const packing::Packing& p = samples.front().packing;
-  std::string text = fmt::format("{} packings of {} {}\n\n", samples.size(),
-    grouped(static_cast<std::int64_t>(p.count())), p.dimension == 3 ? "spheres" : "disks");
+  std::string text = fmt::format("{} packings of {} {}\n\n", samples.size(), grouped(samples.front().count()),
+    samples.front().spheres() ? "spheres" : "disks");
   const auto line = [&](const std::string& name, const std::array<double, 6>& v)
   {
     text += fmt::format("  {:<6}  {:<16.5f}  {:<7.4f}  {:<8.4g}  {:<12.4f}  {:<17.4f}  {:.4f}\n", name, v[0], v[1],
@@ -196,9 +219,8 @@ std::string tableOf(const std::vector<Made>& samples, double seconds)
   std::array<double, 6> sum{};
   for (const Made& made : samples)
   {
-    const packing::PackingStatistics& s = made.numbers;
-    const std::array<double, 6> values{ s.packingFraction, s.aspect, static_cast<double>(s.rattlers), s.coordination,
-      s.fabricAnisotropy, s.stressAnisotropy };
+    const std::array<double, 6> values{ made.number("packing_fraction"), made.number("aspect"), made.number("rattlers"),
+      made.number("coordination"), made.number("fabric_anisotropy"), made.number("stress_anisotropy") };
     for (std::size_t i = 0; i < values.size(); ++i)
     {
       sum[i] += values[i] / static_cast<double>(samples.size());
@@ -217,16 +239,18 @@ std::string tableOf(const std::vector<Made>& samples, double seconds)
 }
 
 /// x,z,r or x,y,z,r, as packings are exchanged; lengths in metres, all digits.
-std::string toCsv(const packing::Packing& p)
+std::string toCsv(const Made& made)
 {
-  std::string text = p.dimension == 3 ? "x,y,z,r\n" : "x,z,r\n";
-  for (std::size_t i = 0; i < p.count(); ++i)
+  std::string text = made.spheres() ? "x,y,z,r\n" : "x,z,r\n";
+  vtkDataArray* const radius = made.grains->GetPointData()->GetArray("radius");
+  for (vtkIdType i = 0; i < made.grains->GetNumberOfPoints(); ++i)
   {
-    for (std::size_t axis = 0; axis < static_cast<std::size_t>(p.dimension); ++axis)
+    const double* const centre = made.grains->GetPoint(i);
+    for (int axis = 0; axis < (made.spheres() ? 3 : 2); ++axis)
     {
-      text += fmt::format("{},", p.centre[i][axis]);
+      text += fmt::format("{},", centre[axis]);
     }
-    text += fmt::format("{}\n", p.radius[i]);
+    text += fmt::format("{}\n", radius->GetTuple1(i));
   }
   return text;
 }
@@ -277,43 +301,71 @@ void refuseContradictions(const PackingCommandOptions& options)
       "--threads is for --seeds: one packing runs on one thread", "add --seeds 1-10, or leave it out");
   }
   checkThreads(options.threads, "1 is the default");
+  if (options.packing.every < 0)
+  {
+    throw ParameterError(fmt::format("--every {} is below 0", options.packing.every),
+      "it is a number of steps from one state to the next, such as 200");
+  }
+  if (options.packing.every > 0 && !options.seeds.empty())
+  {
+    throw ParameterError("--every with --seeds: states are those of one packing", "give one --seed");
+  }
+  if (options.packing.every > 0 && options.output.empty())
+  {
+    throw ParameterError("--every without a file to write to", "add -o FILE.vtp");
+  }
 }
 
-std::vector<Made> make(Session& session, const PackingCommandOptions& options, std::span<const std::uint64_t> seeds)
+/// One packing by the VTK class, which tells its states. @throws Error
+void packOne(Session& session, vtkGrainPacking* filter, const PackingCommandOptions& options, std::uint64_t seed)
 {
-  std::vector<Made> samples;
-  if (!options.read.empty())
+  const packing::PackingOptions numbers = numbersOf(options);
+  if (seed > static_cast<std::uint64_t>(std::numeric_limits<vtkIdType>::max()))
   {
-    Made made;
-    made.packing = loadPacking(options.read, options.table).packing;
-    samples.push_back(std::move(made));
+    throw ParameterError(
+      fmt::format("--seed {} is too large", seed), fmt::format("up to {}", std::numeric_limits<vtkIdType>::max()));
   }
-  else
+  filter->SetDimension(numbers.dimension);
+  filter->SetCount(static_cast<vtkIdType>(numbers.count));
+  filter->SetMeanDiameter(numbers.meanDiameter);
+  filter->SetDiameterRatio(numbers.diameterRatio);
+  filter->SetSizes(static_cast<int>(numbers.sizes));
+  filter->SetAspect(numbers.aspect);
+  filter->SetPeriodic(numbers.periodic);
+  filter->SetFriction(numbers.friction);
+  filter->SetPressure(numbers.pressure);
+  filter->SetSoftness(numbers.softness);
+  filter->SetPackingFraction(numbers.packingFraction.value_or(0));
+  filter->SetSeed(static_cast<vtkIdType>(seed));
+  filter->SetTolerance(numbers.tolerance);
+  filter->SetStateEvery(static_cast<vtkIdType>(options.packing.every));
+  filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
+  runFilter(session, filter, "packing");
+  if (filter->GetFailure() != vtkSampleAlgorithm::NO_FAILURE)
   {
-    packing::PackingOptions numbers = numbersOf(options);
-    numbers.progress = [&](double done) { static_cast<void>(session.progress(done, "packing")); };
-    numbers.interrupted = [] { return Session::interrupted(); };
-    std::vector<packing::Packing> packed;
-    if (seeds.size() == 1)
-    {
-      numbers.seed = seeds.front();
-      packed.push_back(packing::pack(numbers)); // tells how far it is
-    }
-    else
-    {
-      packed = packing::packMany(numbers, seeds, options.threads);
-    }
-    session.endProgress();
-    for (std::size_t i = 0; i < seeds.size(); ++i)
-    {
-      samples.push_back({ seeds[i], std::move(packed[i]), {}, {} });
-    }
+    throwFailure(filter->GetFailure());
   }
-  for (Made& made : samples)
-  {
-    made.numbers = packing::statistics(made.packing, options.packing.friction > 0);
-  }
-  return samples;
+  (void)VtkMessages::takeWarnings(); // the same as in the field data
+}
+
+/// Several at once, the same but without states. @throws Error
+std::vector<packing::Packing> packAll(
+  Session& session, const PackingCommandOptions& options, std::span<const std::uint64_t> seeds)
+{
+  packing::PackingOptions numbers = numbersOf(options);
+  numbers.progress = [&](double done, const char* what) { static_cast<void>(session.progress(done, what)); };
+  numbers.interrupted = [] { return Session::interrupted(); };
+  std::vector<packing::Packing> packed = packing::packMany(numbers, seeds, options.threads);
+  session.endProgress();
+  return packed;
+}
+
+Made madeOf(const packing::Packing& packing, bool friction)
+{
+  Made made;
+  setPacking(packing, packing::statistics(packing, friction), "lamella packing", made.grains, made.contacts);
+  setFieldNumber(made.grains, "relaxation_steps", static_cast<double>(packing.steps));
+  return made;
 }
 
 struct Files
@@ -326,36 +378,112 @@ void write(const Made& made, const Files& files, io::Provenance record)
 {
   record.seed = made.seed;
   const std::string text = io::toJson(record);
-  vtkNew<vtkPolyData> grains;
-  vtkNew<vtkPolyData> contacts;
-  setPacking(made.packing, made.numbers, "lamella packing", grains, contacts);
-  for (vtkPolyData* const data : { grains.Get(), contacts.Get() })
+  for (vtkPolyData* const data : { made.grains.Get(), made.contacts.Get() })
   {
     if (made.seed)
     {
-      const auto seed = static_cast<double>(*made.seed);
-      setFieldNumbers(data, "seed", std::span(&seed, 1));
+      setFieldNumber(data, "seed", static_cast<double>(*made.seed));
     }
     setProvenance(data, text);
   }
   if (files.grains && files.grains->path().extension() == ".csv")
   {
-    files.grains->write(toCsv(made.packing));
+    files.grains->write(toCsv(made));
   }
   else if (files.grains)
   {
-    writeGrid(grains, *files.grains);
+    writeGrid(made.grains, *files.grains);
   }
   if (files.contacts)
   {
-    writeGrid(contacts, *files.contacts);
+    writeGrid(made.contacts, *files.contacts);
   }
+}
+
+/// Prints the samples, one alone or as a list.
+void report(Session& session, const PackingCommandOptions& options, const std::vector<Made>& samples,
+  const io::Provenance& record, double seconds)
+{
+  for (const Made& made : samples)
+  {
+    for (const std::string& warning : fieldTexts(made.grains, "warnings"))
+    {
+      session.warn(samples.size() == 1 ? warning : fmt::format("seed {}: {}", *made.seed, warning));
+    }
+  }
+  if (options.common.json)
+  {
+    Json json;
+    if (options.seeds.empty())
+    {
+      json = toJson(samples.front());
+    }
+    else
+    {
+      json["samples"] = Json::array();
+      for (const Made& made : samples)
+      {
+        json["samples"].push_back(toJson(made));
+      }
+    }
+    json["seconds"] = seconds;
+    addRecord(json, record);
+    session.print(dump(json));
+  }
+  else if (!options.common.quiet)
+  {
+    session.print(samples.size() == 1 ? tableOf(samples.front(), seconds) : tableOf(samples, seconds));
+  }
+}
+
+/// One packing with the states on its way: all of them are written, with a list that tells their steps as times.
+void packInStates(Session& session, const PackingCommandOptions& options, const std::string& commandLine)
+{
+  const auto start = Clock::now();
+  const std::uint64_t seed = options.packing.seed;
+  StateWriter grains(options.output, 0, options.common.overwrite, ".vtp", { "states", "a table has room for one" });
+  StateWriter contacts(options.contacts, 0, options.common.overwrite, ".vtp", { "contacts", "there is no other form" });
+  vtkNew<vtkGrainPacking> filter;
+  packOne(session, filter, options, seed);
+  std::vector<vtkDataObject*> states;
+  std::vector<vtkDataObject*> forces;
+  for (int i = 0; i < filter->GetNumberOfStates(); ++i)
+  {
+    states.push_back(filter->GetStateGrains(i));
+    forces.push_back(filter->GetStateContacts(i));
+  }
+  io::Provenance record = recordRun(commandLine, "", "");
+  record.seed = seed;
+  const std::string text = io::toJson(record);
+  std::vector<Made> samples(1);
+  Made& made = samples.front();
+  made.seed = seed;
+  made.grains = filter->GetOutput();
+  made.files = grains.write(states, text);
+  const std::vector<std::string> more = contacts.write(forces, text);
+  made.files.insert(made.files.end(), more.begin(), more.end());
+  Session::checkInterrupt();
+  grains.commit();
+  contacts.commit();
+  if (!options.common.json && made.files.size() > 6) // hundreds
+  {
+    std::vector<std::string> few{ made.files.front(), fmt::format("... {} states in all", states.size()) };
+    std::copy_if(made.files.begin(), made.files.end(), std::back_inserter(few),
+      [](const std::string& name) { return std::filesystem::path(name).extension() == ".pvd"; });
+    made.files = few;
+  }
+  report(session, options, samples, record, secondsSince(start));
 }
 
 void packingRun(Session& session, const PackingCommandOptions& options, const std::string& commandLine)
 {
   const auto start = Clock::now();
   refuseContradictions(options);
+  if (options.packing.every > 0)
+  {
+    packInStates(session, options, commandLine);
+    return;
+  }
   std::vector<std::uint64_t> seeds{ options.packing.seed };
   if (!options.seeds.empty())
   {
@@ -385,7 +513,26 @@ void packingRun(Session& session, const PackingCommandOptions& options, const st
     session.warn("a table does not tell that the box is periodic, nor how large it is; .vtp does");
   }
 
-  std::vector<Made> samples = make(session, options, seeds);
+  std::vector<Made> samples;
+  vtkNew<vtkGrainPacking> filter;
+  if (!options.read.empty())
+  {
+    samples.push_back(madeOf(loadPacking(options.read, options.table).packing, false));
+  }
+  else if (seeds.size() == 1)
+  {
+    packOne(session, filter, options, seeds.front());
+    samples.push_back({ seeds.front(), filter->GetOutput(), filter->GetContacts(), {} });
+  }
+  else
+  {
+    const std::vector<packing::Packing> packed = packAll(session, options, seeds);
+    for (std::size_t i = 0; i < seeds.size(); ++i)
+    {
+      samples.push_back(madeOf(packed[i], options.packing.friction > 0));
+      samples.back().seed = seeds[i];
+    }
+  }
   io::Provenance record = recordRun(commandLine, options.read, "");
   for (std::size_t i = 0; i < samples.size(); ++i)
   {
@@ -407,31 +554,7 @@ void packingRun(Session& session, const PackingCommandOptions& options, const st
       }
     }
   }
-
-  const double seconds = secondsSince(start);
-  if (options.common.json)
-  {
-    Json json;
-    if (options.seeds.empty())
-    {
-      json = toJson(samples.front());
-    }
-    else
-    {
-      json["samples"] = Json::array();
-      for (const Made& made : samples)
-      {
-        json["samples"].push_back(toJson(made));
-      }
-    }
-    json["seconds"] = seconds;
-    addRecord(json, record);
-    session.print(dump(json));
-  }
-  else if (!options.common.quiet)
-  {
-    session.print(samples.size() == 1 ? tableOf(samples.front(), seconds) : tableOf(samples, seconds));
-  }
+  report(session, options, samples, record, secondsSince(start));
 }
 
 } // namespace
@@ -483,10 +606,14 @@ Command packingCommand(CLI::App& root)
   app->add_option("--contacts", o->contacts, "Write the contacts and their forces: .vtp")
     ->type_name("FILE")
     ->group("Output");
+  in("Output", "STEPS",
+    app->add_option("--every", p.every,
+      "Write states on the way too, each so many steps: FILE_000.vtp ... and FILE.pvd, the last at rest"));
   addReportOptions(*app, o->common);
   addExamples(*app,
     { "lamella packing --count 400 --seed 3 -o grains.vtp --contacts forces.vtp",
       "lamella packing --dimension 3 --count 500 --friction 0.3 -o spheres.vtp",
+      "lamella packing --count 200 --every 1000 -o way.vtp --contacts forces.vtp",
       "lamella packing --seeds 1-10 --threads 2 -o pack_{seed}.vtp --json",
       "lamella packing --read measured.csv --unit 1mm -o grains.vtp" });
   return aloneCommand(app, o, packingRun);

@@ -96,15 +96,15 @@ PackingFile loadPacking(const std::string& path, const TableOptions& options)
   return file;
 }
 
-std::string boxText(const packing::Packing& packing)
+std::string boxText(const std::array<double, 3>& size)
 {
-  const double edge = packing.size[0];
+  const double edge = size[0];
   const double scale = edge >= 1 ? 1 : edge >= 1e-3 ? 1e3 : 1e6;
   const char* const unit = edge >= 1 ? "m" : edge >= 1e-3 ? "mm" : "µm";
   std::string text = fmt::format("{:.5g} {}", edge * scale, unit);
-  for (std::size_t axis = 1; axis < static_cast<std::size_t>(packing.dimension); ++axis)
+  for (std::size_t axis = 1; axis < (size[2] > 0 ? 3U : 2U); ++axis)
   {
-    text += fmt::format(" × {:.5g} {}", packing.size[axis] * scale, unit);
+    text += fmt::format(" × {:.5g} {}", size[axis] * scale, unit);
   }
   return text;
 }

@@ -4,6 +4,7 @@
 
 #include <CLI/App.hpp>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,7 @@ struct PackingFile
 /// The first of these that was given on the command line, by its name; empty: none.
 [[nodiscard]] std::string firstGiven(const std::vector<CLI::Option*>& options);
 
-/// "17.2 mm × 34.4 mm"
-[[nodiscard]] std::string boxText(const packing::Packing& packing);
+/// "17.2 mm × 34.4 mm" @param size edges [m]; the third of disks is 0
+[[nodiscard]] std::string boxText(const std::array<double, 3>& size);
 
 } // namespace lamella::cli

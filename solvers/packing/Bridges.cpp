@@ -96,6 +96,11 @@ std::vector<Bridge> findBridges(const Packing& packing, double reach, bool walls
     throw ParameterError("bridges to the walls of a packing that has none: its last axis is periodic",
       "leave them out, or make a packing between walls");
   const double largest = *std::max_element(packing.radius.begin(), packing.radius.end());
+  for (std::size_t a = 0; a < axes; ++a)
+    if (packing.periodic[a] && packing.size[a] < 2 * reach * largest) // a second image would be as near
+      throw ParameterError(
+        fmt::format("bridges up to {:g} long in a periodic box {:g} wide", 2 * reach * largest, packing.size[a]),
+        fmt::format("a reach below {:.3g}, or a box of more grains", packing.size[a] / (2 * largest)));
   struct Image
   {
     std::int32_t grain;
@@ -136,7 +141,10 @@ std::vector<Bridge> findBridges(const Packing& packing, double reach, bool walls
     {
       const Image& a = images[m].grain < images[k].grain ? images[m] : images[k];
       const Image& b = images[m].grain < images[k].grain ? images[k] : images[m];
-      if (a.grain == b.grain || !a.original)
+      if (a.grain == b.grain ? a.original == b.original : !a.original)
+        continue;
+      const Image& image = a.original ? b : a;
+      if (a.grain == b.grain && image.shift < std::array<double, 3>{ 0, 0, 0 }) // its other side is the same bridge
         continue;
       double square = 0;
       for (std::size_t axis = 0; axis < axes; ++axis)
@@ -144,11 +152,11 @@ std::vector<Bridge> findBridges(const Packing& packing, double reach, bool walls
       const double most =
         reach * (packing.radius[static_cast<std::size_t>(a.grain)] + packing.radius[static_cast<std::size_t>(b.grain)]);
       if (square < most * most)
-        bridges.push_back({ a.grain, b.grain, b.shift });
+        bridges.push_back({ a.grain, b.grain, image.shift });
     }
   for (std::size_t i = 0; walls && i < packing.count(); ++i)
     for (const double wall : { 0.0, packing.size[last] })
-      if (const double away = wall - packing.centre[i][last]; std::abs(away) < reach * packing.radius[i])
+      if (const double away = wall - packing.centre[i][last]; away != 0 && std::abs(away) < reach * packing.radius[i])
       {
         Bridge bridge{ static_cast<std::int32_t>(i), static_cast<std::int32_t>(i) };
         bridge.shift[last] = 2 * away;
@@ -175,8 +183,14 @@ MatrixFractions matrixFractions(
     return std::clamp<std::int64_t>(
       static_cast<std::int64_t>(std::ceil(perDiameter * packing.size[axis] / smallest)), 100, 100'000);
   };
-  const std::vector<double> planes = midpoints(packing.size[last], number(last));
-  const std::vector<double> rows = dimension == 3 ? midpoints(packing.size[1], number(1)) : std::vector<double>{ 0 };
+  // In space a grain that is tiny beside the box would ask for more lines than anybody can wait for.
+  constexpr double mostLines = 4e6;
+  const double asked = dimension == 3 ? static_cast<double>(number(last)) * static_cast<double>(number(1)) : 1;
+  const double fewer = lines > 0 || asked <= mostLines ? 1 : std::sqrt(mostLines / asked);
+  const auto count = [&](std::size_t axis)
+  { return std::max<std::int64_t>(1, static_cast<std::int64_t>(fewer * static_cast<double>(number(axis)))); };
+  const std::vector<double> planes = midpoints(packing.size[last], count(last));
+  const std::vector<double> rows = dimension == 3 ? midpoints(packing.size[1], count(1)) : std::vector<double>{ 0 };
   double grains = 0;
   double matrix = 0;
   forEachLine(packing, bridges, filled ? 0 : width, rows, planes,
@@ -224,6 +238,60 @@ double widthForSaturation(const Packing& packing, std::span<const Bridge> bridge
   }
   return errorLow == 0 ? 0 : low;
 }
+
+namespace
+{
+
+/// What of a sample is doubtful.
+std::vector<std::string> doubts(
+  const Packing& packing, std::span<const Bridge> bridges, const CementedSample& sample, const BridgeOptions& options)
+{
+  std::vector<std::string> found;
+  if (options.saturation && std::abs(sample.fractions.saturation - *options.saturation) > 1e-4 * *options.saturation)
+    found.push_back(
+      fmt::format("the saturation is {:.5g} in place of {:.5g}: so few bridges, along x, grow in steps of the "
+                  "lines by which shares are measured",
+        sample.fractions.saturation, *options.saturation));
+  double overlap = 0; // over the smaller one's diameter
+  double thinnest = std::numeric_limits<double>::infinity();
+  for (const Bridge& b : bridges)
+  {
+    const auto i = static_cast<std::size_t>(b.first);
+    const auto j = static_cast<std::size_t>(b.second);
+    const double smaller = std::min(packing.radius[i], packing.radius[j]);
+    thinnest = std::min(thinnest, 2 * sample.width * smaller);
+    if (i == j) // to a wall, or an image of its own
+      continue;
+    double square = 0;
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      const double r = packing.centre[j][a] + b.shift[a] - packing.centre[i][a];
+      square += r * r;
+    }
+    overlap = std::max(overlap, 0.5 * (packing.radius[i] + packing.radius[j] - std::sqrt(square)) / smaller);
+  }
+  if (overlap > 0.02)
+    found.push_back(
+      fmt::format("grains overlap by up to {:.1f} % of the smaller one's diameter: shares are those of their union",
+        100 * overlap));
+  const double spacing = sample.image.lattice.spacing;
+  if (sample.width > 0 && thinnest < 2 * spacing)
+    found.push_back(
+      fmt::format("the thinnest bridges are {:.2g} nodes wide at their ends, and the lattice may miss them; "
+                  "take more nodes across",
+        thinnest / spacing));
+  const auto off = [](double a, double b) { return std::abs(a - b) > 0.02; };
+  const MatrixFractions& exact = sample.fractions;
+  const MatrixFractions& nodes = sample.onLattice;
+  if (off(exact.grains, nodes.grains) || off(exact.matrix, nodes.matrix) || off(exact.saturation, nodes.saturation))
+    found.push_back(
+      fmt::format("the lattice is too coarse: grains {:.1f} % of it, {:.1f} % of the box; saturation {:.1f} "
+                  "%, and {:.1f} % of the geometry; take more nodes across",
+        100 * nodes.grains, 100 * exact.grains, 100 * nodes.saturation, 100 * exact.saturation));
+  return found;
+}
+
+} // namespace
 
 CementedSample cement(const Packing& packing, const BridgeOptions& options, const RasterOptions& raster)
 {
@@ -319,6 +387,10 @@ CementedSample cement(const Packing& packing, const BridgeOptions& options, cons
     std::fill_n(image.phase.begin() + static_cast<std::ptrdiff_t>(begin), layer, std::uint8_t{ 2 });
     std::fill_n(sample.grain.begin() + static_cast<std::ptrdiff_t>(begin), layer, -1);
   }
+  if (filled)
+    sample.width = 0; // there are none
+  sample.warnings = doubts(packing, bridges, sample, options);
+  sample.width = filled ? options.width : sample.width;
   return sample;
 }
 

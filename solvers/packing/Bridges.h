@@ -5,6 +5,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 /// The binding matrix of cemented grains, as Frank, Radjai, Nezamabadi and Delenne, Phys. Rev. E 102 (2020) 022906,
@@ -46,16 +48,18 @@ struct MatrixFractions
 
 /// Pairs nearer than `reach`, by rising first and second. In periodic boxes a grain's images count as others.
 /// @param walls as BridgeOptions::walls: first and second are then one grain
-/// @throws ParameterError for a reach outside 1 … 2; for walls where the last axis is periodic
+/// @throws ParameterError for a reach outside 1 … 2; for walls where the last axis is periodic; for a periodic box
+/// narrower than bridges are long
 [[nodiscard]] std::vector<Bridge> findBridges(const Packing& packing, double reach, bool walls = false);
 
 /// Shares of the box, exact but for the quadrature: lines along x meet disks, spheres, trapezoids and cones in
 /// intervals, whose union is exact, and are summed across with `lines` of them along each other axis (0: so many that
-/// the error is about 1e-5 in 2D, 1e-3 in 3D).
+/// the error is about 1e-5 in 2D, 1e-3 in 3D; more where grains are a hundred times smaller than the box).
 [[nodiscard]] MatrixFractions matrixFractions(
   const Packing& packing, std::span<const Bridge> bridges, double width, bool filled = false, int lines = 0);
 
-/// The width that gives a saturation, to 1e-6 of it.
+/// The width that gives a saturation, to 1e-6 of it; where a few bridges lie along x, as the lines do by which shares
+/// are measured, as near as these lines resolve, about 1e-2.
 /// @throws ParameterError when no width from 0 to 2 does (says the range that can be reached)
 [[nodiscard]] double widthForSaturation(
   const Packing& packing, std::span<const Bridge> bridges, double saturation, int lines = 0);
@@ -73,8 +77,9 @@ struct CementedSample
   std::vector<std::int32_t> grain; ///< #nodes: grain number from 1; 0: none; −1: platen
   double width = 0;                ///< α as used
   std::int64_t bridges = 0;
-  MatrixFractions fractions; ///< of the geometry, without platens
-  MatrixFractions onLattice; ///< of the nodes, without platens
+  MatrixFractions fractions;         ///< of the geometry, without platens
+  MatrixFractions onLattice;         ///< of the nodes, without platens
+  std::vector<std::string> warnings; ///< overlaps, and what the lattice is too coarse for
 };
 
 /// The other edges of the box are rounded to whole spacings; what sticks out is cut off, a rest is void.

@@ -83,9 +83,9 @@ bool GrainSystem<Dim>::stalePairs() const
 {
   if (positionOfList_.size() != position.size() || sight != sightOfList_)
     return true;
-  // Under the affine part of the motion a pair comes nearer by its distance (below 2.5 diameters) times the strain.
+  // Under the affine part of the motion a pair comes nearer by its distance times the strain.
   const Vec ratio = box.cwiseQuotient(boxOfList_);
-  const double affine = 2.5 * (ratio.array() - 1).abs().maxCoeff();
+  const double affine = farthestOfList_ * (ratio.array() - 1).abs().maxCoeff();
   const double allowed = 0.5 * (skin_ - affine);
   if (allowed <= 0)
     return true;
@@ -215,7 +215,19 @@ void GrainSystem<Dim>::findPairs()
   }
   positionOfList_ = position;
   boxOfList_ = box;
+  // of grains that are not very uneven it is far below the 2.5; the room lets lists of pairs live equally long
+  farthestOfList_ = std::max(2.5, 2 * largest + sight + skin_);
   sightOfList_ = sight;
+}
+
+template <int Dim>
+void GrainSystem<Dim>::rub(double coefficient)
+{
+  friction = coefficient;
+  std::fill(wallSpring_.begin(), wallSpring_.end(), Vec::Zero());
+  pairs_.clear();
+  spring_.clear();
+  positionOfList_.clear();
 }
 
 template <int Dim>

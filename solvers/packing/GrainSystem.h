@@ -101,6 +101,9 @@ public:
   /// Finds the pairs anew where grains have moved or the box has changed since.
   void updatePairs();
 
+  /// With friction from here on: tangential springs begin without a force.
+  void rub(double coefficient);
+
 private:
   /// Near a wall: found with the pairs.
   struct NearWall
@@ -135,6 +138,7 @@ private:
   std::vector<Vec> wallSpring_;
   std::vector<Vec> positionOfList_;
   Vec boxOfList_ = Vec::Zero();
+  double farthestOfList_ = 0; ///< no pair of the list was farther apart than this
   double skin_ = 0.2;
   double sightOfList_ = 0;
   std::int64_t pairsVersion_ = 0;

@@ -114,6 +114,17 @@ Packing packingOf(int dimension, std::span<const std::array<double, 3>> centre, 
     }
   std::sort(p.contacts.begin(), p.contacts.end(),
     [](const Contact& a, const Contact& b) { return std::pair(a.first, a.second) < std::pair(b.first, b.second); });
+  std::int64_t out = 0;
+  for (std::size_t i = 0; i < p.count(); ++i)
+  {
+    double farthest = 0;
+    for (std::size_t a = 0; a < axes; ++a)
+      farthest = std::max({ farthest, p.radius[i] - p.centre[i][a], p.radius[i] + p.centre[i][a] - p.size[a] });
+    out += farthest > 0.04 * p.radius[i] ? 1 : 0;
+  }
+  if (out > 0)
+    p.warnings.push_back(
+      fmt::format("{} of {} grains stick out of the box: the packing fraction counts all of them", out, p.count()));
   for (std::size_t i = 0; i < p.count(); ++i)
     for (std::size_t a = 0; a < axes; ++a)
       for (const int side : { 0, 1 })

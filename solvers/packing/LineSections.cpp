@@ -209,6 +209,8 @@ std::vector<Shape> shapesOf(const Packing& packing, std::span<const Bridge> brid
       s.second = packing.centre[static_cast<std::size_t>(b.second)];
       for (std::size_t a = 0; a < 3; ++a)
         s.second[a] += b.shift[a];
+      if (s.first == s.second) // grains at one place: a bridge of no length
+        continue;
       s.firstRadius = width * packing.radius[static_cast<std::size_t>(b.first)];
       s.secondRadius = width * packing.radius[static_cast<std::size_t>(b.second)];
       addImages(s);

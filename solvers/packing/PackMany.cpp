@@ -22,6 +22,7 @@ std::vector<Packing> packMany(const PackingOptions& options, std::span<const std
       PackingOptions mine = options;
       mine.seed = seeds[i];
       mine.progress = nullptr;
+      mine.every = 0;
       try
       {
         samples[i] = pack(mine);
@@ -32,7 +33,7 @@ std::vector<Packing> packMany(const PackingOptions& options, std::span<const std
       }
       ++done;
       if (reports && options.progress)
-        options.progress(static_cast<double>(done) / static_cast<double>(seeds.size()));
+        options.progress(static_cast<double>(done) / static_cast<double>(seeds.size()), "packing");
     }
   };
   std::vector<std::thread> others;

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace lamella::packing
 {
@@ -31,7 +32,13 @@ public:
   explicit Compaction(const PackingOptions& options)
     : o_(options)
   {
-    relaxation_.interrupted = o_.interrupted;
+    relaxation_.interrupted = [this]
+    {
+      report(reported_);
+      return o_.interrupted && o_.interrupted();
+    };
+    if (o_.every > 0 && o_.state)
+      relaxation_.watch = [this](std::int64_t steps) { tell(steps); };
     relaxation_.aspect = o_.aspect;
     relaxation_.shapeShare = shapeShare;
   }
@@ -52,7 +59,9 @@ public:
     else
       smooth(target);
     scale = o_.pressure / (grains_.virial.mean() / grains_.volume());
-    return result(scale);
+    Packing packing = result(scale);
+    packing.warnings = shortcomings(packing);
+    return packing;
   }
 
 private:
@@ -62,7 +71,20 @@ private:
   {
     reported_ = std::max(reported_, share); // attempts are repeated
     if (o_.progress)
-      o_.progress(std::min(reported_, 1.0));
+      o_.progress(std::min(reported_, 1.0), stage_);
+  }
+
+  // States that are due. @param steps of the relaxation that runs
+  void tell(std::int64_t steps)
+  {
+    if (steps_ + steps < next_)
+      return;
+    next_ = ((steps_ + steps) / o_.every + 1) * o_.every;
+    Packing packing = result(o_.pressure / o_.softness);
+    packing.steps += steps;
+    o_.state({ packing, stage_ });
+    if (o_.interrupted && o_.interrupted()) // who sees states may end it
+      throw Cancelled();
   }
 
   RelaxationResult rest(BoxMotion box, double pressure, double tolerance, std::int64_t most)
@@ -105,6 +127,22 @@ private:
         grains_.position[i][a] = random.uniform(Use::GrainPlace, static_cast<std::int64_t>(i), a) * grains_.box[a];
   }
 
+  // Much friction locks grains that overlap at their random places, far below any density at which they would jam:
+  // they are let go without it, once.
+  // @returns they were
+  bool unlock()
+  {
+    if (o_.friction == 0 || unlocked_)
+      return false;
+    unlocked_ = true;
+    const double negligible = std::exchange(relaxation_.negligible, 1e-12);
+    grains_.rub(0);
+    rest(BoxMotion::Fixed, 0, 1e-8, 100'000);
+    grains_.rub(o_.friction);
+    relaxation_.negligible = negligible;
+    return true;
+  }
+
   [[nodiscard]] double fraction() const { return grains_.grainVolume() / grains_.volume(); }
   [[nodiscard]] double pressure() const { return grains_.virial.mean() / grains_.volume(); }
   void compressTo(double fractionWanted)
@@ -116,9 +154,12 @@ private:
   void compact()
   {
     relaxation_.negligible = 1e-4;
+    const double first = fraction();
     for (double step = 0.01;;)
     {
-      const RelaxationResult r = rest(BoxMotion::Fixed, 0, 1e-2, 20'000);
+      RelaxationResult r = rest(BoxMotion::Fixed, 0, 1e-2, 20'000);
+      if (fraction() == first && pressure() > 1e-4 && unlock())
+        r = rest(BoxMotion::Fixed, 0, 1e-2, 20'000);
       if (pressure() > (o_.friction > 0 ? 1e-4 : 1e-3) && r.atRest)
         return;
       if (fraction() > 0.98)
@@ -135,6 +176,8 @@ private:
     for (;;)
     {
       const RelaxationResult r = rest(BoxMotion::Fixed, 0, 1e-8, 100'000);
+      if (grains_.forceSum > relaxation_.negligible * static_cast<double>(o_.count) && unlock())
+        continue;
       if (grains_.forceSum > relaxation_.negligible * static_cast<double>(o_.count))
         throw ParameterError(
           fmt::format("the grains jam at a packing fraction of {:.3f}, before {:.3f}", fraction(), wanted),
@@ -160,6 +203,7 @@ private:
   // The shape as it should be at equal stresses: sheared beyond the target and released until that is so.
   void settle(double p, double allowed, int attempts)
   {
+    stage_ = "settling";
     double amplitude = 0;
     double side = 0;
     System best = grains_;
@@ -206,6 +250,7 @@ private:
   // @param anew even if it is within them already: the first turn stays, whatever comes of it
   void evenOut(double p, const Limits& limits, int attempts, bool anew)
   {
+    stage_ = "turning";
     Packing packing = result(1);
     PackingStatistics now = statistics(packing);
     double least = anew ? std::numeric_limits<double>::infinity() : misfit(now, limits);
@@ -275,11 +320,32 @@ private:
     }
     grains_ = best;
     grains_.computeForces(0);
-    if (grains_.unbalanced() > o_.tolerance)
+    if (std::isinf(least) || grains_.unbalanced() > o_.tolerance)
       throw DivergenceError(
         fmt::format(
-          "the packing did not come to rest: unbalanced force {:.1e} of the mean contact force", grains_.unbalanced()),
-        "try another seed, or a larger softness");
+          "the packing did not come to rest at a softness of {:g} with a tolerance of {:g}", target, o_.tolerance),
+        "try another seed, a larger softness or a larger tolerance");
+  }
+
+  // What is stated, and was not reached.
+  [[nodiscard]] std::vector<std::string> shortcomings(const Packing& p) const
+  {
+    std::vector<std::string> found;
+    if (o_.friction > 0 || o_.packingFraction)
+      return found;
+    const PackingStatistics s = statistics(p);
+    const auto say = [&](const std::string& what)
+    {
+      found.push_back(
+        what + ": so few grains, or such a box, have no shape that is better; try another seed or more grains");
+    };
+    if (std::abs(s.aspect / o_.aspect - 1) > 0.02)
+      say(fmt::format("the aspect is {:.3f} in place of {:g}", s.aspect, o_.aspect));
+    if (s.fabricAnisotropy > 0.03)
+      say(fmt::format("the directions of contacts are {:.1f} % anisotropic", 100 * s.fabricAnisotropy));
+    if (s.stressAnisotropy > 0.03)
+      say(fmt::format("the stress is {:.1f} % anisotropic", 100 * s.stressAnisotropy));
+    return found;
   }
 
   // From one pressure to a lower one. Which contacts stay changes all the way: Newton's method is quick at that only if
@@ -289,6 +355,7 @@ private:
   // @returns it is at rest at the lower pressure
   bool harden(double firm, double target, bool choosy)
   {
+    stage_ = "hardening";
     if constexpr (Dim == 2)
     {
       const auto smoothed = [&](double p, double gap)
@@ -299,7 +366,7 @@ private:
       };
       for (double p = firm;; p = std::max(target, p / 3))
       {
-        relaxation_.shapeShare = p > 1e-4 ? shapeShare : 0; // at last all walls carry the same
+        relaxation_.shapeShare = p > 1e-4 ? shapeShare : 0;
         smoothed(p, p);
         if (choosy && p < 1e-4 && std::abs(aspectError()) > 0.011)
         {
@@ -322,6 +389,7 @@ private:
           return false;
         report(0.6 + 0.4 * std::log(p / firm) / std::log(target / firm));
       }
+    relaxation_.shapeShare = 0; // at last all walls carry the same
     const bool done = polish(target, choosy);
     relaxation_.shapeShare = shapeShare;
     return done;
@@ -335,6 +403,8 @@ private:
     relaxation_.box = BoxMotion::EachAxis;
     const RelaxationResult r = newton(grains_, relaxation_);
     steps_ += r.steps;
+    if (relaxation_.watch)
+      relaxation_.watch(0); // its steps are few: told at its end, where forces are those of the law without smoothing
     return r;
   }
 
@@ -345,6 +415,8 @@ private:
   bool polish(double p, bool choosy)
   {
     const double goal = 1e-3 * o_.tolerance;
+    // Overlaps are differences of places: 1e-15 of a place is as much of a force as 1e-15 over the overlap.
+    const double good = std::max(0.01 * o_.tolerance, std::min(o_.tolerance, 1e-14 / p));
     std::int64_t most = Dim == 2 ? 1'000 : 50'000;
     const int attempts = Dim == 3 ? 8 : choosy ? 2 : 14;
     for (int attempt = 0; attempt < attempts; ++attempt)
@@ -355,7 +427,7 @@ private:
         if (Dim == 2)
           most = std::min<std::int64_t>(2 * most, 200'000);
       }
-      if (solve(p, goal, Dim == 2 ? 60 : 30).atRest || grains_.unbalanced() <= 0.01 * o_.tolerance)
+      if (solve(p, goal, Dim == 2 ? 60 : 30).atRest || grains_.unbalanced() <= good)
         return true;
     }
     return false;
@@ -363,7 +435,9 @@ private:
 
   void rubbing(double target)
   {
-    for (double p = std::max(1e-4, target);; p = std::max(target, p / 10))
+    stage_ = "squeezing";
+    const double first = std::max(1e-4, target);
+    for (double p = first;; p = std::max(target, p / 10))
     {
       const bool done = creep(p, p > target ? 10 * o_.tolerance : o_.tolerance);
       if (p <= target)
@@ -375,7 +449,7 @@ private:
             "try another seed, less friction or a larger softness");
         return;
       }
-      report(0.4);
+      report(0.2 + 0.8 * std::log(p / 10 / first) / std::log(target / 10 / first));
     }
   }
 
@@ -460,6 +534,9 @@ private:
   RelaxationOptions relaxation_;
   System grains_;
   std::int64_t steps_ = 0;
+  std::int64_t next_ = 0; ///< steps at which a state is due
+  const char* stage_ = "compressing";
+  bool unlocked_ = false;
   double reported_ = 0;
 };
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 /// Dense packings of disks and spheres by discrete elements, as the samples of Frank, Radjai, Nezamabadi and Delenne,
@@ -19,6 +20,8 @@ enum class Sizes
   VolumeShare, ///< every diameter fills the same share of the volume: many small grains, few large ones
   Diameter,    ///< diameters spread evenly
 };
+
+struct PackingState;
 
 /// The grains' sizes are quantiles of their distribution, the same in every sample; the seed says who has which and
 /// where all begin.
@@ -38,9 +41,13 @@ struct PackingOptions
   /// Ends the compaction at this share of the box, below jamming: grains that do not touch.
   std::optional<double> packingFraction;
   std::uint64_t seed = 1;
-  double tolerance = 1e-4;              ///< mean net force on a grain over the mean contact force, at rest
-  std::function<void(double)> progress; ///< called with 0 … 1, which never falls
-  std::function<bool()> interrupted;    ///< asked now and then; true ends it with Cancelled
+  double tolerance = 1e-4; ///< mean net force on a grain over the mean contact force, at rest
+  /// Called often with 0 … 1, which never falls, and with what is done.
+  std::function<void(double share, const char* stage)> progress;
+  std::function<bool()> interrupted; ///< asked now and then; true ends it with Cancelled
+  /// Steps of relaxation from one state on the way to the next; 0: none is told. The packing is the same, to the bit.
+  std::int64_t every = 0;
+  std::function<void(const PackingState&)> state; ///< called with each; the end is what pack() returns
 };
 
 /// Two grains, or a grain and a wall, that press on each other.
@@ -62,14 +69,24 @@ struct Packing
   std::vector<std::array<double, 3>> centre; ///< #grains; z = 0 in 2D [m]
   std::vector<double> radius;                ///< #grains [m]
   std::vector<Contact> contacts;
-  double pressure = 0;    ///< mean stress [Pa]
-  double unbalanced = 0;  ///< mean net force on a grain over the mean contact force
-  std::int64_t steps = 0; ///< of all relaxations
+  double pressure = 0;               ///< mean stress [Pa]
+  double unbalanced = 0;             ///< mean net force on a grain over the mean contact force
+  std::int64_t steps = 0;            ///< of all relaxations
+  std::vector<std::string> warnings; ///< where it is not all that was asked for
 
   [[nodiscard]] std::size_t count() const noexcept { return radius.size(); }
   /// Area of the box in 2D [m²], its volume in 3D [m³].
   [[nodiscard]] double volume() const noexcept;
   [[nodiscard]] double grainVolume(std::size_t grain) const noexcept;
+};
+
+/// Grains on their way to rest, after so many steps (Packing::steps). Forces are those of the contacts' stiffness,
+/// pressure over softness, so that in the first states, where grains still overlap, they are far above the pressure.
+/// Attempts that were undone are among the states: from one to the next grains may be where they were before.
+struct PackingState
+{
+  const Packing& packing;
+  const char* stage; ///< "compressing", "settling", "turning", "hardening"; with friction "squeezing"
 };
 
 /// Presses `count` grains together: from a loose, random start in small steps, each to rest, until they are jammed;
@@ -85,7 +102,7 @@ struct Packing
 /// (says where); DivergenceError when it does not come to rest; Cancelled
 [[nodiscard]] Packing pack(const PackingOptions& options);
 
-/// Packs one sample a seed, `threads` at once. The order is that of the seeds.
+/// Packs one sample a seed, `threads` at once. The order is that of the seeds. No states are told.
 /// @throws as pack(), for the first seed that fails
 [[nodiscard]] std::vector<Packing> packMany(
   const PackingOptions& options, std::span<const std::uint64_t> seeds, int threads);

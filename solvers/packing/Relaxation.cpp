@@ -60,6 +60,8 @@ RelaxationResult relax(GrainSystem<Dim>& g, const RelaxationOptions& options)
   RelaxationResult result;
   for (; result.steps < options.maxSteps; ++result.steps)
   {
+    if (options.watch)
+      options.watch(result.steps);
     const Vec onBox = boxForce();
     const double pressureError =
       options.box == BoxMotion::Fixed ? 0 : onBox.cwiseAbs().maxCoeff() / (options.pressure * g.volume());
@@ -70,7 +72,7 @@ RelaxationResult relax(GrainSystem<Dim>& g, const RelaxationOptions& options)
       result.atRest = true;
       break;
     }
-    if (options.interrupted && result.steps % 1024 == 0 && options.interrupted())
+    if (options.interrupted && result.steps % 64 == 0 && options.interrupted())
       throw Cancelled();
 
     double power = onBox.dot(g.boxRate);

@@ -32,6 +32,8 @@ struct RelaxationOptions
   double smoothing = 0;
   std::int64_t maxSteps = 1'000'000;
   std::function<bool()> interrupted; ///< asked now and then; true ends it with Cancelled
+  /// relax(): told before each step how many have been made, with the forces of the state as it is.
+  std::function<void(std::int64_t)> watch;
 };
 
 /// What the walls along each axis are to carry: a share of `pressure`.

@@ -21,6 +21,10 @@ namespace lamella
 InputMark::Content InputMark::contentOf(vtkImageData* image)
 {
   Content content;
+  if (image == nullptr)
+  {
+    return content;
+  }
   image->GetExtent(content.extent.data());
   image->GetOrigin(content.origin.data());
   image->GetSpacing(content.spacing.data());
@@ -40,7 +44,10 @@ InputMark::Content InputMark::contentOf(vtkImageData* image)
 void InputMark::take(vtkImageData* image)
 {
   kept_ = vtkSmartPointer<vtkImageData>::New();
-  kept_->ShallowCopy(image);
+  if (image != nullptr)
+  {
+    kept_->ShallowCopy(image);
+  }
   content_ = contentOf(image);
 }
 

@@ -49,6 +49,7 @@ private:
 
 /// What an image was made of at a time: its lattice and its arrays. ParaView puts filters of its own before every other
 /// one, which hand the same arrays on in an image that is always new: the image's own time tells nothing.
+/// A source has none: null.
 class InputMark
 {
 public:
@@ -93,6 +94,8 @@ public:
     }
     return states_.emplace_back(vtkSmartPointer<Data>::New());
   }
+
+  void clear() { states_.clear(); }
 
   /// Which one is shown, from 0; below 0, and beyond the last one: the last.
   void choose(int state)

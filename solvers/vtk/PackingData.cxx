@@ -45,6 +45,38 @@ void setNumbers(
   number("stress_anisotropy", s.stressAnisotropy, "1", "of the principal values, (largest - smallest)/sum");
   number("unbalanced_force", p.unbalanced, "1", "mean net force on a grain over the mean contact force");
   number("pressure", p.pressure, "Pa", "mean stress");
+  setFieldTexts(data, "warnings", p.warnings);
+}
+
+/// Of each grain: the sum of its contacts' forces, and of their parts along the contacts.
+void setForces(const packing::Packing& p, const std::string& creator, vtkPolyData* particles)
+{
+  const auto net = newArray<vtkDoubleArray>("net_force", 3, p.count());
+  const auto normal = newArray<vtkDoubleArray>("normal_force", 1, p.count());
+  net->FillValue(0);
+  normal->FillValue(0);
+  for (const packing::Contact& c : p.contacts)
+  {
+    const double along = c.force[0] * c.normal[0] + c.force[1] * c.normal[1] + c.force[2] * c.normal[2];
+    const auto add = [&](std::int32_t grain, double sign)
+    {
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        net->SetTypedComponent(
+          grain, axis, net->GetTypedComponent(grain, axis) + sign * c.force[static_cast<std::size_t>(axis)]);
+      }
+      normal->SetValue(grain, normal->GetValue(grain) + along);
+    };
+    add(c.first, -1);
+    if (c.second >= 0)
+    {
+      add(c.second, 1);
+    }
+  }
+  const char* const unit = p.dimension == 3 ? "N" : "N/m";
+  describe(net, unit, "sum of the forces on the grain", creator);
+  describe(normal, unit, "sum of its contacts' forces along them; compression is positive", creator);
+  addArrays(particles->GetPointData(), { net, normal });
 }
 
 void setContacts(const packing::Packing& p, const std::string& creator, vtkPolyData* out)
@@ -134,12 +166,18 @@ void setPacking(const packing::Packing& p, const packing::PackingStatistics& s, 
   vtkPointData* const data = particles->GetPointData();
   data->SetScalars(radius);
   addArrays(data, { diameter, grain, number, rattler });
+  setForces(p, creator, particles);
   setNumbers(particles, p, s, creator);
   if (contacts != nullptr)
   {
     setContacts(p, creator, contacts);
     contacts->GetFieldData()->ShallowCopy(particles->GetFieldData());
   }
+}
+
+std::size_t packingBytes(const packing::Packing& packing)
+{
+  return 150 * packing.count() + 240 * packing.contacts.size();
 }
 
 packing::Packing packingFrom(vtkPolyData* particles)
@@ -229,6 +267,7 @@ vtkSmartPointer<vtkImageData> cementedImage(const packing::Packing& packing, con
   number("saturation", sample.fractions.saturation, "share of the space between grains that is matrix");
   number("saturation_on_lattice", sample.onLattice.saturation, "the same of the nodes");
   setFieldText(image, "pixel_size_source", "packing");
+  setFieldTexts(image, "warnings", sample.warnings);
   return image;
 }
 

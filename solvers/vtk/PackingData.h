@@ -7,6 +7,7 @@
 
 #include "vtkSmartPointer.h"
 
+#include <cstddef>
 #include <string>
 
 class vtkImageData;
@@ -15,7 +16,8 @@ class vtkPolyData;
 /// Between packings of grains, cemented samples and VTK's data objects.
 ///
 /// Particles are points, one vertex each, with the point arrays `radius` [m], `diameter` [m], `grain` (from 1),
-/// `contacts` (number of a grain's contacts) and `rattler`; field data `box`, `periodic` and the packing's statistics.
+/// `contacts` (number of a grain's contacts), `rattler`, `net_force` and `normal_force` (sums over a grain's contacts);
+/// field data `box`, `periodic` and the packing's statistics.
 /// Contacts are lines from centre to centre (or to the point on a wall), each with two points of its own, with the cell
 /// arrays `force`, `normal_force`, `overlap`, `first`, `second`, `wall`. docs/data-model.md says what each means.
 namespace lamella
@@ -26,6 +28,9 @@ namespace lamella
 /// @param contacts also filled unless null
 VTKLAMELLASOLVERSVTK_EXPORT void setPacking(const packing::Packing& packing, const packing::PackingStatistics& numbers,
   const std::string& creator, vtkPolyData* particles, vtkPolyData* contacts);
+
+/// What the grains and contacts of setPacking() take, about [bytes].
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::size_t packingBytes(const packing::Packing& packing);
 
 /// The grains of poly data: points with the array `radius` (or `diameter`). With the field data `box` the grains are
 /// taken as they are, without contacts; without it the packing is checked as packing::packingOf() does, and its box is

@@ -1,11 +1,14 @@
 #include "vtkGrainPacking.h"
 
 #include "Attempt.h"
+#include "FieldNumbers.h"
+#include "LongRun.h"
 #include "PackingData.h"
 #include "vtkLatticeConversion.h"
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
+#include "lattice/Memory.h"
 #include "packing/Packing.h"
 
 #include "vtkInformation.h"
@@ -14,17 +17,29 @@
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <span>
 #include <string>
 
+namespace packing = lamella::packing;
+
+struct vtkGrainPacking::Internals
+{
+  lamella::KeptStates<vtkPolyData> States;
+  lamella::KeptStates<vtkPolyData> Contacts; ///< one a state
+  lamella::Pace Told;
+};
+
 vtkStandardNewMacro(vtkGrainPacking);
 
 vtkGrainPacking::vtkGrainPacking()
+  : Kept(std::make_unique<Internals>())
 {
   this->SetNumberOfInputPorts(0);
   this->SetNumberOfOutputPorts(2);
-  const lamella::packing::PackingOptions options; // the library's own defaults
+  const packing::PackingOptions options; // the library's own defaults
   this->Dimension = options.dimension;
   this->Count = static_cast<vtkIdType>(options.count);
   this->MeanDiameter = options.meanDiameter;
@@ -44,6 +59,39 @@ vtkPolyData* vtkGrainPacking::GetContacts()
   return vtkPolyData::SafeDownCast(this->GetOutputDataObject(1));
 }
 
+vtkGrainPacking::~vtkGrainPacking() = default;
+
+int vtkGrainPacking::GetNumberOfStates()
+{
+  return this->Kept->States.count();
+}
+
+vtkPolyData* vtkGrainPacking::GetStateGrains(int state)
+{
+  return this->Kept->States.at(state);
+}
+
+vtkPolyData* vtkGrainPacking::GetStateContacts(int state)
+{
+  return this->Kept->Contacts.at(state);
+}
+
+void vtkGrainPacking::SetState(int state)
+{
+  this->Kept->States.choose(state);
+  this->Kept->Contacts.choose(state);
+}
+
+int vtkGrainPacking::GetState()
+{
+  return this->Kept->States.chosen();
+}
+
+vtkMTimeType vtkGrainPacking::GetMTime()
+{
+  return this->Kept->States.changed(this->Superclass::GetMTime());
+}
+
 int vtkGrainPacking::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   for (int port = 0; port < 2; ++port)
@@ -53,19 +101,19 @@ int vtkGrainPacking::RequestInformation(vtkInformation*, vtkInformationVector**,
   return 1;
 }
 
-void vtkGrainPacking::Pack(vtkPolyData* particles, vtkPolyData* contacts)
+void vtkGrainPacking::Pack()
 {
   if (this->Seed < 0)
   {
     throw lamella::ParameterError(
       "the seed is " + std::to_string(this->Seed), "give a whole number that is not negative");
   }
-  lamella::packing::PackingOptions options;
+  packing::PackingOptions options;
   options.dimension = this->Dimension;
   options.count = this->Count;
   options.meanDiameter = this->MeanDiameter;
   options.diameterRatio = this->DiameterRatio;
-  options.sizes = static_cast<lamella::packing::Sizes>(this->Sizes);
+  options.sizes = static_cast<packing::Sizes>(this->Sizes);
   options.aspect = this->Aspect;
   options.periodic = this->Periodic;
   options.friction = this->Friction;
@@ -77,15 +125,16 @@ void vtkGrainPacking::Pack(vtkPolyData* particles, vtkPolyData* contacts)
   }
   options.seed = static_cast<std::uint64_t>(this->Seed);
   options.tolerance = this->Tolerance;
-  options.progress = [this](double share)
+  Internals& kept = *this->Kept;
+  options.progress = [&](double share, const char* stage)
   {
-    this->SetProgressText("packing");
-    this->UpdateProgress(share);
+    if (kept.Told.due())
+    {
+      this->SetProgressText(stage);
+      this->UpdateProgress(share);
+    }
   };
   options.interrupted = [this] { return this->CheckAbort(); };
-  const lamella::packing::Packing packing = lamella::packing::pack(options);
-  lamella::setPacking(
-    packing, lamella::packing::statistics(packing, options.friction > 0), this->GetClassName(), particles, contacts);
 
   const auto seed = static_cast<double>(this->Seed);
   nlohmann::json parameters{ { "dimension", this->Dimension }, { "count", this->Count },
@@ -97,11 +146,40 @@ void vtkGrainPacking::Pack(vtkPolyData* particles, vtkPolyData* contacts)
   {
     parameters["packing_fraction"] = this->PackingFraction;
   }
-  for (vtkPolyData* const data : { particles, contacts })
+  double made = 0;
+  const auto keep = [&](const packing::Packing& grains, const char* stage)
   {
-    lamella::setFieldNumbers(data, "seed", std::span(&seed, 1));
-    lamella::beginProvenance(data, "packing", parameters, options.seed);
+    const auto needed = static_cast<double>(lamella::packingBytes(grains));
+    if (const auto available = static_cast<double>(lamella::availableMemory()); needed > available)
+    {
+      throw lamella::MemoryError(fmt::format("state {} of {} grains needs {}, and {} are available", made,
+                                   grains.count(), lamella::bytesText(needed), lamella::bytesText(available)),
+        "keep fewer states: more steps from one to the next");
+    }
+    vtkPolyData* const particles = kept.States.add(this->KeepStates);
+    vtkPolyData* const contacts = kept.Contacts.add(this->KeepStates);
+    lamella::setPacking(
+      grains, packing::statistics(grains, options.friction > 0), this->GetClassName(), particles, contacts);
+    for (vtkPolyData* const data : { particles, contacts })
+    {
+      lamella::setFieldNumber(data, "seed", seed);
+      lamella::setFieldNumber(data, "relaxation_steps", static_cast<double>(grains.steps));
+      lamella::setFieldText(data, "stage", stage);
+      lamella::setFieldNumber(data, lamella::stateNumber, made);
+      lamella::beginProvenance(data, "packing", parameters, options.seed);
+      data->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), static_cast<double>(grains.steps));
+    }
+    ++made;
+    lamella::tellStep(this, particles);
+  };
+  options.every = this->StateEvery;
+  options.state = [&](const packing::PackingState& state) { keep(state.packing, state.stage); };
+  const packing::Packing end = packing::pack(options);
+  for (const std::string& warning : end.warnings)
+  {
+    vtkWarningMacro(<< warning);
   }
+  keep(end, "at rest");
 }
 
 int vtkGrainPacking::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
@@ -115,7 +193,25 @@ int vtkGrainPacking::RequestData(vtkInformation*, vtkInformationVector**, vtkInf
   {
     return 1;
   }
-  const lamella::Outcome outcome = lamella::attempt(this, [&] { this->Pack(particles, contacts); });
+  Internals& kept = *this->Kept;
+  lamella::Failure failure = lamella::Failure::None;
+  const lamella::Outcome outcome = lamella::attempt(
+    this,
+    [&]
+    {
+      kept.States.renew(
+        nullptr, this->Superclass::GetMTime(), lamella::Team(nullptr, request), [&] { this->Pack(); },
+        [&]
+        {
+          kept.Contacts.clear();
+          this->StateRange[1] = 0;
+        });
+      this->StateRange[1] = kept.States.count() - 1;
+      kept.States.show(particles);
+      kept.Contacts.show(contacts);
+    },
+    &failure);
+  this->Failure = static_cast<int>(failure);
   return lamella::concluded(this, outcome, outputVector);
 }
 
@@ -134,5 +230,8 @@ void vtkGrainPacking::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "Softness: " << this->Softness << "\n"
      << indent << "PackingFraction: " << this->PackingFraction << "\n"
      << indent << "Seed: " << this->Seed << "\n"
-     << indent << "Tolerance: " << this->Tolerance << "\n";
+     << indent << "Tolerance: " << this->Tolerance << "\n"
+     << indent << "StateEvery: " << this->StateEvery << "\n"
+     << indent << "KeepStates: " << this->KeepStates << "\n"
+     << indent << "State: " << this->GetState() << " of " << this->GetNumberOfStates() << "\n";
 }

@@ -75,6 +75,10 @@ bool vtkMatrixBridges::Cement(vtkPolyData* particles)
       {
         parameters["width"] = this->Width;
       }
+      for (const std::string& warning : lamella::fieldTexts(this->Image, "warnings"))
+      {
+        vtkWarningMacro(<< warning);
+      }
       lamella::setProvenance(this->Image, lamella::provenance(particles));
       lamella::continueProvenance(this->Image, "bridges", parameters);
     });

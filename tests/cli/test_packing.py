@@ -17,7 +17,7 @@ class Packing(Case):
             list(answer),
             ["seed", "dimension", "count", "box", "periodic", "packing_fraction", "aspect", "rattlers", "contacts",
              "wall_contacts", "coordination", "fabric", "stress", "fabric_anisotropy", "stress_anisotropy",
-             "unbalanced_force", "pressure", "files", "seconds", "version", "commit", "provenance"],
+             "unbalanced_force", "pressure", "steps", "warnings", "files", "seconds", "version", "commit", "provenance"],
         )  # fmt: skip
         self.assertEqual((answer["count"], answer["seed"], answer["dimension"]), (60, 3, 2))
         # Disks jam between loose (0.76) and crystalline (0.907); walls make small packings looser.
@@ -35,7 +35,7 @@ class Packing(Case):
         info = self.info("g.vtp")
         self.assertEqual(info["points"], 60)
         self.assertEqual(
-            [array["name"] for array in info["point_arrays"]], ["radius", "diameter", "grain", "contacts", "rattler"]
+            [array["name"] for array in info["point_arrays"]], ["radius", "diameter", "grain", "contacts", "rattler", "net_force", "normal_force"]
         )
         self.assertEqual(info["provenance"]["seed"], 1)
         forces = self.info("f.vtp")
@@ -59,6 +59,32 @@ class Packing(Case):
         periodic = self.run_lamella("packing", *SMALL, "--periodic", "--packing-fraction", "60%", "-o", "p.csv")
         self.assertEqual(periodic.code, 0)
         self.assertIn("warning: a table does not tell that the box is periodic", periodic.err)
+
+    def test_states(self):
+        answer = self.works("packing", *SMALL, "--every", "200", "-o", "way.vtp", "--contacts", "f.vtp", "--json").json()
+        states = [name for name in answer["files"] if name.startswith("way_")]
+        self.assertGreater(len(states), 3)
+        self.assertEqual(len(answer["files"]), 2 * len(states) + 2)  # the contacts of each, and two lists
+        with open(self.path("way.pvd"), encoding="utf-8") as file:
+            times = [float(line.split('timestep="')[1].split('"')[0]) for line in file if "timestep" in line]
+        self.assertEqual((times[0], times[-1], times), (0, answer["steps"], sorted(times)))
+        self.assertEqual(self.info(states[-1])["points"], 60)
+        # The end is what it is without states.
+        plain = self.works("packing", *SMALL, "-o", "plain.vtp", "--json").json()
+        for key in ("packing_fraction", "stress", "steps"):
+            self.assertEqual(plain[key], answer[key])
+        self.works("packing", *SMALL, "-o", "plain.csv")
+        self.fails(2, "--every -1 is below 0", "such as 200", "packing", "--every", "-1", "-o", "a.vtp")
+        self.fails(2, "--every without a file to write to", "-o FILE.vtp", "packing", "--every", "100")
+        self.fails(2, "--every with --seeds", "one --seed", "packing", "--every", "100", "--seeds", "1-2", "-o", "a_{seed}.vtp")
+        self.fails(2, "-o 'a.csv': states are written as .vtp", "end the name in .vtp", "packing", "--every", "100", "-o", "a.csv")
+        self.fails(7, "'way_000.vtp' exists already", "--overwrite", "packing", *SMALL, "--every", "200", "-o", "way.vtp")
+
+    def test_what_falls_short_is_told(self):
+        few = self.run_lamella("packing", "--count", "20", "--softness", "1e-5", "--json")
+        self.assertEqual(few.code, 0)
+        self.assertIn("warning: the aspect is ", few.err)  # so few disks have no shape near 2
+        self.assertTrue(few.json()["warnings"])
 
     def test_seeds(self):
         answer = self.works("packing", *SMALL, "--seeds", "1-2,7", "--threads", "2", "-o", "p_{seed}.csv", "--json").json()

@@ -382,6 +382,26 @@ tensile = "stress-pdf.mean_tensile"
         direct = self.works("stress-pdf", "e.vti", "--json").json()
         self.assertEqual(float(self.table("table.csv")[1]["tensile"]), direct["mean_tensile"])
 
+    def test_steps_of_a_packing(self):
+        self.scene("""
+[sample]
+packing = true
+count = 40
+seed = 5
+every = 500
+[[each]]
+run = "snapshot"
+name = "way"
+size = "120,200"
+[measure]
+fraction = "sample.packing_fraction"
+""")
+        self.works("run", "scene.toml", "--quiet")
+        rows = self.table("steps_way.csv")
+        self.assertGreater(len(rows), 2)
+        self.assertEqual(float(rows[0]["packing_fraction"]), 0.7)  # where it starts
+        self.assertEqual(rows[-1]["packing_fraction"], self.table("table.csv")[0]["fraction"])
+
     def test_a_file_as_sample(self):
         self.works("generate", "softwood", "--size", "40,40", "-o", "s.png")
         self.scene("[sample]\nfile = \"s.png\"\nwindow = [0, 0, 30, 20]\n[diffusion]\nconductivity = [\"lumen=0.1\", \"wall=1\"]\n")

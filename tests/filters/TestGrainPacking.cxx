@@ -4,6 +4,7 @@
 #include "vtkGrainPacking.h"
 #include "vtkMatrixBridges.h"
 #include "vtkPackingReader.h"
+#include "vtkSampleAlgorithm.h"
 
 #include "lattice/Error.h"
 #include "packing/Packing.h"
@@ -281,6 +282,96 @@ TEST(GrainPackingAbort, LeavesNothing)
   source->AddObserver(vtkCommand::ProgressEvent, stop);
   EXPECT_EQ(vtktest::errorOf(source), "");
   EXPECT_EQ(source->GetOutput()->GetNumberOfPoints(), 0);
+}
+
+struct Seen
+{
+  std::vector<double> steps;
+  std::vector<double> unbalanced;
+};
+
+TEST(GrainPackingStates, AreToldOnTheWayAndChangeNothing)
+{
+  vtkNew<vtkGrainPacking> plain;
+  set(plain, smallOptions(2));
+  ASSERT_EQ(vtktest::errorOf(plain), "");
+  EXPECT_EQ(plain->GetNumberOfStates(), 1); // the end
+  vtkNew<vtkGrainPacking> source;
+  set(source, smallOptions(2));
+  source->SetStateEvery(100);
+  Seen seen;
+  vtkNew<vtkCallbackCommand> watch;
+  watch->SetClientData(&seen);
+  watch->SetCallback(
+    [](vtkObject*, unsigned long, void* data, void* state)
+    {
+      auto* const grains = vtkPolyData::SafeDownCast(static_cast<vtkDataObject*>(state));
+      auto* const all = static_cast<Seen*>(data);
+      all->steps.push_back(fieldNumbers(grains, "relaxation_steps").at(0));
+      // The arrays of each state are its own: the forces on the grains are what it says of them.
+      vtkDataArray* const net = grains->GetPointData()->GetArray("net_force");
+      vtkDataArray* const normal = grains->GetPointData()->GetArray("normal_force");
+      double sum = 0;
+      double pushes = 0;
+      for (vtkIdType i = 0; i < grains->GetNumberOfPoints(); ++i)
+      {
+        sum += std::hypot(net->GetComponent(i, 0), net->GetComponent(i, 1));
+        pushes += normal->GetTuple1(i);
+      }
+      all->unbalanced.push_back(pushes > 0 ? sum / pushes : 0);
+    });
+  source->AddObserver(vtkSampleAlgorithm::STEP_EVENT, watch);
+  ASSERT_EQ(vtktest::errorOf(source), "");
+  ASSERT_GT(source->GetNumberOfStates(), 5);
+  EXPECT_EQ(seen.steps.size(), static_cast<std::size_t>(source->GetNumberOfStates()));
+  EXPECT_EQ(seen.steps.front(), 0);
+  EXPECT_TRUE(std::is_sorted(seen.steps.begin(), seen.steps.end()));
+  EXPECT_GT(seen.unbalanced.front(), 0.1); // random places
+  EXPECT_LT(seen.unbalanced.back(), 1e-4);
+  EXPECT_EQ(source->GetStateRange()[1], source->GetNumberOfStates() - 1);
+  for (vtkIdType i = 0; i < plain->GetOutput()->GetNumberOfPoints(); ++i)
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      ASSERT_EQ(source->GetOutput()->GetPoint(i)[axis], plain->GetOutput()->GetPoint(i)[axis]);
+    }
+  }
+  EXPECT_EQ(source->GetContacts()->GetNumberOfLines(), plain->GetContacts()->GetNumberOfLines());
+  // Another state is shown without another run.
+  source->SetState(0);
+  source->Update();
+  EXPECT_EQ(seen.steps.size(), static_cast<std::size_t>(source->GetNumberOfStates()));
+  EXPECT_EQ(fieldNumbers(source->GetOutput(), "relaxation_steps").at(0), 0);
+  EXPECT_EQ(source->GetContacts()->GetNumberOfLines(), source->GetStateContacts(0)->GetNumberOfLines());
+  EXPECT_EQ(fieldText(source->GetOutput(), "stage").value(), "compressing");
+  EXPECT_EQ(fieldText(plain->GetOutput(), "stage").value(), "at rest");
+}
+
+TEST(GrainPackingStates, OneAtATimeAndStoppedByWhoSeesThem)
+{
+  vtkNew<vtkGrainPacking> source;
+  set(source, smallOptions(2));
+  source->SetStateEvery(50);
+  source->KeepStatesOff();
+  ASSERT_EQ(vtktest::errorOf(source), "");
+  EXPECT_EQ(source->GetNumberOfStates(), 1);
+  int told = 0;
+  vtkNew<vtkCallbackCommand> stop;
+  stop->SetClientData(&told);
+  stop->SetCallback(
+    [](vtkObject* caller, unsigned long, void* count, void*)
+    {
+      if (++*static_cast<int*>(count) == 3)
+      {
+        static_cast<vtkAlgorithm*>(caller)->SetAbortExecute(1);
+      }
+    });
+  source->AddObserver(vtkSampleAlgorithm::STEP_EVENT, stop);
+  source->SetSeed(6);
+  EXPECT_EQ(vtktest::errorOf(source), "");
+  EXPECT_EQ(told, 3);
+  EXPECT_EQ(source->GetOutput()->GetNumberOfPoints(), 0);
+  EXPECT_EQ(source->GetNumberOfStates(), 0);
 }
 
 TEST(GrainPackingErrors, SayWhatIsWrong)

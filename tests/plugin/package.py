@@ -364,6 +364,23 @@ class Grains(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "n by 2 or 3"):
             lamella.bridges(([[1, 1]], [1, 2]))
 
+    def test_states(self):
+        plain = lamella.packing(count=60, softness=1e-4, seed=2)
+        way = lamella.packing(count=60, softness=1e-4, seed=2, every=200)
+        np.testing.assert_array_equal(way.centres, plain.centres)
+        self.assertEqual((plain.states, way.states[0].steps, way.states[-1].steps), ([], 0, way.steps))
+        self.assertEqual((way.states[0].stage, way.stage), ("compressing", "at rest"))
+        self.assertGreater(abs(way.states[0].net_forces).max(), abs(way.net_forces).max())
+        seen = []
+        last = lamella.packing(count=60, softness=1e-4, seed=2, every=200, on_step=lambda data: seen.append(data.GetNumberOfPoints()))
+        self.assertEqual((seen, len(last.states)), ([60] * len(way.states), 1))
+
+        def stop(data):
+            raise KeyError("enough")
+
+        with self.assertRaises(KeyError):
+            lamella.packing(count=60, every=10, on_step=stop)
+
     def test_errors_and_progress(self):
         with self.assertRaisesRegex(lamella.LamellaError, "3 grains"):
             lamella.packing(count=3)

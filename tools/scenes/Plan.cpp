@@ -148,7 +148,7 @@ private:
     sceneError(each.where,
       each.of.empty() ? "no stage of this scene comes to steps on which " + each.command + " runs"
                       : "'" + each.of + "' comes to no steps on which " + each.command + " runs",
-      "steps are states of fracture, dynamics, compression and transient");
+      "steps are states of fracture, dynamics, compression, transient and packing");
   }
 
   void want(std::size_t stage, const std::string& option)
@@ -380,7 +380,7 @@ private:
   {
     if (planned.stage->ports->steps && planned.stage->command != "transient")
     {
-      std::vector<std::string> options{ "--at-strain=", "--at-broken=", "--at-time=" };
+      std::vector<std::string> options{ "--at-strain=", "--at-broken=", "--at-time=", "--every=" };
       if (planned.stage->command == "dynamics") // where its states are points of the history, they stay
       {
         options.emplace_back("--frames=");

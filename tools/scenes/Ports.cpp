@@ -17,7 +17,7 @@ const std::vector<Ports>& table()
     { "read", {}, {}, { { "output", "sample", ".vti" } } },
     { "generate", {}, {}, { { "output", "sample", ".vti" } } },
     { "micrograph", {}, {}, { { "output", "sample", ".vti" }, { "contours", "outlines", ".vtp" } } },
-    { "packing", {}, {}, { { "output", "grains", ".vtp" }, { "contacts", "contacts", ".vtp" } } },
+    { "packing", {}, {}, { { "output", "grains", ".vtp" }, { "contacts", "contacts", ".vtp" } }, false, true },
     { "bridges", { { "FILE", "grains", "" } }, {}, { { "output", "sample", ".vti" } } },
     // solvers
     { "diffusion", { { "FILE", "sample", "" } }, {}, { { "output", "fields", ".vti" } }, true },

@@ -49,9 +49,11 @@ namespace fs = std::filesystem;
 Json placeOf(vtkDataObject* state, int number)
 {
   Json step{ { "step", number } };
-  for (const char* const name : { "time", "strain", "stress", "broken_bonds" })
+  for (const char* const name :
+    { "time", "strain", "stress", "broken_bonds", "relaxation_steps", "packing_fraction", "unbalanced_force" })
   {
-    if (const std::vector<double> found = fieldNumbers(state, name); !found.empty())
+    if (const std::vector<double> found = fieldNumbers(state, name);
+        found.size() == 1) // of grains the stress is a tensor
     {
       step[name] = jsonNumber(found.front());
     }
@@ -79,7 +81,7 @@ bool canGoOn(const PlannedStage& planned)
   const bool states = planned.stage->command == "transient" ||
     std::ranges::any_of(
       planned.words, [](const std::string& word) { return word.starts_with("--at-") || word.starts_with("--frames"); });
-  return planned.stage->ports->steps && (planned.lastStateOnly || !states) &&
+  return planned.stage->ports->steps && planned.stage->ports->solver && (planned.lastStateOnly || !states) &&
     std::ranges::find(planned.words, "--stiffness-only") == planned.words.end();
 }
 

@@ -12,7 +12,7 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 from . import _arrays, _files
 from ._errors import LamellaError, choose, run
 from ._samples import Sample
-from ._types import Array, ArrayLike, Path, Progress, Sequence
+from ._types import Array, ArrayLike, OnStep, Path, Progress, Sequence
 from .vtkLamellaSolversVTK import vtkGrainPacking, vtkMatrixBridges, vtkPackingReader
 
 _SIZES = {"volume": 0, "volume-share": 1, "diameter": 2}
@@ -21,11 +21,13 @@ _SIZES = {"volume": 0, "volume-share": 1, "diameter": 2}
 class Packing(_arrays.FieldData):
     """Grains at rest. Lengths are in metres, forces in newtons (of disks: a metre of thickness)."""
 
-    def __init__(self, particles, contacts=None) -> None:
+    def __init__(self, particles, contacts=None, states=()) -> None:
         #: vtkPolyData: a point a grain
         self.vtk = particles
         #: vtkPolyData: a line a contact; None where they are not known
         self.contacts_vtk = contacts
+        #: of packing() with every=: a Packing for each state on the way, and the end; else empty
+        self.states = list(states)
 
     def _points(self, name):
         return vtk_to_numpy(self.vtk.GetPointData().GetArray(name))
@@ -68,6 +70,11 @@ class Packing(_arrays.FieldData):
         return self._points("rattler").astype(bool)
 
     contact_numbers = _arrays.view("point", "contacts", "#grains, how many contacts each has, walls included (a view).")
+
+    @property
+    def net_forces(self) -> Array:
+        """#grains by 2 or 3, the sum of the forces on each [N], of disks [N/m] (a view)."""
+        return self._points("net_force")[:, : self.dimension]
 
     @property
     def contacts(self) -> Array:
@@ -130,6 +137,17 @@ class Packing(_arrays.FieldData):
         """Mean net force on a grain over the mean contact force."""
         return self._number("unbalanced_force")
 
+    @property
+    def steps(self) -> int:
+        """Steps of relaxation that led to it; of a table 0."""
+        return self._count("relaxation_steps")
+
+    @property
+    def stage(self) -> str:
+        """"compressing", "settling", "turning", "hardening", "squeezing" on the way; "at rest" at the end; of a table ""."""
+        text = self.vtk.GetFieldData().GetAbstractArray("stage")
+        return text.GetValue(0) if text is not None else ""
+
     def save(self, path: Path, contacts: Path | None = None, overwrite: bool = False) -> str:
         """Writes the grains, and with ``contacts`` their contacts, as .vtp files, each whole or not at all."""
         if contacts is not None:
@@ -160,6 +178,8 @@ def packing(
     seed: int = 1,
     tolerance: float = 1e-4,
     progress: Progress | None = None,
+    every: int = 0,
+    on_step: OnStep | None = None,
 ) -> Packing:
     """Presses grains together until they are at rest and returns a Packing.
 
@@ -178,6 +198,10 @@ def packing(
     seed              the same seed gives the same packing
     tolerance         mean net force on a grain over the mean contact force
     progress          called as progress(share, text); return False to cancel (raises Cancelled)
+    every             steps of relaxation from one state on the way to the next, which ``states`` has; 0: the end alone. The
+                      packing does not depend on it
+    on_step           called as on_step(data) with each state, a vtkPolyData of the grains; memory then holds one at a time,
+                      and ``states`` has the end alone
     """
     source = vtkGrainPacking()
     source.SetCount(int(count))
@@ -194,8 +218,11 @@ def packing(
         source.SetPackingFraction(packing_fraction)
     source.SetSeed(int(seed))
     source.SetTolerance(tolerance)
-    run(source, progress)
-    return Packing(source.GetOutput(), source.GetContacts())
+    source.SetStateEvery(int(every))
+    run(source, progress, on_step)
+    count = source.GetNumberOfStates() if every > 0 else 0
+    states = [Packing(source.GetStateGrains(i), source.GetStateContacts(i)) for i in range(count)]
+    return Packing(source.GetOutput(), source.GetContacts(), states)
 
 
 def read_packing(path: Path, unit: float = 1.0, box: Sequence[float] | None = None) -> Packing:
