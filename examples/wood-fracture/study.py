@@ -1,13 +1,15 @@
-"""Notched wood pulled apart: the crack keeps to the middle lamella.
+"""Notched wood pulled apart: does the crack lead from the notch to the far side, within the middle lamella?
 
     PYTHONPATH=build/python /usr/bin/python3 examples/wood-fracture/study.py
 
-Earlywood and latewood with a middle lamella at least as thick as a bond is long (h = 4 dx), as stiff as the walls and a quarter as tough,
-pulled along y from a notch at the left until nearly nothing holds, one bond at a time; after section 4.3 of Perré, Almeida, Ayouz and Frank,
-Ann. For. Sci. 73 (2016) 117. Generated tissue, and with LAMELLA_REAL_DATA the two spruce outlines of Ferrara and Wittel. Writes to --output:
-  NAME.png      four states: stress along the load blue below 0, green at 0, red above, the crack black (their figures 16 and 17)
-  curves.png    stress against strain of all samples
-  samples.csv   one row a sample
+Earlywood and latewood with the solid fractions and the points of Perré, Almeida, Ayouz and Frank, Ann. For. Sci. 73 (2016) 147, five seeds
+each, pulled along y (tangentially) from a notch at the left until nearly nothing holds, one bond at a time; after their section 4.3. A middle lamella at
+least as thick as a bond is long (h = 4 dx), a quarter as tough as the walls; as stiff as they are, which the paper does not say. With
+LAMELLA_REAL_DATA the two spruce outlines of Ferrara and Wittel, too. Writes to --output:
+  NAME.png      a tissue's first sample in successive steps: stress along the load blue below 0, green at 0, red above, broken bonds black (their
+                figures 16 and 17); in the last one the way from the notch to the far side yellow
+  curves.png    stress against strain of these samples
+  samples.csv   one row a sample; tissues.csv: one a tissue
 """
 
 import concurrent.futures
