@@ -3,9 +3,9 @@
 Vertices are the points of the paths that lamella.crack_path() finds, edges what joins them:
 - along a path, at its length;
 - across a void, straight, from the end of a path to that of another one at the same void, at its length;
-- through solid that holds, from the end of a path to a point of another path nearer than REACH, at ten times its length.
-The way begins at any point nearer than REACH to the notch's tip, or where the tip lies in a void at any end there. It ends at the far side,
-within a horizon of it, or at a void that touches it. It is the shortest of such ways, and its parts add up to it.
+- through solid that holds, from the end of a path to a point of another path not farther than two horizons, at ten times its length.
+From the notch's tip to a path, and from a path to the far side, the way goes like that, too: through a void that the tip lies in or that touches the side,
+or through two horizons of solid at most. It is the shortest of such ways.
 """
 
 import heapq
@@ -66,10 +66,11 @@ def way_from_notch(path, phase, spacing, notch, horizon):
     path     lamella.CrackPathResult
     phase    #rows by #columns with the bottom row first: 0 void, 1 wall, 2 middle lamella
     notch    (x, y, x, y) of its mouth on the left side and of its tip [m]
-    horizon  [spacings]; REACH is twice that
+    horizon  [spacings]
 
     reaches   whether there is a way from the notch's tip to the right side
-    length    of it [m]; of that shares in 'lamella', 'wall', 'void' (across lumens) and 'solid' (what still holds)
+    length    of it [m]; 'wall', 'void' (across lumens) and 'solid' (what still holds) are shares of that
+    lamella   share of what is cracked, walls and lamella, that lies in the lamella
     first     where on the way it broke first: 0 at the notch, 1 at the far side
     order     Spearman's rank correlation of place and event along the way: 1 where it broke point after point from the notch on
     points    #points by 2, the way [m]
@@ -116,12 +117,12 @@ def way_from_notch(path, phase, spacing, notch, horizon):
         if columns[-1] == wide - 1:
             for one in there:
                 ways.join(one, end, wide * spacing - places[one][0], "void")
-    for one in np.flatnonzero(places[:, 0] > (wide - horizon) * spacing):
-        ways.join(int(one), end, 0.0, "side")
+    for one in np.flatnonzero(places[:, 0] > wide * spacing - reach):
+        ways.join(int(one), end, max(0.0, wide * spacing - places[one][0]), "solid", SOLID_COSTS)
 
     tip = np.array(notch[2:])
     for one in tree.query_ball_point(tip, reach):
-        ways.join(start, one, float(np.hypot(*(places[one] - tip))), "tip", SOLID_COSTS)
+        ways.join(start, one, float(np.hypot(*(places[one] - tip))), "solid", SOLID_COSTS)
     row, column = min(high - 1, int(tip[1] / spacing)), min(wide - 1, int(tip[0] / spacing))
     for one in at_void.get(int(voids[row, column]), ()):
         ways.join(start, one, float(np.hypot(*(places[one] - tip))), "void")
@@ -129,7 +130,7 @@ def way_from_notch(path, phase, spacing, notch, horizon):
     way = ways.shortest(start, end)
     if way is None:
         return none
-    lengths = {"lamella": 0.0, "wall": 0.0, "void": 0.0, "solid": 0.0, "tip": 0.0, "side": 0.0}
+    lengths = {"lamella": 0.0, "wall": 0.0, "void": 0.0, "solid": 0.0}
     along, event, so_far = [], [], 0.0
     for place, length, kind in way:
         lengths[kind] += length

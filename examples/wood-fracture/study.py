@@ -194,7 +194,7 @@ def of_tissues(rows):
         found.append({"tissue": name, "samples": len(mine), "reach": len(through), "at_notch_first": sum(row["first"] < 0.1 for row in through),
                       "way_in_lamella": mean("way_in_lamella"), "least_in_lamella": min((row["way_in_lamella"] for row in through), default=np.nan),
                       "way_in_voids": mean("way_in_voids"), "way_in_solid": mean("way_in_solid"), "order": mean("order"),
-                      "solid": mean("solid", mine), "points": mean("points", mine), "strength": mean("strength", mine),
+                      "solid": mean("solid", mine), "points": round(mean("points", mine)), "strength": mean("strength", mine),
                       "broken_in_walls": mean("broken_in_walls", mine), "cpu_seconds": mean("cpu_seconds_run", mine)})
     return found
 
@@ -217,7 +217,7 @@ def options_of(words=None):
     parser.add_argument("--smooth", action="store_true", help="platens along which the sample slips, not clamps")
     parser.add_argument("--grip", type=int, default=0, help="layers at either platen in which nothing breaks (default: %(default)s)")
     parser.add_argument("--rays", type=float, default=0, help="mean distance of the rays of generated tissue, micrometres (default: none)")
-    parser.add_argument("--stop", type=float, default=0.1, help="end when the stress has fallen to this share of the peak")
+    parser.add_argument("--stop", type=float, default=0.05, help="end when the stress has fallen to this share of the peak")
     parser.add_argument("--rivals", action="store_true", help="look closer where two bonds are nearly as critical as each other")
     parser.add_argument("--samples", nargs="+", default=None, choices=(*GENERATED, *REAL), help="default: all")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="samples at a time (default: one a core)")
