@@ -2,10 +2,10 @@
 
     PYTHONPATH=build/python /usr/bin/python3 examples/wood-fracture/study.py
 
-Earlywood and latewood with the solid fractions and the points of Perré, Almeida, Ayouz and Frank, Ann. For. Sci. 73 (2016) 147, five seeds
-each, pulled along y (tangentially) from a notch at the left until nearly nothing holds, one bond at a time; after their section 4.3. A middle lamella at
+Earlywood and latewood with the solid fractions of Perré, Almeida, Ayouz and Frank, Ann. For. Sci. 73 (2016) 147, latewood with as many points,
+earlywood with a quarter of them (--earlywood 1: as many), five seeds each, pulled along y (tangentially) from a notch at the left until nearly nothing holds, one bond at a time; after their section 4.3. A middle lamella at
 least as thick as a bond is long (h = 4 dx), a quarter as tough as the walls; as stiff as they are, which the paper does not say. With
-LAMELLA_REAL_DATA the two spruce outlines of Ferrara and Wittel, too. Writes to --output:
+LAMELLA_REAL_DATA the outlines of spruce latewood of Ferrara and Wittel, too. Writes to --output:
   NAME.png      a tissue's first sample in successive steps: stress along the load blue below 0, green at 0, red above, broken bonds black (their
                 figures 16 and 17); in the last one the way from the notch to the far side yellow
   curves.png    stress against strain of these samples
@@ -60,7 +60,8 @@ def tissue(name, seed, options):
     else:
         size, words = GENERATED[name]
         spacing = 0.5
-        size = [round(options.share * nodes) for nodes in size]
+        share = options.share * (options.earlywood if name == "earlywood" else 1)
+        size = [round(share * nodes) for nodes in size]
         outlines = lamella.contours(lamella.softwood(size=size, spacing=spacing * 1e-6, seed=seed, ray_distance=options.rays * 1e-6, **words))
     spacing *= 1e-6
     image = outlines.lattice(spacing, lamella="growth", thickness=options.lamella * spacing, horizon=HORIZON)
@@ -200,7 +201,7 @@ def of_tissues(rows):
 
 
 def tasks_of(options):
-    names = options.samples or (*GENERATED, *(REAL if os.environ.get("LAMELLA_REAL_DATA") else ()))
+    names = options.samples or (*GENERATED, *(("spruce-latewood",) if os.environ.get("LAMELLA_REAL_DATA") else ()))
     for name in names:
         for seed in (0,) if name in REAL else options.seeds:
             yield name, seed, name in REAL or seed == options.seeds[0], options
@@ -210,6 +211,7 @@ def options_of(words=None):
     parser = parser_of(__doc__, "results/wood-fracture")
     parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3, 4, 5], help="of generated tissue; the first one is drawn (default: 1 to 5)")
     parser.add_argument("--share", type=float, default=1, help="of the windows' and pictures' sides (default: %(default)s)")
+    parser.add_argument("--earlywood", type=float, default=0.5, help="the same of generated earlywood besides: 1 has the paper's points (default: %(default)s)")
     parser.add_argument("--notch", type=float, default=0.25, help="length over the width (default: %(default)s)")
     parser.add_argument("--ratio", type=float, default=4, help="toughness of the walls over the lamella's (default: %(default)s)")
     parser.add_argument("--lamella", type=float, default=HORIZON + 0.5, help="its thickness, spacings (default: %(default)s)")
@@ -219,7 +221,7 @@ def options_of(words=None):
     parser.add_argument("--rays", type=float, default=0, help="mean distance of the rays of generated tissue, micrometres (default: none)")
     parser.add_argument("--stop", type=float, default=0.05, help="end when the stress has fallen to this share of the peak")
     parser.add_argument("--rivals", action="store_true", help="look closer where two bonds are nearly as critical as each other")
-    parser.add_argument("--samples", nargs="+", default=None, choices=(*GENERATED, *REAL), help="default: all")
+    parser.add_argument("--samples", nargs="+", default=None, choices=(*GENERATED, *REAL), help="default: all but spruce-earlywood")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="samples at a time (default: one a core)")
     return parser.parse_args(words)
 

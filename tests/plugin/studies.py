@@ -95,7 +95,7 @@ def wood():
     assert crack["reaches"] and crack["lamella"] == 1 and crack["solid"] < 0.1 and crack["first"] < 0.1 and crack["order"] > 0.95, crack
     assert not study.way_from_notch(path, phase, 1e-6, (-1e-6, 40e-6, 16e-6, 40e-6), 4)["reaches"]
 
-    options = study.options_of(["--share", "0.4", "--stop", "0.2", "--rays", "120"])
+    options = study.options_of(["--share", "0.4", "--earlywood", "1", "--rays", "120"])
     image = study.tissue("earlywood", 1, options)
     notch = study.notch_of(image.phase[::-1], image.spacing, options.notch)
     assert study.notch_cuts(image.phase[::-1], image.spacing, notch) > 0.9
