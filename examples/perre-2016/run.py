@@ -37,6 +37,11 @@ def longest_test(tables):
     return max(number(row["total_s"]) for row in tables("compression", "stiffness.csv")) / 60
 
 
+def reach(tissue):
+    """In how many of a hundred samples the crack leads from the notch to the other side."""
+    return lambda tables: 100 * number((row := the_row(tables("fracture", "tissues.csv"), tissue=tissue))["reach"]) / number(row["samples"])
+
+
 DERIVED = {
     "heat_seconds": seconds_a_value("heat"),
     "vapour_seconds": seconds_a_value("vapour"),
@@ -44,6 +49,8 @@ DERIVED = {
     "latewood_stiffness_ratio": stiffness_ratio("latewood"),
     "poplar_stiffness_ratio": stiffness_ratio("poplar"),
     "longest_test": longest_test,
+    "earlywood_reach": reach("earlywood"),
+    "latewood_reach": reach("latewood"),
 }
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ import sys
 import tempfile
 import types
 
+import lamella
 import numpy as np
 
 EXAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "examples")
@@ -84,14 +85,45 @@ def motion():
 
 def wood():
     study = load("wood-fracture", "study")
-    options = types.SimpleNamespace(spacing=0.3, size=75, share=1, seed=2, notch=0.25, stop=0.3, rivals=False)
+    # Two walls as full of lamella as each other, a lumen between them: the notch takes one of them, not the lumen
+    phase = np.zeros((60, 40), np.uint8)
+    phase[22:28] = phase[32:38] = 1
+    phase[24:27] = phase[34:37] = 2
+    notch = study.notch_of(phase, 1.0, 0.25)
+    assert notch in ((-1.0, 26.0, 10.0, 26.0), (-1.0, 36.0, 10.0, 36.0)) and study.notch_cuts(phase, 1.0, notch) == 1, notch
+
+    # A plate of lamella with a round void on the crack's way: through it, and from this notch's tip only
+    phase = np.full((48, 64), 2, np.uint8)
+    y, x = np.mgrid[:48, :64]
+    phase[(x - 40) ** 2 + (y - 24) ** 2 < 25] = 0
+    plate = lamella.from_array(phase[::-1].copy(), ["void", "secondary wall", "middle lamella"], 1e-6)
+    notch = (-1e-6, 24e-6, 16e-6, 24e-6)
+    path = lamella.crack_path(lamella.fracture(plate, {"middle lamella": 1e10}, toughness={"middle lamella": 1e5}, horizon=4, notches=[notch], stop=0.02))
+    crack = study.way_from_notch(path, phase, 1e-6, notch, 4)
+    near("length of the way over the ligament", crack["length"] / 48e-6, 1, 0.05)  # straight but for a bend at the void
+    near("of this across the void [µm]", 1e6 * crack["length"] * crack["void"], 10, 1)
+    assert crack["reaches"] and crack["lamella"] == 1 and crack["solid"] < 0.1 and crack["first"] < 0.1 and crack["order"] > 0.95, crack
+    assert not study.way_from_notch(path, phase, 1e-6, (-1e-6, 40e-6, 16e-6, 40e-6), 4)["reaches"]
+
+    options = study.options_of(["--share", "0.4", "--earlywood", "1", "--rays", "120"])
+    image = study.tissue("earlywood", 1, options)
+    notch = study.notch_of(image.phase[::-1], image.spacing, options.notch)
+    assert study.notch_cuts(image.phase[::-1], image.spacing, notch) > 0.9
+    whole, cut = (study.torn(image, one, options, max_broken=1).statistics["bonds"] for one in (None, notch))
+    # At a horizon of 4 a column of a straight cut has 7 + 2 x 7 + 3 x 5 + 4 x 1 = 40 bonds across it; fewer where a wall ends near by
+    near("bonds that the notch cuts, a column", (whole - cut) / (notch[2] / image.spacing), 40, 8)
+
     for name in ("latewood", "spruce-latewood"):
         if name in study.REAL and not os.environ.get("LAMELLA_REAL_DATA"):
             continue
-        options.share = 0.5 if name in study.REAL else 1
-        row = study.pull((name, options))[1]
+        options = study.options_of(["--share", "0.4"])
+        row, _, (phase, spacing, notch, _, _, way) = study.pull((name, 2, False, options))
         print(row)
-        assert row["length_in_walls"] <= 0.05, row
+        assert row["notch_cuts"] > 0.9 and row["length_in_walls"] <= 0.05, row
+        # The paper's crack: from the notch's tip to the far side, point after point, within the lamella
+        assert row["reaches"] and row["first"] < 0.1 and row["order"] > 0.9 and row["way_in_lamella"] > 0.95, row
+        near("beginning of the way over the width", way[0][0] / (phase.shape[1] * spacing), notch[2] / (phase.shape[1] * spacing), 1e-9)
+        near("its end over the width", way[-1][0] / (phase.shape[1] * spacing), 1, 8 / phase.shape[1])  # two horizons
 
 
 def compression():
