@@ -7,6 +7,7 @@ sides, platens that grip, other lattices, a slower test, thinner walls. Perré a
 elastic domain "higher than expected" and name boundary conditions, elastic walls and the grid. Writes to --output:
   setups.csv    a row a set-up and direction: stiffness, yield, the flattest tangent, plateau, densification
   TISSUE-SETUP-DIRECTION.csv  the curves; one that is there is not computed again
+  TISSUE.png    the curves that differ most
 """
 
 import concurrent.futures
@@ -17,48 +18,63 @@ import time
 
 import lamella
 import numpy as np
+from matplotlib import pyplot as plt
 from vtkmodules.vtkCommonCore import vtkLogger
 
 sys.path[:0] = [os.path.dirname(os.path.abspath(__file__)), os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")]
 import study  # noqa: E402
-from common import parser_of, write_csv  # noqa: E402
+from common import parser_of, write_csv, write_figure  # noqa: E402
 
 END = 0.55
-CELLS = {"earlywood": 2e-6, "poplar": 1.5e-6}  # spacing of the lattice
-PLASTIC = dict(law="plastic", plane="plane-strain")
-# name: (what is changed of the tissue, of the lattice, of the test)
-USUAL = {
+# tissue: sample of study.py, its edge [nodes of 1 micrometre], spacing of the lattice, points along each axis in a node
+TISSUES = {
+    "earlywood": ("earlywood", 245, 2e-6, 3),
+    "earlywood-part": ("earlywood", 120, 2e-6, 2),
+    "poplar": ("poplar", 226, 1.5e-6, 3),
+}
+STRAIN = dict(law="isotropic", plane="plane-strain")
+# Walls that yield store little energy, so no speed keeps the kinetic one small beside it: the speed is set instead
+FAST = dict(speeds=(1e-2, 1e-2, 1e-2))
+YIELDS = dict(law="plastic", plane="plane-strain", **FAST)
+# tissue: {name: (what is changed of the tissue, of the lattice, of the test)}
+COMMON = {
     "usual": ({}, {}, {}),
     "isotropic": ({}, {}, dict(law="isotropic")),
-    "plane-strain": ({}, {}, dict(law="isotropic", plane="plane-strain")),
-    "yield-400": ({}, {}, dict(PLASTIC, yield_stress=400e6)),
-    "yield-200": ({}, {}, dict(PLASTIC, yield_stress=200e6)),
-    "yield-100": ({}, {}, dict(PLASTIC, yield_stress=100e6)),
+    "plane-strain": ({}, {}, STRAIN),
     "open": ({}, {}, dict(sides="open")),
     "periodic": ({}, {}, dict(sides="periodic")),
     "fixed": ({}, {}, dict(sides="fixed")),
     "grip": ({}, {}, dict(grip=True)),
 }
 SETUPS = {
-    "earlywood": {
-        **USUAL,
-        "fine": ({}, dict(spacing=1.5e-6), {}),
-        "slow": ({}, {}, dict(energy_ratio=0.001)),
-        "solid-30": (dict(solid_fraction=0.3), {}, {}),
-        "solid-20": (dict(solid_fraction=0.2), dict(spacing=1.5e-6), {}),
+    "earlywood": {**COMMON, "fine": ({}, dict(spacing=1.5e-6), {})},
+    "earlywood-part": {
+        **COMMON,
+        "fast": ({}, {}, {**STRAIN, **FAST}),
+        "yield-400": ({}, {}, dict(YIELDS, yield_stress=400e6)),
+        "yield-200": ({}, {}, dict(YIELDS, yield_stress=200e6)),
+        "fine": ({}, dict(spacing=1e-6), {}),
     },
-    "poplar": {name: USUAL[name] for name in ("usual", "plane-strain", "yield-200", "yield-100", "open", "grip")}
-    | {"no-rays": (dict(ray_distance=0), {}, {}), "fine": ({}, dict(spacing=1e-6), {})},
+    "poplar": {name: COMMON[name] for name in ("usual", "open", "grip")} | {"no-rays": (dict(ray_distance=0), {}, {})},
 }
 
 
-def tissue(name, changes, spacing):
-    """Walls with their directions on a lattice; the poplar is two thirds as wide as the study's."""
-    make, how = study.GENERATED[name]
-    how = {**how, **changes}
-    if name == "poplar":
-        how["size"] = (226, 226)
-    return lamella.contours(make(**how)).lattice(spacing)
+SHOWN = {
+    "usual": ("elastic, sides straight", dict(color="0.1")),
+    "open": ("sides open", dict(color="0.1", linestyle=":")),
+    "fixed": ("sides fixed", dict(color="0.1", linestyle="-.")),
+    "grip": ("platens that grip", dict(color="0.1", linestyle="--")),
+    "yield-400": ("walls yield at 400 MPa", dict(color="tab:orange")),
+    "yield-200": ("walls yield at 200 MPa", dict(color="tab:red")),
+}
+
+
+def tissue(name, changes, lattice):
+    """Walls with their directions on a lattice, and the points along each axis in a node."""
+    sample, edge, spacing, per = TISSUES[name]
+    make, how = study.GENERATED[sample]
+    how = {**how, **changes, "size": (edge, edge)}
+    return lamella.contours(make(spacing=study.PIXEL, seed=1, **how)).lattice(lattice.get("spacing", spacing)), per
 
 
 def pressed(name, setup, direction, options):
@@ -70,12 +86,12 @@ def pressed(name, setup, direction, options):
         with open(row_path, newline="", encoding="utf-8") as file:
             return next(csv.DictReader(file))
     begun = time.process_time()
-    image = tissue(name, changes, lattice.get("spacing", CELLS[name]))
+    image, per = tissue(name, changes, lattice)
     axis = "x" if direction == "R" else "y"
     walls = {key: value for key, value in how.items() if key in ("law", "plane")}
     elastic = {**walls, "law": "isotropic"} if walls.get("law") == "plastic" else walls
-    modulus = np.nan if "sides" in how or "grip" in how else lamella.point_stiffness(image, points_per_node=3, **elastic).constants[f"E_{axis}"]
-    result = lamella.compression(image, axis=axis, strain=END, points_per_node=3, rows=275, fields=(), **{"energy_ratio": 0.01, **how})
+    modulus = np.nan if "sides" in how or "grip" in how else lamella.point_stiffness(image, points_per_node=per, **elastic).constants[f"E_{axis}"]
+    result = lamella.compression(image, axis=axis, strain=END, points_per_node=per, rows=275, fields=(), **{"energy_ratio": 0.01, **how})
     result.save_curve(path, overwrite=True)
     curve = lamella.compression_curve(result.strain, result.stress)
     slope, at = study.flattest(result.strain, result.stress)
@@ -92,6 +108,24 @@ def pressed(name, setup, direction, options):
                imbalance=result.quality["imbalance"], steps=result.statistics["steps"], seconds=round(time.process_time() - begun, 1))
     write_csv(row_path, [row])
     return row
+
+
+def draw(name, options):
+    """Curves of both directions: elastic walls between several sides, walls that yield."""
+    figure, both = plt.subplots(1, 2, figsize=(9, 3.8), sharey=True, constrained_layout=True)
+    for axes, way in zip(both, "RT"):
+        for setup, (label, style) in SHOWN.items():
+            path = os.path.join(options.output, f"{name}-{setup}-{way}.csv")
+            if os.path.exists(path):
+                strain, stress = np.genfromtxt(path, delimiter=",", skip_header=1, usecols=(0, 1), unpack=True)
+                axes.plot(100 * strain, stress / 1e6, label=label, linewidth=1.2, **style)
+        axes.set_title(study.DIRECTIONS[way], fontsize=10)
+        axes.set_xlabel("strain [%]")
+        axes.set_xlim(0, 100 * END)
+        axes.set_ylim(0, 400)
+    both[0].set_ylabel("stress [MPa]")
+    both[0].legend(frameon=False, fontsize=9)
+    write_figure(figure, os.path.join(options.output, f"{name}.png"), dpi=160)
 
 
 def main():
@@ -111,7 +145,9 @@ def main():
             rows.append(job.result())
             print("  ".join(f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}" for key, value in rows[-1].items()), flush=True)
     write_csv(os.path.join(options.output, "setups.csv"), rows)
-    print(f"tables: {options.output}")
+    for name in options.tissues:
+        draw(name, options)
+    print(f"tables and pictures: {options.output}")
 
 
 if __name__ == "__main__":

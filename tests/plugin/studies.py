@@ -112,6 +112,13 @@ def compression():
     ways = [np.corrcoef(there.ravel(), way.ravel())[0, 1] for way in (walls, walls[::-1], walls[:, ::-1], walls[::-1, ::-1])]
     print("the pictures of the tissue and the map:", ways)
     assert ways[0] > 0.5 and max(ways[1:]) < 0.3, ways
+    # Kinds of poplar's lumens: 100 by 100 micrometres a vessel, 40 by 6 a ray, 10 by 10 a fibre; half of the vessel's area goes first
+    sizes = np.array([[100, 100], [40, 6], [10, 10]])
+    lumens = dict(x_first=np.zeros(3), x_last=sizes[:, 0] - 1, y_first=np.zeros(3), y_last=sizes[:, 1] - 1, area=sizes.prod(axis=1) * 1e-12,
+                  equivalent_diameter=2e-6 * np.sqrt(sizes.prod(axis=1) / np.pi), collapse_strain=np.array([0.1, 0.2, np.nan]))
+    kinds = study.by_kind(lumens, {0.1: np.array([0.5, 1, 1])}, 1e-6)
+    assert [(row["kind"], row["lumens"]) for row in kinds] == [("vessels", 1), ("rays", 1), ("fibres", 1), ("all", 3)], kinds
+    assert [row["lost_at_10"] for row in kinds[:3]] == [0.5, 0, 0] and [row["first"] for row in kinds] == [0.1, 0.2, np.inf, 0.1], kinds
 
 
 def foam():
