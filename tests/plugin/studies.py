@@ -142,7 +142,25 @@ def compression():
         assert row["energy_ratio"] <= 0.01, row
         assert np.all(np.diff(strain) > 0) and stress[0] == 0
     assert tests["R"][0]["implicit_MPa"] > tests["T"][0]["implicit_MPa"]  # in earlywood, as the paper has it
-    assert [round(state[0], 6) for state in tests["R"][3]["states"]] == [0.05, 0.12]
+    states = tests["R"][3]["states"]
+    assert [round(state[0], 6) for state in states] == [0.05, 0.12]
+    # The map of lumens lies as the pictures of the pressed tissue beside it do: there are points where it has walls, and no other way round
+    image, axis = study.tissue("earlywood", options)
+    walls = study.upright(image.array("phase"), axis) != 0
+    low, high = states[0][1].min(axis=0), states[0][1].max(axis=0)
+    columns, rows = ((states[0][1] - low) / (high - low) * (np.array(walls.shape[::-1]) - 1)).round().astype(int).T
+    there = np.zeros(walls.shape, bool)
+    there[walls.shape[0] - 1 - rows, columns] = True
+    ways = [np.corrcoef(there.ravel(), way.ravel())[0, 1] for way in (walls, walls[::-1], walls[:, ::-1], walls[::-1, ::-1])]
+    print("the pictures of the tissue and the map:", ways)
+    assert ways[0] > 0.5 and max(ways[1:]) < 0.3, ways
+    # Kinds of poplar's lumens: 100 by 100 micrometres a vessel, 40 by 6 a ray, 10 by 10 a fibre; half of the vessel's area goes first
+    sizes = np.array([[100, 100], [40, 6], [10, 10]])
+    lumens = dict(x_first=np.zeros(3), x_last=sizes[:, 0] - 1, y_first=np.zeros(3), y_last=sizes[:, 1] - 1, area=sizes.prod(axis=1) * 1e-12,
+                  equivalent_diameter=2e-6 * np.sqrt(sizes.prod(axis=1) / np.pi), collapse_strain=np.array([0.1, 0.2, np.nan]))
+    kinds = study.by_kind(lumens, {0.1: np.array([0.5, 1, 1])}, 1e-6)
+    assert [(row["kind"], row["lumens"]) for row in kinds] == [("vessels", 1), ("rays", 1), ("fibres", 1), ("all", 3)], kinds
+    assert [row["lost_at_10"] for row in kinds[:3]] == [0.5, 0, 0] and [row["first"] for row in kinds] == [0.1, 0.2, np.inf, 0.1], kinds
 
 
 def foam():
