@@ -61,9 +61,9 @@ def samples(edge, real):
     """Name: (solid or not, z y x; conductivity of void and solid)."""
     heat = {"void": 0.05, "solid": 1}
     wood = np.asarray(lamella.softwood((edge,) * 3, solid_fraction=0.35, spacing=1e-6, seed=2)) == 1
-    yield "softwood, walls of 6 voxels", wood, heat
+    yield "softwood, cells of 30 voxels", wood, heat
     thin = np.asarray(lamella.softwood((edge,) * 3, solid_fraction=0.3, spacing=2e-6, seed=2)) == 1
-    yield "softwood, walls of 3 voxels", thin, heat
+    yield "softwood, cells of 15 voxels", thin, heat
     cells = max(1, edge // 24)
     radius = (0.3 * 0.75 / np.pi) ** (1 / 3) * edge / cells
     yield f"spheres, radius of {radius:.0f} voxels", np.asarray(lamella.spheres((edge,) * 3, 0.3, cells)) == 1, heat
