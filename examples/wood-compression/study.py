@@ -101,6 +101,7 @@ def pressed(name, direction, options):
                            if any(abs(state.imposed_strain - e) < 1e-6 for e in frames)]
         collapse = lamella.collapse_map(image, [state.vtk for state in result.states])
         drawn["collapse"] = upright(collapse.collapse_strain, axis).copy()
+        drawn["open"] = upright(collapse.labels, axis) > 0
         if name == "poplar":
             shares = [lamella.collapse_map(image, state.vtk).table["ratio"] for state in shown]
             drawn["lumens"] = by_kind(collapse.table, dict(zip(strains, shares)), image.vtk.GetSpacing()[0])
@@ -187,9 +188,10 @@ def draw(name, tests, options):
     if "lumens" in drawn:
         write_csv(os.path.join(options.output, f"{name}-lumens.csv"), drawn["lumens"])
     figure, axes = plt.subplots(figsize=(5, 4.2), constrained_layout=True)
+    axes.imshow(np.where(drawn["open"], 0.85, 1), cmap="gray", vmin=0, vmax=1, interpolation="nearest")
     shown = axes.imshow(100 * drawn["collapse"], cmap="viridis", vmin=0, vmax=100 * drawn["end"], interpolation="nearest")
     axes.axis("off")
-    axes.set_title("strain at which a lumen has lost half of its area [%]", fontsize=9)
+    axes.set_title("strain at which a lumen has lost half of its area [%]; grey: never", fontsize=9)
     figure.colorbar(shown, ax=axes, shrink=0.85)
     write_figure(figure, os.path.join(options.output, f"{name}-collapse.png"), dpi=160)
 
