@@ -331,9 +331,16 @@ private:
   [[nodiscard]] std::vector<std::string> shortcomings(const Packing& p) const
   {
     std::vector<std::string> found;
-    if (o_.friction > 0 || o_.packingFraction)
+    if (o_.packingFraction)
       return found;
-    const PackingStatistics s = statistics(p);
+    const PackingStatistics s = statistics(p, o_.friction > 0);
+    if (2 * s.rattlers > o_.count)
+      found.push_back(
+        fmt::format("{} of {} grains carry nothing: a few are locked across the box; try another seed, less "
+                    "friction or a larger softness",
+          s.rattlers, o_.count));
+    if (o_.friction > 0)
+      return found;
     const auto say = [&](const std::string& what)
     {
       found.push_back(

@@ -226,6 +226,9 @@ inline Outcome judge(const packing::Packing& p, const packing::PackingOptions& o
   f.check("normal force against its spring", m.normal, 1e-6);
   f.check("tangential over Coulomb's limit", m.sliding, 1 + 1e-6);
   f.check("unbalanced moment", m.turning, 10 * o.tolerance);
+  // where few contacts carry it all
+  moment *= std::max(1.0, p.dimension * static_cast<double>(p.count()) / static_cast<double>(m.contacts));
+  f.check("share of grains that carry nothing", static_cast<double>(s.rattlers) / static_cast<double>(p.count()), 0.5);
   f.check("mean overlap over softness", m.meanOverlap, 3 * moment * o.softness);
   f.check("largest overlap over softness", m.mostOverlap, 30 * moment * o.softness);
   f.must("overlaps far below softness", m.meanOverlap > 0.1 * o.softness);

@@ -140,11 +140,11 @@ class Packing(_arrays.FieldData):
     @property
     def steps(self) -> int:
         """Steps of relaxation that led to it; of a table 0."""
-        return self._count("relaxation_steps")
+        return 0 if _arrays.numbers(self.vtk, "relaxation_steps") is None else self._count("relaxation_steps")
 
     @property
     def stage(self) -> str:
-        """"compressing", "settling", "turning", "hardening", "squeezing" on the way; "at rest" at the end; of a table ""."""
+        """What was done in a state: compressing, settling, turning, hardening, squeezing; at rest in the end; empty for a table."""
         text = self.vtk.GetFieldData().GetAbstractArray("stage")
         return text.GetValue(0) if text is not None else ""
 
