@@ -373,6 +373,30 @@ TEST(DiffusionContours, LayersInAnyBox)
     }
 }
 
+// A doubt about where walls begin: slots wider by it on both sides, ends still on the border; its effect is in the
+// picture's error.
+TEST(DiffusionContours, DoubtOfWalls)
+{
+  const ContourSet layers = slots(0.237, 0.651, 3);
+  const double doubt = 0.01 * cell;
+  const ContourSet wider = micrograph::movedOutlines(layers, doubt);
+  const double share = 0.651 - 0.237;
+  const double moved = share + 6 * 0.01;
+  EXPECT_NEAR(solve(wider, 16, 5, 1, 1).value / (5 * moved + 1 - moved), 1, 1e-6); // shares are floats
+  ContourStudyOptions options;
+  options.spacing = cell / 16;
+  options.axes = { 1 };
+  options.conductivity = { 5, 1 };
+  options.moved = wider;
+  const ContourAnswer a = studyContours(layers, options, MPI_COMM_WORLD)[0];
+  EXPECT_NEAR(a.moved, (5 * moved + 1 - moved) / (5 * share + 1 - share) - 1, 1e-6);
+  EXPECT_NEAR(a.pictureError, a.moved, 1e-12);
+  // a closed one: a square of 2 by 2 becomes one of 2 + 2 d / √2, as its corners move along the diagonals
+  ContourSet square{ { 4, 4 }, { { { { 1, 1 }, { 3, 1 }, { 3, 3 }, { 1, 3 } }, true, 1 } } };
+  for (const double d : { 0.1, -0.1 })
+    EXPECT_NEAR(micrograph::movedOutlines(square, d).contours[0].points[2][0], 3 + d / std::sqrt(2), 1e-12);
+}
+
 // Walls that no node lies in still part the lumens on both sides.
 TEST(DiffusionContours, ThinSheets)
 {
