@@ -97,7 +97,7 @@ std::vector<Bridge> findBridges(const Packing& packing, double reach, bool walls
       "leave them out, or make a packing between walls");
   const double largest = *std::max_element(packing.radius.begin(), packing.radius.end());
   for (std::size_t a = 0; a < axes; ++a)
-    if (packing.periodic[a] && packing.size[a] < 2 * reach * largest) // a second image would be as near
+    if (packing.periodic[a] && packing.size[a] < 2 * reach * largest) // its own and second images would be as near
       throw ParameterError(
         fmt::format("bridges up to {:g} long in a periodic box {:g} wide", 2 * reach * largest, packing.size[a]),
         fmt::format("a reach below {:.3g}, or a box of more grains", packing.size[a] / (2 * largest)));
@@ -141,10 +141,7 @@ std::vector<Bridge> findBridges(const Packing& packing, double reach, bool walls
     {
       const Image& a = images[m].grain < images[k].grain ? images[m] : images[k];
       const Image& b = images[m].grain < images[k].grain ? images[k] : images[m];
-      if (a.grain == b.grain ? a.original == b.original : !a.original)
-        continue;
-      const Image& image = a.original ? b : a;
-      if (a.grain == b.grain && image.shift < std::array<double, 3>{ 0, 0, 0 }) // its other side is the same bridge
+      if (a.grain == b.grain || !a.original)
         continue;
       double square = 0;
       for (std::size_t axis = 0; axis < axes; ++axis)
@@ -152,7 +149,7 @@ std::vector<Bridge> findBridges(const Packing& packing, double reach, bool walls
       const double most =
         reach * (packing.radius[static_cast<std::size_t>(a.grain)] + packing.radius[static_cast<std::size_t>(b.grain)]);
       if (square < most * most)
-        bridges.push_back({ a.grain, b.grain, image.shift });
+        bridges.push_back({ a.grain, b.grain, b.shift });
     }
   for (std::size_t i = 0; walls && i < packing.count(); ++i)
     for (const double wall : { 0.0, packing.size[last] })

@@ -53,7 +53,8 @@ class Packing(Case):
         self.assertAlmostEqual(2 * sum(radii) / 60, 5e-4, places=15)
         low, high = next(a["range"][0] for a in info["point_arrays"] if a["name"] == "radius")
         self.assertEqual((min(radii), max(radii)), (low, high))
-        self.works("packing", "--dimension", "3", "--count", "40", "--aspect", "1", "--softness", "1e-3", "-o", "s.csv")
+        few = self.run_lamella("packing", "--dimension", "3", "--count", "40", "--aspect", "1", "--softness", "1e-3", "-o", "s.csv")
+        self.assertEqual((few.code, "anisotropic" in few.err), (0, True))  # so few spheres have no better shape
         with open(self.path("s.csv"), encoding="utf-8") as file:
             self.assertEqual(file.readline(), "x,y,z,r\n")
         periodic = self.run_lamella("packing", *SMALL, "--periodic", "--packing-fraction", "60%", "-o", "p.csv")
@@ -67,7 +68,8 @@ class Packing(Case):
         self.assertEqual(len(answer["files"]), 2 * len(states) + 2)  # the contacts of each, and two lists
         with open(self.path("way.pvd"), encoding="utf-8") as file:
             times = [float(line.split('timestep="')[1].split('"')[0]) for line in file if "timestep" in line]
-        self.assertEqual((times[0], times[-1], times), (0, answer["steps"], sorted(times)))
+        self.assertEqual((times[0], times), (0, sorted(times)))
+        self.assertAlmostEqual(times[-1] / answer["steps"], 1, places=6)  # the last two may be of the same step
         self.assertEqual(self.info(states[-1])["points"], 60)
         # The end is what it is without states.
         plain = self.works("packing", *SMALL, "-o", "plain.vtp", "--json").json()

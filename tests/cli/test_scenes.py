@@ -375,7 +375,7 @@ modulus = "equilibrium.effective_modulus"
 tensile = "stress-pdf.mean_tensile"
 """)
         self.works("run", "scene.toml", "--quiet")
-        self.works("packing", "--count", "40", "--seed", "5", "-o", "g.vtp")
+        self.run_lamella("packing", "--count", "40", "--seed", "5", "-o", "g.vtp")  # so few grains: a warning
         self.works("bridges", "g.vtp", "--saturation", "0.6", "--nodes", "48", "-o", "b.vti")
         self.works("equilibrium", "b.vti", "--young", "matrix=1e9", "--young", "grain=4e9", "--like", "matrix-grain=matrix",
                    "--like", "grain-grain=matrix", "--stress", "-o", "e.vti")
@@ -388,7 +388,7 @@ tensile = "stress-pdf.mean_tensile"
 packing = true
 count = 40
 seed = 5
-every = 500
+every = 20000
 [[each]]
 run = "snapshot"
 name = "way"
