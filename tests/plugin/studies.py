@@ -161,6 +161,18 @@ def compression():
     kinds = study.by_kind(lumens, {0.1: np.array([0.5, 1, 1])}, 1e-6)
     assert [(row["kind"], row["lumens"]) for row in kinds] == [("vessels", 1), ("rays", 1), ("fibres", 1), ("all", 3)], kinds
     assert [row["lost_at_10"] for row in kinds[:3]] == [0.5, 0, 0] and [row["first"] for row in kinds] == [0.1, 0.2, np.inf, 0.1], kinds
+    # A small piece across the files levels where its sides are open, and does not between straight ones
+    setups = load("wood-compression", "setups")
+    with tempfile.TemporaryDirectory() as folder:
+        options = types.SimpleNamespace(output=folder)
+        straight, free = (setups.pressed("earlywood-part", name, "T", options) for name in ("usual", "open"))
+        again = setups.pressed("earlywood-part", "usual", "T", options)  # read, not computed
+        setups.draw("earlywood-part", options)
+        files = sorted(os.listdir(folder))
+    print(straight, free)
+    assert {"earlywood-part.png", "earlywood-part-open-T.csv", "earlywood-part-usual-T.csv"} <= set(files), files
+    assert free["flattest"] < 0.2 < 0.6 < straight["flattest"], (free, straight)
+    assert float(again["slope_MPa"]) == straight["slope_MPa"], again
 
 
 def foam():
