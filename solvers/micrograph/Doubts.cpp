@@ -87,7 +87,12 @@ std::optional<Remark> doubtTheGreys(const Evidence& e, const SegmentReport& repo
   // Ranges of greys are of the file's own values.
   if (asSeen && picture.colour.empty() && picture.bits == 8)
   {
-    text += ", or give each class a phase by its range of greys (--phase)";
+    text += ", or give each class a phase:";
+    for (std::size_t i = 0; i < classes.size(); ++i)
+    {
+      const double last = i + 1 < classes.size() ? classes[i + 1].from - 1 : 255;
+      text += fmt::format(" --phase {:.0f}..{:.0f}=NAME", classes[i].from, last);
+    }
   }
   return Remark{ Doubt::Greys, text };
 }

@@ -1,6 +1,7 @@
 """What the numbers on the command line mean."""
 
 import math
+import re
 import unittest
 
 import pictures
@@ -343,6 +344,14 @@ class Segments(Case):
         self.assertIn("greys", answer["segmentation"]["doubts"])
         told = next(text for text in answer["warnings"] if "3 classes of greys" in text)
         self.assertIn("warning: " + told, result.err)
+        # The ranges that the warning names are phases of their own.
+        words, given = [], []
+        for name, greys in zip(("void", "matrix", "fibre"), re.findall(r"--phase (\S+)=NAME", told)):
+            words += ["--phase", f"{greys}={name}"]
+            given += ["--conductivity", f"{name}=1"]
+        answer = self.works("diffusion", "slice.png", *words, *given, "--json").json()
+        shares = {phase["name"]: phase["fraction"] for phase in answer["phases"]}
+        self.assertAlmostEqual(shares["void"], math.pi * 24 * 24 / 6400, delta=0.01)
 
 
 if __name__ == "__main__":
