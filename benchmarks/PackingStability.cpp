@@ -52,7 +52,9 @@ public:
     const double start = cpu();
     Outcome o = judged(run);
     std::replace(o.what.begin(), o.what.end(), '"', '\'');
-    table_.line(dimension, panel, row, column, test::name(o.verdict), o.error, cpu() - start, "\"" + o.what + "\"");
+    const auto quoted = [](const std::string& text) { return "\"" + text + "\""; };
+    table_.line(
+      dimension, quoted(panel), quoted(row), column, test::name(o.verdict), o.error, cpu() - start, quoted(o.what));
     ++counts_[o.verdict];
     if (o.verdict == Verdict::Wrong)
       fmt::print("wrong: {}D {}, {}, {}: {}\n", dimension, panel, row, column, o.what);

@@ -78,7 +78,9 @@ def main():
         return
     columns = 6
     lines = -(-len(places_of) // columns)
-    figure, axes = plt.subplots(lines, columns, figsize=(13, 1.75 * lines + 0.6), layout="constrained", squeeze=False)
+    whole = plt.figure(figsize=(13, 1.75 * lines + 0.5), layout="constrained")
+    legend, figure = whole.subfigures(2, 1, height_ratios=[0.4, 1.75 * lines])
+    axes = figure.subplots(lines, columns, squeeze=False)
     for place in axes.flat:
         place.set_axis_off()
     for place, (study, dimension, name) in zip(axes.flat, places_of):
@@ -91,8 +93,8 @@ def main():
     found = [row["verdict"] for rows in tables.values() for row in rows]
     handles = [Line2D([], [], linestyle="", marker="s", markersize=9, color=colour, label=f"{words} ({found.count(name)})")
                for name, (colour, _, words) in VERDICTS.items()]
-    figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), fontsize=9, frameon=False)
-    save(figure, picture, dpi=110)
+    legend.legend(handles=handles, loc="center", ncols=len(handles), fontsize=9, frameon=False)
+    save(whole, picture, dpi=110)
 
 
 if __name__ == "__main__":
