@@ -3,9 +3,10 @@
     PYTHONPATH=build/python /usr/bin/python3 examples/wood-fracture/study.py
 
 Earlywood and latewood with the solid fractions of Perré, Almeida, Ayouz and Frank, Ann. For. Sci. 73 (2016) 147, latewood with as many points,
-earlywood with a quarter of them (--earlywood 1: as many), five seeds each, pulled along y (tangentially) from a notch at the left until nearly nothing holds, one bond at a time; after their section 4.3. A middle lamella at
-least as thick as a bond is long (h = 4 dx), a quarter as tough as the walls; as stiff as they are, which the paper does not say. With
-LAMELLA_REAL_DATA the outlines of spruce latewood of Ferrara and Wittel, too. Writes to --output:
+earlywood with a quarter of them (--earlywood 1: as many), five seeds each, pulled along y (tangentially) from a notch at the left until nearly
+nothing holds, one bond at a time; after their section 4.3. A middle lamella at least as thick as a bond is long (h = 4 dx), a quarter as tough as the
+walls; as stiff as they are, which the paper does not say. With LAMELLA_REAL_DATA the outlines of spruce latewood of Ferrara and Wittel, too. Writes
+to --output:
   NAME.png      a tissue's first sample in successive steps: stress along the load blue below 0, green at 0, red above, broken bonds black (their
                 figures 16 and 17); in the last one the way from the notch to the far side yellow
   curves.png    stress against strain of these samples
