@@ -263,7 +263,7 @@ std::string toJson(const MicrographReport& report)
       {
         axis["segmentation_doubt"] = std::abs(a.moved);
       }
-      for (const lbm::CoarserValues& c : a.coarser)
+      for (const lbm::SubsampleValues& c : a.coarser)
       {
         axis["coarser_pictures"].push_back({ { "stride", c.stride }, { "values", c.values } });
       }

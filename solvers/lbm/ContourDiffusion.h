@@ -43,13 +43,6 @@ struct ContourStep
   double seconds = 0; ///< wall, lattice included
 };
 
-/// What the outlines from every stride-th pixel of a picture conduct along an axis; 0 where nothing does.
-struct CoarserValues
-{
-  int stride = 2;
-  std::vector<double> values;
-};
-
 /// Error that a picture's pixels leave in the value that its outlines have, from those of every second and every third
 /// pixel (micrograph/CoarserOutlines.h): 1.8 times the standard deviation that follows from the squared mean of their
 /// differences from `value`. The area of a lumen in a mask errs like the pixel to the power 3/2, and so, as measured,
@@ -58,7 +51,7 @@ struct CoarserValues
 /// @param value what the picture's own outlines conduct on the same lattice, > 0
 /// @return relative to `value`; NaN where there are fewer than two values of the finest stride
 /// How often it holds: docs/benchmarks/contours.md.
-[[nodiscard]] double outlineError(double value, std::span<const CoarserValues> coarser);
+[[nodiscard]] double outlineError(double value, std::span<const SubsampleValues> coarser);
 
 struct ContourAnswer
 {
@@ -70,11 +63,11 @@ struct ContourAnswer
   /// Of `value`, relative to it: of the picture that the outlines are from, see outlineError(); 0 where they are taken
   /// as they are, NaN where nothing can be said.
   double pictureError = 0;
-  double error = 0;                   ///< the root of the sum of both squares; NaN as the picture's
-  std::vector<ContourStep> steps;     ///< all lattices, the coarsest first; `coarse` and `fine` are the last two
-  std::vector<CoarserValues> coarser; ///< of the outlines from coarser pictures, on the first coarse lattice
-  double moved = 0;                   ///< of `moved` outlines, relative to those as they are; 0 where there are none
-  double seconds = 0;                 ///< wall, of all lattices, coarser pictures included
+  double error = 0;                     ///< the root of the sum of both squares; NaN as the picture's
+  std::vector<ContourStep> steps;       ///< all lattices, the coarsest first; `coarse` and `fine` are the last two
+  std::vector<SubsampleValues> coarser; ///< of the outlines from coarser pictures, on the first coarse lattice
+  double moved = 0;                     ///< of `moved` outlines, relative to those as they are; 0 where there are none
+  double seconds = 0;                   ///< wall, of all lattices, coarser pictures included
   SteadyResult result;
 };
 

@@ -241,11 +241,11 @@ private:
 
 } // namespace
 
-double outlineError(double value, std::span<const CoarserValues> coarser)
+double outlineError(double value, std::span<const SubsampleValues> coarser)
 {
   double variance = 0;
   double weights = 0;
-  for (const CoarserValues& c : coarser)
+  for (const SubsampleValues& c : coarser)
   {
     if (c.values.size() < 2)
     {

@@ -83,7 +83,8 @@ double directions(const std::vector<std::string>& words, const Size& s)
 
 Cost diffusion(const std::vector<std::string>& words, const Size& s)
 {
-  // the error comes from a lattice twice as fine and from every second, third and fourth pixel, of at most 2^22 nodes each
+  // the error comes from a lattice twice as fine and from every second, third and fourth pixel, of at most 2^22 nodes
+  // each
   const bool error = !has(words, "no-error-estimate");
   const double finer = error ? std::min(s.nodes * std::pow(2, s.dimension), 4194304.0) : 0;
   const double coarser = error ? 3 * std::min(s.nodes, 4194304.0) : 0;
