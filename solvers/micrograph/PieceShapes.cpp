@@ -54,8 +54,9 @@ std::vector<PieceShape> pieceShapes(const cv::Mat& mask, std::int64_t least)
       stats.at<int>(label, cv::CC_STAT_WIDTH), stats.at<int>(label, cv::CC_STAT_HEIGHT));
     const cv::Point end = piece.box.br();
     piece.cut = piece.box.x == 0 || piece.box.y == 0 || end.x == mask.cols || end.y == mask.rows;
-    const int sides = (piece.box.x == 0) + (piece.box.y == 0) + (end.x == mask.cols) + (end.y == mask.rows);
-    piece.open = sides >= 3 || 6 * alongBorder(labels, label, piece.box) > 2 * (mask.cols + mask.rows);
+    const bool through =
+      (piece.box.x == 0 && end.x == mask.cols) || (piece.box.y == 0 && end.y == mask.rows); // from side to side
+    piece.open = through || 6 * alongBorder(labels, label, piece.box) > 2 * (mask.cols + mask.rows);
     // The corners of the pixels, so that a square has a hull of its own area.
     corners.clear();
     for (int y = piece.box.y; y < end.y; ++y)

@@ -16,7 +16,7 @@ struct PieceShape
   std::int64_t area = 0; ///< [pixels]
   double solidity = 1;   ///< its area over that of its convex hull
   bool cut = false;      ///< touches the picture's border
-  bool open = false;     ///< along more than a sixth of the border, or on three sides of it
+  bool open = false;     ///< along more than a sixth of the border, or from one side to the opposite one
   cv::Rect box;
 };
 

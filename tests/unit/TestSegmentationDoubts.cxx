@@ -91,6 +91,17 @@ TEST(SegmentationDoubts, TheReasonIsNamed)
   }
 }
 
+// Far from the tissue the slide is evened out into wall, so that it touches two sides of the picture, not three.
+TEST(SegmentationDoubts, SlideBesideTissueIsNeverTakenInSilence)
+{
+  for (std::uint64_t seed = 1; seed <= 16; ++seed)
+  {
+    const kinds::Sample sample = kinds::draw(Kind::Background, seed);
+    const Segmentation result = segment(sample.picture);
+    EXPECT_TRUE(!result.report.doubts.empty() || kinds::compare(result.image, sample.open).right()) << "seed " << seed;
+  }
+}
+
 // The limits that the warning names are where the classes part: the lowest of them leaves void alone.
 TEST(SegmentationDoubts, ThreeClassesCanBePartedAsTheWarningSays)
 {
