@@ -522,8 +522,9 @@ void PointCompression<Dim>::restore()
   rows_.pop_back();
   std::copy(began.begin(), began.end(), from_.begin());
   speed_ = c.number("speed");
-  halfRows_ = static_cast<std::int64_t>(c.number("half rows"));
-  slowdowns_ = static_cast<std::int64_t>(c.number("slowdowns"));
+  c.expectFinite("speed");
+  halfRows_ = c.count("half rows");
+  slowdowns_ = c.count("slowdowns");
   worstRatio_ = c.number("worst ratio");
   worstRatioAt_ = c.number("worst ratio at");
   savedAt_ = body_->steps();
