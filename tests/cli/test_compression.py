@@ -183,17 +183,17 @@ class Compression(Case):
         self.assertIn("straight sides", self.works(*words[:-1]).out)
 
     def test_stops_at_once_and_says_where(self):
-        rows = [[0 if x % 12 in range(3, 12) and y % 12 in range(3, 12) else 255 for x in range(603)] for y in range(603)]
+        rows = [[0 if x % 12 in range(3, 12) and y % 12 in range(3, 12) else 255 for x in range(303)] for y in range(303)]
         self.write("large.png", pictures.png(rows, pixels_per_metre=1000000))
         with self.popen("compression", "large.png", *TISSUE[2:], "--checkpoint", "run.h5", "--checkpoint-every", "1h") as run:
-            time.sleep(8)
+            time.sleep(4)
             began = time.monotonic()
             run.send_signal(signal.SIGTERM)
             err = run.communicate(timeout=100)[1].decode()
             took = time.monotonic() - began
         self.assertEqual(run.returncode, 143, err)
         self.assertRegex(err, r"error: interrupted at [\d.e-]+ %, after [\d.]+ s: strain 0.\d+, stress .* Pa\nhint: the checkpoint 'run.h5' stands after \d+ steps")
-        self.assertLess(took, 4)  # 2 s where nothing else runs
+        self.assertLess(took, 6)  # 2 s where nothing else runs
 
     def test_interrupted(self):
         with self.popen(*TISSUE, "--strain", "0.3", "--checkpoint", "run.h5", "--checkpoint-every", "200", "-o", "p.vtp") as run:
