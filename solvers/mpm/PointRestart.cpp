@@ -19,7 +19,7 @@ constexpr int valuesASide = 4; // position, velocity, force, impulse
 } // namespace
 
 template <int Dim>
-void PointDynamics<Dim>::keep(io::Checkpoint& checkpoint)
+void PointDynamics<Dim>::keep(io::Checkpoint& checkpoint) const
 {
   const bool several = options_.comm.parallel();
   const MaterialPoints<Dim> all = several ? gather() : MaterialPoints<Dim>();
@@ -56,7 +56,12 @@ void PointDynamics<Dim>::keep(io::Checkpoint& checkpoint)
   checkpoint.numbers["supplied energy"] = supplied_;
   checkpoint.numbers["initial energy"] = initial_;
   checkpoint.numbers["initial moment"] = options_.comm.sum(startMoment_);
-  sortAnew(); // the run that goes on does, too
+  checkpoint.numbers["even steps to"] = static_cast<double>(evenTo_);
+  checkpoint.numbers["even step"] = evenStep_;
+  if (fused_ && !several)
+    fused_->keep(checkpoint);
+  checkpoint.arrays["wave"] = { { static_cast<std::int64_t>(measured_.field().size()) }, measured_.field(), "",
+    "by node, the fastest oscillation as it was found last" };
 }
 
 template <int Dim>
@@ -140,12 +145,21 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
   supplied_ = checkpoint.number("supplied energy");
   initial_ = checkpoint.number("initial energy");
   startMoment_ = rank == 0 ? checkpoint.number("initial moment") : 0;
-  if (fused_)
-    fused_->forget();
+  if (checkpoint.numbers.contains("even step")) // earlier versions had none of these
+  {
+    evenTo_ = static_cast<std::int64_t>(checkpoint.number("even steps to"));
+    evenStep_ = checkpoint.number("even step");
+  }
+  if (checkpoint.arrays.contains("wave"))
+    measured_.takeBack(checkpoint.reals("wave"));
+  if (fused_ && !options_.comm.parallel())
+    fused_->takeBack(checkpoint, grid_);
+  else
+    sortAnew();
 }
 
-template void PointDynamics<2>::keep(io::Checkpoint&);
-template void PointDynamics<3>::keep(io::Checkpoint&);
+template void PointDynamics<2>::keep(io::Checkpoint&) const;
+template void PointDynamics<3>::keep(io::Checkpoint&) const;
 template void PointDynamics<2>::sortAnew();
 template void PointDynamics<3>::sortAnew();
 template void PointDynamics<2>::takeBack(const io::Checkpoint&);
