@@ -5,6 +5,7 @@
 #include "Record.h"
 #include "SampleRun.h"
 #include "Text.h"
+#include "Units.h"
 
 #include "lattice/Memory.h"
 #include "peridynamics/ElasticStudy.h"
@@ -40,14 +41,21 @@ struct Table
   const char* option;
   const std::vector<std::string>& texts;
   void (vtkBondAlgorithm::*set)(const char*, double);
+  std::optional<double> (*read)(std::string_view);
 };
 
 std::array<Table, 4> tables(const BondOptions& o)
 {
-  return { { { "--young", o.young, &vtkBondAlgorithm::SetYoungsModulus },
-    { "--fracture-energy", o.fractureEnergy, &vtkBondAlgorithm::SetFractureEnergy },
-    { "--toughness", o.toughness, &vtkBondAlgorithm::SetToughness },
-    { "--critical-stretch", o.criticalStretch, &vtkBondAlgorithm::SetCriticalStretch } } };
+  return { { { "--young", o.young, &vtkBondAlgorithm::SetYoungsModulus, pascals },
+    { "--fracture-energy", o.fractureEnergy, &vtkBondAlgorithm::SetFractureEnergy, toNumber },
+    { "--toughness", o.toughness, &vtkBondAlgorithm::SetToughness, pascalRootMetres },
+    { "--critical-stretch", o.criticalStretch, &vtkBondAlgorithm::SetCriticalStretch, strainFrom } } };
+}
+
+/// How its unit may be written.
+const char* unitsOf(const std::string& option)
+{
+  return option == "--young" ? ", or as 7.2GPa" : option == "--toughness" ? ", or as 0.4MPa√m" : "";
 }
 
 std::array<int, 3> parsePeriodic(const std::string& text)
@@ -115,6 +123,21 @@ void checkNames(const BondOptions& o, const std::vector<std::string>& names)
     if (text.find('=') != std::string::npos)
     {
       checkPhase("--density", keyValue("--density", text, "PHASE=VALUE").first);
+    }
+  }
+}
+
+/// A value in another unit is a slip that nothing else tells.
+void tellLowToughness(Session& session, const BondOptions& o)
+{
+  constexpr double least = 1e3; // Pa √m, far below glue (1e5); gels lie here
+  for (const std::string& text : o.relativeTo.empty() ? listItems(o.toughness) : std::vector<std::string>())
+  {
+    const std::string number = keyValue("--toughness", text, "PAIR=VALUE").second;
+    if (const double value = pascalRootMetres(number).value_or(least); value < least)
+    {
+      session.warn(fmt::format(
+        "--toughness {} is {:g} Pa √m: glass has 7e5, wood 1e5 to 1e6; was {}MPa√m meant?", text, value, number));
     }
   }
 }
@@ -244,11 +267,16 @@ void applyBonds(const BondOptions& o, vtkBondAlgorithm* filter)
     for (const std::string& text : listItems(table.texts))
     {
       const auto [pair, number] = keyValue(table.option, text, "PAIR=VALUE");
-      const auto value = toNumber(number);
+      const auto value = table.read(number);
       if (!value || !(*value > 0) || !std::isfinite(*value))
       {
         throw ParameterError(fmt::format("{} {}: '{}' is not a positive number", table.option, text, number),
-          fmt::format("write it as {} {}=VALUE, in SI units", table.option, pair));
+          fmt::format("write it as {} {}=VALUE, in SI units{}", table.option, pair, unitsOf(table.option)));
+      }
+      if (!plausible(*value))
+      {
+        throw ParameterError(fmt::format("{} {}: {} is not between 1e-30 and 1e30", table.option, text, *value),
+          "no material has it; ratios are far below that, too");
       }
       (filter->*table.set)(pair.c_str(), *value);
     }
@@ -335,6 +363,7 @@ BondSample loadBondSample(Session& session, const PictureOptions& picture, const
       std::string("add --pixel-size, such as --pixel-size 0.5um") +
         (o.density.empty() ? "; or give --critical-stretch" : ""));
   }
+  tellLowToughness(session, o);
   BondSample result;
   result.pixelSizeSource = sample.pixelSizeSource;
   result.provenance = sample.provenance;

@@ -3,10 +3,12 @@
 #include "GridFile.h"
 #include "ResultFiles.h"
 #include "Text.h"
+#include "Units.h"
 #include "Workspace.h"
 
 #include "lattice/Clock.h"
 #include "vtkBondBreakAlgorithm.h"
+#include "vtkBondFracture.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkImageData.h>
@@ -144,13 +146,13 @@ void applyBreak(const BreakOptions& o, vtkBondBreakAlgorithm* filter, const char
     throw ParameterError("--stop '" + o.stop + "' is not from 0 up to 100 %",
       "5% of the peak is usual; hinges never part, so 0 may never be reached");
   }
-  filter->SetMaximumStrain(o.maxStrain.empty() ? 0 : positive("--max-strain", o.maxStrain, alongTheLoad));
+  filter->SetMaximumStrain(o.maxStrain.empty() ? 0 : positiveStrain("--max-strain", o.maxStrain, alongTheLoad));
   filter->SetMaximumBroken(o.maxBroken.empty() ? 0 : count("--max-broken", o.maxBroken));
   for (const std::string& text : listed(o.atBroken))
   {
     filter->AddStateAtBroken(count("--at-broken", text));
   }
-  applyCheckpoint(o.checkpoint, filter);
+  applyCheckpoint(o.checkpoint, filter, vtkBondFracture::SafeDownCast(filter) == nullptr);
   filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
   const char* const forFields = forStates != nullptr ? forStates
     : !o.atBroken.empty()                            ? "--at-broken"

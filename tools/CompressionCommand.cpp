@@ -8,6 +8,7 @@
 #include "Record.h"
 #include "ResultFiles.h"
 #include "Text.h"
+#include "Units.h"
 #include "Workspace.h"
 
 #include "lattice/Clock.h"
@@ -115,7 +116,8 @@ void apply(const CompressionOptions& o, vtkPointCompression* filter)
   filter->SetTimeStep(o.timeStep.empty() ? 0 : positive("--time-step", o.timeStep, "it is in seconds"));
   for (const std::string& text : listed(o.atStrains))
   {
-    filter->AddStateAtStrain(positive("--at-strain", text, "strains are positive in compression: write it as 0.12"));
+    filter->AddStateAtStrain(
+      positiveStrain("--at-strain", text, "strains are positive in compression: write it as 0.12"));
   }
   const char* const forFields = !o.atStrains.empty() ? "--at-strain"
     : o.velocity                                     ? "--velocity"
@@ -262,7 +264,7 @@ void addRunOptions(CLI::App& app, CompressionOptions& o)
   const char* const load = "Load";
   run(app.add_option("--axis", o.axis, "Axis of loading; y of a picture, z of a volume when not given"), load)
     ->type_name("x|y|z");
-  run(app.add_option("--strain", o.strain, "Strain to end at, below 1"), load)
+  run(takesShares(app.add_option("--strain", o.strain, "Strain to end at, below 1")), load)
     ->type_name("STRAIN")
     ->capture_default_str();
   app.add_option("--sides", o.sides, "Straight sides move so that they feel no force; sticky: of --stiffness-only")
@@ -272,10 +274,11 @@ void addRunOptions(CLI::App& app, CompressionOptions& o)
   run(app.add_flag("--grip", o.grip, "Platens do not let slide"), load);
   app.add_flag("--fit-platens", o.points.fitPlatens, "Platens stand where the tissue begins and ends")->group(load);
   const char* const calm = "How slowly";
-  run(app.add_option("--energy-ratio", o.energyRatio, "Kinetic over elastic energy allowed"), calm)
+  run(takesShares(app.add_option("--energy-ratio", o.energyRatio, "Kinetic over elastic energy allowed")), calm)
     ->type_name("SHARE")
     ->capture_default_str();
-  run(app.add_option("--calm-from", o.calmFrom, "From this strain on"), calm)
+  run(
+    takesShares(app.add_option("--calm-from", o.calmFrom, "From this strain on; from half of --strain at most")), calm)
     ->type_name("STRAIN")
     ->capture_default_str();
   run(app.add_option("--speeds", o.speeds, "Of the platens, over the fastest wave in the wall"), calm)

@@ -83,8 +83,9 @@ std::string compressionJson(const CompressionReport& report)
   json["stress"] = f("stress");
   json["axis"] = f.text("load_axis");
   json["sides"] = f.text("sides");
-  for (const char* name : { "worst_energy_ratio", "worst_energy_ratio_strain", "worst_lateral", "worst_imbalance",
-         "first_touch_strain", "wave_speed" })
+  for (const char* name :
+    { "worst_energy_ratio", "worst_energy_ratio_strain", "early_energy_ratio", "early_energy_ratio_strain", "calm_from",
+      "worst_lateral", "worst_imbalance", "first_touch_strain", "wave_speed" })
   {
     json[name] = jsonNumber(f(name));
   }
@@ -127,11 +128,12 @@ std::string compressionTable(const CompressionReport& report)
       cell(curve, row, "stress"), cell(curve, row, "porosity"), cell(curve, row, "lateral_strain"),
       elastic > 0 ? fmt::format("{:.2g} %", 100 * cell(curve, row, "kinetic_energy") / elastic) : "-");
   }
-  text +=
-    fmt::format("\n  kinetic energy at most {:.2g} % of the elastic (strain {:.3g}), stress on the sides {:.2g} %, "
-                "difference of the platens' {:.2g} %\n",
-      100 * f("worst_energy_ratio"), f("worst_energy_ratio_strain"), 100 * f("worst_lateral"),
-      100 * f("worst_imbalance"));
+  text += fmt::format(
+    "\n  from strain {:.3g} on kinetic energy at most {:.2g} % of the elastic (strain {:.3g}), stress on the "
+    "sides {:.2g} %,\n  difference of the platens' {:.2g} %; before it kinetic energy up to {:.2g} % (strain "
+    "{:.2g})\n",
+    f("calm_from"), 100 * f("worst_energy_ratio"), f("worst_energy_ratio_strain"), 100 * f("worst_lateral"),
+    100 * f("worst_imbalance"), 100 * f("early_energy_ratio"), f("early_energy_ratio_strain"));
   text += fmt::format("  {} steps, slowed down {} times: {:.1f} million points a second (run: {:.2f} s, everything: "
                       "{:.2f} s, {})\n",
     grouped(f.whole("steps")), grouped(f.whole("slowdowns")), f("updates_per_second") / 1e6, f("seconds", 1),
@@ -184,7 +186,10 @@ std::string pointStiffnessJson(const BondRun& run)
 std::string pointStiffnessTable(const BondRun& run)
 {
   const BondFields f(run);
-  std::string text = headText(run, f) + fmt::format("\n  sides {}\n", f.text("sides"));
+  const bool straight = f.text("sides") == "straight";
+  std::string text = headText(run, f) +
+    fmt::format("\n  sides {}{}\n", f.text("sides"),
+      straight ? ": straight sides are stiffer than free ones (--sides open), in wood by 1 to 50 %" : "");
   const std::vector<std::string> names = fieldTexts(run.image, "constant_names");
   for (std::size_t i = 0; i < names.size(); ++i)
   {

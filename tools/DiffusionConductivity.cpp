@@ -2,6 +2,7 @@
 
 #include "GridFile.h"
 #include "Text.h"
+#include "Units.h"
 
 #include <fmt/format.h>
 
@@ -32,6 +33,11 @@ double parseValue(const std::string& text, const std::string& number)
   {
     throw ParameterError(fmt::format("--conductivity {}: a conductivity must be a finite number of at least 0", text),
       "give a positive value, or 0 for a phase that does not conduct");
+  }
+  if (*value != 0 && !plausible(*value))
+  {
+    throw ParameterError(fmt::format("--conductivity {}: {} is not between 1e-30 and 1e30", text, *value),
+      "no material has it; give 0 for a phase that does not conduct");
   }
   return *value;
 }

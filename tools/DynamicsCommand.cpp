@@ -1,6 +1,7 @@
 #include "BreakRun.h"
 #include "DynamicsReport.h"
 #include "Text.h"
+#include "Units.h"
 
 #include "vtkBondDynamics.h"
 
@@ -46,13 +47,14 @@ const std::vector<std::string> loads{ "stretch", "shear", "sides" };
 constexpr const char* seconds = "write it in seconds, such as 4e-5";
 
 /// "VX,VY": numbers, or "free".
-std::vector<std::optional<double>> vectorOf(const char* option, const std::string& text, bool mayBeFree)
+std::vector<std::optional<double>> vectorOf(const char* option, const std::string& text, bool mayBeFree,
+  std::optional<double> (*read)(std::string_view) = toNumber)
 {
   std::vector<std::optional<double>> values;
   for (const std::string& part : split(text, ','))
   {
-    const auto number = toNumber(part);
-    if (!(number && std::isfinite(*number)) && !(mayBeFree && part == "free"))
+    const auto number = read(part);
+    if (!(number && (*number == 0 || plausible(*number))) && !(mayBeFree && part == "free"))
     {
       throw ParameterError(fmt::format("{} '{}': '{}' is no number", option, text, part),
         mayBeFree ? "give a number along x, y and, of a volume, z; or 'free'"
@@ -72,14 +74,15 @@ constexpr std::array<const char*, 3> components{ "x", "y", "z" };
 
 /// "SIDE=VX,VY".
 template <class Set>
-void eachSide(const char* option, const std::vector<std::string>& texts, Set&& set)
+void eachSide(
+  const char* option, const std::vector<std::string>& texts, std::optional<double> (*read)(std::string_view), Set&& set)
 {
   const std::vector<std::string> sides{ "x-", "x+", "y-", "y+", "z-", "z+" };
   for (const std::string& text : texts)
   {
     const auto [side, vector] = keyValue(option, text, "SIDE=VX,VY");
     (void)oneOf(option, side, sides);
-    const auto values = vectorOf(option, vector, true);
+    const auto values = vectorOf(option, vector, true, read);
     for (std::size_t c = 0; c < values.size(); ++c)
     {
       if (values[c])
@@ -112,9 +115,9 @@ void applyMovement(const DynamicsOptions& o, vtkBondDynamics* filter)
     filter->SetTravelTimes(positive("--travel-times", o.travelTimes, "30 is quick, 100 slow"));
   }
   filter->SetStartShare(share("--start", o.start));
-  eachSide("--velocity", o.velocities,
+  eachSide("--velocity", o.velocities, toNumber,
     [filter](const char* side, const char* c, double value) { filter->SetSideVelocity(side, c, value); });
-  eachSide("--traction", o.tractions,
+  eachSide("--traction", o.tractions, pascals,
     [filter](const char* side, const char* c, double value) { filter->SetSideTraction(side, c, value); });
   for (const std::string& text : o.boxes)
   {

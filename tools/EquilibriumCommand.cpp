@@ -4,6 +4,7 @@
 #include "GridFile.h"
 #include "OutputFile.h"
 #include "Text.h"
+#include "Units.h"
 
 #include "lattice/Clock.h"
 #include "vtkBondEquilibrium.h"
@@ -63,6 +64,18 @@ void applyLoad(const EquilibriumOptions& o, vtkBondEquilibrium* filter)
   {
     throw ParameterError(
       fmt::format("--strain {} loads nothing", o.strain), "give a number such as 1e-3; tension is positive");
+  }
+  for (const auto& [option, strain] : { std::pair{ "--strain", o.strain }, { "--lateral-strain", o.lateralStrain } })
+  {
+    if (!(std::fabs(strain) < 1) || (strain != 0 && !plausible(strain)))
+    {
+      throw ParameterError(fmt::format("{} {} is no strain", option, strain),
+        "it lies between -1 and 1, at which nothing of the length is left: 1e-3 is usual");
+    }
+  }
+  if (load == vtkBondEquilibrium::TRACTION && !plausible(o.traction))
+  {
+    throw ParameterError(fmt::format("--traction {} is not between 1e-30 and 1e30 Pa", o.traction), "1e6 is usual");
   }
   checkBalance(o.balance);
   applyPlatens(o.platens, filter);
@@ -141,14 +154,15 @@ Command equilibriumCommand(CLI::App& root)
     ->type_name("stretch|shear|biaxial|traction")
     ->capture_default_str();
   addPlatenOptions(*app, o->platens);
-  load(app->add_option(
-         "--strain", o->strain, "Movement of the platen over the distance between the platens; tension positive"))
+  load(takesShares(app->add_option(
+         "--strain", o->strain, "Movement of the platen over the distance between the platens; tension positive")))
     ->type_name("NUMBER")
     ->capture_default_str();
-  load(app->add_option("--lateral-strain", o->lateralStrain, "Of --load biaxial: along the other axes"))
+  load(takesShares(app->add_option("--lateral-strain", o->lateralStrain, "Of --load biaxial: along the other axes")))
     ->type_name("NUMBER")
     ->capture_default_str();
-  load(app->add_option("--traction", o->traction, "Of --load traction [Pa]; tension positive"))->type_name("PASCAL");
+  load(takesPascals(app->add_option("--traction", o->traction, "Of --load traction [Pa]; tension positive")))
+    ->type_name("PASCAL");
   const auto numerics = [](CLI::Option* option) { return option->group("Accuracy and cost"); };
   numerics(app->add_option("--solver", o->solver, "How forces are balanced"))
     ->type_name("multigrid|jacobi|direct|dynamic-relaxation")

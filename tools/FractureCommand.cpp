@@ -1,10 +1,14 @@
 #include "BreakRun.h"
 #include "Text.h"
+#include "Units.h"
 
 #include "vtkBondFracture.h"
 
 #include <vtkNew.h>
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <memory>
 
 namespace lamella::cli
@@ -42,6 +46,11 @@ void applyLoad(const FractureOptions& o, vtkBondFracture* filter)
   {
     throw ParameterError("--lateral-ratio is for --load biaxial", "leave it out, or add --load biaxial");
   }
+  if (!(std::fabs(o.lateralRatio) <= 1))
+  {
+    throw ParameterError(fmt::format("--lateral-ratio {} is not between -1 and 1", o.lateralRatio),
+      "load along the axis that is strained most: --axis");
+  }
   filter->SetLateralRatio(o.lateralRatio);
 }
 
@@ -63,7 +72,7 @@ void apply(const FractureOptions& o, vtkBondFracture* filter)
   filter->SetStrainStep(o.strainStep);
   for (const std::string& text : listed(o.atStrains))
   {
-    filter->AddStateAtStrain(positive("--at-strain", text, alongTheLoad));
+    filter->AddStateAtStrain(positiveStrain("--at-strain", text, alongTheLoad));
   }
 }
 
@@ -100,8 +109,8 @@ Command fractureCommand(CLI::App& root)
   breaks(app->add_option("--breaking", o->breaking, "One bond at a time, or all that are critical at once"))
     ->type_name("strict|batched")
     ->capture_default_str();
-  breaks(app->add_option("--strain-step", o->strainStep,
-           "Raise the strain to multiples of this; 0: to where the next bond just is critical"))
+  breaks(takesShares(app->add_option("--strain-step", o->strainStep,
+           "Raise the strain to multiples of this; 0: to where the next bond just is critical")))
     ->type_name("STRAIN")
     ->capture_default_str();
   addEndOptions(*app, *o);

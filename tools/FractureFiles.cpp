@@ -4,6 +4,7 @@
 #include "GridFile.h"
 #include "Stopped.h"
 #include "Text.h"
+#include "Units.h"
 #include "Workspace.h"
 
 #include "vtkLatticeConversion.h"
@@ -54,9 +55,10 @@ std::string howToContinue(const CheckpointWords& words, const KeptRun& run)
     return "no checkpoint was written since; the same command goes on from '" + words.continueFrom + "' again";
   }
   return words.file.empty() ? ""
-                            : fmt::format("no checkpoint was written yet: the first comes after {} {} "
-                                          "(--checkpoint-every)",
-                                run.every(), run.unit);
+    : checkedPacing(words).seconds
+    ? "no checkpoint was written yet: the first comes after " + words.every + " (--checkpoint-every)"
+    : fmt::format(
+        "no checkpoint was written yet: the first comes after {} {} (--checkpoint-every)", run.every(), run.unit);
 }
 
 } // namespace
@@ -225,23 +227,31 @@ void StateWriter::commit()
   }
 }
 
-std::optional<std::int64_t> checkedEvery(const CheckpointWords& words)
+CheckpointPacing checkedPacing(const CheckpointWords& words)
 {
   const std::string ending = std::filesystem::path(words.file).extension().string();
   if (!words.file.empty() && ending != ".h5" && ending != ".hdf5")
   {
     throw ParameterError("--checkpoint '" + words.file + "': checkpoints are written as HDF5", "end the name in .h5");
   }
-  if (words.every.empty())
+  CheckpointPacing pacing;
+  for (const std::string& part : split(words.every, ','))
   {
-    return std::nullopt;
+    const auto units = toInteger(part);
+    const auto seconds = units ? std::nullopt : secondsFrom(part);
+    if (words.every.empty())
+    {
+      break;
+    }
+    if ((!units || *units < 1 || pacing.units) && (!seconds || !(*seconds > 0) || pacing.seconds))
+    {
+      throw ParameterError("--checkpoint-every '" + words.every + "' is neither a whole number above 0 nor a time",
+        "such as 500, 10min, or 500,10min; a time has its unit: s, min or h");
+    }
+    pacing.units = units ? units : pacing.units;
+    pacing.seconds = seconds ? seconds : pacing.seconds;
   }
-  const auto every = toInteger(words.every);
-  if (!every || *every < 1)
-  {
-    throw ParameterError("--checkpoint-every '" + words.every + "' is not a whole number above 0", "such as 500");
-  }
-  return every;
+  return pacing;
 }
 
 void addCheckpointOptions(CLI::App& command, CheckpointWords& words, const char* every, const char* standard)
@@ -249,7 +259,9 @@ void addCheckpointOptions(CLI::App& command, CheckpointWords& words, const char*
   const auto checkpoints = [](CLI::Option* option) { return option->group("Checkpoints"); };
   checkpoints(command.add_option("--checkpoint", words.file, "Keep where the run stands, to go on from it"))
     ->type_name("FILE.h5");
-  checkpoints(command.add_option("--checkpoint-every", words.every, every))->type_name("NUMBER")->default_str(standard);
+  checkpoints(command.add_option("--checkpoint-every", words.every, every))
+    ->type_name("NUMBER|TIME")
+    ->default_str(standard);
   checkpoints(command.add_option("--continue", words.continueFrom,
                 "Go on from a checkpoint of the same run; where it is that of --checkpoint and not there yet, begin"))
     ->type_name("FILE.h5");

@@ -81,17 +81,29 @@ struct CheckpointWords
   std::string continueFrom; ///< --continue
 };
 
-/// What --checkpoint-every says; nothing where it is not given. @throws ParameterError for these and a name that is
-/// none
-[[nodiscard]] std::optional<std::int64_t> checkedEvery(const CheckpointWords& words);
-
-/// Gives the filter what the words say. @throws ParameterError
-template <class Filter>
-void applyCheckpoint(const CheckpointWords& words, Filter* filter)
+/// What --checkpoint-every says: "500", "10min", or both, "500,10min".
+struct CheckpointPacing
 {
-  if (const auto every = checkedEvery(words))
+  std::optional<std::int64_t> units; ///< events or steps between two
+  std::optional<double> seconds;     ///< wall time between two
+};
+/// @throws ParameterError for these and a name that is none
+[[nodiscard]] CheckpointPacing checkedPacing(const CheckpointWords& words);
+
+/// Gives the filter what the words say.
+/// @param looks whether CheckpointEvery says only when there may be one: a time alone then counts from unit to unit
+/// @throws ParameterError
+template <class Filter>
+void applyCheckpoint(const CheckpointWords& words, Filter* filter, bool looks = true)
+{
+  const CheckpointPacing pacing = checkedPacing(words);
+  if (pacing.units || (pacing.seconds && looks))
   {
-    filter->SetCheckpointEvery(*every);
+    filter->SetCheckpointEvery(pacing.units.value_or(1));
+  }
+  if (pacing.seconds)
+  {
+    filter->SetCheckpointSeconds(*pacing.seconds);
   }
   if (Workspace::current() != nullptr)
   {

@@ -2,6 +2,7 @@
 
 #include "SampleRun.h"
 #include "Text.h"
+#include "Units.h"
 
 #include "lattice/Error.h"
 #include "vtkLatticeConversion.h"
@@ -26,39 +27,69 @@ namespace
 const std::vector<std::string> laws{ "auto", "isotropic", "orthotropic", "plastic" };
 const std::vector<std::string> planes{ "auto", "plane-stress", "plane-strain" };
 
+/// What values a constant may have; the library knows the bounds of ratios.
+enum class Kind
+{
+  Modulus, ///< [Pa], above 0
+  Ratio,
+  Yield, ///< [Pa], above 0 or infinite
+  Slope, ///< [Pa], 0 or above
+  Factor,
+  Density
+};
+
 struct Constant
 {
   const char* name;
   const char* law; ///< that alone has it, or null
+  Kind kind;
   const char* text;
   void (vtkPointAlgorithm::*set)(double);
 };
 const std::array<Constant, 9> constants{ {
-  { "young", nullptr, "Young's modulus [Pa], along the wall where it is orthotropic: 8e9, 7.2e9 isotropic",
+  { "young", nullptr, Kind::Modulus,
+    "Young's modulus [Pa], along the wall where it is orthotropic: 8e9, 7.2e9 isotropic",
     &vtkPointAlgorithm::SetYoungsModulus },
-  { "transverse", "orthotropic", "Young's modulus across the wall [Pa]: 6.4e9",
+  { "transverse", "orthotropic", Kind::Modulus, "Young's modulus across the wall [Pa]: 6.4e9",
     &vtkPointAlgorithm::SetTransverseModulus },
-  { "poisson", nullptr, "Poisson's ratio, pulled along the wall: 0.3", &vtkPointAlgorithm::SetPoissonsRatio },
-  { "transverse-poisson", "orthotropic", "Poisson's ratio among the directions across the wall: 0.3",
+  { "poisson", nullptr, Kind::Ratio, "Poisson's ratio, pulled along the wall: 0.3",
+    &vtkPointAlgorithm::SetPoissonsRatio },
+  { "transverse-poisson", "orthotropic", Kind::Ratio, "Poisson's ratio among the directions across the wall: 0.3",
     &vtkPointAlgorithm::SetTransversePoissonsRatio },
-  { "shear", "orthotropic", "Shear modulus [Pa]; from the others when not given", &vtkPointAlgorithm::SetShearModulus },
-  { "barrier", nullptr, "What keeps walls from being crushed to nothing, over their stiffness: 1",
+  { "shear", "orthotropic", Kind::Modulus, "Shear modulus [Pa]; from the others when not given",
+    &vtkPointAlgorithm::SetShearModulus },
+  { "barrier", nullptr, Kind::Factor, "What keeps walls from being crushed to nothing, over their stiffness: 1",
     &vtkPointAlgorithm::SetBarrier },
-  { "yield", "plastic", "Yield stress [Pa]: 1e8", &vtkPointAlgorithm::SetYieldStress },
-  { "hardening", "plastic", "Slope of the yield stress over the plastic strain [Pa]: 0",
+  { "yield", "plastic", Kind::Yield, "Yield stress [Pa]: 1e8", &vtkPointAlgorithm::SetYieldStress },
+  { "hardening", "plastic", Kind::Slope, "Slope of the yield stress over the plastic strain [Pa]: 0",
     &vtkPointAlgorithm::SetHardening },
-  { "density", nullptr, "Density of the walls [kg/m³]: 1500", &vtkPointAlgorithm::SetDensity },
+  { "density", nullptr, Kind::Density, "Density of the walls [kg/m³]: 1500", &vtkPointAlgorithm::SetDensity },
 } };
 
-double value(const std::string& option, const std::string& text, const std::string& number)
+double value(Kind kind, const std::string& option, const std::string& text, const std::string& number)
 {
-  const auto found = toNumber(number);
+  const bool stress = kind == Kind::Modulus || kind == Kind::Yield || kind == Kind::Slope;
+  const auto found = stress ? pascals(number) : toNumber(number);
   if (!found || std::isnan(*found))
   {
     throw ParameterError(fmt::format("{} {}: '{}' is not a number", option, text, number),
-      fmt::format("write it as {} VALUE, or {} PHASE=VALUE, in SI units", option, option));
+      fmt::format(
+        "write it as {} VALUE, or {} PHASE=VALUE, in SI units{}", option, option, stress ? ", or as 7.2GPa" : ""));
   }
-  return *found;
+  const double v = *found;
+  const bool fine = kind == Kind::Ratio           ? std::isfinite(v)
+    : kind == Kind::Yield                         ? v > 0 && (std::isinf(v) || plausible(v))
+    : kind == Kind::Slope || kind == Kind::Factor ? v == 0 || (v > 0 && plausible(v))
+                                                  : v > 0 && plausible(v);
+  if (!fine)
+  {
+    throw ParameterError(fmt::format("{} {}: {} is out of range", option, text, v),
+      kind == Kind::Ratio                             ? "a ratio is finite"
+        : kind == Kind::Slope || kind == Kind::Factor ? "it is 0 or above, at most 1e30"
+                                                      : "it is above 0, between 1e-30 and 1e30; leave it out for the "
+                                                        "default");
+  }
+  return v;
 }
 
 /// Phases that the sample does not have are slips: told with their option.
@@ -112,9 +143,9 @@ void addPointOptions(CLI::App& command, PointOptions& o)
     ->type_name("PHASE")
     ->allow_extra_args(false);
   const auto points = [](CLI::Option* option) { return option->group("Points and grid"); };
-  points(command.add_option("--points-per-node", o.perNode, "Points along each axis in a pixel"))
-    ->type_name("NUMBER")
-    ->capture_default_str();
+  points(command.add_option("--points-per-node", o.perNode,
+           "Points along each axis in a pixel; two a cell, and two at least, when not given"))
+    ->type_name("NUMBER");
   points(command.add_option("--cells-per-node", o.cellsPerNode, "Cells of the grid along each axis in a pixel"))
     ->type_name("NUMBER")
     ->capture_default_str();
@@ -142,22 +173,24 @@ void applyPoints(const PointOptions& o, vtkPointAlgorithm* filter)
     {
       if (text.find('=') == std::string::npos)
       {
-        (filter->*constant.set)(value(option, text, text));
+        (filter->*constant.set)(value(constant.kind, option, text, text));
         continue;
       }
       const auto [phase, number] = keyValue(option, text, "PHASE=VALUE");
-      filter->SetPhaseConstant(phase.c_str(), constant.name, value(option, text, number));
+      filter->SetPhaseConstant(phase.c_str(), constant.name, value(constant.kind, option, text, number));
     }
   }
   for (const std::string& name : o.voids)
   {
     filter->AddVoid(name.c_str());
   }
-  if (o.perNode < 1 || o.perNode > 16)
+  const double wanted = std::clamp(2 * o.cellsPerNode, 2.0, 16.0);
+  const int perNode = o.perNode.value_or(std::isfinite(wanted) ? static_cast<int>(std::ceil(wanted)) : 2);
+  if (perNode < 1 || perNode > 16)
   {
-    throw ParameterError(fmt::format("--points-per-node {} is outside 1 to 16", o.perNode), "2 is usual");
+    throw ParameterError(fmt::format("--points-per-node {} is outside 1 to 16", perNode), "2 is usual");
   }
-  filter->SetPointsPerNode(o.perNode);
+  filter->SetPointsPerNode(perNode);
   filter->SetCellsPerNode(o.cellsPerNode);
   filter->SetFitPlatens(o.fitPlatens);
   checkThreads(o.threads);
@@ -171,6 +204,15 @@ PointSample loadPointSample(Session& session, const PictureOptions& picture, con
   checkNames(options, sample.image.phases.names());
   tellDoubts(session, sample);
   const NodeArray directions = sampleArray(picture, sample, "axis");
+  for (std::size_t c = 0; c < constants.size() && options.law == "auto" && directions.components == 0; ++c)
+  {
+    if (constants[c].law != nullptr && !options.constants[c].empty())
+    {
+      throw ParameterError(
+        fmt::format("--{} of walls that have no direction: '{}' has no array 'axis'", constants[c].name, picture.file),
+        "leave it out, for isotropic walls have one modulus; lamella micrograph writes directions along the walls");
+    }
+  }
   PointSample result;
   result.pixelSizeSource = sample.pixelSizeSource;
   result.provenance = sample.provenance;

@@ -7,6 +7,7 @@
 #include <vtkSmartPointer.h>
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,7 @@ struct PointOptions
   /// VALUE of all walls, or PHASE=VALUE, by constant: in the order of lamella::wallConstantNames.
   std::array<std::vector<std::string>, 9> constants;
   std::vector<std::string> voids;
-  int perNode = 2;
+  std::optional<int> perNode; ///< none: two points a cell along each axis, and two at least
   double cellsPerNode = 1;
   bool fitPlatens = false;
   int threads = 1;

@@ -1,18 +1,24 @@
 #include "Session.h"
 
 #include "OutputFile.h"
+#include "TimeLeft.h"
+
+#include <fmt/format.h>
 
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <new>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -24,6 +30,19 @@ namespace
 
 volatile std::sig_atomic_t caught = 0;
 
+/// How far the one run of this process is, as progress() was told last.
+struct Progress
+{
+  double share = 0;
+  std::string doing; ///< empty where it was told nothing
+  TimeLeft left;
+};
+Progress& progressed()
+{
+  static Progress progress;
+  return progress;
+}
+
 extern "C" void onSignal(int signal)
 {
   OutputFile::removeAll();
@@ -32,6 +51,42 @@ extern "C" void onSignal(int signal)
     _exit(128 + signal);
   }
   caught = signal;
+}
+
+/// What nobody caught, in a thread or beneath a library: one line, as everything else.
+[[noreturn]] void onTerminate()
+{
+  static std::atomic_flag told = ATOMIC_FLAG_INIT;
+  while (told.test_and_set()) // another thread tells, and ends the program
+  {
+    ::pause();
+  }
+  OutputFile::removeAll();
+  if (const std::exception_ptr thrown = std::current_exception())
+  {
+    try
+    {
+      std::rethrow_exception(thrown);
+    }
+    catch (const std::exception& error)
+    {
+      printError(error);
+      ::_exit(exitCode(error));
+    }
+    catch (...) // NOLINT(bugprone-empty-catch): no error of ours; it ends as it would
+    {
+    }
+  }
+  std::abort();
+}
+
+/// No memory is what a thread that cannot be made lacks, too.
+bool lacksMemory(const std::exception& error)
+{
+  const auto* const system = dynamic_cast<const std::system_error*>(&error);
+  return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
+    (system != nullptr &&
+      (system->code() == std::errc::resource_unavailable_try_again || system->code() == std::errc::not_enough_memory));
 }
 
 void install(int signal, void (*handler)(int))
@@ -82,7 +137,7 @@ int exitCode(const std::exception& error) noexcept
   {
     return exitNoPath;
   }
-  if (dynamic_cast<const MemoryError*>(&error) != nullptr || dynamic_cast<const std::bad_alloc*>(&error) != nullptr)
+  if (dynamic_cast<const MemoryError*>(&error) != nullptr || lacksMemory(error))
   {
     return exitMemory;
   }
@@ -105,7 +160,7 @@ void printError(const std::exception& error)
   {
     hint = known->hint();
   }
-  else if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr)
+  else if (lacksMemory(error))
   {
     message = "there is not enough memory";
     hint = "take a smaller --window or --refine, or share the work out: mpirun -n N lamella ...";
@@ -123,10 +178,32 @@ void printError(const std::exception& error)
   std::fputs(text.c_str(), stderr);
 }
 
+namespace
+{
+
+/// printError(), and of an interruption how far the run was.
+void tell(const std::exception& error, std::chrono::steady_clock::time_point start)
+{
+  const auto* const cancelled = dynamic_cast<const Cancelled*>(&error);
+  const Progress& at = progressed();
+  if (cancelled == nullptr || at.doing.empty())
+  {
+    printError(error);
+    return;
+  }
+  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  printError(Error(fmt::format("{} at {:.2g} %, after {:.3g} s: {}", error.what(), 100 * std::clamp(at.share, 0.0, 1.0),
+                     elapsed, at.doing),
+    cancelled->hint()));
+}
+
+} // namespace
+
 Session::Session(int& argc, char**& argv)
   : terminal_(::isatty(STDERR_FILENO) == 1)
   , start_(std::chrono::steady_clock::now())
 {
+  std::set_terminate(onTerminate);
   install(SIGINT, onSignal);
   install(SIGTERM, onSignal);
   install(SIGHUP, onSignal);
@@ -241,14 +318,13 @@ int Session::fail(const std::exception& error)
 {
   const int code = exitCode(error);
   endProgress();
-  if (ranks_ == 1)
-  {
-    printError(error);
-    return code;
-  }
   if (root())
   {
-    printError(error);
+    tell(error, start_);
+  }
+  if (ranks_ == 1)
+  {
+    return code;
   }
   if (!waitForAll())
   {
@@ -301,10 +377,12 @@ void Session::print(const std::string& text) const
 
 bool Session::progress(double share, const std::string& what)
 {
-  if (interrupted())
+  if (interrupted()) // filters that stop say that they are done
   {
     return false;
   }
+  progressed().share = share;
+  progressed().doing = what;
   if (outside_)
   {
     return outside_(share, what);
@@ -325,12 +403,11 @@ bool Session::progress(double share, const std::string& what)
   struct winsize window = {};
   const int columns = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0 ? window.ws_col : 80;
 
-  char numbers[64];
-  const double left = share > 0 ? elapsed * (1 - share) / share : 0;
-  std::snprintf(
-    numbers, sizeof numbers, " %3d %%  %.0f s, %.0f s left  ", static_cast<int>(share * 100), elapsed, std::ceil(left));
-  const int width =
-    std::clamp(columns - static_cast<int>(std::strlen(numbers)) - static_cast<int>(what.size()) - 3, 0, 40);
+  progressed().left.tell(elapsed, share);
+  const auto left = progressed().left.seconds();
+  const std::string numbers = fmt::format(" {:3d} %  {:.0f} s{}  ", static_cast<int>(share * 100), elapsed,
+    left ? fmt::format(", {:.0f} s left", std::ceil(*left)) : "");
+  const int width = std::clamp(columns - static_cast<int>(numbers.size() + what.size()) - 3, 0, 40);
   const int filled = static_cast<int>(share * width);
   std::string line = "\r[" + std::string(static_cast<std::size_t>(filled), '#') +
     std::string(static_cast<std::size_t>(width - filled), '.') + "]" + numbers + what;

@@ -122,10 +122,16 @@ double share(const std::string& option, const std::string& text)
 
 double positive(const std::string& option, const std::string& text, const std::string& hint)
 {
+  // far from where squares and ratios of what is physical leave the range of doubles
+  constexpr double most = 1e30;
   const auto value = toNumber(text);
   if (!value || !(*value > 0) || !std::isfinite(*value))
   {
     throw ParameterError(fmt::format("{} '{}' is not a number above 0", option, text), hint);
+  }
+  if (*value < 1 / most || *value > most)
+  {
+    throw ParameterError(fmt::format("{} '{}' is not between 1e-30 and 1e30", option, text), hint);
   }
   return *value;
 }

@@ -10,6 +10,7 @@
 #include "SampleRun.h"
 #include "TableText.h"
 #include "Text.h"
+#include "Units.h"
 #include "Workspace.h"
 
 #include "lattice/Clock.h"
@@ -124,7 +125,7 @@ void apply(const TransientOptions& o, vtkLatticeBoltzmann* filter)
   {
     const auto [name, number] = keyValue("--diffusivity", text, "NAME=VALUE");
     const auto value = toNumber(number);
-    if (!value || !std::isfinite(*value) || *value < 0)
+    if (!value || !(*value == 0 || (*value > 0 && plausible(*value))))
     {
       throw ParameterError("--diffusivity '" + text + "': '" + number + "' is no diffusivity",
         fmt::format("write it in m²/s, such as --diffusivity {}=1.8e-7; 0 for a phase that does not conduct", name));
@@ -139,13 +140,18 @@ void apply(const TransientOptions& o, vtkLatticeBoltzmann* filter)
   const std::vector<std::string> faces = split(o.values, ',');
   const auto inlet = toNumber(faces.front());
   const auto outlet = toNumber(faces.back());
-  if (faces.size() != 2 || !inlet || !outlet || !std::isfinite(*inlet) || !std::isfinite(*outlet))
+  const auto fine = [](double value) { return value == 0 || plausible(value); };
+  if (faces.size() != 2 || !inlet || !outlet || !fine(*inlet) || !fine(*outlet))
   {
     throw ParameterError("--values '" + o.values + "' is not two numbers",
       "give the value where the direction begins and where it ends, such as 1,0");
   }
   filter->SetInletValue(*inlet);
   filter->SetOutletValue(*outlet);
+  if (!fine(o.initial))
+  {
+    throw ParameterError(fmt::format("--initial {} is no value", o.initial), "it is of the size of --values");
+  }
   filter->SetInitialValue(o.initial);
   filter->SetTimeStep(o.step.empty() ? 0 : positive("--step", o.step, seconds));
   checkThreads(o.threads);

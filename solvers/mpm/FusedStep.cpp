@@ -268,6 +268,63 @@ void FusedStep<Dim>::run(
   sweep(from, to, dt, kick, true, keep);
 }
 
+template <int Dim>
+void FusedStep<Dim>::keep(io::Checkpoint& checkpoint) const
+{
+  if (!(kick_ > 0))
+    return;
+  std::vector<std::int64_t> cells;
+  for (const PointCell& cell : cells_)
+  {
+    cells.insert(cells.end(), std::begin(cell.base), std::begin(cell.base) + Dim);
+    cells.push_back(cell.begin);
+  }
+  checkpoint.arrays["point cells"] = { { static_cast<std::int64_t>(cells_.size()), Dim + 1 }, std::move(cells), "",
+    "first node of each cell along each axis, and its first point; one more behind the last" };
+  checkpoint.arrays["stripes"] = { { static_cast<std::int64_t>(stripes_.size()) }, stripes_, "",
+    "first cell of each stripe of rows" };
+  checkpoint.arrays["nodes"] = { { static_cast<std::int64_t>(nodes_.size()) / nodeValues, nodeValues }, nodes_, "SI",
+    "mass and momentum of each node, as the points gave them" };
+  checkpoint.numbers["kick"] = kick_;
+}
+
+template <int Dim>
+void FusedStep<Dim>::takeBack(const io::Checkpoint& checkpoint, const BackgroundGrid<Dim>& grid)
+{
+  forget();
+  if (single_ || !checkpoint.arrays.contains("nodes"))
+    return;
+  const std::vector<std::int64_t>& cells = checkpoint.integers("point cells");
+  const std::vector<std::int64_t>& stripes = checkpoint.integers("stripes");
+  const std::vector<double>& nodes = checkpoint.reals("nodes");
+  const auto count = static_cast<std::int64_t>(cells.size()) / (Dim + 1) - 1; // of cells
+  bool fits = count >= 1 && static_cast<std::int64_t>(nodes.size()) == grid.count() * nodeValues &&
+    stripes.size() >= 2 && stripes.front() == 0 && stripes.back() == count &&
+    std::is_sorted(stripes.begin(), stripes.end()) && cells[Dim] == 0 &&
+    cells.back() == static_cast<std::int64_t>(points_.count());
+  for (std::int64_t c = 0; fits && c < count; ++c)
+  {
+    const std::int64_t* cell = &cells[static_cast<std::size_t>(c * (Dim + 1))];
+    fits = cell[Dim] < cell[2 * Dim + 1];
+    for (int a = 0; a < Dim; ++a)
+      fits = fits && cell[a] >= -1 && cell[a] < grid.axis(a).cells;
+  }
+  if (!fits)
+    throw InputError("the checkpoint's cells are not those of its points", "start the run anew");
+  cells_.assign(static_cast<std::size_t>(count) + 1, {});
+  for (std::size_t c = 0; c < cells_.size(); ++c)
+  {
+    const std::int64_t* cell = &cells[c * (Dim + 1)];
+    for (int a = 0; a < Dim; ++a)
+      cells_[c].base[a] = static_cast<std::int32_t>(cell[a]);
+    cells_[c].begin = static_cast<std::uint32_t>(cell[Dim]);
+  }
+  stripes_ = stripes;
+  nodes_ = nodes;
+  next_.assign(nodes_.size(), 0);
+  kick_ = checkpoint.number("kick");
+}
+
 template class FusedStep<2>;
 template class FusedStep<3>;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "io/Checkpoint.h"
 #include "mpm/BackgroundGrid.h"
 #include "mpm/MaterialPoints.h"
 #include "mpm/PointLaw.h"
@@ -32,6 +33,11 @@ public:
   /// Whether one is so far beyond that the nodes do not hold it, and has not kept its velocity.
   [[nodiscard]] bool lost() const noexcept { return lost_; }
   void forget() noexcept { kick_ = 0; }
+  /// Which points lie in which cell, and what the nodes hold: a step that takes it back goes on to the last bit.
+  void keep(io::Checkpoint& checkpoint) const;
+  /// @param grid that it was kept on; the points in the order that they were kept in. Forgets where the checkpoint has
+  /// none of this, or of another grid.
+  void takeBack(const io::Checkpoint& checkpoint, const BackgroundGrid<Dim>& grid);
   /// Sorts the points and gives to the grid.
   /// @throws DivergenceError: a point outside the grid, or not finite
   void prepare(const BackgroundGrid<Dim>& grid, double kick);

@@ -3,6 +3,7 @@
 #include "lattice/Error.h"
 #include "lattice/Mix.h"
 #include "lattice/Together.h"
+#include "mpm/WaveFactor.h"
 
 #include <fmt/format.h>
 
@@ -21,12 +22,15 @@ namespace
 {
 
 constexpr const char* kind = "compression of material points";
-constexpr std::int64_t stride = 200; // steps from one look at the energies to the next
-constexpr double leastSteps = 20;    // in half a row
-constexpr double aim = 0.6;          // of the energy ratio allowed
-constexpr double alarm = 0.85;       // of it, from which speed is taken away
-constexpr double lazy = 0.7;         // of the aim, up to which speed is added
-constexpr double mostGain = 1.1;     // of speed, at a look
+constexpr std::int64_t stride = 200;     // steps from one look at the energies to the next
+constexpr std::int64_t sortEvery = 2000; // steps
+constexpr double fastWave = 8;           // times the square of a slow wave's speed: ν = 0.43 in plane strain
+constexpr double mostForce = 0.2;        // on the sides and between the platens, over the stress, from which it is said
+constexpr double leastSteps = 20;        // in half a row
+constexpr double aim = 0.6;              // of the energy ratio allowed
+constexpr double alarm = 0.85;           // of it, from which speed is taken away
+constexpr double lazy = 0.7;             // of the aim, up to which speed is added
+constexpr double mostGain = 1.1;         // of speed, at a look
 constexpr double mostLoss = 0.25;
 constexpr double mostLost = 0.3; // of the work, from which it is said; buckling to 48 % takes 15 to 20 %
 constexpr double close = 1e-9;   // of half a row
@@ -104,11 +108,16 @@ PointCompression<Dim>::PointCompression(
     }
   }
   elastic_ = law->kind() != LawKind::Hencky;
+  // what hardly changes its volume has waves that are far faster than all else it does
+  std::vector<double> most;
+  for (std::size_t phase = 0; phase < law->phases(); ++phase)
+    most.push_back(fastWave * leastResistance(*law, phase) / 2);
   double stiffest = 0;
   for (std::size_t p = 0; p < points.count(); ++p)
     stiffest = std::max(stiffest,
-      law->stiffness(points.phase()[p], points.matrix(Points::deformations, p), points.vector(Points::axes, p),
-        points.memory(p).data()) *
+      std::min(most.size() == 1 ? most.front() : most[points.phase()[p]],
+        law->stiffness(points.phase()[p], points.matrix(Points::deformations, p), points.vector(Points::axes, p),
+          points.memory(p).data())) *
         points.column(Points::volumes)[p] / points.column(Points::masses)[p]);
   wave_ = std::sqrt(comm.max(stiffest));
   speed_ = options_.firstSpeed;
@@ -125,7 +134,8 @@ PointCompression<Dim>::PointCompression(
   motion.sides[at][1].velocity = -closing / 2;
   motion.gravity = {};
   motion.acceleration = {};
-  motion.progress = {};
+  motion.progress = [this](std::int64_t, double)
+  { return options_.progress && options_.progress(std::min(strain() / options_.strain, 1.0)); };
   std::sort(options_.atStrains.begin(), options_.atStrains.end());
   body_ = std::make_unique<PointDynamics<Dim>>(std::move(points), std::move(law), motion);
   if (!options_.continueFrom.empty())
@@ -247,9 +257,16 @@ double PointCompression<Dim>::strain() const
 }
 
 template <int Dim>
+double PointCompression<Dim>::calmFrom() const
+{
+  return std::min(options_.calmFrom, options_.strain / 2);
+}
+
+template <int Dim>
 double PointCompression<Dim>::allowed(double strain) const
 {
-  const double early = strain < options_.calmFrom ? options_.calmFrom / std::max(strain, 1e-9) : 1;
+  const double calm = calmFrom();
+  const double early = strain < calm ? calm / std::max(strain, 1e-9) : 1;
   return options_.energyRatio * early * early;
 }
 
@@ -354,39 +371,46 @@ void PointCompression<Dim>::measure()
       row_.lateralStrain += (length / (options_.upper[i] - options_.lower[i]) - 1) / (Dim - 1);
   }
   row_.porosity = 1 - body_->volumes()[0] / box;
-  if (row_.strain >= options_.calmFrom && row_.elastic > 0 && row_.kinetic / row_.elastic > worstRatio_)
-  {
-    worstRatio_ = row_.kinetic / row_.elastic;
-    worstRatioAt_ = row_.strain;
-  }
 }
 
 template <int Dim>
 bool PointCompression<Dim>::advance(double to)
 {
   const double half = options_.strain / (2 * options_.rows);
-  const bool sparing = options_.checkpoint.path.empty() || options_.checkpoint.seconds > 0;
   for (double left = to - strain(); left > close * half; left = to - strain())
   {
     const double duration = left * height_ / (speed_ * wave_);
-    if (duration > 1.5 * stride * body_->pace()) // which may grow on the way
-      body_->advance(stride);
-    else
-      body_->advanceTo(body_->time() + duration);
-    control();
-    const bool enough = options_.progress && options_.progress(std::min(strain() / options_.strain, 1.0));
-    if (options_.motion.comm.any(enough))
+    if (lookAt_ <= body_->steps() && until_ == 0) // else it was stopped on the way
     {
-      if (!sparing)
+      if (duration > 1.5 * stride * body_->pace()) // which may grow on the way
+        lookAt_ = body_->steps() + stride;
+      else
+        until_ = body_->time() + duration;
+    }
+    bool goesOn = lookAt_ > body_->steps() ? body_->advance(lookAt_ - body_->steps()) : body_->advanceTo(until_);
+    if (goesOn)
+      until_ = 0;
+    if (goesOn)
+    {
+      control();
+      if (body_->steps() - sortedAt_ >= sortEvery)
+      {
+        body_->sortAnew();
+        sortedAt_ = body_->steps();
+      }
+      goesOn = !options_.motion.comm.any(options_.motion.progress(body_->steps(), body_->time()));
+    }
+    if (!goesOn)
+    {
+      if (!options_.checkpoint.path.empty())
         save();
       return false;
     }
-    if (body_->steps() - savedAt_ < (options_.checkpoint.every > 0 ? options_.checkpoint.every : 2000))
+    if (options_.checkpoint.path.empty() ||
+      body_->steps() - savedAt_ < (options_.checkpoint.every > 0 ? options_.checkpoint.every : sortEvery))
       continue;
-    if (!options_.checkpoint.path.empty() && pace_.due(options_.checkpoint, options_.motion.comm))
+    if (pace_.due(options_.checkpoint, options_.motion.comm))
       save();
-    else
-      body_->sortAnew(); // as where one is written: it changes nothing of the run
     savedAt_ = body_->steps();
   }
   return true;
@@ -438,13 +462,31 @@ CompressionSummary PointCompression<Dim>::summary() const
   CompressionSummary s;
   s.strain = strain();
   s.finished = halfRows_ == std::int64_t{ 2 } * options_.rows;
-  s.worstRatio = worstRatio_;
-  s.worstRatioAt = worstRatioAt_;
+  s.calmFrom = calmFrom();
+  const double begun = close * options_.strain;
+  double excess = 0; // of kinetic energy over what is allowed
+  const CompressionRow* restless = nullptr;
   for (const CompressionRow& row : rows_)
   {
     if (s.firstTouch == 0 && row.stress > 0)
       s.firstTouch = row.strain;
-    if (row.strain < options_.calmFrom || row.stress <= 0)
+    const bool calm = row.strain >= s.calmFrom - begun;
+    if (row.strain > begun && row.elastic > 0)
+    {
+      const double ratio = row.kinetic / row.elastic;
+      double& worst = calm ? s.worstRatio : s.earlyRatio;
+      if (ratio > worst)
+      {
+        worst = ratio;
+        (calm ? s.worstRatioAt : s.earlyRatioAt) = row.strain;
+      }
+      if (ratio > excess * allowed(row.strain))
+      {
+        excess = ratio / allowed(row.strain);
+        restless = &row;
+      }
+    }
+    if (!calm || row.stress <= 0)
       continue;
     s.worstLateral = std::max(s.worstLateral, row.lateral / row.stress);
     s.worstImbalance = std::max(s.worstImbalance, std::fabs(row.imbalance) / row.stress);
@@ -453,12 +495,22 @@ CompressionSummary PointCompression<Dim>::summary() const
   s.steps = body_->steps();
   s.slowdowns = slowdowns_;
   s.checkpoints = checkpoints_;
+  s.lastCheckpoint = writtenAt_;
   s.warnings = warnings_;
-  if (worstRatio_ > options_.energyRatio)
-    s.warnings.push_back(fmt::format("the kinetic energy was up to {:.2g} of the elastic one (at a strain of {:.3g}), "
-                                     "more than the {:.2g} allowed: lower "
-                                     "the least speed, or add damping",
-      worstRatio_, worstRatioAt_, options_.energyRatio));
+  if (excess > 1)
+    s.warnings.push_back(
+      fmt::format("the kinetic energy was {:.2g} of the elastic one at a strain of {:.3g}, more than "
+                  "the {:.2g} allowed there: lower the {} speed, or add damping",
+        restless->kinetic / restless->elastic, restless->strain, allowed(restless->strain),
+        slowdowns_ > 0 && speed_ < 2 * options_.leastSpeed ? "least" : "first"));
+  if (s.worstImbalance > mostForce)
+    s.warnings.push_back(fmt::format("the platens' stresses differ by up to {:.0f} % of their mean: this is not a "
+                                     "quasi-static state; lower the speeds, or allow less kinetic energy",
+      100 * s.worstImbalance));
+  if (s.worstLateral > mostForce && options_.sides == LateralSides::Straight)
+    s.warnings.push_back(fmt::format("the stress on the straight sides is up to {:.0f} % of that on the platens, where "
+                                     "it should be none: lower the speeds, or allow less kinetic energy",
+      100 * s.worstLateral));
   if (elastic_ && !rows_.empty() && rows_.back().dissipated > mostLost * rows_.back().work)
     s.warnings.push_back(fmt::format("{:.0f} % of the work on walls that are elastic is gone: walls may have come "
                                      "apart between points; take more of them "
@@ -487,8 +539,9 @@ void PointCompression<Dim>::save()
   c.numbers["speed"] = speed_;
   c.numbers["half rows"] = static_cast<double>(halfRows_);
   c.numbers["slowdowns"] = static_cast<double>(slowdowns_);
-  c.numbers["worst ratio"] = worstRatio_;
-  c.numbers["worst ratio at"] = worstRatioAt_;
+  c.numbers["next look"] = static_cast<double>(lookAt_);
+  c.numbers["until"] = until_;
+  c.numbers["last sorting"] = static_cast<double>(sortedAt_);
   io::CheckpointOptions place = options_.checkpoint;
   std::string words; // on rank 0
   place.warn = [&](const std::string& why)
@@ -499,7 +552,10 @@ void PointCompression<Dim>::save()
   };
   pace_.written();
   if (io::write(c, place, options_.motion.comm))
+  {
     ++checkpoints_;
+    writtenAt_ = body_->steps();
+  }
   else
     warnings_.push_back(ofFirst(options_.motion.comm, words));
 }
@@ -522,10 +578,16 @@ void PointCompression<Dim>::restore()
   rows_.pop_back();
   std::copy(began.begin(), began.end(), from_.begin());
   speed_ = c.number("speed");
-  halfRows_ = static_cast<std::int64_t>(c.number("half rows"));
-  slowdowns_ = static_cast<std::int64_t>(c.number("slowdowns"));
-  worstRatio_ = c.number("worst ratio");
-  worstRatioAt_ = c.number("worst ratio at");
+  c.expectFinite("speed");
+  halfRows_ = c.count("half rows");
+  slowdowns_ = c.count("slowdowns");
+  if (c.numbers.contains("until")) // earlier versions had none of these
+  {
+    c.expectFinite("until");
+    lookAt_ = c.count("next look");
+    sortedAt_ = c.count("last sorting");
+    until_ = c.number("until");
+  }
   savedAt_ = body_->steps();
   const auto gone = std::count_if(options_.atStrains.begin(), options_.atStrains.end(),
     [&](double e) { return e < strain() - close * options_.strain; });

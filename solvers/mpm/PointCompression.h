@@ -36,12 +36,13 @@ struct CompressionOptions
   LateralSides sides = LateralSides::Straight;
   bool grip = false; ///< platens do not let slide
 
-  /// Kinetic over elastic energy that is allowed from strain `calmFrom` on; before it (calmFrom/ε)² times as much,
-  /// which is what a body whose stiffness does not change has at one speed.
+  /// Kinetic over elastic energy that is allowed from strain `calmFrom` on, or from half of `strain` where that is
+  /// less; before it (calmFrom/ε)² times as much, which is what a body whose stiffness does not change has at one
+  /// speed.
   double energyRatio = 0.01;
   double calmFrom = 0.05;
-  /// Of the platens towards each other, over the fastest wave in the wall: where it starts, and what the control keeps
-  /// it between. One value for all three: no control.
+  /// Of the platens towards each other, over the wave's (CompressionSummary::waveSpeed): where it starts, and what the
+  /// control keeps it between. One value for all three: no control.
   double firstSpeed = 1e-3;
   double leastSpeed = 5e-5;
   double mostSpeed = 2e-2;
@@ -53,10 +54,10 @@ struct CompressionOptions
   int rows = 240;                  ///< of the stress-strain table, evenly over the strain
   std::vector<double> atStrains{}; ///< strains at which state() is called
   std::function<void(double strain)> state{};
-  /// Share of the strain done; true asks to stop. Called every few hundred steps.
+  /// Share of the strain done; true asks to stop. Called some times a second, and every few hundred steps at least.
   std::function<bool(double share)> progress{};
 
-  io::CheckpointOptions checkpoint{}; ///< `every` in steps; points are sorted anew there, with a file or without
+  io::CheckpointOptions checkpoint{}; ///< `every` in steps; looked at every 200 or so
   std::filesystem::path continueFrom{};
   /// How the points move: spacing, shape, transfer, mass, update, fused, step, share. Its sides, gravity, acceleration
   /// and progress are not used.
@@ -77,7 +78,7 @@ struct CompressionRow
   double kinetic = 0;
   double work = 0;       ///< of the platens
   double dissipated = 0; ///< by the method, by damping, by walls that yield
-  double speed = 0;      ///< of the platens towards each other, over the fastest wave in the wall
+  double speed = 0;      ///< of the platens towards each other, over the wave's
   double steps = 0;
   double time = 0; ///< [s]
 };
@@ -86,15 +87,21 @@ struct CompressionSummary
 {
   double strain = 0; ///< reached
   bool finished = false;
-  double worstRatio = 0;     ///< of kinetic over elastic energy at the rows beyond calmFrom
+  double calmFrom = 0;       ///< strain from which the energy ratio is kept: the one given, or half of the last
+  double worstRatio = 0;     ///< of kinetic over elastic energy at the rows from calmFrom on
   double worstRatioAt = 0;   ///< strain
-  double worstLateral = 0;   ///< |mean stress on the sides| over the axial stress beyond calmFrom
-  double worstImbalance = 0; ///< |difference| of the platens' stresses over their mean beyond calmFrom
-  double waveSpeed = 0;      ///< fastest in the wall at the start [m/s]
+  double earlyRatio = 0;     ///< the same at the rows before it, whose first ones have next to no elastic energy
+  double earlyRatioAt = 0;   ///< strain
+  double worstLateral = 0;   ///< |mean stress on the sides| over the axial stress from calmFrom on
+  double worstImbalance = 0; ///< |difference| of the platens' stresses over their mean from calmFrom on
+  /// That speeds are over: the fastest wave in the wall at the start, or √8 times the slowest of its material where
+  /// that is less, as where it hardly changes its volume [m/s].
+  double waveSpeed = 0;
   std::int64_t steps = 0;
   std::int64_t slowdowns = 0; ///< times that the control took speed away
   std::int64_t checkpoints = 0;
-  double firstTouch = 0; ///< strain of the first row with stress
+  std::int64_t lastCheckpoint = 0; ///< steps in it; 0: none
+  double firstTouch = 0;           ///< strain of the first row with stress
   std::vector<std::string> warnings;
 };
 
@@ -137,6 +144,7 @@ private:
   void save();
   void restore();
   [[nodiscard]] double allowed(double strain) const;
+  [[nodiscard]] double calmFrom() const;
 
   CompressionOptions<Dim> options_;
   std::string scene_; ///< where checkpoints are written or read
@@ -145,18 +153,20 @@ private:
   CompressionRow row_{};
   std::array<double, 2 * Dim + 1> from_{}; ///< impulses and the time where the row began
   double height_ = 0;
-  double area_ = 0;     ///< section at the start [m²], [m] in 2D
-  bool elastic_ = true; ///< walls that do not flow
-  double wave_ = 0;     ///< [m/s]
-  double speed_ = 0;    ///< over the wave's
-  double worstRatio_ = 0;
-  double worstRatioAt_ = 0;
+  double area_ = 0;           ///< section at the start [m²], [m] in 2D
+  bool elastic_ = true;       ///< walls that do not flow
+  double wave_ = 0;           ///< [m/s]
+  double speed_ = 0;          ///< over the wave's
   std::int64_t halfRows_ = 0; ///< gone through
   std::int64_t slowdowns_ = 0;
   std::int64_t checkpoints_ = 0;
   io::CheckpointPace pace_;
-  std::int64_t savedAt_ = 0; ///< steps where a file was written last, or could have been
-  std::size_t states_ = 0;   ///< called
+  std::int64_t lookAt_ = 0;    ///< steps at which the control looks next; not yet known where that is not beyond now
+  double until_ = 0;           ///< time to which the body goes where there is no look on the way [s]; 0: not yet known
+  std::int64_t sortedAt_ = 0;  ///< steps where the points were sorted for good measure
+  std::int64_t savedAt_ = 0;   ///< steps where a file was written last, or could have been
+  std::int64_t writtenAt_ = 0; ///< steps where one was
+  std::size_t states_ = 0;     ///< called
   std::vector<std::string> warnings_;
 };
 

@@ -19,7 +19,9 @@ namespace
 
 constexpr std::int64_t between = 20;     // steps from one look at the whole body to the next
 constexpr std::int64_t remeasure = 2000; // steps from one measurement of the wave factor to the next
-constexpr double worthMass = 1e-12;      // of a node, over that of the heaviest point: its round-off is 1e-16 or so
+constexpr double fastUpdates = 1e6;      // of points, on one thread and the fused path: a tenth of a second or so
+constexpr double slowUpdates = 1e5;
+constexpr double worthMass = 1e-12; // of a node, over that of the heaviest point: its round-off is 1e-16 or so
 constexpr double otherShapes = 6;
 constexpr double margin = 1.07;   // for power iteration, which ends early
 constexpr double smoothing = 1.5; // greatest found: 1.49, APIC on tissue
@@ -73,6 +75,8 @@ PointDynamics<Dim>::PointDynamics(
         (options_.transfer == Transfer::Apic || options_.transfer == Transfer::Pic)),
     fmt::format("{} ranks with FLIP, XPIC or a consistent mass", options_.comm.size()),
     "take APIC or PIC and lumped mass; or one rank");
+  looks_ = static_cast<std::int64_t>(
+    std::clamp((fused_ ? fastUpdates : slowUpdates) / static_cast<double>(count_), 1.0, 100.0));
   initial_ = kineticEnergy() + elasticEnergy();
   startMoment_ = gravityMoment();
 }
@@ -220,19 +224,19 @@ bool PointDynamics<Dim>::run(std::int64_t steps, double dt)
   for (std::int64_t i = 0; i < steps; ++i)
   {
     if (step_ % between == 0 && step_ > 0)
-    {
       chooseStep();
-      if (step_ % 100 == 0 && options_.comm.any(options_.progress && options_.progress(step_, time_)))
-        return false;
-    }
+    const bool stop = step_ % looks_ == 0 && step_ > 0 && i > 0 &&
+      options_.comm.any(options_.progress && options_.progress(step_, time_));
     const double now = dt > 0 ? std::min(dt, dt_) : dt_;
     if (fused_)
-      fusedStep(now, (before_ + now) / 2, i + 1 == steps || (step_ + 1) % between == 0);
+      fusedStep(now, (before_ + now) / 2, stop || i + 1 == steps || (step_ + 1) % between == 0);
     else
       generalStep(now, (before_ + now) / 2);
     before_ = now;
     time_ += now;
     ++step_;
+    if (stop && i + 1 < steps) // after a step that the points can be looked at
+      return false;
   }
   return true;
 }
@@ -249,8 +253,13 @@ bool PointDynamics<Dim>::advanceTo(double time)
   // steps may have to shrink on the way
   while (time - time_ > 1e-9 * dt_)
   {
-    const auto count = static_cast<std::int64_t>(std::ceil((time - time_) / dt_ - 1e-9));
-    if (!run(std::min(count, between), (time - time_) / static_cast<double>(count)))
+    if (step_ >= evenTo_)
+    {
+      const auto count = static_cast<std::int64_t>(std::ceil((time - time_) / dt_ - 1e-9));
+      evenStep_ = (time - time_) / static_cast<double>(count);
+      evenTo_ = step_ + std::min(count, between);
+    }
+    if (!run(evenTo_ - step_, evenStep_))
       return false;
   }
   return true;

@@ -89,7 +89,8 @@ struct PointDynamicsOptions
   Vector<Dim> gravity{};        ///< [m/s²]
   /// Acceleration by body forces, of the point with a number, at a time [m/s²].
   std::function<Vector<Dim>(std::uint32_t id, double time)> acceleration{};
-  std::function<bool(std::int64_t step, double time)> progress{}; ///< every hundred steps; true asks to stop
+  /// Some times a second, and every hundred steps at least; true asks to stop.
+  std::function<bool(std::int64_t step, double time)> progress{};
   /// Ranks that share the points; several take lumped mass and PIC or APIC only. Options are the same on all, but for
   /// `progress`, which each may have: one that asks is enough.
   Communicator comm{};
@@ -182,11 +183,11 @@ public:
   /// Volume of the points now over their volume at the start, both summed [m³], [m²] in 2D.
   [[nodiscard]] std::array<double, 2> volumes() const;
 
-  /// Puts all that goes on from one step to the next into a checkpoint. A run that was kept goes on as one that takes
-  /// it back, to the last bit: both sort their points anew. Of several ranks rank 0's has the points, in the order of
-  /// their numbers, and it is to round-off that runs are the same; they may go on on another number of ranks.
-  void keep(io::Checkpoint& checkpoint);
-  /// Sorts its points as keep() does.
+  /// Puts all that goes on from one step to the next into a checkpoint, which changes nothing: a run that takes it back
+  /// goes on as this one, to the last bit. Of several ranks rank 0's has the points, in the order of their numbers, and
+  /// it is to round-off that runs are the same; they may go on on another number of ranks.
+  void keep(io::Checkpoint& checkpoint) const;
+  /// Sorts its points by cells before the next step.
   void sortAnew();
   /// @param checkpoint the whole of it on every rank
   /// @throws InputError where it is of other points
@@ -237,7 +238,10 @@ private:
   double supplied_ = 0;
   double initial_ = 0;
   WaveFactor<Dim> measured_;
-  double factor_ = 0;      ///< κ
+  double factor_ = 0;       ///< κ
+  std::int64_t looks_;      ///< steps from one call of progress() to the next
+  std::int64_t evenTo_ = 0; ///< steps up to which advanceTo() takes equal ones, also where it was stopped on the way
+  double evenStep_ = 0;
   double startMoment_ = 0; ///< Σ m g·x at the start [J], this rank's share
   std::array<std::array<double, 2>, Dim> impulse_{};
 };

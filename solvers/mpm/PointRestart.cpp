@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -18,7 +19,7 @@ constexpr int valuesASide = 4; // position, velocity, force, impulse
 } // namespace
 
 template <int Dim>
-void PointDynamics<Dim>::keep(io::Checkpoint& checkpoint)
+void PointDynamics<Dim>::keep(io::Checkpoint& checkpoint) const
 {
   const bool several = options_.comm.parallel();
   const MaterialPoints<Dim> all = several ? gather() : MaterialPoints<Dim>();
@@ -55,7 +56,12 @@ void PointDynamics<Dim>::keep(io::Checkpoint& checkpoint)
   checkpoint.numbers["supplied energy"] = supplied_;
   checkpoint.numbers["initial energy"] = initial_;
   checkpoint.numbers["initial moment"] = options_.comm.sum(startMoment_);
-  sortAnew(); // the run that goes on does, too
+  checkpoint.numbers["even steps to"] = static_cast<double>(evenTo_);
+  checkpoint.numbers["even step"] = evenStep_;
+  if (fused_ && !several)
+    fused_->keep(checkpoint);
+  checkpoint.arrays["wave"] = { { static_cast<std::int64_t>(measured_.field().size()) }, measured_.field(), "",
+    "by node, the fastest oscillation as it was found last" };
 }
 
 template <int Dim>
@@ -78,6 +84,32 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
     ids.size() != count || sides.size() != static_cast<std::size_t>(Dim * 2 * valuesASide) ||
     cells.size() != static_cast<std::size_t>(Dim))
     throw InputError(fmt::format("the checkpoint is not of {} material points", count), "start the run anew");
+  for (const char* const name : { "points", "sides", "time", "step", "last step", "wave factor" })
+    checkpoint.expectFinite(name);
+  // of this run's own points; on several ranks each has a share, and none may have all phases
+  const auto own = std::max_element(points_.phase().begin(), points_.phase().end());
+  const std::int64_t mostPhases =
+    1 + static_cast<std::int64_t>(options_.comm.max(own == points_.phase().end() ? 0.0 : static_cast<double>(*own)));
+  for (std::size_t p = 0; p < count; ++p)
+    if (phases[p] < 0 || phases[p] >= mostPhases || ids[p] < 0 || ids[p] >= count_)
+      throw InputError(
+        fmt::format("the checkpoint's material point {} has phase {} and number {}", p, phases[p], ids[p]),
+        "start the run anew");
+  for (int a = 0; a < Dim; ++a)
+  {
+    const auto axis = static_cast<std::size_t>(a);
+    const double low = sides[axis * 2 * valuesASide];
+    const double high = sides[(axis * 2 + 1) * valuesASide];
+    const double room = high - low;
+    bool inside = room > 0 && cells[axis] > 0 && cells[axis] <= 4 * std::int64_t{ grid_.axis(a).cells } + 16;
+    for (std::size_t p = 0; p < count && inside; ++p) // a rim of cells lies around the sides
+      inside = columns[axis * count + p] > low - room && columns[axis * count + p] < high + room;
+    if (!inside)
+      throw InputError(
+        fmt::format("the checkpoint's box is {} cells from {} to {} along {}, and not that of its points", cells[axis],
+          low, high, "xyz"[axis]),
+        "start the run anew");
+  }
   // a share on each rank; the first step sends them where they belong
   const auto rank = static_cast<std::size_t>(options_.comm.rank());
   const auto ranks = static_cast<std::size_t>(options_.comm.size());
@@ -105,7 +137,7 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
   }
   grid_.set(axes); // the number of cells: the rest is laid from the sides
   layGrid(false);
-  step_ = static_cast<std::int64_t>(checkpoint.number("steps"));
+  step_ = checkpoint.count("steps");
   time_ = checkpoint.number("time");
   dt_ = checkpoint.number("step");
   before_ = checkpoint.number("last step");
@@ -113,12 +145,21 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
   supplied_ = checkpoint.number("supplied energy");
   initial_ = checkpoint.number("initial energy");
   startMoment_ = rank == 0 ? checkpoint.number("initial moment") : 0;
-  if (fused_)
-    fused_->forget();
+  if (checkpoint.numbers.contains("even step")) // earlier versions had none of these
+  {
+    evenTo_ = static_cast<std::int64_t>(checkpoint.number("even steps to"));
+    evenStep_ = checkpoint.number("even step");
+  }
+  if (checkpoint.arrays.contains("wave"))
+    measured_.takeBack(checkpoint.reals("wave"));
+  if (fused_ && !options_.comm.parallel())
+    fused_->takeBack(checkpoint, grid_);
+  else
+    sortAnew();
 }
 
-template void PointDynamics<2>::keep(io::Checkpoint&);
-template void PointDynamics<3>::keep(io::Checkpoint&);
+template void PointDynamics<2>::keep(io::Checkpoint&) const;
+template void PointDynamics<3>::keep(io::Checkpoint&) const;
 template void PointDynamics<2>::sortAnew();
 template void PointDynamics<3>::sortAnew();
 template void PointDynamics<2>::takeBack(const io::Checkpoint&);

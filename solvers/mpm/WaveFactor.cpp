@@ -33,46 +33,65 @@ struct Reach
   double gradient[Dim][splines]; // times the smallest spacing
 };
 
+template <int Dim>
+Vector<Dim> someAxis()
+{
+  Vector<Dim> axis{};
+  axis[0] = 1;
+  return axis;
+}
+
+template <int Dim>
+constexpr std::array<double, MaterialPoints<Dim>::mostHistory> nothingYet{}; // what a point remembers at the start
+
+/// The eigenvalues of C, of a phase at rest [Pa].
+template <int Dim>
+auto resistances(const PointLaw<Dim>& law, std::size_t phase)
+{
+  constexpr int strains = Dim == 3 ? 6 : 3;
+  constexpr double small = 1e-6;             // laws have finite third derivatives: exact to a millionth or so
+  Eigen::Matrix<double, strains, strains> C; // by orthonormal strains: shear ones times √2
+  for (int v = 0; v < strains; ++v)
+  {
+    const auto [i, j] = voigt<Dim>[static_cast<std::size_t>(v)];
+    std::array<Matrix<Dim>, 2> tau;
+    for (const int side : { 0, 1 })
+    {
+      Matrix<Dim> F = Matrix<Dim>::identity();
+      const double e = (side == 0 ? -small : small) / (i == j ? 1 : std::sqrt(2.0));
+      F(i, j) += e;
+      if (i != j)
+        F(j, i) += e;
+      tau[static_cast<std::size_t>(side)] = law.kirchhoff(phase, F, someAxis<Dim>(), nothingYet<Dim>.data());
+    }
+    for (int w = 0; w < strains; ++w)
+    {
+      const auto [k, l] = voigt<Dim>[static_cast<std::size_t>(w)];
+      C(w, v) = (tau[1](k, l) - tau[0](k, l)) / (2 * small) * (k == l ? 1 : std::sqrt(2.0));
+    }
+  }
+  const Eigen::Matrix<double, strains, strains> symmetric = (C + C.transpose()) / 2;
+  using Solver = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, strains, strains>>;
+  return Solver(symmetric, Eigen::EigenvaluesOnly).eigenvalues().eval();
+}
+
 } // namespace
 
 template <int Dim>
 double bulkRatio(const PointLaw<Dim>& law)
 {
-  constexpr int strains = Dim == 3 ? 6 : 3;
-  constexpr double small = 1e-6; // laws have finite third derivatives: exact to a millionth or so
-  Vector<Dim> axis{};
-  axis[0] = 1;
-  const std::array<double, MaterialPoints<Dim>::mostHistory> history{};
   double ratio = 1;
   for (std::size_t phase = 0; phase < law.phases(); ++phase)
-  {
-    Eigen::Matrix<double, strains, strains> C; // by orthonormal strains: shear ones times √2
-    for (int v = 0; v < strains; ++v)
-    {
-      const auto [i, j] = voigt<Dim>[static_cast<std::size_t>(v)];
-      std::array<Matrix<Dim>, 2> tau;
-      for (const int side : { 0, 1 })
-      {
-        Matrix<Dim> F = Matrix<Dim>::identity();
-        const double e = (side == 0 ? -small : small) / (i == j ? 1 : std::sqrt(2.0));
-        F(i, j) += e;
-        if (i != j)
-          F(j, i) += e;
-        tau[static_cast<std::size_t>(side)] = law.kirchhoff(phase, F, axis, history.data());
-      }
-      for (int w = 0; w < strains; ++w)
-      {
-        const auto [k, l] = voigt<Dim>[static_cast<std::size_t>(w)];
-        C(w, v) = (tau[1](k, l) - tau[0](k, l)) / (2 * small) * (k == l ? 1 : std::sqrt(2.0));
-      }
-    }
-    const Eigen::Matrix<double, strains, strains> symmetric = (C + C.transpose()) / 2;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, strains, strains>> eigen(
-      symmetric, Eigen::EigenvaluesOnly);
-    ratio = std::max(
-      ratio, eigen.eigenvalues().maxCoeff() / law.stiffness(phase, Matrix<Dim>::identity(), axis, history.data()));
-  }
+    ratio = std::max(ratio,
+      resistances(law, phase).maxCoeff() /
+        law.stiffness(phase, Matrix<Dim>::identity(), someAxis<Dim>(), nothingYet<Dim>.data()));
   return std::min(ratio, static_cast<double>(Dim));
+}
+
+template <int Dim>
+double leastResistance(const PointLaw<Dim>& law, std::size_t phase)
+{
+  return resistances(law, phase).minCoeff();
 }
 
 template <int Dim>
@@ -195,6 +214,8 @@ double WaveFactor<Dim>::measure(
 
 template double bulkRatio(const PointLaw<2>&);
 template double bulkRatio(const PointLaw<3>&);
+template double leastResistance(const PointLaw<2>&, std::size_t);
+template double leastResistance(const PointLaw<3>&, std::size_t);
 template class WaveFactor<2>;
 template class WaveFactor<3>;
 

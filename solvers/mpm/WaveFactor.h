@@ -24,6 +24,10 @@ public:
   /// @param points of this rank  @param grid of all: each rank takes 8 (2 Dim + 1) bytes a node. Collective
   [[nodiscard]] double measure(
     const MaterialPoints<Dim>& points, const BackgroundGrid<Dim>& grid, int passes, const Communicator& comm);
+  /// By node of the last grid, where the last call ended; nothing before the first.
+  [[nodiscard]] const std::vector<double>& field() const noexcept { return field_; }
+  /// Goes on from there. @param field of another number of nodes counts for nothing
+  void takeBack(std::vector<double> field) { field_ = std::move(field); }
 
 private:
   double lame_;               ///< λ/a
@@ -35,6 +39,10 @@ private:
 /// greatest eigenvalue of C. 1/(1 − ν) or so in a plane, (1 + ν)/(1 − ν) in space. Of all phases.
 template <int Dim>
 [[nodiscard]] double bulkRatio(const PointLaw<Dim>& law);
+
+/// The least resistance of a phase at rest against a strain of any form: the least eigenvalue of C [Pa], 2 μ of most.
+template <int Dim>
+[[nodiscard]] double leastResistance(const PointLaw<Dim>& law, std::size_t phase);
 
 extern template class WaveFactor<2>;
 extern template class WaveFactor<3>;

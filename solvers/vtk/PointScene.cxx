@@ -265,9 +265,9 @@ double PointScene::value(std::size_t id, WallConstant constant) const
 {
   const double v = held(id, constant) ? settings_.ofPhase.at(phases_.names[id]).at(constant)
                                       : settings_.wall[static_cast<std::size_t>(constant)];
-  return constant != WallConstant::Young || v != 0 ? v
-    : law_ == WallLaw::Orthotropic                 ? mpm::OrthotropicMaterial().along
-                                                   : mpm::IsotropicMaterial().youngsModulus;
+  return constant != WallConstant::Young || v != 0 || held(id, constant) ? v
+    : law_ == WallLaw::Orthotropic                                       ? mpm::OrthotropicMaterial().along
+                                                                         : mpm::IsotropicMaterial().youngsModulus;
 }
 
 void PointScene::checkConstants() const
@@ -291,6 +291,35 @@ void PointScene::checkConstants() const
       }
     }
   }
+}
+
+std::vector<std::string> PointScene::warnings() const
+{
+  std::vector<std::string> found;
+  if (std::string thin = mpm::wallWarning(cells_); !thin.empty())
+  {
+    found.push_back(std::move(thin));
+  }
+  if (const double each = settings_.perNode / settings_.cellsPerNode; each < 2)
+  {
+    found.push_back(
+      fmt::format("{:.3g} points along each axis of a cell: two want {} points a node; fewer are too soft, "
+                  "and tear",
+        each, static_cast<int>(std::ceil(2 * settings_.cellsPerNode))));
+  }
+  const mpm::OrthotropicMaterial own;
+  const std::array<std::pair<WallConstant, double>, 3> across{ { { WallConstant::Transverse, own.across },
+    { WallConstant::TransversePoisson, own.acrossRatio }, { WallConstant::Shear, 0 } } };
+  for (const auto& [constant, usual] : across)
+  {
+    if (const double given = settings_.wall[static_cast<std::size_t>(constant)];
+        !belongs(constant, law_) && given != usual)
+    {
+      found.push_back(fmt::format("'{}' ({:g}) is of no account: it is no constant of the {} law", nameOf(constant),
+        given, laws[static_cast<std::size_t>(law_)]));
+    }
+  }
+  return found;
 }
 
 int PointScene::axis(int chosen) const
@@ -407,7 +436,7 @@ std::shared_ptr<const mpm::PointLaw<Dim>> PointScene::law() const
       m.across = of(WallConstant::Transverse);
       m.poissonsRatio = wall.poissonsRatio;
       m.acrossRatio = of(WallConstant::TransversePoisson);
-      if (const double shear = of(WallConstant::Shear); shear != 0)
+      if (const double shear = of(WallConstant::Shear); shear != 0 || held(id, WallConstant::Shear))
       {
         m.shearModulus = shear;
       }

@@ -98,8 +98,8 @@ public:
   [[nodiscard]] const std::vector<std::int64_t>& shares() const noexcept { return shares_; }
   template <int Dim>
   [[nodiscard]] std::shared_ptr<const mpm::PointLaw<Dim>> law() const;
-  /// A line on walls that are too thin for the grid, or nothing.
-  [[nodiscard]] std::string wallWarning() const { return mpm::wallWarning(cells_); }
+  /// Of walls that are too thin for the grid, of too few points a cell, and of constants that are given for nothing.
+  [[nodiscard]] std::vector<std::string> warnings() const;
 
   /// What an output says of its points: phases, law, grid. @returns the settings, for the provenance
   nlohmann::json describe(vtkDataObject* output) const;

@@ -236,13 +236,24 @@ std::vector<std::int64_t> vtkLatticeBoltzmann::Internals::Stops(
   const vtkLatticeBoltzmann& self, const lbm::LatticeBoltzmann& solver) const
 {
   std::vector<std::int64_t> stops;
+  const auto add = [&](double time)
+  {
+    stops.push_back(solver.stepsAt(time));
+    if (time > 0 && stops.back() == 0)
+    {
+      throw lamella::ParameterError(
+        fmt::format(
+          "the time {:.4g} s lies before the end of the first two steps of {:.4g} s", time, solver.timeStep()),
+        fmt::format("steps come in pairs: take a step of {:.3g} s or less, or a later time", time / 2));
+    }
+  };
   for (int k = 0; this->Evenly() && k <= self.NumberOfSteps; ++k)
   {
-    stops.push_back(solver.stepsAt(self.EndTime / self.NumberOfSteps * k));
+    add(self.EndTime / self.NumberOfSteps * k);
   }
   for (const double time : this->Times)
   {
-    stops.push_back(solver.stepsAt(time));
+    add(time);
   }
   for (const vtkIdType step : this->Steps)
   {

@@ -291,15 +291,7 @@ void vtkPointCompression::Internals::Solve(
     lamella::setFieldNumber(state, lamella::stateNumber, account.StatesBefore + made++);
     lamella::tellStep(this->Self, state);
   };
-  std::int64_t seen = 0; // steps when it was last looked at: a checkpoint follows a look
-  std::int64_t written = 0;
-  const auto look = [&]
-  {
-    const mpm::CompressionSummary s = running->summary();
-    self.LastCheckpoint = s.checkpoints > written ? seen : self.LastCheckpoint;
-    written = s.checkpoints;
-    seen = s.steps;
-  };
+  const auto look = [&] { self.LastCheckpoint = running->summary().lastCheckpoint; };
   self.SetProgressText("compression");
   options.state = keep;
   options.progress = [&](double done)
@@ -321,11 +313,9 @@ void vtkPointCompression::Internals::Solve(
     [&](double e) { return before > 0 && e < run.strain() - sameStrain * self.Strain; }));
   account.SetupSeconds = comm.max(lamella::secondsSince(start));
   const auto moved = lamella::Clock::now();
-  seen = before;
   const bool finished = run.run();
   account.RunSeconds = comm.max(lamella::secondsSince(moved));
-  seen = run.body().steps(); // also where it was stopped
-  look();
+  look(); // also where it was stopped
   if (!finished)
   {
     throw lamella::Cancelled();
@@ -343,12 +333,10 @@ void vtkPointCompression::Internals::Solve(
   {
     account.Warnings.push_back(begin.warning);
   }
-  if (const std::string thin = scene.wallWarning(); !thin.empty())
+  for (const std::vector<std::string>& some : { scene.warnings(), account.Summary.warnings })
   {
-    account.Warnings.push_back(thin);
+    account.Warnings.insert(account.Warnings.end(), some.begin(), some.end());
   }
-  const auto& more = account.Summary.warnings;
-  account.Warnings.insert(account.Warnings.end(), more.begin(), more.end());
   for (const std::string& warning : account.Warnings)
   {
     if (team.rank() == 0)
@@ -378,6 +366,9 @@ void vtkPointCompression::Internals::Describe(
   const auto whole = [&](const char* name, std::int64_t value) { number(name, static_cast<double>(value)); };
   number("worst_energy_ratio", s.worstRatio);
   number("worst_energy_ratio_strain", s.worstRatioAt);
+  number("early_energy_ratio", s.earlyRatio);
+  number("early_energy_ratio_strain", s.earlyRatioAt);
+  number("calm_from", s.calmFrom);
   number("worst_lateral", s.worstLateral);
   number("worst_imbalance", s.worstImbalance);
   number("wave_speed", s.waveSpeed);

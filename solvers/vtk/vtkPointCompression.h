@@ -213,14 +213,13 @@ public:
   vtkGetMacro(CheckpointFile, std::string);
   ///@}
   ///@{
-  /** Steps between two checkpoints, at least 1; looked at every 200. Points are sorted anew then, with a file or
-   * without, so a run goes on to the last bit with the number that it began with. Default 2000. */
+  /** Steps between two checkpoints, at least 1; looked at every 200. Default 2000. */
   vtkSetClampMacro(CheckpointEvery, vtkIdType, 1, VTK_ID_MAX);
   vtkGetMacro(CheckpointEvery, vtkIdType);
   ///@}
   ///@{
-  /** Wall time before the first checkpoint and between two at least [s]. Default 0. Above 0 there is none at the end,
-   * and none that the run would not go on from to the same bits. */
+  /** Wall time before the first checkpoint and between two at least [s]. Default 0. Above 0 there is none at the end.
+   */
   vtkSetClampMacro(CheckpointSeconds, double, 0, VTK_DOUBLE_MAX);
   vtkGetMacro(CheckpointSeconds, double);
   ///@}

@@ -221,10 +221,10 @@ void vtkPointStiffness::Run(vtkImageData* input, vtkInformationVector* outputs, 
     lamella::describe(array, "Pa", "stress over this mean strain", this->GetClassName());
     tensor->AddColumn(array);
   }
-  const std::string thin = scene.wallWarning();
-  if (!thin.empty())
+  const std::vector<std::string> warnings = scene.warnings();
+  for (const std::string& warning : warnings)
   {
-    vtkWarningMacro(<< thin);
+    vtkWarningMacro(<< warning);
   }
   for (vtkTable* const table : { constants, tensor })
   {
@@ -240,8 +240,7 @@ void vtkPointStiffness::Run(vtkImageData* input, vtkInformationVector* outputs, 
     lamella::setFieldNumbers(table, "seconds", std::array{ answer.SetupSeconds, answer.SolveSeconds });
     const char* const sides = sidesNames.at(static_cast<std::size_t>(this->Sides));
     lamella::setFieldText(table, "sides", sides);
-    lamella::setFieldTexts(
-      table, "warnings", thin.empty() ? std::vector<std::string>() : std::vector<std::string>{ thin });
+    lamella::setFieldTexts(table, "warnings", warnings);
     const nlohmann::json model = scene.describe(table);
     lamella::setProvenance(table, lamella::provenance(input));
     lamella::continueProvenance(table, "point stiffness",

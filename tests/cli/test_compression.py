@@ -134,6 +134,67 @@ class Compression(Case):
         self.assertEqual(again.json()["continued_at"], one["steps"])
         self.assertAlmostEqual(again.json()["stress"] / one["stress"], 1, delta=1e-9)
 
+    def test_a_checkpoint_changes_nothing(self):
+        bare = self.works(*TISSUE, *QUICK, "--curve", "bare.csv", "--json").json()
+        for every in ("200", "600", "400,1h", "0.01s"):
+            self.works(*TISSUE, *QUICK, "--checkpoint", "run.h5", "--checkpoint-every", every, "--curve", "kept.csv", "--overwrite", "--quiet")
+            self.assertEqual(self.curve("kept.csv"), self.curve("bare.csv"), every)
+        # and one goes on from any of its steps to the last bit
+        words = [*TISSUE, *QUICK, "--checkpoint", "run.h5", "--checkpoint-every", "1"]
+        with self.popen(*words, "--overwrite") as run:
+            time.sleep(0.3)
+            run.kill()
+            run.communicate()
+        on = self.run_lamella(*words, "--continue", "run.h5", "--curve", "on.csv", "--json").json()
+        self.assertEqual((on["steps"], self.curve("on.csv")), (bare["steps"], self.curve("bare.csv")))
+
+    # A block between straight sides is under uniaxial stress: E/(1 - nu^2) in plane strain, whatever nu; but for the
+    # barrier, of fourth power in the loss of area, and swings, whose share of the stress is the root of the energies'.
+    def test_walls_that_hardly_change_their_volume(self):
+        self.write("block.png", pictures.png([[255] * 16 for _ in range(16)], pixels_per_metre=1000000))
+        for poisson in (0.3, 0.49, 0.499, 0.4999):
+            found = self.works("compression", "block.png", "--phase", "255=wall", "--plane", "plane-strain", "--poisson", poisson,
+                               "--strain", "2%", "--rows", "10", "--json").json()
+            exact = 0.02 * 7.2e9 / (1 - poisson**2)
+            self.assertAlmostEqual(found["stress"] / exact, 1, delta=0.05, msg=poisson)
+            # kinetic energy is judged though the run ends below 5 %: from half of it on, and before
+            self.assertAlmostEqual(found["calm_from"], 0.01)
+            self.assertTrue(0 < found["worst_energy_ratio"] <= 0.01, found["worst_energy_ratio"])
+            self.assertGreater(found["early_energy_ratio"], found["worst_energy_ratio"])
+            self.assertLess(found["early_energy_ratio_strain"], 0.01)
+
+    def test_restless_runs_are_warned_of(self):
+        words = [*TISSUE, "--strain", "0.04", "--rows", "8", "--speeds", "2e-2,2e-2,2e-2"]
+        result = self.run_lamella(*words, "--json")
+        self.assertEqual(result.code, 0)
+        self.assertIn("warning: the kinetic energy was", result.err)
+        self.assertGreater(result.json()["worst_energy_ratio"], 0.01)
+
+    def test_units(self):
+        plain = self.works(*TISSUE, *QUICK, "--young", "8e9", "--json").json()
+        written = self.works(*TISSUE, "--strain", "4%", *QUICK[2:], "--young", "wall=8 GPa", "--json").json()
+        self.assertEqual((plain["strain"], plain["stress"]), (written["strain"], written["stress"]))
+
+    def test_two_points_a_cell_by_default(self):
+        words = [*TISSUE, "--stiffness-only", "--cells-per-node", "2", "--json"]
+        self.assertEqual(self.works(*words).json()["points_per_node"], 4)
+        few = self.run_lamella(*words, "--points-per-node", "2")
+        self.assertIn("warning: 1 points along each axis of a cell: two want 4 points a node", few.err)
+        self.assertIn("straight sides", self.works(*words[:-1]).out)
+
+    def test_stops_at_once_and_says_where(self):
+        rows = [[0 if x % 12 in range(3, 12) and y % 12 in range(3, 12) else 255 for x in range(303)] for y in range(303)]
+        self.write("large.png", pictures.png(rows, pixels_per_metre=1000000))
+        with self.popen("compression", "large.png", *TISSUE[2:], "--checkpoint", "run.h5", "--checkpoint-every", "1h") as run:
+            time.sleep(4)
+            began = time.monotonic()
+            run.send_signal(signal.SIGTERM)
+            err = run.communicate(timeout=100)[1].decode()
+            took = time.monotonic() - began
+        self.assertEqual(run.returncode, 143, err)
+        self.assertRegex(err, r"error: interrupted at [\d.e-]+ %, after [\d.]+ s: strain 0.\d+, stress .* Pa\nhint: the checkpoint 'run.h5' stands after \d+ steps")
+        self.assertLess(took, 6)  # 2 s where nothing else runs
+
     def test_interrupted(self):
         with self.popen(*TISSUE, "--strain", "0.3", "--checkpoint", "run.h5", "--checkpoint-every", "200", "-o", "p.vtp") as run:
             while not os.path.exists(self.path("run.h5")) and run.poll() is None:
@@ -173,6 +234,12 @@ class Compression(Case):
             (2, "--poisson wall=x: 'x' is not a number", "PHASE=VALUE", ["--poisson", "wall=x"]),
             (2, "--young names 'wal'", "did you mean 'wall'?", ["--young", "wal=1e9"]),
             (2, "--yield without walls that yield", "--law plastic", ["--yield", "1e8"]),
+            (2, "--young 0: 0 is out of range", "leave it out for the default", ["--young", "0"]),
+            (2, "--young wall=1e-300: 1e-300 is out of range", "between 1e-30 and 1e30", ["--young", "wall=1e-300"]),
+            (2, "--density 1e308: 1e+308 is out of range", "between 1e-30 and 1e30", ["--density", "1e308"]),
+            (2, "--transverse of walls that have no direction", "one modulus", ["--transverse", "6GPa"]),
+            (2, "--shear of walls that have no direction", "one modulus", ["--shear", "1e9"]),
+            (2, "--young 8 GP: '8 GP' is not a number", "7.2GPa", ["--young", "8 GP"]),
             (2, "--shear is no constant of --law isotropic", "--law orthotropic", ["--law", "isotropic", "--shear", "1e9"]),
             (3, "the image has no point array 'axis'", "isotropic", ["--law", "orthotropic"]),
             (2, "walls that yield in plane stress", "plane strain", ["--law", "plastic", "--plane", "plane-stress"]),

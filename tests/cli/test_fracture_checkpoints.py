@@ -137,7 +137,7 @@ class Checkpoints(Case):
             for name in glob.glob(self.path("*.pid")):
                 os.kill(int(os.path.basename(name)[:-4]), signal.SIGINT)
             _, err = run.communicate(timeout=60)
-        self.assertRegex(err.decode(), r"error: interrupted\nhint: the checkpoint 'a run.h5' stands after \d+ events; "
+        self.assertRegex(err.decode(), r"error: interrupted at [^\n]+\nhint: the checkpoint 'a run.h5' stands after \d+ events; "
                          r"go on from it with: mpirun -n 2 lamella fracture big.png .* --continue 'a run.h5'\n")
 
     def test_interrupted(self):
@@ -148,7 +148,7 @@ class Checkpoints(Case):
             run.send_signal(signal.SIGINT)
             out, err = run.communicate(timeout=60)
         self.assertEqual((run.returncode, out), (130, b""))
-        self.assertRegex(err.decode(), r"error: interrupted\nhint: the checkpoint 'a run.h5' stands after \d+ events; "
+        self.assertRegex(err.decode(), r"error: interrupted at [^\n]+\nhint: the checkpoint 'a run.h5' stands after \d+ events; "
                          r"go on from it with: lamella fracture big.png .* --continue 'a run.h5'\n")
         self.assertEqual(sorted(os.listdir(self.folder)), ["a run.h5", "big.png", "strip.png"])
         words[words.index("2")] = "100000"
@@ -204,7 +204,7 @@ class Checkpoints(Case):
         self.fails(3, other + "horizon: 3 spacings there, 2 spacings here", "", *good, *go, "--horizon", "2")
         self.fails(3, other, "", *good, *go, "--notch", "0,205um,100um,205um")
         self.fails(2, "--checkpoint 'run.vti': checkpoints are written as HDF5", ".h5", *good, "--checkpoint", "run.vti")
-        self.fails(2, "--checkpoint-every '0' is not a whole number above 0", "500", *WORDS, "--checkpoint-every", "0")
+        self.fails(2, "--checkpoint-every '0' is neither a whole number above 0 nor a time", "500,10min", *WORDS, "--checkpoint-every", "0")
         self.fails(7, "'run.h5' exists already", "--continue run.h5 to go on from it", *good, "--checkpoint", "run.h5")
 
 

@@ -119,7 +119,7 @@ class Transient(Case):
             out, err = run.communicate(timeout=60)
         if run.returncode != 0:  # a fast machine may have been through
             self.assertEqual((run.returncode, out), (130, b""))
-            self.assertRegex(err.decode(), r"error: interrupted\nhint: the checkpoint 'run.h5' stands after \d+ steps; the same command ")
+            self.assertRegex(err.decode(), r"error: interrupted at [^\n]+\nhint: the checkpoint 'run.h5' stands after \d+ steps; the same command ")
             self.assertNotIn("f_001.vti", os.listdir(self.folder))
         result = self.run_lamella(*words, "--continue", "run.h5", "--overwrite", "--json")
         self.assertEqual(result.code, 0, result.err)

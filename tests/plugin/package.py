@@ -372,8 +372,11 @@ class Grains(unittest.TestCase):
         self.assertEqual((way.states[0].stage, way.stage), ("compressing", "at rest"))
         self.assertGreater(abs(way.states[0].net_forces).max(), abs(way.net_forces).max())
         seen = []
-        last = lamella.packing(count=60, softness=1e-4, seed=2, every=200, on_step=lambda data: seen.append(data.GetNumberOfPoints()))
-        self.assertEqual((seen, len(last.states)), ([60] * len(way.states), 1))
+        last = lamella.packing(count=60, softness=1e-4, seed=2, every=200, on_step=seen.append)
+        self.assertEqual(len(last.states), 1)
+        # as `states` has them, contacts too
+        self.assertEqual([(type(one), one.stage, one.contacts_vtk.GetNumberOfCells()) for one in seen],
+                         [(type(one), one.stage, one.contacts_vtk.GetNumberOfCells()) for one in way.states])
 
         def stop(data):
             raise KeyError("enough")
@@ -860,16 +863,22 @@ class Bonds(unittest.TestCase):
         seen = []
         stepped = lamella.fracture(
             sample, young, **breaks, at_strains=1e-4, at_broken=[10, 20], stress=True,
-            on_step=lambda state: seen.append((state.GetClassName(), state.GetPointData().GetArray("stress").GetRange(1))))
-        self.assertEqual([name for name, _ in seen], ["vtkImageData"] * 4)
+            on_step=lambda state: seen.append((type(state), state.vtk.GetPointData().GetArray("stress").GetRange(1))))
+        self.assertEqual([kind for kind, _ in seen], [type(state) for state in several.states])
         self.assertEqual([range_ for _, range_ in seen], [state.vtk.GetPointData().GetArray("stress").GetRange(1)
                                                           for state in several.states])
         self.assertEqual(len(stepped.states), 1)  # the last one only
         np.testing.assert_array_equal(stepped.damage, several.damage)
 
         def refuse(state):
-            raise ZeroDivisionError(state.GetClassName())
+            raise ZeroDivisionError(state.broken_bonds)
 
+        with self.assertRaisesRegex(TypeError, r"^fracture\(\) got an unexpected keyword argument 'horizn'; did you mean 'horizon'\?"):
+            lamella.fracture(sample, young, **breaks, horizn=3)
+        with self.assertRaisesRegex(TypeError, r"^compression\(\) got an unexpected keyword argument 'strian'; did you mean 'strain'\?"):
+            lamella.compression(sample, strian=0.1)
+        with self.assertRaisesRegex(ValueError, "young is 0; it is above 0, or None"):
+            lamella.compression(sample, young=0)
         with self.assertRaises(ZeroDivisionError):  # not lost in VTK
             lamella.fracture(sample, young, **breaks, on_step=refuse)
         with tempfile.TemporaryDirectory() as folder:

@@ -2,6 +2,7 @@
 
 #include "CommandLine.h"
 #include "Text.h"
+#include "Units.h"
 
 #include "lattice/Error.h"
 
@@ -122,7 +123,6 @@ private:
   /// 600, "10min", or false for nothing.
   static std::optional<double> secondsBetween(const SceneKey& key)
   {
-    static const std::map<std::string, double> units{ { "s", 1 }, { "min", 60 }, { "h", 3600 } };
     // no checkpoint before some time has passed, however short: see io::CheckpointOptions
     constexpr double least = 1e-9;
     if (key.value == false)
@@ -130,15 +130,13 @@ private:
       return std::nullopt;
     }
     const std::string text = wordOf(key.value);
-    const std::size_t digits = text.find_first_not_of("0123456789.e+-");
-    const auto number = toNumber(text.substr(0, digits));
-    const auto unit = digits == std::string::npos ? units.find("s") : units.find(text.substr(digits));
-    if (key.value.is_boolean() || !number || !(*number >= 0 && *number < 1e9) || unit == units.end())
+    const auto seconds = secondsFrom(toNumber(text) ? text + "s" : text);
+    if (key.value.is_boolean() || !seconds)
     {
       sceneError(key.where, fmt::format("checkpoint = {} is no time", key.value.dump()),
         "write seconds, \"30s\", \"10min\" or \"1h\", or false for none");
     }
-    return std::max(least, *number * unit->second);
+    return std::max(least, *seconds);
   }
 
   static std::vector<std::string> texts(const SceneKey& key)

@@ -136,5 +136,5 @@ def run_breaks(
         algorithm.AddStateAtBroken(int(count))
     algorithm.SetComputeDisplacement(bool(displacement))
     set_checkpoint(algorithm, checkpoint, checkpoint_every, continue_from)
-    run(algorithm, progress, on_step)
+    run(algorithm, progress, on_step, result._State)
     return result(algorithm)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkTable
 
 from . import _arrays, _files
-from ._errors import choose, entries, number, run
+from ._errors import check_keywords, choose, entries, number, run
 from ._runs import LoadedState, LongRun, set_checkpoint
 from ._solve import as_image
 from ._types import Any, Array, ArrayLike, Columns, Image, OnStep, Path, Progress, Sequence
@@ -179,6 +181,14 @@ class PointStiffnessResult(_arrays.Answer):
         return f"<lamella.PointStiffnessResult: {numbers} Pa>"
 
 
+def _positive(value, name, of=""):
+    """A constant of a wall; moduli and densities are above 0, which VTK's setters take for "not given"."""
+    found = number(value, name + of)
+    if name in ("young", "transverse", "shear", "density") and not found > 0:
+        raise ValueError(f"{name}{of} is {value!r}; it is above 0, or None")
+    return found
+
+
 def _set_points(
     algorithm,
     law=None,
@@ -193,7 +203,7 @@ def _set_points(
     hardening=None,
     density=None,
     void=None,
-    points_per_node=2,
+    points_per_node=None,
     cells_per_node=1.0,
     fit_platens=False,
     threads=1,
@@ -214,13 +224,13 @@ def _set_points(
     )
     for setter, name, value in constants:
         if np.isscalar(value):
-            setter(number(value, name))
+            setter(_positive(value, name))
             continue
         for phase, constant in entries(value, name, "{phase: value}, or a number"):
-            algorithm.SetPhaseConstant(str(phase), name, number(constant, f"{name} of {phase!r}"))
+            algorithm.SetPhaseConstant(str(phase), name, _positive(constant, name, f" of {phase!r}"))
     for name in [void] if isinstance(void, (str, int)) else (void or ()):
         algorithm.AddVoid(str(name))
-    algorithm.SetPointsPerNode(int(points_per_node))
+    algorithm.SetPointsPerNode(max(2, math.ceil(2 * float(cells_per_node))) if points_per_node is None else int(points_per_node))
     algorithm.SetCellsPerNode(float(cells_per_node))
     algorithm.SetFitPlatens(bool(fit_platens))
     algorithm.SetThreads(int(threads))
@@ -272,8 +282,8 @@ def compression(
     time_step  seconds; None: 0.9 of the largest stable one
     checkpoint, checkpoint_every, continue_from  as fracture() takes them; checkpoint_every in steps
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
-    on_step   called as on_step(data) with each state that the run comes to, a vtkDataObject with its arrays, ``strain`` and
-              the like as field data; memory then holds one state at a time, and the result has the last one only
+    on_step   called as on_step(state) with each PointState that the run comes to; memory then holds one at a time, and the
+              result has the last one only
 
     Of the points:
     law       "isotropic", "orthotropic", "plastic"; None: orthotropic where the image has ``axis``, else isotropic
@@ -281,11 +291,13 @@ def compression(
     young, transverse, poisson, transverse_poisson, shear, barrier, yield_stress, hardening, density  of all walls, or
               {phase: value}, SI units; None: those of vtkPointAlgorithm
     void      phases without points; None: those called void, pore, lumen, air or 0
-    points_per_node  along each axis in a pixel; 3 where walls fold, beyond some 20 % strain
+    points_per_node  along each axis in a pixel; None: two a cell, and two at least; 3 where walls fold, beyond some 20 %
+              strain
     cells_per_node  of the grid, along each axis in a pixel
     fit_platens  platens stand where the tissue begins and ends, not at the ends of the image
     threads   0: all cores
     """
+    check_keywords(compression, _set_points, points)
     solve = vtkPointCompression()
     solve.SetInputData(as_image(image))
     _set_points(solve, **points)
@@ -312,7 +324,7 @@ def compression(
     solve.SetModifiedUpdate(bool(modified_update))
     solve.SetTimeStep(0.0 if time_step is None else float(time_step))
     set_checkpoint(solve, checkpoint, checkpoint_every, continue_from)
-    run(solve, progress, on_step)
+    run(solve, progress, on_step, PointState)
     return CompressionResult(solve)
 
 
@@ -332,6 +344,7 @@ def point_stiffness(
     tolerance, max_iterations  largest residual; gives up after so many iterations
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
     """
+    check_keywords(point_stiffness, _set_points, points)
     solve = vtkPointStiffness()
     solve.SetInputData(as_image(image))
     _set_points(solve, **points)

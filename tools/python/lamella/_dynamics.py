@@ -8,7 +8,7 @@ from vtkmodules.vtkCommonDataModel import vtkImageData
 from . import _arrays
 from ._bonds import check_names, set_bonds, set_load
 from ._breaks import BreakResult, BrokenState, run_breaks
-from ._errors import entries, number
+from ._errors import check_keywords, entries, number
 from ._samples import ImageBase
 from ._solve import as_image
 from ._types import Any, Array, ArrayLike, Image, Mapping, Name, OnStep, Pairs, Path, Progress, Sequence
@@ -212,8 +212,8 @@ def dynamics(
     displacement, stress, strain_energy  whether states have these fields
     checkpoint, checkpoint_every, continue_from  as fracture() takes them; in steps
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
-    on_step   called as on_step(data) with each state that the run comes to, a vtkDataObject with its arrays, ``strain`` and
-              the like as field data; memory then holds one state at a time, and the result has the last one only
+    on_step   called as on_step(state) with each state that the run comes to, as ``states`` has them; memory then holds one
+              at a time, and the result has the last one only
 
     Of the bonds' keywords it takes those of equilibrium() but strains: forces are exact for large ones.
     """
@@ -221,6 +221,7 @@ def dynamics(
         raise TypeError("dynamics() takes no strains: its forces are exact for large ones")
     solve = vtkBondDynamics()
     sample = as_image(image)
+    check_keywords(dynamics, set_bonds, bonds)
     set_bonds(solve, sample, young, fracture_energy, toughness, critical_stretch, **bonds)
     if np.isscalar(density):
         solve.SetDensity(number(density, "density"))

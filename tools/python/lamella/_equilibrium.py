@@ -6,7 +6,7 @@ import numpy as np
 
 from . import _arrays
 from ._bonds import LOADS, BondFields, set_bonds, set_load
-from ._errors import choose, run
+from ._errors import check_keywords, choose, run
 from ._samples import ImageBase
 from ._solve import as_image
 from ._types import Any, Array, Image, Pairs, Progress
@@ -157,6 +157,7 @@ def equilibrium(
     solve = vtkBondEquilibrium()
     sample = as_image(image)
     solve.SetInputData(sample)
+    check_keywords(equilibrium, set_bonds, bonds)
     set_bonds(solve, sample, young, fracture_energy, toughness, critical_stretch, **bonds)
     set_load(solve, _LOADS, load, axis, smooth_platens, rigid_platens, platen_layers, tolerance, stress, strain_energy)
     solve.SetStrain(float(strain))
@@ -202,6 +203,7 @@ def bond_stress(
     stress.SetModelFromInput(young is None)
     if young is None and set(bonds) - {"threads"}:
         raise ValueError("the model comes with the image unless young is given")
+    check_keywords(bond_stress, set_bonds, bonds)
     set_bonds(stress, sample, young, **bonds)
     stress.SetComputeStrainEnergy(bool(strain_energy))
     run(stress, progress)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import difflib
+import inspect
 import re
 from collections.abc import Mapping
 
@@ -70,13 +72,26 @@ def number(value, what):
         raise kind(f"{what} is {value!r}; give a number") from None
 
 
-def run(algorithm, progress=None, on_step=None):
+def check_keywords(function, takes, given):
+    """Refuses keywords that ``function`` hands on to ``takes``, which does not know them, in the words of Python."""
+    own = inspect.signature(function).parameters
+    known = [name for name, parameter in own.items() if parameter.kind is not inspect.Parameter.VAR_KEYWORD]
+    known += [name for name, parameter in inspect.signature(takes).parameters.items()
+              if parameter.default is not inspect.Parameter.empty and name not in known]
+    for name in given:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, 1)
+            hint = f"; did you mean {near[0]!r}?" if near else f"; it takes {', '.join(known)}"
+            raise TypeError(f"{function.__name__}() got an unexpected keyword argument {name!r}{hint}")
+
+
+def run(algorithm, progress=None, on_step=None, state=None):
     """Updates an algorithm. Raises LamellaError for what it reports, and what ``progress`` or Ctrl-C raised.
 
     ``progress(share, text)`` is called with the share done, from 0 to 1; returning False cancels.
 
-    ``on_step(data)`` is called with each state that the run comes to, a vtkDataObject; of the states only the last one
-    is kept then.
+    ``on_step(state(data))`` is called with each state that the run comes to, data being its vtkDataObject; of the states
+    only the last one is kept then.
     """
     errors = []
     stopped = []
@@ -95,11 +110,11 @@ def run(algorithm, progress=None, on_step=None):
         if stopped:
             caller.SetAbortExecute(1)
 
-    def on_state(caller, _event, state):
+    def on_state(caller, _event, data):
         if stopped:
             return
         try:
-            on_step(state)
+            on_step(data if state is None else state(data))
         except BaseException as exception:  # pylint: disable=broad-except
             stopped.append(exception)
             caller.SetAbortExecute(1)

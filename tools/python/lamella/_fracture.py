@@ -7,7 +7,7 @@ import numpy as np
 from . import _arrays
 from ._bonds import LOADS, set_bonds, set_load
 from ._breaks import BreakResult, BrokenState, run_breaks
-from ._errors import choose
+from ._errors import check_keywords, choose
 from ._solve import as_image
 from ._types import Any, Array, ArrayLike, Image, OnStep, Pairs, Path, Progress
 from .vtkLamellaSolversVTK import vtkBondFracture
@@ -160,8 +160,8 @@ def fracture(
     continue_from  a checkpoint of the same run: the same bonds break, to the last bit, as if it had not been stopped;
               states before it are not made. With the name of checkpoint, and nothing there yet, the run begins
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
-    on_step   called as on_step(data) with each state that the run comes to, a vtkDataObject with its arrays, ``strain`` and
-              the like as field data; memory then holds one state at a time, and the result has the last one only
+    on_step   called as on_step(state) with each state that the run comes to, as ``states`` has them; memory then holds one
+              at a time, and the result has the last one only
 
     Of the bonds' keywords it takes those of equilibrium() but strains: they are small. A sample that is periodic along
     an axis is solved by the accurate method.
@@ -171,6 +171,7 @@ def fracture(
     solve = vtkBondFracture()
     sample = as_image(image)
     solve.SetInputData(sample)
+    check_keywords(fracture, set_bonds, bonds)
     set_bonds(solve, sample, young, fracture_energy, toughness, critical_stretch, **bonds)
     set_load(solve, LOADS, load, axis, smooth_platens, rigid_platens, platen_layers, tolerance, stress, strain_energy)
     solve.SetLateralRatio(float(lateral_ratio))

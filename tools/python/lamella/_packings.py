@@ -200,7 +200,7 @@ def packing(
     progress          called as progress(share, text); return False to cancel (raises Cancelled)
     every             steps of relaxation from one state on the way to the next, which ``states`` has; 0: the end alone. The
                       packing does not depend on it
-    on_step           called as on_step(data) with each state, a vtkPolyData of the grains; memory then holds one at a time,
+    on_step           called as on_step(state) with each state, a Packing; memory then holds one at a time,
                       and ``states`` has the end alone
     """
     source = vtkGrainPacking()
@@ -219,7 +219,7 @@ def packing(
     source.SetSeed(int(seed))
     source.SetTolerance(tolerance)
     source.SetStateEvery(int(every))
-    run(source, progress, on_step)
+    run(source, progress, on_step, lambda data: Packing(data, source.GetStateContacts(source.GetNumberOfStates() - 1)))
     count = source.GetNumberOfStates() if every > 0 else 0
     states = [Packing(source.GetStateGrains(i), source.GetStateContacts(i)) for i in range(count)]
     return Packing(source.GetOutput(), source.GetContacts(), states)

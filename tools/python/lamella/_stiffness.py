@@ -6,7 +6,7 @@ import numpy as np
 
 from . import _arrays
 from ._bonds import set_bonds
-from ._errors import run
+from ._errors import check_keywords, run
 from ._samples import ImageBase
 from ._solve import as_image
 from ._types import Any, Array, Image, Pairs, Progress, Sequence
@@ -170,6 +170,7 @@ def stiffness(
     solve = vtkBondStiffness()
     sample = as_image(image)
     solve.SetInputData(sample)
+    check_keywords(stiffness, set_bonds, bonds)
     set_bonds(solve, sample, young, **bonds)
     solve.SetEstimateError(bool(estimate_error))
     solve.SetTolerance(float(tolerance))

@@ -144,7 +144,7 @@ def lattice_boltzmann(
     flux         whether the flux is kept too
     threads      0: all cores
     progress     called as progress(share, text); return False to cancel (raises Cancelled)
-    on_step      called as on_step(data) with the vtkImageData of each time; memory then holds one at a time, and the result
+    on_step      called as on_step(state) with the TransientState of each time; memory then holds one at a time, and the result
                  has the last one only
     at_times     [s], at_steps: even numbers of steps: kept instead of evenly spaced times; the last of them is the end
     checkpoint, checkpoint_every, continue_from  as fracture() takes them; in steps. A run goes on to the same bits, at the
@@ -176,7 +176,7 @@ def lattice_boltzmann(
     solver.SetComputeFlux(bool(flux))
     solver.SetThreads(threads)
     set_checkpoint(solver, checkpoint, checkpoint_every, continue_from)
-    run(solver, progress, on_step)
+    run(solver, progress, on_step, TransientState)
     states = []
     for k in range(solver.GetNumberOfStates()):
         state = vtkImageData()
