@@ -44,9 +44,11 @@ struct Choice
   bool unseen = true;
   std::vector<double> fractions; ///< of arrays of disks
   std::vector<double> contrasts;
-  std::vector<int> sizes;  ///< nodes across outlines
-  std::vector<int> pixels; ///< across masks; multiples of five, which the boxes of 1 by 0.8 hold whole
-  std::uint64_t seed = 1;  ///< the first of everything random
+  std::vector<int> sizes;    ///< nodes across outlines
+  std::vector<int> pixels;   ///< across masks; multiples of five, which the boxes of 1 by 0.8 hold whole
+  std::uint64_t seed = 1;    ///< the first of everything random
+  int plates = 20;           ///< of each array and fraction
+  std::uint64_t tissues = 2; ///< seeds of each kind
   double doubt = micrograph::segmentDoubt;
 };
 
@@ -193,8 +195,14 @@ ContourSet randomPolygons(std::uint64_t seed)
   return set;
 }
 
+struct Plate
+{
+  ContourSet set;
+  double strip = 1; ///< least distance of a disk's edge from the border beside it, within the plate or beyond
+};
+
 /// A part of an array of disks, two and a half to four of them across, at some place.
-ContourSet plate(double fraction, bool hexagonal, std::mt19937_64& random)
+Plate plate(double fraction, bool hexagonal, std::mt19937_64& random)
 {
   std::uniform_real_distribution<double> u(0, 1);
   const double distance = 1 / (2.6 + 1.5 * u(random));
@@ -202,20 +210,24 @@ ContourSet plate(double fraction, bool hexagonal, std::mt19937_64& random)
   const double radius = std::sqrt(fraction * distance * row / std::numbers::pi);
   const double x0 = u(random);
   const double y0 = u(random);
-  ContourSet set{ { 1, 0.8 }, {} };
+  Plate made{ { { 1, 0.8 }, {} } };
+  ContourSet& set = made.set;
   for (int j = -2; j < 8; ++j)
     for (int i = -2; i < 8; ++i)
     {
       const Point centre{ (i + x0 + (hexagonal && j % 2 != 0 ? 0.5 : 0)) * distance, (j + y0) * row };
       if (std::abs(centre[0] - 0.5) >= 0.5 + radius || std::abs(centre[1] - 0.4) >= 0.4 + radius)
         continue;
+      for (const std::size_t axis : { 0U, 1U })
+        made.strip =
+          std::min({ made.strip, std::abs(centre[axis] - radius), std::abs(set.size[axis] - centre[axis] - radius) });
       Contour disk{ {}, true, static_cast<std::int32_t>(set.contours.size()) + 1 };
       for (int k = 0; k < 400; ++k)
         disk.points.push_back({ centre[0] + radius * std::cos(k * std::numbers::pi / 200),
           centre[1] + radius * std::sin(k * std::numbers::pi / 200) });
       set.contours.push_back(disk);
     }
-  return set;
+  return made;
 }
 
 generators::SoftwoodOptions earlywood(std::uint64_t seed)
@@ -307,47 +319,59 @@ void picture(Judge& judge, const std::string& group, const std::string& name, co
   }
 }
 
+/// What the pictures of one geometry are to tell: by centres, by half areas, and by the areas themselves.
+void masksOf(Judge& judge, const std::string& kind, const Named& sample,
+  const std::map<double, std::array<double, 2>>& truths, int pixels, bool greys)
+{
+  micrograph::ContourLatticeOptions make;
+  make.spacing = sample.set.size[0] / pixels;
+  make.lines = 0;
+  make.grain = false;
+  const micrograph::ContourLattice drawn = micrograph::contourLattice(sample.set, make);
+  PhaseImage mask = drawn.image;
+  picture(judge, "masks by centres: " + kind, sample.name, mask, {}, truths);
+  for (std::size_t i = 0; i < mask.phase.size(); ++i)
+    mask.phase[i] = drawn.lumenShare[i] >= 0.5F ? 0 : 1;
+  picture(judge, "masks by half areas: " + kind, sample.name, mask, {}, truths);
+  if (!greys)
+    return;
+  const std::vector<float> level = micrograph::levelOfShares(mask.lattice, drawn.lumenShare);
+  for (std::size_t i = 0; i < mask.phase.size(); ++i)
+    mask.phase[i] = level[i] > 0 ? 0 : 1;
+  picture(judge, "areas as greys: " + kind, sample.name, mask, level, truths);
+}
+
 void masks(Judge& judge, const Choice& choice)
 {
-  struct Group
-  {
-    std::string group;
-    Named sample;
-  };
   std::mt19937_64 random(choice.seed);
-  std::vector<Group> samples;
-  for (const bool hexagonal : { false, true })
-    for (const double fraction : choice.fractions)
-      samples.push_back({ hexagonal ? "hexagonal disks" : "square disks",
-        { fmt::format("fraction {}", fraction), plate(fraction, hexagonal, random) } });
-  for (Named& tissue : tissues(choice.seed + 20))
-    samples.push_back({ "tissues", std::move(tissue) });
-  for (const Group& s : samples)
-  {
-    const ContourSet& set = s.sample.set;
-    std::map<double, std::array<double, 2>> truths;
-    for (const double lumen : choice.contrasts)
-      truths[lumen] = truthOf(set, lumen);
-    for (const int pixels : choice.pixels)
+  // Values of one plate are not independent: many plates, each with one contrast.
+  for (int k = 0; k < choice.plates; ++k)
+    for (const bool hexagonal : { false, true })
+      for (const double fraction : choice.fractions)
+      {
+        const Plate made = plate(fraction, hexagonal, random);
+        const auto turn = static_cast<std::size_t>(k);
+        const double lumen = choice.contrasts[turn % choice.contrasts.size()];
+        const std::map<double, std::array<double, 2>> truths{ { lumen, truthOf(made.set, lumen) } };
+        for (const std::size_t i : { turn % choice.pixels.size(), (turn + 2) % choice.pixels.size() })
+        {
+          const int pixels = choice.pixels[i];
+          const bool strip = made.strip < 0.5 / pixels;
+          const std::string kind = strip ? "disks that end within half a pixel of the border"
+                                         : (hexagonal ? "hexagonal disks" : "square disks");
+          masksOf(judge, kind, { fmt::format("fraction {} plate {}", fraction, k), made.set }, truths, pixels, true);
+        }
+      }
+  for (std::uint64_t seed = choice.seed + 20; seed < choice.seed + 20 + choice.tissues; ++seed)
+    for (const Named& sample : tissues(seed))
     {
-      micrograph::ContourLatticeOptions make;
-      make.spacing = set.size[0] / pixels;
-      make.lines = 0;
-      make.grain = false;
-      const micrograph::ContourLattice drawn = micrograph::contourLattice(set, make);
-      PhaseImage mask = drawn.image;
-      picture(judge, "masks by centres: " + s.group, s.sample.name, mask, {}, truths);
-      for (std::size_t i = 0; i < mask.phase.size(); ++i)
-        mask.phase[i] = drawn.lumenShare[i] >= 0.5F ? 0 : 1;
-      picture(judge, "masks by half areas: " + s.group, s.sample.name, mask, {}, truths);
-      if (pixels != choice.pixels[1] && pixels != choice.pixels[3])
-        continue;
-      const std::vector<float> level = micrograph::levelOfShares(mask.lattice, drawn.lumenShare);
-      for (std::size_t i = 0; i < mask.phase.size(); ++i)
-        mask.phase[i] = level[i] > 0 ? 0 : 1;
-      picture(judge, "areas as greys", s.sample.name, mask, level, truths);
+      std::map<double, std::array<double, 2>> truths;
+      for (const double lumen : choice.contrasts)
+        truths[lumen] = truthOf(sample.set, lumen);
+      for (std::size_t i = 0; i < choice.pixels.size(); ++i)
+        masksOf(judge, "tissues", { fmt::format("{} seed {}", sample.name, seed), sample.set }, truths,
+          choice.pixels[i], i % 2 == 1);
     }
-  }
 }
 
 void scans(Judge& judge, const Choice& choice)
@@ -389,6 +413,8 @@ int main(int argc, char** argv)
     {
       Choice choice = choiceOf(keys);
       choice.doubt = number(keys, "doubt", choice.doubt);
+      choice.seed = static_cast<std::uint64_t>(number(keys, "seed", static_cast<double>(choice.seed)));
+      choice.plates = static_cast<int>(number(keys, "plates", choice.plates));
       Judge judge(keys);
       const double start = cpu();
       runStudies(keys,

@@ -143,6 +143,14 @@ void throwVtkErrors(const std::string& doing)
       break;
     }
   }
+  // What VTK's classes and the standard library say where memory is short.
+  for (const char* const words : { "bad_alloc", "Unable to allocate", "ailed to allocate" })
+  {
+    if (message.find(words) != std::string::npos)
+    {
+      throw MemoryError("there is not enough memory", "take a smaller --window or --refine, or free memory");
+    }
+  }
   throw InputError(doing.empty() ? message : doing + ": " + message, hint);
 }
 
@@ -182,11 +190,11 @@ vtkSmartPointer<vtkDataObject> read(const vtkSmartPointer<Reader>& reader, const
   [[maybe_unused]] const SizeKnown& sizeKnown = {})
 {
   (void)VtkMessages::takeErrors();
-  const std::string hint = std::string("give a whole ") + kind + " file; make or copy it again";
   if (reader->CanReadFile(path.c_str()) == 0)
   {
     (void)VtkMessages::takeErrors();
-    throw InputError("'" + path + "' is not a " + kind + " file, or is cut short", hint);
+    throw InputError("'" + path + "' is not a " + kind + " file, or is cut short",
+      std::string("give a whole ") + kind + " file; make or copy it again");
   }
   reader->SetFileName(path.c_str());
   requireReadable(reader, path);
@@ -197,23 +205,7 @@ vtkSmartPointer<vtkDataObject> read(const vtkSmartPointer<Reader>& reader, const
       sizeKnown(*lattice);
     }
   }
-  reader->Update();
-  std::vector<std::string> errors = VtkMessages::takeErrors();
-  // Ranges of arrays that hold NaN, which VTK writes and cannot read: they are made anew when they are needed.
-  std::erase_if(errors, [](const std::string& e) { return e.find("InformationKey") != std::string::npos; });
-  if (!errors.empty() || reader->GetErrorCode() != vtkErrorCode::NoError)
-  {
-    throw InputError("'" + path + "' is a " + kind + " file that is damaged or cut short", hint);
-  }
-  (void)VtkMessages::takeWarnings();
-  if (auto* const poly = vtkPolyData::SafeDownCast(reader->GetOutput()))
-  {
-    requireSoundCells(poly, path);
-  }
-  if (auto* const grid = vtkUnstructuredGrid::SafeDownCast(reader->GetOutput()))
-  {
-    requireSoundCells(grid, path);
-  }
+  update(reader, path);
   return reader->GetOutput();
 }
 

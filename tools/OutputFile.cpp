@@ -3,6 +3,7 @@
 #include "Workspace.h"
 
 #include "lattice/Memory.h"
+#include "lattice/PartFile.h"
 
 #include <fcntl.h>
 #include <stdio.h> // NOLINT: renameat2 is declared here and not in <cstdio>
@@ -10,10 +11,11 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-#include <atomic>
+#include <algorithm>
 #include <cerrno>
-#include <climits>
 #include <cstring>
+#include <map>
+#include <mutex>
 #include <utility>
 
 namespace lamella::cli
@@ -24,28 +26,19 @@ namespace fs = std::filesystem;
 namespace
 {
 
-// Names of the temporary files, where a signal handler can reach them: no allocation, one flag a slot.
-constexpr int slots = 16;
-char names[slots][PATH_MAX];
-std::atomic<bool> used[slots];
-// Set before the files are removed: what is written from then on is written in vain.
-std::atomic<bool> removed;
-
-int keep(const std::string& name)
+/// A result that is being made in this process.
+struct Making
 {
-  if (name.size() < PATH_MAX)
-  {
-    for (int slot = 0; slot < slots; ++slot)
-    {
-      if (!used[slot].load())
-      {
-        std::memcpy(names[slot], name.c_str(), name.size() + 1);
-        used[slot].store(true);
-        return slot;
-      }
-    }
-  }
-  return -1;
+  std::string place; ///< which no other may have meanwhile
+  PartFile part;
+};
+std::mutex guard;
+std::map<fs::path, Making> making; ///< by the temporary file
+
+std::string placeOf(const fs::path& path)
+{
+  std::error_code ignored;
+  return fs::weakly_canonical(fs::absolute(path, ignored), ignored).string();
 }
 
 std::string quoted(const fs::path& path)
@@ -97,39 +90,31 @@ OutputFile::OutputFile(const fs::path& path, bool overwrite)
   {
     throw OutputError(quoted(path) + " exists already", "choose another name, or add --overwrite to replace it");
   }
-  for (int attempt = 0;; ++attempt)
+  const std::lock_guard<std::mutex> lock(guard);
+  const std::string place = placeOf(path);
+  if (std::ranges::any_of(making, [&](const auto& one) { return one.second.place == place; }))
   {
-    temporary_ = folder /
-      (".lamella-" + std::to_string(::getpid()) + "-" + std::to_string(attempt) + "-" + path.filename().string());
-    const int file = ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-    if (file >= 0)
-    {
-      ::close(file);
-      break;
-    }
-    if (errno != EEXIST || attempt == 99)
-    {
-      const int error = errno;
-      throw OutputError("cannot write in the folder " + quoted(folder) + ": " + std::strerror(error), hintFor(error));
-    }
+    throw ParameterError("two results are to be written to " + quoted(path), "give each of them a name of its own");
   }
-  slot_ = keep(temporary_.string());
-  if (removed.load()) // a signal came before it could see this file
+  PartFile part(path);
+  if (PartFile::removedAll())
   {
-    ::unlink(temporary_.c_str());
     throw Cancelled();
   }
+  if (const int error = part.error(); error != 0)
+  {
+    throw OutputError("cannot write in the folder " + quoted(folder) + ": " + std::strerror(error), hintFor(error));
+  }
+  temporary_ = part.path();
+  making.emplace(temporary_, Making{ place, std::move(part) });
 }
 
 OutputFile::~OutputFile()
 {
   if (!temporary_.empty())
   {
-    ::unlink(temporary_.c_str());
-  }
-  if (slot_ >= 0)
-  {
-    used[slot_].store(false);
+    const std::lock_guard<std::mutex> lock(guard);
+    making.erase(temporary_); // and with it the file
   }
 }
 
@@ -138,7 +123,6 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
   , temporary_(std::exchange(other.temporary_, {}))
   , overwrite_(other.overwrite_)
   , inMemory_(other.inMemory_)
-  , slot_(std::exchange(other.slot_, -1))
 {
 }
 
@@ -148,7 +132,6 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept
   std::swap(temporary_, other.temporary_);
   std::swap(overwrite_, other.overwrite_);
   std::swap(inMemory_, other.inMemory_);
-  std::swap(slot_, other.slot_);
   return *this;
 }
 
@@ -169,7 +152,7 @@ void OutputFile::needs(std::uint64_t bytes) const
 
 void OutputFile::failed(const std::string& why) const
 {
-  if (removed.load())
+  if (PartFile::removedAll())
   {
     throw Cancelled();
   }
@@ -178,7 +161,7 @@ void OutputFile::failed(const std::string& why) const
 
 void OutputFile::failed() const
 {
-  const int file = ::open(temporary_.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_CLOEXEC, 0666);
+  const int file = ::open(temporary_.c_str(), O_CREAT | O_NOFOLLOW | O_WRONLY | O_APPEND | O_CLOEXEC, 0666);
   int error = file < 0 ? errno : 0;
   const std::string zeros(std::size_t{ 1 } << 20, '\0');
   std::size_t written = 0;
@@ -197,7 +180,7 @@ void OutputFile::failed() const
 
 void OutputFile::rethrow(const Error& error) const
 {
-  if (removed.load())
+  if (PartFile::removedAll())
   {
     throw Cancelled();
   }
@@ -216,7 +199,7 @@ void OutputFile::write(std::string_view bytes) const
   {
     return;
   }
-  const int file = ::open(temporary_.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
+  const int file = ::open(temporary_.c_str(), O_NOFOLLOW | O_WRONLY | O_TRUNC | O_CLOEXEC);
   int error = file < 0 ? errno : 0;
   while (error == 0 && !bytes.empty())
   {
@@ -242,7 +225,7 @@ void OutputFile::write(std::string_view bytes) const
 
 void OutputFile::commit()
 {
-  if (removed.load()) // a writer that opens by name may have made the file anew
+  if (PartFile::removedAll()) // a writer that opens by name may have made the file anew
   {
     throw Cancelled();
   }
@@ -250,7 +233,7 @@ void OutputFile::commit()
   {
     return;
   }
-  const int file = ::open(temporary_.c_str(), O_WRONLY | O_CLOEXEC);
+  const int file = ::open(temporary_.c_str(), O_NOFOLLOW | O_WRONLY | O_CLOEXEC);
   if (file < 0 || ::fsync(file) != 0)
   {
     const int error = errno;
@@ -294,6 +277,12 @@ void OutputFile::commit()
     }
     failed(std::strerror(errno));
   }
+  {
+    const std::lock_guard<std::mutex> lock(guard);
+    const auto made = making.find(temporary_);
+    made->second.part.release();
+    making.erase(made);
+  }
   temporary_.clear();
 
   // The name itself lives in the folder, which is on the disk only after this.
@@ -306,14 +295,7 @@ void OutputFile::commit()
 
 void OutputFile::removeAll() noexcept
 {
-  removed.store(true);
-  for (int slot = 0; slot < slots; ++slot)
-  {
-    if (used[slot].load())
-    {
-      ::unlink(names[slot]);
-    }
-  }
+  PartFile::removeAll();
 }
 
 fs::path withSuffix(const fs::path& path, const std::string& suffix)

@@ -21,11 +21,13 @@ class OutputError : public Error
 /// Made before anything is computed, it finds out at once whether the result can be stored: it refuses a file that
 /// exists (unless it may be replaced) and creates a temporary file in the same folder. What is written goes there;
 /// commit() brings it to the disk and renames it, the only moment at which the name appears. Without commit() the
-/// temporary file goes away, also when a signal ends the program.
+/// temporary file goes away, also when a signal ends the program (lattice/PartFile.h). The file that it replaces may be
+/// the input: that was read before, and stays as it was unless the result is whole.
 class OutputFile
 {
 public:
-  /// @throws OutputError
+  /// @throws OutputError; ParameterError where another result of this program is about to get the same name: one of
+  /// them would be lost
   OutputFile(const std::filesystem::path& path, bool overwrite);
   ~OutputFile();
   OutputFile(OutputFile&& other) noexcept;
@@ -69,7 +71,6 @@ private:
   std::filesystem::path temporary_;
   bool overwrite_ = false;
   bool inMemory_ = false;
-  int slot_ = -1;
 };
 
 /// The path with a word before its ending: out.vti → out_x.vti

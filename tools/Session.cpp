@@ -9,13 +9,16 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <new>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -48,6 +51,42 @@ extern "C" void onSignal(int signal)
     _exit(128 + signal);
   }
   caught = signal;
+}
+
+/// What nobody caught, in a thread or beneath a library: one line, as everything else.
+[[noreturn]] void onTerminate()
+{
+  static std::atomic_flag told = ATOMIC_FLAG_INIT;
+  while (told.test_and_set()) // another thread tells, and ends the program
+  {
+    ::pause();
+  }
+  OutputFile::removeAll();
+  if (const std::exception_ptr thrown = std::current_exception())
+  {
+    try
+    {
+      std::rethrow_exception(thrown);
+    }
+    catch (const std::exception& error)
+    {
+      printError(error);
+      ::_exit(exitCode(error));
+    }
+    catch (...) // NOLINT(bugprone-empty-catch): no error of ours; it ends as it would
+    {
+    }
+  }
+  std::abort();
+}
+
+/// No memory is what a thread that cannot be made lacks, too.
+bool lacksMemory(const std::exception& error)
+{
+  const auto* const system = dynamic_cast<const std::system_error*>(&error);
+  return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
+    (system != nullptr &&
+      (system->code() == std::errc::resource_unavailable_try_again || system->code() == std::errc::not_enough_memory));
 }
 
 void install(int signal, void (*handler)(int))
@@ -98,7 +137,7 @@ int exitCode(const std::exception& error) noexcept
   {
     return exitNoPath;
   }
-  if (dynamic_cast<const MemoryError*>(&error) != nullptr || dynamic_cast<const std::bad_alloc*>(&error) != nullptr)
+  if (dynamic_cast<const MemoryError*>(&error) != nullptr || lacksMemory(error))
   {
     return exitMemory;
   }
@@ -121,7 +160,7 @@ void printError(const std::exception& error)
   {
     hint = known->hint();
   }
-  else if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr)
+  else if (lacksMemory(error))
   {
     message = "there is not enough memory";
     hint = "take a smaller --window or --refine, or share the work out: mpirun -n N lamella ...";
@@ -164,6 +203,7 @@ Session::Session(int& argc, char**& argv)
   : terminal_(::isatty(STDERR_FILENO) == 1)
   , start_(std::chrono::steady_clock::now())
 {
+  std::set_terminate(onTerminate);
   install(SIGINT, onSignal);
   install(SIGTERM, onSignal);
   install(SIGHUP, onSignal);

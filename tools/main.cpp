@@ -2,6 +2,7 @@
 #include "CommandLine.h"
 #include "GridFile.h"
 #include "Help.h"
+#include "QuietThreads.h"
 #include "Session.h"
 #include "ShellPages.h"
 #include "Text.h"
@@ -99,6 +100,7 @@ int run(Session& session, std::vector<std::string> words)
 int main(int argc, char** argv)
 {
   using namespace lamella::cli;
+  beginWithQuietThreads(argv);
   Session session(argc, argv);
   const VtkMessages messages;
   std::vector<std::string> words{ "lamella" };

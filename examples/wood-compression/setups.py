@@ -31,6 +31,7 @@ TISSUES = {
     "earlywood": ("earlywood", 245, 2e-6, 3),
     "earlywood-part": ("earlywood", 120, 2e-6, 2),
     "poplar": ("poplar", 226, 1.5e-6, 3),
+    "poplar-part": ("poplar", 150, 1.5e-6, 2),
 }
 STRAIN = dict(law="isotropic", plane="plane-strain")
 # Walls that yield take 14 times as long a step (no fused kernels): their speed is set, and "fast" is what it does to elastic ones
@@ -46,16 +47,20 @@ COMMON = {
     "fixed": ({}, {}, dict(sides="fixed")),
     "grip": ({}, {}, dict(grip=True)),
 }
+YIELDING = {
+    "fast": ({}, {}, {**STRAIN, **FAST}),
+    "yield-400": ({}, {}, dict(YIELDS, yield_stress=400e6)),
+    "yield-200": ({}, {}, dict(YIELDS, yield_stress=200e6)),
+}
 SETUPS = {
     "earlywood": {**COMMON, "fine": ({}, dict(spacing=1.5e-6), {})},
     "earlywood-part": {
         **COMMON,
-        "fast": ({}, {}, {**STRAIN, **FAST}),
-        "yield-400": ({}, {}, dict(YIELDS, yield_stress=400e6)),
-        "yield-200": ({}, {}, dict(YIELDS, yield_stress=200e6)),
+        **YIELDING,
         "fine": ({}, dict(spacing=1e-6), {}),
     },
     "poplar": {name: COMMON[name] for name in ("usual", "open", "grip")} | {"no-rays": (dict(ray_distance=0), {}, {})},
+    "poplar-part": {name: COMMON[name] for name in ("usual", "open")} | YIELDING,
 }
 
 

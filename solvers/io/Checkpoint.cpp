@@ -2,6 +2,7 @@
 
 #include "io/Hdf5.h"
 #include "io/Provenance.h"
+#include "io/Survives.h"
 #include "lamella/Version.h"
 #include "lattice/Error.h"
 
@@ -9,8 +10,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstring>
-#include <numeric>
+#include <exception>
 
 namespace lamella::io
 {
@@ -46,6 +48,7 @@ std::string readLongText(hid_t at, const char* name)
 {
   const Handle set(H5Dopen2(at, name, H5P_DEFAULT), H5Dclose);
   const Handle type(H5Dget_type(set), H5Tclose);
+  hdf5::requireOneText(type, Handle(H5Dget_space(set), H5Sclose));
   std::string text(H5Tget_size(type), '\0');
   good(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()));
   text.resize(std::min(text.size(), text.find('\0')));
@@ -75,7 +78,8 @@ void writeArray(hid_t file, const std::string& name, const CheckpointArray& arra
   writeText(set, "creator", program());
 }
 
-CheckpointArray readArray(hid_t file, const char* name)
+/// @param most bytes that its values can take: they are stored as they are
+CheckpointArray readArray(hid_t file, const char* name, std::size_t most)
 {
   CheckpointArray array;
   const Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
@@ -86,7 +90,8 @@ CheckpointArray readArray(hid_t file, const char* name)
   const Handle type(H5Dget_type(set), H5Tclose);
   if (H5Tget_class(type) == H5T_INTEGER)
     array.values = std::vector<std::int64_t>();
-  const auto count = std::accumulate(shape.begin(), shape.end(), std::size_t{ 1 }, std::multiplies<>());
+  const std::size_t count = hdf5::countStored(set);
+  good(!shape.empty() && H5Tget_class(type) != H5T_STRING && count <= most / sizeof(double) ? 0 : -1);
   std::visit(
     [&](auto& values)
     {
@@ -154,12 +159,16 @@ Checkpoint decodeContent(std::span<const std::byte> image)
     [](hid_t at, const char* name, const H5A_info_t*, void* to) -> herr_t
     {
       double value = 0;
-      const hid_t attribute = H5Aopen(at, name, H5P_DEFAULT);
-      const herr_t status = attribute < 0 ? -1 : H5Aread(attribute, H5T_NATIVE_DOUBLE, &value);
-      if (attribute >= 0)
-        H5Aclose(attribute);
-      (*static_cast<std::map<std::string, double>*>(to))[name] = value;
-      return status;
+      try
+      {
+        hdf5::readNumbers(Handle(H5Aopen(at, name, H5P_DEFAULT), H5Aclose), H5T_NATIVE_DOUBLE, 1, &value);
+        (*static_cast<std::map<std::string, double>*>(to))[name] = value;
+      }
+      catch (const std::exception&)
+      {
+        return -1; // not through HDF5
+      }
+      return 0;
     },
     &checkpoint.numbers));
   const Handle arrays(H5Gopen2(file, "arrays", H5P_DEFAULT), H5Gclose);
@@ -173,7 +182,7 @@ Checkpoint decodeContent(std::span<const std::byte> image)
     },
     &names));
   for (const std::string& name : names)
-    checkpoint.arrays[name] = readArray(arrays, name.c_str());
+    checkpoint.arrays[name] = readArray(arrays, name.c_str(), image.size());
   return checkpoint;
 }
 
@@ -240,6 +249,24 @@ double Checkpoint::number(const std::string& name) const
   return found(numbers, name);
 }
 
+std::int64_t Checkpoint::count(const std::string& name) const
+{
+  const double value = found(numbers, name);
+  if (!(value >= 0 && value <= 0x1p53 && value == std::floor(value)))
+    throw InputError(fmt::format("the checkpoint's '{}' is {}", name, value), "start the run anew");
+  return static_cast<std::int64_t>(value);
+}
+
+void Checkpoint::expectFinite(const std::string& name) const
+{
+  const auto number = numbers.find(name);
+  const bool finite = number != numbers.end()
+    ? std::isfinite(number->second)
+    : std::ranges::all_of(reals(name), [](double value) { return std::isfinite(value); });
+  if (!finite)
+    throw InputError(fmt::format("the checkpoint's '{}' holds what is no number", name), "start the run anew");
+}
+
 const std::vector<double>& Checkpoint::reals(const std::string& name) const
 {
   return valuesOf<std::vector<double>>(*this, name);
@@ -286,7 +313,18 @@ Checkpoint decode(std::span<const std::byte> bytes, std::string_view name)
   const std::span<const std::byte> content = bytes.subspan(headerBytes);
   if (version < 1 || content.size() != size || hashOf(content) != field(header, "sha256"))
     throw InputError(fmt::format("'{}' is damaged: its bytes are not those that were written", name), anew);
-  return decodeContent(content);
+  // What follows can be wrong only where somebody meant it to be, and mended the hash; HDF5 may not survive that.
+  const auto fault = [&] { return fmt::format("'{}' is damaged: what it holds is no checkpoint", name); };
+  if (!survives([&] { static_cast<void>(decodeContent(content)); }))
+    throw InputError(fault(), anew);
+  try
+  {
+    return decodeContent(content);
+  }
+  catch (const Error&)
+  {
+    throw InputError(fault(), anew);
+  }
 }
 
 void expectScene(const Checkpoint& checkpoint, std::string_view kind, std::string_view scene, std::string_view name)

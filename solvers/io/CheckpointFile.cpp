@@ -1,6 +1,7 @@
 #include "io/Checkpoint.h"
 
 #include "lattice/Error.h"
+#include "lattice/PartFile.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -42,7 +43,7 @@ struct File
 /// @return 0 or the number of the error
 int writeAll(const fs::path& path, std::span<const std::byte> bytes)
 {
-  const File file{ ::open(path.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666) };
+  const File file{ ::open(path.c_str(), O_NOFOLLOW | O_TRUNC | O_WRONLY | O_CLOEXEC) };
   if (file.number < 0)
     return errno;
   while (!bytes.empty())
@@ -104,16 +105,15 @@ bool sameFile(const fs::path& a, const fs::path& b)
 
 void replaceFile(const fs::path& path, std::span<const std::byte> bytes)
 {
-  const fs::path part = folderOf(path) / fmt::format(".{}.part", path.filename().string());
-  int error = writeAll(part, bytes);
-  if (error == 0 && ::rename(part.c_str(), path.c_str()) != 0)
-    error = errno;
+  PartFile part(path, PartFile::OnSignal::stays);
+  int error = part.error();
+  if (error == 0)
+    error = writeAll(part.path(), bytes);
+  if (error == 0)
+    error = part.take(path);
   if (error != 0)
-  {
-    ::unlink(part.c_str());
     throw Error(fmt::format("cannot write '{}': {}", path.string(), reason(error)),
       "make room on the disk, or write to another one");
-  }
   // the name itself is on the disk only after this
   if (const File folder{ ::open(folderOf(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC) }; folder.number >= 0)
     ::fsync(folder.number);

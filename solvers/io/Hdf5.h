@@ -92,14 +92,53 @@ inline void writeText(hid_t at, const char* name, const std::string& text)
   good(H5Awrite(attribute, type, text.c_str()));
 }
 
+/// One text of fixed length, which is what we write: HDF5 writes all that a file has of it, and where a text has any
+/// length, addresses.
+inline void requireOneText(hid_t type, hid_t space)
+{
+  constexpr std::size_t longest = std::size_t{ 1 } << 28;
+  good(H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 && H5Tget_size(type) <= longest &&
+        H5Sget_simple_extent_npoints(space) == 1
+      ? 0
+      : -1);
+}
+
 [[nodiscard]] inline std::string readText(hid_t at, const char* name)
 {
   const Handle attribute(H5Aopen(at, name, H5P_DEFAULT), H5Aclose);
   const Handle type(H5Aget_type(attribute), H5Tclose);
+  requireOneText(type, Handle(H5Aget_space(attribute), H5Sclose));
   std::string text(H5Tget_size(type), '\0');
   good(H5Aread(attribute, type, text.data()));
   text.resize(std::min(text.size(), text.find('\0')));
   return text;
+}
+
+/// Numbers of an attribute that has so many, whatever they are stored as. @param type as in memory
+inline void readNumbers(hid_t attribute, hid_t type, std::size_t count, void* to)
+{
+  const Handle stored(H5Aget_type(attribute), H5Tclose);
+  const Handle space(H5Aget_space(attribute), H5Sclose);
+  const H5T_class_t kind = H5Tget_class(stored);
+  good((kind == H5T_INTEGER || kind == H5T_FLOAT) && H5Sget_simple_extent_npoints(space) == static_cast<hssize_t>(count)
+      ? 0
+      : -1);
+  good(H5Aread(attribute, type, to));
+}
+
+/// Numbers of a dataset: whole or real ones, of which something is stored. @returns how many values there are
+[[nodiscard]] inline std::size_t countStored(hid_t set)
+{
+  const Handle type(H5Dget_type(set), H5Tclose);
+  const Handle space(H5Dget_space(set), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space);
+  constexpr hssize_t most = hssize_t{ 1 } << 48;
+  const H5T_class_t kind = H5Tget_class(type);
+  good(count >= 0 && count <= most && (kind == H5T_INTEGER || kind == H5T_FLOAT || kind == H5T_STRING) &&
+        (count == 0 || H5Dget_storage_size(set) > 0)
+      ? 0
+      : -1);
+  return static_cast<std::size_t>(count);
 }
 
 } // namespace lamella::io::hdf5

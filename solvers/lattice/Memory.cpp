@@ -1,9 +1,12 @@
 #include "lattice/Memory.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <fstream>
 #include <limits>
 
@@ -33,6 +36,24 @@ std::uint64_t leftInGroup(const char* limitPath, const char* usedPath)
   return limit > used ? limit - used : 0;
 }
 
+/// Under a limit of what a process may map (ulimit -v) or hold as data (ulimit -d).
+std::uint64_t leftToProcess(int resource, std::size_t column)
+{
+  struct rlimit limit = {};
+  if (::getrlimit(static_cast<__rlimit_resource>(resource), &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
+  {
+    return unknown;
+  }
+  std::ifstream statm("/proc/self/statm"); // pages: all, resident, shared, text, 0, data and stack
+  std::uint64_t pages = 0;
+  for (std::size_t i = 0; i <= column; ++i)
+  {
+    statm >> pages;
+  }
+  const std::uint64_t used = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  return !statm ? unknown : limit.rlim_cur > used ? limit.rlim_cur - used : 0;
+}
+
 } // namespace
 
 std::uint64_t availableMemory()
@@ -50,6 +71,7 @@ std::uint64_t availableMemory()
       break;
     }
   }
+  available = std::min({ available, leftToProcess(RLIMIT_AS, 0), leftToProcess(RLIMIT_DATA, 5) });
   available = std::min(available, leftInGroup("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"));
   return std::min(available,
     leftInGroup("/sys/fs/cgroup/memory/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.usage_in_bytes"));

@@ -260,7 +260,7 @@ double outlineError(double value, std::span<const SubsampleValues> coarser)
     variance += weight * square / (std::pow(c.stride, 3) - 1);
     weights += weight;
   }
-  return weights > 0 ? 1.8 * std::sqrt(variance / weights) : unknown;
+  return weights > 0 ? 2.1 * std::sqrt(variance / weights) : unknown;
 }
 
 std::vector<ContourAnswer> studyContours(

@@ -130,19 +130,31 @@ std::optional<Remark> doubtTheResolution(const Evidence& e)
   return Remark{ Doubt::Resolution, "the picture is too coarse or too blurred for its shares to hold: " + text };
 }
 
-std::optional<Remark> doubtTheWalls(const Evidence& e)
+std::optional<Remark> doubtTheWalls(const Evidence& e, const SegmentReport& report)
 {
   // Whole tissue 0.2 and less, the scan with torn rays 0.38, tissue with every third cell filled 0.8.
   constexpr double most = 0.5;
-  if (e.wallShareThick <= most)
+  std::string text;
+  if (e.wallShareThick > most)
+  {
+    text = fmt::format("{} of the walls by area lie in places several times as thick as the walls between lumens",
+      percent(e.wallShareThick));
+  }
+  // None in a hundred pictures of whole tissue; where rays are torn their gaps are told of already.
+  else if (e.blind > 0 && report.rays == 0)
+  {
+    text = fmt::format("in {} within the walls a lumen would fit with its wall all around",
+      e.blind == 1 ? "one place" : fmt::format("{} places", e.blind));
+  }
+  if (text.empty())
   {
     return std::nullopt;
   }
-  return Remark{ Doubt::Filled,
-    fmt::format(
-      "{} of the walls by area lie in places several times as thick as the walls between lumens: cells filled "
-      "with stain, resin or bark may have been taken for wall; look at the overlay, or move --threshold",
-      percent(e.wallShareThick)) };
+  return Remark{
+    Doubt::Filled,
+    text +
+      ": cells filled with stain, resin or bark may have been taken for wall; look at the overlay, or move --threshold"
+  };
 }
 
 std::optional<Remark> doubtTheGaps(const Evidence& e)
@@ -214,7 +226,7 @@ std::vector<Remark> doubtsOf(
     // Where lumens are too small to be seen, or are no cells, walls are thick for that reason.
     if (!coarse && !side && cells(evidence))
     {
-      add(doubtTheWalls(evidence));
+      add(doubtTheWalls(evidence, report));
     }
     add(doubtTheGaps(evidence));
   }

@@ -180,7 +180,19 @@ void lookForSpots(const cv::Mat& lumen, const cv::Mat& even, const cv::Mat& away
   e.spotShare = held / static_cast<double>(lumen.total());
 }
 
-void lookAtLumens(const cv::Mat& lumen, Evidence& e)
+/// Places where a lumen of the narrower ones would fit with its wall all around, within the picture. Corners between
+/// cells hold less.
+void lookForBlindCells(const cv::Mat& away, double lumenRadius, double wallRadius, Evidence& e)
+{
+  const double radius = std::max(0.9 * lumenRadius + 2 * wallRadius, 3.5 * wallRadius + 1);
+  cv::Mat holds = away > radius;
+  const int margin = std::min({ static_cast<int>(radius), holds.rows / 2, holds.cols / 2 });
+  const cv::Rect inner(margin, margin, holds.cols - 2 * margin, holds.rows - 2 * margin);
+  cv::Mat labels;
+  e.blind = inner.area() > 0 ? cv::connectedComponents(holds(inner), labels, 8, CV_32S) - 1 : 0;
+}
+
+void lookAtLumens(const cv::Mat& lumen, const cv::Mat& away, Evidence& e)
 {
   cv::Mat labels;
   cv::Mat stats;
@@ -211,6 +223,10 @@ void lookAtLumens(const cv::Mat& lumen, Evidence& e)
   e.narrow = static_cast<double>(std::count_if(whole.begin(), whole.end(), [](float d) { return d < narrow; })) /
     std::max(1.0, static_cast<double>(whole.size()));
   e.lumenWidth = std::max(0.0, 2 * quantile(whole, 0.5) - 1);
+  if (!whole.empty())
+  {
+    lookForBlindCells(away, quantile(whole, 0.3), e.wallThickness / 2, e);
+  }
 }
 
 /// Tears and what lies beside the tissue are larger than cells and ragged, or open along the border. A vessel that the
@@ -273,7 +289,7 @@ Evidence gather(const cv::Mat& lumen, const cv::Mat& asSeen, const cv::Mat& even
   const cv::Mat away = lookAtWalls(lumen, e);
   lookAtEdges(lumen, even, contrastOf(even), e);
   lookForSpots(lumen, even, away, e);
-  lookAtLumens(lumen, e);
+  lookAtLumens(lumen, away, e);
   lookForGaps(pieces, static_cast<double>(lumen.total()), e);
   return e;
 }

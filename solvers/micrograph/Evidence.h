@@ -23,6 +23,7 @@ struct Evidence
   std::vector<GreyClass> evenClasses;
   double wallThickness = 0;      ///< median between neighbouring lumens
   double wallShareThick = 0;     ///< of the walls, in places that hold a disk five times as wide as the thinner walls
+  std::int64_t blind = 0;        ///< places within the walls where one of the narrower lumens would fit with its wall
   double edgeWidth = 0;          ///< over which the mean edge goes from 10 to 90 % of its height
   double lumenWidth = 0;         ///< median of the widest disks in lumens
   std::int64_t spots = 0;        ///< bright tops in the walls: lumens that are too small to be seen

@@ -3,10 +3,10 @@
 #include "micrograph/Probe.h"
 
 #include "lattice/Error.h"
+#include "lattice/PartFile.h"
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -197,24 +197,21 @@ void tiff(std::ostream& out, const PhaseImage& image, std::span<const std::uint8
 void writeWhole(const fs::path& path, const std::function<void(std::ostream&)>& write)
 {
   // In the same folder, so that taking the name is one step that cannot be seen half done.
-  const fs::path temporary = path.parent_path() / fmt::format(".{}.{}.part", path.filename().string(), ::getpid());
-  struct Remove
+  PartFile part(path);
+  const auto cannot = [&](int error)
   {
-    const fs::path& file;
-    ~Remove()
+    if (error == ECANCELED)
     {
-      std::error_code ignored;
-      fs::remove(file, ignored);
+      throw Cancelled();
     }
+    throw Error(fmt::format("'{}' cannot be written: {}", path.string(), std::generic_category().message(error)),
+      "choose a folder that exists and that you may write to, and another name");
   };
-  errno = 0;
-  std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-  if (!out)
+  if (part.error() != 0)
   {
-    throw Error(fmt::format("'{}' cannot be written: {}", path.string(), std::generic_category().message(errno)),
-      "choose a folder that exists and that you may write to");
+    cannot(part.error());
   }
-  const Remove remove{ temporary };
+  std::ofstream out(part.path(), std::ios::binary | std::ios::trunc);
   write(out);
   errno = 0;
   out.close();
@@ -224,11 +221,9 @@ void writeWhole(const fs::path& path, const std::function<void(std::ostream&)>& 
     throw Error(fmt::format("'{}' cannot be written whole: {}", path.string(), reason),
       "make room on the disk or choose another folder; nothing was left behind");
   }
-  std::error_code failure;
-  fs::rename(temporary, path, failure);
-  if (failure)
+  if (const int error = part.take(path); error != 0)
   {
-    throw Error(fmt::format("'{}' cannot be written: {}", path.string(), failure.message()), "choose another name");
+    cannot(error);
   }
 }
 

@@ -578,13 +578,16 @@ void PointCompression<Dim>::restore()
   rows_.pop_back();
   std::copy(began.begin(), began.end(), from_.begin());
   speed_ = c.number("speed");
-  halfRows_ = static_cast<std::int64_t>(c.number("half rows"));
-  slowdowns_ = static_cast<std::int64_t>(c.number("slowdowns"));
-  const auto since = [&](const char* name) // of what earlier versions did not write
-  { return c.numbers.contains(name) ? c.number(name) : 0; };
-  lookAt_ = static_cast<std::int64_t>(since("next look"));
-  sortedAt_ = static_cast<std::int64_t>(since("last sorting"));
-  until_ = since("until");
+  c.expectFinite("speed");
+  halfRows_ = c.count("half rows");
+  slowdowns_ = c.count("slowdowns");
+  if (c.numbers.contains("until")) // earlier versions had none of these
+  {
+    c.expectFinite("until");
+    lookAt_ = c.count("next look");
+    sortedAt_ = c.count("last sorting");
+    until_ = c.number("until");
+  }
   savedAt_ = body_->steps();
   const auto gone = std::count_if(options_.atStrains.begin(), options_.atStrains.end(),
     [&](double e) { return e < strain() - close * options_.strain; });

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -83,6 +84,32 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
     ids.size() != count || sides.size() != static_cast<std::size_t>(Dim * 2 * valuesASide) ||
     cells.size() != static_cast<std::size_t>(Dim))
     throw InputError(fmt::format("the checkpoint is not of {} material points", count), "start the run anew");
+  for (const char* const name : { "points", "sides", "time", "step", "last step", "wave factor" })
+    checkpoint.expectFinite(name);
+  // of this run's own points; on several ranks each has a share, and none may have all phases
+  const auto own = std::max_element(points_.phase().begin(), points_.phase().end());
+  const std::int64_t mostPhases =
+    1 + static_cast<std::int64_t>(options_.comm.max(own == points_.phase().end() ? 0.0 : static_cast<double>(*own)));
+  for (std::size_t p = 0; p < count; ++p)
+    if (phases[p] < 0 || phases[p] >= mostPhases || ids[p] < 0 || ids[p] >= count_)
+      throw InputError(
+        fmt::format("the checkpoint's material point {} has phase {} and number {}", p, phases[p], ids[p]),
+        "start the run anew");
+  for (int a = 0; a < Dim; ++a)
+  {
+    const auto axis = static_cast<std::size_t>(a);
+    const double low = sides[axis * 2 * valuesASide];
+    const double high = sides[(axis * 2 + 1) * valuesASide];
+    const double room = high - low;
+    bool inside = room > 0 && cells[axis] > 0 && cells[axis] <= 4 * std::int64_t{ grid_.axis(a).cells } + 16;
+    for (std::size_t p = 0; p < count && inside; ++p) // a rim of cells lies around the sides
+      inside = columns[axis * count + p] > low - room && columns[axis * count + p] < high + room;
+    if (!inside)
+      throw InputError(
+        fmt::format("the checkpoint's box is {} cells from {} to {} along {}, and not that of its points", cells[axis],
+          low, high, "xyz"[axis]),
+        "start the run anew");
+  }
   // a share on each rank; the first step sends them where they belong
   const auto rank = static_cast<std::size_t>(options_.comm.rank());
   const auto ranks = static_cast<std::size_t>(options_.comm.size());
@@ -110,7 +137,7 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
   }
   grid_.set(axes); // the number of cells: the rest is laid from the sides
   layGrid(false);
-  step_ = static_cast<std::int64_t>(checkpoint.number("steps"));
+  step_ = checkpoint.count("steps");
   time_ = checkpoint.number("time");
   dt_ = checkpoint.number("step");
   before_ = checkpoint.number("last step");
@@ -120,7 +147,8 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
   startMoment_ = rank == 0 ? checkpoint.number("initial moment") : 0;
   if (checkpoint.numbers.contains("even step")) // earlier versions had none of these
   {
-    evenTo_ = static_cast<std::int64_t>(checkpoint.number("even steps to"));
+    checkpoint.expectFinite("even step");
+    evenTo_ = checkpoint.count("even steps to");
     evenStep_ = checkpoint.number("even step");
   }
   if (checkpoint.arrays.contains("wave"))

@@ -19,6 +19,36 @@ namespace
 constexpr double smallestRadius = 1e-15;
 constexpr double largestRadius = 1e6;
 constexpr double farthestCentre = 1e9;
+// In mean diameters. A lattice that holds both sides of such a gap has nodes by the billion, or its grains none.
+constexpr double widestGap = 1000;
+
+/// Refuses a packing that is torn in two along an axis: what is far away is a slip of the decimal point, or of units.
+void requireTogether(const Packing& p, double mean)
+{
+  for (std::size_t axis = 0; axis < static_cast<std::size_t>(p.dimension); ++axis)
+  {
+    std::vector<std::size_t> order(p.count());
+    std::iota(order.begin(), order.end(), std::size_t{ 0 });
+    const auto low = [&](std::size_t i) { return p.centre[i][axis] - p.radius[i]; };
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return low(a) < low(b); });
+    double end = -std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < order.size(); ++k)
+    {
+      const std::size_t i = order[k];
+      if (k > 0 && low(i) - end > widestGap * mean)
+      {
+        const std::size_t few = std::min(k, order.size() - k);
+        throw InputError(fmt::format("{} {} {:.3g} mean diameters away from the others, along {}",
+                           few == 1 ? fmt::format("grain {}", (k == 1 ? order.front() : order.back()) + 1)
+                                    : fmt::format("{} of {} grains", few, order.size()),
+                           few == 1 ? "lies" : "lie", (low(i) - end) / mean, "xyz"[axis]),
+          fmt::format(
+            "gaps up to {:g} are taken; are its coordinates right, and in the unit of the others?", widestGap));
+      }
+      end = std::max(end, p.centre[i][axis] + p.radius[i]);
+    }
+  }
+}
 
 } // namespace
 
@@ -78,6 +108,7 @@ Packing packingOf(int dimension, std::span<const std::array<double, 3>> centre, 
     p.centre.push_back(c);
     p.radius.push_back(radius[i]);
   }
+  requireTogether(p, mean);
 
   // Sorted along the last axis, a grain meets only those within its reach.
   const std::size_t axis = axes - 1;

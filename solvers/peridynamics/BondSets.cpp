@@ -1,5 +1,7 @@
 #include "peridynamics/BondSets.h"
 
+#include <algorithm>
+
 namespace lamella::peridynamics
 {
 namespace
@@ -58,14 +60,20 @@ void joinFar(const BondLattice& bonds, Sets& sets)
         {
           if (half[o].length < nearby)
             continue;
-          const std::int64_t* from = &sets.at(begin);
-          const std::int64_t* to = from + bonds.jump(static_cast<int>(o));
+          // the rim's bonds may lead out of the layout: there are none such, but they must not be looked up either
+          const std::int64_t jump = bonds.jump(static_cast<int>(o));
+          const std::int64_t first = std::max(begin, -jump);
+          const std::int64_t end = std::min(begin + 16, l.count() - jump);
+          if (first >= end)
+            continue;
+          const std::int64_t* from = &sets.at(first);
+          const std::int64_t* to = &sets.at(first + jump);
           std::int64_t differ = 0;
-          for (int i = 0; i < 16; ++i)
+          for (std::int64_t i = 0; i < end - first; ++i)
             differ |= from[i] ^ to[i];
-          for (std::int64_t i = begin; differ != 0 && i < begin + 16; ++i)
+          for (std::int64_t i = first; differ != 0 && i < end; ++i)
             if (bonds.kind(i, static_cast<int>(o)) != 0)
-              sets.join(i, i + bonds.jump(static_cast<int>(o)));
+              sets.join(i, i + jump);
         }
       }
     });

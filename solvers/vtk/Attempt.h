@@ -7,6 +7,7 @@
 #include "vtkObject.h"
 
 #include <exception>
+#include <new>
 
 /// Helper of the sources and filters; not installed.
 namespace lamella
@@ -73,6 +74,11 @@ template <typename Action>
   {
     keep(failureOf(error));
     vtkErrorWithObjectMacro(self, << error.what() << "\nhint: " << error.hint());
+  }
+  catch (const std::bad_alloc&)
+  {
+    keep(Failure::Memory);
+    vtkErrorWithObjectMacro(self, << "there is not enough memory\nhint: take a smaller part or a coarser lattice");
   }
   catch (const std::exception& error)
   {

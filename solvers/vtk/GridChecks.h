@@ -2,27 +2,32 @@
 
 #include "vtkLamellaSolversVTKModule.h" // for the export macro
 
+#include <array>
+#include <optional>
 #include <string>
 
-class vtkPolyData;
-class vtkUnstructuredGrid;
+class vtkPointSet;
 class vtkXMLReader;
 
-/// What VTK's readers take on trust. They take memory for as many points as a file says it has, and end the program
-/// where there is not so much; and they hand on cells of points that are not there, which whoever draws them does not
-/// survive.
+/// Every .vti, .vtp and .vtu that is read goes through these two. What VTK does with a file that is damaged: see
+/// XmlArrays.h.
 namespace lamella
 {
 
-/// Reads what the file says of itself, and refuses sizes that its bytes cannot hold, an image without points, and a
-/// spacing or an origin that is no length. Cheap: no values are read. A file that cannot be understood at all is left
-/// to the reader, whose Update() fails.
-/// @param reader knows its file's name
+/// Reads what the file says of itself, and refuses one in which something is wrong: sizes that its bytes cannot hold,
+/// an image without points, a spacing or an origin that is no length, arrays that have not what they are said to have
+/// (XmlChecks.h).
+/// @param reader of GridReaders.h; knows its file's name
 /// @throws InputError, MemoryError
 VTKLAMELLASOLVERSVTK_EXPORT void requireReadable(vtkXMLReader* reader, const std::string& path);
 
-/// Refuses cells of points that are not there. @throws InputError
-VTKLAMELLASOLVERSVTK_EXPORT void requireSoundCells(vtkPolyData* data, const std::string& path);
-VTKLAMELLASOLVERSVTK_EXPORT void requireSoundCells(vtkUnstructuredGrid* data, const std::string& path);
+/// Reads all of it, or of an image this extent, after requireReadable(). Refuses what could not be read whole, and what
+/// requireSound() refuses. Nothing is printed. @throws InputError
+VTKLAMELLASOLVERSVTK_EXPORT void update(
+  vtkXMLReader* reader, const std::string& path, const std::optional<std::array<int, 6>>& extent = {});
+
+/// Refuses cells of points that are not there or of other numbers of points than their type has, and points that are
+/// nowhere. @throws InputError
+VTKLAMELLASOLVERSVTK_EXPORT void requireSound(vtkPointSet* data, const std::string& path);
 
 } // namespace lamella

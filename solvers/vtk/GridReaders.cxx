@@ -1,26 +1,21 @@
 #include "GridReaders.h"
 
 #include "GridChecks.h"
+#include "GridParser.h"
 #include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
 
-#include "vtkCallbackCommand.h"
 #include "vtkDataObject.h"
 #include "vtkInformation.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
-#include "vtkXMLDataParser.h"
 #include "vtkXMLImageDataReader.h"
 #include "vtkXMLPolyDataReader.h"
 #include "vtkXMLUnstructuredGridReader.h"
 
-#include <dlfcn.h>
-
 #include <algorithm>
-
 #include <filesystem>
 
 namespace lamella
@@ -29,48 +24,21 @@ namespace lamella
 namespace
 {
 
-/// Tells Expat to parse what it has; a release that always did so has no such function.
-void parseAtOnce(void* parser)
-{
-  using Setter = unsigned char (*)(void* parser, unsigned char enabled);
-  static const auto set = []() -> Setter
-  {
-    void* const expat = ::dlopen("libexpat.so.1", RTLD_LAZY | RTLD_NOLOAD); // VTK has loaded it
-    return expat != nullptr ? reinterpret_cast<Setter>(::dlsym(expat, "XML_SetReparseDeferralEnabled")) : nullptr;
-  }();
-  if (set != nullptr)
-  {
-    set(parser, 0);
-  }
-}
-
-class PromptParser : public vtkXMLDataParser
-{
-public:
-  static PromptParser* New();
-  vtkTypeMacro(PromptParser, vtkXMLDataParser);
-
-protected:
-  int ParseXML() override // Expat's parser is there by now and has read nothing
-  {
-    parseAtOnce(this->Parser);
-    return this->Superclass::ParseXML();
-  }
-};
-vtkStandardNewMacro(PromptParser);
-
 template <typename Base>
-class PromptReader : public Base
+class CheckedReader : public Base
 {
 public:
-  static PromptReader* New() { VTK_STANDARD_NEW_BODY(PromptReader); }
+  static CheckedReader* New() { VTK_STANDARD_NEW_BODY(CheckedReader); }
 
 protected:
   void CreateXMLParser() override
   {
     if (this->XMLParser == nullptr) // else the reader's own complaint about that
     {
-      this->XMLParser = PromptParser::New();
+      GridParser* const parser = GridParser::New();
+      parser->Kind = this->GetDataSetName();
+      parser->Path = this->GetFileName() == nullptr ? "" : this->GetFileName();
+      this->XMLParser = parser;
       return;
     }
     this->Base::CreateXMLParser();
@@ -81,17 +49,17 @@ protected:
 
 vtkSmartPointer<vtkXMLImageDataReader> newImageReader()
 {
-  return vtkSmartPointer<PromptReader<vtkXMLImageDataReader>>::New();
+  return vtkSmartPointer<CheckedReader<vtkXMLImageDataReader>>::New();
 }
 
 vtkSmartPointer<vtkXMLPolyDataReader> newPolyDataReader()
 {
-  return vtkSmartPointer<PromptReader<vtkXMLPolyDataReader>>::New();
+  return vtkSmartPointer<CheckedReader<vtkXMLPolyDataReader>>::New();
 }
 
 vtkSmartPointer<vtkXMLUnstructuredGridReader> newUnstructuredGridReader()
 {
-  return vtkSmartPointer<PromptReader<vtkXMLUnstructuredGridReader>>::New();
+  return vtkSmartPointer<CheckedReader<vtkXMLUnstructuredGridReader>>::New();
 }
 
 std::string endingOf(const char* fileName)
@@ -112,17 +80,13 @@ void readPolyData(const std::string& path, vtkPolyData* data)
     throw InputError("there is no file '" + path + "'", "check the name and the folder");
   }
   const auto reader = newPolyDataReader();
-  vtkNew<vtkCallbackCommand> silence; // said in our words
-  silence->SetCallback([](vtkObject*, unsigned long, void*, void*) {});
-  reader->AddObserver(vtkCommand::ErrorEvent, silence);
   reader->SetFileName(path.c_str());
   if (reader->CanReadFile(path.c_str()) == 0)
   {
     throw InputError("'" + path + "' is not a whole .vtp file", "make or copy it again");
   }
   requireReadable(reader, path);
-  reader->Update();
-  requireSoundCells(reader->GetOutput(), path);
+  update(reader, path);
   data->ShallowCopy(reader->GetOutput());
 }
 

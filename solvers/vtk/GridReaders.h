@@ -14,7 +14,9 @@ class vtkXMLImageDataReader;
 class vtkXMLPolyDataReader;
 class vtkXMLUnstructuredGridReader;
 
-/// VTK's readers of .vti, .vtp and .vtu files, for files with "appended" data too.
+/// VTK's readers of .vti, .vtp and .vtu files, for files with "appended" data too, and for damaged ones: nothing of a
+/// file reaches VTK before all of it was looked at (GridParser.h). Where something is wrong the reader has no output;
+/// requireReadable() says why (GridChecks.h).
 ///
 /// Expat 2.6, and Debian 12's 2.5.0-1+deb12u2, which has the same remedy for CVE-2023-52425, put off parsing until much
 /// text has come in. VTK 9.2 does not expect that: it reads on into appended data, takes them for XML and fails.

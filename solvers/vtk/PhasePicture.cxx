@@ -6,10 +6,8 @@
 
 #include "lattice/Error.h"
 
-#include "vtkCallbackCommand.h"
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
-#include "vtkExecutive.h"
 #include "vtkImageData.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
@@ -49,33 +47,23 @@ vtkSmartPointer<vtkImageData> readVti(const fs::path& path, const micrograph::Re
   {
     throw InputError(path.string() + " is empty", "write the file again");
   }
-  // The reader prints what it finds wrong; we say it once and in one way.
-  vtkNew<vtkCallbackCommand> silence;
-  bool failed = false;
-  silence->SetClientData(&failed);
-  silence->SetCallback([](vtkObject*, unsigned long, void* flag, void*) { *static_cast<bool*>(flag) = true; });
   const auto reader = newImageReader();
-  reader->AddObserver(vtkCommand::ErrorEvent, silence);
-  reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, silence);
-  reader->SetReaderErrorObserver(silence);
-  reader->SetParserErrorObserver(silence);
   reader->SetFileName(path.c_str());
-  requireReadable(reader, path.string());
-  if (options.sizeKnown)
-  {
-    if (const auto lattice = latticeInFile(reader); lattice && !failed)
-    {
-      options.sizeKnown(*lattice);
-    }
-  }
-  reader->Update();
-  vtkSmartPointer<vtkImageData> image = reader->GetOutput();
-  if (failed || reader->GetErrorCode() != 0 || image->GetNumberOfPoints() == 0)
+  if (reader->CanReadFile(path.c_str()) == 0)
   {
     throw InputError(
       "'" + path.string() + "' is not a whole .vti file", "make or copy it again; it must be VTK XML image data");
   }
-  return image;
+  requireReadable(reader, path.string());
+  if (options.sizeKnown)
+  {
+    if (const auto lattice = latticeInFile(reader); lattice)
+    {
+      options.sizeKnown(*lattice);
+    }
+  }
+  update(reader, path.string());
+  return reader->GetOutput();
 }
 
 struct ImageArray

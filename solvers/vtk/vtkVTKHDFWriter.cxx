@@ -6,6 +6,7 @@
 
 #include "io/Hdf5.h"
 #include "lattice/Error.h"
+#include "lattice/PartFile.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -28,7 +29,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <map>
 #include <numeric>
 #include <string>
@@ -359,8 +359,8 @@ struct vtkVTKHDFWriter::File
 {
   explicit File(const char* name)
     : Name(name)
-    , Part(Name + ".part")
-    , Id(H5Fcreate(Part.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose)
+    , Part(Name)
+    , Id(H5Fcreate(Part.path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose)
     , Root(newGroup(Id, "VTKHDF"))
   {
     writeNumbers<long>(this->Root, "Version", H5T_NATIVE_LONG, { 1, 0 });
@@ -370,7 +370,7 @@ struct vtkVTKHDFWriter::File
   bool Close()
   {
     this->Sets.clear();
-    return this->Root.finish() && this->Id.finish() && std::rename(this->Part.c_str(), this->Name.c_str()) == 0;
+    return this->Root.finish() && this->Id.finish() && this->Part.take(this->Name) == 0;
   }
 
   /// Makes the datasets of an image; their values come with the slabs.
@@ -379,7 +379,7 @@ struct vtkVTKHDFWriter::File
   void WriteLayers(vtkImageData* image, int first, int last);
 
   std::string Name;
-  std::string Part; ///< beside it, until it is whole: what had the name stays where nothing comes of this
+  lamella::PartFile Part; ///< beside it, until it is whole: what had the name stays where nothing comes of this
   Handle Id;
   Handle Root;
   std::array<int, 6> Whole{};
@@ -488,9 +488,7 @@ void vtkVTKHDFWriter::Discard()
   if (this->Open)
   {
     const Quiet quiet;
-    const std::string part = this->Open->Part;
     this->Open.reset();
-    std::remove(part.c_str());
   }
 }
 

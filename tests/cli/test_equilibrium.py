@@ -1,5 +1,7 @@
 """lamella equilibrium: numbers, fields, several ranks, grains and windows of a .vti; what is refused."""
 
+import os
+import re
 import unittest
 
 import pictures
@@ -127,6 +129,26 @@ class Equilibrium(Case):
             self.assertAlmostEqual(other["elastic_energy"] / one["elastic_energy"], 1, places=9)
             self.assertEqual(other["bonds"], one["bonds"])
             self.assertEqual(other["warnings"], one["warnings"])
+
+    def test_waiting_threads_sleep(self):
+        # GNU's OpenMP library spins for milliseconds while threads wait, unless told before it is loaded; beside other
+        # programs two threads were then many times slower than one. What the user says counts, and one thread waits for none.
+        words = [*BAR, "--young", "stone=1", "--quiet"]
+        if {"GOMP_SPINCOUNT", "OMP_WAIT_POLICY"} & set(os.environ):
+            self.skipTest("the environment says how threads wait")
+
+        def spins(*more, **given):
+            told = self.run_lamella(*words, *more, environment={"OMP_DISPLAY_ENV": "VERBOSE", **given}).err
+            found = re.findall(r"GOMP_SPINCOUNT = '(\d+)'", told)
+            return int(found[-1]) if found else None
+
+        if spins() is None:
+            self.skipTest("another OpenMP library, which tells nothing of its spins")
+        self.assertGreater(spins(), 10000)
+        self.assertEqual(spins("--threads", "2"), 300)
+        self.assertEqual(spins("--threads=2"), 300)
+        self.assertEqual(spins("--threads", "2", GOMP_SPINCOUNT="77"), 77)
+        self.assertEqual(spins("--threads", "2", OMP_WAIT_POLICY="passive"), 0)
 
     def test_warnings(self):
         result = self.run_lamella(*BAR, "--young", "stone=1", "--horizon", "2", "--json")

@@ -91,6 +91,16 @@ TEST(SegmentationDoubts, TheReasonIsNamed)
   }
 }
 
+// Few filled cells, 5 and 7 % of the picture, most of them cut by its border: too little wall to be told by its share.
+TEST(SegmentationDoubts, AFewFilledCellsAreSeen)
+{
+  for (const std::uint64_t seed : { 4008U, 4013U })
+  {
+    const Segmentation result = segment(kinds::draw(Kind::Pith, seed, true).picture);
+    EXPECT_TRUE(doubts(result, Doubt::Filled)) << "seed " << seed;
+  }
+}
+
 // Far from the tissue the slide is evened out into wall, so that it touches two sides of the picture, not three.
 TEST(SegmentationDoubts, SlideBesideTissueIsNeverTakenInSilence)
 {

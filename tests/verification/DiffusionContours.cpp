@@ -302,9 +302,9 @@ TEST(DiffusionContours, BarsOfMasks)
 TEST(DiffusionContours, ErrorOfOutlines)
 {
   EXPECT_NEAR(
-    outlineError(2, std::vector<SubsampleValues>{ { 2, { 2.2, 1.8, 2.2, 1.8 } } }), 1.8 * 0.1 / std::sqrt(7), 1e-12);
+    outlineError(2, std::vector<SubsampleValues>{ { 2, { 2.2, 1.8, 2.2, 1.8 } } }), 2.1 * 0.1 / std::sqrt(7), 1e-12);
   EXPECT_NEAR(outlineError(2, std::vector<SubsampleValues>{ { 2, { 2.2, 1.8 } }, { 3, { 2.0, 0.0 } } }),
-    1.8 * std::sqrt(0.75 * 0.01 / 7 + 0.25 * 0.5 / 26), 1e-12);
+    2.1 * std::sqrt(0.75 * 0.01 / 7 + 0.25 * 0.5 / 26), 1e-12);
   EXPECT_EQ(outlineError(2, std::vector<SubsampleValues>{ { 2, { 2, 2 } }, { 3, {} } }), 0);
   EXPECT_TRUE(std::isnan(outlineError(2, std::vector<SubsampleValues>{ { 2, { 2.1 } }, { 3, { 2, 3 } } })));
 }

@@ -75,6 +75,7 @@ TEST(Ranks, GiveTheSame2D)
         compare(noise(64, 97, 1, 0.8, 3), { 0.0, 1.0 }, { .axis = axis, .sides = sides, .diagonal = diagonal });
       }
   compare(noise(61, 47, 1, 0.5, 3), { 0.1, 1.0 }, { .axis = 1 });
+  compare(noise(61, 147, 1, 0.5, 3), { 0.1, 1.0 }, { .axis = 1, .sides = lbm::Sides::Periodic });
 }
 
 TEST(Ranks, GiveTheSame3D)
@@ -87,6 +88,7 @@ TEST(Ranks, GiveTheSame3D)
         compare(noise(13, 12, 11, 0.6, 3), { 0.0, 1.0 }, { .axis = axis, .sides = sides, .diagonal = diagonal });
       }
   compare(noise(20, 2, 33, 0.5, 3), { 0.1, 1.0 }, { .axis = 1 });
+  compare(noise(25, 31, 45, 0.5, 3), { 0.1, 1.0 }, { .axis = 1, .sides = lbm::Sides::Periodic });
 }
 
 } // namespace

@@ -6,6 +6,7 @@
 #include "GridChecks.h"
 #include "GridReaders.h"
 #include "io/Hdf5.h"
+#include "io/Survives.h"
 #include "lattice/Error.h"
 #include "vtkLatticeConversion.h"
 #include "vtkVTKHDFWriter.h"
@@ -182,10 +183,6 @@ public:
     reader_->SetFileName(path.c_str());
     requireReadable(reader_, path);
     reader_->GetOutputInformation(0)->Get(Pipeline::WHOLE_EXTENT(), extent_.data());
-    if (!VtkMessages::takeErrors().empty() || extent_[5] < extent_[4])
-    {
-      damaged(path, ".vti");
-    }
   }
 
   vtkSmartPointer<vtkImageData> read(int first, int last) override
@@ -193,16 +190,12 @@ public:
     auto extent = extent_;
     extent[4] = first;
     extent[5] = last;
-    (void)VtkMessages::takeErrors();
-    static_cast<vtkAlgorithm*>(reader_)->UpdateExtent(extent.data()); // the reader has a member of this name
-    auto errors = VtkMessages::takeErrors();
-    std::erase_if(errors, [](const std::string& e) { return e.find("InformationKey") != std::string::npos; });
-    (void)VtkMessages::takeWarnings();
+    update(reader_, path_, extent);
     auto slab = vtkSmartPointer<vtkImageData>::New();
     slab->ShallowCopy(reader_->GetOutput());
     int held[6];
     slab->GetExtent(held);
-    if (!errors.empty() || reader_->GetErrorCode() != vtkErrorCode::NoError || held[4] > first || held[5] < last)
+    if (held[4] > first || held[5] < last)
     {
       damaged(path_, ".vti");
     }
@@ -293,13 +286,17 @@ vtkSmartPointer<vtkAbstractArray> readField(hid_t group, const std::string& name
 {
   namespace hdf5 = io::hdf5;
   const hdf5::Handle set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
+  const std::size_t count = hdf5::countStored(set);
   const hdf5::Handle stored(H5Dget_type(set), H5Tclose);
   const hdf5::Handle space(H5Dget_space(set), H5Sclose);
   std::array<hsize_t, 2> shape{ 1, 1 };
-  if (H5Sget_simple_extent_ndims(space) > 2 || H5Sget_simple_extent_dims(space, shape.data(), nullptr) < 0)
+  const int axes = H5Sget_simple_extent_ndims(space);
+  constexpr std::size_t most = std::size_t{ 1 } << 26; // of what describes a grid
+  if (axes > 2 || H5Sget_simple_extent_dims(space, shape.data(), nullptr) < 0)
   {
     return nullptr;
   }
+  hdf5::good(count <= most && (count == 0 || shape[1] <= 9999) ? 0 : -1);
   vtkSmartPointer<vtkAbstractArray> array;
   if (H5Tis_variable_str(stored) > 0)
   {
@@ -358,7 +355,7 @@ void readHeader(const std::string& path, HdfHeader& header)
     const hdf5::Handle root(H5Gopen2(file, "VTKHDF", H5P_DEFAULT), H5Gclose);
     std::array<std::int64_t, 2> version{};
     const hdf5::Handle attribute(H5Aopen(root, "Version", H5P_DEFAULT), H5Aclose);
-    hdf5::good(H5Aread(attribute, H5T_NATIVE_INT64, version.data()));
+    hdf5::readNumbers(attribute, H5T_NATIVE_INT64, version.size(), version.data());
     if (version[0] > 1)
     {
       throw InputError(
@@ -429,7 +426,21 @@ public:
       this->numbers("axes", H5T_NATIVE_INT, axes_);
       this->turnBack();
     }
-    if (extent_[1] < extent_[0] || extent_[3] < extent_[2] || extent_[5] < extent_[4])
+    constexpr double longest = 1e30; // metres, as of .vti
+    const auto isLength = [&](double value) { return std::abs(value) <= longest; };
+    double points = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      points *= static_cast<double>(extent_[2 * axis + 1]) - static_cast<double>(extent_[2 * axis]) + 1;
+      constexpr int farthest = 1 << 30; // a difference is an int, too
+      if (extent_[2 * axis + 1] < extent_[2 * axis] || std::abs(double{ 1 } * extent_[2 * axis]) > farthest ||
+        std::abs(double{ 1 } * extent_[2 * axis + 1]) > farthest || !(spacing_[axis] >= 1 / longest))
+      {
+        damaged(path, "VTKHDF");
+      }
+    }
+    if (points > 0x1p53 || !std::ranges::all_of(spacing_, isLength) || !std::ranges::all_of(origin_, isLength) ||
+      !std::ranges::all_of(direction_, [](double value) { return std::abs(value) <= 1; }))
     {
       damaged(path, "VTKHDF");
     }
@@ -488,12 +499,7 @@ private:
   void numbers(const char* name, hid_t type, Array& to)
   {
     const io::hdf5::Handle attribute(H5Aopen(root_, name, H5P_DEFAULT), H5Aclose);
-    const io::hdf5::Handle space(H5Aget_space(attribute), H5Sclose);
-    if (H5Sget_simple_extent_npoints(space) != static_cast<hssize_t>(to.size()))
-    {
-      damaged(path_, "VTKHDF");
-    }
-    io::hdf5::good(H5Aread(attribute, type, to.data()));
+    io::hdf5::readNumbers(attribute, type, to.size(), to.data());
   }
 
   /// From the file's axes to the image's, as vtkVTKHDFWriter turned them.
@@ -533,6 +539,7 @@ private:
     io::hdf5::Handle handle(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
     const io::hdf5::Handle type(H5Dget_type(handle), H5Tclose);
     const io::hdf5::Handle space(H5Dget_space(handle), H5Sclose);
+    static_cast<void>(io::hdf5::countStored(handle));
     std::array<hsize_t, 4> shape{};
     const int axes = H5Sget_simple_extent_ndims(space);
     if (axes < 1 || axes > 4 || H5Sget_simple_extent_dims(space, shape.data(), nullptr) < 0 || numberType(type) == 0)
@@ -614,6 +621,32 @@ private:
 
 } // namespace
 
+namespace
+{
+
+/// Everything that HDF5 looks at before it reads values.
+void lookThrough(const std::string& path)
+{
+  HdfHeader header;
+  readHeader(path, header);
+  const io::hdf5::Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  io::hdf5::good(H5Ovisit(
+    file, H5_INDEX_NAME, H5_ITER_NATIVE,
+    [](hid_t at, const char* name, const H5O_info_t* info, void*) -> herr_t
+    {
+      if (info->type == H5O_TYPE_DATASET)
+      {
+        const hid_t set = H5Dopen2(at, name, H5P_DEFAULT);
+        static_cast<void>(H5Dget_storage_size(set)); // walks through the list of chunks
+        H5Dclose(set);
+      }
+      return 0;
+    },
+    nullptr));
+}
+
+} // namespace
+
 Step openXml(const std::string& path)
 {
   requireFile(path);
@@ -629,6 +662,10 @@ Step openHdf(const std::string& path)
   requireFile(path);
   const io::hdf5::Quiet quiet;
   HdfHeader header;
+  if (!io::survives([&] { lookThrough(path); }))
+  {
+    damaged(path, "VTKHDF");
+  }
   readHeader(path, header);
   if (header.type == "ImageData")
   {
@@ -653,13 +690,17 @@ Step openHdf(const std::string& path)
   vtkNew<vtkHDFReader> reader;
   reader->SetFileName(path.c_str());
   (void)VtkMessages::takeErrors();
+  if (!io::survives([&] { reader->Update(); })) // VTK's reader believes the numbers of points and cells
+  {
+    damaged(path, "VTKHDF");
+  }
   reader->Update();
   auto* const grid = vtkUnstructuredGrid::SafeDownCast(reader->GetOutputAsDataSet());
   if (!VtkMessages::takeErrors().empty() || grid == nullptr)
   {
     damaged(path, "VTKHDF");
   }
-  requireSoundCells(grid, path);
+  requireSound(grid, path);
   describeArrays(grid, header.described);
   return { .points = grid };
 }

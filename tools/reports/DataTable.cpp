@@ -48,8 +48,14 @@ DataTable::DataTable(const fs::path& path)
   : table_(checked(path), "a table begins with a line of names, and has one line a row")
   , name_(path.filename().string())
 {
-  std::ifstream beside(path.string() + ".json");
-  const auto json = beside ? nlohmann::json::parse(beside, nullptr, false) : nlohmann::json();
+  const fs::path record = path.string() + ".json";
+  std::error_code none;
+  std::ifstream beside;
+  if (!fs::is_symlink(record, none)) // it may lead out of the folder (Folder.h)
+  {
+    beside.open(record);
+  }
+  const auto json = beside.is_open() ? nlohmann::json::parse(beside, nullptr, false) : nlohmann::json();
   if (!json.is_object() || !json.contains("columns") || !json["columns"].is_object())
   {
     return;

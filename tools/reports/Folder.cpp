@@ -142,6 +142,19 @@ std::vector<CurvesPlan> curvesOf(const std::string& file, const DataTable& table
 
 } // namespace
 
+fs::path requireWithin(const fs::path& folder, const fs::path& file)
+{
+  std::error_code failed;
+  const fs::path root = fs::canonical(folder, failed);
+  const fs::path real = failed ? fs::path() : fs::weakly_canonical(file, failed);
+  if (failed || std::mismatch(root.begin(), root.end(), real.begin(), real.end()).first != root.end())
+  {
+    throw InputError("'" + file.lexically_relative(folder).string() + "' is a link out of the folder, and not shown",
+      "put the file itself there");
+  }
+  return file;
+}
+
 Found look(const fs::path& folder, const fs::path& own, Problems& problems)
 {
   std::error_code failed;
@@ -166,7 +179,14 @@ Found look(const fs::path& folder, const fs::path& own, Problems& problems)
     }
     else if (!hidden && walk->is_regular_file(none) && !fs::equivalent(walk->path(), own, none))
     {
-      files.push_back(walk->path());
+      try
+      {
+        files.push_back(requireWithin(folder, walk->path()));
+      }
+      catch (const Error& error)
+      {
+        problems.emplace_back(error.what());
+      }
     }
   }
   if (failed)

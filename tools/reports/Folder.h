@@ -34,8 +34,13 @@ struct Found
   std::vector<std::string> notes;                             ///< what was left out, one line each
 };
 
+/// The file, when it lies in the folder, or what it is a link to does: a page must not show what somebody who made a
+/// link there could read and whoever reads the page could not. @throws InputError
+[[nodiscard]] std::filesystem::path requireWithin(
+  const std::filesystem::path& folder, const std::filesystem::path& file);
+
 /// Looks through the folder and three levels below it, in the order of the names. Names that begin with a dot are left
-/// out, and so is `own`, the page itself.
+/// out, and so are `own`, the page itself, and links out of the folder.
 /// @throws InputError when it is no folder, cannot be read, or is empty
 [[nodiscard]] Found look(const std::filesystem::path& folder, const std::filesystem::path& own, Problems& problems);
 

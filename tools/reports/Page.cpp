@@ -84,12 +84,13 @@ private:
       options_.progress(static_cast<double>(done_) / static_cast<double>(std::max<std::size_t>(1, count_)));
     }
   }
+  [[nodiscard]] fs::path placeOf(const std::string& file) const { return requireWithin(folder_, folder_ / file); }
   const DataTable& table(const std::string& file)
   {
     std::unique_ptr<DataTable>& kept = tables_[file];
     if (!kept)
     {
-      kept = std::make_unique<DataTable>(folder_ / file);
+      kept = std::make_unique<DataTable>(placeOf(file));
     }
     return *kept;
   }
@@ -256,7 +257,7 @@ void Writer::writeFigure(const FigurePlan& plan)
 {
   try
   {
-    const EmbeddedPicture picture = embed(folder_ / plan.file, options_.mostWide);
+    const EmbeddedPicture picture = embed(placeOf(plan.file), options_.mostWide);
     ++page_.figures;
     std::string caption = captionOf(plan.number, plan.caption);
     if (picture.scaled())
@@ -595,7 +596,7 @@ PageOfResults pageOf(const fs::path& folder, const fs::path& own, const PageOpti
   const Found found = look(folder, own, result.problems);
   std::error_code none;
   result.ordered = fs::exists(folder / "report.json", none);
-  const Plan plan = result.ordered ? readPlan(folder / "report.json") : planOf(folder, found);
+  const Plan plan = result.ordered ? readPlan(requireWithin(folder, folder / "report.json")) : planOf(folder, found);
   Writer(folder, options, result).write(plan, found);
   return result;
 }

@@ -5,6 +5,7 @@
 #include "Record.h"
 
 #include "io/Provenance.h"
+#include "lattice/PartFile.h"
 
 #include <fstream>
 #include <iterator>
@@ -38,6 +39,24 @@ void makeFolder(const fs::path& folder)
   }
 }
 
+/// Empty, but for what a run leaves that is just beginning or was ended there, or was ended by a full disk: files that
+/// are not whole yet, and a folder for samples without any.
+bool isNew(const fs::path& folder)
+{
+  std::error_code failed;
+  for (fs::directory_iterator at(folder, failed); !failed && at != fs::directory_iterator(); at.increment(failed))
+  {
+    std::error_code ignored;
+    const bool samples = at->path().filename() == "samples" && at->is_directory(ignored) && !at->is_symlink(ignored) &&
+      fs::is_empty(at->path(), ignored);
+    if (!samples && !PartFile::isPart(at->path()))
+    {
+      return fs::exists(folder / marker, ignored); // made meanwhile by another run
+    }
+  }
+  return true;
+}
+
 std::optional<Json> readJson(const fs::path& path)
 {
   std::ifstream file(path, std::ios::binary);
@@ -64,16 +83,17 @@ Results::Results(fs::path folder, const SceneFile& scene, bool make)
     throw OutputError("'" + folder_.string() + "' is a file, not a folder", "choose another one with --results FOLDER");
   }
   const bool ours = fs::exists(folder_ / marker, ignored);
-  if (!ours && fs::exists(folder_, ignored) && !fs::is_empty(folder_, ignored))
+  if (!ours && !isNew(folder_))
   {
     throw OutputError("the folder '" + folder_.string() + "' holds other things than results of lamella run",
       "choose another one with --results FOLDER, or make room");
   }
-  makeFolder(folder_ / "samples");
-  if (!ours)
+  makeFolder(folder_);
+  if (!ours) // before anything else: without it the folder is nobody's
   {
     writeText(folder_ / marker, dump(Json{ { "format", 1 }, { "program", "lamella" }, { "made", io::timestamp() } }));
   }
+  makeFolder(folder_ / "samples");
   writeText(folder_ / "scene.toml", scene.text);
 }
 

@@ -42,17 +42,29 @@ void Multigrid::computeWeights(Level& fine, const Level& coarse) const
         for (int corner = 0; corner < kinds; ++corner)
           if ((corner & ~kind) == 0)
             target[static_cast<std::size_t>(corner)] = layout.at(fine.weights.data(), cellRow, kind, corner);
-        const auto atHighestCorner = [&](std::int64_t x)
+        // A node beyond the last one: a wall's ghost, or the image of the first node, which lies in the next cell.
+        // There it has the parity `axis` less.
+        const auto beyond = [&](std::int64_t x, int axis)
         {
           for (auto* t : target)
             if (t != nullptr)
               t[x] = 0;
-          target[static_cast<std::size_t>(kind)][x] = 65535;
+          const int rest = kind & ~(1 << axis);
+          if (!fine.periodic[static_cast<std::size_t>(axis)] || rest == 0)
+          {
+            target[static_cast<std::size_t>(kind)][x] = 65535;
+            return;
+          }
+          const std::int64_t row = coarse.halo.row(cy + (axis == 1 ? 1 : 0), cz + (axis == 2 ? 1 : 0));
+          for (int corner = 0; corner < kinds; ++corner)
+            if ((corner & ~rest) == 0)
+              target[static_cast<std::size_t>(corner | (1 << axis))][x] =
+                layout.at(fine.weights.data(), row, rest, corner)[x + (axis == 0 ? 1 : 0)];
         };
         if (y >= g.ny || z >= g.nz)
         {
           for (std::int64_t x = 0; x < c.nx; ++x)
-            atHighestCorner(x);
+            beyond(x, y >= g.ny ? 1 : 2);
           continue;
         }
 
@@ -173,7 +185,7 @@ void Multigrid::computeWeights(Level& fine, const Level& coarse) const
             w = static_cast<std::uint16_t>(w + rest[x]);
           }
         for (std::int64_t x = n; x < c.nx; ++x)
-          atHighestCorner(x);
+          beyond(x, 0);
       }
     }
     // neighbours' cells, and the cells round periodic sides
@@ -217,6 +229,14 @@ std::unique_ptr<Level> Multigrid::coarsen(Level& fine) const
   const std::int64_t firstZ = g.dimension == 2 || coarse->halo.inside(2, -1) ? 0 : -1;
   const int kinds = g.dimension == 3 ? 8 : 4;
   const int layers = g.dimension == 3 ? 2 : 1;
+  const int(*directions)[3] = g.dimension == 3 ? directions3 : directions2;
+  // likewise along x, where the kernel takes whole rows
+  const bool oddX = fine.periodic[0] && g.nx % 2 != 0;
+  if (oddX)
+    for (int d = 0; d < fine.directions(); ++d)
+      for (std::int64_t row = 0; directions[d][0] >= 0 && row < g.rows(); ++row)
+        fine.links[static_cast<std::size_t>(d)][static_cast<std::size_t>(Grid::lead + row * g.stride + g.node(g.nx))] =
+          0;
   for (std::int64_t cz = firstZ; cz < c.nz; ++cz)
     for (std::int64_t cy = firstY; cy < c.ny; ++cy)
     {
@@ -230,7 +250,13 @@ std::unique_ptr<Level> Multigrid::coarsen(Level& fine) const
           const std::int64_t z = 2 * cz + bz;
           const bool exists = y >= -1 && y <= g.ny && z >= -g.ghostZ && z < g.nz + g.ghostZ;
           for (int d = 0; exists && d < fine.directions(); ++d)
-            links.link[by][bz][d] = fine.links[static_cast<std::size_t>(d)].data() + g.row(y, z);
+          {
+            // the image of the first row is that row: its links but those back to the last row belong to the first cell
+            const bool image = (by == 1 && y == g.ny && fine.periodic[1] && directions[d][1] >= 0) ||
+              (bz == 1 && z == g.nz && fine.periodic[2]);
+            if (!image)
+              links.link[by][bz][d] = fine.links[static_cast<std::size_t>(d)].data() + g.row(y, z);
+          }
         }
       for (int bz = 0; bz < layers; ++bz)
         for (int by = 0; by < 2; ++by)
@@ -246,6 +272,9 @@ std::unique_ptr<Level> Multigrid::coarsen(Level& fine) const
       kernels().galerkin(g.dimension, fine.straight, fine.periodic[0] ? 0 : -1, c.nx, g.half, links, weights, out);
     }
 
+  if (oddX)
+    for (FloatArray& array : fine.links)
+      fine.exchange(array);
   std::vector<float> natural(static_cast<std::size_t>(c.nx + 2));
   for (FloatArray& array : coarse->links)
   {

@@ -20,7 +20,7 @@ void Level::allocateLinks(int count)
 
 void Level::wrapRow(float* row) const noexcept
 {
-  // nodes nx and -1; an odd row has no coarser level, but it is multiplied by
+  // nodes nx and -1
   row[grid.node(grid.nx)] = row[0];
   row[grid.half - 1] = row[grid.node(grid.nx - 1)];
 }
@@ -39,7 +39,7 @@ bool canHalve(const std::array<std::int64_t, 3>& size, const std::array<bool, 3>
   if (size[0] * size[1] * size[2] <= coarsestNodes)
     return false;
   for (int a = 0; a < 3; ++a)
-    if (periodic[a] && (size[a] % 2 != 0 || size[a] < 4))
+    if (periodic[a] && size[a] < 3)
       return false;
   return true;
 }

@@ -50,6 +50,15 @@ void relaxRow(
     level.wrapRow(u.data() + g.row(y, z));
 }
 
+/// Where an odd number of nodes begins again, nodes of one colour are neighbours.
+bool coloursMeet(const Level& level)
+{
+  bool meet = false;
+  for (std::size_t a = 0; a < 3; ++a)
+    meet = meet || (level.periodic[a] && level.size[a] % 2 != 0);
+  return meet;
+}
+
 } // namespace
 
 bool touching(const Level& level, int axis)
@@ -68,6 +77,8 @@ LayerSweep::LayerSweep(
   , touching_(lbm::touching(level, level.grid.dimension == 3 ? 2 : 1))
   , prepare_(std::move(prepare))
 {
+  if (fromZero_ && coloursMeet(level))
+    std::fill(u.begin(), u.end(), 0.0F); // else the second colour would read what it still holds of the last cycle
   if (!touching_)
     return;
   // What the neighbours need of our outer layers is done ahead of all others: both colours of the outermost.
@@ -149,6 +160,8 @@ void relax(const Level& level, const FloatArray& f, FloatArray& u, bool forward,
   { level.halo.exchange(u.data() + Grid::lead, static_cast<std::size_t>(g.stride) * sizeof(float)); };
   if (level.straight)
   {
+    if (fromZero && coloursMeet(level))
+      std::fill(u.begin(), u.end(), 0.0F);
     for (const int pass : { 0, 1 })
     {
       const int colour = forward ? pass : 1 - pass;
@@ -218,10 +231,11 @@ void residualRow(const Level& level, const FloatArray& f, const FloatArray& u, s
 {
   const Grid& g = level.grid;
   const Kernels& k = kernels();
+  const bool twoColours = !coloursMeet(level);
   for (const int part : { 0, 1 })
   {
     const std::int64_t n = g.count(part);
-    if (level.straight && afterForwardSweep && ((part + y + z) & 1) != 0)
+    if (level.straight && twoColours && afterForwardSweep && ((part + y + z) & 1) != 0)
     {
       std::fill_n(out + g.shift(part, 0), n, 0.0F); // this colour was relaxed last
       continue;

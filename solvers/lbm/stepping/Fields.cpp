@@ -198,6 +198,7 @@ void LatticeBoltzmann::restore(const std::filesystem::path& path)
   for (int q = 0; q < m.velocities.count(); ++q)
   {
     const std::vector<double>& whole = c.reals(fmt::format("f{:02}", q));
+    c.expectFinite(fmt::format("f{:02}", q));
     if (whole.size() != static_cast<std::size_t>(m.lattice.count()))
       throw InputError("the checkpoint's populations have another number of nodes", "start the run anew");
     for (std::size_t r = 0; r < m.map->rows().size(); ++r)
@@ -218,7 +219,7 @@ void LatticeBoltzmann::restore(const std::filesystem::path& path)
       m.records.push_back(
         { static_cast<std::int64_t>(numbers[i]), numbers[i + 1], { numbers[i + 2], numbers[i + 3] }, numbers[i + 4] });
   }
-  m.steps = static_cast<std::int64_t>(c.number("steps"));
+  m.steps = c.count("steps");
   m.mostSquares = c.number("most squares");
   m.savedAt = m.steps;
 }

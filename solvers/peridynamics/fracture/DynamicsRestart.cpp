@@ -114,10 +114,15 @@ void BondDynamics::restore()
   const auto& step = c.integers("broken_step");
   const auto& time = c.reals("broken_time");
   const auto& energy = c.reals("broken_energy");
+  if (step.size() != list.size() || time.size() != list.size() || energy.size() != list.size() || sums.size() % 2 != 0)
+    throw InputError("the checkpoint's broken bonds are not as many everywhere", "start the run anew");
+  for (const char* const name : { "displacement", "velocity", "force", "sums", "broken_time", "broken_energy", "time",
+         "broken energy", "initial energy" })
+    c.expectFinite(name);
   for (std::size_t k = 0; k < list.size(); ++k)
     broken_.push_back({ list[k], step.at(k), time.at(k), energy.at(k) });
   bonds_.breakBonds(comm.rank() == 0 ? std::span<const Bond>(list) : std::span<const Bond>());
-  step_ = static_cast<std::int64_t>(c.number("steps"));
+  step_ = c.count("steps");
   time_ = c.number("time");
   brokenEnergy_ = c.number("broken energy");
   initial_ = c.number("initial energy");

@@ -154,12 +154,25 @@ EngineState QuasiStaticFracture::restore(const PlatenForce& platens)
   const auto& curveStrain = c.reals("curve_strain");
   const auto& curveStress = c.reals("curve_stress");
   const auto& curveBroken = c.integers("curve_broken");
+  if (event.size() != list.size() || strain.size() != list.size() || critical.size() != list.size() ||
+    stress.size() != list.size() || curveStress.size() != curveStrain.size() ||
+    curveBroken.size() != curveStrain.size())
+    throw InputError("the checkpoint's broken bonds or its curve are not as many everywhere", "start the run anew");
+  for (const char* const name : { "displacement", "load", "share" })
+    c.expectFinite(name);
   for (std::size_t k = 0; k < list.size(); ++k)
     record_.broken.push_back({ list[k], event.at(k), strain.at(k), critical.at(k), stress.at(k) });
   for (std::size_t k = 0; k < curveStrain.size(); ++k)
     record_.curve.push_back({ curveStrain[k], curveStress.at(k), curveBroken.at(k) });
   eachNumber(record_,
-    [&](const char* name, auto& value) { value = static_cast<std::decay_t<decltype(value)>>(c.number(name)); });
+    [&](const char* name, auto& value)
+    {
+      using Value = std::decay_t<decltype(value)>;
+      if constexpr (std::is_integral_v<Value>)
+        value = static_cast<Value>(c.count(name));
+      else
+        value = c.number(name);
+    });
   load_ = c.number("load");
   share_ = c.number("share");
   firstRatio_ = c.number("first ratio");

@@ -1,5 +1,7 @@
 #include "peridynamics/fracture/MotionHistory.h"
 
+#include "lattice/Error.h"
+
 #include <algorithm>
 
 namespace lamella::peridynamics
@@ -52,8 +54,10 @@ void MotionHistory::take(const io::Checkpoint& checkpoint)
 {
   const std::vector<std::int64_t>& counts = checkpoint.integers("history_counts");
   const std::vector<double>& values = checkpoint.reals("history");
+  if (counts.size() % 2 != 0 || values.size() != numbers * (counts.size() / 2))
+    throw InputError("the checkpoint's history is not as long everywhere", "start the run anew");
   points_.clear();
-  for (std::size_t row = 0; 2 * row + 1 < counts.size() && numbers * (row + 1) <= values.size(); ++row)
+  for (std::size_t row = 0; row < counts.size() / 2; ++row)
   {
     MotionPoint p;
     p.step = counts[2 * row];

@@ -2,6 +2,7 @@
 
 #include "peridynamics/BondForces.h"
 #include "peridynamics/multigrid/BondRows.h"
+#include "peridynamics/multigrid/Fold.h"
 #include "peridynamics/multigrid/FreeBlocks.h"
 #include "peridynamics/multigrid/Galerkin.h"
 
@@ -24,6 +25,13 @@ float noise(std::uint64_t key)
   key = (key ^ (key >> 27)) * 0x94d049bb133111ebULL;
   key ^= key >> 31;
   return static_cast<float>(key >> 40) / static_cast<float>(1U << 23) - 1.0F;
+}
+
+/// Axes along which the next level sees the last two nodes as one.
+std::array<bool, 3> foldedAxes(const Level& level)
+{
+  return { isFolded(level.layout, level.periodic, 0), isFolded(level.layout, level.periodic, 1),
+    isFolded(level.layout, level.periodic, 2) };
 }
 
 double dot(const NodeField<float>& a, const NodeField<float>& b)
@@ -96,14 +104,17 @@ bool BondMultigrid::coarsenable() const
   const NodeLayout& l = level.layout;
   std::int64_t nodes = 1;
   std::int64_t coarse = 1;
-  bool even = true;
+  bool possible = true;
   for (std::size_t a = 0; a < static_cast<std::size_t>(l.dimension); ++a)
   {
     nodes *= l.global[a];
     coarse *= l.global[a] / 2 + (level.periodic[a] ? 0 : 1);
-    even = even && (!level.periodic[a] || (l.global[a] % 2 == 0 && l.global[a] >= 4));
+    possible = possible && (!level.periodic[a] || l.global[a] >= 4);
+    // the residual of the last two nodes comes from the rim, which is one deep at a horizon of one; and a bond leads
+    // over them once
+    possible = possible && (!isFolded(l, level.periodic, a) || (l.ghost > 1 && l.global[a] > reach(level) + 1));
   }
-  if (!even || nodes <= options_.coarsest || coarse >= nodes || levels_.size() >= maxLevels)
+  if (!possible || nodes <= options_.coarsest || coarse >= nodes || levels_.size() >= maxLevels)
     return false;
   if (!level.comm->parallel())
     return true;
@@ -286,7 +297,7 @@ void BondMultigrid::cycle(std::size_t index, bool fromZero)
       coarsest_->solve(level);
       return;
     }
-    // too large, and periodic sides that cannot be halved: what smoothing can do
+    // too large, and periodic sides that cannot be halved, of two or three nodes: what smoothing can do
     smooth(index, fromZero);
     for (int sweep = 1; sweep < sweepsInstead; ++sweep)
     {
@@ -325,19 +336,40 @@ void BondMultigrid::restrictResidual(std::size_t index)
   level.rim.fill(level.r);
   const NodeLayout& l = level.layout;
   const NodeLayout& c = next.layout;
-  const int reachZ = l.dimension == 3 ? 1 : 0;
+  const std::array<bool, 3> folded = foldedAxes(level);
+  // rows of the residual around coarse row i: two more where the last two count as one
+  const auto around = [&](std::size_t a, std::int64_t i) -> std::array<std::int64_t, 2>
+  {
+    if (a >= static_cast<std::size_t>(l.dimension))
+      return { 0, 0 };
+    const bool first = folded[a] && i + c.start[a] == 0;
+    const bool last = folded[a] && i + c.start[a] == c.global[a] - 1;
+    return { first ? -2 : -1, last ? 2 : 1 };
+  };
   forOwnRows(c,
     [&](std::int64_t y, std::int64_t z)
     {
       const std::int64_t out = c.index(0, y, z);
+      const auto [lowY, highY] = around(1, y);
+      const auto [lowZ, highZ] = around(2, z);
       for (int a = 0; a < l.dimension; ++a)
       {
-        std::fill_n(next.r.component(a) + out, c.size[0], 0.0F);
-        for (int dz = -reachZ; dz <= reachZ; ++dz)
-          for (int dy = -1; dy <= 1; ++dy)
-            if (2 * y + dy < l.size[1] + l.ghost && 2 * z + dz < l.size[2] + l.ghostZ())
-              levelKernels().restrictRow(c.size[0], (dy == 0 ? 1.0F : 0.5F) * (dz == 0 ? 1.0F : 0.5F),
-                level.r.component(a) + l.index(0, 2 * y + dy, 2 * z + dz), next.r.component(a) + out);
+        float* to = next.r.component(a) + out;
+        std::fill_n(to, c.size[0], 0.0F);
+        for (std::int64_t dz = lowZ; dz <= highZ; ++dz)
+          for (std::int64_t dy = lowY; dy <= highY; ++dy)
+          {
+            if (2 * y + dy >= l.size[1] + l.ghost || 2 * z + dz >= l.size[2] + l.ghostZ())
+              continue;
+            const float weight = (dy == 0 ? 1.0F : 0.5F) * (dz == 0 ? 1.0F : 0.5F);
+            const float* from = level.r.component(a) + l.index(0, 2 * y + dy, 2 * z + dz);
+            levelKernels().restrictRow(c.size[0], weight, from, to);
+            if (folded[0])
+            {
+              to[0] += 0.5F * weight * from[-2];
+              to[c.size[0] - 1] += 0.5F * weight * from[l.size[0] - 1];
+            }
+          }
       }
     });
 }
@@ -350,20 +382,28 @@ void BondMultigrid::interpolate(std::size_t index)
   next.rim.fill(next.x);
   const NodeLayout& l = level.layout;
   const NodeLayout& c = next.layout;
+  const std::array<bool, 3> folded = foldedAxes(level);
+  const auto position = [&](std::size_t a, std::int64_t i)
+  { return folded[a] && i + l.start[a] == l.global[a] - 1 ? i - 1 : i; };
   forOwnRows(l,
     [&](std::int64_t y, std::int64_t z)
     {
+      const std::int64_t atY = position(1, y);
+      const std::int64_t atZ = position(2, z);
       for (int a = 0; a < l.dimension; ++a)
       {
         const float* rows[4];
         int count = 0;
-        for (std::int64_t cz = z / 2; cz <= (z + 1) / 2; ++cz)
-          for (std::int64_t cy = y / 2; cy <= (y + 1) / 2; ++cy)
+        for (std::int64_t cz = atZ / 2; cz <= (atZ + 1) / 2; ++cz)
+          for (std::int64_t cy = atY / 2; cy <= (atY + 1) / 2; ++cy)
             rows[count++] = next.x.component(a) + c.index(0, cy, cz);
         const std::int64_t i = l.index(0, y, z);
+        float* d = level.d.component(a) + i;
         levelKernels().interpolateRow(
-          l.size[0], 1.0F / static_cast<float>(count), count, rows, level.d.component(a) + i);
-        levelKernels().axpy(l.size[0], 1.0F, level.d.component(a) + i, level.x.component(a) + i);
+          l.size[0] - (folded[0] ? 1 : 0), 1.0F / static_cast<float>(count), count, rows, d);
+        if (folded[0])
+          d[l.size[0] - 1] = d[l.size[0] - 2];
+        levelKernels().axpy(l.size[0], 1.0F, d, level.x.component(a) + i);
       }
     });
   if (index == 0)

@@ -1,5 +1,7 @@
 #include "peridynamics/multigrid/Galerkin.h"
 
+#include "peridynamics/multigrid/Fold.h"
+
 #include <algorithm>
 
 namespace lamella::peridynamics
@@ -14,6 +16,7 @@ struct Term
   int shiftX;
   int target; ///< index into Level::half; -1 the diagonal
   float weight;
+  bool seamX; ///< of the blocks whose step is shorter by one, see Fold
 };
 
 /// Terms of the fine rows (2(Y − shiftY) + parityY, 2(Z − shiftZ) + parityZ) in coarse row (Y, Z).
@@ -49,21 +52,21 @@ public:
   {
   }
 
-  // `self`: the block of a node with itself
-  std::vector<Group> of(const std::array<int, 3>& step, bool self) const
+  /// Adds to groups. A step of nothing: the block of a node with itself, or with `twice` of two nodes that count as
+  /// one, A(i, j) and A(j, i) both.
+  void addTo(std::vector<Group>& groups, const std::array<int, 3>& step, bool twice, bool seamX) const
   {
-    std::vector<Group> groups;
     for (int pz = 0; pz < (dimension_ == 3 ? 2 : 1); ++pz)
       for (int py = 0; py < 2; ++py)
         for (int px = 0; px < 2; ++px)
-          add(groups, { px, py, pz }, step, self);
-    return groups;
+          add(groups, { px, py, pz }, step, twice ? 2.0F : 1.0F, seamX);
   }
 
 private:
-  void add(
-    std::vector<Group>& groups, const std::array<int, 3>& parity, const std::array<int, 3>& step, bool self) const
+  void add(std::vector<Group>& groups, const std::array<int, 3>& parity, const std::array<int, 3>& step, float factor,
+    bool seamX) const
   {
+    const bool self = step == std::array{ 0, 0, 0 };
     std::array<std::vector<Parent>, 3> from;
     std::array<std::vector<Parent>, 3> to;
     for (std::size_t a = 0; a < 3; ++a)
@@ -79,6 +82,8 @@ private:
               for (const Parent& tx : to[0])
               {
                 float weight = fx.weight * fy.weight * fz.weight * tx.weight * ty.weight * tz.weight;
+                if (self)
+                  weight *= factor;
                 std::array<int, 3> at{ fx.step, fy.step, fz.step };
                 std::array<int, 3> reach{ tx.step - fx.step, ty.step - fy.step, tz.step - fz.step };
                 int sign = reach[2] != 0 ? reach[2] : reach[1] != 0 ? reach[1] : reach[0];
@@ -95,7 +100,7 @@ private:
                   target = static_cast<int>(std::find(half_.begin(), half_.end(), reach) - half_.begin());
                 else if (!self)
                   weight *= 2; // A(i, j) and A(j, i) both
-                place(groups, parity, at, { parity[0], at[0], target, weight });
+                place(groups, parity, at, { parity[0], at[0], target, weight, seamX });
               }
   }
 
@@ -108,7 +113,7 @@ private:
     if (found == groups.end())
       found = groups.insert(groups.end(), { parity[1], at[1], parity[2], at[2], {} });
     for (Term& t : found->terms)
-      if (t.parityX == term.parityX && t.shiftX == term.shiftX && t.target == term.target)
+      if (t.parityX == term.parityX && t.shiftX == term.shiftX && t.target == term.target && t.seamX == term.seamX)
       {
         t.weight += term.weight;
         return;
@@ -120,19 +125,38 @@ private:
   const std::vector<std::array<int, 3>>& half_;
 };
 
+/// What blocks of one neighbour add, by whether its steps along y and z are shorter by one.
+struct Variant
+{
+  bool seamY = false;
+  bool seamZ = false;
+  std::vector<Group> groups;
+};
+
+/// Positions of a fine row, split by parity, whose values are not zero: [first, last).
+struct Range
+{
+  std::int64_t first;
+  std::int64_t last;
+};
+
 /// One coarse row: sums of weighted fine rows.
 class RowSum
 {
 public:
-  RowSum(const MatrixRows& rows, const NodeLayout& fine, Level& coarse, const std::vector<std::vector<Group>>& groups)
+  RowSum(const MatrixRows& rows, const NodeLayout& fine, const std::array<Fold, 3>& folds, Level& coarse,
+    const std::vector<std::vector<Variant>>& variants)
     : rows_(rows)
     , fine_(fine)
+    , folds_(folds)
     , coarse_(coarse)
-    , groups_(groups)
+    , variants_(variants)
     , entries_(coarse.entries())
     , stride_((fine.size[0] + 15) / 16 * 16)
     , natural_(static_cast<std::size_t>(stride_ * entries_))
+    , folded_(natural_.size())
     , split_(static_cast<std::size_t>(2 * stride_ * entries_))
+    , seam_(split_.size())
     , sums_((coarse.half.size() + 1) * static_cast<std::size_t>(coarse.layout.pitch))
     , touched_(coarse.half.size() + 1, 0)
   {
@@ -142,34 +166,67 @@ public:
   {
     const int neighbours = static_cast<int>(rows_.neighbours.size());
     for (int q = 0; q <= neighbours; ++q) // the last is the diagonal
-      for (const Group& g : groups_[static_cast<std::size_t>(q)])
-      {
-        const std::int64_t fineY = 2 * (y - g.shiftY) + g.parityY;
-        const std::int64_t fineZ = fine_.dimension == 3 ? 2 * (z - g.shiftZ) + g.parityZ : 0;
-        if (fineY < 0 || fineY >= fine_.size[1] || fineZ < 0 || fineZ >= fine_.size[2])
-          continue;
-        const bool self = q == neighbours;
-        const int channels = self ? entries_ : rows_.channels;
-        if (self)
-          rows_.diagonal(fineY, fineZ, natural_.data(), stride_);
-        else if (!rows_.block(q, fineY, fineZ, natural_.data(), stride_))
-          continue;
-        split(channels);
-        for (const Term& t : g.terms)
-          accumulate(t, channels, y, z, channels == 1 && !self);
-        if (channels == 1 && !self)
-          expand(rows_.neighbours[static_cast<std::size_t>(q)].tensor, y, z);
-      }
+    {
+      for (const Variant& v : variants_[static_cast<std::size_t>(q)])
+        for (const Group& g : v.groups)
+        {
+          const std::int64_t atY = 2 * (y - g.shiftY) + g.parityY;
+          const std::int64_t atZ = fine_.dimension == 3 ? 2 * (z - g.shiftZ) + g.parityZ : 0;
+          if (atY < 0 || atY >= folds_[1].positions() || atZ < 0 || atZ >= folds_[2].positions())
+            continue;
+          for (std::int64_t fineZ = atZ; fineZ <= lastAt(2, atZ); ++fineZ)
+            for (std::int64_t fineY = atY; fineY <= lastAt(1, atY); ++fineY)
+              addRow(q, v, g, y, z, fineY, fineZ);
+        }
+      if (rows_.channels == 1 && q < neighbours)
+        expand(rows_.neighbours[static_cast<std::size_t>(q)].tensor, y, z);
+    }
   }
 
 private:
-  void split(int channels)
+  /// The last of the own nodes at a position.
+  [[nodiscard]] std::int64_t lastAt(std::size_t axis, std::int64_t position) const noexcept
   {
-    const std::int64_t n = fine_.size[0];
+    return folds_[axis].here() && position == folds_[axis].own - 2 ? position + 1 : position;
+  }
+
+  void addRow(
+    int q, const Variant& v, const Group& g, std::int64_t y, std::int64_t z, std::int64_t fineY, std::int64_t fineZ)
+  {
+    const bool self = q == static_cast<int>(rows_.neighbours.size());
+    const std::array<int, 3> step = self ? std::array{ 0, 0, 0 } : rows_.neighbours[static_cast<std::size_t>(q)].step;
+    if (folds_[1].shortens(fineY, step[1]) != v.seamY || folds_[2].shortens(fineZ, step[2]) != v.seamZ)
+      return;
+    const int channels = self ? entries_ : rows_.channels;
+    if (self)
+      rows_.diagonal(fineY, fineZ, natural_.data(), stride_);
+    else if (!rows_.block(q, fineY, fineZ, natural_.data(), stride_))
+      return;
+    const std::int64_t n = folds_[0].positions();
+    if (!folds_[0].here())
+      split(natural_, channels, n, split_);
+    else
+      fold(channels, step[0]);
+    const Range all{ 0, n };
+    for (const Term& t : g.terms)
+      if (!t.seamX)
+        accumulate(t, split_, all, channels, y, z, channels == 1 && !self);
+      else
+        for (const Range& range : seams_)
+          accumulate(t, seam_, range, channels, y, z, channels == 1 && !self);
+  }
+
+  static Range halves(const Range& r, int parity) // [first, last) of the nodes 2i + parity
+  {
+    return { (r.first + 1 - parity) / 2, (r.last + 1 - parity) / 2 };
+  }
+
+  void split(const std::vector<float>& natural, int channels, std::int64_t n, std::vector<float>& out)
+  {
     for (int c = 0; c < channels; ++c)
     {
-      const float* from = natural_.data() + c * stride_;
-      float* even = split_.data() + 2 * c * stride_;
+      const float* from = natural.data() + c * stride_;
+      float* even = out.data() + 2 * c * stride_;
       float* odd = even + stride_;
       for (std::int64_t i = 0; i < n / 2; ++i)
       {
@@ -181,13 +238,45 @@ private:
     }
   }
 
-  // to a sum of scalars, or straight to the entries
-  void accumulate(const Term& t, int channels, std::int64_t y, std::int64_t z, bool scalars)
+  /// The row by positions, and apart from it what its shorter steps hold.
+  void fold(int channels, int step)
   {
-    const std::int64_t n = (fine_.size[0] + 1 - t.parityX) / 2;
+    const std::int64_t n = folds_[0].own;
+    const std::int64_t length = std::abs(step);
+    seams_.clear();
+    if (step > 0)
+      seams_ = { { std::max<std::int64_t>(0, n - 1 - length), n - 1 } };
+    else if (step < 0)
+      seams_ = { { 0, std::min(length - 1, n - 2) }, { n - 2, n - 1 } };
     for (int c = 0; c < channels; ++c)
     {
-      const float* from = split_.data() + (2 * c + t.parityX) * stride_;
+      float* row = natural_.data() + c * stride_;
+      float* apart = folded_.data() + c * stride_;
+      std::fill_n(apart, n, 0.0F);
+      for (const Range& r : seams_)
+        for (std::int64_t i = r.first; i < r.last; ++i)
+          if (folds_[0].shortens(i, step))
+            std::swap(apart[i], row[i]);
+      if (folds_[0].shortens(n - 1, step))
+        apart[n - 2] += row[n - 1];
+      else
+        row[n - 2] += row[n - 1];
+    }
+    split(natural_, channels, n - 1, split_);
+    if (!seams_.empty())
+      split(folded_, channels, n - 1, seam_);
+  }
+
+  // to a sum of scalars, or straight to the entries
+  void accumulate(const Term& t, const std::vector<float>& values, const Range& range, int channels, std::int64_t y,
+    std::int64_t z, bool scalars)
+  {
+    const Range part = halves(range, t.parityX);
+    if (part.first >= part.last)
+      return;
+    for (int c = 0; c < channels; ++c)
+    {
+      const float* from = values.data() + (2 * c + t.parityX) * stride_ + part.first;
       float* to = nullptr;
       if (scalars)
       {
@@ -202,7 +291,7 @@ private:
       }
       else
         to = entry(t.target, c) + coarse_.layout.index(0, y, z);
-      levelKernels().axpy(n, t.weight, from, to + t.shiftX);
+      levelKernels().axpy(part.last - part.first, t.weight, from, to + t.shiftX + part.first);
     }
   }
 
@@ -229,15 +318,39 @@ private:
 
   const MatrixRows& rows_;
   const NodeLayout& fine_;
+  const std::array<Fold, 3>& folds_;
   Level& coarse_;
-  const std::vector<std::vector<Group>>& groups_;
+  const std::vector<std::vector<Variant>>& variants_;
   int entries_;
   std::int64_t stride_;
   std::vector<float> natural_; ///< channels of a fine row
+  std::vector<float> folded_;  ///< its blocks with shorter steps along x, by position
   std::vector<float> split_;   ///< even nodes, odd nodes of each
+  std::vector<float> seam_;    ///< likewise
+  std::vector<Range> seams_;   ///< where that is not zero
   std::vector<float> sums_;    ///< a coarse row for the diagonal and each neighbour
   std::vector<char> touched_;
 };
+
+/// What the blocks of a step add. Where nothing is folded there is one variant.
+std::vector<Variant> variantsOf(const Terms& terms, const std::array<Fold, 3>& folds, const std::array<int, 3>& step)
+{
+  const auto ways = [&](std::size_t axis) { return folds[axis].global > 0 && step[axis] != 0 ? 2 : 1; };
+  std::vector<Variant> variants;
+  for (int z = 0; z < ways(2); ++z)
+    for (int y = 0; y < ways(1); ++y)
+    {
+      Variant v{ y != 0, z != 0, {} };
+      for (int x = 0; x < ways(0); ++x)
+      {
+        const std::array<int, 3> to{ x != 0 ? shorter(step[0]) : step[0], y != 0 ? shorter(step[1]) : step[1],
+          z != 0 ? shorter(step[2]) : step[2] };
+        terms.addTo(v.groups, to, step != std::array{ 0, 0, 0 }, x != 0);
+      }
+      variants.push_back(std::move(v));
+    }
+  return variants;
+}
 
 } // namespace
 
@@ -248,10 +361,12 @@ void galerkinProduct(const MatrixRows& rows, const NodeLayout& fine, Level& coar
   coarse.blocks = NodeField<float>(l, static_cast<int>(coarse.half.size()) * coarse.entries());
   coarse.diagonal = NodeField<float>(l, coarse.entries());
   const Terms terms(l.dimension, coarse.half);
-  std::vector<std::vector<Group>> groups;
+  const std::array<Fold, 3> folds{ Fold(fine, coarse.periodic, 0), Fold(fine, coarse.periodic, 1),
+    Fold(fine, coarse.periodic, 2) };
+  std::vector<std::vector<Variant>> variants;
   for (const auto& q : rows.neighbours)
-    groups.push_back(terms.of(q.step, false));
-  groups.push_back(terms.of({ 0, 0, 0 }, true));
+    variants.push_back(variantsOf(terms, folds, q.step));
+  variants.push_back(variantsOf(terms, folds, { 0, 0, 0 }));
 
   // Of the slowest axis the high side of the rim takes part: a fine row has parents there. Of y in space both do.
   const bool space = l.dimension == 3;
@@ -261,7 +376,7 @@ void galerkinProduct(const MatrixRows& rows, const NodeLayout& fine, Level& coar
   const std::int64_t count = (highY - lowY) * highZ;
 #pragma omp parallel if (fine.owned() >= worthThreads)
   {
-    RowSum sum(rows, fine, coarse, groups);
+    RowSum sum(rows, fine, folds, coarse, variants);
 #pragma omp for schedule(dynamic, 4)
     for (std::int64_t i = 0; i < count; ++i)
       sum.add(lowY + i % (highY - lowY), i / (highY - lowY));

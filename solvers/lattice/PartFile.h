@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+
+namespace lamella
+{
+
+/// A file that is being written beside the place that it is for, under a name that nobody else can have made or can
+/// foresee to put a link there: it is made anew (O_EXCL) and no link is followed (O_NOFOLLOW). It goes away with this
+/// object unless it took its place; when a signal ends the program (removeAll()); and, when the program is killed, as
+/// soon as the next one makes a file in that folder: the name tells the process and the machine that it belongs to.
+class PartFile
+{
+public:
+  enum class OnSignal
+  {
+    goes,
+    stays, ///< a checkpoint, which is written when a signal came
+  };
+
+  PartFile() = default;
+  /// In the folder of `place`, with its ending. Look at error().
+  explicit PartFile(const std::filesystem::path& place, OnSignal onSignal = OnSignal::goes);
+  ~PartFile();
+  PartFile(PartFile&& other) noexcept;
+  PartFile& operator=(PartFile&& other) noexcept;
+  PartFile(const PartFile&) = delete;
+  PartFile& operator=(const PartFile&) = delete;
+
+  /// Why it could not be made: a number as in errno; 0 when it was. ECANCELED after removeAll().
+  [[nodiscard]] int error() const noexcept { return error_; }
+  /// Empty once it took its place.
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+
+  /// Replaces what has the name. @returns 0, or the number of what stood in the way, as in errno
+  [[nodiscard]] int take(const std::filesystem::path& place);
+  /// Somebody else gave it its name.
+  void release() noexcept;
+
+  /// Removes every such file that goes on a signal; none can be made after it. Safe to call from a signal handler.
+  static void removeAll() noexcept;
+  [[nodiscard]] static bool removedAll() noexcept;
+
+  /// Whether a name is one of these; of any process.
+  [[nodiscard]] static bool isPart(const std::filesystem::path& path);
+
+private:
+  struct Name;
+  std::filesystem::path path_;
+  Name* name_ = nullptr;
+  int error_ = 0;
+};
+
+} // namespace lamella
