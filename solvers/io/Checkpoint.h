@@ -36,6 +36,10 @@ struct Checkpoint
   /// A number or an array that a good file of this kind has.
   /// @throws InputError when it has not
   [[nodiscard]] double number(const std::string& name) const;
+  /// A number that counts: whole, from 0 to 2^53. @throws InputError
+  [[nodiscard]] std::int64_t count(const std::string& name) const;
+  /// Refuses a number or an array that holds what is not finite. @throws InputError
+  void expectFinite(const std::string& name) const;
   [[nodiscard]] const std::vector<double>& reals(const std::string& name) const;
   [[nodiscard]] const std::vector<std::int64_t>& integers(const std::string& name) const;
 };
@@ -60,8 +64,8 @@ void checkPlace(const std::filesystem::path& path);
 /// Do two names stand for one file, whether it is there or not?
 [[nodiscard]] bool sameFile(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// Puts bytes in the place of a file: they are written to `.NAME.part` beside it and brought to the disk, and then that
-/// takes the name. Whatever happens the name stands for the old file or the new one, whole.
+/// Puts bytes in the place of a file: they are written to a file beside it (lattice/PartFile.h) and brought to the
+/// disk, and then that takes the name. Whatever happens the name stands for the old file or the new one, whole.
 /// @throws Error: the disk is full, or another reason; the old file is as it was
 void replaceFile(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
