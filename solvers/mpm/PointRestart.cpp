@@ -147,7 +147,8 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
   startMoment_ = rank == 0 ? checkpoint.number("initial moment") : 0;
   if (checkpoint.numbers.contains("even step")) // earlier versions had none of these
   {
-    evenTo_ = static_cast<std::int64_t>(checkpoint.number("even steps to"));
+    checkpoint.expectFinite("even step");
+    evenTo_ = checkpoint.count("even steps to");
     evenStep_ = checkpoint.number("even step");
   }
   if (checkpoint.arrays.contains("wave"))
