@@ -226,6 +226,11 @@ XmlArray XmlArrays::head(vtkXMLDataElement* element) const
 {
   XmlArray head;
   head.name = attribute(element, "Name");
+  if (vtkXMLDataElement* const parent = element->GetParent();
+      head.name.empty() && parent != nullptr && std::string_view(parent->GetName()) == "Points")
+  {
+    head.name = "Points"; // which is found by its place, and needs no name
+  }
   if (head.name.empty())
   {
     throw InputError(fmt::format("'{}' is damaged: an array in it has no name", path_), "make or copy it again");

@@ -119,7 +119,8 @@ class DamagedGrids(Case):
                               for i, offset in enumerate(offsets)], appended=data)
         for offset in ["1000000", "-8", "x"]:
             self.refused("has its data at %s, where there are none" % offset, vti(offset))
-        self.refused("ends before its", vti("90"))
+        self.refused("ends before its", vti("102")) # reads the tag behind the data as a length
+        self.refused("holds 0 values where 100 are told", vti("90"))
         self.refused("holds 0 values where 100", vti("4"))
         two = struct.pack("<I", 100) + bytes(100)
         self.sound(vti("0", "104", data=two + two))

@@ -523,6 +523,9 @@ TEST_F(Points, ThinWallsAreTold)
     std::string::npos);
   filter->SetCellsPerNode(2);
   ASSERT_EQ(errorOf(filter), "");
+  EXPECT_NE(fieldTexts(filter->GetConstants(), "warnings").at(0).find("two want 4 points a node"), std::string::npos);
+  filter->SetPointsPerNode(4);
+  ASSERT_EQ(errorOf(filter), "");
   EXPECT_TRUE(fieldTexts(filter->GetConstants(), "warnings").empty());
   EXPECT_DOUBLE_EQ(fieldNumbers(filter->GetConstants(), "grid_spacing").at(0), spacing / 2);
 }
