@@ -68,7 +68,8 @@ class Judge
 {
 public:
   explicit Judge(const Keys& keys)
-    : cases_(keys, "error-bars-outlines", "cases", "group,case,lumen,axis,size,truth,value,error,bar,lattice,picture")
+    : cases_(
+        keys, "error-bars-outlines", "cases", "group,case,lumen,axis,size,truth,value,error,bar,lattice,picture,sealed")
   {
   }
 
@@ -76,7 +77,8 @@ public:
     const std::string& group, const std::string& name, double lumen, int size, double truth, const ContourAnswer& a)
   {
     const double error = std::abs(a.value / truth - 1);
-    cases_.line(group, name, lumen, a.axis, size, truth, a.value, error, a.error, a.latticeError, a.pictureError);
+    cases_.line(
+      group, name, lumen, a.axis, size, truth, a.value, error, a.error, a.latticeError, a.pictureError, a.sealed);
     if (groups_.find(group) == groups_.end())
       order_.push_back(group);
     groups_[group].push_back({ error, a.error, error <= a.latticeError });
@@ -149,7 +151,8 @@ private:
 };
 
 std::vector<ContourAnswer> solve(const ContourSet& set, double spacing, double lumen, const std::vector<int>& axes,
-  const std::vector<micrograph::CoarserOutlines>& coarser = {}, const ContourSet& moved = {})
+  const std::vector<micrograph::CoarserOutlines>& coarser = {}, const ContourSet& moved = {},
+  const ContourSet& sealed = {})
 {
   ContourStudyOptions options;
   options.spacing = spacing;
@@ -157,6 +160,7 @@ std::vector<ContourAnswer> solve(const ContourSet& set, double spacing, double l
   options.conductivity = { lumen, 1 };
   options.coarser = coarser;
   options.moved = moved;
+  options.sealed = sealed;
   return lbm::studyContours(set, options, MPI_COMM_SELF);
 }
 
@@ -307,8 +311,9 @@ void picture(Judge& judge, const std::string& group, const std::string& name, co
     const ContourSet set = micrograph::extractContours(mask, 0, level).contours;
     const auto coarser = micrograph::coarserOutlines(mask, 0, level);
     const ContourSet moved = doubt > 0 ? micrograph::movedOutlines(set, doubt * mask.lattice.spacing) : ContourSet{};
+    const ContourSet sealed = micrograph::sealedOutlines(set, mask.lattice.spacing);
     for (const auto& [lumen, truth] : truths)
-      for (const ContourAnswer& a : solve(set, mask.lattice.spacing, lumen, { 0, 1 }, coarser, moved))
+      for (const ContourAnswer& a : solve(set, mask.lattice.spacing, lumen, { 0, 1 }, coarser, moved, sealed))
         judge.take(
           group, name, lumen, static_cast<int>(mask.lattice.size[0]), truth[static_cast<std::size_t>(a.axis)], a);
   }

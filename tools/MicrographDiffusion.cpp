@@ -100,6 +100,10 @@ std::vector<lbm::ContourAnswer> solveMicrograph(
   {
     study.moved = micrograph::movedOutlines(problem.contours, problem.doubt);
   }
+  if (!problem.coarser.empty())
+  {
+    study.sealed = micrograph::sealedOutlines(problem.contours, problem.pixel);
+  }
   const Lattice lattice = micrograph::fitContours(problem.contours, problem.spacing, 2).lattice;
   // The solver, its links, the lattice and what its outlines cut; directions where there is a lamella.
   const auto nodes = static_cast<double>(lattice.count());
@@ -138,7 +142,11 @@ std::vector<lbm::ContourAnswer> solveMicrograph(
     double before = 0;
   };
   auto state = std::make_shared<State>();
-  std::size_t others = problem.doubt > 0 ? 3 : 2;
+  std::size_t others = 2;
+  for (const micrograph::ContourSet* set : { &study.moved, &study.sealed })
+  {
+    others += set->contours.empty() ? 0 : 1;
+  }
   for (const micrograph::CoarserOutlines& outlines : problem.coarser)
   {
     others += outlines.sets.size();

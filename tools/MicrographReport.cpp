@@ -263,6 +263,10 @@ std::string toJson(const MicrographReport& report)
       {
         axis["segmentation_doubt"] = std::abs(a.moved);
       }
+      if (!a.coarser.empty())
+      {
+        axis["border_doubt"] = std::abs(a.sealed);
+      }
       for (const lbm::SubsampleValues& c : a.coarser)
       {
         axis["coarser_pictures"].push_back({ { "stride", c.stride }, { "values", c.values } });

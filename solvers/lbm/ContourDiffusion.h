@@ -44,7 +44,7 @@ struct ContourStep
 };
 
 /// Error that a picture's pixels leave in the value that its outlines have, from those of every second and every third
-/// pixel (micrograph/CoarserOutlines.h): 2.1 times the standard deviation that follows from the squared mean of their
+/// pixel (micrograph/CoarserOutlines.h): 1.9 times the standard deviation that follows from the squared mean of their
 /// differences from `value`. The area of a lumen in a mask errs like the pixel to the power 3/2, and so, as measured,
 /// do the values; then values of pixels n times as large, which share every n² th pixel with the picture, differ from
 /// its own with n³ − 1 times the variance of its own error. Of two strides the finer has the weight 3/4.
@@ -67,6 +67,7 @@ struct ContourAnswer
   std::vector<ContourStep> steps;       ///< all lattices, the coarsest first; `coarse` and `fine` are the last two
   std::vector<SubsampleValues> coarser; ///< of the outlines from coarser pictures, on the first coarse lattice
   double moved = 0;                     ///< of `moved` outlines, relative to those as they are; 0 where there are none
+  double sealed = 0;                    ///< likewise of `sealed` ones
   double seconds = 0;                   ///< wall, of all lattices, coarser pictures included
   SteadyResult result;
 };
@@ -99,6 +100,9 @@ struct ContourStudyOptions
   /// The outlines moved by as much as is in doubt about where walls begin (micrograph::movedOutlines()), of a picture
   /// that was segmented: what it changes is added, squared, to the picture's error. Empty: no doubt.
   micrograph::ContourSet moved;
+  /// The outlines with what wall may lie along the border of their picture (micrograph::sealedOutlines()); added
+  /// likewise. Empty: none may.
+  micrograph::ContourSet sealed;
 };
 
 /// Effective conductivity of the whole of a picture of outlines, at a spacing, twice and four times that, and what

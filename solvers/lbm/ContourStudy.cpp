@@ -164,14 +164,28 @@ private:
     }
     for (ContourAnswer& answer : answers_)
       answer.pictureError = options_.coarser.empty() ? 0 : outlineError(answer.fine.value, answer.coarser);
-    if (options_.moved.contours.empty())
+    doubt(options_.moved, &ContourAnswer::moved);
+    doubt(options_.sealed, &ContourAnswer::sealed);
+  }
+
+  // Adds what other outlines, which may be the true ones, conduct otherwise to the picture's error.
+  void doubt(const micrograph::ContourSet& other, double ContourAnswer::*change)
+  {
+    if (other.contours.empty())
       return;
-    const std::vector<Solved> solved = solveOn(options_.moved, -1);
+    std::vector<Solved> solved(answers_.size());
+    try
+    {
+      solved = solveOn(other, -1);
+    }
+    catch (const NoPathError&) // conducts nothing
+    {
+    }
     for (std::size_t i = 0; i < solved.size(); ++i)
     {
       ContourAnswer& answer = answers_[i];
-      answer.moved = solved[i].step.value / answer.fine.value - 1;
-      answer.pictureError = std::sqrt(answer.pictureError * answer.pictureError + answer.moved * answer.moved);
+      answer.*change = solved[i].step.value / answer.fine.value - 1;
+      answer.pictureError = std::hypot(answer.pictureError, answer.*change);
     }
   }
 
@@ -260,7 +274,7 @@ double outlineError(double value, std::span<const SubsampleValues> coarser)
     variance += weight * square / (std::pow(c.stride, 3) - 1);
     weights += weight;
   }
-  return weights > 0 ? 2.1 * std::sqrt(variance / weights) : unknown;
+  return weights > 0 ? 1.9 * std::sqrt(variance / weights) : unknown;
 }
 
 std::vector<ContourAnswer> studyContours(

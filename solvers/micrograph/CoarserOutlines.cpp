@@ -2,11 +2,73 @@
 
 #include "lattice/Error.h"
 #include "lattice/Subsample.h"
+#include "micrograph/ContourBorder.h"
+#include "micrograph/ContourEdit.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace lamella::micrograph
 {
+namespace
+{
+
+/// A side of the picture: points of it have this distance from it, positive within.
+struct Side
+{
+  std::size_t axis = 0;
+  bool high = false;
+
+  [[nodiscard]] double depth(const Point& p, const std::array<double, 2>& size) const
+  {
+    return high ? size[axis] - p[axis] : p[axis];
+  }
+};
+
+constexpr std::array<Side, 4> sides{ { { 1, false }, { 0, true }, { 1, true }, { 0, false } } };
+
+/// How long a polygon runs along a side.
+double alongSide(const std::vector<Point>& polygon, const Side& side, const std::array<double, 2>& size)
+{
+  const double near = 1e-9 * (size[0] + size[1]);
+  double length = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i)
+  {
+    const Point& a = polygon[i];
+    const Point& b = polygon[(i + 1) % polygon.size()];
+    if (std::abs(side.depth(a, size)) <= near && std::abs(side.depth(b, size)) <= near)
+    {
+      length += std::hypot(b[0] - a[0], b[1] - a[1]);
+    }
+  }
+  return length;
+}
+
+/// What of a polygon lies deeper than this (Sutherland and Hodgman, Comm. ACM 17, 1974, 32–42).
+std::vector<Point> deeper(
+  const std::vector<Point>& polygon, const Side& side, double depth, const std::array<double, 2>& size)
+{
+  std::vector<Point> inside;
+  for (std::size_t i = 0; i < polygon.size(); ++i)
+  {
+    const Point& a = polygon[i];
+    const Point& b = polygon[(i + 1) % polygon.size()];
+    const double before = side.depth(a, size) - depth;
+    const double after = side.depth(b, size) - depth;
+    if (before >= 0)
+    {
+      inside.push_back(a);
+    }
+    if ((before >= 0) != (after >= 0))
+    {
+      const double part = before / (before - after);
+      inside.push_back({ a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]) });
+    }
+  }
+  return inside;
+}
+
+} // namespace
 
 std::vector<CoarserOutlines> coarserOutlines(
   const PhaseImage& image, std::uint8_t lumen, std::span<const float> level, const ExtractOptions& options)
@@ -83,6 +145,31 @@ ContourSet movedOutlines(const ContourSet& set, double distance)
     }
   }
   return moved;
+}
+
+ContourSet sealedOutlines(const ContourSet& set, double pixel)
+{
+  std::vector<std::vector<Point>> polygons;
+  bool any = false;
+  for (const Outline& outline : outlines(set))
+  {
+    std::vector<Point>& polygon = polygons.emplace_back(outline.points);
+    const double longest = std::sqrt(8 * pixel * std::sqrt(polygonArea(polygon) / std::numbers::pi));
+    for (const Side& side : sides)
+    {
+      const double cut = outline.open ? alongSide(polygon, side, set.size) : 0;
+      if (cut > 0 && cut <= longest)
+      {
+        std::vector<Point> rest = deeper(polygon, side, pixel / 2, set.size);
+        if (rest.size() >= 3)
+        {
+          polygon = std::move(rest);
+          any = true;
+        }
+      }
+    }
+  }
+  return any ? clipToWindow(polygons, { 0, 0 }, { set.size[0], set.size[1] }) : ContourSet{};
 }
 
 } // namespace lamella::micrograph

@@ -32,4 +32,14 @@ constexpr double segmentDoubt = 0.1;
 /// @param distance [m]; below 0 into the lumen
 [[nodiscard]] ContourSet movedOutlines(const ContourSet& set, double distance);
 
+/// Outlines with wall along the border, half a pixel thick, wherever a lumen may end there. A picture tells by the
+/// middle of its last pixels whether a lumen ends before the border; whether one does that ends within half a pixel of
+/// it, within or beyond, cannot be seen, and such a strip of wall may carry all, or cut all off. A lumen may end there
+/// where the border cuts it along no more than a circle of its area would be cut by, half a pixel within its edge, and
+/// half a pixel more for what a mask tells of that: along √(8 r p) for a radius r and pixels p.
+/// @param pixel of the picture [m]
+/// @return empty where no lumen does
+/// @throws InputError as outlines()
+[[nodiscard]] ContourSet sealedOutlines(const ContourSet& set, double pixel);
+
 } // namespace lamella::micrograph
