@@ -44,8 +44,7 @@ def branching(horizon, ratio, share, times):
     spacing, phase = plate(horizon, ratio, 0.1, 0.04)
     rim = 3 * ratio
     phase[:rim] = phase[-rim:] = 2
-    # A thousandth of a spacing longer: of two bonds, images of each other, that meet in the tip both are cut.
-    notch = ((0, 0.02), (0.05 + 1e-3 * spacing, 0.02))
+    notch = ((0, 0.02), (0.05, 0.02))
     return lamella.dynamics(
         lamella.from_array(phase, {1: "glass", 2: "rim"}, spacing), {"glass": 72e9, "rim": 72e9, "glass-rim": 72e9},
         2440, fracture_energy={"glass": 3.8}, horizon=ratio, notches=[notch],

@@ -1,6 +1,7 @@
 #include "mpm/PointStiffness.h"
 
 #include "lattice/Error.h"
+#include "mpm/PointIterations.h"
 #include "mpm/PointSystem.h"
 #include "mpm/SmallStrain.h"
 
@@ -11,12 +12,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <memory>
+#include <optional>
 
 namespace lamella::mpm
 {
 namespace
 {
+
+/// Of so few nodes in a plane factors are found as fast as multigrid is set up.
+constexpr std::size_t fewNodes = 30000;
 
 double now()
 {
@@ -314,9 +318,17 @@ PointStiffness<Dim> pointStiffness(
   };
   say(0);
   const System system(points, law, grid, options.sides);
+  const bool few = Dim == 2 && system.nodes().size() < fewNodes;
+  const bool multigrid =
+    options.solver == StiffnessSolver::Multigrid || (options.solver == StiffnessSolver::Automatic && !few);
   const bool factors =
-    options.solver == StiffnessSolver::Cholesky || (options.solver == StiffnessSolver::Automatic && Dim == 2);
-  const Solver<Dim> solver(system, factors);
+    options.solver == StiffnessSolver::Cholesky || (options.solver == StiffnessSolver::Automatic && few);
+  std::optional<Solver<Dim>> solver;
+  std::optional<PointIterations<Dim>> iterations;
+  if (multigrid)
+    iterations.emplace(system, [&] { say(0); });
+  else
+    solver.emplace(system, factors);
   r.points = points.count();
   r.nodes = static_cast<std::int64_t>(system.nodes().size());
   for (std::size_t a = 0; a < Dim; ++a)
@@ -329,18 +341,33 @@ PointStiffness<Dim> pointStiffness(
   std::vector<typename System::Field> f;
   std::vector<typename System::Field> w;
   std::vector<typename System::Field> kw;
-  const double begin = factors ? 0.5 : 0.0; // share of the whole that was taken by the factors
+  const double begin = factors || multigrid ? 0.5 : 0.0; // share of the whole that was taken by the factors
+  std::vector<double> energies;
   for (std::size_t k = 0; k < n; ++k)
   {
     strain[k][static_cast<std::size_t>(r.strains[k])] = 1;
     f.push_back(system.load(strain[k]));
     w.emplace_back(system.values(), 0.0);
     kw.emplace_back(system.values(), 0.0);
-    double residual = 0;
-    r.iterations.push_back(solver.solve(f[k], w[k], system.uniform(strain[k], strain[k]), options.tolerance,
-      options.maximumIterations, residual,
-      [&](double share) { say(begin + (1 - begin) * (static_cast<double>(k) + share) / static_cast<double>(n)); }));
-    r.residual = std::max(r.residual, residual);
+    energies.push_back(system.uniform(strain[k], strain[k]));
+  }
+  if (multigrid)
+  {
+    const auto outcome = iterations->solve(f, w, energies, options.tolerance, options.maximumIterations,
+      [&](double share) { say(begin + (1 - begin) * share); });
+    r.iterations = outcome.iterations;
+    r.residual = outcome.residual;
+  }
+  for (std::size_t k = 0; k < n; ++k)
+  {
+    if (!multigrid)
+    {
+      double residual = 0;
+      r.iterations.push_back(
+        solver->solve(f[k], w[k], energies[k], options.tolerance, options.maximumIterations, residual,
+          [&](double share) { say(begin + (1 - begin) * (static_cast<double>(k) + share) / static_cast<double>(n)); }));
+      r.residual = std::max(r.residual, residual);
+    }
     system.apply(w[k], kw[k]);
   }
   double volume = 1;

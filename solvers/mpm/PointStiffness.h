@@ -17,9 +17,10 @@ namespace lamella::mpm
 
 enum class StiffnessSolver : std::uint8_t
 {
-  Automatic,         ///< Cholesky in a plane, conjugate gradients in space
-  Cholesky,          ///< sparse factors by blocks of a node, as preconditioner of a few conjugate gradient steps
-  ConjugateGradients ///< preconditioned by the nodes' own blocks; without a matrix
+  Automatic,          ///< Cholesky for few nodes in a plane, else multigrid
+  Cholesky,           ///< sparse factors by blocks of a node, as preconditioner of a few conjugate gradient steps
+  ConjugateGradients, ///< preconditioned by the nodes' own blocks; without a matrix: the least memory
+  Multigrid           ///< conjugate gradients on the matrix by rows, all load cases at once; PointMultigrid.h
 };
 
 template <int Dim>

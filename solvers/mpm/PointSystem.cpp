@@ -4,6 +4,7 @@
 #include "mpm/SmallStrain.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 namespace lamella::mpm
@@ -84,16 +85,32 @@ void PointSystem<Dim>::readPoints(const MaterialPoints<Dim>& points, const Point
   constexpr std::size_t entries = Dim == 3 ? 21 : 6;
   base_.resize(count);
   fraction_.resize(count);
-  stiffness_.resize(count * entries);
-  for (std::size_t k = 0; k < count; ++k)
-  {
-    base_[k] = base[order[k]];
-    fraction_[k] = fraction[order[k]];
-  }
-#pragma omp parallel for schedule(static)
+  kind_.resize(count);
+  // Points of one phase, axis and volume share their numbers, as long as there are few of these.
+  constexpr std::size_t most = 4096;
+  std::map<std::array<double, Dim + 2>, std::uint32_t> known;
+  std::vector<std::uint32_t> example; // by kind
   for (std::size_t k = 0; k < count; ++k)
   {
     const std::size_t p = order[k];
+    base_[k] = base[p];
+    fraction_[k] = fraction[p];
+    const Vector<Dim> axis = points.vector(MaterialPoints<Dim>::axes, p);
+    std::array<double, Dim + 2> key{ static_cast<double>(points.phase()[p]),
+      points.column(MaterialPoints<Dim>::volumes)[p] };
+    for (int a = 0; a < Dim; ++a)
+      key[static_cast<std::size_t>(a) + 2] = axis[a];
+    const auto fresh = static_cast<std::uint32_t>(example.size());
+    const auto found = known.size() < most ? known.try_emplace(key, fresh).first : known.find(key);
+    kind_[k] = found == known.end() ? fresh : found->second;
+    if (kind_[k] == fresh)
+      example.push_back(order[k]);
+  }
+  stiffness_.resize(example.size() * entries);
+#pragma omp parallel for schedule(static)
+  for (std::size_t k = 0; k < example.size(); ++k)
+  {
+    const std::size_t p = example[k];
     const auto c = smallStiffness<Dim>(law, points.phase()[p], points.vector(MaterialPoints<Dim>::axes, p));
     for (std::size_t e = 0; e < entries; ++e)
       stiffness_[k * entries + e] = points.column(MaterialPoints<Dim>::volumes)[p] * c[e];
@@ -107,6 +124,9 @@ template <int Dim>
 void PointSystem<Dim>::findImages(const std::array<BoxSides, Dim>& sides)
 {
   const auto count = static_cast<std::size_t>(grid_.count());
+  for (int a = 0; a < Dim; ++a)
+    periods_[static_cast<std::size_t>(a)] =
+      sides[static_cast<std::size_t>(a)] == BoxSides::Periodic ? grid_.axis(a).cells : 0;
   master_.resize(count);
   sign_.assign(count * Dim, 1);
   for (std::size_t k = 0; k < count; ++k)
@@ -115,7 +135,7 @@ void PointSystem<Dim>::findImages(const std::array<BoxSides, Dim>& sides)
     for (int a = 0; a < Dim; ++a)
     {
       const int cells = grid_.axis(a).cells;
-      const int own = static_cast<int>(static_cast<std::int64_t>(k) / grid_.stride(a) % grid_.nodes(a)) - 1;
+      const int own = coordinates(static_cast<std::int64_t>(k))[static_cast<std::size_t>(a)];
       const BoxSides side = sides[static_cast<std::size_t>(a)];
       int at = own;
       if (side == BoxSides::Periodic)
@@ -149,9 +169,18 @@ void PointSystem<Dim>::findImages(const std::array<BoxSides, Dim>& sides)
 }
 
 template <int Dim>
+std::array<int, Dim> PointSystem<Dim>::coordinates(std::int64_t node) const
+{
+  std::array<int, Dim> at;
+  for (int a = 0; a < Dim; ++a)
+    at[static_cast<std::size_t>(a)] = static_cast<int>(node / grid_.stride(a) % grid_.nodes(a)) - 1;
+  return at;
+}
+
+template <int Dim>
 auto PointSystem<Dim>::stress(std::size_t p, const Strain& strain) const -> Strain
 {
-  const double* c = &stiffness_[p * (Dim == 3 ? 21 : 6)];
+  const double* c = &stiffness_[kind_[p] * std::size_t{ Dim == 3 ? 21 : 6 }];
   Strain t{};
   for (std::size_t a = 0; a < strains; ++a)
   {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "mpm/BackgroundGrid.h"
+#include "mpm/BlockRows.h"
 #include "mpm/BoxSides.h"
 #include "mpm/MaterialPoints.h"
 #include "mpm/PointLaw.h"
@@ -11,6 +12,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 /// Internal: the linear system behind PointStiffness.h.
@@ -51,6 +53,12 @@ public:
   /// K between nodes(), unknowns scaled by `scale`, which has Dim a node. Components with a row of zeros get 1 on the
   /// diagonal.
   [[nodiscard]] packing::BlockMatrix<Dim> assemble(const std::vector<double>& scale) const;
+  /// K between nodes(), both triangles, row by row. @param told asked now and then; throws to stop
+  [[nodiscard]] BlockRows<Dim> rows(const std::function<void()>& told) const;
+  /// Of a node of the grid: −1 … cells + 1 along each axis.
+  [[nodiscard]] std::array<int, Dim> coordinates(std::int64_t node) const;
+  /// Cells around a period, by axis; 0 where there is none.
+  [[nodiscard]] const std::array<int, Dim>& periods() const noexcept { return periods_; }
 
 private:
   void readPoints(const MaterialPoints<Dim>& points, const PointLaw<Dim>& law);
@@ -64,14 +72,17 @@ private:
   void fold(Field& f) const;
   template <class Visit>
   void forEachPoint(const Visit& visit) const;
+  void addBlock(std::size_t p, std::vector<double>& to) const;
   template <class Add>
   void forEachBlock(std::size_t p, const Add& add) const;
 
   BackgroundGrid<Dim> grid_;
+  std::array<int, Dim> periods_{};
   std::array<std::int64_t, splines> jumps_{};     // from a point's first node to all of its nodes
   std::vector<std::int64_t> base_;                // by point: its first node
   std::vector<std::array<double, Dim>> fraction_; // ½ … 3/2: how far behind its first node a point lies [spacings]
-  std::vector<double> stiffness_;                 // by point: V C, its upper triangle by rows
+  std::vector<std::uint32_t> kind_;               // by point: which of stiffness_
+  std::vector<double> stiffness_;                 // by kind: V C, its upper triangle by rows
   std::vector<std::size_t> rows_;                 // first point of each layer of cells along the last axis
   std::vector<std::int32_t> master_;              // by node of the grid: whose image it is; often its own
   std::vector<std::int8_t> sign_;                 // by value: of the image; 0 where a wall holds it

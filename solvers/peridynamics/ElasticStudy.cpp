@@ -184,6 +184,12 @@ std::array<double, 6> meanStress(const BondLattice& bonds, const NodeField<doubl
   return ofBox(bonds, total, continuum);
 }
 
+std::array<double, 6> meanStress(const BondLattice& bonds, const NodeField<double>& force,
+  const NodeField<double>& displacement, bool nonlinear, Continuum continuum)
+{
+  return ofBox(bonds, meanFromForces(bonds, force, displacement, nonlinear), continuum);
+}
+
 ThreadScope::ThreadScope(int count)
   : before_(omp_get_max_threads())
 {
@@ -351,7 +357,7 @@ ElasticResult studyElastic(const BondModel& model, const Lattice& lattice, std::
     energyDensity(bonds, r.displacement, *r.energyDensity, nonlinear);
   }
   if (bonds.periodic() == std::array{ false, false, false })
-    r.meanStress = ofBox(bonds, meanFromForces(bonds, f, r.displacement, nonlinear), model.continuum);
+    r.meanStress = meanStress(bonds, f, r.displacement, nonlinear, model.continuum);
   else if (r.stress)
     r.meanStress = meanStress(bonds, *r.stress, model.continuum);
   else

@@ -111,6 +111,11 @@ struct ElasticResult : SampleCounts
 [[nodiscard]] std::array<double, 6> meanStress(
   const BondLattice& bonds, const NodeField<double>& stress, Continuum continuum);
 
+/// The same from the forces of the bonds on the nodes, Σ −f ⊗ x: a pass over nodes instead of one over bonds. Not for
+/// lattices with periodic sides. Collective.
+[[nodiscard]] std::array<double, 6> meanStress(const BondLattice& bonds, const NodeField<double>& force,
+  const NodeField<double>& displacement, bool nonlinear, Continuum continuum);
+
 /// So many of OpenMP's threads for what this thread starts while it lives; 0: as many as before.
 class ThreadScope
 {

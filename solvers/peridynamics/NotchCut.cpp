@@ -70,9 +70,8 @@ NotchCut::NotchCut(const Notch& notch, std::size_t number, const Lattice& lattic
   for (int z = -images(2); z <= images(2); ++z)
     for (int y = -images(1); y <= images(1); ++y)
       for (int x = -images(0); x <= images(0); ++x)
-        corners_.push_back({ corner[0] + x * static_cast<double>(lattice.size[0]) + 1e-6 * normal_[0],
-          corner[1] + y * static_cast<double>(lattice.size[1]) + 1e-6 * normal_[1],
-          corner[2] + z * static_cast<double>(lattice.size[2]) + 1e-6 * normal_[2] });
+        corners_.push_back({ corner[0] + x * static_cast<double>(lattice.size[0]),
+          corner[1] + y * static_cast<double>(lattice.size[1]), corner[2] + z * static_cast<double>(lattice.size[2]) });
   for (std::size_t a = 0; a < d; ++a)
   {
     low_[a] -= images(a) * static_cast<double>(lattice.size[a]) + 1e-5;
@@ -107,9 +106,13 @@ bool NotchCut::crosses(const std::array<std::int64_t, 3>& node, const std::array
       static_cast<double>(node[2]) - corner[2] };
     if (dimension_ == 2)
       from[2] = 0;
-    const double part = -dot(normal_, from) / rise; // where along the bond it meets the plane
-    if (part < 0 || part > 1)
+    // Nodes in the plane count as below it. Where a bond meets the plane is not moved for their sake: at a tip, of two
+    // bonds that are images of each other, both are cut.
+    constexpr double inPlane = 1e-6;
+    const double begin = dot(normal_, from);
+    if ((begin > inPlane) == (begin + rise > inPlane))
       continue;
+    const double part = std::clamp(-begin / rise, 0.0, 1.0); // where along the bond it meets the plane
     const Vector at{ from[0] + part * s[0], from[1] + part * s[1], from[2] + part * s[2] };
     const double p = dot(at, toAlong) / area;
     const double q = dimension_ == 2 ? 0.0 : dot(at, toAcross) / area;

@@ -185,8 +185,8 @@ public:
   vtkGetMacro(EndTime, double);
   ///@}
   ///@{
-  /** Steps between two points of the history; 0 (default): 500 points until EndTime, with Pull or without one every 10
-   * steps. */
+  /** Steps between two points of the history; 0 (default): 500 points until EndTime, at least 20 steps apart; with
+   * Pull or without a time every 10 steps. */
   vtkSetClampMacro(HistoryEvery, vtkIdType, 0, VTK_ID_MAX);
   vtkGetMacro(HistoryEvery, vtkIdType);
   ///@}

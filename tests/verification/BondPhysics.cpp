@@ -385,6 +385,30 @@ TEST(BondPhysics, NotchThroughNodes)
   EXPECT_NEAR(across(deep) / whole, 0.5, 0.05); // bonds that slant past its edge
 }
 
+// Tips where two diagonal bonds cross: what is left is its own mirror image up and down, and left and right of a notch
+// inside. One of the two bonds was kept, so that symmetric plates broke unevenly.
+TEST(BondPhysics, NotchOnACrossingIsSymmetric)
+{
+  constexpr int n = 20;
+  for (const double first : { 0.0, 6.0 })
+  {
+    BondModel m = simple(Continuum::PlaneStress, 3);
+    m.notches = { { { first * spacing, 10 * spacing, 0 }, { (14 - first) * spacing, 0, 0 }, {} } };
+    const BondLattice bonds = latticeOf(m, solid(n, n), alone());
+    const NodeLayout& l = bonds.layout();
+    for (int y = 0; y < n; ++y)
+      for (int x = 0; x < n; ++x)
+      {
+        const auto degree = bonds.degree(l.index(x, y));
+        EXPECT_EQ(degree, bonds.degree(l.index(x, n - 1 - y))) << x << ", " << y;
+        if (first > 0)
+        {
+          EXPECT_EQ(degree, bonds.degree(l.index(n - 1 - x, y))) << x << ", " << y;
+        }
+      }
+  }
+}
+
 TEST(BondPhysics, SkipsWhatIsEmptyAndStaysSmall)
 {
   Sample s = solid(512, 256);

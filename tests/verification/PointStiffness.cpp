@@ -241,6 +241,49 @@ TEST(PointStiffness, BothSolversAgree)
   }
 }
 
+// Multigrid finds what the factors find, thin walls and periods included, in few iterations.
+TEST(PointStiffness, MultigridAgrees)
+{
+  // walls 2 to 4 cells thick around square lumens, one of them filled by another material
+  const Body<2> body({ 1, 1 }, { 60, 60 }, 2,
+    [](const auto& x)
+    {
+      const auto inCell = [](double v) { return std::abs(10 * v - std::floor(10 * v) - 0.5) < 0.25; };
+      return !inCell(x[0]) || !inCell(x[1]) ? 1 : x[0] > 0.5 && x[0] < 0.6 ? 2 : 0;
+    });
+  for (const auto& sides : { periodic, walls, std::array{ BoxSides::Open, BoxSides::StickyWalls } })
+  {
+    auto o = body.options(sides);
+    o.tolerance = 1e-8;
+    const auto law = plain(0.3, 3);
+    o.solver = StiffnessSolver::Cholesky;
+    const auto factors = pointStiffness(body.points, *law, o);
+    o.solver = StiffnessSolver::Multigrid;
+    const auto multigrid = pointStiffness(body.points, *law, o);
+    ASSERT_EQ(factors.strains, multigrid.strains);
+    EXPECT_LE(multigrid.residual, 1e-8);
+    for (const std::int64_t n : multigrid.iterations)
+      EXPECT_LT(n, 60); // hundreds without it
+    for (std::size_t i = 0; i < factors.stiffness.size(); ++i)
+      EXPECT_NEAR(
+        factors.stiffness[i], multigrid.stiffness[i], 1e-10 * young); // the square of the displacement's error
+  }
+  // in space, against conjugate gradients without a matrix
+  const Body<3> space({ 1, 1, 1 }, { 10, 10, 10 }, 2,
+    [](const auto& x) { return std::hypot(x[0] - 0.5, x[1] - 0.5, x[2] - 0.5) < 0.35 ? 0 : 1; });
+  const auto law = makeLaw<3, Isotropic>({ isotropicConstants<3>({ .youngsModulus = young, .poissonsRatio = 0.3 }),
+    isotropicConstants<3>({ .youngsModulus = young, .poissonsRatio = 0.3 }) });
+  auto o = space.options({ BoxSides::Periodic, BoxSides::Periodic, BoxSides::Walls });
+  o.tolerance = 1e-7;
+  o.solver = StiffnessSolver::ConjugateGradients;
+  const auto plainly = pointStiffness(space.points, *law, o);
+  o.solver = StiffnessSolver::Multigrid;
+  const auto multigrid = pointStiffness(space.points, *law, o);
+  ASSERT_EQ(plainly.stiffness.size(), multigrid.stiffness.size());
+  for (std::size_t i = 0; i < plainly.stiffness.size(); ++i)
+    EXPECT_NEAR(plainly.stiffness[i], multigrid.stiffness[i], 1e-9 * young);
+}
+
 // Earlywood and latewood of real spruce, against bilinear elements on pixels, at equal spacing: platens without
 // friction, sides free.
 TEST(PointStiffness, RealSpruce)

@@ -189,8 +189,10 @@ void BondDynamics::setState(const NodeField<double>& displacement, const NodeFie
   brokenEnergy_ = 0;
   initial_ = 0;
   const bool critical = forces();
+  balance_.reset();
   const EnergyBalance balance = energies();
   initial_ = balance.kinetic + balance.elastic;
+  balance_.reset();
   if (critical)
     breakCritical();
 }
@@ -328,6 +330,7 @@ bool BondDynamics::advance(std::int64_t steps)
   constexpr std::int64_t every = 100;
   for (std::int64_t k = 0; k < steps; ++k)
   {
+    balance_.reset();
     halfKick(true);
     drift();
     ++step_;
@@ -361,6 +364,8 @@ bool BondDynamics::advance(std::int64_t steps)
 
 EnergyBalance BondDynamics::energies() const
 {
+  if (balance_)
+    return *balance_;
   const NodeLayout& l = u_.layout();
   const double* const masses = masses_ ? masses_->component(0) : nullptr;
   double squares = 0; // times the mass where they differ
@@ -372,8 +377,9 @@ EnergyBalance BondDynamics::energies() const
             squares += (masses != nullptr ? masses[i] : 1) * v_.component(c)[i] * v_.component(c)[i];
   std::array<double, 3> sums{ squares, sums_.supplied, sums_.damped };
   bonds_.communicator().sum(sums);
-  return { 0.5 * (masses != nullptr ? 1 : mass_) * sums[0], elasticEnergy(bonds_, u_, true), brokenEnergy_, sums[2],
+  balance_ = { 0.5 * (masses != nullptr ? 1 : mass_) * sums[0], elasticEnergy(bonds_, u_, true), brokenEnergy_, sums[2],
     sums[1], initial_ };
+  return *balance_;
 }
 
 void BondDynamics::guard()

@@ -166,7 +166,8 @@ private:
   Sums sums_; ///< of this rank
   double brokenEnergy_ = 0;
   double initial_ = 0;
-  std::string scene_; ///< of the unbroken sample; empty where no file needs it
+  mutable std::optional<EnergyBalance> balance_; ///< of this step and state, where it is known
+  std::string scene_;                            ///< of the unbroken sample; empty where no file needs it
 };
 
 } // namespace lamella::peridynamics

@@ -76,7 +76,9 @@ public:
   {
     const std::int64_t last = stepOf(o_.ends.time);
     const bool timed = o_.ends.time != never && !pull_;
-    const std::int64_t every = o_.every > 0 ? o_.every : timed ? std::max<std::int64_t>(1, last / 500) : 10;
+    // a point costs passes over all bonds that are slower than a step; a wave passes some five nodes between two of them
+    constexpr std::int64_t least = 20;
+    const std::int64_t every = o_.every > 0 ? o_.every : timed ? std::max(least, last / 500) : 10;
     std::vector<std::int64_t> steps;
     for (const double time : o_.atTimes)
       steps.push_back(stepOf(time));
@@ -253,6 +255,9 @@ private:
   {
     if (pull_)
       return pull_->stress(motion_->force());
+    if (bonds_.periodic() == std::array{ false, false, false })
+      return meanStress(
+        bonds_, motion_->force(), motion_->displacement(), true, continuum_)[static_cast<std::size_t>(r_.axis)];
     if (!stress_)
       stress_.emplace(bonds_.layout(), bonds_.dimension() == 2 ? 3 : 6);
     nodalStress(bonds_, motion_->displacement(), *stress_, true);

@@ -93,8 +93,9 @@ struct DynamicsStudyOptions
   std::function<void(NodeField<double>&)> startVelocity{};
   RegulationOptions regulation{};
   MotionEnds ends{};
-  std::int64_t every = 0; ///< steps between two points of the history; 0: 500 until the end's time, else every 10 steps
-  std::vector<double> atTimes{};           ///< states to keep, at the nearest step [s]
+  std::int64_t every = 0;        ///< steps between two points of the history; 0: 500 until the end's time, at least
+                                 ///< 20 steps apart; else every 10 steps
+  std::vector<double> atTimes{}; ///< states to keep, at the nearest step [s]
   std::vector<std::int64_t> atBroken{};    ///< likewise, at the first point of the history with so many broken bonds
   bool displacement = true;                ///< of the states
   bool velocities = true;                  ///< likewise

@@ -68,8 +68,7 @@ MovingScene branchingPlate(const BranchingPlate& p)
   std::fill(s.phase.begin(), s.phase.begin() + rim * row, std::uint8_t{ 2 });
   std::fill(s.phase.end() - rim * row, s.phase.end(), std::uint8_t{ 2 });
   const double middle = s.lattice.length(1) / 2;
-  // A thousandth of a spacing longer: of two bonds, images of each other, that meet in the tip both are cut.
-  s.model.notches.push_back({ { 0, middle, 0 }, { p.notch + 1e-3 * s.lattice.spacing, 0, 0 }, {} });
+  s.model.notches.push_back({ { 0, middle, 0 }, { p.notch, 0, 0 }, {} });
   s.tips.push_back({ p.notch, middle });
   s.tractions.push_back({ 1, false, { 0, -p.traction, 0 }, 0 });
   s.tractions.push_back({ 1, true, { 0, p.traction, 0 }, 0 });

@@ -208,7 +208,8 @@ def dynamics(
     end_time  [s]; with platens the run ends when the stress has fallen to the share ``stop`` of its peak, at the latest
     max_strain, max_broken  other ends; None: no limit
     at_times, at_broken  states to keep: times [s], numbers of broken bonds; the end is always kept
-    history_every  steps between two points of the history; 0: 500 points until end_time, else every 10 steps
+    history_every  steps between two points of the history; 0: 500 points until end_time, at least 20
+                   steps apart, else every 10 steps
     displacement, stress, strain_energy  whether states have these fields
     checkpoint, checkpoint_every, continue_from  as fracture() takes them; in steps
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
