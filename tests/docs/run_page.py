@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs the examples of a page of the documentation, and compares what it shows as output with what comes out.
 
-Usage: run_page.py SOURCES BUILD PAGE [--slow] [--write] [--keep FOLDER]
+Usage: run_page.py SOURCES BUILD PAGE [--slow] [--write] [--times] [--keep FOLDER]
 
 The page's blocks run in order in a folder of their own, in one shell and one Python, as its reader would run them at the top of a
 clone after ./dev build: build/, data/, examples/ and docs/ are there, and lamella is found. Fails where a command fails, or one whose shown
@@ -20,6 +20,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 sys.dont_write_bytecode = True
 from compare import difference  # noqa: E402
@@ -162,6 +163,7 @@ class Run:
         self.page, self.slow, self.folder = page, slow, folder
         self.blocks = blocks(text)
         self.run, self.compared, self.left_out, self.wrong = 0, 0, [], []
+        self.times = False
         self.put_right = {}  # by line of the page: what is printed now
         self.environment = dict(
             os.environ, PATH=f"{build / 'bin'}{os.pathsep}{os.environ['PATH']}", PYTHONPATH=str(build / "python"),
@@ -204,7 +206,10 @@ class Run:
         shown = console(block.text) if block.kind == "console" else [(c, "") for c in commands(block.text)]
         for i, (command, output) in enumerate(shown):
             ends = int(block.marks.get("ends with", 0)) if i + 1 == len(shown) else 0
+            began = time.monotonic()
             self.printed.append(Printed(block, command, *self.shell.run(command), ends))
+            if self.times:
+                print(f"{time.monotonic() - began:7.2f} s  {command}", flush=True)
             if output.strip() and "not compared" not in block.marks:
                 self.compare(dataclasses.replace(block, text=output), self.printed[-1:])
 
@@ -246,6 +251,7 @@ def main():
     parser.add_argument("page")
     parser.add_argument("--slow", action="store_true")
     parser.add_argument("--keep", type=pathlib.Path, help="leave what was made in this folder")
+    parser.add_argument("--times", action="store_true", help="say how long each command takes, by the clock")
     parser.add_argument("--write", action="store_true", help="put outputs that differ right on the page")
     options = parser.parse_args()
     sources, build = options.sources.resolve(), options.build.resolve()
@@ -261,6 +267,7 @@ def main():
         (folder / "dev").write_text(DEV, encoding="utf-8")
         (folder / "dev").chmod(0o755)
         run = Run(options.page, (sources / options.page).read_text(encoding="utf-8"), options.slow, folder, build)
+        run.times = options.times
         run.go()
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     print(f"{options.page}: {run.run} blocks run, {run.compared} outputs compared, {len(run.left_out)} not run; "
