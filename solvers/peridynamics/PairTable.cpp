@@ -150,8 +150,8 @@ private:
     return result;
   }
 
-  /// Whether a pair is named by other words here, and elsewhere in the table by the phases' own: one table serves samples of
-  /// both.
+  /// Whether a pair is named by other words here, and elsewhere in the table by the phases' own: one table serves
+  /// samples of both.
   [[nodiscard]] bool hasOwn(const auto& values, const PairKey& key, const std::string& name) const
   {
     return readPair(name, names_, true) != key &&

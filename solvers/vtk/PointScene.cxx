@@ -162,7 +162,9 @@ void PointScene::findVoids()
   {
     const bool told = std::any_of(settings_.voids.begin(), settings_.voids.end(),
       [&](const std::string& name) { return phaseMeant(names, name) == id; });
-    void_[id] = settings_.voids.empty() ? isVoidName(names[id]) && entryOf(settings_.ofPhase, names, id) == settings_.ofPhase.end() : told;
+    void_[id] = settings_.voids.empty()
+      ? isVoidName(names[id]) && entryOf(settings_.ofPhase, names, id) == settings_.ofPhase.end()
+      : told;
   }
   bool some = false;
   for (std::size_t id = 0; id < names.size(); ++id)

@@ -12,7 +12,7 @@ OPEN = {"lumen", "void"}
 class Names(program.Case):
     def phases(self, name):
         info = self.info(name)
-        return [one["name"] for one in info["phases"]] if "phases" in info else [one["phase"] for one in info["grey_values"]]
+        return [one["name"] for one in info["phases"]] if "phases" in info else [one["name"] for one in info["greys"]]
 
     def samples(self):
         """{file: the set its names are of}"""
