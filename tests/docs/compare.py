@@ -23,7 +23,7 @@ MASKS = (
     (re.compile(r"\d[\d.]*(?: million| billion)? (?:points|updates|nodes) a second"), "<rate>"),
     (re.compile(r"\blamella \d+\.\d+\.\d+\S*(?: \(.*\))?"), "<version>"),
     (re.compile(r"\b\d{4}-\d\d-\d\d(?:T[\d:]+Z?)?"), "<date>"),
-    (re.compile(r"\b[0-9a-f]{12,64}\b"), "<hash>"),
+    (re.compile(r"(?<![.\w])(?=\w*[a-f])[0-9a-f]{12,64}(?:-dirty)?\b"), "<hash>"),
     (re.compile(r"\b\d+ threads?\b"), "<threads>"),
     (re.compile(r"^\[[#.]*\].*$"), ""),  # a progress bar
 )
