@@ -4,7 +4,7 @@
 #include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
-#include "lattice/VoidNames.h"
+#include "lattice/PhaseNames.h"
 #include "statistics/StressDistribution.h"
 
 #include "vtkCellData.h"
@@ -217,8 +217,7 @@ std::vector<std::uint8_t> choosePhases(
   }
   for (const std::string& name : wanted)
   {
-    auto found =
-      static_cast<std::size_t>(std::find(phases.names.begin(), phases.names.end(), name) - phases.names.begin());
+    std::size_t found = phaseMeant(phases.names, name).value_or(phases.names.size());
     for (std::size_t id = 0; found == phases.names.size() && id < phases.names.size(); ++id)
     {
       found = std::to_string(phases.values[id]) == name ? id : found;

@@ -8,6 +8,7 @@
 #include "Units.h"
 
 #include "lattice/Memory.h"
+#include "lattice/PhaseNames.h"
 #include "peridynamics/ElasticStudy.h"
 #include "peridynamics/PairTable.h"
 #include "vtkBondAlgorithm.h"
@@ -108,7 +109,7 @@ void checkNames(const BondOptions& o, const std::vector<std::string>& names)
   }
   const auto checkPhase = [&](const std::string& option, const std::string& name)
   {
-    if (std::find(names.begin(), names.end(), name) == names.end())
+    if (!phaseMeant(names, name))
     {
       throw ParameterError(option + " names '" + name + "', which is no phase of this sample",
         suggestion(name, names, "its phases are " + quotedList(names, "and")));

@@ -462,7 +462,7 @@ Command diffusionCommand(CLI::App& root)
       "lamella diffusion tissue.png --conductivity lumen=1 --conductivity wall=0.004 --target-error 1% --json",
       "lamella diffusion rock_200x200x200_u8.raw --phase 1=pore --other grain --conductivity pore=1 --conductivity "
       "grain=0",
-      "lamella diffusion tissue.vti --conductivity void=0.023 --conductivity 'secondary wall=1.2:0.8' --conductivity "
+      "lamella diffusion tissue.vti --conductivity lumen=0.023 --conductivity wall=1.2:0.8 --conductivity "
       "'middle lamella=1'",
       "mpirun -n 4 lamella diffusion tissue.vti --conductivity lumen=0 --conductivity wall=1 --direction z -o "
       "heat.vti" });

@@ -3,6 +3,7 @@
 #include "GridFile.h"
 #include "Text.h"
 #include "Units.h"
+#include "lattice/PhaseNames.h"
 
 #include <fmt/format.h>
 
@@ -93,7 +94,7 @@ Conductivities conductivities(
   values.across = values.along;
   for (const GivenConductivity& one : given)
   {
-    const auto id = phases.find(one.phase);
+    const auto id = phaseMeant(phases.names(), one.phase);
     if (!id)
     {
       throw ParameterError("--conductivity names '" + one.phase + "', which is no phase of this sample",

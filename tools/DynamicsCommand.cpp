@@ -235,6 +235,10 @@ void dynamics(Session& session, const DynamicsOptions& options, const std::strin
 {
   vtkNew<vtkBondDynamics> filter;
   const std::size_t states = apply(options, filter);
+  if (options.endTime.empty())
+  {
+    session.sharesAreGuesses(); // when the sample has failed is to be found
+  }
   runBreak(session, options, filter, commandLine, "motion", "steps", states, 24, // velocities
     [&](const FractureReport& report) { return options.common.json ? dynamicsJson(report) : dynamicsTable(report); });
 }

@@ -80,6 +80,7 @@ void fracture(Session& session, const FractureOptions& options, const std::strin
 {
   vtkNew<vtkBondFracture> filter;
   apply(options, filter);
+  session.sharesAreGuesses(); // what breaks, and when, is to be found
   runBreak(session, options, filter, commandLine, "fracture", "events", listed(options.atStrains).size(), 0,
     [&](FractureReport report)
     {

@@ -4,12 +4,12 @@
 
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
+#include "lattice/PhaseNames.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
 
 namespace lamella::cli
@@ -27,20 +27,17 @@ std::string percentOf(double share)
 
 Conductivities parseConductivities(const std::vector<std::string>& texts, bool hasLamella)
 {
-  // Two names a phase: what people say, and what the lattice calls it.
-  const std::map<std::string, std::size_t> known{ { "lumen", 0 }, { "void", 0 }, { "wall", 1 }, { "secondary wall", 1 },
-    { "lamella", 2 }, { "middle lamella", 2 } };
-  constexpr std::array<const char*, 3> names{ "lumen", "wall", "lamella" };
+  const std::array<std::string, 3> names{ "lumen", "wall", "middle lamella" };
   std::array<std::optional<double>, 3> values;
   for (const std::string& part : listItems(texts))
   {
     const auto [name, number] = keyValue("--conductivity", part, "NAME=VALUE");
-    const auto found = known.find(name);
-    if (found == known.end())
+    const auto found = phaseMeant(names, name);
+    if (!found)
     {
       const std::vector<std::string> words{ "lumen", "wall", "lamella" };
       throw ParameterError("--conductivity names '" + name + "', which is no phase of a micrograph",
-        suggestion(name, words, "its phases are 'lumen', 'wall' and 'lamella'"));
+        suggestion(name, words, "its phases are " + quotedList({ names.begin(), names.end() }, "and")));
     }
     const auto value = toNumber(number);
     if (!value || !std::isfinite(*value) || *value < 0)
@@ -48,11 +45,11 @@ Conductivities parseConductivities(const std::vector<std::string>& texts, bool h
       throw ParameterError("--conductivity " + part + ": a conductivity must be a finite number of at least 0",
         "write it as --conductivity wall=1 --conductivity lumen=0.05");
     }
-    auto& place = values[found->second];
+    auto& place = values[*found];
     if (place && *place != *value)
     {
       throw ParameterError(
-        fmt::format("--conductivity gives '{}' two values, {:g} and {:g}", names[found->second], *place, *value),
+        fmt::format("--conductivity gives '{}' two values, {:g} and {:g}", names[*found], *place, *value),
         "give every phase one value");
     }
     place = value;

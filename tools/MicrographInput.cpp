@@ -9,6 +9,7 @@
 #include "ContourData.h"
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
+#include "lattice/PhaseNames.h"
 #include "micrograph/ContourEdit.h"
 #include "micrograph/PolygonFile.h"
 #include "vtkLatticeConversion.h"
@@ -121,14 +122,14 @@ std::uint8_t lumenOf(const MicrographOptions& options, const PhaseTable& phases)
 {
   if (!options.lumenPhase.empty())
   {
-    if (const auto id = phases.find(options.lumenPhase))
+    if (const auto id = phaseMeant(phases.names(), options.lumenPhase))
     {
-      return *id;
+      return static_cast<std::uint8_t>(*id);
     }
     throw ParameterError("--lumen-phase '" + options.lumenPhase + "' is no phase of this picture",
       suggestion(options.lumenPhase, phases.names(), "its phases are " + quotedList(phases.names(), "and")));
   }
-  for (const char* const name : { "lumen", "void", "pore" })
+  for (const char* const name : { "lumen", "void", "pore", "air" })
   {
     if (const auto id = phases.find(name))
     {

@@ -3,6 +3,7 @@
 #include "Text.h"
 
 #include "lattice/Error.h"
+#include "lattice/PhaseNames.h"
 
 #include <algorithm>
 
@@ -13,19 +14,16 @@ std::uint8_t labelledLamella(const MicrographCommandOptions& o, const PhaseTable
 {
   if (!o.lamellaPhase.empty())
   {
-    if (const auto id = phases.find(o.lamellaPhase))
+    if (const auto id = phaseMeant(phases.names(), o.lamellaPhase))
     {
-      return *id;
+      return static_cast<std::uint8_t>(*id);
     }
     throw ParameterError("--lamella-phase '" + o.lamellaPhase + "' is no phase of this picture",
       suggestion(o.lamellaPhase, phases.names(), "its phases are " + quotedList(phases.names(), "and")));
   }
-  for (const char* const name : { "middle lamella", "lamella" })
+  if (const auto id = phaseMeant(phases.names(), "middle lamella"))
   {
-    if (const auto id = phases.find(name))
-    {
-      return *id;
-    }
+    return static_cast<std::uint8_t>(*id);
   }
   throw InputError(
     "which phase is the middle lamella? '" + o.input.picture.file + "' has " + quotedList(phases.names(), "and"),
@@ -36,7 +34,7 @@ PhaseImage fromLabels(
   const micrograph::ContourLattice& lattice, const PhaseImage& labels, std::uint8_t lamella, double stretch)
 {
   PhaseImage image = lattice.image;
-  image.phases = PhaseTable({ "void", "secondary wall", "middle lamella" });
+  image.phases = PhaseTable({ "lumen", "wall", "middle lamella" });
   const Lattice& to = image.lattice;
   const Lattice& from = labels.lattice;
   const auto pixel = [&](std::int64_t i, int axis)

@@ -142,7 +142,8 @@ void addMicrographInput(CLI::App& command, MicrographOptions& o)
     in("Labels", "NAME",
       command.add_option("--other", o.picture.other, "All grey values that are not listed are this phase")),
     in("Labels", "NAME",
-      command.add_option("--lumen-phase", o.lumenPhase, "The phase of the lumens; else 'lumen', 'void' or 'pore'")) };
+      command.add_option(
+        "--lumen-phase", o.lumenPhase, "The phase of the lumens; else 'lumen', 'void', 'pore' or 'air'")) };
   o.arrayOption = in("Labels", "NAME",
     command.add_option("--array", o.picture.array, "In a .vti: the array of whole numbers to take for grey values"));
   o.forGreys = { in("Grey", "SHARE",

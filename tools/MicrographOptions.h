@@ -19,7 +19,7 @@ namespace lamella::cli
 struct MicrographOptions
 {
   PictureOptions picture;
-  std::string lumenPhase; ///< of labels; empty: "lumen", "void" or "pore"
+  std::string lumenPhase; ///< of labels; empty: "lumen", "void", "pore" or "air"
   // scans
   std::string channel = "auto";
   bool keepGraphics = false;

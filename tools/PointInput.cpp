@@ -5,6 +5,7 @@
 #include "Units.h"
 
 #include "lattice/Error.h"
+#include "lattice/PhaseNames.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPointAlgorithm.h"
 
@@ -97,7 +98,7 @@ void checkNames(const PointOptions& o, const std::vector<std::string>& names)
 {
   const auto check = [&](const std::string& option, const std::string& name)
   {
-    if (std::find(names.begin(), names.end(), name) == names.end())
+    if (!phaseMeant(names, name))
     {
       throw ParameterError(option + " names '" + name + "', which is no phase of this sample",
         suggestion(name, names, "its phases are " + quotedList(names, "and")));

@@ -12,6 +12,7 @@
 #include "io/Provenance.h"
 #include "lattice/Clock.h"
 #include "lattice/Memory.h"
+#include "lattice/PhaseNames.h"
 #include "pores/PoreLabelling.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPoreFloodFill.h"
@@ -117,7 +118,7 @@ void checkSample(const PoreFloodFillOptions& options, std::array<int, 3>& period
     throw ParameterError("--periodic '" + options.periodic + "' of a picture, which has x and y only", "leave z out");
   }
   const std::vector<std::string>& names = image.phases.names();
-  if (!options.fill.empty() && !image.phases.find(options.fill))
+  if (!options.fill.empty() && !phaseMeant(names, options.fill))
   {
     throw ParameterError("--fill names '" + options.fill + "', which is no phase of this sample",
       suggestion(options.fill, names, "its phases are " + quotedList(names, "and")));

@@ -404,7 +404,7 @@ bool Session::progress(double share, const std::string& what)
   const int columns = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0 ? window.ws_col : 80;
 
   progressed().left.tell(elapsed, share);
-  const auto left = progressed().left.seconds();
+  const auto left = guesses_ ? std::nullopt : progressed().left.seconds();
   const std::string numbers = fmt::format(" {:3d} %  {:.0f} s{}  ", static_cast<int>(share * 100), elapsed,
     left ? fmt::format(", {:.0f} s left", std::ceil(*left)) : "");
   const int width = std::clamp(columns - static_cast<int>(numbers.size() + what.size()) - 3, 0, 40);

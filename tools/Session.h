@@ -105,6 +105,9 @@ public:
   /// Progress: a bar on a terminal, nothing in a pipe. Draws at most ten times a second.
   /// @returns false after Ctrl-C or SIGTERM: stop
   bool progress(double share, const std::string& what);
+  /// From here on the shares done are guesses, for how much there is to do is what the run finds out: how long it still
+  /// takes is not said.
+  void sharesAreGuesses() noexcept { guesses_ = true; }
   void endProgress();
 
   /// Who sees the states of a run as they come (vtkSampleAlgorithm::STEP_EVENT); none: nobody.
@@ -137,6 +140,7 @@ private:
   bool quiet_ = false;
   bool terminal_ = false;
   bool barShown_ = false;
+  bool guesses_ = false;
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point drawn_;
 };

@@ -31,7 +31,7 @@ from crack import way_from_notch  # noqa: E402
 
 HORIZON = 4
 YOUNG, TOUGHNESS = 10e9, 4e5  # Pa, Pa √m of the walls
-WALL, LAMELLA, GRIP = "secondary wall", "middle lamella", "grip"
+WALL, LAMELLA, GRIP = "wall", "middle lamella", "grip"
 STATES = tuple(round(50 * 2 ** (i / 2)) for i in range(24))  # numbers of broken bonds at which fields are kept
 PAPER = LinearSegmentedColormap.from_list("paper", ["#1030c0", "#20a040", "#d01c1c"])
 # The paper's solid fractions and, within 1 %, its points of the walls: 216 494 and 109 055. Pixels of 0.5 µm, radial by tangential

@@ -5,6 +5,7 @@
 
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
+#include "lattice/PhaseNames.h"
 
 #include <fmt/format.h>
 
@@ -188,7 +189,7 @@ micrograph::Picture makeLook(const PhaseImage& truth, int n, const LookOptions& 
   for (std::size_t id = 0; id < isOpen.size(); ++id)
   {
     const std::string& name = truth.phases.names()[id];
-    isOpen[id] = name == "lumen" || name == "void";
+    isOpen[id] = isVoidName(name);
   }
   std::vector<std::uint8_t> open(truth.phase.size());
   std::transform(truth.phase.begin(), truth.phase.end(), open.begin(), [&](std::uint8_t id) { return isOpen[id]; });

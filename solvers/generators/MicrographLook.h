@@ -39,7 +39,7 @@ struct LookOptions
 };
 
 /// A picture (8 bits, `colour` filled unless grey) of a cross-section, n times coarser than it: what a pixel shows is
-/// the mean of n × n nodes, so that edges are smooth. Phases called "lumen" or "void" are open, all others wall.
+/// the mean of n × n nodes, so that edges are smooth. Phases that isVoidName() knows are open, all others wall.
 ///
 /// In transmitted light a pixel has, before blur and noise, exp(−ε s) of the light with s the stain and ε its
 /// absorption of red, green and blue (Beer and Lambert's law), averaged over its nodes. Cells are told apart by the

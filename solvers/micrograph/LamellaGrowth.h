@@ -12,7 +12,7 @@ namespace lamella::micrograph
 
 /// Marks what outlines that keep a gap, and stop at a radius of curvature, do not reach.
 /// @param gap, radius [m]; radius 0: corners stay sharp
-/// @param phase #nodes: void or secondary wall, of which some becomes lamella
+/// @param phase #nodes: lumen or wall, of which some becomes lamella
 void growLamella(const ContourLattice& lattice, const WallDirections& directions, double gap, double radius,
   std::span<std::uint8_t> phase);
 

@@ -80,9 +80,9 @@ NodesAcross nodesAcross(
 
 PhaseImage lamellaFromLabels(const Lattice& lattice, std::span<const std::uint16_t> grey)
 {
-  const GreyMap map{ { { 0, "void" }, { 128, "middle lamella" }, { 255, "secondary wall" } }, {} };
+  const GreyMap map{ { { 0, "lumen" }, { 128, "middle lamella" }, { 255, "wall" } }, {} };
   PhaseImage image = map.apply(lattice, grey);
-  const PhaseTable phases({ "void", "secondary wall", "middle lamella" });
+  const PhaseTable phases({ "lumen", "wall", "middle lamella" });
   std::array<std::uint8_t, 3> id{};
   for (std::size_t i = 0; i < image.phases.size(); ++i)
   {

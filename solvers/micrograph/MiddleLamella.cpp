@@ -98,8 +98,7 @@ MiddleLamella middleLamella(
     constantLamella(lattice, directions, thickness, phase);
   }
   result.joined = joinLamella(lattice, directions, phase);
-  result.image = { lattice.image.lattice, std::move(phase),
-    PhaseTable({ "void", "secondary wall", "middle lamella" }) };
+  result.image = { lattice.image.lattice, std::move(phase), PhaseTable({ "lumen", "wall", "middle lamella" }) };
   const std::vector<double> shares = result.image.fractions();
   result.wallShare = shares[kLamella] / std::max(shares[kLamella] + shares[kSecondary], 1e-300);
   result.across = nodesAcross(lattice, directions, result.image.phase);

@@ -40,7 +40,7 @@ struct NodesAcross
 
 struct MiddleLamella
 {
-  PhaseImage image;     ///< phases "void" 0, "secondary wall" 1, "middle lamella" 2
+  PhaseImage image;     ///< phases "lumen" 0, "wall" 1, "middle lamella" 2
   double thickness = 0; ///< as used [m]
   double radius = 0;    ///< as used [m]
   NodesAcross across;
@@ -92,7 +92,7 @@ struct MiddleLamella
 [[nodiscard]] NodesAcross nodesAcross(
   const ContourLattice& lattice, const WallDirections& directions, std::span<const std::uint8_t> phase);
 
-/// A picture of three classes, 0 void, 128 middle lamella and 255 secondary wall, with the phases of MiddleLamella.
+/// A picture of three classes, 0 lumen, 128 middle lamella and 255 wall, with the phases of MiddleLamella.
 /// @throws InputError for another grey
 [[nodiscard]] PhaseImage lamellaFromLabels(const Lattice& lattice, std::span<const std::uint16_t> grey);
 

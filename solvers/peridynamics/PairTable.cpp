@@ -1,7 +1,7 @@
 #include "peridynamics/PairTable.h"
 
 #include "lattice/Error.h"
-#include "lattice/VoidNames.h"
+#include "lattice/PhaseNames.h"
 
 #include <fmt/format.h>
 
@@ -27,10 +27,25 @@ std::string listed(std::span<const std::string> names)
 
 std::optional<std::uint8_t> findPhase(const std::string& name, std::span<const std::string> names)
 {
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end())
-    return std::nullopt;
-  return static_cast<std::uint8_t>(found - names.begin());
+  const auto found = phaseMeant(names, name);
+  return found ? std::optional(static_cast<std::uint8_t>(*found)) : std::nullopt;
+}
+
+/// @param own only names that the phases themselves have, and no other words for the same
+std::optional<PairKey> readPair(const std::string& text, std::span<const std::string> names, bool own)
+{
+  const auto find = [&](const std::string& name)
+  { return own && std::find(names.begin(), names.end(), name) == names.end() ? std::nullopt : findPhase(name, names); };
+  if (const auto id = find(text))
+    return PairKey{ *id, *id, false };
+  for (std::size_t at = text.find('-'); at != std::string::npos; at = text.find('-', at + 1))
+  {
+    const auto a = find(text.substr(0, at));
+    const auto b = find(text.substr(at + 1));
+    if (a && b)
+      return PairKey{ std::min(*a, *b), std::max(*a, *b), *a == *b };
+  }
+  return std::nullopt;
 }
 
 /// The tables by key instead of by name.
@@ -48,6 +63,8 @@ public:
     {
       const auto key = findPair(name, names);
       const auto same = findPair(other, names);
+      if (key && hasOwn(table.like, *key, name))
+        continue;
       if (key && same)
         like_[*key] = *same;
       else if (key)
@@ -123,12 +140,23 @@ private:
         throw ParameterError(fmt::format("{} of {} is {}", what, name, value),
           base ? "it must be a positive number, a multiple of that of " + table_.relativeTo
                : "it must be a positive number, in SI units");
+      if (hasOwn(values, *key, name))
+        continue;
       const bool multiple = base && name != table_.relativeTo && findPair(table_.relativeTo, names_) != key;
       if (!result.emplace(*key, multiple ? value * *base : value).second)
         throw ParameterError(fmt::format("{} of {} is given twice", what, pairText(*key, names_)),
           "give each pair of phases once: the order of its names does not matter");
     }
     return result;
+  }
+
+  /// Whether a pair is named by other words here, and elsewhere in the table by the phases' own: one table serves
+  /// samples of both.
+  [[nodiscard]] bool hasOwn(const auto& values, const PairKey& key, const std::string& name) const
+  {
+    return readPair(name, names_, true) != key &&
+      std::any_of(
+        values.begin(), values.end(), [&](const auto& entry) { return readPair(entry.first, names_, true) == key; });
   }
 
   template <class Has>
@@ -200,16 +228,8 @@ std::vector<std::uint8_t> findVoids(
 
 std::optional<PairKey> findPair(const std::string& text, std::span<const std::string> names)
 {
-  if (const auto id = findPhase(text, names))
-    return PairKey{ *id, *id, false };
-  for (std::size_t at = text.find('-'); at != std::string::npos; at = text.find('-', at + 1))
-  {
-    const auto a = findPhase(text.substr(0, at), names);
-    const auto b = findPhase(text.substr(at + 1), names);
-    if (a && b)
-      return PairKey{ std::min(*a, *b), std::max(*a, *b), *a == *b };
-  }
-  return std::nullopt;
+  const auto own = readPair(text, names, true);
+  return own ? own : readPair(text, names, false);
 }
 
 std::string pairText(const PairKey& key, std::span<const std::string> names)

@@ -3,6 +3,7 @@
 #include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
+#include "lattice/PhaseNames.h"
 #include "lattice/Suggestion.h"
 #include "pores/PoreLabelling.h"
 
@@ -284,7 +285,7 @@ std::uint8_t findVoid(const PhaseIds& phases, const std::string& wanted, const s
     throw ParameterError(
       "no phase is called void, pore, lumen or air", "say which phase the " + what + " are; there are: " + there);
   }
-  auto found = static_cast<std::size_t>(std::find(names.begin(), names.end(), wanted) - names.begin());
+  std::size_t found = phaseMeant(names, wanted).value_or(names.size());
   for (std::size_t id = 0; found == names.size() && id < names.size(); ++id)
   {
     found = std::to_string(phases.values[id]) == wanted ? id : found;
@@ -298,7 +299,7 @@ std::uint8_t findVoid(const PhaseIds& phases, const std::string& wanted, const s
 
 void requirePhase(const PhaseIds& phases, const std::string& name, const std::string& message)
 {
-  if (std::find(phases.known.begin(), phases.known.end(), name) == phases.known.end())
+  if (!phaseMeant(phases.known, name))
   {
     throw ParameterError(message, suggestion(name, phases.known, "its phases are " + quotedList(phases.known, "and")));
   }
@@ -328,7 +329,7 @@ std::vector<double> conductivityById(const PhaseIds& phases, const std::map<std:
   {
     const std::string& name = phases.names[id];
     const std::string value = std::to_string(phases.values[id]);
-    auto entry = table.find(name);
+    auto entry = entryOf(table, phases.names, id);
     if (entry == table.end() && std::find(phases.names.begin(), phases.names.end(), value) == phases.names.end())
     {
       entry = table.find(value);

@@ -8,7 +8,7 @@
 #include "lattice/Communicator.h"
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
-#include "lattice/VoidNames.h"
+#include "lattice/PhaseNames.h"
 
 #include "vtkDataArray.h"
 #include "vtkDataObject.h"
@@ -160,8 +160,11 @@ void PointScene::findVoids()
   void_.assign(nodes_.size(), false);
   for (std::size_t id = 0; id < names.size(); ++id)
   {
-    const bool told = std::find(settings_.voids.begin(), settings_.voids.end(), names[id]) != settings_.voids.end();
-    void_[id] = settings_.voids.empty() ? isVoidName(names[id]) && !settings_.ofPhase.contains(names[id]) : told;
+    const bool told = std::any_of(settings_.voids.begin(), settings_.voids.end(),
+      [&](const std::string& name) { return phaseMeant(names, name) == id; });
+    void_[id] = settings_.voids.empty()
+      ? isVoidName(names[id]) && entryOf(settings_.ofPhase, names, id) == settings_.ofPhase.end()
+      : told;
   }
   bool some = false;
   for (std::size_t id = 0; id < names.size(); ++id)
@@ -257,13 +260,17 @@ bool PointScene::solid(std::size_t id) const
 
 bool PointScene::held(std::size_t id, WallConstant constant) const
 {
-  const auto phase = settings_.ofPhase.find(id < phases_.names.size() ? phases_.names[id] : "");
+  if (id >= phases_.names.size())
+  {
+    return false;
+  }
+  const auto phase = entryOf(settings_.ofPhase, phases_.names, id);
   return phase != settings_.ofPhase.end() && phase->second.contains(constant);
 }
 
 double PointScene::value(std::size_t id, WallConstant constant) const
 {
-  const double v = held(id, constant) ? settings_.ofPhase.at(phases_.names[id]).at(constant)
+  const double v = held(id, constant) ? entryOf(settings_.ofPhase, phases_.names, id)->second.at(constant)
                                       : settings_.wall[static_cast<std::size_t>(constant)];
   return constant != WallConstant::Young || v != 0 || held(id, constant) ? v
     : law_ == WallLaw::Orthotropic                                       ? mpm::OrthotropicMaterial().along

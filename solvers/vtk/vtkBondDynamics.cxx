@@ -7,6 +7,7 @@
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
+#include "lattice/PhaseNames.h"
 #include "peridynamics/fracture/DynamicsStudy.h"
 
 #include "vtkImageData.h"
@@ -235,7 +236,7 @@ void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   options.densities.assign(names.size(), 0);
   for (std::size_t id = 0; id < names.size(); ++id)
   {
-    if (const auto own = this->Internal->Densities.find(names[id]); own != this->Internal->Densities.end())
+    if (const auto own = lamella::entryOf(this->Internal->Densities, names, id); own != this->Internal->Densities.end())
     {
       if (!(own->second > 0) || !std::isfinite(own->second))
       {

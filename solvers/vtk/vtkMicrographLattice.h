@@ -9,7 +9,7 @@
  * polygons in a plane of z.
  *
  * **Output**: vtkImageData over the picture, with the point arrays
- * - `phase`: 0 lumen, 1 wall; with a middle lamella 0 void, 1 secondary wall, 2 middle lamella;
+ * - `phase`: 0 lumen, 1 wall, 2 middle lamella;
  * - `grain`: number of the cell: the lumen, and in the wall the nearest lumen;
  * - `axis`: 3 floats, unit vector along the wall whose sign means nothing; 0 in lumens;
  * - `lumen_share`: lumen's exact share of the node's pixel.

@@ -238,7 +238,7 @@ class Micrographs(unittest.TestCase):
         with self.assertRaisesRegex(lamella.LamellaError, "no lamella share"):
             sample.lamella_share
         grown = self.contours.lattice(0.4e-6, "growth", thickness=0.8e-6)
-        self.assertEqual(grown.names, ["void", "secondary wall", "middle lamella"])
+        self.assertEqual(grown.names, ["lumen", "wall", "middle lamella"])
         np.testing.assert_array_equal(grown.phase == 0, sample.phase == 0)
         self.assertEqual(grown.lamella_thickness, 0.8e-6)
         self.assertAlmostEqual(

@@ -96,7 +96,7 @@ def wood():
     phase = np.full((48, 64), 2, np.uint8)
     y, x = np.mgrid[:48, :64]
     phase[(x - 40) ** 2 + (y - 24) ** 2 < 25] = 0
-    plate = lamella.from_array(phase[::-1].copy(), ["void", "secondary wall", "middle lamella"], 1e-6)
+    plate = lamella.from_array(phase[::-1].copy(), ["lumen", "wall", "middle lamella"], 1e-6)
     notch = (-1e-6, 24e-6, 16e-6, 24e-6)
     path = lamella.crack_path(lamella.fracture(plate, {"middle lamella": 1e10}, toughness={"middle lamella": 1e5}, horizon=4, notches=[notch], stop=0.02))
     crack = study.way_from_notch(path, phase, 1e-6, notch, 4)

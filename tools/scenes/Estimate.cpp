@@ -5,6 +5,7 @@
 
 #include "Text.h"
 
+#include "lattice/PhaseNames.h"
 #include "lattice/Phases.h"
 #include "vtkLatticeConversion.h"
 
@@ -251,9 +252,7 @@ Estimator::Estimator(const Scene& scene, const SamplePlan& first, const CommandS
       solid_ = 0;
       for (std::size_t id = 0; id < phases.phases.size(); ++id)
       {
-        const std::string& name = phases.phases.names()[id];
-        const bool open = name == "void" || name == "pore" || name == "lumen" || name == "air";
-        solid_ += open ? 0 : phases.fractions()[id];
+        solid_ += isVoidName(phases.phases.names()[id]) ? 0 : phases.fractions()[id];
       }
     }
     else if (auto* const grains = vtkPolyData::SafeDownCast(data))

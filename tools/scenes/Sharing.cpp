@@ -275,6 +275,11 @@ void onRanks(Session& session, const Sharing& sharing, std::size_t count)
 
 void shareOut(Session& session, const Sharing& sharing, std::size_t count)
 {
+  constexpr std::size_t few = 8; // samples; within one its stages count alike, whatever they take
+  if (count < few)
+  {
+    session.sharesAreGuesses();
+  }
   if (session.ranks() > 1)
   {
     onRanks(session, sharing, count);

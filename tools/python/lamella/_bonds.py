@@ -102,13 +102,21 @@ def _pair(name):
     return "-".join(map(str, name)) if isinstance(name, tuple) else str(name)
 
 
+WORDS = (("void", "pore", "lumen", "air"), ("wall", "secondary wall"), ("middle lamella", "lamella"))
+
+
+def means(known, name):
+    """Whether a name is one of these, or another word for just one of them: solvers/lattice/PhaseNames.h."""
+    return name in known or any(name in words and sum(other in words for other in known) == 1 for words in WORDS)
+
+
 def check_names(image, names, pairs=True):
     """Raises LamellaError for names that fit no phase of the image, and no pair of its phases: the solver leaves them out, so
     that rows of ParaView's panels suit samples of several kinds; in a script they are slips."""
     known = _arrays.texts(image, "phase_names")
 
     def fits(name):
-        return not known or name in known or name.isdigit()  # values that the table has no name for
+        return not known or means(known, name) or name.isdigit()  # values that the table has no name for
 
     for name in names:
         cuts = [i for i, letter in enumerate(name) if letter == "-"] if pairs else []

@@ -161,7 +161,7 @@ class Contours(_arrays.FieldData):
 
 
 class LatticeSample(Sample):
-    """Outlines on a lattice: phases lumen and wall, or void, secondary wall and middle lamella."""
+    """Outlines on a lattice: phases lumen, wall and, where there is one, middle lamella."""
 
     def _numbers(self, name):
         values = _arrays.numbers(self.vtk, name)
