@@ -101,6 +101,8 @@ CellBounds cellBounds(const BondLattice& bonds)
     energy += sums[o].softness * outer; // K₀² |ξ|² = 1
     complete = complete && sums[o].count == nodes;
   }
+  // a lattice of bonds along the axes alone resists no shear, and its bound is zero there as where bonds are missing
+  complete = complete && Eigen::FullPivLU<Eigen::MatrixXd>(energy).isInvertible();
   CellBounds result;
   result.voigt = byRows(upper);
   result.reuss = byRows(complete ? Eigen::MatrixXd(uniform * energy.inverse() * uniform) : Eigen::MatrixXd::Zero(n, n));

@@ -147,7 +147,7 @@ std::optional<FirstBreak> firstBreak(const BondLattice& bonds, const Lattice& la
   return first;
 }
 
-std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult& r)
+std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult& r, bool twoPlatens)
 {
   std::vector<std::string> warnings = modelWarnings(model, r.thickness);
   if (r.loosePieces > 0)
@@ -156,6 +156,16 @@ std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult&
     warnings.push_back(
       fmt::format("{} nodes hang on too few bonds to resist in every direction: they follow where nothing resists",
         r.solve.hinges));
+  // The residual counts over the forces that hold the stiffest nodes, which can be far above the load itself.
+  constexpr double noted = 0.01;
+  const auto along = static_cast<std::size_t>(r.across);
+  const double low = r.reactions.low[along];
+  const double high = r.reactions.high[along];
+  if (twoPlatens && std::abs(low + high) > noted * std::max(std::abs(low), std::abs(high)))
+    warnings.push_back(fmt::format(
+      "the platens pull with {:.4g} and {:.4g} N, which should be opposite: the load is within the solver's tolerance of "
+      "nothing. Ask for a smaller --tolerance, or make the phases less different",
+      low, high));
   return warnings;
 }
 
@@ -369,7 +379,7 @@ ElasticResult studyElastic(const BondModel& model, const Lattice& lattice, std::
   const std::int64_t fields =
     (1 + (options.stress ? (d == 2 ? 3 : 6) : 0) + (options.energyDensity ? 1 : 0)) * bonds.layout().count() * 8;
   r.bytes = comm.sum(bonds.bytes() + r.solve.bytes + fields);
-  r.warnings = warningsOf(model, r);
+  r.warnings = warningsOf(model, r, !traction);
   r.measureSeconds = lap();
   return r;
 }

@@ -101,6 +101,29 @@ private:
 
 constexpr std::int64_t manyIterations = 200;
 
+/// What the residual, which counts over the forces of the mean strain, may leave of a component far below Voigt's bound.
+std::string doubtOfSolver(const EffectiveStiffness& cell, int dimension)
+{
+  constexpr double noted = 0.01;
+  const std::vector<std::string> names = voigtNames(dimension);
+  std::string which;
+  double worst = 0;
+  for (std::size_t a = 0; a < names.size(); ++a)
+  {
+    const std::size_t i = a * (names.size() + 1);
+    const double left = cell.solutions[a].residual * cell.bounds.voigt[i];
+    if (left <= noted * std::abs(cell.stiffness[i]) || cell.stiffness[i] == 0)
+      continue;
+    which += (which.empty() ? "" : ", ") + names[a];
+    worst = std::max(worst, left / std::abs(cell.stiffness[i]));
+  }
+  if (which.empty())
+    return "";
+  return fmt::format("the stiffness under {} is so far below what its phases have side by side that the solver's residual may be {} "
+                     "of it: ask for a smaller --tolerance, or take it for none",
+    which, worst < 1 ? fmt::format("{:.2g} %", 100 * worst) : std::string("all"));
+}
+
 std::vector<std::string> warningsOf(const BondModel& model, const Lattice& lattice, const StiffnessResult& r)
 {
   const int dimension = lattice.dimension;
@@ -137,6 +160,9 @@ std::vector<std::string> warningsOf(const BondModel& model, const Lattice& latti
         "{} nodes along {} cannot be halved, which multigrid needs of a cell that repeats: it took up to {} "
         "iterations. An even number, best a multiple of 16, takes about ten",
         lattice.size[a], "xyz"[a], iterations));
+  const std::string doubt = doubtOfSolver(cell, dimension);
+  if (!doubt.empty())
+    warnings.push_back(doubt);
   const std::vector<std::string> sides = sideWarnings(r.sides, dimension);
   warnings.insert(warnings.end(), sides.begin(), sides.end());
   return warnings;

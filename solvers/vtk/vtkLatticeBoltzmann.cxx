@@ -357,6 +357,7 @@ void vtkLatticeBoltzmann::Run(vtkImageData* input, const lamella::Team& team)
   const std::string warning = solver.warning();
   warn(begin.warning);
   warn(warning);
+  warn(solver.shortRunWarning(stops.back()));
   if (ended)
   {
     warn(fmt::format("the run had ended where the checkpoint stands, after {} steps: that state is kept", continued));

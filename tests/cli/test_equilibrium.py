@@ -166,6 +166,18 @@ class Equilibrium(Case):
         self.assertIn("1 loose pieces with 48 nodes", result.err)
         self.assertEqual(result.json()["loose_nodes"], 48)
 
+    def test_platens_that_do_not_balance(self):
+        # a load on what is 1e-21 of the stiffest bonds lies within a residual of 1e-6 of them
+        rows = ("002233003223", "000332233203", "000022213001", "000022211001")
+        self.write("apart.png", pictures.png([[int(letter) * 60 + 10 for letter in row] for row in rows]))
+        young = [word for pair in ("a=2.18661e20", "b=6.0441e15", "c=0.0838673", "d=1.34703e12") for word in ("--young", pair)]
+        result = self.run_lamella("equilibrium", "apart.png", "--phase", "10=a,70=b,130=c,190=d", *young, "--mixing", "harmonic",
+                                  "--axis", "x", "--smooth-platens", "--pixel-size", "1um", "--json")
+        self.assertEqual(result.code, 0, result.err)
+        low, high = (result.json()["reactions"][side][0] for side in ("low", "high"))
+        self.assertEqual("the platens pull with" in result.err, abs(low + high) > 0.01 * max(abs(low), abs(high)))
+        self.assertIn("the platens pull with", result.err)
+
     def test_what_cannot_be_done(self):
         bar = [*BAR, "--young", "stone=1e9"]
         self.fails(2, "--young is missing", "", *BAR)

@@ -131,6 +131,19 @@ class Stiffness(Case):
                    *picture("block.png", lambda x, y: 8 <= x < 24 and 8 <= y < 24))
         self.fails(3, "the sample is all void", "say which phases carry bonds", *picture("nothing.png", lambda x, y: False))
 
+    def test_far_below_what_the_solver_resolves(self):
+        # hard columns parted by soft ones: 1e-9 of what they are side by side, where the residual is 1e-6 of that
+        self.write("columns.png", pictures.png([[0 if (x + y // 16) % 8 < 4 else 255 for x in range(32)] for y in range(32)]))
+        result = self.run_lamella("stiffness", "columns.png", "--phase", "0=soft", "--phase", "255=hard", "--young", "soft=1",
+                                  "--young", "hard=1e12", "--mixing", "harmonic", "--no-error-estimate")
+        self.assertEqual(result.code, 0, result.err)
+        self.assertIn("so far below what its phases have side by side", result.err)
+
+    def test_bonds_along_the_axes_alone_have_no_lower_bound(self):
+        result = self.run_lamella(*LAYERS, "--horizon", "1", "--no-error-estimate")
+        self.assertEqual(result.code, 0, result.err)
+        self.assertNotIn("nan", result.out)
+
     def test_what_is_refused(self):
         self.fails(2, "--young is missing", "", *STONE[:4])
         self.fails(2, "--young names 'ston'", "did you mean 'stone'?", *STONE[:4], "--young", "ston=1")

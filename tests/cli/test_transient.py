@@ -171,6 +171,13 @@ class Transient(Case):
         self.assertIn("warning: ", result.err)
         self.assertIn("use trt", result.json()["warning"])
 
+    def test_less_than_a_node_deep_warns(self):
+        # sqrt(1e-8 m2/s 5e-5 s) = 0.71 um, where the slow phase has nodes of 1 um
+        result = self.run_lamella(*LAYERS, "--direction", "y", "--end-time", "5e-5", "--json")
+        self.assertEqual(result.code, 0, result.err)
+        self.assertIn("goes 0.71 of a node's distance deep", result.err)
+        self.works(*LAYERS, "--direction", "y", "--end-time", "2e-4", "--json")
+
     def test_refuses(self):
         known = [*LAYERS, "--end-time", "1"]
         self.fails(2, "no --end-time was given", "in seconds", *LAYERS)

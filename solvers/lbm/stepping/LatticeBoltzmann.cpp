@@ -418,6 +418,23 @@ std::string LatticeBoltzmann::warning() const
   return impl_->two ? std::string() : singleRateWarning(impl_->relaxation, impl_->chords);
 }
 
+std::string LatticeBoltzmann::shortRunWarning(std::int64_t steps) const
+{
+  const Impl& m = *impl_;
+  double least = 1; // over the largest
+  for (const Chord& c : m.chords)
+    if (c.diffusivity > 0)
+      least = std::min(least, c.diffusivity);
+  const double time = static_cast<double>(steps) * m.dt;
+  const double depth = std::sqrt(least * m.largest * time);
+  if (depth >= m.lattice.spacing)
+    return "";
+  return fmt::format("in {:.3g} s the value goes {:.2g} of a node's distance deep where the diffusivity is {:.3g} m²/s, "
+                     "which the lattice does not resolve: fluxes and means that depend on it are off; a longer run, a "
+                     "finer lattice, or 0 there",
+    time, depth / m.lattice.spacing, least * m.largest);
+}
+
 SteppingStatistics LatticeBoltzmann::statistics() const
 {
   const Impl& m = *impl_;

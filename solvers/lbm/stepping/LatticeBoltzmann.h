@@ -163,6 +163,10 @@ public:
 
   /// What a user should know of the accuracy at these relaxation times, or nothing.
   [[nodiscard]] std::string warning() const;
+  /// What a run to so many steps does not resolve, or nothing: where √(D t) is less than a spacing, the value changes
+  /// within a node. Populations carry a third or more of it away at once: fluxes beside such nodes can be off by all of
+  /// themselves, and means by a few per cent of what is in these nodes.
+  [[nodiscard]] std::string shortRunWarning(std::int64_t steps) const;
   [[nodiscard]] SteppingStatistics statistics() const; ///< collective
 
   [[nodiscard]] std::int64_t checkpoints() const noexcept;    ///< written by this object
