@@ -36,8 +36,8 @@ constexpr double tightest = 1e-20; // round-off of the residual is near
 // Both faces carry the effective flux but for round-off, which grows with the contrast: 4e-2 of it at 1e15. Up to here
 // it is told as the solver's error; beyond nothing is told.
 constexpr double loosestBalance = 1e-3;
-constexpr const char* beyondDouble =
-  "a contrast near 1e16 is beyond double precision: give the phases that conduct least 0, or those that conduct best less";
+constexpr const char* beyondDouble = "a contrast near 1e16 is beyond double precision: give the phases that conduct "
+                                     "least 0, or those that conduct best less";
 
 // The residual is replaced when r·z has fallen by this factor.
 constexpr double replaceAfter = 1e-6;
@@ -152,7 +152,7 @@ public:
       const bool nothingLeft = exhausted && replaced;
       if (nothingLeft && std::sqrt(sums.residual2) > roundOff)
         fail(result, 1, std::sqrt(target));
-      const bool converged = nothingLeft || (error <= target && !spectrum.empty());
+      const bool converged = nothingLeft || (!exhausted && error <= target && !spectrum.empty());
       if (replaced)
       {
         stagnant = reference >= 0 && rzNew > 0.25 * reference ? stagnant + 1 : 0;
@@ -174,8 +174,9 @@ public:
           sums = evaluate();
           // the least energy of all fields that it chooses from, unless it chose by fluxes that are round-off
           if (!(sums.energy <= before * (1 + loosestBalance)))
-            throw DivergenceError(fmt::format("the flux is round-off: the planes of nodes say {:.1e} times as much as the field",
-                                    sums.energy / before),
+            throw DivergenceError(
+              fmt::format("the flux is round-off: the planes of nodes say {:.1e} times as much as the field",
+                sums.energy / before),
               beyondDouble);
           finish();
           return result;

@@ -162,9 +162,9 @@ std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult&
   const double low = r.reactions.low[along];
   const double high = r.reactions.high[along];
   if (twoPlatens && std::abs(low + high) > noted * std::max(std::abs(low), std::abs(high)))
-    warnings.push_back(fmt::format(
-      "the platens pull with {:.4g} and {:.4g} N, which should be opposite: the load is within the solver's tolerance of "
-      "nothing. Ask for a smaller --tolerance, or make the phases less different",
+    warnings.push_back(fmt::format("the platens pull with {:.4g} and {:.4g} N, which should be opposite: the load is "
+                                   "within the solver's tolerance of "
+                                   "nothing. Ask for a smaller --tolerance, or make the phases less different",
       low, high));
   return warnings;
 }

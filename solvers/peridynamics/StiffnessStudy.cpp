@@ -101,7 +101,8 @@ private:
 
 constexpr std::int64_t manyIterations = 200;
 
-/// What the residual, which counts over the forces of the mean strain, may leave of a component far below Voigt's bound.
+/// What the residual, which counts over the forces of the mean strain, may leave of a component far below Voigt's
+/// bound.
 std::string doubtOfSolver(const EffectiveStiffness& cell, int dimension)
 {
   constexpr double noted = 0.01;
@@ -119,8 +120,9 @@ std::string doubtOfSolver(const EffectiveStiffness& cell, int dimension)
   }
   if (which.empty())
     return "";
-  return fmt::format("the stiffness under {} is so far below what its phases have side by side that the solver's residual may be {} "
-                     "of it: ask for a smaller --tolerance, or take it for none",
+  return fmt::format(
+    "the stiffness under {} is so far below what its phases have side by side that the solver's residual may be {} "
+    "of it: ask for a smaller --tolerance, or take it for none",
     which, worst < 1 ? fmt::format("{:.2g} %", 100 * worst) : std::string("all"));
 }
 

@@ -96,7 +96,9 @@ TEST(Contrast, BeyondDoublePrecisionIsRightOrRefused)
       try
       {
         const auto r = solve(image, d, { .tolerance = 1e-8 });
-        EXPECT_NEAR(r.effective[0] / exact, 1.0, std::max(1e-7, r.solverError)) << seed << " " << contrast << " " << lbm::name(r.method) << " " << r.iterations << " " << r.residual << " " << r.balance;
+        EXPECT_NEAR(r.effective[0] / exact, 1.0, std::max(1e-7, r.solverError))
+          << seed << " " << contrast << " " << lbm::name(r.method) << " " << r.iterations << " " << r.residual << " "
+          << r.balance;
         ++right;
       }
       catch (const DivergenceError&)
@@ -116,8 +118,8 @@ TEST(Contrast, SmallPeriodicVolumesEnd)
       const auto image = noise(n, n, n > 1 ? n : 2, 0.5, seed);
       try
       {
-        const auto r = solve(image, { 1e-5, 1e12 },
-          { .sides = lbm::Sides::Periodic, .diagonal = true, .tolerance = 1e-8 });
+        const auto r =
+          solve(image, { 1e-5, 1e12 }, { .sides = lbm::Sides::Periodic, .diagonal = true, .tolerance = 1e-8 });
         EXPECT_GT(r.effective[0], 0);
       }
       catch (const DivergenceError&)

@@ -429,9 +429,10 @@ std::string LatticeBoltzmann::shortRunWarning(std::int64_t steps) const
   const double depth = std::sqrt(least * m.largest * time);
   if (depth >= m.lattice.spacing)
     return "";
-  return fmt::format("in {:.3g} s the value goes {:.2g} of a node's distance deep where the diffusivity is {:.3g} m²/s, "
-                     "which the lattice does not resolve: fluxes and means that depend on it are off; a longer run, a "
-                     "finer lattice, or 0 there",
+  return fmt::format(
+    "in {:.3g} s the value goes {:.2g} of a node's distance deep where the diffusivity is {:.3g} m²/s, "
+    "which the lattice does not resolve: fluxes and means that depend on it are off; a longer run, a "
+    "finer lattice, or 0 there",
     time, depth / m.lattice.spacing, least * m.largest);
 }
 
