@@ -41,6 +41,9 @@ constexpr std::string_view mark = ".lamella-";
 
 // Set before the files are removed: what is written from then on is written in vain.
 std::atomic<bool> removed;
+// Removing waits while somebody holds it.
+std::atomic<int> holds;
+std::atomic<bool> due;
 
 fs::path folderOf(const fs::path& path)
 {
@@ -215,8 +218,26 @@ void PartFile::release() noexcept
   }
 }
 
+PartFile::Hold::Hold() noexcept
+{
+  ++holds;
+}
+
+PartFile::Hold::~Hold()
+{
+  if (--holds == 0 && due.load())
+  {
+    removeAll();
+  }
+}
+
 void PartFile::removeAll() noexcept
 {
+  if (holds.load() > 0)
+  {
+    due.store(true);
+    return;
+  }
   removed.store(true);
   for (auto* one = static_cast<Name*>(names.load()); one != nullptr; one = one->next)
   {

@@ -41,6 +41,16 @@ public:
   static void removeAll() noexcept;
   [[nodiscard]] static bool removedAll() noexcept;
 
+  /// While one lives removeAll() waits for its end: several files take their places together, or none does.
+  class Hold
+  {
+  public:
+    Hold() noexcept;
+    ~Hold();
+    Hold(const Hold&) = delete;
+    Hold& operator=(const Hold&) = delete;
+  };
+
   /// Whether a name is one of these; of any process.
   [[nodiscard]] static bool isPart(const std::filesystem::path& path);
 

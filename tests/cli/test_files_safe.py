@@ -76,7 +76,7 @@ class Names(Case):
     def test_slices_after_control_c(self):
         self.works("generate", "spheres", "--size", "64,64,64", "-o", "s.vti")
         os.mkdir(self.path("cut"))
-        for wait in [0.02, 0.05, 0.1]:
+        for wait in [0.02, 0.05, 0.1, 0.2, 0.3, 0.4]:  # the last ones while all slices take their places
             with self.popen("convert", "s.vti", "-o", "cut/s_%04d.png") as process:
                 begin = time.time()
                 while not glob.glob(self.path("cut/.lamella-*")) and process.poll() is None and time.time() < begin + 60:
@@ -86,6 +86,7 @@ class Names(Case):
                 process.communicate(timeout=60)
             self.assertEqual(glob.glob(self.path("cut/.*")), [])
             if process.returncode == 0:
+                self.assertEqual(len(os.listdir(self.path("cut"))), 64)
                 break
             self.assertEqual(os.listdir(self.path("cut")), [])
 

@@ -10,7 +10,7 @@ import pictures
 from program import CONDUCTIVITIES, HERE, PHASES, Case
 
 COMMANDS = ["generate", "diffusion", "transient", "flux-map", "packing", "bridges", "equilibrium", "fracture", "dynamics", "stiffness",
-            "pore-flood-fill", "stress-pdf", "crack-path", "compression-curve", "collapse-map", "snapshot", "convert", "run", "report", "info"]
+            "pore-flood-fill", "stress-pdf", "crack-path", "compression", "compression-curve", "collapse-map", "snapshot", "convert", "run", "report", "info"]
 
 
 class Words(Case):

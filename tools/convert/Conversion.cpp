@@ -13,6 +13,7 @@
 #include "GridReaders.h"
 #include "lattice/Clock.h"
 #include "lattice/Error.h"
+#include "lattice/PartFile.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkCellData.h>
@@ -592,6 +593,7 @@ Converted convert(Session& session, const ConversionWords& o, const std::string&
     one.write(collectionText(stepNames, times));
     names.push_back(one.path().string());
   }
+  const PartFile::Hold together;
   for (OutputFile& one : done)
   {
     one.commit();
