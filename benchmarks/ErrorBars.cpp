@@ -5,6 +5,7 @@
 // target=SHARE (0.02), quick (a fifth of the cases), cases=FILE for a line a case.
 // The estimate's constants were found on other shapes and seeds, see docs/benchmarks/diffusion.md.
 #include "Keys.h"
+#include "Shapes.h"
 
 #include "../tests/verification/DiskArray.h"
 
@@ -19,7 +20,6 @@
 #include <functional>
 #include <map>
 #include <numbers>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -28,24 +28,6 @@ namespace
 
 using namespace lamella;
 using namespace lamella::benchmark;
-
-using Random = std::mt19937_64;
-
-double uniform(Random& random, double low, double high)
-{
-  return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
-}
-
-template <class T>
-T pick(Random& random, std::initializer_list<T> values)
-{
-  return values.begin()[random() % values.size()];
-}
-
-struct Spot
-{
-  double x = 0, y = 0, z = 0;
-};
 
 /// A geometry in a box 1 wide, and how it is drawn with n pixels across.
 struct Material
@@ -58,41 +40,6 @@ struct Material
   std::function<PhaseImage(int)> draw;
   double truth = 0; ///< 0: from finer pictures
 };
-
-/// Sampled at the centres of pixels.
-PhaseImage sampled(int dimension, std::array<std::int64_t, 3> size, const std::function<bool(Spot)>& inside)
-{
-  PhaseImage image;
-  image.lattice = makeLattice(size[0], size[1], size[2], dimension, 1.0 / static_cast<double>(size[0]));
-  image.phases = PhaseTable({ "matrix", "inclusion" });
-  const double h = 1.0 / static_cast<double>(size[0]);
-  for (std::int64_t z = 0; z < size[2]; ++z)
-    for (std::int64_t y = 0; y < size[1]; ++y)
-      for (std::int64_t x = 0; x < size[0]; ++x)
-        image.phase.push_back(inside({ (static_cast<double>(x) + 0.5) * h, (static_cast<double>(y) + 0.5) * h,
-                                dimension == 3 ? (static_cast<double>(z) + 0.5) * h : 0.0 })
-            ? 1
-            : 0);
-  return image;
-}
-
-std::array<std::int64_t, 3> cube(int n, int dimension)
-{
-  return { n, n, dimension == 3 ? n : 1 };
-}
-
-double wrapped(double d)
-{
-  return d - std::round(d);
-}
-
-double near2(Spot p, Spot q)
-{
-  const double x = wrapped(p.x - q.x);
-  const double y = wrapped(p.y - q.y);
-  const double z = wrapped(p.z - q.z);
-  return x * x + y * y + z * z;
-}
 
 /// Inclusions and what is around them, conducting either way round.
 std::vector<double> contrast(Random& random)
@@ -138,72 +85,18 @@ Material sphereArray(Random& random)
 {
   const int kind = static_cast<int>(random() % 3);
   const double fraction = pick(random, { 0.1, 0.2, 0.3 });
-  const std::vector<std::vector<Spot>> bases{ { {} }, { {}, { .5, .5, .5 } },
-    { {}, { .5, .5, 0 }, { .5, 0, .5 }, { 0, .5, .5 } } };
-  const std::vector<Spot> base = bases[static_cast<std::size_t>(kind)];
+  const std::vector<Spot> base = cubicLattice(kind);
   const Spot shift{ uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1) };
-  const double r2 = std::pow(3 * fraction / (4 * std::numbers::pi * static_cast<double>(base.size())), 2.0 / 3);
+  const double radius = std::cbrt(3 * fraction / (4 * std::numbers::pi * static_cast<double>(base.size())));
   Material m{ "spheres, cubic arrays", 3, lbm::Sides::Periodic, contrast(random), 0,
-    [=](int n)
-    {
-      return sampled(3, cube(n, 3),
-        [=](Spot p)
-        {
-          return std::ranges::any_of(base,
-            [&](Spot b) {
-              return near2(p, { b.x + shift.x, b.y + shift.y, b.z + shift.z }) < r2;
-            });
-        });
-    } };
+    [=](int n) { return sampled(3, cube(n, 3), balls(base, shift, radius)); } };
   m.truth = m.conductivity[0] * cubicSpheres(kind, fraction, m.conductivity[1] / m.conductivity[0]);
   return m;
 }
 
-/// Regular polygons of three to seven corners, turned at random, that do not overlap; in space boxes.
 Material polygons(Random& random, int dimension)
 {
-  struct Grain
-  {
-    Spot centre;
-    double radius;
-    int corners;
-    double turn;
-    double tilt;
-  };
-  std::vector<Grain> grains;
-  const int count = dimension == 2 ? static_cast<int>(6 + random() % 25) : static_cast<int>(3 + random() % 5);
-  const double radius = dimension == 2 ? 0.42 / std::sqrt(count) : 0.40 / std::cbrt(count);
-  for (int tries = 0; tries < 100000 && static_cast<int>(grains.size()) < count; ++tries)
-  {
-    const Grain g{ { uniform(random, 0, 1), uniform(random, 0, 1), dimension == 3 ? uniform(random, 0, 1) : 0 },
-      radius * uniform(random, 0.8, 1.2), static_cast<int>(3 + random() % 5), uniform(random, 0, std::numbers::pi),
-      uniform(random, 0, std::numbers::pi) };
-    if (std::ranges::all_of(grains,
-          [&](const Grain& o) { return near2(o.centre, g.centre) > std::pow(1.02 * (o.radius + g.radius), 2); }))
-      grains.push_back(g);
-  }
-  const auto inside = [=](Spot p)
-  {
-    return std::ranges::any_of(grains,
-      [&](const Grain& g)
-      {
-        const double x = wrapped(p.x - g.centre.x);
-        const double y = wrapped(p.y - g.centre.y);
-        const double z = wrapped(p.z - g.centre.z);
-        const double u = x * std::cos(g.turn) + y * std::sin(g.turn);
-        const double v = -x * std::sin(g.turn) + y * std::cos(g.turn);
-        if (dimension == 3)
-        {
-          const double v2 = v * std::cos(g.tilt) + z * std::sin(g.tilt);
-          const double w = -v * std::sin(g.tilt) + z * std::cos(g.tilt);
-          return std::max({ std::abs(u), std::abs(v2), std::abs(w) }) < g.radius / std::sqrt(3.0);
-        }
-        const double sector = 2 * std::numbers::pi / g.corners;
-        const double angle = std::atan2(v, u);
-        const double off = angle - sector * std::round(angle / sector);
-        return std::hypot(u, v) * std::cos(off) < g.radius * std::cos(sector / 2);
-      });
-  };
+  const Shape inside = randomPolygons(random, dimension);
   return { dimension == 2 ? "random polygons" : "random boxes", dimension, someSides(random), contrast(random),
     static_cast<int>(random() % static_cast<unsigned>(dimension)),
     [=](int n) { return sampled(dimension, cube(n, dimension), inside); } };

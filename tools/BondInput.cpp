@@ -33,7 +33,7 @@ namespace
 
 const std::vector<std::string> mixings{ "none", "harmonic", "minimum" };
 const std::vector<std::string> continua{ "plane-stress", "plane-strain", "space" };
-const std::vector<std::string> micromoduli{ "continuum", "lattice" };
+const std::vector<std::string> micromoduli{ "continuum", "lattice", "isotropic" };
 const std::vector<std::string> voidBondWords{ "keep", "cut" };
 
 /// The four tables of values, with the options that fill them.
@@ -233,9 +233,12 @@ void addBondOptions(CLI::App& command, BondOptions& o, BondUse use)
   bond(command.add_option("--continuum", o.continuum, "plane-stress for pictures, space for volumes when not given"))
     ->type_name("plane-stress|plane-strain|space");
   bond(command.add_option("--micromodulus", o.micromodulus,
-         "Stiffness of bonds as in the literature, or exact for E along the axes of this lattice"))
-    ->type_name("continuum|lattice")
-    ->capture_default_str();
+         use == BondUse::Stiffness
+           ? "Stiffness of bonds as in the literature, or exact for E along the axes of this lattice, or in every "
+             "direction; isotropic when not given"
+           : "Stiffness of bonds as in the literature, or exact for E along the axes of this lattice, or in every "
+             "direction; when not given, continuum for pictures, isotropic for volumes"))
+    ->type_name("continuum|lattice|isotropic");
   bond(command.add_option("--void-bonds", o.voidBonds, "Bonds that cross a thin void"))
     ->type_name("keep|cut")
     ->capture_default_str();
@@ -303,7 +306,10 @@ void applyBonds(const BondOptions& o, vtkBondAlgorithm* filter)
   {
     filter->SetContinuum(1 + static_cast<int>(oneOf("--continuum", o.continuum, continua)));
   }
-  filter->SetMicromodulus(static_cast<int>(oneOf("--micromodulus", o.micromodulus, micromoduli)));
+  if (!o.micromodulus.empty())
+  {
+    filter->SetMicromodulus(static_cast<int>(oneOf("--micromodulus", o.micromodulus, micromoduli)));
+  }
   filter->SetCutVoidBonds(oneOf("--void-bonds", o.voidBonds, voidBondWords) == 1);
   filter->SetSurfaceCorrection(o.surfaceCorrection);
   filter->SetLargeStrains(o.largeStrains);

@@ -31,7 +31,7 @@ struct BondOptions
   std::vector<std::string> voids;
   double horizon = 3;
   std::string continuum;
-  std::string micromodulus = "continuum";
+  std::string micromodulus; ///< empty: by dimension and command
   std::string voidBonds = "keep";
   bool surfaceCorrection = false;
   bool largeStrains = false;

@@ -37,7 +37,7 @@ const char* name(lbm::Sides sides)
   return sides == lbm::Sides::Periodic ? "periodic" : "insulated";
 }
 
-double worst(const DiffusionReport& report, double lbm::ErrorEstimate::*kind)
+double worst(const DiffusionReport& report, double ErrorEstimate::*kind)
 {
   double worst = std::numeric_limits<double>::quiet_NaN();
   for (const auto& answer : report.answers)
@@ -130,7 +130,7 @@ Shortfall shortfallOf(const DiffusionReport& report)
   const lbm::DiffusionAnswer& first = report.answers.front();
   Shortfall text;
   const std::string asked = fmt::format("an error below {} was asked for, and {} was reached",
-    percent(report.options.targetError.value_or(0)), percent(worst(report, &lbm::ErrorEstimate::relative)));
+    percent(report.options.targetError.value_or(0)), percent(worst(report, &ErrorEstimate::relative)));
   if (first.target == lbm::Target::MemoryShort)
   {
     text.message = asked +
@@ -141,7 +141,7 @@ Shortfall shortfallOf(const DiffusionReport& report)
   }
   text.message = asked +
     fmt::format(": {} of it is the picture's own, which splitting its pixels does not change",
-      percent(worst(report, &lbm::ErrorEstimate::picture)));
+      percent(worst(report, &ErrorEstimate::picture)));
   text.hint = "only a picture with smaller pixels reaches it";
   if (outlinesServe(report))
   {
@@ -180,9 +180,8 @@ std::string toJson(const DiffusionReport& report)
   }
   json["effective"] = std::move(effective);
   json["extrapolated"] = std::move(extrapolated);
-  for (const auto& [key, kind] : { std::pair{ "estimated_error", &lbm::ErrorEstimate::relative },
-         std::pair{ "lattice_error", &lbm::ErrorEstimate::lattice },
-         std::pair{ "picture_error", &lbm::ErrorEstimate::picture } })
+  for (const auto& [key, kind] : { std::pair{ "estimated_error", &ErrorEstimate::relative },
+         std::pair{ "lattice_error", &ErrorEstimate::lattice }, std::pair{ "picture_error", &ErrorEstimate::picture } })
   {
     json[key] = number(worst(report, kind));
     Json& byDirection = json[std::string(key) + "s"];
@@ -395,8 +394,8 @@ std::string toTable(const DiffusionReport& report)
     text += fmt::format("    {:.2f} s in all\n", total);
   }
 
-  const double picture = worst(report, &lbm::ErrorEstimate::picture);
-  if (picture > 0.005 && picture >= worst(report, &lbm::ErrorEstimate::lattice) && outlinesServe(report))
+  const double picture = worst(report, &ErrorEstimate::picture);
+  if (picture > 0.005 && picture >= worst(report, &ErrorEstimate::lattice) && outlinesServe(report))
   {
     text += "\n  Most of the error is the pixels' own steps. Outlines through them err less: lamella micrograph with\n"
             "  the same --conductivity.\n";

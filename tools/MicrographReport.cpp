@@ -267,9 +267,9 @@ std::string toJson(const MicrographReport& report)
       {
         axis["border_doubt"] = std::abs(a.sealed);
       }
-      for (const lbm::SubsampleValues& c : a.coarser)
+      for (const SubsampleValues& c : a.coarser)
       {
-        axis["coarser_pictures"].push_back({ { "stride", c.stride }, { "values", c.values } });
+        axis["coarser_pictures"].push_back({ { "stride", std::lround(c.stride) }, { "values", c.values } });
       }
     }
   }

@@ -11,6 +11,7 @@
 #include <vtkNew.h>
 #include <vtkTable.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -49,6 +50,7 @@ void stiffness(Session& session, const StiffnessOptions& options, const std::str
   filter->SetTolerance(options.balance.tolerance);
   filter->SetMaximumIterations(options.balance.maxIterations);
   filter->SetEstimateError(!options.noErrorEstimate);
+  filter->SetNodesPerPixel(std::max(1, options.bonds.refine)); // below 1 it is refused when the picture is split
   BondSample sample;
   ResultFiles files; // rank 0
   session.onRoot(
@@ -79,7 +81,7 @@ Command stiffnessCommand(CLI::App& root)
   addBondOptions(*app, o->bonds, BondUse::Stiffness);
   app
     ->add_flag("--no-error-estimate", o->noErrorEstimate,
-      "Leave out the second solve, at half the spacing, that the error is estimated from")
+      "Leave out the coarser pictures that the error is estimated from: at most four times the work of the cell")
     ->group("Accuracy and cost");
   addBalanceOptions(*app, o->balance);
   app->add_option("-o,--output,--csv", o->output, "Write the tensor, one row a stress")

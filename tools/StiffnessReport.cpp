@@ -56,9 +56,14 @@ Json stepsJson(const BondFields& f, int refine)
   Json steps = Json::array();
   for (std::size_t i = 0; i < f.numbers("step_nodes").size(); ++i)
   {
-    steps.push_back({ { "refine", refine * f.whole("step_refinement", i) }, { "nodes", f.whole("step_nodes", i) },
-      { "iterations", f.whole("step_iterations", i) }, { "seconds", f("step_seconds", i) },
-      { "part_of_sample", f.whole("step_part", i) != 0 } });
+    Json step = { { "refine", refine }, { "nodes", f.whole("step_nodes", i) },
+      { "iterations", f.whole("step_iterations", i) }, { "seconds", f("step_seconds", i) } };
+    if (i > 0)
+    {
+      step["every_pixel"] = f("step_every", i);
+      step["pictures"] = f.whole("step_pictures", i);
+    }
+    steps.push_back(std::move(step));
   }
   return steps;
 }
@@ -100,6 +105,9 @@ std::string stiffnessJson(const BondRun& report)
   json["extrapolated"] = matrix(f, "stiffness_extrapolated");
   json["estimated_errors"] = matrix(f, "stiffness_error");
   json["estimated_error"] = jsonNumber(f("estimated_error"));
+  json["error_leaves_out"] =
+    "another Poisson's ratio than poissons_ratio; what no pixel shows; how far the cell speaks "
+    "for more of its material";
   json["constants"] = constantsJson(f);
   json["bounds"] = { { "voigt", matrix(f, "stiffness_voigt") }, { "reuss", matrix(f, "stiffness_reuss") } };
   json["eigenvalues"] = f.numbers("eigenvalues");
@@ -208,7 +216,11 @@ std::string stiffnessTable(const BondRun& report)
   text +=
     "  Every side goes on at the opposite one. Mean stress over the whole cell, voids included; shear strains as\n"
     "  angles.";
-  text += known ? " The error is that of the spacing, from a solve at half of it.\n" : "\n";
+  text += known
+    ? fmt::format(" The error is that of pixels and lattice against a solid of Poisson's ratio {:.4g}, from every\n"
+                  "  second, third and fourth pixel. Not in it: another Poisson's ratio, what no pixel shows.\n",
+        f("poissons_ratio"))
+    : "\n";
   if (f.text("continuum") == "plane-strain")
   {
     text += "  Constants of the plane: an isotropic material would have E/(1 - nu²) and nu/(1 - nu).\n";

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <limits>
 
 namespace lamella
 {
@@ -29,6 +31,50 @@ PhaseImage subsample(const PhaseImage& image, std::array<std::int64_t, 3> first,
     }
   }
   return result;
+}
+
+PeriodicThinning periodicThinning(const Lattice& lattice, int stride, std::array<bool, 3> matters)
+{
+  PeriodicThinning best;
+  double least = std::numeric_limits<double>::infinity();
+  const auto sizesFor = [&](double q)
+  {
+    PeriodicThinning t;
+    t.from = lattice.size;
+    double most = 0; // of the logarithms of the axes' strides
+    double lowest = 0;
+    double sum = 0;
+    int count = 0;
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      const auto n = static_cast<double>(lattice.size[a]);
+      t.size[a] = std::max<std::int64_t>(1, std::llround(n / q));
+      if (lattice.size[a] == 1 || !matters[a])
+        continue;
+      const double own = std::log(n / static_cast<double>(t.size[a]));
+      most = count == 0 ? own : std::max(most, own);
+      lowest = count == 0 ? own : std::min(lowest, own);
+      sum += own;
+      ++count;
+    }
+    t.stride = count == 0 ? stride : std::exp(sum / count);
+    constexpr double roundOff = 1e-12;
+    if (std::abs(t.stride - stride) < roundOff * stride)
+      t.stride = stride;
+    // distorted pixels are worse than another stride
+    const double bad = 10 * (most - lowest) + std::abs(std::log(t.stride / stride));
+    if (bad < least)
+    {
+      least = bad;
+      best = t;
+    }
+  };
+  sizesFor(stride);
+  for (const std::int64_t n : lattice.size)
+    for (std::int64_t m = n / stride; n > 1 && m <= (n + stride - 1) / stride; ++m)
+      if (m > 0)
+        sizesFor(static_cast<double>(n) / static_cast<double>(m));
+  return best;
 }
 
 std::vector<std::array<std::int64_t, 3>> subsampleStarts(const Lattice& lattice, int stride, std::size_t most)

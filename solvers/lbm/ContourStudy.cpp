@@ -147,7 +147,7 @@ private:
     for (const micrograph::CoarserOutlines& outlines : options_.coarser)
     {
       for (ContourAnswer& answer : answers_)
-        answer.coarser.push_back({ outlines.stride, {} });
+        answer.coarser.push_back({ static_cast<double>(outlines.stride), {} });
       for (const micrograph::ContourSet& contours : outlines.sets)
       {
         std::vector<Solved> solved(answers_.size());

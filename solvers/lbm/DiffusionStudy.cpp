@@ -275,7 +275,7 @@ private:
           if (stride == 2 ||
             std::ranges::all_of(
               sample.lattice.size, [&](std::int64_t s) { return s == 1 || s >= stride * fewestAcross; }))
-            subsamples.push_back({ stride, subsampleValues(sample, part, stride, n, whole, a) });
+            subsamples.push_back({ static_cast<double>(stride), subsampleValues(sample, part, stride, n, whole, a) });
         errors.emplace_back(std::in_place, value, subsamples);
       }
       catch (const NoPathError&)

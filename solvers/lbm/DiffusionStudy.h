@@ -1,8 +1,8 @@
 #pragma once
 
 #include "lattice/Phases.h"
+#include "lattice/PictureError.h"
 #include "lbm/DirectedLinks.h"
-#include "lbm/PictureError.h"
 #include "lbm/SteadyDiffusion.h"
 
 #include <cstdint>

@@ -250,7 +250,8 @@ private:
     const auto& half = b_.stencil_.half();
     b_.shares_ = NodeField<float>(l);
     // energy of a bond under unit strain along an axis: its elongation is n², so n⁴ |ξ|
-    const auto energy = [](const Offset& o, std::size_t a) { return std::pow(o.step[a] / o.length, 4) * o.length; };
+    const auto energy = [](const Offset& o, std::size_t a)
+    { return o.weight * std::pow(o.step[a] / o.length, 4) * o.length; };
     std::array<double, 3> bulk{};
     for (std::size_t a = 0; a < 3; ++a)
       for (const Offset& o : half)
@@ -339,7 +340,7 @@ private:
 
 BondLattice::BondLattice(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,
   std::span<const std::int32_t> grain, const Communicator& comm)
-  : stencil_(model.continuum == Continuum::Space ? 3 : 2, model.horizon)
+  : stencil_(bondStencil(model))
   , comm_(&comm)
   , spacing_(lattice.spacing)
   , periodic_(model.periodic)

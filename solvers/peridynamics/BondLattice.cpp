@@ -23,11 +23,10 @@ double BondLattice::springConstant(std::int64_t index, int offset, int k) const 
 {
   if (k == 0)
     return 0;
-  const double spring = kinds_[static_cast<std::size_t>(k)].stiffness /
-    (stencil_.half()[static_cast<std::size_t>(offset)].length * spacing_);
+  const Offset& o = stencil_.half()[static_cast<std::size_t>(offset)];
+  const double spring = o.weight * kinds_[static_cast<std::size_t>(k)].stiffness / (o.length * spacing_);
   if (!corrected_)
     return spring;
-  const Offset& o = stencil_.half()[static_cast<std::size_t>(offset)];
   double square = 0;
   for (int c = 0; c < dimension(); ++c)
   {

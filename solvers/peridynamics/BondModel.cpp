@@ -17,6 +17,12 @@ std::string pairName(const BondModel& model, std::uint8_t a, std::uint8_t b)
   return a == b ? name(a) : fmt::format("{} and {}", name(a), name(b));
 }
 
+Stencil bondStencil(const BondModel& model)
+{
+  const Stencil stencil(model.continuum == Continuum::Space ? 3 : 2, model.horizon);
+  return model.micromodulus == Micromodulus::Isotropic ? isotropicStencil(stencil).value_or(stencil) : stencil;
+}
+
 BondKinds::BondKinds(const BondModel& model, const Stencil& stencil, double spacing)
   : kinds_(1)
   , within_(256 * 256, -1)

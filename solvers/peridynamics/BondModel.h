@@ -59,10 +59,15 @@ struct BondModel
   std::vector<std::string> phaseNames{}; ///< for messages; a phase without a name goes by its number
 };
 
+/// The bonds of a node, weighted where the micromodulus is isotropic and they can be.
+/// @throws ParameterError as Stencil
+[[nodiscard]] Stencil bondStencil(const BondModel& model);
+
 /// Bonds that behave alike; numbered from 1, 0 is no bond.
 struct BondKind
 {
-  double stiffness = 0;       ///< k = c δx^(2d): force of a bond over its elongation s [N in space, N/m in the plane]
+  /// k = c δx^(2d): force of a bond over its elongation s [N in space, N/m in the plane], but for Offset::weight
+  double stiffness = 0;
   double criticalStretch = 0; ///< s₀; may be infinite
 
   bool operator==(const BondKind&) const = default;

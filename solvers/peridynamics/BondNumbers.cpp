@@ -16,9 +16,9 @@ BondNumbers<Real>::BondNumbers(const BondLattice& bonds)
   const double spacing = bonds.spacing();
   for (std::size_t k = 0; k < kinds.size(); ++k)
   {
-    const double force = k == 0 ? 1 : kinds[k].stiffness;
     for (const Offset& o : bonds.stencil().half())
     {
+      const double force = o.weight * (k == 0 ? 1 : kinds[k].stiffness);
       OffsetNumbers<Real> n{};
       const double length = o.length * spacing;
       for (std::size_t c = 0; c < 3; ++c)

@@ -45,12 +45,13 @@ public:
   {
     const std::int64_t i = bonds_.layout().index(0, y, z);
     const std::int64_t j = i + bonds_.jump(offset);
-    const auto length =
-      static_cast<Real>(bonds_.stencil().half()[static_cast<std::size_t>(offset)].length * bonds_.spacing());
+    const Offset& o = bonds_.stencil().half()[static_cast<std::size_t>(offset)];
+    const auto length = static_cast<Real>(o.length * bonds_.spacing());
+    const auto weight = static_cast<Real>(o.weight);
     for (std::int64_t x = x0; x < x1; ++x)
     {
       const auto kind = static_cast<std::size_t>(bonds_.kind(i + x, offset));
-      Real k = numbers_.stiffness[kind] / length;
+      Real k = weight * numbers_.stiffness[kind] / length;
       if (bonds_.corrected() && kind != 0)
       {
         Real square = 0;

@@ -87,7 +87,7 @@ CellBounds cellBounds(const BondLattice& bonds)
   const double volume = nodes * std::pow(bonds.spacing(), l.dimension);
   const std::vector<Sums> sums = sumsByOffset(bonds);
   Eigen::MatrixXd upper = Eigen::MatrixXd::Zero(n, n);
-  Eigen::MatrixXd uniform = Eigen::MatrixXd::Zero(n, n); // of a lattice with K₀ = 1/|ξ|
+  Eigen::MatrixXd uniform = Eigen::MatrixXd::Zero(n, n); // of a lattice with K₀ = w/|ξ|
   Eigen::MatrixXd energy = Eigen::MatrixXd::Zero(n, n);
   bool complete = true;
   for (std::size_t o = 0; o < sums.size(); ++o)
@@ -97,8 +97,8 @@ CellBounds cellBounds(const BondLattice& bonds)
     const Eigen::VectorXd a = elongations(offset, l.dimension);
     const Eigen::MatrixXd outer = a * a.transpose() / volume;
     upper += sums[o].stiffness * length * length * outer;
-    uniform += nodes * length * outer;
-    energy += sums[o].softness * outer; // K₀² |ξ|² = 1
+    uniform += nodes * offset.weight * length * outer;
+    energy += sums[o].softness * offset.weight * offset.weight * outer; // K₀² |ξ|² = w²
     complete = complete && sums[o].count == nodes;
   }
   // a lattice of bonds along the axes alone resists no shear, and its bound is zero there as where bonds are missing

@@ -17,100 +17,88 @@ void forBlock(const Block& b, F&& f)
         f(x, y, z);
 }
 
-std::size_t within(const Block& b, std::int64_t x, std::int64_t y, std::int64_t z)
+/// For each node of the picture along an axis the one of the sample that it is.
+std::vector<std::int64_t> nodesAlong(std::size_t axis, const Lattice& picture, const CellThinning& t)
 {
-  return static_cast<std::size_t>(x - b.start[0] + b.size[0] * (y - b.start[1] + b.size[1] * (z - b.start[2])));
-}
-
-Block common(const Block& a, const Block& b)
-{
-  Block both;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    both.start[axis] = std::max(a.start[axis], b.start[axis]);
-    both.size[axis] = std::max<std::int64_t>(
-      0, std::min(a.start[axis] + a.size[axis], b.start[axis] + b.size[axis]) - both.start[axis]);
-  }
-  return both;
+  std::vector<std::int64_t> nodes;
+  for (std::int64_t i = 0; i < picture.size[axis]; ++i)
+    nodes.push_back(t.pixels.node(axis, i / t.split % t.pixels.size[axis], t.first[axis]) * t.split + i % t.split);
+  return nodes;
 }
 
 template <class T>
-std::vector<T> collectValues(const Block& slab, std::span<const T> values, const Block& part, const Communicator& comm)
+std::vector<T> taken(
+  const Block& slab, std::span<const T> values, const Lattice& picture, const CellThinning& t, const Communicator& comm)
 {
-  std::vector<double> all(static_cast<std::size_t>(part.count()), 0.0); // whole numbers are exact in it
-  forBlock(common(slab, part),
-    [&](std::int64_t x, std::int64_t y, std::int64_t z)
-    { all[within(part, x, y, z)] = static_cast<double>(values[within(slab, x, y, z)]); });
-  comm.sum(all);
-  std::vector<T> result(all.size());
-  std::transform(all.begin(), all.end(), result.begin(), [](double v) { return static_cast<T>(v); });
+  std::array<std::vector<std::int64_t>, 3> from;
+  for (std::size_t a = 0; a < 3; ++a)
+    from[a] =
+      a < static_cast<std::size_t>(picture.dimension) ? nodesAlong(a, picture, t) : std::vector<std::int64_t>{ 0 };
+  std::vector<double> all(comm.parallel() ? static_cast<std::size_t>(picture.count()) : 0, 0.0);
+  std::vector<T> result(static_cast<std::size_t>(picture.count()));
+  const auto within = [&](std::size_t a, std::int64_t i)
+  { return i >= slab.start[a] && i < slab.start[a] + slab.size[a]; };
+  std::size_t to = 0;
+  for (const std::int64_t z : from[2])
+    for (const std::int64_t y : from[1])
+      for (const std::int64_t x : from[0])
+      {
+        if (within(0, x) && within(1, y) && within(2, z))
+        {
+          const T value = values[static_cast<std::size_t>(
+            x - slab.start[0] + slab.size[0] * (y - slab.start[1] + slab.size[1] * (z - slab.start[2])))];
+          result[to] = value;
+          if (comm.parallel())
+            all[to] = static_cast<double>(value); // whole numbers are exact in it
+        }
+        ++to;
+      }
+  if (comm.parallel())
+  {
+    comm.sum(all);
+    std::transform(all.begin(), all.end(), result.begin(), [](double v) { return static_cast<T>(v); });
+  }
   return result;
 }
 
 template <class T>
-std::vector<T> splitValues(const Lattice& from, const std::vector<T>& values, int n, const Block& slab)
+std::vector<T> partOf(const Lattice& lattice, const std::vector<T>& values, const Block& slab)
 {
-  std::vector<T> fine(values.empty() ? 0 : static_cast<std::size_t>(slab.count()));
-  if (!fine.empty())
-    forBlock(slab,
-      [&](std::int64_t x, std::int64_t y, std::int64_t z)
-      {
-        fine[within(slab, x, y, z)] =
-          values[static_cast<std::size_t>(from.index(x / n, y / n, from.dimension == 3 ? z / n : 0))];
-      });
-  return fine;
+  std::vector<T> part;
+  if (values.empty())
+    return part;
+  part.reserve(static_cast<std::size_t>(slab.count()));
+  forBlock(slab,
+    [&](std::int64_t x, std::int64_t y, std::int64_t z)
+    { part.push_back(values[static_cast<std::size_t>(lattice.index(x, y, z))]); });
+  return part;
 }
 
 } // namespace
 
-Block centredPart(const Lattice& lattice, std::int64_t most)
+Lattice thinned(const Lattice& lattice, const CellThinning& t)
 {
-  Block part{ { 0, 0, 0 }, lattice.size };
-  if (lattice.count() <= most)
-    return part;
-  const double share =
-    std::pow(static_cast<double>(most) / static_cast<double>(lattice.count()), 1.0 / lattice.dimension);
+  Lattice result = lattice;
+  result.spacing = lattice.spacing * t.pixels.stride;
   for (std::size_t a = 0; a < static_cast<std::size_t>(lattice.dimension); ++a)
-  {
-    const std::int64_t full = lattice.size[a];
-    const auto size = static_cast<std::int64_t>(share * static_cast<double>(full));
-    const std::int64_t multiple = size >= 64 ? 16 : 2;
-    part.size[a] = std::max<std::int64_t>(std::min<std::int64_t>(2, full), size / multiple * multiple);
-    part.start[a] = (full - part.size[a]) / 2;
-  }
-  return part;
+    result.size[a] = t.pixels.size[a] * t.split * t.times[a];
+  return result;
 }
 
-CellWindow collect(const Lattice& lattice, const Block& slab, std::span<const std::uint8_t> phase,
-  std::span<const std::int32_t> grain, const Block& part, const Communicator& comm)
+CellWindow thinned(const Lattice& lattice, const Block& slab, std::span<const std::uint8_t> phase,
+  std::span<const std::int32_t> grain, const CellThinning& thinning, const Communicator& comm)
 {
   CellWindow window;
-  window.lattice = lattice;
-  window.lattice.size = part.size;
-  for (std::size_t a = 0; a < static_cast<std::size_t>(lattice.dimension); ++a)
-    window.lattice.origin[a] += lattice.spacing * static_cast<double>(part.start[a]);
-  window.phase = collectValues(slab, phase, part, comm);
+  window.lattice = thinned(lattice, thinning);
+  window.phase = taken(slab, phase, window.lattice, thinning, comm);
   if (comm.any(!grain.empty()))
-    window.grain = collectValues(slab, grain, part, comm);
+    window.grain = taken(slab, grain, window.lattice, thinning, comm);
   return window;
 }
 
-Lattice split(const Lattice& lattice, int n)
+CellWindow partOf(const CellWindow& whole, const Block& slab)
 {
-  Lattice fine = lattice;
-  fine.spacing = lattice.spacing / n;
-  for (std::size_t a = 0; a < static_cast<std::size_t>(lattice.dimension); ++a)
-  {
-    fine.size[a] *= n;
-    fine.origin[a] += 0.5 * (fine.spacing - lattice.spacing);
-  }
-  return fine;
-}
-
-CellWindow split(const CellWindow& window, int n, const Block& slab)
-{
-  return { split(window.lattice, n), splitValues(window.lattice, window.phase, n, slab),
-    splitValues(window.lattice, window.grain, n, slab) };
+  return { whole.lattice, partOf(whole.lattice, whole.phase, slab), partOf(whole.lattice, whole.grain, slab) };
 }
 
 } // namespace lamella::peridynamics

@@ -3,6 +3,7 @@
 #include "lattice/Communicator.h"
 #include "lattice/Decomposition.h"
 #include "lattice/Lattice.h"
+#include "lattice/Subsample.h"
 
 #include <cstdint>
 #include <span>
@@ -11,7 +12,7 @@
 namespace lamella::peridynamics
 {
 
-/// A part of a sample, the same on every rank.
+/// A sample, or a part of it.
 struct CellWindow
 {
   Lattice lattice;
@@ -19,17 +20,26 @@ struct CellWindow
   std::vector<std::int32_t> grain; ///< likewise, or empty
 };
 
-/// The whole sample where it has at most `most` nodes; else the largest centred part of its shape that has. Sides that
-/// can be halved often solve fastest, so they are cut to multiples of 16 nodes, or of 2.
-[[nodiscard]] Block centredPart(const Lattice& lattice, std::int64_t most);
+/// A coarser picture of a cell that repeats, from its own pixels.
+struct CellThinning
+{
+  PeriodicThinning pixels; ///< of the lattice's pixels
+  std::array<std::int64_t, 3> first{ 0, 0, 0 };
+  int split = 1; ///< nodes along each axis that a pixel of the sample has, and of the picture
+  /// How often the picture stands beside itself, by axis: of a cell that repeats the same, but longer than a bond.
+  std::array<std::int64_t, 3> times{ 1, 1, 1 };
+};
 
-/// Brings a part of a sample together that ranks hold in slabs. Collective.
+/// Its lattice: of pixels.stride times the spacing.
+[[nodiscard]] Lattice thinned(const Lattice& lattice, const CellThinning& thinning);
+
+/// The picture, on every rank, from a sample that ranks hold in slabs. Collective.
+/// @param lattice the whole one; its sizes are multiples of `split`
 /// @param slab of this rank; phase and grain are those of its nodes, grain may be empty
-[[nodiscard]] CellWindow collect(const Lattice& lattice, const Block& slab, std::span<const std::uint8_t> phase,
-  std::span<const std::int32_t> grain, const Block& part, const Communicator& comm);
+[[nodiscard]] CellWindow thinned(const Lattice& lattice, const Block& slab, std::span<const std::uint8_t> phase,
+  std::span<const std::int32_t> grain, const CellThinning& thinning, const Communicator& comm);
 
-/// The same picture with every node split in n along each axis; `slab` is the part of the finer lattice that is made.
-[[nodiscard]] Lattice split(const Lattice& lattice, int n);
-[[nodiscard]] CellWindow split(const CellWindow& window, int n, const Block& slab);
+/// The part of a sample that a rank's slab is.
+[[nodiscard]] CellWindow partOf(const CellWindow& whole, const Block& slab);
 
 } // namespace lamella::peridynamics

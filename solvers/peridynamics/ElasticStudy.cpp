@@ -230,13 +230,27 @@ std::string looseWarning(std::int64_t pieces, std::int64_t nodes, std::int64_t s
 
 std::string horizonWarning(const BondModel& model)
 {
-  if (!(model.horizon < 3))
-    return "";
-  const Stencil stencil(model.continuum == Continuum::Space ? 3 : 2, model.horizon);
+  const Stencil stencil = bondStencil(model);
   const LatticeModuli m = latticeModuli(stencil, model.continuum);
-  return fmt::format("a horizon of {:g} spacings is below 3: the lattice is stiffer along its axes (Young's modulus at "
-                     "45° is {:.2f} of that along them)",
-    model.horizon, m.youngsModulusDiagonal / m.youngsModulus);
+  constexpr double roundOff = 1e-9;
+  if (m.worst < roundOff)
+    return "";
+  if (model.micromodulus == Micromodulus::Isotropic)
+    return fmt::format(
+      "a horizon of {:g} spacings has bonds along the axes only, which no micromodulus makes isotropic: "
+      "nothing resists shear. Take 1.5 or more",
+      model.horizon);
+  if (model.horizon < 3)
+    return fmt::format("a horizon of {:g} spacings is below 3: the lattice is not isotropic (Young's modulus at 45° is "
+                       "{:.2f} of that along the axes). An isotropic micromodulus mends it",
+      model.horizon, m.youngsModulusDiagonal / m.youngsModulus);
+  if (model.continuum != Continuum::Space)
+    return "";
+  return fmt::format(
+    "the lattice of bonds is not isotropic: at a horizon of {:g} spacings Young's modulus at 45° is "
+    "{:.3f} of that along the axes, and strains are resisted with up to {:.2g} % more or less than they "
+    "should be. An isotropic micromodulus mends it",
+    model.horizon, m.youngsModulusDiagonal / m.youngsModulus, 100 * m.worst);
 }
 
 std::vector<std::string> modelWarnings(const BondModel& model, const std::vector<PhaseThickness>& thickness)

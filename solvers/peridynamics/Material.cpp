@@ -4,9 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 namespace lamella::peridynamics
 {
@@ -56,11 +59,54 @@ double stretchFactor(Continuum continuum)
   return 5.0 / 6.0; // 5 Gc/(9 K h) with the bulk modulus K = 2E/3
 }
 
+/// C₁₁/E of the continuum.
+double stiffnessOverYoung(int dimension)
+{
+  return dimension == 3 ? 1.2 : 1.125; // in plane strain it is 1.2 too, and c as much greater
+}
+
 } // namespace
 
 double poissonsRatio(Continuum continuum) noexcept
 {
   return continuum == Continuum::PlaneStress ? 1.0 / 3.0 : 0.25;
+}
+
+std::optional<Stencil> isotropicStencil(const Stencil& stencil)
+{
+  const int d = stencil.dimension();
+  const double c = continuumFactor(d == 3 ? Continuum::Space : Continuum::PlaneStress) /
+    std::pow(stencil.horizon(), d + 1) / stiffnessOverYoung(d);
+  // Σ c |ξ| w n₁⁴ = 1 and Σ c |ξ| w n₁² n₂² = 1/3, means over the axes; two equations for α and β
+  std::array<std::array<double, 2>, 2> m{};
+  const auto fourth = [](const Offset& o)
+  {
+    double sum = 0;
+    for (const int s : o.step)
+      sum += std::pow(s / o.length, 4);
+    return sum;
+  };
+  for (const Offset& o : stencil.half())
+  {
+    const double q = fourth(o);
+    const std::array<double, 2> moment{ q / d, (1 - q) / (d * (d - 1)) };
+    for (std::size_t row = 0; row < 2; ++row)
+    {
+      m[row][0] += c * o.length * moment[row];
+      m[row][1] += c * o.length * moment[row] * q;
+    }
+  }
+  const double determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+  if (!(std::abs(determinant) > 1e-9 * m[0][0] * m[0][0]))
+    return std::nullopt;
+  const double alpha = (m[1][1] - m[0][1] / 3) / determinant;
+  const double beta = (m[0][0] / 3 - m[1][0]) / determinant;
+  std::vector<double> weights;
+  for (const Offset& o : stencil.half())
+    weights.push_back(alpha + beta * fourth(o));
+  if (std::ranges::any_of(weights, [](double w) { return !(w > 0); }))
+    return std::nullopt;
+  return stencil.weighted(weights);
 }
 
 LatticeModuli latticeModuli(const Stencil& stencil, Continuum continuum)
@@ -78,9 +124,9 @@ LatticeModuli latticeModuli(const Stencil& stencil, Continuum continuum)
   {
     const double nx = o.step[0] / o.length;
     const double ny = o.step[1] / o.length;
-    c11 += c * o.length * nx * nx * nx * nx; // ½ c over both halves
-    c12 += c * o.length * nx * nx * ny * ny;
-    fracture += std::abs(o.step[1]) * 0.5 * c * o.length * s0 * s0;
+    c11 += c * o.weight * o.length * nx * nx * nx * nx; // ½ c over both halves
+    c12 += c * o.weight * o.length * nx * nx * ny * ny;
+    fracture += std::abs(o.step[1]) * 0.5 * c * o.weight * o.length * s0 * s0;
   }
   const auto young = [&](double a, double b) // of stiffnesses along and between two directions
   {
@@ -94,6 +140,12 @@ LatticeModuli latticeModuli(const Stencil& stencil, Continuum continuum)
   m.poissonsRatio = continuum == Continuum::PlaneStress ? c12 / c11 : c12 / (c11 + c12);
   m.fractureEnergy = fracture;
   m.toughness = std::sqrt(m.youngsModulus * m.fractureEnergy);
+  // strains in which nothing else is stressed: in all directions alike, along the axes, and between them; over what
+  // the continuum resists them with
+  const double axial = stiffnessOverYoung(dimension);
+  for (const double share :
+    { (c11 + (dimension - 1) * c12) / (axial * (dimension + 2) / 3), (c11 - c12) / (axial * 2 / 3), c12 / (axial / 3) })
+    m.worst = std::max(m.worst, std::abs(share - 1));
   // Bonds along lines: the shear stiffness equals c12 (Cauchy's relation). Turned by 45° in the plane:
   const double along = 0.5 * (c11 + c12) + c12;
   const double between = 0.5 * (c11 + c12) - c12;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cassert>
 #include <cmath>
 
 namespace lamella::peridynamics
@@ -31,6 +32,18 @@ Stencil::Stencil(int dimension, double horizon)
         if (sum <= square)
           half_.push_back({ { x, y, z }, std::sqrt(static_cast<double>(sum)) });
       }
+}
+
+Stencil Stencil::weighted(std::span<const double> weights) const
+{
+  assert(weights.size() == half_.size());
+  Stencil result = *this;
+  for (std::size_t o = 0; o < half_.size(); ++o)
+  {
+    assert(weights[o] > 0);
+    result.half_[o].weight = weights[o];
+  }
+  return result;
 }
 
 } // namespace lamella::peridynamics

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 
 namespace lamella::peridynamics
 {
@@ -20,12 +21,23 @@ double now()
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-StiffnessStep stepOf(const EffectiveStiffness& cell, const Lattice& lattice, int refinement, double seconds)
+StiffnessStep stepOf(const EffectiveStiffness& cell, const Lattice& lattice, double seconds)
 {
-  StiffnessStep step{ refinement, lattice.count(), cell.stiffness, {}, seconds, false };
+  StiffnessStep step{ 1, 1, lattice.count(), cell.stiffness, {}, seconds };
   for (const EquilibriumResult& s : cell.solutions)
     step.iterations.push_back(s.iterations);
   return step;
+}
+
+/// What a cell takes before the first iteration, in iterations.
+constexpr double workOfSetup = 10;
+
+double workOf(const StiffnessStep& step)
+{
+  std::int64_t iterations = 0;
+  for (const std::int64_t n : step.iterations)
+    iterations += n;
+  return static_cast<double>(step.nodes) * (static_cast<double>(iterations) + workOfSetup);
 }
 
 /// The solve at the sample's own spacing, with what is told of it.
@@ -50,53 +62,190 @@ void solveSample(const BondModel& model, const Lattice& lattice, std::span<const
   r.bytes = comm.sum(bonds.bytes() + solver + fields);
   const double seconds = now() - start;
   r.measureSeconds = seconds - r.bondSeconds - r.setupSeconds - r.solveSeconds;
-  r.steps.push_back(stepOf(r.cell, lattice, 1, seconds));
+  r.steps.push_back(stepOf(r.cell, lattice, seconds));
 }
 
-/// Another solve, of a sample that every rank has.
-class SecondSpacing
+// Every second, third and fourth pixel make pictures; of each kind about so many are solved. In the plane there are 4,
+// 9 and 16, in space 8, 27 and 64.
+constexpr std::array strides{ 2, 3, 4 };
+constexpr std::size_t fewPictures = 8;
+// A picture of fewer pixels along an axis tells nothing.
+constexpr std::int64_t fewestAcross = 3;
+
+/// Coarser pictures of the cell, and their tensors.
+class CoarserPictures
 {
 public:
-  SecondSpacing(const BondModel& model, const CellWindow& window, const StiffnessOptions& options,
-    const Communicator& comm, bool part)
+  CoarserPictures(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,
+    std::span<const std::int32_t> grain, const StiffnessOptions& options, const Communicator& comm)
     : model_(model)
-    , window_(window)
+    , lattice_(lattice)
+    , pixels_(lattice)
+    , phase_(phase)
+    , grain_(grain)
     , options_(options)
     , all_(comm)
     , alone_(MPI_COMM_SELF)
-    , part_(part)
+    , slab_(slab(lattice, Stencil(lattice.dimension, model.horizon), comm))
   {
+    for (std::size_t a = 0; a < static_cast<std::size_t>(lattice.dimension); ++a)
+      pixels_.size[a] = lattice.size[a] / options.nodesPerPixel;
   }
 
-  std::vector<double> solve(int refinement, const std::function<bool(double)>& progress, StiffnessResult& r) const
+  /// Why there are none; empty: there are. Known before anything is solved.
+  [[nodiscard]] std::string missing(const StiffnessResult& r)
+  {
+    for (std::size_t a = 0; a < static_cast<std::size_t>(lattice_.dimension); ++a)
+      matters_[a] = r.sides[a].across > 0 || r.sides[a].inside > 0 || all_.any(!grain_.empty());
+    for (std::size_t a = 0; a < static_cast<std::size_t>(lattice_.dimension); ++a)
+      if (lattice_.size[a] % options_.nodesPerPixel != 0)
+        return fmt::format("{} nodes along {} are no whole number of pixels of {} nodes", lattice_.size[a], "xyz"[a],
+          options_.nodesPerPixel);
+    for (std::size_t a = 0; a < static_cast<std::size_t>(lattice_.dimension); ++a)
+      if (!serves(a, strides.front()))
+        return fmt::format("of {} pixels along {} every second one is too few to tell anything: it takes {}",
+          pixels_.size[a], "xyz"[a], fewestAcross * strides.front());
+    return "";
+  }
+
+  /// Nodes of all pictures, as far as they can be foreseen.
+  [[nodiscard]] double foreseen()
+  {
+    double nodes = 0;
+    for (const int stride : strides)
+      if (serves(stride))
+        nodes +=
+          static_cast<double>(starts(stride).size()) * static_cast<double>(thinned(lattice_, thinning(stride)).count());
+    return nodes;
+  }
+
+  /// @param progress told the nodes of all pictures before one and its own
+  /// @return of every second pixel first; none where all the work went before one was solved
+  std::vector<SubsampleTensors> solve(
+    const std::function<std::function<bool(double)>(double, double)>& progress, StiffnessResult& r)
+  {
+    std::vector<SubsampleTensors> answers;
+    double left = workOfEstimate * workOf(r.steps.front());
+    double done = 0;
+    for (const int stride : strides)
+    {
+      if (!serves(stride))
+        continue;
+      CellThinning t = thinning(stride);
+      SubsampleTensors answer{ t.pixels.stride, {} };
+      StiffnessStep sum{ t.pixels.stride, 0, 0, {}, {}, 0 };
+      for (const auto& first : starts(stride))
+      {
+        t.first = first;
+        const Lattice lattice = thinned(lattice_, t);
+        const auto nodes = static_cast<double>(lattice.count());
+        const double most = left / nodes - workOfSetup; // iterations of all strains
+        if (most < 1)
+          return answers;
+        try
+        {
+          const StiffnessStep step = solveOne(t, static_cast<std::int64_t>(most), progress(done, nodes));
+          left -= workOf(step);
+          answer.tensors.push_back(step.stiffness);
+          add(sum, step);
+        }
+        catch (const DivergenceError&)
+        {
+          return answers;
+        }
+        done += nodes;
+      }
+      for (double& c : sum.stiffness)
+        c /= sum.pictures;
+      r.steps.push_back(sum);
+      answers.push_back(std::move(answer));
+    }
+    return answers;
+  }
+
+private:
+  [[nodiscard]] bool serves(std::size_t axis, int stride) const
+  {
+    return !matters_[axis] || pixels_.size[axis] >= stride * fewestAcross;
+  }
+  [[nodiscard]] bool serves(int stride) const
+  {
+    for (std::size_t a = 0; a < static_cast<std::size_t>(lattice_.dimension); ++a)
+      if (!serves(a, stride))
+        return false;
+    return true;
+  }
+
+  [[nodiscard]] CellThinning thinning(int stride) const
+  {
+    CellThinning t{ periodicThinning(pixels_, stride, matters_), {}, options_.nodesPerPixel, { 1, 1, 1 } };
+    const std::int64_t layers = Stencil(lattice_.dimension, model_.horizon).layers();
+    for (std::size_t a = 0; a < static_cast<std::size_t>(lattice_.dimension); ++a)
+      t.times[a] = layers / (t.pixels.size[a] * t.split) + 1;
+    return t;
+  }
+
+  /// Along an axis that does not matter all are alike.
+  [[nodiscard]] std::vector<std::array<std::int64_t, 3>> starts(int stride) const
+  {
+    Lattice lattice = pixels_;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(lattice.dimension); ++a)
+      lattice.size[a] = matters_[a] ? lattice.size[a] : 1;
+    return subsampleStarts(lattice, stride, fewPictures);
+  }
+
+  StiffnessStep solveOne(const CellThinning& t, std::int64_t most, const std::function<bool(double)>& progress) const
   {
     const double start = now();
-    const Lattice lattice = split(window_.lattice, refinement);
+    const CellWindow window = thinned(lattice_, slab_, phase_, grain_, t, all_);
+    const Lattice& lattice = window.lattice;
     const Stencil stencil(lattice.dimension, model_.horizon);
     const std::int64_t layers = lattice.size[lattice.dimension == 3 ? 2 : 1];
     // too thin to share out: each rank does the same
     const bool together = layers / all_.size() >= stencil.layers();
     const Communicator& comm = together ? all_ : alone_;
-    requireMemory("stiffness", lattice, stiffnessBytes(model_, lattice, !window_.grain.empty(), options_, all_.size()),
-      options_.memory, all_);
-    const CellWindow mine = split(window_, refinement, slab(lattice, stencil, comm));
-    const BondLattice bonds(model_, lattice, mine.phase, mine.grain, comm);
+    const CellWindow mine = partOf(window, slab(lattice, stencil, comm));
     EquilibriumOptions equilibrium = options_.equilibrium;
+    equilibrium.maxIterations = std::min<std::int64_t>(equilibrium.maxIterations, most);
     equilibrium.progress = together ? progress : nullptr; // a rank that stops alone would leave the others waiting
-    const EffectiveStiffness cell = effectiveStiffness(bonds, equilibrium);
-    StiffnessStep step = stepOf(cell, lattice, refinement, now() - start);
-    step.part = part_;
-    r.steps.push_back(step);
-    return cell.stiffness;
+    try
+    {
+      const BondLattice bonds(model_, lattice, mine.phase, mine.grain, comm);
+      return stepOf(effectiveStiffness(bonds, equilibrium), lattice, now() - start);
+    }
+    catch (const NoPathError&)
+    {
+    }
+    catch (const InputError&) // no solid node is left
+    {
+    }
+    const std::size_t n = lattice.dimension == 3 ? 6 : 3;
+    return { 1, 1, lattice.count(), std::vector<double>(n * n, 0.0), {}, now() - start };
   }
 
-private:
+  static void add(StiffnessStep& sum, const StiffnessStep& one)
+  {
+    ++sum.pictures;
+    sum.nodes += one.nodes;
+    sum.seconds += one.seconds;
+    sum.stiffness.resize(one.stiffness.size(), 0.0);
+    for (std::size_t i = 0; i < one.stiffness.size(); ++i)
+      sum.stiffness[i] += one.stiffness[i];
+    sum.iterations.resize(std::max(sum.iterations.size(), one.iterations.size()), 0);
+    for (std::size_t i = 0; i < one.iterations.size(); ++i)
+      sum.iterations[i] += one.iterations[i];
+  }
+
   const BondModel& model_;
-  const CellWindow& window_;
+  const Lattice& lattice_;
+  Lattice pixels_;
+  std::span<const std::uint8_t> phase_;
+  std::span<const std::int32_t> grain_;
   const StiffnessOptions& options_;
   const Communicator& all_;
   Communicator alone_;
-  bool part_;
+  Block slab_;
+  std::array<bool, 3> matters_{ true, true, true }; ///< whether the picture changes along an axis
 };
 
 constexpr std::int64_t manyIterations = 200;
@@ -185,45 +334,6 @@ double stiffnessBytes(
   return elasticBytes(model, lattice, grains, elastic, ranks) + nodes * (2 * 8 * lattice.dimension + 1);
 }
 
-StiffnessError stiffnessError(std::span<const double> stiffness, std::span<const double> coarse,
-  std::span<const double> fine, int dimension, double zero)
-{
-  const std::size_t n = dimension == 3 ? 6 : 3;
-  StiffnessError e;
-  double most = 0;
-  std::vector<double> scale(n, 0.0);
-  for (std::size_t a = 0; a < n; ++a)
-  {
-    const double whole = stiffness[a * n + a];
-    const double part = coarse[a * n + a];
-    most = std::max(most, whole);
-    scale[a] = whole > 0 && part > 0 ? std::sqrt(whole / part) : 0;
-  }
-  double worst = 0;
-  for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = 0; b < n; ++b)
-    {
-      const std::size_t i = a * n + b;
-      const double change = 2 * scale[a] * scale[b] * (fine[i] - coarse[i]);
-      e.extrapolated.push_back(stiffness[i] + change);
-      e.components.push_back(std::abs(change));
-      if (a == b && stiffness[i] > zero * most)
-        worst = std::max(worst, std::abs(change) / stiffness[i]);
-    }
-  e.relative = worst;
-  // the limit may lie so far off that it is none
-  const ElasticConstants constants = elasticConstants(e.extrapolated, dimension, zero);
-  if (constants.eigenvalues.front() >= -zero * constants.eigenvalues.back())
-  {
-    e.constants = constants;
-    const std::vector<double> limit = constantValues(constants);
-    const std::vector<double> here = constantValues(elasticConstants(stiffness, dimension, zero));
-    for (std::size_t i = 0; i < limit.size(); ++i)
-      e.ofConstants.push_back(std::abs(limit[i] - here[i]));
-  }
-  return e;
-}
-
 StiffnessResult studyStiffness(const BondModel& given, const Lattice& lattice, std::span<const std::uint8_t> phase,
   std::span<const std::int32_t> grain, const StiffnessOptions& options, const Communicator& comm)
 {
@@ -235,14 +345,9 @@ StiffnessResult studyStiffness(const BondModel& given, const Lattice& lattice, s
   requireMemory(
     "stiffness", lattice, stiffnessBytes(model, lattice, !grain.empty(), options, comm.size()), options.memory, comm);
 
-  // what there is to do, in nodes, for the progress
-  const int finer = 2;
-  const auto factor = static_cast<std::int64_t>(std::pow(finer, d));
-  const Block part = centredPart(lattice, options.estimateNodes / factor);
-  const bool whole = part.count() == lattice.count();
+  // in nodes: the cell, and before it is solved what its coarser pictures are thought to have
   const auto own = static_cast<double>(lattice.count());
-  const auto again = static_cast<double>(part.count());
-  const double all = own + (options.estimateError ? again * static_cast<double>(factor) + (whole ? 0 : again) : 0);
+  const double all = own * (options.estimateError ? 2 : 1);
   const auto stretch = [&](double from, double length) -> std::function<bool(double)>
   {
     if (!options.equilibrium.progress)
@@ -260,27 +365,26 @@ StiffnessResult studyStiffness(const BondModel& given, const Lattice& lattice, s
 
   const double start = now();
   const auto unknown = [&](const std::string& why) { r.warnings.push_back("the error is not known: " + why); };
-  if (!whole && !model.notches.empty())
-    unknown(fmt::format(
-      "with notches it takes the whole sample at half its spacing, which has {} nodes", lattice.count() * factor));
+  CoarserPictures coarser(model, lattice, phase, grain, options, comm);
+  if (const std::string why = coarser.missing(r); !why.empty())
+    unknown(why);
   else
     try
     {
-      const CellWindow window =
-        collect(lattice, slab(lattice, Stencil(d, model.horizon), comm), phase, grain, part, comm);
-      const SecondSpacing second(model, window, options, comm, !whole);
-      const std::vector<double> coarse = whole ? r.cell.stiffness : second.solve(1, stretch(own, again), r);
-      const double before = own + (whole ? 0 : again);
-      const std::vector<double> fine = second.solve(finer, stretch(before, all - before), r);
-      r.error = stiffnessError(r.cell.stiffness, coarse, fine, d, std::max(1e-10, 10 * options.equilibrium.tolerance));
+      const double ahead = std::max(1.0, coarser.foreseen());
+      const auto told = [&](double done, double nodes)
+      { return stretch(own + own * done / ahead, own * nodes / ahead); };
+      const std::vector<SubsampleTensors> tensors = coarser.solve(told, r);
+      if (tensors.empty())
+        unknown(
+          fmt::format("coarser pictures of the cell took {:g} times its own work and were not done", workOfEstimate));
+      else
+        r.error = stiffnessError(r.cell.stiffness, tensors, d, latticeModuli(bondStencil(model), model.continuum).worst,
+          std::max(1e-10, 10 * options.equilibrium.tolerance));
     }
     catch (const Cancelled&)
     {
       throw;
-    }
-    catch (const NoPathError&)
-    {
-      unknown("nothing crosses the part of the sample that was solved again");
     }
     catch (const Error& error) // the answer itself is there
     {

@@ -3,9 +3,9 @@
 #include "peridynamics/ElasticStudy.h"
 #include "peridynamics/PeriodicCell.h"
 #include "peridynamics/SideMatch.h"
+#include "peridynamics/StiffnessError.h"
 
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,34 +17,27 @@ namespace lamella::peridynamics
 struct StiffnessOptions
 {
   EquilibriumOptions equilibrium{}; ///< small strains only
-  bool estimateError = true;        ///< solve with every node split in two along each axis as well
-  /// Of the finer lattice. Where it would have more, both spacings of the estimate are solved on a centred part of the
-  /// sample: the lattice's error is a local matter, and the part's relative change stands for the whole's.
-  std::int64_t estimateNodes = std::int64_t{ 1 } << 20;
-  int threads = 0;   ///< 0: as many as OpenMP would take
-  double memory = 0; ///< bytes that may be taken on this machine; 0: what is free
+  /// Of the picture as well as of the lattice, from coarser pictures of the same cell (StiffnessError.h): every second,
+  /// third and fourth pixel. Takes at most workOfEstimate times the work of the cell itself.
+  bool estimateError = true;
+  int nodesPerPixel = 1; ///< along each axis: pixels that were split before they came here
+  int threads = 0;       ///< 0: as many as OpenMP would take
+  double memory = 0;     ///< bytes that may be taken on this machine; 0: what is free
 };
 
-/// One solve of a study.
+/// Nodes times iterations (and ten for what comes before them) that an estimate may take over those of the cell. What
+/// it has by then counts; if it has nothing by then, the error is not known.
+inline constexpr double workOfEstimate = 4;
+
+/// The solves of a study: of the sample, or of the pictures of one stride.
 struct StiffnessStep
 {
-  int refinement = 1; ///< nodes along each axis that a node of the sample was split in
-  std::int64_t nodes = 0;
-  std::vector<double> stiffness;        ///< [Pa], components²
-  std::vector<std::int64_t> iterations; ///< one a unit strain
+  double every = 1;                     ///< pixels between those that are used, about; 1: the sample
+  int pictures = 1;                     ///< how many were solved
+  std::int64_t nodes = 0;               ///< of all of them
+  std::vector<double> stiffness;        ///< [Pa], components², mean of them
+  std::vector<std::int64_t> iterations; ///< one a unit strain, sums
   double seconds = 0;                   ///< wall, bonds included
-  bool part = false;                    ///< of a centred part of the sample
-};
-
-/// Of the spacing; what a horizon of so many spacings and its directions change stays on every lattice.
-struct StiffnessError
-{
-  std::vector<double> components; ///< of each component [Pa]; empty: not known
-  /// Of the diagonal's worst, relative; NaN: not known
-  double relative = std::numeric_limits<double>::quiet_NaN();
-  std::vector<double> extrapolated; ///< tensor that an endlessly fine lattice is expected to have [Pa]
-  ElasticConstants constants;       ///< of that; empty where it has no inverse that makes sense
-  std::vector<double> ofConstants;  ///< as constantValues(); empty likewise
 };
 
 struct StiffnessResult : SampleCounts
@@ -74,13 +67,5 @@ struct StiffnessResult : SampleCounts
 /// Bytes that one rank takes at most, without the estimate. @throws ParameterError as BondLattice::bytesNeeded()
 [[nodiscard]] double stiffnessBytes(
   const BondModel& model, const Lattice& lattice, bool grains, const StiffnessOptions& options, int ranks);
-
-/// Error of a tensor from two spacings with a ratio of two, at order 1: each component errs by twice the change to the
-/// finer one, which lies half way to the limit.
-/// @param stiffness of the whole sample
-/// @param coarse, fine at its spacing and at half of it; of a part of the sample they are scaled by what the diagonals
-/// of `stiffness` and `coarse` have to each other
-[[nodiscard]] StiffnessError stiffnessError(std::span<const double> stiffness, std::span<const double> coarse,
-  std::span<const double> fine, int dimension, double zero = 1e-9);
 
 } // namespace lamella::peridynamics

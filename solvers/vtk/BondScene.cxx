@@ -27,6 +27,7 @@ namespace
 {
 
 constexpr std::array<const char*, 3> continua{ "plane-stress", "plane-strain", "space" };
+constexpr std::array<const char*, 3> micromoduli{ "continuum", "lattice", "isotropic" };
 constexpr std::array<const char*, 3> mixings{ "none", "harmonic", "minimum" };
 
 template <class Words>
@@ -83,7 +84,8 @@ pd::BondModel modelFrom(const BondSettings& settings, int dimension)
       dimension == 3 ? "leave it out: volumes are solved in space" : "choose plane stress or plane strain");
   }
   model.horizon = settings.horizon;
-  model.micromodulus = settings.micromodulus;
+  model.micromodulus =
+    settings.micromodulus.value_or(dimension == 3 ? pd::Micromodulus::Isotropic : pd::Micromodulus::Continuum);
   model.voidBonds = settings.voidBonds;
   model.surfaceCorrection = settings.surfaceCorrection;
   model.notches = settings.notches;
@@ -105,7 +107,7 @@ json toJson(const BondSettings& s)
     { "like", s.materials.like }, { "relative_to", s.materials.relativeTo },
     { "mixing", mixings[static_cast<std::size_t>(s.materials.mixing)] }, { "void", s.materials.voids },
     { "continuum", s.continuum ? continua[static_cast<std::size_t>(*s.continuum)] : "auto" }, { "horizon", s.horizon },
-    { "micromodulus", s.micromodulus == pd::Micromodulus::Lattice ? "lattice" : "continuum" },
+    { "micromodulus", s.micromodulus ? micromoduli[static_cast<std::size_t>(*s.micromodulus)] : "auto" },
     { "void_bonds", s.voidBonds == pd::VoidBonds::Cut ? "cut" : "keep" }, { "surface_correction", s.surfaceCorrection },
     { "large_strains", s.largeStrains }, { "notches", notches }, { "periodic", s.periodic } };
 }
@@ -129,7 +131,10 @@ BondSettings bondSettingsFromJson(const std::string& text)
       s.continuum = static_cast<pd::Continuum>(c);
     }
     j.at("horizon").get_to(s.horizon);
-    s.micromodulus = j.at("micromodulus") == "lattice" ? pd::Micromodulus::Lattice : pd::Micromodulus::Continuum;
+    if (const std::size_t m = wordOf(micromoduli, j.at("micromodulus")); m < micromoduli.size())
+    {
+      s.micromodulus = static_cast<pd::Micromodulus>(m);
+    }
     s.voidBonds = j.at("void_bonds") == "cut" ? pd::VoidBonds::Cut : pd::VoidBonds::Keep;
     j.at("surface_correction").get_to(s.surfaceCorrection);
     j.at("large_strains").get_to(s.largeStrains);
@@ -323,7 +328,9 @@ json describeModel(vtkImageData* output, const BondScene& scene, const BondSetti
   setFieldNumbers(output, "phase_fraction", fractions);
   setFieldTexts(output, "phase_names", scene.phases().names);
   setFieldText(output, "phase_array", scene.phases().array);
-  json text = toJson(settings);
+  BondSettings resolved = settings;
+  resolved.micromodulus = model.micromodulus;
+  json text = toJson(resolved);
   setFieldText(output, bondModelName, text.dump());
   return text;
 }

@@ -37,7 +37,8 @@ struct BondSettings
   peridynamics::PairTable materials{};
   std::optional<peridynamics::Continuum> continuum{}; ///< none: plane stress for pictures, space for volumes
   double horizon = 3;
-  peridynamics::Micromodulus micromodulus = peridynamics::Micromodulus::Continuum;
+  /// None: isotropic in volumes, as in the literature in pictures.
+  std::optional<peridynamics::Micromodulus> micromodulus{};
   peridynamics::VoidBonds voidBonds = peridynamics::VoidBonds::Keep;
   bool surfaceCorrection = false;
   bool largeStrains = false;

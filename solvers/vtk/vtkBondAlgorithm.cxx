@@ -156,7 +156,10 @@ lamella::BondSettings vtkBondAlgorithm::Settings() const
     s.continuum = static_cast<pd::Continuum>(this->Continuum - PLANE_STRESS);
   }
   s.horizon = this->Horizon;
-  s.micromodulus = static_cast<pd::Micromodulus>(this->Micromodulus);
+  if (this->Micromodulus != AUTO_MICROMODULUS)
+  {
+    s.micromodulus = static_cast<pd::Micromodulus>(this->Micromodulus);
+  }
   s.voidBonds = this->CutVoidBonds ? pd::VoidBonds::Cut : pd::VoidBonds::Keep;
   s.surfaceCorrection = this->SurfaceCorrection;
   s.largeStrains = this->LargeStrains;

@@ -112,7 +112,7 @@ public:
   ///@{
   /**
    * Length of the longest bonds, in spacings: 1 to 8. Default 3. Below 3 the lattice is markedly stiffer along its
-   * axes.
+   * axes, unless its micromodulus is isotropic; below √2 that cannot be.
    */
   vtkSetMacro(Horizon, double);
   vtkGetMacro(Horizon, double);
@@ -120,12 +120,14 @@ public:
 
   enum Micromoduli
   {
+    AUTO_MICROMODULUS = -1,     ///< isotropic in volumes and for an effective stiffness, else continuum
     CONTINUUM_MICROMODULUS = 0, ///< from the integral over the horizon, as in the literature
-    LATTICE_MICROMODULUS = 1    ///< such that Young's modulus along the axes is exact in the bulk of this lattice
+    LATTICE_MICROMODULUS = 1,   ///< such that Young's modulus along the axes is exact in the bulk of this lattice
+    ISOTROPIC_MICROMODULUS = 2  ///< by direction, such that the bulk has E and Poisson's ratio in every direction
   };
   ///@{
-  /** How the stiffness of bonds follows from E. Default CONTINUUM_MICROMODULUS. */
-  vtkSetClampMacro(Micromodulus, int, CONTINUUM_MICROMODULUS, LATTICE_MICROMODULUS);
+  /** How the stiffness of bonds follows from E. Default AUTO_MICROMODULUS. */
+  vtkSetClampMacro(Micromodulus, int, AUTO_MICROMODULUS, ISOTROPIC_MICROMODULUS);
   vtkGetMacro(Micromodulus, int);
   ///@}
 
@@ -200,7 +202,7 @@ private:
   int Mixing = NO_MIXING;
   int Continuum = AUTO_CONTINUUM;
   double Horizon = 3;
-  int Micromodulus = CONTINUUM_MICROMODULUS;
+  int Micromodulus = AUTO_MICROMODULUS;
   bool CutVoidBonds = false;
   bool SurfaceCorrection = false;
   bool LargeStrains = false;

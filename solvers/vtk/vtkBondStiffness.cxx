@@ -83,14 +83,14 @@ void write(vtkImageData* output, const pd::StiffnessResult& r, int dimension)
     {
       iterations += n;
     }
-    steps[0].push_back(step.refinement);
-    steps[1].push_back(static_cast<double>(step.nodes));
-    steps[2].push_back(static_cast<double>(iterations));
-    steps[3].push_back(step.seconds);
-    steps[4].push_back(step.part ? 1 : 0);
+    steps[0].push_back(step.every);
+    steps[1].push_back(step.pictures);
+    steps[2].push_back(static_cast<double>(step.nodes));
+    steps[3].push_back(static_cast<double>(iterations));
+    steps[4].push_back(step.seconds);
   }
-  constexpr std::array<const char*, 5> names{ "step_refinement", "step_nodes", "step_iterations", "step_seconds",
-    "step_part" };
+  constexpr std::array<const char*, 5> names{ "step_every", "step_pictures", "step_nodes", "step_iterations",
+    "step_seconds" };
   for (std::size_t i = 0; i < names.size(); ++i)
   {
     set(names[i], steps[i]);
@@ -149,8 +149,8 @@ void fillTensor(vtkTable* table, const pd::StiffnessResult& r, int dimension)
     }
   };
   block("", "stress over this mean strain", r.cell.stiffness);
-  block("extrapolated_", "the same on an endlessly fine lattice", orUnknown(r.error.extrapolated, n * n));
-  block("error_", "estimated error of the spacing", orUnknown(r.error.components, n * n));
+  block("extrapolated_", "what the material is expected to have", orUnknown(r.error.extrapolated, n * n));
+  block("error_", "estimated error against the material", orUnknown(r.error.components, n * n));
 }
 
 void fillConstants(vtkTable* table, const pd::StiffnessResult& r, int dimension)
@@ -161,8 +161,8 @@ void fillConstants(vtkTable* table, const pd::StiffnessResult& r, int dimension)
   const auto column = [&](const char* name, const char* words, const std::vector<double>& values)
   { addNumbers(table, name, "", words, values, 0, 1, n); };
   column("value", "moduli in Pa, Poisson's ratios", pd::constantValues(r.cell.constants));
-  column("extrapolated", "the same on an endlessly fine lattice", orUnknown(pd::constantValues(r.error.constants), n));
-  column("error", "estimated error of the spacing", orUnknown(r.error.ofConstants, n));
+  column("extrapolated", "what the material is expected to have", orUnknown(pd::constantValues(r.error.constants), n));
+  column("error", "estimated error against the material", orUnknown(r.error.ofConstants, n));
   std::vector<std::string> units;
   for (const std::string& name : names)
   {
@@ -206,6 +206,7 @@ void vtkBondStiffness::Run(vtkImageData* input, vtkImageData* output, const lame
   constants->Initialize();
   lamella::BondSettings settings = this->Settings();
   settings.periodic = { false, false, false }; // every side is, whatever its dimension
+  settings.micromodulus = settings.micromodulus.value_or(pd::Micromodulus::Isotropic);
   const lamella::BondScene scene(
     input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
   pd::StiffnessOptions options;
@@ -219,6 +220,7 @@ void vtkBondStiffness::Run(vtkImageData* input, vtkImageData* output, const lame
     return this->CheckAbort();
   };
   options.estimateError = this->EstimateError;
+  options.nodesPerPixel = this->NodesPerPixel;
   options.threads = this->ThreadCount();
   if (this->CheckAbort())
   {
@@ -236,7 +238,8 @@ void vtkBondStiffness::Run(vtkImageData* input, vtkImageData* output, const lame
   settings.periodic = { true, true, dimension == 3 };
   const nlohmann::json model = lamella::describeModel(output, scene, settings);
   lamella::continueProvenance(output, "stiffness",
-    { { "model", model }, { "estimate_error", this->EstimateError }, { "tolerance", this->Tolerance } });
+    { { "model", model }, { "estimate_error", this->EstimateError }, { "nodes_per_pixel", this->NodesPerPixel },
+      { "tolerance", this->Tolerance } });
   if (team.rank() == 0)
   {
     fillTensor(tensor, result, dimension);
@@ -256,6 +259,7 @@ void vtkBondStiffness::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "EstimateError: " << this->EstimateError << "\n"
+     << indent << "NodesPerPixel: " << this->NodesPerPixel << "\n"
      << indent << "Tolerance: " << this->Tolerance << "\n"
      << indent << "MaximumIterations: " << this->MaximumIterations << "\n"
      << indent << "EstimatedError: " << this->EstimatedError << "\n";

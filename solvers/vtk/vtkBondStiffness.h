@@ -1,6 +1,6 @@
 /**
  * @class   vtkBondStiffness
- * @brief   effective stiffness tensor of an image of phases, with its error from two spacings
+ * @brief   effective stiffness tensor of an image of phases, with its error
  *
  * The image is taken as one cell of an endless medium: every side goes on at the opposite one. Its nodes are bonded as
  * vtkBondAlgorithm says, and under each unit mean strain in turn (3 of a picture, 6 of a volume) the displacements are
@@ -18,10 +18,10 @@
  * **Output 2**, constants: one row each: `constant` (E_x, …, nu_xy, …, G_xy: those under stress along one direction,
  * from the inverse), `value`, `extrapolated`, `error`, `unit` (Pa or 1). On several ranks the first holds the tables.
  *
- * **Error** (EstimateError): all is solved again with every node split in 2 × 2 (× 2), or, of a large image, both
- * spacings on a centred part of it. Errors fall like the spacing, so the limit lies as far again beyond the finer
- * value. It is the error of the spacing for the picture as its pixels draw it: what a horizon of so many spacings
- * changes, and its directions, stays the same on every lattice.
+ * **Error** (EstimateError): coarser pictures of the same cell, of every second, third and fourth pixel, are solved,
+ * which takes at most four times the work (peridynamics/StiffnessError.h). It is the error against the material: of the
+ * lattice and of the picture. Not in it: another Poisson's ratio than the bonds', what no pixel shows, how far the cell
+ * speaks for more of its material.
  *
  * **Field data**:
  * - `stiffness`, `stiffness_extrapolated`, `stiffness_error`, `stiffness_voigt`, `stiffness_reuss`: 9 or 36 numbers by
@@ -37,9 +37,10 @@
  *   `loose_pieces`, `loose_nodes` (taken out: they carry nothing)
  * - `seam_mismatch`, `layer_mismatch`: 3 numbers each, share of nodes whose neighbour across the seam is of another
  *   phase, and the largest such share between two layers within
- * - `step_refinement`, `step_nodes`, `step_iterations`, `step_seconds`, `step_part`: every solve; `iterations`: of each
- *   unit strain at the image's own spacing; `residual`, `levels`, `products`, `hinges`, `solid_nodes`, `skipped_nodes`,
- *   `bonds`, `visited_strips`, `skipped_strips`, `bytes`, `seconds` (bonds, set-up, solve, the rest, the error)
+ * - `step_every`, `step_pictures`, `step_nodes`, `step_iterations`, `step_seconds`: the image's solve, then those of
+ * the pictures of about every second, third and fourth pixel; `iterations`: of each unit strain of the image;
+ * `residual`, `levels`, `products`, `hinges`, `solid_nodes`, `skipped_nodes`, `bonds`, `visited_strips`,
+ * `skipped_strips`, `bytes`, `seconds` (bonds, set-up, solve, the rest, the error)
  * - what vtkBondEquilibrium says of pairs, phases, thickness and warnings; `bond_model`, `provenance`.
  *
  * **Parallel**: as vtkBondEquilibrium; the numbers are those of one rank to the tolerance.
@@ -66,10 +67,17 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** Solve at half the spacing as well and tell the error. Default on; costs several times the solve itself. */
+  /** Solve coarser pictures of the cell as well and tell the error. Default on; at most four times the work. */
   vtkSetMacro(EstimateError, bool);
   vtkGetMacro(EstimateError, bool);
   vtkBooleanMacro(EstimateError, bool);
+  ///@}
+
+  ///@{
+  /** Nodes along each axis that a pixel was split in before it came here: what is a picture, for the error. Default 1.
+   */
+  vtkSetClampMacro(NodesPerPixel, int, 1, VTK_INT_MAX);
+  vtkGetMacro(NodesPerPixel, int);
   ///@}
 
   ///@{
@@ -106,6 +114,7 @@ private:
   void operator=(const vtkBondStiffness&) = delete;
 
   bool EstimateError = true;
+  int NodesPerPixel = 1;
   double Tolerance = 1e-6;
   int MaximumIterations = 20000;
   double EstimatedError;

@@ -18,7 +18,7 @@
  *   of the solve along j; NaN in columns that were not solved. In the unit of the conductivities.
  * - `estimated_error`: relative error of the effective conductivity against the material's, the largest of the
  *   directions solved; NaN unless EstimateError is on. `lattice_error` and `picture_error`: its two parts, that of one
- *   node a pixel and that of the pixels' own steps (lbm/PictureError.h); they may cancel. Each `_by_direction`: 3
+ *   node a pixel and that of the pixels' own steps (lattice/PictureError.h); they may cancel. Each `_by_direction`: 3
  *   numbers. `extrapolated_conductivity`: 3 numbers, the diagonal that the material is expected to have; NaN where that
  *   is not surely nearer.
  * - `bounds`: series, Hashin–Shtrikman of isotropic media (lower, upper), parallel; of a phase with two conductivities

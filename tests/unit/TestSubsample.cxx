@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 using namespace lamella;
@@ -72,4 +73,46 @@ TEST(Subsample, OfManyStartsAFewThatCrossEveryAxis)
       EXPECT_EQ(used.size(), 4U) << "axis " << axis << " in " << dimension << "D";
     }
   }
+}
+
+TEST(Subsample, ThinsWhatRepeatsToWhatRepeats)
+{
+  // sides that can be divided: every stride-th node, whatever the shape
+  const PeriodicThinning even = periodicThinning(makeLattice(12, 18, 24, 3, 1), 3);
+  EXPECT_EQ(even.size, (std::array<std::int64_t, 3>{ 4, 6, 8 }));
+  EXPECT_EQ(even.stride, 3);
+  for (std::int64_t first = 0; first < 3; ++first)
+  {
+    for (std::int64_t i = 0; i < 4; ++i)
+    {
+      EXPECT_EQ(even.node(0, i, first), 3 * i + first);
+    }
+  }
+  // else pixels stay squares to 2 % as soon as a side has 20 of them, and the stride is near the one asked for
+  for (const int stride : { 2, 3, 4 })
+  {
+    for (std::int64_t nx = 20 * stride; nx < 20 * stride + 9; ++nx)
+    {
+      for (const std::int64_t ny : { nx, nx + 1, nx + 17, 2 * nx + 1 })
+      {
+        const PeriodicThinning t = periodicThinning(makeLattice(nx, ny, 1, 2, 1), stride);
+        const double x = static_cast<double>(nx) / static_cast<double>(t.size[0]);
+        const double y = static_cast<double>(ny) / static_cast<double>(t.size[1]);
+        EXPECT_NEAR(x / y, 1, 0.02) << nx << " x " << ny << ", " << stride;
+        EXPECT_NEAR(t.stride / stride, 1, 0.06) << nx << " x " << ny << ", " << stride;
+        EXPECT_NEAR(t.stride, std::sqrt(x * y), 1e-12);
+        for (std::int64_t i = 0; i + 1 < t.size[0]; ++i)
+        {
+          const std::int64_t gap = t.node(0, i + 1, 0) - t.node(0, i, 0);
+          EXPECT_GE(gap, static_cast<std::int64_t>(x));
+          EXPECT_LE(gap, static_cast<std::int64_t>(x) + 1);
+        }
+        EXPECT_LT(t.node(0, t.size[0] - 1, nx - 1), nx); // counted around
+      }
+    }
+  }
+  // an axis along which nothing changes has no say
+  const PeriodicThinning flat = periodicThinning(makeLattice(63, 4, 1, 2, 1), 3, { true, false, true });
+  EXPECT_EQ(flat.size, (std::array<std::int64_t, 3>{ 21, 1, 1 }));
+  EXPECT_EQ(flat.stride, 3);
 }

@@ -28,6 +28,7 @@ struct Case
   bool correction = false;
   bool notch = false;
   Continuum continuum = Continuum::PlaneStress;
+  Micromodulus micromodulus = Micromodulus::Continuum;
 };
 
 constexpr double spacing = 2e-6;
@@ -46,6 +47,7 @@ BondModel modelOf(const Case& c)
   BondModel m;
   m.continuum = c.lattice.dimension == 3 ? Continuum::Space : c.continuum;
   m.horizon = c.horizon;
+  m.micromodulus = c.micromodulus;
   m.periodic = c.periodic;
   m.surfaceCorrection = c.correction;
   m.pairByGrain = c.grains > 0;
@@ -82,7 +84,15 @@ const std::vector<Case>& cases()
     { "space", space(13, 11, 14), 2, 2, 0.2, 0 },
     { "space, horizon 3, periodic", space(12, 10, 12), 3, 1, 0.1, 3, { true, true, true } },
     { "space, corrected", space(20, 9, 12), 3.015, 3, 0.2, 0, { false, true, false }, true },
-    { "space, horizon 4", space(10, 11, 13), 4, 1, 0, 0, { true, false, true } } };
+    { "space, horizon 4", space(10, 11, 13), 4, 1, 0, 0, { true, false, true } },
+    { "isotropic", plane(40, 31), 2, 1, 0.1, 0, { true, false, false }, false, false, Continuum::PlaneStress,
+      Micromodulus::Isotropic },
+    { "isotropic, corrected, six kinds", plane(33, 29), 5, 3, 0.1, 0, {}, true, true, Continuum::PlaneStrain,
+      Micromodulus::Isotropic },
+    { "space, isotropic", space(20, 9, 12), 3, 2, 0.2, 0, { false, true, false }, false, false, Continuum::Space,
+      Micromodulus::Isotropic },
+    { "space, isotropic, corrected", space(12, 10, 12), 3, 1, 0.1, 0, { true, true, true }, true, false,
+      Continuum::Space, Micromodulus::Isotropic } };
   return list;
 }
 

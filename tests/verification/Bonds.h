@@ -115,7 +115,10 @@ inline std::vector<PlainBond> plainBonds(const BondModel& model, const Sample& s
 {
   const Lattice& l = s.lattice;
   const int d = l.dimension;
-  const Stencil stencil(d, model.horizon);
+  const Stencil stencil = bondStencil(model);
+  std::map<std::array<int, 3>, double> weights;
+  for (const Offset& o : stencil.half())
+    weights[o.step] = weights[{ -o.step[0], -o.step[1], -o.step[2] }] = o.weight;
   const int r = static_cast<int>(model.horizon);
   const std::set<int> voids(model.voids.begin(), model.voids.end());
   std::vector<PlainBond> list;
@@ -164,7 +167,7 @@ inline std::vector<PlainBond> plainBonds(const BondModel& model, const Sample& s
                 continue;
               const std::array<double, 3> xi{ dx * l.spacing, dy * l.spacing, dz * l.spacing };
               for (std::size_t a = 0; a < 3; ++a)
-                held[i][a] += std::pow(xi[a] / l.spacing, 4) / std::pow(square, 1.5);
+                held[i][a] += weights.at({ dx, dy, dz }) * std::pow(xi[a] / l.spacing, 4) / std::pow(square, 1.5);
               const std::array<double, 3> p{ l.origin[0] + static_cast<double>(x) * l.spacing,
                 l.origin[1] + static_cast<double>(y) * l.spacing, l.origin[2] + static_cast<double>(z) * l.spacing };
               if (d == 2 && notched(p, xi))
@@ -175,14 +178,15 @@ inline std::vector<PlainBond> plainBonds(const BondModel& model, const Sample& s
                 s.grain[j] != 0 && s.grain[i] != s.grain[j];
               const BondConstants c = bondConstants(apart ? *pair.betweenGrains : pair.material, stencil, l.spacing,
                 model.continuum, model.micromodulus, "");
-              list.push_back({ i, j, xi, c.micromodulus * std::pow(l.spacing, 2 * d), c.criticalStretch });
+              list.push_back({ i, j, xi, weights.at({ dx, dy, dz }) * c.micromodulus * std::pow(l.spacing, 2 * d),
+                c.criticalStretch });
             }
   if (model.surfaceCorrection)
   {
     std::array<double, 3> bulk{};
     for (const Offset& o : stencil.half())
       for (std::size_t a = 0; a < 3; ++a)
-        bulk[a] += 2 * std::pow(o.step[a], 4) / std::pow(o.length, 3);
+        bulk[a] += 2 * o.weight * std::pow(o.step[a], 4) / std::pow(o.length, 3);
     for (PlainBond& b : list)
     {
       double sum = 0;

@@ -3,7 +3,7 @@
 #include "DiskArray.h"
 
 #include "lattice/Error.h"
-#include "lbm/PictureError.h"
+#include "lattice/PictureError.h"
 
 #include <gtest/gtest.h>
 
@@ -51,8 +51,8 @@ const std::vector<double> heat{ 0.023, 1.0 };
 TEST(PictureError, FollowsItsFormula)
 {
   // Values that fall like the pixel, 1 − h, without chance: the bar is the change, and so is the error.
-  using Values = std::vector<lbm::SubsampleValues>;
-  const lbm::PictureError even(0.9, Values{ { 2, { 0.8, 0.8 } }, { 3, { 0.7, 0.7 } }, { 4, { 0.6, 0.6, 0.6 } } });
+  using Values = std::vector<SubsampleValues>;
+  const PictureError even(0.9, Values{ { 2, { 0.8, 0.8 } }, { 3, { 0.7, 0.7 } }, { 4, { 0.6, 0.6, 0.6 } } });
   EXPECT_NEAR(even.bar() * 0.9, 0.1, 1e-14);
   EXPECT_NEAR(even.bias() * 0.9, 0.1, 1e-14);
   EXPECT_NEAR(even.estimate(0, 0.02).extrapolated, 1.0, 1e-14);
@@ -61,12 +61,12 @@ TEST(PictureError, FollowsItsFormula)
   // Split pixels that took half of the way leave the other half.
   EXPECT_NEAR(even.estimate(0.05 / 0.9, 0).relative, 0.05 / 0.95, 1e-14);
   // Two pictures that agree by chance: half of the change before counts.
-  EXPECT_NEAR(lbm::PictureError(0.9, Values{ { 2, { 0.9, 0.9 } }, { 4, { 0.7 } } }).bar() * 0.9, 0.1, 1e-14);
-  EXPECT_NEAR(lbm::PictureError(0.9, Values{ { 2, { 0.9 } }, { 3, { 0.7 } } }).bar() * 0.9, 0.1, 1e-14);
+  EXPECT_NEAR(PictureError(0.9, Values{ { 2, { 0.9, 0.9 } }, { 4, { 0.7 } } }).bar() * 0.9, 0.1, 1e-14);
+  EXPECT_NEAR(PictureError(0.9, Values{ { 2, { 0.9 } }, { 3, { 0.7 } } }).bar() * 0.9, 0.1, 1e-14);
   // Chance: the standard deviation comes on top, and no extrapolation is offered below twice of it.
-  const lbm::PictureError loose(1.0, Values{ { 2, { 0.9, 1.1 } } });
+  const PictureError loose(1.0, Values{ { 2, { 0.9, 1.1 } } });
   EXPECT_NEAR(loose.bar(), std::sqrt(0.02), 1e-14);
-  EXPECT_NEAR(lbm::PictureError(1.0, Values{ { 2, { 1, 1 } }, { 3, { 1, 1 } }, { 4, { 0.9, 1.1 } } }).bar(),
+  EXPECT_NEAR(PictureError(1.0, Values{ { 2, { 1, 1 } }, { 3, { 1, 1 } }, { 4, { 0.9, 1.1 } } }).bar(),
     std::sqrt(0.02) / std::pow(2, 1.5), 1e-14);
   EXPECT_TRUE(std::isnan(loose.estimate(0, 0).extrapolated));
   // What was not known stays so.

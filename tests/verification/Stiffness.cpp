@@ -2,7 +2,6 @@
 #include "BondSamples.h"
 
 #include "lattice/Error.h"
-#include "peridynamics/CellWindow.h"
 #include "peridynamics/StiffnessStudy.h"
 
 #include <gtest/gtest.h>
@@ -39,6 +38,7 @@ Sample cell(const std::array<std::int64_t, 3>& size, const Rule& rule)
 BondModel twoPhases(Continuum continuum, double horizon, double contrast)
 {
   BondModel m = modelOf(continuum, horizon);
+  m.micromodulus = Micromodulus::Isotropic;
   m.pairs[{ 2, 2 }].material.youngsModulus = contrast * young;
   m.pairs[{ 1, 2 }].material.youngsModulus = 2 * young * contrast / (1 + contrast);
   return m;
@@ -80,10 +80,17 @@ double difference(const std::vector<double>& a, const std::vector<double>& b)
   return most / largest(b);
 }
 
-/// c₁₁ and c₁₂ of the lattice of one material: 2D in plane stress or strain, or space.
-std::array<double, 2> latticeStiffness(Continuum continuum, double horizon)
+bool warns(const StiffnessResult& r, const std::string& words)
 {
-  const LatticeModuli m = latticeModuli(Stencil(continuum == Continuum::Space ? 3 : 2, horizon), continuum);
+  return std::any_of(
+    r.warnings.begin(), r.warnings.end(), [&](const std::string& w) { return w.find(words) != std::string::npos; });
+}
+
+/// c₁₁ and c₁₂ of the lattice of one material: 2D in plane stress or strain, or space.
+std::array<double, 2> latticeStiffness(const BondModel& model)
+{
+  const Continuum continuum = model.continuum;
+  const LatticeModuli m = latticeModuli(bondStencil(model), continuum);
   const double e = m.youngsModulus * young;
   const double nu = m.poissonsRatio;
   if (continuum == Continuum::PlaneStress)
@@ -91,7 +98,8 @@ std::array<double, 2> latticeStiffness(Continuum continuum, double horizon)
   return { e * (1 - nu) / ((1 + nu) * (1 - 2 * nu)), e * nu / ((1 + nu) * (1 - 2 * nu)) };
 }
 
-// A cell of one phase has the constants of the lattice sums to round-off, whatever the spacing: the error is nothing.
+// A cell of one phase has the constants of the lattice sums to round-off, whatever the spacing: the error is that these
+// sums are not isotropic, and no more.
 TEST(Stiffness, OnePhaseIsTheLattice)
 {
   for (const Continuum continuum : { Continuum::PlaneStress, Continuum::PlaneStrain, Continuum::Space })
@@ -103,8 +111,9 @@ TEST(Stiffness, OnePhaseIsTheLattice)
       SCOPED_TRACE(horizon);
       const std::int64_t n = space ? 10 : 20;
       const Sample s = cell({ n, n + 3, space ? n : 1 }, [](double, double, double) { return 1; });
-      const StiffnessResult r = study(modelOf(continuum, horizon), s, true);
-      const auto [c11, c12] = latticeStiffness(continuum, horizon);
+      const BondModel model = modelOf(continuum, horizon);
+      const StiffnessResult r = study(model, s, true);
+      const auto [c11, c12] = latticeStiffness(model);
       const std::vector<double>& c = r.cell.stiffness;
       const std::size_t d = space ? 3 : 2;
       const std::size_t all = space ? 6 : 3;
@@ -115,13 +124,24 @@ TEST(Stiffness, OnePhaseIsTheLattice)
           const double exact = a == b ? (a < d ? c11 : c12) : (a < d && b < d ? c12 : 0);
           EXPECT_NEAR(at(c, a, b), exact, 1e-10 * c11) << a << b;
         }
-      EXPECT_LT(r.error.relative, 1e-10);
+      const double worst = latticeModuli(bondStencil(model), continuum).worst;
+      EXPECT_GT(worst, 0.01);
+      EXPECT_NEAR(r.error.relative, worst, 1e-10);
+      EXPECT_NEAR(r.error.lattice, worst, 1e-14);
+      // what is told holds the isotropic material
+      const double exact = young * (continuum == Continuum::PlaneStress ? 1.125 : 1.2);
+      EXPECT_LE(std::abs(at(c, 0, 0) - exact), at(r.error.components, 0, 0) * (1 + 1e-9));
+      EXPECT_LE(std::abs(at(c, all - 1, all - 1) - exact / 3), at(r.error.components, all - 1, all - 1) * (1 + 1e-9));
       EXPECT_LT(difference(r.cell.bounds.voigt, c), 1e-10);
       EXPECT_LT(difference(r.cell.bounds.reuss, c), 1e-10);
       EXPECT_EQ(r.cell.solutions[0].iterations, 0);
       EXPECT_EQ(r.cell.constants.resisting, static_cast<int>(all));
-      ASSERT_EQ(r.steps.size(), 2U);
-      EXPECT_EQ(r.steps[1].refinement, 2);
+      ASSERT_EQ(r.steps.size(), 4U);
+      EXPECT_EQ(r.steps[1].every, 2);
+      EXPECT_EQ(r.steps[1].pictures, 1); // all are alike
+      BondModel isotropic = model;
+      isotropic.micromodulus = Micromodulus::Isotropic;
+      EXPECT_LT(study(isotropic, s, true).error.relative, 1e-10);
     }
 }
 
@@ -154,28 +174,32 @@ std::vector<double> laminate(int dimension, std::size_t across, double contrast,
   return c;
 }
 
-// A laminate errs at its interfaces, over a layer of a horizon that thins with the spacing: order one. So the value
-// extrapolated from two spacings is far better than both, and the error told is no smaller than the true one.
+// A laminate errs at its interfaces, over a layer of a horizon that thins with the spacing: order one. So what is
+// extrapolated from every second node, half as fine, is far better, and the error told holds the true one. It is longer
+// than it by what chance may do to pictures of every third node, whose layers are not a whole number of them.
 TEST(Stiffness, LaminateConvergesToBackus)
 {
   for (const double contrast : { 4.0, 50.0 })
     for (const std::size_t across : { 0U, 1U })
     {
       const BondModel m = twoPhases(Continuum::PlaneStress, 3, contrast);
-      const std::vector<double> exact = laminate(2, across, contrast, latticeStiffness(Continuum::PlaneStress, 3));
+      const std::vector<double> exact = laminate(2, across, contrast, latticeStiffness(m));
       std::array<double, 3> errors{};
       for (std::size_t k = 0; k < errors.size(); ++k)
       {
-        const std::int64_t n = 16 << k;
+        const std::int64_t n = 32 << k;
         const Sample s =
           cell({ n, n, 1 }, [&](double x, double y, double) { return (across == 0 ? x : y) < 0.5 ? 1 : 2; });
         const StiffnessResult r = study(m, s, true);
         errors[k] = difference(r.cell.stiffness, exact);
         // at order one the extrapolated value errs at order two
-        EXPECT_LT(difference(r.error.extrapolated, exact), 0.012 * errors[k]) << n;
+        EXPECT_LT(difference(r.error.extrapolated, exact), 0.05 * errors[k]) << n;
+        for (std::size_t i = 0; i < exact.size(); ++i)
+          EXPECT_LE(std::abs(r.cell.stiffness[i] - exact[i]), r.error.components[i] * 1.001 + 1e-7 * largest(exact))
+            << i;
         const double worst = std::max(std::abs(at(r.cell.stiffness, 0, 0) / at(exact, 0, 0) - 1),
           std::abs(at(r.cell.stiffness, 1, 1) / at(exact, 1, 1) - 1));
-        EXPECT_NEAR(r.error.relative / worst, 1, 0.08) << n;
+        EXPECT_LT(r.error.relative / worst, 5) << n;
         EXPECT_EQ(r.warnings.size(), 0U) << r.warnings.front();
       }
       EXPECT_NEAR(std::log2(errors[0] / errors[1]), 1, 0.02);
@@ -186,20 +210,12 @@ TEST(Stiffness, LaminateConvergesToBackus)
 TEST(Stiffness, LaminateInSpace)
 {
   const BondModel m = twoPhases(Continuum::Space, 2, 4);
-  const std::vector<double> exact = laminate(3, 2, 4, latticeStiffness(Continuum::Space, 2));
-  const Sample s = cell({ 4, 4, 16 }, [](double, double, double z) { return z < 0.5 ? 1 : 2; });
+  const std::vector<double> exact = laminate(3, 2, 4, latticeStiffness(m));
+  const Sample s = cell({ 4, 4, 32 }, [](double, double, double z) { return z < 0.5 ? 1 : 2; });
   const StiffnessResult r = study(m, s, true);
-  EXPECT_LT(difference(r.error.extrapolated, exact), 0.02 * difference(r.cell.stiffness, exact));
-  EXPECT_LT(difference(r.error.extrapolated, exact), 3e-4);
-}
-
-/// The same picture on a lattice of half the spacing.
-Sample doubled(const Sample& s)
-{
-  const CellWindow whole{ s.lattice, s.phase, {} };
-  const Lattice fine = split(s.lattice, 2);
-  const CellWindow window = split(whole, 2, { { 0, 0, 0 }, fine.size });
-  return { window.lattice, window.phase, {} };
+  EXPECT_LT(difference(r.error.extrapolated, exact), 0.05 * difference(r.cell.stiffness, exact));
+  for (std::size_t i = 0; i < exact.size(); ++i)
+    EXPECT_LE(std::abs(r.cell.stiffness[i] - exact[i]), r.error.components[i] * 1.001 + 1e-7 * largest(exact)) << i;
 }
 
 /// Hexagonal array of round holes: two in a rectangle of 1 : √3.
@@ -221,32 +237,30 @@ Sample holes(std::int64_t n, double area)
     });
 }
 
-// A fifth of the area as round holes: E* = 0.56963 E by finite elements (references). What is left after extrapolation
-// is the lattice's direction: at a horizon of 3 E at 45° is 0.955 of that along the axes, at 5 it is 1.089, so that the
-// two lie on either side. The error told is that of the picture as its pixels draw it, and covers what half the spacing
-// finds.
+// A fifth of the area as round holes: E* = 0.56963 E by finite elements (references), whatever Poisson's ratio. The
+// error told holds it at every horizon, and halves with the pixel as errors of order one do.
 TEST(Stiffness, RoundHoles)
 {
   constexpr double published = 0.56963;
-  for (const double horizon : { 3.0, 5.0 })
+  for (const double horizon : { 2.0, 3.0, 5.0 })
   {
+    SCOPED_TRACE(horizon);
     BondModel m = modelOf(Continuum::PlaneStress, horizon);
-    m.micromodulus = Micromodulus::Lattice;
-    const StiffnessResult r = study(m, holes(60, 0.2), true, 1e-7);
-    const auto mean = [](const ElasticConstants& c) { return 0.5 * (c.youngsModulus[0] + c.youngsModulus[1]) / young; };
-    EXPECT_LT(mean(r.cell.constants), published); // holes have soft rims
-    EXPECT_NEAR(mean(r.error.constants) / published, horizon == 3 ? 0.986 : 1.008, 0.008);
-    // for two axes E differs by what the lattice and the pixels of the holes do
-    EXPECT_NEAR(r.cell.constants.youngsModulus[1] / r.cell.constants.youngsModulus[0], 1, 0.03);
-    if (horizon == 3)
+    m.micromodulus = Micromodulus::Isotropic;
+    std::array<double, 2> told{};
+    for (std::size_t k = 0; k < 2; ++k)
     {
-      const StiffnessResult fine = study(m, doubled(holes(60, 0.2)), true, 1e-7);
-      for (std::size_t a = 0; a < 3; ++a)
-        EXPECT_LE(
-          std::abs(at(fine.error.extrapolated, a, a) - at(r.cell.stiffness, a, a)), 1.2 * at(r.error.components, a, a))
-          << a;
-      EXPECT_LT(fine.error.relative, 0.7 * r.error.relative);
+      const StiffnessResult r = study(m, holes(k == 0 ? 60 : 121, 0.2), true, 1e-7);
+      for (std::size_t a = 0; a < 2; ++a)
+      {
+        const double error = std::abs(r.cell.constants.youngsModulus[a] / young - published);
+        EXPECT_LE(error, r.error.ofConstants[a] / young);
+        EXPECT_LT(r.cell.constants.youngsModulus[a] / young, published); // holes have soft rims
+        EXPECT_NEAR(r.error.constants.youngsModulus[a] / young, published, 0.015 * published);
+      }
+      told[k] = r.error.relative;
     }
+    EXPECT_LT(told[1], 0.7 * told[0]);
   }
 }
 
@@ -367,12 +381,6 @@ TEST(Stiffness, RanksAndThreadsChangeNothing)
   }
 }
 
-bool warns(const StiffnessResult& r, const std::string& words)
-{
-  return std::any_of(
-    r.warnings.begin(), r.warnings.end(), [&](const std::string& w) { return w.find(words) != std::string::npos; });
-}
-
 // Grains without neighbours carry nothing: with them or without, the tensor is the same.
 TEST(Stiffness, LoosePiecesCarryNothing)
 {
@@ -447,36 +455,84 @@ TEST(Stiffness, BrokenHoneycomb)
   }
 }
 
-// Of a large sample both spacings are solved on a part, whose relative change is about that of the whole.
-TEST(Stiffness, ErrorFromAPart)
+double workOf(const StiffnessStep& step)
+{
+  double iterations = 10; // for what comes before them
+  for (const std::int64_t n : step.iterations)
+    iterations += static_cast<double>(n);
+  return iterations * static_cast<double>(step.nodes);
+}
+
+// What the error takes is stated, and kept; a cell that begins again has coarser pictures that do, whatever its size,
+// with notches, too; where there can be none that is said before anything is solved for them.
+TEST(Stiffness, TheErrorHasItsPrice)
 {
   const BondModel m = twoPhases(Continuum::PlaneStress, 3, 4);
   const auto disks = [](double x, double y, double)
   {
-    const double dx = 8 * x - std::floor(8 * x) - 0.5;
-    const double dy = 8 * y - std::floor(8 * y) - 0.5;
+    const double dx = 3 * x - std::floor(3 * x) - 0.5;
+    const double dy = 3 * y - std::floor(3 * y) - 0.5;
     return dx * dx + dy * dy < 0.1 ? 2 : 1;
   };
-  const Sample s = cell({ 160, 160, 1 }, disks);
-  StiffnessOptions o;
-  o.threads = 1;
-  const StiffnessResult whole = studyStiffness(m, s.lattice, s.phase, {}, o, alone());
-  o.estimateNodes = 40000;
-  const StiffnessResult part = studyStiffness(m, s.lattice, s.phase, {}, o, alone());
-  ASSERT_EQ(part.steps.size(), 3U);
-  EXPECT_TRUE(part.steps[1].part && part.steps[2].part);
-  EXPECT_EQ(part.steps[1].nodes, 96 * 96);
-  EXPECT_EQ(part.steps[2].nodes, 192 * 192);
-  EXPECT_NEAR(part.error.relative / whole.error.relative, 1, 0.3);
-  EXPECT_NEAR(part.error.constants.youngsModulus[0] / whole.error.constants.youngsModulus[0], 1, 0.01);
+  for (const std::int64_t n : { 60, 61, 67, 71 })
+  {
+    const StiffnessResult r = study(m, cell({ n, n, 1 }, disks), true, 1e-7);
+    EXPECT_TRUE(r.warnings.empty());
+    ASSERT_EQ(r.steps.size(), 4U);
+    double work = 0;
+    for (std::size_t i = 1; i < 4; ++i)
+    {
+      EXPECT_NEAR(r.steps[i].every, static_cast<double>(i + 1), 0.06 * static_cast<double>(i + 1));
+      work += workOf(r.steps[i]);
+    }
+    EXPECT_EQ(r.steps[1].pictures, 4);
+    EXPECT_LE(work, workOfEstimate * workOf(r.steps[0]));
+    EXPECT_GT(r.error.relative, 0.001);
+    EXPECT_LT(r.error.relative, 0.1);
+  }
   BondModel cut = m;
   cut.notches = { { { 20 * spacing, 20.2 * spacing, 0 }, { 20 * spacing, 0, 0 }, {} } };
-  const StiffnessResult notched = studyStiffness(cut, s.lattice, s.phase, {}, o, alone());
-  EXPECT_TRUE(std::isnan(notched.error.relative));
-  EXPECT_TRUE(warns(notched, "the error is not known: with notches it takes the whole sample"));
-  EXPECT_LT(notched.cell.constants.youngsModulus[1], part.cell.constants.youngsModulus[1]);
+  const StiffnessResult notched = study(cut, cell({ 60, 60, 1 }, disks), true, 1e-7);
+  EXPECT_TRUE(std::isfinite(notched.error.relative));
+  const StiffnessResult small =
+    study(m, cell({ 24, 5, 1 }, [](double, double y, double) { return y < 0.5 ? 1 : 2; }), true);
+  EXPECT_TRUE(std::isnan(small.error.relative));
+  EXPECT_TRUE(warns(small, "the error is not known: of 5 pixels along y every second one is too few to tell anything"));
+  EXPECT_EQ(small.steps.size(), 1U);
+  StiffnessOptions o;
+  o.threads = 1;
+  o.nodesPerPixel = 7;
+  const Sample s = cell({ 60, 60, 1 }, disks);
+  EXPECT_TRUE(
+    warns(studyStiffness(m, s.lattice, s.phase, {}, o, alone()), "60 nodes along x are no whole number of pixels"));
   o.estimateError = false;
   EXPECT_EQ(studyStiffness(m, s.lattice, s.phase, {}, o, alone()).steps.size(), 1U);
+}
+
+// Pixels that were split before are still the pixels that the error is made of: what splitting does not mend stays in
+// it.
+TEST(Stiffness, SplitPixelsAreNoFinerPicture)
+{
+  const BondModel m = [&]
+  {
+    BondModel model = modelOf(Continuum::PlaneStress, 3);
+    model.micromodulus = Micromodulus::Isotropic;
+    return model;
+  }();
+  constexpr double published = 0.56963;
+  const Sample coarse = holes(26, 0.2);
+  Sample fine{ coarse.lattice, {}, {} };
+  fine.lattice.size = { 2 * coarse.lattice.size[0], 2 * coarse.lattice.size[1], 1 };
+  for (std::int64_t y = 0; y < fine.lattice.size[1]; ++y)
+    for (std::int64_t x = 0; x < fine.lattice.size[0]; ++x)
+      fine.phase.push_back(coarse.phase[static_cast<std::size_t>(coarse.lattice.index(x / 2, y / 2, 0))]);
+  StiffnessOptions o;
+  o.threads = 1;
+  o.nodesPerPixel = 2;
+  const StiffnessResult r = studyStiffness(m, fine.lattice, fine.phase, {}, o, alone());
+  for (std::size_t a = 0; a < 2; ++a)
+    EXPECT_LE(std::abs(r.cell.constants.youngsModulus[a] / young - published), r.error.ofConstants[a] / young);
+  EXPECT_EQ(r.steps[1].nodes, 4 * 26 * 46); // 13 × 23 pixels of 2 × 2 nodes, four times
 }
 
 TEST(Stiffness, Warnings)
@@ -490,9 +546,18 @@ TEST(Stiffness, Warnings)
   EXPECT_FALSE(warns(r, "fit together along y"));
   EXPECT_NEAR(r.sides[0].across, 0.5, 1e-12);
   EXPECT_LT(r.sides[0].inside, 0.3);
-  EXPECT_TRUE(
-    warns(study(modelOf(Continuum::PlaneStress, 2), cell({ 20, 20, 1 }, [](double, double, double) { return 1; })),
-      "a horizon of 2 spacings is below 3"));
+  const Sample one = cell({ 20, 20, 1 }, [](double, double, double) { return 1; });
+  const Sample solid = cell({ 10, 10, 10 }, [](double, double, double) { return 1; });
+  BondModel plain = modelOf(Continuum::PlaneStress, 2);
+  EXPECT_TRUE(warns(study(plain, one), "a horizon of 2 spacings is below 3"));
+  plain.micromodulus = Micromodulus::Isotropic;
+  EXPECT_TRUE(study(plain, one).warnings.empty());
+  plain.horizon = 1;
+  EXPECT_TRUE(warns(study(plain, one, true), "nothing resists shear"));
+  plain = modelOf(Continuum::Space, 3);
+  EXPECT_TRUE(warns(study(plain, solid), "the lattice of bonds is not isotropic: at a horizon of 3 spacings"));
+  plain.micromodulus = Micromodulus::Isotropic;
+  EXPECT_TRUE(study(plain, solid).warnings.empty());
 }
 
 TEST(Stiffness, WhatIsRefused)
@@ -515,11 +580,6 @@ TEST(Stiffness, WhatIsRefused)
   EXPECT_THROW(run(bad, o), ParameterError);
   o.memory = 1e5;
   EXPECT_THROW(run(m, o), MemoryError);
-  // enough for the cell, not for the error
-  o.memory = 1.5 * stiffnessBytes(m, s.lattice, false, o, 1);
-  const StiffnessResult r = studyStiffness(m, s.lattice, s.phase, {}, o, alone());
-  EXPECT_GT(r.cell.constants.youngsModulus[0], 0);
-  EXPECT_TRUE(warns(r, "the error is not known: the stiffness of 1600 nodes needs"));
   o.memory = 0;
   o.equilibrium.progress = [](double share) { return share > 0.5; };
   EXPECT_THROW(run(m, o), Cancelled);

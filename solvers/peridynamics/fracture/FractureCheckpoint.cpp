@@ -49,6 +49,8 @@ std::string sceneOf(const BondLattice& bonds)
                                  "surface correction: {}\nsolid nodes: {}\nbonds: {}\n",
     l.global[0], l.global[1], l.global[2], bonds.spacing(), bonds.stencil().horizon(), sides.empty() ? "none" : sides,
     bonds.corrected() ? "yes" : "no", bonds.solidNodes(), bonds.bonds());
+  if (std::ranges::any_of(bonds.stencil().half(), [](const Offset& o) { return o.weight != 1; }))
+    text += "micromodulus: isotropic\n";
   for (std::size_t k = 1; k < bonds.kinds().size(); ++k)
     text += fmt::format("bonds of kind {}: stiffness {}, critical stretch {}\n", k, bonds.kinds()[k].stiffness,
       bonds.kinds()[k].criticalStretch);

@@ -66,7 +66,7 @@ SpringWindow::SpringWindow(const BondLattice& bonds)
       directions_[a].push_back(static_cast<float>(half.step[a] / half.length));
     std::vector<float> table(std::max<std::size_t>(4, std::size_t{ 1 } << bonds.planes()), 0.0F);
     for (std::size_t k = 1; k < bonds.kinds().size(); ++k)
-      table[k] = static_cast<float>(bonds.kinds()[k].stiffness / (half.length * bonds.spacing()));
+      table[k] = static_cast<float>(half.weight * bonds.kinds()[k].stiffness / (half.length * bonds.spacing()));
     tables_.push_back(std::move(table));
   }
 }

@@ -38,9 +38,11 @@ MatrixRows rowsOfBonds(const BondLattice& bonds, const FixedComponents& fixed, c
   const std::size_t kinds = bonds.kinds().size();
   std::vector<float> table(bonds.stencil().half().size() * kinds, 0.0F);
   for (std::size_t q = 0; q < bonds.stencil().half().size(); ++q)
+  {
+    const Offset& o = bonds.stencil().half()[q];
     for (std::size_t k = 1; k < kinds; ++k)
-      table[q * kinds + k] =
-        static_cast<float>(-bonds.kinds()[k].stiffness / (bonds.stencil().half()[q].length * bonds.spacing()));
+      table[q * kinds + k] = static_cast<float>(-o.weight * bonds.kinds()[k].stiffness / (o.length * bonds.spacing()));
+  }
   rows.block = [&bonds, &fixed, l, all, table, kinds](int q, std::int64_t y, std::int64_t z, float* out, std::int64_t)
   {
     const std::uint8_t* strips = bonds.stripsOf(l.row(y, z)) + NodeLayout::margin / 16;

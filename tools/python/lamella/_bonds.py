@@ -13,6 +13,7 @@ from ._types import Array
 
 LOADS = {"stretch": 0, "shear": 1, "biaxial": 2}
 _AXES = {None: -1, "x": 0, "y": 1, "z": 2}
+_MICROMODULI = {None: -1, "continuum": 0, "lattice": 1, "isotropic": 2}
 _CONTINUA = {None: 0, "plane-stress": 1, "plane-strain": 2, "space": 3}
 _MIXINGS = {None: 0, "none": 0, "harmonic": 1, "minimum": 2}
 _COMPONENTS = {"xx": 0, "yy": 1, "zz": 2, "xy": 3, "yz": 4, "xz": 5}
@@ -141,7 +142,7 @@ def set_bonds(
     void=None,
     horizon=3.0,
     continuum=None,
-    micromodulus="continuum",
+    micromodulus=None,
     void_bonds="keep",
     surface_correction=False,
     notches=(),
@@ -171,7 +172,7 @@ def set_bonds(
         algorithm.AddVoid(str(name))
     algorithm.SetHorizon(float(horizon))
     algorithm.SetContinuum(choose(_CONTINUA, continuum, "continuum"))
-    algorithm.SetMicromodulus(choose({"continuum": 0, "lattice": 1}, micromodulus, "micromodulus"))
+    algorithm.SetMicromodulus(choose(_MICROMODULI, micromodulus, "micromodulus"))
     algorithm.SetCutVoidBonds(choose({"keep": False, "cut": True}, void_bonds, "void_bonds"))
     algorithm.SetSurfaceCorrection(bool(surface_correction))
     algorithm.SetLargeStrains(choose({"small": False, "large": True}, strains, "strains"))

@@ -146,7 +146,8 @@ def equilibrium(
     void          phases without bonds; None: those called void, pore, lumen, air or 0 that have no Young's modulus
     horizon       length of the longest bonds in spacings, 1 to 8
     continuum     None ("plane-stress" of a picture, "space" of a volume) or "plane-strain"
-    micromodulus  "continuum" (as in the literature) or "lattice" (Young's modulus along the axes exact)
+    micromodulus  "continuum" (as in the literature), "lattice" (Young's modulus along the axes exact) or "isotropic"
+                  (exact in every direction); None: isotropic of a volume and in stiffness(), else continuum
     void_bonds    "keep" or "cut": bonds across thin voids
     surface_correction  stiffer bonds near free surfaces
     notches       ((x1, y1), (x2, y2)) in metres each; in space a corner and two edges

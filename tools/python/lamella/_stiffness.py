@@ -46,7 +46,7 @@ class StiffnessResult(ImageBase, _arrays.Answer):
 
     @property
     def extrapolated(self) -> Array:
-        """The tensor that an endlessly fine lattice is expected to have [Pa]; NaN where the error is not known."""
+        """The tensor that the material is expected to have [Pa]; NaN where the error is not known."""
         return self._tensor("stiffness_extrapolated")
 
     @property
@@ -71,7 +71,7 @@ class StiffnessResult(ImageBase, _arrays.Answer):
 
     @property
     def constants_extrapolated(self) -> dict[str, float]:
-        """The same on an endlessly fine lattice."""
+        """The same as the material is expected to have it."""
         return self._by_constant("constants_extrapolated")
 
     @property
@@ -96,9 +96,10 @@ class StiffnessResult(ImageBase, _arrays.Answer):
 
     @property
     def steps(self) -> list[dict[str, Any]]:
-        """Every solve: a list of {"refinement", "nodes", "iterations", "seconds", "part"}."""
-        keys = ("refinement", "nodes", "iterations", "seconds", "part")
-        kinds = (int, int, int, float, bool)
+        """The solves: a list of {"every", "pictures", "nodes", "iterations", "seconds"}; the first is the image's, the
+        others are of the pictures that about every second, third and fourth pixel gives."""
+        keys = ("every", "pictures", "nodes", "iterations", "seconds")
+        kinds = (float, int, int, int, float)
         columns = [_arrays.numbers(self.vtk, "step_" + key) for key in keys]
         return [{k: kind(v) for k, kind, v in zip(keys, kinds, row)} for row in zip(*columns)]
 
@@ -155,7 +156,7 @@ def stiffness(
 
     image     a Sample, a vtkImageData with the point array ``phase`` (and ``grain``), or an array of whole numbers
     young     {pair: Young's modulus in Pa}, as equilibrium() takes it
-    estimate_error  solve at half the spacing as well and tell the error; several times the work
+    estimate_error  solve coarser pictures of the cell as well and tell the error; at most four times the work
     tolerance, max_iterations  largest relative residual force; gives up after so many iterations
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
 

@@ -1,10 +1,10 @@
-#include "lbm/PictureError.h"
+#include "lattice/PictureError.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-namespace lamella::lbm
+namespace lamella
 {
 namespace
 {
@@ -32,22 +32,24 @@ double deviation(std::span<const double> values)
 
 } // namespace
 
-PictureError::PictureError(double value, std::span<const SubsampleValues> subsamples)
+PictureError::PictureError(double value, std::span<const SubsampleValues> subsamples, double unit)
   : value_(value)
-  , bias_((value - mean(subsamples.front().values)) / value)
 {
+  const SubsampleValues& second = subsamples.front();
+  const double m2 = mean(second.values);
+  bias_ = (value - m2) / ((second.stride - 1) * unit);
   biases_.fill(bias_);
   for (const SubsampleValues& of : subsamples)
   {
-    scatter_ = std::max(scatter_, deviation(of.values) * std::pow(2.0 / of.stride, 1.5) / value);
+    scatter_ = std::max(scatter_, deviation(of.values) * std::pow(2.0 / of.stride, 1.5) / unit);
     const double m = mean(of.values);
-    if (of.stride == 3)
+    if (std::lround(of.stride) == 3)
     {
-      biases_[1] = (value - m) / (2 * value);
+      biases_[1] = (value - m) / ((of.stride - 1) * unit);
     }
-    if (of.stride == 4)
+    if (std::lround(of.stride) == 4)
     {
-      biases_[2] = (mean(subsamples.front().values) - m) / (2 * value);
+      biases_[2] = (m2 - m) / ((of.stride - second.stride) * unit);
     }
   }
 }
@@ -77,4 +79,4 @@ ErrorEstimate PictureError::estimate(double change, double lattice) const noexce
   return result;
 }
 
-} // namespace lamella::lbm
+} // namespace lamella

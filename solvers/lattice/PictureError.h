@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-namespace lamella::lbm
+namespace lamella
 {
 
-/// What is known about the error of an effective conductivity that was computed from pixels. All are relative to the
+/// What is known about the error of an effective value that was computed from pixels. All are relative to the
 /// value, none is negative, NaN: could not be had.
 ///
 /// A picture errs twice. Its lattice solves the steps of its pixels with one node a pixel; splitting the pixels mends
@@ -25,14 +25,15 @@ struct ErrorEstimate
   double extrapolated = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Values of the pictures that every `stride`-th pixel of a picture gives; 0 where nothing conducts.
+/// Values of the pictures that every `stride`-th pixel of a picture gives; 0 where nothing conducts or carries.
 struct SubsampleValues
 {
-  int stride = 2;
+  /// Of pictures that repeat it need not be a whole number (PeriodicThinning); the nearest one says which it is.
+  double stride = 2;
   std::vector<double> values;
 };
 
-/// How an effective conductivity changes with the pixel, from subsamples of one picture (lattice/Subsample.h).
+/// How an effective value changes with the pixel, from subsamples of one picture (lattice/Subsample.h).
 ///
 /// Pixels of size h displace a boundary at random by a part of h, which gives an error of two parts: a mean one, which
 /// falls like h (necks that close, walls that break up into steps), and one by chance, which falls like h^(3/2), as the
@@ -43,14 +44,23 @@ struct SubsampleValues
 ///   max(|v − m₂|, |v − m₃|/2, |m₂ − m₄|/2) + max(s₂, s₃ (2/3)^(3/2), s₄ (2/4)^(3/2)).
 ///
 /// All terms of a maximum are expected to be alike. Where two pictures agree by chance, or all of a kind are mirror
-/// images of each other as those of a symmetric picture are, the others tell. On which cases it was found and on which
-/// others it held: docs/benchmarks/diffusion.md.
+/// images of each other as those of a symmetric picture are, the others tell. Where the k-th pixels lie q spacings
+/// apart in the mean, the differences are over q less 1 (of m₂ and m₄ over that of their q), chance over that power of
+/// q/2. On which cases it was found and on which others it held: docs/benchmarks/diffusion.md, and
+/// docs/benchmarks/stiffness.md for bonds, whose soft layer at a boundary, as thick as the horizon of so many pixels,
+/// falls like h as well.
 class PictureError
 {
 public:
   /// @param value       of the picture, above 0
   /// @param subsamples  of every second pixel first, then of every third, of every fourth, as far as there are any
-  PictureError(double value, std::span<const SubsampleValues> subsamples);
+  PictureError(double value, std::span<const SubsampleValues> subsamples)
+    : PictureError(value, subsamples, value)
+  {
+  }
+  /// The same relative to another value than the picture's, which may then have any sign: with `unit` 1 all is in the
+  /// unit of the value.
+  PictureError(double value, std::span<const SubsampleValues> subsamples, double unit);
 
   /// Bar of another solve of the same picture, relative to `value`, which differs from that by `change` times it: of
   /// split pixels. 0: of the value itself.
@@ -72,4 +82,4 @@ private:
   double scatter_ = 0;
 };
 
-} // namespace lamella::lbm
+} // namespace lamella

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "peridynamics/ElasticConstants.h"
+
+#include <limits>
+#include <span>
+#include <vector>
+
+/// How far an effective stiffness may be from the material's.
+namespace lamella::peridynamics
+{
+
+/// Of the value against the material's, whose solid is isotropic with the model's Poisson's ratio: what one node a
+/// pixel does (steps of boundaries, soft layers as thick as the horizon) and what the pixels' own steps do. Not in it:
+/// another Poisson's ratio than the model's, features of which no pixel tells, how far the sample speaks for more of
+/// its material.
+struct StiffnessError
+{
+  std::vector<double> components; ///< of each component [Pa]; empty: not known
+  /// Of the diagonal's worst, relative; NaN: not known
+  double relative = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> extrapolated; ///< tensor that the material is expected to have [Pa]
+  ElasticConstants constants;       ///< of that; empty where it has no inverse that makes sense
+  std::vector<double> ofConstants;  ///< as constantValues(); NaN where one is not known; empty: none is
+  /// Part of `components` and `ofConstants` that no finer picture mends, relative: of a lattice of bonds that is not
+  /// isotropic (LatticeModuli::worst).
+  double lattice = 0;
+};
+
+/// Tensors of the pictures that about every `stride`-th pixel gives; zeros where nothing goes on.
+struct SubsampleTensors
+{
+  double stride = 2;
+  std::vector<std::vector<double>> tensors;
+};
+
+/// The error of each component and of each constant, from coarser pictures of the same cell (lattice/PictureError.h):
+/// a boundary errs over a layer as thick as a horizon of so many pixels, hence like the pixel, and so do its steps.
+/// What is told of the mean counts 1.5 times, for walls of a few horizons err by a lower order.
+/// @param stiffness  of the sample, components²
+/// @param subsamples of every second pixel first
+/// @param lattice    StiffnessError::lattice
+/// @param zero       as elasticConstants()
+[[nodiscard]] StiffnessError stiffnessError(std::span<const double> stiffness,
+  std::span<const SubsampleTensors> subsamples, int dimension, double lattice, double zero = 1e-9);
+
+} // namespace lamella::peridynamics
