@@ -62,7 +62,7 @@ double stretchFactor(Continuum continuum)
 /// C₁₁/E of the continuum.
 double stiffnessOverYoung(int dimension)
 {
-  return dimension == 3 ? 1.2 : 1.125; // in plane strain it is 1.2 too, and c as much greater
+  return dimension == 3 ? 1.2 : 1.125; // in plane strain it is 1.2 too, with c as much greater
 }
 
 } // namespace
@@ -142,7 +142,7 @@ LatticeModuli latticeModuli(const Stencil& stencil, Continuum continuum)
   m.toughness = std::sqrt(m.youngsModulus * m.fractureEnergy);
   // strains in which nothing else is stressed: in all directions alike, along the axes, and between them; over what
   // the continuum resists them with
-  const double axial = stiffnessOverYoung(dimension);
+  const double axial = continuum == Continuum::PlaneStrain ? 1.2 : stiffnessOverYoung(dimension);
   for (const double share :
     { (c11 + (dimension - 1) * c12) / (axial * (dimension + 2) / 3), (c11 - c12) / (axial * 2 / 3), c12 / (axial / 3) })
     m.worst = std::max(m.worst, std::abs(share - 1));

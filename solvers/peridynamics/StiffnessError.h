@@ -23,7 +23,7 @@ struct StiffnessError
   ElasticConstants constants;       ///< of that; empty where it has no inverse that makes sense
   std::vector<double> ofConstants;  ///< as constantValues(); NaN where one is not known; empty: none is
   /// Part of `components` and `ofConstants` that no finer picture mends, relative: of a lattice of bonds that is not
-  /// isotropic (LatticeModuli::worst).
+  /// isotropic, w/(1 - w) with w LatticeModuli::worst.
   double lattice = 0;
 };
 

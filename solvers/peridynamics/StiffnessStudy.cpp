@@ -365,9 +365,13 @@ StiffnessResult studyStiffness(const BondModel& given, const Lattice& lattice, s
 
   const double start = now();
   const auto unknown = [&](const std::string& why) { r.warnings.push_back("the error is not known: " + why); };
+  // of the values, which may be the lesser for it
+  const double anisotropy = latticeModuli(bondStencil(model), model.continuum).worst;
   CoarserPictures coarser(model, lattice, phase, grain, options, comm);
   if (const std::string why = coarser.missing(r); !why.empty())
     unknown(why);
+  else if (!(anisotropy < 1))
+    unknown(fmt::format("at a horizon of {:g} spacings there are strains that no bond resists", model.horizon));
   else
     try
     {
@@ -379,7 +383,7 @@ StiffnessResult studyStiffness(const BondModel& given, const Lattice& lattice, s
         unknown(
           fmt::format("coarser pictures of the cell took {:g} times its own work and were not done", workOfEstimate));
       else
-        r.error = stiffnessError(r.cell.stiffness, tensors, d, latticeModuli(bondStencil(model), model.continuum).worst,
+        r.error = stiffnessError(r.cell.stiffness, tensors, d, anisotropy / (1 - anisotropy),
           std::max(1e-10, 10 * options.equilibrium.tolerance));
     }
     catch (const Cancelled&)

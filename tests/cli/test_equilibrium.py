@@ -154,7 +154,7 @@ class Equilibrium(Case):
         result = self.run_lamella(*BAR, "--young", "stone=1", "--horizon", "2", "--json")
         self.assertEqual(result.code, 0)
         self.assertIn("warning: a horizon of 2 spacings is below 3", result.err)
-        self.assertIn("0.60 of that along them", result.err)
+        self.assertIn("0.60 of that along the axes", result.err)
         self.assertEqual(len(result.json()["warnings"]), 1)
         rows = [[255] * 30 for _ in range(60)]
         for y in range(20, 40):
