@@ -16,7 +16,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -325,8 +324,7 @@ void run(const Keys& keys)
   const auto seed = static_cast<std::uint64_t>(number(keys, "seed", 2026));
   const Setting setting{ number(keys, "horizon", 3),
     static_cast<Micromodulus>(std::lround(number(keys, "micromodulus", 2))), keys.contains("corrected") };
-  const std::string beside = (std::filesystem::path(__FILE__).parent_path() / "stiffness-truths.csv").string();
-  const auto truths = readTruths(text(keys, "truths", beside.c_str()));
+  const auto truths = readTruths(text(keys, "truths", STIFFNESS_TRUTHS));
   std::ofstream lines;
   if (keys.contains("cases"))
     lines.open(text(keys, "cases", ""));

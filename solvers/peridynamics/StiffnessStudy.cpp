@@ -71,6 +71,8 @@ constexpr std::array strides{ 2, 3, 4 };
 constexpr std::size_t fewPictures = 8;
 // A picture of fewer pixels along an axis tells nothing.
 constexpr std::int64_t fewestAcross = 3;
+// Nodes from which on a picture is shared out among ranks.
+constexpr std::int64_t fewestShared = std::int64_t{ 1 } << 18;
 
 /// Coarser pictures of the cell, and their tensors.
 class CoarserPictures
@@ -201,8 +203,9 @@ private:
     const Lattice& lattice = window.lattice;
     const Stencil stencil(lattice.dimension, model_.horizon);
     const std::int64_t layers = lattice.size[lattice.dimension == 3 ? 2 : 1];
-    // too thin to share out: each rank does the same
-    const bool together = layers / all_.size() >= stencil.layers();
+    // small ones are not shared out, each rank does the same: in thin slabs multigrid does not get far
+    const bool together =
+      !all_.parallel() || (layers / all_.size() >= 8 * stencil.layers() && lattice.count() >= fewestShared);
     const Communicator& comm = together ? all_ : alone_;
     const CellWindow mine = partOf(window, slab(lattice, stencil, comm));
     EquilibriumOptions equilibrium = options_.equilibrium;
