@@ -74,6 +74,7 @@ pd::BondModel model(int dimension)
 {
   pd::BondModel m;
   m.continuum = dimension == 3 ? pd::Continuum::Space : pd::Continuum::PlaneStress;
+  m.micromodulus = dimension == 3 ? pd::Micromodulus::Isotropic : pd::Micromodulus::Continuum; // the defaults
   m.pairs[{ 1, 1 }].material = { .youngsModulus = 4e9, .criticalStretch = 1e-2 };
   m.pairs[{ 1, 1 }].betweenGrains = pd::BondMaterial{ .youngsModulus = 1e9 };
   m.pairs[{ 2, 2 }].material = { .youngsModulus = 1e9, .toughness = 1e5 };

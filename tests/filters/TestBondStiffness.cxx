@@ -55,6 +55,7 @@ pd::BondModel model(int dimension)
 {
   pd::BondModel m;
   m.continuum = dimension == 3 ? pd::Continuum::Space : pd::Continuum::PlaneStress;
+  m.micromodulus = pd::Micromodulus::Isotropic; // the default
   m.horizon = 2;
   m.pairs[{ 1, 1 }].material = { .youngsModulus = 4e9 };
   m.pairs[{ 2, 2 }].material = { .youngsModulus = 1e9 };

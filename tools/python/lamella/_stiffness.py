@@ -147,6 +147,7 @@ def stiffness(
     image: Image,
     young: Pairs,
     estimate_error: bool = True,
+    nodes_per_pixel: int = 1,
     tolerance: float = 1e-6,
     max_iterations: int = 20000,
     progress: Progress | None = None,
@@ -157,6 +158,7 @@ def stiffness(
     image     a Sample, a vtkImageData with the point array ``phase`` (and ``grain``), or an array of whole numbers
     young     {pair: Young's modulus in Pa}, as equilibrium() takes it
     estimate_error  solve coarser pictures of the cell as well and tell the error; at most four times the work
+    nodes_per_pixel  nodes along each axis that a pixel was split in before: what is a picture, for the error
     tolerance, max_iterations  largest relative residual force; gives up after so many iterations
     progress  called as progress(share, text); return False to cancel (raises Cancelled)
 
@@ -174,6 +176,7 @@ def stiffness(
     check_keywords(stiffness, set_bonds, bonds)
     set_bonds(solve, sample, young, **bonds)
     solve.SetEstimateError(bool(estimate_error))
+    solve.SetNodesPerPixel(int(nodes_per_pixel))
     solve.SetTolerance(float(tolerance))
     solve.SetMaximumIterations(int(max_iterations))
     run(solve, progress)
