@@ -76,7 +76,7 @@ public:
   {
     const std::int64_t last = stepOf(o_.ends.time);
     const bool timed = o_.ends.time != never && !pull_;
-    // a point costs passes over all bonds that are slower than a step; a wave passes some five nodes between two of them
+    // a point costs passes over all bonds that are slower than a step; a wave passes five nodes or so between two
     constexpr std::int64_t least = 20;
     const std::int64_t every = o_.every > 0 ? o_.every : timed ? std::max(least, last / 500) : 10;
     std::vector<std::int64_t> steps;
