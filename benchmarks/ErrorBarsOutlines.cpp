@@ -14,6 +14,7 @@
 #include "lattice/Error.h"
 #include "lbm/ContourDiffusion.h"
 #include "micrograph/CoarserOutlines.h"
+#include "micrograph/ContourMeasures.h"
 #include "micrograph/Segmentation.h"
 #include "micrograph/ShareLevel.h"
 
@@ -69,16 +70,17 @@ class Judge
 public:
   explicit Judge(const Keys& keys)
     : cases_(
-        keys, "error-bars-outlines", "cases", "group,case,lumen,axis,size,truth,value,error,bar,lattice,picture,sealed")
+        keys, "error-bars-outlines", "cases", "group,case,lumen,axis,size,truth,value,error,bar,lattice,picture,sealed,width")
   {
   }
 
-  void take(
-    const std::string& group, const std::string& name, double lumen, int size, double truth, const ContourAnswer& a)
+  /// @param width of lumens or walls in a picture's pixels; 0 without a picture
+  void take(const std::string& group, const std::string& name, double lumen, int size, double truth,
+    const ContourAnswer& a, double width = 0)
   {
     const double error = std::abs(a.value / truth - 1);
     cases_.line(
-      group, name, lumen, a.axis, size, truth, a.value, error, a.error, a.latticeError, a.pictureError, a.sealed);
+      group, name, lumen, a.axis, size, truth, a.value, error, a.error, a.latticeError, a.pictureError, a.sealed, width);
     if (groups_.find(group) == groups_.end())
       order_.push_back(group);
     groups_[group].push_back({ error, a.error, error <= a.latticeError });
@@ -152,7 +154,7 @@ private:
 
 std::vector<ContourAnswer> solve(const ContourSet& set, double spacing, double lumen, const std::vector<int>& axes,
   const std::vector<micrograph::CoarserOutlines>& coarser = {}, const ContourSet& moved = {},
-  const ContourSet& sealed = {})
+  const ContourSet& sealed = {}, double pixel = 0, bool shares = false)
 {
   ContourStudyOptions options;
   options.spacing = spacing;
@@ -161,6 +163,8 @@ std::vector<ContourAnswer> solve(const ContourSet& set, double spacing, double l
   options.coarser = coarser;
   options.moved = moved;
   options.sealed = sealed;
+  options.pixel = pixel;
+  options.shares = shares;
   return lbm::studyContours(set, options, MPI_COMM_SELF);
 }
 
@@ -313,9 +317,10 @@ void picture(Judge& judge, const std::string& group, const std::string& name, co
     const ContourSet moved = doubt > 0 ? micrograph::movedOutlines(set, doubt * mask.lattice.spacing) : ContourSet{};
     const ContourSet sealed = micrograph::sealedOutlines(set, mask.lattice.spacing);
     for (const auto& [lumen, truth] : truths)
-      for (const ContourAnswer& a : solve(set, mask.lattice.spacing, lumen, { 0, 1 }, coarser, moved, sealed))
-        judge.take(
-          group, name, lumen, static_cast<int>(mask.lattice.size[0]), truth[static_cast<std::size_t>(a.axis)], a);
+      for (const ContourAnswer& a : solve(set, mask.lattice.spacing, lumen, { 0, 1 }, coarser, moved, sealed,
+             mask.lattice.spacing, !level.empty()))
+        judge.take(group, name, lumen, static_cast<int>(mask.lattice.size[0]), truth[static_cast<std::size_t>(a.axis)],
+          a, micrograph::leastWidth(set) / mask.lattice.spacing);
   }
   catch (const Error& error)
   {

@@ -93,6 +93,8 @@ std::vector<lbm::ContourAnswer> solveMicrograph(
   study.conductivity = problem.conductivities.values;
   study.steady.threads = problem.threads;
   study.coarser = problem.coarser;
+  study.pixel = problem.pixel;
+  study.shares = problem.shares;
   if (problem.doubt > 0)
   {
     study.moved = micrograph::movedOutlines(problem.contours, problem.doubt);

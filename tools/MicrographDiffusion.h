@@ -32,6 +32,7 @@ struct MicrographProblem
   const Conductivities& conductivities;
   std::vector<micrograph::CoarserOutlines> coarser; ///< of a picture; empty: the outlines are taken as they are
   double pixel = 0;                                 ///< of that picture [m]
+  bool shares = false;                              ///< it has each pixel's share of lumen, not a mask
   double doubt = 0;                                 ///< about where walls begin [m]
   double spacing = 0;
   double targetError = 0; ///< 0: the pair of lattices alone

@@ -125,6 +125,11 @@ void SoftwoodLayout::layRays()
   // The first ray inside always falls within three quarters of the mean distance, so that small pictures have one.
   double y = rayEvery_ * mix(0.25, 0.75, random_.uniform(Use::RayPlace, -1));
   rayLines_ = { y - gap(0), y };
+  // One that reaches into the box has tracheids below it too; there is the next one.
+  if (rayLines_.front() > -(rayHalfWidth_ + tangential_ / 2))
+  {
+    rayLines_.insert(rayLines_.begin(), rayLines_.front() - gap(-2));
+  }
   for (std::int64_t n = 1; y < height_ + margin; ++n)
   {
     y += gap(n);

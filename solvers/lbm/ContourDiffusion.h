@@ -44,14 +44,22 @@ struct ContourStep
 };
 
 /// Error that a picture's pixels leave in the value that its outlines have, from those of every second and every third
-/// pixel (micrograph/CoarserOutlines.h): 1.9 times the standard deviation that follows from the squared mean of their
-/// differences from `value`. The area of a lumen in a mask errs like the pixel to the power 3/2, and so, as measured,
+/// pixel (micrograph/CoarserOutlines.h): outlineDeviations() times the standard deviation that follows from the squared
+/// mean of their differences from `value`. The area of a lumen in a mask errs like the pixel to the power 3/2, and so, as measured,
 /// do the values; then values of pixels n times as large, which share every n² th pixel with the picture, differ from
 /// its own with n³ − 1 times the variance of its own error. Of two strides the finer has the weight 3/4.
 /// @param value what the picture's own outlines conduct on the same lattice, > 0
 /// @return relative to `value`; NaN where there are fewer than two values of the finest stride
 /// How often it holds: docs/benchmarks/contours.md.
-[[nodiscard]] double outlineError(double value, std::span<const SubsampleValues> coarser);
+[[nodiscard]] double outlineError(double value, std::span<const SubsampleValues> coarser, double deviations);
+
+/// How many standard deviations a picture's error bar is long: 1.4 + 6/w², where lumens or walls are w ≥ 1 pixels wide
+/// (micrograph::leastWidth()); where they are narrow, pixels twice and three times as large tell too little. Of shares
+/// 1: every second pixel of them knows less of an outline than a picture of larger pixels would. Chosen on pictures
+/// whose truth is known (docs/benchmarks/contours.md).
+/// @param pixel [m], > 0
+/// @param shares the picture has each pixel's share of lumen, not a mask
+[[nodiscard]] double outlineDeviations(const micrograph::ContourSet& contours, double pixel, bool shares);
 
 struct ContourAnswer
 {
@@ -97,6 +105,8 @@ struct ContourStudyOptions
   /// Outlines of the same material from coarser pictures, for the picture's error; empty: the outlines are taken as
   /// they are.
   std::vector<micrograph::CoarserOutlines> coarser;
+  double pixel = 0;    ///< of the picture [m]; with `coarser` > 0
+  bool shares = false; ///< the picture has each pixel's share of lumen, not a mask
   /// The outlines moved by as much as is in doubt about where walls begin (micrograph::movedOutlines()), of a picture
   /// that was segmented: what it changes is added, squared, to the picture's error. Empty: no doubt.
   micrograph::ContourSet moved;
@@ -114,7 +124,7 @@ struct ContourStudyOptions
 /// the change before that one where that is larger, since two lattices may agree by chance. The picture's is
 /// outlineError() of `coarser`. How often they hold: docs/benchmarks/contours.md. With a target the last three lattices
 /// count; each halving takes about four times as long and as much memory as the last, and halves the lattice's error.
-/// @throws ParameterError for a target that is negative or not finite; what contourLattice(), linksOf() and
+/// @throws ParameterError for a target that is negative or not finite, or coarser pictures and no pixel; what contourLattice(), linksOf() and
 /// SteadyDiffusion throw
 [[nodiscard]] std::vector<ContourAnswer> studyContours(
   const micrograph::ContourSet& contours, const ContourStudyOptions& options, MPI_Comm comm);

@@ -1,6 +1,7 @@
 #include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "lbm/ContourDiffusion.h"
+#include "micrograph/ContourMeasures.h"
 
 #include <fmt/format.h>
 
@@ -162,8 +163,10 @@ private:
           answers_[i].coarser.back().values.push_back(solved[i].step.value);
       }
     }
+    const double deviations =
+      options_.coarser.empty() ? 0 : outlineDeviations(contours_, options_.pixel, options_.shares);
     for (ContourAnswer& answer : answers_)
-      answer.pictureError = options_.coarser.empty() ? 0 : outlineError(answer.fine.value, answer.coarser);
+      answer.pictureError = options_.coarser.empty() ? 0 : outlineError(answer.fine.value, answer.coarser, deviations);
     doubt(options_.moved, &ContourAnswer::moved);
     doubt(options_.sealed, &ContourAnswer::sealed);
   }
@@ -255,7 +258,15 @@ private:
 
 } // namespace
 
-double outlineError(double value, std::span<const SubsampleValues> coarser)
+double outlineDeviations(const micrograph::ContourSet& contours, double pixel, bool shares)
+{
+  if (shares)
+    return 1;
+  const double width = std::max(1.0, micrograph::leastWidth(contours) / pixel);
+  return 1.4 + 6 / (width * width);
+}
+
+double outlineError(double value, std::span<const SubsampleValues> coarser, double deviations)
 {
   double variance = 0;
   double weights = 0;
@@ -274,7 +285,7 @@ double outlineError(double value, std::span<const SubsampleValues> coarser)
     variance += weight * square / (std::pow(c.stride, 3) - 1);
     weights += weight;
   }
-  return weights > 0 ? 1.9 * std::sqrt(variance / weights) : unknown;
+  return weights > 0 ? deviations * std::sqrt(variance / weights) : unknown;
 }
 
 std::vector<ContourAnswer> studyContours(
@@ -283,6 +294,8 @@ std::vector<ContourAnswer> studyContours(
   if (!(options.targetError >= 0) || !std::isfinite(options.targetError))
     throw ParameterError(
       fmt::format("a target of {} for the error", options.targetError), "give a share such as 0.001");
+  if (!options.coarser.empty() && !(options.pixel > 0))
+    throw ParameterError(fmt::format("coarser pictures of one with pixels of {} m", options.pixel), "give its pixel");
   return Study(contours, options, comm).run();
 }
 

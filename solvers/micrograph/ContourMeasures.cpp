@@ -85,6 +85,17 @@ namespace
 
 } // namespace
 
+double leastWidth(const ContourSet& set)
+{
+  double length = 0;
+  for (const LumenMeasures& lumen : measureLumens(set))
+  {
+    length += lumen.wallLength;
+  }
+  const double wall = wallFraction(set);
+  return 2 * std::min(wall, 1 - wall) * set.size[0] * set.size[1] / length;
+}
+
 std::vector<Point> convexHull(std::vector<Point> points)
 {
   std::sort(points.begin(), points.end());

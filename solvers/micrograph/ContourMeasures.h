@@ -31,6 +31,11 @@ struct LumenMeasures
 /// @throws InputError as outlines()
 [[nodiscard]] double wallFraction(const ContourSet& set);
 
+/// Twice the area of the lumens, or of the walls where that is less, over the length of all outlines without the border:
+/// the thickness of plates, the radius of disks [m].
+/// @throws InputError as outlines()
+[[nodiscard]] double leastWidth(const ContourSet& set);
+
 /// The convex hull, counter-clockwise (Andrew's monotone chain). Of fewer than three points: these.
 [[nodiscard]] std::vector<Point> convexHull(std::vector<Point> points);
 

@@ -237,6 +237,31 @@ TEST(TissueTruth, LatticesApproachTheOutlines)
   }
 }
 
+// In these tissues a ray's middle lies within the lower border, or just beyond it; below it was wall.
+TEST(TissueTruth, TissueGoesOnBelowTheFirstRay)
+{
+  for (const std::uint64_t seed : { 987042U, 323U, 1976U })
+  {
+    SoftwoodOptions options;
+    options.size = { 320, 240, 1 };
+    options.spacing = 0.5e-6;
+    options.seed = seed;
+    const TissueTruth truth = softwoodTruth(options);
+    EXPECT_NEAR(lumenShare(truth.cells), 1, 5e-3) << seed;
+    EXPECT_LT(disagreement(softwood(options), truth.lumens), 1e-3) << seed;
+  }
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) // rays as near to each other as they can be
+  {
+    SoftwoodOptions options;
+    options.size = { 200, 240, 1 };
+    options.rayEvery = 60e-6;
+    options.seed = seed;
+    const TissueTruth truth = softwoodTruth(options);
+    EXPECT_NEAR(lumenShare(truth.cells), 1, 1e-2) << seed; // bent rays leave slivers
+    EXPECT_LT(disagreement(softwood(options), truth.lumens), 5e-3) << seed; // a strip of ray would be 3e-2
+  }
+}
+
 TEST(TissueTruth, DoesNotDependOnTheSpacing)
 {
   HardwoodOptions coarse;

@@ -7,6 +7,7 @@
 #include "lattice/Error.h"
 #include "micrograph/CoarserOutlines.h"
 #include "micrograph/ContourEdit.h"
+#include "micrograph/ContourMeasures.h"
 #include "micrograph/PolygonFile.h"
 
 #include <gtest/gtest.h>
@@ -264,50 +265,61 @@ TEST(DiffusionContours, BarsOfMasks)
   int ofLattices = 0;
   int cases = 0;
   std::vector<double> ratio;
+  // Values of one plate are not independent: every size of pixels has its own.
   for (const bool hexagonal : { false, true })
     for (const double contrast : { 0.05, 10.0 })
-    {
-      const ContourSet disks = plate(0.5, hexagonal, 0.123, 0.777);
-      for (const int axis : { 0, 1 })
+      for (const int pixels : { 50, 80, 110 })
       {
-        const double truth = solve(disks, 320, contrast, 1, axis).value;
-        for (const int pixels : { 50, 80, 110 })
+        const ContourSet disks = plate(0.5, hexagonal, 0.123 + 0.01 * pixels, 0.777 + 0.017 * pixels);
+        const PhaseImage mask = maskOf(disks, pixels);
+        ContourStudyOptions options;
+        options.conductivity = { contrast, 1 };
+        options.spacing = 1.0 / 320;
+        const auto truth = studyContours(disks, options, MPI_COMM_WORLD);
+        options.spacing = 0.01;
+        options.coarser = micrograph::coarserOutlines(mask, 0);
+        options.pixel = mask.lattice.spacing;
+        ASSERT_EQ(options.coarser.size(), 2U);
+        const ContourSet outlines = micrograph::extractContours(mask, 0).contours;
+        for (const ContourAnswer& a : studyContours(outlines, options, MPI_COMM_WORLD))
         {
-          SCOPED_TRACE(testing::Message() << hexagonal << ", " << contrast << ", axis " << axis << ", " << pixels);
-          const PhaseImage mask = maskOf(disks, pixels);
-          ContourStudyOptions options;
-          options.spacing = 0.01;
-          options.axes = { axis };
-          options.conductivity = { contrast, 1 };
-          options.coarser = micrograph::coarserOutlines(mask, 0);
-          ASSERT_EQ(options.coarser.size(), 2U);
-          const ContourSet outlines = micrograph::extractContours(mask, 0).contours;
-          const ContourAnswer a = studyContours(outlines, options, MPI_COMM_WORLD)[0];
+          SCOPED_TRACE(testing::Message() << hexagonal << ", " << contrast << ", axis " << a.axis << ", " << pixels);
           EXPECT_NEAR(a.error, std::hypot(a.latticeError, a.pictureError), 1e-12);
           EXPECT_GT(a.pictureError, 0);
-          const double error = std::abs(a.value / truth - 1);
+          const double error = std::abs(a.value / truth[static_cast<std::size_t>(a.axis)].value - 1);
           held += error <= a.error ? 1 : 0;
           ofLattices += error <= a.latticeError ? 1 : 0;
           ++cases;
           ratio.push_back(a.error / error);
         }
       }
-    }
   std::sort(ratio.begin(), ratio.end());
-  EXPECT_GE(held, 0.9 * cases);
-  EXPECT_LT(ofLattices, 0.9 * cases);    // which is why there is the other
+  EXPECT_GE(held, 0.8 * cases);       // of 24, fewer than 20 hold by chance once in a hundred where 94 % do
+  EXPECT_LT(ofLattices, 0.7 * cases);    // which is why there is the other
   EXPECT_LE(ratio[ratio.size() / 2], 8); // of 24; four in the benchmark's many
 }
 
-// 1.9 standard deviations of a value whose variance grows with the pixel's third power.
+// Standard deviations of a value whose variance grows with the pixel's third power.
 TEST(DiffusionContours, ErrorOfOutlines)
 {
   EXPECT_NEAR(
-    outlineError(2, std::vector<SubsampleValues>{ { 2, { 2.2, 1.8, 2.2, 1.8 } } }), 1.9 * 0.1 / std::sqrt(7), 1e-12);
-  EXPECT_NEAR(outlineError(2, std::vector<SubsampleValues>{ { 2, { 2.2, 1.8 } }, { 3, { 2.0, 0.0 } } }),
-    1.9 * std::sqrt(0.75 * 0.01 / 7 + 0.25 * 0.5 / 26), 1e-12);
-  EXPECT_EQ(outlineError(2, std::vector<SubsampleValues>{ { 2, { 2, 2 } }, { 3, {} } }), 0);
-  EXPECT_TRUE(std::isnan(outlineError(2, std::vector<SubsampleValues>{ { 2, { 2.1 } }, { 3, { 2, 3 } } })));
+    outlineError(2, std::vector<SubsampleValues>{ { 2, { 2.2, 1.8, 2.2, 1.8 } } }, 1.9), 1.9 * 0.1 / std::sqrt(7), 1e-12);
+  EXPECT_NEAR(outlineError(2, std::vector<SubsampleValues>{ { 2, { 2.2, 1.8 } }, { 3, { 2.0, 0.0 } } }, 1.5),
+    1.5 * std::sqrt(0.75 * 0.01 / 7 + 0.25 * 0.5 / 26), 1e-12);
+  EXPECT_EQ(outlineError(2, std::vector<SubsampleValues>{ { 2, { 2, 2 } }, { 3, {} } }, 1), 0);
+  EXPECT_TRUE(std::isnan(outlineError(2, std::vector<SubsampleValues>{ { 2, { 2.1 } }, { 3, { 2, 3 } } }, 1)));
+}
+
+// More of them where lumens or walls are narrow. Twice the area of disks over the length of their outlines is their radius.
+TEST(DiffusionContours, DeviationsOfOutlines)
+{
+  const ContourSet disk = test::squareOfDisk(0.3, 1);
+  const double radius = std::sqrt(0.3 / std::numbers::pi);
+  EXPECT_NEAR(micrograph::leastWidth(disk), radius, 1e-5); // a polygon of 2000 corners
+  EXPECT_NEAR(outlineDeviations(disk, radius / 2, false), 1.4 + 6.0 / 4, 1e-4);
+  EXPECT_NEAR(outlineDeviations(disk, radius / 20, false), 1.4 + 6.0 / 400, 1e-4);
+  EXPECT_EQ(outlineDeviations(disk, 4 * radius, false), 7.4);
+  EXPECT_EQ(outlineDeviations(disk, radius / 2, true), 1);
 }
 
 // A target below the picture's error: the lattice is refined until its part is half of the picture's, no further, and
@@ -320,6 +332,7 @@ TEST(DiffusionContours, ATargetBelowThePicture)
   options.axes = { 0 };
   options.conductivity = { 0.05, 1 };
   options.coarser = micrograph::coarserOutlines(mask, 0);
+  options.pixel = mask.lattice.spacing;
   const ContourSet outlines = micrograph::extractContours(mask, 0).contours;
   options.targetError = 1e-4;
   int told = 0;
@@ -425,6 +438,7 @@ TEST(DiffusionContours, LumensThatEndAtTheBorder)
   options.axes = { 0 };
   options.conductivity = { 0.001, 1 };
   options.coarser = micrograph::coarserOutlines(mask, 0);
+  options.pixel = mask.lattice.spacing;
   const ContourAnswer open = studyContours(outlines, options, MPI_COMM_WORLD)[0];
   options.sealed = sealed;
   const ContourAnswer a = studyContours(outlines, options, MPI_COMM_WORLD)[0];
