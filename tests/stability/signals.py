@@ -113,9 +113,10 @@ def main():
     try:
         with open(os.path.join(folder, "scene.toml"), "w", encoding="utf-8") as file:
             file.write(SCENE)
-        with open(os.path.join(folder, "large.raw"), "wb") as file:
-            for _ in range(400):
-                file.write(draw.randbytes(1000 * 1000))
+        if not only or "convert" in only:
+            with open(os.path.join(folder, "large.raw"), "wb") as file:
+                for _ in range(400):
+                    file.write(draw.randbytes(1000 * 1000))
         for name, words, checkpoint in COMMANDS:
             if only and name not in only:
                 continue
