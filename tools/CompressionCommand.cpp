@@ -12,10 +12,12 @@
 #include "Workspace.h"
 
 #include "lattice/Clock.h"
+#include "lattice/Memory.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPointCompression.h"
 #include "vtkPointStiffness.h"
 
+#include <vtkCallbackCommand.h>
 #include <vtkFieldData.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
@@ -224,6 +226,43 @@ void press(Session& session, const CompressionOptions& o, const std::string& com
     });
 }
 
+/// Says what a stiffness will take, where that is much.
+class PlanNote
+{
+public:
+  PlanNote(Session& session, vtkPointStiffness* filter)
+    : session_(session)
+    , filter_(filter)
+  {
+    vtkNew<vtkCallbackCommand> command;
+    command->SetClientData(this);
+    command->SetCallback([](vtkObject*, unsigned long, void* self, void* plan)
+      { static_cast<PlanNote*>(self)->tell(static_cast<const double*>(plan)); });
+    tag_ = filter_->AddObserver(vtkPointStiffness::PLAN_EVENT, command);
+  }
+  ~PlanNote() { filter_->RemoveObserver(tag_); }
+  PlanNote(const PlanNote&) = delete;
+  PlanNote& operator=(const PlanNote&) = delete;
+
+private:
+  /// @param plan as of PLAN_EVENT
+  void tell(const double* plan)
+  {
+    constexpr double much = 20; // seconds
+    if (plan[3] > much)
+    {
+      session_.note(
+        fmt::format("the stiffness of {} nodes takes about {} of memory and {:.2g} to {:.2g} s of processor "
+                    "time, the longer the thinner the walls",
+          grouped(static_cast<std::int64_t>(plan[0])), bytesText(plan[1]), plan[2], plan[3]));
+    }
+  }
+
+  Session& session_;
+  vtkPointStiffness* filter_;
+  unsigned long tag_ = 0;
+};
+
 void stiffness(Session& session, const CompressionOptions& o, const std::string& commandLine)
 {
   const auto start = Clock::now();
@@ -246,6 +285,7 @@ void stiffness(Session& session, const CompressionOptions& o, const std::string&
   files.addTable("--constants", o.constants, filter->GetConstants(), o.common.overwrite);
   const PointSample sample = loadPointSample(session, o.picture, o.points);
   filter->SetInputData(sample.image);
+  const PlanNote plan(session, filter);
   runFilter(session, filter, "stiffness");
   checkRun(filter);
   BondRun run = runOf(session, o, sample, filter->GetConstants(), commandLine);

@@ -75,6 +75,19 @@ std::string filesText(const BondRun& run)
 
 } // namespace
 
+namespace
+{
+
+/// What the sides do to a modulus; empty where nothing is to be said.
+std::string sidesNote(const BondFields& f)
+{
+  return f.text("sides") == "straight"
+    ? "straight sides are stiffer than free ones (--sides open), in wood by 1 to 50 %"
+    : "";
+}
+
+} // namespace
+
 std::string compressionJson(const CompressionReport& report)
 {
   const BondFields f(report.run);
@@ -83,6 +96,7 @@ std::string compressionJson(const CompressionReport& report)
   json["stress"] = f("stress");
   json["axis"] = f.text("load_axis");
   json["sides"] = f.text("sides");
+  json["sides_note"] = sidesNote(f);
   for (const char* name :
     { "worst_energy_ratio", "worst_energy_ratio_strain", "early_energy_ratio", "early_energy_ratio_strain", "calm_from",
       "worst_lateral", "worst_imbalance", "first_touch_strain", "wave_speed" })
@@ -172,6 +186,7 @@ std::string pointStiffnessJson(const BondRun& run)
     json["stiffness"].push_back(std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(n)));
   }
   json["sides"] = f.text("sides");
+  json["sides_note"] = sidesNote(f);
   addPoints(json, f);
   json["grid_nodes"] = f.whole("nodes");
   json["iterations"] = f.whole("iterations");
@@ -186,10 +201,9 @@ std::string pointStiffnessJson(const BondRun& run)
 std::string pointStiffnessTable(const BondRun& run)
 {
   const BondFields f(run);
-  const bool straight = f.text("sides") == "straight";
-  std::string text = headText(run, f) +
-    fmt::format("\n  sides {}{}\n", f.text("sides"),
-      straight ? ": straight sides are stiffer than free ones (--sides open), in wood by 1 to 50 %" : "");
+  const std::string note = sidesNote(f);
+  std::string text =
+    headText(run, f) + fmt::format("\n  sides {}{}\n", f.text("sides"), note.empty() ? "" : ": " + note);
   const std::vector<std::string> names = fieldTexts(run.image, "constant_names");
   for (std::size_t i = 0; i < names.size(); ++i)
   {

@@ -152,10 +152,14 @@ void applyMovement(const DynamicsOptions& o, vtkBondDynamics* filter)
 
 void applyRate(const DynamicsOptions& o, vtkBondDynamics* filter)
 {
-  if (o.tau.empty() && (!o.omega0.empty() || !o.deltaL.empty()))
+  const double startRate = share("--start-rate", o.startRate);
+  const char* const ofTau = !o.omega0.empty() ? "--omega0"
+    : !o.deltaL.empty()                       ? "--delta-l"
+    : startRate != 1                          ? "--start-rate"
+                                              : nullptr;
+  if (o.tau.empty() && ofTau != nullptr)
   {
-    throw ParameterError(
-      o.omega0.empty() ? "--delta-l without --tau" : "--omega0 without --tau", "add --tau, or leave it out");
+    throw ParameterError(fmt::format("{} without --tau", ofTau), "add --tau, or leave it out");
   }
   if (!o.omega0.empty() && !o.deltaL.empty())
   {
@@ -165,7 +169,7 @@ void applyRate(const DynamicsOptions& o, vtkBondDynamics* filter)
   filter->SetReferenceEnergy(
     o.omega0.empty() ? 0 : positive("--omega0", o.omega0, "write it in J/m, of a volume in J"));
   filter->SetReferenceCrack(o.deltaL.empty() ? 0 : lengthInMetres("--delta-l", o.deltaL));
-  filter->SetStartRate(share("--start-rate", o.startRate));
+  filter->SetStartRate(startRate);
 }
 
 /// @returns how many states are asked for at times

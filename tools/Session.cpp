@@ -2,13 +2,19 @@
 
 #include "OutputFile.h"
 #include "TimeLeft.h"
+#include "Watchdog.h"
+
+#include "lattice/PartFile.h"
 
 #include <fmt/format.h>
 
+#include <pthread.h>
 #include <sys/ioctl.h>
+#include <time.h> // NOLINT: timer_create is declared here and not in <ctime>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cmath>
@@ -43,6 +49,80 @@ Progress& progressed()
   return progress;
 }
 
+/// A check saw the signal: the run stops by itself, and may take the time that its checkpoint needs.
+std::atomic<bool> heard{ false };
+
+/// Ends the process where no check comes along for too long after a signal: libraries that set up or solve (hypre), or
+/// write, cannot be asked to stop. Files of ours are whole or gone then as ever.
+struct Watchdog
+{
+  timer_t timer{};
+  bool there = false;
+  bool tells = true; ///< what happened; a process of a scene does not
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+
+  /// Of processor time of the thread that calls make(): waiting for a disk or for other ranks is not counted.
+  static constexpr double most = 1.5;
+
+  void make(bool telling) noexcept;
+  void begin() const noexcept // safe in a signal handler, as all below
+  {
+    itimerspec time{};
+    time.it_value.tv_sec = static_cast<time_t>(most);
+    time.it_value.tv_nsec = static_cast<long>(1e9 * (most - static_cast<double>(time.it_value.tv_sec)));
+    if (there)
+    {
+      (void)::timer_settime(timer, 0, &time, nullptr);
+    }
+  }
+};
+Watchdog watchdog;
+
+extern "C" void onTooLong(int)
+{
+  if (heard.load())
+  {
+    return;
+  }
+  OutputFile::removeAll();
+  if (!PartFile::removedAll()) // results take their places, a moment
+  {
+    watchdog.begin();
+    return;
+  }
+  if (watchdog.tells)
+  {
+    const Progress& at = progressed(); // not changed any more: progress() sees that there was a signal
+    std::array<char, 512> text{};
+    int length = 0;
+    const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - watchdog.start).count();
+    const char* const hint =
+      "hint: it was in the midst of what cannot be stopped: nothing of it was written; a checkpoint "
+      "stands as it was written last\n";
+    length = at.doing.empty()
+      ? std::snprintf(text.data(), text.size(), "error: interrupted\n%s", hint)
+      : std::snprintf(text.data(), text.size(), "error: interrupted at %.2g %%, after %.3g s: %.100s\n%s",
+          100 * std::clamp(at.share, 0.0, 1.0), elapsed, at.doing.c_str(), hint);
+    (void)!::write(STDERR_FILENO, text.data(), static_cast<std::size_t>(std::max(length, 0)));
+  }
+  ::_exit(Session::interruptCode());
+}
+
+void Watchdog::make(bool telling) noexcept
+{
+  tells = telling;
+  clockid_t clock{};
+  sigevent event{};
+  event.sigev_notify = SIGEV_SIGNAL;
+  event.sigev_signo = SIGPROF;
+  struct sigaction action = {};
+  action.sa_handler = onTooLong;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  there = ::pthread_getcpuclockid(::pthread_self(), &clock) == 0 && ::sigaction(SIGPROF, &action, nullptr) == 0 &&
+    ::timer_create(clock, &event, &timer) == 0;
+}
+
 extern "C" void onSignal(int signal)
 {
   OutputFile::removeAll();
@@ -51,6 +131,7 @@ extern "C" void onSignal(int signal)
     _exit(128 + signal);
   }
   caught = signal;
+  watchdog.begin();
 }
 
 /// What nobody caught, in a thread or beneath a library: one line, as everything else.
@@ -217,6 +298,7 @@ Session::Session(int& argc, char**& argv)
     MPI_Comm_size(world_, &ranks_);
     mpi_ = true;
   }
+  watchdog.make(rank_ == 0);
 }
 
 Session::Session(std::function<bool(double share, const std::string& what)> progress)
@@ -429,12 +511,21 @@ void Session::endProgress()
 
 bool Session::interrupted() noexcept
 {
+  if (caught != 0)
+  {
+    heard.store(true);
+  }
   return caught != 0;
+}
+
+void watchProcess() noexcept
+{
+  watchdog.make(false);
 }
 
 void Session::checkInterrupt()
 {
-  if (caught != 0)
+  if (interrupted())
   {
     throw Cancelled();
   }

@@ -1,6 +1,7 @@
 #include "Text.h"
 
 #include "lattice/Error.h"
+#include "lattice/Plausible.h"
 
 #include <fmt/format.h>
 
@@ -106,6 +107,11 @@ double lengthInMetres(const std::string& option, const std::string& text)
     throw ParameterError(
       option + " '" + text + "' is not a length above 0", "write it in metres, such as " + option + " 0.5e-6");
   }
+  if (!plausible(metres))
+  {
+    throw ParameterError(fmt::format("{} '{}' is not between 1e-30 and 1e30 metres", option, text),
+      "write it in metres, such as " + option + " 0.5e-6");
+  }
   return metres;
 }
 
@@ -122,14 +128,12 @@ double share(const std::string& option, const std::string& text)
 
 double positive(const std::string& option, const std::string& text, const std::string& hint)
 {
-  // far from where squares and ratios of what is physical leave the range of doubles
-  constexpr double most = 1e30;
   const auto value = toNumber(text);
   if (!value || !(*value > 0) || !std::isfinite(*value))
   {
     throw ParameterError(fmt::format("{} '{}' is not a number above 0", option, text), hint);
   }
-  if (*value < 1 / most || *value > most)
+  if (!plausible(*value))
   {
     throw ParameterError(fmt::format("{} '{}' is not between 1e-30 and 1e30", option, text), hint);
   }

@@ -173,10 +173,16 @@ double numberOf(vtkImageData* state, const char* name)
 std::string words(const Json& json)
 {
   std::string text = fmt::format("{:>12}  {:>12}  {:>12}  {:>12}\n", "time [s]", "inlet [m/s]", "outlet [m/s]", "mean");
+  const auto flux = [](const Json& row, const char* name)
+  {
+    const Json& value = row.at(name);
+    return value.is_number() && std::isfinite(value.get<double>()) ? fmt::format("{:12.5g}", value.get<double>())
+                                                                   : fmt::format("{:>12}", "not known");
+  };
   for (const Json& row : json.at("curve"))
   {
-    text += fmt::format("{:12.5g}  {:12.5g}  {:12.5g}  {:12.5g}\n", row.at("time").get<double>(),
-      row.at("inlet_flux").get<double>(), row.at("outlet_flux").get<double>(), row.at("mean_value").get<double>());
+    text += fmt::format("{:12.5g}  {}  {}  {:12.5g}\n", row.at("time").get<double>(), flux(row, "inlet_flux"),
+      flux(row, "outlet_flux"), row.at("mean_value").get<double>());
   }
   text += fmt::format("{} steps of {:.5g} s, {} on {}, relaxation {:.4g}; {} nodes stored, {} left out\n",
     grouped(json.at("steps").get<std::int64_t>()), json.at("time_step").get<double>(),

@@ -125,12 +125,6 @@ std::optional<double> secondsFrom(std::string_view text)
   return std::nullopt;
 }
 
-bool plausible(double value)
-{
-  constexpr double least = 1e-30;
-  return std::fabs(value) >= least && std::fabs(value) <= 1 / least;
-}
-
 CLI::Option* takesPascals(CLI::Option* option)
 {
   return takes(option, pascals);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "lattice/Plausible.h"
+
 #include <CLI/App.hpp>
 
 #include <optional>
@@ -20,9 +22,6 @@ namespace lamella::cli
 
 /// A time in seconds: "30s", "10min", "1.5h"; nothing where it is none, or has no unit.
 [[nodiscard]] std::optional<double> secondsFrom(std::string_view text);
-
-/// Whether arithmetic with it is safe: 1e-30 to 1e30, which no quantity of a material leaves.
-[[nodiscard]] bool plausible(double value);
 
 /// Lets an option that is a number be written as a stress, or as a share, with a unit. @return the option
 CLI::Option* takesPascals(CLI::Option* option);

@@ -3,6 +3,7 @@
 
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
+#include "lattice/Plausible.h"
 
 #include <fmt/format.h>
 
@@ -33,7 +34,7 @@ PhaseImage blank(const char* what, int dimension, const Size& size, double spaci
         "give 1 to 1000000 nodes along each axis, one along z in 2D");
     }
   }
-  if (!(spacing > 0) || !std::isfinite(spacing))
+  if (!(spacing > 0 && plausible(spacing)))
   {
     throw ParameterError(fmt::format("a spacing of {} m for a {}", spacing, what), "give it in metres, such as 1e-6");
   }

@@ -5,6 +5,7 @@
 
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
+#include "lattice/Plausible.h"
 
 #include <fmt/format.h>
 
@@ -390,7 +391,7 @@ void crop(Picture& picture, const Window& window)
 
 Picture readPicture(const fs::path& path, const ReadOptions& options)
 {
-  if (options.pixelSize && (!(*options.pixelSize > 0) || !std::isfinite(*options.pixelSize)))
+  if (options.pixelSize && !(*options.pixelSize > 0 && plausible(*options.pixelSize)))
   {
     throw ParameterError(fmt::format("a pixel size of {} m", *options.pixelSize), "give it in metres, such as 0.5e-6");
   }

@@ -208,13 +208,16 @@ template struct NodePlaces<3>;
 template <int Dim>
 template <int B>
 NodePlaces<Dim> PointMultigrid<Dim>::coarsen(const BlockRows<B>& m, const std::vector<double>* scale,
-  const NodePlaces<Dim>& places, double length, double nextLength, Level<B>& level, BlockRows<motions>& next) const
+  const NodePlaces<Dim>& places, double length, double nextLength, Level<B>& level, BlockRows<motions>& next,
+  const std::function<void()>& told) const
 {
+  constexpr std::size_t often = 1000; // rows between two questions: in space some 50 ms
   using Wide = typename BlockRows<B, motions>::Block;
   const auto n = static_cast<std::size_t>(m.rows());
   const auto diagonal = diagonalOf(m);
   std::int32_t count = 0;
   const std::vector<std::int32_t> of = aggregates(m, diagonal, count);
+  told();
 
   NodePlaces<Dim> centres;
   centres.period = places.period;
@@ -259,6 +262,8 @@ NodePlaces<Dim> PointMultigrid<Dim>::coarsen(const BlockRows<B>& m, const std::v
   auto& up = level.up;
   for (std::size_t i = 0; i < n; ++i)
   {
+    if (i % often == 0)
+      told();
     const auto begin = static_cast<std::size_t>(up.begin.back());
     const auto add = [&](std::int32_t a, const Wide& block)
     {
@@ -296,6 +301,8 @@ NodePlaces<Dim> PointMultigrid<Dim>::coarsen(const BlockRows<B>& m, const std::v
   std::vector<std::int32_t> slotOf(static_cast<std::size_t>(count), -1);
   for (std::size_t i = 0; i < n; ++i)
   {
+    if (i % often == 0)
+      told();
     mine.clear();
     row.clear();
     for (auto e = static_cast<std::size_t>(m.begin[i]); e < static_cast<std::size_t>(m.begin[i + 1]); ++e)
@@ -352,6 +359,7 @@ NodePlaces<Dim> PointMultigrid<Dim>::coarsen(const BlockRows<B>& m, const std::v
   next.begin = begin;
   next.column.resize(static_cast<std::size_t>(begin.back()));
   next.value.resize(next.column.size());
+  told();
   for (std::size_t a = 0; a < column.size(); ++a)
     for (std::size_t k = 0; k < column[a].size(); ++k)
     {
@@ -391,7 +399,7 @@ PointMultigrid<Dim>::PointMultigrid(const BlockRows<Dim>& matrix, const std::vec
   told();
   double length = ratio;
   CoarseLevel level;
-  places = coarsen(matrix, &scale, places, 1, length, fine_, level.matrix);
+  places = coarsen(matrix, &scale, places, 1, length, fine_, level.matrix, told);
   for (;;)
   {
     told();
@@ -403,7 +411,7 @@ PointMultigrid<Dim>::PointMultigrid(const BlockRows<Dim>& matrix, const std::vec
       break;
     }
     CoarseLevel next;
-    places = coarsen<motions>(level.matrix, nullptr, places, length, ratio * length, level, next.matrix);
+    places = coarsen<motions>(level.matrix, nullptr, places, length, ratio * length, level, next.matrix, told);
     length *= ratio;
     const bool less = next.matrix.rows() < n / 2;
     coarse_.push_back(std::move(level));

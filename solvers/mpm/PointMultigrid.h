@@ -64,7 +64,8 @@ private:
 
   template <int B>
   NodePlaces<Dim> coarsen(const BlockRows<B>& matrix, const std::vector<double>* scale, const NodePlaces<Dim>& places,
-    double length, double nextLength, Level<B>& level, BlockRows<motions>& next) const;
+    double length, double nextLength, Level<B>& level, BlockRows<motions>& next,
+    const std::function<void()>& told) const;
   template <int B, int Many>
   static void smooth(const BlockRows<B>& matrix, const Level<B>& level, const double* b, double* x, bool fromZero,
     std::vector<double>& d);

@@ -23,6 +23,19 @@ enum class StiffnessSolver : std::uint8_t
   Multigrid           ///< conjugate gradients on the matrix by rows, all load cases at once; PointMultigrid.h
 };
 
+/// What a solve will take, told once its nodes are known.
+struct PointStiffnessPlan
+{
+  std::int64_t nodes = 0;
+  double bytes = 0; ///< at most, about
+  /// Processor time, about: of a body without pores, and of one whose walls are as thin as the grid allows [s]
+  std::array<double, 2> seconds{};
+};
+
+/// @param cases of load
+/// @param factors of Cholesky, not multigrid
+[[nodiscard]] PointStiffnessPlan planPointStiffness(int dimension, std::int64_t nodes, std::size_t cases, bool factors);
+
 template <int Dim>
 struct PointStiffnessOptions
 {
@@ -35,7 +48,9 @@ struct PointStiffnessOptions
   StiffnessSolver solver = StiffnessSolver::Automatic;
   double tolerance = 1e-6; ///< of the residual, as PointStiffness::residual
   std::int64_t maximumIterations = 20000;
+  double memory = 0;                      ///< bytes that may be taken; 0: all that are free
   std::function<bool(double)> progress{}; ///< share done; true asks to stop
+  std::function<void(const PointStiffnessPlan&)> planned{};
 };
 
 /// What a box does under stress along one axis.
@@ -77,6 +92,7 @@ struct PointStiffness
 /// than the points have
 /// @throws InputError: no points, points that are not finite or lie outside the box
 /// @throws NoPathError: nothing carries a load from one end of an axis to the other
+/// @throws MemoryError, before it takes any
 /// @throws DivergenceError: the tolerance was not reached; Cancelled
 template <int Dim>
 [[nodiscard]] PointStiffness<Dim> pointStiffness(

@@ -1,6 +1,7 @@
 #include "mpm/WallMaterial.h"
 
 #include "lattice/Error.h"
+#include "lattice/Plausible.h"
 
 #include <Eigen/LU>
 
@@ -19,6 +20,8 @@ void requirePositive(double value, const char* what, const std::string& name)
 {
   if (!(std::isfinite(value) && value > 0))
     throw ParameterError(fmt::format("{}: {} is {} Pa", name, what, value), "a modulus is positive and finite");
+  if (!plausible(value))
+    throw ParameterError(fmt::format("{}: {} is {:g} Pa", name, what, value), "it lies between 1e-30 and 1e30 Pa");
 }
 
 // `least` < value < `most`

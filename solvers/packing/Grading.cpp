@@ -1,6 +1,7 @@
 #include "packing/Grading.h"
 
 #include "lattice/Error.h"
+#include "lattice/Plausible.h"
 
 #include <fmt/format.h>
 
@@ -38,8 +39,8 @@ void check(const PackingOptions& o)
   const auto refuse = [](const std::string& what, const std::string& remedy) { throw ParameterError(what, remedy); };
   const auto positive = [&](double value, const char* what)
   {
-    if (!(value > 0) || !std::isfinite(value))
-      refuse(fmt::format("{} is {}", what, value), "it must be a positive number");
+    if (!(value > 0 && plausible(value)))
+      refuse(fmt::format("{} is {:g}", what, value), "it must be a positive number, between 1e-30 and 1e30");
   };
   if (o.dimension != 2 && o.dimension != 3)
     refuse(fmt::format("grains in {} dimensions", o.dimension), "2: disks, 3: spheres");

@@ -340,7 +340,17 @@ private:
                     "friction or a larger softness",
           s.rattlers, o_.count));
     if (o_.friction > 0)
+    {
+      // the box keeps its shape, and friction what the way there left
+      constexpr double much = 0.1;
+      for (const auto& [what, value] :
+        { std::pair{ "the stress is", s.stressAnisotropy }, { "the directions of contacts are", s.fabricAnisotropy } })
+        if (value > much)
+          found.push_back(fmt::format("{} {:.0f} % anisotropic: grains with friction keep what the way to their places "
+                                      "left; try more grains, another seed or less friction",
+            what, 100 * value));
       return found;
+    }
     const auto say = [&](const std::string& what)
     {
       found.push_back(

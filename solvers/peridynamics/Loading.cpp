@@ -1,6 +1,7 @@
 #include "peridynamics/Loading.h"
 
 #include "lattice/Error.h"
+#include "lattice/Plausible.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/Fragments.h"
 #include "peridynamics/multigrid/FreeBlocks.h"
@@ -29,6 +30,9 @@ void check(const BondLattice& bonds, const Loading& loading, int axis, int layer
          { "traction", loading.traction } })
     if (!std::isfinite(value))
       throw ParameterError(fmt::format("the {} {} is not a finite number", name, value), "give a number, such as 1e-3");
+    else if (value != 0 && !plausible(value))
+      throw ParameterError(
+        fmt::format("the {} {:g} is not between 1e-30 and 1e30 in size", name, value), "give a number, such as 1e-3");
   const char names[] = { 'x', 'y', 'z' };
   for (int a = 0; a < bonds.dimension(); ++a)
     if ((a == axis || loading.load == LoadCase::Biaxial) && bonds.periodic()[static_cast<std::size_t>(a)])

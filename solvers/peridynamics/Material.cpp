@@ -1,6 +1,7 @@
 #include "peridynamics/Material.h"
 
 #include "lattice/Error.h"
+#include "lattice/Plausible.h"
 
 #include <fmt/format.h>
 
@@ -176,6 +177,9 @@ BondConstants bondConstants(const BondMaterial& material, const Stencil& stencil
     if (!(value > 0) || !std::isfinite(value))
       throw ParameterError(
         fmt::format("{} of {} is {}", what, name, value), "it must be a positive number, in SI units");
+    if (!plausible(value))
+      throw ParameterError(fmt::format("{} of {} is {:g}, which is not between 1e-30 and 1e30", what, name, value),
+        "it is in SI units; no material has this");
   };
   positive(spacing, "the spacing");
   positive(material.youngsModulus, "Young's modulus");

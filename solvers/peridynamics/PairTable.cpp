@@ -2,6 +2,7 @@
 
 #include "lattice/Error.h"
 #include "lattice/PhaseNames.h"
+#include "lattice/Plausible.h"
 
 #include <fmt/format.h>
 
@@ -140,6 +141,9 @@ private:
         throw ParameterError(fmt::format("{} of {} is {}", what, name, value),
           base ? "it must be a positive number, a multiple of that of " + table_.relativeTo
                : "it must be a positive number, in SI units");
+      if (!plausible(value))
+        throw ParameterError(fmt::format("{} of {} is {:g}, which is not between 1e-30 and 1e30", what, name, value),
+          "no material has it; ratios are far below that, too");
       if (hasOwn(values, *key, name))
         continue;
       const bool multiple = base && name != table_.relativeTo && findPair(table_.relativeTo, names_) != key;

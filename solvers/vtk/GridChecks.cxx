@@ -3,6 +3,7 @@
 #include "GridParser.h"
 
 #include "lattice/Error.h"
+#include "lattice/Plausible.h"
 
 #include "vtkCallbackCommand.h"
 #include "vtkCell.h"
@@ -136,7 +137,7 @@ void requireSound(vtkPointSet* data, const std::string& path)
     for (int axis = 0; axis < 3; ++axis)
     {
       const double place = places->GetComponent(point, axis);
-      if (!(std::abs(place) <= 1e30)) // metres, as of images
+      if (!(std::abs(place) <= mostPlausible)) // metres, as of images
       {
         damaged(path, fmt::format("its point {} is at {}", point, place));
       }

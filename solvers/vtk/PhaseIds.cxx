@@ -4,6 +4,7 @@
 
 #include "lattice/Error.h"
 #include "lattice/PhaseNames.h"
+#include "lattice/Plausible.h"
 #include "lattice/Suggestion.h"
 #include "pores/PoreLabelling.h"
 
@@ -16,6 +17,8 @@
 #include "vtkInformation.h"
 #include "vtkPointData.h"
 #include "vtkUnsignedCharArray.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -341,6 +344,12 @@ std::vector<double> conductivityById(const PhaseIds& phases, const std::map<std:
         throw ParameterError("the " + quantity + " of phase '" + name + "' is " + numberText(entry->second) +
             "; it must be finite and not negative",
           "give 0 for a phase that does not conduct");
+      }
+      if (entry->second != 0 && !plausible(entry->second))
+      {
+        throw ParameterError(fmt::format("the {} of phase '{}' is {:g}, which is not between 1e-30 and 1e30", quantity,
+                               name, entry->second),
+          "no material has it; give 0 for a phase that does not conduct");
       }
       result[id] = entry->second;
     }

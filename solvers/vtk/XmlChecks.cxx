@@ -4,6 +4,7 @@
 
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
+#include "lattice/Plausible.h"
 
 #include "vtkDataCompressor.h"
 #include "vtkLZ4DataCompressor.h"
@@ -184,8 +185,8 @@ void Checks::requireLengths(vtkXMLDataElement* image) const
       throw InputError(fmt::format("the {} of '{}' is {}", name, path_, text), rule);
     }
   };
-  constexpr double most = 1e30; // metres; its cube is a number, too
-  lengths("Spacing", 3, 1e-30, most, "spacing", "a spacing is three positive lengths, in metres");
+  constexpr double most = mostPlausible; // metres
+  lengths("Spacing", 3, leastPlausible, most, "spacing", "a spacing is three positive lengths, in metres");
   lengths("Origin", 3, -most, most, "origin", "an origin is three lengths, in metres");
   lengths("Direction", 9, -1, 1, "direction", "a direction is nine cosines");
 }

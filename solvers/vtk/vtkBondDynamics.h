@@ -158,7 +158,7 @@ public:
   vtkGetMacro(ReferenceCrack, double);
   ///@}
   ///@{
-  /** Share of the imposed speeds at first, 0 to 1. Default 1. */
+  /** Share of the imposed speeds at first, 0 to 1; below 1 only with a Relaxation. Default 1. */
   vtkSetMacro(StartRate, double);
   vtkGetMacro(StartRate, double);
   ///@}
@@ -175,7 +175,7 @@ public:
   vtkGetMacro(TimeStep, double);
   ///@}
   ///@{
-  /** Step over the largest stable one, above 0, at most 1. Default 0.8. */
+  /** Step over the largest stable one, 1e-5 to 1. Default 0.8. */
   vtkSetMacro(StepShare, double);
   vtkGetMacro(StepShare, double);
   ///@}

@@ -56,9 +56,12 @@ void fillCurve(vtkTable* table, std::span<const lbm::SteppingRecord> records, bo
   };
   using Record = lbm::SteppingRecord;
   column("time", "s", "since the start", [](const Record& r) { return r.time; });
-  column("inlet_flux", "m/s", "mean over the face where the direction begins, times the unit of the values",
+  column("inlet_flux", "m/s",
+    "mean over the face where the direction begins, times the unit of the values; NaN where it goes less than a node "
+    "deep",
     [&](const Record& r) { return fromTop ? -r.faceFlux[1] : r.faceFlux[0]; });
-  column("outlet_flux", "m/s", "mean over the face where it ends, times the unit of the values",
+  column("outlet_flux", "m/s",
+    "mean over the face where it ends, times the unit of the values; NaN where it goes less than a node deep",
     [&](const Record& r) { return fromTop ? -r.faceFlux[0] : r.faceFlux[1]; });
   column("mean_value", "1", "over the box, 0 where nothing conducts", [](const Record& r) { return r.mean; });
   column("steps", "1", "since the start", [](const Record& r) { return static_cast<double>(r.steps); });

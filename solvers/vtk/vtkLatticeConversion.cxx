@@ -1,6 +1,7 @@
 #include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
+#include "lattice/Plausible.h"
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
@@ -14,6 +15,8 @@
 #include "vtkPointData.h"
 #include "vtkStringArray.h"
 #include "vtkUnsignedCharArray.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -160,6 +163,11 @@ Lattice latticeOf(const int whole[6], const double origin[3], const double spaci
           ", " + std::to_string(spacing[2]) + "; a lattice has the same positive spacing along every axis",
         "resample the image to square pixels first");
     }
+  }
+  if (!plausible(lattice.spacing))
+  {
+    throw InputError(fmt::format("the image's spacing is {} m, which is not between 1e-30 and 1e30", lattice.spacing),
+      "give the distance of two nodes in metres, such as 0.5e-6");
   }
   return lattice;
 }

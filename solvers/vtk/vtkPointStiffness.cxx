@@ -156,6 +156,15 @@ vtkPointStiffness::Answer vtkPointStiffness::Solve(const lamella::PointScene& sc
     this->UpdateProgress((done + share) / solves);
     return static_cast<bool>(this->CheckAbort());
   };
+  options.planned = [&](const mpm::PointStiffnessPlan& plan)
+  {
+    std::array<double, 4> told{ static_cast<double>(plan.nodes), plan.bytes, solves * plan.seconds[0],
+      solves * plan.seconds[1] };
+    if (done == 0)
+    {
+      this->InvokeEvent(PLAN_EVENT, told.data());
+    }
+  };
   if (tensor)
   {
     const mpm::PointStiffness<Dim> s = mpm::pointStiffness(points, *law, options);

@@ -72,6 +72,13 @@ public:
   vtkGetMacro(MaximumIterations, int);
   ///@}
 
+  enum PlanEvents
+  {
+    /// What the solve will take is known: the call data are four numbers (double): nodes of the grid, bytes of memory,
+    /// and seconds of processor time from and to, all about.
+    PLAN_EVENT = 1110
+  };
+
   /** Output 0. */
   vtkTable* GetConstants();
   /** Output 1. */

@@ -224,6 +224,29 @@ class Sizes(Case):
         self.assertEqual(result.err, "warning: --pixel-size 0.5 is 0.5 metres; for micrometres write 0.5um\n")
         self.works("diffusion", "p.png", *SOLVE, "--pixel-size", "500mm", "--quiet")  # says what it means
 
+    def test_a_pixel_that_no_arithmetic_holds(self):
+        self.write("p.png", GOOD)
+        young = ["--young", "wall=1e9", "--young", "lumen=1e9"]
+        for words in [
+            ["diffusion", "p.png", *SOLVE],
+            ["transient", "p.png", *PHASES, "--diffusivity", "wall=1", "--diffusivity", "lumen=1", "--end-time", "1"],
+            ["stiffness", "p.png", *PHASES, *young],
+            ["equilibrium", "p.png", *PHASES, *young],
+            ["fracture", "p.png", *PHASES, *young, "--critical-stretch", "wall=0.1"],
+            ["dynamics", "p.png", *PHASES, *young, "--density", "1", "--critical-stretch", "wall=0.1"],
+            ["compression", "p.png", *PHASES],
+            ["micrograph", "p.png"],
+            ["pore-flood-fill", "p.png", "--phase", "0=void", "--other", "wall"],
+            ["snapshot", "p.png", "-o", "s.png"],
+            ["convert", "p.png", "-o", "p.vti"],
+            ["info", "p.png"],
+            ["generate", "honeycomb", "-o", "h.png"],
+        ]:
+            for size in ["1e-300", "1e308", "1e-31", "1e31"]:
+                if words[0] != "info":
+                    self.fails(2, "--pixel-size '%s' is not between 1e-30 and 1e30 metres" % size, "0.5e-6", *words, "--pixel-size", size)
+        self.works("diffusion", "p.png", *SOLVE, "--pixel-size", "1e-30")
+
     def test_generators_refuse_what_cannot_be(self):
         for words, message in [
             (["softwood", "--size", "1,5"], "below 2"),

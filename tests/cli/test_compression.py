@@ -2,6 +2,7 @@
 
 import csv
 import os
+import resource
 import re
 import signal
 import time
@@ -181,6 +182,22 @@ class Compression(Case):
         few = self.run_lamella(*words, "--points-per-node", "2")
         self.assertIn("warning: 1 points along each axis of a cell: two want 4 points a node", few.err)
         self.assertIn("straight sides", self.works(*words[:-1]).out)
+        self.assertIn("straight sides are stiffer", self.works(*words).json()["sides_note"])
+        self.assertEqual(self.works(*words, "--sides", "open").json()["sides_note"], "")
+
+    def test_what_a_stiffness_takes_is_said_or_refused(self):
+        self.works("generate", "softwood", "--size", "48,48,48", "-o", "wood.vti")
+        with self.popen("compression", "wood.vti", "--stiffness-only") as run:
+            time.sleep(1)
+            note = run.stderr.readline().decode()
+            run.send_signal(signal.SIGTERM)
+            run.communicate(timeout=100)
+        self.assertRegex(note, r"note: the stiffness of 67 652 nodes takes about [\d.]+ MB of memory and [\d.]+ to \d+ s of processor time")
+        def limit():
+            resource.setrlimit(resource.RLIMIT_AS, (1200 * 10**6, 1200 * 10**6))  # the program itself takes some 500 of them
+        refused = self.run_lamella("compression", "wood.vti", "--stiffness-only", preexec_fn=limit, environment={"OMP_NUM_THREADS": "1"})
+        self.assertEqual(refused.code, 5, refused.err)
+        self.assertIn("nodes takes about", refused.err)
 
     def test_stops_at_once_and_says_where(self):
         rows = [[0 if x % 12 in range(3, 12) and y % 12 in range(3, 12) else 255 for x in range(303)] for y in range(303)]

@@ -182,6 +182,30 @@ class Memory(Case):
                 self.fails(3, "grain 101 lies", "in the unit of the others", *words)
 
 
+class Signals(Case):
+    def test_what_cannot_be_asked_to_stop_is_ended(self):
+        """hypre sets up for seconds: the program ends within 2 s of its own processor time, with a line, and leaves nothing."""
+        self.works("generate", "spheres", "--size", "80,80,80", "-o", "s.vti")
+        words = ["diffusion", "s.vti", "--conductivity", "matrix=1", "--conductivity", "inclusion=0.1", "--lattice", "d3q19", "--method",
+                 "algebraic-multigrid", "-o", "k.vti"]
+        for number, moment in [(signal.SIGTERM, 0.4), (signal.SIGINT, 1.5)]:
+            process = self.popen(*words)
+            used = 0
+            while used < moment:
+                time.sleep(0.01)
+                with open("/proc/%d/stat" % process.pid, encoding="utf-8", errors="replace") as file:
+                    fields = file.read().rsplit(")", 1)[1].split()
+                used = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+            process.send_signal(number)
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            err = process.communicate()[1].decode()
+            self.assertEqual(process.returncode, 128 + number, err)
+            self.assertLess(usage.ru_utime + usage.ru_stime - used, 2, err)  # 1.5 s, and what the clock's ticks hide
+            self.assertRegex(err, r"^error: interrupted.*\nhint: .*\n$")
+            self.assertEqual(sorted(os.listdir(self.folder)), ["s.vti"])
+
+
 class Checkpoints(Case):
     """A checkpoint that was altered, and its hash mended."""
 

@@ -1,6 +1,7 @@
 """lamella transient: heating, the end at rest, files, several ranks, checkpoints; what is doubtful and what is refused."""
 
 import json
+import math
 import os
 import random
 import re
@@ -176,6 +177,16 @@ class Transient(Case):
         result = self.run_lamella(*LAYERS, "--direction", "y", "--end-time", "5e-5", "--json")
         self.assertEqual(result.code, 0, result.err)
         self.assertIn("goes 0.71 of a node's distance deep", result.err)
+        # into a single phase of 1e-9: the flux through the face is told from a node's distance on, 1 ms, and then within 12 % of
+        # what it is into a half space, sqrt(D/(pi t)); before, nothing is
+        words = [*LAYERS[:8], "--diffusivity", "slow=1e-9", "--diffusivity", "fast=1e-9"]
+        told = self.run_lamella(*words, "--at-time", "4e-4,1.1e-3,4e-3", "--json").json()["curve"]
+        self.assertIsNone(told[0]["inlet_flux"])
+        self.assertEqual(told[0]["outlet_flux"], 0)
+        for row in told[1:]:
+            self.assertAlmostEqual(row["inlet_flux"] / math.sqrt(1e-9 / math.pi / row["time"]), 1, delta=0.12)
+        table = self.run_lamella(*words, "--at-time", "4e-4")
+        self.assertIn("not known", table.out)
         self.works(*LAYERS, "--direction", "y", "--end-time", "2e-4", "--json")
 
     def test_refuses(self):

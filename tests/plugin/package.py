@@ -431,6 +431,31 @@ class Diffusion(unittest.TestCase):
             lamella.diffusion(lamella.softwood(size=(40, 30)), {"wall": (3, 1), "lumen": 1})
         self.assertIn("no point array 'axis'", str(caught.exception))
 
+    def test_numbers_that_no_arithmetic_holds(self):
+        """What the program refuses of its options Python refuses, too."""
+        cells = lamella.honeycomb(size=(48, 48))
+        tiny, huge = 1e-300, 1e308
+        bonds = {"young": {"wall": 1e9}, "critical_stretch": {"wall": 0.01}}
+        moving = {**bonds, "density": 1000}
+        for value in (tiny, huge):
+            phases = {"lumen": 1.0, "wall": value}
+            for what, call in {
+                "spacing": lambda: lamella.from_array(np.ones((8, 12), int), spacing=value),
+                "conductivity": lambda: lamella.diffusion(cells, phases),
+                "diffusivity": lambda: lamella.lattice_boltzmann(cells, phases, 1),
+                "Young": lambda: lamella.stiffness(cells, young={"wall": value}),
+                "in steps of": lambda: lamella.fracture(cells, **bonds, strain_step=value),
+                "times the stable one": lambda: lamella.dynamics(cells, **moving, step_share=value),
+                "density": lambda: lamella.dynamics(cells, **bonds, density=value),
+                "modulus": lambda: lamella.compression(cells, young=value),
+            }.items():
+                with self.assertRaisesRegex((lamella.LamellaError, ValueError), what):
+                    solved = call()
+                    if what == "spacing":  # nothing is computed yet
+                        lamella.diffusion(solved, {1: 1.0})
+        with self.assertRaisesRegex(lamella.LamellaError, "without its relaxation time"):
+            lamella.dynamics(cells, **moving, start_rate=0.5)
+
     def test_in_time(self):
         layers = lamella.from_array(np.ones((12, 20), int), spacing=1e-6)
         run = lamella.lattice_boltzmann(layers, {1: 1e-7}, 1e-3, frames=4, flux=True, values=(2, 1), initial=1)

@@ -194,6 +194,28 @@ TEST(PointStiffness, Honeycomb)
   }
 }
 
+// Asked every thousand rows, also while a level is coarsened: 12³ nodes have two thousand, gone through twice a level.
+TEST(PointStiffness, MultigridIsAskedToStopOnTheWay)
+{
+  const Body<3> body({ 1, 1, 1 }, { 12, 12, 12 }, 1, [](const auto&) { return 1; });
+  auto o = body.options({ BoxSides::Walls, BoxSides::Walls, BoxSides::Walls });
+  o.solver = StiffnessSolver::Multigrid;
+  const auto law = makeLaw<3, Orthotropic>({ orthotropicConstants<3>(
+    { .along = 8e9, .across = 2e9, .poissonsRatio = 0.3, .acrossRatio = 0.25, .shearModulus = 0.7e9 }) });
+  int asked = 0;
+  PointStiffnessPlan plan;
+  o.planned = [&](const PointStiffnessPlan& p) { plan = p; };
+  o.progress = [&](double)
+  {
+    ++asked;
+    return asked > 10;
+  };
+  EXPECT_THROW((void)pointStiffness(body.points, *law, o), Cancelled);
+  EXPECT_GE(plan.nodes, 13 * 13 * 13);
+  EXPECT_GT(plan.bytes, 125 * 76.0 * static_cast<double>(plan.nodes)); // blocks of rows
+  EXPECT_LT(plan.seconds[0], plan.seconds[1]);
+}
+
 // What hangs on nothing and what hardly any material acts on leave the answer alone.
 TEST(PointStiffness, LoosePiecesAndSinglePoints)
 {
@@ -418,6 +440,13 @@ TEST(PointStiffness, RefusesWhatItCannotDo)
   EXPECT_EQ(with([](auto& o) { o.sides.fill(BoxSides::Open); }), "no side of the box can be moved");
   EXPECT_EQ(with([](auto& o) { o.tolerance = 2; }), "a tolerance of 2");
   EXPECT_EQ(with([](auto& o) { o.progress = [](double) { return true; }; }), "interrupted");
+  const std::string little = with(
+    [](auto& o)
+    {
+      o.solver = StiffnessSolver::Multigrid;
+      o.memory = 1000;
+    });
+  EXPECT_TRUE(little.starts_with("the stiffness of ") && little.ends_with(" are free")) << little;
   EXPECT_EQ(with(
               [](auto& o)
               {

@@ -8,6 +8,7 @@
 #include "io/Hdf5.h"
 #include "io/Survives.h"
 #include "lattice/Error.h"
+#include "lattice/Plausible.h"
 #include "vtkLatticeConversion.h"
 #include "vtkVTKHDFWriter.h"
 
@@ -426,7 +427,7 @@ public:
       this->numbers("axes", H5T_NATIVE_INT, axes_);
       this->turnBack();
     }
-    constexpr double longest = 1e30; // metres, as of .vti
+    constexpr double longest = mostPlausible; // metres, as of .vti
     const auto isLength = [&](double value) { return std::abs(value) <= longest; };
     double points = 1;
     for (std::size_t axis = 0; axis < 3; ++axis)

@@ -1,6 +1,7 @@
 #include "scenes/Sharing.h"
 
 #include "OutputFile.h"
+#include "Watchdog.h"
 
 #include "lattice/Error.h"
 
@@ -137,6 +138,7 @@ pid_t start(const Sharing& sharing, const CommonMemory& common, std::size_t slot
   {
     ::setpgid(0, 0); // Ctrl-C is for the parent, which passes it on
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    watchProcess();
     if (::getppid() == parent)
     {
       workUntilDone(sharing, common, slot, count);

@@ -43,8 +43,9 @@ struct LatticeBoltzmann::Impl
   bool adapts = false; ///< the time step only brings the run to rest, and is chosen as the flux becomes known
   /// Mean length of the runs of each diffusivity that occurs along x, in spacings; the best comes first.
   std::vector<Chord> chords;
-  std::string phaseSum; ///< tells pictures apart
-  std::string initial;  ///< tells initial values apart
+  std::array<double, 2> atFaces{}; ///< the largest diffusivity on the low and on the high face of the axis [m²/s]
+  std::string phaseSum;            ///< tells pictures apart
+  std::string initial;             ///< tells initial values apart
   std::unique_ptr<SlotMap> map;
   std::unique_ptr<Sweep> sweep;
   std::array<SlotMap::Plane, 2> planes;
@@ -86,6 +87,8 @@ struct LatticeBoltzmann::Impl
   [[nodiscard]] double across() const;
   /// What crosses the two planes in one step, over the area across. Collective.
   [[nodiscard]] std::array<double, 2> crossing() const;
+  /// The flux through the faces [m/s]; NaN where the value goes less than a node's distance deep yet. Collective.
+  [[nodiscard]] std::array<double, 2> resolvedFlux() const;
   /// Are all sides but those of the axis free of given values?
   [[nodiscard]] bool onlyAxisFixed() const;
   /// How far the state is from rest when this crosses the faces in one step, over the area across: the largest relative

@@ -80,8 +80,8 @@ struct RestResult
 struct SteppingRecord
 {
   std::int64_t steps = 0;
-  double time = 0; ///< [s]
-  std::array<double, 2> faceFlux{};
+  double time = 0;                  ///< [s]
+  std::array<double, 2> faceFlux{}; ///< NaN where √(D t) of the best phase on the face is below the spacing yet
   double mean = 0;
 };
 

@@ -1,6 +1,7 @@
 // What LatticeBoltzmann checks and builds before the first step.
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
+#include "lattice/Plausible.h"
 #include "lbm/Connectivity.h"
 #include "lbm/stepping/Impl.h"
 
@@ -66,7 +67,12 @@ void LatticeBoltzmann::Impl::check(const Block& block, std::span<const std::uint
   {
     if (options.sides[a] == Boundary::Fixed)
       for (const double u : options.faceValues[a])
+      {
         require(std::isfinite(u), fmt::format("the value {} on a face is not finite", u), "give finite numbers");
+        require(u == 0 || plausible(u),
+          fmt::format("the value {:g} on a face is neither 0 nor between 1e-30 and 1e30 in size", u),
+          "give numbers such as 1 and 0");
+      }
     require(two || options.sides[a] == Boundary::Periodic || lattice.size[a] > 1,
       fmt::format("bgk has its faces on the outer nodes, and there is one node along {}", "xyz"[a]),
       "use two relaxation times (trt), whose faces are half a spacing outside, or at least 2 nodes");
@@ -152,16 +158,24 @@ void LatticeBoltzmann::Impl::build(std::span<const std::uint8_t> phase)
     throw MemoryError(fmt::format("stepping on {} nodes needs about {} on each rank, and {} are available", conducting,
                         bytesText(needed), bytesText(available)),
       "use a smaller window or refinement, a lattice of fewer populations, or more machines with mpirun");
+  const auto axis = static_cast<std::size_t>(options.axis);
   std::array<double, 2 * 256> runs{}; // nodes and runs of each phase
   for (std::int64_t z = 0, i = 0; z < block.size[2]; ++z)
     for (std::int64_t y = 0; y < block.size[1]; ++y)
       for (std::int64_t x = 0; x < block.size[0]; ++x, ++i)
       {
         runs[2 * phase[i]] += 1;
+        const std::int64_t along = std::array{ x, y + block.start[1], z + block.start[2] }[axis];
+        if (along == 0)
+          atFaces[0] = std::max(atFaces[0], diffusivity[phase[i]]);
+        if (along == lattice.size[axis] - 1)
+          atFaces[1] = std::max(atFaces[1], diffusivity[phase[i]]);
         runs[2 * phase[i] + 1] += x == 0 || diffusivity[phase[i - 1]] != diffusivity[phase[i]] ? 1 : 0;
         sum += mark(lattice.index(x, y + block.start[1], z + block.start[2]), phase[i]);
       }
   comm.sum(runs);
+  for (double& d : atFaces)
+    d = comm.max(d);
   std::map<double, std::array<double, 2>, std::greater<>> alike;
   for (std::size_t id = 0; id < diffusivity.size() && id < counts.size(); ++id)
     if (runs[2 * id] > 0)

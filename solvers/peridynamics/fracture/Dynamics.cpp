@@ -15,6 +15,9 @@ namespace lamella::peridynamics
 namespace
 {
 
+/// Of the stable step, at least.
+constexpr double leastShare = 1e-5;
+
 /// The largest eigenvalue of a symmetric block, components as nodalStress().
 double largest(const NodeField<double>& blocks, std::int64_t i)
 {
@@ -125,8 +128,9 @@ BondDynamics::BondDynamics(BondLattice& bonds, FixedComponents fixed, DynamicsOp
 {
   if (!(options_.density > 0) || !std::isfinite(options_.density))
     throw ParameterError(fmt::format("a density of {} kg/m³", options_.density), "give one above 0");
-  if (!(options_.safety > 0 && options_.safety <= 1))
-    throw ParameterError(fmt::format("a step of {} times the stable one", options_.safety), "give 0 to 1, such as 0.8");
+  if (!(options_.safety >= leastShare && options_.safety <= 1))
+    throw ParameterError(fmt::format("a step of {:g} times the stable one", options_.safety),
+      fmt::format("give {:g} to 1, such as 0.8", leastShare));
   if (!(options_.damping >= 0 && options_.damping <= 1))
     throw ParameterError(fmt::format("damping of {} times the critical one", options_.damping), "give 0 to 1");
   if (fixed_.size() != bonds.layout().count())
@@ -144,6 +148,11 @@ BondDynamics::BondDynamics(BondLattice& bonds, FixedComponents fixed, DynamicsOp
   dt_ = options_.step.value_or(options_.safety * stable_);
   if (!(dt_ > 0) || !std::isfinite(dt_))
     throw ParameterError(fmt::format("a step of {} s", dt_), "give a time above 0");
+  if (dt_ < leastShare * stable_ && std::isfinite(stable_))
+    throw ParameterError(fmt::format("a step of {:.4g} s is {:.2g} of the stable one, {:.4g} s: no run would come to "
+                                     "its end",
+                           dt_, dt_ / stable_, stable_),
+      fmt::format("give {:.3g} s, or leave it out", 0.5 * stable_));
   if (options_.checkStep && dt_ > stable_)
     throw ParameterError(fmt::format("a step of {:.4g} s is above the stable one, {:.4g} s", dt_, stable_),
       fmt::format("give {:.3g} s or less, or leave it out", 0.99 * stable_));

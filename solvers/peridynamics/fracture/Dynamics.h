@@ -46,7 +46,7 @@ struct DynamicsOptions
   std::optional<NodeField<double>> densities{};
   /// [s]; none: `safety` times the largest stable one.
   std::optional<double> step{};
-  double safety = 0.8; ///< 0 … 1
+  double safety = 0.8; ///< 1e-5 … 1
   /// Refuses a step above the stable one; false only to study what becomes of it: bonds that break at random, and
   /// energy out of nothing, which advance() names.
   bool checkStep = true;

@@ -1,6 +1,7 @@
 #include "peridynamics/fracture/DynamicsChecks.h"
 
 #include "lattice/Error.h"
+#include "lattice/Plausible.h"
 #include "peridynamics/PairTable.h"
 
 #include <fmt/format.h>
@@ -31,8 +32,8 @@ void check(const DynamicsStudyOptions& o)
   { between(what, value, 0, std::numeric_limits<double>::max(), hint); };
   const auto density = [](double d)
   {
-    if (!(d > 0) || !std::isfinite(d))
-      throw ParameterError(fmt::format("a density of {} kg/m³", d), "give one above 0");
+    if (!(d > 0 && plausible(d)))
+      throw ParameterError(fmt::format("a density of {:g} kg/m³", d), "give one above 0, between 1e-30 and 1e30");
   };
   density(o.motion.density);
   for (const double d : o.densities)
@@ -58,6 +59,11 @@ void check(const DynamicsStudyOptions& o)
     "the relaxation time of the loading rate", o.regulation.relaxation, "give a number above 0 [s], or 0 for none");
   finite("the reference energy of the loading rate", o.regulation.referenceEnergy, "give a number above 0");
   finite("the reference crack of the loading rate", o.regulation.referenceCrack, "give a length above 0 [m]");
+  between("the share of the imposed speeds at first", o.regulation.start, 0, 1, "give 0 to 1");
+  if (o.regulation.relaxation == 0 &&
+    (o.regulation.start != 1 || o.regulation.referenceEnergy != 0 || o.regulation.referenceCrack != 0))
+    throw ParameterError("a loading rate that gives way to what breaks, without its relaxation time",
+      "give the relaxation time [s], or leave out its start, its reference energy and its reference crack");
   const MotionEnds& e = o.ends;
   for (const auto& [what, value] : { std::pair{ "the time of the end", e.time }, { "the largest strain", e.strain } })
     if (!(value > 0))

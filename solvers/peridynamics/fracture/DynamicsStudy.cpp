@@ -67,6 +67,7 @@ public:
     start(std::move(m), goesOn);
     r_.step = motion_->step();
     r_.stable = motion_->stable();
+    requireAnEnd();
     r_.viscosity = motion_->viscosity();
     r_.continuedAt = motion_->steps();
   }
@@ -224,6 +225,22 @@ private:
     motion_->setState(NodeField<double>(bonds_.layout()), velocity);
     if (!o_.tractions.empty())
       motion_->setLoad(std::move(load));
+  }
+
+  /// Refuses a motion so slow, or so long, that nobody would see its end. @throws ParameterError
+  void requireAnEnd() const
+  {
+    constexpr double most = 1e12; // steps: of the smallest sample, days
+    const double start = std::isfinite(r_.firstBreak) ? (1 - o_.pull->startShare) * r_.firstBreak : 0;
+    if (pull_ && start / r_.strainRate / motion_->step() > most)
+      throw ParameterError(fmt::format("at a strain rate of {:.3g} 1/s it takes {:.2g} steps until the first break",
+                             r_.strainRate, start / r_.strainRate / motion_->step()),
+        fmt::format(
+          "give a larger one: 30 travel times until then make it {:.2g} 1/s", r_.firstBreak / (30 * r_.travelTime)));
+    if (!pull_ && o_.ends.time != never && o_.ends.time / motion_->step() > most)
+      throw ParameterError(fmt::format("until {:.3g} s it takes {:.2g} steps of {:.3g} s", o_.ends.time,
+                             o_.ends.time / motion_->step(), motion_->step()),
+        "give the time at which the motion has done what you want to see, as 1e-4");
   }
 
   /// A point of the history. @return whether the run has come to an end there

@@ -66,7 +66,7 @@ struct RegulationOptions
   /// Δℓ [m]: ω₀ opens a crack of that length (in space that square) in the pair of phases with the least fracture
   /// energy; 0: a hundredth of the sample's shortest side.
   double referenceCrack = 0;
-  double start = 1; ///< 0 … 1, of the speeds at first
+  double start = 1; ///< 0 … 1, of the speeds at first; below 1 only with a relaxation time
 };
 
 /// The first that comes.

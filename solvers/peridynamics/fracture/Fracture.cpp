@@ -46,9 +46,11 @@ void check(const BondLattice& bonds, const Loading& loading, const FractureOptio
       "0.05 is usual; hinges never part in small strain, so 0 may never be reached");
   if (!(o.maxStrain > 0))
     throw ParameterError(fmt::format("the largest strain, {}, is not positive", o.maxStrain), "leave it out for none");
-  if (!(o.strainStep >= 0) || !std::isfinite(o.strainStep))
-    throw ParameterError(fmt::format("the strain cannot be raised in steps of {}", o.strainStep),
-      "give a strain well below that at the peak, or 0 for none");
+  constexpr double leastStep = 1e-9; // of smaller ones round-off decides how many there are
+  if (o.strainStep != 0 && !(o.strainStep >= leastStep && o.strainStep <= 1))
+    throw ParameterError(fmt::format("the strain cannot be raised in steps of {:g}", o.strainStep),
+      fmt::format("give a strain well below that at the peak, between {:g} and 1, or 0 to raise it to the next break",
+        leastStep));
   if (o.renewEvery < 0 || (o.renewEvery == 0 && !o.checkpoint.path.empty()))
     throw ParameterError(fmt::format("{} events between two renewals{}", o.renewEvery,
                            o.renewEvery == 0 ? ", at which alone checkpoints are written" : ""),
