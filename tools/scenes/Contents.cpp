@@ -25,10 +25,12 @@ const std::map<std::string, std::string>& reports()
   static const std::string platens = " load axis gauge_length section_area";
   static const std::map<std::string, std::string> all{
     { "diffusion",
-      "effective{x y z} extrapolated{x y z} estimated_error estimated_errors{x y z} lattice_error lattice_errors{x y z} "
+      "effective{x y z} extrapolated{x y z} estimated_error estimated_errors{x y z} lattice_error lattice_errors{x y "
+      "z} "
       "picture_error picture_errors{x y z} target_error target tensor bounds{series parallel hashin_shtrikman} "
       "iterations setup_seconds solve_seconds method directions{x y z} window warnings segmentation lattice sides "
-      "length tolerance balance solver_error nodes stored skipped solver_bytes" + run },
+      "length tolerance balance solver_error nodes stored skipped solver_bytes" +
+        run },
     { "flux-map",
       "effective{x y z} tensor mean_flux tortuosity{x y z} tortuosity_factor{x y z} streamline_tortuosity{x y z} "
       "direction flux_magnitude{smallest largest mean} streamlines line_flux seconds" },
@@ -38,32 +40,38 @@ const std::map<std::string, std::string>& reports()
       "touches} distribution ranks seconds" },
     { "transient",
       "curve stepping lattice direction sides steps time_step relaxation stored_nodes skipped_nodes updates_per_second "
-      "bytes warning ranks seconds" + goesOn },
+      "bytes warning ranks seconds" +
+        goesOn },
     { "equilibrium",
       "effective_modulus effective_stress strain first_break{strain stress position phases} largest_stretch_ratio "
       "mean_stress{xx yy zz xy yz xz} reactions{low high} elastic_energy platen_layers{low high} solver iterations "
       "newton_steps residual levels products bond_seconds load_seconds setup_seconds solve_seconds "
-      "measure_seconds" + platens + model + sizes },
+      "measure_seconds" +
+        platens + model + sizes },
     { "fracture",
       "peak_stress peak_strain peak_broken effective_modulus first_break{strain stress position phases} broken "
       "broken_by_pair broken_energy end end_reason states compression method breaking platen_layers{low high} "
-      "statistics" + goesOn + platens + model + sizes },
+      "statistics" +
+        goesOn + platens + model + sizes },
     { "dynamics",
       "peak_stress peak_strain peak_time peak_broken first_break_time broken broken_by_pair energies{kinetic elastic "
       "broken damped supplied initial} energy_defect end end_reason end_time states steps time_step stable_step "
       "viscosity mean_density reference_energy compression effective_modulus small_strain_break strain_rate "
-      "travel_time statistics" + goesOn + platens + model + sizes },
+      "travel_time statistics" +
+        goesOn + platens + model + sizes },
     { "compression",
       "strain stress axis sides worst_energy_ratio worst_energy_ratio_strain early_energy_ratio "
       "early_energy_ratio_strain calm_from worst_lateral worst_imbalance first_touch_strain wave_speed slowdowns steps "
       "states curve law plane walls points_per_node cells_per_node points grid_spacing cells_across_walls "
       "thin_wall_share warnings bytes_per_point updates_per_second setup_seconds run_seconds constants{*} components "
-      "stiffness grid_nodes iterations residual solve_seconds" + goesOn + run },
+      "stiffness grid_nodes iterations residual solve_seconds" +
+        goesOn + run },
     { "stiffness",
       "components stiffness extrapolated estimated_errors estimated_error error_leaves_out constants{*{value "
       "extrapolated estimated_error}} bounds{voigt reuss} eigenvalues resisting asymmetry crosses{x y z} mismatch{x{"
       "seam layers} y{seam layers} z{seam layers}} pieces iterations residual levels products steps bond_seconds "
-      "setup_seconds solve_seconds measure_seconds estimate_seconds" + model + sizes },
+      "setup_seconds solve_seconds measure_seconds estimate_seconds" +
+        model + sizes },
     { "stress-pdf",
       "array component count mean deviation mean_tensile mean_compressive tensile_share compressive_share smallest "
       "largest reference tail{threshold count share theta theta_error distance} phases thresholds bins bin_width "
@@ -76,8 +84,7 @@ const std::map<std::string, std::string>& reports()
     { "compression-curve",
       "rows stiffness{value error intercept r2 toe low high rows} yield{strain stress} peak{strain stress} "
       "plateau{stress low high end_strain} densification{strain stress energy efficiency} energy missing seconds" },
-    { "collapse-map",
-      "points phase share lumens cut collapsed first_collapse_strain ratio states seconds" },
+    { "collapse-map", "points phase share lumens cut collapsed first_collapse_strain ratio states seconds" },
     { "snapshot", "range data_rectangle backend" },
   };
   return all;

@@ -215,8 +215,7 @@ void Rehearsal::checkArrays() const
     {
       const PlannedStage& giver = plan_.stages[input];
       const auto given = giver.outputs.find("output");
-      const std::string stem =
-        given == giver.outputs.end() ? "" : fs::path(given->second).replace_extension().string();
+      const std::string stem = given == giver.outputs.end() ? "" : fs::path(given->second).replace_extension().string();
       if (std::ranges::any_of(stage.words,
             [&](const std::string& word)
             {
@@ -262,8 +261,8 @@ void Rehearsal::checkArray(
   }
   if (std::ranges::find(there, *asked) == there.end())
   {
-    const auto option = std::ranges::find_if(
-      taker.options, [](const SceneOption& o) { return o.name == "array" || o.name == "preset"; });
+    const auto option =
+      std::ranges::find_if(taker.options, [](const SceneOption& o) { return o.name == "array" || o.name == "preset"; });
     sceneError(option == taker.options.end() ? taker.where : option->where,
       fmt::format("[{}] looks at the array '{}', which {} does not give", taker.name, *asked, giver.stage->name),
       suggestion(*asked, there, "it gives " + quotedList(there, "and")));
