@@ -85,6 +85,7 @@ void runFilter(Session& session, vtkAlgorithm* filter, const char* what, const s
   {
     Session& session;
     const char* what;
+    bool stopped = false;
   } client{ session, what };
   vtkNew<vtkCallbackCommand> progress;
   progress->SetClientData(&client);
@@ -96,6 +97,7 @@ void runFilter(Session& session, vtkAlgorithm* filter, const char* what, const s
       const char* const words = algorithm->GetProgressText();
       if (!c->session.progress(algorithm->GetProgress(), words != nullptr ? words : c->what))
       {
+        c->stopped = true;
         algorithm->SetAbortExecute(1);
       }
     });
@@ -107,6 +109,10 @@ void runFilter(Session& session, vtkAlgorithm* filter, const char* what, const s
   session.endProgress();
   steps.rethrow();
   Session::checkInterrupt();
+  if (client.stopped) // by the run that this one is part of
+  {
+    throw Cancelled();
+  }
 }
 
 void runFilter(Session& session, vtkAlgorithm* filter, const char* what)

@@ -1,4 +1,5 @@
 #include "BreakRun.h"
+#include "CommandLine.h"
 #include "Commands.h"
 #include "FilterRun.h"
 #include "FractureFiles.h"
@@ -14,6 +15,7 @@
 #include "Workspace.h"
 
 #include "lattice/Clock.h"
+#include "lattice/PhaseNames.h"
 #include "vtkLatticeBoltzmann.h"
 #include "vtkLatticeConversion.h"
 
@@ -116,6 +118,20 @@ std::size_t applyTimes(const TransientOptions& o, vtkLatticeBoltzmann* filter)
     filter->AddStateAtStep(*step);
   }
   return times.size() + steps.size();
+}
+
+/// @throws ParameterError for a diffusivity of a phase that the sample has not
+void checkNames(const TransientOptions& o, const std::vector<std::string>& phases)
+{
+  for (const std::string& text : listItems(o.diffusivity))
+  {
+    const std::string name = keyValue("--diffusivity", text, "NAME=VALUE").first;
+    if (!phaseMeant(phases, name))
+    {
+      throw ParameterError("--diffusivity names '" + name + "', which is no phase of this sample",
+        suggestion(name, phases, "its phases are " + quotedList(phases, "and")));
+    }
+  }
 }
 
 /// What can be said without the sample. @throws ParameterError
@@ -228,6 +244,7 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
       }
       Sample sample = loadSample(o.picture);
       Session::checkInterrupt();
+      checkNames(o, sample.image.phases.names());
       if (sample.pixelSizeSource == "none")
       {
         throw ParameterError("a run in time needs the size of a pixel, which '" + o.picture.file + "' does not tell",

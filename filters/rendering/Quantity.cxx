@@ -230,7 +230,8 @@ bool IsOfSolid(const Quantity& quantity)
   const std::string name = quantity.array->GetName();
   return quantity.preset == vtkSnapshot::STRESS ||
     (quantity.preset == vtkSnapshot::SCALAR &&
-      (name == "displacement" || name == "velocity" || name == "damage" || name == "strain_energy"));
+      (name == "displacement" || name == "velocity" || name == "damage" || name == "broken" ||
+        name == "strain_energy"));
 }
 
 void HideVoids(Quantity& quantity, vtkDataSet* data)

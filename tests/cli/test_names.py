@@ -54,11 +54,12 @@ class Names(program.Case):
                     ("pore-flood-fill", name, "--fill", phases[0]),
                     ("snapshot", name, "--phase-color", f"{phases[0]}=#ffffff", "-o", "picture.png", "--overwrite"),
                 )
-                for run in runs:
+                # every command on one sample of each set of names; of the others what they are read with is looked at
+                for run in runs if name in ("soft.png", "seen.vti", "bridges.vti") else runs[:1]:
                     result = self.run_lamella(*run, "--quiet")
                     # a small sample may hold nothing to load; a name that is not known is refused as such
                     self.assertIn(result.code, (0, 4), f"{run}\n{result.err}")
-                if known is TISSUE:
+                if known is TISSUE and name in ("soft.png", "seen.vti", "segmented.vti"):
                     result = self.run_lamella("micrograph", name, "--lumen-phase", phases[0], "--lamella", "none", "--quiet")
                     self.assertEqual(result.code, 0, result.err)
 
@@ -71,12 +72,13 @@ class Names(program.Case):
     def test_other_words_for_the_same(self):
         self.works("generate", "softwood", "--size", "64,64", "-o", "new.png")
         names = lambda lumen, wall: ["new.png", "--phase", "0=" + lumen, "--phase", "255=" + wall]
-        plain = self.works("diffusion", "new.png", "--conductivity", "lumen=0.1,wall=1", "--json").json()["effective"]
-        for sample in (["new.png"], names("void", "secondary wall"), names("pore", "wall")):
+        solve = ["--direction", "x", "--no-error-estimate", "--json"]
+        plain = self.works("diffusion", "new.png", "--conductivity", "lumen=0.1,wall=1", *solve).json()["effective"]
+        for sample, said in ((["new.png"], "secondary wall=1e9"), (names("void", "secondary wall"), "wall=1e9"), (names("pore", "wall"), "wall=1e9")):
             for words in ("lumen=0.1,wall=1", "void=0.1,secondary wall=1", "air=0.1,wall=1"):
-                answer = self.works("diffusion", *sample, "--conductivity", words, "--json").json()
+                answer = self.works("diffusion", *sample, "--conductivity", words, *solve).json()
                 self.assertEqual(answer["effective"], plain, words)
-            for words in ("wall=1e9", "secondary wall=1e9"):
+            for words in (said,):
                 self.works("equilibrium", *sample, "--young", words, "--void", "pore", "--quiet")
                 self.works("compression", *sample, "--stiffness-only", "--young", words, "--quiet")
                 moves = self.run_lamella("dynamics", *sample, "--young", words, "--density", words.replace("1e9", "700"),

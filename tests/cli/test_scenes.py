@@ -523,7 +523,10 @@ fraction = "sample.packing_fraction"
         self.assertEqual(result.code, 2)
         self.assertIn("scene.toml:12", result.err)
         self.assertIn("did you mean 'effective'?", result.err)
-        # one sample was computed by then, and is not lost
+        self.assertEqual(os.listdir(self.folder), ["scene.toml"])
+        # what only the sample tells is seen after the first; it was computed by then, and is not lost
+        self.scene(DIFFUSION.replace("phases.wall", "phases.wal"))
+        self.fails(2, "scene.toml:13", "did you mean 'wall'?", "run", "scene.toml", keep=("scene.results",))
         self.scene(DIFFUSION)
         self.assertEqual(self.works("run", "scene.toml", "--json").json()["finished_before"], 1)
 

@@ -1,5 +1,6 @@
 """The Python package as users call it, in pvpython and in Debian's python3: numpy in, numpy out, errors in words."""
 
+import inspect
 import os
 import subprocess
 import sys
@@ -902,6 +903,14 @@ class Bonds(unittest.TestCase):
             lamella.fracture(sample, young, **breaks, horizn=3)
         with self.assertRaisesRegex(TypeError, r"^compression\(\) got an unexpected keyword argument 'strian'; did you mean 'strain'\?"):
             lamella.compression(sample, strian=0.1)
+        # whichever function: the one that was called is named, not one within
+        for name, function in inspect.getmembers(lamella, inspect.isfunction):
+            needed = [p for p in inspect.signature(function).parameters.values() if p.default is p.empty and p.kind is p.POSITIONAL_OR_KEYWORD]
+            more = {"young": young} if name == "bond_stress" else {}
+            with self.subTest(name), self.assertRaisesRegex(TypeError, rf"^{name}\(\) got an unexpected keyword argument 'nosuchword'"):
+                function(*[sample for _ in needed], **more, nosuchword=1)
+        with self.assertRaisesRegex(TypeError, r"^stiffness\(\) takes no periodic: strains are small"):
+            lamella.stiffness(sample, young, periodic="x")
         with self.assertRaisesRegex(ValueError, "young is 0; it is above 0, or None"):
             lamella.compression(sample, young=0)
         with self.assertRaises(ZeroDivisionError):  # not lost in VTK

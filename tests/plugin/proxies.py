@@ -232,6 +232,47 @@ self.GetOutputInformation(0).Set(pipeline.TIME_RANGE(), [0.2, 0.6], 2)
             self.assertEqual(field(torn, "broken_bonds")[0], broken)
         self.assertEqual(sorted(torn.PointData.keys()), ["broken", "damage", "phase"])
 
+    def test_curves_open_as_line_charts(self):
+        """Tables are spreadsheets in ParaView, and of a chart all columns over the number of the row; curves are neither."""
+        tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[42, 48, 1], SolidFraction=0.6)
+        torn = pv.BondFracture(Input=tissue)
+        moved = pv.BondDynamics(Input=tissue, EndTime=2e-9, Pull=0, SideTractions=["x-", "x", "1e5"])
+        pressed = pv.PointCompression(Input=tissue, Strain=0.02, Rows=20, FirstSpeed=0.01)
+        curve = pv.CompressionCurve(Input=servermanager.OutputPort(pressed, 1))
+        stretched = pv.BondEquilibrium(Input=tissue, ComputeStress=1)
+        density = pv.StressPDF(Input=stretched)
+        stiff = pv.BondStiffness(Input=tissue, EstimateError=0)
+        controller = servermanager.vtkSMParaViewPipelineControllerWithRendering()
+        for source, port, x, y in ((torn, 2, "strain", ["stress"]), (moved, 2, "time", ["stress"]), (pressed, 1, "strain", ["stress"]),
+                                   (curve, 0, "strain", ["stress"]), (density, 0, "stress", ["density", "tail"])):
+            with self.subTest(source.SMProxy.GetXMLName()):
+                source.UpdatePipeline()
+                self.assertEqual(controller.GetPreferredViewType(source.SMProxy, port), "XYChartView")
+                if port > 0:
+                    self.assertNotEqual(controller.GetPreferredViewType(source.SMProxy, 0), "XYChartView")
+                shown = pv.Show(servermanager.OutputPort(source, port), pv.CreateView("XYChartView"))
+                self.assertEqual((shown.UseIndexForXAxis, shown.XArrayName), (0, x))
+                series = shown.SMProxy.GetProperty("SeriesVisibility")
+                drawn = {series.GetElement(i): series.GetElement(i + 1) for i in range(0, series.GetNumberOfElements(), 2)}
+                self.assertEqual(sorted(name for name, on in drawn.items() if on == "1"), y)
+                columns = servermanager.Fetch(source, idx=port).GetRowData()
+                names = [columns.GetArrayName(i) for i in range(columns.GetNumberOfArrays())]
+                own = [name for name in names if not name.endswith("_wall")]  # of phases, as they are called
+                if source is curve:  # which hands on what columns its input has
+                    own = [name for name in own if name in drawn]
+                self.assertEqual(sorted(drawn), sorted(own), "every column can be chosen")
+        stiff.UpdatePipeline()
+        self.assertEqual(controller.GetPreferredViewType(stiff.SMProxy, 1), "SpreadSheetView")
+
+    def test_a_value_stands_in_the_view(self):
+        heat = pv.SteadyDiffusion(Input=pv.MicrostructureSource(Size=[40, 30, 1]))
+        heat.UpdatePipeline()
+        text = pv.AnnotateAttributeData(Input=heat, SelectInputArray=["FIELD", "effective_conductivity"], Prefix="effective: ")
+        text.UpdatePipeline()
+        said = servermanager.Fetch(text).GetColumn(0).GetValue(0)
+        self.assertTrue(said.startswith("effective: "), said)
+        self.assertAlmostEqual(float(said.split()[1]), field(heat, "effective_conductivity")[0], places=12)
+
     def test_fracture_goes_on(self):
         tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[42, 48, 1], SolidFraction=0.6)
         whole = pv.BondFracture(Input=tissue, CheckpointEvery=4)

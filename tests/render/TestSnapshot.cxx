@@ -327,7 +327,7 @@ TEST_F(SnapshotTest, VoidsNeitherMoveNorBreak)
   this->Image = samples::lattice(50, 40, 1, 1e-6);
   samples::addField(this->Image, "phase", { [](int i, int, int) { return i < 10 ? 0.0 : 1.0; } });
   const auto rising = [](int i, int, int) { return i < 10 ? 0.0 : 0.01 * i; };
-  for (const char* const name : { "displacement", "damage", "mine" })
+  for (const char* const name : { "displacement", "damage", "broken", "mine" })
   {
     SCOPED_TRACE(name);
     samples::addField(this->Image, name, { rising, rising, rising });

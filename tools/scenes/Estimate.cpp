@@ -1,7 +1,6 @@
 #include "scenes/Estimate.h"
 
-#include "scenes/Memory.h"
-#include "scenes/SampleRunner.h"
+#include "scenes/Rehearsal.h"
 
 #include "Text.h"
 
@@ -215,31 +214,11 @@ double scaleOf(const SamplePlan& plan, int dimension)
 
 } // namespace
 
-Estimator::Estimator(const Scene& scene, const SamplePlan& first, const CommandSet& commands)
-  : commands_(commands)
-  , checkpoint_(scene.checkpoint)
+Estimator::Estimator(const Scene& scene, const Rehearsal& first)
+  : checkpoint_(scene.checkpoint)
+  , base_(first.bytesBefore())
 {
-  SamplePlan sample = first;
-  std::erase_if(sample.stages,
-    [](const PlannedStage& stage)
-    {
-      return output(*stage.stage->ports, "output") == nullptr ||
-        (!stage.stage->ports->takes.empty() && stage.stage->command != "bridges");
-    });
-  for (PlannedStage& stage : sample.stages)
-  {
-    const Port* const port = output(*stage.stage->ports, "output");
-    stage.each.clear();
-    if (!stage.outputs.contains("output"))
-    {
-      stage.outputs["output"] = Workspace::nameOf(stage.stage->name, port->ending);
-      stage.words.push_back("--output=" + stage.outputs["output"]);
-    }
-  }
-  base_ = static_cast<double>(memoryNow());
-  SampleRunner runner(scene, "", [](double, const std::string&) { return !Session::interrupted(); });
-  static_cast<void>(runner.run(sample, ""));
-  for (const PlannedStage& stage : sample.stages)
+  for (const PlannedStage& stage : first.made())
   {
     const auto data = Workspace::current()->get(stage.outputs.at("output"));
     if (auto* const image = vtkImageData::SafeDownCast(data))
@@ -260,7 +239,7 @@ Estimator::Estimator(const Scene& scene, const SamplePlan& first, const CommandS
       nodes_ = std::max(nodes_, static_cast<double>(grains->GetNumberOfPoints()));
     }
   }
-  scaleOfFirst_ = scaleOf(first, dimension_);
+  scaleOfFirst_ = scaleOf(first.plan(), dimension_);
 }
 
 SampleCost Estimator::operator()(const SamplePlan& plan) const

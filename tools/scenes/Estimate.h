@@ -30,18 +30,18 @@ struct SampleCost
   double bytes = 0; ///< of the process: the program, the sample, and the stage that takes most
 };
 
+class Rehearsal;
+
 /// Expects by the numbers of nodes of the samples.
 class Estimator
 {
 public:
-  /// Makes the first sample to know its size.
-  /// @throws as the commands that make it
-  Estimator(const Scene& scene, const SamplePlan& first, const CommandSet& commands);
+  /// @param first the sample of which the size is known
+  Estimator(const Scene& scene, const Rehearsal& first);
 
   [[nodiscard]] SampleCost operator()(const SamplePlan& plan) const;
 
 private:
-  const CommandSet& commands_;
   std::optional<double> checkpoint_; ///< of the scene
   double nodes_ = 0;                 ///< of the first sample
   double solid_ = 1;                 ///< share that is no void

@@ -1,5 +1,7 @@
 #include "scenes/Measures.h"
 
+#include "scenes/Contents.h"
+
 #include "JsonReport.h"
 #include "Text.h"
 
@@ -220,6 +222,39 @@ std::vector<std::string> keysAt(const Json& at)
   return keys;
 }
 
+[[noreturn]] void noSuchKey(const SceneMeasure& measure, const std::string& stage, const std::string& rest,
+  const std::string& element, const std::vector<std::string>& keys)
+{
+  sceneError(measure.where, fmt::format("{} = \"{}\": {} reports no '{}'", measure.name, measure.path, stage, rest),
+    suggestion(element, keys, keys.empty() ? "it is a number already" : "there are " + quotedList(keys, "and")));
+}
+
+/// Whether a path is one of these keys. @throws ParameterError
+void checkAhead(const SceneMeasure& measure, const SceneStage& stage, const std::vector<ReportKeys>& keys)
+{
+  const std::string rest = measure.path.substr(stage.name.size() + 1);
+  const std::vector<ReportKeys>* level = &keys;
+  for (const std::string& element : split(rest, '.'))
+  {
+    std::vector<std::string> names;
+    for (const ReportKeys& key : *level)
+    {
+      names.push_back(key.name);
+    }
+    const auto found =
+      std::ranges::find_if(*level, [&](const ReportKeys& key) { return key.name == element || key.name == "*"; });
+    if (found == level->end())
+    {
+      noSuchKey(measure, stage.name, rest, element, names);
+    }
+    if (found->below.empty())
+    {
+      return;
+    }
+    level = &found->below;
+  }
+}
+
 void addSettings(Columns& columns, const Sweep& sweep, const Json& settings)
 {
   for (const SweepAxis& axis : sweep.axes())
@@ -236,6 +271,26 @@ std::optional<Json> findMeasure(const Json& stages, const std::string& path)
   const auto [report, rest] = stageOf(stages, path);
   const Json* const found = report == nullptr ? nullptr : walk(*report, rest);
   return found == nullptr ? std::nullopt : std::optional(*found);
+}
+
+void checkMeasuresAhead(const Scene& scene)
+{
+  for (const SceneMeasure& measure : scene.measures)
+  {
+    const SceneStage* stage = nullptr; // the longest name that fits, as in stageOf()
+    for (const SceneStage& one : scene.stages)
+    {
+      if (measure.path.starts_with(one.name + ".") && (stage == nullptr || one.name.size() >= stage->name.size()))
+      {
+        stage = &one;
+      }
+    }
+    const auto keys = stage == nullptr ? std::nullopt : reportKeys(stage->command);
+    if (keys)
+    {
+      checkAhead(measure, *stage, *keys);
+    }
+  }
 }
 
 void checkMeasures(const Scene& scene, const Json& stages)
@@ -255,10 +310,7 @@ void checkMeasures(const Scene& scene, const Json& stages)
       if (next == nullptr && walk(*report, rest) == nullptr && !at->is_null())
       {
         const std::vector<std::string> keys = keysAt(*at);
-        sceneError(measure.where,
-          fmt::format("{} = \"{}\": {} reports no '{}'", measure.name, measure.path,
-            measure.path.substr(0, measure.path.size() - rest.size() - 1), rest),
-          suggestion(element, keys, keys.empty() ? "it is a number already" : "there are " + quotedList(keys, "and")));
+        noSuchKey(measure, measure.path.substr(0, measure.path.size() - rest.size() - 1), rest, element, keys);
       }
       if (next == nullptr)
       {

@@ -24,6 +24,9 @@ struct SampleResult
 /// list an item by its number, or by its `name`, `phase` or `axis`. Nothing where there is no such thing.
 [[nodiscard]] std::optional<Json> findMeasure(const Json& stages, const std::string& path);
 
+/// The same before anything has run, by what the commands can report (Contents.h). @throws ParameterError
+void checkMeasuresAhead(const Scene& scene);
+
 /// Refuses measures that lead nowhere. @throws ParameterError
 void checkMeasures(const Scene& scene, const Json& stages);
 

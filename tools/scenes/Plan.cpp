@@ -247,6 +247,7 @@ private:
   std::string take(std::size_t i, const Port& input, const std::string& of, const std::vector<std::string>& options)
   {
     const Source from = source(i, input, of);
+    requireDirection(i, from);
     needed_[from.stage] = true;
     planned_[i].inputs.push_back(from.stage);
     want(from.stage, from.port->option);
@@ -256,6 +257,39 @@ private:
     }
     std::filesystem::path name = planned_[from.stage].outputs.at(from.port->option);
     return from.part.empty() ? name.string() : name.stem().string() + "_" + from.part + name.extension().string();
+  }
+
+  /// A diffusion along several directions gives a field for each.
+  void requireDirection(std::size_t taker, const Source& from) const
+  {
+    const SceneStage& giver = scene_.stages[from.stage];
+    if (giver.command != "diffusion" || from.port->option != std::string("output"))
+    {
+      return;
+    }
+    std::string direction = "all";
+    for (const SceneOption& option : giver.options)
+    {
+      direction = option.name == "direction" ? wordsFor(option, setting_).front().substr(12) : direction;
+    }
+    const std::string hint = "write of = \"" + giver.name + ":x\", or another direction";
+    if (direction == "all" && from.part.empty())
+    {
+      sceneError(scene_.stages[taker].where,
+        fmt::format(
+          "[{}] takes one field, and [{}] gives one for each direction", scene_.stages[taker].name, giver.name),
+        hint);
+    }
+    if (direction == "all" && from.part != "x" && from.part != "y" && from.part != "z")
+    {
+      sceneError(scene_.stages[taker].where, fmt::format("'{}:{}' is no direction", giver.name, from.part), hint);
+    }
+    if (direction != "all" && !from.part.empty())
+    {
+      sceneError(scene_.stages[taker].where,
+        fmt::format("[{}] has one direction only, and no '{}:{}'", giver.name, giver.name, from.part),
+        "write of = \"" + giver.name + "\"");
+    }
   }
 
   /// The arrays of states that a stage looks at.

@@ -1,5 +1,6 @@
 #include "scenes/Estimate.h"
 #include "scenes/Measures.h"
+#include "scenes/Rehearsal.h"
 #include "scenes/ResultTables.h"
 #include "scenes/Results.h"
 #include "scenes/SampleRunner.h"
@@ -211,6 +212,7 @@ public:
       throw ParameterError("--jobs within mpirun", "leave it out: each rank takes samples");
     }
     tryWords(planOf(0));
+    checkMeasuresAhead(scene_);
     if (options_.dryRun)
     {
       session_.onRoot([&] { dryRun(); });
@@ -353,7 +355,9 @@ private:
   void dryRun()
   {
     const SamplePlan first = planOf(0);
-    const Estimator estimate(scene_, first, commands_);
+    Rehearsal rehearsal(scene_, first);
+    const Estimator estimate(scene_, rehearsal);
+    const std::vector<std::string> failures = rehearsal();
     const double count = sweep_.count();
     std::string text = fmt::format("{} {}\n", count < 1e15 ? grouped(static_cast<std::int64_t>(count)) : "very many",
       count == 1 ? "sample" : "samples");
@@ -401,6 +405,10 @@ private:
     {
       text += "  left out: " + skipped + "\n";
     }
+    for (const std::string& failure : failures)
+    {
+      text += "  the first sample fails: " + failure + "\n";
+    }
     const double processes = std::max(options_.jobs, session_.ranks());
     text += fmt::format("\n  memory: up to {} a process{}; {} are free\n", bytesText(bytes),
       processes > 1 ? fmt::format(", {} in all", bytesText(bytes * processes)) : "",
@@ -412,7 +420,8 @@ private:
     if (options_.common.json)
     {
       Json json{ { "samples", count }, { "finished", there }, { "nodes", cost.nodes }, { "memory", bytes },
-        { "seconds", seconds }, { "stages", stages }, { "left_out", first.skipped }, { "results", folder().string() } };
+        { "seconds", seconds }, { "stages", stages }, { "left_out", first.skipped }, { "fails", failures },
+        { "results", folder().string() } };
       text = dump(json);
     }
     session_.print(text);

@@ -377,6 +377,14 @@ Json SampleRunner::run(const SamplePlan& plan, const fs::path& folder)
   return record;
 }
 
+void SampleRunner::rehearse(const PlannedStage& planned)
+{
+  std::vector<std::string> ignored;
+  before_ = 0;
+  part_ = 1;
+  static_cast<void>(runStage(planned, nullptr, ignored));
+}
+
 SampleRunner::Done SampleRunner::perform(
   const PlannedStage& planned, const fs::path& folder, StageCheckpoint* kept, Json& steps)
 {

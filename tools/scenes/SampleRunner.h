@@ -34,6 +34,9 @@ public:
   /// @throws Error as the commands do, with the place in the scene where that is known; Cancelled
   [[nodiscard]] Json run(const SamplePlan& plan, const std::filesystem::path& folder);
 
+  /// Starts one stage on data that are there, to see what it refuses; its progress ends it.
+  void rehearse(const PlannedStage& planned);
+
 private:
   struct Done
   {

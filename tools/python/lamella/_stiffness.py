@@ -167,13 +167,13 @@ def stiffness(
     """
     known = {"like", "relative_to", "mixing", "void", "horizon", "continuum", "micromodulus", "void_bonds",
              "surface_correction", "notches", "threads"}
+    check_keywords(stiffness, set_bonds, bonds)
     if set(bonds) - known:
         raise TypeError(f"stiffness() takes no {', '.join(sorted(set(bonds) - known))}: strains are small, every side "
                         "is periodic, nothing breaks")
     solve = vtkBondStiffness()
     sample = as_image(image)
     solve.SetInputData(sample)
-    check_keywords(stiffness, set_bonds, bonds)
     set_bonds(solve, sample, young, **bonds)
     solve.SetEstimateError(bool(estimate_error))
     solve.SetNodesPerPixel(int(nodes_per_pixel))

@@ -1,0 +1,150 @@
+#include "scenes/Contents.h"
+
+#include "Text.h"
+
+#include <cstddef>
+#include <map>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+/// "first_break{strain stress}": a key and those below it.
+const std::map<std::string, std::string>& reports()
+{
+  static const std::string model =
+    " pairs{*{young critical_stretch fracture_energy toughness}} continuum poissons_ratio horizon micromodulus "
+    "void_bonds surface_correction large_strains periodic thickness{*{median_nodes share_below_horizon}} loose_pieces "
+    "loose_nodes hinges warnings";
+  static const std::string run =
+    " seconds peak_memory_bytes size refine pixel_size pixel_size_source phases threads ranks";
+  static const std::string sizes = " nodes solid_nodes bonds strips{skipped uniform mixed} bytes" + run;
+  static const std::string goesOn = " continued_at states_before checkpoints last_checkpoint";
+  static const std::string platens = " load axis gauge_length section_area";
+  static const std::map<std::string, std::string> all{
+    { "diffusion",
+      "effective{x y z} extrapolated{x y z} estimated_error estimated_errors{x y z} lattice_error lattice_errors{x y "
+      "z} "
+      "picture_error picture_errors{x y z} target_error target tensor bounds{series parallel hashin_shtrikman} "
+      "iterations setup_seconds solve_seconds method directions{x y z} window warnings segmentation lattice sides "
+      "length tolerance balance solver_error nodes stored skipped solver_bytes" +
+        run },
+    { "flux-map",
+      "effective{x y z} tensor mean_flux tortuosity{x y z} tortuosity_factor{x y z} streamline_tortuosity{x y z} "
+      "direction flux_magnitude{smallest largest mean} streamlines line_flux seconds" },
+    { "pore-flood-fill",
+      "phase connectivity periodic size unit pixel_size count largest mean total porosity minimum_size dropped{count "
+      "total} open{count share} closed{count share} percolates largest_pore{pore size equivalent_diameter window "
+      "touches} distribution ranks seconds" },
+    { "transient",
+      "curve stepping lattice direction sides steps time_step relaxation stored_nodes skipped_nodes updates_per_second "
+      "bytes warning ranks seconds" +
+        goesOn },
+    { "equilibrium",
+      "effective_modulus effective_stress strain first_break{strain stress position phases} largest_stretch_ratio "
+      "mean_stress{xx yy zz xy yz xz} reactions{low high} elastic_energy platen_layers{low high} solver iterations "
+      "newton_steps residual levels products bond_seconds load_seconds setup_seconds solve_seconds "
+      "measure_seconds" +
+        platens + model + sizes },
+    { "fracture",
+      "peak_stress peak_strain peak_broken effective_modulus first_break{strain stress position phases} broken "
+      "broken_by_pair broken_energy end end_reason states compression method breaking platen_layers{low high} "
+      "statistics" +
+        goesOn + platens + model + sizes },
+    { "dynamics",
+      "peak_stress peak_strain peak_time peak_broken first_break_time broken broken_by_pair energies{kinetic elastic "
+      "broken damped supplied initial} energy_defect end end_reason end_time states steps time_step stable_step "
+      "viscosity mean_density reference_energy compression effective_modulus small_strain_break strain_rate "
+      "travel_time statistics" +
+        goesOn + platens + model + sizes },
+    { "compression",
+      "strain stress axis sides worst_energy_ratio worst_energy_ratio_strain early_energy_ratio "
+      "early_energy_ratio_strain calm_from worst_lateral worst_imbalance first_touch_strain wave_speed slowdowns steps "
+      "states curve law plane walls points_per_node cells_per_node points grid_spacing cells_across_walls "
+      "thin_wall_share warnings bytes_per_point updates_per_second setup_seconds run_seconds constants{*} components "
+      "stiffness grid_nodes iterations residual solve_seconds" +
+        goesOn + run },
+    { "stiffness",
+      "components stiffness extrapolated estimated_errors estimated_error error_leaves_out constants{*{value "
+      "extrapolated estimated_error}} bounds{voigt reuss} eigenvalues resisting asymmetry crosses{x y z} mismatch{x{"
+      "seam layers} y{seam layers} z{seam layers}} pieces iterations residual levels products steps bond_seconds "
+      "setup_seconds solve_seconds measure_seconds estimate_seconds" +
+        model + sizes },
+    { "stress-pdf",
+      "array component count mean deviation mean_tensile mean_compressive tensile_share compressive_share smallest "
+      "largest reference tail{threshold count share theta theta_error distance} phases thresholds bins bin_width "
+      "seconds" },
+    { "crack-path",
+      "phases_file dimension horizon broken_bonds cracks length main{length through start{x y} tip{x y} extension} "
+      "through{x{length in_voids in_solid chord tortuosity} y{length in_voids in_solid chord tortuosity}} angle "
+      "angle_spread left_out{cracks length spurs bonds} crushed_pieces counted_length counted_area count_anisotropy "
+      "normals paths pairs fragments{count largest_share severed} seconds" },
+    { "compression-curve",
+      "rows stiffness{value error intercept r2 toe low high rows} yield{strain stress} peak{strain stress} "
+      "plateau{stress low high end_strain} densification{strain stress energy efficiency} energy missing seconds" },
+    { "collapse-map", "points phase share lumens cut collapsed first_collapse_strain ratio states seconds" },
+    { "snapshot", "range data_rectangle backend" },
+  };
+  return all;
+}
+
+/// Reads up to the brace that closes, which it leaves behind.
+std::vector<ReportKeys> read(const std::string& text, std::size_t& at)
+{
+  std::vector<ReportKeys> keys;
+  while (at < text.size())
+  {
+    const char c = text[at++];
+    if (c == '}')
+    {
+      break;
+    }
+    if (c == '{')
+    {
+      keys.back().below = read(text, at);
+      continue;
+    }
+    if (c == ' ')
+    {
+      continue;
+    }
+    const std::size_t end = text.find_first_of(" {}", at);
+    keys.push_back({ text.substr(at - 1, end == std::string::npos ? end : end - at + 1), {} });
+    at = end == std::string::npos ? text.size() : end;
+  }
+  return keys;
+}
+
+} // namespace
+
+std::optional<std::vector<ReportKeys>> reportKeys(const std::string& command)
+{
+  const auto found = reports().find(command);
+  if (found == reports().end())
+  {
+    return std::nullopt;
+  }
+  std::size_t at = 0;
+  return read(found->second, at);
+}
+
+std::vector<std::string> arraysGiven(const std::string& command, const std::string& output)
+{
+  static const std::map<std::string, const char*> all{
+    { "diffusion:output", "phase temperature concentration flux" },
+    { "flux-map:output", "phase temperature concentration flux flux_magnitude" },
+    { "transient:output", "phase temperature concentration flux" },
+    { "equilibrium:output", "phase displacement stress strain_energy" },
+    { "fracture:output", "phase damage broken displacement stress strain_energy" },
+    { "dynamics:output", "phase damage broken displacement velocity stress strain_energy" },
+    { "compression:output", "id phase displacement velocity stress deformation_gradient energy_density" },
+    { "pore-flood-fill:output", "phase pore pore_size" },
+    { "collapse-map:output", "phase lumen lumen_ratio collapse_strain" },
+  };
+  const auto found = all.find(command + ":" + output);
+  return found == all.end() ? std::vector<std::string>{} : split(found->second, ' ');
+}
+
+} // namespace lamella::cli
