@@ -204,15 +204,15 @@ std::optional<std::string> ragged(const std::string& table, Random& random)
 std::optional<std::string> otherExtent(const std::string& file, Random& random)
 {
   const std::size_t name = file.find("WholeExtent");
-  for (std::size_t at = name; name != std::string::npos && at + 48 <= std::min(file.size(), name + 200); ++at)
+  for (std::size_t at = name; name != std::string::npos && at + 24 <= std::min(file.size(), name + 200); ++at)
   {
-    const auto number = [&](std::size_t i) { return little(file, at + 8 * i, 8); };
+    const auto number = [&](std::size_t i) { return little(file, at + 4 * i, 4); };
     if (number(0) == 0 && number(2) == 0 && number(4) == 0 && number(1) - 1 < 100 && number(3) - 1 < 100 &&
       number(5) - 1 < 100)
     {
       std::string result = file;
       const std::size_t one = 1 + 2 * below(random, 3);
-      putLittle(result, at + 8 * one, 8, number(one) + 1);
+      putLittle(result, at + 4 * one, 4, number(one) + 1);
       return result;
     }
   }

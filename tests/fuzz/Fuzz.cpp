@@ -214,10 +214,10 @@ struct Kind
 
 const std::vector<Kind>& kinds()
 {
-  static const std::vector<Kind> all{ { ".vti", readGrid, 240 }, { ".vtp", readGrid, 210 }, { ".vtu", readGrid, 78 },
-    { ".png", readPicture, 80 }, { ".tif", readPicture, 80 }, { ".json", readPolygons, 60 },
-    { ".gz", readPolygons, 30 }, { ".plan", readPlan, 40 }, { ".csv", readTable, 80 }, { ".toml", readScene, 60 },
-    { ".nrrd", readStep, 15 }, { ".mha", readStep, 15 }, { ".vtkhdf", readStep, 2 }, { ".h5", readCheckpoint, 10 } };
+  static const std::vector<Kind> all{ { ".vti", readGrid, 200 }, { ".vtp", readGrid, 160 }, { ".vtu", readGrid, 50 },
+    { ".png", readPicture, 110 }, { ".tif", readPicture, 80 }, { ".json", readPolygons, 90 },
+    { ".gz", readPolygons, 50 }, { ".plan", readPlan, 59 }, { ".csv", readTable, 30 }, { ".toml", readScene, 80 },
+    { ".nrrd", readStep, 40 }, { ".mha", readStep, 40 }, { ".vtkhdf", readStep, 1 }, { ".h5", readCheckpoint, 10 } };
   return all;
 }
 
