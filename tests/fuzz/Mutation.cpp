@@ -69,7 +69,7 @@ void alterOnce(std::string& file, const std::vector<std::string>& others, Random
 {
   if (file.empty())
   {
-    file = "0";
+    file.assign(1, '0');
     return;
   }
   const auto replace = [&](const Place& place, std::string_view by) { file.replace(place.first, place.size, by); };

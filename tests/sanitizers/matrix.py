@@ -65,7 +65,7 @@ SOLVERS = {
     "equilibrium": bonds("equilibrium", *BONDS, "--strain", "1e-3", "--tolerance", "0.1"),
     "equilibrium, periodic shear": bonds("equilibrium", *BONDS, "--strain", "1e-3", "--tolerance", "0.1", "--periodic", "x", "--load", "shear",
                                          "--surface-correction"),
-    "fracture": bonds("fracture", *BREAK[:-2], "--max-broken", "3", "--tolerance", "1e-2"),
+    "fracture": bonds("fracture", *BREAK[:-2], "--max-broken", "3", "--tolerance", "1e-3"),
     "dynamics": bonds("dynamics", *BREAK, "--end-time", "TIME", "--strain-rate", "1e3"),
     "compression, moduli": bonds("compression", "--young", "1e9", "--poisson", "0.3", "--density", "1000", "--pixel-size", "1um",
                                  "--stiffness-only", mpi=False, horizons=False),
