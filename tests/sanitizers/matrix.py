@@ -97,7 +97,7 @@ def run(program, folder, case, wrap):
     name, size, horizon, threads, ranks = case
     words = [str(word) for word in SOLVERS[name]["words"](folder, size, horizon)]
     # some thirty steps of motion, whatever the size: a wave takes 1 ns through a pixel of this material
-    words = [{"TIME": "1e-8", "STRAIN": f"{0.001 / size:.3g}"}.get(word, word) for word in words]
+    words = [{"TIME": "1e-8", "STRAIN": f"{0.04 / size:.3g}"}.get(word, word) for word in words]
     command = [program, *words, "--threads", str(threads), "--quiet"]
     if wrap:
         command = [*shlex.split(wrap), *command]
