@@ -73,6 +73,36 @@ std::string firstLine(const TextTable& table, const fs::path& path, const std::s
   return line;
 }
 
+/// The cells of a row, which goes on in the next line where a text in quotes does.
+struct Row
+{
+  std::size_t cells = 0;  ///< begun
+  std::size_t filled = 0; ///< up to the last that is not blank
+  bool quoted = false;
+};
+
+void countCells(std::string_view line, char separator, Row& row)
+{
+  const bool blanks = separator == ' '; // any number of them separates
+  bool inside = !blanks;
+  row.cells = std::max<std::size_t>(row.cells, inside ? 1 : 0);
+  for (const char c : line)
+  {
+    row.quoted ^= c == '"';
+    if (c == separator && !row.quoted)
+    {
+      inside = !blanks;
+      row.cells += inside ? 1 : 0;
+    }
+    else if (c != ' ' && c != '\t' && c != '\r')
+    {
+      row.cells += inside ? 0 : 1;
+      inside = true;
+      row.filled = row.cells;
+    }
+  }
+}
+
 std::string listed(const std::vector<std::string>& names)
 {
   std::string list;
@@ -118,6 +148,34 @@ TextTable::TextTable(const fs::path& path, std::string wanted)
   if (numbers)
   {
     this->refuse("has no line of names: it begins with " + found, wanted_);
+  }
+  this->requireWholeRows(sign[0]);
+}
+
+void TextTable::requireWholeRows(char separator) const
+{
+  std::ifstream file(path_, std::ios::binary);
+  std::string line;
+  std::size_t columns = 0;
+  for (std::size_t number = 1, first = 1; std::getline(file, line); first = ++number)
+  {
+    Row row;
+    countCells(line, separator, row);
+    for (; row.quoted && std::getline(file, line); ++number)
+    {
+      countCells(line, separator, row);
+    }
+    if (columns == 0)
+    {
+      columns = row.cells;
+    }
+    else if (row.filled > columns || (row.filled > 0 && row.cells < columns))
+    {
+      this->refuse("has " + std::to_string(columns) + " columns, and " +
+          std::to_string(std::max(row.filled, row.cells)) + " values in row " + std::to_string(first),
+        "give every row a value, perhaps an empty one, for each name; texts with the separator in them stand in "
+        "quotes");
+    }
   }
 }
 

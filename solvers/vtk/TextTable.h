@@ -21,7 +21,7 @@ class VTKLAMELLASOLVERSVTK_EXPORT TextTable
 {
 public:
   /// @param wanted what the line of names is to hold: the hint where it does not
-  /// @throws InputError: no file, no text, no line of names
+  /// @throws InputError: no file, no text, no line of names, a row with more or fewer cells than there are names
   TextTable(const std::filesystem::path& path, std::string wanted);
 
   [[nodiscard]] const std::vector<std::string>& names() const noexcept { return names_; }
@@ -39,6 +39,9 @@ public:
   [[noreturn]] void lacks(const std::string& columns) const;
 
 private:
+  /// Else numbers stand under the wrong names, and nothing says so.
+  void requireWholeRows(char separator) const;
+
   std::filesystem::path path_;
   std::string wanted_;
   std::string separator_;

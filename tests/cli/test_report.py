@@ -55,7 +55,7 @@ class Report(Case):
     def test_a_scenes_folder(self):
         rows = "".join(f"{k},{k / 10},{k * k}\n" for k in range(12))
         self.fill(**{"lamella-results__json": {"format": 1}, "scene__toml": "[fracture]\nradius = 4 # <b>\n", "table__csv": "key,alpha,strength\n" + rows,
-                       "settings__csv": "alpha,strength.mean\n" + rows, "samples/ab/record__json": {"key": "ab", "seconds": 1},
+                       "settings__csv": "key,alpha,strength.mean\n" + rows, "samples/ab/record__json": {"key": "ab", "seconds": 1},
                        "samples/ab/field__png": PICTURE, "samples/cd/failure__json": {"error": "nothing carries the load", "hint": "more"}})
         said = self.works("report", "results", "--json").json()
         self.assertEqual((said["pictures"], said["tables"], said["problems"]), (1, 2, []))

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <regex>
 #include <span>
 #include <string_view>
 
@@ -15,17 +14,6 @@ namespace lamella::fuzz
 {
 namespace
 {
-
-std::size_t below(Random& random, std::size_t count)
-{
-  return count == 0 ? 0 : random() % count;
-}
-
-template <typename List>
-auto& oneOf(List& list, Random& random)
-{
-  return list[below(random, list.size())];
-}
 
 /// What numbers in files are that somebody did not think of.
 constexpr std::array<std::string_view, 28> numbers{ "0", "-1", "1", "2", "255", "256", "65535", "65536", "2147483647",
@@ -81,7 +69,7 @@ void alterOnce(std::string& file, const std::vector<std::string>& others, Random
 {
   if (file.empty())
   {
-    file = "0";
+    file.assign(1, '0');
     return;
   }
   const auto replace = [&](const Place& place, std::string_view by) { file.replace(place.first, place.size, by); };
@@ -143,55 +131,6 @@ void alterOnce(std::string& file, const std::vector<std::string>& others, Random
   }
 }
 
-/// All places that match, of which one is altered; of arrays at points only, or anywhere.
-std::optional<std::string> replaceOne(
-  const std::string& text, const std::regex& what, bool atPoints, Random& random, std::string (*by)(const std::smatch&))
-{
-  const std::size_t first = atPoints ? text.find("<PointData") : 0;
-  const std::size_t end = atPoints ? text.find("</PointData") : text.size();
-  if (first == std::string::npos || end == std::string::npos)
-  {
-    return std::nullopt;
-  }
-  const std::vector<std::smatch> found(std::sregex_iterator(text.begin() + static_cast<std::ptrdiff_t>(first),
-                                         text.begin() + static_cast<std::ptrdiff_t>(end), what),
-    std::sregex_iterator());
-  if (found.empty())
-  {
-    return std::nullopt;
-  }
-  const std::smatch& one = oneOf(found, random);
-  std::string result = text;
-  result.replace(first + static_cast<std::size_t>(one.position()), static_cast<std::size_t>(one.length()), by(one));
-  return result;
-}
-
-/// A number less, or four letters of base64, in one of the arrays.
-std::optional<std::string> shorter(const std::string& xml, Random& random)
-{
-  std::vector<std::size_t> begins; // of the values
-  for (std::size_t at = xml.find("Array "); at != std::string::npos; at = xml.find("Array ", at + 1))
-  {
-    const std::size_t end = xml.find('>', at);
-    const std::string_view tag = std::string_view(xml).substr(at, end - at);
-    const std::size_t first = end == std::string::npos ? end : xml.find_first_not_of(" \t\r\n", end + 1);
-    if (first != std::string::npos && xml[first] != '<' && !tag.ends_with('/') &&
-      tag.find("appended") == std::string_view::npos && tag.find("\"String\"") == std::string_view::npos)
-    {
-      begins.push_back(first);
-    }
-  }
-  if (begins.empty())
-  {
-    return std::nullopt;
-  }
-  const std::size_t first = oneOf(begins, random);
-  const std::size_t end = xml.find_first_of(" \t\r\n<", first);
-  std::string result = xml;
-  const bool text = xml.find("\"ascii\"") != std::string::npos;
-  return result.erase(first, text ? end - first : std::min<std::size_t>(4, end - first));
-}
-
 } // namespace
 
 std::string altered(const std::string& file, const std::vector<std::string>& others, Random& random)
@@ -204,33 +143,6 @@ std::string altered(const std::string& file, const std::vector<std::string>& oth
   constexpr std::size_t most = std::size_t{ 1 } << 20;
   result.resize(std::min(result.size(), most));
   return result;
-}
-
-std::optional<std::string> contradicting(const std::string& xml, Random& random)
-{
-  static const std::regex counts(R"re((NumberOf(?:Points|Verts|Lines|Polys|Strips|Cells|Tuples)=")(\d+)("))re");
-  static const std::regex components(R"re((NumberOfComponents=")(\d+)("))re");
-  static const std::regex types(R"re(type="(Float64|Float32|Int64|Int32|UInt8)")re");
-  static const std::regex extents(R"re((Extent="\d+ )(\d+)( ))re");
-  const auto more = [](const std::smatch& m)
-  { return m[1].str() + std::to_string(std::stoull(m[2]) + 1) + m[3].str(); };
-  switch (below(random, 5))
-  {
-    case 0:
-      return replaceOne(xml, counts, false, random, +more);
-    case 1:
-      return replaceOne(xml, components, true, random, +more);
-    case 2: // numbers as text are right in many types
-      return xml.find("\"ascii\"") != std::string::npos
-        ? std::nullopt
-        : replaceOne(
-            xml, types, true, random,
-            +[](const std::smatch& m) { return std::string(m[1] == "UInt8" ? "type=\"Int16\"" : "type=\"Int8\""); });
-    case 3:
-      return replaceOne(xml, extents, false, random, +more);
-    default:
-      return shorter(xml, random);
-  }
 }
 
 std::string mended(const std::string& checkpoint, Random& random)

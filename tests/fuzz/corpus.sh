@@ -8,17 +8,24 @@ cd "$2"
 export OMP_NUM_THREADS=1
 make() { "$lamella" "$@" --overwrite >/dev/null; }
 
-make generate honeycomb --size 24,20 -o cells.vti
+# Small ones: what an input takes grows with its size.
+make generate honeycomb --size 14,12 --cells 2 -o cells.vti
 make generate softwood --size 40,40 -o wood.png
-make generate spheres --size 9,9,9 -o spheres.tif
-make convert spheres.tif -o spheres.vti
-make convert spheres.tif -o spheres.vtkhdf
+make generate softwood --size 32,32 --look magenta -o look.png
+make generate spheres --size 5,5,5 --cells 1 -o spheres.tif
+make generate spheres --size 5,5,5 --cells 1 -o spheres.vti
+for ending in vtkhdf nrrd mha csv; do make convert spheres.vti -o "spheres.$ending"; done
+make convert wood.png -o wood.tif
+make convert wood.png --type u16 -o wood16.png
 make packing --count 12 -o grains.vtp --contacts forces.vtp
-make convert grains.vtp -o grains.csv
+for ending in csv vtu vtkhdf; do make convert grains.vtp -o "grains.$ending"; done
 make diffusion cells.vti --conductivity lumen=0.1 --conductivity wall=1 --direction x -o solved.vti
-make flux-map solved.vti -o flux.vti -o lines.vtp
-make transient cells.vti --diffusivity lumen=1e-9 --diffusivity wall=2e-9 --end-time 0.001 --checkpoint run.h5
+make flux-map solved.vti --streamlines 5 -o flux.vti -o lines.vtp
+make convert forces.vtp -o forces.vtu
+make transient cells.vti --diffusivity lumen=1e-9 --diffusivity wall=2e-9 --end-time 0.001 --checkpoint transient.h5
+make fracture cells.vti --young wall=1e9 --critical-stretch wall=1e-3 --horizon 2 --broken broken.vtp --checkpoint fracture.h5 --checkpoint-every 1
 printf '{"units": "um", "lumens": [[[0,0],[4,0],[4,3],[0,3]],[[6,0],[9,0],[9,5.5],[6,5]]]}' >cells.json
 gzip -kf cells.json
 cp "$here"/../../examples/scenes/*.toml .
 printf '%s' '{"title": "T", "sections": [{"title": "S", "text": "words", "figures": [{"file": "wood.png", "caption": "c"}], "tables": [{"file": "grains.csv", "caption": "c"}]}]}' >page.plan
+rm -f ./*.*.json # what stands beside tables and plain numbers

@@ -198,11 +198,13 @@ def transient(setting):
         low, high = min(low, 0), max(high, 0) / share
     for row in curve:
         mean = row["mean_value"] / share
-        setting.must(low - 1e-6 * wide <= mean <= high + 1e-6 * wide, f"the mean value {mean} is outside {low} to {high}")
+        # a wave that the lattice does not resolve overshoots, and the warning says that means are off
+        setting.should(low - 1e-6 * wide <= mean <= high + 1e-6 * wide, f"the mean value {mean} is outside {low} to {high}",
+                       "does not resolve")
     setting.against("maximum principle")
     if not {"bgk", "d2q9", "d3q19"} & set(map(str, words)) and answer["stored_nodes"] == np.count_nonzero(np.array(values)[nodes]):
-        if direction == "y" and sample.dimension == 2:
-            inlet, outlet = outlet, inlet  # y runs down the picture
+        if direction == "y" and (sample.dimension == 2 or nodes.shape[0] == 1):
+            inlet, outlet = outlet, inlet  # y runs down the picture, which a volume of one layer is
         times = [row["time"] / spacing**2 for row in curve]
         right = mean_in_time(np.array(values)[nodes], axis, "periodic" in words, (inlet, outlet, initial), times)
         setting.against("finite volumes in time")

@@ -194,6 +194,7 @@ TEST(ReportPlan, SaysWhereItIsWrong)
   EXPECT_TRUE(holds(refusal("[]"), "the file is no object"));
   EXPECT_TRUE(holds(refusal(R"({"titel": "x"})"), "titel is not known | did you mean 'title'?"));
   EXPECT_TRUE(holds(refusal(R"({"title": 3})"), "title is no text"));
+  EXPECT_TRUE(holds(refusal(R"({"title": 1e999})"), "is no JSON: number overflow parsing '1e999' | docs/commands"));
   EXPECT_TRUE(holds(refusal(R"({"sections": {}})"), "sections is no list"));
   EXPECT_TRUE(holds(refusal(R"({"sections": [{"title": "a", "figures": [{"file": "x.png", "captoin": ""}]}]})"),
     "sections[0].figures[0].captoin is not known | did you mean 'caption'?"));

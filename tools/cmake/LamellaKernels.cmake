@@ -14,6 +14,7 @@ function(_lamella_kernel_set target source table suffix name)
   target_compile_options(${lib} PRIVATE -O3 -fopenmp-simd -fno-math-errno -fno-trapping-math -ffp-contract=fast
     -Wno-psabi ${ARGN})
   lamella_warnings(${lib})
+  lamella_sanitize(${lib})
   target_sources(LamellaSolvers PRIVATE $<TARGET_OBJECTS:${lib}>)
 endfunction()
 

@@ -37,6 +37,17 @@ function(lamella_warnings target)
 endfunction()
 
 if(LAMELLA_SANITIZE)
-  add_compile_options(-fsanitize=${LAMELLA_SANITIZE} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${LAMELLA_SANITIZE})
+  if(LAMELLA_SANITIZE_ALL)
+    add_compile_options(-fsanitize=${LAMELLA_SANITIZE} -fno-omit-frame-pointer)
+  endif()
 endif()
+
+# Of a tree that is not instrumented as a whole, the targets that are: what reads files and what computes. They assert,
+# too, and the containers of the standard library check their indices.
+function(lamella_sanitize target)
+  if(LAMELLA_SANITIZE AND NOT LAMELLA_SANITIZE_ALL)
+    target_compile_options(${target} PRIVATE -fsanitize=${LAMELLA_SANITIZE} -fno-omit-frame-pointer
+      -O1 -g1 -UNDEBUG -D_GLIBCXX_ASSERTIONS)
+  endif()
+endfunction()

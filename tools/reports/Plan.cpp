@@ -338,7 +338,7 @@ Plan readPlan(const fs::path& file)
   {
     json = Json::parse(stream);
   }
-  catch (const Json::parse_error& error)
+  catch (const Json::exception& error) // of numbers beyond the range of double it is no parse_error
   {
     const std::string what = error.what(); // [json.exception.parse_error.101] parse error at line 2, column 3: ...
     throw InputError("'" + file.string() + "' is no JSON: " + what.substr(std::min(what.size(), what.find("] ") + 2)),

@@ -1,0 +1,151 @@
+"""Every solver in 3D, of many sizes, horizons, threads and ranks: nothing is read or written where nothing is.
+
+  matrix.py lamella=PROGRAM [sizes=20,21,...] [horizons=2,3,4,5] [only=SOLVER] [minutes=M] [ranks=1,2,3] [threads=1,2]
+            [all=1] [wrap="valgrind ..."]
+
+The program is to be built with sanitizers (./dev sanitizers does that). Each size and horizon is run once, threads and
+ranks in turn; all=1: with all of them. Tolerances are loose and steps few: what is looked at is where a solver reads and
+writes, not what comes out. Small samples come first; minutes=M ends after so much time and says what is left.
+"""
+
+import collections
+import itertools
+import os
+import pathlib
+import re
+import resource
+import shlex
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+
+SIZES = [20, 21, 27, 31, 32, 40, 41, 47, 48, 52, 63, 64, 80, 81, 95, 96]
+# what a sanitizer or an assertion says
+FAULT = re.compile(r"runtime error:|ERROR: AddressSanitizer|WARNING: ThreadSanitizer|Assertion|Invalid (?:read|write)|SUMMARY: \w+Sanitizer")
+
+BONDS = ["--young", "wall=1e9", "--void", "void", "--pixel-size", "1um"]
+BREAK = [*BONDS, "--critical-stretch", "wall=1e-3", "--density", "wall=1000"]
+
+
+def sample(folder, n, periodic=False):
+    """Two phases whose interfaces lie everywhere, a third of it void, and whole where platens hold it."""
+    where = np.indices((n, n, n))
+    wave = sum(np.sin((2 + a) * 2 * np.pi * (x + a) / n) for a, x in enumerate(where))
+    nodes = np.where(wave > -0.6, 255, 0).astype(np.uint8)
+    if not periodic:
+        nodes[:6] = nodes[-6:] = 255
+    name = f"{'cell' if periodic else 'sample'}_{n}x{n}x{n}_u8.raw"
+    path = pathlib.Path(folder) / name
+    if not path.exists():
+        path.write_bytes(nodes.tobytes())
+    return [name, "--phase", "255=wall", "--phase", "0=void"]
+
+
+def bonds(command, *words, mpi=True, horizons=True, least=0):
+    """@param least size below which platens or pieces leave nothing between them"""
+    return {"words": lambda folder, n, h: [command, *sample(folder, n), *words, *(["--horizon", h] if horizons else [])],
+            "mpi": mpi, "horizons": horizons, "least": least}
+
+
+SOLVERS = {
+    "diffusion": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=1e-3", "--direction", "x",
+                       "--method", "multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False),
+    "diffusion, algebraic": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=0", "--direction", "z",
+                                  "--method", "algebraic-multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False),
+    "diffusion, periodic D3Q19": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=0.1", "--direction", "y", "--lattice",
+                                       "d3q19", "--sides", "periodic", "--tolerance", "1e-1", "--no-error-estimate", horizons=False),
+    "transient": bonds("transient", "--pixel-size", "1um", "--diffusivity", "wall=1e-9", "--diffusivity", "void=2e-9",
+                       "--direction", "x", "--end-time", "4e-3", "--frames", "2", horizons=False),
+    "stiffness": {"words": lambda folder, n, h: ["stiffness", *sample(folder, n, True), *BONDS, "--horizon", h,
+                                                 "--tolerance", "0.1", "--no-error-estimate"],
+                  "mpi": True, "horizons": True, "least": 0},
+    "equilibrium": bonds("equilibrium", *BONDS, "--strain", "1e-3", "--tolerance", "0.1"),
+    "equilibrium, periodic shear": bonds("equilibrium", *BONDS, "--strain", "1e-3", "--tolerance", "0.1", "--periodic", "x", "--load", "shear",
+                                         "--surface-correction"),
+    "fracture": bonds("fracture", *BREAK[:-2], "--max-broken", "3", "--tolerance", "1e-3"),
+    "dynamics": bonds("dynamics", *BREAK, "--end-time", "TIME", "--strain-rate", "1e3"),
+    "compression, moduli": bonds("compression", "--young", "1e9", "--poisson", "0.3", "--density", "1000", "--pixel-size", "1um",
+                                 "--stiffness-only", mpi=False, horizons=False),
+    "compression": bonds("compression", "--young", "1e9", "--poisson", "0.3", "--density", "1000", "--pixel-size", "1um",
+                         "--strain", "STRAIN", horizons=False),
+    "pore-flood-fill": bonds("pore-flood-fill", mpi=True, horizons=False),
+}
+
+
+def cases(keys):
+    numbers = lambda key, default: [int(n) for n in str(keys.get(key, default)).split(",")]  # noqa: E731
+    pairs = list(itertools.product(numbers("threads", "1,2"), numbers("ranks", "1,2,3")))
+    turn = collections.Counter()
+    for size in numbers("sizes", ",".join(map(str, SIZES))):
+        for name, solver in SOLVERS.items():
+            if not name.startswith(keys.get("only", "")) or size < solver["least"]:
+                continue
+            for horizon in numbers("horizons", "2,3,4,5") if solver["horizons"] else [0]:
+                usable = [pair for pair in pairs if solver["mpi"] or pair[1] == 1]
+                if "all" not in keys:
+                    usable = [usable[turn[name] % len(usable)]]
+                    turn[name] += 1
+                for threads, ranks in usable:
+                    yield name, size, horizon, threads, ranks
+
+
+def run(program, folder, case, wrap):
+    """@returns outcome, what is to be said of it, processor time"""
+    name, size, horizon, threads, ranks = case
+    words = [str(word) for word in SOLVERS[name]["words"](folder, size, horizon)]
+    # some thirty steps of motion, whatever the size: a wave takes 1 ns through a pixel of this material
+    words = [{"TIME": "1e-8", "STRAIN": f"{0.04 / size:.3g}"}.get(word, word) for word in words]
+    command = [program, *words, "--threads", str(threads), "--quiet"]
+    if wrap:
+        command = [*shlex.split(wrap), *command]
+    if ranks > 1:
+        command = ["mpiexec", "--oversubscribe", "--bind-to", "none", "-n", str(ranks), *command]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace", check=False)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    text = done.stderr + done.stdout
+    if FAULT.search(text) or done.returncode < 0:
+        return "fault", " ".join(command) + "\n" + text[-6000:], used
+    if done.returncode != 0:
+        error = next((line for line in text.splitlines() if line.startswith("error: ")), text.strip()[-300:])
+        return "refused", f"{' '.join(command)}: {error}", used
+    return "clean", "", used
+
+
+def main():
+    keys = dict(word.partition("=")[::2] for word in sys.argv[1:])
+    program = os.path.abspath(keys["lamella"])
+    end = time.monotonic() + 60 * float(keys.get("minutes", "inf"))
+    os.environ.setdefault("ASAN_OPTIONS", "detect_leaks=0")
+    os.environ.setdefault("UBSAN_OPTIONS", "print_stacktrace=1:halt_on_error=1")
+    os.environ.update(OMP_WAIT_POLICY="PASSIVE", OPENBLAS_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1",
+                      OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_mpi_yield_when_idle="1",
+                      OMPI_MCA_btl_vader_single_copy_mechanism="none")
+    counts, times, sizes, left = collections.Counter(), collections.Counter(), collections.defaultdict(set), 0
+    with tempfile.TemporaryDirectory(prefix="lamella-matrix-") as folder:
+        for case in cases(keys):
+            if time.monotonic() > end:
+                left += 1
+                continue
+            outcome, said, used = run(program, folder, case, keys.get("wrap", ""))
+            counts[case[0], outcome] += 1
+            times[case[0]] += used
+            sizes[case[0]].add(case[1])
+            if outcome != "clean" or "verbose" in keys:
+                print("{}: {}, {}³, horizon {}, {} threads, {} ranks: {:.1f} s {}".format(outcome, *case, used, said), flush=True)
+    print("| solver | sizes | clean | refused | faults | processor time [s] |\n|---|---|---|---|---|---|")
+    for name in SOLVERS:
+        if sizes[name]:
+            print(f"| {name} | {min(sizes[name])} to {max(sizes[name])} | {counts[name, 'clean']} | {counts[name, 'refused']} | "
+                  f"{counts[name, 'fault']} | {times[name]:.0f} |")
+    if left:
+        print(f"{left} not run: no time was left")
+    return 1 if any(outcome == "fault" for _, outcome in counts) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
