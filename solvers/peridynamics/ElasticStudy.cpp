@@ -166,6 +166,11 @@ std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult&
                                    "within the solver's tolerance of "
                                    "nothing. Ask for a smaller --tolerance, or make the phases less different",
       low, high));
+  else if (r.effectiveModulus < 0) // which no bonds have
+    warnings.push_back(fmt::format(
+      "the platens pull with {:.4g} and {:.4g} N against the movement, which nothing elastic does: the load is within "
+      "the solver's tolerance of nothing. Either nothing carries it, or ask for a smaller --tolerance",
+      low, high));
   return warnings;
 }
 
