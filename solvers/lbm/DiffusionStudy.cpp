@@ -276,7 +276,12 @@ private:
             std::ranges::all_of(
               sample.lattice.size, [&](std::int64_t s) { return s == 1 || s >= stride * fewestAcross; }))
             subsamples.push_back({ static_cast<double>(stride), subsampleValues(sample, part, stride, n, whole, a) });
-        errors.emplace_back(std::in_place, value, subsamples);
+        // A window's values differ from the whole picture's, the ratios between them hardly: all in the whole's.
+        const double scale = valueOf(a.result, a.axis) / value;
+        for (SubsampleValues& of : subsamples)
+          for (double& v : of.values)
+            v *= scale;
+        errors.emplace_back(std::in_place, value * scale, subsamples);
       }
       catch (const NoPathError&)
       {

@@ -120,6 +120,24 @@ TEST(PictureError, HoldsAHardwoodThatItsPixelsAloneDoNotTell)
   }
 }
 
+// Pictures with too many nodes for their subsamples are told by a window, whose own value may be quite another.
+TEST(PictureError, OfAWindowIsThatOfTheWhole)
+{
+  const PhaseImage image = hardwood(600);
+  lbm::StudyOptions few;
+  few.estimateNodes = 200 * 200;
+  const auto whole = study(image, heat);
+  const auto window = study(image, heat, few);
+  const double value = whole.result.effective[0];
+  EXPECT_EQ(window.result.effective[0], value);
+  const auto& part = window.steps.back();
+  EXPECT_TRUE(part.sampled);
+  EXPECT_GT(std::abs(part.value / value - 1), 0.03); // quite another
+  EXPECT_LT(std::abs(window.error.relative / whole.error.relative - 1), 1);
+  ASSERT_TRUE(std::isfinite(window.error.extrapolated));
+  EXPECT_NEAR(window.error.extrapolated / value, whole.error.extrapolated / value, 0.5 * whole.error.relative);
+}
+
 TEST(PictureError, OfSplitPixelsNoMoreThanThePicturesOwnIsLeft)
 {
   lbm::StudyOptions split;
