@@ -69,8 +69,8 @@ class Judge
 {
 public:
   explicit Judge(const Keys& keys)
-    : cases_(
-        keys, "error-bars-outlines", "cases", "group,case,lumen,axis,size,truth,value,error,bar,lattice,picture,sealed,width")
+    : cases_(keys, "error-bars-outlines", "cases",
+        "group,case,lumen,axis,size,truth,value,error,bar,lattice,picture,sealed,width")
   {
   }
 
@@ -79,8 +79,8 @@ public:
     const ContourAnswer& a, double width = 0)
   {
     const double error = std::abs(a.value / truth - 1);
-    cases_.line(
-      group, name, lumen, a.axis, size, truth, a.value, error, a.error, a.latticeError, a.pictureError, a.sealed, width);
+    cases_.line(group, name, lumen, a.axis, size, truth, a.value, error, a.error, a.latticeError, a.pictureError,
+      a.sealed, width);
     if (groups_.find(group) == groups_.end())
       order_.push_back(group);
     groups_[group].push_back({ error, a.error, error <= a.latticeError });
@@ -317,8 +317,8 @@ void picture(Judge& judge, const std::string& group, const std::string& name, co
     const ContourSet moved = doubt > 0 ? micrograph::movedOutlines(set, doubt * mask.lattice.spacing) : ContourSet{};
     const ContourSet sealed = micrograph::sealedOutlines(set, mask.lattice.spacing);
     for (const auto& [lumen, truth] : truths)
-      for (const ContourAnswer& a : solve(set, mask.lattice.spacing, lumen, { 0, 1 }, coarser, moved, sealed,
-             mask.lattice.spacing, !level.empty()))
+      for (const ContourAnswer& a :
+        solve(set, mask.lattice.spacing, lumen, { 0, 1 }, coarser, moved, sealed, mask.lattice.spacing, !level.empty()))
         judge.take(group, name, lumen, static_cast<int>(mask.lattice.size[0]), truth[static_cast<std::size_t>(a.axis)],
           a, micrograph::leastWidth(set) / mask.lattice.spacing);
   }

@@ -251,8 +251,8 @@ private:
       throw ParameterError("--conductivity of a lamella, and this picture has none", "leave it out");
     }
     report_.conductivity = plan_.conductivities->named;
-    MicrographProblem problem{ source_.contours, *plan_.conductivities, {}, source_.pixel, options_.input.shares, source_.doubt,
-      *report_.spacing, plan_.targetError, plan_.axes, options_.threads };
+    MicrographProblem problem{ source_.contours, *plan_.conductivities, {}, source_.pixel, options_.input.shares,
+      source_.doubt, *report_.spacing, plan_.targetError, plan_.axes, options_.threads };
     if (source_.coarser)
     {
       problem.coarser = source_.coarser();

@@ -45,9 +45,9 @@ struct ContourStep
 
 /// Error that a picture's pixels leave in the value that its outlines have, from those of every second and every third
 /// pixel (micrograph/CoarserOutlines.h): outlineDeviations() times the standard deviation that follows from the squared
-/// mean of their differences from `value`. The area of a lumen in a mask errs like the pixel to the power 3/2, and so, as measured,
-/// do the values; then values of pixels n times as large, which share every n² th pixel with the picture, differ from
-/// its own with n³ − 1 times the variance of its own error. Of two strides the finer has the weight 3/4.
+/// mean of their differences from `value`. The area of a lumen in a mask errs like the pixel to the power 3/2, and so,
+/// as measured, do the values; then values of pixels n times as large, which share every n² th pixel with the picture,
+/// differ from its own with n³ − 1 times the variance of its own error. Of two strides the finer has the weight 3/4.
 /// @param value what the picture's own outlines conduct on the same lattice, > 0
 /// @return relative to `value`; NaN where there are fewer than two values of the finest stride
 /// How often it holds: docs/benchmarks/contours.md.
@@ -124,8 +124,8 @@ struct ContourStudyOptions
 /// the change before that one where that is larger, since two lattices may agree by chance. The picture's is
 /// outlineError() of `coarser`. How often they hold: docs/benchmarks/contours.md. With a target the last three lattices
 /// count; each halving takes about four times as long and as much memory as the last, and halves the lattice's error.
-/// @throws ParameterError for a target that is negative or not finite, or coarser pictures and no pixel; what contourLattice(), linksOf() and
-/// SteadyDiffusion throw
+/// @throws ParameterError for a target that is negative or not finite, or coarser pictures and no pixel; what
+/// contourLattice(), linksOf() and SteadyDiffusion throw
 [[nodiscard]] std::vector<ContourAnswer> studyContours(
   const micrograph::ContourSet& contours, const ContourStudyOptions& options, MPI_Comm comm);
 

@@ -31,8 +31,8 @@ struct LumenMeasures
 /// @throws InputError as outlines()
 [[nodiscard]] double wallFraction(const ContourSet& set);
 
-/// Twice the area of the lumens, or of the walls where that is less, over the length of all outlines without the border:
-/// the thickness of plates, the radius of disks [m].
+/// Twice the area of the lumens, or of the walls where that is less, over the length of all outlines without the
+/// border: the thickness of plates, the radius of disks [m].
 /// @throws InputError as outlines()
 [[nodiscard]] double leastWidth(const ContourSet& set);
 

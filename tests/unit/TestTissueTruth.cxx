@@ -257,7 +257,7 @@ TEST(TissueTruth, TissueGoesOnBelowTheFirstRay)
     options.rayEvery = 60e-6;
     options.seed = seed;
     const TissueTruth truth = softwoodTruth(options);
-    EXPECT_NEAR(lumenShare(truth.cells), 1, 1e-2) << seed; // bent rays leave slivers
+    EXPECT_NEAR(lumenShare(truth.cells), 1, 1e-2) << seed;                  // bent rays leave slivers
     EXPECT_LT(disagreement(softwood(options), truth.lumens), 5e-3) << seed; // a strip of ray would be 3e-2
   }
 }

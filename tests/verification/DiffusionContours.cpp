@@ -294,7 +294,7 @@ TEST(DiffusionContours, BarsOfMasks)
         }
       }
   std::sort(ratio.begin(), ratio.end());
-  EXPECT_GE(held, 0.8 * cases);       // of 24, fewer than 20 hold by chance once in a hundred where 94 % do
+  EXPECT_GE(held, 0.8 * cases);          // of 24, fewer than 20 hold by chance once in a hundred where 94 % do
   EXPECT_LT(ofLattices, 0.7 * cases);    // which is why there is the other
   EXPECT_LE(ratio[ratio.size() / 2], 8); // of 24; four in the benchmark's many
 }
@@ -302,15 +302,16 @@ TEST(DiffusionContours, BarsOfMasks)
 // Standard deviations of a value whose variance grows with the pixel's third power.
 TEST(DiffusionContours, ErrorOfOutlines)
 {
-  EXPECT_NEAR(
-    outlineError(2, std::vector<SubsampleValues>{ { 2, { 2.2, 1.8, 2.2, 1.8 } } }, 1.9), 1.9 * 0.1 / std::sqrt(7), 1e-12);
+  EXPECT_NEAR(outlineError(2, std::vector<SubsampleValues>{ { 2, { 2.2, 1.8, 2.2, 1.8 } } }, 1.9),
+    1.9 * 0.1 / std::sqrt(7), 1e-12);
   EXPECT_NEAR(outlineError(2, std::vector<SubsampleValues>{ { 2, { 2.2, 1.8 } }, { 3, { 2.0, 0.0 } } }, 1.5),
     1.5 * std::sqrt(0.75 * 0.01 / 7 + 0.25 * 0.5 / 26), 1e-12);
   EXPECT_EQ(outlineError(2, std::vector<SubsampleValues>{ { 2, { 2, 2 } }, { 3, {} } }, 1), 0);
   EXPECT_TRUE(std::isnan(outlineError(2, std::vector<SubsampleValues>{ { 2, { 2.1 } }, { 3, { 2, 3 } } }, 1)));
 }
 
-// More of them where lumens or walls are narrow. Twice the area of disks over the length of their outlines is their radius.
+// More of them where lumens or walls are narrow. Twice the area of disks over the length of their outlines is their
+// radius.
 TEST(DiffusionContours, DeviationsOfOutlines)
 {
   const ContourSet disk = test::squareOfDisk(0.3, 1);
