@@ -157,6 +157,9 @@ std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult&
       fmt::format("{} nodes hang on too few bonds to resist in every direction: they follow where nothing resists",
         r.solve.hinges));
   // The residual counts over the forces that hold the stiffest nodes, which can be far above the load itself.
+  double stiffest = 0;
+  for (const auto& [ids, pair] : model.pairs)
+    stiffest = std::max(stiffest, pair.material.youngsModulus);
   constexpr double noted = 0.01;
   const auto along = static_cast<std::size_t>(r.across);
   const double low = r.reactions.low[along];
@@ -166,11 +169,12 @@ std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult&
                                    "within the solver's tolerance of "
                                    "nothing. Ask for a smaller --tolerance, or make the phases less different",
       low, high));
-  else if (r.effectiveModulus < 0) // which no bonds have
-    warnings.push_back(fmt::format(
-      "the platens pull with {:.4g} and {:.4g} N against the movement, which nothing elastic does: the load is within "
-      "the solver's tolerance of nothing. Either nothing carries it, or ask for a smaller --tolerance",
-      low, high));
+  // A board of diagonals, say, that turn into each other without force: what is left is the residual, of either sign.
+  else if (r.effectiveModulus < r.solve.residual * stiffest)
+    warnings.push_back(
+      fmt::format("a modulus of {:.4g} Pa is within the solver's tolerance of nothing: either nothing carries the "
+                  "load, or a smaller --tolerance tells what does",
+        r.effectiveModulus));
   return warnings;
 }
 

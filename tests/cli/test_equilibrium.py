@@ -185,7 +185,7 @@ class Equilibrium(Case):
                             "--micromodulus", "continuum", "--axis", "y", "--pixel-size", "1um", "--strain=-0.001", "--json")
         modulus = result.json()["effective_modulus"]
         self.assertLess(abs(modulus), 1e-6 * 5e7)
-        self.assertEqual("against the movement" in result.err, modulus < 0 and "which should be opposite" not in result.err)
+        self.assertIn("within the solver's tolerance of nothing", result.err)
 
     def test_what_cannot_be_done(self):
         bar = [*BAR, "--young", "stone=1e9"]
