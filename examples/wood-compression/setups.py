@@ -60,7 +60,11 @@ SETUPS = {
         "fine": ({}, dict(spacing=1e-6), {}),
     },
     "poplar": {name: COMMON[name] for name in ("usual", "open", "grip")} | {"no-rays": (dict(ray_distance=0), {}, {})},
-    "poplar-part": {name: COMMON[name] for name in ("usual", "open")} | YIELDING,
+    "poplar-part": {
+        **{name: COMMON[name] for name in ("usual", "open")},
+        **YIELDING,
+        "yield-200-slower": ({}, {}, dict(YIELDS, yield_stress=200e6, speeds=(3e-3, 3e-3, 3e-3))),
+    },
 }
 
 
