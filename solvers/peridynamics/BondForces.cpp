@@ -1,7 +1,7 @@
 #include "peridynamics/BondForces.h"
 
 #include "peridynamics/BondNumbers.h"
-#include "peridynamics/RowSweep.h"
+#include "peridynamics/RowJobs.h"
 
 #include <omp.h>
 
@@ -12,15 +12,6 @@ namespace lamella::peridynamics
 {
 namespace
 {
-
-template <class Real>
-const RealRowKernels<Real>& kernelsOf(const BondLattice& bonds)
-{
-  if constexpr (sizeof(Real) == 8)
-    return bonds.rowKernels().d;
-  else
-    return bonds.rowKernels().f;
-}
 
 /// Which bonds a pass sums: all, those between owned rows, or those between an owned row and another rank's.
 enum class Part
@@ -83,12 +74,9 @@ public:
     , marks_(nonlinear ? bonds.layout().pitch : 0)
     , kernels_(kernelsOf<Real>(bonds))
   {
-    job_.planes = bonds.planes();
+    begin(job_, bonds, numbers);
     job_.t = buffers_.data() + NodeLayout::margin;
     job_.pitch = bonds.layout().pitch;
-    job_.stiffness = numbers.stiffness.data();
-    job_.critical = numbers.critical.data();
-    job_.safe = numbers.safe;
     job_.marks = marks_.data() + (nonlinear ? NodeLayout::margin : 0);
   }
 
@@ -121,7 +109,7 @@ public:
           {
             const std::int64_t toY = y + chunk.step[1];
             const std::int64_t toZ = z + chunk.step[2];
-            if (!inLattice(l, 1, toY) || !inLattice(l, 2, toZ))
+            if (!inLattice(bonds_, 1, toY) || !inLattice(bonds_, 2, toZ))
               continue;
             if (part != Part::All && (away || remote.contain(toY, toZ)) != (part == Part::Rim))
               continue;
@@ -140,13 +128,6 @@ public:
 
 private:
   static constexpr std::int64_t rowsBetweenPolls = 8;
-
-  // Bonds that leave the lattice are none, and a row near its end has many of them.
-  [[nodiscard]] bool inLattice(const NodeLayout& l, std::size_t axis, std::int64_t at) const noexcept
-  {
-    const std::int64_t global = at + l.start[axis];
-    return bonds_.periodic()[axis] || (global >= 0 && global < l.global[axis]);
-  }
 
   // What pull() reads and push() does not write. Most rows have the gaps of the row before, which are still clear.
   void clearGaps()
@@ -169,37 +150,15 @@ private:
     const std::int64_t i = l.index(0, y, z);
     const std::int64_t j = l.index(0, y + chunk.step[1], z + chunk.step[2]);
     RowJob<Real>& job = job_;
-    job.count = chunk.count;
-    job.bit = chunk.first % 32;
-    job.stepX = chunk.step[0];
-    job.marked = false;
-    for (int p = 0; p < job.planes; ++p)
-      job.words[p] = bonds_.plane(p, chunk.first / 32) + i;
+    aim(job, bonds_, numbers_, chunk, u_, y, z);
     for (std::size_t c = 0; c < d; ++c)
     {
       const int k = static_cast<int>(c);
-      job.u[c] = u_.component(k) + i;
-      job.v[c] = u_.component(k) + j;
       job.f[c] = own ? f_.component(k) + i : dump_.data() + k * l.pitch + NodeLayout::margin;
     }
-    if (bonds_.corrected())
-      for (std::size_t c = 0; c < d; ++c)
-      {
-        job.shareI[c] = bonds_.shares(static_cast<int>(c)) + i;
-        job.shareJ[c] = bonds_.shares(static_cast<int>(c)) + j;
-      }
-    job.unit = numbers_.of(0) + chunk.first;
-
     const auto& table = (nonlinear_ ? kernels_.nonlinear : kernels_.linear)[d - 2];
-    const int planesPath = job.planes <= 3 ? job.planes : static_cast<int>(ManyPlanes);
     for (const Run& r : runs_.push)
-    {
-      const bool uniform = r.kind != 255;
-      job.uniformKind = uniform ? r.kind : 1;
-      job.kind = numbers_.of(job.uniformKind) + chunk.first;
-      table[uniform ? static_cast<int>(Uniform) : planesPath][bonds_.corrected() ? 1 : 0][chunk.count - 1](
-        job, r.begin, r.end);
-    }
+      table[follow(job, numbers_, chunk, r)][bonds_.corrected() ? 1 : 0][chunk.count - 1](job, r.begin, r.end);
     if (job.marked)
       count(chunk, y, z, own, list);
     if (!target)

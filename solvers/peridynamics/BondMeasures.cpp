@@ -4,6 +4,7 @@
 #include "peridynamics/BondForces.h"
 #include "peridynamics/BondRows.h"
 #include "peridynamics/RimExchange.h"
+#include "peridynamics/RowJobs.h"
 
 #include <omp.h>
 
@@ -78,6 +79,54 @@ StretchMaximum overRanks(const BondLattice& bonds, const Greatest& mine)
   return result;
 }
 
+/// By the row kernels: the energy of all bonds is asked for along with the history of a motion, every few steps.
+template <class Real>
+double nonlinearEnergy(const BondLattice& bonds, const NodeField<Real>& u)
+{
+  const NodeLayout& l = bonds.layout();
+  const BondNumbers<Real> numbers(bonds);
+  const std::vector<Chunk> list = chunks(bonds.stencil(), maxChunk);
+  const auto& table = kernelsOf<Real>(bonds).energy[l.dimension - 2];
+  constexpr std::int64_t unit = 64 / static_cast<std::int64_t>(sizeof(Real));
+  const std::int64_t end = (l.size[0] + unit - 1) / unit * unit;
+  std::vector<double> parts(static_cast<std::size_t>(l.size[1] * l.size[2]), 0.0);
+#pragma omp parallel
+  {
+    RowJob<Real> job{};
+    begin(job, bonds, numbers);
+    AlignedArray<Real> energies(l.pitch);
+    job.f[0] = energies.data() + NodeLayout::margin;
+    RowRuns runs;
+#pragma omp for schedule(dynamic, 8)
+    for (std::int64_t r = 0; r < l.size[1] * l.size[2]; ++r)
+    {
+      const std::int64_t y = r % l.size[1];
+      const std::int64_t z = r / l.size[1];
+      if (!runs.find(bonds, l.row(y, z), static_cast<int>(unit)))
+        continue;
+      std::fill_n(job.f[0], end, Real(0));
+      for (const Chunk& chunk : list)
+      {
+        if (!inLattice(bonds, 1, y + chunk.step[1]) || !inLattice(bonds, 2, z + chunk.step[2]))
+          continue;
+        aim(job, bonds, numbers, chunk, u, y, z);
+        for (const Run& run : runs.push)
+        {
+          const std::int64_t x0 = std::max<std::int64_t>(run.begin, 0);
+          const std::int64_t x1 = std::min(run.end, end);
+          if (x0 < x1)
+            table[follow(job, numbers, chunk, run)][bonds.corrected() ? 1 : 0](job, x0, x1);
+        }
+      }
+      double sum = 0;
+      for (std::int64_t x = 0; x < l.size[0]; ++x)
+        sum += static_cast<double>(job.f[0][x]);
+      parts[static_cast<std::size_t>(r)] = sum;
+    }
+  }
+  return bonds.communicator().sum(inOrder(parts));
+}
+
 } // namespace
 
 template <class Real>
@@ -124,8 +173,10 @@ StretchMaximum largestStretchWithin(const BondLattice& bonds, const NodeField<Re
 template <class Real>
 double elasticEnergy(const BondLattice& bonds, const NodeField<Real>& u, bool nonlinear)
 {
+  if (nonlinear)
+    return nonlinearEnergy(bonds, u);
   std::vector<double> parts(static_cast<std::size_t>(bonds.layout().size[1] * bonds.layout().size[2]), 0.0);
-  choose(bonds, nonlinear,
+  choose(bonds, false,
     [&]<int Dim, bool Nonlinear>()
     {
       eachOwned<Real>(bonds,

@@ -135,8 +135,13 @@ TEST_P(BondSums, Forces)
     const Field linear = plainForce(plain, u, false);
     const Field nonlinear = plainForce(plain, u, true);
     std::int64_t critical = 0;
+    double energy = 0;
     for (const PlainBond& b : plain)
-      critical += PlainState(b, u, true).stretch > b.s0 ? 1 : 0;
+    {
+      const PlainState s(b, u, true);
+      critical += s.stretch > b.s0 ? 1 : 0;
+      energy += 0.25 * b.k * s.stretch * s.stretch * s.length;
+    }
     for (int k = 0; k < n; ++k)
     {
       SCOPED_TRACE(sets[k]->name);
@@ -155,6 +160,8 @@ TEST_P(BondSums, Forces)
       NodeField<float> g(bonds.layout());
       linearForce(bonds, w, g);
       EXPECT_LT(difference(g, sample, linear), 1e-5);
+      EXPECT_NEAR(elasticEnergy(bonds, v, true), energy, roundOff * energy);
+      EXPECT_NEAR(elasticEnergy(bonds, w, true), energy, 1e-5 * energy);
       (void)nonlinearForce(bonds, w, g);
       EXPECT_LT(difference(g, sample, nonlinear), 1e-5);
     }

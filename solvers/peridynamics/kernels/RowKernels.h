@@ -72,6 +72,9 @@ struct RealRowKernels
   /// a cache line.
   Push linear[2][paths][2][maxChunk];
   Push nonlinear[2][paths][2][maxChunk];
+  /// Adds the energy of the bonds from a node to f[0] at it, ½ k/|ξ| (|ξ+η| − |ξ|)²; nothing is marked. By dimension -
+  /// 2, path and surface correction, for any number of bonds.
+  Push energy[2][paths][2];
   /// Subtracts the buffers from the second nodes x0 … x1. By dimension - 2 and bonds - 1.
   Push pullLinear[2][maxChunk];
   Push pullNonlinear[2][maxChunk];

@@ -403,6 +403,45 @@ void pullNonlinear(RowJob<Real>& job, std::int64_t x0, std::int64_t x1)
   }
 }
 
+/// Once in many steps: one bond after the other, whatever its elongation.
+template <class Real, int Dim, int PathId, bool Corrected>
+void energyOfBonds(RowJob<Real>& job, std::int64_t x0, std::int64_t x1)
+{
+  using V = typename Simd<Real>::V;
+  const NonlinearRows<Real, Dim> rows(job);
+  const OffsetNumbers<Real>* const numbers = PathId == Uniform || PathId == OnePlane ? job.kind : job.unit;
+  V factor[maxChunk]; // of the square of the stretch
+  for (int b = 0; b < job.count; ++b)
+    factor[b] = all(Real(0.5) * numbers[b].spring / numbers[b].inverseSquare);
+  const V one = all(Real(1));
+  const V least = all(Real(1e-30));
+  for (std::int64_t x = x0; x < x1; x += Simd<Real>::lanes)
+  {
+    Bits<Real, PathId> bits;
+    bits.read(job, x);
+    V u[Dim];
+    for (int c = 0; c < Dim; ++c)
+      u[c] = load(rows.u[c] + x);
+    V sum = load(rows.f[0] + x);
+    for (int b = 0; b < job.count; ++b)
+    {
+      V zeta[1][Dim];
+      V q[1];
+      elongations<Real, Dim, PathId, 1>(job, rows, numbers, b, x, bits, u, zeta, q);
+      V square = one + q[0];
+      square = square > least ? square : least;
+      const V stretch = q[0] / (one + root<Real>(square));
+      V w = factor[b] * stretch * stretch;
+      if constexpr (PathId != Uniform && PathId != OnePlane)
+        w *= bits.choose(job, job.bit + b, job.stiffness);
+      if constexpr (Corrected)
+        w *= correction<Real, Dim>(job, b, x);
+      sum += w;
+    }
+    store(rows.f[0] + x, sum);
+  }
+}
+
 // ---- the table
 
 template <class Real, int Dim, int PathId, bool Corrected>
@@ -418,6 +457,7 @@ constexpr void fillCounts(RealRowKernels<Real>& k)
   nonlinear[1] = pushNonlinear<Real, Dim, PathId, Corrected, 2>;
   nonlinear[2] = pushNonlinear<Real, Dim, PathId, Corrected, 3>;
   nonlinear[4] = pushNonlinear<Real, Dim, PathId, Corrected, 5>;
+  k.energy[Dim - 2][PathId][Corrected] = energyOfBonds<Real, Dim, PathId, Corrected>;
 }
 
 template <class Real, int Dim>
@@ -434,6 +474,7 @@ constexpr void fillDimension(RealRowKernels<Real>& k)
     k.linear[Dim - 2][Uniform][1][b] = k.linear[Dim - 2][Uniform][0][b];
     k.nonlinear[Dim - 2][Uniform][1][b] = k.nonlinear[Dim - 2][Uniform][0][b];
   }
+  k.energy[Dim - 2][Uniform][1] = k.energy[Dim - 2][Uniform][0];
   fillCounts<Real, Dim, OnePlane, true>(k);
   fillCounts<Real, Dim, TwoPlanes, true>(k);
   fillCounts<Real, Dim, ThreePlanes, true>(k);
