@@ -178,6 +178,25 @@ class Equilibrium(Case):
         self.assertEqual("the platens pull with" in result.err, abs(low + high) > 0.01 * max(abs(low), abs(high)))
         self.assertIn("the platens pull with", result.err)
 
+    def test_a_soft_layer_between_stiff_ones(self):
+        # The layer alone gives way, so from a contrast of 1e4 on the modulus is that of rigid sides to 1e-3. A residual of 1e-6 of the
+        # stiff sides' forces left it 1 % off at 1e6, in silence; 1e-12 is the reference.
+        self.write("layer.png", pictures.png([[70 if x == 3 else 10 for x in range(14)]] * 4))
+        words = ["layer.png", "--phase", "10=stiff", "--phase", "70=soft", "--young", "soft=1", "--mixing", "harmonic", "--axis", "x",
+                 "--horizon", "1.5", "--micromodulus", "continuum", "--pixel-size", "1um", "--critical-stretch", "stiff=1e-3",
+                 "--critical-stretch", "soft=1e-3"]
+        right = self.run_lamella("equilibrium", *words, "--young", "stiff=1e5", "--tolerance", "1e-12", "--json").json()
+        for contrast in ("1e4", "1e5", "1e6"):
+            result = self.run_lamella("equilibrium", *words, "--young", f"stiff={contrast}", "--json")
+            self.assertAlmostEqual(result.json()["effective_modulus"] / right["effective_modulus"], 1, delta=1e-3)
+            self.assertNotIn("may be off", result.err)
+        first = self.run_lamella("fracture", *words, "--young", "stiff=1e5", "--max-broken", "1", "--json").json()
+        self.assertAlmostEqual(first["effective_modulus"] / right["effective_modulus"], 1, delta=1e-3)
+        self.assertAlmostEqual(first["first_break"]["strain"] / right["first_break"]["strain"], 1, delta=1e-3)
+        # what no solver of double precision can tell is said
+        result = self.run_lamella("equilibrium", *words, "--young", "stiff=1e14", "--json")
+        self.assertRegex(result.err, "may be off by as much|tolerance of nothing|of\\s+nothing")
+
     def test_a_board_that_nothing_carries(self):
         # Diagonals alone, which turn into each other without force: what is left of the load is round-off, of either sign.
         self.write("board.png", pictures.png([[255 * ((x + y) % 2) for x in range(6)] for y in range(8)]))
