@@ -3,6 +3,7 @@
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
 #include "peridynamics/BondForces.h"
+#include "peridynamics/fracture/PlatenForce.h"
 #include "peridynamics/multigrid/LevelSizes.h"
 
 #include <fmt/format.h>
@@ -147,6 +148,26 @@ std::optional<FirstBreak> firstBreak(const BondLattice& bonds, const Lattice& la
   return first;
 }
 
+/// What the residual does on the way, over what the load does: the relative error of the mean movement, but for what is
+/// of second order. @param force of bonds and load
+double workOfResidual(
+  const BondLattice& bonds, const LoadedSample& sample, const NodeField<double>& u, const NodeField<double>& force)
+{
+  const NodeLayout& l = bonds.layout();
+  std::array<double, 2> sums{};
+  for (std::int64_t z = 0; z < l.size[2]; ++z)
+    for (std::int64_t y = 0; y < l.size[1]; ++y)
+      for (std::int64_t i = l.index(0, y, z); i < l.index(l.size[0], y, z); ++i)
+        for (int c = 0; c < l.dimension; ++c)
+          if ((sample.fixed[i] >> c & 1U) == 0)
+          {
+            sums[0] += u.component(c)[i] * force.component(c)[i];
+            sums[1] += u.component(c)[i] * sample.load->component(c)[i];
+          }
+  bonds.communicator().sum(sums);
+  return std::abs(sums[0] / sums[1]);
+}
+
 std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult& r, bool twoPlatens)
 {
   std::vector<std::string> warnings = modelWarnings(model, r.thickness);
@@ -175,10 +196,23 @@ std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult&
       fmt::format("a modulus of {:.4g} Pa is within the solver's tolerance of nothing: either nothing carries the "
                   "load, or a smaller --tolerance tells what does",
         r.effectiveModulus));
+  else if (const std::string text = doubtWarning(r.solve.doubt); !text.empty())
+    warnings.push_back(text);
   return warnings;
 }
 
 } // namespace
+
+std::string doubtWarning(double doubt)
+{
+  constexpr double noted = 1e-3;
+  if (!(doubt > noted))
+    return "";
+  return fmt::format(
+    "forces through sections of the sample differ by {:.2g} times that on the platens: the modulus may "
+    "be off by as much. Ask for a smaller --tolerance, or make the phases less different",
+    doubt);
+}
 
 std::array<double, 6> meanStress(const BondLattice& bonds, const NodeField<double>& stress, Continuum continuum)
 {
@@ -364,7 +398,18 @@ ElasticResult studyElastic(const BondModel& model, const Lattice& lattice, std::
     r.area *= c == r.axis ? 1 : lattice.length(c);
   r.length = static_cast<double>(r.highPlaten[0] - r.lowPlaten[1] + 1) * lattice.spacing;
   {
-    Equilibrium equilibrium(bonds, std::move(sample.fixed), options.equilibrium);
+    EquilibriumOptions equilibriumOptions = options.equilibrium;
+    std::optional<PlatenForce> platens;
+    if (options.loading.load != LoadCase::Traction)
+    {
+      platens.emplace(bonds, options.loading, sample);
+      equilibriumOptions.doubt = [&](const NodeField<double>&, const NodeField<double>& force)
+      { return platens->imbalance(bonds, force); };
+    }
+    else
+      equilibriumOptions.doubt = [&](const NodeField<double>& u, const NodeField<double>& force)
+      { return workOfResidual(bonds, sample, u, force); };
+    Equilibrium equilibrium(bonds, sample.fixed, equilibriumOptions);
     r.solve = equilibrium.solve(sample.displacement, sample.load ? &*sample.load : nullptr);
   }
   r.displacement = std::move(sample.displacement);

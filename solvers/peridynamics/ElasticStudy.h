@@ -137,6 +137,9 @@ void requireMemory(const char* what, const Lattice& lattice, double need, double
 /// What is said of pieces that applyLoading() took out.
 [[nodiscard]] std::string looseWarning(std::int64_t pieces, std::int64_t nodes, std::int64_t solidNodes);
 
+/// What is said of a modulus that the solver's residual may leave off by this share; empty where that is little.
+[[nodiscard]] std::string doubtWarning(double doubt);
+
 /// What a model's horizon means for a picture: a warning, or an empty string.
 [[nodiscard]] std::string horizonWarning(const BondModel& model);
 

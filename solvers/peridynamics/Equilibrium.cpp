@@ -3,6 +3,7 @@
 #include "lattice/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/Preconditioner.h"
+#include "peridynamics/ValueShare.h"
 
 #include <fmt/format.h>
 
@@ -134,6 +135,8 @@ EquilibriumResult Equilibrium::solve(NodeField<double>& u, const NodeField<doubl
       for (std::int64_t i = 0; i < u.layout().count(); ++i)
         if ((fixed_[i] >> c & 1U) == 0)
           u.component(c)[i] = 0;
+  if (options_.doubt && options_.strains == Strains::Small && reference > 0)
+    refine(u, load, reference, result);
   if (options_.strains == Strains::Large && reference > 0)
     newton(u, load, reference, result);
   bonds_.exchange(u);
@@ -260,6 +263,50 @@ void Equilibrium::conjugateGradients(NodeField<double>& u, const NodeField<doubl
     report(std::clamp(std::log(size / first) / std::log(target / first), 0.0, 1.0));
   }
   result.residual = size / reference;
+}
+
+void Equilibrium::refine(
+  NodeField<double>& u, const NodeField<double>* load, double reference, EquilibriumResult& result)
+{
+  const auto ask = [&]
+  {
+    NodeField<double> f(u.layout());
+    exchangeAndLinearForce(bonds_, u, f);
+    if (load != nullptr)
+      for (int c = 0; c < f.components(); ++c)
+        levelKernels().axpyDouble(u.layout().count(), 1, load->component(c), f.component(c));
+    return options_.doubt(u, f);
+  };
+  const double wanted = shareLeft(bonds_, options_.tolerance);
+  const std::int64_t most = options_.maxIterations;
+  const std::int64_t further = 2 * result.iterations + 50;
+  double target = options_.tolerance * reference;
+  result.doubt = ask();
+  constexpr int rounds = 6;
+  constexpr double leastTarget = 1e-12; // round-off is not far below
+  for (int round = 0; preconditioner_ && result.doubt > wanted && round < rounds; ++round)
+  {
+    if (result.iterations >= further || target < leastTarget * reference)
+      break;
+    options_.maxIterations = std::min(most, further - result.iterations);
+    target *= std::clamp(0.5 * wanted / result.doubt, 1e-4, 0.1); // in proportion
+    const NodeField<double> before = u;
+    try
+    {
+      conjugateGradients(u, load, target, reference, nullptr, result);
+      result.doubt = ask();
+    }
+    catch (const DivergenceError&) // nothing carries, or round-off: the tolerance was met before
+    {
+      const double reached = ask();
+      if (reached < result.doubt)
+        result.doubt = reached;
+      else
+        u = before;
+      break;
+    }
+  }
+  options_.maxIterations = most;
 }
 
 void Equilibrium::newton(

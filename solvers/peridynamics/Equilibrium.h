@@ -32,6 +32,12 @@ struct EquilibriumOptions
   double tolerance = 1e-6; ///< of the residual force, over the forces on the free nodes were they held where they are
   std::int64_t maxIterations = 20000;
   MultigridOptions multigrid{};
+  /// What the residual may leave of the value that is wanted, as a share of it. The residual counts over the forces of
+  /// the stiffest nodes; where other nodes are far softer, a value of theirs may be off by far more. Given
+  /// displacements and the forces on all nodes, loads included. Where it is above valueShare when the tolerance is met,
+  /// conjugate gradients go on, at most as long again. Small strains only.
+  std::function<double(const NodeField<double>& displacement, const NodeField<double>& force)> doubt{};
+  static constexpr double valueShare = 1000; ///< tolerances; sound samples of one material have up to 400 of them
   /// Called now and then with the share that is done; true asks to stop, which throws Cancelled.
   std::function<bool(double)> progress{};
 };
@@ -41,6 +47,7 @@ struct EquilibriumResult
   std::int64_t iterations = 0;
   int newtonSteps = 1;
   double residual = 0; ///< reached, as EquilibriumOptions::tolerance counts
+  double doubt = 0;    ///< what EquilibriumOptions::doubt says of it
   double setupSeconds = 0;
   double solveSeconds = 0;
   std::int64_t products = 0; ///< with the finest level's matrix, the preconditioner's included
@@ -72,6 +79,11 @@ public:
 
   /// Takes the place of EquilibriumOptions::progress in what is solved from now on.
   void setProgress(std::function<bool(double)> progress) { options_.progress = std::move(progress); }
+  /// Likewise of EquilibriumOptions::doubt.
+  void setDoubt(std::function<double(const NodeField<double>&, const NodeField<double>&)> doubt)
+  {
+    options_.doubt = std::move(doubt);
+  }
 
   [[nodiscard]] const FixedComponents& fixed() const noexcept { return fixed_; }
 
@@ -84,6 +96,8 @@ private:
   double forcing(const NodeField<double>& u, const NodeField<double>* load);
   void conjugateGradients(NodeField<double>& u, const NodeField<double>* load, double target, double reference,
     const NodeField<double>* tangentAt, EquilibriumResult& result);
+  /// Goes on where the residual may leave too much of the value that is wanted.
+  void refine(NodeField<double>& u, const NodeField<double>* load, double reference, EquilibriumResult& result);
   void newton(NodeField<double>& u, const NodeField<double>* load, double reference, EquilibriumResult& result);
   void relaxDynamically(
     NodeField<double>& u, const NodeField<double>* load, double reference, EquilibriumResult& result);

@@ -189,6 +189,23 @@ class Transient(Case):
         self.assertIn("not known", table.out)
         self.works(*LAYERS, "--direction", "y", "--end-time", "2e-4", "--json")
 
+    def test_few_nodes_in_the_direction_warn(self):
+        # A bar that empties through both faces: the mean is off the series by 0.1 where it is 2 nodes long, and by less than 0.8/64
+        # from 8 on.
+        for nodes, most in ((2, 0.2), (8, 0.0126)):
+            self.write("bar.png", pictures.png([[10] * nodes] * 3))
+            result = self.run_lamella("transient", "bar.png", "--phase", "10=bar", "--pixel-size", "1mm", "--diffusivity", "bar=1e-6",
+                                      "--direction", "x", "--end-time", str(0.3 * nodes**2), "--frames", "20", "--values=0,0", "--initial=1",
+                                      "--json")
+            self.assertEqual("2 nodes long" in result.err, nodes == 2, result.err)
+            off = 0
+            for row in result.json()["curve"]:
+                odd = [(math.pi * k) ** 2 for k in range(1, 400, 2)]
+                series = sum(8 / k * math.exp(-k * row["time"] / nodes**2) for k in odd)
+                off = max(off, abs(row["mean_value"] - series))
+            self.assertLess(off, most)
+            self.assertEqual(off > 0.0126, nodes == 2)
+
     def test_refuses(self):
         known = [*LAYERS, "--end-time", "1"]
         self.fails(2, "no --end-time was given", "in seconds", *LAYERS)

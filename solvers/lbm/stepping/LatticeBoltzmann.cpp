@@ -438,6 +438,22 @@ std::string LatticeBoltzmann::warning() const
   return impl_->two ? std::string() : singleRateWarning(impl_->relaxation, impl_->chords);
 }
 
+namespace
+{
+
+/// Means of a uniform bar that empties through both faces are off by 0.8/n² at most; n: 2 to 20 nodes.
+std::string fewNodesWarning(std::int64_t nodes, Boundary ends)
+{
+  constexpr std::int64_t enough = 8;
+  if (ends != Boundary::Fixed || nodes >= enough)
+    return "";
+  return fmt::format("the sample is {} node{} long in the direction: means on the way may be off by {:.1g} of the "
+                     "difference of the values. Split its pixels, or take a longer one",
+    nodes, nodes == 1 ? "" : "s", std::min(0.3, 0.8 / static_cast<double>(nodes * nodes)));
+}
+
+} // namespace
+
 std::string LatticeBoltzmann::shortRunWarning(std::int64_t steps) const
 {
   const Impl& m = *impl_;
@@ -448,7 +464,7 @@ std::string LatticeBoltzmann::shortRunWarning(std::int64_t steps) const
   const double time = static_cast<double>(steps) * m.dt;
   const double depth = std::sqrt(least * m.largest * time);
   if (depth >= m.lattice.spacing)
-    return "";
+    return fewNodesWarning(m.lattice.size[m.options.axis], m.options.sides[m.options.axis]);
   return fmt::format(
     "in {:.3g} s the value goes {:.2g} of a node's distance deep where the diffusivity is {:.3g} m²/s, "
     "which the lattice does not resolve: means and fluxes that depend on it are off, and through a face that has "

@@ -30,8 +30,11 @@ AccurateEngine::AccurateEngine(BondLattice& bonds, const LoadedSample& sample, c
 {
   prepare();
   equilibrium_->setProgress(std::move(progress));
+  equilibrium_->setDoubt(
+    [this](const NodeField<double>&, const NodeField<double>& force) { return platens_.imbalance(bonds_, force); });
   solve();
   equilibrium_->setProgress({}); // of those that follow, the events are
+  equilibrium_->setDoubt({});
 }
 
 AccurateEngine::AccurateEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,

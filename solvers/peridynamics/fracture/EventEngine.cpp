@@ -1,5 +1,8 @@
 #include "peridynamics/fracture/EventEngine.h"
 
+#include "lattice/Error.h"
+#include "peridynamics/ValueShare.h"
+
 #include <algorithm>
 #include <chrono>
 
@@ -28,9 +31,32 @@ EventEngine::EventEngine(BondLattice& bonds, const LoadedSample& sample, const P
   , pieces_(bonds, sample, platens)
   , reached_(tolerance)
 {
+  refine();
   afterGlobal(0, seconds());
   if (force_ > 0)
     workOverForce_ = 2 * elasticEnergy(bonds, state_.base(), false) / force_;
+}
+
+// As Equilibrium does it.
+void EventEngine::refine()
+{
+  NodeField<double> force(bonds_.layout());
+  const double wanted = shareLeft(bonds_, tolerance_);
+  for (const double tighter : { 1e-1, 1e-2, 1e-3 })
+  {
+    linearForce(bonds_, state_.base(), force);
+    if (platens_.imbalance(bonds_, force) <= wanted)
+      return;
+    try
+    {
+      state_.solve(tighter * tolerance_);
+    }
+    catch (const DivergenceError&) // nothing carries, or round-off
+    {
+      state_.renew();
+      return;
+    }
+  }
 }
 
 EventEngine::EventEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,

@@ -38,6 +38,7 @@ private:
   [[nodiscard]] Box boxOf(const Bond& bond) const;
   void takeOut(const std::vector<std::int64_t>& nodes);
   void afterGlobal(int iterations, double start);
+  void refine();  ///< the first equilibrium, where the tolerance may leave too much of the force
   void measure(); ///< what follows from the state in one go
 
   BondLattice& bonds_;

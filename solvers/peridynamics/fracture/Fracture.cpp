@@ -99,14 +99,15 @@ void check(const BondLattice& bonds, const Loading& loading, const FractureOptio
 }
 
 /// @param displacement at the first equilibrium
-void requireBalance(const BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
+/// @return PlatenForce::imbalance()
+double requireBalance(const BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
   const NodeField<double>& displacement, double tolerance)
 {
   NodeField<double> force(bonds.layout());
   linearForce(bonds, displacement, force);
   const double imbalance = platens.imbalance(bonds, force);
   if (imbalance <= balanced)
-    return;
+    return imbalance;
   const double carried = platens.of(bonds, force);
   linearForce(bonds, sample.displacement, force);
   throw InputError(
@@ -173,7 +174,7 @@ QuasiStaticFracture::QuasiStaticFracture(BondLattice& bonds, const Loading& load
     engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance, std::move(progress));
   else
     engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance, progress);
-  requireBalance(bonds_, sample_, platens, engine_->state().displacement, options_.tolerance);
+  record_.imbalance = requireBalance(bonds_, sample_, platens, engine_->state().displacement, options_.tolerance);
   record_.modulus = stress(1) / reference_;
   record_.statistics = engine_->statistics();
   record_.statistics.totalSeconds = seconds() - start;

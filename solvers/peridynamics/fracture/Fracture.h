@@ -156,6 +156,9 @@ struct FractureRecord
   CurvePoint peak;                ///< the largest stress
   CurvePoint first;               ///< when the first bond broke
   double modulus = 0;             ///< stress over strain of the unbroken sample [Pa]
+  /// Largest difference of the force through a section to that on the platens, over the latter, at the first
+  /// equilibrium: the modulus and the first break may be off by as much. 0 in a run that goes on.
+  double imbalance = 0;
   FractureStatistics statistics;
 };
 

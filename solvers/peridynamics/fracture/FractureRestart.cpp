@@ -104,7 +104,8 @@ void QuasiStaticFracture::save()
   c.scene = scene_;
   c.provenance = options_.checkpoint.provenance;
   c.arrays["displacement"] = gathered(bonds_, state.displacement, "m", "displacement at the unit load");
-  FractureRecord now{ FractureEnd::Running, {}, {}, record_.peak, record_.first, record_.modulus, statistics() };
+  FractureRecord now{ FractureEnd::Running, {}, {}, record_.peak, record_.first, record_.modulus, record_.imbalance,
+    statistics() };
   ++now.statistics.checkpoints;
   eachNumber(now, [&](const char* name, const auto& value) { c.numbers[name] = static_cast<double>(value); });
   for (const auto& [name, value] : state.numbers)

@@ -212,6 +212,8 @@ void warn(const BondModel& model, FractureResult& r)
   std::vector<std::string> warnings = modelWarnings(model, r.thickness);
   if (r.loosePieces > 0)
     warnings.push_back(looseWarning(r.loosePieces, r.looseNodes, r.solidNodes));
+  if (const std::string text = doubtWarning(r.record.imbalance); !text.empty())
+    warnings.push_back(text);
   if (!r.record.broken.empty() && r.peak.strain > small)
     warnings.push_back(
       fmt::format("the peak lies at a strain of {:.2g}: that is not small, and the answer with it is of "
