@@ -5,7 +5,7 @@
 //   fuzz corpus=FOLDER [inputs=N] [seconds=S] [seed=K] [first=N] [only=.vti] [keep=FOLDER]
 //   fuzz FILE...                     reads files that were kept once more, in this process
 //
-// Inputs are numbered, and a number and a seed give the same bytes anywhere. Processes read them, 500 each; one that
+// Inputs are numbered, and a number and a seed give the same bytes anywhere. Processes read them, 2000 each; one that
 // ends tells by its last number which input it did not survive.
 #include "Mutation.h"
 
@@ -500,7 +500,7 @@ int fuzzAll(const Options& options)
   int faults = 0;
   std::uint64_t next = options.first;
   const std::uint64_t last = options.first + options.inputs;
-  constexpr std::uint64_t batch = 500;
+  constexpr std::uint64_t batch = 2000;
   constexpr double asleep = 300; // seconds; far more than `longest` takes on a busy machine
   while (next < last && secondsSince(start) < options.seconds && faults < 20)
   {

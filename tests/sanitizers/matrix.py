@@ -3,9 +3,10 @@
   matrix.py lamella=PROGRAM [sizes=20,21,...] [horizons=2,3,4,5] [only=SOLVER] [minutes=M] [ranks=1,2,3] [threads=1,2]
             [all=1] [wrap="valgrind ..."]
 
-The program is to be built with sanitizers (./dev sanitizers does that). Each size and horizon is run once, threads and
-ranks in turn; all=1: with all of them. Tolerances are loose and steps few: what is looked at is where a solver reads and
-writes, not what comes out. Small samples come first; minutes=M ends after so much time and says what is left.
+The program is to be built with sanitizers (./dev sanitizers does that). The least even and the least odd size are run at
+every horizon, number of threads and ranks, each other size once, all of these in turn; all=1: with all of them.
+Tolerances are loose and steps few: what is looked at is where a solver reads and writes, not what comes out. What takes
+little comes first; minutes=M ends after so much time and says what is left.
 """
 
 import collections
@@ -44,52 +45,61 @@ def sample(folder, n, periodic=False):
     return [name, "--phase", "255=wall", "--phase", "0=void"]
 
 
-def bonds(command, *words, mpi=True, horizons=True, least=0):
-    """@param least size below which platens or pieces leave nothing between them"""
+def bonds(command, *words, cost, mpi=True, horizons=True):
+    """@param cost processor time of 20³ nodes at a horizon of 3, with sanitizers and without the start. [s]"""
     return {"words": lambda folder, n, h: [command, *sample(folder, n), *words, *(["--horizon", h] if horizons else [])],
-            "mpi": mpi, "horizons": horizons, "least": least}
+            "mpi": mpi, "horizons": horizons, "cost": cost}
 
 
 SOLVERS = {
     "diffusion": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=1e-3", "--direction", "x",
-                       "--method", "multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False),
+                       "--method", "multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False, cost=0.1),
     "diffusion, algebraic": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=0", "--direction", "z",
-                                  "--method", "algebraic-multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False),
+                                  "--method", "algebraic-multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False, cost=0.1),
     "diffusion, periodic D3Q19": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=0.1", "--direction", "y", "--lattice",
-                                       "d3q19", "--sides", "periodic", "--tolerance", "1e-1", "--no-error-estimate", horizons=False),
+                                       "d3q19", "--sides", "periodic", "--tolerance", "1e-1", "--no-error-estimate", horizons=False, cost=0.1),
     "transient": bonds("transient", "--pixel-size", "1um", "--diffusivity", "wall=1e-9", "--diffusivity", "void=2e-9",
-                       "--direction", "x", "--end-time", "4e-3", "--frames", "2", horizons=False),
+                       "--direction", "x", "--end-time", "4e-3", "--frames", "2", horizons=False, cost=0.1),
     "stiffness": {"words": lambda folder, n, h: ["stiffness", *sample(folder, n, True), *BONDS, "--horizon", h,
                                                  "--tolerance", "0.1", "--no-error-estimate"],
-                  "mpi": True, "horizons": True, "least": 0},
-    "equilibrium": bonds("equilibrium", *BONDS, "--strain", "1e-3", "--tolerance", "0.1"),
+                  "mpi": True, "horizons": True, "cost": 2.5},
+    "equilibrium": bonds("equilibrium", *BONDS, "--strain", "1e-3", "--tolerance", "0.1", cost=1.1),
     "equilibrium, periodic shear": bonds("equilibrium", *BONDS, "--strain", "1e-3", "--tolerance", "0.1", "--periodic", "x", "--load", "shear",
-                                         "--surface-correction"),
-    "fracture": bonds("fracture", *BREAK[:-2], "--max-broken", "3", "--tolerance", "1e-3"),
-    "dynamics": bonds("dynamics", *BREAK, "--end-time", "TIME", "--strain-rate", "1e3"),
+                                         "--surface-correction", cost=2.1),
+    "fracture": bonds("fracture", *BREAK[:-2], "--max-broken", "3", "--tolerance", "1e-3", cost=2.2),
+    "dynamics": bonds("dynamics", *BREAK, "--end-time", "TIME", "--strain-rate", "1e3", cost=2.0),
     "compression, moduli": bonds("compression", "--young", "1e9", "--poisson", "0.3", "--density", "1000", "--pixel-size", "1um",
-                                 "--stiffness-only", mpi=False, horizons=False),
+                                 "--stiffness-only", mpi=False, horizons=False, cost=174),
     "compression": bonds("compression", "--young", "1e9", "--poisson", "0.3", "--density", "1000", "--pixel-size", "1um",
-                         "--strain", "STRAIN", horizons=False),
-    "pore-flood-fill": bonds("pore-flood-fill", mpi=True, horizons=False),
+                         "--strain", "STRAIN", horizons=False, cost=570),
+    "pore-flood-fill": bonds("pore-flood-fill", horizons=False, cost=0.1),
 }
 
 
+def cost(name, size, horizon):
+    """Processor time about, with sanitizers. [s]"""
+    return 0.6 + SOLVERS[name]["cost"] * (size / 20)**3 * (horizon / 3 if horizon else 1)**3
+
+
 def cases(keys):
+    """Cheap ones first, so that a run which is cut short has seen most of them."""
     numbers = lambda key, default: [int(n) for n in str(keys.get(key, default)).split(",")]  # noqa: E731
-    pairs = list(itertools.product(numbers("threads", "1,2"), numbers("ranks", "1,2,3")))
-    turn = collections.Counter()
-    for size in numbers("sizes", ",".join(map(str, SIZES))):
-        for name, solver in SOLVERS.items():
-            if not name.startswith(keys.get("only", "")) or size < solver["least"]:
-                continue
-            for horizon in numbers("horizons", "2,3,4,5") if solver["horizons"] else [0]:
-                usable = [pair for pair in pairs if solver["mpi"] or pair[1] == 1]
-                if "all" not in keys:
-                    usable = [usable[turn[name] % len(usable)]]
-                    turn[name] += 1
-                for threads, ranks in usable:
-                    yield name, size, horizon, threads, ranks
+    sizes = numbers("sizes", ",".join(map(str, SIZES)))
+    whole = {min(size for size in sizes if size % 2 == parity) for parity in {size % 2 for size in sizes}}
+    chosen = []
+    for name, solver in SOLVERS.items():
+        if not name.startswith(keys.get("only", "")):
+            continue
+        settings = list(itertools.product(numbers("horizons", "2,3,4,5") if solver["horizons"] else [0], numbers("threads", "1,2"),
+                                          numbers("ranks", "1,2,3") if solver["mpi"] else [1]))
+        turn = 0
+        for size in sizes:
+            if "all" in keys or size in whole:
+                chosen += [(name, size, *setting) for setting in settings]
+            else:  # a stride that meets all of 24, 6 or 2, and changes horizons, threads and ranks from one size to the next
+                chosen.append((name, size, *settings[turn % len(settings)]))
+                turn += 7
+    return sorted(chosen, key=lambda case: cost(*case[:3]))
 
 
 def run(program, folder, case, wrap):
@@ -108,10 +118,10 @@ def run(program, folder, case, wrap):
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     text = done.stderr + done.stdout
-    if FAULT.search(text) or done.returncode < 0:
+    error = next((line for line in text.splitlines() if line.startswith("error: ")), None)
+    if FAULT.search(text) or (done.returncode != 0 and error is None):  # what says nothing of its own did not refuse
         return "fault", " ".join(command) + "\n" + text[-6000:], used
     if done.returncode != 0:
-        error = next((line for line in text.splitlines() if line.startswith("error: ")), text.strip()[-300:])
         return "refused", f"{' '.join(command)}: {error}", used
     return "clean", "", used
 
