@@ -160,6 +160,8 @@ void PointCompression<Dim>::check() const
     "above 0, in this order, and below 1");
   require(o.damping >= 0, fmt::format("a damping of {}", o.damping), "0 or above");
   require(o.rows >= 1, fmt::format("a table of {} rows", o.rows), "at least 1");
+  require(o.strain / o.rows >= 1e-11, fmt::format("a strain of {} in {} rows", o.strain, o.rows),
+    "1e-11 a row, of which positions of 16 digits still tell a hundred-thousandth");
   for (const double e : o.atStrains)
     require(e >= 0 && e <= o.strain, fmt::format("a state at a strain of {}", e),
       "between 0 and the strain that the compression ends at");
@@ -387,11 +389,13 @@ bool PointCompression<Dim>::advance(double to)
       else
         until_ = body_->time() + duration;
     }
-    bool goesOn = lookAt_ > body_->steps() ? body_->advance(lookAt_ - body_->steps()) : body_->advanceTo(until_);
-    if (goesOn)
-      until_ = 0;
+    const std::int64_t before = body_->steps();
+    bool goesOn = lookAt_ > before ? body_->advance(lookAt_ - before) : body_->advanceTo(until_);
     if (goesOn)
     {
+      until_ = 0;
+      if (body_->steps() == before)
+        return true; // what is left is the round-off of positions, which no step takes
       control();
       if (body_->steps() - sortedAt_ >= sortEvery)
       {

@@ -164,6 +164,19 @@ class Compression(Case):
             self.assertGreater(found["early_energy_ratio"], found["worst_energy_ratio"])
             self.assertLess(found["early_energy_ratio_strain"], 0.01)
 
+    # Half a row of 5e-5 in 240 rows is 1e-7 of the height, and a thousand-millionth of that, up to which a row was to be
+    # met, less than the round-off of platens' positions: such a run waited for ever for a strain that no step brings nearer.
+    def test_small_strains_end(self):
+        self.write("block.png", pictures.png([[255] * 6 for _ in range(6)], pixels_per_metre=1000000))
+        words = ["compression", "block.png", "--phase", "255=wall", "--strain"]
+        for strain in (5e-5, 1e-6):
+            result = self.run_lamella(*words, strain, "--json")  # with a warning: platens this fast shake so little strain
+            self.assertEqual(result.code, 0, result.err)
+            found = result.json()
+            self.assertAlmostEqual(found["strain"] / strain, 1, places=6)
+            self.assertTrue(all(a["strain"] < b["strain"] for a, b in zip(found["curve"], found["curve"][1:])))
+        self.fails(2, "a strain of 1e-13 in 240 rows", "1e-11 a row", *words, 1e-13)
+
     def test_restless_runs_are_warned_of(self):
         words = [*TISSUE, "--strain", "0.04", "--rows", "8", "--speeds", "2e-2,2e-2,2e-2"]
         result = self.run_lamella(*words, "--json")

@@ -251,4 +251,6 @@ def outlines(setting):
     for name in axes if isinstance(axes, dict) else range(len(axes)):
         value, error = axes[name]["value"], axes[name]["error"]
         setting.must(error is None or error >= 0, f"the error is {error}")
-        setting.between(value, series - 3 * (error or 0), parallel + 3 * (error or 0), "the conductivity", slack=1e-3)
+        # walls that the spacing does not hold are warned of
+        slack = 1e-2 if any("nodes thick" in line for line in setting.warnings) else 1e-3
+        setting.between(value, series - 3 * (error or 0), parallel + 3 * (error or 0), "the conductivity", slack=slack)
