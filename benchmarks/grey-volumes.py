@@ -78,7 +78,7 @@ def samples(edge, real):
 
 def effective(solid, conductivity):
     sample = lamella.from_array(np.ascontiguousarray(solid, np.uint8), ["void", "solid"])
-    return lamella.diffusion(sample, conductivity, direction="x", fields=False, flux=False).effective[0, 0]
+    return lamella.diffusion(sample, conductivity, direction="x", field=False, flux=False).effective[0, 0]
 
 
 def main():

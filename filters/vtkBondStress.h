@@ -36,8 +36,11 @@ public:
 
   ///@{
   /**
+   * Take the model of the bonds from the input, which Bond Equilibrium wrote there. Off: from the settings below.
+   *
    * Take the model from the field text `bond_model` of the input; it is an error when there is none. Off: the settings
-   * of this filter. Default on.
+   * of this filter.
+   * @group Input
    */
   vtkSetMacro(ModelFromInput, bool);
   vtkGetMacro(ModelFromInput, bool);
@@ -45,7 +48,10 @@ public:
   ///@}
 
   ///@{
-  /** Also the strain energy of every node. Default off. */
+  /**
+   * Also the strain energy of every node.
+   * @group Input
+   */
   vtkSetMacro(ComputeStrainEnergy, bool);
   vtkGetMacro(ComputeStrainEnergy, bool);
   vtkBooleanMacro(ComputeStrainEnergy, bool);

@@ -50,21 +50,27 @@ public:
 
   ///@{
   /**
-   * Which phase lumens are of: a name of `phase_names` or, where no phase has that name, a value. Default empty: the
-   * first phase that is called void, pore, lumen or air.
+   * The phase that lumens are of: its name, or its number where phases have no names. Empty: the first that is called
+   * void, pore, lumen or air.
    */
   vtkSetMacro(Phase, std::string);
   vtkGetMacro(Phase, std::string);
   ///@}
 
   ///@{
-  /** Share of its area at which a lumen has collapsed, between 0 and 1. Default 0.5. */
+  /**
+   * Share of its area at the start at which a lumen has collapsed.
+   * @range (0, 1)
+   */
   vtkSetMacro(Share, double);
   vtkGetMacro(Share, double);
   ///@}
 
   ///@{
-  /** Smaller lumens are left out [nodes]. Default 1: none is; not below 0. */
+  /**
+   * Lumens of fewer pixels or voxels are left out.
+   * @range [0, inf)
+   */
   vtkSetMacro(MinimumSize, int);
   vtkGetMacro(MinimumSize, int);
   ///@}

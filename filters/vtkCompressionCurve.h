@@ -39,37 +39,57 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** Strains between which rows give the stiffness. Default 0 to 0.03. */
+  /**
+   * Strains between which the stiffness is fitted.
+   * @columns from, to
+   */
   vtkSetVector2Macro(StiffnessRange, double);
   vtkGetVector2Macro(StiffnessRange, double);
   ///@}
 
   ///@{
-  /** Width in strain of the steepest window within that range that is fitted instead. Default 0: all of the range. */
+  /**
+   * Width in strain of the steepest window within that range that is fitted instead, for curves that begin with a toe.
+   * 0: all of the range.
+   * @range [0, inf)
+   */
   vtkSetMacro(Window, double);
   vtkGetMacro(Window, double);
   ///@}
 
   ///@{
-  /** Plastic strain at the yield stress, at least 0 and below 1. Default 0.002. */
+  /**
+   * Plastic strain at the yield stress.
+   * @range [0, 1)
+   */
   vtkSetMacro(Offset, double);
   vtkGetMacro(Offset, double);
   ///@}
 
   ///@{
-  /** Strains between which the plateau's mean is taken. Default 0, 0: from collapse to densification. */
+  /**
+   * Strains between which the plateau's mean is taken, such as 0.2 and 0.4. 0 and 0: from collapse to densification.
+   * @columns from, to
+   */
   vtkSetVector2Macro(PlateauRange, double);
   vtkGetVector2Macro(PlateauRange, double);
   ///@}
 
   ///@{
-  /** Width in strain over which stresses are smoothed before maxima are looked for; 0: not at all. Default 0.01. */
+  /**
+   * Width in strain over which stresses are smoothed before maxima and crossings are looked for. 0: not at all.
+   * @range [0, 1]
+   */
   vtkSetMacro(Smoothing, double);
   vtkGetMacro(Smoothing, double);
   ///@}
 
   ///@{
-  /** Share that the curve falls by beyond a maximum that counts, at least 0 and below 1. Default 0.05. */
+  /**
+   * Share that the curve falls by beyond a maximum that counts.
+   * @advanced
+   * @range [0, 1)
+   */
   vtkSetMacro(Prominence, double);
   vtkGetMacro(Prominence, double);
   ///@}

@@ -76,27 +76,41 @@ public:
 
   ///@{
   /**
-   * Shorter cracks are left out and counted [spacings], unless they lead from a void or side to another place there.
-   * Default −1: the horizon. 0 keeps all.
+   * Shorter cracks are left out [spacings], unless they part a wall between voids or sides. Below 0: the horizon.
+   *
+   * Shorter cracks are left out and counted [spacings], unless they lead from a void or side to another place there. 0
+   * keeps all.
+   * @unit spacings
    */
   vtkSetMacro(MinimumLength, double);
   vtkGetMacro(MinimumLength, double);
   ///@}
 
   ///@{
-  /** Branches that end in solid after no more than this are taken away [spacings]. Default −1: twice the horizon. */
+  /**
+   * Branches that end in solid after no more than this are taken away [spacings]. Below 0: twice the horizon.
+   * @unit spacings
+   * @advanced
+   */
   vtkSetMacro(SpurLength, double);
   vtkGetMacro(SpurLength, double);
   ///@}
 
   ///@{
-  /** Length of the longest bonds in spacings, 1 to 8. Default 0: the field data `horizon`. */
+  /**
+   * Length of the longest bonds [spacings]. 0: as the broken bonds tell.
+   * @unit spacings
+   * @range [0, 8]
+   * @advanced
+   */
   vtkSetMacro(Horizon, double);
   vtkGetMacro(Horizon, double);
   ///@}
 
   ///@{
-  /** Whether fragments are found where there is an image. Default on. */
+  /**
+   * Where there is an image, find the pieces that no unbroken bond joins.
+   */
   vtkSetMacro(ComputeFragments, bool);
   vtkGetMacro(ComputeFragments, bool);
   vtkBooleanMacro(ComputeFragments, bool);

@@ -57,14 +57,21 @@ public:
     AUTO = 3
   };
   ///@{
-  /** Which of the solved directions the magnitude and the streamlines show. Default AUTO: the first there is. */
-  vtkSetClampMacro(Direction, int, X, AUTO);
+  /**
+   * Which of the solved directions the magnitude and the streamlines show. Numbers are given for all of them.
+   * @choice Directions
+   */
+  vtkSetMacro(Direction, int);
   vtkGetMacro(Direction, int);
   ///@}
 
   ///@{
-  /** 0: none are computed. Default 60. */
-  vtkSetClampMacro(NumberOfStreamlines, int, 0, 1000000);
+  /**
+   * Each carries the same share of the flux through the inlet. 0: none are computed.
+   * @word streamlines
+   * @range [0, 1000000]
+   */
+  vtkSetMacro(NumberOfStreamlines, int);
   vtkGetMacro(NumberOfStreamlines, int);
   ///@}
 

@@ -55,8 +55,8 @@ public:
 
   ///@{
   /**
-   * Which phase: a name of `phase_names` or, where no phase has that name, a value. Default empty: the first phase that
-   * is called void, pore, lumen or air.
+   * The phase whose pores are wanted: its name, or its number where phases have no names. Empty: the first that is
+   * called void, pore, lumen or air.
    */
   vtkSetMacro(Phase, std::string);
   vtkGetMacro(Phase, std::string);
@@ -64,34 +64,45 @@ public:
 
   ///@{
   /**
-   * How nodes hang together: 4 over sides or 8 over corners, too, in a picture; 6 over faces, 18 over edges, too, or 26
-   * over corners, too, in a volume. Default 0: 4 or 6.
+   * Over what nodes hang together: 4 or 8 neighbours in a picture, 6, 18 or 26 in a volume.
+   * @values 0: sides or faces (4 or 6); 4: picture, sides; 8: picture, and corners; 6: volume, faces; 18: volume, and
+   * edges; 26: volume, and corners
    */
   vtkSetMacro(Connectivity, int);
   vtkGetMacro(Connectivity, int);
   ///@}
 
   ///@{
-  /** Along which axes the image goes on at its other end. Default 0, 0, 0: none. */
+  /**
+   * Along x, y, z: 1 where the image goes on at its other end.
+   * @columns x, y, z
+   * @range [0, 1]
+   */
   vtkSetVector3Macro(Periodic, int);
   vtkGetVector3Macro(Periodic, int);
   ///@}
 
   ///@{
-  /** Smaller pores get no label [nodes]. Default 1: all do; not below 0. */
+  /**
+   * Pores of fewer pixels or voxels get no label and no row in the table.
+   * @range [0, inf)
+   */
   vtkSetMacro(MinimumSize, int);
   vtkGetMacro(MinimumSize, int);
   ///@}
 
   ///@{
-  /** Label 1 is the largest pore (default), or the first in memory. */
+  /**
+   * Label 1 is the largest pore; otherwise pores are numbered in the order of memory.
+   */
   vtkSetMacro(SortBySize, bool);
   vtkGetMacro(SortBySize, bool);
   vtkBooleanMacro(SortBySize, bool);
   ///@}
 
   ///@{
-  /** Whether the image carries `pore`, and `pore_size` with it. Off, pores are counted and measured only. Default on.
+  /**
+   * Whether the image carries `pore`, and `pore_size` with it. Off, pores are counted and measured only.
    */
   vtkSetMacro(ComputeLabels, bool);
   vtkGetMacro(ComputeLabels, bool);
@@ -99,15 +110,23 @@ public:
   ///@}
 
   ///@{
-  /** Whether the image carries `pore_size`, to be coloured by. Default on. */
+  /**
+   * Also give each node the size of its pore, to colour by (on a log scale).
+   *
+   * Whether the image carries `pore_size`, to be coloured by.
+   * @advanced
+   */
   vtkSetMacro(ComputePoreSize, bool);
   vtkGetMacro(ComputePoreSize, bool);
   vtkBooleanMacro(ComputePoreSize, bool);
   ///@}
 
   ///@{
-  /** More pores are an error. Default, and at most, what 32 bits hold: 2147483647. */
-  vtkSetClampMacro(MaximumNumberOfLabels, int, 1, VTK_INT_MAX);
+  /**
+   * More pores are an error. What 32 bits hold, the default, is the most that there can be.
+   * @range [1, inf)
+   */
+  vtkSetMacro(MaximumNumberOfLabels, int);
   vtkGetMacro(MaximumNumberOfLabels, int);
   ///@}
 
@@ -143,7 +162,7 @@ private:
   bool SortBySize = true;
   bool ComputeLabels = true;
   bool ComputePoreSize = true;
-  int MaximumNumberOfLabels = VTK_INT_MAX;
+  int MaximumNumberOfLabels = 2147483647;
   vtkMultiProcessController* Controller = nullptr;
 };
 

@@ -58,12 +58,12 @@ public:
 
   enum Components
   {
-    XX = 0,
-    YY = 1,
-    ZZ = 2,
-    XY = 3,
-    YZ = 4,
-    XZ = 5,
+    XX = 0,          ///< "xx"
+    YY = 1,          ///< "yy"
+    ZZ = 2,          ///< "zz"
+    XY = 3,          ///< "xy"
+    YZ = 4,          ///< "yz"
+    XZ = 5,          ///< "xz"
     MEAN = 6,        ///< a third of the trace
     VON_MISES = 7,   ///< always positive
     PRINCIPAL_1 = 8, ///< the largest principal stress
@@ -71,15 +71,22 @@ public:
     PRINCIPAL_3 = 10 ///< the smallest
   };
   ///@{
-  /** Which number of the tensor; an array of one component is taken as it is. Default YY. */
-  vtkSetClampMacro(Component, int, XX, PRINCIPAL_3);
+  /**
+   * Which number of the tensor. An array of one component is taken as it is.
+   * @choice Components
+   */
+  vtkSetMacro(Component, int);
   vtkGetMacro(Component, int);
   ///@}
 
   ///@{
   /**
-   * Phases to count: names of `phase_names` or, where no phase has that name, values. Default none: all but the first
-   * that is called void, pore, lumen or air.
+   * Phases to count, one a row, by name or number. None: all but the void.
+   *
+   * Phases to count: names of `phase_names` or, where no phase has that name, values.
+   * @word phase, phases
+   * @title Phases to count
+   * @group Phases
    */
   void AddPhase(const char* phase);
   void ClearPhases();
@@ -88,39 +95,59 @@ public:
   ///@}
 
   ///@{
-  /** Whether points of an image that platens hold are left out. Default on. */
+  /**
+   * Leave out the layers of an image that the platens of Bond Equilibrium hold, where bonds are missing.
+   * @advanced
+   */
   vtkSetMacro(LeaveOutPlatens, bool);
   vtkGetMacro(LeaveOutPlatens, bool);
   vtkBooleanMacro(LeaveOutPlatens, bool);
   ///@}
 
   ///@{
-  /** Width of a bin of the density, in mean tensile stresses. Default 0.05. */
+  /**
+   * Width of a bin of the density, in mean tensile stresses.
+   * @range (0, inf)
+   */
   vtkSetMacro(BinWidth, double);
   vtkGetMacro(BinWidth, double);
   ///@}
 
   ///@{
-  /** Where the density begins and ends, in mean tensile stresses. Default 0, 0: wherever stresses are. */
+  /**
+   * Where the density begins and ends, in mean tensile stresses. 0 and 0: wherever stresses are.
+   * @columns from, to
+   * @advanced
+   */
   vtkSetVector2Macro(Range, double);
   vtkGetVector2Macro(Range, double);
   ///@}
 
   ///@{
-  /** Where the tail begins, in mean tensile stresses. Default 0: by TailShare. */
+  /**
+   * Where the tail begins, in mean tensile stresses. 0: by the tail's share.
+   * @range [0, inf)
+   */
   vtkSetMacro(Threshold, double);
   vtkGetMacro(Threshold, double);
   ///@}
 
   ///@{
-  /** Where Threshold is 0, the largest tensile stresses that make the tail, as a share of all tensile ones. Default
-   * 0.1. */
+  /**
+   * Where the threshold is 0: the largest tensile stresses that are the tail, as a share of all tensile ones.
+   * @range (0, 1]
+   */
   vtkSetMacro(TailShare, double);
   vtkGetMacro(TailShare, double);
   ///@}
 
   ///@{
-  /** A stress to compare the means with [Pa], such as that of the pure matrix at the same strain. Default 0: none. */
+  /**
+   * A stress to compare the means with [Pa], such as the pure matrix's at the same strain. 0: none.
+   * @word reference
+   * @unit Pa
+   * @range [0, inf)
+   */
   vtkSetMacro(ReferenceStress, double);
   vtkGetMacro(ReferenceStress, double);
   ///@}

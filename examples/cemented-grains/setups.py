@@ -41,7 +41,7 @@ class Setup:
     label: str
     ends: str = "touching"  # grains touch the plates; "bridged": matrix leads to thick plates; "cut": plates hold whatever lies 1.5 d inside
     slip: bool = False  # plates let the sample slip across the load
-    void_bonds: str = "keep"
+    cut_void_bonds: bool = False
     nodes: int = 128
     transits: float = 0.0  # damped motion: time to the strain of the first break, in travel times of a wave; 0: quasi-static
 
@@ -50,8 +50,8 @@ SETUPS = {
     "touching-slip": Setup("grains touch plates that slip", slip=True),
     "bridged-slip": Setup("matrix to the plates, slip", ends="bridged", slip=True),
     "cut-slip": Setup("ends cut off, slip", ends="cut", slip=True),
-    "cut-slip-cut-bonds": Setup("ends cut off, slip, no bonds across voids", ends="cut", slip=True, void_bonds="cut"),
-    "touching-slip-cut-bonds": Setup("grains touch plates that slip, no bonds across voids", slip=True, void_bonds="cut"),
+    "cut-slip-cut-bonds": Setup("ends cut off, slip, no bonds across voids", ends="cut", slip=True, cut_void_bonds=True),
+    "touching-slip-cut-bonds": Setup("grains touch plates that slip, no bonds across voids", slip=True, cut_void_bonds=True),
     "motion": Setup("damped motion", slip=True, transits=30),
 }
 
@@ -69,7 +69,7 @@ def sample_of(packing, width, setup):
 def pulled(image, setup):
     """The paper's bonds; the result of a quasi-static pull, and of motion where the set-up has it."""
     young = dict.fromkeys(("matrix", "matrix-grain", "grain-grain"), E_MATRIX) | {"grain": RATIO * E_MATRIX}
-    bonds = dict(critical_stretch=dict.fromkeys(young, CRITICAL), horizon=HORIZON, void_bonds=setup.void_bonds, platen_layers=HORIZON,
+    bonds = dict(critical_stretch=dict.fromkeys(young, CRITICAL), horizon=HORIZON, cut_void_bonds=setup.cut_void_bonds, platen_layers=HORIZON,
                  smooth_platens=setup.slip, displacement=False, stop=STOP)
     still = lamella.fracture(image, young, rivals=False, **bonds)
     if not setup.transits:

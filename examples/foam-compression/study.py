@@ -54,8 +54,8 @@ def pressed(foam, options):
     before, begun = memory(), time.process_time()
     strains = options.strain * np.arange(STATES + 1) / STATES
     result = lamella.compression(foam.sample, axis="z", strain=options.strain, energy_ratio=options.energy_ratio, calm_from=CALM,
-                                 speeds=(6e-3, 5e-5, 2e-2), rows=options.rows, at_strains=strains,
-                                 fields=("displacement", "deformation_gradient", "stress"), checkpoint=options.checkpoint,
+                                 first_speed=6e-3, rows=options.rows, at_strains=strains,
+                                 deformation_gradient=True, stress=True, checkpoint=options.checkpoint,
                                  continue_from=options.checkpoint, progress=progress, **walls)
     spent, numbers = time.process_time() - begun, result.statistics
     curve = lamella.compression_curve(result.strain, result.stress)

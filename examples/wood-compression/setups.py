@@ -35,7 +35,7 @@ TISSUES = {
 }
 STRAIN = dict(law="isotropic", plane="plane-strain")
 # Walls that yield take 14 times as long a step (no fused kernels): their speed is set, and "fast" is what it does to elastic ones
-FAST = dict(speeds=(1e-2, 1e-2, 1e-2))
+FAST = dict(first_speed=1e-2, least_speed=1e-2, most_speed=1e-2)
 YIELDS = dict(law="plastic", plane="plane-strain", **FAST)
 # tissue: {name: (what is changed of the tissue, of the lattice, of the test)}
 COMMON = {
@@ -63,7 +63,7 @@ SETUPS = {
     "poplar-part": {
         **{name: COMMON[name] for name in ("usual", "open")},
         **YIELDING,
-        "yield-200-slower": ({}, {}, dict(YIELDS, yield_stress=200e6, speeds=(3e-3, 3e-3, 3e-3))),
+        "yield-200-slower": ({}, {}, dict(YIELDS, yield_stress=200e6, first_speed=3e-3, least_speed=3e-3, most_speed=3e-3)),
     },
 }
 
@@ -100,7 +100,7 @@ def pressed(name, setup, direction, options):
     walls = {key: value for key, value in how.items() if key in ("law", "plane")}
     elastic = {**walls, "law": "isotropic"} if walls.get("law") == "plastic" else walls
     modulus = np.nan if "sides" in how or "grip" in how else lamella.point_stiffness(image, points_per_node=per, **elastic).constants[f"E_{axis}"]
-    result = lamella.compression(image, axis=axis, strain=END, points_per_node=per, rows=275, fields=(), **{"energy_ratio": 0.01, **how})
+    result = lamella.compression(image, axis=axis, strain=END, points_per_node=per, rows=275, displacement=False, **{"energy_ratio": 0.01, **how})
     result.save_curve(path, overwrite=True)
     curve = lamella.compression_curve(result.strain, result.stress)
     slope, at = study.flattest(result.strain, result.stress)

@@ -84,7 +84,7 @@ def pressed(name, direction, options):
     frames = list(np.linspace(0, end, options.frames + 1)[1:]) if direction == "R" else []
     kept = sorted({round(e, 6) for e in (*strains, *frames, *np.linspace(end / 12, end, 12))}) if direction == "R" else []
     result = lamella.compression(image, axis=axis, strain=end, energy_ratio=options.energy_ratio, at_strains=kept,
-                                 fields=("displacement", "deformation_gradient", "stress"), rows=max(60, round(500 * end)), **walls)
+                                 deformation_gradient=True, stress=True, rows=max(60, round(500 * end)), **walls)
     result.save_curve(os.path.join(options.output, f"{name}-{direction}.csv"), overwrite=True)
     curve = lamella.compression_curve(result.strain, result.stress)
     row = dict(sample=name, direction=direction, solid=1 - result.curve["porosity"][0], points=result.statistics["points"],

@@ -335,7 +335,7 @@ def extrapolated(lattices, conductivity, radial):
     """R and T of a lattice of twice the spacing and of a finer one, 2 fine - coarse, and the error bar."""
     both = []
     for image in lattices:
-        k = lamella.diffusion(image, conductivity, fields=False, flux=False).effective
+        k = lamella.diffusion(image, conductivity, field=False, flux=False).effective
         both.append(np.array([k[0, 0], k[1, 1]] if radial == "x" else [k[1, 1], k[0, 0]]))
     return 2 * both[1] - both[0], np.abs(both[1] - both[0])
 

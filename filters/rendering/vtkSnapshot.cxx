@@ -1,4 +1,6 @@
 #include "vtkSnapshot.h"
+#include "Settings.h"
+#include "lattice/Error.h"
 
 #include "Drawing.h"
 #include "SnapshotOptions.h"
@@ -265,6 +267,7 @@ vtkImageData* vtkSnapshot::Draw()
   options.opacity = this->Opacity;
   try
   {
+    lamella::checkSettings(this);
     const bool flat =
       image && (image->GetDimensions()[0] == 1 || image->GetDimensions()[1] == 1 || image->GetDimensions()[2] == 1);
     const rendering::Drawing drawing = geometry ? rendering::DrawGeometry(geometry, options)
@@ -279,6 +282,10 @@ vtkImageData* vtkSnapshot::Draw()
     this->DataRectangle[3] = drawing.data.height;
     this->DrawnRange[0] = drawing.range[0];
     this->DrawnRange[1] = drawing.range[1];
+  }
+  catch (const lamella::Error& error)
+  {
+    this->Fail(error.what(), error.hint());
   }
   catch (const rendering::SnapshotError& error)
   {

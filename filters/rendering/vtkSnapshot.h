@@ -76,10 +76,11 @@ public:
   };
   ///@{
   /**
-   * What kind of field it is. Default AUTO: by the name of the array. SetPresetByName() takes the names of the table
+   * What kind of field it is. AUTO: by the name of the array. SetPresetByName() takes the names of the table
    * above and returns false for others.
+   * @choice Presets
    */
-  vtkSetClampMacro(Preset, int, AUTO, SCALAR);
+  vtkSetMacro(Preset, int);
   vtkGetMacro(Preset, int);
   bool SetPresetByName(const char* name);
   static const char* GetPresetName(int preset);
@@ -87,7 +88,7 @@ public:
 
   ///@{
   /**
-   * Array to draw. Default: the preset's own; with AUTO the first there is of stress, flux, temperature,
+   * Array to draw. Empty: the preset's own; with AUTO the first there is of stress, flux, temperature,
    * concentration, displacement, pore_size, phase, grain, else the first array.
    */
   void SetArrayName(const char* name);
@@ -96,17 +97,19 @@ public:
 
   ///@{
   /**
-   * Component of an array that has several: 0, 1, 2 ...; −1 (default): the magnitude; of a stress the component
+   * Component of an array that has several: 0, 1, 2 ...; −1: the magnitude; of a stress the component
    * along the load.
+   * @range [-1, 1000]
    */
-  vtkSetClampMacro(Component, int, -1, 1000);
+  vtkSetMacro(Component, int);
   vtkGetMacro(Component, int);
   ///@}
 
   ///@{
   /**
    * Values at the ends of the colour map, minimum < maximum, both finite; in the numbers that the legend shows.
-   * Default: from the data (flux: 0 to a round number that 99.5 % of the pixels do not exceed). Fix it for a series.
+   * Where none is set: from the data (flux: 0 to a round number that 99.5 % of the pixels do not exceed). Fix it for a
+   * series.
    */
   void SetRange(double minimum, double maximum);
   void ResetRange();
@@ -115,7 +118,7 @@ public:
 
   ///@{
   /**
-   * Colour map: viridis, inferno, magma, cividis, gray, coolwarm or blue-red. Default (empty): the preset's.
+   * Colour map: viridis, inferno, magma, cividis, gray, coolwarm or blue-red. Empty: the preset's.
    */
   void SetColorMap(const char* name);
   const char* GetColorMap();
@@ -131,7 +134,7 @@ public:
 
   ///@{
   /**
-   * Flux over its mean in the box and stress over that on the platen, which have no unit (default), or as they are.
+   * Flux over its mean in the box and stress over that on the platen, which have no unit, or as they are.
    */
   vtkSetMacro(RelativeFlux, bool);
   vtkGetMacro(RelativeFlux, bool);
@@ -149,23 +152,25 @@ public:
   ///@{
   /**
    * What is drawn on top of the colours. By name: auto, none, lines, arrows, isolines; false for others.
+   * @choice Overlays
    */
-  vtkSetClampMacro(Overlay, int, OVERLAY_DEFAULT, OVERLAY_ISOLINES);
+  vtkSetMacro(Overlay, int);
   vtkGetMacro(Overlay, int);
   bool SetOverlayByName(const char* name);
   ///@}
 
   ///@{
   /**
-   * How many lines, or arrows along the longer side: 1 to 500. 0 (default): as many as look well.
+   * How many lines, or arrows along the longer side: 1 to 500. 0: as many as look well.
+   * @range [0, 500]
    */
-  vtkSetClampMacro(OverlayCount, int, 0, 500);
+  vtkSetMacro(OverlayCount, int);
   vtkGetMacro(OverlayCount, int);
   ///@}
 
   ///@{
   /**
-   * Vector array that lines and arrows follow. Default: the array drawn if it is a vector, else `flux`.
+   * Vector array that lines and arrows follow. Empty: the array drawn if it is a vector, else `flux`.
    */
   void SetOverlayArrayName(const char* name);
   const char* GetOverlayArrayName();
@@ -182,7 +187,7 @@ public:
   ///@{
   /**
    * The border between void and solid (phases by their names; without such a name, phase 0 is the void) as a thin line.
-   * Default on; not for phases and grains, which show it anyway.
+   * Not for phases and grains, which show it anyway.
    */
   vtkSetMacro(ShowOutline, bool);
   vtkGetMacro(ShowOutline, bool);
@@ -191,7 +196,7 @@ public:
 
   ///@{
   /**
-   * Width and height of the whole picture in pixels, 64 to 16384 each. 0, 0 (default): follows from the data, with a
+   * Width and height of the whole picture in pixels, 64 to 16384 each. 0, 0: follows from the data, with a
    * whole number of picture pixels for each of theirs.
    */
   vtkSetVector2Macro(Size, int);
@@ -200,15 +205,17 @@ public:
 
   ///@{
   /**
-   * Size of all text, relative: 0.2 to 5. Default 1.
+   * Size of all text, relative.
+   * @range [0.2, 5]
    */
-  vtkSetClampMacro(FontScale, double, 0.2, 5.0);
+  vtkSetMacro(FontScale, double);
   vtkGetMacro(FontScale, double);
   ///@}
 
   ///@{
   /**
-   * Background, each channel 0 to 1. Default white. Text is dark on light and light on dark backgrounds.
+   * Background, each channel 0 to 1. Text is dark on light and light on dark backgrounds.
+   * @range [0, 1]
    */
   vtkSetVector3Macro(Background, double);
   vtkGetVector3Macro(Background, double);
@@ -216,7 +223,7 @@ public:
 
   ///@{
   /**
-   * Leave the background out, so that the picture can be laid on anything. Default off.
+   * Leave the background out, so that the picture can be laid on anything.
    */
   vtkSetMacro(Transparent, bool);
   vtkGetMacro(Transparent, bool);
@@ -225,7 +232,7 @@ public:
 
   ///@{
   /**
-   * A line above the data. Default none.
+   * A line above the data. Empty: none.
    */
   void SetTitle(const char* title);
   const char* GetTitle();
@@ -233,7 +240,7 @@ public:
 
   ///@{
   /**
-   * Name and unit in the legend. Default: from the array's name and its information (vtkDataArray::UNITS_LABEL()).
+   * Name and unit in the legend. Empty: from the array's name and its information (vtkDataArray::UNITS_LABEL()).
    */
   void SetLegendTitle(const char* title);
   const char* GetLegendTitle();
@@ -243,7 +250,7 @@ public:
 
   ///@{
   /**
-   * Legend and colour bar; scale bar. Default on.
+   * Legend and colour bar; scale bar.
    */
   vtkSetMacro(ShowLegend, bool);
   vtkGetMacro(ShowLegend, bool);
@@ -255,26 +262,31 @@ public:
 
   ///@{
   /**
-   * Volumes and surfaces: where they are looked at from, in degrees. Azimuth around z from the x axis towards y
-   * (default −60), elevation above the xy plane, −90 to 90 (default 30).
+   * Volumes and surfaces: where they are looked at from, in degrees. Azimuth around z from the x axis towards y,
+   * elevation above the xy plane.
    */
   vtkSetMacro(Azimuth, double);
   vtkGetMacro(Azimuth, double);
-  vtkSetClampMacro(Elevation, double, -90.0, 90.0);
+  /**
+   * Elevation above the xy plane, in degrees.
+   * @range [-90, 90]
+   */
+  vtkSetMacro(Elevation, double);
   vtkGetMacro(Elevation, double);
   ///@}
 
   ///@{
   /**
-   * Volumes: opacity of the surface of the preset phase, 0 to 1. Default 1.
+   * Volumes: opacity of the surface of the preset phase.
+   * @range [0, 1]
    */
-  vtkSetClampMacro(Opacity, double, 0.0, 1.0);
+  vtkSetMacro(Opacity, double);
   vtkGetMacro(Opacity, double);
   ///@}
 
   ///@{
   /**
-   * May Write() replace a file? Default off.
+   * Write() may replace a file.
    */
   vtkSetMacro(Overwrite, bool);
   vtkGetMacro(Overwrite, bool);
@@ -283,7 +295,7 @@ public:
 
   ///@{
   /**
-   * Written into the PNG as a text chunk `provenance`. Default: the string `provenance` of the data's field data.
+   * Written into the PNG as a text chunk `provenance`. Empty: the string `provenance` of the data's field data.
    */
   void SetProvenance(const char* provenance);
   const char* GetProvenance();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "Settings.h"
 #include "lattice/Error.h"
 
 #include "vtkDataObject.h"
@@ -49,7 +50,8 @@ enum class Failure
   return dynamic_cast<const DivergenceError*>(&error) != nullptr ? Failure::Divergence : Failure::Input;
 }
 
-/// Runs what a source or filter does; exceptions become its errors (vtkErrorMacro), as VTK's callers expect.
+/// Runs what a source or filter does, if its settings are in their ranges; exceptions become its errors
+/// (vtkErrorMacro), as VTK's callers expect.
 /// @param failure what kind it was; not changed where there was none
 template <typename Action>
 [[nodiscard]] Outcome attempt(vtkObject* self, const Action& action, Failure* failure = nullptr)
@@ -63,6 +65,7 @@ template <typename Action>
   };
   try
   {
+    checkSettings(self);
     action();
     return Outcome::Done;
   }

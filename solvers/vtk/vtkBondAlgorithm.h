@@ -46,30 +46,64 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** Young's modulus E of a pair's bonds [Pa], positive. An empty name is ignored (an empty row in a panel). */
+  /**
+   * Young's modulus, one pair of phases a row. grain: bonds within that phase. matrix-grain: bonds between the two.
+   * grain-grain: bonds between two different grains. In Pa. Names that the image does not know do no harm.
+   *
+   * Young's modulus E of a pair's bonds [Pa], positive. An empty name is ignored (an empty row in a panel).
+   * @word young
+   * @title Young's modulus of bonds [Pa]
+   * @group Materials
+   * @columns Bonds, Young's modulus [Pa]
+   */
   void SetYoungsModulus(const char* pair, double value);
   void RemoveAllYoungsModuli();
   ///@}
 
   ///@{
-  /** Fracture energy Gc [J/m²], positive. At most one of these three for each pair. */
+  /**
+   * Fracture energy of the bonds of a pair [J/m^2]. Give one of fracture energy, toughness and critical stretch, or
+   * none: they then never break.
+   *
+   * Fracture energy Gc [J/m²], positive. At most one of these three for each pair.
+   * @title Fracture energy of bonds [J/m²]
+   * @group Materials
+   * @columns Bonds, Fracture energy [J/m²]
+   * @advanced
+   */
   void SetFractureEnergy(const char* pair, double value);
   void RemoveAllFractureEnergies();
   ///@}
   ///@{
-  /** Toughness K [Pa √m]: Gc = K²/E in plane stress, K²(1 − ν²)/E otherwise. */
+  /**
+   * Toughness of the bonds of a pair [Pa m^(1/2)], instead of the fracture energy.
+   * @title Toughness of bonds [Pa √m]
+   * @group Materials
+   * @columns Bonds, Toughness [Pa √m]
+   */
   void SetToughness(const char* pair, double value);
   void RemoveAllToughnesses();
   ///@}
   ///@{
-  /** Critical stretch s0: elongation over length at which a bond breaks. */
+  /**
+   * Elongation over length at which bonds of a pair break, instead of the fracture energy.
+   * @title Critical stretch of bonds
+   * @group Materials
+   * @columns Bonds, Critical stretch
+   */
   void SetCriticalStretch(const char* pair, double value);
   void RemoveAllCriticalStretches();
   ///@}
 
   ///@{
   /**
+   * Bonds of the first pair are like those of the second, but for what they have of their own.
+   *
    * Bonds of `pair` are like those of `other`, in stiffness and in fracture, except in what `pair` has of its own.
+   * @title Bonds that are like others
+   * @group Materials
+   * @columns Bonds, Like
+   * @advanced
    */
   void SetLike(const char* pair, const char* other);
   void RemoveAllLikes();
@@ -77,8 +111,10 @@ public:
 
   ///@{
   /**
-   * A pair whose values are in SI units while all others are multiples of its: grain 4 relative to matrix is four times
-   * the matrix's. Empty (default): all are in SI units.
+   * A pair whose values are in SI units while all others are multiples of its: grain 4 relative to matrix is four
+   * times the matrix's. Empty: all are in SI units.
+   * @group Materials
+   * @advanced
    */
   vtkSetMacro(RelativeTo, std::string);
   vtkGetMacro(RelativeTo, std::string);
@@ -91,8 +127,12 @@ public:
     MINIMUM = 2   ///< the lesser E and the lesser s0
   };
   ///@{
-  /** Bonds of two phases that have no material of their own. Default NO_MIXING: an error that names them. */
-  vtkSetClampMacro(Mixing, int, NO_MIXING, MINIMUM);
+  /**
+   * Material of bonds between two phases that have none of their own.
+   * @group Materials
+   * @choice Mixings
+   */
+  vtkSetMacro(Mixing, int);
   vtkGetMacro(Mixing, int);
   ///@}
 
@@ -104,15 +144,23 @@ public:
     SPACE = 3
   };
   ///@{
-  /** Default AUTO_CONTINUUM. */
-  vtkSetClampMacro(Continuum, int, AUTO_CONTINUUM, SPACE);
+  /**
+   * Automatic: plane stress for pictures, space for volumes.
+   * @group Bonds
+   * @choice Continua
+   */
+  vtkSetMacro(Continuum, int);
   vtkGetMacro(Continuum, int);
   ///@}
 
   ///@{
   /**
-   * Length of the longest bonds, in spacings: 1 to 8. Default 3. Below 3 the lattice is markedly stiffer along its
-   * axes, unless its micromodulus is isotropic; below √2 that cannot be.
+   * Length of the longest bonds, in spacings. 3 is usual; 2 is strongly anisotropic; cost grows with its square.
+   *
+   * Length of the longest bonds, in spacings: 1 to 8. Below 3 the lattice is markedly stiffer along its axes, unless
+   * its micromodulus is isotropic; below √2 that cannot be.
+   * @group Bonds
+   * @range [1, 8]
    */
   vtkSetMacro(Horizon, double);
   vtkGetMacro(Horizon, double);
@@ -126,42 +174,75 @@ public:
     ISOTROPIC_MICROMODULUS = 2  ///< by direction, such that the bulk has E and Poisson's ratio in every direction
   };
   ///@{
-  /** How the stiffness of bonds follows from E. Default AUTO_MICROMODULUS. */
-  vtkSetClampMacro(Micromodulus, int, AUTO_MICROMODULUS, ISOTROPIC_MICROMODULUS);
+  /**
+   * How the stiffness of bonds follows from Young's modulus. Automatic: isotropic in volumes, as in the literature in
+   * pictures.
+   * @group Bonds
+   * @choice Micromoduli
+   * @advanced
+   */
+  vtkSetMacro(Micromodulus, int);
   vtkGetMacro(Micromodulus, int);
   ///@}
 
   ///@{
-  /** Whether bonds that cross a thin void go. Default off: they stay. */
+  /**
+   * Take out bonds that cross a thin void. Off: they stay.
+   * @group Bonds
+   * @advanced
+   */
   vtkSetMacro(CutVoidBonds, bool);
   vtkGetMacro(CutVoidBonds, bool);
   vtkBooleanMacro(CutVoidBonds, bool);
   ///@}
 
   ///@{
-  /** Stiffer bonds near free surfaces, where nodes have fewer of them. Default off. */
+  /**
+   * Stiffer bonds near free surfaces, where nodes have fewer of them.
+   * @group Bonds
+   * @advanced
+   */
   vtkSetMacro(SurfaceCorrection, bool);
   vtkGetMacro(SurfaceCorrection, bool);
   vtkBooleanMacro(SurfaceCorrection, bool);
   ///@}
 
   ///@{
-  /** Newton's method on forces that are exact for large rotations, instead of one linear system. Default off. */
+  /**
+   * Newton's method on forces that are exact for large rotations, instead of one linear system.
+   * @group Bonds
+   * @advanced
+   */
   vtkSetMacro(LargeStrains, bool);
   vtkGetMacro(LargeStrains, bool);
   vtkBooleanMacro(LargeStrains, bool);
   ///@}
 
   ///@{
-  /** Cuts made before loading [m]: a segment between two points of a picture; a parallelogram from a corner and two
-   * edges in space. They must touch the sample. */
+  /**
+   * Cuts made before loading, of pictures: from a point to a point, in metres.
+   *
+   * Cuts made before loading [m]: a segment between two points of a picture; a parallelogram from a corner and two
+   * edges in space. They must touch the sample.
+   * @word notch, notches
+   * @title Notches: x1, y1, x2, y2 [m]
+   * @group Bonds
+   * @columns x1 [m], y1 [m], x2 [m], y2 [m]
+   * @advanced
+   */
   void AddNotch(double x1, double y1, double x2, double y2);
   void AddNotchInSpace(const double corner[3], const double along[3], const double across[3]);
   void RemoveAllNotches();
   ///@}
 
   ///@{
-  /** Axes at whose end the sample begins again: three flags. Default none. */
+  /**
+   * 1 for axes at whose end the sample begins again: x, y, z. Not the axis of loading.
+   * @group Bonds
+   * @columns x, y, z
+   * @range [0, 1]
+   * @advanced
+   */
   vtkSetVector3Macro(Periodic, int);
   vtkGetVector3Macro(Periodic, int);
   ///@}

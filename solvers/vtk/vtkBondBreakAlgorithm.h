@@ -45,40 +45,73 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** The high platen moves the other way: towards the low one. Default off. */
+  /**
+   * The high platen moves the other way, towards the low one; strains and stresses are positive then too.
+   * @group Load
+   */
   vtkSetMacro(Compression, bool);
   vtkGetMacro(Compression, bool);
   vtkBooleanMacro(Compression, bool);
   ///@}
 
   ///@{
-  /** Ends when the stress has fallen to this share of the peak, in [0, 1). Default 0.05. */
+  /**
+   * Of a pull: ends when the stress has fallen to this share of the peak. 0 may never be reached: hinges do not part.
+   * @word stop
+   * @group Breaking
+   * @range [0, 1)
+   */
   vtkSetMacro(StopShare, double);
   vtkGetMacro(StopShare, double);
   ///@}
   ///@{
-  /** Ends there; 0 (default): no limit. */
+  /**
+   * Ends at this strain. 0: no limit.
+   * @word max-strain
+   * @group Breaking
+   * @range [0, inf)
+   * @advanced
+   */
   vtkSetMacro(MaximumStrain, double);
   vtkGetMacro(MaximumStrain, double);
+  /**
+   * Ends after so many broken bonds. 0: no limit.
+   * @word max-broken
+   * @group Breaking
+   * @range [0, inf)
+   * @advanced
+   */
   vtkSetMacro(MaximumBroken, vtkIdType);
   vtkGetMacro(MaximumBroken, vtkIdType);
   ///@}
 
   ///@{
-  /** States to keep on the way, at numbers of broken bonds; the end is always kept. They change nothing that breaks. */
+  /**
+   * States to keep on the way, at numbers of broken bonds; the end is always kept. They change nothing that breaks.
+   * @word at-broken
+   * @title States to keep: broken bonds
+   * @group States
+   * @columns Broken bonds
+   */
   void AddStateAtBroken(vtkIdType broken);
   void RemoveAllStatesAtBroken();
   ///@}
   ///@{
-  /** Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
-   * vtkSampleAlgorithm::STEP_EVENT have seen each. Default on. */
+  /**
+   * Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
+   * vtkSampleAlgorithm::STEP_EVENT have seen each.
+   */
   vtkSetMacro(KeepStates, bool);
   vtkGetMacro(KeepStates, bool);
   vtkBooleanMacro(KeepStates, bool);
   ///@}
   ///@{
-  /** The state that output 0 shows, from 0, in the order of the run; -1 (default): the end. A change runs nothing
-   * again. Beyond the last it is the end. */
+  /**
+   * The state that output 0 shows, from 0, in the order of the run; -1: the end. A change runs nothing again. Beyond
+   * the last it is the end.
+   * @group State shown
+   * @default -1
+   */
   void SetState(int state);
   int GetState();
   ///@}
@@ -88,28 +121,53 @@ public:
   ///@}
 
   ///@{
-  /** A file that keeps where the run stands, in HDF5, after every CheckpointEvery; what is there already is replaced.
-   * Empty (default): none. When it cannot be written the run goes on, and says so. */
+  /**
+   * A file (.h5) on the server that keeps where the run stands; what is there already is replaced. Empty: none.
+   *
+   * A file that keeps where the run stands, in HDF5, after every CheckpointEvery; what is there already is replaced.
+   * Empty: none. When it cannot be written the run goes on, and says so.
+   * @word checkpoint
+   * @group Checkpoints
+   * @files Checkpoints (*.h5 *.hdf5)
+   * @advanced
+   */
   vtkSetMacro(CheckpointFile, std::string);
   vtkGetMacro(CheckpointFile, std::string);
   ///@}
   ///@{
-  /** Events of fracture (default 500) or steps in time (default 1000) between two checkpoints; at least 1. In fracture
-   * all that is only there to save work is made anew then, whether a file is written or not: what breaks depends on it
-   * in near ties, so a run goes on with the number that it began with. */
-  vtkSetClampMacro(CheckpointEvery, vtkIdType, 1, VTK_ID_MAX);
+  /**
+   * Events of fracture (default 500) or steps in time (default 1000) between two checkpoints; at least 1. In fracture
+   * all that is only there to save work is made anew then, whether a file is written or not: what breaks depends on
+   * it in near ties, so a run goes on with the number that it began with.
+   * @group Checkpoints
+   * @range [1, inf)
+   * @advanced
+   */
+  vtkSetMacro(CheckpointEvery, vtkIdType);
   vtkGetMacro(CheckpointEvery, vtkIdType);
   ///@}
   ///@{
-  /** Wall time before the first checkpoint and between two at least [s]. Default 0. Above 0 there is none at the end,
-   * and none that the run would not go on from to the same bits. */
-  vtkSetClampMacro(CheckpointSeconds, double, 0, VTK_DOUBLE_MAX);
+  /**
+   * Wall time before the first checkpoint and between two at least [s]. Above 0 there is none at the end, and none that
+   * the run would not go on from to the same bits.
+   * @range [0, inf)
+   */
+  vtkSetMacro(CheckpointSeconds, double);
   vtkGetMacro(CheckpointSeconds, double);
   ///@}
   ///@{
-  /** A checkpoint of the same scene to go on from: the same bonds break then, to the last bit, as in a run that was
-   * never stopped. States that lie before it are not made. Empty (default): from the unbroken sample, as where this is
-   * CheckpointFile and not there yet. */
+  /**
+   * A checkpoint of the same run to go on from: the same bonds break, to the last bit. Empty: from the unbroken sample,
+   * as where this is Checkpoint File and not there yet.
+   *
+   * A checkpoint of the same scene to go on from: the same bonds break then, to the last bit, as in a run that was
+   * never stopped. States that lie before it are not made. Empty: from the unbroken sample, as where this is
+   * CheckpointFile and not there yet.
+   * @word continue, continue_from
+   * @group Checkpoints
+   * @files Checkpoints (*.h5 *.hdf5)
+   * @advanced
+   */
   vtkSetMacro(ContinueFile, std::string);
   vtkGetMacro(ContinueFile, std::string);
   ///@}
@@ -119,7 +177,11 @@ public:
   ///@}
 
   ///@{
-  /** Whether the states carry displacements. Default on. */
+  /**
+   * Put the displacement of every node into the output.
+   * @group State shown
+   * @advanced
+   */
   virtual void SetComputeDisplacement(bool on);
   vtkGetMacro(ComputeDisplacement, bool);
   vtkBooleanMacro(ComputeDisplacement, bool);

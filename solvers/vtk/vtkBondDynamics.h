@@ -46,6 +46,8 @@
  * @warning A bond is looked at once a step and is stretched beyond its limit by then: cracks that run want smaller
  * steps (StepShare) than waves do.
  *
+ * @default CheckpointEvery 1000
+ *
  * @sa vtkBondFracture, vtkBondEquilibrium
  */
 
@@ -74,129 +76,260 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** Of phases without a density of their own [kg/m³], above 0. Default 1000. */
+  /**
+   * Density of phases without one of their own [kg/m^3].
+   * @group Materials
+   * @unit kg/m³
+   * @range (0, inf)
+   */
   vtkSetMacro(Density, double);
   vtkGetMacro(Density, double);
   ///@}
   ///@{
-  /** Density of a phase [kg/m³]. An empty name is ignored, and so are phases that the image does not have. */
+  /**
+   * Density of a phase [kg/m³]. An empty name is ignored, and so are phases that the image does not have.
+   * @title Density of phases [kg/m³]
+   * @group Materials
+   * @columns Phase, Density [kg/m³]
+   */
   void SetPhaseDensity(const char* phase, double value);
   void RemoveAllPhaseDensities();
   ///@}
 
   ///@{
-  /** Two platens pull the sample (default on), else what is said of its sides moves it. */
+  /**
+   * Two platens pull the sample. Off: what is said of its sides, of boxes and of velocities moves it.
+   * @group Load
+   */
   vtkSetMacro(Pull, bool);
   vtkGetMacro(Pull, bool);
   vtkBooleanMacro(Pull, bool);
   ///@}
-  /** Of a pull: STRETCH or SHEAR; default STRETCH. */
-  vtkSetClampMacro(Load, int, STRETCH, SHEAR);
+  /**
+   * Of a pull. Stretch: the platens move apart along the axis. Shear: they move across.
+   * @group Load
+   * @choice STRETCH SHEAR
+   * @when Pull
+   */
+  vtkSetMacro(Load, int);
   ///@{
-  /** Of a pull: Γ₀ [1/s]; 0 (default): such that the strain of the first break takes TravelTimes. */
+  /**
+   * Of a pull [1/s]. 0: such that the strain of the first break takes Travel Times.
+   * @group Load
+   * @unit 1/s
+   * @range [0, inf)
+   * @when Pull
+   */
   vtkSetMacro(StrainRate, double);
   vtkGetMacro(StrainRate, double);
   ///@}
   ///@{
-  /** Travel times of a wave from platen to platen until the strain of the first break. Default 30. */
+  /**
+   * Travel times of a wave from platen to platen until the strain of the first break. 30 is quick, 100 slow.
+   * @group Load
+   * @when Pull
+   * @advanced
+   * @range (0, inf)
+   */
   vtkSetMacro(TravelTimes, double);
   vtkGetMacro(TravelTimes, double);
   ///@}
   ///@{
-  /** Of a pull: share of the strain of the first break at which motion starts, in equilibrium, 0 to 1. Default 0.98. */
+  /**
+   * A pull begins in equilibrium at this share of the strain of the first break, with the speeds that it would have
+   * given.
+   * @word start
+   * @group Load
+   * @range [0, 1]
+   * @when Pull
+   * @advanced
+   */
   vtkSetMacro(StartShare, double);
   vtkGetMacro(StartShare, double);
   ///@}
 
   ///@{
   /**
+   * Nodes of a side (x-, x+, y-, y+, z-, z+; y+ is the top of a picture) keep this speed along x, y or z [m/s].
+   * Components without one are free. Needs Pull off.
+   *
    * The nodes of a side keep this speed along a component [m/s]; components without one are free. PlatenLayers says how
    * many layers. An empty name is ignored.
-   * @param side "x-", "x+", "y-", "y+" (the top of a picture), "z-" or "z+"
-   * @param component "x", "y" or "z"
+   * @title Speed of sides [m/s]: side, component, speed
+   * @group Load
+   * @columns Side, Component, Speed [m/s]
+   * @when Pull 0
    */
   void SetSideVelocity(const char* side, const char* component, double speed);
   void RemoveAllSideVelocities();
   ///@}
   ///@{
-  /** Force on the area of a side [Pa] along a component, whichever the side is, spread over its layers. */
+  /**
+   * Force on the area of a side along x, y or z [Pa], from the start on. Needs Pull off.
+   *
+   * Force on the area of a side [Pa] along a component, whichever the side is, spread over its layers.
+   * @title Traction on sides [Pa]: side, component, traction
+   * @group Load
+   * @columns Side, Component, Traction [Pa]
+   * @when Pull 0
+   */
   void SetSideTraction(const char* side, const char* component, double traction);
   void RemoveAllSideTractions();
   ///@}
   ///@{
-  /** The nodes between two corners [m] keep this speed along a component [m/s]. */
+  /**
+   * Nodes between two corners [m] keep this speed along x, y or z [m/s]. Needs Pull off.
+   * @title Speed of boxes: two corners [m], component, speed [m/s]
+   * @group Load
+   * @columns x1 [m], y1 [m], z1 [m], x2 [m], y2 [m], z2 [m], Component, Speed [m/s]
+   * @when Pull 0
+   * @advanced
+   */
   void AddBoxVelocity(
     double x1, double y1, double z1, double x2, double y2, double z2, const char* component, double speed);
   void RemoveAllBoxVelocities();
   ///@}
   ///@{
-  /** Of all that is free, at the start [m/s]. Default none. */
+  /**
+   * Of all that is free, at the start [m/s]. Needs Pull off.
+   * @group Start
+   * @columns x [m/s], y [m/s], z [m/s]
+   * @when Pull 0
+   * @advanced
+   */
   vtkSetVector3Macro(InitialVelocity, double);
   vtkGetVector3Macro(InitialVelocity, double);
   ///@}
   ///@{
-  /** Adds the point array `velocity` of the input (SetInputArrayToProcess(2, ...)) to that. Default off. */
+  /**
+   * Add an array of the input to that. Needs Pull off.
+   * @group Start
+   * @when Pull 0
+   * @advanced
+   */
   vtkSetMacro(UseInputVelocity, bool);
   vtkGetMacro(UseInputVelocity, bool);
   vtkBooleanMacro(UseInputVelocity, bool);
   ///@}
 
   ///@{
-  /** The imposed speeds give way to what breaks, and come back: relaxation time τ [s]. 0 (default): they do not. */
+  /**
+   * Imposed speeds give way to what breaks, and come back within this time [s]. 0: they do not.
+   * @word tau
+   * @group Loading rate
+   * @unit s
+   * @range [0, inf)
+   * @advanced
+   */
   vtkSetMacro(Relaxation, double);
   vtkGetMacro(Relaxation, double);
   ///@}
   ///@{
-  /** ω₀ [J], of a picture [J/m]; 0 (default): the energy of a crack of ReferenceCrack. */
+  /**
+   * Reference energy of that [J/m], of a volume [J]. 0: the energy of Reference Crack.
+   * @word omega0
+   * @group Loading rate
+   * @unit J/m, volumes J
+   * @range [0, inf)
+   * @advanced
+   */
   vtkSetMacro(ReferenceEnergy, double);
   vtkGetMacro(ReferenceEnergy, double);
   ///@}
   ///@{
-  /** Δℓ [m]: a crack of that length (of a volume that square) in the pair with the least fracture energy. 0 (default):
-   * a hundredth of the sample's shortest side. */
+  /**
+   * Δℓ [m]: a crack of that length (of a volume that square) in the pair with the least fracture energy. 0: a
+   * hundredth of the sample's shortest side.
+   * @word delta-l
+   * @group Loading rate
+   * @unit m
+   * @range [0, inf)
+   * @advanced
+   */
   vtkSetMacro(ReferenceCrack, double);
   vtkGetMacro(ReferenceCrack, double);
   ///@}
   ///@{
-  /** Share of the imposed speeds at first, 0 to 1; below 1 only with a Relaxation. Default 1. */
+  /**
+   * Share of the imposed speeds at first, 0 to 1; below 1 only with a Relaxation.
+   * @group Loading rate
+   * @range [0, 1]
+   * @advanced
+   */
   vtkSetMacro(StartRate, double);
   vtkGetMacro(StartRate, double);
   ///@}
 
   ///@{
-  /** Viscous force on every node, as a share of the least critical viscosity √(2 m k/|ξ|) of all bonds, 0 to 1. Default
-   * 0: none. */
+  /**
+   * Viscous force on every node, as a share of the least critical viscosity of the bonds. For strength by a slow pull:
+   * 0.1.
+   * @group Accuracy and cost
+   * @range [0, 1]
+   */
   vtkSetMacro(Damping, double);
   vtkGetMacro(Damping, double);
   ///@}
   ///@{
-  /** Step [s]; 0 (default): StepShare of the largest stable one. One above that is refused. */
+  /**
+   * Step [s]. 0: Step Share of the largest stable one, above which it is refused.
+   * @group Accuracy and cost
+   * @unit s
+   * @range [0, inf)
+   * @advanced
+   */
   vtkSetMacro(TimeStep, double);
   vtkGetMacro(TimeStep, double);
   ///@}
   ///@{
-  /** Step over the largest stable one, 1e-5 to 1. Default 0.8. */
+  /**
+   * Step over the largest stable one. Cracks that run want 0.2 to 0.4.
+   * @group Accuracy and cost
+   * @range [1e-5, 1]
+   */
   vtkSetMacro(StepShare, double);
   vtkGetMacro(StepShare, double);
   ///@}
   ///@{
-  /** Ends there [s]; 0 (default): no limit. Without Pull some end must be told. */
+  /**
+   * Ends at this time [s]. 0: no limit; without Pull some end is needed.
+   * @group Breaking
+   * @unit s
+   * @range [0, inf)
+   */
   vtkSetMacro(EndTime, double);
   vtkGetMacro(EndTime, double);
   ///@}
   ///@{
-  /** Steps between two points of the history; 0 (default): 500 points until EndTime, at least 20 steps apart; with
-   * Pull or without a time every 10 steps. */
-  vtkSetClampMacro(HistoryEvery, vtkIdType, 0, VTK_ID_MAX);
+  /**
+   * Steps between two points of the history. 0: 500 points until the end's time, at least 20 steps apart; with platens
+   * or without a time every 10 steps.
+   * @group State shown
+   * @range [0, inf)
+   * @advanced
+   */
+  vtkSetMacro(HistoryEvery, vtkIdType);
   vtkGetMacro(HistoryEvery, vtkIdType);
   ///@}
   ///@{
-  /** States to keep on the way, at the step nearest to these times [s]. */
+  /**
+   * States to keep on the way, at these times [s]. The end is always kept.
+   * @word at-time, at_times
+   * @title States to keep: times [s]
+   * @group States
+   * @columns Time [s]
+   */
   void AddStateAtTime(double time);
   void RemoveAllStatesAtTimes();
   ///@}
   ///@{
-  /** Whether the states carry velocities. Default on. Off and on again runs nothing. */
+  /**
+   * Put the velocity of every node into the output.
+   *
+   * Whether the states carry velocities. Off and on again runs nothing.
+   * @group State shown
+   * @advanced
+   */
   virtual void SetComputeVelocity(bool on);
   vtkGetMacro(ComputeVelocity, bool);
   vtkBooleanMacro(ComputeVelocity, bool);

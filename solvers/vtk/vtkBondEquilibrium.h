@@ -63,21 +63,42 @@ public:
   vtkTypeMacro(vtkBondEquilibrium, vtkBondLoadAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  /** STRETCH, SHEAR, BIAXIAL or TRACTION; default STRETCH. */
-  vtkSetClampMacro(Load, int, STRETCH, TRACTION);
+  /**
+   * The low platen never moves. Stretch: the high one moves along the axis. Shear: it moves across. Biaxial: smooth
+   * platens on all sides. Traction: a force spread evenly over the high end.
+   * @group Load
+   * @choice STRETCH SHEAR BIAXIAL TRACTION
+   */
+  vtkSetMacro(Load, int);
 
   ///@{
-  /** Movement of the high platen over the distance between the platens; tension positive. Default 1e-3. */
+  /**
+   * Movement of the high platen over the distance between the platens; tension is positive. Everything scales with it,
+   * but for large strains.
+   * @group Load
+   * @when Load STRETCH SHEAR BIAXIAL
+   */
   vtkSetMacro(Strain, double);
   vtkGetMacro(Strain, double);
   ///@}
   ///@{
-  /** BIAXIAL: strain along the other axes. Default 0. */
+  /**
+   * Biaxial: strain along the other axes.
+   * @group Load
+   * @when Load BIAXIAL
+   * @advanced
+   */
   vtkSetMacro(LateralStrain, double);
   vtkGetMacro(LateralStrain, double);
   ///@}
   ///@{
-  /** TRACTION: [Pa], tension positive. Default 0, which is an error for that load. */
+  /**
+   * Traction: in Pa, tension is positive.
+   * @group Load
+   * @unit Pa
+   * @when Load TRACTION
+   * @advanced
+   */
   vtkSetMacro(Traction, double);
   vtkGetMacro(Traction, double);
   ///@}
@@ -90,13 +111,25 @@ public:
     DYNAMIC_RELAXATION = 3 ///< for comparison
   };
   ///@{
-  /** How forces are balanced; all give the same answer. Default MULTIGRID. */
-  vtkSetClampMacro(Solver, int, MULTIGRID, DYNAMIC_RELAXATION);
+  /**
+   * How forces are balanced. All give the same answer.
+   * @group Accuracy and cost
+   * @choice Solvers
+   * @advanced
+   */
+  vtkSetMacro(Solver, int);
   vtkGetMacro(Solver, int);
   ///@}
   ///@{
-  /** Gives up after this many iterations. Default 20000. */
-  vtkSetClampMacro(MaximumIterations, int, 1, VTK_INT_MAX);
+  /**
+   * Gives up after this many.
+   * @word max-iterations
+   * @group Accuracy and cost
+   * @range [1, inf)
+   * @when Solver MULTIGRID JACOBI DYNAMIC_RELAXATION
+   * @advanced
+   */
+  vtkSetMacro(MaximumIterations, int);
   vtkGetMacro(MaximumIterations, int);
   ///@}
 

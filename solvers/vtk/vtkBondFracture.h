@@ -68,24 +68,42 @@ public:
   vtkTypeMacro(vtkBondFracture, vtkBondBreakAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  /** STRETCH, SHEAR or BIAXIAL; default STRETCH. */
-  vtkSetClampMacro(Load, int, STRETCH, BIAXIAL);
+  /**
+   * The low platen never moves. Stretch: the high one moves along the axis. Shear: it moves across. Biaxial: smooth
+   * platens on all sides.
+   * @group Load
+   * @choice STRETCH SHEAR BIAXIAL
+   */
+  vtkSetMacro(Load, int);
 
   ///@{
-  /** BIAXIAL: strain along the other axes over that along the axis. Default 0. */
+  /**
+   * Biaxial: strain along the other axes over that along the axis.
+   * @group Load
+   * @when Load BIAXIAL
+   * @advanced
+   */
   vtkSetMacro(LateralRatio, double);
   vtkGetMacro(LateralRatio, double);
   ///@}
 
   enum Methods
   {
-    AUTO = 0,    ///< EVENTS where it can be had, else ACCURATE
+    AUTO = 0,    ///< "Automatic": EVENTS where it can be had, else ACCURATE
     EVENTS = 1,  ///< corrections around each break; one rank, sides not periodic, strict breaking
     ACCURATE = 2 ///< the whole sample after each break: slow, to check against
   };
   ///@{
-  /** How forces are balanced between breaks. Default AUTO. */
-  vtkSetClampMacro(Method, int, AUTO, ACCURATE);
+  /**
+   * Automatic: events on one rank, without periodic sides and in strict breaking; else accurate, which takes far
+   * longer.
+   *
+   * How forces are balanced between breaks.
+   * @group Accuracy and cost
+   * @choice Methods
+   * @advanced
+   */
+  vtkSetMacro(Method, int);
   vtkGetMacro(Method, int);
   ///@}
 
@@ -95,29 +113,56 @@ public:
     BATCHED = 1 ///< all that are critical at once
   };
   ///@{
-  /** Default STRICT. */
-  vtkSetClampMacro(Breaking, int, STRICT, BATCHED);
+  /**
+   * Which bonds break at once. Batched is solved by the accurate method.
+   * @group Breaking
+   * @choice Breakings
+   * @advanced
+   */
+  vtkSetMacro(Breaking, int);
   vtkGetMacro(Breaking, int);
   ///@}
 
   ///@{
-  /** EVENTS: look closer where two bonds are nearly as critical as each other. Default on; off is about three times as
-   * fast, the strength is the same, and in thin walls the crack may take another way after the peak. */
+  /**
+   * Events: look closer where two bonds are nearly as critical as each other. Off is sooner by a third to a half; the
+   * strength is the same, the crack may take another way after the peak.
+   *
+   * EVENTS: look closer where two bonds are nearly as critical as each other. off is about three times as fast, the
+   * strength is the same, and in thin walls the crack may take another way after the peak.
+   * @group Accuracy and cost
+   * @when Method AUTO EVENTS
+   * @advanced
+   */
   vtkSetMacro(Rivals, bool);
   vtkGetMacro(Rivals, bool);
   vtkBooleanMacro(Rivals, bool);
   ///@}
 
   ///@{
-  /** The strain is raised to multiples of this, each time to the first at which a bond is critical: batches are larger
-   *  and fewer, and a run sooner at its end, while the peak may lie up to one step higher. 0 (default): to where the
-   *  next bond just is critical. */
+  /**
+   * The strain is raised to multiples of this, each time to the first at which a bond is critical: batches are larger
+   * and fewer, and a run sooner at its end, while the peak may lie up to one step higher. 0: to where the next bond
+   * just is critical.
+   * @group Breaking
+   * @range [0, inf)
+   * @advanced
+   */
   vtkSetMacro(StrainStep, double);
   vtkGetMacro(StrainStep, double);
   ///@}
 
   ///@{
-  /** States to keep on the way, at imposed strains. They change nothing that breaks. */
+  /**
+   * States to keep on the way, by the imposed strain. The end is always kept.
+   *
+   * States to keep on the way, at imposed strains. They change nothing that breaks.
+   * @word at-strain, at_strains
+   * @title States to keep: strains
+   * @group States
+   * @columns Strain
+   * @advanced
+   */
   void AddStateAtStrain(double strain);
   void RemoveAllStatesAtStrains();
   ///@}

@@ -33,7 +33,7 @@ public:
     STRETCH = 0, ///< the high platen moves along the axis
     SHEAR = 1,   ///< it moves across: along x where the axis is the last one
     BIAXIAL = 2, ///< smooth platens on all sides
-    TRACTION = 3 ///< a force spread evenly over the high platen, which is not stiff; vtkBondEquilibrium only
+    TRACTION = 3 ///< a force spread evenly over the high platen, which is not stiff
   };
   ///@{
   /** What is done to the sample. Default STRETCH. */
@@ -48,43 +48,75 @@ public:
     Z = 2
   };
   ///@{
-  /** Axis of loading. Default LAST_AXIS. */
-  vtkSetClampMacro(LoadAxis, int, LAST_AXIS, Z);
+  /**
+   * Axis of loading.
+   * @word axis
+   * @group Load
+   * @choice Axes
+   */
+  vtkSetMacro(LoadAxis, int);
   vtkGetMacro(LoadAxis, int);
   ///@}
 
   ///@{
-  /** STRETCH: the platens hold the component along the axis only. Default off: they grip the sample. */
+  /**
+   * Stretch: the platens let the sample slip across the axis.
+   *
+   * STRETCH: the platens hold the component along the axis only.
+   * @group Load
+   * @advanced
+   */
   vtkSetMacro(SmoothPlatens, bool);
   vtkGetMacro(SmoothPlatens, bool);
   vtkBooleanMacro(SmoothPlatens, bool);
   ///@}
   ///@{
   /**
-   * All layers of a platen move alike. Off (default): they move as the mean strain has it, as if the sample went on, so
-   * that a uniform sample is strained uniformly up to its ends; with rigid platens it breaks beside them first.
+   * All layers of a platen move alike. Off: they move as the mean strain has it, as if the sample went on, so that a
+   * uniform sample is strained uniformly up to its ends; with rigid platens it breaks beside them first.
+   * @group Load
+   * @advanced
    */
   vtkSetMacro(RigidPlatens, bool);
   vtkGetMacro(RigidPlatens, bool);
   vtkBooleanMacro(RigidPlatens, bool);
   ///@}
   ///@{
-  /** Layers of nodes that a platen holds; 0 (default): as many as a bond reaches. */
-  vtkSetClampMacro(PlatenLayers, int, 0, VTK_INT_MAX);
+  /**
+   * Layers of nodes that a platen holds. 0: as many as a bond reaches.
+   * @group Load
+   * @range [0, inf)
+   * @advanced
+   */
+  vtkSetMacro(PlatenLayers, int);
   vtkGetMacro(PlatenLayers, int);
   ///@}
 
   ///@{
-  /** Largest residual force over the forces that hold the free nodes where they are. Default 1e-6; 1e-12 to 0.1. */
-  vtkSetClampMacro(Tolerance, double, 1e-12, 0.1);
+  /**
+   * Largest residual force over the forces that hold the free nodes where they are.
+   * @group Accuracy and cost
+   * @range [1e-12, 0.1]
+   * @advanced
+   */
+  vtkSetMacro(Tolerance, double);
   vtkGetMacro(Tolerance, double);
   ///@}
 
   ///@{
-  /** Whether the output carries stress and strain energy; what is off is not computed. Default off. */
+  /**
+   * Put the stress tensor of every node into the output.
+   *
+   * Whether the output carries stress and strain energy; what is off is not computed.
+   * @group State shown
+   */
   vtkSetMacro(ComputeStress, bool);
   vtkGetMacro(ComputeStress, bool);
   vtkBooleanMacro(ComputeStress, bool);
+  /**
+   * Put the strain energy of every node into the output.
+   * @group State shown
+   */
   vtkSetMacro(ComputeStrainEnergy, bool);
   vtkGetMacro(ComputeStrainEnergy, bool);
   vtkBooleanMacro(ComputeStrainEnergy, bool);

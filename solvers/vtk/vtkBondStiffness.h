@@ -67,27 +67,45 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** Solve coarser pictures of the cell as well and tell the error. Default on; at most four times the work. */
+  /**
+   * Solve coarser pictures of the cell as well, and tell the error. At most four times the work.
+   * @group Accuracy and cost
+   */
   vtkSetMacro(EstimateError, bool);
   vtkGetMacro(EstimateError, bool);
   vtkBooleanMacro(EstimateError, bool);
   ///@}
 
   ///@{
-  /** Nodes along each axis that a pixel was split in before it came here: what is a picture, for the error. Default 1.
+  /**
+   * Nodes along each axis that a pixel was split in before it came here: what is a picture, for the error.
+   * @group Accuracy and cost
+   * @range [1, inf)
+   * @advanced
    */
-  vtkSetClampMacro(NodesPerPixel, int, 1, VTK_INT_MAX);
+  vtkSetMacro(NodesPerPixel, int);
   vtkGetMacro(NodesPerPixel, int);
   ///@}
 
   ///@{
-  /** Largest residual force over the forces that hold all nodes in the mean strain. Default 1e-6; 1e-12 to 0.1. */
-  vtkSetClampMacro(Tolerance, double, 1e-12, 0.1);
+  /**
+   * Largest residual force over the forces that hold all nodes in the mean strain.
+   * @group Accuracy and cost
+   * @range [1e-12, 0.1]
+   * @advanced
+   */
+  vtkSetMacro(Tolerance, double);
   vtkGetMacro(Tolerance, double);
   ///@}
   ///@{
-  /** Gives up after this many iterations for one unit strain. Default 20000. */
-  vtkSetClampMacro(MaximumIterations, int, 1, VTK_INT_MAX);
+  /**
+   * Gives up after this many.
+   * @word max-iterations
+   * @group Accuracy and cost
+   * @range [1, inf)
+   * @advanced
+   */
+  vtkSetMacro(MaximumIterations, int);
   vtkGetMacro(MaximumIterations, int);
   ///@}
 

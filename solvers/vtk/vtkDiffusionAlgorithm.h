@@ -52,8 +52,12 @@ public:
     CONCENTRATION = 1
   };
   ///@{
-  /** What diffuses: names the output array. Default TEMPERATURE. */
-  vtkSetClampMacro(Quantity, int, TEMPERATURE, CONCENTRATION);
+  /**
+   * What diffuses. It names the output array.
+   * @group Diffusion
+   * @choice Quantities
+   */
+  vtkSetMacro(Quantity, int);
   vtkGetMacro(Quantity, int);
   ///@}
 
@@ -63,35 +67,54 @@ public:
     PERIODIC = 1
   };
   ///@{
-  /** The sides across the direction. Default INSULATED. */
-  vtkSetClampMacro(Sides, int, INSULATED, PERIODIC);
+  /**
+   * The other sides.
+   * @group Diffusion
+   * @choice SideTypes
+   */
+  vtkSetMacro(Sides, int);
   vtkGetMacro(Sides, int);
   ///@}
 
   enum Lattices
   {
     AUTO_LATTICE = 0, ///< D2Q5 or D3Q7; D2Q9 for conductivities along and across
-    D2Q5 = 1,
-    D2Q9 = 2,
-    D3Q7 = 3,
-    D3Q19 = 4
+    D2Q5 = 1,         ///< "D2Q5"
+    D2Q9 = 2,         ///< "D2Q9"
+    D3Q7 = 3,         ///< "D3Q7"
+    D3Q19 = 4         ///< "D3Q19"
   };
   ///@{
-  /** Links of the lattice. Default AUTO_LATTICE. */
-  vtkSetClampMacro(Lattice, int, AUTO_LATTICE, D3Q19);
+  /**
+   * Links of the lattice.
+   * @group Accuracy and cost
+   * @choice Lattices
+   * @advanced
+   */
+  vtkSetMacro(Lattice, int);
   vtkGetMacro(Lattice, int);
   ///@}
 
   ///@{
-  /** Whether the output has the flux; where not, it is neither computed nor stored. */
+  /**
+   * Put the flux vectors into the output.
+   *
+   * Whether the output has the flux; where not, it is neither computed nor stored.
+   * @group Time
+   */
   vtkSetMacro(ComputeFlux, bool);
   vtkGetMacro(ComputeFlux, bool);
   vtkBooleanMacro(ComputeFlux, bool);
   ///@}
 
   ///@{
-  /** Threads of each rank; 0: one for each core that the machine has. Default 1. */
-  vtkSetClampMacro(Threads, int, 0, VTK_INT_MAX);
+  /**
+   * Threads of each process. 0: one for each core.
+   * @group Accuracy and cost
+   * @range [0, inf)
+   * @advanced
+   */
+  vtkSetMacro(Threads, int);
   vtkGetMacro(Threads, int);
   ///@}
 

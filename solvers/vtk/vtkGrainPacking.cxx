@@ -39,19 +39,6 @@ vtkGrainPacking::vtkGrainPacking()
 {
   this->SetNumberOfInputPorts(0);
   this->SetNumberOfOutputPorts(2);
-  const packing::PackingOptions options; // the library's own defaults
-  this->Dimension = options.dimension;
-  this->Count = static_cast<vtkIdType>(options.count);
-  this->MeanDiameter = options.meanDiameter;
-  this->DiameterRatio = options.diameterRatio;
-  this->Sizes = static_cast<int>(options.sizes);
-  this->Aspect = options.aspect;
-  this->Periodic = options.periodic;
-  this->Friction = options.friction;
-  this->Pressure = options.pressure;
-  this->Softness = options.softness;
-  this->Seed = static_cast<vtkIdType>(options.seed);
-  this->Tolerance = options.tolerance;
 }
 
 vtkPolyData* vtkGrainPacking::GetContacts()

@@ -41,25 +41,42 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** 2: disks, 3: spheres. Default 2. */
+  /**
+   * Disks in a plane or spheres in space.
+   * @group Grains
+   * @values 2: disks; 3: spheres
+   */
   vtkSetMacro(Dimension, int);
   vtkGetMacro(Dimension, int);
   ///@}
 
   ///@{
-  /** How many grains, at least 10 disks or 30 spheres. Default 400. */
+  /**
+   * How many grains: at least 10 disks or 30 spheres. 400 disks take about a second.
+   * @group Grains
+   * @range [1, inf)
+   */
   vtkSetMacro(Count, vtkIdType);
   vtkGetMacro(Count, vtkIdType);
   ///@}
 
   ///@{
-  /** Mean of the grains' diameters in metres. Default 1e-3. */
+  /**
+   * Mean of the grains' diameters in metres.
+   * @group Grains
+   * @unit m
+   * @range (0, inf)
+   */
   vtkSetMacro(MeanDiameter, double);
   vtkGetMacro(MeanDiameter, double);
   ///@}
 
   ///@{
-  /** Largest diameter over the smallest, from 1 to 10. Default 2. */
+  /**
+   * Largest diameter over the smallest.
+   * @group Grains
+   * @range [1, 10]
+   */
   vtkSetMacro(DiameterRatio, double);
   vtkGetMacro(DiameterRatio, double);
   ///@}
@@ -71,78 +88,130 @@ public:
     DIAMETER = 2      ///< diameters spread evenly
   };
   ///@{
-  /** How sizes are spread between the smallest and the largest grain. Default VOLUME. */
-  vtkSetClampMacro(Sizes, int, VOLUME, DIAMETER);
+  /**
+   * How sizes are spread between the smallest grain and the largest. Every diameter fills the same share: many small
+   * grains and few large ones.
+   * @group Grains
+   * @choice SizeDistributions
+   */
+  vtkSetMacro(Sizes, int);
   vtkGetMacro(Sizes, int);
   ///@}
 
   ///@{
-  /** Edge of the box along its last axis (y of disks, z of spheres) over the other edges, 0.2 to 5. Default 2. */
+  /**
+   * Edge of the box along its last axis (y of disks, z of spheres) over the other edges.
+   * @group Grains
+   * @range [0.2, 5]
+   */
   vtkSetMacro(Aspect, double);
   vtkGetMacro(Aspect, double);
   ///@}
 
   ///@{
-  /** Periodic along all axes, or between smooth walls. Default off. */
+  /**
+   * The box is one cell of an endless packing. Otherwise it has smooth walls.
+   *
+   * Periodic along all axes, or between smooth walls.
+   * @group Grains
+   */
   vtkSetMacro(Periodic, bool);
   vtkGetMacro(Periodic, bool);
   vtkBooleanMacro(Periodic, bool);
   ///@}
 
   ///@{
-  /** Coulomb's friction coefficient between grains and with walls, 0 to 2. Default 0. */
+  /**
+   * Coulomb's friction coefficient between grains and with walls. More friction, looser packings.
+   * @group Compaction
+   * @range [0, 2]
+   */
   vtkSetMacro(Friction, double);
   vtkGetMacro(Friction, double);
   ///@}
 
   ///@{
-  /** On the walls, in pascals. Default 1000. */
+  /**
+   * What the walls press with, in pascals. Forces are in proportion to it.
+   * @group Compaction
+   * @unit Pa
+   * @range (0, inf)
+   */
   vtkSetMacro(Pressure, double);
   vtkGetMacro(Pressure, double);
   ///@}
 
   ///@{
-  /** Pressure over the contacts' stiffness: about the mean overlap over the diameter, 1e-7 to 1e-2. Default 1e-6. */
+  /**
+   * Pressure over the contacts' stiffness: about the mean overlap of two grains over the diameter.
+   * @group Compaction
+   * @range [1e-7, 1e-2]
+   * @advanced
+   */
   vtkSetMacro(Softness, double);
   vtkGetMacro(Softness, double);
   ///@}
 
   ///@{
-  /** Ends the compaction at this share of the box, before grains jam and touch. 0 (default): they jam. */
+  /**
+   * Ends the compaction at this share of the box, before the grains jam and touch. 0: they jam.
+   * @group Compaction
+   * @range [0, 1)
+   */
   vtkSetMacro(PackingFraction, double);
   vtkGetMacro(PackingFraction, double);
   ///@}
 
   ///@{
-  /** Another seed, another sample. Default 1. */
+  /**
+   * Another seed gives another packing of the same grains.
+   * @group Grains
+   * @range [0, inf)
+   */
   vtkSetMacro(Seed, vtkIdType);
   vtkGetMacro(Seed, vtkIdType);
   ///@}
 
   ///@{
-  /** Mean net force on a grain over the mean contact force at rest, 1e-8 to 1e-2. Default 1e-4. */
+  /**
+   * At rest, the mean net force on a grain is below this share of the mean contact force.
+   * @group Compaction
+   * @range [1e-8, 1e-2]
+   * @advanced
+   */
   vtkSetMacro(Tolerance, double);
   vtkGetMacro(Tolerance, double);
   ///@}
 
   ///@{
-  /** Steps of relaxation from one state that is kept on the way to the next; 0 (default): the end alone. The packing at
-   * the end does not depend on it. */
-  vtkSetClampMacro(StateEvery, vtkIdType, 0, VTK_ID_MAX);
+  /**
+   * Steps of relaxation from one state that is kept on the way to the next. 0: the end alone. The packing at the end
+   * does not depend on it.
+   * @word every
+   * @group States
+   * @range [0, inf)
+   */
+  vtkSetMacro(StateEvery, vtkIdType);
   vtkGetMacro(StateEvery, vtkIdType);
   ///@}
 
   ///@{
-  /** Whether all states stay, or only the last one. Off, memory holds one at a time: those who observe
-   * vtkSampleAlgorithm::STEP_EVENT have seen each. Default on. */
+  /**
+   * Whether all states stay, or only the last one. Off, memory holds one at a time: those who observe
+   * vtkSampleAlgorithm::STEP_EVENT have seen each.
+   */
   vtkSetMacro(KeepStates, bool);
   vtkGetMacro(KeepStates, bool);
   vtkBooleanMacro(KeepStates, bool);
   ///@}
 
   ///@{
-  /** The state that the outputs show, from 0, in the order of the run; -1 (default): the end. A change runs nothing
-   * again. Beyond the last it is the end. */
+  /**
+   * The state that the outputs show, from 0, in the order of the run; -1: the end. A change runs nothing again.
+   * Beyond the last it is the end.
+   * @group States
+   * @default -1
+   */
   void SetState(int state);
   int GetState();
   ///@}
@@ -183,19 +252,19 @@ private:
 
   void Pack();
 
-  int Dimension;
-  vtkIdType Count;
-  double MeanDiameter;
-  double DiameterRatio;
-  int Sizes;
-  double Aspect;
-  bool Periodic;
-  double Friction;
-  double Pressure;
-  double Softness;
+  int Dimension = 2;
+  vtkIdType Count = 400;
+  double MeanDiameter = 1e-3;
+  double DiameterRatio = 2;
+  int Sizes = VOLUME;
+  double Aspect = 2;
+  bool Periodic = false;
+  double Friction = 0;
+  double Pressure = 1000;
+  double Softness = 1e-6;
   double PackingFraction = 0;
-  vtkIdType Seed;
-  double Tolerance;
+  vtkIdType Seed = 1;
+  double Tolerance = 1e-4;
   vtkIdType StateEvery = 0;
   bool KeepStates = true;
   int StateRange[2] = { -1, 0 }; // VTK's macros want an array

@@ -25,6 +25,8 @@
  *
  * @warning The answer of one relaxation time (BGK) depends on the time step; it is there to compare with.
  *
+ * @default ComputeFlux false
+ *
  * @sa vtkSteadyDiffusion
  */
 
@@ -54,92 +56,178 @@ public:
 
   ///@{
   /**
+   * Diffusivity of each phase in m²/s, one a row: its name (or its number, where phases have no names) and the value.
+   * 0: does not conduct. Names that the image does not know do no harm.
+   *
    * Diffusivity of a phase [m²/s], finite and not negative; 0: it does not conduct and is neither stored nor visited.
    * `phase` is a name of `phase_names` or, where no phase has that name, an id. A phase that has nodes must have one;
    * names that the image does not know are ignored. An empty name is ignored.
+   * @title Diffusivity of phases [m²/s]
+   * @group Materials
+   * @columns Phase, Diffusivity [m²/s]
    */
   void SetDiffusivity(const char* phase, double value);
   void RemoveAllDiffusivities();
   ///@}
 
   ///@{
-  /** Axis of the two faces that keep their values. Default X. */
-  vtkSetClampMacro(Direction, int, X, Z);
+  /**
+   * From which face to which. x: from left to right, y: in pictures from top to bottom, z and all of a volume: from low
+   * to high coordinates.
+   *
+   * Axis of the two faces that keep their values.
+   * @group Diffusion
+   * @choice X Y Z
+   */
+  vtkSetMacro(Direction, int);
   ///@}
   ///@{
-  /** Values on the face where the direction begins (default 1), where it ends (0), and inside at time 0 (0). */
+  /**
+   * Values on the face where the direction begins (default 1), where it ends (0), and inside at time 0 (0).
+   * @group Diffusion
+   */
   vtkSetMacro(InletValue, double);
   vtkGetMacro(InletValue, double);
+  /**
+   * Value on the face where it ends.
+   * @group Diffusion
+   */
   vtkSetMacro(OutletValue, double);
   vtkGetMacro(OutletValue, double);
+  /**
+   * Value inside at time 0.
+   * @group Diffusion
+   */
   vtkSetMacro(InitialValue, double);
   vtkGetMacro(InitialValue, double);
   ///@}
 
   enum Collisions
   {
-    AUTO_COLLISION = 0, ///< TRT
-    BGK = 1,            ///< one relaxation time; faces and mirrors on the outer nodes
-    TRT = 2             ///< two; faces half a spacing outside the outer nodes
+    AUTO_COLLISION = 0, ///< "Automatic": TRT
+    BGK = 1,            ///< "BGK: one relaxation time": one relaxation time; faces and mirrors on the outer nodes
+    TRT = 2             ///< "TRT: two relaxation times": two; faces half a spacing outside the outer nodes
   };
   ///@{
-  /** Default AUTO_COLLISION. */
-  vtkSetClampMacro(Collision, int, AUTO_COLLISION, TRT);
+  /**
+   * Automatic: two. The answer of one depends on the time step; it is there to compare with, and has its faces on the
+   * outer nodes.
+   * @word stepping
+   * @group Accuracy and cost
+   * @choice Collisions
+   * @advanced
+   */
+  vtkSetMacro(Collision, int);
   vtkGetMacro(Collision, int);
   ///@}
 
   ///@{
-  /** The last time [s], above 0. Default 1. */
+  /**
+   * The last time, in seconds.
+   * @group Time
+   * @unit s
+   * @range (0, inf)
+   */
   vtkSetMacro(EndTime, double);
   vtkGetMacro(EndTime, double);
   ///@}
   ///@{
-  /** Times after 0 that are kept, evenly until EndTime; 0 is kept too. Default 10. */
-  vtkSetClampMacro(NumberOfSteps, int, 1, 100000);
+  /**
+   * Times after 0 that are kept, evenly until the end: 8 bytes a node each.
+   * @word frames
+   * @group Time
+   * @range [1, 100000]
+   */
+  vtkSetMacro(NumberOfSteps, int);
   vtkGetMacro(NumberOfSteps, int);
   ///@}
   ///@{
   /**
+   * States at these times in seconds are kept instead of evenly spaced ones. The last one is the end.
+   *
    * States at these times [s] and at the end of these numbers of steps, which are even, are kept instead, and the last
    * of them is the end; EndTime and NumberOfSteps do not count then. With numbers of steps and no TimeStep the pipeline
    * knows no times beforehand.
+   * @word at-time, at_times
+   * @title States to keep: times [s]
+   * @group States
+   * @columns Time [s]
    */
   void AddStateAtTime(double time);
   void RemoveAllStatesAtTimes();
+  /**
+   * States at the end of these numbers of steps, even ones, are kept instead of evenly spaced times. Times are known
+   * beforehand where the time step is given.
+   * @word at-step, at_steps
+   * @title States to keep: steps
+   * @group States
+   * @advanced
+   */
   void AddStateAtStep(vtkIdType step);
   void RemoveAllStatesAtSteps();
   ///@}
   ///@{
   /**
-   * δt [s]; 0 (default): at most that of a relaxation of ½, and such that evenly spaced times, or the last of given
-   * ones, are met. Else each time is met as nearly as pairs of steps do, and the output says the time that it has.
+   * Time step in seconds. 0: short enough to be accurate, and such that every time is met.
+   *
+   * δt [s]; 0: at most that of a relaxation of ½, and such that evenly spaced times, or the last of given ones, are
+   * met. Else each time is met as nearly as pairs of steps do, and the output says the time that it has.
+   * @group Accuracy and cost
+   * @unit s
+   * @range [0, inf)
+   * @advanced
    */
   vtkSetMacro(TimeStep, double);
   vtkGetMacro(TimeStep, double);
   ///@}
 
   ///@{
-  /** A file that keeps where the run stands, in HDF5, after every CheckpointEvery steps, at the end and where the run
-   * is interrupted; what is there already is replaced. Empty (default): none. When it cannot be written the run goes
-   * on, and says so. */
+  /**
+   * A file (.h5) on the server that keeps where the run stands; what is there already is replaced. Empty: none.
+   *
+   * A file that keeps where the run stands, in HDF5, after every CheckpointEvery steps, at the end and where the run is
+   * interrupted; what is there already is replaced. Empty: none. When it cannot be written the run goes on, and says
+   * so.
+   * @word checkpoint
+   * @group Checkpoints
+   * @files Checkpoints (*.h5 *.hdf5)
+   * @advanced
+   */
   vtkSetMacro(CheckpointFile, std::string);
   vtkGetMacro(CheckpointFile, std::string);
   ///@}
   ///@{
-  /** Steps between two checkpoints, at least 1; looked at every 64 or so. Default 10000. */
-  vtkSetClampMacro(CheckpointEvery, vtkIdType, 1, VTK_ID_MAX);
+  /**
+   * Steps between two checkpoints.
+   * @group Checkpoints
+   * @range [1, inf)
+   * @advanced
+   */
+  vtkSetMacro(CheckpointEvery, vtkIdType);
   vtkGetMacro(CheckpointEvery, vtkIdType);
   ///@}
   ///@{
-  /** Wall time before the first checkpoint and between two at least [s]. Default 0. Above 0 there is none at the end,
-   * and none that the run would not go on from to the same bits. */
-  vtkSetClampMacro(CheckpointSeconds, double, 0, VTK_DOUBLE_MAX);
+  /**
+   * Wall time before the first checkpoint and between two at least [s]. Above 0 there is none at the end, and none that
+   * the run would not go on from to the same bits.
+   * @range [0, inf)
+   */
+  vtkSetMacro(CheckpointSeconds, double);
   vtkGetMacro(CheckpointSeconds, double);
   ///@}
   ///@{
-  /** A checkpoint of the same scene to go on from, to the same bits; states before it are not made, the curve has
-   * them. The times asked for may differ, the time step may not. Empty (default): from time 0, as where this is
-   * CheckpointFile and not there yet. */
+  /**
+   * A checkpoint of the same run to go on from, to the same bits. Empty: from time 0, as where this is Checkpoint File
+   * and not there yet.
+   *
+   * A checkpoint of the same scene to go on from, to the same bits; states before it are not made, the curve has them.
+   * The times asked for may differ, the time step may not. Empty: from time 0, as where this is CheckpointFile and not
+   * there yet.
+   * @word continue, continue_from
+   * @group Checkpoints
+   * @files Checkpoints (*.h5 *.hdf5)
+   * @advanced
+   */
   vtkSetMacro(ContinueFile, std::string);
   vtkGetMacro(ContinueFile, std::string);
   ///@}
@@ -149,8 +237,10 @@ public:
   ///@}
 
   ///@{
-  /** Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
-   * vtkSampleAlgorithm::STEP_EVENT have seen each. Default on. */
+  /**
+   * Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
+   * vtkSampleAlgorithm::STEP_EVENT have seen each.
+   */
   vtkSetMacro(KeepStates, bool);
   vtkGetMacro(KeepStates, bool);
   vtkBooleanMacro(KeepStates, bool);

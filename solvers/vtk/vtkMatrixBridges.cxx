@@ -17,17 +17,7 @@
 
 vtkStandardNewMacro(vtkMatrixBridges);
 
-vtkMatrixBridges::vtkMatrixBridges()
-{
-  const lamella::packing::BridgeOptions bridges; // the library's own defaults
-  const lamella::packing::RasterOptions raster;
-  this->Width = bridges.width;
-  this->Reach = bridges.reach;
-  this->Filled = bridges.filled;
-  this->WallBridges = bridges.walls;
-  this->NodesAcross = static_cast<vtkIdType>(raster.nodesAcross);
-  this->Platen = raster.platen;
-}
+vtkMatrixBridges::vtkMatrixBridges() = default;
 
 int vtkMatrixBridges::FillInputPortInformation(int, vtkInformation* info)
 {

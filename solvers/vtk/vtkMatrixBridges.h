@@ -36,19 +36,32 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** Width of a bridge at a grain's centre over the grain's diameter, α: 0 (none) to 2. Default 0.5. */
+  /**
+   * Width of a bridge at a grain's centre over the grain's diameter. Not used where Filled is on or a Saturation is
+   * given.
+   * @group Matrix
+   * @when Filled 0
+   * @range (0, 2]
+   */
   vtkSetMacro(Width, double);
   vtkGetMacro(Width, double);
   ///@}
 
   ///@{
-  /** Grains whose centres are nearer than this times the sum of their radii get a bridge, β: 1 to 2. Default 1.1. */
+  /**
+   * Grains whose centres are nearer than this times the sum of their radii get a bridge.
+   * @group Matrix
+   * @range [1, 2]
+   */
   vtkSetMacro(Reach, double);
   vtkGetMacro(Reach, double);
   ///@}
 
   ///@{
-  /** All of the space between the grains is matrix; Width is not used. Default off. */
+  /**
+   * All of the space between the grains is matrix.
+   * @group Matrix
+   */
   vtkSetMacro(Filled, bool);
   vtkGetMacro(Filled, bool);
   vtkBooleanMacro(Filled, bool);
@@ -56,8 +69,10 @@ public:
 
   ///@{
   /**
-   * Share of the space between the grains, over the whole box, that is to be matrix: the width is solved for.
-   * 0 (default): Width is used.
+   * Share of the space between the grains that is to be matrix: the width is found for it. 0: Width is used.
+   * @group Matrix
+   * @range [0, 1]
+   * @when Filled 0
    */
   vtkSetMacro(Saturation, double);
   vtkGetMacro(Saturation, double);
@@ -65,8 +80,9 @@ public:
 
   ///@{
   /**
-   * Bridges to the walls along the last axis too, as to the grains' mirror images beyond them. Default off: a platen
-   * then only touches grains.
+   * Bridges to the walls below and above too, as to the grains' mirror images beyond them. Without, a platen only
+   * touches grains.
+   * @group Matrix
    */
   vtkSetMacro(WallBridges, bool);
   vtkGetMacro(WallBridges, bool);
@@ -74,13 +90,24 @@ public:
   ///@}
 
   ///@{
-  /** Nodes along x; the spacing is the box's first edge over them. Default 400. */
+  /**
+   * Nodes of the lattice along x. Spheres: 100 are enough for a first look.
+   *
+   * Nodes along x; the spacing is the box's first edge over them.
+   * @group Lattice
+   * @range [2, inf)
+   */
   vtkSetMacro(NodesAcross, vtkIdType);
   vtkGetMacro(NodesAcross, vtkIdType);
   ///@}
 
   ///@{
-  /** Thickness in metres of a plate of grain material below and above, along the last axis. Default 0. */
+  /**
+   * Thickness in metres of a plate of grain material below and above. 0: none.
+   * @group Lattice
+   * @unit m
+   * @range [0, inf)
+   */
   vtkSetMacro(Platen, double);
   vtkGetMacro(Platen, double);
   ///@}
@@ -100,13 +127,13 @@ private:
 
   bool Cement(vtkPolyData* particles); ///< makes Image, unless it is up to date; says what is wrong
 
-  double Width;
-  double Reach;
-  bool Filled;
-  bool WallBridges;
+  double Width = 0.5;
+  double Reach = 1.1;
+  bool Filled = false;
+  bool WallBridges = false;
   double Saturation = 0;
-  vtkIdType NodesAcross;
-  double Platen;
+  vtkIdType NodesAcross = 400;
+  double Platen = 0;
 
   vtkSmartPointer<vtkImageData> Image; ///< what was made
   vtkTimeStamp MadeTime;

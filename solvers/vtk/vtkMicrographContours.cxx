@@ -28,15 +28,7 @@
 
 vtkStandardNewMacro(vtkMicrographContours);
 
-vtkMicrographContours::vtkMicrographContours()
-{
-  const lamella::micrograph::ExtractOptions options; // the library's own defaults
-  this->Smooth = options.smooth;
-  this->Wavelength = options.wavelength;
-  this->Tolerance = options.tolerance;
-  this->SmallestArea = options.smallestArea;
-  this->LeastSolidity = options.leastSolidity;
-}
+vtkMicrographContours::vtkMicrographContours() = default;
 
 int vtkMicrographContours::FillInputPortInformation(int, vtkInformation* info)
 {

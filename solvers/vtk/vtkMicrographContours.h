@@ -47,22 +47,33 @@ public:
     SHARES = 2 ///< lumen's share of each pixel, 0 to 1
   };
   ///@{
-  /** What outlines are found in. Default PHASES. */
-  vtkSetClampMacro(Basis, int, PHASES, SHARES);
+  /**
+   * Outlines of a phase; where numbers that vary smoothly pass a level; or from lumen's share of each pixel, 0 to 1.
+   * @group Lumens
+   * @choice Bases
+   */
+  vtkSetMacro(Basis, int);
   vtkGetMacro(Basis, int);
   ///@}
 
   ///@{
   /**
+   * Level: the value between lumens and walls.
+   *
    * LEVEL: the value between lumens and walls; of unsigned numbers of 8 and 16 bits as a part of the largest one.
-   * Default 0.5.
+   * @group Lumens
+   * @when Basis LEVEL
    */
   vtkSetMacro(Level, double);
   vtkGetMacro(Level, double);
   ///@}
 
   ///@{
-  /** LEVEL: lumens are where values are below it; SHARES: they are the wall's. Default off. */
+  /**
+   * Level: lumens are where values are below it. Shares: they are the wall's.
+   * @group Lumens
+   * @when Basis LEVEL SHARES
+   */
   vtkSetMacro(LumenBelow, bool);
   vtkGetMacro(LumenBelow, bool);
   vtkBooleanMacro(LumenBelow, bool);
@@ -70,40 +81,67 @@ public:
 
   ///@{
   /**
-   * The phase of the lumens: its name, or its number where phases have no names. Empty (default): the first that is
-   * called void, pore, lumen or air.
+   * The phase of the lumens: its name, or its number where phases have no names. Empty: the first that is called void,
+   * pore, lumen or air. All others are wall.
+   * @group Lumens
+   * @when Basis PHASES
    */
   vtkSetMacro(LumenPhase, std::string);
   vtkGetMacro(LumenPhase, std::string);
   ///@}
 
   ///@{
-  /** The steps of pixels are smoothed away, each chain's area kept. Default on. */
+  /**
+   * Smooth the steps of pixels away; each outline keeps its area.
+   * @group Outlines
+   */
   vtkSetMacro(Smooth, bool);
   vtkGetMacro(Smooth, bool);
   vtkBooleanMacro(Smooth, bool);
   ///@}
 
   ///@{
-  /** Waves along an outline that are shorter are damped, in pixels: 4 to 200. Default 20. */
+  /**
+   * Waves along an outline that are shorter than so many pixels are damped.
+   * @group Outlines
+   * @unit pixels
+   * @range [4, 200]
+   * @when Smooth
+   * @advanced
+   */
   vtkSetMacro(Wavelength, double);
   vtkGetMacro(Wavelength, double);
   ///@}
 
   ///@{
-  /** Points that far from the line through their neighbours are left out, in pixels; 0: all stay. Default 0.02. */
+  /**
+   * Points nearer than so many pixels to the line through their neighbours are left out. 0: all stay.
+   * @group Outlines
+   * @unit pixels
+   * @range [0, inf)
+   * @advanced
+   */
   vtkSetMacro(Tolerance, double);
   vtkGetMacro(Tolerance, double);
   ///@}
 
   ///@{
-  /** Smaller lumens become wall, in square metres. Default 0. */
+  /**
+   * Smaller lumens become wall, in square metres.
+   * @group Which ones
+   * @unit m²
+   * @range [0, inf)
+   */
   vtkSetMacro(SmallestArea, double);
   vtkGetMacro(SmallestArea, double);
   ///@}
 
   ///@{
-  /** Closed lumens that fill a smaller share of their convex hull become wall, 0 to 1. Default 0. */
+  /**
+   * Closed lumens that fill a smaller share of their convex hull become wall.
+   * @group Which ones
+   * @range [0, 1]
+   */
   vtkSetMacro(LeastSolidity, double);
   vtkGetMacro(LeastSolidity, double);
   ///@}
@@ -127,11 +165,11 @@ private:
   double Level = 0.5;
   bool LumenBelow = false;
   std::string LumenPhase;
-  bool Smooth;
-  double Wavelength;
-  double Tolerance;
-  double SmallestArea;
-  double LeastSolidity;
+  bool Smooth = true;
+  double Wavelength = 20;
+  double Tolerance = 0.02;
+  double SmallestArea = 0;
+  double LeastSolidity = 0;
 };
 
 #endif

@@ -45,8 +45,10 @@ public:
 
   ///@{
   /**
-   * Distance of the nodes in metres; it changes a little so that a whole number fits the picture's width. 0 (default)
-   * is refused, with a spacing that suits the walls as hint.
+   * Distance of the nodes in metres; it changes a little so that a whole number fits the picture's width. 0 is
+   * refused, with a spacing that suits the walls as hint.
+   * @unit m
+   * @range [0, inf)
    */
   vtkSetMacro(Spacing, double);
   vtkGetMacro(Spacing, double);
@@ -59,15 +61,24 @@ public:
     CONSTANT = 2 ///< of one thickness, about the line as far from two lumens
   };
   ///@{
-  /** How a middle lamella is found in the walls. Default NONE. */
-  vtkSetClampMacro(Lamella, int, NONE, CONSTANT);
+  /**
+   * How a middle lamella is found in the walls: what lumens that grow leave between them, thicker where three cells
+   * meet; or of one thickness.
+   * @group Middle Lamella
+   * @choice LamellaTypes
+   */
+  vtkSetMacro(Lamella, int);
   vtkGetMacro(Lamella, int);
   ///@}
 
   ///@{
   /**
-   * Gap that growing outlines keep, or the constant thickness, in metres. 0 (default): half a micrometre, but not more
-   * than an eighth of the walls' median thickness.
+   * Gap that growing outlines keep, or the constant thickness, in metres. 0: half a micrometre, but not more than an
+   * eighth of the walls' median thickness.
+   * @group Middle Lamella
+   * @unit m
+   * @range [0, inf)
+   * @when Lamella GROWTH CONSTANT
    */
   vtkSetMacro(LamellaThickness, double);
   vtkGetMacro(LamellaThickness, double);
@@ -75,15 +86,23 @@ public:
 
   ///@{
   /**
-   * GROWTH: growing outlines stop where their radius of curvature has fallen to this, in metres; 0: never. Below 0
-   * (default −1): a quarter of the walls' median thickness.
+   * Growing outlines stop where their radius of curvature has fallen to so many metres. 0: never. Below 0: a quarter of
+   * the walls' median thickness.
+   * @group Middle Lamella
+   * @unit m
+   * @when Lamella GROWTH
    */
   vtkSetMacro(LamellaRadius, double);
   vtkGetMacro(LamellaRadius, double);
   ///@}
 
   ///@{
-  /** Nodes that a solver wants across the lamella: fewer are warned of. 0 (default): one. */
+  /**
+   * Nodes that a solver wants across the middle lamella: fewer are warned of.
+   * @group Middle Lamella
+   * @range [0, inf)
+   * @when Lamella GROWTH CONSTANT
+   */
   vtkSetMacro(Horizon, double);
   vtkGetMacro(Horizon, double);
   ///@}

@@ -30,28 +30,39 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** The polygons (.json, .json.gz) or outlines (.vtp). */
+  /**
+   * The polygons, .json or .json.gz, or outlines in a .vtp that Lamella wrote.
+   * @files Outlines (*)
+   */
   vtkSetFilePathMacro(FileName);
   vtkGetFilePathMacro(FileName);
   ///@}
 
   ///@{
-  /** Polygons: one unit of the file's coordinates in metres. 0 (default): what the file says. */
+  /**
+   * One unit of the file's coordinates in metres: 1e-6 for micrometres. 0: what the file says.
+   * @unit m
+   * @range [0, inf)
+   */
   vtkSetMacro(Unit, double);
   vtkGetMacro(Unit, double);
   ///@}
 
   ///@{
   /**
-   * What of the file is the picture, low x, low y, high x, high y in the file's coordinates. All 0 (default): the box
-   * around all of its points, or what the file says; where it says so (a .vtp too) a window is a part of that.
+   * What of the file is the picture: low x, low y, high x, high y in the file's coordinates. All 0: the box around all
+   * of its points, or what the file says; a window is a part of that.
+   * @columns low x, low y, high x, high y
    */
   vtkSetVector4Macro(Window, double);
   vtkGetVector4Macro(Window, double);
   ///@}
 
   ///@{
-  /** Polygons: the file's y points down, as rows of a picture do. Default off. */
+  /**
+   * The file's y points down, as rows of a picture do.
+   * @word y-down
+   */
   vtkSetMacro(YDown, bool);
   vtkGetMacro(YDown, bool);
   vtkBooleanMacro(YDown, bool);

@@ -21,29 +21,6 @@ vtkStandardNewMacro(vtkMicrostructureSource);
 vtkMicrostructureSource::vtkMicrostructureSource()
 {
   this->SetNumberOfInputPorts(0);
-  // The generator's own defaults, so that there is one sample that everybody gets who asks for nothing.
-  const lamella::generators::SoftwoodOptions options;
-  std::copy(options.size.begin(), options.size.end(), this->Size);
-  this->Spacing = options.spacing;
-  this->SolidFraction = options.solidFraction;
-  this->Seed = static_cast<vtkIdType>(options.seed);
-  this->TangentialDiameter = options.tangentialDiameter;
-  this->RadialDiameter[0] = options.radialDiameterEarly;
-  this->RadialDiameter[1] = options.radialDiameterLate;
-  this->RingPosition[0] = options.ringPosition0;
-  this->RingPosition[1] = options.ringPosition1;
-  this->RayDistance = options.rayEvery;
-  this->TracheidLength = options.tracheidLength;
-  this->Scatter = options.scatter;
-  const lamella::generators::HardwoodOptions hardwood;
-  this->FibreDiameter = hardwood.fibreDiameter;
-  this->VesselDiameter[0] = hardwood.vesselDiameterEarly;
-  this->VesselDiameter[1] = hardwood.vesselDiameterLate;
-  this->VesselShare[0] = hardwood.vesselShareEarly;
-  this->VesselShare[1] = hardwood.vesselShareLate;
-  this->EarlyEnd = hardwood.earlyEnd;
-  this->Multiples = hardwood.multiples;
-  this->HardwoodRayDistance = hardwood.rayEvery;
 }
 
 void vtkMicrostructureSource::Generate()

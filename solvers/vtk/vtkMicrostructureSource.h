@@ -35,52 +35,89 @@ public:
     HARDWOOD = 5 ///< two dimensions alone
   };
   ///@{
-  /** What to make. Default SOFTWOOD. */
-  vtkSetClampMacro(Kind, int, SOFTWOOD, HARDWOOD);
+  /**
+   * What to make.
+   * @group Sample
+   * @choice Kinds
+   */
+  vtkSetMacro(Kind, int);
   vtkGetMacro(Kind, int);
   ///@}
 
   ///@{
-  /** Nodes along x, y, z; one along z makes the sample two-dimensional. Default 200, 200, 1. */
+  /**
+   * Nodes along x, y and z. One along z: a two-dimensional sample.
+   * @group Sample
+   * @columns x, y, z
+   * @range [1, inf)
+   */
   vtkSetVector3Macro(Size, int);
   vtkGetVector3Macro(Size, int);
   ///@}
 
   ///@{
-  /** Distance of neighbouring nodes in metres. Default 1e-6. */
+  /**
+   * Distance of neighbouring nodes in metres.
+   * @group Sample
+   * @unit m
+   * @range (0, inf)
+   */
   vtkSetMacro(Spacing, double);
   vtkGetMacro(Spacing, double);
   ///@}
 
   ///@{
   /**
-   * Share of the walls (softwood, hardwood, honeycomb) or of the inclusions (disks, spheres, laminate), between 0
-   * and 1. Default 0.4. A checkerboard has one half.
+   * Share of the walls (softwood, hardwood, honeycomb) or of the inclusions (disks, spheres, laminate), between 0 and
+   * 1. A checkerboard has one half.
+   * @group Sample
+   * @when Kind SOFTWOOD HONEYCOMB INCLUSIONS LAMINATE HARDWOOD
+   * @range (0, 1)
    */
   vtkSetMacro(SolidFraction, double);
   vtkGetMacro(SolidFraction, double);
   ///@}
 
   ///@{
-  /** Softwood, hardwood: another seed, another sample. Default 1. */
+  /**
+   * Another seed gives another sample of the same kind.
+   * @group Tissue
+   * @range [0, inf)
+   */
   vtkSetMacro(Seed, vtkIdType);
   vtkGetMacro(Seed, vtkIdType);
   ///@}
 
   ///@{
-  /** Softwood: mean tracheid diameter across the radial files, in metres. Default 30e-6. */
+  /**
+   * Mean tracheid diameter across the radial files, along y, in metres.
+   * @group Softwood
+   * @unit m
+   * @advanced
+   * @range (0, inf)
+   */
   vtkSetMacro(TangentialDiameter, double);
   vtkGetMacro(TangentialDiameter, double);
   ///@}
 
   ///@{
-  /** Softwood: mean diameter along the files at the start and at the end of the ring, in metres. 36e-6 and 15e-6. */
+  /**
+   * Mean tracheid diameter along the radial files, along x, in metres: in earlywood and in latewood.
+   * @group Softwood
+   * @columns early [m], late [m]
+   * @advanced
+   * @range (0, inf)
+   */
   vtkSetVector2Macro(RadialDiameter, double);
   vtkGetVector2Macro(RadialDiameter, double);
   ///@}
 
   ///@{
-  /** Softwood, hardwood: place in the ring of the left and the right edge, 0 earlywood to 1 latewood. Default 0 and 0.
+  /**
+   * Place in the annual ring of the left and of the right edge: 0 earlywood, 1 latewood.
+   * @group Tissue
+   * @columns left, right
+   * @range [0, 1]
    */
   vtkSetVector2Macro(RingPosition, double);
   vtkGetVector2Macro(RingPosition, double);
@@ -88,70 +125,132 @@ public:
 
   ///@{
   /**
-   * Softwood: mean distance between rays in metres; 0: no rays. Default 240e-6. Hardwood has its own,
-   * HardwoodRayDistance.
+   * Mean distance between rays in metres. 0: no rays.
+   * @group Softwood
+   * @unit m
+   * @range [0, inf)
+   * @advanced
    */
   vtkSetMacro(RayDistance, double);
   vtkGetMacro(RayDistance, double);
   ///@}
 
   ///@{
-  /** Softwood in three dimensions: mean length of a tracheid along z in metres, closed at both ends. 200e-6. */
+  /**
+   * Three dimensions: mean length of a tracheid along z in metres. Tracheids are closed at both ends.
+   * @group Softwood
+   * @unit m
+   * @advanced
+   * @range (0, inf)
+   */
   vtkSetMacro(TracheidLength, double);
   vtkGetMacro(TracheidLength, double);
   ///@}
 
   ///@{
-  /** Softwood, hardwood: relative standard deviation of the tracheids' or fibres' diameters. Default 0.12. */
+  /**
+   * Relative standard deviation of the diameters of tracheids or fibres.
+   * @group Tissue
+   * @range [0, 0.5]
+   * @advanced
+   */
   vtkSetMacro(Scatter, double);
   vtkGetMacro(Scatter, double);
   ///@}
 
   ///@{
-  /** Hardwood: mean diameter of a fibre, between the middles of its walls, in metres. Default 16e-6. */
+  /**
+   * Mean diameter of a fibre, between the middles of its walls, in metres.
+   * @group Hardwood
+   * @unit m
+   * @advanced
+   * @range (0, inf)
+   */
   vtkSetMacro(FibreDiameter, double);
   vtkGetMacro(FibreDiameter, double);
   ///@}
 
   ///@{
-  /** Hardwood: mean tangential diameter of the vessels at the start and at the end of the ring. 64e-6 and 40e-6. */
+  /**
+   * Mean tangential diameter of the vessels in metres: at the start and at the end of the ring.
+   * @group Hardwood
+   * @columns start [m], end [m]
+   * @range (0, inf)
+   */
   vtkSetVector2Macro(VesselDiameter, double);
   vtkGetVector2Macro(VesselDiameter, double);
   ///@}
 
   ///@{
-  /** Hardwood: share of the picture in vessels at the start and at the end of the ring, to 0.5. 0.32 and 0.15. */
+  /**
+   * Share of the picture in vessels, out to the middle of their walls: at the start and at the end of the ring.
+   * @group Hardwood
+   * @columns start, end
+   * @range [0, 0.5]
+   */
   vtkSetVector2Macro(VesselShare, double);
   vtkGetVector2Macro(VesselShare, double);
   ///@}
 
   ///@{
-  /** Hardwood: position in the ring where late vessels begin. Default 0.6; ring-porous wood has about 0.25. */
+  /**
+   * Place in the ring where late vessels begin. Ring-porous wood has about 0.25.
+   * @group Hardwood
+   * @range [0, 1]
+   * @advanced
+   */
   vtkSetMacro(EarlyEnd, double);
   vtkGetMacro(EarlyEnd, double);
   ///@}
 
   ///@{
-  /** Hardwood: share of the groups of vessels that are radial files of two to four. Default 0.45. */
+  /**
+   * Share of the groups of vessels that are radial files of two to four.
+   * @group Hardwood
+   * @range [0, 1]
+   * @advanced
+   */
   vtkSetMacro(Multiples, double);
   vtkGetMacro(Multiples, double);
   ///@}
 
   ///@{
-  /** Hardwood: mean distance between rays in metres; 0: no rays. Default 95e-6. */
+  /**
+   * Mean distance between rays in metres. 0: no rays.
+   * @group Hardwood
+   * @unit m
+   * @range [0, inf)
+   * @advanced
+   */
   vtkSetMacro(HardwoodRayDistance, double);
   vtkGetMacro(HardwoodRayDistance, double);
   ///@}
 
   ///@{
-  /** Cells along x (honeycomb), along each axis (checkerboard, disks, spheres), or pairs of layers. Default 4. */
-  vtkSetClampMacro(Cells, int, 1, VTK_INT_MAX);
+  /**
+   * Cells along x (honeycomb), along each axis (checkerboard, disks, spheres), or pairs of layers.
+   * @group Sample
+   * @when Kind HONEYCOMB CHECKERBOARD INCLUSIONS LAMINATE
+   * @range [1, inf)
+   */
+  vtkSetMacro(Cells, int);
   vtkGetMacro(Cells, int);
   ///@}
 
+  enum LayerAxes
+  {
+    X = 0,
+    Y = 1,
+    Z = 2
+  };
   ///@{
-  /** Laminate: the axis across the layers, 0, 1 or 2. Default 0. */
-  vtkSetClampMacro(Axis, int, 0, 2);
+  /**
+   * The axis across the layers.
+   * @group Sample
+   * @choice LayerAxes
+   * @when Kind LAMINATE
+   */
+  vtkSetMacro(Axis, int);
   vtkGetMacro(Axis, int);
   ///@}
 
@@ -169,24 +268,24 @@ private:
   void Generate();
 
   int Kind = SOFTWOOD;
-  int Size[3];
-  double Spacing;
-  double SolidFraction;
-  vtkIdType Seed;
-  double TangentialDiameter;
-  double RadialDiameter[2];
-  double RingPosition[2];
-  double RayDistance;
-  double TracheidLength;
-  double Scatter;
-  double FibreDiameter;
-  double VesselDiameter[2];
-  double VesselShare[2];
-  double EarlyEnd;
-  double Multiples;
-  double HardwoodRayDistance;
+  int Size[3] = { 200, 200, 1 };
+  double Spacing = 1e-6;
+  double SolidFraction = 0.4;
+  vtkIdType Seed = 1;
+  double TangentialDiameter = 30e-6;
+  double RadialDiameter[2] = { 36e-6, 15e-6 };
+  double RingPosition[2] = { 0, 0.0 };
+  double RayDistance = 240e-6;
+  double TracheidLength = 200e-6;
+  double Scatter = 0.12;
+  double FibreDiameter = 16e-6;
+  double VesselDiameter[2] = { 64e-6, 40e-6 };
+  double VesselShare[2] = { 0.32, 0.15 };
+  double EarlyEnd = 0.6;
+  double Multiples = 0.45;
+  double HardwoodRayDistance = 95e-6;
   int Cells = 4;
-  int Axis = 0;
+  int Axis = X;
 
   vtkSmartPointer<vtkImageData> Image; ///< what was made
   vtkTimeStamp MadeTime;

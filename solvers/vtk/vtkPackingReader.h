@@ -30,21 +30,31 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** The table (.csv, .txt ...) or particles (.vtp). */
+  /**
+   * The table: .csv, .txt or .dat, separated by commas, semicolons, tabs or blanks. Or grains in a .vtp that Lamella
+   * wrote.
+   * @files Tables of grains (*)
+   */
   vtkSetFilePathMacro(FileName);
   vtkGetFilePathMacro(FileName);
   ///@}
 
   ///@{
-  /** Tables: length of their unit in metres, 1e-3 for millimetres. Default 1. */
+  /**
+   * Length of the table's unit in metres: 1e-3 for a table in millimetres.
+   * @unit m
+   * @range (0, inf)
+   */
   vtkSetMacro(LengthUnit, double);
   vtkGetMacro(LengthUnit, double);
   ///@}
 
   ///@{
   /**
-   * Tables: edges of the box in metres, from the origin; two-dimensional packings use the first two. All 0 (default):
-   * the box that just holds the grains, which are moved so that it begins at the origin.
+   * Tables: edges of the box in metres, from the origin; two-dimensional packings use the first two. All 0: the box
+   * that just holds the grains, which are moved so that it begins at the origin.
+   * @columns x [m], y [m], z [m]
+   * @range [0, inf)
    */
   vtkSetVector3Macro(BoxSize, double);
   vtkGetVector3Macro(BoxSize, double);

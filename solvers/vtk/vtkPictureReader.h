@@ -36,16 +36,29 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** The picture; or a folder, or a pattern such as slice_%03d.png or slice_*.png, of the slices of a volume. */
+  /**
+   * The picture or volume. Slices of a volume: a pattern such as slice_%03d.png or slice_*.png.
+   * @group File
+   * @files Pictures and volumes (*)
+   */
   vtkSetFilePathMacro(FileName);
   vtkGetFilePathMacro(FileName);
   ///@}
 
   ///@{
   /**
+   * Which grey values are which phase, one a row: a grey (0 to 255, of 16-bit pictures to 65535) or a range with both
+   * ends in it (0..89, ..89, 90..), and a name such as wall or lumen. ..otsu and otsu.. part the greys where the
+   * picture says, ..otsu1, otsu1..otsu2 and otsu2.. into three. Several greys may have one name. Empty: every grey is a
+   * phase of its own; of a volume to be segmented, void and solid.
+   *
    * Names the phase of a grey value (0 to 255, of 16-bit pictures to 65535), or of a range with both ends in it, as
    * "0..89", "..89" or "90.."; "..otsu" and "otsu.." part the greys at Otsu's level, "..otsu1", "otsu1..otsu2" and
    * "otsu2.." at those of three classes. Several greys may be one phase.
+   * @word phase, phases
+   * @title Phases: grey values, name
+   * @group Phases
+   * @columns Grey values, Phase
    */
   void SetPhase(const char* greys, const char* name);
   void SetPhase(int grey, const char* name);
@@ -54,16 +67,23 @@ public:
   ///@}
 
   ///@{
-  /** Phase of all greys that are not listed. Default none: such a grey is an error once a phase is named. */
+  /**
+   * Phase of all greys that are not listed. Empty: such a grey is an error once a phase is named.
+   * @word other
+   * @group Phases
+   */
   vtkSetStringMacro(OtherPhase);
   vtkGetStringMacro(OtherPhase);
   ///@}
 
   ///@{
   /**
+   * A raw scan: find the phases lumen and wall in a picture (list no phases then), void and solid, or the phases
+   * listed, in a volume.
+   *
    * A raw scan: find the phases `lumen` and `wall` in a picture (micrograph::segment), `void` and `solid`, or the
-   * phases named, in a volume (micrograph::segmentVolume). Field data `segmentation` says how, a line a step. Default
-   * off.
+   * phases named, in a volume (micrograph::segmentVolume). Field data `segmentation` says how, a line a step.
+   * @group Phases
    */
   vtkSetMacro(Segment, bool);
   vtkGetMacro(Segment, bool);
@@ -77,15 +97,25 @@ public:
     DARK = 2
   };
   ///@{
-  /** Segment: whether lumens are brighter or darker than walls, void than solid. Default AUTO_LUMEN; volumes: dark. */
-  vtkSetClampMacro(Lumen, int, AUTO_LUMEN, DARK);
+  /**
+   * Segment: what lumens, in volumes the void, look like. In volumes it is taken for dark where nothing is said.
+   *
+   * Segment: whether lumens are brighter or darker than walls, void than solid. volumes: dark.
+   * @group Phases
+   * @choice LumenSides
+   * @when Segment
+   */
+  vtkSetMacro(Lumen, int);
   vtkGetMacro(Lumen, int);
   ///@}
 
   ///@{
   /**
-   * Segment: grey value between the two once the light is even, of pictures 0 to 255, of volumes as in the file;
-   * negative (the default): found.
+   * Segment: grey value between the two once the light is even, in pictures 0 to 255, in volumes as in the file.
+   * Negative: found.
+   * @group Phases
+   * @when Segment
+   * @advanced
    */
   vtkSetMacro(Threshold, double);
   vtkGetMacro(Threshold, double);
@@ -95,44 +125,77 @@ public:
   /**
    * Box to cut out: x, y, z of its first pixel and its width, height, depth. In a picture y counts from the top row,
    * in a volume every axis counts from the first voxel in the file; z and depth are not used for a picture. All three
-   * sizes 0 (the default): everything.
+   * sizes 0: everything.
+   * @group Lattice
+   * @columns x, y, z, width, height, depth
    */
   vtkSetVector6Macro(Window, int);
   vtkGetVector6Macro(Window, int);
   ///@}
 
   ///@{
-  /** Each pixel becomes n × n (× n) nodes of a finer lattice, the geometry stays. Default 1. */
-  vtkSetClampMacro(Refinement, int, 1, 64);
+  /**
+   * Splits each pixel into n x n nodes (voxel into n x n x n) of a finer lattice. The geometry stays the same.
+   * @word refine
+   * @group Lattice
+   * @range [1, 64]
+   */
+  vtkSetMacro(Refinement, int);
   vtkGetMacro(Refinement, int);
   ///@}
 
   ///@{
-  /** Size of a pixel in metres; 0 (the default): what the file says, or 1 where it says nothing. */
-  vtkSetClampMacro(PixelSize, double, 0.0, VTK_DOUBLE_MAX);
+  /**
+   * Size of a pixel in metres, for instance 5e-7. 0: what the file says, and 1 where it says nothing.
+   * @group Lattice
+   * @unit m
+   * @range [0.0, inf)
+   */
+  vtkSetMacro(PixelSize, double);
   vtkGetMacro(PixelSize, double);
   ///@}
 
   ///@{
-  /** Raw volumes: voxels along x, y, z; all 0 (the default): from a name such as berea_200x200x200_u8.raw. */
+  /**
+   * Raw volumes: voxels along x, y and z. All 0: from a name such as berea_200x200x200_u8.raw.
+   * @group Raw volumes
+   * @columns x, y, z
+   * @range [0, inf)
+   * @advanced
+   */
   vtkSetVector3Macro(RawSize, int);
   vtkGetVector3Macro(RawSize, int);
   ///@}
 
   ///@{
-  /** Raw volumes: bits of a voxel, 8 or 16; 0 (the default): from the name or the size of the file. */
-  vtkSetClampMacro(RawBits, int, 0, 16);
+  /**
+   * Raw volumes: bits of a voxel, 8 or 16; 0: from the name or the size of the file.
+   * @group Raw volumes
+   * @values 0: from the name or the size of the file; 8: 8 bits; 16: 16 bits
+   * @advanced
+   */
+  vtkSetMacro(RawBits, int);
   vtkGetMacro(RawBits, int);
   ///@}
 
   ///@{
-  /** Raw volumes: bytes before the first voxel. Default 0. */
-  vtkSetClampMacro(RawHeader, vtkIdType, 0, VTK_ID_MAX);
+  /**
+   * Raw volumes: bytes before the first voxel.
+   * @group Raw volumes
+   * @range [0, inf)
+   * @advanced
+   */
+  vtkSetMacro(RawHeader, vtkIdType);
   vtkGetMacro(RawHeader, vtkIdType);
   ///@}
 
   ///@{
-  /** .vti files: the array to read; empty (the default): `phase`, else the first array of whole numbers. */
+  /**
+   * VTK image files: the array to read. Empty: "phase", else the first array of whole numbers.
+   * @word array
+   * @group VTK image files
+   * @advanced
+   */
   vtkSetStringMacro(ArrayName);
   vtkGetStringMacro(ArrayName);
   ///@}

@@ -21,17 +21,6 @@ struct vtkPointAlgorithm::Internals
 vtkPointAlgorithm::vtkPointAlgorithm()
   : Internal(std::make_unique<Internals>())
 {
-  const lamella::mpm::OrthotropicMaterial wall; // the library's own defaults
-  const lamella::mpm::PlasticMaterial plastic;
-  const lamella::mpm::PointOptions points;
-  this->TransverseModulus = wall.across;
-  this->PoissonsRatio = wall.poissonsRatio;
-  this->TransversePoissonsRatio = wall.acrossRatio;
-  this->Barrier = wall.barrier;
-  this->YieldStress = plastic.yieldStress;
-  this->Hardening = plastic.hardening;
-  this->Density = points.density.front();
-  this->PointsPerNode = points.perNode;
   this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "axis");
 }
 

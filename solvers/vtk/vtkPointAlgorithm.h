@@ -51,8 +51,12 @@ public:
     PLASTIC = 3 ///< isotropic, yields (J2, linear hardening); in plane strain and in space
   };
   ///@{
-  /** Law of all walls, elastic for large rotations. Default AUTO_LAW. */
-  vtkSetClampMacro(Law, int, AUTO_LAW, PLASTIC);
+  /**
+   * Law of all walls, for large rotations. Plastic walls are isotropic and yield, in plane strain and in space.
+   * @group Walls
+   * @choice Laws
+   */
+  vtkSetMacro(Law, int);
   vtkGetMacro(Law, int);
   ///@}
 
@@ -63,53 +67,115 @@ public:
     PLANE_STRAIN = 2
   };
   ///@{
-  /** What a picture takes the third direction for. Default AUTO_PLANE. */
-  vtkSetClampMacro(Plane, int, AUTO_PLANE, PLANE_STRAIN);
+  /**
+   * What a picture takes the third direction for. Volumes are solved in space.
+   * @group Walls
+   * @choice Planes
+   * @advanced
+   */
+  vtkSetMacro(Plane, int);
   vtkGetMacro(Plane, int);
   ///@}
 
   ///@{
-  /** Young's modulus, along the axis where there is one [Pa]. 0 (default): 8 GPa with an axis, 7.2 GPa without. */
+  /**
+   * Young's modulus of the walls [Pa], along the axis where there is one. 0: 8e9 with an axis, 7.2e9 without.
+   * @word young
+   * @group Walls
+   * @unit Pa
+   * @range [0, inf)
+   */
   vtkSetMacro(YoungsModulus, double);
   vtkGetMacro(YoungsModulus, double);
   ///@}
   ///@{
-  /** ORTHOTROPIC: Young's modulus across the axis [Pa]. Default 6.4e9. */
+  /**
+   * Orthotropic: Young's modulus across the axis [Pa].
+   * @word transverse
+   * @group Walls
+   * @unit Pa
+   * @when Law AUTO_LAW ORTHOTROPIC
+   * @range (0, inf)
+   */
   vtkSetMacro(TransverseModulus, double);
   vtkGetMacro(TransverseModulus, double);
   ///@}
   ///@{
-  /** Poisson's ratio; with an axis contraction across it over extension along it. Default 0.3. */
+  /**
+   * Poisson's ratio; with an axis contraction across it, pulled along it.
+   * @word poisson
+   * @group Walls
+   * @range (-1, 1)
+   */
   vtkSetMacro(PoissonsRatio, double);
   vtkGetMacro(PoissonsRatio, double);
   ///@}
   ///@{
-  /** ORTHOTROPIC: Poisson's ratio among the directions across the axis; of no account in plane stress. Default 0.3. */
+  /**
+   * Orthotropic: Poisson's ratio among the directions across the axis.
+   * @word transverse-poisson
+   * @group Walls
+   * @when Law AUTO_LAW ORTHOTROPIC
+   * @advanced
+   * @range (-1, 1)
+   */
   vtkSetMacro(TransversePoissonsRatio, double);
   vtkGetMacro(TransversePoissonsRatio, double);
   ///@}
   ///@{
-  /** ORTHOTROPIC: shear modulus along the axis [Pa]. 0 (default): 1/G = 1/E + 1/E_t + 2 ν/E. */
+  /**
+   * Orthotropic: shear modulus along the axis [Pa]. 0: from the others.
+   * @word shear
+   * @group Walls
+   * @unit Pa
+   * @range [0, inf)
+   * @when Law AUTO_LAW ORTHOTROPIC
+   * @advanced
+   */
   vtkSetMacro(ShearModulus, double);
   vtkGetMacro(ShearModulus, double);
   ///@}
   ///@{
-  /** Modulus of what keeps points from being crushed to nothing, over the greatest normal stiffness. Default 1. */
+  /**
+   * What keeps points from being crushed to nothing, over the greatest stiffness of the wall.
+   * @group Walls
+   * @range [0, inf)
+   * @advanced
+   */
   vtkSetMacro(Barrier, double);
   vtkGetMacro(Barrier, double);
   ///@}
   ///@{
-  /** PLASTIC: stress at which walls yield [Pa]. Default 1e8. */
+  /**
+   * Plastic: stress at which walls yield [Pa].
+   * @word yield, yield_stress
+   * @group Walls
+   * @unit Pa
+   * @when Law PLASTIC
+   * @range (0, inf)
+   */
   vtkSetMacro(YieldStress, double);
   vtkGetMacro(YieldStress, double);
   ///@}
   ///@{
-  /** PLASTIC: slope of the yield stress over the plastic strain [Pa]. Default 0. */
+  /**
+   * Plastic: slope of the yield stress over the plastic strain [Pa].
+   * @group Walls
+   * @unit Pa
+   * @range [0, inf)
+   * @when Law PLASTIC
+   */
   vtkSetMacro(Hardening, double);
   vtkGetMacro(Hardening, double);
   ///@}
   ///@{
-  /** Density of the walls [kg/m³]. Default 1500. */
+  /**
+   * Density of the walls [kg/m^3].
+   * @group Walls
+   * @unit kg/m³
+   * @advanced
+   * @range (0, inf)
+   */
   vtkSetMacro(Density, double);
   vtkGetMacro(Density, double);
   ///@}
@@ -117,20 +183,34 @@ public:
   ///@{
   /**
    * A constant of one phase: young, transverse, poisson, transverse-poisson, shear, barrier, yield, hardening or
-   * density. An empty name is ignored (an empty row in a panel). The update fails for another constant, and for a phase
-   * that the image does not know.
+   * density. An empty name is ignored (an empty row in a panel). The update fails for another constant, and for a
+   * phase that the image does not know.
+   * @title Constants of single phases [SI]: phase, constant, value
+   * @group Walls
+   * @columns Phase, Constant, Value [SI]
+   * @advanced
    */
   void SetPhaseConstant(const char* phase, const char* constant, double value);
   void RemoveAllPhaseConstants();
   ///@}
 
   ///@{
-  /** Points along each axis in a node's cell. Default 2. */
-  vtkSetClampMacro(PointsPerNode, int, 1, 16);
+  /**
+   * Points along each axis in a node of the image.
+   * @group Points and grid
+   * @range [1, 16]
+   */
+  vtkSetMacro(PointsPerNode, int);
   vtkGetMacro(PointsPerNode, int);
   ///@}
   ///@{
-  /** Cells of the grid along each axis in a node's cell, above 0; 0.5: a cell over two nodes. Default 1. */
+  /**
+   * Cells of the grid along each axis in a node of the image. Walls want two cells across at least.
+   *
+   * Cells of the grid along each axis in a node's cell, above 0; 0.5: a cell over two nodes.
+   * @group Points and grid
+   * @range (0, inf)
+   */
   vtkSetMacro(CellsPerNode, double);
   vtkGetMacro(CellsPerNode, double);
   ///@}
@@ -144,7 +224,10 @@ public:
   };
 
   ///@{
-  /** Platens stand where the tissue begins and ends along the load. Default off: at the image's ends. */
+  /**
+   * Platens stand where the tissue begins and ends, not at the image's ends.
+   * @group Load
+   */
   vtkSetMacro(FitPlatens, bool);
   vtkGetMacro(FitPlatens, bool);
   vtkBooleanMacro(FitPlatens, bool);
@@ -173,15 +256,15 @@ private:
   int Law = AUTO_LAW;
   int Plane = AUTO_PLANE;
   double YoungsModulus = 0;
-  double TransverseModulus;
-  double PoissonsRatio;
-  double TransversePoissonsRatio;
+  double TransverseModulus = 6.4e9;
+  double PoissonsRatio = 0.3;
+  double TransversePoissonsRatio = 0.3;
   double ShearModulus = 0;
-  double Barrier;
-  double YieldStress;
-  double Hardening;
-  double Density;
-  int PointsPerNode;
+  double Barrier = 1;
+  double YieldStress = 1e8;
+  double Hardening = 0;
+  double Density = 1500;
+  int PointsPerNode = 2;
   double CellsPerNode = 1;
 
 protected:

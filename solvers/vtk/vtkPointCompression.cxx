@@ -81,14 +81,6 @@ vtkStandardNewMacro(vtkPointCompression);
 vtkPointCompression::vtkPointCompression()
   : Kept(std::make_unique<Internals>())
 {
-  const mpm::CompressionOptions<2> options; // the library's own defaults
-  this->Strain = options.strain;
-  this->EnergyRatio = options.energyRatio;
-  this->CalmFrom = options.calmFrom;
-  this->FirstSpeed = options.firstSpeed;
-  this->LeastSpeed = options.leastSpeed;
-  this->MostSpeed = options.mostSpeed;
-  this->Rows = options.rows;
   this->Kept->Self = this;
   this->SetNumberOfOutputPorts(2);
   this->SetController(vtkMultiProcessController::GetGlobalController());

@@ -63,13 +63,22 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** Axis of loading. Default LAST_AXIS. */
-  vtkSetClampMacro(LoadAxis, int, LAST_AXIS, Z);
+  /**
+   * Axis of loading.
+   * @word axis
+   * @group Load
+   * @choice LAST_AXIS X Y Z
+   */
+  vtkSetMacro(LoadAxis, int);
   vtkGetMacro(LoadAxis, int);
   ///@}
 
   ///@{
-  /** Strain to end at, above 0 and below 1. Default 0.48. */
+  /**
+   * Strain to end at, above 0 and below 1.
+   * @group Load
+   * @range (0, 1)
+   */
   vtkSetMacro(Strain, double);
   vtkGetMacro(Strain, double);
   ///@}
@@ -82,43 +91,89 @@ public:
     PERIODIC = 3 ///< a period that grows so that there is no mean stress
   };
   ///@{
-  /** Both ends of the axes across the load. Default STRAIGHT. */
-  vtkSetClampMacro(Sides, int, STRAIGHT, PERIODIC);
+  /**
+   * Both ends of the axes across the load.
+   * @group Load
+   * @choice SideKinds
+   */
+  vtkSetMacro(Sides, int);
   vtkGetMacro(Sides, int);
   ///@}
 
   ///@{
-  /** Platens do not let slide. Default off. */
+  /**
+   * Platens do not let slide.
+   * @group Load
+   * @advanced
+   */
   vtkSetMacro(Grip, bool);
   vtkGetMacro(Grip, bool);
   vtkBooleanMacro(Grip, bool);
   ///@}
 
   ///@{
-  /** Kinetic over elastic energy that is allowed, from the strain CalmFrom on. Defaults 0.01, 0.05. */
+  /**
+   * Kinetic over elastic energy that is allowed.
+   * @group How slowly
+   * @range [0, inf)
+   */
   vtkSetMacro(EnergyRatio, double);
   vtkGetMacro(EnergyRatio, double);
+  /**
+   * Strain from which the energy ratio is kept.
+   * @group How slowly
+   * @range [0, 1]
+   * @advanced
+   */
   vtkSetMacro(CalmFrom, double);
   vtkGetMacro(CalmFrom, double);
   ///@}
   ///@{
-  /** Of the platens towards each other, over the fastest wave in the wall: where it starts, and what the control keeps
-   * it between; above 0, below 1, FirstSpeed between the others. Defaults 1e-3, 5e-5, 2e-2. */
+  /**
+   * Speed of the platens at the start, over the fastest wave in the wall.
+   *
+   * Of the platens towards each other, over the fastest wave in the wall: where it starts, and what the control keeps
+   * it between; above 0, below 1, FirstSpeed between the others.
+   * @group How slowly
+   * @advanced
+   * @range (0, 1)
+   */
   vtkSetMacro(FirstSpeed, double);
   vtkGetMacro(FirstSpeed, double);
+  /**
+   * Speed below which the control does not go.
+   * @group How slowly
+   * @advanced
+   * @range (0, 1)
+   */
   vtkSetMacro(LeastSpeed, double);
   vtkGetMacro(LeastSpeed, double);
+  /**
+   * Speed above which the control does not go.
+   * @group How slowly
+   * @advanced
+   * @range (0, 1)
+   */
   vtkSetMacro(MostSpeed, double);
   vtkGetMacro(MostSpeed, double);
   ///@}
   ///@{
-  /** Friction against a frame that deforms evenly, over the lowest circular frequency of a bar of the wall's material
-   * as high as the specimen. Default 0: none. */
+  /**
+   * Friction against a frame that deforms evenly, over the lowest frequency of a bar of wall as high as the specimen.
+   * @group How slowly
+   * @range [0, inf)
+   * @advanced
+   */
   vtkSetMacro(Damping, double);
   vtkGetMacro(Damping, double);
   ///@}
   ///@{
-  /** Rows of the curve. Default 240. */
+  /**
+   * Rows of the curve.
+   * @group State shown
+   * @range [1, inf)
+   * @advanced
+   */
   vtkSetMacro(Rows, int);
   vtkGetMacro(Rows, int);
   ///@}
@@ -126,106 +181,190 @@ public:
   enum Shapes
   {
     LINEAR = 0, ///< the first paper's
-    GIMP = 1,
-    SPLINE = 2 ///< quadratic B-splines
+    GIMP = 1,   ///< "GIMP"
+    SPLINE = 2  ///< quadratic B-splines
   };
   ///@{
-  /** Default SPLINE. */
-  vtkSetClampMacro(Shape, int, LINEAR, SPLINE);
+  /**
+   * Shape functions.
+   * @group Points and grid
+   * @choice Shapes
+   * @advanced
+   */
+  vtkSetMacro(Shape, int);
   vtkGetMacro(Shape, int);
   ///@}
   enum Transfers
   {
-    FLIP = 0,
-    PIC = 1,
-    APIC = 2,
-    XPIC = 3 ///< of order 2
+    FLIP = 0, ///< "FLIP"
+    PIC = 1,  ///< "PIC"
+    APIC = 2, ///< "APIC"
+    XPIC = 3  ///< "XPIC of order 2"
   };
   ///@{
-  /** Default APIC. */
-  vtkSetClampMacro(Transfer, int, FLIP, XPIC);
+  /**
+   * How points get their velocities back from the grid.
+   * @group Points and grid
+   * @choice Transfers
+   * @advanced
+   */
+  vtkSetMacro(Transfer, int);
   vtkGetMacro(Transfer, int);
   ///@}
   ///@{
-  /** Consistent mass, by a series, instead of lumped. Default off. */
+  /**
+   * Consistent mass instead of lumped.
+   * @group Points and grid
+   * @advanced
+   */
   vtkSetMacro(ConsistentMass, bool);
   vtkGetMacro(ConsistentMass, bool);
   vtkBooleanMacro(ConsistentMass, bool);
   ///@}
   ///@{
-  /** Stress from the velocities that points give back to the grid (MUSL), not from those that moved them (USL). Default
-   * off. */
+  /**
+   * Stress from the velocities that points give back to the grid (MUSL).
+   * @group Points and grid
+   * @advanced
+   */
   vtkSetMacro(ModifiedUpdate, bool);
   vtkGetMacro(ModifiedUpdate, bool);
   vtkBooleanMacro(ModifiedUpdate, bool);
   ///@}
   ///@{
-  /** Step in time [s]; 0 (default): 0.9 of the largest stable one, followed as the points deform. One above that is
-   * refused with it. */
+  /**
+   * Step in time [s]; 0: 0.9 of the largest stable one, followed as the points deform. One above that is refused with
+   * it.
+   * @group Points and grid
+   * @unit s
+   * @range [0, inf)
+   * @advanced
+   */
   vtkSetMacro(TimeStep, double);
   vtkGetMacro(TimeStep, double);
   ///@}
 
   ///@{
-  /** States to keep on the way, at strains; the end is always kept. */
+  /**
+   * States to keep on the way, at these strains. The end is always kept.
+   * @word at-strain, at_strains
+   * @title States to keep: strains
+   * @group States
+   * @columns Strain
+   */
   void AddStateAtStrain(double strain);
   void RemoveAllStatesAtStrains();
   ///@}
   ///@{
-  /** Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
-   * vtkSampleAlgorithm::STEP_EVENT have seen each. Default on. */
+  /**
+   * Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
+   * vtkSampleAlgorithm::STEP_EVENT have seen each.
+   */
   vtkSetMacro(KeepStates, bool);
   vtkGetMacro(KeepStates, bool);
   vtkBooleanMacro(KeepStates, bool);
   ///@}
   ///@{
-  /** The state that output 0 shows, from 0, in the order of the run; -1 (default): the end. A change runs nothing
-   * again. Beyond the last it is the end. */
+  /**
+   * The state that output 0 shows, from 0, in the order of the run; -1: the end. A change runs nothing again. Beyond
+   * the last it is the end.
+   * @group State shown
+   * @default -1
+   */
   void SetState(int state);
   int GetState();
   ///@}
 
   ///@{
-  /** What states carry besides `id` and `phase`. Displacement on, all others off. What is switched off after a run is
-   * left out, and comes back without another one; what the run was not to keep needs another. */
+  /**
+   * Put the displacement of every point into the output.
+   *
+   * What states carry besides `id` and `phase`. Displacement on, all others off. What is switched off after a run is
+   * left out, and comes back without another one; what the run was not to keep needs another.
+   * @group State shown
+   * @advanced
+   */
   virtual void SetComputeDisplacement(bool on);
   vtkGetMacro(ComputeDisplacement, bool);
   vtkBooleanMacro(ComputeDisplacement, bool);
+  /**
+   * Put the velocity of every point into the output.
+   * @group State shown
+   * @advanced
+   */
   virtual void SetComputeVelocity(bool on);
   vtkGetMacro(ComputeVelocity, bool);
   vtkBooleanMacro(ComputeVelocity, bool);
+  /**
+   * Put Cauchy's stress of every point into the output.
+   * @group State shown
+   */
   virtual void SetComputeStress(bool on);
   vtkGetMacro(ComputeStress, bool);
   vtkBooleanMacro(ComputeStress, bool);
+  /**
+   * Put the deformation gradient of every point into the output.
+   * @group State shown
+   * @advanced
+   */
   virtual void SetComputeDeformationGradient(bool on);
   vtkGetMacro(ComputeDeformationGradient, bool);
   vtkBooleanMacro(ComputeDeformationGradient, bool);
+  /**
+   * Put the elastic energy of every point into the output.
+   * @group State shown
+   * @advanced
+   */
   virtual void SetComputeEnergyDensity(bool on);
   vtkGetMacro(ComputeEnergyDensity, bool);
   vtkBooleanMacro(ComputeEnergyDensity, bool);
   ///@}
 
   ///@{
-  /** A file that keeps where the run stands, in HDF5, after every CheckpointEvery steps, at the end and where the run
-   * is interrupted; what is there already is replaced. Empty (default): none. When it cannot be written the run goes
-   * on, and says so. */
+  /**
+   * A file (.h5) on the server that keeps where the run stands; what is there already is replaced. Empty: none.
+   *
+   * A file that keeps where the run stands, in HDF5, after every CheckpointEvery steps, at the end and where the run is
+   * interrupted; what is there already is replaced. Empty: none. When it cannot be written the run goes on, and says
+   * so.
+   * @word checkpoint
+   * @group Checkpoints
+   * @files Checkpoints (*.h5 *.hdf5)
+   * @advanced
+   */
   vtkSetMacro(CheckpointFile, std::string);
   vtkGetMacro(CheckpointFile, std::string);
   ///@}
   ///@{
-  /** Steps between two checkpoints, at least 1; looked at every 200. Default 2000. */
-  vtkSetClampMacro(CheckpointEvery, vtkIdType, 1, VTK_ID_MAX);
+  /**
+   * Steps between two checkpoints. Go on with the number that the run began with.
+   * @group Checkpoints
+   * @range [1, inf)
+   * @advanced
+   */
+  vtkSetMacro(CheckpointEvery, vtkIdType);
   vtkGetMacro(CheckpointEvery, vtkIdType);
   ///@}
   ///@{
-  /** Wall time before the first checkpoint and between two at least [s]. Default 0. Above 0 there is none at the end.
+  /**
+   * Wall time before the first checkpoint and between two at least [s]. Above 0 there is none at the end.
+   * @range [0, inf)
    */
-  vtkSetClampMacro(CheckpointSeconds, double, 0, VTK_DOUBLE_MAX);
+  vtkSetMacro(CheckpointSeconds, double);
   vtkGetMacro(CheckpointSeconds, double);
   ///@}
   ///@{
-  /** A checkpoint of the same scene to go on from, to the same curve. States before it are not made. Empty (default):
-   * from the start, as where this is CheckpointFile and not there yet. */
+  /**
+   * A checkpoint of the same run to go on from, to the same curve. Empty: from the start, as where this is Checkpoint
+   * File and not there yet.
+   *
+   * A checkpoint of the same scene to go on from, to the same curve. States before it are not made. Empty: from the
+   * start, as where this is CheckpointFile and not there yet.
+   * @word continue, continue_from
+   * @group Checkpoints
+   * @files Checkpoints (*.h5 *.hdf5)
+   * @advanced
+   */
   vtkSetMacro(ContinueFile, std::string);
   vtkGetMacro(ContinueFile, std::string);
   ///@}
@@ -272,17 +411,17 @@ private:
   std::unique_ptr<Internals> Kept;
 
   int LoadAxis = LAST_AXIS;
-  double Strain;
+  double Strain = 0.48;
   int Sides = STRAIGHT;
   bool Grip = false;
   bool KeepStates = true;
-  double EnergyRatio;
-  double CalmFrom;
-  double FirstSpeed;
-  double LeastSpeed;
-  double MostSpeed;
+  double EnergyRatio = 0.01;
+  double CalmFrom = 0.05;
+  double FirstSpeed = 0.001;
+  double LeastSpeed = 5e-05;
+  double MostSpeed = 0.02;
   double Damping = 0;
-  int Rows;
+  int Rows = 240;
   int Shape = SPLINE;
   int Transfer = APIC;
   bool ConsistentMass = false;

@@ -109,9 +109,6 @@ vtkStandardNewMacro(vtkPointStiffness);
 
 vtkPointStiffness::vtkPointStiffness()
 {
-  const mpm::PointStiffnessOptions<2> options; // the library's own defaults
-  this->Tolerance = options.tolerance;
-  this->MaximumIterations = static_cast<int>(options.maximumIterations);
   this->SetNumberOfOutputPorts(2);
 }
 

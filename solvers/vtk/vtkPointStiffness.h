@@ -56,19 +56,34 @@ public:
     STICKY = 4    ///< walls that hold what touches them, all round: an upper bound of the tensor
   };
   ///@{
-  /** Sides across the load, or all of them. Default STRAIGHT. */
-  vtkSetClampMacro(Sides, int, STRAIGHT, STICKY);
+  /**
+   * Sides across the load; periodic and sticky: all of them.
+   * @group Load
+   * @choice SideKinds
+   */
+  vtkSetMacro(Sides, int);
   vtkGetMacro(Sides, int);
   ///@}
 
   ///@{
-  /** Largest residual. Default 1e-6; 1e-12 to 0.1. */
-  vtkSetClampMacro(Tolerance, double, 1e-12, 0.1);
+  /**
+   * Largest residual.
+   * @group Accuracy and cost
+   * @range [1e-12, 0.1]
+   * @advanced
+   */
+  vtkSetMacro(Tolerance, double);
   vtkGetMacro(Tolerance, double);
   ///@}
   ///@{
-  /** Gives up after this many iterations for one strain. Default 20000. */
-  vtkSetClampMacro(MaximumIterations, int, 1, VTK_INT_MAX);
+  /**
+   * Gives up after this many iterations for one strain.
+   * @word max-iterations
+   * @group Accuracy and cost
+   * @range [1, inf)
+   * @advanced
+   */
+  vtkSetMacro(MaximumIterations, int);
   vtkGetMacro(MaximumIterations, int);
   ///@}
 
@@ -100,8 +115,8 @@ private:
   Answer Solve(const lamella::PointScene& scene);
 
   int Sides = STRAIGHT;
-  double Tolerance;
-  int MaximumIterations;
+  double Tolerance = 1e-6;
+  int MaximumIterations = 20000;
 };
 
 #endif

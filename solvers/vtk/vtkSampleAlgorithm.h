@@ -30,16 +30,26 @@ public:
 
   ///@{
   /**
+   * Phases without bonds. None: those called void, pore, lumen, air or 0 that no table names.
+   *
    * Phases that are void: without bonds, without points. An empty name is ignored (an empty row in a panel); the update
    * fails for a phase that the image does not know.
+   * @title Phases that are void
+   * @group Materials
+   * @advanced
    */
   void AddVoid(const char* phase);
   void RemoveAllVoids();
   ///@}
 
   ///@{
-  /** Threads of each rank; 0: one for each core that the machine has. Default 1. */
-  vtkSetClampMacro(Threads, int, 0, VTK_INT_MAX);
+  /**
+   * Threads of each process. 0: one for each core.
+   * @group Accuracy and cost
+   * @range [0, inf)
+   * @advanced
+   */
+  vtkSetMacro(Threads, int);
   vtkGetMacro(Threads, int);
   ///@}
 

@@ -47,20 +47,30 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** The file, by habit with the ending .hdf or .vtkhdf. What is there is replaced. */
+  /**
+   * The file to write.
+   *
+   * The file, by habit with the ending .hdf or .vtkhdf. What is there is replaced.
+   */
   vtkSetFilePathMacro(FileName);
   vtkGetFilePathMacro(FileName);
   ///@}
 
   ///@{
-  /** How hard HDF5 packs (deflate, after shuffling bytes): 0, the fastest, not at all; to 9. Default 1. */
-  vtkSetClampMacro(CompressionLevel, int, 0, 9);
+  /**
+   * How hard HDF5 packs (deflate, after shuffling bytes): 0, the fastest, not at all; to 9.
+   * @range [0, 9]
+   */
+  vtkSetMacro(CompressionLevel, int);
   vtkGetMacro(CompressionLevel, int);
   ///@}
 
   ///@{
-  /** Images: bytes of all arrays that a slab holds at most, if that is a layer at all. Default 16 MiB. */
-  vtkSetClampMacro(SlabBytes, vtkIdType, 1, VTK_ID_MAX);
+  /**
+   * Images: bytes of all arrays that a slab holds at most, if that is a layer at all.
+   * @range [1, inf)
+   */
+  vtkSetMacro(SlabBytes, vtkIdType);
   vtkGetMacro(SlabBytes, vtkIdType);
   ///@}
 
@@ -88,7 +98,7 @@ private:
 
   char* FileName = nullptr;
   int CompressionLevel = 1;
-  vtkIdType SlabBytes = vtkIdType{ 1 } << 24;
+  vtkIdType SlabBytes = 16777216;
   std::unique_ptr<File> Open; ///< while an image is written slab by slab
 };
 

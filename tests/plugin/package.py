@@ -161,7 +161,7 @@ class Samples(unittest.TestCase):
         wood = lamella.read_picture(
             path, {0: "lumen", 128: "wall", 255: "wall"}, window=(100, 20, 400, 400), pixel_size=5e-7
         )
-        result = lamella.diffusion(wood, {"lumen": 0.05, "wall": 1}, fields=False, flux=False)
+        result = lamella.diffusion(wood, {"lumen": 0.05, "wall": 1}, field=False, flux=False)
         # Computed independently of this project with finite volumes, to five digits.
         self.assertAlmostEqual(result.effective[0, 0], 0.15774, places=5)
         self.assertAlmostEqual(result.effective[1, 1], 0.15803, places=5)
@@ -245,7 +245,7 @@ class Micrographs(unittest.TestCase):
         self.assertAlmostEqual(
             (grown.phase == 2).sum() / (grown.phase > 0).sum(), grown.lamella_share, places=12)
         self.assertGreater(grown.lamella_nodes_across[0], 1)
-        conducts = lamella.diffusion(grown, {"void": 0.02, "secondary wall": 1, "middle lamella": 1}, fields=False)
+        conducts = lamella.diffusion(grown, {"void": 0.02, "secondary wall": 1, "middle lamella": 1}, field=False)
         self.assertTrue(0.02 < conducts.effective[0, 0] < 1)
 
     def test_lattice_errors(self):
@@ -360,7 +360,7 @@ class Grains(unittest.TestCase):
         self.assertEqual(two.saturation, 1)
         self.assertAlmostEqual(two.fractions["grain"], np.pi / 4, places=2)
         self.assertEqual(lamella.bridges(packing, saturation=0.3, nodes_across=40).bridges, sample.bridges)
-        with self.assertRaisesRegex(lamella.LamellaError, "reach of the bridges is 5"):
+        with self.assertRaisesRegex(lamella.LamellaError, "reach 5 is above 2"):
             lamella.bridges(packing, reach=5)
         with self.assertRaisesRegex(ValueError, "n by 2 or 3"):
             lamella.bridges(([[1, 1]], [1, 2]))
@@ -445,8 +445,8 @@ class Diffusion(unittest.TestCase):
                 "conductivity": lambda: lamella.diffusion(cells, phases),
                 "diffusivity": lambda: lamella.lattice_boltzmann(cells, phases, 1),
                 "Young": lambda: lamella.stiffness(cells, young={"wall": value}),
-                "in steps of": lambda: lamella.fracture(cells, **bonds, strain_step=value),
-                "times the stable one": lambda: lamella.dynamics(cells, **moving, step_share=value),
+                "in steps of|strain step": lambda: lamella.fracture(cells, **bonds, strain_step=value),
+                "times the stable one|step share": lambda: lamella.dynamics(cells, **moving, step_share=value),
                 "density": lambda: lamella.dynamics(cells, **bonds, density=value),
                 "modulus": lambda: lamella.compression(cells, young=value),
             }.items():
@@ -459,7 +459,7 @@ class Diffusion(unittest.TestCase):
 
     def test_in_time(self):
         layers = lamella.from_array(np.ones((12, 20), int), spacing=1e-6)
-        run = lamella.lattice_boltzmann(layers, {1: 1e-7}, 1e-3, frames=4, flux=True, values=(2, 1), initial=1)
+        run = lamella.lattice_boltzmann(layers, {1: 1e-7}, 1e-3, frames=4, flux=True, inlet_value=2, outlet_value=1, initial_value=1)
         np.testing.assert_allclose(run.times, [0, 2.5e-4, 5e-4, 7.5e-4, 1e-3], atol=1e-15)
         self.assertEqual(run.states[0].field.shape, (12, 20))
         np.testing.assert_allclose(run.states[0].field, 1, atol=1e-15)  # the sum of the populations
@@ -730,15 +730,15 @@ class Diffusion(unittest.TestCase):
             lamella.read_picture("missing.png")
         with self.assertRaisesRegex(TypeError, "conductivity is of type list; give a dictionary, {phase: value}"):
             lamella.diffusion(picture, [1, 3])
-        with self.assertRaisesRegex(TypeError, "the conductivity of 0 is None; give a number"):
+        with self.assertRaisesRegex(TypeError, "conductivity of 0 is None; give a number"):
             lamella.diffusion(picture, {0: None, 1: 1})
-        with self.assertRaisesRegex(ValueError, "the conductivity of 1 is 'much'; give a number"):
+        with self.assertRaisesRegex(ValueError, "conductivity of 1 is 'much'; give a number"):
             lamella.diffusion(picture, {0: 1, 1: "much"})
         with self.assertRaisesRegex(ValueError, "give a number, or .along, across."):
             lamella.diffusion(picture, {0: 1, 1: (1, 2, 3)})
-        with self.assertRaisesRegex(TypeError, "young is of type float; give a dictionary, {pair of phases: value}"):
+        with self.assertRaisesRegex(TypeError, "young is of type float; give a dictionary, {bonds: value}"):
             lamella.equilibrium(picture, 1e9)
-        with self.assertRaisesRegex(TypeError, "density is of type list; give a dictionary, {phase: value}, or a number"):
+        with self.assertRaisesRegex(TypeError, "density is .1000.; give a number"):
             lamella.dynamics(picture, {1: 1e9}, [1000])
         with self.assertRaisesRegex(TypeError, "diffusivity is of type list"):
             lamella.lattice_boltzmann(picture, [1e-7], 1)
@@ -838,7 +838,7 @@ class Bonds(unittest.TestCase):
         self.assertAlmostEqual(uniform.energies["kinetic"][-1] / (0.5 * 1500 * 5 * 36 * 24 * 1e-10), 1)
         self.assertTrue(np.isnan(uniform.strain_rate))
         with self.assertRaisesRegex(lamella.LamellaError, "is above the stable one"):
-            lamella.dynamics(sample, young, density, **breaks, step=2 * torn.stable_step)
+            lamella.dynamics(sample, young, density, **breaks, time_step=2 * torn.stable_step)
         with self.assertRaisesRegex(lamella.LamellaError, "'glu' is no phase of this sample") as caught:
             lamella.dynamics(sample, young, {"glu": 1200}, **whole, end_time=1e-9)
         self.assertEqual(caught.exception.hint, "did you mean 'glue'?")
@@ -849,7 +849,7 @@ class Bonds(unittest.TestCase):
             lamella.dynamics(sample, young, density, **whole, velocities={"top": (0, 1)}, end_time=1e-9)
         with self.assertRaisesRegex(ValueError, "give 36 by 24 by 2 numbers"):
             lamella.dynamics(sample, young, density, **whole, velocity=np.zeros((24, 36, 2)), end_time=1e-9)
-        with self.assertRaisesRegex(TypeError, "large"):
+        with self.assertRaisesRegex(TypeError, "unexpected keyword argument 'strains'"):
             lamella.dynamics(sample, young, density, strains="large")
 
     def test_fracture(self):
@@ -909,7 +909,7 @@ class Bonds(unittest.TestCase):
             more = {"young": young} if name == "bond_stress" else {}
             with self.subTest(name), self.assertRaisesRegex(TypeError, rf"^{name}\(\) got an unexpected keyword argument 'nosuchword'"):
                 function(*[sample for _ in needed], **more, nosuchword=1)
-        with self.assertRaisesRegex(TypeError, r"^stiffness\(\) takes no periodic: strains are small"):
+        with self.assertRaisesRegex(TypeError, r"^stiffness\(\) got an unexpected keyword argument 'periodic'"):
             lamella.stiffness(sample, young, periodic="x")
         with self.assertRaisesRegex(ValueError, "young is 0; it is above 0, or None"):
             lamella.compression(sample, young=0)
@@ -942,7 +942,7 @@ class Bonds(unittest.TestCase):
         with self.assertRaisesRegex(lamella.LamellaError, "the sample carries too little for a strength"):
             lamella.fracture(lamella.from_array(hinges, ["void", "stone"], spacing=1e-5), {"stone": 1e9},
                              critical_stretch={"stone": 1e-3}, horizon=1.5)
-        with self.assertRaisesRegex(TypeError, "linear"):
+        with self.assertRaisesRegex(TypeError, "unexpected keyword argument 'strains'"):
             lamella.fracture(sample, young, **breaks, strains="large")
         with self.assertRaises(lamella.Cancelled):
             lamella.fracture(sample, young, **breaks, progress=lambda share, text: False)

@@ -1,10 +1,10 @@
-"""The panels of ParaView: every property says what it is, in which range and unit, stands under a title, has the class's own
-default, and what hides it exists.
+"""The panels of ParaView, which the build makes of the classes' headers: every property says what it is and in which unit, the
+class's own default is the header's, every setter that Python has is declared, and what a panel showed under a name it still does.
 
-panels.py SOURCES
+panels.py SOURCES PANELS
 """
 
-import math
+import json
 import pathlib
 import re
 import sys
@@ -13,176 +13,104 @@ import xml.etree.ElementTree as ElementTree
 
 import lamella
 
-SOURCES = pathlib.Path(sys.argv[1])
-# Numbers without a unit: shares, strains, ratios, counts, values in units of the data.
-PURE = {
-    "Aspect", "Barrier", "BinWidth", "CalmFrom", "CellsPerNode", "Conductivities", "ConductivitiesAcross", "CriticalStretches",
-    "Damping", "DiameterRatio", "EarlyEnd", "EnergyRatio", "FirstSpeed", "Friction", "Horizon", "InitialValue", "InletValue",
-    "LateralRatio", "LateralStrain", "LeastSolidity", "LeastSpeed", "Level", "MaximumStrain", "MostSpeed", "Multiples", "Offset",
-    "OutletValue", "PackingFraction", "PlateauRange", "PoissonsRatio", "Prominence", "Range", "Reach", "RingPosition", "Saturation",
-    "Scatter", "Share", "Smoothing", "Softness", "SolidFraction", "StartRate", "StartShare", "StatesAtStrains", "StepShare",
-    "StiffnessRange", "StopShare", "Strain", "StrainStep", "TailShare", "Threshold", "Tolerance", "TransversePoissonsRatio",
-    "TravelTimes", "VesselShare", "Width", "Window",
-}
-DEFAULTS_FOR_A_START = {  # materials that make the first Apply work, where the class has none
-    "YoungsModuli", "CriticalStretches", "Conductivities", "Diffusivities"}
+SOURCES, PANELS = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+sys.path.insert(0, str(SOURCES / "tools/settings"))
+import pages  # noqa: E402  pylint: disable=wrong-import-position
+from headers import Declarations, HeaderError, Reader  # noqa: E402  pylint: disable=wrong-import-position
+from make import headers_of  # noqa: E402  pylint: disable=wrong-import-position
 
-
-def numbers(text):
-    return [float(value) for value in re.split(r"[\s;]+", text.strip())] if text else []
-
-
-class Property:
-    def __init__(self, element):
-        self.element = element
-        self.name = element.get("name")
-        self.kind = element.tag
-        self.command = element.get("command")
-        self.repeats = element.get("repeat_command") == "1"
-        self.count = int(element.get("number_of_elements_per_command") or element.get("number_of_elements") or 1)
-        self.information = element.get("information_only") == "1"
-        self.types = (element.get("element_types") or "").split()
-        self.domains = [child.tag for child in element if child.tag.endswith("Domain")]
-        self.labels = [label.get("label") for label in element.iter("ComponentLabel")]
-        self.text = " ".join((element.findtext("Documentation") or "").split())
-        self.decorators = list(element.iter("PropertyWidgetDecorator"))
-        self.entries = {entry.get("value") for entry in element.iter("Entry")} or ({"0", "1"} if "BooleanDomain" in self.domains else set())
-
-    @property
-    def array(self):
-        return self.command == "SetInputArrayToProcess"
-
-    @property
-    def table(self):
-        return self.repeats
-
-
-class Proxy:
-    def __init__(self, path):
-        found = [e for e in ElementTree.parse(path).getroot().iter() if e.tag in ("SourceProxy", "WriterProxy")]
-        assert len(found) == 1, f"{path}: one source, filter or writer a file"
-        self.element, self.path = found[0], path
-        self.name = self.element.get("name")
-        self.properties = [Property(child) for child in self.element if child.tag.endswith("Property")]
-        self.by_name = {p.name: p for p in self.properties}
-        self.groups = [(g.get("label"), [p.get("name") for p in g.findall("Property")], list(g.iter("PropertyWidgetDecorator")))
-                       for g in self.element.findall("PropertyGroup")]
-        self.writes = self.element.tag == "WriterProxy"  # its panel is a dialogue of File, Save Data
-        self.shown = [p for p in self.properties if not p.information and p.kind not in ("InputProperty", "ProxyProperty")]
-
-
-PROXIES = [Proxy(path) for path in sorted((SOURCES / "pvplugin").glob("*.xml")) if path.name != "Curves.xml"]  # representations
+DECLARED = Declarations(headers_of(SOURCES))
+CLASSES = [name for name, kind in DECLARED.classes.items() if not kind.abstract]
+# Objects that are handed over, and what sets several at once by a name
+NO_SETTINGS = {"SetController", "SetInputData", "SetInputConnection", "AddInputData", "AddInputConnection", "SetImageData", "SetImageConnection",
+               "SetPointsConnection", "AddPointsData", "SetOverlayLines", "SetPresetByName", "SetOverlayByName", "AddNotchInSpace"}
+# Numbers without a unit: shares, strains, ratios, counts, values in units of the data
+PURE = re.compile(r"share|strain|ratio|spacing|lattice unit|in any unit|over the|of all tensile|tensile stresses|number|relative|seed|nodes|"
+                  r"pixels|tolerance|residual|kinetic|Poisson|value|smoothed|standard deviation|speed|friction|length|coordinates|channel|opacity|place|position|axis|wave|grains", re.I)
 
 
 class Panels(unittest.TestCase):
-    def each(self, wanted=lambda p: True):
-        for proxy in PROXIES:
-            for shown in proxy.shown:
-                if wanted(shown):
-                    with self.subTest(f"{proxy.name}.{shown.name}"):
-                        yield proxy, shown
-
     def test_every_class_has_a_panel(self):
-        headers = [*(SOURCES / "solvers/vtk").glob("vtk*.h"), *(SOURCES / "filters").glob("vtk*.h")]
-        classes = {h.stem for h in headers if f"static {h.stem}* New()" in h.read_text(encoding="utf-8")}
-        self.assertEqual(classes, {proxy.element.get("class") for proxy in PROXIES})
-        listed = re.findall(r"^\s+(\w+)\.xml$", (SOURCES / "pvplugin/CMakeLists.txt").read_text(encoding="utf-8"), re.MULTILINE)
-        self.assertEqual(sorted(listed), [proxy.path.stem for proxy in PROXIES])
+        made = {"vtk" + path.stem for path in PANELS.glob("*.xml")}
+        self.assertEqual(set(CLASSES) - made, {"vtkSnapshot"})  # draws, and is no source or filter
 
-    def test_proxies(self):
-        for proxy in PROXIES:
-            with self.subTest(proxy.name):
-                self.assertEqual([proxy.name, "vtk" + proxy.name], [proxy.path.stem, proxy.element.get("class")])
-                told = proxy.element.find("Documentation")
-                self.assertTrue(told.text.strip() and told.get("short_help") and told.get("long_help"))
-                if not proxy.writes:
-                    self.assertEqual(proxy.element.find("Hints/ShowInMenu").get("category"), "Lamella")
-                for given in proxy.element.findall("InputProperty"):
-                    self.assertIsNotNone(given.find("DataTypeDomain"), given.get("name"))
-                    self.assertTrue(given.findtext("Documentation").strip())
-
-    def test_documentation(self):
-        for proxy in PROXIES:
-            for p in proxy.properties:
-                self.assertTrue(p.text.endswith((".", ")")), f"{proxy.name}.{p.name}: {p.text!r} is no sentence")
-
-    def test_domains(self):
-        for proxy, p in self.each():
-            if p.array:
-                self.assertIn("ArrayListDomain", p.domains)
-            elif p.kind != "StringVectorProperty" and not p.table:  # a table with a range shows that beside it
-                self.assertTrue(p.domains, "has no range, no list and is no switch")
-            elif p.element.get("name", "").endswith(("File", "FileName")):
-                self.assertTrue("FileListDomain" in p.domains or proxy.writes)
-            for domain in p.element:
-                default = numbers(p.element.get("default_values")) if domain.tag.endswith("RangeDomain") and not p.repeats else []
-                for value, low, high in zip(default, numbers(domain.get("min")) or [-math.inf] * 9, numbers(domain.get("max")) or [math.inf] * 9):
-                    self.assertTrue(low <= value <= high, f"the default {value} is not in {low} ... {high}")
-            self.assertFalse("BooleanDomain" in p.domains and p.count > 1, "ParaView shows one box for all of its numbers")
-            self.assertNotIn("IdType", p.kind, "ParaView shows no field for these: make it an IntVectorProperty")
-            if "EnumerationDomain" in p.domains:
-                self.assertIn(p.element.get("default_values"), p.entries)
-            for needed in p.element.iter("RequiredProperties"):
-                for other in needed:
-                    self.assertIn(other.get("name"), proxy.by_name)
-
-    def test_units(self):
-        for _, p in self.each(lambda p: p.kind == "DoubleVectorProperty" or "1" in p.types):
-            if p.name in PURE and not p.labels:
-                continue
-            self.assertEqual(len(p.labels), p.count, "give the unit of every number as a ComponentLabel, or list the property as PURE")
-            units = [bool(re.search(r"\[\S.*\]", label)) for label in p.labels]
-            if p.name not in PURE:
-                self.assertTrue(any(units), f"{p.labels} have no unit")
-
-    def test_titles(self):
-        for proxy in PROXIES:
-            if len(proxy.shown) > 10:
-                missing = {p.name for p in proxy.shown} - {name for _, names, _ in proxy.groups for name in names}
-                self.assertFalse(missing, f"{proxy.name}: in no group")
-            for _, names, _ in proxy.groups:
-                self.assertFalse(set(names) - set(proxy.by_name), f"{proxy.name}: not there")
-        for proxy, p in self.each(lambda p: p.table):  # ParaView gives a table no label of its own
-            self.assertIn([p.name], [names for _, names, _ in proxy.groups], "a table stands in a group of its own")
-
-    def test_decorators(self):
-        for proxy in PROXIES:
-            for where, decorators in [*((p.name, p.decorators) for p in proxy.properties), *((g[0], g[2]) for g in proxy.groups)]:
-                for decorator in decorators:
-                    with self.subTest(f"{proxy.name}: {where}"):
-                        other = proxy.by_name[decorator.get("property")]
-                        values = (decorator.get("values") or decorator.get("value")).split()
-                        self.assertFalse(set(values) - other.entries, f"{other.name} is never {values}")
-                        self.assertIn(decorator.get("mode"), ("visibility", "enabled_state"))
-
-    def test_states_have_a_slider(self):
-        for proxy in PROXIES:
-            if "State" in proxy.by_name:
-                ends = proxy.by_name["StateRange"]
-                self.assertTrue(ends.information)
-                self.assertEqual(proxy.by_name["State"].element.find(".//RequiredProperties/Property").get("function"), "RangeInfo")
+    def test_every_setter_is_declared(self):
+        for name in CLASSES:
+            settings = {setting.setter for setting in DECLARED.settings(name)}
+            bases = [base for base in getattr(lamella, name).__mro__ if base.__module__.startswith("vtkmodules")]
+            known = {method for base in bases for method in vars(base)}
+            for method in dir(getattr(lamella, name)):
+                if re.match(r"(Set|Add)[A-Z]", method) and method not in known:
+                    self.assertIn(method, settings | NO_SETTINGS, f"{name}: a setter that is not understood")
 
     def test_defaults_are_those_of_the_classes(self):
         compared = 0
-        for proxy, p in self.each():
-            setter = p.command or ""
-            fresh = getattr(lamella, proxy.element.get("class"))()
-            if p.repeats:
-                if p.name not in DEFAULTS_FOR_A_START:
-                    self.assertIn(p.element.get("default_values"), ("none", None))
-                continue
-            getter = getattr(fresh, "G" + setter[1:], None)
-            if p.array or getter is None:
-                self.assertTrue(p.array or "File" in p.name, f"no getter for {setter}")
-                continue
-            value = getter()
-            if p.kind == "StringVectorProperty":
-                self.assertEqual(p.element.get("default_values") or "", value or "")
-            else:
-                value = [float(v) for v in (value if isinstance(value, tuple) else (value,))]
-                self.assertEqual(numbers(p.element.get("default_values")), value)
-            compared += 1
-        self.assertGreater(compared, 200)
+        for name in CLASSES:
+            fresh = getattr(lamella, name)()
+            for setting in DECLARED.settings(name):
+                if setting.getter and setting.kind != "list":
+                    value = getattr(fresh, setting.getter)()
+                    value = list(value) if isinstance(value, tuple) else value
+                    with self.subTest(f"{name}.{setting.name}"):
+                        self.assertEqual(setting.default, value if value is not None else "")
+                        compared += 1
+        self.assertGreater(compared, 250)
+
+    def test_settings_say_what_they_are(self):
+        for name in CLASSES:
+            for setting in DECLARED.settings(name):
+                with self.subTest(f"{name}.{setting.name}"):
+                    self.assertRegex(setting.text, r"[.)]$", "is no sentence")
+                    self.assertNotRegex(setting.text, r"\bDefaults?\b", "the default is told by the member")
+                    if setting.kind == "number" or "number" in setting.types:
+                        about = f"{setting.text} {' '.join(setting.columns)}"
+                        self.assertTrue(setting.unit or re.search(r"\[.+\]|metres|seconds|pascals|degrees", about) or PURE.search(about),
+                                        "has no unit")
+
+    def test_pages_have_the_tables_of_the_headers(self):
+        for path in sorted((SOURCES / "docs/filters").glob("*.md")):
+            self.assertEqual(path.read_text(encoding="utf-8"), pages.written(DECLARED, path), "run tools/settings/make.py pages .")
+
+    def test_names_of_properties_stay(self):
+        """ParaView's state files hold them."""
+        kept = json.loads((SOURCES / "tests/plugin/properties.json").read_text(encoding="utf-8"))
+        for name, properties in kept.items():
+            root = ElementTree.parse(PANELS / f"{name}.xml").getroot()
+            there = {element.get("name"): element.get("command") for element in root.iter() if element.get("command")}
+            for listed, command in properties.items():
+                with self.subTest(f"{name}.{listed}"):
+                    if command:
+                        self.assertEqual(there.get(listed), command)
+
+
+class Headers(unittest.TestCase):
+    """What is not understood is loud."""
+
+    def refused(self, body, pattern):
+        path = pathlib.Path("header_that_is_wrong.h")
+        path.write_text(f"class X_EXPORT vtkX : public vtkObject\n{{\npublic:\n{body}\nprivate:\n  double Load = 1;\n}};\n", encoding="utf-8")
+        try:
+            with self.assertRaisesRegex(HeaderError, pattern):
+                Declarations([path])
+        finally:
+            path.unlink()
+
+    def test_faults(self):
+        self.refused("  /** A load.\n   * @rang [0, 1]\n   */\n  vtkSetMacro(Load, double);", r":7: @rang is not understood")
+        self.refused("  /** A load.\n   * @range 0 to 1\n   */\n  vtkSetMacro(Load, double);", r"@range 0 to 1 is no interval")
+        self.refused("  /** A load.\n   * @range [1, 0]\n   */\n  vtkSetMacro(Load, double);", "is empty")
+        self.refused("  /** A load.\n   * @choice Loads\n   */\n  vtkSetMacro(Load, double);", "Loads is no enumerator")
+        self.refused("  vtkSetMacro(Strain, double);", "the default of Strain is not told")
+        self.refused("  vtkSetMacro(Load, unsigned);", "vtkSetMacro|SetMacro of unsigned is not understood")
+        self.refused("  void AddBox(double x, double y);", "AddBox lists something that no RemoveAll... takes away")
+
+    def test_words(self):
+        found = Reader(SOURCES / "solvers/vtk/vtkPointCompression.h").read()
+        self.assertEqual([entry[0] for entry in found.enums["Transfers"]], ["FLIP", "PIC", "APIC", "XPIC"])
+        words = {setting.name: [choice.word for choice in setting.choices] for setting in DECLARED.settings("vtkBondFracture")}
+        self.assertEqual(words["Mixing"], ["none", "harmonic", "minimum"])
+        self.assertEqual(words["Continuum"], ["auto", "plane-stress", "plane-strain", "space"])
+        self.assertEqual(words["LoadAxis"], ["last", "x", "y", "z"])
 
 
 if __name__ == "__main__":

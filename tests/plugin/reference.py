@@ -7,6 +7,7 @@ reference.py DOCS/python.md [--write]
 import inspect
 import re
 import sys
+import types
 import typing
 
 import lamella
@@ -40,6 +41,8 @@ def signature(function):
         hint = str(parameter.annotation).strip("'")
         if parameter.name == "self":
             continue
+        if parameter.kind is parameter.KEYWORD_ONLY and "*" not in parameters:
+            parameters.append("*")
         name, _, default = text.partition("=")
         parameters.append(f"{name}: {hint}" + (f" = {default}" if default else ""))
     head = f"{function.__name__}({', '.join(parameters)})"
@@ -102,7 +105,11 @@ def check_names():
 
 
 def check_hints(where, function):
-    hints = typing.get_type_hints(function)  # whose names are known, too
+    annotations = {name: parameter.annotation for name, parameter in inspect.signature(function).parameters.items()
+                   if parameter.annotation is not parameter.empty}
+    stated = types.SimpleNamespace(__annotations__={**annotations, "return": inspect.signature(function).return_annotation})
+    names = {**vars(lamella._types), **getattr(function, "__wrapped__", function).__globals__}
+    hints = typing.get_type_hints(stated, names)  # whose names are known, too
     parameters = [name for name in inspect.signature(function).parameters if name != "self"]
     missing = [name for name in [*parameters, "return"] if name not in hints]
     assert not missing, f"{where} has no type hint for {', '.join(missing)}"

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 
-import numpy as np
 
 from . import _arrays
-from ._errors import LamellaError, choose, entries, number
+from ._errors import LamellaError, choose
 from ._samples import ImageBase
 from ._types import Array
 
-LOADS = {"stretch": 0, "shear": 1, "biaxial": 2}
-_AXES = {None: -1, "x": 0, "y": 1, "z": 2}
-_MICROMODULI = {None: -1, "continuum": 0, "lattice": 1, "isotropic": 2}
-_CONTINUA = {None: 0, "plane-stress": 1, "plane-strain": 2, "space": 3}
-_MIXINGS = {None: 0, "none": 0, "harmonic": 1, "minimum": 2}
 _COMPONENTS = {"xx": 0, "yy": 1, "zz": 2, "xy": 3, "yz": 4, "xz": 5}
 
 
@@ -85,24 +79,6 @@ class BondFields(BondNumbers):
         return self._count("hinges")
 
 
-def set_load(
-    algorithm, loads, load, axis, smooth_platens, rigid_platens, platen_layers, tolerance, stress, strain_energy
-):
-    """Settings of vtkBondLoadAlgorithm; see equilibrium()."""
-    algorithm.SetLoad(choose(loads, load, "load"))
-    algorithm.SetLoadAxis(choose(_AXES, axis, "axis"))
-    algorithm.SetSmoothPlatens(bool(smooth_platens))
-    algorithm.SetRigidPlatens(bool(rigid_platens))
-    algorithm.SetPlatenLayers(int(platen_layers))
-    algorithm.SetTolerance(float(tolerance))
-    algorithm.SetComputeStress(bool(stress))
-    algorithm.SetComputeStrainEnergy(bool(strain_energy))
-
-
-def _pair(name):
-    return "-".join(map(str, name)) if isinstance(name, tuple) else str(name)
-
-
 WORDS = (("void", "pore", "lumen", "air"), ("wall", "secondary wall"), ("middle lamella", "lamella"))
 
 
@@ -129,62 +105,14 @@ def check_names(image, names, pairs=True):
             raise LamellaError(message, f"did you mean {close[0]!r}?" if close else listed)
 
 
-def set_bonds(
-    algorithm,
-    image,
-    young=None,
-    fracture_energy=None,
-    toughness=None,
-    critical_stretch=None,
-    like=None,
-    relative_to=None,
-    mixing=None,
-    void=None,
-    horizon=3.0,
-    continuum=None,
-    micromodulus=None,
-    void_bonds="keep",
-    surface_correction=False,
-    notches=(),
-    periodic=(),
-    strains="small",
-    threads=1,
-):
-    """Settings of vtkBondAlgorithm; see equilibrium()."""
-    tables = (
-        (algorithm.SetYoungsModulus, "young", young),
-        (algorithm.SetFractureEnergy, "fracture_energy", fracture_energy),
-        (algorithm.SetToughness, "toughness", toughness),
-        (algorithm.SetCriticalStretch, "critical_stretch", critical_stretch),
-    )
-    for setter, name, table in tables:
-        given = entries(table, name, "{pair of phases: value}")
-        check_names(image, [_pair(pair) for pair, _ in given])
-        for pair, value in given:
-            setter(_pair(pair), number(value, f"{name} of {pair!r}"))
-    alike = entries(like, "like", "{pair of phases: pair of phases}")
-    check_names(image, [_pair(pair) for pair, _ in alike])
-    for pair, other in alike:
-        algorithm.SetLike(_pair(pair), _pair(other))
-    algorithm.SetRelativeTo("" if relative_to is None else _pair(relative_to))
-    algorithm.SetMixing(choose(_MIXINGS, mixing, "mixing"))
-    for name in [void] if isinstance(void, (str, int)) else (void or ()):
-        algorithm.AddVoid(str(name))
-    algorithm.SetHorizon(float(horizon))
-    algorithm.SetContinuum(choose(_CONTINUA, continuum, "continuum"))
-    algorithm.SetMicromodulus(choose(_MICROMODULI, micromodulus, "micromodulus"))
-    algorithm.SetCutVoidBonds(choose({"keep": False, "cut": True}, void_bonds, "void_bonds"))
-    algorithm.SetSurfaceCorrection(bool(surface_correction))
-    algorithm.SetLargeStrains(choose({"small": False, "large": True}, strains, "strains"))
-    for notch in notches:
-        points = [float(value) for value in np.ravel(notch)]
-        if len(points) == 4:
-            algorithm.AddNotch(*points)
-        elif len(points) == 9:
-            algorithm.AddNotchInSpace(points[:3], points[3:6], points[6:])
-        else:
-            raise ValueError("a notch is ((x1, y1), (x2, y2)), or a corner and two edges in space")
-    if set(periodic) - set("xyz"):
-        raise ValueError(f"periodic is {periodic!r}; it names axes, as 'xy'")
-    algorithm.SetPeriodic(*(int(axis in periodic) for axis in "xyz"))
-    algorithm.SetThreads(int(threads))
+#: words of earlier versions
+FORMERLY = {
+    "void_bonds": lambda word: {"cut_void_bonds": choose({"keep": False, "cut": True}, word, "void_bonds")},
+    "strains": lambda word: {"large_strains": choose({"small": False, "large": True}, word, "strains")},
+}
+MATERIALS = ("young", "fracture_energy", "toughness", "critical_stretch")
+
+
+def give_bonds(settings, algorithm, image):
+    """Sets what was given, where its names are those of the image."""
+    settings.give(algorithm, lambda names, pairs: check_names(image, names, pairs))

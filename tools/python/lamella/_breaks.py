@@ -7,9 +7,9 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkTable
 
 from . import _arrays, _files
-from ._bonds import BondFields, BondNumbers
+from ._bonds import BondFields, BondNumbers, give_bonds
 from ._errors import run
-from ._runs import LoadedState, LongRun, set_checkpoint
+from ._runs import LoadedState, LongRun, check_checkpoint
 from ._types import Array, Path
 
 
@@ -111,30 +111,10 @@ class BreakResult(BondNumbers, LongRun):
         return path
 
 
-def run_breaks(
-    algorithm,
-    result,
-    progress,
-    compression,
-    stop,
-    max_strain,
-    max_broken,
-    at_broken,
-    displacement,
-    checkpoint,
-    checkpoint_every,
-    continue_from,
-    on_step=None,
-):
-    """Settings of vtkBondBreakAlgorithm, see fracture(), and the run, as a result of this class; an error where a
-    checkpoint is there that is not to be replaced."""
-    algorithm.SetCompression(bool(compression))
-    algorithm.SetStopShare(float(stop))
-    algorithm.SetMaximumStrain(0.0 if max_strain is None else float(max_strain))
-    algorithm.SetMaximumBroken(0 if max_broken is None else int(max_broken))
-    for count in np.ravel(at_broken):
-        algorithm.AddStateAtBroken(int(count))
-    algorithm.SetComputeDisplacement(bool(displacement))
-    set_checkpoint(algorithm, checkpoint, checkpoint_every, continue_from)
+def run_breaks(algorithm, image, result, settings, progress, on_step):
+    """Sets what was given and runs; the result is of this class."""
+    algorithm.SetInputData(image)
+    check_checkpoint(settings)
+    give_bonds(settings, algorithm, image)
     run(algorithm, progress, on_step, result._State)
     return result(algorithm)

@@ -10,8 +10,9 @@ from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
 from . import _arrays
 from ._errors import run
 from ._samples import ImageBase
+from ._settings import Settings, declared
 from ._solve import as_image
-from ._types import Array, ArrayLike, Columns, Image, Name, Progress, Sequence
+from ._types import Array, ArrayLike, Columns, Image, Progress, Sequence
 from .vtkLamellaFilters import vtkCollapseMap, vtkCompressionCurve
 
 
@@ -132,18 +133,11 @@ class CompressionCurveResult(_arrays.FieldData):
         )
 
 
-def compression_curve(
-    strain: ArrayLike, stress: ArrayLike, stiffness_range: Sequence[float] = (0, 0.03), window: float = 0, offset: float = 0.002, plateau_range: Sequence[float] | None = None, smoothing: float = 0.01, prominence: float = 0.05
-) -> CompressionCurveResult:
+@declared(vtkCompressionCurve)
+def compression_curve(strain: ArrayLike, stress: ArrayLike, settings: Settings) -> CompressionCurveResult:
     """Stiffness, collapse, plateau, densification and energy of a stress-strain curve in compression.
 
-    strain, stress   columns of equal length: fractions, rising from row to row; Pa. Compression is positive
-    stiffness_range  strains between which the stiffness is fitted
-    window           width in strain of the steepest window within them that is fitted instead; 0: all of the range
-    offset           plastic strain at the yield stress
-    plateau_range    strains between which the plateau's mean is taken; None: from collapse to densification
-    smoothing        width in strain over which stresses are smoothed before maxima are looked for
-    prominence       share that the curve falls by beyond a maximum that counts
+    strain, stress  columns of equal length: fractions, rising from row to row; Pa. Compression is positive
     """
     table = vtkTable()
     columns = {name: _arrays.reals(column, name) for name, column in (("strain", strain), ("stress", stress))}
@@ -154,13 +148,7 @@ def compression_curve(
         table.AddColumn(_arrays.to_vtk(column, name))
     curve = vtkCompressionCurve()
     curve.SetInputData(table)
-    curve.SetStiffnessRange(*(float(end) for end in stiffness_range))
-    curve.SetWindow(float(window))
-    curve.SetOffset(float(offset))
-    if plateau_range is not None:
-        curve.SetPlateauRange(*(float(end) for end in plateau_range))
-    curve.SetSmoothing(float(smoothing))
-    curve.SetProminence(float(prominence))
+    settings.give(curve)
     run(curve)
     return CompressionCurveResult(curve.GetOutput())
 
@@ -232,25 +220,21 @@ def _with_strain(points, strain):
     return state
 
 
+@declared(vtkCollapseMap)
 def collapse_map(
     sample: Image,
     points: vtkPolyData | Sequence[vtkPolyData] | vtkAlgorithm,
     strains: ArrayLike | None = None,
-    phase: Name | None = None,
-    share: float = 0.5,
-    minimum_size: int = 1,
+    settings: Settings | None = None,
     progress: Progress | None = None,
 ) -> CollapseMapResult:
     """Which cells of a tissue give way in compression, and at which strain.
 
-    sample        the Sample, image or array of phases that the points were made from
-    points        a vtkPolyData a state, with the arrays ``id`` and ``deformation_gradient``, a list of them, or a
-                  vtkAlgorithm that offers them as time steps
-    strains       one a state, rising; None: the field data ``strain`` of each, or the times of an algorithm
-    phase         name or number of the lumens' phase; None: the first that is called void, pore, lumen or air
-    share         share of its area at which a lumen has collapsed
-    minimum_size  smaller lumens are left out
-    progress      called as progress(share, text); return False to cancel (raises Cancelled)
+    sample          the Sample, image or array of phases that the points were made from
+    points          a vtkPolyData a state, with the arrays ``id`` and ``deformation_gradient``, a list of them, or a
+                    vtkAlgorithm that offers them as time steps
+    strains         one a state, rising; None: the field data ``strain`` of each, or the times of an algorithm
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
     collapse = vtkCollapseMap()
     collapse.SetInputData(as_image(sample))
@@ -269,8 +253,6 @@ def collapse_map(
             raise ValueError("points is an empty list; give one state at least")
         for state in states:
             collapse.AddPointsData(state)
-    collapse.SetPhase("" if phase is None else str(phase))
-    collapse.SetShare(float(share))
-    collapse.SetMinimumSize(int(minimum_size))
+    settings.give(collapse)
     run(collapse, progress)
     return CollapseMapResult(collapse)

@@ -9,25 +9,14 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkTable
 
 from . import _arrays, _files
-from ._errors import check_keywords, choose, entries, number, run
-from ._runs import LoadedState, LongRun, set_checkpoint
+from ._errors import choose, number, run
+from ._runs import LoadedState, LongRun, check_checkpoint
+from ._settings import Settings, declared
 from ._solve import as_image
-from ._types import Any, Array, ArrayLike, Columns, Image, OnStep, Path, Progress, Sequence
+from ._types import Array, Columns, Image, OnStep, Path, Progress
 from .vtkLamellaSolversVTK import vtkPointCompression, vtkPointStiffness
 
-_AXES = {None: -1, "x": 0, "y": 1, "z": 2}
-_LAWS = {None: 0, "isotropic": 1, "orthotropic": 2, "plastic": 3}
-_PLANES = {None: 0, "plane-stress": 1, "plane-strain": 2}
-_SIDES = {"straight": 0, "open": 1, "fixed": 2, "periodic": 3}
-_SHAPES = {"linear": 0, "gimp": 1, "spline": 2}
-_TRANSFERS = {"flip": 0, "pic": 1, "apic": 2, "xpic": 3}
-_FIELDS = {
-    "displacement": "ComputeDisplacement",
-    "velocity": "ComputeVelocity",
-    "stress": "ComputeStress",
-    "deformation_gradient": "ComputeDeformationGradient",
-    "energy_density": "ComputeEnergyDensity",
-}
+_FIELDS = {name: name for name in ("displacement", "velocity", "stress", "deformation_gradient", "energy_density")}
 
 
 class PointState(LoadedState, _arrays.Answer):
@@ -181,175 +170,55 @@ class PointStiffnessResult(_arrays.Answer):
         return f"<lamella.PointStiffnessResult: {numbers} Pa>"
 
 
-def _positive(value, name, of=""):
-    """A constant of a wall; moduli and densities are above 0, which VTK's setters take for "not given"."""
-    found = number(value, name + of)
-    if name in ("young", "transverse", "shear", "density") and not found > 0:
-        raise ValueError(f"{name}{of} is {value!r}; it is above 0, or None")
-    return found
+def _give_points(settings, algorithm):
+    """Sets what was given. Moduli and densities are above 0, which the classes take for "not given"."""
+    for name in ("young", "transverse", "shear", "density"):
+        value = settings.values.get(name)
+        for phase, one in value.items() if hasattr(value, "items") else [] if value is None else [(None, value)]:
+            of = "" if phase is None else f" of {phase!r}"
+            if not number(one, name + of) > 0:
+                raise ValueError(f"{name}{of} is {one!r}; it is above 0, or None")
+    cells = float(settings["cells_per_node"])
+    if settings.values.get("points_per_node") is None:
+        algorithm.SetPointsPerNode(max(2, math.ceil(2 * cells)) if math.isfinite(cells) else 2)
+    settings.give(algorithm)
 
 
-def _set_points(
-    algorithm,
-    law=None,
-    plane=None,
-    young=None,
-    transverse=None,
-    poisson=None,
-    transverse_poisson=None,
-    shear=None,
-    barrier=None,
-    yield_stress=None,
-    hardening=None,
-    density=None,
-    void=None,
-    points_per_node=None,
-    cells_per_node=1.0,
-    fit_platens=False,
-    threads=1,
-):
-    """Settings of vtkPointAlgorithm; see compression()."""
-    algorithm.SetLaw(choose(_LAWS, law, "law"))
-    algorithm.SetPlane(choose(_PLANES, plane, "plane"))
-    constants = (
-        (algorithm.SetYoungsModulus, "young", young),
-        (algorithm.SetTransverseModulus, "transverse", transverse),
-        (algorithm.SetPoissonsRatio, "poisson", poisson),
-        (algorithm.SetTransversePoissonsRatio, "transverse-poisson", transverse_poisson),
-        (algorithm.SetShearModulus, "shear", shear),
-        (algorithm.SetBarrier, "barrier", barrier),
-        (algorithm.SetYieldStress, "yield", yield_stress),
-        (algorithm.SetHardening, "hardening", hardening),
-        (algorithm.SetDensity, "density", density),
-    )
-    for setter, name, value in constants:
-        if np.isscalar(value):
-            setter(_positive(value, name))
-            continue
-        for phase, constant in entries(value, name, "{phase: value}, or a number"):
-            algorithm.SetPhaseConstant(str(phase), name, _positive(constant, name, f" of {phase!r}"))
-    for name in [void] if isinstance(void, (str, int)) else (void or ()):
-        algorithm.AddVoid(str(name))
-    algorithm.SetPointsPerNode(max(2, math.ceil(2 * float(cells_per_node))) if points_per_node is None else int(points_per_node))
-    algorithm.SetCellsPerNode(float(cells_per_node))
-    algorithm.SetFitPlatens(bool(fit_platens))
-    algorithm.SetThreads(int(threads))
-
-
+@declared(vtkPointCompression, first=("axis", "strain", "sides"), without=("phase_constant", "keep_states", "state"), formerly={
+    "speeds": lambda three: dict(zip(("first_speed", "least_speed", "most_speed"), three)),
+    "fields": lambda names: {**dict.fromkeys(_FIELDS, False), **{choose(_FIELDS, name, "a field"): True for name in np.atleast_1d(names)}}})
 def compression(
-    image: Image,
-    axis: str | None = None,
-    strain: float = 0.48,
-    sides: str = "straight",
-    grip: bool = False,
-    energy_ratio: float = 0.01,
-    calm_from: float = 0.05,
-    speeds: Sequence[float] = (1e-3, 5e-5, 2e-2),
-    damping: float = 0.0,
-    rows: int = 240,
-    at_strains: ArrayLike = (),
-    fields: str | Sequence[str] = ("displacement",),
-    shape: str = "spline",
-    transfer: str = "apic",
-    consistent_mass: bool = False,
-    modified_update: bool = False,
-    time_step: float | None = None,
-    checkpoint: Path | None = None,
-    checkpoint_every: int = 2000,
-    continue_from: Path | None = None,
-    progress: Progress | None = None,
-    on_step: OnStep | None = None,
-    **points: Any,
+    image: Image, settings: Settings, progress: Progress | None = None, on_step: OnStep | None = None
 ) -> CompressionResult:
     """Presses a sample between platens, slowly, and returns a CompressionResult.
 
-    image     a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers; with the point array
-              ``axis`` walls are orthotropic along it
-    axis      None: y of a picture, z of a volume
-    strain    to end at, above 0 and below 1
-    sides     across the load: "straight" (they move so that the force on them is nothing), "open", "fixed", "periodic"
-    grip      platens do not let slide
-    energy_ratio, calm_from  kinetic over elastic energy allowed from this strain on
-    speeds    of the platens towards each other, over the fastest wave in the wall: first, least, most
-    damping   friction against an even deformation, over the lowest frequency of a bar of wall as high as the specimen
-    rows      of the curve
-    at_strains  states to keep; the end is always kept
-    fields    of the states: "displacement", "velocity", "stress", "deformation_gradient", "energy_density"; besides "id"
-              and "phase", which they always have
-    shape     "linear", "gimp", "spline"
-    transfer  "flip", "pic", "apic", "xpic"
-    consistent_mass, modified_update  see vtkPointCompression
-    time_step  seconds; None: 0.9 of the largest stable one
-    checkpoint, checkpoint_every, continue_from  as fracture() takes them; checkpoint_every in steps
-    progress  called as progress(share, text); return False to cancel (raises Cancelled)
-    on_step   called as on_step(state) with each PointState that the run comes to; memory then holds one at a time, and the
-              result has the last one only
+    image           a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers; with the point
+                    array ``axis`` walls are orthotropic along it
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
+    on_step         called as on_step(state) with each PointState that the run comes to; memory then holds one at a time, and
+                    the result has the last one only
 
-    Of the points:
-    law       "isotropic", "orthotropic", "plastic"; None: orthotropic where the image has ``axis``, else isotropic
-    plane     "plane-stress", "plane-strain"; None: plane stress, plane strain of walls that yield
-    young, transverse, poisson, transverse_poisson, shear, barrier, yield_stress, hardening, density  of all walls, or
-              {phase: value}, SI units; None: those of vtkPointAlgorithm
-    void      phases without points; None: those called void, pore, lumen, air or 0
-    points_per_node  along each axis in a pixel; None: two a cell, and two at least; 3 where walls fold, beyond some 20 %
-              strain
-    cells_per_node  of the grid, along each axis in a pixel
-    fit_platens  platens stand where the tissue begins and ends, not at the ends of the image
-    threads   0: all cores
+    Constants of walls are numbers, or {phase: number}. Where points_per_node is not given there are two a cell, and two at
+    least; 3 where walls fold, beyond some 20 % strain. A checkpoint that is there already is only replaced where
+    continue_from names it too.
     """
-    check_keywords(compression, _set_points, points)
     solve = vtkPointCompression()
     solve.SetInputData(as_image(image))
-    _set_points(solve, **points)
-    solve.SetLoadAxis(choose(_AXES, axis, "axis"))
-    solve.SetStrain(float(strain))
-    solve.SetSides(choose(_SIDES, sides, "sides"))
-    solve.SetGrip(bool(grip))
-    solve.SetEnergyRatio(float(energy_ratio))
-    solve.SetCalmFrom(float(calm_from))
-    first, least, most = (float(speed) for speed in speeds)
-    solve.SetFirstSpeed(first)
-    solve.SetLeastSpeed(least)
-    solve.SetMostSpeed(most)
-    solve.SetDamping(float(damping))
-    solve.SetRows(int(rows))
-    for value in np.ravel(at_strains):
-        solve.AddStateAtStrain(float(value))
-    wanted = [choose(_FIELDS, name, "a field") for name in ([fields] if isinstance(fields, str) else fields)]
-    for setting in _FIELDS.values():
-        getattr(solve, "Set" + setting)(setting in wanted)
-    solve.SetShape(choose(_SHAPES, shape, "shape"))
-    solve.SetTransfer(choose(_TRANSFERS, transfer, "transfer"))
-    solve.SetConsistentMass(bool(consistent_mass))
-    solve.SetModifiedUpdate(bool(modified_update))
-    solve.SetTimeStep(0.0 if time_step is None else float(time_step))
-    set_checkpoint(solve, checkpoint, checkpoint_every, continue_from)
+    check_checkpoint(settings)
+    _give_points(settings, solve)
     run(solve, progress, on_step, PointState)
     return CompressionResult(solve)
 
 
-def point_stiffness(
-    image: Image,
-    sides: str = "straight",
-    tolerance: float = 1e-6,
-    max_iterations: int = 20000,
-    progress: Progress | None = None,
-    **points: Any,
-) -> PointStiffnessResult:
+@declared(vtkPointStiffness, first=("sides",), without=("phase_constant",))
+def point_stiffness(image: Image, settings: Settings, progress: Progress | None = None) -> PointStiffnessResult:
     """Stiffness of a sample by an implicit solve, along every axis; returns a PointStiffnessResult.
 
-    image     as compression() takes it, and so are the keywords of the points
-    sides     "straight" (platens on one axis, the others straight and without force), "open", "fixed", "periodic" (the
-              whole tensor) or "sticky" (an upper bound of it)
-    tolerance, max_iterations  largest residual; gives up after so many iterations
-    progress  called as progress(share, text); return False to cancel (raises Cancelled)
+    image           as compression() takes it, and so are constants of walls
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
-    check_keywords(point_stiffness, _set_points, points)
     solve = vtkPointStiffness()
     solve.SetInputData(as_image(image))
-    _set_points(solve, **points)
-    solve.SetSides(choose({**_SIDES, "sticky": 4}, sides, "sides"))
-    solve.SetTolerance(float(tolerance))
-    solve.SetMaximumIterations(int(max_iterations))
+    _give_points(settings, solve)
     run(solve, progress)
     return PointStiffnessResult(solve.GetConstants(), solve.GetTensor())

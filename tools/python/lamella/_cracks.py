@@ -11,6 +11,7 @@ from ._dynamics import DynamicsResult
 from ._errors import run
 from ._fracture import FractureResult
 from ._samples import ImageBase
+from ._settings import Settings, declared
 from ._solve import as_image
 from ._types import Array, Columns, Image, Path, Progress
 from .vtkLamellaFilters import vtkCrackPath
@@ -181,18 +182,18 @@ class CrackPathResult(_arrays.FieldData):
         return f"<lamella.CrackPathResult: {self.count} cracks, {self.length:.4g} m, {self.broken} broken bonds>"
 
 
+@declared(vtkCrackPath)
 def crack_path(
-    broken: FractureResult | DynamicsResult | vtkPolyData, phases: Image | None = None, minimum_length: float | None = None, spur_length: float | None = None, horizon: float | None = None, fragments: bool = True, progress: Progress | None = None
+    broken: FractureResult | DynamicsResult | vtkPolyData,
+    phases: Image | None = None,
+    settings: Settings | None = None,
+    progress: Progress | None = None,
 ) -> CrackPathResult:
     """Makes lines of broken bonds, and measures them.
 
     broken          a FractureResult, or vtkPolyData: points at the middles of broken bonds, with the array ``bond``
     phases          a Sample, image or array of whole numbers on their lattice; with it voids and fragments are known.
                     None: the image of the FractureResult
-    minimum_length  shorter cracks are left out unless they part a wall [spacings]; None: the horizon
-    spur_length     branches that end after no more are taken away [spacings]; None: twice the horizon
-    horizon         length of the longest bonds [spacings]; None: as the broken bonds tell
-    fragments       whether fragments are found where there are phases
     progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
     path = vtkCrackPath()
@@ -201,9 +202,6 @@ def crack_path(
     path.SetInputData(getattr(broken, "vtk_broken", broken))
     if phases is not None:
         path.SetImageData(as_image(phases))
-    path.SetMinimumLength(-1 if minimum_length is None else float(minimum_length))
-    path.SetSpurLength(-1 if spur_length is None else float(spur_length))
-    path.SetHorizon(0 if horizon is None else float(horizon))
-    path.SetComputeFragments(bool(fragments))
+    settings.give(path)
     run(path, progress)
     return CrackPathResult(path)

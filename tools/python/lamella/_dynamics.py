@@ -6,15 +6,15 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays
-from ._bonds import check_names, set_bonds, set_load
+from ._bonds import FORMERLY
 from ._breaks import BreakResult, BrokenState, run_breaks
-from ._errors import check_keywords, entries, number
+from ._errors import choose, entries
 from ._samples import ImageBase
+from ._settings import Settings, declared
 from ._solve import as_image
-from ._types import Any, Array, ArrayLike, Image, Mapping, Name, OnStep, Pairs, Path, Progress, Sequence
+from ._types import Array, ArrayLike, Image, Mapping, OnStep, Progress, Sequence
 from .vtkLamellaSolversVTK import vtkBondDynamics
 
-_LOADS = {"stretch": 0, "shear": 1, "sides": 0}
 _ENERGIES = "kinetic elastic broken damped supplied".split()
 
 
@@ -139,105 +139,43 @@ def _with_velocity(image, velocity):
     return copy
 
 
+@declared(vtkBondDynamics, first=("young", "density", "fracture_energy", "toughness", "critical_stretch"), formerly={
+    "void_bonds": FORMERLY["void_bonds"], "step": "time_step"}, without=(
+    "keep_states", "state", "large_strains", "tolerance", "load", "pull", "phase_density", "side_velocity", "side_traction", "box_velocity",
+    "initial_velocity", "use_input_velocity", "velocity"))
 def dynamics(
     image: Image,
-    young: Pairs,
-    density: float | Mapping[Name, float],
-    fracture_energy: Pairs | None = None,
-    toughness: Pairs | None = None,
-    critical_stretch: Pairs | None = None,
+    settings: Settings,
     load: str | None = None,
-    axis: str | None = None,
-    compression: bool = False,
-    smooth_platens: bool = False,
-    rigid_platens: bool = False,
-    platen_layers: int = 0,
-    strain_rate: float | None = None,
-    travel_times: float = 30.0,
-    start: float = 0.98,
     velocities: Mapping[str, Sequence[float | None]] | None = None,
     tractions: Mapping[str, Sequence[float | None]] | None = None,
     boxes: Sequence[tuple] = (),
     velocity: ArrayLike | None = None,
-    tau: float | None = None,
-    omega0: float | None = None,
-    delta_l: float | None = None,
-    start_rate: float = 1.0,
-    damping: float = 0.0,
-    step: float | None = None,
-    step_share: float = 0.8,
-    end_time: float | None = None,
-    stop: float = 0.05,
-    max_strain: float | None = None,
-    max_broken: int | None = None,
-    at_times: ArrayLike = (),
-    at_broken: ArrayLike = (),
-    history_every: int = 0,
-    displacement: bool = True,
-    stress: bool = False,
-    strain_energy: bool = False,
-    checkpoint: Path | None = None,
-    checkpoint_every: int = 1000,
-    continue_from: Path | None = None,
     progress: Progress | None = None,
     on_step: OnStep | None = None,
-    **bonds: Any,
 ) -> DynamicsResult:
     """Moves a sample, breaks its bonds as they become critical, and returns a DynamicsResult.
 
-    image, young, fracture_energy, toughness, critical_stretch  as fracture() takes them; without one of the last three
-              nothing breaks
-    density   [kg/m³]: a number, or {phase: number}
-    load      "stretch", "shear": platens pull the sample; "sides": what is said of sides, boxes and velocities moves it;
-              None: "sides" where anything is said of them, else "stretch"
-    axis, compression, smooth_platens, rigid_platens  of the platens, as fracture() takes them; axis also of strain and
-              stress without platens
-    platen_layers  that platens and sides hold; 0: as many as a bond reaches
-    strain_rate  of the platens [1/s]; None: the strain of the first break takes travel_times of a wave between them
-    start     the pull begins in equilibrium at this share of the strain of the first break, with its speeds
-    velocities  {side: vector}: nodes of sides "x-", "x+", "y-", "y+" (the top of a picture), "z-", "z+" keep a velocity
-              [m/s]; None for a component that is free: {"x-": (5, None)}
-    tractions {side: vector}: force on the area of a side [Pa]
-    boxes     ((low corner, high corner, vector), ...): nodes between two corners [m] keep a velocity
-    velocity  of all that is free, at the start [m/s]: a vector, or one for each node in the order of pictures
-    tau, omega0, delta_l, start_rate  imposed speeds give way to what breaks, with the relaxation time tau [s]; reference
-              energy omega0 [J/m], in space [J], or that of a crack of delta_l [m]; None: of a hundredth of the shortest
-              side; share of the speeds at first
-    damping   viscous force, as a share of the least critical viscosity of the bonds
-    step      [s], refused above the largest stable one; None: step_share of that
-    end_time  [s]; with platens the run ends when the stress has fallen to the share ``stop`` of its peak, at the latest
-    max_strain, max_broken  other ends; None: no limit
-    at_times, at_broken  states to keep: times [s], numbers of broken bonds; the end is always kept
-    history_every  steps between two points of the history; 0: 500 points until end_time, at least 20
-                   steps apart, else every 10 steps
-    displacement, stress, strain_energy  whether states have these fields
-    checkpoint, checkpoint_every, continue_from  as fracture() takes them; in steps
-    progress  called as progress(share, text); return False to cancel (raises Cancelled)
-    on_step   called as on_step(state) with each state that the run comes to, as ``states`` has them; memory then holds one
-              at a time, and the result has the last one only
+    image           as fracture() takes it; a density may be {phase: number}
+    load            "stretch", "shear": platens pull the sample; "sides": what is said of sides, boxes and velocities moves it;
+                    None: "sides" where anything is said of them, else "stretch"
+    velocities      {side: vector}: nodes of sides "x-", "x+", "y-", "y+" (the top of a picture), "z-", "z+" keep a velocity
+                    [m/s]; None for a component that is free: {"x-": (5, None)}
+    tractions       {side: vector}: force on the area of a side [Pa]
+    boxes           ((low corner, high corner, vector), ...): nodes between two corners [m] keep a velocity
+    velocity        of all that is free, at the start [m/s]: a vector, or one for each node in the order of pictures
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
+    on_step         called as on_step(state) with each state that the run comes to, as ``states`` has them; memory then holds
+                    one at a time, and the result has the last one only
 
-    Of the bonds' keywords it takes those of equilibrium() but strains: forces are exact for large ones.
+    Forces are exact for large strains. A checkpoint that is there already is only replaced where continue_from names it too.
     """
-    if "strains" in bonds:
-        raise TypeError("dynamics() takes no strains: its forces are exact for large ones")
     solve = vtkBondDynamics()
     sample = as_image(image)
-    check_keywords(dynamics, set_bonds, bonds)
-    set_bonds(solve, sample, young, fracture_energy, toughness, critical_stretch, **bonds)
-    if np.isscalar(density):
-        solve.SetDensity(number(density, "density"))
-    else:
-        given = entries(density, "density", "{phase: value}, or a number")
-        check_names(sample, [str(phase) for phase, _ in given], pairs=False)
-        for phase, value in given:
-            solve.SetPhaseDensity(str(phase), number(value, f"density of {phase!r}"))
     sides = bool(velocities or tractions or len(boxes) or velocity is not None)
     load = load or ("sides" if sides else "stretch")
-    set_load(solve, _LOADS, load, axis, smooth_platens, rigid_platens, platen_layers, 1e-6, stress, strain_energy)
+    solve.SetLoad(choose({"stretch": 0, "shear": 1, "sides": 0}, load, "load"))
     solve.SetPull(load != "sides")
-    solve.SetStrainRate(0.0 if strain_rate is None else float(strain_rate))
-    solve.SetTravelTimes(float(travel_times))
-    solve.SetStartShare(float(start))
     for side, vector in entries(velocities, "velocities", "{side: vector}"):
         for component, value in _each(vector, "a velocity"):
             solve.SetSideVelocity(side, component, value)
@@ -253,22 +191,4 @@ def dynamics(
     elif velocity is not None:
         sample = _with_velocity(sample, velocity)
         solve.UseInputVelocityOn()
-    solve.SetInputData(sample)
-    for setter, value in (
-        (solve.SetRelaxation, tau),
-        (solve.SetReferenceEnergy, omega0),
-        (solve.SetReferenceCrack, delta_l),
-        (solve.SetTimeStep, step),
-        (solve.SetEndTime, end_time),
-    ):
-        setter(0.0 if value is None else float(value))
-    solve.SetStartRate(float(start_rate))
-    solve.SetDamping(float(damping))
-    solve.SetStepShare(float(step_share))
-    solve.SetHistoryEvery(int(history_every))
-    for time in np.ravel(at_times):
-        solve.AddStateAtTime(float(time))
-    return run_breaks(
-        solve, DynamicsResult, progress, compression, stop, max_strain, max_broken, at_broken, displacement,
-        checkpoint, checkpoint_every, continue_from, on_step,
-    )
+    return run_breaks(solve, sample, DynamicsResult, settings, progress, on_step)

@@ -5,16 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from . import _arrays
-from ._bonds import LOADS, BondFields, set_bonds, set_load
-from ._errors import check_keywords, choose, run
+from ._bonds import FORMERLY, MATERIALS, BondFields, give_bonds
+from ._errors import run
 from ._samples import ImageBase
+from ._settings import Settings, declared
 from ._solve import as_image
-from ._types import Any, Array, Image, Pairs, Progress
+from ._types import Array, Image, Progress
 from .vtkLamellaFilters import vtkBondStress
 from .vtkLamellaSolversVTK import vtkBondEquilibrium
-
-_LOADS = {**LOADS, "traction": 3}
-_SOLVERS = {"multigrid": 0, "jacobi": 1, "direct": 2, "dynamic-relaxation": 3}
 
 
 def _mean_stress(image):
@@ -96,76 +94,21 @@ class EquilibriumResult(BondFields):
         )
 
 
-def equilibrium(
-    image: Image,
-    young: Pairs,
-    fracture_energy: Pairs | None = None,
-    toughness: Pairs | None = None,
-    critical_stretch: Pairs | None = None,
-    load: str = "stretch",
-    strain: float = 1e-3,
-    axis: str | None = None,
-    lateral_strain: float = 0.0,
-    traction: float = 0.0,
-    smooth_platens: bool = False,
-    rigid_platens: bool = False,
-    platen_layers: int = 0,
-    stress: bool = False,
-    strain_energy: bool = False,
-    solver: str = "multigrid",
-    tolerance: float = 1e-6,
-    max_iterations: int = 20000,
-    progress: Progress | None = None,
-    **bonds: Any,
-) -> EquilibriumResult:
+@declared(vtkBondEquilibrium, first=MATERIALS, formerly=FORMERLY)
+def equilibrium(image: Image, settings: Settings, progress: Progress | None = None) -> EquilibriumResult:
     """Loads a sample of bonded nodes and returns an EquilibriumResult.
 
-    image     a Sample, a vtkImageData with the point array ``phase`` (and ``grain``), or an array of whole numbers
-    young     {pair: Young's modulus in Pa}. A pair is a phase ("grain": bonds within it), two phases ("matrix-grain"
-              or ("matrix", "grain")), or one phase twice ("grain-grain": bonds between two different grains; the image
-              needs the array ``grain``)
-    fracture_energy, toughness, critical_stretch  {pair: J/m^2, Pa m^(1/2), elongation}: at most one for each pair
-    load      "stretch" (bottom fixed, top moves along the axis), "shear" (it moves across), "biaxial", "traction"
-    strain    movement of the platen over the distance between the platens; tension positive
-    axis      None: y of a picture, z of a volume
-    lateral_strain  of "biaxial", along the other axes
-    traction  of "traction" [Pa]
-    smooth_platens  of "stretch": they hold the component along the axis only
-    rigid_platens   all layers of a platen move alike; else as the mean strain has it, as if the sample went on
-    platen_layers   nodes that a platen holds; 0: as many as a bond reaches
-    stress, strain_energy  whether these fields are computed
-    solver    "multigrid", "jacobi", "direct" (small images) or "dynamic-relaxation"
-    tolerance, max_iterations  largest relative residual force; gives up after so many iterations
-    progress  called as progress(share, text); return False to cancel (raises Cancelled)
+    image           a Sample, a vtkImageData with the point array ``phase`` (and ``grain``), or an array of whole numbers
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
 
-    and of the bonds, as keywords:
-
-    like          {pair: pair}: bonds that are like those of another pair, but for what they have of their own
-    relative_to   a pair: all other values are multiples of its
-    mixing        pairs of phases without material: None (an error), "harmonic" (two half bonds in series), "minimum"
-    void          phases without bonds; None: those called void, pore, lumen, air or 0 that have no Young's modulus
-    horizon       length of the longest bonds in spacings, 1 to 8
-    continuum     None ("plane-stress" of a picture, "space" of a volume) or "plane-strain"
-    micromodulus  "continuum" (as in the literature), "lattice" (Young's modulus along the axes exact) or "isotropic"
-                  (exact in every direction); None: isotropic of a volume and in stiffness(), else continuum
-    void_bonds    "keep" or "cut": bonds across thin voids
-    surface_correction  stiffer bonds near free surfaces
-    notches       ((x1, y1), (x2, y2)) in metres each; in space a corner and two edges
-    periodic      axes at whose end the sample begins again, as "x"
-    strains       "small" (linear) or "large"
-    threads       0: all cores
+    Pairs are keys: a phase ("grain": bonds within it), two phases ("matrix-grain" or ("matrix", "grain")), or one phase
+    twice ("grain-grain": bonds between two different grains; the image needs the array ``grain``). A notch is ((x1, y1), (x2,
+    y2)); in space a corner and two edges.
     """
     solve = vtkBondEquilibrium()
     sample = as_image(image)
     solve.SetInputData(sample)
-    check_keywords(equilibrium, set_bonds, bonds)
-    set_bonds(solve, sample, young, fracture_energy, toughness, critical_stretch, **bonds)
-    set_load(solve, _LOADS, load, axis, smooth_platens, rigid_platens, platen_layers, tolerance, stress, strain_energy)
-    solve.SetStrain(float(strain))
-    solve.SetLateralStrain(float(lateral_strain))
-    solve.SetTraction(float(traction))
-    solve.SetSolver(choose(_SOLVERS, solver, "solver"))
-    solve.SetMaximumIterations(int(max_iterations))
+    give_bonds(settings, solve, sample)
     run(solve, progress)
     return EquilibriumResult(solve.GetOutput())
 
@@ -184,28 +127,22 @@ class BondStressResult(ImageBase):
         return _mean_stress(self.vtk)
 
 
-def bond_stress(
-    image: Image,
-    young: Pairs | None = None,
-    strain_energy: bool = False,
-    progress: Progress | None = None,
-    **bonds: Any,
-) -> BondStressResult:
+@declared(vtkBondStress, first=("young",), without=("model_from_input",), formerly=FORMERLY)
+def bond_stress(image: Image, settings: Settings, progress: Progress | None = None) -> BondStressResult:
     """Stress of every node from its displacement and its bonds; returns a BondStressResult.
 
-    image   an EquilibriumResult, or an image with the point arrays ``phase`` and ``displacement`` (metres)
-    young   None: the model with which the image was solved. Else the bonds as equilibrium() takes them, with **bonds
-    strain_energy  also the strain energy of every node
-    progress  called as progress(share, text); return False to cancel (raises Cancelled)
+    image           an EquilibriumResult, or an image with the point arrays ``phase`` and ``displacement`` (metres)
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
+
+    Without ``young`` the model is that with which the image was solved; else the bonds are those of equilibrium().
     """
     stress = vtkBondStress()
     sample = as_image(image)
     stress.SetInputData(sample)
-    stress.SetModelFromInput(young is None)
-    if young is None and set(bonds) - {"threads"}:
+    given = {name for name, value in settings.values.items() if value is not None}
+    stress.SetModelFromInput("young" not in given)
+    if "young" not in given and given - {"threads", "strain_energy"}:
         raise ValueError("the model comes with the image unless young is given")
-    check_keywords(bond_stress, set_bonds, bonds)
-    set_bonds(stress, sample, young, **bonds)
-    stress.SetComputeStrainEnergy(bool(strain_energy))
+    give_bonds(settings, stress, sample)
     run(stress, progress)
     return BondStressResult(stress.GetOutput())

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
-import inspect
 import re
 from collections.abc import Mapping
 
@@ -70,19 +68,6 @@ def number(value, what):
     except (TypeError, ValueError):
         kind = TypeError if not isinstance(value, str) else ValueError
         raise kind(f"{what} is {value!r}; give a number") from None
-
-
-def check_keywords(function, takes, given):
-    """Refuses keywords that ``function`` hands on to ``takes``, which does not know them, in the words of Python."""
-    own = inspect.signature(function).parameters
-    known = [name for name, parameter in own.items() if parameter.kind is not inspect.Parameter.VAR_KEYWORD]
-    known += [name for name, parameter in inspect.signature(takes).parameters.items()
-              if parameter.default is not inspect.Parameter.empty and name not in known]
-    for name in given:
-        if name not in known:
-            near = difflib.get_close_matches(name, known, 1)
-            hint = f"; did you mean {near[0]!r}?" if near else f"; it takes {', '.join(known)}"
-            raise TypeError(f"{function.__name__}() got an unexpected keyword argument {name!r}{hint}")
 
 
 def run(algorithm, progress=None, on_step=None, state=None):

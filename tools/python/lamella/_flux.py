@@ -6,8 +6,9 @@ import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from . import _arrays
-from ._errors import choose, run
+from ._errors import run
 from ._samples import ImageBase
+from ._settings import Settings, declared
 from ._solve import as_image
 from ._types import Array, Image, Progress
 from .vtkLamellaFilters import vtkFluxMap
@@ -64,22 +65,15 @@ class FluxMapResult(ImageBase):
         return [points[ids[begin:end]] for begin, end in zip(offsets[:-1], offsets[1:])]
 
 
-def flux_map(
-    result: Image,
-    direction: str | None = None,
-    streamlines: int = 60,
-    progress: Progress | None = None,
-) -> FluxMapResult:
+@declared(vtkFluxMap, first=("direction", "streamlines"))
+def flux_map(result: Image, settings: Settings, progress: Progress | None = None) -> FluxMapResult:
     """Magnitude, streamlines and effective numbers.
 
-    result       a DiffusionResult, or an image like it
-    direction    "x", "y" or "z": the one to show; None: the first that was solved
-    streamlines  how many; each carries the same share of the flux. 0: none
-    progress     called as progress(share, text); return False to cancel (raises Cancelled)
+    result          a DiffusionResult, or an image like it
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
     flux = vtkFluxMap()
     flux.SetInputData(as_image(result))
-    flux.SetDirection(choose({None: 3, "x": 0, "y": 1, "z": 2}, direction, "direction"))
-    flux.SetNumberOfStreamlines(int(streamlines))
+    settings.give(flux)
     run(flux, progress)
     return FluxMapResult(flux.GetOutput(), flux.GetStreamlines())

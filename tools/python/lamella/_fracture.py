@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from . import _arrays
-from ._bonds import LOADS, set_bonds, set_load
+from ._bonds import FORMERLY, MATERIALS
 from ._breaks import BreakResult, BrokenState, run_breaks
-from ._errors import check_keywords, choose
+from ._settings import Settings, declared
 from ._solve import as_image
-from ._types import Any, Array, ArrayLike, Image, OnStep, Pairs, Path, Progress
+from ._types import Any, Array, Image, OnStep, Progress
 from .vtkLamellaSolversVTK import vtkBondFracture
 
-_METHODS = {"auto": 0, "events": 1, "accurate": 2}
-_BREAKINGS = {"strict": 0, "batched": 1}
 _COUNTS = (
     "events raises equilibria iterations local_cycles visited_nodes searches freed_pieces freed_nodes freed_bonds "
     "solid_nodes skipped_nodes bonds skipped_strips bytes"
@@ -100,88 +96,18 @@ class FractureResult(BreakResult):
         )
 
 
-def fracture(
-    image: Image,
-    young: Pairs,
-    fracture_energy: Pairs | None = None,
-    toughness: Pairs | None = None,
-    critical_stretch: Pairs | None = None,
-    load: str = "stretch",
-    axis: str | None = None,
-    compression: bool = False,
-    lateral_ratio: float = 0.0,
-    smooth_platens: bool = False,
-    rigid_platens: bool = False,
-    platen_layers: int = 0,
-    method: str = "auto",
-    breaking: str = "strict",
-    rivals: bool = True,
-    stop: float = 0.05,
-    strain_step: float = 0.0,
-    max_strain: float | None = None,
-    max_broken: int | None = None,
-    tolerance: float = 1e-6,
-    at_strains: ArrayLike = (),
-    at_broken: ArrayLike = (),
-    displacement: bool = True,
-    stress: bool = False,
-    strain_energy: bool = False,
-    checkpoint: Path | None = None,
-    checkpoint_every: int = 500,
-    continue_from: Path | None = None,
-    progress: Progress | None = None,
-    on_step: OnStep | None = None,
-    **bonds: Any,
-) -> FractureResult:
+@declared(vtkBondFracture, first=MATERIALS, without=("keep_states", "state", "large_strains"), formerly={"void_bonds": FORMERLY["void_bonds"]})
+def fracture(image: Image, settings: Settings, progress: Progress | None = None, on_step: OnStep | None = None) -> FractureResult:
     """Strains a sample until it has failed and returns a FractureResult.
 
-    image, young, fracture_energy, toughness, critical_stretch  as equilibrium() takes them; pairs without one of the
-              last three never break
-    load      "stretch" (bottom fixed, top moves along the axis), "shear" (it moves across), "biaxial"
-    axis      None: y of a picture, z of a volume
-    compression  the top moves towards the bottom; strains and stresses are then positive in compression
-    lateral_ratio  of "biaxial": strain along the other axes over that along the axis
-    smooth_platens, rigid_platens, platen_layers  as equilibrium() takes them
-    method    "auto", "events" (corrections around each break; one rank) or "accurate" (all after each break)
-    breaking  "strict" (one bond at a time) or "batched" (all that are critical at once; accurate only)
-    rivals    of "events": look closer where two bonds are nearly as critical as each other
-    stop      ends when the stress has fallen to this share of the peak
-    strain_step  the strain is raised to multiples of this, each time to the first at which a bond is critical; with
-              batches, a run of fewer equilibria. 0: to where the next bond just is critical
-    max_strain, max_broken  ends there; None: no limit
-    tolerance  largest relative residual force of an equilibrium, at most 1e-3; a sample that carries too little for it,
-              as hinges do, is refused
-    at_strains, at_broken  states to keep: imposed strains, numbers of broken bonds; the end is always kept
-    displacement, stress, strain_energy  whether states have these fields; what is off is not computed
-    checkpoint  a file that keeps where the run stands, in HDF5; replaced after every checkpoint_every events. One that
-              is there already is only replaced where continue_from names it too
-    checkpoint_every  events; which of two bonds breaks first where both are nearly critical may depend on it, so a run
-              goes on with the number that it began with
-    continue_from  a checkpoint of the same run: the same bonds break, to the last bit, as if it had not been stopped;
-              states before it are not made. With the name of checkpoint, and nothing there yet, the run begins
-    progress  called as progress(share, text); return False to cancel (raises Cancelled)
-    on_step   called as on_step(state) with each state that the run comes to, as ``states`` has them; memory then holds one
-              at a time, and the result has the last one only
+    image           as equilibrium() takes it, and so are pairs; those that are given no toughness, fracture energy or
+                    critical stretch never break
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
+    on_step         called as on_step(state) with each state that the run comes to, as ``states`` has them; memory then holds
+                    one at a time, and the result has the last one only
 
-    Of the bonds' keywords it takes those of equilibrium() but strains: they are small. A sample that is periodic along
-    an axis is solved by the accurate method.
+    Quasi-static fracture is linear: strains are small. A sample that is periodic along an axis is solved by the accurate
+    method. One that carries too little for the tolerance, as hinges do, is refused. A checkpoint that is there already is
+    only replaced where continue_from names it too.
     """
-    if "strains" in bonds:
-        raise TypeError("fracture() takes no strains: quasi-static fracture is linear")
-    solve = vtkBondFracture()
-    sample = as_image(image)
-    solve.SetInputData(sample)
-    check_keywords(fracture, set_bonds, bonds)
-    set_bonds(solve, sample, young, fracture_energy, toughness, critical_stretch, **bonds)
-    set_load(solve, LOADS, load, axis, smooth_platens, rigid_platens, platen_layers, tolerance, stress, strain_energy)
-    solve.SetLateralRatio(float(lateral_ratio))
-    solve.SetMethod(choose(_METHODS, method, "method"))
-    solve.SetBreaking(choose(_BREAKINGS, breaking, "breaking"))
-    solve.SetRivals(bool(rivals))
-    solve.SetStrainStep(float(strain_step))
-    for strain in np.ravel(at_strains):
-        solve.AddStateAtStrain(float(strain))
-    return run_breaks(
-        solve, FractureResult, progress, compression, stop, max_strain, max_broken, at_broken, displacement,
-        checkpoint, checkpoint_every, continue_from, on_step,
-    )
+    return run_breaks(vtkBondFracture(), as_image(image), FractureResult, settings, progress, on_step)

@@ -10,12 +10,11 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
 from . import _arrays, _files
-from ._errors import LamellaError, choose, run
+from ._errors import LamellaError, run
 from ._samples import Sample
+from ._settings import Settings, declared
 from ._types import Array, ArrayLike, OnStep, Path, Progress, Sequence
 from .vtkLamellaSolversVTK import vtkGrainPacking, vtkMatrixBridges, vtkPackingReader
-
-_SIZES = {"volume": 0, "volume-share": 1, "diameter": 2}
 
 
 class Packing(_arrays.FieldData):
@@ -163,64 +162,18 @@ class Packing(_arrays.FieldData):
         return f"<lamella.Packing {len(self)} {kind}: packing fraction {self.packing_fraction:.4f}>"
 
 
-def packing(
-    count: int = 400,
-    dimension: int = 2,
-    mean_diameter: float = 1e-3,
-    diameter_ratio: float = 2.0,
-    sizes: str = "volume",
-    aspect: float = 2.0,
-    periodic: bool = False,
-    friction: float = 0.0,
-    pressure: float = 1e3,
-    softness: float = 1e-6,
-    packing_fraction: float | None = None,
-    seed: int = 1,
-    tolerance: float = 1e-4,
-    progress: Progress | None = None,
-    every: int = 0,
-    on_step: OnStep | None = None,
-) -> Packing:
+@declared(vtkGrainPacking, first=("count", "dimension"), without=("keep_states", "state"))
+def packing(settings: Settings, progress: Progress | None = None, on_step: OnStep | None = None) -> Packing:
     """Presses grains together until they are at rest and returns a Packing.
 
-    count             how many grains
-    dimension         2: disks, 3: spheres
-    mean_diameter     metres
-    diameter_ratio    largest over smallest, 1 to 10
-    sizes             what is spread evenly from the smallest to the largest: "volume" (areas of disks),
-                      "volume-share" (every diameter fills the same share) or "diameter"
-    aspect            last edge of the box over the first
-    periodic          a cell of an endless packing instead of smooth walls
-    friction          Coulomb's coefficient
-    pressure          pascals
-    softness          pressure over the stiffness of contacts
-    packing_fraction  ends at this share of the box, before grains touch; None: they jam
-    seed              the same seed gives the same packing
-    tolerance         mean net force on a grain over the mean contact force
-    progress          called as progress(share, text); return False to cancel (raises Cancelled)
-    every             steps of relaxation from one state on the way to the next, which ``states`` has; 0: the end alone. The
-                      packing does not depend on it
-    on_step           called as on_step(state) with each state, a Packing; memory then holds one at a time,
-                      and ``states`` has the end alone
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
+    on_step         called as on_step(state) with each state, a Packing; memory then holds one at a time, and ``states`` has the
+                    end alone
     """
     source = vtkGrainPacking()
-    source.SetCount(int(count))
-    source.SetDimension(int(dimension))
-    source.SetMeanDiameter(mean_diameter)
-    source.SetDiameterRatio(diameter_ratio)
-    source.SetSizes(choose(_SIZES, sizes, "sizes"))
-    source.SetAspect(aspect)
-    source.SetPeriodic(bool(periodic))
-    source.SetFriction(friction)
-    source.SetPressure(pressure)
-    source.SetSoftness(softness)
-    if packing_fraction is not None:
-        source.SetPackingFraction(packing_fraction)
-    source.SetSeed(int(seed))
-    source.SetTolerance(tolerance)
-    source.SetStateEvery(int(every))
+    settings.give(source)
     run(source, progress, on_step, lambda data: Packing(data, source.GetStateContacts(source.GetNumberOfStates() - 1)))
-    count = source.GetNumberOfStates() if every > 0 else 0
+    count = source.GetNumberOfStates() if settings["every"] > 0 else 0
     states = [Packing(source.GetStateGrains(i), source.GetStateContacts(i)) for i in range(count)]
     return Packing(source.GetOutput(), source.GetContacts(), states)
 
@@ -296,29 +249,14 @@ class CementedSample(Sample):
         return self._number("saturation_on_lattice")
 
 
-def bridges(
-    grains: Packing | vtkPolyData | tuple[ArrayLike, ArrayLike], width: float = 0.5, reach: float = 1.1, filled: bool = False, saturation: float | None = None, nodes_across: int = 400, platen: float = 0.0, wall_bridges: bool = False
-) -> CementedSample:
+@declared(vtkMatrixBridges)
+def bridges(grains: Packing | vtkPolyData | tuple[ArrayLike, ArrayLike], settings: Settings) -> CementedSample:
     """Puts bridges of matrix between grains and returns a sample of the phases void, matrix and grain.
 
-    grains        a Packing, a vtkPolyData of particles, or (centres, radii) as arrays, n by 2 or 3 and n
-    width         width of a bridge at a grain's centre over the grain's diameter, 0 to 2
-    reach         centres nearer than this times the sum of the radii get a bridge, 1 to 2
-    filled        all of the space between the grains is matrix
-    saturation    share of that space, 0 to 1: the width is found for it; None: the width is used
-    nodes_across  nodes along x
-    platen        thickness in metres of a plate of grain material below and above
-    wall_bridges  bridges to the walls below and above too, as to the grains' mirror images beyond them
+    grains          a Packing, a vtkPolyData of particles, or (centres, radii) as arrays, n by 2 or 3 and n
     """
     source = vtkMatrixBridges()
     source.SetInputData(_as_particles(grains))
-    source.SetWidth(width)
-    source.SetReach(reach)
-    source.SetFilled(bool(filled))
-    if saturation is not None:
-        source.SetSaturation(saturation)
-    source.SetNodesAcross(int(nodes_across))
-    source.SetPlaten(platen)
-    source.SetWallBridges(bool(wall_bridges))
+    settings.give(source)
     run(source)
     return CementedSample(source.GetOutput())

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from . import _arrays
-from ._errors import choose, run
+from ._errors import run
 from ._samples import ImageBase
+from ._settings import Settings, declared
 from ._solve import as_image
-from ._types import Array, Columns, Image, Name, Progress, Sequence
+from ._types import Array, Columns, Image, Progress
 from .vtkLamellaFilters import vtkPoreFloodFill
 
 
@@ -93,32 +94,15 @@ class PoreFloodFillResult(ImageBase):
         return f"<lamella.PoreFloodFillResult: {self.count} pores, mean {self.mean:.1f}, largest {self.largest}>"
 
 
-def pore_flood_fill(
-    sample: Image,
-    phase: Name | None = None,
-    connectivity: int | None = None,
-    periodic: str | Sequence[str] = (),
-    minimum_size: int = 1,
-    sort_by_size: bool = True,
-    progress: Progress | None = None,
-) -> PoreFloodFillResult:
+@declared(vtkPoreFloodFill, first=("phase", "connectivity"), without=("labels", "pore_size"))
+def pore_flood_fill(sample: Image, settings: Settings, progress: Progress | None = None) -> PoreFloodFillResult:
     """Labels the connected pores of one phase of a Sample, an array of whole numbers or an image.
 
-    phase         its name or number; None: the first that is called void, pore, lumen or air
-    connectivity  4 or 8 in a picture, 6, 18 or 26 in a volume; None: 4 or 6
-    periodic      axes at whose end the sample begins again, as "xy"
-    minimum_size  smaller pores get no label
-    sort_by_size  label 1 is the largest; otherwise labels follow the order of memory
-    progress      called as progress(share, text); return False to cancel (raises Cancelled)
+    sample          a Sample, an array of whole numbers or an image
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
     fill = vtkPoreFloodFill()
     fill.SetInputData(as_image(sample))
-    fill.SetPhase("" if phase is None else str(phase))
-    fill.SetConnectivity(choose({None: 0, 4: 4, 8: 8, 6: 6, 18: 18, 26: 26}, connectivity, "connectivity"))
-    if set(periodic) - set("xyz"):
-        raise ValueError(f"periodic is {periodic!r}; it names axes, as 'xy'")
-    fill.SetPeriodic(*(int(axis in periodic) for axis in "xyz"))
-    fill.SetMinimumSize(int(minimum_size))
-    fill.SetSortBySize(bool(sort_by_size))
+    settings.give(fill)
     run(fill, progress)
     return PoreFloodFillResult(fill.GetOutput(), fill.GetPores(), fill.GetSizeDistribution())

@@ -35,12 +35,8 @@ class LongRun(_arrays.FieldData):
         return self._count("last_checkpoint")
 
 
-def set_checkpoint(algorithm, checkpoint, checkpoint_every, continue_from):
-    """Where a run keeps how it stands, and what it goes on from; an error where a checkpoint is there that is not to be
-    replaced."""
-    checkpoint, continue_from = (os.fspath(path) if path is not None else "" for path in (checkpoint, continue_from))
+def check_checkpoint(settings):
+    """An error where a checkpoint is there that is not to be replaced."""
+    checkpoint, continue_from = (os.fspath(settings.values.get(name) or "") for name in ("checkpoint", "continue_from"))
     if checkpoint != continue_from and os.path.exists(checkpoint):
         raise FileExistsError(f"{checkpoint} exists; remove it, or say continue_from={checkpoint!r} to go on from it")
-    algorithm.SetCheckpointFile(checkpoint)
-    algorithm.SetCheckpointEvery(int(checkpoint_every))
-    algorithm.SetContinueFile(continue_from)

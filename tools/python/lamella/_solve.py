@@ -6,14 +6,11 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays
-from ._errors import choose, entries, number, run
+from ._errors import entries, run
 from ._samples import ImageBase, from_array
-from ._types import Array, Image, Mapping, Name, Progress
+from ._settings import Settings, declared
+from ._types import Array, Image, Progress
 from .vtkLamellaSolversVTK import vtkSteadyDiffusion
-
-_DIRECTIONS = {"x": 0, "y": 1, "z": 2, "all": 3}
-_LATTICES = {None: 0, "d2q5": 1, "d2q9": 2, "d3q7": 3, "d3q19": 4}
-_METHODS = {"auto": 0, "multigrid": 1, "algebraic": 2}
 
 
 class DiffusionResult(ImageBase):
@@ -96,62 +93,31 @@ def as_image(image):
     return from_array(image).vtk
 
 
-def diffusion(
-    image: Image,
-    conductivity: Mapping[Name, float | tuple[float, float]],
-    direction: str = "all",
-    sides: str = "insulated",
-    quantity: str = "temperature",
-    lattice: str | None = None,
-    tolerance: float = 1e-8,
-    threads: int = 1,
-    fields: bool = True,
-    flux: bool = True,
-    estimate_error: bool = False,
-    method: str = "auto",
-    max_iterations: int = 500,
-    progress: Progress | None = None,
-) -> DiffusionResult:
+@declared(vtkSteadyDiffusion, first=("conductivity", "direction", "sides", "quantity"), defaults={"direction": "all"},
+          formerly={"fields": "field"})
+def diffusion(image: Image, settings: Settings, progress: Progress | None = None) -> DiffusionResult:
     """Solves steady diffusion and returns a DiffusionResult.
 
-    image         a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers
-    conductivity  {name or number of the phase: value}, one for each phase that occurs, 0 for what does not conduct;
-                  (along, across) where it differs along the wall, whose direction is the point array ``axis`` of a
-                  lattice from outlines; pictures only, ratios up to 5.82 in every direction
-    direction     "x" (left to right), "y" (in a picture from top to bottom), "z" or "all"
-    sides         "insulated" or "periodic"
-    quantity      "temperature" or "concentration": names the field
-    lattice       None (d2q5 or d3q7), "d2q5", "d2q9", "d3q7" or "d3q19"
-    method        "auto", "multigrid" or "algebraic": how the system is solved; all give the same answer
-    tolerance     largest relative error of the flux through either face
-    max_iterations  gives up after so many
-    threads       0: all cores
-    fields, flux  whether the field and its flux are kept; what is not asked for is not computed
-    estimate_error  solve every second pixel and a finer lattice too, and estimate the error; several times the work
-    progress      called as progress(share, text); return False to cancel (raises Cancelled)
+    image           a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
 
-    With direction "all" names of fields end in _x, _y, _z.
+    What is not asked for, field or flux, is not computed. A conductivity may be (along, across) where it differs along the
+    wall, whose direction is the point array ``axis`` of a lattice from outlines.
     """
     solver = vtkSteadyDiffusion()
     solver.SetInputData(as_image(image))
-    solver.SetDirection(choose(_DIRECTIONS, direction, "direction"))
-    solver.SetSides(choose({"insulated": 0, "periodic": 1}, sides, "sides"))
-    solver.SetQuantity(choose({"temperature": 0, "concentration": 1}, quantity, "quantity"))
-    solver.SetLattice(choose(_LATTICES, lattice, "lattice"))
-    solver.SetMethod(choose(_METHODS, method, "method"))
-    for name, value in entries(conductivity, "conductivity", "{phase: value}"):
-        what = f"the conductivity of {name!r}"
+    given = settings.values
+    along, across = {}, dict(given.get("conductivity_across") or {})
+    for name, value in entries(given.get("conductivity"), "conductivity", "{phase: value}"):
         pair = isinstance(value, (tuple, list))
         if pair and len(value) != 2:
-            raise ValueError(f"{what} is {value!r}; give a number, or (along, across)")
-        solver.SetConductivity(str(name), number(value[0] if pair else value, what))
+            raise ValueError(f"the conductivity of {name!r} is {value!r}; give a number, or (along, across)")
+        along[name] = value[0] if pair else value
         if pair:
-            solver.SetConductivityAcross(str(name), number(value[1], what))
-    solver.SetTolerance(tolerance)
-    solver.SetMaximumIterations(max_iterations)
-    solver.SetThreads(threads)
-    solver.SetComputeField(bool(fields))
-    solver.SetComputeFlux(bool(flux))
-    solver.SetEstimateError(bool(estimate_error))
+            across[name] = value[1]
+    given.update(conductivity=along, conductivity_across=across)
+    if given.get("method") == "algebraic":  # as it was called
+        given["method"] = "algebraic-multigrid"
+    settings.give(solver)
     run(solver, progress)
     return DiffusionResult(solver.GetOutput())

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from . import _arrays
-from ._bonds import set_bonds
-from ._errors import check_keywords, run
+from ._bonds import FORMERLY, give_bonds
+from ._errors import run
 from ._samples import ImageBase
+from ._settings import Settings, declared
 from ._solve import as_image
-from ._types import Any, Array, Image, Pairs, Progress, Sequence
+from ._types import Any, Array, Image, Progress, Sequence
 from .vtkLamellaSolversVTK import vtkBondStiffness
 
 
@@ -143,41 +144,19 @@ class StiffnessResult(ImageBase, _arrays.Answer):
         return f"<lamella.StiffnessResult: {numbers} Pa, error {100 * self.estimated_error:.2g} %>"
 
 
-def stiffness(
-    image: Image,
-    young: Pairs,
-    estimate_error: bool = True,
-    nodes_per_pixel: int = 1,
-    tolerance: float = 1e-6,
-    max_iterations: int = 20000,
-    progress: Progress | None = None,
-    **bonds: Any,
-) -> StiffnessResult:
+@declared(vtkBondStiffness, first=("young",), without=(
+    "fracture_energy", "toughness", "critical_stretch", "large_strains", "periodic"), formerly={"void_bonds": FORMERLY["void_bonds"]})
+def stiffness(image: Image, settings: Settings, progress: Progress | None = None) -> StiffnessResult:
     """Effective stiffness tensor of a sample taken as a cell that repeats; returns a StiffnessResult.
 
-    image     a Sample, a vtkImageData with the point array ``phase`` (and ``grain``), or an array of whole numbers
-    young     {pair: Young's modulus in Pa}, as equilibrium() takes it
-    estimate_error  solve coarser pictures of the cell as well and tell the error; at most four times the work
-    nodes_per_pixel  nodes along each axis that a pixel was split in before: what is a picture, for the error
-    tolerance, max_iterations  largest relative residual force; gives up after so many iterations
-    progress  called as progress(share, text); return False to cancel (raises Cancelled)
+    image           as equilibrium() takes it, and so are pairs
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
 
-    Of the bonds' keywords it takes like, relative_to, mixing, void, horizon, continuum, micromodulus, void_bonds,
-    surface_correction, notches and threads, as equilibrium() does.
+    Strains are small, every side is periodic, nothing breaks.
     """
-    known = {"like", "relative_to", "mixing", "void", "horizon", "continuum", "micromodulus", "void_bonds",
-             "surface_correction", "notches", "threads"}
-    check_keywords(stiffness, set_bonds, bonds)
-    if set(bonds) - known:
-        raise TypeError(f"stiffness() takes no {', '.join(sorted(set(bonds) - known))}: strains are small, every side "
-                        "is periodic, nothing breaks")
     solve = vtkBondStiffness()
     sample = as_image(image)
     solve.SetInputData(sample)
-    set_bonds(solve, sample, young, **bonds)
-    solve.SetEstimateError(bool(estimate_error))
-    solve.SetNodesPerPixel(int(nodes_per_pixel))
-    solve.SetTolerance(float(tolerance))
-    solve.SetMaximumIterations(int(max_iterations))
+    give_bonds(settings, solve, sample)
     run(solve, progress)
     return StiffnessResult(solve.GetOutput(), solve.GetTensor(), solve.GetConstants())

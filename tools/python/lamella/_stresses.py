@@ -5,12 +5,11 @@ from __future__ import annotations
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataSet
 
 from . import _arrays
-from ._errors import choose, run
+from ._errors import run
 from ._samples import ImageBase
-from ._types import ArrayLike, Columns, HasImage, Names, Progress, Sequence
+from ._settings import Settings, declared
+from ._types import Columns, HasImage, Progress
 from .vtkLamellaFilters import vtkStressPDF
-
-_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz", "mean", "von-mises", "principal-1", "principal-2", "principal-3")
 
 
 class StressPDFResult(_arrays.FieldData):
@@ -86,33 +85,20 @@ class StressPDFResult(_arrays.FieldData):
         )
 
 
+@declared(vtkStressPDF, first=("component", "phases"), formerly={"keep_platens": lambda keep: {"leave_out_platens": not keep}})
 def stress_pdf(
     data: HasImage | vtkDataSet,
-    component: str = "yy",
-    phases: Names | None = None,
-    threshold: float | None = None,
-    tail_share: float = 0.1,
-    bin_width: float = 0.05,
-    range: Sequence[float] | None = None,  # pylint: disable=redefined-builtin
-    reference: float | None = None,
+    settings: Settings,
     array: str = "stress",
     phase_array: str = "phase",
     cells: bool = False,
-    keep_platens: bool = False,
     progress: Progress | None = None,
 ) -> StressPDFResult:
     """Probability density of a stress, mean tensile and compressive stress, and the exponential tail.
 
-    data        a result of ``lamella.equilibrium``, or any vtkDataSet with stresses
-    component   xx, yy, zz, xy, yz, xz, mean, von-mises, principal-1 (the largest), principal-2, principal-3
-    phases      names of those to count; None: all but the void
-    threshold   where the tail begins, in mean tensile stresses; None: by tail_share
-    tail_share  the largest tensile stresses that are the tail, as a share of all tensile ones
-    bin_width, range   of the density, in mean tensile stresses
-    reference   a stress to compare the means with [Pa]
+    data            a result of ``lamella.equilibrium``, or any vtkDataSet with stresses
     array, phase_array, cells   where stresses and phases are, and whether at cells
-    keep_platens   also count the layers that platens hold
-    progress     called as progress(share, text); return False to cancel (raises Cancelled)
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
     pdf = vtkStressPDF()
     if isinstance(data, ImageBase):
@@ -123,15 +109,6 @@ def stress_pdf(
     association = vtkDataObject.FIELD_ASSOCIATION_CELLS if cells else vtkDataObject.FIELD_ASSOCIATION_POINTS
     pdf.SetInputArrayToProcess(0, 0, 0, association, array)
     pdf.SetInputArrayToProcess(1, 0, 0, association, phase_array)
-    pdf.SetComponent(choose({name: i for i, name in enumerate(_COMPONENTS)}, component, "component"))
-    for phase in [phases] if isinstance(phases, (str, int)) else phases or ():
-        pdf.AddPhase(str(phase))
-    pdf.SetLeaveOutPlatens(not keep_platens)
-    pdf.SetThreshold(0 if threshold is None else float(threshold))
-    pdf.SetTailShare(float(tail_share))
-    pdf.SetBinWidth(float(bin_width))
-    if range is not None:
-        pdf.SetRange(*(float(end) for end in range))
-    pdf.SetReferenceStress(0 if reference is None else float(reference))
+    settings.give(pdf)
     run(pdf, progress)
     return StressPDFResult(pdf.GetOutput(), pdf.GetPhaseTable(), pdf.GetThresholdTable())

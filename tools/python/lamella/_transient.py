@@ -6,14 +6,13 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays
-from ._errors import choose, entries, number, run
-from ._runs import set_checkpoint
+from ._errors import run
+from ._runs import check_checkpoint
 from ._samples import ImageBase
-from ._solve import _LATTICES, as_image
-from ._types import Array, ArrayLike, Image, Mapping, Name, OnStep, Path, Progress, Sequence
+from ._settings import Settings, declared
+from ._solve import as_image
+from ._types import Array, Image, OnStep, Progress
 from .vtkLamellaSolversVTK import vtkLatticeBoltzmann
-
-_COLLISIONS = {"auto": 0, "bgk": 1, "trt": 2}
 
 
 class TransientState(ImageBase):
@@ -104,78 +103,25 @@ class TransientResult:
         return f"<lamella.TransientResult: {self.times[-1]:.6g} s in {self.steps} steps, {len(self.states)} states>"
 
 
+@declared(vtkLatticeBoltzmann, first=("diffusivity", "end_time", "frames", "direction"), without=("keep_states",),
+          formerly={"values": lambda pair: dict(zip(("inlet_value", "outlet_value"), pair)), "initial": "initial_value"})
 def lattice_boltzmann(
-    image: Image,
-    diffusivity: Mapping[Name, float],
-    end_time: float | None = None,
-    frames: int = 10,
-    direction: str = "x",
-    values: Sequence[float] = (1.0, 0.0),
-    initial: float = 0.0,
-    sides: str = "insulated",
-    quantity: str = "temperature",
-    stepping: str = "auto",
-    lattice: str | None = None,
-    time_step: float | None = None,
-    flux: bool = False,
-    threads: int = 1,
-    progress: Progress | None = None,
-    on_step: OnStep | None = None,
-    at_times: ArrayLike = (),
-    at_steps: ArrayLike = (),
-    checkpoint: Path | None = None,
-    checkpoint_every: int = 10000,
-    continue_from: Path | None = None,
+    image: Image, settings: Settings, progress: Progress | None = None, on_step: OnStep | None = None
 ) -> TransientResult:
     """Steps diffusion through time by lattice Boltzmann and returns a TransientResult.
 
-    image        a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers
-    diffusivity  {name or number of the phase: value [m2/s]}, one for each phase that occurs, 0 for what does not conduct
-    end_time     the last time [s]
-    frames       times after 0 that are kept, evenly until the end
-    direction    "x" (left to right), "y" (in a picture from top to bottom) or "z"
-    values       on the face where the direction begins and on that where it ends
-    initial      inside, at time 0
-    sides        "insulated" or "periodic": the others
-    quantity     "temperature" or "concentration": names the field
-    stepping     "auto" and "trt": two relaxation times; "bgk": one, as in the first paper
-    lattice      None (d2q5 or d3q7), "d2q5", "d2q9", "d3q7" or "d3q19"
-    time_step    [s]; None: short enough to be accurate, and such that every time is met
-    flux         whether the flux is kept too
-    threads      0: all cores
-    progress     called as progress(share, text); return False to cancel (raises Cancelled)
-    on_step      called as on_step(state) with the TransientState of each time; memory then holds one at a time, and the result
-                 has the last one only
-    at_times     [s], at_steps: even numbers of steps: kept instead of evenly spaced times; the last of them is the end
-    checkpoint, checkpoint_every, continue_from  as fracture() takes them; in steps. A run goes on to the same bits, at the
-                 same time step; other times may be asked for
+    image           a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
+    on_step         called as on_step(state) with the TransientState of each time; memory then holds one at a time, and the
+                    result has the last one only
     """
-    at_times, at_steps = np.ravel(at_times), np.ravel(at_steps)
-    if (end_time is None) == (at_times.size + at_steps.size == 0):
+    given = settings.values
+    if (given.get("end_time") is None) == (np.size(given.get("at_times", ())) + np.size(given.get("at_steps", ())) == 0):
         raise ValueError("give end_time, or at_times and at_steps")
     solver = vtkLatticeBoltzmann()
     solver.SetInputData(as_image(image))
-    for name, value in entries(diffusivity, "diffusivity", "{phase: value}"):
-        solver.SetDiffusivity(str(name), number(value, f"the diffusivity of {name!r}"))
-    if end_time is not None:
-        solver.SetEndTime(end_time)
-    solver.SetNumberOfSteps(frames)
-    for time in at_times:
-        solver.AddStateAtTime(float(time))
-    for step in at_steps:
-        solver.AddStateAtStep(int(step))
-    solver.SetDirection(choose({"x": 0, "y": 1, "z": 2}, direction, "direction"))
-    solver.SetInletValue(values[0])
-    solver.SetOutletValue(values[1])
-    solver.SetInitialValue(initial)
-    solver.SetSides(choose({"insulated": 0, "periodic": 1}, sides, "sides"))
-    solver.SetQuantity(choose({"temperature": 0, "concentration": 1}, quantity, "quantity"))
-    solver.SetCollision(choose(_COLLISIONS, stepping, "stepping"))
-    solver.SetLattice(choose(_LATTICES, lattice, "lattice"))
-    solver.SetTimeStep(0 if time_step is None else time_step)
-    solver.SetComputeFlux(bool(flux))
-    solver.SetThreads(threads)
-    set_checkpoint(solver, checkpoint, checkpoint_every, continue_from)
+    check_checkpoint(settings)
+    settings.give(solver)
     run(solver, progress, on_step, TransientState)
     states = []
     for k in range(solver.GetNumberOfStates()):

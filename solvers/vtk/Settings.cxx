@@ -1,0 +1,112 @@
+#include "Settings.h"
+
+#include "lattice/Error.h"
+
+#include "vtkObject.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lamella
+{
+
+namespace
+{
+
+std::map<std::string, SettingTables::Table>& registered()
+{
+  static std::map<std::string, SettingTables::Table> tables;
+  return tables;
+}
+
+std::string allowed(const Setting& setting)
+{
+  const bool ends = std::isfinite(setting.high);
+  const std::string high = fmt::format("{}{}", setting.highOpen ? "below " : "", setting.high);
+  if (!std::isfinite(setting.low))
+  {
+    return ends ? "a number " + (setting.highOpen ? high : "up to " + high) : "a finite number";
+  }
+  if (setting.lowOpen)
+  {
+    return fmt::format(
+      "a number above {}{}", setting.low, ends ? (setting.highOpen ? " and " : " and up to ") + high : "");
+  }
+  return ends ? fmt::format("a number from {} to {}", setting.low, high) : fmt::format("{} or more", setting.low);
+}
+
+/// What is wrong with a number, or nothing.
+std::string fault(const Setting& setting, double value)
+{
+  if (!setting.choices.empty())
+  {
+    const bool known = std::any_of(setting.choices.begin(), setting.choices.end(),
+      [value](const SettingChoice& choice) { return choice.value == value; });
+    return known ? "" : "is none of its choices";
+  }
+  if (std::isnan(value))
+  {
+    return "is not a number";
+  }
+  if (std::isinf(value))
+  {
+    return "is not finite";
+  }
+  if (setting.lowOpen ? !(value > setting.low) : value < setting.low)
+  {
+    return fmt::format("is {} {}", setting.lowOpen ? "not above" : "below", setting.low);
+  }
+  if (setting.highOpen ? !(value < setting.high) : value > setting.high)
+  {
+    return fmt::format("is {} {}", setting.highOpen ? "not below" : "above", setting.high);
+  }
+  return "";
+}
+
+std::string remedy(const Setting& setting)
+{
+  if (setting.choices.empty())
+  {
+    return "choose " + allowed(setting);
+  }
+  std::string list;
+  for (const SettingChoice& choice : setting.choices)
+  {
+    const std::string number = std::to_string(choice.value);
+    list += (list.empty() ? "" : ", ") + (choice.word == number ? number : fmt::format("{} ({})", choice.word, number));
+  }
+  return "choose one of " + list;
+}
+
+} // namespace
+
+SettingTables::SettingTables(const std::map<std::string, Table>& byClass)
+{
+  registered().insert(byClass.begin(), byClass.end());
+}
+
+void checkSettings(vtkObject* object)
+{
+  const auto found = registered().find(object->GetClassName());
+  if (found == registered().end())
+  {
+    return;
+  }
+  for (const Setting& setting : found->second())
+  {
+    const std::vector<double> values = setting.values(object);
+    for (std::size_t i = 0; i < values.size(); ++i)
+    {
+      const std::string wrong = fault(setting, values[i]);
+      if (!wrong.empty())
+      {
+        const std::string part = i < setting.parts.size() ? fmt::format(" ({})", setting.parts[i]) : "";
+        throw ParameterError(fmt::format("{}{} {} {}", setting.name, part, values[i], wrong), remedy(setting));
+      }
+    }
+  }
+}
+
+} // namespace lamella

@@ -1,0 +1,194 @@
+"""Settings of the classes as keywords of functions: all that a class declares in its header, declared here no second time."""
+
+from __future__ import annotations
+
+import collections
+import difflib
+import functools
+import inspect
+import os
+import warnings
+
+import numpy as np
+
+from ._declared import BASES, CLASSES
+from ._errors import entries, number
+
+Setting = collections.namedtuple("Setting", "keyword setter kind types default words columns word hint lines")
+
+
+def pair(name):
+    """A pair of phases as the classes write it."""
+    return "-".join(map(str, name)) if isinstance(name, tuple) else str(name)
+
+
+class Settings:
+    """What one call was given of a class's settings, as it was written there. None stands for the class's own default."""
+
+    def __init__(self, table, values):
+        self.table, self.values = table, values
+
+    def __getitem__(self, keyword):
+        """What was given, or the default."""
+        value = self.values.get(keyword)
+        return self.table[keyword].default if value is None else value
+
+    def give(self, algorithm, check_names=None):
+        """Sets them. @param check_names called with names of pairs, or of phases, and whether they are pairs"""
+        for keyword, value in self.values.items():
+            if value is not None:
+                setting = self.table[keyword]
+                getattr(self, "_" + setting.kind)(algorithm, setting, value, check_names)
+
+    @staticmethod
+    def _switch(algorithm, setting, value, _check):
+        getattr(algorithm, setting.setter)(bool(value))
+
+    @staticmethod
+    def _whole(algorithm, setting, value, _check):
+        getattr(algorithm, setting.setter)(_whole(value, setting.keyword))
+
+    def _number(self, algorithm, setting, value, check):
+        if isinstance(value, dict) or (hasattr(value, "keys") and hasattr(value, "items")):
+            self._by_phase(algorithm, setting, value, check)
+        else:
+            getattr(algorithm, setting.setter)(number(value, setting.keyword))
+
+    @staticmethod
+    def _by_phase(algorithm, setting, table, check):
+        """Of a number of the whole sample: one for each of some phases."""
+        constant = getattr(algorithm, "SetPhaseConstant", None)
+        single = getattr(algorithm, "SetPhase" + setting.setter[3:], None)
+        if constant is None and single is None:
+            raise TypeError(f"{setting.keyword} is of type {type(table).__name__}; give a number")
+        if check is not None and single is not None:
+            check([str(phase) for phase in table], False)
+        for phase, value in table.items():
+            found = number(value, f"{setting.keyword} of {phase!r}")
+            if single is not None:
+                single(str(phase), found)
+            else:
+                constant(str(phase), setting.word, found)
+
+    @staticmethod
+    def _choice(algorithm, setting, value, _check):
+        word = value.lower() if isinstance(value, str) else str(value)
+        if word not in setting.words:
+            raise ValueError(f"{setting.keyword} is {value!r}; it can be {', '.join(map(repr, setting.words))}")
+        getattr(algorithm, setting.setter)(setting.words[word])
+
+    @staticmethod
+    def _text(algorithm, setting, value, _check):
+        getattr(algorithm, setting.setter)(pair(value))
+
+    @staticmethod
+    def _file(algorithm, setting, value, _check):
+        getattr(algorithm, setting.setter)(os.fspath(value))
+
+    @staticmethod
+    def _vector(algorithm, setting, value, _check):
+        whole = setting.types[0] == "whole"
+        values = [_whole(part, setting.keyword) if whole else number(part, setting.keyword) for part in value]
+        if len(values) != len(setting.types):
+            raise ValueError(f"{setting.keyword} has {len(values)} numbers; give {len(setting.types)}"
+                             + (f": {', '.join(setting.columns)}" if setting.columns else ""))
+        getattr(algorithm, setting.setter)(*values)
+
+    @staticmethod
+    def _axes(algorithm, setting, value, _check):
+        if set(value) - set("xyz"):
+            raise ValueError(f"{setting.keyword} is {value!r}; it names axes, as 'xy'")
+        getattr(algorithm, setting.setter)(*(int(axis in value) for axis in "xyz"))
+
+    @staticmethod
+    def _list(algorithm, setting, value, check):
+        setter = getattr(algorithm, setting.setter)
+        named = setting.types[0] == "text"
+        if named and len(setting.types) == 1:
+            for name in [value] if isinstance(value, (str, int)) else value:
+                setter(str(name))
+        elif named and len(setting.types) == 2:
+            numbers = setting.types[1] == "number"
+            rows = entries(value, setting.keyword, f"{{{setting.columns[0].lower()}: {'value' if numbers else setting.columns[1].lower()}}}")
+            if check is not None and setting.columns[0] == "Bonds":
+                check([pair(name) for name, _ in rows], True)
+            for name, other in rows:
+                setter(pair(name), number(other, f"{setting.keyword} of {name!r}") if numbers else pair(other))
+        elif len(setting.types) == 1:
+            for part in np.ravel(value):
+                setter(int(part) if setting.types[0] == "whole" else float(part))
+        else:
+            for row in value:
+                parts = [float(part) for part in np.ravel(row)]
+                if len(parts) == 9 and hasattr(algorithm, setting.setter + "InSpace"):
+                    getattr(algorithm, setting.setter + "InSpace")(parts[:3], parts[3:6], parts[6:])
+                elif len(parts) == len(setting.types):
+                    setter(*parts)
+                else:
+                    raise ValueError(f"a {setting.word} has {len(parts)} numbers; give {', '.join(setting.columns)}")
+
+
+def _whole(value, what):
+    found = number(value, what)
+    if found != int(found):
+        raise ValueError(f"{what} is {value!r}; give a whole number")
+    return int(found)
+
+
+def declared(kind, first=(), without=(), defaults=None, formerly=None):
+    """Gives a function the settings of a class as keywords, in place of its parameter ``settings``, which is then a Settings.
+
+    first     keywords of settings that may be given by position, behind the parameters before ``settings``
+    without   keywords of settings that the function has no use for, or sees to itself
+    defaults  {keyword: value} where the function's is not the class's
+    formerly  {word of an earlier version: keyword, or a function that makes {keyword: value} of its value}
+    """
+    table, name = {}, kind.__name__
+    while name in CLASSES:
+        table = {**{row[0]: Setting(*row) for row in CLASSES[name]}, **table}
+        name = BASES.get(name)
+    table = {keyword: setting for keyword, setting in table.items() if keyword not in without}
+    table.update({keyword: table[keyword]._replace(default=value) for keyword, value in (defaults or {}).items()})
+
+    def decorate(function):
+        own = inspect.signature(function)
+        parameters, later = [], []
+        for parameter in own.parameters.values():
+            if parameter.name == "settings":
+                parameters += [_parameter(table[keyword], inspect.Parameter.POSITIONAL_OR_KEYWORD) for keyword in first]
+                later = [_parameter(setting, inspect.Parameter.KEYWORD_ONLY) for name, setting in table.items() if name not in first]
+            elif later:
+                later.append(parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY))
+            else:
+                parameters.append(parameter)
+        signature = own.replace(parameters=parameters + later)
+
+        @functools.wraps(function)
+        def call(*given, **keywords):
+            for old, new in (formerly or {}).items():
+                if old in keywords:
+                    value = keywords.pop(old)
+                    found = new(value) if callable(new) else {new: value}
+                    warnings.warn(f"{function.__name__}(): {old} is now called {', '.join(found)}; the next version does not know {old} any more",
+                                  FutureWarning, stacklevel=2)
+                    keywords = {**found, **keywords}
+            for name in keywords:
+                if name not in signature.parameters:
+                    near = difflib.get_close_matches(name, signature.parameters, 1)
+                    hint = f"; did you mean {near[0]!r}?" if near else f"; it takes {', '.join(signature.parameters)}"
+                    raise TypeError(f"{function.__name__}() got an unexpected keyword argument {name!r}{hint}")
+            bound = signature.bind(*given, **keywords).arguments
+            values = {**(defaults or {}), **{name: value for name, value in bound.items() if name in table}}
+            mine = {name: value for name, value in bound.items() if name not in table}
+            return function(settings=Settings(table, values), **mine)
+
+        call.__signature__ = signature
+        shown = [*first, *(name for name in table if name not in first)]
+        call.__doc__ = (function.__doc__ or "").rstrip() + "\n\n" + "\n".join("    " + line for name in shown for line in table[name].lines) + "\n    "
+        return call
+
+    return decorate
+
+
+def _parameter(setting, kind):
+    return inspect.Parameter(setting.keyword, kind, default=setting.default, annotation=setting.hint)

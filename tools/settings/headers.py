@@ -1,0 +1,507 @@
+"""Reads what a VTK class declares of its settings from its header: the one place where a setting is told.
+
+A setting is a public setter: vtkSetMacro(Name, type) and its kin, `void SetName(...)` of a number that has a getter, or
+`void AddName(...)`, `void SetName(const char*, ...)` beside a `RemoveAllNames()` of things that are listed. Its default is
+the member's own initialiser. The comment above it says in a sentence or two what it does, to those who set it in any front
+end, and then, in lines that begin with @:
+
+    @word at-time, at_times       what it is called in a command, and in Python if that differs, where the rule's word will not do
+    @group Load                   title under which it stands
+    @unit Pa                      unit of its numbers
+    @range [0, 1)                 what is allowed; numbers are always finite
+    @choice Loads                 the enum of what it can be, or its enumerators, if it cannot be all of them
+    @values 2: disks; 3: spheres  whole numbers that it can be, and what they mean
+    @title Toughness of bonds     of what is listed: the heading of its table
+    @columns Bonds, Modulus [Pa]  names of the parts of what is listed, or of a vector
+    @when Load BIAXIAL            only of account where another setting is one of these
+    @files Checkpoints (*.h5)     the name of a file, and of which
+    @advanced                     seldom needed
+    @default -1                   where no member has an initialiser
+
+The comment of a class may say @default Name value of a setting of its base. A further paragraph is for programmers alone. What a comment between ///@{ and ///@} says holds for all setters in there.
+"""
+
+import dataclasses
+import math
+import pathlib
+import re
+
+NUMBERS = {"int": "whole", "vtkIdType": "whole", "double": "number", "bool": "switch", "std::string": "text"}
+
+
+class HeaderError(Exception):
+    """A header that is not understood; says where and why."""
+
+
+@dataclasses.dataclass
+class Range:
+    """An interval; an end that does not belong to it is open."""
+
+    low: float = -math.inf
+    high: float = math.inf
+    low_open: bool = False
+    high_open: bool = False
+
+
+@dataclasses.dataclass
+class Choice:
+    """One of several words. `name` is the enumerator, `word` what people write, `text` what it means, `label` how a panel shows it.
+
+    All follow from the enumerator and the comment behind it, which begins with the label where that is another: ///< "FLIP": ...
+    """
+
+    name: str
+    word: str
+    value: int
+    text: str = ""
+    label: str = ""
+
+
+@dataclasses.dataclass
+class Setting:
+    """One setting. `kind` is switch, whole, number, choice, text, file, vector or list; of the last two `types` has more."""
+
+    name: str  # as the property is called
+    setter: str
+    kind: str
+    text: str = ""
+    types: tuple = ()  # of the values that one call of the setter takes: whole, number, text, switch
+    parameters: tuple = ()
+    clear: str = ""  # of a list: what empties it
+    getter: str = ""
+    default: object = None
+    range: Range = dataclasses.field(default_factory=Range)
+    choices: list = dataclasses.field(default_factory=list)
+    columns: list = dataclasses.field(default_factory=list)
+    word: str = ""  # in a command, after --
+    keyword: str = ""  # in Python
+    group: str = ""
+    title: str = ""
+    unit: str = ""
+    when: tuple = ()
+    files: str = ""
+    advanced: bool = False
+    owner: str = ""
+
+
+@dataclasses.dataclass
+class Class:
+    """What a header says of a class, base classes left out. `tags` are those of the class's own comment."""
+
+    name: str
+    base: str
+    header: str
+    brief: str = ""
+    abstract: bool = True
+    settings: list = dataclasses.field(default_factory=list)
+    tells: dict = dataclasses.field(default_factory=dict)  # of getters without a setter: (type, count, text)
+    enums: dict = dataclasses.field(default_factory=dict)
+    defaults: dict = dataclasses.field(default_factory=dict)
+    changes: dict = dataclasses.field(default_factory=dict)  # defaults of settings of a base class that differ
+
+
+def sentence(lines):
+    return " ".join(" ".join(lines).split())
+
+
+def parse_comment(text):
+    """First paragraph and tags, a dictionary, of a comment; each tag may go on over lines."""
+    lines = [re.sub(r"^\s*\*? ?", "", line).rstrip() for line in text.strip().splitlines()]
+    words, tags, last, told = [], {}, None, False
+    for line in lines:
+        tag = re.match(r"@(\w+)\s*(.*)", line)
+        if tag:
+            last = tag[1]
+            tags[last] = [tag[2]]
+        elif not line.strip():
+            told = told or bool(words)
+            last = None
+        elif last is not None:
+            tags[last].append(line)
+        elif not told:
+            words.append(line)
+    return sentence(words), {name: sentence(lines) for name, lines in tags.items()}
+
+
+def parse_range(text):
+    found = re.fullmatch(r"([\[(])\s*(\S+?)\s*,\s*(\S+?)\s*([\])])", text)
+    if not found:
+        raise HeaderError(f"@range {text} is no interval, such as [0, 1)")
+    low, high = float(found[2]), float(found[3])
+    if not low < high:
+        raise HeaderError(f"@range {text} is empty")
+    return Range(low, high, found[1] == "(", found[4] == ")")
+
+
+def words_of(name):
+    """MaximumIterations -> maximum iterations."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", " ", name).lower()
+
+
+def word_of(setting):
+    """SetMaximumIterations -> maximum-iterations; SetComputeFlux, a switch -> flux; AddVoid -> void."""
+    word = words_of(setting.setter[3:]).replace(" ", "-")
+    return word[len("compute-"):] if setting.kind == "switch" and word.startswith("compute-") else word
+
+
+def choice_word(enumerator, setting):
+    """AUTO_LATTICE of Lattice -> auto; NO_MIXING of Mixing -> none; VON_MISES -> von-mises."""
+    parts = enumerator.split("_")
+    ending = re.findall(r"[A-Z][a-z0-9]*", setting)[-1].upper()
+    if len(parts) > 1 and parts[-1] == ending:
+        parts = parts[:-1]
+    word = "-".join(parts).lower()
+    return "none" if word == "no" else word
+
+
+def choice(setting, name, value, text):
+    word = choice_word(name, setting)
+    label = re.match(r'"([^"]*)"(?::\s*)?', text)
+    if label:
+        return Choice(name, word, value, text[label.end():], label[1])
+    label = word if word in ("x", "y", "z") else word.replace("-", " ").capitalize() if word != "auto" else "Automatic"
+    brief = text.split(";")[0]
+    return Choice(name, word, value, text, f"{label}: {brief}" if brief else label)
+
+
+def arguments(text):
+    """Types and names of the parameters of a function."""
+    parts, depth, start = [], 0, 0
+    for i, letter in enumerate(text + ","):
+        depth += letter in "<([" and 1 or 0
+        depth -= letter in ">)]" and 1 or 0
+        if letter == "," and depth == 0:
+            parts.append(text[start:i].strip())
+            start = i + 1
+    found = []
+    for part in filter(None, parts):
+        named = re.fullmatch(r"(.+?[\s*&])(\w+)((?:\[\d+\])?)", part)
+        found.append((named[1].strip() + named[3], named[2]) if named else (part, ""))
+    return found
+
+
+TEXTS = ("const char*", "const std::string&")
+
+
+def kind_of(kind):
+    if kind in TEXTS:
+        return "text"
+    return NUMBERS.get(kind)
+
+
+def value_of(text, enumerators):
+    text = text.strip()
+    if text in enumerators:
+        return enumerators[text]
+    if text in ("true", "false"):
+        return text == "true"
+    if text in ("nullptr", '""', ""):
+        return ""
+    if text.startswith('"'):
+        return text[1:-1]
+    if text == "VTK_DOUBLE_MAX":
+        return math.inf
+    try:
+        return int(text) if re.fullmatch(r"[+-]?\d+", text) else float(text)
+    except ValueError:
+        return None
+
+
+class Reader:
+    """Reads one header. @raises HeaderError with the file and line of what is not understood"""
+
+    def __init__(self, path):
+        self.path = pathlib.Path(path)
+        text = self.path.read_text(encoding="utf-8")
+        head = re.search(r"^class (?:\w+_EXPORT )?(\w+) : public (\w+)\s*\{", text, re.MULTILINE)
+        if not head:
+            raise HeaderError(f"{path}: has no class")
+        brief = re.search(r"@brief\s+(.*?)\n \*\n", text, re.DOTALL)
+        self.found = Class(head[1], head[2], self.path.name, brief=sentence(re.sub(r"\n \* ?", " ", brief[1]).split()) if brief else "")
+        self.found.changes = dict(re.findall(r"^ \* @default (\w+) (.+)$", text[: head.start()], re.MULTILINE))
+        self.text, self.start = text, head.end()
+        self.enum, self.comment, self.grouped = None, None, False
+        self.members, self.getters, self.clears = {}, {}, {}
+
+    def fail(self, at, why):
+        line = self.text.count("\n", 0, at) + 1
+        raise HeaderError(f"{self.path}:{line}: {why}")
+
+    def statements(self):
+        """What stands in the class: comments, groups, and declarations up to their semicolon or closing brace, each with its place."""
+        text, at = self.text, self.start
+        while True:
+            at += re.compile(r"\s*").match(text, at).end() - at
+            if text[at] == "}":
+                return
+            comment = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL).match(text, at)
+            access = re.compile(r"(?:public|protected|private):").match(text, at)
+            end = (comment or access).end() if comment or access else self.end_of(at)
+            yield at, text[at:end]
+            at = end
+
+    def end_of(self, at):
+        """Where a declaration ends."""
+        depth = 0
+        for token in re.compile(r"//[^\n]*|[(){};]").finditer(self.text, at):
+            if token[0] in "({":
+                depth += 1
+            elif token[0] in ")}":
+                depth -= 1
+                rest = re.compile(r"\s*;").match(self.text, token.end())
+                if token[0] == "}" and depth == 0 and not rest:
+                    return token.end()  # the body of a function
+            elif token[0] == ";" and depth == 0:
+                return token.end()
+        return self.fail(at, "a declaration does not end")
+
+    def read(self):
+        access = "private"
+        for at, text in self.statements():
+            if re.fullmatch(r"\w+:", text):
+                access = text[:-1]
+            elif access == "public":
+                self.public(text, at)
+            else:
+                member = re.fullmatch(r"([\w:]+)\s*(\*?)\s*(\w+)(\[\d+\])?(?:\s*=\s*([^;]*?))?\s*;", text)
+                if member and member[1] not in ("class", "struct", "friend", "using"):
+                    self.members[member[3]] = (member[1] + member[2], member[4], member[5])
+        self.finish()
+        return self.found
+
+    ENUM = re.compile(r"enum\s+(?P<enum_name>\w+)\s*\{(?P<enum_body>.*)\}\s*;", re.DOTALL)
+    MACRO = re.compile(r"vtk(?P<which>\w*Macro)\((?P<macro_arguments>.*)\)\s*;?", re.DOTALL)
+    METHOD = re.compile(r"(?P<returns>[\w:<>*&\s]+?[\s*&])(?P<method_name>\w+)\((?P<parameters>[^()]*)\)(?P<rest>(?:[\w\s]|=\s*\w+)*)(?:;|\{.*\})", re.DOTALL)
+
+    def public(self, text, at):
+        if text.startswith("///@{"):
+            self.grouped, self.comment = True, None
+        elif text.startswith("///@}"):
+            self.grouped, self.comment = False, None
+        elif text.startswith("/**") or (text.startswith("///") and not text.startswith("///<")):
+            self.comment = text[3:-2] if text.startswith("/**") else text[3:]
+        elif not text.startswith("/"):
+            for kind, read in ((self.ENUM, self.read_enum), (self.MACRO, self.read_macro), (self.METHOD, self.read_method)):
+                found = kind.fullmatch(text)
+                if found:
+                    read(found, at)
+                    return
+
+    def read_enum(self, item, _at):
+        entries = []
+        value = -1
+        for name, number, told in re.findall(r"^\s*(?:///[^\n]*\n\s*)*(\w+)\s*(?:=\s*(-?\d+))?\s*,?[ \t]*(?:///<[ ]*([^\n]*(?:\n\s*///<[^\n]*)*))?",
+                                             item["enum_body"], re.MULTILINE):
+            value = int(number) if number else value + 1
+            entries.append((name, value, sentence(re.sub(r"\n\s*///<", " ", told).split())))
+        self.found.enums[item["enum_name"]] = entries
+        self.enum = item["enum_name"]
+        self.comment = None
+
+    def read_macro(self, item, at):
+        which = item["which"]
+        parts = [part.strip() for part in item["macro_arguments"].split(",")]
+        name = parts[0]
+        size = re.search(r"Vector(\d?)", which)
+        count = int(size[1] or parts[2]) if size else 1
+        if which.startswith("Get"):
+            self.getters[name] = "Get" + name
+            kind = "text" if re.match(r"Get(String|FilePath)", which) else kind_of(parts[1]) if len(parts) > 1 else None
+            if not which.startswith("GetObject") and kind:
+                self.found.tells[name] = (kind, count, parse_comment(self.comment or "")[0])
+        elif which.startswith("Set") and not which.startswith("SetObject"):
+            kind = "text" if re.match(r"Set(String|FilePath)", which) else kind_of(parts[1])
+            if kind is None:
+                self.fail(at, f"{which} of {parts[1]} is not understood")
+            kinds = (kind,) * count
+            self.add(at, Setting(name, "Set" + name, "vector" if count > 1 else kind, types=kinds))
+        elif which not in ("TypeMacro", "BooleanMacro", "AbstractTypeMacro", "TypeRevisionMacro"):
+            self.fail(at, f"{which} is not understood")
+        if not self.grouped:
+            self.comment = None
+
+    def read_method(self, item, at):
+        name = item["method_name"]
+        given = arguments(item["parameters"])
+        if name == "New" and item["returns"].startswith("static"):
+            self.found.abstract = False
+        elif re.match(r"(RemoveAll|Clear|Reset)[A-Z]", name) and not given:
+            self.clears[re.sub(r"^(RemoveAll|Clear|Reset)", "", name)] = name
+        elif re.match(r"Get[A-Z]", name) and not given:
+            self.getters[name[3:]] = name
+        elif re.match(r"(Set|Add)[A-Z]", name) and "void" in item["returns"] and "override" not in item["rest"]:
+            kinds = tuple(kind_of(kind) for kind, _ in given)
+            if kinds and all(kinds):  # objects and arrays that are handed over are for programmers alone
+                kind = "list" if name.startswith("Add") or len(kinds) > 1 else kinds[0]
+                self.add(at, Setting(name[3:], name, kind, types=kinds, parameters=tuple(label for _, label in given)))
+        if not self.grouped:
+            self.comment = None
+
+    def add(self, at, setting):
+        setting.text, tags = parse_comment(self.comment or "")
+        setting.owner = self.found.name
+        setting.enum = self.enum
+        setting.tags, setting.at = tags, at
+        self.found.settings.append(setting)
+
+    def finish(self):
+        seen = {}
+        for setting in self.found.settings:
+            if setting.setter in seen:  # an overload: the first counts
+                continue
+            seen[setting.setter] = setting
+        self.found.settings = list(seen.values())
+        for name, (_, _, value) in self.members.items():
+            self.found.defaults[name] = value
+        for setting in self.found.settings:
+            self.found.tells.pop(setting.name, None)
+            self.found.tells.pop(setting.setter[3:], None)
+
+
+class Declarations:
+    """All classes of some headers, with what they inherit."""
+
+    def __init__(self, paths):
+        self.classes = {}
+        self.clears, self.getters, self.members = {}, {}, {}
+        for path in paths:
+            reader = Reader(path)
+            read = reader.read()
+            self.classes[read.name] = read
+            self.clears[read.name], self.getters[read.name] = reader.clears, reader.getters
+            self.members[read.name] = reader.members
+            for setting in read.settings:
+                setting.fail = reader.fail
+        for name in sorted(self.classes, key=lambda name: len(self.chain(name))):
+            self.complete(name)
+
+    def chain(self, name):
+        """The class and its bases, the outermost first."""
+        found = []
+        while name in self.classes:
+            found.insert(0, self.classes[name])
+            name = self.classes[name].base
+        return found
+
+    def enumerators(self, name):
+        return {entry[0]: entry for kind in self.chain(name) for entries in kind.enums.values() for entry in entries}
+
+    def complete(self, name):
+        kind = self.classes[name]
+        chain = self.chain(name)
+        inherited = {setting.setter: setting for base in chain[:-1] for setting in base.settings}
+        getters = {key: value for base in chain for key, value in self.getters[base.name].items()}
+        clears = {key: value for base in chain for key, value in self.clears[base.name].items()}
+        entries = self.enumerators(name)
+        values = {key: entry[1] for key, entry in entries.items()}
+        for setting in kind.settings:
+            tags, setting.getter = dict(setting.tags), getters.get(setting.setter[3:], "")
+            base = inherited.get(setting.setter)
+            if setting.kind == "list" or setting.setter.startswith("Add"):
+                setting.kind = "list"
+                singular = setting.setter[3:]
+                plural = next((key for key in clears if stem(key) == stem(singular)), None)
+                if plural is None:
+                    setting.fail(setting.at, f"{setting.setter} lists something that no RemoveAll... takes away")
+                setting.name, setting.clear = plural, clears[plural]
+            else:
+                setting.default = self.default(setting, chain, values)
+            if base is not None:
+                inherit(setting, base, tags)
+            self.apply(setting, tags, kind, entries)
+            if setting.default is None and setting.kind != "list":
+                setting.fail(setting.at, f"the default of {setting.name} is not told: give its member an initialiser")
+
+    def default(self, setting, chain, values):
+        for base in reversed(chain):
+            if setting.setter[3:] in self.members[base.name]:
+                _, count, text = self.members[base.name][setting.setter[3:]]
+                if count:
+                    found = [value_of(part, values) for part in (text or "").strip("{} ").split(",")]
+                    return None if None in found or text is None else found
+                if text is None:
+                    return "" if setting.kind == "text" else None
+                return value_of(text, values)
+        return "" if setting.kind == "text" else None
+
+    @staticmethod
+    def apply(setting, tags, kind, entries):
+        fail = lambda why: setting.fail(setting.at, why)  # noqa: E731
+        known = {"word", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default"}
+        for tag in set(tags) - known:
+            fail(f"@{tag} is not understood; there are {', '.join(sorted(known))}")
+        word, _, keyword = tags.get("word", setting.word).partition(",")
+        setting.word = word or word_of(setting)
+        setting.keyword = keyword.strip() or (setting.keyword if "word" not in tags else "") or setting.word.replace("-", "_")
+        setting.group, setting.title = tags.get("group", setting.group), tags.get("title", setting.title)
+        setting.unit = tags.get("unit", setting.unit)
+        setting.advanced = setting.advanced or "advanced" in tags
+        setting.columns = [part.strip() for part in tags["columns"].split(",")] if "columns" in tags else setting.columns
+        if "range" in tags:
+            try:
+                setting.range = parse_range(tags["range"])
+            except (HeaderError, ValueError) as error:
+                fail(str(error))
+        if "files" in tags:
+            setting.kind, setting.files = "file", tags["files"]
+        if "when" in tags:
+            other, *words = tags["when"].split()
+            setting.when = (other, *words)
+        if "choice" in tags:
+            names = tags["choice"].split()
+            if len(names) == 1 and names[0] in kind.enums:
+                names = [entry[0] for entry in kind.enums[names[0]]]
+            missing = [name for name in names if name not in entries]
+            if missing:
+                fail(f"@choice {missing[0]} is no enumerator")
+            setting.kind = "choice"
+            setting.choices = [choice(setting.name, *entries[name]) for name in names]
+        if "values" in tags:
+            setting.kind = "choice"
+            for part in tags["values"].split(";"):
+                value, _, text = part.partition(":")
+                setting.choices.append(Choice("", value.strip(), int(value), text.strip(), f"{value.strip()}: {text.strip()}"))
+        if "default" in tags:
+            setting.default = value_of(tags["default"], {name: entry[1] for name, entry in entries.items()})
+
+    def settings(self, name):
+        """All settings of a class, those of its bases first, each where it was first declared."""
+        found = {}
+        for base in self.chain(name):
+            for setting in base.settings:
+                found[setting.setter] = setting
+            for changed, text in base.changes.items():
+                if f"Set{changed}" not in found:
+                    raise HeaderError(f"{base.header}: @default {changed}: there is no such setting")
+                values = {key: entry[1] for key, entry in self.enumerators(name).items()}
+                found[f"Set{changed}"] = dataclasses.replace(found[f"Set{changed}"], default=value_of(text, values))
+        return list(found.values())
+
+    def own(self, name):
+        """What a class declares itself, or changes of what its bases declare."""
+        changed = {f"Set{setting}" for setting in self.classes[name].changes}
+        return [setting for setting in self.settings(name) if setting.owner == name or setting.setter in changed]
+
+    def tells(self, name):
+        found = {}
+        for base in self.chain(name):
+            found.update(base.tells)
+        for setting in self.settings(name):
+            found.pop(setting.setter[3:], None)
+        return found
+
+
+def inherit(setting, base, tags):
+    """A setter that a subclass declares again says what differs."""
+    setting.name = base.name
+    for field in ("text", "word", "keyword", "group", "title", "unit", "range", "choices", "columns", "when", "files", "advanced", "clear"):
+        if not getattr(setting, field) or (field == "range" and "range" not in tags):
+            setattr(setting, field, getattr(base, field))
+    if base.kind in ("choice", "file"):
+        setting.kind = base.kind
+
+
+def stem(word):
+    """YoungsModuli and YoungsModulus, Notches and Notch, StatesAtStrains and StateAtStrain: the same."""
+    parts = re.findall(r"[A-Z][a-z0-9]*", word)
+    return tuple(re.sub(r"(ies|y|us|i|es|(?<!s)s|e)$", "", part) for part in parts)

@@ -1,0 +1,298 @@
+"""Makes ParaView's panel of a class, a server manager XML, of what its header declares and of a small file of what is layout
+only: pvplugin/NAME.xml. Of a base class such a file gives what its subclasses share.
+
+    <Panel class="vtkX" label="X" short="A line for the menu" long="For the help">
+      Text of the help.
+      <Input data="vtkImageData" arrays="point 1">What is wanted.</Input>
+      <Output>Name of a port</Output>
+      <Array name="PhaseArray" index="0" default="phase" of="Scalars" group="Phases">An array of the input to choose.</Array>
+      <Group label="Load" when="Pull"/>         the settings of a group of the header, in this place; or those named in it
+      <Without>KeepStates</Without>             settings that the panel does not show
+      <When is="Load BIAXIAL">Strain</When>     as @when in the header
+      <Start setting="Voids">lumen</Start>      rows of a table at the start, where the class has none
+      <Tells>PeakStress</Tells>                 what the last update found
+      <Label setting="Load">Kind of load</Label>
+      <Advanced/> <Plain/>                      names as in <Without>, of what is seldom needed, or often in this class
+    </Panel>
+
+Anything else, such as <Hints>, goes into the XML as it is.
+"""
+
+import math
+import pathlib
+import xml.etree.ElementTree as ElementTree
+
+from headers import HeaderError, words_of
+
+TAGS = {"whole": "IntVectorProperty", "choice": "IntVectorProperty", "switch": "IntVectorProperty", "number": "DoubleVectorProperty",
+        "text": "StringVectorProperty", "file": "StringVectorProperty"}
+ARRAY_TYPES = "0 0 0 0 2"
+
+
+class Panel:
+    """The panel of one class: an XML tree that grows. @raises HeaderError for a layout that does not fit the header"""
+
+    def __init__(self, declarations, layouts, name):
+        self.name, self.declarations = name, declarations
+        self.chain = [layouts[kind.name] for kind in declarations.chain(name) if kind.name in layouts]
+        self.layout = layouts[name]
+        self.settings = {setting.name: setting for setting in declarations.settings(name)}
+        self.when = {setting.name: setting.when for setting in self.settings.values() if setting.when}
+        for element in self.each("When"):
+            for setting in self.names(element):
+                self.when[setting] = tuple(element.get("is").split())
+        self.without = {setting for element in self.each("Without") for setting in self.names(element)}
+        self.advanced = {setting.name for setting in self.settings.values() if setting.advanced}
+        self.advanced |= {setting for element in self.each("Advanced") for setting in self.names(element)}
+        self.advanced -= {setting for element in self.each("Plain") for setting in self.names(element)}
+        self.arrays = {element.get("name"): element for element in self.each("Array")}
+        self.labels = {element.get("setting"): element.text for element in self.each("Label")}
+        self.start = {element.get("setting"): element.text for element in self.each("Start")}
+
+    def fail(self, why):
+        raise HeaderError(f"the panel of {self.name}: {why}")
+
+    def each(self, tag):
+        return [element for layout in self.chain for element in layout.findall(tag)]
+
+    def names(self, element):
+        found = (element.text or "").split()
+        for name in found:
+            if name not in self.settings and name not in [a.get("name") for a in self.each("Array")]:
+                self.fail(f"there is no setting {name}")
+        return found
+
+    # ---- the tree
+
+    def tree(self):
+        layout = self.layout
+        root = ElementTree.Element("ServerManagerConfiguration")
+        kind = layout.get("proxies") or ("filters" if self.each("Input") else "sources")
+        group = ElementTree.SubElement(root, "ProxyGroup", name=kind)
+        proxy = ElementTree.SubElement(group, "WriterProxy" if kind == "writers" else "SourceProxy", {
+            "class": self.name, "label": layout.get("label"), "name": self.name[3:]})
+        told = ElementTree.SubElement(proxy, "Documentation", short_help=layout.get("short"), long_help=layout.get("long"))
+        told.text = " ".join(layout.text.split())
+        for element in {element.get("name", "Input"): element for element in self.each("Input")}.values():
+            self.add_input(proxy, element)
+        for index, element in enumerate(layout.findall("Output")):
+            ElementTree.SubElement(proxy, "OutputPort", index=str(index), name=element.text)
+        for element in self.arrays.values():
+            self.add_array(proxy, element)
+        for setting in self.settings.values():
+            if setting.name not in self.without:
+                self.add_setting(proxy, setting)
+        tells = self.declarations.tells(self.name)
+        for name in [name for element in self.each("Tells") for name in element.text.split()]:
+            if name not in tells:
+                self.fail(f"nothing tells {name}")
+            self.add_told(proxy, name, *tells[name])
+        self.add_groups(proxy)
+        known = {"Input", "Output", "Array", "Group", "Without", "When", "Start", "Tells", "Advanced", "Plain", "Label"}
+        proxy.extend(element for element in layout if element.tag not in known)
+        ElementTree.indent(root)
+        return root
+
+    @staticmethod
+    def document(property_element, text):
+        ElementTree.SubElement(property_element, "Documentation").text = text
+
+    def add_input(self, proxy, element):
+        given = {key: element.get(key) for key in ("port_index", "clean_command", "multiple_input") if element.get(key)}
+        found = ElementTree.SubElement(proxy, "InputProperty", name=element.get("name", "Input"),
+                                       command=element.get("command", "SetInputConnection"), **given)
+        groups = ElementTree.SubElement(found, "ProxyGroupDomain", name="groups")
+        for name in ("sources", "filters"):
+            ElementTree.SubElement(groups, "Group", name=name)
+        types = ElementTree.SubElement(found, "DataTypeDomain", name="input_type")
+        if element.get("composite"):
+            types.set("composite_data_supported", element.get("composite"))
+        for name in element.get("data").split():
+            ElementTree.SubElement(types, "DataType", value=name)
+        for index, wanted in enumerate(filter(None, element.get("arrays", "").split(","))):
+            where, *rest = wanted.split()
+            attributes = {"attribute_type": where, "name": ("input_array", "input_vector")[index] if not element.get("domain") else element.get("domain")}
+            if rest and rest[0].isdigit():
+                attributes["number_of_components"] = rest[0]
+            if "optional" in rest:
+                attributes["optional"] = "1"
+            ElementTree.SubElement(found, "InputArrayDomain", attributes)
+        self.document(found, element.text.strip())
+        if element.get("optional"):
+            ElementTree.SubElement(ElementTree.SubElement(found, "Hints"), "Optional")
+
+    def add_array(self, proxy, element):
+        index, port = element.get("index"), element.get("port", "0")
+        association = {"row": "6"}.get(element.get("where"), "0")
+        found = ElementTree.SubElement(proxy, "StringVectorProperty", {
+            "name": element.get("name"), "command": "SetInputArrayToProcess", "element_types": ARRAY_TYPES, "number_of_elements": "5",
+            "default_values": f"{index};{port};0;{association};{element.get('default')}", "default_values_delimiter": ";", "animateable": "0"})
+        if element.get("advanced"):
+            found.set("panel_visibility", "advanced")
+        arrays = ElementTree.SubElement(found, "ArrayListDomain", name="array_list", attribute_type=element.get("of"),
+                                        input_domain_name=element.get("domain", "input_array"))
+        needed = ElementTree.SubElement(arrays, "RequiredProperties")
+        ElementTree.SubElement(needed, "Property", function="Input", name=element.get("input", "Input"))
+        self.document(found, element.text.strip())
+        hints = ElementTree.SubElement(found, "Hints")  # always this one, not the array that a view happens to show
+        ElementTree.SubElement(hints, "NoDefault")
+        self.decorate(element.get("name"), hints)
+
+    def add_setting(self, proxy, setting):
+        listed, count = setting.kind == "list", len(setting.types) or 1
+        kind = setting.types[0] if setting.kind in ("vector", "list") else setting.kind
+        if listed and len(set(setting.types)) > 1:
+            kind = "text"
+        attributes = {"name": setting.name, "command": setting.setter}
+        if listed:
+            rows = self.start.get(setting.name)
+            attributes.update(clean_command=setting.clear, repeat_command="1", number_of_elements_per_command=str(count))
+            if kind == "text" and count > 1:
+                attributes["element_types"] = " ".join({"whole": "0", "number": "1", "text": "2"}[t] for t in setting.types)
+            attributes["number_of_elements"] = str(len(rows.split(";")) if rows else 0)
+            attributes["default_values"] = rows or "none"
+            if rows:
+                attributes["default_values_delimiter"] = ";"
+        else:
+            attributes["number_of_elements"] = str(count)
+            attributes["default_values"] = self.default(setting)
+        if setting.name in self.labels:
+            attributes["label"] = self.labels[setting.name]
+        if setting.name == "FileName":  # a file that there is not would be an error before one is chosen
+            del attributes["default_values"]
+        if listed or kind == "file" or setting.group == "Checkpoints":
+            attributes["animateable"] = "0"
+        if setting.name in self.advanced:
+            attributes["panel_visibility"] = "advanced"
+        found = ElementTree.SubElement(proxy, TAGS["number" if kind == "number" else kind], attributes)
+        self.add_domain(found, setting, kind)
+        self.document(found, setting.text)
+        hints = ElementTree.Element("Hints")
+        if listed and kind == "text" and count > 1:
+            ElementTree.SubElement(hints, "AllowRestoreDefaults")
+        labels = setting.columns or ([f"[{setting.unit}]"] if setting.unit else [])
+        if labels:
+            if len(labels) != count:
+                self.fail(f"{setting.name} has {count} parts, and {len(labels)} columns are named")
+            shown = ElementTree.SubElement(hints, "ShowComponentLabels")
+            for index, label in enumerate(labels):
+                ElementTree.SubElement(shown, "ComponentLabel", component=str(index), label=label)
+        about, _, patterns = setting.files.partition(" (")
+        if patterns not in ("", "*)"):
+            ElementTree.SubElement(hints, "FileChooser", extensions=patterns.rstrip(")").replace("*.", ""), file_description=about)
+            ElementTree.SubElement(hints, "AcceptAnyFile")
+        self.decorate(setting.name, hints)
+        if len(hints):
+            found.append(hints)
+
+    def default(self, setting):
+        value = setting.default
+        if isinstance(value, list):
+            return " ".join(self.number(part) for part in value)
+        return value if isinstance(value, str) else self.number(value)
+
+    @staticmethod
+    def number(value):
+        return str(int(value)) if isinstance(value, bool) or value == int(value) and abs(value) < 1e15 else repr(value)
+
+    def add_domain(self, found, setting, kind):
+        if setting.choices:
+            domain = ElementTree.SubElement(found, "EnumerationDomain", name="enum")
+            for choice in setting.choices:
+                ElementTree.SubElement(domain, "Entry", text=choice.label, value=str(choice.value))
+        elif setting.name == "State":
+            domain = ElementTree.SubElement(found, "IntRangeDomain", name="range", min="-1", max="0", default_mode="min")
+            needed = ElementTree.SubElement(domain, "RequiredProperties")
+            ElementTree.SubElement(needed, "Property", function="RangeInfo", name="StateRange")
+        elif kind == "switch":
+            ElementTree.SubElement(found, "BooleanDomain", name="bool")
+        elif kind == "file":
+            ElementTree.SubElement(found, "FileListDomain", name="files")
+        elif kind in ("whole", "number") and setting.kind != "list":
+            domain = ElementTree.SubElement(found, "IntRangeDomain" if kind == "whole" else "DoubleRangeDomain", name="range")
+            count = len(setting.types) or 1
+            for key, end in (("min", setting.range.low), ("max", setting.range.high)):
+                if math.isfinite(end):
+                    domain.set(key, " ".join([self.number(end)] * count))
+
+    def decorate(self, name, hints):
+        if name not in self.when:
+            return
+        other, *words = self.when[name]
+        if other not in self.settings or other in self.without:
+            return
+        self.decorator(hints, other, words)
+
+    def decorator(self, hints, other, words):
+        decorator = ElementTree.SubElement(hints, "PropertyWidgetDecorator", type="GenericDecorator", mode="visibility", property=other)
+        values = self.values(self.settings[other], words)
+        decorator.set("values" if len(values) > 1 else "value", " ".join(values))
+
+    def values(self, setting, words):
+        if not words:
+            return ["1"]
+        found = []
+        for word in words:
+            value = next((choice.value for choice in setting.choices if word == choice.name), None)
+            if value is None:
+                value = int(word) if word.lstrip("-").isdigit() else self.fail(f"{setting.name} is never {word}")
+            found.append(str(value))
+        return found
+
+    def add_told(self, proxy, name, kind, count, text):
+        whole = kind in ("whole", "switch")
+        found = ElementTree.SubElement(proxy, "IntVectorProperty" if whole else "DoubleVectorProperty", {
+            "name": name, "command": f"Get{name}", "information_only": "1", "number_of_elements": str(count),
+            "default_values": "-1 0" if name == "StateRange" else "none"})
+        ElementTree.SubElement(found, "SimpleIntInformationHelper" if whole else "SimpleDoubleInformationHelper")
+        self.document(found, text)
+
+    def add_groups(self, proxy):
+        groups = self.layout.findall("Group")
+        if not groups:
+            return
+        left = [name for name, setting in self.settings.items() if name not in self.without]
+        for group in groups:
+            label = group.get("label")
+            arrays = [name for name, element in self.arrays.items() if element.get("group") == label]
+            named = self.names(group)
+            members = named or [name for name in left if self.settings[name].group == label]
+            for name in members:
+                if name in left:
+                    left.remove(name)
+            members = arrays + [name for name in members if name not in arrays]
+            tables = [name for name in members if name in self.settings and self.settings[name].kind == "list"]
+            for name in tables:
+                self.add_group(proxy, self.settings[name].title or words_of(name).capitalize(), [name], None)
+            rest = [name for name in members if name not in tables]
+            if rest:
+                self.add_group(proxy, label, rest, group.get("when"))
+            elif not tables:
+                self.fail(f"the group {label} is empty")
+        left = [name for name in left if self.settings[name].group]  # what has none stands above all titles
+        if left:
+            self.fail(f"{', '.join(left)}: in no group of the panel; their groups are {', '.join({self.settings[n].group for n in left})}")
+
+    def add_group(self, proxy, label, names, when):
+        found = ElementTree.SubElement(proxy, "PropertyGroup", label=label)
+        for name in names:
+            ElementTree.SubElement(found, "Property", name=name)
+        if when:
+            other, *words = when.split()
+            self.decorator(ElementTree.SubElement(found, "Hints"), other, words)
+
+
+def read_layouts(folder):
+    """Layouts by the name of their class."""
+    found = {}
+    for path in sorted(pathlib.Path(folder).glob("*.xml")):
+        root = ElementTree.parse(path).getroot()
+        if root.tag == "Panel":
+            found[root.get("class")] = root
+    return found
+
+
+def write(declarations, layouts, name, path):
+    tree = Panel(declarations, layouts, name).tree()
+    text = ElementTree.tostring(tree, encoding="unicode")
+    pathlib.Path(path).write_text(f"<!-- Made from the header of {name} and the layout in pvplugin. -->\n{text}\n", encoding="utf-8")
