@@ -52,6 +52,8 @@ public:
   /**
    * The phase that lumens are of: its name, or its number where phases have no names. Empty: the first that is called
    * void, pore, lumen or air.
+   * @word lumen, phase
+   * @group Lumens
    */
   vtkSetMacro(Phase, std::string);
   vtkGetMacro(Phase, std::string);
@@ -60,6 +62,7 @@ public:
   ///@{
   /**
    * Share of its area at the start at which a lumen has collapsed.
+   * @group Lumens
    * @range (0, 1)
    */
   vtkSetMacro(Share, double);
@@ -69,6 +72,7 @@ public:
   ///@{
   /**
    * Lumens of fewer pixels or voxels are left out.
+   * @group Lumens
    * @range [0, inf)
    */
   vtkSetMacro(MinimumSize, int);

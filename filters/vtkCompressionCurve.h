@@ -41,6 +41,7 @@ public:
   ///@{
   /**
    * Strains between which the stiffness is fitted.
+   * @group Curve
    * @columns from, to
    */
   vtkSetVector2Macro(StiffnessRange, double);
@@ -51,6 +52,7 @@ public:
   /**
    * Width in strain of the steepest window within that range that is fitted instead, for curves that begin with a toe.
    * 0: all of the range.
+   * @group Curve
    * @range [0, inf)
    */
   vtkSetMacro(Window, double);
@@ -60,6 +62,7 @@ public:
   ///@{
   /**
    * Plastic strain at the yield stress.
+   * @group Curve
    * @range [0, 1)
    */
   vtkSetMacro(Offset, double);
@@ -69,6 +72,7 @@ public:
   ///@{
   /**
    * Strains between which the plateau's mean is taken, such as 0.2 and 0.4. 0 and 0: from collapse to densification.
+   * @group Curve
    * @columns from, to
    */
   vtkSetVector2Macro(PlateauRange, double);
@@ -78,6 +82,7 @@ public:
   ///@{
   /**
    * Width in strain over which stresses are smoothed before maxima and crossings are looked for. 0: not at all.
+   * @group Curve
    * @range [0, 1]
    */
   vtkSetMacro(Smoothing, double);
@@ -87,6 +92,7 @@ public:
   ///@{
   /**
    * Share that the curve falls by beyond a maximum that counts.
+   * @group Curve
    * @advanced
    * @range [0, 1)
    */

@@ -80,6 +80,7 @@ public:
    *
    * Shorter cracks are left out and counted [spacings], unless they lead from a void or side to another place there. 0
    * keeps all.
+   * @group Cracks
    * @unit spacings
    */
   vtkSetMacro(MinimumLength, double);
@@ -89,6 +90,7 @@ public:
   ///@{
   /**
    * Branches that end in solid after no more than this are taken away [spacings]. Below 0: twice the horizon.
+   * @group Cracks
    * @unit spacings
    * @advanced
    */
@@ -99,6 +101,7 @@ public:
   ///@{
   /**
    * Length of the longest bonds [spacings]. 0: as the broken bonds tell.
+   * @group Cracks
    * @unit spacings
    * @range [0, 8]
    * @advanced
@@ -110,6 +113,7 @@ public:
   ///@{
   /**
    * Where there is an image, find the pieces that no unbroken bond joins.
+   * @group Cracks
    */
   vtkSetMacro(ComputeFragments, bool);
   vtkGetMacro(ComputeFragments, bool);

@@ -59,6 +59,7 @@ public:
   ///@{
   /**
    * Which of the solved directions the magnitude and the streamlines show. Numbers are given for all of them.
+   * @group Map
    * @choice Directions
    */
   vtkSetMacro(Direction, int);
@@ -68,6 +69,7 @@ public:
   ///@{
   /**
    * Each carries the same share of the flux through the inlet. 0: none are computed.
+   * @group Map
    * @word streamlines
    * @range [0, 1000000]
    */

@@ -73,6 +73,7 @@ public:
   ///@{
   /**
    * Which number of the tensor. An array of one component is taken as it is.
+   * @group Stresses
    * @choice Components
    */
   vtkSetMacro(Component, int);
@@ -86,7 +87,7 @@ public:
    * Phases to count: names of `phase_names` or, where no phase has that name, values.
    * @word phase, phases
    * @title Phases to count
-   * @group Phases
+   * @group Stresses
    */
   void AddPhase(const char* phase);
   void ClearPhases();
@@ -97,7 +98,9 @@ public:
   ///@{
   /**
    * Leave out the layers of an image that the platens of Bond Equilibrium hold, where bonds are missing.
+   * @group Stresses
    * @advanced
+   * @off keep-platens
    */
   vtkSetMacro(LeaveOutPlatens, bool);
   vtkGetMacro(LeaveOutPlatens, bool);
@@ -107,6 +110,7 @@ public:
   ///@{
   /**
    * Width of a bin of the density, in mean tensile stresses.
+   * @group Tail and density
    * @range (0, inf)
    */
   vtkSetMacro(BinWidth, double);
@@ -116,6 +120,7 @@ public:
   ///@{
   /**
    * Where the density begins and ends, in mean tensile stresses. 0 and 0: wherever stresses are.
+   * @group Tail and density
    * @columns from, to
    * @advanced
    */
@@ -126,6 +131,7 @@ public:
   ///@{
   /**
    * Where the tail begins, in mean tensile stresses. 0: by the tail's share.
+   * @group Tail and density
    * @range [0, inf)
    */
   vtkSetMacro(Threshold, double);
@@ -135,6 +141,7 @@ public:
   ///@{
   /**
    * Where the threshold is 0: the largest tensile stresses that are the tail, as a share of all tensile ones.
+   * @group Tail and density
    * @range (0, 1]
    */
   vtkSetMacro(TailShare, double);
@@ -144,6 +151,7 @@ public:
   ///@{
   /**
    * A stress to compare the means with [Pa], such as the pure matrix's at the same strain. 0: none.
+   * @group Stresses
    * @word reference
    * @unit Pa
    * @range [0, inf)

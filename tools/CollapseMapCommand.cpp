@@ -4,6 +4,7 @@
 #include "JsonReport.h"
 #include "Record.h"
 #include "ResultFiles.h"
+#include "SettingOptions.h"
 #include "StateFiles.h"
 #include "TableText.h"
 #include "Text.h"
@@ -35,10 +36,8 @@ struct CollapseMapOptions
   std::string image;
   std::vector<std::string> points;
   std::string strains;
-  std::string lumen;
   std::string phaseArray = "phase";
-  std::string share = "50%";
-  int minimumSize = 1;
+  SettingOptions settings;
   std::string output;
   std::string table;
   std::string states;
@@ -70,19 +69,7 @@ std::vector<double> strainsOf(const CollapseMapOptions& o)
 /// What can be said without the files, handed to the filter. @throws ParameterError
 void configure(vtkCollapseMap* filter, const CollapseMapOptions& o)
 {
-  const double part = share("--share", o.share);
-  if (!(part > 0 && part < 1))
-  {
-    throw ParameterError("--share '" + o.share + "' is not between 0 and 1", "write it as 50%");
-  }
-  if (o.minimumSize < 0)
-  {
-    throw ParameterError(fmt::format("--minimum-size {} is below 0", o.minimumSize),
-      "give the pixels or voxels that the smallest lumen to keep has");
-  }
-  filter->SetShare(part);
-  filter->SetMinimumSize(o.minimumSize);
-  filter->SetPhase(o.lumen);
+  o.settings.give(filter);
   filter->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, o.phaseArray.c_str());
 }
 
@@ -168,15 +155,9 @@ Command collapseMapCommand(CLI::App& root)
   app->add_option("POINTS", o->points, "Material points, a .vtp a state, in the order of their strains")->required();
   const auto lumens = [](CLI::Option* option, const char* type) { return option->group("Lumens")->type_name(type); };
   lumens(app->add_option("--strains", o->strains, "Strains of the states; as the files tell when not given"), "LIST");
-  lumens(app->add_option(
-           "--lumen", o->lumen, "The phase that lumens are; the one called void, pore, lumen or air when not given"),
-    "PHASE");
   lumens(app->add_option("--phase-array", o->phaseArray, "The image's array of phases: whole numbers"), "NAME")
     ->capture_default_str();
-  lumens(app->add_option("--share", o->share, "Share of its area at which a lumen has collapsed"), "SHARE")
-    ->capture_default_str();
-  lumens(app->add_option("--minimum-size", o->minimumSize, "Leave out lumens of fewer pixels or voxels"), "NUMBER")
-    ->capture_default_str();
+  o->settings.declare(*app, "vtkCollapseMap");
   addResultFile(*app, "-o,--output", o->output, "Write the map", "FILE.vti");
   addResultFile(*app, "--table", o->table, "Write one row a lumen");
   addResultFile(*app, "--states", o->states, "Write one row a state");

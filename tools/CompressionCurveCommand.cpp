@@ -4,6 +4,7 @@
 #include "JsonReport.h"
 #include "Record.h"
 #include "ResultFiles.h"
+#include "SettingOptions.h"
 #include "Text.h"
 #include "Workspace.h"
 
@@ -35,38 +36,9 @@ struct CompressionCurveOptions
   std::string file;
   std::string strain = "strain";
   std::string stress = "stress";
-  std::string stiffnessRange = "0,0.03";
-  double window = 0;
-  double offset = 0.002;
-  std::string plateauRange;
-  double smoothing = 0.01;
-  double prominence = 0.05;
+  SettingOptions settings;
   std::string output;
 };
-
-/// What can be said without the file, handed to the filter. @throws ParameterError
-void configure(vtkCompressionCurve* filter, const CompressionCurveOptions& o)
-{
-  filter->SetStiffnessRange(
-    rangeOf("--stiffness-range", o.stiffnessRange, "as strains: --stiffness-range 0,0.03").data());
-  if (!o.plateauRange.empty())
-  {
-    filter->SetPlateauRange(rangeOf("--plateau-range", o.plateauRange, "as strains: --plateau-range 0.2,0.4").data());
-  }
-  for (const auto& [option, value] : { std::pair{ "--window", o.window }, std::pair{ "--offset", o.offset },
-         std::pair{ "--smoothing", o.smoothing }, std::pair{ "--prominence", o.prominence } })
-  {
-    if (!(value >= 0 && value < 1))
-    {
-      throw ParameterError(
-        fmt::format("{} {} is outside 0 to 1", option, value), "give a fraction, such as 0.01 for 1 %");
-    }
-  }
-  filter->SetWindow(o.window);
-  filter->SetOffset(o.offset);
-  filter->SetSmoothing(o.smoothing);
-  filter->SetProminence(o.prominence);
-}
 
 /// The same of a table in memory. @throws InputError
 vtkSmartPointer<vtkTable> curveInMemory(const CompressionCurveOptions& o)
@@ -190,7 +162,7 @@ void compressionCurve(Session& session, const CompressionCurveOptions& o, const 
 {
   const auto start = Clock::now();
   vtkNew<vtkCompressionCurve> filter;
-  configure(filter, o);
+  o.settings.give(filter);
   requireFile(o.file);
   ResultFiles files;
   files.addTable("-o", o.output, filter->GetOutput(), o.common.overwrite);
@@ -221,21 +193,7 @@ Command compressionCurveCommand(CLI::App& root)
   { option->group("Curve")->type_name(type)->capture_default_str(); };
   curve(app->add_option("--strain", o->strain, "Column of strains: fractions, rising, compression positive"), "NAME");
   curve(app->add_option("--stress", o->stress, "Column of stresses [Pa], compression positive"), "NAME");
-  curve(app->add_option("--stiffness-range", o->stiffnessRange, "Strains between which the stiffness is fitted"),
-    "LOW,HIGH");
-  curve(app->add_option(
-          "--window", o->window, "Fit the steepest window of this width within them, past a toe; 0: all of the range"),
-    "STRAIN");
-  curve(app->add_option("--offset", o->offset, "Plastic strain at the yield stress"), "STRAIN");
-  app
-    ->add_option("--plateau-range", o->plateauRange,
-      "Strains of the plateau's mean; from collapse to densification when not given")
-    ->group("Curve")
-    ->type_name("LOW,HIGH");
-  curve(app->add_option("--smoothing", o->smoothing, "Smooth stresses over this width before maxima are looked for"),
-    "STRAIN");
-  curve(app->add_option("--prominence", o->prominence, "The curve falls by this share beyond a maximum that counts"),
-    "SHARE");
+  o->settings.declare(*app, "vtkCompressionCurve");
   app->add_option("-o,--output", o->output, "Write the curve with energy and efficiency, one row a row")
     ->type_name("FILE.csv")
     ->group("Output");

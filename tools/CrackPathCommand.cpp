@@ -5,6 +5,7 @@
 #include "OutputFile.h"
 #include "Record.h"
 #include "ResultFiles.h"
+#include "SettingOptions.h"
 
 #include "io/Provenance.h"
 #include "lattice/Clock.h"
@@ -18,7 +19,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <memory>
 
 namespace lamella::cli
@@ -33,9 +33,7 @@ struct CrackPathOptions
   std::string file;
   std::string phases;
   std::string phaseArray = "phase";
-  double minimumLength = -1;
-  double spurLength = -1;
-  double horizon = 0;
+  SettingOptions settings;
   std::string output;
   std::string image;
   std::string table;
@@ -47,20 +45,6 @@ struct CrackPathOptions
 /// What can be said without the files, handed to the filter. @throws ParameterError
 void configure(vtkCrackPath* filter, const CrackPathOptions& o)
 {
-  for (const auto& [option, length] :
-    { std::pair{ "--minimum-length", o.minimumLength }, std::pair{ "--spur-length", o.spurLength } })
-  {
-    if (!std::isfinite(length) || (length < 0 && length != -1))
-    {
-      throw ParameterError(
-        fmt::format("{} {} is not a length", option, length), "give it in spacings, 0 or more, or leave it out");
-    }
-  }
-  if (o.horizon != 0 && !(o.horizon >= 1 && o.horizon <= 8))
-  {
-    throw ParameterError(
-      fmt::format("--horizon {} is outside 1 to 8", o.horizon), "give it in spacings; leave it out for the bonds' own");
-  }
   for (const auto& [option, name] : { std::pair{ "--fragments", o.fragments }, std::pair{ "--image", o.image } })
   {
     if (!name.empty() && o.phases.empty())
@@ -68,9 +52,7 @@ void configure(vtkCrackPath* filter, const CrackPathOptions& o)
       throw ParameterError(std::string(option) + " needs the image of phases", "give it with --phases IMAGE.vti");
     }
   }
-  filter->SetMinimumLength(o.minimumLength);
-  filter->SetSpurLength(o.spurLength);
-  filter->SetHorizon(o.horizon);
+  o.settings.give(filter);
 }
 
 ResultFiles openFiles(const CrackPathOptions& o, vtkCrackPath* filter)
@@ -137,14 +119,7 @@ Command crackPathCommand(CLI::App& root)
   cracks(app->add_option("--phase-array", o->phaseArray, "The image's array of phases: whole numbers"))
     ->type_name("NAME")
     ->capture_default_str();
-  cracks(app->add_option("--minimum-length", o->minimumLength,
-           "Leave out shorter cracks, unless they part a wall; the horizon when not given"))
-    ->type_name("SPACINGS");
-  cracks(app->add_option("--spur-length", o->spurLength,
-           "Take away branches that end after no more; twice the horizon when not given"))
-    ->type_name("SPACINGS");
-  cracks(app->add_option("--horizon", o->horizon, "Length of the longest bonds; as the bonds tell when not given"))
-    ->type_name("SPACINGS");
+  o->settings.declare(*app, "vtkCrackPath", { "fragments" });
   addResultFile(*app, "-o,--output", o->output, "Write the paths", "FILE.vtp");
   addResultFile(*app, "--table", o->table, "Write one row a path");
   addResultFile(*app, "--pairs", o->pairs, "Write one row a pair of phases");

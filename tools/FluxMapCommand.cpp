@@ -5,6 +5,7 @@
 #include "JsonReport.h"
 #include "Record.h"
 #include "ResultFiles.h"
+#include "SettingOptions.h"
 #include "Text.h"
 
 #include "io/Provenance.h"
@@ -37,11 +38,8 @@ struct FluxMapOptions
   std::string file;
   std::vector<std::string> output;
   std::string lines;
-  std::string direction = "auto";
-  int streamlines = 60;
+  SettingOptions settings;
 };
-
-const std::vector<std::string> directions{ "x", "y", "z", "auto" };
 
 /// {"x": ..., "y": ...} of the entries that are known.
 Json byAxis(const std::vector<double>& numbers, std::size_t first, std::size_t step)
@@ -126,14 +124,9 @@ bool holdsSolution(vtkImageData* image)
 void fluxMap(Session& session, const FluxMapOptions& options, const std::string& commandLine)
 {
   const auto start = Clock::now();
-  const auto direction = static_cast<int>(oneOf("--direction", options.direction, directions));
-  if (options.streamlines < 0 || options.streamlines > 1000000)
-  {
-    throw ParameterError(
-      fmt::format("--streamlines {} is outside 0 to 1000000", options.streamlines), "60 are enough for a picture");
-  }
-  requireFile(options.file);
   vtkNew<vtkFluxMap> filter;
+  options.settings.give(filter);
+  requireFile(options.file);
   ResultFiles files;
   for (const std::string& name : options.output)
   {
@@ -160,8 +153,6 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
       "solve first: lamella diffusion " + options.file + " --conductivity NAME=VALUE ... -o FILE.vti");
   }
   filter->SetInputDataObject(data);
-  filter->SetDirection(direction);
-  filter->SetNumberOfStreamlines(options.streamlines);
   runFilter(session, filter, "flux map");
   auto* map = vtkImageData::SafeDownCast(filter->GetOutputDataObject(0));
   auto* streamlines = vtkPolyData::SafeDownCast(filter->GetOutputDataObject(1));
@@ -184,8 +175,10 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
   json["tortuosity"] = byAxis(fieldNumbers(map, "tortuosity"), 0, 1);
   json["tortuosity_factor"] = byAxis(fieldNumbers(map, "tortuosity_factor"), 0, 1);
   json["streamline_tortuosity"] = byAxis(fieldNumbers(map, "streamline_tortuosity"), 0, 1);
-  json["direction"] =
-    options.direction == "auto" && !json["tortuosity"].empty() ? json["tortuosity"].begin().key() : options.direction;
+  const int direction = filter->GetDirection();
+  json["direction"] = direction != vtkFluxMap::AUTO ? std::string(axisNames[static_cast<std::size_t>(direction)])
+    : json["tortuosity"].empty()                    ? "auto"
+                                                    : json["tortuosity"].begin().key();
   double range[2] = { 0, 0 };
   magnitude->GetFiniteRange(range, 0);
   double sum = 0;
@@ -211,13 +204,7 @@ Command fluxMapCommand(CLI::App& root)
     root.add_subcommand("flux-map", "Where the flux goes: magnitude, streamlines, tortuosity of a diffusion result");
   auto o = std::make_shared<FluxMapOptions>();
   app->add_option("FILE", o->file, "A .vti that lamella diffusion wrote")->required();
-  const auto show = [](CLI::Option* option) { option->group("Map"); };
-  show(app->add_option("--direction", o->direction, "The solved direction to show; auto: the first there is")
-         ->type_name("x|y|z|auto")
-         ->capture_default_str());
-  show(app->add_option("--streamlines", o->streamlines, "How many; each carries the same share of the flux")
-         ->type_name("NUMBER")
-         ->capture_default_str());
+  o->settings.declare(*app, "vtkFluxMap");
   app->add_option("-o,--output", o->output, "Write the map (.vti) or the streamlines (.vtp); give it twice for both")
     ->type_name("FILE")
     ->allow_extra_args(false)

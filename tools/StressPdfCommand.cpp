@@ -5,12 +5,12 @@
 #include "OutputFile.h"
 #include "Record.h"
 #include "ResultFiles.h"
+#include "SettingOptions.h"
 #include "TableText.h"
 #include "Text.h"
 
 #include "io/Provenance.h"
 #include "lattice/Clock.h"
-#include "statistics/StressMeasure.h"
 #include "vtkLatticeConversion.h"
 #include "vtkStressPDF.h"
 
@@ -23,9 +23,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <memory>
-#include <optional>
 
 namespace lamella::cli
 {
@@ -39,55 +37,12 @@ struct StressPdfOptions
   std::string file;
   std::string array = "stress";
   std::string phaseArray = "phase";
-  std::string component = "yy";
-  std::vector<std::string> phase;
-  std::string threshold;
-  std::string tailShare = "10%";
-  double binWidth = 0.05;
-  std::string range;
-  bool keepPlatens = false;
-  std::string reference;
+  SettingOptions settings;
   int threads = 1;
   std::string output;
   std::string phases;
   std::string thresholds;
 };
-
-/// What can be said without the file, handed to the filter. @throws ParameterError
-void configure(vtkStressPDF* filter, const StressPdfOptions& o)
-{
-  filter->SetComponent(static_cast<int>(oneOf("--component", o.component, statistics::stressMeasureNames())));
-  for (const std::string& phase : o.phase)
-  {
-    filter->AddPhase(phase.c_str());
-  }
-  if (!o.threshold.empty())
-  {
-    filter->SetThreshold(positive("--threshold", o.threshold, "write it as 2, in mean tensile stresses"));
-  }
-  filter->SetLeaveOutPlatens(!o.keepPlatens);
-  const double part = share("--tail-share", o.tailShare);
-  if (!(part > 0 && part <= 1))
-  {
-    throw ParameterError("--tail-share '" + o.tailShare + "' is outside 0 to 1", "write it as 10%");
-  }
-  filter->SetTailShare(part);
-  if (!(o.binWidth > 0) || !std::isfinite(o.binWidth))
-  {
-    throw ParameterError(fmt::format("--bin-width {} is not a number above 0", o.binWidth),
-      "write it in mean tensile stresses, such as 0.05");
-  }
-  filter->SetBinWidth(o.binWidth);
-  if (!o.range.empty())
-  {
-    filter->SetRange(rangeOf("--range", o.range, "in mean tensile stresses: --range=-1,6").data());
-  }
-  if (!o.reference.empty())
-  {
-    filter->SetReferenceStress(positive("--reference", o.reference, "write it as 1.7e6, in Pa"));
-  }
-  checkThreads(o.threads);
-}
 
 ResultFiles openFiles(const StressPdfOptions& o, vtkStressPDF* filter)
 {
@@ -125,14 +80,14 @@ Json reportOf(const StressPdfOptions& o, vtkStressPDF* filter)
   json["compressive_share"] = number("stress_compressive_share");
   json["smallest"] = number("stress_smallest");
   json["largest"] = number("stress_largest");
-  json["reference"] = o.reference.empty() ? Json(nullptr) : number("stress_reference");
+  json["reference"] = filter->GetReferenceStress() == 0 ? Json(nullptr) : number("stress_reference");
   json["tail"] = { { "threshold", number("stress_tail_threshold") }, { "count", whole("stress_tail_count") },
     { "share", number("stress_tail_share") }, { "theta", number("stress_theta") },
     { "theta_error", number("stress_theta_error") }, { "distance", number("stress_tail_distance") } };
   json["phases"] = jsonRows(filter->GetPhaseTable());
   json["thresholds"] = jsonRows(filter->GetThresholdTable());
   json["bins"] = density->GetNumberOfRows();
-  json["bin_width"] = o.binWidth;
+  json["bin_width"] = filter->GetBinWidth();
   return json;
 }
 
@@ -181,7 +136,8 @@ void stressPdf(Session& session, const StressPdfOptions& o, const std::string& c
 {
   const auto start = Clock::now();
   vtkNew<vtkStressPDF> filter;
-  configure(filter, o);
+  o.settings.give(filter);
+  checkThreads(o.threads);
   requireFile(o.file);
   ResultFiles files = openFiles(o, filter);
   const auto data = readGrid(o.file);
@@ -226,35 +182,17 @@ Command stressPdfCommand(CLI::App& root)
   auto o = std::make_shared<StressPdfOptions>();
   app->add_option("FILE", o->file, "A .vti or .vtp with stresses, such as lamella equilibrium writes")->required();
   const auto what = [](CLI::Option* option) { return option->group("Stresses"); };
-  what(app->add_option("--component", o->component,
-         "xx, yy, zz, xy, yz, xz, mean, von-mises, principal-1 (largest), principal-2 or principal-3"))
-    ->type_name("NAME")
-    ->capture_default_str();
   what(app->add_option("--array", o->array, "The stresses: 6 or 9 components, or 1, which is taken as it is"))
     ->type_name("NAME")
     ->capture_default_str();
-  what(app->add_option("--phase", o->phase, "Count this phase only; once for each. All but the void when not given"))
-    ->type_name("NAME")
-    ->allow_extra_args(false);
   what(app->add_option("--phase-array", o->phaseArray, "The phases: whole numbers"))
     ->type_name("NAME")
     ->capture_default_str();
-  what(app->add_option("--reference", o->reference, "A stress to compare the means with, such as the pure matrix's"))
-    ->type_name("PA");
-  what(app->add_flag("--keep-platens", o->keepPlatens, "Count the layers that platens hold, too"));
-  const auto law = [](CLI::Option* option) { return option->group("Tail and density"); };
-  law(app->add_option("--threshold", o->threshold, "Where the tail begins, in mean tensile stresses"))
-    ->type_name("NUMBER");
-  law(app->add_option("--tail-share", o->tailShare,
-        "Without --threshold: the largest tensile stresses that are the tail, as a share"))
-    ->type_name("SHARE")
-    ->capture_default_str();
-  law(app->add_option("--bin-width", o->binWidth, "Of the density, in mean tensile stresses"))
+  o->settings.declare(*app, "vtkStressPDF");
+  app->add_option("--threads", o->threads, "Threads")
     ->type_name("NUMBER")
-    ->capture_default_str();
-  law(app->add_option("--range", o->range, "Where the density begins and ends; wherever stresses are when not given"))
-    ->type_name("LOW,HIGH");
-  law(app->add_option("--threads", o->threads, "Threads"))->type_name("NUMBER")->capture_default_str();
+    ->capture_default_str()
+    ->group("Tail and density");
   addResultFile(*app, "-o,--output,--csv", o->output, "Write the density, one row a bin");
   addResultFile(*app, "--phases", o->phases, "Write the means and the tail, one row a phase");
   addResultFile(*app, "--thresholds", o->thresholds, "Write theta against the threshold");

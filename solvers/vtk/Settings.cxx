@@ -1,5 +1,7 @@
 #include "Settings.h"
 
+#include "SettingTable.h"
+
 #include "lattice/Error.h"
 
 #include "vtkObject.h"
@@ -87,24 +89,46 @@ SettingTables::SettingTables(const std::map<std::string, Table>& byClass)
   registered().insert(byClass.begin(), byClass.end());
 }
 
+const std::vector<Setting>& settingsOf(const std::string& className)
+{
+  static const std::vector<Setting> none;
+  const auto found = registered().find(className);
+  return found == registered().end() ? none : found->second();
+}
+
+std::string nameOf(const Setting& setting)
+{
+  std::string name = setting.word;
+  std::replace(name.begin(), name.end(), '-', ' ');
+  return name;
+}
+
+void checkSetting(const Setting& setting, const std::vector<double>& values)
+{
+  for (std::size_t i = 0; i < values.size(); ++i)
+  {
+    const std::string wrong = fault(setting, values[i]);
+    if (!wrong.empty())
+    {
+      const std::string part =
+        values.size() > 1 && i < setting.parts.size() ? fmt::format(" ({})", setting.parts[i]) : "";
+      throw ParameterError(fmt::format("{}{} {} {}", nameOf(setting), part, values[i], wrong), remedy(setting));
+    }
+  }
+}
+
+void refuseWord(const Setting& setting, const std::string& word)
+{
+  throw ParameterError(fmt::format("{} '{}' is none of its choices", nameOf(setting), word), remedy(setting));
+}
+
 void checkSettings(vtkObject* object)
 {
-  const auto found = registered().find(object->GetClassName());
-  if (found == registered().end())
+  for (const Setting& setting : settingsOf(object->GetClassName()))
   {
-    return;
-  }
-  for (const Setting& setting : found->second())
-  {
-    const std::vector<double> values = setting.values(object);
-    for (std::size_t i = 0; i < values.size(); ++i)
+    if (setting.values != nullptr)
     {
-      const std::string wrong = fault(setting, values[i]);
-      if (!wrong.empty())
-      {
-        const std::string part = i < setting.parts.size() ? fmt::format(" ({})", setting.parts[i]) : "";
-        throw ParameterError(fmt::format("{}{} {} {}", setting.name, part, values[i], wrong), remedy(setting));
-      }
+      checkSetting(setting, setting.values(object));
     }
   }
 }

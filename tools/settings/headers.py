@@ -6,6 +6,7 @@ the member's own initialiser. The comment above it says in a sentence or two wha
 end, and then, in lines that begin with @:
 
     @word at-time, at_times       what it is called in a command, and in Python if that differs, where the rule's word will not do
+    @off keep-platens             of a switch that is on by itself: the option that switches it off; no-WORD by itself
     @group Load                   title under which it stands
     @unit Pa                      unit of its numbers
     @range [0, 1)                 what is allowed; numbers are always finite
@@ -75,6 +76,8 @@ class Setting:
     columns: list = dataclasses.field(default_factory=list)
     word: str = ""  # in a command, after --
     keyword: str = ""  # in Python
+    off: str = ""  # of a switch that is on by itself: the option that switches it off
+    wholes: tuple = ()  # C++ types of whole numbers, by parameter
     group: str = ""
     title: str = ""
     unit: str = ""
@@ -314,7 +317,8 @@ class Reader:
             if kind is None:
                 self.fail(at, f"{which} of {parts[1]} is not understood")
             kinds = (kind,) * count
-            self.add(at, Setting(name, "Set" + name, "vector" if count > 1 else kind, types=kinds))
+            wholes = () if kind == "text" else (parts[1],) * count
+            self.add(at, Setting(name, "Set" + name, "vector" if count > 1 else kind, types=kinds, wholes=wholes))
         elif which not in ("TypeMacro", "BooleanMacro", "AbstractTypeMacro", "TypeRevisionMacro"):
             self.fail(at, f"{which} is not understood")
         if not self.grouped:
@@ -333,7 +337,8 @@ class Reader:
             kinds = tuple(kind_of(kind) for kind, _ in given)
             if kinds and all(kinds):  # objects and arrays that are handed over are for programmers alone
                 kind = "list" if name.startswith("Add") or len(kinds) > 1 else kinds[0]
-                self.add(at, Setting(name[3:], name, kind, types=kinds, parameters=tuple(label for _, label in given)))
+                self.add(at, Setting(name[3:], name, kind, types=kinds, parameters=tuple(label for _, label in given),
+                                     wholes=tuple(cxx for cxx, _ in given)))
         if not self.grouped:
             self.comment = None
 
@@ -427,12 +432,13 @@ class Declarations:
     @staticmethod
     def apply(setting, tags, kind, entries):
         fail = lambda why: setting.fail(setting.at, why)  # noqa: E731
-        known = {"word", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default"}
+        known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default"}
         for tag in set(tags) - known:
             fail(f"@{tag} is not understood; there are {', '.join(sorted(known))}")
         word, _, keyword = tags.get("word", setting.word).partition(",")
         setting.word = word or word_of(setting)
         setting.keyword = keyword.strip() or (setting.keyword if "word" not in tags else "") or setting.word.replace("-", "_")
+        setting.off = tags.get("off", setting.off) or (f"no-{setting.word}" if setting.kind == "switch" and setting.default else "")
         setting.group, setting.title = tags.get("group", setting.group), tags.get("title", setting.title)
         setting.unit = tags.get("unit", setting.unit)
         setting.advanced = setting.advanced or "advanced" in tags
@@ -494,7 +500,7 @@ class Declarations:
 def inherit(setting, base, tags):
     """A setter that a subclass declares again says what differs."""
     setting.name = base.name
-    for field in ("text", "word", "keyword", "group", "title", "unit", "range", "choices", "columns", "when", "files", "advanced", "clear"):
+    for field in ("text", "word", "keyword", "off", "group", "title", "unit", "range", "choices", "columns", "when", "files", "advanced", "clear"):
         if not getattr(setting, field) or (field == "range" and "range" not in tags):
             setattr(setting, field, getattr(base, field))
     if base.kind in ("choice", "file"):

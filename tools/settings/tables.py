@@ -4,8 +4,11 @@ import json
 import math
 import pathlib
 
+from pages import number as plain
+from python import axes
+
 HEAD = """// Made from the headers of these classes.
-#include "Settings.h"
+#include "SettingTable.h"
 
 """
 HELPERS = """
@@ -15,6 +18,9 @@ namespace
 {
 
 using lamella::Setting;
+using lamella::SettingValue;
+using Kind = Setting::Kind;
+using Type = Setting::Type;
 
 constexpr double inf = std::numeric_limits<double>::infinity();
 
@@ -30,6 +36,16 @@ std::vector<double> numbers(const T* values, std::size_t count)
   return { values, values + count };
 }
 
+/// What a setter takes, of what it is given.
+struct Given
+{
+  const std::vector<SettingValue>& values;
+  [[nodiscard]] bool on(std::size_t i) const { return std::get<double>(values[i]) != 0; }
+  template <typename T>
+  [[nodiscard]] T number(std::size_t i) const { return static_cast<T>(std::get<double>(values[i])); }
+  [[nodiscard]] const char* text(std::size_t i) const { return std::get<std::string>(values[i]).c_str(); }
+};
+
 """
 
 
@@ -43,15 +59,45 @@ def quoted(text):
     return json.dumps(text, ensure_ascii=False)
 
 
+TAKEN = {"switch": "given.on({})", "number": "given.number<double>({})", "text": "given.text({})"}
+
+
+def call(name, setting):
+    """One call of the setter."""
+    taken = []
+    for i, (kind, whole) in enumerate(zip(setting.types, setting.wholes or setting.types)):
+        taken.append(f"given.number<{whole}>({i})" if kind == "whole" else TAKEN[kind].format(i))
+    return f"static_cast<{name}*>(object)->{setting.setter}({', '.join(taken)})"
+
+
 def entry(name, setting):
     limits = setting.range
     choices = ", ".join(f"{{ {quoted(choice.word)}, {choice.value} }}" for choice in setting.choices)
     several = len(setting.types) > 1
-    parts = ", ".join(map(quoted, setting.columns)) if several else ""
-    call = f"static_cast<{name}*>(object)->{setting.getter}()" + (f", {len(setting.types)}" if several else "")
+    parts = ", ".join(map(quoted, setting.columns))
     ends = f"{str(limits.low_open).lower()}, {str(limits.high_open).lower()}"
-    return (f"    {{ {quoted(setting.word.replace('-', ' '))}, {number(limits.low)}, {number(limits.high)}, {ends}, {{ {choices} }}, {{ {parts} }},\n"
-            f"      [](vtkObject* object) {{ return numbers({call}); }} }},\n")
+    kind = "Axes" if axes(setting) else setting.kind.capitalize()
+    read = f"static_cast<{name}*>(object)->{setting.getter}()" + (f", {len(setting.types)}" if several else "")
+    values = f"[](vtkObject* object) {{ return numbers({read}); }}" if checked(setting) else "nullptr"
+    words = ", ".join(quoted(text) for text in (setting.unit, setting.group, setting.text, standard(setting)))
+    return (f"    {{ {quoted(setting.word)}, {quoted(setting.off)}, Kind::{kind}, {{ {', '.join('Type::' + t.capitalize() for t in setting.types)} }}, "
+            f"{number(limits.low)}, {number(limits.high)}, {ends}, {{ {choices} }}, {{ {parts} }},\n      {words},\n      {values},\n"
+            f"      [](vtkObject* object, const std::vector<SettingValue>& values)\n"
+            f"      {{\n        const Given given{{ values }};\n        {call(name, setting)};\n      }} }},\n")
+
+
+def standard(setting):
+    """The default, as it is written in a command; empty where nothing is."""
+    if setting.kind == "list" or setting.default in ("", None):
+        return ""
+    if setting.choices:
+        return next(choice.word for choice in setting.choices if choice.value == setting.default)
+    if axes(setting):
+        return "".join(axis for axis, flag in zip("xyz", setting.default) if flag)
+    if setting.kind == "switch":
+        return ""
+    values = setting.default if isinstance(setting.default, list) else [setting.default]
+    return ",".join(map(plain, values)) if setting.kind in ("whole", "number", "vector") else setting.default
 
 
 def checked(setting):
@@ -66,7 +112,7 @@ def write(declarations, headers, path):
     text = HEAD + "".join(f'#include "{name}.h"\n' for name in names) + HELPERS
     for name in names:
         text += f"\nconst std::vector<Setting>& of_{name}()\n{{\n  static const std::vector<Setting> table = {{\n"
-        text += "".join(entry(name, setting) for setting in declarations.settings(name) if checked(setting))
+        text += "".join(entry(name, setting) for setting in declarations.settings(name))
         text += "  };\n  return table;\n}\n"
     text += "\nconst lamella::SettingTables tables({\n" + "".join(f"  {{ {quoted(name)}, &of_{name} }},\n" for name in names) + "});\n\n}\n"
     pathlib.Path(path).write_text(text, encoding="utf-8")

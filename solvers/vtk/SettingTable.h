@@ -1,0 +1,86 @@
+#pragma once
+
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
+class vtkObject;
+
+/// The settings of classes as tables, which the build makes of their headers (tools/settings). Not installed.
+namespace lamella
+{
+
+struct SettingChoice
+{
+  const char* word; ///< as people write it
+  int value;
+};
+
+/// What a call of a setter takes.
+using SettingValue = std::variant<double, std::string>;
+
+struct Setting
+{
+  enum class Kind
+  {
+    Switch,
+    Whole,
+    Number,
+    Choice,
+    Text,
+    File,
+    Vector,
+    Axes, ///< three switches
+    List  ///< the setter adds
+  };
+  enum class Type
+  {
+    Switch,
+    Whole,
+    Number,
+    Text
+  };
+
+  const char* word; ///< "max-iterations": what it is called in a command
+  const char* off;  ///< of a switch that is on by itself: what switches it off in a command
+  Kind kind;
+  std::vector<Type> types; ///< of what one call of the setter takes
+  double low;
+  double high;
+  bool lowOpen; ///< the end does not belong to the range
+  bool highOpen;
+  std::vector<SettingChoice> choices; ///< what it can be; empty: every number in the range
+  std::vector<const char*> parts;     ///< names of what it takes, where that is several
+  const char* unit;
+  const char* group;
+  const char* text;
+  const char* standard; ///< the default, as it is written in a command
+  /// Its numbers; null where it holds none.
+  std::vector<double> (*values)(vtkObject* object);
+  void (*set)(vtkObject* object, const std::vector<SettingValue>& values);
+};
+
+/// Makes the tables of a module known, for as long as the program runs.
+class VTKLAMELLASOLVERSVTK_EXPORT SettingTables
+{
+public:
+  using Table = const std::vector<Setting>& (*)();
+  explicit SettingTables(const std::map<std::string, Table>& byClass);
+};
+
+/// Those of a class and of its bases; empty for a class that is not known.
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT const std::vector<Setting>& settingsOf(const std::string& className);
+
+/// What people call it: "max iterations".
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::string nameOf(const Setting& setting);
+
+/// Refuses numbers of a setting as checkSettings() does. @throws ParameterError
+VTKLAMELLASOLVERSVTK_EXPORT void checkSetting(const Setting& setting, const std::vector<double>& values);
+
+/// Refuses a word that is none of its choices, in the words of every front end. @throws ParameterError
+[[noreturn]] VTKLAMELLASOLVERSVTK_EXPORT void refuseWord(const Setting& setting, const std::string& word);
+
+} // namespace lamella
