@@ -135,7 +135,7 @@ PointCompression<Dim>::PointCompression(
   motion.gravity = {};
   motion.acceleration = {};
   motion.progress = [this](std::int64_t, double)
-  { return options_.progress && options_.progress(std::min(strain() / options_.strain, 1.0)); };
+  { return options_.progress && options_.progress(body_ ? std::min(strain() / options_.strain, 1.0) : 0); };
   std::sort(options_.atStrains.begin(), options_.atStrains.end());
   body_ = std::make_unique<PointDynamics<Dim>>(std::move(points), std::move(law), motion);
   if (!options_.continueFrom.empty())
@@ -376,6 +376,12 @@ void PointCompression<Dim>::measure()
 }
 
 template <int Dim>
+bool PointCompression<Dim>::stops() const
+{
+  return options_.motion.comm.any(options_.motion.progress(body_->steps(), body_->time()));
+}
+
+template <int Dim>
 bool PointCompression<Dim>::advance(double to)
 {
   const double half = options_.strain / (2 * options_.rows);
@@ -402,7 +408,7 @@ bool PointCompression<Dim>::advance(double to)
         body_->sortAnew();
         sortedAt_ = body_->steps();
       }
-      goesOn = !options_.motion.comm.any(options_.motion.progress(body_->steps(), body_->time()));
+      goesOn = !stops();
     }
     if (!goesOn)
     {
@@ -425,6 +431,8 @@ bool PointCompression<Dim>::run()
 try
 {
   const double half = options_.strain / (2 * options_.rows);
+  if (stops())
+    return false;
   if (halfRows_ == 0 && rows_.empty())
   {
     openRow();

@@ -198,9 +198,11 @@ vtkPointStiffness::Answer vtkPointStiffness::Solve(const lamella::PointScene& sc
 
 void vtkPointStiffness::Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& alone)
 {
+  this->SetProgressText("stiffness");
+  this->LetStop(alone);
   const lamella::PointScene scene(
     input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), this->Settings(), alone);
-  this->SetProgressText("stiffness");
+  this->LetStop(alone);
   const Answer answer = scene.lattice().dimension == 3 ? this->Solve<3>(scene) : this->Solve<2>(scene);
 
   vtkTable* const constants = vtkTable::GetData(outputs, 0);

@@ -20,6 +20,7 @@ import tempfile
 import time
 
 LIMIT = 2.0
+LOST = 60.0  # s of processor time after a signal, from which it is not waited for any longer
 TICK = os.sysconf("SC_CLK_TCK")
 
 SAMPLES = {
@@ -91,6 +92,12 @@ class Trial:
                 used = processor(process)
             if used is not None:
                 process.send_signal(number)
+                now = used
+                while now is not None and now < used + LOST:
+                    time.sleep(0.02)
+                    now = processor(process)
+                if now is not None:
+                    process.kill()
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
             err.seek(0)
@@ -103,6 +110,8 @@ class Trial:
 
 
 def main():
+    # a shell lets what it runs in the background ignore Ctrl-C, and so would every command here: it would go on to its end
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     keys = dict(word.split("=", 1) for word in sys.argv[1:] if "=" in word)
     program = os.path.abspath(keys.get("lamella", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "build", "bin", "lamella")))
     times, most = int(keys.get("times", "6")), float(keys.get("most", "20"))
