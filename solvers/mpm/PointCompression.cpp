@@ -523,7 +523,7 @@ CompressionSummary PointCompression<Dim>::summary() const
     s.warnings.push_back(fmt::format("the stress on the straight sides is up to {:.0f} % of that on the platens, where "
                                      "it should be none: lower the speeds, or allow less kinetic energy",
       100 * s.worstLateral));
-  if (elastic_ && !rows_.empty() && rows_.back().dissipated > mostLost * rows_.back().work)
+  if (elastic_ && !rows_.empty() && rows_.back().work > 0 && rows_.back().dissipated > mostLost * rows_.back().work)
     s.warnings.push_back(fmt::format("{:.0f} % of the work on walls that are elastic is gone: walls may have come "
                                      "apart between points; take more of them "
                                      "a cell: 9 in a plane hold where 4 tear",
