@@ -103,10 +103,11 @@ class Trial:
             err.seek(0)
             self.said = err.read().decode("utf-8", "replace")
         self.code = process.returncode
-        self.after = None if used is None or self.code == 0 else usage.ru_utime + usage.ru_stime - used
+        self.early = self.code == -number  # libraries were still being loaded: nothing has begun that could be lost
+        self.after = None if used is None or self.early or self.code == 0 else usage.ru_utime + usage.ru_stime - used
         self.progress = re.search(r"interrupted at [\d.e+-]+ %", self.said) is not None
         self.kept = bool(checkpoint) and os.path.exists(os.path.join(folder, checkpoint))
-        self.right = self.code == 128 + number
+        self.right = self.code == 128 + number or self.early
 
 
 def main():
@@ -138,7 +139,7 @@ def main():
                 trial = Trial(program, folder, words, checkpoint, moment, number)
                 if not trial.right and trial.code != 0:
                     sys.exit(f"{name}, {moment:.2f} s: exit code {trial.code}\n{trial.said}")
-                print(f"{name}: signal {number} at {moment:.2f} s, " + ("had ended" if trial.after is None else f"{trial.after:.2f} s more"),
+                print(f"{name}: signal {number} at {moment:.2f} s, " + ("at once" if trial.early else "had ended" if trial.after is None else f"{trial.after:.2f} s more"),
                       file=sys.stderr, flush=True)
                 if trial.after is not None:
                     trials.append(trial)
