@@ -243,6 +243,9 @@ protected:
   /// Fills the outputs; RequestData() makes errors of VTK of what it throws. Collective over the team.
   virtual void Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& team) = 0;
 
+  /// Tells observers that it sets up. @throws Cancelled where one of any rank stopped it. Collective
+  void LetStop(const lamella::Team& team);
+
   /// All of the settings above.
   lamella::PointSettings Settings() const;
 

@@ -465,6 +465,12 @@ TEST_F(Points, MistakesAreTold)
     { "'viod' is to be void, but is no phase of this image", [](auto* f, auto*) { f->AddVoid("viod"); } },
     { "'young' is given for 'wal', which is no phase of this image\nhint: did you mean 'wall'?",
       [](auto* f, auto*) { f->SetPhaseConstant("wal", "young", 5e9); } },
+    { "'young' is given for 'lumen', which is void and has no points\nhint: take the constant out, or the phase",
+      [](auto* f, auto*)
+      {
+        f->AddVoid("lumen");
+        f->SetPhaseConstant("lumen", "young", 1e9);
+      } },
     { "all 168 nodes are void",
       [](auto* f, auto*)
       {
