@@ -154,7 +154,7 @@ class Dynamics(Case):
         self.fails(2, "--start-rate without --tau", "", *good, "--start-rate", "50%")
         self.fails(2, "--start-rate 'nan' is not a share", "", *good, "--start-rate", "nan")
         for share in ["1e-300", "1e-6", "0"]:
-            self.fails(2, "a step of %s times the stable one" % share.replace("e-6", "e-06"), "1e-05 to 1", *good, "--step-share", share)
+            self.fails(2, "step share %s is below 1e-05" % share.replace("e-6", "e-06"), "1e-05 to 1", *good, "--step-share", share)
         self.fails(2, "of the stable one, ", "or leave it out", *good, "--step", "1e-30")
         self.fails(2, "steps until the first break", "give a larger one", *good, "--strain-rate", "1e-30")
         self.fails(2, "steps until the first break", "give a larger one", *good, "--travel-times", "1e30")

@@ -116,7 +116,7 @@ class Packing(Case):
             self.fails(code, message, hint, "packing", *words)
 
         fails("3 grains", "10 to", "--count", "3")
-        fails("grains in 4 dimensions", "2: disks", "--dimension", "4")
+        fails("dimension 4 is none of its choices", "one of 2, 3", "--dimension", "4")
         fails("--mean-diameter 'big' is not a length", "0.5um", "--mean-diameter", "big")
         fails("the ratio of the diameters is 20", "1 to 10", "--diameter-ratio", "20")
         fails("--sizes 'volumes' is not known", "did you mean 'volume'?", "--sizes", "volumes")
