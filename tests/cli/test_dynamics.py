@@ -161,7 +161,7 @@ class Dynamics(Case):
         self.fails(2, "until 1e+30 s it takes", "what you want to see", *STRIP, "--velocity", "y+=0,1", "--end-time", "1e30")
         self.fails(2, "--omega0 and --delta-l", "", *good, "--tau", "1e-6", "--delta-l", "1um", "--omega0", "1")
         self.fails(2, "no strain rate, and nothing can break", "", *STRIP)
-        self.fails(2, "damping of 2 times the critical one", "0 to 1", *good, "--damping", "2")
+        self.fails(2, "damping 2 is above 1", "0 to 1", *good, "--damping", "2")
         self.write("bare.png", pictures.png([[255] * 30 for _ in range(44)]))
         self.fails(2, "motion needs the size of a pixel", "--pixel-size", "dynamics", "bare.png", "--phase", "255=stone", "--young",
                    "stone=1e9", "--density", "1000", "--critical-stretch", "stone=0.01")
