@@ -54,7 +54,7 @@ public:
     X = 0,
     Y = 1,
     Z = 2,
-    AUTO = 3
+    AUTO = 3 ///< "The first that was solved"
   };
   ///@{
   /**

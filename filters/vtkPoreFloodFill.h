@@ -65,8 +65,8 @@ public:
   ///@{
   /**
    * Over what nodes hang together: 4 or 8 neighbours in a picture, 6, 18 or 26 in a volume.
-   * @values 0: sides or faces (4 or 6); 4: picture, sides; 8: picture, and corners; 6: volume, faces; 18: volume, and
-   * edges; 26: volume, and corners
+   * @values 0 = Sides or faces (4 or 6); 4 = 4 (picture: sides); 8 = 8 (picture: and corners); 6 = 6 (volume: faces);
+   * 18 = 18 (volume: and edges); 26 = 26 (volume: and corners)
    */
   vtkSetMacro(Connectivity, int);
   vtkGetMacro(Connectivity, int);

@@ -64,11 +64,11 @@ public:
     XY = 3,          ///< "xy"
     YZ = 4,          ///< "yz"
     XZ = 5,          ///< "xz"
-    MEAN = 6,        ///< a third of the trace
-    VON_MISES = 7,   ///< always positive
-    PRINCIPAL_1 = 8, ///< the largest principal stress
-    PRINCIPAL_2 = 9,
-    PRINCIPAL_3 = 10 ///< the smallest
+    MEAN = 6,        ///< "Mean": a third of the trace
+    VON_MISES = 7,   ///< "Von Mises": always positive
+    PRINCIPAL_1 = 8, ///< "Largest principal": the largest principal stress
+    PRINCIPAL_2 = 9, ///< "Middle principal"
+    PRINCIPAL_3 = 10 ///< "Smallest principal": the smallest
   };
   ///@{
   /**

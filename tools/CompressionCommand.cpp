@@ -251,10 +251,10 @@ private:
     constexpr double much = 20; // seconds
     if (plan[3] > much)
     {
-      session_.note(
-        fmt::format("the stiffness of {} nodes takes about {} of memory and {:.2g} to {:.2g} s of processor "
-                    "time, the longer the thinner the walls",
-          grouped(static_cast<std::int64_t>(plan[0])), bytesText(plan[1]), plan[2], plan[3]));
+      const auto seconds = [](double s) { return s < 10 ? fmt::format("{:.1f}", s) : fmt::format("{:.0f}", s); };
+      session_.note(fmt::format("the stiffness of {} nodes takes about {} of memory and {} to {} s of processor "
+                                "time, the longer the thinner the walls",
+        grouped(static_cast<std::int64_t>(plan[0])), bytesText(plan[1]), seconds(plan[2]), seconds(plan[3])));
     }
   }
 

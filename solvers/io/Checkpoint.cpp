@@ -116,7 +116,8 @@ Handle openImage(std::span<const std::byte> image)
   return { H5Fopen("checkpoint", H5F_ACC_RDONLY, access), H5Fclose };
 }
 
-std::vector<std::byte> encodeContent(const Checkpoint& checkpoint)
+/// @param before bytes to leave free before it
+std::vector<std::byte> encodeContent(const Checkpoint& checkpoint, std::size_t before)
 {
   const Quiet quiet;
   const Handle file = openImage({});
@@ -140,8 +141,8 @@ std::vector<std::byte> encodeContent(const Checkpoint& checkpoint)
   good(H5Fflush(file, H5F_SCOPE_GLOBAL));
   const ssize_t size = H5Fget_file_image(file, nullptr, 0);
   good(size > 0 ? 0 : -1);
-  std::vector<std::byte> image(static_cast<std::size_t>(size));
-  good(H5Fget_file_image(file, image.data(), image.size()) == size ? 0 : -1);
+  std::vector<std::byte> image(before + static_cast<std::size_t>(size));
+  good(H5Fget_file_image(file, image.data() + before, static_cast<std::size_t>(size)) == size ? 0 : -1);
   return image;
 }
 
@@ -279,12 +280,11 @@ const std::vector<std::int64_t>& Checkpoint::integers(const std::string& name) c
 
 std::vector<std::byte> encode(const Checkpoint& checkpoint)
 {
-  const std::vector<std::byte> content = encodeContent(checkpoint);
+  std::vector<std::byte> bytes = encodeContent(checkpoint, headerBytes);
+  const std::span<const std::byte> content = std::span(bytes).subspan(headerBytes);
   const std::string header = fmt::format("{}format {}\nwritten-by {}\nbytes {}\nsha256 {}\nHDF5 from byte {}\n", magic,
     format, program(), content.size(), hashOf(content), headerBytes);
-  std::vector<std::byte> bytes(headerBytes + content.size());
   std::memcpy(bytes.data(), header.data(), std::min(header.size(), headerBytes));
-  std::memcpy(bytes.data() + headerBytes, content.data(), content.size());
   return bytes;
 }
 

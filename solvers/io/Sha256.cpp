@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <iterator>
+#include <type_traits>
+#include <utility>
 
 namespace lamella::io
 {
@@ -48,16 +51,26 @@ void Sha256::block(const std::byte* data)
   }
   std::uint32_t v[8];
   std::copy(std::begin(state_), std::end(state_), v);
-  for (int t = 0; t < 64; ++t)
+  // The standard moves a to b, b to c … after each round; here the names move: what is a in round t is h in the next.
+  const auto round = [&](int t, auto shift)
   {
-    const std::uint32_t s1 = std::rotr(v[4], 6) ^ std::rotr(v[4], 11) ^ std::rotr(v[4], 25);
-    const std::uint32_t choose = (v[4] & v[5]) ^ (~v[4] & v[6]);
-    const std::uint32_t t1 = v[7] + s1 + choose + roundConstants[t] + w[t];
-    const std::uint32_t s0 = std::rotr(v[0], 2) ^ std::rotr(v[0], 13) ^ std::rotr(v[0], 22);
-    const std::uint32_t majority = (v[0] & v[1]) ^ (v[0] & v[2]) ^ (v[1] & v[2]);
-    std::copy_backward(v, v + 7, v + 8);
-    v[4] += t1;
-    v[0] = t1 + s0 + majority;
+    constexpr unsigned s = decltype(shift)::value;
+    const auto at = [&](unsigned name) -> std::uint32_t& { return v[(name - s) % 8]; };
+    const std::uint32_t s1 = std::rotr(at(4), 6) ^ std::rotr(at(4), 11) ^ std::rotr(at(4), 25);
+    const std::uint32_t choose = (at(4) & at(5)) ^ (~at(4) & at(6));
+    const std::uint32_t t1 = at(7) + s1 + choose + roundConstants[t + static_cast<int>(s)] + w[t + static_cast<int>(s)];
+    const std::uint32_t s0 = std::rotr(at(0), 2) ^ std::rotr(at(0), 13) ^ std::rotr(at(0), 22);
+    const std::uint32_t majority = (at(0) & at(1)) ^ (at(0) & at(2)) ^ (at(1) & at(2));
+    at(3) += t1;
+    at(7) = t1 + s0 + majority;
+  };
+  for (int t = 0; t < 64; t += 8)
+  {
+    [&]<unsigned... s>(std::integer_sequence<unsigned, s...>)
+    {
+      (round(t, std::integral_constant<unsigned, s>()), ...);
+    }
+    (std::make_integer_sequence<unsigned, 8>());
   }
   for (int i = 0; i < 8; ++i)
   {

@@ -135,7 +135,7 @@ PointCompression<Dim>::PointCompression(
   motion.gravity = {};
   motion.acceleration = {};
   motion.progress = [this](std::int64_t, double)
-  { return options_.progress && options_.progress(std::min(strain() / options_.strain, 1.0)); };
+  { return options_.progress && options_.progress(body_ ? std::min(strain() / options_.strain, 1.0) : 0); };
   std::sort(options_.atStrains.begin(), options_.atStrains.end());
   body_ = std::make_unique<PointDynamics<Dim>>(std::move(points), std::move(law), motion);
   if (!options_.continueFrom.empty())
@@ -376,6 +376,12 @@ void PointCompression<Dim>::measure()
 }
 
 template <int Dim>
+bool PointCompression<Dim>::stops() const
+{
+  return options_.motion.comm.any(options_.motion.progress(body_->steps(), body_->time()));
+}
+
+template <int Dim>
 bool PointCompression<Dim>::advance(double to)
 {
   const double half = options_.strain / (2 * options_.rows);
@@ -402,7 +408,7 @@ bool PointCompression<Dim>::advance(double to)
         body_->sortAnew();
         sortedAt_ = body_->steps();
       }
-      goesOn = !options_.motion.comm.any(options_.motion.progress(body_->steps(), body_->time()));
+      goesOn = !stops();
     }
     if (!goesOn)
     {
@@ -425,6 +431,8 @@ bool PointCompression<Dim>::run()
 try
 {
   const double half = options_.strain / (2 * options_.rows);
+  if (stops())
+    return false;
   if (halfRows_ == 0 && rows_.empty())
   {
     openRow();
@@ -515,7 +523,7 @@ CompressionSummary PointCompression<Dim>::summary() const
     s.warnings.push_back(fmt::format("the stress on the straight sides is up to {:.0f} % of that on the platens, where "
                                      "it should be none: lower the speeds, or allow less kinetic energy",
       100 * s.worstLateral));
-  if (elastic_ && !rows_.empty() && rows_.back().dissipated > mostLost * rows_.back().work)
+  if (elastic_ && !rows_.empty() && rows_.back().work > 0 && rows_.back().dissipated > mostLost * rows_.back().work)
     s.warnings.push_back(fmt::format("{:.0f} % of the work on walls that are elastic is gone: walls may have come "
                                      "apart between points; take more of them "
                                      "a cell: 9 in a plane hold where 4 tear",

@@ -54,7 +54,8 @@ struct CompressionOptions
   int rows = 240;                  ///< of the stress-strain table, evenly over the strain
   std::vector<double> atStrains{}; ///< strains at which state() is called
   std::function<void(double strain)> state{};
-  /// Share of the strain done; true asks to stop. Called some times a second, and every few hundred steps at least.
+  /// Share of the strain done; true asks to stop. Called some times a second, and every few hundred steps at least. The
+  /// constructor calls it too, with the share 0.
   std::function<bool(double share)> progress{};
 
   io::CheckpointOptions checkpoint{}; ///< `every` in steps; looked at every 200 or so
@@ -115,13 +116,15 @@ public:
   /// @throws ParameterError: strain not above 0 and below 1, ratios, speeds or rows outside their range, a box without
   /// extent, and what PointDynamics refuses
   /// @throws InputError: points that touch no platen; what io::readCheckpoint() refuses
+  /// @throws Cancelled: progress() asked to stop
   PointCompression(
     MaterialPoints<Dim> points, std::shared_ptr<const PointLaw<Dim>> law, CompressionOptions<Dim> options);
   ~PointCompression();
   PointCompression(const PointCompression&) = delete;
   PointCompression& operator=(const PointCompression&) = delete;
 
-  /// To the end. @return false when progress() asked to stop; a checkpoint then stands where one was asked for
+  /// To the end. @return false when progress() asked to stop; a checkpoint then stands where one was asked for, and the
+  /// run has made a step: before the first there is nothing that a new run would not have too
   /// @throws DivergenceError as PointDynamics::advance()
   bool run();
 
@@ -136,6 +139,7 @@ private:
   /// What a checkpoint is of, the same text on all ranks. Collective.
   [[nodiscard]] std::string scene(const MaterialPoints<Dim>& points, const PointLaw<Dim>& law) const;
   bool advance(double strain);
+  [[nodiscard]] bool stops() const; ///< whether progress() of any rank asks to. Collective
   void control();
   void press(double speed);
   void openRow();

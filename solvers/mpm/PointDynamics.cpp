@@ -62,7 +62,8 @@ PointDynamics<Dim>::PointDynamics(
     walled_ = walled_ && side[0].edge == Edge::Wall && side[1].edge == Edge::Wall;
   layGrid(false);
   ranks_.chooseAxis(grid_);
-  chooseStep();
+  if (!chooseStep())
+    throw Cancelled();
   if (options_.fused && options_.shape == Shape::QuadraticSpline && options_.mass == MassMatrix::Lumped &&
     options_.transfer == Transfer::Apic && options_.update == StressUpdate::Last && !options_.acceleration &&
     static_cast<int>(law_->kind()) < lawKinds)
@@ -156,16 +157,25 @@ double PointDynamics<Dim>::stableStep() const
 }
 
 template <int Dim>
-void PointDynamics<Dim>::measureFactor()
+bool PointDynamics<Dim>::stops() const
+{
+  return options_.comm.any(options_.progress && options_.progress(step_, time_));
+}
+
+template <int Dim>
+bool PointDynamics<Dim>::measureFactor()
 {
   if (options_.shape != Shape::QuadraticSpline || options_.mass != MassMatrix::Lumped)
   {
     factor_ = otherShapes;
-    return;
+    return true;
   }
-  const double seen = measured_.measure(points_, grid_, factor_ == 0 ? 24 : 8, options_.comm);
+  const auto seen = measured_.measure(points_, grid_, factor_ == 0 ? 24 : 8, options_.comm, [this] { return stops(); });
+  if (!seen)
+    return false;
   // transfers that smooth velocities (T) are stable up to the greatest eigenvalue of (½ M (1 + T))⁻¹ K
-  factor_ = std::max({ factor_, seen * margin * (options_.transfer == Transfer::Flip ? 1 : smoothing), leastFactor });
+  factor_ = std::max({ factor_, *seen * margin * (options_.transfer == Transfer::Flip ? 1 : smoothing), leastFactor });
+  return true;
 }
 
 template <int Dim>
@@ -180,10 +190,10 @@ double PointDynamics<Dim>::fastestStrain() const
 }
 
 template <int Dim>
-void PointDynamics<Dim>::chooseStep()
+bool PointDynamics<Dim>::chooseStep()
 {
-  if (step_ % remeasure == 0)
-    measureFactor();
+  if (step_ % remeasure == 0 && !measureFactor())
+    return false;
   const double stable = stableStep();
   if (!(stable > 0))
     throw DivergenceError(
@@ -207,6 +217,7 @@ void PointDynamics<Dim>::chooseStep()
       fmt::format("at step {} the step of {:.4g} s became unstable: the deformed body allows {:.4g} s", step_,
         *options_.step, stable),
       "take a smaller one, or none: it is then chosen");
+  return true;
 }
 
 template <int Dim>
@@ -223,10 +234,9 @@ bool PointDynamics<Dim>::run(std::int64_t steps, double dt)
 {
   for (std::int64_t i = 0; i < steps; ++i)
   {
-    if (step_ % between == 0 && step_ > 0)
-      chooseStep();
-    const bool stop = step_ % looks_ == 0 && step_ > 0 && i > 0 &&
-      options_.comm.any(options_.progress && options_.progress(step_, time_));
+    if (step_ % between == 0 && step_ > 0 && !chooseStep())
+      return false;
+    const bool stop = step_ % looks_ == 0 && step_ > 0 && i > 0 && stops();
     const double now = dt > 0 ? std::min(dt, dt_) : dt_;
     if (fused_)
       fusedStep(now, (before_ + now) / 2, stop || i + 1 == steps || (step_ + 1) % between == 0);

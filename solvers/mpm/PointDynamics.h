@@ -89,7 +89,7 @@ struct PointDynamicsOptions
   Vector<Dim> gravity{};        ///< [m/s²]
   /// Acceleration by body forces, of the point with a number, at a time [m/s²].
   std::function<Vector<Dim>(std::uint32_t id, double time)> acceleration{};
-  /// Some times a second, and every hundred steps at least; true asks to stop.
+  /// Some times a second, and every hundred steps at least; true asks to stop. The constructor asks too, of step 0.
   std::function<bool(std::int64_t step, double time)> progress{};
   /// Ranks that share the points; several take lumped mass and PIC or APIC only. Options are the same on all, but for
   /// `progress`, which each may have: one that asks is enough.
@@ -121,6 +121,7 @@ public:
   /// cells between walls; a law with fewer phases than the points have; several ranks and a transfer or mass that they
   /// do not take, or fewer than four rows of cells each
   /// @throws InputError: no points, or points without mass or volume, outside the walls, or not finite
+  /// @throws Cancelled: progress() asked to stop
   PointDynamics(
     MaterialPoints<Dim> points, std::shared_ptr<const PointLaw<Dim>> law, PointDynamicsOptions<Dim> options);
   ~PointDynamics();
@@ -203,8 +204,10 @@ private:
   void wrap();
   /// Largest component of the points' velocity gradients [1/s]; 0 where the transfer has none.
   [[nodiscard]] double fastestStrain() const;
-  void measureFactor();
-  void chooseStep();
+  [[nodiscard]] bool stops() const; ///< whether progress() of any rank asks to. Collective
+  // false where that asked to stop on the way: all is as before then
+  bool measureFactor();
+  bool chooseStep();
   bool run(std::int64_t steps, double dt);
   void generalStep(double dt, double kick);
   /// Points to their ranks and cells, and what they have to the nodes.

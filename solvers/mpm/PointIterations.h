@@ -29,6 +29,7 @@ public:
   {
     std::vector<std::int64_t> iterations; ///< by right-hand side
     double residual = 0;                  ///< the worst, as PointStiffness::residual
+    double lost = 0;                      ///< as PointStiffness::lost
   };
   /// @param energies by which each f can change that of the box at most
   /// @param progress told the share done of the worst; throws to stop

@@ -267,7 +267,7 @@ std::vector<int> allowedStrains(const std::array<BoxSides, Dim>& sides)
 
 // Measured, see docs/solvers/point-stiffness.md. In space a row has up to 125 blocks of 76 bytes, in a plane 25 of 36;
 // the levels above take half as much again, in a plane as much again and more. Time is that of setting up, and of 10 to
-// 150 iterations, 8 to 60 in a plane.
+// 300 iterations, 8 to 60 in a plane.
 PointStiffnessPlan planPointStiffness(int dimension, std::int64_t nodes, std::size_t cases, bool factors)
 {
   const auto n = static_cast<double>(nodes);
@@ -283,7 +283,7 @@ PointStiffnessPlan planPointStiffness(int dimension, std::int64_t nodes, std::si
   else if (dimension == 3)
   {
     plan.bytes = n * (14300 + 120 * many);
-    plan.seconds = { n * (7e-5 + 10 * 1.8e-6 * many), n * (7e-5 + 150 * 1.8e-6 * many) };
+    plan.seconds = { n * (7e-5 + 10 * 1.8e-6 * many), n * (7e-5 + 300 * 1.8e-6 * many) };
   }
   else
   {
@@ -398,6 +398,7 @@ PointStiffness<Dim> pointStiffness(
       [&](double share) { say(begin + (1 - begin) * share); });
     r.iterations = outcome.iterations;
     r.residual = outcome.residual;
+    r.lost = outcome.lost;
   }
   for (std::size_t k = 0; k < n; ++k)
   {

@@ -46,7 +46,8 @@ struct PointStiffnessOptions
   /// walls all round: an upper bound of it. Walls all round: stretching and pressing only.
   std::array<BoxSides, Dim> sides{};
   StiffnessSolver solver = StiffnessSolver::Automatic;
-  double tolerance = 1e-6; ///< of the residual, as PointStiffness::residual
+  /// Of the residual, as PointStiffness::residual. Multigrid ends before it where PointStiffness::lost says so.
+  double tolerance = 1e-6;
   std::int64_t maximumIterations = 20000;
   double memory = 0;                      ///< bytes that may be taken; 0: all that are free
   std::function<bool(double)> progress{}; ///< share done; true asks to stop
@@ -79,6 +80,10 @@ struct PointStiffness
   std::vector<std::int64_t> iterations; ///< of conjugate gradients, by strain
   /// The worst; of forces over the roots of K's diagonal, over the root of the energy of a box strained evenly.
   double residual = 0;
+  /// 0 where the tolerance was reached. Else iterations ended before it, since hundreds of them had brought the
+  /// stiffness no further: the largest share of a box's energy that the last hundred took away. What is left to take is
+  /// more of that, of the size of a few such hundreds.
+  double lost = 0;
   double setupSeconds = 0; ///< wall: points, matrix, factors
   double solveSeconds = 0;
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 namespace lamella::mpm
 {
@@ -102,8 +103,8 @@ WaveFactor<Dim>::WaveFactor(double bulk)
 }
 
 template <int Dim>
-double WaveFactor<Dim>::measure(
-  const MaterialPoints<Dim>& points, const BackgroundGrid<Dim>& grid, int passes, const Communicator& comm)
+std::optional<double> WaveFactor<Dim>::measure(const MaterialPoints<Dim>& points, const BackgroundGrid<Dim>& grid,
+  int passes, const Communicator& comm, const std::function<bool()>& stop)
 {
   using Points = MaterialPoints<Dim>;
   const auto nodes = static_cast<std::size_t>(grid.count());
@@ -153,25 +154,28 @@ double WaveFactor<Dim>::measure(
   comm.sum(scale);
   for (double& m : scale)
     m = m > 1e-300 ? 1 / std::sqrt(m) : 0;
-  if (field_.size() != nodes * Dim)
+  std::vector<double> field = field_;
+  if (field.size() != nodes * Dim)
   {
-    field_.resize(nodes * Dim);
-    for (std::size_t i = 0; i < field_.size(); ++i)
-      field_[i] = scrambled(i);
+    field.resize(nodes * Dim);
+    for (std::size_t i = 0; i < field.size(); ++i)
+      field[i] = scrambled(i);
   }
 
   double factor = 0;
   std::vector<double> next(nodes * Dim);
   for (int pass = 0; pass < passes; ++pass)
   {
+    if (stop())
+      return std::nullopt;
     double norm = 0;
-    for (std::size_t i = 0; i < field_.size(); ++i)
-      norm += scale[i / Dim] > 0 ? field_[i] * field_[i] : 0;
+    for (std::size_t i = 0; i < field.size(); ++i)
+      norm += scale[i / Dim] > 0 ? field[i] * field[i] : 0;
     if (!(norm > 0))
-      return factor;
+      break;
     norm = 1 / std::sqrt(norm);
-    for (std::size_t i = 0; i < field_.size(); ++i)
-      field_[i] *= norm * scale[i / Dim];
+    for (std::size_t i = 0; i < field.size(); ++i)
+      field[i] *= norm * scale[i / Dim];
     std::fill(next.begin(), next.end(), 0);
     double energy = 0;
     for (std::size_t p = 0; p < points.count(); ++p)
@@ -181,7 +185,7 @@ double WaveFactor<Dim>::measure(
       Matrix<Dim> slope{};
       for (int n = 0; n < Reach<Dim>::splines; ++n)
       {
-        const double* u = field_.data() + (r.first + jump[static_cast<std::size_t>(n)]) * Dim;
+        const double* u = field.data() + (r.first + jump[static_cast<std::size_t>(n)]) * Dim;
         for (int a = 0; a < Dim; ++a)
           for (int b = 0; b < Dim; ++b)
             slope(a, b) += u[a] * r.gradient[b][n];
@@ -206,9 +210,10 @@ double WaveFactor<Dim>::measure(
     }
     comm.sum(next);
     factor = std::max(factor, comm.sum(energy)); // Rayleigh's quotient
-    for (std::size_t i = 0; i < field_.size(); ++i)
-      field_[i] = next[i] * scale[i / Dim];
+    for (std::size_t i = 0; i < field.size(); ++i)
+      field[i] = next[i] * scale[i / Dim];
   }
+  field_ = std::move(field);
   return factor;
 }
 

@@ -165,6 +165,13 @@ void PointScene::findVoids()
     void_[id] = settings_.voids.empty()
       ? isVoidName(names[id]) && entryOf(settings_.ofPhase, names, id) == settings_.ofPhase.end()
       : told;
+    const auto given = entryOf(settings_.ofPhase, names, id);
+    if (void_[id] && given != settings_.ofPhase.end())
+    {
+      throw ParameterError(fmt::format("'{}' is given for '{}', which is void and has no points",
+                             nameOf(given->second.begin()->first), names[id]),
+        "take the constant out, or the phase from the voids");
+    }
   }
   bool some = false;
   for (std::size_t id = 0; id < names.size(); ++id)

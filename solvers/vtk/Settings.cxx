@@ -52,15 +52,15 @@ std::string fault(const Setting& setting, double value)
   {
     return "is not a number";
   }
-  if (std::isinf(value))
+  if (std::isinf(value) && (setting.highOpen || value < 0 || std::isfinite(setting.high)))
   {
     return "is not finite";
   }
-  if (setting.lowOpen ? !(value > setting.low) : value < setting.low)
+  if (std::isfinite(setting.low) && (setting.lowOpen ? !(value > setting.low) : value < setting.low))
   {
     return fmt::format("is {} {}", setting.lowOpen ? "not above" : "below", setting.low);
   }
-  if (setting.highOpen ? !(value < setting.high) : value > setting.high)
+  if (std::isfinite(setting.high) && (setting.highOpen ? !(value < setting.high) : value > setting.high))
   {
     return fmt::format("is {} {}", setting.highOpen ? "not below" : "above", setting.high);
   }
@@ -110,8 +110,8 @@ void checkSetting(const Setting& setting, const std::vector<double>& values)
     const std::string wrong = fault(setting, values[i]);
     if (!wrong.empty())
     {
-      const std::string part =
-        values.size() > 1 && i < setting.parts.size() ? fmt::format(" ({})", setting.parts[i]) : "";
+      const std::string name = values.size() > 1 && i < setting.parts.size() ? setting.parts[i] : "";
+      const std::string part = name.empty() ? "" : fmt::format(" ({})", name.substr(0, name.find(" ["))); // no unit
       throw ParameterError(fmt::format("{}{} {} {}", nameOf(setting), part, values[i], wrong), remedy(setting));
     }
   }

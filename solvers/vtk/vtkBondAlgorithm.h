@@ -122,9 +122,9 @@ public:
 
   enum Mixings
   {
-    NO_MIXING = 0,
-    HARMONIC = 1, ///< two half bonds in series; it breaks when the first half does
-    MINIMUM = 2   ///< the lesser E and the lesser s0
+    NO_MIXING = 0, ///< "None: an error"
+    HARMONIC = 1,  ///< two half bonds in series; it breaks when the first half does
+    MINIMUM = 2    ///< "Minimum: the lesser of both": the lesser E and the lesser s0
   };
   ///@{
   /**
@@ -138,7 +138,7 @@ public:
 
   enum Continua
   {
-    AUTO_CONTINUUM = 0, ///< plane stress for pictures, space for volumes
+    AUTO_CONTINUUM = 0, ///< "Automatic: plane stress or space": plane stress for pictures, space for volumes
     PLANE_STRESS = 1,
     PLANE_STRAIN = 2,
     SPACE = 3
@@ -168,10 +168,13 @@ public:
 
   enum Micromoduli
   {
-    AUTO_MICROMODULUS = -1,     ///< isotropic in volumes and for an effective stiffness, else continuum
-    CONTINUUM_MICROMODULUS = 0, ///< from the integral over the horizon, as in the literature
-    LATTICE_MICROMODULUS = 1,   ///< such that Young's modulus along the axes is exact in the bulk of this lattice
-    ISOTROPIC_MICROMODULUS = 2  ///< by direction, such that the bulk has E and Poisson's ratio in every direction
+    AUTO_MICROMODULUS = -1, ///< "Automatic": isotropic in volumes and for an effective stiffness, else continuum
+    CONTINUUM_MICROMODULUS =
+      0, ///< "Continuum, as in the literature": from the integral over the horizon, as in the literature
+    LATTICE_MICROMODULUS = 1, ///< "Lattice: exact along the axes": such that Young's modulus along the axes is exact in
+                              ///< the bulk of this lattice
+    ISOTROPIC_MICROMODULUS = 2 ///< "Isotropic: exact in every direction": by direction, such that the bulk has E and
+                               ///< Poisson's ratio in every direction
   };
   ///@{
   /**

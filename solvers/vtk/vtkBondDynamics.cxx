@@ -15,6 +15,7 @@
 #include "vtkPolyData.h"
 #include "vtkTable.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -242,6 +243,13 @@ void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkP
       {
         throw lamella::ParameterError(
           "the density of " + names[id] + " is " + std::to_string(own->second), "give a number above 0 [kg/m³]");
+      }
+      const auto& voids = scene.model().voids;
+      if (std::find(voids.begin(), voids.end(), id) != voids.end())
+      {
+        throw lamella::ParameterError(
+          "a density is given for " + names[id] + ", but " + names[id] + " carries no bonds",
+          "take the density out, or the phase from the voids");
       }
       options.densities[id] = own->second;
     }

@@ -106,9 +106,9 @@ public:
   enum Solvers
   {
     MULTIGRID = 0,
-    JACOBI = 1,            ///< conjugate gradients with the nodes' blocks
-    DIRECT = 2,            ///< sparse Cholesky; one rank, small images
-    DYNAMIC_RELAXATION = 3 ///< for comparison
+    JACOBI = 1,            ///< "Jacobi": conjugate gradients with the nodes' blocks
+    DIRECT = 2,            ///< "Direct (small images)": sparse Cholesky; one rank, small images
+    DYNAMIC_RELAXATION = 3 ///< "Dynamic relaxation": for comparison
   };
   ///@{
   /**

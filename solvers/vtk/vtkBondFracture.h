@@ -91,7 +91,7 @@ public:
   {
     AUTO = 0,    ///< "Automatic": EVENTS where it can be had, else ACCURATE
     EVENTS = 1,  ///< corrections around each break; one rank, sides not periodic, strict breaking
-    ACCURATE = 2 ///< the whole sample after each break: slow, to check against
+    ACCURATE = 2 ///< "Accurate: all after each break": the whole sample after each break: slow, to check against
   };
   ///@{
   /**
@@ -109,8 +109,8 @@ public:
 
   enum Breakings
   {
-    STRICT = 0, ///< one bond at a time, the most critical
-    BATCHED = 1 ///< all that are critical at once
+    STRICT = 0, ///< "Strict: one bond at a time": one bond at a time, the most critical
+    BATCHED = 1 ///< "Batched: all that are critical": all that are critical at once
   };
   ///@{
   /**

@@ -30,10 +30,10 @@ public:
 
   enum Loads
   {
-    STRETCH = 0, ///< the high platen moves along the axis
-    SHEAR = 1,   ///< it moves across: along x where the axis is the last one
-    BIAXIAL = 2, ///< smooth platens on all sides
-    TRACTION = 3 ///< a force spread evenly over the high platen, which is not stiff
+    STRETCH = 0, ///< "Stretch": the high platen moves along the axis
+    SHEAR = 1,   ///< "Shear": it moves across: along x where the axis is the last one
+    BIAXIAL = 2, ///< "Biaxial": smooth platens on all sides
+    TRACTION = 3 ///< "Traction": a force spread evenly over the high platen, which is not stiff
   };
   ///@{
   /** What is done to the sample. Default STRETCH. */
@@ -42,7 +42,7 @@ public:
 
   enum Axes
   {
-    LAST_AXIS = -1, ///< y of a picture (upwards), z of a volume
+    LAST_AXIS = -1, ///< "Last: y of a picture, z of a volume": y of a picture (upwards), z of a volume
     X = 0,
     Y = 1,
     Z = 2

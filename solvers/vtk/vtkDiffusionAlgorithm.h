@@ -78,7 +78,7 @@ public:
 
   enum Lattices
   {
-    AUTO_LATTICE = 0, ///< D2Q5 or D3Q7; D2Q9 for conductivities along and across
+    AUTO_LATTICE = 0, ///< "D2Q5 or D3Q7": D2Q5 or D3Q7; D2Q9 for conductivities along and across
     D2Q5 = 1,         ///< "D2Q5"
     D2Q9 = 2,         ///< "D2Q9"
     D3Q7 = 3,         ///< "D3Q7"

@@ -44,7 +44,7 @@ public:
   /**
    * Disks in a plane or spheres in space.
    * @group Grains
-   * @values 2: disks; 3: spheres
+   * @values 2 = 2: disks; 3 = 3: spheres
    */
   vtkSetMacro(Dimension, int);
   vtkGetMacro(Dimension, int);
@@ -83,9 +83,9 @@ public:
 
   enum SizeDistributions
   {
-    VOLUME = 0,       ///< areas (3D: volumes) spread evenly
-    VOLUME_SHARE = 1, ///< every diameter fills the same share of the volume
-    DIAMETER = 2      ///< diameters spread evenly
+    VOLUME = 0,       ///< "Areas or volumes evenly": areas (3D: volumes) spread evenly
+    VOLUME_SHARE = 1, ///< "Every diameter fills the same share": every diameter fills the same share of the volume
+    DIAMETER = 2      ///< "Diameters evenly": diameters spread evenly
   };
   ///@{
   /**

@@ -105,8 +105,8 @@ public:
   enum Collisions
   {
     AUTO_COLLISION = 0, ///< "Automatic": TRT
-    BGK = 1,            ///< "BGK: one relaxation time": one relaxation time; faces and mirrors on the outer nodes
-    TRT = 2             ///< "TRT: two relaxation times": two; faces half a spacing outside the outer nodes
+    BGK = 1,            ///< "One relaxation time (BGK)": one relaxation time; faces and mirrors on the outer nodes
+    TRT = 2             ///< "Two relaxation times (TRT)": two; faces half a spacing outside the outer nodes
   };
   ///@{
   /**

@@ -43,8 +43,8 @@ public:
   enum Bases
   {
     PHASES = 0,
-    LEVEL = 1, ///< numbers that vary smoothly; crossings of the level by linear interpolation
-    SHARES = 2 ///< lumen's share of each pixel, 0 to 1
+    LEVEL = 1, ///< "Level": numbers that vary smoothly; crossings of the level by linear interpolation
+    SHARES = 2 ///< "Shares": lumen's share of each pixel, 0 to 1
   };
   ///@{
   /**

@@ -57,8 +57,8 @@ public:
   enum LamellaTypes
   {
     NONE = 0,
-    GROWTH = 1,  ///< what lumens that grow leave between them: thicker where three cells meet
-    CONSTANT = 2 ///< of one thickness, about the line as far from two lumens
+    GROWTH = 1,  ///< "Growth": what lumens that grow leave between them: thicker where three cells meet
+    CONSTANT = 2 ///< "Constant thickness": of one thickness, about the line as far from two lumens
   };
   ///@{
   /**

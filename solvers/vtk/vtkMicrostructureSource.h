@@ -30,9 +30,9 @@ public:
     SOFTWOOD = 0,
     HONEYCOMB = 1,
     CHECKERBOARD = 2,
-    INCLUSIONS = 3, ///< disks in two dimensions, spheres in three
-    LAMINATE = 4,
-    HARDWOOD = 5 ///< two dimensions alone
+    INCLUSIONS = 3, ///< "Disks or spheres": disks in two dimensions, spheres in three
+    LAMINATE = 4,   ///< "Layers"
+    HARDWOOD = 5    ///< "Hardwood": two dimensions alone
   };
   ///@{
   /**

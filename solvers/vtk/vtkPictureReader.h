@@ -92,9 +92,9 @@ public:
 
   enum LumenSides
   {
-    AUTO_LUMEN = 0,
-    BRIGHT = 1,
-    DARK = 2
+    AUTO_LUMEN = 0, ///< "Found from the picture"
+    BRIGHT = 1,     ///< "Brighter than walls, or solid"
+    DARK = 2        ///< "Darker than walls, or solid"
   };
   ///@{
   /**
@@ -171,7 +171,7 @@ public:
   /**
    * Raw volumes: bits of a voxel, 8 or 16; 0: from the name or the size of the file.
    * @group Raw volumes
-   * @values 0: from the name or the size of the file; 8: 8 bits; 16: 16 bits
+   * @values 0 = From the name or the size; 8; 16
    * @advanced
    */
   vtkSetMacro(RawBits, int);

@@ -68,13 +68,18 @@ int vtkPointAlgorithm::RequestData(
         return;
       }
       const lamella::peridynamics::ThreadScope threads(this->ThreadCount());
-      if (team.any(this->CheckAbort()))
-      {
-        throw lamella::Cancelled();
-      }
       this->Run(vtkImageData::GetData(inputVector[0]), outputVector, team);
     },
     outputVector);
+}
+
+void vtkPointAlgorithm::LetStop(const lamella::Team& team)
+{
+  this->UpdateProgress(0);
+  if (team.any(this->CheckAbort()))
+  {
+    throw lamella::Cancelled();
+  }
 }
 
 lamella::PointSettings vtkPointAlgorithm::Settings() const

@@ -45,10 +45,11 @@ public:
 
   enum Laws
   {
-    AUTO_LAW = 0, ///< orthotropic where the image has directions along the walls, else isotropic
+    AUTO_LAW = 0, ///< "Automatic: orthotropic where the image has directions": orthotropic where the image has
+                  ///< directions along the walls, else isotropic
     ISOTROPIC = 1,
     ORTHOTROPIC = 2,
-    PLASTIC = 3 ///< isotropic, yields (J2, linear hardening); in plane strain and in space
+    PLASTIC = 3 ///< "Plastic": isotropic, yields (J2, linear hardening); in plane strain and in space
   };
   ///@{
   /**
@@ -62,7 +63,8 @@ public:
 
   enum Planes
   {
-    AUTO_PLANE = 0, ///< plane stress; plane strain where walls yield; space for volumes
+    AUTO_PLANE = 0, ///< "Automatic: plane stress, plane strain where walls yield": plane stress; plane strain where
+                    ///< walls yield; space for volumes
     PLANE_STRESS = 1,
     PLANE_STRAIN = 2
   };
@@ -152,7 +154,7 @@ public:
    * @group Walls
    * @unit Pa
    * @when Law PLASTIC
-   * @range (0, inf)
+   * @range (0, inf]
    */
   vtkSetMacro(YieldStress, double);
   vtkGetMacro(YieldStress, double);
@@ -217,7 +219,7 @@ public:
 
   enum Axes
   {
-    LAST_AXIS = -1, ///< y of a picture (upwards), z of a volume
+    LAST_AXIS = -1, ///< "Last: y of a picture, z of a volume": y of a picture (upwards), z of a volume
     X = 0,
     Y = 1,
     Z = 2
@@ -242,6 +244,9 @@ protected:
 
   /// Fills the outputs; RequestData() makes errors of VTK of what it throws. Collective over the team.
   virtual void Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& team) = 0;
+
+  /// Tells observers that it sets up. @throws Cancelled where one of any rank stopped it. Collective
+  void LetStop(const lamella::Team& team);
 
   /// All of the settings above.
   lamella::PointSettings Settings() const;

@@ -179,8 +179,11 @@ void vtkPointCompression::Run(vtkImageData* input, vtkInformationVector* outputs
     {
       kept.Made = fields;
       this->LastCheckpoint = 0;
+      this->SetProgressText("setting up");
+      this->LetStop(team);
       const lamella::PointScene scene(
         input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), this->Settings(), team);
+      this->LetStop(team);
       if (scene.lattice().dimension == 3)
       {
         kept.Solve<3>(input, scene, team);
@@ -270,6 +273,7 @@ void vtkPointCompression::Internals::Solve(
   account.Points = static_cast<double>(scene.pointCount());
   account.BytesPerPoint = comm.sum(static_cast<double>(points.bytes())) / account.Points;
   const lamella::PointShare<Dim> share = lamella::shareAtStart(points, scene.shares(), comm);
+  self.LetStop(team);
   const lamella::PointArrays arrays{ self.ComputeDisplacement, self.ComputeVelocity, self.ComputeStress,
     self.ComputeDeformationGradient, self.ComputeEnergyDensity };
   const double depth = scene.lattice().origin[2];
@@ -284,15 +288,20 @@ void vtkPointCompression::Internals::Solve(
     lamella::tellStep(this->Self, state);
   };
   const auto look = [&] { self.LastCheckpoint = running->summary().lastCheckpoint; };
-  self.SetProgressText("compression");
   options.state = keep;
   options.progress = [&](double done)
   {
-    look();
-    if (this->Told.due())
+    if (running != nullptr)
     {
-      const double stress = running->rows().empty() ? 0 : running->rows().back().stress;
-      self.SetProgressText(fmt::format("strain {:.3f}, stress {:.3g} Pa", running->strain(), stress).c_str());
+      look();
+    }
+    if (done == 0 || this->Told.due()) // setting up asks some thirty times
+    {
+      if (running != nullptr)
+      {
+        const double stress = running->rows().empty() ? 0 : running->rows().back().stress;
+        self.SetProgressText(fmt::format("strain {:.3f}, stress {:.3g} Pa", running->strain(), stress).c_str());
+      }
       self.UpdateProgress(done);
     }
     return static_cast<bool>(self.CheckAbort());

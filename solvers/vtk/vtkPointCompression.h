@@ -85,10 +85,10 @@ public:
 
   enum SideKinds
   {
-    STRAIGHT = 0, ///< walls that stay straight and move so that the force on them is nothing
+    STRAIGHT = 0, ///< "Straight, without force": walls that stay straight and move so that the force on them is nothing
     OPEN = 1,
     FIXED = 2,
-    PERIODIC = 3 ///< a period that grows so that there is no mean stress
+    PERIODIC = 3 ///< "Periodic": a period that grows so that there is no mean stress
   };
   ///@{
   /**
@@ -180,9 +180,9 @@ public:
 
   enum Shapes
   {
-    LINEAR = 0, ///< the first paper's
+    LINEAR = 0, ///< "Linear": the first paper's
     GIMP = 1,   ///< "GIMP"
-    SPLINE = 2  ///< quadratic B-splines
+    SPLINE = 2  ///< "Quadratic splines": quadratic B-splines
   };
   ///@{
   /**
@@ -199,7 +199,7 @@ public:
     FLIP = 0, ///< "FLIP"
     PIC = 1,  ///< "PIC"
     APIC = 2, ///< "APIC"
-    XPIC = 3  ///< "XPIC of order 2"
+    XPIC = 3  ///< "XPIC(2)"
   };
   ///@{
   /**

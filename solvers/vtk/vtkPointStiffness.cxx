@@ -18,6 +18,8 @@
 #include "vtkStringArray.h"
 #include "vtkTable.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <string>
@@ -61,6 +63,7 @@ struct vtkPointStiffness::Answer
   double Nodes = 0;
   double Iterations = 0;
   double Residual = 0;
+  double Lost = 0;
   double SetupSeconds = 0;
   double SolveSeconds = 0;
 
@@ -74,6 +77,7 @@ struct vtkPointStiffness::Answer
       this->Iterations += static_cast<double>(n);
     }
     this->Residual = std::max(this->Residual, s.residual);
+    this->Lost = std::max(this->Lost, s.lost);
     this->SetupSeconds += s.setupSeconds;
     this->SolveSeconds += s.solveSeconds;
   }
@@ -195,9 +199,11 @@ vtkPointStiffness::Answer vtkPointStiffness::Solve(const lamella::PointScene& sc
 
 void vtkPointStiffness::Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& alone)
 {
+  this->SetProgressText("stiffness");
+  this->LetStop(alone);
   const lamella::PointScene scene(
     input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), this->Settings(), alone);
-  this->SetProgressText("stiffness");
+  this->LetStop(alone);
   const Answer answer = scene.lattice().dimension == 3 ? this->Solve<3>(scene) : this->Solve<2>(scene);
 
   vtkTable* const constants = vtkTable::GetData(outputs, 0);
@@ -227,7 +233,14 @@ void vtkPointStiffness::Run(vtkImageData* input, vtkInformationVector* outputs, 
     lamella::describe(array, "Pa", "stress over this mean strain", this->GetClassName());
     tensor->AddColumn(array);
   }
-  const std::vector<std::string> warnings = scene.warnings();
+  std::vector<std::string> warnings = scene.warnings();
+  if (answer.Lost > 0)
+  {
+    warnings.push_back(fmt::format(
+      "the residual is {:.1g}, above {:.1g}: parts that hang together by a point or two still move, at next "
+      "to no energy; the last hundred iterations changed the stiffness by {:.1g} of itself",
+      answer.Residual, this->Tolerance, answer.Lost));
+  }
   for (const std::string& warning : warnings)
   {
     vtkWarningMacro(<< warning);

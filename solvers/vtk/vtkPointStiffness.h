@@ -49,11 +49,11 @@ public:
 
   enum SideKinds
   {
-    STRAIGHT = 0, ///< straight, without force
+    STRAIGHT = 0, ///< "Straight, without force": straight, without force
     OPEN = 1,
     FIXED = 2,
-    PERIODIC = 3, ///< all round: the whole tensor
-    STICKY = 4    ///< walls that hold what touches them, all round: an upper bound of the tensor
+    PERIODIC = 3, ///< "Periodic: the whole tensor": all round: the whole tensor
+    STICKY = 4 ///< "Sticky: an upper bound": walls that hold what touches them, all round: an upper bound of the tensor
   };
   ///@{
   /**

@@ -7,6 +7,7 @@ import gzip
 import json
 import math
 import os
+import random
 import re
 import resource
 import signal
@@ -424,6 +425,32 @@ class Large(Convert):
             _, error = process.communicate(timeout=30)
             self.assertEqual(process.returncode, 130, error)
             self.assertEqual(os.listdir(self.folder), ["v_512x512x512_u16.raw"])
+
+    def test_an_interrupted_run_ends_soon(self):
+        with open(self.path("v_512x512x480_u8.raw"), "wb") as file:  # noise, which HDF5 takes long to compress
+            file.write(random.Random(1).randbytes(512 * 512 * 480))
+
+        def run(moment):
+            """Processor time up to the signal that is sent at such a moment, and from then on."""
+            process = subprocess.Popen([PROGRAM, "convert", "v_512x512x480_u8.raw", "-o", "x.hdf", "--quiet"], cwd=self.folder,
+                                       stderr=subprocess.DEVNULL)
+            used = 0
+            while used < moment:
+                time.sleep(0.01)
+                with open(f"/proc/{process.pid}/stat", encoding="utf-8") as file:
+                    used = sum(map(int, file.read().rsplit(")", 1)[1].split()[11:13])) / os.sysconf("SC_CLK_TCK")
+            if moment > 0:
+                process.send_signal(signal.SIGINT)
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            self.assertEqual(process.returncode, 130 if moment > 0 else 0)
+            return used, usage.ru_utime + usage.ru_stime - used
+
+        _, whole = run(0)
+        os.remove(self.path("x.hdf"))
+        used, after = run(whole / 3)
+        # an eighth of the file, a slab, may be finished; what would go on to the end took two thirds of the whole
+        self.assertLess(after, 0.45 * whole, f"{used} of {whole} s before")
 
 
 class Outputs(Convert):

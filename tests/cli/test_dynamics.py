@@ -154,14 +154,14 @@ class Dynamics(Case):
         self.fails(2, "--start-rate without --tau", "", *good, "--start-rate", "50%")
         self.fails(2, "--start-rate 'nan' is not a share", "", *good, "--start-rate", "nan")
         for share in ["1e-300", "1e-6", "0"]:
-            self.fails(2, "a step of %s times the stable one" % share.replace("e-6", "e-06"), "1e-05 to 1", *good, "--step-share", share)
+            self.fails(2, "step share %s is below 1e-05" % share.replace("e-6", "e-06"), "1e-05 to 1", *good, "--step-share", share)
         self.fails(2, "of the stable one, ", "or leave it out", *good, "--step", "1e-30")
         self.fails(2, "steps until the first break", "give a larger one", *good, "--strain-rate", "1e-30")
         self.fails(2, "steps until the first break", "give a larger one", *good, "--travel-times", "1e30")
         self.fails(2, "until 1e+30 s it takes", "what you want to see", *STRIP, "--velocity", "y+=0,1", "--end-time", "1e30")
         self.fails(2, "--omega0 and --delta-l", "", *good, "--tau", "1e-6", "--delta-l", "1um", "--omega0", "1")
         self.fails(2, "no strain rate, and nothing can break", "", *STRIP)
-        self.fails(2, "damping of 2 times the critical one", "0 to 1", *good, "--damping", "2")
+        self.fails(2, "damping 2 is above 1", "0 to 1", *good, "--damping", "2")
         self.write("bare.png", pictures.png([[255] * 30 for _ in range(44)]))
         self.fails(2, "motion needs the size of a pixel", "--pixel-size", "dynamics", "bare.png", "--phase", "255=stone", "--young",
                    "stone=1e9", "--density", "1000", "--critical-stretch", "stone=0.01")

@@ -173,8 +173,9 @@ class Fracture(Case):
         self.fails(2, "--stop 'half' is not a share", "1%", *good, "--stop", "half")
         self.fails(2, "--stop '100%' is not from 0 up to 100 %", "hinges", *good, "--stop", "100%")
         self.fails(2, "--max-strain '-1' is not a strain above 0", "along the load", *good, "--max-strain=-1")
-        self.fails(2, "the strain cannot be raised in steps of -1", "well below that at the peak", *good, "--strain-step=-1")
-        for step in ["1e-300", "1e308", "nan"]:
+        self.fails(2, "strain step -1 is below 0", "0 or more", *good, "--strain-step=-1")
+        self.fails(2, "strain step nan is not a number", "0 or more", *good, "--strain-step=nan")
+        for step in ["1e-300", "1e308"]:
             self.fails(2, "the strain cannot be raised in steps of %s" % step.replace("e308", "e+308"), "between 1e-09 and 1", *good,
                        "--strain-step", step)
         self.fails(2, "--max-broken '0' is not a whole number above 0", "", *good, "--max-broken", "0")

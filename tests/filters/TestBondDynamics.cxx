@@ -173,6 +173,8 @@ TEST_F(BondDynamics, PhasesHaveTheirDensities)
   filter->SetDensity(1500);
   ASSERT_EQ(errorOf(filter), "");
   EXPECT_GT(number(filter->GetOutput(), "stable_step"), step);
+  filter->SetPhaseDensity("void", 1); // would be of no account
+  EXPECT_NE(errorOf(filter).find("a density is given for void, but void carries no bonds"), std::string::npos);
 }
 
 // Tractions on both sides, damped: the mean stress comes to rest at the traction over the section, less what the outer

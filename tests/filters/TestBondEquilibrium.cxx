@@ -292,8 +292,8 @@ TEST_F(BondEquilibrium, WhatIsRefused)
   fails([](auto* f, auto*) { f->SetToughness("wall", 1); },
     "wall has more than one of fracture energy, toughness and critical stretch");
   fails([](auto* f, auto*) { f->AddVoid("viod"); }, "'viod' is to be void, but is no phase of this image");
-  fails([](auto* f, auto*) { f->SetHorizon(0.9); }, "the horizon is 0.9 spacings");
-  fails([](auto* f, auto*) { f->SetHorizon(std::nan("")); }, "the horizon is nan spacings");
+  fails([](auto* f, auto*) { f->SetHorizon(0.9); }, "horizon 0.9 is below 1");
+  fails([](auto* f, auto*) { f->SetHorizon(std::nan("")); }, "horizon nan is not a number");
   fails(
     [](auto* f, auto*)
     {

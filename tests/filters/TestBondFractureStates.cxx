@@ -374,10 +374,10 @@ TEST_F(BondFracture, WhatIsRefused)
   fails([](auto* f) { f->SetCriticalStretch("lamella", -1e-3); }, "the critical stretch of lamella is -0.001");
   fails([](auto* f) { f->RemoveAllCriticalStretches(); }, "nothing can break");
   fails([](auto* f) { f->LargeStrainsOn(); }, "fracture in large strains");
-  fails([](auto* f) { f->SetStopShare(1); }, "the share of the peak at which to stop, 1, is not in [0, 1)");
-  fails([](auto* f) { f->SetMaximumStrain(-1); }, "the largest strain is -1");
-  fails([](auto* f) { f->SetMaximumStrain(std::nan("")); }, "the largest strain is nan");
-  fails([](auto* f) { f->SetMaximumBroken(-1); }, "the largest number of broken bonds is -1");
+  fails([](auto* f) { f->SetStopShare(1); }, "stop 1 is not below 1");
+  fails([](auto* f) { f->SetMaximumStrain(-1); }, "max strain -1 is below 0");
+  fails([](auto* f) { f->SetMaximumStrain(std::nan("")); }, "max strain nan is not a number");
+  fails([](auto* f) { f->SetMaximumBroken(-1); }, "max broken -1 is below 0");
   fails([](auto* f) { f->AddStateAtStrain(-1e-3); }, "a state is asked for at the strain -0.001");
   fails([](auto* f) { f->AddStateAtBroken(0); }, "a state is asked for at 0 broken bonds");
   fails(

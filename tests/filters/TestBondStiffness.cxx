@@ -163,7 +163,7 @@ TEST_F(BondStiffness, WhatIsRefused)
   };
   fails([](auto* f, auto*) { f->LargeStrainsOn(); }, "a stiffness is asked of large strains",
     vtkBondAlgorithm::PARAMETER_FAILURE);
-  fails([](auto* f, auto*) { f->SetHorizon(std::nan("")); }, "the horizon is nan spacings",
+  fails([](auto* f, auto*) { f->SetHorizon(std::nan("")); }, "horizon nan is not a number",
     vtkBondAlgorithm::PARAMETER_FAILURE);
   fails(
     [](auto* f, auto*) { f->RemoveAllYoungsModuli(); }, "has no Young's modulus", vtkBondAlgorithm::PARAMETER_FAILURE);

@@ -268,7 +268,7 @@ TEST(CollapseMapFilter, WhatCannotBeDoneIsRefusedInWords)
     EXPECT_EQ(filter->GetLumenTable()->GetNumberOfRows(), 0);
   };
   refused([](auto* f, auto*) { f->SetPhase("resin"); }, "'resin' is no phase of this image");
-  refused([](auto* f, auto*) { f->SetShare(1); }, "at 1 of its area");
+  refused([](auto* f, auto*) { f->SetShare(1); }, "share 1 is not below 1");
   refused([](auto* f, auto*) { f->SetMinimumSize(17); }, "all 3 lumens are smaller than 17 nodes");
   refused([](auto*, auto* p) { p->GetPointData()->RemoveArray("id"); }, "the material points have no array 'id'");
   refused([](auto*, auto* p) { p->GetPointData()->GetArray("id")->SetTuple1(0, 0); }, "two points have the id 0");

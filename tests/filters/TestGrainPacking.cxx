@@ -381,7 +381,7 @@ TEST(GrainPackingErrors, SayWhatIsWrong)
   EXPECT_NE(vtktest::errorOf(source).find("3 grains"), std::string::npos);
   source->SetCount(60);
   source->SetSeed(-1);
-  EXPECT_NE(vtktest::errorOf(source).find("seed is -1"), std::string::npos);
+  EXPECT_NE(vtktest::errorOf(source).find("seed -1 is below 0"), std::string::npos);
   source->SetSeed(1);
   source->SetPackingFraction(0.99);
   EXPECT_NE(vtktest::errorOf(source).find("hint: "), std::string::npos);
@@ -491,7 +491,7 @@ TEST(MatrixBridgesErrors, SayWhatIsWrong)
   setPacking(two, packing::statistics(two), "test", grains, nullptr);
   bridges->SetInputData(grains);
   bridges->SetReach(3);
-  EXPECT_NE(vtktest::errorOf(bridges).find("the reach of the bridges is 3"), std::string::npos);
+  EXPECT_NE(vtktest::errorOf(bridges).find("reach 3 is above 2"), std::string::npos);
   bridges->SetReach(1.1);
   bridges->SetFilled(true);
   bridges->SetSaturation(0.5);

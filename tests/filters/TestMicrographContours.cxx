@@ -218,7 +218,7 @@ TEST_F(Micrograph, BadLevelsAndSharesAreRefused)
   EXPECT_NE(errorOf(filter).find("has the value 2.5"), std::string::npos);
   filter->SetBasis(vtkMicrographContours::LEVEL);
   filter->SetLevel(notANumber);
-  EXPECT_NE(errorOf(filter).find("the level is nan\nhint: "), std::string::npos);
+  EXPECT_NE(errorOf(filter).find("level nan is not a number\nhint: "), std::string::npos);
   filter->SetLevel(3);
   EXPECT_NE(errorOf(filter).find("the picture has no lumen"), std::string::npos);
   values->SetValue(0, notANumber);

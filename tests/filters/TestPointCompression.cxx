@@ -434,11 +434,11 @@ TEST_F(Points, MistakesAreTold)
   };
   const double nan = std::nan("");
   const std::vector<Mistake> mistakes{
-    { "compression to a strain of 1", [](auto* f, auto*) { f->SetStrain(1); } },
-    { "compression to a strain of nan", [&](auto* f, auto*) { f->SetStrain(nan); } },
+    { "strain 1 is not below 1", [](auto* f, auto*) { f->SetStrain(1); } },
+    { "strain nan is not a number", [&](auto* f, auto*) { f->SetStrain(nan); } },
     { "a state at a strain of 0.5", [](auto* f, auto*) { f->AddStateAtStrain(0.5); } },
-    { "the stiffness would not be positive definite", [](auto* f, auto*) { f->SetPoissonsRatio(1.2); } },
-    { "Young's modulus is -1 Pa", [](auto* f, auto*) { f->SetYoungsModulus(-1); } },
+    { "poisson 1.2 is not below 1", [](auto* f, auto*) { f->SetPoissonsRatio(1.2); } },
+    { "young -1 is below 0", [](auto* f, auto*) { f->SetYoungsModulus(-1); } },
     { "'young' of phase 'wall' is nan", [&](auto* f, auto*) { f->SetPhaseConstant("wall", "young", nan); } },
     { "'stiff' is no constant of a wall", [](auto* f, auto*) { f->SetPhaseConstant("wall", "stiff", 1); } },
     { "'yield' of phase 'wall' is no constant of the isotropic law",
@@ -450,7 +450,7 @@ TEST_F(Points, MistakesAreTold)
         f->SetPlane(vtkPointAlgorithm::PLANE_STRESS);
       } },
     { "a load along z of a picture", [](auto* f, auto*) { f->SetLoadAxis(vtkPointAlgorithm::Z); } },
-    { "0 cells of the grid a node", [](auto* f, auto*) { f->SetCellsPerNode(0); } },
+    { "cells per node 0 is not above 0", [](auto* f, auto*) { f->SetCellsPerNode(0); } },
     { "is unstable: the largest stable one is", [](auto* f, auto*) { f->SetTimeStep(1); } },
     { "speeds of 0.01 to 0.5 to 0.02", [](auto* f, auto*) { f->SetFirstSpeed(0.5); } },
     { "the image has no point array 'axis'", [](auto* f, auto*) { f->SetLaw(vtkPointAlgorithm::ORTHOTROPIC); },
@@ -465,6 +465,12 @@ TEST_F(Points, MistakesAreTold)
     { "'viod' is to be void, but is no phase of this image", [](auto* f, auto*) { f->AddVoid("viod"); } },
     { "'young' is given for 'wal', which is no phase of this image\nhint: did you mean 'wall'?",
       [](auto* f, auto*) { f->SetPhaseConstant("wal", "young", 5e9); } },
+    { "'young' is given for 'lumen', which is void and has no points\nhint: take the constant out, or the phase",
+      [](auto* f, auto*)
+      {
+        f->AddVoid("lumen");
+        f->SetPhaseConstant("lumen", "young", 1e9);
+      } },
     { "all 168 nodes are void",
       [](auto* f, auto*)
       {

@@ -278,7 +278,7 @@ TEST_F(PointRanks, MistakesAreToldByAll)
   };
   const auto image = tissueOf(24, 32);
   refused(
-    image, [](auto* f) { f->SetStrain(1); }, "compression to a strain of 1");
+    image, [](auto* f) { f->SetStrain(1); }, "strain 1 is not below 1");
   refused(
     image, [](auto* f) { f->SetLaw(vtkPointAlgorithm::ORTHOTROPIC); }, "no point array 'axis'");
   addAxis(image);

@@ -196,7 +196,7 @@ TEST_F(PoreFloodFill, WhatCannotBeDoneIsRefusedInWords)
     { [](auto* f, auto*) { f->SetPhase("d"); }, "'d' is no phase of this image", "its phases: a, b, c" },
     { [](auto* f, auto*) { f->SetPhase(""); }, "no phase is called void, pore, lumen or air", "there are: a, b, c" },
     { [](auto* f, auto*) { f->SetConnectivity(26); }, "connectivity 26 does not fit a picture", "4 (sides) or 8" },
-    { [](auto* f, auto*) { f->SetMinimumSize(-1); }, "a minimum size of -1 is below 0", "0 keeps all" },
+    { [](auto* f, auto*) { f->SetMinimumSize(-1); }, "minimum size -1 is below 0", "0 or more" },
     { [](auto* f, auto*) { f->SetMaximumNumberOfLabels(1); }, "there are 2 pores; 1 can be told apart",
       "give a minimum size" },
     { [](auto* f, auto*) { f->SetPeriodic(0, 0, 1); }, "periodic along z", "leave z out" },

@@ -294,9 +294,9 @@ TEST_F(StressPDF, WhatCannotBeDoneIsRefusedInWords)
     { [](auto*, auto* i) { points(i, "stress")->Fill(0); }, "none of 32 stresses is above 0", "is loaded" },
     { [](auto* f, auto*) { f->AddPhase("stone"); }, "'stone' is no phase of this data", "void, matrix, grain" },
     { [](auto* f, auto*) { f->SetThreshold(1e3); }, "no stress is beyond the threshold of 1000", "a lower threshold" },
-    { [](auto* f, auto*) { f->SetThreshold(-2); }, "a threshold of -2 is not positive", "such as 2" },
-    { [](auto* f, auto*) { f->SetTailShare(0); }, "a tail share of 0 is outside", "largest tenth" },
-    { [](auto* f, auto*) { f->SetBinWidth(-1); }, "a bin width of -1", "such as 0.05" },
+    { [](auto* f, auto*) { f->SetThreshold(-2); }, "threshold -2 is below 0", "0 or more" },
+    { [](auto* f, auto*) { f->SetTailShare(0); }, "tail share 0 is not above 0", "up to 1" },
+    { [](auto* f, auto*) { f->SetBinWidth(-1); }, "bin width -1 is not above 0", "a number above 0" },
     { [](auto* f, auto*) { f->SetRange(2, 1); }, "is empty", "lower end first" },
     { [](auto*, auto* i) { i->Initialize(); }, "the data has no points", "source before it" },
   };

@@ -742,7 +742,7 @@ class Diffusion(unittest.TestCase):
             lamella.dynamics(picture, {1: 1e9}, [1000])
         with self.assertRaisesRegex(TypeError, "diffusivity is of type list"):
             lamella.lattice_boltzmann(picture, [1e-7], 1)
-        with self.assertRaisesRegex(TypeError, "young is of type list"):
+        with self.assertRaisesRegex(TypeError, "young is .1000000000.0.; give a number"):
             lamella.compression(picture, young=[1e9])
         with self.assertRaisesRegex(TypeError, "phases is of type list"):
             lamella.read_picture("missing.png", ["lumen"])

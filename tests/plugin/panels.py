@@ -71,16 +71,16 @@ class Panels(unittest.TestCase):
         for path in sorted((SOURCES / "docs/filters").glob("*.md")):
             self.assertEqual(path.read_text(encoding="utf-8"), pages.written(DECLARED, path), "run tools/settings/make.py pages .")
 
-    def test_names_of_properties_stay(self):
-        """ParaView's state files hold them."""
+    def test_names_of_properties_and_choices_stay(self):
+        """ParaView's state files and scripts hold them."""
         kept = json.loads((SOURCES / "tests/plugin/properties.json").read_text(encoding="utf-8"))
         for name, properties in kept.items():
             root = ElementTree.parse(PANELS / f"{name}.xml").getroot()
-            there = {element.get("name"): element.get("command") for element in root.iter() if element.get("command")}
-            for listed, command in properties.items():
+            there = {element.get("name"): [element.get("command"), *sorted(f"{entry.get('value')} {entry.get('text')}" for entry in element.iter("Entry"))]
+                     for element in root.iter() if element.get("command")}
+            for listed, words in properties.items():
                 with self.subTest(f"{name}.{listed}"):
-                    if command:
-                        self.assertEqual(there.get(listed), command)
+                    self.assertEqual(there.get(listed), words)
 
 
 class Headers(unittest.TestCase):

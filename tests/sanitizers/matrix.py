@@ -10,6 +10,7 @@ little comes first; minutes=M ends after so much time and says what is left.
 """
 
 import collections
+import functools
 import itertools
 import os
 import pathlib
@@ -23,62 +24,74 @@ import time
 
 import numpy as np
 
+LARGE, BAR = 32, 4
 SIZES = [20, 21, 27, 31, 32, 40, 41, 47, 48, 52, 63, 64, 80, 81, 95, 96]
 # what a sanitizer or an assertion says
 FAULT = re.compile(r"runtime error:|ERROR: AddressSanitizer|WARNING: ThreadSanitizer|Assertion|Invalid (?:read|write)|SUMMARY: \w+Sanitizer")
 
 BONDS = ["--young", "wall=1e9", "--void", "void", "--pixel-size", "1um"]
-BREAK = [*BONDS, "--critical-stretch", "wall=1e-3", "--density", "wall=1000"]
+BREAK = [*BONDS, "--critical-stretch", "wall=1e-3"]
+DENSITY = ["--density", "1000"]
 
 
-def sample(folder, n, periodic=False):
-    """Two phases whose interfaces lie everywhere, a third of it void, and whole where platens hold it."""
+@functools.cache
+def nodes(n, periodic):
+    """Two phases whose interfaces lie everywhere, a third of them void; whole where platens hold it. Large cubes are a
+    frame of bars from border to border, with pinholes: few nodes that are not void, but in all of the cube."""
     where = np.indices((n, n, n))
-    wave = sum(np.sin((2 + a) * 2 * np.pi * (x + a) / n) for a, x in enumerate(where))
-    nodes = np.where(wave > -0.6, 255, 0).astype(np.uint8)
-    if not periodic:
-        nodes[:6] = nodes[-6:] = 255
+    if n < LARGE:
+        solid = sum(np.sin((2 + a) * 2 * np.pi * (x + a) / n) for a, x in enumerate(where)) > -0.6
+        if not periodic:
+            solid[:6] = solid[-6:] = True
+    else:
+        starts = np.round(np.linspace(0, n - BAR, 3 + n // 64)).astype(int)
+        across = np.isin(np.arange(n), starts[:, None] + np.arange(BAR)).astype(int)
+        solid = sum(across[x] for x in where) >= 2
+        solid &= np.random.default_rng(n).random(solid.shape) > 0.02
+    return np.where(solid, 255, 0).astype(np.uint8)
+
+
+def sample(folder, n, periodic):
     name = f"{'cell' if periodic else 'sample'}_{n}x{n}x{n}_u8.raw"
     path = pathlib.Path(folder) / name
     if not path.exists():
-        path.write_bytes(nodes.tobytes())
+        path.write_bytes(nodes(n, periodic).tobytes())
     return [name, "--phase", "255=wall", "--phase", "0=void"]
 
 
-def bonds(command, *words, cost, mpi=True, horizons=True):
-    """@param cost processor time of 20³ nodes at a horizon of 3, with sanitizers and without the start. [s]"""
-    return {"words": lambda folder, n, h: [command, *sample(folder, n), *words, *(["--horizon", h] if horizons else [])],
-            "mpi": mpi, "horizons": horizons, "cost": cost}
+def bonds(command, *words, cost, mpi=True, horizons=True, periodic=False):
+    """@param cost processor time of 1000 nodes that are not void at a horizon of 3, with sanitizers and without the start. [s]"""
+    return {"words": lambda folder, n, h: [command, *sample(folder, n, periodic), *words, *(["--horizon", h] if horizons else [])],
+            "mpi": mpi, "horizons": horizons, "periodic": periodic, "cost": cost}
 
 
 SOLVERS = {
     "diffusion": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=1e-3", "--direction", "x",
-                       "--method", "multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False, cost=0.1),
+                       "--method", "multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False, cost=0.01),
     "diffusion, algebraic": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=0", "--direction", "z",
-                                  "--method", "algebraic-multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False, cost=0.1),
+                                  "--method", "algebraic-multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False, cost=0.02),
     "diffusion, periodic D3Q19": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=0.1", "--direction", "y", "--lattice",
-                                       "d3q19", "--sides", "periodic", "--tolerance", "1e-1", "--no-error-estimate", horizons=False, cost=0.1),
+                                       "d3q19", "--sides", "periodic", "--tolerance", "1e-1", "--no-error-estimate", horizons=False, cost=0.02),
     "transient": bonds("transient", "--pixel-size", "1um", "--diffusivity", "wall=1e-9", "--diffusivity", "void=2e-9",
-                       "--direction", "x", "--end-time", "4e-3", "--frames", "2", horizons=False, cost=0.1),
-    "stiffness": {"words": lambda folder, n, h: ["stiffness", *sample(folder, n, True), *BONDS, "--horizon", h,
-                                                 "--tolerance", "0.1", "--no-error-estimate"],
-                  "mpi": True, "horizons": True, "cost": 2.5},
-    "equilibrium": bonds("equilibrium", *BONDS, "--strain", "1e-3", "--tolerance", "0.1", cost=1.1),
+                       "--direction", "x", "--end-time", "4e-3", "--frames", "2", horizons=False, cost=0.01),
+    "stiffness": bonds("stiffness", *BONDS, "--tolerance", "0.1", "--no-error-estimate", periodic=True, cost=0.55),
+    "equilibrium": bonds("equilibrium", *BONDS, "--strain", "1e-3", "--tolerance", "0.1", cost=0.14),
     "equilibrium, periodic shear": bonds("equilibrium", *BONDS, "--strain", "1e-3", "--tolerance", "0.1", "--periodic", "x", "--load", "shear",
-                                         "--surface-correction", cost=2.1),
-    "fracture": bonds("fracture", *BREAK[:-2], "--max-broken", "3", "--tolerance", "1e-3", cost=2.2),
-    "dynamics": bonds("dynamics", *BREAK, "--end-time", "TIME", "--strain-rate", "1e3", cost=2.0),
-    "compression, moduli": bonds("compression", "--young", "1e9", "--poisson", "0.3", "--density", "1000", "--pixel-size", "1um",
-                                 "--stiffness-only", mpi=False, horizons=False, cost=174),
-    "compression": bonds("compression", "--young", "1e9", "--poisson", "0.3", "--density", "1000", "--pixel-size", "1um",
-                         "--strain", "STRAIN", horizons=False, cost=570),
-    "pore-flood-fill": bonds("pore-flood-fill", horizons=False, cost=0.1),
+                                         "--surface-correction", cost=0.22),
+    "fracture": bonds("fracture", *BREAK, "--max-broken", "2", "--tolerance", "1e-4", cost=0.25),
+    "dynamics": bonds("dynamics", *BREAK, *DENSITY, "--end-time", "4e-9", "--strain-rate", "1e5", cost=0.3),
+    "compression, moduli": bonds("compression", "--young", "1e9", "--poisson", "0.3", *DENSITY, "--pixel-size", "1um",
+                                 "--stiffness-only", mpi=False, horizons=False, cost=1),
+    "compression": bonds("compression", "--young", "1e9", "--poisson", "0.3", *DENSITY, "--pixel-size", "1um",
+                         "--strain", "STRAIN", horizons=False, cost=2),
+    "pore-flood-fill": bonds("pore-flood-fill", horizons=False, cost=0.01),
 }
 
 
-def cost(name, size, horizon):
+def cost(name, size, horizon, ranks):
     """Processor time about, with sanitizers. [s]"""
-    return 0.6 + SOLVERS[name]["cost"] * (size / 20)**3 * (horizon / 3 if horizon else 1)**3
+    solver = SOLVERS[name]
+    return 0.5 * ranks + solver["cost"] * np.count_nonzero(nodes(size, solver["periodic"])) / 1000 * (horizon / 3 if horizon else 1)**3
 
 
 def cases(keys):
@@ -99,15 +112,15 @@ def cases(keys):
             else:  # a stride that meets all of 24, 6 or 2, and changes horizons, threads and ranks from one size to the next
                 chosen.append((name, size, *settings[turn % len(settings)]))
                 turn += 7
-    return sorted(chosen, key=lambda case: cost(*case[:3]))
+    return sorted(chosen, key=lambda case: cost(*case[:3], case[4]))
 
 
 def run(program, folder, case, wrap):
     """@returns outcome, what is to be said of it, processor time"""
     name, size, horizon, threads, ranks = case
     words = [str(word) for word in SOLVERS[name]["words"](folder, size, horizon)]
-    # some thirty steps of motion, whatever the size: a wave takes 1 ns through a pixel of this material
-    words = [{"TIME": "1e-8", "STRAIN": f"{0.04 / size:.3g}"}.get(word, word) for word in words]
+    # some steps of motion, whatever the size: a wave takes 1 ns through a pixel of this material
+    words = [{"STRAIN": f"{0.04 / size:.3g}"}.get(word, word) for word in words]
     command = [program, *words, "--threads", str(threads), "--quiet"]
     if wrap:
         command = [*shlex.split(wrap), *command]

@@ -20,6 +20,7 @@ import tempfile
 import time
 
 LIMIT = 2.0
+LOST = 60.0  # s of processor time after a signal, from which it is not waited for any longer
 TICK = os.sysconf("SC_CLK_TCK")
 
 SAMPLES = {
@@ -91,18 +92,27 @@ class Trial:
                 used = processor(process)
             if used is not None:
                 process.send_signal(number)
+                now = used
+                while now is not None and now < used + LOST:
+                    time.sleep(0.02)
+                    now = processor(process)
+                if now is not None:
+                    process.kill()
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
             err.seek(0)
             self.said = err.read().decode("utf-8", "replace")
         self.code = process.returncode
-        self.after = None if used is None or self.code == 0 else usage.ru_utime + usage.ru_stime - used
+        self.early = self.code == -number  # libraries were still being loaded: nothing has begun that could be lost
+        self.after = None if used is None or self.early or self.code == 0 else usage.ru_utime + usage.ru_stime - used
         self.progress = re.search(r"interrupted at [\d.e+-]+ %", self.said) is not None
         self.kept = bool(checkpoint) and os.path.exists(os.path.join(folder, checkpoint))
-        self.right = self.code == 128 + number
+        self.right = self.code == 128 + number or self.early
 
 
 def main():
+    # a shell lets what it runs in the background ignore Ctrl-C, and so would every command here: it would go on to its end
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     keys = dict(word.split("=", 1) for word in sys.argv[1:] if "=" in word)
     program = os.path.abspath(keys.get("lamella", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "build", "bin", "lamella")))
     times, most = int(keys.get("times", "6")), float(keys.get("most", "20"))
@@ -129,7 +139,7 @@ def main():
                 trial = Trial(program, folder, words, checkpoint, moment, number)
                 if not trial.right and trial.code != 0:
                     sys.exit(f"{name}, {moment:.2f} s: exit code {trial.code}\n{trial.said}")
-                print(f"{name}: signal {number} at {moment:.2f} s, " + ("had ended" if trial.after is None else f"{trial.after:.2f} s more"),
+                print(f"{name}: signal {number} at {moment:.2f} s, " + ("at once" if trial.early else "had ended" if trial.after is None else f"{trial.after:.2f} s more"),
                       file=sys.stderr, flush=True)
                 if trial.after is not None:
                     trials.append(trial)

@@ -229,6 +229,30 @@ TEST(PointDynamics, SaysWhatItCannotDo)
   EXPECT_NE(message([&] { (void)attempt(square(4, 2)); }).find("a grid spacing of 0 m"), std::string::npos);
 }
 
+// At step 2000 the wave factor is measured anew. What is asked to stop in the midst of that goes on as if it had not.
+TEST(PointDynamics, StopsWhileItMeasuresAndGoesOn)
+{
+  PointDynamicsOptions<2> options;
+  options.spacing = 0.5;
+  options.sides = { { { Side{ Edge::Wall, 0 }, Side{ Edge::Wall, 2 } },
+    { Side{ Edge::Wall, 0 }, Side{ Edge::Wall, 2, -1e-4 } } } };
+  const auto law = makeLaw<2, NeoHookean>({ { 1, 1 } });
+  PointDynamics<2> whole(square(4, 2), law, options);
+  ASSERT_TRUE(whole.advance(2100));
+  bool asked = false;
+  options.progress = [&](std::int64_t step, double) { return step == 2000 && !std::exchange(asked, true); };
+  PointDynamics<2> stopped(square(4, 2), law, options);
+  ASSERT_FALSE(stopped.advance(2100));
+  EXPECT_EQ(stopped.steps(), 2000);
+  ASSERT_TRUE(stopped.advance(2100 - stopped.steps()));
+  EXPECT_EQ(stopped.time(), whole.time());
+  for (int c = 0; c < whole.points().columns(); ++c)
+    for (std::size_t p = 0; p < whole.points().count(); ++p)
+      ASSERT_EQ(stopped.points().column(c)[p], whole.points().column(c)[p]) << c << ", " << p;
+  options.progress = [](std::int64_t, double) { return true; };
+  EXPECT_EQ(message([&] { PointDynamics<2>(square(4, 2), law, options); }), "interrupted");
+}
+
 TEST(PointDynamics, StopsWhenPlatensMeet)
 {
   PointDynamicsOptions<2> options;

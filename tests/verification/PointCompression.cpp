@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 
@@ -208,10 +209,11 @@ TEST(PointCompression, GoesOnToTheSameCurve)
     for (const int call : { 5, 7, 12 })
     {
       CompressionOptions<2> part = with("part.h5");
-      int calls = 0;
-      part.progress = [&](double)
+      int calls = 0; // under way
+      part.progress = [&](double share)
       {
-        if (++calls == call && killed)
+        calls += share > 0 ? 1 : 0;
+        if (calls == call && killed)
           throw std::runtime_error("killed");
         return calls == call;
       };
@@ -235,6 +237,38 @@ TEST(PointCompression, GoesOnToTheSameCurve)
         EXPECT_EQ(gone.rows()[i].elastic, whole.rows()[i].elastic) << i;
       }
     }
+}
+
+// Setting up asks, too. What was stopped before its first step has no checkpoint: there is nothing in it.
+TEST(PointCompression, StopsWhileItSetsUp)
+{
+  const TemporaryFolder folder;
+  CompressionOptions<2> o = options(0.2);
+  o.checkpoint.path = folder.path() / "run.h5";
+  int calls = 0;
+  o.progress = [&](double share)
+  {
+    EXPECT_EQ(share, 0);
+    ++calls;
+    return false;
+  };
+  const PointCompression<2> made(block(), wall(), o);
+  const int inSetup = calls;
+  EXPECT_GE(inSetup, 24); // every pass of the iteration that takes most of it
+  for (const int call : { 1, inSetup / 2, inSetup })
+  {
+    calls = 0;
+    o.progress = [&](double) { return ++calls == call; };
+    EXPECT_THROW(PointCompression<2>(block(), wall(), o), Cancelled);
+    EXPECT_EQ(calls, call);
+  }
+  calls = 0;
+  o.progress = [&](double) { return ++calls > inSetup; };
+  PointCompression<2> stopped(block(), wall(), o);
+  EXPECT_FALSE(stopped.run());
+  EXPECT_EQ(stopped.summary().steps, 0);
+  EXPECT_EQ(stopped.summary().lastCheckpoint, 0);
+  EXPECT_FALSE(std::filesystem::exists(o.checkpoint.path));
 }
 
 TEST(PointCompression, ForeignCheckpointsAreRefused)

@@ -104,7 +104,7 @@ TEST(PointCompressionRanks, StopsTogetherAndGoesOnAlone)
   part.checkpoint.path = folder.path() / "part.h5";
   int calls = 0;
   if (everyone().rank() == everyone().size() - 1)
-    part.progress = [&](double) { return ++calls == 3; };
+    part.progress = [&](double share) { return share > 0 && ++calls == 3; };
   PointCompression<2> stopped = tissue(everyone(), part);
   EXPECT_FALSE(stopped.run());
   EXPECT_GT(stopped.strain(), 0);
@@ -134,7 +134,7 @@ TEST(PointCompressionRanks, NothingIsBroughtTogetherWithoutACheckpoint)
   CompressionOptions<2> kept = options(0.11);
   const TemporaryFolder folder;
   kept.checkpoint.path = folder.path() / "part.h5";
-  kept.progress = [](double) { return true; };
+  kept.progress = [](double share) { return share > 0; };
   PointCompression<2> stopped = tissue(everyone(), kept);
   EXPECT_EQ(gathers, 0); // what it is a checkpoint of is told without the points
   EXPECT_FALSE(stopped.run());
@@ -147,7 +147,7 @@ TEST(PointCompressionRanks, PointsOfAnotherSpecimenAreRefused)
   const TemporaryFolder folder;
   CompressionOptions<2> o = options(0.11);
   o.checkpoint.path = folder.path() / "part.h5";
-  o.progress = [](double) { return true; };
+  o.progress = [](double share) { return share > 0; };
   PointCompression<2> stopped = tissue(everyone(), o);
   EXPECT_FALSE(stopped.run());
   const auto refused = [&](const std::function<void(MaterialPoints<2>&)>& change)

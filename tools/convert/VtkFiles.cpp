@@ -88,6 +88,7 @@ protected:
     int extent[6];
     out->Get(Pipeline::UPDATE_EXTENT(), extent);
     // A sink that continues would ask for ever where this returned 0 (VTK 9.2): after a failure there are no arrays.
+    vtkImageData::GetData(out)->Initialize();
     vtkImageData::GetData(out)->SetExtent(extent);
     if (this->HasFailed())
     {

@@ -9,9 +9,9 @@ end, and then, in lines that begin with @:
     @off keep-platens             of a switch that is on by itself: the option that switches it off; no-WORD by itself
     @group Load                   title under which it stands
     @unit Pa                      unit of its numbers
-    @range [0, 1)                 what is allowed; numbers are always finite
+    @range [0, 1)                 what is allowed; numbers are finite unless it says inf]
     @choice Loads                 the enum of what it can be, or its enumerators, if it cannot be all of them
-    @values 2: disks; 3: spheres  whole numbers that it can be, and what they mean
+    @values 2 = disks; 3 = spheres  whole numbers that it can be, and what they mean
     @title Toughness of bonds     of what is listed: the heading of its table
     @columns Bonds, Modulus [Pa]  names of the parts of what is listed, or of a vector
     @when Load BIAXIAL            only of account where another setting is one of these
@@ -36,12 +36,12 @@ class HeaderError(Exception):
 
 @dataclasses.dataclass
 class Range:
-    """An interval; an end that does not belong to it is open."""
+    """An interval; an end that does not belong to it is open. Infinity may belong to it."""
 
     low: float = -math.inf
     high: float = math.inf
-    low_open: bool = False
-    high_open: bool = False
+    low_open: bool = True
+    high_open: bool = True
 
 
 @dataclasses.dataclass
@@ -465,8 +465,8 @@ class Declarations:
         if "values" in tags:
             setting.kind = "choice"
             for part in tags["values"].split(";"):
-                value, _, text = part.partition(":")
-                setting.choices.append(Choice("", value.strip(), int(value), text.strip(), f"{value.strip()}: {text.strip()}"))
+                value, _, label = part.partition("=")
+                setting.choices.append(Choice("", value.strip(), int(value), "", label.strip() or value.strip()))
         if "default" in tags:
             setting.default = value_of(tags["default"], {name: entry[1] for name, entry in entries.items()})
 

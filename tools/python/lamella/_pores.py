@@ -94,7 +94,7 @@ class PoreFloodFillResult(ImageBase):
         return f"<lamella.PoreFloodFillResult: {self.count} pores, mean {self.mean:.1f}, largest {self.largest}>"
 
 
-@declared(vtkPoreFloodFill, first=("phase", "connectivity"), without=("labels", "pore_size"))
+@declared(vtkPoreFloodFill, first=("phase", "connectivity", "periodic", "minimum_size", "sort_by_size"), without=("labels", "pore_size"))
 def pore_flood_fill(sample: Image, settings: Settings, progress: Progress | None = None) -> PoreFloodFillResult:
     """Labels the connected pores of one phase of a Sample, an array of whole numbers or an image.
 

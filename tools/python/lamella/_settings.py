@@ -177,7 +177,10 @@ def declared(kind, first=(), without=(), defaults=None, formerly=None):
                     near = difflib.get_close_matches(name, signature.parameters, 1)
                     hint = f"; did you mean {near[0]!r}?" if near else f"; it takes {', '.join(signature.parameters)}"
                     raise TypeError(f"{function.__name__}() got an unexpected keyword argument {name!r}{hint}")
-            bound = signature.bind(*given, **keywords).arguments
+            try:
+                bound = signature.bind(*given, **keywords).arguments
+            except TypeError as error:
+                raise TypeError(f"{function.__name__}(): {error}; give settings by name") from None
             values = {**(defaults or {}), **{name: value for name, value in bound.items() if name in table}}
             mine = {name: value for name, value in bound.items() if name not in table}
             return function(settings=Settings(table, values), **mine)
