@@ -76,10 +76,11 @@ public:
 
   ///@{
   /**
-   * Shorter cracks are left out [spacings], unless they part a wall between voids or sides. Below 0: the horizon.
+   * Shorter cracks are left out [spacings], unless they part a wall between voids or sides. -1: the horizon.
    *
    * Shorter cracks are left out and counted [spacings], unless they lead from a void or side to another place there. 0
    * keeps all.
+   * @range [-1, inf)
    * @group Cracks
    * @unit spacings
    */
@@ -89,7 +90,8 @@ public:
 
   ///@{
   /**
-   * Branches that end in solid after no more than this are taken away [spacings]. Below 0: twice the horizon.
+   * Branches that end in solid after no more than this are taken away [spacings]. -1: twice the horizon.
+   * @range [-1, inf)
    * @group Cracks
    * @unit spacings
    * @advanced

@@ -3,6 +3,7 @@
 #include "SettingTable.h"
 
 #include "lattice/Error.h"
+#include "lattice/Suggestion.h"
 
 #include "vtkObject.h"
 
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace lamella
 {
@@ -115,11 +117,21 @@ void checkSetting(const Setting& setting, const std::vector<double>& values)
       throw ParameterError(fmt::format("{}{} {} {}", nameOf(setting), part, values[i], wrong), remedy(setting));
     }
   }
+  if (values.size() == 2 && setting.parts.size() == 2 && setting.parts[0] == std::string("from") &&
+    values[0] > values[1])
+  {
+    throw ParameterError(
+      fmt::format("{} {} to {} is empty", nameOf(setting), values[0], values[1]), "give the lower end first");
+  }
 }
 
 void refuseWord(const Setting& setting, const std::string& word)
 {
-  throw ParameterError(fmt::format("{} '{}' is none of its choices", nameOf(setting), word), remedy(setting));
+  std::vector<std::string> words;
+  std::transform(setting.choices.begin(), setting.choices.end(), std::back_inserter(words),
+    [](const SettingChoice& choice) { return choice.word; });
+  throw ParameterError(
+    fmt::format("{} '{}' is none of its choices", nameOf(setting), word), suggestion(word, words, remedy(setting)));
 }
 
 void checkSettings(vtkObject* object)

@@ -48,10 +48,10 @@ class Curve(Case):
     def test_what_cannot_be_done(self):
         self.write("c.csv", curve())
         run = ["compression-curve", "c.csv"]
-        self.fails(2, "--stiffness-range '0.03' is not two numbers", "--stiffness-range 0,0.03", *run, "--stiffness-range", "0.03")
-        self.fails(2, "--plateau-range '0.4,0.2'", "0.2,0.4", *run, "--plateau-range", "0.4,0.2")
-        self.fails(2, "--offset -1 is outside 0 to 1", "such as 0.01", *run, "--offset=-1")
-        self.fails(2, "--smoothing nan is outside", "such as 0.01", *run, "--smoothing", "nan")
+        self.fails(2, "stiffness range '0.03' is not 2 numbers", "--stiffness-range FROM,TO", *run, "--stiffness-range", "0.03")
+        self.fails(2, "plateau range 0.4 to 0.2 is empty", "lower end first", *run, "--plateau-range", "0.4,0.2")
+        self.fails(2, "offset -1 is below 0", "0 to below 1", *run, "--offset=-1")
+        self.fails(2, "smoothing nan is not a number", "0 to 1", *run, "--smoothing", "nan")
         self.fails(2, "-o 'e.txt'", ".csv", *run, "-o", "e.txt")
         self.fails(3, "a window of 0.1 does not fit", "up to that of the range", *run, "--window", "0.1")
         self.fails(3, "lacks the column 'force'", "--strain and --stress", *run, "--stress", "force")
@@ -141,8 +141,8 @@ class Map(Case):
 
     def test_what_cannot_be_done(self):
         run = ["collapse-map", "t.vti", "s0.3.vtp"]
-        self.fails(2, "--share '1.5' is not between 0 and 1", "50%", *run, "--share", "1.5")
-        self.fails(2, "--minimum-size -1", "smallest lumen", *run, "--minimum-size=-1")
+        self.fails(2, "share 1.5 is not below 1", "above 0 and below 1", *run, "--share", "1.5")
+        self.fails(2, "minimum size -1 is below 0", "0 or more", *run, "--minimum-size=-1")
         self.fails(2, "--strains gives 2 strains for 1 files", "one strain a file", *run, "--strains", "0.1,0.2")
         self.fails(2, "--strains '0.2,0.1' are not rising", "0.05,0.12", *run, "s0.6.vtp", "--strains", "0.2,0.1")
         self.fails(2, "-o 'm.png'", ".vti", *run, "-o", "m.png")

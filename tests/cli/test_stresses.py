@@ -106,12 +106,12 @@ class Stresses(Case):
 
     def test_what_cannot_be_done(self):
         run = ["stress-pdf", "s.vti"]
-        self.fails(2, "--component", "did you mean 'von-mises'?", *run, "--component", "von-mizes")
-        self.fails(2, "--threshold '-1' is not a number above 0", "mean tensile stresses", *run, "--threshold=-1")
-        self.fails(2, "--threshold 'x' is not a number above 0", "write it as 2", *run, "--threshold", "x")
-        self.fails(2, "--range '3,1'", "--range=-1,6", *run, "--range", "3,1")
-        self.fails(2, "--bin-width 0 is not", "such as 0.05", *run, "--bin-width", "0")
-        self.fails(2, "--reference '0'", "in Pa", *run, "--reference", "0")
+        self.fails(2, "component 'von-mizes' is none of its choices", "did you mean 'von-mises'?", *run, "--component", "von-mizes")
+        self.fails(2, "threshold -1 is below 0", "0 or more", *run, "--threshold=-1")
+        self.fails(2, "threshold 'x' is not a number", "write it as --threshold NUMBER", *run, "--threshold", "x")
+        self.fails(2, "range 3 to 1 is empty", "lower end first", *run, "--range", "3,1")
+        self.fails(2, "bin width 0 is not above 0", "a number above 0", *run, "--bin-width", "0")
+        self.fails(2, "reference -1 is below 0", "0 or more", *run, "--reference=-1")
         self.fails(2, "--threads 0", "number of cores", *run, "--threads", "0")
         self.fails(2, "-o 'pdf.txt'", ".csv", *run, "-o", "pdf.txt")
         self.fails(3, "no array 'sigma'", "stress", *run, "--array", "sigma")

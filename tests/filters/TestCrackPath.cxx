@@ -233,7 +233,7 @@ TEST_F(CrackPath, WhatCannotBeDoneIsRefusedInWords)
     { [](auto* f, auto*, auto*) { f->SetHorizon(2); }, "is longer than the horizon of 2", "give the horizon" },
     { [](auto* f, auto*, auto*) { f->SetHorizon(9); }, "horizon 9 is above 8", "from 0 to 8" },
     { [](auto* f, auto*, auto*) { f->SetMinimumLength(std::nan("")); }, "minimum length nan is not a number",
-      "a finite number" },
+      "-1 or more" },
     { [](auto*, auto*, auto* i) { i->SetDimensions(60, 30, 1); }, "is not on the lattice of the broken bonds",
       "give the image that was broken" },
     { [](auto*, auto*, auto* i) { i->GetPointData()->Initialize(); }, "no point array 'phase'", "picture reader" },
