@@ -207,9 +207,9 @@ class SceneWords(Case):
 
     def test_options_of_what_comes_after_a_solve(self):
         self.scene(ALL)
-        self.refused("--component 'zz1'", "'zz'", "--stress-pdf.component=zz1")
-        self.refused("--share '7'", "50%", "--collapse-map.share=7")
-        self.refused("--window -3", "fraction", "--compression-curve.window=-3")
+        self.refused("component 'zz1'", "'zz'", "--stress-pdf.component=zz1")
+        self.refused("share 7 is not below 1", "above 0 and below 1", "--collapse-map.share=7")
+        self.refused("window -3 is below 0", "0 or more", "--compression-curve.window=-3")
         self.refused("takes one field, and [diffusion] gives one for each direction", 'of = "diffusion:x"', "--flux-map.of=diffusion")
         self.refused("'diffusion:u' is no direction", 'of = "diffusion:x"', "--flux-map.of=diffusion:u")
         self.scene(SAMPLE + '[fracture]\nyoung = { wall = 1e10 }\ncritical-stretch = { wall = 0.01 }\n[[each]]\nrun = "snapshot"\ncolor-map = "virdis"\n')
