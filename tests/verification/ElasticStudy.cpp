@@ -236,6 +236,38 @@ TEST(ElasticStudy, RanksChangeNothing)
   }
 }
 
+// A traction on two blocks with a soft layer between them: what moves is the layer, and the residual counts over the
+// forces on the stiff blocks.
+TEST(ElasticStudy, ATractionIsDoubted)
+{
+  if (everyone().rank() != 0)
+    return;
+  Sample s = filled(40, 60);
+  std::fill_n(s.phase.begin() + 40 * 28, 40 * 4, std::uint8_t{ 2 });
+  for (const double soft : { 0.1, 1e-2, 1e-4, 1e-6, 1e-9 })
+    for (const auto solver : { EquilibriumSolver::Multigrid, EquilibriumSolver::Jacobi, EquilibriumSolver::Direct })
+      for (const double tolerance : { 1e-3, 1e-6, 1e-11 })
+      {
+        BondModel m = one();
+        m.pairs[{ 2, 2 }].material.youngsModulus = m.pairs[{ 1, 2 }].material.youngsModulus = soft * young;
+        ElasticOptions o;
+        o.loading.load = LoadCase::Traction;
+        o.loading.traction = 1e3;
+        o.equilibrium.tolerance = tolerance;
+        o.equilibrium.solver = solver;
+        try
+        {
+          const ElasticResult r = solve(m, s, o, alone());
+          fmt::print("{} {} {}: {} doubt {} it {} {}\n", soft, static_cast<int>(solver), tolerance, r.effectiveModulus, r.solve.doubt,
+            r.solve.iterations, r.warnings.empty() ? "" : r.warnings.back());
+        }
+        catch (const Error& e)
+        {
+          fmt::print("{} {} {}: {}\n", soft, static_cast<int>(solver), tolerance, e.what());
+        }
+      }
+}
+
 // Each warning has its numbers.
 TEST(ElasticStudy, Warnings)
 {
