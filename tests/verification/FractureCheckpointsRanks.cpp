@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -280,7 +281,11 @@ struct KeptMotion
   DynamicsResult run(const Communicator& comm)
   {
     const Sample s = aggregate(32, 48);
-    return studyDynamics(aggregateModel(2), s.lattice, s.phase, s.grain, options, comm);
+    const BondModel m = aggregateModel(2);
+    const Block own = slab(s.lattice, Stencil(2, m.horizon), comm);
+    const auto first = static_cast<std::size_t>(own.start[1] * s.lattice.size[0]);
+    return studyDynamics(
+      m, s.lattice, std::span(s.phase).subspan(first, static_cast<std::size_t>(own.count())), {}, options, comm);
   }
 };
 

@@ -157,6 +157,7 @@ TEST(FractureStability, WhatHardlyCarriesIsWarnedOf)
     FractureStudyOptions o;
     o.method = method;
     o.fracture.tolerance = tolerance;
+    o.threads = 1;
     return studyFracture(s.model, s.sample.lattice, s.sample.phase, s.sample.grain, o, alone());
   };
   const auto warned = [](const FractureResult& r)
@@ -178,6 +179,7 @@ TEST(FractureStability, WhatHardlyCarriesIsWarnedOf)
   const Breakable sound = pores(0.4, 3);
   FractureStudyOptions o;
   o.fracture.maxBroken = 1;
+  o.threads = 1;
   const FractureResult r = studyFracture(sound.model, sound.sample.lattice, sound.sample.phase, {}, o, alone());
   EXPECT_FALSE(warned(r));
   EXPECT_GT(r.record.carried, 0.1);
