@@ -16,7 +16,7 @@ import lamella
 import numpy as np
 from ends import without_ends
 from paraview.simple import (
-    Contour, CreateView, GetActiveCamera, OpenDataFile, Outline, Render, SaveScreenshot, Show,
+    Calculator, Contour, CreateView, GetActiveCamera, OpenDataFile, Outline, Render, SaveScreenshot, Show,
 )
 from vtkmodules.vtkCommonDataModel import vtkPlane, vtkPlaneCollection
 from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkPolyDataNormals
@@ -85,7 +85,8 @@ def draw(file, grains, path, damage=0.1):
     view.OrientationAxesVisibility = 0
     sample = OpenDataFile(file)
     bounds = np.reshape(sample.GetDataInformation().GetBounds(), (3, 2))
-    crack = Contour(Input=sample, ContourBy=["POINTS", "damage"], Isosurfaces=[damage])
+    whole = Calculator(Input=sample, ResultArrayName="damage", Function="if(damage > 0, damage, 0)")  # NaN in voids has no surface
+    crack = Contour(Input=whole, ContourBy=["POINTS", "damage"], Isosurfaces=[damage])
     for what, colour in ((OpenDataFile(grains), [0.66, 0.70, 0.76]), (crack, [0.82, 0.11, 0.11]), (Outline(Input=sample), [0.2, 0.2, 0.2])):
         shown = Show(what, view)
         shown.ColorArrayName = [None, ""]

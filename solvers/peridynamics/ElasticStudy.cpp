@@ -196,22 +196,22 @@ std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult&
       fmt::format("a modulus of {:.4g} Pa is within the solver's tolerance of nothing: either nothing carries the "
                   "load, or a smaller --tolerance tells what does",
         r.effectiveModulus));
-  else if (const std::string text = doubtWarning(r.solve.doubt); !text.empty())
+  else if (const std::string text = doubtWarning(r.solve.doubt, !twoPlatens); !text.empty())
     warnings.push_back(text);
   return warnings;
 }
 
 } // namespace
 
-std::string doubtWarning(double doubt)
+std::string doubtWarning(double doubt, bool traction)
 {
   constexpr double noted = 1e-3;
   if (!(doubt > noted))
     return "";
-  return fmt::format(
-    "forces through sections of the sample differ by {:.2g} times that on the platens: the modulus may "
-    "be off by as much. Ask for a smaller --tolerance, or make the phases less different",
-    doubt);
+  return fmt::format("{}: the modulus may be off by as much. Ask for a smaller --tolerance, or make the phases less "
+                     "different",
+    traction ? fmt::format("the forces that are not in balance do {:.2g} times the work of the traction", doubt)
+             : fmt::format("forces through sections of the sample differ by {:.2g} times that on the platens", doubt));
 }
 
 std::array<double, 6> meanStress(const BondLattice& bonds, const NodeField<double>& stress, Continuum continuum)

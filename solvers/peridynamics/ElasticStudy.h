@@ -138,7 +138,8 @@ void requireMemory(const char* what, const Lattice& lattice, double need, double
 [[nodiscard]] std::string looseWarning(std::int64_t pieces, std::int64_t nodes, std::int64_t solidNodes);
 
 /// What is said of a modulus that the solver's residual may leave off by this share; empty where that is little.
-[[nodiscard]] std::string doubtWarning(double doubt);
+/// @param traction whether it is of a load that is given, where it is the work of what is left over
+[[nodiscard]] std::string doubtWarning(double doubt, bool traction = false);
 
 /// What a model's horizon means for a picture: a warning, or an empty string.
 [[nodiscard]] std::string horizonWarning(const BondModel& model);

@@ -198,7 +198,7 @@ bool BondScene::isVoid(std::size_t node) const
 }
 
 vtkSmartPointer<vtkDoubleArray> BondScene::toPiece(
-  const pd::NodeField<double>& field, std::span<const int> from, const char* name) const
+  const pd::NodeField<double>& field, std::span<const int> from, const char* name, double inVoids) const
 {
   const pd::NodeLayout& l = field.layout();
   const std::size_t components = from.size();
@@ -221,7 +221,7 @@ vtkSmartPointer<vtkDoubleArray> BondScene::toPiece(
         const bool skip = isVoid(node);
         for (const int c : from)
         {
-          own[at++] = c >= 0 && !skip ? field.at(c, x, y, z) : 0;
+          own[at++] = skip ? inVoids : c >= 0 ? field.at(c, x, y, z) : 0;
         }
       }
     }

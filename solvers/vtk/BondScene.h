@@ -69,9 +69,9 @@ public:
   [[nodiscard]] const std::vector<std::int64_t>& nodes() const noexcept { return nodes_; }
 
   /// Collective. Own nodes of a field as an array of the piece: component c of the array is component `from[c]` of the
-  /// field, or 0 where that is negative. Nodes in voids get 0: what solvers keep there has no meaning.
-  [[nodiscard]] vtkSmartPointer<vtkDoubleArray> toPiece(
-    const peridynamics::NodeField<double>& field, std::span<const int> from, const char* name) const;
+  /// field, or 0 where that is negative. Nodes in voids get `inVoids`: what solvers keep there has no meaning.
+  [[nodiscard]] vtkSmartPointer<vtkDoubleArray> toPiece(const peridynamics::NodeField<double>& field,
+    std::span<const int> from, const char* name, double inVoids = 0) const;
 
   /// Collective. The first components of an array of the piece, on the slab's own nodes.
   /// @throws InputError for values that are not finite at solid nodes

@@ -179,8 +179,9 @@ void setBrokenState(vtkImageData* output, const pd::BrokenState& state, const Bo
   setFieldNumber(output, stateNumber, static_cast<double>(state.number));
   vtkPointData* const points = output->GetPointData();
   const auto add = [points](vtkDataArray* array) { points->AddArray(array); };
-  const auto damage = scene.toPiece(state.damage, std::array<int, 1>{ 0 }, "damage");
-  describe(damage, "1", "share of the node's bonds that are broken; 0 in voids", creator);
+  // a void is not whole, as 0 would paint it: it has no bonds
+  const auto damage = scene.toPiece(state.damage, std::array<int, 1>{ 0 }, "damage", unknown);
+  describe(damage, "1", "share of the node's bonds that are broken; NaN in voids, which have none", creator);
   add(damage);
   points->SetActiveScalars("damage");
   const auto counts = scene.toPiece(state.bonds, std::array<int, 1>{ 0 }, "broken");

@@ -12,7 +12,7 @@
  *
  * **Output 0**: the input in one state (State) with
  * - `damage` (1 double, 0 to 1): share of the node's bonds that are broken; bonds that notches cut before loading do
- *   not count
+ *   not count; NaN in voids, which have none
  * - `broken` (1 int): broken bonds of the node
  * - `displacement` (3 doubles, [m]; 0 in voids; what came loose moves as the mean strain has it), unless switched off
  * - `stress` (6 doubles, [Pa]), `strain_energy` (1 double, [J/m³]) on demand, as vtkBondEquilibrium.

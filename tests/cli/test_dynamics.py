@@ -17,6 +17,13 @@ STRIP = ["dynamics", "strip.png", "--phase", "255=stone", "--phase", "100=glue",
 BREAKS = ["--critical-stretch", "stone=0.01", "--critical-stretch", "glue=0.002"]
 
 
+def processor(process):
+    """Seconds of processor time that a process has had; for ever where it has ended."""
+    with open(f"/proc/{process.pid}/stat", encoding="utf-8") as file:
+        fields = file.read().rsplit(")", 1)[1].split()
+    return math.inf if fields[0] == "Z" else (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 class Dynamics(Case):
     def setUp(self):
         super().setUp()
@@ -127,6 +134,41 @@ class Dynamics(Case):
         self.assertEqual(run.returncode, 130, err)
         self.assertIn("steps; go on from it with: ", err.decode())
         self.assertEqual(sorted(os.listdir(self.folder)), ["big.png", "run.h5", "strip.png"])
+
+    def test_stopped_at_any_step(self):
+        """No checkpoint is due for long: that of the step at which it is stopped. It goes on as if it had not been."""
+        self.write("big.png", pictures.png([[100 if abs(y - 75 - x // 10) < 3 else 255 for x in range(100)] for y in range(150)],
+                                           pixels_per_metre=100000))
+        words = [STRIP[0], "big.png", *STRIP[2:], *BREAKS, "--velocity", "y+=0,2", "--velocity", "y-=0,-2", "--end-time", "1e-5", "--threads", "1",
+                 "--at-broken", "50,51,1000,2000,3000", "--json"]
+        whole = self.works(*words, "--curve", "a.csv", "-o", "a.vti").json()
+        self.assertGreater(whole["broken"], 3000)
+        for number in (signal.SIGTERM, signal.SIGINT):
+            for moment in (0.5, 1.5, 4.5):  # of processor time; where it still sets up, later
+                with subprocess.Popen([PROGRAM, *words, "--curve", "b.csv", "-o", "b.vti", "--checkpoint", "run.h5", "--overwrite"], cwd=self.folder,
+                                      stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+                    while processor(run) < moment:
+                        time.sleep(0.01)
+                    before = processor(run)
+                    run.send_signal(number)
+                    _, status, usage = os.wait4(run.pid, 0)
+                    run.returncode = os.waitstatus_to_exitcode(status)
+                    err = run.stderr.read()
+                self.assertEqual(run.returncode, 128 + number, err)
+                self.assertLess(usage.ru_utime + usage.ru_stime - before, 2)
+                if os.path.exists(self.path("run.h5")):
+                    break
+            self.assertRegex(err, "interrupted at [0-9.e+-]+ %")
+            self.assertRegex(err, "stands after [0-9]+ steps; go on from it with: ")
+            result = self.run_lamella(*words, "--curve", "b.csv", "-o", "b.vti", "--overwrite", "--continue", "run.h5")
+            self.assertEqual(result.code, 0, result.err)  # it may warn of states that lie before the checkpoint
+            again = result.json()
+            self.assertEqual(str(again["continued_at"]), re.search("after ([0-9]+) steps", err)[1])
+            self.assertEqual(again["energies"], whole["energies"])
+            self.assertEqual([state["broken"] for state in whole["states"]][again["states_before"]:], [state["broken"] for state in again["states"]])
+            with open(self.path("a.csv"), "rb") as a, open(self.path("b.csv"), "rb") as b:
+                self.assertEqual(a.read(), b.read())
+            os.remove(self.path("run.h5"))
 
     def test_what_cannot_be_done(self):
         good = [*STRIP, *BREAKS]

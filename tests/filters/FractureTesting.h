@@ -120,7 +120,9 @@ protected:
       {
         const vtkIdType other = whole->FindPoint(part->GetPoint(i));
         ASSERT_EQ(points(part, "broken")->GetTuple1(i), points(whole, "broken")->GetTuple1(other));
-        ASSERT_EQ(points(part, "damage")->GetTuple1(i), points(whole, "damage")->GetTuple1(other));
+        const double damage = points(part, "damage")->GetTuple1(i);
+        const double expected = points(whole, "damage")->GetTuple1(other);
+        ASSERT_TRUE(damage == expected || (std::isnan(damage) && std::isnan(expected))) << i; // in voids
         ASSERT_NEAR(points(part, "strain_energy")->GetTuple1(i), points(whole, "strain_energy")->GetTuple1(other),
           energy * points(whole, "strain_energy")->GetRange()[1]);
       }

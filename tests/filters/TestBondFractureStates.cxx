@@ -19,12 +19,14 @@ namespace
 using namespace lamella;
 using namespace lamella::vtktest;
 
+/// Of all that is not NaN, as damage is in voids.
 double sum(vtkDataArray* array)
 {
   double total = 0;
   for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i)
   {
-    total += array->GetTuple1(i);
+    const double value = array->GetTuple1(i);
+    total += std::isnan(value) ? 0 : value;
   }
   return total;
 }

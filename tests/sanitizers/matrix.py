@@ -78,7 +78,7 @@ SOLVERS = {
     "equilibrium": bonds("equilibrium", *BONDS, "--strain", "1e-3", "--tolerance", "0.1", cost=0.14),
     "equilibrium, periodic shear": bonds("equilibrium", *BONDS, "--strain", "1e-3", "--tolerance", "0.1", "--periodic", "x", "--load", "shear",
                                          "--surface-correction", cost=0.22),
-    "fracture": bonds("fracture", *BREAK, "--max-broken", "2", "--tolerance", "1e-4", cost=0.25),
+    "fracture": bonds("fracture", *BREAK, "--max-broken", "2", "--tolerance", "1e-5", cost=0.25),
     "dynamics": bonds("dynamics", *BREAK, *DENSITY, "--end-time", "4e-9", "--strain-rate", "1e5", cost=0.3),
     "compression, moduli": bonds("compression", "--young", "1e9", "--poisson", "0.3", *DENSITY, "--pixel-size", "1um",
                                  "--stiffness-only", mpi=False, horizons=False, cost=1),

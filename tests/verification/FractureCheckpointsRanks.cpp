@@ -2,12 +2,16 @@
 #include "FractureSamples.h"
 
 #include "lattice/Error.h"
-#include "peridynamics/fracture/Dynamics.h"
+#include "peridynamics/fracture/DynamicsStudy.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include <unistd.h>
 
@@ -149,7 +153,8 @@ TEST(FractureCheckpoints, AllRanksSayTheSame)
 /// A sample that is pulled apart at a regulated rate and damped, held at its lower end, pushed a little to the side.
 struct Motion
 {
-  Motion(const Communicator& comm, const fs::path& write, const fs::path& from)
+  Motion(const Communicator& comm, const fs::path& write, const fs::path& from,
+    const std::function<bool(const DynamicsProgress&)>& progress = {})
     : bonds(latticeOf(aggregateModel(2), aggregate(32, 48), comm))
   {
     LoadedSample loaded = applyLoading(bonds, {});
@@ -160,6 +165,8 @@ struct Motion
     o.checkpoint.path = write;
     o.checkpoint.every = 25;
     o.continueFrom = from;
+    o.progress = progress;
+    o.progressEvery = 0;
     motion.emplace(bonds, std::move(loaded.fixed), o);
     if (!from.empty())
       return;
@@ -179,22 +186,8 @@ struct Motion
   std::optional<BondDynamics> motion;
 };
 
-TEST(DynamicsCheckpoints, GoesOnToTheLastBit)
+void expectSame(const BondDynamics& a, const BondDynamics& b)
 {
-  Motion whole(everyone(), {}, {});
-  whole.motion->advance(200);
-  ASSERT_GT(whole.motion->broken().size(), 10U);
-  const SharedFile file;
-  {
-    Motion first(everyone(), file.path(), {});
-    first.motion->advance(137); // the last file is of step 125
-    ASSERT_LT(first.motion->broken().size(), whole.motion->broken().size());
-  }
-  Motion again(everyone(), {}, file.path());
-  EXPECT_EQ(again.motion->steps(), 125);
-  again.motion->advance(75);
-  const BondDynamics& a = *whole.motion;
-  const BondDynamics& b = *again.motion;
   EXPECT_EQ(a.time(), b.time());
   EXPECT_EQ(a.rate(), b.rate());
   ASSERT_EQ(a.broken().size(), b.broken().size());
@@ -216,6 +209,24 @@ TEST(DynamicsCheckpoints, GoesOnToTheLastBit)
   EXPECT_EQ(a.energies().supplied, b.energies().supplied);
   EXPECT_EQ(a.energies().damped, b.energies().damped);
   EXPECT_EQ(a.energies().initial, b.energies().initial);
+}
+
+TEST(DynamicsCheckpoints, GoesOnToTheLastBit)
+{
+  Motion whole(everyone(), {}, {});
+  whole.motion->advance(200);
+  ASSERT_GT(whole.motion->broken().size(), 10U);
+  const SharedFile file;
+  {
+    Motion first(everyone(), file.path(), {});
+    first.motion->advance(137); // the last file is of step 125
+    ASSERT_LT(first.motion->broken().size(), whole.motion->broken().size());
+  }
+  Motion again(everyone(), {}, file.path());
+  EXPECT_EQ(again.motion->steps(), 125);
+  again.motion->advance(75);
+  const BondDynamics& a = *whole.motion;
+  expectSame(a, *again.motion);
 
   // on one rank: the same bonds, the same energies to round-off
   Motion one(alone(), {}, file.path());
@@ -225,6 +236,100 @@ TEST(DynamicsCheckpoints, GoesOnToTheLastBit)
     EXPECT_TRUE(a.broken()[i].bond == one.motion->broken()[i].bond) << i;
   EXPECT_NEAR(a.energies().supplied, one.motion->energies().supplied, 1e-9 * a.energies().supplied);
   EXPECT_NEAR(a.energies().damped, one.motion->energies().damped, 1e-9 * a.energies().damped);
+}
+
+// Stopped after any step, it writes that one, says so, and goes on as if it had not stopped.
+TEST(DynamicsCheckpoints, AStopLeavesOne)
+{
+  Motion whole(everyone(), {}, {});
+  whole.motion->advance(200);
+  const SharedFile file;
+  std::int64_t written = 0;
+  {
+    const auto stop = [&](const DynamicsProgress& p)
+    {
+      written = p.checkpoint;
+      return p.step == 137;
+    };
+    Motion first(everyone(), file.path(), {}, stop);
+    EXPECT_FALSE(first.motion->advance(200));
+    EXPECT_EQ(first.motion->steps(), 137);
+    EXPECT_EQ(written, 137);
+  }
+  Motion again(everyone(), {}, file.path());
+  EXPECT_EQ(again.motion->steps(), 137);
+  again.motion->advance(63);
+  expectSame(*whole.motion, *again.motion);
+}
+
+/// A strip that breaks in its middle under a pull; states at numbers of broken bonds and at times.
+struct KeptMotion
+{
+  DynamicsStudyOptions options;
+  std::vector<std::pair<std::int64_t, MotionState>> states; ///< by number
+
+  KeptMotion()
+  {
+    options.motion.density = 1500;
+    options.motion.damping = 0.05;
+    options.motion.progressEvery = 0;
+    options.pull.emplace();
+    options.pull->transits = 4;
+    options.atBroken = { 1, 5, 6, 7, 20 };
+    options.keep = [this](MotionState s) { states.emplace_back(s.number, std::move(s)); };
+  }
+  DynamicsResult run(const Communicator& comm)
+  {
+    const Sample s = aggregate(32, 48);
+    const BondModel m = aggregateModel(2);
+    const Block own = slab(s.lattice, Stencil(2, m.horizon), comm);
+    const auto first = static_cast<std::size_t>(own.start[1] * s.lattice.size[0]);
+    return studyDynamics(
+      m, s.lattice, std::span(s.phase).subspan(first, static_cast<std::size_t>(own.count())), {}, options, comm);
+  }
+};
+
+// A stop falls between two points of the history, after bonds have broken whose state is due at the next: that state,
+// and all after it, are made as if there had been no stop, under the same numbers.
+TEST(DynamicsCheckpoints, AStoppedRunMakesTheSameStates)
+{
+  KeptMotion whole;
+  const DynamicsResult a = whole.run(everyone());
+  ASSERT_GT(whole.states.size(), 3U);
+  const SharedFile file;
+  for (const std::int64_t broken : { 1, 6, 12 })
+  {
+    SCOPED_TRACE(broken);
+    KeptMotion first;
+    first.options.motion.checkpoint.path = file.path();
+    first.options.progress = [&](const DynamicsProgress& p, double) { return p.broken >= broken; };
+    EXPECT_THROW((void)first.run(everyone()), Cancelled);
+    KeptMotion again;
+    again.options.motion.continueFrom = file.path();
+    const DynamicsResult b = again.run(everyone());
+    ASSERT_EQ(first.states.size() + again.states.size(), whole.states.size());
+    EXPECT_EQ(b.statesBefore, static_cast<std::int64_t>(first.states.size()));
+    for (std::size_t i = 0; i < whole.states.size(); ++i)
+    {
+      const std::size_t before = first.states.size();
+      const auto& [number, state] = i < before ? first.states[i] : again.states[i - before];
+      EXPECT_EQ(number, whole.states[i].first);
+      EXPECT_EQ(state.time, whole.states[i].second.time);
+      EXPECT_EQ(state.strain, whole.states[i].second.strain);
+      EXPECT_EQ(state.stress, whole.states[i].second.stress);
+      EXPECT_EQ(state.broken, whole.states[i].second.broken);
+    }
+    ASSERT_EQ(a.history.size(), b.history.size());
+    for (std::size_t i = 0; i < a.history.size(); ++i)
+    {
+      EXPECT_EQ(a.history[i].step, b.history[i].step);
+      EXPECT_EQ(a.history[i].stress, b.history[i].stress);
+      EXPECT_EQ(a.history[i].energies.kinetic, b.history[i].energies.kinetic);
+    }
+    ASSERT_EQ(a.broken.size(), b.broken.size());
+    for (std::size_t i = 0; i < a.broken.size(); ++i)
+      EXPECT_TRUE(a.broken[i].bond == b.broken[i].bond && a.broken[i].step == b.broken[i].step) << i;
+  }
 }
 
 } // namespace

@@ -553,11 +553,38 @@ TEST(Stiffness, Warnings)
   plain.micromodulus = Micromodulus::Isotropic;
   EXPECT_TRUE(study(plain, one).warnings.empty());
   plain.horizon = 1;
-  EXPECT_TRUE(warns(study(plain, one, true), "nothing resists shear"));
+  const StiffnessResult axes = study(plain, one, true);
+  EXPECT_TRUE(warns(axes, "nothing resists shear"));
+  EXPECT_TRUE(warns(axes, "the error is not known: at a horizon of 1 spacings there are strains that no bond resists"));
+  EXPECT_TRUE(std::isnan(axes.error.relative));
+  EXPECT_TRUE(axes.error.components.empty());
   plain = modelOf(Continuum::Space, 3);
   EXPECT_TRUE(warns(study(plain, solid), "the lattice of bonds is not isotropic: at a horizon of 3 spacings"));
   plain.micromodulus = Micromodulus::Isotropic;
   EXPECT_TRUE(study(plain, solid).warnings.empty());
+}
+
+// Stiff columns, staggered, in a soft phase: across them the soft phase alone resists, by some share of what both have
+// side by side, and the residual counts over that. The warning says whether it may be a part of the answer or all of
+// it; where there is none, or a part, the answer is within that of one to 1e-13.
+TEST(Stiffness, ALooseSolveIsDoubted)
+{
+  const Sample s = cell({ 32, 32, 1 },
+    [](double x, double y, double)
+    { return (std::llround(32 * x - 0.5) + std::llround(32 * y - 0.5) / 16) % 8 < 4 ? 1 : 2; });
+  const auto off = [&](double contrast, double tolerance, const char* said)
+  {
+    SCOPED_TRACE(std::to_string(contrast) + " at " + std::to_string(tolerance));
+    const BondModel m = twoPhases(Continuum::PlaneStress, 3, contrast);
+    const StiffnessResult r = study(m, s, false, tolerance);
+    EXPECT_EQ(warns(r, "so far below what its phases have side by side"), said != nullptr);
+    EXPECT_TRUE(said == nullptr || warns(r, said));
+    return std::abs(at(r.cell.stiffness, 0, 0) / at(study(m, s, false, 1e-13).cell.stiffness, 0, 0) - 1);
+  };
+  EXPECT_LT(off(1e2, 1e-6, nullptr), 0.01);
+  EXPECT_LT(off(1e5, 1e-6, nullptr), 0.01);
+  EXPECT_LT(off(1e6, 1e-6, " % of it: ask"), 1);
+  (void)off(1e10, 1e-6, "residual may be all of it");
 }
 
 TEST(Stiffness, WhatIsRefused)

@@ -31,7 +31,7 @@ function(lamella_warnings target)
   if(LAMELLA_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Werror>)
   endif()
-  if(LAMELLA_SANITIZE) # with instrumented code g++ 12 sees uninitialised values in its own <regex> and <functional>
+  if(LAMELLA_SANITIZE AND NOT LAMELLA_SANITIZE_SOURCES) # with instrumented code g++ 12 sees uninitialised values in its own <regex> and <functional>
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wno-maybe-uninitialized>)
   endif()
 endfunction()
@@ -45,18 +45,36 @@ endif()
 
 # Of a tree that is not instrumented as a whole, the targets that are: what reads files and what computes. They assert,
 # too, and the containers of the standard library check their indices.
+set(LAMELLA_SANITIZE_FLAGS -fsanitize=${LAMELLA_SANITIZE} -fno-omit-frame-pointer -O1 -g1 -UNDEBUG -D_GLIBCXX_ASSERTIONS)
 function(lamella_sanitize target)
-  if(LAMELLA_SANITIZE AND NOT LAMELLA_SANITIZE_ALL)
-    target_compile_options(${target} PRIVATE -fsanitize=${LAMELLA_SANITIZE} -fno-omit-frame-pointer
-      -O1 -g1 -UNDEBUG -D_GLIBCXX_ASSERTIONS)
+  if(NOT LAMELLA_SANITIZE OR LAMELLA_SANITIZE_ALL)
+    return()
   endif()
+  if(LAMELLA_SANITIZE_SOURCES) # when all folders have given theirs
+    cmake_language(EVAL CODE
+      "cmake_language(DEFER DIRECTORY [[${PROJECT_SOURCE_DIR}]] CALL _lamella_sanitize_sources ${target})")
+  else()
+    target_compile_options(${target} PRIVATE ${LAMELLA_SANITIZE_FLAGS})
+  endif()
+endfunction()
+
+function(_lamella_sanitize_sources target)
+  get_target_property(sources ${target} SOURCES)
+  get_target_property(folder ${target} SOURCE_DIR)
+  foreach(source IN LISTS sources)
+    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY "${folder}" OUTPUT_VARIABLE path)
+    if(path MATCHES "${LAMELLA_SANITIZE_SOURCES}" AND NOT source MATCHES "^\\$<")
+      set_property(SOURCE "${path}" TARGET_DIRECTORY ${target} APPEND PROPERTY COMPILE_OPTIONS
+        ${LAMELLA_SANITIZE_FLAGS} -Wno-maybe-uninitialized)
+    endif()
+  endforeach()
 endfunction()
 
 # Of an instrumented target, sources whose sums are expressions of Eigen on small matrices: the undefined-behaviour
 # sanitizer looks at each pointer and reference in such an expression, some hundred a product, and keeps its parts in
 # memory. Without these looks they take a tenth of the time, and the address sanitizer still sees each access.
 function(lamella_sanitize_accesses target)
-  if(LAMELLA_SANITIZE AND NOT LAMELLA_SANITIZE_ALL)
+  if(LAMELLA_SANITIZE MATCHES undefined AND NOT LAMELLA_SANITIZE_ALL AND NOT LAMELLA_SANITIZE_SOURCES)
     set_property(SOURCE ${ARGN} TARGET_DIRECTORY ${target} APPEND PROPERTY COMPILE_OPTIONS
       -O2 -fno-sanitize-address-use-after-scope -fno-sanitize=null,alignment,object-size,pointer-overflow)
   endif()

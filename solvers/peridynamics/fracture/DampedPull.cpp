@@ -118,8 +118,9 @@ DampedPullRecord pullApart(BondLattice& bonds, const Loading& loading, const Dam
   double strain = options.startStrain;
   while (r.end == FractureEnd::Running)
   {
+    const std::int64_t before = motion.steps();
     const bool goesOn = motion.advance(options.every);
-    strain += static_cast<double>(options.every) * motion.step() * options.strainRate * motion.rate();
+    strain += static_cast<double>(motion.steps() - before) * motion.step() * options.strainRate * motion.rate();
     const double stress = pull.stress(motion.force());
     r.curve.push_back({ strain, stress, static_cast<std::int64_t>(motion.broken().size()) });
     if (stress > r.peak.stress)

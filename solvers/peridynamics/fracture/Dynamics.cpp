@@ -17,6 +17,8 @@ namespace
 
 /// Of the stable step, at least.
 constexpr double leastShare = 1e-5;
+/// From one look at the energies to the next, and at most from one call of progress() to the next.
+constexpr std::int64_t lookSteps = 100;
 
 /// The largest eigenvalue of a symmetric block, components as nodalStress().
 double largest(const NodeField<double>& blocks, std::int64_t i)
@@ -334,9 +336,27 @@ void BondDynamics::drift()
     });
 }
 
+DynamicsProgress BondDynamics::progress() const
+{
+  return { step_, time_, static_cast<std::int64_t>(broken_.size()), checkpointAt_ };
+}
+
+// The steps until the next look follow from what those since the last one took, on the slowest rank: all ranks agree.
+bool BondDynamics::stops()
+{
+  if (!options_.progress || step_ < lookStep_)
+    return false;
+  const Communicator& comm = bonds_.communicator();
+  const double spent = comm.max(secondsSince(lookedAt_));
+  const double fit = options_.progressEvery * static_cast<double>(step_ - lookedStep_) / std::max(spent, 1e-9);
+  lookStep_ = step_ + static_cast<std::int64_t>(std::clamp(fit, 1.0, static_cast<double>(lookSteps)));
+  lookedAt_ = Clock::now();
+  lookedStep_ = step_;
+  return comm.any(options_.progress(progress()));
+}
+
 bool BondDynamics::advance(std::int64_t steps)
 {
-  constexpr std::int64_t every = 100;
   for (std::int64_t k = 0; k < steps; ++k)
   {
     balance_.reset();
@@ -359,13 +379,17 @@ bool BondDynamics::advance(std::int64_t steps)
       guard(); // the last good one is to stay
       save();
     }
-    if (step_ % every != 0)
+    if (step_ % lookSteps == 0)
+      guard();
+    if (!stops())
       continue;
-    guard();
-    if (options_.progress &&
-      bonds_.communicator().any(
-        options_.progress({ step_, time_, static_cast<std::int64_t>(broken_.size()), checkpointAt_ })))
-      return false;
+    if (!options_.checkpoint.path.empty() && checkpointAt_ != step_)
+    {
+      guard();
+      save();
+      options_.progress(progress());
+    }
+    return false;
   }
   guard();
   return true;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lattice/Clock.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/fracture/FractureCheckpoint.h"
@@ -56,8 +57,12 @@ struct DynamicsOptions
   bool breaking = true;
   /// Makes the imposed velocities follow what breaks; none: they are constant.
   std::optional<RegulatedRate> rate{};
-  std::function<bool(const DynamicsProgress&)> progress{}; ///< about every hundred steps; true asks to stop
-  CheckpointOptions checkpoint{};       ///< after every so many steps; a thousand where it does not say
+  /// Called between steps, every hundred at least; true asks to stop.
+  std::function<bool(const DynamicsProgress&)> progress{};
+  double progressEvery = 0.05; ///< from one call to the next, about; 0: after every step [s]
+  /// After every so many steps, a thousand where it does not say; and where progress() asks to stop, which is called
+  /// once more then to be told so.
+  CheckpointOptions checkpoint{};
   std::filesystem::path continueFrom{}; ///< a checkpoint of the same scene; empty: at rest, undeformed
   /// Called on every rank with a checkpoint that is about to be written, to put more into it, and with the one that the
   /// motion goes on from.
@@ -102,7 +107,7 @@ public:
   /// Forces on the nodes from now on [N], [N/m in 2D].
   void setLoad(NodeField<double> load);
 
-  /// @return false when progress() asked to stop
+  /// @return false when progress() asked to stop: after any step, and with a checkpoint of it where there are any
   /// @throws DivergenceError: displacements that are no longer finite, or energy that grows out of nothing; names the
   /// step
   bool advance(std::int64_t steps);
@@ -139,6 +144,8 @@ private:
   void halfKick(bool first);
   void drift();
   void guard();
+  [[nodiscard]] DynamicsProgress progress() const;
+  bool stops();
   [[nodiscard]] std::string scene() const;
   void save();
   void restore();
@@ -156,6 +163,9 @@ private:
   io::CheckpointPace pace_;
   std::int64_t checkpoints_ = 0;
   std::int64_t checkpointAt_ = 0;
+  Clock::time_point lookedAt_ = Clock::now(); ///< when progress() was called last
+  std::int64_t lookedStep_ = 0;               ///< likewise
+  std::int64_t lookStep_ = 0;                 ///< after which it is to be called again
   NodeField<double> u_;
   NodeField<double> v_;
   NodeField<double> f_;

@@ -22,6 +22,10 @@ namespace
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double never = std::numeric_limits<double>::infinity();
+// in checkpoints
+constexpr const char* sharedName = "states that shared a file";
+constexpr const char* lookedName = "broken where states were looked for";
+
 double now()
 {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -61,8 +65,20 @@ public:
       if (warn)
         warn(why);
     };
-    m.keepWith = [this](io::Checkpoint& c) { history_.put(c); };
-    m.takeBack = [this](const io::Checkpoint& c) { history_.take(c); };
+    m.keepWith = [this](io::Checkpoint& c)
+    {
+      history_.put(c);
+      c.numbers[sharedName] = static_cast<double>(shared_);
+      c.numbers[lookedName] = static_cast<double>(looked_);
+    };
+    m.takeBack = [this](const io::Checkpoint& c)
+    {
+      history_.take(c);
+      if (!c.numbers.contains(lookedName))
+        return; // of a version that did not count them
+      shared_ = c.count(sharedName);
+      looked_ = c.count(lookedName);
+    };
     const bool goesOn = !m.continueFrom.empty();
     start(std::move(m), goesOn);
     r_.step = motion_->step();
@@ -86,20 +102,33 @@ public:
     Wanted<std::int64_t> times(steps, last);
     Wanted<std::int64_t> numbers(o_.atBroken, o_.ends.broken);
     if (r_.continuedAt > 0)
-      r_.statesBefore =
-        times.skipBelow(r_.continuedAt) + numbers.skipBelow(static_cast<std::int64_t>(motion_->broken().size()));
+    {
+      // since the last look bonds may have broken whose state is still to come
+      if (looked_ < 0)
+        looked_ = std::max(static_cast<std::int64_t>(motion_->broken().size()) - 1, std::int64_t{ 0 });
+      const std::int64_t passed = times.skipBelow(r_.continuedAt) + numbers.skipBelow(looked_ + 1);
+      r_.statesBefore = std::max(passed - shared_, std::int64_t{ 0 });
+    }
     bool ended = false;
     if (history_.points().empty() ||
       (history_.points().back().step < motion_->steps() && motion_->steps() % every == 0))
       ended = look(last);
     for (;;)
     {
-      const auto broken = static_cast<std::int64_t>(motion_->broken().size());
-      const bool atNumber = numbers.some() && broken >= numbers.next();
-      if (!ended && ((times.some() && motion_->steps() >= times.next()) || atNumber))
-        keep(false);
-      times.passed(motion_->steps());
-      numbers.passed(broken);
+      // a run that goes on may stand between two points: no states are looked for there
+      const bool atTime = times.some() && motion_->steps() >= times.next();
+      if (ended || atTime || motion_->steps() % every == 0)
+      {
+        const auto broken = static_cast<std::int64_t>(motion_->broken().size());
+        looked_ = broken;
+        const bool atNumber = numbers.some() && broken >= numbers.next();
+        const std::int64_t served = times.passed(motion_->steps()) + numbers.passed(broken);
+        if (!ended && (atTime || atNumber))
+        {
+          keep(false);
+          shared_ += served - 1;
+        }
+      }
       if (ended)
         break;
       const std::int64_t row = (motion_->steps() / every + 1) * every;
@@ -330,8 +359,10 @@ private:
   DynamicsResult& r_;
   Continuum continuum_;
   NodeDamage damage_;
-  std::int64_t kept_ = 0;   ///< states
-  std::size_t counted_ = 0; ///< broken bonds that damage_ knows
+  std::int64_t kept_ = 0;    ///< states
+  std::int64_t shared_ = 0;  ///< states asked for that are one with another
+  std::int64_t looked_ = -1; ///< broken bonds where states were looked for last; -1: it is not known
+  std::size_t counted_ = 0;  ///< broken bonds that damage_ knows
   MotionHistory history_;
   std::optional<SlowPull> pull_;
   std::unique_ptr<MotionGauge> gauge_;

@@ -99,22 +99,23 @@ void check(const BondLattice& bonds, const Loading& loading, const FractureOptio
 }
 
 /// @param displacement at the first equilibrium
-/// @return PlatenForce::imbalance()
-double requireBalance(const BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
-  const NodeField<double>& displacement, double tolerance)
+/// Sets FractureRecord::imbalance and carried.
+void requireBalance(const BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
+  const NodeField<double>& displacement, double tolerance, FractureRecord& record)
 {
   NodeField<double> force(bonds.layout());
   linearForce(bonds, displacement, force);
-  const double imbalance = platens.imbalance(bonds, force);
-  if (imbalance <= balanced)
-    return imbalance;
+  record.imbalance = platens.imbalance(bonds, force);
   const double carried = platens.of(bonds, force);
   linearForce(bonds, sample.displacement, force);
+  record.carried = carried / platens.of(bonds, force);
+  if (record.imbalance <= balanced)
+    return;
   throw InputError(
     fmt::format(
       "the sample carries too little for a strength at a tolerance of {:g}: forces through its sections are off "
       "by {:.2g} times that on the platens (at most {:g}), which is {:.1e} of the one under even strain",
-      tolerance, imbalance, balanced, carried / platens.of(bonds, force)),
+      tolerance, record.imbalance, balanced, record.carried),
     "where only hinges reach through, a longer horizon or thicker necks; else a tighter tolerance");
 }
 
@@ -174,7 +175,7 @@ QuasiStaticFracture::QuasiStaticFracture(BondLattice& bonds, const Loading& load
     engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance, std::move(progress));
   else
     engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance, progress);
-  record_.imbalance = requireBalance(bonds_, sample_, platens, engine_->state().displacement, options_.tolerance);
+  requireBalance(bonds_, sample_, platens, engine_->state().displacement, options_.tolerance, record_);
   record_.modulus = stress(1) / reference_;
   record_.statistics = engine_->statistics();
   record_.statistics.totalSeconds = seconds() - start;

@@ -159,6 +159,9 @@ struct FractureRecord
   /// Largest difference of the force through a section to that on the platens, over the latter, at the first
   /// equilibrium: the modulus and the first break may be off by as much. 0 in a run that goes on.
   double imbalance = 0;
+  /// Force on the platens at the first equilibrium over the one under even strain. Residuals count over the latter, so
+  /// a tolerance leaves about tolerance/carried of stresses and strengths. 0 in a run that goes on.
+  double carried = 0;
   FractureStatistics statistics;
 };
 

@@ -105,7 +105,7 @@ void QuasiStaticFracture::save()
   c.provenance = options_.checkpoint.provenance;
   c.arrays["displacement"] = gathered(bonds_, state.displacement, "m", "displacement at the unit load");
   FractureRecord now{ FractureEnd::Running, {}, {}, record_.peak, record_.first, record_.modulus, record_.imbalance,
-    statistics() };
+    record_.carried, statistics() };
   ++now.statistics.checkpoints;
   eachNumber(now, [&](const char* name, const auto& value) { c.numbers[name] = static_cast<double>(value); });
   for (const auto& [name, value] : state.numbers)

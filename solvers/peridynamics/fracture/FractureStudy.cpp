@@ -207,13 +207,21 @@ void warnContinued(std::vector<std::string>& warnings, const FractureResult& r)
       "the run had ended where the checkpoint stands, after {} events: nothing broke since", r.continuedAt));
 }
 
-void warn(const BondModel& model, FractureResult& r)
+/// @param tolerance to which equilibria are found on the way
+void warn(const BondModel& model, double tolerance, FractureResult& r)
 {
   std::vector<std::string> warnings = modelWarnings(model, r.thickness);
   if (r.loosePieces > 0)
     warnings.push_back(looseWarning(r.loosePieces, r.looseNodes, r.solidNodes));
   if (const std::string text = doubtWarning(r.record.imbalance); !text.empty())
     warnings.push_back(text);
+  const double left = tolerance / r.record.carried; // no number, or infinite, in a run that goes on
+  constexpr double noted = 5e-3;
+  if (left > noted && std::isfinite(left))
+    warnings.push_back(fmt::format(
+      "the sample carries {:.1e} of the force under even strain: at a tolerance of {:g}, which counts over that, "
+      "stresses and strengths may be off by {:.2g} %. Ask for a smaller --tolerance, with --method accurate",
+      r.record.carried, tolerance, 100 * left));
   if (!r.record.broken.empty() && r.peak.strain > small)
     warnings.push_back(
       fmt::format("the peak lies at a strain of {:.2g}: that is not small, and the answer with it is of "
@@ -330,7 +338,9 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
   r.ends = endsOf(bonds, r.record.broken, phase, grain);
   r.brokenEnergy = brokenEnergy(bonds, model, r.record.broken, r.ends);
   r.bytes = comm.sum(bonds.bytes() + r.record.statistics.bytes);
-  warn(model, r);
+  const double tolerance = options.fracture.tolerance;
+  warn(model,
+    r.method == FractureMethod::Events ? std::max(tolerance, options.fracture.events.riseTolerance) : tolerance, r);
   return r;
 }
 

@@ -25,10 +25,13 @@ public:
   [[nodiscard]] Number next() const { return some() ? values_[at_] : limit_; }
   /// Not at the run's own limit: the end is there in any case.
   [[nodiscard]] bool some() const { return at_ < values_.size() && values_[at_] < limit_; }
-  void passed(Number value)
+  /// @return how many
+  std::int64_t passed(Number value)
   {
+    const std::size_t before = at_;
     while (at_ < values_.size() && values_[at_] <= value)
       ++at_;
+    return static_cast<std::int64_t>(at_ - before);
   }
   /// @return how many there were
   std::int64_t skipBelow(Number value)

@@ -18,7 +18,7 @@ class BrokenState(BondFields, LoadedState):
 
     @property
     def damage(self) -> Array:
-        """Share of each node's bonds that are broken, 0 to 1 (a view)."""
+        """Share of each node's bonds that are broken, 0 to 1; NaN in voids (a view)."""
         return self.array("damage")
 
     @property
@@ -96,7 +96,7 @@ class BreakResult(BondNumbers, LongRun):
 
     @property
     def damage(self) -> Array:
-        """At the end: share of each node's bonds that are broken, 0 to 1 (a view)."""
+        """At the end: share of each node's bonds that are broken, 0 to 1; NaN in voids (a view)."""
         return self.states[-1].damage
 
     @property
