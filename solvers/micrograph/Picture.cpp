@@ -134,14 +134,11 @@ void addSeen(Picture& picture, const std::string& name, const Decoded& seen, con
 Picture readFile(const fs::path& path, const ReadOptions& options)
 {
   FileBytes file(path);
-  const Probe probed = probe(file);
+  Probe probed = probe(file);
   checkSize(file, probed);
   Picture picture;
   picture.format = name(probed.format);
   picture.bits = probed.bits;
-  picture.description = probed.description;
-  picture.provenance = probed.provenance;
-  picture.warnings = probed.warnings;
   const auto slices = static_cast<std::int64_t>(std::max<std::size_t>(1, probed.slices.size()));
   const bool colour = options.keepColour && probed.channels > 1;
   const auto nodes = static_cast<std::size_t>(probed.width * probed.height * slices);
@@ -150,6 +147,9 @@ Picture readFile(const fs::path& path, const ReadOptions& options)
   picture.grey.resize(nodes);
   picture.colour.resize(colour ? 3 * nodes : 0);
   const Decoded seen = decode(file, probed, slices == 1, picture.grey.data(), colour ? picture.colour.data() : nullptr);
+  picture.description = probed.description;
+  picture.provenance = probed.provenance;
+  picture.warnings.insert(picture.warnings.begin(), probed.warnings.begin(), probed.warnings.end());
   addSeen(picture, file.name(), seen, options);
   if (!seen.colour)
   {
@@ -180,7 +180,7 @@ Picture readSlices(const fs::path& path, const ReadOptions& options)
   for (std::int64_t z = 0; z < count; ++z)
   {
     FileBytes file(slices.files[static_cast<std::size_t>(z)]);
-    const Probe probed = probe(file);
+    Probe probed = probe(file);
     checkSize(file, probed);
     if (probed.slices.size() > 1)
     {

@@ -28,7 +28,7 @@ class BadPictures(Case):
         self.solve(3, "is empty", "no data", self.write("p.png", b""))
         self.solve(3, "is empty", "no data", self.write("p.vti", b""))
         os.mkdir(self.path("folder"))
-        self.solve(3, "the folder 'folder' holds no PNG, JPEG or TIFF", "numbered slices", "folder")
+        self.solve(3, "the folder 'folder' holds no PNG, JPEG, TIFF, PGM, PPM or BMP", "numbered slices", "folder")
 
     def test_truncated(self):
         self.solve(3, "is truncated", "again", self.write("p.png", GOOD[: len(GOOD) // 2]))
@@ -58,7 +58,7 @@ class BadPictures(Case):
                        "save it again", command, name, *words)
 
     def test_not_a_picture(self):
-        self.solve(3, "is not a PNG, JPEG or TIFF", "convert it", self.write("p.png", b"Dear diary, " * 20))
+        self.solve(3, "is not a PNG, JPEG, TIFF, PGM, PPM or BMP", "convert it", self.write("p.png", b"Dear diary, " * 20))
         self.solve(3, "'p.vti' is not a whole .vti file", "again", self.write("p.vti", b"Dear diary, " * 20))
         self.solve(3, "is packed", "gunzip", self.write("v.raw.gz", b"\x1f\x8b"))
 

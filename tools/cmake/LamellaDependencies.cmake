@@ -42,7 +42,7 @@ target_link_libraries(Lamella_cmark INTERFACE "${CMARK_LIBRARY}")
 find_path(OpenCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
 add_library(Lamella_opencv INTERFACE IMPORTED)
 target_include_directories(Lamella_opencv SYSTEM INTERFACE "${OpenCV_INCLUDE_DIR}")
-foreach(module core imgproc imgcodecs) # and no other: viz would bring Debian's own VTK along
+foreach(module core imgproc) # and no other: viz would bring Debian's own VTK along, imgcodecs GDAL and a second HDF5
   find_library(OpenCV_${module}_LIBRARY opencv_${module} REQUIRED)
   target_link_libraries(Lamella_opencv INTERFACE "${OpenCV_${module}_LIBRARY}")
 endforeach()
