@@ -362,19 +362,19 @@ bool vtkSnapshot::Write(const char* path)
   }
 
   lamella::PartFile part(target);
-  int error = part.error();
-  if (error == 0)
+  int failure = part.error();
+  if (failure == 0)
   {
-    error =
+    failure =
       part.write(std::as_bytes(std::span(png->GetPointer(0), static_cast<std::size_t>(png->GetNumberOfValues()))));
   }
-  if (error == 0)
+  if (failure == 0)
   {
-    error = part.take(target, this->Overwrite ? lamella::PartFile::Existing::goes : lamella::PartFile::Existing::stays);
+    failure = part.take(target, this->Overwrite ? lamella::PartFile::Existing::goes : lamella::PartFile::Existing::stays);
   }
-  if (error != 0)
+  if (failure != 0)
   {
-    return this->Fail("'" + target.string() + "' cannot be written: " + std::generic_category().message(error),
+    return this->Fail("'" + target.string() + "' cannot be written: " + std::generic_category().message(failure),
       "nothing was written; free some room, or write elsewhere");
   }
   return true;

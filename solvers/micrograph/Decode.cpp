@@ -77,7 +77,7 @@ Pixels onlyPixels(FileBytes& file, Probe& probe)
       return decodeJpeg(file);
     case Format::Pgm:
     case Format::Ppm:
-      return decodeNetpbm(file);
+      return decodeNetpbm(file, probe);
     case Format::Bmp:
     case Format::Tiff:
       break;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 
 namespace lamella::micrograph
@@ -135,7 +136,7 @@ Probe probeNetpbm(FileBytes& file)
   return result;
 }
 
-Pixels decodeNetpbm(FileBytes& file)
+Pixels decodeNetpbm(FileBytes& file, Probe& probe)
 {
   const Head head = readHead(file);
   Pixels result;
@@ -155,6 +156,14 @@ Pixels decodeNetpbm(FileBytes& file)
     const auto deep = static_cast<std::uint16_t>(value);
     std::memcpy(result.values.data() + i * each, each == 1 ? static_cast<const void*>(&small) : &deep, each);
   };
+  const auto tellRest = [&](std::uint64_t rest)
+  {
+    if (rest > 0)
+    {
+      probe.warnings.push_back(fmt::format(
+        "'{}' has {} bytes behind its {} × {} pixels; left out", file.name(), rest, head.width, head.height));
+    }
+  };
   if (head.text)
   {
     const std::vector<std::uint8_t> bytes = file.read(head.pixels, file.size() - head.pixels);
@@ -164,8 +173,11 @@ Pixels decodeNetpbm(FileBytes& file)
     {
       put(i, words.number());
     }
+    const auto rest = bytes.begin() + static_cast<std::ptrdiff_t>(words.at);
+    tellRest(static_cast<std::uint64_t>(bytes.end() - std::find_if_not(rest, bytes.end(), isBlank)));
     return result;
   }
+  tellRest(file.size() - head.pixels - count * each);
   result.values = file.read(head.pixels, count * each);
   for (std::size_t i = 0; i < count && (each == 2 || head.largest < 255); ++i)
   {

@@ -17,7 +17,8 @@ namespace lamella::micrograph
 [[nodiscard]] Probe probeNetpbm(FileBytes& file);
 
 /// The values as they stand in the file, not stretched where the largest is no 255: 8 bits up to 255, above 16.
+/// @param probe gets a warning of what stands behind the pixels
 /// @throws InputError; also for a value above the largest that the file speaks of
-[[nodiscard]] Pixels decodeNetpbm(FileBytes& file);
+[[nodiscard]] Pixels decodeNetpbm(FileBytes& file, Probe& probe);
 
 } // namespace lamella::micrograph

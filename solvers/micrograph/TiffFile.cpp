@@ -29,8 +29,9 @@ struct Talk
 {
   FileBytes* file = nullptr;
   std::uint64_t at = 0;
-  bool beyond = false;   ///< something was to be read behind the end
-  std::string complaint; ///< the last
+  bool beyond = false;             ///< something was to be read behind the end
+  std::vector<std::uint8_t> all{}; ///< the file, where libtiff is to have it in memory
+  std::string complaint;           ///< the last
 };
 
 int onError(TIFF*, void* data, const char*, const char* format, va_list values)
@@ -87,6 +88,16 @@ toff_t onSize(thandle_t handle)
   return static_cast<Talk*>(handle)->file->size();
 }
 
+int onMap(thandle_t handle, void** base, toff_t* size)
+{
+  Talk& talk = *static_cast<Talk*>(handle);
+  *base = talk.all.data();
+  *size = talk.all.size();
+  return talk.all.empty() ? 0 : 1;
+}
+
+void onUnmap(thandle_t, void*, toff_t) {}
+
 struct Options
 {
   explicit Options(Talk& talk)
@@ -138,6 +149,14 @@ struct TiffFile::Open
       TIFFClose(tiff);
     }
   }
+  /// The first page.
+  void open(FileBytes& file)
+  {
+    talk.file = &file;
+    const Options options(talk);
+    tiff = TIFFClientOpenExt(file.name().c_str(), "rc", &talk, onRead, onWrite, onSeek, onClose, onSize, onMap, onUnmap,
+      options.options); // c: strips stay as they are
+  }
   [[noreturn]] void damaged(std::size_t page) const
   {
     if (talk.beyond)
@@ -152,11 +171,7 @@ struct TiffFile::Open
 TiffFile::TiffFile(FileBytes& file)
   : open_(std::make_unique<Open>())
 {
-  open_->talk.file = &file;
-  const Options options(open_->talk);
-  // m: not mapped; c: strips stay as they are
-  open_->tiff = TIFFClientOpenExt(file.name().c_str(), "rmc", &open_->talk, onRead, onWrite, onSeek, onClose, onSize,
-    nullptr, nullptr, options.options);
+  open_->open(file);
   if (open_->tiff == nullptr)
   {
     open_->damaged(0);
@@ -369,6 +384,19 @@ Pixels TiffFile::pixels()
 /// Whatever libtiff can turn into 8 bits of red, green, blue and alpha, a strip or a row of tiles at a time.
 Pixels TiffFile::colours()
 {
+  if (TIFFIsTiled(open_->tiff) != 0 && page_.packing == COMPRESSION_NONE && open_->talk.all.empty())
+  {
+    // libtiff 4.5 refuses such tiles of fewer bytes than it has room for, unless they are in memory.
+    FileBytes& file = *open_->talk.file;
+    auto again = std::make_unique<Open>();
+    again->talk.all = file.read(0, file.size());
+    again->open(file);
+    open_ = std::move(again);
+    if (open_->tiff == nullptr || TIFFSetDirectory(open_->tiff, static_cast<tdir_t>(number_)) != 1)
+    {
+      open_->damaged(number_);
+    }
+  }
   TIFF* const tiff = open_->tiff;
   TIFFRGBAImage image;
   char why[1024] = "";

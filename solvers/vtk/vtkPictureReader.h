@@ -2,8 +2,8 @@
  * @class   vtkPictureReader
  * @brief   picture, volume or image file → phases on a lattice
  *
- * Reads PNG, JPEG, TIFF, multi-page TIFF and numbered pictures (volumes), raw volumes and VTK image files (.vti), and
- * turns grey values into named phases. Output: vtkImageData whose points are the pixels' centres, with the array
+ * Reads PNG, JPEG, TIFF, PGM, PPM, BMP, multi-page TIFF and numbered pictures (volumes), raw volumes, MetaImage, NRRD
+ * and VTK image files (.vti), and turns grey values into named phases. Output: vtkImageData whose points are the pixels' centres, with the array
  * `phase` (unsigned char); field data `phase_names`, `pixel_size_source`, `provenance`. Two-dimensional pictures are
  * flipped, so that they stand upright in a view: the first row in memory is the bottom row of the picture.
  *

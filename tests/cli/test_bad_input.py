@@ -38,7 +38,7 @@ class BadPictures(Case):
         for name, message, hint in [
             ("t.tif", "'t.tif' is truncated", "again"),
             ("t.vti", "'t.vti' is a .vti file that is damaged or cut short", "again"),
-            ("t.raw", "'t.raw' has 18000 bytes, but 30 × 30 × 30 voxels of 8 bits take 27000", "--raw-size"),
+            ("t.raw", "'t.raw' has 18000 bytes, but 30 × 30 × 30 voxels of u8 take 27000", "--raw-size"),
         ]:
             with open(self.path(name), "rb") as file:
                 data = file.read()
