@@ -95,7 +95,7 @@ Head readHead(FileBytes& file)
     }
   }
   head.row = (static_cast<std::uint64_t>(head.width) * static_cast<std::uint64_t>(head.bits) / 8 + 3) / 4 * 4;
-  // Below 2^64: both factors below 2^33.
+  // Below 2^64: at most (2^33 − 4) × 2^31.
   const std::uint64_t bytes = head.row * static_cast<std::uint64_t>(head.height);
   if (head.pixels < header + size || !file.holds(head.pixels, bytes))
   {

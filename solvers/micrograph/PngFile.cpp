@@ -34,6 +34,10 @@ void onError(png_structp png, png_const_charp text)
 
 void onWarning(png_structp png, png_const_charp text)
 {
+  if (std::strstr(text, "too large") != nullptr) // of a chunk: memory would be taken for it
+  {
+    onError(png, text);
+  }
   auto& wrong = static_cast<Talk*>(png_get_error_ptr(png))->wrong;
   constexpr std::size_t most = 20; // of what a file can hold thousands of
   if (std::strstr(text, "CRC error") != nullptr && wrong.size() < most)
@@ -113,6 +117,8 @@ public:
       return false;
     }
     png_set_user_limits(png_, PNG_UINT_31_MAX, PNG_UINT_31_MAX); // the caller has its own
+    // No chunk is larger than the file; a packed text may be.
+    png_set_chunk_malloc_max(png_, std::max<png_alloc_size_t>(talk.file->size(), 8000000));
     png_set_read_fn(png_, &talk, onRead);
     png_read_info(png_, info);
     return true;

@@ -45,7 +45,8 @@ int onError(TIFF*, void* data, const char*, const char* format, va_list values)
 int onWarning(TIFF*, void* data, const char*, const char* format, va_list values)
 {
   // It would go on with sizes that it works out by itself.
-  return std::strncmp(format, "Bogus", 5) == 0 ? onError(nullptr, data, nullptr, format, values) : 1;
+  const bool guessed = std::strncmp(format, "Bogus", 5) == 0 || std::strncmp(format, "Improper", 8) == 0;
+  return guessed ? onError(nullptr, data, nullptr, format, values) : 1;
 }
 
 tmsize_t onRead(thandle_t handle, void* to, tmsize_t count)
@@ -185,6 +186,7 @@ bool TiffFile::next()
 {
   ++number_;
   open_->talk.complaint.clear(); // of a page that nobody wanted
+  open_->talk.beyond = false;
   if (TIFFReadDirectory(open_->tiff) == 1)
   {
     this->look();
@@ -283,6 +285,12 @@ void TiffFile::check() const
   }
   const double wanted =
     std::ceil(static_cast<double>(page_.width) * page_.samples * page_.bits / 8) * static_cast<double>(page_.height);
+  const auto piece = static_cast<double>(tiled ? TIFFTileSize64(tiff) : TIFFStripSize64(tiff));
+  if (piece > 4 * wanted + static_cast<double>(1 << 26))
+  {
+    file.damaged(fmt::format(
+      "the pieces of page {} of the TIFF are of {:.0f} bytes, all of it takes {:.0f}", number_ + 1, piece, wanted));
+  }
   // Fax codes pack any blank line into a bit; LZW at most 2730 bytes into one.
   const double ratio = page_.packing == COMPRESSION_NONE           ? 1
     : page_.packing >= 2 && page_.packing <= COMPRESSION_CCITTFAX4 ? 1e5

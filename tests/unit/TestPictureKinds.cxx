@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <initializer_list>
@@ -389,6 +390,18 @@ TEST(Encoders, GiveWhatTheDecodersRead)
   grey.values.assign(64 * 64, 77); // of one grey, so that nothing is lost
   FileBytes file(folder.write("a.jpg", encodeJpeg(grey)));
   EXPECT_EQ(decodeJpeg(file).values, grey.values);
+}
+
+TEST(Encoders, APngThatSpeaksOfALargeChunkTakesNoMemoryForIt)
+{
+  const TemporaryFolder folder;
+  const Pixels pixels{ 1, 1, 1, 8, { 7 } };
+  Bytes bytes = encodePng(pixels, 0, "words", 4);
+  const std::string type = "iTXt";
+  const auto at = std::search(bytes.begin(), bytes.end(), type.begin(), type.end());
+  ASSERT_NE(at, bytes.end());
+  *(at - 4) = 0x7d; // of its length, 2 GB
+  EXPECT_TRUE(contains(refused(folder.write("a.png", bytes)), "too large"));
 }
 
 TEST(Sha256, IsThatOfTheStandard)
