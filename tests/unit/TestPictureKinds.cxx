@@ -327,10 +327,10 @@ TEST(Tiff, ArrangementsBecomeTheSameGreys)
     read(colours, { { 258, { 3, depths, {} } }, { 262, { 3, { 2 }, {} } }, { 277, { 3, { 3 }, {} } } });
   EXPECT_EQ(rgb.grey, (Greys{ 4, 5, 88, 1, 2, 3 }));
   EXPECT_EQ(rgb.colour[6], 200);
-  // Grey and alpha that is not multiplied in: it is now, and told of.
+  // Grey and alpha: the grey that is there, and told of.
   const Picture seen = read({ 100, 255, 100, 51, 7, 255, 8, 255, 9, 255, 10, 255 },
     { { 258, { 3, { 8, 8 }, {} } }, { 277, { 3, { 2 }, {} } }, { 338, { 3, { 2 }, {} } } });
-  EXPECT_EQ(seen.grey, (Greys{ 8, 9, 10, 100, 20, 7 }));
+  EXPECT_EQ(seen.grey, (Greys{ 8, 9, 10, 100, 100, 7 }));
   EXPECT_TRUE(contains(seen.warnings.at(0), "transparent"));
   EXPECT_TRUE(
     contains(read({ 10, 20, 30, 40, 50, 60 }, { { 274, { 3, { 3 }, {} } } }).warnings.at(0), "as it is stored"));
