@@ -12,6 +12,7 @@
 #include <cstring>
 #include <memory>
 
+#include <jerror.h>
 #include <jpeglib.h>
 
 namespace lamella::micrograph
@@ -23,6 +24,7 @@ struct Complaints
 {
   jpeg_error_mgr manager; // first, so that libjpeg's pointer to it is a pointer to this
   std::jmp_buf giveUp;
+  bool ended = false; ///< the file is too short
   char text[JMSG_LENGTH_MAX];
 };
 
@@ -43,6 +45,7 @@ void onMessage(j_common_ptr jpeg, int level)
   if (level < 0) // a warning: data are corrupt
   {
     Complaints& complaints = complaintsOf(jpeg);
+    complaints.ended |= jpeg->err->msg_code == JWRN_JPEG_EOF;
     if (jpeg->err->num_warnings++ == 0)
     {
       (*jpeg->err->format_message)(jpeg, complaints.text);
@@ -109,6 +112,14 @@ public:
   }
 
   [[nodiscard]] const char* complaint() const { return complaints_.text; }
+  [[noreturn]] void refuse(const FileBytes& file) const
+  {
+    if (complaints_.ended)
+    {
+      file.truncated("the JPEG ends before its pixels");
+    }
+    undecodable(file, Format::Jpeg, complaints_.text);
+  }
 
   jpeg_decompress_struct jpeg{};
 
@@ -196,7 +207,7 @@ Probe probeJpeg(FileBytes& file)
   }
   if (!sound)
   {
-    undecodable(file, Format::Jpeg, reading.complaint());
+    reading.refuse(file);
   }
   Probe result;
   result.format = Format::Jpeg;
@@ -231,7 +242,7 @@ Pixels decodeJpeg(FileBytes& file)
   Pixels result;
   if (!reading.head() || !reading.pixels(result) || *reading.complaint() != '\0')
   {
-    undecodable(file, Format::Jpeg, reading.complaint());
+    reading.refuse(file);
   }
   return result;
 }

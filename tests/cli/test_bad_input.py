@@ -104,7 +104,7 @@ class BadPictures(Case):
     def test_raw_of_unknown_or_wrong_size(self):
         name = self.write("v.raw", bytes(1000))
         self.solve(3, "size of the raw volume", "--raw-size NX,NY,NZ", name)
-        self.fails(3, "has 1000 bytes, but 10 × 10 × 11 voxels", "check --raw-size", "diffusion", name, "--raw-size", "10,10,11", *SOLVE)
+        self.fails(3, "has 1000 bytes, but 10 × 10 × 11 voxels", "--raw-size", "diffusion", name, "--raw-size", "10,10,11", *SOLVE)
         self.fails(2, "--raw-size '10,10' has 2 numbers", "NX,NY,NZ", "diffusion", name, "--raw-size", "10,10", *SOLVE)
         self.fails(2, "--raw-bits 12 is neither 8 nor 16", "leave it out", "diffusion", name, "--raw-bits", "12", *SOLVE)
 
@@ -281,7 +281,7 @@ class Sizes(Case):
     def test_tiff_of_other_byte_order(self):
         # A TIFF that is not ours must not be taken for a record of ours.
         name = self.write("p.tif", struct.pack(">2sHI", b"MM", 42, 8) + bytes(64))
-        self.fails(3, "'p.tif' is damaged: page 1 of the TIFF holds no pixels", "again", "diffusion", name, *SOLVE)
+        self.fails(3, "the pixels of 'p.tif' cannot be decoded: the TIFF is damaged", "again", "diffusion", name, *SOLVE)
 
 
 if __name__ == "__main__":
