@@ -370,7 +370,8 @@ bool vtkSnapshot::Write(const char* path)
   }
   if (failure == 0)
   {
-    failure = part.take(target, this->Overwrite ? lamella::PartFile::Existing::goes : lamella::PartFile::Existing::stays);
+    failure =
+      part.take(target, this->Overwrite ? lamella::PartFile::Existing::goes : lamella::PartFile::Existing::stays);
   }
   if (failure != 0)
   {

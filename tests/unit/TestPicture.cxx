@@ -568,8 +568,8 @@ TEST(Raw, RefusesSizesThatDoNotFit)
   const TemporaryFolder folder;
   const Bytes bytes(12, 1);
   EXPECT_TRUE(contains(refused(folder.write("rock.raw", bytes)).second, "--raw-size"));
-  EXPECT_TRUE(contains(
-    refused(folder.write("rock_2x3x3.raw", bytes)).first, "has 12 bytes, but 2 × 3 × 3 voxels of u8 take 18"));
+  EXPECT_TRUE(
+    contains(refused(folder.write("rock_2x3x3.raw", bytes)).first, "has 12 bytes, but 2 × 3 × 3 voxels of u8 take 18"));
   EXPECT_TRUE(contains(refused(folder.write("rock_2x3x2_u16.raw", bytes)).first, "u16 take 24"));
   ReadOptions options;
   options.rawSize = { 2, 3, 0 };
