@@ -5,6 +5,7 @@
 #include "Text.h"
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
+#include "micrograph/RawVolume.h"
 
 #include <fmt/format.h>
 
@@ -30,7 +31,7 @@ void addFileOption(CLI::App& command, PictureOptions& options)
 {
   command
     .add_option("FILE", options.file,
-      "PNG, JPEG, TIFF or TIFF stack, a folder of numbered pictures, a raw volume (.raw), or .vti")
+      "PNG, JPEG, TIFF or TIFF stack, PGM, PPM, BMP, a folder of numbered pictures, .raw, .mhd, .nrrd, or .vti")
     ->required();
 }
 
@@ -457,10 +458,10 @@ PictureFile readPictureFile(const PictureOptions& options, micrograph::ReadOptio
 {
   requirePicture(options.file);
   PictureFile file;
-  if (isRawVolume(options.file))
+  if (isRawVolume(options.file) || micrograph::rawHeader(options.file) != micrograph::RawHeader::None)
   {
     file.record = readRecordBeside(options.file);
-    if (file.record && file.record->size && !read.rawSize)
+    if (isRawVolume(options.file) && file.record && file.record->size && !read.rawSize)
     {
       read.rawSize = file.record->size;
       read.rawBits = file.record->bits;

@@ -123,7 +123,8 @@ void addMicrographInput(CLI::App& command, MicrographOptions& o)
 {
   command
     .add_option("FILE", o.picture.file,
-      "A scan (PNG, JPEG, TIFF), a label picture, a .vti with phases, or outlines: .json, .json.gz, .vtp")
+      "A scan (PNG, JPEG, TIFF, PGM, PPM, BMP), a label picture, a .vti with phases, or outlines: .json, .json.gz, "
+      ".vtp")
     ->required();
   const auto in = [](const char* group, const char* type, CLI::Option* option)
   { return option->type_name(type)->group(group); };

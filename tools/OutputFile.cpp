@@ -6,7 +6,6 @@
 #include "lattice/PartFile.h"
 
 #include <fcntl.h>
-#include <stdio.h> // NOLINT: renameat2 is declared here and not in <cstdio>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -16,6 +15,7 @@
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <span>
 #include <utility>
 
 namespace lamella::cli
@@ -34,6 +34,12 @@ struct Making
 };
 std::mutex guard;
 std::map<fs::path, Making> making; ///< by the temporary file
+
+Making& makingOf(const fs::path& temporary)
+{
+  const std::lock_guard<std::mutex> lock(guard);
+  return making.at(temporary); // where it is does not change
+}
 
 std::string placeOf(const fs::path& path)
 {
@@ -199,25 +205,7 @@ void OutputFile::write(std::string_view bytes) const
   {
     return;
   }
-  const int file = ::open(temporary_.c_str(), O_NOFOLLOW | O_WRONLY | O_TRUNC | O_CLOEXEC);
-  int error = file < 0 ? errno : 0;
-  while (error == 0 && !bytes.empty())
-  {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written >= 0)
-    {
-      bytes.remove_prefix(static_cast<std::size_t>(written));
-    }
-    else if (errno != EINTR)
-    {
-      error = errno;
-    }
-  }
-  if (file >= 0 && ::close(file) != 0 && error == 0)
-  {
-    error = errno;
-  }
-  if (error != 0)
+  if (const int error = makingOf(temporary_).part.write(std::as_bytes(std::span(bytes))); error != 0)
   {
     failed(std::strerror(error));
   }
@@ -233,64 +221,20 @@ void OutputFile::commit()
   {
     return;
   }
-  const int file = ::open(temporary_.c_str(), O_NOFOLLOW | O_WRONLY | O_CLOEXEC);
-  if (file < 0 || ::fsync(file) != 0)
+  const int error =
+    makingOf(temporary_).part.take(path_, overwrite_ ? PartFile::Existing::goes : PartFile::Existing::stays);
+  if (error == EEXIST && !overwrite_)
   {
-    const int error = errno;
-    if (file >= 0)
-    {
-      ::close(file);
-    }
+    throw OutputError(quoted(path_) + " exists already: it was made while this ran",
+      "choose another name, or add --overwrite to replace it");
+  }
+  if (error != 0)
+  {
     failed(std::strerror(error));
   }
-  ::close(file);
-
-  int result = 0;
-  if (overwrite_)
-  {
-    result = ::rename(temporary_.c_str(), path_.c_str());
-  }
-  else
-  {
-    // Not to replace a file that somebody else made in the meantime. Where the file system cannot do that in one
-    // step, a hard link can: it fails when the name exists.
-    result = ::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE);
-    if (result != 0 && (errno == EINVAL || errno == ENOSYS))
-    {
-      result = ::link(temporary_.c_str(), path_.c_str());
-      if (result == 0)
-      {
-        ::unlink(temporary_.c_str());
-      }
-      else if (errno != EEXIST)
-      {
-        result = ::rename(temporary_.c_str(), path_.c_str());
-      }
-    }
-  }
-  if (result != 0)
-  {
-    if (errno == EEXIST)
-    {
-      throw OutputError(quoted(path_) + " exists already: it was made while this ran",
-        "choose another name, or add --overwrite to replace it");
-    }
-    failed(std::strerror(errno));
-  }
-  {
-    const std::lock_guard<std::mutex> lock(guard);
-    const auto made = making.find(temporary_);
-    made->second.part.release();
-    making.erase(made);
-  }
+  const std::lock_guard<std::mutex> lock(guard);
+  making.erase(temporary_);
   temporary_.clear();
-
-  // The name itself lives in the folder, which is on the disk only after this.
-  if (const int folder = ::open(folderOf(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0)
-  {
-    ::fsync(folder);
-    ::close(folder);
-  }
 }
 
 void OutputFile::removeAll() noexcept

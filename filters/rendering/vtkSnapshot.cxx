@@ -1,10 +1,10 @@
 #include "vtkSnapshot.h"
 #include "Settings.h"
 #include "lattice/Error.h"
+#include "lattice/PartFile.h"
 
 #include "Drawing.h"
 #include "SnapshotOptions.h"
-#include "WholeFile.h"
 #include "vtkDataSet.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
@@ -23,7 +23,9 @@
 #include <filesystem>
 #include <new>
 #include <optional>
+#include <span>
 #include <string_view>
+#include <system_error>
 #include <unistd.h>
 
 namespace rendering = lamella::rendering;
@@ -359,11 +361,21 @@ bool vtkSnapshot::Write(const char* path)
     return this->Fail("the picture cannot be turned into PNG", "draw a smaller one");
   }
 
-  std::string whyNot;
-  if (!rendering::WriteWholeFile(
-        target, png->GetPointer(0), static_cast<std::size_t>(png->GetNumberOfValues()), this->Overwrite, whyNot))
+  lamella::PartFile part(target);
+  int failure = part.error();
+  if (failure == 0)
   {
-    return this->Fail("'" + target.string() + "' cannot be written: " + whyNot,
+    failure =
+      part.write(std::as_bytes(std::span(png->GetPointer(0), static_cast<std::size_t>(png->GetNumberOfValues()))));
+  }
+  if (failure == 0)
+  {
+    failure =
+      part.take(target, this->Overwrite ? lamella::PartFile::Existing::goes : lamella::PartFile::Existing::stays);
+  }
+  if (failure != 0)
+  {
+    return this->Fail("'" + target.string() + "' cannot be written: " + std::generic_category().message(failure),
       "nothing was written; free some room, or write elsewhere");
   }
   return true;

@@ -3,7 +3,6 @@
 #include "lattice/Error.h"
 #include "lattice/PartFile.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -27,34 +26,6 @@ fs::path folderOf(const fs::path& path)
 std::string reason(int error)
 {
   return std::generic_category().message(error);
-}
-
-/// An open file; closes it.
-struct File
-{
-  int number = -1;
-  ~File()
-  {
-    if (number >= 0)
-      ::close(number);
-  }
-};
-
-/// @return 0 or the number of the error
-int writeAll(const fs::path& path, std::span<const std::byte> bytes)
-{
-  const File file{ ::open(path.c_str(), O_NOFOLLOW | O_TRUNC | O_WRONLY | O_CLOEXEC) };
-  if (file.number < 0)
-    return errno;
-  while (!bytes.empty())
-  {
-    const ssize_t written = ::write(file.number, bytes.data(), bytes.size());
-    if (written > 0)
-      bytes = bytes.subspan(static_cast<std::size_t>(written));
-    else if (written == 0 || errno != EINTR)
-      return written == 0 ? ENOSPC : errno;
-  }
-  return ::fsync(file.number) == 0 ? 0 : errno;
 }
 
 } // namespace
@@ -108,15 +79,12 @@ void replaceFile(const fs::path& path, std::span<const std::byte> bytes)
   PartFile part(path, PartFile::OnSignal::stays);
   int error = part.error();
   if (error == 0)
-    error = writeAll(part.path(), bytes);
+    error = part.write(bytes);
   if (error == 0)
     error = part.take(path);
   if (error != 0)
     throw Error(fmt::format("cannot write '{}': {}", path.string(), reason(error)),
       "make room on the disk, or write to another one");
-  // the name itself is on the disk only after this
-  if (const File folder{ ::open(folderOf(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC) }; folder.number >= 0)
-    ::fsync(folder.number);
 }
 
 } // namespace lamella::io

@@ -63,21 +63,21 @@ struct Provenance
 /// A command line as one string that a POSIX shell reads back as the same words.
 [[nodiscard]] std::string quoteCommand(std::span<const std::string> words);
 
-/// SHA-256 (FIPS 180-4) of bytes that arrive in pieces.
+/// SHA-256 (FIPS 180-4) of bytes that arrive in pieces, by libcrypto.
 class Sha256
 {
 public:
+  /// @throws Error where libcrypto may not or cannot do it
   Sha256();
+  ~Sha256();
+  Sha256(const Sha256&) = delete;
+  Sha256& operator=(const Sha256&) = delete;
   void update(std::span<const std::byte> bytes);
   /// The hash of all bytes so far as 64 hexadecimal digits; ends the stream.
   [[nodiscard]] std::string finish();
 
 private:
-  void block(const std::byte* data);
-  std::uint32_t state_[8];
-  std::byte buffer_[64];
-  std::size_t filled_ = 0;
-  std::uint64_t total_ = 0;
+  void* context_; ///< EVP_MD_CTX
 };
 
 } // namespace lamella::io

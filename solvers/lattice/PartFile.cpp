@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <fcntl.h>
+#include <stdio.h> // NOLINT: renameat2 is declared here and not in <cstdio>
 #include <unistd.h>
 
 #include <array>
@@ -12,7 +13,6 @@
 #include <climits>
 #include <csignal>
 #include <cstdint>
-#include <cstdio> // rename
 #include <cstring>
 #include <mutex>
 #include <set>
@@ -110,6 +110,31 @@ void removeLeft(const fs::path& folder)
 
 std::atomic<void*> names; ///< the first PartFile::Name
 
+int renamed(const fs::path& from, const fs::path& to)
+{
+  return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
+}
+
+/// Not over a file that somebody else made in the meantime. Where the file system cannot do that in one step, a hard
+/// link can: it fails when the name exists.
+int renamedAnew(const fs::path& from, const fs::path& to)
+{
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0)
+  {
+    return 0;
+  }
+  if (errno != EINVAL && errno != ENOSYS)
+  {
+    return errno;
+  }
+  if (::link(from.c_str(), to.c_str()) == 0)
+  {
+    ::unlink(from.c_str());
+    return 0;
+  }
+  return errno == EEXIST ? EEXIST : renamed(from, to);
+}
+
 } // namespace
 
 PartFile::PartFile(const fs::path& place, OnSignal onSignal)
@@ -198,13 +223,53 @@ PartFile& PartFile::operator=(PartFile&& other) noexcept
   return *this;
 }
 
-int PartFile::take(const fs::path& place)
+int PartFile::write(std::span<const std::byte> bytes) const
 {
-  if (::rename(path_.c_str(), place.c_str()) != 0)
+  const int file = ::open(path_.c_str(), O_NOFOLLOW | O_WRONLY | O_TRUNC | O_CLOEXEC);
+  int error = file < 0 ? errno : 0;
+  while (error == 0 && !bytes.empty())
   {
-    return errno;
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
+    if (written > 0)
+    {
+      bytes = bytes.subspan(static_cast<std::size_t>(written));
+    }
+    else if (written == 0 || errno != EINTR)
+    {
+      error = written == 0 ? ENOSPC : errno;
+    }
+  }
+  if (file >= 0 && ::close(file) != 0 && error == 0)
+  {
+    error = errno;
+  }
+  return error;
+}
+
+int PartFile::take(const fs::path& place, Existing existing)
+{
+  // Somebody else may have written it, by its name.
+  const int file = ::open(path_.c_str(), O_NOFOLLOW | O_WRONLY | O_CLOEXEC);
+  int error = file < 0 || ::fsync(file) != 0 ? errno : 0;
+  if (file >= 0)
+  {
+    ::close(file);
+  }
+  if (error == 0)
+  {
+    error = existing == Existing::goes ? renamed(path_, place) : renamedAnew(path_, place);
+  }
+  if (error != 0)
+  {
+    return error;
   }
   release();
+  // The name itself lives in the folder, which is on the disk only after this.
+  if (const int folder = ::open(folderOf(place).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0)
+  {
+    ::fsync(folder);
+    ::close(folder);
+  }
   return 0;
 }
 

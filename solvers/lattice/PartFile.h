@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <span>
 
 namespace lamella
 {
@@ -32,8 +34,18 @@ public:
   /// Empty once it took its place.
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
 
-  /// Replaces what has the name. @returns 0, or the number of what stood in the way, as in errno
-  [[nodiscard]] int take(const std::filesystem::path& place);
+  /// Writes all of the file. @returns 0, or the number of what stood in the way, as in errno
+  [[nodiscard]] int write(std::span<const std::byte> bytes) const;
+
+  /// What has the name already.
+  enum class Existing
+  {
+    goes,
+    stays ///< also one that somebody made a moment ago: EEXIST
+  };
+  /// Brings the file to the disk, then gives it the name, in one step that cannot be seen half done, and brings that to
+  /// the disk. @returns 0, or the number of what stood in the way, as in errno
+  [[nodiscard]] int take(const std::filesystem::path& place, Existing existing = Existing::goes);
   /// Somebody else gave it its name.
   void release() noexcept;
 

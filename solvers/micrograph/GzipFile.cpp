@@ -1,15 +1,15 @@
 #include "micrograph/GzipFile.h"
 
 #include "lattice/Error.h"
+#include "lattice/WholeFile.h"
 #include "micrograph/FileBytes.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
 
 #include <array>
-#include <fstream>
 #include <memory>
-#include <system_error>
+#include <span>
 #include <vector>
 
 namespace lamella::micrograph
@@ -110,15 +110,7 @@ void writeText(const std::string& text, const std::filesystem::path& path)
     packed.resize(stream.total_out);
   }
   const std::string& bytes = path.extension() == ".gz" ? packed : text;
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file)
-  {
-    std::error_code ignored;
-    std::filesystem::remove(path, ignored);
-    throw InputError(fmt::format("'{}' cannot be written", path.string()), "check the folder and the free space");
-  }
+  writeWhole(path, std::as_bytes(std::span(bytes)));
 }
 
 } // namespace lamella::micrograph

@@ -12,7 +12,7 @@ namespace lamella::micrograph
 [[nodiscard]] std::string readText(const std::filesystem::path& path, std::size_t most);
 
 /// Writes a text, packed by gzip if the name ends in .gz.
-/// @throws InputError when that fails (a file that was begun is taken away)
+/// @throws Error as writeWhole()
 void writeText(const std::string& text, const std::filesystem::path& path);
 
 } // namespace lamella::micrograph

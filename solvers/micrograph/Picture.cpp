@@ -1,6 +1,7 @@
 #include "micrograph/Picture.h"
 
 #include "micrograph/Decode.h"
+#include "micrograph/RawVolume.h"
 #include "micrograph/Slices.h"
 
 #include "lattice/Error.h"
@@ -11,8 +12,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <regex>
+#include <limits>
+#include <set>
+#include <type_traits>
 
 namespace lamella::micrograph
 {
@@ -134,14 +136,11 @@ void addSeen(Picture& picture, const std::string& name, const Decoded& seen, con
 Picture readFile(const fs::path& path, const ReadOptions& options)
 {
   FileBytes file(path);
-  const Probe probed = probe(file);
+  Probe probed = probe(file);
   checkSize(file, probed);
   Picture picture;
   picture.format = name(probed.format);
   picture.bits = probed.bits;
-  picture.description = probed.description;
-  picture.provenance = probed.provenance;
-  picture.warnings = probed.warnings;
   const auto slices = static_cast<std::int64_t>(std::max<std::size_t>(1, probed.slices.size()));
   const bool colour = options.keepColour && probed.channels > 1;
   const auto nodes = static_cast<std::size_t>(probed.width * probed.height * slices);
@@ -150,6 +149,9 @@ Picture readFile(const fs::path& path, const ReadOptions& options)
   picture.grey.resize(nodes);
   picture.colour.resize(colour ? 3 * nodes : 0);
   const Decoded seen = decode(file, probed, slices == 1, picture.grey.data(), colour ? picture.colour.data() : nullptr);
+  picture.description = probed.description;
+  picture.provenance = probed.provenance;
+  picture.warnings.insert(picture.warnings.begin(), probed.warnings.begin(), probed.warnings.end());
   addSeen(picture, file.name(), seen, options);
   if (!seen.colour)
   {
@@ -180,7 +182,7 @@ Picture readSlices(const fs::path& path, const ReadOptions& options)
   for (std::int64_t z = 0; z < count; ++z)
   {
     FileBytes file(slices.files[static_cast<std::size_t>(z)]);
-    const Probe probed = probe(file);
+    Probe probed = probe(file);
     checkSize(file, probed);
     if (probed.slices.size() > 1)
     {
@@ -226,42 +228,142 @@ Picture readSlices(const fs::path& path, const ReadOptions& options)
   return picture;
 }
 
-/// Size and depth of a raw volume as its name says them.
-struct RawName
+/// What a header says of the size of a voxel; of a raw file nothing.
+std::optional<MetadataSize> sizeIn(const RawLayout& layout, Picture& picture)
 {
-  std::optional<std::array<std::int64_t, 3>> size;
-  std::optional<int> bits;
-};
+  if (layout.pixelSizeSource == "none")
+  {
+    return std::nullopt;
+  }
+  const auto& s = layout.spacing;
+  if (!layout.unitTold && std::max(s[0], s[1]) > largestPixel)
+  {
+    picture.warnings.push_back(fmt::format("'{}' names no unit, and in metres its voxels would be {} large: left out; "
+                                           "give their size with --pixel-size",
+      layout.file.string(), micrometres(s[0])));
+    return std::nullopt;
+  }
+  if (layout.direction != RawLayout().direction)
+  {
+    picture.warnings.push_back(
+      fmt::format("the axes of '{}' are turned or mirrored; it is read as it is stored", layout.file.string()));
+  }
+  return MetadataSize{ s[0], s[1], s[2], layout.pixelSizeSource };
+}
 
-RawName readName(const std::string& name)
+RawLayout layoutOf(const fs::path& path, const ReadOptions& options, RawHeader header)
 {
-  RawName result;
-  static const std::regex size("(^|[^0-9])([0-9]{1,6})[xX]([0-9]{1,6})[xX]([0-9]{1,6})([^0-9]|$)");
-  static const std::regex bits("(^|[^A-Za-z0-9])(u|uint|U|UINT)(8|16)([^0-9]|$)|(^|[^0-9])(8|16)[-_]?[bB]its?");
-  std::smatch match;
-  if (std::regex_search(name, match, size))
+  if (header != RawHeader::None)
   {
-    result.size = { std::stoll(match[2]), std::stoll(match[3]), std::stoll(match[4]) };
+    return header == RawHeader::Meta ? metaLayout(path) : nrrdLayout(path);
   }
-  if (std::regex_search(name, match, bits))
+  RawSaid said;
+  said.size = options.rawSize;
+  said.offset = options.rawHeader;
+  said.bigEndian = options.rawBigEndian;
+  said.otherwise = NumberType{};
+  if (options.rawBits)
   {
-    result.bits = std::stoi(match[3].matched ? match[3] : match[6]);
+    if (*options.rawBits != 8 && *options.rawBits != 16)
+    {
+      throw ParameterError(fmt::format("a raw volume of {} bits a voxel", *options.rawBits), "choose 8 or 16");
+    }
+    said.type = NumberType{ 'u', *options.rawBits / 8 };
   }
-  return result;
+  return rawLayout(path, said);
+}
+
+/// Numbers of a file become greys, if they are some.
+template <typename Value>
+void toGreys(const std::vector<std::uint8_t>& bytes, std::uint16_t* to, const std::string& name)
+{
+  constexpr auto most = static_cast<double>(std::numeric_limits<std::uint16_t>::max());
+  const auto* const from = reinterpret_cast<const Value*>(bytes.data());
+  if constexpr (std::is_unsigned_v<Value> && sizeof(Value) <= 2)
+  {
+    std::copy_n(from, bytes.size() / sizeof(Value), to);
+    return;
+  }
+  for (std::size_t i = 0; i < bytes.size() / sizeof(Value); ++i)
+  {
+    const auto value = static_cast<double>(from[i]); // whole numbers up to 65535 stay what they are
+    if (!(value >= 0 && value <= most) || value != std::floor(value))
+    {
+      throw InputError(
+        fmt::format("'{}' holds {}; grey values and phases are whole numbers from 0 to 65535", name, value),
+        "map its values to greys first: lamella convert FILE -o greys.tif --type u16 --range LOW,HIGH");
+    }
+    to[i] = static_cast<std::uint16_t>(value);
+  }
+}
+
+void toGreys(NumberType type, const std::vector<std::uint8_t>& bytes, std::uint16_t* to, const std::string& name)
+{
+  const auto as = [&](auto value) { toGreys<decltype(value)>(bytes, to, name); };
+  const bool plus = type.kind == 'u';
+  const bool real = type.kind == 'f';
+  switch (type.bytes)
+  {
+    case 1:
+      return plus ? as(std::uint8_t{}) : as(std::int8_t{});
+    case 2:
+      return plus ? as(std::uint16_t{}) : as(std::int16_t{});
+    case 4:
+      return plus ? as(std::uint32_t{}) : real ? as(float{}) : as(std::int32_t{});
+    default:
+      return plus ? as(std::uint64_t{}) : real ? as(double{}) : as(std::int64_t{});
+  }
+}
+
+/// Bytes of the part that is kept go to `take`, in the order of the file and in pieces.
+void readKept(RawVolume& volume, const Box& kept, const std::function<void(const std::vector<std::uint8_t>&)>& take)
+{
+  const RawLayout& layout = volume.layout();
+  const auto each = static_cast<std::size_t>(layout.type.bytes * layout.components);
+  const std::int64_t nx = layout.size[0];
+  std::vector<std::uint8_t> bytes;
+  if (layout.packed)
+  {
+    bytes.resize(volume.bytes());
+    std::vector<std::uint8_t> part(each * static_cast<std::size_t>(kept.size[0] * kept.size[1]));
+    for (std::int64_t z = kept.start[2]; z < kept.start[2] + kept.size[2]; ++z)
+    {
+      volume.read(z, z, bytes.data());
+      auto to = part.begin();
+      for (std::int64_t y = kept.start[1]; y < kept.start[1] + kept.size[1]; ++y)
+      {
+        const auto from = static_cast<std::ptrdiff_t>(each) * (kept.start[0] + nx * y);
+        to = std::copy_n(bytes.begin() + from, static_cast<std::ptrdiff_t>(each) * kept.size[0], to);
+      }
+      take(part);
+    }
+    return;
+  }
+  // Runs of voxels that lie together in the file and in the picture: rows, planes or all of it, in pieces.
+  const bool rows = kept.size[0] == nx;
+  const bool planes = rows && kept.size[1] == layout.size[1];
+  const std::int64_t run = planes ? kept.count() : rows ? kept.size[0] * kept.size[1] : kept.size[0];
+  constexpr std::int64_t piece = std::int64_t{ 1 } << 20;
+  for (std::int64_t r = 0; r < kept.count() / run; ++r)
+  {
+    const std::int64_t y = rows ? 0 : r % kept.size[1];
+    const std::int64_t z = rows ? r : r / kept.size[1];
+    for (std::int64_t at = 0; at < run; at += piece)
+    {
+      const auto count = static_cast<std::uint64_t>(std::min(piece, run - at));
+      bytes.resize(each * count);
+      volume.readRun({ kept.start[0] + at, kept.start[1] + y, kept.start[2] + z }, count, bytes.data());
+      take(bytes);
+    }
+  }
 }
 
 Picture readRaw(const fs::path& path, const ReadOptions& options)
 {
-  FileBytes file(path);
-  const RawName said = readName(path.filename().string());
-  const auto size = options.rawSize ? options.rawSize : said.size;
-  if (!size)
-  {
-    throw InputError(fmt::format("the size of the raw volume '{}' is not known", file.name()),
-      "give it with --raw-size NX,NY,NZ, or put it into the name, such as berea_200x200x200_u8.raw");
-  }
-  const auto [nx, ny, nz] = *size;
-  for (const std::int64_t nodes : *size)
+  const RawHeader header = options.rawSize ? RawHeader::None : rawHeader(path);
+  const RawLayout layout = layoutOf(path, options, header);
+  const auto [nx, ny, nz] = layout.size;
+  for (const std::int64_t nodes : layout.size)
   {
     if (nodes < 1 || nodes > longestSide)
     {
@@ -269,63 +371,51 @@ Picture readRaw(const fs::path& path, const ReadOptions& options)
         fmt::format("give 1 to {} voxels along each axis", longestSide));
     }
   }
-  const double voxels = static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz);
-  const std::uint64_t data = file.size() > options.rawHeader ? file.size() - options.rawHeader : 0;
-  std::optional<int> bits = options.rawBits ? options.rawBits : said.bits;
-  if (!bits)
+  const bool coloured = layout.components == 3 && layout.type.kind == 'u' && layout.type.bytes <= 2;
+  if (layout.components != 1 && !coloured)
   {
-    bits = static_cast<double>(data) == 2 * voxels ? 16 : 8;
+    throw InputError(
+      fmt::format("'{}' holds {} values of {} a voxel", path.string(), layout.components, layout.type.name()),
+      "save it as grey values, one a voxel");
   }
-  if (*bits != 8 && *bits != 16)
-  {
-    throw ParameterError(fmt::format("a raw volume of {} bits a voxel", *bits), "choose 8 or 16");
-  }
-  const int voxelBytes = *bits / 8;
-  const double expected = voxels * voxelBytes;
-  if (static_cast<double>(data) != expected)
-  {
-    throw InputError(fmt::format("'{}' has {} bytes{}, but {} × {} × {} voxels of {} bits take {:.0f}", file.name(),
-                       data, options.rawHeader > 0 ? " after its header" : "", nx, ny, nz, *bits, expected),
-      "check --raw-size, --raw-bits and --raw-header; a file that is too short was truncated");
-  }
+  RawVolume volume(layout);
+  const std::string name = layout.file.string();
   Picture picture;
-  picture.format = "raw";
-  picture.bits = *bits;
-  setLattice(picture, file.name(), nx, ny, nz, 3, std::nullopt, options);
-  const Lattice whole = picture.lattice;
-  const Box kept = keptBox(whole, options.window);
-  needMemory(file.name(), 2 * static_cast<double>(kept.count()));
+  picture.format = header == RawHeader::None ? "raw" : header == RawHeader::Meta ? "MetaImage" : "NRRD";
+  setLattice(picture, path.string(), nx, ny, nz, nz == 1 && layout.axes < 3 ? 2 : 3, sizeIn(layout, picture), options);
+  const Box kept = keptBox(picture.lattice, options.window);
+  const auto nodes = static_cast<std::size_t>(kept.count());
+  const bool colour = coloured && options.keepColour;
+  needMemory(path.string(),
+    static_cast<double>(nodes) * (colour ? 8 : 2) + (layout.packed ? 2 * static_cast<double>(volume.bytes()) : 0));
   setSize(picture.lattice, kept.size);
-  picture.grey.resize(static_cast<std::size_t>(kept.count()));
-
-  // Runs of voxels that lie together in the file and in the picture: rows, planes or all of it, in pieces.
-  const bool rows = kept.size[0] == nx;
-  const bool planes = rows && kept.size[1] == ny;
-  const std::int64_t run = planes ? kept.count() : rows ? kept.size[0] * kept.size[1] : kept.size[0];
-  constexpr std::int64_t piece = std::int64_t{ 1 } << 20;
-  const auto bytesEach = static_cast<std::uint64_t>(*bits / 8);
-  std::uint16_t* to = picture.grey.data();
-  for (std::int64_t r = 0; r < kept.count() / run; ++r)
-  {
-    const std::int64_t y = rows ? 0 : r % kept.size[1];
-    const std::int64_t z = rows ? r : r / kept.size[1];
-    const std::int64_t from = whole.index(kept.start[0], kept.start[1] + y, kept.start[2] + z);
-    for (std::int64_t at = 0; at < run; at += piece)
+  picture.grey.resize(nodes);
+  picture.colour.resize(colour ? 3 * nodes : 0);
+  std::size_t at = 0;
+  Decoded seen;
+  readKept(volume, kept,
+    [&](const std::vector<std::uint8_t>& bytes)
     {
-      const auto count = static_cast<std::uint64_t>(std::min(piece, run - at));
-      const std::vector<std::uint8_t> bytes =
-        file.read(options.rawHeader + static_cast<std::uint64_t>(from + at) * bytesEach, count * bytesEach);
-      if (*bits == 8)
+      const std::size_t count = bytes.size() / static_cast<std::size_t>(layout.components * layout.type.bytes);
+      if (coloured)
       {
-        to = std::copy(bytes.begin(), bytes.end(), to);
-        continue;
+        const Pixels pixels{ static_cast<std::int64_t>(count), 1, 3, 8 * layout.type.bytes, bytes };
+        convert(pixels, false, picture.grey.data() + at, colour ? picture.colour.data() + 3 * at : nullptr, seen);
       }
-      for (std::size_t i = 0; i + 1 < bytes.size(); i += 2)
+      else
       {
-        *to++ = static_cast<std::uint16_t>(numberFrom(bytes.data() + i, 2, options.rawBigEndian));
+        toGreys(layout.type, bytes, picture.grey.data() + at, name);
       }
-    }
+      at += count;
+    });
+  addSeen(picture, name, seen, options);
+  if (!seen.colour)
+  {
+    picture.colour = {};
   }
+  const bool usual = layout.type.kind == 'u' && layout.type.bytes <= 2;
+  const bool small = !usual && std::ranges::all_of(picture.grey, [](std::uint16_t grey) { return grey < 256; });
+  picture.bits = usual ? 8 * layout.type.bytes : small ? 8 : 16;
   return picture;
 }
 
@@ -333,7 +423,7 @@ bool isRaw(const fs::path& path, const ReadOptions& options)
 {
   std::string ending = path.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending == ".raw" || ending == ".bin" || options.rawSize.has_value();
+  return ending == ".raw" || ending == ".bin" || options.rawSize.has_value() || rawHeader(path) != RawHeader::None;
 }
 
 } // namespace
@@ -345,7 +435,9 @@ std::optional<MetadataSize> trustedSize(
   {
     return std::nullopt;
   }
-  const bool forPrint = size->source != "ImageJ" && size->source != "OME-XML";
+  static const std::set<std::string> lengths{ "ImageJ", "OME-XML", "MetaImage ElementSpacing", "NRRD spacings",
+    "NRRD space directions" };
+  const bool forPrint = !lengths.contains(size->source);
   if (forPrint && std::max(size->x, size->y) > largestPixel)
   {
     warnings.push_back(fmt::format("{} of '{}' says {:.4g} dots an inch, pixels of {}: left out, as that is a "

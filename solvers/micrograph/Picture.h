@@ -21,7 +21,7 @@ struct Picture
   std::vector<std::uint16_t> grey;        ///< one value a node; 8-bit values stay 0 … 255
   std::vector<std::uint16_t> colour; ///< red, green, blue of every node; empty unless asked for and there is colour
   int bits = 8;                      ///< 8 or 16
-  std::string format;                ///< "PNG", "JPEG", "TIFF" or "raw"
+  std::string format;                ///< "PNG", "JPEG", "TIFF", "PGM", "PPM", "BMP", "raw", "MetaImage" or "NRRD"
   std::string pixelSizeSource;       ///< "option", "PNG pHYs", "TIFF resolution", "ImageJ", "OME-XML", … or "none"
   std::string description;           ///< the text that the file carries, provenance for our own; may be empty
   std::string provenance;            ///< of a PNG that lamella drew; JSON text, or empty
@@ -45,11 +45,15 @@ struct ReadOptions
 };
 
 /// Reads a picture or a volume. What a file is follows from its first bytes, not from its name:
-/// - PNG, JPEG, TIFF: a picture. Several pages in a TIFF: a volume, one slice a page (reduced copies are left out).
+/// - PNG, JPEG, TIFF, PGM, PPM, BMP: a picture. Several pages in a TIFF: a volume, one slice a page (reduced copies are
+/// left out).
 /// - A folder of such files, or a name with `*`, `?` or one `%d` (`%04d`): a volume, slices in the order of the numbers
 /// in
 ///   their names. With `%d` a missing number is an error, otherwise a warning.
 /// - .raw or .bin: a volume; size from `rawSize` or from a name such as berea_200x200x200_u8.raw.
+/// - MetaImage (.mhd, .mha) and NRRD, packed or not: a volume, or a picture where they have two axes.
+///
+/// Numbers of volumes that are not unsigned ones of 8 or 16 bits have to be whole ones from 0 to 65535.
 ///
 /// Palette, RGB and transparent pictures whose channels are all equal become grey; other colour pictures are refused
 /// with the remedy (convert to grey, or segment with --segment) unless `keepColour`, where grey is 0.299 R + 0.587 G +

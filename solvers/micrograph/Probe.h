@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-/// What a picture file says about itself, found by walking through its structure without decoding it. The decoders that
-/// come after are lenient (they hand back half a picture from a truncated file), so this is where damage is noticed.
+/// What a picture file says about itself, found without decoding it: its size is checked before memory is taken for it.
 namespace lamella::micrograph
 {
 
@@ -15,7 +14,10 @@ enum class Format
 {
   Png,
   Jpeg,
-  Tiff
+  Tiff,
+  Pgm,
+  Ppm,
+  Bmp
 };
 [[nodiscard]] const char* name(Format format) noexcept;
 
@@ -35,7 +37,6 @@ struct Probe
   std::int64_t height = 0;
   int bits = 8;                    ///< of a channel
   int channels = 1;                ///< as decoded; a palette counts as 3
-  bool whiteIsZero = false;        ///< TIFF only
   int sampleFormat = 1;            ///< TIFF: 1 unsigned, 2 signed, 3 floating point
   std::vector<std::size_t> slices; ///< TIFF: which pages are slices, reduced copies left out
   std::size_t pages = 1;           ///< TIFF: how many there are in all
@@ -46,14 +47,14 @@ struct Probe
 };
 
 /// @param anyNumbers lets TIFF files of signed and real numbers and of more than 16 bits pass
-/// @throws InputError for a file that is no PNG, JPEG or TIFF, is truncated or damaged, or holds what cannot become
-/// greys
-///         (CMYK, floating point, more than 16 bits)
+/// @throws InputError for a file that is no PNG, JPEG, TIFF, PGM, PPM or BMP, is truncated or damaged, or holds what
+///         cannot become greys (CMYK, floating point, more than 16 bits)
 [[nodiscard]] Probe probe(FileBytes& file, bool anyNumbers = false);
 
-[[nodiscard]] Probe probePng(FileBytes& file);
-[[nodiscard]] Probe probeJpeg(FileBytes& file);
 [[nodiscard]] Probe probeTiff(FileBytes& file, bool anyNumbers = false);
+
+/// The error for pixels that their library refuses.
+[[noreturn]] void undecodable(const FileBytes& file, Format format, const std::string& why);
 
 /// The pixel size, unless it is what printers' resolutions come to or no length at all: a warning says so then.
 [[nodiscard]] std::optional<MetadataSize> trustedSize(
@@ -62,16 +63,5 @@ struct Probe
 /// Refuses a file that says it is much larger than its bytes can hold, before memory is taken for it.
 /// @param ratio how many bytes of pixels one byte of the file can stand for at most
 void checkBytes(const FileBytes& file, const Probe& probe, std::uint64_t bytes, double ratio);
-
-/// Resolution and orientation from the Exif block of a JPEG, which is a TIFF directory in memory. Nonsense is ignored.
-struct Exif
-{
-  std::optional<MetadataSize> size;
-  int orientation = 1;
-};
-[[nodiscard]] Exif readExif(const std::vector<std::uint8_t>& block);
-
-/// CRC-32 of PNG (ISO 3309) of a chunk's type and data.
-[[nodiscard]] std::uint32_t pngCrc(const std::uint8_t* bytes, std::size_t count, std::uint32_t crc = 0) noexcept;
 
 } // namespace lamella::micrograph

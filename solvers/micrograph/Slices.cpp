@@ -61,7 +61,8 @@ bool looksLikePicture(const fs::path& file)
 {
   std::string ending = file.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  static const std::set<std::string> endings{ ".png", ".jpg", ".jpeg", ".tif", ".tiff" };
+  static const std::set<std::string> endings{ ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".pgm", ".ppm", ".pnm",
+    ".bmp" };
   return endings.count(ending) != 0 && file.filename().string().front() != '.';
 }
 
@@ -170,9 +171,10 @@ Slices listSlices(const fs::path& path)
   }
   if (slices.empty())
   {
-    throw folder ? InputError(fmt::format("the folder '{}' holds no PNG, JPEG or TIFF picture", path.string()),
-                     "name a folder of numbered slices")
-                 : InputError(fmt::format("no file is called '{}'", path.string()), "check the pattern and the folder");
+    throw folder
+      ? InputError(fmt::format("the folder '{}' holds no PNG, JPEG, TIFF, PGM, PPM or BMP picture", path.string()),
+          "name a folder of numbered slices")
+      : InputError(fmt::format("no file is called '{}'", path.string()), "check the pattern and the folder");
   }
   std::sort(slices.begin(), slices.end(),
     [](const Slice& a, const Slice& b) { return std::tie(a.number, a.file) < std::tie(b.number, b.file); });

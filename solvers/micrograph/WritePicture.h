@@ -4,7 +4,6 @@
 #include "micrograph/Picture.h"
 
 #include <filesystem>
-#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,16 +11,13 @@
 namespace lamella::micrograph
 {
 
-/// Writes a file whole or not at all: `write` fills a new file beside it, which then takes its name.
-/// @throws Error when the folder cannot be written to or the disk is full; nothing is left behind then
-void writeWhole(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write);
-
-/// Writes phases as greys: PNG (.png) in 2D, TIFF (.tif, .tiff) in 2D or, one page a slice, in 3D. Pixel size and
-/// description go into the file (PNG: pHYs and Description; TIFF: resolution and ImageDescription), so that
-/// readPicture() gives the same lattice back, to 1e-7 of the spacing.
+/// Writes phases as greys: PNG (.png) in 2D, TIFF (.tif, .tiff; packed without loss) in 2D or, one page a slice, in 3D.
+/// Pixel size and description go into the file (PNG: pHYs and Description; TIFF: resolution and ImageDescription), so
+/// that readPicture() gives the same lattice back, to 1e-7 of the spacing.
 /// @param grey a grey for each phase id; as many as image.phases.size(). Empty: spread evenly over 0 … 255 by id.
 /// @param hasPixelSize false leaves the pixel size out (a lattice of spacing 1 that stands for "unknown")
-/// @throws ParameterError for an ending other than these, greys that are missing or alike; Error as writeWhole()
+/// @throws ParameterError for an ending other than these, greys that are missing or alike; Error as writeWhole() of
+/// lattice/WholeFile.h
 void writeLabels(const PhaseImage& image, const std::filesystem::path& path, std::span<const std::uint8_t> grey = {},
   std::string_view description = {}, bool hasPixelSize = true);
 

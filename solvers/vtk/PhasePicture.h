@@ -43,9 +43,9 @@ struct PhasePicture
   vtkSmartPointer<vtkImageData> file; ///< a .vti read at its points, with all it holds, before the window; else null
 };
 
-/// Reads PNG, JPEG, TIFF, stacks, raw volumes (micrograph::readPicture) and VTK image files (.vti), with values at
-/// points (nodes) or cells (a node is made of every cell; a file with both is read at the points unless `array` names a
-/// cell array). A .vti file of phases keeps its names when no grey map is given.
+/// Reads pictures, stacks, raw volumes, MetaImage and NRRD (micrograph::readPicture) and VTK image files (.vti), with
+/// values at points (nodes) or cells (a node is made of every cell; a file with both is read at the points unless
+/// `array` names a cell array). A .vti file of phases keeps its names when no grey map is given.
 /// @throws InputError, ParameterError, MemoryError
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhasePicture readPhases(
   const std::filesystem::path& path, const PictureOptions& options = {});

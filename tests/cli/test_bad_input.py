@@ -28,7 +28,7 @@ class BadPictures(Case):
         self.solve(3, "is empty", "no data", self.write("p.png", b""))
         self.solve(3, "is empty", "no data", self.write("p.vti", b""))
         os.mkdir(self.path("folder"))
-        self.solve(3, "the folder 'folder' holds no PNG, JPEG or TIFF", "numbered slices", "folder")
+        self.solve(3, "the folder 'folder' holds no PNG, JPEG, TIFF, PGM, PPM or BMP", "numbered slices", "folder")
 
     def test_truncated(self):
         self.solve(3, "is truncated", "again", self.write("p.png", GOOD[: len(GOOD) // 2]))
@@ -38,7 +38,7 @@ class BadPictures(Case):
         for name, message, hint in [
             ("t.tif", "'t.tif' is truncated", "again"),
             ("t.vti", "'t.vti' is a .vti file that is damaged or cut short", "again"),
-            ("t.raw", "'t.raw' has 18000 bytes, but 30 × 30 × 30 voxels of 8 bits take 27000", "--raw-size"),
+            ("t.raw", "'t.raw' has 18000 bytes, but 30 × 30 × 30 voxels of u8 take 27000", "--raw-size"),
         ]:
             with open(self.path(name), "rb") as file:
                 data = file.read()
@@ -58,7 +58,7 @@ class BadPictures(Case):
                        "save it again", command, name, *words)
 
     def test_not_a_picture(self):
-        self.solve(3, "is not a PNG, JPEG or TIFF", "convert it", self.write("p.png", b"Dear diary, " * 20))
+        self.solve(3, "is not a PNG, JPEG, TIFF, PGM, PPM or BMP", "convert it", self.write("p.png", b"Dear diary, " * 20))
         self.solve(3, "'p.vti' is not a whole .vti file", "again", self.write("p.vti", b"Dear diary, " * 20))
         self.solve(3, "is packed", "gunzip", self.write("v.raw.gz", b"\x1f\x8b"))
 
@@ -104,7 +104,7 @@ class BadPictures(Case):
     def test_raw_of_unknown_or_wrong_size(self):
         name = self.write("v.raw", bytes(1000))
         self.solve(3, "size of the raw volume", "--raw-size NX,NY,NZ", name)
-        self.fails(3, "has 1000 bytes, but 10 × 10 × 11 voxels", "check --raw-size", "diffusion", name, "--raw-size", "10,10,11", *SOLVE)
+        self.fails(3, "has 1000 bytes, but 10 × 10 × 11 voxels", "--raw-size", "diffusion", name, "--raw-size", "10,10,11", *SOLVE)
         self.fails(2, "--raw-size '10,10' has 2 numbers", "NX,NY,NZ", "diffusion", name, "--raw-size", "10,10", *SOLVE)
         self.fails(2, "--raw-bits 12 is neither 8 nor 16", "leave it out", "diffusion", name, "--raw-bits", "12", *SOLVE)
 
@@ -281,7 +281,7 @@ class Sizes(Case):
     def test_tiff_of_other_byte_order(self):
         # A TIFF that is not ours must not be taken for a record of ours.
         name = self.write("p.tif", struct.pack(">2sHI", b"MM", 42, 8) + bytes(64))
-        self.fails(3, "'p.tif' is damaged: page 1 of the TIFF holds no pixels", "again", "diffusion", name, *SOLVE)
+        self.fails(3, "the pixels of 'p.tif' cannot be decoded: the TIFF is damaged", "again", "diffusion", name, *SOLVE)
 
 
 if __name__ == "__main__":

@@ -102,7 +102,7 @@ std::optional<std::string> moreValues(const std::string& file, const std::regex&
   {
     return std::nullopt;
   }
-  std::array<std::size_t, 3> ends{};
+  std::vector<std::size_t> ends(found.size() - 1);
   for (std::size_t i = 0; i < ends.size(); ++i)
   {
     ends[i] = static_cast<std::size_t>(found.position(i + 1) + found.length(i + 1));
@@ -172,6 +172,19 @@ std::optional<std::string> largerTiff(const std::string& file, Random& random)
   return std::nullopt;
 }
 
+/// A BMP of more columns or rows than it has.
+std::optional<std::string> largerBmp(const std::string& file, Random& random)
+{
+  if (file.size() < 26)
+  {
+    return std::nullopt;
+  }
+  std::string result = file;
+  const std::size_t at = 18 + 4 * below(random, 2);
+  putLittle(result, at, 4, little(file, at, 4) + 1);
+  return result;
+}
+
 /// A key twice.
 std::optional<std::string> twice(const std::string& toml, Random& random)
 {
@@ -224,6 +237,7 @@ std::optional<std::string> otherExtent(const std::string& file, Random& random)
 std::optional<std::string> contradicting(const std::string& file, const std::string& ending, Random& random)
 {
   static const std::regex nrrd(R"re(\nsizes: (\d+) (\d+) (\d+))re");
+  static const std::regex netpbm(R"re(^P[2356]\n(?:#[^\n]*\n)?(\d+) (\d+)\n)re");
   static const std::regex meta(R"re(\nDimSize = (\d+) (\d+) (\d+))re");
   if (ending == ".vti" || ending == ".vtp" || ending == ".vtu")
   {
@@ -231,6 +245,9 @@ std::optional<std::string> contradicting(const std::string& file, const std::str
   }
   return ending == ".png" ? largerPng(file, random)
     : ending == ".tif"    ? largerTiff(file, random)
+    : ending == ".bmp"    ? largerBmp(file, random)
+    : ending == ".pgm"    ? moreValues(file, netpbm, random)
+    : ending == ".ppm"    ? moreValues(file, netpbm, random)
     : ending == ".nrrd"   ? moreValues(file, nrrd, random)
     : ending == ".mha"    ? moreValues(file, meta, random)
     : ending == ".toml"   ? twice(file, random)

@@ -160,6 +160,14 @@ Answer readPicture(const fs::path& path)
   return answer;
 }
 
+/// As `convert` does, and as a sample.
+Answer readVolume(const fs::path& path)
+{
+  Answer answer = readStep(path);
+  answer.warned |= readPicture(path).warned;
+  return answer;
+}
+
 Answer readPolygons(const fs::path& path)
 {
   const micrograph::PolygonFile file = micrograph::readPolygons(path);
@@ -214,10 +222,11 @@ struct Kind
 
 const std::vector<Kind>& kinds()
 {
-  static const std::vector<Kind> all{ { ".vti", readGrid, 200 }, { ".vtp", readGrid, 160 }, { ".vtu", readGrid, 50 },
-    { ".png", readPicture, 110 }, { ".tif", readPicture, 80 }, { ".json", readPolygons, 90 },
+  static const std::vector<Kind> all{ { ".vti", readGrid, 180 }, { ".vtp", readGrid, 150 }, { ".vtu", readGrid, 50 },
+    { ".png", readPicture, 110 }, { ".tif", readPicture, 80 }, { ".json", readPolygons, 80 },
     { ".gz", readPolygons, 50 }, { ".plan", readPlan, 59 }, { ".csv", readTable, 30 }, { ".toml", readScene, 80 },
-    { ".nrrd", readStep, 40 }, { ".mha", readStep, 40 }, { ".vtkhdf", readStep, 1 }, { ".h5", readCheckpoint, 10 } };
+    { ".nrrd", readVolume, 40 }, { ".mha", readVolume, 40 }, { ".pgm", readVolume, 15 }, { ".ppm", readVolume, 10 },
+    { ".bmp", readVolume, 15 }, { ".vtkhdf", readStep, 1 }, { ".h5", readCheckpoint, 10 } };
   return all;
 }
 

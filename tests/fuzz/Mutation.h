@@ -27,8 +27,8 @@ auto& oneOf(List& list, Random& random)
 [[nodiscard]] std::string altered(const std::string& file, const std::vector<std::string>& others, Random& random);
 
 /// A file that says one thing in one place and another elsewhere: whatever reads it has to say so. Nothing for a file
-/// in which there is no such place, and for kinds that have none: XML of VTK, PNG, TIFF, NRRD, MetaImage, VTKHDF, TOML
-/// and tables can contradict themselves.
+/// in which there is no such place, and for kinds that have none: XML of VTK, PNG, TIFF, PGM, PPM, BMP, NRRD,
+/// MetaImage, VTKHDF, TOML and tables can contradict themselves.
 [[nodiscard]] std::optional<std::string> contradicting(
   const std::string& file, const std::string& ending, Random& random);
 

@@ -24,6 +24,31 @@ make flux-map solved.vti --streamlines 5 -o flux.vti -o lines.vtp
 make convert forces.vtp -o forces.vtu
 make transient cells.vti --diffusivity lumen=1e-9 --diffusivity wall=2e-9 --end-time 0.001 --checkpoint transient.h5
 make fracture cells.vti --young wall=1e9 --critical-stretch wall=1e-3 --horizon 2 --broken broken.vtp --checkpoint fracture.h5 --checkpoint-every 1
+# What Lamella reads and does not write: bytes and text, palettes, packed numbers.
+/usr/bin/python3 - <<'END'
+import gzip, struct, zlib
+grey = bytes((37 * i) % 256 for i in range(16 * 12))
+colour = bytes((17 * i) % 256 for i in range(16 * 12 * 3))
+def keep(name, data):
+    with open(name, "wb") as file:
+        file.write(data)
+keep("bytes.pgm", b"P5\n# a comment\n16 12\n255\n" + grey)
+keep("deep.pgm", b"P5\n16 6\n65535\n" + grey)
+keep("text.pgm", b"P2\n16 12\n255\n" + b" ".join(b"%d" % v for v in grey) + b"\n")
+keep("bytes.ppm", b"P6\n16 12\n255\n" + colour)
+keep("text.ppm", b"P3\n16 12\n255\n" + b" ".join(b"%d" % v for v in colour) + b"\n")
+def bmp(bits, pixels, palette=b""):
+    head = struct.pack("<IiiHHIIiiII", 40, 16, 12, 1, bits, 0, 0, 1000000, 1000000, len(palette) // 4, 0)
+    return b"BM" + struct.pack("<III", 54 + len(palette) + len(pixels), 0, 54 + len(palette)) + head + palette + pixels
+keep("palette.bmp", bmp(8, grey, bytes(v for i in range(256) for v in (i, i, i, 0))))
+keep("colour.bmp", bmp(24, colour))
+keep("wide.bmp", bmp(32, grey * 4))
+meta = b"ObjectType = Image\nNDims = 3\nCompressedData = %s\nElementSpacing = 1e-6 1e-6 1e-6\nDimSize = 16 6 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"
+keep("packed.mha", meta % b"True" + zlib.compress(grey))
+nrrd = b"NRRD0004\ntype: %s\ndimension: 3\nsizes: 16 6 2\nspace dimension: 3\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace units: \"um\" \"um\" \"um\"\nendian: big\nencoding: gzip\n\n"
+keep("packed.nrrd", nrrd % b"uint8" + gzip.compress(grey))
+keep("signed.nrrd", nrrd % b"int16" + gzip.compress(b"".join(struct.pack(">h", v) for v in grey)))
+END
 printf '{"units": "um", "lumens": [[[0,0],[4,0],[4,3],[0,3]],[[6,0],[9,0],[9,5.5],[6,5]]]}' >cells.json
 gzip -kf cells.json
 cp "$here"/../../examples/scenes/*.toml .

@@ -2,7 +2,7 @@
 
 #include "../TemporaryFolder.h"
 
-#include "micrograph/Probe.h"
+#include <zlib.h>
 
 #include <cstdint>
 #include <map>
@@ -82,7 +82,7 @@ struct PngFile
     Bytes body(type.begin(), type.end());
     body.insert(body.end(), data.begin(), data.end());
     file.insert(file.end(), body.begin(), body.end());
-    put(file, micrograph::pngCrc(body.data(), body.size()), 4, true);
+    put(file, crc32(0, body.data(), static_cast<uInt>(body.size())), 4, true);
   }
   static Bytes physical(std::uint32_t x, std::uint32_t y, bool metres = true)
   {

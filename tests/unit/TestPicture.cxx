@@ -2,11 +2,11 @@
 #include "Support.h"
 
 #include "io/Provenance.h"
+#include "micrograph/JpegFile.h"
 #include "micrograph/Picture.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -27,19 +27,17 @@ namespace
 using Greys = std::vector<std::uint16_t>;
 using Size = std::array<std::int64_t, 3>;
 
-Bytes jpeg(int width, int height, int type = CV_8UC1)
+Bytes jpeg(int width, int height, int channels = 1)
 {
-  cv::Mat pixels(height, width, type);
+  Pixels pixels{ width, height, channels };
   for (int row = 0; row < height; ++row)
   {
-    for (int x = 0; x < width * pixels.channels(); ++x)
+    for (int x = 0; x < width * channels; ++x)
     {
-      pixels.ptr<std::uint8_t>(row)[x] = static_cast<std::uint8_t>(20 + 3 * x + 5 * row);
+      pixels.values.push_back(static_cast<std::uint8_t>(20 + 3 * x + 5 * row));
     }
   }
-  Bytes bytes;
-  cv::imencode(".jpg", pixels, bytes);
-  return bytes;
+  return encodeJpeg(pixels);
 }
 
 /// What and hint of the refusal of a file; both must be there, on one line each.
@@ -329,7 +327,7 @@ TEST(Picture, TiffThatCannotBecomeGreys)
   EXPECT_TRUE(contains(with(339, 3).first, "floating-point"));
   EXPECT_TRUE(contains(with(339, 2).first, "signed"));
   EXPECT_TRUE(contains(with(258, 32).first, "32 bits"));
-  EXPECT_TRUE(contains(with(256, 0).first, "holds no pixels"));
+  EXPECT_TRUE(contains(with(256, 0).first, "cannot be decoded"));
 }
 
 TEST(Picture, CmykJpeg)
@@ -347,8 +345,7 @@ TEST(Picture, ShortStripsOfATiff)
   const TemporaryFolder folder;
   TiffFile tiff;
   tiff.pages[0][279] = { 4, { 5 }, {} };
-  EXPECT_TRUE(
-    contains(refused(folder.write("a.tif", tiff.bytes())).first, "5 bytes of page 1 of the TIFF cannot hold 3 × 2"));
+  EXPECT_TRUE(contains(refused(folder.write("a.tif", tiff.bytes())).first, "page 1: Bogus"));
 }
 
 TEST(Picture, DamagedJpegIsNoticedInTheMiddle)
@@ -367,7 +364,7 @@ TEST(Picture, EveryTruncationIsNoticed)
   TiffFile tiff;
   tiff.pages = { {}, {} };
   for (const auto& [name, whole] : { std::pair<std::string, Bytes>{ "a.png", png.bytes() }, { "a.tif", tiff.bytes() },
-         { "a.jpg", jpeg(16, 8) }, { "rgb.jpg", jpeg(16, 8, CV_8UC3) } })
+         { "a.jpg", jpeg(16, 8) }, { "rgb.jpg", jpeg(16, 8, 3) } })
   {
     // An exception takes milliseconds with as many libraries as these, so not at every byte of the longer files.
     const std::size_t step = whole.size() > 250 ? 7 : 1;
@@ -424,7 +421,7 @@ TEST(Picture, DamagedTextOfAPngIsLeftOutWithAWarning)
   EXPECT_EQ(picture.grey, (Greys{ 3, 4, 1, 2 }));
   EXPECT_EQ(picture.description, "");
   ASSERT_EQ(picture.warnings.size(), 1U);
-  EXPECT_TRUE(contains(picture.warnings[0], "the checksum of its tEXt chunk at byte 33 is wrong; left out"));
+  EXPECT_TRUE(contains(picture.warnings[0], "the checksum of its tEXt chunk is wrong; left out"));
 }
 
 TEST(Picture, DamageOfAnyKindIsAnErrorOfOurs)
@@ -465,11 +462,11 @@ TEST(Picture, FilesThatAreNoPictures)
   EXPECT_TRUE(contains(refused(folder / "nothing.png").first, "there is no file"));
   EXPECT_TRUE(contains(refused(folder.write("empty.png", {})).first, "is empty (0 bytes)"));
   const std::string text = "This is no picture at all.";
-  EXPECT_TRUE(contains(
-    refused(folder.write("text.png", { text.begin(), text.end() })).first, "is not a PNG, JPEG or TIFF picture"));
+  EXPECT_TRUE(contains(refused(folder.write("text.png", { text.begin(), text.end() })).first,
+    "is not a PNG, JPEG, TIFF, PGM, PPM or BMP picture"));
   EXPECT_TRUE(contains(refused(folder.write("a.raw.gz", { 0x1f, 0x8b, 8, 0 })).second, "gunzip"));
   std::filesystem::create_directory(folder / "folder");
-  EXPECT_TRUE(contains(refused(folder / "folder").first, "holds no PNG, JPEG or TIFF"));
+  EXPECT_TRUE(contains(refused(folder / "folder").first, "holds no PNG, JPEG, TIFF, PGM, PPM or BMP"));
   EXPECT_TRUE(contains(refused("/dev/null").first, "not a regular file"));
 }
 
@@ -571,9 +568,9 @@ TEST(Raw, RefusesSizesThatDoNotFit)
   const TemporaryFolder folder;
   const Bytes bytes(12, 1);
   EXPECT_TRUE(contains(refused(folder.write("rock.raw", bytes)).second, "--raw-size"));
-  EXPECT_TRUE(contains(
-    refused(folder.write("rock_2x3x3.raw", bytes)).first, "has 12 bytes, but 2 × 3 × 3 voxels of 8 bits take 18"));
-  EXPECT_TRUE(contains(refused(folder.write("rock_2x3x2_u16.raw", bytes)).first, "16 bits take 24"));
+  EXPECT_TRUE(
+    contains(refused(folder.write("rock_2x3x3.raw", bytes)).first, "has 12 bytes, but 2 × 3 × 3 voxels of u8 take 18"));
+  EXPECT_TRUE(contains(refused(folder.write("rock_2x3x2_u16.raw", bytes)).first, "u16 take 24"));
   ReadOptions options;
   options.rawSize = { 2, 3, 0 };
   EXPECT_THROW((void)readPicture(folder / "rock.raw", options), ParameterError);

@@ -191,7 +191,7 @@ TEST_F(PolygonFiles, WhatIsWrittenComesBackBitForBit)
     }
     ASSERT_TRUE(back.cells);
   }
-  EXPECT_THROW(writePolygons(set, folder_ / "none" / "x.json"), InputError);
+  EXPECT_THROW(writePolygons(set, folder_ / "none" / "x.json"), Error);
   EXPECT_THROW(static_cast<void>(readPolygons(folder_ / "own.json", options)), ParameterError); // it has its window
 }
 

@@ -22,6 +22,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(fmt REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(JPEG REQUIRED)
+find_package(OpenSSL REQUIRED COMPONENTS Crypto) # SHA-256; HDF5 loads it anyway
 find_package(PNG REQUIRED)
 find_package(TIFF REQUIRED)
 find_package(ZLIB REQUIRED)
@@ -42,7 +43,7 @@ target_link_libraries(Lamella_cmark INTERFACE "${CMARK_LIBRARY}")
 find_path(OpenCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
 add_library(Lamella_opencv INTERFACE IMPORTED)
 target_include_directories(Lamella_opencv SYSTEM INTERFACE "${OpenCV_INCLUDE_DIR}")
-foreach(module core imgproc imgcodecs) # and no other: viz would bring Debian's own VTK along
+foreach(module core imgproc) # and no other: viz would bring Debian's own VTK along, imgcodecs GDAL and a second HDF5
   find_library(OpenCV_${module}_LIBRARY opencv_${module} REQUIRED)
   target_link_libraries(Lamella_opencv INTERFACE "${OpenCV_${module}_LIBRARY}")
 endforeach()

@@ -138,7 +138,7 @@ void writeTif(const Writing& w)
   writeTiff(w.session, *volume, w.files.front(), notes);
 }
 
-template <RawLayout (*Layout)(const std::string&)>
+template <RawLayout (*Layout)(const fs::path&)>
 Step openHeader(const std::string& path, Reading& reading)
 {
   requireFile(path);
@@ -312,12 +312,16 @@ const std::vector<Format>& formats()
       tiffHolds, openPicture, itself, writeTif },
     { "JPEG", { ".jpg", ".jpeg" }, Image, 0, "u8; 1 or 3 values a pixel", false, true, false, "not written", anything,
       openPicture, itself, nullptr },
+    { "PGM, PPM", { ".pgm", ".ppm", ".pnm" }, Image, 0, "u8, u16; 1 or 3 values a pixel", false, true, false,
+      "not written", anything, openPicture, itself, nullptr },
+    { "BMP", { ".bmp" }, Image, 0, "u8; 1 or 3 values a pixel", false, true, false, "not written", anything,
+      openPicture, itself, nullptr },
     { "raw", { ".raw", ".bin" }, Image, Image, "all", false, true, false, besideIt, anyNumbers, openRawFile,
       withNotesBeside, writeRaw },
     { "MetaImage", { ".mhd", ".mha" }, Image, Image, "all", false, true, false, besideIt, anyNumbers,
-      openHeader<metaLayout>, headerFiles, writeMeta },
+      openHeader<micrograph::metaLayout>, headerFiles, writeMeta },
     { "NRRD", { ".nhdr", ".nrrd" }, Image, Image, "all", false, true, false, besideIt, anyNumbers,
-      openHeader<nrrdLayout>, headerFiles, writeNrrd },
+      openHeader<micrograph::nrrdLayout>, headerFiles, writeNrrd },
     { "VTK image", { ".vti" }, Image, Image, "all", true, true, false, inside, anything, openXmlFile, itself,
       writeVti },
     { "VTK poly data", { ".vtp" }, Poly, Points, "all", true, false, false, inside, anything, openXmlFile, itself,

@@ -7,6 +7,7 @@
 #include "micrograph/Decode.h"
 #include "micrograph/Picture.h"
 #include "micrograph/Slices.h"
+#include "micrograph/TiffFile.h"
 #include "micrograph/WritePicture.h"
 #include "vtkLatticeConversion.h"
 
@@ -146,7 +147,7 @@ private:
   {
     if (plain_)
     {
-      return tiff_->type();
+      return typeOf(tiff_->page());
     }
     return first_.bits == 16 ? VTK_UNSIGNED_SHORT : VTK_UNSIGNED_CHAR;
   }
@@ -166,11 +167,15 @@ private:
           fmt::format("'{}' holds {} pages, but is one of several slices", file_->name(), probe_.slices.size()),
           "name the file itself to read its pages as a volume");
       }
-      tiff_ = probe_.format == micrograph::Format::Tiff ? std::make_unique<TiffReader>(slice.file) : nullptr;
+      tiff_ = probe_.format == micrograph::Format::Tiff ? std::make_unique<micrograph::TiffFile>(*file_) : nullptr;
+    }
+    if (tiff_ != nullptr)
+    {
+      tiff_->go(slice.page);
     }
     slice_ = number;
     // What libtiff gives as it is: not colours that may turn out to be greys.
-    plain_ = tiff_ != nullptr && tiff_->plain(slice.page) && tiff_->components() == 1 && !colour_;
+    plain_ = tiff_ != nullptr && tiff_->page().plain() && tiff_->page().samples == 1 && !colour_;
     if (!plain_ && (probe_.sampleFormat != 1 || probe_.bits > 16))
     {
       throw InputError(fmt::format("'{}' holds {} values of {} bits in an arrangement that cannot be read",
@@ -187,7 +192,7 @@ private:
     if (plain_)
     {
       auto* const bytes = static_cast<unsigned char*>(to);
-      tiff_->read(slices_[number].page, bytes);
+      tiff_->readSamples(bytes);
       for (std::size_t y = 0; flat_ && y < static_cast<std::size_t>(first_.height) / 2; ++y)
       {
         const std::size_t mirror = static_cast<std::size_t>(first_.height) - 1 - y;
@@ -195,13 +200,18 @@ private:
       }
       return;
     }
-    Probe one = probe_;
-    one.slices = { slices_[number].page };
-    one.pages = slices_[number].page + 1; // this page and no more
     std::vector<std::uint16_t> grey(pixels);
     std::vector<std::uint16_t> colour(colour_ ? 3 * pixels : 0);
-    const micrograph::Decoded seen =
-      micrograph::decode(*file_, one, flat_, grey.data(), colour_ ? colour.data() : nullptr);
+    micrograph::Decoded seen;
+    if (tiff_ != nullptr)
+    {
+      micrograph::convert(tiff_->pixels(), flat_, grey.data(), colour_ ? colour.data() : nullptr, seen);
+    }
+    else
+    {
+      seen = micrograph::decode(*file_, probe_, flat_, grey.data(), colour_ ? colour.data() : nullptr);
+      first_.description = number == 0 ? probe_.description : first_.description; // it may stand behind the pixels
+    }
     sawColour_ = seen.colour;
     if (seen.colour && !colour_)
     {
@@ -239,7 +249,7 @@ private:
   std::size_t slice_ = 0;
   std::unique_ptr<micrograph::FileBytes> file_;
   Probe probe_;
-  std::unique_ptr<TiffReader> tiff_;
+  std::unique_ptr<micrograph::TiffFile> tiff_;
   bool plain_ = false;
 };
 

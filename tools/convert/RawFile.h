@@ -4,34 +4,18 @@
 #include "OutputFile.h"
 #include "convert/Volume.h"
 
-#include <cstdint>
-#include <filesystem>
+#include "micrograph/RawVolume.h"
+
+#include <array>
+#include <cstddef>
 #include <memory>
-#include <optional>
 #include <string>
 
-/// Volumes as plain numbers: raw files, and MetaImage (.mhd, .mha) and NRRD (.nhdr, .nrrd), which are such numbers with
-/// a header.
+/// Volumes as plain numbers (micrograph/RawVolume.h) for `lamella convert`: read in slabs, and written.
 namespace lamella::cli
 {
 
-/// Where the numbers of a volume lie and what they are.
-struct RawLayout
-{
-  std::filesystem::path file;
-  std::uint64_t offset = 0; ///< of the first value
-  bool fromEnd = false;     ///< the values are the last bytes of the file
-  bool packed = false;      ///< by zlib or gzip
-  int type = 0;             ///< VTK's number
-  int components = 1;
-  bool bigEndian = false;
-  std::array<std::int64_t, 3> size{ 1, 1, 1 };
-  std::array<double, 3> spacing{ 1, 1, 1 };
-  std::array<double, 3> origin{ 0, 0, 0 };
-  std::array<double, 9> direction{ 1, 0, 0, 0, 1, 0, 0, 0, 1 };
-  std::string pixelSizeSource = "none";
-  std::string name = "grey";
-};
+using micrograph::RawLayout;
 
 /// What the command line says of a raw volume, with the words that all commands share for it.
 struct RawOptions
@@ -46,10 +30,8 @@ void addRawTypeOptions(CLI::App& command, RawOptions& options);
 
 /// @throws InputError, ParameterError
 [[nodiscard]] RawLayout rawLayout(const std::string& path, const RawOptions& options);
-[[nodiscard]] RawLayout metaLayout(const std::string& path);
-[[nodiscard]] RawLayout nrrdLayout(const std::string& path);
 
-/// Reads slabs of it. Packed values are unpacked from the beginning once, or again where a slab lies before the last.
+/// Reads slabs of it (micrograph/RawVolume.h), as `grey`.
 /// @throws InputError: the file has another size than the layout says (both in the message)
 [[nodiscard]] std::unique_ptr<Volume> openRaw(const RawLayout& layout);
 

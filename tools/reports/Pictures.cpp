@@ -3,18 +3,21 @@
 #include "reports/Html.h"
 
 #include "lattice/Error.h"
-#include "micrograph/FileBytes.h"
-#include "micrograph/Probe.h"
+#include "micrograph/Decode.h"
+#include "micrograph/JpegFile.h"
+#include "micrograph/PngFile.h"
+#include "micrograph/TiffFile.h"
 
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <set>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace lamella::reports
@@ -59,40 +62,40 @@ EmbeddedPicture drawing(const fs::path& path)
   return picture;
 }
 
-/// The pixels, smaller where they are too many; as PNG.
-void redraw(
-  EmbeddedPicture& picture, const std::vector<std::uint8_t>& bytes, int mostWide, bool jpeg, const fs::path& path)
+/// Eight bits, and no more columns than `mostWide`.
+micrograph::Pixels smaller(micrograph::Pixels pixels, int mostWide)
 {
-  cv::Mat pixels;
-  try
+  const int channels = pixels.channels;
+  const bool deep = pixels.bits == 16;
+  cv::Mat matrix(static_cast<int>(pixels.height), static_cast<int>(pixels.width),
+    CV_MAKETYPE(deep ? CV_16U : CV_8U, channels), pixels.values.data());
+  if (deep)
   {
-    pixels = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-    if (pixels.depth() != CV_8U && !pixels.empty())
-    {
-      pixels.convertTo(pixels, CV_8U, 1.0 / 257);
-    }
-    if (!pixels.empty() && picture.fullWidth > mostWide)
-    {
-      const double share = static_cast<double>(mostWide) / static_cast<double>(picture.fullWidth);
-      picture.width = mostWide;
-      picture.height = std::max<std::int64_t>(1, std::llround(share * static_cast<double>(picture.fullHeight)));
-      cv::Mat smaller;
-      cv::resize(
-        pixels, smaller, { static_cast<int>(picture.width), static_cast<int>(picture.height) }, 0, 0, cv::INTER_AREA);
-      pixels = smaller;
-    }
-    std::vector<std::uint8_t> drawn;
-    if (!pixels.empty() && cv::imencode(jpeg ? ".jpg" : ".png", pixels, drawn))
-    {
-      picture.source = dataOf(jpeg ? "jpeg" : "png", drawn);
-      return;
-    }
+    matrix.convertTo(matrix, CV_8U, 1.0 / 257);
   }
-  catch (const cv::Exception&)
+  if (pixels.width > mostWide)
   {
-    picture.source.clear();
+    const double share = static_cast<double>(mostWide) / static_cast<double>(pixels.width);
+    const auto height = std::max<std::int64_t>(1, std::llround(share * static_cast<double>(pixels.height)));
+    cv::Mat resized;
+    cv::resize(matrix, resized, { mostWide, static_cast<int>(height) }, 0, 0, cv::INTER_AREA);
+    matrix = resized;
   }
-  throw InputError("'" + path.string() + "' cannot be drawn anew", "save it as an 8-bit PNG");
+  micrograph::Pixels result{ matrix.cols, matrix.rows, channels };
+  result.values.assign(matrix.data, matrix.data + matrix.total() * matrix.elemSize());
+  return result;
+}
+
+/// The pixels of the only picture, or of the first page.
+micrograph::Pixels pixelsOf(micrograph::FileBytes& file, micrograph::Probe& probe)
+{
+  if (probe.format != micrograph::Format::Tiff)
+  {
+    return micrograph::onlyPixels(file, probe);
+  }
+  micrograph::TiffFile tiff(file);
+  tiff.go(probe.slices.front());
+  return tiff.pixels();
 }
 
 } // namespace
@@ -100,21 +103,24 @@ void redraw(
 bool isPicture(const fs::path& path)
 {
   const std::string end = ending(path);
-  return end == ".png" || end == ".jpg" || end == ".jpeg" || end == ".svg" || end == ".tif" || end == ".tiff";
+  static const std::set<std::string> known{ ".png", ".jpg", ".jpeg", ".svg", ".tif", ".tiff", ".pgm", ".ppm", ".pnm",
+    ".bmp" };
+  return known.contains(end);
 }
 
 EmbeddedPicture embed(const fs::path& path, int mostWide)
 {
   if (!isPicture(path))
   {
-    throw InputError("'" + path.string() + "' is no picture by its name", "pictures are PNG, JPEG, TIFF or SVG");
+    throw InputError(
+      "'" + path.string() + "' is no picture by its name", "pictures are PNG, JPEG, TIFF, PGM, PPM, BMP or SVG");
   }
   if (ending(path) == ".svg")
   {
     return drawing(path);
   }
   micrograph::FileBytes file(path);
-  const micrograph::Probe probe = micrograph::probe(file);
+  micrograph::Probe probe = micrograph::probe(file);
   EmbeddedPicture picture;
   picture.width = picture.fullWidth = probe.width;
   picture.height = picture.fullHeight = probe.height;
@@ -124,18 +130,22 @@ EmbeddedPicture embed(const fs::path& path, int mostWide)
         std::to_string(probe.height) + " pixels, too many for a page",
       "make a smaller one, of 100 million pixels at most");
   }
+  micrograph::Pixels pixels = pixelsOf(file, probe); // also where only the bytes go on: a damaged file is noticed
   // A drawing carries it by itself, a picture of labels within its description (Record.h).
   const auto record = nlohmann::json::parse(probe.description, nullptr, false);
   const bool labels = record.is_object() && record.contains("provenance") && record["provenance"].is_object();
   picture.provenance = labels ? record["provenance"].dump() : probe.provenance;
-  const std::vector<std::uint8_t> bytes = file.read(0, file.size());
   const bool jpeg = probe.format == micrograph::Format::Jpeg;
-  if (probe.width <= mostWide && probe.format != micrograph::Format::Tiff)
+  if (probe.width <= mostWide && (jpeg || probe.format == micrograph::Format::Png))
   {
-    picture.source = dataOf(jpeg ? "jpeg" : "png", bytes);
+    picture.source = dataOf(jpeg ? "jpeg" : "png", file.read(0, file.size()));
     return picture;
   }
-  redraw(picture, bytes, mostWide, jpeg, path);
+  pixels = smaller(std::move(pixels), mostWide);
+  picture.width = pixels.width;
+  picture.height = pixels.height;
+  picture.source =
+    jpeg ? dataOf("jpeg", micrograph::encodeJpeg(pixels)) : dataOf("png", micrograph::encodePng(pixels, 0, "", 1));
   return picture;
 }
 

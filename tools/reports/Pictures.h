@@ -19,11 +19,11 @@ struct EmbeddedPicture
   [[nodiscard]] bool scaled() const noexcept { return width != fullWidth; }
 };
 
-/// PNG, JPEG, TIFF or SVG, told by the ending of the name.
+/// PNG, JPEG, TIFF, PGM, PPM, BMP or SVG, told by the ending of the name.
 [[nodiscard]] bool isPicture(const std::filesystem::path& path);
 
-/// Reads a picture. PNG and JPEG go into the page byte for byte unless they are wider than `mostWide`; those, and TIFF,
-/// are drawn anew.
+/// Reads a picture. PNG and JPEG go into the page byte for byte unless they are wider than `mostWide`; those, and all
+/// other kinds, are drawn anew.
 /// @throws InputError: missing, empty, damaged, another format, more pixels than anybody looks at in a page
 [[nodiscard]] EmbeddedPicture embed(const std::filesystem::path& path, int mostWide);
 

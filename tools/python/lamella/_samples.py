@@ -136,7 +136,7 @@ def read_picture(
     raw_bits: int | None = None,
     raw_header: int = 0,
 ) -> Sample:
-    """Reads a picture (PNG, JPEG, TIFF), a volume (TIFF stack, slices, raw) or a .vti file.
+    """Reads a picture (PNG, JPEG, TIFF, PGM, PPM, BMP), a volume (TIFF stack, slices, raw, MetaImage, NRRD) or a .vti file.
 
     path        of slices a pattern, such as slice_%03d.png
     phases      {grey value or range of them: name}: 255, "90..255", "90..", "..89", both ends in it; "..otsu" and "otsu.."
