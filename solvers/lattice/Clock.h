@@ -12,4 +12,10 @@ using Clock = std::chrono::steady_clock;
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// Since some moment of this process.
+[[nodiscard]] inline double seconds()
+{
+  return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
+
 } // namespace lamella

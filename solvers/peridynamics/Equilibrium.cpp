@@ -1,5 +1,6 @@
 #include "peridynamics/Equilibrium.h"
 
+#include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/Preconditioner.h"
@@ -8,22 +9,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 namespace lamella::peridynamics
 {
-namespace
-{
-
-double seconds()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-} // namespace
-
 Equilibrium::Equilibrium(const BondLattice& bonds, FixedComponents fixed, EquilibriumOptions options)
   : bonds_(bonds)
   , fixed_(std::move(fixed))

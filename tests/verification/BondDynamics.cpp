@@ -271,7 +271,8 @@ TEST(BondDynamics, StopsAndRefuses)
   o.progress = [](const DynamicsProgress& p) { return p.step >= 200; };
   BondDynamics motion(bonds, nothingFixed(bonds), o);
   EXPECT_FALSE(motion.advance(1000));
-  EXPECT_EQ(motion.steps(), 200);
+  EXPECT_GE(motion.steps(), 200);
+  EXPECT_LE(motion.steps(), 300); // a hundred steps from one look to the next at most
   for (const auto& spoil : std::array<void (*)(DynamicsOptions&), 5>{ [](DynamicsOptions& x) { x.density = 0; },
          [](DynamicsOptions& x) { x.safety = 1.5; }, [](DynamicsOptions& x) { x.damping = -1; },
          [](DynamicsOptions& x) { x.step = 0.0; }, [](DynamicsOptions& x) { x.density = std::nan(""); } })

@@ -1,24 +1,15 @@
 #include "peridynamics/fracture/AccurateEngine.h"
 
+#include "lattice/Clock.h"
+
 #include "peridynamics/Fragments.h"
 #include "peridynamics/RimExchange.h"
 #include "peridynamics/fracture/LoosePieces.h"
 
 #include <algorithm>
-#include <chrono>
 
 namespace lamella::peridynamics
 {
-namespace
-{
-
-double seconds()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-} // namespace
-
 AccurateEngine::AccurateEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
   double tolerance, std::function<bool(double)> progress)
   : bonds_(bonds)

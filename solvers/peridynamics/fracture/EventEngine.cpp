@@ -1,10 +1,10 @@
 #include "peridynamics/fracture/EventEngine.h"
 
+#include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "peridynamics/ValueShare.h"
 
 #include <algorithm>
-#include <chrono>
 
 namespace lamella::peridynamics
 {
@@ -12,11 +12,6 @@ namespace
 {
 
 constexpr int mostIterations = 200; // of an exact correction: some ten are usual
-
-double seconds()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 } // namespace
 

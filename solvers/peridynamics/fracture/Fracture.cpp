@@ -1,5 +1,6 @@
 #include "peridynamics/fracture/Fracture.h"
 
+#include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "peridynamics/fracture/AccurateEngine.h"
 #include "peridynamics/fracture/EventEngine.h"
@@ -8,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace lamella::peridynamics
@@ -27,11 +27,6 @@ constexpr double loosest = 1e-3;
 /// PlatenForce::imbalance() of the first equilibrium. At 1e-6 sound samples had 4e-4 at most, hinges 5e-2 and more; at
 /// any tolerance samples with less than this had their strength to 0.5 %. docs/solvers/fracture.md
 constexpr double balanced = 5e-3;
-
-double seconds()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 void check(const BondLattice& bonds, const Loading& loading, const FractureOptions& o)
 {

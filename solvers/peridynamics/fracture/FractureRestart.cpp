@@ -1,4 +1,5 @@
 // What a quasi-static fracture keeps on disk, and how it goes on from it.
+#include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "peridynamics/fracture/Fracture.h"
 #include "peridynamics/fracture/FractureEngine.h"
@@ -6,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <utility>
 
 namespace lamella::peridynamics
@@ -15,11 +15,6 @@ namespace
 {
 
 constexpr const char* kind = "quasi-static fracture";
-
-double seconds()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// Calls f(name, value) for every number of a record that is not in a list.
 template <class Record, class F>
