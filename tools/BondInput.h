@@ -1,9 +1,9 @@
 #pragma once
 
-#include "BondLoad.h"
 #include "BondReport.h"
 #include "Input.h"
 #include "Session.h"
+#include "SettingOptions.h"
 
 #include <vtkSmartPointer.h>
 
@@ -20,41 +20,14 @@ namespace lamella::cli
 
 struct BondOptions
 {
-  std::vector<std::string> young; ///< PAIR=VALUE, likewise the next three
-  std::vector<std::string> fractureEnergy;
-  std::vector<std::string> toughness;
-  std::vector<std::string> criticalStretch;
-  std::vector<std::string> like;    ///< PAIR=PAIR
-  std::vector<std::string> density; ///< VALUE of all, or PHASE=VALUE
-  std::string relativeTo;
-  std::string mixing = "none";
-  std::vector<std::string> voids;
-  double horizon = 3;
-  std::string continuum;
-  std::string micromodulus; ///< empty: by dimension and command
-  std::string voidBonds = "keep";
-  bool surfaceCorrection = false;
-  bool largeStrains = false;
+  SettingOptions settings; ///< of the command's class
   std::vector<std::string> notches;
-  std::string periodic;
   int refine = 1;
-  int threads = 1;
 };
 
-/// A coordinate [m]: a number, or one with a unit. 0 and negative ones are coordinates too. @throws ParameterError
-[[nodiscard]] double coordinate(const std::string& option, const std::string& text);
-
-/// What a command does with the bonds: some options make no sense for some.
-enum class BondUse
-{
-  Load,      ///< a sample between platens
-  Fracture,  ///< likewise, in small strains: no --large-strains
-  Motion,    ///< forces are exact for large strains: no --large-strains; --density
-  Stiffness, ///< a cell that repeats, in small strains: no --periodic, no --large-strains, nothing about breaking
-};
-
-/// Declares the options above.
-void addBondOptions(CLI::App& command, BondOptions& options, BondUse use);
+/// Declares the settings of a class, but for some, and the options above.
+void addBondOptions(
+  CLI::App& command, BondOptions& options, const std::string& className, const std::vector<std::string>& leave = {});
 
 /// Gives the filter what the options say. @throws ParameterError for what can be said without the sample
 void applyBonds(const BondOptions& options, vtkBondAlgorithm* filter);
@@ -68,9 +41,9 @@ struct BondSample
   std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
 };
 
-/// @throws as loadSample(); ParameterError for a pair or a void that the sample does not have, and for a fracture
-/// energy or a toughness where the pixel size is not known
-[[nodiscard]] BondSample loadBondSample(Session& session, const PictureOptions& picture, const BondOptions& options);
+/// @throws as loadSample(); ParameterError for a pair or a phase that the sample does not have
+[[nodiscard]] BondSample loadBondSample(
+  Session& session, const PictureOptions& picture, const BondOptions& options, vtkBondAlgorithm* filter);
 
 /// Runs the filter on the sample that rank 0 holds, on all ranks, with a progress bar of the filter's words, or `what`;
 /// rank 0 then holds its output.

@@ -21,14 +21,6 @@ struct BreakOptions
   CommonOptions common;
   PictureOptions picture;
   BondOptions bonds;
-  PlatenOptions platens;
-  bool compression = false;
-  std::string stop = "5%";
-  std::string maxStrain;
-  std::string maxBroken;
-  std::vector<std::string> atBroken;
-  bool stress = false;
-  bool strainEnergy = false;
   std::string output;
   std::string broken;
   std::string curve;
@@ -44,14 +36,8 @@ struct BreakWords
   const char* every;      ///< its default
 };
 
-/// Declares --compression and the platens.
-void addPullOptions(CLI::App& command, BreakOptions& options);
-/// Declares --stop, --max-strain and --max-broken.
-void addEndOptions(CLI::App& command, BreakOptions& options);
 /// Declares what is written, and checkpoints.
 void addFileOptions(CLI::App& command, BreakOptions& options, const BreakWords& words);
-
-inline constexpr const char* alongTheLoad = "strains count along the load, in compression too: write it as 0.002";
 
 /// All numbers of options that take lists: "A,B".
 [[nodiscard]] std::vector<std::string> listed(const std::vector<std::string>& lists);

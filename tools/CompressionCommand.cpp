@@ -7,8 +7,8 @@
 #include "PointInput.h"
 #include "Record.h"
 #include "ResultFiles.h"
+#include "SettingOptions.h"
 #include "Text.h"
-#include "Units.h"
 #include "Workspace.h"
 
 #include "lattice/Clock.h"
@@ -29,6 +29,7 @@
 
 #include <array>
 #include <memory>
+#include <utility>
 
 namespace lamella::cli
 {
@@ -36,124 +37,57 @@ namespace lamella::cli
 namespace
 {
 
-const std::vector<std::string> axisNames{ "x", "y", "z" };
-const std::vector<std::string> sidesNames{ "straight", "open", "fixed", "periodic", "sticky" };
-const std::vector<std::string> shapes{ "linear", "gimp", "spline" };
-const std::vector<std::string> transfers{ "flip", "pic", "apic", "xpic" };
-
 struct CompressionOptions
 {
   CommonOptions common;
   PictureOptions picture;
-  PointOptions points;
-  std::string axis;
-  double strain = 0.48;
-  std::string sides = sidesNames.front();
-  bool grip = false;
-  double energyRatio = 0.01;
-  double calmFrom = 0.05;
-  std::string speeds = "1e-3,5e-5,2e-2";
-  double damping = 0;
-  int rows = 240;
-  std::string shape = "spline";
-  std::string transfer = "apic";
-  bool consistentMass = false;
-  bool modifiedUpdate = false;
-  std::string timeStep;
-  std::vector<std::string> atStrains;
-  bool velocity = false;
-  bool stress = false;
-  bool deformationGradient = false;
-  bool energyDensity = false;
+  SettingOptions settings;
+  std::string speeds; ///< as in the version before
   std::string output;
   std::string curve;
   CheckpointWords checkpoint;
   bool stiffnessOnly = false;
   std::string constants;
-  std::vector<CLI::Option*> ofTheRun; ///< options that --stiffness-only makes useless
 };
-
-std::array<double, 3> speedsOf(const std::string& text)
-{
-  const std::vector<std::string> parts = split(text, ',');
-  std::array<double, 3> speeds{};
-  for (std::size_t i = 0; i < 3; ++i)
-  {
-    const auto number = parts.size() == 3 ? toNumber(parts[i]) : std::nullopt;
-    if (!number)
-    {
-      throw ParameterError("--speeds '" + text + "' is not three numbers",
-        "write first, least and most speed over the wave's: 1e-3,5e-5,2e-2");
-    }
-    speeds[i] = *number;
-  }
-  return speeds;
-}
 
 /// What can be said without the sample. @throws ParameterError
 void apply(const CompressionOptions& o, vtkPointCompression* filter)
 {
-  applyPoints(o.points, filter);
-  filter->SetLoadAxis(o.axis.empty() ? -1 : static_cast<int>(oneOf("--axis", o.axis, axisNames)));
-  filter->SetStrain(o.strain);
-  const std::size_t sides = oneOf("--sides", o.sides, sidesNames);
-  if (sides > vtkPointCompression::PERIODIC)
+  if (!o.speeds.empty())
   {
-    throw ParameterError("--sides sticky of a compression", "it is for --stiffness-only");
+    const std::vector<std::string> parts = split(o.speeds, ',');
+    const auto speed = [&](std::size_t i) { return parts.size() == 3 ? toNumber(parts[i]).value_or(-1) : -1; };
+    filter->SetFirstSpeed(speed(0));
+    filter->SetLeastSpeed(speed(1));
+    filter->SetMostSpeed(speed(2));
   }
-  filter->SetSides(static_cast<int>(sides));
-  filter->SetGrip(o.grip);
-  filter->SetEnergyRatio(o.energyRatio);
-  filter->SetCalmFrom(o.calmFrom);
-  const std::array<double, 3> speeds = speedsOf(o.speeds);
-  filter->SetFirstSpeed(speeds[0]);
-  filter->SetLeastSpeed(speeds[1]);
-  filter->SetMostSpeed(speeds[2]);
-  filter->SetDamping(o.damping);
-  filter->SetRows(o.rows);
-  filter->SetShape(static_cast<int>(oneOf("--shape", o.shape, shapes)));
-  filter->SetTransfer(static_cast<int>(oneOf("--transfer", o.transfer, transfers)));
-  filter->SetConsistentMass(o.consistentMass);
-  filter->SetModifiedUpdate(o.modifiedUpdate);
-  filter->SetTimeStep(o.timeStep.empty() ? 0 : positive("--time-step", o.timeStep, "it is in seconds"));
-  for (const std::string& text : listed(o.atStrains))
+  o.settings.give(filter);
+  for (const char* const word : { "at-strain", "velocity", "stress", "deformation-gradient", "energy-density" })
   {
-    filter->AddStateAtStrain(
-      positiveStrain("--at-strain", text, "strains are positive in compression: write it as 0.12"));
-  }
-  const char* const forFields = !o.atStrains.empty() ? "--at-strain"
-    : o.velocity                                     ? "--velocity"
-    : o.stress                                       ? "--stress"
-    : o.deformationGradient                          ? "--deformation-gradient"
-    : o.energyDensity                                ? "--energy-density"
-                                                     : nullptr;
-  if (o.output.empty() && forFields != nullptr)
-  {
-    throw ParameterError(fmt::format("{} without a file to write to", forFields), "add -o FILE.vtp");
+    if (o.output.empty() && o.settings.given(word))
+    {
+      throw ParameterError(fmt::format("--{} without a file to write to", word), "add -o FILE.vtp");
+    }
   }
   filter->SetComputeDisplacement(!o.output.empty());
-  filter->SetComputeVelocity(o.velocity);
-  filter->SetComputeStress(o.stress);
-  filter->SetComputeDeformationGradient(o.deformationGradient);
-  filter->SetComputeEnergyDensity(o.energyDensity);
   applyCheckpoint(o.checkpoint, filter);
   filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
 }
 
-/// What a run of the filter said.
-void checkRun(vtkPointAlgorithm* filter)
-{
-  if (filter->GetFailure() != vtkPointAlgorithm::NO_FAILURE)
-  {
-    throwFailure(filter->GetFailure());
-  }
-  (void)VtkMessages::takeWarnings(); // the same as in the field data
-}
-
 /// @param output with the filter's numbers as field data
-BondRun runOf(Session& session, const CompressionOptions& o, const PointSample& sample, vtkDataObject* output,
-  const std::string& commandLine)
+BondRun runOf(Session& session, const CompressionOptions& o, const PointSample& sample, vtkPointAlgorithm* filter,
+  vtkDataObject* output, const std::string& commandLine)
 {
+  (void)VtkMessages::takeWarnings(); // the same as in the field data
+  for (const std::string& remark : o.settings.remarks())
+  {
+    session.warn(remark);
+  }
+  if (!o.speeds.empty())
+  {
+    session.warn(
+      "--speeds is called --first-speed, --least-speed, --most-speed now; the next version does not know it");
+  }
   for (const std::string& warning : fieldTexts(output, "warnings"))
   {
     session.warn(warning);
@@ -164,7 +98,7 @@ BondRun runOf(Session& session, const CompressionOptions& o, const PointSample& 
   run.image = sample.image;
   run.pixelSizeSource = sample.pixelSizeSource;
   run.provenance = recordRun(commandLine, o.picture.file, sample.provenance);
-  run.threads = o.points.threads;
+  run.threads = filter->GetThreads();
   run.ranks = session.ranks();
   return run;
 }
@@ -187,10 +121,10 @@ void press(Session& session, const CompressionOptions& o, const std::string& com
     [&]
     {
       checkCheckpoint(o.checkpoint, o.common.overwrite);
-      states = StateWriter(o.output, 1 + listed(o.atStrains).size(), o.common.overwrite, ".vtp",
+      states = StateWriter(o.output, 1 + o.settings.count("at-strain"), o.common.overwrite, ".vtp",
         { "points", "the curve goes to --curve FILE.csv" });
       curve.addTable("--curve", o.curve, filter->GetCurve(), o.common.overwrite);
-      sample = loadPointSample(session, o.picture, o.points);
+      sample = loadPointSample(session, o.picture, o.settings);
       sample.image->GetExtent(extent.data());
       if (!o.checkpoint.file.empty())
       {
@@ -200,8 +134,8 @@ void press(Session& session, const CompressionOptions& o, const std::string& com
   session.broadcast(extent);
   const auto finish = [&]
   {
-    checkRun(filter); // a mistake is one on every rank, and told once
-    CompressionReport report{ runOf(session, o, sample, filter->GetPoints(), commandLine), filter->GetCurve(), {}, {} };
+    CompressionReport report{ runOf(session, o, sample, filter, filter->GetPoints(), commandLine), filter->GetCurve(),
+      {}, {} };
     for (int i = 0; i < filter->GetNumberOfStates(); ++i)
     {
       report.states.push_back(filter->GetStatePoints(i));
@@ -270,103 +204,44 @@ void stiffness(Session& session, const CompressionOptions& o, const std::string&
   {
     throw ParameterError(fmt::format("--stiffness-only on {} processes", session.ranks()), "run one, with --threads");
   }
-  for (const CLI::Option* option : o.ofTheRun)
+  std::vector<std::string> ofTheRun = o.settings.idle("vtkPointStiffness");
+  for (const auto& [word, text] : { std::pair<const char*, const std::string&>{ "output", o.output },
+         { "curve", o.curve }, { "checkpoint", o.checkpoint.file }, { "checkpoint-every", o.checkpoint.every },
+         { "continue", o.checkpoint.continueFrom }, { "speeds", o.speeds } })
   {
-    if (option->count() > 0)
+    if (!text.empty())
     {
-      throw ParameterError(
-        "--stiffness-only with " + option->get_name(), "leave one of them out: stiffness has no run and no states");
+      ofTheRun.emplace_back(word);
     }
   }
+  if (!ofTheRun.empty())
+  {
+    throw ParameterError(
+      "--stiffness-only with --" + ofTheRun.front(), "leave one of them out: stiffness has no run and no states");
+  }
   vtkNew<vtkPointStiffness> filter;
-  applyPoints(o.points, filter);
-  filter->SetSides(static_cast<int>(oneOf("--sides", o.sides, sidesNames)));
+  o.settings.give(filter);
   ResultFiles files;
   files.addTable("--constants", o.constants, filter->GetConstants(), o.common.overwrite);
-  const PointSample sample = loadPointSample(session, o.picture, o.points);
+  const PointSample sample = loadPointSample(session, o.picture, o.settings);
   filter->SetInputData(sample.image);
   const PlanNote plan(session, filter);
   runFilter(session, filter, "stiffness");
-  checkRun(filter);
-  BondRun run = runOf(session, o, sample, filter->GetConstants(), commandLine);
+  BondRun run = runOf(session, o, sample, filter, filter->GetConstants(), commandLine);
   run.written = files.write(io::toJson(run.provenance));
   run.seconds = secondsSince(start);
   session.print(o.common.json ? pointStiffnessJson(run) : o.common.quiet ? "" : pointStiffnessTable(run));
 }
 
-void addRunOptions(CLI::App& app, CompressionOptions& o)
-{
-  const auto run = [&](CLI::Option* option, const char* group)
-  {
-    o.ofTheRun.push_back(option);
-    return option->group(group);
-  };
-  const char* const load = "Load";
-  run(app.add_option("--axis", o.axis, "Axis of loading; y of a picture, z of a volume when not given"), load)
-    ->type_name("x|y|z");
-  run(takesShares(app.add_option("--strain", o.strain, "Strain to end at, below 1")), load)
-    ->type_name("STRAIN")
-    ->capture_default_str();
-  app.add_option("--sides", o.sides, "Straight sides move so that they feel no force; sticky: of --stiffness-only")
-    ->type_name("straight|open|fixed|periodic|sticky")
-    ->capture_default_str()
-    ->group(load);
-  run(app.add_flag("--grip", o.grip, "Platens do not let slide"), load);
-  app.add_flag("--fit-platens", o.points.fitPlatens, "Platens stand where the tissue begins and ends")->group(load);
-  const char* const calm = "How slowly";
-  run(takesShares(app.add_option("--energy-ratio", o.energyRatio, "Kinetic over elastic energy allowed")), calm)
-    ->type_name("SHARE")
-    ->capture_default_str();
-  run(
-    takesShares(app.add_option("--calm-from", o.calmFrom, "From this strain on; from half of --strain at most")), calm)
-    ->type_name("STRAIN")
-    ->capture_default_str();
-  run(app.add_option("--speeds", o.speeds, "Of the platens, over the fastest wave in the wall"), calm)
-    ->type_name("FIRST,LEAST,MOST")
-    ->capture_default_str();
-  run(app.add_option("--damping", o.damping, "Friction against an even deformation, over the lowest frequency"), calm)
-    ->type_name("NUMBER")
-    ->capture_default_str();
-  const char* const points = "Points and grid";
-  run(app.add_option("--shape", o.shape, "Shape functions"), points)
-    ->type_name("linear|gimp|spline")
-    ->capture_default_str();
-  run(app.add_option("--transfer", o.transfer, "How points get their velocities back"), points)
-    ->type_name("flip|pic|apic|xpic")
-    ->capture_default_str();
-  run(app.add_flag("--consistent-mass", o.consistentMass, "Instead of lumped mass"), points);
-  run(app.add_flag("--modified-update", o.modifiedUpdate, "Stress from what points give back to the grid (MUSL)"),
-    points);
-  run(app.add_option("--time-step", o.timeStep, "0.9 of the largest stable one when not given"), points)
-    ->type_name("SECONDS");
-}
-
 void addFileOptions(CLI::App& app, CompressionOptions& o)
 {
-  const auto out = [&](CLI::Option* option)
-  {
-    o.ofTheRun.push_back(option);
-    return option->group("Output");
-  };
-  o.ofTheRun.push_back(
-    addOutputOptions(app, o.output, o.common, "Write the points with their displacements at the end as .vtp"));
-  out(app.add_option("--at-strain", o.atStrains, "At these strains too: FILE_000.vtp ... and FILE.pvd"))
-    ->type_name("LIST")
-    ->allow_extra_args(false);
-  out(app.add_flag("--velocity", o.velocity, "Write the points' velocities too"));
-  out(app.add_flag("--stress", o.stress, "Write the points' stresses (Cauchy's) too"));
-  out(app.add_flag("--deformation-gradient", o.deformationGradient, "Write the points' deformation gradients too"));
-  out(app.add_flag("--energy-density", o.energyDensity, "Write the points' elastic energy too"));
+  addOutputOptions(app, o.output, o.common, "Write the points with their displacements at the end as .vtp");
+  const auto out = [](CLI::Option* option) { return option->group("Output"); };
   out(app.add_option("--curve", o.curve, "Write the stress-strain curve"))->type_name("FILE.csv");
-  out(app.add_option("--rows", o.rows, "Rows of the curve"))->type_name("NUMBER")->capture_default_str();
-  app.add_option("--constants", o.constants, "Of --stiffness-only: write moduli and Poisson's ratios, one row each")
-    ->type_name("FILE.csv")
-    ->group("Output");
+  out(
+    app.add_option("--constants", o.constants, "Of --stiffness-only: write moduli and Poisson's ratios, one row each"))
+    ->type_name("FILE.csv");
   addCheckpointOptions(app, o.checkpoint, "Steps between two; go on with the number that you began with", "2000");
-  for (const char* name : { "--checkpoint", "--checkpoint-every", "--continue" })
-  {
-    o.ofTheRun.push_back(app.get_option(name));
-  }
 }
 
 } // namespace
@@ -379,8 +254,12 @@ Command compressionCommand(CLI::App& root)
   addPictureOptions(*app, o->picture);
   app->add_flag("--stiffness-only", o->stiffnessOnly, "Only moduli along every axis, without time: seconds")
     ->group("Load");
-  addRunOptions(*app, *o);
-  addPointOptions(*app, o->points);
+  // Sides are those of the stiffness, which has one more.
+  o->settings.declare(*app, "vtkPointCompression",
+    { "sides", "keep-states", "state", "displacement", "checkpoint", "checkpoint-every", "checkpoint-seconds",
+      "continue" });
+  o->settings.declare(*app, "vtkPointStiffness");
+  app->add_option("--speeds", o->speeds)->group("");
   addFileOptions(*app, *o);
   addReportOptions(*app, o->common);
   addExamples(*app,

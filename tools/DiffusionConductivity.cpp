@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace lamella::cli
 {
@@ -74,60 +73,17 @@ std::vector<GivenConductivity> parseConductivities(const std::vector<std::string
   return values;
 }
 
-bool Conductivities::directed(std::span<const double> fractions) const
+void requireNames(
+  const std::string& option, const std::vector<GivenConductivity>& given, const std::vector<std::string>& phases)
 {
-  for (std::size_t id = 0; id < along.size(); ++id)
-  {
-    if (fractions[id] > 0 && along[id] != across[id])
-    {
-      return true;
-    }
-  }
-  return false;
-}
-
-Conductivities conductivities(
-  const std::vector<GivenConductivity>& given, const PhaseTable& phases, std::span<const double> fractions)
-{
-  Conductivities values;
-  values.along.assign(phases.size(), std::numeric_limits<double>::quiet_NaN());
-  values.across = values.along;
   for (const GivenConductivity& one : given)
   {
-    const auto id = phaseMeant(phases.names(), one.phase);
-    if (!id)
+    if (!phaseMeant(phases, one.phase))
     {
-      throw ParameterError("--conductivity names '" + one.phase + "', which is no phase of this sample",
-        suggestion(one.phase, phases.names(), "its phases are " + quotedList(phases.names(), "and")));
+      throw ParameterError(option + " names '" + one.phase + "', which is no phase of this sample",
+        suggestion(one.phase, phases, "its phases are " + quotedList(phases, "and")));
     }
-    values.along[*id] = one.along;
-    values.across[*id] = one.across;
   }
-  std::vector<std::string> missing;
-  bool any = false;
-  for (std::size_t id = 0; id < phases.size(); ++id)
-  {
-    if (std::isnan(values.along[id]) && fractions[id] > 0)
-    {
-      missing.push_back(phases.names()[id]);
-    }
-    any = any || ((values.along[id] > 0 || values.across[id] > 0) && fractions[id] > 0);
-  }
-  if (!missing.empty())
-  {
-    std::string hint = "add";
-    for (const std::string& name : missing)
-    {
-      hint += " --conductivity " + name + "=VALUE";
-    }
-    throw ParameterError("no conductivity was given for " + quotedList(missing, "and"), hint);
-  }
-  if (!any)
-  {
-    throw NoPathError(
-      "no phase of this sample conducts: all conductivities are 0", "give at least one phase a --conductivity above 0");
-  }
-  return values;
 }
 
 std::vector<std::array<float, 2>> readAxes(const PictureOptions& options, const Sample& sample)
@@ -156,7 +112,7 @@ std::vector<std::array<float, 2>> readAxes(const PictureOptions& options, const 
   file.size = whole;
   const auto first = sample.window ? firstNode(file, *sample.window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
   std::vector<std::array<float, 2>> axes;
-  axes.reserve(sample.image.phase.size());
+  axes.reserve(static_cast<std::size_t>(sample.image.lattice.count()));
   for (std::int64_t y = 0; y < sample.image.lattice.size[1]; ++y)
   {
     for (std::int64_t x = 0; x < sample.image.lattice.size[0]; ++x)

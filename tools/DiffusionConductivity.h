@@ -3,7 +3,6 @@
 #include "Input.h"
 
 #include <array>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -22,20 +21,9 @@ struct GivenConductivity
 /// @throws ParameterError
 [[nodiscard]] std::vector<GivenConductivity> parseConductivities(const std::vector<std::string>& texts);
 
-/// By phase id; NaN where a phase has none and no node either.
-struct Conductivities
-{
-  std::vector<double> along;
-  std::vector<double> across;
-
-  /// Does a phase that has nodes conduct differently across?
-  [[nodiscard]] bool directed(std::span<const double> fractions) const;
-};
-
-/// @throws ParameterError for a phase that the sample does not know, or one with nodes that was left out; NoPathError
-/// where none conducts
-[[nodiscard]] Conductivities conductivities(
-  const std::vector<GivenConductivity>& given, const PhaseTable& phases, std::span<const double> fractions);
+/// @throws ParameterError for a name that none of the phases has
+void requireNames(
+  const std::string& option, const std::vector<GivenConductivity>& given, const std::vector<std::string>& phases);
 
 /// The directions along the walls, of the sample's nodes: the point array `axis` of a .vti.
 /// @throws InputError for other files, and where there is none

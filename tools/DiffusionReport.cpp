@@ -1,6 +1,5 @@
 #include "DiffusionReport.h"
 
-#include "DiffusionRun.h"
 #include "JsonReport.h"
 #include "Record.h"
 #include "Text.h"
@@ -32,43 +31,12 @@ double own(const lbm::DiffusionAnswer& answer)
   return answer.result.effective[static_cast<std::size_t>(answer.axis)];
 }
 
-const char* name(lbm::Sides sides)
-{
-  return sides == lbm::Sides::Periodic ? "periodic" : "insulated";
-}
-
-double worst(const DiffusionReport& report, double ErrorEstimate::*kind)
-{
-  double worst = std::numeric_limits<double>::quiet_NaN();
-  for (const auto& answer : report.answers)
-  {
-    worst = std::isnan(worst) || answer.error.*kind > worst ? answer.error.*kind : worst;
-  }
-  return worst;
-}
-
 /// Whether outlines can be drawn through the pixels: a picture of two phases, each of which conducts the same in every
 /// direction.
-bool outlinesServe(const DiffusionReport& report)
+bool outlinesServe(const SteadyFindings& found)
 {
-  return report.sample->image.lattice.dimension == 2 && report.across.empty() &&
-    std::ranges::count_if(report.fractions, [](double f) { return f > 0; }) == 2;
-}
-
-const char* name(lbm::Target target)
-{
-  switch (target)
-  {
-    case lbm::Target::Reached:
-      return "reached";
-    case lbm::Target::PictureTooCoarse:
-      return "picture too coarse";
-    case lbm::Target::MemoryShort:
-      return "memory short";
-    case lbm::Target::None:
-      break;
-  }
-  return "none";
+  return found.dimension == 2 && found.across.empty() &&
+    std::ranges::count_if(found.fractions, [](double f) { return f > 0; }) == 2;
 }
 
 Json stepsJson(const lbm::DiffusionAnswer& answer)
@@ -117,62 +85,15 @@ std::uint64_t peakMemoryBytes()
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024; // Linux counts kilobytes
 }
 
-std::string planText(const lbm::TargetPlan& plan)
-{
-  return fmt::format(
-    "this error needs refinement {} as far as can be foreseen: {} nodes, {} of the {} it may take, {:.2g} s",
-    plan.refinement, grouped(plan.nodes), bytesText(static_cast<double>(plan.bytes)),
-    bytesText(static_cast<double>(plan.allowed)), plan.seconds);
-}
-
-Shortfall shortfallOf(const DiffusionReport& report)
-{
-  const lbm::DiffusionAnswer& first = report.answers.front();
-  Shortfall text;
-  const std::string asked = fmt::format("an error below {} was asked for, and {} was reached",
-    percent(report.options.targetError.value_or(0)), percent(worst(report, &ErrorEstimate::relative)));
-  if (first.target == lbm::Target::MemoryShort)
-  {
-    text.message = asked +
-      fmt::format(": refinement {} needs about {}, more than the {} it may take", first.plan.refinement,
-        bytesText(static_cast<double>(first.plan.bytes)), bytesText(static_cast<double>(first.plan.allowed)));
-    text.hint = "use a smaller --window, a machine with more free memory, or several with mpirun";
-    return text;
-  }
-  text.message = asked +
-    fmt::format(": {} of it is the picture's own, which splitting its pixels does not change",
-      percent(worst(report, &ErrorEstimate::picture)));
-  text.hint = "only a picture with smaller pixels reaches it";
-  if (outlinesServe(report))
-  {
-    text.hint += ", or outlines through these, which err less: lamella micrograph FILE --conductivity NAME=VALUE";
-  }
-  return text;
-}
-
-std::array<double, 9> tensorOf(const std::vector<lbm::DiffusionAnswer>& answers, int dimension)
-{
-  std::array<double, 9> tensor{};
-  tensor.fill(std::numeric_limits<double>::quiet_NaN());
-  for (const auto& answer : answers)
-  {
-    for (int row = 0; row < dimension; ++row)
-    {
-      tensor[static_cast<std::size_t>(3 * row + answer.axis)] = answer.result.effective[static_cast<std::size_t>(row)];
-    }
-  }
-  return tensor;
-}
-
 std::string toJson(const DiffusionReport& report)
 {
   const Lattice& lattice = report.sample->image.lattice;
   const int dimension = lattice.dimension;
-  const int refinement = report.answers.front().refinement;
+  const int refinement = report.found.answers.front().refinement;
   Json json;
   Json effective;
   Json extrapolated;
-  for (const auto& answer : report.answers)
+  for (const auto& answer : report.found.answers)
   {
     const char* axis = axisNames[answer.axis];
     effective[axis] = number(own(answer));
@@ -183,16 +104,16 @@ std::string toJson(const DiffusionReport& report)
   for (const auto& [key, kind] : { std::pair{ "estimated_error", &ErrorEstimate::relative },
          std::pair{ "lattice_error", &ErrorEstimate::lattice }, std::pair{ "picture_error", &ErrorEstimate::picture } })
   {
-    json[key] = number(worst(report, kind));
+    json[key] = number(report.found.error(kind));
     Json& byDirection = json[std::string(key) + "s"];
-    for (const auto& answer : report.answers)
+    for (const auto& answer : report.found.answers)
     {
       byDirection[axisNames[answer.axis]] = number(answer.error.*kind);
     }
   }
-  json["target_error"] = report.options.targetError ? Json(*report.options.targetError) : Json(nullptr);
-  json["target"] = report.options.targetError ? Json(name(report.answers.front().target)) : Json(nullptr);
-  const auto tensor = tensorOf(report.answers, dimension);
+  json["target_error"] = report.found.targetError > 0 ? Json(report.found.targetError) : Json(nullptr);
+  json["target"] = report.found.targetError > 0 ? Json(lbm::name(report.found.answers.front().target)) : Json(nullptr);
+  const auto tensor = report.found.tensor();
   json["tensor"] = Json::array();
   for (int row = 0; row < dimension; ++row)
   {
@@ -200,13 +121,13 @@ std::string toJson(const DiffusionReport& report)
     for (int column = 0; column < dimension; ++column)
     {
       // Between insulated sides the mean flux across the gradient is the box's, not the material's.
-      const bool known = row == column || report.options.steady.sides == lbm::Sides::Periodic;
+      const bool known = row == column || report.found.sides == "periodic";
       line.push_back(known ? number(tensor[static_cast<std::size_t>(3 * row + column)]) : Json(nullptr));
     }
     json["tensor"].push_back(line);
   }
-  json["bounds"] = { { "series", report.bounds.series }, { "parallel", report.bounds.parallel },
-    { "hashin_shtrikman", { report.bounds.hashinShtrikmanLower, report.bounds.hashinShtrikmanUpper } } };
+  json["bounds"] = { { "series", report.found.bounds.series }, { "parallel", report.found.bounds.parallel },
+    { "hashin_shtrikman", { report.found.bounds.hashinShtrikmanLower, report.found.bounds.hashinShtrikmanUpper } } };
 
   int iterations = 0;
   double setup = 0;
@@ -214,7 +135,7 @@ std::string toJson(const DiffusionReport& report)
   double balance = 0;
   double solverError = 0;
   std::uint64_t solverBytes = 0;
-  for (const auto& answer : report.answers)
+  for (const auto& answer : report.found.answers)
   {
     iterations += answer.result.iterations;
     setup += answer.result.setupSeconds;
@@ -228,10 +149,10 @@ std::string toJson(const DiffusionReport& report)
   json["setup_seconds"] = setup;
   json["solve_seconds"] = solve;
   json["peak_memory_bytes"] = report.peakMemory;
-  json["method"] = lbm::name(report.answers.front().result.method);
+  json["method"] = lbm::name(report.found.answers.front().result.method);
 
   Json directions;
-  for (const auto& answer : report.answers)
+  for (const auto& answer : report.found.answers)
   {
     const auto& result = answer.result;
     directions[axisNames[answer.axis]] = { { "iterations", result.iterations }, { "balance", number(result.balance) },
@@ -245,13 +166,16 @@ std::string toJson(const DiffusionReport& report)
   json["directions"] = std::move(directions);
 
   json["phases"] = Json::array();
-  for (std::size_t id = 0; id < report.fractions.size(); ++id)
+  for (std::size_t id = 0; id < report.sample->image.phases.size(); ++id)
   {
-    json["phases"].push_back({ { "name", report.sample->image.phases.names()[id] },
-      { "fraction", report.fractions[id] }, { "conductivity", number(report.conductivity[id]) } });
-    if (!report.across.empty())
+    const bool there = id < report.found.fractions.size();
+    const double share = there ? report.found.fractions[id] : 0;
+    const double value = there ? report.found.conductivity[id] : 0; // 0 also where none was given, and no node either
+    json["phases"].push_back({ { "name", report.sample->image.phases.names()[id] }, { "fraction", share },
+      { "conductivity", share > 0 || value > 0 ? number(value) : Json(nullptr) } });
+    if (there && !report.found.across.empty())
     {
-      json["phases"].back()["conductivity_across"] = number(report.across[id]);
+      json["phases"].back()["conductivity_across"] = number(report.found.across[id]);
     }
   }
   json["file"] = report.file;
@@ -287,18 +211,18 @@ std::string toJson(const DiffusionReport& report)
     json["segmentation"] = jsonOf(*report.sample->volumeSegmentation);
   }
   json["refine"] = refinement;
-  json["lattice"] = lbm::name(report.options.steady.stencil);
-  json["sides"] = name(report.options.steady.sides);
+  json["lattice"] = lbm::name(report.found.stencil);
+  json["sides"] = report.found.sides;
   json["length"] =
     "one spacing a node; faces half a spacing outside the outer nodes; an empty box of conductivity 1 has 1";
-  json["tolerance"] = report.options.steady.tolerance;
+  json["tolerance"] = report.found.tolerance;
   json["balance"] = number(balance);
   json["solver_error"] = number(solverError);
-  json["nodes"] = report.answers.front().result.nodes;
-  json["stored"] = report.answers.front().result.stored;
-  json["skipped"] = report.answers.front().result.skipped;
+  json["nodes"] = report.found.answers.front().result.nodes;
+  json["stored"] = report.found.answers.front().result.stored;
+  json["skipped"] = report.found.answers.front().result.skipped;
   json["solver_bytes"] = solverBytes;
-  json["threads"] = report.options.steady.threads;
+  json["threads"] = report.threads;
   json["ranks"] = report.ranks;
   json["files"] = report.written;
   addRecord(json, report.provenance);
@@ -308,7 +232,7 @@ std::string toJson(const DiffusionReport& report)
 std::string toTable(const DiffusionReport& report)
 {
   const Lattice& lattice = report.sample->image.lattice;
-  const int refinement = report.answers.front().refinement;
+  const int refinement = report.found.answers.front().refinement;
   std::string text = fmt::format(
     "{}: {} {}", report.file, sizeText(lattice.size, lattice.dimension), lattice.dimension == 3 ? "voxels" : "pixels");
   text += report.sample->pixelSizeSource == "none" ? ", pixel size unknown"
@@ -329,40 +253,40 @@ std::string toTable(const DiffusionReport& report)
     width = std::max(width, phase.size());
   }
   text += fmt::format("  {:<{}}   share    conductivity\n", "phase", width);
-  for (std::size_t id = 0; id < report.fractions.size(); ++id)
+  for (std::size_t id = 0; id < report.found.fractions.size(); ++id)
   {
-    if (report.fractions[id] > 0)
+    if (report.found.fractions[id] > 0)
     {
       text += fmt::format("  {:<{}}  {:.5f}  {:g}", report.sample->image.phases.names()[id], width,
-        report.fractions[id], report.conductivity[id]);
-      if (!report.across.empty() && report.across[id] != report.conductivity[id])
+        report.found.fractions[id], report.found.conductivity[id]);
+      if (!report.found.across.empty() && report.found.across[id] != report.found.conductivity[id])
       {
-        text += fmt::format(" along the walls, {:g} across", report.across[id]);
+        text += fmt::format(" along the walls, {:g} across", report.found.across[id]);
       }
       text += "\n";
     }
   }
 
-  const bool known = report.options.estimateError || report.options.targetError;
+  const bool known = report.estimated;
   text += fmt::format("\n  effective conductivity      error     {}from series (0 %) to parallel (100 %)\n",
     known ? "lattice   picture   " : "");
-  for (const auto& answer : report.answers)
+  for (const auto& answer : report.found.answers)
   {
-    const double span = report.bounds.parallel - report.bounds.series;
+    const double span = report.found.bounds.parallel - report.found.bounds.series;
     text += fmt::format(
       "    {}  {:<20.7g}  {:<8}  ", axisNames[answer.axis], own(answer), known ? percent(answer.error.relative) : "-");
     if (known)
     {
       text += fmt::format("{:<8}  {:<8}  ", percent(answer.error.lattice), percent(answer.error.picture));
     }
-    text += span > 0 ? fmt::format("{:.1f} %\n", 100 * (own(answer) - report.bounds.series) / span) : "-\n";
+    text += span > 0 ? fmt::format("{:.1f} %\n", 100 * (own(answer) - report.found.bounds.series) / span) : "-\n";
   }
-  const bool nearer =
-    std::ranges::any_of(report.answers, [](const auto& answer) { return std::isfinite(answer.error.extrapolated); });
+  const bool nearer = std::ranges::any_of(
+    report.found.answers, [](const auto& answer) { return std::isfinite(answer.error.extrapolated); });
   if (nearer)
   {
     text += "  expected of the material, from how the value changes with the pixel\n";
-    for (const auto& answer : report.answers)
+    for (const auto& answer : report.found.answers)
     {
       if (std::isfinite(answer.error.extrapolated))
       {
@@ -372,14 +296,14 @@ std::string toTable(const DiffusionReport& report)
   }
   text +=
     fmt::format("  bounds\n    series {:.7g}   parallel {:.7g}   Hashin-Shtrikman (isotropic media) {:.7g} to {:.7g}\n",
-      report.bounds.series, report.bounds.parallel, report.bounds.hashinShtrikmanLower,
-      report.bounds.hashinShtrikmanUpper);
+      report.found.bounds.series, report.found.bounds.parallel, report.found.bounds.hashinShtrikmanLower,
+      report.found.bounds.hashinShtrikmanUpper);
 
-  if (report.options.targetError)
+  if (report.found.targetError > 0)
   {
-    text += fmt::format("\n  what an error below {} took\n", percent(*report.options.targetError));
+    text += fmt::format("\n  what an error below {} took\n", percent(report.found.targetError));
     double total = 0;
-    for (const auto& answer : report.answers)
+    for (const auto& answer : report.found.answers)
     {
       for (const auto& step : answer.steps)
       {
@@ -394,26 +318,26 @@ std::string toTable(const DiffusionReport& report)
     text += fmt::format("    {:.2f} s in all\n", total);
   }
 
-  const double picture = worst(report, &ErrorEstimate::picture);
-  if (picture > 0.005 && picture >= worst(report, &ErrorEstimate::lattice) && outlinesServe(report))
+  const double picture = report.found.error(&ErrorEstimate::picture);
+  if (picture > 0.005 && picture >= report.found.error(&ErrorEstimate::lattice) && outlinesServe(report.found))
   {
     text += "\n  Most of the error is the pixels' own steps. Outlines through them err less: lamella micrograph with\n"
             "  the same --conductivity.\n";
   }
   std::string iterations;
   double solve = 0;
-  for (const auto& answer : report.answers)
+  for (const auto& answer : report.found.answers)
   {
     iterations += (iterations.empty() ? "" : " + ") + std::to_string(answer.result.iterations);
     solve += answer.result.setupSeconds + answer.result.solveSeconds;
   }
-  const auto& first = report.answers.front().result;
+  const auto& first = report.found.answers.front().result;
   text += fmt::format("\n  {}, {}, {} sides; {} iterations, {:.3f} s (everything: {:.2f} s, {})\n",
-    lbm::name(report.options.steady.stencil), lbm::name(first.method), name(report.options.steady.sides), iterations,
-    solve, report.seconds, bytesText(static_cast<double>(report.peakMemory)));
+    lbm::name(report.found.stencil), lbm::name(first.method), report.found.sides, iterations, solve, report.seconds,
+    bytesText(static_cast<double>(report.peakMemory)));
   text += fmt::format(
     "  {} nodes, of which {} were skipped because they do not conduct\n", grouped(first.nodes), grouped(first.skipped));
-  text += report.options.steady.sides == lbm::Sides::Periodic
+  text += report.found.sides == "periodic"
     ? "  Length: one spacing a node. An empty box of conductivity 1 has 1.\n"
     : "  Length: one spacing a node; the faces lie half a spacing outside the outer nodes. An empty box of\n"
       "  conductivity 1 has 1.\n";

@@ -2,9 +2,8 @@
 
 #include "Input.h"
 
+#include "SteadyFindings.h"
 #include "io/Provenance.h"
-#include "lbm/Bounds.h"
-#include "lbm/DiffusionStudy.h"
 
 #include <cstdint>
 #include <string>
@@ -13,17 +12,16 @@
 namespace lamella::cli
 {
 
+inline constexpr const char* axisNames[3] = { "x", "y", "z" };
+
 /// Everything that `lamella diffusion` tells.
 struct DiffusionReport
 {
   std::string file;
   const Sample* sample = nullptr;
-  std::vector<double> conductivity; ///< by phase id; NaN where it has none and no node either
-  std::vector<double> across;       ///< by phase id; empty where all conduct the same in every direction
-  std::vector<double> fractions;    ///< by phase id
-  lbm::StudyOptions options;
-  std::vector<lbm::DiffusionAnswer> answers;
-  lbm::Bounds bounds;
+  SteadyFindings found;
+  bool estimated = true; ///< the error
+  int threads = 1;
   int ranks = 1;
   double seconds = 0;               ///< wall, reading and writing included
   std::uint64_t peakMemory = 0;     ///< bytes, the largest of all ranks
@@ -39,19 +37,5 @@ struct DiffusionReport
 
 /// Bytes that this process held at its largest.
 [[nodiscard]] std::uint64_t peakMemoryBytes();
-
-/// What a target error will take, for people.
-[[nodiscard]] std::string planText(const lbm::TargetPlan& plan);
-
-/// Why a target error was not reached, and what to do about it.
-struct Shortfall
-{
-  std::string message;
-  std::string hint;
-};
-[[nodiscard]] Shortfall shortfallOf(const DiffusionReport& report);
-
-/// The tensor by rows, 9 numbers, NaN in columns that were not solved.
-[[nodiscard]] std::array<double, 9> tensorOf(const std::vector<lbm::DiffusionAnswer>& answers, int dimension);
 
 } // namespace lamella::cli

@@ -23,28 +23,14 @@ namespace
 struct DynamicsOptions : BreakOptions
 {
   std::string load;
-  std::string strainRate;
-  std::string travelTimes;
-  std::string start = "98%";
   std::vector<std::string> velocities;
   std::vector<std::string> tractions;
   std::vector<std::string> boxes;
   std::string initialVelocity;
-  std::string tau;
-  std::string omega0;
-  std::string deltaL;
-  std::string startRate = "100%";
-  std::string damping = "0";
-  std::string step;
-  std::string stepShare = "80%";
-  std::string endTime;
-  std::string historyEvery;
-  std::vector<std::string> atTimes;
   std::string frames;
 };
 
 const std::vector<std::string> loads{ "stretch", "shear", "sides" };
-constexpr const char* seconds = "write it in seconds, such as 4e-5";
 
 /// "VX,VY": numbers, or "free".
 std::vector<std::optional<double>> vectorOf(const char* option, const std::string& text, bool mayBeFree,
@@ -108,13 +94,6 @@ void applyMovement(const DynamicsOptions& o, vtkBondDynamics* filter)
   }
   filter->SetPull(kind < 2);
   filter->SetLoad(static_cast<int>(kind < 2 ? kind : 0));
-  const char* const rate = "write it in 1/s, such as 10";
-  filter->SetStrainRate(o.strainRate.empty() ? 0 : positive("--strain-rate", o.strainRate, rate));
-  if (!o.travelTimes.empty())
-  {
-    filter->SetTravelTimes(positive("--travel-times", o.travelTimes, "30 is quick, 100 slow"));
-  }
-  filter->SetStartShare(share("--start", o.start));
   eachSide("--velocity", o.velocities, toNumber,
     [filter](const char* side, const char* c, double value) { filter->SetSideVelocity(side, c, value); });
   eachSide("--traction", o.tractions, pascals,
@@ -150,96 +129,44 @@ void applyMovement(const DynamicsOptions& o, vtkBondDynamics* filter)
   }
 }
 
-void applyRate(const DynamicsOptions& o, vtkBondDynamics* filter)
-{
-  const double startRate = share("--start-rate", o.startRate);
-  const char* const ofTau = !o.omega0.empty() ? "--omega0"
-    : !o.deltaL.empty()                       ? "--delta-l"
-    : startRate != 1                          ? "--start-rate"
-                                              : nullptr;
-  if (o.tau.empty() && ofTau != nullptr)
-  {
-    throw ParameterError(fmt::format("{} without --tau", ofTau), "add --tau, or leave it out");
-  }
-  if (!o.omega0.empty() && !o.deltaL.empty())
-  {
-    throw ParameterError("--omega0 and --delta-l", "each says what the other one does: leave one out");
-  }
-  filter->SetRelaxation(o.tau.empty() ? 0 : positive("--tau", o.tau, seconds));
-  filter->SetReferenceEnergy(
-    o.omega0.empty() ? 0 : positive("--omega0", o.omega0, "write it in J/m, of a volume in J"));
-  filter->SetReferenceCrack(o.deltaL.empty() ? 0 : lengthInMetres("--delta-l", o.deltaL));
-  filter->SetStartRate(startRate);
-}
-
 /// @returns how many states are asked for at times
-std::size_t applyTimes(const DynamicsOptions& o, vtkBondDynamics* filter)
+std::size_t applyFrames(const DynamicsOptions& o, vtkBondDynamics* filter)
 {
-  filter->SetEndTime(o.endTime.empty() ? 0 : positive("--end-time", o.endTime, seconds));
-  const auto whole = [](const char* option, const std::string& text)
+  const std::size_t states = o.bonds.settings.count("at-time");
+  if (o.frames.empty())
   {
-    const auto value = toInteger(text);
-    if (!value || *value < 1)
-    {
-      throw ParameterError(fmt::format("{} '{}' is not a whole number above 0", option, text), "such as 10");
-    }
-    return *value;
-  };
-  filter->SetHistoryEvery(o.historyEvery.empty() ? 0 : whole("--history-every", o.historyEvery));
-  std::size_t states = 0;
-  for (const std::string& text : listed(o.atTimes))
-  {
-    filter->AddStateAtTime(positive("--at-time", text, seconds));
-    ++states;
+    return states;
   }
-  if (!o.frames.empty())
+  const auto frames = toInteger(o.frames).value_or(0);
+  if (frames < 1 || frames > 100000)
   {
-    const std::int64_t frames = whole("--frames", o.frames);
-    if (filter->GetEndTime() == 0 || frames > 100000)
-    {
-      throw ParameterError(
-        frames > 100000 ? "--frames " + o.frames + " is above 100000" : "--frames without --end-time",
-        "it is how many states are kept until the time of the end");
-    }
-    for (std::int64_t k = 1; k < frames; ++k) // the end is the last one
-    {
-      filter->AddStateAtTime(filter->GetEndTime() * static_cast<double>(k) / static_cast<double>(frames));
-      ++states;
-    }
+    throw ParameterError("--frames '" + o.frames + "' is not a whole number from 1 to 100000", "such as 10");
   }
-  return states;
+  if (filter->GetEndTime() == 0)
+  {
+    throw ParameterError("--frames without --end-time", "it is how many states are kept until the time of the end");
+  }
+  for (std::int64_t k = 1; k < frames; ++k) // the end is the last one
+  {
+    filter->AddStateAtTime(filter->GetEndTime() * static_cast<double>(k) / static_cast<double>(frames));
+  }
+  return states + static_cast<std::size_t>(frames - 1);
 }
 
 /// What can be said without the sample. @returns how many states are asked for at times @throws ParameterError
 std::size_t apply(const DynamicsOptions& o, vtkBondDynamics* filter)
 {
-  const char* const forStates = !o.atTimes.empty() ? "--at-time" : !o.frames.empty() ? "--frames" : nullptr;
-  applyBreak(o, filter, forStates);
-  for (const std::string& text : listItems(o.bonds.density))
-  {
-    constexpr const char* hint = "write it as --density 2440 or --density wall=1500, in kg/m³";
-    if (text.find('=') == std::string::npos)
-    {
-      filter->SetDensity(positive("--density", text, hint));
-      continue;
-    }
-    const auto [phase, value] = keyValue("--density", text, "PHASE=VALUE");
-    filter->SetPhaseDensity(phase.c_str(), positive(("--density " + phase).c_str(), value, hint));
-  }
   applyMovement(o, filter);
-  applyRate(o, filter);
-  filter->SetDamping(share("--damping", o.damping));
-  filter->SetTimeStep(o.step.empty() ? 0 : positive("--step", o.step, seconds));
-  filter->SetStepShare(share("--step-share", o.stepShare));
+  applyBreak(o, filter, o.frames.empty() ? nullptr : "--frames");
   filter->SetComputeVelocity(!o.output.empty());
-  return applyTimes(o, filter);
+  return applyFrames(o, filter);
 }
 
 void dynamics(Session& session, const DynamicsOptions& options, const std::string& commandLine)
 {
   vtkNew<vtkBondDynamics> filter;
   const std::size_t states = apply(options, filter);
-  if (options.endTime.empty())
+  if (filter->GetEndTime() == 0)
   {
     session.sharesAreGuesses(); // when the sample has failed is to be found
   }
@@ -255,20 +182,14 @@ Command dynamicsCommand(CLI::App& root)
     "dynamics", "Bonds in motion: waves and cracks that run in a picture or volume, with every energy accounted for");
   auto o = std::make_shared<DynamicsOptions>();
   addPictureOptions(*app, o->picture);
-  addBondOptions(*app, o->bonds, BondUse::Motion);
+  addBondOptions(*app, o->bonds, "vtkBondDynamics",
+    { "pull", "load", "side-velocity", "side-traction", "box-velocity", "initial-velocity", "use-input-velocity" });
+  o->bonds.settings.formerly(*app, "step", "time-step");
   const auto option = [&](const char* group, const char* name, auto& value, const char* text, const char* type)
   { return app->add_option(name, value, text)->type_name(type)->group(group); };
   const char* const load = "Load";
   option(load, "--load", o->load, "Platens pull or shear it; sides: what is said of them and of boxes",
     "stretch|shear|sides");
-  option(
-    load, "--strain-rate", o->strainRate, "Of platens [1/s]; such that the first break takes --travel-times", "NUMBER");
-  option(load, "--travel-times", o->travelTimes, "Of a wave between the platens until the strain of the first break",
-    "NUMBER")
-    ->default_str("30");
-  option(load, "--start", o->start, "Begin in equilibrium at this share of the strain of the first break", "SHARE")
-    ->capture_default_str();
-  addPullOptions(*app, *o);
   option(load, "--velocity", o->velocities, "Nodes of a side (x-, x+, y-, y+, ...) keep this velocity [m/s], or free",
     "SIDE=VX,VY")
     ->allow_extra_args(false);
@@ -277,28 +198,11 @@ Command dynamicsCommand(CLI::App& root)
     "X1,Y1,X2,Y2=VX,VY")
     ->allow_extra_args(false);
   option(load, "--initial-velocity", o->initialVelocity, "Of all that is free, at the start [m/s]", "VX,VY");
-  const char* const rate = "Loading rate";
-  option(rate, "--tau", o->tau, "Imposed speeds give way to what breaks, with this relaxation time [s]", "NUMBER");
-  option(rate, "--omega0", o->omega0, "Their reference energy [J/m], of a volume [J]", "NUMBER");
-  option(rate, "--delta-l", o->deltaL, "Or that of a crack so long; a hundredth of the shortest side", "LENGTH");
-  option(rate, "--start-rate", o->startRate, "Share of the speeds at first", "SHARE")->capture_default_str();
-  addEndOptions(*app, *o);
-  option("Breaking", "--end-time", o->endTime, "End at this time [s]", "NUMBER");
-  const char* const numerics = "Accuracy and cost";
-  option(numerics, "--damping", o->damping, "Viscous force, as a share of the least critical viscosity of the bonds",
-    "SHARE")
-    ->capture_default_str();
-  option(numerics, "--step", o->step, "Step [s]; refused above the largest stable one", "NUMBER");
-  option(numerics, "--step-share", o->stepShare, "Step over the largest stable one; cracks that run want 20 to 40 %",
-    "SHARE")
-    ->capture_default_str();
   addFileOptions(*app, *o,
     { "Write damage, displacement and velocity at the end as .vti, for ParaView",
       "Write the history: time, strain, stress, every energy", "Steps between two", "1000" });
   const char* const out = "Output";
-  option(out, "--at-time", o->atTimes, "Likewise at these times [s]", "LIST")->allow_extra_args(false);
-  option(out, "--frames", o->frames, "Likewise so many times, evenly until --end-time", "NUMBER");
-  option(out, "--history-every", o->historyEvery, "Steps between two points of the history", "NUMBER");
+  option(out, "--frames", o->frames, "Write so many states, evenly until --end-time", "NUMBER");
   addReportOptions(*app, o->common);
   addExamples(*app,
     { "lamella dynamics grains.vti --young matrix=1e9 --young grain=4e9 --toughness matrix=1e5 --toughness grain=4e5 "

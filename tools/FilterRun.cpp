@@ -1,5 +1,6 @@
 #include "FilterRun.h"
 
+#include "Failures.h"
 #include "GridFile.h"
 #include "Workspace.h"
 
@@ -104,6 +105,7 @@ void runFilter(Session& session, vtkAlgorithm* filter, const char* what, const s
   const unsigned long tag = filter->AddObserver(vtkCommand::ProgressEvent, progress);
   const StepWatch steps(session, filter);
   (void)VtkMessages::takeErrors();
+  (void)takeFailure();
   update();
   filter->RemoveObserver(tag);
   session.endProgress();
@@ -113,6 +115,11 @@ void runFilter(Session& session, vtkAlgorithm* filter, const char* what, const s
   {
     throw Cancelled();
   }
+  if (const std::exception_ptr failure = takeFailure())
+  {
+    (void)VtkMessages::takeErrors(); // the same in VTK's words
+    std::rethrow_exception(failure);
+  }
 }
 
 void runFilter(Session& session, vtkAlgorithm* filter, const char* what)
@@ -120,33 +127,14 @@ void runFilter(Session& session, vtkAlgorithm* filter, const char* what)
   runFilter(session, filter, what, [filter] { filter->Update(); });
 }
 
-void throwFailure(int failure)
-try
-{
-  throwVtkErrors("");
-}
-catch (const InputError& error)
-{
-  switch (failure)
-  {
-    case vtkSampleAlgorithm::PARAMETER_FAILURE:
-      throw ParameterError(error.what(), error.hint());
-    case vtkSampleAlgorithm::NO_PATH_FAILURE:
-      throw NoPathError(error.what(), error.hint());
-    case vtkSampleAlgorithm::MEMORY_FAILURE:
-      throw MemoryError(error.what(), error.hint());
-    case vtkSampleAlgorithm::DIVERGENCE_FAILURE:
-      throw DivergenceError(error.what(), error.hint());
-    default:
-      throw;
-  }
-}
-
-void tellWarnings(Session& session)
+void tellWarnings(Session& session, const std::function<bool(const std::string& warning)>& tell)
 {
   for (const std::string& warning : VtkMessages::takeWarnings())
   {
-    session.warn(warning);
+    if (!tell || tell(warning))
+    {
+      session.warn(warning);
+    }
   }
 }
 

@@ -19,7 +19,7 @@ namespace lamella::cli
 /// Runs it with a progress bar; Ctrl-C stops it.
 /// @param what the bar's words where the filter has none of its own
 /// @param update how to run it
-/// @throws Cancelled
+/// @throws what the filter, or one before it, ended with; Cancelled
 void runFilter(Session& session, vtkAlgorithm* filter, const char* what, const std::function<void()>& update);
 /// The same with its Update().
 void runFilter(Session& session, vtkAlgorithm* filter, const char* what);
@@ -49,11 +49,7 @@ void runFilterOnRanks(
     });
 }
 
-/// What a filter said went wrong, as the error that it was before the filter made a message of it.
-/// @param failure a value of its Failures @throws Error always
-[[noreturn]] void throwFailure(int failure);
-
-/// Says what VTK classes have warned of.
-void tellWarnings(Session& session);
+/// Says what VTK classes have warned of. @param tell whether one is to be said; none: all are
+void tellWarnings(Session& session, const std::function<bool(const std::string& warning)>& tell = {});
 
 } // namespace lamella::cli

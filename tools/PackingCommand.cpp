@@ -6,15 +6,14 @@
 #include "OutputFile.h"
 #include "PackingInput.h"
 #include "Record.h"
+#include "SettingOptions.h"
 #include "Text.h"
 #include "Workspace.h"
 
 #include "FieldNumbers.h"
-#include "PackingData.h"
 #include "io/Provenance.h"
 #include "lattice/Clock.h"
 #include "lattice/Error.h"
-#include "packing/Packing.h"
 #include "vtkGrainPacking.h"
 #include "vtkLatticeConversion.h"
 #include "vtkSampleAlgorithm.h"
@@ -42,24 +41,15 @@ namespace lamella::cli
 namespace
 {
 
-const std::vector<std::string> sizesNames{ "volume", "volume-share", "diameter" };
-
 struct PackingCommandOptions
 {
   CommonOptions common;
-  packing::PackingOptions packing;
+  SettingOptions settings;
   TableOptions table;
-  std::string meanDiameter = fmt::format("{:g}mm", packing::PackingOptions().meanDiameter * 1e3);
-  std::string sizes = sizesNames.front();
-  std::string packingFraction;
   std::string seeds;
-  int threads = 1;
   std::string read;
   std::string output;
   std::string contacts;
-  std::vector<CLI::Option*> generates; ///< options that --read makes useless
-  std::vector<CLI::Option*> seedOption;
-  std::vector<CLI::Option*> threadsOption;
 };
 
 constexpr const char* seedMark = "{seed}";
@@ -255,30 +245,20 @@ std::string toCsv(const Made& made)
   return text;
 }
 
-/// The options in numbers. @throws ParameterError
-packing::PackingOptions numbersOf(const PackingCommandOptions& options)
-{
-  packing::PackingOptions numbers = options.packing;
-  numbers.meanDiameter = lengthInMetres("--mean-diameter", options.meanDiameter);
-  numbers.sizes = static_cast<packing::Sizes>(oneOf("--sizes", options.sizes, sizesNames));
-  if (!options.packingFraction.empty())
-  {
-    numbers.packingFraction = share("--packing-fraction", options.packingFraction);
-  }
-  return numbers;
-}
-
 void refuseContradictions(const PackingCommandOptions& options)
 {
+  const SettingOptions& settings = options.settings;
   if (!options.read.empty())
   {
-    std::string given = firstGiven(options.generates);
-    given = given.empty() ? firstGiven(options.seedOption) : given;
-    given = given.empty() ? firstGiven(options.threadsOption) : given;
-    if (!given.empty() || !options.seeds.empty())
+    std::vector<std::string> given = settings.idle("");
+    if (!options.seeds.empty())
     {
-      throw ParameterError("--read takes a packing as it is, and " + (given.empty() ? "--seeds" : given) + " makes one",
-        "leave one of them out");
+      given.emplace_back("seeds");
+    }
+    if (!given.empty())
+    {
+      throw ParameterError(
+        "--read takes a packing as it is, and --" + given.front() + " makes one", "leave one of them out");
     }
     if (isParticleFile(options.read))
     {
@@ -291,80 +271,34 @@ void refuseContradictions(const PackingCommandOptions& options)
   {
     throw ParameterError(given + " is about a table, and none is read", "add --read FILE.csv, or leave it out");
   }
-  if (!options.seeds.empty() && !firstGiven(options.seedOption).empty())
+  if (!options.seeds.empty() && settings.given("seed"))
   {
     throw ParameterError("--seed and --seeds contradict each other", "give one of them");
   }
-  if (options.seeds.empty() && !firstGiven(options.threadsOption).empty())
+  if (options.seeds.empty() && settings.given("threads"))
   {
     throw ParameterError(
       "--threads is for --seeds: one packing runs on one thread", "add --seeds 1-10, or leave it out");
   }
-  checkThreads(options.threads, "1 is the default");
-  if (options.packing.every < 0)
-  {
-    throw ParameterError(fmt::format("--every {} is below 0", options.packing.every),
-      "it is a number of steps from one state to the next, such as 200");
-  }
-  if (options.packing.every > 0 && !options.seeds.empty())
-  {
-    throw ParameterError("--every with --seeds: states are those of one packing", "give one --seed");
-  }
-  if (options.packing.every > 0 && options.output.empty())
+  if (settings.given("every") && options.output.empty())
   {
     throw ParameterError("--every without a file to write to", "add -o FILE.vtp");
   }
 }
 
-/// One packing by the VTK class, which tells its states. @throws Error
-void packOne(Session& session, vtkGrainPacking* filter, const PackingCommandOptions& options, std::uint64_t seed)
+/// Runs the filter. @throws Error
+void pack(Session& session, vtkGrainPacking* filter)
 {
-  const packing::PackingOptions numbers = numbersOf(options);
-  if (seed > static_cast<std::uint64_t>(std::numeric_limits<vtkIdType>::max()))
-  {
-    throw ParameterError(
-      fmt::format("--seed {} is too large", seed), fmt::format("up to {}", std::numeric_limits<vtkIdType>::max()));
-  }
-  filter->SetDimension(numbers.dimension);
-  filter->SetCount(static_cast<vtkIdType>(numbers.count));
-  filter->SetMeanDiameter(numbers.meanDiameter);
-  filter->SetDiameterRatio(numbers.diameterRatio);
-  filter->SetSizes(static_cast<int>(numbers.sizes));
-  filter->SetAspect(numbers.aspect);
-  filter->SetPeriodic(numbers.periodic);
-  filter->SetFriction(numbers.friction);
-  filter->SetPressure(numbers.pressure);
-  filter->SetSoftness(numbers.softness);
-  filter->SetPackingFraction(numbers.packingFraction.value_or(0));
-  filter->SetSeed(static_cast<vtkIdType>(seed));
-  filter->SetTolerance(numbers.tolerance);
-  filter->SetStateEvery(static_cast<vtkIdType>(options.packing.every));
-  filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
   runFilter(session, filter, "packing");
-  if (filter->GetFailure() != vtkSampleAlgorithm::NO_FAILURE)
-  {
-    throwFailure(filter->GetFailure());
-  }
   (void)VtkMessages::takeWarnings(); // the same as in the field data
 }
 
-/// Several at once, the same but without states. @throws Error
-std::vector<packing::Packing> packAll(
-  Session& session, const PackingCommandOptions& options, std::span<const std::uint64_t> seeds)
+/// A packing of somebody else's.
+Made readMade(Session& session, const PackingCommandOptions& options)
 {
-  packing::PackingOptions numbers = numbersOf(options);
-  numbers.progress = [&](double done, const char* what) { static_cast<void>(session.progress(done, what)); };
-  numbers.interrupted = [] { return Session::interrupted(); };
-  std::vector<packing::Packing> packed = packing::packMany(numbers, seeds, options.threads);
-  session.endProgress();
-  return packed;
-}
-
-Made madeOf(const packing::Packing& packing, bool friction)
-{
-  Made made;
-  setPacking(packing, packing::statistics(packing, friction), "lamella packing", made.grains, made.contacts);
-  setFieldNumber(made.grains, "relaxation_steps", static_cast<double>(packing.steps));
+  const Grains grains = readPacking(session, options.read, options.table);
+  Made made{ {}, grains.grains, grains.contacts, {} };
+  setFieldNumber(made.grains, "relaxation_steps", 0);
   return made;
 }
 
@@ -437,14 +371,15 @@ void report(Session& session, const PackingCommandOptions& options, const std::v
 }
 
 /// One packing with the states on its way: all of them are written, with a list that tells their steps as times.
-void packInStates(Session& session, const PackingCommandOptions& options, const std::string& commandLine)
+void packInStates(
+  Session& session, const PackingCommandOptions& options, vtkGrainPacking* filter, const std::string& commandLine)
 {
   const auto start = Clock::now();
-  const std::uint64_t seed = options.packing.seed;
+  const auto seed = static_cast<std::uint64_t>(filter->GetSeed());
   StateWriter grains(options.output, 0, options.common.overwrite, ".vtp", { "states", "a table has room for one" });
   StateWriter contacts(options.contacts, 0, options.common.overwrite, ".vtp", { "contacts", "there is no other form" });
-  vtkNew<vtkGrainPacking> filter;
-  packOne(session, filter, options, seed);
+  filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
+  pack(session, filter);
   std::vector<vtkDataObject*> states;
   std::vector<vtkDataObject*> forces;
   for (int i = 0; i < filter->GetNumberOfStates(); ++i)
@@ -479,15 +414,25 @@ void packingRun(Session& session, const PackingCommandOptions& options, const st
 {
   const auto start = Clock::now();
   refuseContradictions(options);
-  if (options.packing.every > 0)
-  {
-    packInStates(session, options, commandLine);
-    return;
-  }
-  std::vector<std::uint64_t> seeds{ options.packing.seed };
+  vtkNew<vtkGrainPacking> filter;
+  options.settings.give(filter);
+  std::vector<std::uint64_t> seeds{ static_cast<std::uint64_t>(filter->GetSeed()) };
   if (!options.seeds.empty())
   {
     seeds = parseSeeds(options.seeds);
+    for (const std::uint64_t seed : seeds)
+    {
+      filter->AddSeed(static_cast<vtkIdType>(seed));
+    }
+  }
+  if (filter->GetStateEvery() > 0)
+  {
+    if (!options.seeds.empty())
+    {
+      throw ParameterError("--every with --seeds: states are those of one packing", "give one --seed");
+    }
+    packInStates(session, options, filter, commandLine);
+    return;
   }
   checkName("-o", options.output, { ".vtp", ".csv" }, seeds.size());
   checkName("--contacts", options.contacts, { ".vtp" }, seeds.size());
@@ -508,29 +453,23 @@ void packingRun(Session& session, const PackingCommandOptions& options, const st
       files[i].contacts.emplace(nameFor(options.contacts, seed), options.common.overwrite);
     }
   }
-  if (options.packing.periodic && std::filesystem::path(options.output).extension() == ".csv")
+  if (filter->GetPeriodic() && std::filesystem::path(options.output).extension() == ".csv")
   {
     session.warn("a table does not tell that the box is periodic, nor how large it is; .vtp does");
   }
 
   std::vector<Made> samples;
-  vtkNew<vtkGrainPacking> filter;
   if (!options.read.empty())
   {
-    samples.push_back(madeOf(loadPacking(options.read, options.table).packing, false));
-  }
-  else if (seeds.size() == 1)
-  {
-    packOne(session, filter, options, seeds.front());
-    samples.push_back({ seeds.front(), filter->GetOutput(), filter->GetContacts(), {} });
+    samples.push_back(readMade(session, options));
   }
   else
   {
-    const std::vector<packing::Packing> packed = packAll(session, options, seeds);
-    for (std::size_t i = 0; i < seeds.size(); ++i)
+    pack(session, filter);
+    for (int i = 0; i < filter->GetNumberOfStates(); ++i)
     {
-      samples.push_back(madeOf(packed[i], options.packing.friction > 0));
-      samples.back().seed = seeds[i];
+      samples.push_back(
+        { seeds[static_cast<std::size_t>(i)], filter->GetStateGrains(i), filter->GetStateContacts(i), {} });
     }
   }
   io::Provenance record = recordRun(commandLine, options.read, "");
@@ -563,41 +502,10 @@ Command packingCommand(CLI::App& root)
 {
   CLI::App* app = root.add_subcommand("packing", "Press disks or spheres together until they rest: a dense packing");
   auto o = std::make_shared<PackingCommandOptions>();
-  packing::PackingOptions& p = o->packing;
-  const auto in = [&](const char* group, const char* type, CLI::Option* option)
-  {
-    o->generates.push_back(option->type_name(type)->capture_default_str()->group(group));
-    return option;
-  };
-  in("Grains", "2|3", app->add_option("--dimension", p.dimension, "2: disks, 3: spheres"));
-  in("Grains", "NUMBER", app->add_option("--count", p.count, "How many grains"));
-  in("Grains", "LENGTH", app->add_option("--mean-diameter", o->meanDiameter, "Mean of the diameters, as 1mm or 1e-3"));
-  in("Grains", "RATIO", app->add_option("--diameter-ratio", p.diameterRatio, "Largest over smallest, 1 to 10"));
-  in("Grains", "volume|volume-share|diameter",
-    app->add_option("--sizes", o->sizes,
-      "What is spread evenly from smallest to largest: areas or volumes, shares of the volume, diameters"));
-  in("Grains", "RATIO", app->add_option("--aspect", p.aspect, "Last edge of the box over the first, 0.2 to 5"));
-  o->generates.push_back(
-    app->add_flag("--periodic", p.periodic, "A cell of an endless packing, instead of walls")->group("Grains"));
-  o->seedOption = { app->add_option("--seed", p.seed, "The same seed gives the same packing")
-                      ->type_name("NUMBER")
-                      ->capture_default_str()
-                      ->group("Grains") };
+  o->settings.declare(*app, "vtkGrainPacking", { "seeds", "keep-states", "state" });
   app->add_option("--seeds", o->seeds, "Several packings, one a seed: 1-10 or 3,5,8; name the files pack_{seed}.vtp")
     ->type_name("LIST")
     ->group("Grains");
-  o->threadsOption = { app->add_option("--threads", o->threads, "With --seeds: how many packings at once")
-                         ->type_name("NUMBER")
-                         ->capture_default_str()
-                         ->group("Grains") };
-  in("Compaction", "NUMBER", app->add_option("--friction", p.friction, "Coulomb's friction coefficient, 0 to 2"));
-  in("Compaction", "PASCALS", app->add_option("--pressure", p.pressure, "What the walls press with"));
-  in("Compaction", "RATIO",
-    app->add_option("--softness", p.softness, "Pressure over stiffness of contacts, 1e-7 to 1e-2"));
-  in("Compaction", "SHARE",
-    app->add_option("--packing-fraction", o->packingFraction, "Stop at this share of the box, before grains touch"));
-  in("Compaction", "NUMBER",
-    app->add_option("--tolerance", p.tolerance, "Net force on a grain over the contact forces, at rest"));
   app->add_option("--read", o->read, "Take the grains of this table (x,z,r or x,y,z,r) instead of making some")
     ->type_name("FILE")
     ->group("Table");
@@ -606,9 +514,6 @@ Command packingCommand(CLI::App& root)
   app->add_option("--contacts", o->contacts, "Write the contacts and their forces: .vtp")
     ->type_name("FILE")
     ->group("Output");
-  in("Output", "STEPS",
-    app->add_option("--every", p.every,
-      "Write states on the way too, each so many steps: FILE_000.vtp ... and FILE.pvd, the last at rest"));
   addReportOptions(*app, o->common);
   addExamples(*app,
     { "lamella packing --count 400 --seed 3 -o grains.vtp --contacts forces.vtp",

@@ -1,13 +1,14 @@
 #include "PackingInput.h"
 
+#include "FilterRun.h"
 #include "GridFile.h"
 #include "Text.h"
 
 #include "PackingData.h"
-#include "PackingTable.h"
 #include "lattice/Error.h"
-#include "vtkLatticeConversion.h"
+#include "vtkPackingReader.h"
 
+#include <vtkNew.h>
 #include <vtkPolyData.h>
 
 #include <fmt/format.h>
@@ -44,15 +45,14 @@ std::string firstGiven(const std::vector<CLI::Option*>& options)
   return found == options.end() ? "" : (*found)->get_name();
 }
 
-PackingFile loadPacking(const std::string& path, const TableOptions& options)
+Grains readPacking(Session& session, const std::string& path, const TableOptions& options)
 {
-  PackingFile file;
+  if (const std::string given = firstGiven(options.declared); isParticleFile(path) && !given.empty())
+  {
+    throw ParameterError(given + " is for tables, and '" + path + "' knows its lengths", "leave it out");
+  }
   if (isParticleFile(path))
   {
-    if (const std::string given = firstGiven(options.declared); !given.empty())
-    {
-      throw ParameterError(given + " is for tables, and '" + path + "' knows its lengths", "leave it out");
-    }
     const auto data = readGrid(path);
     auto* const particles = vtkPolyData::SafeDownCast(data);
     if (particles == nullptr)
@@ -61,23 +61,19 @@ PackingFile loadPacking(const std::string& path, const TableOptions& options)
     }
     try
     {
-      file.packing = packingFrom(particles);
+      (void)packingFrom(particles);
     }
     catch (const InputError& error)
     {
       throw InputError("'" + path + "': " + error.what(), error.hint());
     }
-    file.provenance = provenance(particles);
-    return file;
+    return { particles, vtkSmartPointer<vtkPolyData>::New() };
   }
-  if (std::filesystem::path(path).extension() == ".vti")
-  {
-    throw InputError("'" + path + "' is an image, not a packing", "give a table x,z,r or the .vtp of lamella packing");
-  }
-  PackingTableOptions table;
+  vtkNew<vtkPackingReader> reader;
+  reader->SetFileName(path.c_str());
   if (!options.unit.empty())
   {
-    table.unit = lengthInMetres("--unit", options.unit);
+    reader->SetLengthUnit(lengthInMetres("--unit", options.unit));
   }
   if (!options.box.empty())
   {
@@ -86,14 +82,11 @@ PackingFile loadPacking(const std::string& path, const TableOptions& options)
     {
       throw ParameterError("--box '" + options.box + "' has not 2 or 3 edges", "write it as --box 20mm,40mm");
     }
-    table.box.emplace(std::array<double, 3>{ 0, 0, 0 });
-    for (std::size_t i = 0; i < parts.size(); ++i)
-    {
-      (*table.box)[i] = lengthInMetres("--box", parts[i]);
-    }
+    const auto edge = [&](std::size_t i) { return lengthInMetres("--box", parts[i]); };
+    reader->SetBoxSize(edge(0), edge(1), parts.size() == 3 ? edge(2) : 0);
   }
-  file.packing = readPackingTable(path, table);
-  return file;
+  runFilter(session, reader, "grains");
+  return { reader->GetOutput(), reader->GetContacts() };
 }
 
 std::string boxText(const std::array<double, 3>& size)

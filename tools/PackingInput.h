@@ -1,12 +1,15 @@
 #pragma once
 
-#include "packing/Packing.h"
+#include "Session.h"
 
 #include <CLI/App.hpp>
+#include <vtkSmartPointer.h>
 
 #include <array>
 #include <string>
 #include <vector>
+
+class vtkPolyData;
 
 /// Packings from files, for the commands that take one.
 namespace lamella::cli
@@ -23,14 +26,16 @@ struct TableOptions
 /// --unit, --box
 void addTableOptions(CLI::App& command, TableOptions& options);
 
-struct PackingFile
+/// Grains, and their contacts where these are known.
+struct Grains
 {
-  packing::Packing packing;
-  std::string provenance; ///< JSON text of the file, or empty
+  vtkSmartPointer<vtkPolyData> grains;
+  vtkSmartPointer<vtkPolyData> contacts;
 };
 
-/// A table, or the particles of a .vtp. @throws InputError, ParameterError
-[[nodiscard]] PackingFile loadPacking(const std::string& path, const TableOptions& options);
+/// The particles of a .vtp, or of a scene's earlier step, or a table by vtkPackingReader.
+/// @throws InputError, ParameterError
+[[nodiscard]] Grains readPacking(Session& session, const std::string& path, const TableOptions& options);
 
 /// Whether a name ends in .vtp.
 [[nodiscard]] bool isParticleFile(const std::string& path);

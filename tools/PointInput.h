@@ -2,40 +2,17 @@
 
 #include "Input.h"
 #include "Session.h"
+#include "SettingOptions.h"
 
-#include <CLI/App.hpp>
 #include <vtkSmartPointer.h>
 
-#include <array>
-#include <optional>
 #include <string>
-#include <vector>
 
 class vtkImageData;
-class vtkPointAlgorithm;
 
-/// What a command on material points takes: walls, plane, grid, and its sample.
+/// The sample of a command on material points.
 namespace lamella::cli
 {
-
-struct PointOptions
-{
-  std::string law = "auto";
-  std::string plane = "auto";
-  /// VALUE of all walls, or PHASE=VALUE, by constant: in the order of lamella::wallConstantNames.
-  std::array<std::vector<std::string>, 9> constants;
-  std::vector<std::string> voids;
-  std::optional<int> perNode; ///< none: two points a cell along each axis, and two at least
-  double cellsPerNode = 1;
-  bool fitPlatens = false;
-  int threads = 1;
-};
-
-/// Declares them.
-void addPointOptions(CLI::App& command, PointOptions& options);
-
-/// Gives the filter what the options say. @throws ParameterError for what can be said without the sample
-void applyPoints(const PointOptions& options, vtkPointAlgorithm* filter);
 
 /// An image of phases, with the directions along the walls where its file has them.
 struct PointSample
@@ -45,7 +22,9 @@ struct PointSample
   std::string provenance; ///< of the file
 };
 
+/// @param settings those of the command's class: what they say of phases is held against the sample
 /// @throws ParameterError, InputError, MemoryError
-[[nodiscard]] PointSample loadPointSample(Session& session, const PictureOptions& picture, const PointOptions& options);
+[[nodiscard]] PointSample loadPointSample(
+  Session& session, const PictureOptions& picture, const SettingOptions& settings);
 
 } // namespace lamella::cli

@@ -6,6 +6,7 @@
 #include "OutputFile.h"
 #include "PoreReport.h"
 #include "Record.h"
+#include "SettingOptions.h"
 #include "TableText.h"
 #include "Text.h"
 
@@ -13,7 +14,6 @@
 #include "lattice/Clock.h"
 #include "lattice/Memory.h"
 #include "lattice/PhaseNames.h"
-#include "pores/PoreLabelling.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPoreFloodFill.h"
 
@@ -42,91 +42,19 @@ struct PoreFloodFillOptions
   CommonOptions common;
   PictureOptions picture;
   std::string fill;
-  int connectivity = 0;
-  std::string periodic;
-  int minimumSize = 1;
-  std::string order = "size";
+  SettingOptions settings;
   int threads = 1;
   std::vector<std::string> output;
   std::string distribution;
 };
 
-const std::vector<std::string> orders{ "size", "memory" };
-
-/// "x", "xy", "x,z", "all" or nothing. @throws ParameterError
-std::array<int, 3> parseAxes(const std::string& text)
+/// @throws ParameterError for a phase that the sample does not have
+void checkFill(const std::string& fill, const std::vector<std::string>& names)
 {
-  std::array<int, 3> axes{ 0, 0, 0 };
-  if (text.empty() || text == "none")
+  if (!fill.empty() && !phaseMeant(names, fill))
   {
-    return axes;
-  }
-  if (text == "all")
-  {
-    return { 1, 1, 1 };
-  }
-  for (const char c : text)
-  {
-    if (c >= 'x' && c <= 'z')
-    {
-      axes[static_cast<std::size_t>(c - 'x')] = 1;
-    }
-    else if (c != ',')
-    {
-      throw ParameterError(
-        "--periodic '" + text + "' names no axes", "write the axes, such as x or xy, or all, or none");
-    }
-  }
-  return axes;
-}
-
-/// What can be said without the picture. @throws ParameterError
-void checkOptions(const PoreFloodFillOptions& options)
-{
-  (void)oneOf("--order", options.order, orders);
-  const int c = options.connectivity;
-  if (c != 0 && !pores::fits(c, 2) && !pores::fits(c, 3))
-  {
-    throw ParameterError(
-      fmt::format("--connectivity {} is none", c), "use 4 or 8 for a picture, 6, 18 or 26 for a volume");
-  }
-  if (options.minimumSize < 0)
-  {
-    throw ParameterError(fmt::format("--minimum-size {} is below 0", options.minimumSize),
-      "give the pixels or voxels that the smallest pore to keep has");
-  }
-  checkThreads(options.threads);
-}
-
-/// What does not fit the picture. @throws ParameterError
-void checkSample(const PoreFloodFillOptions& options, std::array<int, 3>& periodic, const PhaseImage& image)
-{
-  const int dimension = image.lattice.dimension;
-  const char* const kind = dimension == 3 ? "a volume" : "a picture";
-  if (options.connectivity != 0 && !pores::fits(options.connectivity, dimension))
-  {
-    throw ParameterError(
-      fmt::format("--connectivity {} does not fit {}, which has {} dimensions", options.connectivity, kind, dimension),
-      dimension == 3 ? "use 6 (faces), 18 (and edges) or 26 (and corners)" : "use 4 (sides) or 8 (and corners)");
-  }
-  if (dimension == 2 && options.periodic == "all")
-  {
-    periodic[2] = 0;
-  }
-  if (dimension == 2 && periodic[2] != 0)
-  {
-    throw ParameterError("--periodic '" + options.periodic + "' of a picture, which has x and y only", "leave z out");
-  }
-  const std::vector<std::string>& names = image.phases.names();
-  if (!options.fill.empty() && !phaseMeant(names, options.fill))
-  {
-    throw ParameterError("--fill names '" + options.fill + "', which is no phase of this sample",
-      suggestion(options.fill, names, "its phases are " + quotedList(names, "and")));
-  }
-  if (options.fill.empty() && !pores::voidPhase(names))
-  {
-    throw ParameterError("no phase of this sample is called void, pore, lumen or air",
-      "say which one the pores are: --fill " + quotedList(names));
+    throw ParameterError("--fill names '" + fill + "', which is no phase of this sample",
+      suggestion(fill, names, "its phases are " + quotedList(names, "and")));
   }
 }
 
@@ -214,20 +142,6 @@ void writeFiles(Files& files, vtkPoreFloodFill* filter, bool metres, const std::
   }
 }
 
-/// Runs the filter: rank 0 holds the sample, all ranks work on it, rank 0 holds the result.
-void run(Session& session, vtkPoreFloodFill* filter, vtkImageData* image, std::array<int, 6> extent)
-{
-  runFilterOnRanks(session, filter, image, extent, "pores");
-  session.onRoot( // a mistake is one on every rank, and told once
-    [&]
-    {
-      if (vtkImageData::SafeDownCast(filter->GetOutputDataObject(0))->GetNumberOfPoints() == 0)
-      {
-        throwVtkErrors("");
-      }
-    });
-}
-
 /// Refuses what cannot be labelled for want of memory, before the file is read. @throws MemoryError
 void requireMemory(const Lattice& lattice, bool sizes, int ranks, int ranksOnMachine)
 {
@@ -249,8 +163,9 @@ void requireMemory(const Lattice& lattice, bool sizes, int ranks, int ranksOnMac
 void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const std::string& commandLine)
 {
   const auto start = Clock::now();
-  checkOptions(options);
-  std::array<int, 3> periodic = parseAxes(options.periodic);
+  vtkNew<vtkPoreFloodFill> filter;
+  options.settings.give(filter);
+  filter->SetPhase(options.fill);
   vtkSmartPointer<vtkImageData> image = vtkSmartPointer<vtkImageData>::New();
   Sample sample;
   Files files;
@@ -266,7 +181,7 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
       {
         session.warn(warning);
       }
-      checkSample(options, periodic, sample.image);
+      checkFill(options.fill, sample.image.phases.names());
       files = openFiles(options);
       const auto nodes = static_cast<std::uint64_t>(sample.image.lattice.count());
       for (const OutputFile& file : files.labels)
@@ -279,27 +194,27 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
       image->GetExtent(extent.data());
     });
   session.broadcast(extent);
-  session.broadcast(periodic);
+  if (options.settings.text("periodic") == "all" && extent[4] == extent[5]) // of a picture
+  {
+    filter->SetPeriodic(1, 1, 0);
+  }
 
-  vtkSMPTools::Initialize(options.threads);
-  if (options.threads > 1)
+  vtkSMPTools::Initialize(options.threads); // 0: one a core
+  if (options.threads != 1)
   {
     vtkSMPTools::SetBackend("STDThread");
   }
-  vtkNew<vtkPoreFloodFill> filter;
-  filter->SetPhase(options.fill);
-  filter->SetConnectivity(options.connectivity);
-  filter->SetPeriodic(periodic.data());
-  filter->SetMinimumSize(options.minimumSize);
-  filter->SetSortBySize(options.order == "size");
   filter->SetComputeLabels(!options.output.empty());
   filter->SetComputePoreSize(!options.output.empty());
-  session.onRoot([] { (void)VtkMessages::takeErrors(); });
-  run(session, filter, image, extent);
+  runFilterOnRanks(session, filter.Get(), image, extent, "pores");
   session.onRoot(
     [&]
     {
       tellWarnings(session);
+      for (const std::string& remark : options.settings.remarks())
+      {
+        session.warn(remark);
+      }
       const io::Provenance record = recordRun(commandLine, options.picture.file, sample.provenance);
       PoreReport report{ options.picture.file, filter.Get(), sample.pixelSizeSource != "none", record, options.output };
       if (!options.distribution.empty())
@@ -325,18 +240,11 @@ Command poreFloodFillCommand(CLI::App& root)
   pore(app->add_option(
          "--fill", o->fill, "The phase that the pores are; the one called void, pore, lumen or air when not given"))
     ->type_name("PHASE");
-  pore(app->add_option("--connectivity", o->connectivity,
-         "Neighbours that hang together: 4 or 8 in a picture, 6, 18 or 26 in a volume; 4 or 6 when not given"))
-    ->type_name("4|8|6|18|26");
-  pore(app->add_option("--periodic", o->periodic, "Axes at whose end the sample begins again, as xy; all; none"))
-    ->type_name("AXES");
-  pore(app->add_option("--minimum-size", o->minimumSize, "Leave out pores of fewer pixels or voxels"))
+  o->settings.declare(*app, "vtkPoreFloodFill", { "phase", "labels", "pore-size", "maximum-number-of-labels" });
+  o->settings.formerly(*app, "order", "sort-by-size", "memory");
+  pore(app->add_option("--threads", o->threads, "Threads of each process; 0: one for each core"))
     ->type_name("NUMBER")
     ->capture_default_str();
-  pore(app->add_option("--order", o->order, "Label 1 is the largest (size) or the first in memory (memory)"))
-    ->type_name("size|memory")
-    ->capture_default_str();
-  pore(app->add_option("--threads", o->threads, "Threads of each process"))->type_name("NUMBER")->capture_default_str();
   app->add_option("-o,--output", o->output, "Write labels (.vti) or the table of the pores (.csv); twice for both")
     ->type_name("FILE")
     ->allow_extra_args(false)

@@ -4,6 +4,7 @@
 #include "TimeLeft.h"
 #include "Watchdog.h"
 
+#include "lattice/Communicator.h"
 #include "lattice/PartFile.h"
 
 #include <fmt/format.h>
@@ -318,16 +319,7 @@ Session::~Session()
 
 int Session::ranksOnMachine() const
 {
-  if (ranks_ == 1)
-  {
-    return 1;
-  }
-  MPI_Comm here = MPI_COMM_NULL;
-  int count = 1;
-  MPI_Comm_split_type(world_, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &here);
-  MPI_Comm_size(here, &count);
-  MPI_Comm_free(&here);
-  return count;
+  return Communicator(communicator()).sizeOnMachine();
 }
 
 void Session::note(const std::string& text)

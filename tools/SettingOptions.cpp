@@ -5,6 +5,10 @@
 #include "Units.h"
 
 #include "lattice/Error.h"
+#include "lattice/PhaseNames.h"
+#include "peridynamics/PairTable.h"
+
+#include <vtkObject.h>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -70,9 +74,12 @@ std::string form(const Setting& setting)
   return fmt::format("{}", fmt::join(words, ","));
 }
 
-[[noreturn]] void refuse(const Setting& setting, const std::string& text, const std::string& what)
+/// @param whole what was written, of which `text` is a part
+[[noreturn]] void refuse(
+  const Setting& setting, const std::string& text, const std::string& what, const std::string& whole = "")
 {
-  throw ParameterError(fmt::format("{} '{}' is not {}", nameOf(setting), text, what),
+  const std::string where = whole.empty() || whole == text ? "" : fmt::format(" {}:", whole);
+  throw ParameterError(fmt::format("{}{} '{}' is not {}", nameOf(setting), where, text, what),
     fmt::format("write it as --{} {}", setting.word, form(setting)));
 }
 
@@ -84,17 +91,25 @@ std::string unitOf(const Setting& setting, std::size_t part)
   return begin == std::string::npos ? setting.unit : name.substr(begin + 2, name.size() - begin - 3);
 }
 
-double number(const Setting& setting, std::size_t part, const std::string& text)
+double number(const Setting& setting, std::size_t part, const std::string& text, const std::string& whole)
 {
   const std::string unit = unitOf(setting, part);
   std::optional<double> value = toNumber(text);
   if (!value && unit == "m")
   {
-    return lengthInMetres("--" + std::string(setting.word), text);
+    return coordinate("--" + std::string(setting.word), text);
   }
   if (!value && unit == "Pa")
   {
     value = pascals(text);
+  }
+  if (!value && unit == "Pa √m")
+  {
+    value = pascalRootMetres(text);
+  }
+  if (!value && unit == "s")
+  {
+    value = secondsFrom(text);
   }
   if (!value && unit.empty() && text.ends_with('%'))
   {
@@ -103,19 +118,19 @@ double number(const Setting& setting, std::size_t part, const std::string& text)
   }
   if (!value)
   {
-    refuse(setting, text, "a number");
+    refuse(setting, text, "a number", whole);
   }
   return *value;
 }
 
-SettingValue valueOf(const Setting& setting, std::size_t part, const std::string& text)
+SettingValue valueOf(const Setting& setting, std::size_t part, const std::string& text, const std::string& whole)
 {
   const Type type = setting.types[part];
   if (type == Type::Text)
   {
     return text;
   }
-  const double value = number(setting, part, text);
+  const double value = number(setting, part, text, whole);
   if (type == Type::Whole && std::isfinite(value) && value != std::floor(value))
   {
     refuse(setting, text, "a whole number");
@@ -130,6 +145,10 @@ std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& te
   {
     const auto found = std::find_if(
       setting.choices.begin(), setting.choices.end(), [&](const SettingChoice& choice) { return text == choice.word; });
+    if (const auto value = toNumber(text); found == setting.choices.end() && value && toNumber(setting.choices[0].word))
+    {
+      checkSetting(setting, { *value }); // as a class says it
+    }
     if (found == setting.choices.end())
     {
       refuseWord(setting, text);
@@ -138,14 +157,14 @@ std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& te
   }
   if (setting.kind == Kind::Axes)
   {
-    if (text.find_first_not_of("xyz") != std::string::npos)
+    if (text != "none" && text != "all" && text.find_first_not_of("xyz,") != std::string::npos)
     {
       refuse(setting, text, "axes");
     }
     std::vector<SettingValue> flags;
     for (const char axis : { 'x', 'y', 'z' })
     {
-      flags.emplace_back(text.find(axis) == std::string::npos ? 0.0 : 1.0);
+      flags.emplace_back(text == "all" || (text != "none" && text.find(axis) != std::string::npos) ? 1.0 : 0.0);
     }
     return flags;
   }
@@ -166,14 +185,18 @@ std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& te
   std::vector<SettingValue> values;
   for (std::size_t i = 0; i < parts.size(); ++i)
   {
-    values.push_back(valueOf(setting, i, parts[i]));
+    values.push_back(valueOf(setting, i, parts[i], text));
   }
   return values;
 }
 
 /// One text a call of the setter: what is listed may be written again and again, or once with commas between.
-std::vector<std::string> written(const Setting& setting, const std::vector<std::string>& texts)
+std::vector<std::string> written(const Setting& setting, const std::vector<std::string>& texts, bool byPhase)
 {
+  if (byPhase)
+  {
+    return listItems(texts);
+  }
   if (setting.kind != Kind::List || (setting.types.size() > 1 && setting.types[0] != Type::Text))
   {
     return texts;
@@ -191,6 +214,25 @@ std::vector<std::string> written(const Setting& setting, const std::vector<std::
   return items;
 }
 
+const Setting* named(const std::vector<Setting>& settings, const std::string& word)
+{
+  const auto found =
+    std::find_if(settings.begin(), settings.end(), [&](const Setting& one) { return word == one.word; });
+  return found == settings.end() ? nullptr : &*found;
+}
+
+/// What gives a number of all to phases one by one; null where nothing does.
+const Setting* ofPhases(const std::vector<Setting>& settings, const Setting& setting)
+{
+  if (setting.kind != Kind::Number)
+  {
+    return nullptr;
+  }
+  const Setting* const own = named(settings, std::string("phase-") + setting.word);
+  const std::string walls = "Walls";
+  return own != nullptr || setting.group != walls ? own : named(settings, "phase-constant");
+}
+
 std::vector<double> numbersOf(const std::vector<SettingValue>& values)
 {
   std::vector<double> numbers;
@@ -204,13 +246,30 @@ std::vector<double> numbersOf(const std::vector<SettingValue>& values)
   return numbers;
 }
 
+/// Refuses what give() would refuse whatever else was given. @throws ParameterError
+void check(const Setting& setting, const std::string& given, bool byPhase)
+{
+  for (const std::string& text : written(setting, { given }, byPhase))
+  {
+    const std::size_t sign = byPhase ? text.find('=') : std::string::npos;
+    const std::vector<SettingValue> values =
+      valuesOf(setting, sign == std::string::npos ? text : text.substr(sign + 1));
+    if (setting.values != nullptr)
+    {
+      checkSetting(setting, numbersOf(values));
+    }
+  }
+}
+
 } // namespace
 
 void SettingOptions::declare(CLI::App& command, const std::string& className, const std::vector<std::string>& leave)
 {
-  for (const Setting& setting : settingsOf(className))
+  const std::vector<Setting>& settings = settingsOf(className);
+  for (const Setting& setting : settings)
   {
-    if (std::find(leave.begin(), leave.end(), setting.word) != leave.end())
+    if (options_.contains(setting.word) || std::find(leave.begin(), leave.end(), setting.word) != leave.end() ||
+      std::string_view(setting.word).starts_with("phase-")) // written as what it is of: PHASE=VALUE
     {
       continue;
     }
@@ -225,40 +284,192 @@ void SettingOptions::declare(CLI::App& command, const std::string& className, co
         ->group(group);
       continue;
     }
+    const bool byPhase = ofPhases(settings, setting) != nullptr;
     CLI::Option* const added = command.add_option(fmt::format("--{}", setting.word), option.texts, setting.text);
-    added->type_name(form(setting))->allow_extra_args(false)->group(group);
+    added->type_name(form(setting) + (byPhase ? "|PHASE=VALUE" : ""))->allow_extra_args(false)->group(group);
+    // What is wrong with a value is told when the words are read, by a scene before its first sample.
+    added->each([&setting, byPhase](const std::string& text) { check(setting, text, byPhase); });
     if (setting.kind != Kind::List)
     {
-      added->expected(1)->default_str(setting.standard);
+      added->default_str(setting.standard);
+    }
+    if (setting.kind != Kind::List && !byPhase)
+    {
+      added->expected(1);
     }
   }
 }
 
-void SettingOptions::give(vtkObject* object) const
+void SettingOptions::formerly(CLI::App& command, const std::string& old, const std::string& word, const std::string& on)
 {
-  for (const auto& [word, option] : options_)
+  Option* const option = options_.at(word).get();
+  Former& former = *former_.emplace_back(std::make_unique<Former>(Former{ old, option, on, {} }));
+  if (option->setting->kind == Kind::Switch && on.empty())
   {
-    const Setting& setting = *option->setting;
-    if (option->on || option->off)
+    command.add_flag("--" + old, former.used)->group("");
+    return;
+  }
+  command.add_option("--" + old, former.texts)->allow_extra_args(false)->group("");
+}
+
+std::vector<std::string> SettingOptions::remarks() const
+{
+  std::vector<std::string> remarks;
+  for (const auto& former : former_)
+  {
+    if (former->used || !former->texts.empty())
     {
-      setting.set(object, { option->on ? 1.0 : 0.0 });
-    }
-    for (const std::string& text : written(setting, option->texts))
-    {
-      const std::vector<SettingValue> values = valuesOf(setting, text);
-      if (setting.values != nullptr)
-      {
-        checkSetting(setting, numbersOf(values));
-      }
-      setting.set(object, values);
+      remarks.push_back(
+        fmt::format("--{} is called --{} now; the next version does not know --{} any more", former->old,
+          former->option->off || former->option->setting->off[0] == '\0' ? former->option->setting->word
+                                                                         : former->option->setting->off,
+          former->old));
     }
   }
+  return remarks;
+}
+
+void SettingOptions::give(vtkObject* object) const
+{
+  for (const auto& former : former_)
+  {
+    Option& option = *former->option;
+    if (option.setting->kind != Kind::Switch)
+    {
+      option.texts.insert(option.texts.end(), former->texts.begin(), former->texts.end());
+      continue;
+    }
+    const bool on = former->used || (!former->texts.empty() && former->texts.back() == former->on);
+    if (on)
+    {
+      (option.setting->off[0] == '\0' ? option.on : option.off) = true;
+    }
+  }
+  const std::vector<Setting>& own = settingsOf(object->GetClassName());
+  for (const auto& [word, option] : options_)
+  {
+    const Setting* const setting = named(own, word);
+    if (setting == nullptr)
+    {
+      continue;
+    }
+    if (option->on || option->off)
+    {
+      setting->set(object, { option->on ? 1.0 : 0.0 });
+    }
+    const Setting* const byPhase = ofPhases(own, *setting);
+    for (const std::string& text : written(*setting, option->texts, byPhase != nullptr))
+    {
+      const std::size_t sign = byPhase != nullptr ? text.find('=') : std::string::npos;
+      std::vector<SettingValue> values = valuesOf(*setting, sign == std::string::npos ? text : text.substr(sign + 1));
+      if (setting->values != nullptr)
+      {
+        checkSetting(*setting, numbersOf(values));
+      }
+      if (sign != std::string::npos)
+      {
+        values.insert(values.begin(), text.substr(0, sign));
+        if (byPhase->types.size() == 3)
+        {
+          values.insert(values.begin() + 1, word);
+        }
+      }
+      (sign == std::string::npos ? setting : byPhase)->set(object, values);
+    }
+  }
+  for (const auto& [word, option] : options_)
+  {
+    const Setting* const setting = named(own, word);
+    const Setting* const other = setting != nullptr ? named(own, setting->with) : nullptr;
+    const bool set = setting != nullptr && (option->on || option->off || !option->texts.empty());
+    if (!set || other == nullptr || other->values == nullptr)
+    {
+      continue;
+    }
+    const auto value = static_cast<int>(other->values(object).front());
+    if (std::find(setting->withValues.begin(), setting->withValues.end(), value) == setting->withValues.end())
+    {
+      refuseIdle(*setting);
+    }
+  }
+}
+
+std::vector<std::string> SettingOptions::idle(const std::string& className) const
+{
+  std::vector<std::string> words;
+  for (const auto& [word, option] : options_)
+  {
+    if (given(word) && named(settingsOf(className), word) == nullptr)
+    {
+      words.push_back(word);
+    }
+  }
+  return words;
 }
 
 bool SettingOptions::given(const std::string& word) const
 {
   const auto found = options_.find(word);
-  return found != options_.end() && (!found->second->texts.empty() || found->second->on || found->second->off);
+  if (found == options_.end())
+  {
+    return false;
+  }
+  const bool before = std::any_of(former_.begin(), former_.end(),
+    [&](const auto& former)
+    { return former->option == found->second.get() && (former->used || !former->texts.empty()); });
+  return before || !found->second->texts.empty() || found->second->on || found->second->off;
+}
+
+std::string SettingOptions::text(const std::string& word) const
+{
+  const auto found = options_.find(word);
+  return found == options_.end() || found->second->texts.empty() ? "" : found->second->texts.back();
+}
+
+std::size_t SettingOptions::count(const std::string& word) const
+{
+  const auto found = options_.find(word);
+  return found == options_.end() ? 0 : written(*found->second->setting, found->second->texts, false).size();
+}
+
+void SettingOptions::checkNames(const std::vector<std::string>& phases) const
+{
+  const std::string known = "its phases are " + quotedList(phases, "and");
+  for (const auto& [word, option] : options_)
+  {
+    const Setting& setting = *option->setting;
+    const std::string part = word == "void" ? "Phase"
+      : word == "relative-to"               ? "Bonds"
+      : setting.parts.empty()               ? ""
+                                            : setting.parts[0];
+    const bool isName = setting.types[0] == Type::Text;
+    const bool byPhase = setting.kind == Kind::Number;
+    for (const std::string& text : written(setting, option->texts, byPhase))
+    {
+      if (byPhase && text.find('=') == std::string::npos)
+      {
+        continue;
+      }
+      const std::string first =
+        text.substr(0, setting.kind == Kind::List || byPhase ? text.find('=') : std::string::npos);
+      if ((byPhase || (isName && part == "Phase")) && !phaseMeant(phases, first))
+      {
+        throw ParameterError(fmt::format("--{} names '{}', which is no phase of this sample", word, first),
+          suggestion(first, phases, known));
+      }
+      for (const std::string& pair : setting.parts.size() > 1 && std::string(setting.parts[1]) == "Like"
+          ? std::vector<std::string>{ first, text.substr(std::min(text.size(), first.size() + 1)) }
+          : std::vector<std::string>{ first })
+      {
+        if (isName && part == "Bonds" && !peridynamics::findPair(pair, phases))
+        {
+          throw ParameterError(
+            fmt::format("--{} names '{}', which is no phase or pair of phases of this sample", word, pair),
+            suggestion(pair, phases, known + "; a pair is written as " + phases.front() + "-" + phases.back()));
+        }
+      }
+    }
+  }
 }
 
 } // namespace lamella::cli

@@ -2,6 +2,7 @@
 
 #include <CLI/App.hpp>
 
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <string>
@@ -19,18 +20,34 @@ namespace lamella::cli
 
 /// The settings of a VTK class as options of a command: what the header of the class declares, and nothing else.
 ///
-/// Numbers may have a unit where the setting has one (0.5um, 7.2GPa), and be per cent where it has none (1%).
+/// A number of all phases may be one of each, PHASE=VALUE, where the class has a setting for that. Numbers may have a
+/// unit where the setting has one (0.5um, 7.2GPa), and be per cent where it has none (1%).
 class SettingOptions
 {
 public:
-  /// Declares them, in the groups of the header.
+  /// Declares them, in the groups of the header, but for words that are declared already.
   /// @param leave words of settings that the command has no use for, or sees to itself
   void declare(CLI::App& command, const std::string& className, const std::vector<std::string>& leave = {});
+  /// Lets a setting be called as in the version before, too; the next one does not know the word any more.
+  /// @param on of a switch that took a word: the word that switches it on
+  void formerly(CLI::App& command, const std::string& old, const std::string& word, const std::string& on = "");
   /// Hands what was given to an object of the class.
-  /// @throws ParameterError where it is no number, no choice, or out of its range: in the words of every front end
+  /// @throws ParameterError where it is no number, no choice, out of its range, or does not count with what else was
+  /// given: in the words of every front end
   void give(vtkObject* object) const;
   /// Whether the command line has it.
   [[nodiscard]] bool given(const std::string& word) const;
+  /// As it was written, last; empty where it was not.
+  [[nodiscard]] std::string text(const std::string& word) const;
+  /// How many things are listed.
+  [[nodiscard]] std::size_t count(const std::string& word) const;
+  /// Words that were given and that another class does not know.
+  [[nodiscard]] std::vector<std::string> idle(const std::string& className) const;
+  /// Of words of the version before that were used, what they are now.
+  [[nodiscard]] std::vector<std::string> remarks() const;
+  /// Refuses what is told of phases, or pairs of them, that the sample does not have: slips, which the class would
+  /// ignore. @throws ParameterError
+  void checkNames(const std::vector<std::string>& phases) const;
 
 private:
   struct Option
@@ -40,7 +57,16 @@ private:
     bool on = false;
     bool off = false;
   };
+  struct Former
+  {
+    std::string old;
+    Option* option;
+    std::string on;
+    std::vector<std::string> texts;
+    bool used = false;
+  };
   std::map<std::string, std::unique_ptr<Option>> options_;
+  std::vector<std::unique_ptr<Former>> former_;
 };
 
 } // namespace lamella::cli

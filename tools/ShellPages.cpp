@@ -36,6 +36,23 @@ std::vector<std::string> namesOf(const std::vector<const CLI::App*>& commands)
   return names;
 }
 
+/// Words of the version before are in no group, and not told.
+std::vector<const CLI::Option*> shown(const CLI::App& command)
+{
+  return command.get_options([](const CLI::Option* option) { return !option->get_group().empty(); });
+}
+
+/// A cell of a table in Markdown.
+std::string cell(const std::string& text)
+{
+  std::string safe;
+  for (const char c : text)
+  {
+    safe += c == '|' ? "\\|" : std::string(1, c);
+  }
+  return safe;
+}
+
 /// Calls `what` with every command below, and its words after the program's name.
 void eachCommand(const CLI::App& app, const std::string& words,
   const std::function<void(const CLI::App& command, const std::string& words)>& what)
@@ -72,7 +89,7 @@ std::string bashCompletion(const CLI::App& root)
       const std::vector<std::string> options = optionNames(&command);
       all.insert(all.end(), options.begin(), options.end());
       words += fmt::format("    '{}') words='{}' ;;\n", path, fmt::join(all, " "));
-      for (const CLI::Option* option : command.get_options())
+      for (const CLI::Option* option : shown(command))
       {
         for (const std::string& name : choicesOf(*option).empty() ? std::vector<std::string>{} : option->get_lnames())
         {
@@ -118,8 +135,12 @@ std::string fishCompletion(const CLI::App& root)
     fmt::format("# Completes the words of lamella {} in fish: lamella --completion fish | source\n", version());
   const auto options = [&text](const CLI::App& command, const std::string& where)
   {
-    for (const CLI::Option* option : command.get_options([](const CLI::Option* o) { return !o->get_positional(); }))
+    for (const CLI::Option* option : shown(command))
     {
+      if (option->get_positional())
+      {
+        continue;
+      }
       text += "complete -c lamella -n " + fishQuoted(where);
       for (const std::string& letter : option->get_snames())
       {
@@ -177,7 +198,7 @@ std::string roff(const std::string& text)
 std::string roffOptions(const CLI::App& command)
 {
   std::string text;
-  for (const CLI::Option* option : command.get_options())
+  for (const CLI::Option* option : shown(command))
   {
     const OptionWords words = optionWords(*option);
     text += ".TP\n.B " + roff(words.names) + "\n" + roff(words.description) + "\n";
@@ -190,6 +211,25 @@ std::string roffExamples(const CLI::App& command)
   std::string text = command.get_footer();
   text.erase(0, text.find_first_not_of('\n'));
   return text.empty() ? "" : ".PP\n.EX\n" + roff(text) + ".EE\n";
+}
+
+std::string optionRow(const CLI::Option& option)
+{
+  std::string names;
+  for (const std::string& letter : option.get_snames())
+  {
+    names += (names.empty() ? "`-" : "`, `-") + letter;
+  }
+  for (const std::string& word : option.get_lnames())
+  {
+    names += (names.empty() ? "`--" : "`, `--") + word;
+  }
+  if (option.get_type_size() != 0 && !option.get_type_name().empty())
+  {
+    names += " " + option.get_type_name();
+  }
+  return fmt::format("| {}` | {} | {} |\n", cell(names),
+    option.get_required() ? "needed" : cell(option.get_default_str()), cell(option.get_description()));
 }
 
 } // namespace
@@ -207,6 +247,37 @@ std::string shellCompletion(const CLI::App& root, const std::string& shell)
   const std::vector<std::string> known(shells.begin(), shells.end());
   throw ParameterError("--completion '" + shell + "' is not a shell that is known",
     suggestion(shell, known, "it takes bash, zsh or fish"));
+}
+
+std::string optionTables(const CLI::App& root)
+{
+  std::string text;
+  eachCommand(root, "",
+    [&text](const CLI::App& command, const std::string& path)
+    {
+      text += "# " + path + "\n";
+      std::vector<std::string> groups;
+      for (const CLI::Option* option : shown(command))
+      {
+        const std::string& group = option->get_group();
+        if (!option->get_positional() && group != "Sample" && option->get_name() != "--help" &&
+          std::find(groups.begin(), groups.end(), group) == groups.end())
+        {
+          groups.push_back(group);
+        }
+      }
+      for (const std::string& group : groups)
+      {
+        text += "## " + group + "\n";
+        for (const CLI::Option* option : shown(command))
+        {
+          text += option->get_group() == group && option->get_name() != "--help" && !option->get_positional()
+            ? optionRow(*option)
+            : "";
+        }
+      }
+    });
+  return text;
 }
 
 std::string manualPage(const CLI::App& root)

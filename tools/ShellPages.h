@@ -16,4 +16,8 @@ namespace lamella::cli
 /// The manual page in roff: every command with its options and examples.
 [[nodiscard]] std::string manualPage(const CLI::App& root);
 
+/// A table in Markdown of the options of every command, under its name, but for those that tell the sample: what the
+/// pages in docs/commands show (tests/docs/option_tables.py).
+[[nodiscard]] std::string optionTables(const CLI::App& root);
+
 } // namespace lamella::cli

@@ -11,7 +11,6 @@
 #include <vtkNew.h>
 #include <vtkTable.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -27,8 +26,6 @@ struct StiffnessOptions
   CommonOptions common;
   PictureOptions picture;
   BondOptions bonds;
-  BalanceOptions balance;
-  bool noErrorEstimate = false;
   std::string output;
   std::string constants;
 };
@@ -46,18 +43,14 @@ void stiffness(Session& session, const StiffnessOptions& options, const std::str
   const auto start = Clock::now();
   vtkNew<vtkBondStiffness> filter;
   applyBonds(options.bonds, filter);
-  checkBalance(options.balance);
-  filter->SetTolerance(options.balance.tolerance);
-  filter->SetMaximumIterations(options.balance.maxIterations);
-  filter->SetEstimateError(!options.noErrorEstimate);
-  filter->SetNodesPerPixel(std::max(1, options.bonds.refine)); // below 1 it is refused when the picture is split
+  filter->SetNodesPerPixel(options.bonds.refine);
   BondSample sample;
   ResultFiles files; // rank 0
   session.onRoot(
     [&]
     {
       files = openFiles(options, filter);
-      sample = loadBondSample(session, options.picture, options.bonds);
+      sample = loadBondSample(session, options.picture, options.bonds, filter);
     });
   runBonds(session, filter, sample, "stiffness");
   session.onRoot(
@@ -78,12 +71,7 @@ Command stiffnessCommand(CLI::App& root)
     "stiffness", "Effective stiffness tensor of a picture or volume taken as a cell that repeats, with its error");
   auto o = std::make_shared<StiffnessOptions>();
   addPictureOptions(*app, o->picture);
-  addBondOptions(*app, o->bonds, BondUse::Stiffness);
-  app
-    ->add_flag("--no-error-estimate", o->noErrorEstimate,
-      "Leave out the coarser pictures that the error is estimated from: at most four times the work of the cell")
-    ->group("Accuracy and cost");
-  addBalanceOptions(*app, o->balance);
+  addBondOptions(*app, o->bonds, "vtkBondStiffness");
   app->add_option("-o,--output,--csv", o->output, "Write the tensor, one row a stress")
     ->type_name("FILE.csv")
     ->group("Output");

@@ -9,13 +9,12 @@
 #include "Record.h"
 #include "ResultFiles.h"
 #include "SampleRun.h"
+#include "SettingOptions.h"
 #include "TableText.h"
 #include "Text.h"
-#include "Units.h"
 #include "Workspace.h"
 
 #include "lattice/Clock.h"
-#include "lattice/PhaseNames.h"
 #include "vtkLatticeBoltzmann.h"
 #include "vtkLatticeConversion.h"
 
@@ -42,143 +41,44 @@ struct TransientOptions
 {
   CommonOptions common;
   PictureOptions picture;
-  std::vector<std::string> diffusivity;
-  std::string direction = "x";
-  std::string values = "1,0";
-  double initial = 0;
-  std::string sides = "insulated";
-  std::string quantity = "temperature";
-  std::string endTime;
-  std::string frames;
-  std::vector<std::string> atTimes;
-  std::vector<std::string> atSteps;
-  std::string collision = "auto";
-  std::string lattice;
-  std::string step;
-  int threads = 1;
-  bool flux = false;
+  SettingOptions settings;
+  std::string values; ///< as in the version before
   std::string output;
   std::string curve;
   CheckpointWords checkpoint;
 };
 
-const std::vector<std::string> directions{ "x", "y", "z" };
-const std::vector<std::string> sidesWords{ "insulated", "periodic" };
-const std::vector<std::string> quantities{ "temperature", "concentration" };
-const std::vector<std::string> collisions{ "auto", "bgk", "trt" };
-const std::vector<std::string> lattices{ "auto", "d2q5", "d2q9", "d3q7", "d3q19" };
-constexpr const char* seconds = "write it in seconds, such as 0.5";
-constexpr int usualFrames = 10;
-
-/// When states are kept. @returns how many @throws ParameterError
-std::size_t applyTimes(const TransientOptions& o, vtkLatticeBoltzmann* filter)
+/// What can be said without the sample. @returns how many states there may be @throws ParameterError
+std::size_t apply(const TransientOptions& o, vtkLatticeBoltzmann* filter)
 {
-  const std::vector<std::string> times = listed(o.atTimes);
-  const std::vector<std::string> steps = listed(o.atSteps);
-  if (times.empty() && steps.empty())
+  o.settings.give(filter);
+  if (!o.values.empty())
   {
-    if (o.endTime.empty())
+    const std::vector<std::string> faces = split(o.values, ',');
+    const auto inlet = toNumber(faces.front());
+    const auto outlet = toNumber(faces.back());
+    if (faces.size() != 2 || !inlet || !outlet)
     {
-      throw ParameterError(
-        "no --end-time was given", "write it in seconds, such as 0.5, or name states with --at-time");
+      throw ParameterError("--values '" + o.values + "' is not two numbers",
+        "give --inlet-value and --outlet-value, which is what the next version calls it");
     }
-    filter->SetEndTime(positive("--end-time", o.endTime, seconds));
-    const auto frames = o.frames.empty() ? usualFrames : toInteger(o.frames).value_or(0);
-    if (frames < 1 || frames > 100000)
-    {
-      throw ParameterError(fmt::format("--frames {} is not from 1 to 100000", o.frames),
-        "it is how many times after 0 are kept, evenly until --end-time");
-    }
-    filter->SetNumberOfSteps(static_cast<int>(frames));
-    return static_cast<std::size_t>(frames) + 1;
+    filter->SetInletValue(*inlet);
+    filter->SetOutletValue(*outlet);
   }
-  if (!o.endTime.empty() || !o.frames.empty())
-  {
-    throw ParameterError(fmt::format("{} with {}", times.empty() ? "--at-step" : "--at-time",
-                           o.endTime.empty() ? "--frames" : "--end-time"),
-      "states are kept evenly until --end-time, or where --at-time and --at-step say, the last of which is the end");
-  }
-  for (const std::string& text : times)
-  {
-    const auto time = toNumber(text);
-    if (!time || !std::isfinite(*time) || *time < 0)
-    {
-      throw ParameterError("--at-time '" + text + "' is not a time", "write times in seconds, such as 0,1e-3,1e-2");
-    }
-    filter->AddStateAtTime(*time);
-  }
-  for (const std::string& text : steps)
-  {
-    const auto step = toInteger(text);
-    if (!step || *step < 0 || *step % 2 != 0)
-    {
-      throw ParameterError(
-        "--at-step '" + text + "' is not an even number of steps", "steps come in pairs: write 0,100,1000");
-    }
-    filter->AddStateAtStep(*step);
-  }
-  return times.size() + steps.size();
-}
-
-/// @throws ParameterError for a diffusivity of a phase that the sample has not
-void checkNames(const TransientOptions& o, const std::vector<std::string>& phases)
-{
-  for (const std::string& text : listItems(o.diffusivity))
-  {
-    const std::string name = keyValue("--diffusivity", text, "NAME=VALUE").first;
-    if (!phaseMeant(phases, name))
-    {
-      throw ParameterError("--diffusivity names '" + name + "', which is no phase of this sample",
-        suggestion(name, phases, "its phases are " + quotedList(phases, "and")));
-    }
-  }
-}
-
-/// What can be said without the sample. @throws ParameterError
-void apply(const TransientOptions& o, vtkLatticeBoltzmann* filter)
-{
-  for (const std::string& text : listItems(o.diffusivity))
-  {
-    const auto [name, number] = keyValue("--diffusivity", text, "NAME=VALUE");
-    const auto value = toNumber(number);
-    if (!value || !(*value == 0 || (*value > 0 && plausible(*value))))
-    {
-      throw ParameterError("--diffusivity '" + text + "': '" + number + "' is no diffusivity",
-        fmt::format("write it in m²/s, such as --diffusivity {}=1.8e-7; 0 for a phase that does not conduct", name));
-    }
-    filter->SetDiffusivity(name.c_str(), *value);
-  }
-  filter->SetDirection(static_cast<int>(oneOf("--direction", o.direction, directions)));
-  filter->SetSides(static_cast<int>(oneOf("--sides", o.sides, sidesWords)));
-  filter->SetQuantity(static_cast<int>(oneOf("--quantity", o.quantity, quantities)));
-  filter->SetCollision(static_cast<int>(oneOf("--stepping", o.collision, collisions)));
-  filter->SetLattice(o.lattice.empty() ? 0 : static_cast<int>(oneOf("--lattice", o.lattice, lattices)));
-  const std::vector<std::string> faces = split(o.values, ',');
-  const auto inlet = toNumber(faces.front());
-  const auto outlet = toNumber(faces.back());
-  const auto fine = [](double value) { return value == 0 || plausible(value); };
-  if (faces.size() != 2 || !inlet || !outlet || !fine(*inlet) || !fine(*outlet))
-  {
-    throw ParameterError("--values '" + o.values + "' is not two numbers",
-      "give the value where the direction begins and where it ends, such as 1,0");
-  }
-  filter->SetInletValue(*inlet);
-  filter->SetOutletValue(*outlet);
-  if (!fine(o.initial))
-  {
-    throw ParameterError(fmt::format("--initial {} is no value", o.initial), "it is of the size of --values");
-  }
-  filter->SetInitialValue(o.initial);
-  filter->SetTimeStep(o.step.empty() ? 0 : positive("--step", o.step, seconds));
-  checkThreads(o.threads);
-  filter->SetThreads(o.threads);
-  filter->SetComputeFlux(o.flux);
-  filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
-  if (o.flux && o.output.empty())
+  if (filter->GetComputeFlux() && o.output.empty())
   {
     throw ParameterError("--flux without a file to write to", "add -o FILE.vti");
   }
+  filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
   applyCheckpoint(o.checkpoint, filter);
+  const std::size_t named = o.settings.count("at-time") + o.settings.count("at-step");
+  if (named > 0 && (o.settings.given("end-time") || o.settings.given("frames")))
+  {
+    throw ParameterError(fmt::format("--{} with --{}", o.settings.given("at-time") ? "at-time" : "at-step",
+                           o.settings.given("end-time") ? "end-time" : "frames"),
+      "states are kept evenly until --end-time, or where --at-time and --at-step say, the last of which is the end");
+  }
+  return named > 0 ? named : static_cast<std::size_t>(filter->GetNumberOfSteps()) + 1;
 }
 
 double numberOf(vtkImageData* state, const char* name)
@@ -225,8 +125,7 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
 {
   const auto start = Clock::now();
   vtkNew<vtkLatticeBoltzmann> filter;
-  apply(o, filter);
-  const std::size_t frames = applyTimes(o, filter);
+  const std::size_t frames = apply(o, filter);
   auto image = vtkSmartPointer<vtkImageData>::New();
   std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
   std::string provenance;
@@ -244,14 +143,9 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
       }
       Sample sample = loadSample(o.picture);
       Session::checkInterrupt();
-      checkNames(o, sample.image.phases.names());
-      if (sample.pixelSizeSource == "none")
-      {
-        throw ParameterError("a run in time needs the size of a pixel, which '" + o.picture.file + "' does not tell",
-          "add --pixel-size, such as --pixel-size 0.5um");
-      }
+      o.settings.checkNames(sample.image.phases.names());
       tellDoubts(session, sample);
-      files.needs(static_cast<std::uint64_t>(sample.image.lattice.count()) * (o.flux ? 33 : 9));
+      files.needs(static_cast<std::uint64_t>(sample.image.lattice.count()) * (filter->GetComputeFlux() ? 33 : 9));
       provenance = sample.provenance;
       if (!o.checkpoint.file.empty())
       {
@@ -265,11 +159,11 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
   session.broadcast(extent);
   const auto finish = [&]
   {
-    if (filter->GetNumberOfStates() == 0)
-    {
-      throwFailure(filter->GetFailure());
-    }
     tellWarnings(session);
+    for (const std::string& remark : o.settings.remarks())
+    {
+      session.warn(remark);
+    }
     std::vector<vtkDataObject*> states;
     for (int k = 0; k < filter->GetNumberOfStates(); ++k)
     {
@@ -288,8 +182,8 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
     json["curve"] = jsonRows(filter->GetCurve());
     json["stepping"] = textOf(last, "collision");
     json["lattice"] = textOf(last, "lattice");
-    json["direction"] = o.direction;
-    json["sides"] = o.sides;
+    json["direction"] = textOf(last, "direction");
+    json["sides"] = textOf(last, "sides");
     json["steps"] = static_cast<std::int64_t>(numberOf(last, "steps"));
     json["time_step"] = numberOf(last, "time_step");
     json["relaxation"] = numberOf(last, "relaxation");
@@ -325,33 +219,12 @@ Command transientCommand(CLI::App& root)
     root.add_subcommand("transient", "Heat or vapour through a picture or volume in time, by lattice Boltzmann steps");
   auto o = std::make_shared<TransientOptions>();
   addPictureOptions(*app, o->picture);
-  const auto option = [&](const char* group, const char* name, auto& value, const char* text, const char* type)
-  { return app->add_option(name, value, text)->type_name(type)->group(group); };
-  const char* const diffusion = "Diffusion";
-  option(diffusion, "--diffusivity", o->diffusivity, "Of a phase [m²/s]; 0: does not conduct", "NAME=VALUE")
-    ->allow_extra_args(false);
-  option(diffusion, "--direction", o->direction, "From which face to which", "x|y|z")->capture_default_str();
-  option(diffusion, "--values", o->values, "On the face where it begins and on that where it ends", "INLET,OUTLET")
-    ->capture_default_str();
-  option(diffusion, "--initial", o->initial, "Value inside at time 0", "NUMBER")->capture_default_str();
-  option(diffusion, "--sides", o->sides, "The other sides", "insulated|periodic")->capture_default_str();
-  option(diffusion, "--quantity", o->quantity, "Names the field", "temperature|concentration")->capture_default_str();
-  const char* const time = "Time";
-  option(time, "--end-time", o->endTime, "The last time [s]", "NUMBER");
-  option(time, "--frames", o->frames, "Times after 0 that are kept, evenly until the end", "NUMBER")->default_str("10");
-  option(time, "--at-time", o->atTimes, "Keep these times [s] instead; the last is the end", "LIST")
-    ->allow_extra_args(false);
-  option(time, "--at-step", o->atSteps, "Keep the ends of these numbers of steps instead, likewise", "LIST")
-    ->allow_extra_args(false);
-  const char* const numerics = "Accuracy and cost";
-  option(numerics, "--stepping", o->collision, "Two relaxation times, or one as in the first paper; auto is trt",
-    "auto|bgk|trt")
-    ->capture_default_str();
-  option(numerics, "--lattice", o->lattice, "d2q5 or d3q7 where nothing is said", "d2q5|d2q9|d3q7|d3q19");
-  option(numerics, "--step", o->step, "Time step [s]; short enough to be accurate where nothing is said", "NUMBER");
-  option(numerics, "--threads", o->threads, "Of each process", "NUMBER")->capture_default_str();
+  o->settings.declare(
+    *app, "vtkLatticeBoltzmann", { "checkpoint", "checkpoint-every", "checkpoint-seconds", "continue", "keep-states" });
+  o->settings.formerly(*app, "initial", "initial-value");
+  o->settings.formerly(*app, "step", "time-step");
+  app->add_option("--values", o->values)->group("");
   addOutputOptions(*app, o->output, o->common, "Write the field at each time: FILE_000.vti ... and FILE.pvd");
-  app->add_flag("--flux", o->flux, "With its flux")->group("Output");
   addResultFile(*app, "--curve", o->curve, "Write times, fluxes through both faces and the mean value");
   addCheckpointOptions(*app, o->checkpoint, "Steps between two", "10000");
   addReportOptions(*app, o->common);

@@ -125,6 +125,16 @@ std::optional<double> secondsFrom(std::string_view text)
   return std::nullopt;
 }
 
+double coordinate(const std::string& option, const std::string& text)
+{
+  if (const auto number = toNumber(text); number && std::isfinite(*number))
+  {
+    return *number;
+  }
+  const bool negative = !text.empty() && text.front() == '-';
+  return (negative ? -1 : 1) * lengthInMetres(option, negative ? text.substr(1) : text);
+}
+
 CLI::Option* takesPascals(CLI::Option* option)
 {
   return takes(option, pascals);

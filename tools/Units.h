@@ -23,6 +23,9 @@ namespace lamella::cli
 /// A time in seconds: "30s", "10min", "1.5h"; nothing where it is none, or has no unit.
 [[nodiscard]] std::optional<double> secondsFrom(std::string_view text);
 
+/// A coordinate [m]: a number, or one with a unit. 0 and negative ones are coordinates too. @throws ParameterError
+[[nodiscard]] double coordinate(const std::string& option, const std::string& text);
+
 /// Lets an option that is a number be written as a stress, or as a share, with a unit. @return the option
 CLI::Option* takesPascals(CLI::Option* option);
 CLI::Option* takesShares(CLI::Option* option);

@@ -49,6 +49,9 @@ int run(Session& session, std::vector<std::string> words)
     ->type_name("bash|zsh|fish");
   bool manual = false;
   root.add_flag("--man", manual, "Print the manual page, for man, and exit");
+  bool tables = false;
+  root.add_flag("--option-tables", tables, "Print the options of all commands as tables, for the documentation")
+    ->group("");
   addExamples(root,
     { "lamella generate softwood -o tissue.png",
       "lamella diffusion tissue.png --conductivity lumen=0.023 --conductivity wall=1 -o heat.vti",
@@ -75,6 +78,11 @@ int run(Session& session, std::vector<std::string> words)
   if (manual || root.count("--completion") > 0)
   {
     session.print(manual ? manualPage(root) : shellCompletion(root, shell));
+    return exitOk;
+  }
+  if (tables)
+  {
+    session.print(optionTables(root));
     return exitOk;
   }
   for (const Command& command : commands)

@@ -18,6 +18,19 @@ Communicator::Communicator(MPI_Comm comm)
   }
 }
 
+int Communicator::sizeOnMachine() const
+{
+  int count = 1;
+  if (parallel())
+  {
+    MPI_Comm here = MPI_COMM_NULL;
+    MPI_Comm_split_type(comm_, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &here);
+    MPI_Comm_size(here, &count);
+    MPI_Comm_free(&here);
+  }
+  return count;
+}
+
 void Communicator::sum(std::span<double> values) const
 {
   if (parallel())

@@ -22,6 +22,9 @@ public:
   [[nodiscard]] bool parallel() const noexcept { return size_ > 1; }
   [[nodiscard]] MPI_Comm handle() const noexcept { return comm_; }
 
+  /// Ranks that share this machine's memory with this one, itself included. Collective.
+  [[nodiscard]] int sizeOnMachine() const;
+
   /// Sums in place over all ranks.
   void sum(std::span<double> values) const;
   [[nodiscard]] double sum(double value) const;

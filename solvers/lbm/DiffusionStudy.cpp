@@ -3,6 +3,7 @@
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
 #include "lattice/Subsample.h"
+#include "lbm/StudyChecks.h"
 
 #include <fmt/format.h>
 
@@ -11,6 +12,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace lamella::lbm
 {
@@ -156,6 +158,8 @@ private:
       steady.links = std::make_shared<LinkTable>(linksOf(refined, part, refinement));
     }
     SteadyDiffusion solver(refined.lattice, block, blockOf(refined, block), diffusivity_, steady, handle);
+    if (!std::exchange(pathsKnown_, true)) // splitting pixels changes no neighbourhood: the first solve tells of all
+      requirePaths(solver, options_.axes, image_.lattice.dimension);
     SteadyResult result = solver.solve(answer.axis);
     step.refinement = refinement;
     step.nodes += refined.lattice.count();
@@ -490,6 +494,7 @@ private:
   int factor_;  ///< nodes a node becomes when it is split in two along each axis
   double base_; ///< nodes at the first refinement
   StudyProgress progress_;
+  bool pathsKnown_ = false;
   std::vector<std::optional<PictureError>> pictures_; ///< by answer
   std::vector<double> changes_;  ///< by answer: of the value at the present refinement from that at the first, relative
   std::vector<double> lattices_; ///< what a lattice without end would add to it, over the value at the first

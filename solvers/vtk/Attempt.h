@@ -1,5 +1,6 @@
 #pragma once
 
+#include "Failures.h"
 #include "Settings.h"
 #include "lattice/Error.h"
 
@@ -21,46 +22,18 @@ enum class Outcome
   Failed     ///< what was wrong has been said, with its hint
 };
 
-/// What kind of mistake it was: values of the classes' own Failures.
-enum class Failure
-{
-  None,
-  Input,
-  Parameter,
-  NoPath, ///< nothing carries the load
-  Memory,
-  Divergence,
-  Other
-};
-
-[[nodiscard]] inline Failure failureOf(const Error& error)
-{
-  if (dynamic_cast<const ParameterError*>(&error) != nullptr)
-  {
-    return Failure::Parameter;
-  }
-  if (dynamic_cast<const NoPathError*>(&error) != nullptr)
-  {
-    return Failure::NoPath;
-  }
-  if (dynamic_cast<const MemoryError*>(&error) != nullptr)
-  {
-    return Failure::Memory;
-  }
-  return dynamic_cast<const DivergenceError*>(&error) != nullptr ? Failure::Divergence : Failure::Input;
-}
-
 /// Runs what a source or filter does, if its settings are in their ranges; exceptions become its errors
 /// (vtkErrorMacro), as VTK's callers expect.
 /// @param failure what kind it was; not changed where there was none
 template <typename Action>
 [[nodiscard]] Outcome attempt(vtkObject* self, const Action& action, Failure* failure = nullptr)
 {
-  const auto keep = [failure](Failure kind)
+  const auto keep = [failure](const std::exception& error)
   {
+    keepFailure(std::current_exception());
     if (failure != nullptr)
     {
-      *failure = kind;
+      *failure = kindOf(error);
     }
   };
   try
@@ -75,17 +48,17 @@ template <typename Action>
   }
   catch (const Error& error)
   {
-    keep(failureOf(error));
+    keep(error);
     vtkErrorWithObjectMacro(self, << error.what() << "\nhint: " << error.hint());
   }
-  catch (const std::bad_alloc&)
+  catch (const std::bad_alloc& error)
   {
-    keep(Failure::Memory);
+    keep(error);
     vtkErrorWithObjectMacro(self, << "there is not enough memory\nhint: take a smaller part or a coarser lattice");
   }
   catch (const std::exception& error)
   {
-    keep(Failure::Other);
+    keep(error);
     vtkErrorWithObjectMacro(self, << error.what());
   }
   return Outcome::Failed;

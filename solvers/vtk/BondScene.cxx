@@ -2,6 +2,7 @@
 
 #include "BoxExchange.h"
 #include "FieldNumbers.h"
+#include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
 #include "peridynamics/BondLattice.h"
@@ -13,6 +14,8 @@
 #include "vtkInformation.h"
 #include "vtkIntArray.h"
 #include "vtkPointData.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -161,6 +164,13 @@ BondScene::BondScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInform
   team.agree(
     [&]
     {
+      const bool energies = !settings.materials.fractureEnergy.empty() || !settings.materials.toughness.empty();
+      if (energies && fieldText(piece, "pixel_size_source") == "none")
+      {
+        throw ParameterError(fmt::format("a {} needs the size of a pixel, which is not known",
+                               settings.materials.toughness.empty() ? "fracture energy" : "toughness"),
+          "give it where the picture is read: pixel size; or give critical stretches");
+      }
       requireVoids(phases_, settings.materials.voids);
       model_ = modelFrom(settings, lattice().dimension);
       slab_ = pd::slab(lattice(), pd::Stencil(lattice().dimension, model_.horizon), Communicator(team.comm()));
@@ -190,6 +200,21 @@ BondScene::BondScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInform
     grain_.resize(phase_.size());
     inward.run<std::int32_t>(held, grain_);
   }
+}
+
+std::vector<std::string> unitDoubts(const pd::PairTable& materials)
+{
+  constexpr double least = 1e3; // Pa √m, far below glue (1e5); gels lie here
+  std::vector<std::string> doubts;
+  for (const auto& [pair, value] : materials.toughness)
+  {
+    if (materials.relativeTo.empty() && value < least)
+    {
+      doubts.push_back(fmt::format(
+        "the toughness of {0} is {1:g} Pa √m: glass has 7e5, wood 1e5 to 1e6; was {1:g} MPa √m meant?", pair, value));
+    }
+  }
+  return doubts;
 }
 
 bool BondScene::isVoid(std::size_t node) const

@@ -47,6 +47,8 @@ struct BondSettings
 };
 
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT nlohmann::json toJson(const BondSettings& settings);
+/// Values that were meant in another unit, as it seems: a slip that nothing else tells.
+[[nodiscard]] std::vector<std::string> unitDoubts(const peridynamics::PairTable& materials);
 /// @throws InputError for what toJson() did not write
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT BondSettings bondSettingsFromJson(const std::string& text);
 

@@ -1,5 +1,6 @@
 #include "DiffusionScene.h"
 
+#include "WallConductivity.h"
 #include "vtkDiffusionAlgorithm.h"
 
 #include "lattice/Error.h"
@@ -21,18 +22,28 @@ Block blockOf(const Lattice& lattice, const Team& team)
 
 } // namespace
 
-DiffusionScene::DiffusionScene(vtkImageData* input, vtkInformation* choice, int direction, const Team& team)
+DiffusionScene::DiffusionScene(
+  vtkImageData* input, vtkInformation* choice, int direction, const Team& team, bool gathered)
   : whole(uprightImage(input, team))
   , phases(phaseIds(input, choice, team))
-  , block(blockOf(whole.lattice, team))
-  , outward(whole.lattice, block, whole.held, { false, false, false }, team.comm(), team.size())
-  , ids(phases.ids)
   , nodes(phases.values.size(), 0)
 {
   if (direction == 2 && whole.lattice.dimension == 2)
   {
     throw ParameterError("direction z of a two-dimensional image", "choose x or y");
   }
+  if (gathered)
+  {
+    image = gatherPhases(whole.lattice, whole.held, phases, team);
+    for (const std::uint8_t id : image.phase)
+    {
+      ++nodes[id];
+    }
+    return;
+  }
+  block = blockOf(whole.lattice, team);
+  outward.emplace(whole.lattice, block, whole.held, std::array{ false, false, false }, team.comm(), team.size());
+  ids = phases.ids;
   const BoxExchange inward(whole.lattice, whole.held, block, { false, false, false }, team.comm(), team.size());
   if (!inward.identity())
   {

@@ -4,6 +4,7 @@
 #include "PhaseIds.h"
 #include "vtkPieces.h"
 
+#include "lattice/Phases.h"
 #include "lbm/SteadyDiffusion.h"
 
 #include "vtkDoubleArray.h"
@@ -11,6 +12,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,14 +31,16 @@ struct DiffusionScene
 {
   /// Collective. @param choice of the array of phases: vtkAlgorithm::GetInputArrayInformation()
   /// @throws Error on every rank; ParameterError for direction z of a picture
-  DiffusionScene(vtkImageData* input, vtkInformation* choice, int direction, const Team& team);
+  /// @param gathered whether every rank gets the whole image, for what is not solved in blocks of its own lattice
+  DiffusionScene(vtkImageData* input, vtkInformation* choice, int direction, const Team& team, bool gathered = false);
   DiffusionScene(const DiffusionScene&) = delete;
   DiffusionScene& operator=(const DiffusionScene&) = delete;
 
   WholeImage whole;
   PhaseIds phases;
-  Block block; ///< of this rank
-  BoxExchange outward;
+  PhaseImage image; ///< where it is gathered; what follows is empty then, but for `nodes`
+  Block block;      ///< of this rank
+  std::optional<BoxExchange> outward;
   std::span<const std::uint8_t> ids; ///< of the block
   std::vector<std::int64_t> nodes;   ///< by id, in the whole image
 
@@ -52,10 +56,16 @@ struct DiffusionScene
   template <class Read>
   [[nodiscard]] vtkSmartPointer<vtkDoubleArray> array(const std::string& name, int components, Read&& read) const
   {
+    return array(name, components, *outward, block, whole.held, read);
+  }
+  template <class Read>
+  [[nodiscard]] static vtkSmartPointer<vtkDoubleArray> array(const std::string& name, int components,
+    const BoxExchange& outward, const Block& block, const Block& held, Read&& read)
+  {
     auto array = vtkSmartPointer<vtkDoubleArray>::New();
     array->SetName(name.c_str());
     array->SetNumberOfComponents(components);
-    array->SetNumberOfTuples(whole.held.count());
+    array->SetNumberOfTuples(held.count());
     const std::span<double> values(array->GetPointer(0), static_cast<std::size_t>(array->GetNumberOfValues()));
     if (outward.identity())
     {

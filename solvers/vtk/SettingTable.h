@@ -52,12 +52,16 @@ struct Setting
   double high;
   bool lowOpen; ///< the end does not belong to the range
   bool highOpen;
+  double unset; ///< out of the range, and stands for a number that is not given; NaN: none does
   std::vector<SettingChoice> choices; ///< what it can be; empty: every number in the range
   std::vector<const char*> parts;     ///< names of what it takes, where that is several
   const char* unit;
   const char* group;
   const char* text;
-  const char* standard; ///< the default, as it is written in a command
+  const char* standard;        ///< the default, as it is written in a command
+  const char* with;            ///< word of another setting that decides whether this one counts; empty: it does
+  std::vector<int> withValues; ///< those of it with which it does
+  const char* withText;        ///< how people say so: "load biaxial"
   /// Its numbers; null where it holds none.
   std::vector<double> (*values)(vtkObject* object);
   void (*set)(vtkObject* object, const std::vector<SettingValue>& values);
@@ -77,8 +81,11 @@ public:
 /// What people call it: "max iterations".
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::string nameOf(const Setting& setting);
 
-/// Refuses numbers of a setting as checkSettings() does. @throws ParameterError
+/// Refuses numbers of a setting that were given. @throws ParameterError
 VTKLAMELLASOLVERSVTK_EXPORT void checkSetting(const Setting& setting, const std::vector<double>& values);
+
+/// Refuses a setting that was given and does not count. @throws ParameterError
+[[noreturn]] VTKLAMELLASOLVERSVTK_EXPORT void refuseIdle(const Setting& setting);
 
 /// Refuses a word that is none of its choices, in the words of every front end. @throws ParameterError
 [[noreturn]] VTKLAMELLASOLVERSVTK_EXPORT void refuseWord(const Setting& setting, const std::string& word);

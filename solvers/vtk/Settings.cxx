@@ -3,6 +3,7 @@
 #include "SettingTable.h"
 
 #include "lattice/Error.h"
+#include "lattice/Plausible.h"
 #include "lattice/Suggestion.h"
 
 #include "vtkObject.h"
@@ -109,7 +110,12 @@ void checkSetting(const Setting& setting, const std::vector<double>& values)
 {
   for (std::size_t i = 0; i < values.size(); ++i)
   {
-    const std::string wrong = fault(setting, values[i]);
+    std::string wrong = fault(setting, values[i]);
+    if (wrong.empty() && setting.unit[0] != '\0' && values[i] != 0 && std::isfinite(values[i]) &&
+      !plausible(std::fabs(values[i])))
+    {
+      wrong = "is not between 1e-30 and 1e30"; // no material's, no sample's
+    }
     if (!wrong.empty())
     {
       const std::string name = values.size() > 1 && i < setting.parts.size() ? setting.parts[i] : "";
@@ -134,13 +140,23 @@ void refuseWord(const Setting& setting, const std::string& word)
     fmt::format("{} '{}' is none of its choices", nameOf(setting), word), suggestion(word, words, remedy(setting)));
 }
 
+void refuseIdle(const Setting& setting)
+{
+  throw ParameterError(fmt::format("{} counts only with {}", nameOf(setting), setting.withText),
+    fmt::format("leave {} out, or choose {}", nameOf(setting), setting.withText));
+}
+
 void checkSettings(vtkObject* object)
 {
   for (const Setting& setting : settingsOf(object->GetClassName()))
   {
     if (setting.values != nullptr)
     {
-      checkSetting(setting, setting.values(object));
+      const std::vector<double> values = setting.values(object);
+      if (values.size() != 1 || values.front() != setting.unset)
+      {
+        checkSetting(setting, values);
+      }
     }
   }
 }

@@ -223,12 +223,34 @@ void vtkBondDynamics::SetMovement(const lamella::BondScene& scene, pd::DynamicsS
   }
 }
 
+void vtkBondDynamics::CheckRate() const
+{
+  const char* const without = this->ReferenceEnergy != 0 ? "omega0"
+    : this->ReferenceCrack != 0                          ? "delta l"
+    : this->StartRate != 1                               ? "start rate"
+                                                         : nullptr;
+  if (this->Relaxation == 0 && without != nullptr)
+  {
+    throw lamella::ParameterError(std::string(without) + " counts only with tau", "give tau, or leave it out");
+  }
+  if (this->ReferenceEnergy != 0 && this->ReferenceCrack != 0)
+  {
+    throw lamella::ParameterError("omega0 and delta l", "each says what the other one does: leave one out");
+  }
+}
+
 void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkPolyData* broken, vtkTable* curve)
 {
   lamella::BondSettings settings = this->Settings();
   settings.largeStrains = true; // as the forces are, for filters on the result
   const lamella::BondScene scene(
     input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
+  this->CheckRate();
+  if (lamella::fieldText(input, "pixel_size_source") == "none")
+  {
+    throw lamella::ParameterError(
+      "motion needs the size of a pixel, which is not known", "give it where the picture is read: pixel size");
+  }
   pd::DynamicsStudyOptions options;
   this->SetMovement(scene, options);
   pd::DynamicsOptions& motion = options.motion;
@@ -311,6 +333,10 @@ void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkP
     pd::studyDynamics(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, comm);
   this->PeakStress = result.peak.stress;
   this->LastCheckpoint = result.checkpointAt;
+  for (const std::string& doubt : lamella::unitDoubts(settings.materials))
+  {
+    result.warnings.push_back(doubt);
+  }
   if (const std::string anew = this->BeginsAnew(); !anew.empty())
   {
     result.warnings.insert(result.warnings.begin(), anew);

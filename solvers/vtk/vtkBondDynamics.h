@@ -48,6 +48,7 @@
  *
  * @default CheckpointEvery 1000
  *
+ * @without LargeStrains Tolerance
  * @sa vtkBondFracture, vtkBondEquilibrium
  */
 
@@ -348,6 +349,7 @@ private:
   void operator=(const vtkBondDynamics&) = delete;
 
   /// What moves the sample. @throws lamella::ParameterError
+  void CheckRate() const; ///< what is told of the loading rate
   void SetMovement(const lamella::BondScene& scene, lamella::peridynamics::DynamicsStudyOptions& options) const;
 
   struct Internals;

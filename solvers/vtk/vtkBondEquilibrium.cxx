@@ -6,6 +6,7 @@
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
+#include "lattice/Plausible.h"
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/ElasticStudy.h"
 
@@ -13,6 +14,8 @@
 #include "vtkImageData.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -155,6 +158,7 @@ void vtkBondEquilibrium::Solve(vtkImageData* input, vtkImageData* output, const 
     input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
   pd::ElasticOptions options;
   options.loading = this->Platens();
+  this->CheckLoad();
   options.loading.strain = this->Strain;
   options.loading.lateralStrain = this->LateralStrain;
   options.loading.traction = this->Traction;
@@ -176,8 +180,12 @@ void vtkBondEquilibrium::Solve(vtkImageData* input, vtkImageData* output, const 
     throw lamella::Cancelled();
   }
   const lamella::Communicator comm(team.comm());
-  const pd::ElasticResult result =
+  pd::ElasticResult result =
     pd::studyElastic(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, comm);
+  for (const std::string& doubt : lamella::unitDoubts(settings.materials))
+  {
+    result.warnings.push_back(doubt);
+  }
   this->EffectiveModulus = result.effectiveModulus;
   this->FirstBreakStrain = result.firstBreak ? result.firstBreak->strain : unknown;
 
@@ -209,6 +217,18 @@ void vtkBondEquilibrium::Solve(vtkImageData* input, vtkImageData* output, const 
     {
       vtkWarningMacro(<< warning);
     }
+  }
+}
+
+void vtkBondEquilibrium::CheckLoad() const
+{
+  const bool traction = this->Load == TRACTION;
+  const double load = traction ? this->Traction : this->Strain;
+  if (load != 0 && !lamella::plausible(std::fabs(load)))
+  {
+    throw lamella::ParameterError(
+      fmt::format("{} {:g} is not between 1e-30 and 1e30", traction ? "traction" : "strain", load),
+      traction ? "give pascals, such as 1e6" : "give a number such as 1e-3");
   }
 }
 

@@ -76,6 +76,7 @@ public:
    * Movement of the high platen over the distance between the platens; tension is positive. Everything scales with it,
    * but for large strains.
    * @group Load
+   * @range (-1, 1)
    * @when Load STRETCH SHEAR BIAXIAL
    */
   vtkSetMacro(Strain, double);
@@ -85,6 +86,7 @@ public:
   /**
    * Biaxial: strain along the other axes.
    * @group Load
+   * @range (-1, 1)
    * @when Load BIAXIAL
    * @advanced
    */
@@ -165,6 +167,8 @@ private:
 
   vtkBondEquilibrium(const vtkBondEquilibrium&) = delete;
   void operator=(const vtkBondEquilibrium&) = delete;
+
+  void CheckLoad() const;
 
   double Strain = 1e-3;
   double LateralStrain = 0;

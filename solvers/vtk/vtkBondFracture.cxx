@@ -55,6 +55,12 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   {
     throw lamella::ParameterError("fracture in large strains", "leave them out: quasi-static fracture is linear");
   }
+  const pd::PairTable& materials = settings.materials;
+  if (materials.criticalStretch.empty() && materials.toughness.empty() && materials.fractureEnergy.empty())
+  {
+    throw lamella::ParameterError("nothing can break: there is no critical stretch, toughness or fracture energy",
+      "give one of them for the pairs of phases that are to break");
+  }
   const lamella::BondScene scene(
     input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
   pd::FractureStudyOptions options;
@@ -127,6 +133,10 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   pd::FractureResult result =
     pd::studyFracture(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, comm);
   this->PeakStress = result.peak.stress;
+  for (const std::string& doubt : lamella::unitDoubts(settings.materials))
+  {
+    result.warnings.push_back(doubt);
+  }
   if (const std::string anew = this->BeginsAnew(); !anew.empty())
   {
     result.warnings.insert(result.warnings.begin(), anew);

@@ -50,6 +50,7 @@
  * @warning Strains are small: nothing turns, and pieces that hang by a hinge never part, so a run ends at a share of
  * the peak (StopShare).
  *
+ * @without LargeStrains
  * @sa vtkBondEquilibrium
  */
 
@@ -80,6 +81,7 @@ public:
   /**
    * Biaxial: strain along the other axes over that along the axis.
    * @group Load
+   * @range [-1, 1]
    * @when Load BIAXIAL
    * @advanced
    */

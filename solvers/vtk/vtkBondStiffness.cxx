@@ -228,8 +228,12 @@ void vtkBondStiffness::Run(vtkImageData* input, vtkImageData* output, const lame
   }
   const lamella::Communicator comm(team.comm());
   const int dimension = scene.lattice().dimension;
-  const pd::StiffnessResult result =
+  pd::StiffnessResult result =
     pd::studyStiffness(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, comm);
+  for (const std::string& doubt : lamella::unitDoubts(settings.materials))
+  {
+    result.warnings.push_back(doubt);
+  }
   this->EstimatedError = result.error.relative;
 
   output->ShallowCopy(input);

@@ -48,6 +48,7 @@
  * @warning In plane strain the constants are those of the plane: E/(1 − ν²), ν/(1 − ν). The image repeats whether it
  * fits together at its sides or not; `seam_mismatch` tells how well it does.
  *
+ * @without FractureEnergies Toughnesses CriticalStretches LargeStrains Periodic
  * @sa vtkBondEquilibrium, vtkMicrostructureSource, vtkPictureReader
  */
 
@@ -69,6 +70,7 @@ public:
   ///@{
   /**
    * Solve coarser pictures of the cell as well, and tell the error. At most four times the work.
+   * @off no-error-estimate
    * @group Accuracy and cost
    */
   vtkSetMacro(EstimateError, bool);

@@ -4,6 +4,7 @@
 #include "FieldNumbers.h"
 #include "LongRun.h"
 #include "PackingData.h"
+#include "ThreadCount.h"
 #include "vtkLatticeConversion.h"
 #include "vtkProvenance.h"
 
@@ -22,6 +23,7 @@
 #include <array>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace packing = lamella::packing;
 
@@ -30,6 +32,7 @@ struct vtkGrainPacking::Internals
   lamella::KeptStates<vtkPolyData> States;
   lamella::KeptStates<vtkPolyData> Contacts; ///< one a state
   lamella::Pace Told;
+  std::vector<vtkIdType> Seeds;
 };
 
 vtkStandardNewMacro(vtkGrainPacking);
@@ -47,6 +50,21 @@ vtkPolyData* vtkGrainPacking::GetContacts()
 }
 
 vtkGrainPacking::~vtkGrainPacking() = default;
+
+void vtkGrainPacking::AddSeed(vtkIdType seed)
+{
+  this->Kept->Seeds.push_back(seed);
+  this->Modified();
+}
+
+void vtkGrainPacking::RemoveAllSeeds()
+{
+  if (!this->Kept->Seeds.empty())
+  {
+    this->Kept->Seeds.clear();
+    this->Modified();
+  }
+}
 
 int vtkGrainPacking::GetNumberOfStates()
 {
@@ -90,10 +108,17 @@ int vtkGrainPacking::RequestInformation(vtkInformation*, vtkInformationVector**,
 
 void vtkGrainPacking::Pack()
 {
-  if (this->Seed < 0)
+  Internals& kept = *this->Kept;
+  for (const vtkIdType seed : kept.Seeds)
   {
-    throw lamella::ParameterError(
-      "the seed is " + std::to_string(this->Seed), "give a whole number that is not negative");
+    if (seed < 0)
+    {
+      throw lamella::ParameterError("a seed is " + std::to_string(seed), "give whole numbers that are not negative");
+    }
+  }
+  if (!kept.Seeds.empty() && this->StateEvery > 0)
+  {
+    throw lamella::ParameterError("states on the way of several packings", "give one seed, or no number of steps");
   }
   packing::PackingOptions options;
   options.dimension = this->Dimension;
@@ -112,7 +137,6 @@ void vtkGrainPacking::Pack()
   }
   options.seed = static_cast<std::uint64_t>(this->Seed);
   options.tolerance = this->Tolerance;
-  Internals& kept = *this->Kept;
   options.progress = [&](double share, const char* stage)
   {
     if (kept.Told.due())
@@ -123,7 +147,6 @@ void vtkGrainPacking::Pack()
   };
   options.interrupted = [this] { return this->CheckAbort(); };
 
-  const auto seed = static_cast<double>(this->Seed);
   nlohmann::json parameters{ { "dimension", this->Dimension }, { "count", this->Count },
     { "mean_diameter", this->MeanDiameter }, { "diameter_ratio", this->DiameterRatio },
     { "sizes", std::array{ "volume", "volume-share", "diameter" }.at(static_cast<std::size_t>(this->Sizes)) },
@@ -134,7 +157,7 @@ void vtkGrainPacking::Pack()
     parameters["packing_fraction"] = this->PackingFraction;
   }
   double made = 0;
-  const auto keep = [&](const packing::Packing& grains, const char* stage)
+  const auto keep = [&](const packing::Packing& grains, const char* stage, std::uint64_t seed)
   {
     const auto needed = static_cast<double>(lamella::packingBytes(grains));
     if (const auto available = static_cast<double>(lamella::availableMemory()); needed > available)
@@ -149,24 +172,38 @@ void vtkGrainPacking::Pack()
       grains, packing::statistics(grains, options.friction > 0), this->GetClassName(), particles, contacts);
     for (vtkPolyData* const data : { particles, contacts })
     {
-      lamella::setFieldNumber(data, "seed", seed);
+      lamella::setFieldNumber(data, "seed", static_cast<double>(seed));
       lamella::setFieldNumber(data, "relaxation_steps", static_cast<double>(grains.steps));
       lamella::setFieldText(data, "stage", stage);
       lamella::setFieldNumber(data, lamella::stateNumber, made);
-      lamella::beginProvenance(data, "packing", parameters, options.seed);
+      lamella::beginProvenance(data, "packing", parameters, seed);
       data->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), static_cast<double>(grains.steps));
     }
     ++made;
     lamella::tellStep(this, particles);
   };
+  if (!kept.Seeds.empty())
+  {
+    const std::vector<std::uint64_t> seeds(kept.Seeds.begin(), kept.Seeds.end());
+    const std::vector<packing::Packing> packed = packing::packMany(options, seeds, lamella::threadCount(this->Threads));
+    for (std::size_t i = 0; i < seeds.size(); ++i)
+    {
+      for (const std::string& warning : packed[i].warnings)
+      {
+        vtkWarningMacro(<< "seed " << seeds[i] << ": " << warning);
+      }
+      keep(packed[i], "at rest", seeds[i]);
+    }
+    return;
+  }
   options.every = this->StateEvery;
-  options.state = [&](const packing::PackingState& state) { keep(state.packing, state.stage); };
+  options.state = [&](const packing::PackingState& state) { keep(state.packing, state.stage, options.seed); };
   const packing::Packing end = packing::pack(options);
   for (const std::string& warning : end.warnings)
   {
     vtkWarningMacro(<< warning);
   }
-  keep(end, "at rest");
+  keep(end, "at rest", options.seed);
 }
 
 int vtkGrainPacking::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
@@ -217,6 +254,8 @@ void vtkGrainPacking::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "Softness: " << this->Softness << "\n"
      << indent << "PackingFraction: " << this->PackingFraction << "\n"
      << indent << "Seed: " << this->Seed << "\n"
+     << indent << "Seeds: " << this->Kept->Seeds.size() << "\n"
+     << indent << "Threads: " << this->Threads << "\n"
      << indent << "Tolerance: " << this->Tolerance << "\n"
      << indent << "StateEvery: " << this->StateEvery << "\n"
      << indent << "KeepStates: " << this->KeepStates << "\n"

@@ -174,6 +174,30 @@ public:
 
   ///@{
   /**
+   * Several packings, one of each of these seeds, instead of that of Seed: they are the states, in this order, and the
+   * same as one by one.
+   * @word seeds
+   * @group Grains
+   * @columns Seed
+   * @advanced
+   */
+  void AddSeed(vtkIdType seed);
+  void RemoveAllSeeds();
+  ///@}
+
+  ///@{
+  /**
+   * Of several packings: how many at once. 0: one for each core. One packing runs on one thread.
+   * @group Grains
+   * @range [0, inf)
+   * @advanced
+   */
+  vtkSetMacro(Threads, int);
+  vtkGetMacro(Threads, int);
+  ///@}
+
+  ///@{
+  /**
    * At rest, the mean net force on a grain is below this share of the mean contact force.
    * @group Compaction
    * @range [1e-8, 1e-2]
@@ -264,6 +288,7 @@ private:
   double Softness = 1e-6;
   double PackingFraction = 0;
   vtkIdType Seed = 1;
+  int Threads = 1;
   double Tolerance = 1e-4;
   vtkIdType StateEvery = 0;
   bool KeepStates = true;

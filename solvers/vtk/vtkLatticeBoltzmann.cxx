@@ -279,8 +279,12 @@ void vtkLatticeBoltzmann::Run(vtkImageData* input, const lamella::Team& team)
   this->LastCheckpoint = 0;
   if (internal.Evenly() && !(std::isfinite(this->EndTime) && this->EndTime > 0))
   {
+    throw lamella::ParameterError("no end time was given", "give the last time in seconds, or times to keep states at");
+  }
+  if (lamella::fieldText(input, "pixel_size_source") == "none")
+  {
     throw lamella::ParameterError(
-      fmt::format("an end time of {} s is not above 0", this->EndTime), "give the last time in seconds");
+      "a run in time needs the size of a pixel, which is not known", "give it where the picture is read: pixel size");
   }
   std::vector<double> diffusivity;
   team.agree(

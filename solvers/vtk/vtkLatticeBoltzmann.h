@@ -123,10 +123,10 @@ public:
 
   ///@{
   /**
-   * The last time, in seconds.
+   * The last time, in seconds. 0: none is given, and the states to keep must tell it.
    * @group Time
    * @unit s
-   * @range (0, inf)
+   * @range [0, inf)
    */
   vtkSetMacro(EndTime, double);
   vtkGetMacro(EndTime, double);
@@ -276,7 +276,7 @@ private:
   double OutletValue = 0;
   double InitialValue = 0;
   int Collision = AUTO_COLLISION;
-  double EndTime = 1;
+  double EndTime = 0;
   int NumberOfSteps = 10;
   double TimeStep = 0;
   bool KeepStates = true;

@@ -15,6 +15,10 @@
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
 vtkStandardNewMacro(vtkMatrixBridges);
 
 vtkMatrixBridges::vtkMatrixBridges() = default;
@@ -45,9 +49,21 @@ bool vtkMatrixBridges::Cement(vtkPolyData* particles)
       {
         bridges.saturation = this->Saturation;
       }
-      this->Image = lamella::cementedImage(packing, bridges, { this->NodesAcross, this->Platen }, this->GetClassName());
+      lamella::packing::RasterOptions raster{ this->NodesAcross, this->Platen };
+      if (this->Spacing != 0)
+      {
+        const double nodes = std::round(packing.size[0] / this->Spacing);
+        if (!(nodes >= 2 && nodes <= 1e6))
+        {
+          throw lamella::ParameterError(
+            fmt::format("spacing {:g} makes {:g} nodes across a box of {:g} m", this->Spacing, nodes, packing.size[0]),
+            "give a length that goes into it 2 to 1000000 times");
+        }
+        raster.nodesAcross = static_cast<std::int64_t>(nodes);
+      }
+      this->Image = lamella::cementedImage(packing, bridges, raster, this->GetClassName());
 
-      nlohmann::json parameters{ { "reach", this->Reach }, { "nodes_across", this->NodesAcross },
+      nlohmann::json parameters{ { "reach", this->Reach }, { "nodes_across", raster.nodesAcross },
         { "platen", this->Platen } };
       if (this->WallBridges)
       {
@@ -126,5 +142,6 @@ void vtkMatrixBridges::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "WallBridges: " << this->WallBridges << "\n"
      << indent << "Saturation: " << this->Saturation << "\n"
      << indent << "NodesAcross: " << this->NodesAcross << "\n"
+     << indent << "Spacing: " << this->Spacing << "\n"
      << indent << "Platen: " << this->Platen << "\n";
 }

@@ -41,7 +41,7 @@ public:
    * given.
    * @group Matrix
    * @when Filled 0
-   * @range (0, 2]
+   * @range [0, 2]
    */
   vtkSetMacro(Width, double);
   vtkGetMacro(Width, double);
@@ -94,11 +94,23 @@ public:
    * Nodes of the lattice along x. Spheres: 100 are enough for a first look.
    *
    * Nodes along x; the spacing is the box's first edge over them.
+   * @word nodes, nodes_across
    * @group Lattice
    * @range [2, inf)
    */
   vtkSetMacro(NodesAcross, vtkIdType);
   vtkGetMacro(NodesAcross, vtkIdType);
+  ///@}
+  ///@{
+  /**
+   * Distance of the nodes in metres, instead: the nearest that divides the box. 0: by their number.
+   * @group Lattice
+   * @unit m
+   * @range [0, inf)
+   * @advanced
+   */
+  vtkSetMacro(Spacing, double);
+  vtkGetMacro(Spacing, double);
   ///@}
 
   ///@{
@@ -133,6 +145,7 @@ private:
   bool WallBridges = false;
   double Saturation = 0;
   vtkIdType NodesAcross = 400;
+  double Spacing = 0;
   double Platen = 0;
 
   vtkSmartPointer<vtkImageData> Image; ///< what was made

@@ -71,6 +71,11 @@ void vtkPackingReader::Read(vtkPolyData* particles, vtkPolyData* contacts)
     readParticles(this->FileName, particles);
     return;
   }
+  if (ending == ".vti")
+  {
+    throw lamella::InputError("'" + std::string(this->FileName) + "' is an image, not a packing",
+      "give a table x,z,r or the .vtp of lamella packing");
+  }
   lamella::PackingTableOptions options;
   options.unit = this->LengthUnit;
   nlohmann::json parameters{ { "length_unit", this->LengthUnit } };

@@ -10,6 +10,8 @@
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 
@@ -104,6 +106,10 @@ lamella::PointSettings vtkPointAlgorithm::Settings() const
   }
   s.voids = this->GivenVoids();
   s.perNode = this->PointsPerNode;
+  if (s.perNode == 0)
+  {
+    s.perNode = static_cast<int>(std::ceil(std::clamp(2 * this->CellsPerNode, 2.0, 16.0)));
+  }
   s.cellsPerNode = this->CellsPerNode;
   return s;
 }

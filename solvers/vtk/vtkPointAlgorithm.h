@@ -85,7 +85,8 @@ public:
    * @word young
    * @group Walls
    * @unit Pa
-   * @range [0, inf)
+   * @range (0, inf)
+   * @unset 0
    */
   vtkSetMacro(YoungsModulus, double);
   vtkGetMacro(YoungsModulus, double);
@@ -130,7 +131,8 @@ public:
    * @word shear
    * @group Walls
    * @unit Pa
-   * @range [0, inf)
+   * @range (0, inf)
+   * @unset 0
    * @when Law AUTO_LAW ORTHOTROPIC
    * @advanced
    */
@@ -198,9 +200,9 @@ public:
 
   ///@{
   /**
-   * Points along each axis in a node of the image.
+   * Points along each axis in a node of the image. 0: two a cell of the grid, and two at least.
    * @group Points and grid
-   * @range [1, 16]
+   * @range [0, 16]
    */
   vtkSetMacro(PointsPerNode, int);
   vtkGetMacro(PointsPerNode, int);
@@ -269,7 +271,7 @@ private:
   double YieldStress = 1e8;
   double Hardening = 0;
   double Density = 1500;
-  int PointsPerNode = 2;
+  int PointsPerNode = 0;
   double CellsPerNode = 1;
 
 protected:

@@ -75,6 +75,22 @@ public:
   vtkGetMacro(Failure, int);
   ///@}
 
+  ///@{
+  /**
+   * The first error that a source or filter of Lamella ended with since it was forgotten: its kind, a value of
+   * Failures, what was wrong, and what to do about it. Of this process, whichever object it was.
+   */
+  static int LastFailure();
+  static std::string LastMessage();
+  static std::string LastHint();
+  static void ForgetLastFailure();
+  ///@}
+  /**
+   * The value of a word among the choices of a setting, by the words of the class's header: "vtkSteadyDiffusion",
+   * "direction", "all". Where it is none, the last failure says so, and -1000000 comes back.
+   */
+  static int FindChoice(const char* className, const char* setting, const char* word);
+
 protected:
   vtkSampleAlgorithm();
   ~vtkSampleAlgorithm() override = default;

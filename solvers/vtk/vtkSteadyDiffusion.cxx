@@ -1,15 +1,19 @@
 #include "vtkSteadyDiffusion.h"
 
 #include "BondFields.h"
+#include "BoxExchange.h"
 #include "DiffusionScene.h"
+#include "RefinedImage.h"
+#include "SteadyFindings.h"
 #include "WallConductivity.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
-#include "vtkProvenance.h"
 
+#include "lattice/Communicator.h"
 #include "lattice/Error.h"
 #include "lbm/Bounds.h"
 #include "lbm/DiffusionStudy.h"
+#include "lbm/StudyChecks.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -19,7 +23,10 @@
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkUnsignedCharArray.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -66,12 +73,6 @@ std::string storePhases(vtkImageData* output, const lamella::PhaseIds& phases, c
   return name;
 }
 
-/// The largest of those that are numbers, else NaN.
-double worst(const std::array<double, 3>& errors)
-{
-  return *std::ranges::max_element(errors, [](double a, double b) { return std::isnan(a) || a < b; });
-}
-
 /// Applies f to each number.
 template <class F>
 void change(vtkDoubleArray* array, F&& f)
@@ -86,90 +87,104 @@ struct vtkSteadyDiffusion::Internals
   std::map<std::string, double> Conductivity;
   std::map<std::string, double> Across; ///< of the phases whose conductivity differs across the wall
 
-  /// By direction, NaN where not solved.
-  using ByDirection = std::array<double, 3>;
-  std::array<ByDirection, 3> Effective; ///< columns of the tensor
-  ByDirection Balance;
-  ByDirection Iterations;
-  ByDirection Stored;
-  ByDirection Skipped;
-  ByDirection Error;
-  ByDirection LatticeError;
-  ByDirection PictureError;
-  ByDirection Extrapolated;
-  std::vector<double> PhaseConductivity; ///< by id
-  std::vector<double> PhaseAcross;       ///< by id; empty: the same in every direction
-  std::vector<double> PhaseFraction;     ///< by id
-  std::vector<std::string> PhaseNames;   ///< by id
-  std::string PhaseArray;
-  std::string LatticeName;
-  lbm::Bounds Bounds;
+  // Of the update that is under way.
+  std::vector<double> Values; ///< by id: what is stored where it is above 0
+  std::shared_ptr<lbm::DirectedDiffusivity> Directed;
+  lbm::SteadyOptions Steady;
+  std::vector<int> Axes;
 
-  void Forget()
-  {
-    for (ByDirection* const numbers :
-      { &this->Effective[0], &this->Effective[1], &this->Effective[2], &this->Balance, &this->Iterations, &this->Stored,
-        &this->Skipped, &this->Error, &this->LatticeError, &this->PictureError, &this->Extrapolated })
-    {
-      numbers->fill(notSolved);
-    }
-  }
-  void Keep(int axis, const lbm::SteadyResult& result)
-  {
-    const auto place = static_cast<std::size_t>(axis);
-    this->Effective[place] = result.effective;
-    this->Balance[place] = result.balance;
-    this->Iterations[place] = result.iterations;
-    this->Stored[place] = static_cast<double>(result.stored);
-    this->Skipped[place] = static_cast<double>(result.skipped);
-  }
+  lamella::SteadyFindings Found;
 };
 
-/// Puts the fields of a solve into the output, as asked for.
-struct vtkSteadyDiffusion::FieldStore
+/// Keeps the fields of solves, as asked for, until they are put into the output.
+class vtkSteadyDiffusion::FieldStore
 {
-  vtkSteadyDiffusion* Self;
-  vtkImageData* Output;
-  const lamella::DiffusionScene& Scene;
-
-  void operator()(const lbm::SteadyDiffusion& solver, int axis) const
+public:
+  FieldStore(vtkSteadyDiffusion* self, const lamella::DiffusionScene& scene, const lamella::Team& team)
+    : Self(self)
+    , Scene(scene)
+    , Team(team)
   {
+  }
+
+  [[nodiscard]] bool wanted() const { return this->Self->ComputeField || this->Self->ComputeFlux; }
+
+  /// Collective. Takes them of a solve on this lattice.
+  void take(lbm::SteadyDiffusion const& solver, int axis, const lamella::Lattice& lattice, const lbm::Block& block)
+  {
+    this->Split = static_cast<int>(lattice.size[0] / this->Scene.lattice().size[0]);
+    lbm::Block held = this->Scene.whole.held;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(lattice.dimension); ++a)
+    {
+      held.start[a] *= this->Split;
+      held.size[a] *= this->Split;
+    }
+    const lamella::BoxExchange outward(
+      lattice, block, held, { false, false, false }, this->Team.comm(), this->Team.size());
     const bool all = this->Self->Direction == ALL;
     const std::string suffix = all ? std::string("_") + lamella::axisNames[static_cast<std::size_t>(axis)] : "";
     const std::string quantity = this->Self->QuantityName();
     // The solver has value 1 on the low face.
     const bool fromTop = this->Scene.fromTop(axis);
-    vtkPointData* const points = this->Output->GetPointData();
-    const bool first = !all || axis == X;
     if (this->Self->ComputeField)
     {
-      const auto field = this->Scene.array(quantity + suffix, 1, [&](std::span<double> out) { solver.value(out); });
+      const auto field = lamella::DiffusionScene::array(
+        quantity + suffix, 1, outward, block, held, [&](std::span<double> out) { solver.value(out); });
       if (fromTop)
       {
         change(field, [](double& value) { value = 1 - value; });
       }
       lamella::describe(field, "1", quantity + ", 1 at the inlet and 0 at the outlet", "vtkSteadyDiffusion");
-      points->AddArray(field);
-      if (first)
-      {
-        points->SetActiveScalars(field->GetName());
-      }
+      this->Fields.emplace_back(field);
     }
     if (this->Self->ComputeFlux)
     {
-      const auto flux = this->Scene.array("flux" + suffix, 3, [&](std::span<double> out) { solver.flux(out); });
+      const auto flux = lamella::DiffusionScene::array(
+        "flux" + suffix, 3, outward, block, held, [&](std::span<double> out) { solver.flux(out); });
       if (fromTop)
       {
         change(flux, [](double& value) { value = value == 0 ? 0 : -value; });
       }
       lamella::describe(flux, "conductivity/m", "flux of " + quantity + ", -D grad u", "vtkSteadyDiffusion");
-      points->AddArray(flux);
-      if (first)
-      {
-        points->SetActiveVectors(flux->GetName());
-      }
+      this->Fluxes.emplace_back(flux);
     }
   }
+
+  /// An image with the phases becomes one with the fields, too, on the lattice that they were solved on.
+  void put(vtkImageData* output) const
+  {
+    if (this->Split > 1)
+    {
+      output->ShallowCopy(lamella::refinedImage(output, this->Scene.lattice().dimension, this->Split));
+    }
+    vtkPointData* const points = output->GetPointData();
+    for (std::size_t i = 0; i < std::max(this->Fields.size(), this->Fluxes.size()); ++i)
+    {
+      for (const auto* const kind : { &this->Fields, &this->Fluxes })
+      {
+        if (i < kind->size())
+        {
+          points->AddArray((*kind)[i]);
+        }
+      }
+    }
+    if (!this->Fields.empty())
+    {
+      points->SetActiveScalars(this->Fields.front()->GetName());
+    }
+    if (!this->Fluxes.empty())
+    {
+      points->SetActiveVectors(this->Fluxes.front()->GetName());
+    }
+  }
+
+private:
+  vtkSteadyDiffusion* Self;
+  const lamella::DiffusionScene& Scene;
+  const lamella::Team& Team;
+  int Split = 1;
+  std::vector<vtkSmartPointer<vtkDoubleArray>> Fields;
+  std::vector<vtkSmartPointer<vtkDoubleArray>> Fluxes;
 };
 
 vtkStandardNewMacro(vtkSteadyDiffusion);
@@ -177,10 +192,10 @@ vtkStandardNewMacro(vtkSteadyDiffusion);
 vtkSteadyDiffusion::vtkSteadyDiffusion()
   : Internal(std::make_unique<Internals>())
 {
+  this->Direction = ALL;
   this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "axis");
   std::fill_n(this->EffectiveConductivity, 9, notSolved);
   this->EstimatedError = notSolved;
-  this->Internal->Forget();
 }
 
 vtkSteadyDiffusion::~vtkSteadyDiffusion() = default;
@@ -225,6 +240,39 @@ double vtkSteadyDiffusion::GetConductivityAcross(const char* phase)
   return PhaseValue(this->Internal->Across, phase);
 }
 
+const lamella::SteadyFindings& vtkSteadyDiffusion::GetFindings() const
+{
+  return this->Internal->Found;
+}
+
+int vtkSteadyDiffusion::RequestInformation(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  vtkInformation* const in = inputVector[0]->GetInformationObject(0);
+  vtkInformation* const out = outputVector->GetInformationObject(0);
+  if (this->Refinement > 1 && (this->ComputeField || this->ComputeFlux) &&
+    in->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()) && in->Has(vtkDataObject::SPACING()) &&
+    in->Has(vtkDataObject::ORIGIN()))
+  {
+    std::array<int, 6> extent{};
+    std::array<double, 3> spacing{};
+    std::array<double, 3> origin{};
+    in->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent.data());
+    in->Get(vtkDataObject::SPACING(), spacing.data());
+    in->Get(vtkDataObject::ORIGIN(), origin.data());
+    // What is too large to be counted is refused when it is asked for.
+    const int most = *std::ranges::max_element(extent) + 1;
+    if (most <= std::numeric_limits<int>::max() / this->Refinement)
+    {
+      lamella::refineGeometry(extent, spacing, origin, extent[4] == extent[5] ? 2 : 3, this->Refinement);
+      out->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent.data(), 6);
+      out->Set(vtkDataObject::SPACING(), spacing.data(), 3);
+      out->Set(vtkDataObject::ORIGIN(), origin.data(), 3);
+    }
+  }
+  return 1;
+}
+
 int vtkSteadyDiffusion::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
@@ -232,208 +280,237 @@ int vtkSteadyDiffusion::RequestData(
   vtkImageData* const output = vtkImageData::GetData(outputVector);
   std::fill_n(this->EffectiveConductivity, 9, notSolved);
   this->EstimatedError = notSolved;
-  this->Internal->Forget();
-  return this->Attempt(
+  this->Internal->Found = {};
+  const int done = this->Attempt(
     [&]
     {
       const lamella::Team team(this->Controller, outputVector->GetInformationObject(0));
       this->Solve(input, output, team);
     },
     outputVector);
+  this->Internal->Directed.reset();
+  this->Internal->Steady = {};
+  return done;
 }
 
 void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team)
 {
-  const lamella::DiffusionScene scene(input, this->GetInputArrayInformation(0), this->Direction, team);
-  const lamella::Lattice& lattice = scene.lattice();
-  const lamella::PhaseIds& phases = scene.phases;
-  const bool periodic = this->Sides == PERIODIC;
-  std::vector<double> conductivity;
-  std::vector<double> across;
-  team.agree(
-    [&]
-    {
-      conductivity = lamella::conductivityById(phases, this->Internal->Conductivity, scene.nodes);
-      across = lamella::acrossById(phases, this->Internal->Conductivity, this->Internal->Across, scene.nodes);
-      if (!across.empty() && this->Lattice != AUTO_LATTICE && this->Lattice != D2Q9)
-      {
-        throw lamella::ParameterError(
-          std::string("conductivities along and across walls on ") + lbm::name(scene.stencil(this->Lattice)),
-          "they want the diagonal links of d2q9: choose it, or leave the choice");
-      }
-      if (!across.empty() && lattice.dimension != 2)
-      {
-        throw lamella::ParameterError("conductivities along and across walls in a volume",
-          "they go with pictures; give each phase of a volume one value");
-      }
-    });
-  auto& internal = *this->Internal;
-  internal.PhaseConductivity = conductivity;
-  internal.PhaseAcross = across;
-
-  lbm::SteadyOptions options;
-  options.stencil = across.empty() ? scene.stencil(this->Lattice) : lbm::Stencil::D2Q9;
-  options.sides = periodic ? lbm::Sides::Periodic : lbm::Sides::Insulated;
-  options.method = methodOf(this->Method);
-  options.tolerance = this->Tolerance;
-  options.maxIterations = this->MaximumIterations;
-  options.threads = this->ThreadCount();
-  std::vector<int> axes{ this->Direction };
-  if (this->Direction == ALL)
+  if (this->TargetError > 0 && !this->EstimateError)
   {
-    axes = lattice.dimension == 3 ? std::vector<int>{ X, Y, Z } : std::vector<int>{ X, Y };
+    throw lamella::ParameterError(
+      fmt::format("target error {:g} and no error estimate contradict each other", this->TargetError),
+      "let the error be estimated, or leave the target out");
   }
-  // Without an estimate each solve counts from 0 again: the next one has begun when the share falls. A study tells the
-  // share of the whole.
-  const double solves = this->EstimateError ? 1.0 : static_cast<double>(axes.size());
-  double done = 0;
-  double last = 0;
-  options.progress = [this, solves, &done, &last](double share, const char* what)
-  {
-    done += share < last && solves > 1 ? 1 : 0;
-    last = share;
-    this->SetProgressText(what);
-    this->UpdateProgress(std::min((done + share) / solves, 1.0));
-    return !this->CheckAbort();
-  };
-
+  const bool gathered =
+    this->EstimateError || this->Refinement > 1 || this->TargetError > 0 || !this->Internal->Across.empty();
+  const lamella::DiffusionScene scene(input, this->GetInputArrayInformation(0), this->Direction, team, gathered);
+  this->Prepare(input, scene, team);
+  FieldStore store(this, scene, team);
+  gathered ? this->SolveGathered(scene, store, team) : this->SolveInBlocks(scene, store, team);
   output->ShallowCopy(input);
   for (const char* const name : { "time", "inlet_flux", "outlet_flux" }) // of a state in time: this is none
   {
     output->GetFieldData()->RemoveArray(name);
   }
-  const FieldStore store{ this, output, scene };
-  std::shared_ptr<lbm::DirectedDiffusivity> directed;
-  lamella::PhaseImage image;
-  if (!across.empty() || this->EstimateError)
-  {
-    image = lamella::gatherPhases(lattice, scene.whole.held, phases, team);
-  }
-  if (!across.empty())
-  {
-    const lamella::NodeVectors axis = lamella::vectorsOf(input, this->GetInputArrayInformation(1), "axis",
-      "give the directions along the walls, as MicrographLattice does, take one conductivity a phase", 2, team);
-    directed = std::make_shared<lbm::DirectedDiffusivity>(lbm::DirectedDiffusivity{
-      conductivity, across, lamella::gatherAxes(lattice, scene.whole.held, axis.array, team) });
-    conductivity = directed->larger(); // what conducts at all
-  }
-  if (!this->EstimateError)
-  {
-    if (directed)
+  this->Internal->Found.phaseArray = storePhases(output, scene.phases, team);
+  this->Conclude(scene);
+  store.put(output);
+  lamella::describe(output, this->Internal->Found);
+}
+
+void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionScene& scene, const lamella::Team& team)
+{
+  auto& internal = *this->Internal;
+  lamella::SteadyFindings& found = internal.Found;
+  const lamella::Lattice& lattice = scene.lattice();
+  team.agree(
+    [&]
     {
-      options.links =
-        std::make_shared<lbm::LinkTable>(lbm::directedLinks(lattice, image.phase, *directed, options.sides));
-    }
-    lbm::SteadyDiffusion solver(lattice, scene.block, scene.ids, conductivity, options, team.comm());
-    for (const int axis : axes)
-    {
-      const lbm::SteadyResult result = solver.solve(axis);
-      internal.Keep(axis, result);
-      store(solver, axis);
-    }
-  }
-  else
+      found.conductivity = lamella::conductivityById(scene.phases, internal.Conductivity, scene.nodes);
+      found.across = lamella::acrossById(scene.phases, internal.Conductivity, internal.Across, scene.nodes);
+      if (!found.across.empty() && this->Lattice != AUTO_LATTICE && this->Lattice != D2Q9)
+      {
+        throw lamella::ParameterError(
+          std::string("conductivities along and across walls on ") + lbm::name(scene.stencil(this->Lattice)),
+          "they want the diagonal links of d2q9: choose it, or leave the choice");
+      }
+      if (!found.across.empty() && lattice.dimension != 2)
+      {
+        throw lamella::ParameterError("conductivities along and across walls in a volume",
+          "they go with pictures; give each phase of a volume one value");
+      }
+    });
+  internal.Axes = { this->Direction };
+  if (this->Direction == ALL)
   {
-    lbm::StudyOptions study;
-    study.steady = options;
-    study.axes = axes;
-    study.directed = directed;
-    for (const lbm::DiffusionAnswer& answer : lbm::studyDiffusion(image, conductivity, study, team.comm(),
-           [&](const lbm::SteadyDiffusion&solver, const lbm::DiffusionAnswer&sofar, const lamella::Lattice&,
-             const lbm::Block&) { store(solver, sofar.axis); }))
+    internal.Axes = lattice.dimension == 3 ? std::vector<int>{ X, Y, Z } : std::vector<int>{ X, Y };
+  }
+  for (const int axis : internal.Axes)
+  {
+    if (lattice.size[static_cast<std::size_t>(axis)] < 2)
     {
-      internal.Keep(answer.axis, answer.result);
-      internal.Error[static_cast<std::size_t>(answer.axis)] = answer.error.relative;
-      internal.LatticeError[static_cast<std::size_t>(answer.axis)] = answer.error.lattice;
-      internal.PictureError[static_cast<std::size_t>(answer.axis)] = answer.error.picture;
-      internal.Extrapolated[static_cast<std::size_t>(answer.axis)] = answer.error.extrapolated;
+      const bool volume = lattice.dimension == 3;
+      throw lamella::InputError(fmt::format("the {} is {} × {}{} {}: one node along {} has no conductivity of its own",
+                                  volume ? "volume" : "picture", lattice.size[0], lattice.size[1],
+                                  volume ? fmt::format(" × {}", lattice.size[2]) : "", volume ? "voxels" : "pixels",
+                                  lamella::axisNames[static_cast<std::size_t>(axis)]),
+        "give a larger picture, or solve along another direction only");
     }
   }
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    const auto& column = internal.Effective[static_cast<std::size_t>(axis)];
-    for (int row = 0; row < 3; ++row)
-    {
-      this->EffectiveConductivity[3 * row + axis] =
-        row < lattice.dimension ? column[static_cast<std::size_t>(row)] : notSolved;
-    }
-  }
-  this->EstimatedError = worst(internal.Error);
-  internal.PhaseFraction.assign(scene.nodes.begin(), scene.nodes.end());
-  for (double& fraction : internal.PhaseFraction)
+  found.dimension = lattice.dimension;
+  found.stencil = found.across.empty() ? scene.stencil(this->Lattice) : lbm::Stencil::D2Q9;
+  found.phases = scene.phases.names;
+  found.targetError = this->TargetError;
+  found.direction = this->Direction == ALL ? "all" : lamella::axisNames[static_cast<std::size_t>(this->Direction)];
+  found.sides = this->SidesName();
+  found.quantity = this->QuantityName();
+  found.tolerance = this->Tolerance;
+  found.fractions.assign(scene.nodes.begin(), scene.nodes.end());
+  for (double& fraction : found.fractions)
   {
     fraction /= static_cast<double>(lattice.count());
   }
-  internal.Bounds = lbm::bounds(internal.PhaseFraction, conductivity, lattice.dimension);
-  if (directed) // more of a conductor conducts no less
+  internal.Values = found.conductivity;
+  if (!found.across.empty())
   {
-    const lbm::Bounds least = lbm::bounds(internal.PhaseFraction, directed->smaller(), lattice.dimension);
-    internal.Bounds.series = least.series;
-    internal.Bounds.hashinShtrikmanLower = least.hashinShtrikmanLower;
+    const lamella::NodeVectors axis = lamella::vectorsOf(input, this->GetInputArrayInformation(1), "axis",
+      "give the directions along the walls, as MicrographLattice does, take one conductivity a phase", 2, team);
+    internal.Directed = std::make_shared<lbm::DirectedDiffusivity>(lbm::DirectedDiffusivity{
+      found.conductivity, found.across, lamella::gatherAxes(lattice, scene.whole.held, axis.array, team) });
+    internal.Values = internal.Directed->larger(); // what conducts at all
   }
-  internal.PhaseNames = phases.names;
-  internal.PhaseArray = storePhases(output, phases, team);
-  internal.LatticeName = lbm::name(options.stencil);
-  this->Describe(output);
+  lbm::SteadyOptions& options = internal.Steady;
+  options.stencil = found.stencil;
+  options.sides = this->Sides == PERIODIC ? lbm::Sides::Periodic : lbm::Sides::Insulated;
+  options.method = methodOf(this->Method);
+  options.tolerance = this->Tolerance;
+  options.maxIterations = this->MaximumIterations;
+  options.threads = this->ThreadCount();
+  const bool fields = this->ComputeField || this->ComputeFlux;
+  if (!fields)
+  {
+    options.fieldTolerance = std::numeric_limits<double>::infinity(); // nobody sees the field
+  }
+  lbm::StudySize size{ lattice, 0, found.stencil, this->Refinement, fields };
+  for (std::size_t id = 0; id < scene.nodes.size(); ++id)
+  {
+    size.conducting += internal.Values[id] > 0 ? scene.nodes[id] : 0;
+  }
+  const lamella::Communicator comm(team.comm());
+  size.ranks = comm.size();
+  size.ranksOnMachine = comm.sizeOnMachine();
+  team.agree([&] { lbm::requireMemory(size); });
 }
 
-void vtkSteadyDiffusion::Describe(vtkImageData* output)
+void vtkSteadyDiffusion::SolveInBlocks(
+  const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team)
+{
+  auto& internal = *this->Internal;
+  // Each solve counts from 0 again: the next one has begun when the share falls.
+  const auto solves = static_cast<double>(internal.Axes.size());
+  double done = 0;
+  double last = 0;
+  internal.Steady.progress = [this, solves, &done, &last](double share, const char* what)
+  {
+    done += share < last ? 1 : 0;
+    last = share;
+    this->SetProgressText(what);
+    this->UpdateProgress(std::min((done + share) / solves, 1.0));
+    return !this->CheckAbort();
+  };
+  lbm::SteadyDiffusion solver(scene.lattice(), scene.block, scene.ids, internal.Values, internal.Steady, team.comm());
+  lbm::requirePaths(solver, internal.Axes, scene.lattice().dimension);
+  for (const int axis : internal.Axes)
+  {
+    lbm::DiffusionAnswer answer;
+    answer.axis = axis;
+    answer.result = solver.solve(axis);
+    lbm::RefinementStep step;
+    step.value = answer.result.effective[static_cast<std::size_t>(axis)];
+    step.nodes = answer.result.nodes;
+    step.iterations = answer.result.iterations;
+    step.seconds = lamella::Communicator(team.comm()).max(answer.result.setupSeconds + answer.result.solveSeconds);
+    answer.steps.push_back(step);
+    internal.Found.answers.push_back(answer);
+    if (store.wanted())
+    {
+      store.take(solver, axis, scene.lattice(), scene.block);
+    }
+  }
+}
+
+void vtkSteadyDiffusion::SolveGathered(
+  const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team)
+{
+  auto& internal = *this->Internal;
+  lbm::StudyOptions study;
+  study.steady = internal.Steady;
+  study.steady.progress = [this](double share, const char* what) // of the whole study
+  {
+    this->SetProgressText(what);
+    this->UpdateProgress(std::min(share, 1.0));
+    return !this->CheckAbort();
+  };
+  study.axes = internal.Axes;
+  study.refinement = this->Refinement;
+  study.estimateError = this->EstimateError;
+  study.directed = internal.Directed;
+  if (this->TargetError > 0)
+  {
+    study.targetError = this->TargetError;
+    study.announce = [this](const lbm::TargetPlan& plan)
+    {
+      std::string words = lbm::text(plan);
+      this->InvokeEvent(PLAN_EVENT, words.data());
+      return !this->CheckAbort();
+    };
+  }
+  lbm::FieldSink take;
+  if (store.wanted())
+  {
+    take = [&store](const lbm::SteadyDiffusion& solver, const lbm::DiffusionAnswer& answer,
+             const lamella::Lattice& lattice, const lbm::Block& block)
+    { store.take(solver, answer.axis, lattice, block); };
+  }
+  internal.Found.answers = lbm::studyDiffusion(scene.image, internal.Values, study, team.comm(), take);
+}
+
+void vtkSteadyDiffusion::Conclude(const lamella::DiffusionScene& scene)
 {
   const auto& internal = *this->Internal;
-  const std::string direction =
-    this->Direction == ALL ? "all" : lamella::axisNames[static_cast<std::size_t>(this->Direction)];
-  const std::string sides = this->SidesName();
-  const std::string quantity = this->QuantityName();
-  lamella::setFieldNumbers(output, "effective_conductivity", this->EffectiveConductivity);
-  lamella::setFieldNumbers(output, "estimated_error", std::span(&this->EstimatedError, 1));
-  lamella::setFieldNumbers(output, "estimated_error_by_direction", internal.Error);
-  for (const auto& [name, errors] :
-    { std::pair{ "lattice_error", &internal.LatticeError }, std::pair{ "picture_error", &internal.PictureError } })
+  lamella::SteadyFindings& found = this->Internal->Found;
+  found.bounds = lbm::bounds(found.fractions, internal.Values, found.dimension);
+  if (internal.Directed) // more of a conductor conducts no less
   {
-    const double largest = worst(*errors);
-    lamella::setFieldNumbers(output, name, std::span(&largest, 1));
-    lamella::setFieldNumbers(output, (std::string(name) + "_by_direction").c_str(), *errors);
+    const lbm::Bounds least = lbm::bounds(found.fractions, internal.Directed->smaller(), found.dimension);
+    found.bounds.series = least.series;
+    found.bounds.hashinShtrikmanLower = least.hashinShtrikmanLower;
   }
-  lamella::setFieldNumbers(output, "extrapolated_conductivity", internal.Extrapolated);
-  const lbm::Bounds& bounds = internal.Bounds;
-  const std::array<double, 4> limits{ bounds.series, bounds.hashinShtrikmanLower, bounds.hashinShtrikmanUpper,
-    bounds.parallel };
-  lamella::setFieldNumbers(output, "bounds", limits);
-  lamella::setFieldNumbers(output, "balance", internal.Balance);
-  lamella::setFieldNumbers(output, "iterations", internal.Iterations);
-  lamella::setFieldNumbers(output, "stored_nodes", internal.Stored);
-  lamella::setFieldNumbers(output, "skipped_nodes", internal.Skipped);
-  const int phases = static_cast<int>(internal.PhaseConductivity.size());
-  lamella::setFieldNumbers(output, "phase_conductivity", internal.PhaseConductivity);
-  if (!internal.PhaseAcross.empty())
+  std::ranges::copy(found.tensor(), this->EffectiveConductivity);
+  this->EstimatedError = found.error();
+  if (this->EstimateError)
   {
-    lamella::setFieldNumbers(output, "phase_conductivity_across", internal.PhaseAcross);
-  }
-  lamella::setFieldNumbers(output, "phase_fraction", internal.PhaseFraction);
-  lamella::setFieldTexts(output, "phase_names", internal.PhaseNames);
-  lamella::setFieldText(output, "phase_array", internal.PhaseArray);
-  lamella::setFieldText(output, "direction", direction);
-  lamella::setFieldText(output, "sides", sides);
-  lamella::setFieldText(output, "lattice", internal.LatticeName);
-  lamella::setFieldText(output, "quantity", quantity);
-
-  nlohmann::json conductivity;
-  for (int id = 0; id < phases; ++id)
-  {
-    const auto place = static_cast<std::size_t>(id);
-    if (internal.PhaseFraction[place] > 0)
+    for (const lbm::DiffusionAnswer& answer : found.answers)
     {
-      auto& entry = conductivity[internal.PhaseNames[place]];
-      entry = internal.PhaseConductivity[place];
-      if (!internal.PhaseAcross.empty() && internal.PhaseAcross[place] != internal.PhaseConductivity[place])
+      if (!std::isfinite(answer.error.relative))
       {
-        entry = { internal.PhaseConductivity[place], internal.PhaseAcross[place] }; // along, across
+        vtkWarningMacro("the error along "
+          << lamella::axisNames[static_cast<std::size_t>(answer.axis)]
+          << " could not be estimated: the middle of the sample, which is solved for it, has no conducting path");
       }
     }
   }
-  lamella::continueProvenance(output, "steady_diffusion",
-    { { "conductivity", conductivity }, { "direction", direction }, { "quantity", quantity }, { "sides", sides },
-      { "lattice", internal.LatticeName }, { "tolerance", this->Tolerance } });
+  if (this->TargetError > 0)
+  {
+    // A picture of two phases, each of which conducts the same in every direction, has outlines to be drawn.
+    const bool outlines = found.dimension == 2 && found.across.empty() &&
+      std::ranges::count_if(scene.nodes, [](std::int64_t n) { return n > 0; }) == 2;
+    found.shortfall = lbm::shortfall(found.answers, this->TargetError, outlines);
+    if (!found.shortfall.message.empty())
+    {
+      vtkWarningMacro(<< found.shortfall.message << "\nhint: " << found.shortfall.hint);
+    }
+  }
 }
 
 void vtkSteadyDiffusion::PrintSelf(ostream& os, vtkIndent indent)
@@ -443,6 +520,8 @@ void vtkSteadyDiffusion::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "Tolerance: " << this->Tolerance << "\n"
      << indent << "MaximumIterations: " << this->MaximumIterations << "\n"
      << indent << "ComputeField: " << this->ComputeField << "\n"
+     << indent << "Refinement: " << this->Refinement << "\n"
+     << indent << "TargetError: " << this->TargetError << "\n"
      << indent << "EstimateError: " << this->EstimateError << "\n";
   PrintPhaseValues(os, indent, "Conductivity of", this->Internal->Conductivity);
   PrintPhaseValues(os, indent, "Conductivity across", this->Internal->Across);

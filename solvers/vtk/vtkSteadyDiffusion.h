@@ -23,11 +23,15 @@
  *   is not surely nearer.
  * - `bounds`: series, Hashin–Shtrikman of isotropic media (lower, upper), parallel; of a phase with two conductivities
  *   the lower ones are those of the smaller, the upper ones those of the larger
- * - `balance`, `iterations`, `stored_nodes`, `skipped_nodes`: 3 numbers, by direction; NaN where not solved
+ * - `balance`, `solver_error`, `iterations`, `stored_nodes`, `skipped_nodes`, `refinement`: 3 numbers, by direction;
+ * NaN where not solved
  * - `phase_conductivity`: by phase id; `phase_fraction` likewise; `phase_names`. Where one differs across the wall
  *   also `phase_conductivity_across`
  * - `direction` ("x", "y", "z" or "all"), `sides`, `lattice`, `phase_array` (the array of the ids): strings
+ * - `target`, where there is a target error: "reached", "picture too coarse", "memory short"
  * - `provenance`: one JSON string.
+ * With pixels split, by Refinement or for a TargetError, and a field or flux asked for, the output's points are those
+ * of the split pixels.
  *
  * **Sides**: INSULATED: values 1 and 0 on the two faces of the direction, half a spacing outside the outer nodes, no
  * flux through all others. PERIODIC: a cell of an infinite medium under a mean gradient, all sides periodic.
@@ -37,6 +41,7 @@
  *
  * **Parallel**: the numbers are those of one rank to round-off.
  *
+ * @default Direction 3
  * @sa vtkLatticeBoltzmann, vtkFluxMap, vtkPictureReader, vtkMicrostructureSource
  */
 
@@ -50,6 +55,8 @@
 
 namespace lamella
 {
+struct DiffusionScene;
+struct SteadyFindings;
 class Team;
 }
 
@@ -115,6 +122,7 @@ public:
    * Along which axis the gradient lies; ALL solves once for each (2 or 3).
    * @group Diffusion
    * @choice X Y Z ALL
+   * @panel x
    */
   vtkSetMacro(Direction, int);
   ///@}
@@ -175,10 +183,24 @@ public:
 
   ///@{
   /**
+   * Split every pixel into N × N (× N).
+   * @word refine, refinement
+   * @group Accuracy and cost
+   * @range [1, inf)
+   * @advanced
+   */
+  vtkSetMacro(Refinement, int);
+  vtkGetMacro(Refinement, int);
+  ///@}
+
+  ///@{
+  /**
    * Also solve the pictures that every second, third and fourth pixel gives, and every pixel split in 2 × 2 (× 2), on
    * a part of a large image, and estimate the error of the value against the material's. Costs several times the
-   * solve itself (the output stays on the image's lattice).
-   * @group Output
+   * solve itself.
+   * @off no-error-estimate
+   * @group Accuracy and cost
+   * @panel off
    */
   vtkSetMacro(EstimateError, bool);
   vtkGetMacro(EstimateError, bool);
@@ -188,14 +210,39 @@ public:
   ///@}
 
   ///@{
+  /**
+   * Refine until the estimated error is below this share, as far as the picture's own pixels and memory allow; 0: no
+   * target. What it will take is told beforehand, a target that is not reached is warned of.
+   * @group Accuracy and cost
+   * @range (0, 1)
+   * @unset 0
+   * @advanced
+   */
+  vtkSetMacro(TargetError, double);
+  vtkGetMacro(TargetError, double);
+  ///@}
+
+  enum Events
+  {
+    /// What a target error will take is known, and about to be begun: the call data are the words, a const char*.
+    PLAN_EVENT = 1101
+  };
+
+  ///@{
   /** The effective conductivity of the last update, 9 numbers by rows, NaN in columns that were not solved. */
   vtkGetVectorMacro(EffectiveConductivity, double, 9);
   ///@}
+
+#ifndef __VTK_WRAP__
+  /** All that the last update found, to tell of it. */
+  const lamella::SteadyFindings& GetFindings() const;
+#endif
 
 protected:
   vtkSteadyDiffusion();
   ~vtkSteadyDiffusion() override;
 
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
@@ -203,9 +250,13 @@ private:
   void operator=(const vtkSteadyDiffusion&) = delete;
 
   struct Internals;
-  struct FieldStore;
+  class FieldStore;
   void Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team);
-  void Describe(vtkImageData* output);
+  /// What of the settings and the image the solver takes. @throws Error on every rank
+  void Prepare(vtkImageData* input, const lamella::DiffusionScene& scene, const lamella::Team& team);
+  void SolveInBlocks(const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team);
+  void SolveGathered(const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team);
+  void Conclude(const lamella::DiffusionScene& scene);
 
   std::unique_ptr<Internals> Internal;
 
@@ -213,7 +264,9 @@ private:
   double Tolerance = 1e-8;
   int MaximumIterations = 500;
   bool ComputeField = true;
-  bool EstimateError = false;
+  int Refinement = 1;
+  bool EstimateError = true;
+  double TargetError = 0;
   double EffectiveConductivity[9];
   double EstimatedError;
 };

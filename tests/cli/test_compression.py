@@ -14,7 +14,7 @@ from program import Case
 
 TISSUE = ["compression", "tissue.png", "--phase", "255=wall", "--phase", "0=lumen"]
 # to 4 %, of few rows, not so calm: a second or two
-QUICK = ["--strain", "0.04", "--rows", "8", "--speeds", "1e-2,5e-5,2e-2"]
+QUICK = ["--strain", "0.04", "--rows", "8", "--first-speed", "1e-2"]
 
 
 class Compression(Case):
@@ -178,7 +178,7 @@ class Compression(Case):
         self.fails(2, "a strain of 1e-13 in 240 rows", "1e-11 a row", *words, 1e-13)
 
     def test_restless_runs_are_warned_of(self):
-        words = [*TISSUE, "--strain", "0.04", "--rows", "8", "--speeds", "2e-2,2e-2,2e-2"]
+        words = [*TISSUE, "--strain", "0.04", "--rows", "8", "--first-speed", "2e-2", "--least-speed", "2e-2"]
         result = self.run_lamella(*words, "--json")
         self.assertEqual(result.code, 0)
         self.assertIn("warning: the kinetic energy was", result.err)
@@ -261,30 +261,29 @@ class Compression(Case):
             (2, "a state at a strain of 0.2", "between 0 and", ["--at-strain", "0.2", "-o", "p.vtp"]),
             (2, "poisson 1.1 is not below 1", "above -1 and below 1",
              ["--poisson", "1.1"]),
-            (2, "--poisson wall=x: 'x' is not a number", "PHASE=VALUE", ["--poisson", "wall=x"]),
+            (2, "poisson 'x' is not a number", "--poisson NUMBER", ["--poisson", "wall=x"]),
             (2, "--young names 'wal'", "did you mean 'wall'?", ["--young", "wal=1e9"]),
-            (2, "--yield without walls that yield", "--law plastic", ["--yield", "1e8"]),
-            (2, "--young 0: 0 is out of range", "leave it out for the default", ["--young", "0"]),
-            (2, "--young wall=1e-300: 1e-300 is out of range", "between 1e-30 and 1e30", ["--young", "wall=1e-300"]),
-            (2, "--density 1e308: 1e+308 is out of range", "between 1e-30 and 1e30", ["--density", "1e308"]),
+            (2, "yield counts only with law plastic", "choose law plastic", ["--yield", "1e8"]),
+            (2, "young 0 is not above 0", "above 0", ["--young", "0"]),
+            (2, "1e-300", "", ["--young", "wall=1e-300"]),
+            (2, "1e+308", "", ["--density", "1e308"]),
             (2, "--transverse of walls that have no direction", "one modulus", ["--transverse", "6GPa"]),
             (2, "--shear of walls that have no direction", "one modulus", ["--shear", "1e9"]),
-            (2, "--young 8 GP: '8 GP' is not a number", "7.2GPa", ["--young", "8 GP"]),
-            (2, "--shear is no constant of --law isotropic", "--law orthotropic", ["--law", "isotropic", "--shear", "1e9"]),
+            (2, "young '8 GP' is not a number", "NUMBER", ["--young", "8 GP"]),
+            (2, "shear counts only with law auto or orthotropic", "choose law", ["--law", "isotropic", "--shear", "1e9"]),
             (3, "the image has no point array 'axis'", "isotropic", ["--law", "orthotropic"]),
             (2, "walls that yield in plane stress", "plane strain", ["--law", "plastic", "--plane", "plane-stress"]),
             (2, "is unstable: the largest stable one is", "take a smaller one", ["--time-step", "1e-3"]),
-            (2, "--speeds '1,2' is not three numbers", "first, least and most", ["--speeds", "1,2"]),
-            (2, "most speed 2 is not below 1", "below 1", ["--speeds", "1e-3,1e-5,2"]),
+            (2, "most speed 2 is not below 1", "below 1", ["--most-speed", "2"]),
             (2, "a load along z of a picture", "x or y", ["--axis", "z"]),
             (2, "--stress without a file to write to", "-o FILE.vtp", ["--stress"]),
             (2, "-o 'p.vti': points are written as .vtp", "--curve", ["-o", "p.vti"]),
             (2, "--checkpoint 'run.txt'", ".h5", ["--checkpoint", "run.txt"]),
-            (2, "--sides sticky of a compression", "--stiffness-only", ["--sides", "sticky"]),
+            (2, "sides 'sticky' is none of its choices", "straight", ["--sides", "sticky"]),
             (2, "--constants of a compression", "--curve", ["--constants", "k.csv"]),
-            (2, "--cells-per-node 'x' is not a number", "--help", ["--cells-per-node", "x"]),
+            (2, "cells per node 'x' is not a number", "--cells-per-node", ["--cells-per-node", "x"]),
             (2, "cells per node -1 is not above 0", "above 0", ["--cells-per-node", "-1"]),
-            (2, "--stiffness-only with --strain", "leave one of them out", ["--stiffness-only"]),
+            (2, "--stiffness-only with --", "leave one of them out", ["--stiffness-only"]),
         ):
             with self.subTest(message):
                 self.fails(code, message, hint, *TISSUE, *(word for i in range(0, 6, 2) if QUICK[i] not in more for word in QUICK[i : i + 2]), *more)

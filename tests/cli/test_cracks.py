@@ -161,7 +161,7 @@ class Cracks(Case):
             (2, "minimum length nan is not a number", "-1 or more", "b.vtp", "--minimum-length", "nan"),
             (2, "minimum length -3 is below -1", "-1 or more", "b.vtp", "--minimum-length=-3"),
             (2, "horizon 12 is above 8", "0 to 8", "b.vtp", "--horizon", "12"),
-            (3, "longer than the horizon", "give the horizon", "b.vtp", "--horizon", "1"),
+            (2, "longer than the horizon", "give the horizon", "b.vtp", "--horizon", "1"),
             (2, "--image needs the image", "--phases IMAGE.vti", "b.vtp", "--image", "f.vti"),
             (2, "p.csv", "end the name in .vtp", "b.vtp", "-o", "p.csv"),
         ):

@@ -255,7 +255,7 @@ class Walls(Case):
         words = self.lattice()
         fails = lambda *rest: self.fails(*rest[:3], "diffusion", *words, *rest[3:])  # noqa: E731
         fails(2, "a ratio of 20, are more than the links of d2q9 can carry", "keep to a ratio of 5.82", "--conductivity", "wall=1:0.05")
-        fails(2, "ALONG:ACROSS on --lattice d2q5", "leave --lattice out", "--conductivity", "wall=1:0.5", "--lattice", "d2q5")
+        fails(2, "along and across walls on d2q5", "leave the choice", "--conductivity", "wall=1:0.5", "--lattice", "d2q5")
         fails(2, "'b' is not a number", "NAME=ALONG:ACROSS", "--conductivity", "wall=1:b")
         fails(2, "'b' is not a number", "such as --conductivity wall=0.41", "--conductivity", "other=0.3,wall=b")
         bare = [words[0]]  # without what the lumen conducts
@@ -270,7 +270,7 @@ class Walls(Case):
         self.fails(3, "no point array 'axis'", "lamella micrograph", "diffusion", "plain.vti", "--conductivity", "lumen=1",
                    "--conductivity", "wall=1:0.5")
         self.works("generate", "softwood", "--size", "20,20,20", "-o", "v.vti")
-        self.fails(2, "ALONG:ACROSS of a volume", "each phase of a volume one", "diffusion", "v.vti", "--conductivity", "lumen=1",
+        self.fails(2, "along and across walls in a volume", "each phase of a volume one", "diffusion", "v.vti", "--conductivity", "lumen=1",
                    "--conductivity", "wall=1:0.5")
 
 

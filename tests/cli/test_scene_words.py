@@ -177,7 +177,7 @@ class SceneWords(Case):
             with self.subTest(section):
                 self.refused("'wal'", "did you mean 'wall'?", f"--{section}.{key}={{ lumen = 1, wall = 1, wal = 1 }}")
         self.refused("'lumn'", "did you mean 'lumen'?", "--dynamics.density=lumn=3")
-        self.refused("no conductivity was given for 'lumen'", "--conductivity lumen=VALUE", "--diffusion.conductivity={ wall = 1 }")
+        self.refused("phase 'lumen' has no conductivity", "give one to each phase", "--diffusion.conductivity={ wall = 1 }")
         self.scene(SAMPLE + '[diffusion]\nconductivity = { lumen = 0.1, wall = 1 }\n[[picture]]\nof = "sample"\nphase-color = { wal = "white" }\n')
         self.refused("'wal'", "wall", code=3)
 
@@ -218,7 +218,7 @@ class SceneWords(Case):
     def test_what_this_sample_does_not_let(self):
         # not a slip of the scene's: another sample of the sweep may be well
         self.scene(SAMPLE + "[diffusion]\nconductivity = { lumen = 0, wall = 0 }\n")
-        self.assertIn("the first sample fails: scene.toml:7: [diffusion] no phase of this sample conducts",
+        self.assertIn("the first sample fails: scene.toml:7: [diffusion] no node of the picture conducts",
                       self.works("run", "scene.toml", "--dry-run").out)
         self.assertEqual(os.listdir(self.folder), ["scene.toml"])
 

@@ -224,6 +224,8 @@ TEST_F(BondDynamics, TheRateGivesWay)
   }
   EXPECT_LT(slowest, 0.9);
   filter->SetReferenceEnergy(1);
+  EXPECT_NE(errorOf(filter).find("omega0 and delta l"), std::string::npos);
+  filter->SetReferenceCrack(0);
   ASSERT_EQ(errorOf(filter), "");
   EXPECT_EQ(number(filter->GetOutput(), "reference_energy"), 1);
 }

@@ -438,7 +438,7 @@ TEST_F(Points, MistakesAreTold)
     { "strain nan is not a number", [&](auto* f, auto*) { f->SetStrain(nan); } },
     { "a state at a strain of 0.5", [](auto* f, auto*) { f->AddStateAtStrain(0.5); } },
     { "poisson 1.2 is not below 1", [](auto* f, auto*) { f->SetPoissonsRatio(1.2); } },
-    { "young -1 is below 0", [](auto* f, auto*) { f->SetYoungsModulus(-1); } },
+    { "young -1 is not above 0", [](auto* f, auto*) { f->SetYoungsModulus(-1); } },
     { "'young' of phase 'wall' is nan", [&](auto* f, auto*) { f->SetPhaseConstant("wall", "young", nan); } },
     { "'stiff' is no constant of a wall", [](auto* f, auto*) { f->SetPhaseConstant("wall", "stiff", 1); } },
     { "'yield' of phase 'wall' is no constant of the isotropic law",
@@ -528,9 +528,10 @@ TEST_F(Points, ThinWallsAreTold)
   EXPECT_NE(fieldTexts(filter->GetConstants(), "warnings").at(0).find("walls are 1 cells of the grid thick"),
     std::string::npos);
   filter->SetCellsPerNode(2);
+  filter->SetPointsPerNode(2);
   ASSERT_EQ(errorOf(filter), "");
   EXPECT_NE(fieldTexts(filter->GetConstants(), "warnings").at(0).find("two want 4 points a node"), std::string::npos);
-  filter->SetPointsPerNode(4);
+  filter->SetPointsPerNode(0); // by itself: two a cell
   ASSERT_EQ(errorOf(filter), "");
   EXPECT_TRUE(fieldTexts(filter->GetConstants(), "warnings").empty());
   EXPECT_DOUBLE_EQ(fieldNumbers(filter->GetConstants(), "grid_spacing").at(0), spacing / 2);

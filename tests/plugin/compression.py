@@ -104,7 +104,7 @@ class Compression(unittest.TestCase):
         ):
             with self.assertRaisesRegex(lamella.LamellaError, words):
                 lamella.compression(tissue(), **{**QUICK, **options})
-        with self.assertRaisesRegex(ValueError, "sides is 'stuck'; it can be"):
+        with self.assertRaisesRegex(ValueError, "sides 'stuck' is none of its choices"):
             lamella.compression(tissue(), sides="stuck")
         with self.assertRaisesRegex(ValueError, "a field is 'strain'"):
             lamella.compression(tissue(), fields="strain")  # as it was called before

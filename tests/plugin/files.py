@@ -272,7 +272,7 @@ class Mistakes(Files):
         with open(self.path("v.nrrd"), "wb") as file:
             file.write(head + gzip.compress(bytes(40 * 2**20)))
         for ending in ("vti", "hdf", "mha", "tif"):
-            with self.assertRaisesRegex(lamella.LamellaError, "v.nrrd. is truncated: its packed values end"):
+            with self.assertRaisesRegex(lamella.LamellaError, "v.nrrd. (is truncated: its packed values end|has .* packed bytes)"):
                 lamella.convert(self.path("v.nrrd"), self.path("x." + ending))
         self.assertEqual(os.listdir(self.folder), ["v.nrrd"])
 

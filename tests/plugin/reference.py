@@ -17,8 +17,8 @@ SECTIONS = (
     ("Samples", ("from_array", "read_picture", "softwood", "hardwood", "honeycomb", "checkerboard", "disks", "spheres",
                  "laminate", "Sample")),
     ("Micrographs", ("contours", "read_polygons", "Contours", "LatticeSample")),
-    ("Grains", ("packing", "read_packing", "bridges", "Packing", "CementedSample")),
-    ("Diffusion", ("diffusion", "lattice_boltzmann", "flux_map", "DiffusionResult", "TransientResult", "TransientState",
+    ("Grains", ("packing", "packings", "read_packing", "bridges", "Packing", "CementedSample")),
+    ("Diffusion", ("diffusion", "transient", "flux_map", "DiffusionResult", "TransientResult", "TransientState",
                    "FluxMapResult")),
     ("Bonds: stiffness and fracture", (
         "equilibrium", "fracture", "dynamics", "stiffness", "bond_stress", "EquilibriumResult", "FractureResult",
@@ -30,7 +30,7 @@ SECTIONS = (
         "StressPDFResult", "CrackPathResult", "CompressionCurveResult", "CollapseMapResult")),
     ("Files", ("read", "read_steps", "write", "convert", "arrays")),
     ("Pictures and ParaView", ("snapshot", "load_plugin", "load_presets", "plugin_path", "use_preset")),
-    ("Errors", ("LamellaError", "Cancelled")),
+    ("Errors", ("LamellaError", "ParameterError", "InputError", "NoPathError", "OutOfMemoryError", "DivergenceError", "Cancelled")),
 )
 
 

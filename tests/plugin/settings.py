@@ -71,6 +71,53 @@ class Settings(unittest.TestCase):
                     kept = getattr(algorithm, "G" + setter[1:])()
                     self.assertTrue(kept == number or number != number and kept != kept)
 
+    def test_through_every_door(self):
+        """Out of range, no word, a phase that is missing, what contradicts: shell, scene, Python and the class, as ParaView sets it."""
+        bonds = {"young": {"wall": 1e10}, "critical_stretch": {"wall": 0.01}}
+        bond_words = ["--young", "wall=1e10", "--critical-stretch", "wall=0.01"]
+        heat, warm = {"conductivity": {"lumen": 0.02, "wall": 1}}, ["--conductivity", "lumen=0.02", "--conductivity", "wall=1"]
+        sample = lamella.softwood(size=(40, 30), seed=2)
+        table = (  # command, what it needs, the same in Python, function, option, value, value in Python
+            ("diffusion", warm, heat, lamella.diffusion, "tolerance", "0.5", 0.5),
+            ("diffusion", warm, heat, lamella.diffusion, "max-iterations", "0", 0),
+            ("diffusion", warm, heat, lamella.diffusion, "sides", "insulted", "insulted"),
+            ("diffusion", warm[:2], {"conductivity": {"lumen": 0.02}}, lamella.diffusion, "direction", "x", "x"),
+            ("diffusion", [*warm, "--no-error-estimate"], {**heat, "estimate_error": False}, lamella.diffusion, "target-error", "0.01", 0.01),
+            ("transient", ["--diffusivity", "wall=1e-7", "--diffusivity", "lumen=1e-5"], {"diffusivity": {"wall": 1e-7, "lumen": 1e-5}, "end_time": 1e-6},
+             lamella.transient, "frames", "0", 0),
+            ("equilibrium", bond_words[:2], {"young": {"wall": 1e10}}, lamella.equilibrium, "horizon", "0.5", 0.5),
+            ("equilibrium", bond_words[:2], {"young": {"wall": 1e10}}, lamella.equilibrium, "traction", "1e6", 1e6),
+            ("fracture", bond_words, bonds, lamella.fracture, "lateral-ratio", "0.5", 0.5),
+            ("fracture", bond_words, bonds, lamella.fracture, "stop", "1", 1),
+            ("dynamics", bond_words, bonds, lamella.dynamics, "damping", "2", 2),
+            ("stiffness", bond_words[:2], {"young": {"wall": 1e10}}, lamella.stiffness, "tolerance", "0", 0),
+            ("compression", [], {}, lamella.compression, "strain", "1", 1),
+            ("compression", [], {}, lamella.compression, "transfer", "flop", "flop"),
+            ("pore-flood-fill", [], {}, lamella.pore_flood_fill, "minimum-size", "-2", -2),
+        )
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([PROGRAM, "generate", "softwood", "--size", "40,30", "--seed", "2", "-o", "t.vti", "--quiet"], cwd=folder, check=True)
+            for command, words, keywords, function, option, value, given in table:
+                with self.subTest(f"{command} --{option}={value}"):
+                    end = ["--end-time", "1e-6"] if command == "transient" else []
+                    code, said, hint = in_shell(folder, command, "t.vti", *words, *end, f"--{option}={value}")
+                    self.assertEqual(code, 2)
+                    with self.assertRaises(lamella.LamellaError) as caught:
+                        function(sample, **{**keywords, option.replace("-", "_"): given})
+                    self.assertEqual((caught.exception.message, caught.exception.hint), (said, hint))
+                    self.assertIsInstance(caught.exception, lamella.ParameterError)
+                    # a scene says the same, and where
+                    options = {}
+                    for word, text in zip([*words, *end][::2], [*words, *end][1::2]) if "--no-error-estimate" not in words else zip(warm[::2], warm[1::2]):
+                        options.setdefault(word[2:], []).append(text)
+                    lines = ["[sample]", 'file = "t.vti"', f"[{command}]", f'{option} = "{value}"']
+                    lines += [f"{key} = {texts if '=' in texts[0] else texts[0]!r}".replace("'", '"') for key, texts in options.items()]
+                    lines += ["no-error-estimate = true"] if "--no-error-estimate" in words else []
+                    with open(os.path.join(folder, "s.toml"), "w", encoding="utf-8") as file:
+                        file.write("\n".join([*lines, ""]))
+                    dry = subprocess.run([PROGRAM, "run", "s.toml", "--dry-run"], cwd=folder, capture_output=True, text=True, check=False)
+                    self.assertIn(said, dry.stderr + dry.stdout)
+
     def test_words_that_are_none(self):
         with tempfile.TemporaryDirectory() as folder:
             code, said, hint = in_shell(folder, "stress-pdf", "a.vti", "--component", "von-mizes")

@@ -185,7 +185,7 @@ def transient(setting):
     for phase in sample.present:
         words += ["--diffusivity", f"{NAMES[phase]}={values[phase]!r}"]
     words += ["--direction", direction, "--end-time", repr(end), "--frames", setting.one_of(1, 3, 10)]
-    words += [f"--values={inlet},{outlet}", f"--initial={initial}"]
+    words += [f"--inlet-value={inlet}", f"--outlet-value={outlet}", f"--initial-value={initial}"]
     words += ["--stepping", "bgk"] if setting.chance(0.2) else []
     words += ["--sides", "periodic"] if setting.chance(0.2) else []
     words += ["--lattice", "d2q9" if sample.dimension == 2 else "d3q19"] if setting.chance(0.2) else []

@@ -335,10 +335,12 @@ private:
   /// Flags of a command that ask for arrays of its states: --stress, --flux.
   [[nodiscard]] std::vector<std::string> arrayFlags(const SceneStage& stage) const
   {
+    const std::vector<std::string> groups{ "Output", "State shown",
+      "Time" }; // of the headers' settings that give arrays
     std::vector<std::string> flags;
     for (const CLI::Option* option : commands_.find(stage.words)->get_options())
     {
-      if (option->get_group() == "Output" && shapeOf(option) == Shape::Flag &&
+      if (std::ranges::find(groups, option->get_group()) != groups.end() && shapeOf(option) == Shape::Flag &&
         option->get_lnames().front() != "overwrite")
       {
         flags.push_back(option->get_lnames().front());

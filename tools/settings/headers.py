@@ -10,6 +10,7 @@ end, and then, in lines that begin with @:
     @group Load                   title under which it stands
     @unit Pa                      unit of its numbers
     @range [0, 1)                 what is allowed; numbers are finite unless it says inf]
+    @unset 0                      what stands for a number that is not given, out of its range: a default that nobody can give
     @choice Loads                 the enum of what it can be, or its enumerators, if it cannot be all of them
     @values 2 = disks; 3 = spheres  whole numbers that it can be, and what they mean
     @title Toughness of bonds     of what is listed: the heading of its table
@@ -18,8 +19,9 @@ end, and then, in lines that begin with @:
     @files Checkpoints (*.h5)     the name of a file, and of which
     @advanced                     seldom needed
     @default -1                   where no member has an initialiser
+    @panel off                    of a switch or a choice: how a panel begins, where a live pipeline should not pay for the default
 
-The comment of a class may say @default Name value of a setting of its base. A further paragraph is for programmers alone. What a comment between ///@{ and ///@} says holds for all setters in there.
+The comment of a class may say @default Name value of a setting of its base, and @without Name Name of those that make no sense for it. A further paragraph is for programmers alone. What a comment between ///@{ and ///@} says holds for all setters in there.
 """
 
 import dataclasses
@@ -84,6 +86,8 @@ class Setting:
     when: tuple = ()
     files: str = ""
     advanced: bool = False
+    unset: object = None
+    panel: str = ""  # how a panel begins: on or off; empty: with the default
     owner: str = ""
 
 
@@ -101,6 +105,7 @@ class Class:
     enums: dict = dataclasses.field(default_factory=dict)
     defaults: dict = dataclasses.field(default_factory=dict)
     changes: dict = dataclasses.field(default_factory=dict)  # defaults of settings of a base class that differ
+    without: tuple = ()  # settings of a base class that make no sense
 
 
 def sentence(lines):
@@ -222,6 +227,7 @@ class Reader:
         brief = re.search(r"@brief\s+(.*?)\n \*\n", text, re.DOTALL)
         self.found = Class(head[1], head[2], self.path.name, brief=sentence(re.sub(r"\n \* ?", " ", brief[1]).split()) if brief else "")
         self.found.changes = dict(re.findall(r"^ \* @default (\w+) (.+)$", text[: head.start()], re.MULTILINE))
+        self.found.without = tuple(" ".join(re.findall(r"^ \* @without (.+)$", text[: head.start()], re.MULTILINE)).split())
         self.text, self.start = text, head.end()
         self.enum, self.comment, self.grouped = None, None, False
         self.members, self.getters, self.clears = {}, {}, {}
@@ -432,7 +438,7 @@ class Declarations:
     @staticmethod
     def apply(setting, tags, kind, entries):
         fail = lambda why: setting.fail(setting.at, why)  # noqa: E731
-        known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default"}
+        known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default", "panel", "unset"}
         for tag in set(tags) - known:
             fail(f"@{tag} is not understood; there are {', '.join(sorted(known))}")
         word, _, keyword = tags.get("word", setting.word).partition(",")
@@ -442,6 +448,8 @@ class Declarations:
         setting.group, setting.title = tags.get("group", setting.group), tags.get("title", setting.title)
         setting.unit = tags.get("unit", setting.unit)
         setting.advanced = setting.advanced or "advanced" in tags
+        setting.panel = tags.get("panel", setting.panel)
+        setting.unset = float(tags["unset"]) if "unset" in tags else setting.unset
         setting.columns = [part.strip() for part in tags["columns"].split(",")] if "columns" in tags else setting.columns
         if "range" in tags:
             try:
@@ -467,6 +475,9 @@ class Declarations:
             for part in tags["values"].split(";"):
                 value, _, label = part.partition("=")
                 setting.choices.append(Choice("", value.strip(), int(value), "", label.strip() or value.strip()))
+        words = ["on", "off"] if setting.kind == "switch" else [entry.word for entry in setting.choices]
+        if setting.panel and setting.panel not in words:
+            fail(f"@panel {setting.panel} is none of {', '.join(words) or 'its words'}")
         if "default" in tags:
             setting.default = value_of(tags["default"], {name: entry[1] for name, entry in entries.items()})
 
@@ -476,12 +487,33 @@ class Declarations:
         for base in self.chain(name):
             for setting in base.settings:
                 found[setting.setter] = setting
+            for left in base.without:
+                gone = [setter for setter, setting in found.items() if setting.name == left]
+                if not gone:
+                    raise HeaderError(f"{base.header}: @without {left}: there is no such setting")
+                del found[gone[0]]
             for changed, text in base.changes.items():
                 if f"Set{changed}" not in found:
                     raise HeaderError(f"{base.header}: @default {changed}: there is no such setting")
                 values = {key: entry[1] for key, entry in self.enumerators(name).items()}
-                found[f"Set{changed}"] = dataclasses.replace(found[f"Set{changed}"], default=value_of(text, values))
+                setting = dataclasses.replace(found[f"Set{changed}"], default=value_of(text, values))
+                if setting.kind == "switch":
+                    setting.off = (setting.off or f"no-{setting.word}") if setting.default else ""
+                found[f"Set{changed}"] = setting
         return list(found.values())
+
+    def other(self, name, setting):
+        """The setting that `when` names, the values of it that count, and how people say so: (setting, [2], "load biaxial")."""
+        word, *names = setting.when
+        found = next((other for other in self.settings(name) if other.name == word), None)
+        if found is None:
+            return None
+        if found.kind == "switch":
+            off = names == ["0"]
+            return found, [0 if off else 1], ("no " if off else "") + words_of(found.name)
+        entries = {entry.name: entry for entry in found.choices}
+        chosen = [entries[name] for name in names if name in entries]
+        return found, [entry.value for entry in chosen], f"{words_of(found.word.replace('-', ' '))} {' or '.join(entry.word for entry in chosen)}"
 
     def own(self, name):
         """What a class declares itself, or changes of what its bases declare."""
@@ -500,7 +532,7 @@ class Declarations:
 def inherit(setting, base, tags):
     """A setter that a subclass declares again says what differs."""
     setting.name = base.name
-    for field in ("text", "word", "keyword", "off", "group", "title", "unit", "range", "choices", "columns", "when", "files", "advanced", "clear"):
+    for field in ("text", "word", "keyword", "off", "group", "title", "unit", "range", "choices", "columns", "when", "files", "advanced", "panel", "unset", "clear"):
         if not getattr(setting, field) or (field == "range" and "range" not in tags):
             setattr(setting, field, getattr(base, field))
     if base.kind in ("choice", "file"):

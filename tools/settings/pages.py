@@ -39,9 +39,10 @@ def default(setting):
     if setting.kind == "list":
         return "none"
     if setting.choices:
-        return next(choice.word for choice in setting.choices if choice.value == setting.default)
+        word = next(choice.word for choice in setting.choices if choice.value == setting.default)
+        return word + (f"; {setting.panel} in a panel" if setting.panel else "")
     if setting.kind == "switch":
-        return "on" if setting.default else "off"
+        return ("on" if setting.default else "off") + (f"; {setting.panel} in a panel" if setting.panel else "")
     if setting.kind == "vector":
         return ", ".join(map(number, setting.default))
     return number(setting.default) if setting.kind in ("whole", "number") else setting.default or "none"

@@ -187,6 +187,8 @@ class Panel:
 
     def default(self, setting):
         value = setting.default
+        if setting.panel:
+            value = next((entry.value for entry in setting.choices if entry.word == setting.panel), setting.panel == "on")
         if isinstance(value, list):
             return " ".join(self.number(part) for part in value)
         return value if isinstance(value, str) else self.number(value)

@@ -4,7 +4,8 @@ import pathlib
 import textwrap
 
 HEAD = '''"""Made from the headers of the classes: their settings, by class, as _settings.py takes them:
-keyword, setter, kind, types, default, words, columns, word of a command, hint of its type, docstring."""
+keyword, setter, kind, types, default, words, columns, word of a command, hint of its type, docstring, and what it counts with:
+keyword of the other setting, its values, and how people say so. WITHOUT: keywords of bases that make no sense for a class."""
 
 '''
 HINTS = {"whole": "int", "number": "float", "switch": "bool", "choice": "str", "text": "str | None", "file": "Path | None"}
@@ -60,8 +61,15 @@ def write(declarations, path):
         text += f"    {name!r}: (\n"
         for setting in declarations.own(name):
             words = {choice.word: choice.value for choice in setting.choices} or None
+            other = declarations.other(name, setting) if setting.when else None
+            when = (other[0].keyword, tuple(other[1]), other[2]) if other else None
             row = (setting.keyword, setting.setter, "axes" if axes(setting) else setting.kind, setting.types, default(setting), words,
-                   tuple(setting.columns), setting.word, hint(setting), lines(setting))
+                   tuple(setting.columns), setting.word, hint(setting), lines(setting), when)
             text += f"        {row!r},\n"
         text += "    ),\n"
+    text += "}\n\nWITHOUT = {\n"
+    for name, kind in declarations.classes.items():
+        if kind.without:
+            bases = {setting.name: setting.keyword for setting in declarations.settings(kind.base)}
+            text += f"    {name!r}: {tuple(bases[left] for left in kind.without)!r},\n"
     pathlib.Path(path).write_text(text + "}\n", encoding="utf-8")

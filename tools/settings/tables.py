@@ -23,6 +23,7 @@ using Kind = Setting::Kind;
 using Type = Setting::Type;
 
 constexpr double inf = std::numeric_limits<double>::infinity();
+[[maybe_unused]] constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 template <typename T>
 std::vector<double> numbers(T value)
@@ -70,7 +71,13 @@ def call(name, setting):
     return f"static_cast<{name}*>(object)->{setting.setter}({', '.join(taken)})"
 
 
-def entry(name, setting):
+def condition(declarations, name, setting):
+    """The word of another setting, what it has to be for this one to count, and how people say so."""
+    other = declarations.other(name, setting) if setting.when else None
+    return f"{quoted(other[0].word)}, {{ {', '.join(map(str, other[1]))} }}, {quoted(other[2])}" if other else '"", {}, ""'
+
+
+def entry(declarations, name, setting):
     limits = setting.range
     choices = ", ".join(f"{{ {quoted(choice.word)}, {choice.value} }}" for choice in setting.choices)
     several = len(setting.types) > 1
@@ -81,7 +88,8 @@ def entry(name, setting):
     values = f"[](vtkObject* object) {{ return numbers({read}); }}" if checked(setting) else "nullptr"
     words = ", ".join(quoted(text) for text in (setting.unit, setting.group, setting.text, standard(setting)))
     return (f"    {{ {quoted(setting.word)}, {quoted(setting.off)}, Kind::{kind}, {{ {', '.join('Type::' + t.capitalize() for t in setting.types)} }}, "
-            f"{number(limits.low)}, {number(limits.high)}, {ends}, {{ {choices} }}, {{ {parts} }},\n      {words},\n      {values},\n"
+            f"{number(limits.low)}, {number(limits.high)}, {ends}, {'nan' if setting.unset is None else number(setting.unset)}, {{ {choices} }}, {{ {parts} }},\n      {words},\n"
+            f"      {condition(declarations, name, setting)},\n      {values},\n"
             f"      [](vtkObject* object, const std::vector<SettingValue>& values)\n"
             f"      {{\n        const Given given{{ values }};\n        {call(name, setting)};\n      }} }},\n")
 
@@ -101,8 +109,8 @@ def standard(setting):
 
 
 def checked(setting):
-    """Switches and words hold what they hold; what is listed is looked at by those who take it."""
-    return setting.getter and setting.kind in ("whole", "number", "choice", "vector") and set(setting.types) <= {"whole", "number"}
+    """Words hold what they hold; what is listed is looked at by those who take it."""
+    return setting.getter and setting.kind in ("switch", "whole", "number", "choice", "vector") and set(setting.types) <= {"switch", "whole", "number"}
 
 
 def write(declarations, headers, path):
@@ -112,7 +120,7 @@ def write(declarations, headers, path):
     text = HEAD + "".join(f'#include "{name}.h"\n' for name in names) + HELPERS
     for name in names:
         text += f"\nconst std::vector<Setting>& of_{name}()\n{{\n  static const std::vector<Setting> table = {{\n"
-        text += "".join(entry(name, setting) for setting in declarations.settings(name))
+        text += "".join(entry(declarations, name, setting) for setting in declarations.settings(name))
         text += "  };\n  return table;\n}\n"
     text += "\nconst lamella::SettingTables tables({\n" + "".join(f"  {{ {quoted(name)}, &of_{name} }},\n" for name in names) + "});\n\n}\n"
     pathlib.Path(path).write_text(text, encoding="utf-8")

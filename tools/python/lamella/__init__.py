@@ -48,10 +48,18 @@ from ._convert import arrays, convert, read, read_steps, write
 from ._cracks import CrackPathResult, crack_path
 from ._dynamics import DynamicsResult, MotionState, dynamics
 from ._equilibrium import BondStressResult, EquilibriumResult, bond_stress, equilibrium
-from ._errors import Cancelled, LamellaError
+from ._errors import (
+    Cancelled,
+    DivergenceError,
+    InputError,
+    LamellaError,
+    NoPathError,
+    OutOfMemoryError,
+    ParameterError,
+)
 from ._flux import FluxMapResult, flux_map
 from ._fracture import FractureResult, FractureState, fracture
-from ._packings import CementedSample, Packing, bridges, packing, read_packing
+from ._packings import CementedSample, Packing, bridges, packing, packings, read_packing
 from ._paraview import load_plugin, load_presets, plugin_path, use_preset
 from ._pictures import snapshot
 from ._pores import PoreFloodFillResult, pore_flood_fill
@@ -70,7 +78,7 @@ from ._samples import (
 from ._solve import DiffusionResult, diffusion
 from ._stiffness import StiffnessResult, stiffness
 from ._stresses import StressPDFResult, stress_pdf
-from ._transient import TransientResult, TransientState, lattice_boltzmann
+from ._transient import TransientResult, TransientState, lattice_boltzmann, transient
 
 __all__ = [
     "BondStressResult",
@@ -82,15 +90,20 @@ __all__ = [
     "Contours",
     "CrackPathResult",
     "DiffusionResult",
+    "DivergenceError",
     "DynamicsResult",
     "EquilibriumResult",
     "FluxMapResult",
     "FractureResult",
     "FractureState",
+    "InputError",
     "LamellaError",
     "LatticeSample",
     "MotionState",
+    "NoPathError",
+    "OutOfMemoryError",
     "Packing",
+    "ParameterError",
     "PointState",
     "PointStiffnessResult",
     "PoreFloodFillResult",
@@ -119,10 +132,10 @@ __all__ = [
     "hardwood",
     "honeycomb",
     "laminate",
-    "lattice_boltzmann",
     "load_plugin",
     "load_presets",
     "packing",
+    "packings",
     "plugin_path",
     "point_stiffness",
     "pore_flood_fill",
@@ -136,6 +149,7 @@ __all__ = [
     "spheres",
     "stiffness",
     "stress_pdf",
+    "transient",
     "use_preset",
     "write",
 ]

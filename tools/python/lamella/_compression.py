@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -178,9 +177,6 @@ def _give_points(settings, algorithm):
             of = "" if phase is None else f" of {phase!r}"
             if not number(one, name + of) > 0:
                 raise ValueError(f"{name}{of} is {one!r}; it is above 0, or None")
-    cells = float(settings["cells_per_node"])
-    if settings.values.get("points_per_node") is None:
-        algorithm.SetPointsPerNode(max(2, math.ceil(2 * cells)) if math.isfinite(cells) else 2)
     settings.give(algorithm)
 
 

@@ -19,6 +19,45 @@ class LamellaError(RuntimeError):
         self.hint = hint
 
 
+class InputError(LamellaError):
+    """A file, picture, table or array that cannot be used as it is."""
+
+
+class ParameterError(LamellaError, ValueError):
+    """A value out of its range, a word that is none, or values that contradict each other."""
+
+
+class NoPathError(LamellaError):
+    """The problem has no answer: nothing conducts, or carries the load, from end to end."""
+
+
+class OutOfMemoryError(LamellaError, MemoryError):
+    """More memory is needed than there is; the message says how much."""
+
+
+class DivergenceError(LamellaError):
+    """An iteration that diverged or stagnated."""
+
+
+_KINDS = {
+    vtkSampleAlgorithm.INPUT_FAILURE: InputError,
+    vtkSampleAlgorithm.PARAMETER_FAILURE: ParameterError,
+    vtkSampleAlgorithm.NO_PATH_FAILURE: NoPathError,
+    vtkSampleAlgorithm.MEMORY_FAILURE: OutOfMemoryError,
+    vtkSampleAlgorithm.DIVERGENCE_FAILURE: DivergenceError,
+}
+
+
+def last_failure():
+    """What the classes ended with last, as the exception that stands for it; None: nothing. It is forgotten."""
+    kind = vtkSampleAlgorithm.LastFailure()
+    if kind == vtkSampleAlgorithm.NO_FAILURE:
+        return None
+    error = _KINDS.get(kind, LamellaError)(vtkSampleAlgorithm.LastMessage(), vtkSampleAlgorithm.LastHint())
+    vtkSampleAlgorithm.ForgetLastFailure()
+    return error
+
+
 class Cancelled(LamellaError):
     """The ``progress`` function returned False; nothing was kept."""
 
@@ -78,7 +117,7 @@ def run(algorithm, progress=None, on_step=None, state=None):
     ``on_step(state(data))`` is called with each state that the run comes to, data being its vtkDataObject; of the states
     only the last one is kept then.
     """
-    errors = []
+    errors = []  # of VTK's own classes, in its words
     stopped = []
 
     def on_error(_caller, _event, text):
@@ -115,6 +154,7 @@ def run(algorithm, progress=None, on_step=None, state=None):
     if on_step is not None:
         algorithm.KeepStatesOff()
         tags.append((algorithm, algorithm.AddObserver(vtkSampleAlgorithm.STEP_EVENT, on_state)))
+    vtkSampleAlgorithm.ForgetLastFailure()
     try:
         algorithm.Update()
     finally:
@@ -123,5 +163,8 @@ def run(algorithm, progress=None, on_step=None, state=None):
         algorithm.SetAbortExecute(0)
     if stopped:
         raise stopped[0]
+    failure = last_failure()
+    if failure is not None:
+        raise failure
     if errors:
         raise LamellaError(*errors[0])

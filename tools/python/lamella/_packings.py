@@ -162,7 +162,7 @@ class Packing(_arrays.FieldData):
         return f"<lamella.Packing {len(self)} {kind}: packing fraction {self.packing_fraction:.4f}>"
 
 
-@declared(vtkGrainPacking, first=("count", "dimension"), without=("keep_states", "state"))
+@declared(vtkGrainPacking, first=("count", "dimension"), without=("keep_states", "state", "seeds", "threads"))
 def packing(settings: Settings, progress: Progress | None = None, on_step: OnStep | None = None) -> Packing:
     """Presses grains together until they are at rest and returns a Packing.
 
@@ -176,6 +176,19 @@ def packing(settings: Settings, progress: Progress | None = None, on_step: OnSte
     count = source.GetNumberOfStates() if settings["every"] > 0 else 0
     states = [Packing(source.GetStateGrains(i), source.GetStateContacts(i)) for i in range(count)]
     return Packing(source.GetOutput(), source.GetContacts(), states)
+
+
+@declared(vtkGrainPacking, first=("seeds", "count", "dimension"), without=("keep_states", "state", "seed", "every"))
+def packings(settings: Settings, progress: Progress | None = None, on_step: OnStep | None = None) -> list[Packing]:
+    """Presses several packings, one of each seed, ``threads`` at once, and returns them: the same as one by one.
+
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
+    on_step         called as on_step(packing) with each of them once all are made; the list then has the last one only
+    """
+    source = vtkGrainPacking()
+    settings.give(source)
+    run(source, progress, on_step, lambda data: Packing(data, source.GetStateContacts(source.GetNumberOfStates() - 1)))
+    return [Packing(source.GetStateGrains(i), source.GetStateContacts(i)) for i in range(source.GetNumberOfStates())]
 
 
 def read_packing(path: Path, unit: float = 1.0, box: Sequence[float] | None = None) -> Packing:

@@ -11,10 +11,11 @@ import warnings
 
 import numpy as np
 
-from ._declared import BASES, CLASSES
-from ._errors import entries, number
+from ._declared import BASES, CLASSES, WITHOUT
+from ._errors import ParameterError, entries, last_failure, number
+from .vtkLamellaSolversVTK import vtkSampleAlgorithm
 
-Setting = collections.namedtuple("Setting", "keyword setter kind types default words columns word hint lines")
+Setting = collections.namedtuple("Setting", "keyword setter kind types default words columns word hint lines when")
 
 
 def pair(name):
@@ -39,6 +40,19 @@ class Settings:
             if value is not None:
                 setting = self.table[keyword]
                 getattr(self, "_" + setting.kind)(algorithm, setting, value, check_names)
+        for keyword, value in self.values.items():
+            setting = self.table[keyword]
+            if value is not None and setting.when and not np.array_equal(value, setting.default):
+                self._require(algorithm, setting)
+
+    def _require(self, algorithm, setting):
+        """Refuses what was given and does not count, in the words of every front end."""
+        other, counts, said = setting.when
+        found = self.table.get(other)
+        getter = getattr(algorithm, "Get" + found.setter[3:], None) if found else None
+        if getter is not None and int(getter()) not in counts:
+            name = setting.word.replace("-", " ")
+            raise ParameterError(f"{name} counts only with {said}", f"leave {name} out, or choose {said}")
 
     @staticmethod
     def _switch(algorithm, setting, value, _check):
@@ -74,7 +88,9 @@ class Settings:
     def _choice(algorithm, setting, value, _check):
         word = value.lower() if isinstance(value, str) else str(value)
         if word not in setting.words:
-            raise ValueError(f"{setting.keyword} is {value!r}; it can be {', '.join(map(repr, setting.words))}")
+            vtkSampleAlgorithm.ForgetLastFailure()
+            vtkSampleAlgorithm.FindChoice(algorithm.GetClassName(), setting.word, word)
+            raise last_failure() or ParameterError(f"{setting.keyword} is {value!r}", f"it can be {', '.join(setting.words)}")
         getattr(algorithm, setting.setter)(setting.words[word])
 
     @staticmethod
@@ -143,11 +159,12 @@ def declared(kind, first=(), without=(), defaults=None, formerly=None):
     defaults  {keyword: value} where the function's is not the class's
     formerly  {word of an earlier version: keyword, or a function that makes {keyword: value} of its value}
     """
-    table, name = {}, kind.__name__
+    table, name, gone = {}, kind.__name__, ()
     while name in CLASSES:
+        gone += WITHOUT.get(name, ())
         table = {**{row[0]: Setting(*row) for row in CLASSES[name]}, **table}
         name = BASES.get(name)
-    table = {keyword: setting for keyword, setting in table.items() if keyword not in without}
+    table = {keyword: setting for keyword, setting in table.items() if keyword not in without and keyword not in gone}
     table.update({keyword: table[keyword]._replace(default=value) for keyword, value in (defaults or {}).items()})
 
     def decorate(function):

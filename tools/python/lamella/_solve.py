@@ -93,8 +93,7 @@ def as_image(image):
     return from_array(image).vtk
 
 
-@declared(vtkSteadyDiffusion, first=("conductivity", "direction", "sides", "quantity"), defaults={"direction": "all"},
-          formerly={"fields": "field"})
+@declared(vtkSteadyDiffusion, first=("conductivity", "direction", "sides", "quantity"), formerly={"fields": "field"})
 def diffusion(image: Image, settings: Settings, progress: Progress | None = None) -> DiffusionResult:
     """Solves steady diffusion and returns a DiffusionResult.
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import functools
+import warnings
+
 import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
@@ -105,7 +108,7 @@ class TransientResult:
 
 @declared(vtkLatticeBoltzmann, first=("diffusivity", "end_time", "frames", "direction"), without=("keep_states",),
           formerly={"values": lambda pair: dict(zip(("inlet_value", "outlet_value"), pair)), "initial": "initial_value"})
-def lattice_boltzmann(
+def transient(
     image: Image, settings: Settings, progress: Progress | None = None, on_step: OnStep | None = None
 ) -> TransientResult:
     """Steps diffusion through time by lattice Boltzmann and returns a TransientResult.
@@ -129,3 +132,10 @@ def lattice_boltzmann(
         state.ShallowCopy(solver.GetStateImage(k))
         states.append(TransientState(state))
     return TransientResult(states, {name: column.copy() for name, column in _arrays.columns(solver.GetCurve()).items()})
+
+
+@functools.wraps(transient)
+def lattice_boltzmann(*given, **keywords):
+    warnings.warn("lattice_boltzmann() is now called transient(), as in the shell; the next version does not know lattice_boltzmann any more",
+                  FutureWarning, stacklevel=2)
+    return transient(*given, **keywords)

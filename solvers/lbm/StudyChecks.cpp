@@ -1,0 +1,127 @@
+#include "lbm/StudyChecks.h"
+
+#include "lattice/Error.h"
+#include "lattice/Memory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lamella::lbm
+{
+namespace
+{
+
+constexpr const char* axisNames[3] = { "x", "y", "z" };
+
+std::string percent(double share)
+{
+  return std::isfinite(share) ? fmt::format("{:.2g} %", 100 * share) : "unknown";
+}
+
+} // namespace
+
+void requireMemory(const StudySize& size)
+{
+  const Lattice& lattice = size.lattice;
+  const int refinement = size.refinement;
+  const Method method = size.conducting == lattice.count() ? Method::Multigrid : Method::AlgebraicMultigrid;
+  const auto count = static_cast<double>(lattice.count());
+  const auto solver = static_cast<double>(estimateBytes(lattice, size.stencil, method, size.conducting));
+  // In doubles, for a refinement typed wrongly can have more nodes than 64 bits count. Beside the solver's arrays: the
+  // refined picture on every rank, the solver's copy of its part, and on rank 0 value and flux as they are written.
+  const auto bytes = [&](int n)
+  {
+    const double scale = std::pow(static_cast<double>(n), lattice.dimension);
+    return scale *
+      (solver * size.ranksOnMachine / size.ranks + count * (size.ranksOnMachine + 1) +
+        (size.fields ? count * (8 + 24 + 2) : 0));
+  };
+  const auto available = static_cast<double>(availableMemory());
+  if (bytes(refinement) <= available)
+    return;
+  // Bytes grow with the refinement to the power of the dimension.
+  const double largest = std::pow(available / bytes(1), 1.0 / lattice.dimension);
+  const int fits = std::min(refinement - 1, static_cast<int>(std::min(largest, 1e6)));
+  std::string nodes;
+  for (int axis = 0; axis < lattice.dimension; ++axis)
+    nodes += fmt::format(
+      "{}{:.0f}", axis == 0 ? "" : " × ", static_cast<double>(refinement) * static_cast<double>(lattice.size[axis]));
+  throw MemoryError(fmt::format("{} nodes at refinement {} need about {} of memory, and {} are free", nodes, refinement,
+                      bytesText(bytes(refinement)), bytesText(available)),
+    fmt::format("{}take a smaller window, or share the work between machines with mpirun",
+      fits > 0 ? fmt::format("refinement {} fits; or ", fits) : ""));
+}
+
+void requirePaths(SteadyDiffusion& solver, std::span<const int> axes, int dimension)
+{
+  std::string blocked;
+  std::string open;
+  for (int axis = 0; axis < dimension; ++axis)
+  {
+    const bool asked = std::ranges::find(axes, axis) != axes.end();
+    if (solver.percolates(axis))
+      open += (open.empty() ? "" : " or ") + std::string(axisNames[axis]);
+    else if (asked)
+      blocked += (blocked.empty() ? "" : " or ") + std::string(axisNames[axis]);
+  }
+  if (!blocked.empty())
+    throw NoPathError("no conducting path crosses the sample along " + blocked,
+      (open.empty() ? "" : "direction " + open + " has one; or ") +
+        std::string("give a phase that blocks the way a conductivity above 0"));
+}
+
+const char* name(Target target) noexcept
+{
+  switch (target)
+  {
+    case Target::Reached:
+      return "reached";
+    case Target::PictureTooCoarse:
+      return "picture too coarse";
+    case Target::MemoryShort:
+      return "memory short";
+    case Target::None:
+      break;
+  }
+  return "none";
+}
+
+std::string text(const TargetPlan& plan)
+{
+  return fmt::format(
+    "this error needs refinement {} as far as can be foreseen: {} nodes, {} of the {} it may take, {:.2g} s",
+    plan.refinement, plan.nodes, bytesText(static_cast<double>(plan.bytes)),
+    bytesText(static_cast<double>(plan.allowed)), plan.seconds);
+}
+
+double worst(std::span<const DiffusionAnswer> answers, double ErrorEstimate::*kind)
+{
+  double worst = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& answer : answers)
+    worst = std::isnan(worst) || answer.error.*kind > worst ? answer.error.*kind : worst;
+  return worst;
+}
+
+Shortfall shortfall(std::span<const DiffusionAnswer> answers, double target, bool outlines)
+{
+  const DiffusionAnswer& first = answers.front();
+  const std::string asked = fmt::format("an error below {} was asked for, and {} was reached", percent(target),
+    percent(worst(answers, &ErrorEstimate::relative)));
+  if (first.target == Target::MemoryShort)
+    return { asked +
+        fmt::format(": refinement {} needs about {}, more than the {} it may take", first.plan.refinement,
+          bytesText(static_cast<double>(first.plan.bytes)), bytesText(static_cast<double>(first.plan.allowed))),
+      "use a smaller window, a machine with more free memory, or several with mpirun" };
+  if (first.target == Target::PictureTooCoarse)
+    return { asked +
+        fmt::format(": {} of it is the picture's own, which splitting its pixels does not change",
+          percent(worst(answers, &ErrorEstimate::picture))),
+      std::string("only a picture with smaller pixels reaches it") +
+        (outlines ? ", or outlines through these, which err less: lamella micrograph" : "") };
+  return {};
+}
+
+} // namespace lamella::lbm

@@ -1,0 +1,121 @@
+#include "SteadyFindings.h"
+
+#include "DiffusionScene.h"
+#include "vtkLatticeConversion.h"
+#include "vtkProvenance.h"
+
+#include "vtkImageData.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lamella
+{
+namespace
+{
+
+constexpr double notSolved = std::numeric_limits<double>::quiet_NaN();
+
+/// By direction, NaN where that was not solved.
+template <class Read>
+std::array<double, 3> byDirection(const SteadyFindings& found, Read&& read)
+{
+  std::array<double, 3> numbers{ notSolved, notSolved, notSolved };
+  for (const lbm::DiffusionAnswer& answer : found.answers)
+  {
+    numbers[static_cast<std::size_t>(answer.axis)] = static_cast<double>(read(answer));
+  }
+  return numbers;
+}
+
+nlohmann::json conductivityJson(const SteadyFindings& found)
+{
+  nlohmann::json conductivity;
+  for (std::size_t id = 0; id < found.conductivity.size(); ++id)
+  {
+    if (found.fractions[id] > 0)
+    {
+      auto& entry = conductivity[found.phases[id]];
+      entry = found.conductivity[id];
+      if (!found.across.empty() && found.across[id] != found.conductivity[id])
+      {
+        entry = { found.conductivity[id], found.across[id] }; // along, across
+      }
+    }
+  }
+  return conductivity;
+}
+
+} // namespace
+
+std::array<double, 9> SteadyFindings::tensor() const
+{
+  std::array<double, 9> tensor{};
+  tensor.fill(notSolved);
+  for (const lbm::DiffusionAnswer& answer : answers)
+  {
+    for (int row = 0; row < dimension; ++row)
+    {
+      tensor[static_cast<std::size_t>(3 * row + answer.axis)] = answer.result.effective[static_cast<std::size_t>(row)];
+    }
+  }
+  return tensor;
+}
+
+double SteadyFindings::error(double ErrorEstimate::*kind) const
+{
+  return lbm::worst(answers, kind);
+}
+
+SteadyFindings SteadyFindings::along(int axis) const
+{
+  SteadyFindings one = *this;
+  std::erase_if(one.answers, [axis](const lbm::DiffusionAnswer& answer) { return answer.axis != axis; });
+  one.direction = axisNames[static_cast<std::size_t>(axis)];
+  return one;
+}
+
+void describe(vtkImageData* output, const SteadyFindings& found)
+{
+  setFieldNumbers(output, "effective_conductivity", found.tensor());
+  for (const auto& [name, kind] : { std::pair{ "estimated_error", &ErrorEstimate::relative },
+         std::pair{ "lattice_error", &ErrorEstimate::lattice }, std::pair{ "picture_error", &ErrorEstimate::picture } })
+  {
+    setFieldNumbers(output, name, std::array{ found.error(kind) });
+    setFieldNumbers(output, (std::string(name) + "_by_direction").c_str(),
+      byDirection(found, [kind = kind](const auto& answer) { return answer.error.*kind; }));
+  }
+  const auto write = [&](const char* name, auto&& read) { setFieldNumbers(output, name, byDirection(found, read)); };
+  write("extrapolated_conductivity", [](const auto& answer) { return answer.error.extrapolated; });
+  setFieldNumbers(output, "bounds",
+    std::array{ found.bounds.series, found.bounds.hashinShtrikmanLower, found.bounds.hashinShtrikmanUpper,
+      found.bounds.parallel });
+  write("balance", [](const auto& answer) { return answer.result.balance; });
+  write("solver_error", [](const auto& answer) { return answer.result.solverError; });
+  write("iterations", [](const auto& answer) { return answer.result.iterations; });
+  write("stored_nodes", [](const auto& answer) { return answer.result.stored; });
+  write("skipped_nodes", [](const auto& answer) { return answer.result.skipped; });
+  write("refinement", [](const auto& answer) { return answer.refinement; });
+  setFieldNumbers(output, "phase_conductivity", found.conductivity);
+  if (!found.across.empty())
+  {
+    setFieldNumbers(output, "phase_conductivity_across", found.across);
+  }
+  setFieldNumbers(output, "phase_fraction", found.fractions);
+  setFieldTexts(output, "phase_names", found.phases);
+  setFieldText(output, "phase_array", found.phaseArray);
+  setFieldText(output, "direction", found.direction);
+  setFieldText(output, "sides", found.sides);
+  setFieldText(output, "lattice", lbm::name(found.stencil));
+  setFieldText(output, "quantity", found.quantity);
+  if (found.targetError > 0)
+  {
+    setFieldText(output, "target", lbm::name(found.answers.front().target));
+  }
+  continueProvenance(output, "steady_diffusion",
+    { { "conductivity", conductivityJson(found) }, { "direction", found.direction }, { "quantity", found.quantity },
+      { "sides", found.sides }, { "lattice", lbm::name(found.stencil) }, { "tolerance", found.tolerance } });
+}
+
+} // namespace lamella

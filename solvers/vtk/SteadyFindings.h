@@ -1,0 +1,48 @@
+#pragma once
+
+#include "lbm/Bounds.h"
+#include "lbm/DiffusionStudy.h"
+#include "lbm/StudyChecks.h"
+
+#include "vtkLamellaSolversVTKModule.h" // for the export macro
+
+#include <array>
+#include <string>
+#include <vector>
+
+class vtkImageData;
+
+/// What a solve of steady diffusion found, for those who tell it: the output's field data, a report. Not installed.
+namespace lamella
+{
+
+struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
+{
+  std::vector<lbm::DiffusionAnswer> answers; ///< by direction that was solved
+  std::vector<double> conductivity;          ///< by phase id; where it differs across the wall, that along it
+  std::vector<double> across;                ///< by phase id; empty: the same in every direction
+  std::vector<double> fractions;             ///< by phase id
+  std::vector<std::string> phases;           ///< names by id
+  std::string phaseArray;
+  int dimension = 2;
+  lbm::Stencil stencil = lbm::Stencil::D2Q5;
+  lbm::Bounds bounds;
+  double targetError = 0; ///< 0: none
+  lbm::Shortfall shortfall;
+  std::string direction; ///< as it is written: x, y, z, all
+  std::string sides;
+  std::string quantity;
+  double tolerance = 0;
+
+  /// The tensor by rows, 9 numbers, NaN in columns that were not solved.
+  [[nodiscard]] std::array<double, 9> tensor() const;
+  /// Relative, the largest of the directions; NaN where it is not known.
+  [[nodiscard]] double error(double ErrorEstimate::*kind = &ErrorEstimate::relative) const;
+  /// Those of one direction alone.
+  [[nodiscard]] SteadyFindings along(int axis) const;
+};
+
+/// Writes them into the field data of an image, and one step of provenance.
+VTKLAMELLASOLVERSVTK_EXPORT void describe(vtkImageData* output, const SteadyFindings& found);
+
+} // namespace lamella

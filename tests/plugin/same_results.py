@@ -1,0 +1,150 @@
+"""What a command writes is what Python computes with the same settings: array by array, for every command that solves or measures."""
+
+import os
+import subprocess
+import tempfile
+import unittest
+
+import lamella
+import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkTable
+from vtkmodules.vtkIOXML import vtkXMLGenericDataObjectReader
+
+PROGRAM = os.environ["LAMELLA_PROGRAM"]
+PHASES = {"lumen": 0.023, "wall": 1.0}
+SOFTWOOD = {"size": (48, 40), "seed": 3}
+BONDS = {"young": {"wall": 1e10}, "critical_stretch": {"wall": 0.01}}
+BOND_WORDS = ["--young", "wall=10GPa", "--critical-stretch", "wall=1%"]
+
+
+def read(path):
+    reader = vtkXMLGenericDataObjectReader()
+    reader.SetFileName(path)
+    reader.Update()
+    return reader.GetOutput()
+
+
+def arrays(data):
+    """{name: numbers} of points, cells, or rows."""
+    found = {}
+    for where in ("GetRowData",) if isinstance(data, vtkTable) else ("GetPointData", "GetCellData"):
+        attributes = getattr(data, where)()
+        for i in range(attributes.GetNumberOfArrays()):
+            if attributes.GetArray(i) is not None:
+                found[attributes.GetArrayName(i)] = vtk_to_numpy(attributes.GetArray(i))
+    return found
+
+
+def csv(path):
+    with open(path, encoding="utf-8") as file:
+        names, *rows = [line.rstrip("\n").split(",") for line in file]
+    return {name: [row[i] for row in rows] for i, name in enumerate(names)}
+
+
+class SameResults(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory()
+        cls.folder = cls.scratch.name
+        cls.run_program("generate", "softwood", "--size", "48,40", "--seed", "3", "-o", "t.vti")
+        cls.sample = lamella.softwood(**SOFTWOOD)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.scratch.cleanup()
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder, name)
+
+    @classmethod
+    def run_program(cls, *words):
+        done = subprocess.run([PROGRAM, *words], cwd=cls.folder, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise AssertionError(done.stderr)
+
+    def same(self, name, data):
+        """All arrays of a file, and no other."""
+        wrote, made = arrays(read(self.path(name))), arrays(data)
+        self.assertEqual(sorted(wrote), sorted(made))
+        for key, numbers in wrote.items():
+            np.testing.assert_array_equal(numbers, made[key], err_msg=f"{name}: {key}")
+
+    def same_table(self, name, columns):
+        wrote = csv(self.path(name))
+        for key, numbers in columns.items():
+            if np.asarray(numbers).dtype.kind == "f":
+                np.testing.assert_array_equal(np.array(wrote[key], float), numbers, err_msg=f"{name}: {key}")
+
+    def test_generate(self):
+        self.same("t.vti", self.sample.vtk)
+
+    def test_diffusion(self):
+        conductivity = ["--conductivity", "lumen=0.023", "--conductivity", "wall=1"]
+        self.run_program("diffusion", "t.vti", *conductivity, "--direction", "y", "--sides", "periodic", "-o", "d.vti")
+        found = lamella.diffusion(self.sample, PHASES, direction="y", sides="periodic")
+        self.same("d.vti", found.vtk)
+        self.run_program("diffusion", "t.vti", *conductivity, "--direction", "x", "--refine", "2", "-o", "r.vti")
+        self.same("r.vti", lamella.diffusion(self.sample, PHASES, direction="x", refinement=2).vtk)
+        self.run_program("flux-map", "d.vti", "--streamlines", "20", "-o", "map.vti", "-o", "lines.vtp")
+        mapped = lamella.flux_map(found, streamlines=20)
+        self.same("map.vti", mapped.vtk)
+
+    def test_transient(self):
+        self.run_program("transient", "t.vti", "--diffusivity", "wall=1.8e-7", "--diffusivity", "lumen=2.2e-5", "--end-time", "1e-6",
+                         "--frames", "2", "-o", "h.vti", "--curve", "h.csv")
+        found = lamella.transient(self.sample, {"wall": 1.8e-7, "lumen": 2.2e-5}, 1e-6, 2)
+        self.same("h_002.vti", found.states[-1].vtk)
+
+    def test_pores(self):
+        self.run_program("pore-flood-fill", "t.vti", "--fill", "lumen", "--connectivity", "8", "--periodic", "x", "-o", "p.vti")
+        self.same("p.vti", lamella.pore_flood_fill(self.sample, "lumen", 8, "x").vtk)
+
+    def test_equilibrium(self):
+        self.run_program("equilibrium", "t.vti", "--young", "wall=10GPa", "--stress", "--axis", "x", "-o", "e.vti")
+        found = lamella.equilibrium(self.sample, {"wall": 1e10}, stress=True, axis="x")
+        self.same("e.vti", found.vtk)
+        self.run_program("stress-pdf", "e.vti", "--component", "xx", "-o", "pdf.csv")
+        self.same_table("pdf.csv", lamella.stress_pdf(found, "xx").density)
+
+    def test_fracture(self):
+        self.run_program("fracture", "t.vti", *BOND_WORDS, "--max-broken", "40", "-o", "f.vti", "--broken", "b.vtp")
+        found = lamella.fracture(self.sample, max_broken=40, **BONDS)
+        self.same("f.vti", found.vtk)
+        self.same("b.vtp", found.vtk_broken)
+        self.run_program("crack-path", "b.vtp", "-o", "crack.vtp")
+        self.same("crack.vtp", lamella.crack_path(found.vtk_broken).vtk)
+
+    def test_dynamics(self):
+        self.run_program("dynamics", "t.vti", *BOND_WORDS, "--density", "1500", "--max-broken", "5", "-o", "m.vti")
+        self.same("m.vti", lamella.dynamics(self.sample, density=1500, max_broken=5, **BONDS).vtk)
+
+    def test_stiffness(self):
+        self.run_program("stiffness", "t.vti", "--young", "wall=10GPa", "--no-error-estimate", "-o", "s.csv")
+        found = lamella.stiffness(self.sample, {"wall": 1e10}, estimate_error=False)
+        wrote = csv(self.path("s.csv"))
+        tensor = np.array([[float(wrote[name][row]) for name in list(wrote)[1:4]] for row in range(3)])
+        np.testing.assert_array_equal(tensor, np.asarray(found.stiffness)[:3, :3])
+
+    def test_compression(self):
+        words = ["--strain", "2%", "--rows", "6", "--first-speed", "0.02", "--fit-platens"]
+        self.run_program("compression", "t.vti", *words, "-o", "c.vtp", "--curve", "c.csv")
+        found = lamella.compression(self.sample, strain=0.02, rows=6, first_speed=0.02, fit_platens=True)
+        self.same("c.vtp", found.states[-1].vtk)
+        self.same_table("c.csv", {"strain": found.strain, "stress": found.stress})
+
+    def test_packing_and_bridges(self):
+        self.run_program("packing", "--count", "40", "--seed", "5", "-o", "g.vtp", "--contacts", "k.vtp")
+        grains = lamella.packing(40, seed=5)
+        self.same("g.vtp", grains.vtk)
+        self.same("k.vtp", grains.contacts_vtk)
+        self.run_program("packing", "--count", "40", "--seeds", "5,6", "--threads", "2", "-o", "g{seed}.vtp")
+        for seed, one in zip((5, 6), lamella.packings([5, 6], 40, threads=2)):
+            self.same(f"g{seed}.vtp", one.vtk)
+        self.run_program("bridges", "g.vtp", "--saturation", "40%", "--nodes", "60", "-o", "b.vti")
+        self.same("b.vti", lamella.bridges(grains, saturation=0.4, nodes_across=60).vtk)
+
+
+if __name__ == "__main__":
+    unittest.main()
