@@ -93,7 +93,8 @@ using FieldSink = std::function<void(
 ///
 /// @param image        the whole picture, the same on every rank
 /// @param diffusivity  one a phase id
-/// @throws what requirePaths(), SteadyDiffusion and refine() throw. A target that is not reached is no error: `target` says why
+/// @throws what requirePaths(), SteadyDiffusion and refine() throw. A target that is not reached is no error: `target`
+/// says why
 [[nodiscard]] std::vector<DiffusionAnswer> studyDiffusion(const PhaseImage& image, std::span<const double> diffusivity,
   const StudyOptions& options, MPI_Comm comm, const FieldSink& sink = {});
 

@@ -52,7 +52,7 @@ struct Setting
   double high;
   bool lowOpen; ///< the end does not belong to the range
   bool highOpen;
-  double unset; ///< out of the range, and stands for a number that is not given; NaN: none does
+  double unset;                       ///< out of the range, and stands for a number that is not given; NaN: none does
   std::vector<SettingChoice> choices; ///< what it can be; empty: every number in the range
   std::vector<const char*> parts;     ///< names of what it takes, where that is several
   const char* unit;
