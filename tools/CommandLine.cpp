@@ -13,7 +13,8 @@ namespace lamella::cli
 std::vector<std::string> optionNames(const CLI::App* app)
 {
   std::vector<std::string> names;
-  for (const CLI::Option* option : app->get_options())
+  // Words of the version before are in no group, and not told.
+  for (const CLI::Option* option : app->get_options([](const CLI::Option* one) { return !one->get_group().empty(); }))
   {
     for (const std::string& name : option->get_lnames())
     {

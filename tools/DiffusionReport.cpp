@@ -31,14 +31,6 @@ double own(const lbm::DiffusionAnswer& answer)
   return answer.result.effective[static_cast<std::size_t>(answer.axis)];
 }
 
-/// Whether outlines can be drawn through the pixels: a picture of two phases, each of which conducts the same in every
-/// direction.
-bool outlinesServe(const SteadyFindings& found)
-{
-  return found.dimension == 2 && found.across.empty() &&
-    std::ranges::count_if(found.fractions, [](double f) { return f > 0; }) == 2;
-}
-
 Json stepsJson(const lbm::DiffusionAnswer& answer)
 {
   Json steps = Json::array();
@@ -319,7 +311,7 @@ std::string toTable(const DiffusionReport& report)
   }
 
   const double picture = report.found.error(&ErrorEstimate::picture);
-  if (picture > 0.005 && picture >= report.found.error(&ErrorEstimate::lattice) && outlinesServe(report.found))
+  if (picture > 0.005 && picture >= report.found.error(&ErrorEstimate::lattice) && report.found.outlinesServe())
   {
     text += "\n  Most of the error is the pixels' own steps. Outlines through them err less: lamella micrograph with\n"
             "  the same --conductivity.\n";

@@ -160,6 +160,11 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
   const auto finish = [&]
   {
     tellWarnings(session);
+    if (!o.values.empty())
+    {
+      session.warn(
+        "--values is called --inlet-value and --outlet-value now; the next version does not know --values any more");
+    }
     for (const std::string& remark : o.settings.remarks())
     {
       session.warn(remark);

@@ -68,6 +68,11 @@ double SteadyFindings::error(double ErrorEstimate::*kind) const
   return lbm::worst(answers, kind);
 }
 
+bool SteadyFindings::outlinesServe() const
+{
+  return dimension == 2 && across.empty() && std::ranges::count_if(fractions, [](double f) { return f > 0; }) == 2;
+}
+
 SteadyFindings SteadyFindings::along(int axis) const
 {
   SteadyFindings one = *this;

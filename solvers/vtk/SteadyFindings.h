@@ -38,6 +38,9 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   [[nodiscard]] std::array<double, 9> tensor() const;
   /// Relative, the largest of the directions; NaN where it is not known.
   [[nodiscard]] double error(double ErrorEstimate::*kind = &ErrorEstimate::relative) const;
+  /// Whether outlines can be drawn through the pixels: a picture of two phases, each of which conducts the same in
+  /// every direction.
+  [[nodiscard]] bool outlinesServe() const;
   /// Those of one direction alone.
   [[nodiscard]] SteadyFindings along(int axis) const;
 };

@@ -313,7 +313,7 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
     output->GetFieldData()->RemoveArray(name);
   }
   this->Internal->Found.phaseArray = storePhases(output, scene.phases, team);
-  this->Conclude(scene);
+  this->Conclude();
   store.put(output);
   lamella::describe(output, this->Internal->Found);
 }
@@ -475,7 +475,7 @@ void vtkSteadyDiffusion::SolveGathered(
   internal.Found.answers = lbm::studyDiffusion(scene.image, internal.Values, study, team.comm(), take);
 }
 
-void vtkSteadyDiffusion::Conclude(const lamella::DiffusionScene& scene)
+void vtkSteadyDiffusion::Conclude()
 {
   const auto& internal = *this->Internal;
   lamella::SteadyFindings& found = this->Internal->Found;
@@ -502,10 +502,7 @@ void vtkSteadyDiffusion::Conclude(const lamella::DiffusionScene& scene)
   }
   if (this->TargetError > 0)
   {
-    // A picture of two phases, each of which conducts the same in every direction, has outlines to be drawn.
-    const bool outlines = found.dimension == 2 && found.across.empty() &&
-      std::ranges::count_if(scene.nodes, [](std::int64_t n) { return n > 0; }) == 2;
-    found.shortfall = lbm::shortfall(found.answers, this->TargetError, outlines);
+    found.shortfall = lbm::shortfall(found.answers, this->TargetError, found.outlinesServe());
     if (!found.shortfall.message.empty())
     {
       vtkWarningMacro(<< found.shortfall.message << "\nhint: " << found.shortfall.hint);

@@ -256,7 +256,7 @@ private:
   void Prepare(vtkImageData* input, const lamella::DiffusionScene& scene, const lamella::Team& team);
   void SolveInBlocks(const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team);
   void SolveGathered(const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team);
-  void Conclude(const lamella::DiffusionScene& scene);
+  void Conclude();
 
   std::unique_ptr<Internals> Internal;
 
