@@ -160,10 +160,7 @@ BondRun bondRun(Session& session, vtkBondAlgorithm* filter, const PictureOptions
   (void)VtkMessages::takeWarnings(); // the same as in the field data
   BondRun run;
   run.image = vtkImageData::SafeDownCast(filter->GetOutputDataObject(0));
-  for (const std::string& remark : options.settings.remarks())
-  {
-    session.warn(remark);
-  }
+  options.settings.tellFormer(session);
   for (const std::string& warning : fieldTexts(run.image, "warnings"))
   {
     session.warn(warning);

@@ -154,10 +154,7 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
   vtkImageData* const image = filter->GetOutput();
   const io::Provenance record = recordRun(commandLine, options.file, origin);
   setProvenance(image, io::toJson(record));
-  for (const std::string& remark : options.settings.remarks())
-  {
-    session.warn(remark);
-  }
+  options.settings.tellFormer(session);
   const std::vector<std::string> warnings = fieldTexts(image, "warnings");
   for (const std::string& warning : warnings)
   {

@@ -79,10 +79,7 @@ BondRun runOf(Session& session, const CompressionOptions& o, const PointSample& 
   vtkDataObject* output, const std::string& commandLine)
 {
   (void)VtkMessages::takeWarnings(); // the same as in the field data
-  for (const std::string& remark : o.settings.remarks())
-  {
-    session.warn(remark);
-  }
+  o.settings.tellFormer(session);
   if (!o.speeds.empty())
   {
     session.warn(

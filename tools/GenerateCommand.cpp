@@ -1,26 +1,32 @@
 #include "Commands.h"
-#include "GenerateLook.h"
-#include "GenerateTissue.h"
+#include "FilterRun.h"
 #include "GridFile.h"
 #include "Input.h"
+#include "JsonReport.h"
 #include "OutputFile.h"
 #include "Record.h"
 #include "SampleFile.h"
+#include "SettingOptions.h"
+#include "SettingTable.h"
+#include "Settings.h"
 #include "Text.h"
 
-#include "generators/Generators.h"
 #include "io/Provenance.h"
 #include "lattice/Clock.h"
-#include "lattice/Memory.h"
 #include "vtkLatticeConversion.h"
+#include "vtkMicrostructureSource.h"
 
+#include <vtkDataArrayRange.h>
 #include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -31,192 +37,243 @@ namespace lamella::cli
 namespace
 {
 
-using Json = nlohmann::ordered_json;
+/// One kind of sample, a command of its own.
+struct Kind
+{
+  const char* name;
+  const char* text;
+  int kind;                                         ///< of vtkMicrostructureSource
+  std::vector<int> dimensions;                      ///< that it can have
+  std::map<std::string, std::string> defaults;      ///< where they are not the class's
+  std::vector<std::array<const char*, 2>> formerly; ///< option of the version before, and of this one
+};
 
-/// Everything the kinds take; each declares what it knows.
+using Source = vtkMicrostructureSource;
+
+const std::vector<Kind>& kinds()
+{
+  static const std::array ring{ "ring", "ring-position" };
+  static const std::array rays{ "ray-every", "ray-distance" };
+  static const std::array fraction{ "fraction", "solid-fraction" };
+  static const std::vector<Kind> all{
+    { "softwood", "Cross-section of softwood, or with a depth the tissue in 3D", Source::SOFTWOOD, { 2, 3 }, {},
+      { ring, rays } },
+    { "hardwood", "Cross-section of hardwood: vessels among fibres, rays", Source::HARDWOOD, { 2 },
+      { { "size", "400,400" }, { "solid-fraction", "0.38" } }, { ring, rays } },
+    { "honeycomb", "Regular hexagonal cells with straight walls", Source::HONEYCOMB, { 2, 3 }, {}, {} },
+    { "checkerboard", "Fields of two phases that alternate along every axis", Source::CHECKERBOARD, { 2, 3 }, {}, {} },
+    { "disks", "Square array of disks", Source::INCLUSIONS, { 2 }, { { "cells", "1" }, { "solid-fraction", "0.5" } },
+      { fraction } },
+    { "spheres", "Simple cubic array of spheres", Source::INCLUSIONS, { 3 },
+      { { "size", "64,64,64" }, { "cells", "1" }, { "solid-fraction", "0.5" } }, { fraction } },
+    { "laminate", "Layers of two phases", Source::LAMINATE, { 2, 3 }, { { "solid-fraction", "0.5" } },
+      { fraction, { "periods", "cells" } } },
+  };
+  return all;
+}
+
 struct GenerateOptions
 {
   CommonOptions common;
+  SettingOptions settings;
   std::string output;
-  std::string size;
-  std::string pixelSize = "1um";
-  std::string fraction;
-  int cells = 4;
-  int periods = 4;
-  std::string axis = "x";
-  TissueChoice tissue;
-  LookChoice look;
+  std::string truth;
 };
 
-struct Box
+/// Where a sample goes; `labels` is null where nothing but a micrograph is written.
+struct Files
 {
-  int dimension;
-  std::array<std::int64_t, 3> size;
-  double spacing;
+  OutputFile file;
+  std::optional<OutputFile> truth;
+  std::optional<OutputFile> beside;
+  OutputFile* labels;
+
+  Files(const GenerateOptions& options, bool drawn, int dimension);
+  void commit();
 };
 
-Box parseBox(const GenerateOptions& options, std::initializer_list<std::size_t> dimensions)
+/// Names that cannot be what they are asked to be. @throws ParameterError
+void checkFiles(const GenerateOptions& options, bool drawn, int dimension)
 {
-  const std::vector<std::size_t> counts(dimensions);
-  const std::string form = counts.size() == 2 ? "WIDTH,HEIGHT or WIDTH,HEIGHT,DEPTH"
-    : counts[0] == 2                          ? "WIDTH,HEIGHT"
-                                              : "WIDTH,HEIGHT,DEPTH";
-  const auto v = integerList("--size", options.size, counts, form);
-  if (*std::min_element(v.begin(), v.end()) < 2)
+  checkSampleEnding(options.output, dimension);
+  if (!drawn)
   {
-    throw ParameterError(
-      "--size '" + options.size + "' is below 2 along an axis", "give at least 2 nodes along each axis");
+    if (!options.truth.empty())
+    {
+      throw ParameterError(
+        "--truth is for micrographs, and labels are to be written", "add --look magenta, blue or grey");
+    }
+    return;
   }
-  Box box{ static_cast<int>(v.size()), { v[0], v[1], v.size() == 3 ? v[2] : 1 },
-    lengthInMetres("--pixel-size", options.pixelSize) };
-  // Sizes are multiplied as doubles here: 64 bits can overflow.
-  const double nodes = static_cast<double>(v[0]) * static_cast<double>(v[1]) * static_cast<double>(box.size[2]);
-  const double bytes = 10 * nodes; // the phases, their copy in the file, and one double a node that the softwood keeps
-  if (const auto available = static_cast<double>(availableMemory()); bytes > available)
+  if (std::filesystem::path(options.output).extension() != ".png")
   {
-    throw MemoryError(fmt::format("a sample of {} nodes needs about {}, and {} are free",
-                        sizeText(box.size, box.dimension), bytesText(bytes), bytesText(available)),
-      "make it smaller with --size");
+    throw ParameterError("-o '" + options.output + "' cannot hold a micrograph", "end its name in .png");
   }
-  return box;
+  if (!options.truth.empty())
+  {
+    checkSampleEnding(options.truth, dimension, "--truth");
+    if (std::filesystem::path(options.truth).lexically_normal() ==
+      std::filesystem::path(options.output).lexically_normal())
+    {
+      throw ParameterError("-o and --truth name the same file", "give the labels another name");
+    }
+  }
 }
 
-/// The same tissue on a finer lattice.
-template <class Options>
-Options finerBy(int finer, Options options)
+Files::Files(const GenerateOptions& options, bool drawn, int dimension)
+  : file((checkFiles(options, drawn, dimension), options.output), options.common.overwrite)
 {
-  options.size[0] *= finer;
-  options.size[1] *= finer;
-  options.spacing /= finer;
-  return options;
+  if (!options.truth.empty())
+  {
+    truth.emplace(options.truth, options.common.overwrite);
+  }
+  labels = truth ? &*truth : drawn ? nullptr : &file;
+  if (labels != nullptr && labels->path().extension() == ".raw")
+  {
+    beside.emplace(recordBeside(labels->path()), options.common.overwrite);
+  }
 }
 
-/// Writes labels in any of the forms.
-void writeSample(const PhaseImage& image, const OutputFile& file, OutputFile* beside, const io::Provenance& provenance)
+void Files::commit()
 {
-  if (file.path().extension() == ".vti")
+  Session::checkInterrupt();
+  file.commit();
+  if (truth)
   {
-    const auto grid = toImageData(image);
-    setProvenance(grid, io::toJson(provenance));
-    setFieldText(grid, "pixel_size_source", "generated");
-    writeGrid(grid, file);
+    truth->commit();
+  }
+  if (beside)
+  {
+    beside->commit();
+  }
+}
+
+void write(vtkImageData* image, const PhaseImage& phases, Files& files, const io::Provenance& record, bool drawn)
+{
+  if (drawn)
+  {
+    vtkDataArray* const array = image->GetPointData()->GetArray("micrograph");
+    micrograph::Picture picture;
+    picture.lattice = phases.lattice;
+    std::vector<std::uint16_t>& values = array->GetNumberOfComponents() == 3 ? picture.colour : picture.grey;
+    const auto bytes = vtk::DataArrayValueRange(vtkUnsignedCharArray::SafeDownCast(array));
+    values.assign(bytes.begin(), bytes.end());
+    writeScan(picture, files.file, record);
+  }
+  if (files.labels == nullptr)
+  {
+    return;
+  }
+  if (files.labels->path().extension() == ".vti")
+  {
+    setProvenance(image, io::toJson(record));
+    writeGrid(image, *files.labels);
   }
   else
   {
-    writeLabels(image, file, beside, provenance);
+    writeLabels(phases, *files.labels, files.beside ? &*files.beside : nullptr, record);
   }
 }
 
-/// Generates, writes, reports.
-void generate(Session& session, const GenerateOptions& options, const std::string& kind, const std::string& commandLine,
-  const Box& box, std::optional<std::uint64_t> seed, const std::function<PhaseImage()>& make,
-  const std::optional<Look>& look = std::nullopt)
+Json toJson(const GenerateOptions& options, const Kind& kind, vtkMicrostructureSource* source, const PhaseImage& phases,
+  const Files& files, bool drawn)
 {
-  checkSampleEnding(options.output, box.dimension);
-  const auto start = Clock::now();
-  session.onRoot(
-    [&]
+  const Json settings = settingsAsJson(source);
+  Json json;
+  json["file"] = options.output;
+  json["kind"] = kind.name;
+  json["size"] =
+    std::vector<std::int64_t>(phases.lattice.size.begin(), phases.lattice.size.begin() + phases.lattice.dimension);
+  json["pixel_size"] = phases.lattice.spacing;
+  json["phases"] = Json::array();
+  const std::vector<double> fractions = phases.fractions();
+  const OutputFile& file = files.labels != nullptr ? *files.labels : files.file;
+  const std::vector<std::uint8_t> values = valuesInFile(phases.phases, file.path().extension().string());
+  for (std::size_t id = 0; id < fractions.size(); ++id)
+  {
+    Json phase{ { "name", phases.phases.names()[id] } };
+    if (files.labels != nullptr)
     {
-      OutputFile file(options.output, options.common.overwrite);
-      // Where the labels go: into the file itself, or beside a micrograph, or nowhere.
-      std::optional<OutputFile> truth;
-      if (look && !look->truth.empty())
-      {
-        truth.emplace(look->truth, options.common.overwrite);
-      }
-      OutputFile* const labels = truth ? &*truth : look ? nullptr : &file;
-      std::optional<OutputFile> beside;
-      if (labels != nullptr && labels->path().extension() == ".raw")
-      {
-        beside.emplace(recordBeside(labels->path()), options.common.overwrite);
-      }
-      if (const std::string doubt = pixelSizeDoubt(options.pixelSize); !doubt.empty())
-      {
-        session.warn(doubt);
-      }
-      const PhaseImage image = make();
-      Session::checkInterrupt();
-      io::Provenance provenance = io::makeProvenance(commandLine);
-      provenance.seed = seed;
-      if (look)
-      {
-        const micrograph::Picture picture = look->draw();
-        Session::checkInterrupt();
-        writeScan(picture, file, provenance);
-      }
-      if (labels != nullptr)
-      {
-        writeSample(image, *labels, beside ? &*beside : nullptr, provenance);
-      }
-      Session::checkInterrupt();
-      file.commit();
-      if (truth)
-      {
-        truth->commit();
-      }
-      if (beside)
-      {
-        beside->commit();
-      }
-
-      const std::vector<double> fractions = image.fractions();
-      const double seconds = secondsSince(start);
-      if (options.common.json)
-      {
-        Json json;
-        json["file"] = options.output;
-        json["kind"] = kind;
-        json["size"] =
-          std::vector<std::int64_t>(image.lattice.size.begin(), image.lattice.size.begin() + box.dimension);
-        json["pixel_size"] = box.spacing;
-        json["phases"] = Json::array();
-        const auto values = valuesInFile(image.phases, (labels ? labels : &file)->path().extension().string());
-        for (std::size_t id = 0; id < fractions.size(); ++id)
-        {
-          Json phase{ { "name", image.phases.names()[id] } };
-          if (labels != nullptr)
-          {
-            phase["value"] = values[id];
-          }
-          phase["fraction"] = fractions[id];
-          json["phases"].push_back(std::move(phase));
-        }
-        if (look)
-        {
-          json["look"] = look->toJson();
-        }
-        if (truth)
-        {
-          json["truth"] = look->truth;
-        }
-        if (seed)
-        {
-          json["seed"] = *seed;
-        }
-        json["seconds"] = seconds;
-        json["version"] = provenance.version;
-        json["commit"] = provenance.commit;
-        session.print(json.dump(2) + "\n");
-      }
-      else if (!options.common.quiet)
-      {
-        std::string shares;
-        for (std::size_t id = 0; id < fractions.size(); ++id)
-        {
-          shares += fmt::format("{}{} {:.4f}", id == 0 ? "" : ", ", image.phases.names()[id], fractions[id]);
-        }
-        session.print(fmt::format("wrote {}: {}{}, {} {} of {:g} µm; {}\n", options.output, kind,
-          look ? " as a micrograph, " + look->stain : "", sizeText(box.size, box.dimension), look ? "pixels" : "nodes",
-          box.spacing * 1e6, shares));
-        if (truth)
-        {
-          session.print(fmt::format("wrote {}: its labels\n", look->truth));
-        }
-      }
-    });
+      phase["value"] = values[id];
+    }
+    phase["fraction"] = fractions[id];
+    json["phases"].push_back(std::move(phase));
+  }
+  if (drawn)
+  {
+    json["look"]["stain"] = settings.at("look");
+    for (const char* const word : { "blur", "noise", "uneven_light", "dirt", "tears", "rim", "scale_bar" })
+    {
+      json["look"][word] = settings.at(word);
+    }
+  }
+  if (!options.truth.empty())
+  {
+    json["truth"] = options.truth;
+  }
+  if (settings.contains("seed"))
+  {
+    json["seed"] = settings["seed"];
+  }
+  return json;
 }
 
-using Run = std::function<void(Session&, const std::string&)>;
+void generate(Session& session, const GenerateOptions& options, const Kind& kind, const std::string& commandLine)
+{
+  const auto start = Clock::now();
+  options.settings.tellFormer(session);
+  vtkNew<vtkMicrostructureSource> source;
+  options.settings.give(source);
+  const int dimension = source->GetSize()[2] > 1 ? 3 : 2;
+  if (std::find(kind.dimensions.begin(), kind.dimensions.end(), dimension) == kind.dimensions.end())
+  {
+    throw ParameterError(
+      fmt::format("size {} is that of a {}, and {} are {}", fmt::join(source->GetSize(), source->GetSize() + 3, ","),
+        dimension == 3 ? "volume" : "picture", kind.name, dimension == 3 ? "flat" : "volumes"),
+      dimension == 3 ? "write it as --size X,Y" : "write it as --size X,Y,Z");
+  }
+  const bool drawn = source->GetLook() != vtkMicrostructureSource::LABELS;
+  Files files(options, drawn, dimension);
+  if (const std::string doubt = pixelSizeDoubt(options.settings.text("pixel-size")); !doubt.empty())
+  {
+    session.warn(doubt);
+  }
+  runFilter(session, source, "generating");
+  vtkImageData* const image = source->GetOutput();
+  const PhaseImage phases = toPhaseImage(image);
+  io::Provenance record = io::makeProvenance(commandLine);
+  if (settingsAsJson(source).contains("seed"))
+  {
+    record.seed = source->GetSeed();
+  }
+  write(image, phases, files, record, drawn);
+  files.commit();
+  if (options.common.json)
+  {
+    Json json = toJson(options, kind, source, phases, files, drawn);
+    json["seconds"] = secondsSince(start);
+    json["version"] = record.version;
+    json["commit"] = record.commit;
+    session.print(dump(json));
+  }
+  else if (!options.common.quiet)
+  {
+    std::vector<std::string> shares;
+    const std::vector<double> fractions = phases.fractions();
+    for (std::size_t id = 0; id < fractions.size(); ++id)
+    {
+      shares.push_back(fmt::format("{} {:.4f}", phases.phases.names()[id], fractions[id]));
+    }
+    session.print(fmt::format("wrote {}: {}{}, {} {} of {:g} µm; {}\n", options.output, kind.name,
+      drawn ? " as a micrograph, " + settingsAsJson(source).at("look").get<std::string>() : "",
+      sizeText(phases.lattice.size, dimension), drawn ? "pixels" : "nodes", phases.lattice.spacing * 1e6,
+      fmt::join(shares, ", ")));
+    if (!options.truth.empty())
+    {
+      session.print(fmt::format("wrote {}: its labels\n", options.truth));
+    }
+  }
+}
 
 } // namespace
 
@@ -229,142 +286,43 @@ Command generateCommand(CLI::App& root)
     { "lamella generate softwood --size 400,400 --solid-fraction 0.40 --seed 7 -o tissue.png",
       "lamella generate softwood --size 128,128,128 -o tissue.vti",
       "lamella generate hardwood --look magenta -o scan.png --truth labels.png",
-      "lamella generate disks --fraction 0.5 -o disks.png" });
+      "lamella generate disks --solid-fraction 0.5 -o disks.png" });
 
-  auto runs = std::make_shared<std::vector<std::pair<CLI::App*, Run>>>();
-  const auto kind = [&](const std::string& name, const std::string& description, const std::string& size)
+  std::vector<std::pair<CLI::App*, std::shared_ptr<GenerateOptions>>> commands;
+  for (const Kind& kind : kinds())
   {
     auto options = std::make_shared<GenerateOptions>();
-    options->size = size;
-    options->fraction =
-      name == "honeycomb" ? fmt::format("{:.2f}", generators::HoneycombOptions().solidFraction) : "0.5";
-    CLI::App* command = generator->add_subcommand(name, description);
+    CLI::App* const command = generator->add_subcommand(kind.name, kind.text);
     addOutputOptions(
       *command, options->output, options->common, "File to write: .png, .tif (volumes: a stack), .vti or .raw")
       ->required();
-    command->add_option("--size", options->size, "Nodes along each axis")
-      ->type_name(name == "disks" || name == "honeycomb" || name == "hardwood" ? "WIDTH,HEIGHT"
-          : name == "spheres"                                                  ? "WIDTH,HEIGHT,DEPTH"
-                                                                               : "WIDTH,HEIGHT[,DEPTH]")
-      ->capture_default_str();
-    command->add_option("--pixel-size", options->pixelSize, "Distance of the nodes, as 0.5e-6 or 0.5um")
-      ->type_name("METRES")
-      ->capture_default_str();
-    addReportOptions(*command, options->common);
-    return std::pair(command, options);
-  };
-  const auto add = [&](CLI::App* command, Run run) { runs->emplace_back(command, std::move(run)); };
-
-  {
-    const auto made = kind("softwood", "Cross-section of softwood, or with a depth the tissue in 3D", "200,200");
-    CLI::App* const command = made.first;
-    const auto o = made.second;
-    addSoftwoodOptions(*command, o->tissue);
-    addLookOptions(*command, o->look);
-    add(command,
-      [o, command](Session& session, const std::string& line)
-      {
-        const Box box = parseBox(*o, { 2, 3 });
-        generators::SoftwoodOptions softwood = softwoodOptions(o->tissue);
-        softwood.dimension = box.dimension;
-        softwood.size = box.size;
-        softwood.spacing = box.spacing;
-        const auto look = parseLook(*command, o->look, o->output, box.dimension, softwood.seed,
-          [softwood](int finer) { return generators::softwood(finerBy(finer, softwood)); });
-        generate(
-          session, *o, "softwood", line, box, softwood.seed, [&] { return generators::softwood(softwood); }, look);
-      });
-  }
-  {
-    const auto made = kind("hardwood", "Cross-section of hardwood: vessels among fibres, rays", "400,400");
-    CLI::App* const command = made.first;
-    const auto o = made.second;
-    addHardwoodOptions(*command, o->tissue);
-    addLookOptions(*command, o->look);
-    add(command,
-      [o, command](Session& session, const std::string& line)
-      {
-        const Box box = parseBox(*o, { 2 });
-        generators::HardwoodOptions hardwood = hardwoodOptions(o->tissue);
-        hardwood.size = box.size;
-        hardwood.spacing = box.spacing;
-        const auto look = parseLook(*command, o->look, o->output, box.dimension, hardwood.seed,
-          [hardwood](int finer) { return generators::hardwood(finerBy(finer, hardwood)); });
-        generate(
-          session, *o, "hardwood", line, box, hardwood.seed, [&] { return generators::hardwood(hardwood); }, look);
-      });
-  }
-  {
-    auto [command, o] = kind("honeycomb", "Regular hexagonal cells with straight walls", "200,200");
-    command->add_option("--solid-fraction", o->fraction, "Share of the wall")
-      ->type_name("SHARE")
-      ->capture_default_str();
-    command->add_option("--cells", o->cells, "Cells along x")->type_name("NUMBER")->capture_default_str();
-    add(command,
-      [o](Session& session, const std::string& line)
-      {
-        const Box box = parseBox(*o, { 2 });
-        generators::HoneycombOptions honeycomb{ box.size, box.spacing,
-          fractionBetween("--solid-fraction", o->fraction, 0, 1), o->cells };
-        generate(session, *o, "honeycomb", line, box, {}, [&] { return generators::honeycomb(honeycomb); });
-      });
-  }
-  {
-    auto [command, o] = kind("checkerboard", "Fields of two phases that alternate along every axis", "200,200");
-    command->add_option("--cells", o->cells, "Fields along each axis")->type_name("NUMBER")->capture_default_str();
-    add(command,
-      [o](Session& session, const std::string& line)
-      {
-        const Box box = parseBox(*o, { 2, 3 });
-        generate(session, *o, "checkerboard", line, box, {},
-          [&] { return generators::checkerboard(box.dimension, box.size, box.spacing, o->cells); });
-      });
-  }
-  for (const bool spheres : { false, true })
-  {
-    const std::string name = spheres ? "spheres" : "disks";
-    auto [command, o] =
-      kind(name, spheres ? "Simple cubic array of spheres" : "Square array of disks", spheres ? "64,64,64" : "200,200");
-    o->cells = 1;
-    command->add_option("--fraction", o->fraction, "Share of the " + name)->type_name("SHARE")->capture_default_str();
-    command->add_option("--cells", o->cells, "Unit cells along each axis")->type_name("NUMBER")->capture_default_str();
-    add(command,
-      [o, name, spheres](Session& session, const std::string& line)
-      {
-        const Box box = parseBox(*o, { spheres ? std::size_t{ 3 } : std::size_t{ 2 } });
-        const double fraction = fractionBetween("--fraction", o->fraction, 0, 1);
-        generate(session, *o, name, line, box, {},
-          [&] { return generators::inclusionArray(box.dimension, box.size, box.spacing, fraction, o->cells); });
-      });
-  }
-  {
-    auto [command, o] = kind("laminate", "Layers of two phases", "200,200");
-    command->add_option("--fraction", o->fraction, "Share of the inclusion")->type_name("SHARE")->capture_default_str();
-    command->add_option("--periods", o->periods, "Pairs of layers")->type_name("NUMBER")->capture_default_str();
-    command->add_option("--axis", o->axis, "Axis that the layers are perpendicular to")
-      ->type_name("x|y|z")
-      ->capture_default_str();
-    add(command,
-      [o](Session& session, const std::string& line)
-      {
-        const Box box = parseBox(*o, { 2, 3 });
-        const std::vector<std::string> axes{ "x", "y", "z" };
-        const auto axis =
-          static_cast<int>(oneOf("--axis", o->axis, std::span(axes).first(static_cast<std::size_t>(box.dimension))));
-        const double fraction = fractionBetween("--fraction", o->fraction, 0, 1);
-        generate(session, *o, "laminate", line, box, {},
-          [&] { return generators::laminate(box.dimension, box.size, box.spacing, axis, fraction, o->periods); });
-      });
-  }
-
-  return { generator,
-    [runs](Session& session, const std::string& line)
+    options->settings.declareKind(*command, "vtkMicrostructureSource", { "kind", kind.kind }, kind.defaults);
+    for (const auto& [old, word] : kind.formerly)
     {
-      for (const auto& [command, run] : *runs)
+      options->settings.formerly(*command, old, word);
+    }
+    if (kind.kind == vtkMicrostructureSource::SOFTWOOD)
+    {
+      options->settings.formerly(*command, "radial-early", "radial-diameter", "", 0);
+      options->settings.formerly(*command, "radial-late", "radial-diameter", "", 1);
+    }
+    if (command->get_option_no_throw("--look") != nullptr)
+    {
+      command->add_option("--truth", options->truth, "With --look: write the labels here")
+        ->type_name("FILE")
+        ->group("Micrograph");
+    }
+    addReportOptions(*command, options->common);
+    commands.emplace_back(command, std::move(options));
+  }
+  return { generator,
+    [commands](Session& session, const std::string& line)
+    {
+      for (std::size_t i = 0; i < commands.size(); ++i)
       {
-        if (command->parsed())
+        if (commands[i].first->parsed())
         {
-          run(session, line);
+          session.onRoot([&] { generate(session, *commands[i].second, kinds()[i], line); });
         }
       }
     } };

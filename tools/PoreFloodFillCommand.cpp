@@ -211,10 +211,7 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
     [&]
     {
       tellWarnings(session);
-      for (const std::string& remark : options.settings.remarks())
-      {
-        session.warn(remark);
-      }
+      options.settings.tellFormer(session);
       const io::Provenance record = recordRun(commandLine, options.picture.file, sample.provenance);
       PoreReport report{ options.picture.file, filter.Get(), sample.pixelSizeSource != "none", record, options.output };
       if (!options.distribution.empty())

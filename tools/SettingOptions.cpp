@@ -1,5 +1,6 @@
 #include "SettingOptions.h"
 
+#include "Session.h"
 #include "SettingTable.h"
 #include "Text.h"
 #include "Units.h"
@@ -71,7 +72,12 @@ std::string form(const Setting& setting)
       break;
   }
   std::transform(setting.parts.begin(), setting.parts.end(), std::back_inserter(words), upper);
-  return fmt::format("{}", fmt::join(words, ","));
+  const std::string last = std::isnan(setting.rest) || words.empty() ? "" : fmt::format("[,{}]", words.back());
+  if (!last.empty())
+  {
+    words.pop_back();
+  }
+  return fmt::format("{}{}", fmt::join(words, ","), last);
 }
 
 /// @param whole what was written, of which `text` is a part
@@ -178,14 +184,21 @@ std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& te
   {
     parts = split(text, ',');
   }
-  if (parts.size() != setting.types.size())
+  const bool shorter = !std::isnan(setting.rest) && parts.size() + 1 == setting.types.size();
+  if (parts.size() != setting.types.size() && !shorter)
   {
-    refuse(setting, text, fmt::format("{} numbers", setting.types.size()));
+    refuse(setting, text,
+      fmt::format("{}{} numbers", std::isnan(setting.rest) ? "" : fmt::format("{} or ", setting.types.size() - 1),
+        setting.types.size()));
   }
   std::vector<SettingValue> values;
   for (std::size_t i = 0; i < parts.size(); ++i)
   {
     values.push_back(valueOf(setting, i, parts[i], text));
+  }
+  if (shorter)
+  {
+    values.push_back(std::isinf(setting.rest) ? values.back() : SettingValue(setting.rest));
   }
   return values;
 }
@@ -219,6 +232,14 @@ const Setting* named(const std::vector<Setting>& settings, const std::string& wo
   const auto found =
     std::find_if(settings.begin(), settings.end(), [&](const Setting& one) { return word == one.word; });
   return found == settings.end() ? nullptr : &*found;
+}
+
+/// The setting itself where it is the class's; else the class's of that word, or null. (Two of a class may have one
+/// word, where never both count.)
+const Setting* ownOf(const std::vector<Setting>& settings, const Setting& setting)
+{
+  const bool is = std::any_of(settings.begin(), settings.end(), [&](const Setting& one) { return &one == &setting; });
+  return is ? &setting : named(settings, setting.word);
 }
 
 /// What gives a number of all to phases one by one; null where nothing does.
@@ -268,42 +289,72 @@ void SettingOptions::declare(CLI::App& command, const std::string& className, co
   const std::vector<Setting>& settings = settingsOf(className);
   for (const Setting& setting : settings)
   {
-    if (options_.contains(setting.word) || std::find(leave.begin(), leave.end(), setting.word) != leave.end() ||
-      std::string_view(setting.word).starts_with("phase-")) // written as what it is of: PHASE=VALUE
+    if (!options_.contains(setting.word) && std::find(leave.begin(), leave.end(), setting.word) == leave.end())
     {
-      continue;
-    }
-    Option& option = *(options_[setting.word] = std::make_unique<Option>(Option{ &setting, {} }));
-    const std::string group = setting.group[0] == '\0' ? "Settings" : setting.group;
-    const bool on = setting.off[0] != '\0'; // by itself
-    if (setting.kind == Kind::Switch)
-    {
-      command
-        .add_flag(fmt::format("--{}", on ? setting.off : setting.word), on ? option.off : option.on,
-          on ? fmt::format("Not: {}", setting.text) : setting.text)
-        ->group(group);
-      continue;
-    }
-    const bool byPhase = ofPhases(settings, setting) != nullptr;
-    CLI::Option* const added = command.add_option(fmt::format("--{}", setting.word), option.texts, setting.text);
-    added->type_name(form(setting) + (byPhase ? "|PHASE=VALUE" : ""))->allow_extra_args(false)->group(group);
-    // What is wrong with a value is told when the words are read, by a scene before its first sample.
-    added->each([&setting, byPhase](const std::string& text) { check(setting, text, byPhase); });
-    if (setting.kind != Kind::List)
-    {
-      added->default_str(setting.standard);
-    }
-    if (setting.kind != Kind::List && !byPhase)
-    {
-      added->expected(1);
+      add(command, settings, setting);
     }
   }
 }
 
-void SettingOptions::formerly(CLI::App& command, const std::string& old, const std::string& word, const std::string& on)
+void SettingOptions::declareKind(CLI::App& command, const std::string& className,
+  const std::pair<std::string, int>& choice, const std::map<std::string, std::string>& defaults)
+{
+  kind_ = choice;
+  const std::vector<Setting>& settings = settingsOf(className);
+  for (const Setting& setting : settings)
+  {
+    const std::vector<int>& values = setting.withValues;
+    const bool counts =
+      setting.with != choice.first || std::find(values.begin(), values.end(), choice.second) != values.end();
+    if (counts && setting.word != choice.first)
+    {
+      add(command, settings, setting);
+    }
+  }
+  for (const auto& [word, standard] : defaults)
+  {
+    options_.at(word)->standard = standard;
+    command.get_option("--" + word)->default_str(standard);
+  }
+}
+
+void SettingOptions::add(CLI::App& command, const std::vector<Setting>& settings, const Setting& setting)
+{
+  if (std::string_view(setting.word).starts_with("phase-")) // written as what it is of: PHASE=VALUE
+  {
+    return;
+  }
+  Option& option = *(options_[setting.word] = std::make_unique<Option>(Option{ &setting, {} }));
+  const std::string group = setting.group[0] == '\0' ? "Settings" : setting.group;
+  const bool on = setting.off[0] != '\0'; // by itself
+  if (setting.kind == Kind::Switch)
+  {
+    command
+      .add_flag(fmt::format("--{}", on ? setting.off : setting.word), on ? option.off : option.on,
+        on ? fmt::format("Not: {}", setting.text) : setting.text)
+      ->group(group);
+    return;
+  }
+  const bool byPhase = ofPhases(settings, setting) != nullptr;
+  CLI::Option* const added = command.add_option(fmt::format("--{}", setting.word), option.texts, setting.text);
+  added->type_name(form(setting) + (byPhase ? "|PHASE=VALUE" : ""))->allow_extra_args(false)->group(group);
+  // What is wrong with a value is told when the words are read, by a scene before its first sample.
+  added->each([&setting, byPhase](const std::string& text) { check(setting, text, byPhase); });
+  if (setting.kind != Kind::List)
+  {
+    added->default_str(setting.standard);
+  }
+  if (setting.kind != Kind::List && !byPhase)
+  {
+    added->expected(1);
+  }
+}
+
+void SettingOptions::formerly(
+  CLI::App& command, const std::string& old, const std::string& word, const std::string& on, int part)
 {
   Option* const option = options_.at(word).get();
-  Former& former = *former_.emplace_back(std::make_unique<Former>(Former{ old, option, on, {} }));
+  Former& former = *former_.emplace_back(std::make_unique<Former>(Former{ old, option, on, {}, false, part }));
   if (option->setting->kind == Kind::Switch && on.empty())
   {
     command.add_flag("--" + old, former.used)->group("");
@@ -312,21 +363,18 @@ void SettingOptions::formerly(CLI::App& command, const std::string& old, const s
   command.add_option("--" + old, former.texts)->allow_extra_args(false)->group("");
 }
 
-std::vector<std::string> SettingOptions::remarks() const
+void SettingOptions::tellFormer(Session& session) const
 {
-  std::vector<std::string> remarks;
   for (const auto& former : former_)
   {
     if (former->used || !former->texts.empty())
     {
-      remarks.push_back(
-        fmt::format("--{} is called --{} now; the next version does not know --{} any more", former->old,
-          former->option->off || former->option->setting->off[0] == '\0' ? former->option->setting->word
-                                                                         : former->option->setting->off,
-          former->old));
+      session.warn(fmt::format("--{} is called --{} now; the next version does not know --{} any more", former->old,
+        former->option->off || former->option->setting->off[0] == '\0' ? former->option->setting->word
+                                                                       : former->option->setting->off,
+        former->old));
     }
   }
-  return remarks;
 }
 
 void SettingOptions::give(vtkObject* object) const
@@ -334,6 +382,14 @@ void SettingOptions::give(vtkObject* object) const
   for (const auto& former : former_)
   {
     Option& option = *former->option;
+    if (former->part >= 0 && !former->texts.empty())
+    {
+      std::vector<std::string> parts =
+        split(option.texts.empty() ? option.setting->standard : option.texts.back(), ',');
+      parts.at(static_cast<std::size_t>(former->part)) = former->texts.back();
+      option.texts.push_back(fmt::format("{}", fmt::join(parts, ",")));
+      continue;
+    }
     if (option.setting->kind != Kind::Switch)
     {
       option.texts.insert(option.texts.end(), former->texts.begin(), former->texts.end());
@@ -346,12 +402,20 @@ void SettingOptions::give(vtkObject* object) const
     }
   }
   const std::vector<Setting>& own = settingsOf(object->GetClassName());
+  if (!kind_.first.empty())
+  {
+    named(own, kind_.first)->set(object, { static_cast<double>(kind_.second) });
+  }
   for (const auto& [word, option] : options_)
   {
-    const Setting* const setting = named(own, word);
+    const Setting* const setting = ownOf(own, *option->setting);
     if (setting == nullptr)
     {
       continue;
+    }
+    if (option->texts.empty() && !option->standard.empty())
+    {
+      setting->set(object, valuesOf(*setting, option->standard));
     }
     if (option->on || option->off)
     {
@@ -379,7 +443,7 @@ void SettingOptions::give(vtkObject* object) const
   }
   for (const auto& [word, option] : options_)
   {
-    const Setting* const setting = named(own, word);
+    const Setting* const setting = ownOf(own, *option->setting);
     const Setting* const other = setting != nullptr ? named(own, setting->with) : nullptr;
     const bool set = setting != nullptr && (option->on || option->off || !option->texts.empty());
     if (!set || other == nullptr || other->values == nullptr)

@@ -165,10 +165,7 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
       session.warn(
         "--values is called --inlet-value and --outlet-value now; the next version does not know --values any more");
     }
-    for (const std::string& remark : o.settings.remarks())
-    {
-      session.warn(remark);
-    }
+    o.settings.tellFormer(session);
     std::vector<vtkDataObject*> states;
     for (int k = 0; k < filter->GetNumberOfStates(); ++k)
     {

@@ -53,6 +53,7 @@ struct Setting
   bool lowOpen; ///< the end does not belong to the range
   bool highOpen;
   double unset;                       ///< out of the range, and stands for a number that is not given; NaN: none does
+  double rest;                        ///< of a vector: its last number where it is left out; NaN: it may not be
   std::vector<SettingChoice> choices; ///< what it can be; empty: every number in the range
   std::vector<const char*> parts;     ///< names of what it takes, where that is several
   const char* unit;
@@ -83,6 +84,9 @@ public:
 
 /// Refuses numbers of a setting that were given. @throws ParameterError
 VTKLAMELLASOLVERSVTK_EXPORT void checkSetting(const Setting& setting, const std::vector<double>& values);
+
+/// Refuses a whole number that no setting can hold. @throws ParameterError
+[[noreturn]] VTKLAMELLASOLVERSVTK_EXPORT void refuseSize(double value);
 
 /// Refuses a setting that was given and does not count. @throws ParameterError
 [[noreturn]] VTKLAMELLASOLVERSVTK_EXPORT void refuseIdle(const Setting& setting);

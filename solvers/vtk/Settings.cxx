@@ -9,6 +9,7 @@
 #include "vtkObject.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -85,6 +86,38 @@ std::string remedy(const Setting& setting)
   return "choose one of " + list;
 }
 
+nlohmann::json valueAsJson(const Setting& setting, const std::vector<double>& values)
+{
+  const auto one = [&](std::size_t i) -> nlohmann::json
+  {
+    switch (setting.types[std::min(i, setting.types.size() - 1)])
+    {
+      case Setting::Type::Switch:
+        return values[i] != 0;
+      case Setting::Type::Whole:
+        return static_cast<std::int64_t>(values[i]);
+      default:
+        return values[i];
+    }
+  };
+  const auto choice = std::find_if(setting.choices.begin(), setting.choices.end(),
+    [&](const SettingChoice& found) { return found.value == values.front(); });
+  if (choice != setting.choices.end())
+  {
+    return choice->word;
+  }
+  if (values.size() == 1)
+  {
+    return one(0);
+  }
+  nlohmann::json list = nlohmann::json::array();
+  for (std::size_t i = 0; i < values.size(); ++i)
+  {
+    list.push_back(one(i));
+  }
+  return list;
+}
+
 } // namespace
 
 SettingTables::SettingTables(const std::map<std::string, Table>& byClass)
@@ -140,6 +173,11 @@ void refuseWord(const Setting& setting, const std::string& word)
     fmt::format("{} '{}' is none of its choices", nameOf(setting), word), suggestion(word, words, remedy(setting)));
 }
 
+void refuseSize(double value)
+{
+  throw ParameterError(fmt::format("{:.0f} is too large for a whole number", value), "give a smaller one");
+}
+
 void refuseIdle(const Setting& setting)
 {
   throw ParameterError(fmt::format("{} counts only with {}", nameOf(setting), setting.withText),
@@ -157,6 +195,41 @@ void checkSettings(vtkObject* object)
       {
         checkSetting(setting, values);
       }
+    }
+  }
+}
+
+nlohmann::json settingsAsJson(vtkObject* object)
+{
+  const std::vector<Setting>& settings = settingsOf(object->GetClassName());
+  const auto counts = [&](const Setting& setting)
+  {
+    const auto other = std::find_if(settings.begin(), settings.end(),
+      [&](const Setting& one) { return one.values != nullptr && one.word == std::string_view(setting.with); });
+    return other == settings.end() ||
+      std::find(setting.withValues.begin(), setting.withValues.end(),
+        static_cast<int>(other->values(object).front())) != setting.withValues.end();
+  };
+  nlohmann::json json = nlohmann::json::object();
+  for (const Setting& setting : settings)
+  {
+    if (setting.values != nullptr && counts(setting))
+    {
+      std::string key = setting.word;
+      std::replace(key.begin(), key.end(), '-', '_');
+      json[key] = valueAsJson(setting, setting.values(object));
+    }
+  }
+  return json;
+}
+
+void printSettings(vtkObject* object, ostream& os, vtkIndent indent)
+{
+  for (const Setting& setting : settingsOf(object->GetClassName()))
+  {
+    if (setting.values != nullptr)
+    {
+      os << indent << setting.word << ": " << valueAsJson(setting, setting.values(object)).dump() << "\n";
     }
   }
 }

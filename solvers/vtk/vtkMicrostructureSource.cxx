@@ -1,16 +1,21 @@
 #include "vtkMicrostructureSource.h"
 
+#include "Attempt.h"
+#include "Settings.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
 
 #include "generators/Generators.h"
+#include "generators/MicrographLook.h"
 #include "lattice/Error.h"
 
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+#include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
 #include <array>
@@ -23,140 +28,145 @@ vtkMicrostructureSource::vtkMicrostructureSource()
   this->SetNumberOfInputPorts(0);
 }
 
-void vtkMicrostructureSource::Generate()
+namespace
 {
-  namespace generators = lamella::generators;
+
+namespace generators = lamella::generators;
+
+constexpr int NodesPerPixel = 4; // edges are smooth to a sixteenth of a pixel's light
+
+/// Each of its pixels in n x n.
+template <typename Options>
+Options finer(Options options, int n)
+{
+  options.size[0] *= n;
+  options.size[1] *= n;
+  options.spacing /= n;
+  return options;
+}
+
+void addMicrograph(vtkImageData* image, const lamella::micrograph::Picture& picture)
+{
+  const std::vector<std::uint16_t>& values = picture.colour.empty() ? picture.grey : picture.colour;
+  const auto array = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  array->SetName("micrograph");
+  array->SetNumberOfComponents(picture.colour.empty() ? 1 : 3);
+  array->SetNumberOfTuples(image->GetNumberOfPoints());
+  std::copy(values.begin(), values.end(), array->GetPointer(0));
+  image->GetPointData()->AddArray(array);
+}
+
+} // namespace
+
+/// The tissue, n times finer than asked for.
+lamella::PhaseImage vtkMicrostructureSource::Tissue(int n)
+{
+  if (this->Kind == SOFTWOOD)
+  {
+    generators::SoftwoodOptions options;
+    options.dimension = this->Size[2] > 1 ? 3 : 2;
+    options.size = { this->Size[0], this->Size[1], this->Size[2] };
+    options.spacing = this->Spacing;
+    options.solidFraction = this->SolidFraction;
+    options.tangentialDiameter = this->TangentialDiameter;
+    options.radialDiameterEarly = this->RadialDiameter[0];
+    options.radialDiameterLate = this->RadialDiameter[1];
+    options.ringPosition0 = this->RingPosition[0];
+    options.ringPosition1 = this->RingPosition[1];
+    options.rayEvery = this->RayDistance;
+    options.tracheidLength = this->TracheidLength;
+    options.scatter = this->Scatter;
+    options.seed = static_cast<std::uint64_t>(this->Seed);
+    return generators::softwood(finer(options, n));
+  }
+  generators::HardwoodOptions options;
+  options.size = { this->Size[0], this->Size[1], this->Size[2] };
+  options.spacing = this->Spacing;
+  options.solidFraction = this->SolidFraction;
+  options.fibreDiameter = this->FibreDiameter;
+  options.vesselDiameterEarly = this->VesselDiameter[0];
+  options.vesselDiameterLate = this->VesselDiameter[1];
+  options.vesselShareEarly = this->VesselShare[0];
+  options.vesselShareLate = this->VesselShare[1];
+  options.earlyEnd = this->EarlyEnd;
+  options.multiples = this->Multiples;
+  options.ringPosition0 = this->RingPosition[0];
+  options.ringPosition1 = this->RingPosition[1];
+  options.rayEvery = this->HardwoodRayDistance;
+  options.scatter = this->Scatter;
+  options.seed = static_cast<std::uint64_t>(this->Seed);
+  return generators::hardwood(finer(options, n));
+}
+
+lamella::PhaseImage vtkMicrostructureSource::Sample()
+{
   const std::array<std::int64_t, 3> size{ this->Size[0], this->Size[1], this->Size[2] };
   const int dimension = size[2] > 1 ? 3 : 2;
-  nlohmann::json parameters{ { "size", this->Size }, { "spacing", this->Spacing } };
-  std::optional<std::uint64_t> seed;
-  lamella::PhaseImage image;
-  if ((this->Kind == SOFTWOOD || this->Kind == HARDWOOD) && this->Seed < 0)
-  {
-    throw lamella::ParameterError(
-      "the seed is " + std::to_string(this->Seed), "give a whole number that is not negative");
-  }
   switch (this->Kind)
   {
     case SOFTWOOD:
-    {
-      generators::SoftwoodOptions options;
-      options.dimension = dimension;
-      options.size = size;
-      options.spacing = this->Spacing;
-      options.solidFraction = this->SolidFraction;
-      options.tangentialDiameter = this->TangentialDiameter;
-      options.radialDiameterEarly = this->RadialDiameter[0];
-      options.radialDiameterLate = this->RadialDiameter[1];
-      options.ringPosition0 = this->RingPosition[0];
-      options.ringPosition1 = this->RingPosition[1];
-      options.rayEvery = this->RayDistance;
-      options.tracheidLength = this->TracheidLength;
-      options.scatter = this->Scatter;
-      options.seed = static_cast<std::uint64_t>(this->Seed);
-      seed = options.seed;
-      image = generators::softwood(options);
-      parameters["kind"] = "softwood";
-      parameters["solid_fraction"] = this->SolidFraction;
-      parameters["tangential_diameter"] = this->TangentialDiameter;
-      parameters["radial_diameter"] = this->RadialDiameter;
-      parameters["ring_position"] = this->RingPosition;
-      parameters["ray_distance"] = this->RayDistance;
-      parameters["scatter"] = this->Scatter;
-      if (dimension == 3)
-      {
-        parameters["tracheid_length"] = this->TracheidLength;
-      }
-      break;
-    }
     case HARDWOOD:
-    {
-      generators::HardwoodOptions options;
-      options.dimension = dimension;
-      options.size = size;
-      options.spacing = this->Spacing;
-      options.solidFraction = this->SolidFraction;
-      options.fibreDiameter = this->FibreDiameter;
-      options.vesselDiameterEarly = this->VesselDiameter[0];
-      options.vesselDiameterLate = this->VesselDiameter[1];
-      options.vesselShareEarly = this->VesselShare[0];
-      options.vesselShareLate = this->VesselShare[1];
-      options.earlyEnd = this->EarlyEnd;
-      options.multiples = this->Multiples;
-      options.ringPosition0 = this->RingPosition[0];
-      options.ringPosition1 = this->RingPosition[1];
-      options.rayEvery = this->HardwoodRayDistance;
-      options.scatter = this->Scatter;
-      options.seed = static_cast<std::uint64_t>(this->Seed);
-      seed = options.seed;
-      image = generators::hardwood(options);
-      parameters["kind"] = "hardwood";
-      parameters["solid_fraction"] = this->SolidFraction;
-      parameters["fibre_diameter"] = this->FibreDiameter;
-      parameters["vessel_diameter"] = this->VesselDiameter;
-      parameters["vessel_share"] = this->VesselShare;
-      parameters["early_end"] = this->EarlyEnd;
-      parameters["multiples"] = this->Multiples;
-      parameters["ring_position"] = this->RingPosition;
-      parameters["ray_distance"] = this->HardwoodRayDistance;
-      parameters["scatter"] = this->Scatter;
-      break;
-    }
+      return this->Tissue(1);
     case HONEYCOMB:
-    {
-      generators::HoneycombOptions options;
-      options.size = size;
-      options.spacing = this->Spacing;
-      options.solidFraction = this->SolidFraction;
-      options.cellsAcross = this->Cells;
-      image = generators::honeycomb(options);
-      parameters["kind"] = "honeycomb";
-      parameters["solid_fraction"] = this->SolidFraction;
-      parameters["cells"] = this->Cells;
-      break;
-    }
+      return generators::honeycomb({ size, this->Spacing, this->SolidFraction, this->Cells });
     case CHECKERBOARD:
-      image = generators::checkerboard(dimension, size, this->Spacing, this->Cells);
-      parameters["kind"] = "checkerboard";
-      parameters["cells"] = this->Cells;
-      break;
+      return generators::checkerboard(dimension, size, this->Spacing, this->Cells);
     case INCLUSIONS:
-      image = generators::inclusionArray(dimension, size, this->Spacing, this->SolidFraction, this->Cells);
-      parameters["kind"] = dimension == 3 ? "spheres" : "disks";
-      parameters["solid_fraction"] = this->SolidFraction;
-      parameters["cells"] = this->Cells;
-      break;
+      return generators::inclusionArray(dimension, size, this->Spacing, this->SolidFraction, this->Cells);
     default:
-      image = generators::laminate(dimension, size, this->Spacing, this->Axis, this->SolidFraction, this->Cells);
-      parameters["kind"] = "laminate";
-      parameters["solid_fraction"] = this->SolidFraction;
-      parameters["cells"] = this->Cells;
-      parameters["axis"] = this->Axis;
+      return generators::laminate(dimension, size, this->Spacing, this->Axis, this->SolidFraction, this->Cells);
   }
-  this->Image = lamella::toImageData(std::move(image));
-  lamella::setFieldText(this->Image, "pixel_size_source", "option");
-  lamella::beginProvenance(this->Image, "microstructure", parameters, seed);
+}
+
+void vtkMicrostructureSource::Generate()
+{
+  const bool tissue = this->Kind == SOFTWOOD || this->Kind == HARDWOOD;
+  std::optional<lamella::micrograph::Picture> drawn;
+  if (tissue && this->Look != LABELS)
+  {
+    if (this->Size[2] > 1)
+    {
+      throw lamella::ParameterError(
+        "a micrograph is of a cross-section, and this sample is a volume", "give a size of two numbers, or no look");
+    }
+    generators::LookOptions options;
+    options.stain = static_cast<generators::Stain>(this->Look - MAGENTA);
+    options.blur = this->Blur;
+    options.noise = this->Noise;
+    options.unevenLight = this->UnevenLight;
+    options.dirt = this->Dirt;
+    options.tears = this->Tears;
+    options.rim = this->Rim;
+    options.scaleBar = this->ScaleBar;
+    options.seed = static_cast<std::uint64_t>(this->Seed);
+    drawn = generators::makeLook(this->Tissue(NodesPerPixel), NodesPerPixel, options);
+  }
+  this->Image = lamella::toImageData(this->Sample());
+  if (drawn)
+  {
+    addMicrograph(this->Image, *drawn);
+  }
+  lamella::setFieldText(this->Image, "pixel_size_source", "generated");
+  const auto seed = static_cast<std::uint64_t>(this->Seed);
+  lamella::beginProvenance(
+    this->Image, "microstructure", lamella::settingsAsJson(this), tissue ? std::optional(seed) : std::nullopt);
 }
 
 int vtkMicrostructureSource::RequestInformation(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
-  if (this->Size[0] < 1 || this->Size[1] < 1 || this->Size[2] < 1 || !(this->Spacing > 0))
+  const auto announce = [&]
   {
-    vtkErrorMacro("a sample of " << this->Size[0] << " x " << this->Size[1] << " x " << this->Size[2]
-                                 << " nodes with spacing " << this->Spacing
-                                 << "\nhint: give at least one node along each axis and a positive spacing");
-    return 0;
-  }
-  const auto lattice =
-    lamella::makeLattice(this->Size[0], this->Size[1], this->Size[2], this->Size[2] > 1 ? 3 : 2, this->Spacing);
-  lamella::announce(outputVector->GetInformationObject(0), lattice);
-  return 1;
+    const auto [nx, ny, nz] = this->Size;
+    lamella::announce(
+      outputVector->GetInformationObject(0), lamella::makeLattice(nx, ny, nz, nz > 1 ? 3 : 2, this->Spacing));
+  };
+  return lamella::attempt(this, announce) == lamella::Outcome::Done ? 1 : 0;
 }
 
 int vtkMicrostructureSource::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
-  try
+  const auto make = [&]
   {
     if (this->Image == nullptr || this->MadeTime < this->GetMTime())
     {
@@ -165,40 +175,12 @@ int vtkMicrostructureSource::RequestData(vtkInformation*, vtkInformationVector**
       this->MadeTime.Modified();
     }
     lamella::deliver(this->Image, outputVector->GetInformationObject(0));
-  }
-  catch (const lamella::Error& error)
-  {
-    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
-    return 0;
-  }
-  catch (const std::exception& error)
-  {
-    vtkErrorMacro(<< error.what());
-    return 0;
-  }
-  return 1;
+  };
+  return lamella::concluded(this, lamella::attempt(this, make), outputVector);
 }
 
 void vtkMicrostructureSource::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Kind: " << this->Kind << "\n"
-     << indent << "Size: " << this->Size[0] << " " << this->Size[1] << " " << this->Size[2] << "\n"
-     << indent << "Spacing: " << this->Spacing << "\n"
-     << indent << "SolidFraction: " << this->SolidFraction << "\n"
-     << indent << "Seed: " << this->Seed << "\n"
-     << indent << "TangentialDiameter: " << this->TangentialDiameter << "\n"
-     << indent << "RadialDiameter: " << this->RadialDiameter[0] << " " << this->RadialDiameter[1] << "\n"
-     << indent << "RingPosition: " << this->RingPosition[0] << " " << this->RingPosition[1] << "\n"
-     << indent << "RayDistance: " << this->RayDistance << "\n"
-     << indent << "TracheidLength: " << this->TracheidLength << "\n"
-     << indent << "Scatter: " << this->Scatter << "\n"
-     << indent << "FibreDiameter: " << this->FibreDiameter << "\n"
-     << indent << "VesselDiameter: " << this->VesselDiameter[0] << " " << this->VesselDiameter[1] << "\n"
-     << indent << "VesselShare: " << this->VesselShare[0] << " " << this->VesselShare[1] << "\n"
-     << indent << "EarlyEnd: " << this->EarlyEnd << "\n"
-     << indent << "Multiples: " << this->Multiples << "\n"
-     << indent << "HardwoodRayDistance: " << this->HardwoodRayDistance << "\n"
-     << indent << "Cells: " << this->Cells << "\n"
-     << indent << "Axis: " << this->Axis << "\n";
+  lamella::printSettings(this, os, indent);
 }

@@ -4,8 +4,9 @@
  *
  * Softwood and hardwood tissue, honeycomb, checkerboard, arrays of disks or spheres, laminates, on a lattice of any
  * size: what solvers/generators makes, as vtkImageData with the array `phase` (unsigned char) at points; field data
- * `phase_names`, `pixel_size_source` ("option") and `provenance`. The same settings and seed give the same bytes
- * everywhere.
+ * `phase_names`, `pixel_size_source` ("generated") and `provenance`. The same settings and seed give the same bytes
+ * everywhere. Tissue can be drawn as a microscope would show it, too: the array `micrograph` (unsigned char), with
+ * three components where it is stained, beside the phases, which are its truth.
  *
  * Phases are `lumen` and `wall` for softwood, hardwood and honeycomb, `matrix` and `inclusion` for the others, as ids 0
  * and 1.
@@ -17,6 +18,11 @@
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkSmartPointer.h"            // for the image that is kept
+
+namespace lamella
+{
+struct PhaseImage;
+}
 
 class VTKLAMELLASOLVERSVTK_EXPORT vtkMicrostructureSource : public vtkImageAlgorithm
 {
@@ -49,6 +55,7 @@ public:
    * Nodes along x, y and z. One along z: a two-dimensional sample.
    * @group Sample
    * @columns x, y, z
+   * @rest 1
    * @range [1, inf)
    */
   vtkSetVector3Macro(Size, int);
@@ -58,6 +65,7 @@ public:
   ///@{
   /**
    * Distance of neighbouring nodes in metres.
+   * @word pixel-size, spacing
    * @group Sample
    * @unit m
    * @range (0, inf)
@@ -83,6 +91,7 @@ public:
    * Another seed gives another sample of the same kind.
    * @group Tissue
    * @range [0, inf)
+   * @when Kind SOFTWOOD HARDWOOD
    */
   vtkSetMacro(Seed, vtkIdType);
   vtkGetMacro(Seed, vtkIdType);
@@ -95,6 +104,7 @@ public:
    * @unit m
    * @advanced
    * @range (0, inf)
+   * @when Kind SOFTWOOD
    */
   vtkSetMacro(TangentialDiameter, double);
   vtkGetMacro(TangentialDiameter, double);
@@ -105,8 +115,10 @@ public:
    * Mean tracheid diameter along the radial files, along x, in metres: in earlywood and in latewood.
    * @group Softwood
    * @columns early [m], late [m]
+   * @rest same
    * @advanced
    * @range (0, inf)
+   * @when Kind SOFTWOOD
    */
   vtkSetVector2Macro(RadialDiameter, double);
   vtkGetVector2Macro(RadialDiameter, double);
@@ -117,7 +129,9 @@ public:
    * Place in the annual ring of the left and of the right edge: 0 earlywood, 1 latewood.
    * @group Tissue
    * @columns left, right
+   * @rest same
    * @range [0, 1]
+   * @when Kind SOFTWOOD HARDWOOD
    */
   vtkSetVector2Macro(RingPosition, double);
   vtkGetVector2Macro(RingPosition, double);
@@ -130,6 +144,7 @@ public:
    * @unit m
    * @range [0, inf)
    * @advanced
+   * @when Kind SOFTWOOD
    */
   vtkSetMacro(RayDistance, double);
   vtkGetMacro(RayDistance, double);
@@ -142,6 +157,7 @@ public:
    * @unit m
    * @advanced
    * @range (0, inf)
+   * @when Kind SOFTWOOD
    */
   vtkSetMacro(TracheidLength, double);
   vtkGetMacro(TracheidLength, double);
@@ -153,6 +169,7 @@ public:
    * @group Tissue
    * @range [0, 0.5]
    * @advanced
+   * @when Kind SOFTWOOD HARDWOOD
    */
   vtkSetMacro(Scatter, double);
   vtkGetMacro(Scatter, double);
@@ -165,6 +182,7 @@ public:
    * @unit m
    * @advanced
    * @range (0, inf)
+   * @when Kind HARDWOOD
    */
   vtkSetMacro(FibreDiameter, double);
   vtkGetMacro(FibreDiameter, double);
@@ -175,7 +193,9 @@ public:
    * Mean tangential diameter of the vessels in metres: at the start and at the end of the ring.
    * @group Hardwood
    * @columns start [m], end [m]
+   * @rest same
    * @range (0, inf)
+   * @when Kind HARDWOOD
    */
   vtkSetVector2Macro(VesselDiameter, double);
   vtkGetVector2Macro(VesselDiameter, double);
@@ -186,7 +206,9 @@ public:
    * Share of the picture in vessels, out to the middle of their walls: at the start and at the end of the ring.
    * @group Hardwood
    * @columns start, end
+   * @rest same
    * @range [0, 0.5]
+   * @when Kind HARDWOOD
    */
   vtkSetVector2Macro(VesselShare, double);
   vtkGetVector2Macro(VesselShare, double);
@@ -198,6 +220,7 @@ public:
    * @group Hardwood
    * @range [0, 1]
    * @advanced
+   * @when Kind HARDWOOD
    */
   vtkSetMacro(EarlyEnd, double);
   vtkGetMacro(EarlyEnd, double);
@@ -209,6 +232,7 @@ public:
    * @group Hardwood
    * @range [0, 1]
    * @advanced
+   * @when Kind HARDWOOD
    */
   vtkSetMacro(Multiples, double);
   vtkGetMacro(Multiples, double);
@@ -217,10 +241,12 @@ public:
   ///@{
   /**
    * Mean distance between rays in metres. 0: no rays.
+   * @word ray-distance
    * @group Hardwood
    * @unit m
    * @range [0, inf)
    * @advanced
+   * @when Kind HARDWOOD
    */
   vtkSetMacro(HardwoodRayDistance, double);
   vtkGetMacro(HardwoodRayDistance, double);
@@ -254,6 +280,104 @@ public:
   vtkGetMacro(Axis, int);
   ///@}
 
+  enum Looks
+  {
+    LABELS = 0,  ///< not at all, phases alone
+    MAGENTA = 1, ///< safranin in transmitted light
+    BLUE = 2,    ///< astra blue in transmitted light
+    GREY = 3     ///< an electron micrograph with bright walls
+  };
+  ///@{
+  /**
+   * How tissue is drawn as a micrograph, of two dimensions.
+   * @group Micrograph
+   * @when Kind SOFTWOOD HARDWOOD
+   * @choice Looks
+   */
+  vtkSetMacro(Look, int);
+  vtkGetMacro(Look, int);
+  ///@}
+
+  ///@{
+  /**
+   * Standard deviation of the optics' point spread. 0: none.
+   * @group Micrograph
+   * @when Look MAGENTA BLUE GREY
+   * @unit m
+   * @range [0, inf)
+   */
+  vtkSetMacro(Blur, double);
+  vtkGetMacro(Blur, double);
+  ///@}
+
+  ///@{
+  /**
+   * Standard deviation of the noise in a bright place over full scale, half from the light, half from the camera.
+   * @group Micrograph
+   * @when Look MAGENTA BLUE GREY
+   * @range [0, 0.5]
+   */
+  vtkSetMacro(Noise, double);
+  vtkGetMacro(Noise, double);
+  ///@}
+
+  ///@{
+  /**
+   * How much darker the darkest corner is than the brightest place.
+   * @group Micrograph
+   * @when Look MAGENTA BLUE GREY
+   * @range [0, 0.95]
+   */
+  vtkSetMacro(UnevenLight, double);
+  vtkGetMacro(UnevenLight, double);
+  ///@}
+
+  ///@{
+  /**
+   * Specks of dirt a square millimetre, 3 to 12 µm wide.
+   * @group Micrograph
+   * @when Look MAGENTA BLUE GREY
+   * @range [0, 10000]
+   */
+  vtkSetMacro(Dirt, double);
+  vtkGetMacro(Dirt, double);
+  ///@}
+
+  ///@{
+  /**
+   * Torn places a square millimetre: short cracks in the picture. The phases stay whole.
+   * @group Micrograph
+   * @when Look MAGENTA BLUE GREY
+   * @range [0, 10000]
+   */
+  vtkSetMacro(Tears, double);
+  vtkGetMacro(Tears, double);
+  ///@}
+
+  ///@{
+  /**
+   * Depth of a dark fringe 0.6 µm wide on both sides of the lumens' edges, as of walls out of focus, in the stain of a
+   * wall. 0.4 is faint.
+   * @group Micrograph
+   * @when Look MAGENTA BLUE GREY
+   * @range [0, 3]
+   */
+  vtkSetMacro(Rim, double);
+  vtkGetMacro(Rim, double);
+  ///@}
+
+  ///@{
+  /**
+   * Length of a bar in the lower right corner, with its length as text. 0: none.
+   * @group Micrograph
+   * @when Look MAGENTA BLUE GREY
+   * @unit m
+   * @range [0, inf)
+   */
+  vtkSetMacro(ScaleBar, double);
+  vtkGetMacro(ScaleBar, double);
+  ///@}
+
 protected:
   vtkMicrostructureSource();
   ~vtkMicrostructureSource() override = default;
@@ -265,6 +389,8 @@ private:
   vtkMicrostructureSource(const vtkMicrostructureSource&) = delete;
   void operator=(const vtkMicrostructureSource&) = delete;
 
+  lamella::PhaseImage Tissue(int n);
+  lamella::PhaseImage Sample();
   void Generate();
 
   int Kind = SOFTWOOD;
@@ -286,6 +412,14 @@ private:
   double HardwoodRayDistance = 95e-6;
   int Cells = 4;
   int Axis = X;
+  int Look = LABELS;
+  double Blur = 0.5e-6;
+  double Noise = 0.02;
+  double UnevenLight = 0.2;
+  double Dirt = 4;
+  double Tears = 0;
+  double Rim = 0;
+  double ScaleBar = 0;
 
   vtkSmartPointer<vtkImageData> Image; ///< what was made
   vtkTimeStamp MadeTime;

@@ -10,6 +10,7 @@ end, and then, in lines that begin with @:
     @group Load                   title under which it stands
     @unit Pa                      unit of its numbers
     @range [0, 1)                 what is allowed; numbers are finite unless it says inf]
+    @rest 1                       of a vector: its last number where people leave it out; same: as the one before
     @unset 0                      what stands for a number that is not given, out of its range: a default that nobody can give
     @choice Loads                 the enum of what it can be, or its enumerators, if it cannot be all of them
     @values 2 = disks; 3 = spheres  whole numbers that it can be, and what they mean
@@ -87,6 +88,7 @@ class Setting:
     files: str = ""
     advanced: bool = False
     unset: object = None
+    rest: object = None
     panel: str = ""  # how a panel begins: on or off; empty: with the default
     owner: str = ""
 
@@ -438,7 +440,7 @@ class Declarations:
     @staticmethod
     def apply(setting, tags, kind, entries):
         fail = lambda why: setting.fail(setting.at, why)  # noqa: E731
-        known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default", "panel", "unset"}
+        known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default", "panel", "unset", "rest"}
         for tag in set(tags) - known:
             fail(f"@{tag} is not understood; there are {', '.join(sorted(known))}")
         word, _, keyword = tags.get("word", setting.word).partition(",")
@@ -450,6 +452,7 @@ class Declarations:
         setting.advanced = setting.advanced or "advanced" in tags
         setting.panel = tags.get("panel", setting.panel)
         setting.unset = float(tags["unset"]) if "unset" in tags else setting.unset
+        setting.rest = float(tags["rest"].replace("same", "inf")) if "rest" in tags else setting.rest
         setting.columns = [part.strip() for part in tags["columns"].split(",")] if "columns" in tags else setting.columns
         if "range" in tags:
             try:
@@ -532,7 +535,7 @@ class Declarations:
 def inherit(setting, base, tags):
     """A setter that a subclass declares again says what differs."""
     setting.name = base.name
-    for field in ("text", "word", "keyword", "off", "group", "title", "unit", "range", "choices", "columns", "when", "files", "advanced", "panel", "unset", "clear"):
+    for field in ("text", "word", "keyword", "off", "group", "title", "unit", "range", "choices", "columns", "when", "files", "advanced", "panel", "unset", "rest", "clear"):
         if not getattr(setting, field) or (field == "range" and "range" not in tags):
             setattr(setting, field, getattr(base, field))
     if base.kind in ("choice", "file"):

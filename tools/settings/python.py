@@ -1,11 +1,12 @@
 """Makes lamella/_declared.py: what the keywords of the package's functions are called, and what is said of them."""
 
+import math
 import pathlib
 import textwrap
 
 HEAD = '''"""Made from the headers of the classes: their settings, by class, as _settings.py takes them:
-keyword, setter, kind, types, default, words, columns, word of a command, hint of its type, docstring, and what it counts with:
-keyword of the other setting, its values, and how people say so. WITHOUT: keywords of bases that make no sense for a class."""
+keyword, setter, kind, types, default, words, columns, word of a command, hint of its type, docstring, what it counts with
+(keyword of the other setting, its values, and how people say so), and the last number of a vector where it is left out. WITHOUT: keywords of bases that make no sense for a class."""
 
 '''
 HINTS = {"whole": "int", "number": "float", "switch": "bool", "choice": "str", "text": "str | None", "file": "Path | None"}
@@ -64,7 +65,8 @@ def write(declarations, path):
             other = declarations.other(name, setting) if setting.when else None
             when = (other[0].keyword, tuple(other[1]), other[2]) if other else None
             row = (setting.keyword, setting.setter, "axes" if axes(setting) else setting.kind, setting.types, default(setting), words,
-                   tuple(setting.columns), setting.word, hint(setting), lines(setting), when)
+                   tuple(setting.columns), setting.word, hint(setting), lines(setting), when,
+                   "same" if setting.rest == math.inf else setting.rest)
             text += f"        {row!r},\n"
         text += "    ),\n"
     text += "}\n\nWITHOUT = {\n"

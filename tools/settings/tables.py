@@ -12,7 +12,9 @@ HEAD = """// Made from the headers of these classes.
 
 """
 HELPERS = """
+#include <cmath>
 #include <limits>
+#include <type_traits>
 
 namespace
 {
@@ -43,7 +45,15 @@ struct Given
   const std::vector<SettingValue>& values;
   [[nodiscard]] bool on(std::size_t i) const { return std::get<double>(values[i]) != 0; }
   template <typename T>
-  [[nodiscard]] T number(std::size_t i) const { return static_cast<T>(std::get<double>(values[i])); }
+  [[nodiscard]] T number(std::size_t i) const
+  {
+    const double value = std::get<double>(values[i]);
+    if (std::is_integral_v<T> && !(std::fabs(value) < std::ldexp(1.0, std::numeric_limits<T>::digits)))
+    {
+      lamella::refuseSize(value);
+    }
+    return static_cast<T>(value);
+  }
   [[nodiscard]] const char* text(std::size_t i) const { return std::get<std::string>(values[i]).c_str(); }
 };
 
@@ -88,7 +98,7 @@ def entry(declarations, name, setting):
     values = f"[](vtkObject* object) {{ return numbers({read}); }}" if checked(setting) else "nullptr"
     words = ", ".join(quoted(text) for text in (setting.unit, setting.group, setting.text, standard(setting)))
     return (f"    {{ {quoted(setting.word)}, {quoted(setting.off)}, Kind::{kind}, {{ {', '.join('Type::' + t.capitalize() for t in setting.types)} }}, "
-            f"{number(limits.low)}, {number(limits.high)}, {ends}, {'nan' if setting.unset is None else number(setting.unset)}, {{ {choices} }}, {{ {parts} }},\n      {words},\n"
+            f"{number(limits.low)}, {number(limits.high)}, {ends}, {'nan' if setting.unset is None else number(setting.unset)}, {'nan' if setting.rest is None else number(setting.rest)}, {{ {choices} }}, {{ {parts} }},\n      {words},\n"
             f"      {condition(declarations, name, setting)},\n      {values},\n"
             f"      [](vtkObject* object, const std::vector<SettingValue>& values)\n"
             f"      {{\n        const Given given{{ values }};\n        {call(name, setting)};\n      }} }},\n")

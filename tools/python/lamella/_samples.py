@@ -11,6 +11,7 @@ from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
 from . import _arrays, _files
 from ._errors import LamellaError, choose, collect_warnings, entries, run
+from ._settings import Settings, declared
 from ._types import Any, Array, ArrayLike, Mapping, Path, Sequence
 from .vtkLamellaSolversVTK import vtkMicrostructureSource, vtkPictureReader, vtkVTKHDFWriter
 
@@ -218,178 +219,72 @@ def from_array(
     return Sample(image)
 
 
-def _source(kind, size, spacing):
-    source = vtkMicrostructureSource()
-    source.SetKind(kind)
-    size = [int(n) for n in size]
+def _made(settings, dimensions):
+    """@param dimensions that a sample of the kind can have"""
+    size = tuple(np.ravel(settings["size"]))
     if len(size) not in (2, 3):
         raise ValueError("a size is (nx, ny) or (nx, ny, nz)")
-    source.SetSize(*(size + [1])[:3])
-    source.SetSpacing(spacing)
-    return source
-
-
-def softwood(
-    size: Sequence[int] = (200, 200),
-    solid_fraction: float = 0.4,
-    seed: int = 1,
-    spacing: float = 1e-6,
-    ring_position: Sequence[float] = (0.0, 0.0),
-    tangential_diameter: float = 30e-6,
-    radial_diameter: Sequence[float] = (36e-6, 15e-6),
-    ray_distance: float = 240e-6,
-    tracheid_length: float = 200e-6,
-    scatter: float = 0.12,
-) -> Sample:
-    """Softwood tissue with the phases lumen and wall.
-
-    size            (nx, ny) or (nx, ny, nz) nodes, x the radial axis
-    solid_fraction  share of the walls
-    seed            another seed gives another tissue
-    spacing         distance of the nodes [m]
-    ring_position   place in the annual ring of the left and the right edge, 0 earlywood to 1 latewood
-    tangential_diameter  of the tracheids across the radial files, along y [m]
-    radial_diameter  along the files, in earlywood and in latewood [m]
-    ray_distance    mean distance between rays [m]; 0: none
-    tracheid_length  in three dimensions, along z [m]
-    scatter         relative standard deviation of the diameters
-    """
-    source = _source(vtkMicrostructureSource.SOFTWOOD, size, spacing)
-    source.SetSolidFraction(solid_fraction)
-    source.SetSeed(seed)
-    source.SetRingPosition(*ring_position)
-    source.SetTangentialDiameter(tangential_diameter)
-    source.SetRadialDiameter(*radial_diameter)
-    source.SetRayDistance(ray_distance)
-    source.SetTracheidLength(tracheid_length)
-    source.SetScatter(scatter)
+    if (3 if len(size) == 3 and size[2] > 1 else 2) not in dimensions:
+        raise ValueError(f"the size is {size}; give {'(nx, ny): it is flat' if dimensions == (2,) else '(nx, ny, nz): it is a volume'}")
+    source = vtkMicrostructureSource()
+    settings.give(source)
     return _sample(source)
 
 
-def hardwood(
-    size: Sequence[int] = (400, 400),
-    solid_fraction: float = 0.38,
-    seed: int = 1,
-    spacing: float = 1e-6,
-    ring_position: Sequence[float] = (0.0, 0.0),
-    fibre_diameter: float = 16e-6,
-    vessel_diameter: Sequence[float] = (64e-6, 40e-6),
-    vessel_share: Sequence[float] = (0.32, 0.15),
-    early_end: float = 0.6,
-    multiples: float = 0.45,
-    ray_distance: float = 95e-6,
-    scatter: float = 0.12,
-) -> Sample:
-    """Hardwood tissue with the phases lumen and wall: vessels among fibres, rays.
+_FRACTION = {"fraction": "solid_fraction"}
 
-    size            (nx, ny) nodes, x the radial axis
-    solid_fraction  share of the walls
-    seed            another seed gives another tissue
-    spacing         distance of the nodes [m]
-    ring_position   place in the annual ring of the left and the right edge, 0 its start to 1 its end
-    fibre_diameter  between the middles of the walls [m]
-    vessel_diameter, vessel_share  of the vessels at the start and at the end of the ring [m], share of the picture
-    early_end       place in the ring where late vessels begin (0.25 in ring-porous wood)
-    multiples       share of the groups of vessels that are radial files of two to four
-    ray_distance    mean distance between rays [m]; 0: none
-    scatter         relative standard deviation of the diameters
+
+def _kind(word, first=("size", "solid_fraction", "cells", "spacing"), defaults=None, formerly=None):
+    return declared(vtkMicrostructureSource, first=first, choice=("kind", word), formerly=formerly,
+                    defaults={"size": (200, 200), **(defaults or {})})
+
+
+_TISSUE = ("size", "solid_fraction", "seed", "spacing", "ring_position")
+
+
+@_kind("softwood", _TISSUE)
+def softwood(settings: Settings) -> Sample:
+    """Softwood tissue with the phases lumen and wall, in two or three dimensions; x is the radial axis.
+
+    With a look the sample has the array ``micrograph``, too: what a microscope would show.
     """
-    if len(size) != 2:
-        raise ValueError("hardwood is a cross-section: give a size (nx, ny)")
-    source = _source(vtkMicrostructureSource.HARDWOOD, size, spacing)
-    source.SetSolidFraction(solid_fraction)
-    source.SetSeed(seed)
-    source.SetRingPosition(*ring_position)
-    source.SetFibreDiameter(fibre_diameter)
-    source.SetVesselDiameter(*vessel_diameter)
-    source.SetVesselShare(*vessel_share)
-    source.SetEarlyEnd(early_end)
-    source.SetMultiples(multiples)
-    source.SetHardwoodRayDistance(ray_distance)
-    source.SetScatter(scatter)
-    return _sample(source)
+    return _made(settings, (2, 3))
 
 
-def honeycomb(
-    size: Sequence[int] = (200, 200),
-    solid_fraction: float = 0.4,
-    cells: int = 4,
-    spacing: float = 1e-6,
-) -> Sample:
-    """Honeycomb of straight walls: phases lumen and wall.
+@_kind("hardwood", _TISSUE, {"size": (400, 400), "solid_fraction": 0.38})
+def hardwood(settings: Settings) -> Sample:
+    """Hardwood tissue with the phases lumen and wall: vessels among fibres, rays; x is the radial axis.
 
-    size            (nx, ny) or (nx, ny, nz) nodes
-    solid_fraction  share of the walls
-    cells           along x
-    spacing         distance of the nodes [m]
+    With a look the sample has the array ``micrograph``, too: what a microscope would show.
     """
-    source = _source(vtkMicrostructureSource.HONEYCOMB, size, spacing)
-    source.SetSolidFraction(solid_fraction)
-    source.SetCells(cells)
-    return _sample(source)
+    return _made(settings, (2,))
 
 
-def checkerboard(size: Sequence[int] = (200, 200), cells: int = 4, spacing: float = 1e-6) -> Sample:
-    """A checkerboard of the phases matrix and inclusion.
-
-    size     (nx, ny) or (nx, ny, nz) nodes
-    cells    fields along each axis
-    spacing  distance of the nodes [m]
-    """
-    source = _source(vtkMicrostructureSource.CHECKERBOARD, size, spacing)
-    source.SetCells(cells)
-    return _sample(source)
+@_kind("honeycomb")
+def honeycomb(settings: Settings) -> Sample:
+    """Honeycomb of straight walls: phases lumen and wall."""
+    return _made(settings, (2, 3))
 
 
-def disks(size: Sequence[int] = (200, 200), fraction: float = 0.5, cells: int = 1, spacing: float = 1e-6) -> Sample:
-    """Disks in a square array: phases matrix and inclusion.
-
-    size      (nx, ny) nodes
-    fraction  share of the disks
-    cells     disks along each axis
-    spacing   distance of the nodes [m]
-    """
-    if len(size) != 2:
-        raise ValueError("disks lie in a picture: give a size (nx, ny), or make spheres")
-    source = _source(vtkMicrostructureSource.INCLUSIONS, size, spacing)
-    source.SetSolidFraction(fraction)
-    source.SetCells(cells)
-    return _sample(source)
+@_kind("checkerboard", ("size", "cells", "spacing"))
+def checkerboard(settings: Settings) -> Sample:
+    """A checkerboard of the phases matrix and inclusion."""
+    return _made(settings, (2, 3))
 
 
-def spheres(size: Sequence[int] = (64, 64, 64), fraction: float = 0.5, cells: int = 1, spacing: float = 1e-6) -> Sample:
-    """Spheres in a cubic array: phases matrix and inclusion.
-
-    size      (nx, ny, nz) nodes
-    fraction  share of the spheres
-    cells     spheres along each axis
-    spacing   distance of the nodes [m]
-    """
-    if len(size) != 3:
-        raise ValueError("spheres lie in a volume: give a size (nx, ny, nz), or make disks")
-    source = _source(vtkMicrostructureSource.INCLUSIONS, size, spacing)
-    source.SetSolidFraction(fraction)
-    source.SetCells(cells)
-    return _sample(source)
+@_kind("inclusions", defaults={"solid_fraction": 0.5, "cells": 1}, formerly=_FRACTION)
+def disks(settings: Settings) -> Sample:
+    """Disks in a square array: phases matrix and inclusion."""
+    return _made(settings, (2,))
 
 
-def laminate(
-    size: Sequence[int] = (200, 200),
-    axis: str = "x",
-    fraction: float = 0.5,
-    periods: int = 4,
-    spacing: float = 1e-6,
-) -> Sample:
-    """Layers: phases matrix and inclusion.
+@_kind("inclusions", defaults={"size": (64, 64, 64), "solid_fraction": 0.5, "cells": 1}, formerly=_FRACTION)
+def spheres(settings: Settings) -> Sample:
+    """Spheres in a cubic array: phases matrix and inclusion."""
+    return _made(settings, (3,))
 
-    size      (nx, ny) or (nx, ny, nz) nodes
-    axis      "x", "y" or "z": across the layers
-    fraction  share of the phase inclusion
-    periods   pairs of layers
-    spacing   distance of the nodes [m]
-    """
-    source = _source(vtkMicrostructureSource.LAMINATE, size, spacing)
-    source.SetAxis("xyz".index(axis))
-    source.SetSolidFraction(fraction)
-    source.SetCells(periods)
-    return _sample(source)
+
+@_kind("laminate", ("size", "axis", "solid_fraction", "cells", "spacing"), {"solid_fraction": 0.5}, {**_FRACTION, "periods": "cells"})
+def laminate(settings: Settings) -> Sample:
+    """Layers: phases matrix and inclusion."""
+    return _made(settings, (2, 3))

@@ -15,7 +15,7 @@ from ._declared import BASES, CLASSES, WITHOUT
 from ._errors import ParameterError, entries, last_failure, number
 from .vtkLamellaSolversVTK import vtkSampleAlgorithm
 
-Setting = collections.namedtuple("Setting", "keyword setter kind types default words columns word hint lines when")
+Setting = collections.namedtuple("Setting", "keyword setter kind types default words columns word hint lines when rest")
 
 
 def pair(name):
@@ -104,6 +104,9 @@ class Settings:
     @staticmethod
     def _vector(algorithm, setting, value, _check):
         whole = setting.types[0] == "whole"
+        value = np.ravel(value).tolist() if setting.rest is not None else value
+        if setting.rest is not None and len(value) == len(setting.types) - 1:
+            value = [*value, value[-1] if setting.rest == "same" else setting.rest]
         values = [_whole(part, setting.keyword) if whole else number(part, setting.keyword) for part in value]
         if len(values) != len(setting.types):
             raise ValueError(f"{setting.keyword} has {len(values)} numbers; give {len(setting.types)}"
@@ -151,20 +154,27 @@ def _whole(value, what):
     return int(found)
 
 
-def declared(kind, first=(), without=(), defaults=None, formerly=None):
+def declared(kind, first=(), without=(), defaults=None, formerly=None, choice=None):
     """Gives a function the settings of a class as keywords, in place of its parameter ``settings``, which is then a Settings.
 
     first     keywords of settings that may be given by position, behind the parameters before ``settings``
     without   keywords of settings that the function has no use for, or sees to itself
+    choice    (keyword, word) that the function has taken: settings that do not count with it are left out
     defaults  {keyword: value} where the function's is not the class's
     formerly  {word of an earlier version: keyword, or a function that makes {keyword: value} of its value}
     """
     table, name, gone = {}, kind.__name__, ()
     while name in CLASSES:
         gone += WITHOUT.get(name, ())
-        table = {**{row[0]: Setting(*row) for row in CLASSES[name]}, **table}
+        rows = [Setting(*row) for row in CLASSES[name]]
+        if choice:
+            value = next(row.words[choice[1]] for row in rows if row.keyword == choice[0])
+            rows = [row for row in rows if not row.when or row.when[0] != choice[0] or value in row.when[1]]
+        table = {**{row.keyword: row for row in rows}, **table}
         name = BASES.get(name)
-    table = {keyword: setting for keyword, setting in table.items() if keyword not in without and keyword not in gone}
+    fixed = {choice[0]: choice[1]} if choice else {}
+    whole = {keyword: setting for keyword, setting in table.items() if keyword not in without and keyword not in gone}
+    table = {keyword: setting for keyword, setting in whole.items() if keyword not in fixed}
     table.update({keyword: table[keyword]._replace(default=value) for keyword, value in (defaults or {}).items()})
 
     def decorate(function):
@@ -198,9 +208,9 @@ def declared(kind, first=(), without=(), defaults=None, formerly=None):
                 bound = signature.bind(*given, **keywords).arguments
             except TypeError as error:
                 raise TypeError(f"{function.__name__}(): {error}; give settings by name") from None
-            values = {**(defaults or {}), **{name: value for name, value in bound.items() if name in table}}
+            values = {**fixed, **(defaults or {}), **{name: value for name, value in bound.items() if name in table}}
             mine = {name: value for name, value in bound.items() if name not in table}
-            return function(settings=Settings(table, values), **mine)
+            return function(settings=Settings({**table, **{name: whole[name] for name in fixed}}, values), **mine)
 
         call.__signature__ = signature
         shown = [*first, *(name for name in table if name not in first)]
