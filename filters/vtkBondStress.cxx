@@ -1,6 +1,7 @@
 #include "vtkBondStress.h"
 
 #include "BondFields.h"
+#include "Settings.h"
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
@@ -75,6 +76,5 @@ void vtkBondStress::Run(vtkImageData* input, vtkImageData* output, const lamella
 void vtkBondStress::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "ModelFromInput: " << this->ModelFromInput << "\n"
-     << indent << "ComputeStrainEnergy: " << this->ComputeStrainEnergy << "\n";
+  lamella::printSettings(this, os, indent);
 }

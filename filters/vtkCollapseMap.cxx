@@ -356,8 +356,5 @@ int vtkCollapseMap::RequestData(
 void vtkCollapseMap::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Phase: " << (this->Phase.empty() ? "(the first called void, pore, lumen or air)" : this->Phase)
-     << "\n"
-     << indent << "Share: " << this->Share << "\n"
-     << indent << "MinimumSize: " << this->MinimumSize << "\n";
+  lamella::printSettings(this, os, indent);
 }

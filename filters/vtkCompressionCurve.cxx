@@ -176,10 +176,5 @@ int vtkCompressionCurve::RequestData(
 void vtkCompressionCurve::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "StiffnessRange: " << this->StiffnessRange[0] << " " << this->StiffnessRange[1] << "\n"
-     << indent << "Window: " << this->Window << "\n"
-     << indent << "Offset: " << this->Offset << "\n"
-     << indent << "PlateauRange: " << this->PlateauRange[0] << " " << this->PlateauRange[1] << "\n"
-     << indent << "Smoothing: " << this->Smoothing << "\n"
-     << indent << "Prominence: " << this->Prominence << "\n";
+  lamella::printSettings(this, os, indent);
 }

@@ -345,8 +345,5 @@ int vtkCrackPath::RequestData(
 void vtkCrackPath::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "MinimumLength: " << this->MinimumLength << "\n"
-     << indent << "SpurLength: " << this->SpurLength << "\n"
-     << indent << "Horizon: " << this->Horizon << "\n"
-     << indent << "ComputeFragments: " << this->ComputeFragments << "\n";
+  lamella::printSettings(this, os, indent);
 }

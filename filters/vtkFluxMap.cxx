@@ -616,6 +616,5 @@ int vtkFluxMap::RequestData(
 void vtkFluxMap::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Direction: " << this->Direction << "\n"
-     << indent << "NumberOfStreamlines: " << this->NumberOfStreamlines << "\n";
+  lamella::printSettings(this, os, indent);
 }

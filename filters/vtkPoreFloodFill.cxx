@@ -267,13 +267,5 @@ int vtkPoreFloodFill::RequestData(
 void vtkPoreFloodFill::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Phase: " << (this->Phase.empty() ? "(the first called void, pore, lumen or air)" : this->Phase)
-     << "\n"
-     << indent << "Connectivity: " << this->Connectivity << "\n"
-     << indent << "Periodic: " << this->Periodic[0] << ", " << this->Periodic[1] << ", " << this->Periodic[2] << "\n"
-     << indent << "MinimumSize: " << this->MinimumSize << "\n"
-     << indent << "SortBySize: " << this->SortBySize << "\n"
-     << indent << "ComputeLabels: " << this->ComputeLabels << "\n"
-     << indent << "ComputePoreSize: " << this->ComputePoreSize << "\n"
-     << indent << "MaximumNumberOfLabels: " << this->MaximumNumberOfLabels << "\n";
+  lamella::printSettings(this, os, indent);
 }

@@ -210,17 +210,5 @@ int vtkStressPDF::RequestData(
 void vtkStressPDF::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Component: " << statistics::stressMeasureNames()[static_cast<std::size_t>(this->Component)] << "\n"
-     << indent << "Phases:" << (this->Phases.empty() ? " (all but the void)" : "");
-  for (const std::string& phase : this->Phases)
-  {
-    os << " " << phase;
-  }
-  os << "\n"
-     << indent << "LeaveOutPlatens: " << this->LeaveOutPlatens << "\n"
-     << indent << "BinWidth: " << this->BinWidth << "\n"
-     << indent << "Range: " << this->Range[0] << ", " << this->Range[1] << "\n"
-     << indent << "Threshold: " << this->Threshold << "\n"
-     << indent << "TailShare: " << this->TailShare << "\n"
-     << indent << "ReferenceStress: " << this->ReferenceStress << "\n";
+  lamella::printSettings(this, os, indent);
 }

@@ -167,7 +167,7 @@ BondRun bondRun(Session& session, vtkBondAlgorithm* filter, const PictureOptions
   }
   run.file = picture.file;
   run.pixelSizeSource = sample.pixelSizeSource;
-  run.provenance = recordRun(commandLine, picture.file, sample.provenance);
+  run.provenance = recordRun(session, commandLine, picture.file, sample.provenance);
   run.refine = options.refine;
   run.threads = filter->GetThreads();
   run.ranks = session.ranks();

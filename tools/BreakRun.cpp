@@ -28,10 +28,10 @@ namespace
 
 /// Of a scene whose pictures and filters show other things of the states, the displacements are left out, and with them
 /// an equilibrium for each state.
-bool statesNeedDisplacement(const BreakOptions& o)
+bool statesNeedDisplacement(const Session& session, const BreakOptions& o)
 {
-  return Workspace::current() == nullptr || Workspace::current()->wants("displacement") ||
-    o.bonds.settings.given("stress") || o.bonds.settings.given("strain-energy");
+  return session.scene() == nullptr || session.scene()->wants("displacement") || o.bonds.settings.given("stress") ||
+    o.bonds.settings.given("strain-energy");
 }
 
 /// What rank 0 writes.
@@ -101,11 +101,11 @@ std::vector<std::string> listed(const std::vector<std::string>& lists)
   return all;
 }
 
-void applyBreak(const BreakOptions& o, vtkBondBreakAlgorithm* filter, const char* forStates)
+void applyBreak(const Session& session, const BreakOptions& o, vtkBondBreakAlgorithm* filter, const char* forStates)
 {
   applyBonds(o.bonds, filter);
-  applyCheckpoint(o.checkpoint, filter, vtkBondFracture::SafeDownCast(filter) == nullptr);
-  filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
+  applyCheckpoint(session, o.checkpoint, filter, vtkBondFracture::SafeDownCast(filter) == nullptr);
+  filter->SetKeepStates(session.keepsAllStates());
   std::string forFields = forStates != nullptr ? forStates : "";
   for (const char* const word : { "at-strain", "at-time", "at-broken", "stress", "strain-energy" })
   {
@@ -115,7 +115,7 @@ void applyBreak(const BreakOptions& o, vtkBondBreakAlgorithm* filter, const char
   {
     throw ParameterError(forFields + " without a file to write to", "add -o FILE.vti");
   }
-  filter->SetComputeDisplacement(!o.output.empty() && statesNeedDisplacement(o));
+  filter->SetComputeDisplacement(!o.output.empty() && statesNeedDisplacement(session, o));
 }
 
 void runBreak(Session& session, const BreakOptions& options, vtkBondBreakAlgorithm* filter,
@@ -137,7 +137,8 @@ void runBreak(Session& session, const BreakOptions& options, vtkBondBreakAlgorit
         static_cast<std::uint64_t>(sample.image->GetNumberOfPoints()) * static_cast<std::uint64_t>(bytes));
       if (!options.checkpoint.file.empty())
       {
-        files.states.follow(session, io::toJson(recordRun(commandLine, options.picture.file, sample.provenance)));
+        files.states.follow(
+          session, io::toJson(recordRun(session, commandLine, options.picture.file, sample.provenance)));
       }
     });
   const auto finish = [&]

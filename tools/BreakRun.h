@@ -44,7 +44,8 @@ void addFileOptions(CLI::App& command, BreakOptions& options, const BreakWords& 
 
 /// Gives the filter what the options say. @param forStates an option that needs a file to write fields to, or null
 /// @throws ParameterError for what can be said without the sample
-void applyBreak(const BreakOptions& options, vtkBondBreakAlgorithm* filter, const char* forStates);
+void applyBreak(
+  const Session& session, const BreakOptions& options, vtkBondBreakAlgorithm* filter, const char* forStates);
 
 /// Loads the sample, runs the filter, writes its files and prints a report.
 /// @param what the filter does: "fracture" @param unit that its checkpoints count: "events"

@@ -152,7 +152,7 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
   runFilter(session, filter, "bridges");
   (void)VtkMessages::takeWarnings(); // the same as in the field data
   vtkImageData* const image = filter->GetOutput();
-  const io::Provenance record = recordRun(commandLine, options.file, origin);
+  const io::Provenance record = recordRun(session, commandLine, options.file, origin);
   setProvenance(image, io::toJson(record));
   options.settings.tellFormer(session);
   const std::vector<std::string> warnings = fieldTexts(image, "warnings");

@@ -134,7 +134,7 @@ void collapseMap(Session& session, const CollapseMapOptions& o, const std::strin
   runFilter(session, filter, "collapse");
   tellWarnings(session);
   Json json = reportOf(o, filter);
-  const io::Provenance run = recordRun(commandLine, o.image, provenance(filter->GetOutput()));
+  const io::Provenance run = recordRun(session, commandLine, o.image, provenance(filter->GetOutput()));
   json["files"] = files.write(io::toJson(run));
   json["seconds"] = secondsSince(start);
   printReport(session, o.common, json, run, tableOf);

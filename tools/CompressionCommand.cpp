@@ -51,7 +51,7 @@ struct CompressionOptions
 };
 
 /// What can be said without the sample. @throws ParameterError
-void apply(const CompressionOptions& o, vtkPointCompression* filter)
+void apply(const Session& session, const CompressionOptions& o, vtkPointCompression* filter)
 {
   if (!o.speeds.empty())
   {
@@ -70,8 +70,8 @@ void apply(const CompressionOptions& o, vtkPointCompression* filter)
     }
   }
   filter->SetComputeDisplacement(!o.output.empty());
-  applyCheckpoint(o.checkpoint, filter);
-  filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
+  applyCheckpoint(session, o.checkpoint, filter);
+  filter->SetKeepStates(session.keepsAllStates());
 }
 
 /// @param output with the filter's numbers as field data
@@ -94,7 +94,7 @@ BondRun runOf(Session& session, const CompressionOptions& o, const PointSample& 
   run.file = o.picture.file;
   run.image = sample.image;
   run.pixelSizeSource = sample.pixelSizeSource;
-  run.provenance = recordRun(commandLine, o.picture.file, sample.provenance);
+  run.provenance = recordRun(session, commandLine, o.picture.file, sample.provenance);
   run.threads = filter->GetThreads();
   run.ranks = session.ranks();
   return run;
@@ -104,7 +104,7 @@ void press(Session& session, const CompressionOptions& o, const std::string& com
 {
   const auto start = Clock::now();
   vtkNew<vtkPointCompression> filter;
-  apply(o, filter);
+  apply(session, o, filter);
   if (!o.constants.empty())
   {
     throw ParameterError(
@@ -125,7 +125,7 @@ void press(Session& session, const CompressionOptions& o, const std::string& com
       sample.image->GetExtent(extent.data());
       if (!o.checkpoint.file.empty())
       {
-        states.follow(session, io::toJson(recordRun(commandLine, o.picture.file, sample.provenance)));
+        states.follow(session, io::toJson(recordRun(session, commandLine, o.picture.file, sample.provenance)));
       }
     });
   session.broadcast(extent);

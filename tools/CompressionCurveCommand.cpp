@@ -43,7 +43,7 @@ struct CompressionCurveOptions
 /// The same of a table in memory. @throws InputError
 vtkSmartPointer<vtkTable> curveInMemory(const CompressionCurveOptions& o)
 {
-  const auto data = Workspace::current()->get(o.file);
+  const auto data = Workspace::find(o.file);
   auto* const whole = vtkTable::SafeDownCast(data);
   auto table = vtkSmartPointer<vtkTable>::New();
   for (const auto& [name, column] : { std::pair{ "strain", o.strain }, std::pair{ "stress", o.stress } })
@@ -171,7 +171,7 @@ void compressionCurve(Session& session, const CompressionCurveOptions& o, const 
   runFilter(session, filter, "curve");
   tellWarnings(session);
   Json json = reportOf(o, filter->GetOutput());
-  const io::Provenance run = recordRun(commandLine, o.file, "");
+  const io::Provenance run = recordRun(session, commandLine, o.file, "");
   json["files"] = files.write(io::toJson(run));
   json["seconds"] = secondsSince(start);
   printReport(session, o.common, json, run, tableOf);

@@ -95,7 +95,7 @@ void crackPath(Session& session, const CrackPathOptions& o, const std::string& c
   {
     session.warn("'" + o.file + "' holds no broken bond: there is no crack");
   }
-  const io::Provenance run = recordRun(commandLine, o.file, provenance(bonds));
+  const io::Provenance run = recordRun(session, commandLine, o.file, provenance(bonds));
   json["files"] = files.write(io::toJson(run));
   json["seconds"] = secondsSince(start);
   printReport(session, o.common, json, run, tableOf);

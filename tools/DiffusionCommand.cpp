@@ -227,7 +227,7 @@ private:
   {
     if (report_.provenance.version.empty())
     {
-      report_.provenance = recordRun(commandLine_, options_.picture.file, sample_.provenance);
+      report_.provenance = recordRun(session_, commandLine_, options_.picture.file, sample_.provenance);
     }
     setProvenance(output, io::toJson(report_.provenance));
     writeGrid(output, file);
@@ -251,7 +251,7 @@ private:
         if (report_.provenance.version.empty())
         {
           report_.provenance =
-            recordRun(commandLine_, options_.common.json ? options_.picture.file : "", sample_.provenance);
+            recordRun(session_, commandLine_, options_.common.json ? options_.picture.file : "", sample_.provenance);
         }
         report_.seconds = secondsSince(start_);
         session_.print(options_.common.json ? toJson(report_) : options_.common.quiet ? "" : toTable(report_));

@@ -154,10 +154,10 @@ std::size_t applyFrames(const DynamicsOptions& o, vtkBondDynamics* filter)
 }
 
 /// What can be said without the sample. @returns how many states are asked for at times @throws ParameterError
-std::size_t apply(const DynamicsOptions& o, vtkBondDynamics* filter)
+std::size_t apply(const Session& session, const DynamicsOptions& o, vtkBondDynamics* filter)
 {
   applyMovement(o, filter);
-  applyBreak(o, filter, o.frames.empty() ? nullptr : "--frames");
+  applyBreak(session, o, filter, o.frames.empty() ? nullptr : "--frames");
   filter->SetComputeVelocity(!o.output.empty());
   return applyFrames(o, filter);
 }
@@ -165,7 +165,7 @@ std::size_t apply(const DynamicsOptions& o, vtkBondDynamics* filter)
 void dynamics(Session& session, const DynamicsOptions& options, const std::string& commandLine)
 {
   vtkNew<vtkBondDynamics> filter;
-  const std::size_t states = apply(options, filter);
+  const std::size_t states = apply(session, options, filter);
   if (filter->GetEndTime() == 0)
   {
     session.sharesAreGuesses(); // when the sample has failed is to be found

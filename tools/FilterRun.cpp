@@ -25,7 +25,7 @@ class StepWatch
 public:
   StepWatch(const Session& session, vtkAlgorithm* filter)
     : filter_(filter)
-    , take_(Workspace::current() != nullptr ? Workspace::current()->onStep : session.onStep())
+    , take_(session.onStep())
   {
     if (take_)
     {

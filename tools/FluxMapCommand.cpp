@@ -159,7 +159,7 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
   auto* magnitude = map->GetPointData()->GetArray("flux_magnitude");
   tellWarnings(session);
 
-  const io::Provenance run = recordRun(commandLine, options.file, provenance(data));
+  const io::Provenance run = recordRun(session, commandLine, options.file, provenance(data));
   const std::vector<std::string> written = files.write(io::toJson(run));
 
   const int dimension = latticeOf(map).dimension;

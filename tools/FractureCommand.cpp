@@ -20,7 +20,7 @@ struct FractureOptions : BreakOptions
 void fracture(Session& session, const FractureOptions& options, const std::string& commandLine)
 {
   vtkNew<vtkBondFracture> filter;
-  applyBreak(options, filter, nullptr);
+  applyBreak(session, options, filter, nullptr);
   session.sharesAreGuesses(); // what breaks, and when, is to be found
   runBreak(session, options, filter, commandLine, "fracture", "events", options.bonds.settings.count("at-strain"), 0,
     [&](FractureReport report)

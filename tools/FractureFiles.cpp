@@ -178,7 +178,7 @@ void StateWriter::writeList(std::vector<Listed> states)
 
 void StateWriter::follow(Session& session, const std::string& record)
 {
-  if (files_.size() > 1 && session.ranks() == 1)
+  if (files_.size() > 1 && session.ranks() == 1 && session.scene() == nullptr)
   {
     session.setOnStep([this, record](vtkDataObject* state) { this->writeNow(state, record); });
   }
@@ -209,9 +209,9 @@ std::vector<std::string> StateWriter::keep(std::span<vtkDataObject* const> state
   for (std::size_t i = 0; i < states.size(); ++i)
   {
     setProvenance(states[i], provenance);
-    Workspace::current()->put(withSuffix(name, fmt::format("_{:03}", i)), states[i]);
+    Workspace::keep(withSuffix(name, fmt::format("_{:03}", i)), states[i]);
   }
-  Workspace::current()->put(name, states.back());
+  Workspace::keep(name, states.back());
   return { name.string() };
 }
 
@@ -287,7 +287,7 @@ void runKept(Session& session, const CheckpointWords& words, const KeptRun& kept
   }
   catch (const Cancelled&)
   {
-    const std::string hint = Workspace::current() == nullptr ? howToContinue(words, kept) : "";
+    const std::string hint = session.scene() == nullptr ? howToContinue(words, kept) : "";
     if (hint.empty())
     {
       throw;
@@ -296,7 +296,7 @@ void runKept(Session& session, const CheckpointWords& words, const KeptRun& kept
   }
   catch (const Error&)
   {
-    if (kept.last() > 0 && Workspace::current() == nullptr)
+    if (kept.last() > 0 && session.scene() == nullptr)
     {
       session.warn(howToContinue(words, kept));
     }

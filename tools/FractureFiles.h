@@ -94,7 +94,7 @@ struct CheckpointPacing
 /// @param looks whether CheckpointEvery says only when there may be one: a time alone then counts from unit to unit
 /// @throws ParameterError
 template <class Filter>
-void applyCheckpoint(const CheckpointWords& words, Filter* filter, bool looks = true)
+void applyCheckpoint(const Session& session, const CheckpointWords& words, Filter* filter, bool looks = true)
 {
   const CheckpointPacing pacing = checkedPacing(words);
   if (pacing.units || (pacing.seconds && looks))
@@ -105,9 +105,9 @@ void applyCheckpoint(const CheckpointWords& words, Filter* filter, bool looks = 
   {
     filter->SetCheckpointSeconds(*pacing.seconds);
   }
-  if (Workspace::current() != nullptr)
+  if (session.scene() != nullptr)
   {
-    filter->SetCheckpointSeconds(Workspace::current()->checkpointSeconds);
+    filter->SetCheckpointSeconds(session.scene()->checkpointSeconds);
   }
   filter->SetCheckpointFile(words.file);
   filter->SetContinueFile(words.continueFrom);

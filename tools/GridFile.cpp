@@ -158,7 +158,7 @@ void requireFile(const std::string& path)
 {
   if (Workspace::holds(path))
   {
-    (void)Workspace::current()->get(path);
+    (void)Workspace::find(path);
     return;
   }
   std::error_code failed;
@@ -223,7 +223,7 @@ vtkSmartPointer<vtkDataObject> readGrid(const std::string& path, const SizeKnown
 {
   if (Workspace::holds(path))
   {
-    const auto data = Workspace::current()->get(path);
+    const auto data = Workspace::find(path);
     if (auto* const image = vtkImageData::SafeDownCast(data); image != nullptr && sizeKnown)
     {
       sizeKnown(latticeOf(image));
@@ -307,7 +307,7 @@ void writeGrid(vtkDataObject* data, const OutputFile& file)
 {
   if (file.inMemory())
   {
-    Workspace::current()->put(file.path(), data);
+    Workspace::keep(file.path(), data);
     return;
   }
   forgetRanges(data);

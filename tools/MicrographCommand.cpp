@@ -107,7 +107,7 @@ public:
       solve();
     }
     step(0.9, "files");
-    report_.provenance = recordRun(line_, options_.input.picture.file, source_.provenance);
+    report_.provenance = recordRun(session_, line_, options_.input.picture.file, source_.provenance);
     write();
     session_.endProgress();
     outputs_.commit();

@@ -378,7 +378,7 @@ void packInStates(
   const auto seed = static_cast<std::uint64_t>(filter->GetSeed());
   StateWriter grains(options.output, 0, options.common.overwrite, ".vtp", { "states", "a table has room for one" });
   StateWriter contacts(options.contacts, 0, options.common.overwrite, ".vtp", { "contacts", "there is no other form" });
-  filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
+  filter->SetKeepStates(session.keepsAllStates());
   pack(session, filter);
   std::vector<vtkDataObject*> states;
   std::vector<vtkDataObject*> forces;
@@ -387,7 +387,7 @@ void packInStates(
     states.push_back(filter->GetStateGrains(i));
     forces.push_back(filter->GetStateContacts(i));
   }
-  io::Provenance record = recordRun(commandLine, "", "");
+  io::Provenance record = recordRun(session, commandLine, "", "");
   record.seed = seed;
   const std::string text = io::toJson(record);
   std::vector<Made> samples(1);
@@ -472,7 +472,7 @@ void packingRun(Session& session, const PackingCommandOptions& options, const st
         { seeds[static_cast<std::size_t>(i)], filter->GetStateGrains(i), filter->GetStateContacts(i), {} });
     }
   }
-  io::Provenance record = recordRun(commandLine, options.read, "");
+  io::Provenance record = recordRun(session, commandLine, options.read, "");
   for (std::size_t i = 0; i < samples.size(); ++i)
   {
     write(samples[i], files[i], record);

@@ -212,7 +212,7 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
     {
       tellWarnings(session);
       options.settings.tellFormer(session);
-      const io::Provenance record = recordRun(commandLine, options.picture.file, sample.provenance);
+      const io::Provenance record = recordRun(session, commandLine, options.picture.file, sample.provenance);
       PoreReport report{ options.picture.file, filter.Get(), sample.pixelSizeSource != "none", record, options.output };
       if (!options.distribution.empty())
       {

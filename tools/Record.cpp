@@ -83,7 +83,8 @@ std::optional<Record> readRecordBeside(const std::filesystem::path& raw)
   return beside ? parseRecord(std::string(std::istreambuf_iterator<char>(beside), {})) : std::nullopt;
 }
 
-io::Provenance recordRun(const std::string& commandLine, const std::string& file, const std::string& before)
+io::Provenance recordRun(
+  const SceneWishes* scene, const std::string& commandLine, const std::string& file, const std::string& before)
 {
   io::Provenance record = io::makeProvenance(commandLine);
   if (!file.empty() && !Workspace::holds(file)) // data in memory tell themselves what they were made from
@@ -93,7 +94,7 @@ io::Provenance recordRun(const std::string& commandLine, const std::string& file
       std::filesystem::exists(file, failed) ? io::describeInput(file) : io::InputFile{ file, 0, "" });
   }
   Json parameters;
-  if (const Workspace* const scene = Workspace::current(); scene != nullptr && !scene->record.empty())
+  if (scene != nullptr && !scene->record.empty())
   {
     parameters["scene"] = Json::parse(scene->record);
   }

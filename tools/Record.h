@@ -1,5 +1,7 @@
 #pragma once
 
+#include "Session.h"
+
 #include "io/Provenance.h"
 #include "lattice/Phases.h"
 
@@ -41,8 +43,15 @@ struct Record
 /// The record of a run: the command line, the input with its size and hash, and what the input itself was made from.
 /// @param before provenance that the input carries, or empty
 /// @param file   the input; a pattern such as slice_*.png stays a name. Empty: none is recorded
+/// @param scene that the run is part of, or null
 [[nodiscard]] io::Provenance recordRun(
-  const std::string& commandLine, const std::string& file, const std::string& before);
+  const SceneWishes* scene, const std::string& commandLine, const std::string& file, const std::string& before);
+
+[[nodiscard]] inline io::Provenance recordRun(
+  const Session& session, const std::string& commandLine, const std::string& file, const std::string& before)
+{
+  return recordRun(session.scene(), commandLine, file, before);
+}
 
 /// The keys that end a report: `version`, `commit`, `provenance`.
 void addRecord(nlohmann::ordered_json& json, const io::Provenance& run);

@@ -67,7 +67,7 @@ void report(Session& session, const ReportOptions& o, const std::string& command
     throw ParameterError("-o '" + page.string() + "': pages are written as .html", "end the name in .html");
   }
   OutputFile file(page, o.common.overwrite);
-  const io::Provenance run = recordRun(commandLine, "", "");
+  const io::Provenance run = recordRun(session, commandLine, "", "");
   reports::PageOptions options;
   options.title = o.title;
   options.mostWide = o.pictureWidth;

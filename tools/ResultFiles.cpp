@@ -52,7 +52,7 @@ std::vector<std::string> ResultFiles::write(const std::string& provenance)
   {
     if (table.csv.inMemory())
     {
-      Workspace::current()->put(table.csv.path(), table.table);
+      Workspace::keep(table.csv.path(), table.table);
     }
     else
     {

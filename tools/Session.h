@@ -6,6 +6,8 @@
 
 #include <chrono>
 #include <functional>
+#include <optional>
+#include <set>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -40,6 +42,20 @@ void printError(const std::exception& error);
 struct FailedElsewhere
 {
   int code;
+};
+
+/// What a scene wants of a command that it runs.
+struct SceneWishes
+{
+  /// Keep no state but the last.
+  bool lastStateOnly = false;
+  /// Arrays of states that somebody wants besides phases; nothing: all that there are.
+  std::optional<std::set<std::string>> arrays;
+  [[nodiscard]] bool wants(const std::string& array) const { return !arrays || arrays->contains(array); }
+  /// Wall time between two checkpoints [s].
+  double checkpointSeconds = 0;
+  /// JSON text that goes into the provenance of all that is made, or empty.
+  std::string record;
 };
 
 /// One run of the program: its ranks, its terminal, its interruption. There is one, made by main().
@@ -114,6 +130,12 @@ public:
   void setOnStep(std::function<void(vtkDataObject*)> onStep) { onStep_ = std::move(onStep); }
   [[nodiscard]] const std::function<void(vtkDataObject*)>& onStep() const noexcept { return onStep_; }
 
+  /// A command that a scene runs.
+  void setScene(SceneWishes wishes) { scene_ = std::move(wishes); }
+  /// Null outside of scenes.
+  [[nodiscard]] const SceneWishes* scene() const noexcept { return scene_ ? &*scene_ : nullptr; }
+  [[nodiscard]] bool keepsAllStates() const noexcept { return !scene_ || !scene_->lastStateOnly; }
+
   /// Of a session within a run.
   [[nodiscard]] const std::string& printed() const noexcept { return printed_; }
   [[nodiscard]] const std::vector<std::string>& warnings() const noexcept { return warnings_; }
@@ -129,6 +151,7 @@ private:
   bool waitForAll();
 
   std::function<void(vtkDataObject*)> onStep_;
+  std::optional<SceneWishes> scene_;
   std::function<bool(double, const std::string&)> outside_; ///< of a session within a run
   int code_ = exitOk;
   mutable std::string printed_;

@@ -324,7 +324,7 @@ void SettingOptions::add(CLI::App& command, const std::vector<Setting>& settings
   {
     return;
   }
-  Option& option = *(options_[setting.word] = std::make_unique<Option>(Option{ &setting, {} }));
+  Option& option = *(options_[setting.word] = std::make_unique<Option>(Option{ &setting, {}, false, false, {} }));
   const std::string group = setting.group[0] == '\0' ? "Settings" : setting.group;
   const bool on = setting.off[0] != '\0'; // by itself
   if (setting.kind == Kind::Switch)

@@ -282,7 +282,7 @@ void snapshot(Session& session, const SnapshotOptions& options, const std::strin
     drawing->SetOverlayLines(polyData);
   }
 
-  const io::Provenance record = recordRun(commandLine, options.picture.file, provenance(data));
+  const io::Provenance record = recordRun(session, commandLine, options.picture.file, provenance(data));
   drawing->SetProvenance(io::toJson(record).c_str());
   drawing->SetOverwrite(true); // the temporary file; whether the name may be replaced was asked above
   const bool drawn = drawing->Write(file.temporary().c_str());

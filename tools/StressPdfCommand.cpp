@@ -163,7 +163,7 @@ void stressPdf(Session& session, const StressPdfOptions& o, const std::string& c
     session.warn("fewer than two stresses are in the tail: theta is not known");
   }
 
-  const io::Provenance run = recordRun(commandLine, o.file, provenance(data));
+  const io::Provenance run = recordRun(session, commandLine, o.file, provenance(data));
   json["files"] = files.write(io::toJson(run));
   json["seconds"] = secondsSince(start);
   printReport(session, o.common, json, run, tableOf);

@@ -49,7 +49,7 @@ struct TransientOptions
 };
 
 /// What can be said without the sample. @returns how many states there may be @throws ParameterError
-std::size_t apply(const TransientOptions& o, vtkLatticeBoltzmann* filter)
+std::size_t apply(const Session& session, const TransientOptions& o, vtkLatticeBoltzmann* filter)
 {
   o.settings.give(filter);
   if (!o.values.empty())
@@ -69,8 +69,8 @@ std::size_t apply(const TransientOptions& o, vtkLatticeBoltzmann* filter)
   {
     throw ParameterError("--flux without a file to write to", "add -o FILE.vti");
   }
-  filter->SetKeepStates(Workspace::current() == nullptr || !Workspace::current()->lastStateOnly);
-  applyCheckpoint(o.checkpoint, filter);
+  filter->SetKeepStates(session.keepsAllStates());
+  applyCheckpoint(session, o.checkpoint, filter);
   const std::size_t named = o.settings.count("at-time") + o.settings.count("at-step");
   if (named > 0 && (o.settings.given("end-time") || o.settings.given("frames")))
   {
@@ -125,7 +125,7 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
 {
   const auto start = Clock::now();
   vtkNew<vtkLatticeBoltzmann> filter;
-  const std::size_t frames = apply(o, filter);
+  const std::size_t frames = apply(session, o, filter);
   auto image = vtkSmartPointer<vtkImageData>::New();
   std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
   std::string provenance;
@@ -149,7 +149,7 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
       provenance = sample.provenance;
       if (!o.checkpoint.file.empty())
       {
-        files.follow(session, io::toJson(recordRun(commandLine, o.picture.file, provenance)));
+        files.follow(session, io::toJson(recordRun(session, commandLine, o.picture.file, provenance)));
       }
       image = toImageData(std::move(sample.image));
       setFieldText(image, "pixel_size_source", sample.pixelSizeSource);
@@ -171,7 +171,7 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
     {
       states.push_back(filter->GetStateImage(k));
     }
-    const io::Provenance record = recordRun(commandLine, o.picture.file, provenance);
+    const io::Provenance record = recordRun(session, commandLine, o.picture.file, provenance);
     std::vector<std::string> written = files.write(states, io::toJson(record));
     for (const std::string& name : tables.write(io::toJson(record)))
     {

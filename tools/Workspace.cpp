@@ -29,9 +29,14 @@ Workspace::~Workspace()
   only = nullptr;
 }
 
-Workspace* Workspace::current() noexcept
+void Workspace::keep(const std::filesystem::path& name, vtkDataObject* data)
 {
-  return only;
+  only->put(name, data);
+}
+
+vtkSmartPointer<vtkDataObject> Workspace::find(const std::filesystem::path& name)
+{
+  return only->get(name);
 }
 
 bool Workspace::holds(const std::filesystem::path& path)

@@ -3,10 +3,7 @@
 #include <vtkSmartPointer.h>
 
 #include <filesystem>
-#include <functional>
 #include <map>
-#include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -30,8 +27,9 @@ public:
   Workspace(const Workspace&) = delete;
   Workspace& operator=(const Workspace&) = delete;
 
-  /// The one that there is, or null.
-  [[nodiscard]] static Workspace* current() noexcept;
+  /// Of the one that there is: what put() and get() do.
+  static void keep(const std::filesystem::path& name, vtkDataObject* data);
+  [[nodiscard]] static vtkSmartPointer<vtkDataObject> find(const std::filesystem::path& name);
   /// Is this such a name?
   [[nodiscard]] static bool holds(const std::filesystem::path& path);
   /// The name of data: "fracture" and ".vti" → "memory:fracture.vti".
@@ -46,18 +44,6 @@ public:
   void clear();
   void erase(const std::filesystem::path& name);
   [[nodiscard]] std::vector<std::string> names() const;
-
-  /// Told each state that a run comes to, where somebody waits for them; what it throws ends the run.
-  std::function<void(vtkDataObject*)> onStep;
-  /// Whether the command that runs need keep no state but the last.
-  bool lastStateOnly = false;
-  /// Arrays of states that somebody wants besides phases; nothing: all that there are.
-  std::optional<std::set<std::string>> wantedArrays;
-  [[nodiscard]] bool wants(const std::string& array) const { return !wantedArrays || wantedArrays->contains(array); }
-  /// Wall time between two checkpoints of the command that runs [s].
-  double checkpointSeconds = 0;
-  /// JSON text that goes into the provenance of all that is made, or empty.
-  std::string record;
 
 private:
   std::map<std::string, vtkSmartPointer<vtkDataObject>> data_;

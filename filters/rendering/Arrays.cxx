@@ -1,5 +1,7 @@
 #include "Arrays.h"
 
+#include "lattice/Error.h"
+
 #include "Palette.h"
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
@@ -80,7 +82,7 @@ std::string DefaultArray(vtkDataSet* data, int preset)
       }
     }
   }
-  throw SnapshotError{ "the data have no array to draw", "compute a field first, or draw the file it was read from" };
+  throw InputError("the data have no array to draw", "compute a field first, or draw the file it was read from");
 }
 
 int PresetOfName(const std::string& name)
@@ -111,12 +113,12 @@ vtkDataArray* GetArray(vtkDataSet* data, const std::string& name, bool allowCell
   }
   if (cells)
   {
-    throw SnapshotError{ "'" + name + "' is an array of cells; a lattice is drawn of its points",
-      "turn it into point data (vtkCellDataToPointData, or ParaView's filter of that name)" };
+    throw InputError("'" + name + "' is an array of cells; a lattice is drawn of its points",
+      "turn it into point data (vtkCellDataToPointData, or ParaView's filter of that name)");
   }
-  throw SnapshotError{ "there is no array '" + name + "' in the data; point data: " + ListArrays(data->GetPointData()) +
+  throw InputError("there is no array '" + name + "' in the data; point data: " + ListArrays(data->GetPointData()) +
       (allowCells ? "; cell data: " + ListArrays(data->GetCellData()) : ""),
-    "name one of these, or compute the field first" };
+    "name one of these, or compute the field first");
 }
 
 vtkDataArray* FindFlow(vtkDataSet* data, const Quantity& quantity, const SnapshotOptions& options)
@@ -138,9 +140,9 @@ vtkDataArray* FindFlow(vtkDataSet* data, const Quantity& quantity, const Snapsho
   const bool isVector = array && array->GetNumberOfComponents() >= 2 && array->GetNumberOfComponents() <= 3;
   if (!options.overlayArrayName.empty() && !isVector)
   {
-    throw SnapshotError{ "lines or arrows are to follow '" + name + "', which is " +
-        (array ? "no vector" : "not among the point data"),
-      "point data: " + ListArrays(data->GetPointData()) };
+    throw InputError(
+      "lines or arrows are to follow '" + name + "', which is " + (array ? "no vector" : "not among the point data"),
+      "point data: " + ListArrays(data->GetPointData()));
   }
   return isVector ? array : nullptr;
 }

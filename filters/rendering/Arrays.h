@@ -22,16 +22,16 @@ namespace lamella::rendering
 [[nodiscard]] std::string DirectionOf(const std::string& name);
 
 /// Name of the array that a preset draws by itself.
-/// @throws SnapshotError when there is none at all
+/// @throws InputError when there is none at all
 [[nodiscard]] std::string DefaultArray(vtkDataSet* data, int preset);
 
 [[nodiscard]] int PresetOfName(const std::string& name);
 
-/// @throws SnapshotError for an array that is not there (lists those that are), or only as cell data where points count
+/// @throws InputError for an array that is not there (lists those that are), or only as cell data where points count
 [[nodiscard]] vtkDataArray* GetArray(vtkDataSet* data, const std::string& name, bool allowCells, bool& onCells);
 
 /// The vector array that lines and arrows follow; null if there is none and none was named.
-/// @throws SnapshotError for an array that was named and is not there or no vector
+/// @throws InputError for an array that was named and is not there or no vector
 [[nodiscard]] vtkDataArray* FindFlow(vtkDataSet* data, const Quantity& quantity, const SnapshotOptions& options);
 
 /// Which points are not void, from the array `phase`; empty without one or when all points are alike.

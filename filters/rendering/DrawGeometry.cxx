@@ -1,5 +1,7 @@
 #include "Drawing.h"
 
+#include "lattice/Error.h"
+
 #include "Arrays.h"
 #include "Grains.h"
 #include "Quantity.h"
@@ -101,7 +103,7 @@ Drawing DrawGeometry(vtkPolyData* given, const SnapshotOptions& options)
   const double size = std::max({ bounds[1] - bounds[0], bounds[3] - bounds[2], bounds[5] - bounds[4] });
   if (!(size > 0) || !std::isfinite(size))
   {
-    throw SnapshotError{ "the geometry has no extent", "all its points are one, or not finite" };
+    throw InputError("the geometry has no extent", "all its points are one, or not finite");
   }
   const bool isFlat = bounds[5] - bounds[4] < 1e-9 * size;
   // Room for the thickness of lines, and so that a straight line has an area.
@@ -186,7 +188,7 @@ Drawing DrawGeometry(vtkPolyData* given, const SnapshotOptions& options)
   std::string whyNot;
   if (!Draw(renderer, layout.data.width, layout.data.height, LargeTiles, true, pixels, whyNot))
   {
-    throw SnapshotError{ whyNot, "lines and surfaces need OpenGL" };
+    throw InputError(whyNot, "lines and surfaces need OpenGL");
   }
   drawing.canvas.Blend(layout.data, pixels);
   if (options.showScaleBar && !isFlat)

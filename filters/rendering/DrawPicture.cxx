@@ -1,5 +1,7 @@
 #include "Drawing.h"
 
+#include "lattice/Error.h"
+
 #include "Arrays.h"
 #include "FlowLines.h"
 #include "Quantity.h"
@@ -217,13 +219,13 @@ void RequireWithin(const std::vector<Polyline>& lines, const Plane& plane)
       anyInside = anyInside || (p[0] >= 0 && p[1] >= 0 && p[0] <= plane.size[0] && p[1] <= plane.size[1]);
       if (!(std::abs(p[0]) <= far && std::abs(p[1]) <= far))
       {
-        throw SnapshotError{ "the lines given lead far out of the picture", "give lines that were made of these data" };
+        throw InputError("the lines given lead far out of the picture", "give lines that were made of these data");
       }
     }
   }
   if (!anyInside)
   {
-    throw SnapshotError{ "none of the lines given is in the picture", "give lines that were made of these data" };
+    throw InputError("none of the lines given is in the picture", "give lines that were made of these data");
   }
 }
 
@@ -311,15 +313,15 @@ private:
       {
         if (chosen)
         {
-          throw SnapshotError{ "lines and arrows need a vector field; there is no array 'flux' in the data",
-            "name one, or draw without them" };
+          throw InputError("lines and arrows need a vector field; there is no array 'flux' in the data",
+            "name one, or draw without them");
         }
         this->Kind = vtkSnapshot::OVERLAY_NONE;
       }
     }
     if (this->Kind == vtkSnapshot::OVERLAY_ISOLINES && this->Field.IsCategorical())
     {
-      throw SnapshotError{ "phases and grains have no lines of equal value", "draw a scalar, or without lines" };
+      throw InputError("phases and grains have no lines of equal value", "draw a scalar, or without lines");
     }
     if (this->Kind == vtkSnapshot::OVERLAY_LINES && !this->Options.overlayLines)
     {
@@ -411,7 +413,7 @@ private:
     std::string whyNot;
     if (!DrawLayers(layers, canvas, layout.data, whyNot))
     {
-      throw SnapshotError{ whyNot, "draw without lines (overlay none, no outline): that needs no OpenGL" };
+      throw InputError(whyNot, "draw without lines (overlay none, no outline): that needs no OpenGL");
     }
   }
 
@@ -508,9 +510,9 @@ Layout ArrangeOrThrow(
     Arrange(furniture, unitsX, unitsY, pixelated, { options.size[0], options.size[1], options.fontScale }, smallest);
   if (!layout)
   {
-    throw SnapshotError{ "a picture of " + std::to_string(options.size[0]) + " × " + std::to_string(options.size[1]) +
+    throw InputError("a picture of " + std::to_string(options.size[0]) + " × " + std::to_string(options.size[1]) +
         " pixels leaves no room for the data",
-      "ask for at least " + smallest + ", a smaller font scale, or no legend" };
+      "ask for at least " + smallest + ", a smaller font scale, or no legend");
   }
   return *layout;
 }

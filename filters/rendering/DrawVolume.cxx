@@ -1,5 +1,7 @@
 #include "Drawing.h"
 
+#include "lattice/Error.h"
+
 #include "Arrays.h"
 #include "Quantity.h"
 #include "Surface.h"
@@ -157,7 +159,7 @@ Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options)
   }
   if (std::find(block.solid.begin(), block.solid.end(), true) == block.solid.end())
   {
-    throw SnapshotError{ "the volume has nothing but voids", "there is no solid phase to draw" };
+    throw InputError("the volume has nothing but voids", "there is no solid phase to draw");
   }
 
   Furniture furniture = Describe(field, options);
@@ -195,7 +197,7 @@ Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options)
   std::string whyNot;
   if (!Draw(renderer, layout.data.width, layout.data.height, LargeTiles, true, pixels, whyNot))
   {
-    throw SnapshotError{ whyNot, "volumes need OpenGL" };
+    throw InputError(whyNot, "volumes need OpenGL");
   }
   drawing.canvas.Blend(layout.data, pixels);
   if (options.showScaleBar)

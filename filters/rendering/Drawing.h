@@ -21,19 +21,19 @@ struct Drawing
 };
 
 /// A picture of pixels: a vtkImageData one of whose dimensions is 1.
-/// @throws SnapshotError
+/// @throws InputError
 [[nodiscard]] Drawing DrawPicture(vtkImageData* image, const SnapshotOptions& options);
 
 /// A volume, in isometric view.
-/// @throws SnapshotError
+/// @throws InputError
 [[nodiscard]] Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options);
 
 /// Lines, points and surfaces; seen from above when they lie in a plane z = constant.
-/// @throws SnapshotError
+/// @throws InputError
 [[nodiscard]] Drawing DrawGeometry(vtkPolyData* geometry, const SnapshotOptions& options);
 
 /// What the three have in common: canvas, layout, ink.
-/// @throws SnapshotError when the size asked for leaves no room
+/// @throws InputError when the size asked for leaves no room
 [[nodiscard]] Layout ArrangeOrThrow(
   const Furniture& furniture, double unitsX, double unitsY, bool pixelated, const SnapshotOptions& options);
 [[nodiscard]] Color BackgroundColor(const SnapshotOptions& options);

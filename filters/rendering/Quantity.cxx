@@ -1,5 +1,7 @@
 #include "Quantity.h"
 
+#include "lattice/Error.h"
+
 #include "Arrays.h"
 
 #include "vtkDataArray.h"
@@ -91,9 +93,9 @@ void ReadIds(Quantity& quantity, vtkDataSet* data, const std::array<int, 3>& siz
   vtkDataArray* array = quantity.array;
   if (array->GetNumberOfComponents() != 1)
   {
-    throw SnapshotError{ "'" + std::string(array->GetName()) + "' has " +
-        std::to_string(array->GetNumberOfComponents()) + " components; phases and grains have one",
-      "draw it with the preset scalar or flux" };
+    throw InputError("'" + std::string(array->GetName()) + "' has " + std::to_string(array->GetNumberOfComponents()) +
+        " components; phases and grains have one",
+      "draw it with the preset scalar or flux");
   }
   const auto count = static_cast<std::size_t>(array->GetNumberOfTuples());
   std::vector<std::int64_t> raw(count);
@@ -112,15 +114,15 @@ void ReadIds(Quantity& quantity, vtkDataSet* data, const std::array<int, 3>& siz
     {
       std::ostringstream text; // as 1e+300, not in 300 digits
       text << "'" << array->GetName() << "' has the value " << value;
-      throw SnapshotError{ text.str() + ", which is no id of a phase or grain (0, 1, 2 ...)",
-        "draw it with the preset scalar" };
+      throw InputError(
+        text.str() + ", which is no id of a phase or grain (0, 1, 2 ...)", "draw it with the preset scalar");
     }
     raw[i] = static_cast<std::int64_t>(value);
     anyDefined = true;
   }
   if (!anyDefined)
   {
-    throw SnapshotError{ "'" + std::string(array->GetName()) + "' has no finite value", "nothing can be drawn of it" };
+    throw InputError("'" + std::string(array->GetName()) + "' has no finite value", "nothing can be drawn of it");
   }
 
   std::vector<std::int64_t> present(raw);
@@ -154,9 +156,9 @@ void ReadIds(Quantity& quantity, vtkDataSet* data, const std::array<int, 3>& siz
 
   if (present.size() > MostPhases)
   {
-    throw SnapshotError{ "'" + std::string(array->GetName()) + "' has " + std::to_string(present.size()) +
+    throw InputError("'" + std::string(array->GetName()) + "' has " + std::to_string(present.size()) +
         " different values; as phases at most " + std::to_string(MostPhases) + " can be told apart",
-      "draw it with the preset grain or scalar" };
+      "draw it with the preset grain or scalar");
   }
   auto* table = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("phase_names"));
   const auto places = static_cast<std::size_t>(
@@ -189,8 +191,8 @@ void ReadIds(Quantity& quantity, vtkDataSet* data, const std::array<int, 3>& siz
       {
         list += (list.empty() ? "" : ", ") + known;
       }
-      throw SnapshotError{ "a colour is given for the phase '" + name + "', which the data do not have",
-        "they have: " + list };
+      throw InputError(
+        "a colour is given for the phase '" + name + "', which the data do not have", "they have: " + list);
     }
     const auto channel = [](double c) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(c, 0.0, 1.0))); };
     quantity.idColors[static_cast<std::size_t>(found - names.begin())] = { channel(rgb[0]), channel(rgb[1]),
@@ -314,8 +316,8 @@ void FindRange(Quantity& quantity, const SnapshotOptions& options)
   quantity.hasUndefined = finite.size() < quantity.values.size();
   if (finite.empty())
   {
-    throw SnapshotError{ "'" + std::string(quantity.array->GetName()) + "' has no finite value",
-      "nothing conducts, or the field was not computed" };
+    throw InputError("'" + std::string(quantity.array->GetName()) + "' has no finite value",
+      "nothing conducts, or the field was not computed");
   }
   const auto [least, most] = std::minmax_element(finite.begin(), finite.end());
   // a float's logarithm would not lead back to the last digit of a size
@@ -331,9 +333,9 @@ void FindRange(Quantity& quantity, const SnapshotOptions& options)
     {
       if (!(quantity.low > 0))
       {
-        throw SnapshotError{ "the range begins at " + std::to_string(quantity.low) +
-            ", which has no place on a logarithmic scale",
-          "begin above 0, such as at 1, or draw with the preset scalar" };
+        throw InputError(
+          "the range begins at " + std::to_string(quantity.low) + ", which has no place on a logarithmic scale",
+          "begin above 0, such as at 1, or draw with the preset scalar");
       }
       quantity.low = std::log10(quantity.low);
       quantity.high = std::log10(quantity.high);
@@ -416,7 +418,7 @@ void ChooseMap(Quantity& quantity, const SnapshotOptions& options)
     {
       list += (list.empty() ? "" : ", ") + std::string(known);
     }
-    throw SnapshotError{ "there is no colour map '" + name + "'", "choose one of " + list };
+    throw InputError("there is no colour map '" + name + "'", "choose one of " + list);
   }
 }
 
@@ -518,13 +520,13 @@ Quantity FindQuantity(vtkDataSet* data, const std::array<int, 3>& size, const Sn
   }
   if (options.component >= quantity.array->GetNumberOfComponents())
   {
-    throw SnapshotError{ "component " + std::to_string(options.component) + " of '" + name + "' is asked for; it has " +
+    throw InputError("component " + std::to_string(options.component) + " of '" + name + "' is asked for; it has " +
         std::to_string(quantity.array->GetNumberOfComponents()),
-      "count from 0, or −1 for the magnitude" };
+      "count from 0, or −1 for the magnitude");
   }
   if (quantity.array->GetNumberOfTuples() == 0)
   {
-    throw SnapshotError{ "'" + name + "' is empty", "nothing can be drawn of it" };
+    throw InputError("'" + name + "' is empty", "nothing can be drawn of it");
   }
   if (quantity.preset == vtkSnapshot::PHASE || quantity.preset == vtkSnapshot::GRAIN)
   {

@@ -52,7 +52,7 @@ private:
 };
 
 /// @param size number of points along each axis, for grains; 0s for data that are no lattice
-/// @throws SnapshotError: array missing (lists those present), wrong association, component, range, no finite value
+/// @throws InputError: array missing (lists those present), wrong association, component, range, no finite value
 [[nodiscard]] Quantity FindQuantity(vtkDataSet* data, const std::array<int, 3>& size, const SnapshotOptions& options);
 
 /// Legend and colour bar of a quantity.

@@ -39,11 +39,4 @@ struct SnapshotOptions
   double opacity = 1;
 };
 
-/// Thrown by the helpers, caught by vtkSnapshot: what is wrong with the value seen, and the remedy.
-struct SnapshotError
-{
-  std::string message;
-  std::string hint;
-};
-
 } // namespace lamella::rendering

@@ -1,5 +1,7 @@
 #include "View.h"
 
+#include "lattice/Error.h"
+
 #include "Text.h"
 #include "VectorLayer.h"
 #include "vtkCamera.h"
@@ -129,7 +131,7 @@ void View::DrawScaleBar(Canvas& canvas, const Layout& layout, const Scale& scale
   const PixelRect all{ 0, 0, canvas.Width(), canvas.Height() };
   if (!DrawLayers({ bar }, canvas, all, whyNot))
   {
-    throw SnapshotError{ whyNot, "draw without a scale bar" };
+    throw InputError(whyNot, "draw without a scale bar");
   }
   const Point2 label = place(0.5 * length, offset + 0.55 * font);
   const double width = MeasureText(text, font).width;

@@ -289,10 +289,6 @@ vtkImageData* vtkSnapshot::Draw()
   {
     this->Fail(error.what(), error.hint());
   }
-  catch (const rendering::SnapshotError& error)
-  {
-    this->Fail(error.message, error.hint);
-  }
   catch (const std::bad_alloc&)
   {
     this->Fail("there is not enough memory for the picture", "draw a smaller one, or a part of the data");
@@ -384,39 +380,5 @@ bool vtkSnapshot::Write(const char* path)
 void vtkSnapshot::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  const auto& options = this->Private->options;
-  os << indent << "Preset: " << GetPresetName(this->Preset) << "\n";
-  os << indent << "ArrayName: " << options.arrayName << "\n";
-  os << indent << "Component: " << this->Component << "\n";
-  os << indent << "Range: ";
-  if (options.range)
-  {
-    os << (*options.range)[0] << " to " << (*options.range)[1] << "\n";
-  }
-  else
-  {
-    os << "from the data\n";
-  }
-  os << indent << "ColorMap: " << options.colorMap << "\n";
-  os << indent << "RelativeFlux: " << this->RelativeFlux << "\n";
-  os << indent << "Overlay: " << OverlayNames[this->Overlay] << ", count " << this->OverlayCount << ", along "
-     << options.overlayArrayName << "\n";
-  os << indent << "OverlayLines: " << this->Private->lines << "\n";
-  os << indent << "ShowOutline: " << this->ShowOutline << "\n";
-  os << indent << "Size: " << this->Size[0] << " × " << this->Size[1] << "\n";
-  os << indent << "FontScale: " << this->FontScale << "\n";
-  os << indent << "Background: " << this->Background[0] << ", " << this->Background[1] << ", " << this->Background[2]
-     << "\n";
-  os << indent << "Transparent: " << this->Transparent << "\n";
-  os << indent << "Title: " << options.title << "\n";
-  os << indent << "LegendTitle: " << options.legendTitle << "\n";
-  os << indent << "Unit: " << options.unit << "\n";
-  os << indent << "ShowLegend: " << this->ShowLegend << "\n";
-  os << indent << "ShowScaleBar: " << this->ShowScaleBar << "\n";
-  os << indent << "Azimuth: " << this->Azimuth << "\n";
-  os << indent << "Elevation: " << this->Elevation << "\n";
-  os << indent << "Opacity: " << this->Opacity << "\n";
-  os << indent << "Overwrite: " << this->Overwrite << "\n";
-  os << indent << "InputData: " << this->Private->input << "\n";
-  os << indent << "ErrorMessage: " << this->Private->errorMessage << "\n";
+  lamella::printSettings(this, os, indent);
 }

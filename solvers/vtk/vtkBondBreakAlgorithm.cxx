@@ -329,21 +329,3 @@ bool vtkBondBreakAlgorithm::Due()
 {
   return this->Kept->Told.due();
 }
-
-void vtkBondBreakAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  os << indent << "Compression: " << this->Compression << "\n"
-     << indent << "KeepStates: " << this->KeepStates << "\n"
-     << indent << "StopShare: " << this->StopShare << "\n"
-     << indent << "MaximumStrain: " << this->MaximumStrain << "\n"
-     << indent << "MaximumBroken: " << this->MaximumBroken << "\n"
-     << indent << "State: " << this->GetState() << " of " << this->GetNumberOfStates() << "\n"
-     << indent << "CheckpointFile: " << this->CheckpointFile << "\n"
-     << indent << "CheckpointEvery: " << this->CheckpointEvery << "\n"
-     << indent << "CheckpointSeconds: " << this->CheckpointSeconds << "\n"
-     << indent << "ContinueFile: " << this->ContinueFile << "\n"
-     << indent << "LastCheckpoint: " << this->LastCheckpoint << "\n"
-     << indent << "ComputeDisplacement: " << this->ComputeDisplacement << "\n"
-     << indent << "PeakStress: " << this->PeakStress << "\n";
-}

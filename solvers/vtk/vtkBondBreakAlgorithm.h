@@ -42,7 +42,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkBondBreakAlgorithm : public vtkBondLoadAlgo
 {
 public:
   vtkTypeMacro(vtkBondBreakAlgorithm, vtkBondLoadAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
   /**

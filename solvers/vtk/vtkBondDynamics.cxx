@@ -4,6 +4,7 @@
 #include "BondScene.h"
 #include "DynamicsData.h"
 #include "FractureData.h"
+#include "Settings.h"
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
@@ -397,26 +398,5 @@ std::vector<std::pair<std::string, bool>> vtkBondDynamics::MadeFields() const
 void vtkBondDynamics::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Density: " << this->Density << "\n"
-     << indent << "PhaseDensities: " << nlohmann::json(this->Internal->Densities).dump() << "\n"
-     << indent << "Pull: " << this->Pull << "\n"
-     << indent << "StrainRate: " << this->StrainRate << "\n"
-     << indent << "TravelTimes: " << this->TravelTimes << "\n"
-     << indent << "StartShare: " << this->StartShare << "\n"
-     << indent << "SideVelocities: " << nlohmann::json(this->Internal->Velocities).dump() << "\n"
-     << indent << "SideTractions: " << nlohmann::json(this->Internal->Tractions).dump() << "\n"
-     << indent << "BoxVelocities: " << this->Internal->Boxes.size() << "\n"
-     << indent << "InitialVelocity: " << this->InitialVelocity[0] << " " << this->InitialVelocity[1] << " "
-     << this->InitialVelocity[2] << "\n"
-     << indent << "UseInputVelocity: " << this->UseInputVelocity << "\n"
-     << indent << "Relaxation: " << this->Relaxation << "\n"
-     << indent << "ReferenceEnergy: " << this->ReferenceEnergy << "\n"
-     << indent << "ReferenceCrack: " << this->ReferenceCrack << "\n"
-     << indent << "StartRate: " << this->StartRate << "\n"
-     << indent << "Damping: " << this->Damping << "\n"
-     << indent << "TimeStep: " << this->TimeStep << "\n"
-     << indent << "StepShare: " << this->StepShare << "\n"
-     << indent << "EndTime: " << this->EndTime << "\n"
-     << indent << "HistoryEvery: " << this->HistoryEvery << "\n"
-     << indent << "ComputeVelocity: " << this->ComputeVelocity << "\n";
+  lamella::printSettings(this, os, indent);
 }

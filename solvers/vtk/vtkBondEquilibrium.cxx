@@ -3,6 +3,7 @@
 #include "BondFields.h"
 #include "FieldNumbers.h"
 #include "LongRun.h"
+#include "Settings.h"
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
@@ -235,11 +236,5 @@ void vtkBondEquilibrium::CheckLoad() const
 void vtkBondEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Strain: " << this->Strain << "\n"
-     << indent << "LateralStrain: " << this->LateralStrain << "\n"
-     << indent << "Traction: " << this->Traction << "\n"
-     << indent << "Solver: " << this->Solver << "\n"
-     << indent << "MaximumIterations: " << this->MaximumIterations << "\n"
-     << indent << "EffectiveModulus: " << this->EffectiveModulus << "\n"
-     << indent << "FirstBreakStrain: " << this->FirstBreakStrain << "\n";
+  lamella::printSettings(this, os, indent);
 }

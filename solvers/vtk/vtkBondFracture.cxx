@@ -3,6 +3,7 @@
 #include "BondScene.h"
 #include "FieldNumbers.h"
 #include "FractureData.h"
+#include "Settings.h"
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
@@ -178,9 +179,5 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
 void vtkBondFracture::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "LateralRatio: " << this->LateralRatio << "\n"
-     << indent << "Method: " << this->Method << "\n"
-     << indent << "Breaking: " << this->Breaking << "\n"
-     << indent << "Rivals: " << this->Rivals << "\n"
-     << indent << "StrainStep: " << this->StrainStep << "\n";
+  lamella::printSettings(this, os, indent);
 }

@@ -22,16 +22,3 @@ const char* vtkBondLoadAlgorithm::LoadName() const
   constexpr std::array<const char*, 4> names{ "stretch", "shear", "biaxial", "traction" };
   return names.at(static_cast<std::size_t>(this->Load));
 }
-
-void vtkBondLoadAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  os << indent << "Load: " << this->Load << "\n"
-     << indent << "LoadAxis: " << this->LoadAxis << "\n"
-     << indent << "SmoothPlatens: " << this->SmoothPlatens << "\n"
-     << indent << "RigidPlatens: " << this->RigidPlatens << "\n"
-     << indent << "PlatenLayers: " << this->PlatenLayers << "\n"
-     << indent << "Tolerance: " << this->Tolerance << "\n"
-     << indent << "ComputeStress: " << this->ComputeStress << "\n"
-     << indent << "ComputeStrainEnergy: " << this->ComputeStrainEnergy << "\n";
-}

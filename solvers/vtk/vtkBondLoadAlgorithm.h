@@ -26,7 +26,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkBondLoadAlgorithm : public vtkBondAlgorithm
 {
 public:
   vtkTypeMacro(vtkBondLoadAlgorithm, vtkBondAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   enum Loads
   {

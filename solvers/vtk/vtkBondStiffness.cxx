@@ -1,6 +1,7 @@
 #include "vtkBondStiffness.h"
 
 #include "BondFields.h"
+#include "Settings.h"
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
@@ -262,9 +263,5 @@ void vtkBondStiffness::Run(vtkImageData* input, vtkImageData* output, const lame
 void vtkBondStiffness::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "EstimateError: " << this->EstimateError << "\n"
-     << indent << "NodesPerPixel: " << this->NodesPerPixel << "\n"
-     << indent << "Tolerance: " << this->Tolerance << "\n"
-     << indent << "MaximumIterations: " << this->MaximumIterations << "\n"
-     << indent << "EstimatedError: " << this->EstimatedError << "\n";
+  lamella::printSettings(this, os, indent);
 }

@@ -104,14 +104,3 @@ int vtkDiffusionAlgorithm::ThreadCount() const
 {
   return lamella::threadCount(this->Threads);
 }
-
-void vtkDiffusionAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  os << indent << "Direction: " << this->Direction << "\n"
-     << indent << "Quantity: " << this->Quantity << "\n"
-     << indent << "Sides: " << this->Sides << "\n"
-     << indent << "Lattice: " << this->Lattice << "\n"
-     << indent << "ComputeFlux: " << this->ComputeFlux << "\n"
-     << indent << "Threads: " << this->Threads << "\n";
-}

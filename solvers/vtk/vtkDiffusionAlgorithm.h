@@ -33,7 +33,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkDiffusionAlgorithm : public vtkImageAlgorit
 {
 public:
   vtkTypeMacro(vtkDiffusionAlgorithm, vtkImageAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   enum Directions
   {

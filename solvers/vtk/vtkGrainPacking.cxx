@@ -242,22 +242,5 @@ int vtkGrainPacking::RequestData(vtkInformation*, vtkInformationVector**, vtkInf
 void vtkGrainPacking::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Dimension: " << this->Dimension << "\n"
-     << indent << "Count: " << this->Count << "\n"
-     << indent << "MeanDiameter: " << this->MeanDiameter << "\n"
-     << indent << "DiameterRatio: " << this->DiameterRatio << "\n"
-     << indent << "Sizes: " << this->Sizes << "\n"
-     << indent << "Aspect: " << this->Aspect << "\n"
-     << indent << "Periodic: " << this->Periodic << "\n"
-     << indent << "Friction: " << this->Friction << "\n"
-     << indent << "Pressure: " << this->Pressure << "\n"
-     << indent << "Softness: " << this->Softness << "\n"
-     << indent << "PackingFraction: " << this->PackingFraction << "\n"
-     << indent << "Seed: " << this->Seed << "\n"
-     << indent << "Seeds: " << this->Kept->Seeds.size() << "\n"
-     << indent << "Threads: " << this->Threads << "\n"
-     << indent << "Tolerance: " << this->Tolerance << "\n"
-     << indent << "StateEvery: " << this->StateEvery << "\n"
-     << indent << "KeepStates: " << this->KeepStates << "\n"
-     << indent << "State: " << this->GetState() << " of " << this->GetNumberOfStates() << "\n";
+  lamella::printSettings(this, os, indent);
 }

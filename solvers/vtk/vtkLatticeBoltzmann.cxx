@@ -3,6 +3,7 @@
 #include "DiffusionScene.h"
 #include "FieldNumbers.h"
 #include "LongRun.h"
+#include "Settings.h"
 #include "vtkLatticeConversion.h"
 #include "vtkProvenance.h"
 
@@ -464,20 +465,5 @@ void vtkLatticeBoltzmann::Run(vtkImageData* input, const lamella::Team& team)
 void vtkLatticeBoltzmann::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "InletValue: " << this->InletValue << "\n"
-     << indent << "OutletValue: " << this->OutletValue << "\n"
-     << indent << "InitialValue: " << this->InitialValue << "\n"
-     << indent << "Collision: " << this->Collision << "\n"
-     << indent << "EndTime: " << this->EndTime << "\n"
-     << indent << "NumberOfSteps: " << this->NumberOfSteps << "\n"
-     << indent << "StatesAtTimes: " << fmt::format("{}", fmt::join(this->Internal->Times, " ")) << "\n"
-     << indent << "StatesAtSteps: " << fmt::format("{}", fmt::join(this->Internal->Steps, " ")) << "\n"
-     << indent << "TimeStep: " << this->TimeStep << "\n"
-     << indent << "KeepStates: " << this->KeepStates << "\n"
-     << indent << "CheckpointFile: " << this->CheckpointFile << "\n"
-     << indent << "CheckpointEvery: " << this->CheckpointEvery << "\n"
-     << indent << "CheckpointSeconds: " << this->CheckpointSeconds << "\n"
-     << indent << "ContinueFile: " << this->ContinueFile << "\n"
-     << indent << "LastCheckpoint: " << this->LastCheckpoint << "\n";
-  PrintPhaseValues(os, indent, "Diffusivity of", this->Internal->Diffusivity);
+  lamella::printSettings(this, os, indent);
 }

@@ -136,12 +136,5 @@ int vtkMatrixBridges::RequestData(
 void vtkMatrixBridges::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Width: " << this->Width << "\n"
-     << indent << "Reach: " << this->Reach << "\n"
-     << indent << "Filled: " << this->Filled << "\n"
-     << indent << "WallBridges: " << this->WallBridges << "\n"
-     << indent << "Saturation: " << this->Saturation << "\n"
-     << indent << "NodesAcross: " << this->NodesAcross << "\n"
-     << indent << "Spacing: " << this->Spacing << "\n"
-     << indent << "Platen: " << this->Platen << "\n";
+  lamella::printSettings(this, os, indent);
 }

@@ -145,15 +145,5 @@ int vtkMicrographContours::RequestData(
 void vtkMicrographContours::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Basis: " << this->Basis << "\n"
-     << indent << "Level: " << this->Level << "\n"
-     << indent << "LumenBelow: " << this->LumenBelow << "\n"
-     << indent
-     << "LumenPhase: " << (this->LumenPhase.empty() ? "(the first called void, pore, lumen or air)" : this->LumenPhase)
-     << "\n"
-     << indent << "Smooth: " << this->Smooth << "\n"
-     << indent << "Wavelength: " << this->Wavelength << "\n"
-     << indent << "Tolerance: " << this->Tolerance << "\n"
-     << indent << "SmallestArea: " << this->SmallestArea << "\n"
-     << indent << "LeastSolidity: " << this->LeastSolidity << "\n";
+  lamella::printSettings(this, os, indent);
 }

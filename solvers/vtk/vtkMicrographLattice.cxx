@@ -243,9 +243,5 @@ int vtkMicrographLattice::RequestData(
 void vtkMicrographLattice::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Spacing: " << this->Spacing << "\n"
-     << indent << "Lamella: " << this->Lamella << "\n"
-     << indent << "LamellaThickness: " << this->LamellaThickness << "\n"
-     << indent << "LamellaRadius: " << this->LamellaRadius << "\n"
-     << indent << "Horizon: " << this->Horizon << "\n";
+  lamella::printSettings(this, os, indent);
 }

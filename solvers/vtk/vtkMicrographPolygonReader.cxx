@@ -132,9 +132,5 @@ int vtkMicrographPolygonReader::RequestData(vtkInformation*, vtkInformationVecto
 void vtkMicrographPolygonReader::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "FileName: " << (this->FileName != nullptr ? this->FileName : "(none)") << "\n"
-     << indent << "Unit: " << this->Unit << "\n"
-     << indent << "Window: " << this->Window[0] << " " << this->Window[1] << " " << this->Window[2] << " "
-     << this->Window[3] << "\n"
-     << indent << "YDown: " << this->YDown << "\n";
+  lamella::printSettings(this, os, indent);
 }

@@ -114,7 +114,5 @@ int vtkPackingReader::RequestData(vtkInformation*, vtkInformationVector**, vtkIn
 void vtkPackingReader::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "FileName: " << (this->FileName != nullptr ? this->FileName : "(none)") << "\n"
-     << indent << "LengthUnit: " << this->LengthUnit << "\n"
-     << indent << "BoxSize: " << this->BoxSize[0] << " " << this->BoxSize[1] << " " << this->BoxSize[2] << "\n";
+  lamella::printSettings(this, os, indent);
 }

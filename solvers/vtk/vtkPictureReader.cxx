@@ -1,6 +1,7 @@
 #include "vtkPictureReader.h"
 
 #include "PhasePicture.h"
+#include "Settings.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -274,19 +275,5 @@ int vtkPictureReader::RequestData(vtkInformation*, vtkInformationVector**, vtkIn
 void vtkPictureReader::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  const auto text = [](const char* string) { return string != nullptr ? string : "(none)"; };
-  os << indent << "FileName: " << text(this->FileName) << "\n"
-     << indent << "OtherPhase: " << text(this->OtherPhase) << "\n"
-     << indent << "ArrayName: " << text(this->ArrayName) << "\n"
-     << indent << "Refinement: " << this->Refinement << "\n"
-     << indent << "Segment: " << this->Segment << "\n"
-     << indent << "Lumen: " << this->Lumen << "\n"
-     << indent << "Threshold: " << this->Threshold << "\n"
-     << indent << "PixelSize: " << this->PixelSize << "\n"
-     << indent << "RawBits: " << this->RawBits << "\n"
-     << indent << "RawHeader: " << this->RawHeader << "\n";
-  for (const auto& [greys, name] : this->PhaseOfGreys)
-  {
-    os << indent << "Phase of grey " << greys << ": " << name << "\n";
-  }
+  lamella::printSettings(this, os, indent);
 }

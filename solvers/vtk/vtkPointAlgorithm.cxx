@@ -113,29 +113,3 @@ lamella::PointSettings vtkPointAlgorithm::Settings() const
   s.cellsPerNode = this->CellsPerNode;
   return s;
 }
-
-void vtkPointAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  os << indent << "Law: " << this->Law << "\n"
-     << indent << "Plane: " << this->Plane << "\n"
-     << indent << "YoungsModulus: " << this->YoungsModulus << "\n"
-     << indent << "TransverseModulus: " << this->TransverseModulus << "\n"
-     << indent << "PoissonsRatio: " << this->PoissonsRatio << "\n"
-     << indent << "TransversePoissonsRatio: " << this->TransversePoissonsRatio << "\n"
-     << indent << "ShearModulus: " << this->ShearModulus << "\n"
-     << indent << "Barrier: " << this->Barrier << "\n"
-     << indent << "YieldStress: " << this->YieldStress << "\n"
-     << indent << "Hardening: " << this->Hardening << "\n"
-     << indent << "Density: " << this->Density << "\n"
-     << indent << "PointsPerNode: " << this->PointsPerNode << "\n"
-     << indent << "CellsPerNode: " << this->CellsPerNode << "\n"
-     << indent << "FitPlatens: " << this->FitPlatens << "\n";
-  for (const auto& [phase, constants] : this->Internal->Constants)
-  {
-    for (const auto& [name, value] : constants)
-    {
-      os << indent << "Constant " << name << " of " << phase << ": " << value << "\n";
-    }
-  }
-}

@@ -41,7 +41,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkPointAlgorithm : public vtkSampleAlgorithm
 {
 public:
   vtkTypeMacro(vtkPointAlgorithm, vtkSampleAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   enum Laws
   {

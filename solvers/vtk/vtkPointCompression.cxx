@@ -4,6 +4,7 @@
 #include "LongRun.h"
 #include "PointOutput.h"
 #include "PointScene.h"
+#include "Settings.h"
 #include "vtkLatticeConversion.h"
 #include "vtkProvenance.h"
 
@@ -408,27 +409,5 @@ void vtkPointCompression::Internals::Describe(
 void vtkPointCompression::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "LoadAxis: " << this->LoadAxis << "\n"
-     << indent << "Strain: " << this->Strain << "\n"
-     << indent << "Sides: " << sidesNames.at(static_cast<std::size_t>(this->Sides)) << "\n"
-     << indent << "Grip: " << this->Grip << "\n"
-     << indent << "EnergyRatio: " << this->EnergyRatio << "\n"
-     << indent << "CalmFrom: " << this->CalmFrom << "\n"
-     << indent << "FirstSpeed: " << this->FirstSpeed << "\n"
-     << indent << "LeastSpeed: " << this->LeastSpeed << "\n"
-     << indent << "MostSpeed: " << this->MostSpeed << "\n"
-     << indent << "Damping: " << this->Damping << "\n"
-     << indent << "Rows: " << this->Rows << "\n"
-     << indent << "Shape: " << shapeNames.at(static_cast<std::size_t>(this->Shape)) << "\n"
-     << indent << "Transfer: " << transferNames.at(static_cast<std::size_t>(this->Transfer)) << "\n"
-     << indent << "ConsistentMass: " << this->ConsistentMass << "\n"
-     << indent << "ModifiedUpdate: " << this->ModifiedUpdate << "\n"
-     << indent << "TimeStep: " << this->TimeStep << "\n"
-     << indent << "KeepStates: " << this->KeepStates << "\n"
-     << indent << "State: " << this->GetState() << " of " << this->GetNumberOfStates() << "\n"
-     << indent << "CheckpointFile: " << this->CheckpointFile << "\n"
-     << indent << "CheckpointEvery: " << this->CheckpointEvery << "\n"
-     << indent << "CheckpointSeconds: " << this->CheckpointSeconds << "\n"
-     << indent << "ContinueFile: " << this->ContinueFile << "\n"
-     << indent << "LastCheckpoint: " << this->LastCheckpoint << "\n";
+  lamella::printSettings(this, os, indent);
 }

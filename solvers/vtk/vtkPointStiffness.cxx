@@ -3,6 +3,7 @@
 #include "FieldNumbers.h"
 #include "NewArray.h"
 #include "PointScene.h"
+#include "Settings.h"
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
@@ -271,7 +272,5 @@ void vtkPointStiffness::Run(vtkImageData* input, vtkInformationVector* outputs, 
 void vtkPointStiffness::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Sides: " << sidesNames.at(static_cast<std::size_t>(this->Sides)) << "\n"
-     << indent << "Tolerance: " << this->Tolerance << "\n"
-     << indent << "MaximumIterations: " << this->MaximumIterations << "\n";
+  lamella::printSettings(this, os, indent);
 }

@@ -149,14 +149,3 @@ int vtkSampleAlgorithm::ThreadCount() const
 {
   return lamella::threadCount(this->Threads);
 }
-
-void vtkSampleAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  os << indent << "Voids:";
-  for (const std::string& phase : this->Voids)
-  {
-    os << " " << phase;
-  }
-  os << "\n" << indent << "Threads: " << this->Threads << "\n";
-}

@@ -26,7 +26,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkSampleAlgorithm : public vtkDataObjectAlgor
 {
 public:
   vtkTypeMacro(vtkSampleAlgorithm, vtkDataObjectAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
   /**

@@ -4,6 +4,7 @@
 #include "BoxExchange.h"
 #include "DiffusionScene.h"
 #include "RefinedImage.h"
+#include "Settings.h"
 #include "SteadyFindings.h"
 #include "WallConductivity.h"
 #include "vtkLatticeConversion.h"
@@ -513,13 +514,5 @@ void vtkSteadyDiffusion::Conclude()
 void vtkSteadyDiffusion::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Method: " << this->Method << "\n"
-     << indent << "Tolerance: " << this->Tolerance << "\n"
-     << indent << "MaximumIterations: " << this->MaximumIterations << "\n"
-     << indent << "ComputeField: " << this->ComputeField << "\n"
-     << indent << "Refinement: " << this->Refinement << "\n"
-     << indent << "TargetError: " << this->TargetError << "\n"
-     << indent << "EstimateError: " << this->EstimateError << "\n";
-  PrintPhaseValues(os, indent, "Conductivity of", this->Internal->Conductivity);
-  PrintPhaseValues(os, indent, "Conductivity across", this->Internal->Across);
+  lamella::printSettings(this, os, indent);
 }

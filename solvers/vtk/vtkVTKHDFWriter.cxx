@@ -640,7 +640,5 @@ void vtkVTKHDFWriter::WriteData()
 void vtkVTKHDFWriter::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "FileName: " << (this->FileName != nullptr ? this->FileName : "(none)") << '\n'
-     << indent << "CompressionLevel: " << this->CompressionLevel << '\n'
-     << indent << "SlabBytes: " << this->SlabBytes << '\n';
+  lamella::printSettings(this, os, indent);
 }

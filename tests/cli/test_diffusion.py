@@ -75,7 +75,7 @@ class Answers(Case):
     def test_keller(self):
         # k(k1, k2) along x times k(k2, k1) along y is k1 k2, for any periodic picture (Keller 1964). On a lattice with
         # harmonic faces it holds to the lattice's error; twice as fine, the product is nearer.
-        self.works("generate", "disks", "--size", "48,48", "--fraction", "0.4", "-o", "d.png")
+        self.works("generate", "disks", "--size", "48,48", "--solid-fraction", "0.4", "-o", "d.png")
         errors = []
         for refine in ["1", "2"]:
             product = 1
@@ -174,7 +174,7 @@ class Answers(Case):
             self.assertIn(text, out)
 
     def test_a_volume(self):
-        self.works("generate", "laminate", "--size", "12,10,8", "--axis", "z", "--periods", "2", "-o", "l.vti")
+        self.works("generate", "laminate", "--size", "12,10,8", "--axis", "z", "--cells", "2", "-o", "l.vti")
         for name in ["l.vti"]:
             answer = self.solve(name, "--conductivity", "matrix=1", "--conductivity", "inclusion=0.1")
             self.assertAlmostEqual(answer["effective"]["x"], 0.55, delta=1e-7)

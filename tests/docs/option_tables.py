@@ -4,6 +4,8 @@ option_tables.py PROGRAM FOLDER [--write]
 
 A page says where the options of a group or of several stand, as the program's help groups them, and has each once:
 <!-- options: Load, Breaking --> ... <!-- end of options -->
+Commands with kinds, each with options of its own, share a page, which shows what it likes of them:
+<!-- options of generate softwood: Sample --> ...
 """
 
 import pathlib
@@ -12,9 +14,9 @@ import subprocess
 import sys
 
 # Pages whose tables say more than one command's help: their options are held against the program by tests/cli/test_words.py.
-BY_HAND = {"generate", "info", "run", "report", "convert", "micrograph"}
+BY_HAND = {"info", "run", "report", "convert", "micrograph"}
 HEAD = "| option | default | meaning |\n|---|---|---|\n"
-PLACE = re.compile(r"(<!-- options: ([^>]*?) -->\n).*?(<!-- end of options -->)", re.DOTALL)
+PLACE = re.compile(r"(<!-- options(?: of ([^>:]*))?: ([^>]*?) -->\n).*?(<!-- end of options -->)", re.DOTALL)
 
 
 def tables(program):
@@ -26,26 +28,29 @@ def tables(program):
     return found
 
 
-def renewed(text, groups):
+def renewed(text, groups, others):
     """The page with its tables made anew, and the groups that it shows."""
     shown = []
 
     def table(place):
-        names = [name.strip() for name in place[2].split(",")]
-        shown.extend(names)
-        return place[1] + HEAD + "".join(groups.get(name, "") for name in names) + place[3]
+        names = [name.strip() for name in place[3].split(",")]
+        if not place[2]:
+            shown.extend(names)
+        own = others[place[2]] if place[2] else groups
+        return place[1] + HEAD + "".join(own.get(name, "") for name in names) + place[4]
 
     return PLACE.sub(table, text), shown
 
 
 def main(program, folder, *more):
     wrong = []
-    for command, groups in tables(program).items():
+    found = tables(program)
+    for command, groups in found.items():
         page = pathlib.Path(folder) / f"{command}.md"
-        if not page.exists() or command in BY_HAND:  # kinds of generate share a page
+        if not page.exists() or command in BY_HAND:
             continue
         text = page.read_text(encoding="utf-8")
-        made, shown = renewed(text, groups)
+        made, shown = renewed(text, groups, found)
         if sorted(shown) != sorted(groups):
             wrong.append(f"{page.name} shows the options of {', '.join(sorted(shown)) or 'no group'}; "
                          f"the command has {', '.join(sorted(groups))}, each once")

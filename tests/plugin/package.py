@@ -88,10 +88,10 @@ class Samples(unittest.TestCase):
     def test_defaults_are_those_of_the_program(self):
         # tests/filters compares the source's with the library's.
         for kind, words, make, options in (
-            ("softwood", ["--ring", "0,1"], lamella.softwood, {"ring_position": (0, 1)}),
-            ("softwood", ["--ring", "0,1", "--size", "150,60,8"], lamella.softwood,
+            ("softwood", ["--ring-position", "0,1"], lamella.softwood, {"ring_position": (0, 1)}),
+            ("softwood", ["--ring-position", "0,1", "--size", "150,60,8"], lamella.softwood,
              {"ring_position": (0, 1), "size": (150, 60, 8)}),
-            ("hardwood", ["--ring", "0,1"], lamella.hardwood, {"ring_position": (0, 1)}),
+            ("hardwood", ["--ring-position", "0,1"], lamella.hardwood, {"ring_position": (0, 1)}),
             ("honeycomb", [], lamella.honeycomb, {}),
             ("checkerboard", [], lamella.checkerboard, {}),
             ("disks", [], lamella.disks, {}),
@@ -950,7 +950,7 @@ class Bonds(unittest.TestCase):
             lamella.fracture(sample, young, **breaks, progress=lambda share, text: False)
 
     def test_stiffness(self):
-        layers = lamella.laminate(size=(32, 32), axis="y", periods=1)
+        layers = lamella.laminate(size=(32, 32), axis="y", cells=1)
         young = {"matrix": 1e9, "inclusion": 4e9}
         result = lamella.stiffness(layers, young, mixing="harmonic")
         self.assertEqual(result.stiffness.shape, (3, 3))

@@ -26,9 +26,9 @@ TICK = os.sysconf("SC_CLK_TCK")
 SAMPLES = {
     "large.png": ["generate", "softwood", "--size", "2500,2500"],
     "tissue.png": ["generate", "softwood", "--size", "700,700"],
-    "rock.vti": ["generate", "spheres", "--size", "200,200,200", "--fraction", "0.4"],
+    "rock.vti": ["generate", "spheres", "--size", "200,200,200", "--solid-fraction", "0.4"],
     "wood.vti": ["generate", "softwood", "--size", "64,64,64"],
-    "stones.vti": ["generate", "spheres", "--size", "50,50,50", "--fraction", "0.4"],
+    "stones.vti": ["generate", "spheres", "--size", "50,50,50", "--solid-fraction", "0.4"],
     "scan.png": ["generate", "hardwood", "--size", "2500,2500", "--look", "magenta"],
     "grains.vtp": ["packing", "--count", "2000", "--quiet"],
 }

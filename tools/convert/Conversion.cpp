@@ -570,7 +570,7 @@ Converted convert(Session& session, const ConversionWords& o, const std::string&
     }
     if (!run)
     {
-      run = recordRun(command, data == nullptr ? file : "", provenance(headOf(step)));
+      run = recordRun(session, command, data == nullptr ? file : "", provenance(headOf(step)));
     }
     const std::optional<double> time = timeOf(source, steps[i], headOf(step));
     stamp(step, io::toJson(*run), time);

@@ -220,7 +220,7 @@ Estimator::Estimator(const Scene& scene, const Rehearsal& first)
 {
   for (const PlannedStage& stage : first.made())
   {
-    const auto data = Workspace::current()->get(stage.outputs.at("output"));
+    const auto data = Workspace::find(stage.outputs.at("output"));
     if (auto* const image = vtkImageData::SafeDownCast(data))
     {
       const Lattice lattice = latticeOf(image);

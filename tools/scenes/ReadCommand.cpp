@@ -65,7 +65,7 @@ void readSample(Session& session, const ReadOptions& o, const std::string& comma
   if (ending == ".vtp" || (ending == ".vti" && asItIs(o.picture) && readPhaseGrid(o.picture.file)))
   {
     data = readGrid(o.picture.file);
-    setProvenance(data, io::toJson(recordRun(commandLine, o.picture.file, provenance(data))));
+    setProvenance(data, io::toJson(recordRun(session, commandLine, o.picture.file, provenance(data))));
   }
   else
   {
@@ -81,7 +81,7 @@ void readSample(Session& session, const ReadOptions& o, const std::string& comma
     carry<vtkFloatArray>(o.picture, sample, image, "axis");
     carry<vtkIntArray>(o.picture, sample, image, "grain");
     setFieldText(image, "pixel_size_source", sample.pixelSizeSource);
-    setProvenance(image, io::toJson(recordRun(commandLine, o.picture.file, sample.provenance)));
+    setProvenance(image, io::toJson(recordRun(session, commandLine, o.picture.file, sample.provenance)));
     data = image;
   }
   if (!o.output.empty()) // asked for its numbers alone where the next stage reads the file itself

@@ -186,7 +186,7 @@ void Rehearsal::checkPhasesOfMeasures() const
   std::vector<std::string> phases;
   for (const PlannedStage& stage : made_.stages)
   {
-    const auto data = Workspace::current()->get(stage.outputs.at("output"));
+    const auto data = Workspace::find(stage.outputs.at("output"));
     if (auto* const image = vtkImageData::SafeDownCast(data))
     {
       phases = toPhaseImage(image).phases.names();
@@ -248,7 +248,7 @@ void Rehearsal::checkArray(
   }
   for (const PlannedStage& stage : made_.stages)
   {
-    const auto data = Workspace::current()->get(stage.outputs.at("output"));
+    const auto data = Workspace::find(stage.outputs.at("output"));
     auto* const set = vtkDataSet::SafeDownCast(data);
     for (int i = 0; set != nullptr && i < set->GetPointData()->GetNumberOfArrays(); ++i)
     {

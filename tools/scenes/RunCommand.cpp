@@ -493,7 +493,7 @@ private:
       }
     }
     tables.emplace_back("times", costTable(samples_));
-    io::Provenance run = recordRun(commandLine_, scene_.source.file, "");
+    io::Provenance run = recordRun(session_, commandLine_, scene_.source.file, "");
     Json scene{ { "file", scene_.source.file }, { "text", scene_.source.text } };
     if (!scene_.title.empty())
     {
@@ -526,7 +526,7 @@ private:
       {
         json["statistics"] = statistics();
       }
-      addRecord(json, recordRun(commandLine_, scene_.source.file, ""));
+      addRecord(json, recordRun(session_, commandLine_, scene_.source.file, ""));
       session_.print(dump(json));
       return;
     }

@@ -266,10 +266,10 @@ private:
       words.insert(words.end(), { "--output=" + picture.string(), "--overwrite" });
       pictures_[i].push_back(picture);
     }
-    const auto listening = std::exchange(workspace.onStep, nullptr);
+    const auto listening = std::exchange(runner_.onStep_, nullptr);
     const auto restore = [&]
     {
-      workspace.onStep = listening;
+      runner_.onStep_ = listening;
       workspace.erase(input);
     };
     try
@@ -308,7 +308,7 @@ SampleRunner::SampleRunner(const Scene& scene, const std::string& commandLine, P
   , commandLine_(commandLine)
   , progress_(std::move(progress))
 {
-  workspace_.record = Json{ { "file", scene.source.file }, { "text", scene.source.text } }.dump(
+  wishes_.record = Json{ { "file", scene.source.file }, { "text", scene.source.text } }.dump(
     -1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -437,7 +437,7 @@ SampleRunner::Done SampleRunner::perform(
 SampleRunner::Done SampleRunner::performLong(const PlannedStage& planned, const fs::path& folder, Json& steps)
 {
   StageCheckpoint kept(folder, planned.stage->name);
-  workspace_.checkpointSeconds = *scene_.checkpoint;
+  wishes_.checkpointSeconds = *scene_.checkpoint;
   if (kept.there())
   {
     try
@@ -465,12 +465,12 @@ Json SampleRunner::runStage(const PlannedStage& planned, Steps* steps, std::vect
       }
     }
   }
-  workspace_.lastStateOnly = planned.lastStateOnly;
-  workspace_.wantedArrays = planned.arrays;
-  workspace_.onStep = nullptr;
+  wishes_.lastStateOnly = planned.lastStateOnly;
+  wishes_.arrays = planned.arrays;
+  onStep_ = nullptr;
   if (steps != nullptr)
   {
-    workspace_.onStep = [steps](vtkDataObject* state) { steps->take(state); };
+    onStep_ = [steps](vtkDataObject* state) { steps->take(state); };
   }
   std::vector<std::string> words;
   for (const std::string& word : planned.words)
@@ -495,7 +495,7 @@ Json SampleRunner::runStage(const PlannedStage& planned, Steps* steps, std::vect
   try
   {
     Json report = kept(runCommand(words, warnings));
-    workspace_.onStep = nullptr;
+    onStep_ = nullptr;
     return report;
   }
   catch (const ParameterError& error)
@@ -523,6 +523,8 @@ Json SampleRunner::runCommand(const std::vector<std::string>& words, std::vector
   all.emplace_back("--json");
   static_cast<void>(parseWords(commands.root(), all));
   Session session([this](double share, const std::string& what) { return tell(share, what); });
+  session.setScene(wishes_);
+  session.setOnStep(onStep_);
   for (const Command& command : commands.commands())
   {
     if (command.app->parsed())
@@ -588,7 +590,7 @@ void SampleRunner::write(const PlannedStage& planned, const fs::path& folder)
   {
     before = provenance(held.front());
   }
-  static_cast<void>(files.write(io::toJson(recordRun(commandLine_, "", before))));
+  static_cast<void>(files.write(io::toJson(recordRun(&wishes_, commandLine_, "", before))));
   if (!states.empty())
   {
     OutputFile collection(folder / (stage.name + ".pvd"), true);

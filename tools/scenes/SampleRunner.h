@@ -60,6 +60,8 @@ private:
   std::string commandLine_;
   Progress progress_;
   Workspace workspace_;
+  SceneWishes wishes_; ///< of the command that runs
+  std::function<void(vtkDataObject*)> onStep_;
   std::map<std::string, Done> done_;
   double before_ = 0; ///< share of the sample's stages that are done
   double part_ = 1;   ///< share of the stage that runs

@@ -1,8 +1,10 @@
 """Makes the tables by which a class checks its settings (solvers/vtk/Settings.h): C++ of one module, of what its headers declare."""
 
+import itertools
 import json
 import math
 import pathlib
+import re
 
 from pages import number as plain
 from python import axes
@@ -104,6 +106,11 @@ def entry(declarations, name, setting):
             f"      {{\n        const Given given{{ values }};\n        {call(name, setting)};\n      }} }},\n")
 
 
+def length(value):
+    """Metres as people write those of micrographs: 36um."""
+    return f"{value * 1e6:g}um" if 1e-7 <= abs(value) < 1e-3 else plain(value)
+
+
 def standard(setting):
     """The default, as it is written in a command; empty where nothing is."""
     if setting.kind == "list" or setting.default in ("", None):
@@ -115,7 +122,9 @@ def standard(setting):
     if setting.kind == "switch":
         return ""
     values = setting.default if isinstance(setting.default, list) else [setting.default]
-    return ",".join(map(plain, values)) if setting.kind in ("whole", "number", "vector") else setting.default
+    units = [setting.unit or re.sub(r".*\[(.*)\]", r"\1", column) for column in setting.columns or [""]]
+    return ",".join(length(float(f"{value:.12g}")) if unit == "m" else plain(value)
+                    for value, unit in zip(values, itertools.cycle(units))) if setting.kind in ("whole", "number", "vector") else setting.default
 
 
 def checked(setting):
