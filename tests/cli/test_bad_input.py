@@ -38,7 +38,7 @@ class BadPictures(Case):
         for name, message, hint in [
             ("t.tif", "'t.tif' is truncated", "again"),
             ("t.vti", "'t.vti' is a .vti file that is damaged or cut short", "again"),
-            ("t.raw", "'t.raw' has 18000 bytes, but 30 × 30 × 30 voxels of u8 take 27000", "--raw-size"),
+            ("t.raw", "'t.raw' has 18000 bytes, but 30 × 30 × 30 voxels of u8 take 27000", "raw size"),
         ]:
             with open(self.path(name), "rb") as file:
                 data = file.read()
@@ -65,7 +65,7 @@ class BadPictures(Case):
     def test_sixteen_bits(self):
         rows = pictures.stripes(40, 30, 0, 40000, bands=4)
         name = self.write("p.png", pictures.png(rows, bits=16))
-        self.solve(3, "grey value 40000 is in no phase", "--phase 40000=NAME", name)
+        self.solve(3, "grey value 40000 is in no phase", "with phase 40000=NAME", name)
         # With its own greys named it is as good as any other.
         answer = self.works("diffusion", name, "--phase", "0=lumen", "--phase", "40000=wall", *CONDUCTIVITIES, "--json").json()
         self.assertAlmostEqual(answer["effective"]["y"], 0.55, places=7)  # layers along the flux: the mean
@@ -80,7 +80,7 @@ class BadPictures(Case):
 
     def test_colour(self):
         name = self.write("p.png", pictures.png([[(255, 0, 0)] * 9] * 9, colour=True))
-        self.solve(3, "is a colour picture", "--segment", name)
+        self.solve(3, "is a colour picture", "or segment it", name)
 
     def test_cmyk(self):
         self.solve(3, "CMYK", "convert it to grey", self.write("p.tif", pictures.cmyk_tiff(10, 8)))
@@ -103,7 +103,7 @@ class BadPictures(Case):
 
     def test_raw_of_unknown_or_wrong_size(self):
         name = self.write("v.raw", bytes(1000))
-        self.solve(3, "size of the raw volume", "--raw-size NX,NY,NZ", name)
+        self.solve(3, "size of the raw volume", "the raw size, NX,NY,NZ", name)
         self.fails(3, "has 1000 bytes, but 10 × 10 × 11 voxels", "raw size", "diffusion", name, "--raw-size", "10,10,11", *SOLVE)
         self.fails(2, "--raw-size '10,10' has 2 numbers", "NX,NY,NZ", "diffusion", name, "--raw-size", "10,10", *SOLVE)
         self.fails(2, "--raw-bits 12 is neither 8 nor 16", "leave it out", "diffusion", name, "--raw-bits", "12", *SOLVE)

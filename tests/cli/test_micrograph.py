@@ -117,7 +117,7 @@ class Doubts(Case):
 
         answer = self.doubts(drawn(240, 160, grey))
         self.assertIn("side", answer["segmentation"]["doubts"])
-        self.assertTrue(any("--lumen dark" in text for text in answer["warnings"]))
+        self.assertTrue(any("bright or lumen dark" in text for text in answer["warnings"]))
         self.assertEqual(answer["cells"], False)
         self.assertNotIn("side", self.doubts(drawn(240, 160, grey), "--lumen", "dark")["segmentation"]["doubts"])
 
