@@ -101,6 +101,7 @@ public:
   /**
    * Two platens pull the sample. Off: what is said of its sides, of boxes and of velocities moves it.
    * @group Load
+   * @off no-pull: No platens: what is said of its sides, of boxes and of velocities moves the sample.
    */
   vtkSetMacro(Pull, bool);
   vtkGetMacro(Pull, bool);

@@ -135,6 +135,7 @@ public:
    * @group Accuracy and cost
    * @when Method AUTO EVENTS
    * @advanced
+   * @off no-rivals: Do not look closer where two bonds are nearly as critical as each other.
    */
   vtkSetMacro(Rivals, bool);
   vtkGetMacro(Rivals, bool);

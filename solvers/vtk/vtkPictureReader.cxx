@@ -9,76 +9,24 @@
 #include "lattice/Error.h"
 
 #include "vtkFieldData.h"
-#include "vtkIdList.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
-#include "vtkPointData.h"
 
 #include <algorithm>
+
+vtkStandardNewMacro(vtkPictureReader);
 
 namespace
 {
 
-/// Node of the file that each node of the image lies in.
-vtkSmartPointer<vtkIdList> nodesOfFile(
-  const lamella::Lattice& image, const lamella::Lattice& file, const std::array<std::int64_t, 3>& first, int refinement)
+/// What a .vti holds of itself.
+void carryFields(vtkImageData* image, vtkImageData* file)
 {
-  const std::int64_t deep = image.dimension == 3 ? refinement : 1;
-  const auto nodes = vtkSmartPointer<vtkIdList>::New();
-  nodes->SetNumberOfIds(image.count());
-  vtkIdType node = 0;
-  for (std::int64_t z = 0; z < image.size[2]; ++z)
-  {
-    for (std::int64_t y = 0; y < image.size[1]; ++y)
-    {
-      for (std::int64_t x = 0; x < image.size[0]; ++x)
-      {
-        nodes->SetId(node++, file.index(first[0] + x / refinement, first[1] + y / refinement, first[2] + z / deep));
-      }
-    }
-  }
-  return nodes;
-}
-
-/// What else a .vti holds of its nodes, and of itself where the image is the whole of it. A finer lattice gets what
-/// belongs to the pixel as the phase does, its grain and the direction of its wall, and no fields, which were solved on
-/// the coarser one.
-void carryAlong(vtkImageData* image, const lamella::PhasePicture& picture, const lamella::PictureOptions& options)
-{
-  const lamella::Lattice file = lamella::latticeOf(picture.file);
-  const auto first =
-    options.window ? lamella::firstNode(file, *options.window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
-  const bool whole = !options.window && options.refine == 1;
-  const auto nodes = whole ? nullptr : nodesOfFile(lamella::latticeOf(image), file, first, options.refine);
-  vtkPointData* const held = picture.file->GetPointData();
-  for (int i = 0; i < held->GetNumberOfArrays(); ++i)
-  {
-    vtkAbstractArray* const array = held->GetAbstractArray(i);
-    const std::string name = array->GetName() != nullptr ? array->GetName() : "";
-    const bool ofPixel = name == "grain" || name == "axis";
-    if (name.empty() || image->GetPointData()->HasArray(name.c_str()) || (options.refine != 1 && !ofPixel))
-    {
-      continue;
-    }
-    if (whole)
-    {
-      image->GetPointData()->AddArray(array);
-      continue;
-    }
-    const auto part = vtkSmartPointer<vtkAbstractArray>::Take(array->NewInstance());
-    part->SetName(name.c_str());
-    part->SetNumberOfComponents(array->GetNumberOfComponents());
-    part->CopyComponentNames(array);
-    part->CopyInformation(array->GetInformation());
-    part->SetNumberOfTuples(nodes->GetNumberOfIds());
-    array->GetTuples(nodes, part);
-    image->GetPointData()->AddArray(part);
-  }
-  vtkFieldData* const fields = picture.file->GetFieldData();
-  for (int i = 0; whole && !options.read.pixelSize && i < fields->GetNumberOfArrays(); ++i)
+  vtkFieldData* const fields = file->GetFieldData();
+  for (int i = 0; i < fields->GetNumberOfArrays(); ++i)
   {
     vtkAbstractArray* const array = fields->GetAbstractArray(i);
     if (array->GetName() != nullptr && !image->GetFieldData()->HasArray(array->GetName()))
@@ -89,8 +37,6 @@ void carryAlong(vtkImageData* image, const lamella::PhasePicture& picture, const
 }
 
 } // namespace
-
-vtkStandardNewMacro(vtkPictureReader);
 
 vtkPictureReader::vtkPictureReader()
 {
@@ -229,7 +175,11 @@ bool vtkPictureReader::Read()
     lamella::beginProvenance(this->Image, "picture", parameters, {}, this->FileName);
     if (picture.file != nullptr && !options.segment)
     {
-      carryAlong(this->Image, picture, options);
+      lamella::carryAlong(this->Image, picture.file, options.window, options.refine);
+      if (!options.window && options.refine == 1 && !options.read.pixelSize)
+      {
+        carryFields(this->Image, picture.file);
+      }
     }
   }
   catch (const lamella::Error& error)
