@@ -239,7 +239,7 @@ FluxInput fluxInput(vtkImageData* piece, vtkInformation* value, vtkInformation* 
         {
           throw InputError("there is no flux, and it cannot be computed from '" + direction.value +
               "' without phases and their conductivities",
-            input.transient ? "write the states with their flux (lamella transient --flux, ComputeFlux on)"
+            input.transient ? "write the states with their flux: it is a setting of what computes them"
                             : "apply Steady Diffusion with its flux output on");
         }
       }

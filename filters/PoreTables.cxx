@@ -1,5 +1,6 @@
 #include "PoreTables.h"
 
+#include "lattice/AxisNames.h"
 #include "vtkLatticeConversion.h"
 
 #include "vtkDoubleArray.h"
@@ -19,7 +20,6 @@ namespace
 {
 
 constexpr const char* creator = "vtkPoreFloodFill";
-constexpr std::array<const char*, 3> axisName{ "x", "y", "z" };
 
 /// A column of `rows` values value(row).
 template <typename Array, typename Value>
@@ -64,12 +64,12 @@ void fillPores(vtkTable* table, std::span<const pores::Pore> pores, const WholeI
     { return pores::equivalentDiameter(static_cast<double>(pores[i].size), lattice.spacing, dimension); });
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    addColumn<vtkDoubleArray>(table, std::string("centre_") + axisName[axis], "m", "mean place of the pore's nodes",
+    addColumn<vtkDoubleArray>(table, std::string("centre_") + axisNames[axis], "m", "mean place of the pore's nodes",
       rows, [&](std::size_t i) { return whole.physical(pores[i].centre)[axis]; });
   }
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    const std::string name = axisName[axis];
+    const std::string name = axisNames[axis];
     addColumn<vtkIdTypeArray>(table, name + "_first", unit, "lower end of the box, counted from the image's first",
       rows, [&](std::size_t i) { return pores[i].low[axis]; });
     addColumn<vtkIdTypeArray>(table, name + "_last", unit, "upper end of the box, included", rows,
@@ -79,14 +79,14 @@ void fillPores(vtkTable* table, std::span<const pores::Pore> pores, const WholeI
   {
     for (std::size_t end = 0; end < 2; ++end)
     {
-      addColumn<vtkUnsignedCharArray>(table, std::string("touches_") + axisName[axis] + (end == 0 ? "_min" : "_max"),
+      addColumn<vtkUnsignedCharArray>(table, std::string("touches_") + axisNames[axis] + (end == 0 ? "_min" : "_max"),
         "1", end == 0 ? "1 where it has a node in the first layer" : "1 where it has a node in the last layer", rows,
         [&](std::size_t i) { return pores[i].touches >> (2 * axis + end) & 1; });
     }
   }
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    addColumn<vtkUnsignedCharArray>(table, std::string("percolates_") + axisName[axis], "1",
+    addColumn<vtkUnsignedCharArray>(table, std::string("percolates_") + axisNames[axis], "1",
       "1 where it leads from the first layer to the last; if periodic, where it meets itself again", rows,
       [&](std::size_t i) { return pores[i].percolates >> axis & 1; });
   }

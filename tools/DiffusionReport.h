@@ -4,6 +4,7 @@
 
 #include "SteadyFindings.h"
 #include "io/Provenance.h"
+#include "lattice/AxisNames.h"
 
 #include <cstdint>
 #include <string>
@@ -11,8 +12,6 @@
 
 namespace lamella::cli
 {
-
-inline constexpr const char* axisNames[3] = { "x", "y", "z" };
 
 /// Everything that `lamella diffusion` tells.
 struct DiffusionReport

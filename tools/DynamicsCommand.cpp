@@ -3,6 +3,7 @@
 #include "Text.h"
 #include "Units.h"
 
+#include "lattice/AxisNames.h"
 #include "vtkBondDynamics.h"
 
 #include <vtkNew.h>
@@ -56,8 +57,6 @@ std::vector<std::optional<double>> vectorOf(const char* option, const std::strin
   return values;
 }
 
-constexpr std::array<const char*, 3> components{ "x", "y", "z" };
-
 /// "SIDE=VX,VY".
 template <class Set>
 void eachSide(
@@ -73,7 +72,7 @@ void eachSide(
     {
       if (values[c])
       {
-        set(side.c_str(), components[c], *values[c]);
+        set(side.c_str(), axisNames[c], *values[c]);
       }
     }
   }
@@ -118,7 +117,7 @@ void applyMovement(const DynamicsOptions& o, vtkBondDynamics* filter)
       if (values[c])
       {
         filter->AddBoxVelocity(
-          p[0], p[1], d == 3 ? p[2] : 0, p[d], p[d + 1], d == 3 ? p[5] : 0, components[c], *values[c]);
+          p[0], p[1], d == 3 ? p[2] : 0, p[d], p[d + 1], d == 3 ? p[5] : 0, axisNames[c], *values[c]);
       }
     }
   }

@@ -4,6 +4,7 @@
 #include "Record.h"
 #include "Text.h"
 
+#include "lattice/AxisNames.h"
 #include "statistics/Median.h"
 
 #include <fmt/format.h>
@@ -20,7 +21,6 @@ namespace lamella::cli
 namespace
 {
 
-constexpr std::array<const char*, 2> axisNames{ "x", "y" };
 constexpr std::array<const char*, 4> kinds{ "scan", "labels", "polygons", "grey" };
 
 /// Of one class of lumens.

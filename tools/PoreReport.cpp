@@ -4,6 +4,7 @@
 #include "Record.h"
 #include "Text.h"
 
+#include "lattice/AxisNames.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPoreFloodFill.h"
 
@@ -23,8 +24,6 @@ namespace lamella::cli
 
 namespace
 {
-
-constexpr std::array<const char*, 3> axes{ "x", "y", "z" };
 
 double cell(vtkTable* table, vtkIdType row, const std::string& column)
 {
@@ -51,7 +50,7 @@ std::vector<std::string> percolating(const Numbers& numbers)
   {
     if (numbers("pore_percolates", axis) != 0)
     {
-      found.emplace_back(axes[axis]);
+      found.emplace_back(axisNames[axis]);
     }
   }
   return found;
@@ -65,7 +64,7 @@ std::vector<std::int64_t> window(vtkTable* table, vtkIdType row, const Lattice& 
   std::vector<std::int64_t> size;
   for (int axis = 0; axis < lattice.dimension; ++axis)
   {
-    const std::string name = axes[static_cast<std::size_t>(axis)];
+    const std::string name = axisNames[static_cast<std::size_t>(axis)];
     const std::int64_t first = wholeCell(table, row, name + "_first");
     const std::int64_t last = wholeCell(table, row, name + "_last");
     const bool fromTop = lattice.dimension == 2 && axis == 1;
@@ -116,7 +115,7 @@ std::string toJson(const PoreReport& report)
   {
     if (number("pore_periodic", axis) != 0)
     {
-      json["periodic"].push_back(axes[axis]);
+      json["periodic"].push_back(axisNames[axis]);
     }
   }
   json["size"] = std::vector<std::int64_t>(lattice.size.begin(), lattice.size.begin() + lattice.dimension);

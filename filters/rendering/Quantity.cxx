@@ -1,5 +1,6 @@
 #include "Quantity.h"
 
+#include "lattice/AxisNames.h"
 #include "lattice/Error.h"
 
 #include "Arrays.h"
@@ -459,12 +460,12 @@ void NameQuantity(Quantity& quantity, double mean, const SnapshotOptions& option
   }
   if (array->GetNumberOfComponents() > 1 && options.component >= 0)
   {
-    static const char* const axes[] = { "x", "y", "z" };
     const char* given = array->GetComponentName(options.component);
     quantity.title += ", " +
-      (given                                    ? std::string(given)
-          : array->GetNumberOfComponents() == 3 ? std::string(axes[options.component]) + " component"
-                                                : "component " + std::to_string(options.component));
+      (given ? std::string(given)
+          : array->GetNumberOfComponents() == 3
+          ? std::string(axisNames.at(static_cast<std::size_t>(options.component))) + " component"
+          : "component " + std::to_string(options.component));
   }
   else if (array->GetNumberOfComponents() > 1 && quantity.preset != vtkSnapshot::FLUX)
   {

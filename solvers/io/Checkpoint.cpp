@@ -298,7 +298,7 @@ Checkpoint decode(std::span<const std::byte> bytes, std::string_view name)
   if (header.substr(0, magic.size()) != magic.substr(0, header.size()))
     throw InputError(fmt::format("'{}' is not a checkpoint{}", name,
                        header.substr(0, 4) == "\x89HDF" ? ", but another HDF5 file" : ""),
-      "give a file that --checkpoint wrote");
+      "give a file that a run wrote as its checkpoint");
   const auto version = numberIn<int>(header, "format");
   if (version > format)
     throw InputError(fmt::format("'{}' is newer than this program: its format is {}, written by {}; this is {}, which "

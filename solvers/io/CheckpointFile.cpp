@@ -34,8 +34,8 @@ std::vector<std::byte> readBytes(const fs::path& path)
 {
   std::error_code failed;
   if (fs::is_directory(path, failed))
-    throw InputError(
-      fmt::format("'{}' is a folder, not a checkpoint", path.string()), "give the file that --checkpoint wrote");
+    throw InputError(fmt::format("'{}' is a folder, not a checkpoint", path.string()),
+      "give the file that a run wrote as its checkpoint");
   errno = 0;
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   std::vector<std::byte> bytes(file ? static_cast<std::size_t>(file.tellg()) : 0);

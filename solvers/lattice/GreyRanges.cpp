@@ -108,7 +108,7 @@ void refuseGaps(
       const std::int64_t half = how.scale / 2;
       const std::string range = rangeText((first + half) / how.scale, std::min((last - 1 + half) / how.scale, top));
       missing += (missing.empty() ? "" : " and ") + range;
-      options += fmt::format(" --phase {}=NAME", range);
+      options += fmt::format("{}{}=NAME", options.empty() ? "" : " and ", range);
       nodes += count;
     }
     first = last;
@@ -121,7 +121,7 @@ void refuseGaps(
   throw InputError(
     fmt::format("the grey values {} are in no phase: {} {} such a grey, one is {} with {}", missing, nodes,
       nodes == 1 ? "node has" : "nodes have", nodeText(lattice, one - values.begin()), *one / how.scale),
-    fmt::format("name them with{}, or all greys that are not listed with --other NAME", options));
+    fmt::format("name them with phase {}, or all greys that are not listed with other NAME", options));
 }
 
 } // namespace
@@ -147,8 +147,8 @@ GreyRange parseGreyRange(std::string_view given)
   const std::string_view to = trimmed(text.substr(dots + 2));
   if (from.empty() && to.empty())
   {
-    throw ParameterError(
-      "the range '..' has no end", "give one, as 90.. or ..89; for all greys that are not listed say --other NAME");
+    throw ParameterError("the range '..' has no end",
+      "give one, as 90.. or ..89; all greys that are not listed have the name given as other");
   }
   if (!from.empty())
   {
@@ -197,8 +197,7 @@ void GreyRanges::add(std::string_view text, const std::string& name)
     const int last = std::min(there.range.last.grey, added.range.last.grey);
     if (first <= last && there.range.single && added.range.single)
     {
-      throw ParameterError(
-        fmt::format("--phase gives the grey value {} two names, '{}' and '{}'", first, there.name, name),
+      throw ParameterError(fmt::format("the grey value {} has two names, '{}' and '{}'", first, there.name, name),
         "give every grey value one phase");
     }
     if (first <= last)
@@ -258,7 +257,7 @@ GreyRanges::Applied GreyRanges::apply(
       throw ParameterError(fmt::format("phase '{}' is given the grey{} {}, and those of this picture run from 0 to {} "
                                        "(8 bits)",
                              one.name, r.single ? " value" : "s", r.text, top),
-        r.single ? "look at its greys with: lamella info FILE"
+        r.single ? "look at its greys: lamella info tells them"
                  : "leave the end out to go as far as greys do, as in 90..");
     }
     const Values v = valuesOf(one.range, how);

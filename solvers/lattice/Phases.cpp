@@ -48,7 +48,7 @@ void requireCount(const Lattice& lattice, std::size_t values)
     others > 0 ? fmt::format("; {} more grey value{} likewise", others, others > 1 ? "s" : "") : "";
   throw InputError(fmt::format("grey value {} is in no phase: {} {} it, one is {}{}", *first, nodes,
                      nodes == 1 ? "node has" : "nodes have", nodeText(lattice, first - grey.begin()), more),
-    fmt::format("name it with --phase {}=NAME, or all greys that are not listed with --other NAME", *first));
+    fmt::format("name it with phase {}=NAME, or all greys that are not listed with other NAME", *first));
 }
 
 } // namespace

@@ -195,7 +195,7 @@ public:
         throw DivergenceError(
           fmt::format("the face fluxes still differ by {:.1e} after {} iterations (asked for {:.1e})", result.balance,
             result.iterations, problem_.options.tolerance),
-          "loosen --tolerance; a contrast near 1e16 is beyond double precision");
+          "choose a larger tolerance; a contrast near 1e16 is beyond double precision");
       result.iterations +=
         solver_->solve(residual, correction, 1e-4, problem_.options.maxIterations - result.iterations);
       addToOwned(correction);
@@ -327,7 +327,7 @@ private:
     const std::int64_t total = problem_.comm.sum(owned_);
     if (total > std::numeric_limits<HYPRE_BigInt>::max())
       throw ParameterError(fmt::format("{} conducting nodes are more than algebraic multigrid can number", total),
-        "use a smaller window or refinement, or give every phase a conductivity above 0 (--method multigrid)");
+        "use a smaller window or refinement, or give every phase a conductivity above 0 and take method multigrid");
     firstRow_ = problem_.comm.sumBefore(owned_);
     for (auto& begin : globalBegin_)
       begin += firstRow_;

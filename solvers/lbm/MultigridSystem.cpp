@@ -291,7 +291,7 @@ private:
   {
     throw DivergenceError(fmt::format("the field still errs by {:.1e} after {} multigrid iterations (asked for {:.1e})",
                             error, result.iterations, wanted),
-      "loosen --tolerance, or use --method algebraic-multigrid for a contrast as large as this");
+      "choose a larger tolerance, or method algebraic-multigrid for a contrast as large as this");
   }
 
   void scaleRow(std::int64_t row, const Grid& g, float scale)

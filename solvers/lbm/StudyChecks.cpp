@@ -1,5 +1,6 @@
 #include "lbm/StudyChecks.h"
 
+#include "lattice/AxisNames.h"
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
 
@@ -13,8 +14,6 @@ namespace lamella::lbm
 {
 namespace
 {
-
-constexpr const char* axisNames[3] = { "x", "y", "z" };
 
 std::string percent(double share)
 {

@@ -38,7 +38,7 @@ std::optional<Remark> doubtTheSide(const Evidence& e, const SegmentReport& repor
   return Remark{ Doubt::Side,
     fmt::format(
       "the {} side was taken for lumens or pores, but they do not look like closed cells: {} of their area is "
-      "in compact pieces, {} of the {} side's; say which side it is with --lumen bright or --lumen dark",
+      "in compact pieces, {} of the {} side's; say which side it is: lumen bright or lumen dark",
       taken, percent(e.lumens.compact), percent(e.walls.compact), left) };
 }
 
@@ -60,7 +60,7 @@ std::optional<Remark> doubtTheGreys(const Evidence& e, const SegmentReport& repo
   {
     return std::nullopt;
   }
-  // The even grey is mirrored where lumens are dark; --threshold is not.
+  // The even grey is mirrored where lumens are dark; the threshold is not.
   const bool mirrored = !asSeen && !report.brightLumen;
   std::vector<std::string> summits;
   std::vector<double> limits;
@@ -77,7 +77,7 @@ std::optional<Remark> doubtTheGreys(const Evidence& e, const SegmentReport& repo
   std::string at;
   for (const double limit : limits)
   {
-    at += fmt::format("{}--threshold {:.0f}", at.empty() ? "" : " or ", limit);
+    at += fmt::format("{}threshold {:.0f}", at.empty() ? "" : " or ", limit);
   }
   const std::string where = report.channel == "grey" ? "greys" : "greys of the channel " + report.channel;
   std::string text =
@@ -91,7 +91,7 @@ std::optional<Remark> doubtTheGreys(const Evidence& e, const SegmentReport& repo
     for (std::size_t i = 0; i < classes.size(); ++i)
     {
       const double last = i + 1 < classes.size() ? classes[i + 1].from - 1 : 255;
-      text += fmt::format(" --phase {:.0f}..{:.0f}=NAME", classes[i].from, last);
+      text += fmt::format("{} {:.0f}..{:.0f}=NAME", i > 0 ? "," : " phase", classes[i].from, last);
     }
   }
   return Remark{ Doubt::Greys, text };
@@ -150,11 +150,10 @@ std::optional<Remark> doubtTheWalls(const Evidence& e, const SegmentReport& repo
   {
     return std::nullopt;
   }
-  return Remark{
-    Doubt::Filled,
+  return Remark{ Doubt::Filled,
     text +
-      ": cells filled with stain, resin or bark may have been taken for wall; look at the overlay, or move --threshold"
-  };
+      ": cells filled with stain, resin or bark may have been taken for wall; look at the overlay, or move the "
+      "threshold" };
 }
 
 std::optional<Remark> doubtTheGaps(const Evidence& e)
@@ -168,7 +167,7 @@ std::optional<Remark> doubtTheGaps(const Evidence& e)
   }
   return Remark{ Doubt::Gaps,
     fmt::format("{} ({} of the picture), far larger than the lumens and ragged or open at the border, "
-                "count{} as lumen: a tear, or slide beside the tissue? Give a --window without {}",
+                "count{} as lumen: a tear, or slide beside the tissue? Give a window without {}",
       e.gaps == 1 ? "one place" : fmt::format("{} places", e.gaps), percent(e.gapShare), e.gaps == 1 ? "s" : "",
       e.gaps == 1 ? "it" : "them") };
 }
@@ -195,7 +194,7 @@ std::optional<Remark> doubtTheShare(const SegmentReport& report)
   }
   return Remark{ Doubt::Share,
     fmt::format(
-      "{} of the picture is lumen: if that cannot be, give --threshold or --lumen", percent(report.lumenFraction)) };
+      "{} of the picture is lumen: if that cannot be, give threshold or lumen", percent(report.lumenFraction)) };
 }
 
 } // namespace

@@ -62,13 +62,13 @@ void setLattice(Picture& picture, const std::string& name, std::int64_t nx, std:
     {
       throw InputError(fmt::format("the pixels of '{}' are not square: {} says {} by {}", name, size->source,
                          micrometres(size->x), micrometres(size->y)),
-        "resample it to square pixels or, if that is wrong, give the size with --pixel-size METRES");
+        "resample it to square pixels or, if that is wrong, give the pixel size in metres");
     }
     else if (dimension == 3 && size->z && std::abs(size->x - *size->z) > 1e-2 * size->x)
     {
       throw InputError(fmt::format("the voxels of '{}' are not cubes: {} says {} across and {} between slices", name,
                          size->source, micrometres(size->x), micrometres(*size->z)),
-        "resample it to cubes or, if that is wrong, give the size with --pixel-size METRES");
+        "resample it to cubes or, if that is wrong, give the pixel size in metres");
     }
     else
     {
@@ -125,7 +125,7 @@ void addSeen(Picture& picture, const std::string& name, const Decoded& seen, con
     throw InputError(
       fmt::format("'{}' is a colour picture: pixel {}, {} from the top left is red {}, green {}, blue {}", name,
         seen.colourX, seen.colourY, seen.firstColour[0], seen.firstColour[1], seen.firstColour[2]),
-      "convert it to grey values, or let --segment find lumens and walls in it");
+      "convert it to grey values, or segment it: lumens and walls are found in it");
   }
   if (seen.transparent)
   {
@@ -159,9 +159,9 @@ Picture readFile(const fs::path& path, const ReadOptions& options)
   }
   if (probed.format == Format::Jpeg && !options.keepColour)
   {
-    picture.warnings.push_back(
-      fmt::format("'{}' is a JPEG, which blurs greys: a label picture should be a PNG or TIFF, a scan needs --segment",
-        file.name()));
+    picture.warnings.push_back(fmt::format(
+      "'{}' is a JPEG, which blurs greys: a label picture should be a PNG or TIFF, a scan is to be segmented",
+      file.name()));
   }
   if (options.window)
   {
@@ -239,7 +239,7 @@ std::optional<MetadataSize> sizeIn(const RawLayout& layout, Picture& picture)
   if (!layout.unitTold && std::max(s[0], s[1]) > largestPixel)
   {
     picture.warnings.push_back(fmt::format("'{}' names no unit, and in metres its voxels would be {} large: left out; "
-                                           "give their size with --pixel-size",
+                                           "give the pixel size",
       layout.file.string(), micrometres(s[0])));
     return std::nullopt;
   }
@@ -291,7 +291,7 @@ void toGreys(const std::vector<std::uint8_t>& bytes, std::uint16_t* to, const st
     {
       throw InputError(
         fmt::format("'{}' holds {}; grey values and phases are whole numbers from 0 to 65535", name, value),
-        "map its values to greys first: lamella convert FILE -o greys.tif --type u16 --range LOW,HIGH");
+        "map its values to greys first: convert it to a TIFF of type u16, with the range of its values");
     }
     to[i] = static_cast<std::uint16_t>(value);
   }

@@ -413,7 +413,7 @@ RawLayout rawLayout(const fs::path& path, const RawSaid& said)
   if (!size)
   {
     throw InputError(fmt::format("the size of the raw volume '{}' is not known", path.string()),
-      "give it with --raw-size NX,NY,NZ, or put it into the name, such as berea_200x200x200_u8.raw");
+      "give the raw size, NX,NY,NZ, or put it into the name, such as berea_200x200x200_u8.raw");
   }
   layout.size = *size;
   std::error_code missing;
@@ -429,7 +429,7 @@ RawLayout rawLayout(const fs::path& path, const RawSaid& said)
   if (!type)
   {
     throw InputError(fmt::format("the type of the values in '{}' is not known", path.string()),
-      "give it with --raw-type u8, u16, i16, f32 …, or put it into the name, such as berea_200x200x200_u8.raw");
+      "give the raw type, u8, u16, i16, f32 …, or put it into the name, such as berea_200x200x200_u8.raw");
   }
   layout.type = *type;
   return layout;
@@ -628,7 +628,7 @@ RawVolume::RawVolume(const RawLayout& layout)
       fmt::format("'{}' has {:.0f}{} bytes{}, but {} × {} × {} voxels of {}{} take {:.0f}", file_.name(), held,
         layout.packed ? " packed" : "", layout.offset > 0 ? " after its header" : "", layout.size[0], layout.size[1],
         layout.size[2], layout.components > 1 ? fmt::format("{} × ", layout.components) : "", layout.type.name(), all),
-      "check the size, the type and the length of the header, of raw files --raw-size, --raw-bits and --raw-header; a "
+      "check the size, the type and the length of the header, of raw files raw size, raw bits and raw header; a "
       "file that is too short was truncated");
   }
   layer_ = static_cast<std::uint64_t>(layer);

@@ -38,8 +38,8 @@ public:
         {
           if (runs_.size() >= std::numeric_limits<std::int32_t>::max())
           {
-            throw MemoryError(
-              "the volume falls into more than 2 147 483 647 runs of one phase", "take a part of it with --window");
+            throw MemoryError("the volume falls into more than 2 147 483 647 runs of one phase",
+              "give a window that takes a part of it");
           }
           runs_.push_back({ static_cast<std::int32_t>(x), static_cast<std::uint32_t>(runs_.size()) });
         }

@@ -322,7 +322,7 @@ void warn(const GreyLevels& levels, double outside, VolumeSegmentation& result)
   {
     say(
       fmt::format("{:.0f} % of the volume lie outside a round field of view, all one grey, and are taken for a phase: "
-                  "cut a box out with --window",
+                  "give a window within it",
         100 * outside));
   }
   if (std::string doubt = levels.doubt(); !doubt.empty())

@@ -1,4 +1,5 @@
 // From phases and grains to bits: the making of a BondLattice.
+#include "lattice/AxisNames.h"
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
 #include "peridynamics/BondLattice.h"
@@ -17,8 +18,6 @@ namespace lamella::peridynamics
 namespace
 {
 
-constexpr std::array<const char*, 3> axisName{ "x", "y", "z" };
-
 void checkSize(const Lattice& lattice, const Stencil& stencil)
 {
   if (lattice.dimension != stencil.dimension())
@@ -28,7 +27,7 @@ void checkSize(const Lattice& lattice, const Stencil& stencil)
   for (std::size_t a = 0; a < static_cast<std::size_t>(lattice.dimension); ++a)
     if (lattice.size[a] <= stencil.layers())
       throw ParameterError(fmt::format("a horizon of {} spacings does not fit into {} nodes along {}",
-                             stencil.horizon(), lattice.size[a], axisName[a]),
+                             stencil.horizon(), lattice.size[a], axisNames[a]),
         "take a smaller horizon, a larger sample or a finer lattice");
 }
 
@@ -71,7 +70,7 @@ Block slab(const Lattice& lattice, const Stencil& stencil, const Communicator& c
   const std::int64_t ranks = comm.size();
   if (ranks > 1 && n / ranks < stencil.layers())
     throw ParameterError(fmt::format("{} ranks share {} layers along {}, less than the horizon of {} each", ranks, n,
-                           axisName[axis], stencil.layers()),
+                           axisNames[axis], stencil.layers()),
       fmt::format("run it on at most {} ranks", std::max<std::int64_t>(1, n / stencil.layers())));
   // Slabs begin at layers that can be halved often, for coarser lattices, as long as shares stay within 4 % of even.
   const auto begin = [&](std::int64_t rank, int halvings)

@@ -188,13 +188,13 @@ std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult&
   if (twoPlatens && std::abs(low + high) > noted * std::max(std::abs(low), std::abs(high)))
     warnings.push_back(fmt::format("the platens pull with {:.4g} and {:.4g} N, which should be opposite: the load is "
                                    "within the solver's tolerance of "
-                                   "nothing. Ask for a smaller --tolerance, or make the phases less different",
+                                   "nothing. Ask for a smaller tolerance, or make the phases less different",
       low, high));
   // A board of diagonals, say, that turn into each other without force: what is left is the residual, of either sign.
   else if (r.effectiveModulus < r.solve.residual * stiffest)
     warnings.push_back(
       fmt::format("a modulus of {:.4g} Pa is within the solver's tolerance of nothing: either nothing carries the "
-                  "load, or a smaller --tolerance tells what does",
+                  "load, or a smaller tolerance tells what does",
         r.effectiveModulus));
   else if (const std::string text = doubtWarning(r.solve.doubt, !twoPlatens); !text.empty())
     warnings.push_back(text);
@@ -208,7 +208,7 @@ std::string doubtWarning(double doubt, bool traction)
   constexpr double noted = 1e-3;
   if (!(doubt > noted))
     return "";
-  return fmt::format("{}: the modulus may be off by as much. Ask for a smaller --tolerance, or make the phases less "
+  return fmt::format("{}: the modulus may be off by as much. Ask for a smaller tolerance, or make the phases less "
                      "different",
     traction ? fmt::format("the forces that are not in balance do {:.2g} times the work of the traction", doubt)
              : fmt::format("forces through sections of the sample differ by {:.2g} times that on the platens", doubt));

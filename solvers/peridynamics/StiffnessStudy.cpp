@@ -274,7 +274,7 @@ std::string doubtOfSolver(const EffectiveStiffness& cell, int dimension)
     return "";
   return fmt::format(
     "the stiffness under {} is so far below what its phases have side by side that the solver's residual may be {} "
-    "of it: ask for a smaller --tolerance, or take it for none",
+    "of it: ask for a smaller tolerance, or take it for none",
     which, worst < 1 ? fmt::format("{:.2g} %", 100 * worst) : std::string("all"));
 }
 

@@ -4,6 +4,7 @@
 #include "PhaseIds.h"
 #include "vtkPieces.h"
 
+#include "lattice/AxisNames.h"
 #include "lattice/Phases.h"
 #include "lbm/SteadyDiffusion.h"
 
@@ -23,8 +24,6 @@ class vtkInformation;
 /// Helper of the diffusion solvers; not installed.
 namespace lamella
 {
-
-inline constexpr std::array<const char*, 3> axisNames{ "x", "y", "z" };
 
 /// An image of phases as a diffusion solver takes it: blocks of whole rows, whatever pieces the pipeline made.
 struct DiffusionScene

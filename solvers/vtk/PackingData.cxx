@@ -192,7 +192,7 @@ packing::Packing packingFrom(vtkPolyData* particles)
   if (array == nullptr || array->GetNumberOfComponents() != 1)
   {
     throw InputError("the points have no array 'radius' (nor 'diameter')",
-      "give the particles of a packing: lamella packing -o FILE.vtp, or a table x,z,r");
+      "give the grains of a packing as lamella packing writes them, or a table x,z,r");
   }
   const auto count = static_cast<std::size_t>(particles->GetNumberOfPoints());
   std::vector<std::array<double, 3>> centre(count);

@@ -91,7 +91,7 @@ public:
 
   enum Methods
   {
-    AUTO = 0,    ///< "Automatic": EVENTS where it can be had, else ACCURATE
+    AUTO = 0,    ///< "Automatic": events where they can be had, else accurate
     EVENTS = 1,  ///< corrections around each break; one rank, sides not periodic, strict breaking
     ACCURATE = 2 ///< "Accurate: all after each break": the whole sample after each break: slow, to check against
   };

@@ -83,7 +83,7 @@ public:
   ///@}
   ///@{
   /**
-   * Values on the face where the direction begins (default 1), where it ends (0), and inside at time 0 (0).
+   * Value on the face where the direction begins.
    * @group Diffusion
    */
   vtkSetMacro(InletValue, double);

@@ -104,7 +104,7 @@ class BadPictures(Case):
     def test_raw_of_unknown_or_wrong_size(self):
         name = self.write("v.raw", bytes(1000))
         self.solve(3, "size of the raw volume", "--raw-size NX,NY,NZ", name)
-        self.fails(3, "has 1000 bytes, but 10 × 10 × 11 voxels", "--raw-size", "diffusion", name, "--raw-size", "10,10,11", *SOLVE)
+        self.fails(3, "has 1000 bytes, but 10 × 10 × 11 voxels", "raw size", "diffusion", name, "--raw-size", "10,10,11", *SOLVE)
         self.fails(2, "--raw-size '10,10' has 2 numbers", "NX,NY,NZ", "diffusion", name, "--raw-size", "10,10", *SOLVE)
         self.fails(2, "--raw-bits 12 is neither 8 nor 16", "leave it out", "diffusion", name, "--raw-bits", "12", *SOLVE)
 
@@ -121,7 +121,7 @@ class BadPhases(Case):
         self.write("p.png", GOOD)
 
     def test_a_grey_in_no_phase(self):
-        self.fails(3, "grey value 255 is in no phase: 600 nodes", "--phase 255=NAME", "diffusion", "p.png", "--phase",
+        self.fails(3, "grey value 255 is in no phase: 600 nodes", "with phase 255=NAME", "diffusion", "p.png", "--phase",
                    "0=lumen", *CONDUCTIVITIES)
         # --other takes it; so does a window without it.
         self.works("diffusion", "p.png", "--phase", "0=lumen", "--other", "wall", *CONDUCTIVITIES)

@@ -181,7 +181,7 @@ class Info(Convert):
         raw = ["--raw-size", "3,2,1", "--raw-type", "i16", "--raw-order", "big"]
         info = self.works("info", "v.bin", *raw, "--json").json()
         self.assertEqual((info["size"], info["point_arrays"][0]["range"]), ([3, 2], [[-2, 400]]))
-        self.fails(3, "the size of the raw volume 'v.bin' is not known", "--raw-size", "info", "v.bin")
+        self.fails(3, "the size of the raw volume 'v.bin' is not known", "raw size", "info", "v.bin")
 
     def test_series(self):
         for i in range(3):
@@ -283,9 +283,9 @@ class Losses(Convert):
 class BadFiles(Convert):
     def test_raw_volumes(self):
         self.write("v.raw", bytes(23))
-        self.fails(3, "the size of the raw volume 'v.raw' is not known", "--raw-size", "convert", "v.raw", "-o", "x.vti")
+        self.fails(3, "the size of the raw volume 'v.raw' is not known", "raw size", "convert", "v.raw", "-o", "x.vti")
         sized = ["convert", "v.raw", "--raw-size", "2,3,4"]
-        self.fails(3, "type of the values in 'v.raw' is not known", "--raw-type", *sized, "-o", "x.vti")
+        self.fails(3, "type of the values in 'v.raw' is not known", "raw type", *sized, "-o", "x.vti")
         self.fails(3, "has 23 bytes, but 2 × 3 × 4 voxels of u16 take 48", "truncated", *sized, "--raw-type", "u16", "-o", "x.vti")
         self.fails(2, "--raw-type 'u12'", "did you mean", *sized, "--raw-type", "u12", "-o", "x.vti")
         self.write("big_2x3x1_i16.raw", struct.pack(">6h", 1, -2, 3, 400, 5, 6))

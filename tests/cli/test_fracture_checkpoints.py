@@ -180,7 +180,7 @@ class Checkpoints(Case):
             data = file.read()
         self.fails(3, "cannot read 'none.h5': No such file", "", *good, "--continue", "none.h5")
         self.fails(3, "cannot read 'none.h5': No such file", "", *good, "--continue", "none.h5", "--checkpoint", "b.h5")
-        self.fails(3, "'strip.png' is not a checkpoint", "--checkpoint wrote", *good, "--continue", "strip.png")
+        self.fails(3, "'strip.png' is not a checkpoint", "as its checkpoint", *good, "--continue", "strip.png")
         self.write("other.h5", b"\x89HDF\r\n\x1a\n" + bytes(1000))
         self.fails(3, "'other.h5' is not a checkpoint, but another HDF5 file", "", *good, "--continue", "other.h5")
         for size in (10, 400, 2000, len(data) - 1):

@@ -55,12 +55,12 @@ class Ranges(Case):
         run = ["diffusion", "ramp.png", *HALF]
         self.fails(2, "'89..0' runs backwards", "0..89", *run, "--phase", "89..0=void")
         self.fails(2, "overlap: 80..89 would be both", "both ends belong", *run, "--phase", "..89=void", "--phase", "80..=fibre")
-        self.fails(3, "the grey values 90..99 are in no phase: 80 nodes", "--phase 90..99=NAME", *run, "--phase", "..89=void",
+        self.fails(3, "the grey values 90..99 are in no phase: 80 nodes", "with phase 90..99=NAME", *run, "--phase", "..89=void",
                    "--phase", "100..=fibre")
         self.fails(2, "the greys 90..300, and those of this picture run from 0 to 255", "as in 90..", *run, "--phase", "..89=void",
                    "--phase", "90..300=fibre")
         self.fails(2, "'x' is not a grey value, in the range '0..x'", "0..89", *run, "--phase", "0..x=void")
-        self.fails(2, "the range '..' has no end", "--other", *run, "--phase", "..=void")
+        self.fails(2, "the range '..' has no end", "given as other", *run, "--phase", "..=void")
         self.fails(2, "'otsu' is a level between two greys", "..otsu", *run, "--phase", "otsu=void")
         self.fails(2, "of 3 classes, and another range of 2", "otsu1 and otsu2", *run, "--phase", "..otsu=void", "--phase", "otsu2..=fibre")
         self.write("even.png", pictures.png([[9] * 8] * 8))

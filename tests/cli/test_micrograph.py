@@ -84,8 +84,8 @@ class Doubts(Case):
         answer = self.doubts(drawn(240, 160, grey))
         self.assertIn("greys", answer["segmentation"]["doubts"])
         told = next(text for text in answer["warnings"] if "3 classes of greys" in text)
-        self.assertIn("--threshold", told)
-        self.assertIn("--phase", told)
+        self.assertIn("split with threshold", told)
+        self.assertIn("a phase: phase 0..", told)
 
     def test_lumens_of_three_pixels(self):
         def grey(x, y):

@@ -215,6 +215,28 @@ class SceneWords(Case):
         self.scene(SAMPLE + '[fracture]\nyoung = { wall = 1e10 }\ncritical-stretch = { wall = 0.01 }\n[[each]]\nrun = "snapshot"\ncolor-map = "virdis"\n')
         self.refused("'virdis'", "did you mean 'viridis'?")
 
+    def test_the_line_is_that_of_the_key(self):
+        bonds = '[equilibrium]\nyoung = { wall = 1e10 }\n'
+        for text, line, message in (
+                (bonds + 'strain = 2\n', 9, "[equilibrium] strain 2 is not below 1"),  # a number out of its range
+                (bonds + 'stress = true\nload = "strech"\n', 10, "[equilibrium] load 'strech' is none of its choices"),
+                (bonds + 'strain = 0.001\nlateral-strain = 0.1\n', 10, "[equilibrium] lateral strain counts only with load biaxial"),
+                ('[material]\nhorizon = 3\nyoung = { wal = 1e10 }\n[equilibrium]\nstrain = 0.001\n', 9, "'wal'"),
+                ('[diffusion]\ndirection = "x"\nsides = "periodic"\nconductivity = { wall = 1 }\n', 10, "phase 'lumen' has no conductivity"),
+                ('[fracture]\nyoung = { wall = 1e10 }\ncritical-stretch = { wall = 0.01 }\n[[each]]\nrun = "snapshot"\nsize = [90, 90]\ncolor-map = "virdis"\n',
+                 13, "'virdis'"),
+                (bonds + '[crack-path]\nhorizon = 3\nof = "equilibrium"\n', 11, "'equilibrium' gives no such thing"),
+                (bonds + '[stress-pdf]\ncomponent = "xx"\nof = "equilibriun"\n', 11, "of: 'equilibriun' is no stage")):
+            with self.subTest(text):
+                self.scene(SAMPLE + text)
+                result = self.run_lamella("run", "scene.toml", "--dry-run")
+                self.assertEqual(result.code, 2, result.err)
+                self.assertIn(f"scene.toml:{line}: ", result.err)
+                self.assertIn(message, result.err)
+        # two ways at once: the second
+        self.scene('[sample]\nfile = "a.png"\nseed = 1\ngenerate = "softwood"\n')
+        self.refused("scene.toml:4: [sample] has both", "give one of")
+
     def test_what_this_sample_does_not_let(self):
         # not a slip of the scene's: another sample of the sweep may be well
         self.scene(SAMPLE + "[diffusion]\nconductivity = { lumen = 0, wall = 0 }\n")

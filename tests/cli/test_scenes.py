@@ -443,7 +443,7 @@ fraction = "sample.packing_fraction"
         bad('[sample]\nfile = "a.png"\ngenerate = "softwood"\n' + solver, "both", "give one of")
         bad(solver, "no [sample]", "say what the sample is")
         bad(good + solver + 'direction = true\n', "diffusion.direction = true", "--help")
-        bad(good + solver + 'refine = "much"\n', "scene.toml:3: [diffusion] refine 'much'", "")
+        bad(good + solver + 'refine = "much"\n', "scene.toml:5: [diffusion] refine 'much'", "")
         bad(good + solver + 'no-error-estimate = 1\n', "true or false", "")
         bad(good + solver + 'tolerance = []\n', "a list without values", "")
         bad(good + solver + 'refine = "3..1"\n', "leads nowhere", "1..10")

@@ -1,4 +1,4 @@
-"""What a command writes is what Python computes with the same settings: array by array, for every command that solves or measures."""
+"""What a command writes is what Python computes with the same settings: array by array, pictures pixel by pixel, for every command."""
 
 import os
 import subprocess
@@ -71,6 +71,14 @@ class SameResults(unittest.TestCase):
         for key, numbers in wrote.items():
             np.testing.assert_array_equal(numbers, made[key], err_msg=f"{name}: {key}")
 
+    def same_picture(self, name, other):
+        """All pixels. @returns how many values there are"""
+        wrote, made = (lamella.arrays(lamella.read(self.path(file))) for file in (name, other))
+        self.assertEqual(sorted(wrote), sorted(made))
+        for key, pixels in wrote.items():
+            np.testing.assert_array_equal(pixels, made[key], err_msg=f"{name}: {key}")
+        return min(len(np.unique(pixels)) for pixels in wrote.values())
+
     def same_table(self, name, columns):
         wrote = csv(self.path(name))
         for key, numbers in columns.items():
@@ -115,6 +123,12 @@ class SameResults(unittest.TestCase):
         self.same("b.vtp", found.vtk_broken)
         self.run_program("crack-path", "b.vtp", "-o", "crack.vtp")
         self.same("crack.vtp", lamella.crack_path(found.vtk_broken).vtk)
+        # with the image: its voids end cracks, and its fragments are told
+        self.run_program("crack-path", "b.vtp", "--phases", "f.vti", "-o", "within.vtp", "--image", "pieces.vti", "--table", "paths.csv")
+        within = lamella.crack_path(found.vtk_broken, found)
+        self.same("within.vtp", within.vtk)
+        self.same("pieces.vti", within.image.vtk)
+        self.same_table("paths.csv", lamella.arrays(within.vtk_paths))
 
     def test_dynamics(self):
         self.run_program("dynamics", "t.vti", *BOND_WORDS, "--density", "1500", "--max-broken", "5", "-o", "m.vti")
@@ -128,11 +142,38 @@ class SameResults(unittest.TestCase):
         np.testing.assert_array_equal(tensor, np.asarray(found.stiffness)[:3, :3])
 
     def test_compression(self):
-        words = ["--strain", "2%", "--rows", "6", "--first-speed", "0.02", "--fit-platens"]
+        words = ["--strain", "2%", "--rows", "6", "--first-speed", "0.02", "--fit-platens", "--deformation-gradient"]
         self.run_program("compression", "t.vti", *words, "-o", "c.vtp", "--curve", "c.csv")
-        found = lamella.compression(self.sample, strain=0.02, rows=6, first_speed=0.02, fit_platens=True)
+        found = lamella.compression(self.sample, strain=0.02, rows=6, first_speed=0.02, fit_platens=True, deformation_gradient=True)
         self.same("c.vtp", found.states[-1].vtk)
         self.same_table("c.csv", {"strain": found.strain, "stress": found.stress})
+        self.run_program("compression-curve", "c.csv", "--stiffness-range", "0,0.02", "--smoothing", "0", "-o", "energy.csv")
+        self.same_table("energy.csv", lamella.compression_curve(found.strain, found.stress, stiffness_range=(0, 0.02), smoothing=0).table)
+        self.run_program("collapse-map", "t.vti", "c.vtp", "--share", "99%", "--minimum-size", "3", "-o", "cells.vti", "--table", "cells.csv")
+        cells = lamella.collapse_map(self.sample, [found.states[-1].vtk], share=0.99, minimum_size=3)
+        self.same("cells.vti", cells.vtk)
+        self.same_table("cells.csv", cells.table)
+
+    def test_convert(self):
+        self.run_program("convert", "t.vti", "-o", "greys.tif", "--array", "phase", "--type", "u16", "--range", "0,1")
+        lamella.convert(self.path("t.vti"), self.path("same.tif"), array="phase", type="u16", range=(0, 1))
+        self.same_picture("greys.tif", "same.tif")  # not byte by byte: each holds its command line
+        self.run_program("convert", "greys.tif", "-o", "greys.vti", "--pixel-size", "2um")
+        self.same("greys.vti", lamella.read(self.path("greys.tif"), pixel_size=2e-6))
+
+    def test_snapshot(self):
+        self.run_program("diffusion", "t.vti", "--conductivity", "lumen=0.023", "--conductivity", "wall=1", "--direction", "x", "-o", "heat.vti")
+        heat = lamella.diffusion(self.sample, PHASES, direction="x")
+        for name, words, data, settings in (
+                ("phases", ["t.vti"], self.sample, {}),
+                ("flux", ["heat.vti", "--preset", "flux", "--overlay", "arrows", "--color-map", "inferno"], heat,
+                 {"preset": "flux", "overlay": "arrows", "color_map": "inferno"}),
+                ("heat", ["heat.vti", "--array", "temperature", "--range", "0.2,0.8", "--title", "Heat"], heat,
+                 {"array": "temperature", "value_range": (0.2, 0.8), "title": "Heat"})):
+            with self.subTest(name):
+                self.run_program("snapshot", *words, "--size", "300,260", "-o", f"{name}.png")
+                lamella.snapshot(data, self.path(f"{name}_too.png"), size=(300, 260), **settings)
+                self.assertGreater(self.same_picture(f"{name}.png", f"{name}_too.png"), 2)  # something is drawn
 
     def test_packing_and_bridges(self):
         self.run_program("packing", "--count", "40", "--seed", "5", "-o", "g.vtp", "--contacts", "k.vtp")

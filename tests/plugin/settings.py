@@ -1,11 +1,18 @@
-"""A number out of its range is refused in the same words in the shell and in Python, and kept by the class, as ParaView sets it."""
+"""What is refused is refused in the same words in the shell, in scenes, in Python, and by the plugin in ParaView."""
 
 import os
+import re
 import subprocess
 import tempfile
 import unittest
 
 import lamella
+
+try:
+    import paraview.simple as pv
+    from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
+except ImportError:
+    pv = None
 
 PROGRAM = os.environ["LAMELLA_PROGRAM"]
 # command, option, value, what Python calls, its keyword, the class, its setter
@@ -46,6 +53,70 @@ def in_python(command, keyword, value):
     return "", ""
 
 
+WARM = ["--conductivity", "lumen=0.02", "--conductivity", "wall=1"]
+
+
+def tissue():
+    return lamella.softwood(size=(40, 30), seed=2)
+
+
+def doors():
+    """Mistakes of those who solve."""
+    bonds = {"young": {"wall": 1e10}, "critical_stretch": {"wall": 0.01}}
+    bond_words = ["--young", "wall=1e10", "--critical-stretch", "wall=0.01"]
+    heat = {"conductivity": {"lumen": 0.02, "wall": 1}}
+    return (  # command, what it needs, the same in Python, function, option, value, value in Python
+        ("diffusion", WARM, heat, lamella.diffusion, "tolerance", "0.5", 0.5),
+        ("diffusion", WARM, heat, lamella.diffusion, "max-iterations", "0", 0),
+        ("diffusion", WARM, heat, lamella.diffusion, "sides", "insulted", "insulted"),
+        ("diffusion", WARM[:2], {"conductivity": {"lumen": 0.02}}, lamella.diffusion, "direction", "x", "x"),
+        ("diffusion", [*WARM, "--no-error-estimate"], {**heat, "estimate_error": False}, lamella.diffusion, "target-error", "0.01", 0.01),
+        ("transient", ["--diffusivity", "wall=1e-7", "--diffusivity", "lumen=1e-5"], {"diffusivity": {"wall": 1e-7, "lumen": 1e-5}, "end_time": 1e-6},
+         lamella.transient, "frames", "0", 0),
+        ("equilibrium", bond_words[:2], {"young": {"wall": 1e10}}, lamella.equilibrium, "horizon", "0.5", 0.5),
+        ("equilibrium", bond_words[:2], {"young": {"wall": 1e10}}, lamella.equilibrium, "traction", "1e6", 1e6),
+        ("fracture", bond_words, bonds, lamella.fracture, "lateral-ratio", "0.5", 0.5),
+        ("fracture", bond_words, bonds, lamella.fracture, "stop", "1", 1),
+        ("dynamics", bond_words, bonds, lamella.dynamics, "damping", "2", 2),
+        ("stiffness", bond_words[:2], {"young": {"wall": 1e10}}, lamella.stiffness, "tolerance", "0", 0),
+        ("compression", [], {}, lamella.compression, "strain", "1", 1),
+        ("compression", [], {}, lamella.compression, "transfer", "flop", "flop"),
+        ("pore-flood-fill", [], {}, lamella.pore_flood_fill, "minimum-size", "-2", -2),
+    )
+
+
+# the same mistakes in ParaView: the proxy, and its property
+PROXIES = {
+    ("diffusion", "tolerance"): ("SteadyDiffusion", "Tolerance"),
+    ("diffusion", "max-iterations"): ("SteadyDiffusion", "MaximumIterations"),
+    ("transient", "frames"): ("LatticeBoltzmann", "NumberOfSteps"),
+    ("equilibrium", "horizon"): ("BondEquilibrium", "Horizon"),
+    ("fracture", "stop"): ("BondFracture", "StopShare"),
+    ("dynamics", "damping"): ("BondDynamics", "Damping"),
+    ("stiffness", "tolerance"): ("BondStiffness", "Tolerance"),
+    ("compression", "strain"): ("PointCompression", "Strain"),
+    ("pore-flood-fill", "minimum-size"): ("PoreFloodFill", "MinimumSize"),
+}
+
+
+def in_paraview(proxy, name, value):
+    """What the window shows of an update: a proxy of the plugin's XML, a property as a panel sets it."""
+    source = pv.MicrostructureSource(Size=[40, 30, 1], Seed=2)
+    inputs = {"Input": pv.Sphere() if proxy == "CrackPath" else source}
+    if proxy == "CollapseMap":
+        inputs["Points"] = pv.Sphere()
+    made = getattr(pv, proxy)(**inputs)
+    setattr(made, name, value)
+    before, window = vtkOutputWindow.GetInstance(), vtkStringOutputWindow()
+    vtkOutputWindow.SetInstance(window)
+    try:
+        made.UpdatePipeline()
+    finally:
+        vtkOutputWindow.SetInstance(before)
+    found = re.search(r"vtk\w+ \(0x[0-9a-f]+\): (.*)\nhint: (.*)\n", window.GetOutput())
+    return (found[1], found[2]) if found else ("", window.GetOutput())
+
+
 def in_shell(folder, *words):
     done = subprocess.run([PROGRAM, *words], cwd=folder, capture_output=True, text=True, check=False)
     lines = done.stderr.splitlines()
@@ -73,28 +144,8 @@ class Settings(unittest.TestCase):
 
     def test_through_every_door(self):
         """Out of range, no word, a phase that is missing, what contradicts: shell, scene, Python and the class, as ParaView sets it."""
-        bonds = {"young": {"wall": 1e10}, "critical_stretch": {"wall": 0.01}}
-        bond_words = ["--young", "wall=1e10", "--critical-stretch", "wall=0.01"]
-        heat, warm = {"conductivity": {"lumen": 0.02, "wall": 1}}, ["--conductivity", "lumen=0.02", "--conductivity", "wall=1"]
-        sample = lamella.softwood(size=(40, 30), seed=2)
-        table = (  # command, what it needs, the same in Python, function, option, value, value in Python
-            ("diffusion", warm, heat, lamella.diffusion, "tolerance", "0.5", 0.5),
-            ("diffusion", warm, heat, lamella.diffusion, "max-iterations", "0", 0),
-            ("diffusion", warm, heat, lamella.diffusion, "sides", "insulted", "insulted"),
-            ("diffusion", warm[:2], {"conductivity": {"lumen": 0.02}}, lamella.diffusion, "direction", "x", "x"),
-            ("diffusion", [*warm, "--no-error-estimate"], {**heat, "estimate_error": False}, lamella.diffusion, "target-error", "0.01", 0.01),
-            ("transient", ["--diffusivity", "wall=1e-7", "--diffusivity", "lumen=1e-5"], {"diffusivity": {"wall": 1e-7, "lumen": 1e-5}, "end_time": 1e-6},
-             lamella.transient, "frames", "0", 0),
-            ("equilibrium", bond_words[:2], {"young": {"wall": 1e10}}, lamella.equilibrium, "horizon", "0.5", 0.5),
-            ("equilibrium", bond_words[:2], {"young": {"wall": 1e10}}, lamella.equilibrium, "traction", "1e6", 1e6),
-            ("fracture", bond_words, bonds, lamella.fracture, "lateral-ratio", "0.5", 0.5),
-            ("fracture", bond_words, bonds, lamella.fracture, "stop", "1", 1),
-            ("dynamics", bond_words, bonds, lamella.dynamics, "damping", "2", 2),
-            ("stiffness", bond_words[:2], {"young": {"wall": 1e10}}, lamella.stiffness, "tolerance", "0", 0),
-            ("compression", [], {}, lamella.compression, "strain", "1", 1),
-            ("compression", [], {}, lamella.compression, "transfer", "flop", "flop"),
-            ("pore-flood-fill", [], {}, lamella.pore_flood_fill, "minimum-size", "-2", -2),
-        )
+        sample = tissue()
+        table = doors()
         with tempfile.TemporaryDirectory() as folder:
             subprocess.run([PROGRAM, "generate", "softwood", "--size", "40,30", "--seed", "2", "-o", "t.vti", "--quiet"], cwd=folder, check=True)
             for command, words, keywords, function, option, value, given in table:
@@ -108,7 +159,7 @@ class Settings(unittest.TestCase):
                     self.assertIsInstance(caught.exception, lamella.ParameterError)
                     # a scene says the same, and where
                     options = {}
-                    for word, text in zip([*words, *end][::2], [*words, *end][1::2]) if "--no-error-estimate" not in words else zip(warm[::2], warm[1::2]):
+                    for word, text in zip([*words, *end][::2], [*words, *end][1::2]) if "--no-error-estimate" not in words else zip(WARM[::2], WARM[1::2]):
                         options.setdefault(word[2:], []).append(text)
                     lines = ["[sample]", 'file = "t.vti"', f"[{command}]", f'{option} = "{value}"']
                     lines += [f"{key} = {texts if '=' in texts[0] else texts[0]!r}".replace("'", '"') for key, texts in options.items()]
@@ -117,6 +168,42 @@ class Settings(unittest.TestCase):
                         file.write("\n".join([*lines, ""]))
                     dry = subprocess.run([PROGRAM, "run", "s.toml", "--dry-run"], cwd=folder, capture_output=True, text=True, check=False)
                     self.assertIn(said, dry.stderr + dry.stdout)
+
+    @unittest.skipIf(pv is None, "this Python has no ParaView")
+    def test_the_same_words_in_paraview(self):
+        try:
+            lamella.load_plugin()
+        except FileNotFoundError as error:  # built without it
+            self.skipTest(str(error))
+        sample, held = tissue(), 0
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([PROGRAM, "generate", "softwood", "--size", "40,30", "--seed", "2", "-o", "t.vti", "--quiet"], cwd=folder, check=True)
+            for command, option, value, keyword, kind, setter in TABLE:
+                if command == "compression-curve":  # takes a table
+                    continue
+                with self.subTest(f"{kind[3:]} {setter[3:]} = {value}"):
+                    files = ["t.vti", "b.vtp"] if command == "collapse-map" else ["t.vti"]
+                    _, *shell = in_shell(folder, command, *files, f"--{option}={value}")
+                    number = float(value) if "." in value or value == "nan" else int(value)
+                    panel = in_paraview(kind[3:], setter[3:], number)
+                    self.assertEqual((panel, panel), (tuple(shell), in_python(command, keyword, value)))
+                    held += 1
+            for command, words, keywords, function, option, value, given in doors():
+                if (command, option) not in PROXIES:
+                    continue
+                proxy, name = PROXIES[command, option]
+                with self.subTest(f"{proxy} {name} = {value}"):
+                    end = ["--end-time", "1e-6"] if command == "transient" else []
+                    _, *shell = in_shell(folder, command, "t.vti", *words, *end, f"--{option}={value}")
+                    with self.assertRaises(lamella.ParameterError) as caught:
+                        function(sample, **{**keywords, option.replace("-", "_"): given})
+                    panel = in_paraview(proxy, name, given)
+                    self.assertEqual((panel, panel), (tuple(shell), (caught.exception.message, caught.exception.hint)))
+                    held += 1
+            # a table of a panel
+            _, *shell = in_shell(folder, "diffusion", "t.vti", "--conductivity", "lumen=0.02")
+            self.assertEqual(in_paraview("SteadyDiffusion", "Conductivities", ["lumen", "0.02"]), tuple(shell))
+        self.assertGreaterEqual(held, 15)
 
     def test_words_that_are_none(self):
         with tempfile.TemporaryDirectory() as folder:

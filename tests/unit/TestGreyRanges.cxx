@@ -110,7 +110,7 @@ TEST(GreyRanges, NamesTheRangeThatIsMissing)
     "left "
     "with 95");
   EXPECT_EQ(hint,
-    "name them with --phase 90..99=NAME --phase 200..255=NAME, or all greys that are not listed with --other NAME");
+    "name them with phase 90..99=NAME and 200..255=NAME, or all greys that are not listed with other NAME");
   // Greys that no node has need no phase.
   EXPECT_EQ(applied(ranges, { 0, 150 }).phase, (std::vector<std::uint8_t>{ 0, 1 }));
   // Where only single greys are named the grey itself is told.

@@ -91,7 +91,7 @@ TEST(GreyMap, NamesTheGreyThatHasNoPhase)
   EXPECT_EQ(what,
     "grey value 128 is in no phase: 2 nodes have it, one is pixel 1, 1 from the top left; 1 more grey value "
     "likewise");
-  EXPECT_EQ(hint, "name it with --phase 128=NAME, or all greys that are not listed with --other NAME");
+  EXPECT_EQ(hint, "name it with phase 128=NAME, or all greys that are not listed with other NAME");
 }
 
 TEST(GreyMap, RefusesGreysThatNoPictureHasAndWrongCounts)

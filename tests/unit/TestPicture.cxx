@@ -129,7 +129,7 @@ TEST(Picture, ColourIsRefusedWithTheFirstColouredPixelUnlessAskedFor)
   EXPECT_TRUE(
     contains(what, "colour.png' is a colour picture: pixel 1, 1 from the top left is red 200, green 30, blue 90"))
     << what;
-  EXPECT_TRUE(contains(hint, "--segment")) << hint;
+  EXPECT_TRUE(contains(hint, "segment")) << hint;
   ReadOptions options;
   options.keepColour = true;
   const Picture picture = readPicture(file, options);
@@ -567,7 +567,7 @@ TEST(Raw, RefusesSizesThatDoNotFit)
 {
   const TemporaryFolder folder;
   const Bytes bytes(12, 1);
-  EXPECT_TRUE(contains(refused(folder.write("rock.raw", bytes)).second, "--raw-size"));
+  EXPECT_TRUE(contains(refused(folder.write("rock.raw", bytes)).second, "raw size"));
   EXPECT_TRUE(
     contains(refused(folder.write("rock_2x3x3.raw", bytes)).first, "has 12 bytes, but 2 × 3 × 3 voxels of u8 take 18"));
   EXPECT_TRUE(contains(refused(folder.write("rock_2x3x2_u16.raw", bytes)).first, "u16 take 24"));

@@ -121,7 +121,7 @@ TEST(SegmentationDoubts, ThreeClassesCanBePartedAsTheWarningSays)
     const Segmentation result = segment(sample.picture);
     const auto at = std::ranges::find(result.report.doubts, Doubt::Greys, &Remark::doubt);
     ASSERT_NE(at, result.report.doubts.end());
-    const std::string option = "--threshold ";
+    const std::string option = "threshold ";
     SegmentOptions options;
     options.threshold = std::atof(at->text.c_str() + at->text.find(option) + option.size());
     options.lumen = LumenSide::Dark;

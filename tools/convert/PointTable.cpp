@@ -8,6 +8,7 @@
 
 #include "NewArray.h"
 #include "TextTable.h"
+#include "lattice/AxisNames.h"
 #include "lattice/Error.h"
 #include "vtkLatticeConversion.h"
 
@@ -62,10 +63,9 @@ std::string lower(std::string text)
 
 bool isPlace(const Column& column, const std::string& name, Places& places)
 {
-  constexpr std::array<const char*, 3> axes{ "x", "y", "z" };
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    if (lower(name) == axes[axis] || (column.array == "Points" && column.component == static_cast<int>(axis)))
+    if (lower(name) == axisNames[axis] || (column.array == "Points" && column.component == static_cast<int>(axis)))
     {
       places[axis] = places[axis].value_or(column.number);
       return true;

@@ -145,7 +145,7 @@ private:
         return i;
       }
     }
-    sceneError(each.where,
+    sceneError(each.ofWhere,
       each.of.empty() ? "no stage of this scene comes to steps on which " + each.command + " runs"
                       : "'" + each.of + "' comes to no steps on which " + each.command + " runs",
       "steps are states of fracture, dynamics, compression, transient and packing");
@@ -171,6 +171,14 @@ private:
   static std::string kindOf(const SceneStage& stage, const Port& port)
   {
     return isGrains(stage) ? "grains" : port.kind;
+  }
+
+  /// Where a stage says what it takes its data from: the line of its key, or the section.
+  static const std::string& placeOf(const SceneStage& stage, const std::string& of)
+  {
+    const auto option =
+      std::ranges::find_if(stage.options, [&](const SceneOption& each) { return !of.empty() && each.value == of; });
+    return of != stage.of && option != stage.options.end() ? option->where : stage.ofWhere;
   }
 
   /// The last stage before `stage` that gives what a port takes.
@@ -203,7 +211,7 @@ private:
     }
     std::string kinds = input.kind;
     std::replace(kinds.begin(), kinds.end(), '|', '/');
-    sceneError(taker.where,
+    sceneError(placeOf(taker, of),
       of.empty() ? fmt::format("[{}] takes {}, and no section above it gives that", taker.name, kinds)
                  : fmt::format("[{}] takes {}, and '{}' gives no such thing above it", taker.name, kinds, of),
       quotedList(givers) + (givers.size() > 1 ? " give it" : " gives it"));
@@ -275,18 +283,18 @@ private:
     const std::string hint = "write of = \"" + giver.name + ":x\", or another direction";
     if (direction == "all" && from.part.empty())
     {
-      sceneError(scene_.stages[taker].where,
+      sceneError(scene_.stages[taker].ofWhere,
         fmt::format(
           "[{}] takes one field, and [{}] gives one for each direction", scene_.stages[taker].name, giver.name),
         hint);
     }
     if (direction == "all" && from.part != "x" && from.part != "y" && from.part != "z")
     {
-      sceneError(scene_.stages[taker].where, fmt::format("'{}:{}' is no direction", giver.name, from.part), hint);
+      sceneError(scene_.stages[taker].ofWhere, fmt::format("'{}:{}' is no direction", giver.name, from.part), hint);
     }
     if (direction != "all" && !from.part.empty())
     {
-      sceneError(scene_.stages[taker].where,
+      sceneError(scene_.stages[taker].ofWhere,
         fmt::format("[{}] has one direction only, and no '{}:{}'", giver.name, giver.name, from.part),
         "write of = \"" + giver.name + "\"");
     }

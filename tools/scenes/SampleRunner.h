@@ -5,7 +5,6 @@
 #include "Session.h"
 #include "Workspace.h"
 
-#include <cctype>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -67,7 +66,7 @@ private:
   double part_ = 1;   ///< share of the stage that runs
 };
 
-/// The same error with the place in the scene of the option that it names, or of the section.
+/// The same error with the place in the scene of the key that it is about, or of the section.
 template <class Kind>
 [[noreturn]] void throwAt(const Kind& error, const SceneStage& stage)
 {
@@ -76,16 +75,8 @@ template <class Kind>
   {
     throw Kind(error);
   }
-  for (const SceneOption& option : stage.options)
-  {
-    const std::size_t at = message.find("--" + option.name);
-    const std::size_t end = at + 2 + option.name.size();
-    if (at != std::string::npos && (end == message.size() || (std::isalnum(message[end]) == 0 && message[end] != '-')))
-    {
-      throw Kind(option.where + ": " + message, error.hint());
-    }
-  }
-  throw Kind(stage.where + ": [" + stage.name + "] " + message, error.hint());
+  const std::string line = lineOf(stage, message);
+  throw Kind((line.empty() ? stage.where : line) + ": [" + stage.name + "] " + message, error.hint());
 }
 
 /// The first bonds of those that broke, in order.

@@ -9,9 +9,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace lamella::cli
 {
@@ -66,6 +68,39 @@ std::string whyManaged(const std::string& key)
   return key == "json" || key == "quiet" || key == "overwrite" || key == "stats"
     ? "it is for lamella run itself: lamella run SCENE --" + key
     : "files are not named in a scene; write = [\"" + key + "\"] writes it beside the results";
+}
+
+/// Whether a message has this as a word of its own.
+bool names(const std::string& message, const std::string& name)
+{
+  const auto within = [](char letter)
+  { return std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '-'; };
+  for (std::size_t at = message.find(name); at != std::string::npos; at = message.find(name, at + 1))
+  {
+    const std::size_t end = at + name.size();
+    if ((at == 0 || !within(message[at - 1])) && (end == message.size() || !within(message[end])))
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Whether a message has a text of this value, a key of this table, or the name of a NAME=VALUE, in quotes.
+bool quotes(const std::string& message, const Json& value)
+{
+  const auto quoted = [&](const std::string& text) { return message.find("'" + text + "'") != std::string::npos; };
+  if (value.is_string())
+  {
+    const std::string text = value.get<std::string>();
+    return quoted(text) || quoted(text.substr(0, text.find('=')));
+  }
+  if (!value.is_structured())
+  {
+    return false;
+  }
+  return std::ranges::any_of(value.items(),
+    [&](const auto& item) { return (value.is_object() && quoted(item.key())) || quotes(message, item.value()); });
 }
 
 class Reader
@@ -215,7 +250,7 @@ private:
     }
     if (given.size() != 1)
     {
-      sceneError(section.where,
+      sceneError(given.empty() ? section.where : section.find(given[1])->where,
         given.empty() ? "[sample] does not say what the sample is"
                       : "[sample] has both '" + given[0] + "' and '" + given[1] + "'",
         "give one of file = \"NAME\", generate = \"softwood\", micrograph = \"NAME\" and packing = true");
@@ -311,6 +346,8 @@ private:
     stage.ports = portsOf(stage.command);
     CLI::App* const app = commands_.find(words);
     stage.of = section.text("of");
+    const SceneKey* const of = section.find("of");
+    stage.ofWhere = of != nullptr ? of->where : section.where;
     own.insert(own.end(), { "of", "write", "name" });
     if (const SceneKey* const write = section.find("write"))
     {
@@ -444,14 +481,14 @@ private:
     {
       if (!each.of.empty())
       {
-        check(split(each.of, ':').front(), each.where, "of:");
+        check(split(each.of, ':').front(), each.ofWhere, "of:");
       }
     }
     for (const SceneStage& stage : scene_.stages)
     {
       if (!stage.of.empty())
       {
-        check(split(stage.of, ':').front(), stage.where, "of:");
+        check(split(stage.of, ':').front(), stage.ofWhere, "of:");
       }
     }
   }
@@ -507,6 +544,29 @@ Shape shapeOf(const CLI::Option* option)
     return type.find('=') != std::string::npos ? Shape::Pairs : Shape::List;
   }
   return type.find(',') != std::string::npos || type == "LIST" ? Shape::Tuple : Shape::Single;
+}
+
+std::string lineOf(const SceneStage& stage, const std::string& message)
+{
+  // How sure it is: a name with dashes, what the message begins with, a value in quotes, a table that it speaks of.
+  std::string line;
+  std::pair<int, std::size_t> best{ 0, 0 };
+  for (const SceneOption& option : stage.options)
+  {
+    std::string name = option.name;
+    std::replace(name.begin(), name.end(), '-', ' ');
+    const int sure = names(message, "--" + option.name)      ? 4
+      : message.starts_with(name + " ")                      ? 3
+      : quotes(message, option.value)                        ? 2
+      : option.shape == Shape::Pairs && names(message, name) ? 1
+                                                             : 0;
+    if (sure > 0 && std::pair(sure, name.size()) > best) // max-strain before strain
+    {
+      best = { sure, name.size() };
+      line = option.where;
+    }
+  }
+  return line;
 }
 
 Scene understand(SceneFile source, const CommandSet& commands)

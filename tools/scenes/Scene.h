@@ -64,11 +64,16 @@ struct SceneStage
   std::string words;              ///< "generate softwood"
   std::string file;               ///< of the user: what [sample] names; else empty
   std::string of;                 ///< stage that gives the input, perhaps ":output"; empty: the last that fits
+  std::string ofWhere;            ///< where that stands; the section where it does not
   std::vector<std::string> write; ///< options of outputs that are written
   std::vector<SceneOption> options;
   std::string where;
   const Ports* ports = nullptr;
 };
+
+/// The line of the key that a message is about: the option that it names, or whose value it quotes. Empty: none of
+/// them.
+[[nodiscard]] std::string lineOf(const SceneStage& stage, const std::string& message);
 
 /// A command that runs on each state of a stage.
 struct SceneEach : SceneStage

@@ -555,4 +555,4 @@ def inherit(setting, base, tags):
 def stem(word):
     """YoungsModuli and YoungsModulus, Notches and Notch, StatesAtStrains and StateAtStrain: the same."""
     parts = re.findall(r"[A-Z][a-z0-9]*", word)
-    return tuple(re.sub(r"(ies|y|us|i|es|(?<!s)s|e)$", "", part) for part in parts)
+    return tuple(re.sub(r"(ies|ys|y|us|i|es|(?<!s)s|e)$", "", part) for part in parts)

@@ -49,8 +49,11 @@ def default(setting):
 
 
 def text(setting):
-    unit = f" [{setting.unit}]" if setting.unit and f"[{setting.unit}]" not in setting.text else ""
-    return setting.text.rstrip(".").replace("|", "\\|") + unit
+    """What it does, its unit, and what its words mean where they do not say so themselves."""
+    told = setting.text.rstrip(".").replace("^2", "²").replace("^3", "³")
+    unit = f" [{setting.unit}]" if setting.unit and f"[{setting.unit}]" not in told else ""
+    meanings = "; ".join(f"{choice.word}: {choice.text}" for choice in setting.choices if choice.text)
+    return (told + unit + (f". {meanings[0].upper()}{meanings[1:]}" if meanings else "")).replace("|", "\\|")
 
 
 def table(declarations, name, owners):

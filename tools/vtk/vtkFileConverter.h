@@ -35,7 +35,10 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /** What is read: a file, a folder or pattern of slices, a .pvd, or a pattern of steps. Default: none. */
+  /**
+   * What is read: a file, a folder or pattern of slices, a .pvd, or a pattern of steps.
+   * @word file, source
+   */
   void SetFileName(const std::string& name) { this->Put(this->FileName, name); }
   const std::string& GetFileName() const { return this->FileName; }
   ///@}
@@ -47,64 +50,72 @@ public:
   ///@}
 
   ///@{
-  /** What is written; the ending tells the format. A pattern for slices or steps. Default: none, to GetOutput(). */
+  /**
+   * What is written; the ending tells the format. A pattern for slices or steps. None: the output holds the data.
+   * @word output, path
+   */
   void SetOutputFileName(const std::string& name) { this->Put(this->OutputFileName, name); }
   const std::string& GetOutputFileName() const { return this->OutputFileName; }
   ///@}
 
   ///@{
-  /** Arrays to keep. Default: all. */
+  /** Arrays to keep. None: all. */
   void AddArray(const std::string& name);
   void ClearArrays();
   ///@}
 
   ///@{
-  /** Of a series: the step, counted from 0. −1 (default): all. */
+  /** Of a series: the step, counted from 0. -1: all. */
   vtkSetMacro(Step, int);
   vtkGetMacro(Step, int);
   ///@}
 
   ///@{
-  /** u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64. Default: as the numbers are. */
+  /**
+   * u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64. None: as the numbers are.
+   * @word type
+   */
   void SetNumberType(const std::string& type) { this->Put(this->NumberType, type); }
   const std::string& GetNumberType() const { return this->NumberType; }
   ///@}
 
   ///@{
-  /** Values that are mapped to the least and the largest grey, low < high. Default: none, values stay. */
+  /** Values that become the least and the largest grey, low < high. None: values stay. */
   void SetRange(double low, double high);
   void ResetRange();
   ///@}
 
   ///@{
-  /** Go on where something is lost. Default off. */
+  /** Go on where something is lost. */
   vtkSetMacro(Lossy, bool);
   vtkGetMacro(Lossy, bool);
   vtkBooleanMacro(Lossy, bool);
   ///@}
 
   ///@{
-  /** Replace files that exist. Default off. */
+  /** Replace files that exist. */
   vtkSetMacro(Overwrite, bool);
   vtkGetMacro(Overwrite, bool);
   vtkBooleanMacro(Overwrite, bool);
   ///@}
 
   ///@{
-  /** Edge of a pixel [m]. 0 (default): what the file says. */
+  /** Edge of a pixel [m]. 0: what the file says. */
   vtkSetMacro(PixelSize, double);
   vtkGetMacro(PixelSize, double);
   ///@}
 
   ///@{
-  /** Of a raw volume: voxels along x, y, z; type as of NumberType; little or big; bytes before the first voxel.
-   * Default: what its name or its notes say. */
+  /** Of a raw volume: voxels along x, y, z. 0: what its name or its notes say. */
   vtkSetVector3Macro(RawSize, int);
   vtkGetVector3Macro(RawSize, int);
+  /** Of a raw volume: type of its numbers, as of NumberType. None: what its name or its notes say. */
   void SetRawType(const std::string& type) { this->Put(this->RawType, type); }
   const std::string& GetRawType() const { return this->RawType; }
+  /** Of a raw volume: little or big, the order of bytes. None: what its name or its notes say. */
   void SetRawOrder(const std::string& order) { this->Put(this->RawOrder, order); }
   const std::string& GetRawOrder() const { return this->RawOrder; }
+  /** Of a raw volume: bytes before the first voxel. */
   vtkSetClampMacro(RawHeader, vtkIdType, 0, VTK_ID_MAX);
   vtkGetMacro(RawHeader, vtkIdType);
   ///@}

@@ -59,7 +59,7 @@ void Multigrid::factorize(const Level& coarsest)
   direct_.compute(matrix);
   if (direct_.info() != Eigen::Success)
     throw DivergenceError("the coarsest multigrid level could not be factorised",
-      "use --method algebraic-multigrid; and please report this with the picture and the conductivities");
+      "use method algebraic-multigrid; and please report this with the picture and the conductivities");
 }
 
 void Multigrid::solveDirectly(const Level& coarsest, const FloatArray& f, FloatArray& u) const

@@ -1,6 +1,7 @@
 #include "peridynamics/fracture/FractureCheckpoint.h"
 
 #include "io/Provenance.h"
+#include "lattice/AxisNames.h"
 #include "lattice/Error.h"
 
 #include <fmt/format.h>
@@ -41,10 +42,9 @@ std::string hashOfRows(const BondLattice& bonds, const std::function<std::string
 std::string sceneOf(const BondLattice& bonds)
 {
   const NodeLayout& l = bonds.layout();
-  const char* axes[] = { "x", "y", "z" };
   std::string sides;
   for (std::size_t a = 0; a < 3; ++a)
-    sides += bonds.periodic()[a] ? axes[a] : "";
+    sides += bonds.periodic()[a] ? axisNames[a] : "";
   std::string text = fmt::format("nodes: {} x {} x {}\nspacing: {} m\nhorizon: {} spacings\nperiodic sides: {}\n"
                                  "surface correction: {}\nsolid nodes: {}\nbonds: {}\n",
     l.global[0], l.global[1], l.global[2], bonds.spacing(), bonds.stencil().horizon(), sides.empty() ? "none" : sides,

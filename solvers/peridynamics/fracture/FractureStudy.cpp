@@ -220,7 +220,7 @@ void warn(const BondModel& model, double tolerance, FractureResult& r)
   if (left > noted && std::isfinite(left))
     warnings.push_back(fmt::format(
       "the sample carries {:.1e} of the force under even strain: at a tolerance of {:g}, which counts over that, "
-      "stresses and strengths may be off by {:.2g} %. Ask for a smaller --tolerance, with --method accurate",
+      "stresses and strengths may be off by {:.2g} %. Ask for a smaller tolerance, with method accurate",
       r.record.carried, tolerance, 100 * left));
   if (!r.record.broken.empty() && r.peak.strain > small)
     warnings.push_back(
