@@ -1,7 +1,7 @@
 #include "vtkPictureReader.h"
 
+#include "Attempt.h"
 #include "PhasePicture.h"
-#include "Settings.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -83,6 +83,99 @@ int vtkPictureReader::GetNumberOfPhases()
   return static_cast<int>(this->PhaseOfGreys.size());
 }
 
+lamella::PictureOptions vtkPictureReader::Options() const
+{
+  lamella::PictureOptions options;
+  for (const auto& [greys, name] : this->PhaseOfGreys)
+  {
+    options.greys.add(greys, name);
+  }
+  if (this->OtherPhase != nullptr && *this->OtherPhase != '\0')
+  {
+    options.greys.other = this->OtherPhase;
+  }
+  if (this->Segment)
+  {
+    options.segment.emplace();
+    options.segment->lumen = static_cast<lamella::micrograph::LumenSide>(this->Lumen);
+    if (this->Threshold >= 0)
+    {
+      options.segment->threshold = this->Threshold;
+    }
+  }
+  if (std::any_of(this->Window, this->Window + 6, [](int value) { return value != 0; }))
+  {
+    options.window.emplace();
+    std::copy_n(this->Window, 3, options.window->start.begin());
+    std::copy_n(this->Window + 3, 3, options.window->size.begin());
+  }
+  options.refine = this->Refinement;
+  options.array = this->ArrayName != nullptr ? this->ArrayName : "";
+  if (this->PixelSize > 0)
+  {
+    options.read.pixelSize = this->PixelSize;
+  }
+  if (std::any_of(this->RawSize, this->RawSize + 3, [](int value) { return value != 0; }))
+  {
+    options.read.rawSize.emplace();
+    std::copy_n(this->RawSize, 3, options.read.rawSize->begin());
+  }
+  if (this->RawBits > 0)
+  {
+    options.read.rawBits = this->RawBits;
+  }
+  options.read.rawHeader = static_cast<std::uint64_t>(this->RawHeader);
+  return options;
+}
+
+void vtkPictureReader::Load()
+{
+  const lamella::PictureOptions options = this->Options();
+  lamella::PhasePicture picture = lamella::readPhases(this->FileName, options);
+  this->Image = lamella::toImageData(std::move(picture.image));
+  lamella::setFieldText(this->Image, "pixel_size_source", picture.pixelSizeSource);
+  if (!picture.notes.empty())
+  {
+    lamella::setFieldTexts(this->Image, "segmentation", picture.notes);
+  }
+
+  for (const std::string& warning : picture.warnings)
+  {
+    vtkWarningMacro(<< warning);
+  }
+
+  nlohmann::json parameters{ { "refinement", this->Refinement } };
+  if (this->Segment)
+  {
+    parameters["segment"] = true;
+  }
+  for (const auto& [greys, name] : this->PhaseOfGreys)
+  {
+    parameters["phases"][greys] = name;
+  }
+  if (options.greys.other)
+  {
+    parameters["other"] = *options.greys.other;
+  }
+  if (options.window)
+  {
+    parameters["window"] = this->Window;
+  }
+  if (options.read.pixelSize)
+  {
+    parameters["pixel_size"] = this->PixelSize;
+  }
+  lamella::beginProvenance(this->Image, "picture", parameters, {}, this->FileName);
+  if (picture.file != nullptr && !options.segment)
+  {
+    lamella::carryAlong(this->Image, picture.file, options.window, options.refine);
+    if (!options.window && options.refine == 1 && !options.read.pixelSize)
+    {
+      carryFields(this->Image, picture.file);
+    }
+  }
+}
+
 bool vtkPictureReader::Read()
 {
   if (this->Image != nullptr && this->ReadTime > this->GetMTime())
@@ -90,112 +183,21 @@ bool vtkPictureReader::Read()
     return true;
   }
   this->Image = nullptr;
-  if (this->FileName == nullptr || *this->FileName == '\0')
+  const auto load = [this]
   {
-    vtkErrorMacro("no file is named\nhint: set FileName");
-    return false;
-  }
-  try
+    if (this->FileName == nullptr || *this->FileName == '\0')
+    {
+      throw lamella::ParameterError("no file is named", "set FileName");
+    }
+    this->Load();
+    this->ReadTime.Modified();
+  };
+  if (lamella::attempt(this, load) == lamella::Outcome::Done)
   {
-    lamella::PictureOptions options;
-    for (const auto& [greys, name] : this->PhaseOfGreys)
-    {
-      options.greys.add(greys, name);
-    }
-    if (this->OtherPhase != nullptr && *this->OtherPhase != '\0')
-    {
-      options.greys.other = this->OtherPhase;
-    }
-    if (this->Segment)
-    {
-      options.segment.emplace();
-      options.segment->lumen = static_cast<lamella::micrograph::LumenSide>(this->Lumen);
-      if (this->Threshold >= 0)
-      {
-        options.segment->threshold = this->Threshold;
-      }
-    }
-    if (std::any_of(this->Window, this->Window + 6, [](int value) { return value != 0; }))
-    {
-      options.window.emplace();
-      std::copy_n(this->Window, 3, options.window->start.begin());
-      std::copy_n(this->Window + 3, 3, options.window->size.begin());
-    }
-    options.refine = this->Refinement;
-    options.array = this->ArrayName != nullptr ? this->ArrayName : "";
-    if (this->PixelSize > 0)
-    {
-      options.read.pixelSize = this->PixelSize;
-    }
-    if (std::any_of(this->RawSize, this->RawSize + 3, [](int value) { return value != 0; }))
-    {
-      options.read.rawSize.emplace();
-      std::copy_n(this->RawSize, 3, options.read.rawSize->begin());
-    }
-    if (this->RawBits > 0)
-    {
-      options.read.rawBits = this->RawBits;
-    }
-    options.read.rawHeader = static_cast<std::uint64_t>(this->RawHeader);
-
-    lamella::PhasePicture picture = lamella::readPhases(this->FileName, options);
-    this->Image = lamella::toImageData(std::move(picture.image));
-    lamella::setFieldText(this->Image, "pixel_size_source", picture.pixelSizeSource);
-    if (!picture.notes.empty())
-    {
-      lamella::setFieldTexts(this->Image, "segmentation", picture.notes);
-    }
-
-    for (const std::string& warning : picture.warnings)
-    {
-      vtkWarningMacro(<< warning);
-    }
-
-    nlohmann::json parameters{ { "refinement", this->Refinement } };
-    if (this->Segment)
-    {
-      parameters["segment"] = true;
-    }
-    for (const auto& [greys, name] : this->PhaseOfGreys)
-    {
-      parameters["phases"][greys] = name;
-    }
-    if (options.greys.other)
-    {
-      parameters["other"] = *options.greys.other;
-    }
-    if (options.window)
-    {
-      parameters["window"] = this->Window;
-    }
-    if (options.read.pixelSize)
-    {
-      parameters["pixel_size"] = this->PixelSize;
-    }
-    lamella::beginProvenance(this->Image, "picture", parameters, {}, this->FileName);
-    if (picture.file != nullptr && !options.segment)
-    {
-      lamella::carryAlong(this->Image, picture.file, options.window, options.refine);
-      if (!options.window && options.refine == 1 && !options.read.pixelSize)
-      {
-        carryFields(this->Image, picture.file);
-      }
-    }
+    return true;
   }
-  catch (const lamella::Error& error)
-  {
-    this->Image = nullptr;
-    vtkErrorMacro(<< error.what() << "\nhint: " << error.hint());
-    return false;
-  }
-  catch (const std::exception& error)
-  {
-    this->Image = nullptr;
-    vtkErrorMacro(<< error.what());
-    return false;
-  }
-  this->ReadTime.Modified();
-  return true;
+  this->Image = nullptr;
+  return false;
 }
 
 int vtkPictureReader::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
