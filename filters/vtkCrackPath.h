@@ -116,6 +116,7 @@ public:
   /**
    * Where there is an image, find the pieces that no unbroken bond joins.
    * @group Cracks
+   * @off no-fragments: Do not look for the pieces that no unbroken bond joins.
    */
   vtkSetMacro(ComputeFragments, bool);
   vtkGetMacro(ComputeFragments, bool);

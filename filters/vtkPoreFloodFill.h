@@ -94,6 +94,7 @@ public:
   ///@{
   /**
    * Label 1 is the largest pore; otherwise pores are numbered in the order of memory.
+   * @off no-sort-by-size: Number pores in the order of memory, not by size.
    */
   vtkSetMacro(SortBySize, bool);
   vtkGetMacro(SortBySize, bool);
@@ -115,6 +116,7 @@ public:
    *
    * Whether the image carries `pore_size`, to be coloured by.
    * @advanced
+   * @off no-pore-size: Do not give each node the size of its pore.
    */
   vtkSetMacro(ComputePoreSize, bool);
   vtkGetMacro(ComputePoreSize, bool);

@@ -100,7 +100,7 @@ public:
    * Leave out the layers of an image that the platens of Bond Equilibrium hold, where bonds are missing.
    * @group Stresses
    * @advanced
-   * @off keep-platens
+   * @off keep-platens: Take the layers of an image that the platens hold along, where bonds are missing.
    */
   vtkSetMacro(LeaveOutPlatens, bool);
   vtkGetMacro(LeaveOutPlatens, bool);

@@ -25,52 +25,6 @@
 namespace lamella::cli
 {
 
-namespace
-{
-
-/// The grains of a .vti, where it has them, in the sample's order: window cut out, not refined.
-std::vector<std::int32_t> loadGrains(const PictureOptions& picture, const Sample& sample)
-{
-  const NodeArray array = sampleArray(picture, sample, "grain");
-  std::vector<std::int32_t> grains(array.components == 1 ? array.values.size() : 0);
-  for (std::size_t i = 0; i < grains.size(); ++i)
-  {
-    const double value = array.values[i];
-    if (!(std::abs(value) < 2147483647) || value != std::floor(value))
-    {
-      throw InputError(fmt::format("'{}': array 'grain' holds {}; grains are whole numbers", picture.file, value),
-        "0 stands for no grain");
-    }
-    grains[i] = static_cast<std::int32_t>(value);
-  }
-  return grains;
-}
-
-vtkSmartPointer<vtkIntArray> grainArray(const std::vector<std::int32_t>& grains, const Lattice& from, int n)
-{
-  const auto array = vtkSmartPointer<vtkIntArray>::New();
-  array->SetName("grain");
-  const Lattice to = makeLattice(
-    from.size[0] * n, from.size[1] * n, from.dimension == 3 ? from.size[2] * n : 1, from.dimension, from.spacing / n);
-  array->SetNumberOfTuples(to.count());
-  vtkIdType at = 0;
-  for (std::int64_t z = 0; z < to.size[2]; ++z)
-  {
-    for (std::int64_t y = 0; y < to.size[1]; ++y)
-    {
-      for (std::int64_t x = 0; x < to.size[0]; ++x)
-      {
-        const std::int64_t layer = from.dimension == 3 ? z / n : 0;
-        array->SetValue(at++, grains[static_cast<std::size_t>(from.index(x / n, y / n, layer))]);
-      }
-    }
-  }
-  describe(array, "1", "number of the grain, 0 none", "lamella");
-  return array;
-}
-
-} // namespace
-
 void addBondOptions(
   CLI::App& command, BondOptions& o, const std::string& className, const std::vector<std::string>& leave)
 {
@@ -141,15 +95,7 @@ BondSample loadBondSample(
   result.pixelSizeSource = sample.pixelSizeSource;
   result.provenance = sample.provenance;
   tellDoubts(session, sample);
-  const std::vector<std::int32_t> grains = loadGrains(picture, sample);
-  const Lattice lattice = sample.image.lattice;
-  result.image = toImageData(o.refine > 1 ? refine(sample.image, o.refine) : std::move(sample.image));
-  if (!grains.empty())
-  {
-    result.image->GetPointData()->AddArray(grainArray(grains, lattice, o.refine));
-  }
-  setFieldText(result.image, "pixel_size_source", sample.pixelSizeSource);
-  setProvenance(result.image, sample.provenance);
+  result.image = imageOf(sample, o.refine);
   result.image->GetExtent(result.extent.data());
   return result;
 }

@@ -5,6 +5,7 @@
 #include "GridFile.h"
 #include "OutputFile.h"
 #include "Record.h"
+#include "SampleRun.h"
 #include "SettingOptions.h"
 #include "Text.h"
 
@@ -15,7 +16,6 @@
 #include "vtkSteadyDiffusion.h"
 
 #include <vtkCallbackCommand.h>
-#include <vtkFloatArray.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
@@ -60,13 +60,7 @@ void giveConductivities(const DiffusionOptions& options, const Sample& sample, v
   if (std::ranges::any_of(given, [](const GivenConductivity& one) { return one.along != one.across; }) &&
     sample.image.lattice.dimension == 2) // of a volume the filter says that they do not go
   {
-    const std::vector<std::array<float, 2>> axes = readAxes(options.picture, sample);
-    vtkNew<vtkFloatArray> array;
-    array->SetName("axis");
-    array->SetNumberOfComponents(2);
-    array->SetNumberOfTuples(static_cast<vtkIdType>(axes.size()));
-    std::copy_n(axes.data()->data(), 2 * axes.size(), array->GetPointer(0));
-    image->GetPointData()->AddArray(array);
+    requireAxes(options.picture, image);
   }
 }
 
@@ -139,14 +133,9 @@ private:
       {
         sample_ = loadSample(options_.picture, check);
         Session::checkInterrupt();
-        for (const std::string& warning : sample_.warnings)
-        {
-          session_.warn(warning);
-        }
+        tellDoubts(session_, sample_);
         const Lattice& lattice = sample_.image.lattice;
-        image_ = toImageData({ lattice, std::move(sample_.image.phase), sample_.image.phases });
-        setFieldText(image_, "pixel_size_source", sample_.pixelSizeSource);
-        setProvenance(image_, sample_.provenance);
+        image_ = imageOf(sample_);
         giveConductivities(options_, sample_, image_);
         image_->GetExtent(extent_.data());
         const int direction = filter_->GetDirection();

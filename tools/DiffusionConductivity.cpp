@@ -1,13 +1,11 @@
 #include "DiffusionConductivity.h"
 
-#include "GridFile.h"
 #include "Text.h"
 #include "Units.h"
 #include "lattice/PhaseNames.h"
 
 #include <fmt/format.h>
 
-#include <vtkDataArray.h>
 #include <vtkImageData.h>
 #include <vtkPointData.h>
 
@@ -86,7 +84,7 @@ void requireNames(
   }
 }
 
-std::vector<std::array<float, 2>> readAxes(const PictureOptions& options, const Sample& sample)
+void requireAxes(const PictureOptions& options, vtkImageData* image)
 {
   const std::string hint = "make the lattice with lamella micrograph -o FILE.vti, or give each phase one value";
   if (!isVtkImage(options.file))
@@ -95,34 +93,10 @@ std::vector<std::array<float, 2>> readAxes(const PictureOptions& options, const 
         "' does not say which way the walls run: only a .vti can, in its point array 'axis'",
       hint);
   }
-  const auto grid = readAs<vtkImageData>(options.file, "picture", hint.c_str());
-  vtkDataArray* const array = grid->GetPointData()->GetArray("axis");
-  if (array == nullptr)
+  if (image->GetPointData()->HasArray("axis") == 0)
   {
     throw InputError("'" + options.file + "' has no point array 'axis': it does not say which way the walls run", hint);
   }
-  const auto& whole = sample.fileSize;
-  if (array->GetNumberOfComponents() < 2 || array->GetNumberOfTuples() != whole[0] * whole[1])
-  {
-    throw InputError(fmt::format("the array 'axis' of '{}' has {} values of {} components for {} nodes", options.file,
-                       array->GetNumberOfTuples(), array->GetNumberOfComponents(), whole[0] * whole[1]),
-      hint);
-  }
-  Lattice file = sample.image.lattice;
-  file.size = whole;
-  const auto first = sample.window ? firstNode(file, *sample.window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
-  std::vector<std::array<float, 2>> axes;
-  axes.reserve(static_cast<std::size_t>(sample.image.lattice.count()));
-  for (std::int64_t y = 0; y < sample.image.lattice.size[1]; ++y)
-  {
-    for (std::int64_t x = 0; x < sample.image.lattice.size[0]; ++x)
-    {
-      const vtkIdType node = file.index(first[0] + x, first[1] + y);
-      axes.push_back(
-        { static_cast<float>(array->GetComponent(node, 0)), static_cast<float>(array->GetComponent(node, 1)) });
-    }
-  }
-  return axes;
 }
 
 } // namespace lamella::cli

@@ -25,8 +25,7 @@ struct GivenConductivity
 void requireNames(
   const std::string& option, const std::vector<GivenConductivity>& given, const std::vector<std::string>& phases);
 
-/// The directions along the walls, of the sample's nodes: the point array `axis` of a .vti.
-/// @throws InputError for other files, and where there is none
-[[nodiscard]] std::vector<std::array<float, 2>> readAxes(const PictureOptions& options, const Sample& sample);
+/// @throws InputError where an image does not say which way the walls run: it has no point array `axis`
+void requireAxes(const PictureOptions& options, vtkImageData* image);
 
 } // namespace lamella::cli

@@ -258,7 +258,7 @@ std::optional<PhaseGrid> readPhaseGrid(const std::string& path, const SizeKnown&
   try
   {
     return PhaseGrid{ toPhaseImage(image), fieldText(image, "pixel_size_source").value_or("spacing in the file"),
-      provenance(image) };
+      provenance(image), image };
   }
   catch (const Error& error)
   {

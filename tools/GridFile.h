@@ -69,7 +69,8 @@ struct PhaseGrid
 {
   PhaseImage image;
   std::string pixelSizeSource;
-  std::string provenance; ///< JSON text, or empty
+  std::string provenance;             ///< JSON text, or empty
+  vtkSmartPointer<vtkImageData> file; ///< with all it holds
 };
 /// The array `phase` of a .vti that names its phases; nothing when it has none or does not name them. @throws
 /// InputError

@@ -366,7 +366,7 @@ std::string provenanceText(const Json& record, std::size_t indent)
   return text;
 }
 
-std::string infoText(const Json& json)
+std::string headText(const Json& json)
 {
   std::string text = fmt::format("{}: {}", json["file"].get<std::string>(), json["kind"].get<std::string>());
   if (json.contains("size"))
@@ -401,40 +401,59 @@ std::string infoText(const Json& json)
       times.is_null() ? ""
                       : fmt::format(", at {:.7g} to {:.7g}", times.front().get<double>(), times.back().get<double>()));
   }
+  return text;
+}
+
+/// A coarse histogram.
+std::string histogramText(const Json& greys)
+{
+  std::string text;
+  const int low = greys.front()["grey"].get<int>();
+  const int high = greys.back()["grey"].get<int>();
+  constexpr int bins = 16;
+  std::array<double, bins> bin{};
+  for (const Json& grey : greys)
+  {
+    bin[static_cast<std::size_t>((grey["grey"].get<int>() - low) * bins / (high - low + 1))] +=
+      grey["fraction"].get<double>();
+  }
+  const double largest = *std::max_element(bin.begin(), bin.end());
+  for (int i = 0; i < bins; ++i)
+  {
+    // Greys g with (g − low)·bins/(high − low + 1) = i, in whole numbers.
+    const auto first = low + (i * (high - low + 1) + bins - 1) / bins;
+    const auto last = low + ((i + 1) * (high - low + 1) + bins - 1) / bins - 1;
+    text += fmt::format("  {:>5} to {:<5}  {:>6.2f} %  {}\n", first, last, 100 * bin[static_cast<std::size_t>(i)],
+      std::string(static_cast<std::size_t>(std::lround(40 * bin[static_cast<std::size_t>(i)] / largest)), '#'));
+  }
+  return text;
+}
+
+/// All greys of a label picture; a coarse histogram of a scan.
+std::string greysText(const Json& greys)
+{
+  std::string text = fmt::format("grey values: {}\n", greys.size());
+  if (greys.size() <= 16)
+  {
+    for (const Json& grey : greys)
+    {
+      text += fmt::format("  {:>5}  {:>9.4f} %  {:>14}  {}\n", grey["grey"].get<int>(),
+        100 * grey["fraction"].get<double>(), grouped(grey["nodes"].get<std::int64_t>()), grey.value("name", ""));
+    }
+  }
+  else
+  {
+    text += histogramText(greys);
+  }
+  return text;
+}
+
+std::string infoText(const Json& json)
+{
+  std::string text = headText(json);
   if (json.contains("greys"))
   {
-    // All greys of a label picture; a coarse histogram of a scan.
-    const Json& greys = json["greys"];
-    text += fmt::format("grey values: {}\n", greys.size());
-    if (greys.size() <= 16)
-    {
-      for (const Json& grey : greys)
-      {
-        text += fmt::format("  {:>5}  {:>9.4f} %  {:>14}  {}\n", grey["grey"].get<int>(),
-          100 * grey["fraction"].get<double>(), grouped(grey["nodes"].get<std::int64_t>()), grey.value("name", ""));
-      }
-    }
-    else
-    {
-      const int low = greys.front()["grey"].get<int>();
-      const int high = greys.back()["grey"].get<int>();
-      constexpr int bins = 16;
-      std::array<double, bins> bin{};
-      for (const Json& grey : greys)
-      {
-        bin[static_cast<std::size_t>((grey["grey"].get<int>() - low) * bins / (high - low + 1))] +=
-          grey["fraction"].get<double>();
-      }
-      const double largest = *std::max_element(bin.begin(), bin.end());
-      for (int i = 0; i < bins; ++i)
-      {
-        // Greys g with (g − low)·bins/(high − low + 1) = i, in whole numbers.
-        const auto first = low + (i * (high - low + 1) + bins - 1) / bins;
-        const auto last = low + ((i + 1) * (high - low + 1) + bins - 1) / bins - 1;
-        text += fmt::format("  {:>5} to {:<5}  {:>6.2f} %  {}\n", first, last, 100 * bin[static_cast<std::size_t>(i)],
-          std::string(static_cast<std::size_t>(std::lround(40 * bin[static_cast<std::size_t>(i)] / largest)), '#'));
-      }
-    }
+    text += greysText(json["greys"]);
   }
   if (json.contains("phases"))
   {

@@ -389,6 +389,7 @@ Sample loadSample(const PictureOptions& options, const SampleCheck& check)
       sample.fileSize = grid->image.lattice.size;
       sample.pixelSizeSource = grid->pixelSizeSource;
       sample.provenance = grid->provenance;
+      sample.file = grid->file;
       if (read.pixelSize)
       {
         setSpacing(grid->image.lattice, *read.pixelSize);
@@ -403,6 +404,7 @@ Sample loadSample(const PictureOptions& options, const SampleCheck& check)
   PictureFile file = readPictureFile(options, read);
   micrograph::Picture& picture = file.picture;
   sample.fileSize = picture.fileSize;
+  sample.file = file.file;
   sample.pixelSizeSource = picture.pixelSizeSource;
   sample.provenance = file.record ? file.record->provenance : "";
   sample.warnings.insert(sample.warnings.end(), picture.warnings.begin(), picture.warnings.end());
@@ -467,7 +469,7 @@ PictureFile readPictureFile(const PictureOptions& options, micrograph::ReadOptio
       read.rawBits = file.record->bits;
     }
   }
-  file.picture = isVtkImage(options.file) ? readGreys(options.file, read, options.array)
+  file.picture = isVtkImage(options.file) ? readGreys(options.file, read, options.array, &file.file)
                                           : micrograph::readPicture(options.file, read);
   if (!file.record)
   {

@@ -8,6 +8,8 @@
 #include "micrograph/VolumeSegmentation.h"
 
 #include <CLI/App.hpp>
+#include <vtkImageData.h>
+#include <vtkSmartPointer.h>
 
 #include <array>
 #include <cstdint>
@@ -66,6 +68,7 @@ struct Sample
   std::vector<std::string> notes;                             ///< how its greys were parted, a line a step
   std::string provenance;                                     ///< of the file, where it carries one
   std::vector<std::string> warnings;                          ///< what is doubtful about it
+  vtkSmartPointer<vtkImageData> file; ///< a .vti read at its points, with all it holds, before the window; else null
 };
 
 /// Told the lattice of the sample, which comes from the file's header, before the pixels are read; throws to refuse it,
@@ -80,6 +83,7 @@ struct PictureFile
 {
   micrograph::Picture picture; ///< its pixel size exact where the record tells it
   std::optional<Record> record;
+  vtkSmartPointer<vtkImageData> file; ///< as that of a sample
 };
 /// @param read readOptions() of them, and more
 /// @throws InputError

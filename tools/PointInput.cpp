@@ -24,32 +24,20 @@ PointSample loadPointSample(Session& session, const PictureOptions& picture, con
   Session::checkInterrupt();
   settings.checkNames(sample.image.phases.names());
   tellDoubts(session, sample);
-  const NodeArray directions = sampleArray(picture, sample, "axis");
+  PointSample result;
+  result.pixelSizeSource = sample.pixelSizeSource;
+  result.provenance = sample.provenance;
+  result.image = imageOf(sample);
+  const bool directed = result.image->GetPointData()->HasArray("axis") != 0;
   for (const char* const word : { "transverse", "transverse-poisson", "shear" })
   {
-    if (settings.given(word) && !settings.given("law") && directions.components == 0)
+    if (settings.given(word) && !settings.given("law") && !directed)
     {
       throw ParameterError(
         fmt::format("--{} of walls that have no direction: '{}' has no array 'axis'", word, picture.file),
         "leave it out, for isotropic walls have one modulus; lamella micrograph writes directions along the walls");
     }
   }
-  PointSample result;
-  result.pixelSizeSource = sample.pixelSizeSource;
-  result.provenance = sample.provenance;
-  result.image = toImageData(std::move(sample.image));
-  if (directions.components > 0)
-  {
-    vtkNew<vtkFloatArray> axis;
-    axis->SetName("axis");
-    axis->SetNumberOfComponents(directions.components);
-    axis->SetNumberOfTuples(result.image->GetNumberOfPoints());
-    std::transform(directions.values.begin(), directions.values.end(), axis->GetPointer(0),
-      [](double value) { return static_cast<float>(value); });
-    result.image->GetPointData()->AddArray(axis);
-  }
-  setFieldText(result.image, "pixel_size_source", result.pixelSizeSource);
-  setProvenance(result.image, result.provenance);
   return result;
 }
 

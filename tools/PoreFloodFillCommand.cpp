@@ -6,6 +6,7 @@
 #include "OutputFile.h"
 #include "PoreReport.h"
 #include "Record.h"
+#include "SampleRun.h"
 #include "SettingOptions.h"
 #include "TableText.h"
 #include "Text.h"
@@ -177,10 +178,7 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
       sample = loadSample(options.picture,
         [&](const Lattice& lattice) { requireMemory(lattice, !options.output.empty(), session.ranks(), neighbours); });
       Session::checkInterrupt();
-      for (const std::string& warning : sample.warnings)
-      {
-        session.warn(warning);
-      }
+      tellDoubts(session, sample);
       checkFill(options.fill, sample.image.phases.names());
       files = openFiles(options);
       const auto nodes = static_cast<std::uint64_t>(sample.image.lattice.count());
@@ -188,9 +186,7 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
       {
         file.needs(nodes); // compressed; the whole is nine bytes a node
       }
-      image = toImageData(std::move(sample.image));
-      setFieldText(image, "pixel_size_source", sample.pixelSizeSource);
-      setProvenance(image, sample.provenance);
+      image = imageOf(sample);
       image->GetExtent(extent.data());
     });
   session.broadcast(extent);

@@ -1,15 +1,12 @@
 #include "SampleRun.h"
 
-#include "GridFile.h"
+#include "PhasePicture.h"
 
 #include "vtkLatticeConversion.h"
 
-#include <vtkDataArray.h>
 #include <vtkImageData.h>
-#include <vtkPointData.h>
 
-#include <array>
-#include <cstdint>
+#include <utility>
 
 namespace lamella::cli
 {
@@ -22,44 +19,18 @@ void tellDoubts(Session& session, const Sample& sample)
   }
 }
 
-NodeArray sampleArray(const PictureOptions& picture, const Sample& sample, const char* name)
+vtkSmartPointer<vtkImageData> imageOf(Sample& sample, int refine)
 {
-  if (!isVtkImage(picture.file))
+  const auto image =
+    toImageData(refine > 1 ? lamella::refine(sample.image, refine)
+                           : PhaseImage{ sample.image.lattice, std::move(sample.image.phase), sample.image.phases });
+  if (sample.file != nullptr)
   {
-    return {};
+    carryAlong(image, sample.file, sample.window, refine, { "grain", "axis" });
   }
-  const auto data = readGrid(picture.file);
-  auto* const image = vtkImageData::SafeDownCast(data);
-  vtkDataArray* const array = image != nullptr ? image->GetPointData()->GetArray(name) : nullptr;
-  if (array == nullptr)
-  {
-    return {};
-  }
-  const Lattice whole = latticeOf(image);
-  if (whole.size != sample.fileSize) // phases were taken from cells
-  {
-    return {};
-  }
-  const Lattice& lattice = sample.image.lattice;
-  const std::array<std::int64_t, 3> start =
-    sample.window ? firstNode(whole, *sample.window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
-  NodeArray nodes;
-  nodes.components = array->GetNumberOfComponents();
-  nodes.values.reserve(static_cast<std::size_t>(lattice.count()) * static_cast<std::size_t>(nodes.components));
-  for (std::int64_t z = 0; z < lattice.size[2]; ++z)
-  {
-    for (std::int64_t y = 0; y < lattice.size[1]; ++y)
-    {
-      for (std::int64_t x = 0; x < lattice.size[0]; ++x)
-      {
-        for (int c = 0; c < nodes.components; ++c)
-        {
-          nodes.values.push_back(array->GetComponent(whole.index(x + start[0], y + start[1], z + start[2]), c));
-        }
-      }
-    }
-  }
-  return nodes;
+  setFieldText(image, "pixel_size_source", sample.pixelSizeSource);
+  setProvenance(image, sample.provenance);
+  return image;
 }
 
 } // namespace lamella::cli

@@ -13,14 +13,9 @@ namespace lamella::cli
 /// Says what is doubtful about the sample itself.
 void tellDoubts(Session& session, const Sample& sample);
 
-/// An array of every node.
-struct NodeArray
-{
-  int components = 0;         ///< 0: the file has no such array
-  std::vector<double> values; ///< node by node
-};
-
-/// A point array of a .vti in the sample's order: its window cut out, not refined.
-[[nodiscard]] NodeArray sampleArray(const PictureOptions& picture, const Sample& sample, const char* name);
+/// The sample as an image, each pixel split in so many along each axis, with what solvers ask of it beside phases where
+/// its file is a .vti that has it: point arrays `grain` and `axis`. Lattice and names of phases stay in the sample, the
+/// nodes are moved out.
+[[nodiscard]] vtkSmartPointer<vtkImageData> imageOf(Sample& sample, int refine = 1);
 
 } // namespace lamella::cli

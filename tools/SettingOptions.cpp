@@ -40,6 +40,10 @@ std::string upper(std::string name)
 std::string form(const Setting& setting)
 {
   std::vector<std::string> words;
+  if (setting.colour)
+  {
+    return setting.types[0] == Type::Text ? upper(setting.parts[0]) + "=COLOUR" : "COLOUR";
+  }
   switch (setting.kind)
   {
     case Kind::Switch:
@@ -55,7 +59,9 @@ std::string form(const Setting& setting)
     case Kind::Axes:
       return "AXES";
     case Kind::Whole:
-      return "NUMBER";
+      std::transform(setting.names.begin(), setting.names.end(), std::back_inserter(words),
+        [](const SettingChoice& name) { return name.word; });
+      return fmt::format("{}{}NUMBER", fmt::join(words, "|"), words.empty() ? "" : "|");
     case Kind::Number:
       return setting.unit[0] == '\0' && setting.low == 0 && setting.high == 1 ? "SHARE" : "NUMBER";
     case Kind::List:
@@ -144,6 +150,26 @@ SettingValue valueOf(const Setting& setting, std::size_t part, const std::string
   return value;
 }
 
+/// Three numbers from 0 to 1: "#RRGGBB" or one of a few names.
+std::vector<std::string> colourParts(const Setting& setting, const std::string& text)
+{
+  static const std::map<std::string, std::string> names{ { "white", "#ffffff" }, { "black", "#000000" },
+    { "gray", "#808080" }, { "lightgray", "#d4d4d4" }, { "darkgray", "#404040" } };
+  const auto named = names.find(text);
+  const std::string hex = named == names.end() ? text : named->second;
+  if (hex.size() != 7 || hex[0] != '#' || hex.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos)
+  {
+    throw ParameterError(fmt::format("{} '{}' is not a colour", nameOf(setting), text),
+      "write white, black, gray, lightgray, darkgray or #RRGGBB, such as '#f4ede4'");
+  }
+  std::vector<std::string> parts;
+  for (std::size_t i = 1; i < hex.size(); i += 2)
+  {
+    parts.push_back(fmt::format("{}", std::stoi(hex.substr(i, 2), nullptr, 16) / 255.0));
+  }
+  return parts;
+}
+
 /// What one call of the setter takes, of what was written once.
 std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& text)
 {
@@ -175,7 +201,24 @@ std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& te
     return flags;
   }
   std::vector<std::string> parts{ text };
-  if (setting.kind == Kind::List && setting.types.size() == 2 && setting.types[0] == Type::Text)
+  const auto called = std::find_if(
+    setting.names.begin(), setting.names.end(), [&](const SettingChoice& name) { return text == name.word; });
+  if (called != setting.names.end())
+  {
+    return { static_cast<double>(called->value) };
+  }
+  if (setting.colour)
+  {
+    const bool ofOne = setting.types[0] == Type::Text;
+    const auto [key, value] =
+      ofOne ? keyValue("--" + std::string(setting.word), text, form(setting)) : std::pair(std::string(), text);
+    parts = colourParts(setting, value);
+    if (ofOne)
+    {
+      parts.insert(parts.begin(), key);
+    }
+  }
+  else if (setting.kind == Kind::List && setting.types.size() == 2 && setting.types[0] == Type::Text)
   {
     auto [key, value] = keyValue("--" + std::string(setting.word), text, form(setting));
     parts = { std::move(key), std::move(value) };
@@ -267,6 +310,15 @@ std::vector<double> numbersOf(const std::vector<SettingValue>& values)
   return numbers;
 }
 
+/// @throws ParameterError for numbers out of range
+void checkNumbers(const Setting& setting, const std::vector<SettingValue>& values)
+{
+  if (setting.values != nullptr || (setting.kind == Kind::List && setting.types[0] != Type::Text))
+  {
+    checkSetting(setting, numbersOf(values));
+  }
+}
+
 /// Refuses what give() would refuse whatever else was given. @throws ParameterError
 void check(const Setting& setting, const std::string& given, bool byPhase)
 {
@@ -275,10 +327,7 @@ void check(const Setting& setting, const std::string& given, bool byPhase)
     const std::size_t sign = byPhase ? text.find('=') : std::string::npos;
     const std::vector<SettingValue> values =
       valuesOf(setting, sign == std::string::npos ? text : text.substr(sign + 1));
-    if (setting.values != nullptr)
-    {
-      checkSetting(setting, numbersOf(values));
-    }
+    checkNumbers(setting, values);
   }
 }
 
@@ -320,7 +369,9 @@ void SettingOptions::declareKind(CLI::App& command, const std::string& className
 
 void SettingOptions::add(CLI::App& command, const std::vector<Setting>& settings, const Setting& setting)
 {
-  if (std::string_view(setting.word).starts_with("phase-")) // written as what it is of: PHASE=VALUE
+  // Written as what it is of, PHASE=VALUE.
+  const std::string word = setting.word;
+  if (word == "phase-constant" || (word.starts_with("phase-") && named(settings, word.substr(6)) != nullptr))
   {
     return;
   }
@@ -331,7 +382,9 @@ void SettingOptions::add(CLI::App& command, const std::vector<Setting>& settings
   {
     command
       .add_flag(fmt::format("--{}", on ? setting.off : setting.word), on ? option.off : option.on,
-        on ? fmt::format("Not: {}", setting.text) : setting.text)
+        !on                            ? setting.text
+          : setting.offText[0] != '\0' ? setting.offText
+                                       : fmt::format("Not: {}", setting.text))
       ->group(group);
     return;
   }
@@ -426,10 +479,7 @@ void SettingOptions::give(vtkObject* object) const
     {
       const std::size_t sign = byPhase != nullptr ? text.find('=') : std::string::npos;
       std::vector<SettingValue> values = valuesOf(*setting, sign == std::string::npos ? text : text.substr(sign + 1));
-      if (setting->values != nullptr)
-      {
-        checkSetting(*setting, numbersOf(values));
-      }
+      checkNumbers(*setting, values);
       if (sign != std::string::npos)
       {
         values.insert(values.begin(), text.substr(0, sign));

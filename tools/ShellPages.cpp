@@ -257,10 +257,14 @@ std::string optionTables(const CLI::App& root)
     {
       text += "# " + path + "\n";
       std::vector<std::string> groups;
-      for (const CLI::Option* option : shown(command))
+      const auto options = shown(command);
+      // What all commands say of the sample that they read stands on a page of its own.
+      const bool reads =
+        std::any_of(options.begin(), options.end(), [](const CLI::Option* option) { return option->get_positional(); });
+      for (const CLI::Option* option : options)
       {
         const std::string& group = option->get_group();
-        if (!option->get_positional() && group != "Sample" && option->get_name() != "--help" &&
+        if (!option->get_positional() && !(reads && group == "Sample") && option->get_name() != "--help" &&
           std::find(groups.begin(), groups.end(), group) == groups.end())
         {
           groups.push_back(group);

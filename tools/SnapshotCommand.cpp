@@ -4,6 +4,8 @@
 #include "Input.h"
 #include "OutputFile.h"
 #include "Record.h"
+#include "SampleRun.h"
+#include "SettingOptions.h"
 #include "Text.h"
 
 #include "io/Provenance.h"
@@ -40,173 +42,41 @@ struct SnapshotOptions
 {
   CommonOptions common;
   PictureOptions picture;
+  SettingOptions settings;
   std::string output;
-  std::string preset = "auto";
-  std::string array;
-  std::string component = "magnitude";
-  std::string range;
-  std::string colorMap;
-  std::vector<std::string> phaseColor;
-  std::string overlay = "auto";
+  std::string lines;
+  std::string view; ///< as in the version before, and these
   bool streamlines = false;
   bool arrows = false;
-  int overlayCount = 0;
-  std::string lines;
-  bool absoluteFlux = false;
-  bool noOutline = false;
-  std::string size;
-  std::string background = "white";
-  bool transparent = false;
-  double fontScale = 1;
-  std::string title;
-  std::string legend;
-  std::string unit;
-  bool noLegend = false;
-  bool noScaleBar = false;
-  std::string view = "-60,30";
-  double opacity = 1;
 };
 
-const std::vector<std::string> presets{ "auto", "phase", "temperature", "concentration", "flux", "grain", "pores",
-  "stress", "scalar" };
-const std::vector<std::string> overlays{ "auto", "none", "lines", "arrows", "isolines" };
-const std::vector<std::string> components{ "magnitude", "x", "y", "z" };
-const std::vector<std::string> colorMaps{ "viridis", "inferno", "magma", "cividis", "gray", "coolwarm", "blue-red" };
-
-/// "#RRGGBB" or one of a few names. @throws ParameterError
-std::array<double, 3> parseColor(const std::string& option, const std::string& text)
+/// Words of the version before that are no setting of their own now. @throws ParameterError
+void configureFormer(Session& session, vtkSnapshot* snapshot, const SnapshotOptions& options)
 {
-  const std::map<std::string, std::array<double, 3>> names{ { "white", { 1, 1, 1 } }, { "black", { 0, 0, 0 } },
-    { "gray", { 0.5, 0.5, 0.5 } }, { "lightgray", { 0.83, 0.83, 0.83 } }, { "darkgray", { 0.25, 0.25, 0.25 } } };
-  if (const auto found = names.find(text); found != names.end())
+  const auto tell = [&session](const char* old, const char* now)
+  { session.warn(fmt::format("{0} is called {1} now; the next version does not know {0} any more", old, now)); };
+  if (!options.view.empty())
   {
-    return found->second;
-  }
-  std::array<double, 3> color{};
-  bool good =
-    text.size() == 7 && text[0] == '#' && text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
-  for (std::size_t i = 0; good && i < 3; ++i)
-  {
-    color[i] = std::stoi(text.substr(1 + 2 * i, 2), nullptr, 16) / 255.0;
-  }
-  if (!good)
-  {
-    throw ParameterError(option + " '" + text + "' is not a colour",
-      "write white, black, gray, lightgray, darkgray or #RRGGBB, such as '#f4ede4'");
-  }
-  return color;
-}
-
-/// "A,B". @throws ParameterError
-std::array<double, 2> parsePair(const std::string& option, const std::string& text, const std::string& form)
-{
-  const auto parts = split(text, ',');
-  const auto first = toNumber(parts[0]);
-  const auto second = parts.size() == 2 ? toNumber(parts[1]) : std::nullopt;
-  if (!first || !second || !std::isfinite(*first) || !std::isfinite(*second))
-  {
-    throw ParameterError(
-      option + " '" + text + "' is not " + form, "write two numbers with a comma: " + option + " " + form);
-  }
-  return { *first, *second };
-}
-
-/// Everything but the data. @throws ParameterError
-void configure(vtkSnapshot* snapshot, const SnapshotOptions& options)
-{
-  snapshot->SetPreset(static_cast<int>(oneOf("--preset", options.preset, presets)));
-  if (!options.array.empty())
-  {
-    snapshot->SetArrayName(options.array.c_str());
-  }
-  if (const auto number = toInteger(options.component); number && *number >= 0 && *number <= 1000)
-  {
-    snapshot->SetComponent(static_cast<int>(*number));
-  }
-  else
-  {
-    snapshot->SetComponent(static_cast<int>(oneOf("--component", options.component, components)) - 1);
-  }
-  if (!options.range.empty())
-  {
-    const auto [low, high] = parsePair("--range", options.range, "MIN,MAX");
-    if (!(low < high))
+    tell("--view", "--azimuth and --elevation");
+    const std::vector<std::string> parts = split(options.view, ',');
+    const auto azimuth = toNumber(parts[0]);
+    const auto elevation = parts.size() == 2 ? toNumber(parts[1]) : std::nullopt;
+    if (!azimuth || !elevation)
     {
-      throw ParameterError("--range '" + options.range + "' does not rise", "write the smaller value first");
+      throw ParameterError("--view '" + options.view + "' is not two numbers", "give --azimuth and --elevation");
     }
-    snapshot->SetRange(low, high);
+    snapshot->SetAzimuth(*azimuth);
+    snapshot->SetElevation(*elevation);
   }
-  if (!options.colorMap.empty())
+  if (options.streamlines || options.arrows)
   {
-    snapshot->SetColorMap(colorMaps[oneOf("--color-map", options.colorMap, colorMaps)].c_str());
-  }
-  for (const std::string& text : listItems(options.phaseColor))
-  {
-    const auto [name, value] = keyValue("--phase-color", text, "NAME=COLOUR");
-    const auto color = parseColor("--phase-color", value);
-    snapshot->SetPhaseColor(name.c_str(), color[0], color[1], color[2]);
-  }
-  const int chosen = (options.overlay != "auto" ? 1 : 0) + (options.streamlines ? 1 : 0) + (options.arrows ? 1 : 0);
-  if (chosen > 1)
-  {
-    throw ParameterError("--overlay, --streamlines and --arrows exclude each other", "give one of them");
-  }
-  snapshot->SetOverlay(options.streamlines ? vtkSnapshot::OVERLAY_LINES
-      : options.arrows                     ? vtkSnapshot::OVERLAY_ARROWS
-                                           : static_cast<int>(oneOf("--overlay", options.overlay, overlays)));
-  if (options.overlayCount < 0 || options.overlayCount > 500)
-  {
-    throw ParameterError(fmt::format("--overlay-count {} is outside 1 to 500", options.overlayCount),
-      "leave it out for as many as look well");
-  }
-  snapshot->SetOverlayCount(options.overlayCount);
-  snapshot->SetRelativeFlux(!options.absoluteFlux);
-  snapshot->SetShowOutline(!options.noOutline);
-  if (!options.size.empty())
-  {
-    const std::size_t counts[] = { 2 };
-    const auto size = integerList("--size", options.size, counts, "WIDTH,HEIGHT");
-    if (std::min(size[0], size[1]) < 64 || std::max(size[0], size[1]) > 16384)
+    tell(options.arrows ? "--arrows" : "--streamlines", options.arrows ? "--overlay arrows" : "--overlay lines");
+    if ((options.streamlines && options.arrows) || options.settings.given("overlay"))
     {
-      throw ParameterError(
-        "--size '" + options.size + "' is outside 64 to 16384 pixels", "leave it out for a size that suits the data");
+      throw ParameterError("--overlay, --streamlines and --arrows exclude each other", "give --overlay alone");
     }
-    snapshot->SetSize(static_cast<int>(size[0]), static_cast<int>(size[1]));
+    snapshot->SetOverlay(options.arrows ? vtkSnapshot::ARROWS_OVERLAY : vtkSnapshot::LINES_OVERLAY);
   }
-  const auto background = parseColor("--background", options.background);
-  snapshot->SetBackground(background[0], background[1], background[2]);
-  snapshot->SetTransparent(options.transparent);
-  if (!(options.fontScale >= 0.2 && options.fontScale <= 5))
-  {
-    throw ParameterError(
-      fmt::format("--font-scale {:g} is outside 0.2 to 5", options.fontScale), "1 is the ordinary size");
-  }
-  snapshot->SetFontScale(options.fontScale);
-  const auto setText = [&](const std::string& text, void (vtkSnapshot::*set)(const char*))
-  {
-    if (!text.empty())
-    {
-      (snapshot->*set)(text.c_str());
-    }
-  };
-  setText(options.title, &vtkSnapshot::SetTitle);
-  setText(options.legend, &vtkSnapshot::SetLegendTitle);
-  setText(options.unit, &vtkSnapshot::SetUnit);
-  snapshot->SetShowLegend(!options.noLegend);
-  snapshot->SetShowScaleBar(!options.noScaleBar);
-  const auto [azimuth, elevation] = parsePair("--view", options.view, "AZIMUTH,ELEVATION");
-  if (!(std::abs(elevation) <= 90))
-  {
-    throw ParameterError(fmt::format("--view '{}': an elevation is between -90 and 90 degrees", options.view),
-      "0 looks from the side, 90 from above");
-  }
-  snapshot->SetAzimuth(azimuth);
-  snapshot->SetElevation(elevation);
-  if (!(options.opacity >= 0 && options.opacity <= 1))
-  {
-    throw ParameterError(fmt::format("--opacity {:g} is outside 0 to 1", options.opacity), "1 is opaque");
-  }
-  snapshot->SetOpacity(options.opacity);
 }
 
 /// A part of an image, as --window says. @throws ParameterError
@@ -248,20 +118,16 @@ vtkSmartPointer<vtkDataObject> load(Session& session, const SnapshotOptions& opt
     return options.picture.window.empty() ? data : cut(data, options.picture.window);
   }
   Sample sample = loadSample(options.picture);
-  for (const std::string& warning : sample.warnings)
-  {
-    session.warn(warning);
-  }
-  const auto image = toImageData(std::move(sample.image));
-  setFieldText(image, "pixel_size_source", sample.pixelSizeSource);
-  setProvenance(image, sample.provenance);
-  return image;
+  tellDoubts(session, sample);
+  return imageOf(sample);
 }
 
 void snapshot(Session& session, const SnapshotOptions& options, const std::string& commandLine)
 {
   vtkNew<vtkSnapshot> drawing;
-  configure(drawing, options);
+  options.settings.tellFormer(session);
+  options.settings.give(drawing);
+  configureFormer(session, drawing, options);
   if (std::filesystem::path(options.output).extension() != ".png")
   {
     throw ParameterError("-o '" + options.output + "': pictures are written as PNG", "end the name in .png");
@@ -325,56 +191,13 @@ Command snapshotCommand(CLI::App& root)
   app->add_option("FILE", o->picture.file, "A .vti or .vtp that lamella wrote, or any picture or volume")->required();
   addPhaseOptions(*app, o->picture);
   addRawOptions(*app, o->picture);
-  const auto in = [](const char* group) { return [group](CLI::Option* option) { return option->group(group); }; };
-  const auto draw = in("Drawing");
-  draw(app->add_option("--preset", o->preset,
-         "Kind of field: auto, phase, temperature, concentration, flux, grain, pores, stress or scalar"))
-    ->type_name("KIND")
-    ->capture_default_str();
-  draw(app->add_option("--array", o->array, "Array to draw, when it is not the preset's own"))->type_name("NAME");
-  draw(app->add_option("--component", o->component, "Of a vector: magnitude, x, y, z or a number from 0"))
-    ->type_name("WHICH")
-    ->capture_default_str();
-  draw(app->add_option("--range", o->range, "Values at the ends of the colours; fix it for a series"))
-    ->type_name("MIN,MAX");
-  draw(app->add_option("--color-map", o->colorMap, "viridis, inferno, magma, cividis, gray, coolwarm or blue-red"))
-    ->type_name("NAME");
-  draw(app->add_option("--phase-color", o->phaseColor, "Colour of a phase, as wall=#8c5a2b"))
-    ->type_name("NAME=COLOUR")
-    ->allow_extra_args(false);
-  draw(app->add_option("--overlay", o->overlay, "What is drawn on top: auto, none, lines, arrows or isolines"))
-    ->type_name("KIND")
-    ->capture_default_str();
-  draw(app->add_flag("--streamlines", o->streamlines, "The same as --overlay lines"));
-  draw(app->add_flag("--arrows", o->arrows, "The same as --overlay arrows"));
-  draw(app->add_option("--overlay-count", o->overlayCount, "How many lines, or arrows along the longer side, 1 to 500"))
-    ->type_name("NUMBER");
-  draw(app->add_option(
-         "--lines", o->lines, "Draw this file: streamlines of flux-map, or on grains the contacts of packing"))
-    ->type_name("FILE.vtp");
-  draw(app->add_flag("--absolute-flux", o->absoluteFlux, "The flux or stress itself, not over its mean"));
-  draw(app->add_flag("--no-outline", o->noOutline, "Leave out the thin line between void and solid"));
-  const auto page = in("Page");
-  page(app->add_option("--size", o->size, "Of the whole picture in pixels; follows from the data when not given"))
-    ->type_name("WIDTH,HEIGHT");
-  page(app->add_option("--background", o->background, "white, black, gray, lightgray, darkgray or #RRGGBB"))
-    ->type_name("COLOUR")
-    ->capture_default_str();
-  page(app->add_flag("--transparent", o->transparent, "Leave the background out"));
-  page(app->add_option("--font-scale", o->fontScale, "Size of all text, 0.2 to 5"))
-    ->type_name("NUMBER")
-    ->capture_default_str();
-  page(app->add_option("--title", o->title, "A line above the data"))->type_name("TEXT");
-  page(app->add_option("--legend-title", o->legend, "Name of the quantity in the legend"))->type_name("TEXT");
-  page(app->add_option("--unit", o->unit, "Unit in the legend"))->type_name("TEXT");
-  page(app->add_flag("--no-legend", o->noLegend, "Leave out the legend"));
-  page(app->add_flag("--no-scale-bar", o->noScaleBar, "Leave out the scale bar"));
-  page(app->add_option("--view", o->view, "Volumes: where from, in degrees"))
-    ->type_name("AZIMUTH,ELEVATION")
-    ->capture_default_str();
-  page(app->add_option("--opacity", o->opacity, "Volumes: opacity of the phases' surface, 0 to 1"))
-    ->type_name("NUMBER")
-    ->capture_default_str();
+  o->settings.declare(*app, "vtkSnapshot", { "overwrite", "provenance" });
+  app->add_option("--lines", o->lines, "Draw this file: streamlines of flux-map, or on grains the contacts of packing")
+    ->type_name("FILE.vtp")
+    ->group("Drawing");
+  app->add_option("--view", o->view)->group("");
+  app->add_flag("--streamlines", o->streamlines)->group("");
+  app->add_flag("--arrows", o->arrows)->group("");
   addOutputOptions(*app, o->output, o->common, "PNG to write")->required();
   addReportOptions(*app, o->common);
   addExamples(*app,

@@ -151,9 +151,7 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
       {
         files.follow(session, io::toJson(recordRun(session, commandLine, o.picture.file, provenance)));
       }
-      image = toImageData(std::move(sample.image));
-      setFieldText(image, "pixel_size_source", sample.pixelSizeSource);
-      setProvenance(image, provenance);
+      image = imageOf(sample);
       image->GetExtent(extent.data());
     });
   session.broadcast(extent);

@@ -30,7 +30,7 @@ measure() { # file arguments...: the same, with its numbers in a file
 
 SECONDS=0
 echo "1. A tissue: earlywood to latewood, two fifths of it cell wall"
-lamella generate softwood --size 600,400 --pixel-size 1um --solid-fraction 0.40 --ring 0,1 --seed 2016 -o tissue.png
+lamella generate softwood --size 600,400 --pixel-size 1um --solid-fraction 0.40 --ring-position 0,1 --seed 2016 -o tissue.png
 
 echo
 echo "2. Heat (wall 1, air 0.023) and water vapour (wall 0.004, air 1), in both directions"

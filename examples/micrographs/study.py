@@ -33,9 +33,9 @@ CONDUCT = ["--conductivity", "lumen=0.05", "--conductivity", "wall=1"]
 
 # name, words of lamella generate, pixels (nodes of which walls: 216 000, 109 000 and 174 000), pixel, stain
 TISSUES = [
-    ("earlywood", ["softwood", "--solid-fraction", "0.40", "--ring", "0,0"], (900, 600), 0.5, "magenta"),
-    ("latewood", ["softwood", "--solid-fraction", "0.78", "--ring", "1,1"], (432, 324), 0.5, "magenta"),
-    ("poplar", ["hardwood", "--solid-fraction", "0.38", "--ring", "0,0"], (783, 585), 0.75, "blue"),
+    ("earlywood", ["softwood", "--solid-fraction", "0.40", "--ring-position", "0,0"], (900, 600), 0.5, "magenta"),
+    ("latewood", ["softwood", "--solid-fraction", "0.78", "--ring-position", "1,1"], (432, 324), 0.5, "magenta"),
+    ("poplar", ["hardwood", "--solid-fraction", "0.38", "--ring-position", "0,0"], (783, 585), 0.75, "blue"),
 ]
 
 

@@ -78,6 +78,61 @@ vtkSmartPointer<vtkPolyData> Colored(vtkPolyData* geometry, const std::optional<
   return colored;
 }
 
+/// With room for the thickness of lines, and so that a straight line has an area.
+std::array<double, 6> RoomyBounds(vtkPolyData* geometry, double& size, bool& isFlat)
+{
+  std::array<double, 6> bounds{};
+  geometry->GetBounds(bounds.data());
+  size = std::max({ bounds[1] - bounds[0], bounds[3] - bounds[2], bounds[5] - bounds[4] });
+  if (!(size > 0) || !std::isfinite(size))
+  {
+    throw InputError("the geometry has no extent", "all its points are one, or not finite");
+  }
+  isFlat = bounds[5] - bounds[4] < 1e-9 * size;
+  for (std::size_t axis = 0; axis < (isFlat ? 2U : 3U); ++axis)
+  {
+    const double least = std::max(0.02 * size, 0.1 * size - (bounds.at(2 * axis + 1) - bounds.at(2 * axis)));
+    bounds.at(2 * axis) -= 0.5 * least;
+    bounds.at(2 * axis + 1) += 0.5 * least;
+  }
+  return bounds;
+}
+
+/// Lines alone are tubes in space. @param linePixels their thickness @param scale pixels a unit
+vtkSmartPointer<vtkActor> ActorOf(
+  vtkPolyData* colored, bool isFlat, const Color& color, double linePixels, double scale)
+{
+  vtkNew<vtkPolyDataMapper> mapper;
+  const bool onlyLines =
+    colored->GetNumberOfPolys() == 0 && colored->GetNumberOfStrips() == 0 && colored->GetNumberOfLines() > 0;
+  if (onlyLines && !isFlat)
+  {
+    vtkNew<vtkTubeFilter> tubes;
+    tubes->SetInputData(colored);
+    tubes->SetRadius(0.5 * linePixels / scale);
+    tubes->SetNumberOfSides(10);
+    tubes->CappingOn();
+    tubes->Update();
+    mapper->SetInputData(tubes->GetOutput());
+  }
+  else
+  {
+    mapper->SetInputData(colored);
+  }
+  mapper->SetColorModeToDirectScalars();
+  const auto actor = vtkSmartPointer<vtkActor>::New();
+  actor->SetMapper(mapper);
+  vtkProperty* property = actor->GetProperty();
+  property->SetColor(color.r / 255.0, color.g / 255.0, color.b / 255.0);
+  property->SetLineWidth(static_cast<float>(2 * linePixels)); // drawn at twice the size
+  property->SetPointSize(static_cast<float>(4 * linePixels));
+  property->SetRenderPointsAsSpheres(!isFlat);
+  property->SetAmbient(0.35);
+  property->SetDiffuse(0.65);
+  property->SetLighting(!isFlat);
+  return actor;
+}
+
 } // namespace
 
 Drawing DrawGeometry(vtkPolyData* given, const SnapshotOptions& options)
@@ -98,21 +153,9 @@ Drawing DrawGeometry(vtkPolyData* given, const SnapshotOptions& options)
     field = FindQuantity(geometry, { 0, 0, 0 }, options);
   }
 
-  std::array<double, 6> bounds{};
-  geometry->GetBounds(bounds.data());
-  const double size = std::max({ bounds[1] - bounds[0], bounds[3] - bounds[2], bounds[5] - bounds[4] });
-  if (!(size > 0) || !std::isfinite(size))
-  {
-    throw InputError("the geometry has no extent", "all its points are one, or not finite");
-  }
-  const bool isFlat = bounds[5] - bounds[4] < 1e-9 * size;
-  // Room for the thickness of lines, and so that a straight line has an area.
-  for (std::size_t axis = 0; axis < (isFlat ? 2U : 3U); ++axis)
-  {
-    const double least = std::max(0.02 * size, 0.1 * size - (bounds.at(2 * axis + 1) - bounds.at(2 * axis)));
-    bounds.at(2 * axis) -= 0.5 * least;
-    bounds.at(2 * axis + 1) += 0.5 * least;
-  }
+  double size = 0;
+  bool isFlat = false;
+  const std::array<double, 6> bounds = RoomyBounds(geometry, size, isFlat);
   const View view(bounds, isFlat ? -90 : options.azimuth, isFlat ? 90 : options.elevation);
 
   Furniture furniture = field ? Describe(*field, options) : Furniture{ options.title, {}, {}, {} };
@@ -130,37 +173,9 @@ Drawing DrawGeometry(vtkPolyData* given, const SnapshotOptions& options)
     drawing.range = { field->low, field->high };
   }
 
-  vtkNew<vtkPolyDataMapper> mapper;
-  const auto colored = Colored(geometry, field);
-  const bool onlyLines =
-    geometry->GetNumberOfPolys() == 0 && geometry->GetNumberOfStrips() == 0 && geometry->GetNumberOfLines() > 0;
   const double linePixels = std::max(1.5, 0.11 * layout.font);
-  if (onlyLines && !isFlat)
-  {
-    vtkNew<vtkTubeFilter> tubes;
-    tubes->SetInputData(colored);
-    tubes->SetRadius(0.5 * linePixels / layout.scale);
-    tubes->SetNumberOfSides(10);
-    tubes->CappingOn();
-    tubes->Update();
-    mapper->SetInputData(tubes->GetOutput());
-  }
-  else
-  {
-    mapper->SetInputData(colored);
-  }
-  mapper->SetColorModeToDirectScalars();
-  vtkNew<vtkActor> actor;
-  actor->SetMapper(mapper);
-  vtkProperty* property = actor->GetProperty();
-  const Color color = plain ? GrainColor : PlainColor;
-  property->SetColor(color.r / 255.0, color.g / 255.0, color.b / 255.0);
-  property->SetLineWidth(static_cast<float>(2 * linePixels)); // drawn at twice the size
-  property->SetPointSize(static_cast<float>(4 * linePixels));
-  property->SetRenderPointsAsSpheres(!isFlat);
-  property->SetAmbient(0.35);
-  property->SetDiffuse(0.65);
-  property->SetLighting(!isFlat);
+  const auto actor =
+    ActorOf(Colored(geometry, field), isFlat, plain ? GrainColor : PlainColor, linePixels, layout.scale);
   vtkNew<vtkRenderer> renderer;
   renderer->AddActor(actor);
   if (forces)

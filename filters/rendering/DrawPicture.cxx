@@ -295,18 +295,18 @@ private:
   void ChooseOverlay(Furniture& furniture)
   {
     this->Kind = this->Options.overlay;
-    const bool chosen = this->Kind != vtkSnapshot::OVERLAY_DEFAULT;
+    const bool chosen = this->Kind != vtkSnapshot::AUTO_OVERLAY;
     if (!chosen)
     {
-      this->Kind = this->Field.preset == vtkSnapshot::FLUX && this->Options.component < 0 ? vtkSnapshot::OVERLAY_LINES
-                                                                                          : vtkSnapshot::OVERLAY_NONE;
+      this->Kind = this->Field.preset == vtkSnapshot::FLUX && this->Options.component < 0 ? vtkSnapshot::LINES_OVERLAY
+                                                                                          : vtkSnapshot::NO_OVERLAY;
     }
     if (this->Options.overlayLines)
     {
-      this->Kind = vtkSnapshot::OVERLAY_LINES;
+      this->Kind = vtkSnapshot::LINES_OVERLAY;
     }
-    if ((this->Kind == vtkSnapshot::OVERLAY_LINES && !this->Options.overlayLines) ||
-      this->Kind == vtkSnapshot::OVERLAY_ARROWS)
+    if ((this->Kind == vtkSnapshot::LINES_OVERLAY && !this->Options.overlayLines) ||
+      this->Kind == vtkSnapshot::ARROWS_OVERLAY)
     {
       this->Flow = FindFlow(this->Image, this->Field, this->Options);
       if (!this->Flow)
@@ -316,14 +316,14 @@ private:
           throw InputError("lines and arrows need a vector field; there is no array 'flux' in the data",
             "name one, or draw without them");
         }
-        this->Kind = vtkSnapshot::OVERLAY_NONE;
+        this->Kind = vtkSnapshot::NO_OVERLAY;
       }
     }
-    if (this->Kind == vtkSnapshot::OVERLAY_ISOLINES && this->Field.IsCategorical())
+    if (this->Kind == vtkSnapshot::ISOLINES_OVERLAY && this->Field.IsCategorical())
     {
       throw InputError("phases and grains have no lines of equal value", "draw a scalar, or without lines");
     }
-    if (this->Kind == vtkSnapshot::OVERLAY_LINES && !this->Options.overlayLines)
+    if (this->Kind == vtkSnapshot::LINES_OVERLAY && !this->Options.overlayLines)
     {
       this->LineField = FlowInPlane(this->Flow, this->InPlane);
       const int count = this->Options.overlayCount > 0 ? this->Options.overlayCount : LinesThatFit(this->LineField);
@@ -398,13 +398,13 @@ private:
     this->AddOutline(layers[0], map, layout.font);
     switch (this->Kind)
     {
-      case vtkSnapshot::OVERLAY_LINES:
+      case vtkSnapshot::LINES_OVERLAY:
         this->AddLines(layers[1], layers[2], map, layout.font);
         break;
-      case vtkSnapshot::OVERLAY_ARROWS:
+      case vtkSnapshot::ARROWS_OVERLAY:
         this->AddArrows(layers[1], layers[2], map, layout.font);
         break;
-      case vtkSnapshot::OVERLAY_ISOLINES:
+      case vtkSnapshot::ISOLINES_OVERLAY:
         this->AddIsolines(layers[1], layers[2], map, layout.font);
         break;
       default:

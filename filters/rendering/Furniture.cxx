@@ -84,146 +84,209 @@ constexpr double RowHeight = 1.55;
 constexpr double EntryGap = 1.3;
 constexpr double BarThickness = 0.85;
 
-/// Everything for a given scale and text; the data's lower left corner is found last, from what stands below it.
-Layout Place(const Furniture& furniture, double unitsX, double unitsY, double scale, double font)
+/// A row of the legend.
+struct LegendRow
 {
-  Layout layout;
-  layout.font = font;
-  layout.scale = scale;
-  layout.data.width = std::max(1, Pixels(unitsX * scale));
-  layout.data.height = std::max(1, Pixels(unitsY * scale));
-  const int margin = Pixels(Margin * font);
-  const int gap = Pixels(Gap * font);
-  const int row = Pixels(RowHeight * font);
-  layout.data.x = margin + layout.Rule();
-  int contentRight = layout.data.Right() + layout.Rule();
-  int below = margin; // top of what has been placed, from the lower edge
+  std::vector<std::size_t> entries;
+  double width = 0;
+};
 
-  BarText bar;
-  int barColumn = 0;
-  if (furniture.bar)
+/// Everything for a given scale and text, from the lower edge upwards.
+class Placing
+{
+public:
+  Placing(const Furniture& furniture, double unitsX, double unitsY, double scale, double font)
+    : Given(furniture)
+    , Font(font)
+    , Below(Pixels(Margin * font))
   {
-    bar = DescribeBar(*furniture.bar, font);
-    const double titleLength = MeasureText(bar.title, font).width;
-    layout.barUpright =
-      layout.data.width < 2.3 * layout.data.height && titleLength < layout.data.height && layout.data.height > 7 * font;
-    if (layout.barUpright)
+    this->Made.font = font;
+    this->Made.scale = scale;
+    PixelRect& data = this->Made.data;
+    data.width = std::max(1, Pixels(unitsX * scale));
+    data.height = std::max(1, Pixels(unitsY * scale));
+    data.x = Pixels(Margin * font) + this->Made.Rule();
+    this->ContentRight = data.Right() + this->Made.Rule();
+    const int columnFrom = this->ContentRight;
+    const int column = this->ChooseBar();
+    this->MeasureScale();
+    this->PlaceLegend(this->BreakLegend());
+    if (this->BarBelow)
     {
-      barColumn = gap + Pixels((BarThickness + 0.45 + 0.6 + 0.8) * font + bar.widest);
+      this->PlaceBarBelow();
     }
+    data.y = this->Below +
+      (this->Below > Pixels(Margin * font) ? Pixels(0.45 * font) + (this->BarBelow ? Pixels(0.35 * font) : 0) : 0) +
+      this->Made.Rule();
+    if (furniture.bar && this->Made.barUpright)
+    {
+      this->PlaceBarBeside();
+    }
+    const int top = this->PlaceTitle();
+    this->Made.width = std::max(this->ContentRight, columnFrom + column) + Pixels(Margin * font);
+    this->Made.height = top + Pixels(Margin * font);
   }
-  const int fullRight = contentRight + barColumn;
 
-  // Rows of the legend, right-aligned with the data; the first shares its row with the scale bar.
-  double scaleWidth = 0;
-  if (furniture.scale)
+  const Layout& Result() const { return this->Made; }
+
+private:
+  /// Beside the data or below. @return the width that it takes beside them
+  int ChooseBar()
   {
-    const double largest = std::max(0.22 * layout.data.width, std::min<double>(4 * font, layout.data.width));
+    if (!this->Given.bar)
+    {
+      return 0;
+    }
+    this->Bar = DescribeBar(*this->Given.bar, this->Font);
+    const PixelRect& data = this->Made.data;
+    const double titleLength = MeasureText(this->Bar.title, this->Font).width;
+    this->Made.barUpright = data.width < 2.3 * data.height && titleLength < data.height && data.height > 7 * this->Font;
+    this->BarBelow = !this->Made.barUpright;
+    return this->Made.barUpright
+      ? Pixels(Gap * this->Font) + Pixels((BarThickness + 0.45 + 0.6 + 0.8) * this->Font + this->Bar.widest)
+      : 0;
+  }
+
+  void MeasureScale()
+  {
+    if (!this->Given.scale)
+    {
+      return;
+    }
+    const Scale& scale = *this->Given.scale;
+    const double largest =
+      std::max(0.22 * this->Made.data.width, std::min<double>(4 * this->Font, this->Made.data.width));
     const double length =
-      NiceLength(largest / scale * furniture.scale->lengthPerUnit, furniture.scale->metres, layout.scaleBarText);
-    if (furniture.scale->metres || length >= 1) // less than one pixel of the data is no length
+      NiceLength(largest / this->Made.scale * scale.lengthPerUnit, scale.metres, this->Made.scaleBarText);
+    if (scale.metres || length >= 1) // less than one pixel of the data is no length
     {
-      layout.scaleBarLength = std::max(1, Pixels(length / furniture.scale->lengthPerUnit * scale));
-      scaleWidth = layout.scaleBarLength + 0.5 * font + MeasureText(layout.scaleBarText, font).width;
+      this->Made.scaleBarLength = std::max(1, Pixels(length / scale.lengthPerUnit * this->Made.scale));
+      this->ScaleWidth =
+        this->Made.scaleBarLength + 0.5 * this->Font + MeasureText(this->Made.scaleBarText, this->Font).width;
     }
-  }
-  const bool hasScale = layout.scaleBarLength > 0;
-  struct Row
-  {
-    std::vector<std::size_t> entries;
-    double width = 0;
-  };
-  std::vector<Row> rows;
-  const bool barBelow = furniture.bar && !layout.barUpright;
-  for (std::size_t i = 0; i < furniture.legend.size(); ++i)
-  {
-    const double width = EntryWidth(furniture.legend[i], layout);
-    const double taken = rows.size() == 1 && scaleWidth > 0 && !barBelow ? scaleWidth + 1.5 * EntryGap * font : 0;
-    const double room = layout.data.width - taken;
-    if (rows.empty())
-    {
-      rows.emplace_back();
-      const double firstRoom =
-        layout.data.width - (scaleWidth > 0 && !barBelow ? scaleWidth + 1.5 * EntryGap * font : 0);
-      if (width > firstRoom && scaleWidth > 0)
-      {
-        rows.emplace_back(); // the scale bar has the first row for itself
-      }
-    }
-    else if (!rows.back().entries.empty() && rows.back().width + EntryGap * font + width > room)
-    {
-      rows.emplace_back();
-    }
-    Row& last = rows.back();
-    last.width += (last.entries.empty() ? 0 : EntryGap * font) + width;
-    last.entries.push_back(i);
-  }
-  const bool scaleRow = hasScale && !barBelow;
-  if (rows.empty() && scaleRow)
-  {
-    rows.emplace_back();
-  }
-  layout.legend.resize(furniture.legend.size());
-  for (auto it = rows.rbegin(); it != rows.rend(); ++it)
-  {
-    const bool first = std::next(it) == rows.rend();
-    double x = std::max<double>(layout.data.x, layout.data.Right() - it->width);
-    if (first && scaleRow)
-    {
-      x = std::max(x, layout.data.x + scaleWidth + EntryGap * font);
-    }
-    for (const std::size_t i : it->entries)
-    {
-      layout.legend[i] = { Pixels(x), below + (row - layout.Patch()) / 2 };
-      x += EntryWidth(furniture.legend[i], layout) + EntryGap * font;
-      contentRight = std::max(contentRight, Pixels(x - EntryGap * font));
-    }
-    if (first && scaleRow)
-    {
-      layout.scaleBar = { layout.data.x, below + row / 2 };
-      contentRight = std::max(contentRight, Pixels(layout.data.x + scaleWidth));
-    }
-    below += row;
   }
 
-  if (barBelow)
+  /// Whether the scale bar stands in the first row of the legend.
+  bool ScaleInRow() const { return this->Made.scaleBarLength > 0 && !this->BarBelow; }
+
+  std::vector<LegendRow> BreakLegend() const
   {
-    // Right part of the width; numbers below it, the title below them.
-    const int start = hasScale ? Pixels(std::max(0.3 * layout.data.width, scaleWidth + 3 * font)) : 0;
-    const double titleLength = MeasureText(bar.title, font).width;
-    const int length = std::max(layout.data.width - start, Pixels(std::max(8 * font, titleLength)));
-    const int thickness = Pixels(BarThickness * font);
-    const int base = below + Pixels(2.9 * font);
-    const int pointed = furniture.bar->above ? thickness : 0;
-    const int blunt = furniture.bar->below ? thickness : 0;
-    layout.bar = { layout.data.x + start + blunt, base, length - pointed - blunt, thickness };
+    std::vector<LegendRow> rows;
+    const double ofScale = this->ScaleWidth > 0 && !this->BarBelow ? this->ScaleWidth + 1.5 * EntryGap * this->Font : 0;
+    for (std::size_t i = 0; i < this->Given.legend.size(); ++i)
+    {
+      const double width = EntryWidth(this->Given.legend[i], this->Made);
+      if (rows.empty())
+      {
+        rows.emplace_back();
+        if (width > this->Made.data.width - ofScale && this->ScaleWidth > 0)
+        {
+          rows.emplace_back(); // the scale bar has the first row for itself
+        }
+      }
+      else if (!rows.back().entries.empty() &&
+        rows.back().width + EntryGap * this->Font + width > this->Made.data.width - (rows.size() == 1 ? ofScale : 0))
+      {
+        rows.emplace_back();
+      }
+      LegendRow& last = rows.back();
+      last.width += (last.entries.empty() ? 0 : EntryGap * this->Font) + width;
+      last.entries.push_back(i);
+    }
+    if (rows.empty() && this->ScaleInRow())
+    {
+      rows.emplace_back();
+    }
+    return rows;
+  }
+
+  /// Right-aligned with the data; the first row shares its own with the scale bar.
+  void PlaceLegend(const std::vector<LegendRow>& rows)
+  {
+    const int row = Pixels(RowHeight * this->Font);
+    const PixelRect& data = this->Made.data;
+    this->Made.legend.resize(this->Given.legend.size());
+    for (auto it = rows.rbegin(); it != rows.rend(); ++it)
+    {
+      const bool withScale = std::next(it) == rows.rend() && this->ScaleInRow();
+      double x = std::max<double>(data.x, data.Right() - it->width);
+      if (withScale)
+      {
+        x = std::max(x, data.x + this->ScaleWidth + EntryGap * this->Font);
+      }
+      for (const std::size_t i : it->entries)
+      {
+        this->Made.legend[i] = { Pixels(x), this->Below + (row - this->Made.Patch()) / 2 };
+        x += EntryWidth(this->Given.legend[i], this->Made) + EntryGap * this->Font;
+        this->ContentRight = std::max(this->ContentRight, Pixels(x - EntryGap * this->Font));
+      }
+      if (withScale)
+      {
+        this->Made.scaleBar = { data.x, this->Below + row / 2 };
+        this->ContentRight = std::max(this->ContentRight, Pixels(data.x + this->ScaleWidth));
+      }
+      this->Below += row;
+    }
+  }
+
+  /// Right part of the width; numbers below it, the title below them.
+  void PlaceBarBelow()
+  {
+    const PixelRect& data = this->Made.data;
+    const bool hasScale = this->Made.scaleBarLength > 0;
+    const int start = hasScale ? Pixels(std::max(0.3 * data.width, this->ScaleWidth + 3 * this->Font)) : 0;
+    const double titleLength = MeasureText(this->Bar.title, this->Font).width;
+    const int length = std::max(data.width - start, Pixels(std::max(8 * this->Font, titleLength)));
+    const int thickness = Pixels(BarThickness * this->Font);
+    const int base = this->Below + Pixels(2.9 * this->Font);
+    const int pointed = this->Given.bar->above ? thickness : 0;
+    const int blunt = this->Given.bar->below ? thickness : 0;
+    this->Made.bar = { data.x + start + blunt, base, length - pointed - blunt, thickness };
     if (hasScale)
     {
-      layout.scaleBar = { layout.data.x, base + thickness / 2 };
+      this->Made.scaleBar = { data.x, base + thickness / 2 };
     }
-    contentRight = std::max(contentRight, layout.data.x + start + length + Pixels(0.6 * bar.widest));
-    below = base + thickness;
+    this->ContentRight = std::max(this->ContentRight, data.x + start + length + Pixels(0.6 * this->Bar.widest));
+    this->Below = base + thickness;
   }
-  layout.data.y =
-    below + (below > margin ? Pixels(0.45 * font) + (barBelow ? Pixels(0.35 * font) : 0) : 0) + layout.Rule();
-  if (furniture.bar && layout.barUpright)
+
+  void PlaceBarBeside()
   {
-    const int thickness = Pixels(BarThickness * font);
-    const int pointed = furniture.bar->above ? thickness : 0;
-    const int blunt = furniture.bar->below ? thickness : 0;
-    layout.bar = { layout.data.Right() + layout.Rule() + gap, layout.data.y + blunt, thickness,
-      layout.data.height - pointed - blunt };
+    const PixelRect& data = this->Made.data;
+    const int thickness = Pixels(BarThickness * this->Font);
+    const int pointed = this->Given.bar->above ? thickness : 0;
+    const int blunt = this->Given.bar->below ? thickness : 0;
+    this->Made.bar = { data.Right() + this->Made.Rule() + Pixels(Gap * this->Font), data.y + blunt, thickness,
+      data.height - pointed - blunt };
   }
-  int top = layout.data.Top() + layout.Rule();
-  if (!furniture.title.empty())
+
+  /// @return the top of all
+  int PlaceTitle()
   {
-    layout.title = { layout.data.x - layout.Rule(), top + Pixels(0.75 * font) };
-    top += Pixels(0.75 * font + 1.05 * 1.2 * font);
-    contentRight = std::max(contentRight, layout.title.x + Pixels(MeasureText(furniture.title, 1.2 * font).width));
+    const int top = this->Made.data.Top() + this->Made.Rule();
+    if (this->Given.title.empty())
+    {
+      return top;
+    }
+    this->Made.title = { this->Made.data.x - this->Made.Rule(), top + Pixels(0.75 * this->Font) };
+    this->ContentRight =
+      std::max(this->ContentRight, this->Made.title.x + Pixels(MeasureText(this->Given.title, 1.2 * this->Font).width));
+    return top + Pixels(0.75 * this->Font + 1.05 * 1.2 * this->Font);
   }
-  layout.width = std::max(contentRight, fullRight) + margin;
-  layout.height = top + margin;
-  return layout;
+
+  const Furniture& Given;
+  double Font;
+  Layout Made;
+  BarText Bar;
+  bool BarBelow = false;
+  double ScaleWidth = 0; ///< with its text
+  int ContentRight = 0;
+  int Below; ///< top of what has been placed, from the lower edge
+};
+
+Layout Place(const Furniture& furniture, double unitsX, double unitsY, double scale, double font)
+{
+  return Placing(furniture, unitsX, unitsY, scale, font).Result();
 }
 
 void Shift(Layout& layout, int dx, int dy)

@@ -89,7 +89,8 @@ std::string Capitalised(std::string name)
   return name;
 }
 
-void ReadIds(Quantity& quantity, vtkDataSet* data, const std::array<int, 3>& size, const SnapshotOptions& options)
+/// Ids as they stand in the array; −1: none.
+std::vector<std::int64_t> RawIds(Quantity& quantity)
 {
   vtkDataArray* array = quantity.array;
   if (array->GetNumberOfComponents() != 1)
@@ -125,63 +126,44 @@ void ReadIds(Quantity& quantity, vtkDataSet* data, const std::array<int, 3>& siz
   {
     throw InputError("'" + std::string(array->GetName()) + "' has no finite value", "nothing can be drawn of it");
   }
+  return raw;
+}
 
-  std::vector<std::int64_t> present(raw);
-  std::sort(present.begin(), present.end());
-  present.erase(std::unique(present.begin(), present.end()), present.end());
-  if (!present.empty() && present.front() < 0)
+/// Places in the sorted list of ids stand for them: ids may be large and sparse. No grain (0) keeps the first place.
+void SetGrains(
+  Quantity& quantity, std::vector<std::int64_t> present, std::vector<std::int64_t>& raw, const std::array<int, 3>& size)
+{
+  if (present.front() != 0)
   {
-    present.erase(present.begin());
+    present.insert(present.begin(), 0);
   }
-  quantity.ids.resize(count);
-  if (quantity.preset == vtkSnapshot::GRAIN)
-  {
-    // Places in the sorted list of ids stand for them: ids may be large and sparse. No grain (0) keeps the first place.
-    if (present.front() != 0)
-    {
-      present.insert(present.begin(), 0);
-    }
-    std::transform(raw.begin(), raw.end(), raw.begin(),
-      [&](std::int64_t id)
-      { return id < 0 ? -1 : std::lower_bound(present.begin(), present.end(), id) - present.begin(); });
-    quantity.idColors = size[0] > 0
-      ? GrainColors(raw, size[0], size[1], size[2])
-      : GrainColors(raw, static_cast<int>(std::min<std::size_t>(count, 2147483647)), 1, 1);
-    quantity.idNames.resize(quantity.idColors.size());
-    quantity.idIsVoid.assign(quantity.idColors.size(), false);
-    quantity.idIsVoid[0] = true;
-    std::transform(
-      raw.begin(), raw.end(), quantity.ids.begin(), [](std::int64_t id) { return static_cast<std::int32_t>(id); });
-    return;
-  }
+  std::transform(raw.begin(), raw.end(), raw.begin(),
+    [&](std::int64_t id)
+    { return id < 0 ? -1 : std::lower_bound(present.begin(), present.end(), id) - present.begin(); });
+  quantity.idColors = size[0] > 0
+    ? GrainColors(raw, size[0], size[1], size[2])
+    : GrainColors(raw, static_cast<int>(std::min<std::size_t>(raw.size(), 2147483647)), 1, 1);
+  quantity.idNames.resize(quantity.idColors.size());
+  quantity.idIsVoid.assign(quantity.idColors.size(), false);
+  quantity.idIsVoid[0] = true;
+}
 
-  if (present.size() > MostPhases)
-  {
-    throw InputError("'" + std::string(array->GetName()) + "' has " + std::to_string(present.size()) +
-        " different values; as phases at most " + std::to_string(MostPhases) + " can be told apart",
-      "draw it with the preset grain or scalar");
-  }
-  auto* table = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("phase_names"));
+/// @param table may be null
+std::vector<std::string> NamesOfPhases(vtkStringArray* table, std::int64_t largest)
+{
   const auto places = static_cast<std::size_t>(
-    std::max<std::int64_t>(present.back() + 1, table ? static_cast<std::int64_t>(table->GetNumberOfValues()) : 0));
+    std::max<std::int64_t>(largest + 1, table ? static_cast<std::int64_t>(table->GetNumberOfValues()) : 0));
   std::vector<std::string> names(places);
   for (std::size_t id = 0; id < places; ++id)
   {
     const bool named = table && static_cast<vtkIdType>(id) < table->GetNumberOfValues();
     names[id] = named ? std::string(table->GetValue(static_cast<vtkIdType>(id))) : "phase " + std::to_string(id);
   }
-  quantity.idColors = PhaseColors(names);
-  quantity.idIsVoid.resize(places);
-  std::transform(
-    names.begin(), names.end(), quantity.idIsVoid.begin(), [](const auto& name) { return IsVoidName(name); });
-  if (std::none_of(quantity.idIsVoid.begin(), quantity.idIsVoid.end(), [](bool v) { return v; }) && present.size() > 1)
-  {
-    quantity.idIsVoid[0] = !table; // without names the first is the void, as the data model has it
-    if (!table)
-    {
-      quantity.idColors[0] = PhaseColors(std::vector<std::string>{ "void" })[0];
-    }
-  }
+  return names;
+}
+
+void GiveColors(Quantity& quantity, const std::vector<std::string>& names, const SnapshotOptions& options)
+{
   for (const auto& [name, rgb] : options.phaseColors)
   {
     const auto found = std::find(names.begin(), names.end(), name);
@@ -199,11 +181,58 @@ void ReadIds(Quantity& quantity, vtkDataSet* data, const std::array<int, 3>& siz
     quantity.idColors[static_cast<std::size_t>(found - names.begin())] = { channel(rgb[0]), channel(rgb[1]),
       channel(rgb[2]), 255 };
   }
-  quantity.idNames.resize(places);
+}
+
+void SetPhases(
+  Quantity& quantity, vtkDataSet* data, const std::vector<std::int64_t>& present, const SnapshotOptions& options)
+{
+  if (present.size() > MostPhases)
+  {
+    throw InputError("'" + std::string(quantity.array->GetName()) + "' has " + std::to_string(present.size()) +
+        " different values; as phases at most " + std::to_string(MostPhases) + " can be told apart",
+      "draw it with the preset grain or scalar");
+  }
+  auto* table = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("phase_names"));
+  const std::vector<std::string> names = NamesOfPhases(table, present.back());
+  quantity.idColors = PhaseColors(names);
+  quantity.idIsVoid.resize(names.size());
+  std::transform(
+    names.begin(), names.end(), quantity.idIsVoid.begin(), [](const auto& name) { return IsVoidName(name); });
+  if (std::none_of(quantity.idIsVoid.begin(), quantity.idIsVoid.end(), [](bool v) { return v; }) && present.size() > 1)
+  {
+    quantity.idIsVoid[0] = !table; // without names the first is the void, as the data model has it
+    if (!table)
+    {
+      quantity.idColors[0] = PhaseColors(std::vector<std::string>{ "void" })[0];
+    }
+  }
+  GiveColors(quantity, names, options);
+  quantity.idNames.resize(names.size());
   for (const std::int64_t id : present)
   {
     quantity.idNames[static_cast<std::size_t>(id)] = names[static_cast<std::size_t>(id)];
   }
+}
+
+void ReadIds(Quantity& quantity, vtkDataSet* data, const std::array<int, 3>& size, const SnapshotOptions& options)
+{
+  std::vector<std::int64_t> raw = RawIds(quantity);
+  std::vector<std::int64_t> present(raw);
+  std::sort(present.begin(), present.end());
+  present.erase(std::unique(present.begin(), present.end()), present.end());
+  if (!present.empty() && present.front() < 0)
+  {
+    present.erase(present.begin());
+  }
+  if (quantity.preset == vtkSnapshot::GRAIN)
+  {
+    SetGrains(quantity, std::move(present), raw, size);
+  }
+  else
+  {
+    SetPhases(quantity, data, present, options);
+  }
+  quantity.ids.resize(raw.size());
   std::transform(
     raw.begin(), raw.end(), quantity.ids.begin(), [](std::int64_t id) { return static_cast<std::int32_t>(id); });
 }

@@ -38,8 +38,6 @@ namespace
 constexpr const char* PresetNames[] = { "auto", "phase", "temperature", "concentration", "flux", "grain", "pores",
   "stress", "scalar" };
 constexpr const char* OverlayNames[] = { "auto", "none", "lines", "arrows", "isolines" };
-constexpr int SmallestSide = 64;
-constexpr int LargestSide = 16384;
 
 std::string Text(const char* text)
 {
@@ -240,16 +238,6 @@ vtkImageData* vtkSnapshot::Draw()
       "give a finite minimum below a finite maximum");
     return nullptr;
   }
-  const bool sized = this->Size[0] != 0 || this->Size[1] != 0;
-  if (sized &&
-    (std::min(this->Size[0], this->Size[1]) < SmallestSide || std::max(this->Size[0], this->Size[1]) > LargestSide))
-  {
-    this->Fail("a picture of " + std::to_string(this->Size[0]) + " × " + std::to_string(this->Size[1]) +
-        " pixels cannot be drawn",
-      "give a width and height from " + std::to_string(SmallestSide) + " to " + std::to_string(LargestSide));
-    return nullptr;
-  }
-
   rendering::SnapshotOptions options = this->Private->options;
   options.preset = this->Preset;
   options.component = this->Component;

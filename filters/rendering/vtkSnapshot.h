@@ -76,8 +76,10 @@ public:
   };
   ///@{
   /**
-   * What kind of field it is. AUTO: by the name of the array. SetPresetByName() takes the names of the table
-   * above and returns false for others.
+   * What kind of field it is; auto goes by the name of the array.
+   *
+   * SetPresetByName() takes the names of the table above and returns false for others.
+   * @group Drawing
    * @choice Presets
    */
   vtkSetMacro(Preset, int);
@@ -88,8 +90,10 @@ public:
 
   ///@{
   /**
-   * Array to draw. Empty: the preset's own; with AUTO the first there is of stress, flux, temperature,
+   * Array to draw. Empty: the preset's own; with auto the first there is of stress, flux, temperature,
    * concentration, displacement, pore_size, phase, grain, else the first array.
+   * @word array
+   * @group Drawing
    */
   void SetArrayName(const char* name);
   const char* GetArrayName();
@@ -97,8 +101,10 @@ public:
 
   ///@{
   /**
-   * Component of an array that has several: 0, 1, 2 ...; −1: the magnitude; of a stress the component
+   * Component of an array that has several: 0, 1, 2 ...; -1: the magnitude; of a stress the component
    * along the load.
+   * @group Drawing
+   * @names -1 = magnitude; 0 = x; 1 = y; 2 = z
    * @range [-1, 1000]
    */
   vtkSetMacro(Component, int);
@@ -110,6 +116,9 @@ public:
    * Values at the ends of the colour map, minimum < maximum, both finite; in the numbers that the legend shows.
    * Where none is set: from the data (flux: 0 to a round number that 99.5 % of the pixels do not exceed). Fix it for a
    * series.
+   * @word range, value_range
+   * @group Drawing
+   * @columns minimum, maximum
    */
   void SetRange(double minimum, double maximum);
   void ResetRange();
@@ -119,6 +128,7 @@ public:
   ///@{
   /**
    * Colour map: viridis, inferno, magma, cividis, gray, coolwarm or blue-red. Empty: the preset's.
+   * @group Drawing
    */
   void SetColorMap(const char* name);
   const char* GetColorMap();
@@ -126,7 +136,11 @@ public:
 
   ///@{
   /**
-   * Colour of a phase, each channel 0 to 1, instead of the one its name or id gives it.
+   * Colour of a phase instead of the one its name or id gives it.
+   * @group Drawing
+   * @word phase-color
+   * @columns Phase, red, green, blue
+   * @colour
    */
   void SetPhaseColor(const char* phase, double red, double green, double blue);
   void ClearPhaseColors();
@@ -134,7 +148,9 @@ public:
 
   ///@{
   /**
-   * Flux over its mean in the box and stress over that on the platen, which have no unit, or as they are.
+   * Flux over its mean in the box and stress over that on the platen, which have no unit; else as they are.
+   * @off absolute-flux: The flux or stress itself, not over its mean.
+   * @group Drawing
    */
   vtkSetMacro(RelativeFlux, bool);
   vtkGetMacro(RelativeFlux, bool);
@@ -143,15 +159,18 @@ public:
 
   enum Overlays
   {
-    OVERLAY_DEFAULT = 0, ///< lines for the preset flux, else none
-    OVERLAY_NONE,
-    OVERLAY_LINES,   ///< lines along the flux: equal shares of the flow, or evenly spaced where the flux has sources
-    OVERLAY_ARROWS,  ///< one arrow a block: the mean flux of the block
-    OVERLAY_ISOLINES ///< lines of equal value
+    AUTO_OVERLAY = 0, ///< lines for the preset flux, else none
+    NO_OVERLAY,
+    LINES_OVERLAY,   ///< lines along the flux: equal shares of the flow, or evenly spaced where the flux has sources
+    ARROWS_OVERLAY,  ///< one arrow a block: the mean flux of the block
+    ISOLINES_OVERLAY ///< lines of equal value
   };
   ///@{
   /**
-   * What is drawn on top of the colours. By name: auto, none, lines, arrows, isolines; false for others.
+   * What is drawn on top of the colours; auto: lines for the flux, else nothing.
+   *
+   * By name: auto, none, lines, arrows, isolines; false for others.
+   * @group Drawing
    * @choice Overlays
    */
   vtkSetMacro(Overlay, int);
@@ -161,7 +180,8 @@ public:
 
   ///@{
   /**
-   * How many lines, or arrows along the longer side: 1 to 500. 0: as many as look well.
+   * How many lines, or arrows along the longer side. 0: as many as look well.
+   * @group Drawing
    * @range [0, 500]
    */
   vtkSetMacro(OverlayCount, int);
@@ -171,6 +191,8 @@ public:
   ///@{
   /**
    * Vector array that lines and arrows follow. Empty: the array drawn if it is a vector, else `flux`.
+   * @word overlay-array
+   * @group Drawing
    */
   void SetOverlayArrayName(const char* name);
   const char* GetOverlayArrayName();
@@ -188,6 +210,9 @@ public:
   /**
    * The border between void and solid (phases by their names; without such a name, phase 0 is the void) as a thin line.
    * Not for phases and grains, which show it anyway.
+   * @word outline
+   * @off no-outline: Leave out the thin line between void and solid.
+   * @group Drawing
    */
   vtkSetMacro(ShowOutline, bool);
   vtkGetMacro(ShowOutline, bool);
@@ -196,8 +221,12 @@ public:
 
   ///@{
   /**
-   * Width and height of the whole picture in pixels, 64 to 16384 each. 0, 0: follows from the data, with a
-   * whole number of picture pixels for each of theirs.
+   * Width and height of the whole picture in pixels. 0, 0: follows from the data, with a whole number of picture pixels
+   * for each of theirs.
+   * @group Page
+   * @columns width, height
+   * @range [64, 16384]
+   * @unset 0
    */
   vtkSetVector2Macro(Size, int);
   vtkGetVector2Macro(Size, int);
@@ -206,6 +235,7 @@ public:
   ///@{
   /**
    * Size of all text, relative.
+   * @group Page
    * @range [0.2, 5]
    */
   vtkSetMacro(FontScale, double);
@@ -214,7 +244,10 @@ public:
 
   ///@{
   /**
-   * Background, each channel 0 to 1. Text is dark on light and light on dark backgrounds.
+   * Background. Text is dark on light and light on dark backgrounds.
+   * @group Page
+   * @columns red, green, blue
+   * @colour
    * @range [0, 1]
    */
   vtkSetVector3Macro(Background, double);
@@ -224,6 +257,7 @@ public:
   ///@{
   /**
    * Leave the background out, so that the picture can be laid on anything.
+   * @group Page
    */
   vtkSetMacro(Transparent, bool);
   vtkGetMacro(Transparent, bool);
@@ -233,6 +267,7 @@ public:
   ///@{
   /**
    * A line above the data. Empty: none.
+   * @group Page
    */
   void SetTitle(const char* title);
   const char* GetTitle();
@@ -240,21 +275,35 @@ public:
 
   ///@{
   /**
-   * Name and unit in the legend. Empty: from the array's name and its information (vtkDataArray::UNITS_LABEL()).
+   * Name of the quantity in the legend. Empty: from the array's name.
+   * @group Page
    */
   void SetLegendTitle(const char* title);
   const char* GetLegendTitle();
+  /**
+   * Unit in the legend. Empty: from the array's information (vtkDataArray::UNITS_LABEL()).
+   * @group Page
+   */
   void SetUnit(const char* unit);
   const char* GetUnit();
   ///@}
 
   ///@{
   /**
-   * Legend and colour bar; scale bar.
+   * Legend and colour bar.
+   * @word legend
+   * @off no-legend: Leave out the legend.
+   * @group Page
    */
   vtkSetMacro(ShowLegend, bool);
   vtkGetMacro(ShowLegend, bool);
   vtkBooleanMacro(ShowLegend, bool);
+  /**
+   * Scale bar.
+   * @word scale-bar
+   * @off no-scale-bar: Leave out the scale bar.
+   * @group Page
+   */
   vtkSetMacro(ShowScaleBar, bool);
   vtkGetMacro(ShowScaleBar, bool);
   vtkBooleanMacro(ShowScaleBar, bool);
@@ -262,13 +311,16 @@ public:
 
   ///@{
   /**
-   * Volumes and surfaces: where they are looked at from, in degrees. Azimuth around z from the x axis towards y,
-   * elevation above the xy plane.
+   * Volumes and surfaces: where they are looked at from, around z from the x axis towards y.
+   * @group Page
+   * @unit degrees
    */
   vtkSetMacro(Azimuth, double);
   vtkGetMacro(Azimuth, double);
   /**
-   * Elevation above the xy plane, in degrees.
+   * Volumes and surfaces: where they are looked at from, above the xy plane.
+   * @group Page
+   * @unit degrees
    * @range [-90, 90]
    */
   vtkSetMacro(Elevation, double);
@@ -278,6 +330,7 @@ public:
   ///@{
   /**
    * Volumes: opacity of the surface of the preset phase.
+   * @group Page
    * @range [0, 1]
    */
   vtkSetMacro(Opacity, double);
@@ -342,7 +395,7 @@ private:
   int Preset = AUTO;
   int Component = -1;
   bool RelativeFlux = true;
-  int Overlay = OVERLAY_DEFAULT;
+  int Overlay = AUTO_OVERLAY;
   int OverlayCount = 0;
   bool ShowOutline = true;
   int Size[2] = { 0, 0 };

@@ -86,6 +86,77 @@ void fill(PhaseImage& image, F&& phaseAt)
   }
 }
 
+/// Regular cells, stretched a little along y.
+struct Comb
+{
+  double width = 0;  ///< of a cell [nodes]
+  double height = 0; ///< of a row of cells
+  std::int64_t rows = 0;
+  std::int64_t columns = 0;
+};
+
+/// @return the distance from the nearest wall's middle, the bisector of the two nearest cell centres, and the cell
+std::pair<double, std::int64_t> nearestCell(const Comb& comb, double atX, double atY)
+{
+  struct Centre
+  {
+    double dx, dy, squared;
+    std::int64_t cell;
+  };
+  std::array<Centre, 9> centres{};
+  std::size_t count = 0;
+  const auto row = static_cast<std::int64_t>(std::floor(atY / comb.height));
+  for (std::int64_t r = row - 1; r <= row + 1; ++r)
+  {
+    const std::int64_t wrapped = (r + comb.rows) % comb.rows;
+    const double offset = wrapped % 2 == 1 ? 0.5 : 0.0;
+    const auto column = static_cast<std::int64_t>(std::floor(atX / comb.width - offset));
+    for (std::int64_t c = column - 1; c <= column + 1; ++c)
+    {
+      const double dx = (static_cast<double>(c) + 0.5 + offset) * comb.width - atX;
+      const double dy = (static_cast<double>(r) + 0.5) * comb.height - atY;
+      centres[count++] = { dx, dy, dx * dx + dy * dy, wrapped * comb.columns + (c + 2 * comb.columns) % comb.columns };
+    }
+  }
+  const Centre nearest = *std::min_element(
+    centres.begin(), centres.end(), [](const Centre& a, const Centre& b) { return a.squared < b.squared; });
+  double distance = std::numeric_limits<double>::max();
+  for (const Centre& other : centres)
+  {
+    const double dx = other.dx - nearest.dx;
+    const double dy = other.dy - nearest.dy;
+    if (dx * dx + dy * dy > 0)
+    {
+      distance = std::min(distance, (other.squared - nearest.squared) / (2 * std::sqrt(dx * dx + dy * dy)));
+    }
+  }
+  return { std::max(0.0, distance), nearest.cell };
+}
+
+/// The thinnest closed wall: nodes with another cell to the right, above or diagonally above, around the box, get the
+/// key 0. @return how many
+std::int64_t closeWalls(
+  const std::vector<std::int64_t>& cellOf, std::int64_t nx, std::int64_t ny, std::vector<float>& key)
+{
+  std::int64_t closed = 0;
+  for (std::int64_t y = 0; y < ny; ++y)
+  {
+    for (std::int64_t x = 0; x < nx; ++x)
+    {
+      const std::int64_t right = (x + 1) % nx;
+      const std::int64_t up = nx * ((y + 1) % ny);
+      const std::int64_t own = cellOf[static_cast<std::size_t>(x + nx * y)];
+      if (cellOf[static_cast<std::size_t>(right + nx * y)] != own || cellOf[static_cast<std::size_t>(x + up)] != own ||
+        cellOf[static_cast<std::size_t>(right + up)] != own)
+      {
+        key[static_cast<std::size_t>(x + nx * y)] = 0;
+        ++closed;
+      }
+    }
+  }
+  return closed;
+}
+
 } // namespace
 
 PhaseImage honeycomb(const HoneycombOptions& options)
@@ -112,70 +183,20 @@ PhaseImage honeycomb(const HoneycombOptions& options)
       "make the box higher, or take fewer cells across");
   }
 
-  // By the distance from the nearest wall's middle, the bisector of the two nearest cell centres.
+  const Comb comb{ width, height, rows, options.cellsAcross };
   std::vector<float> key(static_cast<std::size_t>(nx * ny));
   std::vector<std::int64_t> cellOf(key.size());
   for (std::int64_t y = 0; y < ny; ++y)
   {
     for (std::int64_t x = 0; x < nx; ++x)
     {
-      const double atX = static_cast<double>(x) + 0.5;
-      const double atY = static_cast<double>(y) + 0.5;
-      struct Centre
-      {
-        double dx, dy, squared;
-        std::int64_t cell;
-      };
-      std::array<Centre, 9> centres{};
-      std::size_t count = 0;
-      const auto row = static_cast<std::int64_t>(std::floor(atY / height));
-      for (std::int64_t r = row - 1; r <= row + 1; ++r)
-      {
-        const std::int64_t wrapped = (r + rows) % rows;
-        const double offset = wrapped % 2 == 1 ? 0.5 : 0.0;
-        const auto column = static_cast<std::int64_t>(std::floor(atX / width - offset));
-        for (std::int64_t c = column - 1; c <= column + 1; ++c)
-        {
-          const double dx = (static_cast<double>(c) + 0.5 + offset) * width - atX;
-          const double dy = (static_cast<double>(r) + 0.5) * height - atY;
-          centres[count++] = { dx, dy, dx * dx + dy * dy,
-            wrapped * options.cellsAcross + (c + 2 * options.cellsAcross) % options.cellsAcross };
-        }
-      }
-      const Centre nearest = *std::min_element(
-        centres.begin(), centres.end(), [](const Centre& a, const Centre& b) { return a.squared < b.squared; });
-      double distance = std::numeric_limits<double>::max();
-      for (const Centre& other : centres)
-      {
-        const double dx = other.dx - nearest.dx;
-        const double dy = other.dy - nearest.dy;
-        if (dx * dx + dy * dy > 0)
-        {
-          distance = std::min(distance, (other.squared - nearest.squared) / (2 * std::sqrt(dx * dx + dy * dy)));
-        }
-      }
       const auto node = static_cast<std::size_t>(x + nx * y);
-      key[node] = static_cast<float>(std::max(0.0, distance));
-      cellOf[node] = nearest.cell;
+      const auto [distance, cell] = nearestCell(comb, static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
+      key[node] = static_cast<float>(distance);
+      cellOf[node] = cell;
     }
   }
-  // The thinnest closed wall: nodes with another cell to the right, above or diagonally above, around the box.
-  std::int64_t closed = 0;
-  for (std::int64_t y = 0; y < ny; ++y)
-  {
-    for (std::int64_t x = 0; x < nx; ++x)
-    {
-      const std::int64_t right = (x + 1) % nx;
-      const std::int64_t up = nx * ((y + 1) % ny);
-      const std::int64_t own = cellOf[static_cast<std::size_t>(x + nx * y)];
-      if (cellOf[static_cast<std::size_t>(right + nx * y)] != own || cellOf[static_cast<std::size_t>(x + up)] != own ||
-        cellOf[static_cast<std::size_t>(right + up)] != own)
-      {
-        key[static_cast<std::size_t>(x + nx * y)] = 0;
-        ++closed;
-      }
-    }
-  }
+  const std::int64_t closed = closeWalls(cellOf, nx, ny, key);
   const std::int64_t solid = std::llround(options.solidFraction * static_cast<double>(nx * ny));
   if (closed > solid && options.cellsAcross > 1)
   {

@@ -101,34 +101,43 @@ public:
     const FlushDenormals flush;
     FieldSums sums = evaluate();
     const double firstNorm = std::sqrt(sums.residual2);
-    const auto finish = [&]
-    {
-      setEffective(result, sums, problem_.lattice, problem_.axis, field_.links().scale());
-      result.residual = firstNorm > 0 ? std::sqrt(sums.residual2) / firstNorm : 0.0;
-      // With contrasts near 1e16 round-off is all of the small fluxes, and the residual does not show it: the faces do.
-      if (!(result.balance <= std::max(tolerance, loosestBalance)))
-        throw DivergenceError(fmt::format("the flux through the faces differs from the effective one by {:.1e} of it "
-                                          "after {} iterations",
-                                result.balance, result.iterations),
-          beyondDouble);
-      if (result.balance > tolerance || !(result.solverError >= 0))
-        result.solverError = result.balance;
-    };
     // A residual that is nothing but the round-off of link fluxes of about 1 / n: the linear profile was the answer.
     const double roundOff = 1e-14 * std::sqrt(static_cast<double>(problem_.lattice.count())) /
       static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(problem_.axis)]);
-    if (firstNorm <= roundOff)
+    if (!(firstNorm <= roundOff))
     {
-      finish();
-      return result;
+      residualNorm_ = firstNorm;
+      forEachRow([&](std::int64_t, std::int64_t, std::int64_t row, const Grid& g)
+        { scaleRow(row, g, static_cast<float>(1.0 / firstNorm)); });
+      iterate(result, sums, target, roundOff);
     }
+    setEffective(result, sums, problem_.lattice, problem_.axis, field_.links().scale());
+    result.residual = firstNorm > 0 ? std::sqrt(sums.residual2) / firstNorm : 0.0;
+    // With contrasts near 1e16 round-off is all of the small fluxes, and the residual does not show it: the faces do.
+    if (!(result.balance <= std::max(tolerance, loosestBalance)))
+      throw DivergenceError(fmt::format("the flux through the faces differs from the effective one by {:.1e} of it "
+                                        "after {} iterations",
+                              result.balance, result.iterations),
+        beyondDouble);
+    if (result.balance > tolerance || !(result.solverError >= 0))
+      result.solverError = result.balance;
+    return result;
+  }
 
-    // Conjugate gradients in single precision. Now and then the residual is computed anew from the field, in double
-    // precision, and takes the place of the recurrence's (van der Vorst & Ye, SIAM J. Sci. Comput. 22 (2000) 835); the
-    // search direction stays, so nothing that was learnt about the spectrum is lost.
-    residualNorm_ = firstNorm;
-    forEachRow([&](std::int64_t, std::int64_t, std::int64_t row, const Grid& g)
-      { scaleRow(row, g, static_cast<float>(1.0 / firstNorm)); });
+  void value(std::span<double> out) const override { field_.value(out); }
+  void flux(std::span<double> out) const override { field_.flux(out); }
+
+private:
+  [[nodiscard]] Level finestLevel() const;
+  void setLinks(Level& level) const;
+  void setWalls(Level& level) const;
+
+  // Conjugate gradients in single precision. Now and then the residual is computed anew from the field, in double
+  // precision, and takes the place of the recurrence's (van der Vorst & Ye, SIAM J. Sci. Comput. 22 (2000) 835); the
+  // search direction stays, so nothing that was learnt about the spectrum is lost.
+  // target: wanted square of the field's error; roundOff: of a residual
+  void iterate(SteadyResult& result, FieldSums& sums, double target, double roundOff)
+  {
     LanczosSpectrum spectrum;
     double rz = 0;         // r·z of the last iteration
     double reference = -1; // r·z when the residual was last replaced
@@ -144,7 +153,8 @@ public:
         throw DivergenceError(fmt::format("the residual is not finite after {} iterations", result.iterations),
           "please report this with the picture and the conductivities");
       // r·A⁻¹r is the square of the error's energy norm; z = M r, so it lies below r·z over the least eigenvalue of MA
-      const double error = safety * std::max(rzNew, 0.0) * firstNorm * firstNorm / (spectrum.smallest() * sums.energy);
+      const double error =
+        safety * std::max(rzNew, 0.0) * residualNorm_ * residualNorm_ / (spectrum.smallest() * sums.energy);
       result.solverError = error;
       const bool exhausted = !(rzNew > 0);
       // Of a residual that is fresh: the answer, or more than single precision can precondition. To try again from the
@@ -169,17 +179,8 @@ public:
         reportProgress(problem_.options, problem_.comm, progressOf(error, target), "solving");
         if (converged && (fresh || (drift < 0.1 && spectrum.smallest() > 0.3)))
         {
-          const double before = sums.energy;
-          field_.apply(PlaneBalance(planes, before, problem_.options.sides == Sides::Periodic));
-          sums = evaluate();
-          // the least energy of all fields that it chooses from, unless it chose by fluxes that are round-off
-          if (!(sums.energy <= before * (1 + loosestBalance)))
-            throw DivergenceError(
-              fmt::format("the flux is round-off: the planes of nodes say {:.1e} times as much as the field",
-                sums.energy / before),
-              beyondDouble);
-          finish();
-          return result;
+          balancePlanes(planes, sums);
+          return;
         }
         restart = restart || exhausted;
         replaced = true;
@@ -219,11 +220,18 @@ public:
     }
   }
 
-  void value(std::span<double> out) const override { field_.value(out); }
-  void flux(std::span<double> out) const override { field_.flux(out); }
-
-private:
-  [[nodiscard]] Level finestLevel();
+  // The least energy of all fields that it chooses from, unless it chose by fluxes that are round-off.
+  void balancePlanes(const PlaneSums& planes, FieldSums& sums)
+  {
+    const double before = sums.energy;
+    field_.apply(PlaneBalance(planes, before, problem_.options.sides == Sides::Periodic));
+    sums = evaluate();
+    if (!(sums.energy <= before * (1 + loosestBalance)))
+      throw DivergenceError(
+        fmt::format(
+          "the flux is round-off: the planes of nodes say {:.1e} times as much as the field", sums.energy / before),
+        beyondDouble);
+  }
 
   // The residual, in units of its first norm, takes the place of what is in r_. `drift`: how far that was off.
   FieldSums evaluate(PlaneSums* planes = nullptr, double* drift = nullptr)
@@ -337,9 +345,8 @@ private:
   FloatArray z_;            // preconditioned residual, then A p
 };
 
-Level MultigridSystem::finestLevel()
+Level MultigridSystem::finestLevel() const
 {
-  const Links& links = field_.links();
   const Block& block = problem_.parts.block();
   const int dimension = problem_.lattice.dimension;
   Level level;
@@ -351,12 +358,21 @@ Level MultigridSystem::finestLevel()
   level.comm = std::make_unique<Communicator>(problem_.comm);
   level.parts = std::make_unique<Decomposition>(problem_.parts);
   level.halo = field_.halo();
-  const Grid& g = level.grid;
   level.allocateLinks(level.straight ? dimension : dimension == 3 ? 13 : 4);
-  const int(*directions)[3] = dimension == 3 ? directions3 : directions2;
-  const int axis = problem_.axis;
-  const bool periodic = problem_.options.sides == Sides::Periodic;
+  setLinks(level);
+  setWalls(level);
+  if (!level.straight)
+    computeInverse(level);
+  return level;
+}
 
+// Of the nodes, those beyond the faces left out.
+void MultigridSystem::setLinks(Level& level) const
+{
+  const Links& links = field_.links();
+  const Block& block = problem_.parts.block();
+  const Grid& g = level.grid;
+  const int(*directions)[3] = g.dimension == 3 ? directions3 : directions2;
   for (int d = 0; d < level.directions(); ++d)
   {
     const Direction direction{ directions[d][0], directions[d][1], directions[d][2] };
@@ -395,8 +411,17 @@ Level MultigridSystem::finestLevel()
           set(g.nx - 1, last);
       }
   }
+}
 
-  // walls: links to the ghosts of value zero beyond the faces
+// Links to the ghosts of value zero beyond the faces, and what neighbours have of the others: a link is stored at its
+// lower end, so a wall along x comes before these are exchanged, others after it.
+void MultigridSystem::setWalls(Level& level) const
+{
+  const Links& links = field_.links();
+  const Block& block = problem_.parts.block();
+  const Grid& g = level.grid;
+  const int axis = problem_.axis;
+  const bool periodic = problem_.options.sides == Sides::Periodic;
   const auto wall = [&](std::int64_t x, std::int64_t y, std::int64_t z, bool high)
   {
     return static_cast<float>(
@@ -434,10 +459,6 @@ Level MultigridSystem::finestLevel()
       }
     }
   }
-
-  if (!level.straight)
-    computeInverse(level);
-  return level;
 }
 
 } // namespace

@@ -126,6 +126,24 @@ bool isJpeg(int packing)
   return packing == COMPRESSION_JPEG || packing == COMPRESSION_OJPEG;
 }
 
+/// A file that libtiff has open, and what it says of it.
+struct Opened
+{
+  Opened() = default;
+  Opened(const Opened&) = delete;
+  Opened& operator=(const Opened&) = delete;
+  ~Opened()
+  {
+    if (tiff != nullptr)
+    {
+      TIFFClose(tiff);
+    }
+  }
+
+  Talk talk;
+  TIFF* tiff = nullptr;
+};
+
 } // namespace
 
 bool TiffPage::plain() const
@@ -138,18 +156,8 @@ bool TiffPage::plain() const
   return shape && whole && known && !isJpeg(packing);
 }
 
-struct TiffFile::Open
+struct TiffFile::Open : Opened
 {
-  Talk talk;
-  TIFF* tiff = nullptr;
-
-  ~Open()
-  {
-    if (tiff != nullptr)
-    {
-      TIFFClose(tiff);
-    }
-  }
   /// The first page.
   void open(FileBytes& file)
   {
@@ -457,17 +465,8 @@ Pixels TiffFile::colours()
   return result;
 }
 
-struct TiffWriter::Open
+struct TiffWriter::Open : Opened
 {
-  Talk talk;
-  TIFF* tiff = nullptr;
-  ~Open()
-  {
-    if (tiff != nullptr)
-    {
-      TIFFClose(tiff);
-    }
-  }
 };
 
 TiffWriter::TiffWriter(const std::filesystem::path& path, const TiffForm& form)

@@ -185,6 +185,218 @@ Eigen::Matrix<double, Dim, (Dim == 3 ? 6 : 3)> rigid(const std::array<double, Di
   return r;
 }
 
+constexpr std::size_t often = 1000; // rows between two questions: in space some 50 ms
+
+/// Of the aggregates, around a period by the shorter way.
+template <int Dim>
+NodePlaces<Dim> centresOf(const std::vector<std::int32_t>& of, std::size_t count, const NodePlaces<Dim>& places)
+{
+  NodePlaces<Dim> centres;
+  centres.period = places.period;
+  centres.at.assign(count, {});
+  std::vector<std::int32_t> members(count, 0);
+  std::vector<std::array<double, Dim>> first(count);
+  for (std::size_t i = 0; i < of.size(); ++i)
+    if (of[i] >= 0)
+    {
+      const auto a = static_cast<std::size_t>(of[i]);
+      if (members[a]++ == 0)
+        first[a] = places.at[i];
+      const auto way = places.way(first[a], places.at[i]);
+      for (std::size_t c = 0; c < Dim; ++c)
+        centres.at[a][c] += way[c];
+    }
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t c = 0; c < Dim; ++c)
+      centres.at[a][c] = first[a][c] + centres.at[a][c] / members[a];
+  return centres;
+}
+
+/// What the aggregates' motions are at their nodes. @param scale of the finest level's values
+template <int Dim, int B, int Motions>
+std::vector<typename BlockRows<B, Motions>::Block> motionsAt(const std::vector<std::int32_t>& of,
+  const NodePlaces<Dim>& places, const NodePlaces<Dim>& centres, const std::vector<double>* scale, double length,
+  double nextLength)
+{
+  using Wide = typename BlockRows<B, Motions>::Block;
+  std::vector<Wide> motion(of.size(), Wide::Zero());
+  for (std::size_t i = 0; i < of.size(); ++i)
+  {
+    if (of[i] < 0)
+      continue;
+    const auto r = rigid<Dim>(places.way(centres.at[static_cast<std::size_t>(of[i])], places.at[i]), nextLength);
+    motion[i].template topRows<Dim>() = r;
+    if constexpr (B == Dim)
+      for (int c = 0; c < Dim; ++c)
+      {
+        const double s = (*scale)[i * Dim + static_cast<std::size_t>(c)];
+        motion[i].row(c) *= s > 0 ? 1 / s : 0;
+      }
+    else
+      for (int c = Dim; c < B; ++c)
+        motion[i](c, c) = length / nextLength;
+  }
+  return motion;
+}
+
+/// up = (1 − ω D⁻¹ A) tentative. @param inverse D⁻¹
+template <int B, int Motions>
+void smoothMotions(const BlockRows<B>& m, const std::vector<typename BlockRows<B>::Block>& inverse, double omega,
+  const std::vector<std::int32_t>& of, std::size_t count,
+  const std::vector<typename BlockRows<B, Motions>::Block>& tentative, BlockRows<B, Motions>& up,
+  const std::function<void()>& told)
+{
+  std::vector<std::int32_t> at(count, -1);
+  for (std::size_t i = 0; i < of.size(); ++i)
+  {
+    if (i % often == 0)
+      told();
+    const auto begin = static_cast<std::size_t>(up.begin.back());
+    const auto add = [&](std::int32_t a, const typename BlockRows<B, Motions>::Block& block)
+    {
+      auto& slot = at[static_cast<std::size_t>(a)];
+      if (slot < static_cast<std::int32_t>(begin)) // of an earlier row
+      {
+        slot = static_cast<std::int32_t>(up.column.size());
+        up.column.push_back(a);
+        up.value.push_back(block);
+      }
+      else
+        up.value[static_cast<std::size_t>(slot)] += block;
+    };
+    if (of[i] >= 0)
+    {
+      add(of[i], tentative[i]);
+      for (auto e = static_cast<std::size_t>(m.begin[i]); e < static_cast<std::size_t>(m.begin[i + 1]); ++e)
+      {
+        const auto j = static_cast<std::size_t>(m.column[e]);
+        if (of[j] >= 0)
+          add(of[j], -omega * (inverse[i] * (m.value[e] * tentative[j])));
+      }
+    }
+    up.begin.push_back(static_cast<std::int64_t>(up.column.size()));
+  }
+}
+
+/// The upper triangle of a matrix, row by row and in no order.
+template <int Motions>
+struct UpperRows
+{
+  using Block = typename BlockRows<Motions>::Block;
+  std::vector<std::vector<std::int32_t>> column;
+  std::vector<std::vector<Block>> value;
+};
+
+/// Row i of A up. `at`: −1 for every aggregate, before and after.
+template <int B, int Motions>
+void productRow(const BlockRows<B>& m, const BlockRows<B, Motions>& up, std::size_t i, std::vector<std::int32_t>& at,
+  std::vector<std::int32_t>& mine, std::vector<typename BlockRows<B, Motions>::Block>& row)
+{
+  mine.clear();
+  row.clear();
+  for (auto e = static_cast<std::size_t>(m.begin[i]); e < static_cast<std::size_t>(m.begin[i + 1]); ++e)
+  {
+    const auto j = static_cast<std::size_t>(m.column[e]);
+    for (auto f = static_cast<std::size_t>(up.begin[j]); f < static_cast<std::size_t>(up.begin[j + 1]); ++f)
+    {
+      auto& slot = at[static_cast<std::size_t>(up.column[f])];
+      if (slot < 0)
+      {
+        slot = static_cast<std::int32_t>(mine.size());
+        mine.push_back(up.column[f]);
+        row.push_back(BlockRows<B, Motions>::Block::Zero());
+      }
+      row[static_cast<std::size_t>(slot)].noalias() += m.value[e] * up.value[f];
+    }
+  }
+  for (const std::int32_t a : mine)
+    at[static_cast<std::size_t>(a)] = -1;
+}
+
+/// upᵀ A up
+template <int B, int Motions>
+UpperRows<Motions> galerkin(
+  const BlockRows<B>& m, const BlockRows<B, Motions>& up, std::size_t count, const std::function<void()>& told)
+{
+  UpperRows<Motions> upper;
+  upper.column.resize(count);
+  upper.value.resize(count);
+  std::vector<std::int32_t> mine;
+  std::vector<typename BlockRows<B, Motions>::Block> row;
+  std::vector<std::int32_t> at(count, -1);
+  std::vector<std::int32_t> slotOf(count, -1);
+  const auto n = static_cast<std::size_t>(m.rows());
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    if (i % often == 0)
+      told();
+    productRow(m, up, i, at, mine, row);
+    for (auto f = static_cast<std::size_t>(up.begin[i]); f < static_cast<std::size_t>(up.begin[i + 1]); ++f)
+    {
+      const std::int32_t a = up.column[f];
+      auto& columns = upper.column[static_cast<std::size_t>(a)];
+      auto& values = upper.value[static_cast<std::size_t>(a)];
+      for (std::size_t k = 0; k < columns.size(); ++k)
+        slotOf[static_cast<std::size_t>(columns[k])] = static_cast<std::int32_t>(k);
+      for (std::size_t k = 0; k < mine.size(); ++k)
+      {
+        if (mine[k] < a)
+          continue;
+        auto& slot = slotOf[static_cast<std::size_t>(mine[k])];
+        if (slot < 0)
+        {
+          slot = static_cast<std::int32_t>(columns.size());
+          columns.push_back(mine[k]);
+          values.push_back(UpperRows<Motions>::Block::Zero());
+        }
+        values[static_cast<std::size_t>(slot)].noalias() += up.value[f].transpose() * row[k];
+      }
+      for (const std::int32_t c : columns)
+        slotOf[static_cast<std::size_t>(c)] = -1;
+    }
+  }
+  return upper;
+}
+
+/// The whole of a symmetric matrix.
+template <int Motions>
+void mirror(const UpperRows<Motions>& upper, BlockRows<Motions>& whole, const std::function<void()>& told)
+{
+  const auto& [column, value] = upper;
+  std::vector<std::int64_t> begin(column.size() + 1, 0);
+  for (std::size_t a = 0; a < column.size(); ++a)
+    for (const std::int32_t c : column[a])
+    {
+      ++begin[a + 1];
+      if (static_cast<std::size_t>(c) != a)
+        ++begin[static_cast<std::size_t>(c) + 1];
+    }
+  for (std::size_t a = 1; a < begin.size(); ++a)
+    begin[a] += begin[a - 1];
+  whole.begin = begin;
+  whole.column.resize(static_cast<std::size_t>(begin.back()));
+  whole.value.resize(whole.column.size());
+  told();
+  const auto put = [&](std::size_t r, std::size_t s, const auto& block)
+  {
+    const auto to = static_cast<std::size_t>(begin[r]++);
+    whole.column[to] = static_cast<std::int32_t>(s);
+    whole.value[to] = block;
+  };
+  for (std::size_t a = 0; a < column.size(); ++a)
+    for (std::size_t k = 0; k < column[a].size(); ++k)
+    {
+      const auto c = static_cast<std::size_t>(column[a][k]);
+      if (c == a)
+        put(a, a, 0.5 * (value[a][k] + value[a][k].transpose()));
+      else
+      {
+        put(a, c, value[a][k]);
+        put(c, a, value[a][k].transpose());
+      }
+    }
+}
+
 } // namespace
 
 template <int Dim>
@@ -211,173 +423,15 @@ NodePlaces<Dim> PointMultigrid<Dim>::coarsen(const BlockRows<B>& m, const std::v
   const NodePlaces<Dim>& places, double length, double nextLength, Level<B>& level, BlockRows<motions>& next,
   const std::function<void()>& told) const
 {
-  constexpr std::size_t often = 1000; // rows between two questions: in space some 50 ms
-  using Wide = typename BlockRows<B, motions>::Block;
-  const auto n = static_cast<std::size_t>(m.rows());
-  const auto diagonal = diagonalOf(m);
-  std::int32_t count = 0;
-  const std::vector<std::int32_t> of = aggregates(m, diagonal, count);
+  std::int32_t found = 0;
+  const std::vector<std::int32_t> of = aggregates(m, diagonalOf(m), found);
+  const auto count = static_cast<std::size_t>(found);
   told();
-
-  NodePlaces<Dim> centres;
-  centres.period = places.period;
-  centres.at.assign(static_cast<std::size_t>(count), {});
-  std::vector<std::int32_t> members(static_cast<std::size_t>(count), 0);
-  std::vector<std::array<double, Dim>> first(static_cast<std::size_t>(count));
-  for (std::size_t i = 0; i < n; ++i)
-    if (of[i] >= 0)
-    {
-      const auto a = static_cast<std::size_t>(of[i]);
-      if (members[a]++ == 0)
-        first[a] = places.at[i];
-      const auto way = places.way(first[a], places.at[i]);
-      for (std::size_t c = 0; c < Dim; ++c)
-        centres.at[a][c] += way[c];
-    }
-  for (std::size_t a = 0; a < centres.at.size(); ++a)
-    for (std::size_t c = 0; c < Dim; ++c)
-      centres.at[a][c] = first[a][c] + centres.at[a][c] / members[a];
-
-  std::vector<Wide> tentative(n, Wide::Zero());
-  for (std::size_t i = 0; i < n; ++i)
-  {
-    if (of[i] < 0)
-      continue;
-    const auto r = rigid<Dim>(places.way(centres.at[static_cast<std::size_t>(of[i])], places.at[i]), nextLength);
-    tentative[i].template topRows<Dim>() = r;
-    if constexpr (B == Dim)
-      for (int c = 0; c < Dim; ++c)
-      {
-        const double s = (*scale)[i * Dim + static_cast<std::size_t>(c)];
-        tentative[i].row(c) *= s > 0 ? 1 / s : 0;
-      }
-    else
-      for (int c = Dim; c < B; ++c)
-        tentative[i](c, c) = length / nextLength;
-  }
-
-  // up = (1 − ω D⁻¹ A) tentative
-  const double omega = 4 / (3 * level.largest);
-  std::vector<std::int32_t> at(static_cast<std::size_t>(count), -1);
-  auto& up = level.up;
-  for (std::size_t i = 0; i < n; ++i)
-  {
-    if (i % often == 0)
-      told();
-    const auto begin = static_cast<std::size_t>(up.begin.back());
-    const auto add = [&](std::int32_t a, const Wide& block)
-    {
-      auto& slot = at[static_cast<std::size_t>(a)];
-      if (slot < static_cast<std::int32_t>(begin)) // of an earlier row
-      {
-        slot = static_cast<std::int32_t>(up.column.size());
-        up.column.push_back(a);
-        up.value.push_back(block);
-      }
-      else
-        up.value[static_cast<std::size_t>(slot)] += block;
-    };
-    if (of[i] >= 0)
-    {
-      add(of[i], tentative[i]);
-      for (auto e = static_cast<std::size_t>(m.begin[i]); e < static_cast<std::size_t>(m.begin[i + 1]); ++e)
-      {
-        const auto j = static_cast<std::size_t>(m.column[e]);
-        if (of[j] >= 0)
-          add(of[j], -omega * (level.inverse[i] * (m.value[e] * tentative[j])));
-      }
-    }
-    up.begin.push_back(static_cast<std::int64_t>(up.column.size()));
-  }
-  level.down = up.transposed(count);
-
-  // next = upᵀ A up, its upper triangle, then the whole
-  using Block = typename BlockRows<motions>::Block;
-  std::vector<std::vector<std::int32_t>> column(static_cast<std::size_t>(count));
-  std::vector<std::vector<Block>> value(static_cast<std::size_t>(count));
-  std::vector<std::int32_t> mine;
-  std::vector<Wide> row;
-  std::fill(at.begin(), at.end(), -1);
-  std::vector<std::int32_t> slotOf(static_cast<std::size_t>(count), -1);
-  for (std::size_t i = 0; i < n; ++i)
-  {
-    if (i % often == 0)
-      told();
-    mine.clear();
-    row.clear();
-    for (auto e = static_cast<std::size_t>(m.begin[i]); e < static_cast<std::size_t>(m.begin[i + 1]); ++e)
-    {
-      const auto j = static_cast<std::size_t>(m.column[e]);
-      for (auto f = static_cast<std::size_t>(up.begin[j]); f < static_cast<std::size_t>(up.begin[j + 1]); ++f)
-      {
-        auto& slot = at[static_cast<std::size_t>(up.column[f])];
-        if (slot < 0)
-        {
-          slot = static_cast<std::int32_t>(mine.size());
-          mine.push_back(up.column[f]);
-          row.push_back(Wide::Zero());
-        }
-        row[static_cast<std::size_t>(slot)].noalias() += m.value[e] * up.value[f];
-      }
-    }
-    for (const std::int32_t a : mine)
-      at[static_cast<std::size_t>(a)] = -1;
-    for (auto f = static_cast<std::size_t>(up.begin[i]); f < static_cast<std::size_t>(up.begin[i + 1]); ++f)
-    {
-      const std::int32_t a = up.column[f];
-      auto& columns = column[static_cast<std::size_t>(a)];
-      auto& values = value[static_cast<std::size_t>(a)];
-      for (std::size_t k = 0; k < columns.size(); ++k)
-        slotOf[static_cast<std::size_t>(columns[k])] = static_cast<std::int32_t>(k);
-      for (std::size_t k = 0; k < mine.size(); ++k)
-      {
-        if (mine[k] < a)
-          continue;
-        auto& slot = slotOf[static_cast<std::size_t>(mine[k])];
-        if (slot < 0)
-        {
-          slot = static_cast<std::int32_t>(columns.size());
-          columns.push_back(mine[k]);
-          values.push_back(Block::Zero());
-        }
-        values[static_cast<std::size_t>(slot)].noalias() += up.value[f].transpose() * row[k];
-      }
-      for (const std::int32_t c : columns)
-        slotOf[static_cast<std::size_t>(c)] = -1;
-    }
-  }
-  std::vector<std::int64_t> begin(static_cast<std::size_t>(count) + 1, 0);
-  for (std::size_t a = 0; a < column.size(); ++a)
-    for (const std::int32_t c : column[a])
-    {
-      ++begin[a + 1];
-      if (static_cast<std::size_t>(c) != a)
-        ++begin[static_cast<std::size_t>(c) + 1];
-    }
-  for (std::size_t a = 1; a < begin.size(); ++a)
-    begin[a] += begin[a - 1];
-  next.begin = begin;
-  next.column.resize(static_cast<std::size_t>(begin.back()));
-  next.value.resize(next.column.size());
-  told();
-  for (std::size_t a = 0; a < column.size(); ++a)
-    for (std::size_t k = 0; k < column[a].size(); ++k)
-    {
-      const auto c = static_cast<std::size_t>(column[a][k]);
-      const auto put = [&](std::size_t r, std::size_t s, const Block& block)
-      {
-        const auto to = static_cast<std::size_t>(begin[r]++);
-        next.column[to] = static_cast<std::int32_t>(s);
-        next.value[to] = block;
-      };
-      if (c == a)
-        put(a, a, 0.5 * (value[a][k] + value[a][k].transpose()));
-      else
-      {
-        put(a, c, value[a][k]);
-        put(c, a, value[a][k].transpose());
-      }
-    }
+  const NodePlaces<Dim> centres = centresOf(of, count, places);
+  const auto tentative = motionsAt<Dim, B, motions>(of, places, centres, scale, length, nextLength);
+  smoothMotions<B, motions>(m, level.inverse, 4 / (3 * level.largest), of, count, tentative, level.up, told);
+  level.down = level.up.transposed(found);
+  mirror(galerkin(m, level.up, count, told), next, told);
   return centres;
 }
 

@@ -326,6 +326,62 @@ UniaxialStiffness<Dim> PointStiffness<Dim>::along(int axis, bool fixed) const
   return u;
 }
 
+namespace
+{
+
+template <int Dim>
+void checkPlan(const PointStiffnessOptions<Dim>& options, const PointStiffnessPlan& plan)
+{
+  const double free = options.memory > 0 ? options.memory : static_cast<double>(availableMemory());
+  if (plan.bytes > free)
+    throw MemoryError(fmt::format("the stiffness of {} nodes takes about {} of memory, and {} are free", plan.nodes,
+                        bytesText(plan.bytes), bytesText(free)),
+      "take a smaller sample, or larger cells of the grid");
+  if (options.planned)
+    options.planned(plan);
+}
+
+template <int Dim>
+double volumeOf(const BackgroundGrid<Dim>& grid)
+{
+  double volume = 1;
+  for (int a = 0; a < Dim; ++a)
+    volume *= grid.axis(a).length();
+  return volume;
+}
+
+/// With w the solution of K w = f up to an error, the energy of the box errs by the square of that.
+template <int Dim>
+void setStiffness(const PointSystem<Dim>& system, const std::vector<typename PointSystem<Dim>::Strain>& strain,
+  const std::vector<typename PointSystem<Dim>::Field>& f, const std::vector<typename PointSystem<Dim>::Field>& w,
+  const std::vector<typename PointSystem<Dim>::Field>& kw, double volume, PointStiffness<Dim>& r)
+{
+  const std::size_t n = r.strains.size();
+  // images are 0 in f and K w, so that sums over all values are sums over nodes
+  const auto dot = [](const auto& a, const auto& b)
+  {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      sum += a[i] * b[i];
+    return sum;
+  };
+  r.stiffness.resize(n * n);
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t l = k; l < n; ++l)
+    {
+      const double uniform = system.uniform(strain[k], strain[l]);
+      const double energy = uniform - dot(w[k], f[l]) - dot(w[l], f[k]) + dot(w[k], kw[l]);
+      r.stiffness[k * n + l] = r.stiffness[l * n + k] = energy / volume;
+      const bool normal = k == l && r.strains[k] < Dim;
+      if (normal && !(energy > 1e-9 * uniform))
+        throw NoPathError(
+          fmt::format("nothing carries a load along {} from one end of the box to the other", "xyz"[r.strains[k]]),
+          "look at the phases, and at whether the material touches both ends");
+    }
+}
+
+} // namespace
+
 template <int Dim>
 PointStiffness<Dim> pointStiffness(
   const MaterialPoints<Dim>& points, const PointLaw<Dim>& law, const PointStiffnessOptions<Dim>& options)
@@ -354,15 +410,8 @@ PointStiffness<Dim> pointStiffness(
     options.solver == StiffnessSolver::Cholesky || (options.solver == StiffnessSolver::Automatic && few);
   if (factors || multigrid)
   {
-    const PointStiffnessPlan plan =
-      planPointStiffness(Dim, static_cast<std::int64_t>(system.nodes().size()), r.strains.size(), factors);
-    const double free = options.memory > 0 ? options.memory : static_cast<double>(availableMemory());
-    if (plan.bytes > free)
-      throw MemoryError(fmt::format("the stiffness of {} nodes takes about {} of memory, and {} are free", plan.nodes,
-                          bytesText(plan.bytes), bytesText(free)),
-        "take a smaller sample, or larger cells of the grid");
-    if (options.planned)
-      options.planned(plan);
+    checkPlan(
+      options, planPointStiffness(Dim, static_cast<std::int64_t>(system.nodes().size()), r.strains.size(), factors));
   }
   std::optional<Solver<Dim>> solver;
   std::optional<PointIterations<Dim>> iterations;
@@ -376,7 +425,6 @@ PointStiffness<Dim> pointStiffness(
     r.spacing[a] = grid.axis(static_cast<int>(a)).spacing;
   r.setupSeconds = now() - start;
 
-  // with w the solution of K w = f up to an error, the energy of the box errs by the square of that
   const std::size_t n = r.strains.size();
   std::vector<typename System::Strain> strain(n);
   std::vector<typename System::Field> f;
@@ -412,30 +460,7 @@ PointStiffness<Dim> pointStiffness(
     }
     system.apply(w[k], kw[k]);
   }
-  double volume = 1;
-  for (int a = 0; a < Dim; ++a)
-    volume *= grid.axis(a).length();
-  // images are 0 in f and K w, so that sums over all values are sums over nodes
-  const auto dot = [](const auto& a, const auto& b)
-  {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-      sum += a[i] * b[i];
-    return sum;
-  };
-  r.stiffness.resize(n * n);
-  for (std::size_t k = 0; k < n; ++k)
-    for (std::size_t l = k; l < n; ++l)
-    {
-      const double uniform = system.uniform(strain[k], strain[l]);
-      const double energy = uniform - dot(w[k], f[l]) - dot(w[l], f[k]) + dot(w[k], kw[l]);
-      r.stiffness[k * n + l] = r.stiffness[l * n + k] = energy / volume;
-      const bool normal = k == l && r.strains[k] < Dim;
-      if (normal && !(energy > 1e-9 * uniform))
-        throw NoPathError(
-          fmt::format("nothing carries a load along {} from one end of the box to the other", "xyz"[r.strains[k]]),
-          "look at the phases, and at whether the material touches both ends");
-    }
+  setStiffness(system, strain, f, w, kw, volumeOf(grid), r);
   r.solveSeconds = now() - start - r.setupSeconds;
   say(1);
   return r;

@@ -76,6 +76,109 @@ auto resistances(const PointLaw<Dim>& law, std::size_t phase)
   return Solver(symmetric, Eigen::EigenvaluesOnly).eigenvalues().eval();
 }
 
+/// Points on the nodes of a grid.
+template <int Dim>
+class Spread
+{
+public:
+  using Points = MaterialPoints<Dim>;
+  Spread(const Points& points, const BackgroundGrid<Dim>& grid)
+    : points_(points)
+    , grid_(grid)
+    , mass_(points.column(Points::masses))
+    , h_(grid.smallestSpacing())
+  {
+    for (int n = 0; n < Reach<Dim>::splines; ++n)
+      jump_[static_cast<std::size_t>(n)] =
+        n % 3 * grid.stride(0) + n / 3 % 3 * grid.stride(1) + (Dim == 3 ? n / 9 * grid.stride(Dim - 1) : 0);
+  }
+
+  /// Σ m N
+  void addMass(std::vector<double>& nodes) const
+  {
+    Reach<Dim> r;
+    for (std::size_t p = 0; p < points_.count(); ++p)
+      if (reach(p, r))
+        for (int n = 0; n < Reach<Dim>::splines; ++n)
+          nodes[static_cast<std::size_t>(r.first + jump_[static_cast<std::size_t>(n)])] += mass_[p] * r.value[n];
+  }
+
+  /// K field. @return field · K field of this rank
+  double addForces(const std::vector<double>& field, double shear, double lame, std::vector<double>& forces) const
+  {
+    Reach<Dim> r;
+    double energy = 0;
+    for (std::size_t p = 0; p < points_.count(); ++p)
+    {
+      if (!reach(p, r))
+        continue;
+      Matrix<Dim> slope{};
+      for (int n = 0; n < Reach<Dim>::splines; ++n)
+      {
+        const double* u = field.data() + (r.first + jump_[static_cast<std::size_t>(n)]) * Dim;
+        for (int a = 0; a < Dim; ++a)
+          for (int b = 0; b < Dim; ++b)
+            slope(a, b) += u[a] * r.gradient[b][n];
+      }
+      double dilation = 0;
+      for (int a = 0; a < Dim; ++a)
+        dilation += slope(a, a);
+      Matrix<Dim> stress;
+      for (int a = 0; a < Dim; ++a)
+        for (int b = 0; b < Dim; ++b)
+        {
+          stress(a, b) = mass_[p] * (shear * (slope(a, b) + slope(b, a)) + (a == b ? lame * dilation : 0));
+          energy += stress(a, b) * slope(a, b);
+        }
+      for (int n = 0; n < Reach<Dim>::splines; ++n)
+      {
+        double* f = forces.data() + (r.first + jump_[static_cast<std::size_t>(n)]) * Dim;
+        for (int a = 0; a < Dim; ++a)
+          for (int b = 0; b < Dim; ++b)
+            f[a] += stress(a, b) * r.gradient[b][n];
+      }
+    }
+    return energy;
+  }
+
+private:
+  /// What a point reaches; false where it lies outside the grid.
+  bool reach(std::size_t p, Reach<Dim>& r) const
+  {
+    std::array<AxisShape<3>, Dim> s;
+    r.first = 0;
+    for (int a = 0; a < Dim; ++a)
+    {
+      const auto i = static_cast<std::size_t>(a);
+      s[i] = QuadraticSpline::at(grid_.axis(a).coordinate(points_.column(a)[p]), 0);
+      if (s[i].base < -1 || s[i].base > grid_.axis(a).cells - 1)
+        return false;
+      r.first += (s[i].base + 1) * grid_.stride(a);
+    }
+    for (int n = 0; n < Reach<Dim>::splines; ++n)
+    {
+      const int k[3] = { n % 3, n / 3 % 3, n / 9 };
+      r.value[n] = 1;
+      for (int a = 0; a < Dim; ++a)
+        r.value[n] *= s[static_cast<std::size_t>(a)].value[k[a]];
+      for (int a = 0; a < Dim; ++a)
+      {
+        double g = h_ / grid_.axis(a).spacing;
+        for (int b = 0; b < Dim; ++b)
+          g *= a == b ? s[static_cast<std::size_t>(b)].gradient[k[b]] : s[static_cast<std::size_t>(b)].value[k[b]];
+        r.gradient[a][n] = g;
+      }
+    }
+    return true;
+  }
+
+  const Points& points_;
+  const BackgroundGrid<Dim>& grid_;
+  std::span<const double> mass_;
+  double h_;
+  std::array<std::int64_t, Reach<Dim>::splines> jump_{};
+};
+
 } // namespace
 
 template <int Dim>
@@ -106,51 +209,10 @@ template <int Dim>
 std::optional<double> WaveFactor<Dim>::measure(const MaterialPoints<Dim>& points, const BackgroundGrid<Dim>& grid,
   int passes, const Communicator& comm, const std::function<bool()>& stop)
 {
-  using Points = MaterialPoints<Dim>;
   const auto nodes = static_cast<std::size_t>(grid.count());
-  const auto mass = points.column(Points::masses);
-  std::array<std::int64_t, Reach<Dim>::splines> jump{};
-  for (int n = 0; n < Reach<Dim>::splines; ++n)
-    jump[static_cast<std::size_t>(n)] =
-      n % 3 * grid.stride(0) + n / 3 % 3 * grid.stride(1) + (Dim == 3 ? n / 9 * grid.stride(Dim - 1) : 0);
-  const double h = grid.smallestSpacing();
-
-  // what a point reaches; false where it lies outside the grid
-  const auto reach = [&](std::size_t p, Reach<Dim>& r)
-  {
-    std::array<AxisShape<3>, Dim> s;
-    r.first = 0;
-    for (int a = 0; a < Dim; ++a)
-    {
-      const auto i = static_cast<std::size_t>(a);
-      s[i] = QuadraticSpline::at(grid.axis(a).coordinate(points.column(a)[p]), 0);
-      if (s[i].base < -1 || s[i].base > grid.axis(a).cells - 1)
-        return false;
-      r.first += (s[i].base + 1) * grid.stride(a);
-    }
-    for (int n = 0; n < Reach<Dim>::splines; ++n)
-    {
-      const int k[3] = { n % 3, n / 3 % 3, n / 9 };
-      r.value[n] = 1;
-      for (int a = 0; a < Dim; ++a)
-        r.value[n] *= s[static_cast<std::size_t>(a)].value[k[a]];
-      for (int a = 0; a < Dim; ++a)
-      {
-        double g = h / grid.axis(a).spacing;
-        for (int b = 0; b < Dim; ++b)
-          g *= a == b ? s[static_cast<std::size_t>(b)].gradient[k[b]] : s[static_cast<std::size_t>(b)].value[k[b]];
-        r.gradient[a][n] = g;
-      }
-    }
-    return true;
-  };
-
+  const Spread<Dim> spread(points, grid);
   std::vector<double> scale(nodes); // 1/√M
-  Reach<Dim> r;
-  for (std::size_t p = 0; p < points.count(); ++p)
-    if (reach(p, r))
-      for (int n = 0; n < Reach<Dim>::splines; ++n)
-        scale[static_cast<std::size_t>(r.first + jump[static_cast<std::size_t>(n)])] += mass[p] * r.value[n];
+  spread.addMass(scale);
   comm.sum(scale);
   for (double& m : scale)
     m = m > 1e-300 ? 1 / std::sqrt(m) : 0;
@@ -177,37 +239,7 @@ std::optional<double> WaveFactor<Dim>::measure(const MaterialPoints<Dim>& points
     for (std::size_t i = 0; i < field.size(); ++i)
       field[i] *= norm * scale[i / Dim];
     std::fill(next.begin(), next.end(), 0);
-    double energy = 0;
-    for (std::size_t p = 0; p < points.count(); ++p)
-    {
-      if (!reach(p, r))
-        continue;
-      Matrix<Dim> slope{};
-      for (int n = 0; n < Reach<Dim>::splines; ++n)
-      {
-        const double* u = field.data() + (r.first + jump[static_cast<std::size_t>(n)]) * Dim;
-        for (int a = 0; a < Dim; ++a)
-          for (int b = 0; b < Dim; ++b)
-            slope(a, b) += u[a] * r.gradient[b][n];
-      }
-      double dilation = 0;
-      for (int a = 0; a < Dim; ++a)
-        dilation += slope(a, a);
-      Matrix<Dim> stress;
-      for (int a = 0; a < Dim; ++a)
-        for (int b = 0; b < Dim; ++b)
-        {
-          stress(a, b) = mass[p] * (shear_ * (slope(a, b) + slope(b, a)) + (a == b ? lame_ * dilation : 0));
-          energy += stress(a, b) * slope(a, b);
-        }
-      for (int n = 0; n < Reach<Dim>::splines; ++n)
-      {
-        double* f = next.data() + (r.first + jump[static_cast<std::size_t>(n)]) * Dim;
-        for (int a = 0; a < Dim; ++a)
-          for (int b = 0; b < Dim; ++b)
-            f[a] += stress(a, b) * r.gradient[b][n];
-      }
-    }
+    const double energy = spread.addForces(field, shear_, lame_, next);
     comm.sum(next);
     factor = std::max(factor, comm.sum(energy)); // Rayleigh's quotient
     for (std::size_t i = 0; i < field.size(); ++i)

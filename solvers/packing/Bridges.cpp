@@ -288,9 +288,7 @@ std::vector<std::string> doubts(
   return found;
 }
 
-} // namespace
-
-CementedSample cement(const Packing& packing, const BridgeOptions& options, const RasterOptions& raster)
+void check(const Packing& packing, const BridgeOptions& options, const RasterOptions& raster)
 {
   checkWidth(options.width);
   if (options.saturation && !(*options.saturation >= 0 && *options.saturation <= 1))
@@ -302,7 +300,66 @@ CementedSample cement(const Packing& packing, const BridgeOptions& options, cons
     throw ParameterError(fmt::format("the platens are {} thick", raster.platen), "0 (none) or a length");
   if (packing.count() == 0 || !(packing.volume() > 0))
     throw InputError("the packing has no grains", "make or read one first");
+}
 
+/// Grains, and bridges where the width is above 0, on the nodes between the platens.
+/// @param inner nodes between the platens along the last axis @param plate nodes in a platen @return of grains, of
+/// matrix
+std::pair<std::int64_t, std::int64_t> drawLines(const Packing& packing, const std::vector<Bridge>& bridges,
+  double width, std::int64_t inner, std::int64_t plate, CementedSample& sample)
+{
+  PhaseImage& image = sample.image;
+  const std::array<std::int64_t, 3>& size = image.lattice.size;
+  const int dimension = image.lattice.dimension;
+  const double spacing = image.lattice.spacing;
+  const auto centres = [&](std::int64_t n)
+  {
+    std::vector<double> at(static_cast<std::size_t>(n));
+    for (std::size_t i = 0; i < at.size(); ++i)
+      at[i] = (static_cast<double>(i) + 0.5) * spacing;
+    return at;
+  };
+  const std::vector<double> planes = centres(inner);
+  const std::vector<double> rows = dimension == 3 ? centres(size[1]) : std::vector<double>{ 0 };
+  std::int64_t grainNodes = 0;
+  std::int64_t matrixNodes = 0;
+  forEachLine(packing, bridges, width, rows, planes,
+    [&](std::size_t row, std::size_t plane, const LineSections& line)
+    {
+      const auto p = static_cast<std::int64_t>(plane) + plate;
+      const std::int64_t start =
+        dimension == 3 ? image.lattice.index(0, static_cast<std::int64_t>(row), p) : image.lattice.index(0, p);
+      const auto fill = [&](const Section& s, const auto& set)
+      {
+        const auto from = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::ceil(s.low / spacing - 0.5)));
+        const auto to = std::min(size[0] - 1, static_cast<std::int64_t>(std::floor(s.high / spacing - 0.5)));
+        for (std::int64_t x = from; x <= to; ++x)
+          set(static_cast<std::size_t>(start + x));
+      };
+      for (const Section& s : line.bridges)
+        fill(s, [&](std::size_t i) { image.phase[i] = 1; });
+      for (const Section& s : line.grains)
+        fill(s,
+          [&](std::size_t i)
+          {
+            image.phase[i] = 2;
+            sample.grain[i] = s.grain + 1;
+          });
+      for (std::int64_t x = 0; x < size[0]; ++x)
+      {
+        const std::uint8_t phase = image.phase[static_cast<std::size_t>(start + x)];
+        grainNodes += phase == 2 ? 1 : 0;
+        matrixNodes += phase == 1 ? 1 : 0;
+      }
+    });
+  return { grainNodes, matrixNodes };
+}
+
+} // namespace
+
+CementedSample cement(const Packing& packing, const BridgeOptions& options, const RasterOptions& raster)
+{
+  check(packing, options, raster);
   const std::vector<Bridge> bridges = findBridges(packing, options.reach, options.walls);
   CementedSample sample;
   sample.bridges = static_cast<std::int64_t>(bridges.size());
@@ -335,46 +392,7 @@ CementedSample cement(const Packing& packing, const BridgeOptions& options, cons
   image.phase.assign(count, filled ? 1 : 0);
   sample.grain.assign(count, 0);
 
-  const auto centres = [&](std::int64_t n)
-  {
-    std::vector<double> at(static_cast<std::size_t>(n));
-    for (std::size_t i = 0; i < at.size(); ++i)
-      at[i] = (static_cast<double>(i) + 0.5) * spacing;
-    return at;
-  };
-  const std::vector<double> planes = centres(inner);
-  const std::vector<double> rows = dimension == 3 ? centres(size[1]) : std::vector<double>{ 0 };
-  std::int64_t grainNodes = 0;
-  std::int64_t matrixNodes = 0;
-  forEachLine(packing, bridges, filled ? 0 : sample.width, rows, planes,
-    [&](std::size_t row, std::size_t plane, const LineSections& line)
-    {
-      const auto p = static_cast<std::int64_t>(plane) + plate;
-      const std::int64_t start =
-        dimension == 3 ? image.lattice.index(0, static_cast<std::int64_t>(row), p) : image.lattice.index(0, p);
-      const auto fill = [&](const Section& s, const auto& set)
-      {
-        const auto from = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::ceil(s.low / spacing - 0.5)));
-        const auto to = std::min(size[0] - 1, static_cast<std::int64_t>(std::floor(s.high / spacing - 0.5)));
-        for (std::int64_t x = from; x <= to; ++x)
-          set(static_cast<std::size_t>(start + x));
-      };
-      for (const Section& s : line.bridges)
-        fill(s, [&](std::size_t i) { image.phase[i] = 1; });
-      for (const Section& s : line.grains)
-        fill(s,
-          [&](std::size_t i)
-          {
-            image.phase[i] = 2;
-            sample.grain[i] = s.grain + 1;
-          });
-      for (std::int64_t x = 0; x < size[0]; ++x)
-      {
-        const std::uint8_t phase = image.phase[static_cast<std::size_t>(start + x)];
-        grainNodes += phase == 2 ? 1 : 0;
-        matrixNodes += phase == 1 ? 1 : 0;
-      }
-    });
+  const auto [grainNodes, matrixNodes] = drawLines(packing, bridges, filled ? 0 : sample.width, inner, plate, sample);
   const double nodes = static_cast<double>(count) * static_cast<double>(inner) / static_cast<double>(size[last]);
   sample.onLattice = fractionsOf(static_cast<double>(grainNodes) / nodes, static_cast<double>(matrixNodes) / nodes);
 

@@ -113,6 +113,95 @@ void GrainSystem<Dim>::updatePairs()
   findNearWalls();
 }
 
+namespace
+{
+
+/// Grains by cells of the box.
+template <int Dim>
+class Cells
+{
+public:
+  using Vec = typename GrainSystem<Dim>::Vec;
+
+  /// @param size least edge of a cell
+  Cells(const std::vector<Vec>& position, const Vec& box, const std::array<bool, Dim>& periodic, double size)
+    : box_(box)
+    , periodic_(periodic)
+  {
+    for (int a = 0; a < Dim; ++a)
+      cells_[static_cast<std::size_t>(a)] = std::clamp(static_cast<int>(box[a] / size), 1, 4096);
+    first_.assign(
+      static_cast<std::size_t>(cells_[0]) * static_cast<std::size_t>(cells_[1]) * static_cast<std::size_t>(cells_[2]),
+      -1);
+    next_.assign(position.size(), -1);
+    for (std::size_t i = position.size(); i-- > 0;) // so that each cell's grains are in rising order
+    {
+      std::array<int, 3> c{ 0, 0, 0 };
+      for (int a = 0; a < Dim; ++a)
+        c[static_cast<std::size_t>(a)] = cellOf(position[i], a);
+      next_[i] = first_[index(c)];
+      first_[index(c)] = static_cast<std::int32_t>(i);
+    }
+  }
+
+  /// visit(j) for all grains in the cell at x and next to it.
+  template <class Visit>
+  void forEachNear(const Vec& x, Visit&& visit) const
+  {
+    std::array<std::array<int, 3>, 3> near{};
+    std::array<int, 3> many{ 1, 1, 1 };
+    for (int a = 0; a < Dim; ++a)
+      many[static_cast<std::size_t>(a)] = cellsNear(cellOf(x, a), a, near[static_cast<std::size_t>(a)]);
+    for (int cz = 0; cz < many[2]; ++cz)
+      for (int cy = 0; cy < many[1]; ++cy)
+        for (int cx = 0; cx < many[0]; ++cx)
+          for (std::int32_t j = first_[index({ near[0][static_cast<std::size_t>(cx)],
+                 near[1][static_cast<std::size_t>(cy)], near[2][static_cast<std::size_t>(cz)] })];
+               j >= 0; j = next_[static_cast<std::size_t>(j)])
+            visit(j);
+  }
+
+private:
+  [[nodiscard]] int cellOf(const Vec& x, int a) const
+  {
+    const int n = cells_[static_cast<std::size_t>(a)];
+    return std::clamp(static_cast<int>(x[a] / box_[a] * n), 0, n - 1);
+  }
+  [[nodiscard]] std::size_t index(std::array<int, 3> c) const
+  {
+    return static_cast<std::size_t>(c[0] + cells_[0] * (c[1] + cells_[1] * c[2]));
+  }
+  /// Each once, also where a periodic axis has few. @return how many
+  [[nodiscard]] int cellsNear(int centre, int a, std::array<int, 3>& near) const
+  {
+    const auto axis = static_cast<std::size_t>(a);
+    int many = 0;
+    for (int s = -1; s <= 1; ++s)
+    {
+      int c = centre + s;
+      if (c < 0 || c >= cells_[axis])
+      {
+        if (!periodic_[axis])
+          continue;
+        c = (c + cells_[axis]) % cells_[axis];
+      }
+      const int* const begin = near.data();
+      const int* const end = begin + many;
+      if (std::find(begin, end, c) == end)
+        near[static_cast<std::size_t>(many++)] = c;
+    }
+    return many;
+  }
+
+  Vec box_;
+  std::array<bool, Dim> periodic_;
+  std::array<int, 3> cells_{ 1, 1, 1 };
+  std::vector<std::int32_t> first_; ///< of a cell
+  std::vector<std::int32_t> next_;  ///< in the cell, of a grain
+};
+
+} // namespace
+
 template <int Dim>
 void GrainSystem<Dim>::findPairs()
 {
@@ -130,89 +219,38 @@ void GrainSystem<Dim>::findPairs()
         x[a] -= box[a] * std::floor(x[a] / box[a]);
 
   const double largest = *std::max_element(radius.begin(), radius.end());
-  std::array<int, 3> cells{ 1, 1, 1 };
-  for (int a = 0; a < Dim; ++a)
-    cells[static_cast<std::size_t>(a)] = std::clamp(static_cast<int>(box[a] / (2 * largest + sight + skin_)), 1, 4096);
-  const auto cellOf = [&](const Vec& x, int a)
-  {
-    const int n = cells[static_cast<std::size_t>(a)];
-    return std::clamp(static_cast<int>(x[a] / box[a] * n), 0, n - 1);
-  };
-  const std::size_t total =
-    static_cast<std::size_t>(cells[0]) * static_cast<std::size_t>(cells[1]) * static_cast<std::size_t>(cells[2]);
-  const auto index = [&](std::array<int, 3> c)
-  { return static_cast<std::size_t>(c[0] + cells[0] * (c[1] + cells[1] * c[2])); };
-  std::vector<std::int32_t> first(total, -1);
-  std::vector<std::int32_t> next(position.size(), -1);
-  for (std::size_t i = position.size(); i-- > 0;) // so that each cell's grains are in rising order
-  {
-    std::array<int, 3> c{ 0, 0, 0 };
-    for (int a = 0; a < Dim; ++a)
-      c[static_cast<std::size_t>(a)] = cellOf(position[i], a);
-    next[i] = first[index(c)];
-    first[index(c)] = static_cast<std::int32_t>(i);
-  }
-
+  const Cells<Dim> cells(position, box, periodic, 2 * largest + sight + skin_);
   const bool wraps = std::find(periodic.begin(), periodic.end(), true) != periodic.end();
   pairs_.clear();
   image_.clear();
   spring_.clear();
   for (std::size_t i = 0; i < position.size(); ++i)
-  {
-    std::array<int, 3> centre{ 0, 0, 0 };
-    std::array<std::array<int, 3>, 3> near{};
-    std::array<int, 3> many{ 1, 1, 1 };
-    for (int a = 0; a < Dim; ++a)
-    {
-      const auto axis = static_cast<std::size_t>(a);
-      centre[axis] = cellOf(position[i], a);
-      many[axis] = 0;
-      for (int s = -1; s <= 1; ++s)
+    cells.forEachNear(position[i],
+      [&](std::int32_t j)
       {
-        int c = centre[axis] + s;
-        if (c < 0 || c >= cells[axis])
-        {
-          if (!periodic[axis])
-            continue;
-          c = (c + cells[axis]) % cells[axis];
-        }
-        const int* const begin = near[axis].data();
-        const int* const end = begin + many[axis];
-        if (std::find(begin, end, c) == end)
-          near[axis][static_cast<std::size_t>(many[axis]++)] = c;
-      }
-    }
-    for (int cz = 0; cz < many[2]; ++cz)
-      for (int cy = 0; cy < many[1]; ++cy)
-        for (int cx = 0; cx < many[0]; ++cx)
-          for (std::int32_t j = first[index({ near[0][static_cast<std::size_t>(cx)],
-                 near[1][static_cast<std::size_t>(cy)], near[2][static_cast<std::size_t>(cz)] })];
-               j >= 0; j = next[static_cast<std::size_t>(j)])
+        if (static_cast<std::size_t>(j) <= i)
+          return;
+        const Pair pair{ static_cast<std::int32_t>(i), j, radius[i] + radius[static_cast<std::size_t>(j)] };
+        Vec image = Vec::Zero();
+        Vec r = position[static_cast<std::size_t>(j)] - position[i];
+        for (int a = 0; a < Dim; ++a)
+          if (periodic[static_cast<std::size_t>(a)])
           {
-            if (static_cast<std::size_t>(j) <= i)
-              continue;
-            const Pair pair{ static_cast<std::int32_t>(i), j, radius[i] + radius[static_cast<std::size_t>(j)] };
-            Vec image = Vec::Zero();
-            Vec r = position[static_cast<std::size_t>(j)] - position[i];
-            for (int a = 0; a < Dim; ++a)
-              if (periodic[static_cast<std::size_t>(a)])
-              {
-                image[a] = -std::round(r[a] / box[a]);
-                r[a] += image[a] * box[a];
-              }
-            const double reach = pair.reach + sight + skin_;
-            if (r.squaredNorm() > reach * reach)
-              continue;
-            if (wraps)
-              image_.push_back(image);
-            if (friction > 0)
-            {
-              const auto known = springs.find(key(pair.first, pair.second));
-              spring_.push_back(known == springs.end() ? Vec::Zero() : known->second);
-            }
-            pairs_.push_back(pair);
+            image[a] = -std::round(r[a] / box[a]);
+            r[a] += image[a] * box[a];
           }
-  }
+        const double reach = pair.reach + sight + skin_;
+        if (r.squaredNorm() > reach * reach)
+          return;
+        if (wraps)
+          image_.push_back(image);
+        if (friction > 0)
+        {
+          const auto known = springs.find(key(pair.first, pair.second));
+          spring_.push_back(known == springs.end() ? Vec::Zero() : known->second);
+        }
+        pairs_.push_back(pair);
+      });
   positionOfList_ = position;
   boxOfList_ = box;
   // of grains that are not very uneven it is far below the 2.5; the room lets lists of pairs live equally long

@@ -70,6 +70,18 @@ Bond BondLattice::bond(std::int64_t index, int offset) const noexcept
   return b;
 }
 
+NodeField<float> BondLattice::fieldOf(std::span<const std::uint8_t> numbers) const
+{
+  NodeField<float> field(layout_, 1);
+  std::size_t k = 0;
+  for (std::int64_t z = 0; z < layout_.size[2]; ++z)
+    for (std::int64_t y = 0; y < layout_.size[1]; ++y)
+      for (std::int64_t x = 0; x < layout_.size[0]; ++x)
+        field.at(0, x, y, z) = numbers[k++];
+  exchange(field);
+  return field;
+}
+
 template <class Real>
 void BondLattice::exchange(NodeField<Real>& field) const
 {

@@ -118,6 +118,9 @@ public:
   template <class Real>
   [[nodiscard]] RimInFlight<Real> startExchange(NodeField<Real>& field) const;
 
+  /// A field of whole numbers of this rank's nodes, x fastest, its rim filled. Collective.
+  [[nodiscard]] NodeField<float> fieldOf(std::span<const std::uint8_t> numbers) const;
+
   /// Takes bonds out, wherever this rank's rim shows them too. Collective: every rank gives those that it found.
   /// @return how many there were, over all ranks; bonds that are no more or that two ranks name count once
   std::int64_t breakBonds(std::span<const Bond> bonds);

@@ -17,64 +17,65 @@ void eachRow(const NodeLayout& l, F&& f)
       f(l.row(y, z));
 }
 
-// Bonds to the next nodes join nearly all.
-void joinNeighbours(const BondLattice& bonds, Sets& sets)
+/// f(first position, strip) of those that have bonds.
+template <class F>
+void eachStrip(const BondLattice& bonds, F&& f)
 {
   const NodeLayout& l = bonds.layout();
-  const auto& half = bonds.stencil().half();
-  std::vector<int> offsets;
-  for (std::size_t o = 0; o < half.size(); ++o)
-    if (half[o].length < nearby)
-      offsets.push_back(static_cast<int>(o));
   eachRow(l,
     [&](std::int64_t row)
     {
       const std::uint8_t* strips = bonds.stripsOf(row);
       for (std::int64_t s = 0; s < l.pitch / 16; ++s)
-      {
-        if (strips[s] == 0)
-          continue;
-        for (std::int64_t i = row * l.pitch + 16 * s; i < row * l.pitch + 16 * (s + 1); ++i)
-          for (const int o : offsets)
-            if ((strips[s] != 255 || bonds.kind(i, o) != 0) && sets.at(i) != sets.at(i + bonds.jump(o)))
-              sets.join(i, i + bonds.jump(o));
-      }
+        if (strips[s] != 0)
+          f(row * l.pitch + 16 * s, strips[s]);
+    });
+}
+
+// Bonds to the next nodes join nearly all.
+void joinNeighbours(const BondLattice& bonds, Sets& sets)
+{
+  const auto& half = bonds.stencil().half();
+  std::vector<int> offsets;
+  for (std::size_t o = 0; o < half.size(); ++o)
+    if (half[o].length < nearby)
+      offsets.push_back(static_cast<int>(o));
+  eachStrip(bonds,
+    [&](std::int64_t begin, std::uint8_t strip)
+    {
+      for (std::int64_t i = begin; i < begin + 16; ++i)
+        for (const int o : offsets)
+          if ((strip != 255 || bonds.kind(i, o) != 0) && sets.at(i) != sets.at(i + bonds.jump(o)))
+            sets.join(i, i + bonds.jump(o));
     });
 }
 
 // The longer ones are looked at where they lead from one set to another.
 void joinFar(const BondLattice& bonds, Sets& sets)
 {
-  const NodeLayout& l = bonds.layout();
+  const std::int64_t count = bonds.layout().count();
   const auto& half = bonds.stencil().half();
-  eachRow(l,
-    [&](std::int64_t row)
+  eachStrip(bonds,
+    [&](std::int64_t begin, std::uint8_t)
     {
-      const std::uint8_t* strips = bonds.stripsOf(row);
-      for (std::int64_t s = 0; s < l.pitch / 16; ++s)
+      for (std::size_t o = 0; o < half.size(); ++o)
       {
-        if (strips[s] == 0)
+        if (half[o].length < nearby)
           continue;
-        const std::int64_t begin = row * l.pitch + 16 * s;
-        for (std::size_t o = 0; o < half.size(); ++o)
-        {
-          if (half[o].length < nearby)
-            continue;
-          // the rim's bonds may lead out of the layout: there are none such, but they must not be looked up either
-          const std::int64_t jump = bonds.jump(static_cast<int>(o));
-          const std::int64_t first = std::max(begin, -jump);
-          const std::int64_t end = std::min(begin + 16, l.count() - jump);
-          if (first >= end)
-            continue;
-          const std::int64_t* from = &sets.at(first);
-          const std::int64_t* to = &sets.at(first + jump);
-          std::int64_t differ = 0;
-          for (std::int64_t i = 0; i < end - first; ++i)
-            differ |= from[i] ^ to[i];
-          for (std::int64_t i = first; differ != 0 && i < end; ++i)
-            if (bonds.kind(i, static_cast<int>(o)) != 0)
-              sets.join(i, i + jump);
-        }
+        // the rim's bonds may lead out of the layout: there are none such, but they must not be looked up either
+        const std::int64_t jump = bonds.jump(static_cast<int>(o));
+        const std::int64_t first = std::max(begin, -jump);
+        const std::int64_t end = std::min(begin + 16, count - jump);
+        if (first >= end)
+          continue;
+        const std::int64_t* from = &sets.at(first);
+        const std::int64_t* to = &sets.at(first + jump);
+        std::int64_t differ = 0;
+        for (std::int64_t i = 0; i < end - first; ++i)
+          differ |= from[i] ^ to[i];
+        for (std::int64_t i = first; differ != 0 && i < end; ++i)
+          if (bonds.kind(i, static_cast<int>(o)) != 0)
+            sets.join(i, i + jump);
       }
     });
 }

@@ -43,23 +43,36 @@ void Equilibrium::hold(NodeField<double>& field) const
         field.component(c)[i] = 0;
 }
 
-double Equilibrium::dot(const NodeField<double>& a, const NodeField<double>& b) const
+namespace
 {
-  const NodeLayout& l = a.layout();
+
+/// Over all ranks, and the same on any number of threads. @param ofRow given where a row begins
+template <class OfRow>
+double sumOfRows(const Communicator& comm, const NodeLayout& l, OfRow&& ofRow)
+{
   std::vector<double> sums(static_cast<std::size_t>(l.size[1] * l.size[2]));
   forOwnRows(l,
     [&](std::int64_t y, std::int64_t z)
-    {
-      const std::int64_t i = l.index(0, y, z);
-      double sum = 0;
-      for (int c = 0; c < l.dimension; ++c)
-        sum += levelKernels().dot(l.size[0], a.component(c) + i, b.component(c) + i);
-      sums[static_cast<std::size_t>(y + l.size[1] * z)] = sum;
-    });
+    { sums[static_cast<std::size_t>(y + l.size[1] * z)] = ofRow(l.index(0, y, z)); });
   double total = 0;
   for (const double s : sums)
     total += s;
-  return bonds_.communicator().sum(total);
+  return comm.sum(total);
+}
+
+} // namespace
+
+double Equilibrium::dot(const NodeField<double>& a, const NodeField<double>& b) const
+{
+  const NodeLayout& l = a.layout();
+  return sumOfRows(bonds_.communicator(), l,
+    [&](std::int64_t i)
+    {
+      double sum = 0;
+      for (int c = 0; c < l.dimension; ++c)
+        sum += levelKernels().dot(l.size[0], a.component(c) + i, b.component(c) + i);
+      return sum;
+    });
 }
 
 double Equilibrium::norm(const NodeField<double>& a) const
@@ -177,20 +190,16 @@ void Equilibrium::conjugateGradients(NodeField<double>& u, const NodeField<doubl
           size / reference, result.iterations, target / reference),
         "a looser tolerance, or a coarser sample if walls are one node thin");
     const NodeField<float>& z = preconditioner_->apply(r, 1 / size);
-    std::vector<double> sums(static_cast<std::size_t>(l.size[1] * l.size[2]));
-    forOwnRows(l,
-      [&](std::int64_t y, std::int64_t zz)
-      {
-        const std::int64_t i = l.index(0, y, zz);
-        double sum = 0;
-        for (int c = 0; c < l.dimension; ++c)
-          sum += k.dotMixed(l.size[0], r.component(c) + i, z.component(c) + i);
-        sums[static_cast<std::size_t>(y + l.size[1] * zz)] = sum;
-      });
-    double rzNew = 0;
-    for (const double s : sums)
-      rzNew += s;
-    rzNew = bonds_.communicator().sum(rzNew) * size; // z is of the residual over its norm
+    // z is of the residual over its norm
+    const double rzNew = sumOfRows(bonds_.communicator(), l,
+                           [&](std::int64_t i)
+                           {
+                             double sum = 0;
+                             for (int c = 0; c < l.dimension; ++c)
+                               sum += k.dotMixed(l.size[0], r.component(c) + i, z.component(c) + i);
+                             return sum;
+                           }) *
+      size;
     const double beta = iteration == 0 ? 0 : rzNew / rz;
     rz = rzNew;
     const auto scale = size;
@@ -220,11 +229,9 @@ void Equilibrium::conjugateGradients(NodeField<double>& u, const NodeField<doubl
         "a piece of the sample is not held: fix it, or take it out");
     }
     const double alpha = rz / pq;
-    std::vector<double> squares(sums.size());
-    forOwnRows(l,
-      [&](std::int64_t y, std::int64_t zz)
+    size = std::sqrt(sumOfRows(bonds_.communicator(), l,
+      [&](std::int64_t i)
       {
-        const std::int64_t i = l.index(0, y, zz);
         double sum = 0;
         for (int c = 0; c < l.dimension; ++c)
         {
@@ -232,12 +239,8 @@ void Equilibrium::conjugateGradients(NodeField<double>& u, const NodeField<doubl
           k.axpyDouble(l.size[0], alpha, q.component(c) + i, r.component(c) + i);
           sum += k.dot(l.size[0], r.component(c) + i, r.component(c) + i);
         }
-        squares[static_cast<std::size_t>(y + l.size[1] * zz)] = sum;
-      });
-    double square = 0;
-    for (const double s : squares)
-      square += s;
-    size = std::sqrt(bonds_.communicator().sum(square));
+        return sum;
+      }));
     sinceBest = size < 0.99 * best ? 0 : sinceBest + 1;
     best = std::min(best, size);
     ++result.iterations;

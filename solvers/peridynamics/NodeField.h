@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <new>
+#include <optional>
 
 namespace lamella::peridynamics
 {
@@ -50,6 +51,14 @@ struct NodeLayout
   [[nodiscard]] bool ownedNode(const std::array<std::int64_t, 3>& node) const noexcept
   {
     return node[0] >= 0 && node[0] < size[0] && node[1] >= 0 && node[1] < size[1] && node[2] >= 0 && node[2] < size[2];
+  }
+
+  /// Where a node of the whole lattice lies in memory, if it is this rank's.
+  [[nodiscard]] std::optional<std::int64_t> ownedIndex(std::array<std::int64_t, 3> node) const noexcept
+  {
+    for (std::size_t a = 0; a < 3; ++a)
+      node[a] -= start[a];
+    return ownedNode(node) ? std::optional(index(node[0], node[1], node[2])) : std::nullopt;
   }
 
   /// @param size, start, global see above

@@ -60,12 +60,7 @@ std::vector<PhaseThickness> phaseThickness(
   const BondLattice& bonds, const BondModel& model, std::span<const std::uint8_t> phase)
 {
   const NodeLayout& l = bonds.layout();
-  NodeField<float> ids(l, 1);
-  for (std::int64_t z = 0; z < l.size[2]; ++z)
-    for (std::int64_t y = 0; y < l.size[1]; ++y)
-      for (std::int64_t x = 0; x < l.size[0]; ++x)
-        ids.at(0, x, y, z) = phase[static_cast<std::size_t>((z * l.size[1] + y) * l.size[0] + x)];
-  bonds.exchange(ids);
+  const NodeField<float> ids = bonds.fieldOf(phase);
   const Counts counts(bonds, ids);
 
   // by phase, how many nodes have each thickness

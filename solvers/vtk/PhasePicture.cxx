@@ -8,6 +8,7 @@
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
+#include "vtkIdList.h"
 #include "vtkImageData.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
@@ -163,6 +164,27 @@ micrograph::Picture greysOf(vtkImageData* image, const ImageArray& chosen, const
   return picture;
 }
 
+/// Node of the file that each node of the image lies in.
+vtkSmartPointer<vtkIdList> nodesOfFile(
+  const Lattice& image, const Lattice& file, const std::array<std::int64_t, 3>& first, int refinement)
+{
+  const std::int64_t deep = image.dimension == 3 ? refinement : 1;
+  const auto nodes = vtkSmartPointer<vtkIdList>::New();
+  nodes->SetNumberOfIds(image.count());
+  vtkIdType node = 0;
+  for (std::int64_t z = 0; z < image.size[2]; ++z)
+  {
+    for (std::int64_t y = 0; y < image.size[1]; ++y)
+    {
+      for (std::int64_t x = 0; x < image.size[0]; ++x)
+      {
+        nodes->SetId(node++, file.index(first[0] + x / refinement, first[1] + y / refinement, first[2] + z / deep));
+      }
+    }
+  }
+  return nodes;
+}
+
 /// Every value a phase of its own.
 GreyMap everyGrey(const micrograph::Picture& picture)
 {
@@ -190,14 +212,20 @@ GreyMap everyGrey(const micrograph::Picture& picture)
 
 } // namespace
 
-micrograph::Picture readGreys(const fs::path& path, const micrograph::ReadOptions& options, const std::string& array)
+micrograph::Picture readGreys(const fs::path& path, const micrograph::ReadOptions& options, const std::string& array,
+  vtkSmartPointer<vtkImageData>* file)
 {
   if (!isVti(path))
   {
     return micrograph::readPicture(path, options);
   }
   const auto image = readVti(path, options);
-  return greysOf(image, chooseArray(image, array, path), options);
+  const ImageArray chosen = chooseArray(image, array, path);
+  if (file != nullptr && !chosen.cells)
+  {
+    *file = image;
+  }
+  return greysOf(image, chosen, options);
 }
 
 PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
@@ -287,6 +315,40 @@ PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
     result.image = refine(result.image, options.refine);
   }
   return result;
+}
+
+void carryAlong(vtkImageData* image, vtkImageData* file, const std::optional<Window>& window, int refine,
+  const std::vector<std::string>& names)
+{
+  const Lattice whole = latticeOf(file);
+  const bool all = !window && refine == 1;
+  const auto first = window ? firstNode(whole, *window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
+  const auto nodes = all ? nullptr : nodesOfFile(latticeOf(image), whole, first, refine);
+  vtkPointData* const held = file->GetPointData();
+  for (int i = 0; i < held->GetNumberOfArrays(); ++i)
+  {
+    vtkAbstractArray* const array = held->GetAbstractArray(i);
+    const std::string name = array->GetName() != nullptr ? array->GetName() : "";
+    const bool ofPixel = name == "grain" || name == "axis";
+    const bool wanted = names.empty() ? refine == 1 || ofPixel : std::ranges::find(names, name) != names.end();
+    if (name.empty() || !wanted || image->GetPointData()->HasArray(name.c_str()))
+    {
+      continue;
+    }
+    if (all)
+    {
+      image->GetPointData()->AddArray(array);
+      continue;
+    }
+    const auto part = vtkSmartPointer<vtkAbstractArray>::Take(array->NewInstance());
+    part->SetName(name.c_str());
+    part->SetNumberOfComponents(array->GetNumberOfComponents());
+    part->CopyComponentNames(array);
+    part->CopyInformation(array->GetInformation());
+    part->SetNumberOfTuples(nodes->GetNumberOfIds());
+    array->GetTuples(nodes, part);
+    image->GetPointData()->AddArray(part);
+  }
 }
 
 } // namespace lamella

@@ -51,7 +51,18 @@ struct PhasePicture
   const std::filesystem::path& path, const PictureOptions& options = {});
 
 /// The same as grey values: what readPhases() looks at before it names phases.
-[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT micrograph::Picture readGreys(
-  const std::filesystem::path& path, const micrograph::ReadOptions& options = {}, const std::string& array = {});
+/// @param file where to put a .vti that is read at its points, with all it holds; may be null
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT micrograph::Picture readGreys(const std::filesystem::path& path,
+  const micrograph::ReadOptions& options = {}, const std::string& array = {},
+  vtkSmartPointer<vtkImageData>* file = nullptr);
+
+/// Gives an image what else the file that it was made from holds of its nodes. A finer lattice gets what belongs to the
+/// pixel as the phase does, its grain and the direction of its wall, and no fields, which were solved on the coarser
+/// one.
+/// @param window of the file that the image shows
+/// @param refine pixels were split in so many along each axis
+/// @param names of arrays; empty: all
+VTKLAMELLASOLVERSVTK_EXPORT void carryAlong(vtkImageData* image, vtkImageData* file,
+  const std::optional<Window>& window, int refine, const std::vector<std::string>& names = {});
 
 } // namespace lamella

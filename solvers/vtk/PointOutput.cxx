@@ -49,6 +49,107 @@ constexpr std::array<Column, 13> columns{ {
 } };
 static_assert(sizeof(mpm::CompressionRow) == columns.size() * sizeof(double), "a column a number of the row");
 
+/// A state's arrays, one value a point; those not asked for are empty.
+struct StateColumns
+{
+  StateColumns(const PointArrays& arrays, std::size_t count)
+    : asked(arrays)
+    , displacement(newArray<vtkDoubleArray>("displacement", 3, arrays.displacement ? count : 0))
+    , velocity(newArray<vtkDoubleArray>("velocity", 3, arrays.velocity ? count : 0))
+    , stress(newArray<vtkDoubleArray>("stress", 6, arrays.stress ? count : 0))
+    , gradient(newArray<vtkDoubleArray>("deformation_gradient", 9, arrays.deformationGradient ? count : 0))
+    , energy(newArray<vtkDoubleArray>("energy_density", 1, arrays.energyDensity ? count : 0))
+  {
+    for (int c = 0; c < 6; ++c)
+    {
+      stress->SetComponentName(c, stressNames[static_cast<std::size_t>(c)]);
+    }
+  }
+
+  /// @param period of periodic axes, where points come in again at the other end; else 0
+  template <int Dim>
+  void setMotion(vtkIdType to, const mpm::Vector<Dim>& x, const mpm::Vector<Dim>& start, const mpm::Vector<Dim>& v,
+    const std::array<double, Dim>& period)
+  {
+    for (int c = 0; c < 3 && asked.displacement; ++c)
+    {
+      double u = c < Dim ? x[c] - start[c] : 0;
+      if (const double length = c < Dim ? period[static_cast<std::size_t>(c)] : 0; length > 0)
+      {
+        u -= length * std::round(u / length);
+      }
+      displacement->SetTypedComponent(to, c, u);
+    }
+    for (int c = 0; c < 3 && asked.velocity; ++c)
+    {
+      velocity->SetTypedComponent(to, c, c < Dim ? v[c] : 0);
+    }
+  }
+
+  template <int Dim>
+  void setDeformation(
+    vtkIdType to, const mpm::MaterialPoints<Dim>& points, std::size_t i, const mpm::PointLaw<Dim>& law)
+  {
+    using Points = mpm::MaterialPoints<Dim>;
+    if (!asked.stress && !asked.deformationGradient && !asked.energyDensity)
+    {
+      return;
+    }
+    const auto phase = points.phase()[i];
+    const mpm::Matrix<Dim> F = points.matrix(Points::deformations, i);
+    const mpm::Vector<Dim> axis = points.vector(Points::axes, i);
+    const auto memory = points.memory(i);
+    const double thirdStretch = law.thirdStretch(memory.data());
+    if (asked.stress)
+    {
+      const mpm::Matrix<Dim> tau = law.kirchhoff(phase, F, axis, memory.data());
+      const double third = law.thirdStress(phase, F, axis, memory.data());
+      const double J = mpm::determinant(F) * thirdStretch;
+      for (int c = 0; c < 6; ++c)
+      {
+        const auto [a, b] = stressPlaces[static_cast<std::size_t>(c)];
+        stress->SetTypedComponent(to, c, (a < Dim && b < Dim ? tau(a, b) : a == b ? third : 0) / J);
+      }
+    }
+    for (int c = 0; c < 9 && asked.deformationGradient; ++c)
+    {
+      const int a = c / 3;
+      const int b = c % 3;
+      gradient->SetTypedComponent(to, c, a < Dim && b < Dim ? F(a, b) : (a == b ? thirdStretch : 0));
+    }
+    if (asked.energyDensity)
+    {
+      energy->SetValue(to, law.energy(phase, F, axis, memory.data()));
+    }
+  }
+
+  void addTo(vtkPointData* data, const char* creator) const
+  {
+    describe(displacement, "m", "from the start", creator);
+    describe(velocity, "m/s", "half a step ago", creator);
+    describe(stress, "Pa", "Cauchy's, tension positive; of a picture yz and xz are 0, in plane stress zz too", creator);
+    describe(gradient, "1",
+      "by rows; of walls that yield its elastic part; of a picture zz is 1, or the elastic part's", creator);
+    describe(energy, "J/m^3", "elastic, over the volume at the start", creator);
+    for (vtkDoubleArray* const array :
+      std::initializer_list<vtkDoubleArray*>{ displacement, velocity, stress, gradient, energy })
+    {
+      if (array->GetNumberOfTuples() > 0)
+      {
+        data->AddArray(array);
+      }
+    }
+    data->SetActiveVectors(asked.displacement ? "displacement" : asked.velocity ? "velocity" : nullptr);
+  }
+
+  PointArrays asked;
+  vtkSmartPointer<vtkDoubleArray> displacement;
+  vtkSmartPointer<vtkDoubleArray> velocity;
+  vtkSmartPointer<vtkDoubleArray> stress;
+  vtkSmartPointer<vtkDoubleArray> gradient;
+  vtkSmartPointer<vtkDoubleArray> energy;
+};
+
 } // namespace
 
 template <int Dim>
@@ -79,12 +180,8 @@ void setPointState(vtkPolyData* output, const mpm::PointCompression<Dim>& run, c
   const auto places = newPoints(count);
   const auto id = newArray<vtkTypeUInt32Array>("id", 1, count);
   const auto phase = newArray<vtkUnsignedCharArray>("phase", 1, count);
-  const auto displacement = newArray<vtkDoubleArray>("displacement", 3, arrays.displacement ? count : 0);
-  const auto velocity = newArray<vtkDoubleArray>("velocity", 3, arrays.velocity ? count : 0);
-  const auto stress = newArray<vtkDoubleArray>("stress", 6, arrays.stress ? count : 0);
-  const auto gradient = newArray<vtkDoubleArray>("deformation_gradient", 9, arrays.deformationGradient ? count : 0);
-  const auto energy = newArray<vtkDoubleArray>("energy_density", 1, arrays.energyDensity ? count : 0);
-  std::array<double, Dim> period{}; // of periodic axes, where points come in again at the other end
+  StateColumns state(arrays, count);
+  std::array<double, Dim> period{};
   for (int a = 0; a < Dim; ++a)
   {
     period[static_cast<std::size_t>(a)] = run.body().grid().axis(a).edge[0] == mpm::Edge::Periodic
@@ -96,78 +193,20 @@ void setPointState(vtkPolyData* output, const mpm::PointCompression<Dim>& run, c
     const std::uint32_t number = p.id()[i];
     const auto to = static_cast<vtkIdType>(number - share.first);
     const mpm::Vector<Dim> x = p.vector(Points::positions, i);
-    const mpm::Vector<Dim> v = p.vector(Points::velocities, i);
     places->SetPoint(to, x[0], x[1], Dim == 3 ? x[Dim - 1] : depth);
     id->SetValue(to, number);
     phase->SetValue(to, p.phase()[i]);
-    for (int c = 0; c < 3 && arrays.displacement; ++c)
-    {
-      double u = c < Dim ? x[c] - share.places[static_cast<std::size_t>(to)][c] : 0;
-      if (const double length = c < Dim ? period[static_cast<std::size_t>(c)] : 0; length > 0)
-      {
-        u -= length * std::round(u / length);
-      }
-      displacement->SetTypedComponent(to, c, u);
-    }
-    for (int c = 0; c < 3 && arrays.velocity; ++c)
-    {
-      velocity->SetTypedComponent(to, c, c < Dim ? v[c] : 0);
-    }
-    if (!arrays.stress && !arrays.deformationGradient && !arrays.energyDensity)
-    {
-      continue;
-    }
-    const mpm::Matrix<Dim> F = p.matrix(Points::deformations, i);
-    const mpm::Vector<Dim> axis = p.vector(Points::axes, i);
-    const auto memory = p.memory(i);
-    const double thirdStretch = law.thirdStretch(memory.data());
-    if (arrays.stress)
-    {
-      const mpm::Matrix<Dim> tau = law.kirchhoff(p.phase()[i], F, axis, memory.data());
-      const double third = law.thirdStress(p.phase()[i], F, axis, memory.data());
-      const double J = mpm::determinant(F) * thirdStretch;
-      for (int c = 0; c < 6; ++c)
-      {
-        const auto [a, b] = stressPlaces[static_cast<std::size_t>(c)];
-        stress->SetTypedComponent(to, c, (a < Dim && b < Dim ? tau(a, b) : a == b ? third : 0) / J);
-      }
-    }
-    for (int c = 0; c < 9 && arrays.deformationGradient; ++c)
-    {
-      const int a = c / 3;
-      const int b = c % 3;
-      gradient->SetTypedComponent(to, c, a < Dim && b < Dim ? F(a, b) : (a == b ? thirdStretch : 0));
-    }
-    if (arrays.energyDensity)
-    {
-      energy->SetValue(to, law.energy(p.phase()[i], F, axis, memory.data()));
-    }
-  }
-  for (int c = 0; c < 6; ++c)
-  {
-    stress->SetComponentName(c, stressNames[static_cast<std::size_t>(c)]);
+    const mpm::Vector<Dim>& start = share.places[static_cast<std::size_t>(to)];
+    state.setMotion<Dim>(to, x, start, p.vector(Points::velocities, i), period);
+    state.setDeformation<Dim>(to, p, i, law);
   }
   describe(id, "1", "number of the point, the same in all states", creator);
   describe(phase, "1", "phase of the point", creator);
-  describe(displacement, "m", "from the start", creator);
-  describe(velocity, "m/s", "half a step ago", creator);
-  describe(stress, "Pa", "Cauchy's, tension positive; of a picture yz and xz are 0, in plane stress zz too", creator);
-  describe(gradient, "1", "by rows; of walls that yield its elastic part; of a picture zz is 1, or the elastic part's",
-    creator);
-  describe(energy, "J/m^3", "elastic, over the volume at the start", creator);
   setVertices(output, places);
   vtkPointData* const data = output->GetPointData();
   addArrays(data, { id, phase });
-  for (vtkDoubleArray* const array :
-    std::initializer_list<vtkDoubleArray*>{ displacement, velocity, stress, gradient, energy })
-  {
-    if (array->GetNumberOfTuples() > 0)
-    {
-      data->AddArray(array);
-    }
-  }
+  state.addTo(data, creator);
   data->SetActiveScalars("phase");
-  data->SetActiveVectors(arrays.displacement ? "displacement" : arrays.velocity ? "velocity" : nullptr);
   setFieldNumber(output, "strain", run.strain(), "1", "of the height, positive in compression", creator);
   output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), run.strain());
 }

@@ -44,8 +44,9 @@ struct Setting
     Text
   };
 
-  const char* word; ///< "max-iterations": what it is called in a command
-  const char* off;  ///< of a switch that is on by itself: what switches it off in a command
+  const char* word;    ///< "max-iterations": what it is called in a command
+  const char* off;     ///< of a switch that is on by itself: what switches it off in a command
+  const char* offText; ///< and what that does
   Kind kind;
   std::vector<Type> types; ///< of what one call of the setter takes
   double low;
@@ -55,6 +56,8 @@ struct Setting
   double unset;                       ///< out of the range, and stands for a number that is not given; NaN: none does
   double rest;                        ///< of a vector: its last number where it is left out; NaN: it may not be
   std::vector<SettingChoice> choices; ///< what it can be; empty: every number in the range
+  std::vector<SettingChoice> names;   ///< words for some of its numbers
+  bool colour;                        ///< its last three numbers are one, and written as such
   std::vector<const char*> parts;     ///< names of what it takes, where that is several
   const char* unit;
   const char* group;

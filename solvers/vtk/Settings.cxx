@@ -156,8 +156,8 @@ void checkSetting(const Setting& setting, const std::vector<double>& values)
       throw ParameterError(fmt::format("{}{} {} {}", nameOf(setting), part, values[i], wrong), remedy(setting));
     }
   }
-  if (values.size() == 2 && setting.parts.size() == 2 && setting.parts[0] == std::string("from") &&
-    values[0] > values[1])
+  const std::string first = setting.parts.empty() ? "" : setting.parts[0];
+  if (values.size() == 2 && (first == "from" || first == "minimum") && values[0] > values[1])
   {
     throw ParameterError(
       fmt::format("{} {} to {} is empty", nameOf(setting), values[0], values[1]), "give the lower end first");
@@ -191,7 +191,7 @@ void checkSettings(vtkObject* object)
     if (setting.values != nullptr)
     {
       const std::vector<double> values = setting.values(object);
-      if (values.size() != 1 || values.front() != setting.unset)
+      if (std::any_of(values.begin(), values.end(), [&](double value) { return value != setting.unset; }))
       {
         checkSetting(setting, values);
       }

@@ -1,6 +1,8 @@
 #include "vtkBondBreakAlgorithm.h"
 
 #include "BondFields.h"
+#include "BondScene.h"
+#include "FractureData.h"
 #include "LongRun.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
@@ -277,8 +279,18 @@ std::vector<vtkImageData*> vtkBondBreakAlgorithm::KeptStates() const
   return { this->Kept->States.all().begin(), this->Kept->States.all().end() };
 }
 
+void vtkBondBreakAlgorithm::AddWarnings(const lamella::BondSettings& settings, std::vector<std::string>& warnings) const
+{
+  const std::vector<std::string> doubts = lamella::unitDoubts(settings.materials);
+  warnings.insert(warnings.end(), doubts.begin(), doubts.end());
+  if (!this->Kept->Anew.empty())
+  {
+    warnings.insert(warnings.begin(), this->Kept->Anew);
+  }
+}
+
 void vtkBondBreakAlgorithm::Finish(vtkPolyData* broken, vtkTable* curve, std::vector<pd::Bond> order,
-  const std::vector<std::string>& warnings, const lamella::Team& team)
+  const lamella::BondScene& scene, const std::vector<std::string>& warnings, const lamella::Team& team)
 {
   this->Kept->Order = std::move(order);
   if (team.rank() == 0)
@@ -292,6 +304,7 @@ void vtkBondBreakAlgorithm::Finish(vtkPolyData* broken, vtkTable* curve, std::ve
   {
     data->GetFieldData()->ShallowCopy(this->Kept->States.all().back()->GetFieldData());
   }
+  lamella::setLatticeNumbers(broken, scene.lattice());
 }
 
 void vtkBondBreakAlgorithm::SetLimit(const char* name, double value, double& limit)
@@ -313,11 +326,6 @@ std::string vtkBondBreakAlgorithm::PrepareCheckpoints(
     lamella::startOf(this->ContinueFile, this->CheckpointFile, "the unbroken sample", input, team, options);
   this->Kept->Anew = start.warning;
   return start.from;
-}
-
-std::string vtkBondBreakAlgorithm::BeginsAnew() const
-{
-  return this->Kept->Anew;
 }
 
 void vtkBondBreakAlgorithm::TellNext()

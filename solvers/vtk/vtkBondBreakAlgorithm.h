@@ -28,6 +28,7 @@ class vtkTable;
 
 namespace lamella
 {
+class BondScene;
 namespace io // VTK's wrappers do not read lamella::io
 {
 struct CheckpointOptions;
@@ -226,10 +227,12 @@ protected:
   /// The states kept so far.
   std::vector<vtkImageData*> KeptStates() const;
   std::vector<std::int64_t> StatesAtBroken() const;
+  /// Adds what is to be said of the settings, and first that the run begins anew.
+  void AddWarnings(const lamella::BondSettings& settings, std::vector<std::string>& warnings) const;
   /// Gives broken bonds and curve the field data of the last state, and says the warnings on rank 0.
   /// @param order the broken bonds, in the order of the run
   void Finish(vtkPolyData* broken, vtkTable* curve, std::vector<lamella::peridynamics::Bond> order,
-    const std::vector<std::string>& warnings, const lamella::Team& team);
+    const lamella::BondScene& scene, const std::vector<std::string>& warnings, const lamella::Team& team);
 
   /// Whether the sample is in motion: forces are those of large strains, and pieces that come loose fly on.
   virtual bool Moves() const { return false; }
@@ -246,9 +249,6 @@ protected:
   /// @return the file to go on from, empty where the run begins
   std::string PrepareCheckpoints(
     vtkImageData* input, const lamella::Team& team, lamella::io::CheckpointOptions& options);
-  /// Whether ContinueFile was to be made by this very run; a warning to say so, or empty.
-  std::string BeginsAnew() const;
-
   /// Tells observers at most some twenty times a second. @param text called for the words when it is due
   template <class Text>
   void Tell(double share, Text&& text)

@@ -240,22 +240,9 @@ void vtkBondDynamics::CheckRate() const
   }
 }
 
-void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkPolyData* broken, vtkTable* curve)
+void vtkBondDynamics::SetDensities(const lamella::BondScene& scene, pd::DynamicsStudyOptions& options) const
 {
-  lamella::BondSettings settings = this->Settings();
-  settings.largeStrains = true; // as the forces are, for filters on the result
-  const lamella::BondScene scene(
-    input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
-  this->CheckRate();
-  if (lamella::fieldText(input, "pixel_size_source") == "none")
-  {
-    throw lamella::ParameterError(
-      "motion needs the size of a pixel, which is not known", "give it where the picture is read: pixel size");
-  }
-  pd::DynamicsStudyOptions options;
-  this->SetMovement(scene, options);
-  pd::DynamicsOptions& motion = options.motion;
-  motion.density = this->Density;
+  options.motion.density = this->Density;
   const std::vector<std::string>& names = scene.phases().names;
   options.densities.assign(names.size(), 0);
   for (std::size_t id = 0; id < names.size(); ++id)
@@ -277,6 +264,13 @@ void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkP
       options.densities[id] = own->second;
     }
   }
+}
+
+void vtkBondDynamics::SetOptions(const lamella::BondScene& scene, pd::DynamicsStudyOptions& options) const
+{
+  this->SetMovement(scene, options);
+  this->SetDensities(scene, options);
+  pd::DynamicsOptions& motion = options.motion;
   motion.damping = this->Damping;
   motion.safety = this->StepShare;
   if (this->TimeStep != 0)
@@ -284,15 +278,7 @@ void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkP
     motion.step = this->TimeStep;
   }
   motion.checkpoint.every = this->CheckpointEvery;
-  motion.continueFrom = this->PrepareCheckpoints(input, team, motion.checkpoint);
   options.axis = this->LoadAxis;
-  lamella::NodeVectors velocity;
-  if (this->UseInputVelocity)
-  {
-    velocity = lamella::vectorsOf(input, this->GetInputArrayInformation(2), "velocity",
-      "make it, for instance with a calculator", scene.lattice().dimension, team);
-    options.startVelocity = [&](pd::NodeField<double>& field) { scene.toSlab(velocity.array, velocity.name, field); };
-  }
   options.regulation = { this->Relaxation, this->ReferenceEnergy, this->ReferenceCrack, this->StartRate };
   SetLimit("the time of the end", this->EndTime, options.ends.time);
   SetLimit("the largest strain", this->MaximumStrain, options.ends.strain);
@@ -306,6 +292,30 @@ void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   options.stress = this->ComputeStress;
   options.energyDensity = this->ComputeStrainEnergy;
   options.threads = this->ThreadCount();
+}
+
+void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkPolyData* broken, vtkTable* curve)
+{
+  lamella::BondSettings settings = this->Settings();
+  settings.largeStrains = true; // as the forces are, for filters on the result
+  const lamella::BondScene scene(
+    input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
+  this->CheckRate();
+  if (lamella::fieldText(input, "pixel_size_source") == "none")
+  {
+    throw lamella::ParameterError(
+      "motion needs the size of a pixel, which is not known", "give it where the picture is read: pixel size");
+  }
+  pd::DynamicsStudyOptions options;
+  this->SetOptions(scene, options);
+  options.motion.continueFrom = this->PrepareCheckpoints(input, team, options.motion.checkpoint);
+  lamella::NodeVectors velocity;
+  if (this->UseInputVelocity)
+  {
+    velocity = lamella::vectorsOf(input, this->GetInputArrayInformation(2), "velocity",
+      "make it, for instance with a calculator", scene.lattice().dimension, team);
+    options.startVelocity = [&](pd::NodeField<double>& field) { scene.toSlab(velocity.array, velocity.name, field); };
+  }
   this->SetProgressText("motion");
   options.progress = [this](const pd::DynamicsProgress& p, double share)
   {
@@ -329,45 +339,14 @@ void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   {
     throw lamella::Cancelled();
   }
-  const lamella::Communicator comm(team.comm());
-  pd::DynamicsResult result =
-    pd::studyDynamics(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, comm);
+  pd::DynamicsResult result = pd::studyDynamics(
+    scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, lamella::Communicator(team.comm()));
   this->PeakStress = result.peak.stress;
   this->LastCheckpoint = result.checkpointAt;
-  for (const std::string& doubt : lamella::unitDoubts(settings.materials))
-  {
-    result.warnings.push_back(doubt);
-  }
-  if (const std::string anew = this->BeginsAnew(); !anew.empty())
-  {
-    result.warnings.insert(result.warnings.begin(), anew);
-  }
-
-  const char* const load = this->Pull ? this->LoadName() : "sides";
+  this->AddWarnings(settings, result.warnings);
   for (vtkImageData* const image : this->KeptStates())
   {
-    lamella::setDynamicsNumbers(image, result);
-    lamella::describeThickness(image, scene, result.thickness);
-    const nlohmann::json model = lamella::describeModel(image, scene, settings);
-    lamella::setFieldText(image, "load", load);
-    lamella::setFieldNumber(image, "compression", this->Compression ? 1.0 : 0.0);
-    nlohmann::json boxes = nlohmann::json::array();
-    for (const BoxVelocity& box : this->Internal->Boxes)
-    {
-      boxes.push_back({ box.Low, box.High, box.Component, box.Speed });
-    }
-    lamella::continueProvenance(image, "dynamics",
-      { { "model", model }, { "density", this->Density }, { "densities", this->Internal->Densities }, { "load", load },
-        { "axis", std::string(1, "xyz"[result.axis]) }, { "compression", this->Compression },
-        { "smooth_platens", this->SmoothPlatens }, { "rigid_platens", this->RigidPlatens },
-        { "platen_layers", this->PlatenLayers }, { "strain_rate", this->StrainRate },
-        { "travel_times", this->TravelTimes }, { "start_share", this->StartShare },
-        { "side_velocities", this->Internal->Velocities }, { "side_tractions", this->Internal->Tractions },
-        { "box_velocities", boxes }, { "initial_velocity", options.velocity }, { "input_velocity", velocity.name },
-        { "relaxation", this->Relaxation }, { "reference_energy", this->ReferenceEnergy },
-        { "reference_crack", this->ReferenceCrack }, { "start_rate", this->StartRate }, { "damping", this->Damping },
-        { "time_step", result.step }, { "end_time", this->EndTime }, { "stop_share", this->StopShare },
-        { "maximum_strain", this->MaximumStrain }, { "maximum_broken", this->MaximumBroken } });
+    this->Describe(image, scene, settings, result, options.velocity, velocity.name);
   }
   if (team.rank() == 0)
   {
@@ -379,8 +358,36 @@ void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   {
     order.push_back(b.bond);
   }
-  this->Finish(broken, curve, std::move(order), result.warnings, team);
-  lamella::setLatticeNumbers(broken, scene.lattice());
+  this->Finish(broken, curve, std::move(order), scene, result.warnings, team);
+}
+
+void vtkBondDynamics::Describe(vtkImageData* image, const lamella::BondScene& scene,
+  const lamella::BondSettings& settings, const pd::DynamicsResult& result, const std::array<double, 3>& velocity,
+  const std::string& inputVelocity) const
+{
+  const char* const load = this->Pull ? this->LoadName() : "sides";
+  lamella::setDynamicsNumbers(image, result);
+  lamella::describeThickness(image, scene, result.thickness);
+  const nlohmann::json model = lamella::describeModel(image, scene, settings);
+  lamella::setFieldText(image, "load", load);
+  lamella::setFieldNumber(image, "compression", this->Compression ? 1.0 : 0.0);
+  nlohmann::json boxes = nlohmann::json::array();
+  for (const BoxVelocity& box : this->Internal->Boxes)
+  {
+    boxes.push_back({ box.Low, box.High, box.Component, box.Speed });
+  }
+  lamella::continueProvenance(image, "dynamics",
+    { { "model", model }, { "density", this->Density }, { "densities", this->Internal->Densities }, { "load", load },
+      { "axis", std::string(1, "xyz"[result.axis]) }, { "compression", this->Compression },
+      { "smooth_platens", this->SmoothPlatens }, { "rigid_platens", this->RigidPlatens },
+      { "platen_layers", this->PlatenLayers }, { "strain_rate", this->StrainRate },
+      { "travel_times", this->TravelTimes }, { "start_share", this->StartShare },
+      { "side_velocities", this->Internal->Velocities }, { "side_tractions", this->Internal->Tractions },
+      { "box_velocities", boxes }, { "initial_velocity", velocity }, { "input_velocity", inputVelocity },
+      { "relaxation", this->Relaxation }, { "reference_energy", this->ReferenceEnergy },
+      { "reference_crack", this->ReferenceCrack }, { "start_rate", this->StartRate }, { "damping", this->Damping },
+      { "time_step", result.step }, { "end_time", this->EndTime }, { "stop_share", this->StopShare },
+      { "maximum_strain", this->MaximumStrain }, { "maximum_broken", this->MaximumBroken } });
 }
 
 void vtkBondDynamics::SetComputeVelocity(bool on)

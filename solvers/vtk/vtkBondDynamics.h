@@ -58,13 +58,15 @@
 #include "vtkBondBreakAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 
+#include <array>  // for std::array
 #include <memory> // for std::unique_ptr
+#include <string> // for std::string
 
 namespace lamella
 {
-class BondScene;
 namespace peridynamics // VTK's wrappers do not read lamella::peridynamics
 {
+struct DynamicsResult;
 struct DynamicsStudyOptions;
 }
 }
@@ -101,6 +103,7 @@ public:
   /**
    * Two platens pull the sample. Off: what is said of its sides, of boxes and of velocities moves it.
    * @group Load
+   * @off no-pull: No platens: what is said of its sides, of boxes and of velocities moves the sample.
    */
   vtkSetMacro(Pull, bool);
   vtkGetMacro(Pull, bool);
@@ -351,6 +354,12 @@ private:
   /// What moves the sample. @throws lamella::ParameterError
   void CheckRate() const; ///< what is told of the loading rate
   void SetMovement(const lamella::BondScene& scene, lamella::peridynamics::DynamicsStudyOptions& options) const;
+  void SetDensities(const lamella::BondScene& scene, lamella::peridynamics::DynamicsStudyOptions& options) const;
+  void SetOptions(const lamella::BondScene& scene, lamella::peridynamics::DynamicsStudyOptions& options) const;
+  /// What was found and how, in a state's field data.
+  void Describe(vtkImageData* image, const lamella::BondScene& scene, const lamella::BondSettings& settings,
+    const lamella::peridynamics::DynamicsResult& result, const std::array<double, 3>& velocity,
+    const std::string& inputVelocity) const;
 
   struct Internals;
   std::unique_ptr<Internals> Internal;

@@ -20,6 +20,41 @@
 
 namespace pd = lamella::peridynamics;
 
+namespace
+{
+
+void check(const lamella::BondSettings& settings)
+{
+  if (settings.largeStrains)
+  {
+    throw lamella::ParameterError("fracture in large strains", "leave them out: quasi-static fracture is linear");
+  }
+  const pd::PairTable& materials = settings.materials;
+  if (materials.criticalStretch.empty() && materials.toughness.empty() && materials.fractureEnergy.empty())
+  {
+    throw lamella::ParameterError("nothing can break: there is no critical stretch, toughness or fracture energy",
+      "give one of them for the pairs of phases that are to break");
+  }
+}
+
+/// @param unwritten the last checkpoint
+std::string textOf(const pd::FractureProgress& p, bool unwritten)
+{
+  std::array<char, 128> text{};
+  if (p.equilibrium < 1)
+  {
+    std::snprintf(text.data(), text.size(), "first equilibrium, %.0f %%", 100 * p.equilibrium);
+  }
+  else
+  {
+    std::snprintf(text.data(), text.size(), "%lld bonds broken, peak %.3g Pa%s", static_cast<long long>(p.broken),
+      p.peakStress, unwritten ? ", checkpoint not written" : "");
+  }
+  return text.data();
+}
+
+} // namespace
+
 struct vtkBondFracture::Internals
 {
   std::vector<double> Strains;
@@ -49,22 +84,8 @@ void vtkBondFracture::RemoveAllStatesAtStrains()
   }
 }
 
-void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkPolyData* broken, vtkTable* curve)
+void vtkBondFracture::SetOptions(pd::FractureStudyOptions& options) const
 {
-  const lamella::BondSettings settings = this->Settings();
-  if (settings.largeStrains)
-  {
-    throw lamella::ParameterError("fracture in large strains", "leave them out: quasi-static fracture is linear");
-  }
-  const pd::PairTable& materials = settings.materials;
-  if (materials.criticalStretch.empty() && materials.toughness.empty() && materials.fractureEnergy.empty())
-  {
-    throw lamella::ParameterError("nothing can break: there is no critical stretch, toughness or fracture energy",
-      "give one of them for the pairs of phases that are to break");
-  }
-  const lamella::BondScene scene(
-    input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
-  pd::FractureStudyOptions options;
   options.loading = this->Platens();
   options.loading.strain = this->Compression ? -1e-3 : 1e-3;
   options.loading.lateralStrain = this->LateralRatio * options.loading.strain;
@@ -83,15 +104,25 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
     options.method = this->Method == EVENTS ? pd::FractureMethod::Events : pd::FractureMethod::Accurate;
   }
   options.fracture.renewEvery = this->CheckpointEvery;
-  options.fracture.continueFrom = this->PrepareCheckpoints(input, team, options.fracture.checkpoint);
-  bool unwritten = false; // the last checkpoint
-  options.fracture.checkpoint.warn = [&unwritten](const std::string&) { unwritten = true; };
   options.atStrains = this->Internal->Strains;
   options.atBroken = this->StatesAtBroken();
   options.displacement = this->ComputeDisplacement;
   options.stress = this->ComputeStress;
   options.energyDensity = this->ComputeStrainEnergy;
   options.threads = this->ThreadCount();
+}
+
+void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkPolyData* broken, vtkTable* curve)
+{
+  const lamella::BondSettings settings = this->Settings();
+  check(settings);
+  const lamella::BondScene scene(
+    input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
+  pd::FractureStudyOptions options;
+  this->SetOptions(options);
+  options.fracture.continueFrom = this->PrepareCheckpoints(input, team, options.fracture.checkpoint);
+  bool unwritten = false; // the last checkpoint
+  options.fracture.checkpoint.warn = [&unwritten](const std::string&) { unwritten = true; };
   this->SetProgressText("fracture");
   bool first = false; // on the way to the first equilibrium
   options.fracture.progress = [&](const pd::FractureProgress& p)
@@ -103,21 +134,7 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
       this->TellNext();
     }
     first = p.equilibrium < 1;
-    this->Tell(p.share,
-      [&]
-      {
-        std::array<char, 128> text{};
-        if (first)
-        {
-          std::snprintf(text.data(), text.size(), "first equilibrium, %.0f %%", 100 * p.equilibrium);
-        }
-        else
-        {
-          std::snprintf(text.data(), text.size(), "%lld bonds broken, peak %.3g Pa%s", static_cast<long long>(p.broken),
-            p.peakStress, unwritten ? ", checkpoint not written" : "");
-        }
-        return std::string(text.data());
-      });
+    this->Tell(p.share, [&] { return textOf(p, unwritten); });
     return static_cast<bool>(this->CheckAbort());
   };
   options.keep = [&](const pd::FractureState& state)
@@ -130,37 +147,13 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   {
     throw lamella::Cancelled();
   }
-  const lamella::Communicator comm(team.comm());
-  pd::FractureResult result =
-    pd::studyFracture(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, comm);
+  pd::FractureResult result = pd::studyFracture(
+    scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, lamella::Communicator(team.comm()));
   this->PeakStress = result.peak.stress;
-  for (const std::string& doubt : lamella::unitDoubts(settings.materials))
-  {
-    result.warnings.push_back(doubt);
-  }
-  if (const std::string anew = this->BeginsAnew(); !anew.empty())
-  {
-    result.warnings.insert(result.warnings.begin(), anew);
-  }
-
+  this->AddWarnings(settings, result.warnings);
   for (vtkImageData* const image : this->KeptStates())
   {
-    lamella::setFractureNumbers(image, result);
-    lamella::describeThickness(image, scene, result.thickness);
-    const nlohmann::json model = lamella::describeModel(image, scene, settings);
-    lamella::setFieldText(image, "load", this->LoadName());
-    lamella::setFieldNumber(image, "compression", this->Compression ? 1.0 : 0.0);
-    lamella::setFieldText(image, "breaking", lamella::wordOf(options.fracture.breaking));
-
-    lamella::continueProvenance(image, "fracture",
-      { { "model", model }, { "load", this->LoadName() }, { "axis", std::string(1, "xyz"[result.axis]) },
-        { "compression", this->Compression }, { "lateral_ratio", this->LateralRatio },
-        { "smooth_platens", this->SmoothPlatens }, { "rigid_platens", this->RigidPlatens },
-        { "platen_layers", this->PlatenLayers }, { "method", lamella::wordOf(result.method) },
-        { "breaking", lamella::wordOf(options.fracture.breaking) }, { "rivals", this->Rivals },
-        { "stop_share", this->StopShare }, { "maximum_strain", this->MaximumStrain },
-        { "strain_step", this->StrainStep }, { "maximum_broken", this->MaximumBroken },
-        { "tolerance", this->Tolerance }, { "checkpoint_every", this->CheckpointEvery } });
+    this->Describe(image, scene, settings, result);
   }
   if (team.rank() == 0)
   {
@@ -172,8 +165,29 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   {
     order.push_back(b.bond);
   }
-  this->Finish(broken, curve, std::move(order), result.warnings, team);
-  lamella::setLatticeNumbers(broken, scene.lattice());
+  this->Finish(broken, curve, std::move(order), scene, result.warnings, team);
+}
+
+void vtkBondFracture::Describe(vtkImageData* image, const lamella::BondScene& scene,
+  const lamella::BondSettings& settings, const pd::FractureResult& result) const
+{
+  const auto breaking = static_cast<pd::Breaking>(this->Breaking);
+  lamella::setFractureNumbers(image, result);
+  lamella::describeThickness(image, scene, result.thickness);
+  const nlohmann::json model = lamella::describeModel(image, scene, settings);
+  lamella::setFieldText(image, "load", this->LoadName());
+  lamella::setFieldNumber(image, "compression", this->Compression ? 1.0 : 0.0);
+  lamella::setFieldText(image, "breaking", lamella::wordOf(breaking));
+
+  lamella::continueProvenance(image, "fracture",
+    { { "model", model }, { "load", this->LoadName() }, { "axis", std::string(1, "xyz"[result.axis]) },
+      { "compression", this->Compression }, { "lateral_ratio", this->LateralRatio },
+      { "smooth_platens", this->SmoothPlatens }, { "rigid_platens", this->RigidPlatens },
+      { "platen_layers", this->PlatenLayers }, { "method", lamella::wordOf(result.method) },
+      { "breaking", lamella::wordOf(breaking) }, { "rivals", this->Rivals }, { "stop_share", this->StopShare },
+      { "maximum_strain", this->MaximumStrain }, { "strain_step", this->StrainStep },
+      { "maximum_broken", this->MaximumBroken }, { "tolerance", this->Tolerance },
+      { "checkpoint_every", this->CheckpointEvery } });
 }
 
 void vtkBondFracture::PrintSelf(ostream& os, vtkIndent indent)

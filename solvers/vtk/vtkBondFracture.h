@@ -62,6 +62,15 @@
 
 #include <memory> // for std::unique_ptr
 
+namespace lamella
+{
+namespace peridynamics // VTK's wrappers do not read lamella::peridynamics
+{
+struct FractureResult;
+struct FractureStudyOptions;
+}
+} // namespace lamella
+
 class VTKLAMELLASOLVERSVTK_EXPORT vtkBondFracture : public vtkBondBreakAlgorithm
 {
 public:
@@ -135,6 +144,7 @@ public:
    * @group Accuracy and cost
    * @when Method AUTO EVENTS
    * @advanced
+   * @off no-rivals: Do not look closer where two bonds are nearly as critical as each other.
    */
   vtkSetMacro(Rivals, bool);
   vtkGetMacro(Rivals, bool);
@@ -178,6 +188,11 @@ protected:
 private:
   vtkBondFracture(const vtkBondFracture&) = delete;
   void operator=(const vtkBondFracture&) = delete;
+
+  void SetOptions(lamella::peridynamics::FractureStudyOptions& options) const;
+  /// What was found and how, in a state's field data.
+  void Describe(vtkImageData* image, const lamella::BondScene& scene, const lamella::BondSettings& settings,
+    const lamella::peridynamics::FractureResult& result) const;
 
   struct Internals;
   std::unique_ptr<Internals> Internal;

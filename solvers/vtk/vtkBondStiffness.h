@@ -70,7 +70,7 @@ public:
   ///@{
   /**
    * Solve coarser pictures of the cell as well, and tell the error. At most four times the work.
-   * @off no-error-estimate
+   * @off no-error-estimate: Do not solve coarser pictures of the cell: no error is told.
    * @group Accuracy and cost
    */
   vtkSetMacro(EstimateError, bool);

@@ -36,6 +36,11 @@ namespace
 
 constexpr double usualRelaxation = 0.5;
 
+const char* wordOf(lbm::Collision collision)
+{
+  return collision == lbm::Collision::BGK ? "bgk" : "trt";
+}
+
 double timeOf(vtkImageData* state)
 {
   return state->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP());
@@ -78,6 +83,8 @@ struct vtkLatticeBoltzmann::Internals
   lamella::KeptStates<vtkImageData> States;
   vtkNew<vtkTable> Curve;
   lamella::Pace Told;
+
+  struct Running;
 
   bool Evenly() const { return this->Times.empty() && this->Steps.empty(); }
   /// The time step to take; 0: the solver's own.
@@ -273,192 +280,276 @@ std::vector<std::int64_t> vtkLatticeBoltzmann::Internals::Stops(
   return stops;
 }
 
+/// One run, from its input to states and curve.
+struct vtkLatticeBoltzmann::Internals::Running
+{
+  vtkLatticeBoltzmann& Self;
+  vtkImageData* Input;
+  const lamella::Team& Team;
+  const lamella::DiffusionScene Scene;
+  const std::size_t Axis;
+  const bool FromTop;
+  const char* const Creator;
+  std::vector<double> Diffusivity; ///< by id
+  lamella::RunStart Begin;
+  lbm::SteppingOptions Options;
+  std::vector<std::string> Unwritten; ///< checkpoints: why not
+  std::string Warning;                ///< of the solver
+  std::int64_t Continued = 0;         ///< steps in the checkpoint that the run goes on from
+  double Before = 0;                  ///< states asked for that lie before it
+  bool Ended = false;                 ///< where the checkpoint stands, which is then shown itself
+  double Done = 0;                    ///< stops
+  double All = 1;
+  double Made = 0;
+
+  Running(vtkLatticeBoltzmann& self, vtkImageData* input, const lamella::Team& team)
+    : Self(self)
+    , Input(input)
+    , Team(team)
+    , Scene(input, self.GetInputArrayInformation(0), self.Direction, team)
+    , Axis(static_cast<std::size_t>(self.Direction))
+    , FromTop(this->Scene.fromTop(self.Direction))
+    , Creator(self.GetClassName())
+  {
+  }
+
+  void Go();
+  void CheckInput() const;
+  void SetOptions();
+  void CheckMemory(std::size_t stops) const;
+  /// Goes to the checkpoint. @return the stops from there on, at least one
+  std::vector<std::int64_t> GoOn(lbm::LatticeBoltzmann& solver, std::vector<std::int64_t> stops);
+  void Warn(const std::string& text) const;
+  void WarnOfStart(const lbm::LatticeBoltzmann& solver, std::int64_t lastStop) const;
+  void Keep(const lbm::LatticeBoltzmann& solver);
+  void AddFields(vtkImageData* state, const lbm::LatticeBoltzmann& solver) const;
+  void Describe(const lbm::LatticeBoltzmann& solver) const;
+};
+
 void vtkLatticeBoltzmann::Run(vtkImageData* input, const lamella::Team& team)
 {
-  const Internals& internal = *this->Internal;
-  const lamella::DiffusionScene scene(input, this->GetInputArrayInformation(0), this->Direction, team);
-  this->LastCheckpoint = 0;
-  if (internal.Evenly() && !(std::isfinite(this->EndTime) && this->EndTime > 0))
+  Internals::Running(*this, input, team).Go();
+}
+
+void vtkLatticeBoltzmann::Internals::Running::Go()
+{
+  Internals& internal = *this->Self.Internal;
+  this->Self.LastCheckpoint = 0;
+  this->CheckInput();
+  this->Team.agree(
+    [&]
+    {
+      this->Diffusivity =
+        lamella::conductivityById(this->Scene.phases, internal.Diffusivity, this->Scene.nodes, "diffusivity");
+    });
+  this->SetOptions();
+  lbm::LatticeBoltzmann solver(
+    this->Scene.lattice(), this->Scene.block, this->Scene.ids, this->Diffusivity, this->Options, this->Team.comm());
+  solver.start(this->Self.InitialValue);
+  std::vector<std::int64_t> stops = internal.Stops(this->Self, solver);
+  this->CheckMemory(stops.size());
+  stops = this->GoOn(solver, std::move(stops));
+  this->All = static_cast<double>(stops.size());
+  this->Warning = solver.warning();
+  this->WarnOfStart(solver, stops.back());
+  try
+  {
+    solver.run(stops, [&](const lbm::LatticeBoltzmann&) { this->Keep(solver); });
+  }
+  catch (const lamella::Error&)
+  {
+    this->Self.LastCheckpoint = solver.lastCheckpoint();
+    throw;
+  }
+  this->Self.LastCheckpoint = solver.lastCheckpoint();
+  fillCurve(internal.Curve, solver.records(), this->FromTop, this->Creator);
+  if (!this->Unwritten.empty())
+  {
+    this->Warn(
+      fmt::format("{} of the checkpoints could not be written: {}", this->Unwritten.size(), this->Unwritten.front()));
+  }
+  this->Describe(solver);
+}
+
+void vtkLatticeBoltzmann::Internals::Running::CheckInput() const
+{
+  if (this->Self.Internal->Evenly() && !(std::isfinite(this->Self.EndTime) && this->Self.EndTime > 0))
   {
     throw lamella::ParameterError("no end time was given", "give the last time in seconds, or times to keep states at");
   }
-  if (lamella::fieldText(input, "pixel_size_source") == "none")
+  if (lamella::fieldText(this->Input, "pixel_size_source") == "none")
   {
     throw lamella::ParameterError(
       "a run in time needs the size of a pixel, which is not known", "give it where the picture is read: pixel size");
   }
-  std::vector<double> diffusivity;
-  team.agree(
-    [&] { diffusivity = lamella::conductivityById(scene.phases, internal.Diffusivity, scene.nodes, "diffusivity"); });
+}
 
-  const auto axis = static_cast<std::size_t>(this->Direction);
-  const bool fromTop = scene.fromTop(this->Direction);
-  lbm::SteppingOptions options;
-  options.stencil = scene.stencil(this->Lattice);
-  options.collision = static_cast<lbm::Collision>(this->Collision);
-  options.sides.fill(this->Sides == PERIODIC ? lbm::Boundary::Periodic : lbm::Boundary::Insulated);
-  options.sides[axis] = lbm::Boundary::Fixed;
-  options.faceValues[axis] = { this->InletValue, this->OutletValue };
-  if (fromTop)
+void vtkLatticeBoltzmann::Internals::Running::SetOptions()
+{
+  vtkLatticeBoltzmann& self = this->Self;
+  lbm::SteppingOptions& options = this->Options;
+  options.stencil = this->Scene.stencil(self.Lattice);
+  options.collision = static_cast<lbm::Collision>(self.Collision);
+  options.sides.fill(self.Sides == PERIODIC ? lbm::Boundary::Periodic : lbm::Boundary::Insulated);
+  options.sides[this->Axis] = lbm::Boundary::Fixed;
+  options.faceValues[this->Axis] = { self.InletValue, self.OutletValue };
+  if (this->FromTop)
   {
-    std::swap(options.faceValues[axis][0], options.faceValues[axis][1]);
+    std::swap(options.faceValues[this->Axis][0], options.faceValues[this->Axis][1]);
   }
-  options.axis = this->Direction;
-  options.threads = this->ThreadCount();
-  options.timeStep = internal.StepFor(*this, scene, diffusivity);
-  options.checkpoint.every = this->CheckpointEvery;
-  options.checkpoint.seconds = this->CheckpointSeconds;
-  const lamella::RunStart begin =
-    lamella::startOf(this->ContinueFile, this->CheckpointFile, "the initial value", input, team, options.checkpoint);
-  std::vector<std::string> unwritten;
-  options.checkpoint.warn = [&](const std::string& why) { unwritten.push_back(why); };
-  double done = 0; // stops
-  double all = 1;
-  options.progress = [&](double share, const char* what)
+  options.axis = self.Direction;
+  options.threads = self.ThreadCount();
+  options.timeStep = self.Internal->StepFor(self, this->Scene, this->Diffusivity);
+  options.checkpoint.every = self.CheckpointEvery;
+  options.checkpoint.seconds = self.CheckpointSeconds;
+  this->Begin = lamella::startOf(
+    self.ContinueFile, self.CheckpointFile, "the initial value", this->Input, this->Team, options.checkpoint);
+  options.checkpoint.warn = [this](const std::string& why) { this->Unwritten.push_back(why); };
+  options.progress = [this](double share, const char* what)
   {
-    if (this->Internal->Told.due())
+    if (this->Self.Internal->Told.due())
     {
-      this->SetProgressText(what);
-      this->UpdateProgress(std::min((done + share) / all, 1.0));
+      this->Self.SetProgressText(what);
+      this->Self.UpdateProgress(std::min((this->Done + share) / this->All, 1.0));
     }
-    return !this->CheckAbort();
+    return !this->Self.CheckAbort();
   };
+}
 
-  lbm::LatticeBoltzmann solver(scene.lattice(), scene.block, scene.ids, diffusivity, options, team.comm());
-  solver.start(this->InitialValue);
-  std::vector<std::int64_t> stops = internal.Stops(*this, solver);
-  const std::size_t kept = this->KeepStates ? stops.size() : 1;
+void vtkLatticeBoltzmann::Internals::Running::CheckMemory(std::size_t stops) const
+{
+  const std::size_t kept = this->Self.KeepStates ? stops : 1;
   const double needed =
-    static_cast<double>(kept) * static_cast<double>(scene.whole.held.count()) * (this->ComputeFlux ? 32 : 8);
-  team.agree(
+    static_cast<double>(kept) * static_cast<double>(this->Scene.whole.held.count()) * (this->Self.ComputeFlux ? 32 : 8);
+  this->Team.agree(
     [&]
     {
       if (const auto available = static_cast<double>(lamella::availableMemory()); needed > available)
       {
         throw lamella::MemoryError(
-          fmt::format("keeping {} states of {} nodes needs about {}, and {} are available", stops.size(),
-            scene.lattice().count(), lamella::bytesText(needed), lamella::bytesText(available)),
+          fmt::format("keeping {} states of {} nodes needs about {}, and {} are available", stops,
+            this->Scene.lattice().count(), lamella::bytesText(needed), lamella::bytesText(available)),
           "keep fewer states, or take a smaller window");
       }
     });
-  if (!begin.from.empty())
+}
+
+std::vector<std::int64_t> vtkLatticeBoltzmann::Internals::Running::GoOn(
+  lbm::LatticeBoltzmann& solver, std::vector<std::int64_t> stops)
+{
+  if (!this->Begin.from.empty())
   {
-    solver.restore(begin.from);
+    solver.restore(this->Begin.from);
+    this->Continued = solver.steps();
   }
-  const std::int64_t continued = begin.from.empty() ? 0 : solver.steps();
-  const auto first = std::lower_bound(stops.begin(), stops.end(), continued);
-  const auto before = static_cast<double>(first - stops.begin());
+  const auto first = std::lower_bound(stops.begin(), stops.end(), this->Continued);
+  this->Before = static_cast<double>(first - stops.begin());
   stops.erase(stops.begin(), first);
-  const bool ended = stops.empty();
-  if (ended) // the checkpoint itself is shown
+  this->Ended = stops.empty();
+  if (this->Ended)
   {
-    stops.push_back(continued);
+    stops.push_back(this->Continued);
   }
-  all = static_cast<double>(stops.size());
-  const auto warn = [&](const std::string& text)
-  {
-    if (!text.empty() && team.rank() == 0)
-    {
-      vtkWarningMacro(<< text);
-    }
-  };
-  const std::string warning = solver.warning();
-  warn(begin.warning);
-  warn(warning);
-  warn(solver.shortRunWarning(stops.back()));
-  if (ended)
-  {
-    warn(fmt::format("the run had ended where the checkpoint stands, after {} steps: that state is kept", continued));
-  }
-  else if (before > 0)
-  {
-    warn(fmt::format("{} of the states asked for lie before the checkpoint, which stands after {} steps: they are not "
-                     "made, the curve has them",
-      before, continued));
-  }
+  return stops;
+}
 
-  const std::string quantity = this->QuantityName();
-  const std::string collision = options.collision == lbm::Collision::BGK ? "bgk" : "trt";
-  const std::string sides = this->SidesName();
-  const char* const direction = lamella::axisNames.at(axis);
-  const char* const creator = this->GetClassName();
-  double made = 0;
-  const auto keep = [&](const lbm::LatticeBoltzmann&)
+void vtkLatticeBoltzmann::Internals::Running::Warn(const std::string& text) const
+{
+  if (!text.empty() && this->Team.rank() == 0)
   {
-    vtkImageData* const state = this->Internal->States.add(this->KeepStates);
-    state->ShallowCopy(input);
-    const auto field = scene.array(quantity, 1, [&](std::span<double> out) { solver.value(out); });
-    lamella::describe(field, "1", quantity + ", NaN where nothing conducts", creator);
-    state->GetPointData()->AddArray(field);
-    state->GetPointData()->SetActiveScalars(field->GetName());
-    if (this->ComputeFlux)
-    {
-      const auto flux = scene.array("flux", 3, [&](std::span<double> out) { solver.flux(out); });
-      lamella::describe(flux, "m/s", "flux of " + quantity + ", -D grad u", creator);
-      state->GetPointData()->AddArray(flux);
-      state->GetPointData()->SetActiveVectors(flux->GetName());
-    }
-    const lbm::SteppingRecord& now = solver.records().back();
-    const lbm::SteppingStatistics s = solver.statistics();
-    const auto set = [state](const char* name, double value) { lamella::setFieldNumber(state, name, value); };
-    set("time", now.time);
-    set(lamella::stateNumber, (ended ? 0 : static_cast<double>(before)) + made++);
-    set("inlet_flux", fromTop ? -now.faceFlux[1] : now.faceFlux[0]);
-    set("outlet_flux", fromTop ? -now.faceFlux[0] : now.faceFlux[1]);
-    set("mean_value", now.mean);
-    set("time_step", solver.timeStep());
-    set("steps", static_cast<double>(now.steps));
-    set("relaxation", solver.relaxation());
-    set("stored_nodes", static_cast<double>(s.stored));
-    set("skipped_nodes", static_cast<double>(s.skipped));
-    set("updates_per_second", s.seconds > 0 ? static_cast<double>(s.updates) / s.seconds : 0.0);
-    set("bytes", static_cast<double>(s.bytes));
-    state->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), now.time);
-    lamella::setFieldText(state, "collision", collision);
-    lamella::setFieldText(state, "lattice", lbm::name(options.stencil));
-    lamella::setFieldText(state, "direction", direction);
-    lamella::setFieldText(state, "sides", sides);
-    lamella::setFieldText(state, "quantity", quantity);
-    lamella::setFieldText(state, "warning", warning);
-    done += 1;
-    lamella::tellStep(this, state);
-  };
-  try
-  {
-    solver.run(stops, keep);
+    vtkWarningWithObjectMacro(&this->Self, << text);
   }
-  catch (const lamella::Error&)
-  {
-    this->LastCheckpoint = solver.lastCheckpoint();
-    throw;
-  }
-  this->LastCheckpoint = solver.lastCheckpoint();
-  fillCurve(this->Internal->Curve, solver.records(), fromTop, creator);
+}
 
-  if (!unwritten.empty())
+void vtkLatticeBoltzmann::Internals::Running::WarnOfStart(
+  const lbm::LatticeBoltzmann& solver, std::int64_t lastStop) const
+{
+  this->Warn(this->Begin.warning);
+  this->Warn(this->Warning);
+  this->Warn(solver.shortRunWarning(lastStop));
+  if (this->Ended)
   {
-    warn(fmt::format("{} of the checkpoints could not be written: {}", unwritten.size(), unwritten.front()));
+    this->Warn(fmt::format(
+      "the run had ended where the checkpoint stands, after {} steps: that state is kept", this->Continued));
   }
+  else if (this->Before > 0)
+  {
+    this->Warn(fmt::format("{} of the states asked for lie before the checkpoint, which stands after {} steps: they "
+                           "are not made, the curve has them",
+      this->Before, this->Continued));
+  }
+}
 
+void vtkLatticeBoltzmann::Internals::Running::Keep(const lbm::LatticeBoltzmann& solver)
+{
+  vtkImageData* const state = this->Self.Internal->States.add(this->Self.KeepStates);
+  state->ShallowCopy(this->Input);
+  this->AddFields(state, solver);
+  const lbm::SteppingRecord& now = solver.records().back();
+  const lbm::SteppingStatistics s = solver.statistics();
+  const auto set = [state](const char* name, double value) { lamella::setFieldNumber(state, name, value); };
+  set("time", now.time);
+  set(lamella::stateNumber, (this->Ended ? 0 : this->Before) + this->Made++);
+  set("inlet_flux", this->FromTop ? -now.faceFlux[1] : now.faceFlux[0]);
+  set("outlet_flux", this->FromTop ? -now.faceFlux[0] : now.faceFlux[1]);
+  set("mean_value", now.mean);
+  set("time_step", solver.timeStep());
+  set("steps", static_cast<double>(now.steps));
+  set("relaxation", solver.relaxation());
+  set("stored_nodes", static_cast<double>(s.stored));
+  set("skipped_nodes", static_cast<double>(s.skipped));
+  set("updates_per_second", s.seconds > 0 ? static_cast<double>(s.updates) / s.seconds : 0.0);
+  set("bytes", static_cast<double>(s.bytes));
+  state->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), now.time);
+  lamella::setFieldText(state, "collision", wordOf(this->Options.collision));
+  lamella::setFieldText(state, "lattice", lbm::name(this->Options.stencil));
+  lamella::setFieldText(state, "direction", lamella::axisNames.at(this->Axis));
+  lamella::setFieldText(state, "sides", this->Self.SidesName());
+  lamella::setFieldText(state, "quantity", this->Self.QuantityName());
+  lamella::setFieldText(state, "warning", this->Warning);
+  this->Done += 1;
+  lamella::tellStep(&this->Self, state);
+}
+
+void vtkLatticeBoltzmann::Internals::Running::AddFields(vtkImageData* state, const lbm::LatticeBoltzmann& solver) const
+{
+  const std::string quantity = this->Self.QuantityName();
+  const auto field = this->Scene.array(quantity, 1, [&](std::span<double> out) { solver.value(out); });
+  lamella::describe(field, "1", quantity + ", NaN where nothing conducts", this->Creator);
+  state->GetPointData()->AddArray(field);
+  state->GetPointData()->SetActiveScalars(field->GetName());
+  if (this->Self.ComputeFlux)
+  {
+    const auto flux = this->Scene.array("flux", 3, [&](std::span<double> out) { solver.flux(out); });
+    lamella::describe(flux, "m/s", "flux of " + quantity + ", -D grad u", this->Creator);
+    state->GetPointData()->AddArray(flux);
+    state->GetPointData()->SetActiveVectors(flux->GetName());
+  }
+}
+
+void vtkLatticeBoltzmann::Internals::Running::Describe(const lbm::LatticeBoltzmann& solver) const
+{
+  const vtkLatticeBoltzmann& self = this->Self;
   nlohmann::json values;
-  for (std::size_t id = 0; id < diffusivity.size(); ++id)
+  for (std::size_t id = 0; id < this->Diffusivity.size(); ++id)
   {
-    if (scene.nodes[id] > 0)
+    if (this->Scene.nodes[id] > 0)
     {
-      values[scene.phases.names[id]] = diffusivity[id];
+      values[this->Scene.phases.names[id]] = this->Diffusivity[id];
     }
   }
-  for (const auto& state : this->Internal->States.all())
+  for (const auto& state : self.Internal->States.all())
   {
-    lamella::setFieldNumber(state, "continued_at", static_cast<double>(continued));
-    lamella::setFieldNumber(state, "states_before", ended ? 0 : before);
+    lamella::setFieldNumber(state, "continued_at", static_cast<double>(this->Continued));
+    lamella::setFieldNumber(state, "states_before", this->Ended ? 0 : this->Before);
     lamella::setFieldNumber(state, "checkpoints", static_cast<double>(solver.checkpoints()));
     lamella::setFieldNumber(state, "last_checkpoint", static_cast<double>(solver.lastCheckpoint()));
     lamella::continueProvenance(state, "lattice_boltzmann",
-      { { "diffusivity", values }, { "direction", direction }, { "quantity", quantity }, { "sides", sides },
-        { "lattice", lbm::name(options.stencil) }, { "collision", collision }, { "inlet_value", this->InletValue },
-        { "outlet_value", this->OutletValue }, { "initial_value", this->InitialValue }, { "end_time", solver.time() },
-        { "time_step", solver.timeStep() } });
+      { { "diffusivity", values }, { "direction", lamella::axisNames.at(this->Axis) },
+        { "quantity", self.QuantityName() }, { "sides", self.SidesName() },
+        { "lattice", lbm::name(this->Options.stencil) }, { "collision", wordOf(this->Options.collision) },
+        { "inlet_value", self.InletValue }, { "outlet_value", self.OutletValue },
+        { "initial_value", self.InitialValue }, { "end_time", solver.time() }, { "time_step", solver.timeStep() } });
   }
 }
 

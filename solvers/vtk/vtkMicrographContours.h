@@ -94,6 +94,7 @@ public:
   /**
    * Smooth the steps of pixels away; each outline keeps its area.
    * @group Outlines
+   * @off no-smooth: Keep the steps of the pixels.
    */
   vtkSetMacro(Smooth, bool);
   vtkGetMacro(Smooth, bool);

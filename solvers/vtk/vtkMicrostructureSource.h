@@ -335,6 +335,7 @@ public:
   ///@{
   /**
    * Specks of dirt a square millimetre, 3 to 12 µm wide.
+   * @unit 1/mm²
    * @group Micrograph
    * @when Look MAGENTA BLUE GREY
    * @range [0, 10000]
@@ -346,6 +347,7 @@ public:
   ///@{
   /**
    * Torn places a square millimetre: short cracks in the picture. The phases stay whole.
+   * @unit 1/mm²
    * @group Micrograph
    * @when Look MAGENTA BLUE GREY
    * @range [0, 10000]
@@ -356,8 +358,8 @@ public:
 
   ///@{
   /**
-   * Depth of a dark fringe 0.6 µm wide on both sides of the lumens' edges, as of walls out of focus, in the stain of a
-   * wall. 0.4 is faint.
+   * Depth of a dark fringe 0.6 µm wide on both sides of the lumens' edges, as of walls out of focus: a share of the
+   * stain of a wall. 0.4 is faint.
    * @group Micrograph
    * @when Look MAGENTA BLUE GREY
    * @range [0, 3]

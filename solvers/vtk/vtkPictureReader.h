@@ -29,6 +29,11 @@
 #include <map>    // for the grey map
 #include <string> // for the grey map
 
+namespace lamella
+{
+struct PictureOptions;
+}
+
 class VTKLAMELLASOLVERSVTK_EXPORT vtkPictureReader : public vtkImageAlgorithm
 {
 public:
@@ -214,6 +219,8 @@ private:
 
   /** Reads the file unless it has been read with these settings. */
   bool Read();
+  lamella::PictureOptions Options() const;
+  void Load();
 
   char* FileName = nullptr;
   char* OtherPhase = nullptr;

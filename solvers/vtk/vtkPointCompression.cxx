@@ -74,6 +74,10 @@ struct vtkPointCompression::Internals
   mpm::CompressionOptions<Dim> Options(const lamella::PointScene& scene, const Account& account) const;
   template <int Dim>
   void Solve(vtkImageData* input, const lamella::PointScene& scene, const lamella::Team& team);
+  /// What is said of a run that has ended: warnings, curve, and of every state what was found. @param warning or empty
+  template <int Dim>
+  void Conclude(const mpm::PointCompression<Dim>& run, const lamella::PointScene& scene, const lamella::Team& team,
+    const std::string& warning, Account& account);
   void Describe(vtkDataObject* output, const lamella::PointScene& scene, const Account& account) const;
 };
 
@@ -330,20 +334,28 @@ void vtkPointCompression::Internals::Solve(
     keep(run.strain());
   }
 
+  this->Conclude(run, scene, team, begin.warning, account);
+}
+
+template <int Dim>
+void vtkPointCompression::Internals::Conclude(const mpm::PointCompression<Dim>& run, const lamella::PointScene& scene,
+  const lamella::Team& team, const std::string& warning, Account& account)
+{
+  vtkPointCompression& self = *this->Self;
   account.Summary = run.summary();
-  if (!begin.warning.empty())
+  if (!warning.empty())
   {
-    account.Warnings.push_back(begin.warning);
+    account.Warnings.push_back(warning);
   }
   for (const std::vector<std::string>& some : { scene.warnings(), account.Summary.warnings })
   {
     account.Warnings.insert(account.Warnings.end(), some.begin(), some.end());
   }
-  for (const std::string& warning : account.Warnings)
+  for (const std::string& said : account.Warnings)
   {
     if (team.rank() == 0)
     {
-      vtkWarningWithObjectMacro(&self, << warning);
+      vtkWarningWithObjectMacro(&self, << said);
     }
   }
   for (const auto& state : this->States.all())
@@ -354,7 +366,7 @@ void vtkPointCompression::Internals::Solve(
   }
   if (team.rank() == 0)
   {
-    lamella::setCompressionCurve(this->Curve, run.rows(), creator);
+    lamella::setCompressionCurve(this->Curve, run.rows(), self.GetClassName());
   }
   this->Curve->GetFieldData()->ShallowCopy(this->States.all().back()->GetFieldData());
 }

@@ -198,7 +198,7 @@ public:
    * Also solve the pictures that every second, third and fourth pixel gives, and every pixel split in 2 × 2 (× 2), on
    * a part of a large image, and estimate the error of the value against the material's. Costs several times the
    * solve itself.
-   * @off no-error-estimate
+   * @off no-error-estimate: Do not solve coarser and split pictures: no error is told.
    * @group Accuracy and cost
    * @panel off
    */

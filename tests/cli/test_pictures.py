@@ -60,8 +60,8 @@ class Results(Case):
         environment = {"DISPLAY": ""}
         for name, words in [
             ("auto", []),
-            ("flux", ["--preset", "flux", "--streamlines"]),
-            ("arrows", ["--array", "flux", "--arrows"]),
+            ("flux", ["--preset", "flux", "--overlay", "lines"]),
+            ("arrows", ["--array", "flux", "--overlay", "arrows"]),
             ("temperature", ["--preset", "temperature", "--overlay", "isolines", "--color-map", "magma"]),
             ("phase", ["--preset", "phase", "--phase-color", "wall=#8c5a2b"]),
             ("part", ["--window", "10,10,40,30"]),
@@ -82,16 +82,16 @@ class Results(Case):
         self.write("p.png", pictures.png(pictures.stripes(40, 30)))
         self.works("snapshot", "p.png", *PHASES, "--pixel-size", "0.5um", "--background", "#f4ede4", "-o", "p_out.png")
         self.works("generate", "spheres", "--size", "16,16,16", "-o", "s.vti")
-        self.works("snapshot", "s.vti", "--view", "-40,20", "-o", "s_out.png")
+        self.works("snapshot", "s.vti", "--azimuth", "-40", "--elevation", "20", "-o", "s_out.png")
 
     def test_snapshots_of_what_is_not_there(self):
         self.fails(2, "pictures are written as PNG", ".png", "snapshot", "h_y.vti", "-o", "s.jpg")
         self.fails(3, "there is no array 'stress'", "name one of these", "snapshot", "h_y.vti", "--array", "stress", "-o", "s.png")
-        self.fails(2, "--preset 'fluks'", "did you mean 'flux'?", "snapshot", "h_y.vti", "--preset", "fluks", "-o", "s.png")
-        self.fails(2, "--size '10,10' is outside 64 to 16384", "leave it out", "snapshot", "h_y.vti", "--size", "10,10", "-o", "s.png")
-        self.fails(2, "--background 'mauve'", "#RRGGBB", "snapshot", "h_y.vti", "--background", "mauve", "-o", "s.png")
-        self.fails(2, "--range '2,1'", "smaller value first", "snapshot", "h_y.vti", "--range", "2,1", "-o", "s.png")
-        self.fails(2, "exclude each other", "one of them", "snapshot", "h_y.vti", "--arrows", "--streamlines", "-o", "s.png")
+        self.fails(2, "preset 'fluks'", "did you mean 'flux'?", "snapshot", "h_y.vti", "--preset", "fluks", "-o", "s.png")
+        self.fails(2, "size (width) 10 is below 64", "from 64 to 16384", "snapshot", "h_y.vti", "--size", "10,10", "-o", "s.png")
+        self.fails(2, "background 'mauve' is not a colour", "#RRGGBB", "snapshot", "h_y.vti", "--background", "mauve", "-o", "s.png")
+        self.fails(2, "range 2 to 1 is empty", "lower end first", "snapshot", "h_y.vti", "--range", "2,1", "-o", "s.png")
+        self.fails(2, "exclude each other", "alone", "snapshot", "h_y.vti", "--arrows", "--streamlines", "-o", "s.png")
         self.fails(2, "outside", "inside the picture", "snapshot", "h_y.vti", "--window", "0,0,91,70", "-o", "s.png")
 
     def test_info_of_a_result(self):

@@ -26,7 +26,7 @@ NO_SETTINGS = {"SetController", "SetInputData", "SetInputConnection", "AddInputD
                "SetPointsConnection", "AddPointsData", "SetOverlayLines", "SetPresetByName", "SetOverlayByName", "AddNotchInSpace"}
 # Numbers without a unit: shares, strains, ratios, counts, values in units of the data
 PURE = re.compile(r"share|strain|ratio|spacing|lattice unit|in any unit|over the|of all tensile|tensile stresses|number|relative|seed|nodes|"
-                  r"pixels|tolerance|residual|kinetic|Poisson|value|smoothed|standard deviation|speed|friction|length|coordinates|channel|opacity|place|position|axis|wave|grains", re.I)
+                  r"pixels|tolerance|residual|kinetic|Poisson|value|smoothed|standard deviation|speed|friction|length|coordinates|channel|opacity|place|position|axis|wave|grains|colour|background", re.I)
 
 
 class Panels(unittest.TestCase):

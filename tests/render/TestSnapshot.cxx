@@ -167,7 +167,7 @@ TEST_F(SnapshotTest, RangeIsKept)
 TEST_F(SnapshotTest, FluxIsRelativeToItsMean)
 {
   this->Snapshot->SetPreset(vtkSnapshot::FLUX);
-  this->Snapshot->SetOverlay(vtkSnapshot::OVERLAY_NONE);
+  this->Snapshot->SetOverlay(vtkSnapshot::NO_OVERLAY);
   this->Snapshot->ShowOutlineOff();
   vtkImageData* picture = this->draw();
   ASSERT_NE(picture, nullptr);
@@ -216,7 +216,7 @@ TEST_F(SnapshotTest, ArrowsPointAlongTheFlux)
   }
   this->Snapshot->SetPreset(vtkSnapshot::FLUX);
   this->Snapshot->ShowOutlineOff();
-  this->Snapshot->SetOverlay(vtkSnapshot::OVERLAY_ARROWS);
+  this->Snapshot->SetOverlay(vtkSnapshot::ARROWS_OVERLAY);
   this->Snapshot->SetOverlayCount(2); // blocks of 60: one arrow each, downwards
   vtkImageData* picture = this->draw();
   const pixels::Rect r = this->data();
@@ -245,12 +245,12 @@ TEST_F(SnapshotTest, IsolinesAndOutline)
   vtkNew<vtkImageData> plain;
   plain->DeepCopy(this->draw());
   const pixels::Rect r = this->data();
-  this->Snapshot->SetOverlay(vtkSnapshot::OVERLAY_ISOLINES);
+  this->Snapshot->SetOverlay(vtkSnapshot::ISOLINES_OVERLAY);
   this->Snapshot->SetOverlayCount(5);
   const double isolines = pixels::difference(plain, this->draw(), r, 20);
   EXPECT_GT(isolines, 0.005);
   EXPECT_LT(isolines, 0.05);
-  this->Snapshot->SetOverlay(vtkSnapshot::OVERLAY_NONE);
+  this->Snapshot->SetOverlay(vtkSnapshot::NO_OVERLAY);
   EXPECT_EQ(pixels::difference(plain, this->draw(), r, 0), 0) << "the same again is the same";
   this->Snapshot->ShowOutlineOn();
   const double outline = pixels::difference(plain, this->draw(), r, 20);
@@ -479,7 +479,7 @@ TEST_F(SnapshotTest, DirectionsByTheirEndings)
   EXPECT_NE(this->draw(), nullptr);
   this->Snapshot->SetPreset(vtkSnapshot::AUTO);
   this->Snapshot->SetArrayName("flux_y");
-  this->Snapshot->SetOverlay(vtkSnapshot::OVERLAY_NONE);
+  this->Snapshot->SetOverlay(vtkSnapshot::NO_OVERLAY);
   vtkImageData* picture = this->draw();
   ASSERT_NE(picture, nullptr);
   EXPECT_EQ(this->colorOf(picture, 10, 40), Undefined) << "drawn as a flux, which knows what does not conduct";

@@ -30,26 +30,6 @@ struct ReadOptions
   std::string output;
 };
 
-/// What a .vti knows of each node besides its phase, in the sample's order.
-template <class Array>
-void carry(const PictureOptions& picture, const Sample& sample, vtkImageData* image, const char* name)
-{
-  const NodeArray nodes = sampleArray(picture, sample, name);
-  if (nodes.components == 0)
-  {
-    return;
-  }
-  vtkNew<Array> array;
-  array->SetName(name);
-  array->SetNumberOfComponents(nodes.components);
-  array->SetNumberOfTuples(image->GetNumberOfPoints());
-  for (std::size_t i = 0; i < nodes.values.size(); ++i)
-  {
-    array->SetValue(static_cast<vtkIdType>(i), static_cast<typename Array::ValueType>(nodes.values[i]));
-  }
-  image->GetPointData()->AddArray(array);
-}
-
 /// Nothing said of it: the file as it is.
 bool asItIs(const PictureOptions& o)
 {
@@ -77,10 +57,7 @@ void readSample(Session& session, const ReadOptions& o, const std::string& comma
     {
       json["phases"].push_back({ { "name", sample.image.phases.names()[id] }, { "fraction", fractions[id] } });
     }
-    const auto image = toImageData(PhaseImage(sample.image));
-    carry<vtkFloatArray>(o.picture, sample, image, "axis");
-    carry<vtkIntArray>(o.picture, sample, image, "grain");
-    setFieldText(image, "pixel_size_source", sample.pixelSizeSource);
+    const auto image = imageOf(sample);
     setProvenance(image, io::toJson(recordRun(session, commandLine, o.picture.file, sample.provenance)));
     data = image;
   }

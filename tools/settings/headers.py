@@ -6,13 +6,15 @@ the member's own initialiser. The comment above it says in a sentence or two wha
 end, and then, in lines that begin with @:
 
     @word at-time, at_times       what it is called in a command, and in Python if that differs, where the rule's word will not do
-    @off keep-platens             of a switch that is on by itself: the option that switches it off; no-WORD by itself
+    @off no-rivals: Do not look   of a switch that is on by itself: the option that switches it off (by itself no-WORD), and what that does
     @group Load                   title under which it stands
     @unit Pa                      unit of its numbers
     @range [0, 1)                 what is allowed; numbers are finite unless it says inf]
     @rest 1                       of a vector: its last number where people leave it out; same: as the one before
     @unset 0                      what stands for a number that is not given, out of its range: a default that nobody can give
     @choice Loads                 the enum of what it can be, or its enumerators, if it cannot be all of them
+    @names -1 = magnitude; 0 = x  words for some of the whole numbers that it can be
+    @colour                       its last three numbers are a colour, which people write as #RRGGBB or by a name
     @values 2 = disks; 3 = spheres  whole numbers that it can be, and what they mean
     @title Toughness of bonds     of what is listed: the heading of its table
     @columns Bonds, Modulus [Pa]  names of the parts of what is listed, or of a vector
@@ -80,6 +82,7 @@ class Setting:
     word: str = ""  # in a command, after --
     keyword: str = ""  # in Python
     off: str = ""  # of a switch that is on by itself: the option that switches it off
+    off_text: str = ""  # and what that does
     wholes: tuple = ()  # C++ types of whole numbers, by parameter
     group: str = ""
     title: str = ""
@@ -88,6 +91,8 @@ class Setting:
     files: str = ""
     advanced: bool = False
     unset: object = None
+    names: list = dataclasses.field(default_factory=list)  # words for some of its numbers: (word, number)
+    colour: bool = False
     rest: object = None
     panel: str = ""  # how a panel begins: on or off; empty: with the default
     owner: str = ""
@@ -440,18 +445,23 @@ class Declarations:
     @staticmethod
     def apply(setting, tags, kind, entries):
         fail = lambda why: setting.fail(setting.at, why)  # noqa: E731
-        known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default", "panel", "unset", "rest"}
+        known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default", "panel", "unset", "rest", "names", "colour"}
         for tag in set(tags) - known:
             fail(f"@{tag} is not understood; there are {', '.join(sorted(known))}")
         word, _, keyword = tags.get("word", setting.word).partition(",")
         setting.word = word or word_of(setting)
         setting.keyword = keyword.strip() or (setting.keyword if "word" not in tags else "") or setting.word.replace("-", "_")
-        setting.off = tags.get("off", setting.off) or (f"no-{setting.word}" if setting.kind == "switch" and setting.default else "")
+        off, _, off_text = tags.get("off", setting.off).partition(":")
+        setting.off_text = off_text.strip() or setting.off_text
+        setting.off = off or (f"no-{setting.word}" if setting.kind == "switch" and setting.default else "")
         setting.group, setting.title = tags.get("group", setting.group), tags.get("title", setting.title)
         setting.unit = tags.get("unit", setting.unit)
         setting.advanced = setting.advanced or "advanced" in tags
         setting.panel = tags.get("panel", setting.panel)
         setting.unset = float(tags["unset"]) if "unset" in tags else setting.unset
+        setting.colour = setting.colour or "colour" in tags
+        if "names" in tags:
+            setting.names = [tuple(part.strip() for part in name.split("=")) for name in tags["names"].split(";")]
         setting.rest = float(tags["rest"].replace("same", "inf")) if "rest" in tags else setting.rest
         setting.columns = [part.strip() for part in tags["columns"].split(",")] if "columns" in tags else setting.columns
         if "range" in tags:
@@ -535,7 +545,7 @@ class Declarations:
 def inherit(setting, base, tags):
     """A setter that a subclass declares again says what differs."""
     setting.name = base.name
-    for field in ("text", "word", "keyword", "off", "group", "title", "unit", "range", "choices", "columns", "when", "files", "advanced", "panel", "unset", "rest", "clear"):
+    for field in ("text", "word", "keyword", "off", "off_text", "group", "title", "unit", "range", "choices", "columns", "when", "files", "advanced", "panel", "unset", "rest", "names", "colour", "clear"):
         if not getattr(setting, field) or (field == "range" and "range" not in tags):
             setattr(setting, field, getattr(base, field))
     if base.kind in ("choice", "file"):

@@ -23,6 +23,8 @@ def hint(setting):
         return "str"
     if setting.kind == "vector":
         return "Sequence[int]" if setting.types[0] == "whole" else "Sequence[float]"
+    if setting.names:
+        return "int | str"
     return "int" if setting.kind == "choice" and setting.choices[0].word.isdigit() else HINTS[setting.kind]
 
 
@@ -61,7 +63,7 @@ def write(declarations, path):
     for name, kind in declarations.classes.items():
         text += f"    {name!r}: (\n"
         for setting in declarations.own(name):
-            words = {choice.word: choice.value for choice in setting.choices} or None
+            words = {choice.word: choice.value for choice in setting.choices} or {name: int(value) for value, name in setting.names} or None
             other = declarations.other(name, setting) if setting.when else None
             when = (other[0].keyword, tuple(other[1]), other[2]) if other else None
             row = (setting.keyword, setting.setter, "axes" if axes(setting) else setting.kind, setting.types, default(setting), words,

@@ -92,6 +92,7 @@ def condition(declarations, name, setting):
 def entry(declarations, name, setting):
     limits = setting.range
     choices = ", ".join(f"{{ {quoted(choice.word)}, {choice.value} }}" for choice in setting.choices)
+    names = ", ".join(f"{{ {quoted(word)}, {value} }}" for value, word in setting.names)
     several = len(setting.types) > 1
     parts = ", ".join(map(quoted, setting.columns))
     ends = f"{str(limits.low_open).lower()}, {str(limits.high_open).lower()}"
@@ -99,8 +100,8 @@ def entry(declarations, name, setting):
     read = f"static_cast<{name}*>(object)->{setting.getter}()" + (f", {len(setting.types)}" if several else "")
     values = f"[](vtkObject* object) {{ return numbers({read}); }}" if checked(setting) else "nullptr"
     words = ", ".join(quoted(text) for text in (setting.unit, setting.group, setting.text, standard(setting)))
-    return (f"    {{ {quoted(setting.word)}, {quoted(setting.off)}, Kind::{kind}, {{ {', '.join('Type::' + t.capitalize() for t in setting.types)} }}, "
-            f"{number(limits.low)}, {number(limits.high)}, {ends}, {'nan' if setting.unset is None else number(setting.unset)}, {'nan' if setting.rest is None else number(setting.rest)}, {{ {choices} }}, {{ {parts} }},\n      {words},\n"
+    return (f"    {{ {quoted(setting.word)}, {quoted(setting.off)}, {quoted(setting.off_text)}, Kind::{kind}, {{ {', '.join('Type::' + t.capitalize() for t in setting.types)} }}, "
+            f"{number(limits.low)}, {number(limits.high)}, {ends}, {'nan' if setting.unset is None else number(setting.unset)}, {'nan' if setting.rest is None else number(setting.rest)}, {{ {choices} }}, {{ {names} }}, {str(setting.colour).lower()}, {{ {parts} }},\n      {words},\n"
             f"      {condition(declarations, name, setting)},\n      {values},\n"
             f"      [](vtkObject* object, const std::vector<SettingValue>& values)\n"
             f"      {{\n        const Given given{{ values }};\n        {call(name, setting)};\n      }} }},\n")
@@ -121,6 +122,11 @@ def standard(setting):
         return "".join(axis for axis, flag in zip("xyz", setting.default) if flag)
     if setting.kind == "switch":
         return ""
+    if setting.colour:
+        return "#" + "".join(f"{round(255 * part):02x}" for part in setting.default)
+    for value, name in setting.names:
+        if int(value) == setting.default:
+            return name
     values = setting.default if isinstance(setting.default, list) else [setting.default]
     units = [setting.unit or re.sub(r".*\[(.*)\]", r"\1", column) for column in setting.columns or [""]]
     return ",".join(length(float(f"{value:.12g}")) if unit == "m" else plain(value)

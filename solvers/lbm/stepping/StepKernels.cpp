@@ -1,5 +1,7 @@
 #include "lbm/stepping/StepKernels.h"
 
+#include "lattice/InstructionSet.h"
+
 namespace lamella::lbm
 {
 
@@ -12,13 +14,10 @@ extern const StepKernels stepKernelsV4;
 const StepKernels& stepKernels()
 {
 #ifdef LAMELLA_X86_KERNELS
-  __builtin_cpu_init();
-  if (__builtin_cpu_supports("x86-64-v4"))
-    return stepKernelsV4;
-  if (__builtin_cpu_supports("x86-64-v3"))
-    return stepKernelsV3;
-#endif
+  return fastest(stepKernelsBase, stepKernelsV3, stepKernelsV4);
+#else
   return stepKernelsBase;
+#endif
 }
 
 } // namespace lamella::lbm

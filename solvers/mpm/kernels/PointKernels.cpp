@@ -1,5 +1,7 @@
 #include "mpm/kernels/PointKernels.h"
 
+#include "lattice/InstructionSet.h"
+
 namespace lamella::mpm
 {
 
@@ -12,13 +14,7 @@ extern const PointKernels pointKernelsV4;
 const PointKernels& pointKernels()
 {
 #ifdef LAMELLA_X86_KERNELS
-  static const PointKernels& best = []() -> const PointKernels&
-  {
-    __builtin_cpu_init();
-    if (__builtin_cpu_supports("x86-64-v4"))
-      return pointKernelsV4;
-    return __builtin_cpu_supports("x86-64-v3") ? pointKernelsV3 : pointKernelsBase;
-  }();
+  static const PointKernels& best = fastest(pointKernelsBase, pointKernelsV3, pointKernelsV4);
   return best;
 #else
   return pointKernelsBase;

@@ -29,12 +29,10 @@ std::vector<BondEnds> endsOf(const BondLattice& bonds, const std::vector<BrokenB
   std::vector<std::int64_t> mine;
   for (std::size_t b = 0; b < broken.size(); ++b)
   {
-    std::array<std::int64_t, 3> n = broken[b].bond.node;
-    for (std::size_t a = 0; a < 3; ++a)
-      n[a] -= l.start[a];
-    if (!l.ownedNode(n))
+    const auto own = l.ownedIndex(broken[b].bond.node);
+    if (!own)
       continue;
-    const std::int64_t i = l.index(n[0], n[1], n[2]);
+    const std::int64_t i = *own;
     const std::int64_t j = i + bonds.jump(broken[b].bond.offset);
     const auto id = [&](int c, std::int64_t at) { return static_cast<std::int64_t>(ids.component(c)[at]); };
     mine.insert(mine.end(),

@@ -1,5 +1,7 @@
 #include "peridynamics/fracture/EventKernels.h"
 
+#include "lattice/InstructionSet.h"
+
 namespace lamella::peridynamics
 {
 
@@ -12,13 +14,7 @@ extern const EventKernels eventKernelsV4;
 const EventKernels& eventKernels()
 {
 #ifdef LAMELLA_X86_KERNELS
-  static const EventKernels& best = []() -> const EventKernels&
-  {
-    __builtin_cpu_init();
-    if (__builtin_cpu_supports("x86-64-v4"))
-      return eventKernelsV4;
-    return __builtin_cpu_supports("x86-64-v3") ? eventKernelsV3 : eventKernelsBase;
-  }();
+  static const EventKernels& best = fastest(eventKernelsBase, eventKernelsV3, eventKernelsV4);
   return best;
 #else
   return eventKernelsBase;

@@ -50,17 +50,15 @@ double brokenEnergy(const BondLattice& bonds, const BondModel& model, const std:
   double sum = 0;
   for (std::size_t b = 0; b < broken.size(); ++b)
   {
-    std::array<std::int64_t, 3> n = broken[b].bond.node;
-    for (std::size_t a = 0; a < 3; ++a)
-      n[a] -= l.start[a];
-    if (!l.ownedNode(n))
+    const auto own = l.ownedIndex(broken[b].bond.node);
+    if (!own)
       continue;
     const int offset = broken[b].bond.offset;
     const BondEnds& e = ends[b];
     const int kind = model.pairByGrain && e.betweenGrains ? kinds.between(e.low, e.high) : kinds.within(e.low, e.high);
     const double length = bonds.stencil().half()[static_cast<std::size_t>(offset)].length * bonds.spacing();
     const double extension = kinds.kinds()[static_cast<std::size_t>(kind)].criticalStretch * length;
-    sum += 0.5 * bonds.springConstant(l.index(n[0], n[1], n[2]), offset, kind) * extension * extension;
+    sum += 0.5 * bonds.springConstant(*own, offset, kind) * extension * extension;
   }
   return bonds.communicator().sum(sum);
 }

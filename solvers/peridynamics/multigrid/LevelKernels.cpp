@@ -1,5 +1,7 @@
 #include "peridynamics/multigrid/LevelKernels.h"
 
+#include "lattice/InstructionSet.h"
+
 namespace lamella::peridynamics
 {
 
@@ -12,13 +14,7 @@ extern const LevelKernels levelKernelsV4;
 const LevelKernels& levelKernels()
 {
 #ifdef LAMELLA_X86_KERNELS
-  static const LevelKernels& best = []() -> const LevelKernels&
-  {
-    __builtin_cpu_init();
-    if (__builtin_cpu_supports("x86-64-v4"))
-      return levelKernelsV4;
-    return __builtin_cpu_supports("x86-64-v3") ? levelKernelsV3 : levelKernelsBase;
-  }();
+  static const LevelKernels& best = fastest(levelKernelsBase, levelKernelsV3, levelKernelsV4);
   return best;
 #else
   return levelKernelsBase;

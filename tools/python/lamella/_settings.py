@@ -60,6 +60,7 @@ class Settings:
 
     @staticmethod
     def _whole(algorithm, setting, value, _check):
+        value = (setting.words or {}).get(value, value) if isinstance(value, str) else value
         getattr(algorithm, setting.setter)(_whole(value, setting.keyword))
 
     def _number(self, algorithm, setting, value, check):
@@ -137,7 +138,7 @@ class Settings:
             for part in np.ravel(value):
                 setter(int(part) if setting.types[0] == "whole" else float(part))
         else:
-            for row in value:
+            for row in [value] if np.ndim(value) == 1 else value:  # one may stand alone
                 parts = [float(part) for part in np.ravel(row)]
                 if len(parts) == 9 and hasattr(algorithm, setting.setter + "InSpace"):
                     getattr(algorithm, setting.setter + "InSpace")(parts[:3], parts[3:6], parts[6:])
