@@ -1,11 +1,11 @@
 // Cracks that run: the branching plate and the plate of Kalthoff and Winkler. Without arguments a table of both. With
 // scene=branching or kalthoff one run: ratio= (h/dx), horizon= [m], safety=, duration= [s], traction= [Pa], speed=
 // [m/s]. quick makes all of it small. examples/dynamic-fracture/study.py draws the same plates.
+#include "../tests/MovingScenes.h"
+#include "../tests/RunningCracks.h"
 #include "Keys.h"
 
 #include "lattice/Communicator.h"
-#include "peridynamics/fracture/CrackMeasures.h"
-#include "peridynamics/fracture/MovingScenes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,12 +4,12 @@
 // study=step, damping, contrast, horizon or porosity one; energy: the balance of the branching plate and of Kalthoff's
 // against the step (minutes).
 #include "../tests/DiskPlate.h"
+#include "../tests/MovingScenes.h"
 #include "Keys.h"
 
 #include "lattice/Communicator.h"
 #include "peridynamics/Loading.h"
 #include "peridynamics/fracture/Dynamics.h"
-#include "peridynamics/fracture/MovingScenes.h"
 
 #include <cmath>
 #include <cstdint>

@@ -6,6 +6,7 @@
 
 #include "vtkLatticeConversion.h"
 
+#include <vtkDataObject.h>
 #include <vtkImageData.h>
 
 #include <fmt/format.h>
@@ -88,6 +89,72 @@ Json BondFields::vector(const char* name) const
   return json;
 }
 
+void addKeys(Json& json, const BondFields& f, std::initializer_list<Key> keys)
+{
+  for (const Key& key : keys)
+  {
+    const char* const field = key.field != nullptr ? key.field : key.name;
+    switch (key.kind)
+    {
+      case Key::Kind::Number:
+        json[key.name] = jsonNumber(f(field, key.at));
+        break;
+      case Key::Kind::Whole:
+        json[key.name] = f.whole(field, key.at);
+        break;
+      case Key::Kind::Text:
+        json[key.name] = f.text(field);
+        break;
+      case Key::Kind::Flag:
+        json[key.name] = f(field, key.at) != 0;
+        break;
+      case Key::Kind::Vector:
+        json[key.name] = f.vector(field);
+        break;
+    }
+  }
+}
+
+Json statesJson(
+  std::span<vtkDataObject* const> states, const std::vector<std::string>& files, std::initializer_list<Key> keys)
+{
+  Json list = Json::array();
+  for (std::size_t i = 0; i < states.size(); ++i)
+  {
+    Json state = Json::object();
+    for (const Key& key : keys)
+    {
+      const double value = fieldNumbers(states[i], key.field != nullptr ? key.field : key.name).at(0);
+      state[key.name] = key.kind == Key::Kind::Whole ? Json(std::llround(value)) : jsonNumber(value);
+    }
+    state["file"] = i < files.size() ? Json(files[i]) : Json(nullptr);
+    list.push_back(std::move(state));
+  }
+  return list;
+}
+
+void addPlatens(Json& json, const BondFields& f)
+{
+  addKeys(json, f, { { "gauge_length" }, { "section_area" } });
+  json["platen_layers"] = Json{ { "low", { f.whole("platen_layers", 0), f.whole("platen_layers", 1) } },
+    { "high", { f.whole("platen_layers", 2), f.whole("platen_layers", 3) } } };
+}
+
+std::string checkpointsText(const BondFields& f, const char* what)
+{
+  std::string text;
+  if (f("continued_at") > 0)
+  {
+    text += fmt::format("  continued after {} {}\n", grouped(f.whole("continued_at")), what);
+  }
+  if (f("last_checkpoint") > 0)
+  {
+    text += fmt::format("  {} checkpoints, the last after {} {}\n", grouped(f.whole("checkpoints")),
+      grouped(f.whole("last_checkpoint")), what);
+  }
+  return text;
+}
+
 void addModel(Json& json, const BondFields& f)
 {
   json["pairs"] = pairs(f);
@@ -110,9 +177,7 @@ void addModel(Json& json, const BondFields& f)
 
 void addSolve(Json& json, const BondFields& f)
 {
-  json["residual"] = jsonNumber(f("residual"));
-  json["levels"] = f.whole("levels");
-  json["products"] = f.whole("products");
+  addKeys(json, f, { { "residual" }, { "levels", Key::Kind::Whole }, { "products", Key::Kind::Whole } });
 }
 
 void addSizes(Json& json, const BondFields& f)

@@ -6,9 +6,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
+#include <span>
 #include <string>
 #include <vector>
 
+class vtkDataObject;
 class vtkImageData;
 
 /// What the reports of commands share that bond the nodes of a sample.
@@ -47,6 +50,32 @@ struct BondFields
   /// As many as there are axes.
   [[nodiscard]] Json vector(const char* name) const;
 };
+
+/// A key of a report, and the field that it shows.
+struct Key
+{
+  enum class Kind
+  {
+    Number, ///< null where it is not known
+    Whole,
+    Text,
+    Flag,
+    Vector ///< as many numbers as there are axes
+  };
+  const char* name;
+  Kind kind = Kind::Number;
+  const char* field = nullptr; ///< where it is called otherwise
+  std::size_t at = 0;          ///< of a field of several numbers
+};
+void addKeys(Json& json, const BondFields& f, std::initializer_list<Key> keys);
+/// Of the states kept, one object each, with its file or null.
+/// @param keys Number and Whole
+[[nodiscard]] Json statesJson(
+  std::span<vtkDataObject* const> states, const std::vector<std::string>& files, std::initializer_list<Key> keys);
+/// The sample between its platens: length, section, and layers of the platens.
+void addPlatens(Json& json, const BondFields& f);
+/// Where a run went on, and its checkpoints: up to two lines. @param what it counts, as "steps"
+[[nodiscard]] std::string checkpointsText(const BondFields& f, const char* what);
 
 /// Keys of every report: pairs, model, thickness of phases, what was doubtful.
 void addModel(Json& json, const BondFields& f);

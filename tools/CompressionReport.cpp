@@ -66,18 +66,6 @@ std::string headText(const BondRun& run, const BondFields& f)
   return text;
 }
 
-std::string filesText(const BondRun& run)
-{
-  std::string text;
-  text += wroteText(run.written);
-  return text;
-}
-
-} // namespace
-
-namespace
-{
-
 /// What the sides do to a modulus; empty where nothing is to be said.
 std::string sidesNote(const BondFields& f)
 {
@@ -92,34 +80,20 @@ std::string compressionJson(const CompressionReport& report)
 {
   const BondFields f(report.run);
   Json json;
-  json["strain"] = f("strain");
-  json["stress"] = f("stress");
-  json["axis"] = f.text("load_axis");
-  json["sides"] = f.text("sides");
+  using enum Key::Kind;
+  addKeys(json, f, { { "strain" }, { "stress" }, { "axis", Text, "load_axis" }, { "sides", Text } });
   json["sides_note"] = sidesNote(f);
-  for (const char* name :
-    { "worst_energy_ratio", "worst_energy_ratio_strain", "early_energy_ratio", "early_energy_ratio_strain", "calm_from",
-      "worst_lateral", "worst_imbalance", "first_touch_strain", "wave_speed" })
-  {
-    json[name] = jsonNumber(f(name));
-  }
-  for (const char* name : { "slowdowns", "steps", "continued_at", "states_before", "checkpoints", "last_checkpoint" })
-  {
-    json[name] = f.whole(name);
-  }
-  json["states"] = Json::array();
-  for (std::size_t i = 0; i < report.states.size(); ++i)
-  {
-    const auto number = [&](const char* name) { return fieldNumbers(report.states[i], name).at(0); };
-    json["states"].push_back({ { "strain", number("strain") }, { "stress", number("stress") },
-      { "file", i < report.stateFiles.size() ? Json(report.stateFiles[i]) : Json(nullptr) } });
-  }
+  addKeys(json, f,
+    { { "worst_energy_ratio" }, { "worst_energy_ratio_strain" }, { "early_energy_ratio" },
+      { "early_energy_ratio_strain" }, { "calm_from" }, { "worst_lateral" }, { "worst_imbalance" },
+      { "first_touch_strain" }, { "wave_speed" }, { "slowdowns", Whole }, { "steps", Whole }, { "continued_at", Whole },
+      { "states_before", Whole }, { "checkpoints", Whole }, { "last_checkpoint", Whole } });
+  json["states"] = statesJson(report.states, report.stateFiles, { { "strain" }, { "stress" } });
   json["curve"] = jsonRows(report.curve);
   addPoints(json, f);
-  json["bytes_per_point"] = f("bytes_per_point");
-  json["updates_per_second"] = f("updates_per_second");
-  json["setup_seconds"] = f("seconds", 0);
-  json["run_seconds"] = f("seconds", 1);
+  addKeys(json, f,
+    { { "bytes_per_point" }, { "updates_per_second" }, { "setup_seconds", Number, "seconds", 0 },
+      { "run_seconds", Number, "seconds", 1 } });
   json["seconds"] = report.run.seconds;
   addRun(json, report.run);
   return dump(json);
@@ -152,18 +126,10 @@ std::string compressionTable(const CompressionReport& report)
                       "{:.2f} s, {})\n",
     grouped(f.whole("steps")), grouped(f.whole("slowdowns")), f("updates_per_second") / 1e6, f("seconds", 1),
     report.run.seconds, bytesText(static_cast<double>(peakMemoryBytes())));
-  if (f("continued_at") > 0)
-  {
-    text += fmt::format("  continued after {} steps\n", grouped(f.whole("continued_at")));
-  }
-  if (f("last_checkpoint") > 0)
-  {
-    text += fmt::format("  {} checkpoints, the last after {} steps\n", grouped(f.whole("checkpoints")),
-      grouped(f.whole("last_checkpoint")));
-  }
+  text += checkpointsText(f, "steps");
   text += "  Strain: of the height between the platens; stress: force on the platens over the section at the start,\n"
           "  voids included; both are positive in compression.\n";
-  return text + filesText(report.run);
+  return text + wroteText(report.run.written);
 }
 
 std::string pointStiffnessJson(const BondRun& run)
@@ -188,11 +154,9 @@ std::string pointStiffnessJson(const BondRun& run)
   json["sides"] = f.text("sides");
   json["sides_note"] = sidesNote(f);
   addPoints(json, f);
-  json["grid_nodes"] = f.whole("nodes");
-  json["iterations"] = f.whole("iterations");
-  json["residual"] = f("residual");
-  json["setup_seconds"] = f("seconds", 0);
-  json["solve_seconds"] = f("seconds", 1);
+  addKeys(json, f,
+    { { "grid_nodes", Key::Kind::Whole, "nodes" }, { "iterations", Key::Kind::Whole }, { "residual" },
+      { "setup_seconds", Key::Kind::Number, "seconds", 0 }, { "solve_seconds", Key::Kind::Number, "seconds", 1 } });
   json["seconds"] = run.seconds;
   addRun(json, run);
   return dump(json);
@@ -216,7 +180,7 @@ std::string pointStiffnessTable(const BondRun& run)
                 "{:.2f} s, {})\n",
       grouped(f.whole("nodes")), grouped(f.whole("iterations")), f("residual"), f("seconds", 0), f("seconds", 1),
       run.seconds, bytesText(static_cast<double>(peakMemoryBytes())));
-  return text + filesText(run);
+  return text + wroteText(run.written);
 }
 
 } // namespace lamella::cli

@@ -22,60 +22,32 @@ namespace
 constexpr std::array<const char*, 6> energies{ "kinetic", "elastic", "broken", "damped", "supplied", "initial" };
 constexpr std::array<const char*, 4> times{ "bonds", "start", "motion", "states" };
 
-Json states(const FractureReport& report)
-{
-  Json list = Json::array();
-  for (std::size_t i = 0; i < report.states.size(); ++i)
-  {
-    const auto number = [&](const char* name) { return fieldNumbers(report.states[i], name).at(0); };
-    list.push_back({ { "time", number("time") }, { "strain", jsonNumber(number("strain")) },
-      { "stress", number("stress") }, { "broken", std::llround(number("broken_bonds")) },
-      { "file", i < report.stateFiles.size() ? Json(report.stateFiles[i]) : Json(nullptr) } });
-  }
-  return list;
-}
-
 } // namespace
 
 std::string dynamicsJson(const FractureReport& report)
 {
   const BondFields f(report.run);
   Json json;
-  for (const char* name : { "peak_stress", "peak_strain", "peak_time" })
-  {
-    json[name] = jsonNumber(f(name));
-  }
-  json["peak_broken"] = f.whole("peak_broken");
-  json["first_break_time"] = jsonNumber(f("first_break_time"));
-  json["broken"] = f.whole("total_broken");
+  using enum Key::Kind;
+  addKeys(json, f,
+    { { "peak_stress" }, { "peak_strain" }, { "peak_time" }, { "peak_broken", Whole }, { "first_break_time" },
+      { "broken", Whole, "total_broken" } });
   json["broken_by_pair"] = brokenByPairJson(report);
   json["energies"] = Json::object();
   for (const char* name : energies)
   {
     json["energies"][name] = f((std::string(name) + "_energy").c_str());
   }
-  json["energy_defect"] = f("energy_defect");
-  json["end"] = f.text("end");
-  json["end_reason"] = f.text("end_reason");
-  json["end_time"] = f("end_time");
-  json["states"] = states(report);
-  for (const char* name : { "steps", "continued_at", "states_before", "checkpoints", "last_checkpoint" })
-  {
-    json[name] = f.whole(name);
-  }
-  for (const char* name : { "time_step", "stable_step", "viscosity", "mean_density", "reference_energy" })
-  {
-    json[name] = f(name);
-  }
-  json["load"] = f.text("load");
-  json["axis"] = f.text("load_axis");
-  json["compression"] = f("compression") != 0;
-  for (const char* name : { "effective_modulus", "small_strain_break", "strain_rate", "travel_time" })
-  {
-    json[name] = jsonNumber(f(name));
-  }
-  json["gauge_length"] = f("gauge_length");
-  json["section_area"] = f("section_area");
+  addKeys(json, f, { { "energy_defect" }, { "end", Text }, { "end_reason", Text }, { "end_time" } });
+  const std::vector<vtkDataObject*> states(report.states.begin(), report.states.end());
+  json["states"] = statesJson(
+    states, report.stateFiles, { { "time" }, { "strain" }, { "stress" }, { "broken", Whole, "broken_bonds" } });
+  addKeys(json, f,
+    { { "steps", Whole }, { "continued_at", Whole }, { "states_before", Whole }, { "checkpoints", Whole },
+      { "last_checkpoint", Whole }, { "time_step" }, { "stable_step" }, { "viscosity" }, { "mean_density" },
+      { "reference_energy" }, { "load", Text }, { "axis", Text, "load_axis" }, { "compression", Flag },
+      { "effective_modulus" }, { "small_strain_break" }, { "strain_rate" }, { "travel_time" }, { "gauge_length" },
+      { "section_area" } });
   addModel(json, f);
   json["statistics"] = Json::object();
   for (std::size_t i = 0; i < times.size(); ++i)
@@ -133,15 +105,7 @@ std::string dynamicsTable(const FractureReport& report)
                       "(motion: {:.2f} s, everything: {:.2f} s, {})\n",
     f.text("continuum"), f("horizon"), grouped(f.whole("steps")), f("time_step"), f("time_step") / f("stable_step"),
     f("seconds", 2), report.run.seconds, bytesText(static_cast<double>(peakMemoryBytes())));
-  if (f("continued_at") > 0)
-  {
-    text += fmt::format("  continued after {} steps\n", grouped(f.whole("continued_at")));
-  }
-  if (f("last_checkpoint") > 0)
-  {
-    text += fmt::format("  {} checkpoints, the last after {} steps\n", grouped(f.whole("checkpoints")),
-      grouped(f.whole("last_checkpoint")));
-  }
+  text += checkpointsText(f, "steps");
   text += sizesText(f);
   text += wroteText(report.run.written);
   return text;

@@ -34,9 +34,8 @@ std::string equilibriumJson(const BondRun& report)
 {
   const BondFields f(report);
   Json json;
-  json["effective_modulus"] = jsonNumber(f("effective_modulus"));
-  json["effective_stress"] = jsonNumber(f("effective_stress"));
-  json["strain"] = jsonNumber(f("strain"));
+  using enum Key::Kind;
+  addKeys(json, f, { { "effective_modulus" }, { "effective_stress" }, { "strain" } });
   json["first_break"] = firstBreak(f);
   json["largest_stretch_ratio"] = jsonNumber(f("largest_stretch_ratio"));
   Json mean;
@@ -51,24 +50,17 @@ std::string equilibriumJson(const BondRun& report)
   json["mean_stress"] = std::move(mean);
   json["reactions"] = { { "low", f.vector("reaction_low") }, { "high", f.vector("reaction_high") } };
   json["elastic_energy"] = sizeKnown(report) ? jsonNumber(f("elastic_energy")) : Json(nullptr);
-  json["load"] = f.text("load");
-  json["axis"] = f.text("load_axis");
-  json["gauge_length"] = f("gauge_length");
-  json["section_area"] = f("section_area");
-  json["platen_layers"] = Json{ { "low", { f.whole("platen_layers", 0), f.whole("platen_layers", 1) } },
-    { "high", { f.whole("platen_layers", 2), f.whole("platen_layers", 3) } } };
+  addKeys(json, f, { { "load", Text }, { "axis", Text, "load_axis" } });
+  addPlatens(json, f);
   addModel(json, f);
-  json["solver"] = f.text("solver");
-  json["iterations"] = f.whole("iterations");
-  json["newton_steps"] = f.whole("newton_steps");
+  addKeys(json, f, { { "solver", Text }, { "iterations", Whole }, { "newton_steps", Whole } });
   addSolve(json, f);
   addSizes(json, f);
   json["seconds"] = report.seconds;
-  json["bond_seconds"] = f("seconds", 0);
-  json["load_seconds"] = f("seconds", 1);
-  json["setup_seconds"] = f("seconds", 2);
-  json["solve_seconds"] = f("seconds", 3);
-  json["measure_seconds"] = f("seconds", 4);
+  addKeys(json, f,
+    { { "bond_seconds", Number, "seconds", 0 }, { "load_seconds", Number, "seconds", 1 },
+      { "setup_seconds", Number, "seconds", 2 }, { "solve_seconds", Number, "seconds", 3 },
+      { "measure_seconds", Number, "seconds", 4 } });
   addRun(json, report);
   return dump(json);
 }

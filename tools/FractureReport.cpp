@@ -59,19 +59,6 @@ Json firstBreak(const FractureReport& report, const BondFields& f)
     { "position", std::vector<double>(at, at + f.dimension) }, { "phases", std::move(phases) } };
 }
 
-Json states(const FractureReport& report)
-{
-  Json list = Json::array();
-  for (std::size_t i = 0; i < report.states.size(); ++i)
-  {
-    const auto number = [&](const char* name) { return fieldNumbers(report.states[i], name).at(0); };
-    list.push_back({ { "strain", number("strain") }, { "stress", number("stress") },
-      { "broken", std::llround(number("broken_bonds")) }, { "hinges", std::llround(number("hinges")) },
-      { "file", i < report.stateFiles.size() ? Json(report.stateFiles[i]) : Json(nullptr) } });
-  }
-  return list;
-}
-
 Json statistics(const BondFields& f)
 {
   Json json;
@@ -151,30 +138,21 @@ std::string fractureJson(const FractureReport& report)
 {
   const BondFields f(report.run);
   Json json;
-  json["peak_stress"] = f("peak_stress");
-  json["peak_strain"] = f("peak_strain");
-  json["peak_broken"] = f.whole("peak_broken");
-  json["effective_modulus"] = jsonNumber(f("effective_modulus"));
+  using enum Key::Kind;
+  addKeys(json, f, { { "peak_stress" }, { "peak_strain" }, { "peak_broken", Whole }, { "effective_modulus" } });
   json["first_break"] = firstBreak(report, f);
   json["broken"] = f.whole("total_broken");
   json["broken_by_pair"] = brokenByPairJson(report);
   json["broken_energy"] = sizeKnown(report.run) ? Json(f("broken_energy")) : Json(nullptr);
-  json["end"] = f.text("end");
-  json["end_reason"] = f.text("end_reason");
-  json["states"] = states(report);
-  json["continued_at"] = f.whole("continued_at");
-  json["states_before"] = f.whole("states_before");
-  json["checkpoints"] = f.whole("checkpoints");
-  json["last_checkpoint"] = f.whole("last_checkpoint");
-  json["load"] = f.text("load");
-  json["axis"] = f.text("load_axis");
-  json["compression"] = f("compression") != 0;
-  json["method"] = f.text("method");
-  json["breaking"] = f.text("breaking");
-  json["gauge_length"] = f("gauge_length");
-  json["section_area"] = f("section_area");
-  json["platen_layers"] = Json{ { "low", { f.whole("platen_layers", 0), f.whole("platen_layers", 1) } },
-    { "high", { f.whole("platen_layers", 2), f.whole("platen_layers", 3) } } };
+  addKeys(json, f, { { "end", Text }, { "end_reason", Text } });
+  const std::vector<vtkDataObject*> states(report.states.begin(), report.states.end());
+  json["states"] = statesJson(states, report.stateFiles,
+    { { "strain" }, { "stress" }, { "broken", Whole, "broken_bonds" }, { "hinges", Whole } });
+  addKeys(json, f,
+    { { "continued_at", Whole }, { "states_before", Whole }, { "checkpoints", Whole }, { "last_checkpoint", Whole },
+      { "load", Text }, { "axis", Text, "load_axis" }, { "compression", Flag }, { "method", Text },
+      { "breaking", Text } });
+  addPlatens(json, f);
   addModel(json, f);
   json["statistics"] = statistics(f);
   addSizes(json, f);

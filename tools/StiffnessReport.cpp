@@ -135,11 +135,10 @@ std::string stiffnessJson(const BondRun& report)
   addSizes(json, f);
   json["steps"] = stepsJson(f, report.refine);
   json["seconds"] = report.seconds;
-  json["bond_seconds"] = f("seconds", 0);
-  json["setup_seconds"] = f("seconds", 1);
-  json["solve_seconds"] = f("seconds", 2);
-  json["measure_seconds"] = f("seconds", 3);
-  json["estimate_seconds"] = f("seconds", 4);
+  addKeys(json, f,
+    { { "bond_seconds", Key::Kind::Number, "seconds", 0 }, { "setup_seconds", Key::Kind::Number, "seconds", 1 },
+      { "solve_seconds", Key::Kind::Number, "seconds", 2 }, { "measure_seconds", Key::Kind::Number, "seconds", 3 },
+      { "estimate_seconds", Key::Kind::Number, "seconds", 4 } });
   addRun(json, report);
   return dump(json);
 }

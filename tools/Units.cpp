@@ -57,21 +57,6 @@ std::optional<double> quantity(std::string_view text, std::string_view unit)
                                                          : *toNumber(number) * std::pow(10.0, *exponent);
 }
 
-/// Gives the option the number instead of the text, where it is one.
-CLI::Option* takes(CLI::Option* option, std::optional<double> (*read)(std::string_view))
-{
-  return option->transform(CLI::Validator(
-    [read](std::string& text)
-    {
-      if (const auto value = read(text); value && !toNumber(text))
-      {
-        text = fmt::format("{}", *value);
-      }
-      return std::string();
-    },
-    ""));
-}
-
 } // namespace
 
 std::optional<double> pascals(std::string_view text)
@@ -133,26 +118,6 @@ double coordinate(const std::string& option, const std::string& text)
   }
   const bool negative = !text.empty() && text.front() == '-';
   return (negative ? -1 : 1) * lengthInMetres(option, negative ? text.substr(1) : text);
-}
-
-CLI::Option* takesPascals(CLI::Option* option)
-{
-  return takes(option, pascals);
-}
-
-CLI::Option* takesShares(CLI::Option* option)
-{
-  return takes(option, strainFrom);
-}
-
-double positiveStrain(const std::string& option, const std::string& text, const std::string& hint)
-{
-  const auto value = strainFrom(text);
-  if (!value || !(*value > 0) || !plausible(*value))
-  {
-    throw ParameterError(fmt::format("{} '{}' is not a strain above 0", option, text), hint);
-  }
-  return *value;
 }
 
 } // namespace lamella::cli

@@ -2,8 +2,6 @@
 
 #include "lattice/Plausible.h"
 
-#include <CLI/App.hpp>
-
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,12 +23,5 @@ namespace lamella::cli
 
 /// A coordinate [m]: a number, or one with a unit. 0 and negative ones are coordinates too. @throws ParameterError
 [[nodiscard]] double coordinate(const std::string& option, const std::string& text);
-
-/// Lets an option that is a number be written as a stress, or as a share, with a unit. @return the option
-CLI::Option* takesPascals(CLI::Option* option);
-CLI::Option* takesShares(CLI::Option* option);
-
-/// A strain above 0: "0.004" or "0.4%". @param hint where it is none @throws ParameterError
-[[nodiscard]] double positiveStrain(const std::string& option, const std::string& text, const std::string& hint);
 
 } // namespace lamella::cli

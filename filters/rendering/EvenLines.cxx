@@ -60,49 +60,68 @@ private:
   std::vector<std::vector<Point2>> Points;
 };
 
-} // namespace
-
-std::vector<Polyline> EvenlySpacedLines(const PlaneField& field, double separation)
+/// Lines that grow beside each other.
+class Growing
 {
-  const double weakest = 0.01 * MeanMagnitude(field);
-  if (!(weakest > 0) || field.nx < 2 || field.ny < 2)
+public:
+  Growing(const PlaneField& field, double separation, double weakest)
+    : Field(field)
+    , Separation(separation)
+    , Weakest(weakest)
+    , Step(std::clamp(separation / 8, 0.2, 0.7))
+    , Closest(0.5 * separation)
+    , Values(field)
+    , Taken(field.nx, field.ny, separation)
   {
-    return {};
   }
-  const Sampler sampler(field);
-  const double step = std::clamp(separation / 8, 0.2, 0.7);
-  const double closest = 0.5 * separation;
-  Buckets buckets(field.nx, field.ny, separation);
 
-  const auto direction = [&](const Point2& p, Point2& unit)
+  /// A line through here, if there is room for it; then those that grow beside it.
+  void GrowFrom(const Point2& seed)
   {
-    const Point2 q = sampler.At(p);
+    this->Grow(seed);
+    for (std::size_t i = 0; i < this->Seeds.size(); ++i) // grows while it runs
+    {
+      this->Grow(Point2(this->Seeds[i]));
+    }
+    this->Seeds.clear();
+  }
+
+  std::vector<Polyline> Lines;
+
+private:
+  bool Direction(const Point2& p, Point2& unit) const
+  {
+    const Point2 q = this->Values.At(p);
     const double size = std::hypot(q[0], q[1]);
-    if (!(size > weakest))
+    if (!(size > this->Weakest))
     {
       return false;
     }
     unit = { q[0] / size, q[1] / size };
     return true;
-  };
-  const auto trace = [&](Point2 p, double sign)
+  }
+
+  bool Outside(const Point2& p) const { return p[0] < 0 || p[1] < 0 || p[0] > this->Field.nx || p[1] > this->Field.ny; }
+
+  /// One way, by the midpoint rule.
+  Polyline Trace(Point2 p, double sign) const
   {
     Polyline half;
-    const int longest = static_cast<int>(4.0 * (field.nx + field.ny) / step);
-    const int lag = static_cast<int>(2 * separation / step); // points of the line's own past that do not count as near
-    Buckets own(field.nx, field.ny, separation);
+    const double step = this->Step;
+    const int longest = static_cast<int>(4.0 * (this->Field.nx + this->Field.ny) / step);
+    const int lag = static_cast<int>(2 * this->Separation / step); // points of its own past that do not count as near
+    Buckets own(this->Field.nx, this->Field.ny, this->Separation);
     for (int k = 0; k < longest; ++k)
     {
       Point2 first;
       Point2 second;
-      if (!direction(p, first) ||
-        !direction({ p[0] + 0.5 * sign * step * first[0], p[1] + 0.5 * sign * step * first[1] }, second))
+      if (!this->Direction(p, first) ||
+        !this->Direction({ p[0] + 0.5 * sign * step * first[0], p[1] + 0.5 * sign * step * first[1] }, second))
       {
         break;
       }
       p = { p[0] + sign * step * second[0], p[1] + sign * step * second[1] };
-      if (p[0] < 0 || p[1] < 0 || p[0] > field.nx || p[1] > field.ny || !buckets.IsFree(p, closest) ||
-        !own.IsFree(p, closest))
+      if (this->Outside(p) || !this->Taken.IsFree(p, this->Closest) || !own.IsFree(p, this->Closest))
       {
         break;
       }
@@ -113,54 +132,67 @@ std::vector<Polyline> EvenlySpacedLines(const PlaneField& field, double separati
       }
     }
     return half;
-  };
+  }
 
-  std::vector<Polyline> lines;
-  std::vector<Point2> seeds;
-  const auto grow = [&](const Point2& seed)
+  void Grow(const Point2& seed)
   {
     Point2 unit;
-    if (seed[0] < 0 || seed[1] < 0 || seed[0] > field.nx || seed[1] > field.ny || !buckets.IsFree(seed, separation) ||
-      !direction(seed, unit))
+    if (this->Outside(seed) || !this->Taken.IsFree(seed, this->Separation) || !this->Direction(seed, unit))
     {
       return;
     }
-    Polyline line = trace(seed, -1);
+    Polyline line = this->Trace(seed, -1);
     std::reverse(line.begin(), line.end());
     line.push_back(seed);
-    const Polyline forward = trace(seed, 1);
+    const Polyline forward = this->Trace(seed, 1);
     line.insert(line.end(), forward.begin(), forward.end());
-    if (static_cast<double>(line.size()) * step < 2 * separation)
+    if (static_cast<double>(line.size()) * this->Step < 2 * this->Separation)
     {
       return;
     }
     for (std::size_t i = 0; i < line.size(); ++i)
     {
-      buckets.Add(line[i]);
+      this->Taken.Add(line[i]);
       Point2 along;
-      if (i % 8 == 0 && direction(line[i], along))
+      if (i % 8 == 0 && this->Direction(line[i], along))
       {
-        const double d = 1.01 * separation;
-        seeds.push_back({ line[i][0] - d * along[1], line[i][1] + d * along[0] });
-        seeds.push_back({ line[i][0] + d * along[1], line[i][1] - d * along[0] });
+        const double d = 1.01 * this->Separation;
+        this->Seeds.push_back({ line[i][0] - d * along[1], line[i][1] + d * along[0] });
+        this->Seeds.push_back({ line[i][0] + d * along[1], line[i][1] - d * along[0] });
       }
     }
-    lines.push_back(std::move(line));
-  };
+    this->Lines.push_back(std::move(line));
+  }
+
+  const PlaneField& Field;
+  double Separation;
+  double Weakest;
+  double Step;
+  double Closest;
+  Sampler Values;
+  Buckets Taken;
+  std::vector<Point2> Seeds;
+};
+
+} // namespace
+
+std::vector<Polyline> EvenlySpacedLines(const PlaneField& field, double separation)
+{
+  const double weakest = 0.01 * MeanMagnitude(field);
+  if (!(weakest > 0) || field.nx < 2 || field.ny < 2)
+  {
+    return {};
+  }
+  Growing growing(field, separation, weakest);
   // Every empty corner gets a line of its own; beside it the next ones grow.
   for (double y = 0.5 * separation; y < field.ny; y += separation)
   {
     for (double x = 0.5 * separation; x < field.nx; x += separation)
     {
-      grow({ x, y });
-      for (std::size_t i = 0; i < seeds.size(); ++i) // grows while it runs
-      {
-        grow(Point2(seeds[i]));
-      }
-      seeds.clear();
+      growing.GrowFrom({ x, y });
     }
   }
-  return lines;
+  return std::move(growing.Lines);
 }
 
 } // namespace lamella::rendering

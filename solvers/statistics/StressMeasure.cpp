@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <algorithm>
 #include <cmath>
 
 namespace lamella::statistics
@@ -52,15 +51,6 @@ const std::vector<std::string>& stressMeasureNames()
   static const std::vector<std::string> names{ "xx", "yy", "zz", "xy", "yz", "xz", "mean", "von-mises", "principal-1",
     "principal-2", "principal-3" };
   return names;
-}
-
-std::optional<StressMeasure> stressMeasure(std::string_view name)
-{
-  const auto& names = stressMeasureNames();
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end())
-    return std::nullopt;
-  return static_cast<StressMeasure>(found - names.begin());
 }
 
 } // namespace lamella::statistics

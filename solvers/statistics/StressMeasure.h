@@ -1,9 +1,7 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace lamella::statistics
@@ -33,6 +31,5 @@ using SymmetricTensor = std::array<double, 6>;
 
 /// "yy", "mean", "von-mises", "principal-1", ..., in the order of StressMeasure.
 [[nodiscard]] const std::vector<std::string>& stressMeasureNames();
-[[nodiscard]] std::optional<StressMeasure> stressMeasure(std::string_view name);
 
 } // namespace lamella::statistics

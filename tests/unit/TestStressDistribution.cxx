@@ -297,10 +297,7 @@ TEST(StressMeasure, InvariantsOfTensors)
   EXPECT_NEAR(p1 + p2 + p3, 4, 1e-13);
   EXPECT_NEAR(measure(any, StressMeasure::VonMises),
     std::sqrt(((p1 - p2) * (p1 - p2) + (p2 - p3) * (p2 - p3) + (p3 - p1) * (p3 - p1)) / 2), 1e-13);
-  for (const std::string& name : stressMeasureNames())
-    EXPECT_TRUE(stressMeasure(name).has_value());
-  EXPECT_EQ(stressMeasure("xz"), StressMeasure::XZ);
-  EXPECT_EQ(stressMeasure("zx"), std::nullopt);
+  EXPECT_EQ(stressMeasureNames().at(static_cast<std::size_t>(StressMeasure::XZ)), "xz");
 }
 
 } // namespace

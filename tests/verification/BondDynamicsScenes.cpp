@@ -1,9 +1,9 @@
 // Cracks that run: the branching plate and Kalthoff and Winkler's; what pushes and moves a sample.
+#include "../MovingScenes.h"
+#include "../RunningCracks.h"
 #include "BondSamples.h"
 
 #include "lattice/Error.h"
-#include "peridynamics/fracture/CrackMeasures.h"
-#include "peridynamics/fracture/MovingScenes.h"
 
 #include <gtest/gtest.h>
 

@@ -70,9 +70,6 @@ private:
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> direct_;
 };
 
-/// Which (kind, corner) pairs of interpolation weights exist: corner ⊂ kind as bit sets, kind ≠ 0.
-[[nodiscard]] int weightArrays(int dimension) noexcept;
-
 /// Can a lattice of this size be halved once more, and is that worth while?
 [[nodiscard]] bool canHalve(const std::array<std::int64_t, 3>& size, const std::array<bool, 3>& periodic);
 

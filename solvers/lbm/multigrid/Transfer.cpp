@@ -7,11 +7,6 @@
 namespace lamella::lbm
 {
 
-int weightArrays(int dimension) noexcept
-{
-  return dimension == 3 ? 26 : 8;
-}
-
 void Multigrid::restrictResidual(
   Level& fine, const FloatArray& f, const FloatArray& u, Level& coarse, const LayerHook& finish) const
 {

@@ -57,7 +57,6 @@ public:
   [[nodiscard]] const Level& level(std::size_t index) const noexcept { return *levels_[index]; }
   /// x = A⁺ r of the coarsest level.
   void solveCoarsest() { coarsest_->solve(*levels_.back()); }
-  [[nodiscard]] bool solvesCoarsest() const noexcept { return coarsest_.has_value(); }
 
   [[nodiscard]] std::size_t levelCount() const noexcept { return levels_.size(); }
   [[nodiscard]] std::int64_t bytes() const noexcept;

@@ -1,4 +1,4 @@
-#include "peridynamics/fracture/MovingScenes.h"
+#include "MovingScenes.h"
 
 #include "lattice/Error.h"
 

@@ -1,4 +1,4 @@
-#include "peridynamics/fracture/CrackMeasures.h"
+#include "RunningCracks.h"
 
 #include "lattice/Error.h"
 
