@@ -1,5 +1,6 @@
 #include "Commands.h"
-#include "MicrographDiffusion.h"
+#include "FilterRun.h"
+#include "GridFile.h"
 #include "MicrographFiles.h"
 #include "MicrographInput.h"
 #include "MicrographLabels.h"
@@ -14,9 +15,15 @@
 #include "lattice/Clock.h"
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
+#include "micrograph/LabelledLamella.h"
 #include "micrograph/MiddleLamella.h"
 #include "micrograph/WallDirection.h"
 #include "micrograph/WallThickness.h"
+#include "vtkOutlineDiffusion.h"
+
+#include <vtkCallbackCommand.h>
+#include <vtkNew.h>
+#include <vtkSmartPointer.h>
 
 #include <fmt/format.h>
 
@@ -79,8 +86,9 @@ public:
   void operator()()
   {
     const auto start = Clock::now();
+    prepareDiffusion();
     step(0.02, "outlines");
-    source_ = loadMicrograph(options_.input);
+    source_ = loadMicrograph(session_, options_.input);
     for (const std::string& warning : source_.warnings)
     {
       warn(warning);
@@ -102,7 +110,7 @@ public:
     step(0.3, "lattice");
     makeLattice();
     report_.latticeSeconds = secondsSince(start);
-    if (plan_.conductivities)
+    if (diffusion_ != nullptr)
     {
       solve();
     }
@@ -113,7 +121,10 @@ public:
     outputs_.commit();
     report_.seconds = secondsSince(start);
     session_.print(options_.common.json ? toJson(report_) : options_.common.quiet ? "" : toTable(report_));
-    judgeTarget();
+    if (const lbm::Shortfall& shortfall = report_.found.shortfall; !shortfall.message.empty())
+    {
+      session_.fallShort(shortfall.message, shortfall.hint);
+    }
   }
 
 private:
@@ -191,11 +202,11 @@ private:
     }
     if (plan_.lamella == "labels")
     {
-      made_.phases = fromLabels(made_.lattice, *source_.labels, labelled_);
+      made_.phases = micrograph::labelledLamella(made_.lattice, *source_.labels, labelled_);
       const auto across = micrograph::nodesAcross(made_.lattice, made_.directions, made_.phases.phase);
       told.mean = across.mean;
       told.low = across.low;
-      told.wallShare = lamellaShare(made_.phases);
+      told.wallShare = micrograph::lamellaShare(made_.phases);
       if (plan_.how.horizon > 0 && across.mean < plan_.how.horizon)
       {
         warn(fmt::format("the middle lamella is {:.2g} nodes thick, thinner than the horizon of {:g}", across.mean,
@@ -224,84 +235,47 @@ private:
     report_.lamella = told;
   }
 
-  /// The lamella on one of the solver's lattices.
-  void givePhases(const micrograph::FittedContours& fitted, micrograph::ContourLattice& lattice) const
+  /// What can be said of the settings is said before the file is read.
+  void prepareDiffusion()
   {
-    micrograph::ContourLatticeOptions make;
-    make.spacing = fitted.lattice.spacing;
-    make.lines = 0;
-    const micrograph::ContourLattice own = micrograph::contourLattice(fitted.contours, make);
-    if (plan_.lamella == "labels")
+    if (!options_.diffusion.given("conductivity"))
     {
-      lattice.image = fromLabels(own, *source_.labels, labelled_, fitted.stretch);
       return;
     }
-    micrograph::LamellaOptions how = plan_.how;
-    how.thickness = report_.lamella->thickness;
-    how.radius = report_.lamella->radius;
-    const auto directions = micrograph::wallDirections(fitted.contours, own);
-    lattice.image = micrograph::middleLamella(own, directions, how).image;
-    Session::checkInterrupt();
+    options_.diffusion.checkNames({ "lumen", "wall", "middle lamella" });
+    diffusion_ = vtkSmartPointer<vtkOutlineDiffusion>::New();
+    options_.diffusion.give(diffusion_);
+    const std::vector<std::string> types{ "none", "growth", "constant", "labels" }; // as the class numbers them
+    diffusion_->SetLamella(static_cast<int>(std::find(types.begin(), types.end(), plan_.lamella) - types.begin()));
+    diffusion_->SetLamellaThickness(plan_.how.thickness.value_or(0));
+    diffusion_->SetLamellaRadius(plan_.how.radius.value_or(-1));
+    diffusion_->SetLamellaPhase(options_.lamellaPhase);
+    diffusion_->RequireConductivities();
+    plan_event_->SetClientData(&session_);
+    plan_event_->SetCallback([](vtkObject*, unsigned long, void* to, void* words)
+      { static_cast<Session*>(to)->note(static_cast<const char*>(words)); });
+    diffusion_->AddObserver(vtkOutlineDiffusion::PLAN_EVENT, plan_event_);
   }
 
   void solve()
   {
-    if (plan_.lamella == "none" && plan_.conductivities->values.size() > 2)
+    if (plan_.lamella == "none")
     {
-      throw ParameterError("--conductivity of a lamella, and this picture has none", "leave it out");
+      diffusion_->SetLamella(vtkOutlineDiffusion::NONE);
     }
-    report_.conductivity = plan_.conductivities->named;
-    MicrographProblem problem{ source_.contours, *plan_.conductivities, {}, source_.pixel, options_.input.shares,
-      source_.doubt, *report_.spacing, plan_.targetError, plan_.axes, options_.threads };
-    if (source_.coarser)
+    diffusion_->SetInputData(source_.outlines);
+    if (source_.picture != nullptr)
     {
-      problem.coarser = source_.coarser();
-      Session::checkInterrupt();
+      diffusion_->SetPictureData(source_.picture);
     }
-    report_.answers = solveMicrograph(session_, problem,
-      [this](const micrograph::FittedContours& fitted, micrograph::ContourLattice& lattice)
-      { givePhases(fitted, lattice); });
-    for (const lbm::ContourAnswer& answer : report_.answers)
+    diffusion_->SetSpacing(spacingOf(plan_, source_, report_.thickness));
+    runFilter(session_, diffusion_, "diffusion");
+    report_.found = diffusion_->GetFindings();
+    (void)VtkMessages::takeWarnings(); // the same, and the shortfall
+    for (const std::string& warning : report_.found.warnings)
     {
-      if (!std::isfinite(answer.pictureError))
-      {
-        warn(fmt::format("the error along {} that the picture's pixels leave is not known: pictures of every second "
-                         "pixel have no lumens or no walls",
-          answer.axis == 0 ? 'x' : 'y'));
-      }
+      warn(warning);
     }
-  }
-
-  /// Says why a target was not reached, after all that was has been printed.
-  void judgeTarget()
-  {
-    if (plan_.targetError == 0)
-    {
-      return;
-    }
-    // One whose error is not known before all others.
-    const auto worst = std::max_element(report_.answers.begin(), report_.answers.end(),
-      [](const lbm::ContourAnswer& a, const lbm::ContourAnswer& b)
-      { return std::isfinite(a.error) && !(b.error <= a.error); });
-    if (worst->error <= plan_.targetError)
-    {
-      return;
-    }
-    const char axis = worst->axis == 0 ? 'x' : 'y';
-    const std::string asked = fmt::format("an error of {:.2g} % was asked for, and ", 100 * plan_.targetError);
-    if (!std::isfinite(worst->error))
-    {
-      session_.fallShort(asked + fmt::format("that of the picture along {} is not known", axis),
-        "take a picture of smaller pixels, or outlines as vectors");
-      return;
-    }
-    session_.fallShort(asked + fmt::format("{:.2g} % along {} was reached", 100 * worst->error, axis),
-      worst->pictureError >= plan_.targetError
-        ? fmt::format("{:.2g} % of it is the picture's: only smaller pixels or outlines as vectors lower that",
-            100 * worst->pictureError)
-        : fmt::format("the next lattice, of {} nodes, would take more than half of the free memory: use a part of the "
-                      "picture with --window, or a machine with more",
-            grouped(4 * worst->fine.nodes)));
   }
 
   void write()
@@ -354,6 +328,8 @@ private:
   Micrograph source_;
   OnLattice made_;
   std::uint8_t labelled_ = 0;
+  vtkSmartPointer<vtkOutlineDiffusion> diffusion_; ///< null: nothing is solved
+  vtkNew<vtkCallbackCommand> plan_event_;
   MicrographReport report_;
 };
 
@@ -388,16 +364,8 @@ Command micrographCommand(CLI::App& root)
       "--lamella-phase", o->lamellaPhase, "With labels: the lamella's; else 'middle lamella', 'lamella'"));
   in("Lattice", "NODES",
     app->add_option("--horizon", o->horizon, "Nodes that a solver wants across the lamella; fewer are warned of"));
-  in("Diffusion", "NAME=VALUE",
-    app
-      ->add_option(
-        "--conductivity", o->conductivity, "Of lumen, wall and lamella: solves, at the spacing and at twice it")
-      ->allow_extra_args(false));
-  in("Diffusion", "x|y|all",
-    app->add_option("--direction", o->direction, "Across the picture, down it, or both")->capture_default_str());
-  in("Diffusion", "SHARE",
-    app->add_option("--target-error", o->targetError, "Halve the spacing until the error bar is below this, as 0.1%"));
-  in("Diffusion", "NUMBER", app->add_option("--threads", o->threads, "Threads of the solver")->capture_default_str());
+  o->diffusion.declare(
+    *app, "vtkOutlineDiffusion", { "spacing", "lamella", "lamella-thickness", "lamella-radius", "lamella-phase" });
   addOutputOptions(*app, o->output, o->common,
     "Write the lattice: .vti (phase, grain, axis, lumen_share), or its phases: .png, .tif, .raw");
   in("Output", "FILE", app->add_option("--contours", o->contours, "Write the outlines: .vtp, .json or .json.gz"));

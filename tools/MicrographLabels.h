@@ -3,7 +3,6 @@
 #include "MicrographPlan.h"
 
 #include "lattice/Phases.h"
-#include "micrograph/ContourLattice.h"
 
 #include <cstdint>
 
@@ -13,13 +12,5 @@ namespace lamella::cli
 
 /// The lamella's phase among a picture's labels. @throws ParameterError, InputError
 [[nodiscard]] std::uint8_t labelledLamella(const MicrographCommandOptions& o, const PhaseTable& phases);
-
-/// Wall nodes that lie in a pixel labelled lamella become that.
-/// @param stretch of the lattice's lengths along y (micrograph::FittedContours)
-[[nodiscard]] PhaseImage fromLabels(
-  const micrograph::ContourLattice& lattice, const PhaseImage& labels, std::uint8_t lamella, double stretch = 1);
-
-/// Share of the wall's nodes.
-[[nodiscard]] double lamellaShare(const PhaseImage& image);
 
 } // namespace lamella::cli

@@ -15,7 +15,6 @@ namespace
 {
 
 const std::vector<std::string> lamellaWords{ "growth", "constant", "labels", "none" };
-const std::vector<std::string> directionWords{ "x", "y", "all" };
 
 } // namespace
 
@@ -53,26 +52,10 @@ Plan planOf(const MicrographCommandOptions& o)
   {
     plan.spacing = lengthInMetres("--spacing", o.spacing);
   }
-  const std::size_t direction = oneOf("--direction", o.direction, directionWords);
-  plan.axes = direction == 2 ? std::vector<int>{ 0, 1 } : std::vector<int>{ static_cast<int>(direction) };
-  if (!o.conductivity.empty())
+  if (!o.diffusion.given("conductivity") && o.diffusion.given("target-error"))
   {
-    plan.conductivities = parseConductivities(o.conductivity, plan.lamella != "none");
+    throw ParameterError("--target-error without --conductivity", "say what lumen and wall conduct");
   }
-  if (!o.targetError.empty())
-  {
-    if (!plan.conductivities)
-    {
-      throw ParameterError("--target-error without --conductivity", "say what lumen and wall conduct");
-    }
-    plan.targetError = share("--target-error", o.targetError);
-    if (!(plan.targetError > 0 && plan.targetError < 1))
-    {
-      throw ParameterError(
-        "--target-error '" + o.targetError + "' is not between 0 and 1", "write it as 0.1% or 0.001");
-    }
-  }
-  checkThreads(o.threads);
   if (o.overlayWidth != 0 && (o.overlayWidth < 100 || o.overlayWidth > 20000))
   {
     throw ParameterError(

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "Commands.h"
-#include "MicrographDiffusion.h"
 #include "MicrographOptions.h"
+#include "SettingOptions.h"
 
 #include "micrograph/MiddleLamella.h"
 
@@ -26,10 +26,7 @@ struct MicrographCommandOptions
   std::string radius;
   std::string lamellaPhase;
   double horizon = 0;
-  std::vector<std::string> conductivity;
-  std::string direction = "all";
-  std::string targetError;
-  int threads = 1;
+  SettingOptions diffusion; ///< vtkOutlineDiffusion's
   std::string output;
   std::string contours;
   std::string overlay;
@@ -43,9 +40,6 @@ struct Plan
   std::string lamella;
   micrograph::LamellaOptions how;
   std::optional<double> spacing;
-  std::optional<Conductivities> conductivities;
-  std::vector<int> axes;
-  double targetError = 0; ///< 0: none
 };
 
 /// @throws ParameterError

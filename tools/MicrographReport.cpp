@@ -5,6 +5,7 @@
 #include "Text.h"
 
 #include "statistics/Median.h"
+#include "vtkLatticeConversion.h"
 
 #include <fmt/format.h>
 
@@ -172,13 +173,15 @@ std::string toJson(const MicrographReport& report)
     points += static_cast<std::int64_t>(contour.points.size());
   }
   Json contours{ { "chains", m.contours.contours.size() }, { "points", points } };
-  if (m.extraction)
+  if (m.picture != nullptr)
   {
-    contours["islands"] = m.extraction->islands;
-    contours["nested_lumens"] = m.extraction->nestedLumens;
-    contours["small"] = m.extraction->small;
-    contours["ragged"] = m.extraction->ragged;
-    contours["area_missing"] = m.extraction->areaMissing * m.pixel * m.pixel;
+    const auto number = [&](const char* name) { return fieldNumbers(m.outlines, name).at(0); };
+    for (const auto& [key, name] : { std::pair{ "islands", "islands" }, std::pair{ "nested_lumens", "nested_lumens" },
+           std::pair{ "small", "small_lumens" }, std::pair{ "ragged", "ragged_lumens" } })
+    {
+      contours[key] = std::llround(number(name));
+    }
+    contours["area_missing"] = number("area_missing") * m.pixel * m.pixel;
   }
   json["contours"] = contours;
   json["lumens"] = jsonOf(numbersOf(report, [](std::size_t) { return true; }));
@@ -240,14 +243,14 @@ std::string toJson(const MicrographReport& report)
   {
     json["lamella"] = nullptr;
   }
-  if (!report.answers.empty())
+  if (!report.found.answers.empty())
   {
     Json& diffusion = json["diffusion"];
-    for (const auto& [name, value] : report.conductivity)
+    for (const auto& [name, value] : report.found.conductivity)
     {
       diffusion["conductivity"][name] = value;
     }
-    for (const lbm::ContourAnswer& a : report.answers)
+    for (const lbm::ContourAnswer& a : report.found.answers)
     {
       diffusion["axes"][axisNames[static_cast<std::size_t>(a.axis)]] = { { "value", a.value },
         { "error", jsonNumber(a.error * a.value) }, { "relative_error", jsonNumber(a.error) },
@@ -344,9 +347,9 @@ std::string toTable(const MicrographReport& report)
         l.cells > 0 ? fmt::format(", touches {} of {} cells", l.cellsTouched, l.cells) : "",
         l.cellsCutOff > 0 ? fmt::format(" ({} across the picture's border)", l.cellsCutOff) : ""));
   }
-  for (const lbm::ContourAnswer& a : report.answers)
+  for (const lbm::ContourAnswer& a : report.found.answers)
   {
-    line(a.axis == report.answers.front().axis ? "conductivity" : "",
+    line(a.axis == report.found.answers.front().axis ? "conductivity" : "",
       fmt::format("{}  {:.6g} ± {}, {:.6g} at {} and {:.6g} at {}, {:.2f} s",
         axisNames[static_cast<std::size_t>(a.axis)], a.value, errorText(a, m.pixel > 0), a.coarse.value,
         micrometres(a.coarse.spacing), a.fine.value, micrometres(a.fine.spacing), a.seconds));

@@ -2,8 +2,8 @@
 
 #include "MicrographInput.h"
 
+#include "OutlineFindings.h"
 #include "io/Provenance.h"
-#include "lbm/ContourDiffusion.h"
 #include "micrograph/ContourMeasures.h"
 #include "micrograph/LumenClasses.h"
 #include "micrograph/MiddleLamella.h"
@@ -48,8 +48,7 @@ struct MicrographReport
   std::vector<std::string> phases;
   std::vector<double> fractions;
   std::optional<LamellaReport> lamella;
-  std::vector<std::pair<std::string, double>> conductivity;
-  std::vector<lbm::ContourAnswer> answers;
+  OutlineFindings found; ///< of diffusion
   std::vector<std::string> written;
   std::vector<std::string> warnings;
   double seconds = 0;

@@ -267,6 +267,19 @@ std::vector<double> numbersOf(const std::vector<SettingValue>& values)
   return numbers;
 }
 
+/// Of NAME=VALUE: refuses a second value of a name. @param before what was given of others
+void requireOne(const Setting& setting, std::map<std::string, double>& before, const std::vector<SettingValue>& values)
+{
+  const auto& name = std::get<std::string>(values[0]);
+  const double value = std::get<double>(values[1]);
+  if (const auto [entry, added] = before.try_emplace(name, value); !added && entry->second != value)
+  {
+    throw ParameterError(
+      fmt::format("{} gives '{}' two values, {:g} and {:g}", nameOf(setting), name, entry->second, value),
+      "give every name one value");
+  }
+}
+
 /// Refuses what give() would refuse whatever else was given. @throws ParameterError
 void check(const Setting& setting, const std::string& given, bool byPhase)
 {
@@ -422,6 +435,7 @@ void SettingOptions::give(vtkObject* object) const
       setting->set(object, { option->on ? 1.0 : 0.0 });
     }
     const Setting* const byPhase = ofPhases(own, *setting);
+    std::map<std::string, double> before;
     for (const std::string& text : written(*setting, option->texts, byPhase != nullptr))
     {
       const std::size_t sign = byPhase != nullptr ? text.find('=') : std::string::npos;
@@ -429,6 +443,11 @@ void SettingOptions::give(vtkObject* object) const
       if (setting->values != nullptr)
       {
         checkSetting(*setting, numbersOf(values));
+      }
+      if (setting->kind == Kind::List && values.size() == 2 && setting->types[0] == Type::Text &&
+        setting->types[1] != Type::Text)
+      {
+        requireOne(*setting, before, values);
       }
       if (sign != std::string::npos)
       {

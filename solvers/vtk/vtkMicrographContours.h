@@ -16,11 +16,12 @@
  * id of their first point, open ones at the picture's border. Cell arrays `lumen` (number from 1), `closed`, and of the
  * whole lumen `area` [m^2], `solidity`, `equivalent_diameter` [m]. Field data: `size` (2) and `corner` (3) of the
  * picture [m], `wall_fraction`, `lumens`, `open_lumens`, `islands`, `nested_lumens`, `small_lumens`, `ragged_lumens`,
- * `area_missing` [pixels^2], `report` (strings), `pixel_size_source`, `provenance`.
+ * `area_missing` [pixels^2], `report` (strings), `extraction` (how they were found, JSON: vtkOutlineDiffusion finds
+ * them in coarser pictures, too), `pixel_size_source`, `provenance`.
  *
  * On several ranks the first one has all outlines.
  *
- * @sa vtkMicrographPolygonReader vtkMicrographLattice vtkPictureReader
+ * @sa vtkMicrographPolygonReader vtkMicrographLattice vtkOutlineDiffusion vtkPictureReader
  */
 
 #ifndef vtkMicrographContours_h

@@ -12,8 +12,10 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from . import _arrays, _files
 from ._errors import LamellaError, choose, run
 from ._samples import ImageBase, Sample
-from ._types import Array, Image, Name, Path, Sequence
-from .vtkLamellaSolversVTK import vtkMicrographContours, vtkMicrographLattice, vtkMicrographPolygonReader
+from ._settings import Settings, declared
+from ._solve import as_image
+from ._types import Array, Image, Name, Path, Progress, Sequence
+from .vtkLamellaSolversVTK import vtkMicrographContours, vtkMicrographLattice, vtkMicrographPolygonReader, vtkOutlineDiffusion
 
 _LAMELLAE = {None: 0, "none": 0, "growth": 1, "constant": 2}
 
@@ -21,9 +23,11 @@ _LAMELLAE = {None: 0, "none": 0, "growth": 1, "constant": 2}
 class Contours(_arrays.FieldData):
     """Outlines of lumens. Lengths are in metres; x points right and y up from the picture's lower left corner."""
 
-    def __init__(self, outlines, cells=None) -> None:
+    def __init__(self, outlines, cells=None, picture=None) -> None:
         #: vtkPolyData: a poly-line a chain
         self.vtk = outlines
+        #: vtkImageData: the picture that they were found in; None where they are from none
+        self.picture_vtk = picture
         #: vtkPolyData: the same of the cells' outlines; None where they are not known
         self.cells_vtk = cells
 
@@ -210,6 +214,54 @@ class LatticeSample(Sample):
         return float(self._numbers("lamella_share")[0])
 
 
+class OutlineDiffusionResult(_arrays.FieldData):
+    """What outlines conduct, by direction. ``vtk`` is the outlines with all numbers as field data."""
+
+    def __init__(self, outlines) -> None:
+        #: vtkPolyData: the outlines
+        self.vtk = outlines
+
+    def _by_direction(self, name, step=1):
+        values = _arrays.numbers(self.vtk, name)[::step]
+        return {axis: float(values[i]) for i, axis in enumerate("xy") if self.vtk.GetFieldData().HasArray("lattices_" + axis)}
+
+    @property
+    def conductivity(self) -> dict[str, float]:
+        """Effective conductivity by direction, in the unit of the phases'."""
+        return self._by_direction("effective_conductivity", 4)
+
+    @property
+    def error(self) -> dict[str, float]:
+        """Relative error bar by direction, of both parts; NaN where the picture's is not known."""
+        return self._by_direction("estimated_error_by_direction")
+
+    @property
+    def lattice_error(self) -> dict[str, float]:
+        """The part of it that the lattices leave, which a smaller spacing mends."""
+        return self._by_direction("lattice_error_by_direction")
+
+    @property
+    def picture_error(self) -> dict[str, float]:
+        """The part of it that the picture's pixels leave; 0 where the outlines are taken as they are."""
+        return self._by_direction("picture_error_by_direction")
+
+    @property
+    def lattices(self) -> dict[str, Array]:
+        """By direction #lattices by 2: distance of nodes [m] and conductivity, the coarsest first."""
+        data = self.vtk.GetFieldData()
+        return {axis: vtk_to_numpy(data.GetArray("lattices_" + axis)) for axis in self.conductivity}
+
+    @property
+    def target(self) -> str | None:
+        """How a target error ended: "reached", "picture too coarse" or "memory short"; None without one."""
+        return _arrays.text(self.vtk, "target") or None
+
+    def __repr__(self) -> str:
+        each = zip(self.conductivity.items(), self.error.values())
+        numbers = ", ".join(f"k_{axis} {value:.6g} ± {100 * error:.2g} %" for (axis, value), error in each)
+        return f"<lamella.OutlineDiffusionResult {numbers}>"
+
+
 def contours(
     sample: Image,
     lumen: Name | None = None,
@@ -267,7 +319,7 @@ def contours(
     source.SetSmallestArea(smallest_area)
     source.SetLeastSolidity(least_solidity)
     run(source)
-    return Contours(source.GetOutput())
+    return Contours(source.GetOutput(), picture=image)
 
 
 def read_polygons(
@@ -301,3 +353,28 @@ def read_polygons(
     run(reader)
     cells = reader.GetCells()
     return Contours(reader.GetOutput(), cells if cells.GetNumberOfCells() > 0 else None)
+
+
+@declared(vtkOutlineDiffusion, first=("conductivity", "direction", "spacing"))
+def outline_diffusion(
+    outlines: Contours,
+    settings: Settings,
+    picture: Image | bool | None = None,
+    progress: Progress | None = None,
+) -> OutlineDiffusionResult:
+    """Solves steady diffusion through outlines, with an error bar, and returns an OutlineDiffusionResult.
+
+    outlines        Contours, or a vtkPolyData like theirs
+    picture         the picture that they were found in, whose pixels leave an error. None: the one that they remember;
+                    False: they are taken as they are
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
+    """
+    solver = vtkOutlineDiffusion()
+    solver.SetInputData(getattr(outlines, "vtk", outlines))
+    if picture is None:
+        picture = getattr(outlines, "picture_vtk", None)
+    if picture is not None and picture is not False:
+        solver.SetPictureData(as_image(picture))
+    settings.give(solver)
+    run(solver, progress)
+    return OutlineDiffusionResult(solver.GetOutput())
