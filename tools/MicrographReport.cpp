@@ -207,23 +207,20 @@ std::string toJson(const MicrographReport& report)
   }
   json["wall_fraction"] = report.wallFraction;
   json["wall_thickness"] = { { "median", report.thickness.median }, { "low", report.thickness.low } };
-  if (report.spacing)
+  Json& lattice = json["lattice"];
+  lattice["size"] = { report.size[0], report.size[1] };
+  lattice["spacing"] = report.spacing;
+  lattice["cropped"] = report.cropped;
+  lattice["wall_nodes"] = report.wallNodes;
+  lattice["wall_fraction"] = report.wallFractionOnLattice;
+  lattice["nodes_across_wall"] = { { "median", report.thickness.median / report.spacing },
+    { "low", report.thickness.low / report.spacing } };
+  lattice["phases"] = Json::array();
+  for (std::size_t id = 0; id < report.phases.size(); ++id)
   {
-    Json& lattice = json["lattice"];
-    lattice["size"] = { report.size[0], report.size[1] };
-    lattice["spacing"] = *report.spacing;
-    lattice["cropped"] = report.cropped;
-    lattice["wall_nodes"] = report.wallNodes;
-    lattice["wall_fraction"] = report.wallFractionOnLattice;
-    lattice["nodes_across_wall"] = { { "median", report.thickness.median / *report.spacing },
-      { "low", report.thickness.low / *report.spacing } };
-    lattice["phases"] = Json::array();
-    for (std::size_t id = 0; id < report.phases.size(); ++id)
-    {
-      lattice["phases"].push_back({ { "name", report.phases[id] }, { "fraction", report.fractions[id] } });
-    }
-    lattice["seconds"] = report.latticeSeconds;
+    lattice["phases"].push_back({ { "name", report.phases[id] }, { "fraction", report.fractions[id] } });
   }
+  lattice["seconds"] = report.latticeSeconds;
   if (report.lamella)
   {
     const LamellaReport& l = *report.lamella;
@@ -330,14 +327,11 @@ std::string toTable(const MicrographReport& report)
   line("walls",
     fmt::format("{} of the picture, {} thick (median), thinner than {} in 5 % of their length",
       percent(report.wallFraction), micrometres(report.thickness.median), micrometres(report.thickness.low)));
-  if (report.spacing)
-  {
-    line("lattice",
-      fmt::format("{} nodes of {}, {} in walls, {:.3g} across them (median){}", sizeText(report.size, 2),
-        micrometres(*report.spacing), grouped(report.wallNodes), report.thickness.median / *report.spacing,
-        report.cropped > 1e-6 * *report.spacing ? fmt::format("; {} at the top cut off", micrometres(report.cropped))
-                                                : ""));
-  }
+  line("lattice",
+    fmt::format("{} nodes of {}, {} in walls, {:.3g} across them (median){}", sizeText(report.size, 2),
+      micrometres(report.spacing), grouped(report.wallNodes), report.thickness.median / report.spacing,
+      report.cropped > 1e-6 * report.spacing ? fmt::format("; {} at the top cut off", micrometres(report.cropped))
+                                             : ""));
   if (report.lamella)
   {
     const LamellaReport& l = *report.lamella;

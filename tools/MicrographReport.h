@@ -6,7 +6,6 @@
 #include "io/Provenance.h"
 #include "micrograph/ContourMeasures.h"
 #include "micrograph/LumenClasses.h"
-#include "micrograph/MiddleLamella.h"
 
 #include <array>
 #include <optional>
@@ -40,7 +39,7 @@ struct MicrographReport
   bool cells = true;                ///< lumens look like a tissue's: words of wood are in place
   double wallFraction = 0;
   micrograph::WallThickness thickness;
-  std::optional<double> spacing; ///< of the lattice [m]
+  double spacing = 0; ///< of the lattice [m]
   std::array<std::int64_t, 3> size{ 0, 0, 1 };
   double cropped = 0; ///< [m]
   double wallFractionOnLattice = 0;

@@ -297,7 +297,8 @@ void check(const Setting& setting, const std::string& given, bool byPhase)
 
 } // namespace
 
-void SettingOptions::declare(CLI::App& command, const std::string& className, const std::vector<std::string>& leave)
+void SettingOptions::declare(CLI::App& command, const std::string& className, const std::vector<std::string>& leave,
+  const std::map<std::string, std::string>& defaults)
 {
   const std::vector<Setting>& settings = settingsOf(className);
   for (const Setting& setting : settings)
@@ -307,6 +308,7 @@ void SettingOptions::declare(CLI::App& command, const std::string& className, co
       add(command, settings, setting);
     }
   }
+  standards(command, defaults);
 }
 
 void SettingOptions::declareKind(CLI::App& command, const std::string& className,
@@ -324,6 +326,11 @@ void SettingOptions::declareKind(CLI::App& command, const std::string& className
       add(command, settings, setting);
     }
   }
+  standards(command, defaults);
+}
+
+void SettingOptions::standards(CLI::App& command, const std::map<std::string, std::string>& defaults)
+{
   for (const auto& [word, standard] : defaults)
   {
     options_.at(word)->standard = standard;

@@ -4,6 +4,8 @@
 #include "vtkLatticeConversion.h"
 
 #include "lattice/Error.h"
+#include "lattice/PhaseNames.h"
+#include "lattice/Suggestion.h"
 #include "micrograph/ShareLevel.h"
 
 #include "vtkCellData.h"
@@ -125,6 +127,41 @@ ContourField contourField(vtkImageData* image, const OutlineRecipe& recipe)
   }
   const PhaseIds phases = phasesCalled(image, recipe.array);
   return contourField(latticeOf(image), phases, findVoid(phases, recipe.lumen, "lumens"));
+}
+
+LamellaLabels lamellaLabels(
+  vtkImageData* picture, const std::optional<OutlineRecipe>& recipe, const std::string& wanted)
+{
+  if (picture == nullptr || !recipe || recipe->basis != OutlineRecipe::Phases)
+  {
+    throw ParameterError(
+      "a middle lamella from labels needs a picture of labels, and there is none", "choose growth, or give it");
+  }
+  const PhaseIds phases = phasesCalled(picture, recipe->array);
+  const std::string known = "its phases are " + quotedList(phases.names, "and");
+  const auto found = phaseMeant(phases.names, wanted.empty() ? "middle lamella" : wanted);
+  if (!found && !wanted.empty())
+  {
+    throw ParameterError(
+      "'" + wanted + "', the middle lamella, is no phase of the picture", suggestion(wanted, phases.names, known));
+  }
+  if (!found)
+  {
+    throw InputError("which phase is the middle lamella? The picture has " + quotedList(phases.names, "and"),
+      "say which is the lamella's phase, or choose growth");
+  }
+  return { { latticeOf(picture), { phases.ids.begin(), phases.ids.end() }, {} }, static_cast<std::uint8_t>(*found) };
+}
+
+double spacingOf(double asked, const std::optional<OutlineRecipe>& recipe, double median)
+{
+  const double spacing = asked > 0 ? asked : recipe ? recipe->pixel : median / 4;
+  if (!(spacing > 0))
+  {
+    throw ParameterError("there is one lumen only, whose walls have no thickness to choose a spacing by",
+      "give the spacing of the lattice, such as 5e-7 m");
+  }
+  return spacing;
 }
 
 void setRecipe(vtkDataObject* outlines, const OutlineRecipe& recipe)

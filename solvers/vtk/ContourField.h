@@ -65,6 +65,24 @@ struct ContourField
 /// The same as a recipe says. @throws InputError, ParameterError
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT ContourField contourField(vtkImageData* image, const OutlineRecipe& recipe);
 
+/// Where a picture says what of the walls is the middle lamella.
+struct LamellaLabels
+{
+  PhaseImage image;
+  std::uint8_t lamella = 0;
+};
+/// @param picture in which outlines were found as the recipe says; null: none was given
+/// @param wanted name of the phase; empty: that which is called middle lamella, or lamella
+/// @throws ParameterError, InputError
+[[nodiscard]] LamellaLabels lamellaLabels(
+  vtkImageData* picture, const std::optional<OutlineRecipe>& recipe, const std::string& wanted);
+
+/// The spacing that is asked for [m]; where that is 0 the picture's pixel, of outlines from none a quarter of the
+/// walls.
+/// @param median thickness of the walls [m]
+/// @throws ParameterError where there is nothing to choose it by
+[[nodiscard]] double spacingOf(double asked, const std::optional<OutlineRecipe>& recipe, double median);
+
 /// A point array of phases by its name. @throws InputError where it is not there
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseIds phasesCalled(vtkImageData* image, const std::string& array);
 

@@ -102,6 +102,8 @@ void vtkMicrographPolygonReader::Read(vtkPolyData* lumens, vtkPolyData* cells)
     vtkWarningMacro(<< warning);
   }
   lumens->ShallowCopy(lamella::toPolyData(file.lumens, this->GetClassName()));
+  lamella::setFieldNumber(
+    lumens, "unit", file.unit, "m", "one unit of the file's coordinates", this->GetClassName());
   lamella::beginProvenance(lumens, "polygons", parameters, {}, path);
   if (file.cells)
   {

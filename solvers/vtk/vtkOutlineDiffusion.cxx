@@ -126,42 +126,6 @@ lamella::ContourField fieldOf(
   return field;
 }
 
-/// Walls whose middle lamella conducts otherwise.
-class LamellaMaker
-{
-public:
-  /// Labels of a picture. @throws ParameterError
-  void take(vtkImageData* picture, const lamella::OutlineRecipe& recipe, const std::string& wanted)
-  {
-    const lamella::PhaseIds phases = lamella::phasesCalled(picture, recipe.array);
-    const auto found = lamella::phaseMeant(phases.names, wanted.empty() ? "middle lamella" : wanted);
-    if (!found)
-    {
-      throw lamella::ParameterError(wanted.empty() ? "no phase of the picture is called middle lamella"
-                                                   : "'" + wanted + "', the middle lamella, is no phase of the picture",
-        lamella::suggestion(wanted, phases.names, "its phases are " + lamella::quotedList(phases.names, "and")));
-    }
-    lamella_ = static_cast<std::uint8_t>(*found);
-    labels_ = { lamella::latticeOf(picture), { phases.ids.begin(), phases.ids.end() }, {} };
-  }
-  void take(const micrograph::LamellaOptions& how) { how_ = how; }
-
-  void operator()(const micrograph::FittedContours& fitted, micrograph::ContourLattice& lattice) const
-  {
-    micrograph::ContourLatticeOptions make;
-    make.spacing = fitted.lattice.spacing;
-    make.lines = 0;
-    const micrograph::ContourLattice own = micrograph::contourLattice(fitted.contours, make);
-    lattice.image = how_ ? micrograph::middleLamella(own, micrograph::wallDirections(fitted.contours, own), *how_).image
-                         : micrograph::labelledLamella(own, labels_, lamella_, fitted.stretch);
-  }
-
-private:
-  std::optional<micrograph::LamellaOptions> how_;
-  lamella::PhaseImage labels_;
-  std::uint8_t lamella_ = 0;
-};
-
 } // namespace
 
 struct vtkOutlineDiffusion::Internals
@@ -282,12 +246,7 @@ void vtkOutlineDiffusion::Solve(vtkPolyData* outlines, vtkImageData* picture, vt
   found.targetError = this->TargetError;
   found.direction = this->Direction == ALL ? "all" : this->Direction == X ? "x" : "y";
   const micrograph::WallThickness thickness = micrograph::wallThickness(contours);
-  found.spacing = this->Spacing > 0 ? this->Spacing : recipe ? recipe->pixel : thickness.median / 4;
-  if (!(found.spacing > 0))
-  {
-    throw lamella::ParameterError("there is one lumen only, whose walls have no thickness to choose a spacing by",
-      "give the spacing of the lattice, such as 0.5e-6 m");
-  }
+  found.spacing = lamella::spacingOf(this->Spacing, recipe, thickness.median);
 
   lbm::ContourStudyOptions study;
   this->RequireConductivities();
@@ -320,30 +279,27 @@ void vtkOutlineDiffusion::Solve(vtkPolyData* outlines, vtkImageData* picture, vt
       study.moved = micrograph::movedOutlines(contours, micrograph::segmentDoubt * study.pixel);
     }
   }
-  LamellaMaker maker;
+  lamella::LamellaLabels labels;
+  micrograph::LamellaOptions how;
+  if (ownLamella && this->Lamella == LABELS)
+  {
+    labels = lamella::lamellaLabels(picture, recipe, this->LamellaPhase);
+  }
+  how.method = this->Lamella == CONSTANT ? micrograph::LamellaMethod::Constant : micrograph::LamellaMethod::Growth;
+  // The same on every lattice, whose outlines are a little longer or shorter.
+  how.thickness = this->LamellaThickness > 0 ? this->LamellaThickness : micrograph::usualLamella(thickness.median);
+  how.radius = this->LamellaRadius >= 0 ? this->LamellaRadius : thickness.median / 4;
   if (ownLamella)
   {
-    if (this->Lamella == LABELS)
+    study.phases = [this, &labels, &how](const micrograph::FittedContours& fitted, micrograph::ContourLattice& lattice)
     {
-      if (picture == nullptr || recipe->basis != lamella::OutlineRecipe::Phases)
-      {
-        throw lamella::ParameterError(
-          "a middle lamella from labels, and no picture with them is given", "give it, or choose growth");
-      }
-      maker.take(picture, *recipe, this->LamellaPhase);
-    }
-    else
-    {
-      micrograph::LamellaOptions how;
-      how.method = this->Lamella == CONSTANT ? micrograph::LamellaMethod::Constant : micrograph::LamellaMethod::Growth;
-      // The same on every lattice, whose outlines are a little longer or shorter.
-      how.thickness = this->LamellaThickness > 0 ? this->LamellaThickness : micrograph::usualLamella(thickness.median);
-      how.radius = this->LamellaRadius >= 0 ? this->LamellaRadius : thickness.median / 4;
-      maker.take(how);
-    }
-    study.phases = [this, &maker](const micrograph::FittedContours& fitted, micrograph::ContourLattice& lattice)
-    {
-      maker(fitted, lattice);
+      micrograph::ContourLatticeOptions make;
+      make.spacing = fitted.lattice.spacing;
+      make.lines = 0;
+      const micrograph::ContourLattice own = micrograph::contourLattice(fitted.contours, make);
+      lattice.image = this->Lamella == LABELS
+        ? micrograph::labelledLamella(own, labels.image, labels.lamella, fitted.stretch)
+        : micrograph::middleLamella(own, micrograph::wallDirections(fitted.contours, own), how).image;
       if (this->CheckAbort())
       {
         throw lamella::Cancelled();

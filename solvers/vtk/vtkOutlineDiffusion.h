@@ -85,7 +85,6 @@ public:
    * Across the picture from left to right, down it, or both, one after the other.
    * @group Diffusion
    * @choice Directions
-   * @panel x
    */
   vtkSetMacro(Direction, int);
   vtkGetMacro(Direction, int);

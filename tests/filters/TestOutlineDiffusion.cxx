@@ -240,7 +240,7 @@ TEST(OutlineDiffusion, WhatCannotBeDoneIsRefusedInWords)
                 f->SetConductivity("lamella", 2);
                 f->SetLamella(vtkOutlineDiffusion::LABELS);
               }),
-    "a middle lamella from labels, and no picture with them is given");
+    "a middle lamella from labels needs a picture of labels, and there is none");
   EXPECT_EQ(refused([](auto* f) { f->SetPictureData(toImageData(tissue())); }),
     "these outlines do not say how they were found in a picture");
   EXPECT_NE(refused([](auto* f) { f->SetTargetError(2); }), "");

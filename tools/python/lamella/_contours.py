@@ -10,15 +10,12 @@ import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from . import _arrays, _files
-from ._errors import LamellaError, choose, run
+from ._errors import LamellaError, run
 from ._samples import ImageBase, Sample
 from ._settings import Settings, declared
 from ._solve import as_image
 from ._types import Array, Image, Name, Path, Progress, Sequence
 from .vtkLamellaSolversVTK import vtkMicrographContours, vtkMicrographLattice, vtkMicrographPolygonReader, vtkOutlineDiffusion
-
-_LAMELLAE = {None: 0, "none": 0, "growth": 1, "constant": 2}
-
 
 class Contours(_arrays.FieldData):
     """Outlines of lumens. Lengths are in metres; x points right and y up from the picture's lower left corner."""
@@ -98,37 +95,15 @@ class Contours(_arrays.FieldData):
         """What finding them did, a line for each step."""
         return _arrays.texts(self.vtk, "report")
 
-    def lattice(
-        self,
-        spacing: float | None = None,
-        lamella: str | None = None,
-        thickness: float | None = None,
-        radius: float | None = None,
-        horizon: float = 0,
-    ) -> LatticeSample:
+    @declared(vtkMicrographLattice, first=("spacing", "lamella"), formerly={"thickness": "lamella_thickness", "radius": "lamella_radius"})
+    def lattice(self, settings: Settings) -> LatticeSample:
         """Puts the outlines on a lattice and returns a LatticeSample.
-
-        spacing    metres; changes a little so that a whole number fits the picture's width. None raises LamellaError
-                   with a spacing that suits the walls as hint
-        lamella    None, "growth" (what lumens that grow leave between them) or "constant"
-        thickness  gap that growing outlines keep, or the constant thickness; None: half a micrometre, at most an eighth
-                   of the walls
-        radius     growth: outlines stop at this radius of curvature, 0: never; None: a quarter of the walls' thickness
-        horizon    nodes that a solver wants across the lamella: fewer are warned of
         """
         source = vtkMicrographLattice()
         source.SetInputData(self.vtk)
-        if spacing is not None:
-            source.SetSpacing(spacing)
-        source.SetLamella(choose(_LAMELLAE, lamella, "lamella"))
-        for what, value, least in (("thickness", thickness, "above 0"), ("radius", radius, "0 or more")):
-            if value is not None and not (value > 0 or (value == 0 and what == "radius")):
-                raise LamellaError(f"the lamella's {what} is {value}", f"give it in metres, {least}")
-        if thickness is not None:
-            source.SetLamellaThickness(thickness)
-        if radius is not None:
-            source.SetLamellaRadius(radius)
-        source.SetHorizon(horizon)
+        if self.picture_vtk is not None:
+            source.SetPictureData(self.picture_vtk)
+        settings.give(source)
         run(source)
         return LatticeSample(source.GetOutput())
 
