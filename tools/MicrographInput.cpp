@@ -11,10 +11,9 @@
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
 #include "lattice/PhaseNames.h"
-#include "micrograph/ContourEdit.h"
-#include "micrograph/PolygonFile.h"
 #include "vtkLatticeConversion.h"
 #include "vtkMicrographContours.h"
+#include "vtkMicrographPolygonReader.h"
 #include "vtkProvenance.h"
 
 #include <vtkDataObject.h>
@@ -55,7 +54,7 @@ void requirePixelSize(const std::string& source, const std::string& file)
   }
 }
 
-Micrograph loadOutlines(const MicrographOptions& options)
+Micrograph loadOutlines(Session& session, const MicrographOptions& options)
 {
   const std::string& file = options.picture.file;
   refuse(options.forScans, file, "scans");
@@ -68,56 +67,24 @@ Micrograph loadOutlines(const MicrographOptions& options)
   requireFile(file);
   Micrograph found;
   found.kind = MicrographKind::Polygons;
-  if (endsWith(file, ".vtp"))
+  const bool outlines = endsWith(file, ".vtp");
+  if (outlines)
   {
     refuse(options.forPolygons, file, "polygons in .json or .json.gz");
-    const auto data = readGrid(file);
-    auto* const outlines = vtkPolyData::SafeDownCast(data);
-    try
-    {
-      found.contours = contoursFrom(outlines);
-      if (!options.picture.window.empty())
-      {
-        const std::array<double, 4> w = polygonWindow(options.picture.window);
-        const std::array<double, 3> corner = cornerOf(outlines);
-        found.contours = micrograph::cropContours(
-          found.contours, { w[0] - corner[0], w[1] - corner[1] }, { w[2] - corner[0], w[3] - corner[1] });
-      }
-    }
-    catch (const InputError& error)
-    {
-      throw InputError("'" + file + "': " + error.what(), error.hint());
-    }
-    found.provenance = provenance(outlines);
-    found.unit = 1;
   }
-  else
+  vtkNew<vtkMicrographPolygonReader> reader;
+  options.outlines.give(reader);
+  reader->SetFileName(file.c_str());
+  if (!options.picture.window.empty())
   {
-    micrograph::PolygonReadOptions read;
-    read.yDown = options.yDown;
-    if (!options.unit.empty())
-    {
-      read.unit = lengthInMetres("--unit", options.unit);
-    }
-    if (!options.picture.window.empty())
-    {
-      read.window = polygonWindow(options.picture.window);
-    }
-    micrograph::PolygonFile polygons = micrograph::readPolygons(file, read);
-    found.contours = std::move(polygons.lumens);
-    found.unit = polygons.unit;
-    found.warnings = std::move(polygons.warnings);
+    reader->SetWindow(polygonWindow(options.picture.window).data());
   }
-  const micrograph::LumenFilter filter = lumenFilter(options);
-  if (filter.smallestArea > 0 || filter.leastSolidity > 0)
-  {
-    found.contours = micrograph::filterLumens(found.contours, filter);
-    if (found.contours.contours.empty())
-    {
-      throw InputError("no lumen of '" + file + "' is left", "lower --least-diameter or --least-solidity");
-    }
-  }
-  found.outlines = toPolyData(found.contours, "lamella micrograph");
+  runFilter(session, reader, "outlines");
+  found.warnings = VtkMessages::takeWarnings();
+  found.outlines = reader->GetOutput();
+  found.contours = contoursFrom(found.outlines);
+  found.provenance = outlines ? provenance(found.outlines) : "";
+  found.unit = outlines ? 1 : fieldNumbers(found.outlines, "unit").at(0);
   return found;
 }
 
@@ -148,12 +115,8 @@ std::uint8_t lumenOf(const MicrographOptions& options, const PhaseTable& phases)
 void extract(Session& session, Micrograph& found, vtkMicrographContours* filter, const MicrographOptions& options)
 {
   filter->SetInputData(found.picture);
-  filter->SetSmooth(!options.noSmooth);
-  filter->SetWavelength(options.wavelength);
-  filter->SetTolerance(options.tolerance);
-  const micrograph::LumenFilter filtered = lumenFilter(options);
-  filter->SetSmallestArea(filtered.smallestArea);
-  filter->SetLeastSolidity(filtered.leastSolidity);
+  setFieldText(found.picture, "pixel_size_source", found.pixelSizeSource);
+  options.outlines.give(filter);
   runFilter(session, filter, "outlines");
   const std::vector<std::string> warnings = VtkMessages::takeWarnings();
   found.warnings.insert(found.warnings.end(), warnings.begin(), warnings.end());
@@ -298,7 +261,7 @@ Micrograph loadMicrograph(Session& session, const MicrographOptions& options)
     {
       throw ParameterError("--segment is for scans, and '" + picture.file + "' holds outlines", "leave --segment out");
     }
-    return loadOutlines(options);
+    return loadOutlines(session, options);
   }
   refuse(options.forPolygons, picture.file, "polygons");
   if (options.grey())

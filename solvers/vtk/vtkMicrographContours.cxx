@@ -9,6 +9,7 @@
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
+#include "micrograph/ContourEdit.h"
 #include "micrograph/ContourExtraction.h"
 
 #include "vtkDataObject.h"
@@ -91,7 +92,8 @@ void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
 
   recipe.array = field.array;
   recipe.pixel = lattice.spacing;
-  recipe.options = { this->Smooth, this->Wavelength, this->Tolerance, this->SmallestArea, this->LeastSolidity };
+  recipe.options = { this->Smooth, this->Wavelength, this->Tolerance,
+    std::max(this->SmallestArea, lamella::micrograph::areaOfCircle(this->LeastDiameter)), this->LeastSolidity };
   const lamella::micrograph::Extraction found =
     lamella::micrograph::extractContours(field.image, 0, field.level, recipe.options);
   for (const std::string& warning : found.warnings)
@@ -123,7 +125,7 @@ void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
     lamella::setFieldText(output, "pixel_size_source", *source);
   }
   parameters["tolerance"] = this->Tolerance;
-  parameters["smallest_area"] = this->SmallestArea;
+  parameters["smallest_area"] = recipe.options.smallestArea;
   parameters["least_solidity"] = this->LeastSolidity;
   lamella::setProvenance(output, lamella::provenance(image));
   lamella::continueProvenance(output, "contours", parameters);

@@ -139,6 +139,17 @@ public:
 
   ///@{
   /**
+   * Lumens smaller than a circle of this diameter become wall, in metres.
+   * @group Which ones
+   * @unit m
+   * @range [0, inf)
+   */
+  vtkSetMacro(LeastDiameter, double);
+  vtkGetMacro(LeastDiameter, double);
+  ///@}
+
+  ///@{
+  /**
    * Closed lumens that fill a smaller share of their convex hull become wall.
    * @group Which ones
    * @range [0, 1]
@@ -170,6 +181,7 @@ private:
   double Wavelength = 20;
   double Tolerance = 0.02;
   double SmallestArea = 0;
+  double LeastDiameter = 0;
   double LeastSolidity = 0;
 };
 

@@ -249,6 +249,7 @@ def contours(
     level: float | None = None,
     shares: bool = False,
     lumen_below: bool = False,
+    least_diameter: float = 0.0,
 ) -> Contours:
     """Finds the outlines of lumens in a picture of phases, or of numbers, and returns Contours.
 
@@ -264,6 +265,7 @@ def contours(
                     count as parts of the largest one. Not smoothed, areas of second order in the pixel
     shares          True: the numbers are lumen's share of each pixel, 0 to 1; the same, and finer
     lumen_below     lumens are where numbers are below the level; shares are the wall's
+    least_diameter  lumens smaller than a circle of this diameter become wall, in metres
     """
     if level is not None and shares:
         raise ValueError("give a level or shares, not both")
@@ -293,6 +295,7 @@ def contours(
     source.SetTolerance(tolerance)
     source.SetSmallestArea(smallest_area)
     source.SetLeastSolidity(least_solidity)
+    source.SetLeastDiameter(least_diameter)
     run(source)
     return Contours(source.GetOutput(), picture=image)
 
@@ -302,6 +305,8 @@ def read_polygons(
     unit: float | None = None,
     window: Sequence[float] | None = None,
     y_down: bool = False,
+    least_diameter: float = 0.0,
+    least_solidity: float = 0.0,
 ) -> Contours:
     """Reads outlines of cells and lumens.
 
@@ -310,6 +315,8 @@ def read_polygons(
     window  what of the file is the picture: (low x, low y, high x, high y) in its coordinates; None: the box around all
             of its points
     y_down  the file's y points down, as rows of a picture do
+    least_diameter  lumens smaller than a circle of this diameter become wall, in metres
+    least_solidity  closed lumens that fill a smaller share of their convex hull become wall, 0 to 1
     """
     reader = vtkMicrographPolygonReader()
     reader.SetFileName(os.fspath(path))
@@ -325,6 +332,8 @@ def read_polygons(
             raise LamellaError("the window is empty", "give a width and a height")
         reader.SetWindow(*window)
     reader.SetYDown(bool(y_down))
+    reader.SetLeastDiameter(least_diameter)
+    reader.SetLeastSolidity(least_solidity)
     run(reader)
     cells = reader.GetCells()
     return Contours(reader.GetOutput(), cells if cells.GetNumberOfCells() > 0 else None)
