@@ -1,68 +1,37 @@
 #include "Commands.h"
-#include "MicrographDiffusion.h"
+#include "FilterRun.h"
+#include "GridFile.h"
 #include "MicrographFiles.h"
 #include "MicrographInput.h"
-#include "MicrographLabels.h"
 #include "MicrographOverlay.h"
 #include "MicrographPlan.h"
 #include "MicrographReport.h"
 #include "Record.h"
 #include "SampleFile.h"
+#include "Settings.h"
 #include "Text.h"
 
 #include "io/Provenance.h"
 #include "lattice/Clock.h"
 #include "lattice/Error.h"
-#include "lattice/Memory.h"
-#include "micrograph/MiddleLamella.h"
-#include "micrograph/WallDirection.h"
-#include "micrograph/WallThickness.h"
+#include "vtkLatticeConversion.h"
+#include "vtkMicrographLattice.h"
+#include "vtkOutlineDiffusion.h"
 
-#include <fmt/format.h>
+#include <vtkCallbackCommand.h>
+#include <vtkNew.h>
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
 
 namespace lamella::cli
 {
 
 namespace
 {
-
-void requireMemory(const micrograph::ContourSet& contours, double spacing, bool written)
-{
-  const Lattice lattice = micrograph::latticeOf(contours.size, spacing);
-  const auto nodes = static_cast<double>(lattice.count());
-  // Shares, grain and phases; directions; lamella; and what a .vti takes beside them.
-  const double bytes = nodes * (17 + 28 + 20 + (written ? 42 : 0));
-  if (const auto available = static_cast<double>(availableMemory()); bytes > available)
-  {
-    throw MemoryError(fmt::format("{} nodes of {:.4g} µm take about {}, and {} are free", sizeText(lattice.size, 2),
-                        1e6 * lattice.spacing, bytesText(bytes), bytesText(available)),
-      "take a larger --spacing or a part of the picture with --window");
-  }
-}
-
-/// The spacing of the lattice: that asked for, else the pixel, else a quarter of the walls.
-double spacingOf(const Plan& plan, const Micrograph& source, const micrograph::WallThickness& thickness)
-{
-  if (plan.spacing)
-  {
-    return *plan.spacing;
-  }
-  if (source.pixel > 0)
-  {
-    return source.pixel;
-  }
-  if (!(thickness.median > 0))
-  {
-    throw ParameterError("there is one lumen only, whose walls have no thickness to choose a spacing by",
-      "give the spacing of the lattice: --spacing 0.5um");
-  }
-  return thickness.median / 4;
-}
 
 class Run
 {
@@ -71,7 +40,6 @@ public:
     : session_(session)
     , options_(options)
     , line_(std::move(line))
-    , plan_(planOf(options))
     , outputs_(options)
   {
   }
@@ -79,8 +47,9 @@ public:
   void operator()()
   {
     const auto start = Clock::now();
+    prepare();
     step(0.02, "outlines");
-    source_ = loadMicrograph(options_.input);
+    source_ = loadMicrograph(session_, options_.input);
     for (const std::string& warning : source_.warnings)
     {
       warn(warning);
@@ -89,20 +58,11 @@ public:
     {
       warn(doubt);
     }
-    if (plan_.lamella == "labels")
-    {
-      if (!source_.labels)
-      {
-        throw ParameterError("--lamella labels needs labels, and '" + options_.input.picture.file + "' has none",
-          "choose --lamella growth");
-      }
-      labelled_ = labelledLamella(options_, source_.labels->phases);
-    }
     measure();
     step(0.3, "lattice");
     makeLattice();
     report_.latticeSeconds = secondsSince(start);
-    if (plan_.conductivities)
+    if (solves())
     {
       solve();
     }
@@ -113,7 +73,10 @@ public:
     outputs_.commit();
     report_.seconds = secondsSince(start);
     session_.print(options_.common.json ? toJson(report_) : options_.common.quiet ? "" : toTable(report_));
-    judgeTarget();
+    if (const lbm::Shortfall& shortfall = report_.found.shortfall; !shortfall.message.empty())
+    {
+      session_.fallShort(shortfall.message, shortfall.hint);
+    }
   }
 
 private:
@@ -136,185 +99,109 @@ private:
     report_.measures = micrograph::measureLumens(source_.contours);
     report_.classes = classify(report_.measures);
     report_.cells = lookLikeCells(source_, report_.measures);
-    report_.wallFraction = micrograph::wallFraction(source_.contours);
-    report_.thickness = micrograph::wallThickness(source_.contours);
-  }
-
-  micrograph::ContourLattice latticeOf(double spacing) const
-  {
-    micrograph::ContourLatticeOptions make;
-    make.spacing = spacing;
-    make.lines = 0;
-    return micrograph::contourLattice(source_.contours, make);
+    report_.wallFraction = fieldNumbers(source_.outlines, "wall_fraction").at(0);
   }
 
   void makeLattice()
   {
-    const double spacing = spacingOf(plan_, source_, report_.thickness);
-    requireMemory(source_.contours, spacing, !options_.output.empty());
-    made_.lattice = latticeOf(spacing);
-    for (const std::string& warning : made_.lattice.warnings)
+    if (report_.measures.size() < 2 && !options_.settings.given("lamella"))
+    {
+      warn("there is one lumen only, and so no middle lamella");
+      lattice_->SetLamella(vtkMicrographLattice::NONE);
+      diffusion_->SetLamella(vtkOutlineDiffusion::NONE);
+    }
+    lattice_->SetInputData(source_.outlines);
+    diffusion_->SetInputData(source_.outlines);
+    if (source_.picture != nullptr)
+    {
+      lattice_->SetPictureData(source_.picture);
+      diffusion_->SetPictureData(source_.picture);
+    }
+    runFilter(session_, lattice_, "lattice");
+    for (const std::string& warning : VtkMessages::takeWarnings())
     {
       warn(warning);
     }
-    Session::checkInterrupt();
-    made_.directions = micrograph::wallDirections(source_.contours, made_.lattice);
-    Session::checkInterrupt();
-    const Lattice& lattice = made_.lattice.image.lattice;
-    report_.spacing = lattice.spacing;
-    report_.size = lattice.size;
-    report_.cropped = made_.lattice.cropped;
-    report_.wallFractionOnLattice = 1 - made_.lattice.lumenFraction;
-    const auto& phase = made_.lattice.image.phase;
-    report_.wallNodes = std::count_if(phase.begin(), phase.end(), [](std::uint8_t p) { return p != 0; });
-    makeLamella();
-    report_.phases = made_.phases.phases.names();
-    report_.fractions = made_.phases.fractions();
-    Session::checkInterrupt();
-  }
-
-  void makeLamella()
-  {
-    const bool alone = report_.measures.size() < 2;
-    if (alone && plan_.lamella != "none" && options_.lamellaOption->count() == 0)
+    vtkImageData* const image = lattice_->GetOutput();
+    const auto number = [image](const char* name, std::size_t index = 0)
+    { return fieldNumbers(image, name).at(index); };
+    const PhaseView phases = viewPhases(image);
+    report_.spacing = phases.lattice.spacing;
+    report_.size = phases.lattice.size;
+    report_.cropped = number("cropped");
+    report_.wallFractionOnLattice = number("wall_fraction");
+    report_.wallNodes = std::ranges::count_if(phases.phase, [](std::uint8_t p) { return p != 0; });
+    report_.phases = phases.phases.names();
+    report_.fractions = toPhaseImage(image).fractions();
+    report_.thickness = { number("wall_thickness"), number("wall_thickness", 1) };
+    if (lattice_->GetLamella() == vtkMicrographLattice::NONE)
     {
-      warn("there is one lumen only, and so no middle lamella");
-      plan_.lamella = "none";
-    }
-    LamellaReport told;
-    told.method = plan_.lamella;
-    told.horizon = plan_.how.horizon;
-    if (plan_.lamella == "none")
-    {
-      made_.phases = made_.lattice.image;
       return;
     }
-    if (plan_.lamella == "labels")
+    LamellaReport told;
+    told.method = settingsAsJson(lattice_).at("lamella").get<std::string>();
+    told.horizon = lattice_->GetHorizon();
+    told.mean = number("lamella_nodes_across");
+    told.low = number("lamella_nodes_across", 1);
+    told.wallShare = number("lamella_share");
+    if (lattice_->GetLamella() != vtkMicrographLattice::LABELS)
     {
-      made_.phases = fromLabels(made_.lattice, *source_.labels, labelled_);
-      const auto across = micrograph::nodesAcross(made_.lattice, made_.directions, made_.phases.phase);
-      told.mean = across.mean;
-      told.low = across.low;
-      told.wallShare = lamellaShare(made_.phases);
-      if (plan_.how.horizon > 0 && across.mean < plan_.how.horizon)
-      {
-        warn(fmt::format("the middle lamella is {:.2g} nodes thick, thinner than the horizon of {:g}", across.mean,
-          plan_.how.horizon));
-      }
-    }
-    else
-    {
-      micrograph::MiddleLamella found = micrograph::middleLamella(made_.lattice, made_.directions, plan_.how);
-      for (const std::string& warning : found.warnings)
-      {
-        warn(warning);
-      }
-      told.thickness = found.thickness;
-      told.radius = found.radius;
-      told.mean = found.across.mean;
-      told.low = found.across.low;
-      told.wallShare = found.wallShare;
-      told.networks = found.networks;
-      told.largestNetwork = found.largestNetwork;
-      told.cells = found.cells;
-      told.cellsTouched = found.cellsTouched;
-      told.cellsCutOff = found.cellsCutOff;
-      made_.phases = std::move(found.image);
+      told.thickness = number("lamella_thickness");
+      told.radius = number("lamella_radius");
+      told.networks = std::llround(number("lamella_networks"));
+      told.largestNetwork = number("lamella_largest_network");
+      told.cells = std::llround(number("cells"));
+      told.cellsTouched = std::llround(number("cells_touched"));
+      told.cellsCutOff = std::llround(number("cells_cut_off"));
     }
     report_.lamella = told;
   }
 
-  /// The lamella on one of the solver's lattices.
-  void givePhases(const micrograph::FittedContours& fitted, micrograph::ContourLattice& lattice) const
+  /// What can be said of the settings is said before the file is read.
+  void prepare()
   {
-    micrograph::ContourLatticeOptions make;
-    make.spacing = fitted.lattice.spacing;
-    make.lines = 0;
-    const micrograph::ContourLattice own = micrograph::contourLattice(fitted.contours, make);
-    if (plan_.lamella == "labels")
+    options_.settings.give(lattice_);
+    options_.settings.give(diffusion_);
+    if (!solves())
     {
-      lattice.image = fromLabels(own, *source_.labels, labelled_, fitted.stretch);
+      if (options_.settings.given("target-error"))
+      {
+        throw ParameterError("--target-error without --conductivity", "say what lumen and wall conduct");
+      }
       return;
     }
-    micrograph::LamellaOptions how = plan_.how;
-    how.thickness = report_.lamella->thickness;
-    how.radius = report_.lamella->radius;
-    const auto directions = micrograph::wallDirections(fitted.contours, own);
-    lattice.image = micrograph::middleLamella(own, directions, how).image;
-    Session::checkInterrupt();
+    options_.settings.checkNames({ "lumen", "wall", "middle lamella" });
+    diffusion_->RequireConductivities();
+    plan_->SetClientData(&session_);
+    plan_->SetCallback([](vtkObject*, unsigned long, void* to, void* words)
+      { static_cast<Session*>(to)->note(static_cast<const char*>(words)); });
+    diffusion_->AddObserver(vtkOutlineDiffusion::PLAN_EVENT, plan_);
   }
+
+  [[nodiscard]] bool solves() const { return options_.settings.given("conductivity"); }
 
   void solve()
   {
-    if (plan_.lamella == "none" && plan_.conductivities->values.size() > 2)
+    runFilter(session_, diffusion_, "diffusion");
+    report_.found = diffusion_->GetFindings();
+    (void)VtkMessages::takeWarnings(); // the same, and the shortfall
+    for (const std::string& warning : report_.found.warnings)
     {
-      throw ParameterError("--conductivity of a lamella, and this picture has none", "leave it out");
+      warn(warning);
     }
-    report_.conductivity = plan_.conductivities->named;
-    MicrographProblem problem{ source_.contours, *plan_.conductivities, {}, source_.pixel, options_.input.shares,
-      source_.doubt, *report_.spacing, plan_.targetError, plan_.axes, options_.threads };
-    if (source_.coarser)
-    {
-      problem.coarser = source_.coarser();
-      Session::checkInterrupt();
-    }
-    report_.answers = solveMicrograph(session_, problem,
-      [this](const micrograph::FittedContours& fitted, micrograph::ContourLattice& lattice)
-      { givePhases(fitted, lattice); });
-    for (const lbm::ContourAnswer& answer : report_.answers)
-    {
-      if (!std::isfinite(answer.pictureError))
-      {
-        warn(fmt::format("the error along {} that the picture's pixels leave is not known: pictures of every second "
-                         "pixel have no lumens or no walls",
-          answer.axis == 0 ? 'x' : 'y'));
-      }
-    }
-  }
-
-  /// Says why a target was not reached, after all that was has been printed.
-  void judgeTarget()
-  {
-    if (plan_.targetError == 0)
-    {
-      return;
-    }
-    // One whose error is not known before all others.
-    const auto worst = std::max_element(report_.answers.begin(), report_.answers.end(),
-      [](const lbm::ContourAnswer& a, const lbm::ContourAnswer& b)
-      { return std::isfinite(a.error) && !(b.error <= a.error); });
-    if (worst->error <= plan_.targetError)
-    {
-      return;
-    }
-    const char axis = worst->axis == 0 ? 'x' : 'y';
-    const std::string asked = fmt::format("an error of {:.2g} % was asked for, and ", 100 * plan_.targetError);
-    if (!std::isfinite(worst->error))
-    {
-      session_.fallShort(asked + fmt::format("that of the picture along {} is not known", axis),
-        "take a picture of smaller pixels, or outlines as vectors");
-      return;
-    }
-    session_.fallShort(asked + fmt::format("{:.2g} % along {} was reached", 100 * worst->error, axis),
-      worst->pictureError >= plan_.targetError
-        ? fmt::format("{:.2g} % of it is the picture's: only smaller pixels or outlines as vectors lower that",
-            100 * worst->pictureError)
-        : fmt::format("the next lattice, of {} nodes, would take more than half of the free memory: use a part of the "
-                      "picture with --window, or a machine with more",
-            grouped(4 * worst->fine.nodes)));
   }
 
   void write()
   {
     if (outputs_.lattice)
     {
-      writeLattice(made_, source_, outputs_, report_.provenance);
+      writeLattice(lattice_->GetOutput(), outputs_, report_.provenance);
       report_.written.push_back(options_.output);
       Session::checkInterrupt();
     }
     if (outputs_.contours)
     {
-      writeContours(source_.contours, *outputs_.contours, report_.provenance);
+      writeContours(source_, *outputs_.contours, report_.provenance);
       report_.written.push_back(options_.contours);
       Session::checkInterrupt();
     }
@@ -323,9 +210,9 @@ private:
       OverlayParts parts;
       parts.contours = &source_.contours;
       parts.scan = source_.scan ? &*source_.scan : nullptr;
-      parts.lattice = &made_.lattice;
-      parts.directions = &made_.directions;
-      parts.phase = report_.lamella ? &made_.phases.phase : nullptr;
+      parts.lattice = lattice_->GetOutput();
+      parts.lamella = report_.lamella.has_value();
+      parts.wall = report_.thickness.median;
       std::int32_t most = 0;
       for (const auto& m : report_.measures)
       {
@@ -349,11 +236,11 @@ private:
   Session& session_;
   const MicrographCommandOptions& options_;
   std::string line_;
-  Plan plan_;
   Outputs outputs_;
   Micrograph source_;
-  OnLattice made_;
-  std::uint8_t labelled_ = 0;
+  vtkNew<vtkMicrographLattice> lattice_;
+  vtkNew<vtkOutlineDiffusion> diffusion_;
+  vtkNew<vtkCallbackCommand> plan_;
   MicrographReport report_;
 };
 
@@ -372,32 +259,8 @@ Command micrographCommand(CLI::App& root)
   addMicrographInput(*app, o->input);
   const auto in = [](const char* group, const char* type, CLI::Option* option)
   { return option->type_name(type)->group(group); };
-  in("Lattice", "LENGTH",
-    app->add_option(
-      "--spacing", o->spacing, "Distance of nodes, as 0.25um; the pixel, of polygons a quarter of a wall"));
-  o->lamellaOption = in("Lattice", "growth|constant|labels|none",
-    app->add_option("--lamella", o->lamella, "How the middle lamella is found")->capture_default_str());
-  in("Lattice", "LENGTH",
-    app->add_option("--lamella-thickness", o->thickness,
-      "Gap that growing outlines keep, or the constant thickness; 0.5um, or an eighth of a wall where that is less"));
-  in("Lattice", "LENGTH",
-    app->add_option(
-      "--lamella-radius", o->radius, "Growth stops where outlines bend that sharply; a quarter of a wall"));
-  in("Lattice", "NAME",
-    app->add_option(
-      "--lamella-phase", o->lamellaPhase, "With labels: the lamella's; else 'middle lamella', 'lamella'"));
-  in("Lattice", "NODES",
-    app->add_option("--horizon", o->horizon, "Nodes that a solver wants across the lamella; fewer are warned of"));
-  in("Diffusion", "NAME=VALUE",
-    app
-      ->add_option(
-        "--conductivity", o->conductivity, "Of lumen, wall and lamella: solves, at the spacing and at twice it")
-      ->allow_extra_args(false));
-  in("Diffusion", "x|y|all",
-    app->add_option("--direction", o->direction, "Across the picture, down it, or both")->capture_default_str());
-  in("Diffusion", "SHARE",
-    app->add_option("--target-error", o->targetError, "Halve the spacing until the error bar is below this, as 0.1%"));
-  in("Diffusion", "NUMBER", app->add_option("--threads", o->threads, "Threads of the solver")->capture_default_str());
+  o->settings.declare(*app, "vtkMicrographLattice", {}, { { "lamella", "growth" } });
+  o->settings.declare(*app, "vtkOutlineDiffusion");
   addOutputOptions(*app, o->output, o->common,
     "Write the lattice: .vti (phase, grain, axis, lumen_share), or its phases: .png, .tif, .raw");
   in("Output", "FILE", app->add_option("--contours", o->contours, "Write the outlines: .vtp, .json or .json.gz"));

@@ -4,16 +4,14 @@
 #include "SampleFile.h"
 #include "Text.h"
 
-#include "ContourData.h"
 #include "lattice/Error.h"
 #include "micrograph/PolygonFile.h"
 #include "vtkLatticeConversion.h"
 
-#include <vtkFloatArray.h>
 #include <vtkImageData.h>
-#include <vtkIntArray.h>
-#include <vtkPointData.h>
 #include <vtkPolyData.h>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -23,8 +21,6 @@ namespace lamella::cli
 
 namespace
 {
-
-constexpr const char* creator = "lamella micrograph";
 
 std::string endingOf(const std::string& path)
 {
@@ -53,6 +49,11 @@ Outputs::Outputs(const MicrographCommandOptions& o)
   if (!o.overlay.empty() && endingOf(o.overlay) != ".png")
   {
     throw ParameterError("--overlay '" + o.overlay + "' has no ending that can be written", "end it in .png");
+  }
+  if (o.overlayWidth != 0 && (o.overlayWidth < 100 || o.overlayWidth > 20000))
+  {
+    throw ParameterError(
+      fmt::format("--overlay-width {} is outside 100 to 20000", o.overlayWidth), "leave it out to have it chosen");
   }
   std::vector<std::string> names;
   for (const std::string& name : { o.output, o.contours, o.overlay })
@@ -90,58 +91,28 @@ void Outputs::commit()
   }
 }
 
-void writeLattice(const OnLattice& made, const Micrograph& source, Outputs& outputs, const io::Provenance& record)
+void writeLattice(vtkImageData* lattice, Outputs& outputs, const io::Provenance& record)
 {
   if (outputs.lattice->path().extension() != ".vti")
   {
-    writeLabels(made.phases, *outputs.lattice, outputs.beside ? &*outputs.beside : nullptr, record);
+    writeLabels(toPhaseImage(lattice), *outputs.lattice, outputs.beside ? &*outputs.beside : nullptr, record);
     return;
   }
-  const auto image = toImageData(made.phases);
-  const auto count = static_cast<vtkIdType>(made.phases.phase.size());
-  const auto grain = vtkSmartPointer<vtkIntArray>::New();
-  grain->SetName("grain");
-  grain->SetNumberOfTuples(count);
-  std::copy(made.directions.grain.begin(), made.directions.grain.end(), grain->GetPointer(0));
-  describe(grain, "1", "cell: number of the nearest lumen, from 1", creator);
-  const auto share = vtkSmartPointer<vtkFloatArray>::New();
-  share->SetName("lumen_share");
-  share->SetNumberOfTuples(count);
-  std::copy(made.lattice.lumenShare.begin(), made.lattice.lumenShare.end(), share->GetPointer(0));
-  describe(share, "1", "share of the node's pixel that is lumen", creator);
-  const auto axis = vtkSmartPointer<vtkFloatArray>::New();
-  axis->SetName("axis");
-  axis->SetNumberOfComponents(3);
-  axis->SetNumberOfTuples(count);
-  for (vtkIdType i = 0; i < count; ++i)
-  {
-    const auto& a = made.directions.axis[static_cast<std::size_t>(i)];
-    const std::array<float, 3> v{ a[0], a[1], 0 };
-    axis->SetTypedTuple(i, v.data());
-  }
-  describe(axis, "1", "unit vector along the wall, its sign means nothing; 0 in lumens", creator);
-  vtkPointData* const data = image->GetPointData();
-  data->AddArray(grain);
-  data->AddArray(axis);
-  data->AddArray(share);
-  setFieldText(
-    image, "pixel_size_source", source.kind == MicrographKind::Polygons ? "polygons" : source.pixelSizeSource);
-  setProvenance(image, io::toJson(record));
-  writeGrid(image, *outputs.lattice);
+  setProvenance(lattice, io::toJson(record));
+  writeGrid(lattice, *outputs.lattice);
 }
 
-void writeContours(const micrograph::ContourSet& contours, const OutputFile& file, const io::Provenance& record)
+void writeContours(const Micrograph& source, const OutputFile& file, const io::Provenance& record)
 {
   if (file.path().extension() == ".vtp")
   {
-    const auto data = toPolyData(contours, creator);
-    setProvenance(data, io::toJson(record));
-    writeGrid(data, file);
+    setProvenance(source.outlines, io::toJson(record));
+    writeGrid(source.outlines, file);
     return;
   }
   try
   {
-    micrograph::writePolygons(contours, file.temporary());
+    micrograph::writePolygons(source.contours, file.temporary());
   }
   catch (const Error& error)
   {

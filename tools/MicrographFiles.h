@@ -7,7 +7,6 @@
 #include "io/Provenance.h"
 #include "lattice/Phases.h"
 #include "micrograph/ContourLattice.h"
-#include "micrograph/WallDirection.h"
 
 #include <optional>
 
@@ -25,16 +24,9 @@ struct Outputs
   void commit();
 };
 
-/// All that lives on the lattice's nodes.
-struct OnLattice
-{
-  micrograph::ContourLattice lattice;
-  micrograph::WallDirections directions;
-  PhaseImage phases; ///< void, secondary wall, middle lamella; or lumen and wall
-};
-
+/// @param lattice of vtkMicrographLattice
 /// @throws OutputError
-void writeLattice(const OnLattice& made, const Micrograph& source, Outputs& outputs, const io::Provenance& record);
-void writeContours(const micrograph::ContourSet& contours, const OutputFile& file, const io::Provenance& record);
+void writeLattice(vtkImageData* lattice, Outputs& outputs, const io::Provenance& record);
+void writeContours(const Micrograph& source, const OutputFile& file, const io::Provenance& record);
 
 } // namespace lamella::cli

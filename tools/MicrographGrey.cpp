@@ -4,12 +4,18 @@
 #include "Text.h"
 
 #include "lattice/Error.h"
-#include "micrograph/ShareLevel.h"
 #include "vtkLatticeConversion.h"
 
-#include <vtkImageData.h>
+#include <vtkDataArray.h>
+#include <vtkFieldData.h>
+#include <vtkPointData.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkUnsignedShortArray.h>
 
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
 
 namespace lamella::cli
 {
@@ -17,43 +23,47 @@ namespace lamella::cli
 namespace
 {
 
-/// A picture of greys, smooth ones or shares, as outlines take it.
-ContourField greyField(const MicrographOptions& options, const micrograph::Picture& picture, bool below)
+constexpr const char* kGrey = "grey";
+
+/// The greys of a picture as points of an image.
+template <class Array, class Number>
+vtkSmartPointer<vtkImageData> greyImage(const micrograph::Picture& picture)
 {
-  ContourField field;
-  const double full = picture.bits > 8 ? 65535 : 255;
-  const double level = greyLevel(options);
-  field.level.reserve(picture.grey.size());
-  for (const std::uint16_t grey : picture.grey)
-  {
-    const double share = below ? 1 - grey / full : grey / full;
-    field.level.push_back(static_cast<float>(options.shares ? share : share - (below ? 1 - level : level)));
-  }
-  if (options.shares)
-  {
-    field.level = micrograph::levelOfShares(picture.lattice, field.level);
-  }
-  field.image = { picture.lattice, {}, PhaseTable({ "lumen", "wall" }) };
-  for (const float value : field.level)
-  {
-    field.image.phase.push_back(value > 0 ? 0 : 1);
-  }
-  return field;
+  const auto image = vtkSmartPointer<vtkImageData>::New();
+  setGeometry(image, picture.lattice);
+  const auto greys = vtkSmartPointer<Array>::New();
+  greys->SetName(kGrey);
+  greys->SetNumberOfValues(static_cast<vtkIdType>(picture.grey.size()));
+  std::transform(picture.grey.begin(), picture.grey.end(), greys->GetPointer(0),
+    [](std::uint16_t grey) { return static_cast<Number>(grey); });
+  image->GetPointData()->AddArray(greys);
+  return image;
 }
 
-/// The part of a field that a window shows.
-void crop(ContourField& field, const Window& window)
+/// One array of an image, or the part of it that a window shows.
+vtkSmartPointer<vtkImageData> part(
+  vtkImageData* image, vtkDataArray* array, Lattice lattice, const std::optional<Window>& window)
 {
-  const auto first = firstNode(field.image.lattice, window);
-  PhaseImage part = lamella::crop(field.image, window);
-  std::vector<float> level;
-  for (std::int64_t y = 0; y < part.lattice.size[1]; ++y)
+  const Lattice whole = lattice;
+  const auto first = window ? firstNode(lattice, *window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
+  if (window)
   {
-    const auto row = field.level.begin() + field.image.lattice.index(first[0], first[1] + y);
-    level.insert(level.end(), row, row + part.lattice.size[0]);
+    std::copy_n(window->size.begin(), 2, lattice.size.begin());
   }
-  field.image = std::move(part);
-  field.level = std::move(level);
+  const auto shown = vtkSmartPointer<vtkImageData>::New();
+  setGeometry(shown, lattice);
+  const auto values = vtkSmartPointer<vtkDataArray>::Take(array->NewInstance());
+  values->SetName(array->GetName());
+  values->SetNumberOfComponents(array->GetNumberOfComponents());
+  values->SetNumberOfTuples(static_cast<vtkIdType>(lattice.count()));
+  for (std::int64_t y = 0; y < lattice.size[1]; ++y)
+  {
+    values->InsertTuples(
+      lattice.index(0, y), lattice.size[0], static_cast<vtkIdType>(whole.index(first[0], first[1] + y)), array);
+  }
+  shown->GetPointData()->AddArray(values);
+  shown->GetFieldData()->ShallowCopy(image->GetFieldData());
+  return shown;
 }
 
 } // namespace
@@ -81,40 +91,41 @@ GreyPicture readGreyPicture(const MicrographOptions& options)
   }
   (void)greyLevel(options);
   const auto window = parseWindow(picture.window);
-  const bool below = oneOf("--lumen", picture.lumen, std::vector<std::string>{ "auto", "bright", "dark" }) == 2;
   GreyPicture found;
-  ContourField& field = found.field;
   if (isVtkImage(picture.file))
   {
     const auto data = readGrid(picture.file, refuseVolume);
     auto* const image = vtkImageData::SafeDownCast(data);
-    field = contourField(image, picture.array, options.shares, greyLevel(options), below);
-    if (!picture.pixelSize.empty())
-    {
-      field.image.lattice.spacing = lengthInMetres("--pixel-size", picture.pixelSize);
-    }
+    found.array = picture.array.empty() ? "lumen_share" : picture.array;
     found.pixelSizeSource =
       picture.pixelSize.empty() ? fieldText(image, "pixel_size_source").value_or("file") : "option";
     found.provenance = provenance(image);
-    requireWindowFits(field.image.lattice, window);
-    if (window)
+    Lattice lattice = latticeOf(image);
+    if (!picture.pixelSize.empty())
     {
-      crop(field, *window);
+      lattice.spacing = lengthInMetres("--pixel-size", picture.pixelSize);
     }
+    requireWindowFits(lattice, window);
+    vtkDataArray* const array = image->GetPointData()->GetArray(found.array.c_str());
+    found.image = image;
+    if (array != nullptr) // else the class says what is wrong
+    {
+      found.image = part(image, array, lattice, window);
+    }
+    return found;
   }
-  else
-  {
-    micrograph::ReadOptions read = readOptions(picture);
-    read.window = window;
-    read.sizeKnown = refuseVolume;
-    PictureFile file = readPictureFile(picture, read);
-    refuseVolume(file.picture.lattice);
-    field = greyField(options, file.picture, below);
-    found.pixelSizeSource = file.picture.pixelSizeSource;
-    found.provenance = file.record ? file.record->provenance : "";
-    found.warnings = file.picture.warnings;
-    found.picture = std::move(file.picture);
-  }
+  micrograph::ReadOptions read = readOptions(picture);
+  read.window = window;
+  read.sizeKnown = refuseVolume;
+  PictureFile file = readPictureFile(picture, read);
+  refuseVolume(file.picture.lattice);
+  found.array = kGrey;
+  found.image = file.picture.bits > 8 ? greyImage<vtkUnsignedShortArray, unsigned short>(file.picture)
+                                      : greyImage<vtkUnsignedCharArray, unsigned char>(file.picture);
+  found.pixelSizeSource = file.picture.pixelSizeSource;
+  found.provenance = file.record ? file.record->provenance : "";
+  found.warnings = file.picture.warnings;
+  found.picture = std::move(file.picture);
   return found;
 }
 

@@ -2,8 +2,10 @@
 
 #include "MicrographOptions.h"
 
-#include "ContourField.h"
 #include "micrograph/Picture.h"
+
+#include <vtkImageData.h>
+#include <vtkSmartPointer.h>
 
 #include <optional>
 #include <string>
@@ -12,10 +14,11 @@
 namespace lamella::cli
 {
 
-/// A picture whose greys are smooth, or lumen's shares of the pixels, as outlines take it.
+/// A picture whose greys are smooth, or lumen's shares of the pixels.
 struct GreyPicture
 {
-  ContourField field;
+  vtkSmartPointer<vtkImageData> image;        ///< with the numbers at its points, the window alone
+  std::string array;                          ///< their name
   std::optional<micrograph::Picture> picture; ///< not of a .vti
   std::string pixelSizeSource;                ///< "none": not known
   std::string provenance;                     ///< of the file

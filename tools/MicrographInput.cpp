@@ -1,5 +1,6 @@
 #include "MicrographInput.h"
 
+#include "FilterRun.h"
 #include "GridFile.h"
 #include "MicrographGrey.h"
 #include "PackingInput.h"
@@ -10,12 +11,13 @@
 #include "lattice/Error.h"
 #include "lattice/Memory.h"
 #include "lattice/PhaseNames.h"
-#include "micrograph/ContourEdit.h"
-#include "micrograph/PolygonFile.h"
 #include "vtkLatticeConversion.h"
+#include "vtkMicrographContours.h"
+#include "vtkMicrographPolygonReader.h"
 #include "vtkProvenance.h"
 
-#include <vtkPolyData.h>
+#include <vtkDataObject.h>
+#include <vtkNew.h>
 
 #include <fmt/format.h>
 
@@ -52,7 +54,7 @@ void requirePixelSize(const std::string& source, const std::string& file)
   }
 }
 
-Micrograph loadOutlines(const MicrographOptions& options)
+Micrograph loadOutlines(Session& session, const MicrographOptions& options)
 {
   const std::string& file = options.picture.file;
   refuse(options.forScans, file, "scans");
@@ -65,55 +67,24 @@ Micrograph loadOutlines(const MicrographOptions& options)
   requireFile(file);
   Micrograph found;
   found.kind = MicrographKind::Polygons;
-  if (endsWith(file, ".vtp"))
+  const bool outlines = endsWith(file, ".vtp");
+  if (outlines)
   {
     refuse(options.forPolygons, file, "polygons in .json or .json.gz");
-    const auto data = readGrid(file);
-    auto* const outlines = vtkPolyData::SafeDownCast(data);
-    try
-    {
-      found.contours = contoursFrom(outlines);
-      if (!options.picture.window.empty())
-      {
-        const std::array<double, 4> w = polygonWindow(options.picture.window);
-        const std::array<double, 3> corner = cornerOf(outlines);
-        found.contours = micrograph::cropContours(
-          found.contours, { w[0] - corner[0], w[1] - corner[1] }, { w[2] - corner[0], w[3] - corner[1] });
-      }
-    }
-    catch (const InputError& error)
-    {
-      throw InputError("'" + file + "': " + error.what(), error.hint());
-    }
-    found.provenance = provenance(outlines);
-    found.unit = 1;
   }
-  else
+  vtkNew<vtkMicrographPolygonReader> reader;
+  options.outlines.give(reader);
+  reader->SetFileName(file.c_str());
+  if (!options.picture.window.empty())
   {
-    micrograph::PolygonReadOptions read;
-    read.yDown = options.yDown;
-    if (!options.unit.empty())
-    {
-      read.unit = lengthInMetres("--unit", options.unit);
-    }
-    if (!options.picture.window.empty())
-    {
-      read.window = polygonWindow(options.picture.window);
-    }
-    micrograph::PolygonFile polygons = micrograph::readPolygons(file, read);
-    found.contours = std::move(polygons.lumens);
-    found.unit = polygons.unit;
-    found.warnings = std::move(polygons.warnings);
+    reader->SetWindow(polygonWindow(options.picture.window).data());
   }
-  const micrograph::LumenFilter filter = lumenFilter(options);
-  if (filter.smallestArea > 0 || filter.leastSolidity > 0)
-  {
-    found.contours = micrograph::filterLumens(found.contours, filter);
-    if (found.contours.contours.empty())
-    {
-      throw InputError("no lumen of '" + file + "' is left", "lower --least-diameter or --least-solidity");
-    }
-  }
+  runFilter(session, reader, "outlines");
+  found.warnings = VtkMessages::takeWarnings();
+  found.outlines = reader->GetOutput();
+  found.contours = contoursFrom(found.outlines);
+  found.provenance = outlines ? provenance(found.outlines) : "";
+  found.unit = outlines ? 1 : fieldNumbers(found.outlines, "unit").at(0);
   return found;
 }
 
@@ -140,28 +111,23 @@ std::uint8_t lumenOf(const MicrographOptions& options, const PhaseTable& phases)
     "add --lumen-phase NAME");
 }
 
-void extract(Micrograph& found, const std::shared_ptr<const PhaseImage>& picture, std::uint8_t lumen,
-  const MicrographOptions& options, std::vector<float> level = {})
+/// Finds the outlines in the picture.
+void extract(Session& session, Micrograph& found, vtkMicrographContours* filter, const MicrographOptions& options)
 {
-  const PhaseImage& image = *picture;
-  micrograph::ExtractOptions how;
-  how.smooth = !options.noSmooth;
-  how.wavelength = options.wavelength;
-  how.tolerance = options.tolerance;
-  const micrograph::LumenFilter filter = lumenFilter(options);
-  how.smallestArea = filter.smallestArea;
-  how.leastSolidity = filter.leastSolidity;
-  micrograph::Extraction result = micrograph::extractContours(image, lumen, level, how);
-  found.contours = std::move(result.contours);
-  found.extraction = result.report;
-  found.warnings.insert(found.warnings.end(), result.warnings.begin(), result.warnings.end());
-  found.pixel = image.lattice.spacing;
-  found.size = image.lattice.size;
-  found.coarser = [picture, lumen, how, level = std::move(level)]
-  { return micrograph::coarserOutlines(*picture, lumen, level, how); };
+  filter->SetInputData(found.picture);
+  setFieldText(found.picture, "pixel_size_source", found.pixelSizeSource);
+  options.outlines.give(filter);
+  runFilter(session, filter, "outlines");
+  const std::vector<std::string> warnings = VtkMessages::takeWarnings();
+  found.warnings.insert(found.warnings.end(), warnings.begin(), warnings.end());
+  found.outlines = filter->GetOutput();
+  found.contours = contoursFrom(found.outlines);
+  const Lattice lattice = lamella::latticeOf(found.picture);
+  found.pixel = lattice.spacing;
+  found.size = lattice.size;
 }
 
-Micrograph loadGrey(const MicrographOptions& options)
+Micrograph loadGrey(Session& session, const MicrographOptions& options)
 {
   const PictureOptions& picture = options.picture;
   refuse(options.forScans, picture.file, "scans that are segmented");
@@ -171,6 +137,7 @@ Micrograph loadGrey(const MicrographOptions& options)
   {
     refuse({ options.arrayOption }, picture.file, "pictures in a .vti");
   }
+  const bool below = oneOf("--lumen", picture.lumen, std::vector<std::string>{ "auto", "bright", "dark" }) == 2;
   GreyPicture grey = readGreyPicture(options);
   requirePixelSize(grey.pixelSizeSource, picture.file);
   Micrograph found;
@@ -178,12 +145,18 @@ Micrograph loadGrey(const MicrographOptions& options)
   found.pixelSizeSource = std::move(grey.pixelSizeSource);
   found.provenance = std::move(grey.provenance);
   found.warnings = std::move(grey.warnings);
-  extract(found, std::make_shared<PhaseImage>(std::move(grey.field.image)), 0, options, std::move(grey.field.level));
+  found.picture = grey.image;
+  vtkNew<vtkMicrographContours> filter;
+  filter->SetBasis(options.shares ? vtkMicrographContours::SHARES : vtkMicrographContours::LEVEL);
+  filter->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, grey.array.c_str());
+  filter->SetLevel(greyLevel(options));
+  filter->SetLumenBelow(below);
+  extract(session, found, filter, options);
   found.scan = std::move(grey.picture);
   return found;
 }
 
-Micrograph loadLabels(const MicrographOptions& options)
+Micrograph loadLabels(Session& session, const MicrographOptions& options)
 {
   refuse(options.forScans, options.picture.file, "scans");
   refuse({ options.lumenOption }, options.picture.file, "scans and grey pictures");
@@ -196,7 +169,10 @@ Micrograph loadLabels(const MicrographOptions& options)
   found.provenance = sample.provenance;
   found.warnings = sample.warnings;
   found.labels = std::make_shared<PhaseImage>(std::move(sample.image));
-  extract(found, found.labels, lumenOf(options, found.labels->phases), options);
+  found.picture = toImageData(*found.labels);
+  vtkNew<vtkMicrographContours> filter;
+  filter->SetLumenPhase(found.labels->phases.names()[lumenOf(options, found.labels->phases)]);
+  extract(session, found, filter, options);
   return found;
 }
 
@@ -217,7 +193,7 @@ std::vector<micrograph::Mark> marksIn(
   return marks;
 }
 
-Micrograph segmentScan(const MicrographOptions& options, PictureFile file)
+Micrograph segmentScan(Session& session, const MicrographOptions& options, PictureFile file)
 {
   refuse(options.forLabels, options.picture.file, "labels");
   micrograph::Picture& picture = file.picture;
@@ -242,8 +218,10 @@ Micrograph segmentScan(const MicrographOptions& options, PictureFile file)
     micrograph::crop(picture, *window);
   }
   found.marks = marksIn(std::move(parts.marks), first, picture.lattice);
-  extract(found, std::make_shared<PhaseImage>(std::move(parts.image)), 0, options);
-  found.doubt = micrograph::segmentDoubt * found.pixel;
+  found.picture = toImageData(std::move(parts.image));
+  setFieldTexts(found.picture, "segmentation", parts.report.lines());
+  vtkNew<vtkMicrographContours> filter;
+  extract(session, found, filter, options);
   found.scan = std::move(picture);
   return found;
 }
@@ -274,7 +252,7 @@ bool isOutlineFile(const std::string& path)
   return endsWith(path, ".json") || endsWith(path, ".json.gz") || endsWith(path, ".vtp");
 }
 
-Micrograph loadMicrograph(const MicrographOptions& options)
+Micrograph loadMicrograph(Session& session, const MicrographOptions& options)
 {
   const PictureOptions& picture = options.picture;
   if (isOutlineFile(picture.file))
@@ -283,12 +261,12 @@ Micrograph loadMicrograph(const MicrographOptions& options)
     {
       throw ParameterError("--segment is for scans, and '" + picture.file + "' holds outlines", "leave --segment out");
     }
-    return loadOutlines(options);
+    return loadOutlines(session, options);
   }
   refuse(options.forPolygons, picture.file, "polygons");
   if (options.grey())
   {
-    return loadGrey(options);
+    return loadGrey(session, options);
   }
   if (picture.segment && greyRanges(picture))
   {
@@ -297,7 +275,7 @@ Micrograph loadMicrograph(const MicrographOptions& options)
   }
   if (!picture.segment && (isVtkImage(picture.file) || greyRanges(picture)))
   {
-    return loadLabels(options);
+    return loadLabels(session, options);
   }
   (void)parseWindow(picture.window);
   (void)segmentOptions(options); // mistakes in them are told before the picture is read
@@ -318,10 +296,10 @@ Micrograph loadMicrograph(const MicrographOptions& options)
   PictureFile file = readPictureFile(picture, read);
   if (!picture.segment && ((file.record && !file.record->phases.empty()) || looksLikeLabels(file.picture)))
   {
-    return loadLabels(options);
+    return loadLabels(session, options);
   }
   requirePixelSize(file.picture.pixelSizeSource, picture.file);
-  return segmentScan(options, std::move(file));
+  return segmentScan(session, options, std::move(file));
 }
 
 } // namespace lamella::cli

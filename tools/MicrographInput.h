@@ -2,13 +2,14 @@
 
 #include "MicrographOptions.h"
 
-#include "micrograph/CoarserOutlines.h"
 #include "micrograph/Contour.h"
-#include "micrograph/ContourExtraction.h"
 #include "micrograph/Picture.h"
 #include "micrograph/Segmentation.h"
 
-#include <functional>
+#include <vtkImageData.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,6 +17,8 @@
 
 namespace lamella::cli
 {
+
+class Session;
 
 enum class MicrographKind
 {
@@ -29,8 +32,10 @@ enum class MicrographKind
 struct Micrograph
 {
   MicrographKind kind = MicrographKind::Scan;
-  micrograph::ContourSet contours;
-  double pixel = 0; ///< [m]; 0: there are no pixels
+  vtkSmartPointer<vtkPolyData> outlines;
+  vtkSmartPointer<vtkImageData> picture; ///< that they were found in; null of polygons
+  micrograph::ContourSet contours;       ///< the outlines
+  double pixel = 0;                      ///< [m]; 0: there are no pixels
   std::string pixelSizeSource;
   std::array<std::int64_t, 3> size{}; ///< pixels, after the window
   double unit = 0;                    ///< of polygons [m]
@@ -38,16 +43,12 @@ struct Micrograph
   std::shared_ptr<const PhaseImage> labels;
   std::optional<micrograph::SegmentReport> segmentation;
   std::vector<micrograph::Mark> marks; ///< in pixels of the window
-  std::optional<micrograph::ExtractReport> extraction;
-  /// Of pictures: outlines from coarser pictures of the same material.
-  std::function<std::vector<micrograph::CoarserOutlines>()> coarser;
-  double doubt = 0;       ///< about where the walls of a segmented scan begin [m]
-  std::string provenance; ///< of the file
+  std::string provenance;              ///< of the file
   std::vector<std::string> warnings;
 };
 
 /// @throws ParameterError, InputError, MemoryError
-[[nodiscard]] Micrograph loadMicrograph(const MicrographOptions& options);
+[[nodiscard]] Micrograph loadMicrograph(Session& session, const MicrographOptions& options);
 
 /// .json, .json.gz or .vtp
 [[nodiscard]] bool isOutlineFile(const std::string& path);

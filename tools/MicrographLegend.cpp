@@ -118,11 +118,11 @@ cv::Mat withLegend(const cv::Mat& picture, const OverlayParts& parts, double sca
   const int wide = static_cast<int>(std::lround(1.6 * font));
   items.push_back({ lengthText(bar), line(ink, std::max(2.0, font / 4)), static_cast<int>(std::lround(bar * scale)) });
   items.push_back({ "outline", line(outlineColour, std::max(2.0, font / 8)), wide });
-  if (parts.directions != nullptr)
+  if (parts.lattice != nullptr)
   {
     items.push_back({ "wall direction", line(strokeColour, std::max(1.0, font / 12)), static_cast<int>(0.6 * wide) });
   }
-  if (parts.phase != nullptr)
+  if (parts.lamella)
   {
     items.push_back({ "middle lamella", area(lamellaColour, 0.9), wide });
   }

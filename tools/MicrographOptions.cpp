@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace lamella::cli
 {
@@ -66,25 +65,6 @@ micrograph::SegmentOptions segmentOptions(const MicrographOptions& options)
     }
   }
   return segment;
-}
-
-micrograph::LumenFilter lumenFilter(const MicrographOptions& options)
-{
-  micrograph::LumenFilter filter;
-  if (!options.leastDiameter.empty())
-  {
-    const double d = lengthInMetres("--least-diameter", options.leastDiameter);
-    filter.smallestArea = std::numbers::pi / 4 * d * d;
-  }
-  if (!options.leastSolidity.empty())
-  {
-    filter.leastSolidity = share("--least-solidity", options.leastSolidity);
-    if (!(filter.leastSolidity >= 0 && filter.leastSolidity <= 1))
-    {
-      throw ParameterError("--least-solidity '" + options.leastSolidity + "' is outside 0 to 1", "write it as 0.8");
-    }
-  }
-  return filter;
 }
 
 double greyLevel(const MicrographOptions& options)
@@ -178,21 +158,12 @@ void addMicrographInput(CLI::App& command, MicrographOptions& o)
       command.add_option("--grow", o.grow, "Move outlines outwards by so much besides; inwards if negative")),
     flag(
       "Scan", command.add_flag("--keep-graphics", o.keepGraphics, "Do not paint over margins, scale bars and text")) };
-  o.forMasks = { flag("Outlines", command.add_flag("--no-smooth", o.noSmooth, "Keep the steps of the pixels")),
-    in("Outlines", "PIXELS",
-      command.add_option("--wavelength", o.wavelength, "Waves along an outline shorter than this are damped, 4 to 200")
-        ->capture_default_str()) };
-  o.forPictures = { pixelSize,
-    in("Outlines", "PIXELS",
-      command.add_option("--tolerance", o.tolerance, "Points this near to the line of their neighbours go; 0: none")
-        ->capture_default_str()) };
-  in("Outlines", "LENGTH",
-    command.add_option("--least-diameter", o.leastDiameter, "Lumens smaller than this circle become wall, as 3um"));
-  in("Outlines", "SHARE",
-    command.add_option("--least-solidity", o.leastSolidity, "Lumens of a smaller share of their hull become wall"));
-  o.forPolygons = { in("Polygons", "LENGTH",
-                      command.add_option("--unit", o.unit, "Unit of the coordinates, as 1um; else what the file says")),
-    flag("Polygons", command.add_flag("--y-down", o.yDown, "y points down, as rows of a picture do")) };
+  o.outlines.declare(
+    command, "vtkMicrographContours", { "basis", "level", "lumen-below", "lumen-phase", "smallest-area" });
+  o.outlines.declare(command, "vtkMicrographPolygonReader", { "file", "file-name", "window" });
+  o.forMasks = { command.get_option("--no-smooth"), command.get_option("--wavelength") };
+  o.forPictures = { pixelSize, command.get_option("--tolerance") };
+  o.forPolygons = { command.get_option("--unit"), command.get_option("--y-down") };
 }
 
 } // namespace lamella::cli

@@ -1,9 +1,8 @@
 #pragma once
 
 #include "Input.h"
+#include "SettingOptions.h"
 
-#include "micrograph/ContourEdit.h"
-#include "micrograph/ContourExtraction.h"
 #include "micrograph/Segmentation.h"
 
 #include <CLI/App.hpp>
@@ -29,15 +28,7 @@ struct MicrographOptions
   // grey pictures that are not segmented
   std::string level; ///< --level; empty: not given
   bool shares = false;
-  // outlines
-  bool noSmooth = false;
-  double wavelength = micrograph::ExtractOptions().wavelength;
-  double tolerance = micrograph::ExtractOptions().tolerance;
-  std::string leastDiameter; ///< of a lumen, of the circle of the same area
-  std::string leastSolidity;
-  // polygons
-  std::string unit;
-  bool yDown = false;
+  SettingOptions outlines; ///< of vtkMicrographContours and vtkMicrographPolygonReader
 
   std::vector<CLI::Option*> forScans, forLabels, forMasks, forPictures, forPolygons, forGreys;
   CLI::Option* lumenOption = nullptr; ///< --lumen
@@ -51,7 +42,6 @@ void addMicrographInput(CLI::App& command, MicrographOptions& options);
 
 /// The options in numbers. @throws ParameterError
 [[nodiscard]] micrograph::SegmentOptions segmentOptions(const MicrographOptions& options);
-[[nodiscard]] micrograph::LumenFilter lumenFilter(const MicrographOptions& options);
 /// A part of full scale between 0 and 1; one half if not given.
 [[nodiscard]] double greyLevel(const MicrographOptions& options);
 /// Low x, low y, high x, high y of a window of polygons.

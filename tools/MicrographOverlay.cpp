@@ -3,6 +3,11 @@
 #include "MicrographLegend.h"
 
 #include "micrograph/ContourBorder.h"
+#include "vtkLatticeConversion.h"
+
+#include <vtkFloatArray.h>
+#include <vtkPointData.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <fmt/format.h>
 
@@ -86,18 +91,27 @@ void fillLumens(
   }
 }
 
-void drawShares(Drawing& drawing, const micrograph::ContourLattice& lattice)
+/// An array at the lattice's points.
+template <class Array>
+auto* values(const OverlayParts& parts, const char* name)
 {
-  const auto nx = static_cast<int>(lattice.image.lattice.size[0]);
-  const auto ny = static_cast<int>(lattice.image.lattice.size[1]);
+  return Array::SafeDownCast(parts.lattice->GetPointData()->GetArray(name))->GetPointer(0);
+}
+
+void drawShares(Drawing& drawing, const OverlayParts& parts)
+{
+  const Lattice lattice = latticeOf(parts.lattice);
+  const auto nx = static_cast<int>(lattice.size[0]);
+  const auto ny = static_cast<int>(lattice.size[1]);
+  const float* const shares = values<vtkFloatArray>(parts, "lumen_share");
   cv::Mat share(ny, nx, CV_32F);
   for (int y = 0; y < ny; ++y)
   {
-    std::copy_n(lattice.lumenShare.begin() + static_cast<std::ptrdiff_t>(nx) * y, nx, share.ptr<float>(ny - 1 - y));
+    std::copy_n(shares + static_cast<std::ptrdiff_t>(nx) * y, nx, share.ptr<float>(ny - 1 - y));
   }
   cv::Mat wide;
-  const double spacing = lattice.image.lattice.spacing;
-  const int height = std::min(drawing.picture.rows, static_cast<int>(std::lround(ny * spacing * drawing.scale)));
+  const int height =
+    std::min(drawing.picture.rows, static_cast<int>(std::lround(ny * lattice.spacing * drawing.scale)));
   cv::resize(share, wide, cv::Size(drawing.picture.cols, height), 0, 0, cv::INTER_LINEAR);
   cv::Mat below = drawing.picture(cv::Rect(0, drawing.picture.rows - height, drawing.picture.cols, height));
   blend(below, wide, Colour(255, 255, 255), 1);
@@ -105,7 +119,8 @@ void drawShares(Drawing& drawing, const micrograph::ContourLattice& lattice)
 
 void tintLamella(Drawing& drawing, const OverlayParts& parts)
 {
-  const Lattice& lattice = parts.lattice->image.lattice;
+  const Lattice lattice = latticeOf(parts.lattice);
+  const unsigned char* const phase = values<vtkUnsignedCharArray>(parts, "phase");
   const auto nx = static_cast<int>(lattice.size[0]);
   const auto ny = static_cast<int>(lattice.size[1]);
   cv::Mat mask(ny, nx, CV_32F);
@@ -114,9 +129,8 @@ void tintLamella(Drawing& drawing, const OverlayParts& parts)
     for (int x = 0; x < nx; ++x)
     {
       mask.at<float>(ny - 1 - y, x) =
-        (*parts.phase)[static_cast<std::size_t>(x) + static_cast<std::size_t>(nx) * static_cast<std::size_t>(y)] == 2
-        ? 1.0F
-        : 0.0F;
+        phase[static_cast<std::size_t>(x) + static_cast<std::size_t>(nx) * static_cast<std::size_t>(y)] == 2 ? 1.0F
+                                                                                                             : 0.0F;
     }
   }
   const int height =
@@ -131,8 +145,9 @@ void tintLamella(Drawing& drawing, const OverlayParts& parts)
 /// Strokes along the walls, one for each square of a grid whose middle lies in a wall.
 void drawStrokes(Drawing& drawing, const OverlayParts& parts)
 {
-  const Lattice& lattice = parts.lattice->image.lattice;
-  const double wall = parts.lattice->thickness.median * drawing.scale;
+  const Lattice lattice = latticeOf(parts.lattice);
+  const float* const directions = values<vtkFloatArray>(parts, "axis");
+  const double wall = parts.wall * drawing.scale;
   const double step = std::clamp(wall / 2.5, 5 * drawing.line, 11 * drawing.line) / drawing.scale; // [m]
   const double half = 0.36 * step;
   const int width = std::max(1, static_cast<int>(std::lround(0.7 * drawing.line)));
@@ -149,7 +164,7 @@ void drawStrokes(Drawing& drawing, const OverlayParts& parts)
         continue;
       }
       const auto node = static_cast<std::size_t>(lattice.index(x, y));
-      const std::array<float, 2>& axis = parts.directions->axis[node];
+      const float* const axis = directions + 3 * node;
       if (axis[0] == 0 && axis[1] == 0)
       {
         continue;
@@ -193,8 +208,7 @@ int overlayWidth(const OverlayParts& parts)
   // Walls a dozen pixels thick, but a picture of 1200 to 2400 pixels along its longer side; a large scan keeps its own.
   const auto& size = parts.contours->size;
   const double longer = std::max(size[0], size[1]);
-  const double wall = parts.lattice != nullptr ? parts.lattice->thickness.median : 0;
-  double pixels = std::clamp(wall > 0 ? 16 * longer / wall : 1600.0, 1200.0, 2400.0);
+  double pixels = std::clamp(parts.wall > 0 ? 16 * longer / parts.wall : 1600.0, 1200.0, 2400.0);
   if (parts.scan != nullptr)
   {
     pixels = std::max(pixels, std::min(6000.0, longer / parts.pixel));
@@ -219,7 +233,7 @@ micrograph::Picture drawOverlay(const OverlayParts& parts)
   else
   {
     drawing.picture = cv::Mat(large, CV_8UC3, scalar(wallColour));
-    drawShares(drawing, *parts.lattice);
+    drawShares(drawing, parts);
   }
   if (std::find(parts.vessel.begin(), parts.vessel.end(), true) != parts.vessel.end())
   {
@@ -235,11 +249,8 @@ micrograph::Picture drawOverlay(const OverlayParts& parts)
     mask.convertTo(mask, CV_32F);
     blend(drawing.picture, mask, vesselColour, 0.45F);
   }
-  if (parts.directions != nullptr)
-  {
-    drawStrokes(drawing, parts);
-  }
-  if (parts.phase != nullptr) // over the strokes, which would hide a thin one
+  drawStrokes(drawing, parts);
+  if (parts.lamella) // over the strokes, which would hide a thin one
   {
     tintLamella(drawing, parts);
   }

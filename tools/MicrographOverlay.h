@@ -1,10 +1,10 @@
 #pragma once
 
 #include "micrograph/Contour.h"
-#include "micrograph/ContourLattice.h"
 #include "micrograph/Picture.h"
 #include "micrograph/SegmentTypes.h"
-#include "micrograph/WallDirection.h"
+
+#include <vtkImageData.h>
 
 #include <cstdint>
 #include <vector>
@@ -17,11 +17,11 @@ struct OverlayParts
 {
   const micrograph::ContourSet* contours = nullptr;
   const micrograph::Picture* scan = nullptr; ///< of the same picture; else lumens white, walls grey
-  const micrograph::ContourLattice* lattice = nullptr;
-  const micrograph::WallDirections* directions = nullptr;
-  const std::vector<std::uint8_t>* phase = nullptr; ///< #nodes, 2 for the lamella
-  std::vector<bool> vessel;                         ///< by lumen − 1
-  bool cells = true;                                ///< the large lumens are called vessels
+  vtkImageData* lattice = nullptr;           ///< of them, as vtkMicrographLattice makes it
+  bool lamella = false;                      ///< it has a middle lamella
+  double wall = 0;                           ///< median thickness of the walls [m]
+  std::vector<bool> vessel;                  ///< by lumen − 1
+  bool cells = true;                         ///< the large lumens are called vessels
   std::vector<micrograph::Mark> marks;
   double pixel = 0; ///< of the marks [m]
   int width = 0;    ///< of the picture [pixels]; 0: as fits

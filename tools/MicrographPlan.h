@@ -1,16 +1,10 @@
 #pragma once
 
 #include "Commands.h"
-#include "MicrographDiffusion.h"
 #include "MicrographOptions.h"
+#include "SettingOptions.h"
 
-#include "micrograph/MiddleLamella.h"
-
-#include <CLI/App.hpp>
-
-#include <optional>
 #include <string>
-#include <vector>
 
 namespace lamella::cli
 {
@@ -20,35 +14,11 @@ struct MicrographCommandOptions
 {
   CommonOptions common;
   MicrographOptions input;
-  std::string spacing;
-  std::string lamella = "growth";
-  std::string thickness;
-  std::string radius;
-  std::string lamellaPhase;
-  double horizon = 0;
-  std::vector<std::string> conductivity;
-  std::string direction = "all";
-  std::string targetError;
-  int threads = 1;
+  SettingOptions settings; ///< of the lattice, and of diffusion
   std::string output;
   std::string contours;
   std::string overlay;
   int overlayWidth = 0;
-  CLI::Option* lamellaOption = nullptr;
 };
-
-/// What can be said without the file, in numbers.
-struct Plan
-{
-  std::string lamella;
-  micrograph::LamellaOptions how;
-  std::optional<double> spacing;
-  std::optional<Conductivities> conductivities;
-  std::vector<int> axes;
-  double targetError = 0; ///< 0: none
-};
-
-/// @throws ParameterError
-[[nodiscard]] Plan planOf(const MicrographCommandOptions& options);
 
 } // namespace lamella::cli

@@ -6,6 +6,7 @@
 
 #include "lattice/AxisNames.h"
 #include "statistics/Median.h"
+#include "vtkLatticeConversion.h"
 
 #include <fmt/format.h>
 
@@ -172,13 +173,15 @@ std::string toJson(const MicrographReport& report)
     points += static_cast<std::int64_t>(contour.points.size());
   }
   Json contours{ { "chains", m.contours.contours.size() }, { "points", points } };
-  if (m.extraction)
+  if (m.picture != nullptr)
   {
-    contours["islands"] = m.extraction->islands;
-    contours["nested_lumens"] = m.extraction->nestedLumens;
-    contours["small"] = m.extraction->small;
-    contours["ragged"] = m.extraction->ragged;
-    contours["area_missing"] = m.extraction->areaMissing * m.pixel * m.pixel;
+    const auto number = [&](const char* name) { return fieldNumbers(m.outlines, name).at(0); };
+    for (const auto& [key, name] : { std::pair{ "islands", "islands" }, std::pair{ "nested_lumens", "nested_lumens" },
+           std::pair{ "small", "small_lumens" }, std::pair{ "ragged", "ragged_lumens" } })
+    {
+      contours[key] = std::llround(number(name));
+    }
+    contours["area_missing"] = number("area_missing") * m.pixel * m.pixel;
   }
   json["contours"] = contours;
   json["lumens"] = jsonOf(numbersOf(report, [](std::size_t) { return true; }));
@@ -204,23 +207,20 @@ std::string toJson(const MicrographReport& report)
   }
   json["wall_fraction"] = report.wallFraction;
   json["wall_thickness"] = { { "median", report.thickness.median }, { "low", report.thickness.low } };
-  if (report.spacing)
+  Json& lattice = json["lattice"];
+  lattice["size"] = { report.size[0], report.size[1] };
+  lattice["spacing"] = report.spacing;
+  lattice["cropped"] = report.cropped;
+  lattice["wall_nodes"] = report.wallNodes;
+  lattice["wall_fraction"] = report.wallFractionOnLattice;
+  lattice["nodes_across_wall"] = { { "median", report.thickness.median / report.spacing },
+    { "low", report.thickness.low / report.spacing } };
+  lattice["phases"] = Json::array();
+  for (std::size_t id = 0; id < report.phases.size(); ++id)
   {
-    Json& lattice = json["lattice"];
-    lattice["size"] = { report.size[0], report.size[1] };
-    lattice["spacing"] = *report.spacing;
-    lattice["cropped"] = report.cropped;
-    lattice["wall_nodes"] = report.wallNodes;
-    lattice["wall_fraction"] = report.wallFractionOnLattice;
-    lattice["nodes_across_wall"] = { { "median", report.thickness.median / *report.spacing },
-      { "low", report.thickness.low / *report.spacing } };
-    lattice["phases"] = Json::array();
-    for (std::size_t id = 0; id < report.phases.size(); ++id)
-    {
-      lattice["phases"].push_back({ { "name", report.phases[id] }, { "fraction", report.fractions[id] } });
-    }
-    lattice["seconds"] = report.latticeSeconds;
+    lattice["phases"].push_back({ { "name", report.phases[id] }, { "fraction", report.fractions[id] } });
   }
+  lattice["seconds"] = report.latticeSeconds;
   if (report.lamella)
   {
     const LamellaReport& l = *report.lamella;
@@ -240,14 +240,14 @@ std::string toJson(const MicrographReport& report)
   {
     json["lamella"] = nullptr;
   }
-  if (!report.answers.empty())
+  if (!report.found.answers.empty())
   {
     Json& diffusion = json["diffusion"];
-    for (const auto& [name, value] : report.conductivity)
+    for (const auto& [name, value] : report.found.conductivity)
     {
       diffusion["conductivity"][name] = value;
     }
-    for (const lbm::ContourAnswer& a : report.answers)
+    for (const lbm::ContourAnswer& a : report.found.answers)
     {
       diffusion["axes"][axisNames[static_cast<std::size_t>(a.axis)]] = { { "value", a.value },
         { "error", jsonNumber(a.error * a.value) }, { "relative_error", jsonNumber(a.error) },
@@ -327,14 +327,11 @@ std::string toTable(const MicrographReport& report)
   line("walls",
     fmt::format("{} of the picture, {} thick (median), thinner than {} in 5 % of their length",
       percent(report.wallFraction), micrometres(report.thickness.median), micrometres(report.thickness.low)));
-  if (report.spacing)
-  {
-    line("lattice",
-      fmt::format("{} nodes of {}, {} in walls, {:.3g} across them (median){}", sizeText(report.size, 2),
-        micrometres(*report.spacing), grouped(report.wallNodes), report.thickness.median / *report.spacing,
-        report.cropped > 1e-6 * *report.spacing ? fmt::format("; {} at the top cut off", micrometres(report.cropped))
-                                                : ""));
-  }
+  line("lattice",
+    fmt::format("{} nodes of {}, {} in walls, {:.3g} across them (median){}", sizeText(report.size, 2),
+      micrometres(report.spacing), grouped(report.wallNodes), report.thickness.median / report.spacing,
+      report.cropped > 1e-6 * report.spacing ? fmt::format("; {} at the top cut off", micrometres(report.cropped))
+                                             : ""));
   if (report.lamella)
   {
     const LamellaReport& l = *report.lamella;
@@ -344,9 +341,9 @@ std::string toTable(const MicrographReport& report)
         l.cells > 0 ? fmt::format(", touches {} of {} cells", l.cellsTouched, l.cells) : "",
         l.cellsCutOff > 0 ? fmt::format(" ({} across the picture's border)", l.cellsCutOff) : ""));
   }
-  for (const lbm::ContourAnswer& a : report.answers)
+  for (const lbm::ContourAnswer& a : report.found.answers)
   {
-    line(a.axis == report.answers.front().axis ? "conductivity" : "",
+    line(a.axis == report.found.answers.front().axis ? "conductivity" : "",
       fmt::format("{}  {:.6g} ± {}, {:.6g} at {} and {:.6g} at {}, {:.2f} s",
         axisNames[static_cast<std::size_t>(a.axis)], a.value, errorText(a, m.pixel > 0), a.coarse.value,
         micrometres(a.coarse.spacing), a.fine.value, micrometres(a.fine.spacing), a.seconds));

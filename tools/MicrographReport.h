@@ -2,11 +2,10 @@
 
 #include "MicrographInput.h"
 
+#include "OutlineFindings.h"
 #include "io/Provenance.h"
-#include "lbm/ContourDiffusion.h"
 #include "micrograph/ContourMeasures.h"
 #include "micrograph/LumenClasses.h"
-#include "micrograph/MiddleLamella.h"
 
 #include <array>
 #include <optional>
@@ -40,7 +39,7 @@ struct MicrographReport
   bool cells = true;                ///< lumens look like a tissue's: words of wood are in place
   double wallFraction = 0;
   micrograph::WallThickness thickness;
-  std::optional<double> spacing; ///< of the lattice [m]
+  double spacing = 0; ///< of the lattice [m]
   std::array<std::int64_t, 3> size{ 0, 0, 1 };
   double cropped = 0; ///< [m]
   double wallFractionOnLattice = 0;
@@ -48,8 +47,7 @@ struct MicrographReport
   std::vector<std::string> phases;
   std::vector<double> fractions;
   std::optional<LamellaReport> lamella;
-  std::vector<std::pair<std::string, double>> conductivity;
-  std::vector<lbm::ContourAnswer> answers;
+  OutlineFindings found; ///< of diffusion
   std::vector<std::string> written;
   std::vector<std::string> warnings;
   double seconds = 0;

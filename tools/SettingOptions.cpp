@@ -319,6 +319,19 @@ void checkNumbers(const Setting& setting, const std::vector<SettingValue>& value
   }
 }
 
+/// Of NAME=VALUE: refuses a second value of a name. @param before what was given of others
+void requireOne(const Setting& setting, std::map<std::string, double>& before, const std::vector<SettingValue>& values)
+{
+  const auto& name = std::get<std::string>(values[0]);
+  const double value = std::get<double>(values[1]);
+  if (const auto [entry, added] = before.try_emplace(name, value); !added && entry->second != value)
+  {
+    throw ParameterError(
+      fmt::format("{} gives '{}' two values, {:g} and {:g}", nameOf(setting), name, entry->second, value),
+      "give every name one value");
+  }
+}
+
 /// Refuses what give() would refuse whatever else was given. @throws ParameterError
 void check(const Setting& setting, const std::string& given, bool byPhase)
 {
@@ -333,7 +346,8 @@ void check(const Setting& setting, const std::string& given, bool byPhase)
 
 } // namespace
 
-void SettingOptions::declare(CLI::App& command, const std::string& className, const std::vector<std::string>& leave)
+void SettingOptions::declare(CLI::App& command, const std::string& className, const std::vector<std::string>& leave,
+  const std::map<std::string, std::string>& defaults)
 {
   const std::vector<Setting>& settings = settingsOf(className);
   for (const Setting& setting : settings)
@@ -343,6 +357,7 @@ void SettingOptions::declare(CLI::App& command, const std::string& className, co
       add(command, settings, setting);
     }
   }
+  standards(command, defaults);
 }
 
 void SettingOptions::declareKind(CLI::App& command, const std::string& className,
@@ -360,6 +375,11 @@ void SettingOptions::declareKind(CLI::App& command, const std::string& className
       add(command, settings, setting);
     }
   }
+  standards(command, defaults);
+}
+
+void SettingOptions::standards(CLI::App& command, const std::map<std::string, std::string>& defaults)
+{
   for (const auto& [word, standard] : defaults)
   {
     options_.at(word)->standard = standard;
@@ -475,11 +495,17 @@ void SettingOptions::give(vtkObject* object) const
       setting->set(object, { option->on ? 1.0 : 0.0 });
     }
     const Setting* const byPhase = ofPhases(own, *setting);
+    std::map<std::string, double> before;
     for (const std::string& text : written(*setting, option->texts, byPhase != nullptr))
     {
       const std::size_t sign = byPhase != nullptr ? text.find('=') : std::string::npos;
       std::vector<SettingValue> values = valuesOf(*setting, sign == std::string::npos ? text : text.substr(sign + 1));
       checkNumbers(*setting, values);
+      if (setting->kind == Kind::List && values.size() == 2 && setting->types[0] == Type::Text &&
+        setting->types[1] != Type::Text)
+      {
+        requireOne(*setting, before, values);
+      }
       if (sign != std::string::npos)
       {
         values.insert(values.begin(), text.substr(0, sign));

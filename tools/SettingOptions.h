@@ -30,7 +30,9 @@ class SettingOptions
 public:
   /// Declares them, in the groups of the header, but for words that are declared already.
   /// @param leave words of settings that the command has no use for, or sees to itself
-  void declare(CLI::App& command, const std::string& className, const std::vector<std::string>& leave = {});
+  /// @param defaults by word, where this command's are not the class's
+  void declare(CLI::App& command, const std::string& className, const std::vector<std::string>& leave = {},
+    const std::map<std::string, std::string>& defaults = {});
   /// The same of one kind of what a class makes: settings that do not count with it are left out.
   /// @param choice which of the class's choices is taken; it is no option then
   /// @param defaults by word, where this kind's are not the class's
@@ -60,6 +62,7 @@ public:
   void checkNames(const std::vector<std::string>& phases) const;
 
 private:
+  void standards(CLI::App& command, const std::map<std::string, std::string>& defaults);
   struct Option
   {
     const Setting* setting;

@@ -190,8 +190,8 @@ def near_lumens(part, point, reach=12):
 
 def draw_growth(outlines, window, path, gap=1.0, step=0.8):
     """Figure 4: contours of the lumens, contours that have grown from them, phases of the points. @param gap, step [µm]"""
-    part = Part(outlines, window, 0.1, thickness=gap / UM)
-    coarse = Part(outlines, window, 0.5, thickness=gap / UM)
+    part = Part(outlines, window, 0.1, lamella_thickness=gap / UM)
+    coarse = Part(outlines, window, 0.5, lamella_thickness=gap / UM)
     figure, axes = plt.subplots(1, 3, figsize=(10.8, 3.9))
     for place in axes[:2]:
         place.set_facecolor(RED)

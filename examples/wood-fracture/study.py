@@ -65,7 +65,7 @@ def tissue(name, seed, options):
         size = [round(share * nodes) for nodes in size]
         outlines = lamella.contours(lamella.softwood(size=size, spacing=spacing * 1e-6, seed=seed, ray_distance=options.rays * 1e-6, **words))
     spacing *= 1e-6
-    image = outlines.lattice(spacing, lamella="growth", thickness=options.lamella * spacing, horizon=HORIZON)
+    image = outlines.lattice(spacing, lamella="growth", lamella_thickness=options.lamella * spacing, horizon=HORIZON)
     return turned(image) if (name in REAL) != options.radial else image
 
 

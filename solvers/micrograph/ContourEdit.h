@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 namespace lamella::micrograph
@@ -22,6 +23,12 @@ struct SimplifyReport
 /// would cross afterwards are left as they were.
 /// @param tolerance [m]; 0 or less leaves everything
 [[nodiscard]] ContourSet simplify(const ContourSet& set, double tolerance, SimplifyReport* report = nullptr);
+
+/// [m²] @param diameter [m]
+[[nodiscard]] inline double areaOfCircle(double diameter)
+{
+  return std::numbers::pi / 4 * diameter * diameter;
+}
 
 struct LumenFilter
 {

@@ -59,10 +59,15 @@ void constantLamella(
 
 } // namespace
 
+double usualLamella(double median)
+{
+  return std::min(kCompound, median / 8);
+}
+
 MiddleLamella middleLamella(
   const ContourLattice& lattice, const WallDirections& directions, const LamellaOptions& options)
 {
-  const double thickness = options.thickness.value_or(std::min(kCompound, lattice.thickness.median / 8));
+  const double thickness = options.thickness.value_or(usualLamella(lattice.thickness.median));
   const double radius = options.radius.value_or(lattice.thickness.median / 4);
   if (!(lattice.thickness.median > 0))
   {

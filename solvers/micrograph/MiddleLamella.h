@@ -30,6 +30,9 @@ struct LamellaOptions
   double horizon = 0; ///< nodes that a solver wants across the lamella; 0: none in particular
 };
 
+/// The thickness that is taken where none is given [m]. @param median of the walls [m]
+[[nodiscard]] double usualLamella(double median);
+
 /// How many nodes lie across the lamella, measured along the wall's normal through each link between two cells.
 struct NodesAcross
 {

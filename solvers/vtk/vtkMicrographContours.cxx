@@ -9,6 +9,7 @@
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
+#include "micrograph/ContourEdit.h"
 #include "micrograph/ContourExtraction.h"
 
 #include "vtkDataObject.h"
@@ -60,17 +61,17 @@ void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
 {
   lamella::requireUpright(image);
   lamella::ContourField field;
+  lamella::OutlineRecipe recipe;
   nlohmann::json parameters;
   if (this->Basis == PHASES)
   {
     const lamella::PhaseIds phases =
       lamella::phaseIds(image, this->GetInputArrayInformation(0), lamella::Team(nullptr, nullptr));
     const std::size_t lumen = lamella::findVoid(phases, this->LumenPhase, "lumens");
-    field.image = { lamella::latticeOf(image), {}, lamella::PhaseTable({ "lumen", "wall" }) };
-    field.image.phase.resize(phases.ids.size());
-    std::transform(phases.ids.begin(), phases.ids.end(), field.image.phase.begin(),
-      [lumen](std::uint8_t id) { return static_cast<std::uint8_t>(id == lumen ? 0 : 1); });
-    parameters = { { "lumen", phases.names[lumen] }, { "smooth", this->Smooth } };
+    field = lamella::contourField(lamella::latticeOf(image), phases, lumen);
+    recipe.lumen = phases.names[lumen];
+    recipe.segmented = lamella::fieldText(image, "segmentation").has_value();
+    parameters = { { "lumen", recipe.lumen }, { "smooth", this->Smooth } };
     if (this->Smooth)
     {
       parameters["wavelength"] = this->Wavelength;
@@ -81,15 +82,20 @@ void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
     const char* const array = this->GetInputArrayInformation(1)->Get(vtkDataObject::FIELD_NAME());
     field =
       lamella::contourField(image, array != nullptr ? array : "", this->Basis == SHARES, this->Level, this->LumenBelow);
+    recipe.basis = this->Basis == SHARES ? lamella::OutlineRecipe::Shares : lamella::OutlineRecipe::Level;
+    recipe.level = this->Level;
+    recipe.below = this->LumenBelow;
     parameters = { { "array", field.array }, { "lumen_below", this->LumenBelow } };
     this->Basis == SHARES ? parameters["shares"] = true : parameters["level"] = this->Level;
   }
   const lamella::Lattice& lattice = field.image.lattice;
 
-  const lamella::micrograph::ExtractOptions options{ this->Smooth, this->Wavelength, this->Tolerance,
-    this->SmallestArea, this->LeastSolidity };
+  recipe.array = field.array;
+  recipe.pixel = lattice.spacing;
+  recipe.options = { this->Smooth, this->Wavelength, this->Tolerance,
+    std::max(this->SmallestArea, lamella::micrograph::areaOfCircle(this->LeastDiameter)), this->LeastSolidity };
   const lamella::micrograph::Extraction found =
-    lamella::micrograph::extractContours(field.image, 0, field.level, options);
+    lamella::micrograph::extractContours(field.image, 0, field.level, recipe.options);
   for (const std::string& warning : found.warnings)
   {
     vtkWarningMacro(<< warning);
@@ -113,12 +119,13 @@ void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
   number("ragged_lumens", report.ragged, "1", "lumens below the least solidity, taken for wall");
   number("area_missing", report.areaMissing, "pixels^2", "largest difference of a chain's area from its pixels'");
   lamella::setFieldTexts(output, "report", report.lines());
+  lamella::setRecipe(output, recipe);
   if (const auto source = lamella::fieldText(image, "pixel_size_source"))
   {
     lamella::setFieldText(output, "pixel_size_source", *source);
   }
   parameters["tolerance"] = this->Tolerance;
-  parameters["smallest_area"] = this->SmallestArea;
+  parameters["smallest_area"] = recipe.options.smallestArea;
   parameters["least_solidity"] = this->LeastSolidity;
   lamella::setProvenance(output, lamella::provenance(image));
   lamella::continueProvenance(output, "contours", parameters);

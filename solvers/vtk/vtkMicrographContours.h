@@ -16,11 +16,12 @@
  * id of their first point, open ones at the picture's border. Cell arrays `lumen` (number from 1), `closed`, and of the
  * whole lumen `area` [m^2], `solidity`, `equivalent_diameter` [m]. Field data: `size` (2) and `corner` (3) of the
  * picture [m], `wall_fraction`, `lumens`, `open_lumens`, `islands`, `nested_lumens`, `small_lumens`, `ragged_lumens`,
- * `area_missing` [pixels^2], `report` (strings), `pixel_size_source`, `provenance`.
+ * `area_missing` [pixels^2], `report` (strings), `extraction` (how they were found, JSON: vtkOutlineDiffusion finds
+ * them in coarser pictures, too), `pixel_size_source`, `provenance`.
  *
  * On several ranks the first one has all outlines.
  *
- * @sa vtkMicrographPolygonReader vtkMicrographLattice vtkPictureReader
+ * @sa vtkMicrographPolygonReader vtkMicrographLattice vtkOutlineDiffusion vtkPictureReader
  */
 
 #ifndef vtkMicrographContours_h
@@ -139,6 +140,17 @@ public:
 
   ///@{
   /**
+   * Lumens smaller than a circle of this diameter become wall, in metres.
+   * @group Which ones
+   * @unit m
+   * @range [0, inf)
+   */
+  vtkSetMacro(LeastDiameter, double);
+  vtkGetMacro(LeastDiameter, double);
+  ///@}
+
+  ///@{
+  /**
    * Closed lumens that fill a smaller share of their convex hull become wall.
    * @group Which ones
    * @range [0, 1]
@@ -170,6 +182,7 @@ private:
   double Wavelength = 20;
   double Tolerance = 0.02;
   double SmallestArea = 0;
+  double LeastDiameter = 0;
   double LeastSolidity = 0;
 };
 

@@ -2,12 +2,15 @@
 
 #include "Attempt.h"
 #include "ContourData.h"
+#include "ContourField.h"
 #include "FieldNumbers.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
 
 #include "lattice/Error.h"
+#include "lattice/Memory.h"
 #include "micrograph/ContourLattice.h"
+#include "micrograph/LabelledLamella.h"
 #include "micrograph/MiddleLamella.h"
 #include "micrograph/WallDirection.h"
 #include "micrograph/WallThickness.h"
@@ -21,12 +24,13 @@
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdio>
-#include <span>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,18 +40,18 @@ namespace
 using lamella::describe;
 namespace micrograph = lamella::micrograph;
 
-/// A spacing that resolves the walls, as advice.
-std::string advice(const micrograph::ContourSet& contours)
+/// Of all that is held at once: shares, grain and phases; directions; lamella; the image.
+void requireMemory(const micrograph::ContourSet& contours, double spacing)
 {
-  const double median = micrograph::wallThickness(contours).median;
-  if (!(median > 0))
+  const lamella::Lattice lattice = micrograph::latticeOf(contours.size, spacing);
+  const double bytes = static_cast<double>(lattice.count()) * (17 + 28 + 20 + 21);
+  if (const auto available = static_cast<double>(lamella::availableMemory()); bytes > available)
   {
-    return "give it in metres, such as 1e-6";
+    throw lamella::MemoryError(
+      fmt::format("{} × {} nodes of {:.4g} m take about {}, and {} are free", lattice.size[0], lattice.size[1],
+        lattice.spacing, lamella::bytesText(bytes), lamella::bytesText(available)),
+      "take a larger spacing or a part of the picture");
   }
-  std::array<char, 128> text{};
-  std::snprintf(text.data(), text.size(),
-    "give it in metres; %.2g is a quarter of the walls' median thickness of %.2g m", median / 4, median);
-  return text.data();
 }
 
 void addArrays(vtkImageData* image, const micrograph::ContourLattice& lattice,
@@ -82,15 +86,23 @@ void addArrays(vtkImageData* image, const micrograph::ContourLattice& lattice,
   }
 }
 
+/// What is told of every middle lamella.
+void addLamella(
+  vtkImageData* image, double wallShare, const micrograph::NodesAcross& across, const std::string& creator)
+{
+  lamella::setFieldNumber(
+    image, "lamella_share", wallShare, "1", "share of the wall's nodes that are middle lamella", creator);
+  lamella::setFieldNumbers(image, "lamella_nodes_across", std::array{ across.mean, across.low }, "1",
+    "nodes across the middle lamella: mean; 5 % of it have fewer", creator);
+}
+
 void addLamella(vtkImageData* image, const micrograph::MiddleLamella& found, const std::string& creator)
 {
+  addLamella(image, found.wallShare, found.across, creator);
   const auto number = [&](const char* name, auto value, const char* unit, const char* text)
   { lamella::setFieldNumber(image, name, static_cast<double>(value), unit, text, creator); };
   number("lamella_thickness", found.thickness, "m", "gap that growing outlines keep, or constant thickness");
   number("lamella_radius", found.radius, "m", "radius of curvature at which growing outlines stop; 0: never");
-  number("lamella_share", found.wallShare, "1", "share of the wall's nodes that are middle lamella");
-  lamella::setFieldNumbers(image, "lamella_nodes_across", std::array{ found.across.mean, found.across.low }, "1",
-    "nodes across the middle lamella: mean; 5 % of it have fewer", creator);
   number("lamella_joined", found.joined, "1", "nodes that are lamella only so that it does not tear");
   number("lamella_networks", found.networks, "1", "parts of the lamella that do not hang together");
   number("lamella_largest_network", found.largestNetwork, "1", "share of the lamella's nodes in the largest part");
@@ -105,26 +117,34 @@ void addLamella(vtkImageData* image, const micrograph::MiddleLamella& found, con
 
 vtkStandardNewMacro(vtkMicrographLattice);
 
-int vtkMicrographLattice::FillInputPortInformation(int, vtkInformation* info)
+vtkMicrographLattice::vtkMicrographLattice()
 {
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPolyData");
+  this->SetNumberOfInputPorts(2);
+}
+
+void vtkMicrographLattice::SetPictureData(vtkImageData* picture)
+{
+  this->SetInputData(1, picture);
+}
+
+int vtkMicrographLattice::FillInputPortInformation(int port, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), port == 0 ? "vtkPolyData" : "vtkImageData");
+  if (port == 1)
+  {
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  }
   return 1;
 }
 
-vtkSmartPointer<vtkImageData> vtkMicrographLattice::Made(vtkPolyData* outlines)
+vtkSmartPointer<vtkImageData> vtkMicrographLattice::Made(vtkPolyData* outlines, vtkImageData* picture)
 {
   const micrograph::ContourSet contours = lamella::contoursFrom(outlines);
-  if (this->Spacing == 0)
-  {
-    throw lamella::ParameterError("no spacing is given", advice(contours));
-  }
-  if (!(this->Horizon >= 0) || !std::isfinite(this->Horizon))
-  {
-    throw lamella::ParameterError(
-      "the horizon is " + std::to_string(this->Horizon) + " nodes", "give 0 or more, such as 3");
-  }
+  const std::optional<lamella::OutlineRecipe> recipe = lamella::recipeOf(outlines);
   micrograph::ContourLatticeOptions options;
-  options.spacing = this->Spacing;
+  options.spacing =
+    lamella::spacingOf(this->Spacing, recipe, this->Spacing > 0 ? 0 : micrograph::wallThickness(contours).median);
+  requireMemory(contours, options.spacing);
   options.lines = 0;
   micrograph::ContourLattice lattice = micrograph::contourLattice(contours, options);
   const micrograph::WallDirections directions = micrograph::wallDirections(contours, lattice);
@@ -136,12 +156,28 @@ vtkSmartPointer<vtkImageData> vtkMicrographLattice::Made(vtkPolyData* outlines)
     return lamella::toImageData(std::move(image));
   };
 
-  nlohmann::json parameters{ { "spacing", this->Spacing } };
+  nlohmann::json parameters{ { "spacing", options.spacing } };
   const std::string creator = this->GetClassName();
   vtkSmartPointer<vtkImageData> image;
   if (this->Lamella == NONE)
   {
     image = placed(std::move(lattice.image));
+  }
+  else if (this->Lamella == LABELS)
+  {
+    const lamella::LamellaLabels labels = lamella::lamellaLabels(picture, recipe, this->LamellaPhase);
+    lamella::PhaseImage found = micrograph::labelledLamella(lattice, labels.image, labels.lamella);
+    const micrograph::NodesAcross across = micrograph::nodesAcross(lattice, directions, found.phase);
+    if (this->Horizon > 0 && across.mean < this->Horizon)
+    {
+      warnings.push_back(fmt::format(
+        "the middle lamella is {:.2g} nodes thick, thinner than the horizon of {:g}", across.mean, this->Horizon));
+    }
+    const double share = micrograph::lamellaShare(found);
+    image = placed(std::move(found));
+    addLamella(image, share, across, creator);
+    parameters["lamella"] = "labels";
+    parameters["horizon"] = this->Horizon;
   }
   else
   {
@@ -188,14 +224,15 @@ vtkSmartPointer<vtkImageData> vtkMicrographLattice::Made(vtkPolyData* outlines)
   return image;
 }
 
-bool vtkMicrographLattice::Rasterise(vtkPolyData* outlines)
+bool vtkMicrographLattice::Rasterise(vtkPolyData* outlines, vtkImageData* picture)
 {
-  if (this->Image != nullptr && this->MadeTime > this->GetMTime() && this->MadeTime > outlines->GetMTime())
+  if (this->Image != nullptr && this->MadeTime > this->GetMTime() && this->MadeTime > outlines->GetMTime() &&
+    (picture == nullptr || this->MadeTime > picture->GetMTime()))
   {
     return true;
   }
   this->Image = nullptr;
-  if (lamella::attempt(this, [&] { this->Image = this->Made(outlines); }) != lamella::Outcome::Done)
+  if (lamella::attempt(this, [&] { this->Image = this->Made(outlines, picture); }) != lamella::Outcome::Done)
   {
     return false;
   }
@@ -207,14 +244,18 @@ int vtkMicrographLattice::RequestInformation(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   // The extent depends on the outlines; whole on every rank.
-  int port = 0;
-  vtkAlgorithm* const producer = this->GetInputAlgorithm(0, 0, port);
-  if (producer != nullptr && producer->UpdatePiece(0, 1, 0) == 0)
+  for (int input = 0; input < 2; ++input)
   {
-    return 0; // it has said what is wrong
+    int port = 0;
+    vtkAlgorithm* const producer =
+      this->GetNumberOfInputConnections(input) > 0 ? this->GetInputAlgorithm(input, 0, port) : nullptr;
+    if (producer != nullptr && producer->UpdatePiece(0, 1, 0) == 0)
+    {
+      return 0; // it has said what is wrong
+    }
   }
   vtkPolyData* const outlines = vtkPolyData::GetData(inputVector[0]);
-  if (outlines == nullptr || !this->Rasterise(outlines))
+  if (outlines == nullptr || !this->Rasterise(outlines, vtkImageData::GetData(inputVector[1])))
   {
     return 0;
   }
@@ -225,14 +266,20 @@ int vtkMicrographLattice::RequestInformation(
 int vtkMicrographLattice::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector*)
 {
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
   lamella::requestWhole(inputVector[0]->GetInformationObject(0));
+  vtkInformation* const picture = inputVector[1]->GetInformationObject(0);
+  if (picture != nullptr && picture->Has(Pipeline::WHOLE_EXTENT()))
+  {
+    picture->Set(Pipeline::UPDATE_EXTENT(), picture->Get(Pipeline::WHOLE_EXTENT()), 6);
+  }
   return 1;
 }
 
 int vtkMicrographLattice::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  if (!this->Rasterise(vtkPolyData::GetData(inputVector[0])))
+  if (!this->Rasterise(vtkPolyData::GetData(inputVector[0]), vtkImageData::GetData(inputVector[1])))
   {
     return 0;
   }

@@ -6,7 +6,7 @@
  * demand the middle lamella in them (micrograph/ContourLattice.h, WallDirection.h, MiddleLamella.h).
  *
  * **Input**: outlines, as vtkMicrographContours and vtkMicrographPolygonReader give them; or any closed poly-lines or
- * polygons in a plane of z.
+ * polygons in a plane of z. Second input, for a middle lamella from labels alone: the picture that they were found in.
  *
  * **Output**: vtkImageData over the picture, with the point arrays
  * - `phase`: 0 lumen, 1 wall, 2 middle lamella;
@@ -34,6 +34,8 @@
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkSmartPointer.h"            // for the image that is kept
 
+#include <string> // for the phase
+
 class vtkPolyData;
 
 class VTKLAMELLASOLVERSVTK_EXPORT vtkMicrographLattice : public vtkImageAlgorithm
@@ -44,9 +46,16 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
+  /** The picture that the outlines were found in, input 1. */
+  void SetPictureConnection(vtkAlgorithmOutput* picture) { this->SetInputConnection(1, picture); }
+  void SetPictureData(vtkImageData* picture);
+  ///@}
+
+  ///@{
   /**
-   * Distance of the nodes in metres; it changes a little so that a whole number fits the picture's width. 0 is
-   * refused, with a spacing that suits the walls as hint.
+   * Distance of the nodes in metres; it changes a little so that a whole number fits the picture's width. 0: the
+   * picture's pixel, of outlines that are from no picture a quarter of the walls' median thickness.
+   * @group Lattice
    * @unit m
    * @range [0, inf)
    */
@@ -57,13 +66,14 @@ public:
   enum LamellaTypes
   {
     NONE = 0,
-    GROWTH = 1,  ///< "Growth": what lumens that grow leave between them: thicker where three cells meet
-    CONSTANT = 2 ///< "Constant thickness": of one thickness, about the line as far from two lumens
+    GROWTH = 1,   ///< "Growth": what lumens that grow leave between them: thicker where three cells meet
+    CONSTANT = 2, ///< "Constant thickness": of one thickness, about the line as far from two lumens
+    LABELS = 3    ///< "Labels": a phase of the picture
   };
   ///@{
   /**
    * How a middle lamella is found in the walls: what lumens that grow leave between them, thicker where three cells
-   * meet; or of one thickness.
+   * meet; of one thickness; or a phase of the picture.
    * @group Middle Lamella
    * @choice LamellaTypes
    */
@@ -98,17 +108,27 @@ public:
 
   ///@{
   /**
+   * The phase of the picture that is the middle lamella. Empty: the one that is called middle lamella, or lamella.
+   * @group Middle Lamella
+   * @when Lamella LABELS
+   */
+  vtkSetMacro(LamellaPhase, std::string);
+  vtkGetMacro(LamellaPhase, std::string);
+  ///@}
+
+  ///@{
+  /**
    * Nodes that a solver wants across the middle lamella: fewer are warned of.
    * @group Middle Lamella
    * @range [0, inf)
-   * @when Lamella GROWTH CONSTANT
+   * @when Lamella GROWTH CONSTANT LABELS
    */
   vtkSetMacro(Horizon, double);
   vtkGetMacro(Horizon, double);
   ///@}
 
 protected:
-  vtkMicrographLattice() = default;
+  vtkMicrographLattice();
   ~vtkMicrographLattice() override = default;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
@@ -120,13 +140,15 @@ private:
   vtkMicrographLattice(const vtkMicrographLattice&) = delete;
   void operator=(const vtkMicrographLattice&) = delete;
 
-  bool Rasterise(vtkPolyData* outlines); ///< makes Image, unless it is up to date; says what is wrong
-  vtkSmartPointer<vtkImageData> Made(vtkPolyData* outlines);
+  /// Makes Image, unless it is up to date; says what is wrong.
+  bool Rasterise(vtkPolyData* outlines, vtkImageData* picture);
+  vtkSmartPointer<vtkImageData> Made(vtkPolyData* outlines, vtkImageData* picture);
 
   double Spacing = 0;
   int Lamella = NONE;
   double LamellaThickness = 0;
   double LamellaRadius = -1;
+  std::string LamellaPhase;
   double Horizon = 0;
 
   vtkSmartPointer<vtkImageData> Image; ///< what was made

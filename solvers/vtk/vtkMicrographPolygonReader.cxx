@@ -2,6 +2,7 @@
 
 #include "Attempt.h"
 #include "ContourData.h"
+#include "FieldNumbers.h"
 #include "GridReaders.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
@@ -65,6 +66,31 @@ void vtkMicrographPolygonReader::Crop(vtkPolyData* lumens)
   lumens->ShallowCopy(part);
 }
 
+void vtkMicrographPolygonReader::Filter(vtkPolyData* lumens)
+{
+  namespace micrograph = lamella::micrograph;
+  const micrograph::LumenFilter filter{ micrograph::areaOfCircle(this->LeastDiameter), this->LeastSolidity };
+  if (filter.smallestArea == 0 && filter.leastSolidity == 0)
+  {
+    return;
+  }
+  const micrograph::ContourSet left = micrograph::filterLumens(lamella::contoursFrom(lumens), filter);
+  if (left.contours.empty())
+  {
+    throw lamella::InputError(
+      std::string("no lumen of '") + this->FileName + "' is left", "lower the least diameter or the least solidity");
+  }
+  const auto part = lamella::toPolyData(left, this->GetClassName(), lamella::cornerOf(lumens));
+  lamella::setProvenance(part, lamella::provenance(lumens));
+  lamella::continueProvenance(
+    part, "filter", { { "least_diameter", this->LeastDiameter }, { "least_solidity", this->LeastSolidity } });
+  for (const double unit : lamella::fieldNumbers(lumens, "unit"))
+  {
+    lamella::setFieldNumbers(part, "unit", std::array{ unit });
+  }
+  lumens->ShallowCopy(part);
+}
+
 void vtkMicrographPolygonReader::Read(vtkPolyData* lumens, vtkPolyData* cells)
 {
   const std::string ending = lamella::endingOf(this->FileName);
@@ -102,6 +128,7 @@ void vtkMicrographPolygonReader::Read(vtkPolyData* lumens, vtkPolyData* cells)
     vtkWarningMacro(<< warning);
   }
   lumens->ShallowCopy(lamella::toPolyData(file.lumens, this->GetClassName()));
+  lamella::setFieldNumber(lumens, "unit", file.unit, "m", "one unit of the file's coordinates", this->GetClassName());
   lamella::beginProvenance(lumens, "polygons", parameters, {}, path);
   if (file.cells)
   {
@@ -120,7 +147,12 @@ int vtkMicrographPolygonReader::RequestData(vtkInformation*, vtkInformationVecto
   {
     return 1;
   }
-  if (lamella::attempt(this, [&] { this->Read(lumens, cells); }) != lamella::Outcome::Done)
+  if (lamella::attempt(this,
+        [&]
+        {
+          this->Read(lumens, cells);
+          this->Filter(lumens);
+        }) != lamella::Outcome::Done)
   {
     lumens->Initialize();
     cells->Initialize();

@@ -68,6 +68,27 @@ public:
   vtkBooleanMacro(YDown, bool);
   ///@}
 
+  ///@{
+  /**
+   * Lumens smaller than a circle of this diameter become wall, in metres.
+   * @group Which ones
+   * @unit m
+   * @range [0, inf)
+   */
+  vtkSetMacro(LeastDiameter, double);
+  vtkGetMacro(LeastDiameter, double);
+  ///@}
+
+  ///@{
+  /**
+   * Closed lumens that fill a smaller share of their convex hull become wall.
+   * @group Which ones
+   * @range [0, 1]
+   */
+  vtkSetMacro(LeastSolidity, double);
+  vtkGetMacro(LeastSolidity, double);
+  ///@}
+
   /** The cells' outlines, output 1; without lines where the file has none. */
   vtkPolyData* GetCells();
 
@@ -85,11 +106,14 @@ private:
   bool HasWindow() const;
   void Read(vtkPolyData* lumens, vtkPolyData* cells);
   void Crop(vtkPolyData* lumens);
+  void Filter(vtkPolyData* lumens);
 
   char* FileName = nullptr;
   double Unit = 0;
   double Window[4] = { 0, 0, 0, 0 };
   bool YDown = false;
+  double LeastDiameter = 0;
+  double LeastSolidity = 0;
 };
 
 #endif

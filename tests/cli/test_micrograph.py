@@ -361,7 +361,7 @@ class Micrograph(Case):
         answer = self.works(*words, "--lamella", "labels", "--json").json()
         self.assertAlmostEqual(answer["lamella"]["nodes_across"]["mean"], 2, delta=0.1)
         self.assertAlmostEqual(answer["lamella"]["wall_share"], 0.25, delta=0.01)
-        self.fails(3, "which phase is the middle lamella", "--lamella-phase", "micrograph", "three.png", "--pixel-size",
+        self.fails(3, "which phase is the middle lamella", "the lamella's phase", "micrograph", "three.png", "--pixel-size",
                    "1um", "--phase", "0=lumen", "--other", "wall", "--lamella", "labels")  # fmt: skip
 
     def test_vessels(self):

@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 # Pages whose tables say more than one command's help: their options are held against the program by tests/cli/test_words.py.
-BY_HAND = {"info", "run", "report", "convert", "micrograph"}
+BY_HAND = {"info", "run", "report", "convert"}
 HEAD = "| option | default | meaning |\n|---|---|---|\n"
 PLACE = re.compile(r"(<!-- options(?: of ([^>:]*))?: ([^>]*?) -->\n).*?(<!-- end of options -->)", re.DOTALL)
 

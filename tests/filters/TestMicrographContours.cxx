@@ -490,6 +490,22 @@ TEST_F(Micrograph, PolygonsAreScaledAndCut)
   std::filesystem::remove(name);
 }
 
+// Lumens of a square of 8 µm and one of 2 µm: a circle of 4 µm has an area between theirs.
+TEST_F(Micrograph, SmallLumensOfAFileBecomeWall)
+{
+  const std::string name = "small" + std::to_string(rank()) + ".json";
+  std::ofstream(name) << R"({"units": "um", "lumens": [[[1,1],[9,1],[9,9],[1,9]], [[11,1],[13,1],[13,3],[11,3]]]})";
+  vtkNew<vtkMicrographPolygonReader> reader;
+  reader->SetFileName(name.c_str());
+  reader->SetLeastDiameter(4e-6);
+  ASSERT_EQ(errorOf(reader), "");
+  EXPECT_EQ(reader->GetOutput()->GetNumberOfLines(), 1);
+  EXPECT_EQ(fieldNumbers(reader->GetOutput(), "unit").at(0), 1e-6);
+  reader->SetLeastDiameter(20e-6);
+  EXPECT_NE(errorOf(reader).find("is left\nhint: lower the least diameter"), std::string::npos);
+  std::filesystem::remove(name);
+}
+
 TEST_F(Micrograph, ReaderSaysWhatIsWrong)
 {
   vtkNew<vtkMicrographPolygonReader> reader;

@@ -127,9 +127,9 @@ TEST_F(Micrograph, LatticeSaysWhatIsWrong)
   const auto outlines = toPolyData(expectedContours(), "test");
   vtkNew<vtkMicrographLattice> filter;
   filter->SetInputData(outlines);
-  const std::string none = errorOf(filter);
-  EXPECT_NE(none.find("no spacing is given\nhint: "), std::string::npos) << none;
-  EXPECT_NE(none.find("a quarter of the walls' median thickness"), std::string::npos) << none;
+  EXPECT_EQ(errorOf(filter), ""); // a quarter of the walls' median thickness
+  EXPECT_NEAR(filter->GetOutput()->GetSpacing()[0] * 4, fieldNumbers(filter->GetOutput(), "wall_thickness").at(1),
+    0.02 * fieldNumbers(filter->GetOutput(), "wall_thickness").at(1)); // a whole number fits the width
   for (const double spacing : { notANumber, -1e-6, std::numeric_limits<double>::infinity(), 1.0, 1e-12, 1e-300 })
   {
     filter->SetSpacing(spacing);
@@ -152,6 +152,31 @@ TEST_F(Micrograph, LatticeSaysWhatIsWrong)
   vtkNew<vtkPolyData> empty;
   filter->SetInputData(empty);
   EXPECT_NE(errorOf(filter).find("there are no outlines"), std::string::npos);
+}
+
+// Lumens 16 pixels wide, walls of 8 with a lamella of 2 in their middle: at the pixels' own spacing, which is the
+// default, outlines pass half-way between pixels.
+TEST_F(Micrograph, ALamellaFromLabels)
+{
+  const auto labels =
+    picture(96, 60, 1, [](int x, int, int) { return x % 24 < 16               ? 0
+                                               : x % 24 == 19 || x % 24 == 20 ? 2
+                                                                              : 1; });
+  const auto outlines = contoursOf(labels);
+  outlines->SetLumenPhase("a");
+  vtkNew<vtkMicrographLattice> lattice;
+  lattice->SetInputConnection(outlines->GetOutputPort());
+  lattice->SetLamella(vtkMicrographLattice::LABELS);
+  EXPECT_NE(errorOf(lattice).find("needs a picture of labels"), std::string::npos);
+  lattice->SetPictureData(labels);
+  EXPECT_NE(errorOf(lattice).find("which phase is the middle lamella"), std::string::npos);
+  lattice->SetLamellaPhase("c");
+  ASSERT_EQ(errorOf(lattice), "");
+  vtkImageData* const image = lattice->GetOutput();
+  EXPECT_NEAR(image->GetSpacing()[0], 1e-6, 1e-15);
+  EXPECT_NEAR(fieldNumbers(image, "lamella_share").at(0), 0.25, 1e-12);
+  EXPECT_NEAR(fieldNumbers(image, "lamella_nodes_across").at(0), 2, 0.1);
+  EXPECT_EQ(viewPhases(image).phases.names(), (std::vector<std::string>{ "lumen", "wall", "middle lamella" }));
 }
 
 TEST_F(Micrograph, LatticeWarnsOfThinWallsAndLamellae)

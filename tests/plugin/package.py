@@ -238,7 +238,7 @@ class Micrographs(unittest.TestCase):
         self.assertTrue(1e-6 < low < median < 10e-6)
         with self.assertRaisesRegex(lamella.LamellaError, "no lamella share"):
             sample.lamella_share
-        grown = self.contours.lattice(0.4e-6, "growth", thickness=0.8e-6)
+        grown = self.contours.lattice(0.4e-6, "growth", lamella_thickness=0.8e-6)
         self.assertEqual(grown.names, ["lumen", "wall", "middle lamella"])
         np.testing.assert_array_equal(grown.phase == 0, sample.phase == 0)
         self.assertEqual(grown.lamella_thickness, 0.8e-6)
@@ -248,15 +248,38 @@ class Micrographs(unittest.TestCase):
         conducts = lamella.diffusion(grown, {"void": 0.02, "secondary wall": 1, "middle lamella": 1}, field=False)
         self.assertTrue(0.02 < conducts.effective[0, 0] < 1)
 
+    def test_outline_diffusion(self):
+        phases = {"lumen": 0.02, "wall": 1}
+        found = lamella.outline_diffusion(self.contours, phases)
+        self.assertEqual(list(found.conductivity), ["x", "y"])
+        for axis, value in found.conductivity.items():
+            self.assertTrue(0.02 < value < 1)
+            self.assertAlmostEqual(found.error[axis], np.hypot(found.lattice_error[axis], found.picture_error[axis]))
+            self.assertGreater(found.picture_error[axis], 0)
+            coarse, fine = found.lattices[axis][-2:, 1]
+            self.assertAlmostEqual(2 * fine - coarse, value)
+            # The same tissue as pixels: within both error bars.
+            pixels = lamella.diffusion(self.tissue, phases, axis)
+            row = "xy".index(axis)
+            self.assertLess(abs(value - pixels.effective[row, row]), value * (found.error[axis] + pixels.estimated_error))
+        as_given = lamella.outline_diffusion(self.contours, phases, "y", picture=False)
+        self.assertEqual(as_given.conductivity, {"y": found.conductivity["y"]})
+        self.assertEqual(as_given.picture_error, {"y": 0})
+        self.assertIsNone(as_given.target)
+        self.assertIn("k_y 0.", repr(as_given))
+        finer = lamella.outline_diffusion(self.contours, phases, "x", picture=False, target_error=found.lattice_error["x"] / 1.5)
+        self.assertEqual(finer.target, "reached")
+        with self.assertRaisesRegex(lamella.ParameterError, "no conductivity was given for 'lumen'"):
+            lamella.outline_diffusion(self.contours, {"wall": 1})
+        with self.assertRaises(lamella.Cancelled):
+            lamella.outline_diffusion(self.contours, phases, progress=lambda share, text: False)
+
     def test_lattice_errors(self):
-        with self.assertRaisesRegex(lamella.LamellaError, "no spacing is given") as caught:
-            self.contours.lattice()
-        self.assertIn("a quarter of the walls' median thickness", caught.exception.hint)
+        usual = self.contours.lattice()  # the pixel
+        self.assertAlmostEqual(usual.vtk.GetSpacing()[0] / 5e-7, 1)
         for bad in (float("nan"), -1.0, 1e-13):
             with self.assertRaises(lamella.LamellaError):
                 self.contours.lattice(bad)
-        with self.assertRaisesRegex(lamella.LamellaError, "thickness is 0"):
-            self.contours.lattice(1e-6, "growth", thickness=0)
         with self.assertRaisesRegex(ValueError, "lamella is 'thick'"):
             self.contours.lattice(1e-6, "thick")
 

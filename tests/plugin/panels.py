@@ -23,7 +23,7 @@ DECLARED = Declarations(headers_of(SOURCES))
 CLASSES = [name for name, kind in DECLARED.classes.items() if not kind.abstract]
 # Objects that are handed over, and what sets several at once by a name
 NO_SETTINGS = {"SetController", "SetInputData", "SetInputConnection", "AddInputData", "AddInputConnection", "SetImageData", "SetImageConnection",
-               "SetPointsConnection", "AddPointsData", "SetOverlayLines", "SetPresetByName", "SetOverlayByName", "AddNotchInSpace"}
+               "SetPictureConnection", "SetPictureData", "SetPointsConnection", "AddPointsData", "SetOverlayLines", "SetPresetByName", "SetOverlayByName", "AddNotchInSpace"}
 # Numbers without a unit: shares, strains, ratios, counts, values in units of the data
 PURE = re.compile(r"share|strain|ratio|spacing|lattice unit|in any unit|over the|of all tensile|tensile stresses|number|relative|seed|nodes|"
                   r"pixels|tolerance|residual|kinetic|Poisson|value|smoothed|standard deviation|speed|friction|length|coordinates|channel|opacity|place|position|axis|wave|grains|colour|background", re.I)

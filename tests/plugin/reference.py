@@ -16,7 +16,7 @@ BEGIN = "<!-- reference: made by tests/plugin/reference.py --write -->\n"
 SECTIONS = (
     ("Samples", ("from_array", "read_picture", "softwood", "hardwood", "honeycomb", "checkerboard", "disks", "spheres",
                  "laminate", "Sample")),
-    ("Micrographs", ("contours", "read_polygons", "Contours", "LatticeSample")),
+    ("Micrographs", ("contours", "read_polygons", "outline_diffusion", "Contours", "LatticeSample", "OutlineDiffusionResult")),
     ("Grains", ("packing", "packings", "read_packing", "bridges", "Packing", "CementedSample")),
     ("Diffusion", ("diffusion", "transient", "flux_map", "DiffusionResult", "TransientResult", "TransientState",
                    "FluxMapResult")),

@@ -13,7 +13,7 @@ off.)
 
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
 ``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkMicrographContours``,
-``vtkMicrographLattice``, ``vtkSteadyDiffusion``, ``vtkLatticeBoltzmann``, ``vtkFluxMap``, ``vtkPoreFloodFill``,
+``vtkMicrographLattice``, ``vtkOutlineDiffusion``, ``vtkSteadyDiffusion``, ``vtkLatticeBoltzmann``, ``vtkFluxMap``, ``vtkPoreFloodFill``,
 ``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondDynamics``, ``vtkBondStiffness``, ``vtkPointCompression``,
 ``vtkPointStiffness``, ``vtkStressPDF``, ``vtkCrackPath``, ``vtkCompressionCurve``, ``vtkCollapseMap``,
 ``vtkFileConverter`` ...),
@@ -43,7 +43,7 @@ else:
 
 from ._collapse import CollapseMapResult, CompressionCurveResult, collapse_map, compression_curve
 from ._compression import CompressionResult, PointState, PointStiffnessResult, compression, point_stiffness
-from ._contours import Contours, LatticeSample, contours, read_polygons
+from ._contours import Contours, LatticeSample, OutlineDiffusionResult, contours, outline_diffusion, read_polygons
 from ._convert import arrays, convert, read, read_steps, write
 from ._cracks import CrackPathResult, crack_path
 from ._dynamics import DynamicsResult, MotionState, dynamics
@@ -102,6 +102,7 @@ __all__ = [
     "MotionState",
     "NoPathError",
     "OutOfMemoryError",
+    "OutlineDiffusionResult",
     "Packing",
     "ParameterError",
     "PointState",
@@ -134,6 +135,7 @@ __all__ = [
     "laminate",
     "load_plugin",
     "load_presets",
+    "outline_diffusion",
     "packing",
     "packings",
     "plugin_path",

@@ -10,20 +10,21 @@ import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from . import _arrays, _files
-from ._errors import LamellaError, choose, run
+from ._errors import LamellaError, run
 from ._samples import ImageBase, Sample
-from ._types import Array, Image, Name, Path, Sequence
-from .vtkLamellaSolversVTK import vtkMicrographContours, vtkMicrographLattice, vtkMicrographPolygonReader
-
-_LAMELLAE = {None: 0, "none": 0, "growth": 1, "constant": 2}
-
+from ._settings import Settings, declared
+from ._solve import as_image
+from ._types import Array, Image, Name, Path, Progress, Sequence
+from .vtkLamellaSolversVTK import vtkMicrographContours, vtkMicrographLattice, vtkMicrographPolygonReader, vtkOutlineDiffusion
 
 class Contours(_arrays.FieldData):
     """Outlines of lumens. Lengths are in metres; x points right and y up from the picture's lower left corner."""
 
-    def __init__(self, outlines, cells=None) -> None:
+    def __init__(self, outlines, cells=None, picture=None) -> None:
         #: vtkPolyData: a poly-line a chain
         self.vtk = outlines
+        #: vtkImageData: the picture that they were found in; None where they are from none
+        self.picture_vtk = picture
         #: vtkPolyData: the same of the cells' outlines; None where they are not known
         self.cells_vtk = cells
 
@@ -94,37 +95,15 @@ class Contours(_arrays.FieldData):
         """What finding them did, a line for each step."""
         return _arrays.texts(self.vtk, "report")
 
-    def lattice(
-        self,
-        spacing: float | None = None,
-        lamella: str | None = None,
-        thickness: float | None = None,
-        radius: float | None = None,
-        horizon: float = 0,
-    ) -> LatticeSample:
+    @declared(vtkMicrographLattice, first=("spacing", "lamella"), formerly={"thickness": "lamella_thickness", "radius": "lamella_radius"})
+    def lattice(self, settings: Settings) -> LatticeSample:
         """Puts the outlines on a lattice and returns a LatticeSample.
-
-        spacing    metres; changes a little so that a whole number fits the picture's width. None raises LamellaError
-                   with a spacing that suits the walls as hint
-        lamella    None, "growth" (what lumens that grow leave between them) or "constant"
-        thickness  gap that growing outlines keep, or the constant thickness; None: half a micrometre, at most an eighth
-                   of the walls
-        radius     growth: outlines stop at this radius of curvature, 0: never; None: a quarter of the walls' thickness
-        horizon    nodes that a solver wants across the lamella: fewer are warned of
         """
         source = vtkMicrographLattice()
         source.SetInputData(self.vtk)
-        if spacing is not None:
-            source.SetSpacing(spacing)
-        source.SetLamella(choose(_LAMELLAE, lamella, "lamella"))
-        for what, value, least in (("thickness", thickness, "above 0"), ("radius", radius, "0 or more")):
-            if value is not None and not (value > 0 or (value == 0 and what == "radius")):
-                raise LamellaError(f"the lamella's {what} is {value}", f"give it in metres, {least}")
-        if thickness is not None:
-            source.SetLamellaThickness(thickness)
-        if radius is not None:
-            source.SetLamellaRadius(radius)
-        source.SetHorizon(horizon)
+        if self.picture_vtk is not None:
+            source.SetPictureData(self.picture_vtk)
+        settings.give(source)
         run(source)
         return LatticeSample(source.GetOutput())
 
@@ -210,6 +189,54 @@ class LatticeSample(Sample):
         return float(self._numbers("lamella_share")[0])
 
 
+class OutlineDiffusionResult(_arrays.FieldData):
+    """What outlines conduct, by direction. ``vtk`` is the outlines with all numbers as field data."""
+
+    def __init__(self, outlines) -> None:
+        #: vtkPolyData: the outlines
+        self.vtk = outlines
+
+    def _by_direction(self, name, step=1):
+        values = _arrays.numbers(self.vtk, name)[::step]
+        return {axis: float(values[i]) for i, axis in enumerate("xy") if self.vtk.GetFieldData().HasArray("lattices_" + axis)}
+
+    @property
+    def conductivity(self) -> dict[str, float]:
+        """Effective conductivity by direction, in the unit of the phases'."""
+        return self._by_direction("effective_conductivity", 4)
+
+    @property
+    def error(self) -> dict[str, float]:
+        """Relative error bar by direction, of both parts; NaN where the picture's is not known."""
+        return self._by_direction("estimated_error_by_direction")
+
+    @property
+    def lattice_error(self) -> dict[str, float]:
+        """The part of it that the lattices leave, which a smaller spacing mends."""
+        return self._by_direction("lattice_error_by_direction")
+
+    @property
+    def picture_error(self) -> dict[str, float]:
+        """The part of it that the picture's pixels leave; 0 where the outlines are taken as they are."""
+        return self._by_direction("picture_error_by_direction")
+
+    @property
+    def lattices(self) -> dict[str, Array]:
+        """By direction #lattices by 2: distance of nodes [m] and conductivity, the coarsest first."""
+        data = self.vtk.GetFieldData()
+        return {axis: vtk_to_numpy(data.GetArray("lattices_" + axis)) for axis in self.conductivity}
+
+    @property
+    def target(self) -> str | None:
+        """How a target error ended: "reached", "picture too coarse" or "memory short"; None without one."""
+        return _arrays.text(self.vtk, "target") or None
+
+    def __repr__(self) -> str:
+        each = zip(self.conductivity.items(), self.error.values())
+        numbers = ", ".join(f"k_{axis} {value:.6g} ± {100 * error:.2g} %" for (axis, value), error in each)
+        return f"<lamella.OutlineDiffusionResult {numbers}>"
+
+
 def contours(
     sample: Image,
     lumen: Name | None = None,
@@ -222,6 +249,7 @@ def contours(
     level: float | None = None,
     shares: bool = False,
     lumen_below: bool = False,
+    least_diameter: float = 0.0,
 ) -> Contours:
     """Finds the outlines of lumens in a picture of phases, or of numbers, and returns Contours.
 
@@ -237,6 +265,7 @@ def contours(
                     count as parts of the largest one. Not smoothed, areas of second order in the pixel
     shares          True: the numbers are lumen's share of each pixel, 0 to 1; the same, and finer
     lumen_below     lumens are where numbers are below the level; shares are the wall's
+    least_diameter  lumens smaller than a circle of this diameter become wall, in metres
     """
     if level is not None and shares:
         raise ValueError("give a level or shares, not both")
@@ -266,8 +295,9 @@ def contours(
     source.SetTolerance(tolerance)
     source.SetSmallestArea(smallest_area)
     source.SetLeastSolidity(least_solidity)
+    source.SetLeastDiameter(least_diameter)
     run(source)
-    return Contours(source.GetOutput())
+    return Contours(source.GetOutput(), picture=image)
 
 
 def read_polygons(
@@ -275,6 +305,8 @@ def read_polygons(
     unit: float | None = None,
     window: Sequence[float] | None = None,
     y_down: bool = False,
+    least_diameter: float = 0.0,
+    least_solidity: float = 0.0,
 ) -> Contours:
     """Reads outlines of cells and lumens.
 
@@ -283,6 +315,8 @@ def read_polygons(
     window  what of the file is the picture: (low x, low y, high x, high y) in its coordinates; None: the box around all
             of its points
     y_down  the file's y points down, as rows of a picture do
+    least_diameter  lumens smaller than a circle of this diameter become wall, in metres
+    least_solidity  closed lumens that fill a smaller share of their convex hull become wall, 0 to 1
     """
     reader = vtkMicrographPolygonReader()
     reader.SetFileName(os.fspath(path))
@@ -298,6 +332,33 @@ def read_polygons(
             raise LamellaError("the window is empty", "give a width and a height")
         reader.SetWindow(*window)
     reader.SetYDown(bool(y_down))
+    reader.SetLeastDiameter(least_diameter)
+    reader.SetLeastSolidity(least_solidity)
     run(reader)
     cells = reader.GetCells()
     return Contours(reader.GetOutput(), cells if cells.GetNumberOfCells() > 0 else None)
+
+
+@declared(vtkOutlineDiffusion, first=("conductivity", "direction", "spacing"))
+def outline_diffusion(
+    outlines: Contours,
+    settings: Settings,
+    picture: Image | bool | None = None,
+    progress: Progress | None = None,
+) -> OutlineDiffusionResult:
+    """Solves steady diffusion through outlines, with an error bar, and returns an OutlineDiffusionResult.
+
+    outlines        Contours, or a vtkPolyData like theirs
+    picture         the picture that they were found in, whose pixels leave an error. None: the one that they remember;
+                    False: they are taken as they are
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
+    """
+    solver = vtkOutlineDiffusion()
+    solver.SetInputData(getattr(outlines, "vtk", outlines))
+    if picture is None:
+        picture = getattr(outlines, "picture_vtk", None)
+    if picture is not None and picture is not False:
+        solver.SetPictureData(as_image(picture))
+    settings.give(solver)
+    run(solver, progress)
+    return OutlineDiffusionResult(solver.GetOutput())

@@ -1,0 +1,223 @@
+/**
+ * @class   vtkOutlineDiffusion
+ * @brief   effective conductivity of what outlines enclose, with an error bar
+ *
+ * Steady diffusion on lattices made from outlines, whose links know where they cross from wall to lumen
+ * (lbm/ContourDiffusion.h): on a lattice of the spacing, on one of twice and one of four times that, and what follows
+ * for a spacing of zero. The error bar has two parts: that of the lattices, from their values, and that of the picture
+ * which the outlines are from, whose pixels do not say exactly where a wall begins. For the latter outlines are found
+ * in the pictures of every second and every third pixel as well, and solved.
+ *
+ * **Input** 0: outlines, as vtkMicrographContours and vtkMicrographPolygonReader give them. **Input** 1, optional: the
+ * picture that they were found in, with the same array of phases or numbers; their field data `extraction` says how.
+ * Without it the outlines are taken as they are, and the error bar is that of the lattices.
+ *
+ * **Output**: the outlines with the field data
+ * - `effective_conductivity`: 9 numbers, the tensor in data axes by rows, of which the diagonal is solved; NaN
+ * elsewhere
+ * - `estimated_error`, `lattice_error`, `picture_error`: relative, the largest of the directions; each also
+ *   `_by_direction`, 3 numbers, NaN where not solved or where nothing can be said
+ * - `border_doubt`, `segmentation_doubt`: parts of the picture's error, 3 numbers; where there is a picture
+ * - `lattices_x`, `lattices_y`: spacing [m] and conductivity on each lattice, the coarsest first
+ * - `balance`, `iterations`, `nodes`: 3 numbers, of the finest lattice
+ * - `phase_names`, `phase_conductivity`, `direction`, `provenance`; with a target error `target`: "reached", "picture
+ * too coarse" or "memory short"
+ *
+ * How often the error bars hold: docs/benchmarks/contours.md. On several ranks the first one does all of it.
+ *
+ * @sa vtkMicrographContours vtkMicrographPolygonReader vtkSteadyDiffusion
+ */
+
+#ifndef vtkOutlineDiffusion_h
+#define vtkOutlineDiffusion_h
+
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkPolyDataAlgorithm.h"
+
+#include <memory> // for std::unique_ptr
+#include <string> // for the phase
+
+class vtkImageData;
+
+namespace lamella
+{
+struct OutlineFindings;
+}
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkOutlineDiffusion : public vtkPolyDataAlgorithm
+{
+public:
+  static vtkOutlineDiffusion* New();
+  vtkTypeMacro(vtkOutlineDiffusion, vtkPolyDataAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /** The picture that the outlines were found in, input 1. */
+  void SetPictureConnection(vtkAlgorithmOutput* picture) { this->SetInputConnection(1, picture); }
+  void SetPictureData(vtkImageData* picture);
+  ///@}
+
+  ///@{
+  /**
+   * Conductivity of each phase, one a row: lumen, wall and, where it has one of its own, middle lamella, in any unit;
+   * the effective conductivity comes in the same. 0: does not conduct.
+   *
+   * Conductivity of a phase, finite and not negative. Lumen and wall must have one; other words for the same go
+   * (lattice/PhaseNames.h), other phases are refused.
+   * @title Conductivity of phases
+   * @group Diffusion
+   * @columns Phase, Conductivity
+   */
+  void SetConductivity(const char* phase, double value);
+  void RemoveAllConductivities();
+  /** NaN when the phase has none. */
+  double GetConductivity(const char* phase);
+  ///@}
+
+  enum Directions
+  {
+    X = 0,
+    Y = 1,
+    ALL = 3
+  };
+  ///@{
+  /**
+   * Across the picture from left to right, down it, or both, one after the other.
+   * @group Diffusion
+   * @choice Directions
+   */
+  vtkSetMacro(Direction, int);
+  vtkGetMacro(Direction, int);
+  ///@}
+
+  ///@{
+  /**
+   * Distance of the nodes on the finer lattice in metres; it changes a little so that a whole number fits the picture.
+   * 0: the picture's pixel, of outlines that are from no picture a quarter of the walls' median thickness.
+   * @group Diffusion
+   * @unit m
+   * @range [0, inf)
+   */
+  vtkSetMacro(Spacing, double);
+  vtkGetMacro(Spacing, double);
+  ///@}
+
+  ///@{
+  /**
+   * Halve the spacing until the error bar is below this share, as far as the picture's pixels and half of the free
+   * memory allow; 0: no target. What it will take is told beforehand, a target that is not reached is warned of.
+   * @group Diffusion
+   * @range (0, 1)
+   * @unset 0
+   */
+  vtkSetMacro(TargetError, double);
+  vtkGetMacro(TargetError, double);
+  ///@}
+
+  ///@{
+  /**
+   * Threads of the solver. 0: one for each core.
+   * @group Diffusion
+   * @range [0, inf)
+   * @advanced
+   */
+  vtkSetMacro(Threads, int);
+  vtkGetMacro(Threads, int);
+  ///@}
+
+  enum LamellaTypes
+  {
+    NONE = 0,
+    GROWTH = 1,   ///< "Growth": what lumens that grow leave between them: thicker where three cells meet
+    CONSTANT = 2, ///< "Constant thickness": of one thickness, about the line as far from two lumens
+    LABELS = 3    ///< "Labels": a phase of the picture
+  };
+  ///@{
+  /**
+   * How the middle lamella is found, where it conducts otherwise than the wall: what lumens that grow leave between
+   * them, thicker where three cells meet; of one thickness; or a phase of the picture.
+   * @group Middle Lamella
+   * @choice LamellaTypes
+   */
+  vtkSetMacro(Lamella, int);
+  vtkGetMacro(Lamella, int);
+  ///@}
+
+  ///@{
+  /**
+   * Gap that growing outlines keep, or the constant thickness, in metres. 0: half a micrometre, but not more than an
+   * eighth of the walls' median thickness.
+   * @group Middle Lamella
+   * @unit m
+   * @range [0, inf)
+   * @when Lamella GROWTH CONSTANT
+   */
+  vtkSetMacro(LamellaThickness, double);
+  vtkGetMacro(LamellaThickness, double);
+  ///@}
+
+  ///@{
+  /**
+   * Growing outlines stop where their radius of curvature has fallen to so many metres. 0: never. Below 0: a quarter of
+   * the walls' median thickness.
+   * @group Middle Lamella
+   * @unit m
+   * @when Lamella GROWTH
+   */
+  vtkSetMacro(LamellaRadius, double);
+  vtkGetMacro(LamellaRadius, double);
+  ///@}
+
+  ///@{
+  /**
+   * The phase of the picture that is the middle lamella. Empty: the one that is called middle lamella, or lamella.
+   * @group Middle Lamella
+   * @when Lamella LABELS
+   */
+  vtkSetMacro(LamellaPhase, std::string);
+  vtkGetMacro(LamellaPhase, std::string);
+  ///@}
+
+  enum Events
+  {
+    /// What a target error will take is known, and about to be begun: the call data are the words, a const char*.
+    PLAN_EVENT = 1101
+  };
+
+#ifndef __VTK_WRAP__
+  /** Refuses conductivities that no outlines could be solved with: so can what runs it before it has outlines.
+   * @throws lamella::ParameterError, lamella::NoPathError */
+  void RequireConductivities() const;
+  /** All that the last update found, to tell of it. */
+  const lamella::OutlineFindings& GetFindings() const;
+#endif
+
+protected:
+  vtkOutlineDiffusion();
+  ~vtkOutlineDiffusion() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkOutlineDiffusion(const vtkOutlineDiffusion&) = delete;
+  void operator=(const vtkOutlineDiffusion&) = delete;
+
+  struct Internals;
+  void Solve(vtkPolyData* outlines, vtkImageData* picture, vtkPolyData* output);
+
+  std::unique_ptr<Internals> Internal;
+
+  int Direction = ALL;
+  double Spacing = 0;
+  double TargetError = 0;
+  int Threads = 1;
+  int Lamella = GROWTH;
+  double LamellaThickness = 0;
+  double LamellaRadius = -1;
+  std::string LamellaPhase;
+};
+
+#endif
