@@ -41,6 +41,7 @@ public:
   ///@{
   /**
    * One unit of the file's coordinates in metres: 1e-6 for micrometres. 0: what the file says.
+   * @group Polygons
    * @unit m
    * @range [0, inf)
    */
@@ -62,6 +63,7 @@ public:
   /**
    * The file's y points down, as rows of a picture do.
    * @word y-down
+   * @group Polygons
    */
   vtkSetMacro(YDown, bool);
   vtkGetMacro(YDown, bool);

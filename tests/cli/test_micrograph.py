@@ -392,7 +392,7 @@ class Micrograph(Case):
         fails(5, "are free", "larger", "1e-10")
         fails(5, "nodes", "larger", "1e-20")
         fails(2, "a spacing of", "or less", "1")
-        fails(2, "--spacing", "", "-1um")
+        fails(2, "spacing -1e-06 is below 0", "", "-1um")
 
     def test_bad_polygons(self):
         def fails(message, hint, lumens, code=3):
@@ -414,7 +414,7 @@ class Micrograph(Case):
         self.fails(2, "--window", "lower left", "micrograph", "cells.json", "--window", "1,2,3")
         self.fails(2, "--pixel-size is for pictures", "leave it out", "micrograph", "cells.json", "--pixel-size", "1um")
         self.fails(2, "--threshold is for scans", "leave it out", "micrograph", "cells.json", "--threshold", "100")
-        self.fails(3, "no lumen", "--least-diameter", "micrograph", "cells.json", "--least-diameter", "1mm")
+        self.fails(3, "no lumen", "least diameter", "micrograph", "cells.json", "--least-diameter", "1mm")
         self.fails(3, "no lumen", "", "micrograph", "cells.json", "--window", "11.5,11.5,1,1")
 
     def test_bad_pictures(self):
@@ -448,21 +448,21 @@ class Micrograph(Case):
         def fails(message, hint, *words, code=2):
             self.fails(code, message, hint, "micrograph", "cells.json", *words)
 
-        fails("--lamella", "did you mean 'growth'", "--lamella", "grwth")
-        fails("--lamella-thickness", "", "--lamella", "none", "--lamella-thickness", "1um")
-        fails("--lamella-radius", "growth", "--lamella", "constant", "--lamella-radius", "1um")
-        fails("--lamella labels needs labels", "growth", "--lamella", "labels")
-        fails("--horizon", "", "--horizon", "-1")
+        fails("lamella 'grwth'", "did you mean 'growth'", "--lamella", "grwth")
+        fails("lamella thickness counts only with", "growth or constant", "--lamella", "none", "--lamella-thickness", "1um")
+        fails("lamella radius counts only with", "growth", "--lamella", "constant", "--lamella-radius", "1um")
+        fails("needs a picture of labels", "growth", "--lamella", "labels")
+        fails("horizon -1 is below 0", "0 or more", "--horizon", "-1")
         fails("no conductivity was given for 'lumen'", "lumen=VALUE", "--conductivity", "wall=1")
         fails("'wal'", "did you mean 'wall'", "--conductivity", "wal=1", "--conductivity", "lumen=1")
         fails("lamella", "leave it out", *CONDUCT, "--conductivity", "lamella=1", "--lamella", "none")
         fails("two values", "one value", *CONDUCT, "--conductivity", "wall=2")
         fails("at least 0", "", "--conductivity", "wall=-1", "--conductivity", "lumen=1")
         fails("all conductivities are 0", "", "--conductivity", "wall=0,lumen=0", code=4)
-        fails("--direction", "", "--direction", "z", *CONDUCT)
+        fails("direction 'z'", "x", "--direction", "z", *CONDUCT)
         fails("no conducting path", "", "--conductivity", "wall=0,lumen=1", code=4)
         fails("without --conductivity", "say what", "--target-error", "1%")
-        fails("'2' is not between 0 and 1", "0.1%", *CONDUCT, "--target-error", "2")
+        fails("target error 2 is not below 1", "below 1", *CONDUCT, "--target-error", "2")
         fails("--contours 'c.txt'", "end it in", "--contours", "c.txt")
         fails("--overlay 'c.jpg'", "end it in .png", "--overlay", "c.jpg")
         fails("-o 'c.txt'", "", "-o", "c.txt")
@@ -478,7 +478,7 @@ class Micrograph(Case):
 
     def test_one_lumen(self):
         self.polygons(lumens=[circle(6, 6, 5)])
-        self.fails(2, "one lumen only", "--spacing", "micrograph", "cells.json")
+        self.fails(2, "one lumen only", "give the spacing", "micrograph", "cells.json")
         alone = self.run_lamella("micrograph", "cells.json", "--spacing", "0.2um", "--json")
         self.assertEqual(alone.code, 0, alone.err)
         self.assertIn("warning: there is one lumen only", alone.err)

@@ -280,7 +280,7 @@ class Micrographs(unittest.TestCase):
         for bad in (float("nan"), -1.0, 1e-13):
             with self.assertRaises(lamella.LamellaError):
                 self.contours.lattice(bad)
-        with self.assertRaisesRegex(ValueError, "lamella is 'thick'"):
+        with self.assertRaisesRegex(ValueError, "lamella 'thick' is none of its choices"):
             self.contours.lattice(1e-6, "thick")
 
     def test_files(self):

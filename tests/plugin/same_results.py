@@ -93,25 +93,25 @@ class SameResults(unittest.TestCase):
     def test_micrograph(self):
         self.run_program("generate", "softwood", "--size", "120,90", "--seed", "3", "-o", "w.vti")
         outlines = lamella.contours(lamella.softwood(size=(120, 90), seed=3), smooth=False, tolerance=0.1, least_solidity=0.5)
-        words = ["--no-smooth", "--tolerance", "0.1", "--least-solidity", "50%", "--spacing", "0.8um"]
+        words = ["--no-smooth", "--tolerance", "0.1", "--least-solidity", "50%", "--spacing", "0.75um"]
         conductivity = ["--conductivity", "lumen=0.05", "--conductivity", "wall=1", "--conductivity", "lamella=0.4"]
         told = json.loads(self.run_program(
             "micrograph", "w.vti", *words, "--lamella-thickness", "1um", *conductivity, "--direction", "y", "--json",
             "-o", "grown.vti", "--contours", "w.vtp"))  # fmt: skip
         self.same("w.vtp", outlines.vtk)
-        self.same("grown.vti", outlines.lattice(8e-7, "growth", lamella_thickness=1e-6).vtk)
+        self.same("grown.vti", outlines.lattice(7.5e-7, "growth", lamella_thickness=1e-6).vtk)
         found = lamella.outline_diffusion(
-            outlines, {"lumen": 0.05, "wall": 1, "lamella": 0.4}, "y", 8e-7, lamella_thickness=1e-6)
+            outlines, {"lumen": 0.05, "wall": 1, "lamella": 0.4}, "y", 7.5e-7, lamella_thickness=1e-6)
         self.assertEqual(told["diffusion"]["axes"]["y"]["value"], found.conductivity["y"])
         self.assertEqual(told["diffusion"]["axes"]["y"]["relative_error"], found.error["y"])
         with open(self.path("cells.json"), "w", encoding="utf-8") as file:
             square = [[1, 1], [9, 1], [9, 9], [1, 9]]
             json.dump([[[x + 10 * i, y] for x, y in square] for i in range(3)], file)
-        self.run_program("micrograph", "cells.json", "--unit", "1um", "--y-down", "--lamella", "constant", "-o", "p.vti",
-                         "--contours", "p.vtp")  # fmt: skip
+        self.run_program("micrograph", "cells.json", "--unit", "1um", "--y-down", "--lamella", "constant", "-o", "cells.vti",
+                         "--contours", "cells.vtp")  # fmt: skip
         polygons = lamella.read_polygons(self.path("cells.json"), 1e-6, y_down=True)
-        self.same("p.vtp", polygons.vtk)
-        self.same("p.vti", polygons.lattice(lamella="constant").vtk)
+        self.same("cells.vtp", polygons.vtk)
+        self.same("cells.vti", polygons.lattice(lamella="constant").vtk)
 
     def test_diffusion(self):
         conductivity = ["--conductivity", "lumen=0.023", "--conductivity", "wall=1"]
