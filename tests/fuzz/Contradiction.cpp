@@ -243,17 +243,17 @@ std::optional<std::string> contradicting(const std::string& file, const std::str
   {
     return contradictingXml(file, random);
   }
-  return ending == ".png" ? largerPng(file, random)
-    : ending == ".tif"    ? largerTiff(file, random)
-    : ending == ".bmp"    ? largerBmp(file, random)
-    : ending == ".pgm"    ? moreValues(file, netpbm, random)
-    : ending == ".ppm"    ? moreValues(file, netpbm, random)
-    : ending == ".nrrd"   ? moreValues(file, nrrd, random)
-    : ending == ".mha"    ? moreValues(file, meta, random)
-    : ending == ".toml"   ? twice(file, random)
-    : ending == ".csv"    ? ragged(file, random)
-    : ending == ".vtkhdf" ? otherExtent(file, random)
-                          : std::nullopt;
+  return ending == ".png"                    ? largerPng(file, random)
+    : ending == ".tif"                       ? largerTiff(file, random)
+    : ending == ".bmp"                       ? largerBmp(file, random)
+    : ending == ".pgm"                       ? moreValues(file, netpbm, random)
+    : ending == ".ppm"                       ? moreValues(file, netpbm, random)
+    : ending == ".nrrd" || ending == ".nhdr" ? moreValues(file, nrrd, random)
+    : ending == ".mha" || ending == ".mhd"   ? moreValues(file, meta, random)
+    : ending == ".toml"                      ? twice(file, random)
+    : ending == ".csv"                       ? ragged(file, random)
+    : ending == ".vtkhdf"                    ? otherExtent(file, random)
+                                             : std::nullopt;
 }
 
 } // namespace lamella::fuzz

@@ -222,11 +222,12 @@ struct Kind
 
 const std::vector<Kind>& kinds()
 {
-  static const std::vector<Kind> all{ { ".vti", readGrid, 180 }, { ".vtp", readGrid, 150 }, { ".vtu", readGrid, 50 },
-    { ".png", readPicture, 110 }, { ".tif", readPicture, 80 }, { ".json", readPolygons, 80 },
-    { ".gz", readPolygons, 50 }, { ".plan", readPlan, 59 }, { ".csv", readTable, 30 }, { ".toml", readScene, 80 },
+  static const std::vector<Kind> all{ { ".vti", readGrid, 160 }, { ".vtp", readGrid, 130 }, { ".vtu", readGrid, 50 },
+    { ".png", readPicture, 100 }, { ".tif", readPicture, 80 }, { ".json", readPolygons, 80 },
+    { ".gz", readPolygons, 50 }, { ".plan", readPlan, 49 }, { ".csv", readTable, 30 }, { ".toml", readScene, 80 },
     { ".nrrd", readVolume, 40 }, { ".mha", readVolume, 40 }, { ".pgm", readVolume, 15 }, { ".ppm", readVolume, 10 },
-    { ".bmp", readVolume, 15 }, { ".vtkhdf", readStep, 1 }, { ".h5", readCheckpoint, 10 } };
+    { ".bmp", readVolume, 15 }, { ".jpg", readVolume, 30 }, { ".mhd", readVolume, 15 }, { ".nhdr", readVolume, 15 },
+    { ".vtkhdf", readStep, 1 }, { ".h5", readCheckpoint, 10 } };
   return all;
 }
 
@@ -356,7 +357,7 @@ struct Common
   {
     std::atomic<std::uint64_t> inputs{ 0 }, contradict{ 0 }, refused{ 0 }, warned{ 0 }, microseconds{ 0 };
   };
-  std::array<Count, 20> counts;       ///< by kind
+  std::array<Count, 32> counts;       ///< by kind
   std::atomic<std::uint64_t> at{ 0 }; ///< the input that is being read
   std::atomic<int> fault{ 0 };
   char what[400] = {};
@@ -490,6 +491,18 @@ void print(const Corpus& corpus, const Common& common)
   line("all", files, all, contradict, refused, warned, time);
 }
 
+/// Files that headers in other ones speak of.
+void copyValues(const fs::path& corpus, const fs::path& folder)
+{
+  for (const auto& entry : fs::directory_iterator(corpus))
+  {
+    if (entry.path().extension() == ".raw")
+    {
+      fs::copy_file(entry.path(), folder / entry.path().filename(), fs::copy_options::overwrite_existing);
+    }
+  }
+}
+
 int fuzzAll(const Options& options)
 {
   const cli::VtkMessages messages;
@@ -505,6 +518,7 @@ int fuzzAll(const Options& options)
   const fs::path folder = (::access(shared.c_str(), W_OK) == 0 ? shared : fs::temp_directory_path()) /
     fmt::format("lamella-fuzz-{}", ::getpid());
   fs::create_directories(folder);
+  copyValues(options.corpus, folder);
   const auto start = Clock::now();
   int faults = 0;
   std::uint64_t next = options.first;
@@ -552,6 +566,7 @@ int fuzzAll(const Options& options)
     const fs::path kept =
       fs::path(options.keep) / fmt::format("fuzz-{}-{}{}", options.seed, common.at.load(), input.ending());
     write(kept, input.bytes);
+    copyValues(options.corpus, options.keep);
     fmt::print("{}: {}\n", kept.string(),
       hung                            ? fmt::format("sleeps for {} s", asleep)
         : common.fault != 0           ? std::string(common.what)

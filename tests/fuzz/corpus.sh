@@ -17,6 +17,7 @@ make generate spheres --size 5,5,5 --cells 1 -o spheres.vti
 for ending in vtkhdf nrrd mha csv; do make convert spheres.vti -o "spheres.$ending"; done
 make convert wood.png -o wood.tif
 make convert wood.png --type u16 -o wood16.png
+for ending in mhd nhdr; do make convert spheres.vti -o "apart-$ending.$ending"; done # their values are in apart-*.raw
 make packing --count 12 -o grains.vtp --contacts forces.vtp
 for ending in csv vtu vtkhdf; do make convert grains.vtp -o "grains.$ending"; done
 make diffusion cells.vti --conductivity lumen=0.1 --conductivity wall=1 --direction x -o solved.vti
@@ -47,7 +48,24 @@ meta = b"ObjectType = Image\nNDims = 3\nCompressedData = %s\nElementSpacing = 1e
 keep("packed.mha", meta % b"True" + zlib.compress(grey))
 nrrd = b"NRRD0004\ntype: %s\ndimension: 3\nsizes: 16 6 2\nspace dimension: 3\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace units: \"um\" \"um\" \"um\"\nendian: big\nencoding: gzip\n\n"
 keep("packed.nrrd", nrrd % b"uint8" + gzip.compress(grey))
+keep("plain.raw", b"0123456789" + grey)
+keep("packed.raw", zlib.compress(grey))
+keep("packed.mhd", (meta % b"True").replace(b"LOCAL", b"packed.raw"))
+keep("skipped.nhdr", (nrrd % b"uint8").replace(b"gzip\n", b"raw\nbyte skip: -1\ndata file: plain.raw\n"))
 keep("signed.nrrd", nrrd % b"int16" + gzip.compress(b"".join(struct.pack(">h", v) for v in grey)))
+# JPEG of one scan and of several, with a block of Exif
+from vtkmodules.vtkIOImage import vtkJPEGWriter, vtkPNGReader
+exif = b"Exif\0\0II*\0\x08\0\0\0" + struct.pack("<H", 3) + struct.pack("<HHII", 274, 3, 1, 6) + struct.pack("<HHII", 282, 5, 1, 50) + \
+    struct.pack("<HHII", 296, 3, 1, 2) + struct.pack("<III", 0, 25400, 1)
+for name, scans in ("wood", False), ("wood", True), ("look", False), ("look", True):
+    reader, writer = vtkPNGReader(), vtkJPEGWriter()
+    reader.SetFileName(name + ".png")
+    writer.SetInputConnection(reader.GetOutputPort())
+    writer.SetProgressive(scans)
+    writer.WriteToMemoryOn()
+    writer.Write()
+    data = bytes(memoryview(writer.GetResult()))
+    keep(f"{name}-{'scans' if scans else 'scan'}.jpg", data[:2] + (b"\xff\xe1" + struct.pack(">H", 2 + len(exif)) + exif if scans else b"") + data[2:])
 END
 printf '{"units": "um", "lumens": [[[0,0],[4,0],[4,3],[0,3]],[[6,0],[9,0],[9,5.5],[6,5]]]}' >cells.json
 gzip -kf cells.json
