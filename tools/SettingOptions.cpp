@@ -49,11 +49,10 @@ std::string form(const Setting& setting)
     case Kind::Switch:
       return "";
     case Kind::Choice:
+    case Kind::Text:
       std::transform(setting.choices.begin(), setting.choices.end(), std::back_inserter(words),
         [](const SettingChoice& choice) { return choice.word; });
-      return fmt::format("{}", fmt::join(words, "|"));
-    case Kind::Text:
-      return "NAME";
+      return words.empty() ? "NAME" : fmt::format("{}", fmt::join(words, "|"));
     case Kind::File:
       return "FILE";
     case Kind::Axes:
@@ -187,6 +186,12 @@ std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& te
     }
     return { static_cast<double>(found->value) };
   }
+  const auto& words = setting.choices;
+  if (!words.empty() &&
+    std::none_of(words.begin(), words.end(), [&](const SettingChoice& choice) { return text == choice.word; }))
+  {
+    refuseWord(setting, text);
+  }
   if (setting.kind == Kind::Axes)
   {
     if (text != "none" && text != "all" && text.find_first_not_of("xyz,") != std::string::npos)
@@ -313,7 +318,7 @@ std::vector<double> numbersOf(const std::vector<SettingValue>& values)
 /// @throws ParameterError for numbers out of range
 void checkNumbers(const Setting& setting, const std::vector<SettingValue>& values)
 {
-  if (setting.values != nullptr || (setting.kind == Kind::List && setting.types[0] != Type::Text))
+  if (setting.values != nullptr || setting.types[0] != Type::Text)
   {
     checkSetting(setting, numbersOf(values));
   }

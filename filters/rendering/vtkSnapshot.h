@@ -127,7 +127,8 @@ public:
 
   ///@{
   /**
-   * Colour map: viridis, inferno, magma, cividis, gray, coolwarm or blue-red. Empty: the preset's.
+   * Colour map. Empty: the preset's.
+   * @words viridis inferno magma cividis gray coolwarm blue-red
    * @group Drawing
    */
   void SetColorMap(const char* name);

@@ -275,8 +275,7 @@ Probe probe(FileBytes& file, bool anyNumbers)
   }
   if (starts({ 0x1f, 0x8b }))
   {
-    throw InputError(
-      fmt::format("'{}' is compressed with gzip", file.name()), "unpack it first: gunzip -k FILE.gz");
+    throw InputError(fmt::format("'{}' is compressed with gzip", file.name()), "unpack it first: gunzip -k FILE.gz");
   }
   throw InputError(fmt::format("'{}' is not a PNG, JPEG, TIFF, PGM, PPM or BMP picture", file.name()),
     "convert it to PNG, or give a raw volume the ending .raw and its size");

@@ -346,7 +346,7 @@ class Segments(Case):
         self.assertIn("warning: " + told, result.err)
         # The ranges that the warning names are phases of their own.
         words, given = [], []
-        for name, greys in zip(("void", "matrix", "fibre"), re.findall(r"--phase (\S+)=NAME", told)):
+        for name, greys in zip(("void", "matrix", "fibre"), re.findall(r"(\d+\.\.\d+)=NAME", told)):
             words += ["--phase", f"{greys}={name}"]
             given += ["--conductivity", f"{name}=1"]
         answer = self.works("diffusion", "slice.png", *words, *given, "--json").json()

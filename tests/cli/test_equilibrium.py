@@ -114,7 +114,8 @@ class Equilibrium(Case):
         again = self.run_lamella(*own[:1], "s.vti", *own[2:], *window).json()
         self.assertEqual(first["effective_modulus"], again["effective_modulus"])
         self.assertEqual(first["size"], [40, 50])
-        fine = self.run_lamella(*own, *window, "--refine", "2", "--relative-to", "matrix", "--young", "grain=4").json()
+        ratios = [word.replace("grain=4e9", "grain=4") for word in own]
+        fine = self.run_lamella(*ratios, *window, "--refine", "2", "--relative-to", "matrix").json()
         self.assertEqual(fine["size"], [80, 100])
 
     def test_ranks_change_nothing(self):

@@ -174,10 +174,10 @@ class SameResults(unittest.TestCase):
         self.same_table("c.csv", {"strain": found.strain, "stress": found.stress})
         self.run_program("compression-curve", "c.csv", "--stiffness-range", "0,0.02", "--smoothing", "0", "-o", "energy.csv")
         self.same_table("energy.csv", lamella.compression_curve(found.strain, found.stress, stiffness_range=(0, 0.02), smoothing=0).table)
-        self.run_program("collapse-map", "t.vti", "c.vtp", "--share", "99%", "--minimum-size", "3", "-o", "cells.vti", "--table", "cells.csv")
+        self.run_program("collapse-map", "t.vti", "c.vtp", "--share", "99%", "--minimum-size", "3", "-o", "collapse.vti", "--table", "collapse.csv")
         cells = lamella.collapse_map(self.sample, [found.states[-1].vtk], share=0.99, minimum_size=3)
-        self.same("cells.vti", cells.vtk)
-        self.same_table("cells.csv", cells.table)
+        self.same("collapse.vti", cells.vtk)
+        self.same_table("collapse.csv", cells.table)
 
     def test_convert(self):
         self.run_program("convert", "t.vti", "-o", "greys.tif", "--array", "phase", "--type", "u16", "--range", "0,1")

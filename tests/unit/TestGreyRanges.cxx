@@ -109,8 +109,8 @@ TEST(GreyRanges, NamesTheRangeThatIsMissing)
     "the grey values 90..99 and 200..255 are in no phase: 3 nodes have such a grey, one is pixel 1, 0 from the top "
     "left "
     "with 95");
-  EXPECT_EQ(hint,
-    "name them with phase 90..99=NAME and 200..255=NAME, or all greys that are not listed with other NAME");
+  EXPECT_EQ(
+    hint, "name them with phase 90..99=NAME and 200..255=NAME, or all greys that are not listed with other NAME");
   // Greys that no node has need no phase.
   EXPECT_EQ(applied(ranges, { 0, 150 }).phase, (std::vector<std::uint8_t>{ 0, 1 }));
   // Where only single greys are named the grey itself is told.

@@ -13,6 +13,7 @@ end, and then, in lines that begin with @:
     @rest 1                       of a vector: its last number where people leave it out; same: as the one before
     @unset 0                      what stands for a number that is not given, out of its range: a default that nobody can give
     @choice Loads                 the enum of what it can be, or its enumerators, if it cannot be all of them
+    @words viridis inferno        of a text: what it can be
     @names -1 = magnitude; 0 = x  words for some of the whole numbers that it can be
     @colour                       its last three numbers are a colour, which people write as #RRGGBB or by a name
     @values 2 = disks; 3 = spheres  whole numbers that it can be, and what they mean
@@ -415,7 +416,9 @@ class Declarations:
         for setting in kind.settings:
             tags, setting.getter = dict(setting.tags), getters.get(setting.setter[3:], "")
             base = inherited.get(setting.setter)
-            if setting.kind == "list" or setting.setter.startswith("Add"):
+            if setting.kind == "list" and setting.setter.startswith("Set") and "text" not in setting.types:
+                setting.kind = "vector"  # several numbers that nothing tells, and none by itself
+            elif setting.kind == "list" or setting.setter.startswith("Add"):
                 setting.kind = "list"
                 singular = setting.setter[3:]
                 plural = next((key for key in clears if stem(key) == stem(singular)), None)
@@ -427,7 +430,7 @@ class Declarations:
             if base is not None:
                 inherit(setting, base, tags)
             self.apply(setting, tags, kind, entries)
-            if setting.default is None and setting.kind != "list":
+            if setting.default is None and setting.kind != "list" and (setting.kind != "vector" or setting.getter):
                 setting.fail(setting.at, f"the default of {setting.name} is not told: give its member an initialiser")
 
     def default(self, setting, chain, values):
@@ -445,7 +448,7 @@ class Declarations:
     @staticmethod
     def apply(setting, tags, kind, entries):
         fail = lambda why: setting.fail(setting.at, why)  # noqa: E731
-        known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default", "panel", "unset", "rest", "names", "colour"}
+        known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default", "panel", "unset", "rest", "names", "words", "colour"}
         for tag in set(tags) - known:
             fail(f"@{tag} is not understood; there are {', '.join(sorted(known))}")
         word, _, keyword = tags.get("word", setting.word).partition(",")
@@ -460,6 +463,8 @@ class Declarations:
         setting.panel = tags.get("panel", setting.panel)
         setting.unset = float(tags["unset"]) if "unset" in tags else setting.unset
         setting.colour = setting.colour or "colour" in tags
+        if "words" in tags:
+            setting.choices = [Choice("", word, i) for i, word in enumerate(tags["words"].split())]
         if "names" in tags:
             setting.names = [tuple(part.strip() for part in name.split("=")) for name in tags["names"].split(";")]
         setting.rest = float(tags["rest"].replace("same", "inf")) if "rest" in tags else setting.rest

@@ -44,7 +44,7 @@ def default(setting):
     if setting.kind == "switch":
         return ("on" if setting.default else "off") + (f"; {setting.panel} in a panel" if setting.panel else "")
     if setting.kind == "vector":
-        return ", ".join(map(number, setting.default))
+        return ", ".join(map(number, setting.default or ())) or "none"
     return number(setting.default) if setting.kind in ("whole", "number") else setting.default or "none"
 
 

@@ -86,17 +86,22 @@ class Settings:
                 constant(str(phase), setting.word, found)
 
     @staticmethod
-    def _choice(algorithm, setting, value, _check):
+    def _known(algorithm, setting, value):
+        """A word that the setting has. @raises ParameterError"""
         word = value.lower() if isinstance(value, str) else str(value)
         if word not in setting.words:
             vtkSampleAlgorithm.ForgetLastFailure()
             vtkSampleAlgorithm.FindChoice(algorithm.GetClassName(), setting.word, word)
             raise last_failure() or ParameterError(f"{setting.keyword} is {value!r}", f"it can be {', '.join(setting.words)}")
-        getattr(algorithm, setting.setter)(setting.words[word])
+        return word
+
+    @staticmethod
+    def _choice(algorithm, setting, value, _check):
+        getattr(algorithm, setting.setter)(setting.words[Settings._known(algorithm, setting, value)])
 
     @staticmethod
     def _text(algorithm, setting, value, _check):
-        getattr(algorithm, setting.setter)(pair(value))
+        getattr(algorithm, setting.setter)(Settings._known(algorithm, setting, value) if setting.words else pair(value))
 
     @staticmethod
     def _file(algorithm, setting, value, _check):
@@ -138,7 +143,7 @@ class Settings:
             for part in np.ravel(value):
                 setter(int(part) if setting.types[0] == "whole" else float(part))
         else:
-            for row in [value] if np.ndim(value) == 1 else value:  # one may stand alone
+            for row in value:
                 parts = [float(part) for part in np.ravel(row)]
                 if len(parts) == 9 and hasattr(algorithm, setting.setter + "InSpace"):
                     getattr(algorithm, setting.setter + "InSpace")(parts[:3], parts[3:6], parts[6:])
