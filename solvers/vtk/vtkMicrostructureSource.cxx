@@ -80,6 +80,7 @@ lamella::PhaseImage vtkMicrostructureSource::Tissue(int n)
     return generators::softwood(finer(options, n));
   }
   generators::HardwoodOptions options;
+  options.dimension = this->Size[2] > 1 ? 3 : 2;
   options.size = { this->Size[0], this->Size[1], this->Size[2] };
   options.spacing = this->Spacing;
   options.solidFraction = this->SolidFraction;

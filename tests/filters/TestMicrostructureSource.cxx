@@ -137,10 +137,10 @@ TEST(MicrostructureSourceErrors, SaysWhatIsWrong)
   EXPECT_NE(vtktest::errorOf(source).find("1.5"), std::string::npos);
   source->SetSolidFraction(0.4);
   source->SetSize(0, 10, 1);
-  EXPECT_NE(vtktest::errorOf(source).find("at least one node"), std::string::npos);
+  EXPECT_NE(vtktest::errorOf(source).find("size (x) 0 is below 1"), std::string::npos);
   source->SetSize(50, 50, 1);
   source->SetSeed(-1);
-  EXPECT_NE(vtktest::errorOf(source).find("seed is -1"), std::string::npos);
+  EXPECT_NE(vtktest::errorOf(source).find("seed -1 is below 0"), std::string::npos);
 }
 
 } // namespace
