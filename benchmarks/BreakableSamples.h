@@ -4,7 +4,7 @@
 #include "Keys.h"
 
 #include "generators/TissueTruth.h"
-#include "micrograph/MiddleLamella.h"
+#include "outlines/MiddleLamella.h"
 
 #include <algorithm>
 #include <cmath>

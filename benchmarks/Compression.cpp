@@ -15,12 +15,12 @@
 #include "../tests/verification/ManufacturedMotion.h"
 
 #include "generators/Generators.h"
-#include "micrograph/ContourLattice.h"
-#include "micrograph/PolygonFile.h"
 #include "mpm/PointCompression.h"
 #include "mpm/PointStiffness.h"
 #include "mpm/WallCells.h"
 #include "mpm/WallMaterial.h"
+#include "outlines/ContourLattice.h"
+#include "outlines/PolygonFile.h"
 
 #include <fmt/format.h>
 

@@ -3,8 +3,8 @@
 // Starts itself under mpirun on two ranks unless it already runs there; arguments: nodes an edge, pairs of runs.
 #include "Ranks.h"
 
+#include "core/Error.h"
 #include "generators/Generators.h"
-#include "lattice/Error.h"
 #include "lbm/DiffusionStudy.h"
 #include "lbm/SteadyDiffusion.h"
 

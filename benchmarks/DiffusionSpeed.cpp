@@ -1,8 +1,8 @@
 // Steady diffusion: user CPU of set-up and solve on generated softwood, heat and vapour, one direction, until each
 // face's flux is within 1e-8 of its limit; beside Jacobi-preconditioned conjugate gradients on the same system in the
 // same run, which is what PuMA does. Medians of several runs; peers' own figures are in docs/benchmarks/diffusion.md.
+#include "core/Error.h"
 #include "generators/Generators.h"
-#include "lattice/Error.h"
 #include "lbm/SteadyDiffusion.h"
 
 #include <fmt/format.h>

@@ -5,7 +5,7 @@
 #include "../tests/RunningCracks.h"
 #include "Keys.h"
 
-#include "lattice/Communicator.h"
+#include "core/Communicator.h"
 
 #include <algorithm>
 #include <cmath>

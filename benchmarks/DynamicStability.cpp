@@ -7,7 +7,7 @@
 #include "../tests/MovingScenes.h"
 #include "Keys.h"
 
-#include "lattice/Communicator.h"
+#include "core/Communicator.h"
 #include "peridynamics/Loading.h"
 #include "peridynamics/fracture/Dynamics.h"
 

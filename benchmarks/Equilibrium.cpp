@@ -6,7 +6,7 @@
 #include "BreakableSamples.h"
 #include "Table.h"
 
-#include "lattice/Clock.h"
+#include "core/Clock.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/Loading.h"
 #include "peridynamics/PeriodicCell.h"

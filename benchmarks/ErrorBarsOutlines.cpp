@@ -9,14 +9,14 @@
 #include "../tests/verification/DiskArray.h"
 #include "Table.h"
 
+#include "core/Error.h"
 #include "generators/MicrographLook.h"
 #include "generators/TissueTruth.h"
-#include "lattice/Error.h"
 #include "lbm/ContourDiffusion.h"
-#include "micrograph/CoarserOutlines.h"
-#include "micrograph/ContourMeasures.h"
-#include "micrograph/Segmentation.h"
-#include "micrograph/ShareLevel.h"
+#include "outlines/CoarserOutlines.h"
+#include "outlines/ContourMeasures.h"
+#include "outlines/ShareLevel.h"
+#include "segmentation/Segmentation.h"
 
 #include <algorithm>
 #include <array>

@@ -7,7 +7,7 @@
 //   voids      a third of the nodes do not conduct
 #include "Keys.h"
 
-#include "lattice/Clock.h"
+#include "core/Clock.h"
 #include "lattice/Phases.h"
 #include "lbm/stepping/LatticeBoltzmann.h"
 #include "lbm/stepping/StepKernels.h"

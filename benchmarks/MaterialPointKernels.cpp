@@ -5,8 +5,8 @@
 #include "Keys.h"
 #include "MaterialPointBlock.h"
 
-#include "lattice/Clock.h"
-#include "lattice/Error.h"
+#include "core/Clock.h"
+#include "core/Error.h"
 #include "mpm/Isotropic.h"
 #include "mpm/NeoHookean.h"
 #include "mpm/WallMaterial.h"

@@ -1,16 +1,16 @@
 // From a scan to a lattice in one run on one core: reading, segmenting, outlines, the lattice, wall directions and the
 // middle lamella of about 3 Mpixel, each part's user CPU, medians of several turns.
+#include "core/Clock.h"
+#include "core/Error.h"
 #include "generators/Generators.h"
 #include "generators/MicrographLook.h"
-#include "lattice/Clock.h"
-#include "lattice/Error.h"
-#include "micrograph/ContourExtraction.h"
-#include "micrograph/ContourLattice.h"
-#include "micrograph/MiddleLamella.h"
-#include "micrograph/Picture.h"
-#include "micrograph/Segmentation.h"
-#include "micrograph/WallDirection.h"
-#include "micrograph/WritePicture.h"
+#include "outlines/ContourExtraction.h"
+#include "outlines/ContourLattice.h"
+#include "outlines/MiddleLamella.h"
+#include "outlines/WallDirection.h"
+#include "pictures/Picture.h"
+#include "pictures/WritePicture.h"
+#include "segmentation/Segmentation.h"
 
 #include <fmt/format.h>
 

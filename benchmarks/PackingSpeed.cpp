@@ -1,5 +1,5 @@
 // Packings: user CPU of 400 disks and 1000 spheres from a random start to rest, and what the samples are like.
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "packing/Bridges.h"
 #include "packing/Packing.h"
 

@@ -4,9 +4,9 @@
 // lattice, and, for what the machine allows, each rank on a whole lattice of its own at the same time.
 #include "Ranks.h"
 
-#include "lattice/Clock.h"
-#include "lattice/Communicator.h"
-#include "lattice/Memory.h"
+#include "core/Clock.h"
+#include "core/Communicator.h"
+#include "core/Memory.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/kernels/RowKernels.h"
 

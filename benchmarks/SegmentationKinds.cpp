@@ -2,8 +2,8 @@
 //   segmentation-kinds [PICTURES A KIND] [FIRST SEED] [other] [good|faulty] [--list] [--write FOLDER]
 #include "../tests/MicrographKinds.h"
 
-#include "micrograph/Segmentation.h"
-#include "micrograph/WritePicture.h"
+#include "pictures/WritePicture.h"
+#include "segmentation/Segmentation.h"
 
 #include <fmt/format.h>
 

@@ -9,7 +9,7 @@
 #include "Keys.h"
 #include "Shapes.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/StiffnessStudy.h"
 
 #include <fmt/format.h>

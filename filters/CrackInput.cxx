@@ -2,8 +2,8 @@
 
 #include "vtkLatticeConversion.h"
 
+#include "core/Error.h"
 #include "cracks/CrackPaths.h"
-#include "lattice/Error.h"
 #include "peridynamics/RimExchange.h"
 
 #include "vtkCellData.h"

@@ -3,7 +3,7 @@
 #include "BoxExchange.h"
 #include "vtkLatticeConversion.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/Fragments.h"
 #include "pores/PoreLabelling.h"

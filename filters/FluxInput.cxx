@@ -2,7 +2,7 @@
 
 #include "vtkLatticeConversion.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"

@@ -3,7 +3,7 @@
 #include "PhaseIds.h"
 #include "vtkLatticeConversion.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "lattice/PhaseNames.h"
 #include "statistics/StressDistribution.h"
 

@@ -4,7 +4,7 @@
 #include "Settings.h"
 #include "vtkProvenance.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/ElasticStudy.h"

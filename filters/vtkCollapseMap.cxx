@@ -12,7 +12,7 @@
 
 #include "compression/CollapseStrain.h"
 #include "compression/LumenAreas.h"
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include "vtkDataArray.h"
 #include "vtkFieldData.h"

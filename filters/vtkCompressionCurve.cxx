@@ -8,7 +8,7 @@
 #include "vtkProvenance.h"
 
 #include "compression/CompressionCurve.h"
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include "vtkDataArray.h"
 #include "vtkFieldData.h"

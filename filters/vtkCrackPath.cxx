@@ -8,11 +8,11 @@
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
 
+#include "core/Error.h"
 #include "cracks/BondCount.h"
 #include "cracks/CrackPaths.h"
 #include "cracks/CrackTip.h"
 #include "cracks/ThroughPath.h"
-#include "lattice/Error.h"
 
 #include "vtkFieldData.h"
 #include "vtkImageData.h"

@@ -2,14 +2,14 @@
 
 #include "Attempt.h"
 #include "BoxExchange.h"
-#include "FluxField.h"
 #include "FluxInput.h"
-#include "FluxLines.h"
+#include "flux/FluxField.h"
+#include "flux/FluxLines.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -187,8 +187,8 @@ struct vtkFluxMap::Work
     }
     this->PhaseBox = this->Fetch<std::uint8_t>(piece, this->Box);
     std::vector<std::int64_t> nodes(this->Found.conductivity.size(), 0);
-    const lamella::FluxSetting setting{ this->Whole.lattice, this->Box };
-    this->ForNodes([&](const lamella::Node& node) { ++nodes[this->PhaseBox[setting.index(node)]]; });
+    const lamella::flux::FluxSetting setting{ this->Whole.lattice, this->Box };
+    this->ForNodes([&](const lamella::flux::Node& node) { ++nodes[this->PhaseBox[setting.index(node)]]; });
     this->Team.sum(nodes);
     this->MeanConductivity = 0;
     for (std::size_t id = 0; id < nodes.size(); ++id)
@@ -215,7 +215,7 @@ struct vtkFluxMap::Work
   template <typename Action>
   void ForNodes(const Action& action) const
   {
-    lamella::Node node;
+    lamella::flux::Node node;
     const lbm::Block& block = this->Block;
     for (node[2] = block.start[2]; node[2] < block.start[2] + block.size[2]; ++node[2])
     {
@@ -244,7 +244,7 @@ struct vtkFluxMap::Work
           auto& sum = sums[static_cast<std::size_t>(row)];
           sum.fill(0);
           rowSum(row,
-            lamella::Node{ this->Block.start[0], this->Block.start[1] + row % this->Block.size[1],
+            lamella::flux::Node{ this->Block.start[0], this->Block.start[1] + row % this->Block.size[1],
               this->Block.start[2] + row / this->Block.size[1] },
             sum);
         }
@@ -263,7 +263,7 @@ struct vtkFluxMap::Work
 
   /// The axis, where names do not tell it, and which way the value rises along it.
   void Orient(const lamella::SolvedDirection& direction, const std::vector<double>& valueBox,
-    const std::array<double, 4>& fluxSum, lamella::FluxSetting& setting) const
+    const std::array<double, 4>& fluxSum, lamella::flux::FluxSetting& setting) const
   {
     if (direction.value.empty())
     {
@@ -278,7 +278,7 @@ struct vtkFluxMap::Work
     }
     std::array<double, 12> layers{}; // sum and number of the first and of the last layer along each axis
     this->ForNodes(
-      [&](const lamella::Node& node)
+      [&](const lamella::flux::Node& node)
       {
         const double value = valueBox[setting.index(node)];
         for (std::size_t axis = 0; axis < 3; ++axis)
@@ -315,7 +315,7 @@ struct vtkFluxMap::Work
 
   void Solve(const lamella::SolvedDirection& direction, bool shown)
   {
-    lamella::FluxSetting setting{ this->Whole.lattice, this->Box, direction.axis, this->Found.periodic,
+    lamella::flux::FluxSetting setting{ this->Whole.lattice, this->Box, direction.axis, this->Found.periodic,
       this->Found.transient };
     const bool links = !direction.value.empty() && !this->Found.phaseArray.empty();
     std::vector<double> own;
@@ -337,7 +337,7 @@ struct vtkFluxMap::Work
     {
       fluxBox = this->Fetch<double>(doubles(this->Input, direction.flux, own), this->Box, 3);
       sums = this->SumRows(
-        [&](std::int64_t, lamella::Node node, std::array<double, 4>& sum)
+        [&](std::int64_t, lamella::flux::Node node, std::array<double, 4>& sum)
         {
           const double* const row = &fluxBox[3 * setting.index(node)];
           for (std::int64_t x = 0; x < this->Block.size[0]; ++x)
@@ -352,14 +352,15 @@ struct vtkFluxMap::Work
     this->Orient(named, valueBox, sums, setting);
     if (setting.wraps(static_cast<std::size_t>(setting.axis)) && !valueBox.empty())
     {
-      lamella::continueValues(setting, valueBox);
+      lamella::flux::continueValues(setting, valueBox);
     }
     const lbm::Stencil stencil =
       this->Found.stencil.value_or(setting.lattice.dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5);
-    std::unique_ptr<lamella::LinkFlux> link;
+    std::unique_ptr<lamella::flux::LinkFlux> link;
     if (links && !valueBox.empty())
     {
-      link = std::make_unique<lamella::LinkFlux>(setting, stencil, valueBox, this->PhaseBox, this->Found.conductivity);
+      link =
+        std::make_unique<lamella::flux::LinkFlux>(setting, stencil, valueBox, this->PhaseBox, this->Found.conductivity);
     }
 
     std::vector<double> blockFlux;
@@ -367,7 +368,7 @@ struct vtkFluxMap::Work
     {
       blockFlux.resize(3 * static_cast<std::size_t>(this->Block.count()));
       sums = this->SumRows(
-        [&](std::int64_t row, lamella::Node node, std::array<double, 4>& sum)
+        [&](std::int64_t row, lamella::flux::Node node, std::array<double, 4>& sum)
         {
           double* flux = &blockFlux[static_cast<std::size_t>(3 * row * this->Block.size[0])];
           for (std::int64_t x = 0; x < this->Block.size[0]; ++x, ++node[0], flux += 3)
@@ -393,12 +394,12 @@ struct vtkFluxMap::Work
       }
       else
       {
-        this->Trace(lamella::NodeFlux(setting, fluxBox, valueBox), setting);
+        this->Trace(lamella::flux::NodeFlux(setting, fluxBox, valueBox), setting);
       }
     }
   }
 
-  void KeepNumbers(const lamella::FluxSetting& setting, const std::array<double, 4>& sums)
+  void KeepNumbers(const lamella::flux::FluxSetting& setting, const std::array<double, 4>& sums)
   {
     const auto axis = static_cast<std::size_t>(setting.axis);
     const auto nodes = static_cast<double>(setting.lattice.count());
@@ -449,10 +450,10 @@ struct vtkFluxMap::Work
     this->Output->GetPointData()->SetActiveScalars(magnitude->GetName());
   }
 
-  void Trace(const lamella::FluxField& field, const lamella::FluxSetting& setting)
+  void Trace(const lamella::flux::FluxField& field, const lamella::flux::FluxSetting& setting)
   {
-    const lamella::FluxLines lines =
-      lamella::traceLines(field, setting, this->Block, this->Self->NumberOfStreamlines, this->Team,
+    const lamella::flux::FluxLines lines =
+      lamella::flux::traceLines(field, setting, this->Block, this->Self->NumberOfStreamlines, this->Team,
         [this](double share)
         {
           this->Self->UpdateProgress(0.55 + 0.4 * share);
@@ -478,10 +479,10 @@ struct vtkFluxMap::Work
     this->WriteLines(lines, setting);
   }
 
-  void WriteLines(const lamella::FluxLines& lines, const lamella::FluxSetting& setting) const
+  void WriteLines(const lamella::flux::FluxLines& lines, const lamella::flux::FluxSetting& setting) const
   {
     vtkIdType total = 0;
-    for (const lamella::LinePiece& piece : lines.pieces)
+    for (const lamella::flux::LinePiece& piece : lines.pieces)
     {
       total += static_cast<vtkIdType>(piece.points.size());
     }
@@ -506,7 +507,7 @@ struct vtkFluxMap::Work
     vtkIdType at = 0;
     for (vtkIdType cell = 0; cell < count; ++cell)
     {
-      const lamella::LinePiece& piece = lines.pieces[static_cast<std::size_t>(cell)];
+      const lamella::flux::LinePiece& piece = lines.pieces[static_cast<std::size_t>(cell)];
       const auto line = static_cast<std::size_t>(piece.line);
       cells->InsertNextCell(static_cast<int>(piece.points.size()));
       for (std::size_t i = 0; i < piece.points.size(); ++i, ++at)

@@ -8,7 +8,7 @@
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "pores/PoreLabelling.h"
 
 #include "vtkFieldData.h"

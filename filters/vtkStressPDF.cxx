@@ -7,7 +7,7 @@
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "statistics/StressDistribution.h"
 
 #include "vtkDataSet.h"

@@ -1,8 +1,8 @@
 #include "MicrographKinds.h"
 
+#include "core/Random.h"
 #include "generators/Generators.h"
 #include "generators/MicrographLook.h"
-#include "generators/Random.h"
 
 #include <algorithm>
 #include <array>
@@ -16,9 +16,7 @@ namespace lamella::kinds
 namespace
 {
 
-using generators::Random;
 using generators::Stain;
-using generators::Use;
 using micrograph::Picture;
 using Colour = std::array<double, 3>;
 
@@ -31,7 +29,7 @@ struct Dice
     : random(seed)
   {
   }
-  double between(double low, double high) { return low + (high - low) * random.uniform(Use::Grime, next++); }
+  double between(double low, double high) { return low + (high - low) * random.uniform(RandomUse::Grime, next++); }
   bool often(double probability) { return between(0, 1) < probability; }
   std::size_t of(std::size_t n)
   {
@@ -149,7 +147,7 @@ Sample render(
     {
       // A grey camera has one noise.
       const auto channel = static_cast<std::int64_t>(optics.colour ? c : 0);
-      const double noisy = seen[c][node] * light + optics.noise * random.normal(Use::Noise, x, y, channel);
+      const double noisy = seen[c][node] * light + optics.noise * random.normal(RandomUse::Noise, x, y, channel);
       value[c] = static_cast<std::uint16_t>(std::clamp(std::lround(noisy), 0L, 255L));
       grey += std::array{ 0.299, 0.587, 0.114 }[c] * value[c];
     }
@@ -197,10 +195,10 @@ public:
       const auto column = static_cast<std::int64_t>(std::floor((x - shift) / pitch_));
       for (std::int64_t i = column - 2; i <= column + 2; ++i)
       {
-        const double px =
-          shift + (static_cast<double>(i) + 0.5) * pitch_ + shake_ * pitch_ * random_.normal(Use::CellPlace, i, j, 0);
+        const double px = shift + (static_cast<double>(i) + 0.5) * pitch_ +
+          shake_ * pitch_ * random_.normal(RandomUse::CellPlace, i, j, 0);
         const double py =
-          (static_cast<double>(j) + 0.5) * rowHeight + shake_ * pitch_ * random_.normal(Use::CellPlace, i, j, 1);
+          (static_cast<double>(j) + 0.5) * rowHeight + shake_ * pitch_ * random_.normal(RandomUse::CellPlace, i, j, 1);
         const Near one{ (px - x) * (px - x) + (py - y) * (py - y), px, py, i * 100003 + j };
         const auto place = std::find_if(best.begin(), best.end(), [&](const Near& b) { return one.square < b.square; });
         if (place != best.end())
@@ -242,7 +240,7 @@ Look lookOf(std::size_t which)
 /// Smooth noise over the plane, about ±1.
 double cloud(const Random& random, double x, double y)
 {
-  return 0.7 * (random.smooth(Use::Warp, 1, x + 0.37 * y) + random.smooth(Use::Warp, 2, y - 0.41 * x));
+  return 0.7 * (random.smooth(RandomUse::Warp, 1, x + 0.37 * y) + random.smooth(RandomUse::Warp, 2, y - 0.41 * x));
 }
 
 Sample pith(std::uint64_t seed, bool other)
@@ -267,8 +265,8 @@ Sample pith(std::uint64_t seed, bool other)
       }
       // In the other family whole groups of cells are filled.
       const bool filled = other ? cloud(random, x / (4 * pitch), y / (4 * pitch)) > 0.35 - 0.7 * share &&
-          random.uniform(Use::Stain, at.cell) < 0.9
-                                : random.uniform(Use::Stain, at.cell) < share;
+          random.uniform(RandomUse::Stain, at.cell) < 0.9
+                                : random.uniform(RandomUse::Stain, at.cell) < share;
       const double grain = other ? 0.08 * cloud(random, x / 4, y / 4) : 0;
       return Point{ filled ? mixed(look.wall, look.lumen, std::clamp(pale + grain, 0.0, 1.0)) : look.lumen, true };
     });
@@ -291,8 +289,8 @@ public:
     {
       // Large ones first: they find no room later.
       const double radius = largest + (smallest - largest) * std::min(1.0, static_cast<double>(k) / 20000);
-      const double x = random.uniform(Use::GrainPlace, k, 0) * width;
-      const double y = random.uniform(Use::GrainPlace, k, 1) * height;
+      const double x = random.uniform(RandomUse::GrainPlace, k, 0) * width;
+      const double y = random.uniform(RandomUse::GrainPlace, k, 1) * height;
       if (fromNearest(x, y, gap).first > radius)
       {
         grid_[place(x, y)].push_back({ x, y, radius, k });
@@ -362,8 +360,8 @@ Sample rock(std::uint64_t seed, bool electrons, bool other)
   const Optics optics{ dice.between(0.5, 1.2), dice.between(2, 7), 0, !electrons };
   const auto mineral = [&](std::int64_t grain, double x, double y)
   {
-    const double kind = random.uniform(Use::GrainOrder, grain);
-    const double shade = random.normal(Use::GrainSize, grain);
+    const double kind = random.uniform(RandomUse::GrainOrder, grain);
+    const double shade = random.normal(RandomUse::GrainSize, grain);
     if (electrons)
     {
       const double grey = (kind < 0.7 ? 120 : kind < 0.93 ? 150 : 225) + 3 * shade;
@@ -389,7 +387,7 @@ Sample rock(std::uint64_t seed, bool electrons, bool other)
       }
       const Cells::At at = cells.at(x, y);
       const auto pair = std::minmax(at.cell, at.next);
-      const double draw = random.uniform(Use::VesselGap, pair.first, pair.second);
+      const double draw = random.uniform(RandomUse::VesselGap, pair.first, pair.second);
       const double gap = draw < touching ? 0 : widest * draw;
       const bool pore = at.edge < gap / 2 || (at.corner < corner && at.edge < corner * 0.8);
       return pore ? Point{ resin, true } : Point{ mineral(at.cell, x, y), false };
@@ -627,7 +625,7 @@ void uncover(Sample& sample, const std::function<double(double x, double y)>& in
     {
       auto& value = values[channels * node + c];
       const double clear =
-        level[c] / count[c] + 4 * random.normal(Use::Tear, static_cast<std::int64_t>(node), static_cast<int>(c));
+        level[c] / count[c] + 4 * random.normal(RandomUse::Tear, static_cast<std::int64_t>(node), static_cast<int>(c));
       value = static_cast<std::uint16_t>(std::clamp(std::lround(value + part * (clear - value)), 0L, 255L));
     }
     if (channels == 3)
@@ -673,8 +671,8 @@ Sample torn(std::uint64_t seed, bool other)
         const double v = (y - tear.y) * tear.cosine - (x - tear.x) * tear.sine;
         const double taper = std::sqrt(std::max(0.0, 1 - u * u / (tear.length * tear.length)));
         most = std::max(most,
-          tear.half * taper * (1 + 0.4 * random.smooth(Use::Tear, 7, u / 14)) -
-            std::abs(v - 6 * random.smooth(Use::Tear, 9, u / 30)));
+          tear.half * taper * (1 + 0.4 * random.smooth(RandomUse::Tear, 7, u / 14)) -
+            std::abs(v - 6 * random.smooth(RandomUse::Tear, 9, u / 30)));
       }
       return most / 1.5;
     },
@@ -700,7 +698,7 @@ Sample background(std::uint64_t seed, bool other)
     sample,
     [&](double x, double y)
     {
-      const double wavy = 10 * random.smooth(Use::Tear, 3, (side ? y : x) / 25);
+      const double wavy = 10 * random.smooth(RandomUse::Tear, 3, (side ? y : x) / 25);
       if (other) // a corner, or a bent strip along two sides
       {
         const double away = std::hypot(x / width, y / height);

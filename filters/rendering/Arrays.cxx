@@ -1,6 +1,6 @@
 #include "Arrays.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include "Palette.h"
 #include "vtkCellData.h"

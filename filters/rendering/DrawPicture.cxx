@@ -1,6 +1,6 @@
 #include "Drawing.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include "Arrays.h"
 #include "FlowLines.h"

@@ -1,7 +1,7 @@
 #include "Quantity.h"
 
+#include "core/Error.h"
 #include "lattice/AxisNames.h"
-#include "lattice/Error.h"
 
 #include "Arrays.h"
 

@@ -1,6 +1,6 @@
 #include "View.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include "Text.h"
 #include "VectorLayer.h"

@@ -1,7 +1,7 @@
 #include "vtkSnapshot.h"
 #include "Settings.h"
-#include "lattice/Error.h"
-#include "lattice/PartFile.h"
+#include "core/Error.h"
+#include "core/PartFile.h"
 
 #include "Drawing.h"
 #include "SnapshotOptions.h"

@@ -1,6 +1,6 @@
 #include "compression/CompressionCurve.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <fmt/format.h>
 

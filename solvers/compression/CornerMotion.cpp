@@ -1,6 +1,6 @@
 #include "compression/CornerMotion.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <Eigen/QR>
 #include <fmt/format.h>

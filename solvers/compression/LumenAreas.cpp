@@ -1,7 +1,7 @@
 #include "compression/LumenAreas.h"
 
-#include "lattice/Communicator.h"
-#include "lattice/Error.h"
+#include "core/Communicator.h"
+#include "core/Error.h"
 
 #include <fmt/format.h>
 #include <mpi.h>

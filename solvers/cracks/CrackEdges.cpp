@@ -1,6 +1,6 @@
 #include "cracks/CrackEdges.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/Stencil.h"
 
 #include <fmt/format.h>

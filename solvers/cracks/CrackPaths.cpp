@@ -1,8 +1,8 @@
 #include "cracks/CrackPaths.h"
 
+#include "core/Error.h"
 #include "cracks/BondCrossings.h"
 #include "cracks/CrackMeasures.h"
-#include "lattice/Error.h"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 #include "generators/Generators.h"
 #include "generators/Selection.h"
 
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
-#include "lattice/Plausible.h"
+#include "core/Error.h"
+#include "core/Memory.h"
+#include "core/Plausible.h"
 
 #include <fmt/format.h>
 

@@ -3,8 +3,8 @@
 #include "generators/HardwoodLayout.h"
 #include "generators/Selection.h"
 
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
+#include "core/Error.h"
+#include "core/Memory.h"
 
 #include <fmt/format.h>
 

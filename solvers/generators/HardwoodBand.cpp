@@ -11,7 +11,7 @@ void HardwoodLayout::layVessels(Band& band, double swelling) const
   const double room = band.high - band.low;
   const double pitch = rayEvery_ > 0 ? room + 2 * rayHalf_ : room;
   const std::int64_t b = band.number;
-  double x = -margin_ * (1 + random_.uniform(Use::VesselPlace, b, -1));
+  double x = -margin_ * (1 + random_.uniform(RandomUse::VesselPlace, b, -1));
   for (std::int64_t group = 0; x < width_ + margin_; ++group)
   {
     const double late = lateness(x);
@@ -22,9 +22,9 @@ void HardwoodLayout::layVessels(Band& band, double swelling) const
       continue;
     }
     int count = 1;
-    if (random_.uniform(Use::VesselGroup, b, group) < multiples_)
+    if (random_.uniform(RandomUse::VesselGroup, b, group) < multiples_)
     {
-      const double u = random_.uniform(Use::VesselGroup, b, group, 1);
+      const double u = random_.uniform(RandomUse::VesselGroup, b, group, 1);
       count = u < 0.6 ? 2 : u < 0.88 ? 3 : 4;
     }
     const double usual = mix(vesselEarly_, vesselLate_, late);
@@ -37,8 +37,8 @@ void HardwoodLayout::layVessels(Band& band, double swelling) const
     {
       const double scatter = vesselScatter * std::min(disorder_, 1.5);
       // The vessels of a file are somewhat narrower than one alone, and its ends the narrowest.
-      double radius =
-        usual * (count > 1 ? 0.94 : 1.04) * std::max(0.5, 1 + scatter * random_.normal(Use::VesselSize, b, group, k));
+      double radius = usual * (count > 1 ? 0.94 : 1.04) *
+        std::max(0.5, 1 + scatter * random_.normal(RandomUse::VesselSize, b, group, k));
       // Between a vessel and a ray there is a whole fibre or nothing: one that all but fills the band touches both
       // rays.
       radius = std::min(radius, 0.5 * room);
@@ -46,7 +46,7 @@ void HardwoodLayout::layVessels(Band& band, double swelling) const
       const double slack = room - 2 * radius;
       if (k == 0)
       {
-        const double u = random_.uniform(Use::VesselPlace, b, group);
+        const double u = random_.uniform(RandomUse::VesselPlace, b, group);
         const double free = slack < 0 ? 0.5 * slack
           : slack < 2.2               ? (u < 0.5 ? 0.0 : slack)
           : u < 0.3                   ? 0.0
@@ -58,7 +58,7 @@ void HardwoodLayout::layVessels(Band& band, double swelling) const
       }
       else
       {
-        atY += 0.16 * radius * random_.normal(Use::VesselPlace, b, group, k);
+        atY += 0.16 * radius * random_.normal(RandomUse::VesselPlace, b, group, k);
         atY = std::clamp(atY, band.low + 0.9 * radius, band.high - 0.9 * radius);
       }
       const double step = k == 0 ? elongation * radius : overlap * elongation * (before + radius);
@@ -79,7 +79,7 @@ void HardwoodLayout::layVessels(Band& band, double swelling) const
     }
     // A gap that brings the share to what is wanted: one fibre at least, and the rest by chance, its mean kept.
     const double mean = area / (wanted * pitch) - length;
-    const double u = random_.uniform(Use::VesselGap, b, group);
+    const double u = random_.uniform(RandomUse::VesselGap, b, group);
     x += length + (mean > 1.3 ? 1.3 + (mean - 1.3) * (0.3 + 2.1 * u * u) : std::max(1.3, mean));
   }
   band.vessels = band.sites.size();
@@ -116,10 +116,10 @@ void HardwoodLayout::layFibres(Band& band) const
   std::int64_t number = 0;
   const auto add = [&](double x, double y)
   {
-    const bool narrow = random_.uniform(Use::FibreSize, b, number) < narrowFibres * std::min(disorder_, 1.0);
+    const bool narrow = random_.uniform(RandomUse::FibreSize, b, number) < narrowFibres * std::min(disorder_, 1.0);
     const double radius = narrow
-      ? mix(0.1, 0.3, random_.uniform(Use::FibreSize, b, number, 1))
-      : 0.5 * std::max(0.5, 1 + 1.6 * scatter_ * random_.normal(Use::FibreSize, b, number, 2));
+      ? mix(0.1, 0.3, random_.uniform(RandomUse::FibreSize, b, number, 1))
+      : 0.5 * std::max(0.5, 1 + 1.6 * scatter_ * random_.normal(RandomUse::FibreSize, b, number, 2));
     ++number;
     band.add({ x, y, radius * radius, 0 });
   };
@@ -132,10 +132,10 @@ void HardwoodLayout::layFibres(Band& band) const
     const double around = 3.14159265358979 * distance * (1 + elongation);
     const auto count = static_cast<std::int64_t>(around / 1.0);
     const auto id = static_cast<std::int64_t>(v);
-    const double turn = random_.uniform(Use::FibreRing, b, id);
+    const double turn = random_.uniform(RandomUse::FibreRing, b, id);
     for (std::int64_t i = 0; i < count; ++i)
     {
-      const double shake = 0.22 * disorder_ * random_.normal(Use::FibreRing, b, id, i);
+      const double shake = 0.22 * disorder_ * random_.normal(RandomUse::FibreRing, b, id, i);
       const auto [c, s] =
         onCircle(turn + (static_cast<double>(i) + std::clamp(shake, -0.3, 0.3)) / static_cast<double>(count));
       const double x = vessel.x + elongation * distance * c;
@@ -152,18 +152,18 @@ void HardwoodLayout::layFibres(Band& band) const
   const double file = room / static_cast<double>(files);
   for (std::int64_t f = 0; f < files; ++f)
   {
-    double x = -margin_ + random_.uniform(Use::FileOffset, b, f);
+    double x = -margin_ + random_.uniform(RandomUse::FileOffset, b, f);
     for (std::int64_t j = 0; x < width_ + margin_; ++j)
     {
-      const double y =
-        band.low + file * (static_cast<double>(f) + 0.5 + 0.12 * disorder_ * random_.normal(Use::FibrePlace, b, f, j));
+      const double y = band.low +
+        file * (static_cast<double>(f) + 0.5 + 0.12 * disorder_ * random_.normal(RandomUse::FibrePlace, b, f, j));
       if (isFree(x, y, 0.55, 0.74))
       {
         add(x, y);
       }
       const double position = mix(ring0_, ring1_, x / width_);
       const double flat = mix(1, 0.68, smoothStep((position - 0.85) / 0.15)); // the last cells of a ring are flat
-      x += flat * std::max(0.6, 1 + 1.2 * scatter_ * random_.normal(Use::FibrePlace, b, f, 100000 + j));
+      x += flat * std::max(0.6, 1 + 1.2 * scatter_ * random_.normal(RandomUse::FibrePlace, b, f, 100000 + j));
     }
   }
   // What is left open, on a fine grid.

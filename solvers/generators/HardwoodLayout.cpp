@@ -89,8 +89,11 @@ void HardwoodLayout::layRayLines()
   // Without rays the lines still stand, nowhere seen: they divide the work.
   const double every = rayEvery_ > 0 ? rayEvery_ : 4 * std::max(vesselEarly_, vesselLate_) + 6;
   const auto gap = [&](std::int64_t n)
-  { return every * (1 + std::min(disorder_, 1.0) * 0.16 * std::clamp(random_.normal(Use::RayPlace, n), -1.6, 1.6)); };
-  double y = every * mix(0.25, 0.75, random_.uniform(Use::RayPlace, -1));
+  {
+    return every *
+      (1 + std::min(disorder_, 1.0) * 0.16 * std::clamp(random_.normal(RandomUse::RayPlace, n), -1.6, 1.6));
+  };
+  double y = every * mix(0.25, 0.75, random_.uniform(RandomUse::RayPlace, -1));
   rayLines_ = { y - gap(-2) - gap(0), y - gap(0), y };
   for (std::int64_t n = 1; y < height_ + 3; ++n)
   {
@@ -109,8 +112,8 @@ std::array<double, 2> HardwoodLayout::warped(double x, double y) const noexcept
   const auto line = static_cast<std::int64_t>(whole);
   const auto noise = [&](std::int64_t field)
   {
-    return mix(random_.smooth(Use::Warp, 2 * line + field, x / length),
-      random_.smooth(Use::Warp, 2 * (line + 1) + field, x / length), blend);
+    return mix(random_.smooth(RandomUse::Warp, 2 * line + field, x / length),
+      random_.smooth(RandomUse::Warp, 2 * (line + 1) + field, x / length), blend);
   };
   const double amplitude = std::min(disorder_, 1.5) * 0.7;
   return { x + amplitude * noise(0), y + amplitude * noise(1) };
@@ -161,10 +164,10 @@ void HardwoodLayout::addRay(std::size_t number)
 {
   const double y = rayLines_[number];
   const auto id = static_cast<std::int64_t>(number);
-  double from = -margin_ - rayCellLength * random_.uniform(Use::RayCell, id, -1);
+  double from = -margin_ - rayCellLength * random_.uniform(RandomUse::RayCell, id, -1);
   for (std::int64_t j = 0; from < width_ + margin_; ++j)
   {
-    const double length = rayCellLength * std::max(0.45, 1 + 2 * scatter_ * random_.normal(Use::RayCell, id, j));
+    const double length = rayCellLength * std::max(0.45, 1 + 2 * scatter_ * random_.normal(RandomUse::RayCell, id, j));
     const double to = from + length;
     const std::array<Corner, 4> box{ Corner{ from, y - rayHalf_ }, Corner{ to, y - rayHalf_ },
       Corner{ to, y + rayHalf_ }, Corner{ from, y + rayHalf_ } };

@@ -20,7 +20,7 @@ double mix(double a, double b, double t)
   return a + (b - a) * t;
 }
 
-std::int64_t countOf(const Random& random, Use use, double perSquareMillimetre, double area)
+std::int64_t countOf(const Random& random, RandomUse use, double perSquareMillimetre, double area)
 {
   return static_cast<std::int64_t>(perSquareMillimetre * area * 1e6 + random.uniform(use, -1));
 }
@@ -42,7 +42,7 @@ double decay(double x) noexcept
   return value;
 }
 
-double smoothField(const Random& random, Use use, std::int64_t field, double x, double y) noexcept
+double smoothField(const Random& random, RandomUse use, std::int64_t field, double x, double y) noexcept
 {
   auto row = static_cast<std::int64_t>(y);
   row -= static_cast<double>(row) > y;
@@ -91,19 +91,19 @@ void tear(std::vector<float>& stain, std::int64_t nx, std::int64_t ny, double sp
 {
   const Random random(o.seed);
   const double area = static_cast<double>(nx) * static_cast<double>(ny) * spacing * spacing;
-  for (std::int64_t k = 0; k < countOf(random, Use::Tear, o.tears, area); ++k)
+  for (std::int64_t k = 0; k < countOf(random, RandomUse::Tear, o.tears, area); ++k)
   {
     // A crooked line of short steps, open by some two micrometres in its middle.
-    double x = static_cast<double>(nx) * random.uniform(Use::Tear, k, 0);
-    double y = static_cast<double>(ny) * random.uniform(Use::Tear, k, 1);
-    double turns = random.uniform(Use::Tear, k, 2);
-    const double length = mix(15e-6, 50e-6, random.uniform(Use::Tear, k, 3)) / spacing;
-    const double open = mix(0.8e-6, 2e-6, random.uniform(Use::Tear, k, 4)) / spacing;
+    double x = static_cast<double>(nx) * random.uniform(RandomUse::Tear, k, 0);
+    double y = static_cast<double>(ny) * random.uniform(RandomUse::Tear, k, 1);
+    double turns = random.uniform(RandomUse::Tear, k, 2);
+    const double length = mix(15e-6, 50e-6, random.uniform(RandomUse::Tear, k, 3)) / spacing;
+    const double open = mix(0.8e-6, 2e-6, random.uniform(RandomUse::Tear, k, 4)) / spacing;
     const double step = std::max(0.5, 0.3e-6 / spacing);
     for (double along = 0; along < length; along += step)
     {
       const auto i = static_cast<std::int64_t>(along / step);
-      turns += 0.012 * random.normal(Use::Tear, k, 10 + i);
+      turns += 0.012 * random.normal(RandomUse::Tear, k, 10 + i);
       const auto [c, s] = onCircle(turns);
       x += step * c;
       y += step * s;
@@ -131,15 +131,15 @@ void addDirt(LookCanvas& canvas, const LookOptions& o)
   const Random random(o.seed);
   const double area =
     static_cast<double>(canvas.width) * static_cast<double>(canvas.height) * canvas.pixel * canvas.pixel;
-  const std::int64_t count = countOf(random, Use::Grime, o.dirt, area);
+  const std::int64_t count = countOf(random, RandomUse::Grime, o.dirt, area);
   for (std::int64_t k = 0; k < count; ++k)
   {
     // A blob of three lobes; dark in transmitted light, bright in an ESEM; some out of focus.
-    const double x = static_cast<double>(canvas.width) * random.uniform(Use::Grime, k, 0);
-    const double y = static_cast<double>(canvas.height) * random.uniform(Use::Grime, k, 1);
-    const double radius = mix(1.5e-6, 6e-6, random.uniform(Use::Grime, k, 2)) / canvas.pixel;
-    const double soft = mix(0.3, 1.2, random.uniform(Use::Grime, k, 3));
-    const double opacity = mix(0.45, 0.9, random.uniform(Use::Grime, k, 4));
+    const double x = static_cast<double>(canvas.width) * random.uniform(RandomUse::Grime, k, 0);
+    const double y = static_cast<double>(canvas.height) * random.uniform(RandomUse::Grime, k, 1);
+    const double radius = mix(1.5e-6, 6e-6, random.uniform(RandomUse::Grime, k, 2)) / canvas.pixel;
+    const double soft = mix(0.3, 1.2, random.uniform(RandomUse::Grime, k, 3));
+    const double opacity = mix(0.45, 0.9, random.uniform(RandomUse::Grime, k, 4));
     const std::array<double, 3> colour{ 0.35, 0.25, 0.18 };
     const auto reach = static_cast<std::int64_t>(radius * (1.6 + soft)) + 2;
     const auto cx = static_cast<std::int64_t>(x);
@@ -151,7 +151,7 @@ void addDirt(LookCanvas& canvas, const LookOptions& o)
         double cover = 0;
         for (int lobe = 0; lobe < 3; ++lobe)
         {
-          const auto [c, s] = onCircle(random.uniform(Use::Grime, k, 5 + lobe));
+          const auto [c, s] = onCircle(random.uniform(RandomUse::Grime, k, 5 + lobe));
           const double dx = (static_cast<double>(u) + 0.5 - x) / radius - 0.5 * c;
           const double dy = (static_cast<double>(v) + 0.5 - y) / radius - 0.5 * s;
           const double d = std::sqrt(dx * dx + dy * dy);
@@ -231,8 +231,8 @@ void addUnevenLight(LookCanvas& canvas, const LookOptions& o)
   const Random random(o.seed);
   const auto w = static_cast<double>(canvas.width);
   const auto h = static_cast<double>(canvas.height);
-  const double x0 = w * mix(0.25, 0.75, random.uniform(Use::Light, 0));
-  const double y0 = h * mix(0.25, 0.75, random.uniform(Use::Light, 1));
+  const double x0 = w * mix(0.25, 0.75, random.uniform(RandomUse::Light, 0));
+  const double y0 = h * mix(0.25, 0.75, random.uniform(RandomUse::Light, 1));
   const double farX = std::max(x0, w - x0);
   const double farY = std::max(y0, h - y0);
   const double farthest = farX * farX + farY * farY;
@@ -244,7 +244,7 @@ void addUnevenLight(LookCanvas& canvas, const LookOptions& o)
       const double dx = static_cast<double>(x) - x0;
       const double dy = static_cast<double>(y) - y0;
       const double slow =
-        smoothField(random, Use::Light, 7, static_cast<double>(x) * scale, static_cast<double>(y) * scale);
+        smoothField(random, RandomUse::Light, 7, static_cast<double>(x) * scale, static_cast<double>(y) * scale);
       const double fall = (dx * dx + dy * dy) / farthest + 0.12 * slow;
       const double factor = 1 - o.unevenLight * std::clamp(fall, 0.0, 1.0);
       for (int c = 0; c < canvas.channels; ++c)
@@ -268,7 +268,8 @@ void addNoise(LookCanvas& canvas, const LookOptions& o)
     // Variances add: half is shot noise, which goes with the light, half is the camera's.
     const double light = canvas.light[i];
     const double deviation = o.noise * std::sqrt(0.5 * std::max(0.0, light) + 0.5);
-    canvas.light[i] = static_cast<float>(light + deviation * random.normal(Use::Noise, static_cast<std::int64_t>(i)));
+    canvas.light[i] =
+      static_cast<float>(light + deviation * random.normal(RandomUse::Noise, static_cast<std::int64_t>(i)));
   }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/Random.h"
 #include "generators/MicrographLook.h"
-#include "generators/Random.h"
 
 #include <cstdint>
 #include <vector>
@@ -22,7 +22,7 @@ struct LookCanvas
 /// exp(−x) for x ≥ 0 by its series at x/256, squared eight times: the same bits on every machine, to 1e-9.
 [[nodiscard]] double decay(double x) noexcept;
 /// Smooth noise over the plane, one independent value a unit: mean 0, standard deviation near 0.6.
-[[nodiscard]] double smoothField(const Random& random, Use use, std::int64_t field, double x, double y) noexcept;
+[[nodiscard]] double smoothField(const Random& random, RandomUse use, std::int64_t field, double x, double y) noexcept;
 /// Numbers from 1 the pieces of marked nodes connected through faces, in the order of their first nodes; 0 elsewhere.
 [[nodiscard]] std::vector<std::int32_t> labelled(
   const std::vector<std::uint8_t>& marked, std::int64_t nx, std::int64_t ny);

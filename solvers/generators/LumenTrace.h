@@ -1,7 +1,7 @@
 #pragma once
 
 #include "generators/CellGeometry.h"
-#include "micrograph/Contour.h"
+#include "outlines/Contour.h"
 
 #include <functional>
 #include <span>

@@ -3,8 +3,8 @@
 #include "generators/LookParts.h"
 #include "generators/Nearest.h"
 
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
+#include "core/Error.h"
+#include "core/Memory.h"
 #include "lattice/PhaseNames.h"
 
 #include <fmt/format.h>
@@ -114,11 +114,12 @@ std::vector<float> stainOf(const PhaseImage& truth, const LookOptions& o, const 
       double edge = 0; // distance to the lumen's edge
       if (open[i] == 0)
       {
-        depth = std::max(0.2, 1 + o.cellVariation * random.normal(Use::Stain, lumenOf(i))) *
+        depth = std::max(0.2, 1 + o.cellVariation * random.normal(RandomUse::Stain, lumenOf(i))) *
           std::max(0.2,
             1 +
               o.wallVariation *
-                smoothField(random, Use::Stain, 1, static_cast<double>(x) / patch, static_cast<double>(y) / patch));
+                smoothField(
+                  random, RandomUse::Stain, 1, static_cast<double>(x) / patch, static_cast<double>(y) / patch));
         if (o.lamella > 0 && toMiddle.node[i] >= 0)
         {
           const double d = std::sqrt(static_cast<double>(toMiddle.squared[i])) / lamellaHalf;

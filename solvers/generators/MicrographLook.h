@@ -1,7 +1,7 @@
 #pragma once
 
 #include "lattice/Phases.h"
-#include "micrograph/Picture.h"
+#include "pictures/Picture.h"
 
 #include <cstdint>
 #include <string>

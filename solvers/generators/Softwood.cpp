@@ -3,8 +3,8 @@
 #include "generators/Selection.h"
 #include "generators/SoftwoodLayout.h"
 
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
+#include "core/Error.h"
+#include "core/Memory.h"
 
 #include <fmt/format.h>
 
@@ -148,16 +148,16 @@ void Rasteriser::layEnds()
       // by the golden section.
       const auto file = cell.file % 2048 + 5 * (cell.file / 2048);
       const double phase = 0.6180339887498949 * static_cast<double>(file) +
-        0.25 * random_.uniform(Use::TracheidPhase, cell.file) +
-        0.08 * disorder * random_.normal(Use::TracheidPhase, cell.file, cell.number);
-      const double sense = random_.bits(Use::TracheidTaper, cell.file) & 1U ? 1.0 : -1.0;
+        0.25 * random_.uniform(RandomUse::TracheidPhase, cell.file) +
+        0.08 * disorder * random_.normal(RandomUse::TracheidPhase, cell.file, cell.number);
+      const double sense = random_.bits(RandomUse::TracheidTaper, cell.file) & 1U ? 1.0 : -1.0;
       ends.slope = sense * std::min(taper, 0.3 * length / width);
       ends.cosine = 1 / std::sqrt(1 + ends.slope * ends.slope);
       double z = (phase - std::floor(phase) - 2.5) * length;
       for (std::int64_t m = 0; z < static_cast<double>(nz_) + 1.5 * length; ++m)
       {
         ends.z.push_back(z);
-        const double scatter = options_.scatter * random_.normal(Use::TracheidLength, cell.file, m);
+        const double scatter = options_.scatter * random_.normal(RandomUse::TracheidLength, cell.file, m);
         z += length * std::clamp(1 + scatter, 0.7, 1.3);
       }
     }
@@ -177,11 +177,13 @@ void Rasteriser::layRays()
     Ray& ray = rays_[r];
     const auto id = static_cast<std::int64_t>(r);
     // In 2D the section runs through the middle of every ray.
-    double z = solid3D_ ? -(rayRowsMean * height + rayGap * width) * (0.5 + random_.uniform(Use::RayPhase, id)) : -0.5;
+    double z =
+      solid3D_ ? -(rayRowsMean * height + rayGap * width) * (0.5 + random_.uniform(RandomUse::RayPhase, id)) : -0.5;
     std::int64_t rowNumber = 0;
     for (std::int64_t n = 0; z < static_cast<double>(nz_); ++n)
     {
-      const auto rows = solid3D_ ? rayRowsMean - 3 + static_cast<int>(7 * random_.uniform(Use::RayRow, id, n)) : 1;
+      const auto rows =
+        solid3D_ ? rayRowsMean - 3 + static_cast<int>(7 * random_.uniform(RandomUse::RayRow, id, n)) : 1;
       ray.low.push_back(z);
       for (int row = 0; row < rows; ++row, ++rowNumber)
       {
@@ -209,7 +211,7 @@ void Rasteriser::layRays()
         }
       }
       ray.high.push_back(z);
-      z += rayGap * width * (0.5 + random_.uniform(Use::RayRow, id, n, 1));
+      z += rayGap * width * (0.5 + random_.uniform(RandomUse::RayRow, id, n, 1));
     }
   }
 }

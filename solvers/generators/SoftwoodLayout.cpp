@@ -102,11 +102,11 @@ double SoftwoodLayout::columnAt(double number) const noexcept
 std::vector<double> SoftwoodLayout::crossWalls(double step, std::int64_t salt) const
 {
   std::vector<double> walls;
-  double number = -step * random_.uniform(Use::RayCell, salt, -1);
+  double number = -step * random_.uniform(RandomUse::RayCell, salt, -1);
   for (std::int64_t j = 0; number < static_cast<double>(columns_.size()); ++j)
   {
     walls.push_back(columnAt(number));
-    number += step * std::max(0.4, 1 + 2 * scatter_ * random_.normal(Use::RayCell, salt, j));
+    number += step * std::max(0.4, 1 + 2 * scatter_ * random_.normal(RandomUse::RayCell, salt, j));
   }
   return walls;
 }
@@ -119,11 +119,13 @@ void SoftwoodLayout::layRays()
     rayLines_ = { -margin, height_ + margin };
     return;
   }
-  const auto gap = [&](std::int64_t n) {
-    return rayEvery_ * (1 + std::min(disorder_, 1.0) * 0.2 * std::clamp(random_.normal(Use::RayPlace, n), -2.0, 2.0));
+  const auto gap = [&](std::int64_t n)
+  {
+    return rayEvery_ *
+      (1 + std::min(disorder_, 1.0) * 0.2 * std::clamp(random_.normal(RandomUse::RayPlace, n), -2.0, 2.0));
   };
   // The first ray inside always falls within three quarters of the mean distance, so that small pictures have one.
-  double y = rayEvery_ * mix(0.25, 0.75, random_.uniform(Use::RayPlace, -1));
+  double y = rayEvery_ * mix(0.25, 0.75, random_.uniform(RandomUse::RayPlace, -1));
   rayLines_ = { y - gap(0), y };
   // One that reaches into the box has tracheids below it too; there is the next one.
   if (rayLines_.front() > -(rayHalfWidth_ + tangential_ / 2))
@@ -148,8 +150,8 @@ std::array<double, 2> SoftwoodLayout::warped(double x, double y) const noexcept
   const auto line = static_cast<std::int64_t>(whole);
   const auto noise = [&](std::int64_t field)
   {
-    return mix(random_.smooth(Use::Warp, 2 * line + field, x / length),
-      random_.smooth(Use::Warp, 2 * (line + 1) + field, x / length), blend);
+    return mix(random_.smooth(RandomUse::Warp, 2 * line + field, x / length),
+      random_.smooth(RandomUse::Warp, 2 * (line + 1) + field, x / length), blend);
   };
   const double amplitude = std::min(disorder_, 1.5) * 0.22;
   return { x + amplitude * radialDiameter(x) * noise(0), y + amplitude * tangential_ * noise(1) };
@@ -168,10 +170,10 @@ void SoftwoodLayout::layFiles()
     double sum = 0;
     for (std::int64_t f = 0; f < files; ++f)
     {
-      double share = std::max(0.5, 1 + 1.2 * scatter_ * random_.normal(Use::FileWidth, b, f));
-      if (random_.uniform(Use::FileWidth, b, f, 1) < narrowShare)
+      double share = std::max(0.5, 1 + 1.2 * scatter_ * random_.normal(RandomUse::FileWidth, b, f));
+      if (random_.uniform(RandomUse::FileWidth, b, f, 1) < narrowShare)
       {
-        share *= mix(0.5, 0.7, random_.uniform(Use::FileWidth, b, f, 2));
+        share *= mix(0.5, 0.7, random_.uniform(RandomUse::FileWidth, b, f, 2));
       }
       widths[static_cast<std::size_t>(f)] = share;
       sum += share;
@@ -184,18 +186,19 @@ void SoftwoodLayout::layFiles()
       const double w = widths[static_cast<std::size_t>(f)] * room / sum;
       const std::int64_t file = 4096 * b + f;
       // Neighbouring files are offset by half a cell, loosely: the offset drifts along the file.
-      const double offset = 0.5 * static_cast<double>(f % 2) + 0.1 * disorder_ * random_.normal(Use::FileOffset, b, f);
-      double error = siteScatter * scatter_ * random_.normal(Use::CellPlace, file, -1);
+      const double offset =
+        0.5 * static_cast<double>(f % 2) + 0.1 * disorder_ * random_.normal(RandomUse::FileOffset, b, f);
+      double error = siteScatter * scatter_ * random_.normal(RandomUse::CellPlace, file, -1);
       double previous = -1;
       for (std::int64_t j = 0; j + 1 < static_cast<std::int64_t>(columns_.size()); ++j)
       {
         // A first-order autoregression: lengths scatter as asked for, yet the file keeps in step with its neighbours.
-        error = 0.6 * error + 0.8 * siteScatter * scatter_ * random_.normal(Use::CellPlace, file, j);
+        error = 0.6 * error + 0.8 * siteScatter * scatter_ * random_.normal(RandomUse::CellPlace, file, j);
         const double drift =
-          0.22 * std::min(disorder_, 1.5) * random_.smooth(Use::FileDrift, file, static_cast<double>(j) / 7);
+          0.22 * std::min(disorder_, 1.5) * random_.smooth(RandomUse::FileDrift, file, static_cast<double>(j) / 7);
         const double number = std::max(previous + 0.45, static_cast<double>(j) + offset + error + drift);
         previous = number;
-        const double shift = 0.045 * std::min(disorder_, 1.5) * random_.normal(Use::CellShift, file, j) *
+        const double shift = 0.045 * std::min(disorder_, 1.5) * random_.normal(RandomUse::CellShift, file, j) *
           std::min(1.0, radialDiameter(columnAt(number)) / (tangential_ * stretch_));
         // Equal weights along a file put its walls half-way; across files they put the wall on the files' border.
         sites.push_back(
@@ -217,7 +220,7 @@ void SoftwoodLayout::layTips(std::vector<Site>& sites, std::int64_t band)
     const Site& site = sites[i];
     const Site& next = sites[i + 1];
     if (next.file != site.file ||
-      random_.uniform(Use::TipPlace, site.file, site.number) >= tipShare * std::min(disorder_, 1.0))
+      random_.uniform(RandomUse::TipPlace, site.file, site.number) >= tipShare * std::min(disorder_, 1.0))
     {
       continue;
     }
@@ -232,7 +235,7 @@ void SoftwoodLayout::layTips(std::vector<Site>& sites, std::int64_t band)
       const double dy = sites[k].y - y;
       power = std::min(power, dx * dx + dy * dy - sites[k].weight);
     }
-    const double size = mix(0.4, 0.7, random_.uniform(Use::TipSize, site.file, site.number)) *
+    const double size = mix(0.4, 0.7, random_.uniform(RandomUse::TipSize, site.file, site.number)) *
       std::sqrt(radialDiameter(x) * tangential_) / 2;
     const std::int64_t file = 4096 * band + 2048 + site.file % 2048;
     const std::int64_t number = site.number;

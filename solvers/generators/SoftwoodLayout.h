@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/Random.h"
 #include "generators/CellGeometry.h"
 #include "generators/Generators.h"
-#include "generators/Random.h"
 
 #include <span>
 #include <vector>

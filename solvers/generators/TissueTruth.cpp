@@ -5,7 +5,7 @@
 #include "generators/LumenTrace.h"
 #include "generators/SoftwoodLayout.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 
 #include "generators/CellGeometry.h"
 #include "generators/Generators.h"
-#include "micrograph/Contour.h"
+#include "outlines/Contour.h"
 
 #include <vector>
 

@@ -1,10 +1,10 @@
 #include "io/Checkpoint.h"
 
+#include "core/Error.h"
 #include "io/Hdf5.h"
 #include "io/Provenance.h"
 #include "io/Survives.h"
 #include "lamella/Version.h"
-#include "lattice/Error.h"
 
 #include <fmt/format.h>
 

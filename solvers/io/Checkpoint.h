@@ -64,7 +64,7 @@ void checkPlace(const std::filesystem::path& path);
 /// Do two names stand for one file, whether it is there or not?
 [[nodiscard]] bool sameFile(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// Puts bytes in the place of a file: they are written to a file beside it (lattice/PartFile.h) and brought to the
+/// Puts bytes in the place of a file: they are written to a file beside it (core/PartFile.h) and brought to the
 /// disk, and then that takes the name. Whatever happens the name stands for the old file or the new one, whole.
 /// @throws Error: the disk is full, or another reason; the old file is as it was
 void replaceFile(const std::filesystem::path& path, std::span<const std::byte> bytes);

@@ -1,7 +1,7 @@
 #include "io/Checkpoint.h"
 
-#include "lattice/Error.h"
-#include "lattice/PartFile.h"
+#include "core/Error.h"
+#include "core/PartFile.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <hdf5.h>
 

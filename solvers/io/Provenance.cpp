@@ -1,7 +1,7 @@
 #include "io/Provenance.h"
 
+#include "core/Error.h"
 #include "lamella/Version.h"
-#include "lattice/Error.h"
 
 #include <nlohmann/json.hpp>
 

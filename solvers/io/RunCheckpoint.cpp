@@ -1,8 +1,8 @@
 #include "io/RunCheckpoint.h"
 
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
-#include "lattice/Together.h"
+#include "core/Error.h"
+#include "core/Memory.h"
+#include "core/Together.h"
 
 #include <fmt/format.h>
 

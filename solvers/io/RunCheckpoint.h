@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/Clock.h"
+#include "core/Communicator.h"
 #include "io/Checkpoint.h"
-#include "lattice/Clock.h"
-#include "lattice/Communicator.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -1,6 +1,6 @@
 #include "io/Provenance.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <openssl/evp.h>
 

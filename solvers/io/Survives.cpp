@@ -1,6 +1,6 @@
 #include "io/Survives.h"
 
-#include "lattice/Clock.h"
+#include "core/Clock.h"
 
 #include <fcntl.h>
 #include <sys/prctl.h>

@@ -1,6 +1,6 @@
 #include "lattice/GreyRanges.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "lattice/NodeText.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 #include "lattice/Phases.h"
 
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
+#include "core/Error.h"
+#include "core/Memory.h"
 #include "lattice/NodeText.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "lbm/CompactSystem.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "lbm/Connectivity.h"
 
 #include <HYPRE.h>

@@ -1,7 +1,7 @@
 #include "lbm/ContourChecks.h"
 
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
+#include "core/Error.h"
+#include "core/Memory.h"
 
 #include <fmt/format.h>
 

@@ -2,8 +2,8 @@
 
 #include "lbm/DiffusionStudy.h"
 #include "lbm/LinkTable.h"
-#include "micrograph/CoarserOutlines.h"
-#include "micrograph/ContourLattice.h"
+#include "outlines/CoarserOutlines.h"
+#include "outlines/ContourLattice.h"
 
 #include <functional>
 #include <span>
@@ -44,7 +44,7 @@ struct ContourStep
 };
 
 /// Error that a picture's pixels leave in the value that its outlines have, from those of every second and every third
-/// pixel (micrograph/CoarserOutlines.h): outlineDeviations() times the standard deviation that follows from the squared
+/// pixel (outlines/CoarserOutlines.h): outlineDeviations() times the standard deviation that follows from the squared
 /// mean of their differences from `value`. The area of a lumen in a mask errs like the pixel to the power 3/2, and so,
 /// as measured, do the values; then values of pixels n times as large, which share every n² th pixel with the picture,
 /// differ from its own with n³ − 1 times the variance of its own error. Of two strides the finer has the weight 3/4.

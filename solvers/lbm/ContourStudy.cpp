@@ -1,7 +1,7 @@
-#include "lattice/Clock.h"
-#include "lattice/Error.h"
+#include "core/Clock.h"
+#include "core/Error.h"
 #include "lbm/ContourDiffusion.h"
-#include "micrograph/ContourMeasures.h"
+#include "outlines/ContourMeasures.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "lbm/DiffusionStudy.h"
 
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
+#include "core/Error.h"
+#include "core/Memory.h"
 #include "lattice/Subsample.h"
 #include "lbm/StudyChecks.h"
 

@@ -1,6 +1,6 @@
 #include "lbm/DirectedLinks.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "lbm/Links.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "lbm/MultigridSystem.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "lbm/BoxField.h"
 #include "lbm/LanczosSpectrum.h"
 #include "lbm/multigrid/Multigrid.h"

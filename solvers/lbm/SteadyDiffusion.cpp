@@ -1,9 +1,9 @@
 #include "lbm/SteadyDiffusion.h"
 
-#include "lattice/Clock.h"
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
-#include "lattice/Passes.h"
+#include "core/Clock.h"
+#include "core/Error.h"
+#include "core/Memory.h"
+#include "core/Passes.h"
 #include "lbm/Backend.h"
 #include "lbm/CompactSystem.h"
 #include "lbm/Connectivity.h"

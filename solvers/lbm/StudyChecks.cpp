@@ -1,8 +1,8 @@
 #include "lbm/StudyChecks.h"
 
+#include "core/Error.h"
+#include "core/Memory.h"
 #include "lattice/AxisNames.h"
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
 
 #include <fmt/format.h>
 

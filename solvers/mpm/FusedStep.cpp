@@ -1,6 +1,6 @@
 #include "mpm/FusedStep.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "mpm/GridWalls.h"
 
 #include <fmt/format.h>

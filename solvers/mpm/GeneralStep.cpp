@@ -1,7 +1,7 @@
 #include "mpm/GeneralStep.h"
 
-#include "lattice/Error.h"
-#include "lattice/Together.h"
+#include "core/Error.h"
+#include "core/Together.h"
 #include "mpm/ShapeFunctions.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 #include "mpm/PointDynamics.h"
 
-#include "lattice/Error.h"
-#include "lattice/Together.h"
+#include "core/Error.h"
+#include "core/Together.h"
 #include "mpm/FusedStep.h"
 #include "mpm/GeneralStep.h"
 

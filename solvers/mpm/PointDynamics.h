@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/Communicator.h"
 #include "io/Checkpoint.h"
-#include "lattice/Communicator.h"
 #include "mpm/BackgroundGrid.h"
 #include "mpm/GridWalls.h"
 #include "mpm/MaterialPoints.h"

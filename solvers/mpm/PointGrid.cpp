@@ -1,5 +1,5 @@
 // Walls around material points that move, and the grid laid between them.
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "mpm/PointDynamics.h"
 
 #include <fmt/format.h>

@@ -1,8 +1,8 @@
 #include "mpm/PointRanks.h"
 
-#include "lattice/Error.h"
-#include "lattice/Mix.h"
-#include "lattice/Together.h"
+#include "core/Error.h"
+#include "core/Mix.h"
+#include "core/Together.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // What material points keep on disk, and how they go on from it.
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "mpm/FusedStep.h"
 #include "mpm/PointDynamics.h"
 

@@ -1,7 +1,7 @@
 #include "mpm/PointStiffness.h"
 
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
+#include "core/Error.h"
+#include "core/Memory.h"
 #include "mpm/PointIterations.h"
 #include "mpm/PointSystem.h"
 #include "mpm/SmallStrain.h"

@@ -1,7 +1,7 @@
 #include "packing/Bridges.h"
 
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
+#include "core/Error.h"
+#include "core/Memory.h"
 #include "packing/LineSections.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // Packings made elsewhere: checked, moved to the origin, contacts found.
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "packing/Packing.h"
 
 #include <fmt/format.h>

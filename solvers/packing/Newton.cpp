@@ -2,7 +2,7 @@
 #include "packing/Enthalpy.h"
 #include "packing/Relaxation.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "packing/Packing.h"
 
-#include "generators/Random.h"
-#include "lattice/Error.h"
+#include "core/Error.h"
+#include "core/Random.h"
 #include "packing/Grading.h"
 #include "packing/GrainSystem.h"
 #include "packing/Relaxation.h"
@@ -18,9 +18,6 @@ namespace lamella::packing
 {
 namespace
 {
-
-using generators::Random;
-using generators::Use;
 
 template <int Dim>
 class Compaction
@@ -107,7 +104,7 @@ private:
     for (std::size_t i = n; i-- > 1;)
       std::swap(d[i],
         d[static_cast<std::size_t>(
-          random.uniform(Use::GrainOrder, static_cast<std::int64_t>(i)) * static_cast<double>(i + 1))]);
+          random.uniform(RandomUse::GrainOrder, static_cast<std::int64_t>(i)) * static_cast<double>(i + 1))]);
     for (std::size_t i = 0; i < n; ++i)
       grains_.radius[i] = 0.5 * d[i];
     grains_.friction = o_.friction;
@@ -124,7 +121,8 @@ private:
         "more grains, a smaller ratio of their diameters, or an aspect nearer to 1");
     for (std::size_t i = 0; i < n; ++i)
       for (int a = 0; a < Dim; ++a)
-        grains_.position[i][a] = random.uniform(Use::GrainPlace, static_cast<std::int64_t>(i), a) * grains_.box[a];
+        grains_.position[i][a] =
+          random.uniform(RandomUse::GrainPlace, static_cast<std::int64_t>(i), a) * grains_.box[a];
   }
 
   // Much friction locks grains that overlap at their random places, far below any density at which they would jam:

@@ -1,6 +1,6 @@
 #include "packing/Relaxation.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <algorithm>
 #include <cmath>

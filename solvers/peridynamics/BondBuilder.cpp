@@ -1,7 +1,7 @@
 // From phases and grains to bits: the making of a BondLattice.
+#include "core/Error.h"
+#include "core/Memory.h"
 #include "lattice/AxisNames.h"
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/NotchCut.h"
 #include "peridynamics/RimExchange.h"

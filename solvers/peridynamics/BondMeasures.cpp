@@ -1,6 +1,6 @@
 // What is asked for now and then: stress, energy, the most stretched bond, sections, diagonal blocks, tangents. One
 // bond of the stencil and one row of nodes at a time, with the springs of the row written out first; plain loops.
-#include "lattice/Passes.h"
+#include "core/Passes.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/BondRows.h"
 #include "peridynamics/RimExchange.h"

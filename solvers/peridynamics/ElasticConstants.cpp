@@ -1,6 +1,6 @@
 #include "peridynamics/ElasticConstants.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <Eigen/Dense>
 

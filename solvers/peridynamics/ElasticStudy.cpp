@@ -1,7 +1,7 @@
 #include "peridynamics/ElasticStudy.h"
 
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
+#include "core/Error.h"
+#include "core/Memory.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/fracture/PlatenForce.h"
 #include "peridynamics/multigrid/LevelSizes.h"

@@ -1,7 +1,7 @@
 #include "peridynamics/Equilibrium.h"
 
-#include "lattice/Clock.h"
-#include "lattice/Error.h"
+#include "core/Clock.h"
+#include "core/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/Preconditioner.h"
 #include "peridynamics/ValueShare.h"

@@ -1,7 +1,7 @@
 // Equilibrium by sparse Cholesky: to check the others with.
 #include "peridynamics/Equilibrium.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <Eigen/SparseCholesky>
 

@@ -1,7 +1,7 @@
 // Equilibrium by adaptive dynamic relaxation: to compare with.
 #include "peridynamics/Equilibrium.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/multigrid/LevelKernels.h"
 

@@ -1,7 +1,7 @@
 #include "peridynamics/Loading.h"
 
-#include "lattice/Error.h"
-#include "lattice/Plausible.h"
+#include "core/Error.h"
+#include "core/Plausible.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/Fragments.h"
 #include "peridynamics/multigrid/FreeBlocks.h"

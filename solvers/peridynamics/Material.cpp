@@ -1,7 +1,7 @@
 #include "peridynamics/Material.h"
 
-#include "lattice/Error.h"
-#include "lattice/Plausible.h"
+#include "core/Error.h"
+#include "core/Plausible.h"
 
 #include <fmt/format.h>
 

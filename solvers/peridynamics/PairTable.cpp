@@ -1,8 +1,8 @@
 #include "peridynamics/PairTable.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
+#include "core/Plausible.h"
 #include "lattice/PhaseNames.h"
-#include "lattice/Plausible.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "peridynamics/PeriodicCell.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/CellPieces.h"
 #include "peridynamics/multigrid/FreeBlocks.h"

@@ -1,7 +1,7 @@
 #include "peridynamics/StiffnessStudy.h"
 
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
+#include "core/Error.h"
+#include "core/Memory.h"
 #include "peridynamics/CellWindow.h"
 
 #include <fmt/format.h>

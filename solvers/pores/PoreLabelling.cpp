@@ -1,7 +1,7 @@
 #include "pores/PoreLabelling.h"
 
-#include "lattice/Error.h"
-#include "lattice/Passes.h"
+#include "core/Error.h"
+#include "core/Passes.h"
 #include "pores/Forest.h"
 #include "pores/Gathering.h"
 #include "pores/Merging.h"

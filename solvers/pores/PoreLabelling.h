@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lattice/Communicator.h"
+#include "core/Communicator.h"
 #include "lattice/Decomposition.h"
 #include "lattice/Lattice.h"
 #include "pores/Unfilled.h"

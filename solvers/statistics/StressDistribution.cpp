@@ -1,6 +1,6 @@
 #include "statistics/StressDistribution.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "statistics/Slabs.h"
 #include "statistics/TailHistogram.h"
 

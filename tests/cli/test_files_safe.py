@@ -18,7 +18,7 @@ SCENE = b'[sample]\ngenerate = "honeycomb"\nsize = [32, 32]\n[diffusion]\nconduc
 
 
 def here():
-    """What stands for this machine in the names of temporary files (solvers/lattice/PartFile.cpp)."""
+    """What stands for this machine in the names of temporary files (solvers/core/PartFile.cpp)."""
     value = 2166136261
     for byte in (socket.gethostname() + os.readlink("/proc/self/ns/pid")).encode():
         value = (value ^ byte) * 16777619 % 2**32

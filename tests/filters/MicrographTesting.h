@@ -5,7 +5,7 @@
 #include "vtkMicrographContours.h"
 
 #include "generators/Generators.h"
-#include "micrograph/ContourExtraction.h"
+#include "outlines/ContourExtraction.h"
 
 #include <limits>
 

@@ -2,7 +2,7 @@
 // solver; on distributed images the numbers are those of one rank; what is refused.
 #include "BondTesting.h"
 
-#include "lattice/Communicator.h"
+#include "core/Communicator.h"
 #include "peridynamics/ElasticStudy.h"
 #include "vtkBondEquilibrium.h"
 #include "vtkBondStress.h"

@@ -2,7 +2,7 @@
 // distributed images the same bonds break.
 #include "FractureTesting.h"
 
-#include "lattice/Communicator.h"
+#include "core/Communicator.h"
 #include "peridynamics/fracture/FractureStudy.h"
 
 #include "vtkInformation.h"

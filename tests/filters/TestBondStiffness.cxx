@@ -2,7 +2,7 @@
 // of one rank; what is refused.
 #include "BondTesting.h"
 
-#include "lattice/Communicator.h"
+#include "core/Communicator.h"
 #include "peridynamics/StiffnessStudy.h"
 #include "vtkBondStiffness.h"
 

@@ -1,7 +1,7 @@
 // Flux map: numbers on laminates, fluxes computed from fields, streamlines that respect what does not conduct.
 #include "VtkTesting.h"
 
-#include "FluxLines.h"
+#include "flux/FluxLines.h"
 
 #include "vtkCell.h"
 #include "vtkCellData.h"
@@ -241,7 +241,7 @@ TEST(Streamlines, SeedsCoverAFaceByItsFlux)
   {
     inflow[i] = i % 8 < 4 ? 3.0 : 1.0;
   }
-  const auto seeds = seedInlet(inflow, { 8, 8 }, 400);
+  const auto seeds = flux::seedInlet(inflow, { 8, 8 }, 400);
   ASSERT_EQ(seeds.size(), 400U);
   std::map<std::pair<int, int>, int> blocks; // 4 × 4 blocks of 2 × 2 nodes
   for (const auto& seed : seeds)
@@ -256,7 +256,7 @@ TEST(Streamlines, SeedsCoverAFaceByItsFlux)
       EXPECT_NEAR((blocks[{ u, v }]), even, 3) << u << ", " << v; // the lattice's discrepancy: a few points a block
     }
   }
-  EXPECT_TRUE(seedInlet(std::vector<double>(64, 0.0), { 8, 8 }, 10).empty());
+  EXPECT_TRUE(flux::seedInlet(std::vector<double>(64, 0.0), { 8, 8 }, 10).empty());
 }
 
 TEST(FluxMap, WorksOnFluxAlone)

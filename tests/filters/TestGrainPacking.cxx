@@ -6,7 +6,7 @@
 #include "vtkPackingReader.h"
 #include "vtkSampleAlgorithm.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "packing/Packing.h"
 
 #include "vtkCellArray.h"

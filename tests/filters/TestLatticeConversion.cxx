@@ -1,7 +1,7 @@
 // Between the numerics' structs and VTK's images: nothing copied, nothing lost.
 #include "VtkTesting.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include "vtkCellData.h"
 #include "vtkUnsignedCharArray.h"

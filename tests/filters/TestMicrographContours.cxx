@@ -3,10 +3,10 @@
 #include "MicrographTesting.h"
 #include "vtkMicrographPolygonReader.h"
 
-#include "lattice/Error.h"
-#include "micrograph/ContourCheck.h"
-#include "micrograph/ContourMeasures.h"
-#include "micrograph/PolygonFile.h"
+#include "core/Error.h"
+#include "outlines/ContourCheck.h"
+#include "outlines/ContourMeasures.h"
+#include "outlines/PolygonFile.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"

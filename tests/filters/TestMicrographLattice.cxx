@@ -3,9 +3,9 @@
 #include "MicrographTesting.h"
 #include "vtkMicrographLattice.h"
 
-#include "micrograph/ContourLattice.h"
-#include "micrograph/MiddleLamella.h"
-#include "micrograph/WallDirection.h"
+#include "outlines/ContourLattice.h"
+#include "outlines/MiddleLamella.h"
+#include "outlines/WallDirection.h"
 
 #include "vtkInformation.h"
 #include "vtkPolyData.h"

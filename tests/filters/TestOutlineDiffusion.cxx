@@ -6,8 +6,8 @@
 #include "vtkOutlineDiffusion.h"
 
 #include "lbm/ContourDiffusion.h"
-#include "micrograph/CoarserOutlines.h"
-#include "micrograph/WallThickness.h"
+#include "outlines/CoarserOutlines.h"
+#include "outlines/WallThickness.h"
 
 #include "vtkFieldData.h"
 #include "vtkPolyData.h"

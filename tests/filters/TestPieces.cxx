@@ -4,7 +4,7 @@
 #include "VtkTesting.h"
 
 #include "BoxExchange.h"
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "vtkPieces.h"
 
 #include "vtkCellData.h"

@@ -6,7 +6,7 @@
 #include "VtkTesting.h"
 #include "vtkLatticeConversion.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"

@@ -9,9 +9,9 @@
 // ends tells by its last number which input it did not survive.
 #include "Mutation.h"
 
-#include "GridFile.h"
 #include "convert/Formats.h"
 #include "convert/VtkFiles.h"
+#include "files/GridFile.h"
 #include "reports/DataTable.h"
 #include "reports/Plan.h"
 #include "scenes/SceneFile.h"
@@ -19,11 +19,11 @@
 #include "PackingTable.h"
 #include "PhasePicture.h"
 
+#include "core/Clock.h"
+#include "core/Error.h"
 #include "io/Checkpoint.h"
 #include "io/Provenance.h"
-#include "lattice/Clock.h"
-#include "lattice/Error.h"
-#include "micrograph/PolygonFile.h"
+#include "outlines/PolygonFile.h"
 
 #include <vtkCell.h>
 #include <vtkCellData.h>

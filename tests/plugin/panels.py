@@ -105,7 +105,7 @@ class Headers(unittest.TestCase):
         self.refused("  void AddBox(double x, double y);", "AddBox lists something that no RemoveAll... takes away")
 
     def test_words(self):
-        found = Reader(SOURCES / "solvers/vtk/vtkPointCompression.h").read()
+        found = Reader(SOURCES / "solvers/vtk/points/vtkPointCompression.h").read()
         self.assertEqual([entry[0] for entry in found.enums["Transfers"]], ["FLIP", "PIC", "APIC", "XPIC"])
         words = {setting.name: [choice.word for choice in setting.choices] for setting in DECLARED.settings("vtkBondFracture")}
         self.assertEqual(words["Mixing"], ["none", "harmonic", "minimum"])

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "lattice/Phases.h"
 
 #include <cstdint>

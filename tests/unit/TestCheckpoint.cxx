@@ -1,7 +1,7 @@
 #include "../TemporaryFolder.h"
 
+#include "core/Error.h"
 #include "io/Checkpoint.h"
-#include "lattice/Error.h"
 
 #include <gtest/gtest.h>
 #include <hdf5.h>

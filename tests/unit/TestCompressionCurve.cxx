@@ -2,7 +2,7 @@
 #include "Support.h"
 
 #include "compression/CompressionCurve.h"
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "ContourShapes.h"
 #include "Support.h"
-#include "micrograph/ContourLattice.h"
+#include "outlines/ContourLattice.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-#include "lattice/Error.h"
-#include "micrograph/ContourBorder.h"
-#include "micrograph/ContourCheck.h"
-#include "micrograph/ContourEdit.h"
-#include "micrograph/ContourExtraction.h"
-#include "micrograph/ContourMeasures.h"
+#include "core/Error.h"
+#include "outlines/ContourBorder.h"
+#include "outlines/ContourCheck.h"
+#include "outlines/ContourEdit.h"
+#include "outlines/ContourExtraction.h"
+#include "outlines/ContourMeasures.h"
 
 #include <gtest/gtest.h>
 

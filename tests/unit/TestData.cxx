@@ -1,5 +1,5 @@
 #include "generators/Generators.h"
-#include "micrograph/Picture.h"
+#include "pictures/Picture.h"
 
 #include <gtest/gtest.h>
 

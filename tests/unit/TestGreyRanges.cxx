@@ -1,5 +1,5 @@
 #include "Support.h"
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "lattice/GreyRanges.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // What lattice Boltzmann stepping refuses, and says.
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "lbm/stepping/LatticeBoltzmann.h"
 
 #include <gtest/gtest.h>

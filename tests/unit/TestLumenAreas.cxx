@@ -3,7 +3,7 @@
 
 #include "compression/CollapseStrain.h"
 #include "compression/LumenAreas.h"
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "mpm/MaterialPoints.h"
 
 #include <gtest/gtest.h>

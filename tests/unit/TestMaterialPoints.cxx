@@ -1,5 +1,5 @@
 // Contracts of material points: what they are made of, shapes, walls on the grid, and what is refused.
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "mpm/GridWalls.h"
 #include "mpm/MaterialPoints.h"
 #include "mpm/NeoHookean.h"

@@ -5,7 +5,7 @@
 #include "generators/Generators.h"
 #include "generators/LookParts.h"
 #include "generators/Nearest.h"
-#include "micrograph/WritePicture.h"
+#include "pictures/WritePicture.h"
 
 #include <gtest/gtest.h>
 
@@ -79,7 +79,7 @@ TEST(Nearest, IsExact)
     std::vector<std::uint8_t> marked(nx * ny);
     for (std::size_t i = 0; i < marked.size(); ++i)
     {
-      marked[i] = random.uniform(Use::Noise, static_cast<std::int64_t>(i)) < share;
+      marked[i] = random.uniform(RandomUse::Noise, static_cast<std::int64_t>(i)) < share;
     }
     const Nearest nearest = nearestMarked(marked, nx, ny);
     for (std::int64_t i = 0; i < nx * ny; ++i)

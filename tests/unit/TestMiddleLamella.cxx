@@ -1,6 +1,6 @@
 #include "ContourShapes.h"
 #include "Support.h"
-#include "micrograph/MiddleLamella.h"
+#include "outlines/MiddleLamella.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 #include "ContourShapes.h"
-#include "micrograph/NearestContours.h"
+#include "outlines/NearestContours.h"
 
 #include <gtest/gtest.h>
 

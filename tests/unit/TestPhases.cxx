@@ -1,6 +1,6 @@
 #include "Support.h"
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
+#include "core/Error.h"
+#include "core/Memory.h"
 #include "lattice/Phases.h"
 
 #include <fmt/format.h>

@@ -2,8 +2,8 @@
 #include "Support.h"
 
 #include "io/Provenance.h"
-#include "micrograph/JpegFile.h"
-#include "micrograph/Picture.h"
+#include "pictures/JpegFile.h"
+#include "pictures/Picture.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

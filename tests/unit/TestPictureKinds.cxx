@@ -3,10 +3,10 @@
 #include "Support.h"
 
 #include "io/Provenance.h"
-#include "micrograph/JpegFile.h"
-#include "micrograph/Picture.h"
-#include "micrograph/PngFile.h"
-#include "micrograph/TiffFile.h"
+#include "pictures/JpegFile.h"
+#include "pictures/Picture.h"
+#include "pictures/PngFile.h"
+#include "pictures/TiffFile.h"
 
 #include <gtest/gtest.h>
 

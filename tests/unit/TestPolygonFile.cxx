@@ -1,7 +1,7 @@
-#include "lattice/Error.h"
-#include "micrograph/ContourCheck.h"
-#include "micrograph/ContourMeasures.h"
-#include "micrograph/PolygonFile.h"
+#include "core/Error.h"
+#include "outlines/ContourCheck.h"
+#include "outlines/ContourMeasures.h"
+#include "outlines/PolygonFile.h"
 
 #include <gtest/gtest.h>
 

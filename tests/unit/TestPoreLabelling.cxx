@@ -1,7 +1,7 @@
 // Pores of pictures and volumes: against a flood fill node by node, and shapes whose pores are known.
 #include "PoreImages.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include "reports/Page.h"
 #include "reports/Plan.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 #include "Support.h"
 
+#include "core/Random.h"
 #include "generators/Generators.h"
 #include "generators/MicrographLook.h"
-#include "generators/Random.h"
-#include "micrograph/Segmentation.h"
+#include "segmentation/Segmentation.h"
 
 #include <gtest/gtest.h>
 
@@ -40,14 +40,14 @@ Picture scanOf(const PhaseImage& image, const Scan& scan)
   Picture picture;
   picture.lattice = image.lattice;
   const auto [nx, ny, nz] = image.lattice.size;
-  const generators::Random random(7);
+  const Random random(7);
   const bool colour = scan.stain[0] + scan.stain[1] + scan.stain[2] > 0;
   const auto seen = [&](double level, std::int64_t x, std::int64_t y, int channel)
   {
     const double u = 2 * static_cast<double>(x) / static_cast<double>(nx) - 1;
     const double v = 2 * static_cast<double>(y) / static_cast<double>(ny) - 1;
     const double light = 1 - scan.shading * (u * u + v * v) / 2;
-    const double noisy = level * light + scan.noise * random.normal(generators::Use::CellPlace, x, y, channel);
+    const double noisy = level * light + scan.noise * random.normal(RandomUse::CellPlace, x, y, channel);
     return static_cast<std::uint16_t>(std::clamp(std::lround(noisy), 0L, 255L));
   };
   for (std::int64_t y = 0; y < ny; ++y)

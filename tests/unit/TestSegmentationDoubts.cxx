@@ -1,10 +1,10 @@
 // What a threshold gets wrong is right or warned of; whole tissue raises no alarm.
 #include "../MicrographKinds.h"
 
-#include "generators/Random.h"
-#include "micrograph/GreyClasses.h"
-#include "micrograph/PieceShapes.h"
-#include "micrograph/Segmentation.h"
+#include "core/Random.h"
+#include "segmentation/GreyClasses.h"
+#include "segmentation/PieceShapes.h"
+#include "segmentation/Segmentation.h"
 
 #include <gtest/gtest.h>
 
@@ -193,7 +193,7 @@ TEST(SegmentationDoubts, WordsOfWoodAreForCellsAlone)
 
 TEST(GreyClasses, AreCountedInFlatPlaces)
 {
-  const generators::Random random(3);
+  const Random random(3);
   const auto stripes = [&](const std::vector<double>& greys, double sigma, double noise)
   {
     cv::Mat grey(240, 240, CV_32F);
@@ -209,7 +209,7 @@ TEST(GreyClasses, AreCountedInFlatPlaces)
     {
       for (int x = 0; x < grey.cols; ++x)
       {
-        grey.at<float>(row, x) += static_cast<float>(noise * random.normal(generators::Use::Noise, x, row));
+        grey.at<float>(row, x) += static_cast<float>(noise * random.normal(RandomUse::Noise, x, row));
       }
     }
     return greyClasses(grey, 120, noise / 120);

@@ -1,9 +1,9 @@
 // What each step of the segmentation finds in a picture made for it, and what it leaves alone.
 #include "Support.h"
 
-#include "generators/Random.h"
-#include "micrograph/LumenClasses.h"
-#include "micrograph/Segmentation.h"
+#include "core/Random.h"
+#include "outlines/LumenClasses.h"
+#include "segmentation/Segmentation.h"
 
 #include <gtest/gtest.h>
 
@@ -115,11 +115,11 @@ Picture withRay(double rayTissue)
 
 std::vector<double> logNormal(std::size_t n, double middle, double width, int seed)
 {
-  const generators::Random random(static_cast<std::uint64_t>(seed));
+  const Random random(static_cast<std::uint64_t>(seed));
   std::vector<double> sizes(n);
   for (std::size_t i = 0; i < n; ++i)
   {
-    sizes[i] = middle * std::exp(width * random.normal(generators::Use::CellPlace, static_cast<std::int64_t>(i), 0, 0));
+    sizes[i] = middle * std::exp(width * random.normal(RandomUse::CellPlace, static_cast<std::int64_t>(i), 0, 0));
   }
   return sizes;
 }
@@ -294,13 +294,13 @@ TEST(SegmentationSteps, OneLumenThatFillsThePictureIsTold)
 
 TEST(SegmentationSteps, NoiseAloneIsHardToTellApart)
 {
-  const generators::Random random(3);
+  const Random random(3);
   Picture picture;
   picture.lattice = makeLattice(200, 150, 1, 2, 1);
   for (std::int64_t i = 0; i < 200 * 150; ++i)
   {
     picture.grey.push_back(
-      static_cast<std::uint16_t>(std::lround(128 + 10 * random.normal(generators::Use::CellPlace, i, 0, 0))));
+      static_cast<std::uint16_t>(std::lround(128 + 10 * random.normal(RandomUse::CellPlace, i, 0, 0))));
   }
   EXPECT_TRUE(says(segment(picture), "hard to tell apart"));
 }
@@ -312,10 +312,10 @@ TEST(SegmentationSteps, AColourCanBeAskedFor)
   options.channel = Channel::Red;
   EXPECT_THROW((void)segment(picture, options), ParameterError);
   // Only blue shows the walls; green shows some of them, with noise that red shows too: less red, it is clean.
-  const generators::Random random(5);
+  const Random random(5);
   for (std::size_t i = 0; i < picture.grey.size(); ++i)
   {
-    const double dirt = 25 * random.normal(generators::Use::CellPlace, static_cast<std::int64_t>(i), 0, 0);
+    const double dirt = 25 * random.normal(RandomUse::CellPlace, static_cast<std::int64_t>(i), 0, 0);
     const double red = std::clamp(128 + dirt, 0.0, 255.0);
     const double green = std::clamp(0.5 * picture.grey[i] + 60 + dirt, 0.0, 255.0);
     picture.colour.push_back(static_cast<std::uint16_t>(red));

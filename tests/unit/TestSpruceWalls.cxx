@@ -1,6 +1,6 @@
 #include "ContourShapes.h"
-#include "micrograph/MiddleLamella.h"
-#include "micrograph/Picture.h"
+#include "outlines/MiddleLamella.h"
+#include "pictures/Picture.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // Statistics of stresses: laws whose numbers are known, sums counted by hand, slabs, ranks, what is refused.
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "statistics/StressDistribution.h"
 #include "statistics/StressMeasure.h"
 

@@ -1,5 +1,5 @@
 // How long a run still takes, from what it tells.
-#include "TimeLeft.h"
+#include "session/TimeLeft.h"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 #include "Support.h"
 
 #include "generators/TissueTruth.h"
-#include "micrograph/ContourMeasures.h"
-#include "micrograph/LumenClasses.h"
+#include "outlines/ContourMeasures.h"
+#include "outlines/LumenClasses.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // Grey volumes with a known truth: spheres and walls, blurred, with noise and a light that varies.
 #include "Support.h"
-#include "lattice/Error.h"
-#include "micrograph/VolumeFilters.h"
-#include "micrograph/VolumePieces.h"
-#include "micrograph/VolumeSegmentation.h"
+#include "core/Error.h"
+#include "segmentation/VolumeFilters.h"
+#include "segmentation/VolumePieces.h"
+#include "segmentation/VolumeSegmentation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 #include "PictureFiles.h"
 #include "Support.h"
 
+#include "core/WholeFile.h"
 #include "generators/Generators.h"
-#include "lattice/WholeFile.h"
-#include "micrograph/Picture.h"
-#include "micrograph/WritePicture.h"
+#include "pictures/Picture.h"
+#include "pictures/WritePicture.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -1,7 +1,7 @@
 // Bonds in motion: waves of known frequency, every energy accounted for, the static solution in the end.
 #include "BondSamples.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/fracture/Dynamics.h"
 
 #include <gtest/gtest.h>

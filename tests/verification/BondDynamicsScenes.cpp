@@ -3,7 +3,7 @@
 #include "../RunningCracks.h"
 #include "BondSamples.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // samples that fall apart.
 #include "BondSamples.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/PeriodicCell.h"
 
 #include <gtest/gtest.h>

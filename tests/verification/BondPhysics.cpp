@@ -2,7 +2,7 @@
 // strains, balance of sections, first break; and what is refused.
 #include "Bonds.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <gtest/gtest.h>
 

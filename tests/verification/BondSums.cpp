@@ -2,7 +2,7 @@
 // 2D and 3D, all numbers of kinds, periodic or not; on any number of ranks and threads, with every instruction set.
 #include "Bonds.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/kernels/RowKernels.h"
 
 #include <gtest/gtest.h>

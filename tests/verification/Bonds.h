@@ -1,7 +1,7 @@
 // Samples for the peridynamic sums, and the same sums by a plain double loop over pairs of nodes.
 #pragma once
 
-#include "lattice/Communicator.h"
+#include "core/Communicator.h"
 #include "peridynamics/BondForces.h"
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // The matrix between cemented grains: areas and volumes by formula, and the paper's saturations.
 #include "packing/Bridges.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // Contours of shapes whose area and normals are known.
 #include "generators/Generators.h"
-#include "micrograph/ContourBorder.h"
-#include "micrograph/ContourCheck.h"
-#include "micrograph/ContourExtraction.h"
-#include "micrograph/ContourMeasures.h"
-#include "micrograph/Picture.h"
-#include "micrograph/PolygonFile.h"
+#include "outlines/ContourBorder.h"
+#include "outlines/ContourCheck.h"
+#include "outlines/ContourExtraction.h"
+#include "outlines/ContourMeasures.h"
+#include "outlines/PolygonFile.h"
+#include "pictures/Picture.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Paths of ideal cracks against the lines that made them: length, direction, place, branches.
 #include "CrackCuts.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Strength by a slow pull in damped motion is that of quasi-static fracture, and so is the crack.
 #include "FractureSamples.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/fracture/DampedPull.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "LatticeBoltzmann.h"
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <Eigen/Dense>
 

@@ -3,12 +3,12 @@
 #include "DiskArray.h"
 #include "lbm/ContourDiffusion.h"
 
-#include "lattice/Communicator.h"
-#include "lattice/Error.h"
-#include "micrograph/CoarserOutlines.h"
-#include "micrograph/ContourEdit.h"
-#include "micrograph/ContourMeasures.h"
-#include "micrograph/PolygonFile.h"
+#include "core/Communicator.h"
+#include "core/Error.h"
+#include "outlines/CoarserOutlines.h"
+#include "outlines/ContourEdit.h"
+#include "outlines/ContourMeasures.h"
+#include "outlines/PolygonFile.h"
 
 #include <gtest/gtest.h>
 

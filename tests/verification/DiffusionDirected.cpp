@@ -1,7 +1,7 @@
 // Conductivities along and across an axis: exact tensors, layers and coated disks, and what the links refuse.
 #include "Diffusion.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "lbm/DirectedLinks.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "micrograph/Contour.h"
+#include "outlines/Contour.h"
 
 #include <algorithm>
 #include <array>

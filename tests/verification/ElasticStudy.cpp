@@ -1,7 +1,7 @@
 // Materials by name, and the elastic job as a whole: stiffness of the lattice, first break, balance, ranks, warnings.
 #include "Bonds.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/ElasticStudy.h"
 #include "peridynamics/PairTable.h"
 

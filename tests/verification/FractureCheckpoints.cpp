@@ -3,8 +3,8 @@
 #include "../TemporaryFolder.h"
 #include "FractureSamples.h"
 
+#include "core/Error.h"
 #include "io/Checkpoint.h"
-#include "lattice/Error.h"
 #include "peridynamics/fracture/Dynamics.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // Checkpoints of some ranks, gone on from by as many, fewer or more.
 #include "FractureSamples.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/fracture/DynamicsStudy.h"
 
 #include <gtest/gtest.h>

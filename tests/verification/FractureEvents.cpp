@@ -1,7 +1,7 @@
 // Fracture by local corrections against one equilibrium a break; what any of both must give; what is refused.
 #include "FractureSamples.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/Fragments.h"
 #include "peridynamics/fracture/EventHierarchy.h"
 

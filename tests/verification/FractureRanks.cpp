@@ -1,7 +1,7 @@
 // One equilibrium a break: the same bonds in the same order on any number of ranks.
 #include "FractureSamples.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <gtest/gtest.h>
 

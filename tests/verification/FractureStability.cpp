@@ -3,7 +3,7 @@
 #include "../DiskPlate.h"
 #include "FractureSamples.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/fracture/FractureStudy.h"
 #include "peridynamics/fracture/PlatenForce.h"
 

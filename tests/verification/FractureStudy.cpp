@@ -1,7 +1,7 @@
 // The whole job of fracture: what its numbers mean, and that what is asked for changes nothing that breaks.
 #include "FractureSamples.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/fracture/FractureStudy.h"
 
 #include <limits>

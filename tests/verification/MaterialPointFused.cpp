@@ -1,7 +1,7 @@
 // The fused kernels against the plain path, and against themselves on other numbers of threads.
 #include "MaterialPointShells.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <gtest/gtest.h>
 #include <omp.h>

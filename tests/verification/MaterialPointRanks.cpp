@@ -3,7 +3,7 @@
 
 #include "Bonds.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <gtest/gtest.h>
 

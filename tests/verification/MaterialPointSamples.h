@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lattice/Communicator.h"
+#include "core/Communicator.h"
 #include "mpm/MaterialPoints.h"
 #include "mpm/NeoHookean.h"
 #include "mpm/PointDynamics.h"

@@ -1,7 +1,7 @@
 // Packings: forces are the gradient of the energy; at rest every degree of freedom is balanced by exactly one contact.
 #include "packing/Packing.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "packing/GrainSystem.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "packing/Bridges.h"
 #include "packing/Packing.h"
 

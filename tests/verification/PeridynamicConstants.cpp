@@ -1,7 +1,7 @@
 // Bond constants and what a lattice makes of them, against sums computed independently.
 #include "peridynamics/Material.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <gtest/gtest.h>
 

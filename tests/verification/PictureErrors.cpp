@@ -2,7 +2,7 @@
 #include "Diffusion.h"
 #include "DiskArray.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "lattice/PictureError.h"
 
 #include <gtest/gtest.h>

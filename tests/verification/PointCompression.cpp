@@ -2,7 +2,7 @@
 #include "../TemporaryFolder.h"
 #include "MaterialPointSamples.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "mpm/PointCompression.h"
 #include "mpm/PointStiffness.h"
 #include "mpm/WallMaterial.h"

@@ -3,7 +3,7 @@
 #include "Bonds.h"
 #include "MaterialPointSamples.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "mpm/PointCompression.h"
 #include "mpm/WallMaterial.h"
 

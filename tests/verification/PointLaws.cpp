@@ -1,7 +1,7 @@
 // Laws of material points: what every elastic law must obey, and closed forms.
 #include "PointChance.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "mpm/NeoHookean.h"
 
 #include <gtest/gtest.h>

@@ -2,12 +2,12 @@
 #include "MaterialPointSamples.h"
 #include "PointBox.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "lattice/Phases.h"
-#include "micrograph/Picture.h"
 #include "mpm/WallCells.h"
 #include "mpm/WallMaterial.h"
 #include "peridynamics/ElasticConstants.h"
+#include "pictures/Picture.h"
 
 #include <gtest/gtest.h>
 

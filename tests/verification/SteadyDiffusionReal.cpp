@@ -2,7 +2,7 @@
 // temperatures on two opposite outer faces, the other sides insulated).
 #include "Diffusion.h"
 
-#include "micrograph/Picture.h"
+#include "pictures/Picture.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Odd boxes, large contrasts, and what must be refused.
 #include "Diffusion.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Effective stiffness of periodic cells: exact values, order of convergence, published values, what has no stiffness.
 #include "BondSamples.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/StiffnessStudy.h"
 
 #include <gtest/gtest.h>

@@ -4,12 +4,13 @@ include(LamellaPython)
 include(LamellaDeclarations)
 
 # lamella_module(NAME Lamella::X CLASSES vtkA ... [HEADERS h.h ...] [SOURCES s.cxx ...] [LINK target ...]
-#                [PUBLIC_LINK target ...] [SETTINGS])
+#                [PUBLIC_LINK target ...] [FOLDERS folder ...] [SETTINGS])
 # A VTK module with our warnings. CLASSES are wrapped for Python; HEADERS are installed but not wrapped; SOURCES are
-# helpers; what LINK names only the implementation sees. SETTINGS: the headers declare settings, which are checked. Generated code is compiled in other targets, so our warnings
-# meet hand-written code only. The export header is named after LIBRARY_NAME: vtkLamellaXModule.h.
+# helpers; what LINK names only the implementation sees. FOLDERS: of this one, where headers lie. SETTINGS: the headers
+# declare settings, which are checked. Generated code is compiled in other targets, so our warnings meet hand-written code
+# only. The export header is named after LIBRARY_NAME: vtkLamellaXModule.h.
 function(lamella_module)
-  cmake_parse_arguments(PARSE_ARGV 0 arg "SETTINGS" "NAME" "CLASSES;HEADERS;SOURCES;LINK;PUBLIC_LINK")
+  cmake_parse_arguments(PARSE_ARGV 0 arg "SETTINGS" "NAME" "CLASSES;HEADERS;SOURCES;LINK;PUBLIC_LINK;FOLDERS")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_NAME OR NOT arg_CLASSES)
     message(FATAL_ERROR "lamella_module: NAME and CLASSES are needed; not understood: '${arg_UNPARSED_ARGUMENTS}'")
   endif()
@@ -24,6 +25,9 @@ function(lamella_module)
     vtk_module_link(${arg_NAME} PUBLIC ${arg_PUBLIC_LINK})
   endif()
   _vtk_module_real_target(target ${arg_NAME})
+  foreach(folder IN LISTS arg_FOLDERS)
+    target_include_directories(${target} PUBLIC "$<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/${folder}>")
+  endforeach()
   lamella_warnings(${target})
   if(arg_SETTINGS)
     lamella_check_settings(${target} ${arg_CLASSES})

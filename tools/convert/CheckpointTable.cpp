@@ -3,8 +3,8 @@
 #include "Text.h"
 
 #include "NewArray.h"
+#include "core/Error.h"
 #include "io/Checkpoint.h"
-#include "lattice/Error.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkDoubleArray.h>

@@ -1,19 +1,19 @@
 #include "convert/Conversion.h"
 
-#include "Collection.h"
-#include "GridFile.h"
-#include "Input.h"
-#include "Record.h"
 #include "Text.h"
 #include "convert/PointTable.h"
 #include "convert/Source.h"
 #include "convert/Types.h"
+#include "files/Collection.h"
+#include "files/GridFile.h"
+#include "files/Input.h"
+#include "files/Record.h"
 
 #include "CellConversion.h"
 #include "GridReaders.h"
-#include "lattice/Clock.h"
-#include "lattice/Error.h"
-#include "lattice/PartFile.h"
+#include "core/Clock.h"
+#include "core/Error.h"
+#include "core/PartFile.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkCellData.h>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "JsonReport.h"
-#include "Session.h"
 #include "convert/Formats.h"
+#include "files/JsonReport.h"
+#include "session/Session.h"
 
 #include "io/Provenance.h"
 

@@ -1,7 +1,5 @@
 #include "convert/Formats.h"
 
-#include "GridFile.h"
-#include "TableText.h"
 #include "Text.h"
 #include "convert/CheckpointTable.h"
 #include "convert/Notes.h"
@@ -9,10 +7,12 @@
 #include "convert/PointTable.h"
 #include "convert/TiffFile.h"
 #include "convert/Types.h"
+#include "files/GridFile.h"
+#include "files/TableText.h"
 
 #include "CellConversion.h"
 #include "GridReaders.h"
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkDataArray.h>

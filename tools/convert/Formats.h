@@ -1,8 +1,8 @@
 #pragma once
 
-#include "OutputFile.h"
 #include "convert/RawFile.h"
 #include "convert/VtkFiles.h"
+#include "session/OutputFile.h"
 
 #include <string>
 #include <vector>

@@ -1,10 +1,10 @@
 #include "convert/Notes.h"
 
-#include "Record.h"
-#include "SampleFile.h"
 #include "convert/Types.h"
+#include "files/Record.h"
+#include "files/SampleFile.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkAbstractArray.h>

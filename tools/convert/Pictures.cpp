@@ -3,12 +3,12 @@
 #include "convert/Notes.h"
 #include "convert/TiffFile.h"
 
-#include "lattice/Error.h"
-#include "micrograph/Decode.h"
-#include "micrograph/Picture.h"
-#include "micrograph/Slices.h"
-#include "micrograph/TiffFile.h"
-#include "micrograph/WritePicture.h"
+#include "core/Error.h"
+#include "pictures/Decode.h"
+#include "pictures/Picture.h"
+#include "pictures/Slices.h"
+#include "pictures/TiffFile.h"
+#include "pictures/WritePicture.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkDataArray.h>

@@ -1,15 +1,15 @@
 #include "convert/PointTable.h"
 
-#include "CsvField.h"
 #include "Text.h"
 #include "convert/Notes.h"
 #include "convert/RawFile.h"
 #include "convert/Types.h"
+#include "files/CsvField.h"
 
 #include "NewArray.h"
 #include "TextTable.h"
+#include "core/Error.h"
 #include "lattice/AxisNames.h"
-#include "lattice/Error.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkCellData.h>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "OutputFile.h"
 #include "convert/VtkFiles.h"
+#include "session/OutputFile.h"
 
 #include <span>
 #include <string>

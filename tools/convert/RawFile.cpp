@@ -4,7 +4,7 @@
 #include "convert/Notes.h"
 #include "convert/Types.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkDataArray.h>

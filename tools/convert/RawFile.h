@@ -1,17 +1,17 @@
 #pragma once
 
-#include "Input.h"
-#include "OutputFile.h"
 #include "convert/Volume.h"
+#include "files/Input.h"
+#include "session/OutputFile.h"
 
-#include "micrograph/RawVolume.h"
+#include "pictures/RawVolume.h"
 
 #include <array>
 #include <cstddef>
 #include <memory>
 #include <string>
 
-/// Volumes as plain numbers (micrograph/RawVolume.h) for `lamella convert`: read in slabs, and written.
+/// Volumes as plain numbers (pictures/RawVolume.h) for `lamella convert`: read in slabs, and written.
 namespace lamella::cli
 {
 
@@ -31,7 +31,7 @@ void addRawTypeOptions(CLI::App& command, RawOptions& options);
 /// @throws InputError, ParameterError
 [[nodiscard]] RawLayout rawLayout(const std::string& path, const RawOptions& options);
 
-/// Reads slabs of it (micrograph/RawVolume.h), as `grey`.
+/// Reads slabs of it (pictures/RawVolume.h), as `grey`.
 /// @throws InputError: the file has another size than the layout says (both in the message)
 [[nodiscard]] std::unique_ptr<Volume> openRaw(const RawLayout& layout);
 

@@ -1,10 +1,10 @@
 #include "convert/Source.h"
 
-#include "GridFile.h"
+#include "files/GridFile.h"
 
 #include "GridReaders.h"
-#include "lattice/Error.h"
-#include "micrograph/Slices.h"
+#include "core/Error.h"
+#include "pictures/Slices.h"
 
 #include <vtkXMLDataElement.h>
 #include <vtkXMLUtilities.h>

@@ -1,6 +1,6 @@
 #include "convert/TiffFile.h"
 
-#include "micrograph/TiffFile.h"
+#include "pictures/TiffFile.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkDataArray.h>

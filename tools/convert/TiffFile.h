@@ -1,7 +1,7 @@
 #pragma once
 
-#include "OutputFile.h"
 #include "convert/Volume.h"
+#include "session/OutputFile.h"
 
 #include <string>
 
@@ -10,7 +10,7 @@ namespace lamella::micrograph
 struct TiffPage;
 }
 
-/// Volumes as TIFF files (micrograph/TiffFile.h).
+/// Volumes as TIFF files (pictures/TiffFile.h).
 namespace lamella::cli
 {
 

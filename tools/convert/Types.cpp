@@ -1,6 +1,6 @@
 #include "convert/Types.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkArrayDispatch.h>

@@ -1,7 +1,7 @@
 #include "convert/Volume.h"
 
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
+#include "core/Error.h"
+#include "core/Memory.h"
 
 #include <vtkCellData.h>
 #include <vtkDataArray.h>

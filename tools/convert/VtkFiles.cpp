@@ -1,14 +1,14 @@
 #include "convert/VtkFiles.h"
 
-#include "ArrayRanges.h"
-#include "GridFile.h"
+#include "files/ArrayRanges.h"
+#include "files/GridFile.h"
 
 #include "GridChecks.h"
 #include "GridReaders.h"
+#include "core/Error.h"
+#include "core/Plausible.h"
 #include "io/Hdf5.h"
 #include "io/Survives.h"
-#include "lattice/Error.h"
-#include "lattice/Plausible.h"
 #include "vtkLatticeConversion.h"
 #include "vtkVTKHDFWriter.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "OutputFile.h"
 #include "convert/Volume.h"
+#include "session/OutputFile.h"
 
 #include <vtkPointSet.h>
 #include <vtkTable.h>

@@ -2,8 +2,8 @@
 
 #include "Text.h"
 
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
+#include "core/Error.h"
+#include "core/Memory.h"
 
 #include <nlohmann/json.hpp>
 

@@ -3,7 +3,7 @@
 #include "reports/DataTable.h"
 #include "reports/Pictures.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <fmt/format.h>
 

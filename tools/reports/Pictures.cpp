@@ -2,11 +2,11 @@
 
 #include "reports/Html.h"
 
-#include "lattice/Error.h"
-#include "micrograph/Decode.h"
-#include "micrograph/JpegFile.h"
-#include "micrograph/PngFile.h"
-#include "micrograph/TiffFile.h"
+#include "core/Error.h"
+#include "pictures/Decode.h"
+#include "pictures/JpegFile.h"
+#include "pictures/PngFile.h"
+#include "pictures/TiffFile.h"
 
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>

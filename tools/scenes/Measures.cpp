@@ -2,10 +2,10 @@
 
 #include "scenes/Contents.h"
 
-#include "JsonReport.h"
 #include "Text.h"
+#include "files/JsonReport.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkDoubleArray.h>

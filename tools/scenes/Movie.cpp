@@ -1,8 +1,8 @@
 #include "scenes/Movie.h"
 
-#include "OutputFile.h"
+#include "session/OutputFile.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <vtkImageConstantPad.h>
 #include <vtkImageData.h>

@@ -1,11 +1,11 @@
 #include "scenes/Plan.h"
 
 #include "Text.h"
-#include "Workspace.h"
+#include "session/Workspace.h"
 
+#include "core/Error.h"
 #include "io/Provenance.h"
 #include "lamella/Version.h"
-#include "lattice/Error.h"
 
 #include <fmt/format.h>
 

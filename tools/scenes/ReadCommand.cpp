@@ -1,9 +1,9 @@
 #include "scenes/Scene.h"
 
-#include "GridFile.h"
-#include "Input.h"
-#include "JsonReport.h"
-#include "SampleRun.h"
+#include "commands/SampleRun.h"
+#include "files/GridFile.h"
+#include "files/Input.h"
+#include "files/JsonReport.h"
 
 #include "vtkLatticeConversion.h"
 

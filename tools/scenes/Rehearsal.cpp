@@ -4,10 +4,10 @@
 #include "scenes/Measures.h"
 #include "scenes/Memory.h"
 
-#include "CommandLine.h"
 #include "Text.h"
+#include "program/CommandLine.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkDataSet.h>

@@ -1,6 +1,6 @@
 #include "scenes/ResultTables.h"
 
-#include "OutputFile.h"
+#include "session/OutputFile.h"
 
 #include "io/Hdf5.h"
 

@@ -1,11 +1,11 @@
 #include "scenes/Results.h"
 
-#include "JsonReport.h"
-#include "OutputFile.h"
-#include "Record.h"
+#include "files/JsonReport.h"
+#include "files/Record.h"
+#include "session/OutputFile.h"
 
+#include "core/PartFile.h"
 #include "io/Provenance.h"
-#include "lattice/PartFile.h"
 
 #include <fstream>
 #include <iterator>

@@ -7,18 +7,18 @@
 #include "scenes/Sharing.h"
 #include "scenes/StageCheckpoint.h"
 
-#include "CommandLine.h"
-#include "JsonReport.h"
-#include "OutputFile.h"
-#include "Record.h"
-#include "ResultFiles.h"
-#include "Stopped.h"
 #include "Text.h"
+#include "files/JsonReport.h"
+#include "files/Record.h"
+#include "files/ResultFiles.h"
+#include "program/CommandLine.h"
+#include "session/OutputFile.h"
+#include "session/Stopped.h"
 
+#include "core/Error.h"
+#include "core/Memory.h"
 #include "io/Provenance.h"
 #include "lamella/Version.h"
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
 
 #include <vtkDoubleArray.h>
 #include <vtkStringArray.h>

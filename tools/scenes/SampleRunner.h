@@ -2,8 +2,8 @@
 
 #include "scenes/Plan.h"
 
-#include "Session.h"
-#include "Workspace.h"
+#include "session/Session.h"
+#include "session/Workspace.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -1,10 +1,10 @@
 #include "scenes/Scene.h"
 
-#include "CommandLine.h"
 #include "Text.h"
-#include "Units.h"
+#include "program/CommandLine.h"
+#include "session/Units.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include "scenes/Ports.h"
 #include "scenes/SceneFile.h"
 
-#include "Commands.h"
+#include "program/Commands.h"
 
 #include <CLI/App.hpp>
 

@@ -1,9 +1,9 @@
 #include "scenes/SceneFile.h"
 
-#include "GridFile.h"
 #include "Text.h"
+#include "files/GridFile.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 #include "scenes/Sharing.h"
 
-#include "OutputFile.h"
-#include "Watchdog.h"
+#include "session/OutputFile.h"
+#include "session/Watchdog.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <fmt/format.h>
 

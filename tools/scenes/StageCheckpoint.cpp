@@ -1,6 +1,6 @@
 #include "scenes/StageCheckpoint.h"
 
-#include "OutputFile.h"
+#include "session/OutputFile.h"
 
 #include <algorithm>
 #include <system_error>

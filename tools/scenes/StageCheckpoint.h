@@ -1,6 +1,6 @@
 #pragma once
 
-#include "JsonReport.h"
+#include "files/JsonReport.h"
 
 #include <filesystem>
 #include <fstream>

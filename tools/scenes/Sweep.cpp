@@ -2,7 +2,7 @@
 
 #include "Text.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <fmt/format.h>
 

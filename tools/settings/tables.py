@@ -1,4 +1,4 @@
-"""Makes the tables by which a class checks its settings (solvers/vtk/Settings.h): C++ of one module, of what its headers declare."""
+"""Makes the tables by which a class checks its settings (solvers/vtk/shared/Settings.h): C++ of one module, of what its headers declare."""
 
 import itertools
 import json

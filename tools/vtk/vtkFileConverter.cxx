@@ -1,12 +1,12 @@
 #include "vtkFileConverter.h"
 
 #include "Attempt.h"
-#include "GridFile.h"
-#include "Session.h"
 #include "convert/Conversion.h"
+#include "files/GridFile.h"
+#include "session/Session.h"
 
+#include "core/Error.h"
 #include "io/Provenance.h"
-#include "lattice/Error.h"
 
 #include "vtkDataObject.h"
 #include "vtkDoubleArray.h"

@@ -1,5 +1,5 @@
 // The coarsest level, by sparse Cholesky; and levels shared out anew or gathered on every rank.
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "lbm/multigrid/Multigrid.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // What can be read from the populations, and what is kept of them on disk.
-#include "lattice/Error.h"
-#include "lattice/Passes.h"
+#include "core/Error.h"
+#include "core/Passes.h"
 #include "lbm/stepping/Impl.h"
 
 #include <fmt/format.h>

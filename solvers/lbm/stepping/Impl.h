@@ -1,7 +1,7 @@
 #pragma once
 
-#include "lattice/Error.h"
-#include "lattice/Mix.h"
+#include "core/Error.h"
+#include "core/Mix.h"
 #include "lbm/stepping/Accuracy.h"
 #include "lbm/stepping/LatticeBoltzmann.h"
 #include "lbm/stepping/SlotMap.h"

@@ -1,8 +1,8 @@
 #include "lbm/stepping/LatticeBoltzmann.h"
 
-#include "lattice/Clock.h"
-#include "lattice/Error.h"
-#include "lattice/Together.h"
+#include "core/Clock.h"
+#include "core/Error.h"
+#include "core/Together.h"
 #include "lbm/stepping/Accuracy.h"
 #include "lbm/stepping/Impl.h"
 

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/Error.h"
 #include "io/RunCheckpoint.h"
 #include "lattice/Decomposition.h"
-#include "lattice/Error.h"
 #include "lattice/Lattice.h"
 #include "lbm/Links.h"
 #include "lbm/SteadyDiffusion.h"

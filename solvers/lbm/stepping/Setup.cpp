@@ -1,7 +1,7 @@
 // What LatticeBoltzmann checks and builds before the first step.
-#include "lattice/Error.h"
-#include "lattice/Memory.h"
-#include "lattice/Plausible.h"
+#include "core/Error.h"
+#include "core/Memory.h"
+#include "core/Plausible.h"
 #include "lbm/Connectivity.h"
 #include "lbm/stepping/Impl.h"
 

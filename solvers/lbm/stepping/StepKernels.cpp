@@ -1,6 +1,6 @@
 #include "lbm/stepping/StepKernels.h"
 
-#include "lattice/InstructionSet.h"
+#include "core/InstructionSet.h"
 
 namespace lamella::lbm
 {

@@ -1,6 +1,6 @@
 #include "mpm/kernels/PointKernels.h"
 
-#include "lattice/InstructionSet.h"
+#include "core/InstructionSet.h"
 
 namespace lamella::mpm
 {

@@ -1,6 +1,6 @@
 #include "peridynamics/fracture/AccurateEngine.h"
 
-#include "lattice/Clock.h"
+#include "core/Clock.h"
 
 #include "peridynamics/Fragments.h"
 #include "peridynamics/RimExchange.h"

@@ -1,6 +1,6 @@
 #include "peridynamics/fracture/Fracture.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/RimExchange.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "peridynamics/fracture/DampedPull.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/Equilibrium.h"
 

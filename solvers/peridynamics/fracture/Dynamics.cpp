@@ -1,6 +1,6 @@
 #include "peridynamics/fracture/Dynamics.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>

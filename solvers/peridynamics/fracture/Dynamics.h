@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lattice/Clock.h"
+#include "core/Clock.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/fracture/FractureCheckpoint.h"

@@ -1,7 +1,7 @@
 #include "peridynamics/fracture/DynamicsChecks.h"
 
-#include "lattice/Error.h"
-#include "lattice/Plausible.h"
+#include "core/Error.h"
+#include "core/Plausible.h"
 #include "peridynamics/PairTable.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // What bonds in motion keep on disk, and how they go on from it.
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/fracture/Dynamics.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "peridynamics/fracture/DynamicsStudy.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/fracture/DampedPull.h"
 #include "peridynamics/fracture/DynamicsChecks.h"

@@ -1,7 +1,7 @@
 #include "peridynamics/fracture/EventEngine.h"
 
-#include "lattice/Clock.h"
-#include "lattice/Error.h"
+#include "core/Clock.h"
+#include "core/Error.h"
 #include "peridynamics/ValueShare.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "peridynamics/fracture/EventKernels.h"
 
-#include "lattice/InstructionSet.h"
+#include "core/InstructionSet.h"
 
 namespace lamella::peridynamics
 {

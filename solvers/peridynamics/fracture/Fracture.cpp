@@ -1,7 +1,7 @@
 #include "peridynamics/fracture/Fracture.h"
 
-#include "lattice/Clock.h"
-#include "lattice/Error.h"
+#include "core/Clock.h"
+#include "core/Error.h"
 #include "peridynamics/fracture/AccurateEngine.h"
 #include "peridynamics/fracture/EventEngine.h"
 #include "peridynamics/fracture/PlatenForce.h"

@@ -1,8 +1,8 @@
 #include "peridynamics/fracture/FractureCheckpoint.h"
 
+#include "core/Error.h"
 #include "io/Provenance.h"
 #include "lattice/AxisNames.h"
-#include "lattice/Error.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // What a quasi-static fracture keeps on disk, and how it goes on from it.
-#include "lattice/Clock.h"
-#include "lattice/Error.h"
+#include "core/Clock.h"
+#include "core/Error.h"
 #include "peridynamics/fracture/Fracture.h"
 #include "peridynamics/fracture/FractureEngine.h"
 #include "peridynamics/fracture/LoosePieces.h"

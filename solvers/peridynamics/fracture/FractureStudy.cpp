@@ -1,6 +1,6 @@
 #include "peridynamics/fracture/FractureStudy.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/fracture/FractureCheckpoint.h"
 #include "peridynamics/fracture/LoosePieces.h"

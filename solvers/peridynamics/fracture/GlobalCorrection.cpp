@@ -1,4 +1,4 @@
-#include "lattice/Error.h"
+#include "core/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/fracture/EventHierarchy.h"
 

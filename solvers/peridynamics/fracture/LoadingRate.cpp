@@ -1,6 +1,6 @@
 #include "peridynamics/fracture/LoadingRate.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "peridynamics/fracture/MotionHistory.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <algorithm>
 

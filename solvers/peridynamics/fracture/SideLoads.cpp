@@ -1,6 +1,6 @@
 #include "peridynamics/fracture/SideLoads.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "peridynamics/multigrid/CoarsestLevel.h"
 
-#include "lattice/Error.h"
+#include "core/Error.h"
 
 #include <algorithm>
 #include <vector>

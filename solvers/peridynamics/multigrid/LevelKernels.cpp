@@ -1,6 +1,6 @@
 #include "peridynamics/multigrid/LevelKernels.h"
 
-#include "lattice/InstructionSet.h"
+#include "core/InstructionSet.h"
 
 namespace lamella::peridynamics
 {

@@ -1,0 +1,197 @@
+#include "vtkBondFracture.h"
+
+#include "BondScene.h"
+#include "FieldNumbers.h"
+#include "FractureData.h"
+#include "Settings.h"
+#include "vtkProvenance.h"
+
+#include "core/Error.h"
+
+#include "vtkImageData.h"
+#include "vtkObjectFactory.h"
+#include "vtkPolyData.h"
+#include "vtkTable.h"
+
+#include <array>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace pd = lamella::peridynamics;
+
+namespace
+{
+
+void check(const lamella::BondSettings& settings)
+{
+  if (settings.largeStrains)
+  {
+    throw lamella::ParameterError("fracture in large strains", "leave them out: quasi-static fracture is linear");
+  }
+  const pd::PairTable& materials = settings.materials;
+  if (materials.criticalStretch.empty() && materials.toughness.empty() && materials.fractureEnergy.empty())
+  {
+    throw lamella::ParameterError("nothing can break: there is no critical stretch, toughness or fracture energy",
+      "give one of them for the pairs of phases that are to break");
+  }
+}
+
+/// @param unwritten the last checkpoint
+std::string textOf(const pd::FractureProgress& p, bool unwritten)
+{
+  std::array<char, 128> text{};
+  if (p.equilibrium < 1)
+  {
+    std::snprintf(text.data(), text.size(), "first equilibrium, %.0f %%", 100 * p.equilibrium);
+  }
+  else
+  {
+    std::snprintf(text.data(), text.size(), "%lld bonds broken, peak %.3g Pa%s", static_cast<long long>(p.broken),
+      p.peakStress, unwritten ? ", checkpoint not written" : "");
+  }
+  return text.data();
+}
+
+} // namespace
+
+struct vtkBondFracture::Internals
+{
+  std::vector<double> Strains;
+};
+
+vtkStandardNewMacro(vtkBondFracture);
+
+vtkBondFracture::vtkBondFracture()
+  : Internal(std::make_unique<Internals>())
+{
+}
+
+vtkBondFracture::~vtkBondFracture() = default;
+
+void vtkBondFracture::AddStateAtStrain(double strain)
+{
+  this->Internal->Strains.push_back(strain);
+  this->Modified();
+}
+
+void vtkBondFracture::RemoveAllStatesAtStrains()
+{
+  if (!this->Internal->Strains.empty())
+  {
+    this->Internal->Strains.clear();
+    this->Modified();
+  }
+}
+
+void vtkBondFracture::SetOptions(pd::FractureStudyOptions& options) const
+{
+  options.loading = this->Platens();
+  options.loading.strain = this->Compression ? -1e-3 : 1e-3;
+  options.loading.lateralStrain = this->LateralRatio * options.loading.strain;
+  options.fracture.breaking = static_cast<pd::Breaking>(this->Breaking);
+  options.fracture.stopShare = this->StopShare;
+  SetLimit("the largest strain", this->MaximumStrain, options.fracture.maxStrain);
+  options.fracture.strainStep = this->StrainStep;
+  SetLimit("the largest number of broken bonds", this->MaximumBroken, options.fracture.maxBroken);
+  options.fracture.tolerance = this->Tolerance;
+  if (!this->Rivals)
+  {
+    options.fracture.events.rivals = 0;
+  }
+  if (this->Method != AUTO)
+  {
+    options.method = this->Method == EVENTS ? pd::FractureMethod::Events : pd::FractureMethod::Accurate;
+  }
+  options.fracture.renewEvery = this->CheckpointEvery;
+  options.atStrains = this->Internal->Strains;
+  options.atBroken = this->StatesAtBroken();
+  options.displacement = this->ComputeDisplacement;
+  options.stress = this->ComputeStress;
+  options.energyDensity = this->ComputeStrainEnergy;
+  options.threads = this->ThreadCount();
+}
+
+void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkPolyData* broken, vtkTable* curve)
+{
+  const lamella::BondSettings settings = this->Settings();
+  check(settings);
+  const lamella::BondScene scene(
+    input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
+  pd::FractureStudyOptions options;
+  this->SetOptions(options);
+  options.fracture.continueFrom = this->PrepareCheckpoints(input, team, options.fracture.checkpoint);
+  bool unwritten = false; // the last checkpoint
+  options.fracture.checkpoint.warn = [&unwritten](const std::string&) { unwritten = true; };
+  this->SetProgressText("fracture");
+  bool first = false; // on the way to the first equilibrium
+  options.fracture.progress = [&](const pd::FractureProgress& p)
+  {
+    unwritten = unwritten && this->LastCheckpoint == p.checkpoint;
+    this->LastCheckpoint = p.checkpoint;
+    if (first != (p.equilibrium < 1))
+    {
+      this->TellNext();
+    }
+    first = p.equilibrium < 1;
+    this->Tell(p.share, [&] { return textOf(p, unwritten); });
+    return static_cast<bool>(this->CheckAbort());
+  };
+  options.keep = [&](const pd::FractureState& state)
+  {
+    vtkImageData* const image = this->NewState(input);
+    lamella::setFractureState(image, state, scene, this->GetClassName());
+    this->EmitState(image);
+  };
+  if (this->CheckAbort())
+  {
+    throw lamella::Cancelled();
+  }
+  pd::FractureResult result = pd::studyFracture(
+    scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, lamella::Communicator(team.comm()));
+  this->PeakStress = result.peak.stress;
+  this->AddWarnings(settings, result.warnings);
+  for (vtkImageData* const image : this->KeptStates())
+  {
+    this->Describe(image, scene, settings, result);
+  }
+  if (team.rank() == 0)
+  {
+    lamella::setBrokenBonds(broken, result, scene, this->GetClassName());
+    lamella::setFractureCurve(curve, result, this->GetClassName());
+  }
+  std::vector<pd::Bond> order;
+  for (const auto& b : result.record.broken)
+  {
+    order.push_back(b.bond);
+  }
+  this->Finish(broken, curve, std::move(order), scene, result.warnings, team);
+}
+
+void vtkBondFracture::Describe(vtkImageData* image, const lamella::BondScene& scene,
+  const lamella::BondSettings& settings, const pd::FractureResult& result) const
+{
+  const auto breaking = static_cast<pd::Breaking>(this->Breaking);
+  lamella::setFractureNumbers(image, result);
+  lamella::describeThickness(image, scene, result.thickness);
+  const nlohmann::json model = lamella::describeModel(image, scene, settings);
+  lamella::setFieldText(image, "load", this->LoadName());
+  lamella::setFieldNumber(image, "compression", this->Compression ? 1.0 : 0.0);
+  lamella::setFieldText(image, "breaking", lamella::wordOf(breaking));
+
+  lamella::continueProvenance(image, "fracture",
+    { { "model", model }, { "load", this->LoadName() }, { "axis", std::string(1, "xyz"[result.axis]) },
+      { "compression", this->Compression }, { "lateral_ratio", this->LateralRatio },
+      { "smooth_platens", this->SmoothPlatens }, { "rigid_platens", this->RigidPlatens },
+      { "platen_layers", this->PlatenLayers }, { "method", lamella::wordOf(result.method) },
+      { "breaking", lamella::wordOf(breaking) }, { "rivals", this->Rivals }, { "stop_share", this->StopShare },
+      { "maximum_strain", this->MaximumStrain }, { "strain_step", this->StrainStep },
+      { "maximum_broken", this->MaximumBroken }, { "tolerance", this->Tolerance },
+      { "checkpoint_every", this->CheckpointEvery } });
+}
+
+void vtkBondFracture::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  lamella::printSettings(this, os, indent);
+}

@@ -1,0 +1,518 @@
+#include "vtkSteadyDiffusion.h"
+
+#include "BondFields.h"
+#include "BoxExchange.h"
+#include "DiffusionScene.h"
+#include "RefinedImage.h"
+#include "Settings.h"
+#include "SteadyFindings.h"
+#include "WallConductivity.h"
+#include "vtkLatticeConversion.h"
+#include "vtkPieces.h"
+
+#include "core/Communicator.h"
+#include "core/Error.h"
+#include "lbm/Bounds.h"
+#include "lbm/DiffusionStudy.h"
+#include "lbm/StudyChecks.h"
+
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace lbm = lamella::lbm;
+
+namespace
+{
+
+constexpr double notSolved = std::numeric_limits<double>::quiet_NaN();
+
+lbm::Method methodOf(int method)
+{
+  switch (method)
+  {
+    case vtkSteadyDiffusion::MULTIGRID:
+      return lbm::Method::Multigrid;
+    case vtkSteadyDiffusion::ALGEBRAIC_MULTIGRID:
+      return lbm::Method::AlgebraicMultigrid;
+    default:
+      return lbm::Method::Auto;
+  }
+}
+
+/// Makes sure that the output has the ids that the solver used: the input's own array where that holds them as they
+/// are, else a new one. Returns its name.
+std::string storePhases(vtkImageData* output, const lamella::PhaseIds& phases, const lamella::Team& team)
+{
+  std::array<std::int64_t, 1> converted{ phases.own.empty() ? 0 : 1 };
+  team.maximum(converted);
+  std::string name = phases.array;
+  if (converted[0] != 0)
+  {
+    name = phases.array == "phase" || output->GetPointData()->HasArray("phase") ? phases.array + "_id" : "phase";
+    name = team.share(name, output->GetNumberOfPoints() > 0);
+    const auto ids = lamella::adopt(phases.own, name.c_str());
+    lamella::describe(ids, "1", "phase of the node: position in phase_names", "vtkSteadyDiffusion");
+    output->GetPointData()->AddArray(ids);
+  }
+  return name;
+}
+
+/// Applies f to each number.
+template <class F>
+void change(vtkDoubleArray* array, F&& f)
+{
+  std::for_each(array->GetPointer(0), array->GetPointer(0) + array->GetNumberOfValues(), f);
+}
+
+} // namespace
+
+struct vtkSteadyDiffusion::Internals
+{
+  std::map<std::string, double> Conductivity;
+  std::map<std::string, double> Across; ///< of the phases whose conductivity differs across the wall
+
+  // Of the update that is under way.
+  std::vector<double> Values; ///< by id: what is stored where it is above 0
+  std::shared_ptr<lbm::DirectedDiffusivity> Directed;
+  lbm::SteadyOptions Steady;
+  std::vector<int> Axes;
+
+  lamella::SteadyFindings Found;
+};
+
+/// Keeps the fields of solves, as asked for, until they are put into the output.
+class vtkSteadyDiffusion::FieldStore
+{
+public:
+  FieldStore(vtkSteadyDiffusion* self, const lamella::DiffusionScene& scene, const lamella::Team& team)
+    : Self(self)
+    , Scene(scene)
+    , Team(team)
+  {
+  }
+
+  [[nodiscard]] bool wanted() const { return this->Self->ComputeField || this->Self->ComputeFlux; }
+
+  /// Collective. Takes them of a solve on this lattice.
+  void take(lbm::SteadyDiffusion const& solver, int axis, const lamella::Lattice& lattice, const lbm::Block& block)
+  {
+    this->Split = static_cast<int>(lattice.size[0] / this->Scene.lattice().size[0]);
+    lbm::Block held = this->Scene.whole.held;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(lattice.dimension); ++a)
+    {
+      held.start[a] *= this->Split;
+      held.size[a] *= this->Split;
+    }
+    const lamella::BoxExchange outward(
+      lattice, block, held, { false, false, false }, this->Team.comm(), this->Team.size());
+    const bool all = this->Self->Direction == ALL;
+    const std::string suffix = all ? std::string("_") + lamella::axisNames[static_cast<std::size_t>(axis)] : "";
+    const std::string quantity = this->Self->QuantityName();
+    // The solver has value 1 on the low face.
+    const bool fromTop = this->Scene.fromTop(axis);
+    if (this->Self->ComputeField)
+    {
+      const auto field = lamella::DiffusionScene::array(
+        quantity + suffix, 1, outward, block, held, [&](std::span<double> out) { solver.value(out); });
+      if (fromTop)
+      {
+        change(field, [](double& value) { value = 1 - value; });
+      }
+      lamella::describe(field, "1", quantity + ", 1 at the inlet and 0 at the outlet", "vtkSteadyDiffusion");
+      this->Fields.emplace_back(field);
+    }
+    if (this->Self->ComputeFlux)
+    {
+      const auto flux = lamella::DiffusionScene::array(
+        "flux" + suffix, 3, outward, block, held, [&](std::span<double> out) { solver.flux(out); });
+      if (fromTop)
+      {
+        change(flux, [](double& value) { value = value == 0 ? 0 : -value; });
+      }
+      lamella::describe(flux, "conductivity/m", "flux of " + quantity + ", -D grad u", "vtkSteadyDiffusion");
+      this->Fluxes.emplace_back(flux);
+    }
+  }
+
+  /// An image with the phases becomes one with the fields, too, on the lattice that they were solved on.
+  void put(vtkImageData* output) const
+  {
+    if (this->Split > 1)
+    {
+      output->ShallowCopy(lamella::refinedImage(output, this->Scene.lattice().dimension, this->Split));
+    }
+    vtkPointData* const points = output->GetPointData();
+    for (std::size_t i = 0; i < std::max(this->Fields.size(), this->Fluxes.size()); ++i)
+    {
+      for (const auto* const kind : { &this->Fields, &this->Fluxes })
+      {
+        if (i < kind->size())
+        {
+          points->AddArray((*kind)[i]);
+        }
+      }
+    }
+    if (!this->Fields.empty())
+    {
+      points->SetActiveScalars(this->Fields.front()->GetName());
+    }
+    if (!this->Fluxes.empty())
+    {
+      points->SetActiveVectors(this->Fluxes.front()->GetName());
+    }
+  }
+
+private:
+  vtkSteadyDiffusion* Self;
+  const lamella::DiffusionScene& Scene;
+  const lamella::Team& Team;
+  int Split = 1;
+  std::vector<vtkSmartPointer<vtkDoubleArray>> Fields;
+  std::vector<vtkSmartPointer<vtkDoubleArray>> Fluxes;
+};
+
+vtkStandardNewMacro(vtkSteadyDiffusion);
+
+vtkSteadyDiffusion::vtkSteadyDiffusion()
+  : Internal(std::make_unique<Internals>())
+{
+  this->Direction = ALL;
+  this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "axis");
+  std::fill_n(this->EffectiveConductivity, 9, notSolved);
+  this->EstimatedError = notSolved;
+}
+
+vtkSteadyDiffusion::~vtkSteadyDiffusion() = default;
+
+void vtkSteadyDiffusion::SetConductivity(const char* phase, double value)
+{
+  this->SetPhaseValue(this->Internal->Conductivity, phase, value);
+}
+
+void vtkSteadyDiffusion::RemoveConductivity(const char* phase)
+{
+  this->RemovePhaseValue(this->Internal->Conductivity, phase);
+}
+
+void vtkSteadyDiffusion::RemoveAllConductivities()
+{
+  this->RemoveAllPhaseValues(this->Internal->Conductivity);
+}
+
+int vtkSteadyDiffusion::GetNumberOfConductivities()
+{
+  return static_cast<int>(this->Internal->Conductivity.size());
+}
+
+double vtkSteadyDiffusion::GetConductivity(const char* phase)
+{
+  return PhaseValue(this->Internal->Conductivity, phase);
+}
+
+void vtkSteadyDiffusion::SetConductivityAcross(const char* phase, double value)
+{
+  this->SetPhaseValue(this->Internal->Across, phase, value);
+}
+
+void vtkSteadyDiffusion::RemoveAllConductivitiesAcross()
+{
+  this->RemoveAllPhaseValues(this->Internal->Across);
+}
+
+double vtkSteadyDiffusion::GetConductivityAcross(const char* phase)
+{
+  return PhaseValue(this->Internal->Across, phase);
+}
+
+const lamella::SteadyFindings& vtkSteadyDiffusion::GetFindings() const
+{
+  return this->Internal->Found;
+}
+
+int vtkSteadyDiffusion::RequestInformation(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  vtkInformation* const in = inputVector[0]->GetInformationObject(0);
+  vtkInformation* const out = outputVector->GetInformationObject(0);
+  if (this->Refinement > 1 && (this->ComputeField || this->ComputeFlux) &&
+    in->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()) && in->Has(vtkDataObject::SPACING()) &&
+    in->Has(vtkDataObject::ORIGIN()))
+  {
+    std::array<int, 6> extent{};
+    std::array<double, 3> spacing{};
+    std::array<double, 3> origin{};
+    in->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent.data());
+    in->Get(vtkDataObject::SPACING(), spacing.data());
+    in->Get(vtkDataObject::ORIGIN(), origin.data());
+    // What is too large to be counted is refused when it is asked for.
+    const int most = *std::ranges::max_element(extent) + 1;
+    if (most <= std::numeric_limits<int>::max() / this->Refinement)
+    {
+      lamella::refineGeometry(extent, spacing, origin, extent[4] == extent[5] ? 2 : 3, this->Refinement);
+      out->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent.data(), 6);
+      out->Set(vtkDataObject::SPACING(), spacing.data(), 3);
+      out->Set(vtkDataObject::ORIGIN(), origin.data(), 3);
+    }
+  }
+  return 1;
+}
+
+int vtkSteadyDiffusion::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  vtkImageData* const input = vtkImageData::GetData(inputVector[0]);
+  vtkImageData* const output = vtkImageData::GetData(outputVector);
+  std::fill_n(this->EffectiveConductivity, 9, notSolved);
+  this->EstimatedError = notSolved;
+  this->Internal->Found = {};
+  const int done = this->Attempt(
+    [&]
+    {
+      const lamella::Team team(this->Controller, outputVector->GetInformationObject(0));
+      this->Solve(input, output, team);
+    },
+    outputVector);
+  this->Internal->Directed.reset();
+  this->Internal->Steady = {};
+  return done;
+}
+
+void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team)
+{
+  if (this->TargetError > 0 && !this->EstimateError)
+  {
+    throw lamella::ParameterError(
+      fmt::format("target error {:g} and no error estimate contradict each other", this->TargetError),
+      "let the error be estimated, or leave the target out");
+  }
+  const bool gathered =
+    this->EstimateError || this->Refinement > 1 || this->TargetError > 0 || !this->Internal->Across.empty();
+  const lamella::DiffusionScene scene(input, this->GetInputArrayInformation(0), this->Direction, team, gathered);
+  this->Prepare(input, scene, team);
+  FieldStore store(this, scene, team);
+  gathered ? this->SolveGathered(scene, store, team) : this->SolveInBlocks(scene, store, team);
+  output->ShallowCopy(input);
+  for (const char* const name : { "time", "inlet_flux", "outlet_flux" }) // of a state in time: this is none
+  {
+    output->GetFieldData()->RemoveArray(name);
+  }
+  this->Internal->Found.phaseArray = storePhases(output, scene.phases, team);
+  this->Conclude();
+  store.put(output);
+  lamella::describe(output, this->Internal->Found);
+}
+
+void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionScene& scene, const lamella::Team& team)
+{
+  auto& internal = *this->Internal;
+  lamella::SteadyFindings& found = internal.Found;
+  const lamella::Lattice& lattice = scene.lattice();
+  team.agree(
+    [&]
+    {
+      found.conductivity = lamella::conductivityById(scene.phases, internal.Conductivity, scene.nodes);
+      found.across = lamella::acrossById(scene.phases, internal.Conductivity, internal.Across, scene.nodes);
+      if (!found.across.empty() && this->Lattice != AUTO_LATTICE && this->Lattice != D2Q9)
+      {
+        throw lamella::ParameterError(
+          std::string("conductivities along and across walls on ") + lbm::name(scene.stencil(this->Lattice)),
+          "they want the diagonal links of d2q9: choose it, or leave the choice");
+      }
+      if (!found.across.empty() && lattice.dimension != 2)
+      {
+        throw lamella::ParameterError("conductivities along and across walls in a volume",
+          "they go with pictures; give each phase of a volume one value");
+      }
+    });
+  internal.Axes = { this->Direction };
+  if (this->Direction == ALL)
+  {
+    internal.Axes = lattice.dimension == 3 ? std::vector<int>{ X, Y, Z } : std::vector<int>{ X, Y };
+  }
+  for (const int axis : internal.Axes)
+  {
+    if (lattice.size[static_cast<std::size_t>(axis)] < 2)
+    {
+      const bool volume = lattice.dimension == 3;
+      throw lamella::InputError(fmt::format("the {} is {} × {}{} {}: one node along {} has no conductivity of its own",
+                                  volume ? "volume" : "picture", lattice.size[0], lattice.size[1],
+                                  volume ? fmt::format(" × {}", lattice.size[2]) : "", volume ? "voxels" : "pixels",
+                                  lamella::axisNames[static_cast<std::size_t>(axis)]),
+        "give a larger picture, or solve along another direction only");
+    }
+  }
+  found.dimension = lattice.dimension;
+  found.stencil = found.across.empty() ? scene.stencil(this->Lattice) : lbm::Stencil::D2Q9;
+  found.phases = scene.phases.names;
+  found.targetError = this->TargetError;
+  found.direction = this->Direction == ALL ? "all" : lamella::axisNames[static_cast<std::size_t>(this->Direction)];
+  found.sides = this->SidesName();
+  found.quantity = this->QuantityName();
+  found.tolerance = this->Tolerance;
+  found.fractions.assign(scene.nodes.begin(), scene.nodes.end());
+  for (double& fraction : found.fractions)
+  {
+    fraction /= static_cast<double>(lattice.count());
+  }
+  internal.Values = found.conductivity;
+  if (!found.across.empty())
+  {
+    const lamella::NodeVectors axis = lamella::vectorsOf(input, this->GetInputArrayInformation(1), "axis",
+      "give the directions along the walls, as MicrographLattice does, take one conductivity a phase", 2, team);
+    internal.Directed = std::make_shared<lbm::DirectedDiffusivity>(lbm::DirectedDiffusivity{
+      found.conductivity, found.across, lamella::gatherAxes(lattice, scene.whole.held, axis.array, team) });
+    internal.Values = internal.Directed->larger(); // what conducts at all
+  }
+  lbm::SteadyOptions& options = internal.Steady;
+  options.stencil = found.stencil;
+  options.sides = this->Sides == PERIODIC ? lbm::Sides::Periodic : lbm::Sides::Insulated;
+  options.method = methodOf(this->Method);
+  options.tolerance = this->Tolerance;
+  options.maxIterations = this->MaximumIterations;
+  options.threads = this->ThreadCount();
+  const bool fields = this->ComputeField || this->ComputeFlux;
+  if (!fields)
+  {
+    options.fieldTolerance = std::numeric_limits<double>::infinity(); // nobody sees the field
+  }
+  lbm::StudySize size{ lattice, 0, found.stencil, this->Refinement, fields };
+  for (std::size_t id = 0; id < scene.nodes.size(); ++id)
+  {
+    size.conducting += internal.Values[id] > 0 ? scene.nodes[id] : 0;
+  }
+  const lamella::Communicator comm(team.comm());
+  size.ranks = comm.size();
+  size.ranksOnMachine = comm.sizeOnMachine();
+  team.agree([&] { lbm::requireMemory(size); });
+}
+
+void vtkSteadyDiffusion::SolveInBlocks(
+  const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team)
+{
+  auto& internal = *this->Internal;
+  // Each solve counts from 0 again: the next one has begun when the share falls.
+  const auto solves = static_cast<double>(internal.Axes.size());
+  double done = 0;
+  double last = 0;
+  internal.Steady.progress = [this, solves, &done, &last](double share, const char* what)
+  {
+    done += share < last ? 1 : 0;
+    last = share;
+    this->SetProgressText(what);
+    this->UpdateProgress(std::min((done + share) / solves, 1.0));
+    return !this->CheckAbort();
+  };
+  lbm::SteadyDiffusion solver(scene.lattice(), scene.block, scene.ids, internal.Values, internal.Steady, team.comm());
+  lbm::requirePaths(solver, internal.Axes, scene.lattice().dimension);
+  for (const int axis : internal.Axes)
+  {
+    lbm::DiffusionAnswer answer;
+    answer.axis = axis;
+    answer.result = solver.solve(axis);
+    lbm::RefinementStep step;
+    step.value = answer.result.effective[static_cast<std::size_t>(axis)];
+    step.nodes = answer.result.nodes;
+    step.iterations = answer.result.iterations;
+    step.seconds = lamella::Communicator(team.comm()).max(answer.result.setupSeconds + answer.result.solveSeconds);
+    answer.steps.push_back(step);
+    internal.Found.answers.push_back(answer);
+    if (store.wanted())
+    {
+      store.take(solver, axis, scene.lattice(), scene.block);
+    }
+  }
+}
+
+void vtkSteadyDiffusion::SolveGathered(
+  const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team)
+{
+  auto& internal = *this->Internal;
+  lbm::StudyOptions study;
+  study.steady = internal.Steady;
+  study.steady.progress = [this](double share, const char* what) // of the whole study
+  {
+    this->SetProgressText(what);
+    this->UpdateProgress(std::min(share, 1.0));
+    return !this->CheckAbort();
+  };
+  study.axes = internal.Axes;
+  study.refinement = this->Refinement;
+  study.estimateError = this->EstimateError;
+  study.directed = internal.Directed;
+  if (this->TargetError > 0)
+  {
+    study.targetError = this->TargetError;
+    study.announce = [this](const lbm::TargetPlan& plan)
+    {
+      std::string words = lbm::text(plan);
+      this->InvokeEvent(PLAN_EVENT, words.data());
+      return !this->CheckAbort();
+    };
+  }
+  lbm::FieldSink take;
+  if (store.wanted())
+  {
+    take = [&store](const lbm::SteadyDiffusion& solver, const lbm::DiffusionAnswer& answer,
+             const lamella::Lattice& lattice, const lbm::Block& block)
+    { store.take(solver, answer.axis, lattice, block); };
+  }
+  internal.Found.answers = lbm::studyDiffusion(scene.image, internal.Values, study, team.comm(), take);
+}
+
+void vtkSteadyDiffusion::Conclude()
+{
+  const auto& internal = *this->Internal;
+  lamella::SteadyFindings& found = this->Internal->Found;
+  found.bounds = lbm::bounds(found.fractions, internal.Values, found.dimension);
+  if (internal.Directed) // more of a conductor conducts no less
+  {
+    const lbm::Bounds least = lbm::bounds(found.fractions, internal.Directed->smaller(), found.dimension);
+    found.bounds.series = least.series;
+    found.bounds.hashinShtrikmanLower = least.hashinShtrikmanLower;
+  }
+  std::ranges::copy(found.tensor(), this->EffectiveConductivity);
+  this->EstimatedError = found.error();
+  if (this->EstimateError)
+  {
+    for (const lbm::DiffusionAnswer& answer : found.answers)
+    {
+      if (!std::isfinite(answer.error.relative))
+      {
+        vtkWarningMacro("the error along "
+          << lamella::axisNames[static_cast<std::size_t>(answer.axis)]
+          << " could not be estimated: the middle of the sample, which is solved for it, has no conducting path");
+      }
+    }
+  }
+  if (this->TargetError > 0)
+  {
+    found.shortfall = lbm::shortfall(found.answers, this->TargetError, found.outlinesServe());
+    if (!found.shortfall.message.empty())
+    {
+      vtkWarningMacro(<< found.shortfall.message << "\nhint: " << found.shortfall.hint);
+    }
+  }
+}
+
+void vtkSteadyDiffusion::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  lamella::printSettings(this, os, indent);
+}

@@ -1,0 +1,354 @@
+#include "PhasePicture.h"
+
+#include "GridChecks.h"
+#include "GridReaders.h"
+#include "vtkLatticeConversion.h"
+
+#include "core/Error.h"
+
+#include "vtkCellData.h"
+#include "vtkDataArray.h"
+#include "vtkIdList.h"
+#include "vtkImageData.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkUnsignedCharArray.h"
+#include "vtkXMLImageDataReader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <system_error>
+#include <vector>
+
+namespace lamella
+{
+namespace
+{
+
+namespace fs = std::filesystem;
+
+bool isVti(const fs::path& path)
+{
+  std::string ending = path.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending == ".vti";
+}
+
+vtkSmartPointer<vtkImageData> readVti(const fs::path& path, const micrograph::ReadOptions& options)
+{
+  std::error_code problem;
+  const auto bytes = fs::file_size(path, problem);
+  if (problem)
+  {
+    throw InputError("cannot read " + path.string() + ": " + problem.message(), "check the file's name");
+  }
+  if (bytes == 0)
+  {
+    throw InputError(path.string() + " is empty", "write the file again");
+  }
+  const auto reader = newImageReader();
+  reader->SetFileName(path.c_str());
+  if (reader->CanReadFile(path.c_str()) == 0)
+  {
+    throw InputError(
+      "'" + path.string() + "' is not a whole .vti file", "make or copy it again; it must be VTK XML image data");
+  }
+  requireReadable(reader, path.string());
+  if (options.sizeKnown)
+  {
+    if (const auto lattice = latticeInFile(reader); lattice)
+    {
+      options.sizeKnown(*lattice);
+    }
+  }
+  update(reader, path.string());
+  return reader->GetOutput();
+}
+
+struct ImageArray
+{
+  vtkDataArray* array = nullptr;
+  bool cells = false;
+};
+
+ImageArray chooseArray(vtkImageData* image, const std::string& wanted, const fs::path& path)
+{
+  const std::array<vtkDataSetAttributes*, 2> places{ image->GetPointData(), image->GetCellData() };
+  const auto usable = [](vtkDataArray* array)
+  {
+    return array != nullptr && array->GetNumberOfComponents() == 1 &&
+      (array->GetDataType() != VTK_FLOAT && array->GetDataType() != VTK_DOUBLE);
+  };
+  for (const std::string& name : { wanted.empty() ? std::string("phase") : wanted })
+  {
+    for (std::size_t place = 0; place < places.size(); ++place)
+    {
+      if (vtkDataArray* const array = places[place]->GetArray(name.c_str()))
+      {
+        return { array, place == 1 };
+      }
+    }
+  }
+  std::string there;
+  for (std::size_t place = 0; place < places.size(); ++place)
+  {
+    for (int i = 0; i < places[place]->GetNumberOfArrays(); ++i)
+    {
+      vtkDataArray* const array = places[place]->GetArray(i);
+      if (wanted.empty() && usable(array))
+      {
+        return { array, place == 1 };
+      }
+      there += (there.empty() ? "" : ", ") +
+        std::string(places[place]->GetArrayName(i) != nullptr ? places[place]->GetArrayName(i) : "?");
+    }
+  }
+  throw InputError(wanted.empty() ? path.string() + " holds no array of whole numbers"
+                                  : path.string() + " holds no array '" + wanted + "'",
+    there.empty() ? "write the file with an array" : "it holds: " + there);
+}
+
+/// Lattice and values of an image file; cells become nodes.
+micrograph::Picture greysOf(vtkImageData* image, const ImageArray& chosen, const micrograph::ReadOptions& options)
+{
+  requireUpright(image);
+  micrograph::Picture picture;
+  std::array<int, 6> extent{};
+  std::array<double, 3> origin{};
+  std::copy_n(image->GetExtent(), 6, extent.begin());
+  std::copy_n(image->GetOrigin(), 3, origin.begin());
+  if (chosen.cells)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      if (extent[2 * axis + 1] > extent[2 * axis])
+      {
+        --extent[2 * axis + 1];
+        origin[axis] += image->GetSpacing()[axis] / 2;
+      }
+    }
+  }
+  picture.lattice = latticeOf(extent.data(), origin.data(), image->GetSpacing());
+  picture.pixelSizeSource = fieldText(image, "pixel_size_source").value_or("VTK image spacing");
+  if (options.pixelSize)
+  {
+    picture.lattice = makeLattice(picture.lattice.size[0], picture.lattice.size[1], picture.lattice.size[2],
+      picture.lattice.dimension, *options.pixelSize);
+    picture.pixelSizeSource = "option";
+  }
+  const vtkIdType count = chosen.array->GetNumberOfTuples();
+  picture.grey.resize(static_cast<std::size_t>(count));
+  for (vtkIdType node = 0; node < count; ++node)
+  {
+    const double value = chosen.array->GetComponent(node, 0);
+    if (!(value >= 0 && value <= std::numeric_limits<std::uint16_t>::max()) || value != std::floor(value))
+    {
+      throw InputError("array '" + std::string(chosen.array->GetName()) + "' holds " + std::to_string(value) +
+          "; grey values and phases are whole numbers from 0 to 65535",
+        "choose another array");
+    }
+    picture.grey[static_cast<std::size_t>(node)] = static_cast<std::uint16_t>(value);
+  }
+  picture.fileSize = picture.lattice.size;
+  if (options.sizeKnown) // of cells it was not, so far
+  {
+    options.sizeKnown(picture.lattice);
+  }
+  if (options.window)
+  {
+    crop(picture, *options.window);
+  }
+  picture.bits = std::ranges::all_of(picture.grey, [](std::uint16_t grey) { return grey < 256; }) ? 8 : 16;
+  return picture;
+}
+
+/// Node of the file that each node of the image lies in.
+vtkSmartPointer<vtkIdList> nodesOfFile(
+  const Lattice& image, const Lattice& file, const std::array<std::int64_t, 3>& first, int refinement)
+{
+  const std::int64_t deep = image.dimension == 3 ? refinement : 1;
+  const auto nodes = vtkSmartPointer<vtkIdList>::New();
+  nodes->SetNumberOfIds(image.count());
+  vtkIdType node = 0;
+  for (std::int64_t z = 0; z < image.size[2]; ++z)
+  {
+    for (std::int64_t y = 0; y < image.size[1]; ++y)
+    {
+      for (std::int64_t x = 0; x < image.size[0]; ++x)
+      {
+        nodes->SetId(node++, file.index(first[0] + x / refinement, first[1] + y / refinement, first[2] + z / deep));
+      }
+    }
+  }
+  return nodes;
+}
+
+/// Every value a phase of its own.
+GreyMap everyGrey(const micrograph::Picture& picture)
+{
+  std::vector<bool> seen(65536, false);
+  for (const std::uint16_t grey : picture.grey)
+  {
+    seen[grey] = true;
+  }
+  const auto different = std::ranges::count(seen, true);
+  if (different > 256)
+  {
+    throw InputError("the picture has " + std::to_string(different) + " different grey values and no phase is named",
+      "name the phases, or segment the picture");
+  }
+  GreyMap map;
+  for (int grey = 0; grey < 65536; ++grey)
+  {
+    if (seen[static_cast<std::size_t>(grey)])
+    {
+      map.phaseOfGrey[grey] = std::to_string(grey);
+    }
+  }
+  return map;
+}
+
+} // namespace
+
+micrograph::Picture readGreys(const fs::path& path, const micrograph::ReadOptions& options, const std::string& array,
+  vtkSmartPointer<vtkImageData>* file)
+{
+  if (!isVti(path))
+  {
+    return micrograph::readPicture(path, options);
+  }
+  const auto image = readVti(path, options);
+  const ImageArray chosen = chooseArray(image, array, path);
+  if (file != nullptr && !chosen.cells)
+  {
+    *file = image;
+  }
+  return greysOf(image, chosen, options);
+}
+
+PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
+{
+  PhasePicture result;
+  micrograph::Picture picture;
+  PhaseTable names;
+  micrograph::ReadOptions read = options.read;
+  // A picture is segmented whole, for its light; of a volume, whose corners may be empty, only the window is looked at.
+  if (!options.segment || (options.window && options.window->size[2] != 0))
+  {
+    read.window = options.window;
+  }
+  if (isVti(path))
+  {
+    const auto image = readVti(path, read);
+    const ImageArray chosen = chooseArray(image, options.array, path);
+    if (!chosen.cells && vtkUnsignedCharArray::SafeDownCast(chosen.array) != nullptr)
+    {
+      names = phaseNames(image);
+    }
+    picture = greysOf(image, chosen, read);
+    result.file = chosen.cells ? nullptr : image;
+  }
+  else
+  {
+    read.keepColour = read.keepColour || options.segment;
+    picture = micrograph::readPicture(path, read);
+  }
+  result.pixelSizeSource = picture.pixelSizeSource;
+  result.warnings = picture.warnings;
+  if (options.segment && picture.lattice.dimension == 3)
+  {
+    micrograph::VolumeOptions how;
+    how.phases = options.greys;
+    how.empty = options.segment->lumen;
+    how.threshold = options.segment->threshold;
+    micrograph::VolumeSegmentation found = micrograph::segmentVolume(std::move(picture), how);
+    result.warnings.insert(result.warnings.end(), found.warnings.begin(), found.warnings.end());
+    result.notes = found.report.lines();
+    result.image = options.refine != 1 ? refine(found.image, options.refine) : std::move(found.image);
+    return result;
+  }
+  if (options.segment)
+  {
+    if (!options.greys.empty())
+    {
+      throw ParameterError("phases are named for a scan that is to be segmented",
+        "name none: the phases of a segmented scan are 'lumen' and 'wall'");
+    }
+    // The whole scan, for the light and the threshold; the window is cut afterwards.
+    micrograph::SegmentOptions how = *options.segment;
+    how.judged = options.window;
+    micrograph::Segmentation found = micrograph::segment(picture, how);
+    result.warnings.insert(result.warnings.end(), found.warnings.begin(), found.warnings.end());
+    result.notes = found.report.lines();
+    result.image = options.window ? crop(found.image, *options.window) : std::move(found.image);
+    if (options.refine != 1)
+    {
+      result.image = refine(result.image, options.refine);
+    }
+    return result;
+  }
+  const bool known = options.greys.empty() && names.size() > 0 &&
+    std::ranges::all_of(picture.grey, [&](std::uint16_t id) { return id < names.size(); });
+  if (known)
+  {
+    result.image = PhaseImage{ picture.lattice, { picture.grey.begin(), picture.grey.end() }, names };
+  }
+  else if (options.greys.empty())
+  {
+    result.image = everyGrey(picture).apply(picture.lattice, picture.grey);
+  }
+  else
+  {
+    GreyRanges::Applied named =
+      options.greys.apply(picture.lattice, picture.grey, { isVti(path) ? 16 : picture.bits, 1, std::nullopt });
+    result.warnings.insert(result.warnings.end(), named.warnings.begin(), named.warnings.end());
+    if (named.levels)
+    {
+      result.notes.push_back(named.levels->text());
+    }
+    result.image = std::move(named.image);
+  }
+  if (options.refine != 1)
+  {
+    result.image = refine(result.image, options.refine);
+  }
+  return result;
+}
+
+void carryAlong(vtkImageData* image, vtkImageData* file, const std::optional<Window>& window, int refine,
+  const std::vector<std::string>& names)
+{
+  const Lattice whole = latticeOf(file);
+  const bool all = !window && refine == 1;
+  const auto first = window ? firstNode(whole, *window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
+  const auto nodes = all ? nullptr : nodesOfFile(latticeOf(image), whole, first, refine);
+  vtkPointData* const held = file->GetPointData();
+  for (int i = 0; i < held->GetNumberOfArrays(); ++i)
+  {
+    vtkAbstractArray* const array = held->GetAbstractArray(i);
+    const std::string name = array->GetName() != nullptr ? array->GetName() : "";
+    const bool ofPixel = name == "grain" || name == "axis";
+    const bool wanted = names.empty() ? refine == 1 || ofPixel : std::ranges::find(names, name) != names.end();
+    if (name.empty() || !wanted || image->GetPointData()->HasArray(name.c_str()))
+    {
+      continue;
+    }
+    if (all)
+    {
+      image->GetPointData()->AddArray(array);
+      continue;
+    }
+    const auto part = vtkSmartPointer<vtkAbstractArray>::Take(array->NewInstance());
+    part->SetName(name.c_str());
+    part->SetNumberOfComponents(array->GetNumberOfComponents());
+    part->CopyComponentNames(array);
+    part->CopyInformation(array->GetInformation());
+    part->SetNumberOfTuples(nodes->GetNumberOfIds());
+    array->GetTuples(nodes, part);
+    image->GetPointData()->AddArray(part);
+  }
+}
+
+} // namespace lamella

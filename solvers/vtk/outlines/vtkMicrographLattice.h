@@ -1,0 +1,158 @@
+/**
+ * @class   vtkMicrographLattice
+ * @brief   a lattice of phases from outlines of lumens
+ *
+ * Puts outlines on a lattice of any spacing, finds along which way the walls run and to which cell they belong, and on
+ * demand the middle lamella in them (outlines/ContourLattice.h, WallDirection.h, MiddleLamella.h).
+ *
+ * **Input**: outlines, as vtkMicrographContours and vtkMicrographPolygonReader give them; or any closed poly-lines or
+ * polygons in a plane of z. Second input, for a middle lamella from labels alone: the picture that they were found in.
+ *
+ * **Output**: vtkImageData over the picture, with the point arrays
+ * - `phase`: 0 lumen, 1 wall, 2 middle lamella;
+ * - `grain`: number of the cell: the lumen, and in the wall the nearest lumen;
+ * - `axis`: 3 floats, unit vector along the wall whose sign means nothing; 0 in lumens;
+ * - `lumen_share`: lumen's exact share of the node's pixel.
+ *
+ * Field data: `phase_names`, `lumen_fraction` and `wall_fraction` (of the geometry), `cropped` [m], `wall_thickness`
+ * (2: that 5 % of the outlines' length falls below; median) [m]; with a middle lamella `lamella_thickness` and
+ * `lamella_radius` [m] as used, `lamella_share` (of the wall's nodes), `lamella_nodes_across` (2: mean; 5 % have
+ * fewer), `lamella_joined`, `lamella_networks`, `lamella_largest_network`, `cells`, `cells_touched`,
+ * `cells_cut_off`;
+ * `pixel_size_source`, `provenance`.
+ *
+ * The image's size follows from the outlines, so the input is brought up to date when information is asked for. On
+ * several ranks each computes the whole.
+ *
+ * @sa vtkMicrographContours vtkMicrographPolygonReader vtkSteadyDiffusion
+ */
+
+#ifndef vtkMicrographLattice_h
+#define vtkMicrographLattice_h
+
+#include "vtkImageAlgorithm.h"
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkSmartPointer.h"            // for the image that is kept
+
+#include <string> // for the phase
+
+class vtkPolyData;
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkMicrographLattice : public vtkImageAlgorithm
+{
+public:
+  static vtkMicrographLattice* New();
+  vtkTypeMacro(vtkMicrographLattice, vtkImageAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /** The picture that the outlines were found in, input 1. */
+  void SetPictureConnection(vtkAlgorithmOutput* picture) { this->SetInputConnection(1, picture); }
+  void SetPictureData(vtkImageData* picture);
+  ///@}
+
+  ///@{
+  /**
+   * Distance of the nodes in metres; it changes a little so that a whole number fits the picture's width. 0: the
+   * picture's pixel, of outlines that are from no picture a quarter of the walls' median thickness.
+   * @group Lattice
+   * @unit m
+   * @range [0, inf)
+   */
+  vtkSetMacro(Spacing, double);
+  vtkGetMacro(Spacing, double);
+  ///@}
+
+  enum LamellaTypes
+  {
+    NONE = 0,
+    GROWTH = 1,   ///< "Growth": what lumens that grow leave between them: thicker where three cells meet
+    CONSTANT = 2, ///< "Constant thickness": of one thickness, about the line as far from two lumens
+    LABELS = 3    ///< "Labels": a phase of the picture
+  };
+  ///@{
+  /**
+   * How a middle lamella is found in the walls: what lumens that grow leave between them, thicker where three cells
+   * meet; of one thickness; or a phase of the picture.
+   * @group Middle Lamella
+   * @choice LamellaTypes
+   */
+  vtkSetMacro(Lamella, int);
+  vtkGetMacro(Lamella, int);
+  ///@}
+
+  ///@{
+  /**
+   * Gap that growing outlines keep, or the constant thickness, in metres. 0: half a micrometre, but not more than an
+   * eighth of the walls' median thickness.
+   * @group Middle Lamella
+   * @unit m
+   * @range [0, inf)
+   * @when Lamella GROWTH CONSTANT
+   */
+  vtkSetMacro(LamellaThickness, double);
+  vtkGetMacro(LamellaThickness, double);
+  ///@}
+
+  ///@{
+  /**
+   * Growing outlines stop where their radius of curvature has fallen to so many metres. 0: never. Below 0: a quarter of
+   * the walls' median thickness.
+   * @group Middle Lamella
+   * @unit m
+   * @when Lamella GROWTH
+   */
+  vtkSetMacro(LamellaRadius, double);
+  vtkGetMacro(LamellaRadius, double);
+  ///@}
+
+  ///@{
+  /**
+   * The phase of the picture that is the middle lamella. Empty: the one that is called middle lamella, or lamella.
+   * @group Middle Lamella
+   * @when Lamella LABELS
+   */
+  vtkSetMacro(LamellaPhase, std::string);
+  vtkGetMacro(LamellaPhase, std::string);
+  ///@}
+
+  ///@{
+  /**
+   * Nodes that a solver wants across the middle lamella: fewer are warned of.
+   * @group Middle Lamella
+   * @range [0, inf)
+   * @when Lamella GROWTH CONSTANT LABELS
+   */
+  vtkSetMacro(Horizon, double);
+  vtkGetMacro(Horizon, double);
+  ///@}
+
+protected:
+  vtkMicrographLattice();
+  ~vtkMicrographLattice() override = default;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkMicrographLattice(const vtkMicrographLattice&) = delete;
+  void operator=(const vtkMicrographLattice&) = delete;
+
+  /// Makes Image, unless it is up to date; says what is wrong.
+  bool Rasterise(vtkPolyData* outlines, vtkImageData* picture);
+  vtkSmartPointer<vtkImageData> Made(vtkPolyData* outlines, vtkImageData* picture);
+
+  double Spacing = 0;
+  int Lamella = NONE;
+  double LamellaThickness = 0;
+  double LamellaRadius = -1;
+  std::string LamellaPhase;
+  double Horizon = 0;
+
+  vtkSmartPointer<vtkImageData> Image; ///< what was made
+  vtkTimeStamp MadeTime;
+};
+
+#endif

@@ -1,0 +1,57 @@
+#pragma once
+
+#include "commands/BondReport.h"
+#include "files/Input.h"
+#include "program/SettingOptions.h"
+#include "session/Session.h"
+
+#include <vtkSmartPointer.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+class vtkBondAlgorithm;
+class vtkImageData;
+
+/// What the commands share that bond the nodes of a sample.
+namespace lamella::cli
+{
+
+struct BondOptions
+{
+  SettingOptions settings; ///< of the command's class
+  std::vector<std::string> notches;
+  int refine = 1;
+};
+
+/// Declares the settings of a class, but for some, and the options above.
+void addBondOptions(
+  CLI::App& command, BondOptions& options, const std::string& className, const std::vector<std::string>& leave = {});
+
+/// Gives the filter what the options say. @throws ParameterError for what can be said without the sample
+void applyBonds(const BondOptions& options, vtkBondAlgorithm* filter);
+
+/// A sample for such a filter, its grains with it where a .vti has them. What is doubtful about it has been said.
+struct BondSample
+{
+  vtkSmartPointer<vtkImageData> image; ///< window cut out, refined
+  std::string pixelSizeSource;         ///< as Sample
+  std::string provenance;
+  std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
+};
+
+/// @throws as loadSample(); ParameterError for a pair or a phase that the sample does not have
+[[nodiscard]] BondSample loadBondSample(
+  Session& session, const PictureOptions& picture, const BondOptions& options, vtkBondAlgorithm* filter);
+
+/// Runs the filter on the sample that rank 0 holds, on all ranks, with a progress bar of the filter's words, or `what`;
+/// rank 0 then holds its output.
+/// @throws the kind of Error that the filter met; Cancelled
+void runBonds(Session& session, vtkBondAlgorithm* filter, const BondSample& sample, const char* what);
+
+/// What a report needs of a run on rank 0, whose filter's warnings are said with it.
+[[nodiscard]] BondRun bondRun(Session& session, vtkBondAlgorithm* filter, const PictureOptions& picture,
+  const BondOptions& options, const BondSample& sample, const std::string& commandLine);
+
+} // namespace lamella::cli

@@ -1,0 +1,101 @@
+#pragma once
+
+#include "files/JsonReport.h"
+
+#include "io/Provenance.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <vector>
+
+class vtkDataObject;
+class vtkImageData;
+
+/// What the reports of commands share that bond the nodes of a sample.
+namespace lamella::cli
+{
+
+/// One run of such a command.
+struct BondRun
+{
+  std::string file;
+  vtkImageData* image = nullptr; ///< output of the filter, with its numbers as field data
+  std::string pixelSizeSource;
+  io::Provenance provenance;
+  std::vector<std::string> written;
+  int refine = 1;
+  int threads = 1;
+  int ranks = 1;
+  double seconds = 0;
+};
+
+/// "1.234e+09 Pa", or "-" for what is not known.
+[[nodiscard]] std::string pascal(double value);
+
+/// The field data of an image.
+struct BondFields
+{
+  explicit BondFields(const BondRun& run);
+
+  vtkImageData* image;
+  int dimension;
+
+  double operator()(const char* name, std::size_t i = 0) const;
+  [[nodiscard]] std::int64_t whole(const char* name, std::size_t i = 0) const;
+  [[nodiscard]] std::string text(const char* name) const;
+  [[nodiscard]] std::vector<double> numbers(const char* name) const;
+  /// As many as there are axes.
+  [[nodiscard]] Json vector(const char* name) const;
+};
+
+/// A key of a report, and the field that it shows.
+struct Key
+{
+  enum class Kind
+  {
+    Number, ///< null where it is not known
+    Whole,
+    Text,
+    Flag,
+    Vector ///< as many numbers as there are axes
+  };
+  const char* name;
+  Kind kind = Kind::Number;
+  const char* field = nullptr; ///< where it is called otherwise
+  std::size_t at = 0;          ///< of a field of several numbers
+};
+void addKeys(Json& json, const BondFields& f, std::initializer_list<Key> keys);
+/// Of the states kept, one object each, with its file or null.
+/// @param keys Number and Whole
+[[nodiscard]] Json statesJson(
+  std::span<vtkDataObject* const> states, const std::vector<std::string>& files, std::initializer_list<Key> keys);
+/// The sample between its platens: length, section, and layers of the platens.
+void addPlatens(Json& json, const BondFields& f);
+/// Where a run went on, and its checkpoints: up to two lines. @param what it counts, as "steps"
+[[nodiscard]] std::string checkpointsText(const BondFields& f, const char* what);
+
+/// Keys of every report: pairs, model, thickness of phases, what was doubtful.
+void addModel(Json& json, const BondFields& f);
+/// Of the solve: residual, levels, products.
+void addSolve(Json& json, const BondFields& f);
+/// Sizes: nodes, bonds, strips, bytes.
+void addSizes(Json& json, const BondFields& f);
+/// The sample and the run: file, size, phases, threads, version, provenance.
+void addRun(Json& json, const BondRun& run);
+
+/// Whether lengths are in metres: without the pixel size they are in pixels, and energies mean nothing.
+[[nodiscard]] bool sizeKnown(const BondRun& run);
+/// Lengths of the result, one or several, with their unit: "1.2, 3 m", or in pixels of the file.
+[[nodiscard]] std::string lengthsText(const BondRun& run, const std::vector<double>& lengths);
+/// Last words of a table of a sample between platens: what strain and stress mean.
+[[nodiscard]] std::string platensText(const BondRun& run);
+
+/// First lines of a table: the sample, and the bonds by pair; with what breaks them, or without.
+[[nodiscard]] std::string sampleText(const BondRun& run, bool fracture);
+/// Nodes and bonds, in a line.
+[[nodiscard]] std::string sizesText(const BondFields& f);
+
+} // namespace lamella::cli

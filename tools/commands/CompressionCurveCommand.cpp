@@ -1,0 +1,204 @@
+#include "commands/FilterRun.h"
+#include "files/GridFile.h"
+#include "files/JsonReport.h"
+#include "files/Record.h"
+#include "files/ResultFiles.h"
+#include "program/Commands.h"
+#include "program/SettingOptions.h"
+#include "session/Text.h"
+#include "session/Workspace.h"
+
+#include "TextTable.h"
+#include "core/Clock.h"
+#include "io/Provenance.h"
+#include "vtkCompressionCurve.h"
+#include "vtkLatticeConversion.h"
+
+#include <vtkDoubleArray.h>
+#include <vtkNew.h>
+#include <vtkTable.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+struct CompressionCurveOptions
+{
+  CommonOptions common;
+  std::string file;
+  std::string strain = "strain";
+  std::string stress = "stress";
+  SettingOptions settings;
+  std::string output;
+};
+
+/// The same of a table in memory. @throws InputError
+vtkSmartPointer<vtkTable> curveInMemory(const CompressionCurveOptions& o)
+{
+  const auto data = Workspace::find(o.file);
+  auto* const whole = vtkTable::SafeDownCast(data);
+  auto table = vtkSmartPointer<vtkTable>::New();
+  for (const auto& [name, column] : { std::pair{ "strain", o.strain }, std::pair{ "stress", o.stress } })
+  {
+    auto* const found = whole != nullptr ? vtkDataArray::SafeDownCast(whole->GetColumnByName(column.c_str())) : nullptr;
+    if (found == nullptr)
+    {
+      throw InputError("'" + o.file + "' has no column '" + column + "'", "name the columns with strain and stress");
+    }
+    vtkNew<vtkDoubleArray> values;
+    values->DeepCopy(found);
+    values->SetName(name);
+    table->AddColumn(values);
+  }
+  return table;
+}
+
+/// The two columns of the file. @throws InputError
+vtkSmartPointer<vtkTable> readCurve(const CompressionCurveOptions& o)
+{
+  if (Workspace::holds(o.file))
+  {
+    return curveInMemory(o);
+  }
+  const TextTable text(o.file, "name the columns with --strain and --stress");
+  auto table = vtkSmartPointer<vtkTable>::New();
+  for (const auto& [name, column] : { std::pair{ "strain", o.strain }, std::pair{ "stress", o.stress } })
+  {
+    const auto found = std::ranges::find(text.names(), column);
+    if (found == text.names().end())
+    {
+      text.lacks("'" + column + "'");
+    }
+    vtkNew<vtkDoubleArray> values;
+    values->SetName(name);
+    for (std::size_t row = 0; row < text.rows(); ++row)
+    {
+      values->InsertNextValue(text.number(row, static_cast<std::size_t>(found - text.names().begin())));
+    }
+    describe(values, name == std::string("strain") ? "1" : "Pa", "column '" + column + "' of the file", "lamella");
+    table->AddColumn(values);
+  }
+  return table;
+}
+
+Json reportOf(const CompressionCurveOptions& o, vtkTable* curve)
+{
+  const auto number = [&](const std::string& name, std::size_t i = 0)
+  { return jsonNumber(fieldNumbers(curve, ("curve_" + name).c_str()).at(i)); };
+  // what was not found is null as a whole
+  const auto group = [&](const Json& object) { return object.front().is_null() ? Json(nullptr) : object; };
+  Json json;
+  json["file"] = o.file;
+  json["rows"] = curve->GetNumberOfRows();
+  json["stiffness"] = group(
+    { { "value", number("stiffness") }, { "error", number("stiffness_error") }, { "intercept", number("intercept") },
+      { "r2", number("r2") }, { "toe", number("toe") }, { "low", number("fit_range", 0) },
+      { "high", number("fit_range", 1) }, { "rows", std::llround(fieldNumbers(curve, "curve_fit_rows").at(0)) } });
+  for (const char* const name : { "yield", "peak" })
+  {
+    json[name] = group(
+      { { "strain", number(std::string(name) + "_strain") }, { "stress", number(std::string(name) + "_stress") } });
+  }
+  json["plateau"] = group({ { "stress", number("plateau_stress") }, { "low", number("plateau_range", 0) },
+    { "high", number("plateau_range", 1) }, { "end_strain", number("plateau_end_strain") } });
+  json["densification"] =
+    group({ { "strain", number("densification_strain") }, { "stress", number("densification_stress") },
+      { "energy", number("densification_energy") }, { "efficiency", number("densification_efficiency") } });
+  json["energy"] = number("energy");
+  json["missing"] = fieldTexts(curve, "curve_missing");
+  return json;
+}
+
+std::string tableOf(const Json& json)
+{
+  std::string text = fmt::format("{}: {} rows\n\n", json["file"].get<std::string>(), json["rows"].get<int>());
+  const auto line = [&](const char* name, const Json& group, const auto& words)
+  { text += fmt::format("  {:<14} {}\n", name, group.is_null() ? std::string("none") : words(group)); };
+  const auto at = [](const Json& group, const char* key) { return group[key].template get<double>(); };
+  const auto point = [&](const Json& p)
+  { return fmt::format("{:.4g} Pa at a strain of {:.4g}", at(p, "stress"), at(p, "strain")); };
+  line("stiffness", json["stiffness"],
+    [&](const Json& s)
+    {
+      return fmt::format("{:.4g} ± {:.2g} Pa between strains of {:.4g} and {:.4g} ({} rows, R² {:.4f}, toe {:.2g})",
+        at(s, "value"), at(s, "error"), at(s, "low"), at(s, "high"), s["rows"].get<int>(), at(s, "r2"), at(s, "toe"));
+    });
+  line("yield", json["yield"], point);
+  line("first peak", json["peak"], point);
+  line("plateau", json["plateau"],
+    [&](const Json& p)
+    {
+      return fmt::format(
+        "{:.4g} Pa between strains of {:.4g} and {:.4g}", at(p, "stress"), at(p, "low"), at(p, "high"));
+    });
+  line("densification", json["densification"],
+    [&](const Json& d)
+    {
+      return fmt::format("at a strain of {:.4g}: {:.4g} J/m³ absorbed, efficiency {:.4f}", at(d, "strain"),
+        at(d, "energy"), at(d, "efficiency"));
+    });
+  line("energy", json["energy"], [](const Json& e) { return fmt::format("{:.4g} J/m³ in all", e.get<double>()); });
+  if (!json["missing"].empty())
+  {
+    text += "\n";
+  }
+  for (const Json& why : json["missing"])
+  {
+    text += "  " + why.get<std::string>() + "\n";
+  }
+  text += wroteText(json["files"].get<std::vector<std::string>>());
+  return text;
+}
+
+void compressionCurve(Session& session, const CompressionCurveOptions& o, const std::string& commandLine)
+{
+  const auto start = Clock::now();
+  vtkNew<vtkCompressionCurve> filter;
+  o.settings.give(filter);
+  requireFile(o.file);
+  ResultFiles files;
+  files.addTable("-o", o.output, filter->GetOutput(), o.common.overwrite);
+  const vtkSmartPointer<vtkTable> table = readCurve(o);
+  filter->SetInputData(table);
+  runFilter(session, filter, "curve");
+  tellWarnings(session);
+  Json json = reportOf(o, filter->GetOutput());
+  const io::Provenance run = recordRun(session, commandLine, o.file, "");
+  json["files"] = files.write(io::toJson(run));
+  json["seconds"] = secondsSince(start);
+  printReport(session, o.common, json, run, tableOf);
+}
+
+} // namespace
+
+Command compressionCurveCommand(CLI::App& root)
+{
+  CLI::App* app = root.add_subcommand("compression-curve",
+    "Stiffness, collapse, plateau, densification and energy of a stress-strain curve in compression");
+  auto o = std::make_shared<CompressionCurveOptions>();
+  app->add_option("FILE", o->file, "A table as .csv, its first line the columns' names")->required();
+  const auto curve = [](CLI::Option* option, const char* type)
+  { option->group("Curve")->type_name(type)->capture_default_str(); };
+  curve(app->add_option("--strain", o->strain, "Column of strains: fractions, rising, compression positive"), "NAME");
+  curve(app->add_option("--stress", o->stress, "Column of stresses [Pa], compression positive"), "NAME");
+  o->settings.declare(*app, "vtkCompressionCurve");
+  app->add_option("-o,--output", o->output, "Write the curve with energy and efficiency, one row a row")
+    ->type_name("FILE.csv")
+    ->group("Output");
+  addResultOptions(*app, o->common);
+  addExamples(*app,
+    { "lamella compression-curve curve.csv --json",
+      "lamella compression-curve curve.csv --plateau-range 0.2,0.4 -o energy.csv",
+      "lamella compression-curve test.csv --strain eps --stress sigma --stiffness-range 0,0.1 --window 0.01" });
+  return aloneCommand(app, o, compressionCurve);
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,116 @@
+#include "convert/Conversion.h"
+#include "files/Input.h"
+#include "files/JsonReport.h"
+#include "program/Commands.h"
+#include "session/Text.h"
+
+#include "core/Error.h"
+
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include <array>
+#include <memory>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+struct ConvertOptions
+{
+  CommonOptions common;
+  ConversionWords words;
+  bool formats = false;
+};
+
+std::string reportText(const Json& json)
+{
+  std::string what = json["kind"].get<std::string>();
+  if (json.contains("size"))
+  {
+    const auto size = json["size"].get<std::array<std::int64_t, 3>>();
+    what += " of " + sizeText(size, size[2] > 1 ? 3 : 2);
+  }
+  else if (json.contains("points"))
+  {
+    what += fmt::format(" of {} points and {} cells", grouped(json["points"].get<std::int64_t>()),
+      grouped(json["cells"].get<std::int64_t>()));
+  }
+  std::string arrays;
+  for (const Json& array : json["arrays"])
+  {
+    const int components = array["components"].get<int>();
+    arrays += fmt::format("{}{} ({}{})", arrays.empty() ? "; " : ", ", array["name"].get<std::string>(),
+      components > 1 ? fmt::format("{} × ", components) : "", array["type"].get<std::string>());
+  }
+  const auto steps = json["steps"].get<std::int64_t>();
+  auto files = json["files"].get<std::vector<std::string>>();
+  constexpr std::size_t most = 6;
+  if (files.size() > most) // slices of a volume, steps of a series
+  {
+    const std::size_t left = files.size() - 3;
+    files = { files[0], files[1], fmt::format("... ({} more)", left), files.back() };
+  }
+  return fmt::format("{}: {}{}{}\n", json["file"].get<std::string>(), what,
+           steps > 1 ? fmt::format(", {} steps", steps) : "", arrays) +
+    wroteText(files);
+}
+
+void runConvert(Session& session, const ConvertOptions& o, const std::string& commandLine)
+{
+  H5dont_atexit(); // it would try once more to fill a disk that is full, and crash
+  if (o.formats)
+  {
+    session.print(formatsText());
+    return;
+  }
+  const std::string& file = o.words.raw.picture.file;
+  if (file.empty() || o.words.output.empty())
+  {
+    throw ParameterError(file.empty() ? "FILE is missing" : "-o is missing",
+      file.empty() ? "see lamella convert --help" : "add -o FILE; see lamella convert --help");
+  }
+  ConversionWords words = o.words;
+  words.overwrite = o.common.overwrite;
+  const Converted done = convert(session, words, commandLine);
+  printReport(session, o.common, done.report, done.run, reportText);
+}
+
+} // namespace
+
+Command convertCommand(CLI::App& root)
+{
+  CLI::App* app = root.add_subcommand(
+    "convert", "From any format to any other: pictures, stacks, raw volumes, VTK, VTKHDF, tables, series");
+  auto o = std::make_shared<ConvertOptions>();
+  app->add_option("FILE", o->words.raw.picture.file,
+    "What to convert: a file, a folder or pattern of slices, a .pvd, or a pattern of steps such as step_*.vti");
+  const auto values = [](CLI::Option* option) { return option->group("Values"); };
+  values(app->add_option("--array", o->words.arrays, "Convert this array only; may be given several times"))
+    ->type_name("NAME")
+    ->allow_extra_args(false);
+  values(app->add_option("--step", o->words.step, "Of a series: convert this step, counted from 0"))
+    ->type_name("NUMBER");
+  values(app->add_option("--type", o->words.type, "Write numbers as u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64"))
+    ->type_name("TYPE");
+  values(app->add_option("--range", o->words.range, "Map these values to the greys of u8, or of --type u16"))
+    ->type_name("LOW,HIGH");
+  values(app->add_flag("--lossy", o->words.lossy,
+    "Go on where something is lost: nearest values of --type, cells in a table, gaps in a series, transparency"));
+  addRawOptions(*app, o->words.raw.picture);
+  addRawTypeOptions(*app, o->words.raw);
+  addOutputOptions(*app, o->words.output, o->common,
+    "File to write; its ending tells the format. A pattern such as slice_%04d.png for slices or steps");
+  app->add_flag("--formats", o->formats, "List the formats and what they hold, and exit")->group("Report");
+  addReportOptions(*app, o->common);
+  addExamples(*app,
+    { "lamella convert stack.tif -o stack.hdf --pixel-size 0.5um",
+      "lamella convert berea_400x400x400_u16.raw -o slices_%04d.png",
+      "lamella convert heat_y.vti --array temperature --range 0,1 -o heat.png",
+      "lamella convert torn.pvd -o torn_%03d.hdf", "lamella convert grains.csv -o grains.vtp" });
+  return aloneCommand(app, o, runConvert);
+}
+
+} // namespace lamella::cli

@@ -1,0 +1,308 @@
+#include "commands/DiffusionConductivity.h"
+#include "commands/DiffusionReport.h"
+#include "commands/FilterRun.h"
+#include "commands/SampleRun.h"
+#include "files/GridFile.h"
+#include "files/Record.h"
+#include "program/Commands.h"
+#include "program/SettingOptions.h"
+#include "session/OutputFile.h"
+#include "session/Text.h"
+
+#include "core/Clock.h"
+#include "lattice/Phases.h"
+#include "lbm/StudyChecks.h"
+#include "vtkLatticeConversion.h"
+#include "vtkSteadyDiffusion.h"
+
+#include <vtkCallbackCommand.h>
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+struct DiffusionOptions
+{
+  CommonOptions common;
+  PictureOptions picture;
+  SettingOptions settings;
+  std::vector<std::string> conductivity;
+  std::string output;
+};
+
+void requireVti(const std::string& output)
+{
+  if (!output.empty() && !isVtkImage(output))
+  {
+    throw ParameterError("-o '" + output + "': the fields are written as .vti",
+      "end the name in .vti; numbers go to standard output, as JSON with --json");
+  }
+}
+
+/// What is given of the phases goes to the filter; the image gets the directions that it may want.
+void giveConductivities(const DiffusionOptions& options, const Sample& sample, vtkImageData* image)
+{
+  const auto given = parseConductivities(options.conductivity);
+  requireNames("--conductivity", given, sample.image.phases.names());
+  if (std::ranges::any_of(given, [](const GivenConductivity& one) { return one.along != one.across; }) &&
+    sample.image.lattice.dimension == 2) // of a volume the filter says that they do not go
+  {
+    requireAxes(options.picture, image);
+  }
+}
+
+/// One run of `lamella diffusion`: its filter, its sample, its files.
+class DiffusionRun
+{
+public:
+  DiffusionRun(Session& session, const DiffusionOptions& options, const std::string& commandLine)
+    : session_(session)
+    , options_(options)
+    , commandLine_(commandLine)
+  {
+    options.settings.give(filter_);
+    for (const GivenConductivity& one : parseConductivities(options.conductivity))
+    {
+      filter_->SetConductivity(one.phase.c_str(), one.along);
+      if (one.across != one.along)
+      {
+        filter_->SetConductivityAcross(one.phase.c_str(), one.across);
+      }
+    }
+    fields_ = !options.output.empty();
+    requireVti(options.output);
+    report_.file = options.picture.file;
+    report_.sample = &sample_;
+    report_.ranks = session.ranks();
+    report_.threads = filter_->GetThreads();
+    report_.estimated = filter_->GetEstimateError();
+    plan_->SetClientData(&session);
+    plan_->SetCallback([](vtkObject*, unsigned long, void* to, void* words)
+      { static_cast<Session*>(to)->note(static_cast<const char*>(words)); });
+    filter_->AddObserver(vtkSteadyDiffusion::PLAN_EVENT, plan_);
+  }
+
+  void run()
+  {
+    load();
+    if (!fields_ || filter_->GetTargetError() > 0)
+    {
+      filter_->SetComputeField(false);
+      filter_->SetComputeFlux(false);
+      solve();
+      report_.found = filter_->GetFindings();
+    }
+    if (fields_)
+    {
+      solveFields();
+    }
+    conclude();
+  }
+
+private:
+  /// All that can go wrong with what the user gave goes wrong here, before anything is computed.
+  void load()
+  {
+    lbm::StudySize size;
+    size.refinement = filter_->GetRefinement();
+    size.fields = fields_;
+    size.ranks = session_.ranks();
+    size.ranksOnMachine = session_.ranksOnMachine();
+    const auto check = [&](const Lattice& lattice)
+    {
+      size.lattice = lattice;
+      size.stencil = lattice.dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5;
+      lbm::requireMemory(size); // of a sample that hardly conducts: the least that it may be
+    };
+    std::array<int, 4> axes{ 0, 0, 0, 0 }; // how many, and which
+    session_.onRoot(
+      [&]
+      {
+        sample_ = loadSample(options_.picture, check);
+        Session::checkInterrupt();
+        tellDoubts(session_, sample_);
+        const Lattice& lattice = sample_.image.lattice;
+        image_ = imageOf(sample_);
+        giveConductivities(options_, sample_, image_);
+        image_->GetExtent(extent_.data());
+        const int direction = filter_->GetDirection();
+        for (int axis = 0; axis < 3; ++axis)
+        {
+          if (direction == axis || (direction == vtkSteadyDiffusion::ALL && axis < lattice.dimension))
+          {
+            axes[static_cast<std::size_t>(++axes[0])] = axis;
+          }
+        }
+        for (int i = 1; fields_ && i <= axes[0]; ++i)
+        {
+          const std::string name = axes[0] == 1
+            ? options_.output
+            : withSuffix(options_.output, std::string("_") + axisNames[axes[static_cast<std::size_t>(i)]]).string();
+          files_.emplace_back(name, options_.common.overwrite);
+          report_.written.push_back(name);
+          const double nodes = static_cast<double>(lattice.count()) * std::pow(size.refinement, lattice.dimension);
+          files_.back().needs(static_cast<std::uint64_t>(nodes * (8 + 24 + 1)));
+        }
+      });
+    session_.broadcast(extent_);
+    session_.broadcast(axes);
+    axes_.assign(axes.begin() + 1, axes.begin() + 1 + axes[0]);
+  }
+
+  void solve()
+  {
+    runFilterOnRanks(session_, filter_.Get(), image_, extent_, "diffusion");
+    session_.onRoot(
+      [&]
+      {
+        const std::string& told = filter_->GetFindings().shortfall.message; // at the end, as what the run comes to
+        tellWarnings(session_, [&](const std::string& warning) { return told.empty() || !warning.starts_with(told); });
+      });
+  }
+
+  /// One direction at a time, so that only one direction's fields are held.
+  void solveFields()
+  {
+    filter_->SetComputeField(true);
+    filter_->SetComputeFlux(true);
+    const bool target = filter_->GetTargetError() > 0;
+    if (target) // the refinement is known by now
+    {
+      filter_->SetTargetError(0);
+      filter_->SetEstimateError(false);
+      filter_->SetRefinement(report_.found.answers.front().refinement);
+    }
+    for (std::size_t i = 0; i < axes_.size(); ++i)
+    {
+      filter_->SetDirection(axes_[i]);
+      solve();
+      const SteadyFindings& found = filter_->GetFindings();
+      if (!target)
+      {
+        std::vector<lbm::DiffusionAnswer> answers = std::move(report_.found.answers);
+        report_.found = found;
+        answers.insert(answers.end(), found.answers.begin(), found.answers.end());
+        report_.found.answers = std::move(answers);
+      }
+      session_.onRoot(
+        [&]
+        {
+          vtkImageData* const output = filter_->GetOutput();
+          if (target)
+          {
+            describe(output, report_.found.along(axes_[i]));
+          }
+          output->GetPointData()->RemoveArray("axis");
+          write(output, files_[i]);
+          Session::checkInterrupt();
+        });
+    }
+  }
+
+  void write(vtkImageData* output, const OutputFile& file)
+  {
+    if (report_.provenance.version.empty())
+    {
+      report_.provenance = recordRun(session_, commandLine_, options_.picture.file, sample_.provenance);
+    }
+    setProvenance(output, io::toJson(report_.provenance));
+    writeGrid(output, file);
+  }
+
+  void conclude()
+  {
+    report_.peakMemory = peakMemoryBytes();
+    if (session_.ranks() > 1)
+    {
+      MPI_Allreduce(MPI_IN_PLACE, &report_.peakMemory, 1, MPI_UINT64_T, MPI_MAX, session_.communicator());
+    }
+    session_.onRoot(
+      [&]
+      {
+        Session::checkInterrupt();
+        for (OutputFile& file : files_)
+        {
+          file.commit();
+        }
+        if (report_.provenance.version.empty())
+        {
+          report_.provenance =
+            recordRun(session_, commandLine_, options_.common.json ? options_.picture.file : "", sample_.provenance);
+        }
+        report_.seconds = secondsSince(start_);
+        session_.print(options_.common.json ? toJson(report_) : options_.common.quiet ? "" : toTable(report_));
+      });
+    const lbm::Shortfall& shortfall = report_.found.shortfall;
+    if (!shortfall.message.empty())
+    {
+      session_.fallShort(shortfall.message, shortfall.hint);
+    }
+  }
+
+  Session& session_;
+  const DiffusionOptions& options_;
+  const std::string& commandLine_;
+  Clock::time_point start_ = Clock::now();
+  vtkNew<vtkCallbackCommand> plan_;
+  vtkNew<vtkSteadyDiffusion> filter_;
+  bool fields_ = false;
+  Sample sample_; // its phases are in the image
+  vtkSmartPointer<vtkImageData> image_ = vtkSmartPointer<vtkImageData>::New();
+  std::array<int, 6> extent_{ 0, -1, 0, -1, 0, -1 };
+  std::vector<int> axes_;
+  std::vector<OutputFile> files_; // rank 0
+  DiffusionReport report_;
+};
+
+} // namespace
+
+Command diffusionCommand(CLI::App& root)
+{
+  CLI::App* app = root.add_subcommand(
+    "diffusion", "Effective conductivity of a picture or volume: heat, vapour, anything that diffuses");
+  auto o = std::make_shared<DiffusionOptions>();
+  addPictureOptions(*app, o->picture);
+  app
+    ->add_option("--conductivity", o->conductivity,
+      "Conductivity of a phase, in any unit; 0: it does not conduct. ALONG:ACROSS where it differs along the walls of "
+      "a "
+      "lattice from outlines")
+    ->type_name("NAME=VALUE|NAME=ALONG:ACROSS")
+    ->allow_extra_args(false)
+    ->required()
+    ->group("Materials");
+  o->settings.declare(*app, "vtkSteadyDiffusion", { "conductivity", "conductivity-across", "field", "flux" });
+  addOutputOptions(*app, o->output, o->common,
+    "Write phases, field and flux as .vti, for ParaView; several directions: FILE_x.vti, FILE_y.vti");
+  addReportOptions(*app, o->common);
+  addExamples(*app,
+    { "lamella diffusion tissue.png --phase 0=lumen --phase 255=wall --conductivity lumen=0.023 --conductivity wall=1",
+      "lamella diffusion tissue.png --conductivity lumen=1 --conductivity wall=0.004 --target-error 1% --json",
+      "lamella diffusion rock_200x200x200_u8.raw --phase 1=pore --other grain --conductivity pore=1 --conductivity "
+      "grain=0",
+      "lamella diffusion tissue.vti --conductivity lumen=0.023 --conductivity wall=1.2:0.8 --conductivity "
+      "'middle lamella=1'",
+      "mpirun -n 4 lamella diffusion tissue.vti --conductivity lumen=0 --conductivity wall=1 --direction z -o "
+      "heat.vti" });
+  return { app,
+    [o](Session& session, const std::string& line)
+    {
+      session.setQuiet(o->common.quiet);
+      DiffusionRun(session, *o, line).run();
+    } };
+}
+
+} // namespace lamella::cli

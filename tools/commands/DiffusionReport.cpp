@@ -1,0 +1,340 @@
+#include "commands/DiffusionReport.h"
+
+#include "files/JsonReport.h"
+#include "files/Record.h"
+#include "session/Text.h"
+
+#include "core/Memory.h"
+
+#include <fmt/format.h>
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+/// JSON has no NaN and no infinity.
+Json number(double value)
+{
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+double own(const lbm::DiffusionAnswer& answer)
+{
+  return answer.result.effective[static_cast<std::size_t>(answer.axis)];
+}
+
+Json stepsJson(const lbm::DiffusionAnswer& answer)
+{
+  Json steps = Json::array();
+  for (const auto& step : answer.steps)
+  {
+    steps.push_back({ { "refine", step.refinement }, { "value", number(step.value) }, { "nodes", step.nodes },
+      { "iterations", step.iterations }, { "seconds", step.seconds }, { "part_of_sample", step.sampled },
+      { "every_pixel", step.every }, { "pictures", step.pictures }, { "scatter", number(step.scatter) } });
+  }
+  return steps;
+}
+
+constexpr std::array ordinals{ "", "first", "second", "third", "fourth" };
+
+std::string percent(double share)
+{
+  return std::isfinite(share) ? fmt::format("{:.2g} %", 100 * share) : "unknown";
+}
+
+/// How a volume was segmented; greys as in its file, lengths in voxels.
+Json jsonOf(const micrograph::VolumeReport& found)
+{
+  Json json{ { "polarity", found.polarity.empty() ? Json(nullptr) : Json(found.polarity) },
+    { "unevenness", found.unevenness }, { "flattened", found.flattened }, { "smoothing", found.smoothing },
+    { "separability_before", found.separabilityBefore }, { "noise_left", found.noiseLeft }, { "levels", found.levels },
+    { "means", found.means }, { "separability", found.separability }, { "valley", found.valley },
+    { "smallest", found.smallest }, { "specks", found.specks }, { "speck_voxels", found.speckVoxels },
+    { "shell_voxels", found.shellVoxels } };
+  json["phases"] = Json::array();
+  for (std::size_t id = 0; id < found.phases.size(); ++id)
+  {
+    json["phases"].push_back({ { "name", found.phases[id] }, { "fraction", found.shares[id] },
+      { "fraction_error", found.shareError[id] }, { "thickness", found.thickness[id] } });
+  }
+  return json;
+}
+
+} // namespace
+
+std::uint64_t peakMemoryBytes()
+{
+  struct rusage usage = {};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024; // Linux counts kilobytes
+}
+
+std::string toJson(const DiffusionReport& report)
+{
+  const Lattice& lattice = report.sample->image.lattice;
+  const int dimension = lattice.dimension;
+  const int refinement = report.found.answers.front().refinement;
+  Json json;
+  Json effective;
+  Json extrapolated;
+  for (const auto& answer : report.found.answers)
+  {
+    const char* axis = axisNames[answer.axis];
+    effective[axis] = number(own(answer));
+    extrapolated[axis] = number(answer.error.extrapolated);
+  }
+  json["effective"] = std::move(effective);
+  json["extrapolated"] = std::move(extrapolated);
+  for (const auto& [key, kind] : { std::pair{ "estimated_error", &ErrorEstimate::relative },
+         std::pair{ "lattice_error", &ErrorEstimate::lattice }, std::pair{ "picture_error", &ErrorEstimate::picture } })
+  {
+    json[key] = number(report.found.error(kind));
+    Json& byDirection = json[std::string(key) + "s"];
+    for (const auto& answer : report.found.answers)
+    {
+      byDirection[axisNames[answer.axis]] = number(answer.error.*kind);
+    }
+  }
+  json["target_error"] = report.found.targetError > 0 ? Json(report.found.targetError) : Json(nullptr);
+  json["target"] = report.found.targetError > 0 ? Json(lbm::name(report.found.answers.front().target)) : Json(nullptr);
+  const auto tensor = report.found.tensor();
+  json["tensor"] = Json::array();
+  for (int row = 0; row < dimension; ++row)
+  {
+    Json line = Json::array();
+    for (int column = 0; column < dimension; ++column)
+    {
+      // Between insulated sides the mean flux across the gradient is the box's, not the material's.
+      const bool known = row == column || report.found.sides == "periodic";
+      line.push_back(known ? number(tensor[static_cast<std::size_t>(3 * row + column)]) : Json(nullptr));
+    }
+    json["tensor"].push_back(line);
+  }
+  json["bounds"] = { { "series", report.found.bounds.series }, { "parallel", report.found.bounds.parallel },
+    { "hashin_shtrikman", { report.found.bounds.hashinShtrikmanLower, report.found.bounds.hashinShtrikmanUpper } } };
+
+  int iterations = 0;
+  double setup = 0;
+  double solve = 0;
+  double balance = 0;
+  double solverError = 0;
+  std::uint64_t solverBytes = 0;
+  for (const auto& answer : report.found.answers)
+  {
+    iterations += answer.result.iterations;
+    setup += answer.result.setupSeconds;
+    solve += answer.result.solveSeconds;
+    balance = std::max(balance, answer.result.balance);
+    solverError = std::max(solverError, answer.result.solverError);
+    solverBytes = std::max(solverBytes, answer.result.bytes);
+  }
+  json["iterations"] = iterations;
+  json["seconds"] = report.seconds;
+  json["setup_seconds"] = setup;
+  json["solve_seconds"] = solve;
+  json["peak_memory_bytes"] = report.peakMemory;
+  json["method"] = lbm::name(report.found.answers.front().result.method);
+
+  Json directions;
+  for (const auto& answer : report.found.answers)
+  {
+    const auto& result = answer.result;
+    directions[axisNames[answer.axis]] = { { "iterations", result.iterations }, { "balance", number(result.balance) },
+      { "solver_error", number(result.solverError) }, { "inlet", number(result.inletFlux) },
+      { "outlet", number(result.outletFlux) }, { "residual", number(result.residual) },
+      { "setup_seconds", result.setupSeconds }, { "solve_seconds", result.solveSeconds },
+      { "solver_bytes", result.bytes }, { "nodes", result.nodes }, { "stored", result.stored },
+      { "skipped", result.skipped }, { "refine", answer.refinement }, { "steps", stepsJson(answer) } };
+  }
+
+  json["directions"] = std::move(directions);
+
+  json["phases"] = Json::array();
+  for (std::size_t id = 0; id < report.sample->image.phases.size(); ++id)
+  {
+    const bool there = id < report.found.fractions.size();
+    const double share = there ? report.found.fractions[id] : 0;
+    const double value = there ? report.found.conductivity[id] : 0; // 0 also where none was given, and no node either
+    json["phases"].push_back({ { "name", report.sample->image.phases.names()[id] }, { "fraction", share },
+      { "conductivity", share > 0 || value > 0 ? number(value) : Json(nullptr) } });
+    if (there && !report.found.across.empty())
+    {
+      json["phases"].back()["conductivity_across"] = number(report.found.across[id]);
+    }
+  }
+  json["file"] = report.file;
+  json["size"] = std::vector<std::int64_t>(lattice.size.begin(), lattice.size.begin() + dimension);
+  if (report.sample->window)
+  {
+    const Window& w = *report.sample->window;
+    json["window"] = dimension == 3 ? Json{ w.start[0], w.start[1], w.start[2], w.size[0], w.size[1], w.size[2] }
+                                    : Json{ w.start[0], w.start[1], w.size[0], w.size[1] };
+  }
+  else
+  {
+    json["window"] = nullptr;
+  }
+  const bool known = report.sample->pixelSizeSource != "none";
+  json["pixel_size"] = known ? Json(lattice.spacing) : Json(nullptr);
+  json["pixel_size_source"] = report.sample->pixelSizeSource;
+  json["warnings"] = report.sample->warnings;
+  if (report.sample->segmentation)
+  {
+    const micrograph::SegmentReport& found = *report.sample->segmentation;
+    json["segmentation"] = { { "channel", found.channel }, { "bright_lumen", found.brightLumen },
+      { "background", found.background }, { "smoothing", found.smoothing }, { "threshold", found.threshold },
+      { "separability", found.separability }, { "smallest_lumen", found.smallestLumen },
+      { "smallest_wall", found.smallestWall }, { "lumens_removed", found.lumensRemoved },
+      { "walls_removed", found.wallsRemoved }, { "opening", found.opening }, { "rim", found.rim },
+      { "half_height", found.halfHeight }, { "ray_gaps", found.rays }, { "graphics", found.graphicsShare },
+      { "vessels", found.vessels }, { "lumens", found.lumens }, { "lumen_fraction", found.lumenFraction },
+      { "cells", found.cells }, { "doubts", found.doubtNames() } };
+  }
+  if (report.sample->volumeSegmentation)
+  {
+    json["segmentation"] = jsonOf(*report.sample->volumeSegmentation);
+  }
+  json["refine"] = refinement;
+  json["lattice"] = lbm::name(report.found.stencil);
+  json["sides"] = report.found.sides;
+  json["length"] =
+    "one spacing a node; faces half a spacing outside the outer nodes; an empty box of conductivity 1 has 1";
+  json["tolerance"] = report.found.tolerance;
+  json["balance"] = number(balance);
+  json["solver_error"] = number(solverError);
+  json["nodes"] = report.found.answers.front().result.nodes;
+  json["stored"] = report.found.answers.front().result.stored;
+  json["skipped"] = report.found.answers.front().result.skipped;
+  json["solver_bytes"] = solverBytes;
+  json["threads"] = report.threads;
+  json["ranks"] = report.ranks;
+  json["files"] = report.written;
+  addRecord(json, report.provenance);
+  return dump(json);
+}
+
+std::string toTable(const DiffusionReport& report)
+{
+  const Lattice& lattice = report.sample->image.lattice;
+  const int refinement = report.found.answers.front().refinement;
+  std::string text = fmt::format(
+    "{}: {} {}", report.file, sizeText(lattice.size, lattice.dimension), lattice.dimension == 3 ? "voxels" : "pixels");
+  text += report.sample->pixelSizeSource == "none" ? ", pixel size unknown"
+                                                   : fmt::format(" of {:g} µm", lattice.spacing * 1e6);
+  text += refinement > 1
+    ? fmt::format(", each split into {}\n\n",
+        lattice.dimension == 3 ? fmt::format("{0} × {0} × {0}", refinement) : fmt::format("{0} × {0}", refinement))
+    : "\n\n";
+
+  for (const std::string& line : report.sample->notes)
+  {
+    text += "  " + line + "\n";
+  }
+  text += report.sample->notes.empty() ? "" : "\n";
+  std::size_t width = 5;
+  for (const std::string& phase : report.sample->image.phases.names())
+  {
+    width = std::max(width, phase.size());
+  }
+  text += fmt::format("  {:<{}}   share    conductivity\n", "phase", width);
+  for (std::size_t id = 0; id < report.found.fractions.size(); ++id)
+  {
+    if (report.found.fractions[id] > 0)
+    {
+      text += fmt::format("  {:<{}}  {:.5f}  {:g}", report.sample->image.phases.names()[id], width,
+        report.found.fractions[id], report.found.conductivity[id]);
+      if (!report.found.across.empty() && report.found.across[id] != report.found.conductivity[id])
+      {
+        text += fmt::format(" along the walls, {:g} across", report.found.across[id]);
+      }
+      text += "\n";
+    }
+  }
+
+  const bool known = report.estimated;
+  text += fmt::format("\n  effective conductivity      error     {}from series (0 %) to parallel (100 %)\n",
+    known ? "lattice   picture   " : "");
+  for (const auto& answer : report.found.answers)
+  {
+    const double span = report.found.bounds.parallel - report.found.bounds.series;
+    text += fmt::format(
+      "    {}  {:<20.7g}  {:<8}  ", axisNames[answer.axis], own(answer), known ? percent(answer.error.relative) : "-");
+    if (known)
+    {
+      text += fmt::format("{:<8}  {:<8}  ", percent(answer.error.lattice), percent(answer.error.picture));
+    }
+    text += span > 0 ? fmt::format("{:.1f} %\n", 100 * (own(answer) - report.found.bounds.series) / span) : "-\n";
+  }
+  const bool nearer = std::ranges::any_of(
+    report.found.answers, [](const auto& answer) { return std::isfinite(answer.error.extrapolated); });
+  if (nearer)
+  {
+    text += "  expected of the material, from how the value changes with the pixel\n";
+    for (const auto& answer : report.found.answers)
+    {
+      if (std::isfinite(answer.error.extrapolated))
+      {
+        text += fmt::format("    {}  {:.5g}\n", axisNames[answer.axis], answer.error.extrapolated);
+      }
+    }
+  }
+  text +=
+    fmt::format("  bounds\n    series {:.7g}   parallel {:.7g}   Hashin-Shtrikman (isotropic media) {:.7g} to {:.7g}\n",
+      report.found.bounds.series, report.found.bounds.parallel, report.found.bounds.hashinShtrikmanLower,
+      report.found.bounds.hashinShtrikmanUpper);
+
+  if (report.found.targetError > 0)
+  {
+    text += fmt::format("\n  what an error below {} took\n", percent(report.found.targetError));
+    double total = 0;
+    for (const auto& answer : report.found.answers)
+    {
+      for (const auto& step : answer.steps)
+      {
+        text += fmt::format("    {}  refine {:<3} {:<10.7g}  {:>13} nodes  {:.2f} s{}\n", axisNames[answer.axis],
+          step.refinement, step.value, grouped(step.nodes), step.seconds,
+          step.every > 1 ? fmt::format("  every {} pixel, {} pictures", ordinals[static_cast<std::size_t>(step.every)],
+                             step.pictures)
+                         : "");
+        total += step.seconds;
+      }
+    }
+    text += fmt::format("    {:.2f} s in all\n", total);
+  }
+
+  const double picture = report.found.error(&ErrorEstimate::picture);
+  if (picture > 0.005 && picture >= report.found.error(&ErrorEstimate::lattice) && report.found.outlinesServe())
+  {
+    text += "\n  Most of the error is the pixels' own steps. Outlines through them err less: lamella micrograph with\n"
+            "  the same --conductivity.\n";
+  }
+  std::string iterations;
+  double solve = 0;
+  for (const auto& answer : report.found.answers)
+  {
+    iterations += (iterations.empty() ? "" : " + ") + std::to_string(answer.result.iterations);
+    solve += answer.result.setupSeconds + answer.result.solveSeconds;
+  }
+  const auto& first = report.found.answers.front().result;
+  text += fmt::format("\n  {}, {}, {} sides; {} iterations, {:.3f} s (everything: {:.2f} s, {})\n",
+    lbm::name(report.found.stencil), lbm::name(first.method), report.found.sides, iterations, solve, report.seconds,
+    bytesText(static_cast<double>(report.peakMemory)));
+  text += fmt::format(
+    "  {} nodes, of which {} were skipped because they do not conduct\n", grouped(first.nodes), grouped(first.skipped));
+  text += report.found.sides == "periodic"
+    ? "  Length: one spacing a node. An empty box of conductivity 1 has 1.\n"
+    : "  Length: one spacing a node; the faces lie half a spacing outside the outer nodes. An empty box of\n"
+      "  conductivity 1 has 1.\n";
+  text += wroteText(report.written);
+  return text;
+}
+
+} // namespace lamella::cli

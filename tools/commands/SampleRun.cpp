@@ -1,0 +1,36 @@
+#include "commands/SampleRun.h"
+
+#include "PhasePicture.h"
+
+#include "vtkLatticeConversion.h"
+
+#include <vtkImageData.h>
+
+#include <utility>
+
+namespace lamella::cli
+{
+
+void tellDoubts(Session& session, const Sample& sample)
+{
+  for (const std::string& warning : sample.warnings)
+  {
+    session.warn(warning);
+  }
+}
+
+vtkSmartPointer<vtkImageData> imageOf(Sample& sample, int refine)
+{
+  const auto image =
+    toImageData(refine > 1 ? lamella::refine(sample.image, refine)
+                           : PhaseImage{ sample.image.lattice, std::move(sample.image.phase), sample.image.phases });
+  if (sample.file != nullptr)
+  {
+    carryAlong(image, sample.file, sample.window, refine, { "grain", "axis" });
+  }
+  setFieldText(image, "pixel_size_source", sample.pixelSizeSource);
+  setProvenance(image, sample.provenance);
+  return image;
+}
+
+} // namespace lamella::cli

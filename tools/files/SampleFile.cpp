@@ -1,0 +1,88 @@
+#include "files/SampleFile.h"
+
+#include "files/Record.h"
+#include "session/Text.h"
+
+#include "core/Error.h"
+#include "pictures/WritePicture.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <numeric>
+
+namespace lamella::cli
+{
+
+std::vector<std::uint8_t> valuesInFile(const PhaseTable& phases, const std::string& ending)
+{
+  std::vector<std::uint8_t> values = greysOfPhases(phases);
+  if (ending == ".vti" || ending == ".raw")
+  {
+    std::iota(values.begin(), values.end(), std::uint8_t{ 0 });
+  }
+  return values;
+}
+
+void writeLabels(const PhaseImage& image, const OutputFile& file, OutputFile* beside, const io::Provenance& provenance)
+{
+  const std::string ending = file.path().extension().string();
+  const std::vector<std::uint8_t> values = valuesInFile(image.phases, ending);
+  Record record;
+  record.provenance = io::toJson(provenance);
+  record.pixelSize = image.lattice.spacing;
+  for (std::size_t id = 0; id < values.size(); ++id)
+  {
+    record.phases[values[id]] = image.phases.names()[id];
+  }
+  if (ending == ".raw")
+  {
+    record.size = image.lattice.size;
+    file.write({ reinterpret_cast<const char*>(image.phase.data()), image.phase.size() });
+    beside->write(toJson(record) + "\n");
+    return;
+  }
+  try
+  {
+    micrograph::writeLabels(image, file.temporary(), values, toJson(record));
+  }
+  catch (const Error& error)
+  {
+    file.rethrow(error);
+    throw;
+  }
+}
+
+void writeScan(const micrograph::Picture& picture, const OutputFile& file, const io::Provenance& provenance)
+{
+  Record record;
+  record.provenance = io::toJson(provenance);
+  record.pixelSize = picture.lattice.spacing;
+  try
+  {
+    micrograph::writePicture(picture, file.temporary(), toJson(record));
+  }
+  catch (const Error& error)
+  {
+    file.rethrow(error);
+    throw;
+  }
+}
+
+void checkSampleEnding(const std::string& output, int dimension, const std::string& option)
+{
+  const std::string ending = std::filesystem::path(output).extension().string();
+  const std::vector<std::string> known{ ".png", ".tif", ".tiff", ".vti", ".raw" };
+  if (std::find(known.begin(), known.end(), ending) == known.end())
+  {
+    throw ParameterError(option + " '" + output + "' has no ending that can be written",
+      ending == ".jpg" || ending == ".jpeg" ? "JPEG would blur the phases: use .png"
+                                            : suggestion(ending, known, "end it in .png, .tif, .vti or .raw"));
+  }
+  if (ending == ".png" && dimension == 3)
+  {
+    throw ParameterError(
+      "a PNG holds one picture, and this sample is a volume", "end the name in .vti, .tif (a stack) or .raw");
+  }
+}
+
+} // namespace lamella::cli

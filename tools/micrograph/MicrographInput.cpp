@@ -1,0 +1,305 @@
+#include "micrograph/MicrographInput.h"
+
+#include "commands/FilterRun.h"
+#include "commands/PackingInput.h"
+#include "files/GridFile.h"
+#include "micrograph/MicrographGrey.h"
+#include "session/Session.h"
+#include "session/Text.h"
+
+#include "ContourData.h"
+#include "core/Error.h"
+#include "core/Memory.h"
+#include "lattice/PhaseNames.h"
+#include "vtkLatticeConversion.h"
+#include "vtkMicrographContours.h"
+#include "vtkMicrographPolygonReader.h"
+#include "vtkProvenance.h"
+
+#include <vtkDataObject.h>
+#include <vtkNew.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+
+namespace lamella::cli
+{
+
+namespace
+{
+
+bool endsWith(std::string text, const std::string& end)
+{
+  std::transform(
+    text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text.ends_with(end);
+}
+
+void refuse(const std::vector<CLI::Option*>& options, const std::string& file, const std::string& why)
+{
+  if (const std::string given = firstGiven(options); !given.empty())
+  {
+    throw ParameterError(given + " is for " + why, "leave it out: '" + file + "' is something else");
+  }
+}
+
+void requirePixelSize(const std::string& source, const std::string& file)
+{
+  if (source == "none")
+  {
+    throw InputError("the pixel size of '" + file + "' is not known", "add --pixel-size, such as --pixel-size 0.5um");
+  }
+}
+
+Micrograph loadOutlines(Session& session, const MicrographOptions& options)
+{
+  const std::string& file = options.picture.file;
+  refuse(options.forScans, file, "scans");
+  refuse({ options.lumenOption }, file, "scans and grey pictures");
+  refuse(options.forLabels, file, "labels");
+  refuse({ options.arrayOption }, file, "pictures in a .vti");
+  refuse(options.forMasks, file, "pictures");
+  refuse(options.forPictures, file, "pictures");
+  refuse(options.forGreys, file, "grey pictures");
+  requireFile(file);
+  Micrograph found;
+  found.kind = MicrographKind::Polygons;
+  const bool outlines = endsWith(file, ".vtp");
+  if (outlines)
+  {
+    refuse(options.forPolygons, file, "polygons in .json or .json.gz");
+  }
+  vtkNew<vtkMicrographPolygonReader> reader;
+  options.outlines.give(reader);
+  reader->SetFileName(file.c_str());
+  if (!options.picture.window.empty())
+  {
+    reader->SetWindow(polygonWindow(options.picture.window).data());
+  }
+  runFilter(session, reader, "outlines");
+  found.warnings = VtkMessages::takeWarnings();
+  found.outlines = reader->GetOutput();
+  found.contours = contoursFrom(found.outlines);
+  found.provenance = outlines ? provenance(found.outlines) : "";
+  found.unit = outlines ? 1 : fieldNumbers(found.outlines, "unit").at(0);
+  return found;
+}
+
+/// Which phase the lumens are. @throws ParameterError, InputError
+std::uint8_t lumenOf(const MicrographOptions& options, const PhaseTable& phases)
+{
+  if (!options.lumenPhase.empty())
+  {
+    if (const auto id = phaseMeant(phases.names(), options.lumenPhase))
+    {
+      return static_cast<std::uint8_t>(*id);
+    }
+    throw ParameterError("--lumen-phase '" + options.lumenPhase + "' is no phase of this picture",
+      suggestion(options.lumenPhase, phases.names(), "its phases are " + quotedList(phases.names(), "and")));
+  }
+  for (const char* const name : { "lumen", "void", "pore", "air" })
+  {
+    if (const auto id = phases.find(name))
+    {
+      return *id;
+    }
+  }
+  throw InputError("which phase is the lumens? '" + options.picture.file + "' has " + quotedList(phases.names(), "and"),
+    "add --lumen-phase NAME");
+}
+
+/// Finds the outlines in the picture.
+void extract(Session& session, Micrograph& found, vtkMicrographContours* filter, const MicrographOptions& options)
+{
+  filter->SetInputData(found.picture);
+  setFieldText(found.picture, "pixel_size_source", found.pixelSizeSource);
+  options.outlines.give(filter);
+  runFilter(session, filter, "outlines");
+  const std::vector<std::string> warnings = VtkMessages::takeWarnings();
+  found.warnings.insert(found.warnings.end(), warnings.begin(), warnings.end());
+  found.outlines = filter->GetOutput();
+  found.contours = contoursFrom(found.outlines);
+  const Lattice lattice = lamella::latticeOf(found.picture);
+  found.pixel = lattice.spacing;
+  found.size = lattice.size;
+}
+
+Micrograph loadGrey(Session& session, const MicrographOptions& options)
+{
+  const PictureOptions& picture = options.picture;
+  refuse(options.forScans, picture.file, "scans that are segmented");
+  refuse(options.forLabels, picture.file, "labels");
+  refuse(options.forMasks, picture.file, "labels and scans that are segmented");
+  if (!isVtkImage(picture.file))
+  {
+    refuse({ options.arrayOption }, picture.file, "pictures in a .vti");
+  }
+  const bool below = oneOf("--lumen", picture.lumen, std::vector<std::string>{ "auto", "bright", "dark" }) == 2;
+  GreyPicture grey = readGreyPicture(options);
+  requirePixelSize(grey.pixelSizeSource, picture.file);
+  Micrograph found;
+  found.kind = MicrographKind::Grey;
+  found.pixelSizeSource = std::move(grey.pixelSizeSource);
+  found.provenance = std::move(grey.provenance);
+  found.warnings = std::move(grey.warnings);
+  found.picture = grey.image;
+  vtkNew<vtkMicrographContours> filter;
+  filter->SetBasis(options.shares ? vtkMicrographContours::SHARES : vtkMicrographContours::LEVEL);
+  filter->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, grey.array.c_str());
+  filter->SetLevel(greyLevel(options));
+  filter->SetLumenBelow(below);
+  extract(session, found, filter, options);
+  found.scan = std::move(grey.picture);
+  return found;
+}
+
+Micrograph loadLabels(Session& session, const MicrographOptions& options)
+{
+  refuse(options.forScans, options.picture.file, "scans");
+  refuse({ options.lumenOption }, options.picture.file, "scans and grey pictures");
+  Sample sample = loadSample(options.picture, refuseVolume);
+  refuseVolume(sample.image.lattice);
+  requirePixelSize(sample.pixelSizeSource, options.picture.file);
+  Micrograph found;
+  found.kind = MicrographKind::Labels;
+  found.pixelSizeSource = sample.pixelSizeSource;
+  found.provenance = sample.provenance;
+  found.warnings = sample.warnings;
+  found.labels = std::make_shared<PhaseImage>(std::move(sample.image));
+  found.picture = toImageData(*found.labels);
+  vtkNew<vtkMicrographContours> filter;
+  filter->SetLumenPhase(found.labels->phases.names()[lumenOf(options, found.labels->phases)]);
+  extract(session, found, filter, options);
+  return found;
+}
+
+/// Marks as seen from a window of the picture; those outside it go.
+std::vector<micrograph::Mark> marksIn(
+  std::vector<micrograph::Mark> marks, const std::array<std::int64_t, 3>& first, const Lattice& lattice)
+{
+  const auto width = static_cast<int>(lattice.size[0]);
+  const auto height = static_cast<int>(lattice.size[1]);
+  for (micrograph::Mark& m : marks)
+  {
+    m.x0 = std::clamp(m.x0 - static_cast<int>(first[0]), 0, width);
+    m.x1 = std::clamp(m.x1 - static_cast<int>(first[0]), 0, width);
+    m.y0 = std::clamp(m.y0 - static_cast<int>(first[1]), 0, height);
+    m.y1 = std::clamp(m.y1 - static_cast<int>(first[1]), 0, height);
+  }
+  std::erase_if(marks, [](const micrograph::Mark& m) { return m.x1 <= m.x0 || m.y1 <= m.y0; });
+  return marks;
+}
+
+Micrograph segmentScan(Session& session, const MicrographOptions& options, PictureFile file)
+{
+  refuse(options.forLabels, options.picture.file, "labels");
+  micrograph::Picture& picture = file.picture;
+  refuseVolume(picture.lattice);
+  const auto window = parseWindow(options.picture.window);
+  requireWindowFits(picture.lattice, window);
+  const auto first = window ? firstNode(picture.lattice, *window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
+  micrograph::SegmentOptions how = segmentOptions(options);
+  // The whole scan, for the light and the threshold; the window is cut afterwards.
+  how.judged = window;
+  micrograph::Segmentation parts = micrograph::segment(picture, how);
+  Session::checkInterrupt();
+  Micrograph found;
+  found.pixelSizeSource = picture.pixelSizeSource;
+  found.provenance = file.record ? file.record->provenance : "";
+  found.warnings = picture.warnings;
+  found.warnings.insert(found.warnings.end(), parts.warnings.begin(), parts.warnings.end());
+  found.segmentation = parts.report;
+  if (window)
+  {
+    parts.image = crop(parts.image, *window);
+    micrograph::crop(picture, *window);
+  }
+  found.marks = marksIn(std::move(parts.marks), first, picture.lattice);
+  found.picture = toImageData(std::move(parts.image));
+  setFieldTexts(found.picture, "segmentation", parts.report.lines());
+  vtkNew<vtkMicrographContours> filter;
+  extract(session, found, filter, options);
+  found.scan = std::move(picture);
+  return found;
+}
+
+/// Few greys: labels whose names are not known, rather than a scan.
+bool looksLikeLabels(const micrograph::Picture& picture)
+{
+  if (!picture.colour.empty())
+  {
+    return false;
+  }
+  std::set<std::uint16_t> greys;
+  for (const std::uint16_t grey : picture.grey)
+  {
+    greys.insert(grey);
+    if (greys.size() > 8)
+    {
+      return false;
+    }
+  }
+  return greys.size() > 1; // one grey: segment() says it best
+}
+
+} // namespace
+
+bool isOutlineFile(const std::string& path)
+{
+  return endsWith(path, ".json") || endsWith(path, ".json.gz") || endsWith(path, ".vtp");
+}
+
+Micrograph loadMicrograph(Session& session, const MicrographOptions& options)
+{
+  const PictureOptions& picture = options.picture;
+  if (isOutlineFile(picture.file))
+  {
+    if (picture.segment)
+    {
+      throw ParameterError("--segment is for scans, and '" + picture.file + "' holds outlines", "leave --segment out");
+    }
+    return loadOutlines(session, options);
+  }
+  refuse(options.forPolygons, picture.file, "polygons");
+  if (options.grey())
+  {
+    return loadGrey(session, options);
+  }
+  if (picture.segment && greyRanges(picture))
+  {
+    throw ParameterError("--segment and --phase contradict each other",
+      "leave --phase and --other out: the phases of a segmented scan are 'lumen' and 'wall'");
+  }
+  if (!picture.segment && (isVtkImage(picture.file) || greyRanges(picture)))
+  {
+    return loadLabels(session, options);
+  }
+  (void)parseWindow(picture.window);
+  (void)segmentOptions(options); // mistakes in them are told before the picture is read
+  micrograph::ReadOptions read = readOptions(picture);
+  read.keepColour = true;
+  read.sizeKnown = [&](const Lattice& whole)
+  {
+    refuseVolume(whole);
+    // Greys and colours of 16 bits and what segmenting holds beside them.
+    const double bytes = 40 * static_cast<double>(whole.count());
+    if (const auto available = static_cast<double>(availableMemory()); bytes > available)
+    {
+      throw MemoryError(fmt::format("segmenting {} pixels takes about {}, and {} are free", sizeText(whole.size, 2),
+                          bytesText(bytes), bytesText(available)),
+        "cut the scan into parts");
+    }
+  };
+  PictureFile file = readPictureFile(picture, read);
+  if (!picture.segment && ((file.record && !file.record->phases.empty()) || looksLikeLabels(file.picture)))
+  {
+    return loadLabels(session, options);
+  }
+  requirePixelSize(file.picture.pixelSizeSource, picture.file);
+  return segmentScan(session, options, std::move(file));
+}
+
+} // namespace lamella::cli
