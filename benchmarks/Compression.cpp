@@ -458,7 +458,8 @@ void stability(const Keys& keys)
 
 int main(int argc, char** argv)
 {
-  return runWith(argc, argv,
+  return runWith(
+    argc, argv,
     [](const Keys& keys)
     {
       const std::pair<const char*, void (*)(const Keys&)> studies[] = { { "motion", motion }, { "tissue", tissue },

@@ -270,7 +270,8 @@ void softwood(const Keys& keys, bool heat)
 
 int main(int argc, char** argv)
 {
-  return runWith(argc, argv,
+  return runWith(
+    argc, argv,
     [](const Keys& keys)
     {
       runStudies(keys,

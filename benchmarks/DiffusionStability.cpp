@@ -263,7 +263,8 @@ void pictures(const Keys& keys)
 
 int main(int argc, char** argv)
 {
-  return runWith(argc, argv,
+  return runWith(
+    argc, argv,
     [](const Keys& keys)
     {
       pictures(keys);

@@ -180,7 +180,8 @@ void kalthoff(const Keys& keys)
 
 int main(int argc, char** argv)
 {
-  return runWith(argc, argv,
+  return runWith(
+    argc, argv,
     [](const Keys& keys)
     {
       const std::string scene = text(keys, "scene", "");

@@ -190,7 +190,8 @@ void energy(bool quick)
 
 int main(int argc, char** argv)
 {
-  return runWith(argc, argv,
+  return runWith(
+    argc, argv,
     [](const Keys& keys)
     {
       runStudies(keys,

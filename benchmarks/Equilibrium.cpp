@@ -152,10 +152,8 @@ void speed(const Communicator& comm)
 {
   fmt::print("\nBonds, loading, set-up and solution to 1e-6, horizon 3, all threads; median of 3\n");
   for (const std::int64_t n : { 256, 512, 1024 })
-  {
     for (const Named& s : { homogeneous(n, 2 * n), grains(2, n), softwood(n, 2 * n) })
       time(s, EquilibriumSolver::Multigrid, 3, comm);
-  }
 }
 
 void solvers(const Communicator& comm)
@@ -256,7 +254,8 @@ void stability(const Communicator& comm)
 
 int main(int argc, char** argv)
 {
-  return runWith(argc, argv,
+  return runWith(
+    argc, argv,
     [](const Keys& keys)
     {
       const Communicator comm(MPI_COMM_WORLD);

@@ -418,7 +418,8 @@ void scans(Judge& judge, const Choice& choice)
 
 int main(int argc, char** argv)
 {
-  return runWith(argc, argv,
+  return runWith(
+    argc, argv,
     [](const Keys& keys)
     {
       Choice choice = choiceOf(keys);

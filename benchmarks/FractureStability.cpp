@@ -171,7 +171,8 @@ void tolerance()
 
 int main(int argc, char** argv)
 {
-  return runWith(argc, argv,
+  return runWith(
+    argc, argv,
     [](const Keys& keys)
     {
       runStudies(keys,

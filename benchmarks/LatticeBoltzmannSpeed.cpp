@@ -118,7 +118,8 @@ void measure(lbm::Stencil stencil, std::int64_t n, lbm::Collision collision, boo
   scaling.pass(threads);
   for (int r = 0; r < repeats; ++r)
   {
-    const Times copy = timed(threads,
+    const Times copy = timed(
+      threads,
       [&]
       {
         scaling.pass(threads);

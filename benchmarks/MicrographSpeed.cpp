@@ -48,9 +48,7 @@ void stayOnOneCore()
   CPU_ZERO(&one);
   CPU_SET(std::max(0, sched_getcpu()), &one);
   if (sched_setaffinity(0, sizeof one, &one) != 0)
-  {
     fmt::print("(not held to one core)\n");
-  }
 }
 
 /// The picture beside its mirror image, and so on until there are enough pixels.
@@ -72,9 +70,7 @@ Picture tiled(const Picture& picture)
       const auto node = static_cast<std::size_t>(from + nx * y);
       large.grey.push_back(picture.grey[node]);
       if (!picture.colour.empty())
-      {
         large.colour.insert(large.colour.end(), &picture.colour[3 * node], &picture.colour[3 * node] + 3);
-      }
     }
   }
   return large;
@@ -117,7 +113,8 @@ void measure(const std::string& name, const Picture& picture, int turns)
       turn.cpu[part] = cpu() - start;
       return result;
     };
-    const Picture scan = timed("read",
+    const Picture scan = timed(
+      "read",
       [&]
       {
         ReadOptions read;
@@ -125,14 +122,16 @@ void measure(const std::string& name, const Picture& picture, int turns)
         read.keepColour = true;
         return readPicture(file, read);
       });
-    const Segmentation phases = timed("segment", [&] { return segment(scan); });
+    const Segmentation phases = timed(
+      "segment", [&] { return segment(scan); });
     const Extraction found = timed("outlines", [&] { return extractContours(phases.image, 0); });
     ContourLatticeOptions options;
     options.spacing = scan.lattice.spacing;
     options.lines = 0;
     const ContourLattice lattice = timed("lattice", [&] { return contourLattice(found.contours, options); });
     turn.wall = secondsSince(begin);
-    const WallDirections directions = timed("directions", [&] { return wallDirections(found.contours, lattice); });
+    const WallDirections directions = timed(
+      "directions", [&] { return wallDirections(found.contours, lattice); });
     const MiddleLamella lamella = timed("lamella", [&] { return middleLamella(lattice, directions); });
     (void)timed(links.c_str(),
       [&]
@@ -154,9 +153,7 @@ void measure(const std::string& name, const Picture& picture, int turns)
   {
     std::vector<double> values;
     for (const Turn& turn : all)
-    {
       values.push_back(value(turn));
-    }
     std::sort(values.begin(), values.end());
     return values[values.size() / 2];
   };
@@ -175,9 +172,7 @@ void measure(const std::string& name, const Picture& picture, int turns)
   };
   fmt::print("{}: {}\n  CPU seconds on one core, medians of {}:", name, what, turns);
   for (const std::string& part : parts)
-  {
     fmt::print("  {} {:.2f}", part, median([&](const Turn& turn) { return turn.cpu.at(part); }));
-  }
   fmt::print("  (lattice {} {:.2f})", links, median([](const Turn& turn) { return turn.cpu.at(links); }));
   fmt::print(
     "\n  from the file to the lattice {:.2f} ({:.2f} on the clock), with directions {:.2f}, with directions and "

@@ -136,7 +136,8 @@ void tolerance(const Keys& keys)
 
 int main(int argc, char** argv)
 {
-  return runWith(argc, argv,
+  return runWith(
+    argc, argv,
     [](const Keys& keys) {
       runStudies(keys, { { "softness", [&] { softness(keys); } }, { "tolerance", [&] { tolerance(keys); } } });
     });

@@ -61,7 +61,8 @@ public:
   }
   void pack(const std::string& panel, const std::string& row, const std::string& column, const PackingOptions& o)
   {
-    line(o.dimension, panel, row, column, [&] { return judge(packing::pack(o), o); });
+    line(
+      o.dimension, panel, row, column, [&] { return judge(packing::pack(o), o); });
   }
 
 private:
@@ -248,7 +249,8 @@ void bridges(const Keys& keys)
 
 int main(int argc, char** argv)
 {
-  return runWith(argc, argv,
+  return runWith(
+    argc, argv,
     [](const Keys& keys)
     {
       runStudies(keys,

@@ -23,9 +23,7 @@ int main(int argc, char** argv)
     const auto at = std::find(words.begin(), words.end(), name);
     const bool there = at != words.end();
     if (there)
-    {
       words.erase(at);
-    }
     return there;
   };
   const bool other = flag("other");
@@ -44,13 +42,9 @@ int main(int argc, char** argv)
 
   std::vector<kinds::Kind> all;
   if (!faulty)
-  {
     all.push_back(kinds::Kind::Good);
-  }
   if (!good)
-  {
     all.insert(all.end(), kinds::faulty().begin(), kinds::faulty().end());
-  }
   fmt::print("{:<26} {:>8} {:>14} {:>14} {:>14} {:>14}\n", "kind", "pictures", "right, silent", "right, warned",
     "wrong, warned", "wrong, silent");
   for (const kinds::Kind kind : all)
@@ -73,9 +67,7 @@ int main(int argc, char** argv)
             : which == 1 ? " ALARM"
                          : "");
         for (const std::string& warning : found.warnings)
-        {
           fmt::print("      {}\n", warning);
-        }
       }
       if (!folder.empty())
       {

@@ -129,7 +129,8 @@ void bonds(const Keys& keys, int dimension)
 
 int main(int argc, char** argv)
 {
-  return runWith(argc, argv,
+  return runWith(
+    argc, argv,
     [](const Keys& keys)
     {
       runStudies(keys,

@@ -44,9 +44,7 @@ std::vector<double> numbers(vtkDataArray* array)
 CollapseInput collapseInput(vtkPolyData* points, int dimension, double time)
 {
   if (points->GetNumberOfPoints() == 0)
-  {
     throw InputError("a state has no material points", "check that the source before it worked");
-  }
   vtkDataArray* const ids = arrayOf(points, "id");
   vtkDataArray* const gradients = arrayOf(points, "deformation_gradient");
   if (ids->GetNumberOfComponents() != 1)
@@ -66,9 +64,7 @@ CollapseInput collapseInput(vtkPolyData* points, int dimension, double time)
   const std::vector<double> told = fieldNumbers(points, "strain");
   input.strain = told.empty() ? time : told.front();
   if (!std::isfinite(input.strain))
-  {
     throw InputError("a state tells neither its strain nor its time", "give its points the field data 'strain'");
-  }
   input.id.reserve(static_cast<std::size_t>(points->GetNumberOfPoints()));
   for (const double value : numbers(ids))
   {

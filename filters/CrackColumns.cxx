@@ -66,9 +66,7 @@ std::vector<PathColumn> pathColumns(const cracks::CrackPaths& all, const CrackSc
       {
         double most = -std::numeric_limits<double>::infinity();
         for (const CrackPoint& point : p.points)
-        {
           most = std::max(most, point.opening);
-        }
         return most;
       } });
   }

@@ -32,9 +32,7 @@ std::string joined(const std::vector<double>& numbers)
   std::ostringstream text;
   text.precision(std::numeric_limits<double>::max_digits10);
   for (const double value : numbers)
-  {
     text << value << " ";
-  }
   return text.str();
 }
 
@@ -45,9 +43,7 @@ std::vector<double> sharedNumbers(vtkPolyData* piece, const char* name, const Te
   std::istringstream text(team.share(joined(mine), !mine.empty()));
   std::vector<double> numbers;
   for (double value = 0; text >> value;)
-  {
     numbers.push_back(value);
-  }
   return numbers;
 }
 
@@ -55,15 +51,11 @@ std::vector<std::string> sharedTexts(vtkPolyData* piece, const char* name, const
 {
   std::string lines;
   for (const std::string& text : fieldTexts(piece, name))
-  {
     lines += text + "\n";
-  }
   std::istringstream all(team.share(lines, !lines.empty()));
   std::vector<std::string> texts;
   for (std::string line; std::getline(all, line);)
-  {
     texts.push_back(line);
-  }
   return texts;
 }
 
@@ -86,9 +78,7 @@ Lattice latticeFrom(
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     if (!(size[axis] >= 1 && size[axis] <= std::numeric_limits<int>::max()) || size[axis] != std::floor(size[axis]))
-    {
       throw InputError("the lattice of the broken bonds has " + joined(size) + "nodes", hint);
-    }
     extent[2 * axis + 1] = static_cast<int>(size[axis]) - 1;
   }
   return latticeOf(extent.data(), origin.data(), spacing.data());
@@ -148,9 +138,7 @@ struct Arrays
     , between(arrayOf(piece, "between_grains", 1, false))
   {
     for (const char* const name : { "time", "strain" })
-    {
       when = when == nullptr ? arrayOf(piece, name, 1, false) : when;
-    }
     event = event == nullptr ? arrayOf(piece, "step", 1, false) : event;
   }
 };
@@ -185,9 +173,7 @@ std::vector<std::int64_t> packed(vtkPolyData* piece, const Arrays& arrays, const
         "give points at the middles of bonds, with the array 'bond' from one node to the other [m]");
     }
     for (const double value : place)
-    {
       numbers.push_back(std::llround(value));
-    }
     const auto event = arrays.event != nullptr ? std::llround(arrays.event->GetTuple1(i)) : 0;
     numbers.push_back(event);
     numbers.push_back(
@@ -234,9 +220,7 @@ CrackInput crackInput(vtkPolyData* piece, double horizon, const Team& team)
       input.lattice = latticeFrom(size, origin, spacing);
       input.horizon = horizon > 0 ? horizon : given.empty() ? 0 : given[0];
       if (!(input.horizon > 0))
-      {
         throw InputError("the broken bonds do not tell their horizon", "give it in spacings");
-      }
       if (piece->GetNumberOfPoints() > 0)
       {
         const Arrays arrays(piece);
@@ -247,26 +231,18 @@ CrackInput crackInput(vtkPolyData* piece, double horizon, const Team& team)
     });
   input.when = team.share(when, !when.empty());
   if (!team.any(phases))
-  {
     input.phases.clear();
-  }
   const std::vector<std::int64_t> all = peridynamics::gather(Communicator(team.comm()), mine, stride);
   for (std::size_t i = 0; i < all.size(); i += stride)
-  {
     input.bonds.push_back(unpacked(all.data() + i));
-  }
   input.bonds = cracks::canonical(std::move(input.bonds));
   if (team.any(phases))
   {
     std::size_t most = 0;
     for (const CutBond& b : input.bonds)
-    {
       most = std::max<std::size_t>(most, b.phases[1]);
-    }
     while (input.phases.size() <= most)
-    {
       input.phases.push_back(std::to_string(input.phases.size()));
-    }
   }
   return input;
 }

@@ -65,9 +65,7 @@ public:
       }
       ids.push_back(points_->InsertNextPoint(placed(scale_, p).data()));
       if (end)
-      {
         ends_[p.place] = ids.back();
-      }
       event_->InsertNextValue(p.event);
       when_->InsertNextValue(p.when);
       phases_->InsertNextTuple2(p.phases[0], p.phases[1]);
@@ -85,9 +83,7 @@ public:
     vtkPointData* const data = output->GetPointData();
     data->AddArray(event_);
     if (scale_.input.when != "event")
-    {
       data->AddArray(when_);
-    }
     if (!scale_.phases.empty())
     {
       data->AddArray(phases_);
@@ -126,36 +122,24 @@ void fillCrackPaths(vtkPolyData* output, const CrackPaths& paths, const CrackSca
   PointWriter writer(scale);
   vtkNew<vtkCellArray> lines;
   for (const CrackPath& path : paths.paths)
-  {
     writer.add(path, lines);
-  }
   writer.write(output);
   output->SetLines(lines);
   const auto number = arrayOf<vtkIntArray>("path", 1, "1", "number of the path; 1 is the longest");
   for (std::size_t p = 0; p < paths.paths.size(); ++p)
-  {
     number->InsertNextValue(static_cast<int>(p) + 1);
-  }
   output->GetCellData()->AddArray(number);
   const auto add = [&](auto array, const PathColumn& column)
   {
     for (const CrackPath& path : paths.paths)
-    {
       array->InsertNextTuple1(column.value(path));
-    }
     output->GetCellData()->AddArray(array);
   };
   for (const PathColumn& column : pathColumns(paths, scale))
-  {
     if (column.whole)
-    {
       add(arrayOf<vtkTypeInt64Array>(column.name, 1, column.unit, column.description), column);
-    }
     else
-    {
       add(arrayOf<vtkDoubleArray>(column.name, 1, column.unit, column.description), column);
-    }
-  }
 }
 
 } // namespace lamella

@@ -31,12 +31,8 @@ BondSettings plainModel(const std::vector<std::string>& names, double horizon)
   settings.horizon = horizon;
   settings.materials.mixing = pd::Mixing::Minimum;
   for (const std::string& name : names)
-  {
     if (name != "0" && !pores::voidPhase(std::span(&name, 1)))
-    {
       settings.materials.young[name] = 1;
-    }
-  }
   return settings;
 }
 
@@ -45,9 +41,7 @@ void requireSameLattice(const Lattice& image, const Lattice& bonds)
 {
   bool same = image.size == bonds.size && std::abs(image.spacing / bonds.spacing - 1) < 1e-4;
   for (std::size_t a = 0; same && a < static_cast<std::size_t>(bonds.dimension); ++a)
-  {
     same = std::abs(image.origin[a] - bonds.origin[a]) < 0.05 * bonds.spacing;
-  }
   if (!same)
   {
     const auto text = [](const Lattice& l)
@@ -69,7 +63,8 @@ Block whole(const Lattice& lattice)
 
 std::int64_t CrackFragments::nodes() const
 {
-  return std::accumulate(list.begin(), list.end(), std::int64_t{ 0 },
+  return std::accumulate(
+    list.begin(), list.end(), std::int64_t{ 0 },
     [](std::int64_t sum, const CrackFragment& f) { return sum + f.nodes; });
 }
 
@@ -111,9 +106,7 @@ std::vector<std::uint8_t> CrackSample::solid(const std::vector<std::uint8_t>& ph
   std::array<std::uint8_t, 256> is{};
   is.fill(1);
   for (const std::uint8_t v : scene_->model().voids)
-  {
     is[v] = 0;
-  }
   std::vector<std::uint8_t> all(phases.size());
   std::transform(phases.begin(), phases.end(), all.begin(), [&](std::uint8_t id) { return is[id]; });
   return all;
@@ -123,24 +116,18 @@ std::vector<double> CrackSample::displacement(const std::string& name) const
 {
   vtkDataArray* const array = piece_->GetPointData()->GetArray(name.c_str());
   if (!team_.any(array != nullptr))
-  {
     return {};
-  }
   std::vector<double> held(static_cast<std::size_t>(3 * whole_.held.count()), 0);
   team_.agree(
     [&]
     {
       if (array == nullptr)
-      {
         return;
-      }
       const int components = array->GetNumberOfComponents();
       if (components < whole_.lattice.dimension || components > 3)
-      {
         throw InputError("array '" + name + "' has " + std::to_string(components) + " components; displacements have " +
             (whole_.lattice.dimension == 2 ? "2 or 3" : "3"),
           "choose the array of displacements");
-      }
       for (std::size_t i = 0; i < held.size(); ++i)
       {
         if (const auto c = static_cast<int>(i % 3); c < components)
@@ -177,9 +164,7 @@ CrackFragments CrackSample::fragments() const
         inside = inside && bond.node[a] >= 0 && bond.node[a] < n;
       }
       if (inside)
-      {
         broken.push_back(bond);
-      }
     }
   }
   bonds.breakBonds(broken);
@@ -209,9 +194,7 @@ CrackFragments CrackSample::fragments() const
       {
         const std::int32_t piece = found.piece[l.index(x, y, z)];
         if (piece < 0)
-        {
           continue;
-        }
         const auto label = static_cast<std::size_t>(number[static_cast<std::size_t>(piece)]);
         labels.at(0, x, y, z) = static_cast<double>(label);
         const std::array<std::int64_t, 3> node{ x + l.start[0], y + l.start[1], z + l.start[2] };
@@ -235,9 +218,7 @@ CrackFragments CrackSample::fragments() const
   }
   const auto piece = scene_->toPiece(labels, std::array<int, 1>{ 0 }, "fragment");
   for (vtkIdType i = 0; i < piece->GetNumberOfTuples(); ++i)
-  {
     result.ofPiece.push_back(static_cast<std::int32_t>(piece->GetValue(i)));
-  }
   return result;
 }
 

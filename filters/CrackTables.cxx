@@ -45,12 +45,8 @@ double share(double part, double all)
 double lengthIn(const CrackPath& path, const cracks::PairShare& wanted)
 {
   for (const cracks::PairShare& s : path.pairs)
-  {
     if (s.phases == wanted.phases && s.betweenGrains == wanted.betweenGrains)
-    {
       return s.length;
-    }
-  }
   return 0;
 }
 
@@ -60,9 +56,7 @@ std::string CrackScale::pair(const cracks::PairShare& s) const
 {
   const auto name = [&](std::uint8_t id) { return id < phases.size() ? phases[id] : std::to_string(id); };
   if (s.phases[0] == s.phases[1])
-  {
     return s.betweenGrains ? name(s.phases[0]) + "-" + name(s.phases[0]) : name(s.phases[0]);
-  }
   return name(s.phases[0]) + "-" + name(s.phases[1]) + (s.betweenGrains ? " (grains)" : "");
 }
 
@@ -90,17 +84,15 @@ void fillPathTable(vtkTable* table, const CrackPaths& paths, const CrackScale& s
     vtkNew<vtkStringArray> words;
     words->SetName(end == 0 ? "begins_at" : "ends_at");
     for (const CrackPath& path : list)
-    {
       words->InsertNextValue(wordOf(path.ends[end]));
-    }
     table->AddColumn(words);
   }
   for (const bool last : { false, true })
   {
     for (std::size_t axis = 0; axis < 2; ++axis)
     {
-      columns.numbers(std::string(last ? "end_" : "begin_") + "xy"[axis], "m",
-        last ? "its last point" : "its first point",
+      columns.numbers(
+        std::string(last ? "end_" : "begin_") + "xy"[axis], "m", last ? "its last point" : "its first point",
         [&](std::size_t i) { return placed(scale, last ? list[i].points.back() : list[i].points.front())[axis]; });
     }
   }
@@ -108,7 +100,8 @@ void fillPathTable(vtkTable* table, const CrackPaths& paths, const CrackScale& s
   {
     for (const bool high : { false, true })
     {
-      columns.numbers(std::string(axis == 0 ? "x" : "y") + (high ? "_max" : "_min"), "m", "extent",
+      columns.numbers(
+        std::string(axis == 0 ? "x" : "y") + (high ? "_max" : "_min"), "m", "extent",
         [&](std::size_t i)
         {
           double bound = placed(scale, list[i].points.front())[axis];
@@ -125,7 +118,8 @@ void fillPathTable(vtkTable* table, const CrackPaths& paths, const CrackScale& s
   {
     for (const cracks::PairShare& pair : paths.pairs)
     {
-      columns.numbers("share_" + scale.pair(pair), "1", "share of the length between nodes of these phases",
+      columns.numbers(
+        "share_" + scale.pair(pair), "1", "share of the length between nodes of these phases",
         [&](std::size_t i) { return share(lengthIn(list[i], pair), list[i].length); });
     }
   }
@@ -152,37 +146,37 @@ void fillPairTable(
   }
   // paths may run between phases that only the image knows
   for (const cracks::PairShare& p : paths.pairs)
-  {
     if (std::none_of(counted.begin(), counted.end(),
           [&](const cracks::PairShare& s) { return p.phases == s.phases && p.betweenGrains == s.betweenGrains; }))
-    {
       rows.push_back({ { p.phases, p.betweenGrains }, p.length });
-    }
-  }
   const bool space = scale.input.lattice.dimension == 3;
   const Columns columns{ table, rows.size(), crackCreator };
   vtkNew<vtkStringArray> names;
   names->SetName("pair");
   for (const Row& row : rows)
-  {
     names->InsertNextValue(scale.pair(row.pair));
-  }
   table->AddColumn(names);
-  columns.counts("phase_low", "lesser phase", [&](std::size_t i) { return rows[i].pair.phases[0]; });
-  columns.counts("phase_high", "greater phase", [&](std::size_t i) { return rows[i].pair.phases[1]; });
+  columns.counts(
+    "phase_low", "lesser phase", [&](std::size_t i) { return rows[i].pair.phases[0]; });
+  columns.counts(
+    "phase_high", "greater phase", [&](std::size_t i) { return rows[i].pair.phases[1]; });
   columns.counts(
     "between_grains", "1: in two different grains", [&](std::size_t i) { return rows[i].pair.betweenGrains ? 1 : 0; });
   if (!space)
   {
-    columns.numbers("length", "m", "of the paths between nodes of these phases",
+    columns.numbers(
+      "length", "m", "of the paths between nodes of these phases",
       [&](std::size_t i) { return scale.metres(rows[i].length); });
     columns.numbers(
       "share", "1", "of the length of all paths", [&](std::size_t i) { return share(rows[i].length, paths.length); });
   }
-  columns.counts("bonds", "broken bonds between these phases", [&](std::size_t i) { return rows[i].pair.bonds; });
-  columns.numbers("share_of_bonds", "1", "of all broken bonds",
+  columns.counts(
+    "bonds", "broken bonds between these phases", [&](std::size_t i) { return rows[i].pair.bonds; });
+  columns.numbers(
+    "share_of_bonds", "1", "of all broken bonds",
     [&](std::size_t i) { return share(static_cast<double>(rows[i].pair.bonds), bonds); });
-  columns.numbers(space ? "counted_area" : "counted_length", space ? "m^2" : "m", "that their number stands for",
+  columns.numbers(
+    space ? "counted_area" : "counted_length", space ? "m^2" : "m", "that their number stands for",
     [&](std::size_t i)
     { return rows[i].pair.counted * std::pow(scale.input.lattice.spacing, scale.input.lattice.dimension - 1); });
   columns.numbers(
@@ -197,7 +191,8 @@ void fillGrowthTable(vtkTable* table, const CrackPaths& paths, const CrackScale&
   const Columns columns{ table, all.size(), crackCreator };
   const auto mainAt = [&](std::size_t i) -> const cracks::Growth*
   {
-    const auto after = std::upper_bound(main.begin(), main.end(), all[i].event,
+    const auto after = std::upper_bound(
+      main.begin(), main.end(), all[i].event,
       [](std::int64_t event, const cracks::Growth& g) { return event < g.event; });
     return after == main.begin() ? nullptr : &*std::prev(after);
   };
@@ -208,12 +203,14 @@ void fillGrowthTable(vtkTable* table, const CrackPaths& paths, const CrackScale&
     columns.numbers(
       scale.input.when, unitOf(scale.input.when), "of the event", [&](std::size_t i) { return all[i].when; });
   }
-  columns.numbers("length", "m", "of all paths after it", [&](std::size_t i) { return scale.metres(all[i].length); });
+  columns.numbers(
+    "length", "m", "of all paths after it", [&](std::size_t i) { return scale.metres(all[i].length); });
   columns.numbers("main_length", "m", "of the longest crack's paths after it",
     [&](std::size_t i) { return mainAt(i) != nullptr ? scale.metres(mainAt(i)->length) : 0; });
   if (time)
   {
-    columns.numbers("rate", "m/s", "at which all paths grow, over ten spacings before and after",
+    columns.numbers(
+      "rate", "m/s", "at which all paths grow, over ten spacings before and after",
       [&](std::size_t i) { return scale.metres(all[i].rate); });
     columns.numbers("main_rate", "m/s", "the same of the longest crack",
       [&](std::size_t i) { return mainAt(i) != nullptr ? scale.metres(mainAt(i)->rate) : unknown; });
@@ -225,10 +222,13 @@ void fillFragmentTable(vtkTable* table, const CrackFragments& fragments, const L
   const std::vector<CrackFragment>& list = fragments.list;
   const bool space = lattice.dimension == 3;
   const Columns columns{ table, list.size(), crackCreator };
-  columns.counts("fragment", "number of the fragment; 1 is the largest",
+  columns.counts(
+    "fragment", "number of the fragment; 1 is the largest",
     [](std::size_t i) { return static_cast<vtkIdType>(i) + 1; });
-  columns.counts("nodes", "of the fragment", [&](std::size_t i) { return list[i].nodes; });
-  columns.numbers(space ? "volume" : "area", space ? "m^3" : "m^2", "of the fragment",
+  columns.counts(
+    "nodes", "of the fragment", [&](std::size_t i) { return list[i].nodes; });
+  columns.numbers(
+    space ? "volume" : "area", space ? "m^3" : "m^2", "of the fragment",
     [&](std::size_t i) { return static_cast<double>(list[i].nodes) * std::pow(lattice.spacing, lattice.dimension); });
   columns.numbers("share", "1", "of the solid",
     [&](std::size_t i) { return share(static_cast<double>(list[i].nodes), static_cast<double>(fragments.nodes())); });

@@ -34,9 +34,7 @@ std::string chosenName(vtkInformation* choice)
 void requireArray(vtkImageData* piece, const std::string& name)
 {
   if (piece->GetPointData()->GetArray(name.c_str()) != nullptr)
-  {
     return;
-  }
   if (piece->GetCellData()->HasArray(name.c_str()))
   {
     throw InputError("array '" + name + "' is cell data; fluxes are read at points",
@@ -58,28 +56,20 @@ std::vector<SolvedDirection> findDirections(vtkImageData* piece, const std::vect
   const auto add = [&](const std::string& value, const std::string& flux, int along, const std::string& suffix)
   {
     if (has(piece, value) || has(piece, flux))
-    {
       found.push_back({ along, has(piece, value) ? value : "", has(piece, flux) ? flux : "", suffix });
-    }
   };
   for (const std::string& quantity : quantities)
   {
     if (found.empty() && has(piece, quantity))
-    {
       add(quantity, "flux", axis, "");
-    }
     for (int a = 0; a < 3 && (found.empty() || !found.front().suffix.empty()); ++a)
     {
       const std::string suffix = suffixes[static_cast<std::size_t>(a)];
       if (has(piece, quantity + suffix))
-      {
         add(quantity + suffix, "flux" + suffix, a, suffix);
-      }
     }
     if (!found.empty())
-    {
       return found;
-    }
   }
   add("", "flux", axis, "");
   for (int a = 0; a < 3 && (found.empty() || !found.front().suffix.empty()); ++a)
@@ -93,14 +83,10 @@ std::vector<SolvedDirection> findDirections(vtkImageData* piece, const std::vect
 void requireNumbers(vtkImageData* piece, const std::string& name, int components, bool gaps)
 {
   if (name.empty())
-  {
     return;
-  }
   vtkDataArray* const array = piece->GetPointData()->GetArray(name.c_str());
   if (array == nullptr)
-  {
     throw InputError("a piece of the image has no point array '" + name + "'", "give every piece the same arrays");
-  }
   if (array->GetNumberOfComponents() != components)
   {
     throw InputError("array '" + name + "' has " + std::to_string(array->GetNumberOfComponents()) + " component(s)",
@@ -137,18 +123,14 @@ void findPhases(vtkImageData* piece, FluxInput& input)
   // Conductivities along and across walls: the links need more than the phases, the nodes' fluxes have to do.
   const bool directed = !fieldNumbers(piece, "phase_conductivity_across").empty();
   if (array != nullptr && array->GetNumberOfComponents() == 1 && !input.conductivity.empty() && !directed)
-  {
     input.phaseArray = name;
-  }
 }
 
 json toJson(const FluxInput& input)
 {
   json directions = json::array();
   for (const SolvedDirection& direction : input.directions)
-  {
     directions.push_back({ direction.axis, direction.value, direction.flux, direction.suffix });
-  }
   return { { "directions", directions }, { "quantity", input.quantity }, { "periodic", input.periodic },
     { "transient", input.transient }, { "stencil", input.stencil ? static_cast<int>(*input.stencil) : -1 },
     { "phase", input.phaseArray }, { "conductivity", input.conductivity } };
@@ -166,9 +148,7 @@ FluxInput fromJson(const json& text)
   input.periodic = text.at("periodic").get<bool>();
   input.transient = text.at("transient").get<bool>();
   if (const int stencil = text.at("stencil").get<int>(); stencil >= 0)
-  {
     input.stencil = static_cast<lbm::Stencil>(stencil);
-  }
   input.phaseArray = text.at("phase").get<std::string>();
   input.conductivity = text.at("conductivity").get<std::vector<double>>();
   return input;
@@ -185,18 +165,12 @@ FluxInput fluxInput(vtkImageData* piece, vtkInformation* value, vtkInformation* 
     [&]
     {
       if (empty)
-      {
         return;
-      }
       const std::string valueName = chosenName(value);
       const std::string fluxName = chosenName(flux);
       for (const std::string& name : { valueName, fluxName })
-      {
         if (!name.empty())
-        {
           requireArray(piece, name);
-        }
-      }
       input.quantity = fieldText(piece, "quantity").value_or("temperature");
       if (valueName.empty() && fluxName.empty())
       {
@@ -210,38 +184,28 @@ FluxInput fluxInput(vtkImageData* piece, vtkInformation* value, vtkInformation* 
       if (input.directions.empty())
       {
         if (piece->GetCellData()->HasArray("flux") || piece->GetCellData()->HasArray(input.quantity.c_str()))
-        {
           throw InputError("the field is cell data; fluxes are read at points",
             "compute the field with Steady Diffusion, which works at points");
-        }
         throw InputError("the image has no point array 'temperature', 'concentration' or 'flux'",
           "apply Steady Diffusion first, or choose the arrays with SetInputArrayToProcess");
       }
       input.periodic = fieldText(piece, "sides").value_or("insulated") == "periodic";
       const std::string lattice = fieldText(piece, "lattice").value_or("");
       for (const auto stencil : { lbm::Stencil::D2Q5, lbm::Stencil::D2Q9, lbm::Stencil::D3Q7, lbm::Stencil::D3Q19 })
-      {
         if (lattice == lbm::name(stencil))
-        {
           input.stencil = stencil;
-        }
-      }
       input.transient = !fieldNumbers(piece, "time").empty() && !fieldNumbers(piece, "inlet_flux").empty();
       if (!input.transient) // its flux is more than what the links carry between values 1 and 0
-      {
         findPhases(piece, input);
-      }
       for (const SolvedDirection& direction : input.directions)
       {
         requireNumbers(piece, direction.value, 1, true);
         requireNumbers(piece, direction.flux, 3, false);
         if (direction.flux.empty() && input.phaseArray.empty())
-        {
           throw InputError("there is no flux, and it cannot be computed from '" + direction.value +
               "' without phases and their conductivities",
             input.transient ? "write the states with their flux: it is a setting of what computes them"
                             : "apply Steady Diffusion with its flux output on");
-        }
       }
       text = toJson(input).dump();
     });
@@ -251,10 +215,8 @@ FluxInput fluxInput(vtkImageData* piece, vtkInformation* value, vtkInformation* 
     {
       vtkDataArray* const phases = piece->GetPointData()->GetArray(input.phaseArray.c_str());
       if (!empty && phases != nullptr && phases->GetRange()[1] >= static_cast<double>(input.conductivity.size()))
-      {
         throw InputError("phase " + std::to_string(static_cast<int>(phases->GetRange()[1])) + " has no conductivity",
           "apply Steady Diffusion to the image as it is now");
-      }
     });
   return input;
 }

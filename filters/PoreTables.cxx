@@ -31,9 +31,7 @@ void addColumn(vtkTable* table, const std::string& name, const std::string& unit
   column->SetNumberOfTuples(static_cast<vtkIdType>(rows));
   auto* const out = column->GetPointer(0);
   for (std::size_t row = 0; row < rows; ++row)
-  {
     out[row] = static_cast<std::remove_reference_t<decltype(*out)>>(value(row));
-  }
   describe(column, unit, description, creator);
   table->AddColumn(column);
 }
@@ -56,22 +54,25 @@ void fillPores(vtkTable* table, std::span<const pores::Pore> pores, const WholeI
     table, "pore", "1", "label of the pore", rows, [](std::size_t i) { return static_cast<int>(i) + 1; });
   addColumn<vtkIdTypeArray>(
     table, "size", unit, "nodes of the pore", rows, [&](std::size_t i) { return pores[i].size; });
-  addColumn<vtkDoubleArray>(table, dimension == 3 ? "volume" : "area", dimension == 3 ? "m^3" : "m^2",
-    "size of the pore", rows, [&](std::size_t i) { return node * static_cast<double>(pores[i].size); });
+  addColumn<vtkDoubleArray>(
+    table, dimension == 3 ? "volume" : "area", dimension == 3 ? "m^3" : "m^2", "size of the pore", rows,
+    [&](std::size_t i) { return node * static_cast<double>(pores[i].size); });
   addColumn<vtkDoubleArray>(table, "equivalent_diameter", "m",
     dimension == 3 ? "diameter of the sphere of this volume" : "diameter of the circle of this area", rows,
     [&](std::size_t i)
     { return pores::equivalentDiameter(static_cast<double>(pores[i].size), lattice.spacing, dimension); });
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    addColumn<vtkDoubleArray>(table, std::string("centre_") + axisNames[axis], "m", "mean place of the pore's nodes",
-      rows, [&](std::size_t i) { return whole.physical(pores[i].centre)[axis]; });
+    addColumn<vtkDoubleArray>(
+      table, std::string("centre_") + axisNames[axis], "m", "mean place of the pore's nodes", rows,
+      [&](std::size_t i) { return whole.physical(pores[i].centre)[axis]; });
   }
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     const std::string name = axisNames[axis];
-    addColumn<vtkIdTypeArray>(table, name + "_first", unit, "lower end of the box, counted from the image's first",
-      rows, [&](std::size_t i) { return pores[i].low[axis]; });
+    addColumn<vtkIdTypeArray>(
+      table, name + "_first", unit, "lower end of the box, counted from the image's first", rows,
+      [&](std::size_t i) { return pores[i].low[axis]; });
     addColumn<vtkIdTypeArray>(table, name + "_last", unit, "upper end of the box, included", rows,
       [&](std::size_t i) { return pores[i].high[axis]; });
   }
@@ -79,14 +80,16 @@ void fillPores(vtkTable* table, std::span<const pores::Pore> pores, const WholeI
   {
     for (std::size_t end = 0; end < 2; ++end)
     {
-      addColumn<vtkUnsignedCharArray>(table, std::string("touches_") + axisNames[axis] + (end == 0 ? "_min" : "_max"),
-        "1", end == 0 ? "1 where it has a node in the first layer" : "1 where it has a node in the last layer", rows,
+      addColumn<vtkUnsignedCharArray>(
+        table, std::string("touches_") + axisNames[axis] + (end == 0 ? "_min" : "_max"), "1",
+        end == 0 ? "1 where it has a node in the first layer" : "1 where it has a node in the last layer", rows,
         [&](std::size_t i) { return pores[i].touches >> (2 * axis + end) & 1; });
     }
   }
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    addColumn<vtkUnsignedCharArray>(table, std::string("percolates_") + axisNames[axis], "1",
+    addColumn<vtkUnsignedCharArray>(
+      table, std::string("percolates_") + axisNames[axis], "1",
       "1 where it leads from the first layer to the last; if periodic, where it meets itself again", rows,
       [&](std::size_t i) { return pores[i].percolates >> axis & 1; });
   }
@@ -99,9 +102,7 @@ void fillSizeDistribution(vtkTable* table, std::span<const pores::Pore> pores, c
   const char* const unit = nodesOf(lattice);
   std::int64_t nodes = 0;
   for (const pores::SizeClass& c : classes)
-  {
     nodes += c.nodes;
-  }
   const auto ids = [&](const char* name, const char* counted, const char* description, auto member)
   {
     addColumn<vtkIdTypeArray>(
@@ -109,7 +110,8 @@ void fillSizeDistribution(vtkTable* table, std::span<const pores::Pore> pores, c
   };
   const auto diameters = [&](const char* name, const char* description, auto member)
   {
-    addColumn<vtkDoubleArray>(table, name, "m", description, rows,
+    addColumn<vtkDoubleArray>(
+      table, name, "m", description, rows,
       [&](std::size_t i) {
         return pores::equivalentDiameter(static_cast<double>(classes[i].*member), lattice.spacing, lattice.dimension);
       });

@@ -67,9 +67,7 @@ std::pair<vtkDataArray*, bool> find(vtkDataSet* piece, vtkInformation* choice)
 {
   const std::string name = nameOf(choice);
   if (name.empty())
-  {
     throw InputError("no array of stresses is chosen", "choose one with SetInputArrayToProcess");
-  }
   const int association = associationOf(choice);
   vtkDataArray* const atPoints = attributes(piece, false)->GetArray(name.c_str());
   vtkDataArray* const atCells = attributes(piece, true)->GetArray(name.c_str());
@@ -96,22 +94,14 @@ void dropShared(vtkDataSet* piece, std::vector<std::uint8_t>& group, const Team&
 {
   const int* extent = nullptr;
   if (auto* const image = vtkImageData::SafeDownCast(piece))
-  {
     extent = image->GetExtent();
-  }
   else if (auto* const rectilinear = vtkRectilinearGrid::SafeDownCast(piece))
-  {
     extent = rectilinear->GetExtent();
-  }
   else if (auto* const structured = vtkStructuredGrid::SafeDownCast(piece))
-  {
     extent = structured->GetExtent();
-  }
   std::array<int, 6> mine{ 0, -1, 0, -1, 0, -1 };
   if (extent != nullptr && piece->GetNumberOfPoints() > 0)
-  {
     std::copy_n(extent, 6, mine.begin());
-  }
   std::vector<std::array<int, 6>> all(static_cast<std::size_t>(team.size()), mine);
   MPI_Allgather(mine.data(), 6, MPI_INT, all.data(), 6, MPI_INT, team.comm());
   for (int rank = 0; rank < team.rank(); ++rank)
@@ -145,9 +135,7 @@ void dropPlatens(vtkImageData* image, const WholeImage& whole, std::vector<std::
   const std::vector<double> layers = fieldNumbers(image, "platen_layers");
   const std::string axisName = fieldText(image, "load_axis").value_or("");
   if (layers.size() != 4 || axisName.size() != 1 || axisName[0] < 'x' || axisName[0] > 'z')
-  {
     return;
-  }
   const auto axis = static_cast<std::size_t>(axisName[0] - 'x');
   const int* const extent = image->GetExtent();
   std::size_t node = 0;
@@ -160,9 +148,7 @@ void dropPlatens(vtkImageData* image, const WholeImage& whole, std::vector<std::
       {
         const int layer = at[axis] - whole.extent[2 * axis];
         if ((layer >= layers[0] && layer <= layers[1]) || (layer >= layers[2] && layer <= layers[3]))
-        {
           group[node] = noGroup;
-        }
       }
     }
   }
@@ -174,29 +160,21 @@ void dropGhosts(vtkDataSet* piece, bool cells, bool structured, std::vector<std:
   auto* const ghosts =
     vtkUnsignedCharArray::SafeDownCast(attributes(piece, cells)->GetArray(vtkDataSetAttributes::GhostArrayName()));
   if (ghosts == nullptr)
-  {
     return;
-  }
   // Points of structured pieces are shared out by their extents, whether they are marked or not.
   const unsigned char marks = cells
     ? vtkDataSetAttributes::DUPLICATECELL | vtkDataSetAttributes::HIDDENCELL
     : (structured ? 0 : vtkDataSetAttributes::DUPLICATEPOINT) | vtkDataSetAttributes::HIDDENPOINT;
   for (std::size_t i = 0; i < group.size(); ++i)
-  {
     if ((ghosts->GetValue(static_cast<vtkIdType>(i)) & marks) != 0)
-    {
       group[i] = noGroup;
-    }
-  }
 }
 
 std::string listed(const std::vector<std::string>& names)
 {
   std::string list;
   for (const std::string& name : names)
-  {
     list += (list.empty() ? "" : ", ") + name;
-  }
   return list;
 }
 
@@ -211,17 +189,13 @@ std::vector<std::uint8_t> choosePhases(
     std::transform(phases.names.begin(), phases.names.end(), counted.begin(),
       [](const std::string& name) { return !isVoidName(name); });
     if (std::find(counted.begin(), counted.end(), true) == counted.end())
-    {
       counted.assign(counted.size(), true);
-    }
   }
   for (const std::string& name : wanted)
   {
     std::size_t found = phaseMeant(phases.names, name).value_or(phases.names.size());
     for (std::size_t id = 0; found == phases.names.size() && id < phases.names.size(); ++id)
-    {
       found = std::to_string(phases.values[id]) == name ? id : found;
-    }
     if (found == phases.names.size())
     {
       throw ParameterError(
@@ -235,9 +209,7 @@ std::vector<std::uint8_t> choosePhases(
     if (counted[id])
     {
       if (names.size() == noGroup)
-      {
         throw ParameterError("there are more than 255 phases to count", "choose some of them");
-      }
       place[id] = static_cast<std::uint8_t>(names.size());
       names.push_back(phases.names[id]);
     }
@@ -257,9 +229,7 @@ void measureAll(vtkDataArray* array, statistics::StressMeasure what, StressInput
       {
         const auto place = static_cast<std::size_t>(i);
         if (input.group[place] == noGroup)
-        {
           continue;
-        }
         array->GetTuple(i, t.data());
         if (components == 1)
         {
@@ -284,9 +254,7 @@ StressInput stressInput(vtkDataSet* piece, vtkInformation* stress, vtkInformatio
   StressInput input;
   const bool empty = piece->GetNumberOfPoints() == 0;
   if (!team.any(!empty))
-  {
     throw InputError("the data has no points", "check that the source before it worked");
-  }
   vtkDataArray* array = nullptr;
   bool cells = false;
   std::array<std::int64_t, 1> phases{ 0 }; // whether there are any
@@ -294,26 +262,20 @@ StressInput stressInput(vtkDataSet* piece, vtkInformation* stress, vtkInformatio
     [&]
     {
       if (empty)
-      {
         return;
-      }
       std::tie(array, cells) = find(piece, stress);
       input.array = array->GetName();
       input.components = array->GetNumberOfComponents();
       if (input.components != 1 && input.components != 6 && input.components != 9)
-      {
         throw InputError("array '" + input.array + "' has " + std::to_string(input.components) + " components",
           "a stress has 6 (xx, yy, zz, xy, yz, xz), 9, or 1 that was computed from them");
-      }
       const std::string name = nameOf(phase);
       const bool there = !name.empty() && attributes(piece, cells)->GetArray(name.c_str()) != nullptr;
       phases[0] = there ? 1 : 0;
       if (!there && ((!name.empty() && name != "phase") || !wanted.empty()))
-      {
         throw InputError(
           "there are no phases: the data has no " + std::string(cells ? "cell" : "point") + " array '" + name + "'",
           "choose the array of phases; there are: " + arraysOf(piece));
-      }
     });
   team.maximum(phases);
   input.array = team.share(input.array, !empty);
@@ -330,9 +292,7 @@ StressInput stressInput(vtkDataSet* piece, vtkInformation* stress, vtkInformatio
         const std::string name = nameOf(phase);
         vtkDataArray* const found = attributes(piece, cells)->GetArray(name.c_str());
         if (found == nullptr)
-        {
           throw InputError("a piece of the data has no array '" + name + "'", "give every piece the same arrays");
-        }
         return found;
       },
       team);
@@ -350,23 +310,17 @@ StressInput stressInput(vtkDataSet* piece, vtkInformation* stress, vtkInformatio
   {
     const WholeImage whole = wholeImage(image, team);
     if (platens)
-    {
       dropPlatens(image, whole, input.group);
-    }
   }
   const bool structured =
     piece->IsA("vtkImageData") || piece->IsA("vtkRectilinearGrid") || piece->IsA("vtkStructuredGrid");
   std::array<std::int64_t, 1> atPoints{ !empty && !cells && structured ? 1 : 0 };
   team.maximum(atPoints);
   if (team.size() > 1 && atPoints[0] != 0)
-  {
     dropShared(piece, input.group, team);
-  }
   dropGhosts(piece, cells, structured && team.size() > 1, input.group);
   if (!empty)
-  {
     measureAll(array, measure, input);
-  }
   return input;
 }
 

@@ -29,8 +29,10 @@ double over(double a, double b)
 
 void addTails(const Columns& columns, const std::vector<ExponentialTail>& tails)
 {
-  columns.counts("tail_count", "stresses beyond the threshold", [&](std::size_t i) { return tails[i].count; });
-  columns.numbers("tail_share", "1", "their share of all tensile ones", [&](std::size_t i) { return tails[i].share; });
+  columns.counts(
+    "tail_count", "stresses beyond the threshold", [&](std::size_t i) { return tails[i].count; });
+  columns.numbers(
+    "tail_share", "1", "their share of all tensile ones", [&](std::size_t i) { return tails[i].share; });
   columns.numbers(
     "theta", "1", "rate of the exponential tail, by maximum likelihood", [&](std::size_t i) { return tails[i].theta; });
   columns.numbers("theta_error", "1", "standard error of theta if stresses were independent",
@@ -47,8 +49,10 @@ void fillDensity(vtkTable* table, const StressDistribution& d, std::span<const s
   const auto middle = [&](std::size_t bin) { return edge(bin) + d.binWidth / 2; };
   columns.numbers("stress", means, "middle of the bin", middle);
   columns.numbers("stress_low", means, "lower end of the bin", edge);
-  columns.numbers("stress_high", means, "upper end of the bin", [&](std::size_t bin) { return edge(bin + 1); });
-  columns.counts("count", "stresses in the bin", [&](std::size_t bin) { return d.all.bins[bin]; });
+  columns.numbers(
+    "stress_high", means, "upper end of the bin", [&](std::size_t bin) { return edge(bin + 1); });
+  columns.counts(
+    "count", "stresses in the bin", [&](std::size_t bin) { return d.all.bins[bin]; });
   columns.numbers(
     "density", "1 / (mean tensile stress)", "probability density", [&](std::size_t bin) { return d.all.density[bin]; });
   const ExponentialTail& tail = d.all.tail;
@@ -64,9 +68,7 @@ void fillDensity(vtkTable* table, const StressDistribution& d, std::span<const s
   {
     const StressGroup& group = d.groups[g];
     if (group.count == 0)
-    {
       continue;
-    }
     columns.counts(
       "count_" + phases[g], "stresses of the phase in the bin", [&](std::size_t bin) { return group.bins[bin]; });
     columns.numbers("density_" + phases[g], "1 / (mean tensile stress)", "probability density within the phase",
@@ -89,15 +91,17 @@ void fillPhases(vtkTable* table, const StressDistribution& d, std::span<const st
   vtkNew<vtkStringArray> name;
   name->SetName("phase");
   for (const std::string& text : names)
-  {
     name->InsertNextValue(text);
-  }
   table->AddColumn(name);
   const auto stress = [&](const char* column, const char* description, double StressGroup::*member)
-  { columns.numbers(column, "Pa", description, [&](std::size_t i) { return groups[i]->*member; }); };
+  {
+    columns.numbers(
+      column, "Pa", description, [&](std::size_t i) { return groups[i]->*member; });
+  };
   const auto share = [&](const char* column, const char* description, std::int64_t StressGroup::*member)
   {
-    columns.numbers(column, "1", description,
+    columns.numbers(
+      column, "1", description,
       [&](std::size_t i)
       { return over(static_cast<double>(groups[i]->*member), static_cast<double>(groups[i]->count)); });
   };
@@ -112,7 +116,8 @@ void fillPhases(vtkTable* table, const StressDistribution& d, std::span<const st
   share("compressive_share", "share of points below 0", &StressGroup::compressive);
   if (d.reference > 0)
   {
-    columns.numbers("mean_tensile_over_reference", "1", "mean tensile stress over the reference stress",
+    columns.numbers(
+      "mean_tensile_over_reference", "1", "mean tensile stress over the reference stress",
       [&](std::size_t i) { return groups[i]->meanTensile / d.reference; });
     columns.numbers("mean_compressive_over_reference", "1", "mean compressive stress over the reference stress",
       [&](std::size_t i) { return groups[i]->meanCompressive / d.reference; });

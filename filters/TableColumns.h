@@ -28,9 +28,7 @@ struct Columns
     column->SetName(name.c_str());
     column->SetNumberOfTuples(static_cast<vtkIdType>(this->rows));
     for (std::size_t row = 0; row < this->rows; ++row)
-    {
       column->SetValue(static_cast<vtkIdType>(row), value(row));
-    }
     describe(column, unit, description, this->creator);
     this->table->AddColumn(column);
   }

@@ -52,9 +52,7 @@ void vtkBondStress::Run(vtkImageData* input, vtkImageData* output, const lamella
   bonds.exchange(u);
   this->UpdateProgress(0.5);
   if (team.any(this->CheckAbort()))
-  {
     throw lamella::Cancelled();
-  }
   pd::NodeField<double> stress(bonds.layout(), dimension == 2 ? 3 : 6);
   pd::nodalStress(bonds, u, stress, settings.largeStrains);
 

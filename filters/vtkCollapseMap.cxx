@@ -100,9 +100,7 @@ struct vtkCollapseMap::Work
     this->Collapse->add(input.strain, ratio);
     this->States.push_back({ input.strain, this->Collapse->collapsed(), start > 0 ? now / start : none });
     if (const std::string record = lamella::provenance(points); !record.empty())
-    {
       this->Provenance = record;
-    }
   }
 
   /// A node of a lumen its lumen's number, any other node NaN.
@@ -143,15 +141,11 @@ struct vtkCollapseMap::Work
     const auto strains = this->Collapse->strain();
     double first = none;
     for (const double strain : strains)
-    {
       first = std::isnan(first) || strain < first ? strain : first;
-    }
     const std::size_t count = strains.size();
     std::size_t cut = 0;
     for (std::size_t i = 0; i < count; ++i)
-    {
       cut += this->Areas->cut(i) ? 1 : 0;
-    }
     set("lumen_count", static_cast<double>(count), "lumens");
     set("lumen_cut", static_cast<double>(cut), "lumens that the sample's rim cuts");
     set("lumen_collapsed", static_cast<double>(this->Collapse->collapsed()), "lumens that collapsed");
@@ -172,18 +166,23 @@ struct vtkCollapseMap::Work
     lamella::fillPores(lumens, this->Areas->lumens(), this->Whole);
     lumens->GetColumn(0)->SetName("lumen");
     const lamella::Columns columns{ lumens, this->Areas->lumens().size(), creator };
-    columns.add<vtkUnsignedCharArray>("cut", "1", "1 where the sample's rim cuts it",
+    columns.add<vtkUnsignedCharArray>(
+      "cut", "1", "1 where the sample's rim cuts it",
       [&](std::size_t i) { return static_cast<unsigned char>(this->Areas->cut(i) ? 1 : 0); });
-    columns.numbers("ratio", "1", "area or volume in the last state over that at the start",
+    columns.numbers(
+      "ratio", "1", "area or volume in the last state over that at the start",
       [&](std::size_t i) { return this->Collapse->ratio()[i]; });
     columns.numbers("collapse_strain", "1", "strain at which it collapsed; NaN: never",
       [&](std::size_t i) { return this->Collapse->strain()[i]; });
     const lamella::Columns rows{ states, this->States.size(), creator };
     const auto all = static_cast<double>(this->Areas->lumens().size());
-    rows.numbers("strain", "1", "of the state", [&](std::size_t i) { return this->States[i].strain; });
-    rows.counts("collapsed", "lumens that have collapsed by then",
+    rows.numbers(
+      "strain", "1", "of the state", [&](std::size_t i) { return this->States[i].strain; });
+    rows.counts(
+      "collapsed", "lumens that have collapsed by then",
       [&](std::size_t i) { return static_cast<vtkIdType>(this->States[i].collapsed); });
-    rows.numbers("collapsed_share", "1", "their share of all lumens",
+    rows.numbers(
+      "collapsed_share", "1", "their share of all lumens",
       [&](std::size_t i) { return static_cast<double>(this->States[i].collapsed) / all; });
     rows.numbers("ratio", "1", "area or volume of all lumens over that at the start",
       [&](std::size_t i) { return this->States[i].ratio; });
@@ -230,9 +229,7 @@ int vtkCollapseMap::FillInputPortInformation(int port, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), port == 0 ? "vtkImageData" : "vtkPolyData");
   if (port == 1)
-  {
     info->Set(vtkAlgorithm::INPUT_IS_REPEATABLE(), 1);
-  }
   return 1;
 }
 
@@ -275,9 +272,7 @@ int vtkCollapseMap::RequestUpdateExtent(
     vtkInformation* const points = inputVector[1]->GetInformationObject(i);
     lamella::requestWhole(points);
     if (this->Step < this->Times.size())
-    {
       points->Set(Pipeline::UPDATE_TIME_STEP(), this->Times[this->Step]);
-    }
   }
   return 1;
 }
@@ -298,9 +293,7 @@ int vtkCollapseMap::RequestData(
     {
       vtkInformation* const wanted = lamella::requestedOutput(request, outputVector);
       if (this->Run == nullptr)
-      {
         this->Run = std::make_unique<Work>(this, image, wanted);
-      }
       for (int i = 0; i < inputVector[1]->GetNumberOfInformationObjects(); ++i)
       {
         vtkPolyData* const points = vtkPolyData::GetData(inputVector[1], i);
@@ -314,9 +307,7 @@ int vtkCollapseMap::RequestData(
       more = this->Step < this->Times.size();
       this->UpdateProgress(more ? static_cast<double>(this->Step) / static_cast<double>(this->Times.size()) : 1);
       if (this->CheckAbort())
-      {
         throw lamella::Cancelled();
-      }
       if (more)
       {
         request->Set(Pipeline::CONTINUE_EXECUTING(), 1);
@@ -328,27 +319,19 @@ int vtkCollapseMap::RequestData(
       this->Run->WriteNumbers(whole);
       vtkInformation* const first = outputVector->GetInformationObject(0);
       if (first->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()) > 1)
-      {
         lamella::deliver(whole, first);
-      }
       else
-      {
         vtkImageData::GetData(outputVector, 0)->ShallowCopy(whole);
-      }
       for (const int port : { 1, 2 })
       {
         vtkTable::GetData(outputVector, port)->Initialize();
         vtkTable::GetData(outputVector, port)->GetFieldData()->ShallowCopy(whole->GetFieldData());
       }
       if (lamella::isFirstPiece(outputVector))
-      {
         this->Run->WriteTables(vtkTable::GetData(outputVector, 1), vtkTable::GetData(outputVector, 2));
-      }
     });
   if (outcome == lamella::Outcome::Done && more)
-  {
     return 1;
-  }
   stop();
   return lamella::concluded(this, outcome, outputVector);
 }

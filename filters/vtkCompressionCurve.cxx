@@ -52,9 +52,7 @@ std::vector<double> columnOf(vtkTable* table, vtkInformation* choice, const char
   }
   std::vector<double> values(static_cast<std::size_t>(numbers->GetNumberOfTuples()));
   for (std::size_t i = 0; i < values.size(); ++i)
-  {
     values[i] = numbers->GetTuple1(static_cast<vtkIdType>(i));
-  }
   return values;
 }
 
@@ -120,9 +118,7 @@ int vtkCompressionCurve::RequestUpdateExtent(
 {
   // ranks that press a specimen together must all be asked for their pieces: the first has the curve
   if (!lamella::Team::together(vtkMultiProcessController::GetGlobalController(), outputVector->GetInformationObject(0)))
-  {
     lamella::requestWhole(inputVector[0]->GetInformationObject(0));
-  }
   return 1;
 }
 
@@ -135,9 +131,7 @@ void vtkCompressionCurve::Run(vtkTable* input, vtkTable* output)
   options.smoothing = this->Smoothing;
   options.prominence = this->Prominence;
   if (this->PlateauRange[0] != 0 || this->PlateauRange[1] != 0)
-  {
     options.plateauRange = { this->PlateauRange[0], this->PlateauRange[1] };
-  }
   const std::vector<double> strain = columnOf(input, this->GetInputArrayInformation(0), "strains");
   const std::vector<double> stress = columnOf(input, this->GetInputArrayInformation(1), "stresses [Pa]");
   const compression::CompressionCurve curve = compression::compressionCurve(strain, stress, options);
@@ -162,9 +156,7 @@ int vtkCompressionCurve::RequestData(
   vtkTable* const output = vtkTable::GetData(outputVector);
   output->Initialize();
   if (!lamella::isFirstPiece(outputVector))
-  {
     return 1;
-  }
   if (lamella::attempt(this, [&] { this->Run(vtkTable::GetData(inputVector[0]), output); }) != lamella::Outcome::Done)
   {
     output->Initialize();

@@ -49,9 +49,7 @@ struct vtkCrackPath::Work
   {
     this->Self->UpdateProgress(share);
     if (this->Team.any(this->Self->CheckAbort()))
-    {
       throw lamella::Cancelled();
-    }
   }
 
   void Set(const char* name, std::initializer_list<double> values) const
@@ -80,15 +78,11 @@ struct vtkCrackPath::Work
     }
     lamella::CrackScale scale{ input, input.phases };
     if (sample)
-    {
       scale.phases = sample->names();
-    }
     this->Report(0.4);
     cracks::CrackPaths paths;
     if (input.lattice.dimension == 2)
-    {
       this->FindPaths(paths, scale, sample);
-    }
     this->Report(0.7);
     const cracks::BondCount count(input.lattice.dimension, input.horizon);
     this->WriteNumbers(paths, count, scale);
@@ -96,9 +90,7 @@ struct vtkCrackPath::Work
     {
       this->Image()->ShallowCopy(image);
       if (this->Self->ComputeFragments)
-      {
         this->WriteFragments(sample->fragments(), input.lattice);
-      }
     }
     this->Report(0.95);
     if (this->Team.rank() == 0)
@@ -115,9 +107,7 @@ struct vtkCrackPath::Work
       { { "horizon", input.horizon }, { "minimum_length", this->Self->MinimumLength },
         { "spur_length", this->Self->SpurLength } });
     for (const int port : { 1, 2, 3, 5 })
-    {
       this->Table(port)->GetFieldData()->ShallowCopy(this->Paths()->GetFieldData());
-    }
   }
 
   void FindPaths(
@@ -186,10 +176,14 @@ struct vtkCrackPath::Work
         { return scale.through[axis].found ? unit * value(scale.through[axis]) : std::nan(""); };
         this->Set(name, { along(0), along(1) });
       };
-      way("through_length", spacing, [](const cracks::ThroughPath& t) { return t.length; });
-      way("through_in_voids", spacing, [](const cracks::ThroughPath& t) { return t.inVoids; });
-      way("through_in_solid", spacing, [](const cracks::ThroughPath& t) { return t.inSolid; });
-      way("through_chord", spacing, [](const cracks::ThroughPath& t) { return t.chord; });
+      way(
+        "through_length", spacing, [](const cracks::ThroughPath& t) { return t.length; });
+      way(
+        "through_in_voids", spacing, [](const cracks::ThroughPath& t) { return t.inVoids; });
+      way(
+        "through_in_solid", spacing, [](const cracks::ThroughPath& t) { return t.inSolid; });
+      way(
+        "through_chord", spacing, [](const cracks::ThroughPath& t) { return t.chord; });
       way("through_tortuosity", 1, [](const cracks::ThroughPath& t) { return t.tortuosity(); });
       const cracks::LeftOut& left = paths.leftOut;
       this->Set("left_out_cracks", { number(left.cracks) });
@@ -214,9 +208,7 @@ struct vtkCrackPath::Work
     lamella::describe(labels, "1", "number of the fragment, 1 is the largest; 0 in voids", "vtkCrackPath");
     this->Image()->GetPointData()->AddArray(labels);
     if (this->Team.rank() == 0)
-    {
       lamella::fillFragmentTable(this->Table(5), fragments, lattice);
-    }
     const double solid = static_cast<double>(fragments.nodes());
     this->Set("fragment_count", { static_cast<double>(fragments.list.size()) });
     this->Set(
@@ -284,9 +276,7 @@ int vtkCrackPath::FillInputPortInformation(int port, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), port == 0 ? "vtkPolyData" : "vtkImageData");
   if (port == 1)
-  {
     info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
-  }
   return 1;
 }
 
@@ -319,13 +309,9 @@ int vtkCrackPath::RequestUpdateExtent(
 {
   vtkInformation* const wanted = lamella::requestedOutput(request, outputVector);
   if (!lamella::Team::together(this->Controller, wanted))
-  {
     lamella::requestWhole(inputVector[0]->GetInformationObject(0));
-  }
   if (vtkInformation* const image = inputVector[1]->GetInformationObject(0))
-  {
     lamella::requestInput(image, wanted, this->Controller);
-  }
   return 1;
 }
 

@@ -48,19 +48,13 @@ std::span<const double> doubles(vtkImageData* piece, const std::string& name, st
 {
   vtkDataArray* const array = piece->GetPointData()->GetArray(name.c_str());
   if (array == nullptr)
-  {
     return {}; // an empty piece
-  }
   if (auto* const ready = vtkDoubleArray::SafeDownCast(array))
-  {
     return { ready->GetPointer(0), static_cast<std::size_t>(ready->GetNumberOfValues()) };
-  }
   own.resize(static_cast<std::size_t>(array->GetNumberOfValues()));
   const int components = array->GetNumberOfComponents();
   for (vtkIdType i = 0; i < static_cast<vtkIdType>(own.size()); ++i)
-  {
     own[static_cast<std::size_t>(i)] = array->GetComponent(i / components, static_cast<int>(i % components));
-  }
   return own;
 }
 
@@ -75,9 +69,7 @@ lbm::Block grown(const lbm::Block& block, const lamella::Lattice& lattice, bool 
       ++box.size[axis];
     }
     if (periodic || block.start[axis] + block.size[axis] < lattice.size[axis])
-    {
       ++box.size[axis];
-    }
   }
   return box;
 }
@@ -126,9 +118,7 @@ struct vtkFluxMap::Work
     , Block{ { 0, 0, 0 }, Whole.lattice.size }
   {
     if (team.size() > 1)
-    {
       team.agree([&] { this->Block = lbm::decompose(this->Whole.lattice, team.comm()); });
-    }
     this->Box = grown(this->Block, this->Whole.lattice, this->Found.periodic);
     this->MeanFlux.fill(unknown);
     this->Effective.fill(unknown);
@@ -139,9 +129,7 @@ struct vtkFluxMap::Work
   {
     this->Self->UpdateProgress(share);
     if (this->Team.any(this->Self->CheckAbort()))
-    {
       throw lamella::Cancelled();
-    }
   }
 
   [[nodiscard]] lamella::BoxExchange Exchange(const lbm::Block& from, const lbm::Block& to, bool wrap) const
@@ -166,25 +154,19 @@ struct vtkFluxMap::Work
     this->Proceed(0.05);
     const std::size_t shown = this->Shown();
     for (std::size_t i = 0; i < this->Found.directions.size(); ++i)
-    {
       this->Solve(this->Found.directions[i], i == shown);
-    }
     this->WriteNumbers();
   }
 
   void LoadPhases()
   {
     if (this->Found.phaseArray.empty())
-    {
       return;
-    }
     auto* const array =
       vtkUnsignedCharArray::SafeDownCast(this->Input->GetPointData()->GetArray(this->Found.phaseArray.c_str()));
     std::span<const std::uint8_t> piece;
     if (array != nullptr)
-    {
       piece = { array->GetPointer(0), static_cast<std::size_t>(array->GetNumberOfValues()) };
-    }
     this->PhaseBox = this->Fetch<std::uint8_t>(piece, this->Box);
     std::vector<std::int64_t> nodes(this->Found.conductivity.size(), 0);
     const lamella::flux::FluxSetting setting{ this->Whole.lattice, this->Box };
@@ -202,12 +184,8 @@ struct vtkFluxMap::Work
   {
     const auto& directions = this->Found.directions;
     for (std::size_t i = 0; i < directions.size(); ++i)
-    {
       if (this->Self->Direction == AUTO || directions[i].axis == this->Self->Direction || directions[i].axis < 0)
-      {
         return i;
-      }
-    }
     throw lamella::ParameterError(
       std::string("direction ") + "xyz"[this->Self->Direction] + " was not solved", "solve it, or choose another");
   }
@@ -220,12 +198,8 @@ struct vtkFluxMap::Work
     for (node[2] = block.start[2]; node[2] < block.start[2] + block.size[2]; ++node[2])
     {
       for (node[1] = block.start[1]; node[1] < block.start[1] + block.size[1]; ++node[1])
-      {
         for (node[0] = block.start[0]; node[0] < block.start[0] + block.size[0]; ++node[0])
-        {
           action(node);
-        }
-      }
     }
   }
 
@@ -251,12 +225,8 @@ struct vtkFluxMap::Work
       });
     std::array<double, 4> total{ 0, 0, 0, 0 };
     for (const auto& sum : sums)
-    {
       for (std::size_t i = 0; i < 4; ++i)
-      {
         total[i] += sum[i];
-      }
-    }
     this->Team.sum(total);
     return total;
   }
@@ -269,8 +239,9 @@ struct vtkFluxMap::Work
     {
       if (setting.axis < 0)
       {
-        setting.axis = static_cast<int>(std::max_element(fluxSum.begin(), fluxSum.begin() + 3,
-                                          [](double a, double b) { return std::abs(a) < std::abs(b); }) -
+        setting.axis = static_cast<int>(
+          std::max_element(
+            fluxSum.begin(), fluxSum.begin() + 3, [](double a, double b) { return std::abs(a) < std::abs(b); }) -
           fluxSum.begin());
       }
       setting.rising = fluxSum[static_cast<std::size_t>(setting.axis)] < 0;
@@ -300,15 +271,14 @@ struct vtkFluxMap::Work
     {
       const double* const layer = &layers[4 * axis];
       if (layer[1] > 0 && layer[3] > 0)
-      {
         rise[axis] = layer[2] / layer[3] - layer[0] / layer[1];
-      }
     }
     if (setting.axis < 0)
     {
-      setting.axis = static_cast<int>(
-        std::max_element(rise.begin(), rise.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }) -
-        rise.begin());
+      setting.axis =
+        static_cast<int>(std::max_element(
+                           rise.begin(), rise.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }) -
+          rise.begin());
     }
     setting.rising = rise[static_cast<std::size_t>(setting.axis)] > 0;
   }
@@ -321,9 +291,7 @@ struct vtkFluxMap::Work
     std::vector<double> own;
     std::vector<double> valueBox;
     if (!direction.value.empty() && (shown || direction.flux.empty()))
-    {
       valueBox = this->Fetch<double>(doubles(this->Input, direction.value, own), this->Box);
-    }
     std::vector<double> fluxBox;
     std::array<double, 4> sums{};
     const auto addFlux = [](std::array<double, 4>& sum, const double* flux)
@@ -341,9 +309,7 @@ struct vtkFluxMap::Work
         {
           const double* const row = &fluxBox[3 * setting.index(node)];
           for (std::int64_t x = 0; x < this->Block.size[0]; ++x)
-          {
             addFlux(sum, row + 3 * x);
-          }
         });
     }
     this->Proceed(0.3);
@@ -351,9 +317,7 @@ struct vtkFluxMap::Work
       direction.suffix };
     this->Orient(named, valueBox, sums, setting);
     if (setting.wraps(static_cast<std::size_t>(setting.axis)) && !valueBox.empty())
-    {
       lamella::flux::continueValues(setting, valueBox);
-    }
     const lbm::Stencil stencil =
       this->Found.stencil.value_or(setting.lattice.dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5);
     std::unique_ptr<lamella::flux::LinkFlux> link;
@@ -382,20 +346,14 @@ struct vtkFluxMap::Work
     this->Proceed(0.5);
     this->KeepNumbers(setting, sums);
     if (!shown)
-    {
       return;
-    }
     this->WriteMagnitude(direction, blockFlux);
     if (this->Self->NumberOfStreamlines > 0)
     {
       if (link != nullptr)
-      {
         this->Trace(*link, setting);
-      }
       else
-      {
         this->Trace(lamella::flux::NodeFlux(setting, fluxBox, valueBox), setting);
-      }
     }
   }
 
@@ -408,9 +366,7 @@ struct vtkFluxMap::Work
     {
       this->MeanFlux[3 * row + axis] = sums[row] / nodes;
       if (!setting.transient) // it flows between values that are not 1 and 0, and not evenly
-      {
         this->Effective[3 * row + axis] = sign * sums[row] / nodes * setting.lattice.length(setting.axis);
-      }
     }
     this->Tortuosity[axis] = sums[3] / (sign * sums[axis]);
     this->TortuosityFactor[axis] = this->MeanConductivity / this->Effective[4 * axis];
@@ -460,9 +416,7 @@ struct vtkFluxMap::Work
           return !this->Self->CheckAbort();
         });
     if (this->Team.any(this->Self->CheckAbort()))
-    {
       throw lamella::Cancelled();
-    }
     const double spacing = setting.lattice.spacing;
     const double box = setting.lattice.length(setting.axis);
     double sum = 0;
@@ -483,9 +437,7 @@ struct vtkFluxMap::Work
   {
     vtkIdType total = 0;
     for (const lamella::flux::LinePiece& piece : lines.pieces)
-    {
       total += static_cast<vtkIdType>(piece.points.size());
-    }
     const auto count = static_cast<vtkIdType>(lines.pieces.size());
     vtkNew<vtkPoints> points;
     points->SetDataTypeToDouble();
@@ -546,9 +498,7 @@ struct vtkFluxMap::Work
     lamella::setFieldNumbers(this->Output, "mean_flux", this->MeanFlux);
     lamella::setFieldNumbers(this->Output, "effective_from_flux", this->Effective);
     if (!this->Found.transient && lamella::fieldNumbers(this->Output, "effective_conductivity").empty())
-    {
       lamella::setFieldNumbers(this->Output, "effective_conductivity", this->Effective);
-    }
     lamella::setFieldNumbers(this->Output, "tortuosity", this->Tortuosity);
     lamella::setFieldNumbers(this->Output, "tortuosity_factor", this->TortuosityFactor);
     lamella::setFieldNumbers(this->Output, "streamline_tortuosity", this->LineTortuosity);

@@ -53,9 +53,7 @@ struct vtkPoreFloodFill::Work
     , Block{ { 0, 0, 0 }, Whole.lattice.size }
   {
     if (team.size() > 1)
-    {
       team.agree([&] { this->Block = lamella::decompose(this->Whole.lattice, team.comm()); });
-    }
   }
 
   [[nodiscard]] lamella::BoxExchange Exchange(const lamella::Block& from, const lamella::Block& to) const
@@ -69,9 +67,7 @@ struct vtkPoreFloodFill::Work
     pores::LabelOptions options;
     options.connectivity = this->Self->Connectivity != 0 ? this->Self->Connectivity : lattice.dimension == 3 ? 6 : 4;
     for (std::size_t axis = 0; axis < 3; ++axis)
-    {
       options.periodic[axis] = this->Self->Periodic[axis] != 0;
-    }
     if (options.periodic[2] && lattice.dimension == 2)
     {
       throw lamella::ParameterError(
@@ -87,9 +83,7 @@ struct vtkPoreFloodFill::Work
         [&](vtkIdType begin, vtkIdType end)
         {
           for (vtkIdType i = begin; i < end; ++i)
-          {
             body(static_cast<int>(i));
-          }
         });
     };
     options.progress = [this](double share)

@@ -54,9 +54,7 @@ struct vtkStressPDF::Work
         [&](vtkIdType begin, vtkIdType end)
         {
           for (vtkIdType i = begin; i < end; ++i)
-          {
             body(static_cast<int>(i));
-          }
         });
     };
     return options;
@@ -67,9 +65,7 @@ struct vtkStressPDF::Work
   {
     this->Self->UpdateProgress(share);
     if (this->Team.any(this->Self->CheckAbort()))
-    {
       throw lamella::Cancelled();
-    }
   }
 
   void Run(vtkDataSet* input, vtkTable* density, vtkTable* phases, vtkTable* thresholds)

@@ -41,9 +41,7 @@ Colour mixed(const Colour& a, const Colour& b, double part)
 {
   Colour c{};
   for (std::size_t i = 0; i < 3; ++i)
-  {
     c[i] = a[i] + (b[i] - a[i]) * part;
-  }
   return c;
 }
 
@@ -58,9 +56,7 @@ struct Point
 void blur(std::vector<double>& field, int width, int height, double sigma)
 {
   if (!(sigma > 0))
-  {
     return;
-  }
   const int reach = std::max(1, static_cast<int>(std::ceil(3 * sigma)));
   std::vector<double> weight;
   double sum = 0;
@@ -80,16 +76,12 @@ void blur(std::vector<double>& field, int width, int height, double sigma)
       {
         double value = 0;
         for (int d = -reach; d <= reach; ++d)
-        {
           value += weight[static_cast<std::size_t>(d + reach)] *
             first[static_cast<std::size_t>(std::clamp(i + d, 0, count - 1)) * step];
-        }
         line[static_cast<std::size_t>(i)] = value / sum;
       }
       for (int i = 0; i < count; ++i)
-      {
         first[static_cast<std::size_t>(i) * step] = line[static_cast<std::size_t>(i)];
-      }
     }
   };
   along(width, height, 1, static_cast<std::size_t>(width));
@@ -123,9 +115,7 @@ Sample render(
       const Point point = at(x + 0.25 + 0.5 * (k % 2), y + 0.25 + 0.5 * static_cast<double>(k / 2));
       open += point.open;
       for (std::size_t c = 0; c < 3; ++c)
-      {
         seen[c][node] += point.colour[c] / 4;
-      }
     }
     sample.open[node] = open >= 2;
   }
@@ -133,9 +123,7 @@ Sample render(
   sample.picture.lattice = makeLattice(width, height, 1, 2, 1);
   sample.picture.fileSize = sample.picture.lattice.size;
   for (auto& field : seen)
-  {
     blur(field, width, height, optics.blur);
-  }
   for (std::size_t node = 0; node < count; ++node)
   {
     const auto x = static_cast<std::int64_t>(node % static_cast<std::size_t>(width));
@@ -153,9 +141,7 @@ Sample render(
     }
     sample.picture.grey.push_back(static_cast<std::uint16_t>(std::lround(grey)));
     if (optics.colour)
-    {
       sample.picture.colour.insert(sample.picture.colour.end(), value.begin(), value.end());
-    }
   }
   return sample;
 }
@@ -260,9 +246,7 @@ Sample pith(std::uint64_t seed, bool other)
     {
       const Cells::At at = cells.at(x, y);
       if (at.edge < wall / 2)
-      {
         return Point{ look.wall, false };
-      }
       // In the other family whole groups of cells are filled.
       const bool filled = other ? cloud(random, x / (4 * pitch), y / (4 * pitch)) > 0.35 - 0.7 * share &&
           random.uniform(RandomUse::Stain, at.cell) < 0.9
@@ -309,9 +293,7 @@ public:
       {
         const auto found = grid_.find(i + columns_ * j);
         if (found == grid_.end())
-        {
           continue;
-        }
         for (const auto& disk : found->second)
         {
           const double distance = std::hypot(disk.x - x, disk.y - y) - disk.radius - gap;
@@ -372,9 +354,7 @@ Sample rock(std::uint64_t seed, bool electrons, bool other)
       : kind < 0.92             ? Colour{ 196, 190, 178 }
                                 : Colour{ 112, 88, 66 };
     for (double& c : colour)
-    {
       c += 6 * shade + (kind < 0.75 ? 3 : 14) * cloudy;
-    }
     return colour;
   };
   Sample sample = render(size, size, optics, seed,
@@ -444,9 +424,7 @@ Sample seenTissue(const PhaseImage& fine, int n, const generators::LookOptions& 
   {
     std::int64_t wall = 0;
     for (std::int64_t k = 0; k < std::int64_t{ n } * n; ++k)
-    {
       wall += fine.phase[fine.lattice.index(node % nx * n + k % n, node / nx * n + k / n)];
-    }
     sample.open[static_cast<std::size_t>(node)] = 2 * wall < std::int64_t{ n } * n;
   }
   return sample;
@@ -533,9 +511,7 @@ Sample good(std::uint64_t seed, bool other)
   Dice dice(seed);
   const std::size_t which = dice.of(6);
   if (which == 5)
-  {
     return cellular(seed, other);
-  }
   TissueOptions o;
   o.width = static_cast<std::int64_t>(dice.between(320, 560));
   o.height = static_cast<std::int64_t>(dice.between(280, 440));

@@ -37,9 +37,7 @@ int main(int argc, char** argv)
 {
   testing::InitGoogleTest(&argc, argv);
   if (GTEST_FLAG_GET(list_tests))
-  {
     return RUN_ALL_TESTS();
-  }
   MPI_Init(&argc, &argv);
   int rank = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);

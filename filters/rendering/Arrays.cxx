@@ -39,12 +39,8 @@ bool HasArray(vtkDataSet* data, const std::string& name)
 std::string FindDirection(vtkDataSet* data, const std::string& name)
 {
   for (const char* ending : { "", "_x", "_y", "_z" })
-  {
     if (HasArray(data, name + ending))
-    {
       return name + ending;
-    }
-  }
   return {};
 }
 
@@ -67,20 +63,14 @@ std::string DefaultArray(vtkDataSet* data, int preset)
   {
     const std::string found = FindDirection(data, name);
     if (!found.empty())
-    {
       return found;
-    }
   }
   for (vtkDataSetAttributes* attributes : { static_cast<vtkDataSetAttributes*>(data->GetPointData()),
          static_cast<vtkDataSetAttributes*>(data->GetCellData()) })
   {
     for (int i = 0; i < attributes->GetNumberOfArrays(); ++i)
-    {
       if (attributes->GetArray(i) && attributes->GetArrayName(i))
-      {
         return attributes->GetArrayName(i);
-      }
-    }
   }
   throw InputError("the data have no array to draw", "compute a field first, or draw the file it was read from");
 }
@@ -90,12 +80,8 @@ int PresetOfName(const std::string& name)
   const std::string base = name.substr(0, name.size() - DirectionOf(name).size());
   for (const int preset : { vtkSnapshot::PHASE, vtkSnapshot::TEMPERATURE, vtkSnapshot::CONCENTRATION, vtkSnapshot::FLUX,
          vtkSnapshot::GRAIN, vtkSnapshot::STRESS })
-  {
     if (base == vtkSnapshot::GetPresetName(preset))
-    {
       return preset;
-    }
-  }
   return name == "flux_magnitude" ? vtkSnapshot::FLUX
     : name == "pore_size"         ? vtkSnapshot::PORES
     : name == "pore"              ? vtkSnapshot::GRAIN
@@ -108,9 +94,7 @@ vtkDataArray* GetArray(vtkDataSet* data, const std::string& name, bool allowCell
   vtkDataArray* cells = data->GetCellData()->GetArray(name.c_str());
   onCells = !array && cells && allowCells;
   if (array || onCells)
-  {
     return array ? array : cells;
-  }
   if (cells)
   {
     throw InputError("'" + name + "' is an array of cells; a lattice is drawn of its points",
@@ -126,9 +110,7 @@ vtkDataArray* FindFlow(vtkDataSet* data, const Quantity& quantity, const Snapsho
   const bool own = !quantity.IsCategorical() && quantity.array->GetNumberOfComponents() >= 2 &&
     quantity.array->GetNumberOfComponents() <= 3 && !quantity.onCells;
   if (options.overlayArrayName.empty() && own)
-  {
     return quantity.array;
-  }
   // By itself, the flux of the direction that is drawn.
   std::string name = options.overlayArrayName;
   if (name.empty())
@@ -151,21 +133,13 @@ std::vector<bool> FindSolid(vtkDataSet* data)
 {
   vtkDataArray* phase = data->GetPointData()->GetArray("phase");
   if (!phase || phase->GetNumberOfComponents() != 1)
-  {
     return {};
-  }
   std::vector<bool> isVoid;
   if (auto* table = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("phase_names")))
-  {
     for (vtkIdType i = 0; i < table->GetNumberOfValues(); ++i)
-    {
       isVoid.push_back(IsVoidName(table->GetValue(i)));
-    }
-  }
   if (std::find(isVoid.begin(), isVoid.end(), true) == isVoid.end())
-  {
     isVoid.assign(1, true);
-  }
   std::vector<bool> solid(static_cast<std::size_t>(phase->GetNumberOfTuples()));
   std::size_t count = 0;
   for (std::size_t i = 0; i < solid.size(); ++i)

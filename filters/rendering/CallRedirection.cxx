@@ -85,9 +85,7 @@ void WriteSlot(void** slot, void* value)
   const auto pageSize = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
   void* page = reinterpret_cast<void*>(reinterpret_cast<std::uintptr_t>(slot) & ~(pageSize - 1));
   if (mprotect(page, pageSize, PROT_READ | PROT_WRITE) == 0) // the linker may have sealed it
-  {
     *slot = value;
-  }
 }
 
 bool Redirect(ElfW(Addr) base, const Tables& tables, const ElfW(Rela) * relocation, std::size_t bytes,
@@ -118,9 +116,7 @@ int Visit(dl_phdr_info* library, std::size_t, void*)
   for (const Redirection& redirection : redirections)
   {
     if (!name.starts_with(redirection.library))
-    {
       continue;
-    }
     for (int i = 0; i < library->dlpi_phnum; ++i)
     {
       const ElfW(Phdr)& header = library->dlpi_phdr[i];
@@ -129,9 +125,7 @@ int Visit(dl_phdr_info* library, std::size_t, void*)
         const Tables tables = ReadDynamic(reinterpret_cast<const ElfW(Dyn)*>(library->dlpi_addr + header.p_vaddr));
         if (tables.symbols && tables.names &&
           !Redirect(library->dlpi_addr, tables, tables.calls, tables.callBytes, redirection))
-        {
           Redirect(library->dlpi_addr, tables, tables.data, tables.dataBytes, redirection);
-        }
       }
     }
   }
@@ -143,9 +137,7 @@ int Visit(dl_phdr_info* library, std::size_t, void*)
 void RedirectDisplayTests()
 {
   if constexpr (sizeof(void*) == 8) // ELF with 64 bits and addends, as on x86-64 and ARM
-  {
     dl_iterate_phdr(&Visit, nullptr);
-  }
 }
 
 } // namespace lamella::rendering

@@ -38,18 +38,14 @@ Canvas::Canvas(int width, int height, Color background)
 {
   const auto filled = Premultiply(background, 255);
   for (std::size_t i = 0; i < this->Pixels.size(); i += 4)
-  {
     std::copy(filled.begin(), filled.end(), this->Pixels.begin() + static_cast<std::ptrdiff_t>(i));
-  }
 }
 
 void Canvas::Over(std::uint8_t* pixel, std::array<std::uint8_t, 4> premultiplied)
 {
   const auto rest = static_cast<std::uint8_t>(255 - premultiplied[3]);
   for (std::size_t c = 0; c < 4; ++c)
-  {
     pixel[c] = static_cast<std::uint8_t>(std::min(255, premultiplied[c] + Multiply(pixel[c], rest)));
-  }
 }
 
 void Canvas::SetPixel(int x, int y, Color color)
@@ -62,9 +58,7 @@ Color Canvas::Pixel(int x, int y) const
 {
   const std::uint8_t* p = const_cast<Canvas*>(this)->At(x, y);
   if (p[3] == 0)
-  {
     return { 0, 0, 0, 0 };
-  }
   const auto straight = [&](std::uint8_t c)
   { return static_cast<std::uint8_t>(std::min(255, (c * 255 + p[3] / 2) / p[3])); };
   return { straight(p[0]), straight(p[1]), straight(p[2]), p[3] };
@@ -75,12 +69,8 @@ void Canvas::Fill(const PixelRect& rect, Color color)
   const PixelRect inside = Clip(rect, this->Width(), this->Height());
   const auto premultiplied = Premultiply(color, 255);
   for (int y = inside.y; y < inside.Top(); ++y)
-  {
     for (int x = inside.x; x < inside.Right(); ++x)
-    {
       this->Over(this->At(x, y), premultiplied);
-    }
-  }
 }
 
 void Canvas::Frame(const PixelRect& rect, int thickness, Color color)
@@ -103,9 +93,7 @@ void Canvas::Cover(const PixelRect& rect, const std::vector<std::uint8_t>& cover
         coverage[static_cast<std::size_t>(y - rect.y) * static_cast<std::size_t>(rect.width) +
           static_cast<std::size_t>(x - rect.x)];
       if (strength != 0)
-      {
         this->Over(this->At(x, y), Premultiply(color, strength));
-      }
     }
   }
 }
@@ -119,9 +107,7 @@ void Canvas::Blend(const PixelRect& rect, const std::vector<std::uint8_t>& premu
       (static_cast<std::size_t>(y - rect.y) * static_cast<std::size_t>(rect.width) +
         static_cast<std::size_t>(inside.x - rect.x))];
     for (int x = inside.x; x < inside.Right(); ++x, source += 4)
-    {
       this->Over(this->At(x, y), { source[0], source[1], source[2], source[3] });
-    }
   }
 }
 
@@ -178,9 +164,7 @@ void Canvas::CopyTo(vtkImageData* image, bool alpha) const
       out[1] = color.g;
       out[2] = color.b;
       if (alpha)
-      {
         out[3] = color.a;
-      }
     }
   }
 }

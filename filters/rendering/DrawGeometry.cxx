@@ -67,13 +67,9 @@ vtkSmartPointer<vtkPolyData> Colored(vtkPolyData* geometry, const std::optional<
     }
     colors->SetName("color");
     if (field->onCells)
-    {
       colored->GetCellData()->SetScalars(colors);
-    }
     else
-    {
       colored->GetPointData()->SetScalars(colors);
-    }
   }
   return colored;
 }
@@ -85,9 +81,7 @@ std::array<double, 6> RoomyBounds(vtkPolyData* geometry, double& size, bool& isF
   geometry->GetBounds(bounds.data());
   size = std::max({ bounds[1] - bounds[0], bounds[3] - bounds[2], bounds[5] - bounds[4] });
   if (!(size > 0) || !std::isfinite(size))
-  {
     throw InputError("the geometry has no extent", "all its points are one, or not finite");
-  }
   isFlat = bounds[5] - bounds[4] < 1e-9 * size;
   for (std::size_t axis = 0; axis < (isFlat ? 2U : 3U); ++axis)
   {
@@ -161,17 +155,13 @@ Drawing DrawGeometry(vtkPolyData* given, const SnapshotOptions& options)
   Furniture furniture = field ? Describe(*field, options) : Furniture{ options.title, {}, {}, {} };
   const Scale scale = FindScale(geometry, 0);
   if (options.showScaleBar && isFlat)
-  {
     furniture.scale = scale;
-  }
   const Layout layout = ArrangeOrThrow(furniture, view.Width(), view.Height(), false, options);
   const Color background = BackgroundColor(options);
   const Color ink = InkOn(background);
   Drawing drawing{ Canvas(layout.width, layout.height, background), layout.data, {} };
   if (field)
-  {
     drawing.range = { field->low, field->high };
-  }
 
   const double linePixels = std::max(1.5, 0.11 * layout.font);
   const auto actor =
@@ -195,21 +185,15 @@ Drawing DrawGeometry(vtkPolyData* given, const SnapshotOptions& options)
     edges->SetPosition(0, 0, 1e-5 * size); // in front of the disks
   }
   if (const auto box = grains ? BoxEdges(given) : nullptr)
-  {
     AddPlain(renderer, box, ink, linePixels)->GetProperty()->SetLighting(false);
-  }
   view.Aim(renderer);
   std::vector<std::uint8_t> pixels;
   std::string whyNot;
   if (!Draw(renderer, layout.data.width, layout.data.height, LargeTiles, true, pixels, whyNot))
-  {
     throw InputError(whyNot, "lines and surfaces need OpenGL");
-  }
   drawing.canvas.Blend(layout.data, pixels);
   if (options.showScaleBar && !isFlat)
-  {
     view.DrawScaleBar(drawing.canvas, layout, scale, ink);
-  }
   DrawFurniture(drawing.canvas, furniture, layout, ink, false);
   return drawing;
 }

@@ -69,9 +69,7 @@ std::vector<Share> Shares(int count, int extent)
         static_cast<float>((std::min<double>(high, i + 1) - std::max<double>(low, i)) / (high - low)));
     }
     if (share.weights.size() == 1)
-    {
       share.weights[0] = 1;
-    }
   }
   return shares;
 }
@@ -176,13 +174,9 @@ void AddHeads(VectorLayer& layer, const std::vector<Polyline>& lines, double apa
     double next = apart * (0.25 + 0.5 * std::fmod(++index * 0.6180339887498949, 1.0));
     double length = 0;
     for (std::size_t i = 1; i < line.size(); ++i)
-    {
       length += Distance(line[i - 1], line[i]);
-    }
     if (length < 2.5 * size)
-    {
       continue;
-    }
     next = std::min(next, 0.6 * length);
     double along = 0;
     for (std::size_t i = 1; i < line.size(); ++i)
@@ -218,15 +212,11 @@ void RequireWithin(const std::vector<Polyline>& lines, const Plane& plane)
     {
       anyInside = anyInside || (p[0] >= 0 && p[1] >= 0 && p[0] <= plane.size[0] && p[1] <= plane.size[1]);
       if (!(std::abs(p[0]) <= far && std::abs(p[1]) <= far))
-      {
         throw InputError("the lines given lead far out of the picture", "give lines that were made of these data");
-      }
     }
   }
   if (!anyInside)
-  {
     throw InputError("none of the lines given is in the picture", "give lines that were made of these data");
-  }
 }
 
 std::vector<Polyline> GivenLines(vtkPolyData* lines, const Plane& plane)
@@ -245,9 +235,7 @@ std::vector<Polyline> GivenLines(vtkPolyData* lines, const Plane& plane)
       line.push_back({ place(0), place(1) });
     }
     if (line.size() > 1)
-    {
       result.push_back(std::move(line));
-    }
   }
   RequireWithin(result, plane);
   return result;
@@ -302,9 +290,7 @@ private:
                                                                                           : vtkSnapshot::NO_OVERLAY;
     }
     if (this->Options.overlayLines)
-    {
       this->Kind = vtkSnapshot::LINES_OVERLAY;
-    }
     if ((this->Kind == vtkSnapshot::LINES_OVERLAY && !this->Options.overlayLines) ||
       this->Kind == vtkSnapshot::ARROWS_OVERLAY)
     {
@@ -320,9 +306,7 @@ private:
       }
     }
     if (this->Kind == vtkSnapshot::ISOLINES_OVERLAY && this->Field.IsCategorical())
-    {
       throw InputError("phases and grains have no lines of equal value", "draw a scalar, or without lines");
-    }
     if (this->Kind == vtkSnapshot::LINES_OVERLAY && !this->Options.overlayLines)
     {
       this->LineField = FlowInPlane(this->Flow, this->InPlane);
@@ -365,9 +349,7 @@ private:
     const double crowding = sum > 0 && flow > 0 ? squares / sum * static_cast<double>(field.x.size()) / flow : 1;
     int best = 6;
     for (const int count : { 8, 10, 12, 16, 20, DefaultLines })
-    {
       best = count * crowding < MostLinesAcross ? count : best;
-    }
     return best;
   }
 
@@ -412,9 +394,7 @@ private:
     }
     std::string whyNot;
     if (!DrawLayers(layers, canvas, layout.data, whyNot))
-    {
       throw InputError(whyNot, "draw without lines (overlay none, no outline): that needs no OpenGL");
-    }
   }
 
   void AddOutline(VectorLayer& layer, const ToCanvas& map, double unit)
@@ -422,12 +402,8 @@ private:
     const std::vector<bool> solid =
       this->Options.showOutline && !this->Field.IsCategorical() ? FindSolid(this->Image) : std::vector<bool>{};
     if (!solid.empty())
-    {
       for (const Polyline& line : Outline(solid, this->InPlane.size[0], this->InPlane.size[1]))
-      {
         layer.Line(map(Smooth(line, 0.5, 0.8)), std::max(1.0, unit / 20));
-      }
-    }
   }
 
   static double LineWidth(double unit) { return std::max(1.2, 0.085 * unit); }
@@ -467,9 +443,7 @@ private:
     const int count = this->Options.overlayCount > 0 ? this->Options.overlayCount : DefaultIsolines;
     std::vector<double> levels;
     for (int k = 1; k <= count; ++k)
-    {
       levels.push_back(this->Field.low + (this->Field.high - this->Field.low) * k / (count + 1));
-    }
     for (const Polyline& line :
       Contours(this->Field.values, this->InPlane.size[0], this->InPlane.size[1], { 0.5, 0.5 }, levels))
     {

@@ -59,12 +59,8 @@ void CutOctant(VoxelBlock& block, const Point3& towards)
     for (int j = 0; j < block.size[1]; ++j)
     {
       for (int i = 0; i < block.size[0]; ++i)
-      {
         if (isNear(i, 0) && isNear(j, 1) && isNear(k, 2))
-        {
           block.solid[block.Index(i, j, k)] = false;
-        }
-      }
     }
   }
 }
@@ -98,9 +94,7 @@ vtkSmartPointer<vtkActor> Edges(const VoxelBlock& block, const Point3& towards, 
       point.at((axis + 1) % 3) = planes.at((axis + 1) % 3).at(u);
       point.at((axis + 2) % 3) = planes.at((axis + 2) % 3).at(v);
       for (std::size_t c = 0; c < 3; ++c)
-      {
         point.at(c) += lift * towards.at(c);
-      }
       ids.at(k) = points->InsertNextPoint(point.data());
     }
     lines->InsertNextCell(2, ids.data());
@@ -108,12 +102,8 @@ vtkSmartPointer<vtkActor> Edges(const VoxelBlock& block, const Point3& towards, 
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     for (const std::size_t u : { 0, 2 })
-    {
       for (const std::size_t v : { 0, 2 })
-      {
         add(axis, 0, isCut && u == 2 && v == 2 ? 1 : 2, u, v);
-      }
-    }
     if (isCut)
     {
       add(axis, 1, 2, 1, 1);
@@ -158,15 +148,11 @@ Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options)
     light = { { 0.95, 0.88, 1.0 }, 0.0 };
   }
   if (std::find(block.solid.begin(), block.solid.end(), true) == block.solid.end())
-  {
     throw InputError("the volume has nothing but voids", "there is no solid phase to draw");
-  }
 
   Furniture furniture = Describe(field, options);
   if (field.IsCategorical())
-  {
     std::erase_if(furniture.legend, [&](const LegendEntry& entry) { return IsVoidName(entry.text); });
-  }
   const Layout layout = ArrangeOrThrow(furniture, view.Width(), view.Height(), false, options);
   const Color background = BackgroundColor(options);
   const Color ink = InkOn(background);
@@ -196,14 +182,10 @@ Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options)
   std::vector<std::uint8_t> pixels;
   std::string whyNot;
   if (!Draw(renderer, layout.data.width, layout.data.height, LargeTiles, true, pixels, whyNot))
-  {
     throw InputError(whyNot, "volumes need OpenGL");
-  }
   drawing.canvas.Blend(layout.data, pixels);
   if (options.showScaleBar)
-  {
     view.DrawScaleBar(drawing.canvas, layout, FindScale(image, block.spacing[0]), ink);
-  }
   DrawFurniture(drawing.canvas, furniture, layout, ink, false);
   return drawing;
 }

@@ -85,20 +85,14 @@ private:
       return;
     }
     if (this->Open(platformDisplay(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr)))
-    {
       return;
-    }
     std::array<EGLHandle, 16> devices{};
     int count = 0;
     if (queryDevices && queryDevices(static_cast<int>(devices.size()), devices.data(), &count))
     {
       for (int i = 0; i < count; ++i)
-      {
         if (this->Open(platformDisplay(EGL_PLATFORM_DEVICE_EXT, devices.at(static_cast<std::size_t>(i)), nullptr)))
-        {
           return;
-        }
-      }
     }
     this->whyNot = "EGL has neither a surfaceless platform nor a device that draws OpenGL";
   }
@@ -113,16 +107,12 @@ private:
   bool Open(EGLHandle candidate)
   {
     if (!candidate || !this->initialize(candidate, nullptr, nullptr) || !this->bindAPI(EGL_OPENGL_API))
-    {
       return false;
-    }
     const int wanted[] = { EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_RED_SIZE, 8,
       EGL_GREEN_SIZE, 8, EGL_BLUE_SIZE, 8, EGL_ALPHA_SIZE, 8, EGL_NONE };
     int count = 0;
     if (!this->chooseConfig(candidate, wanted, &this->config, 1, &count) || count < 1)
-    {
       return false;
-    }
     this->display = candidate;
     return true;
   }
@@ -140,9 +130,7 @@ public:
   ~EGLContext() override
   {
     if (this->IsCurrent())
-    {
       this->ReleaseCurrent();
-    }
     this->Egl.destroySurface(this->Egl.display, this->Surface);
     this->Egl.destroyContext(this->Egl.display, this->Context);
   }

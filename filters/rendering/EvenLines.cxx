@@ -30,12 +30,8 @@ public:
            ++column)
       {
         for (const Point2& other : this->Points[this->Index(column, row)])
-        {
           if (Distance(p, other) < distance)
-          {
             return false;
-          }
-        }
       }
     }
     return true;
@@ -80,9 +76,7 @@ public:
   {
     this->Grow(seed);
     for (std::size_t i = 0; i < this->Seeds.size(); ++i) // grows while it runs
-    {
       this->Grow(Point2(this->Seeds[i]));
-    }
     this->Seeds.clear();
   }
 
@@ -94,9 +88,7 @@ private:
     const Point2 q = this->Values.At(p);
     const double size = std::hypot(q[0], q[1]);
     if (!(size > this->Weakest))
-    {
       return false;
-    }
     unit = { q[0] / size, q[1] / size };
     return true;
   }
@@ -117,19 +109,13 @@ private:
       Point2 second;
       if (!this->Direction(p, first) ||
         !this->Direction({ p[0] + 0.5 * sign * step * first[0], p[1] + 0.5 * sign * step * first[1] }, second))
-      {
         break;
-      }
       p = { p[0] + sign * step * second[0], p[1] + sign * step * second[1] };
       if (this->Outside(p) || !this->Taken.IsFree(p, this->Closest) || !own.IsFree(p, this->Closest))
-      {
         break;
-      }
       half.push_back(p);
       if (k >= lag)
-      {
         own.Add(half[static_cast<std::size_t>(k - lag)]);
-      }
     }
     return half;
   }
@@ -138,18 +124,14 @@ private:
   {
     Point2 unit;
     if (this->Outside(seed) || !this->Taken.IsFree(seed, this->Separation) || !this->Direction(seed, unit))
-    {
       return;
-    }
     Polyline line = this->Trace(seed, -1);
     std::reverse(line.begin(), line.end());
     line.push_back(seed);
     const Polyline forward = this->Trace(seed, 1);
     line.insert(line.end(), forward.begin(), forward.end());
     if (static_cast<double>(line.size()) * this->Step < 2 * this->Separation)
-    {
       return;
-    }
     for (std::size_t i = 0; i < line.size(); ++i)
     {
       this->Taken.Add(line[i]);
@@ -180,18 +162,12 @@ std::vector<Polyline> EvenlySpacedLines(const PlaneField& field, double separati
 {
   const double weakest = 0.01 * MeanMagnitude(field);
   if (!(weakest > 0) || field.nx < 2 || field.ny < 2)
-  {
     return {};
-  }
   Growing growing(field, separation, weakest);
   // Every empty corner gets a line of its own; beside it the next ones grow.
   for (double y = 0.5 * separation; y < field.ny; y += separation)
-  {
     for (double x = 0.5 * separation; x < field.nx; x += separation)
-    {
       growing.GrowFrom({ x, y });
-    }
-  }
   return std::move(growing.Lines);
 }
 

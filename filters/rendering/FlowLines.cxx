@@ -69,9 +69,7 @@ std::vector<Polyline> Contours(
   std::span<const float> values, int nx, int ny, Point2 origin, std::span<const double> levels)
 {
   if (nx < 2 || ny < 2)
-  {
     return {};
-  }
   vtkNew<vtkImageData> image;
   image->SetDimensions(nx, ny, 1);
   image->SetOrigin(origin[0], origin[1], 0);
@@ -83,9 +81,7 @@ std::vector<Polyline> Contours(
   edges->ComputeScalarsOff();
   edges->SetNumberOfContours(static_cast<int>(levels.size()));
   for (std::size_t i = 0; i < levels.size(); ++i)
-  {
     edges->SetValue(static_cast<int>(i), levels[i]);
-  }
   vtkNew<vtkStripper> stripper;
   stripper->SetInputConnection(edges->GetOutputPort());
   stripper->SetMaximumLength(1000000);
@@ -105,9 +101,7 @@ std::vector<Polyline> Contours(
       line.push_back({ p[0], p[1] });
     }
     if (line.size() > 1)
-    {
       result.push_back(std::move(line));
-    }
   }
   return result;
 }
@@ -116,9 +110,7 @@ Polyline Smooth(const Polyline& line, double step, double sigma)
 {
   std::vector<double> along{ 0 };
   for (std::size_t i = 1; i < line.size(); ++i)
-  {
     along.push_back(along.back() + Distance(line[i - 1], line[i]));
-  }
   const double length = along.back();
   const auto count = static_cast<std::size_t>(std::max(1.0, std::round(length / step)));
   Polyline even;
@@ -127,9 +119,7 @@ Polyline Smooth(const Polyline& line, double step, double sigma)
   {
     const double s = length * static_cast<double>(k) / static_cast<double>(count);
     while (at + 2 < along.size() && along[at + 1] < s)
-    {
       ++at;
-    }
     const double part = along[at + 1] > along[at] ? (s - along[at]) / (along[at + 1] - along[at]) : 0.0;
     even.push_back(
       { line[at][0] + part * (line[at + 1][0] - line[at][0]), line[at][1] + part * (line[at + 1][1] - line[at][1]) });
@@ -138,9 +128,7 @@ Polyline Smooth(const Polyline& line, double step, double sigma)
   const double width = sigma / (length / static_cast<double>(count) + 1e-12); // in points
   const int reach = static_cast<int>(std::ceil(3 * width));
   if (sigma <= 0 || reach < 1 || even.size() < 3)
-  {
     return even;
-  }
   Polyline smooth(even.size());
   const int last = static_cast<int>(even.size()) - 1;
   for (int k = 0; k <= last; ++k)
@@ -169,18 +157,14 @@ std::vector<Polyline> EqualFluxLines(const PlaneField& field, int count)
   const double meanX = std::accumulate(field.x.begin(), field.x.end(), 0.0);
   const double meanY = std::accumulate(field.y.begin(), field.y.end(), 0.0);
   if (nx < 2 || ny < 2 || count < 1 || (meanX == 0 && meanY == 0))
-  {
     return {};
-  }
   if (std::abs(meanX) > std::abs(meanY))
   {
     auto lines = EqualFluxLines(Transpose(field), count);
     for (Polyline& line : lines)
     {
       for (Point2& point : line)
-      {
         std::swap(point[0], point[1]);
-      }
       // Mirroring does not turn a line's direction: it still follows the flux.
     }
     return lines;
@@ -213,32 +197,22 @@ std::vector<Polyline> EqualFluxLines(const PlaneField& field, int count)
     };
     double mean = 0;
     for (int i = 1; i < nx; ++i)
-    {
       mean += across(i) / (nx - 1);
-    }
     for (int i = 1; i < nx; ++i)
-    {
       mismatch += std::abs(across(i) - mean);
-    }
     shift += mean;
     for (std::size_t i = 0; i < columns; ++i)
-    {
       psi[row + columns + i] += shift;
-    }
   }
   mismatch /= static_cast<double>(nx - 1) * (ny - 1);
   const auto [low, high] = std::minmax_element(psi.begin(), psi.end());
   const double range = *high - *low;
   if (!(range > 0) || mismatch > 0.25 * MeanMagnitude(field))
-  {
     return {};
-  }
 
   std::vector<double> levels;
   for (int k = 0; k < count; ++k)
-  {
     levels.push_back((k + 0.5) / count);
-  }
   std::vector<float> scaled(psi.size());
   const double lowest = *low;
   std::transform(
@@ -254,9 +228,7 @@ std::vector<Polyline> EqualFluxLines(const PlaneField& field, int count)
       along += q[0] * (line[i][0] - line[i - 1][0]) + q[1] * (line[i][1] - line[i - 1][1]);
     }
     if (along < 0)
-    {
       std::reverse(line.begin(), line.end());
-    }
     ReachEdges(line, nx, ny);
   }
   return lines;
@@ -296,9 +268,7 @@ std::vector<Arrow> BlockArrows(const PlaneField& field, double separation)
       const auto& mean =
         sums[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)];
       if (std::hypot(mean[0], mean[1]) < 0.12 * largest || largest == 0)
-      {
         continue;
-      }
       const Point2 centre{ (column + 0.5) * width, (row + 0.5) * height };
       const Point2 half{ 0.5 * scale * mean[0], 0.5 * scale * mean[1] };
       arrows.push_back({ { centre[0] - half[0], centre[1] - half[1] }, { centre[0] + half[0], centre[1] + half[1] } });
@@ -342,9 +312,7 @@ std::vector<Polyline> Outline(const std::vector<bool>& inside, int nx, int ny)
   constexpr double level[] = { 0.5 };
   auto lines = Contours(values, nx, ny, { 0.5, 0.5 }, level);
   for (Polyline& line : lines)
-  {
     ReachEdges(line, nx, ny);
-  }
   return lines;
 }
 

@@ -23,9 +23,7 @@ std::string BarTitle(const ColorBar& bar, int exponent)
 {
   const std::string power = exponent == 0 ? "" : "10" + RaisedText(exponent);
   if (bar.unit.empty())
-  {
     return power.empty() ? bar.title : bar.title + " (×" + power + ")";
-  }
   return bar.title + " (" + (power.empty() ? "" : power + " ") + bar.unit + ")";
 }
 
@@ -53,9 +51,7 @@ BarText DescribeBar(const ColorBar& bar, double font)
       text.labels.push_back(whole && std::abs(power) > 3 ? "10" + RaisedText(power)
                                                          : TickLabels({ std::round(number * 1e6) / 1e6 }, own).front());
       if (own != 0)
-      {
         text.labels.back() += "·10" + RaisedText(own);
-      }
     }
   }
   else
@@ -65,9 +61,7 @@ BarText DescribeBar(const ColorBar& bar, double font)
   }
   text.title = BarTitle(bar, exponent);
   for (const std::string& label : text.labels)
-  {
     text.widest = std::max(text.widest, MeasureText(label, font).width);
-  }
   return text;
 }
 
@@ -112,16 +106,12 @@ public:
     this->MeasureScale();
     this->PlaceLegend(this->BreakLegend());
     if (this->BarBelow)
-    {
       this->PlaceBarBelow();
-    }
     data.y = this->Below +
       (this->Below > Pixels(Margin * font) ? Pixels(0.45 * font) + (this->BarBelow ? Pixels(0.35 * font) : 0) : 0) +
       this->Made.Rule();
     if (furniture.bar && this->Made.barUpright)
-    {
       this->PlaceBarBeside();
-    }
     const int top = this->PlaceTitle();
     this->Made.width = std::max(this->ContentRight, columnFrom + column) + Pixels(Margin * font);
     this->Made.height = top + Pixels(Margin * font);
@@ -134,9 +124,7 @@ private:
   int ChooseBar()
   {
     if (!this->Given.bar)
-    {
       return 0;
-    }
     this->Bar = DescribeBar(*this->Given.bar, this->Font);
     const PixelRect& data = this->Made.data;
     const double titleLength = MeasureText(this->Bar.title, this->Font).width;
@@ -150,9 +138,7 @@ private:
   void MeasureScale()
   {
     if (!this->Given.scale)
-    {
       return;
-    }
     const Scale& scale = *this->Given.scale;
     const double largest =
       std::max(0.22 * this->Made.data.width, std::min<double>(4 * this->Font, this->Made.data.width));
@@ -180,9 +166,7 @@ private:
       {
         rows.emplace_back();
         if (width > this->Made.data.width - ofScale && this->ScaleWidth > 0)
-        {
           rows.emplace_back(); // the scale bar has the first row for itself
-        }
       }
       else if (!rows.back().entries.empty() &&
         rows.back().width + EntryGap * this->Font + width > this->Made.data.width - (rows.size() == 1 ? ofScale : 0))
@@ -194,9 +178,7 @@ private:
       last.entries.push_back(i);
     }
     if (rows.empty() && this->ScaleInRow())
-    {
       rows.emplace_back();
-    }
     return rows;
   }
 
@@ -211,9 +193,7 @@ private:
       const bool withScale = std::next(it) == rows.rend() && this->ScaleInRow();
       double x = std::max<double>(data.x, data.Right() - it->width);
       if (withScale)
-      {
         x = std::max(x, data.x + this->ScaleWidth + EntryGap * this->Font);
-      }
       for (const std::size_t i : it->entries)
       {
         this->Made.legend[i] = { Pixels(x), this->Below + (row - this->Made.Patch()) / 2 };
@@ -243,9 +223,7 @@ private:
     const int blunt = this->Given.bar->below ? thickness : 0;
     this->Made.bar = { data.x + start + blunt, base, length - pointed - blunt, thickness };
     if (hasScale)
-    {
       this->Made.scaleBar = { data.x, base + thickness / 2 };
-    }
     this->ContentRight = std::max(this->ContentRight, data.x + start + length + Pixels(0.6 * this->Bar.widest));
     this->Below = base + thickness;
   }
@@ -265,9 +243,7 @@ private:
   {
     const int top = this->Made.data.Top() + this->Made.Rule();
     if (this->Given.title.empty())
-    {
       return top;
-    }
     this->Made.title = { this->Made.data.x - this->Made.Rule(), top + Pixels(0.75 * this->Font) };
     this->ContentRight =
       std::max(this->ContentRight, this->Made.title.x + Pixels(MeasureText(this->Given.title, 1.2 * this->Font).width));
@@ -297,13 +273,9 @@ void Shift(Layout& layout, int dx, int dy)
   layout.bar.y += dy;
   layout.title = { layout.title.x + dx, layout.title.y + dy };
   if (layout.scaleBar)
-  {
     layout.scaleBar = PixelPoint{ layout.scaleBar->x + dx, layout.scaleBar->y + dy };
-  }
   for (PixelPoint& point : layout.legend)
-  {
     point = { point.x + dx, point.y + dy };
-  }
 }
 
 } // namespace
@@ -326,9 +298,7 @@ std::optional<Layout> Arrange(const Furniture& furniture, double unitsX, double 
   {
     double scale = AutomaticSide / longest;
     if (pixelated)
-    {
       scale = longest <= LargestExact ? std::max(1.0, std::round(scale)) : 1.25 * AutomaticSide / longest;
-    }
     const double side = std::sqrt(std::max(1.0, unitsX * scale) * std::max(1.0, unitsY * scale));
     const double font = request.fontScale * std::clamp(0.0265 * side, 15.0, 60.0);
     return Place(furniture, unitsX, unitsY, scale, font);
@@ -357,9 +327,7 @@ std::optional<Layout> Arrange(const Furniture& furniture, double unitsX, double 
   }
   // A whole number of picture pixels for each of the data's looks best, if it costs little room.
   if (pixelated && low >= 1 && std::floor(low) > 0.8 * low)
-  {
     low = std::floor(low);
-  }
   Layout layout = Place(furniture, unitsX, unitsY, low, font);
   Shift(layout, (request.width - layout.width) / 2, (request.height - layout.height) / 2);
   layout.width = request.width;
@@ -416,13 +384,9 @@ void DrawBar(Canvas& canvas, const ColorBar& bar, const Layout& layout, Color in
   const int length = layout.barUpright ? rect.height : rect.width;
   canvas.Frame(rect, rule, ink);
   if (bar.above)
-  {
     DrawPoint(canvas, rect, layout.barUpright, true, bar.map->At(1), ink, rule);
-  }
   if (bar.below)
-  {
     DrawPoint(canvas, rect, layout.barUpright, false, bar.map->At(0), ink, rule);
-  }
   for (int k = 0; k < length; ++k)
   {
     const Color color = bar.map->At((k + 0.5) / length);
@@ -468,13 +432,9 @@ void DrawFurniture(Canvas& canvas, const Furniture& furniture, const Layout& lay
   const double font = layout.font;
   const int rule = layout.Rule();
   if (framed)
-  {
     canvas.Frame(layout.data, rule, ink);
-  }
   if (!furniture.title.empty())
-  {
     canvas.Text(layout.title.x, layout.title.y, furniture.title, 1.2 * font, ink, Align::Low, Align::Low);
-  }
   if (layout.scaleBar)
   {
     const int thickness = std::max(2, Pixels(0.2 * font));
@@ -483,9 +443,7 @@ void DrawFurniture(Canvas& canvas, const Furniture& furniture, const Layout& lay
       ink, Align::Low, Align::Middle);
   }
   if (furniture.bar)
-  {
     DrawBar(canvas, *furniture.bar, layout, ink);
-  }
   for (std::size_t i = 0; i < furniture.legend.size(); ++i)
   {
     const LegendEntry& entry = furniture.legend[i];

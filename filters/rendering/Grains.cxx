@@ -108,9 +108,7 @@ vtkSmartPointer<vtkPolyData> BoxEdges(vtkPolyData* grains)
 {
   vtkDataArray* const box = grains->GetFieldData()->GetArray("box");
   if (!box || box->GetNumberOfValues() != 3)
-  {
     return nullptr;
-  }
   vtkNew<vtkOutlineSource> outline;
   outline->SetBounds(0, box->GetVariantValue(0).ToDouble(), 0, box->GetVariantValue(1).ToDouble(), 0,
     box->GetVariantValue(2).ToDouble());

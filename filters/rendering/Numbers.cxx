@@ -28,9 +28,7 @@ std::string RaisedText(int number)
   static const char* const digits[] = { "⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹" };
   std::string text = number < 0 ? "⁻" : "";
   for (const char c : std::to_string(std::abs(number)))
-  {
     text += digits[c - '0'];
-  }
   return text;
 }
 
@@ -43,17 +41,13 @@ std::vector<double> NiceTicks(double low, double high)
   {
     step = factor * power;
     if (span / step < 6.5)
-    {
       break;
-    }
   }
   std::vector<double> ticks;
   const double first = std::ceil(low / step - 1e-6);
   const double last = std::floor(high / step + 1e-6);
   for (double k = first; k <= last; k += 1)
-  {
     ticks.push_back(k * step);
-  }
   return ticks;
 }
 
@@ -68,9 +62,7 @@ std::vector<double> LogarithmicTicks(double low, double high)
     {
       const double tick = power + std::log10(part);
       if ((part == 1 || few) && tick >= low - 1e-6 && tick <= high + 1e-6)
-      {
         ticks.push_back(tick);
-      }
     }
   }
   return ticks.size() > 1 ? ticks : std::vector<double>{ low, high };
@@ -81,13 +73,9 @@ std::vector<std::string> TickLabels(const std::vector<double>& ticks, int& expon
   exponent = 0;
   double largest = 0;
   for (const double tick : ticks)
-  {
     largest = std::max(largest, std::abs(tick));
-  }
   if (largest >= 1e4 || (largest > 0 && largest < 1e-2))
-  {
     exponent = 3 * static_cast<int>(std::floor(std::log10(largest) / 3 + 1e-9));
-  }
   const double factor = std::pow(10.0, -exponent);
   // as many decimals as tell the marks apart and show each exactly
   int digits = 0;
@@ -97,9 +85,7 @@ std::vector<std::string> TickLabels(const std::vector<double>& ticks, int& expon
     return std::abs(scaled - std::round(scaled)) < 1e-6 * std::max(1.0, std::abs(scaled));
   };
   while (digits < 9 && !std::all_of(ticks.begin(), ticks.end(), isExact))
-  {
     ++digits;
-  }
   std::vector<std::string> labels;
   std::transform(ticks.begin(), ticks.end(), std::back_inserter(labels),
     [&](double tick) { return Decimals(tick * factor, digits); });
@@ -124,12 +110,8 @@ double NiceLength(double largest, bool metres, std::string& text)
   static constexpr Unit units[] = { { 1e-9, "nm" }, { 1e-6, "µm" }, { 1e-3, "mm" }, { 1, "m" }, { 1e3, "km" } };
   const Unit* unit = &units[0];
   for (const Unit& candidate : units)
-  {
     if (length >= (candidate.metres == 1e-6 ? 0.1 : 1) * candidate.metres * (1 - 1e-9))
-    {
       unit = &candidate;
-    }
-  }
   const double number = metres ? length / unit->metres : length;
   const int digits = number < 0.95 ? static_cast<int>(std::ceil(-std::log10(number) - 1e-9)) : 0;
   text = Decimals(number, digits) + " " + (metres ? unit->name : number == 1 ? "pixel" : "pixels");

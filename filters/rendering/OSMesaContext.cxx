@@ -86,9 +86,7 @@ private:
   {
     void* mesaLibrary = nullptr;
     for (const char* name : { "libOSMesa.so.8", "libOSMesa.so" })
-    {
       mesaLibrary = mesaLibrary ? mesaLibrary : dlopen(name, RTLD_NOW | RTLD_LOCAL);
-    }
     if (!mesaLibrary)
     {
       this->whyNot = "libOSMesa.so.8 is not installed";
@@ -142,9 +140,7 @@ public:
   ~OSMesaContext() override
   {
     if (this->IsCurrent())
-    {
       this->ReleaseCurrent();
-    }
     this->Library.mesa.destroyContext(this->Context);
   }
 

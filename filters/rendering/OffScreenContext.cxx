@@ -27,9 +27,7 @@ void ReleaseGLX()
   using MakeCurrent = int (*)(void*, unsigned long, void*);
   const auto makeCurrent = reinterpret_cast<MakeCurrent>(dlsym(RTLD_DEFAULT, "glXMakeCurrent"));
   if (makeCurrent && OffScreenContext::IsGLXCurrent())
-  {
     makeCurrent(CallGLX("glXGetCurrentDisplay"), 0, nullptr);
-  }
 }
 
 } // namespace
@@ -42,9 +40,7 @@ bool OffScreenContext::IsGLXCurrent()
 OffScreenContext::~OffScreenContext()
 {
   if (Current == this)
-  {
     Current = nullptr;
-  }
 }
 
 bool OffScreenContext::MakeCurrent()
@@ -55,14 +51,10 @@ bool OffScreenContext::MakeCurrent()
     return true;
   }
   if (Current && Current != this)
-  {
     Current->ReleaseCurrent();
-  }
   ReleaseGLX();
   if (!this->DoMakeCurrent())
-  {
     return false;
-  }
   Current = this;
   return true;
 }
@@ -70,13 +62,9 @@ bool OffScreenContext::MakeCurrent()
 void OffScreenContext::ReleaseCurrent()
 {
   if (this->IsCurrent())
-  {
     this->DoReleaseCurrent();
-  }
   if (Current == this)
-  {
     Current = nullptr;
-  }
 }
 
 const char* Name(Backend backend)
@@ -140,9 +128,7 @@ bool XDisplayWorks(std::string& whyNot)
   static std::set<std::string> held;
   const std::lock_guard<std::mutex> lock(mutex);
   if (!held.insert(name).second)
-  {
     close(display);
-  }
   return true;
 }
 

@@ -117,9 +117,7 @@ std::vector<Color> PhaseColors(std::span<const std::string> names)
     // A second phase of the same kind must not look like the first.
     const Color color = FromHex(hex);
     if (std::find(colors.begin(), colors.end(), color) != colors.end())
-    {
       return false;
-    }
     colors.push_back(color);
     return true;
   };
@@ -136,9 +134,7 @@ std::vector<Color> PhaseColors(std::span<const std::string> names)
       : ContainsAny(name, { "matrix" })                                  ? take(between ? CementColor : MatrixColor)
                                                                          : false;
     if (!taken)
-    {
       colors.push_back(FromHex(Qualitative[next++ % std::size(Qualitative)]));
-    }
   }
   return colors;
 }
@@ -164,9 +160,7 @@ std::vector<Color> GrainColors(std::span<const std::int64_t> ids, int nx, int ny
         {
           const std::pair<std::int64_t, std::int64_t> pair{ std::max(own, other), std::min(own, other) };
           if (pairs.empty() || pairs.back() != pair)
-          {
             pairs.push_back(pair);
-          }
           break;
         }
       }
@@ -182,16 +176,12 @@ std::vector<Color> GrainColors(std::span<const std::int64_t> ids, int nx, int ny
   {
     std::array<bool, count> taken{};
     for (; pair != pairs.end() && pair->first == id; ++pair)
-    {
       taken.at(chosen[static_cast<std::size_t>(pair->second)]) = true;
-    }
     // The golden ratio spreads consecutive ids over the set.
     const auto start = static_cast<std::size_t>(std::fmod(static_cast<double>(id) * 0.6180339887498949, 1.0) * count);
     std::size_t pick = start % count;
     for (std::size_t tries = 0; tries < count && taken.at(pick); ++tries)
-    {
       pick = (pick + 1) % count;
-    }
     chosen[static_cast<std::size_t>(id)] = pick;
   }
   std::vector<Color> colors(chosen.size());

@@ -37,9 +37,7 @@ struct PlaneField
 {
   double sum = 0;
   for (std::size_t i = 0; i < field.x.size(); ++i)
-  {
     sum += std::hypot(field.x[i], field.y[i]);
-  }
   return sum / static_cast<double>(std::max<std::size_t>(1, field.x.size()));
 }
 

@@ -83,9 +83,7 @@ std::string Capitalised(std::string name)
 {
   std::replace(name.begin(), name.end(), '_', ' ');
   if (!name.empty())
-  {
     name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
-  }
   return name;
 }
 
@@ -123,9 +121,7 @@ std::vector<std::int64_t> RawIds(Quantity& quantity)
     anyDefined = true;
   }
   if (!anyDefined)
-  {
     throw InputError("'" + std::string(array->GetName()) + "' has no finite value", "nothing can be drawn of it");
-  }
   return raw;
 }
 
@@ -134,9 +130,7 @@ void SetGrains(
   Quantity& quantity, std::vector<std::int64_t> present, std::vector<std::int64_t>& raw, const std::array<int, 3>& size)
 {
   if (present.front() != 0)
-  {
     present.insert(present.begin(), 0);
-  }
   std::transform(raw.begin(), raw.end(), raw.begin(),
     [&](std::int64_t id)
     { return id < 0 ? -1 : std::lower_bound(present.begin(), present.end(), id) - present.begin(); });
@@ -171,9 +165,7 @@ void GiveColors(Quantity& quantity, const std::vector<std::string>& names, const
     {
       std::string list;
       for (const std::string& known : names)
-      {
         list += (list.empty() ? "" : ", ") + known;
-      }
       throw InputError(
         "a colour is given for the phase '" + name + "', which the data do not have", "they have: " + list);
     }
@@ -202,16 +194,12 @@ void SetPhases(
   {
     quantity.idIsVoid[0] = !table; // without names the first is the void, as the data model has it
     if (!table)
-    {
       quantity.idColors[0] = PhaseColors(std::vector<std::string>{ "void" })[0];
-    }
   }
   GiveColors(quantity, names, options);
   quantity.idNames.resize(names.size());
   for (const std::int64_t id : present)
-  {
     quantity.idNames[static_cast<std::size_t>(id)] = names[static_cast<std::size_t>(id)];
-  }
 }
 
 void ReadIds(Quantity& quantity, vtkDataSet* data, const std::array<int, 3>& size, const SnapshotOptions& options)
@@ -221,17 +209,11 @@ void ReadIds(Quantity& quantity, vtkDataSet* data, const std::array<int, 3>& siz
   std::sort(present.begin(), present.end());
   present.erase(std::unique(present.begin(), present.end()), present.end());
   if (!present.empty() && present.front() < 0)
-  {
     present.erase(present.begin());
-  }
   if (quantity.preset == vtkSnapshot::GRAIN)
-  {
     SetGrains(quantity, std::move(present), raw, size);
-  }
   else
-  {
     SetPhases(quantity, data, present, options);
-  }
   quantity.ids.resize(raw.size());
   std::transform(
     raw.begin(), raw.end(), quantity.ids.begin(), [](std::int64_t id) { return static_cast<std::int32_t>(id); });
@@ -246,12 +228,8 @@ void HideNonConducting(Quantity& quantity, vtkDataSet* data)
     if (!quantity.onCells && potential && potential->GetNumberOfComponents() == 1)
     {
       for (std::size_t i = 0; i < quantity.values.size(); ++i)
-      {
         if (!std::isfinite(potential->GetComponent(static_cast<vtkIdType>(i), 0)))
-        {
           quantity.values[i] = std::numeric_limits<float>::quiet_NaN();
-        }
-      }
     }
   }
 }
@@ -270,9 +248,7 @@ void HideVoids(Quantity& quantity, vtkDataSet* data)
 {
   const std::vector<bool> solid = quantity.onCells ? std::vector<bool>{} : FindSolid(data);
   for (std::size_t i = 0; i < solid.size(); ++i)
-  {
     quantity.values[i] = solid[i] ? quantity.values[i] : std::numeric_limits<float>::quiet_NaN();
-  }
 }
 
 /// The component of a stress along the load that the field data tell, by VTK's order xx, yy, zz, xy, yz, xz; without
@@ -285,15 +261,11 @@ int ComponentAlongLoad(vtkDataSet* data, vtkDataArray* array, bool flat)
     return field && field->GetNumberOfValues() > 0 ? std::string(field->GetValue(0)) : std::string();
   };
   if (array->GetNumberOfComponents() != 6)
-  {
     return -1;
-  }
   const std::string named = text("load_axis");
   const int axis = named.size() == 1 && named[0] >= 'x' && named[0] <= 'z' ? named[0] - 'x' : flat ? 1 : 2;
   if (text("load") != "shear")
-  {
     return axis;
-  }
   return flat ? 3 : 3 + axis; // x moves along y, y along z, z along x
 }
 
@@ -302,14 +274,10 @@ double MeanStress(vtkDataSet* data, const std::vector<float>& values)
 {
   auto* const known = vtkDataArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("effective_stress"));
   if (known && known->GetNumberOfValues() > 0 && std::isfinite(known->GetComponent(0, 0)))
-  {
     return known->GetComponent(0, 0);
-  }
   double sum = 0;
   for (const float value : values)
-  {
     sum += std::isfinite(value) ? value : 0;
-  }
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
@@ -445,9 +413,7 @@ void ChooseMap(Quantity& quantity, const SnapshotOptions& options)
   {
     std::string list;
     for (const std::string_view known : ColorMap::Names())
-    {
       list += (list.empty() ? "" : ", ") + std::string(known);
-    }
     throw InputError("there is no colour map '" + name + "'", "choose one of " + list);
   }
 }
@@ -521,17 +487,11 @@ Color Quantity::ColorOf(std::size_t index) const
   }
   const float value = this->values[index];
   if (!std::isfinite(value))
-  {
     return Undefined;
-  }
   constexpr int steps = 2048;
   if (this->Table.empty())
-  {
     for (int i = 0; i <= steps; ++i)
-    {
       this->Table.push_back(this->map->At(static_cast<double>(i) / steps));
-    }
-  }
   const double t = std::clamp((value - this->low) / (this->high - this->low), 0.0, 1.0);
   return this->Table[static_cast<std::size_t>(std::lround(t * steps))];
 }
@@ -545,9 +505,7 @@ Quantity FindQuantity(vtkDataSet* data, const std::array<int, 3>& size, const Sn
   quantity.preset = options.preset == vtkSnapshot::AUTO ? PresetOfName(name) : options.preset;
   if (options.preset == vtkSnapshot::AUTO && quantity.preset == vtkSnapshot::STRESS &&
     quantity.array->GetNumberOfComponents() != 6)
-  {
     quantity.preset = vtkSnapshot::SCALAR; // one component, already chosen
-  }
   if (options.component >= quantity.array->GetNumberOfComponents())
   {
     throw InputError("component " + std::to_string(options.component) + " of '" + name + "' is asked for; it has " +
@@ -555,48 +513,34 @@ Quantity FindQuantity(vtkDataSet* data, const std::array<int, 3>& size, const Sn
       "count from 0, or −1 for the magnitude");
   }
   if (quantity.array->GetNumberOfTuples() == 0)
-  {
     throw InputError("'" + name + "' is empty", "nothing can be drawn of it");
-  }
   if (quantity.preset == vtkSnapshot::PHASE || quantity.preset == vtkSnapshot::GRAIN)
   {
     ReadIds(quantity, data, size, options);
     return quantity;
   }
   if (quantity.preset == vtkSnapshot::STRESS && options.component < 0)
-  {
     options.component = ComponentAlongLoad(data, quantity.array, size[2] == 1);
-  }
   quantity.values = ReadValues(quantity.array, options.component);
   double mean = 0;
   if (quantity.preset == vtkSnapshot::STRESS)
   {
     mean = options.relativeFlux ? MeanStress(data, quantity.values) : 0;
     for (float& value : quantity.values)
-    {
       value = mean != 0 ? static_cast<float>(value / mean) : value;
-    }
   }
   if (IsOfSolid(quantity))
-  {
     HideVoids(quantity, data);
-  }
   if (quantity.preset == vtkSnapshot::FLUX)
   {
     HideNonConducting(quantity, data);
     mean = options.relativeFlux && quantity.array->GetNumberOfComponents() > 1 ? MeanFlux(quantity.array) : 0;
     if (mean > 0)
-    {
       for (float& value : quantity.values)
-      {
         value = static_cast<float>(value / mean);
-      }
-    }
   }
   if (quantity.preset == vtkSnapshot::PORES)
-  {
     TakeLogarithms(quantity);
-  }
   FindRange(quantity, options);
   ChooseMap(quantity, options);
   NameQuantity(quantity, mean, options);
@@ -608,18 +552,12 @@ Furniture Describe(const Quantity& quantity, const SnapshotOptions& options)
   Furniture furniture;
   furniture.title = options.title;
   if (!options.showLegend)
-  {
     return furniture;
-  }
   if (quantity.IsCategorical())
   {
     for (std::size_t id = 0; id < quantity.idNames.size(); ++id)
-    {
       if (!quantity.idNames[id].empty())
-      {
         furniture.legend.push_back({ quantity.idNames[id], quantity.idColors[id] });
-      }
-    }
     if (quantity.preset == vtkSnapshot::GRAIN)
     {
       const std::size_t grains = quantity.idColors.size() - 1;
@@ -627,9 +565,7 @@ Furniture Describe(const Quantity& quantity, const SnapshotOptions& options)
         { std::to_string(grains) + (grains == 1 ? " grain" : " grains"), quantity.idColors.back() });
     }
     if (quantity.hasUndefined)
-    {
       furniture.legend.push_back({ "not defined", Undefined });
-    }
     return furniture;
   }
   furniture.bar = ColorBar{ quantity.map, quantity.low, quantity.high, quantity.logarithmic, quantity.below,

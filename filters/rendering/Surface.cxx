@@ -39,12 +39,8 @@ void Reduce(vtkUnsignedCharArray* tile, int tileWidth, int tileHeight, int x0, i
       {
         unsigned sum = static_cast<unsigned>(n * n) / 2;
         for (std::size_t v = 0; v < n; ++v)
-        {
           for (std::size_t u = 0; u < n; ++u)
-          {
             sum += row[v * stride + 4 * u + c];
-          }
-        }
         *out++ = static_cast<std::uint8_t>(sum / static_cast<unsigned>(n * n));
       }
     }
@@ -69,9 +65,7 @@ bool Draw(vtkRenderer* renderer, int width, int height, int tileSide, bool trans
   window->SetSize(tileWidth * Oversampling, tileHeight * Oversampling);
   window->AddRenderer(renderer);
   if (transparent)
-  {
     renderer->SetBackground(0, 0, 0);
-  }
   renderer->SetBackgroundAlpha(transparent ? 0 : 1);
 
   // Each tile is seen by the same camera, moved within the plane that it looks at.
@@ -112,17 +106,13 @@ bool Draw(vtkRenderer* renderer, int width, int height, int tileSide, bool trans
         window->GetRGBACharPixelData(0, 0, tileWidth * Oversampling - 1, tileHeight * Oversampling - 1, 0, data) != 0 &&
         data->GetNumberOfValues() == 4LL * tileWidth * Oversampling * tileHeight * Oversampling;
       if (read)
-      {
         Reduce(data, tileWidth, tileHeight, x, y, width, height, pixels);
-      }
     }
   }
   camera->DeepCopy(whole);
   window->RemoveRenderer(renderer);
   if (!read)
-  {
     whyNot = std::string("the drawing cannot be read back (") + vtkOffScreenWindows::GetMessage() + ")";
-  }
   return read;
 }
 

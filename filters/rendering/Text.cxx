@@ -41,9 +41,7 @@ std::vector<Run> SplitRuns(const std::string& text)
   const auto append = [&runs](std::string_view piece, bool raised)
   {
     if (runs.empty() || runs.back().raised != raised)
-    {
       runs.push_back({ {}, raised });
-    }
     runs.back().text += piece;
   };
   for (std::size_t at = 0; at < text.size();)
@@ -73,9 +71,7 @@ std::string FindFont()
   {
     std::error_code error;
     if (file && *file && std::filesystem::is_regular_file(file, error))
-    {
       return file;
-    }
   }
   return {};
 }
@@ -109,9 +105,7 @@ LargeText DrawLarge(const std::string& text, int size)
   constexpr int dpi = 72; // a point is a pixel
   if (text.empty() ||
     !vtkFreeTypeTools::GetInstance()->RenderString(property, vtkStdString(text), dpi, image, extent.data()))
-  {
     return large;
-  }
   large.width = extent[0];
   large.height = extent[1];
   const int stride = image->GetDimensions()[0];
@@ -135,9 +129,7 @@ std::pair<int, int> FigureRows(int size)
   static std::map<int, std::pair<int, int>> known;
   const auto found = known.find(size);
   if (found != known.end())
-  {
     return found->second;
-  }
   const LargeText figure = DrawLarge("1", size);
   std::pair<int, int> rows{ figure.height, 0 };
   for (int y = 0; y < figure.height; ++y)

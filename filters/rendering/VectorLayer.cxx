@@ -29,9 +29,7 @@ void VectorLayer::Line(const Polyline& line, double width)
 {
   const std::size_t count = line.size();
   if (count < 2)
-  {
     return;
-  }
   std::vector<Point2> left(count);
   std::vector<Point2> right(count);
   for (std::size_t i = 0; i < count; ++i)
@@ -49,13 +47,9 @@ void VectorLayer::Line(const Polyline& line, double width)
     Point2 along{ in[0] + out[0], in[1] + out[1] };
     const double size = std::hypot(along[0], along[1]);
     if (size < 1e-9)
-    {
       along = in;
-    }
     else
-    {
       along = { along[0] / size, along[1] / size };
-    }
     const Point2& segment = i > 0 ? in : out;
     const double cosine = std::max(0.5, along[0] * segment[0] + along[1] * segment[1]);
     const double half = 0.5 * width / cosine;
@@ -73,9 +67,7 @@ void VectorLayer::Head(const Point2& tip, const Point2& direction, double size)
 {
   const double length = std::hypot(direction[0], direction[1]);
   if (!(length > 0))
-  {
     return;
-  }
   const Point2 along{ direction[0] / length, direction[1] / length };
   const Point2 across{ -along[1], along[0] };
   const auto place = [&](double back, double aside) {
@@ -106,15 +98,11 @@ bool DrawLayers(const std::vector<VectorLayer>& layers, Canvas& canvas, const Pi
       const vtkIdType id = coordinates->GetNumberOfTuples() - 1;
       colors->InsertNextTypedTuple(primary.data());
       if (i % 3 == 2)
-      {
         cells->InsertNextCell({ id - 2, id - 1, id });
-      }
     }
   }
   if (cells->GetNumberOfCells() == 0 || inside.width < 1 || inside.height < 1)
-  {
     return true;
-  }
   vtkNew<vtkPoints> points;
   points->SetData(coordinates);
   vtkNew<vtkPolyData> shapes;
@@ -132,16 +120,12 @@ bool DrawLayers(const std::vector<VectorLayer>& layers, Canvas& canvas, const Pi
   renderer->SetBackground(0, 0, 0);
   std::vector<std::uint8_t> pixels;
   if (!DrawFlat(renderer, inside.width, inside.height, pixels, whyNot))
-  {
     return false;
-  }
   for (std::size_t k = 0; k < layers.size(); ++k)
   {
     std::vector<std::uint8_t> coverage(pixels.size() / 4);
     for (std::size_t i = 0; i < coverage.size(); ++i)
-    {
       coverage[i] = pixels[4 * i + k];
-    }
     canvas.Cover(inside, coverage, layers[k].GetColor());
   }
   return true;

@@ -87,12 +87,8 @@ void View::DrawScaleBar(Canvas& canvas, const Layout& layout, const Scale& scale
   // The corner that is seen lowest, and the edges from it along the axes.
   unsigned lowest = 0;
   for (unsigned index = 1; index < 8; ++index)
-  {
     if (this->OnScreen(Corner(this->Bounds, index))[1] < this->OnScreen(Corner(this->Bounds, lowest))[1] - 1e-12)
-    {
       lowest = index;
-    }
-  }
   const Point3 start = Corner(this->Bounds, lowest);
   unsigned best = 0;
   double longest = -1;
@@ -116,9 +112,7 @@ void View::DrawScaleBar(Canvas& canvas, const Layout& layout, const Scale& scale
   const double size = std::max(1e-9, std::hypot(along[0], along[1]));
   Point2 outward{ along[1] / size, -along[0] / size };
   if (outward[1] > 0)
-  {
     outward = { -outward[0], -outward[1] };
-  }
   const double font = layout.font;
   const double offset = 0.65 * font;
   const double first = 0.5 * (length - marked);
@@ -130,9 +124,7 @@ void View::DrawScaleBar(Canvas& canvas, const Layout& layout, const Scale& scale
   std::string whyNot;
   const PixelRect all{ 0, 0, canvas.Width(), canvas.Height() };
   if (!DrawLayers({ bar }, canvas, all, whyNot))
-  {
     throw InputError(whyNot, "draw without a scale bar");
-  }
   const Point2 label = place(0.5 * length, offset + 0.55 * font);
   const double width = MeasureText(text, font).width;
   const double x = std::abs(outward[0]) < 0.15 ? label[0] - 0.5 * width : outward[0] > 0 ? label[0] : label[0] - width;

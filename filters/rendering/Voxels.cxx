@@ -83,9 +83,7 @@ std::vector<bool> Reachable(const VoxelBlock& block, const std::array<double, 3>
   const std::array<int, 3>& n = block.size;
   std::array<int, 3> step{};
   for (std::size_t axis = 0; axis < 3; ++axis)
-  {
     step.at(axis) = towards.at(axis) > 1e-9 ? 1 : towards.at(axis) < -1e-9 ? -1 : 0;
-  }
   const auto order = [&](int k, std::size_t axis) { return step.at(axis) > 0 ? n.at(axis) - 1 - k : k; };
   for (int c = 0; c < n[2]; ++c)
   {
@@ -96,9 +94,7 @@ std::vector<bool> Reachable(const VoxelBlock& block, const std::array<double, 3>
         const std::array<int, 3> voxel{ order(a, 0), order(b, 1), order(c, 2) };
         const std::size_t index = block.Index(voxel[0], voxel[1], voxel[2]);
         if (block.solid[index])
-        {
           continue;
-        }
         for (std::size_t axis = 0; axis < 3 && !reachable[index]; ++axis)
         {
           std::array<int, 3> next = voxel;
@@ -123,9 +119,7 @@ public:
     , Open(std::move(open))
   {
     if (light.hollows > 0)
-    {
       this->Counts = std::make_unique<SolidCount>(block);
-    }
   }
 
   /// All faces across `axis` that look to `sign`.
@@ -143,9 +137,7 @@ public:
           const bool outside = next.at(axis) < 0 || next.at(axis) >= n.at(axis);
           if (this->Block.solid[this->Block.Index(i, j, k)] &&
             (outside || this->Open[this->Block.Index(next[0], next[1], next[2])]))
-          {
             this->AddFace({ i, j, k }, axis, sign);
-          }
         }
       }
     }
@@ -159,13 +151,9 @@ public:
     offsets->SetNumberOfValues(corners / 4 + 1);
     connectivity->SetNumberOfValues(corners);
     for (vtkIdType i = 0; i <= corners / 4; ++i)
-    {
       offsets->SetValue(i, 4 * i);
-    }
     for (vtkIdType i = 0; i < corners; ++i)
-    {
       connectivity->SetValue(i, i);
-    }
     vtkNew<vtkCellArray> faces;
     faces->SetData(offsets, connectivity);
     vtkNew<vtkPoints> points;
@@ -192,9 +180,7 @@ private:
       corner.at(v) += dv;
       std::array<float, 3> position{};
       for (std::size_t c = 0; c < 3; ++c)
-      {
         position.at(c) = static_cast<float>(this->Block.corner.at(c) + corner.at(c) * this->Block.spacing.at(c));
-      }
       this->Coordinates->InsertNextTypedTuple(position.data());
       const double light = this->Light.faces.at(axis) * this->Openness(corner, axis, sign);
       const auto lit = [light](std::uint8_t c)
@@ -208,9 +194,7 @@ private:
   [[nodiscard]] double Openness(const std::array<int, 3>& corner, std::size_t axis, int sign) const
   {
     if (!this->Counts)
-    {
       return 1;
-    }
     double openness = 1;
     for (const auto& [reach, weight] : { std::pair{ 2, 0.45 }, std::pair{ 6, 0.35 }, std::pair{ 14, 0.3 } })
     {
@@ -258,12 +242,8 @@ vtkSmartPointer<vtkPolyData> VoxelFaces(const VoxelBlock& block, const std::arra
   }
   Builder builder(block, light, colorOf, std::move(open));
   for (std::size_t axis = 0; axis < 3; ++axis)
-  {
     if (std::abs(towards.at(axis)) > 1e-9)
-    {
       builder.AddFaces(axis, towards.at(axis) > 0 ? 1 : -1);
-    }
-  }
   return builder.Finish();
 }
 

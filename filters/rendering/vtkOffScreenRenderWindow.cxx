@@ -30,9 +30,7 @@ vtkOffScreenRenderWindow::~vtkOffScreenRenderWindow()
   vtkCollectionSimpleIterator it;
   this->Renderers->InitTraversal(it);
   while (vtkRenderer* renderer = this->Renderers->GetNextRenderer(it))
-  {
     renderer->SetRenderWindow(nullptr);
-  }
 }
 
 void vtkOffScreenRenderWindow::PrintSelf(ostream& os, vtkIndent indent)
@@ -52,9 +50,7 @@ void vtkOffScreenRenderWindow::CreateAWindow()
   }
   this->OwnContext = 1;
   if (this->Size[0] == 0 || this->Size[1] == 0)
-  {
     this->Size[0] = this->Size[1] = 300; // as VTK's other windows start
-  }
   this->Mapped = 1;
   this->MakeCurrent();
   this->OpenGLInit();
@@ -76,27 +72,21 @@ void vtkOffScreenRenderWindow::DestroyWindow()
 void vtkOffScreenRenderWindow::Initialize()
 {
   if (!this->Context)
-  {
     this->CreateAWindow();
-  }
 }
 
 void vtkOffScreenRenderWindow::Start()
 {
   this->Initialize();
   if (this->Context)
-  {
     this->Superclass::Start();
-  }
 }
 
 void vtkOffScreenRenderWindow::Render()
 {
   this->Initialize();
   if (this->Initialized) // else the error has been told, and drawing without OpenGL would crash
-  {
     this->Superclass::Render();
-  }
 }
 
 void vtkOffScreenRenderWindow::Finalize()
@@ -107,9 +97,7 @@ void vtkOffScreenRenderWindow::Finalize()
 void vtkOffScreenRenderWindow::MakeCurrent()
 {
   if (this->Context && !this->Context->MakeCurrent())
-  {
     vtkErrorMacro("the " << lamella::rendering::Name(this->Backend) << " context cannot be made current");
-  }
 }
 
 bool vtkOffScreenRenderWindow::IsCurrent()
@@ -120,18 +108,14 @@ bool vtkOffScreenRenderWindow::IsCurrent()
 void vtkOffScreenRenderWindow::ReleaseCurrent()
 {
   if (this->Context)
-  {
     this->Context->ReleaseCurrent();
-  }
 }
 
 void vtkOffScreenRenderWindow::OpenGLInitContext()
 {
   this->ContextCreationTime.Modified();
   if (this->Initialized)
-  {
     return;
-  }
   // As the superclass does it, but for one thing: with no X server GLEW reports that GLX has no display after it has
   // found every function, and that is all right here.
   glewExperimental = GL_TRUE;

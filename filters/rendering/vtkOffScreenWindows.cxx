@@ -78,9 +78,7 @@ Choice Choose(const std::string& request)
     }
   }
   if (request != "auto")
-  {
     return { Backend::None, UnknownRequest(request) };
-  }
   // Where VTK draws on a display already, a second kind of context on the same thread would only be in its way.
   Choice choice = OffScreenContext::IsGLXCurrent() ? FirstThatWorks({ Backend::X, Backend::OSMesa, Backend::EGL })
                                                    : FirstThatWorks({ Backend::OSMesa, Backend::EGL, Backend::X });
@@ -99,9 +97,7 @@ const Choice& CurrentChoice()
   const std::string request = Request();
   auto found = choices.find(request);
   if (found == choices.end())
-  {
     found = choices.emplace(request, Choose(request)).first;
-  }
   return found->second;
 }
 
@@ -132,9 +128,7 @@ protected:
   OffScreenFactory()
   {
     for (const char* name : WindowClasses)
-    {
       this->RegisterOverride(name, "vtkOffScreenRenderWindow", "draws with no display", 1, NewOffScreenRenderWindow);
-    }
     this->RegisterOverride(InteractorClass, "vtkGenericRenderWindowInteractor", "needs no display", 1, NewInteractor);
   }
 };
@@ -160,9 +154,7 @@ bool vtkOffScreenWindows::Install()
   {
     // The factory that was registered first wins: switch the others off for the classes that we make.
     for (const char* name : WindowClasses)
-    {
       vtkObjectFactory::SetAllEnableFlags(0, name);
-    }
     vtkObjectFactory::SetAllEnableFlags(0, InteractorClass);
     vtkNew<OffScreenFactory> factory;
     vtkObjectFactory::RegisterFactory(factory);

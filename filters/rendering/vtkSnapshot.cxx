@@ -90,9 +90,7 @@ bool vtkSnapshot::SetPresetByName(const char* name)
 {
   const int index = IndexOf(PresetNames, name);
   if (index >= 0)
-  {
     this->SetPreset(index);
-  }
   return index >= 0;
 }
 
@@ -105,9 +103,7 @@ bool vtkSnapshot::SetOverlayByName(const char* name)
 {
   const int index = IndexOf(OverlayNames, name);
   if (index >= 0)
-  {
     this->SetOverlay(index);
-  }
   return index >= 0;
 }
 
@@ -292,9 +288,7 @@ bool vtkSnapshot::Write(const char* path)
   this->Private->errorMessage.clear();
   this->Private->errorHint.clear();
   if (target.empty())
-  {
     return this->Fail("no file name was given for the picture", "give one that ends in .png");
-  }
   std::string ending = target.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
   if (ending != ".png")
@@ -304,26 +298,18 @@ bool vtkSnapshot::Write(const char* path)
   }
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   if (!fs::is_directory(folder, error))
-  {
     return this->Fail("there is no folder '" + folder.string() + "'", "make it first, or write elsewhere");
-  }
   if (fs::is_directory(target, error))
-  {
     return this->Fail("'" + target.string() + "' is a folder", "give the name of a file");
-  }
   if (!this->Overwrite && fs::exists(fs::symlink_status(target, error)))
-  {
     return this->Fail("'" + target.string() + "' exists", "choose another name, or allow overwriting");
-  }
   if (access(folder.c_str(), W_OK) != 0)
   {
     return this->Fail(
       "the folder '" + folder.string() + "' cannot be written to", "write elsewhere, or change its permissions");
   }
   if (!this->Draw())
-  {
     return false;
-  }
 
   std::string provenance = this->Private->provenance;
   if (!this->Private->provenanceIsSet)
@@ -335,15 +321,11 @@ bool vtkSnapshot::Write(const char* path)
   writer->SetInputData(this->Private->picture);
   writer->WriteToMemoryOn();
   if (!provenance.empty())
-  {
     writer->AddText("provenance", provenance.c_str());
-  }
   writer->Write();
   vtkUnsignedCharArray* png = writer->GetResult();
   if (!png || png->GetNumberOfValues() == 0)
-  {
     return this->Fail("the picture cannot be turned into PNG", "draw a smaller one");
-  }
 
   lamella::PartFile part(target);
   int failure = part.error();

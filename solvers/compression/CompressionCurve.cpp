@@ -170,12 +170,10 @@ std::size_t firstMaximum(std::span<const double> values, std::size_t from, doubl
 {
   std::size_t best = from;
   for (std::size_t i = from; i < values.size(); ++i)
-  {
     if (values[i] > values[best])
       best = i;
     else if (values[best] > 0 && values[i] < (1 - share) * values[best])
       return best;
-  }
   return values.size();
 }
 

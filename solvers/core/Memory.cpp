@@ -30,9 +30,7 @@ std::uint64_t leftInGroup(const char* limitPath, const char* usedPath)
   const std::uint64_t limit = firstNumber(limitPath);
   const std::uint64_t used = firstNumber(usedPath);
   if (limit == unknown || used == unknown)
-  {
     return unknown;
-  }
   return limit > used ? limit - used : 0;
 }
 
@@ -41,15 +39,11 @@ std::uint64_t leftToProcess(int resource, std::size_t column)
 {
   struct rlimit limit = {};
   if (::getrlimit(static_cast<__rlimit_resource>(resource), &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
-  {
     return unknown;
-  }
   std::ifstream statm("/proc/self/statm"); // pages: all, resident, shared, text, 0, data and stack
   std::uint64_t pages = 0;
   for (std::size_t i = 0; i <= column; ++i)
-  {
     statm >> pages;
-  }
   const std::uint64_t used = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
   return !statm ? unknown : limit.rlim_cur > used ? limit.rlim_cur - used : 0;
 }

@@ -61,9 +61,7 @@ std::string_view here()
     const std::string text = host.data() + fs::read_symlink("/proc/self/ns/pid", none).string();
     std::uint32_t hash = 2166136261U; // FNV-1a
     for (const char c : text)
-    {
       hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
-    }
     return fmt::format("{:08x}", hash);
   }();
   return known;
@@ -73,14 +71,10 @@ std::string_view here()
 pid_t processOf(std::string_view name)
 {
   if (!name.starts_with(mark))
-  {
     return 0;
-  }
   name.remove_prefix(mark.size());
   if (!name.starts_with(here()) || name.substr(here().size(), 1) != "-")
-  {
     return 0;
-  }
   name.remove_prefix(here().size() + 1);
   pid_t process = 0;
   const auto [end, fault] = std::from_chars(name.data(), name.data() + name.size(), process);
@@ -94,17 +88,13 @@ void removeLeft(const fs::path& folder)
   static std::set<std::string> seen;
   const std::lock_guard<std::mutex> lock(guard);
   if (!seen.insert(folder.string()).second)
-  {
     return;
-  }
   std::error_code failed;
   for (fs::directory_iterator at(folder, failed); !failed && at != fs::directory_iterator(); at.increment(failed))
   {
     const pid_t process = processOf(at->path().filename().string());
     if (process > 0 && ::kill(process, 0) != 0 && errno == ESRCH)
-    {
       ::unlink(at->path().c_str());
-    }
   }
 }
 
@@ -120,13 +110,9 @@ int renamed(const fs::path& from, const fs::path& to)
 int renamedAnew(const fs::path& from, const fs::path& to)
 {
   if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0)
-  {
     return 0;
-  }
   if (errno != EINVAL && errno != ENOSYS)
-  {
     return errno;
-  }
   if (::link(from.c_str(), to.c_str()) == 0)
   {
     ::unlink(from.c_str());
@@ -160,9 +146,7 @@ PartFile::PartFile(const fs::path& place, OnSignal onSignal)
     }
   }
   if (error_ != 0 || onSignal == OnSignal::stays)
-  {
     return;
-  }
   const std::string text = path_.string();
   if (text.size() < PATH_MAX)
   {
@@ -170,9 +154,7 @@ PartFile::PartFile(const fs::path& place, OnSignal onSignal)
     {
       bool used = false;
       if (one->used.load() || !one->used.compare_exchange_strong(used, true))
-      {
         continue;
-      }
       name_ = one;
       name_->text[0] = '\0'; // a signal here finds no name
       std::atomic_signal_fence(std::memory_order_seq_cst);
@@ -202,9 +184,7 @@ PartFile::PartFile(const fs::path& place, OnSignal onSignal)
 PartFile::~PartFile()
 {
   if (!path_.empty())
-  {
     ::unlink(path_.c_str());
-  }
   release();
 }
 
@@ -231,18 +211,12 @@ int PartFile::write(std::span<const std::byte> bytes) const
   {
     const ssize_t written = ::write(file, bytes.data(), bytes.size());
     if (written > 0)
-    {
       bytes = bytes.subspan(static_cast<std::size_t>(written));
-    }
     else if (written == 0 || errno != EINTR)
-    {
       error = written == 0 ? ENOSPC : errno;
-    }
   }
   if (file >= 0 && ::close(file) != 0 && error == 0)
-  {
     error = errno;
-  }
   return error;
 }
 
@@ -252,17 +226,11 @@ int PartFile::take(const fs::path& place, Existing existing)
   const int file = ::open(path_.c_str(), O_NOFOLLOW | O_WRONLY | O_CLOEXEC);
   int error = file < 0 || ::fsync(file) != 0 ? errno : 0;
   if (file >= 0)
-  {
     ::close(file);
-  }
   if (error == 0)
-  {
     error = existing == Existing::goes ? renamed(path_, place) : renamedAnew(path_, place);
-  }
   if (error != 0)
-  {
     return error;
-  }
   release();
   // The name itself lives in the folder, which is on the disk only after this.
   if (const int folder = ::open(folderOf(place).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0)
@@ -291,9 +259,7 @@ PartFile::Hold::Hold() noexcept
 PartFile::Hold::~Hold()
 {
   if (--holds == 0 && due.load())
-  {
     removeAll();
-  }
 }
 
 void PartFile::removeAll() noexcept
@@ -305,12 +271,8 @@ void PartFile::removeAll() noexcept
   }
   removed.store(true);
   for (auto* one = static_cast<Name*>(names.load()); one != nullptr; one = one->next)
-  {
     if (one->used.load() && one->text[0] != '\0')
-    {
       ::unlink(one->text.data());
-    }
-  }
 }
 
 bool PartFile::removedAll() noexcept

@@ -21,9 +21,7 @@ PassCounts passCounts() noexcept
 {
   PassCounts now{};
   for (std::size_t i = 0; i < passKinds; ++i)
-  {
     now[i] = counts[i].load(std::memory_order_relaxed);
-  }
   return now;
 }
 
@@ -32,9 +30,7 @@ std::array<std::pair<std::string_view, std::int64_t>, passKinds> passesSince(con
   const PassCounts now = passCounts();
   std::array<std::pair<std::string_view, std::int64_t>, passKinds> since;
   for (std::size_t i = 0; i < passKinds; ++i)
-  {
     since[i] = { passNames[i], now[i] - before[i] };
-  }
   return since;
 }
 

@@ -76,9 +76,7 @@ public:
     const std::uint64_t word = bits(use, a, b, c);
     double sum = 0;
     for (int part = 0; part < 4; ++part)
-    {
       sum += static_cast<double>((word >> (16 * part)) & 0xffffU) + 0.5;
-    }
     return (sum / 65536.0 - 2.0) * 1.7320508075688772;
   }
 

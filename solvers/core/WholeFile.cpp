@@ -18,9 +18,7 @@ void writeWhole(const fs::path& path, const std::function<int(const PartFile&)>&
   PartFile part(path);
   const int begun = part.error();
   if (begun == ECANCELED)
-  {
     throw Cancelled();
-  }
   if (begun != 0)
   {
     throw Error(fmt::format("'{}' cannot be written: {}", path.string(), reason(begun)),
@@ -29,9 +27,7 @@ void writeWhole(const fs::path& path, const std::function<int(const PartFile&)>&
   int error = write(part);
   error = error == 0 ? part.take(path) : error;
   if (error != 0 && PartFile::removedAll())
-  {
     throw Cancelled();
-  }
   if (error != 0)
   {
     throw Error(fmt::format("'{}' cannot be written whole: {}", path.string(), reason(error)),
@@ -41,7 +37,8 @@ void writeWhole(const fs::path& path, const std::function<int(const PartFile&)>&
 
 void writeWhole(const fs::path& path, std::span<const std::byte> bytes)
 {
-  writeWhole(path, [bytes](const PartFile& part) { return part.write(bytes); });
+  writeWhole(
+    path, [bytes](const PartFile& part) { return part.write(bytes); });
 }
 
 } // namespace lamella

@@ -49,7 +49,8 @@ public:
   template <class F>
   void near(const Place& a, const Place& b, double distance, F&& f) const
   {
-    forSquares(a, b, distance,
+    forSquares(
+      a, b, distance,
       [&](std::int64_t key)
       {
         if (const auto found = squares_.find(key); found != squares_.end())

@@ -208,10 +208,11 @@ std::vector<CutBond> canonical(std::vector<CutBond> bonds)
       }
   const auto place = [](const CutBond& b)
   { return std::tie(b.node[2], b.node[1], b.node[0], b.step[2], b.step[1], b.step[0]); };
-  std::sort(bonds.begin(), bonds.end(),
+  std::sort(
+    bonds.begin(), bonds.end(),
     [&](const CutBond& a, const CutBond& b) { return place(a) != place(b) ? place(a) < place(b) : a.event < b.event; });
-  bonds.erase(
-    std::unique(bonds.begin(), bonds.end(), [&](const CutBond& a, const CutBond& b) { return place(a) == place(b); }),
+  bonds.erase(std::unique(
+                bonds.begin(), bonds.end(), [&](const CutBond& a, const CutBond& b) { return place(a) == place(b); }),
     bonds.end());
   std::stable_sort(bonds.begin(), bonds.end(), [](const CutBond& a, const CutBond& b) { return a.event < b.event; });
   return bonds;

@@ -16,9 +16,7 @@ std::array<Boundary, 3> boundaries(const FluxSetting& setting)
   const Boundary side = setting.periodic ? Boundary::Periodic : Boundary::Insulated;
   std::array<Boundary, 3> result{ side, side, side };
   if (!setting.wraps(static_cast<std::size_t>(setting.axis)))
-  {
     result[static_cast<std::size_t>(setting.axis)] = Boundary::Fixed;
-  }
   return result;
 }
 
@@ -27,18 +25,14 @@ Direction along(int axis, int step, int other = -1, int otherStep = 0)
   std::array<int, 3> d{ 0, 0, 0 };
   d[static_cast<std::size_t>(axis)] = step;
   if (other >= 0)
-  {
     d[static_cast<std::size_t>(other)] = otherStep;
-  }
   return { d[0], d[1], d[2] };
 }
 
 Node moved(Node node, const Direction& d, int times = 1)
 {
   for (int axis = 0; axis < 3; ++axis)
-  {
     node[static_cast<std::size_t>(axis)] += times * d[axis];
-  }
   return node;
 }
 
@@ -57,12 +51,8 @@ LinkFlux::LinkFlux(const FluxSetting& setting, lbm::Stencil stencil, std::span<c
 bool LinkFlux::inside(const Node& node) const noexcept
 {
   for (std::size_t axis = 0; axis < 3; ++axis)
-  {
     if (!setting_.wraps(axis) && (node[axis] < 0 || node[axis] >= setting_.lattice.size[axis]))
-    {
       return false;
-    }
-  }
   return true;
 }
 
@@ -70,9 +60,7 @@ double LinkFlux::link(const Node& node, const Direction& d) const
 {
   const double weight = links_.weight(d, node);
   if (weight == 0)
-  {
     return 0;
-  }
   const std::size_t here = setting_.index(node);
   const std::size_t there = setting_.index(moved(node, d));
   const double conductance = weight * links_.mean(phase_[here], phase_[there]);
@@ -86,9 +74,7 @@ double LinkFlux::face(const Node& node, int axis) const
   if (!setting_.wraps(a) && (node[a] == 0 || node[a] == setting_.lattice.size[a]))
   {
     if (axis != setting_.axis)
-    {
       return 0;
-    }
     const bool high = node[a] != 0;
     const std::size_t at = setting_.index(high ? moved(node, along(axis, -1)) : node);
     // From the node to the wall. These links are told by phases alone, so that the place does not matter.
@@ -116,21 +102,15 @@ double LinkFlux::valueAt(const Node& node, int axis) const
   const bool low = !setting_.wraps(a) && node[a] == 0;
   const bool high = !setting_.wraps(a) && node[a] == setting_.lattice.size[a];
   if ((low || high) && axis == setting_.axis)
-  {
     return wallValue(high);
-  }
   const std::size_t above = setting_.index(high ? moved(node, along(axis, -1)) : node);
   const std::size_t below = setting_.index(low ? node : moved(node, along(axis, -1)));
   const double up = links_.diffusivity(phase_[above]);
   const double down = links_.diffusivity(phase_[below]);
   if (!(up > 0) || !std::isfinite(value_[above]))
-  {
     return value_[below];
-  }
   if (!(down > 0) || !std::isfinite(value_[below]))
-  {
     return value_[above];
-  }
   return (up * value_[above] + down * value_[below]) / (up + down); // where both half links carry the same flux
 }
 
@@ -141,21 +121,15 @@ std::array<double, 3> LinkFlux::atNode(const Node& node) const
   {
     const double half = this->link(node, d) / 2 * unit();
     for (int axis = 0; axis < 3; ++axis)
-    {
       flux[static_cast<std::size_t>(axis)] += half * d[axis];
-    }
   }
   const auto a = static_cast<std::size_t>(setting_.axis);
   if (!setting_.wraps(a))
   {
     if (node[a] == 0)
-    {
       flux[a] += this->face(node, setting_.axis) / 2;
-    }
     if (node[a] == setting_.lattice.size[a] - 1)
-    {
       flux[a] += this->face(moved(node, along(setting_.axis, 1)), setting_.axis) / 2;
-    }
   }
   return flux;
 }
@@ -173,18 +147,14 @@ double NodeFlux::face(const Node& node, int axis) const
   const bool low = node[a] == 0;
   const bool high = node[a] == setting_.lattice.size[a];
   if (!setting_.wraps(a) && (low || high))
-  {
     return axis == setting_.axis ? flux_[3 * setting_.index(high ? moved(node, along(axis, -1)) : node) + a] : 0.0;
-  }
   return (flux_[3 * setting_.index(node) + a] + flux_[3 * setting_.index(moved(node, along(axis, -1))) + a]) / 2;
 }
 
 double NodeFlux::valueAt(const Node& node, int axis) const
 {
   if (value_.empty())
-  {
     return std::numeric_limits<double>::quiet_NaN();
-  }
   const auto a = static_cast<std::size_t>(axis);
   const bool low = !setting_.wraps(a) && node[a] == 0;
   const bool high = !setting_.wraps(a) && node[a] == setting_.lattice.size[a];
@@ -204,16 +174,10 @@ void continueValues(const FluxSetting& setting, std::span<double> value)
     for (node[1] = setting.box.start[1]; node[1] < setting.box.start[1] + setting.box.size[1]; ++node[1])
     {
       for (node[0] = setting.box.start[0]; node[0] < setting.box.start[0] + setting.box.size[0]; ++node[0], ++at)
-      {
         if (node[a] < 0)
-        {
           value[at] -= jump;
-        }
         else if (node[a] >= setting.lattice.size[a])
-        {
           value[at] += jump;
-        }
-      }
     }
   }
 }

@@ -31,12 +31,8 @@ enum class End
 bool holds(const lbm::Block& block, const Node& node)
 {
   for (std::size_t axis = 0; axis < 3; ++axis)
-  {
     if (node[axis] < block.start[axis] || node[axis] >= block.start[axis] + block.size[axis])
-    {
       return false;
-    }
-  }
   return true;
 }
 
@@ -48,9 +44,7 @@ double timeToFace(double low, double high, double inside)
   const double target = speed > 0 ? high : low;
   const double way = speed > 0 ? 1 - inside : -inside;
   if (speed == 0 || target * speed <= 0)
-  {
     return std::numeric_limits<double>::infinity();
-  }
   const double ratio = change * way / speed; // log(target / speed) / change, near 1 without loss
   return std::abs(ratio) < 1e-8 ? way / speed : std::log1p(ratio) / change;
 }
@@ -107,9 +101,7 @@ public:
         first = false;
       }
       if (exit < 0 || state.steps >= most_)
-      {
         return End::Left;
-      }
       std::array<double, 3> place = state.inside;
       double squared = 0;
       bool up = false;
@@ -139,20 +131,14 @@ public:
       if (state.node[e] < 0 || state.node[e] >= size)
       {
         if (exit == setting_.axis)
-        {
           return (up ? 1 : -1) == outward_ ? End::Arrived : End::Left;
-        }
         if (!setting_.periodic)
-        {
           return End::Left; // no flux leads here
-        }
         state.node[e] += up ? -size : size;
         return End::Passed;
       }
       if (!holds(block_, state.node))
-      {
         return End::Passed;
-      }
     }
   }
 
@@ -169,9 +155,7 @@ private:
     {
       const double place = state.inside[static_cast<std::size_t>(axis)];
       if (place == 0.0 || place == 1.0)
-      {
         return axis;
-      }
     }
     return setting_.axis;
   }
@@ -206,9 +190,7 @@ std::vector<lbm::Block> allBlocks(const lbm::Block& mine, const Team& team)
 {
   std::vector<lbm::Block> blocks(static_cast<std::size_t>(team.size()), mine);
   if (team.size() > 1)
-  {
     MPI_Allgather(&mine, 6, MPI_INT64_T, blocks.data(), 6, MPI_INT64_T, team.comm());
-  }
   return blocks;
 }
 
@@ -216,9 +198,7 @@ std::vector<lbm::Block> allBlocks(const lbm::Block& mine, const Team& team)
 std::vector<State> handOver(const std::vector<State>& states, const std::vector<lbm::Block>& blocks, const Team& team)
 {
   if (team.size() == 1)
-  {
     return states;
-  }
   const auto ranks = static_cast<std::size_t>(team.size());
   constexpr int words = static_cast<int>(sizeof(State) / 8);
   std::vector<std::vector<State>> to(ranks);
@@ -285,9 +265,7 @@ double quantile(std::span<const double> weight, double total, double share)
     {
       last = i;
       if (before + weight[i] >= share * total)
-      {
         return static_cast<double>(i) + std::clamp((share * total - before) / weight[i], 0.0, 1.0);
-      }
       before += weight[i];
     }
   }
@@ -310,9 +288,7 @@ std::vector<std::array<double, 2>> seedInlet(
   const double total = std::accumulate(rows.begin(), rows.end(), 0.0);
   std::vector<std::array<double, 2>> seeds;
   if (!(total > 0))
-  {
     return seeds;
-  }
   const double golden = (std::sqrt(5.0) - 1) / 2;
   for (std::int64_t i = 0; i < count; ++i)
   {
@@ -357,9 +333,7 @@ FluxLines traceLines(const FluxField& field, const FluxSetting& setting, const l
     state.node[axis] = setting.rising ? setting.lattice.size[axis] - 1 : 0;
     state.inside[axis] = setting.rising ? 1.0 : 0.0;
     if (holds(block, state.node))
-    {
       active.push_back(state);
-    }
   }
 
   const Tracer tracer(field, setting, block);
@@ -392,18 +366,14 @@ FluxLines traceLines(const FluxField& field, const FluxSetting& setting, const l
         ++finished;
       }
       if (pieces[i].points.size() > 1)
-      {
         result.pieces.push_back(std::move(pieces[i]));
-      }
     }
     std::array<std::int64_t, 1> all{ finished };
     team.sum(all);
     ended[0] += all[0];
     active = handOver(passed, blocks, team);
     if (team.any(!proceed(static_cast<double>(ended[0]) / static_cast<double>(std::max<std::size_t>(seeds.size(), 1)))))
-    {
       break;
-    }
   }
   team.sum(result.length); // one rank saw each line's end
   std::vector<std::int64_t> arrived(result.arrived.begin(), result.arrived.end());

@@ -23,9 +23,7 @@ using Size = std::array<std::int64_t, 3>;
 PhaseImage blank(const char* what, int dimension, const Size& size, double spacing, std::vector<std::string> phases)
 {
   if (dimension != 2 && dimension != 3)
-  {
     throw ParameterError(fmt::format("a {} of {} dimensions", what, dimension), "choose 2 or 3");
-  }
   for (int axis = 0; axis < 3; ++axis)
   {
     if (size[axis] < 1 || size[axis] > 1000000 || (axis == 2 && dimension == 2 && size[axis] != 1))
@@ -35,9 +33,7 @@ PhaseImage blank(const char* what, int dimension, const Size& size, double spaci
     }
   }
   if (!(spacing > 0 && plausible(spacing)))
-  {
     throw ParameterError(fmt::format("a spacing of {} m for a {}", spacing, what), "give it in metres, such as 1e-6");
-  }
   PhaseImage image{ makeLattice(size[0], size[1], size[2], dimension, spacing), {}, PhaseTable(std::move(phases)) };
   const double bytes = 5 * static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]);
   if (const auto available = static_cast<double>(availableMemory()); bytes > available)
@@ -77,12 +73,8 @@ void fill(PhaseImage& image, F&& phaseAt)
   for (std::int64_t z = 0; z < image.lattice.size[2]; ++z)
   {
     for (std::int64_t y = 0; y < image.lattice.size[1]; ++y)
-    {
       for (std::int64_t x = 0; x < image.lattice.size[0]; ++x)
-      {
         *node++ = static_cast<std::uint8_t>(phaseAt(x, y, z));
-      }
-    }
   }
 }
 
@@ -126,9 +118,7 @@ std::pair<double, std::int64_t> nearestCell(const Comb& comb, double atX, double
     const double dx = other.dx - nearest.dx;
     const double dy = other.dy - nearest.dy;
     if (dx * dx + dy * dy > 0)
-    {
       distance = std::min(distance, (other.squared - nearest.squared) / (2 * std::sqrt(dx * dx + dy * dy)));
-    }
   }
   return { std::max(0.0, distance), nearest.cell };
 }
@@ -207,9 +197,7 @@ PhaseImage honeycomb(const HoneycombOptions& options)
   }
   const std::vector<std::uint8_t> layer = markSmallest(key, solid);
   for (std::int64_t z = 0; z < nz; ++z)
-  {
     std::copy(layer.begin(), layer.end(), image.phase.begin() + z * nx * ny);
-  }
   return image;
 }
 

@@ -63,9 +63,7 @@ void clip(std::vector<Corner>& polygon, std::vector<Corner>& spare, double a, do
     const double dFrom = a * from.x + b * from.y + c;
     const double dTo = a * to.x + b * to.y + c;
     if (dFrom >= 0)
-    {
       spare.push_back(from);
-    }
     if ((dFrom >= 0) != (dTo >= 0))
     {
       const double t = dFrom / (dFrom - dTo);
@@ -84,13 +82,9 @@ void dropShortSides(std::vector<Corner>& polygon, double least)
     const double dx = to.x - polygon[i].x;
     const double dy = to.y - polygon[i].y;
     if (dx * dx + dy * dy < least * least)
-    {
       polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(i));
-    }
     else
-    {
       ++i;
-    }
   }
 }
 
@@ -98,13 +92,9 @@ double wallDepth(std::span<const double> distances, double fillet) noexcept
 {
   double depth = std::numeric_limits<double>::max();
   for (const double d : distances)
-  {
     depth = std::min(depth, d);
-  }
   if (fillet <= 0)
-  {
     return depth;
-  }
   // Newton's method from above on a convex, rising function: it comes down without overshooting.
   for (int step = 0; step < 8; ++step)
   {
@@ -117,9 +107,7 @@ double wallDepth(std::span<const double> distances, double fillet) noexcept
       slope += 2 * reach;
     }
     if (excess <= 1e-6 * fillet * fillet)
-    {
       break;
-    }
     depth -= excess / slope;
   }
   return depth;
@@ -138,9 +126,7 @@ double depthOfWidened(double value, double cellDepth) noexcept
   const double v = std::max(0.0, value) / cellDepth;
   const double w = v / std::sqrt(std::sqrt(1 + v * v * v * v));
   if (w <= widenedEnd)
-  {
     return cellDepth * w;
-  }
   const double end = widened(widenedEnd, 1);
   return cellDepth * (widenedEnd + (v - end) / widenedSlope);
 }

@@ -22,17 +22,13 @@ namespace
 void positive(const char* name, double value, const char* hint)
 {
   if (!(value > 0) || !std::isfinite(value))
-  {
     throw ParameterError(fmt::format("the {} of a hardwood sample is {}", name, value), hint);
-  }
 }
 
 void within(const char* name, double value, double low, double high, const char* hint)
 {
   if (!(value >= low) || !(value <= high))
-  {
     throw ParameterError(fmt::format("the {} of a hardwood sample is {}", name, value), hint);
-  }
 }
 
 /// Keys of all nodes and, for the thinnest walls, which cell each is in.
@@ -55,13 +51,9 @@ Keys keysOf(const HardwoodLayout& layout, std::int64_t nx, std::int64_t ny, doub
     const auto to = [&](double high, std::int64_t n)
     { return std::min(n, static_cast<std::int64_t>(std::max(0.0, high) / unit) + 2); };
     for (std::int64_t y = from(cell.yMin); y < to(cell.yMax, ny); ++y)
-    {
       for (std::int64_t x = from(cell.xMin); x < to(cell.xMax, nx); ++x)
-      {
         visit(static_cast<std::size_t>(x + nx * y), (static_cast<double>(x) + 0.5) * unit,
           (static_cast<double>(y) + 0.5) * unit);
-      }
-    }
   };
   const auto cells = layout.cells();
   for (std::size_t i = 0; i < cells.size(); ++i)
@@ -72,9 +64,7 @@ Keys keysOf(const HardwoodLayout& layout, std::int64_t nx, std::int64_t ny, doub
       {
         double d = std::numeric_limits<double>::max();
         for (const CellSide& side : sides)
-        {
           d = std::min(d, side.distance(x, y));
-        }
         if (static_cast<float>(d) > keys.key[node])
         {
           keys.key[node] = static_cast<float>(d);
@@ -91,14 +81,10 @@ Keys keysOf(const HardwoodLayout& layout, std::int64_t nx, std::int64_t ny, doub
       [&](std::size_t node, double x, double y)
       {
         if (keys.cell[node] != static_cast<std::int32_t>(i))
-        {
           return;
-        }
         distances.clear();
         for (const CellSide& side : sides)
-        {
           distances.push_back(side.distance(x, y));
-        }
         keys.key[node] =
           static_cast<float>(widened(wallDepth(distances, cell.fillet), cell.depth) / cell.thickness / unit);
       });

@@ -141,9 +141,7 @@ void HardwoodLayout::layFibres(Band& band) const
       const double x = vessel.x + elongation * distance * c;
       const double y = vessel.y + distance * s;
       if (y > band.low + 0.42 && y < band.high - 0.42 && isFree(x, y, 0.4, 0.7))
-      {
         add(x, y);
-      }
     }
   }
   // Files of fibres along x where there is room.
@@ -158,9 +156,7 @@ void HardwoodLayout::layFibres(Band& band) const
       const double y = band.low +
         file * (static_cast<double>(f) + 0.5 + 0.12 * disorder_ * random_.normal(RandomUse::FibrePlace, b, f, j));
       if (isFree(x, y, 0.55, 0.74))
-      {
         add(x, y);
-      }
       const double position = mix(ring0_, ring1_, x / width_);
       const double flat = mix(1, 0.68, smoothStep((position - 0.85) / 0.15)); // the last cells of a ring are flat
       x += flat * std::max(0.6, 1 + 1.2 * scatter_ * random_.normal(RandomUse::FibrePlace, b, f, 100000 + j));
@@ -175,9 +171,7 @@ void HardwoodLayout::layFibres(Band& band) const
       const double x = -margin_ + 0.25 * static_cast<double>(i);
       const double y = band.low + (static_cast<double>(k) + 0.5) * room / static_cast<double>(rows);
       if (y > band.low + 0.42 && y < band.high - 0.42 && isFree(x, y, 0.42, 0.86))
-      {
         add(x, y);
-      }
     }
   }
 }
@@ -196,9 +190,7 @@ void HardwoodLayout::polygonOf(
     [&](std::size_t k)
     {
       if (k == i || polygon.empty())
-      {
         return;
-      }
       // Nearer to this site in power: |p − s|² − w ≤ |p − o|² − v.
       const Site& other = band.sites[k];
       const double c = (metric * other.x * other.x + other.y * other.y - other.weight) -

@@ -69,13 +69,9 @@ struct HardwoodLayout::Band
   void bin()
   {
     for (auto& list : bins)
-    {
       list.clear();
-    }
     for (std::size_t i = vessels; i < sites.size(); ++i)
-    {
       bins[binOf(sites[i].x)].push_back(static_cast<std::uint32_t>(i));
-    }
   }
   [[nodiscard]] std::size_t binOf(double x) const
   {
@@ -88,16 +84,10 @@ struct HardwoodLayout::Band
     const auto end = sites.begin() + static_cast<std::ptrdiff_t>(vessels);
     auto v = std::lower_bound(sites.begin(), end, x - toVessels, [](const Site& s, double at) { return s.x < at; });
     for (; v != end && v->x <= x + toVessels; ++v)
-    {
       f(static_cast<std::size_t>(v - sites.begin()));
-    }
     for (std::size_t b = binOf(x - toFibres); b <= binOf(x + toFibres); ++b)
-    {
       for (const std::uint32_t i : bins[b])
-      {
         f(static_cast<std::size_t>(i));
-      }
-    }
   }
   void add(const Site& site)
   {

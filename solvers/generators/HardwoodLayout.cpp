@@ -33,14 +33,10 @@ HardwoodLayout::HardwoodLayout(const HardwoodOptions& options)
     const double has = vesselShare();
     const double wanted = shareWanted();
     if (!(has > 0) || std::abs(has - wanted) < 0.002)
-    {
       break;
-    }
     const double better = std::clamp(swelling * std::sqrt(wanted / has), 0.9, 1.1);
     if (better == swelling)
-    {
       break;
-    }
     swelling = better;
     lay(swelling);
   }
@@ -57,9 +53,7 @@ double HardwoodLayout::shareWanted() const noexcept
   double sum = 0;
   constexpr int parts = 64;
   for (int i = 0; i < parts; ++i)
-  {
     sum += mix(shareEarly_, shareLate_, lateness(width_ * (i + 0.5) / parts));
-  }
   return sum / parts;
 }
 
@@ -139,9 +133,7 @@ void HardwoodLayout::lay(double swelling)
     addBand(band);
   }
   for (std::size_t r = 0; rayEvery_ > 0 && r < rayLines_.size(); ++r)
-  {
     addRay(r);
-  }
 }
 
 void HardwoodLayout::addBand(Band& band)
@@ -199,9 +191,7 @@ void HardwoodLayout::addCell(CellKind kind, std::span<const Corner> polygon, dou
   }
   std::vector<double> distances;
   for (const CellSide& side : sides(cell))
-  {
     distances.push_back(side.distance(cell.centreX, cell.centreY));
-  }
   const double inner = *std::min_element(distances.begin(), distances.end());
   if (!(inner > 0) || cell.xMax < 0 || cell.yMax < 0 || cell.xMin > width_ || cell.yMin > height_)
   {

@@ -30,15 +30,11 @@ std::int64_t countOf(const Random& random, RandomUse use, double perSquareMillim
 double decay(double x) noexcept
 {
   if (x > 100)
-  {
     return 0;
-  }
   const double s = x / 256;
   double value = 1 - s * (1 - s / 2 * (1 - s / 3 * (1 - s / 4 * (1 - s / 5))));
   for (int i = 0; i < 8; ++i)
-  {
     value *= value;
-  }
   return value;
 }
 
@@ -60,9 +56,7 @@ std::vector<std::int32_t> labelled(const std::vector<std::uint8_t>& marked, std:
   for (std::int64_t start = 0; start < nx * ny; ++start)
   {
     if (marked[static_cast<std::size_t>(start)] == 0 || label[static_cast<std::size_t>(start)] != 0)
-    {
       continue;
-    }
     label[static_cast<std::size_t>(start)] = ++count;
     stack.push_back(start);
     while (!stack.empty())
@@ -117,9 +111,7 @@ void tear(std::vector<float>& stain, std::int64_t nx, std::int64_t ny, double sp
           const double dx = static_cast<double>(u) + 0.5 - x;
           const double dy = static_cast<double>(v) + 0.5 - y;
           if (u >= 0 && v >= 0 && u < nx && v < ny && dx * dx + dy * dy < radius * radius)
-          {
             stain[static_cast<std::size_t>(u + nx * v)] = static_cast<float>(o.tint);
-          }
         }
       }
     }
@@ -172,9 +164,7 @@ void addDirt(LookCanvas& canvas, const LookOptions& o)
 void blur(LookCanvas& canvas, double sigma)
 {
   if (sigma <= 0)
-  {
     return;
-  }
   const auto reach = static_cast<std::int64_t>(4 * sigma) + 1;
   std::vector<double> weight(static_cast<std::size_t>(reach + 1));
   double sum = 0;
@@ -211,9 +201,7 @@ void blur(LookCanvas& canvas, double sigma)
       const float* const from = other.data() + std::clamp<std::int64_t>(y + k, 0, canvas.height - 1) * row;
       const double w = weightOf(k);
       for (std::int64_t i = 0; i < row; ++i)
-      {
         line[static_cast<std::size_t>(i)] += w * from[i];
-      }
     }
     std::transform(
       line.begin(), line.end(), canvas.light.begin() + y * row, [](double v) { return static_cast<float>(v); });
@@ -223,9 +211,7 @@ void blur(LookCanvas& canvas, double sigma)
 void addUnevenLight(LookCanvas& canvas, const LookOptions& o)
 {
   if (o.unevenLight <= 0)
-  {
     return;
-  }
   // Brightest at a place of chance near the middle, falling off with the square of the distance; the far corner gets
   // 1 − unevenLight. A little slow noise on top.
   const Random random(o.seed);
@@ -259,9 +245,7 @@ void addUnevenLight(LookCanvas& canvas, const LookOptions& o)
 void addNoise(LookCanvas& canvas, const LookOptions& o)
 {
   if (o.noise <= 0)
-  {
     return;
-  }
   const Random random(o.seed);
   for (std::size_t i = 0; i < canvas.light.size(); ++i)
   {
@@ -276,9 +260,7 @@ void addNoise(LookCanvas& canvas, const LookOptions& o)
 void drawScaleBar(std::vector<std::uint16_t>& values, const LookCanvas& canvas, const LookOptions& o)
 {
   if (o.scaleBar <= 0)
-  {
     return;
-  }
   // Black on transmitted light, white on an ESEM picture.
   const std::uint16_t ink = canvas.channels == 1 ? 255 : 0;
   const auto width = static_cast<int>(canvas.width);
@@ -302,12 +284,8 @@ void drawScaleBar(std::vector<std::uint16_t>& values, const LookCanvas& canvas, 
     for (int x = 0; x < width; ++x)
     {
       if (drawn.at<std::uint8_t>(height - 1 - y, x) != 0)
-      {
         for (int c = 0; c < canvas.channels; ++c)
-        {
           values[static_cast<std::size_t>((x + canvas.width * y) * canvas.channels + c)] = ink;
-        }
-      }
     }
   }
 }

@@ -60,15 +60,11 @@ std::vector<Point> trace(double middleX, double middleY, const Radius& radius, d
     const auto [x, y] = onCircle((i + 0.37) / parts);
     rays[static_cast<std::size_t>(i)] = { x, y, radius(x, y) };
     if (!(rays[static_cast<std::size_t>(i)].r > 0))
-    {
       return {};
-    }
   }
   std::vector<Point> points;
   for (std::size_t i = 0; i < parts; ++i)
-  {
     refine(points, middleX, middleY, radius, rays[i], rays[(i + 1) % parts], tolerance, 0);
-  }
   return points;
 }
 
@@ -84,14 +80,10 @@ std::vector<Point> traceConvex(
     {
       const double v = side.nx * directionX + side.ny * directionY;
       if (v < 0)
-      {
         s = std::min(s, (depth - side.distance(middleX, middleY)) / v);
-      }
     }
     if (!(s > 0) || fillet <= 0)
-    {
       return std::max(0.0, s);
-    }
     for (int step = 0; step < 60; ++step)
     {
       double excess = -fillet * fillet;
@@ -107,22 +99,16 @@ std::vector<Point> traceConvex(
         }
       }
       if (excess <= 1e-12 * fillet * fillet || !(slope > 0))
-      {
         break;
-      }
       s -= excess / slope;
     }
     return std::max(0.0, s);
   };
   std::vector<double> distances;
   for (const CellSide& side : sides)
-  {
     distances.push_back(side.distance(middleX, middleY));
-  }
   if (wallDepth(distances, fillet) <= depth)
-  {
     return {};
-  }
   return trace(middleX, middleY, radius, tolerance);
 }
 
@@ -130,9 +116,7 @@ bool addShown(micrograph::ContourSet& set, std::span<const Point> outline, std::
 {
   const auto inside = [&](const Point& p) { return p[0] > 0 && p[1] > 0 && p[0] < set.size[0] && p[1] < set.size[1]; };
   if (outline.size() < 3)
-  {
     return false;
-  }
   if (std::all_of(outline.begin(), outline.end(), inside))
   {
     set.contours.push_back({ { outline.begin(), outline.end() }, true, lumen });
@@ -178,16 +162,12 @@ bool addShown(micrograph::ContourSet& set, std::span<const Point> outline, std::
       }
     }
     if (!(t0 < t1))
-    {
       continue;
-    }
     const auto point = [&](double t, int side)
     {
       Point p{ a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]) };
       if (side >= 0)
-      {
         p[side / 2] = side % 2 == 0 ? 0.0 : set.size[static_cast<std::size_t>(side / 2)];
-      }
       return p;
     };
     if (!open || side0 >= 0)
@@ -217,14 +197,10 @@ double areaShown(std::span<const Point> polygon, std::array<double, 2> size)
 {
   const auto inside = [&](const Point& p) { return p[0] >= 0 && p[1] >= 0 && p[0] <= size[0] && p[1] <= size[1]; };
   if (std::all_of(polygon.begin(), polygon.end(), inside))
-  {
     return areaOf(polygon);
-  }
   std::vector<Corner> corners;
   for (const Point& p : polygon)
-  {
     corners.push_back({ p[0], p[1], -1 });
-  }
   std::vector<Corner> spare;
   clip(corners, spare, 1, 0, 0, 0);
   clip(corners, spare, -1, 0, size[0], 0);
@@ -232,9 +208,7 @@ double areaShown(std::span<const Point> polygon, std::array<double, 2> size)
   clip(corners, spare, 0, -1, size[1], 0);
   std::vector<Point> shown;
   for (const Corner& corner : corners)
-  {
     shown.push_back({ corner.x, corner.y });
-  }
   return areaOf(shown);
 }
 

@@ -22,9 +22,7 @@ void check(const PhaseImage& truth, int n, const LookOptions& o)
 {
   const auto [nx, ny, nz] = truth.lattice.size;
   if (truth.lattice.dimension != 2)
-  {
     throw ParameterError("a micrograph of a volume", "give a cross-section, a picture of one layer");
-  }
   if (n < 1 || n > 16 || nx % n != 0 || ny % n != 0)
   {
     throw ParameterError(fmt::format("{} × {} nodes for pixels of {} × {} nodes", nx, ny, n, n),
@@ -33,10 +31,8 @@ void check(const PhaseImage& truth, int n, const LookOptions& o)
   const auto within = [](const char* name, double value, double low, double high, const char* unit)
   {
     if (!(value >= low) || !(value <= high))
-    {
       throw ParameterError(
         fmt::format("{} of {}{}", name, value, unit), fmt::format("it lies between {:g} and {:g}{}", low, high, unit));
-    }
   };
   within("a stain's strength", o.strength, 0.2, 2, "");
   within("a variation from cell to cell", o.cellVariation, 0, 1, "");

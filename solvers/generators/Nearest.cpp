@@ -27,9 +27,7 @@ Nearest nearestMarked(const std::vector<std::uint8_t>& marked, std::int64_t nx, 
       last = marked[i] != 0 ? static_cast<std::int32_t>(y) : last;
       const std::int64_t below = y - row[i];
       if (last >= 0 && (row[i] < 0 || last - y < below))
-      {
         row[i] = last;
-      }
     }
   }
   // Along a row: the lower envelope of the parabolas (x − i)² + gᵢ².
@@ -46,9 +44,7 @@ Nearest nearestMarked(const std::vector<std::uint8_t>& marked, std::int64_t nx, 
     for (std::int64_t x = 0; x < nx; ++x)
     {
       if (row[static_cast<std::size_t>(x + nx * y)] < 0)
-      {
         continue;
-      }
       std::int64_t begin = 0;
       while (count > 0)
       {
@@ -58,9 +54,7 @@ Nearest nearestMarked(const std::vector<std::uint8_t>& marked, std::int64_t nx, 
         const std::int64_t divisor = 2 * (x - i);
         begin = numerator < 0 ? 0 : numerator / divisor + 1;
         if (begin > from[static_cast<std::size_t>(count - 1)])
-        {
           break;
-        }
         --count;
         begin = 0;
       }
@@ -75,9 +69,7 @@ Nearest nearestMarked(const std::vector<std::uint8_t>& marked, std::int64_t nx, 
     for (std::int64_t x = 0; x < nx && count > 0; ++x)
     {
       while (part + 1 < count && from[static_cast<std::size_t>(part + 1)] <= x)
-      {
         ++part;
-      }
       const std::int64_t i = at[static_cast<std::size_t>(part)];
       const auto node = static_cast<std::size_t>(x + nx * y);
       const std::int64_t d = (x - i) * (x - i) + g2(i);

@@ -24,9 +24,7 @@ std::uint32_t binOf(const std::vector<std::int64_t>& histogram, std::int64_t& co
 {
   std::uint32_t bin = 0;
   while (count > histogram[bin])
-  {
     count -= histogram[bin++];
-  }
   return bin;
 }
 
@@ -36,15 +34,11 @@ std::vector<std::uint8_t> markSmallest(std::span<const float> keys, std::int64_t
 {
   std::vector<std::uint8_t> marked(keys.size(), 0);
   if (count <= 0)
-  {
     return marked;
-  }
   // The count-th smallest key in two passes: its upper 16 bits, then its lower ones.
   std::vector<std::int64_t> histogram(65536, 0);
   for (const float key : keys)
-  {
     ++histogram[rank(key) >> 16];
-  }
   const std::uint32_t high = binOf(histogram, count);
   histogram.assign(65536, 0);
   for (const float key : keys)

@@ -54,9 +54,7 @@ std::vector<std::int32_t> assign(const SoftwoodLayout& layout, std::int64_t nx, 
       {
         double d = std::numeric_limits<double>::max();
         for (const CellSide& side : sides)
-        {
           d = std::min(d, side.distance(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5));
-        }
         const auto node = static_cast<std::size_t>(x + nx * y);
         if (static_cast<float>(d) > inside[node])
         {
@@ -199,9 +197,7 @@ void Rasteriser::layRays()
           {
             const double at = static_cast<double>(x) + 0.5;
             while (next + 1 < walls.size() && walls[next] < at)
-            {
               ++next;
-            }
             cells.before.push_back(static_cast<float>(at - walls[next - 1]));
             cells.after.push_back(static_cast<float>(walls[next] - at));
             cells.label.push_back(label + static_cast<std::int32_t>(next));
@@ -220,9 +216,7 @@ double Rasteriser::rayHalfWidth(int ray, double z) const
 {
   const double full = layout_.rayHalfWidth();
   if (!solid3D_)
-  {
     return full;
-  }
   // Spindle-shaped in the tangential section: full in the middle, closing over the last cell at each end.
   const Ray& stack = rays_[static_cast<std::size_t>(ray)];
   const double closing = 1.5 * rayCellHeight * options_.tangentialDiameter / options_.spacing;
@@ -267,9 +261,7 @@ float Rasteriser::rayKey(
   const Ray& ray = rays_[static_cast<std::size_t>(column.ray[which])];
   auto row = ray.rows.begin();
   while (row + 1 != ray.rows.end() && z >= row->high)
-  {
     ++row;
-  }
   const auto node = static_cast<std::size_t>(x);
   label = row->label[node];
   const double off = column.rayDistance[which];
@@ -307,9 +299,7 @@ void Rasteriser::fillRow(
       }
     }
     if (inRay)
-    {
       continue;
-    }
     const CellShape& cell = *column.cell;
     const Ends& ends = ends_[column.number];
     label[x] = ends.firstLabel;
@@ -318,9 +308,7 @@ void Rasteriser::fillRow(
       const double level = atZ - ends.slope * (atY - cell.centreY);
       std::size_t above = 1;
       while (above + 1 < ends.z.size() && ends.z[above] < level)
-      {
         ++above;
-      }
       label[x] += static_cast<std::int32_t>(above);
       distances[count++] = (level - ends.z[above - 1]) * ends.cosine;
       distances[count++] = (ends.z[above] - level) * ends.cosine;
@@ -375,19 +363,13 @@ PhaseImage Rasteriser::image()
     {
       Column* const row = columns.data() + (solid3D_ ? y * nx_ : 0);
       for (std::int64_t x = 0; x < nx_ && z == 0; ++x)
-      {
         row[x] = column(x, y);
-      }
       fillRow(y, z, { row, static_cast<std::size_t>(nx_) }, key.data() + z * slice + y * nx_, label.data() + y * nx_);
     }
     if (z > 0)
-    {
       closed += closeWalls(key.data() + (z - 1) * slice, below.data(), label.data());
-    }
     if (z + 1 == nz_)
-    {
       closed += closeWalls(key.data() + z * slice, label.data(), nullptr);
-    }
     label.swap(below); // 2D: one slice only, so both are done with
   }
 
@@ -403,14 +385,10 @@ void check(const SoftwoodOptions& o)
   const auto positive = [](const char* name, double value, const char* hint)
   {
     if (!(value > 0) || !std::isfinite(value))
-    {
       throw ParameterError(fmt::format("the {} of a softwood sample is {}", name, value), hint);
-    }
   };
   if (o.dimension != 2 && o.dimension != 3)
-  {
     throw ParameterError(fmt::format("a softwood sample of {} dimensions", o.dimension), "choose 2 or 3");
-  }
   for (int axis = 0; axis < 3; ++axis)
   {
     const std::int64_t nodes = o.size[axis];
@@ -446,9 +424,7 @@ void check(const SoftwoodOptions& o)
     }
   }
   if (!(o.scatter >= 0) || !(o.scatter <= 0.3))
-  {
     throw ParameterError(fmt::format("a scatter of {}", o.scatter), "it runs from 0, regular, to 0.3");
-  }
   if (o.rayEvery != 0 && !(o.rayEvery >= 2 * o.tangentialDiameter && std::isfinite(o.rayEvery)))
   {
     throw ParameterError(

@@ -129,9 +129,7 @@ void SoftwoodLayout::layRays()
   rayLines_ = { y - gap(0), y };
   // One that reaches into the box has tracheids below it too; there is the next one.
   if (rayLines_.front() > -(rayHalfWidth_ + tangential_ / 2))
-  {
     rayLines_.insert(rayLines_.begin(), rayLines_.front() - gap(-2));
-  }
   for (std::int64_t n = 1; y < height_ + margin; ++n)
   {
     y += gap(n);
@@ -172,9 +170,7 @@ void SoftwoodLayout::layFiles()
     {
       double share = std::max(0.5, 1 + 1.2 * scatter_ * random_.normal(RandomUse::FileWidth, b, f));
       if (random_.uniform(RandomUse::FileWidth, b, f, 1) < narrowShare)
-      {
         share *= mix(0.5, 0.7, random_.uniform(RandomUse::FileWidth, b, f, 2));
-      }
       widths[static_cast<std::size_t>(f)] = share;
       sum += share;
     }
@@ -221,9 +217,7 @@ void SoftwoodLayout::layTips(std::vector<Site>& sites, std::int64_t band)
     const Site& next = sites[i + 1];
     if (next.file != site.file ||
       random_.uniform(RandomUse::TipPlace, site.file, site.number) >= tipShare * std::min(disorder_, 1.0))
-    {
       continue;
-    }
     // At the corner where this file's cross wall meets the next file.
     const double x = (site.x + next.x) / 2;
     const double y = site.y + std::sqrt(site.weight);
@@ -251,9 +245,7 @@ void SoftwoodLayout::cutPolygons(std::span<const Site> sites, std::size_t band)
   const double reach = 2.6 * std::max({ early_, late_, tangential_ * stretch_ });
   std::vector<std::size_t> byX(sites.size());
   for (std::size_t i = 0; i < byX.size(); ++i)
-  {
     byX[i] = i;
-  }
   std::sort(byX.begin(), byX.end(),
     [&](std::size_t a, std::size_t b) { return sites[a].x != sites[b].x ? sites[a].x < sites[b].x : a < b; });
 
@@ -268,25 +260,19 @@ void SoftwoodLayout::cutPolygons(std::span<const Site> sites, std::size_t band)
     polygon = { { site.x - reach, low, sideLow }, { site.x + reach, low, -1 }, { site.x + reach, high, sideHigh },
       { site.x - reach, high, -1 } };
     while (sites[byX[first]].x < site.x - reach)
-    {
       ++first;
-    }
     for (std::size_t k = first; k < byX.size() && sites[byX[k]].x <= site.x + reach && !polygon.empty(); ++k)
     {
       const Site& other = sites[byX[k]];
       if (byX[k] == i || std::abs(other.y - site.y) > 2 * reach)
-      {
         continue;
-      }
       // Nearer to this site in power: |p − s|² − w ≤ |p − o|² − v.
       const double c =
         (other.x * other.x + other.y * other.y - other.weight) - (site.x * site.x + site.y * site.y - site.weight);
       clip(polygon, spare, 2 * (site.x - other.x), 2 * (site.y - other.y), c, -1);
     }
     if (polygon.size() >= 3)
-    {
       addCell(site, polygon);
-    }
   }
 }
 
@@ -323,9 +309,7 @@ void SoftwoodLayout::addCell(const Site& site, std::span<const Corner> polygon)
   const double late = lateness(cell.centreX);
   std::vector<double> distances;
   for (const CellSide& side : sides(cell))
-  {
     distances.push_back(side.distance(cell.centreX, cell.centreY) - (side.ray >= 0 ? rayHalfWidth_ : 0.0));
-  }
   const double inner = *std::min_element(distances.begin(), distances.end());
   if (!(inner > 0) || cell.xMax < -1 || cell.yMax < -1 || cell.xMin > width_ + 1 || cell.yMin > height_ + 1)
   {

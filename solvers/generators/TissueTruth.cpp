@@ -47,9 +47,7 @@ TissueTruth assemble(
   {
     double area = -wanted;
     for (const Traced& cell : cells)
-    {
       area += areaShown(cell.lumen(wall, tolerance), size);
-    }
     return area;
   };
   // Regula falsi, the kept end's value halved (the Illinois rule): lumens shrink as walls grow.
@@ -72,9 +70,7 @@ TissueTruth assemble(
     wall = low + (high - low) * std::clamp(atLow / (atLow - atHigh), 0.01, 0.99);
     const double value = excess(wall);
     if (std::abs(value) < 1e-7 * wanted)
-    {
       break;
-    }
     if (value > 0)
     {
       low = wall;
@@ -119,9 +115,7 @@ std::vector<Point> pointsOf(std::span<const Corner> corners)
 {
   std::vector<Point> points;
   for (const Corner& corner : corners)
-  {
     points.push_back({ corner.x, corner.y });
-  }
   return points;
 }
 
@@ -139,9 +133,7 @@ struct RayLine
   [[nodiscard]] static const CellSide* at(const std::vector<LinePiece>& pieces, double x)
   {
     if (pieces.empty())
-    {
       return nullptr;
-    }
     auto piece =
       std::upper_bound(pieces.begin(), pieces.end(), x, [](double v, const LinePiece& p) { return v < p.from; });
     return piece == pieces.begin() ? &piece->side : &(piece - 1)->side;
@@ -199,9 +191,7 @@ Traced rayCell(const SoftwoodLayout& layout, const RayLine& line, double from, d
     const double x = (from + to) / 2;
     const double y = line.height(x);
     if (!inside(x, y))
-    {
       return std::vector<Point>{};
-    }
     const auto radius = [&](double dx, double dy)
     {
       double low = 0;
@@ -244,9 +234,7 @@ TissueTruth softwoodTruth(const SoftwoodOptions& options, double tolerance)
   check(options);
   checkTolerance(tolerance);
   if (options.dimension != 2)
-  {
     throw ParameterError("outlines of a softwood sample of 3 dimensions", "outlines are those of a cross-section: 2");
-  }
   const SoftwoodLayout layout(options);
   const double unit = options.spacing;
   const double chord = tolerance / unit;
@@ -282,9 +270,7 @@ TissueTruth softwoodTruth(const SoftwoodOptions& options, double tolerance)
     cut(half);
     std::vector<CellSide> inner(sides.begin(), sides.end());
     for (CellSide& side : inner)
-    {
       side.c -= side.ray >= 0 ? half : 0.0;
-    }
     cells.push_back({ CellKind::Tracheid, pointsOf(polygon),
       [inner, &cell, chord](double wall, double)
       {
@@ -301,9 +287,7 @@ TissueTruth softwoodTruth(const SoftwoodOptions& options, double tolerance)
     std::sort(line.above.begin(), line.above.end(), rising);
     std::sort(line.below.begin(), line.below.end(), rising);
     if (line.above.empty() && line.below.empty())
-    {
       continue;
-    }
     const std::vector<double> walls = layout.crossWalls(softwoodRayCell, 64 * static_cast<std::int64_t>(r));
     for (std::size_t i = 1; i < walls.size(); ++i)
     {

@@ -28,9 +28,7 @@ std::string timestamp()
     char* end = nullptr;
     const long long value = std::strtoll(epoch, &end, 10);
     if (*end == '\0' && value >= 0)
-    {
       now = static_cast<std::time_t>(value);
-    }
   }
   std::tm utc{};
   gmtime_r(&now, &utc);
@@ -72,9 +70,7 @@ std::uint64_t hashBytes(std::ifstream& file, const fs::path& path, Sha256& hash,
     bytes += got;
   }
   if (!file && !file.eof())
-  {
     unreadable(path);
-  }
   return bytes;
 }
 
@@ -83,14 +79,10 @@ std::uint64_t hashFile(const fs::path& path, Sha256& hash, bool ends)
 {
   std::ifstream file(path, std::ios::binary);
   if (!ends)
-  {
     return hashBytes(file, path, hash);
-  }
   (void)hashBytes(file, path, hash, hashedEnd);
   if (!file.seekg(-static_cast<std::streamoff>(hashedEnd), std::ios::end))
-  {
     unreadable(path);
-  }
   (void)hashBytes(file, path, hash);
   std::error_code failed;
   return fs::file_size(path, failed);
@@ -105,12 +97,8 @@ InputFile describeInput(const fs::path& path)
   if (fs::is_directory(path, failed))
   {
     for (const fs::directory_entry& entry : fs::directory_iterator(path, failed))
-    {
       if (entry.is_regular_file(failed))
-      {
         files.push_back(entry.path());
-      }
-    }
     std::sort(files.begin(), files.end());
   }
   else
@@ -122,9 +110,7 @@ InputFile describeInput(const fs::path& path)
   input.ends = files.size() == 1 && fs::is_regular_file(path, failed) && fs::file_size(path, failed) > wholeHashLimit;
   Sha256 hash;
   for (const fs::path& file : files)
-  {
     input.bytes += hashFile(file, hash, input.ends);
-  }
   input.sha256 = hash.finish();
   return input;
 }
@@ -138,13 +124,9 @@ std::string toJson(const Provenance& provenance, int indent)
   json["command"] = provenance.command;
   json["date"] = provenance.date;
   if (provenance.seed)
-  {
     json["seed"] = *provenance.seed;
-  }
   if (!provenance.parameters.empty())
-  {
     json["parameters"] = nlohmann::ordered_json::parse(provenance.parameters);
-  }
   json["inputs"] = nlohmann::ordered_json::array();
   for (const InputFile& input : provenance.inputs)
   {
@@ -178,13 +160,9 @@ Provenance provenanceFromJson(std::string_view text)
   provenance.command = string(json, "command");
   provenance.date = string(json, "date");
   if (const auto seed = json.find("seed"); seed != json.end() && seed->is_number_integer())
-  {
     provenance.seed = seed->get<std::uint64_t>();
-  }
   if (const auto parameters = json.find("parameters"); parameters != json.end() && parameters->is_object())
-  {
     provenance.parameters = parameters->dump();
-  }
   if (const auto inputs = json.find("inputs"); inputs != json.end() && inputs->is_array())
   {
     for (const auto& entry : *inputs)
@@ -208,9 +186,7 @@ std::string quoteCommand(std::span<const std::string> words)
   for (const std::string& word : words)
   {
     if (!line.empty())
-    {
       line += ' ';
-    }
     const bool plain = !word.empty() &&
       word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+,./:@%^") ==
         std::string::npos;
@@ -221,9 +197,7 @@ std::string quoteCommand(std::span<const std::string> words)
     }
     line += '\'';
     for (const char c : word)
-    {
       line += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    }
     line += '\'';
   }
   return line;

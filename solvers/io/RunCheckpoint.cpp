@@ -18,7 +18,8 @@ namespace
 /// An error of rank 0 is thrown by all.
 void onFirst(const Communicator& comm, const std::function<void()>& f)
 {
-  together(comm,
+  together(
+    comm,
     [&]
     {
       if (comm.rank() == 0)

@@ -27,9 +27,7 @@ EVP_MD_CTX* contextOf(void* context)
 void require(bool done)
 {
   if (!done)
-  {
     throw Error("SHA-256 is not to be had from libcrypto", "look at its settings (openssl.cnf), or at the memory");
-  }
 }
 
 } // namespace
@@ -40,9 +38,7 @@ Sha256::Sha256()
   const bool begun =
     context_ != nullptr && sha256() != nullptr && EVP_DigestInit_ex2(contextOf(context_), sha256(), nullptr) == 1;
   if (!begun)
-  {
     EVP_MD_CTX_free(contextOf(context_));
-  }
   require(begun);
 }
 

@@ -78,14 +78,10 @@ int toMiddleOfGap(std::span<const std::int64_t> histogram, int last)
 {
   int below = last;
   while (below > 0 && histogram[static_cast<std::size_t>(below)] == 0)
-  {
     --below;
-  }
   int above = last + 1;
   while (above < static_cast<int>(greyCount) - 1 && histogram[static_cast<std::size_t>(above)] == 0)
-  {
     ++above;
-  }
   return below + (above - below - 1) / 2;
 }
 
@@ -110,9 +106,7 @@ double valleyAt(std::span<const std::int64_t> histogram, int last, double dark, 
   }
   std::array<double, 2 * reach + 1> smooth = heights;
   for (std::size_t i = 1; i + 1 < heights.size(); ++i)
-  {
     smooth[i] = (heights[i - 1] + 2 * heights[i] + heights[i + 1]) / 4;
-  }
   const auto level = smooth.begin() + reach;
   const double lower = std::min(*std::max_element(smooth.begin(), level), *std::max_element(level + 1, smooth.end()));
   const double between = *std::min_element(level - 1, level + 2);
@@ -125,9 +119,7 @@ std::vector<std::int64_t> greyHistogram(std::span<const std::uint16_t> grey)
 {
   std::vector<std::int64_t> histogram(greyCount, 0);
   for (const std::uint16_t value : grey)
-  {
     ++histogram[value];
-  }
   return histogram;
 }
 
@@ -135,14 +127,10 @@ std::string GreyLevels::text() const
 {
   std::string at;
   for (const int end : last)
-  {
     at += fmt::format("{}{}", at.empty() ? "" : " and ", end + 1);
-  }
   std::string means;
   for (const double one : mean)
-  {
     means += fmt::format("{}{:.1f}", means.empty() ? "" : ", ", one);
-  }
   return fmt::format(
     "greys: parted at {}, means {}, separability {:.3f}, valley {:.2f}", at, means, separability, valley);
 }
@@ -195,9 +183,7 @@ GreyLevels describeLevels(std::span<const std::int64_t> histogram, std::vector<i
   }
   levels.separability = variance > 0 ? between / variance : 0;
   for (std::size_t k = 0; k < levels.last.size(); ++k)
-  {
     levels.valley = std::max(levels.valley, valleyAt(histogram, levels.last[k], levels.mean[k], levels.mean[k + 1]));
-  }
   return levels;
 }
 
@@ -225,15 +211,11 @@ GreyLevels otsuLevels(std::span<const std::int64_t> histogram, int classes)
     total += static_cast<double>(histogram[static_cast<std::size_t>(low) + i]);
   }
   for (double& height : heights)
-  {
     height /= total;
-  }
   const std::vector<std::size_t> cuts = bestCuts(sumsOf(heights, 0, static_cast<double>(width)), classes);
   std::vector<int> last;
   for (const std::size_t cut : cuts)
-  {
     last.push_back(toMiddleOfGap(histogram, static_cast<int>(static_cast<std::size_t>(low) + (cut + 1) * width - 1)));
-  }
   return describeLevels(histogram, last);
 }
 

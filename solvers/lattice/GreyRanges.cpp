@@ -32,19 +32,13 @@ std::string_view trimmed(std::string_view text)
 GreyBound bound(std::string_view text, std::string_view part)
 {
   if (part == "otsu")
-  {
     return { 0, 1, 2 };
-  }
   if (part == "otsu1" || part == "otsu2")
-  {
     return { 0, part.back() - '0', 3 };
-  }
   int grey = -1;
   const auto [end, problem] = std::from_chars(part.data(), part.data() + part.size(), grey);
   if (problem != std::errc() || end != part.data() + part.size() || grey < 0 || grey > brightest)
-  {
     refuse(text, part);
-  }
   return { grey, 0, 0 };
 }
 
@@ -62,17 +56,11 @@ Values valuesOf(const GreyRange& range, const GreyScale& how)
   Values v{ range.first.grey * static_cast<std::int64_t>(how.scale) - half,
     range.last.grey * static_cast<std::int64_t>(how.scale) + how.scale - half - 1 };
   if (range.first.level > 0)
-  {
     v.first = how.levels->last[static_cast<std::size_t>(range.first.level - 1)] + 1;
-  }
   if (range.last.level > 0)
-  {
     v.last = how.levels->last[static_cast<std::size_t>(range.last.level - 1)];
-  }
   if (range.openEnd)
-  {
     v.last = brightest;
-  }
   return { std::max<std::int64_t>(v.first, 0), std::min<std::int64_t>(v.last, brightest) };
 }
 
@@ -100,9 +88,7 @@ void refuseGaps(
     std::int64_t last = first;
     std::int64_t count = 0;
     for (; last <= brightest && !covered[static_cast<std::size_t>(last)]; ++last)
-    {
       count += histogram[static_cast<std::size_t>(last)];
-    }
     if (count > 0)
     {
       const std::int64_t half = how.scale / 2;
@@ -114,9 +100,7 @@ void refuseGaps(
     first = last;
   }
   if (nodes == 0)
-  {
     return;
-  }
   const auto one = std::find_if(values.begin(), values.end(), [&](std::uint16_t value) { return !covered[value]; });
   throw InputError(
     fmt::format("the grey values {} are in no phase: {} {} such a grey, one is {} with {}", missing, nodes,
@@ -151,14 +135,10 @@ GreyRange parseGreyRange(std::string_view given)
       "give one, as 90.. or ..89; all greys that are not listed have the name given as other");
   }
   if (!from.empty())
-  {
     range.first = bound(text, from);
-  }
   range.openEnd = to.empty();
   if (!to.empty())
-  {
     range.last = bound(text, to);
-  }
   const bool numbers = range.first.level == 0 && range.last.level == 0;
   if ((numbers && range.first.grey > range.last.grey) ||
     (range.first.level > 0 && range.last.level > 0 && range.first.level >= range.last.level))
@@ -173,9 +153,7 @@ void GreyRanges::add(std::string_view text, const std::string& name)
 {
   Named added{ parseGreyRange(text), name };
   if (name.empty())
-  {
     throw ParameterError(fmt::format("the phase of grey '{}' has an empty name", text), "give it a name, such as wall");
-  }
   for (const GreyBound& end : { added.range.first, added.range.last })
   {
     if (end.classes > 0 && classes_ > 0 && end.classes != classes_)
@@ -190,9 +168,7 @@ void GreyRanges::add(std::string_view text, const std::string& name)
   for (const Named& there : ranges_)
   {
     if (there.name == name || !numbers(there.range) || !numbers(added.range))
-    {
       continue;
-    }
     const int first = std::max(there.range.first.grey, added.range.first.grey);
     const int last = std::min(there.range.last.grey, added.range.last.grey);
     if (first <= last && there.range.single && added.range.single)
@@ -216,13 +192,9 @@ std::vector<int> GreyRanges::cuts() const
   for (const Named& one : ranges_)
   {
     if (one.range.first.level == 0 && one.range.first.grey > 0)
-    {
       last.push_back(one.range.first.grey - 1);
-    }
     if (one.range.last.level == 0 && !one.range.openEnd && one.range.last.grey < brightest)
-    {
       last.push_back(one.range.last.grey);
-    }
   }
   std::sort(last.begin(), last.end());
   last.erase(std::unique(last.begin(), last.end()), last.end());
@@ -238,9 +210,7 @@ GreyRanges::Applied GreyRanges::apply(
   {
     how.levels = otsuLevels(greyHistogram(values), classes_);
     if (std::string doubt = how.levels->doubt(); !doubt.empty())
-    {
       result.warnings.push_back(std::move(doubt));
-    }
   }
   result.levels = how.levels;
 
@@ -283,9 +253,7 @@ GreyRanges::Applied GreyRanges::apply(
     }
   }
   if (!std::ranges::all_of(ranges_, [](const Named& one) { return one.range.single; }))
-  {
     refuseGaps(lattice, values, covered, how);
-  }
   result.image = map.apply(lattice, values);
   return result;
 }

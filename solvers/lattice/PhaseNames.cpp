@@ -37,16 +37,12 @@ std::optional<std::size_t> phaseMeant(std::span<const std::string> names, const 
 {
   const auto same = std::find(names.begin(), names.end(), said);
   if (same != names.end())
-  {
     return static_cast<std::size_t>(same - names.begin());
-  }
   const int meant = thing(said);
   const auto fits = [&](const std::string& name) { return thing(name) == meant; };
   const auto first = std::find_if(names.begin(), names.end(), fits);
   if (meant == 0 || first == names.end() || std::find_if(first + 1, names.end(), fits) != names.end())
-  {
     return std::nullopt;
-  }
   return static_cast<std::size_t>(first - names.begin());
 }
 

@@ -25,9 +25,7 @@ template <class Value>
 {
   auto found = table.find(names[id]);
   for (auto entry = table.begin(); found == table.end() && entry != table.end(); ++entry)
-  {
     found = phaseMeant(names, entry->first) == id ? entry : found;
-  }
   return found;
 }
 

@@ -39,9 +39,7 @@ void requireCount(const Lattice& lattice, std::size_t values)
   const auto first = std::find_if(grey.begin(), grey.end(), [&](std::uint16_t value) { return idOfGrey[value] < 0; });
   std::vector<std::int64_t> missing(greyCount, 0);
   for (const std::uint16_t value : grey)
-  {
     missing[value] += idOfGrey[value] < 0;
-  }
   const std::int64_t nodes = missing[*first];
   const std::int64_t others = greyCount - 1 - std::count(missing.begin(), missing.end(), 0);
   const std::string more =
@@ -67,9 +65,7 @@ PhaseTable::PhaseTable(const std::vector<std::string>& names)
   for (const std::string& name : names)
   {
     if (find(name))
-    {
       throw ParameterError(fmt::format("two phases are called '{}'", name), "give every phase a name of its own");
-    }
     add(name);
   }
 }
@@ -77,13 +73,9 @@ PhaseTable::PhaseTable(const std::vector<std::string>& names)
 std::uint8_t PhaseTable::add(const std::string& name)
 {
   if (name.empty())
-  {
     throw ParameterError("a phase has an empty name", "give it a name, such as wall");
-  }
   if (const auto id = find(name))
-  {
     return *id;
-  }
   if (names_.size() >= 256)
   {
     throw ParameterError(
@@ -97,9 +89,7 @@ std::optional<std::uint8_t> PhaseTable::find(const std::string& name) const
 {
   const auto found = std::find(names_.begin(), names_.end(), name);
   if (found == names_.end())
-  {
     return std::nullopt;
-  }
   return static_cast<std::uint8_t>(found - names_.begin());
 }
 
@@ -107,14 +97,10 @@ std::vector<double> PhaseImage::fractions() const
 {
   std::array<std::int64_t, 256> nodes{};
   for (const std::uint8_t id : phase)
-  {
     ++nodes[id];
-  }
   std::vector<double> result(phases.size(), 0.0);
   for (std::size_t id = 0; id < result.size() && !phase.empty(); ++id)
-  {
     result[id] = static_cast<double>(nodes[id]) / static_cast<double>(phase.size());
-  }
   return result;
 }
 
@@ -124,9 +110,7 @@ PhaseImage GreyMap::apply(const Lattice& lattice, std::span<const std::uint16_t>
   PhaseImage image{ lattice, {}, {} };
   const auto isVoid = [](const auto& entry) { return entry.second == "void"; };
   if (std::any_of(phaseOfGrey.begin(), phaseOfGrey.end(), isVoid) || other == "void")
-  {
     image.phases.add("void");
-  }
   std::vector<int> idOfGrey(greyCount, -1);
   for (const auto& [value, name] : phaseOfGrey)
   {
@@ -152,9 +136,7 @@ PhaseImage GreyMap::apply(const Lattice& lattice, std::span<const std::uint16_t>
     image.phase[node] = static_cast<std::uint8_t>(id);
   }
   if (lowest < 0)
-  {
     refuseGrey(lattice, grey, idOfGrey);
-  }
   return image;
 }
 
@@ -185,9 +167,7 @@ std::array<std::int64_t, 3> firstNode(const Lattice& from, const Window& window)
     }
   }
   if (from.dimension == 2)
-  {
     start[1] = from.size[1] - start[1] - size[1]; // memory counts rows from the bottom
-  }
   return start;
 }
 
@@ -202,12 +182,8 @@ PhaseImage crop(const PhaseImage& image, const Window& window)
   result.phase.resize(static_cast<std::size_t>(result.lattice.count()));
   std::uint8_t* to = result.phase.data();
   for (std::int64_t z = 0; z < size[2]; ++z)
-  {
     for (std::int64_t y = 0; y < size[1]; ++y)
-    {
       to = std::copy_n(image.phase.data() + from.index(start[0], start[1] + y, start[2] + z), size[0], to);
-    }
-  }
   return result;
 }
 
@@ -216,9 +192,7 @@ PhaseImage refine(const PhaseImage& image, int n)
   const Lattice& from = image.lattice;
   requireCount(from, image.phase.size());
   if (n < 1)
-  {
     throw ParameterError(fmt::format("a refinement of {}", n), "refine by a whole number from 1 up");
-  }
   const std::int64_t nz = from.dimension == 3 ? n : 1;
   const double bytes = static_cast<double>(from.count()) * std::pow(static_cast<double>(n), from.dimension);
   const std::uint64_t available = availableMemory();
@@ -243,18 +217,12 @@ PhaseImage refine(const PhaseImage& image, int n)
       const std::uint8_t* const source = image.phase.data() + from.index(0, y, z);
       std::uint8_t* const firstRow = firstSlab + y * n * row;
       for (std::int64_t x = 0; x < from.size[0]; ++x)
-      {
         std::fill_n(firstRow + x * n, n, source[x]);
-      }
       for (int copy = 1; copy < n; ++copy)
-      {
         std::copy_n(firstRow, row, firstRow + copy * row);
-      }
     }
     for (std::int64_t copy = 1; copy < nz; ++copy)
-    {
       std::copy_n(firstSlab, slab, firstSlab + copy * slab);
-    }
   }
   return result;
 }

@@ -23,12 +23,8 @@ PhaseImage subsample(const PhaseImage& image, std::array<std::int64_t, 3> first,
   for (std::int64_t z = first[2]; z < from.size[2]; z += stride)
   {
     for (std::int64_t y = first[1]; y < from.size[1]; y += stride)
-    {
       for (std::int64_t x = first[0]; x < from.size[0]; x += stride)
-      {
         result.phase.push_back(image.phase[static_cast<std::size_t>(from.index(x, y, z))]);
-      }
-    }
   }
   return result;
 }
@@ -89,12 +85,8 @@ std::vector<std::array<std::int64_t, 3>> subsampleStarts(const Lattice& lattice,
     for (std::int64_t y = 0; y < ways[1]; ++y)
     {
       for (std::int64_t x = 0; x < ways[0]; ++x)
-      {
         if ((x + 3 * y + 5 * z) % every == 0) // planes that cross all axes
-        {
           starts.push_back({ x, y, z });
-        }
-      }
     }
   }
   return starts;

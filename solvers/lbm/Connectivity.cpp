@@ -258,7 +258,11 @@ Percolation periodicPercolation(const Lattice& lattice, const Decomposition& par
   {
     for (std::int64_t z = 0; z < nz; ++z)
       for (std::int64_t y = 0; y < ny; ++y)
-        set.forEach(wholeHalo.row(y, z), [&](std::int64_t x) { f(Position{ x, y, z }); });
+        set.forEach(
+          wholeHalo.row(y, z),
+          [&](std::int64_t x) {
+            f(Position{ x, y, z });
+          });
   };
   const auto idOf = [&](const Position& p) { return set.id(wholeHalo.row(p[1], p[2]), p[0]); };
   forEachNode(

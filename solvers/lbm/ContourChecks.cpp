@@ -29,7 +29,8 @@ char axisName(const ContourAnswer& answer)
 /// The one whose error is the largest; one whose error is not known before all others.
 const ContourAnswer& worstOf(std::span<const ContourAnswer> answers)
 {
-  return *std::max_element(answers.begin(), answers.end(),
+  return *std::max_element(
+    answers.begin(), answers.end(),
     [](const ContourAnswer& a, const ContourAnswer& b) { return std::isfinite(a.error) && !(b.error <= a.error); });
 }
 

@@ -217,9 +217,7 @@ private:
   {
     const auto all = [&] { return std::all_of(answers_.begin(), answers_.end(), [&](auto& a) { return enough(a); }); };
     if (options_.plan && !all())
-    {
       options_.plan(plan());
-    }
     for (int level = 1; !all(); ++level)
     {
       if (options_.mostNodes > 0 && 4 * answers_.front().fine.nodes > options_.mostNodes)

@@ -43,9 +43,7 @@ public:
   [[nodiscard]] Progress of(double nodes)
   {
     if (!outside_)
-    {
       return {};
-    }
     done_ += current_;
     current_ = nodes;
     begun_ += 1;

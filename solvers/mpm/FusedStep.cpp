@@ -117,9 +117,11 @@ void FusedStep<Dim>::pack(const BackgroundGrid<Dim>& grid)
       state[p] = static_cast<float>(of(values[p]));
   };
   for (int i = 0; i < Dim * Dim; ++i)
-    fill(State::deformations + i, Points::deformations + i,
+    fill(
+      State::deformations + i, Points::deformations + i,
       [one = i % (Dim + 1) == 0 ? 1 : 0](double F) { return F - one; });
-  fill(State::masses, Points::masses, [this](double m) { return m / massScale_; });
+  fill(
+    State::masses, Points::masses, [this](double m) { return m / massScale_; });
   fill(State::volumes, Points::volumes, [this](double v) { return v / massScale_; });
   for (int a = 0; a < Dim; ++a)
   {

@@ -210,7 +210,8 @@ std::string PointCompression<Dim>::scene(const MaterialPoints<Dim>& points, cons
   line("dimension", Dim);
   line("points", comm.sum(static_cast<std::int64_t>(points.count())));
   line("what the points are",
-    hashOf(points.id(), comm,
+    hashOf(
+      points.id(), comm,
       [&](std::uint64_t hash, std::size_t p)
       {
         for (int c = 0; c < points.columns(); ++c)

@@ -251,7 +251,8 @@ template <int Dim>
 void PointSystem<Dim>::scatter(
   std::size_t p, const std::array<AxisShape<3>, Dim>& s, const Strain& stress, Field& f) const
 {
-  forEachRow(p, s,
+  forEachRow(
+    p, s,
     [&](std::int64_t first, const std::array<double, Dim>& factor)
     {
       std::array<double, Dim> across = factor;

@@ -77,7 +77,8 @@ void SharedRows<Dim>::shift(const BackgroundGrid<Dim>& grid, std::span<double> n
 {
   for (int side = 0; side < 2; ++side)
     if (seam(grid.axis(axis_), side))
-      forEachShared(grid, nodes, side, Lines::All, in_[static_cast<std::size_t>(side)].data(),
+      forEachShared(
+        grid, nodes, side, Lines::All, in_[static_cast<std::size_t>(side)].data(),
         [&](double* node, const double* other) { node[1 + axis_] += (side == 0 ? -velocity : velocity) * other[0]; });
 }
 

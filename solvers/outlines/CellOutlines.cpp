@@ -18,9 +18,7 @@ void zeroLines(const Corners& values, const Point& low, double spacing, std::int
     const double from = values[i];
     const double to = values[next];
     if ((from > 0) == (to > 0))
-    {
       continue;
-    }
     const double t = from / (from - to);
     const Point at{ low[0] + spacing * (corner[i][0] + t * (corner[next][0] - corner[i][0])),
       low[1] + spacing * (corner[i][1] + t * (corner[next][1] - corner[i][1])) };
@@ -35,9 +33,7 @@ void zeroLines(const Corners& values, const Point& low, double spacing, std::int
     }
   }
   if (fallen == 0)
-  {
     return;
-  }
   if (fallen == 1)
   {
     lines.push_back({ falls[0], rises[0], 1, chain });

@@ -125,9 +125,7 @@ void CellSums::addAreas(std::span<const ContourEdge> edges)
       continue;
     }
     if (std::max(from[1], to[1]) <= low[1] || std::min(from[1], to[1]) >= high[1])
-    {
       continue;
-    }
     const Point begin = from;
     const Point end = to;
     for (const double side : { low[1], high[1] })
@@ -135,9 +133,7 @@ void CellSums::addAreas(std::span<const ContourEdge> edges)
       const bool above = side == high[1];
       Point& out = (above ? from[1] > to[1] : from[1] < to[1]) ? from : to;
       if (above ? out[1] > side : out[1] < side)
-      {
         out = at(begin, end, 1, side);
-      }
     }
     // Cut at the left and right sides into pieces, of which the left one is moved onto the side: it covers all of its
     // height there.
@@ -155,9 +151,7 @@ void CellSums::addAreas(std::span<const ContourEdge> edges)
       Point b = points[i + 1];
       const double middle = (a[0] + b[0]) / 2;
       if (middle > high[0] || a == b)
-      {
         continue;
-      }
       const bool outside = middle < low[0];
       for (Point* p : { &a, &b })
       {
@@ -184,9 +178,7 @@ void CellSums::addLines(std::span<const ContourEdge> edges, int axis, std::span<
     const double least = std::min(begin, end);
     const double most = std::max(begin, end);
     if (most <= frame_.low[across] || least >= frame_.high[across] || least == most)
-    {
       continue;
-    }
     // Rightwards of an edge that goes down, and above one that goes right, lies lumen.
     const int sign = (end > begin) == (axis == 1) ? 1 : -1;
     const double slope = (edge.to[axis] - edge.from[axis]) / (end - begin);
@@ -200,14 +192,10 @@ void CellSums::addLines(std::span<const ContourEdge> edges, int axis, std::span<
       {
         const double line = low + place[k] * wide;
         if (line < least || line >= most)
-        {
           continue;
-        }
         const double where = std::max(base + (line - begin) * slope, frame_.low[axis]);
         if (where >= frame_.high[axis])
-        {
           continue;
-        }
         const std::int64_t cell = cellOf(where, frame_.size[axis]);
         const std::size_t slot = static_cast<std::size_t>(axis == 0 ? take(cell, row) : take(row, cell));
         const double stop = frame_.end(axis, cell);

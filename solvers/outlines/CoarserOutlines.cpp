@@ -37,9 +37,7 @@ double alongSide(const std::vector<Point>& polygon, const Side& side, const std:
     const Point& a = polygon[i];
     const Point& b = polygon[(i + 1) % polygon.size()];
     if (std::abs(side.depth(a, size)) <= near && std::abs(side.depth(b, size)) <= near)
-    {
       length += std::hypot(b[0] - a[0], b[1] - a[1]);
-    }
   }
   return length;
 }
@@ -56,9 +54,7 @@ std::vector<Point> deeper(
     const double before = side.depth(a, size) - depth;
     const double after = side.depth(b, size) - depth;
     if (before >= 0)
-    {
       inside.push_back(a);
-    }
     if ((before >= 0) != (after >= 0))
     {
       const double part = before / (before - after);
@@ -84,12 +80,8 @@ std::vector<CoarserOutlines> coarserOutlines(
       const PhaseImage part = subsample(image, first, stride);
       std::vector<float> levels;
       for (std::int64_t y = first[1]; !level.empty() && y < image.lattice.size[1]; y += stride)
-      {
         for (std::int64_t x = first[0]; x < image.lattice.size[0]; x += stride)
-        {
           levels.push_back(level[static_cast<std::size_t>(image.lattice.index(x, y))]);
-        }
-      }
       try
       {
         outlines.sets.push_back(extractContours(part, lumen, levels, options).contours);
@@ -117,20 +109,14 @@ ContourSet movedOutlines(const ContourSet& set, double distance)
       {
         const Point way{ from.points[b][0] - from.points[a][0], from.points[b][1] - from.points[a][1] };
         if (const double length = std::hypot(way[0], way[1]); length > 0)
-        {
           normal = { normal[0] + way[1] / length, normal[1] - way[0] / length };
-        }
       };
       const bool first = i == 0;
       const bool last = i + 1 == n;
       if (from.closed || !first)
-      {
         add(first ? n - 1 : i - 1, i);
-      }
       if (from.closed || !last)
-      {
         add(i, last ? 0 : i + 1);
-      }
       const double length = std::hypot(normal[0], normal[1]);
       for (const std::size_t axis : { 0U, 1U })
       {
@@ -138,9 +124,7 @@ ContourSet movedOutlines(const ContourSet& set, double distance)
         const double border = 1e-6 * set.size[axis];
         const bool stays = !from.closed && (first || last) && (at < border || at > set.size[axis] - border);
         if (length > 0 && !stays)
-        {
           moved.contours[c].points[i][axis] = at + distance * normal[axis] / length;
-        }
       }
     }
   }

@@ -27,20 +27,14 @@ void addCorners(const std::array<double, 2>& size, double from, double to, std::
   const double h = size[1];
   const double around = 2 * (w + h);
   if (to < from)
-  {
     to += around;
-  }
   const std::array<std::pair<double, Point>, 4> corner{ { { w, { w, 0 } }, { w + h, { w, h } }, { 2 * w + h, { 0, h } },
     { around, { 0, 0 } } } };
   for (const double turn : { 0.0, around })
   {
     for (const auto& [at, point] : corner)
-    {
       if (at + turn > from && at + turn < to)
-      {
         points.push_back(point);
-      }
-    }
   }
 }
 
@@ -51,34 +45,22 @@ std::optional<double> borderPosition(const std::array<double, 2>& size, const Po
   const double near = 1e-9 * (size[0] + size[1]);
   const auto [x, y] = point;
   if (!(x >= -near && x <= size[0] + near && y >= -near && y <= size[1] + near))
-  {
     return {};
-  }
   if (std::abs(y) <= near)
-  {
     return std::clamp(x, 0.0, size[0]);
-  }
   if (std::abs(x - size[0]) <= near)
-  {
     return size[0] + std::clamp(y, 0.0, size[1]);
-  }
   if (std::abs(y - size[1]) <= near)
-  {
     return size[0] + size[1] + std::clamp(size[0] - x, 0.0, size[0]);
-  }
   if (std::abs(x) <= near)
-  {
     return 2 * size[0] + size[1] + std::clamp(size[1] - y, 0.0, size[1]);
-  }
   return {};
 }
 
 double polygonArea(const std::vector<Point>& points)
 {
   if (points.size() < 3)
-  {
     return 0;
-  }
   const Point& origin = points.front(); // near the polygon: less round-off
   double twice = 0;
   for (std::size_t i = 1; i + 1 < points.size(); ++i)
@@ -97,9 +79,7 @@ bool holds(const std::vector<Point>& polygon, const Point& point)
   {
     if ((p[1] > point[1]) != ((*last)[1] > point[1]) &&
       point[0] < p[0] + (point[1] - p[1]) * ((*last)[0] - p[0]) / ((*last)[1] - p[1]))
-    {
       inside = !inside;
-    }
     last = &p;
   }
   return inside;
@@ -112,13 +92,9 @@ std::vector<Outline> outlines(const ContourSet& set)
   {
     const Contour& c = set.contours[i];
     if (c.closed)
-    {
       continue;
-    }
     if (c.points.size() < 2)
-    {
       throw InputError(fmt::format("open contour {} has {} points", i + 1, c.points.size()), "it needs two or more");
-    }
     for (const bool begin : { true, false })
     {
       const Point& p = begin ? c.points.front() : c.points.back();
@@ -150,18 +126,14 @@ std::vector<Outline> outlines(const ContourSet& set)
     }
     (a.begin ? beginAt : endAt)[a.chain] = a.at;
     if (!a.begin)
-    {
       next[a.chain] = b.chain;
-    }
   }
   std::vector<Outline> all;
   std::vector<bool> done(set.contours.size(), false);
   for (std::size_t i = 0; i < set.contours.size(); ++i)
   {
     if (done[i])
-    {
       continue;
-    }
     Outline outline;
     outline.lumen = set.contours[i].lumen;
     outline.open = !set.contours[i].closed;
@@ -189,9 +161,7 @@ void numberLumens(ContourSet& set)
   {
     ++number;
     for (const std::size_t k : outline.chains)
-    {
       set.contours[k].lumen = number;
-    }
   }
 }
 

@@ -53,9 +53,7 @@ void checkChain(const ContourSet& set, std::size_t k, std::vector<ContourFinding
   if (c.closed)
   {
     if (polygonArea(c.points) <= 0)
-    {
       tell(ContourFault::Clockwise, c.points.front());
-    }
     return;
   }
   for (const Point& p : { c.points.front(), c.points.back() })
@@ -96,12 +94,8 @@ void findNested(const ContourSet& set, const std::vector<Outline>& all, std::vec
   };
   std::vector<std::vector<std::size_t>> inBand(bands);
   for (std::size_t i = 0; i < all.size(); ++i)
-  {
     for (std::size_t b = band(box[i].low[1]); b <= band(box[i].high[1]); ++b)
-    {
       inBand[b].push_back(i);
-    }
-  }
   for (std::size_t i = 0; i < all.size(); ++i)
   {
     const Point& p = all[i].points.front();
@@ -180,21 +174,15 @@ std::vector<ContourFinding> validate(const ContourSet& set)
 {
   std::vector<ContourFinding> found;
   for (std::size_t k = 0; k < set.contours.size(); ++k)
-  {
     checkChain(set, k, found);
-  }
   const auto has = [&](ContourFault fault)
   { return std::any_of(found.begin(), found.end(), [&](const ContourFinding& f) { return f.fault == fault; }); };
   if (has(ContourFault::NotFinite))
-  {
     return found;
-  }
   const std::vector<ContourFinding> crossings = findCrossings(set);
   found.insert(found.end(), crossings.begin(), crossings.end());
   if (!crossings.empty() || has(ContourFault::FewPoints) || has(ContourFault::EndInside))
-  {
     return found;
-  }
   try
   {
     const std::vector<Outline> all = outlines(set);
@@ -215,9 +203,7 @@ void requireValid(const ContourSet& set, const std::string& what)
 {
   const std::vector<ContourFinding> found = validate(set);
   if (found.empty())
-  {
     return;
-  }
   std::string hint;
   switch (found.front().fault)
   {

@@ -46,9 +46,7 @@ struct Part
       if (way == 0)
       {
         if (room <= 0)
-        {
           return {};
-        }
       }
       else if (way < 0 && room <= 0 && room / way >= from)
       {
@@ -63,16 +61,12 @@ struct Part
     }
   }
   if (!(from < to))
-  {
     return {};
-  }
   const auto at = [&](double t, int side)
   {
     Point p{ a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]) };
     for (std::size_t k = 0; k < 2; ++k)
-    {
       p[k] = std::clamp(p[k], 0.0, size[k]);
-    }
     const auto k = static_cast<std::size_t>(side / 2);
     p[k] = side % 2 != 0 ? size[k] : 0.0;
     return p;
@@ -96,7 +90,8 @@ ContourSet clipToWindow(
   for (const std::vector<Point>& polygon : polygons)
   {
     std::vector<Point> p(polygon.size());
-    std::transform(polygon.begin(), polygon.end(), p.begin(),
+    std::transform(
+      polygon.begin(), polygon.end(), p.begin(),
       [&](const Point& q) {
         return Point{ q[0] - low[0], q[1] - low[1] };
       });
@@ -119,9 +114,7 @@ ContourSet clipToWindow(
       const Point& b = p[(start + i + 1) % p.size()];
       const Part part = partInside(a, b, size);
       if (!part.any)
-      {
         continue;
-      }
       met = true;
       if (part.enters || chain.points.empty())
       {
@@ -133,15 +126,11 @@ ContourSet clipToWindow(
         }
       }
       if (part.to != chain.points.back())
-      {
         chain.points.push_back(part.to);
-      }
       if (part.leaves)
       {
         if (chain.points.size() > 1)
-        {
           set.contours.push_back(chain);
-        }
         chain.points.clear();
       }
     }
@@ -154,9 +143,7 @@ ContourSet clipToWindow(
       set.contours.pop_back();
     }
     if (covering == Covering::Refused && !met && holds(p, { size[0] / 2, size[1] / 2 }))
-    {
       throw InputError("one lumen covers the whole window", "give a window with walls in it");
-    }
   }
   numberLumens(set);
   return set;
@@ -181,14 +168,10 @@ ContourSet cropContours(const ContourSet& set, const Point& low, const Point& hi
   }
   std::vector<std::vector<Point>> polygons;
   for (Outline& outline : outlines(set))
-  {
     polygons.push_back(std::move(outline.points));
-  }
   ContourSet part = clipToWindow(polygons, from, to);
   if (part.contours.empty())
-  {
     throw InputError("no outline lies in the window", "give a window with lumens in it");
-  }
   return part;
 }
 

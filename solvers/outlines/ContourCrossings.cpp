@@ -36,17 +36,13 @@ struct Segment
 {
   if (std::max(s.a[0], s.b[0]) < std::min(t.a[0], t.b[0]) || std::max(t.a[0], t.b[0]) < std::min(s.a[0], s.b[0]) ||
     std::max(s.a[1], s.b[1]) < std::min(t.a[1], t.b[1]) || std::max(t.a[1], t.b[1]) < std::min(s.a[1], s.b[1]))
-  {
     return false;
-  }
   const double ta = side(s.a, s.b, t.a);
   const double tb = side(s.a, s.b, t.b);
   const double sa = side(t.a, t.b, s.a);
   const double sb = side(t.a, t.b, s.b);
   if (((ta > 0 && tb < 0) || (ta < 0 && tb > 0)) && ((sa > 0 && sb < 0) || (sa < 0 && sb > 0)))
-  {
     return true;
-  }
   return (ta == 0 && between(s, t.a)) || (tb == 0 && between(s, t.b)) || (sa == 0 && between(t, s.a)) ||
     (sb == 0 && between(t, s.b));
 }
@@ -93,18 +89,14 @@ public:
       }
     }
     if (all_.empty())
-    {
       return;
-    }
     // Cells as large as segments are long, but not many more cells than segments.
     const double area = std::max((high_[0] - low_[0]) * (high_[1] - low_[1]), 0.0);
     const double n = static_cast<double>(all_.size());
     edge_ =
       std::max({ 1.5 * length / n, std::sqrt(area / (2 * n)), (high_[0] - low_[0]) / n, (high_[1] - low_[1]) / n });
     for (std::size_t axis = 0; axis < 2; ++axis)
-    {
       cells_[axis] = edge_ > 0 ? static_cast<std::size_t>((high_[axis] - low_[axis]) / edge_) + 1 : 1;
-    }
     fill();
   }
 
@@ -131,9 +123,7 @@ public:
     std::vector<ContourFinding> findings;
     findings.reserve(found.size());
     for (const auto& [pair, at] : found)
-    {
       findings.push_back({ ContourFault::Crossing, pair.first, pair.second, at });
-    }
     return findings;
   }
 
@@ -147,9 +137,7 @@ private:
       const auto follows = [&](const Segment& a, const Segment& b)
       { return a.place + 1 == b.place || (c.closed && a.place + 1 == n && b.place == 0); };
       if (follows(s, t) || follows(t, s))
-      {
         return follows(s, t) ? turnsBack(s, t) : turnsBack(t, s);
-      }
     }
     return meet(s, t);
   }
@@ -188,9 +176,7 @@ private:
         last = std::min(last, static_cast<std::size_t>(std::max(most, 0.0)));
       }
       for (std::size_t x = first; x <= last; ++x)
-      {
         visit(x + cells_[0] * y);
-      }
     }
   }
 
@@ -198,19 +184,13 @@ private:
   {
     begin_.assign(cells_[0] * cells_[1] + 1, 0);
     for (const Segment& s : all_)
-    {
       cover(s, [&](std::size_t cell) { ++begin_[cell + 1]; });
-    }
     for (std::size_t i = 1; i < begin_.size(); ++i)
-    {
       begin_[i] += begin_[i - 1];
-    }
     inCell_.resize(begin_.back());
     std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
     for (std::size_t i = 0; i < all_.size(); ++i)
-    {
       cover(all_[i], [&](std::size_t cell) { inCell_[next[cell]++] = static_cast<std::uint32_t>(i); });
-    }
   }
 
   const ContourSet& set_;

@@ -53,16 +53,10 @@ void checkChain(const Contour& contour, std::size_t number)
       number, fmt::format("is {} and has {} points", contour.closed ? "closed" : "open", contour.points.size()));
   }
   if (contour.lumen < 1)
-  {
     wrongChain(number, fmt::format("belongs to lumen {}; lumens are numbered from 1", contour.lumen));
-  }
   for (const Point& point : contour.points)
-  {
     if (!std::isfinite(point[0]) || !std::isfinite(point[1]))
-    {
       wrongChain(number, fmt::format("has a point at ({}, {})", point[0], point[1]));
-    }
-  }
 }
 
 /// Ends and begins of the open chains along the border, checked to alternate.
@@ -75,9 +69,7 @@ std::vector<ChainEnd> borderOrder(const ContourSet& set)
     const Contour& contour = set.contours[chain];
     checkChain(contour, chain);
     if (contour.closed)
-    {
       continue;
-    }
     for (const bool begins : { false, true })
     {
       const Point& point = begins ? contour.points.front() : contour.points.back();
@@ -114,9 +106,7 @@ void closeAlongBorder(const ContourSet& set, const std::vector<ChainEnd>& ends, 
   for (std::size_t i = 0; i < ends.size(); ++i)
   {
     if (ends[i].begins)
-    {
       continue;
-    }
     const ChainEnd& begin = ends[next(ends, i)];
     const Contour& from = set.contours[ends[i].chain];
     const Contour& to = set.contours[begin.chain];
@@ -158,18 +148,14 @@ std::vector<ContourEdge> closedEdges(const ContourSet& set, double scale)
   const std::vector<ChainEnd> ends = borderOrder(set);
   std::size_t count = 0;
   for (const Contour& contour : set.contours)
-  {
     count += contour.points.size();
-  }
   std::vector<ContourEdge> edges;
   edges.reserve(count + 3 * ends.size());
   for (const Contour& contour : set.contours)
   {
     const std::size_t n = contour.points.size();
     for (std::size_t i = 0; i + (contour.closed ? 0 : 1) < n; ++i)
-    {
       edges.push_back({ contour.points[i], contour.points[(i + 1) % n], contour.lumen, false });
-    }
   }
   closeAlongBorder(set, ends, edges);
   std::erase_if(edges, [](const ContourEdge& edge) { return edge.from == edge.to; });

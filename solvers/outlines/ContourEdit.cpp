@@ -75,9 +75,7 @@ void mark(
     const Point& b = c.points[i + 1 < n ? i + 1 : 0];
     const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
     if (length > 0)
-    {
       way[i] = { (b[1] - a[1]) / length, -(b[0] - a[0]) / length }; // to the right: away from the lumen
-    }
   }
   for (int round = 0; round < 3; ++round)
   {
@@ -96,14 +94,10 @@ void mark(
     // square d² + linear d = 2 missing, the root near 0.
     const double inner = linear * linear + 8 * square * missing;
     if (linear == 0 || inner < 0)
-    {
       return missing == 0;
-    }
     const double d = 4 * missing / (linear + std::copysign(std::sqrt(inner), linear));
     if (!(std::abs(d) <= most))
-    {
       return false;
-    }
     for (std::size_t i = 0; i < n; ++i)
     {
       c.points[i][0] += d * way[i][0];
@@ -118,9 +112,7 @@ void mark(
   const std::size_t n = c.points.size();
   const std::size_t least = c.closed ? 4 : 2;
   if (n <= least)
-  {
     return c;
-  }
   std::vector<bool> keep(n, false);
   keep[0] = true;
   if (c.closed)
@@ -145,16 +137,10 @@ void mark(
   }
   Contour result{ {}, c.closed, c.lumen };
   for (std::size_t i = 0; i < n; ++i)
-  {
     if (keep[i])
-    {
       result.points.push_back(c.points[i]);
-    }
-  }
   if (result.points.size() < least)
-  {
     return c;
-  }
   // Where the area cannot be had again nearby, or only outside the picture, the chain stays as it was.
   const bool inside = moveToArea(result, chainArea(c), 2 * tolerance) &&
     std::all_of(result.points.begin(), result.points.end(),
@@ -171,18 +157,14 @@ ContourSet simplify(const ContourSet& set, double tolerance, SimplifyReport* rep
   {
     std::int64_t sum = 0;
     for (const Contour& c : s.contours)
-    {
       sum += static_cast<std::int64_t>(c.points.size());
-    }
     return sum;
   };
   seen.before = points(set);
   ContourSet result{ set.size, {} };
   result.contours.reserve(set.contours.size());
   for (const Contour& c : set.contours)
-  {
     result.contours.push_back(tolerance > 0 ? simplified(c, set.size, tolerance) : c);
-  }
   if (tolerance > 0)
   {
     // A chain that was put back may meet one that was not: again, until nothing crosses. Each round puts some back.
@@ -206,9 +188,7 @@ ContourSet simplify(const ContourSet& set, double tolerance, SimplifyReport* rep
   }
   seen.after = points(result);
   if (report != nullptr)
-  {
     *report = seen;
-  }
   return result;
 }
 
@@ -220,9 +200,7 @@ ContourSet filterLumens(const ContourSet& set, const LumenFilter& filter, Filter
       fmt::format("the smallest lumen's area is {:g} m²", filter.smallestArea), "give 0 (all) or a positive area");
   }
   if (!(filter.leastSolidity >= 0 && filter.leastSolidity <= 1))
-  {
     throw ParameterError(fmt::format("the least solidity is {:g}", filter.leastSolidity), "give one from 0 to 1");
-  }
   FilterReport seen;
   std::map<std::int32_t, bool> keep;
   for (const LumenMeasures& m : measureLumens(set))
@@ -254,9 +232,7 @@ ContourSet filterLumens(const ContourSet& set, const LumenFilter& filter, Filter
     }
   }
   if (report != nullptr)
-  {
     *report = seen;
-  }
   return result;
 }
 

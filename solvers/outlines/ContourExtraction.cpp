@@ -21,9 +21,7 @@ void check(const PhaseImage& image, std::uint8_t lumen, std::span<const float> l
 {
   const Lattice& lattice = image.lattice;
   if (lattice.dimension != 2)
-  {
     throw ParameterError("contours of a volume were asked for", "give one slice of it");
-  }
   if (lattice.count() <= 0 || static_cast<std::int64_t>(image.phase.size()) != lattice.count() ||
     !(lattice.spacing > 0) || !std::isfinite(lattice.spacing))
   {
@@ -44,9 +42,7 @@ void check(const PhaseImage& image, std::uint8_t lumen, std::span<const float> l
         fmt::format("the level has {} values for {} nodes", level.size(), lattice.count()), "give one a node");
     }
     if (!std::all_of(level.begin(), level.end(), [](float v) { return std::isfinite(v); }))
-    {
       throw ParameterError("the level has values that are no finite numbers", "give finite ones, above 0 in lumens");
-    }
   }
   if (!(options.wavelength >= 4 && options.wavelength <= 200))
   {
@@ -66,9 +62,7 @@ void check(const PhaseImage& image, std::uint8_t lumen, std::span<const float> l
   c.closed = trace.closed;
   c.points.reserve(trace.crossings.size());
   for (const Crossing& k : trace.crossings)
-  {
     c.points.push_back({ k.px() * spacing, k.py() * spacing });
-  }
   return c;
 }
 
@@ -84,13 +78,9 @@ std::vector<std::string> ExtractReport::lines() const
       nestedLumens > 0 ? fmt::format(", with {} lumens in them", nestedLumens) : std::string{}));
   }
   if (small > 0)
-  {
     text.push_back(fmt::format("{} lumens below the smallest area became wall", small));
-  }
   if (ragged > 0)
-  {
     text.push_back(fmt::format("{} lumens below the least solidity became wall", ragged));
-  }
   text.push_back(fmt::format("{} points, of {} crossings", points, crossings));
   text.push_back(fmt::format("wall fraction {:.4f}", wallFraction));
   return text;
@@ -137,13 +127,9 @@ Extraction extractContours(
     double target = signedArea(trace, halfWay) + trace.corners;
     thinOut(trace);
     if (!halfWay)
-    {
       target = signedArea(trace) + capArea(trace);
-    }
     else if (options.smooth)
-    {
       smooth(trace, scale);
-    }
     const double missing = std::abs(restoreArea(trace, target, scale.margin));
     report.areaMissing = std::max(report.areaMissing, halfWay ? missing : 0.0);
     report.crossings += static_cast<std::int64_t>(trace.crossings.size());
@@ -165,9 +151,7 @@ Extraction extractContours(
     report.openLumens += outline.open ? 1 : 0;
   }
   for (const Contour& c : set.contours)
-  {
     report.points += static_cast<std::int64_t>(c.points.size());
-  }
   report.wallFraction = wallFraction(set);
   if (report.lumens == 0)
   {

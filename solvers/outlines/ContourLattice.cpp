@@ -46,9 +46,7 @@ void forRows(const ContourEdge& edge, std::int64_t rows, const Visit& visit)
       std::int64_t{ 0 }, rows);
   };
   for (std::int64_t row = rowAfter(least); row < rowAfter(most); ++row)
-  {
     visit(row);
-  }
 }
 
 RowCrossings crossRows(std::span<const ContourEdge> edges, std::int64_t rows)
@@ -56,13 +54,9 @@ RowCrossings crossRows(std::span<const ContourEdge> edges, std::int64_t rows)
   RowCrossings crossings;
   crossings.first.assign(static_cast<std::size_t>(rows) + 2, 0);
   for (const ContourEdge& edge : edges)
-  {
     forRows(edge, rows, [&](std::int64_t row) { ++crossings.first[static_cast<std::size_t>(row) + 2]; });
-  }
   for (std::size_t row = 2; row < crossings.first.size(); ++row)
-  {
     crossings.first[row] += crossings.first[row - 1];
-  }
   crossings.all.resize(crossings.first.back());
   for (const ContourEdge& edge : edges)
   {
@@ -109,9 +103,7 @@ void fillNodes(const RowCrossings& crossings, ContourLattice& result)
         const auto at = static_cast<std::ptrdiff_t>(result.image.lattice.index(begin, row));
         std::fill_n(result.image.phase.begin() + at, end - begin, kLumen);
         if (!result.grain.empty())
-        {
           std::fill_n(result.grain.begin() + at, end - begin, lumen);
-        }
       }
     }
   }
@@ -148,9 +140,7 @@ double mostCells(std::span<const ContourEdge> edges)
 {
   double cells = 0;
   for (const ContourEdge& edge : edges)
-  {
     cells += edge.border ? 0 : std::abs(edge.to[0] - edge.from[0]) + std::abs(edge.to[1] - edge.from[1]);
-  }
   return cells;
 }
 
@@ -189,13 +179,9 @@ namespace
 Lattice latticeOver(const std::array<double, 2>& size, double spacing, int multiple, bool crops)
 {
   if (!(spacing > 0) || !std::isfinite(spacing))
-  {
     throw ParameterError(fmt::format("a spacing of {} m", spacing), "give it in metres, such as 1e-6");
-  }
   if (multiple < 1)
-  {
     throw ParameterError(fmt::format("nodes in multiples of {}", multiple), "give 1 or more");
-  }
   const double columns = multiple * std::round(size[0] / spacing / multiple);
   const double fitted = size[0] / columns;
   // A part in a thousand million of the height is round-off.
@@ -229,21 +215,15 @@ FittedContours fitContours(const ContourSet& contours, double spacing, int multi
   fitted.stretch = fitted.lattice.length(1) / set.size[1];
   set.size = { fitted.lattice.length(0), fitted.lattice.length(1) };
   for (Contour& contour : set.contours)
-  {
     for (Point& point : contour.points)
-    {
       point[1] *= fitted.stretch;
-    }
-  }
   return fitted;
 }
 
 ContourLattice contourLattice(const ContourSet& contours, const ContourLatticeOptions& options)
 {
   if (options.lines < 0 || options.lines > 16)
-  {
     throw ParameterError(fmt::format("{} lines across a link", options.lines), "give 1 to 16, or 0 for no links");
-  }
   checkContours(contours);
   const Lattice lattice = latticeOf(contours.size, options.spacing);
   const std::vector<ContourEdge> edges = closedEdges(contours, 1 / lattice.spacing);
@@ -262,12 +242,8 @@ ContourLattice contourLattice(const ContourSet& contours, const ContourLatticeOp
     sharePixels(pixels, result);
   }
   for (const int axis : { 0, 1 })
-  {
     if (options.lines > 0)
-    {
       result.links[static_cast<std::size_t>(axis)] = cutLinks(edges, result.image, options, axis);
-    }
-  }
   result.thickness = wallThickness(contours);
   warnOfThinWalls(result);
   return result;

@@ -55,9 +55,7 @@ namespace
   {
     const Contour& chain = set.contours[k];
     for (std::size_t i = 1; i < chain.points.size(); ++i)
-    {
       m.wallLength += distance(chain.points[i - 1], chain.points[i]);
-    }
     m.wallLength += chain.closed ? distance(chain.points.back(), chain.points.front()) : 0.0;
   }
   m.area = twice / 2;
@@ -89,9 +87,7 @@ double leastWidth(const ContourSet& set)
 {
   double length = 0;
   for (const LumenMeasures& lumen : measureLumens(set))
-  {
     length += lumen.wallLength;
-  }
   const double wall = wallFraction(set);
   return 2 * std::min(wall, 1 - wall) * set.size[0] * set.size[1] / length;
 }
@@ -101,9 +97,7 @@ std::vector<Point> convexHull(std::vector<Point> points)
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
   if (points.size() < 3)
-  {
     return points;
-  }
   std::vector<Point> hull;
   const auto half = [&](auto from, auto to)
   {
@@ -111,9 +105,7 @@ std::vector<Point> convexHull(std::vector<Point> points)
     for (auto p = from; p != to; ++p)
     {
       while (hull.size() >= first + 2 && cross(hull[hull.size() - 2], hull.back(), *p) <= 0)
-      {
         hull.pop_back();
-      }
       hull.push_back(*p);
     }
     hull.pop_back(); // the other half begins with it
@@ -127,9 +119,7 @@ std::vector<LumenMeasures> measureLumens(const ContourSet& set)
 {
   std::vector<LumenMeasures> all;
   for (const Outline& outline : outlines(set))
-  {
     all.push_back(measure(outline, set));
-  }
   return all;
 }
 
@@ -137,9 +127,7 @@ double wallFraction(const ContourSet& set)
 {
   double lumen = 0;
   for (const Outline& outline : outlines(set))
-  {
     lumen += polygonArea(outline.points);
-  }
   return 1 - lumen / (set.size[0] * set.size[1]);
 }
 

@@ -49,9 +49,7 @@ void tighten(const std::vector<double>& free, double room, bool closed, std::vec
   for (std::size_t i = 0; i < n; ++i)
   {
     if (std::abs(free[i]) <= room + 0.05)
-    {
       continue;
-    }
     for (std::ptrdiff_t d = -2; d <= 2; ++d)
     {
       const auto k = static_cast<std::ptrdiff_t>(i) + d;
@@ -79,9 +77,7 @@ double signedArea(const Trace& trace, bool halfWay)
   double twice = 0;
   const auto add = [&](const Crossing& a, const Crossing& b) { twice += x(a) * y(b) - x(b) * y(a); };
   for (std::size_t i = 1; i < trace.crossings.size(); ++i)
-  {
     add(trace.crossings[i - 1], trace.crossings[i]);
-  }
   if (trace.closed)
   {
     add(trace.crossings.back(), first);
@@ -118,9 +114,7 @@ void thinOut(Trace& trace)
   const auto& c = trace.crossings;
   const std::size_t n = c.size();
   if (n < 2 * fewest)
-  {
     return;
-  }
   std::vector<Crossing> kept;
   kept.reserve(n);
   bool dropped = false;
@@ -142,9 +136,7 @@ void thinOut(Trace& trace)
     }
     dropped = drop;
     if (!drop)
-    {
       kept.push_back(c[i]);
-    }
   }
   trace.crossings = std::move(kept);
 }
@@ -154,9 +146,7 @@ void smooth(Trace& trace, const SmoothingScale& scale)
   auto& c = trace.crossings;
   const std::size_t n = c.size();
   if (n < fewest)
-  {
     return;
-  }
   const double room = 0.5 - scale.margin;
   const double push = std::pow(2 * std::numbers::pi / 3, 6);
   RingSystem ring(n, trace.closed);
@@ -171,9 +161,7 @@ void smooth(Trace& trace, const SmoothingScale& scale)
   std::vector<double> free(n);
   std::vector<double> hold(n, 1.0);
   for (std::size_t i = 0; i < n; ++i)
-  {
     free[i] = c[i].t;
-  }
   for (int round = 0; round < scale.rounds; ++round)
   {
     // From short waves to long ones: few crossings at a time reach the end of their room.
@@ -243,18 +231,14 @@ double restoreArea(Trace& trace, double target, double margin)
   const auto missing = [&](double move)
   {
     for (std::size_t i = 0; i < c.size(); ++i)
-    {
       c[i].t = std::clamp(before[i] + move * share[i], -room, room);
-    }
     return target - signedArea(trace);
   };
   // The area grows with the move, linearly but for the ends of the room: regula falsi (Illinois).
   double low = 0;
   double atLow = missing(0);
   if (atLow == 0)
-  {
     return 0;
-  }
   double high = std::copysign(0.02, atLow);
   double atHigh = missing(high);
   while (atHigh * atLow > 0 && std::abs(high) < 2)
@@ -265,9 +249,7 @@ double restoreArea(Trace& trace, double target, double margin)
     atHigh = missing(high);
   }
   if (atHigh * atLow > 0)
-  {
     return atHigh;
-  }
   const double enough = 1e-13 * (1 + std::abs(target));
   double rest = atHigh;
   for (int i = 0; i < 60 && std::abs(rest) > enough; ++i)

@@ -110,13 +110,9 @@ private:
     const std::int64_t y = std::clamp<std::int64_t>(j - 1, 0, ny_ - 1);
     double v = value(x, y);
     if (i == 0 || i == nx_ + 1)
-    {
       v += 0.5 * (v - value(i == 0 ? std::min<std::int64_t>(1, nx_ - 1) : std::max<std::int64_t>(nx_ - 2, 0), y));
-    }
     else if (j == 0 || j == ny_ + 1)
-    {
       v += 0.5 * (v - value(x, j == 0 ? std::min<std::int64_t>(1, ny_ - 1) : std::max<std::int64_t>(ny_ - 2, 0)));
-    }
     return v;
   }
 
@@ -138,9 +134,7 @@ private:
       double in = levelAt(x, y);
       double out = alongX ? levelAt(x + 1, y) : levelAt(x, y + 1);
       if (!first)
-      {
         std::swap(in, out);
-      }
       in = std::max(in, 0.0);
       out = std::min(out, 0.0);
       const double share = in - out > 0 ? in / (in - out) : 0.5;
@@ -164,9 +158,7 @@ private:
     {
       trace.crossings.push_back(crossing(i, j, entry));
       if (entry == Bottom || entry == Top)
-      {
         owner_[edge(i, entry == Bottom ? j : j + 1)] = number;
-      }
       const unsigned kind = corners(i, j);
       balance += cuts[kind];
       const Side out = exits[kind][static_cast<std::size_t>(entry)];
@@ -176,18 +168,14 @@ private:
       {
         trace.crossings.push_back(crossing(i, j, out));
         if (out == Bottom || out == Top)
-        {
           owner_[edge(i, out == Bottom ? j : j + 1)] = number;
-        }
         break;
       }
       i = nextI;
       j = nextJ;
       entry = (out + 2) % 4;
       if (closed && i == firstI && j == firstJ && entry == firstEntry)
-      {
         break;
-      }
     }
     trace.corners = static_cast<double>(balance) / 8;
     return trace;
@@ -208,33 +196,17 @@ private:
   void openChains()
   {
     for (std::int64_t i = 0; i <= nx_; ++i)
-    {
       if (inside(i, 0) && !inside(i + 1, 0))
-      {
         open(i, 0, Bottom);
-      }
-    }
     for (std::int64_t j = 0; j <= ny_; ++j)
-    {
       if (inside(nx_ + 1, j) && !inside(nx_ + 1, j + 1))
-      {
         open(nx_, j, Right);
-      }
-    }
     for (std::int64_t i = nx_; i >= 0; --i)
-    {
       if (inside(i + 1, ny_ + 1) && !inside(i, ny_ + 1))
-      {
         open(i, ny_, Top);
-      }
-    }
     for (std::int64_t j = ny_; j >= 0; --j)
-    {
       if (inside(0, j + 1) && !inside(0, j))
-      {
         open(0, j, Left);
-      }
-    }
     traces_.borderIsLumen = traces_.chains.empty() && inside(0, 0);
   }
 
@@ -249,13 +221,9 @@ private:
       for (std::int64_t i = 0; i <= nx_; ++i)
       {
         if (row[i] == row[i + 1])
-        {
           continue;
-        }
         if (owner_[edge(i, j)] == 0)
-        {
           loop(i, j, row[i] != 0, before);
-        }
         before = owner_[edge(i, j)];
       }
     }

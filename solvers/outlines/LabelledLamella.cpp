@@ -25,9 +25,7 @@ PhaseImage labelledLamella(
     {
       auto& phase = image.phase[static_cast<std::size_t>(to.index(x, y))];
       if (phase != kVoid && labels.phase[static_cast<std::size_t>(from.index(pixel(x, 0), pixel(y, 1)))] == lamella)
-      {
         phase = kLamella;
-      }
     }
   }
   return image;

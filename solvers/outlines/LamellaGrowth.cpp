@@ -44,9 +44,7 @@ public:
       phase_[node] = wall_[node] != 0 && distance < 0 ? kLamella : phase_[node];
     }
     if (radius_ > 0)
-    {
       roundCorners();
-    }
   }
 
 private:
@@ -98,9 +96,7 @@ std::vector<Segment> Growth::lines(const Skip& skip, const Value& value) const
     const auto above = node + static_cast<std::size_t>(lattice_.size[0]);
     const std::array<std::size_t, 4> nodes{ node, node + 1, above + 1, above };
     if (skip(nodes))
-    {
       return;
-    }
     const Point low{ (static_cast<double>(x) + 0.5) * lattice_.spacing,
       (static_cast<double>(y) + 0.5) * lattice_.spacing };
     for (std::size_t i = 0; i < 4; ++i)
@@ -121,17 +117,11 @@ std::vector<Segment> Growth::lines(const Skip& skip, const Value& value) const
     {
       const auto before = static_cast<std::ptrdiff_t>(found.size());
       for (std::int64_t y = top; y < std::min(rows, top + kTile); ++y)
-      {
         for (std::int64_t x = left; x < std::min(columns, left + kTile); ++x)
-        {
           square(x, y);
-        }
-      }
       const auto byCell = [](const Segment& a, const Segment& b) { return a.chain < b.chain; };
       if (!std::is_sorted(found.begin() + before, found.end(), byCell))
-      {
         std::stable_sort(found.begin() + before, found.end(), byCell);
-      }
     }
   }
   return found;
@@ -176,9 +166,7 @@ std::vector<Segment> Growth::tightPieces(const NearestContours& outlines) const
     [&](std::int64_t index, const Point&, const Nearest& nearest)
     {
       if (nearest.squared[0] < reach * reach)
-      {
         tight.push_back(outlines.segments()[static_cast<std::size_t>(index)]);
-      }
     });
   return tight;
 }
@@ -199,9 +187,7 @@ std::vector<std::uint8_t> Growth::around(std::span<const Segment> segments, doub
         std::clamp((std::max(segment.from[axis], segment.to[axis]) + distance) / lattice_.spacing, 0.0, most)));
     }
     for (std::int64_t y = low[1]; y < high[1]; ++y)
-    {
       std::fill(mask.begin() + lattice_.index(low[0], y), mask.begin() + lattice_.index(high[0], y), std::uint8_t{ 1 });
-    }
   }
   return mask;
 }
@@ -270,19 +256,13 @@ void Growth::roundCorners()
   const double reach = radius_ * 1.001;
   const NearestContours disks(std::move(centres), 1);
   if (disks.empty())
-  {
     for (std::size_t node = 0; node < wall_.size(); ++node)
-    {
       phase_[node] = wanted[node] != 0 ? kLamella : phase_[node];
-    }
-  }
   disks.atNodes(lattice_.size[0], lattice_.size[1], spacing, wanted, reach,
     [&](std::int64_t index, const Point&, const Nearest& nearest)
     {
       if (nearest.squared[0] > reach * reach)
-      {
         phase_[static_cast<std::size_t>(index)] = kLamella;
-      }
     });
 }
 

@@ -54,22 +54,16 @@ NodesAcross nodesAcross(
           lattice.image.phase[next] != 0;
       };
       if (x + 1 < nx && isLink(node + 1))
-      {
         measure(node, node + 1);
-      }
       if (y + 1 < ny && isLink(node + static_cast<std::size_t>(nx)))
-      {
         measure(node, node + static_cast<std::size_t>(nx));
-      }
     }
   }
   if (!across.all.empty())
   {
     double sum = 0;
     for (const float value : across.all)
-    {
       sum += static_cast<double>(value);
-    }
     across.mean = sum / static_cast<double>(across.all.size());
     const auto low = across.all.begin() + static_cast<std::ptrdiff_t>(across.all.size() / 20);
     std::nth_element(across.all.begin(), low, across.all.end());
@@ -85,13 +79,9 @@ PhaseImage lamellaFromLabels(const Lattice& lattice, std::span<const std::uint16
   const PhaseTable phases({ "lumen", "wall", "middle lamella" });
   std::array<std::uint8_t, 3> id{};
   for (std::size_t i = 0; i < image.phases.size(); ++i)
-  {
     id.at(i) = phases.find(image.phases.name(static_cast<std::uint8_t>(i))).value();
-  }
   for (std::uint8_t& phase : image.phase)
-  {
     phase = id.at(phase);
-  }
   image.phases = phases;
   return image;
 }

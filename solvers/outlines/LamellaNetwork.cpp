@@ -24,13 +24,9 @@ void forLinks(const Lattice& lattice, const std::vector<std::int32_t>& grain, co
     for (std::size_t node = row; node < row + nx; ++node)
     {
       if (node + 1 < row + nx && grain[node] != grain[node + 1])
-      {
         visit(node, node + 1);
-      }
       if (!last && grain[node] != grain[node + nx])
-      {
         visit(node, node + nx);
-      }
     }
   }
 }
@@ -50,12 +46,8 @@ std::vector<std::int32_t> lumensOn(const ContourLattice& lattice, const WallDire
   const std::vector<std::uint8_t>& wall = lattice.image.phase;
   std::vector<std::int32_t> cells;
   for (std::size_t node = 0; node < wall.size(); ++node)
-  {
     if (wall[node] == 0 && (cells.empty() || cells.back() != directions.grain[node]))
-    {
       cells.push_back(directions.grain[node]);
-    }
-  }
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   return cells;
@@ -113,7 +105,8 @@ void countNetworks(const ContourLattice& lattice, const WallDirections& directio
 
   const std::vector<std::int32_t> cells = lumensOn(lattice, directions);
   std::vector<Touch> touch(cells.size(), None);
-  forLinks(result.image.lattice, directions.grain,
+  forLinks(
+    result.image.lattice, directions.grain,
     [&](std::size_t a, std::size_t b)
     {
       const Touch best = std::max(kind(labels[a]), kind(labels[b]));

@@ -41,24 +41,18 @@ public:
         if (slot < 0)
         {
           if (differ(column, row))
-          {
             add(column, row, slot, cover, cuts);
-          }
           continue;
         }
         if (cells_.sum(slot).cut || differ(column, row))
-        {
           add(column, row, slot, cover, cuts);
-        }
         cover += cells_.sum(slot).cover;
         for (const int axis : { 0, 1 })
         {
           const LineSums& lines = cells_.lines(axis);
           int* state = stateOf(axis, column);
           for (std::size_t k = 0; k < lines.place.size(); ++k)
-          {
             state[k] += lines.turn[static_cast<std::size_t>(slot) * count_ + k];
-          }
         }
       }
     }
@@ -93,9 +87,7 @@ private:
     cuts.normal.push_back({ static_cast<float>(sum.normal[0] / length), static_cast<float>(sum.normal[1] / length) });
     share(axis_, column, slot, cuts.share);
     if (across_)
-    {
       share(1 - axis_, column, slot, cuts.across);
-    }
   }
 
   const CellSums& cells_;
@@ -121,18 +113,14 @@ LinkCuts cutLinks(
   cells.addAreas(edges);
   cells.addLines(edges, axis, cuts.place);
   if (options.across)
-  {
     cells.addLines(edges, 1 - axis, cuts.place);
-  }
   const std::int64_t step = axis == 0 ? 1 : nx;
   const std::int64_t last = axis == 0 ? nx : ny;
   const auto differ = [&](std::int64_t column, std::int64_t row)
   {
     const std::int64_t along = axis == 0 ? column : row;
     if (along == 0 || along == last)
-    {
       return false;
-    }
     const auto node = static_cast<std::size_t>(column + nx * row);
     return image.phase[node] != image.phase[node - static_cast<std::size_t>(step)];
   };

@@ -37,14 +37,10 @@ Gaussian fit(std::span<const double> values, std::size_t all)
   result.share = n / static_cast<double>(all);
   result.mean = 0;
   for (const double value : values)
-  {
     result.mean += value / n;
-  }
   result.variance = 0;
   for (const double value : values)
-  {
     result.variance += (value - result.mean) * (value - result.mean) / n;
-  }
   result.variance = std::max(leastVariance, result.variance);
   return result;
 }
@@ -54,9 +50,7 @@ std::size_t split(std::span<const double> sorted)
 {
   double all = 0;
   for (const double value : sorted)
-  {
     all += value;
-  }
   std::size_t best = sorted.size() / 2;
   double most = -1;
   double sum = 0;
@@ -82,9 +76,7 @@ double logLikelihood(std::span<const double> values, std::span<const Gaussian> c
   {
     double density = 1e-300;
     for (const Gaussian& one : classes)
-    {
       density += one.density(value);
-    }
     sum += std::log(density);
   }
   return sum;
@@ -122,9 +114,7 @@ std::size_t widestGap(std::span<const double> sorted, std::size_t least)
 {
   std::size_t best = least;
   for (std::size_t i = least; i + least <= sorted.size(); ++i)
-  {
     best = sorted[i] - sorted[i - 1] > sorted[best] - sorted[best - 1] ? i : best;
-  }
   return best;
 }
 
@@ -149,14 +139,10 @@ Pair fitPair(std::span<const double> sorted, std::size_t low)
     improve(sorted, two);
     const double before = std::exchange(pair.logLikelihood, logLikelihood(sorted, two));
     if (pair.logLikelihood - before < 1e-9 * std::abs(pair.logLikelihood))
-    {
       break;
-    }
   }
   if (two[0].mean > two[1].mean)
-  {
     std::swap(two[0], two[1]);
-  }
   const double apart = two[1].mean - two[0].mean;
   pair.separability = std::numbers::sqrt2 * apart / std::sqrt(two[0].variance + two[1].variance);
   pair.ratio = std::exp(apart);
@@ -183,17 +169,13 @@ LumenClasses classifyLumens(std::span<const double> sizes)
   for (const double size : sizes)
   {
     if (!(size > 0) || !std::isfinite(size))
-    {
       throw ParameterError(fmt::format("a lumen of size {}", size), "give sizes above 0");
-    }
     logs.push_back(std::log(size));
   }
   std::sort(logs.begin(), logs.end());
   constexpr std::size_t least = 3;
   if (logs.size() < 2 * least)
-  {
     return result;
-  }
   const Gaussian one = fit(logs, logs.size());
   const double ofOne = logLikelihood(logs, std::span(&one, 1));
   const auto clean = [&](const Pair& pair)
@@ -207,16 +189,12 @@ LumenClasses classifyLumens(std::span<const double> sizes)
   Pair best = fitPair(logs, split(logs));
   const Pair other = fitPair(logs, widestGap(logs, least));
   if (clean(other) && (!clean(best) || other.logLikelihood > best.logLikelihood))
-  {
     best = other;
-  }
   result.separability = best.separability;
   result.ratio = best.ratio;
   result.two = clean(best);
   if (!result.two)
-  {
     return result;
-  }
   result.threshold = std::exp(best.limit);
   result.vessels = best.larger;
   std::transform(
@@ -237,19 +215,13 @@ LumenClasses tellVessels(std::span<const LumenExtent> lumens)
   constexpr double ragged = 0.75;
   double largest = 0;
   for (const LumenExtent& one : lumens)
-  {
     largest = one.whole && one.solidity >= ragged ? std::max(largest, area(one)) : largest;
-  }
   const auto cell = [&](const LumenExtent& one)
   { return one.solidity >= ragged && (one.whole || largest == 0 || area(one) <= 3 * largest); };
   std::vector<double> sizes;
   for (const LumenExtent& one : lumens)
-  {
     if (one.whole && cell(one) && !slender(one))
-    {
       sizes.push_back(circle(one));
-    }
-  }
   LumenClasses classes = classifyLumens(sizes);
   classes.vessel.assign(lumens.size(), false);
   classes.vessels = 0;

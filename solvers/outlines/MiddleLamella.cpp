@@ -49,12 +49,8 @@ void constantLamella(
   const ContourLattice& lattice, const WallDirections& directions, double thickness, std::span<std::uint8_t> phase)
 {
   for (std::size_t node = 0; node < phase.size(); ++node)
-  {
     if (lattice.image.phase[node] != 0 && directions.middle[node] < thickness / 2)
-    {
       phase[node] = kLamella;
-    }
-  }
 }
 
 } // namespace
@@ -70,9 +66,7 @@ MiddleLamella middleLamella(
   const double thickness = options.thickness.value_or(usualLamella(lattice.thickness.median));
   const double radius = options.radius.value_or(lattice.thickness.median / 4);
   if (!(lattice.thickness.median > 0))
-  {
     throw InputError("a picture with fewer than two lumens has no middle lamella", "take a larger part of the picture");
-  }
   if (!(thickness > 0) || !std::isfinite(thickness))
   {
     throw ParameterError(
@@ -95,13 +89,9 @@ MiddleLamella middleLamella(
   std::transform(lattice.image.phase.begin(), lattice.image.phase.end(), phase.begin(),
     [](std::uint8_t wall) { return wall != 0 ? kSecondary : kVoid; });
   if (options.method == LamellaMethod::Growth)
-  {
     growLamella(lattice, directions, thickness, radius, phase);
-  }
   else
-  {
     constantLamella(lattice, directions, thickness, phase);
-  }
   result.joined = joinLamella(lattice, directions, phase);
   result.image = { lattice.image.lattice, std::move(phase), PhaseTable({ "lumen", "wall", "middle lamella" }) };
   const std::vector<double> shares = result.image.fractions();

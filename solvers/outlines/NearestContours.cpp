@@ -26,21 +26,15 @@ void insert(Nearest& nearest, double squared, std::int32_t label, std::int32_t s
 {
   int place = 0;
   while (place < labels - 1 && nearest.label[place] != label)
-  {
     ++place;
-  }
   const auto before = [&](int i)
   {
     if (squared != nearest.squared[i])
-    {
       return squared < nearest.squared[i];
-    }
     return label != nearest.label[i] ? label < nearest.label[i] : segment < nearest.segment[i];
   };
   if (!before(place))
-  {
     return;
-  }
   while (place > 0 && before(place - 1))
   {
     nearest.squared[place] = nearest.squared[place - 1];
@@ -79,12 +73,8 @@ NearestContours::NearestContours(std::vector<Segment> segments, int labels)
 {
   std::unordered_set<std::int32_t> known;
   for (const Segment& segment : segments_)
-  {
     if (static_cast<int>(known.size()) < labels)
-    {
       known.insert(segment.label);
-    }
-  }
   labels_ = std::min(labels, static_cast<int>(known.size()));
   const auto count = static_cast<std::int32_t>(segments_.size());
   for (std::int32_t i = 0; i < count; ++i)
@@ -154,9 +144,7 @@ void NearestContours::tryRun(const Run& run, const Point& point, Nearest& neares
   squaredToRun(lanes_[static_cast<std::size_t>(run.lanes)].data(), point[0], point[1], squared.data());
   std::int32_t which = 0;
   for (std::int32_t i = 1; i < run.count; ++i)
-  {
     which = squared[static_cast<std::size_t>(i)] < squared[static_cast<std::size_t>(which)] ? i : which;
-  }
   insert(nearest, squared[static_cast<std::size_t>(which)], run.label, run.first + which, labels_);
 }
 
@@ -164,9 +152,7 @@ Nearest NearestContours::at(const Point& point, double within) const
 {
   Nearest nearest;
   if (tree_.empty())
-  {
     return nearest;
-  }
   const double most = within * within;
   std::array<std::pair<double, std::int32_t>, 128> stack;
   std::size_t depth = 0;
@@ -175,14 +161,10 @@ Nearest NearestContours::at(const Point& point, double within) const
   {
     const auto [squared, index] = stack[--depth];
     if (squared > std::min(most, nearest.squared[static_cast<std::size_t>(labels_) - 1]))
-    {
       continue;
-    }
     const Branch& branch = tree_[static_cast<std::size_t>(index)];
     for (std::int32_t i = branch.first; i < branch.first + branch.runs; ++i)
-    {
       tryRun(runs_[static_cast<std::size_t>(i)], point, nearest);
-    }
     if (branch.runs == 0)
     {
       const Branch& left = tree_[static_cast<std::size_t>(branch.first)];
@@ -190,9 +172,7 @@ Nearest NearestContours::at(const Point& point, double within) const
       std::pair<double, std::int32_t> a{ squaredTo(point, left.low, left.high), branch.first };
       std::pair<double, std::int32_t> b{ squaredTo(point, right.low, right.high), branch.first + 1 };
       if (a.first < b.first)
-      {
         std::swap(a, b);
-      }
       stack[depth++] = a;
       stack[depth++] = b;
     }
@@ -212,9 +192,7 @@ std::vector<Segment> segmentsOf(const ContourSet& contours)
       const Segment segment{ contour.points[i], contour.points[(i + 1) % n], contour.lumen,
         static_cast<std::int32_t>(chain) };
       if (segment.from != segment.to)
-      {
         segments.push_back(segment);
-      }
     }
   }
   return segments;

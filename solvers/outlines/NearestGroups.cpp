@@ -117,17 +117,11 @@ public:
       choose(label);
       nearestOf(candidates_.data(), candidates_.size(), x_.data(), y_.data(), padded, squared_.data(), which_.data());
       for (std::size_t i = 0; i < count_; ++i)
-      {
         if (squared_[i] < found_[i].squared[last_])
-        {
           insert(found_[i], squared_[i], label.label, segments_[static_cast<std::size_t>(which_[i])]);
-        }
-      }
     }
     for (std::size_t i = 0; i < count_; ++i)
-    {
       visit(index_[i], { x_[i], y_[i] }, found_[i]);
-    }
   }
 
 private:
@@ -151,9 +145,7 @@ private:
   {
     double most = distances[last_] + 2 * radius_;
     if (last_ == 2)
-    {
       most = std::min(most, Nearest::kThird * (distances[1] + radius_) + radius_);
-    }
     return std::min(most, within_ + radius_) * (1 + 1e-12); // round-off
   }
 
@@ -165,21 +157,15 @@ private:
     if (hints_.size() > last_)
     {
       for (std::size_t i = 0; i <= last_; ++i)
-      {
         distances[i] = distanceTo(search_.segments_[static_cast<std::size_t>(hints_[i])], centre_);
-      }
       std::sort(distances.begin(), distances.end());
       const double move = std::hypot(centre_[0] - before_[0], centre_[1] - before_[1]);
       if (move <= std::max(4 * radius_, distances[last_] / 2))
-      {
         return distances;
-      }
     }
     const Nearest nearest = search_.at(centre_, within_ + radius_);
     for (std::size_t i = 0; i <= last_; ++i)
-    {
       distances[i] = std::sqrt(nearest.squared[i]);
-    }
     return distances;
   }
 
@@ -196,9 +182,7 @@ private:
     {
       const Run& run = *near_[i].run;
       if (labels_.empty() || labels_.back().label != run.label)
-      {
         labels_.push_back({ run.label, i, i, Nearest::kNone, -1 });
-      }
       Label& label = labels_.back();
       label.end = i + 1;
       for (std::size_t k = 0; k < static_cast<std::size_t>(run.count); ++k)
@@ -213,9 +197,7 @@ private:
     // Now the distances are known.
     order_.clear();
     for (const Label& label : labels_)
-    {
       order_.emplace_back(label.squared, label.segment);
-    }
     const std::size_t some = std::min(order_.size(), last_ + 1);
     std::partial_sort(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(some), order_.end());
     std::array<double, Nearest::kMost> distances{ Nearest::kNone, Nearest::kNone, Nearest::kNone };
@@ -240,9 +222,7 @@ private:
     {
       const Branch& branch = search_.tree_[static_cast<std::size_t>(stack[--depth])];
       if (squaredTo(centre_, branch.low, branch.high) > most)
-      {
         continue;
-      }
       for (std::int32_t i = branch.first; i < branch.first + branch.runs; ++i)
       {
         const Run& run = search_.runs_[static_cast<std::size_t>(i)];
@@ -326,9 +306,7 @@ void NearestContours::atNodes(std::int64_t nx, std::int64_t ny, double spacing, 
   double within, const Visit& visit) const
 {
   if (tree_.empty())
-  {
     return;
-  }
   static_assert(kBlock * kBlock <= kGroup);
   Groups groups(*this, within);
   for (std::int64_t y0 = 0; y0 < ny; y0 += kBlock)
@@ -348,9 +326,7 @@ void NearestContours::atNodes(std::int64_t nx, std::int64_t ny, double spacing, 
         }
       }
       if (!groups.empty())
-      {
         groups.search(visit);
-      }
     }
   }
 }
@@ -358,9 +334,7 @@ void NearestContours::atNodes(std::int64_t nx, std::int64_t ny, double spacing, 
 void NearestContours::atPoints(std::span<const Point> points, double size, double within, const Visit& visit) const
 {
   if (tree_.empty())
-  {
     return;
-  }
   Groups groups(*this, within);
   Point first{ 0, 0 };
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -376,9 +350,7 @@ void NearestContours::atPoints(std::span<const Point> points, double size, doubl
     groups.add(static_cast<std::int64_t>(i), point);
   }
   if (!groups.empty())
-  {
     groups.search(visit);
-  }
 }
 
 } // namespace lamella::micrograph

@@ -17,9 +17,7 @@ std::map<std::int32_t, ContourSet> byNumber(const ContourSet& cells)
 {
   std::map<std::int32_t, ContourSet> found;
   for (const Contour& contour : cells.contours)
-  {
     found.try_emplace(contour.lumen, ContourSet{ cells.size, {} }).first->second.contours.push_back(contour);
-  }
   return found;
 }
 
@@ -62,9 +60,7 @@ ContourSet soundCells(const ContourSet& cells, const LeaveOut& leaveOut)
   {
     good[number] = validate(cell).empty();
     if (!good[number])
-    {
       leaveOut(static_cast<std::size_t>(std::max(number, 0)));
-    }
   }
   std::copy_if(cells.contours.begin(), cells.contours.end(), std::back_inserter(sound.contours),
     [&](const Contour& contour) { return good[contour.lumen]; });

@@ -63,13 +63,9 @@ public:
   {
     PolygonFile file;
     if (json_.is_object() && json_.contains("contours"))
-    {
       readOwn(file);
-    }
     else
-    {
       readRings(file);
-    }
     file.unit = unit_;
     file.warnings = rings_.warnings();
     return file;
@@ -87,9 +83,7 @@ private:
     {
       Polygon p = ring(list[i], fmt::format("{} {}", what, i + 1));
       if (!p.empty())
-      {
         to.push_back(std::move(p));
-      }
     }
   }
 
@@ -99,9 +93,7 @@ private:
     {
       const Json& cell = list[i];
       if (!cell.is_object() || !(cell.contains("lumen") || cell.contains("outer")))
-      {
         rings_.fail(fmt::format("cell {} has neither \"lumen\" nor \"outer\"", i + 1), polygonKinds);
-      }
       for (const auto& [key, to] : { std::pair("lumen", &lumens), std::pair("outer", &outers) })
       {
         if (cell.contains(key))
@@ -111,9 +103,7 @@ private:
           {
             to->push_back(std::move(p));
             if (to == &outers)
-            {
               cellNumbers_.push_back(i + 1);
-            }
           }
         }
       }
@@ -144,26 +134,18 @@ private:
     std::vector<Polygon> lumens;
     std::vector<Polygon> outers;
     if (key == std::string("cells"))
-    {
       addCells(list, lumens, outers);
-    }
     else
-    {
       addRings(list, "polygon", lumens);
-    }
     if (lumens.empty())
-    {
       rings_.fail("it has no lumen", polygonKinds);
-    }
     std::vector<Polygon> frame = lumens;
     frame.insert(frame.end(), outers.begin(), outers.end());
     if (json_.is_object() && json_.contains("outer") && !json_["outer"].empty())
     {
       Polygon outer = ring(json_["outer"], "the outline of all cells (\"outer\")");
       if (!outer.empty())
-      {
         frame.push_back(std::move(outer));
-      }
     }
     const auto [low, high] = window(frame);
     file.origin = low;
@@ -176,9 +158,7 @@ private:
     }
     requireValid(file.lumens, fmt::format("'{}'", name_));
     if (!outers.empty())
-    {
       file.cells = clipCells(outers, cellNumbers_, low, high, [this](std::size_t cell) { leaveOut(cell); });
-    }
   }
 
   void leaveOut(std::size_t cell)
@@ -191,14 +171,10 @@ private:
   {
     ContourSet all{ { largestPicture, largestPicture }, {} };
     for (const Polygon& p : rings)
-    {
       all.contours.push_back({ p, true, static_cast<std::int32_t>(all.contours.size() + 1) });
-    }
     const std::vector<ContourFinding> found = findCrossings(all);
     if (found.empty())
-    {
       return;
-    }
     const ContourFinding& f = found.front();
     const double x = f.at[0] / unit_;
     const double y = f.at[1] / (options_.yDown ? -unit_ : unit_);
@@ -260,9 +236,7 @@ private:
   {
     ContourSet set{ size, {} };
     if (!list.is_array())
-    {
       rings_.fail(fmt::format("its contours are a {}, not a list", list.type_name()), polygonKinds);
-    }
     for (std::size_t i = 0; i < list.size(); ++i)
     {
       const Json& c = list[i];
@@ -275,9 +249,7 @@ private:
       }
       Contour contour{ rings_.points(c["points"], what), c.value("closed", true), c.value("lumen", std::int32_t{ 0 }) };
       for (Point& p : contour.points)
-      {
         p = { p[0] * unit_, p[1] * unit_ };
-      }
       set.contours.push_back(std::move(contour));
     }
     return set;
@@ -287,15 +259,11 @@ private:
   {
     unit_ = rings_.findUnit(json_, options_.unit);
     if (!json_.contains("size"))
-    {
       rings_.fail("it does not say the picture's size", R"(write "size": [width, height])");
-    }
     const Polygon size = rings_.points(Json::array({ json_["size"] }), "the picture's size");
     const Point metres{ size[0][0] * unit_, size[0][1] * unit_ };
     if (!(metres[0] > 0 && metres[1] > 0 && metres[0] <= largestPicture && metres[1] <= largestPicture))
-    {
       rings_.fail(fmt::format("its picture measures {:g} × {:g} m", metres[0], metres[1]), "give a size up to 1 m");
-    }
     if (options_.yDown)
     {
       throw ParameterError(
@@ -303,18 +271,12 @@ private:
     }
     file.lumens = readSet(json_["contours"], metres);
     if (file.lumens.contours.empty())
-    {
       rings_.fail("it has no contours", polygonKinds);
-    }
     requireValid(file.lumens, fmt::format("'{}'", name_));
     if (json_.contains("cells"))
-    {
       file.cells = soundCells(readSet(json_["cells"], metres), [this](std::size_t cell) { leaveOut(cell); });
-    }
     if (options_.window)
-    {
       cropOwn(file);
-    }
   }
 
   void cropOwn(PolygonFile& file) const
@@ -332,9 +294,7 @@ private:
     }
     file.origin = low;
     if (file.cells)
-    {
       file.cells = cropCells(*file.cells, low, high);
-    }
   }
 
   RingReader rings_;
@@ -349,9 +309,7 @@ private:
 {
   Json list = Json::array();
   for (const Contour& c : set.contours)
-  {
     list.push_back({ { "closed", c.closed }, { "lumen", c.lumen }, { "points", c.points } });
-  }
   return list;
 }
 
@@ -366,9 +324,7 @@ void writePolygons(const ContourSet& lumens, const std::filesystem::path& path, 
 {
   Json json{ { "units", "metre" }, { "size", lumens.size }, { "contours", jsonOf(lumens) } };
   if (cells != nullptr)
-  {
     json["cells"] = jsonOf(*cells);
-  }
   writeText(json.dump() + "\n", path);
 }
 

@@ -39,9 +39,7 @@ public:
       const double s = weight * c[a];
       rhs_[i] -= s * constant;
       for (std::size_t b = a; b < 4; ++b)
-      {
         band_[i][b - a] += s * c[b]; // entry (i, i + b − a), modulo n
-      }
     }
   }
   void addDiagonal(std::size_t i, double weight, double target)
@@ -57,9 +55,7 @@ public:
     // once; C is zero but for its first and last three rows.
     std::array<std::array<double, 3>, 6> c{};
     for (std::size_t i = 0; i < core_; ++i)
-    {
       rows_[i] = { rhs_[i], 0, 0, 0 };
-    }
     std::array<std::size_t, 6> place{ 0, 1, 2, core_ - 3, core_ - 2, core_ - 1 };
     std::array<std::array<double, 3>, 3> corner{};
     if (closed_)
@@ -70,27 +66,19 @@ public:
         for (std::size_t d = 1; d <= 3; ++d)
         {
           if (j - d < core_)
-          {
             c[j - d + 6 - core_][k] = rows_[j - d][k + 1] = band_[j - d][d];
-          }
           if (j + d >= n_)
-          {
             c[j + d - n_][k] = rows_[j + d - n_][k + 1] = band_[j][d];
-          }
         }
         for (std::size_t l = k; l < 3; ++l)
-        {
           corner[k][l] = corner[l][k] = band_[j][l - k];
-        }
       }
     }
     solveCore();
     if (!closed_)
     {
       for (std::size_t i = 0; i < n_; ++i)
-      {
         rhs_[i] = rows_[i][0];
-      }
       return;
     }
     std::array<double, 3> right{};
@@ -102,16 +90,12 @@ public:
         const auto& row = rows_[place[m]];
         right[k] -= c[m][k] * row[0];
         for (std::size_t l = 0; l < 3; ++l)
-        {
           corner[k][l] -= c[m][k] * row[l + 1];
-        }
       }
     }
     eliminate(corner, right);
     for (std::size_t k = 0; k < 3; ++k)
-    {
       rhs_[core_ + k] = right[k];
-    }
     for (std::size_t i = 0; i < core_; ++i)
     {
       const auto& row = rows_[i];
@@ -130,18 +114,14 @@ private:
       {
         const double f = a[l][k] / a[k][k];
         for (std::size_t m = k; m < 3; ++m)
-        {
           a[l][m] -= f * a[k][m];
-        }
         x[l] -= f * x[k];
       }
     }
     for (std::size_t k = 3; k-- > 0;)
     {
       for (std::size_t l = k + 1; l < 3; ++l)
-      {
         x[k] -= a[k][l] * x[l];
-      }
       x[k] /= a[k][k];
     }
   }
@@ -158,13 +138,9 @@ private:
       for (std::size_t a = 1; a <= reach; ++a)
       {
         for (std::size_t b = a; b <= 3; ++b)
-        {
           band_[i + a][b - a] -= l[a - 1] * row[b];
-        }
         for (std::size_t lane = 0; lane < 4; ++lane)
-        {
           rows_[i + a][lane] -= l[a - 1] * rows_[i][lane];
-        }
       }
       row = { inverse, l[0], l[1], l[2] };
     }
@@ -172,17 +148,11 @@ private:
     {
       std::array<double, 4> value{};
       for (std::size_t lane = 0; lane < 4; ++lane)
-      {
         value[lane] = rows_[i][lane] * band_[i][0];
-      }
       const std::size_t reach = std::min<std::size_t>(3, core_ - 1 - i);
       for (std::size_t a = 1; a <= reach; ++a)
-      {
         for (std::size_t lane = 0; lane < 4; ++lane)
-        {
           value[lane] -= band_[i][a] * rows_[i + a][lane];
-        }
-      }
       rows_[i] = value;
     }
   }

@@ -19,9 +19,7 @@ double shareOf(double nx, double ny, double offset)
   const double a = std::max(std::abs(nx), std::abs(ny));
   const double b = std::min(std::abs(nx), std::abs(ny));
   if (offset > 0)
-  {
     return 1 - shareOf(nx, ny, -offset);
-  }
   const double u = offset + (a + b) / 2; // from the corner that is farthest inside
   return u <= 0 ? 0 : u < b ? u * u / (2 * a * b) : (u - b / 2) / a;
 }
@@ -32,9 +30,7 @@ double offsetOf(double nx, double ny, double share)
   const double a = std::max(std::abs(nx), std::abs(ny));
   const double b = std::min(std::abs(nx), std::abs(ny));
   if (share > 0.5)
-  {
     return -offsetOf(nx, ny, 1 - share);
-  }
   const double u = 2 * a * share < b ? std::sqrt(2 * a * b * share) : a * share + b / 2;
   return u - (a + b) / 2;
 }
@@ -88,13 +84,9 @@ Line lineOf(const Patch& share)
   const double up = rows[2] > rows[0] ? -1 : 1;
   const double right = columns[2] > columns[0] ? -1 : 1;
   for (const double slope : { columns[1] - columns[0], (columns[2] - columns[0]) / 2, columns[2] - columns[1] })
-  {
     attempt(-slope, up);
-  }
   for (const double slope : { rows[1] - rows[0], (rows[2] - rows[0]) / 2, rows[2] - rows[1] })
-  {
     attempt(right, -slope);
-  }
   return best;
 }
 
@@ -103,17 +95,11 @@ Line lineOf(const Patch& share)
 std::vector<float> levelOfShares(const Lattice& lattice, std::span<const float> share)
 {
   if (lattice.dimension != 2)
-  {
     throw ParameterError("shares of a volume", "give a picture");
-  }
   if (static_cast<std::int64_t>(share.size()) != lattice.count())
-  {
     throw ParameterError(fmt::format("{} shares for {} nodes", share.size(), lattice.count()), "give one a node");
-  }
   if (!std::all_of(share.begin(), share.end(), [](float value) { return std::isfinite(value); }))
-  {
     throw ParameterError("a share that is no finite number", "give shares from 0 to 1");
-  }
   const std::int64_t nx = lattice.size[0];
   const std::int64_t ny = lattice.size[1];
   const auto at = [&](std::int64_t x, std::int64_t y)
@@ -140,12 +126,8 @@ std::vector<float> levelOfShares(const Lattice& lattice, std::span<const float> 
       }
       Patch patch;
       for (std::int64_t j = 0; j < 3; ++j)
-      {
         for (std::int64_t i = 0; i < 3; ++i)
-        {
           patch[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)] = at(x + i - 1, y + j - 1);
-        }
-      }
       const Line line = lineOf(patch);
       level[node] = static_cast<float>(line.offset);
       // What this line says of the pixels beside it that are all lumen or all wall.

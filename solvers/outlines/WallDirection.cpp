@@ -52,17 +52,13 @@ std::vector<Tangent> tangentsOf(const ContourSet& contours, std::span<const Segm
   for (std::size_t begin = 0, end = 0; begin < segments.size(); begin = end)
   {
     while (end < segments.size() && segments[end].chain == segments[begin].chain)
-    {
       ++end;
-    }
     const bool closed = contours.contours[static_cast<std::size_t>(segments[begin].chain)].closed;
     for (std::size_t i = begin; i < end; ++i)
     {
       const std::size_t next = i + 1 < end ? i + 1 : begin;
       if (next == begin && !closed)
-      {
         continue;
-      }
       Tangent& before = tangents[i];
       Tangent& after = tangents[next];
       const double turn = std::remainder(angles[next] - angles[i], 2 * std::numbers::pi);
@@ -186,9 +182,7 @@ std::vector<std::uint8_t> wallAndRim(const ContourLattice& lattice)
     {
       const auto node = static_cast<std::size_t>(x + nx * y);
       if (phase[node] == 0)
-      {
         continue;
-      }
       for (std::int64_t v = std::max<std::int64_t>(0, y - 1); v <= std::min(ny - 1, y + 1); ++v)
       {
         for (std::int64_t u = std::max<std::int64_t>(0, x - 1); u <= std::min(nx - 1, x + 1); ++u)

@@ -342,10 +342,12 @@ void diagonalBlocks(const BondLattice& bonds, NodeField<Real>& blocks)
 template <class Real>
 void tangentProduct(const BondLattice& bonds, const NodeField<Real>& u, const NodeField<Real>& p, NodeField<Real>& q)
 {
-  choose(bonds, true,
+  choose(
+    bonds, true,
     [&]<int Dim, bool Nonlinear>()
     {
-      addToEnds<Real>(bonds, q, Dim, Real(-1),
+      addToEnds<Real>(
+        bonds, q, Dim, Real(-1),
         [&](const BondRow<Real>& row, const std::array<Real*, 6>& t)
         {
           BondState<Real, Dim, Nonlinear> state(bonds, u, row);

@@ -88,7 +88,8 @@ public:
   /// Nothing where no Young's modulus is known.
   [[nodiscard]] std::optional<BondMaterial> of(const PairKey& key) const
   {
-    const auto young = follow(key, [&](const PairKey& k) { return young_.contains(k); });
+    const auto young = follow(
+      key, [&](const PairKey& k) { return young_.contains(k); });
     const auto breaks = follow(key,
       [&](const PairKey& k)
       { return std::any_of(fracture_.begin(), fracture_.end(), [&](const auto& t) { return t.contains(k); }); });

@@ -42,9 +42,7 @@ Head readHead(FileBytes& file)
   constexpr std::uint64_t header = 14;
   const std::uint64_t size = number(header, 4);
   if (size < 40 || size > 124)
-  {
     refuse(file, fmt::format("with a header of {} bytes; 40 to 124 can be read", size));
-  }
   Head head;
   head.pixels = number(10, 4);
   head.width = signedNumber(18);
@@ -55,29 +53,19 @@ Head readHead(FileBytes& file)
   const std::uint64_t packing = number(30, 4);
   head.perMetre = { signedNumber(38), signedNumber(42) };
   if (head.width < 1 || head.height < 1)
-  {
     file.damaged("it holds no pixels");
-  }
   constexpr std::uint64_t masks = 3; // BI_BITFIELDS
   if (packing != 0 && packing != masks)
-  {
     refuse(file, fmt::format("that is packed (kind {})", packing));
-  }
   if ((head.bits != 8 && head.bits != 24 && head.bits != 32) || (packing == masks && head.bits != 32))
-  {
     refuse(file, fmt::format("of {} bits a pixel", head.bits));
-  }
   if (packing == masks)
   {
     // In the header itself, or just behind one of 40 bytes.
     const std::array<std::uint64_t, 3> usual{ 0xff0000, 0xff00, 0xff };
     for (std::uint64_t i = 0; i < 3; ++i)
-    {
       if (number(header + 40 + 4 * i, 4) != usual[i])
-      {
         refuse(file, "of 32 bits with colours in another order than usual");
-      }
-    }
     head.alpha = size >= 56 && number(header + 52, 4) == 0xff000000U;
   }
   if (head.bits == 8)
@@ -86,13 +74,9 @@ Head readHead(FileBytes& file)
     head.colours = head.colours == 0 ? 256 : head.colours;
     head.palette = header + size;
     if (head.colours > 256)
-    {
       file.damaged(fmt::format("it has a palette of {} colours", head.colours));
-    }
     if (!file.holds(head.palette, 4 * head.colours))
-    {
       file.truncated("its palette lies beyond its end");
-    }
   }
   head.row = (static_cast<std::uint64_t>(head.width) * static_cast<std::uint64_t>(head.bits) / 8 + 3) / 4 * 4;
   // Below 2^64: at most (2^33 − 4) × 2^31.
@@ -147,18 +131,14 @@ Pixels decodeBmp(FileBytes& file)
       if (head.bits == 8)
       {
         if (*from >= head.colours)
-        {
           file.damaged(fmt::format("a pixel has colour {}, and there are {}", *from, head.colours));
-        }
         from = palette.data() + std::size_t{ 4 } * *from;
       }
       *to++ = from[2];
       *to++ = from[1];
       *to++ = from[0];
       if (head.alpha)
-      {
         *to++ = from[3];
-      }
     }
   }
   return result;

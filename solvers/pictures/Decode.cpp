@@ -30,9 +30,7 @@ void convert(const Pixels& pixels, bool flip, std::uint16_t* grey, std::uint16_t
       const std::array<int, 3> value = channels < 3 ? std::array<int, 3>{ from[0], from[0], from[0] }
                                                     : std::array<int, 3>{ from[0], from[1], from[2] };
       if (channels % 2 == 0 && from[channels - 1] != std::numeric_limits<Value>::max())
-      {
         seen.transparent = true;
-      }
       to[x] = static_cast<std::uint16_t>(value[0]);
       if (value[0] != value[1] || value[1] != value[2])
       {
@@ -46,9 +44,7 @@ void convert(const Pixels& pixels, bool flip, std::uint16_t* grey, std::uint16_t
         to[x] = static_cast<std::uint16_t>((299 * value[0] + 587 * value[1] + 114 * value[2] + 500) / 1000);
       }
       if (rgb != nullptr)
-      {
         std::copy(value.begin(), value.end(), rgb + 3 * x);
-      }
     }
   }
 }
@@ -58,13 +54,9 @@ void convert(const Pixels& pixels, bool flip, std::uint16_t* grey, std::uint16_t
 void convert(const Pixels& pixels, bool flip, std::uint16_t* grey, std::uint16_t* colour, Decoded& seen)
 {
   if (pixels.bits == 16)
-  {
     convert<std::uint16_t>(pixels, flip, grey, colour, seen);
-  }
   else
-  {
     convert<std::uint8_t>(pixels, flip, grey, colour, seen);
-  }
 }
 
 Pixels onlyPixels(FileBytes& file, Probe& probe)
@@ -91,9 +83,7 @@ Decoded decode(FileBytes& file, Probe& probe, bool flip, std::uint16_t* grey, st
   const auto take = [&](const Pixels& pixels, std::size_t number)
   {
     if (pixels.width != probe.width || pixels.height != probe.height)
-    {
       undecodable(file, probe.format, "its size is another than it says");
-    }
     const std::int64_t offset = static_cast<std::int64_t>(number) * probe.width * probe.height;
     convert(pixels, flip, grey + offset, colour == nullptr ? nullptr : colour + 3 * offset, seen);
   };

@@ -16,27 +16,19 @@ FileBytes::FileBytes(const std::filesystem::path& path)
   std::error_code failure;
   const std::filesystem::file_status status = std::filesystem::status(path, failure);
   if (status.type() == std::filesystem::file_type::not_found)
-  {
     throw InputError(fmt::format("there is no file '{}'", name_), "check the name and the folder");
-  }
   if (failure)
   {
     throw InputError(
       fmt::format("'{}' cannot be looked at: {}", name_, failure.message()), "check the permissions of its folder");
   }
   if (status.type() == std::filesystem::file_type::directory)
-  {
     throw InputError(fmt::format("'{}' is a folder, not a file", name_), "name a file in it");
-  }
   if (status.type() != std::filesystem::file_type::regular)
-  {
     throw InputError(fmt::format("'{}' is not a regular file", name_), "save it as a file first");
-  }
   size_ = std::filesystem::file_size(path, failure);
   if (failure || size_ == 0)
-  {
     throw InputError(fmt::format("'{}' is empty (0 bytes)", name_), "copy or export the picture again");
-  }
   errno = 0;
   stream_.open(path, std::ios::binary);
   if (!stream_)
@@ -49,9 +41,7 @@ FileBytes::FileBytes(const std::filesystem::path& path)
 void FileBytes::read(std::uint64_t at, void* to, std::uint64_t count)
 {
   if (!holds(at, count))
-  {
     truncated(fmt::format("{} bytes at byte {} are missing", count, at));
-  }
   stream_.seekg(static_cast<std::streamoff>(at));
   stream_.read(static_cast<char*>(to), static_cast<std::streamsize>(count));
   if (!stream_)
@@ -64,9 +54,7 @@ void FileBytes::read(std::uint64_t at, void* to, std::uint64_t count)
 std::vector<std::uint8_t> FileBytes::read(std::uint64_t at, std::uint64_t count)
 {
   if (!holds(at, count)) // before anything is allocated for a size that may be nonsense
-  {
     truncated(fmt::format("{} bytes at byte {} are missing", count, at));
-  }
   std::vector<std::uint8_t> bytes(count);
   read(at, bytes.data(), count);
   return bytes;
@@ -94,9 +82,7 @@ std::uint64_t numberFrom(const std::uint8_t* bytes, int count, bool bigEndian) n
 {
   std::uint64_t value = 0;
   for (int i = 0; i < count; ++i)
-  {
     value = value << 8 | bytes[bigEndian ? i : count - 1 - i];
-  }
   return value;
 }
 

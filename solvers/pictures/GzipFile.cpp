@@ -32,9 +32,7 @@ struct DeflateEnd
 {
   z_stream stream{};
   if (inflateInit2(&stream, anyWindow) != Z_OK)
-  {
     throw MemoryError(fmt::format("'{}' cannot be unpacked: no memory", name), "close other programs");
-  }
   const std::unique_ptr<z_stream, InflateEnd> end(&stream);
   std::string text;
   std::array<char, 1 << 16> part{};
@@ -54,9 +52,7 @@ struct DeflateEnd
     if (state == Z_STREAM_END)
     {
       if (stream.avail_in == 0)
-      {
         return text;
-      }
       inflateReset(&stream); // gzip files may follow each other
     }
     else if (state != Z_OK)
@@ -80,9 +76,7 @@ std::string readText(const std::filesystem::path& path, std::size_t most)
   }
   std::vector<std::uint8_t> bytes = file.read(0, file.size());
   if (bytes.size() > 2 && bytes[0] == 0x1f && bytes[1] == 0x8b)
-  {
     return unpack(std::move(bytes), file.name(), most);
-  }
   return { bytes.begin(), bytes.end() };
 }
 
@@ -93,9 +87,7 @@ void writeText(const std::string& text, const std::filesystem::path& path)
   {
     z_stream stream{};
     if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, anyWindow, 8, Z_DEFAULT_STRATEGY) != Z_OK)
-    {
       throw MemoryError(fmt::format("'{}' cannot be packed: no memory", path.string()), "leave out .gz");
-    }
     const std::unique_ptr<z_stream, DeflateEnd> end(&stream);
     packed.resize(deflateBound(&stream, text.size()));
     std::string from = text; // zlib's interface wants it writable
@@ -104,9 +96,7 @@ void writeText(const std::string& text, const std::filesystem::path& path)
     stream.next_out = reinterpret_cast<Bytef*>(packed.data());
     stream.avail_out = static_cast<uInt>(packed.size());
     if (deflate(&stream, Z_FINISH) != Z_STREAM_END)
-    {
       throw InputError(fmt::format("'{}' cannot be packed", path.string()), "leave out .gz");
-    }
     packed.resize(stream.total_out);
   }
   const std::string& bytes = path.extension() == ".gz" ? packed : text;

@@ -47,9 +47,7 @@ void onMessage(j_common_ptr jpeg, int level)
     Complaints& complaints = complaintsOf(jpeg);
     complaints.ended |= jpeg->err->msg_code == JWRN_JPEG_EOF;
     if (jpeg->err->num_warnings++ == 0)
-    {
       (*jpeg->err->format_message)(jpeg, complaints.text);
-    }
   }
 }
 
@@ -78,9 +76,7 @@ public:
   [[nodiscard]] bool head()
   {
     if (setjmp(complaints_.giveUp) != 0)
-    {
       return false;
-    }
     jpeg_mem_src(&jpeg, bytes_.data(), bytes_.size());
     constexpr unsigned whole = 0xffff;
     jpeg_save_markers(&jpeg, JPEG_COM, whole);
@@ -92,9 +88,7 @@ public:
   [[nodiscard]] bool pixels(Pixels& result)
   {
     if (setjmp(complaints_.giveUp) != 0)
-    {
       return false;
-    }
     jpeg.out_color_space = jpeg.num_components == 1 ? JCS_GRAYSCALE : JCS_RGB;
     jpeg_start_decompress(&jpeg);
     result.width = jpeg.output_width;
@@ -115,9 +109,7 @@ public:
   [[noreturn]] void refuse(const FileBytes& file) const
   {
     if (complaints_.ended)
-    {
       file.truncated("the JPEG ends before its pixels");
-    }
     undecodable(file, Format::Jpeg, complaints_.text);
   }
 
@@ -137,22 +129,16 @@ void readExif(const jpeg_marker_struct& marker, Probe& result)
   {
     const std::uint64_t size = marker.data_length - name;
     if (at > size || count > size - at)
-    {
       return std::nullopt;
-    }
     const std::uint8_t* const from = marker.data + name + at;
     return std::vector<std::uint8_t>(from, from + count);
   };
   const auto first = source.open();
   const auto entries = first ? tiffEntries(source, *first) : std::nullopt;
   if (!entries)
-  {
     return;
-  }
   if (const auto size = resolution(*entries))
-  {
     result.size = MetadataSize{ (*size)[0], (*size)[1], std::nullopt, "Exif resolution" };
-  }
   if (const std::uint64_t turned = entries->number(TiffEntries::orientation, 1); turned != 1)
   {
     result.warnings.push_back(fmt::format(
@@ -164,9 +150,7 @@ bool write(const Pixels& pixels, int quality, jpeg_compress_struct& jpeg, Compla
   unsigned long& size)
 {
   if (setjmp(complaints.giveUp) != 0)
-  {
     return false;
-  }
   jpeg_create_compress(&jpeg);
   jpeg_mem_dest(&jpeg, &bytes, &size);
   jpeg.image_width = static_cast<JDIMENSION>(pixels.width);
@@ -206,32 +190,22 @@ Probe probeJpeg(FileBytes& file)
       "save it as an 8-bit grey or RGB picture");
   }
   if (!sound)
-  {
     reading.refuse(file);
-  }
   Probe result;
   result.format = Format::Jpeg;
   result.width = jpeg.image_width;
   result.height = jpeg.image_height;
   result.channels = jpeg.num_components;
   for (const jpeg_marker_struct* marker = jpeg.marker_list; marker != nullptr; marker = marker->next)
-  {
     if (marker->marker == JPEG_COM && result.description.empty())
-    {
       result.description.assign(reinterpret_cast<const char*>(marker->data), marker->data_length);
-    }
     else if (marker->marker == JPEG_APP0 + 1 && marker->data_length > 6 &&
       std::memcmp(marker->data, "Exif\0\0", 6) == 0)
-    {
       readExif(*marker, result);
-    }
-  }
   // Per inch, per centimetre, or only a ratio.
   const double unit = jpeg.density_unit == 1 ? 0.0254 : jpeg.density_unit == 2 ? 0.01 : 0;
   if (jpeg.saw_JFIF_marker != 0 && unit > 0 && jpeg.X_density > 0 && jpeg.Y_density > 0)
-  {
     result.size = MetadataSize{ unit / jpeg.X_density, unit / jpeg.Y_density, std::nullopt, "JFIF density" };
-  }
   checkBytes(file, result, file.size(), 5000); // even progressive scans of one grey stay below
   return result;
 }
@@ -241,9 +215,7 @@ Pixels decodeJpeg(FileBytes& file)
   Reading reading(file);
   Pixels result;
   if (!reading.head() || !reading.pixels(result) || *reading.complaint() != '\0')
-  {
     reading.refuse(file);
-  }
   return result;
 }
 

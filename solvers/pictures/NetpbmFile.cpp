@@ -36,28 +36,20 @@ public:
       if (bytes_[at] == '#')
       {
         while (at < bytes_.size() && bytes_[at] != '\n' && bytes_[at] != '\r')
-        {
           ++at;
-        }
         continue;
       }
       ++at;
     }
     if (at >= bytes_.size())
-    {
       file_.truncated("a number is missing");
-    }
     constexpr std::int64_t most = std::int64_t{ 1 } << 40;
     std::int64_t value = 0;
     const std::uint64_t first = at;
     for (; at < bytes_.size() && bytes_[at] >= '0' && bytes_[at] <= '9' && value < most; ++at)
-    {
       value = 10 * value + (bytes_[at] - '0');
-    }
     if (at == first || value >= most || (at < bytes_.size() && !isBlank(bytes_[at]) && bytes_[at] != '#'))
-    {
       file_.damaged(fmt::format("there is no whole number at byte {}", first));
-    }
     at += at < bytes_.size() && bytes_[at] != '#' ? 1 : 0;
     return value;
   }
@@ -86,9 +78,7 @@ Head readHead(FileBytes& file)
   const std::vector<std::uint8_t> bytes = file.read(0, std::min(most, file.size()));
   const char kind = static_cast<char>(bytes[1]);
   if (kind == '1' || kind == '4')
-  {
     throw InputError(fmt::format("'{}' is a bitmap (P{})", file.name(), kind), "convert it to PGM or PNG");
-  }
   Words words(file, bytes, 2);
   Head head;
   head.channels = kind == '3' || kind == '6' ? 3 : 1;
@@ -98,13 +88,9 @@ Head readHead(FileBytes& file)
   head.largest = words.number();
   head.pixels = words.at;
   if (head.width < 1 || head.height < 1)
-  {
     file.damaged("it holds no pixels");
-  }
   if (head.largest < 1 || head.largest > 65535)
-  {
     file.damaged(fmt::format("its largest value is {}; it can be 1 to 65535", head.largest));
-  }
   const double values = static_cast<double>(head.width) * static_cast<double>(head.height) * head.channels;
   // As text a value takes a digit and a blank, the last no blank.
   const double bytesWanted = head.text ? 2 * values - 1 : values * (head.largest > 255 ? 2 : 1);
@@ -149,9 +135,7 @@ Pixels decodeNetpbm(FileBytes& file, Probe& probe)
   const auto put = [&](std::size_t i, std::int64_t value)
   {
     if (value > head.largest)
-    {
       file.damaged(fmt::format("it holds {}, and its largest value is {}", value, head.largest));
-    }
     const auto small = static_cast<std::uint8_t>(value);
     const auto deep = static_cast<std::uint16_t>(value);
     std::memcpy(result.values.data() + i * each, each == 1 ? static_cast<const void*>(&small) : &deep, each);
@@ -170,9 +154,7 @@ Pixels decodeNetpbm(FileBytes& file, Probe& probe)
     result.values.resize(count * each);
     Words words(file, bytes, 0);
     for (std::size_t i = 0; i < count; ++i)
-    {
       put(i, words.number());
-    }
     const auto rest = bytes.begin() + static_cast<std::ptrdiff_t>(words.at);
     tellRest(static_cast<std::uint64_t>(bytes.end() - std::find_if_not(rest, bytes.end(), isBlank)));
     return result;
@@ -180,9 +162,7 @@ Pixels decodeNetpbm(FileBytes& file, Probe& probe)
   tellRest(file.size() - head.pixels - count * each);
   result.values = file.read(head.pixels, count * each);
   for (std::size_t i = 0; i < count && (each == 2 || head.largest < 255); ++i)
-  {
     put(i, static_cast<std::int64_t>(numberFrom(result.values.data() + i * each, static_cast<int>(each), true)));
-  }
   return result;
 }
 

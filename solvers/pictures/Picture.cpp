@@ -79,9 +79,7 @@ void setLattice(Picture& picture, const std::string& name, std::int64_t nx, std:
   picture.lattice = makeLattice(nx, ny, nz, dimension, spacing);
   picture.fileSize = picture.lattice.size;
   if (options.sizeKnown)
-  {
     options.sizeKnown(picture.lattice);
-  }
 }
 
 /// The box of nodes that is kept, as memory counts.
@@ -96,9 +94,7 @@ struct Box
 Box keptBox(const Lattice& whole, const std::optional<Window>& window)
 {
   if (!window)
-  {
     return { { 0, 0, 0 }, whole.size };
-  }
   return { firstNode(whole, *window),
     { window->size[0], window->size[1], whole.dimension == 2 ? 1 : window->size[2] } };
 }
@@ -128,9 +124,7 @@ void addSeen(Picture& picture, const std::string& name, const Decoded& seen, con
       "convert it to grey values, or segment it: lumens and walls are found in it");
   }
   if (seen.transparent)
-  {
     picture.warnings.push_back(fmt::format("'{}' has transparent parts; they are read as the colour they hold", name));
-  }
 }
 
 Picture readFile(const fs::path& path, const ReadOptions& options)
@@ -154,9 +148,7 @@ Picture readFile(const fs::path& path, const ReadOptions& options)
   picture.warnings.insert(picture.warnings.begin(), probed.warnings.begin(), probed.warnings.end());
   addSeen(picture, file.name(), seen, options);
   if (!seen.colour)
-  {
     picture.colour = {};
-  }
   if (probed.format == Format::Jpeg && !options.keepColour)
   {
     picture.warnings.push_back(fmt::format(
@@ -164,9 +156,7 @@ Picture readFile(const fs::path& path, const ReadOptions& options)
       file.name()));
   }
   if (options.window)
-  {
     crop(picture, *options.window);
-  }
   return picture;
 }
 
@@ -211,9 +201,7 @@ Picture readSlices(const fs::path& path, const ReadOptions& options)
         "a volume's slices are all alike: leave out what does not belong to it");
     }
     if (z < kept.start[2] || z >= kept.start[2] + kept.size[2])
-    {
       continue;
-    }
     ReadOptions strict = options;
     strict.keepColour = false; // a volume of colours has no use here
     Picture ignored;
@@ -221,9 +209,7 @@ Picture readSlices(const fs::path& path, const ReadOptions& options)
     addSeen(z == kept.start[2] ? picture : ignored, file.name(),
       decode(file, probed, false, options.window ? whole.data() : to, nullptr), strict);
     for (std::int64_t y = 0; options.window && y < kept.size[1]; ++y)
-    {
       to = std::copy_n(whole.data() + (kept.start[1] + y) * first.width + kept.start[0], kept.size[0], to);
-    }
   }
   return picture;
 }
@@ -232,9 +218,7 @@ Picture readSlices(const fs::path& path, const ReadOptions& options)
 std::optional<MetadataSize> sizeIn(const RawLayout& layout, Picture& picture)
 {
   if (layout.pixelSizeSource == "none")
-  {
     return std::nullopt;
-  }
   const auto& s = layout.spacing;
   if (!layout.unitTold && std::max(s[0], s[1]) > largestPixel)
   {
@@ -254,9 +238,7 @@ std::optional<MetadataSize> sizeIn(const RawLayout& layout, Picture& picture)
 RawLayout layoutOf(const fs::path& path, const ReadOptions& options, RawHeader header)
 {
   if (header != RawHeader::None)
-  {
     return header == RawHeader::Meta ? metaLayout(path) : nrrdLayout(path);
-  }
   RawSaid said;
   said.size = options.rawSize;
   said.offset = options.rawHeader;
@@ -265,9 +247,7 @@ RawLayout layoutOf(const fs::path& path, const ReadOptions& options, RawHeader h
   if (options.rawBits)
   {
     if (*options.rawBits != 8 && *options.rawBits != 16)
-    {
       throw ParameterError(fmt::format("a raw volume of {} bits a voxel", *options.rawBits), "choose 8 or 16");
-    }
     said.type = NumberType{ 'u', *options.rawBits / 8 };
   }
   return rawLayout(path, said);
@@ -410,9 +390,7 @@ Picture readRaw(const fs::path& path, const ReadOptions& options)
     });
   addSeen(picture, name, seen, options);
   if (!seen.colour)
-  {
     picture.colour = {};
-  }
   const bool usual = layout.type.kind == 'u' && layout.type.bytes <= 2;
   const bool small = !usual && std::ranges::all_of(picture.grey, [](std::uint16_t grey) { return grey < 256; });
   picture.bits = usual ? 8 * layout.type.bytes : small ? 8 : 16;
@@ -432,9 +410,7 @@ std::optional<MetadataSize> trustedSize(
   const std::optional<MetadataSize>& size, const std::string& name, std::vector<std::string>& warnings)
 {
   if (!size)
-  {
     return std::nullopt;
-  }
   static const std::set<std::string> lengths{ "ImageJ", "OME-XML", "MetaImage ElementSpacing", "NRRD spacings",
     "NRRD space directions" };
   const bool forPrint = !lengths.contains(size->source);
@@ -476,22 +452,16 @@ void crop(Picture& picture, const Window& window)
   };
   cut(picture.grey, 1);
   if (!picture.colour.empty())
-  {
     cut(picture.colour, 3);
-  }
 }
 
 Picture readPicture(const fs::path& path, const ReadOptions& options)
 {
   if (options.pixelSize && !(*options.pixelSize > 0 && plausible(*options.pixelSize)))
-  {
     throw ParameterError(fmt::format("a pixel size of {} m", *options.pixelSize), "give it in metres, such as 0.5e-6");
-  }
   std::error_code ignored;
   if (fs::is_directory(path, ignored) || isSlicePattern(path))
-  {
     return readSlices(path, options);
-  }
   return isRaw(path, options) ? readRaw(path, options) : readFile(path, options);
 }
 

@@ -35,15 +35,11 @@ void onError(png_structp png, png_const_charp text)
 void onWarning(png_structp png, png_const_charp text)
 {
   if (std::strstr(text, "too large") != nullptr) // of a chunk: memory would be taken for it
-  {
     onError(png, text);
-  }
   auto& wrong = static_cast<Talk*>(png_get_error_ptr(png))->wrong;
   constexpr std::size_t most = 20; // of what a file can hold thousands of
   if (std::strstr(text, "CRC error") != nullptr && wrong.size() < most)
-  {
     wrong.emplace_back(text, std::strcspn(text, ":"));
-  }
 }
 
 void onRead(png_structp png, png_bytep to, std::size_t count)
@@ -54,18 +50,14 @@ void onRead(png_structp png, png_bytep to, std::size_t count)
   try
   {
     if (read)
-    {
       talk.file->read(talk.at, to, count);
-    }
   }
   catch (const std::exception&)
   {
     read = false; // no exception goes through libpng
   }
   if (!read)
-  {
     png_error(png, talk.ended ? "the file ends too early" : "the file cannot be read");
-  }
   talk.at += count;
 }
 
@@ -82,9 +74,7 @@ void onWrite(png_structp png, png_bytep from, std::size_t count)
     written = false;
   }
   if (!written)
-  {
     png_error(png, "no memory");
-  }
 }
 
 void onFlush(png_structp) {}
@@ -113,9 +103,7 @@ public:
   [[nodiscard]] bool head()
   {
     if (setjmp(png_jmpbuf(png_)) != 0)
-    {
       return false;
-    }
     png_set_user_limits(png_, PNG_UINT_31_MAX, PNG_UINT_31_MAX); // the caller has its own
     // No chunk is larger than the file; a packed text may be.
     png_set_chunk_malloc_max(png_, std::max<png_alloc_size_t>(talk.file->size(), 8000000));
@@ -127,26 +115,20 @@ public:
   [[nodiscard]] bool pixels(Pixels& result)
   {
     if (setjmp(png_jmpbuf(png_)) != 0)
-    {
       return false;
-    }
     const int kind = png_get_color_type(png_, info);
     if (kind == PNG_COLOR_TYPE_PALETTE)
     {
       png_set_palette_to_rgb(png_);
       if (png_get_valid(png_, info, PNG_INFO_tRNS) != 0)
-      {
         png_set_tRNS_to_alpha(png_);
-      }
     }
     else if (kind == PNG_COLOR_TYPE_GRAY)
     {
       png_set_expand_gray_1_2_4_to_8(png_);
     }
     if (std::endian::native == std::endian::little && png_get_bit_depth(png_, info) == 16)
-    {
       png_set_swap(png_);
-    }
     (void)png_set_interlace_handling(png_);
     png_read_update_info(png_, info);
     result.width = png_get_image_width(png_, info);
@@ -157,9 +139,7 @@ public:
     result.values.resize(row * static_cast<std::size_t>(result.height));
     rows_.resize(static_cast<std::size_t>(result.height));
     for (std::size_t i = 0; i < rows_.size(); ++i)
-    {
       rows_[i] = result.values.data() + row * i;
-    }
     png_read_image(png_, rows_.data());
     png_read_end(png_, end);
     return true;
@@ -175,12 +155,8 @@ public:
     {
       for (auto [keyword, text] :
         { std::pair{ "Description", &probe.description }, { "provenance", &probe.provenance } })
-      {
         if (text->empty() && std::strcmp(texts[i].key, keyword) == 0 && texts[i].text != nullptr)
-        {
           *text = texts[i].text;
-        }
-      }
     }
     png_uint_32 x = 0;
     png_uint_32 y = 0;
@@ -224,9 +200,7 @@ public:
   [[noreturn]] void refuse(const FileBytes& file) const
   {
     if (talk.ended)
-    {
       file.truncated("the PNG ends before its IEND chunk");
-    }
     undecodable(file, Format::Png, talk.complaint);
   }
 
@@ -243,9 +217,7 @@ bool write(
   png_structp png, png_infop info, const Pixels& pixels, png_uint_32 perMetre, png_textp text, int effort, Talk& talk)
 {
   if (setjmp(png_jmpbuf(png)) != 0)
-  {
     return false;
-  }
   constexpr int kinds[] = { PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
     PNG_COLOR_TYPE_RGB_ALPHA };
   png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
@@ -254,23 +226,15 @@ bool write(
   png_set_IHDR(png, info, static_cast<png_uint_32>(pixels.width), static_cast<png_uint_32>(pixels.height), pixels.bits,
     kinds[pixels.channels - 1], PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   if (perMetre > 0)
-  {
     png_set_pHYs(png, info, perMetre, perMetre, PNG_RESOLUTION_METER);
-  }
   if (text->text_length > 0 || text->itxt_length > 0)
-  {
     png_set_text(png, info, text, 1);
-  }
   png_write_info(png, info);
   if (std::endian::native == std::endian::little && pixels.bits == 16)
-  {
     png_set_swap(png);
-  }
   const std::size_t row = pixels.values.size() / static_cast<std::size_t>(pixels.height);
   for (std::size_t y = 0; y < static_cast<std::size_t>(pixels.height); ++y)
-  {
     png_write_row(png, pixels.values.data() + row * y);
-  }
   png_write_end(png, info);
   return true;
 }
@@ -281,9 +245,7 @@ Probe probePng(FileBytes& file)
 {
   Reading reading(file);
   if (!reading.head())
-  {
     reading.refuse(file);
-  }
   Probe result;
   result.format = Format::Png;
   result.width = reading.width();
@@ -300,18 +262,12 @@ Pixels decodePng(FileBytes& file, Probe& probe)
   Reading reading(file);
   Pixels result;
   if (!reading.head() || reading.width() != probe.width || reading.height() != probe.height || !reading.pixels(result))
-  {
     reading.refuse(file);
-  }
   std::vector<std::string> warnings = std::move(probe.warnings); // those of the head are told already
   reading.tell(file, reading.end, probe);
   for (std::string& warning : probe.warnings)
-  {
     if (std::ranges::find(warnings, warning) == warnings.end())
-    {
       warnings.push_back(std::move(warning));
-    }
-  }
   probe.warnings = std::move(warnings);
   return result;
 }

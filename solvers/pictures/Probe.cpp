@@ -23,9 +23,7 @@ double metresIn(std::string unit)
 {
   if (unit == "\\u00B5m" || unit == "\u00b5m" || unit == "\u03bcm" ||
     unit == "\xb5m") // escaped, micro sign, mu, Latin-1
-  {
     return 1e-6;
-  }
   std::transform(unit.begin(), unit.end(), unit.begin(), [](unsigned char c) { return std::tolower(c); });
   static const std::map<std::string, double> names{ { "m", 1 }, { "meter", 1 }, { "cm", 1e-2 }, { "mm", 1e-3 },
     { "um", 1e-6 }, { "micron", 1e-6 }, { "microns", 1e-6 }, { "micrometer", 1e-6 }, { "nm", 1e-9 }, { "pm", 1e-12 },
@@ -40,9 +38,7 @@ std::string lineValue(const std::string& text, const std::string& key)
   const std::string start = "\n" + key + "=";
   const std::size_t at = ("\n" + text).find(start);
   if (at == std::string::npos)
-  {
     return {};
-  }
   const std::size_t from = at + start.size() - 1;
   return text.substr(from, text.find('\n', from) - from);
 }
@@ -53,9 +49,7 @@ std::string attribute(const std::string& text, const std::string& key)
   const std::string start = " " + key + "=\"";
   const std::size_t at = text.find(start);
   if (at == std::string::npos)
-  {
     return {};
-  }
   const std::size_t from = at + start.size();
   return text.substr(from, text.find('"', from) - from);
 }
@@ -82,14 +76,10 @@ std::optional<MetadataSize> omeSize(const std::string& text)
   const double x = length("X");
   const double y = length("Y");
   if (text.find("OME") == std::string::npos || !(x > 0) || !(y > 0))
-  {
     return std::nullopt;
-  }
   MetadataSize size{ x, y, std::nullopt, "OME-XML" };
   if (const double z = length("Z"); z > 0)
-  {
     size.z = z;
-  }
   return size;
 }
 
@@ -104,16 +94,12 @@ std::optional<MetadataSize> tagSize(const TiffPage& page)
     {
       MetadataSize size{ unit / x, unit / y, std::nullopt, "ImageJ" };
       if (const double spacing = numberIn(lineValue(page.description, "spacing")); spacing > 0)
-      {
         size.z = spacing * unit;
-      }
       return size;
     }
   }
   if (page.pixelSize)
-  {
     return MetadataSize{ (*page.pixelSize)[0], (*page.pixelSize)[1], std::nullopt, "TIFF resolution" };
-  }
   return std::nullopt;
 }
 
@@ -121,9 +107,7 @@ std::optional<MetadataSize> tagSize(const TiffPage& page)
 void checkPage(FileBytes& file, const TiffPage& page, std::size_t number, bool anyNumbers)
 {
   if (page.width < 1 || page.height < 1)
-  {
     file.damaged(fmt::format("page {} of the TIFF holds no pixels", number + 1));
-  }
   const bool known = page.photometric && *page.photometric <= 8;
   if (!known || page.samples < 1 || page.samples > 4)
   {
@@ -174,9 +158,7 @@ Probe probeTiff(FileBytes& file, bool anyNumbers)
     const TiffPage& page = tiff.page();
     const std::size_t number = result.pages++;
     if (page.smaller && !result.slices.empty())
-    {
       continue; // a smaller copy of a page
-    }
     checkPage(file, page, number, anyNumbers);
     tiff.check();
     if (result.slices.empty())
@@ -189,9 +171,7 @@ Probe probeTiff(FileBytes& file, bool anyNumbers)
       result.description = page.description;
       result.size = omeSize(page.description);
       if (!result.size)
-      {
         result.size = tagSize(page);
-      }
       if (page.orientation != 1)
       {
         result.warnings.push_back(fmt::format(
@@ -222,9 +202,7 @@ void checkBytes(const FileBytes& file, const Probe& probe, std::uint64_t bytes, 
 {
   const double pixels = static_cast<double>(probe.width) * static_cast<double>(probe.height);
   if (pixels * probe.bits / 64 > ratio * static_cast<double>(bytes) + 65536) // one-bit pictures count as 8 bits here
-  {
     file.damaged(fmt::format("{} bytes cannot hold the {} × {} pixels it speaks of", bytes, probe.width, probe.height));
-  }
 }
 
 const char* name(Format format) noexcept
@@ -253,30 +231,18 @@ Probe probe(FileBytes& file, bool anyNumbers)
   const auto starts = [&](std::initializer_list<std::uint8_t> bytes)
   { return head.size() >= bytes.size() && std::equal(bytes.begin(), bytes.end(), head.begin()); };
   if (starts({ 0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n' }))
-  {
     return probePng(file);
-  }
   if (starts({ 0xff, 0xd8, 0xff }))
-  {
     return probeJpeg(file);
-  }
   if (starts({ 'I', 'I', 42, 0 }) || starts({ 'M', 'M', 0, 42 }) || starts({ 'I', 'I', 43, 0 }) ||
     starts({ 'M', 'M', 0, 43 }))
-  {
     return probeTiff(file, anyNumbers);
-  }
   if (isNetpbm(head))
-  {
     return probeNetpbm(file);
-  }
   if (starts({ 'B', 'M' }))
-  {
     return probeBmp(file);
-  }
   if (starts({ 0x1f, 0x8b }))
-  {
     throw InputError(fmt::format("'{}' is compressed with gzip", file.name()), "unpack it first: gunzip -k FILE.gz");
-  }
   throw InputError(fmt::format("'{}' is not a PNG, JPEG, TIFF, PGM, PPM or BMP picture", file.name()),
     "convert it to PNG, or give a raw volume the ending .raw and its size");
 }

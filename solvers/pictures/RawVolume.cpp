@@ -32,9 +32,7 @@ public:
     , at_(offset)
   {
     if (inflateInit2(&stream_, 47) != Z_OK) // either header
-    {
       throw MemoryError("zlib cannot be started", "close other programs");
-    }
   }
   ~Unpacker() { inflateEnd(&stream_); }
   Unpacker(const Unpacker&) = delete;
@@ -48,9 +46,7 @@ public:
       {
         const std::uint64_t more = std::min<std::uint64_t>(std::uint64_t{ 1 } << 20, file_.size() - at_);
         if (more == 0)
-        {
           file_.truncated("its packed values end before the volume does");
-        }
         packed_ = file_.read(at_, more);
         at_ += more;
         stream_.next_in = packed_.data();
@@ -64,13 +60,9 @@ public:
       to += done;
       count -= done;
       if (status == Z_STREAM_END && count > 0)
-      {
         file_.truncated(fmt::format("its packed values are {} bytes short", count));
-      }
       if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR)
-      {
         file_.damaged("its packed values cannot be unpacked");
-      }
     }
   }
 
@@ -96,9 +88,7 @@ std::optional<double> toNumber(std::string_view text)
   text.remove_prefix(text.starts_with('+') ? 1 : 0);
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end != text.data() + text.size() || text.empty() || failed == std::errc::invalid_argument)
-  {
     return std::nullopt;
-  }
   // 1e999 is infinite, 1e-999 is zero
   return failed == std::errc() ? value : std::strtod(std::string(text).c_str(), nullptr);
 }
@@ -134,12 +124,8 @@ std::vector<std::string> wordsOf(const std::string& text)
 {
   std::vector<std::string> words;
   for (const std::string& word : split(text, ' '))
-  {
     if (!trimmed(word).empty())
-    {
       words.push_back(trimmed(word));
-    }
-  }
   return words;
 }
 
@@ -163,26 +149,18 @@ public:
       at = end + 1;
       end_ = std::min(at, text.size());
       if (trimmed(line).empty())
-      {
         break;
-      }
       if (std::ranges::any_of(line, [](unsigned char c) { return c == 0; }))
-      {
         break; // values
-      }
       first_ = first_.empty() ? line : first_;
       const std::size_t sign = line.find(separator);
       if (line.front() == '#' || sign == std::string::npos)
-      {
         continue;
-      }
       const std::string key = lower(trimmed(line.substr(0, sign)));
       const std::size_t value = line.find_first_not_of("=", sign + 1); // NRRD's own keys have :=
       values_[key] = value == std::string::npos ? "" : line.substr(value);
       if (last(key))
-      {
         break;
-      }
     }
   }
 
@@ -193,12 +171,8 @@ public:
   [[nodiscard]] std::string text(std::initializer_list<const char*> keys) const
   {
     for (const char* const key : keys)
-    {
       if (const auto found = values_.find(key); found != values_.end())
-      {
         return trimmed(found->second);
-      }
-    }
     return "";
   }
   [[nodiscard]] std::string raw(const char* key) const
@@ -213,9 +187,7 @@ public:
     {
       const auto number = toNumber(word);
       if (!number)
-      {
         this->refuse(fmt::format("'{}' is no number", word), "look at its header");
-      }
       list.push_back(*number);
     }
     return list;
@@ -225,9 +197,7 @@ public:
     const std::string value = this->text(keys);
     const auto number = toInteger(value);
     if (!value.empty() && !number)
-    {
       this->refuse(fmt::format("'{}' is no whole number", value), "look at its header");
-    }
     return number.value_or(otherwise);
   }
   [[noreturn]] void refuse(const std::string& what, const std::string& remedy) const
@@ -251,9 +221,7 @@ void setSizes(RawLayout& layout, const std::vector<double>& sizes, const Header&
       "two and three axes can be read");
   }
   for (std::size_t axis = 0; axis < sizes.size(); ++axis)
-  {
     layout.size[axis] = static_cast<std::int64_t>(sizes[axis]);
-  }
   layout.axes = static_cast<int>(sizes.size());
 }
 
@@ -309,16 +277,12 @@ std::vector<double> vectorOf(const std::string& word, const Header& header)
 {
   std::vector<double> list;
   if (word == "none")
-  {
     return list;
-  }
   for (const std::string& part : split(word.substr(1, word.size() >= 2 ? word.size() - 2 : 0), ','))
   {
     const auto number = toNumber(trimmed(part));
     if (!number)
-    {
       header.refuse(fmt::format("'{}' is no vector", word), "look at its header");
-    }
     list.push_back(*number);
   }
   return list;
@@ -337,20 +301,14 @@ void setDirections(RawLayout& layout, const std::vector<std::vector<double>>& ax
     }
     double length = 0;
     for (const double part : v)
-    {
       length = std::hypot(length, part);
-    }
     const bool straight = std::ranges::count(v, 0.0) == static_cast<std::ptrdiff_t>(v.size()) - 1;
     length = straight ? std::abs(std::accumulate(v.begin(), v.end(), 0.0)) : length; // to the last bit
     if (!(length > 0))
-    {
       header.refuse("an axis has no length", "look at its space directions");
-    }
     layout.spacing[axis] = length * metres;
     for (std::size_t row = 0; row < v.size(); ++row)
-    {
       layout.direction[3 * row + axis] = v[row] / length;
-    }
   }
 }
 
@@ -369,9 +327,7 @@ RawName rawName(const std::string& name)
   static const std::regex bits("(^|[^0-9])(8|16)[-_]?bit", std::regex::icase);
   std::smatch match;
   if (std::regex_search(name, match, size))
-  {
     result.size = { std::stoll(match[2]), std::stoll(match[3]), std::stoll(match[4]) };
-  }
   if (std::regex_search(name, match, type))
   {
     const NumberType said{ lower(match[2].str()).front(), std::stoi(match[3]) / 8 };
@@ -422,9 +378,7 @@ RawLayout rawLayout(const fs::path& path, const RawSaid& said)
     static_cast<double>(layout.size[0]) * static_cast<double>(layout.size[1]) * static_cast<double>(layout.size[2]);
   auto type = said.type ? said.type : named.type;
   if (!type && (bytes == voxels || bytes == 2 * voxels))
-  {
     type = NumberType{ 'u', bytes == voxels ? 1 : 2 };
-  }
   type = type ? type : said.otherwise;
   if (!type)
   {
@@ -439,18 +393,12 @@ RawHeader rawHeader(const fs::path& path)
 {
   const std::string ending = lower(path.extension().string());
   if (ending == ".mhd" || ending == ".mha")
-  {
     return RawHeader::Meta;
-  }
   if (ending == ".nrrd" || ending == ".nhdr")
-  {
     return RawHeader::Nrrd;
-  }
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored) || fs::file_size(path, ignored) < 8)
-  {
     return RawHeader::None;
-  }
   FileBytes file(path);
   const std::vector<std::uint8_t> head = file.read(0, 6);
   return std::equal(head.begin(), head.end(), "NRRD00") ? RawHeader::Nrrd : RawHeader::None;
@@ -462,29 +410,21 @@ RawLayout metaLayout(const fs::path& path)
   RawLayout layout;
   const std::string data = header.text({ "elementdatafile" });
   if (data.empty() || header.text({ "dimsize" }).empty())
-  {
     header.refuse("it has no DimSize or no ElementDataFile", "give a whole .mhd or .mha file");
-  }
   setSizes(layout, header.numbers({ "dimsize" }), header);
   const std::string type = header.text({ "elementtype" });
   const auto known = std::ranges::find(metaTypes(), type, &Named::first);
   if (known == metaTypes().end())
-  {
     header.refuse(fmt::format("its ElementType is '{}'", type), "numbers of up to 64 bits can be read");
-  }
   layout.type = known->second;
   layout.components =
     static_cast<int>(std::clamp<std::int64_t>(header.integer({ "elementnumberofchannels" }, 1), 1, 64));
   layout.bigEndian = lower(header.text({ "binarydatabyteordermsb", "elementbyteordermsb" })).starts_with("t");
   layout.packed = lower(header.text({ "compresseddata" })).starts_with("t");
   if (lower(header.text({ "binarydata" })).starts_with("f"))
-  {
     header.refuse("its values are text (BinaryData = False)", "write them as binary");
-  }
   if (data == "LIST" || data.find('%') != std::string::npos)
-  {
     header.refuse("its values are in several files", "convert those as a stack: a pattern such as slice_%03d.png");
-  }
   const bool inside = data == "LOCAL" || data == "Local" || data == "local";
   layout.file = inside ? path : beside(path, data);
   const std::int64_t skip = header.integer({ "headersize" }, 0);
@@ -500,20 +440,14 @@ RawLayout metaLayout(const fs::path& path)
     layout.spacing[axis] = axis < spacing.size() ? spacing[axis] * metres : 1;
     layout.origin[axis] = axis < origin.size() ? origin[axis] * metres : 0;
     if (!(layout.spacing[axis] > 0))
-    {
       header.refuse(fmt::format("a spacing of {}", layout.spacing[axis]), "a spacing is a positive length");
-    }
   }
   layout.pixelSizeSource = spacing.empty() ? "none" : "MetaImage ElementSpacing";
   const auto turn = header.numbers({ "transformmatrix", "rotation", "orientation" });
   const std::size_t axes = turn.size() == 9 ? 3 : turn.size() == 4 ? 2 : 0;
   for (std::size_t row = 0; row < axes; ++row)
-  {
     for (std::size_t column = 0; column < axes; ++column)
-    {
       layout.direction[3 * row + column] = turn[axes * column + row]; // a row of the file is an axis
-    }
-  }
   return layout;
 }
 
@@ -521,16 +455,12 @@ RawLayout nrrdLayout(const fs::path& path)
 {
   const Header header(path, ':', [](const std::string&) { return false; });
   if (!header.firstLine().starts_with("NRRD00"))
-  {
     throw InputError("'" + path.string() + "' is not an NRRD file", "its first line is NRRD0004 or the like");
-  }
   RawLayout layout;
   const std::string type = lower(header.text({ "type" }));
   const auto known = std::ranges::find(nrrdTypes(), type, &Named::first);
   if (known == nrrdTypes().end())
-  {
     header.refuse(fmt::format("its type is '{}'", type), "numbers of up to 64 bits can be read");
-  }
   layout.type = known->second;
   auto sizes = header.numbers({ "sizes" });
   auto kinds = wordsOf(header.text({ "kinds" }));
@@ -544,9 +474,7 @@ RawLayout nrrdLayout(const fs::path& path)
   {
     layout.components = static_cast<int>(std::clamp(sizes.front(), 1.0, 64.0));
     for (auto* const words : { &kinds, &directions })
-    {
       words->erase(words->begin(), words->begin() + (words->empty() ? 0 : 1));
-    }
     sizes.erase(sizes.begin());
     spacings.erase(spacings.begin(), spacings.begin() + (spacings.empty() ? 0 : 1));
   }
@@ -554,19 +482,13 @@ RawLayout nrrdLayout(const fs::path& path)
   const std::string encoding = lower(header.text({ "encoding" }));
   layout.packed = encoding == "gzip" || encoding == "gz";
   if (!layout.packed && encoding != "raw")
-  {
     header.refuse(fmt::format("its encoding is '{}'", encoding), "raw and gzip can be read: save it as one of these");
-  }
   layout.bigEndian = lower(header.text({ "endian" })) == "big";
   const std::string data = header.text({ "data file", "datafile" });
   if (data.find('%') != std::string::npos || data == "LIST" || data.starts_with("LIST "))
-  {
     header.refuse("its values are in several files", "convert those as a stack: a pattern such as slice_%03d.png");
-  }
   if (header.integer({ "line skip", "lineskip" }, 0) != 0)
-  {
     header.refuse("it skips lines", "give the number of bytes instead (byte skip)");
-  }
   const std::int64_t skip = header.integer({ "byte skip", "byteskip" }, 0);
   layout.fromEnd = skip < 0;
   layout.file = data.empty() ? path : beside(path, data);
@@ -578,27 +500,21 @@ RawLayout nrrdLayout(const fs::path& path)
   {
     std::vector<std::vector<double>> axes;
     for (const std::string& word : directions)
-    {
       axes.push_back(vectorOf(word, header));
-    }
     setDirections(layout, axes, metres, header);
     layout.pixelSizeSource = "NRRD space directions";
   }
   else if (!spacings.empty())
   {
     for (std::size_t axis = 0; axis < std::min<std::size_t>(3, spacings.size()); ++axis)
-    {
       layout.spacing[axis] = std::isfinite(spacings[axis]) && spacings[axis] > 0 ? spacings[axis] * metres : 1;
-    }
     layout.pixelSizeSource = "NRRD spacings";
   }
   if (const std::string origin = header.text({ "space origin" }); !origin.empty())
   {
     const auto numbers = vectorOf(origin, header);
     for (std::size_t axis = 0; axis < std::min<std::size_t>(3, numbers.size()); ++axis)
-    {
       layout.origin[axis] = numbers[axis] * metres;
-    }
   }
   return layout;
 }
@@ -641,13 +557,9 @@ void RawVolume::read(std::int64_t first, std::int64_t last, void* to)
 {
   const std::uint64_t bytes = layer_ * static_cast<std::uint64_t>(last - first + 1);
   if (layout_.packed)
-  {
     this->unpack(static_cast<std::uint8_t*>(to), first, last);
-  }
   else
-  {
     file_.read(begin_ + layer_ * static_cast<std::uint64_t>(first), to, bytes);
-  }
   this->swap(to, bytes);
 }
 
@@ -663,14 +575,10 @@ void RawVolume::swap(void* values, std::uint64_t bytes) const
 {
   const auto each = static_cast<std::size_t>(layout_.type.bytes);
   if (each == 1 || layout_.bigEndian == (std::endian::native == std::endian::big))
-  {
     return;
-  }
   auto* const from = static_cast<std::uint8_t*>(values);
   for (std::uint64_t at = 0; at < bytes; at += each)
-  {
     std::reverse(from + at, from + at + each);
-  }
 }
 
 /// The last layer that was unpacked is kept: slabs of images with cells begin with it.
@@ -689,16 +597,12 @@ void RawVolume::unpack(std::uint8_t* to, std::int64_t first, std::int64_t last)
   }
   kept_.resize(layer_);
   for (; next_ < first; ++next_)
-  {
     unpacker_->read(kept_.data(), layer_);
-  }
   for (; next_ <= last; ++next_, to += layer_)
   {
     unpacker_->read(to, layer_);
     if (next_ == last)
-    {
       std::copy_n(to, layer_, kept_.begin());
-    }
   }
 }
 

@@ -42,18 +42,12 @@ std::optional<Slice> split(const fs::path& file)
   const std::string stem = file.stem().string();
   std::size_t end = stem.size();
   while (end > 0 && !isDigit(stem[end - 1]))
-  {
     --end;
-  }
   std::size_t begin = end;
   while (begin > 0 && isDigit(stem[begin - 1]))
-  {
     --begin;
-  }
   if (begin == end || end - begin > 18)
-  {
     return std::nullopt;
-  }
   return Slice{ file, stem.substr(0, begin) + "#" + stem.substr(end), std::stoull(stem.substr(begin, end - begin)) };
 }
 
@@ -75,9 +69,7 @@ std::vector<fs::path> filesIn(const fs::path& folder)
   {
     std::error_code ignored;
     if (entry->is_regular_file(ignored))
-    {
       files.push_back(folder.empty() ? entry->path().filename() : entry->path());
-    }
   }
   if (failure)
   {
@@ -94,15 +86,11 @@ std::optional<std::uint64_t> numberAt(
 {
   if (name.size() < before.size() + after.size() + std::max<std::size_t>(digits, 1) ||
     name.compare(0, before.size(), before) != 0 || name.compare(name.size() - after.size(), after.size(), after) != 0)
-  {
     return std::nullopt;
-  }
   const std::string number = name.substr(before.size(), name.size() - before.size() - after.size());
   if (number.size() > 18 || !std::all_of(number.begin(), number.end(), isDigit) ||
     (number.size() > digits && digits > 1 && number[0] == '0'))
-  {
     return std::nullopt;
-  }
   return std::stoull(number);
 }
 
@@ -120,12 +108,8 @@ std::vector<Slice> byNumber(const fs::path& pattern)
   const std::size_t digits = !width.empty() && width[0] == '0' ? std::stoul(width) : 0;
   std::vector<Slice> slices;
   for (const fs::path& file : filesIn(pattern.parent_path()))
-  {
     if (const auto number = numberAt(file.filename().string(), match.prefix(), match.suffix(), digits))
-    {
       slices.push_back({ file, name, *number });
-    }
-  }
   return slices;
 }
 
@@ -208,9 +192,7 @@ Slices listSlices(const fs::path& path)
     const std::string what = fmt::format("{} of the slices {} to {} {} missing, the first is {}", missing,
       slices.front().number, slices.back().number, missing == 1 ? "is" : "are", firstMissing);
     if (numbered)
-    {
       throw InputError(what, "add them, number the slices anew, or use * in place of %d to close the gap");
-    }
     result.warnings.push_back(what + "; the others are put side by side");
   }
   return result;

@@ -9,16 +9,12 @@ std::optional<std::uint64_t> TiffSource::open()
 {
   const auto head = read(0, 8);
   if (!head || (*head)[0] != (*head)[1] || ((*head)[0] != 'I' && (*head)[0] != 'M'))
-  {
     return std::nullopt;
-  }
   bigEndian = (*head)[0] == 'M';
   const std::uint64_t version = numberFrom(head->data() + 2, 2, bigEndian);
   big = version == 43;
   if (version == 42)
-  {
     return numberFrom(head->data() + 4, 4, bigEndian);
-  }
   const auto first = big ? read(8, 8) : std::nullopt;
   return first ? std::optional(numberFrom(first->data(), 8, bigEndian)) : std::nullopt;
 }
@@ -46,9 +42,7 @@ std::optional<TiffEntries> tiffEntries(const TiffSource& source, std::uint64_t a
   const auto bytes =
     entries > most ? std::nullopt : source.read(at + static_cast<std::uint64_t>(countBytes), entries * entryBytes);
   if (!bytes)
-  {
     return std::nullopt;
-  }
   TiffEntries result;
   for (std::uint64_t i = 0; i < entries; ++i)
   {
@@ -56,9 +50,7 @@ std::optional<TiffEntries> tiffEntries(const TiffSource& source, std::uint64_t a
     const int tag = static_cast<int>(numberFrom(entry, 2, source.bigEndian));
     const auto type = numberFrom(entry + 2, 2, source.bigEndian);
     if (numberFrom(entry + 4, offsetBytes, source.bigEndian) != 1)
-    {
       continue;
-    }
     const std::uint8_t* const value = entry + 4 + offsetBytes;
     constexpr std::uint64_t shortNumber = 3, longNumber = 4, rational = 5;
     if (type == shortNumber || type == longNumber)
@@ -84,9 +76,7 @@ std::optional<std::array<double, 2>> resolution(const TiffEntries& entries)
   const std::uint64_t code = entries.number(TiffEntries::resolutionUnit, 2);
   const double unit = code == 2 ? 0.0254 : code == 3 ? 0.01 : 0; // inch, centimetre
   if (!(x > 0) || !(y > 0) || !(unit > 0))
-  {
     return std::nullopt;
-  }
   return std::array<double, 2>{ unit / x, unit / y };
 }
 

@@ -135,9 +135,7 @@ struct Opened
   ~Opened()
   {
     if (tiff != nullptr)
-    {
       TIFFClose(tiff);
-    }
   }
 
   Talk talk;
@@ -169,9 +167,7 @@ struct TiffFile::Open : Opened
   [[noreturn]] void damaged(std::size_t page) const
   {
     if (talk.beyond)
-    {
       talk.file->truncated(fmt::format("page {} of the TIFF reaches beyond its end", page + 1));
-    }
     undecodable(*talk.file, Format::Tiff,
       fmt::format("page {}{}{}", page + 1, talk.complaint.empty() ? "" : ": ", talk.complaint));
   }
@@ -182,9 +178,7 @@ TiffFile::TiffFile(FileBytes& file)
 {
   open_->open(file);
   if (open_->tiff == nullptr)
-  {
     open_->damaged(0);
-  }
   this->look();
 }
 
@@ -201,25 +195,19 @@ bool TiffFile::next()
     return true;
   }
   if (!open_->talk.complaint.empty() || open_->talk.beyond)
-  {
     open_->damaged(number_);
-  }
   return false;
 }
 
 void TiffFile::go(std::size_t page)
 {
   if (page == number_)
-  {
     return;
-  }
   const bool there = page == number_ + 1 ? TIFFReadDirectory(open_->tiff) == 1
                                          : TIFFSetDirectory(open_->tiff, static_cast<tdir_t>(page)) == 1;
   number_ = page;
   if (!there)
-  {
     open_->damaged(page);
-  }
   this->look();
 }
 
@@ -234,9 +222,7 @@ void TiffFile::look()
   page_.numbers = field<std::uint16_t>(tiff, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
   std::uint16_t photometric = 0;
   if (TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric) == 1)
-  {
     page_.photometric = photometric;
-  }
   page_.packing = field<std::uint16_t>(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
   page_.together =
     field<std::uint16_t>(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == PLANARCONFIG_CONTIG || page_.samples == 1;
@@ -244,9 +230,7 @@ void TiffFile::look()
   page_.orientation = field<std::uint16_t>(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
   const char* description = nullptr;
   if (TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description) == 1 && description != nullptr)
-  {
     page_.description = description;
-  }
   TiffSource source;
   FileBytes& file = *open_->talk.file;
   source.read = [&file](std::uint64_t at, std::uint64_t count) -> std::optional<std::vector<std::uint8_t>>
@@ -265,9 +249,7 @@ void TiffFile::check() const
   TIFF* const tiff = open_->tiff;
   FileBytes& file = *open_->talk.file;
   if (!open_->talk.complaint.empty() || open_->talk.beyond)
-  {
     open_->damaged(number_);
-  }
   const bool tiled = TIFFIsTiled(tiff) != 0;
   const std::uint64_t* offsets = nullptr;
   const std::uint64_t* counts = nullptr;
@@ -275,20 +257,14 @@ void TiffFile::check() const
   const bool found = TIFFGetField(tiff, tiled ? TIFFTAG_TILEOFFSETS : TIFFTAG_STRIPOFFSETS, &offsets) == 1 &&
     TIFFGetField(tiff, tiled ? TIFFTAG_TILEBYTECOUNTS : TIFFTAG_STRIPBYTECOUNTS, &counts) == 1;
   if (!found || offsets == nullptr || counts == nullptr || pieces == 0)
-  {
     file.damaged(fmt::format("page {} of the TIFF holds no pixels", number_ + 1));
-  }
   double held = 0;
   for (std::uint32_t i = 0; i < pieces; ++i)
   {
     if (!file.holds(offsets[i], counts[i]))
-    {
       file.truncated(fmt::format("pixels of page {} of the TIFF lie beyond its end", number_ + 1));
-    }
     if (counts[i] == 0)
-    {
       file.damaged(fmt::format("a strip of page {} of the TIFF is empty", number_ + 1));
-    }
     held += static_cast<double>(counts[i]);
   }
   const double wanted =
@@ -327,9 +303,7 @@ void TiffFile::readSamples(void* to)
   const tmsize_t size = tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff);
   const std::size_t line = across * inPiece * each;
   if (size <= 0 || size > mostOfOne || across == 0 || down == 0 || static_cast<std::size_t>(size) != line * down)
-  {
     open_->damaged(number_);
-  }
   const bool straight = !tiled && page_.together; // a strip is what is wanted
   std::vector<std::uint8_t> piece(straight ? 0 : static_cast<std::size_t>(size));
   for (std::size_t plane = 0; plane < samples / inPiece; ++plane)
@@ -346,9 +320,7 @@ void TiffFile::readSamples(void* to)
         const tmsize_t read = tiled ? TIFFReadTile(tiff, from, static_cast<std::uint32_t>(x), row, 0, part)
                                     : TIFFReadEncodedStrip(tiff, TIFFComputeStrip(tiff, row, part), from, wanted);
         if (read != wanted || !open_->talk.complaint.empty())
-        {
           open_->damaged(number_);
-        }
         const std::size_t columns = std::min(across, width - x);
         for (std::size_t r = 0; r < rows && !straight; ++r)
         {
@@ -359,9 +331,7 @@ void TiffFile::readSamples(void* to)
             continue;
           }
           for (std::size_t c = 0; c < columns; ++c)
-          {
             std::copy_n(from + line * r + c * each, each, target + (c * samples + plane) * each);
-          }
         }
       }
     }
@@ -378,9 +348,7 @@ Pixels TiffFile::pixels()
   const bool shape = (grey || page_.photometric == PHOTOMETRIC_RGB) &&
     (page_.samples == first || (page_.bits == 16 && page_.samples == first + 1));
   if (page_.numbers != SAMPLEFORMAT_UINT || (page_.bits != 8 && page_.bits != 16) || !shape || isJpeg(page_.packing))
-  {
     return this->colours();
-  }
   result.channels = page_.samples;
   result.bits = page_.bits;
   result.values.resize(static_cast<std::size_t>(page_.width * page_.height * page_.samples * (page_.bits / 8)));
@@ -390,9 +358,7 @@ Pixels TiffFile::pixels()
     const std::size_t each = static_cast<std::size_t>(page_.bits / 8);
     const std::size_t step = each * static_cast<std::size_t>(page_.samples); // alpha stays
     for (std::size_t i = 0; i < result.values.size(); ++i)
-    {
       result.values[i] = static_cast<std::uint8_t>(i % step < each ? ~result.values[i] : result.values[i]);
-    }
   }
   return result;
 }
@@ -409,9 +375,7 @@ Pixels TiffFile::colours()
     again->open(file);
     open_ = std::move(again);
     if (open_->tiff == nullptr || TIFFSetDirectory(open_->tiff, static_cast<tdir_t>(number_)) != 1)
-    {
       open_->damaged(number_);
-    }
   }
   TIFF* const tiff = open_->tiff;
   TIFFRGBAImage image;
@@ -444,9 +408,7 @@ Pixels TiffFile::colours()
     const std::uint32_t now = std::min(rows, height - y);
     image.row_offset = static_cast<int>(y);
     if (TIFFRGBAImageGet(&image, raster.data(), image.width, now) == 0 || !open_->talk.complaint.empty())
-    {
       open_->damaged(number_);
-    }
     for (std::size_t i = 0; i < static_cast<std::size_t>(page_.width) * now; ++i)
     {
       const std::uint32_t value = raster[i];
@@ -457,9 +419,7 @@ Pixels TiffFile::colours()
         *to++ = static_cast<std::uint8_t>(TIFFGetB(value));
       }
       if (image.alpha != 0)
-      {
         *to++ = static_cast<std::uint8_t>(TIFFGetA(value));
-      }
     }
   }
   return result;
@@ -485,9 +445,7 @@ TiffWriter::~TiffWriter() = default;
 bool TiffWriter::add(const void* rows, const std::string& description)
 {
   if (!good_)
-  {
     return false;
-  }
   TIFF* const tiff = open_->tiff;
   const auto height = static_cast<std::uint32_t>(form_.height);
   const auto row = static_cast<std::size_t>(form_.width * form_.samples * (form_.bits / 8));
@@ -515,13 +473,9 @@ bool TiffWriter::add(const void* rows, const std::string& description)
     TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, RESUNIT_CENTIMETER);
   }
   if (form_.pages > 1)
-  {
     TIFFSetField(tiff, TIFFTAG_SUBFILETYPE, FILETYPE_PAGE);
-  }
   if (!description.empty())
-  {
     TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, description.c_str());
-  }
   const auto* from = static_cast<const std::uint8_t*>(rows);
   std::vector<std::uint8_t> line(row); // libtiff's predictor works in place
   for (std::uint32_t y = 0; y < height && good_; ++y, from += row)

@@ -51,18 +51,14 @@ void writeTiff(const fs::path& path, const PhaseImage& image, std::span<const st
   const auto [nx, ny, nz] = image.lattice.size;
   TiffForm form{ nx, ny, nz };
   if (hasPixelSize)
-  {
     form.pixelSize = { image.lattice.spacing, image.lattice.spacing };
-  }
   writeWhole(path,
     [&](const PartFile& part)
     {
       errno = 0;
       TiffWriter tiff(part.path(), form);
       for (std::int64_t z = 0; z < nz && tiff.good(); ++z)
-      {
         tiff.add(rowsFromTop(image, grey, z).values.data(), z == 0 ? std::string(description) : "");
-      }
       return tiff.finish() ? 0 : errno != 0 ? errno : EIO;
     });
 }
@@ -98,9 +94,7 @@ void writeLabels(const PhaseImage& image, const fs::path& path, std::span<const 
   std::vector<std::uint8_t> greys(grey.begin(), grey.end());
   const std::size_t phases = image.phases.size();
   for (std::size_t id = 0; grey.empty() && id < phases; ++id)
-  {
     greys.push_back(static_cast<std::uint8_t>(phases > 1 ? id * 255 / (phases - 1) : 0));
-  }
   std::vector<std::uint8_t> sorted = greys;
   std::sort(sorted.begin(), sorted.end());
   if (greys.size() != phases || std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())

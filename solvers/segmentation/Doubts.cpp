@@ -30,9 +30,7 @@ bool cells(const Evidence& e)
 std::optional<Remark> doubtTheSide(const Evidence& e, const SegmentReport& report, const SegmentOptions& options)
 {
   if (cells(e) || options.lumen != LumenSide::Auto)
-  {
     return std::nullopt;
-  }
   const char* const taken = report.brightLumen ? "bright" : "dark";
   const char* const left = report.brightLumen ? "dark" : "bright";
   return Remark{ Doubt::Side,
@@ -57,9 +55,7 @@ std::optional<Remark> doubtTheGreys(const Evidence& e, const SegmentReport& repo
   const bool asSeen = e.classes.size() >= 3;
   const std::vector<GreyClass>& classes = asSeen ? e.classes : e.evenClasses;
   if (!manyGreys(e, report))
-  {
     return std::nullopt;
-  }
   // The even grey is mirrored where lumens are dark; the threshold is not.
   const bool mirrored = !asSeen && !report.brightLumen;
   std::vector<std::string> summits;
@@ -76,9 +72,7 @@ std::optional<Remark> doubtTheGreys(const Evidence& e, const SegmentReport& repo
   }
   std::string at;
   for (const double limit : limits)
-  {
     at += fmt::format("{}threshold {:.0f}", at.empty() ? "" : " or ", limit);
-  }
   const std::string where = report.channel == "grey" ? "greys" : "greys of the channel " + report.channel;
   std::string text =
     fmt::format("the picture has {} classes of {}, not two, around {} of 255; split at {:.0f}, what lies on one side "
@@ -110,9 +104,7 @@ std::optional<Remark> doubtTheResolution(const Evidence& e)
       percent(e.spotShare)));
   }
   if (e.narrow > 0.3)
-  {
     add(fmt::format("{} of the lumens are no wider than 4 pixels", percent(e.narrow)));
-  }
   if (e.edgeWidth > 0.8 * e.wallThickness && e.wallThickness > 0)
   {
     add(fmt::format("the walls are {:.1f} pixels thick and edges take {:.1f} to go from light to dark", e.wallThickness,
@@ -124,9 +116,7 @@ std::optional<Remark> doubtTheResolution(const Evidence& e)
       "the lumens are {:.1f} pixels wide and edges take {:.1f} to go from light to dark", e.lumenWidth, e.edgeWidth));
   }
   if (text.empty())
-  {
     return std::nullopt;
-  }
   return Remark{ Doubt::Resolution, "the picture is too coarse or too blurred for its shares to hold: " + text };
 }
 
@@ -147,9 +137,7 @@ std::optional<Remark> doubtTheWalls(const Evidence& e, const SegmentReport& repo
       e.blind == 1 ? "one place" : fmt::format("{} places", e.blind));
   }
   if (text.empty())
-  {
     return std::nullopt;
-  }
   return Remark{ Doubt::Filled,
     text +
       ": cells filled with stain, resin or bark may have been taken for wall; look at the overlay, or move the "
@@ -162,9 +150,7 @@ std::optional<Remark> doubtTheGaps(const Evidence& e)
   // Where hardly anything is a cell, what is ragged is no tear.
   constexpr double someCells = 0.4;
   if (e.gapShare <= most || (e.compactWithoutGaps < leastCompact && e.lumens.compact < someCells))
-  {
     return std::nullopt;
-  }
   return Remark{ Doubt::Gaps,
     fmt::format("{} ({} of the picture), far larger than the lumens and ragged or open at the border, "
                 "count{} as lumen: a tear, or slide beside the tissue? Give a window without {}",
@@ -176,9 +162,7 @@ std::optional<Remark> doubtTheContrast(const SegmentReport& report)
 {
   constexpr double least = 0.75; // whole tissue 0.88 and more
   if (report.separability >= least)
-  {
     return std::nullopt;
-  }
   return Remark{ Doubt::Contrast,
     fmt::format(
       "lumens and walls are hard to tell apart (separability {:.2f}): look at the result", report.separability) };
@@ -189,9 +173,7 @@ std::optional<Remark> doubtTheShare(const SegmentReport& report)
   constexpr double least = 0.03;
   if (report.lumenFraction <= 0 || report.lumenFraction >= 1 ||
     (report.lumenFraction >= least && report.lumenFraction <= 1 - least))
-  {
     return std::nullopt;
-  }
   return Remark{ Doubt::Share,
     fmt::format(
       "{} of the picture is lumen: if that cannot be, give threshold or lumen", percent(report.lumenFraction)) };
@@ -212,9 +194,7 @@ std::vector<Remark> doubtsOf(
   const auto add = [&](std::optional<Remark> one)
   {
     if (one)
-    {
       all.push_back(std::move(*one));
-    }
     return one.has_value();
   };
   if (evidence.lumens.pieces > 0)
@@ -224,9 +204,7 @@ std::vector<Remark> doubtsOf(
     const bool coarse = add(doubtTheResolution(evidence));
     // Where lumens are too small to be seen, or are no cells, walls are thick for that reason.
     if (!coarse && !side && cells(evidence))
-    {
       add(doubtTheWalls(evidence, report));
-    }
     add(doubtTheGaps(evidence));
   }
   add(doubtTheContrast(report));

@@ -39,12 +39,8 @@ struct Profile
     const double most = *std::max_element(count.begin(), count.end());
     std::vector<std::array<double, 2>> points;
     for (std::size_t i = 0; i < sum.size(); ++i)
-    {
       if (count[i] >= std::max(30.0, 0.01 * most))
-      {
         points.push_back({ place[i] / count[i], sum[i] / count[i] });
-      }
-    }
     return points;
   }
 };

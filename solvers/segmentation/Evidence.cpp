@@ -16,9 +16,7 @@ template <class T>
 double quantile(std::vector<T>& values, double share)
 {
   if (values.empty())
-  {
     return 0;
-  }
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
@@ -32,12 +30,8 @@ std::vector<float> sampled(const cv::Mat& grey, const cv::Mat& mask)
   for (int row = 0; row < grey.rows; row += step)
   {
     for (int x = 0; x < grey.cols; x += step)
-    {
       if (mask.at<std::uint8_t>(row, x) > 0)
-      {
         values.push_back(grey.at<float>(row, x));
-      }
-    }
   }
   return values;
 }
@@ -56,17 +50,11 @@ cv::Mat lookAtWalls(const cv::Mat& lumen, Evidence& e)
     const int* const above = nearest.ptr<int>(row + 1);
     const auto* distance = away.ptr<float>(row);
     for (int x = 0; x + 1 < lumen.cols; ++x)
-    {
       if (distance[x] > 0 && (here[x] != here[x + 1] || here[x] != above[x]))
-      {
         half.push_back(distance[x]);
-      }
-    }
   }
   if (half.empty())
-  {
     return away;
-  }
   // Pixels' centres lie half a pixel from the outline at least.
   e.wallThickness = 2 * quantile(half, 0.5) - 1;
   // Whole wood has walls of one thickness, and its corners hold disks half as wide again. The thinner ones are asked:
@@ -118,9 +106,7 @@ bool isSpot(const cv::Mat& smooth, int row, int x, double contrast)
   {
     v[static_cast<std::size_t>(k)] = smooth.ptr<float>(row + k / 3 - 1)[x + k % 3 - 1];
     if (k != 4 && v[static_cast<std::size_t>(k)] >= smooth.ptr<float>(row)[x])
-    {
       return false;
-    }
   }
   // Second differences over three rows, columns.
   const double xx = (v[0] - 2 * v[1] + v[2] + 2 * (v[3] - 2 * v[4] + v[5]) + v[6] - 2 * v[7] + v[8]) / 4;
@@ -159,9 +145,7 @@ void lookForSpots(const cv::Mat& lumen, const cv::Mat& even, const cv::Mat& away
     for (int x = 1; x + 1 < lumen.cols; ++x)
     {
       if (distance[x] < flank || !isSpot(smooth, row, x, contrast))
-      {
         continue;
-      }
       ++e.spots;
       for (int dy = -reach; dy <= reach; ++dy)
       {
@@ -170,9 +154,7 @@ void lookForSpots(const cv::Mat& lumen, const cv::Mat& even, const cv::Mat& away
           const bool corner = std::abs(dy) == reach && std::abs(dx) == reach;
           const bool inside = row + dy >= 0 && row + dy < lumen.rows && x + dx >= 0 && x + dx < lumen.cols;
           if (inside && !corner)
-          {
             count(row + dy, x + dx);
-          }
         }
       }
     }
@@ -213,20 +195,14 @@ void lookAtLumens(const cv::Mat& lumen, const cv::Mat& away, Evidence& e)
   }
   std::vector<float> whole;
   for (std::size_t label = 1; label < deepest.size(); ++label)
-  {
     if (!cut[label])
-    {
       whole.push_back(deepest[label]);
-    }
-  }
   constexpr float narrow = 2.6F; // from the middle pixel of five
   e.narrow = static_cast<double>(std::count_if(whole.begin(), whole.end(), [](float d) { return d < narrow; })) /
     std::max(1.0, static_cast<double>(whole.size()));
   e.lumenWidth = std::max(0.0, 2 * quantile(whole, 0.5) - 1);
   if (!whole.empty())
-  {
     lookForBlindCells(away, quantile(whole, 0.3), e.wallThickness / 2, e);
-  }
 }
 
 /// Tears and what lies beside the tissue are larger than cells and ragged, or open along the border. A vessel that the
@@ -239,9 +215,7 @@ void lookForGaps(const std::vector<PieceShape>& pieces, double nodes, Evidence& 
   {
     all += static_cast<double>(piece.area);
     if (!piece.cut && piece.solidity >= compactSolidity)
-    {
       whole.push_back(static_cast<double>(piece.area));
-    }
   }
   if (whole.empty())
   {
@@ -276,9 +250,7 @@ Evidence gather(const cv::Mat& lumen, const cv::Mat& asSeen, const cv::Mat& even
   const cv::Mat wall = 255 - lumen;
   const int inside = cv::countNonZero(lumen);
   if (inside == 0 || inside == static_cast<int>(lumen.total()))
-  {
     return e;
-  }
   const std::vector<PieceShape> pieces = pieceShapes(lumen, smallest);
   e.lumens = sideShape(pieces);
   e.walls = sideShape(pieceShapes(wall, smallest));

@@ -60,9 +60,7 @@ cv::Mat smoothSurface(const cv::Mat& grey, const cv::Mat& mask)
     {
       double ofY = 1;
       for (int j = 0; i + j <= degree; ++j, ofY *= y)
-      {
         row[static_cast<std::size_t>(term++)] = ofX * ofY;
-      }
     }
   };
   const cv::Size size(std::min(coarse, grey.cols), std::min(coarse, grey.rows));
@@ -86,9 +84,7 @@ cv::Mat smoothSurface(const cv::Mat& grey, const cv::Mat& mask)
       {
         right.at<double>(i) += row[static_cast<std::size_t>(i)] * sum.at<float>(y, x);
         for (int j = 0; j < terms; ++j)
-        {
           normal.at<double>(i, j) += w * row[static_cast<std::size_t>(i)] * row[static_cast<std::size_t>(j)];
-        }
       }
     }
   }
@@ -102,9 +98,7 @@ cv::Mat smoothSurface(const cv::Mat& grey, const cv::Mat& mask)
       fill(at(x, size.width), at(y, size.height), row);
       double value = 0;
       for (int i = 0; i < terms; ++i)
-      {
         value += coefficients.at<double>(i) * row[static_cast<std::size_t>(i)];
-      }
       surface.at<float>(y, x) = static_cast<float>(value);
     }
   }
@@ -148,9 +142,7 @@ double noiseOf(const cv::Mat& grey)
   response = thinned(response, 5e5);
   std::vector<float> magnitudes(response.begin<float>(), response.end<float>());
   for (float& value : magnitudes)
-  {
     value = std::abs(value);
-  }
   const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
   std::nth_element(magnitudes.begin(), middle, magnitudes.end());
   return *middle / (0.6745 * 6);
@@ -161,18 +153,14 @@ cv::Mat thinned(const cv::Mat& grey, double most)
   const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(grey.total()) / most))));
   const int shortest = std::min(grey.rows, grey.cols);
   if (step == 1 || shortest < 2 * step)
-  {
     return grey;
-  }
   cv::Mat result(grey.rows / step, grey.cols / step, CV_32F);
   for (int row = 0; row < result.rows; ++row)
   {
     const auto* from = grey.ptr<float>(row * step);
     auto* to = result.ptr<float>(row);
     for (int x = 0; x < result.cols; ++x)
-    {
       to[x] = from[static_cast<std::ptrdiff_t>(x) * step];
-    }
   }
   return result;
 }
@@ -230,9 +218,7 @@ Flattened flatten(const cv::Mat& grey, const std::optional<double>& scaleAsked)
     const auto* plus = offset.ptr<float>(row);
     auto* to = result.grey.ptr<float>(row);
     for (int x = 0; x < grey.cols; ++x)
-    {
       to[x] = std::clamp(from[x] * times[x] + plus[x], 0.0F, 255.0F);
-    }
   }
   return result;
 }

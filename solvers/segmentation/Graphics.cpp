@@ -48,9 +48,7 @@ int marginRows(const cv::Mat& mask, int first, int step)
   {
     const double share = cv::countNonZero(mask.row(first + step * i)) / static_cast<double>(mask.cols);
     if (share < 0.5)
-    {
       break;
-    }
     margin = share >= 0.95 ? i + 1 : margin;
   }
   return margin;
@@ -69,9 +67,7 @@ void findMargins(const cv::Mat& mask, std::vector<Mark>& marks)
   const auto add = [&](int x0, int y0, int x1, int y1)
   {
     if (x1 > x0 && y1 > y0)
-    {
       marks.push_back({ Mark::Kind::Margin, x0, y0, x1, y1 });
-    }
   };
   add(0, 0, mask.cols, marginRows(mask, 0, 1));
   add(0, mask.rows - marginRows(mask, mask.rows - 1, -1), mask.cols, mask.rows);
@@ -99,9 +95,7 @@ void findText(const cv::Mat& labels, std::vector<Shape> letters, std::vector<Mar
   for (std::size_t i = 0; i < letters.size(); ++i)
   {
     if (used[i] || !thinStroked(labels, letters[i]))
-    {
       continue;
-    }
     cv::Rect line = letters[i].box;
     const double height = line.height;
     std::vector<std::size_t> members{ i };
@@ -110,9 +104,7 @@ void findText(const cv::Mat& labels, std::vector<Shape> letters, std::vector<Mar
     {
       const cv::Rect& box = letters[j].box;
       if (box.x > line.x + line.width + 1.5 * height)
-      {
         break;
-      }
       const bool level = std::abs(box.y - letters[i].box.y) <= 0.4 * height &&
         std::abs(box.y + box.height - letters[i].box.y - letters[i].box.height) <= 0.4 * height;
       if (!used[j] && level && thinStroked(labels, letters[j]))
@@ -125,9 +117,7 @@ void findText(const cv::Mat& labels, std::vector<Shape> letters, std::vector<Mar
     if (members.size() >= 3 && fill / static_cast<double>(members.size()) < 0.75)
     {
       for (const std::size_t member : members)
-      {
         used[member] = true;
-      }
       marks.push_back({ Mark::Kind::Text, line.x, line.y, line.x + line.width, line.y + line.height });
     }
   }
@@ -148,19 +138,13 @@ void findShapes(const cv::Mat& mask, std::vector<Mark>& marks)
     const int thick = std::min(box.width, box.height);
     const int length = std::max(box.width, box.height);
     if (fill >= 0.95 && thick >= 3 && length >= std::max(20, 5 * thick))
-    {
       marks.push_back({ Mark::Kind::Bar, box.x, box.y, box.x + box.width, box.y + box.height });
-    }
     else if (box.height >= 6 && 10 * box.height <= std::max(mask.rows, 100) && box.width <= 2 * box.height)
-    {
       letters.push_back({ box, i, fill });
-    }
   }
   // Noise and foam in a saturated picture are no text: letters come by the dozen, not by the thousand.
   if (letters.size() <= 1000)
-  {
     findText(labels, std::move(letters), marks);
-  }
 }
 
 /// Share of the picture in places that are all of one extreme.
@@ -169,9 +153,7 @@ double emptyShare(const cv::Mat& mask, double place)
   const int columns = std::max(1, static_cast<int>(mask.cols / place));
   const int rows = std::max(1, static_cast<int>(mask.rows / place));
   if (columns * rows < 4)
-  {
     return 0;
-  }
   cv::Mat share;
   cv::resize(mask, share, cv::Size(columns, rows), 0, 0, cv::INTER_AREA);
   return cv::countNonZero(share >= 253) / static_cast<double>(columns * rows);
@@ -223,9 +205,7 @@ Graphics findGraphics(const Picture& picture, double place)
 void paintOver(cv::Mat& grey, const cv::Mat& mask)
 {
   if (mask.empty() || cv::countNonZero(mask) == static_cast<int>(mask.total()))
-  {
     return;
-  }
   cv::Mat distance;
   cv::Mat nearest;
   cv::distanceTransform(mask, distance, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
@@ -241,13 +221,9 @@ void paintOver(cv::Mat& grey, const cv::Mat& mask)
       {
         const auto which = static_cast<std::size_t>(label[x]);
         if (pass == 0 && masked[x] == 0)
-        {
           values[which] = value[x];
-        }
         else if (pass == 1 && masked[x] > 0)
-        {
           value[x] = values[which];
-        }
       }
     }
   }

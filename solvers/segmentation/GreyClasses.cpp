@@ -24,14 +24,10 @@ cv::Mat bands(const cv::Mat& grey)
   constexpr int height = 64;
   const int step = std::max(1, static_cast<int>(std::lround(static_cast<double>(grey.total()) / plenty)));
   if (step == 1 || grey.rows < 4 * step * height)
-  {
     return grey;
-  }
   std::vector<cv::Mat> kept;
   for (int row = 0; row + height <= grey.rows; row += step * height)
-  {
     kept.push_back(grey.rowRange(row, row + height));
-  }
   cv::Mat result;
   cv::vconcat(kept, result);
   return result;
@@ -68,9 +64,7 @@ Histogram flatGreys(const cv::Mat& grey, double contrast, double noise)
   }
   constexpr double enough = 100; // pixels
   for (double& count : counts)
-  {
     count = all < enough ? 0 : count / all;
-  }
   return counts;
 }
 
@@ -98,17 +92,11 @@ std::vector<std::size_t> summits(const Histogram& curve)
   {
     valley = std::min(valley, curve[i]);
     if ((i > 0 && curve[i] <= curve[i - 1]) || (i + 1 < greys && curve[i] < curve[i + 1]))
-    {
       continue;
-    }
     if (!found.empty() && valley > shallow * std::min(curve[found.back()], curve[i]))
-    {
       found.back() = curve[i] > curve[found.back()] ? i : found.back();
-    }
     else
-    {
       found.push_back(i);
-    }
     valley = curve[found.back()];
   }
   return found;
@@ -146,9 +134,7 @@ std::vector<GreyClass> greyClasses(const cv::Mat& grey, double contrast, double 
     }
   }
   for (std::size_t i = 1; i < classes.size(); ++i)
-  {
     classes[i].from = static_cast<double>(valleyBetween(kept[i - 1], kept[i]));
-  }
   return classes;
 }
 

@@ -60,21 +60,15 @@ std::optional<MeanEdge> meanEdge(const EdgeDistance& edge, const cv::Mat& bright
     const auto* away = edge.away.ptr<float>(row);
     const auto* value = bright.ptr<float>(row);
     for (int x = 0; x < bright.cols; ++x)
-    {
       (depth[x] > 0 ? inside : wall).add(std::abs(fromOutline(depth[x], away[x])), value[x]);
-    }
   }
   const auto in = inside.curve();
   const auto out = wall.curve();
   if (in.size() < 3 || out.size() < 2)
-  {
     return std::nullopt;
-  }
   std::vector<std::array<double, 2>> across(in.rbegin(), in.rend());
   for (auto& point : across)
-  {
     point[0] = -point[0];
-  }
   across.insert(across.end(), out.begin(), out.end());
   const auto place = [&](double grey) { return crossing(across, grey); };
   const auto grey = [&](double distance)
@@ -97,9 +91,7 @@ std::optional<MeanEdge> meanEdge(const EdgeDistance& edge, const cv::Mat& bright
     const auto begin = place(mean.lumen - foot * contrast);
     const auto middle = place(mean.lumen - contrast / 2);
     if (!(contrast > 0) || !begin || !middle)
-    {
       return std::nullopt;
-    }
     mean.blur = (*middle - *begin) / deviations;
     mean.inwards = reaches * mean.blur - *middle;
     mean.outwards = reaches * mean.blur + *middle;
@@ -168,9 +160,7 @@ double toHalfHeight(cv::Mat& lumen, const EdgeDistance& edge, const cv::Mat& bri
 {
   const std::optional<MeanEdge> mean = meanEdge(edge, bright, reach);
   if (!mean)
-  {
     return 0;
-  }
   const std::vector<Own> all = ownGreys(edge, bright, *mean);
   std::vector<double> level(all.size());
   std::transform(all.begin(), all.end(), level.begin(), [&](const Own& own) { return levelOf(own, *mean); });
@@ -185,19 +175,13 @@ double toHalfHeight(cv::Mat& lumen, const EdgeDistance& edge, const cv::Mat& bri
     const auto* value = bright.ptr<float>(row);
     auto* mask = lumen.ptr<std::uint8_t>(row);
     for (int x = 0; x < lumen.cols; ++x)
-    {
       if (std::max(depth[x], away[x]) <= farthest)
-      {
         mask[x] = value[x] >= level[static_cast<std::size_t>(piece[x])] ? 255 : 0;
-      }
-    }
   }
   keepApart(lumen, before, edge);
   double perimeter = 0;
   for (const Own& own : all)
-  {
     perimeter += own.edgeNodes;
-  }
   return (cv::countNonZero(lumen) - cv::countNonZero(before)) / std::max(1.0, perimeter);
 }
 

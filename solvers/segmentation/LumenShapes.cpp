@@ -24,9 +24,7 @@ std::optional<double> sideAspect(
       const auto x = static_cast<int>(std::lround(shape.x + f * shape.cosine + t * acrossX));
       const auto y = static_cast<int>(std::lround(shape.y + f * shape.sine + t * acrossY));
       if (x < 0 || y < 0 || x >= labels.cols || y >= labels.rows)
-      {
         break;
-      }
       const int other = labels.at<int>(y, x);
       if (other != 0 && other != own)
       {
@@ -37,9 +35,7 @@ std::optional<double> sideAspect(
     }
   }
   if (aspects.size() < places / 3)
-  {
     return std::nullopt;
-  }
   const auto middle = aspects.begin() + static_cast<std::ptrdiff_t>(aspects.size() / 2);
   std::nth_element(aspects.begin(), middle, aspects.end());
   return *middle;
@@ -68,9 +64,7 @@ std::vector<LumenShape> lumenShapes(const cv::Mat& labels, int count)
     for (int x = 0; x < labels.cols; ++x)
     {
       if (label[x] == 0)
-      {
         continue;
-      }
       const auto which = static_cast<std::size_t>(label[x]);
       Sums& s = sums[which];
       s.n += 1;
@@ -87,9 +81,7 @@ std::vector<LumenShape> lumenShapes(const cv::Mat& labels, int count)
     const Sums& s = sums[i];
     LumenShape& shape = shapes[i];
     if (!(s.n > 0))
-    {
       continue;
-    }
     shape.area = static_cast<std::int64_t>(s.n);
     shape.x = s.x / s.n;
     shape.y = s.y / s.n;
@@ -115,16 +107,12 @@ std::vector<int> slenderAmongBroad(const cv::Mat& labels, const std::vector<Lume
   {
     const LumenShape& shape = shapes[i];
     if (shape.area == 0 || shape.length < slender * shape.width)
-    {
       continue;
-    }
     const int own = static_cast<int>(i);
     const auto left = sideAspect(labels, shapes, own, -shape.sine, shape.cosine);
     const auto right = sideAspect(labels, shapes, own, shape.sine, -shape.cosine);
     if (left && right && shape.length / shape.width >= slender * std::max(*left, *right))
-    {
       found.push_back(own);
-    }
   }
   return found;
 }

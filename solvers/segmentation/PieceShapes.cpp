@@ -15,19 +15,11 @@ int alongBorder(const cv::Mat& labels, int label, const cv::Rect& box)
 {
   int count = 0;
   for (const int row : { 0, labels.rows - 1 })
-  {
     for (int x = box.x; x < box.br().x && row >= box.y && row < box.br().y; ++x)
-    {
       count += labels.at<int>(row, x) == label;
-    }
-  }
   for (const int x : { 0, labels.cols - 1 })
-  {
     for (int row = box.y; row < box.br().y && x >= box.x && x < box.br().x; ++row)
-    {
       count += labels.at<int>(row, x) == label;
-    }
-  }
   return count;
 }
 
@@ -47,9 +39,7 @@ std::vector<PieceShape> pieceShapes(const cv::Mat& mask, std::int64_t least)
     PieceShape piece;
     piece.area = stats.at<int>(label, cv::CC_STAT_AREA);
     if (piece.area < least)
-    {
       continue;
-    }
     piece.box = cv::Rect(stats.at<int>(label, cv::CC_STAT_LEFT), stats.at<int>(label, cv::CC_STAT_TOP),
       stats.at<int>(label, cv::CC_STAT_WIDTH), stats.at<int>(label, cv::CC_STAT_HEIGHT));
     const cv::Point end = piece.box.br();
@@ -64,14 +54,10 @@ std::vector<PieceShape> pieceShapes(const cv::Mat& mask, std::int64_t least)
       const int* const row = labels.ptr<int>(y);
       const int* const first = std::find(row + piece.box.x, row + end.x, label);
       if (first == row + end.x)
-      {
         continue;
-      }
       const int* last = row + end.x;
       while (*(last - 1) != label)
-      {
         --last;
-      }
       for (const int* const at : { first, last })
       {
         const auto x = static_cast<int>(at - row);

@@ -46,9 +46,7 @@ std::int64_t enclosedPieces(const cv::Mat& mask)
   const Pieces pieces = piecesOf(mask, false);
   std::int64_t count = 0;
   for (std::size_t i = 1; i < pieces.area.size(); ++i)
-  {
     count += pieces.enclosed[i] && pieces.area[i] >= 30;
-  }
   return count;
 }
 
@@ -68,9 +66,7 @@ std::int64_t clearSmall(cv::Mat& mask, std::int64_t smallest, bool corners, bool
     auto* value = mask.ptr<std::uint8_t>(row);
     const auto* label = pieces.labels.ptr<int>(row);
     for (int x = 0; x < mask.cols; ++x)
-    {
       value[x] = clear[static_cast<std::size_t>(label[x])] ? 0 : value[x];
-    }
   }
   return count;
 }
@@ -81,21 +77,15 @@ void growBy(cv::Mat& lumen, double pixels)
   cv::Mat distance;
   cv::distanceTransform(outwards ? cv::Mat(255 - lumen) : lumen, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   if (outwards)
-  {
     lumen = distance <= pixels;
-  }
   else
-  {
     lumen = distance > -pixels;
-  }
 }
 
 std::int64_t openPieces(cv::Mat& mask, double radius)
 {
   if (!(radius > 0))
-  {
     return 0;
-  }
   const Pieces pieces = piecesOf(mask, false);
   cv::Mat depth;
   cv::distanceTransform(mask, depth, cv::DIST_L2, cv::DIST_MASK_5);
@@ -111,9 +101,7 @@ std::int64_t openPieces(cv::Mat& mask, double radius)
     }
   }
   for (float& widest : disk)
-  {
     widest = std::min(static_cast<float>(radius), widest / 4);
-  }
   cv::Mat outside(mask.size(), CV_8U);
   for (int row = 0; row < mask.rows; ++row)
   {
@@ -121,9 +109,7 @@ std::int64_t openPieces(cv::Mat& mask, double radius)
     const auto* deep = depth.ptr<float>(row);
     auto* out = outside.ptr<std::uint8_t>(row);
     for (int x = 0; x < mask.cols; ++x)
-    {
       out[x] = label[x] > 0 && deep[x] > disk[static_cast<std::size_t>(label[x])] ? 0 : 255;
-    }
   }
   cv::Mat& distance = depth;
   cv::distanceTransform(outside, distance, cv::DIST_L2, cv::DIST_MASK_5);

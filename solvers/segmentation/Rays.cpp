@@ -41,21 +41,13 @@ std::vector<Beside> besideLumens(const Picture& picture, const EdgeDistance& edg
     {
       Beside& own = result[static_cast<std::size_t>(piece[x])];
       if (away[x] == 0)
-      {
         own.lumenNodes += 1;
-      }
       else if (away[x] > near && away[x] <= far)
-      {
         own.tissueNodes += 1;
-      }
       else
-      {
         continue;
-      }
       for (std::size_t c = 0; c < channels; ++c)
-      {
         (away[x] == 0 ? own.lumen : own.tissue)[c] += value[c];
-      }
     }
   }
   return result;
@@ -69,17 +61,11 @@ std::array<double, 3> darkBelow(const std::vector<Beside>& beside, std::size_t c
   {
     std::vector<double> all;
     for (const Beside& one : beside)
-    {
       if (one.known())
-      {
         all.push_back(one.transmission(c));
-      }
-    }
     const double usual = median(all);
     for (double& one : all)
-    {
       one = std::abs(one - usual);
-    }
     limits[c] = usual - std::max(1.28 * 1.4826 * median(all), 0.1 * (1 - usual));
   }
   return limits;
@@ -89,9 +75,7 @@ bool isDark(const Beside& beside, const std::array<double, 3>& limits, std::size
 {
   bool dark = false;
   for (std::size_t c = 0; c < channels && beside.known(); ++c)
-  {
     dark = dark || beside.transmission(c) < limits[c];
-  }
   return dark;
 }
 
@@ -134,9 +118,7 @@ RayGaps dropRayGaps(
   const std::vector<LumenShape> shapes = lumenShapes(pieces.labels, count);
   std::vector<int> gaps = slenderAmongBroad(pieces.labels, shapes, slender);
   if (gaps.empty())
-  {
     return result;
-  }
   double pieceCount = 0;
   cv::minMaxLoc(edge.piece, nullptr, &pieceCount);
   const std::vector<Beside> beside = besideLumens(picture, edge, static_cast<int>(pieceCount) + 1, near, far);
@@ -150,28 +132,20 @@ RayGaps dropRayGaps(
     const auto* piece = edge.piece.ptr<int>(row);
     const auto* away = edge.away.ptr<float>(row);
     for (int x = 0; x < lumen.cols; ++x)
-    {
       if (label[x] > 0 && away[x] == 0)
-      {
         before[static_cast<std::size_t>(label[x])] = piece[x];
-      }
-    }
   }
   const std::size_t slenderOnes = gaps.size();
   const auto besideOf = [&](int gap) -> const Beside&
   { return beside[static_cast<std::size_t>(before[static_cast<std::size_t>(gap)])]; };
   std::vector<Beside> others = beside;
   for (const int gap : gaps)
-  {
     others[static_cast<std::size_t>(before[static_cast<std::size_t>(gap)])] = {};
-  }
   std::erase_if(gaps, [&](int gap) { return !isDark(besideOf(gap), limits, channels); });
   constexpr double chance = 0.02;
   if (gaps.empty() || 2 * gaps.size() < slenderOnes || 10 * gaps.size() > pieces.area.size() - 1 ||
     tail(gaps.size(), slenderOnes, darkShare(others, limits, channels)) > chance)
-  {
     return result;
-  }
   std::vector<int> which(pieces.area.size(), -1);
   for (std::size_t i = 0; i < gaps.size(); ++i)
   {

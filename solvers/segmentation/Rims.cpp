@@ -29,9 +29,7 @@ float beyond(const cv::Mat& mask, const cv::Mat& bright, double threshold, int r
       const int r = row + side * dy;
       const int c = x + side * dx;
       if (r < 0 || c < 0 || r >= mask.rows || c >= mask.cols || mask.at<std::uint8_t>(r, c) > 0)
-      {
         continue;
-      }
       const double there = bright.at<float>(r, c);
       // Where the mask was cut, not found by the threshold, the outline lies between the two pixels.
       const double part =
@@ -43,9 +41,7 @@ float beyond(const cv::Mat& mask, const cv::Mat& bright, double threshold, int r
   const auto vertical = along(1, 0);
   const auto horizontal = along(0, 1);
   if (vertical && horizontal)
-  {
     return static_cast<float>(1 / std::hypot(1 / *vertical, 1 / *horizontal));
-  }
   return static_cast<float>(vertical.value_or(horizontal.value_or(0.5)));
 }
 
@@ -57,9 +53,7 @@ std::optional<double> crossing(const std::vector<std::array<double, 2>>& points,
     const double a = points[i][1] - value;
     const double b = points[i + 1][1] - value;
     if (a == 0 || a * b < 0)
-    {
       return points[i][0] + (points[i + 1][0] - points[i][0]) * (a / (a - b));
-    }
   }
   return std::nullopt;
 }
@@ -77,15 +71,11 @@ Rim rimOf(const std::vector<std::array<double, 2>>& inside, const std::vector<st
 {
   Rim rim;
   if (inside.size() < 3 || wall.size() < 4)
-  {
     return rim;
-  }
   const double lumenLevel = inside.back()[1];
   double peak = lumenLevel;
   for (const auto& point : inside)
-  {
     peak = std::max(peak, point[1]);
-  }
   const auto darker = [](const auto& a, const auto& b) { return a[1] < b[1]; };
   const auto darkest = static_cast<std::size_t>(std::min_element(wall.begin(), wall.end(), darker) - wall.begin());
   const double wallLevel =
@@ -93,15 +83,11 @@ Rim rimOf(const std::vector<std::array<double, 2>>& inside, const std::vector<st
   const double dip = wallLevel - wall[darkest][1];
   rim.depth = (dip - (peak - lumenLevel)) / contrastOfBest;
   if (darkest + 1 >= wall.size() || !(rim.depth > 0.1))
-  {
     return rim;
-  }
   // The edge from lumen to dark line, 10 to 90 %.
   std::vector<std::array<double, 2>> edge(inside.rbegin(), inside.rend());
   for (auto& point : edge)
-  {
     point[0] = -point[0];
-  }
   edge.insert(edge.end(), wall.begin(), wall.end());
   const double low = wall[darkest][1];
   const auto top = crossing(edge, 0, low + 0.9 * (lumenLevel - low));
@@ -109,9 +95,7 @@ Rim rimOf(const std::vector<std::array<double, 2>>& inside, const std::vector<st
   // Or as its steepest place tells: a slow fall beyond the edge, towards a dark middle lamella, is no blur.
   double steepest = 0;
   for (std::size_t k = 0; k + 1 < edge.size(); ++k)
-  {
     steepest = std::max(steepest, (edge[k][1] - edge[k + 1][1]) / (edge[k + 1][0] - edge[k][0]));
-  }
   const double straight = 1.02 * (lumenLevel - low) / std::max(1e-9, steepest);
   const double blur = std::max(1.0, std::min(straight, top && foot ? std::abs(*foot - *top) : straight));
   rim.shift = darkest == 0 ? wall[0][0] : vertex(wall[darkest - 1], wall[darkest], wall[darkest + 1]);
@@ -132,9 +116,7 @@ EdgeDistance edgeDistance(const cv::Mat& mask, const cv::Mat& bright, double thr
   result.piece = pieces.labels.clone();
   cv::distanceTransform(mask, result.depth, cv::DIST_L2, cv::DIST_MASK_5);
   if (cv::countNonZero(mask) == 0)
-  {
     return result;
-  }
   cv::Mat distance;
   cv::Mat nearest;
   cv::distanceTransform(255 - mask, distance, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
@@ -145,12 +127,8 @@ EdgeDistance edgeDistance(const cv::Mat& mask, const cv::Mat& bright, double thr
     const auto* inside = mask.ptr<std::uint8_t>(row);
     const auto* label = nearest.ptr<int>(row);
     for (int x = 0; x < mask.cols; ++x)
-    {
       if (inside[x] > 0)
-      {
         place[static_cast<std::size_t>(label[x])] = { x, row };
-      }
-    }
   }
   for (int row = 0; row < mask.rows; ++row)
   {
@@ -192,9 +170,7 @@ Rim findRim(const Picture& picture, const cv::Mat& lumen, const EdgeDistance& ed
     {
       const double distance = deep[x] > 0 ? deep[x] - 0.5 : away[x];
       if (!(distance < reach) || (skip != nullptr && skip[x] > 0))
-      {
         continue;
-      }
       const std::size_t node =
         static_cast<std::size_t>(row) * static_cast<std::size_t>(lumen.cols) + static_cast<std::size_t>(x);
       for (std::size_t c = 0; c < channels; ++c)
@@ -211,9 +187,7 @@ Rim findRim(const Picture& picture, const cv::Mat& lumen, const EdgeDistance& ed
     const auto in = inside[c].curve();
     const auto out = wall[c].curve();
     if (!in.empty() && !out.empty())
-    {
       contrast = std::max(contrast, in.back()[1] - out.back()[1]);
-    }
   }
   Rim best;
   for (std::size_t c = 0; c < channels && contrast > 0; ++c)
@@ -236,9 +210,7 @@ void moveOutwards(cv::Mat& mask, const EdgeDistance& edge, double shift)
     auto* value = mask.ptr<std::uint8_t>(row);
     const auto* away = edge.away.ptr<float>(row);
     for (int x = 0; x < mask.cols; ++x)
-    {
       value[x] = away[x] < shift ? 255 : value[x];
-    }
   }
   keepApart(mask, before, edge);
 }
@@ -251,19 +223,13 @@ void keepApart(cv::Mat& mask, const cv::Mat& before, const EdgeDistance& edge)
     for (int x = 0; x < mask.cols; ++x)
     {
       if (grown.at<std::uint8_t>(row, x) == 0 || before.at<std::uint8_t>(row, x) > 0)
-      {
         continue;
-      }
       const int own = edge.piece.at<int>(row, x);
       for (int r = std::max(0, row - 1); r <= std::min(mask.rows - 1, row + 1); ++r)
       {
         for (int c = std::max(0, x - 1); c <= std::min(mask.cols - 1, x + 1); ++c)
-        {
           if (grown.at<std::uint8_t>(r, c) > 0 && edge.piece.at<int>(r, c) != own)
-          {
             mask.at<std::uint8_t>(row, x) = 0;
-          }
-        }
       }
     }
   }

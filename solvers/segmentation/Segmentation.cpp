@@ -30,39 +30,23 @@ namespace
 void check(const Picture& picture, const SegmentOptions& options)
 {
   if (picture.lattice.dimension != 2)
-  {
     throw ParameterError("segmentation of a volume", "segment pictures; give volumes as labels");
-  }
   const auto refuse = [](const char* what, double value, const char* hint)
   { throw ParameterError(fmt::format("a {} of {} for the segmentation", what, value), hint); };
   for (const auto& [what, value] :
     { std::pair{ "background scale", options.background }, std::pair{ "smoothing", options.smoothing },
       std::pair{ "opening", options.opening }, std::pair{ "rim", options.rim } })
-  {
     if (value && (!(*value >= 0) || !(*value <= 1e5)))
-    {
       refuse(what, *value, "give it in pixels, 0 for none");
-    }
-  }
   if (options.threshold && (!(*options.threshold > 0) || !(*options.threshold < 255)))
-  {
     refuse("threshold", *options.threshold, "it lies between 0 and 255, on the flattened grey");
-  }
   if (!(std::abs(options.grow) <= 1000))
-  {
     refuse("growth", options.grow, "give it in pixels, 0 for none");
-  }
   if (!(options.raySlenderness >= 0))
-  {
     refuse("slenderness of rays", options.raySlenderness, "give how many times longer than wide, 0 to keep all lumens");
-  }
   for (const auto& value : { options.smallestLumen, options.smallestWall })
-  {
     if (value && *value < 0)
-    {
       refuse("smallest size", static_cast<double>(*value), "give it in pixels, 0 to keep all");
-    }
-  }
 }
 
 double runOf(const cv::Mat& mask)
@@ -100,9 +84,7 @@ double nearestValley(const std::vector<GreyClass>& classes, double threshold)
 {
   double best = classes[1].from;
   for (std::size_t i = 2; i < classes.size(); ++i)
-  {
     best = std::abs(classes[i].from - threshold) < std::abs(best - threshold) ? classes[i].from : best;
-  }
   return best;
 }
 
@@ -136,9 +118,7 @@ Thresholded threshold(const cv::Mat& grey, const SegmentOptions& options, Segmen
   report.smoothing = options.smoothing.value_or(
     report.noise <= noiseLeft ? 0.0 : std::max(0.5, report.noise / (noiseLeft * 2 * std::sqrt(std::numbers::pi))));
   if (report.smoothing > 0)
-  {
     cv::GaussianBlur(flat.grey, flat.grey, cv::Size(), report.smoothing, report.smoothing, cv::BORDER_REFLECT);
-  }
   const Otsu split = otsu(flat.grey);
   const bool between = many && !options.background;
   report.threshold = options.threshold.value_or(between ? nearestValley(classes, split.threshold) : split.threshold);
@@ -190,30 +170,18 @@ void refine(cv::Mat& lumen, const Thresholded& from, const Picture& picture, con
   const bool rims = !options.rim || *options.rim > 0;
   const auto area = static_cast<std::size_t>(cv::countNonZero(lumen));
   if ((!rays && !rims) || area == 0 || area == lumen.total())
-  {
     return;
-  }
   const EdgeDistance edge = edgeDistance(lumen, from.bright, from.level);
   if (options.rim)
-  {
     report.rim = *options.rim;
-  }
   else
-  {
     findRims(lumen, edge, picture, graphics, wallRun, report);
-  }
   if (report.rim == 0 && !options.rim && !options.threshold)
-  {
     report.halfHeight = toHalfHeight(lumen, edge, from.bright, reachOf(wallRun));
-  }
   if (report.rim > 0)
-  {
     moveOutwards(lumen, edge, report.rim);
-  }
   if (report.neckNodes > 0 || report.rim > 0 || report.halfHeight != 0)
-  {
     clean(lumen, report);
-  }
   if (rays)
   {
     RayGaps gaps = dropRayGaps(
@@ -285,9 +253,7 @@ void warn(const Graphics& graphics, Segmentation& result)
     }
   }
   for (const Remark& remark : report.doubts)
-  {
     say(remark.text);
-  }
   if (report.rays > 0)
   {
     say(fmt::format("{} {} ({:.1f} % of the picture) taken for wall: look at the result", report.rays,
@@ -315,9 +281,7 @@ cv::Rect judgedPart(const Picture& picture, const SegmentOptions& options)
 {
   const auto& size = picture.lattice.size;
   if (!options.judged)
-  {
     return { 0, 0, static_cast<int>(size[0]), static_cast<int>(size[1]) };
-  }
   const auto first = firstNode(picture.lattice, *options.judged);
   return { static_cast<int>(first[0]), static_cast<int>(first[1]), static_cast<int>(options.judged->size[0]),
     static_cast<int>(options.judged->size[1]) };
@@ -342,9 +306,7 @@ std::vector<std::string> SegmentReport::doubtNames() const
 {
   std::vector<std::string> names;
   for (const Remark& remark : doubts)
-  {
     names.push_back(name(remark.doubt));
-  }
   return names;
 }
 
@@ -373,13 +335,9 @@ std::vector<std::string> SegmentReport::lines() const
         : fmt::format("rims: outlines moved outwards by {:.2f} pixels, as asked", rim));
   }
   if (rays > 0)
-  {
     text.push_back(fmt::format("{}: {} gaps taken for wall, {} pixels", cells ? "rays" : "slender", rays, rayNodes));
-  }
   if (graphicsShare > 0)
-  {
     text.push_back(fmt::format("graphics: {:.1f} % of the picture painted over", 100 * graphicsShare));
-  }
   text.push_back(fmt::format("result: {} lumens, {:.2f} % of the picture", lumens, 100 * lumenFraction));
   if (vesselsFound)
   {
@@ -427,9 +385,7 @@ Segmentation segment(const Picture& picture, const SegmentOptions& options)
   report.neckNodes = openPieces(lumen, report.opening);
   refine(lumen, found, picture, graphics, wallRun, options, result);
   if (options.grow != 0)
-  {
     growBy(lumen, options.grow);
-  }
   describe(lumen, result);
   const cv::Rect part = judgedPart(picture, options);
   const Evidence evidence =

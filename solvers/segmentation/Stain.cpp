@@ -47,9 +47,7 @@ Discriminant discriminant(const std::array<cv::Mat, 3>& colour, const cv::Mat& b
   }
   Discriminant result;
   if (count[0] < 3 || count[1] < 3)
-  {
     return result;
-  }
   cv::Matx33d within = cv::Matx33d::zeros();
   for (std::size_t which = 0; which < 2; ++which)
   {
@@ -62,9 +60,7 @@ Discriminant discriminant(const std::array<cv::Mat, 3>& colour, const cv::Mat& b
   const cv::Vec3d direction = within.inv() * apart;
   const double span = direction.dot(apart);
   if (!(span > 0))
-  {
     return result;
-  }
   result.weights = direction * (128 / span);
   result.offset = 64 - result.weights.dot(sum[0]);
   result.found = true;
@@ -84,9 +80,7 @@ cv::Mat combined(const std::array<cv::Mat, 3>& colour, const Discriminant& by)
     const auto* b = colour[2].ptr<float>(row);
     auto* to = grey.ptr<float>(row);
     for (int x = 0; x < grey.cols; ++x)
-    {
       to[x] = std::clamp(offset + red * r[x] + green * g[x] + blue * b[x], 0.0F, 255.0F);
-    }
   }
   return grey;
 }
@@ -103,17 +97,13 @@ cv::Mat channelOf(const Picture& picture, int which)
   // 16-bit cameras seldom use all 16 bits: scale by the brightest value.
   float top = 255;
   if (picture.bits == 16)
-  {
     top = std::max<float>(1, *std::max_element(picture.grey.begin(), picture.grey.end()));
-  }
   cv::Mat result(height, width, CV_32F);
   for (int row = 0; row < height; ++row)
   {
     auto* to = result.ptr<float>(row);
     for (int x = 0; x < width; ++x, from += step)
-    {
       to[x] = std::min(255.0F, static_cast<float>(*from) * (255.0F / top));
-    }
   }
   return result;
 }
@@ -159,9 +149,7 @@ StainGrey stainGrey(const Picture& picture, Channel asked)
   result.weights[best] = 1;
   result.separability = split.separability;
   if (single || !(split.separability > 0))
-  {
     return result;
-  }
   // The classes of a noisy channel are mixed; those of their own discriminant are less so.
   Discriminant by;
   cv::Mat bright = few[best] >= split.threshold;
@@ -170,9 +158,7 @@ StainGrey stainGrey(const Picture& picture, Channel asked)
   {
     const Discriminant next = discriminant(few, bright);
     if (!next.found)
-    {
       break;
-    }
     by = next;
     const cv::Mat mixed = combined(few, by);
     const Otsu parted = otsu(mixed);
@@ -180,9 +166,7 @@ StainGrey stainGrey(const Picture& picture, Channel asked)
     bright = mixed >= parted.threshold;
   }
   if (!by.found)
-  {
     return result;
-  }
   constexpr double worthIt = 0.9;
   if (asked == Channel::Stain || 1 - separability <= worthIt * (1 - split.separability))
   {

@@ -22,9 +22,7 @@ constexpr int terms = (degree + 1) * (degree + 2) * (degree + 3) / 6;
 std::int64_t mirrored(std::int64_t i, std::int64_t n)
 {
   while (i < 0 || i >= n)
-  {
     i = i < 0 ? -1 - i : 2 * n - 1 - i;
-  }
   return i;
 }
 
@@ -53,9 +51,7 @@ public:
       {
         double value = ofY;
         for (int i = 0; i + j + k <= degree; ++i, value *= x)
-        {
           row[static_cast<std::size_t>(term++)] = value;
-        }
       }
     }
     return row;
@@ -67,9 +63,7 @@ public:
     {
       right_[i] += weight * row[i] * value;
       for (std::size_t j = 0; j <= i; ++j)
-      {
         normal_[i * terms + j] += weight * row[i] * row[j];
-      }
     }
     weight_ += weight;
   }
@@ -83,9 +77,7 @@ public:
     {
       right.at<double>(i) = right_[static_cast<std::size_t>(i)];
       for (int j = 0; j <= i; ++j)
-      {
         normal.at<double>(i, j) = normal.at<double>(j, i) = normal_[static_cast<std::size_t>(i * terms + j)];
-      }
       normal.at<double>(i, i) += (i == 0 ? 1e-12 : 1e-3) * weight_ + 1e-12;
     }
     cv::Mat found;
@@ -99,9 +91,7 @@ public:
   {
     double value = 0;
     for (std::size_t i = 0; i < terms; ++i)
-    {
       value += c[i] * row[i];
-    }
     return value;
   }
 
@@ -115,12 +105,8 @@ public:
     {
       double ofY = ofZ;
       for (int j = 0; j + k <= degree; ++j, ofY *= y)
-      {
         for (int i = 0; i + j + k <= degree; ++i)
-        {
           result[static_cast<std::size_t>(i)] += ofY * c[term++];
-        }
-      }
     }
     return result;
   }
@@ -174,9 +160,7 @@ struct Blocks
         {
           const std::int64_t end = std::min(lattice.size[0], first + edge[0]);
           for (std::int64_t x = first; x < end; ++x)
-          {
             f(static_cast<std::size_t>(block), *value++);
-          }
         }
       }
     }
@@ -211,15 +195,11 @@ TwoLevels levelsOf(const Blocks& blocks, std::span<const std::uint16_t> grey, in
     });
   Surface all;
   for (std::size_t b = 0; b < n; ++b)
-  {
     all.add(blocks.rows[b], count[b], sum[b] / count[b]);
-  }
   const Surface::Coefficients through = all.fit();
   std::vector<int> middle(n);
   for (std::size_t b = 0; b < n; ++b)
-  {
     middle[b] = static_cast<int>(std::lround(Surface::at(through, blocks.rows[b])));
-  }
   std::vector<std::int64_t> histogram(65536, 0);
   blocks.each(grey,
     [&](std::size_t block, std::uint16_t value)
@@ -315,9 +295,7 @@ void eachFlattened(const Lattice& lattice, std::span<const std::uint16_t> grey, 
 void smooth(const Lattice& lattice, std::span<std::uint16_t> grey, double deviation)
 {
   if (deviation <= 0)
-  {
     return;
-  }
   const auto [nx, ny, nz] = lattice.size;
   const auto reach = static_cast<std::int64_t>(std::ceil(4 * deviation));
   std::vector<float> kernel;
@@ -329,9 +307,7 @@ void smooth(const Lattice& lattice, std::span<std::uint16_t> grey, double deviat
     whole += kernel.back();
   }
   for (float& weight : kernel)
-  {
     weight /= whole;
-  }
   const cv::Mat line(1, static_cast<int>(kernel.size()), CV_32F, kernel.data());
   const std::int64_t planes = 2 * reach + 1;
   std::vector<cv::Mat> ring(static_cast<std::size_t>(planes));
@@ -345,21 +321,15 @@ void smooth(const Lattice& lattice, std::span<std::uint16_t> grey, double deviat
     cv::sepFilter2D(asFloat, plane(z), CV_32F, line, line, cv::Point(-1, -1), 0, cv::BORDER_REFLECT);
   };
   for (std::int64_t z = 0; z < std::min(nz, reach); ++z)
-  {
     read(z);
-  }
   // Near the far face planes are mirrored, and those are in the ring still: it is as long as the kernel.
   for (std::int64_t z = 0; z < nz; ++z)
   {
     if (z + reach < nz)
-    {
       read(z + reach);
-    }
     cv::Mat sum(static_cast<int>(ny), static_cast<int>(nx), CV_32F, cv::Scalar(0));
     for (std::int64_t k = -reach; k <= reach; ++k)
-    {
       cv::scaleAdd(plane(mirrored(z + k, nz)), kernel[static_cast<std::size_t>(k + reach)], sum, sum);
-    }
     cv::Mat to(static_cast<int>(ny), static_cast<int>(nx), CV_16U, grey.data() + z * area);
     sum.convertTo(to, CV_16U);
   }
@@ -372,14 +342,10 @@ VolumeLight flattenVolume(const Lattice& lattice, std::span<std::uint16_t> grey,
   const TwoLevels levels = levelsOf(blocks, grey, classes);
   const double contrast = levels.brightMean - levels.darkMean;
   if (!(contrast > 0))
-  {
     return light;
-  }
   std::vector<double> middle;
   for (const Surface::Coefficients& row : blocks.rows)
-  {
     middle.push_back((Surface::at(levels.dark, row) + Surface::at(levels.bright, row)) / 2);
-  }
   // From the fifth to the ninety-fifth hundredth: in a corner without one of the classes the surfaces run away.
   std::ranges::sort(middle);
   const std::size_t edge = middle.size() / 20;
@@ -389,9 +355,7 @@ VolumeLight flattenVolume(const Lattice& lattice, std::span<std::uint16_t> grey,
   const double before = otsuLevels(greyHistogram(grey), classes).separability;
   light.flattened = otsuLevels(histogram, classes).separability > before + 0.002;
   if (light.flattened)
-  {
     eachFlattened(lattice, grey, levels, [&](std::size_t node, std::uint16_t value) { grey[node] = value; });
-  }
   return light;
 }
 

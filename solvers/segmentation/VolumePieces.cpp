@@ -47,9 +47,7 @@ public:
     }
     rowStart_.push_back(runs_.size());
     for (std::int64_t row = 0; row < rows; ++row)
-    {
       eachNeighbourRow(row, [&](std::int64_t other) { join(row, other); });
-    }
     count();
   }
 
@@ -68,9 +66,7 @@ public:
     }
     ClearedPieces cleared;
     if (small.empty())
-    {
       return cleared;
-    }
     const std::size_t kinds = static_cast<std::size_t>(*std::max_element(phase_.begin(), phase_.end())) + 1;
     std::vector<std::int32_t> votes(small.size() * kinds * 2, 0);
     const auto vote = [&](std::uint32_t run, std::uint32_t neighbour, std::uint8_t phase, std::int64_t faces)
@@ -121,14 +117,13 @@ public:
     }
     for (std::int64_t row = 0; row < rows; ++row)
     {
-      eachRun(row,
+      eachRun(
+        row,
         [&](std::uint32_t run, std::int64_t first, std::int64_t end)
         {
           if (const std::uint32_t i = number[root(run)]; i != none && changes[i])
-          {
             std::fill(phase_.begin() + row * lattice_.size[0] + first, phase_.begin() + row * lattice_.size[0] + end,
               becomes[i]);
-          }
         });
     }
     return cleared;
@@ -144,13 +139,9 @@ private:
   void eachNeighbourRow(std::int64_t row, const F& f) const
   {
     if (row % lattice_.size[1] > 0)
-    {
       f(row - 1);
-    }
     if (row >= lattice_.size[1])
-    {
       f(row - lattice_.size[1]);
-    }
   }
 
   template <typename F>
@@ -158,9 +149,7 @@ private:
   {
     const std::size_t end = rowStart_[static_cast<std::size_t>(row) + 1];
     for (std::size_t run = rowStart_[static_cast<std::size_t>(row)]; run < end; ++run)
-    {
       f(static_cast<std::uint32_t>(run), runs_[run].first, run + 1 < end ? runs_[run + 1].first : lattice_.size[0]);
-    }
   }
 
   /// Calls f(run, run of the other row, first, end) for all that lie side by side.
@@ -216,7 +205,8 @@ private:
     constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
     for (std::int64_t row = 0; row < lattice_.size[1] * lattice_.size[2]; ++row)
     {
-      eachRun(row,
+      eachRun(
+        row,
         [&](std::uint32_t run, std::int64_t first, std::int64_t end)
         {
           std::int32_t& size = size_[root(run)];
@@ -289,9 +279,7 @@ std::int64_t clearShells(
       for (std::int64_t x = 0; x < lattice.size[0]; ++x, ++node)
       {
         if (cls[node] == 0 || cls[node] == brightest)
-        {
           continue;
-        }
         const std::array<std::int64_t, 3> at{ x, y, z };
         bool shell = false;
         for (std::size_t axis = 0; axis < 3 && !shell; ++axis)
@@ -304,14 +292,10 @@ std::int64_t clearShells(
             {
               const std::int64_t to = at[axis] + (sense == 0 ? -k : k);
               if (to < 0 || to >= lattice.size[axis])
-              {
                 break;
-              }
               const std::uint8_t other = classOf(node + static_cast<std::size_t>((sense == 0 ? -k : k) * step[axis]));
               if (other == 0 || other == brightest)
-              {
                 side[static_cast<std::size_t>(sense)] = other;
-              }
             }
           }
           shell = side[0] >= 0 && side[1] >= 0 && side[0] != side[1];
@@ -325,9 +309,7 @@ std::int64_t clearShells(
     }
   }
   for (std::uint8_t& id : cls)
-  {
     id = id >= 128 ? static_cast<std::uint8_t>(255 - id) : id;
-  }
   return changed;
 }
 

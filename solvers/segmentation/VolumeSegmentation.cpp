@@ -18,9 +18,7 @@ namespace
 void check(const Picture& picture, const VolumeOptions& options)
 {
   if (picture.lattice.dimension != 3)
-  {
     throw ParameterError("segmentation of a volume was asked for a picture", "segment() is for pictures");
-  }
   if (!options.phases.empty() && (options.threshold || options.empty != LumenSide::Auto))
   {
     throw ParameterError("a threshold or a side of the void contradicts phases named by their greys",
@@ -33,13 +31,9 @@ void check(const Picture& picture, const VolumeOptions& options)
       "give a grey value of the volume, or leave it out to have it found");
   }
   if (options.smoothing && !(*options.smoothing >= 0 && *options.smoothing <= 100))
-  {
     throw ParameterError(fmt::format("a smoothing of {:g} voxels", *options.smoothing), "give 0 to 100, 0 for none");
-  }
   if (options.smallest && *options.smallest < 0)
-  {
     throw ParameterError(fmt::format("a smallest piece of {} voxels", *options.smallest), "give 0 to keep all");
-  }
 }
 
 /// The class of a value: 0 the darkest.
@@ -47,9 +41,7 @@ std::uint8_t classOf(std::uint16_t value, std::span<const int> last)
 {
   std::uint8_t cls = 0;
   for (const int end : last)
-  {
     cls = static_cast<std::uint8_t>(cls + (value > end ? 1 : 0));
-  }
   return cls;
 }
 
@@ -142,9 +134,7 @@ double noiseWithin(const Inside& found)
     square += found.deviation[k] * found.deviation[k] * static_cast<double>(found.voxels[k]);
     voxels += static_cast<double>(found.voxels[k]);
     if (k > 0 && found.voxels[k] > 0 && found.voxels[k - 1] > 0)
-    {
       contrast = std::min(contrast, found.mean[k] - found.mean[k - 1]);
-    }
   }
   return voxels > 0 && contrast > 0 ? std::sqrt(square / voxels) / contrast : 0;
 }
@@ -160,9 +150,7 @@ std::vector<int> halfHeights(
     {
       // A hundred voxels tell a mean to a tenth of the deviation.
       if (found.voxels[k] > 100 && found.voxels[k + 1] > 100)
-      {
         last[k] = static_cast<int>(std::lround((found.mean[k] + found.mean[k + 1]) / 2));
-      }
     }
   }
   return last;
@@ -185,9 +173,7 @@ std::vector<std::pair<Lattice, std::vector<std::uint16_t>>> boxesOf(
     const std::array<std::int64_t, 3> at{ box % number[0], box / number[0] % number[1], box / number[0] / number[1] };
     std::array<std::int64_t, 3> first{};
     for (std::size_t axis = 0; axis < 3; ++axis)
-    {
       first[axis] = (2 * at[axis] + 1) * lattice.size[axis] / (2 * number[axis]) - edge[axis] / 2;
-    }
     auto& [of, values] = boxes.emplace_back(makeLattice(edge[0], edge[1], edge[2], 3, 1), std::vector<std::uint16_t>());
     values.reserve(static_cast<std::size_t>(of.count()));
     for (std::int64_t z = 0; z < edge[2]; ++z)
@@ -227,9 +213,7 @@ double bestSmoothing(const Lattice& lattice, std::span<const std::uint16_t> grey
   {
     boxes = before;
     for (auto& [of, values] : boxes)
-    {
       smooth(of, values, next);
-    }
     if (const double found = separability(); found > reached)
     {
       best = next;
@@ -304,13 +288,9 @@ void measure(const std::vector<std::int64_t>& histogram, std::span<const int> la
     double hands = 0;
     for (int value = std::max(0, static_cast<int>(last[k] - shift));
          value <= std::min(65535, static_cast<int>(last[k] + shift)); ++value)
-    {
       hands += static_cast<double>(histogram[static_cast<std::size_t>(value)]);
-    }
     for (const std::size_t cls : { k, k + 1 })
-    {
       report.shareError[idOfClass[cls]] += hands / total / 2;
-    }
   }
 }
 
@@ -326,9 +306,7 @@ void warn(const GreyLevels& levels, double outside, VolumeSegmentation& result)
         100 * outside));
   }
   if (std::string doubt = levels.doubt(); !doubt.empty())
-  {
     say(std::move(doubt));
-  }
   if (report.noiseLeft > 0.25)
   {
     say(fmt::format("noise of {:.0f} % of the contrast is left after smoothing over {:.1f} voxels: phases are wrong at "
@@ -391,9 +369,7 @@ std::pair<std::vector<std::uint8_t>, bool> phasesOfClasses(
   }
   std::vector<std::uint8_t> ids;
   for (const int id : found)
-  {
     ids.push_back(static_cast<std::uint8_t>(std::max(id, 0)));
-  }
   return { ids, one };
 }
 
@@ -403,9 +379,7 @@ constexpr int finer = 128;
 GreyRanges rangesOf(const VolumeOptions& options, VolumeReport& report)
 {
   if (!options.phases.empty())
-  {
     return options.phases;
-  }
   const bool darkVoid = options.empty != LumenSide::Bright;
   report.polarity = fmt::format("void is {}", darkVoid ? "dark" : "bright");
   GreyRanges ranges;
@@ -427,27 +401,19 @@ VolumeSegmentation segmentVolume(Picture picture, const VolumeOptions& options)
   const int scale = picture.bits == 8 ? finer : 1;
   const double outside = outsideShare(lattice, grey);
   for (std::uint16_t& value : grey)
-  {
     value = static_cast<std::uint16_t>(value * scale);
-  }
 
   // Levels that are numbers part the classes as they are; for the light darkest and brightest are enough.
   std::vector<int> last;
   for (const int cut : ranges.classes() > 0 ? std::vector<int>{} : ranges.cuts())
-  {
     last.push_back(cut * scale + scale - scale / 2 - 1);
-  }
   if (options.threshold)
-  {
     last = { static_cast<int>(std::lround(*options.threshold * scale)) - 1 };
-  }
   const int classes = !last.empty() ? (last.size() == 1 ? 2 : 3) : std::max(2, ranges.classes());
   prepare(lattice, grey, options, classes, report);
   std::vector<std::int64_t> histogram = greyHistogram(grey);
   if (last.empty())
-  {
     last = halfHeights(lattice, grey, otsuLevels(histogram, classes).last, report.smoothing);
-  }
   const GreyLevels levels = describeLevels(histogram, last);
   const Inside pure = inside(lattice, grey, last, report.smoothing);
   report.noiseLeft = noiseWithin(pure);
@@ -455,9 +421,7 @@ VolumeSegmentation segmentVolume(Picture picture, const VolumeOptions& options)
   report.valley = levels.valley;
   report.means = pure.mean;
   for (std::size_t k = 0; k < report.means.size(); ++k)
-  {
     report.means[k] = pure.voxels[k] > 0 ? pure.mean[k] : levels.mean[k];
-  }
 
   GreyScale how{ picture.bits, scale, levels };
   result.image = ranges.apply(lattice, grey, how).image;
@@ -475,13 +439,9 @@ VolumeSegmentation segmentVolume(Picture picture, const VolumeOptions& options)
   report.speckVoxels = cleared.voxels;
   measure(histogram, last, result, idOfClass, report);
   for (const int end : last)
-  {
     report.levels.push_back((end + 0.5) / scale);
-  }
   for (double& mean : report.means)
-  {
     mean /= scale;
-  }
   warn(levels, outside, result);
   return result;
 }
@@ -497,21 +457,15 @@ std::vector<std::string> VolumeReport::lines() const
       smoothing, separabilityBefore, 100 * noiseLeft));
   std::string parted;
   for (std::size_t k = 0; k < means.size(); ++k)
-  {
     parted += fmt::format("{}{:.1f}", k == 0 ? "" : ", ", means[k]);
-  }
   std::string at;
   for (std::size_t k = 0; k < levels.size(); ++k)
-  {
     at += fmt::format("{}{:.1f}", k == 0 ? "" : " and ", levels[k]);
-  }
   text.push_back(fmt::format("greys: {} away from edges, parted at {}, separability {:.3f}, valley {:.2f}{}", parted,
     at, separability, valley, polarity.empty() ? "" : "; " + polarity));
   text.push_back(fmt::format("cleaning: {} specks below {} voxels, {} voxels in all", specks, smallest, speckVoxels));
   if (shellVoxels > 0)
-  {
     text.push_back(fmt::format("blur: {} voxels between dark and bright given to the nearer", shellVoxels));
-  }
   std::string result;
   for (std::size_t id = 0; id < phases.size(); ++id)
   {

@@ -60,9 +60,7 @@ inline vtkSmartPointer<vtkPolyData> brokenBonds(
   }
   data->SetPoints(places);
   for (vtkDataArray* const array : std::initializer_list<vtkDataArray*>{ bond, event, at, phases, between })
-  {
     data->GetPointData()->AddArray(array);
-  }
   const std::array<double, 3> three{ lattice.spacing, lattice.spacing, lattice.spacing };
   const std::array<double, 3> nodes{ static_cast<double>(lattice.size[0]), static_cast<double>(lattice.size[1]),
     static_cast<double>(lattice.size[2]) };

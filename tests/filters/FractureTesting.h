@@ -127,9 +127,7 @@ protected:
           energy * points(whole, "strain_energy")->GetRange()[1]);
       }
       for (const char* const name : { "effective_modulus", "peak_stress", "broken_energy", "bonds", "total_broken" })
-      {
         EXPECT_NEAR(number(part, name) / number(whole, name), 1, numbers) << name;
-      }
       EXPECT_EQ(together->GetNumberOfStates(), 2);
       vtkPolyData* const broken = together->GetBrokenBonds();
       if (rank() > 0)
@@ -141,9 +139,7 @@ protected:
       ASSERT_EQ(broken->GetNumberOfPoints(), alone->GetBrokenBonds()->GetNumberOfPoints());
       EXPECT_GE(broken->GetNumberOfPoints(), 40);
       for (vtkIdType i = 0; i < broken->GetNumberOfPoints(); ++i)
-      {
         EXPECT_EQ(vtkMath::Distance2BetweenPoints(broken->GetPoint(i), alone->GetBrokenBonds()->GetPoint(i)), 0);
-      }
       EXPECT_EQ(together->GetCurve()->GetNumberOfRows(), alone->GetCurve()->GetNumberOfRows());
     }
   }

@@ -25,14 +25,16 @@ inline vtkSmartPointer<vtkImageData> wallsOf(int nx, int ny, int nz, const std::
 /// Walls round a lumen, each three nodes thick, of a picture or a volume.
 inline vtkSmartPointer<vtkImageData> cellOf(int nz = 1)
 {
-  return wallsOf(12, 14, nz,
+  return wallsOf(
+    12, 14, nz,
     [](int x, int y, int z) { return x > 2 && x < 9 && y > 2 && y < 11 && (z == 0 || (z > 2 && z < 5)) ? 0 : 1; });
 }
 
 /// A picture of walls two nodes thick around lumens of 5 × 4.
 inline vtkSmartPointer<vtkImageData> tissueOf(int nx, int ny)
 {
-  return wallsOf(nx, ny, 1, [](int x, int y, int) { return x % 7 < 2 || y % 6 < 2 ? 1 : 0; });
+  return wallsOf(
+    nx, ny, 1, [](int x, int y, int) { return x % 7 < 2 || y % 6 < 2 ? 1 : 0; });
 }
 
 /// Directions along x + y.
@@ -43,9 +45,7 @@ inline void addAxis(vtkImageData* image)
   axis->SetNumberOfComponents(3);
   axis->SetNumberOfTuples(image->GetNumberOfPoints());
   for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
-  {
     axis->SetTuple3(i, 1, 1, 0);
-  }
   image->GetPointData()->AddArray(axis);
 }
 

@@ -118,9 +118,7 @@ TEST_F(BondDynamics, EveryEnergyIsAccountedFor)
     vtkImageData* const image = filter->GetStateImage(state);
     double ends = 0;
     for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
-    {
       ends += points(image, "broken")->GetTuple1(i);
-    }
     EXPECT_EQ(ends, 2 * number(image, "broken_bonds"));
     EXPECT_EQ(image->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()), number(image, "time"));
   }
@@ -219,9 +217,7 @@ TEST_F(BondDynamics, TheRateGivesWay)
   EXPECT_EQ(cell(history, 0, "rate"), 1);
   double slowest = 1;
   for (vtkIdType row = 0; row < history->GetNumberOfRows(); ++row)
-  {
     slowest = std::min(slowest, cell(history, row, "rate"));
-  }
   EXPECT_LT(slowest, 0.9);
   filter->SetReferenceEnergy(1);
   EXPECT_NE(errorOf(filter).find("omega0 and delta l"), std::string::npos);

@@ -53,9 +53,7 @@ TEST_F(BondDynamics, StatesAtTimesChangeNothing)
   ASSERT_GT(total, 0);
   const double step = number(filter->GetOutput(), "time_step");
   for (const double time : { 0.0, 0.7e-7, 1.5e-7, 1.0 })
-  {
     filter->AddStateAtTime(time);
-  }
   filter->ComputeStressOn();
   ASSERT_EQ(errorOf(filter), "");
   EXPECT_EQ(number(filter->GetOutput(), "supplied_energy"), energy);
@@ -93,9 +91,7 @@ TEST_F(BondDynamics, TakesVelocitiesOfTheInput)
   velocity->SetNumberOfComponents(3);
   velocity->SetNumberOfTuples(image->GetNumberOfPoints());
   for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
-  {
     velocity->SetTuple3(i, 0, 1e-3 * static_cast<double>(i / 24), 0);
-  }
   vtkNew<vtkBondDynamics> filter;
   configure(filter);
   filter->SetInputData(image);
@@ -172,12 +168,8 @@ TEST_F(BondDynamics, GoesOnFromACheckpoint)
   }
   ASSERT_EQ(second->GetCurve()->GetNumberOfRows(), whole->GetCurve()->GetNumberOfRows());
   for (vtkIdType row = 0; row < whole->GetCurve()->GetNumberOfRows(); ++row)
-  {
     for (const char* name : { "time", "strain", "stress", "rate", "kinetic_energy", "supplied_energy", "broken" })
-    {
       ASSERT_EQ(cell(second->GetCurve(), row, name), cell(whole->GetCurve(), row, name)) << name << " in row " << row;
-    }
-  }
 
   vtkNew<vtkBondDynamics> other;
   other->SetContinueFile(file);

@@ -49,12 +49,8 @@ vtkSmartPointer<vtkImageData> sample(int nx = 24, int ny = 40, int nz = 1)
   for (int z = 0; z < nz; ++z)
   {
     for (int y = 0; y < ny; ++y)
-    {
       for (int x = 0; x < nx; ++x)
-      {
         grain->InsertNextValue(1 + x / 12 + 2 * (y / 15));
-      }
-    }
   }
   image->GetPointData()->AddArray(grain);
   return image;
@@ -136,9 +132,7 @@ TEST_F(BondEquilibrium, IsTheSolver)
         ASSERT_EQ(u->GetComponent(i, c), empty ? 0 : r.displacement.at(c, x, y, z));
       }
       for (std::size_t c = 0; c < places.size(); ++c)
-      {
         ASSERT_EQ(stress->GetComponent(i, places[c]), r.stress->at(static_cast<int>(c), x, y, z));
-      }
       ASSERT_EQ(energy->GetComponent(i, 0), r.energyDensity->at(0, x, y, z));
       if (d == 2)
       {
@@ -206,9 +200,7 @@ TEST_F(BondEquilibrium, StressFromTheDisplacement)
     vtkDataArray* const found = points(stress->GetOutput(), "stress");
     vtkDataArray* const expected = points(filter->GetOutput(), "stress");
     for (vtkIdType i = 0; i < 6 * found->GetNumberOfTuples(); ++i)
-    {
       ASSERT_EQ(found->GetVariantValue(i), expected->GetVariantValue(i));
-    }
     const double* const s = found->GetTuple(24 * 20 + 20);
     EXPECT_NEAR(s[2], strain ? 0.25 * (s[0] + s[1]) : 0, 1e-9 * s[1]);
     EXPECT_NEAR(number(stress->GetOutput(), "mean_stress", 1) / number(filter->GetOutput(), "mean_stress", 1), 1, 1e-9);
@@ -219,9 +211,7 @@ TEST_F(BondEquilibrium, StressFromTheDisplacement)
       own->SetInputData(bare);
       own->ModelFromInputOff();
       for (const char* const pair : { "wall", "lamella", "wall-lamella" })
-      {
         own->SetYoungsModulus(pair, young);
-      }
       EXPECT_EQ(errorOf(own), "");
       return number(own->GetOutput(), "mean_stress", 1);
     };
@@ -380,9 +370,7 @@ TEST_F(BondEquilibrium, RanksChangeNothing)
         }
       }
       for (const char* const name : { "effective_modulus", "elastic_energy", "first_break_strain", "bonds" })
-      {
         EXPECT_NEAR(number(part, name) / number(whole, name), 1, 1e-8) << name;
-      }
       EXPECT_EQ(fieldTexts(part, "warnings"), fieldTexts(whole, "warnings"));
     }
   }

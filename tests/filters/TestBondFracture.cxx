@@ -46,9 +46,7 @@ TEST_F(BondFracture, IsTheSolver)
     pd::BondLattice bonds(model(view.lattice.dimension), view.lattice, view.phase, {}, alone);
     pd::FractureOptions options;
     if (nz > 1)
-    {
       options.maxBroken = 60;
-    }
     pd::QuasiStaticFracture direct(bonds, {}, options);
     const pd::FractureEnd end = direct.run();
     const pd::FractureRecord& record = direct.record();
@@ -78,9 +76,7 @@ TEST_F(BondFracture, IsTheSolver)
         double at[3];
         broken->GetPoint(i, at);
         for (int c = 0; c < 3; ++c)
-        {
           at[c] += side * data->GetArray("bond")->GetComponent(i, c);
-        }
         const vtkIdType node = image->FindPoint(at);
         ASSERT_GE(node, 0);
         EXPECT_NEAR(vtkMath::Distance2BetweenPoints(at, image->GetPoint(node)), 0, 1e-6 * bandSpacing * bandSpacing);
@@ -167,9 +163,7 @@ TEST_F(BondFracture, EnergyOfASeveredStrip)
     20, 40, 1, [](int, int y, int) { return y < 20 ? 1 : 2; }, bandSpacing));
   filter->SetHorizon(1);
   for (const char* const pair : { "b", "c", "b-c" })
-  {
     filter->SetYoungsModulus(pair, 1e9);
-  }
   filter->SetCriticalStretch("b-c", 1e-3);
   filter->SetStopShare(0);
   ASSERT_EQ(errorOf(filter), "");

@@ -196,15 +196,11 @@ TEST_F(BondFracture, StatesChangeNothing)
   vtkPolyData* const broken = filter->GetBrokenBonds();
   ASSERT_EQ(broken->GetNumberOfPoints(), plain->GetBrokenBonds()->GetNumberOfPoints());
   for (vtkIdType i = 0; i < broken->GetNumberOfPoints(); ++i)
-  {
     ASSERT_EQ(vtkMath::Distance2BetweenPoints(broken->GetPoint(i), plain->GetBrokenBonds()->GetPoint(i)), 0);
-  }
 
   ASSERT_EQ(filter->GetCurve()->GetNumberOfRows(), plain->GetCurve()->GetNumberOfRows());
   for (vtkIdType row = 0; row < plain->GetCurve()->GetNumberOfRows(); ++row)
-  {
     ASSERT_EQ(cell(filter->GetCurve(), row, "stress"), cell(plain->GetCurve(), row, "stress"));
-  }
 
   const ProgressCount runs(filter);
   const std::array<double, 4> expected{ 0, 10, 30, number(filter->GetOutput(), "total_broken") };
@@ -220,16 +216,10 @@ TEST_F(BondFracture, StatesChangeNothing)
     vtkDataArray* const stress = points(output, "stress");
     double mean = 0;
     for (int x = 0; x < 24; ++x)
-    {
       for (int y = 26; y < 30; ++y)
-      {
         mean += stress->GetComponent(24 * y + x, 1) / 96;
-      }
-    }
     if (state < 3)
-    {
       EXPECT_NEAR(mean / number(output, "stress"), 1, 1e-2) << state;
-    }
   }
   EXPECT_EQ(
     filter->GetOutput()->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()), number(filter->GetOutput(), "strain"));
@@ -288,9 +278,7 @@ TEST_F(BondFracture, Cancelled)
       auto* const told = static_cast<Client*>(data);
       told->last = algorithm->GetProgressText() != nullptr ? algorithm->GetProgressText() : "";
       if (told->last.find(told->word) != std::string::npos)
-      {
         algorithm->SetAbortExecute(1);
-      }
     });
   const unsigned long tag = filter->AddObserver(vtkCommand::ProgressEvent, stop);
   for (const char* word : { "first equilibrium", "bonds broken" })
@@ -411,9 +399,7 @@ TEST_F(BondFracture, WhatIsRefused)
       const auto image = band();
       f->SetHorizon(1.5);
       for (int i = 0; i < 24 * 5; ++i)
-      {
         points(image, "phase")->SetTuple1(24 * 20 + i, i % 24 == 2 + i / 24 % 2 ? 1 : 0);
-      }
       f->SetInputData(image);
     },
     "the sample carries too little for a strength at a tolerance of 1e-06", vtkBondAlgorithm::INPUT_FAILURE);

@@ -95,9 +95,7 @@ TEST_F(BondStiffness, IsTheSolver)
     EXPECT_EQ(fieldTexts(output, "warnings"), r.warnings);
     std::vector<double> every;
     for (const pd::StiffnessStep& step : r.steps)
-    {
       every.push_back(step.every);
-    }
     EXPECT_EQ(fieldNumbers(output, "step_every"), every);
     EXPECT_GT(every.size(), 1U);
     EXPECT_EQ(fieldTexts(output, "pair_names"), (std::vector<std::string>{ "wall", "wall-lamella", "lamella" }));

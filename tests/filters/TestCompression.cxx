@@ -222,9 +222,7 @@ TEST(CollapseMapFilter, StatesAsInputs)
   vtkNew<vtkCollapseMap> filter;
   filter->SetInputData(image);
   for (const double strain : { 0.0, 0.3, 0.6 })
-  {
     filter->AddPointsData(atStrain(pressed(image, 1 - strain, strain > 0 ? 9 : 4), strain));
-  }
   EXPECT_EQ(errorOf(filter), "");
   expectMap(filter);
   EXPECT_NE(provenance(filter->GetOutput()).find("collapse_map"), std::string::npos);

@@ -163,9 +163,7 @@ TEST_F(CrackPath, VolumesAreCounted)
         {
           const auto in = [](int i, int n) { return i >= 0 && i < n; };
           if (in(x + o.step[0], 16) && in(y + o.step[1], 14) && in(z + o.step[2], 18) && (z < 7) != (z + o.step[2] < 7))
-          {
             bonds.push_back({ { x, y, z }, o.step, 1, 0.1, { 1, 1 }, false });
-          }
         }
       }
     }
@@ -184,9 +182,7 @@ TEST_F(CrackPath, VolumesAreCounted)
   const cracks::BondCount count(3, 2);
   double area = 0;
   for (const peridynamics::Offset& o : stencil.half())
-  {
     area += count.weight(o.step) * std::abs(o.step[2]) * (16 - std::abs(o.step[0])) * (14 - std::abs(o.step[1]));
-  }
   area *= spacing * spacing;
   EXPECT_NEAR(number(filter, "counted_size") / area, 1, 1e-12);
   EXPECT_NEAR(area / (16 * 14 * spacing * spacing), 1, 0.15); // by direction 8 %; the rest are bonds that sides cut off

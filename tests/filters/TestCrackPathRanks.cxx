@@ -26,9 +26,7 @@ vtkSmartPointer<vtkPolyData> shareOf(std::vector<cracks::CutBond> bonds, int ran
     const auto owner = static_cast<int>(random() % static_cast<unsigned>(ranks));
     const bool twice = random() % 5 == 0;
     if (owner == rank || (twice && (owner + 1) % ranks == rank))
-    {
       mine.push_back(b);
-    }
   }
   std::shuffle(mine.begin(), mine.end(), std::mt19937(seed + static_cast<unsigned>(rank)));
   return brokenBonds(lattice(), horizon, mine);
@@ -74,9 +72,7 @@ TEST_F(CrackPath, SameAsOneRank)
     producer->SetWholeExtent(image->GetExtent());
     vtkSmartPointer<vtkPolyData> mine = shareOf(bonds, rank(), ranks(), 3);
     if (onlyLast)
-    {
       mine = rank() == ranks() - 1 ? brokenBonds(lattice(), horizon, bonds) : vtkSmartPointer<vtkPolyData>::New();
-    }
     vtkNew<vtkTrivialProducer> points_;
     points_->SetOutput(mine);
     vtkNew<vtkCrackPath> together;
@@ -86,12 +82,8 @@ TEST_F(CrackPath, SameAsOneRank)
     vtkPolyData* const lines = together->GetOutput();
     ASSERT_EQ(lines->GetNumberOfCells(), rank() == 0 ? 2 : 0);
     for (vtkIdType i = 0; i < lines->GetNumberOfPoints(); ++i)
-    {
       for (int c = 0; c < 3; ++c)
-      {
         ASSERT_EQ(lines->GetPoint(i)[c], alone->GetOutput()->GetPoint(i)[c]) << i;
-      }
-    }
     if (rank() == 0)
     {
       expectSameTable(together->GetPathTable(), alone->GetPathTable());
@@ -101,9 +93,7 @@ TEST_F(CrackPath, SameAsOneRank)
     }
     for (const char* const name : { "crack_count", "crack_length", "broken_bonds", "counted_size", "fragment_count",
            "severed", "left_out_bonds", "main_through", "main_start", "main_tip", "main_extension" })
-    {
       EXPECT_EQ(fieldNumbers(lines, name), fieldNumbers(alone->GetOutput(), name)) << name;
-    }
     vtkImageData* const part = together->GetImage();
     ASSERT_EQ(part->GetNumberOfPoints(), piece->GetNumberOfPoints());
     for (vtkIdType i = 0; i < part->GetNumberOfPoints(); ++i)
@@ -119,9 +109,7 @@ TEST_F(CrackPath, AnErrorIsOneOnEveryRank)
 {
   auto mine = shareOf(sampleBonds(), rank(), ranks(), 4);
   if (rank() == ranks() - 1)
-  {
     mine->GetPointData()->RemoveArray("bond");
-  }
   vtkNew<vtkTrivialProducer> producer;
   producer->SetOutput(mine);
   vtkNew<vtkCrackPath> filter;

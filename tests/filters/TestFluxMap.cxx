@@ -64,9 +64,7 @@ TEST(FluxMap, LaminateNumbers)
   EXPECT_NEAR(flux[0], series / 24e-6, 1e-2);    // of about 1e5: the same relative tolerance
   EXPECT_NEAR(flux[4], -parallel / 18e-6, 1e-2); // downwards
   for (const int axis : { 0, 1 })                // all flows straight
-  {
     EXPECT_NEAR(chain.numbers("tortuosity").at(static_cast<std::size_t>(axis)), 1, 1e-8);
-  }
   EXPECT_NEAR(chain.numbers("tortuosity_factor").at(0), parallel / series, 1e-7);
   EXPECT_NEAR(chain.numbers("tortuosity_factor").at(1), 1, 1e-7);
   EXPECT_NEAR(chain.numbers("streamline_tortuosity").at(0), 1, 1e-8);
@@ -82,9 +80,7 @@ TEST(FluxMap, KeepsTheInputAndAddsTheMagnitude)
   ASSERT_EQ(errorOf(chain.map), "");
   vtkImageData* const output = chain.map->GetOutput();
   for (const char* const name : { "phase", "temperature_x", "temperature_y", "flux_x", "flux_y" })
-  {
     EXPECT_NE(points(output, name), nullptr) << name;
-  }
   vtkDataArray* const magnitude = points(output, "flux_magnitude");
   ASSERT_NE(magnitude, nullptr);
   for (const vtkIdType node : { 0, 77, 431 })
@@ -135,12 +131,8 @@ TEST_P(RecomputedFlux, EqualsTheSolvers)
     const double scale = points(with.map->GetOutput(), "flux_magnitude")->GetRange()[1];
     double worst = 0;
     for (vtkIdType node = 0; node < expected->GetNumberOfTuples(); ++node)
-    {
       for (int axis = 0; axis < 3; ++axis)
-      {
         worst = std::max(worst, std::abs(expected->GetComponent(node, axis) - found->GetComponent(node, axis)));
-      }
-    }
     EXPECT_LT(worst / scale, 1e-11) << "weak phase " << weak; // round-off of differences of values near 1
     // The lines follow what flows in to where it flows out: none is lost on the way.
     vtkDataArray* const arrived = without.map->GetStreamlines()->GetCellData()->GetArray("arrived");
@@ -202,9 +194,7 @@ TEST(Streamlines, CrowdWhereMuchFlows)
   vtkPolyData* const lines = chain.map->GetStreamlines();
   int upper = 0;
   for (vtkIdType line = 0; line < lines->GetNumberOfCells(); ++line)
-  {
     upper += lines->GetCell(line)->GetPoints()->GetPoint(0)[1] > 10e-6 ? 1 : 0;
-  }
   EXPECT_EQ(upper, 100);
   EXPECT_NEAR(lines->GetBounds()[0], 0, 1e-12); // from edge to edge
   EXPECT_NEAR(lines->GetBounds()[1], 20e-6, 1e-12);
@@ -238,16 +228,12 @@ TEST(Streamlines, SeedsCoverAFaceByItsFlux)
   // 8 × 8 nodes, half of the face with three times the flux: three quarters of the seeds.
   std::vector<double> inflow(64);
   for (std::size_t i = 0; i < 64; ++i)
-  {
     inflow[i] = i % 8 < 4 ? 3.0 : 1.0;
-  }
   const auto seeds = flux::seedInlet(inflow, { 8, 8 }, 400);
   ASSERT_EQ(seeds.size(), 400U);
   std::map<std::pair<int, int>, int> blocks; // 4 × 4 blocks of 2 × 2 nodes
   for (const auto& seed : seeds)
-  {
     ++blocks[{ static_cast<int>(seed[0]) / 2, static_cast<int>(seed[1]) / 2 }];
-  }
   for (int u = 0; u < 4; ++u)
   {
     for (int v = 0; v < 4; ++v)

@@ -69,17 +69,13 @@ TEST_P(GrainPacking, IsThatOfTheLibrary)
   {
     ++number[static_cast<std::size_t>(contact.first)];
     if (contact.second >= 0)
-    {
       ++number[static_cast<std::size_t>(contact.second)];
-    }
   }
   for (std::size_t i = 0; i < expected.count(); ++i)
   {
     const auto id = static_cast<vtkIdType>(i);
     for (int axis = 0; axis < 3; ++axis)
-    {
       ASSERT_EQ(grains->GetPoint(id)[axis], expected.centre[i][static_cast<std::size_t>(axis)]);
-    }
     ASSERT_EQ(at(grains, "radius", id), expected.radius[i]);
     ASSERT_EQ(at(grains, "diameter", id), 2 * expected.radius[i]);
     ASSERT_EQ(at(grains, "grain", id), static_cast<double>(i + 1));
@@ -118,9 +114,7 @@ TEST_P(GrainPacking, ContactsAreLinesWithForces)
     {
       net[static_cast<std::size_t>(first - 1)][axis] -= force[axis];
       if (second > 0)
-      {
         net[static_cast<std::size_t>(second - 1)][axis] += force[axis];
-      }
     }
     const double normal = cells->GetArray("normal_force")->GetTuple1(i);
     EXPECT_GT(normal, 0); // pressed
@@ -128,14 +122,10 @@ TEST_P(GrainPacking, ContactsAreLinesWithForces)
     mean += normal / static_cast<double>(contacts->GetNumberOfLines());
     // The line begins at the first grain's centre.
     for (int axis = 0; axis < 3; ++axis)
-    {
       ASSERT_EQ(contacts->GetPoint(2 * i)[axis], grains->GetPoint(first - 1)[axis]);
-    }
   }
   for (const std::array<double, 3>& sum : net)
-  {
     EXPECT_LT(std::hypot(sum[0], sum[1], sum[2]), 0.01 * mean);
-  }
   const auto [unit, text, creator] = description(cells->GetArray("force"));
   EXPECT_EQ(unit, GetParam() == 3 ? "N" : "N/m");
   EXPECT_EQ(creator, "vtkGrainPacking");
@@ -200,9 +190,7 @@ TEST_P(GrainPacking, CementIsThatOfTheLibrary)
   EXPECT_TRUE(std::equal(view.phase.begin(), view.phase.end(), expected.image.phase.begin()));
   vtkDataArray* const grain = image->GetPointData()->GetArray("grain");
   for (std::size_t i = 0; i < expected.grain.size(); ++i)
-  {
     ASSERT_EQ(grain->GetTuple1(static_cast<vtkIdType>(i)), expected.grain[i]);
-  }
   EXPECT_EQ(fieldNumbers(image, "width").at(0), 0.6);
   EXPECT_EQ(fieldNumbers(image, "reach").at(0), 1.1);
   EXPECT_EQ(fieldNumbers(image, "bridges").at(0), static_cast<double>(expected.bridges));
@@ -330,12 +318,8 @@ TEST(GrainPackingStates, AreToldOnTheWayAndChangeNothing)
   EXPECT_LT(seen.unbalanced.back(), 1e-4);
   EXPECT_EQ(source->GetStateRange()[1], source->GetNumberOfStates() - 1);
   for (vtkIdType i = 0; i < plain->GetOutput()->GetNumberOfPoints(); ++i)
-  {
     for (int axis = 0; axis < 3; ++axis)
-    {
       ASSERT_EQ(source->GetOutput()->GetPoint(i)[axis], plain->GetOutput()->GetPoint(i)[axis]);
-    }
-  }
   EXPECT_EQ(source->GetContacts()->GetNumberOfLines(), plain->GetContacts()->GetNumberOfLines());
   // Another state is shown without another run.
   source->SetState(0);
@@ -362,9 +346,7 @@ TEST(GrainPackingStates, OneAtATimeAndStoppedByWhoSeesThem)
     [](vtkObject* caller, unsigned long, void* count, void*)
     {
       if (++*static_cast<int*>(count) == 3)
-      {
         static_cast<vtkAlgorithm*>(caller)->SetAbortExecute(1);
-      }
     });
   source->AddObserver(vtkSampleAlgorithm::STEP_EVENT, stop);
   source->SetSeed(6);

@@ -109,9 +109,7 @@ TEST(LatticeBoltzmann, ComesToRestAsSteadyDiffusion)
     EXPECT_NEAR(value(filter->GetOutput(), "outlet_flux") * length / k, 1, 1e-5);
     double mean = 0;
     for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
-    {
       mean += a->GetArray("flux")->GetComponent(i, direction) / static_cast<double>(image->GetNumberOfPoints());
-    }
     // y leads downwards in a picture, and vectors point in the data's axes
     EXPECT_NEAR(mean * length / k, direction == vtkLatticeBoltzmann::Y ? -1 : 1, 1e-5);
   }
@@ -153,9 +151,7 @@ TEST(LatticeBoltzmann, KeepsStatesAtTimesAndSteps)
   ASSERT_EQ(curve->GetNumberOfRows(), 3);
   for (vtkIdType row = 0; row < 3; ++row)
     for (const char* name : { "time", "inlet_flux", "outlet_flux", "mean_value", "steps" })
-    {
       EXPECT_EQ(curve->GetValueByName(row, name).ToDouble(), value(filter->GetStateImage(static_cast<int>(row)), name));
-    }
   filter->AddStateAtStep(41);
   EXPECT_NE(errorOf(filter).find("a state after 41 steps cannot be kept"), std::string::npos);
 }

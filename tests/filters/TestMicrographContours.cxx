@@ -51,9 +51,7 @@ vtkNew<vtkPolyData> polyData(const std::vector<std::array<double, 3>>& corners, 
   vtkNew<vtkCellArray> cells;
   cells->InsertNextCell(static_cast<int>(corners.size()));
   for (const std::array<double, 3>& p : corners)
-  {
     cells->InsertCellPoint(points->InsertNextPoint(p.data()));
-  }
   vtkNew<vtkPolyData> data;
   data->SetPoints(points);
   polygon ? data->SetPolys(cells) : data->SetLines(cells);
@@ -384,7 +382,8 @@ TEST_F(Micrograph, BadPicturesAreRefused)
   flow->GetPointData()->AddArray(vectors);
   EXPECT_NE(errorOf(contoursOf(flow)).find("has 3 components"), std::string::npos);
   const auto volume = vtktest::picture(6, 6, 6, vtktest::blobs);
-  const auto solid = vtktest::picture(9, 9, 1, [](int, int, int) { return 1; });
+  const auto solid = vtktest::picture(
+    9, 9, 1, [](int, int, int) { return 1; });
   const auto empty = vtktest::picture(9, 9, 1, [](int, int, int) { return 0; });
   for (const auto& bad : { volume, solid, empty })
   {

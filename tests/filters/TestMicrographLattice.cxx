@@ -40,9 +40,7 @@ TEST_F(Micrograph, OutlinesLieOverTheirPicture)
   EXPECT_EQ(corner[2], 5e-6);
   // At the pixels' own spacing nodes fall on the pixels, and outlines pass between nodes of different phases.
   for (int axis = 0; axis < 3; ++axis)
-  {
     EXPECT_NEAR(lattice->GetOutput()->GetOrigin()[axis], image->GetOrigin()[axis], 1e-15);
-  }
   const PhaseView view = viewPhases(lattice->GetOutput());
   EXPECT_TRUE(std::equal(view.phase.begin(), view.phase.end(), tissue().phase.begin()));
 }
@@ -224,12 +222,8 @@ TEST_F(Micrograph, EveryRankHasTheWhole)
   ASSERT_GT(piece->GetNumberOfPoints(), 0);
   EXPECT_EQ(ranks() == 1, piece->GetNumberOfPoints() == 240 * 200);
   for (int y = extent[2]; y <= extent[3]; ++y)
-  {
     for (int x = extent[0]; x <= extent[1]; ++x)
-    {
       ASSERT_EQ(piece->GetScalarComponentAsDouble(x, y, 0, 0), expected[static_cast<std::size_t>(x + 240 * y)]);
-    }
-  }
   // Outlines are with the first.
   ASSERT_EQ(outlines->UpdatePiece(rank(), ranks(), 0), 1);
   EXPECT_EQ(outlines->GetOutput()->GetNumberOfCells() > 0, rank() == 0);

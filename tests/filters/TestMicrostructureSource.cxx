@@ -65,12 +65,8 @@ TEST_P(MicrostructureSource, PiecesAreCutsOfTheWhole)
   for (int z = extent[4]; z <= extent[5]; ++z)
   {
     for (int y = extent[2]; y <= extent[3]; ++y)
-    {
       for (int x = extent[0]; x <= extent[1]; ++x)
-      {
         ASSERT_EQ(piece->GetScalarComponentAsDouble(x, y, z, 0), whole->GetScalarComponentAsDouble(x, y, z, 0));
-      }
-    }
   }
 }
 

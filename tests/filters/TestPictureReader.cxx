@@ -157,9 +157,7 @@ TEST_F(PictureReader, AVolumeIsSegmentedAndSaysHow)
   image->SetDimensions(20, 20, 20);
   std::vector<std::uint8_t> values(8000, 50);
   for (std::size_t node = 0; node < values.size(); ++node)
-  {
     values[node] = static_cast<std::uint8_t>(50 + (node % 20 >= 8 && node % 20 < 16 ? 100 : 0) + node * 7919 % 11);
-  }
   values[20 * 20 * 10 + 20 * 10 + 2] = 160;
   image->GetPointData()->SetScalars(adopt(values, "scan"));
   write(image, path("v.vti"));

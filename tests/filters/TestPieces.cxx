@@ -46,13 +46,9 @@ Block heldBy(const Lattice& lattice, int piece, int pieces, int split, int ghost
   translator->SetNumberOfPieces(pieces);
   translator->SetPiece(piece);
   if (split == vtkExtentTranslator::X_SLAB_MODE)
-  {
     translator->SetSplitModeToXSlab();
-  }
   else if (split == vtkExtentTranslator::Z_SLAB_MODE)
-  {
     translator->SetSplitModeToZSlab();
-  }
   translator->SetGhostLevel(ghosts);
   translator->PieceToExtent();
   return blockOf(translator->GetExtent(), translator->GetWholeExtent());
@@ -139,20 +135,12 @@ void expectNear(const std::vector<double>& found, const std::vector<double>& exp
   ASSERT_EQ(found.size(), expected.size()) << what;
   double scale = 0;
   for (const double value : expected)
-  {
     scale = std::max(scale, std::isnan(value) ? 0.0 : std::abs(value));
-  }
   for (std::size_t i = 0; i < found.size(); ++i)
-  {
     if (std::isnan(expected[i]))
-    {
       EXPECT_TRUE(std::isnan(found[i])) << what << " " << i;
-    }
     else
-    {
       EXPECT_NEAR(found[i], expected[i], 1e-9 * scale) << what << " " << i; // ten times the solver's tolerance
-    }
-  }
 }
 
 struct Setting
@@ -179,15 +167,11 @@ TEST_P(SameAsOneRank, NumbersFieldsAndLines)
 
   for (const char* const name : { "effective_conductivity", "effective_from_flux", "mean_flux", "tortuosity",
          "tortuosity_factor", "streamline_tortuosity", "line_flux", "phase_fraction", "bounds" })
-  {
     expectNear(fieldNumbers(part, name), fieldNumbers(whole, name), name);
-  }
 
   // Fields: every node of the piece, the shared layers included.
   if (ranks() > 1)
-  {
     ASSERT_LT(part->GetNumberOfPoints(), whole->GetNumberOfPoints());
-  }
   int extent[6];
   part->GetExtent(extent);
   for (const char* const name : { "temperature_x", "temperature_y", "flux_y", "flux_magnitude" })
@@ -220,18 +204,14 @@ TEST_P(SameAsOneRank, NumbersFieldsAndLines)
   {
     std::map<vtkIdType, double> result;
     for (vtkIdType i = 0; i < lines->GetNumberOfLines(); ++i)
-    {
       result[static_cast<vtkIdType>(lines->GetCellData()->GetArray("line")->GetTuple1(i))] =
         lines->GetCellData()->GetArray("length")->GetTuple1(i);
-    }
     return result;
   };
   const auto expected = lengths(alone.map->GetStreamlines());
   EXPECT_EQ(expected.size(), 40U);
   for (const auto& [line, length] : lengths(together.map->GetStreamlines()))
-  {
     EXPECT_NEAR(length, expected.at(line), 1e-6 * length) << line;
-  }
   std::int64_t steps =
     together.map->GetStreamlines()->GetNumberOfPoints() - together.map->GetStreamlines()->GetNumberOfLines();
   MPI_Allreduce(MPI_IN_PLACE, &steps, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
@@ -256,9 +236,7 @@ TEST_F(Pieces, RanksWithoutAPieceWorkAlong)
   const auto whole = vtktest::picture(30, 24, 1, [](int x, int, int) { return x / 3 % 2; });
   vtkNew<vtkImageData> mine;
   if (rank() == 0)
-  {
     mine->ShallowCopy(whole);
-  }
   vtkNew<vtkTrivialProducer> producer;
   producer->SetOutput(mine);
   producer->SetWholeExtent(0, 29, 0, 23, 0, 0);
@@ -281,9 +259,7 @@ TEST_F(Pieces, DirectionsAlongWallsReachEveryRank)
   axis->SetName("axis");
   axis->SetNumberOfComponents(2);
   for (int node = 0; node < 720; ++node)
-  {
     axis->InsertNextTuple2(std::cos(0.02 * node), std::sin(0.02 * node));
-  }
   whole->GetPointData()->AddArray(axis);
   vtkNew<vtkImageData> mine; // rows, the seams shared
   mine->ShallowCopy(whole);
@@ -311,9 +287,7 @@ TEST_F(Pieces, DirectionsAlongWallsReachEveryRank)
   set(alone);
   alone->Update();
   for (const int i : { 0, 4 })
-  {
     EXPECT_NEAR(together->GetEffectiveConductivity()[i], alone->GetEffectiveConductivity()[i], 1e-9);
-  }
   EXPECT_NEAR(fieldNumbers(map->GetOutput(), "effective_from_flux").at(0), alone->GetEffectiveConductivity()[0], 1e-6);
 }
 

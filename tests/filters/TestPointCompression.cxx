@@ -70,9 +70,7 @@ void expectTheSolver(int nz)
   options.upper[0] = 12 * spacing;
   options.upper[1] = 14 * spacing;
   if (Dim == 3)
-  {
     options.upper[Dim - 1] = nz * spacing;
-  }
   options.motion.spacing = spacing;
   mpm::PointCompression<Dim> direct(mpm::pointsFromLattice<Dim>(view.lattice, view.phase, {}, points), law, options);
   ASSERT_TRUE(direct.run());
@@ -110,9 +108,7 @@ void expectTheSolver(int nz)
       ASSERT_EQ(array(output, "velocity")->GetComponent(id, a), p.column(Material::velocities + a)[i]);
       ASSERT_EQ(array(output, "stress")->GetComponent(id, a), tau(a, a) / mpm::determinant(F));
       for (int b = 0; b < Dim; ++b)
-      {
         ASSERT_EQ(array(output, "deformation_gradient")->GetComponent(id, 3 * a + b), F(a, b));
-      }
     }
     ASSERT_EQ(array(output, "stress")->GetComponent(id, 3), tau(0, 1) / mpm::determinant(F));
     ASSERT_EQ(array(output, "deformation_gradient")->GetComponent(id, 8), Dim == 3 ? F(Dim - 1, Dim - 1) : 1);

@@ -39,7 +39,8 @@ protected:
   /// Updates this rank's share. @return the error
   static std::string errorOnRanks(vtkPointCompression* filter)
   {
-    return errorOf(filter, [&] { filter->UpdatePiece(rank(), ranks(), 0); });
+    return errorOf(
+      filter, [&] { filter->UpdatePiece(rank(), ranks(), 0); });
   }
   static bool sameOnAll(double value)
   {
@@ -94,14 +95,10 @@ void expectItsPoints(vtkPolyData* mine, vtkPolyData* all, double length, std::in
       vtkDataArray* const expected = all->GetPointData()->GetArray(name);
       const double scale = std::max(expected->GetRange(-1)[1], 1.0 * (name[0] == 'd' ? length : 1));
       for (int c = 0; c < found->GetNumberOfComponents(); ++c)
-      {
         ASSERT_NEAR(found->GetComponent(i, c), expected->GetComponent(id, c), tolerance * scale) << name << id;
-      }
     }
     for (int a = 0; a < 3; ++a)
-    {
       ASSERT_NEAR(mine->GetPoint(i)[a], all->GetPoint(id)[a], tolerance * length);
-    }
   }
 }
 
@@ -160,13 +157,9 @@ TEST_F(PointRanks, TheSameOnAnyNumberOfThem)
       vtkTable* const curve = filter->GetCurve();
       EXPECT_TRUE(sameOnAll(fieldNumbers(curve, "updates_per_second").at(0)));
       if (rank() == 0)
-      {
         expectSameCurve(curve, one->GetCurve());
-      }
       else
-      {
         EXPECT_EQ(curve->GetNumberOfRows(), 0);
-      }
     }
   }
 }
@@ -189,9 +182,7 @@ TEST_F(PointRanks, TheSameInSpace)
   std::int64_t first = 0;
   expectItsPoints(filter->GetPoints(), one->GetPoints(), 20 * pointSpacing, first);
   if (rank() == 0)
-  {
     expectSameCurve(filter->GetCurve(), one->GetCurve());
-  }
 }
 
 // As the command line has it: the first rank has all of the image, and gets all of the points.
@@ -235,9 +226,7 @@ TEST_F(PointRanks, GoesOnOnAnotherNumberOfThem)
       algorithm->SetAbortExecute(algorithm->GetProgress() > 0 ? 1 : 0);
     });
   if (rank() == ranks() - 1) // one that asks is enough
-  {
     stopped->AddObserver(vtkCommand::ProgressEvent, stop);
-  }
   EXPECT_EQ(errorOnRanks(stopped), "");
   EXPECT_EQ(stopped->GetNumberOfStates(), 0);
   ASSERT_GT(stopped->GetLastCheckpoint(), 0);

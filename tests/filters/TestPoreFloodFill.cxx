@@ -61,13 +61,9 @@ TEST_F(PoreFloodFill, LabelsSizesTableAndNumbers)
     const int expected = x < 2 && y < 3 ? 1 : x == 5 && y == 4 ? 2 : 0;
     EXPECT_EQ(pore->GetTuple1(node), expected) << node;
     if (expected == 0)
-    {
       EXPECT_TRUE(std::isnan(size->GetTuple1(node)));
-    }
     else
-    {
       EXPECT_EQ(size->GetTuple1(node), expected == 1 ? 6 : 1);
-    }
   }
   vtkTable* const table = filter->GetPores();
   ASSERT_EQ(table->GetNumberOfRows(), 2);
@@ -167,9 +163,7 @@ TEST_F(PoreFloodFill, ThreadsAndSettings)
       EXPECT_EQ(errorOf(filter), "");
     });
   for (vtkIdType node = 0; node < 1600; ++node)
-  {
     ASSERT_EQ(points(filter->GetOutput(), "pore")->GetTuple1(node), points(alone, "pore")->GetTuple1(node));
-  }
   filter->ComputePoreSizeOff();
   filter->SetMinimumSize(3);
   ASSERT_EQ(errorOf(filter), "");
@@ -312,9 +306,7 @@ TEST_P(SameAsOneRank, LabelsAndNumbers)
       }
       for (const char* const name : { "pore_count", "pore_total", "pore_mean", "pore_largest", "porosity",
              "pore_dropped", "pore_open", "pore_closed", "pore_percolates" })
-      {
         EXPECT_EQ(fieldNumbers(part, name), fieldNumbers(whole, name)) << name;
-      }
       vtkTable* const table = together->GetPores();
       vtkTable* const expected = alone->GetPores();
       ASSERT_EQ(table->GetNumberOfRows(), rank() == 0 ? expected->GetNumberOfRows() : 0);
@@ -339,9 +331,7 @@ INSTANTIATE_TEST_SUITE_P(All, SameAsOneRank,
   {
     std::string name = "n" + std::to_string(setting.param.connectivity) + "_periodic";
     for (const int axis : setting.param.periodic)
-    {
       name += std::to_string(axis);
-    }
     return name;
   });
 

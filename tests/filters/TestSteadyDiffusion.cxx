@@ -56,9 +56,7 @@ TEST(SteadyDiffusion, LaminateIsExactInBothDirections)
       // Diagonal links of D2Q9 join unlike layers along them, so only across the layers it is exact too.
       EXPECT_NEAR(k[0], series, exact * series);
       if (lattice == vtkSteadyDiffusion::D2Q5)
-      {
         EXPECT_NEAR(k[4], parallel, exact * parallel);
-      }
       EXPECT_NEAR(k[1], 0, 1e-6);
       EXPECT_NEAR(k[3], 0, 1e-6);
       EXPECT_TRUE(std::isnan(k[8]));
@@ -110,9 +108,7 @@ TEST(SteadyDiffusion, CarriesWhatIsAskedForAndNothingElse)
   filter->SetQuantity(vtkSteadyDiffusion::CONCENTRATION);
   ASSERT_EQ(errorOf(filter), "");
   for (const char* const name : { "phase", "concentration_x", "concentration_y", "flux_x", "flux_y" })
-  {
     EXPECT_NE(points(filter->GetOutput(), name), nullptr) << name;
-  }
   EXPECT_EQ(filter->GetOutput()->GetPointData()->GetNumberOfArrays(), 5);
 
   filter->ComputeFieldOff();
@@ -221,9 +217,7 @@ TEST(SteadyDiffusion, ProgressRisesAndAbortLeavesNothing)
     {
       auto* const algorithm = vtkAlgorithm::SafeDownCast(caller);
       if (algorithm->GetProgress() > 0.2)
-      {
         algorithm->SetAbortExecute(1);
-      }
     });
   filter->AddObserver(vtkCommand::ProgressEvent, stop);
   filter->Modified();
@@ -328,9 +322,7 @@ TEST(SteadyDiffusion, ConductivitiesAcrossThatCannotBe)
     test.spoil(filter.Get(), image.Get());
     const std::string error = errorOf(filter);
     for (const char* const word : test.words)
-    {
       EXPECT_NE(error.find(word), std::string::npos) << test.what << ": " << error;
-    }
     EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0) << test.what;
   }
   const auto volume = solver(picture(4, 4, 4, layersAcrossX), vtkSteadyDiffusion::X);
@@ -398,9 +390,7 @@ TEST(SteadyDiffusion, InputThatCannotBeUsedIsRefusedInWords)
         vtkNew<vtkIntArray> many;
         many->SetName("many");
         for (int n = 0; n < 400; ++n)
-        {
           many->InsertNextValue(n);
-        }
         i->SetDimensions(20, 20, 1);
         i->GetPointData()->Initialize();
         i->GetPointData()->AddArray(many);
@@ -426,9 +416,7 @@ TEST(SteadyDiffusion, InputThatCannotBeUsedIsRefusedInWords)
     test.spoil(filter.Get(), input.Get());
     const std::string error = errorOf(filter);
     for (const char* const word : test.words)
-    {
       EXPECT_NE(error.find(word), std::string::npos) << test.what << ": " << error;
-    }
     EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0) << test.what;
   }
 }

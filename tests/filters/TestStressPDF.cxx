@@ -58,12 +58,8 @@ vtkSmartPointer<vtkDoubleArray> tensors(vtkIdType count, const std::function<dou
   array->SetNumberOfComponents(6);
   array->SetNumberOfTuples(count);
   for (vtkIdType i = 0; i < count; ++i)
-  {
     for (int c = 0; c < 6; ++c)
-    {
       array->SetComponent(i, c, rule(i, c));
-    }
-  }
   return array;
 }
 
@@ -114,9 +110,7 @@ TEST_F(StressPDF, TablesAndNumbers)
     EXPECT_EQ(std::isnan(cell(density, bin, "tail")), x < 1);
     // 20 000 values a unit: where 200 are in a bin the law is met within 5 root-mean-squares of counting.
     if (x > 1 && cell(density, bin, "count") > 200)
-    {
       EXPECT_NEAR(cell(density, bin, "tail") / cell(density, bin, "density"), 1, 5 / std::sqrt(200.0)) << x;
-    }
   }
   EXPECT_NEAR(sum, 1, 1e-12);
   EXPECT_EQ(count, solid);
@@ -178,7 +172,8 @@ TEST_F(StressPDF, ComponentsPhasesAndPlatens)
 
 TEST_F(StressPDF, LeavesOutAllThatHoldsNothing)
 {
-  const auto image = picture(30, 12, 1, [](int x, int, int) { return x / 10; });
+  const auto image = picture(
+    30, 12, 1, [](int x, int, int) { return x / 10; });
   image->GetPointData()->AddArray(
     tensors(image->GetNumberOfPoints(), [](vtkIdType i, int) { return i % 30 < 20 ? 0 : 1e5; }));
   vtkNew<vtkStressPDF> filter;
@@ -252,9 +247,7 @@ TEST_F(StressPDF, ThreadsChangeNothing)
     });
   ASSERT_EQ(filter->GetOutput()->GetNumberOfRows(), alone->GetNumberOfRows());
   for (vtkIdType bin = 0; bin < alone->GetNumberOfRows(); ++bin)
-  {
     EXPECT_EQ(cell(filter->GetOutput(), bin, "count"), cell(alone, bin, "count"));
-  }
   EXPECT_NEAR(number(filter->GetOutput(), "stress_theta"), number(alone, "stress_theta"), 1e-12);
 }
 

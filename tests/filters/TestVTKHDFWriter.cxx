@@ -50,9 +50,7 @@ vtkSmartPointer<Array> counted(const char* name, int components, vtkIdType tuple
 {
   const auto array = newArray<Array>(name, components, static_cast<std::size_t>(tuples));
   for (vtkIdType i = 0; i < array->GetNumberOfValues(); ++i)
-  {
     array->SetValue(i, static_cast<typename Array::ValueType>(i * 1.37 + 1));
-  }
   return array;
 }
 
@@ -106,9 +104,7 @@ void expectSameImage(vtkImageData* image, vtkDataSet* readBack)
     EXPECT_EQ(back->GetPoint(0)[i], image->GetPoint(0)[i]);
   }
   for (const char* const name : { "stress", "phase" })
-  {
     EXPECT_TRUE(sameBits(back->GetPointData()->GetArray(name), image->GetPointData()->GetArray(name))) << name;
-  }
 }
 
 TEST(VTKHDFWriter, KeepsAnImage)
@@ -129,17 +125,13 @@ TEST(VTKHDFWriter, KeepsTheValuesAndPlacesOfFlatImages)
     for (const auto& image : { sample(5, 4, 1), sample(5, 1, 4), sample(1, 5, 4) })
     {
       if (turn)
-      {
         image->SetDirectionMatrix(turned);
-      }
       const std::string file = (folder / "a.hdf").string();
       ASSERT_EQ(write(image, file), "");
       const auto back = read(file);
       ASSERT_EQ(back->GetNumberOfPoints(), image->GetNumberOfPoints());
       for (const char* const name : { "stress", "phase" })
-      {
         EXPECT_TRUE(sameBits(back->GetPointData()->GetArray(name), image->GetPointData()->GetArray(name))) << name;
-      }
       // VTK 9.2's reader sets the direction, and the places follow in a copy only.
       vtkNew<vtkImageData> flat;
       flat->ShallowCopy(back);
@@ -212,9 +204,7 @@ vtkSmartPointer<vtkPolyData> cellsOfAllKinds()
   auto poly = vtkSmartPointer<vtkPolyData>::New();
   const auto points = newPoints(7);
   for (vtkIdType i = 0; i < 7; ++i)
-  {
     points->SetPoint(i, 0.1 * static_cast<double>(i), static_cast<double>(i * i), 1.0 / 3);
-  }
   poly->SetPoints(points);
   vtkNew<vtkCellArray> vertices, lines, polygons;
   vertices->InsertNextCell({ 4 });

@@ -41,9 +41,7 @@ inline std::string errorOf(vtkAlgorithm* algorithm, const std::function<void()>&
     {
       auto& kept = *static_cast<std::string*>(client);
       if (kept.empty())
-      {
         kept = static_cast<const char*>(text);
-      }
     });
   vtkNew<vtkCallbackCommand> silence; // the executive only says that the algorithm failed
   silence->SetCallback([](vtkObject*, unsigned long, void*, void*) {});
@@ -56,7 +54,8 @@ inline std::string errorOf(vtkAlgorithm* algorithm, const std::function<void()>&
 }
 inline std::string errorOf(vtkAlgorithm* algorithm)
 {
-  return errorOf(algorithm, [algorithm] { algorithm->Update(); });
+  return errorOf(
+    algorithm, [algorithm] { algorithm->Update(); });
 }
 
 /// A picture of phases "a", "b", ... from a rule (x, y, z) → id.
@@ -69,12 +68,8 @@ inline vtkSmartPointer<vtkImageData> picture(
   for (int z = 0; z < nz; ++z)
   {
     for (int y = 0; y < ny; ++y)
-    {
       for (int x = 0; x < nx; ++x)
-      {
         image.phase.push_back(static_cast<std::uint8_t>(rule(x, y, z)));
-      }
-    }
   }
   return toImageData(std::move(image));
 }

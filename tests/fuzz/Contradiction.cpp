@@ -20,16 +20,12 @@ std::optional<std::string> replaceOne(
   const std::size_t first = atPoints ? text.find("<PointData") : 0;
   const std::size_t end = atPoints ? text.find("</PointData") : text.size();
   if (first == std::string::npos || end == std::string::npos)
-  {
     return std::nullopt;
-  }
   const std::vector<std::smatch> found(std::sregex_iterator(text.begin() + static_cast<std::ptrdiff_t>(first),
                                          text.begin() + static_cast<std::ptrdiff_t>(end), what),
     std::sregex_iterator());
   if (found.empty())
-  {
     return std::nullopt;
-  }
   const std::smatch& one = oneOf(found, random);
   std::string result = text;
   result.replace(first + static_cast<std::size_t>(one.position()), static_cast<std::size_t>(one.length()), by(one));
@@ -53,14 +49,10 @@ std::optional<std::string> shorter(const std::string& xml, Random& random)
     const std::size_t first = end == std::string::npos ? end : xml.find_first_not_of(" \t\r\n", end + 1);
     if (first != std::string::npos && xml[first] != '<' && !tag.ends_with('/') &&
       tag.find("appended") == std::string_view::npos && tag.find("\"String\"") == std::string_view::npos)
-    {
       begins.push_back(first);
-    }
   }
   if (begins.empty())
-  {
     return std::nullopt;
-  }
   const std::size_t first = oneOf(begins, random);
   const std::size_t end = xml.find_first_of(" \t\r\n<", first);
   std::string result = xml;
@@ -99,14 +91,10 @@ std::optional<std::string> moreValues(const std::string& file, const std::regex&
   const std::string head = file.substr(0, std::min<std::size_t>(file.size(), 1000));
   std::smatch found;
   if (!std::regex_search(head, found, line))
-  {
     return std::nullopt;
-  }
   std::vector<std::size_t> ends(found.size() - 1);
   for (std::size_t i = 0; i < ends.size(); ++i)
-  {
     ends[i] = static_cast<std::size_t>(found.position(i + 1) + found.length(i + 1));
-  }
   const std::size_t end = oneOf(ends, random);
   std::string result = file;
   result[end - 1] = static_cast<char>(result[end - 1] == '9' ? '8' : result[end - 1] + 1);
@@ -116,18 +104,14 @@ std::optional<std::string> moreValues(const std::string& file, const std::regex&
 void putLittle(std::string& bytes, std::size_t at, std::size_t size, std::uint64_t value)
 {
   for (std::size_t i = 0; i < size; ++i)
-  {
     bytes[at + i] = static_cast<char>(value >> (8 * i));
-  }
 }
 
 std::uint64_t little(const std::string& bytes, std::size_t at, std::size_t size)
 {
   std::uint64_t value = 0;
   for (std::size_t i = size; i > 0; --i)
-  {
     value = value << 8 | static_cast<unsigned char>(bytes[at + i - 1]);
-  }
   return value;
 }
 
@@ -136,25 +120,19 @@ std::optional<std::string> largerPng(const std::string& file, Random& random)
 {
   constexpr std::size_t header = 12, side = 16, sum = 29; // IHDR, width and height in it, its checksum
   if (file.size() < sum + 4)
-  {
     return std::nullopt;
-  }
   std::string result = file;
   ++result[side + 3 + 4 * below(random, 2)];
   const uLong right = crc32(0, reinterpret_cast<const Bytef*>(result.data() + header), static_cast<uInt>(sum - header));
   for (std::size_t i = 0; i < 4; ++i)
-  {
     result[sum + i] = static_cast<char>(right >> (24 - 8 * i));
-  }
   return result;
 }
 
 std::optional<std::string> largerTiff(const std::string& file, Random& random)
 {
   if (file.size() < 8 || !file.starts_with("II*"))
-  {
     return std::nullopt;
-  }
   const std::size_t directory = little(file, 4, 4);
   const std::size_t entries = directory + 2 <= file.size() ? little(file, directory, 2) : 0;
   const std::uint64_t wanted = 256 + below(random, 2); // width or height
@@ -176,9 +154,7 @@ std::optional<std::string> largerTiff(const std::string& file, Random& random)
 std::optional<std::string> largerBmp(const std::string& file, Random& random)
 {
   if (file.size() < 26)
-  {
     return std::nullopt;
-  }
   std::string result = file;
   const std::size_t at = 18 + 4 * below(random, 2);
   putLittle(result, at, 4, little(file, at, 4) + 1);
@@ -201,13 +177,9 @@ std::optional<std::string> ragged(const std::string& table, Random& random)
   std::vector<std::size_t> commas;
   for (std::size_t at = table.find(',', std::min(first, table.size())); at != std::string::npos;
        at = table.find(',', at + 1))
-  {
     commas.push_back(at);
-  }
   if (commas.empty())
-  {
     return std::nullopt;
-  }
   std::string result = table;
   const std::size_t at = oneOf(commas, random);
   return random() % 2 == 0 ? result.erase(at, 1) : result.insert(at, ",1");
@@ -240,9 +212,7 @@ std::optional<std::string> contradicting(const std::string& file, const std::str
   static const std::regex netpbm(R"re(^P[2356]\n(?:#[^\n]*\n)?(\d+) (\d+)\n)re");
   static const std::regex meta(R"re(\nDimSize = (\d+) (\d+) (\d+))re");
   if (ending == ".vti" || ending == ".vtp" || ending == ".vtu")
-  {
     return contradictingXml(file, random);
-  }
   return ending == ".png"                    ? largerPng(file, random)
     : ending == ".tif"                       ? largerTiff(file, random)
     : ending == ".bmp"                       ? largerBmp(file, random)

@@ -76,12 +76,8 @@ void write(const fs::path& path, const std::string& bytes)
 void touch(vtkFieldData* data)
 {
   for (int i = 0; data != nullptr && i < data->GetNumberOfArrays(); ++i)
-  {
     if (vtkDataArray* const array = data->GetArray(i))
-    {
       static_cast<void>(array->GetRange(-1));
-    }
-  }
 }
 
 void touch(vtkDataObject* data)
@@ -92,9 +88,7 @@ void touch(vtkDataObject* data)
     touch(set->GetPointData());
     touch(set->GetCellData());
     for (vtkIdType cell = 0; vtkImageData::SafeDownCast(set) == nullptr && cell < set->GetNumberOfCells(); ++cell)
-    {
       static_cast<void>(set->GetCell(cell)->GetBounds());
-    }
   }
 }
 
@@ -115,9 +109,7 @@ Answer readTable(const fs::path& path)
 {
   const reports::DataTable table(path);
   for (std::size_t column = 0; column < table.names().size(); ++column)
-  {
     static_cast<void>(table.isNumeric(column) ? table.numbers(column) : std::vector<double>());
-  }
   static_cast<void>(readPackingTable(path));
   return {};
 }
@@ -128,13 +120,9 @@ Answer readStep(const fs::path& path)
   cli::Reading reading;
   cli::Step step = cli::formatOf("the file", path.string()).open(path.string(), reading);
   if (step.points != nullptr)
-  {
     touch(step.points);
-  }
   else if (step.volume != nullptr && step.volume->layers() < 1000)
-  {
     touch(step.volume->read(step.volume->extent()[4], step.volume->extent()[5]));
-  }
   return { .warned = !reading.warnings.empty() };
 }
 
@@ -176,9 +164,7 @@ Answer readPolygons(const fs::path& path)
   {
     io::Sha256 hash;
     for (const auto& contour : file.lumens.contours)
-    {
       add(hash, contour.points);
-    }
     answer.held = hash.finish();
   }
   return answer;
@@ -248,9 +234,7 @@ void addForms(const fs::path& path, std::vector<std::string>& list)
       for (const bool base64 : { false, true })
       {
         if ((mode == vtkXMLWriter::Ascii && packed) || (mode != vtkXMLWriter::Appended && base64))
-        {
           continue;
-        }
         vtkNew<vtkXMLDataSetWriter> writer;
         writer->SetInputData(data);
         writer->SetDataMode(mode);
@@ -289,15 +273,11 @@ public:
       constexpr std::uintmax_t most = 200000;
       if (!entry.is_regular_file() || kind == kinds().size() || (!options.only.empty() && options.only != ending) ||
         entry.file_size() > most)
-      {
         continue;
-      }
       auto& list = files_[kind];
       list.push_back(bytesOf(entry.path()));
       if (ending == ".vti" || ending == ".vtp" || ending == ".vtu")
-      {
         addForms(entry.path(), list);
-      }
     }
     for (auto& [kind, list] : files_)
     {
@@ -435,13 +415,9 @@ void readBatch(const Corpus& corpus, Common& common, const fs::path& folder, std
     {
       const auto [known, isNew] = held.try_emplace(input.original);
       if (isNew)
-      {
         known->second = outcome(input.kind, *input.original).answer.held;
-      }
       if (known->second != found.answer.held)
-      {
         found.fault = "read in silence, though its checksum is not that of what it holds";
-      }
     }
     auto& count = common.counts[input.kind];
     ++count.inputs;
@@ -495,12 +471,8 @@ void print(const Corpus& corpus, const Common& common)
 void copyValues(const fs::path& corpus, const fs::path& folder)
 {
   for (const auto& entry : fs::directory_iterator(corpus))
-  {
     if (entry.path().extension() == ".raw")
-    {
       fs::copy_file(entry.path(), folder / entry.path().filename(), fs::copy_options::overwrite_existing);
-    }
-  }
 }
 
 int fuzzAll(const Options& options)
@@ -611,9 +583,7 @@ int main(int argc, char** argv)
   {
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos)
-    {
       return readAgain(words);
-    }
     const std::string key = word.substr(0, equals);
     const std::string value = word.substr(equals + 1);
     if (key == "inputs" || key == "seed" || key == "first")

@@ -33,18 +33,12 @@ Place run(const std::string& text, Random& random, bool (*is)(unsigned char))
   {
     std::size_t first = below(random, text.size());
     if (text.empty() || !is(static_cast<unsigned char>(text[first])))
-    {
       continue;
-    }
     while (first > 0 && is(static_cast<unsigned char>(text[first - 1])))
-    {
       --first;
-    }
     std::size_t end = first;
     while (end < text.size() && is(static_cast<unsigned char>(text[end])))
-    {
       ++end;
-    }
     return { first, end - first };
   }
   return { below(random, text.size()), 0 };
@@ -99,9 +93,7 @@ void alterOnce(std::string& file, const std::vector<std::string>& others, Random
       const std::uint32_t value = oneOf(values, random);
       const std::size_t at = below(random, file.size());
       for (std::size_t i = 0; i < 4 && at + i < file.size(); ++i)
-      {
         file[at + i] = static_cast<char>(value >> (8 * i));
-      }
       break;
     }
     case 8: // a line twice, or gone
@@ -137,9 +129,7 @@ std::string altered(const std::string& file, const std::vector<std::string>& oth
 {
   std::string result = file;
   for (std::size_t count = 1 + (random() % 4 == 0 ? below(random, 6) : 0); count > 0; --count)
-  {
     alterOnce(result, others, random);
-  }
   constexpr std::size_t most = std::size_t{ 1 } << 20;
   result.resize(std::min(result.size(), most));
   return result;
@@ -149,14 +139,10 @@ std::string mended(const std::string& checkpoint, Random& random)
 {
   constexpr std::size_t header = 512;
   if (checkpoint.size() <= header)
-  {
     return checkpoint;
-  }
   std::string content = checkpoint.substr(header);
   for (std::size_t count = 1 + below(random, 4); count > 0; --count)
-  {
     alterOnce(content, { checkpoint }, random);
-  }
   io::Sha256 hash;
   hash.update(std::as_bytes(std::span(content)));
   std::string head =

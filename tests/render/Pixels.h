@@ -56,12 +56,8 @@ inline std::size_t distinctColors(vtkImageData* picture, const Rect& rect)
 {
   std::set<Rgb> colors;
   for (int y = rect.y; y < rect.y + rect.height; ++y)
-  {
     for (int x = rect.x; x < rect.x + rect.width; ++x)
-    {
       colors.insert(at(picture, x, y));
-    }
-  }
   return colors.size();
 }
 
@@ -69,12 +65,8 @@ inline double shareOf(vtkImageData* picture, const Rect& rect, const Rgb& color)
 {
   double count = 0;
   for (int y = rect.y; y < rect.y + rect.height; ++y)
-  {
     for (int x = rect.x; x < rect.x + rect.width; ++x)
-    {
       count += at(picture, x, y) == color ? 1 : 0;
-    }
-  }
   return count / rect.width / rect.height;
 }
 
@@ -90,9 +82,7 @@ inline double difference(vtkImageData* a, vtkImageData* b, const Rect& rect, int
       const Rgb q = at(b, x, y);
       bool differs = false;
       for (std::size_t c = 0; c < 3; ++c)
-      {
         differs = differs || std::abs(p[c] - q[c]) > tolerance;
-      }
       count += differs ? 1 : 0;
     }
   }

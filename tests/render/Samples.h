@@ -26,9 +26,7 @@ inline void addStrings(vtkDataObject* data, const char* name, std::initializer_l
   vtkNew<vtkStringArray> array;
   array->SetName(name);
   for (const char* value : values)
-  {
     array->InsertNextValue(value);
-  }
   data->GetFieldData()->AddArray(array);
 }
 
@@ -58,12 +56,8 @@ void addField(vtkImageData* image, const char* name, const std::vector<Value>& c
     for (int j = 0; j < n[1]; ++j)
     {
       for (int i = 0; i < n[0]; ++i, ++index)
-      {
         for (std::size_t c = 0; c < components.size(); ++c)
-        {
           array->SetComponent(index, static_cast<int>(c), components[c](i, j, k));
-        }
-      }
     }
   }
   image->GetPointData()->AddArray(array);
@@ -76,9 +70,7 @@ inline int tissuePhase(int i, int j)
   const int x = (i + 10 * (row % 2)) % 20;
   const int y = j % 16;
   if (x == 0 || y == 0)
-  {
     return 2;
-  }
   return x > 4 && x < 17 && y > 3 && y < 14 ? 0 : 1;
 }
 

@@ -121,12 +121,8 @@ TEST(EvenlySpacedLines, KeepsItsDistance)
     {
       double nearest = 1e9;
       for (const Point2& p : lines[a])
-      {
         for (const Point2& q : lines[b])
-        {
           nearest = std::min(nearest, Distance(p, q));
-        }
-      }
       EXPECT_GE(nearest, 0.5 * separation - 1e-9); // lines end at half the separation (Jobard and Lefer's d_test)
     }
   }
@@ -139,9 +135,7 @@ TEST(EvenlySpacedLines, CirclesClose)
   {
     const double radius = Distance(line.front(), { 30, 30 });
     for (const Point2& p : line)
-    {
       EXPECT_NEAR(Distance(p, { 30, 30 }), radius, 0.1);
-    }
   }
 }
 
@@ -159,18 +153,12 @@ TEST(Outline, FollowsACircleWithinHalfAPixel)
 {
   std::vector<bool> inside(60UL * 60UL);
   for (int j = 0; j < 60; ++j)
-  {
     for (int i = 0; i < 60; ++i)
-    {
       inside[static_cast<std::size_t>(60 * j + i)] = std::hypot(i - 29.5, j - 29.5) < 20;
-    }
-  }
   const auto lines = Outline(inside, 60, 60);
   ASSERT_EQ(lines.size(), 1U);
   for (const Point2& p : Smooth(lines[0], 0.5, 0.8))
-  {
     EXPECT_NEAR(Distance(p, { 30, 30 }), 20, 0.5);
-  }
 }
 
 TEST(Numbers, TicksAreRound)

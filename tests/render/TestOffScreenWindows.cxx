@@ -80,9 +80,7 @@ protected:
   {
     setenv("LAMELLA_RENDERER", GetParam(), 1);
     if (vtkOffScreenWindows::GetBackend() != std::string(GetParam()))
-    {
       GTEST_SKIP() << vtkOffScreenWindows::GetMessage();
-    }
   }
   void TearDown() override { unsetenv("LAMELLA_RENDERER"); }
 };
@@ -135,9 +133,7 @@ TEST(OffScreenWindows, DifferentKindsLiveSideBySide)
   const auto second = vtkSmartPointer<vtkRenderWindow>::Take(vtkOffScreenWindows::NewWindow());
   unsetenv("LAMELLA_RENDERER");
   if (!first || !second)
-  {
     GTEST_SKIP() << "this machine lacks OSMesa or EGL";
-  }
   first->AddRenderer(makeScene());
   second->AddRenderer(makeScene());
   first->SetSize(80, 80);
@@ -163,9 +159,7 @@ TEST(OffScreenWindows, UnknownRequestIsNamed)
 TEST(OffScreenWindows, NoDisplayIsSaid)
 {
   if (const char* display = std::getenv("DISPLAY"); display && *display)
-  {
     GTEST_SKIP() << "DISPLAY is set";
-  }
   setenv("LAMELLA_RENDERER", "x", 1);
   EXPECT_STREQ(vtkOffScreenWindows::GetMessage(),
     "LAMELLA_RENDERER=x does not work here (x: DISPLAY is not set); leave it out to try the others");
@@ -177,9 +171,7 @@ TEST(OffScreenWindows, FallsBack)
 {
   const char* expected = std::getenv("LAMELLA_EXPECT_BACKEND");
   if (!expected)
-  {
     GTEST_SKIP() << "needs LAMELLA_EXPECT_BACKEND, which ctest sets together with unusable libraries";
-  }
   EXPECT_STREQ(vtkOffScreenWindows::GetBackend(), expected) << vtkOffScreenWindows::GetMessage();
   if (expected == std::string("none"))
   {
@@ -194,9 +186,7 @@ TEST(OffScreenWindows, FallsBack)
 TEST(OffScreenWindowsInstall, VTKsOwnWindowsNeedNoDisplay)
 {
   if (vtkOffScreenWindows::GetBackend() == std::string("none") || vtkOffScreenWindows::GetBackend() == std::string("x"))
-  {
     GTEST_SKIP() << vtkOffScreenWindows::GetMessage();
-  }
   ASSERT_FALSE(vtkOffScreenWindows::IsInstalled());
   ASSERT_TRUE(vtkOffScreenWindows::Install());
   ASSERT_TRUE(vtkOffScreenWindows::Install()) << "again is no harm";

@@ -183,9 +183,7 @@ TEST_F(SnapshotTest, FluxIsRelativeToItsMean)
 TEST_F(SnapshotTest, FluxHasLinesWhereItFlows)
 {
   if (!this->canDrawLines())
-  {
     GTEST_SKIP() << vtkOffScreenWindows::GetMessage();
-  }
   this->Snapshot->SetPreset(vtkSnapshot::FLUX);
   this->Snapshot->ShowOutlineOff();
   this->Snapshot->SetOverlayCount(20);
@@ -211,9 +209,7 @@ TEST_F(SnapshotTest, FluxHasLinesWhereItFlows)
 TEST_F(SnapshotTest, ArrowsPointAlongTheFlux)
 {
   if (!this->canDrawLines())
-  {
     GTEST_SKIP() << vtkOffScreenWindows::GetMessage();
-  }
   this->Snapshot->SetPreset(vtkSnapshot::FLUX);
   this->Snapshot->ShowOutlineOff();
   this->Snapshot->SetOverlay(vtkSnapshot::ARROWS_OVERLAY);
@@ -224,9 +220,7 @@ TEST_F(SnapshotTest, ArrowsPointAlongTheFlux)
   {
     int width = 0;
     for (int x = 0; x < r.width / 2; ++x)
-    {
       width += pixels::at(picture, r.x + x, y)[2] > 225 ? 1 : 0;
-    }
     return width;
   };
   // Blocks are 600 × 480; the arrow in the lower one spans 0.9 of it: tail near its top, head near its bottom.
@@ -237,9 +231,7 @@ TEST_F(SnapshotTest, ArrowsPointAlongTheFlux)
 TEST_F(SnapshotTest, IsolinesAndOutline)
 {
   if (!this->canDrawLines())
-  {
     GTEST_SKIP() << vtkOffScreenWindows::GetMessage();
-  }
   this->Snapshot->SetPreset(vtkSnapshot::TEMPERATURE);
   this->Snapshot->ShowOutlineOff();
   vtkNew<vtkImageData> plain;
@@ -269,13 +261,9 @@ TEST_F(SnapshotTest, GrainsDifferFromTheirNeighbours)
     {
       const Rgb own = this->colorOf(picture, 30 * a + 15, 24 * b + 12);
       if (a < 3)
-      {
         EXPECT_NE(own, this->colorOf(picture, 30 * a + 45, 24 * b + 12));
-      }
       if (b < 3)
-      {
         EXPECT_NE(own, this->colorOf(picture, 30 * a + 15, 24 * b + 36));
-      }
     }
   }
 }
@@ -488,9 +476,7 @@ TEST_F(SnapshotTest, DirectionsByTheirEndings)
 TEST_F(SnapshotTest, GivenLinesAreDrawn)
 {
   if (!this->canDrawLines())
-  {
     GTEST_SKIP() << vtkOffScreenWindows::GetMessage();
-  }
   vtkNew<vtkPoints> points;
   points->InsertNextPoint(30e-6, 0, 0);
   points->InsertNextPoint(30e-6, 48e-6, 0);
@@ -540,9 +526,7 @@ TEST(SnapshotOfRealData, LatewoodPhasesAreExact)
 {
   const char* folder = std::getenv("LAMELLA_REAL_DATA");
   if (!folder || !*folder)
-  {
     GTEST_SKIP() << "LAMELLA_REAL_DATA does not name the folder of real pictures";
-  }
   vtkNew<vtkPNGReader> reader;
   reader->SetFileName((std::filesystem::path(folder) / "spruce_LW_labels_0.5um.png").c_str());
   reader->Update();

@@ -258,9 +258,7 @@ TEST_F(SnapshotErrors, FolderThatCannotBeWrittenTo)
   // root may write anywhere but into /proc
   const std::string target = geteuid() == 0 ? "/proc/a.png" : this->path("a.png");
   if (geteuid() != 0)
-  {
     fs::permissions(this->Folder, fs::perms::owner_read | fs::perms::owner_exec);
-  }
   this->Snapshot->SetPreset(vtkSnapshot::PHASE);
   EXPECT_FALSE(this->Snapshot->Write(target.c_str()));
   EXPECT_NE(std::string(this->Snapshot->GetErrorMessage()).find("cannot be written"), std::string::npos)

@@ -32,9 +32,7 @@ vtkSmartPointer<vtkDoubleArray> numbers(const char* name, std::initializer_list<
   auto array = vtkSmartPointer<vtkDoubleArray>::New();
   array->SetName(name);
   for (const double value : values)
-  {
     array->InsertNextValue(value);
-  }
   return array;
 }
 
@@ -75,9 +73,7 @@ protected:
   void SetUp() override
   {
     if (vtkOffScreenWindows::GetBackend() == std::string("none"))
-    {
       GTEST_SKIP() << vtkOffScreenWindows::GetMessage();
-    }
     this->Snapshot->SetShowLegend(false);
     this->Snapshot->SetShowScaleBar(false);
   }

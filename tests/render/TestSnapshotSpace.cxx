@@ -29,9 +29,7 @@ protected:
   void SetUp() override
   {
     if (vtkOffScreenWindows::GetBackend() == std::string("none"))
-    {
       GTEST_SKIP() << vtkOffScreenWindows::GetMessage();
-    }
     this->Snapshot->SetShowLegend(false);
   }
   vtkImageData* draw(vtkDataObject* data)
@@ -148,9 +146,7 @@ TEST_F(SnapshotSpace, FlatLinesAreSeenFromAbove)
     const Rgb color = pixels::at(picture, r.x + r.width / 2, y);
     const bool pure = color == pixels::at(picture, r.x + r.width / 2, y + 1);
     if (color != White && pure && (found.empty() || found.back() != color))
-    {
       found.push_back(color);
-    }
   }
   ASSERT_EQ(found.size(), 3U);
   EXPECT_EQ(found[0], (Rgb{ 0x44, 0x01, 0x54 }));

@@ -43,12 +43,8 @@ inline micrograph::ContourSet quarterRing(double side, double inner, double oute
   micrograph::ContourSet set{ { side, side }, {} };
   set.contours = { arc(inner, 0, std::numbers::pi / 2, pieces, 1), arc(outer, std::numbers::pi / 2, 0, pieces, 2) };
   for (micrograph::Contour& contour : set.contours)
-  {
     for (micrograph::Point* end : { &contour.points.front(), &contour.points.back() })
-    {
       (*end)[(*end)[0] < (*end)[1] ? 0 : 1] = 0; // the cosine of a right angle is not quite 0
-    }
-  }
   return set;
 }
 

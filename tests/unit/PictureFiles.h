@@ -16,9 +16,7 @@ namespace lamella::testing
 inline void put(Bytes& bytes, std::uint64_t value, int count, bool bigEndian)
 {
   for (int i = 0; i < count; ++i)
-  {
     bytes.push_back(static_cast<std::uint8_t>(value >> (8 * (bigEndian ? count - 1 - i : i))));
-  }
 }
 
 /// A PNG of any colour type, its pixels not compressed.
@@ -38,14 +36,10 @@ struct PngFile
     put(header, width, 4, true);
     put(header, height, 4, true);
     for (const int value : { bits, colourType, 0, 0, 0 })
-    {
       header.push_back(static_cast<std::uint8_t>(value));
-    }
     addChunk(file, "IHDR", header);
     for (const auto& [type, data] : chunks)
-    {
       addChunk(file, type, data);
-    }
     Bytes raw;
     for (const Bytes& row : rows)
     {
@@ -123,16 +117,12 @@ struct TiffFile
         { 259, { 3, { 1 }, {} } }, { 262, { 3, { 1 }, {} } }, { 273, { 4, { pixelsAt }, {} } },
         { 277, { 3, { 1 }, {} } }, { 278, { 4, { 2 }, {} } }, { 279, { 4, { pixels.size() }, {} } } };
       for (const auto& [tag, value] : changes)
-      {
         tags[tag] = value;
-      }
       std::map<int, std::uint64_t> places;
       for (const auto& [tag, value] : tags)
       {
         if (file.size() % 2 == 1)
-        {
           file.push_back(0);
-        }
         places[tag] = file.size();
         if (value.type == 2)
         {
@@ -142,15 +132,11 @@ struct TiffFile
         else
         {
           for (const std::uint64_t number : value.numbers)
-          {
             put(file, number, value.type == 3 ? 2 : 4, bigEndian); // a ratio is two numbers
-          }
         }
       }
       if (file.size() % 2 == 1)
-      {
         file.push_back(0);
-      }
       Bytes place;
       put(place, file.size(), 4, bigEndian);
       std::copy(place.begin(), place.end(), file.begin() + static_cast<std::ptrdiff_t>(link));

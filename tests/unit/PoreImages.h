@@ -27,12 +27,8 @@ inline PoreImage drawn(const std::vector<std::string>& rows)
   const auto ny = static_cast<std::int64_t>(rows.size());
   PoreImage image{ makeLattice(nx, ny, 1, 2, 1), {} };
   for (auto row = rows.rbegin(); row != rows.rend(); ++row)
-  {
     for (const char c : *row)
-    {
       image.phase.push_back(c == '#' ? 1 : 0);
-    }
-  }
   return image;
 }
 
@@ -72,9 +68,7 @@ inline Flooded flood(const PoreImage& image, std::uint8_t wanted, const pores::L
         const int c = options.connectivity;
         const int most = c == 4 || c == 6 ? 1 : c == 8 || c == 18 ? 2 : 3;
         if (off > 0 && off <= most && (l.dimension == 3 || z == 0))
-        {
           steps.push_back({ x, y, z });
-        }
       }
     }
   }
@@ -94,9 +88,7 @@ inline Flooded flood(const PoreImage& image, std::uint8_t wanted, const pores::L
   for (std::int64_t start = 0; start < l.count(); ++start)
   {
     if (seen[static_cast<std::size_t>(start)] != 0 || image.phase[static_cast<std::size_t>(start)] != wanted)
-    {
       continue;
-    }
     Found found{ { 0, start, {}, {}, {}, 0, 0 }, { start } };
     std::uint8_t wraps = 0;
     seen[static_cast<std::size_t>(start)] = 1;
@@ -119,9 +111,7 @@ inline Flooded flood(const PoreImage& image, std::uint8_t wanted, const pores::L
         }
         const std::int64_t node = l.index(in[0], in[1], in[2]);
         if (!exists || image.phase[static_cast<std::size_t>(node)] != wanted)
-        {
           continue;
-        }
         if (seen[static_cast<std::size_t>(node)] == 0)
         {
           seen[static_cast<std::size_t>(node)] = 1;
@@ -130,9 +120,7 @@ inline Flooded flood(const PoreImage& image, std::uint8_t wanted, const pores::L
           continue;
         }
         for (std::size_t axis = 0; axis < 3; ++axis)
-        {
           wraps |= placeOf[static_cast<std::size_t>(node)][axis] != to[axis] ? 1U << axis : 0U;
-        }
       }
     }
     pores::Pore& pore = found.pore;
@@ -175,18 +163,14 @@ inline Flooded flood(const PoreImage& image, std::uint8_t wanted, const pores::L
     all.push_back(std::move(found));
   }
   if (options.sortBySize)
-  {
     std::stable_sort(all.begin(), all.end(), [](const Found& a, const Found& b) { return a.pore.size > b.pore.size; });
-  }
   for (const Found& found : all)
   {
     if (found.pore.size >= options.minimumSize)
     {
       result.pores.push_back(found.pore);
       for (const std::int64_t node : found.nodes)
-      {
         result.labels[static_cast<std::size_t>(node)] = static_cast<std::int32_t>(result.pores.size());
-      }
     }
   }
   return result;

@@ -32,9 +32,7 @@ inline std::uint64_t hashOf(std::span<const std::uint8_t> bytes)
 {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
   for (const std::uint8_t byte : bytes)
-  {
     hash = (hash ^ byte) * 0x100000001b3ULL;
-  }
   return hash;
 }
 
@@ -59,9 +57,7 @@ inline std::vector<Piece> piecesOf(const PhaseImage& image, std::uint8_t phase, 
   for (std::int64_t start = 0; start < lattice.count(); ++start)
   {
     if (seen[start] || image.phase[start] != phase)
-    {
       continue;
-    }
     const std::int64_t nx = lattice.size[0];
     const std::int64_t ny = lattice.size[1];
     const std::array<std::int64_t, 3> first{ start % nx, start / nx % ny, start / (nx * ny) };
@@ -89,9 +85,7 @@ inline std::vector<Piece> piecesOf(const PhaseImage& image, std::uint8_t phase, 
             const bool outside =
               to[0] < 0 || to[1] < 0 || to[2] < 0 || to[0] >= nx || to[1] >= ny || to[2] >= lattice.size[2];
             if (outside || (!corners && i * i + j * j + k * k > 1))
-            {
               continue;
-            }
             const std::int64_t node = lattice.index(to[0], to[1], to[2]);
             if (!seen[node] && image.phase[node] == phase)
             {

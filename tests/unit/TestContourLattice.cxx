@@ -63,14 +63,10 @@ std::int32_t lumenAt(const ContourSet& set, const Point& p)
       const Point& a = contour.points[i];
       const Point& b = contour.points[(i + 1) % contour.points.size()];
       if ((a[1] <= p[1]) != (b[1] <= p[1]) && a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) < p[0])
-      {
         inside = !inside;
-      }
     }
     if (inside)
-    {
       return contour.lumen;
-    }
   }
   return 0;
 }
@@ -91,9 +87,7 @@ double shareOf(const ContourSet& set, const Point& from, const Point& to)
       const double t = ((a[0] - from[0]) * edge[1] - (a[1] - from[1]) * edge[0]) / determinant;
       const double u = ((a[0] - from[0]) * way[1] - (a[1] - from[1]) * way[0]) / determinant;
       if (t > 0 && t < 1 && u >= 0 && u < 1)
-      {
         cuts.push_back(t);
-      }
     }
   }
   std::sort(cuts.begin(), cuts.end());
@@ -138,9 +132,7 @@ TEST(ContourLattice, PixelsHaveTheArea)
     // What is cropped at the top is wall; a spacing as large as a lumen is no obstacle.
     const double box = lattice.image.lattice.length(0) * lattice.image.lattice.length(1);
     if (lattice.cropped < 0.3)
-    {
       EXPECT_NEAR(lattice.lumenFraction * box, area, 1e-12) << spacing;
-    }
     const double sum = std::accumulate(lattice.lumenShare.begin(), lattice.lumenShare.end(), 0.0);
     EXPECT_NEAR(sum / static_cast<double>(lattice.image.lattice.count()), lattice.lumenFraction, 1e-7);
   }
@@ -288,9 +280,7 @@ TEST(ContourLattice, GaussRulesAreExactForPolynomials)
     {
       double sum = 0;
       for (std::size_t k = 0; k < rule.place.size(); ++k)
-      {
         sum += rule.weight[k] * std::pow(rule.place[k], degree);
-      }
       EXPECT_NEAR(sum, 1.0 / (degree + 1), 1e-14);
     }
   }

@@ -27,12 +27,8 @@ PhaseImage drawn(const std::vector<std::string>& rows)
   image.lattice = makeLattice(nx, ny, 1, 2, 1.0);
   image.phases = PhaseTable({ "lumen", "wall" });
   for (auto row = rows.rbegin(); row != rows.rend(); ++row)
-  {
     for (const char c : *row)
-    {
       image.phase.push_back(c == '.' ? 0 : 1);
-    }
-  }
   return image;
 }
 
@@ -201,9 +197,7 @@ TEST(Contours, SimplificationKeepsAreaAndEnds)
   const ContourSet simple = simplify(set, 0.01, &report);
   EXPECT_LT(report.after, report.before / 5);
   for (std::size_t i = 0; i < 2; ++i)
-  {
     EXPECT_NEAR(polygonArea(simple.contours[i].points), polygonArea(set.contours[i].points), 1e-12);
-  }
   EXPECT_EQ(simple.contours[1].points.front(), open.front());
   EXPECT_EQ(simple.contours[1].points.back(), open.back());
   // Two disks 0.02 apart: at a tolerance beyond that they would cross, and are left as they are.

@@ -58,9 +58,7 @@ void expectConnectedWalls(const PhaseImage& image)
     std::max_element(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.nodes < b.nodes; });
   EXPECT_GT(static_cast<double>(largest->nodes), 0.99 * static_cast<double>(nodesOf(image, wall)));
   for (const Piece& piece : pieces)
-  {
     EXPECT_TRUE(piece.nodes == largest->nodes || piece.atBorder) << piece.nodes << " nodes of wall float in a lumen";
-  }
 }
 
 /// Median length of the runs of a phase along rows, over the columns from x0 to x1.
@@ -80,9 +78,7 @@ std::int64_t medianRun(const PhaseImage& image, std::uint8_t phase, std::int64_t
       else
       {
         if (whole && length > 0)
-        {
           runs.push_back(length);
-        }
         whole = true;
         length = 0;
       }
@@ -164,12 +160,8 @@ TEST(Softwood, IsRegularWithoutScatter)
   options.scatter = 0;
   std::vector<std::int64_t> areas;
   for (const Piece& piece : piecesOf(softwood(options), lumen, false))
-  {
     if (!piece.atBorder)
-    {
       areas.push_back(piece.nodes);
-    }
-  }
   const auto [least, most] = std::minmax_element(areas.begin(), areas.end());
   // A lumen's outline is some 90 nodes long; each may fall on either side.
   EXPECT_LT(*most - *least, 45);
@@ -362,12 +354,8 @@ TEST(Honeycomb, MeetsTheFractionAndIsPeriodic)
     // Moved by one cell along x it is the same but for the nodes that equal distances leave to choose from.
     std::int64_t different = 0;
     for (std::int64_t y = 0; y < 346; ++y)
-    {
       for (std::int64_t x = 0; x < 400; ++x)
-      {
         different += image.phase[image.lattice.index(x, y)] != image.phase[image.lattice.index((x + 100) % 400, y)];
-      }
-    }
     EXPECT_LE(different, 64) << fraction;
   }
 }
@@ -462,9 +450,7 @@ TEST(Laminate, HoldsTheFractionToHalfALayer)
   }
   const PhaseImage layers = laminate(2, { 3, 8, 1 }, 1, 1, 0.5, 2);
   for (std::int64_t y = 0; y < 8; ++y)
-  {
     EXPECT_EQ(layers.phase[layers.lattice.index(1, y)], y % 4 >= 2);
-  }
   EXPECT_THROW((void)laminate(2, { 8, 8, 1 }, 1, 2, 0.5, 1), ParameterError);
   EXPECT_THROW((void)laminate(2, { 8, 8, 1 }, 1, 0, 1.5, 1), ParameterError);
   EXPECT_THROW((void)laminate(2, { 8, 8, 1 }, 1, 0, 0.5, 5), ParameterError);

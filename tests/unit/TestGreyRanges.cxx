@@ -17,9 +17,7 @@ GreyRanges rangesOf(const std::vector<std::pair<std::string, std::string>>& name
 {
   GreyRanges ranges;
   for (const auto& [range, name] : named)
-  {
     ranges.add(range, name);
-  }
   return ranges;
 }
 
@@ -43,9 +41,7 @@ std::vector<std::uint16_t> heaps(const std::vector<double>& means, double deviat
   {
     std::normal_distribution<double> distribution(mean, deviation);
     for (int i = 0; i < each; ++i)
-    {
       grey.push_back(static_cast<std::uint16_t>(std::lround(distribution(random))));
-    }
   }
   return grey;
 }
@@ -191,9 +187,7 @@ TEST(GreyLevels, DoubtsOneHeapAndEqualGreys)
   // Equally common greys: 3/4, and no valley either.
   std::vector<std::uint16_t> even(1000);
   for (std::size_t i = 0; i < even.size(); ++i)
-  {
     even[i] = static_cast<std::uint16_t>(i);
-  }
   const GreyLevels flat = otsuLevels(greyHistogram(even), 2);
   EXPECT_NEAR(flat.separability, 0.75, 0.001);
   EXPECT_FALSE(flat.doubt().empty());

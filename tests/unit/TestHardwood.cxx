@@ -69,17 +69,13 @@ TEST(Hardwood, WallsAreConnectedAndEveryLumenIsOneCell)
     const auto largest =
       std::max_element(walls.begin(), walls.end(), [](const Piece& a, const Piece& b) { return a.nodes < b.nodes; });
     for (const Piece& piece : walls)
-    {
       EXPECT_TRUE(piece.nodes == largest->nodes || piece.atBorder) << piece.nodes << " nodes of wall float in a lumen";
-    }
     // As many pieces of lumen, even through corners, as the outlines say: no lumen opens into another. At this spacing
     // a few slivers of lumen hold no node, or hang together by none.
     const TissueTruth truth = hardwoodTruth(options);
     std::vector<std::int32_t> shown;
     for (const auto& contour : truth.lumens.contours)
-    {
       shown.push_back(contour.lumen);
-    }
     std::sort(shown.begin(), shown.end());
     const auto cells = std::unique(shown.begin(), shown.end()) - shown.begin();
     const auto pores = static_cast<double>(piecesOf(image, lumen, true).size());
@@ -132,9 +128,7 @@ TEST(Hardwood, AreasAreBimodal)
     {
       const CellKind kind = truth.kinds[static_cast<std::size_t>(contour.lumen - 1)];
       if (kind != CellKind::Ray)
-      {
         (kind == CellKind::Vessel ? vessels : fibres).push_back(std::sqrt(areaOf(contour) * 4 / std::numbers::pi));
-      }
     }
   }
   std::sort(fibres.begin(), fibres.end());

@@ -121,7 +121,12 @@ TEST(LatticeBoltzmann, RefusesBadCalls)
     "room for 3 values was given for a block of 60 nodes");
   solver.start(0);
   const std::vector<double> backwards{ 2.0, 1.0 };
-  EXPECT_EQ(refusal<ParameterError>([&] { solver.run(backwards, [](const auto&) {}); }),
+  EXPECT_EQ(refusal<ParameterError>(
+              [&]
+              {
+                solver.run(
+                  backwards, [](const auto&) {});
+              }),
     "a time of 1 s cannot be reached from 2 s");
   EXPECT_EQ(refusal<ParameterError>([&] { solver.rest({ .tolerance = 0 }); }), "tolerance 0 is not between 0 and 1");
 }

@@ -189,7 +189,9 @@ TEST(LumenAreas, OnlyTheLumenThatIsSqueezedGivesWay)
   // Ratios of 19/24 and 14/24 at 0.1 and 0.2: 0.6 between them.
   EXPECT_EQ(collapse.collapsed(), 1U);
   const auto strains = collapse.strain();
-  EXPECT_EQ(std::ranges::count_if(strains, [](double s) { return std::isnan(s); }), 2);
+  EXPECT_EQ(std::ranges::count_if(
+              strains, [](double s) { return std::isnan(s); }),
+    2);
   EXPECT_NEAR(*std::ranges::find_if(strains, [](double s) { return !std::isnan(s); }),
     0.1 + 0.1 * (19.0 / 24 - 0.6) / (5.0 / 24), 1e-9);
 }
@@ -230,7 +232,8 @@ TEST(LumenAreas, BytesOfAnEdge)
 TEST(LumenAreas, WhatDoesNotFitIsRefusedInWords)
 {
   const Lattice lattice = makeLattice(12, 12, 1, 2, 1e-6);
-  const std::vector<std::uint8_t> phase = phases(lattice, [](int x, int y, int) { return cells(x, y, 3); });
+  const std::vector<std::uint8_t> phase = phases(
+    lattice, [](int x, int y, int) { return cells(x, y, 3); });
   const auto made = [&](const std::vector<std::uint8_t>& p, const LumenOptions& options)
   { return lamella::testing::refusal<InputError>([&] { (void)LumenAreas(lattice, p, options); }).first; };
   EXPECT_EQ(made({ 0, 1 }, {}), "2 phases for 144 nodes");

@@ -168,9 +168,7 @@ TEST(GridWalls, SplinesHaveTheWallsVelocityThere)
     EXPECT_NEAR(velocity(t, 5 - 1e-13, 1), -2, 1e-11);
     EXPECT_NEAR(velocity(t, 0, 1), 0, 1e-14);
     if (t > 1.5 && t < 4.5) // corners slide with the walls across
-    {
       EXPECT_NEAR(velocity(t, 5 - 1e-13, 0), 0, 1e-11);
-    }
   }
   EXPECT_NEAR(walls(0, 1).force, 0, 1e-12);
 

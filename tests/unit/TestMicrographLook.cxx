@@ -44,9 +44,7 @@ std::uint64_t hashOf(const Picture& picture)
 {
   std::vector<std::uint8_t> bytes;
   for (const auto* const values : { &picture.grey, &picture.colour })
-  {
     bytes.insert(bytes.end(), values->begin(), values->end());
-  }
   return lamella::testing::hashOf(bytes);
 }
 
@@ -78,9 +76,7 @@ TEST(Nearest, IsExact)
   {
     std::vector<std::uint8_t> marked(nx * ny);
     for (std::size_t i = 0; i < marked.size(); ++i)
-    {
       marked[i] = random.uniform(RandomUse::Noise, static_cast<std::int64_t>(i)) < share;
-    }
     const Nearest nearest = nearestMarked(marked, nx, ny);
     for (std::int64_t i = 0; i < nx * ny; ++i)
     {
@@ -107,9 +103,7 @@ TEST(Nearest, IsExact)
 TEST(MicrographLook, DecayIsTheExponential)
 {
   for (double x = 0; x < 30; x += 0.37)
-  {
     EXPECT_NEAR(decay(x), std::exp(-x), 1e-9);
-  }
   EXPECT_EQ(decay(1e6), 0);
 }
 
@@ -207,9 +201,7 @@ TEST(MicrographLook, IsReadBackAsItWasWritten)
     EXPECT_NEAR(back.lattice.spacing, picture.lattice.spacing, 1e-12);
     EXPECT_EQ(back.description, "made for a test");
     if (stain == Stain::Grey)
-    {
       EXPECT_EQ(back.grey, picture.grey);
-    }
   }
   const Picture picture = makeLook(truthOf(60, 1), 1, {});
   EXPECT_FALSE(refusal<ParameterError>([&] { micrograph::writePicture(picture, folder / "a.jpg"); }).second.empty());

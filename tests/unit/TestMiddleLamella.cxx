@@ -84,27 +84,19 @@ TEST(WallDirections, DistancesAreThoseToEverySegment)
   for (std::size_t node = 0; node < sample.lattice.image.phase.size(); ++node)
   {
     if (sample.lattice.image.phase[node] == 0)
-    {
       continue;
-    }
     ++walls;
     std::vector<std::pair<double, std::int32_t>> all;
     for (const Contour& contour : sample.set.contours)
-    {
       all.emplace_back(distanceTo(contour, sample.at(node)), contour.lumen);
-    }
     std::sort(all.begin(), all.end());
     // In 32 bits.
     ASSERT_NEAR(sample.directions.nearest[node], all[0].first, 1e-5);
     ASSERT_NEAR(sample.directions.second[node], all[1].first, 1e-5);
     if (all[1].first - all[0].first > 1e-9)
-    {
       ASSERT_EQ(sample.directions.grain[node], all[0].second);
-    }
     if (all[2].first - all[1].first > 1e-9 && all[1].first - all[0].first > 1e-9)
-    {
       ASSERT_EQ(sample.directions.neighbour[node], all[1].second);
-    }
   }
   EXPECT_GT(walls, 4000U);
 }
@@ -152,9 +144,7 @@ TEST(WallDirections, FollowAHoneycombAndTurnSmoothlyAtItsCorners)
       const std::int32_t first = sample.directions.grain[node];
       const std::int32_t second = sample.directions.neighbour[node];
       if (sample.lattice.image.phase[node] == 0)
-      {
         continue;
-      }
       // Between two cells the wall runs across the line between their centres.
       Point centre[2]{};
       for (const int i : { 0, 1 })
@@ -275,9 +265,7 @@ TEST(MiddleLamella, CornersOfCellsAreCirclesOfTheLeastRadius)
       const Point p = sample.at(node);
       const double r = std::hypot(p[0] - centre[0], p[1] - centre[1]);
       if (sample.directions.grain[node] != cell->lumen)
-      {
         continue;
-      }
       if (sharp.image.phase[node] != 2)
       {
         grown += spacing * spacing;
@@ -395,9 +383,7 @@ TEST(MiddleLamella, RefusesImpossibleOptions)
 {
   const Sample sample(honeycomb(90, 78, 30, 6, 1), 1);
   for (const double thickness : { 0.0, -1.0, std::nan("") })
-  {
     EXPECT_FALSE(refusal<ParameterError>([&] { static_cast<void>(sample.grow(thickness, 0)); }).first.empty());
-  }
   EXPECT_FALSE(refusal<ParameterError>([&] { static_cast<void>(sample.grow(1, -1)); }).first.empty());
   for (const double horizon : { -1.0, std::nan(""), HUGE_VAL })
   {

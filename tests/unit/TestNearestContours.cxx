@@ -30,9 +30,7 @@ void expectSame(const Nearest& found, const Nearest& alone, int labels, double w
     // Farther away nothing is promised, and of the third nothing where it is far beyond the second.
     if (alone.squared[i] > within * within ||
       (i == 2 && alone.squared[2] > Nearest::kThird * Nearest::kThird * alone.squared[1]))
-    {
       break;
-    }
     ASSERT_EQ(found.squared[i], alone.squared[i]) << i;
     ASSERT_EQ(found.label[i], alone.label[i]) << i;
     ASSERT_EQ(found.segment[i], alone.segment[i]) << i;
@@ -52,9 +50,7 @@ TEST(NearestContours, GroupsOfNodesFindWhatEachPointFindsAlone)
     {
       std::vector<std::uint8_t> wanted(60 * 50);
       for (std::uint8_t& node : wanted)
-      {
         node = engine() % each == 0 ? 1 : 0;
-      }
       for (const double within : { 1.5, 1e3 })
       {
         std::int64_t seen = 0;
@@ -78,9 +74,7 @@ TEST(NearestContours, GroupsOfPointsFindWhatEachPointFindsAlone)
   std::uniform_real_distribution<double> step(-2, 2);
   std::vector<Point> points{ { 30, 25 } };
   while (points.size() < 2000)
-  {
     points.push_back({ points.back()[0] + step(engine), points.back()[1] + step(engine) });
-  }
   std::int64_t next = 0;
   search.atPoints(points, 6, 1e3,
     [&](std::int64_t index, const Point& point, const Nearest& nearest)

@@ -27,9 +27,7 @@ PhaseImage numbered(std::int64_t nx, std::int64_t ny, std::int64_t nz, int dimen
   const Lattice lattice = makeLattice(nx, ny, nz, dimension, 2e-6);
   GreyMap map;
   for (int grey = 0; grey < static_cast<int>(lattice.count()); ++grey)
-  {
     map.phaseOfGrey[grey] = fmt::format("p{}", grey);
-  }
   return map.apply(lattice, ramp(lattice.count()));
 }
 
@@ -52,9 +50,7 @@ TEST(PhaseTable, RefusesEmptyDoubleAndTooMany)
   EXPECT_THROW(PhaseTable({ "wall", "wall" }), ParameterError);
   PhaseTable table;
   for (int i = 0; i < 256; ++i)
-  {
     EXPECT_EQ(table.add(fmt::format("p{}", i)), i);
-  }
   EXPECT_THROW(table.add("one more"), ParameterError);
   EXPECT_EQ(table.add("p255"), 255); // a known name is no new phase
 }
@@ -129,9 +125,7 @@ TEST(Crop, RefusesWindowsOutside)
   for (const Window& window :
     { Window{ { 0, 0, 0 }, { 4, 4, 0 } }, Window{ { 3, 0, 0 }, { 1, 1, 0 } }, Window{ { -1, 0, 0 }, { 2, 2, 0 } },
       Window{ { 0, 0, 0 }, { 0, 1, 0 } }, Window{ { 1, 1, 0 }, { huge, huge, 0 } } })
-  {
     EXPECT_THROW((void)crop(image, window), ParameterError);
-  }
   const auto [what, hint] = refusal<ParameterError>([&] { (void)crop(image, { { 0, 2, 0 }, { 3, 3, 0 } }); });
   EXPECT_EQ(what, "the window 0,2,3,3 reaches outside along y in the picture, which is 3 × 4 pixels");
   EXPECT_NE(hint.find("from the top left"), std::string::npos);

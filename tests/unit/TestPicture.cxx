@@ -31,12 +31,8 @@ Bytes jpeg(int width, int height, int channels = 1)
 {
   Pixels pixels{ width, height, channels };
   for (int row = 0; row < height; ++row)
-  {
     for (int x = 0; x < width * channels; ++x)
-    {
       pixels.values.push_back(static_cast<std::uint8_t>(20 + 3 * x + 5 * row));
-    }
-  }
   return encodeJpeg(pixels);
 }
 
@@ -441,9 +437,7 @@ TEST(Picture, DamageOfAnyKindIsAnErrorOfOurs)
     {
       Bytes bytes = whole;
       for (int change = 0; change < 1 + trial % 4; ++change)
-      {
         bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
-      }
       const auto file = folder.write(name, bytes);
       try
       {
@@ -473,9 +467,7 @@ TEST(Picture, FilesThatAreNoPictures)
 TEST(Picture, FileThatMayNotBeRead)
 {
   if (::geteuid() == 0)
-  {
     GTEST_SKIP() << "root may read every file";
-  }
   const TemporaryFolder folder;
   const auto file = folder.write("a.png", { 1 });
   std::filesystem::permissions(file, std::filesystem::perms::none);
@@ -508,9 +500,7 @@ TEST(Slices, AreSortedByNumber)
 
   // Padded numbers.
   for (int number = 3; number <= 8; ++number)
-  {
     folder.write(fmt::format("tissue2_{}.png", number), png.bytes());
-  }
   EXPECT_EQ(readPicture(folder / "tissue2_%d.png").lattice.size[2], 10);
   EXPECT_TRUE(contains(refused(folder / "tissue2_%04d.png").first, "no file is called"));
   folder.write("tissue2_02.png", png.bytes());
@@ -657,9 +647,7 @@ TEST(Windows, OfAVolumeThatNoMemoryHoldsAreRead)
   std::error_code failed;
   std::filesystem::resize_file(file, 4'000'000'000'000, failed); // without taking space
   if (failed)
-  {
     GTEST_SKIP() << "no sparse files here: " << failed.message();
-  }
   EXPECT_THROW((void)readPicture(file), MemoryError);
   ReadOptions options;
   options.window = Window{ { 0, 0, 0 }, { 2, 2, 2 } };
@@ -688,9 +676,7 @@ TEST(RealPictures, HaveTheSolidFractionsOfTheirSource)
 {
   const char* const data = std::getenv("LAMELLA_REAL_DATA");
   if (data == nullptr)
-  {
     GTEST_SKIP() << "LAMELLA_REAL_DATA is not set";
-  }
   GreyMap map;
   map.phaseOfGrey = { { 0, "lumen" }, { 128, "wall" }, { 255, "wall" } };
   for (const auto& [name, solid, size] : { std::tuple{ "spruce_EW_labels_0.5um.png", 0.1997, Size{ 760, 780, 1 } },

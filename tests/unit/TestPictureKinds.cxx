@@ -316,9 +316,7 @@ TEST(Tiff, ArrangementsBecomeTheSameGreys)
     (Greys{ 68, 85, 102, 17, 34, 51 }));
   lamella::testing::TiffFile::Value map{ 3, {}, {} };
   for (std::uint64_t i = 0; i < 768; ++i)
-  {
     map.numbers.push_back(i % 256 * 257 / 2); // greys, half as bright
-  }
   EXPECT_EQ(read({ 10, 20, 30, 40, 50, 60 }, { { 262, { 3, { 3 }, {} } }, { 320, map } }).grey,
     (Greys{ 20, 25, 30, 5, 10, 15 }));
   const std::vector<std::uint64_t> depths{ 8, 8, 8 };
@@ -348,9 +346,7 @@ TEST(Tiff, WhatIsWrittenIsReadToTheLastBit)
     form.numbers = numbers;
     Bytes page(static_cast<std::size_t>(5 * 7 * samples * bits / 8));
     for (std::size_t i = 0; i < page.size(); ++i)
-    {
       page[i] = static_cast<std::uint8_t>(7 * i + i / 11);
-    }
     TiffWriter writer(folder / "a.tif", form);
     EXPECT_TRUE(writer.add(page.data(), "words"));
     EXPECT_TRUE(writer.add(page.data()));
@@ -377,9 +373,7 @@ TEST(Encoders, GiveWhatTheDecodersRead)
     {
       Pixels pixels{ 5, 3, channels, bits };
       for (int i = 0; i < 15 * channels * bits / 8; ++i)
-      {
         pixels.values.push_back(static_cast<std::uint8_t>(37 * i));
-      }
       FileBytes file(folder.write("a.png", encodePng(pixels, 1e6, "words", 4)));
       Probe probe = probePng(file);
       EXPECT_EQ(probe.description, "words");
@@ -411,9 +405,7 @@ TEST(Sha256, IsThatOfTheStandard)
   {
     io::Sha256 hash;
     for (const std::string& piece : pieces)
-    {
       hash.update(std::as_bytes(std::span(piece)));
-    }
     return hash.finish();
   };
   EXPECT_EQ(hashed({}), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");

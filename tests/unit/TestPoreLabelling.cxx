@@ -42,13 +42,9 @@ const ForEach threads = [](int count, const std::function<void(int)>& body)
 {
   std::vector<std::thread> all;
   for (int i = 0; i < count; ++i)
-  {
     all.emplace_back(body, i);
-  }
   for (std::thread& thread : all)
-  {
     thread.join();
-  }
 };
 
 void expectSame(const Pore& found, const Pore& expected, const std::string& what)
@@ -60,9 +56,7 @@ void expectSame(const Pore& found, const Pore& expected, const std::string& what
   EXPECT_EQ(int{ found.touches }, int{ expected.touches }) << what;
   EXPECT_EQ(int{ found.percolates }, int{ expected.percolates }) << what;
   for (std::size_t axis = 0; axis < 3; ++axis)
-  {
     EXPECT_DOUBLE_EQ(found.centre[axis], expected.centre[axis]) << what << " along " << axis;
-  }
 }
 
 void compare(const PoreImage& image, const LabelOptions& options, std::uint8_t wanted, const std::string& what)
@@ -95,9 +89,7 @@ std::string text(const PoreImage& image, const LabelOptions& options, int wanted
 {
   std::string words;
   for (std::size_t axis = 0; axis < 3; ++axis)
-  {
     words += std::to_string(image.lattice.size[axis]) + (options.periodic[axis] ? "p " : " ");
-  }
   return words + "connectivity " + std::to_string(options.connectivity) + ", slabs " + std::to_string(options.slabs) +
     ", from " + std::to_string(options.minimumSize) + ", phase " + std::to_string(wanted);
 }
@@ -153,9 +145,7 @@ TEST(PoreLabelling, DoesNotDependOnThreads)
       EXPECT_EQ(found.labels, alone.labels) << slabs;
       ASSERT_EQ(found.pores.size(), alone.pores.size()) << slabs;
       for (std::size_t i = 0; i < found.pores.size(); ++i)
-      {
         expectSame(found.pores[i], alone.pores[i], std::to_string(slabs) + " slabs");
-      }
     }
   }
 }
@@ -166,9 +156,7 @@ TEST(PoreLabelling, CheckerboardIsOnePoreOverCorners)
   {
     PoreImage image{ makeLattice(n, n, 1, 2, 1), {} };
     for (std::int64_t i = 0; i < n * n; ++i)
-    {
       image.phase.push_back(static_cast<std::uint8_t>((i % n + i / n) % 2));
-    }
     LabelOptions options;
     const Answer sides = answer(image, options);
     EXPECT_EQ(sides.summary.count, n * n / 2);
@@ -264,12 +252,8 @@ TEST(PoreLabelling, ShapesThatUniteLate)
   // The widest comb there is room for: every tooth is a run of its own until the last row.
   std::vector<std::string> rows(40, std::string(1000, '.'));
   for (std::size_t y = 1; y < rows.size(); ++y)
-  {
     for (std::size_t x = 1; x < rows[y].size(); x += 2)
-    {
       rows[y][x] = '#';
-    }
-  }
   EXPECT_EQ(answer(drawn(rows), {}).summary.count, 1);
 }
 
@@ -384,17 +368,13 @@ TEST(SizeDistribution, ClassesDouble)
 {
   std::vector<Pore> pores;
   for (const std::int64_t size : { 2, 3, 4, 7, 7, 30 })
-  {
     pores.push_back({ size, 0, {}, {}, {}, 0, 0 });
-  }
   const std::vector<SizeClass> classes = sizeDistribution(pores);
   ASSERT_EQ(classes.size(), 4U);
   const std::vector<std::array<std::int64_t, 4>> expected{ { 2, 3, 2, 5 }, { 4, 7, 3, 18 }, { 8, 15, 0, 0 },
     { 16, 31, 1, 30 } };
   for (std::size_t i = 0; i < classes.size(); ++i)
-  {
     EXPECT_EQ((std::array{ classes[i].low, classes[i].high, classes[i].count, classes[i].nodes }), expected[i]);
-  }
 }
 
 TEST(EquivalentDiameter, OfACircleAndASphere)

@@ -148,9 +148,7 @@ TEST(ReportChart, DrawsWhatCanBeDrawn)
   EXPECT_FALSE(holds(drawn, "inf"));
   std::size_t circles = 0;
   for (std::size_t at = drawn.find("<circle"); at != std::string::npos; at = drawn.find("<circle", at + 1))
-  {
     ++circles;
-  }
   EXPECT_EQ(circles, 3U);
   chart.curves.front().y = { nan, nan, nan, nan };
   EXPECT_EQ(svg(chart), "");

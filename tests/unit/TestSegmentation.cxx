@@ -66,9 +66,7 @@ Picture scanOf(const PhaseImage& image, const Scan& scan)
       }
       picture.grey.push_back(seen(scan.lumen + (scan.wall - scan.lumen) * solid / 9, x, y, 3));
       for (int channel = 0; channel < 3 && colour; ++channel)
-      {
         picture.colour.push_back(seen(220 - scan.stain[channel] * solid / 9, x, y, channel));
-      }
     }
   }
   return picture;
@@ -109,28 +107,18 @@ std::int64_t lumensOf(const PhaseImage& image, std::int64_t least)
       const std::int64_t node = open.back();
       open.pop_back();
       if (seen[static_cast<std::size_t>(node)] || image.phase[static_cast<std::size_t>(node)] != 0)
-      {
         continue;
-      }
       seen[static_cast<std::size_t>(node)] = true;
       ++area;
       const std::int64_t x = node % nx;
       if (x > 0)
-      {
         open.push_back(node - 1);
-      }
       if (x + 1 < nx)
-      {
         open.push_back(node + 1);
-      }
       if (node >= nx)
-      {
         open.push_back(node - nx);
-      }
       if (node + nx < nx * ny)
-      {
         open.push_back(node + nx);
-      }
     }
     count += area >= least;
   }
@@ -147,9 +135,7 @@ PhaseImage coarser(const PhaseImage& fine, std::int64_t n)
   {
     std::int64_t wall = 0;
     for (std::int64_t k = 0; k < n * n; ++k)
-    {
       wall += fine.phase[fine.lattice.index(node % nx * n + k % n, node / nx * n + k / n)];
-    }
     image.phase.push_back(2 * wall > n * n ? 1 : 0);
   }
   return image;
@@ -343,9 +329,7 @@ TEST(Segmentation, GeneratedMicrographsAreFoundAgain)
       // No bias: what is left is pixels that fall in or out at random.
       double walls = 0;
       for (const std::uint8_t id : truth.phase)
-      {
         walls += id != 0;
-      }
       walls /= static_cast<double>(truth.phase.size());
       EXPECT_NEAR(1 - result.report.lumenFraction, walls, which == 2 ? 0.012 : 0.004) << which;
       EXPECT_EQ(result.report.brightLumen, stain != generators::Stain::Grey);
@@ -380,9 +364,7 @@ TEST(Segmentation, AgreesWithAnExpertOnARealScan)
 {
   const char* const data = std::getenv("LAMELLA_REAL_DATA");
   if (data == nullptr)
-  {
     GTEST_SKIP() << "LAMELLA_REAL_DATA is not set";
-  }
   ReadOptions read;
   read.keepColour = true;
   const Picture picture = readPicture(std::filesystem::path(data) / "conifer_roxas_scan.jpg", read);

@@ -24,7 +24,8 @@ namespace
 
 bool doubts(const Segmentation& result, Doubt doubt)
 {
-  return std::ranges::any_of(result.report.doubts, [&](const Remark& remark) { return remark.doubt == doubt; });
+  return std::ranges::any_of(
+    result.report.doubts, [&](const Remark& remark) { return remark.doubt == doubt; });
 }
 
 /// Pictures of a kind, of both families.
@@ -32,9 +33,7 @@ std::vector<kinds::Sample> some(Kind kind, std::uint64_t count)
 {
   std::vector<kinds::Sample> all;
   for (std::uint64_t seed = 1; seed <= count; ++seed)
-  {
     all.push_back(kinds::draw(kind, 100 + seed, seed % 2 == 0));
-  }
   return all;
 }
 
@@ -52,9 +51,7 @@ TEST(SegmentationDoubts, WholeTissueRaisesNoAlarm)
     EXPECT_TRUE(kinds::compare(result.image, sample.open).right()) << sample.what;
     EXPECT_TRUE(result.report.cells) << sample.what;
     for (const std::string& warning : result.warnings)
-    {
       ADD_FAILURE() << sample.what << ": " << warning;
-    }
   }
 }
 
@@ -66,9 +63,7 @@ TEST_P(Faulty, IsRightOrWarnedOf)
     const Segmentation result = segment(sample.picture);
     EXPECT_TRUE(kinds::compare(result.image, sample.open).right() || !result.report.doubts.empty()) << sample.what;
     for (const Remark& remark : result.report.doubts)
-    {
       EXPECT_EQ(std::ranges::count(result.warnings, remark.text), 1);
-    }
   }
 }
 
@@ -198,20 +193,12 @@ TEST(GreyClasses, AreCountedInFlatPlaces)
   {
     cv::Mat grey(240, 240, CV_32F);
     for (int row = 0; row < grey.rows; ++row)
-    {
       for (int x = 0; x < grey.cols; ++x)
-      {
         grey.at<float>(row, x) = static_cast<float>(greys[static_cast<std::size_t>(x / 20) % greys.size()]);
-      }
-    }
     cv::GaussianBlur(grey, grey, cv::Size(), sigma, sigma);
     for (int row = 0; row < grey.rows; ++row)
-    {
       for (int x = 0; x < grey.cols; ++x)
-      {
         grey.at<float>(row, x) += static_cast<float>(noise * random.normal(RandomUse::Noise, x, row));
-      }
-    }
     return greyClasses(grey, 120, noise / 120);
   };
   // However wide their ramps, two classes are two.
@@ -253,9 +240,7 @@ TEST(SegmentationDoubts, ARealScanOfTissueIsNotDoubted)
 {
   const char* const data = std::getenv("LAMELLA_REAL_DATA");
   if (data == nullptr)
-  {
     GTEST_SKIP() << "LAMELLA_REAL_DATA is not set";
-  }
   ReadOptions read;
   read.keepColour = true;
   const Picture picture = readPicture(std::filesystem::path(data) / "conifer_roxas_scan.jpg", read);

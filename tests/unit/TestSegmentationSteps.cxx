@@ -34,9 +34,7 @@ Picture pictureOf(std::int64_t nx, std::int64_t ny, const std::function<double(d
     {
       double sum = 0;
       for (int k = 0; k < 9; ++k)
-      {
         sum += grey(static_cast<double>(x) + (k % 3 + 0.5) / 3, static_cast<double>(y) + (k / 3 + 0.5) / 3) / 9;
-      }
       sharp.push_back(sum);
     }
   }
@@ -67,7 +65,8 @@ double fromDisks(double x, double y, double pitch, double radius)
 
 Picture disks(double rim = 0)
 {
-  return pictureOf(320, 240,
+  return pictureOf(
+    320, 240,
     [&](double x, double y)
     {
       const double d = fromDisks(x, y, 40, 14);
@@ -81,9 +80,7 @@ constexpr double disksFraction = std::numbers::pi * 14 * 14 / (40.0 * 40.0);
 void fill(Picture& picture, std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1, std::uint16_t grey)
 {
   for (std::int64_t y = y0; y < y1; ++y)
-  {
     std::fill_n(picture.grey.begin() + y * picture.lattice.size[0] + x0, x1 - x0, grey);
-  }
 }
 
 bool says(const Segmentation& result, const std::string& words)
@@ -100,7 +97,8 @@ std::size_t marksOf(const Segmentation& result, Mark::Kind kind)
 /// Broad cells in files left and right of a ray whose cells are 90 long and 10 wide, in tissue of a given grey.
 Picture withRay(double rayTissue)
 {
-  return pictureOf(330, 400,
+  return pictureOf(
+    330, 400,
     [&](double x, double y)
     {
       const double across = std::abs(x - 165);
@@ -118,9 +116,7 @@ std::vector<double> logNormal(std::size_t n, double middle, double width, int se
   const Random random(static_cast<std::uint64_t>(seed));
   std::vector<double> sizes(n);
   for (std::size_t i = 0; i < n; ++i)
-  {
     sizes[i] = middle * std::exp(width * random.normal(RandomUse::CellPlace, static_cast<std::int64_t>(i), 0, 0));
-  }
   return sizes;
 }
 
@@ -248,19 +244,13 @@ TEST(SegmentationSteps, ScaleBarsTextAndMarginsAreFoundAndPaintedOver)
   EXPECT_EQ(marksOf(result, Mark::Kind::Text), 1U);
   EXPECT_EQ(marksOf(result, Mark::Kind::Margin), 1U);
   for (const Mark& mark : result.marks)
-  {
     if (mark.kind == Mark::Kind::Bar)
-    {
       EXPECT_EQ((std::array{ mark.x0, mark.y0, mark.x1, mark.y1 }), (std::array{ 200, 20, 280, 26 }));
-    }
-  }
   EXPECT_TRUE(says(result, "1 margin, 1 scale bar, 1 line(s) of text"));
   // What is painted over is a guess, the rest is as it was: nine tenths of the nodes within the bar's two cells.
   std::size_t other = 0;
   for (std::size_t i = 0; i < result.image.phase.size(); ++i)
-  {
     other += result.image.phase[i] != clean.image.phase[i];
-  }
   EXPECT_LT(other, static_cast<std::size_t>(1.5 * result.report.graphicsShare * 320 * 240));
   SegmentOptions keep;
   keep.graphics = false;
@@ -345,9 +335,7 @@ TEST(SegmentationSteps, LumensAreNumberedAndMeasured)
   EXPECT_NEAR(shape.width, 28, 0.5);
   EXPECT_FALSE(shape.cut);
   for (std::size_t i = 0; i < result.lumen.size(); ++i)
-  {
     EXPECT_EQ(result.lumen[i] == 0, result.image.phase[i] == 1);
-  }
 }
 
 TEST(SegmentationSteps, ThreeMegapixelsTakeAboutASecond)
@@ -373,9 +361,7 @@ TEST(LumenClasses, VesselsAreToldFromFibres)
   EXPECT_LT(classes.threshold, 2000 / std::exp(2 * 0.4));
   EXPECT_NEAR(classes.ratio, 40, 6); // the mean logarithms' errors: 0.4/sqrt(60) is 5 %
   for (std::size_t i = 0; i < sizes.size(); ++i)
-  {
     EXPECT_EQ(classes.vessel[i], i >= 600);
-  }
 }
 
 TEST(LumenClasses, OneKindOfCellIsOneClass)
@@ -391,9 +377,7 @@ TEST(LumenClasses, OneKindOfCellIsOneClass)
   }
   std::vector<double> uniform; // from 100 to 10 000
   for (int i = 0; i < 300; ++i)
-  {
     uniform.push_back(100 * std::pow(100.0, i / 299.0));
-  }
   EXPECT_FALSE(classifyLumens(uniform).two);
   // A few fibres among many vessels are no fibres.
   std::vector<double> mostlyLarge = logNormal(300, 1000, 0.3, 4);

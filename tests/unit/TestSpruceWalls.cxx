@@ -42,9 +42,7 @@ Contour chain(const nlohmann::json& points, const Point& corner, std::int32_t lu
       { points[i][0].get<double>() * 1e-6 - corner[0], points[i][1].get<double>() * 1e-6 - corner[1] });
   }
   if (lamella::testing::areaOf(contour) < 0)
-  {
     std::reverse(contour.points.begin(), contour.points.end());
-  }
   return contour;
 }
 
@@ -55,9 +53,7 @@ Cells readCells(const std::string& folder, const Tissue& tissue, const std::arra
   gzFile file = gzopen(path.c_str(), "rb");
   std::array<char, 65536> buffer;
   for (int got = 0; (got = gzread(file, buffer.data(), buffer.size())) > 0;)
-  {
     text.append(buffer.data(), static_cast<std::size_t>(got));
-  }
   gzclose(file);
   const nlohmann::json json = nlohmann::json::parse(text);
   Cells cells{ { size, {} }, {} };
@@ -89,9 +85,7 @@ Near nearOf(const Contour& contour, const Point& p)
     const double t = std::clamp(((p[0] - a[0]) * way[0] + (p[1] - a[1]) * way[1]) / length2, 0.0, 1.0);
     const double distance = std::hypot(p[0] - a[0] - t * way[0], p[1] - a[1] - t * way[1]);
     if (distance < near.distance)
-    {
       near = { distance, { (way[0] * way[0] - way[1] * way[1]) / length2, 2 * way[0] * way[1] / length2 } };
-    }
   }
   return near;
 }
@@ -104,9 +98,7 @@ bool inside(const Contour& contour, const Point& p)
     const Point& a = contour.points[i];
     const Point& b = contour.points[(i + 1) % contour.points.size()];
     if ((a[1] <= p[1]) != (b[1] <= p[1]) && a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) < p[0])
-    {
       in = !in;
-    }
   }
   return in;
 }
@@ -141,18 +133,12 @@ double besides(const PhaseImage& of, const PhaseImage& other)
     for (std::int64_t x = 0; x < of.lattice.size[0]; ++x)
     {
       if (of.phase[static_cast<std::size_t>(of.lattice.index(x, y))] != 2)
-      {
         continue;
-      }
       ++all;
       bool found = false;
       for (std::int64_t v = std::max<std::int64_t>(0, y - 1); v <= std::min(of.lattice.size[1] - 1, y + 1); ++v)
-      {
         for (std::int64_t u = std::max<std::int64_t>(0, x - 1); u <= std::min(of.lattice.size[0] - 1, x + 1); ++u)
-        {
           found = found || other.phase[static_cast<std::size_t>(other.lattice.index(u, v))] == 2;
-        }
-      }
       beside += found;
     }
   }
@@ -169,9 +155,7 @@ TEST_P(SpruceWalls, DirectionsAndLamella)
 {
   const char* const data = std::getenv("LAMELLA_REAL_DATA");
   if (data == nullptr)
-  {
     GTEST_SKIP() << "LAMELLA_REAL_DATA is not set";
-  }
   const Tissue& tissue = GetParam();
   ReadOptions read;
   read.pixelSize = 0.5e-6;
@@ -200,9 +184,7 @@ TEST_P(SpruceWalls, DirectionsAndLamella)
       !inside(cells.outer[static_cast<std::size_t>(cell - 1)], p) ||
       std::any_of(meeting.begin(), meeting.end(),
         [&](const Point& m) { return std::hypot(m[0] - p[0], m[1] - p[1]) < thickness; }))
-    {
       continue;
-    }
     const Near lumen = nearOf(cells.lumens.contours[static_cast<std::size_t>(cell - 1)], p);
     const Near outer = nearOf(cells.outer[static_cast<std::size_t>(cell - 1)], p);
     const double share = lumen.distance / (lumen.distance + outer.distance);

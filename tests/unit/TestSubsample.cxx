@@ -16,9 +16,7 @@ PhaseImage numbered(std::int64_t nx, std::int64_t ny, std::int64_t nz)
   PhaseImage image;
   image.lattice = makeLattice(nx, ny, nz, nz > 1 ? 3 : 2, 2e-6);
   for (std::int64_t i = 0; i < image.lattice.count(); ++i)
-  {
     image.phase.push_back(static_cast<std::uint8_t>(i));
-  }
   return image;
 }
 
@@ -67,9 +65,7 @@ TEST(Subsample, OfManyStartsAFewThatCrossEveryAxis)
     {
       std::set<std::int64_t> used;
       for (const auto& start : starts)
-      {
         used.insert(start[axis]);
-      }
       EXPECT_EQ(used.size(), 4U) << "axis " << axis << " in " << dimension << "D";
     }
   }
@@ -82,12 +78,8 @@ TEST(Subsample, ThinsWhatRepeatsToWhatRepeats)
   EXPECT_EQ(even.size, (std::array<std::int64_t, 3>{ 4, 6, 8 }));
   EXPECT_EQ(even.stride, 3);
   for (std::int64_t first = 0; first < 3; ++first)
-  {
     for (std::int64_t i = 0; i < 4; ++i)
-    {
       EXPECT_EQ(even.node(0, i, first), 3 * i + first);
-    }
-  }
   // else pixels stay squares to half a pixel in a side, of 20 here, and the stride is near the one asked for
   for (const int stride : { 2, 3, 4 })
   {

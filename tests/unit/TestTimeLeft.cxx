@@ -17,13 +17,9 @@ TEST(TimeLeft, EvenPace)
   {
     left.tell(0.1 * i, 0.005 * i);
     if (i < 20)
-    {
       EXPECT_FALSE(left.seconds());
-    }
     else
-    {
       EXPECT_NEAR(left.seconds().value(), 20 - 0.1 * i, 0.2) << i;
-    }
   }
 }
 
@@ -37,13 +33,9 @@ TEST(TimeLeft, SaysNothingOfGuesses)
     const double t = 0.1 * i; // of 20 s
     left.tell(t, t < 10 ? 1e-3 * t : 0.01 + 0.099 * (t - 10));
     if (left.seconds())
-    {
       EXPECT_TRUE(t < 10.2 || std::fabs(left.seconds().value() - (20 - t)) < 0.5 * t) << t;
-    }
     if (t > 10.5 && t < 15)
-    {
       EXPECT_FALSE(left.seconds()) << t;
-    }
   }
 }
 

@@ -77,15 +77,11 @@ std::vector<std::vector<Point>> closed(const ContourSet& set)
       {
         const double at = cornerAt[static_cast<std::size_t>(turn % 4)] + (turn / 4) * round;
         if (at > from && at < best)
-        {
           polygon.push_back(corners[static_cast<std::size_t>(turn % 4)]);
-        }
       }
     }
     if (!polygon.empty())
-    {
       all.push_back(polygon);
-    }
   }
   return all;
 }
@@ -94,9 +90,7 @@ double areaOf(const std::vector<Point>& polygon)
 {
   double area = 0;
   for (std::size_t i = 0; i < polygon.size(); ++i)
-  {
     area += cross(polygon[i], polygon[(i + 1) % polygon.size()]);
-  }
   return area;
 }
 
@@ -123,19 +117,13 @@ std::vector<std::uint8_t> rasterised(const ContourSet& set, const Lattice& latti
         const Point& a = polygon[i];
         const Point& b = polygon[(i + 1) % polygon.size()];
         if ((a[1] <= at) != (b[1] <= at))
-        {
           hits.push_back(a[0] + (b[0] - a[0]) * (at - a[1]) / (b[1] - a[1]));
-        }
       }
       std::sort(hits.begin(), hits.end());
       for (std::size_t k = 0; k + 1 < hits.size(); k += 2)
-      {
         for (std::int64_t x = std::llround(hits[k] / lattice.spacing);
              x < std::min<std::int64_t>(lattice.size[0], std::llround(hits[k + 1] / lattice.spacing)); ++x)
-        {
           phase[static_cast<std::size_t>(lattice.index(x, y))] = 0;
-        }
-      }
     }
   }
   return phase;
@@ -154,9 +142,7 @@ void expectSound(const ContourSet& set)
       EXPECT_EQ(atBorder, !c.closed && (i == 0 || i + 1 == c.points.size())) << c.lumen << " " << i;
     }
     if (c.closed)
-    {
       EXPECT_GT(areaOf(c.points), 0);
-    }
   }
 }
 
@@ -164,9 +150,7 @@ double lumenShare(const ContourSet& set)
 {
   double area = 0;
   for (const auto& polygon : closed(set))
-  {
     area += areaOf(polygon);
-  }
   return area / (set.size[0] * set.size[1]);
 }
 
@@ -176,9 +160,7 @@ double disagreement(const PhaseImage& image, const ContourSet& set)
   const auto phase = rasterised(set, image.lattice);
   double wrong = 0;
   for (std::size_t i = 0; i < phase.size(); ++i)
-  {
     wrong += phase[i] != image.phase[i];
-  }
   return wrong / static_cast<double>(phase.size());
 }
 
@@ -287,9 +269,7 @@ TEST(TissueTruth, LumensLieInTheirCellsAndHaveTheirNumbers)
   for (const Contour& c : truth.cells.contours)
   {
     if (c.closed)
-    {
       cell[c.lumen] = c.points;
-    }
     EXPECT_LE(static_cast<std::size_t>(c.lumen), truth.kinds.size());
   }
   int seen = 0;
@@ -392,9 +372,7 @@ TEST(TissueTruth, SoftwoodHasNoVessels)
       options.solidFraction = solid;
       std::vector<micrograph::LumenExtent> extents;
       for (const micrograph::LumenMeasures& m : micrograph::measureLumens(softwoodTruth(options, 1e-7).lumens))
-      {
         extents.push_back({ m.major, m.minor, !m.open });
-      }
       EXPECT_FALSE(micrograph::tellVessels(extents).two) << seed << ' ' << solid;
     }
   }

@@ -114,9 +114,7 @@ double wrong(const VolumeSegmentation& found, const std::vector<double>& solid, 
   EXPECT_TRUE(id);
   std::int64_t count = 0;
   for (std::size_t node = 0; node < solid.size(); ++node)
-  {
     count += (found.image.phase[node] == *id) != (solid[node] > 0) ? 1 : 0;
-  }
   return static_cast<double>(count) / static_cast<double>(solid.size());
 }
 
@@ -185,12 +183,8 @@ TEST(VolumePieces, SmallOnesTakeThePhaseAroundThem)
   for (std::int64_t y = 0; y < 9; ++y)
   {
     for (std::int64_t z = 0; z < 9; ++z)
-    {
       for (std::int64_t x = 5; x < 9; ++x)
-      {
         at(x, y, z) = 2;
-      }
-    }
   }
   const std::vector<std::uint8_t> clean = phase;
   at(2, 2, 2) = at(2, 3, 2) = at(2, 3, 3) = 1; // a speck of three that turns two corners
@@ -214,12 +208,8 @@ TEST(VolumePieces, ThicknessOfSlabs)
   const Lattice lattice = makeLattice(27, 4, 5, 3, 1);
   std::vector<std::uint8_t> phase;
   for (int row = 0; row < 20; ++row)
-  {
     for (int x = 0; x < 27; ++x)
-    {
       phase.push_back(x % 9 < 3 ? 1 : 0);
-    }
-  }
   const std::vector<double> thick = thicknesses(lattice, phase, 3);
   EXPECT_DOUBLE_EQ(thick[1], 2 / (5.0 / 9));  // 3 slabs, 5 edges
   EXPECT_DOUBLE_EQ(thick[0], 2 / (5.0 / 18)); // 3 slabs, 5 edges
@@ -292,9 +282,7 @@ TEST(VolumeSegmentation, RangesNameItsPhases)
   // which is as grey as that, is not it.
   std::vector<double> three = solid;
   for (std::size_t node = 0; node < three.size(); ++node)
-  {
     three[node] *= node / (edge * edge) < edge / 2 ? 0.5 : 1;
-  }
   VolumeOptions classes;
   classes.phases.add("..otsu1", "void");
   classes.phases.add("otsu1..otsu2", "matrix");
@@ -320,9 +308,7 @@ TEST(VolumeSegmentation, WarnsWhereItCannotKnow)
   // Walls two voxels thick and as thin gaps.
   std::vector<double> fine = nothing;
   for (std::size_t node = 0; node < fine.size(); ++node)
-  {
     fine[node] = node % edge / 2 % 2 == 0 ? 1 : 0;
-  }
   EXPECT_TRUE(warned(segmentVolume(scanOf(fine, { 0.02, 0 })), "thick on average"));
   // A round field of view with nothing outside.
   Picture round = scanOf(spheres(40), { 0.1, 0 });
@@ -362,9 +348,7 @@ TEST(VolumeSegmentation, RefusesWhatIsNoVolume)
     Picture thin;
     thin.lattice = makeLattice(5, 3, nz, 3, 1);
     for (std::int64_t node = 0; node < thin.lattice.count(); ++node)
-    {
       thin.grey.push_back(node % 5 < 2 ? 20 : 200);
-    }
     options = {};
     options.smallest = 0;
     EXPECT_EQ(segmentVolume(thin, options).image.phase[4], 1);

@@ -129,9 +129,7 @@ TEST(BondEquilibrium, SolversAgree)
       EXPECT_NEAR(multigrid.reaction.low[1], direct.reaction.low[1], 1e-8 * std::abs(direct.reaction.low[1]));
     }
     if (k == 0)
-    {
       EXPECT_LT(difference(by(EquilibriumSolver::DynamicRelaxation, 1e-9), multigrid, bonds), 1e-5);
-    }
   }
 }
 

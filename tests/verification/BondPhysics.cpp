@@ -205,9 +205,7 @@ TEST(BondPhysics, SmallStrainsAreLinear)
       }
     const double relative = apart / most / size;
     if (before > 0)
-    {
       EXPECT_NEAR(relative, before, 0.05 * before) << size;
-    }
     before = relative;
   }
 }
@@ -269,9 +267,7 @@ TEST(BondPhysics, SectionsOfABarCarryItsReaction)
     const double carried = sectionForce(bonds, u, 1, y, false)[1];
     sections += carried;
     if (y >= grip && y <= 40 - grip)
-    {
       EXPECT_NEAR(carried, reaction, 1e-10 * reaction) << y;
-    }
   }
   // Σ σ δx² = Σ over sections of the force times δx: the factor ½ of the nodal stress, in any state
   NodeField<double> stress(l, 3);
@@ -402,9 +398,7 @@ TEST(BondPhysics, NotchOnACrossingIsSymmetric)
         const auto degree = bonds.degree(l.index(x, y));
         EXPECT_EQ(degree, bonds.degree(l.index(x, n - 1 - y))) << x << ", " << y;
         if (first > 0)
-        {
           EXPECT_EQ(degree, bonds.degree(l.index(n - 1 - x, y))) << x << ", " << y;
-        }
       }
   }
 }

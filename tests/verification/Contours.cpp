@@ -238,9 +238,7 @@ TEST(Contours, SpruceLabels)
 {
   const auto folder = realData();
   if (!folder)
-  {
     GTEST_SKIP() << "LAMELLA_REAL_DATA does not name the folder of real pictures";
-  }
   // 0.1997 and 0.6094 are these pictures' solid fractions; 133 and 104 lumens counted with 4 neighbours.
   for (const auto& [name, solid, lumens] :
     { std::tuple("spruce_EW_labels_0.5um.png", 0.1997, 104), std::tuple("spruce_LW_labels_0.5um.png", 0.6094, 133) })
@@ -258,9 +256,7 @@ TEST(Contours, SprucePolygonsInTheFrameOfTheirPictures)
 {
   const auto folder = realData();
   if (!folder)
-  {
     GTEST_SKIP() << "LAMELLA_REAL_DATA does not name the folder of real pictures";
-  }
   struct Case
   {
     const char* tissue;
@@ -297,9 +293,7 @@ TEST(Contours, SprucePolygonsInTheFrameOfTheirPictures)
           Point a = outline.points[i];
           Point b = outline.points[(i + 1) % outline.points.size()];
           if (a[1] > b[1])
-          {
             std::swap(a, b);
-          }
           const auto from = static_cast<std::int64_t>(std::ceil(a[1] / spacing - 0.5));
           for (std::int64_t j = std::max<std::int64_t>(from, 0);
                j < image.lattice.size[1] && (static_cast<double>(j) + 0.5) * spacing < b[1]; ++j)
@@ -317,9 +311,7 @@ TEST(Contours, SprucePolygonsInTheFrameOfTheirPictures)
             const auto last = std::min<std::int64_t>(
               static_cast<std::int64_t>(std::ceil(x[k + 1] / spacing - 0.5)), image.lattice.size[0]);
             for (auto i = static_cast<std::int64_t>(std::ceil(x[k] / spacing - 0.5)); i < last; ++i)
-            {
               image.phase[static_cast<std::size_t>(image.lattice.index(i, j))] = 0;
-            }
           }
         }
       }
@@ -337,9 +329,7 @@ TEST(Contours, ConiferMask)
 {
   const auto folder = realData();
   if (!folder)
-  {
     GTEST_SKIP() << "LAMELLA_REAL_DATA does not name the folder of real pictures";
-  }
   const PhaseImage image = labels(*folder / "conifer_roxas_lumen_mask.png", 255, 0.441e-6);
   const auto lumen = image.phases.find("void");
   ASSERT_TRUE(lumen);

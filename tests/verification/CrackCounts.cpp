@@ -34,9 +34,7 @@ TEST(BondCount, StraightCracksAtAllAngles)
       const std::array<double, 9> n = count.normals(bonds);
       EXPECT_NEAR(n[0] + n[4], 1, 1e-9);
       if (h > 2)
-      {
         EXPECT_LT(turn(std::atan2(2 * n[1], n[0] - n[4]) / 2, t + pi / 2), 5 * pi / 180) << h << " " << angle;
-      }
     }
   }
 }

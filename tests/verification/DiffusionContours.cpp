@@ -204,9 +204,7 @@ TEST(DiffusionContours, ATargetIsReached)
   EXPECT_EQ(answer.steps[1].value, pair.fine.value);
   EXPECT_EQ(answer.steps.back().value, answer.fine.value);
   for (std::size_t i = 1; i < answer.steps.size(); ++i)
-  {
     EXPECT_EQ(answer.steps[i].nodes, 4 * answer.steps[i - 1].nodes);
-  }
   EXPECT_NEAR(answer.value, e.value, answer.error * e.value + 0.5e-5);
   options.mostNodes = 5000; // 64² is the last that fits
   int told = 0;
@@ -432,7 +430,9 @@ TEST(DiffusionContours, LumensThatEndAtTheBorder)
   const PhaseImage mask = maskOf(disks, pixels);
   const ContourSet outlines = micrograph::extractContours(mask, 0).contours;
   const ContourSet sealed = micrograph::sealedOutlines(outlines, mask.lattice.spacing);
-  EXPECT_EQ(std::count_if(outlines.contours.begin(), outlines.contours.end(), [](auto& c) { return !c.closed; }), 3);
+  EXPECT_EQ(std::count_if(
+              outlines.contours.begin(), outlines.contours.end(), [](auto& c) { return !c.closed; }),
+    3);
   EXPECT_EQ(std::count_if(sealed.contours.begin(), sealed.contours.end(), [](auto& c) { return !c.closed; }), 0);
   ContourStudyOptions options;
   options.spacing = 1.0 / pixels;

@@ -255,9 +255,7 @@ TEST(DiffusionDirected, TiltedLayers)
     std::printf("tilted layers, %lld nodes: %.3f %%\n", static_cast<long long>(n), 100 * error);
     EXPECT_LT(error, 0.05 * 32 / static_cast<double>(n));
     if (last > 0)
-    {
       EXPECT_NEAR(std::log2(last / error), 1, 0.15); // of first order: layers keep their place on every lattice
-    }
     last = error;
   }
 }

@@ -24,18 +24,12 @@ void scan(Collision collision)
             << name(stencil) << " " << name(collision) << ", " << picture.name << ", " << contrast
             << " : 1, relaxation " << relaxation << ": off by " << o.error;
           if (collision != Collision::BGK)
-          {
             EXPECT_NE(o.verdict, Verdict::Warned) << o.what;
-          }
           // what two relaxation times refuse is a picture through which nothing leads
           if (o.verdict == Verdict::Refused && collision != Collision::BGK)
-          {
             EXPECT_EQ(contrast, 0.0) << picture.name << ": " << o.what;
-          }
           if (o.verdict == Verdict::Refused || o.verdict == Verdict::Slow)
-          {
             EXPECT_FALSE(o.what.empty());
-          }
         }
 }
 

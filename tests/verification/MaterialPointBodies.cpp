@@ -67,8 +67,8 @@ TEST(MaterialPointBodies, ASpinningDiskKeepsItsAngularMomentum)
 {
   const double rate = 0.1;
   const double h = 0.05;
-  Points points =
-    filled<2>({ 20, 20 }, h, 2, 1.0, [](const Place<2>& x) { return std::hypot(x[0] - 0.5, x[1] - 0.5) < 0.4; });
+  Points points = filled<2>(
+    { 20, 20 }, h, 2, 1.0, [](const Place<2>& x) { return std::hypot(x[0] - 0.5, x[1] - 0.5) < 0.4; });
   setVelocities<2>(points, [&](const Place<2>& x) { return Vector<2>{ -rate * (x[1] - 0.5), rate * (x[0] - 0.5) }; });
   PointDynamicsOptions<2> options;
   options.spacing = h;

@@ -256,7 +256,8 @@ void expectThrown(const std::string& words, F&& f)
 
 TEST(MaterialPointRanks, ErrorOfOneEndsAll)
 {
-  expectThrown<InputError>("column 1 of point 3 is nan",
+  expectThrown<InputError>(
+    "column 1 of point 3 is nan",
     []
     {
       block(
@@ -282,7 +283,8 @@ TEST(MaterialPointRanks, RefusesWhatItCannotDo)
   if (!everyone().parallel())
     GTEST_SKIP() << "on several ranks";
   using Options = PointDynamicsOptions<2>;
-  expectThrown<InputError>("two points have the number",
+  expectThrown<InputError>(
+    "two points have the number",
     [] {
       block([](MaterialPoints<2>& points, Options&) { points = filled<2>({ 16, 20 }, 1, 2, 1); });
     });

@@ -323,8 +323,12 @@ TEST(PackingOf, FindsContactsAndRefusesWhatCannotBe)
   const Packing p = packingOf(2, centre, radius);
   EXPECT_NEAR(p.size[0], 4, 1e-12);
   EXPECT_NEAR(p.size[1], 2 + std::sqrt(3.0), 1e-12);
-  EXPECT_EQ(std::count_if(p.contacts.begin(), p.contacts.end(), [](const Contact& c) { return c.second >= 0; }), 3);
-  EXPECT_EQ(std::count_if(p.contacts.begin(), p.contacts.end(), [](const Contact& c) { return c.second < 0; }), 5);
+  EXPECT_EQ(std::count_if(
+              p.contacts.begin(), p.contacts.end(), [](const Contact& c) { return c.second >= 0; }),
+    3);
+  EXPECT_EQ(std::count_if(
+              p.contacts.begin(), p.contacts.end(), [](const Contact& c) { return c.second < 0; }),
+    5);
 
   const auto message = [&](std::vector<Centre> c, std::vector<double> r, std::optional<Centre> size = {})
   {

@@ -87,15 +87,11 @@ TEST(PeridynamicConstants, WeightsMakeTheLatticeIsotropic)
         for (const Offset& p : stencil->half())
           if (std::abs(o.step[0]) == std::abs(p.step[1]) && std::abs(o.step[1]) == std::abs(p.step[2]) &&
             std::abs(o.step[2]) == std::abs(p.step[0]))
-          {
             EXPECT_NEAR(o.weight, p.weight, 1e-14);
-          }
       }
       // and fracture takes what it should, to 5 % from a horizon of 2 on (1.5 of nominal without, at worst)
       if (horizon >= 2)
-      {
         EXPECT_NEAR(m.fractureEnergy, 1, horizon < 2.5 ? 0.1 : 0.05);
-      }
     }
   // along the axes alone nothing resists shear
   EXPECT_FALSE(isotropicStencil(Stencil(2, 1)));

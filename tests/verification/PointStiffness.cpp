@@ -126,9 +126,7 @@ TEST(PointStiffness, Layers)
     EXPECT_GT(error, 0);
     EXPECT_LT(c.youngsModulus[1], 5.5 * young);
     if (before > 0)
-    {
       EXPECT_NEAR(std::log2(before / error), 1, 0.1) << n;
-    }
     before = error;
   }
   EXPECT_LT(before, 0.04);
@@ -458,7 +456,8 @@ std::string complaint(const std::function<void()>& act)
 
 TEST(PointStiffness, RefusesWhatItCannotDo)
 {
-  const Body<2> gap({ 1, 1 }, { 20, 20 }, 2, [](const auto& x) { return x[1] < 0.7 ? 1 : 0; });
+  const Body<2> gap(
+    { 1, 1 }, { 20, 20 }, 2, [](const auto& x) { return x[1] < 0.7 ? 1 : 0; });
   EXPECT_EQ(complaint<NoPathError>(
               [&] {
                 (void)gap.solve(*plain(), { BoxSides::Open, BoxSides::Walls });
@@ -494,7 +493,8 @@ TEST(PointStiffness, RefusesWhatItCannotDo)
               }),
     "nothing of that kind was thrown"); // an even strain leaves nothing to solve for
   EXPECT_THROW((void)pointStiffness(MaterialPoints<2>(), *plain(), body.options(walls)), InputError);
-  const Body<2> four({ 1, 1 }, { 6, 6 }, 1, [](const auto&) { return 4; });
+  const Body<2> four(
+    { 1, 1 }, { 6, 6 }, 1, [](const auto&) { return 4; });
   EXPECT_EQ(complaint<ParameterError>([&] { (void)four.solve(*plain(), walls); }), "no law for phase 4");
 }
 

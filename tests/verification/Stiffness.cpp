@@ -278,8 +278,11 @@ TEST(Stiffness, TurnsWithTheCell)
 {
   const BondModel flat = twoPhases(Continuum::PlaneStress, 3, 4);
   const std::vector<double> c = study(flat, cell({ 32, 24, 1 }, blobs)).cell.stiffness;
-  const std::vector<double> turned =
-    study(flat, cell({ 24, 32, 1 }, [](double x, double y, double) { return blobs(y, x, 0); })).cell.stiffness;
+  const std::vector<double> turned = study(flat,
+    cell(
+      { 24, 32, 1 },
+      [](double x, double y, double)
+      { return blobs(y, x, 0); })).cell.stiffness;
   const std::vector<double> mirrored =
     study(flat, cell({ 32, 24, 1 }, [](double x, double y, double) { return blobs(1 - x, y, 0); })).cell.stiffness;
   constexpr std::array<std::size_t, 3> swap{ 1, 0, 2 };
@@ -388,7 +391,8 @@ TEST(Stiffness, LoosePiecesCarryNothing)
   const BondModel m = twoPhases(Continuum::PlaneStress, 3, 4);
   const auto square = [](double x, double y, double half)
   { return std::max(std::abs(x - 0.5), std::abs(y - 0.5)) < half; };
-  const Sample empty = cell({ 48, 48, 1 }, [&](double x, double y, double) { return square(x, y, 0.3) ? 0 : 1; });
+  const Sample empty = cell(
+    { 48, 48, 1 }, [&](double x, double y, double) { return square(x, y, 0.3) ? 0 : 1; });
   const Sample with =
     cell({ 48, 48, 1 }, [&](double x, double y, double) { return square(x, y, 0.2) ? 2
                                                             : square(x, y, 0.3)    ? 0
@@ -546,7 +550,8 @@ TEST(Stiffness, Warnings)
   EXPECT_FALSE(warns(r, "fit together along y"));
   EXPECT_NEAR(r.sides[0].across, 0.5, 1e-12);
   EXPECT_LT(r.sides[0].inside, 0.3);
-  const Sample one = cell({ 20, 20, 1 }, [](double, double, double) { return 1; });
+  const Sample one = cell(
+    { 20, 20, 1 }, [](double, double, double) { return 1; });
   const Sample solid = cell({ 10, 10, 10 }, [](double, double, double) { return 1; });
   BondModel plain = modelOf(Continuum::PlaneStress, 2);
   EXPECT_TRUE(warns(study(plain, one), "a horizon of 2 spacings is below 3"));

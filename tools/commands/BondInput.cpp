@@ -50,9 +50,7 @@ void applyBonds(const BondOptions& o, vtkBondAlgorithm* filter)
   {
     std::vector<double> p;
     for (const std::string& part : split(text, ','))
-    {
       p.push_back(coordinate("--notch", part));
-    }
     if (p.size() == 4)
     {
       filter->AddNotch(p[0], p[1], p[2], p[3]);
@@ -68,9 +66,7 @@ void applyBonds(const BondOptions& o, vtkBondAlgorithm* filter)
     }
   }
   if (o.refine < 1)
-  {
     throw ParameterError(fmt::format("--refine {} is below 1", o.refine), "every pixel becomes N × N");
-  }
 }
 
 BondSample loadBondSample(
@@ -81,13 +77,11 @@ BondSample loadBondSample(
     {
       const double need = peridynamics::leastElasticBytes(lattice, filter->GetHorizon(), o.refine);
       if (const auto available = static_cast<double>(availableMemory()); need > available)
-      {
         throw MemoryError(fmt::format("the bonds and displacements of {} {} at refinement {} need {} of memory at "
                                       "least, and {} are free",
                             sizeText(lattice.size, lattice.dimension), lattice.dimension == 3 ? "voxels" : "pixels",
                             o.refine, bytesText(need), bytesText(available)),
           "take a smaller --window or --refine");
-      }
     });
   Session::checkInterrupt();
   o.settings.checkNames(sample.image.phases.names());
@@ -108,9 +102,7 @@ BondRun bondRun(Session& session, vtkBondAlgorithm* filter, const PictureOptions
   run.image = vtkImageData::SafeDownCast(filter->GetOutputDataObject(0));
   options.settings.tellFormer(session);
   for (const std::string& warning : fieldTexts(run.image, "warnings"))
-  {
     session.warn(warning);
-  }
   run.file = picture.file;
   run.pixelSizeSource = sample.pixelSizeSource;
   run.provenance = recordRun(session, commandLine, picture.file, sample.provenance);

@@ -83,9 +83,7 @@ Json BondFields::vector(const char* name) const
 {
   Json json = Json::array();
   for (int c = 0; c < dimension; ++c)
-  {
     json.push_back(jsonNumber((*this)(name, static_cast<std::size_t>(c))));
-  }
   return json;
 }
 
@@ -144,9 +142,7 @@ std::string checkpointsText(const BondFields& f, const char* what)
 {
   std::string text;
   if (f("continued_at") > 0)
-  {
     text += fmt::format("  continued after {} {}\n", grouped(f.whole("continued_at")), what);
-  }
   if (f("last_checkpoint") > 0)
   {
     text += fmt::format("  {} checkpoints, the last after {} {}\n", grouped(f.whole("checkpoints")),
@@ -162,16 +158,12 @@ void addModel(Json& json, const BondFields& f)
   json["continuum"] = f.text("continuum");
   json["poissons_ratio"] = f("poissons_ratio");
   for (const char* key : { "horizon", "micromodulus", "void_bonds", "surface_correction", "large_strains", "periodic" })
-  {
     json[key] = model[key];
-  }
   json["thickness"] = thickness(f);
   json["loose_pieces"] = f.whole("loose_pieces");
   json["loose_nodes"] = f.whole("loose_nodes");
   if (!f.numbers("hinges").empty()) // of an equilibrium
-  {
     json["hinges"] = f.whole("hinges");
-  }
   json["warnings"] = fieldTexts(f.image, "warnings");
 }
 
@@ -203,9 +195,7 @@ void addRun(Json& json, const BondRun& run)
   const std::vector<std::string> names = fieldTexts(run.image, "phase_names");
   json["phases"] = Json::array();
   for (std::size_t id = 0; id < names.size(); ++id)
-  {
     json["phases"].push_back({ { "name", names[id] }, { "fraction", f("phase_fraction", id) } });
-  }
   json["threads"] = run.threads;
   json["ranks"] = run.ranks;
   json["files"] = run.written;
@@ -222,9 +212,7 @@ std::string lengthsText(const BondRun& run, const std::vector<double>& lengths)
   const double unit = sizeKnown(run) ? 1 : latticeOf(run.image).spacing * run.refine;
   std::string text;
   for (const double length : lengths)
-  {
     text += fmt::format("{}{:.6g}", text.empty() ? "" : ", ", length / unit);
-  }
   return text + (sizeKnown(run) ? " m" : " pixels");
 }
 
@@ -245,9 +233,7 @@ std::string sampleText(const BondRun& run, bool fracture)
   const std::vector<std::string> names = fieldTexts(run.image, "pair_names");
   std::size_t width = 5;
   for (const std::string& name : names)
-  {
     width = std::max(width, name.size());
-  }
   text += fmt::format("  {:<{}}  Young's modulus{}\n", "bonds", width, fracture ? "  breaks at  fracture energy" : "");
   for (std::size_t i = 0; i < names.size(); ++i)
   {

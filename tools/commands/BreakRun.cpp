@@ -48,9 +48,7 @@ struct Files
     if (!o.broken.empty())
     {
       if (std::filesystem::path(o.broken).extension() != ".vtp")
-      {
         throw ParameterError("--broken '" + o.broken + "': broken bonds are written as .vtp", "end the name in .vtp");
-      }
       broken.emplace(o.broken, o.common.overwrite);
     }
     curve.addTable("--curve", o.curve, filter->GetCurve(), o.common.overwrite);
@@ -108,13 +106,9 @@ void applyBreak(const Session& session, const BreakOptions& o, vtkBondBreakAlgor
   filter->SetKeepStates(session.keepsAllStates());
   std::string forFields = forStates != nullptr ? forStates : "";
   for (const char* const word : { "at-strain", "at-time", "at-broken", "stress", "strain-energy" })
-  {
     forFields = forFields.empty() && o.bonds.settings.given(word) ? std::string("--") + word : forFields;
-  }
   if (o.output.empty() && !forFields.empty())
-  {
     throw ParameterError(forFields + " without a file to write to", "add -o FILE.vti");
-  }
   filter->SetComputeDisplacement(!o.output.empty() && statesNeedDisplacement(session, o));
 }
 
@@ -136,10 +130,8 @@ void runBreak(Session& session, const BreakOptions& options, vtkBondBreakAlgorit
       files.states.needs(
         static_cast<std::uint64_t>(sample.image->GetNumberOfPoints()) * static_cast<std::uint64_t>(bytes));
       if (!options.checkpoint.file.empty())
-      {
         files.states.follow(
           session, io::toJson(recordRun(session, commandLine, options.picture.file, sample.provenance)));
-      }
     });
   const auto finish = [&]
   {

@@ -53,23 +53,17 @@ Json toJson(const std::string& file, bool filled, vtkPolyData* grains, vtkImageD
   json["size"] = std::vector<std::int64_t>(lattice.size.begin(), lattice.size.begin() + lattice.dimension);
   json["pixel_size"] = lattice.spacing;
   for (const char* const name : { "width", "reach" })
-  {
     json[name] = numberOf(image, name);
-  }
   json["filled"] = filled;
   json["bridges"] = static_cast<std::int64_t>(numberOf(image, "bridges"));
   for (const char* const name :
     { "grain_fraction", "matrix_fraction", "void_fraction", "saturation", "saturation_on_lattice" })
-  {
     json[name] = numberOf(image, name);
-  }
   json["phases"] = Json::array();
   const PhaseImage sample = toPhaseImage(image);
   const std::vector<double> fractions = sample.fractions();
   for (std::size_t id = 0; id < fractions.size(); ++id)
-  {
     json["phases"].push_back({ { "name", sample.phases.names()[id] }, { "fraction", fractions[id] } });
-  }
   return json;
 }
 
@@ -92,9 +86,7 @@ std::string tableOf(const Json& json, const std::array<double, 3>& box)
   line("saturation", percent("saturation") + ", on the lattice " + percent("saturation_on_lattice"));
   std::array<std::int64_t, 3> size{ 1, 1, 1 };
   for (std::size_t axis = 0; axis < json["size"].size(); ++axis)
-  {
     size[axis] = json["size"][axis].get<std::int64_t>();
-  }
   line("lattice",
     fmt::format("{} nodes of {:.5g} µm", sizeText(size, spheres ? 3 : 2), 1e6 * json["pixel_size"].get<double>()));
   text += wroteText(json["files"].get<std::vector<std::string>>());
@@ -105,21 +97,15 @@ void refuseContradictions(const SettingOptions& settings)
 {
   std::vector<std::string> given;
   for (const char* const word : { "width", "saturation", "filled" })
-  {
     if (settings.given(word))
-    {
       given.emplace_back(word);
-    }
-  }
   if (given.size() > 1)
   {
     throw ParameterError(given[0] + " and " + given[1] + " contradict each other",
       "give one of width, saturation and filled; each says how much matrix there is");
   }
   if (settings.given("spacing") && settings.given("nodes"))
-  {
     throw ParameterError("nodes and spacing contradict each other", "give one of them");
-  }
 }
 
 void bridgesRun(Session& session, const BridgesCommandOptions& options, const std::string& commandLine)
@@ -136,17 +122,13 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
     checkSampleEnding(options.output, 2); // a PNG of spheres is refused once it is known that they are
     file.emplace(options.output, options.common.overwrite);
     if (file->path().extension() == ".raw")
-    {
       beside.emplace(recordBeside(file->path()), options.common.overwrite);
-    }
   }
   const vtkSmartPointer<vtkPolyData> grains = readPacking(session, options.file, options.table).grains;
   const std::vector<double> edges = fieldNumbers(grains, "box");
   const std::array<double, 3> box{ edges.at(0), edges.at(1), edges.at(2) };
   if (!options.output.empty())
-  {
     checkSampleEnding(options.output, box[2] > 0 ? 3 : 2);
-  }
   const std::string origin = provenance(grains);
   filter->SetInputData(grains);
   runFilter(session, filter, "bridges");
@@ -157,27 +139,19 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
   options.settings.tellFormer(session);
   const std::vector<std::string> warnings = fieldTexts(image, "warnings");
   for (const std::string& warning : warnings)
-  {
     session.warn(warning);
-  }
   const bool filled = filter->GetFilled() || filter->GetSaturation() == 1.0;
   Json json = toJson(options.file, filled, grains, image);
   if (file)
   {
     if (file->path().extension() == ".vti")
-    {
       writeGrid(image, *file);
-    }
     else
-    {
       writeLabels(toPhaseImage(image), *file, beside ? &*beside : nullptr, record);
-    }
     Session::checkInterrupt();
     file->commit();
     if (beside)
-    {
       beside->commit();
-    }
   }
   json["files"] = options.output.empty() ? Json::array() : Json::array({ options.output });
   json["warnings"] = warnings;

@@ -119,9 +119,7 @@ void collapseMap(Session& session, const CollapseMapOptions& o, const std::strin
   const std::vector<double> strains = strainsOf(o);
   requireFile(o.image);
   for (const std::string& name : o.points)
-  {
     requireFile(name);
-  }
   ResultFiles files;
   files.addGrid("-o", o.output, ".vti", filter->GetOutput(), o.common.overwrite);
   files.addTable("--table", o.table, filter->GetLumenTable(), o.common.overwrite);

@@ -63,12 +63,8 @@ void apply(const Session& session, const CompressionOptions& o, vtkPointCompress
   }
   o.settings.give(filter);
   for (const char* const word : { "at-strain", "velocity", "stress", "deformation-gradient", "energy-density" })
-  {
     if (o.output.empty() && o.settings.given(word))
-    {
       throw ParameterError(fmt::format("--{} without a file to write to", word), "add -o FILE.vtp");
-    }
-  }
   filter->SetComputeDisplacement(!o.output.empty());
   applyCheckpoint(session, o.checkpoint, filter);
   filter->SetKeepStates(session.keepsAllStates());
@@ -86,9 +82,7 @@ BondRun runOf(Session& session, const CompressionOptions& o, const PointSample& 
       "--speeds is called --first-speed, --least-speed, --most-speed now; the next version does not know it");
   }
   for (const std::string& warning : fieldTexts(output, "warnings"))
-  {
     session.warn(warning);
-  }
   sample.image->GetFieldData()->ShallowCopy(output->GetFieldData());
   BondRun run;
   run.file = o.picture.file;
@@ -124,9 +118,7 @@ void press(Session& session, const CompressionOptions& o, const std::string& com
       sample = loadPointSample(session, o.picture, o.settings);
       sample.image->GetExtent(extent.data());
       if (!o.checkpoint.file.empty())
-      {
         states.follow(session, io::toJson(recordRun(session, commandLine, o.picture.file, sample.provenance)));
-      }
     });
   session.broadcast(extent);
   const auto finish = [&]
@@ -134,9 +126,7 @@ void press(Session& session, const CompressionOptions& o, const std::string& com
     CompressionReport report{ runOf(session, o, sample, filter, filter->GetPoints(), commandLine), filter->GetCurve(),
       {}, {} };
     for (int i = 0; i < filter->GetNumberOfStates(); ++i)
-    {
       report.states.push_back(filter->GetStatePoints(i));
-    }
     const std::string provenance = io::toJson(report.run.provenance);
     report.run.written = states.write(report.states, provenance);
     report.stateFiles = report.run.written;
@@ -198,19 +188,13 @@ void stiffness(Session& session, const CompressionOptions& o, const std::string&
 {
   const auto start = Clock::now();
   if (session.ranks() > 1)
-  {
     throw ParameterError(fmt::format("--stiffness-only on {} processes", session.ranks()), "run one, with --threads");
-  }
   std::vector<std::string> ofTheRun = o.settings.idle("vtkPointStiffness");
   for (const auto& [word, text] : { std::pair<const char*, const std::string&>{ "output", o.output },
          { "curve", o.curve }, { "checkpoint", o.checkpoint.file }, { "checkpoint-every", o.checkpoint.every },
          { "continue", o.checkpoint.continueFrom }, { "speeds", o.speeds } })
-  {
     if (!text.empty())
-    {
       ofTheRun.emplace_back(word);
-    }
-  }
   if (!ofTheRun.empty())
   {
     throw ParameterError(

@@ -50,9 +50,7 @@ vtkSmartPointer<vtkTable> curveInMemory(const CompressionCurveOptions& o)
   {
     auto* const found = whole != nullptr ? vtkDataArray::SafeDownCast(whole->GetColumnByName(column.c_str())) : nullptr;
     if (found == nullptr)
-    {
       throw InputError("'" + o.file + "' has no column '" + column + "'", "name the columns with strain and stress");
-    }
     vtkNew<vtkDoubleArray> values;
     values->DeepCopy(found);
     values->SetName(name);
@@ -65,24 +63,18 @@ vtkSmartPointer<vtkTable> curveInMemory(const CompressionCurveOptions& o)
 vtkSmartPointer<vtkTable> readCurve(const CompressionCurveOptions& o)
 {
   if (Workspace::holds(o.file))
-  {
     return curveInMemory(o);
-  }
   const TextTable text(o.file, "name the columns with --strain and --stress");
   auto table = vtkSmartPointer<vtkTable>::New();
   for (const auto& [name, column] : { std::pair{ "strain", o.strain }, std::pair{ "stress", o.stress } })
   {
     const auto found = std::ranges::find(text.names(), column);
     if (found == text.names().end())
-    {
       text.lacks("'" + column + "'");
-    }
     vtkNew<vtkDoubleArray> values;
     values->SetName(name);
     for (std::size_t row = 0; row < text.rows(); ++row)
-    {
       values->InsertNextValue(text.number(row, static_cast<std::size_t>(found - text.names().begin())));
-    }
     describe(values, name == std::string("strain") ? "1" : "Pa", "column '" + column + "' of the file", "lamella");
     table->AddColumn(values);
   }
@@ -133,13 +125,15 @@ std::string tableOf(const Json& json)
     });
   line("yield", json["yield"], point);
   line("first peak", json["peak"], point);
-  line("plateau", json["plateau"],
+  line(
+    "plateau", json["plateau"],
     [&](const Json& p)
     {
       return fmt::format(
         "{:.4g} Pa between strains of {:.4g} and {:.4g}", at(p, "stress"), at(p, "low"), at(p, "high"));
     });
-  line("densification", json["densification"],
+  line(
+    "densification", json["densification"],
     [&](const Json& d)
     {
       return fmt::format("at a strain of {:.4g}: {:.4g} J/m³ absorbed, efficiency {:.4f}", at(d, "strain"),
@@ -147,13 +141,9 @@ std::string tableOf(const Json& json)
     });
   line("energy", json["energy"], [](const Json& e) { return fmt::format("{:.4g} J/m³ in all", e.get<double>()); });
   if (!json["missing"].empty())
-  {
     text += "\n";
-  }
   for (const Json& why : json["missing"])
-  {
     text += "  " + why.get<std::string>() + "\n";
-  }
   text += wroteText(json["files"].get<std::vector<std::string>>());
   return text;
 }

@@ -34,9 +34,7 @@ void addPoints(Json& json, const BondFields& f)
 {
   const Json model = Json::parse(f.text("point_model"), nullptr, false);
   for (const char* key : { "law", "plane", "walls", "points_per_node", "cells_per_node" })
-  {
     json[key] = model[key];
-  }
   json["points"] = f.whole("points");
   json["grid_spacing"] = f("grid_spacing");
   json["cells_across_walls"] = f("cells_across_walls");
@@ -139,9 +137,7 @@ std::string pointStiffnessJson(const BondRun& run)
   json["constants"] = Json::object();
   const std::vector<std::string> names = fieldTexts(run.image, "constant_names");
   for (std::size_t i = 0; i < names.size(); ++i)
-  {
     json["constants"][names[i]] = jsonNumber(f("constants", i));
-  }
   json["components"] = fieldTexts(run.image, "stiffness_components");
   const std::size_t n = json["components"].size();
   json["stiffness"] = Json::array();

@@ -46,12 +46,8 @@ struct CrackPathOptions
 void configure(vtkCrackPath* filter, const CrackPathOptions& o)
 {
   for (const auto& [option, name] : { std::pair{ "--fragments", o.fragments }, std::pair{ "--image", o.image } })
-  {
     if (!name.empty() && o.phases.empty())
-    {
       throw ParameterError(std::string(option) + " needs the image of phases", "give it with --phases IMAGE.vti");
-    }
-  }
   o.settings.give(filter);
 }
 
@@ -75,9 +71,7 @@ void crackPath(Session& session, const CrackPathOptions& o, const std::string& c
   configure(filter, o);
   requireFile(o.file);
   if (!o.phases.empty())
-  {
     requireFile(o.phases);
-  }
   ResultFiles files = openFiles(o, filter);
   const auto bonds =
     readAs<vtkPolyData>(o.file, "broken bonds", "give the broken bonds that lamella fracture writes (.vtp)");
@@ -92,9 +86,7 @@ void crackPath(Session& session, const CrackPathOptions& o, const std::string& c
   tellWarnings(session);
   Json json = reportOf({ o.file, o.phases, filter });
   if (json["broken_bonds"] == 0)
-  {
     session.warn("'" + o.file + "' holds no broken bond: there is no crack");
-  }
   const io::Provenance run = recordRun(session, commandLine, o.file, provenance(bonds));
   json["files"] = files.write(io::toJson(run));
   json["seconds"] = secondsSince(start);

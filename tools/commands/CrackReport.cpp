@@ -39,9 +39,7 @@ std::string axes(const Json& flags)
 {
   std::string names;
   for (const Json& axis : flags)
-  {
     names += (names.empty() ? "" : " and ") + axis.get<std::string>();
-  }
   return names;
 }
 
@@ -49,12 +47,8 @@ Json namesOf(const std::vector<double>& flags)
 {
   Json names = Json::array();
   for (std::size_t a = 0; a < flags.size(); ++a)
-  {
     if (flags[a] != 0)
-    {
       names.push_back(std::string(1, "xyz"[a]));
-    }
-  }
   return names;
 }
 
@@ -72,9 +66,7 @@ std::string pathsText(const Json& json)
       p["begins_at"].get<std::string>() + ", " + p["ends_at"].get<std::string>());
   }
   if (json["paths"].size() > most)
-  {
     rows += fmt::format("  and {} more\n", json["paths"].size() - most);
-  }
   return rows;
 }
 
@@ -200,13 +192,9 @@ std::string tableOf(const Json& json)
         severed.empty() ? "some reach from side to side" : "severed along " + severed));
   }
   if (!json["paths"].empty())
-  {
     words += pathsText(json);
-  }
   if (!json["pairs"].empty())
-  {
     words += pairsText(json);
-  }
   words += wroteText(json["files"].get<std::vector<std::string>>());
   return words;
 }

@@ -59,9 +59,7 @@ void giveConductivities(const DiffusionOptions& options, const Sample& sample, v
   requireNames("--conductivity", given, sample.image.phases.names());
   if (std::ranges::any_of(given, [](const GivenConductivity& one) { return one.along != one.across; }) &&
     sample.image.lattice.dimension == 2) // of a volume the filter says that they do not go
-  {
     requireAxes(options.picture, image);
-  }
 }
 
 /// One run of `lamella diffusion`: its filter, its sample, its files.
@@ -78,9 +76,7 @@ public:
     {
       filter_->SetConductivity(one.phase.c_str(), one.along);
       if (one.across != one.along)
-      {
         filter_->SetConductivityAcross(one.phase.c_str(), one.across);
-      }
     }
     fields_ = !options.output.empty();
     requireVti(options.output);
@@ -106,9 +102,7 @@ public:
       report_.found = filter_->GetFindings();
     }
     if (fields_)
-    {
       solveFields();
-    }
     conclude();
   }
 
@@ -140,12 +134,8 @@ private:
         image_->GetExtent(extent_.data());
         const int direction = filter_->GetDirection();
         for (int axis = 0; axis < 3; ++axis)
-        {
           if (direction == axis || (direction == vtkSteadyDiffusion::ALL && axis < lattice.dimension))
-          {
             axes[static_cast<std::size_t>(++axes[0])] = axis;
-          }
-        }
         for (int i = 1; fields_ && i <= axes[0]; ++i)
         {
           const std::string name = axes[0] == 1
@@ -202,9 +192,7 @@ private:
         {
           vtkImageData* const output = filter_->GetOutput();
           if (target)
-          {
             describe(output, report_.found.along(axes_[i]));
-          }
           output->GetPointData()->RemoveArray("axis");
           write(output, files_[i]);
           Session::checkInterrupt();
@@ -215,9 +203,7 @@ private:
   void write(vtkImageData* output, const OutputFile& file)
   {
     if (report_.provenance.version.empty())
-    {
       report_.provenance = recordRun(session_, commandLine_, options_.picture.file, sample_.provenance);
-    }
     setProvenance(output, io::toJson(report_.provenance));
     writeGrid(output, file);
   }
@@ -226,30 +212,22 @@ private:
   {
     report_.peakMemory = peakMemoryBytes();
     if (session_.ranks() > 1)
-    {
       MPI_Allreduce(MPI_IN_PLACE, &report_.peakMemory, 1, MPI_UINT64_T, MPI_MAX, session_.communicator());
-    }
     session_.onRoot(
       [&]
       {
         Session::checkInterrupt();
         for (OutputFile& file : files_)
-        {
           file.commit();
-        }
         if (report_.provenance.version.empty())
-        {
           report_.provenance =
             recordRun(session_, commandLine_, options_.common.json ? options_.picture.file : "", sample_.provenance);
-        }
         report_.seconds = secondsSince(start_);
         session_.print(options_.common.json ? toJson(report_) : options_.common.quiet ? "" : toTable(report_));
       });
     const lbm::Shortfall& shortfall = report_.found.shortfall;
     if (!shortfall.message.empty())
-    {
       session_.fallShort(shortfall.message, shortfall.hint);
-    }
   }
 
   Session& session_;

@@ -94,9 +94,7 @@ void requireAxes(const PictureOptions& options, vtkImageData* image)
       hint);
   }
   if (image->GetPointData()->HasArray("axis") == 0)
-  {
     throw InputError("'" + options.file + "' has no point array 'axis': it does not say which way the walls run", hint);
-  }
 }
 
 } // namespace lamella::cli

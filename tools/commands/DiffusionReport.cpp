@@ -99,9 +99,7 @@ std::string toJson(const DiffusionReport& report)
     json[key] = number(report.found.error(kind));
     Json& byDirection = json[std::string(key) + "s"];
     for (const auto& answer : report.found.answers)
-    {
       byDirection[axisNames[answer.axis]] = number(answer.error.*kind);
-    }
   }
   json["target_error"] = report.found.targetError > 0 ? Json(report.found.targetError) : Json(nullptr);
   json["target"] = report.found.targetError > 0 ? Json(lbm::name(report.found.answers.front().target)) : Json(nullptr);
@@ -166,9 +164,7 @@ std::string toJson(const DiffusionReport& report)
     json["phases"].push_back({ { "name", report.sample->image.phases.names()[id] }, { "fraction", share },
       { "conductivity", share > 0 || value > 0 ? number(value) : Json(nullptr) } });
     if (there && !report.found.across.empty())
-    {
       json["phases"].back()["conductivity_across"] = number(report.found.across[id]);
-    }
   }
   json["file"] = report.file;
   json["size"] = std::vector<std::int64_t>(lattice.size.begin(), lattice.size.begin() + dimension);
@@ -199,9 +195,7 @@ std::string toJson(const DiffusionReport& report)
       { "cells", found.cells }, { "doubts", found.doubtNames() } };
   }
   if (report.sample->volumeSegmentation)
-  {
     json["segmentation"] = jsonOf(*report.sample->volumeSegmentation);
-  }
   json["refine"] = refinement;
   json["lattice"] = lbm::name(report.found.stencil);
   json["sides"] = report.found.sides;
@@ -235,15 +229,11 @@ std::string toTable(const DiffusionReport& report)
     : "\n\n";
 
   for (const std::string& line : report.sample->notes)
-  {
     text += "  " + line + "\n";
-  }
   text += report.sample->notes.empty() ? "" : "\n";
   std::size_t width = 5;
   for (const std::string& phase : report.sample->image.phases.names())
-  {
     width = std::max(width, phase.size());
-  }
   text += fmt::format("  {:<{}}   share    conductivity\n", "phase", width);
   for (std::size_t id = 0; id < report.found.fractions.size(); ++id)
   {
@@ -252,9 +242,7 @@ std::string toTable(const DiffusionReport& report)
       text += fmt::format("  {:<{}}  {:.5f}  {:g}", report.sample->image.phases.names()[id], width,
         report.found.fractions[id], report.found.conductivity[id]);
       if (!report.found.across.empty() && report.found.across[id] != report.found.conductivity[id])
-      {
         text += fmt::format(" along the walls, {:g} across", report.found.across[id]);
-      }
       text += "\n";
     }
   }
@@ -268,9 +256,7 @@ std::string toTable(const DiffusionReport& report)
     text += fmt::format(
       "    {}  {:<20.7g}  {:<8}  ", axisNames[answer.axis], own(answer), known ? percent(answer.error.relative) : "-");
     if (known)
-    {
       text += fmt::format("{:<8}  {:<8}  ", percent(answer.error.lattice), percent(answer.error.picture));
-    }
     text += span > 0 ? fmt::format("{:.1f} %\n", 100 * (own(answer) - report.found.bounds.series) / span) : "-\n";
   }
   const bool nearer = std::ranges::any_of(
@@ -279,12 +265,8 @@ std::string toTable(const DiffusionReport& report)
   {
     text += "  expected of the material, from how the value changes with the pixel\n";
     for (const auto& answer : report.found.answers)
-    {
       if (std::isfinite(answer.error.extrapolated))
-      {
         text += fmt::format("    {}  {:.5g}\n", axisNames[answer.axis], answer.error.extrapolated);
-      }
-    }
   }
   text +=
     fmt::format("  bounds\n    series {:.7g}   parallel {:.7g}   Hashin-Shtrikman (isotropic media) {:.7g} to {:.7g}\n",

@@ -69,12 +69,8 @@ void eachSide(
     (void)oneOf(option, side, sides);
     const auto values = vectorOf(option, vector, true, read);
     for (std::size_t c = 0; c < values.size(); ++c)
-    {
       if (values[c])
-      {
         set(side.c_str(), axisNames[c], *values[c]);
-      }
-    }
   }
 }
 
@@ -88,12 +84,11 @@ void applyMovement(const DynamicsOptions& o, vtkBondDynamics* filter)
   const std::string load = !o.load.empty() ? o.load : sides != nullptr ? "sides" : "stretch";
   const std::size_t kind = oneOf("--load", load, loads);
   if (kind < 2 && sides != nullptr)
-  {
     throw ParameterError(fmt::format("{} with --load {}", sides, load), "leave one of them out");
-  }
   filter->SetPull(kind < 2);
   filter->SetLoad(static_cast<int>(kind < 2 ? kind : 0));
-  eachSide("--velocity", o.velocities, toNumber,
+  eachSide(
+    "--velocity", o.velocities, toNumber,
     [filter](const char* side, const char* c, double value) { filter->SetSideVelocity(side, c, value); });
   eachSide("--traction", o.tractions, pascals,
     [filter](const char* side, const char* c, double value) { filter->SetSideTraction(side, c, value); });
@@ -102,9 +97,7 @@ void applyMovement(const DynamicsOptions& o, vtkBondDynamics* filter)
     const auto [corners, vector] = keyValue("--box-velocity", text, "X1,Y1,X2,Y2=VX,VY");
     std::vector<double> p;
     for (const std::string& part : split(corners, ','))
-    {
       p.push_back(coordinate("--box-velocity", part));
-    }
     if (p.size() != 4 && p.size() != 6)
     {
       throw ParameterError(fmt::format("--box-velocity '{}' has {} coordinates", text, p.size()),
@@ -133,22 +126,14 @@ std::size_t applyFrames(const DynamicsOptions& o, vtkBondDynamics* filter)
 {
   const std::size_t states = o.bonds.settings.count("at-time");
   if (o.frames.empty())
-  {
     return states;
-  }
   const auto frames = toInteger(o.frames).value_or(0);
   if (frames < 1 || frames > 100000)
-  {
     throw ParameterError("--frames '" + o.frames + "' is not a whole number from 1 to 100000", "such as 10");
-  }
   if (filter->GetEndTime() == 0)
-  {
     throw ParameterError("--frames without --end-time", "it is how many states are kept until the time of the end");
-  }
   for (std::int64_t k = 1; k < frames; ++k) // the end is the last one
-  {
     filter->AddStateAtTime(filter->GetEndTime() * static_cast<double>(k) / static_cast<double>(frames));
-  }
   return states + static_cast<std::size_t>(frames - 1);
 }
 
@@ -166,9 +151,7 @@ void dynamics(Session& session, const DynamicsOptions& options, const std::strin
   vtkNew<vtkBondDynamics> filter;
   const std::size_t states = apply(session, options, filter);
   if (filter->GetEndTime() == 0)
-  {
     session.sharesAreGuesses(); // when the sample has failed is to be found
-  }
   runBreak(session, options, filter, commandLine, "motion", "steps", states, 24, // velocities
     [&](const FractureReport& report) { return options.common.json ? dynamicsJson(report) : dynamicsTable(report); });
 }

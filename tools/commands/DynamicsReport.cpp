@@ -35,9 +35,7 @@ std::string dynamicsJson(const FractureReport& report)
   json["broken_by_pair"] = brokenByPairJson(report);
   json["energies"] = Json::object();
   for (const char* name : energies)
-  {
     json["energies"][name] = f((std::string(name) + "_energy").c_str());
-  }
   addKeys(json, f, { { "energy_defect" }, { "end", Text }, { "end_reason", Text }, { "end_time" } });
   const std::vector<vtkDataObject*> states(report.states.begin(), report.states.end());
   json["states"] = statesJson(
@@ -51,9 +49,7 @@ std::string dynamicsJson(const FractureReport& report)
   addModel(json, f);
   json["statistics"] = Json::object();
   for (std::size_t i = 0; i < times.size(); ++i)
-  {
     json["statistics"][std::string(times[i]) + "_seconds"] = f("seconds", i);
-  }
   addSizes(json, f);
   json["seconds"] = report.run.seconds;
   addRun(json, report.run);
@@ -78,18 +74,14 @@ std::string dynamicsTable(const FractureReport& report)
     text += fmt::format("\n  sides and boxes; strain and stress along {}\n", f.text("load_axis"));
   }
   if (f("total_broken") > 0)
-  {
     text += fmt::format("    first break at    {:.6g} s\n", f("first_break_time"));
-  }
   text += fmt::format("    peak at           {:.6g} s, strain {:.6g}, stress {}, {} bonds broken\n", f("peak_time"),
     f("peak_strain"), pascal(f("peak_stress")), grouped(f.whole("peak_broken")));
   const auto end = [&](const char* name) { return fieldNumbers(report.states.back(), name).at(0); };
   text += fmt::format("    end at            {:.6g} s, strain {:.6g}, stress {}, {} bonds broken:\n      {}\n",
     f("end_time"), end("strain"), pascal(end("stress")), grouped(f.whole("total_broken")), f.text("end_reason"));
   if (f("total_broken") > 0)
-  {
     text += "    broken            " + brokenByPairText(report) + "\n";
-  }
   const char* const joule = f.dimension == 2 ? "J/m" : "J";
   text += fmt::format("    energy            kinetic {:.5g} {}, elastic {:.5g}, broken {:.5g}, damped {:.5g};\n"
                       "                      supplied {:.5g}, at first {:.5g}; off by {:.1e} of the largest\n",

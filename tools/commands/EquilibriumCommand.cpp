@@ -36,12 +36,8 @@ void equilibrium(Session& session, const EquilibriumOptions& options, const std:
   vtkNew<vtkBondEquilibrium> filter;
   applyBonds(options.bonds, filter);
   for (const char* const word : { "stress", "strain-energy" })
-  {
     if (options.output.empty() && options.bonds.settings.given(word))
-    {
       throw ParameterError(fmt::format("--{} without a file to write it to", word), "add -o FILE.vti");
-    }
-  }
   if (!options.output.empty() && !isVtkImage(options.output))
   {
     throw ParameterError("-o '" + options.output + "': the fields are written as .vti",

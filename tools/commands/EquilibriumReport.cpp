@@ -21,9 +21,7 @@ namespace
 Json firstBreak(const BondFields& f)
 {
   if (!std::isfinite(f("first_break_strain")))
-  {
     return nullptr;
-  }
   return { { "strain", f("first_break_strain") }, { "stress", f("first_break_stress") },
     { "position", f.vector("first_break_position") }, { "phases", fieldTexts(f.image, "first_break_phases") } };
 }
@@ -41,12 +39,8 @@ std::string equilibriumJson(const BondRun& report)
   Json mean;
   const std::array<const char*, 6> components{ "xx", "yy", "zz", "xy", "yz", "xz" };
   for (std::size_t c = 0; c < 6; ++c)
-  {
     if (f.dimension == 3 || c == 0 || c == 1 || c == 3)
-    {
       mean[components[c]] = jsonNumber(f("mean_stress", c));
-    }
-  }
   json["mean_stress"] = std::move(mean);
   json["reactions"] = { { "low", f.vector("reaction_low") }, { "high", f.vector("reaction_high") } };
   json["elastic_energy"] = sizeKnown(report) ? jsonNumber(f("elastic_energy")) : Json(nullptr);

@@ -39,9 +39,7 @@ public:
   ~StepWatch()
   {
     if (take_)
-    {
       filter_->RemoveObserver(tag_);
-    }
   }
   StepWatch(const StepWatch&) = delete;
   StepWatch& operator=(const StepWatch&) = delete;
@@ -49,18 +47,14 @@ public:
   void rethrow() const
   {
     if (failed_)
-    {
       std::rethrow_exception(failed_);
-    }
   }
 
 private:
   void hand(vtkDataObject* state)
   {
     if (failed_)
-    {
       return;
-    }
     try
     {
       take_(state);
@@ -112,9 +106,7 @@ void runFilter(Session& session, vtkAlgorithm* filter, const char* what, const s
   steps.rethrow();
   Session::checkInterrupt();
   if (client.stopped) // by the run that this one is part of
-  {
     throw Cancelled();
-  }
   if (const std::exception_ptr failure = takeFailure())
   {
     (void)VtkMessages::takeErrors(); // the same in VTK's words
@@ -124,18 +116,15 @@ void runFilter(Session& session, vtkAlgorithm* filter, const char* what, const s
 
 void runFilter(Session& session, vtkAlgorithm* filter, const char* what)
 {
-  runFilter(session, filter, what, [filter] { filter->Update(); });
+  runFilter(
+    session, filter, what, [filter] { filter->Update(); });
 }
 
 void tellWarnings(Session& session, const std::function<bool(const std::string& warning)>& tell)
 {
   for (const std::string& warning : VtkMessages::takeWarnings())
-  {
     if (!tell || tell(warning))
-    {
       session.warn(warning);
-    }
-  }
 }
 
 } // namespace lamella::cli

@@ -46,12 +46,8 @@ Json byAxis(const std::vector<double>& numbers, std::size_t first, std::size_t s
 {
   Json json = Json::object();
   for (std::size_t axis = 0; axis < 3 && first + axis * step < numbers.size(); ++axis)
-  {
     if (const double value = numbers[first + axis * step]; std::isfinite(value))
-    {
       json[axisNames[axis]] = value;
-    }
-  }
   return json;
 }
 
@@ -63,9 +59,7 @@ Json matrix(const std::vector<double>& numbers, int dimension)
   {
     Json line = Json::array();
     for (int column = 0; column < dimension; ++column)
-    {
       line.push_back(jsonNumber(numbers[static_cast<std::size_t>(3 * row + column)]));
-    }
     rows.push_back(line);
   }
   return rows;
@@ -109,12 +103,8 @@ bool holdsSolution(vtkImageData* image)
     {
       const std::string name = data->GetArrayName(i) == nullptr ? "" : data->GetArrayName(i);
       for (const char* quantity : { "temperature", "concentration", "flux" })
-      {
         if (name.rfind(quantity, 0) == 0)
-        {
           return true;
-        }
-      }
     }
     return false;
   };
@@ -143,9 +133,7 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
   const auto data = readGrid(options.file);
   auto* const image = vtkImageData::SafeDownCast(data);
   if (image == nullptr)
-  {
     throw InputError("'" + options.file + "' holds no image", "give a .vti file that lamella diffusion wrote");
-  }
   if (!holdsSolution(image))
   {
     throw InputError(
@@ -179,9 +167,7 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
   magnitude->GetFiniteRange(range, 0);
   double sum = 0;
   for (vtkIdType i = 0; i < magnitude->GetNumberOfTuples(); ++i)
-  {
     sum += magnitude->GetTuple1(i);
-  }
   json["flux_magnitude"] = { { "smallest", jsonNumber(range[0]) }, { "largest", jsonNumber(range[1]) },
     { "mean", jsonNumber(sum / static_cast<double>(magnitude->GetNumberOfTuples())) } };
   json["streamlines"] = streamlines == nullptr ? 0 : streamlines->GetNumberOfLines();

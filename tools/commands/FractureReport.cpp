@@ -45,16 +45,12 @@ std::string pairOf(vtkPolyData* broken, const std::vector<std::string>& names, v
 Json firstBreak(const FractureReport& report, const BondFields& f)
 {
   if (report.broken->GetNumberOfPoints() == 0)
-  {
     return nullptr;
-  }
   const double* const at = report.broken->GetPoint(0);
   const std::vector<std::string> names = fieldTexts(report.run.image, "phase_names");
   Json phases = Json::array();
   for (int end = 0; end < 2; ++end)
-  {
     phases.push_back(names.at(static_cast<std::size_t>(column(report.broken, "phases")->GetComponent(0, end))));
-  }
   return { { "strain", f("first_break_strain") }, { "stress", f("first_break_stress") },
     { "position", std::vector<double>(at, at + f.dimension) }, { "phases", std::move(phases) } };
 }
@@ -64,15 +60,11 @@ Json statistics(const BondFields& f)
   Json json;
   for (const char* name : { "events", "raises", "equilibria", "iterations", "local_cycles", "visited_nodes", "searches",
          "freed_pieces", "freed_nodes", "freed_bonds" })
-  {
     json[name] = f.whole(name);
-  }
   const std::array<const char*, 8> times{ "bonds", "first", "equilibria", "local", "search", "run", "states",
     "checkpoints" };
   for (std::size_t i = 0; i < times.size(); ++i)
-  {
     json[std::string(times[i]) + "_seconds"] = f("seconds", i);
-  }
   return json;
 }
 
@@ -104,9 +96,7 @@ std::vector<std::pair<std::string, std::int64_t>> brokenByPair(const FractureRep
   const std::vector<std::string> names = fieldTexts(report.run.image, "phase_names");
   std::map<std::string, std::int64_t> counts;
   for (vtkIdType i = 0; i < report.broken->GetNumberOfPoints(); ++i)
-  {
     ++counts[pairOf(report.broken, names, i)];
-  }
   std::vector<std::pair<std::string, std::int64_t>> sorted(counts.begin(), counts.end());
   std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   return sorted;
@@ -116,9 +106,7 @@ Json brokenByPairJson(const FractureReport& report)
 {
   Json json = Json::object();
   for (const auto& [pair, count] : brokenByPair(report))
-  {
     json[pair] = count;
-  }
   return json;
 }
 
@@ -184,9 +172,7 @@ std::string fractureTable(const FractureReport& report)
   {
     text += "    broken            " + brokenByPairText(report) + "\n";
     if (sizeKnown(report.run))
-    {
       text += fmt::format("    energy in them    {:.6g} {}\n", f("broken_energy"), f.dimension == 2 ? "J/m" : "J");
-    }
   }
   for (std::size_t i = 0; i + 1 < report.states.size(); ++i)
   {
@@ -212,9 +198,7 @@ std::string fractureTable(const FractureReport& report)
   }
   text += sizesText(f);
   if (report.statistics)
-  {
     text += statisticsText(f);
-  }
   text += platensText(report.run);
   text += wroteText(report.run.written);
   return text;

@@ -106,17 +106,13 @@ void checkFiles(const GenerateOptions& options, bool drawn, int dimension)
     return;
   }
   if (std::filesystem::path(options.output).extension() != ".png")
-  {
     throw ParameterError("-o '" + options.output + "' cannot hold a micrograph", "end its name in .png");
-  }
   if (!options.truth.empty())
   {
     checkSampleEnding(options.truth, dimension, "--truth");
     if (std::filesystem::path(options.truth).lexically_normal() ==
       std::filesystem::path(options.output).lexically_normal())
-    {
       throw ParameterError("-o and --truth name the same file", "give the labels another name");
-    }
   }
 }
 
@@ -124,14 +120,10 @@ Files::Files(const GenerateOptions& options, bool drawn, int dimension)
   : file((checkFiles(options, drawn, dimension), options.output), options.common.overwrite)
 {
   if (!options.truth.empty())
-  {
     truth.emplace(options.truth, options.common.overwrite);
-  }
   labels = truth ? &*truth : drawn ? nullptr : &file;
   if (labels != nullptr && labels->path().extension() == ".raw")
-  {
     beside.emplace(recordBeside(labels->path()), options.common.overwrite);
-  }
 }
 
 void Files::commit()
@@ -139,13 +131,9 @@ void Files::commit()
   Session::checkInterrupt();
   file.commit();
   if (truth)
-  {
     truth->commit();
-  }
   if (beside)
-  {
     beside->commit();
-  }
 }
 
 void write(vtkImageData* image, const PhaseImage& phases, Files& files, const io::Provenance& record, bool drawn)
@@ -161,9 +149,7 @@ void write(vtkImageData* image, const PhaseImage& phases, Files& files, const io
     writeScan(picture, files.file, record);
   }
   if (files.labels == nullptr)
-  {
     return;
-  }
   if (files.labels->path().extension() == ".vti")
   {
     setProvenance(image, io::toJson(record));
@@ -193,9 +179,7 @@ Json toJson(const GenerateOptions& options, const Kind& kind, vtkMicrostructureS
   {
     Json phase{ { "name", phases.phases.names()[id] } };
     if (files.labels != nullptr)
-    {
       phase["value"] = values[id];
-    }
     phase["fraction"] = fractions[id];
     json["phases"].push_back(std::move(phase));
   }
@@ -203,18 +187,12 @@ Json toJson(const GenerateOptions& options, const Kind& kind, vtkMicrostructureS
   {
     json["look"]["stain"] = settings.at("look");
     for (const char* const word : { "blur", "noise", "uneven_light", "dirt", "tears", "rim", "scale_bar" })
-    {
       json["look"][word] = settings.at(word);
-    }
   }
   if (!options.truth.empty())
-  {
     json["truth"] = options.truth;
-  }
   if (settings.contains("seed"))
-  {
     json["seed"] = settings["seed"];
-  }
   return json;
 }
 
@@ -235,17 +213,13 @@ void generate(Session& session, const GenerateOptions& options, const Kind& kind
   const bool drawn = source->GetLook() != vtkMicrostructureSource::LABELS;
   Files files(options, drawn, dimension);
   if (const std::string doubt = pixelSizeDoubt(options.settings.text("pixel-size")); !doubt.empty())
-  {
     session.warn(doubt);
-  }
   runFilter(session, source, "generating");
   vtkImageData* const image = source->GetOutput();
   const PhaseImage phases = toPhaseImage(image);
   io::Provenance record = io::makeProvenance(commandLine);
   if (settingsAsJson(source).contains("seed"))
-  {
     record.seed = source->GetSeed();
-  }
   write(image, phases, files, record, drawn);
   files.commit();
   if (options.common.json)
@@ -261,17 +235,13 @@ void generate(Session& session, const GenerateOptions& options, const Kind& kind
     std::vector<std::string> shares;
     const std::vector<double> fractions = phases.fractions();
     for (std::size_t id = 0; id < fractions.size(); ++id)
-    {
       shares.push_back(fmt::format("{} {:.4f}", phases.phases.names()[id], fractions[id]));
-    }
     session.print(fmt::format("wrote {}: {}{}, {} {} of {:g} µm; {}\n", options.output, kind.name,
       drawn ? " as a micrograph, " + settingsAsJson(source).at("look").get<std::string>() : "",
       sizeText(phases.lattice.size, dimension), drawn ? "pixels" : "nodes", phases.lattice.spacing * 1e6,
       fmt::join(shares, ", ")));
     if (!options.truth.empty())
-    {
       session.print(fmt::format("wrote {}: its labels\n", options.truth));
-    }
   }
 }
 
@@ -298,9 +268,7 @@ Command generateCommand(CLI::App& root)
       ->required();
     options->settings.declareKind(*command, "vtkMicrostructureSource", { "kind", kind.kind }, kind.defaults);
     for (const auto& [old, word] : kind.formerly)
-    {
       options->settings.formerly(*command, old, word);
-    }
     if (kind.kind == vtkMicrostructureSource::SOFTWOOD)
     {
       options->settings.formerly(*command, "radial-early", "radial-diameter", "", 0);
@@ -319,12 +287,8 @@ Command generateCommand(CLI::App& root)
     [commands](Session& session, const std::string& line)
     {
       for (std::size_t i = 0; i < commands.size(); ++i)
-      {
         if (commands[i].first->parsed())
-        {
           session.onRoot([&] { generate(session, *commands[i].second, kinds()[i], line); });
-        }
-      }
     } };
 }
 

@@ -69,9 +69,7 @@ Json arraysJson(vtkFieldData* data)
   {
     vtkDataArray* array = data->GetArray(i);
     if (array == nullptr)
-    {
       continue;
-    }
     const auto [unit, text, creator] = description(array);
     Json json;
     json["name"] = array->GetName() == nullptr ? "" : array->GetName();
@@ -95,16 +93,12 @@ Json fieldJson(vtkFieldData* data)
     vtkAbstractArray* array = data->GetAbstractArray(i);
     const std::string name = array->GetName() == nullptr ? "" : array->GetName();
     if (name == "provenance" || name == "phase_names")
-    {
       continue;
-    }
     Json values = Json::array();
     if (auto* strings = vtkStringArray::SafeDownCast(array))
     {
       for (vtkIdType k = 0; k < strings->GetNumberOfValues(); ++k)
-      {
         values.push_back(std::string(strings->GetValue(k)));
-      }
     }
     else if (auto* numbers = vtkDataArray::SafeDownCast(array))
     {
@@ -152,9 +146,7 @@ Json gridJson(const std::string& path, vtkDataObject* data)
     {
       const double value = phase->GetTuple1(i);
       if (value >= 0 && value < 256)
-      {
         ++count[static_cast<std::size_t>(value)];
-      }
     }
     json["phases"] = Json::array();
     for (std::size_t id = 0; id < count.size(); ++id)
@@ -256,9 +248,7 @@ Json pictureJson(const PictureOptions& options)
 
   std::vector<std::int64_t> count(65536, 0);
   for (const std::uint16_t grey : picture.grey)
-  {
     ++count[grey];
-  }
   json["greys"] = Json::array();
   for (std::size_t grey = 0; grey < count.size(); ++grey)
   {
@@ -267,9 +257,7 @@ Json pictureJson(const PictureOptions& options)
       Json line = { { "grey", grey }, { "nodes", count[grey] },
         { "fraction", static_cast<double>(count[grey]) / static_cast<double>(picture.grey.size()) } };
       if (record && record->phases.contains(static_cast<int>(grey)))
-      {
         line["name"] = record->phases.at(static_cast<int>(grey));
-      }
       json["greys"].push_back(std::move(line));
     }
   }
@@ -285,16 +273,12 @@ Json anyJson(Session& session, const InfoOptions& o)
   const std::string& file = o.raw.picture.file;
   const std::string ending = endingOf(file.c_str());
   if (isPicture(o.raw))
-  {
     return pictureJson(o.raw.picture);
-  }
   if (ending == ".h5" || ending == ".hdf5")
   {
     requireFile(file);
     if (isCheckpoint(file))
-    {
       return checkpointJson(file);
-    }
   }
   const bool ofVtk = ending == ".vti" || ending == ".vtp" || ending == ".vtu";
   return ofVtk && !micrograph::isSlicePattern(file) ? gridJson(file, readGrid(file)) : convertedJson(session, o);
@@ -370,9 +354,7 @@ std::string headText(const Json& json)
 {
   std::string text = fmt::format("{}: {}", json["file"].get<std::string>(), json["kind"].get<std::string>());
   if (json.contains("size"))
-  {
     text += ", " + listText(json["size"], " × ");
-  }
   if (json.contains("bits"))
   {
     text += fmt::format(", {} bits; ", json["bits"].get<int>());
@@ -382,17 +364,11 @@ std::string headText(const Json& json)
           json["pixel_size_source"].get<std::string>());
   }
   if (json.contains("spacing"))
-  {
     text += "; spacing " + listText(json["spacing"]) + " m, origin " + listText(json["origin"]) + " m";
-  }
   if (json.contains("points"))
-  {
     text += fmt::format(", {} points, {} cells", json["points"].get<std::int64_t>(), json["cells"].get<std::int64_t>());
-  }
   if (json.contains("run"))
-  {
     text += " of a run (" + json["run"].get<std::string>() + ")";
-  }
   text += "\n";
   if (json.contains("steps"))
   {
@@ -452,9 +428,7 @@ std::string infoText(const Json& json)
 {
   std::string text = headText(json);
   if (json.contains("greys"))
-  {
     text += greysText(json["greys"]);
-  }
   if (json.contains("phases"))
   {
     text += "phases:\n";
@@ -481,9 +455,7 @@ std::string infoText(const Json& json)
   {
     text += "about the whole:\n";
     for (const auto& [name, value] : json["field_data"].items())
-    {
       text += fmt::format("  {:<29} {}\n", name, listText(value.is_array() ? value : Json::array({ value })));
-    }
   }
   text += json["provenance"].is_object() ? "provenance:\n" + provenanceText(json["provenance"], 2)
                                          : "provenance: none; lamella did not write this file\n";
@@ -519,12 +491,8 @@ Command infoCommand(CLI::App& root)
         {
           const Json json = anyJson(session, *o);
           if (!o->common.json && json.contains("warnings"))
-          {
             for (const Json& warning : json["warnings"])
-            {
               session.warn(warning.get<std::string>());
-            }
-          }
           session.print(o->common.json ? dump(json) : infoText(json));
         });
     } };

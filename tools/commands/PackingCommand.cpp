@@ -70,13 +70,9 @@ std::vector<std::uint64_t> parseSeeds(const std::string& text)
         "write --seeds 1-10, or --seeds 3,5,8");
     }
     if (static_cast<std::uint64_t>(*last - *first) >= most - seeds.size())
-    {
       throw ParameterError("--seeds '" + text + "' are too many", fmt::format("up to {} at once", most));
-    }
     for (std::int64_t seed = *first; seed <= *last; ++seed)
-    {
       seeds.push_back(static_cast<std::uint64_t>(seed));
-    }
   }
   return seeds;
 }
@@ -85,9 +81,7 @@ std::vector<std::uint64_t> parseSeeds(const std::string& text)
 std::string nameFor(std::string name, const std::string& seed)
 {
   for (std::size_t at = name.find(seedMark); at != std::string::npos && !seed.empty(); at = name.find(seedMark))
-  {
     name.replace(at, std::char_traits<char>::length(seedMark), seed);
-  }
   return name;
 }
 
@@ -95,9 +89,7 @@ void checkName(
   const std::string& option, const std::string& name, const std::vector<std::string>& endings, std::size_t samples)
 {
   if (name.empty())
-  {
     return;
-  }
   const std::string ending = std::filesystem::path(name).extension().string();
   if (std::find(endings.begin(), endings.end(), ending) == endings.end())
   {
@@ -136,9 +128,7 @@ Json rows(const Made& made, const char* tensor)
   Json json = Json::array();
   const std::ptrdiff_t dimension = made.spheres() ? 3 : 2;
   for (std::ptrdiff_t row = 0; row < dimension; ++row)
-  {
     json.push_back(std::vector<double>(all.begin() + 3 * row, all.begin() + 3 * row + dimension));
-  }
   return json;
 }
 
@@ -212,17 +202,13 @@ std::string tableOf(const std::vector<Made>& samples, double seconds)
     const std::array<double, 6> values{ made.number("packing_fraction"), made.number("aspect"), made.number("rattlers"),
       made.number("coordination"), made.number("fabric_anisotropy"), made.number("stress_anisotropy") };
     for (std::size_t i = 0; i < values.size(); ++i)
-    {
       sum[i] += values[i] / static_cast<double>(samples.size());
-    }
     line(std::to_string(*made.seed), values);
   }
   line("mean", sum);
   std::size_t files = 0;
   for (const Made& made : samples)
-  {
     files += made.files.size();
-  }
   text += fmt::format("\n  {:.2f} s", seconds);
   text += files > 0 ? fmt::format(", wrote {} files\n", files) : "\n";
   return text;
@@ -237,9 +223,7 @@ std::string toCsv(const Made& made)
   {
     const double* const centre = made.grains->GetPoint(i);
     for (int axis = 0; axis < (made.spheres() ? 3 : 2); ++axis)
-    {
       text += fmt::format("{},", centre[axis]);
-    }
     text += fmt::format("{}\n", radius->GetTuple1(i));
   }
   return text;
@@ -252,9 +236,7 @@ void refuseContradictions(const PackingCommandOptions& options)
   {
     std::vector<std::string> given = settings.idle("");
     if (!options.seeds.empty())
-    {
       given.emplace_back("seeds");
-    }
     if (!given.empty())
     {
       throw ParameterError(
@@ -268,22 +250,16 @@ void refuseContradictions(const PackingCommandOptions& options)
     return;
   }
   if (const std::string given = firstGiven(options.table.declared); !given.empty())
-  {
     throw ParameterError(given + " is about a table, and none is read", "add --read FILE.csv, or leave it out");
-  }
   if (!options.seeds.empty() && settings.given("seed"))
-  {
     throw ParameterError("--seed and --seeds contradict each other", "give one of them");
-  }
   if (options.seeds.empty() && settings.given("threads"))
   {
     throw ParameterError(
       "--threads is for --seeds: one packing runs on one thread", "add --seeds 1-10, or leave it out");
   }
   if (settings.given("every") && options.output.empty())
-  {
     throw ParameterError("--every without a file to write to", "add -o FILE.vtp");
-  }
 }
 
 /// Runs the filter. @throws Error
@@ -315,23 +291,15 @@ void write(const Made& made, const Files& files, io::Provenance record)
   for (vtkPolyData* const data : { made.grains.Get(), made.contacts.Get() })
   {
     if (made.seed)
-    {
       setFieldNumber(data, "seed", static_cast<double>(*made.seed));
-    }
     setProvenance(data, text);
   }
   if (files.grains && files.grains->path().extension() == ".csv")
-  {
     files.grains->write(toCsv(made));
-  }
   else if (files.grains)
-  {
     writeGrid(made.grains, *files.grains);
-  }
   if (files.contacts)
-  {
     writeGrid(made.contacts, *files.contacts);
-  }
 }
 
 /// Prints the samples, one alone or as a list.
@@ -339,12 +307,8 @@ void report(Session& session, const PackingCommandOptions& options, const std::v
   const io::Provenance& record, double seconds)
 {
   for (const Made& made : samples)
-  {
     for (const std::string& warning : fieldTexts(made.grains, "warnings"))
-    {
       session.warn(samples.size() == 1 ? warning : fmt::format("seed {}: {}", *made.seed, warning));
-    }
-  }
   if (options.common.json)
   {
     Json json;
@@ -356,9 +320,7 @@ void report(Session& session, const PackingCommandOptions& options, const std::v
     {
       json["samples"] = Json::array();
       for (const Made& made : samples)
-      {
         json["samples"].push_back(toJson(made));
-      }
     }
     json["seconds"] = seconds;
     addRecord(json, record);
@@ -421,42 +383,30 @@ void packingRun(Session& session, const PackingCommandOptions& options, const st
   {
     seeds = parseSeeds(options.seeds);
     for (const std::uint64_t seed : seeds)
-    {
       filter->AddSeed(static_cast<vtkIdType>(seed));
-    }
   }
   if (filter->GetStateEvery() > 0)
   {
     if (!options.seeds.empty())
-    {
       throw ParameterError("--every with --seeds: states are those of one packing", "give one --seed");
-    }
     packInStates(session, options, filter, commandLine);
     return;
   }
   checkName("-o", options.output, { ".vtp", ".csv" }, seeds.size());
   checkName("--contacts", options.contacts, { ".vtp" }, seeds.size());
   if (!options.read.empty())
-  {
     requireFile(options.read);
-  }
   std::vector<Files> files(seeds.size());
   for (std::size_t i = 0; i < seeds.size(); ++i)
   {
     const std::string seed = options.read.empty() ? std::to_string(seeds[i]) : "";
     if (!options.output.empty())
-    {
       files[i].grains.emplace(nameFor(options.output, seed), options.common.overwrite);
-    }
     if (!options.contacts.empty())
-    {
       files[i].contacts.emplace(nameFor(options.contacts, seed), options.common.overwrite);
-    }
   }
   if (filter->GetPeriodic() && std::filesystem::path(options.output).extension() == ".csv")
-  {
     session.warn("a table does not tell that the box is periodic, nor how large it is; .vtp does");
-  }
 
   std::vector<Made> samples;
   if (!options.read.empty())
@@ -474,13 +424,9 @@ void packingRun(Session& session, const PackingCommandOptions& options, const st
   }
   io::Provenance record = recordRun(session, commandLine, options.read, "");
   for (std::size_t i = 0; i < samples.size(); ++i)
-  {
     write(samples[i], files[i], record);
-  }
   if (samples.size() == 1)
-  {
     record.seed = samples.front().seed;
-  }
   Session::checkInterrupt();
   for (std::size_t i = 0; i < samples.size(); ++i)
   {

@@ -48,17 +48,13 @@ std::string firstGiven(const std::vector<CLI::Option*>& options)
 Grains readPacking(Session& session, const std::string& path, const TableOptions& options)
 {
   if (const std::string given = firstGiven(options.declared); isParticleFile(path) && !given.empty())
-  {
     throw ParameterError(given + " is for tables, and '" + path + "' knows its lengths", "leave it out");
-  }
   if (isParticleFile(path))
   {
     const auto data = readGrid(path);
     auto* const particles = vtkPolyData::SafeDownCast(data);
     if (particles == nullptr)
-    {
       throw InputError("'" + path + "' holds no particles", "give what lamella packing -o FILE.vtp wrote");
-    }
     try
     {
       (void)packingFrom(particles);
@@ -72,16 +68,12 @@ Grains readPacking(Session& session, const std::string& path, const TableOptions
   vtkNew<vtkPackingReader> reader;
   reader->SetFileName(path.c_str());
   if (!options.unit.empty())
-  {
     reader->SetLengthUnit(lengthInMetres("--unit", options.unit));
-  }
   if (!options.box.empty())
   {
     const std::vector<std::string> parts = split(options.box, ',');
     if (parts.size() < 2 || parts.size() > 3)
-    {
       throw ParameterError("--box '" + options.box + "' has not 2 or 3 edges", "write it as --box 20mm,40mm");
-    }
     const auto edge = [&](std::size_t i) { return lengthInMetres("--box", parts[i]); };
     reader->SetBoxSize(edge(0), edge(1), parts.size() == 3 ? edge(2) : 0);
   }
@@ -96,9 +88,7 @@ std::string boxText(const std::array<double, 3>& size)
   const char* const unit = edge >= 1 ? "m" : edge >= 1e-3 ? "mm" : "µm";
   std::string text = fmt::format("{:.5g} {}", edge * scale, unit);
   for (std::size_t axis = 1; axis < (size[2] > 0 ? 3U : 2U); ++axis)
-  {
     text += fmt::format(" × {:.5g} {}", size[axis] * scale, unit);
-  }
   return text;
 }
 

@@ -114,9 +114,7 @@ void writeFiles(Files& files, vtkPoreFloodFill* filter, bool metres, const std::
   vtkImageData* const image = vtkImageData::SafeDownCast(filter->GetOutputDataObject(0));
   setProvenance(image, record);
   for (const OutputFile& file : files.labels)
-  {
     writeGrid(image, file);
-  }
   const auto write = [&](const std::vector<TableFile>& list, vtkTable* table)
   {
     for (const TableFile& file : list)
@@ -130,9 +128,7 @@ void writeFiles(Files& files, vtkPoreFloodFill* filter, bool metres, const std::
   write(files.classes, filter->GetSizeDistribution());
   Session::checkInterrupt();
   for (OutputFile& file : files.labels)
-  {
     file.commit();
-  }
   for (std::vector<TableFile>* const list : { &files.pores, &files.classes })
   {
     for (TableFile& file : *list)
@@ -183,23 +179,17 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
       files = openFiles(options);
       const auto nodes = static_cast<std::uint64_t>(sample.image.lattice.count());
       for (const OutputFile& file : files.labels)
-      {
         file.needs(nodes); // compressed; the whole is nine bytes a node
-      }
       image = imageOf(sample);
       image->GetExtent(extent.data());
     });
   session.broadcast(extent);
   if (options.settings.text("periodic") == "all" && extent[4] == extent[5]) // of a picture
-  {
     filter->SetPeriodic(1, 1, 0);
-  }
 
   vtkSMPTools::Initialize(options.threads); // 0: one a core
   if (options.threads != 1)
-  {
     vtkSMPTools::SetBackend("STDThread");
-  }
   filter->SetComputeLabels(!options.output.empty());
   filter->SetComputePoreSize(!options.output.empty());
   runFilterOnRanks(session, filter.Get(), image, extent, "pores");
@@ -211,9 +201,7 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
       const io::Provenance record = recordRun(session, commandLine, options.picture.file, sample.provenance);
       PoreReport report{ options.picture.file, filter.Get(), sample.pixelSizeSource != "none", record, options.output };
       if (!options.distribution.empty())
-      {
         report.written.push_back(options.distribution);
-      }
       report.ranks = session.ranks();
       writeFiles(files, filter, report.metres, io::toJson(record));
       report.seconds = secondsSince(start);

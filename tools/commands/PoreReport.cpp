@@ -47,12 +47,8 @@ std::vector<std::string> percolating(const Numbers& numbers)
 {
   std::vector<std::string> found;
   for (std::size_t axis = 0; axis < 3; ++axis)
-  {
     if (numbers("pore_percolates", axis) != 0)
-    {
       found.emplace_back(axisNames[axis]);
-    }
-  }
   return found;
 }
 
@@ -83,12 +79,8 @@ std::vector<std::string> sides(vtkTable* table, vtkIdType row, int dimension)
     { "touches_z_min", "z_min" }, { "touches_z_max", "z_max" } } };
   std::vector<std::string> found;
   for (const auto& [column, word] : names)
-  {
     if (cell(table, row, column) != 0)
-    {
       found.push_back(dimension == 3 ? std::string(column).substr(8) : word);
-    }
-  }
   return found;
 }
 
@@ -112,12 +104,8 @@ std::string toJson(const PoreReport& report)
   json["connectivity"] = number.whole("pore_connectivity");
   json["periodic"] = Json::array();
   for (std::size_t axis = 0; axis < 3; ++axis)
-  {
     if (number("pore_periodic", axis) != 0)
-    {
       json["periodic"].push_back(axisNames[axis]);
-    }
-  }
   json["size"] = std::vector<std::int64_t>(lattice.size.begin(), lattice.size.begin() + lattice.dimension);
   json["unit"] = lattice.dimension == 3 ? "voxels" : "pixels";
   json["pixel_size"] = report.metres ? Json(lattice.spacing) : Json(nullptr);
@@ -137,9 +125,7 @@ std::string toJson(const PoreReport& report)
   {
     vtkIdType row = 0;
     while (wholeCell(pores, row, "size") != number.whole("pore_largest"))
-    {
       ++row;
-    }
     json["largest_pore"] = { { "pore", wholeCell(pores, row, "pore") }, { "size", wholeCell(pores, row, "size") },
       { "equivalent_diameter", report.metres ? Json(cell(pores, row, "equivalent_diameter")) : Json(nullptr) },
       { "window", window(pores, row, lattice) }, { "touches", sides(pores, row, lattice.dimension) } };
@@ -180,9 +166,7 @@ std::string toTable(const PoreReport& report)
   {
     vtkIdType row = 0;
     while (wholeCell(pores, row, "size") != number.whole("pore_largest"))
-    {
       ++row;
-    }
     std::string largest = fmt::format("{} {}", grouped(number.whole("pore_largest")), unit);
     if (report.metres)
     {

@@ -39,9 +39,7 @@ std::string wordsOf(const Json& json)
   std::string text = fmt::format("{}: {} pictures, {} charts, {} tables; {}\n", json["title"].get<std::string>(),
     count("pictures"), count("charts"), count("tables"), bytesText(json["bytes"].get<double>()));
   if (count("scaled") > 0)
-  {
     text += fmt::format("pictures scaled down to the page's width: {}\n", count("scaled"));
-  }
   return text + wroteText({ json["output"].get<std::string>() });
 }
 
@@ -63,9 +61,7 @@ void report(Session& session, const ReportOptions& o, const std::string& command
   }
   const std::filesystem::path page = o.output.empty() ? folder / "report.html" : std::filesystem::path(o.output);
   if (page.extension() != ".html" && page.extension() != ".htm")
-  {
     throw ParameterError("-o '" + page.string() + "': pages are written as .html", "end the name in .html");
-  }
   OutputFile file(page, o.common.overwrite);
   const io::Provenance run = recordRun(session, commandLine, "", "");
   reports::PageOptions options;
@@ -83,9 +79,7 @@ void report(Session& session, const ReportOptions& o, const std::string& command
   file.write(made.html);
   file.commit();
   for (const std::string& problem : made.problems)
-  {
     session.warn(problem);
-  }
   Json json;
   json["folder"] = o.folder;
   json["output"] = page.string();

@@ -14,9 +14,7 @@ namespace lamella::cli
 void tellDoubts(Session& session, const Sample& sample)
 {
   for (const std::string& warning : sample.warnings)
-  {
     session.warn(warning);
-  }
 }
 
 vtkSmartPointer<vtkImageData> imageOf(Sample& sample, int refine)
@@ -25,9 +23,7 @@ vtkSmartPointer<vtkImageData> imageOf(Sample& sample, int refine)
     toImageData(refine > 1 ? lamella::refine(sample.image, refine)
                            : PhaseImage{ sample.image.lattice, std::move(sample.image.phase), sample.image.phases });
   if (sample.file != nullptr)
-  {
     carryAlong(image, sample.file, sample.window, refine, { "grain", "axis" });
-  }
   setFieldText(image, "pixel_size_source", sample.pixelSizeSource);
   setProvenance(image, sample.provenance);
   return image;

@@ -62,9 +62,7 @@ void configureFormer(Session& session, vtkSnapshot* snapshot, const SnapshotOpti
     const auto azimuth = toNumber(parts[0]);
     const auto elevation = parts.size() == 2 ? toNumber(parts[1]) : std::nullopt;
     if (!azimuth || !elevation)
-    {
       throw ParameterError("--view '" + options.view + "' is not two numbers", "give --azimuth and --elevation");
-    }
     snapshot->SetAzimuth(*azimuth);
     snapshot->SetElevation(*elevation);
   }
@@ -72,9 +70,7 @@ void configureFormer(Session& session, vtkSnapshot* snapshot, const SnapshotOpti
   {
     tell(options.arrows ? "--arrows" : "--streamlines", options.arrows ? "--overlay arrows" : "--overlay lines");
     if ((options.streamlines && options.arrows) || options.settings.given("overlay"))
-    {
       throw ParameterError("--overlay, --streamlines and --arrows exclude each other", "give --overlay alone");
-    }
     snapshot->SetOverlay(options.arrows ? vtkSnapshot::ARROWS_OVERLAY : vtkSnapshot::LINES_OVERLAY);
   }
 }
@@ -84,9 +80,7 @@ vtkSmartPointer<vtkDataObject> cut(vtkDataObject* data, const std::string& windo
 {
   auto* image = vtkImageData::SafeDownCast(data);
   if (image == nullptr)
-  {
     throw ParameterError("--window is for images", "leave it out");
-  }
   const Window part = *parseWindow(window);
   const Lattice lattice = latticeOf(image);
   requireWindowFits(lattice, part);
@@ -129,9 +123,7 @@ void snapshot(Session& session, const SnapshotOptions& options, const std::strin
   options.settings.give(drawing);
   configureFormer(session, drawing, options);
   if (std::filesystem::path(options.output).extension() != ".png")
-  {
     throw ParameterError("-o '" + options.output + "': pictures are written as PNG", "end the name in .png");
-  }
   OutputFile file(options.output, options.common.overwrite);
   const auto data = load(session, options);
   Session::checkInterrupt();

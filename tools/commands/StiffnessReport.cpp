@@ -26,9 +26,7 @@ Json matrix(const BondFields& f, const char* name)
   const std::vector<double> values = f.numbers(name);
   const std::size_t n = values.size() == 36 ? 6 : 3;
   if (!std::isfinite(values.front()))
-  {
     return nullptr;
-  }
   Json rows = Json::array();
   for (std::size_t a = 0; a < n; ++a)
   {
@@ -79,12 +77,8 @@ std::pair<double, const char*> unitFor(double largest)
   constexpr std::array<std::pair<double, const char*>, 4> units{ { { 1e9, "GPa" }, { 1e6, "MPa" }, { 1e3, "kPa" },
     { 1, "Pa" } } };
   for (const auto& unit : units)
-  {
     if (largest >= unit.first)
-    {
       return unit;
-    }
-  }
   return units.back();
 }
 
@@ -127,9 +121,7 @@ std::string stiffnessJson(const BondRun& report)
   addModel(json, f);
   std::vector<std::int64_t> iterations;
   for (const double n : f.numbers("iterations"))
-  {
     iterations.push_back(std::llround(n));
-  }
   json["iterations"] = iterations;
   addSolve(json, f);
   addSizes(json, f);
@@ -157,9 +149,7 @@ std::string stiffnessTable(const BondRun& report)
     known ? "; after ± its error" : "", "");
   const std::vector<double> errors = f.numbers("stiffness_error");
   for (const std::string& name : names)
-  {
     text += fmt::format("{:>{}}", name, known ? 19 : 11);
-  }
   // what round-off leaves of nothing is none
   const auto shown = [&](double v) { return std::abs(v) < 1e-6 * largestOf(c) ? 0 : v / unit; };
   for (std::size_t a = 0; a < n; ++a)
@@ -203,9 +193,7 @@ std::string stiffnessTable(const BondRun& report)
   }
   std::string iterations;
   for (const double count : f.numbers("iterations"))
-  {
     iterations += fmt::format("{}{:g}", iterations.empty() ? "" : " + ", count);
-  }
   const double solve = f("seconds", 1) + f("seconds", 2);
   text += fmt::format("\n  {}, horizon {:g}; {} iterations, residual {:.1e}, {:.3f} s, error {:.3f} s (everything: "
                       "{:.2f} s, {})\n",
@@ -221,9 +209,7 @@ std::string stiffnessTable(const BondRun& report)
         f("poissons_ratio"))
     : "\n";
   if (f.text("continuum") == "plane-strain")
-  {
     text += "  Constants of the plane: an isotropic material would have E/(1 - nu²) and nu/(1 - nu).\n";
-  }
   text += wroteText(report.written);
   return text;
 }

@@ -143,25 +143,19 @@ void stressPdf(Session& session, const StressPdfOptions& o, const std::string& c
   const auto data = readGrid(o.file);
   auto* const grid = vtkDataSet::SafeDownCast(data);
   if (grid == nullptr)
-  {
     throw InputError("'" + o.file + "' holds no grid", "give a .vti or .vtp file with stresses");
-  }
   const int association = associationOf(grid, o.array);
   filter->SetInputDataObject(data);
   filter->SetInputArrayToProcess(0, 0, 0, association, o.array.c_str());
   filter->SetInputArrayToProcess(1, 0, 0, association, o.phaseArray.c_str());
   vtkSMPTools::Initialize(o.threads);
   if (o.threads > 1)
-  {
     vtkSMPTools::SetBackend("STDThread");
-  }
   runFilter(session, filter, "stresses");
   tellWarnings(session);
   Json json = reportOf(o, filter);
   if (json["tail"]["theta"].is_null())
-  {
     session.warn("fewer than two stresses are in the tail: theta is not known");
-  }
 
   const io::Provenance run = recordRun(session, commandLine, o.file, provenance(data));
   json["files"] = files.write(io::toJson(run));

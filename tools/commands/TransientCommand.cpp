@@ -66,9 +66,7 @@ std::size_t apply(const Session& session, const TransientOptions& o, vtkLatticeB
     filter->SetOutletValue(*outlet);
   }
   if (filter->GetComputeFlux() && o.output.empty())
-  {
     throw ParameterError("--flux without a file to write to", "add -o FILE.vti");
-  }
   filter->SetKeepStates(session.keepsAllStates());
   applyCheckpoint(session, o.checkpoint, filter);
   const std::size_t named = o.settings.count("at-time") + o.settings.count("at-step");
@@ -105,9 +103,7 @@ std::string words(const Json& json)
     json.at("stepping").get<std::string>(), json.at("lattice").get<std::string>(), json.at("relaxation").get<double>(),
     grouped(json.at("stored_nodes").get<std::int64_t>()), grouped(json.at("skipped_nodes").get<std::int64_t>()));
   if (const auto at = json.at("continued_at").get<std::int64_t>(); at > 0)
-  {
     text += fmt::format("  continued after {} steps\n", grouped(at));
-  }
   if (const auto last = json.at("last_checkpoint").get<std::int64_t>(); last > 0)
   {
     text += fmt::format("  {} checkpoints, the last after {} steps\n",
@@ -138,9 +134,7 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
       files =
         StateWriter(o.output, frames, o.common.overwrite, ".vti", { "fields", "the history goes to --curve FILE.csv" });
       if (!o.curve.empty())
-      {
         tables.addTable("--curve", o.curve, filter->GetCurve(), o.common.overwrite);
-      }
       Sample sample = loadSample(o.picture);
       Session::checkInterrupt();
       o.settings.checkNames(sample.image.phases.names());
@@ -148,9 +142,7 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
       files.needs(static_cast<std::uint64_t>(sample.image.lattice.count()) * (filter->GetComputeFlux() ? 33 : 9));
       provenance = sample.provenance;
       if (!o.checkpoint.file.empty())
-      {
         files.follow(session, io::toJson(recordRun(session, commandLine, o.picture.file, provenance)));
-      }
       image = imageOf(sample);
       image->GetExtent(extent.data());
     });
@@ -159,22 +151,16 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
   {
     tellWarnings(session);
     if (!o.values.empty())
-    {
       session.warn(
         "--values is called --inlet-value and --outlet-value now; the next version does not know --values any more");
-    }
     o.settings.tellFormer(session);
     std::vector<vtkDataObject*> states;
     for (int k = 0; k < filter->GetNumberOfStates(); ++k)
-    {
       states.push_back(filter->GetStateImage(k));
-    }
     const io::Provenance record = recordRun(session, commandLine, o.picture.file, provenance);
     std::vector<std::string> written = files.write(states, io::toJson(record));
     for (const std::string& name : tables.write(io::toJson(record)))
-    {
       written.push_back(name);
-    }
     files.commit();
     vtkImageData* const last = vtkImageData::SafeDownCast(states.back());
     Json json;
@@ -192,9 +178,7 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
     json["updates_per_second"] = numberOf(last, "updates_per_second");
     json["bytes"] = numberOf(last, "bytes");
     for (const char* name : { "continued_at", "states_before", "checkpoints", "last_checkpoint" })
-    {
       json[name] = static_cast<std::int64_t>(numberOf(last, name));
-    }
     json["warning"] = textOf(last, "warning");
     json["ranks"] = session.ranks();
     json["seconds"] = secondsSince(start);

@@ -35,9 +35,7 @@ vtkSmartPointer<vtkTable> checkpointTable(const std::string& path, std::span<con
   const io::Checkpoint checkpoint = io::decode(bytes, path);
   std::vector<std::string> names;
   for (const auto& [name, array] : checkpoint.arrays)
-  {
     names.push_back(name);
-  }
   if (arrays.size() != 1)
   {
     throw ParameterError(
@@ -68,9 +66,7 @@ vtkSmartPointer<vtkTable> checkpointTable(const std::string& path, std::span<con
         const std::string name = columns == 1 ? arrays.front() : fmt::format("{}:{}", arrays.front(), k);
         const auto column = newArray<Column>(name.c_str(), 1, rows);
         for (std::size_t row = 0; row < rows; ++row)
-        {
           column->SetValue(static_cast<vtkIdType>(row), values[row * columns + k]);
-        }
         describe(column, array.unit, array.description, "lamella");
         table->AddColumn(column);
       }

@@ -61,9 +61,7 @@ std::vector<std::string> namesOf(vtkFieldData* data)
 {
   std::vector<std::string> names;
   for (int i = 0; i < data->GetNumberOfArrays(); ++i)
-  {
     names.push_back(nameOf(data->GetAbstractArray(i)));
-  }
   return names;
 }
 
@@ -71,12 +69,8 @@ std::vector<std::string> namesOf(vtkFieldData* data)
 void select(vtkDataSetAttributes* data, const std::vector<std::string>& wanted)
 {
   for (const std::string& name : wanted.empty() ? std::vector<std::string>() : namesOf(data))
-  {
     if (std::ranges::find(wanted, name) == wanted.end())
-    {
       data->RemoveArray(name.c_str());
-    }
-  }
 }
 
 /// @throws ParameterError for a name that the grid does not have
@@ -99,21 +93,15 @@ void requireArrays(vtkDataSet* grid, const std::vector<std::string>& wanted)
 vtkSmartPointer<vtkDataArray> shaped(const Plan& plan, vtkDataArray* array)
 {
   if (plan.range)
-  {
     return spread(array, plan.type.value_or(VTK_UNSIGNED_CHAR), plan.range->front(), plan.range->back());
-  }
   return plan.type ? cast(array, *plan.type, !plan.words.lossy) : vtkSmartPointer<vtkDataArray>(array);
 }
 
 void shape(const Plan& plan, vtkDataSetAttributes* data)
 {
   for (const std::string& name : plan.type || plan.range ? namesOf(data) : std::vector<std::string>())
-  {
     if (vtkDataArray* const array = data->GetArray(name.c_str()))
-    {
       data->AddArray(shaped(plan, array)); // takes the place of the one of this name
-    }
-  }
 }
 
 /// A spacing from outside: the image is as large again, about the same corner.
@@ -121,9 +109,7 @@ void resize(vtkImageData* image, double pixelSize)
 {
   std::array<double, 3> origin{};
   for (std::size_t axis = 0; axis < 3; ++axis)
-  {
     origin[axis] = image->GetOrigin()[axis] / image->GetSpacing()[axis] * pixelSize;
-  }
   image->SetOrigin(origin.data());
   image->SetSpacing(pixelSize, pixelSize, pixelSize);
   setFieldText(image, "pixel_size_source", "option");
@@ -142,9 +128,7 @@ std::unique_ptr<Volume> selected(std::unique_ptr<Volume> volume, const Plan& pla
       shape(plan, image->GetPointData());
       shape(plan, image->GetCellData());
       if (plan.pixelSize)
-      {
         resize(image, *plan.pixelSize);
-      }
       return image;
     });
 }
@@ -158,9 +142,7 @@ std::unique_ptr<Volume> onePixelArray(std::unique_ptr<Volume> volume, const Plan
   const bool inCells = names.empty();
   names.insert(names.end(), cells.begin(), cells.end());
   if (names.empty())
-  {
     throw InputError(fmt::format("'{}' holds no array", plan.words.raw.picture.file), "nothing can be converted");
-  }
   if (names.size() > 1)
   {
     throw InputError(fmt::format("'{}' holds {} arrays ({}), and {} takes one", plan.words.raw.picture.file,
@@ -192,9 +174,7 @@ std::unique_ptr<Volume> holdable(Session& session, std::unique_ptr<Volume> volum
   const int type = array->GetDataType();
   const int components = array->GetNumberOfComponents();
   if (plan.target.holds(type, components))
-  {
     return volume;
-  }
   const std::string name = nameOf(array);
   if (components != 1)
   {
@@ -240,9 +220,7 @@ void prepareImage(Session& session, Step& step, Plan& plan)
   }
   vtkImageData* const sample = step.volume->sample();
   if (plan.ending == ".vti" || sample->GetCellData()->GetNumberOfArrays() == 0)
-  {
     return;
-  }
   if (sample->GetPointData()->GetNumberOfArrays() == 0)
   {
     step.volume = cellsAsPoints(std::move(step.volume));
@@ -255,7 +233,8 @@ void prepareImage(Session& session, Step& step, Plan& plan)
   }
   else
   {
-    step.volume = changed(std::move(step.volume),
+    step.volume = changed(
+      std::move(step.volume),
       [](vtkSmartPointer<vtkImageData> slab)
       {
         auto image = vtkSmartPointer<vtkImageData>::New();
@@ -317,9 +296,7 @@ void requireKind(Step& step, const Plan& plan)
 vtkDataObject* headOf(Step& step)
 {
   if (step.volume != nullptr)
-  {
     return step.volume->sample();
-  }
   return step.points != nullptr ? static_cast<vtkDataObject*>(step.points) : step.table;
 }
 
@@ -329,13 +306,9 @@ void stamp(Step& step, const std::string& record, std::optional<double> time)
   const auto mark = [record, time](vtkDataObject* data)
   {
     if (!record.empty())
-    {
       setProvenance(data, record);
-    }
     if (time)
-    {
       setFieldNumbers(data, "TimeValue", std::array{ *time });
-    }
   };
   if (step.volume == nullptr)
   {
@@ -356,9 +329,7 @@ Plan planOf(const ConversionWords& o, const Format& target, const std::string& e
 {
   Plan plan{ o, target, ending };
   if (!o.type.empty())
-  {
     plan.type = typeNamed(numberTypes()[oneOf("--type", o.type, numberTypes())]);
-  }
   if (!o.range.empty())
   {
     plan.range = rangeOf("--range", o.range, "0.1,0.9");
@@ -421,9 +392,7 @@ void describeStep(Json& json, Step& step)
 std::optional<std::size_t> chosenStep(const ConversionWords& o, const Source& source)
 {
   if (o.step.empty())
-  {
     return std::nullopt;
-  }
   const auto number = toInteger(o.step);
   if (!number || *number < 0 || *number >= static_cast<std::int64_t>(source.files.size()))
   {
@@ -436,9 +405,7 @@ std::optional<std::size_t> chosenStep(const ConversionWords& o, const Source& so
 std::vector<std::size_t> stepsOf(const ConversionWords& o, const Source& source, const std::string& ending)
 {
   if (const auto step = chosenStep(o, source))
-  {
     return { *step };
-  }
   if (source.files.size() > 1 && ending != ".pvd" && !isPattern(o.output))
   {
     throw ParameterError(
@@ -454,9 +421,7 @@ std::vector<std::size_t> stepsOf(const ConversionWords& o, const Source& source,
 std::optional<double> timeOf(const Source& source, std::size_t number, vtkDataObject* head)
 {
   if (!source.times.empty())
-  {
     return source.times[number];
-  }
   const auto known = source.series ? fieldNumbers(head, "TimeValue") : std::vector<double>();
   return known.size() == 1 ? std::optional(known.front()) : std::nullopt;
 }
@@ -467,17 +432,11 @@ Step stepOf(vtkDataObject* data)
   const auto own = vtkSmartPointer<vtkDataObject>::Take(data->NewInstance());
   own->ShallowCopy(data);
   if (auto* const image = vtkImageData::SafeDownCast(own))
-  {
     return { wholeVolume(image) };
-  }
   if (vtkPolyData::SafeDownCast(own) != nullptr || vtkUnstructuredGrid::SafeDownCast(own) != nullptr)
-  {
     return { .points = vtkPointSet::SafeDownCast(own) };
-  }
   if (auto* const table = vtkTable::SafeDownCast(own))
-  {
     return { .table = table };
-  }
   throw InputError(fmt::format("a {} cannot be written", data->GetClassName()),
     "give an image, poly data, an unstructured grid or a table");
 }
@@ -486,13 +445,9 @@ Step stepOf(vtkDataObject* data)
 void prepare(Session& session, Step& step, Plan& plan)
 {
   if (step.volume != nullptr)
-  {
     prepareImage(session, step, plan);
-  }
   else if (step.points != nullptr)
-  {
     preparePoints(step, plan);
-  }
 }
 
 /// The ending of the file of VTK that holds what a step is.
@@ -505,9 +460,7 @@ const char* endingFor(const Step& step)
 std::string stepName(const std::string& output, const std::string& ending, std::size_t number, Step& step)
 {
   if (ending != ".pvd")
-  {
     return numbered(output, number);
-  }
   return withSuffix(std::filesystem::path(output).replace_extension(endingFor(step)), fmt::format("_{:03}", number))
     .string();
 }
@@ -524,13 +477,9 @@ Converted convert(Session& session, const ConversionWords& o, const std::string&
   (void)planOf(o, named, ending);
   Source source;
   if (data == nullptr)
-  {
     source = findSource(file, reading);
-  }
   else
-  {
     source.files = { file };
-  }
   const std::vector<std::size_t> steps = stepsOf(o, source, ending);
   const bool several = steps.size() > 1;
 
@@ -544,9 +493,7 @@ Converted convert(Session& session, const ConversionWords& o, const std::string&
   std::vector<OutputFile> done;
   std::vector<OutputFile> list;
   if (ending == ".pvd")
-  {
     list.emplace_back(o.output, o.overwrite);
-  }
   std::optional<io::Provenance> run;
   for (std::size_t i = 0; i < steps.size(); ++i)
   {
@@ -565,19 +512,13 @@ Converted convert(Session& session, const ConversionWords& o, const std::string&
     std::vector<OutputFile> files;
     // Slices have the numbers of a pattern for themselves.
     for (const std::string& one : target.files(target.slices ? o.output : name, step))
-    {
       files.emplace_back(one, o.overwrite);
-    }
     if (!run)
-    {
       run = recordRun(session, command, data == nullptr ? file : "", provenance(headOf(step)));
-    }
     const std::optional<double> time = timeOf(source, steps[i], headOf(step));
     stamp(step, io::toJson(*run), time);
     if (i == 0)
-    {
       describeStep(json, step);
-    }
     target.write({ session, step, files });
     times.push_back(time.value_or(static_cast<double>(i)));
     stepNames.push_back(std::filesystem::path(name).filename().string());
@@ -595,17 +536,11 @@ Converted convert(Session& session, const ConversionWords& o, const std::string&
   }
   const PartFile::Hold together;
   for (OutputFile& one : done)
-  {
     one.commit();
-  }
   for (OutputFile& one : list)
-  {
     one.commit();
-  }
   for (const std::string& warning : reading.warnings)
-  {
     session.warn(warning);
-  }
   json["steps"] = steps.size();
   json["times"] = times;
   json["files"] = names;
@@ -637,9 +572,7 @@ Loaded load(Session& session, const ConversionWords& o)
   loaded.data = step.volume != nullptr ? readAll(session, *step.volume).Get() : headOf(step);
   session.endProgress();
   for (const std::string& warning : reading.warnings)
-  {
     session.warn(warning);
-  }
   return loaded;
 }
 

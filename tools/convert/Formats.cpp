@@ -61,9 +61,7 @@ std::vector<std::string> itself(const std::string& output, Step&)
 std::unique_ptr<Volume> spreadPhases(std::unique_ptr<Volume> volume, const std::vector<std::uint8_t>& greys)
 {
   if (greys.empty())
-  {
     return volume;
-  }
   return changed(std::move(volume),
     [greys](vtkSmartPointer<vtkImageData> slab)
     {
@@ -74,10 +72,8 @@ std::unique_ptr<Volume> spreadPhases(std::unique_ptr<Volume> volume, const std::
       for (vtkIdType i = 0; i < ids->GetNumberOfValues(); ++i)
       {
         if (ids->GetValue(i) >= greys.size())
-        {
           throw InputError(fmt::format("'phase' holds {}, and {} phases have names", ids->GetValue(i), greys.size()),
             "write it as .raw, .mhd or .hdf, which keep the ids");
-        }
         values->SetValue(i, greys[ids->GetValue(i)]);
       }
       auto image = vtkSmartPointer<vtkImageData>::New();
@@ -106,9 +102,7 @@ std::vector<std::string> pngFiles(const std::string& output, Step& step)
 {
   const int layers = step.volume->layers();
   if (layers == 1)
-  {
     return { numbered(output, 0) };
-  }
   if (!isPattern(output))
   {
     throw ParameterError(fmt::format("a PNG holds one picture, and this is a volume of {} layers", layers),
@@ -116,9 +110,7 @@ std::vector<std::string> pngFiles(const std::string& output, Step& step)
   }
   std::vector<std::string> names;
   for (int layer = 0; layer < layers; ++layer)
-  {
     names.push_back(numbered(output, static_cast<std::size_t>(layer)));
-  }
   return names;
 }
 
@@ -174,9 +166,7 @@ std::vector<std::string> headerFiles(const std::string& output, Step& step)
 {
   auto names = withNotesBeside(output, step);
   if (hasData(output))
-  {
     names.push_back(fs::path(output).replace_extension(".raw").string());
-  }
   return names;
 }
 
@@ -186,14 +176,10 @@ void writeNumbers(const Writing& w, std::string (*header)(vtkImageData*, const s
   Volume& volume = *w.step.volume;
   const bool two = w.files.size() > 2;
   if (header != nullptr && two)
-  {
     w.files[0].write(header(volume.sample(), volume.extent(), w.files[2].path().filename().string()));
-  }
   ByteStream stream(w.files[two ? 2 : 0]);
   if (header != nullptr && !two)
-  {
     stream.write(header(volume.sample(), volume.extent(), ""));
-  }
   forSlabs(w.session, volume,
     [&](vtkDataArray* values, int, int)
     {
@@ -228,9 +214,7 @@ Step openHdfFile(const std::string& path, Reading& reading)
 {
   requireFile(path);
   if (isCheckpoint(path))
-  {
     return { .table = checkpointTable(path, reading.arrays) };
-  }
   return openHdf(path);
 }
 
@@ -243,9 +227,7 @@ void writeVtp(const Writing& w)
 {
   vtkSmartPointer<vtkPointSet> points = w.step.points;
   if (auto* const grid = vtkUnstructuredGrid::SafeDownCast(points))
-  {
     points = toPolyData(grid);
-  }
   writeGrid(points, w.files.front());
 }
 
@@ -253,22 +235,16 @@ void writeVtu(const Writing& w)
 {
   vtkSmartPointer<vtkPointSet> points = w.step.points;
   if (auto* const poly = vtkPolyData::SafeDownCast(points))
-  {
     points = toUnstructuredGrid(poly);
-  }
   writeGrid(points, w.files.front());
 }
 
 void writeVtkHdf(const Writing& w)
 {
   if (w.step.volume != nullptr)
-  {
     writeHdf(w.session, *w.step.volume, w.files.front());
-  }
   else
-  {
     writeHdf(w.session, w.step.points, w.files.front());
-  }
 }
 
 Step openCsv(const std::string& path, Reading& reading)
@@ -343,9 +319,7 @@ const Format& formatOf(const std::string& option, const std::string& path)
   for (const Format& format : formats())
   {
     if (std::ranges::find(format.endings, ending) != format.endings.end())
-    {
       return format;
-    }
     known.insert(known.end(), format.endings.begin(), format.endings.end());
   }
   throw ParameterError(fmt::format("{} '{}' has no ending of a format that is known", option, path),
@@ -371,9 +345,7 @@ std::string formatsText()
   {
     std::string endings;
     for (const std::string& ending : format.endings)
-    {
       endings += fmt::format("{}`{}`", endings.empty() ? "" : ", ", ending);
-    }
     text += fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} |\n", format.name, endings, kinds(format.reads),
       kinds(format.writes), format.values, format.manyArrays ? "many" : "one", format.slabs ? "yes" : "", format.where);
   }
@@ -391,9 +363,7 @@ std::string numbered(const std::string& pattern, std::size_t number)
   const std::string name = path.filename().string();
   std::smatch match;
   if (!std::regex_search(name, match, numberFormat()))
-  {
     return pattern;
-  }
   const std::size_t width = match[2].length() > 0 ? std::min(18UL, std::stoul(match[2])) : 0;
   return (path.parent_path() / (match.prefix().str() + fmt::format("{:0{}}", number, width) + match.suffix().str()))
     .string();

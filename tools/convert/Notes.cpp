@@ -41,9 +41,7 @@ namespace
 int typeOf(const std::string& name)
 {
   if (const auto type = typeNamed(name))
-  {
     return *type;
-  }
   throw InputError("the notes of the file speak of a type '" + name + "'", "they were made by a newer version");
 }
 
@@ -80,9 +78,7 @@ Json fieldsJson(vtkFieldData* data)
     vtkAbstractArray* const array = data->GetAbstractArray(i);
     const std::string name = array->GetName() == nullptr ? "" : array->GetName();
     if (name == "provenance" || name.empty())
-    {
       continue;
-    }
     Json json{ { "type", typeName(array->GetDataType()) }, { "components", array->GetNumberOfComponents() } };
     Json values = Json::array();
     auto* const numbers = vtkDataArray::SafeDownCast(array);
@@ -97,9 +93,7 @@ Json fieldsJson(vtkFieldData* data)
     }
     json["values"] = std::move(values);
     if (numbers != nullptr)
-    {
       describeJson(json, numbers);
-    }
     fields[name] = std::move(json);
   }
   return fields;
@@ -111,9 +105,7 @@ void describeFrom(const Json& json, vtkDataArray* array)
   const std::string text = json.value("description", "");
   const std::string creator = json.value("creator", "");
   if (!unit.empty() || !text.empty() || !creator.empty())
-  {
     describe(array, unit, text, creator);
-  }
 }
 
 void addFields(const Json& fields, vtkDataSet* grid)
@@ -137,9 +129,7 @@ void addFields(const Json& fields, vtkDataSet* grid)
                                          : vtkVariant(value.get<long long>()));
     }
     if (numbers != nullptr)
-    {
       describeFrom(json, numbers);
-    }
     grid->GetFieldData()->AddArray(array);
   }
 }
@@ -155,17 +145,11 @@ Phases phasesOf(const Record& record, const Json& json)
 {
   Phases phases;
   if (const auto fields = json.find("fields"); fields != json.end() && fields->contains("phase_names"))
-  {
     phases.table = PhaseTable(fields->at("phase_names").at("values").get<std::vector<std::string>>());
-  }
   else if (std::ranges::any_of(record.phases, [](const auto& phase) { return phase.second == "void"; }))
-  {
     phases.table.add("void"); // which is 0 wherever there is one, as in GreyMap
-  }
   for (const auto& [grey, name] : record.phases)
-  {
     phases.idOfGrey[grey] = phases.table.add(name);
-  }
   return phases;
 }
 
@@ -176,9 +160,7 @@ vtkSmartPointer<vtkDataArray> phaseIds(vtkDataArray* greys, const Phases& phases
   ids->SetNumberOfValues(count);
   std::vector<int> idOf(65536, -1);
   for (const auto& [grey, id] : phases.idOfGrey)
-  {
     idOf.at(static_cast<std::size_t>(std::clamp(grey, 0, 65535))) = id;
-  }
   for (vtkIdType i = 0; i < count; ++i)
   {
     const auto grey = static_cast<std::int64_t>(greys->GetComponent(i, 0));
@@ -208,9 +190,7 @@ public:
       const auto extent = image->at("extent").get<std::array<int, 6>>();
       bool same = true;
       for (std::size_t axis = 0; axis < 3; ++axis)
-      {
         same = same && extent[2 * axis + 1] - extent[2 * axis] == extent_[2 * axis + 1] - extent_[2 * axis];
-      }
       if (same)
       {
         shift_ = extent_[4] - extent[4];
@@ -219,9 +199,7 @@ public:
       }
     }
     if (const auto fields = notes_.find("fields"); fields != notes_.end())
-    {
       addFields(*fields, fields_);
-    }
     if (!record_.phases.empty())
     {
       phases_ = phasesOf(record_, notes_);
@@ -252,13 +230,9 @@ public:
     this->name(image);
     image->GetFieldData()->ShallowCopy(from->GetFieldData());
     if (!placed_ && image->GetSpacing()[0] != from->GetSpacing()[0])
-    {
       setFieldText(image, "pixel_size_source", "lamella record");
-    }
     for (int i = 0; i < fields_->GetFieldData()->GetNumberOfArrays(); ++i)
-    {
       image->GetFieldData()->AddArray(fields_->GetFieldData()->GetAbstractArray(i));
-    }
     return image;
   }
 
@@ -270,16 +244,12 @@ private:
     const Json json = arrays != notes_.end() && arrays->size() == 1 ? arrays->front() : Json::object();
     const bool phases = !phases_.idOfGrey.empty();
     if (phases)
-    {
       values = phaseIds(values, phases_);
-    }
     if (json.contains("type") && typeOf(json.at("type").get<std::string>()) != values->GetDataType() && !phases)
     {
       const int type = typeOf(json.at("type").get<std::string>());
       if (!isReal(type) && !isReal(values->GetDataType())) // a picture's 8 or 16 bits were enough for its whole numbers
-      {
         values = cast(values, type, true);
-      }
     }
     values->SetName(json.value("name", phases ? "phase" : values->GetName()).c_str());
     describeFrom(json, values);
@@ -318,9 +288,7 @@ std::vector<std::uint8_t> greysFor(vtkImageData* image, const std::string& endin
   if (phases.size() == 0 || array == nullptr || array->GetName() == nullptr ||
     std::string(array->GetName()) != "phase" || array->GetDataType() != VTK_UNSIGNED_CHAR ||
     array->GetNumberOfComponents() != 1)
-  {
     return {};
-  }
   const bool picture = ending == ".png" || ending == ".tif" || ending == ".tiff";
   return valuesInFile(phases, picture ? ending : ".raw");
 }
@@ -333,17 +301,13 @@ std::string notesOf(
   record.provenance = provenance(grid);
   const PhaseTable phases = phaseNames(grid);
   for (std::size_t id = 0; id < greys.size(); ++id)
-  {
     record.phases[greys[id]] = phases.names()[id];
-  }
   if (image != nullptr)
   {
     const double* const spacing = image->GetSpacing();
     const bool known = fieldText(image, "pixel_size_source") != "none";
     if (spacing[0] == spacing[1] && (spacing[1] == spacing[2] || extent[4] == extent[5]) && known)
-    {
       record.pixelSize = spacing[0];
-    }
     if (stored == VTK_UNSIGNED_CHAR || stored == VTK_UNSIGNED_SHORT)
     {
       record.size = { extent[1] - extent[0] + 1, extent[3] - extent[2] + 1, extent[5] - extent[4] + 1 };
@@ -360,17 +324,13 @@ std::string notesOf(
       { "direction", std::vector<double>(direction, direction + 9) }, { "stored", typeName(stored) } };
   }
   if (auto* const points = vtkPointSet::SafeDownCast(grid); points != nullptr && points->GetPoints() != nullptr)
-  {
     json["points"] = typeName(points->GetPoints()->GetDataType());
-  }
   json["arrays"] = Json::array();
   for (int i = 0; i < grid->GetPointData()->GetNumberOfArrays(); ++i)
   {
     vtkDataArray* const array = grid->GetPointData()->GetArray(i);
     if (array == nullptr)
-    {
       continue;
-    }
     Json entry{ { "name", array->GetName() == nullptr ? "" : array->GetName() },
       { "type", typeName(before != 0 ? before : array->GetDataType()) },
       { "components", array->GetNumberOfComponents() } };
@@ -403,9 +363,7 @@ std::unique_ptr<Volume> withNotes(std::unique_ptr<Volume> values, const std::str
 {
   const auto record = parseRecord(notes);
   if (!record)
-  {
     return values;
-  }
   return understood([&]() -> std::unique_ptr<Volume>
     { return std::make_unique<Noted>(std::move(values), Json::parse(notes), *record); });
 }
@@ -414,9 +372,7 @@ std::optional<RawNotes> rawNotes(const std::string& notes)
 {
   const auto record = parseRecord(notes);
   if (!record)
-  {
     return std::nullopt;
-  }
   return understood(
     [&]() -> std::optional<RawNotes>
     {
@@ -431,9 +387,7 @@ std::optional<RawNotes> rawNotes(const std::string& notes)
       {
         const auto extent = image->at("extent").get<std::array<int, 6>>();
         for (std::size_t axis = 0; axis < 3; ++axis)
-        {
           raw.size[axis] = extent[2 * axis + 1] - extent[2 * axis] + 1;
-        }
         raw.type = typeOf(image->at("stored").get<std::string>());
         raw.components = json.at("arrays").at(0).at("components").get<int>();
       }
@@ -446,28 +400,20 @@ TableNotes tableNotes(const std::string& notes, vtkDataSet* fields)
   TableNotes table;
   const Json json = Json::parse(notes, nullptr, false);
   if (!json.is_object())
-  {
     return table;
-  }
   understood(
     [&]
     {
       if (json.contains("provenance"))
-      {
         setProvenance(fields, json.at("provenance").dump());
-      }
       const Json columns = json.value("columns", Json::object()); // as other commands write them
       for (const auto& [name, column] : columns.items())
-      {
         table.arrays.push_back(
           { name, VTK_DOUBLE, 1, column.value("unit", ""), column.value("meaning", ""), "lamella" });
-      }
       for (const Json& array : json.value("arrays", Json::array()))
-      {
         table.arrays.push_back({ array.at("name").get<std::string>(), typeOf(array.at("type").get<std::string>()),
           array.at("components").get<int>(), array.value("unit", ""), array.value("description", ""),
           array.value("creator", "") });
-      }
       if (const auto image = json.find("image"); image != json.end())
       {
         table.image = vtkSmartPointer<vtkImageData>::New();

@@ -71,16 +71,12 @@ public:
     first_ = micrograph::probe(file, true);
     reading.warnings.insert(reading.warnings.end(), first_.warnings.begin(), first_.warnings.end());
     for (const fs::path& one : files)
-    {
       slices_.push_back({ one, first_.slices.empty() ? 0 : first_.slices.front() });
-    }
     if (!stack_ && first_.slices.size() > 1)
     {
       slices_.clear();
       for (const std::size_t page : first_.slices)
-      {
         slices_.push_back({ path, page });
-      }
     }
     const auto count = static_cast<int>(slices_.size());
     flat_ = count == 1 && !stack_;
@@ -102,9 +98,7 @@ public:
   vtkSmartPointer<vtkImageData> read(int first, int last) override
   {
     if (seen_ != nullptr && first == 0 && last == 0)
-    {
       return seen_;
-    }
     auto image = vtkSmartPointer<vtkImageData>::New();
     setPlace(image, extent_, first, last);
     image->SetSpacing(spacing_.data());
@@ -146,9 +140,7 @@ private:
   [[nodiscard]] int type() const
   {
     if (plain_)
-    {
       return typeOf(tiff_->page());
-    }
     return first_.bits == 16 ? VTK_UNSIGNED_SHORT : VTK_UNSIGNED_CHAR;
   }
 
@@ -170,9 +162,7 @@ private:
       tiff_ = probe_.format == micrograph::Format::Tiff ? std::make_unique<micrograph::TiffFile>(*file_) : nullptr;
     }
     if (tiff_ != nullptr)
-    {
       tiff_->go(slice.page);
-    }
     slice_ = number;
     // What libtiff gives as it is: not colours that may turn out to be greys.
     plain_ = tiff_ != nullptr && tiff_->page().plain() && tiff_->page().samples == 1 && !colour_;
@@ -230,7 +220,8 @@ private:
     }
     else
     {
-      std::transform(from.begin(), from.end(), static_cast<std::uint8_t*>(to),
+      std::transform(
+        from.begin(), from.end(), static_cast<std::uint8_t*>(to),
         [](std::uint16_t value) { return static_cast<std::uint8_t>(value); });
     }
   }
@@ -260,9 +251,7 @@ std::unique_ptr<Volume> openPictures(const std::string& path, PictureReading& re
   auto pictures = std::make_unique<Pictures>(path, reading);
   const std::string notes = pictures->description();
   if (isNotes(notes)) // they tell the size to all digits: what is doubtful in the picture's own does not matter
-  {
     std::erase_if(reading.warnings, [](const std::string& w) { return w.find(": left out") != std::string::npos; });
-  }
   return withNotes(std::move(pictures), notes);
 }
 

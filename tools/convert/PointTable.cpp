@@ -46,9 +46,7 @@ Column columnOf(const std::string& name, std::size_t number)
   const std::size_t colon = name.rfind(':');
   const auto component = colon == std::string::npos ? std::nullopt : toInteger(name.substr(colon + 1));
   if (component && *component >= 0 && *component < 1000)
-  {
     return { name.substr(0, colon), static_cast<int>(*component), number };
-  }
   return { name, 0, number };
 }
 
@@ -83,18 +81,12 @@ std::vector<std::pair<std::string, std::vector<Column>>> arraysIn(const TextTabl
     const std::string& name = table.names()[i];
     const Column column = columnOf(name, i);
     if (isPlace(column, name, places))
-    {
       continue;
-    }
     const auto found = std::ranges::find(arrays, column.array, &std::pair<std::string, std::vector<Column>>::first);
     if (found == arrays.end())
-    {
       arrays.push_back({ column.array, { column } });
-    }
     else
-    {
       found->second.push_back(column);
-    }
   }
   return arrays;
 }
@@ -112,14 +104,10 @@ vtkSmartPointer<vtkDataArray> readArray(
   {
     const auto component = static_cast<int>(&column - columns.data());
     for (std::size_t row = 0; row < table.rows(); ++row)
-    {
       array->SetComponent(static_cast<vtkIdType>(row), component, table.number(row, column.number));
-    }
   }
   if (noted != notes.arrays.end() && !(noted->unit + noted->description + noted->creator).empty())
-  {
     describe(array, noted->unit, noted->description, noted->creator);
-  }
   return array;
 }
 
@@ -131,9 +119,7 @@ Step openTable(const std::string& path, std::span<const std::string> arrays)
   Places places;
   const auto columns = arraysIn(table, places);
   if (!places[0] || !places[1])
-  {
     table.lacks("x and y");
-  }
   auto points = vtkSmartPointer<vtkPolyData>::New();
   const TableNotes notes = tableNotes(notesBeside(path), points);
   vtkSmartPointer<vtkDataSet> grid = points;
@@ -164,12 +150,8 @@ Step openTable(const std::string& path, std::span<const std::string> arrays)
     points->GetFieldData()->ShallowCopy(fields);
   }
   for (const auto& [name, parts] : columns)
-  {
     if (arrays.empty() || std::ranges::find(arrays, name) != arrays.end())
-    {
       grid->GetPointData()->AddArray(readArray(table, name, parts, notes));
-    }
-  }
   return notes.image != nullptr ? Step{ .volume = wholeVolume(notes.image) } : Step{ .points = points };
 }
 
@@ -189,38 +171,26 @@ vtkSmartPointer<vtkImageData> gridOf(vtkPointSet* points)
     std::vector<double> at;
     at.reserve(static_cast<std::size_t>(count));
     for (vtkIdType i = 0; i < count; ++i)
-    {
       at.push_back(points->GetPoint(i)[axis]);
-    }
     std::ranges::sort(at);
     const double length = at.back() - at.front();
     // The same place in two rows may differ by what rounding left.
     const double least = std::max(1e-9 * length, 1e-300);
     vtkIdType places = 1;
     for (std::size_t i = 1; i < at.size(); ++i)
-    {
       places += at[i] - at[i - 1] > least ? 1 : 0;
-    }
     size[axis] = places;
     origin[axis] = at.front();
     if (!std::isfinite(length))
-    {
       throw refuse("a coordinate is not finite");
-    }
     if (places > 1)
-    {
       spacing[axis] = length / static_cast<double>(places - 1);
-    }
   }
   if (size[2] == 1)
-  {
     spacing[2] = spacing[0];
-  }
   if (static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]) !=
     static_cast<double>(count))
-  {
     throw refuse(fmt::format("{} points have {} × {} × {} places", count, size[0], size[1], size[2]));
-  }
   auto image = vtkSmartPointer<vtkImageData>::New();
   image->SetDimensions(static_cast<int>(size[0]), static_cast<int>(size[1]), static_cast<int>(size[2]));
   image->SetOrigin(origin.data());
@@ -234,24 +204,18 @@ vtkSmartPointer<vtkImageData> gridOf(vtkPointSet* points)
       const double place = (points->GetPoint(i)[axis] - origin[axis]) / spacing[axis];
       node[axis] = std::llround(place);
       if (std::abs(place - static_cast<double>(node[axis])) > 1e-3)
-      {
         throw refuse(fmt::format("point {} lies between nodes along {}", i, "xyz"[axis]));
-      }
     }
     vtkIdType& there = order[static_cast<std::size_t>(node[0] + size[0] * (node[1] + size[1] * node[2]))];
     if (there >= 0)
-    {
       throw refuse(fmt::format("points {} and {} lie at the same node", there, i));
-    }
     there = i;
   }
   vtkPointData* const to = image->GetPointData();
   to->CopyAllOn();
   to->CopyAllocate(points->GetPointData(), count);
   for (vtkIdType node = 0; node < count; ++node)
-  {
     to->CopyData(points->GetPointData(), order[static_cast<std::size_t>(node)], node);
-  }
   image->GetFieldData()->ShallowCopy(points->GetFieldData());
   return image;
 }
@@ -260,9 +224,7 @@ bool onlyPoints(vtkPointSet* points)
 {
   const vtkIdType cells = points->GetNumberOfCells();
   if (points->GetCellData()->GetNumberOfArrays() > 0 || (cells != 0 && cells != points->GetNumberOfPoints()))
-  {
     return false;
-  }
   for (vtkIdType cell = 0; cell < cells; ++cell)
   {
     vtkIdType count = 0;
@@ -270,23 +232,17 @@ bool onlyPoints(vtkPointSet* points)
     if (auto* const poly = vtkPolyData::SafeDownCast(points))
     {
       if (poly->GetNumberOfVerts() != cells)
-      {
         return false;
-      }
       poly->GetVerts()->GetCellAtId(cell, count, ids);
     }
     else if (auto* const grid = vtkUnstructuredGrid::SafeDownCast(points))
     {
       if (grid->GetCellType(cell) != VTK_VERTEX)
-      {
         return false;
-      }
       grid->GetCells()->GetCellAtId(cell, count, ids);
     }
     if (count != 1 || ids[0] != cell)
-    {
       return false;
-    }
   }
   return true;
 }

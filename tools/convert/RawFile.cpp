@@ -136,17 +136,13 @@ ByteStream::ByteStream(const OutputFile& file)
   , number_(::open(file.temporary().c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC))
 {
   if (number_ < 0)
-  {
     file.failed(std::strerror(errno));
-  }
 }
 
 ByteStream::~ByteStream()
 {
   if (number_ >= 0)
-  {
     ::close(number_);
-  }
 }
 
 void ByteStream::write(const void* bytes, std::size_t count)
@@ -156,9 +152,7 @@ void ByteStream::write(const void* bytes, std::size_t count)
   {
     const ssize_t written = ::write(number_, from, count);
     if (written < 0 && errno != EINTR)
-    {
       file_.failed(std::strerror(errno));
-    }
     from += std::max<ssize_t>(0, written);
     count -= static_cast<std::size_t>(std::max<ssize_t>(0, written));
   }
@@ -167,9 +161,7 @@ void ByteStream::write(const void* bytes, std::size_t count)
 void ByteStream::finish()
 {
   if (::close(std::exchange(number_, -1)) != 0)
-  {
     file_.failed(std::strerror(errno));
-  }
 }
 
 namespace
@@ -205,12 +197,8 @@ std::string metaHeader(vtkImageData* sample, const std::array<int, 6>& extent, c
   const double* const direction = sample->GetDirectionMatrix()->GetData();
   std::vector<double> turn;
   for (int axis = 0; axis < axes; ++axis)
-  {
     for (int row = 0; row < axes; ++row)
-    {
       turn.push_back(direction[3 * row + axis]);
-    }
-  }
   std::string size;
   for (int axis = 0; axis < axes; ++axis)
   {
@@ -223,9 +211,7 @@ std::string metaHeader(vtkImageData* sample, const std::array<int, 6>& extent, c
     axes, fmt::join(turn, " "), numbersText(origin.data(), axes, " "), numbersText(sample->GetSpacing(), axes, " "),
     size);
   if (values->GetNumberOfComponents() > 1)
-  {
     text += fmt::format("ElementNumberOfChannels = {}\n", values->GetNumberOfComponents());
-  }
   return text +
     fmt::format("ElementType = {}\nElementDataFile = {}\n", micrograph::metaTypeName(numbersOf(values->GetDataType())),
       data.empty() ? "LOCAL" : data);
@@ -250,9 +236,7 @@ std::string nrrdHeader(vtkImageData* sample, const std::array<int, 6>& extent, c
     kinds += std::string(blank) + "domain";
     std::vector<double> vector;
     for (int row = 0; row < axes; ++row)
-    {
       vector.push_back(direction[3 * row + axis] * sample->GetSpacing()[axis]);
-    }
     directions += fmt::format("{}({})", blank, fmt::join(vector, ","));
     units += std::string(axis > 0 ? " " : "") + "\"m\"";
   }

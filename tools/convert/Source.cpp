@@ -33,25 +33,19 @@ Source collection(const std::string& path, Reading& reading)
   (void)VtkMessages::takeErrors();
   vtkXMLDataElement* const list = root == nullptr ? nullptr : root->FindNestedElementWithName("Collection");
   if (list == nullptr)
-  {
     throw InputError("'" + path + "' is not a whole .pvd file", "make or copy it again");
-  }
   std::vector<std::pair<double, std::string>> steps;
   std::vector<std::string> missing;
   for (int i = 0; i < list->GetNumberOfNestedElements(); ++i)
   {
     vtkXMLDataElement* const entry = list->GetNestedElement(i);
     if (std::string_view(entry->GetName()) != "DataSet")
-    {
       continue;
-    }
     const char* const file = entry->GetAttribute("file");
     double time = static_cast<double>(i);
     entry->GetScalarAttribute("timestep", time);
     if (file == nullptr)
-    {
       throw InputError(fmt::format("entry {} of '{}' names no file", i + 1, path), "make or copy it again");
-    }
     const fs::path named(file);
     const fs::path place = named.is_absolute() ? named : fs::path(path).parent_path() / named;
     if (!fs::exists(place))
@@ -78,9 +72,7 @@ Source collection(const std::string& path, Reading& reading)
       fmt::format("{} steps are missing and left out, the first is '{}'", missing.size(), missing.front()));
   }
   if (steps.empty())
-  {
     throw InputError("'" + path + "' names no step that is there", "look at what wrote it");
-  }
   std::ranges::sort(steps);
   Source source;
   source.series = true;
@@ -114,16 +106,12 @@ Source findSource(const std::string& path, Reading& reading)
     return source;
   }
   if (ending == ".pvd")
-  {
     return collection(path, reading);
-  }
   if (!micrograph::isSlicePattern(path))
   {
     requireFile(path);
     if (ending == ".gz")
-    {
       throw InputError("'" + path + "' is packed", "unpack it first: gunzip --keep " + path);
-    }
     source.format = &formatOf("the file", path);
     source.files = { path };
     return source;
@@ -140,19 +128,13 @@ Source findSource(const std::string& path, Reading& reading)
   {
     warning.erase(std::min(warning.size(), warning.find(';')));
     if (const std::size_t at = warning.find("slices"); at != std::string::npos)
-    {
       warning.replace(at, 6, "steps");
-    }
     if (!reading.lossy)
-    {
       throw InputError(warning, "add them, or go on without them with --lossy");
-    }
     reading.warnings.push_back(warning);
   }
   for (const fs::path& file : slices.files)
-  {
     source.files.push_back(file.string());
-  }
   return source;
 }
 

@@ -17,13 +17,9 @@ int typeOf(const micrograph::TiffPage& page)
 {
   const int bits = page.bits;
   if (page.numbers == static_cast<int>(TiffNumbers::Real))
-  {
     return bits == 32 ? VTK_FLOAT : VTK_DOUBLE;
-  }
   if (page.numbers == static_cast<int>(TiffNumbers::Signed))
-  {
     return bits == 8 ? VTK_SIGNED_CHAR : bits == 16 ? VTK_SHORT : bits == 32 ? VTK_INT : VTK_LONG;
-  }
   return bits == 8 ? VTK_UNSIGNED_CHAR
     : bits == 16   ? VTK_UNSIGNED_SHORT
     : bits == 32   ? VTK_UNSIGNED_INT
@@ -53,9 +49,7 @@ void writeTiff(Session& session, Volume& volume, const OutputFile& file, const s
     : positive                                           ? TiffNumbers::Unsigned
                                                          : TiffNumbers::Signed;
   if (fieldText(sample, "pixel_size_source") != "none")
-  {
     form.pixelSize = { spacing[0], spacing[1] };
-  }
   const auto row = static_cast<std::size_t>(form.width * form.samples * (form.bits / 8));
   const auto height = static_cast<std::size_t>(form.height);
   const bool flat = volume.layers() == 1;
@@ -68,19 +62,13 @@ void writeTiff(Session& session, Volume& volume, const OutputFile& file, const s
       for (int page = first; page <= last; ++page, from += row * height)
       {
         for (std::size_t y = 0; flat && y < height; ++y)
-        {
           std::copy_n(from + row * (height - 1 - y), row, turned.data() + row * y);
-        }
         if (!tiff.add(flat ? turned.data() : from, page == extent[4] ? notes : ""))
-        {
           file.failed();
-        }
       }
     });
   if (!tiff.finish())
-  {
     file.failed();
-  }
 }
 
 } // namespace lamella::cli

@@ -137,9 +137,7 @@ vtkSmartPointer<vtkDataArray> likeThis(vtkDataArray* array, int type)
   result->SetNumberOfComponents(array->GetNumberOfComponents());
   result->SetNumberOfTuples(array->GetNumberOfTuples());
   if (const auto [unit, text, creator] = description(array); !unit.empty() || !text.empty() || !creator.empty())
-  {
     describe(result, unit, text, creator);
-  }
   return result;
 }
 
@@ -171,16 +169,12 @@ bool isReal(int vtkType)
 vtkSmartPointer<vtkDataArray> cast(vtkDataArray* array, int type, bool exact)
 {
   if (array->GetDataType() == type)
-  {
     return array;
-  }
   auto result = likeThis(array, type);
   using Dispatch = vtkArrayDispatch::Dispatch2;
   const Cast worker{ exact };
   if (!Dispatch::Execute(array, result.Get(), worker))
-  {
     throw InputError(fmt::format("'{}' is of a type that cannot be changed", array->GetName()), "leave --type out");
-  }
   return result;
 }
 
@@ -190,9 +184,7 @@ vtkSmartPointer<vtkDataArray> spread(vtkDataArray* array, int type, double low, 
   using Dispatch = vtkArrayDispatch::Dispatch2ByValueType<vtkArrayDispatch::AllTypes, Small>;
   const Spread worker{ low, high };
   if (!Dispatch::Execute(array, result.Get(), worker))
-  {
     throw ParameterError("--range needs a type of u8 or u16", "add --type u8 or --type u16");
-  }
   return result;
 }
 

@@ -29,9 +29,7 @@ vtkSmartPointer<vtkImageData> cut(vtkImageData* image, int first, int last)
   auto part = vtkSmartPointer<vtkImageData>::New();
   part->ShallowCopy(image);
   if (first == extent[4] && last == extent[5])
-  {
     return part;
-  }
   extent[4] = first;
   extent[5] = last;
   part->Crop(extent.data());
@@ -77,9 +75,7 @@ public:
   {
     extent_ = volume_->extent();
     for (std::size_t axis = 0; axis < 3; ++axis)
-    {
       extent_[2 * axis + 1] = std::max(extent_[2 * axis], extent_[2 * axis + 1] - 1);
-    }
   }
 
   vtkSmartPointer<vtkImageData> read(int first, int last) override
@@ -91,9 +87,7 @@ public:
     points->SetDirectionMatrix(cells->GetDirectionMatrix());
     std::array<double, 3> half{};
     for (std::size_t axis = 0; axis < 3; ++axis)
-    {
       half[axis] = volume_->extent()[2 * axis + 1] > volume_->extent()[2 * axis] ? 0.5 : 0.0;
-    }
     // Half a spacing along the image's own axes, whatever way they point.
     std::array<double, 3> origin{};
     points->SetOrigin(cells->GetOrigin());
@@ -190,9 +184,7 @@ vtkDataArray* onlyArray(vtkImageData* image)
 {
   vtkDataArray* const array = image->GetPointData()->GetArray(0);
   if (image->GetPointData()->GetNumberOfArrays() != 1 || array == nullptr)
-  {
     throw InputError("the image does not hold one array of numbers", "name one with --array");
-  }
   return array;
 }
 

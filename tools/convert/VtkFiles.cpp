@@ -62,9 +62,7 @@ public:
   void Rethrow() const
   {
     if (this->Failure)
-    {
       std::rethrow_exception(this->Failure);
-    }
   }
 
 protected:
@@ -91,9 +89,7 @@ protected:
     vtkImageData::GetData(out)->Initialize();
     vtkImageData::GetData(out)->SetExtent(extent);
     if (this->HasFailed())
-    {
       return 1;
-    }
     try
     {
       Session::checkInterrupt();
@@ -198,9 +194,7 @@ public:
     int held[6];
     slab->GetExtent(held);
     if (held[4] > first || held[5] < last)
-    {
       damaged(path_, ".vti");
-    }
     return held[4] == first && held[5] == last ? slab : wholeVolume(slab)->read(first, last);
   }
 
@@ -222,9 +216,7 @@ void forMembers(hid_t root, const std::string& group, const Visit& visit)
 {
   namespace hdf5 = io::hdf5;
   if (H5Lexists(root, group.c_str(), H5P_DEFAULT) <= 0)
-  {
     return;
-  }
   const hdf5::Handle at(H5Gopen2(root, group.c_str(), H5P_DEFAULT), H5Gclose);
   std::vector<std::string> names;
   hdf5::good(H5Literate(
@@ -236,9 +228,7 @@ void forMembers(hid_t root, const std::string& group, const Visit& visit)
     },
     &names));
   for (const std::string& name : names)
-  {
     visit(static_cast<hid_t>(at), name);
-  }
 }
 
 /// Reads what stands at the datasets of a group.
@@ -260,13 +250,9 @@ int numberType(hid_t type)
 {
   const std::size_t size = H5Tget_size(type);
   if (H5Tget_class(type) == H5T_FLOAT)
-  {
     return size == 4 ? VTK_FLOAT : size == 8 ? VTK_DOUBLE : 0;
-  }
   if (H5Tget_class(type) != H5T_INTEGER)
-  {
     return 0;
-  }
   const bool positive = H5Tget_sign(type) == H5T_SGN_NONE;
   switch (size)
   {
@@ -295,9 +281,7 @@ vtkSmartPointer<vtkAbstractArray> readField(hid_t group, const std::string& name
   const int axes = H5Sget_simple_extent_ndims(space);
   constexpr std::size_t most = std::size_t{ 1 } << 26; // of what describes a grid
   if (axes > 2 || H5Sget_simple_extent_dims(space, shape.data(), nullptr) < 0)
-  {
     return nullptr;
-  }
   hdf5::good(count <= most && (count == 0 || shape[1] <= 9999) ? 0 : -1);
   vtkSmartPointer<vtkAbstractArray> array;
   if (H5Tis_variable_str(stored) > 0)
@@ -306,9 +290,7 @@ vtkSmartPointer<vtkAbstractArray> readField(hid_t group, const std::string& name
     std::vector<char*> lines(shape[0], nullptr);
     hdf5::good(H5Dread(set, stored, H5S_ALL, H5S_ALL, H5P_DEFAULT, lines.data()));
     for (const char* const line : lines)
-    {
       texts->InsertNextValue(line == nullptr ? "" : line);
-    }
     H5Dvlen_reclaim(stored, space, H5P_DEFAULT, lines.data());
     array = texts;
   }
@@ -319,14 +301,10 @@ vtkSmartPointer<vtkAbstractArray> readField(hid_t group, const std::string& name
     array->SetNumberOfComponents(static_cast<int>(shape[1]));
     array->SetNumberOfTuples(static_cast<vtkIdType>(shape[0]));
     if (array->GetNumberOfValues() > 0)
-    {
       hdf5::good(H5Dread(set, native, H5S_ALL, H5S_ALL, H5P_DEFAULT, array->GetVoidPointer(0)));
-    }
   }
   if (array != nullptr)
-  {
     array->SetName(name.c_str());
-  }
   return array;
 }
 
@@ -343,9 +321,7 @@ void readHeader(const std::string& path, HdfHeader& header)
   namespace hdf5 = io::hdf5;
   const hdf5::Quiet quiet;
   if (H5Fis_hdf5(path.c_str()) <= 0)
-  {
     throw InputError("'" + path + "' is not an HDF5 file, or is cut short", "make or copy it again");
-  }
   try
   {
     const hdf5::Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
@@ -366,17 +342,13 @@ void readHeader(const std::string& path, HdfHeader& header)
     }
     header.type = hdf5::readText(root, "Type");
     for (const char* const group : { "PointData", "CellData", "FieldData" })
-    {
       describeGroup(root, group, header.described);
-    }
     describeGroup(file, "FieldData", header.described);
     forMembers(file, "FieldData",
       [&](hid_t at, const std::string& name)
       {
         if (const auto array = readField(at, name))
-        {
           header.fields->AddArray(array);
-        }
       });
   }
   catch (const InputError&)
@@ -399,9 +371,7 @@ void describeArrays(vtkDataSet* grid, const Descriptions& described)
                                                     : grid->GetFieldData();
     vtkDataArray* const array = data->GetArray(name.c_str());
     if (array != nullptr && !(words.unit + words.description + words.creator).empty())
-    {
       describe(array, words.unit, words.description, words.creator);
-    }
   }
 }
 
@@ -420,9 +390,7 @@ public:
     this->numbers("Origin", H5T_NATIVE_DOUBLE, origin_);
     this->numbers("Spacing", H5T_NATIVE_DOUBLE, spacing_);
     if (H5Aexists(root_, "Direction") > 0)
-    {
       this->numbers("Direction", H5T_NATIVE_DOUBLE, direction_);
-    }
     if (H5Aexists(root_, "axes") > 0)
     {
       this->numbers("axes", H5T_NATIVE_INT, axes_);
@@ -437,18 +405,15 @@ public:
       constexpr int farthest = 1 << 30; // a difference is an int, too
       if (extent_[2 * axis + 1] < extent_[2 * axis] || std::abs(double{ 1 } * extent_[2 * axis]) > farthest ||
         std::abs(double{ 1 } * extent_[2 * axis + 1]) > farthest || !(spacing_[axis] >= 1 / longest))
-      {
         damaged(path, "VTKHDF");
-      }
     }
     if (points > 0x1p53 || !std::ranges::all_of(spacing_, isLength) || !std::ranges::all_of(origin_, isLength) ||
       !std::ranges::all_of(direction_, [](double value) { return std::abs(value) <= 1; }))
-    {
       damaged(path, "VTKHDF");
-    }
     for (const bool cells : { false, true })
     {
-      forMembers(root_, cells ? "CellData" : "PointData",
+      forMembers(
+        root_, cells ? "CellData" : "PointData",
         [&](hid_t at, const std::string& name) { this->open(at, name, cells); });
     }
   }
@@ -509,9 +474,7 @@ private:
   {
     constexpr std::array<std::array<int, 3>, 3> turns{ { { 0, 1, 2 }, { 1, 0, 2 }, { 2, 0, 1 } } };
     if (std::ranges::find(turns, axes_) == turns.end())
-    {
       damaged(path_, "VTKHDF");
-    }
     const auto extent = extent_;
     const auto spacing = spacing_;
     const auto direction = direction_;
@@ -545,9 +508,7 @@ private:
     std::array<hsize_t, 4> shape{};
     const int axes = H5Sget_simple_extent_ndims(space);
     if (axes < 1 || axes > 4 || H5Sget_simple_extent_dims(space, shape.data(), nullptr) < 0 || numberType(type) == 0)
-    {
       this->refuse(name);
-    }
     // Axes of one point may be there or not.
     for (const bool all : { false, true })
     {
@@ -579,9 +540,7 @@ private:
     {
       const auto axis = static_cast<std::size_t>(axes_[place]);
       if (all || this->count(axis, cells) > 1 || (place == 0 && shape.empty()))
-      {
         shape.push_back(xyz[axis]);
-      }
     }
     return shape;
   }
@@ -653,9 +612,7 @@ Step openXml(const std::string& path)
 {
   requireFile(path);
   if (endingOf(path.c_str()) == ".vti")
-  {
     return { std::make_unique<XmlImage>(path) };
-  }
   return { .points = vtkPointSet::SafeDownCast(readGrid(path)) };
 }
 
@@ -665,9 +622,7 @@ Step openHdf(const std::string& path)
   const io::hdf5::Quiet quiet;
   HdfHeader header;
   if (!io::survives([&] { lookThrough(path); }))
-  {
     damaged(path, "VTKHDF");
-  }
   readHeader(path, header);
   if (header.type == "ImageData")
   {
@@ -693,15 +648,11 @@ Step openHdf(const std::string& path)
   reader->SetFileName(path.c_str());
   (void)VtkMessages::takeErrors();
   if (!io::survives([&] { reader->Update(); })) // VTK's reader believes the numbers of points and cells
-  {
     damaged(path, "VTKHDF");
-  }
   reader->Update();
   auto* const grid = vtkUnstructuredGrid::SafeDownCast(reader->GetOutputAsDataSet());
   if (!VtkMessages::takeErrors().empty() || grid == nullptr)
-  {
     damaged(path, "VTKHDF");
-  }
   requireSound(grid, path);
   describeArrays(grid, header.described);
   return { .points = grid };
@@ -714,9 +665,7 @@ namespace
 [[noreturn]] void failed(vtkAlgorithm* writer, const OutputFile& file)
 {
   if (writer->GetErrorCode() == vtkErrorCode::FileFormatError)
-  {
     throwVtkErrors("");
-  }
   file.failed();
 }
 
@@ -734,9 +683,7 @@ void drive(Session& session, Volume& volume, Writer* writer, const OutputFile& f
   source->Rethrow();
   Session::checkInterrupt();
   if (written != 1 || writer->GetErrorCode() != vtkErrorCode::NoError)
-  {
     failed(writer, file);
-  }
 }
 
 } // namespace
@@ -765,9 +712,7 @@ void writeHdf(Session& session, vtkPointSet* points, const OutputFile& file)
   writer->SetFileName(file.temporary().c_str());
   (void)VtkMessages::takeErrors();
   if (writer->Write() != 1 || writer->GetErrorCode() != vtkErrorCode::NoError)
-  {
     failed(writer, file);
-  }
 }
 
 } // namespace lamella::cli

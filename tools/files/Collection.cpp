@@ -12,14 +12,10 @@ std::string collectionText(const std::vector<std::string>& files, std::vector<do
   for (std::size_t i = 0; i < files.size(); ++i)
   {
     if (i > 0 && times[i] <= times[i - 1])
-    {
       times[i] = times[i - 1] * (1 + 1e-9);
-    }
     std::string name;
     for (const char c : files[i])
-    {
       name += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
-    }
     text += fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", times[i], name);
   }
   return text + "  </Collection>\n</VTKFile>\n";

@@ -9,14 +9,10 @@ namespace lamella::cli
 [[nodiscard]] inline std::string csvField(const std::string& text)
 {
   if (text.find_first_of(",\"\n\r") == std::string::npos)
-  {
     return text;
-  }
   std::string result = "\"";
   for (const char c : text)
-  {
     result += c == '"' ? "\"\"" : std::string(1, c);
-  }
   return result + "\"";
 }
 

@@ -51,9 +51,7 @@ std::string howToContinue(const CheckpointWords& words, const KeptRun& run)
     return fmt::format("the checkpoint '{}' stands after {} {}; {}", words.file, last, run.unit, go);
   }
   if (!words.continueFrom.empty() && std::filesystem::exists(words.continueFrom))
-  {
     return "no checkpoint was written since; the same command goes on from '" + words.continueFrom + "' again";
-  }
   return words.file.empty() ? ""
     : checkedPacing(words).seconds
     ? "no checkpoint was written yet: the first comes after " + words.every + " (--checkpoint-every)"
@@ -67,9 +65,7 @@ StateWriter::StateWriter(const std::string& name, std::size_t states, bool overw
   const std::array<const char*, 2>& what)
 {
   if (name.empty())
-  {
     return;
-  }
   if (std::filesystem::path(name).extension() != ending)
   {
     throw ParameterError(fmt::format("-o '{}': {} are written as {}", name, what[0], ending),
@@ -83,18 +79,14 @@ StateWriter::StateWriter(const std::string& name, std::size_t states, bool overw
   name_ = states == 0 ? name : "";
   overwrite_ = overwrite;
   for (std::size_t i = 0; i < std::max<std::size_t>(states, 1); ++i)
-  {
     files_.emplace_back(withSuffix(name, fmt::format("_{:03}", i)), overwrite);
-  }
   collection_.emplace_back(std::filesystem::path(name).replace_extension(".pvd"), overwrite);
 }
 
 void StateWriter::needs(std::uint64_t bytes) const
 {
   if (!files_.empty())
-  {
     files_.front().needs(bytes * files_.size());
-  }
 }
 
 std::vector<std::string> StateWriter::write(std::span<vtkDataObject* const> states, const std::string& provenance)
@@ -105,16 +97,12 @@ std::vector<std::string> StateWriter::write(std::span<vtkDataObject* const> stat
     states.empty() ? std::vector<double>() : fieldNumbers(states.front(), "states_before");
   first_ = files_.size() > 1 && !before.empty() ? static_cast<std::size_t>(before.front()) : 0;
   if (!files_.empty() && files_.front().inMemory())
-  {
     return keep(states, provenance);
-  }
   for (std::size_t i = 0; !files_.empty() && i < states.size(); ++i)
   {
     vtkDataObject* const state = states[i];
     if (!name_.empty() && i == files_.size())
-    {
       files_.emplace_back(withSuffix(name_, fmt::format("_{:03}", i)), overwrite_);
-    }
     const OutputFile& file = files_.at(first_ + i);
     setProvenance(state, provenance);
     writeGrid(state, file);
@@ -127,9 +115,7 @@ std::vector<std::string> StateWriter::write(std::span<vtkDataObject* const> stat
   {
     std::vector<Listed> all = listed(first_);
     for (std::size_t i = 0; i < names.size(); ++i)
-    {
       all.push_back({ std::filesystem::path(names[i]).filename().string(), times[i] });
-    }
     writeList(std::move(all));
     names.push_back(collection_.front().path().string());
   }
@@ -142,9 +128,7 @@ std::vector<StateWriter::Listed> StateWriter::listed(std::size_t most) const
   const std::filesystem::path& list = collection_.front().path();
   std::error_code ignored;
   if (most == 0 || !std::filesystem::is_regular_file(list, ignored))
-  {
     return found;
-  }
   const auto root = vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(list.c_str()));
   vtkXMLDataElement* const entries = root ? root->FindNestedElementWithName("Collection") : nullptr;
   for (int i = 0; entries != nullptr && i < entries->GetNumberOfNestedElements(); ++i)
@@ -157,9 +141,7 @@ std::vector<StateWriter::Listed> StateWriter::listed(std::size_t most) const
       first.begin(), first.end(), [&](const OutputFile& f) { return name != nullptr && f.path().filename() == name; });
     if (file != first.end() && std::filesystem::is_regular_file(file->path(), ignored) &&
       entry->GetScalarAttribute("timestep", time) == 1)
-    {
       found.push_back({ name, time });
-    }
   }
   return found;
 }
@@ -179,9 +161,7 @@ void StateWriter::writeList(std::vector<Listed> states)
 void StateWriter::follow(Session& session, const std::string& record)
 {
   if (files_.size() > 1 && session.ranks() == 1 && session.scene() == nullptr)
-  {
     session.setOnStep([this, record](vtkDataObject* state) { this->writeNow(state, record); });
-  }
 }
 
 void StateWriter::writeNow(vtkDataObject* state, const std::string& provenance)
@@ -218,31 +198,23 @@ std::vector<std::string> StateWriter::keep(std::span<vtkDataObject* const> state
 void StateWriter::commit()
 {
   for (std::size_t i = first_; i < first_ + written_; ++i)
-  {
     files_[i].commit();
-  }
   for (OutputFile& file : collection_)
-  {
     file.commit();
-  }
 }
 
 CheckpointPacing checkedPacing(const CheckpointWords& words)
 {
   const std::string ending = std::filesystem::path(words.file).extension().string();
   if (!words.file.empty() && ending != ".h5" && ending != ".hdf5")
-  {
     throw ParameterError("--checkpoint '" + words.file + "': checkpoints are written as HDF5", "end the name in .h5");
-  }
   CheckpointPacing pacing;
   for (const std::string& part : split(words.every, ','))
   {
     const auto units = toInteger(part);
     const auto seconds = units ? std::nullopt : secondsFrom(part);
     if (words.every.empty())
-    {
       break;
-    }
     if ((!units || *units < 1 || pacing.units) && (!seconds || !(*seconds > 0) || pacing.seconds))
     {
       throw ParameterError("--checkpoint-every '" + words.every + "' is neither a whole number above 0 nor a time",
@@ -289,17 +261,13 @@ void runKept(Session& session, const CheckpointWords& words, const KeptRun& kept
   {
     const std::string hint = session.scene() == nullptr ? howToContinue(words, kept) : "";
     if (hint.empty())
-    {
       throw;
-    }
     throw Stopped(hint);
   }
   catch (const Error&)
   {
     if (kept.last() > 0 && session.scene() == nullptr)
-    {
       session.warn(howToContinue(words, kept));
-    }
     throw;
   }
 }

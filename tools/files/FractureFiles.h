@@ -98,17 +98,11 @@ void applyCheckpoint(const Session& session, const CheckpointWords& words, Filte
 {
   const CheckpointPacing pacing = checkedPacing(words);
   if (pacing.units || (pacing.seconds && looks))
-  {
     filter->SetCheckpointEvery(pacing.units.value_or(1));
-  }
   if (pacing.seconds)
-  {
     filter->SetCheckpointSeconds(*pacing.seconds);
-  }
   if (session.scene() != nullptr)
-  {
     filter->SetCheckpointSeconds(session.scene()->checkpointSeconds);
-  }
   filter->SetCheckpointFile(words.file);
   filter->SetContinueFile(words.continueFrom);
 }

@@ -72,17 +72,11 @@ private:
     // "ERROR: In file.cxx, line 12\nvtkClass (0x55): what happened\n\n": the last part is for people.
     std::string message = text == nullptr ? "" : text;
     if (const std::size_t line = message.find('\n'); message.find(", line ") < line && line != std::string::npos)
-    {
       message.erase(0, line + 1);
-    }
     if (const std::size_t end = message.find("): "); message.find(" (0x") < end && end != std::string::npos)
-    {
       message.erase(0, end + 3);
-    }
     while (!message.empty() && (message.back() == '\n' || message.back() == ' '))
-    {
       message.pop_back();
-    }
     const std::lock_guard<std::mutex> lock(this->Mutex);
     list.push_back(std::move(message));
   }
@@ -145,12 +139,8 @@ void throwVtkErrors(const std::string& doing)
   }
   // What VTK's classes and the standard library say where memory is short.
   for (const char* const words : { "bad_alloc", "Unable to allocate", "ailed to allocate" })
-  {
     if (message.find(words) != std::string::npos)
-    {
       throw MemoryError("there is not enough memory", "take a smaller --window or --refine, or free memory");
-    }
-  }
   throw InputError(doing.empty() ? message : doing + ": " + message, hint);
 }
 
@@ -164,22 +154,14 @@ void requireFile(const std::string& path)
   std::error_code failed;
   const auto status = fs::status(path, failed);
   if (!fs::exists(status))
-  {
     throw InputError("there is no file '" + path + "'", "check the name and the folder");
-  }
   if (fs::is_directory(status))
-  {
     throw InputError("'" + path + "' is a folder, not a file", "give the name of a file in it");
-  }
   std::ifstream file(path, std::ios::binary);
   if (!file)
-  {
     throw InputError("cannot read '" + path + "': " + std::strerror(errno), "check its permissions");
-  }
   if (file.peek() == std::ifstream::traits_type::eof())
-  {
     throw InputError("'" + path + "' is empty", "the file holds no data at all: make or copy it again");
-  }
 }
 
 namespace
@@ -201,9 +183,7 @@ vtkSmartPointer<vtkDataObject> read(const vtkSmartPointer<Reader>& reader, const
   if constexpr (std::is_same_v<Reader, vtkXMLImageDataReader>)
   {
     if (const auto lattice = sizeKnown ? latticeInFile(reader) : std::nullopt)
-    {
       sizeKnown(*lattice);
-    }
   }
   update(reader, path);
   return reader->GetOutput();
@@ -225,24 +205,16 @@ vtkSmartPointer<vtkDataObject> readGrid(const std::string& path, const SizeKnown
   {
     const auto data = Workspace::find(path);
     if (auto* const image = vtkImageData::SafeDownCast(data); image != nullptr && sizeKnown)
-    {
       sizeKnown(latticeOf(image));
-    }
     return data;
   }
   requireFile(path);
   if (endingOf(path) == ".vtp")
-  {
     return read(newPolyDataReader(), path, ".vtp");
-  }
   if (endingOf(path) == ".vtu")
-  {
     return read(newUnstructuredGridReader(), path, ".vtu");
-  }
   if (endingOf(path) == ".vti")
-  {
     return read(newImageReader(), path, ".vti", sizeKnown);
-  }
   throw InputError(
     "'" + path + "' is not a .vti or .vtp file", "make one first: lamella diffusion PICTURE ... -o FILE.vti");
 }
@@ -252,9 +224,7 @@ std::optional<PhaseGrid> readPhaseGrid(const std::string& path, const SizeKnown&
   const auto data = readGrid(path, sizeKnown);
   auto* image = vtkImageData::SafeDownCast(data);
   if (image == nullptr || phaseNames(image).size() == 0 || image->GetPointData()->GetArray("phase") == nullptr)
-  {
     return std::nullopt;
-  }
   try
   {
     return PhaseGrid{ toPhaseImage(image), fieldText(image, "pixel_size_source").value_or("spacing in the file"),
@@ -287,9 +257,7 @@ void forgetRanges(vtkFieldData* data)
 OutputFile openGrid(const std::string& option, const std::string& name, const std::string& ending, bool overwrite)
 {
   if (std::filesystem::path(name).extension() != ending)
-  {
     throw ParameterError(option + " '" + name + "': it is written as " + ending, "end the name in " + ending);
-  }
   return OutputFile(name, overwrite);
 }
 
@@ -318,9 +286,7 @@ void writeGrid(vtkDataObject* data, const OutputFile& file)
     writer->SetDataModeToBinary();    // inline: GridReaders.h says why not appended
     writer->SetCompressorTypeToLZ4(); // a fifth of zlib's time for nearly its size
     if (writer->Write() != 1 || writer->GetErrorCode() != vtkErrorCode::NoError)
-    {
       file.failed();
-    }
   };
   if (vtkPolyData::SafeDownCast(data) != nullptr)
   {

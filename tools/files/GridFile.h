@@ -59,9 +59,7 @@ template <typename Grid>
 {
   vtkSmartPointer<Grid> grid = Grid::SafeDownCast(readGrid(path));
   if (grid == nullptr)
-  {
     throw InputError("'" + path + "' holds no " + wanted, hint);
-  }
   return grid;
 }
 

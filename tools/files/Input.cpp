@@ -94,15 +94,11 @@ void addPhaseOptions(CLI::App& command, PictureOptions& options)
 std::optional<Window> parseWindow(const std::string& text)
 {
   if (text.empty())
-  {
     return std::nullopt;
-  }
   const std::size_t counts[] = { 4, 6 };
   const auto v = integerList("--window", text, counts, "X,Y,WIDTH,HEIGHT (volumes: X,Y,Z,WIDTH,HEIGHT,DEPTH)");
   if (v.size() == 6 && v[5] < 1)
-  {
     throw ParameterError("--window '" + text + "' is empty along z", "give a DEPTH of at least 1");
-  }
   return v.size() == 4 ? Window{ { v[0], v[1], 0 }, { v[2], v[3], 0 } }
                        : Window{ { v[0], v[1], v[2] }, { v[3], v[4], v[5] } };
 }
@@ -123,9 +119,7 @@ micrograph::ReadOptions readOptions(const PictureOptions& options)
 {
   micrograph::ReadOptions read;
   if (!options.pixelSize.empty())
-  {
     read.pixelSize = lengthInMetres("--pixel-size", options.pixelSize);
-  }
   if (!options.rawSize.empty())
   {
     const std::size_t counts[] = { 3 };
@@ -143,9 +137,7 @@ micrograph::ReadOptions readOptions(const PictureOptions& options)
       "--raw-bits " + std::to_string(options.rawBits) + " is neither 8 nor 16", "leave it out when the name tells it");
   }
   if (options.rawBits != 0)
-  {
     read.rawBits = options.rawBits;
-  }
   read.rawHeader = options.rawHeader;
   return read;
 }
@@ -153,9 +145,7 @@ micrograph::ReadOptions readOptions(const PictureOptions& options)
 std::optional<GreyRanges> greyRanges(const PictureOptions& options)
 {
   if (options.phase.empty() && options.other.empty())
-  {
     return std::nullopt;
-  }
   GreyRanges ranges;
   for (const std::string& text : listItems(options.phase))
   {
@@ -163,9 +153,7 @@ std::optional<GreyRanges> greyRanges(const PictureOptions& options)
     ranges.add(range, name);
   }
   if (!options.other.empty())
-  {
     ranges.other = options.other;
-  }
   return ranges;
 }
 
@@ -191,13 +179,9 @@ void requirePicture(const std::string& path)
 {
   std::error_code failed;
   if (std::filesystem::is_regular_file(path, failed))
-  {
     requireFile(path);
-  }
   if (ending(path) == ".gz")
-  {
     throw InputError("'" + path + "' is packed", "unpack it first: gunzip --keep " + path);
-  }
 }
 
 /// "0 (63.2 %), 255 (36.8 %)", the commonest first, at most `most` of them.
@@ -216,17 +200,11 @@ std::string greyShares(const std::vector<std::pair<int, std::int64_t>>& greys, s
 {
   std::vector<std::int64_t> count(65536, 0);
   for (const std::uint16_t grey : picture.grey)
-  {
     ++count[grey];
-  }
   std::vector<std::pair<int, std::int64_t>> greys;
   for (std::size_t grey = 0; grey < count.size(); ++grey)
-  {
     if (count[grey] > 0)
-    {
       greys.emplace_back(static_cast<int>(grey), count[grey]);
-    }
-  }
   std::stable_sort(greys.begin(), greys.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   const bool volume = picture.lattice.dimension == 3;
   std::string hint;
@@ -234,9 +212,7 @@ std::string greyShares(const std::vector<std::pair<int, std::int64_t>>& greys, s
   {
     hint = "name each of them:";
     for (const auto& [grey, nodes] : greys)
-    {
       hint += fmt::format(" --phase {}=NAME", grey);
-    }
   }
   else
   {
@@ -299,9 +275,7 @@ micrograph::SegmentOptions segmentOptions(const PictureOptions& options)
   micrograph::SegmentOptions segment;
   segment.lumen = segmentSide(options);
   if (!options.threshold.empty())
-  {
     segment.threshold = thresholdOf(options.threshold, 255);
-  }
   return segment;
 }
 
@@ -310,9 +284,7 @@ micrograph::VolumeOptions volumeOptions(const PictureOptions& options, const std
   micrograph::VolumeOptions volume;
   volume.empty = segmentSide(options);
   if (!options.threshold.empty())
-  {
     volume.threshold = thresholdOf(options.threshold, 65535);
-  }
   if (ranges)
   {
     if (volume.threshold || volume.empty != micrograph::LumenSide::Auto)
@@ -339,9 +311,7 @@ void checkSize(
       window->size[0], window->size[1], whole.dimension == 2 ? 1 : window->size[2], whole.dimension, whole.spacing);
   }
   if (check)
-  {
     check(kept);
-  }
   // Greys of 16 bits, and the phases that are made of them; runs of one phase where a volume is cleaned.
   const bool volume = whole.dimension == 3;
   const double each = options.segment && volume ? 5 : 3;
@@ -374,9 +344,7 @@ Sample loadSample(const PictureOptions& options, const SampleCheck& check)
   Sample sample;
   sample.window = window;
   if (std::string doubt = pixelSizeDoubt(options.pixelSize); !doubt.empty())
-  {
     sample.warnings.push_back(std::move(doubt));
-  }
   if (isVtkImage(options.file) && options.array.empty() && !ranges)
   {
     if (auto grid = readPhaseGrid(options.file, read.sizeKnown)) // phases that have names
@@ -442,15 +410,11 @@ Sample loadSample(const PictureOptions& options, const SampleCheck& check)
     return sample;
   }
   if (!ranges)
-  {
     refuseUnnamed(options, picture);
-  }
   GreyRanges::Applied named =
     ranges->apply(picture.lattice, picture.grey, { isVtkImage(options.file) ? 16 : picture.bits, 1, std::nullopt });
   if (named.levels)
-  {
     sample.notes.push_back(named.levels->text());
-  }
   sample.warnings.insert(sample.warnings.end(), named.warnings.begin(), named.warnings.end());
   sample.image = std::move(named.image);
   return sample;
@@ -472,9 +436,7 @@ PictureFile readPictureFile(const PictureOptions& options, micrograph::ReadOptio
   file.picture = isVtkImage(options.file) ? readGreys(options.file, read, options.array, &file.file)
                                           : micrograph::readPicture(options.file, read);
   if (!file.record)
-  {
     file.record = parseRecord(file.picture.description);
-  }
   if (file.record && file.record->pixelSize && !read.pixelSize)
   {
     setSpacing(file.picture.lattice, *file.record->pixelSize);

@@ -19,14 +19,10 @@ std::string toJson(const Record& record)
   json["provenance"] = record.provenance.empty() ? Json::object() : Json::parse(record.provenance);
   Json phases = Json::object();
   for (const auto& [grey, name] : record.phases)
-  {
     phases[std::to_string(grey)] = name;
-  }
   json["phases"] = std::move(phases);
   if (record.pixelSize)
-  {
     json["pixel_size"] = *record.pixelSize;
-  }
   if (record.size)
   {
     json["size"] = *record.size;
@@ -40,29 +36,21 @@ std::optional<Record> parseRecord(std::string_view text)
 {
   const Json json = Json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("provenance"))
-  {
     return std::nullopt;
-  }
   try
   {
     Record record;
     record.provenance = json.at("provenance").dump();
     if (json.contains("phases"))
-    {
       for (const auto& [grey, name] : json.at("phases").items())
-      {
         record.phases[std::stoi(grey)] = name.get<std::string>();
-      }
-    }
     if (json.contains("pixel_size") && json.at("pixel_size").is_number())
     {
       const auto size = json.at("pixel_size").get<double>();
       record.pixelSize = size > 0 ? std::optional(size) : std::nullopt;
     }
     if (json.contains("size"))
-    {
       record.size = json.at("size").get<std::array<std::int64_t, 3>>();
-    }
     record.bits = json.value("bits", 8);
     return record;
   }
@@ -95,22 +83,16 @@ io::Provenance recordRun(
   }
   Json parameters;
   if (scene != nullptr && !scene->record.empty())
-  {
     parameters["scene"] = Json::parse(scene->record);
-  }
   const Json old = Json::parse(before, nullptr, false);
   if (old.is_object())
   {
     parameters["made_from"] = old;
     if (const auto seed = old.find("seed"); seed != old.end() && seed->is_number_unsigned())
-    {
       record.seed = seed->get<std::uint64_t>();
-    }
   }
   if (!parameters.empty())
-  {
     record.parameters = parameters.dump();
-  }
   return record;
 }
 
@@ -126,9 +108,7 @@ std::vector<std::uint8_t> greysOfPhases(const PhaseTable& phases)
   std::vector<std::uint8_t> greys;
   const std::size_t last = std::max<std::size_t>(phases.size(), 2) - 1;
   for (std::size_t id = 0; id < phases.size(); ++id)
-  {
     greys.push_back(static_cast<std::uint8_t>(255 * id / last));
-  }
   return greys;
 }
 

@@ -21,21 +21,15 @@ void ResultFiles::addGrid(
   const std::string& option, const std::string& name, const std::string& ending, vtkDataObject* grid, bool overwrite)
 {
   if (!name.empty())
-  {
     grids_.push_back({ grid, openGrid(option, name, ending, overwrite) });
-  }
 }
 
 void ResultFiles::addTable(const std::string& option, const std::string& name, vtkTable* table, bool overwrite)
 {
   if (name.empty())
-  {
     return;
-  }
   if (std::filesystem::path(name).extension() != ".csv")
-  {
     throw ParameterError(option + " '" + name + "': tables are written as .csv", "end the name in .csv");
-  }
   tables_.push_back({ table, OutputFile(name, overwrite), OutputFile(name + ".json", overwrite) });
 }
 
@@ -64,9 +58,7 @@ std::vector<std::string> ResultFiles::write(const std::string& provenance)
   }
   Session::checkInterrupt();
   for (Grid& grid : grids_)
-  {
     grid.file.commit();
-  }
   for (Table& table : tables_)
   {
     table.csv.commit();

@@ -17,9 +17,7 @@ std::vector<std::uint8_t> valuesInFile(const PhaseTable& phases, const std::stri
 {
   std::vector<std::uint8_t> values = greysOfPhases(phases);
   if (ending == ".vti" || ending == ".raw")
-  {
     std::iota(values.begin(), values.end(), std::uint8_t{ 0 });
-  }
   return values;
 }
 
@@ -31,9 +29,7 @@ void writeLabels(const PhaseImage& image, const OutputFile& file, OutputFile* be
   record.provenance = io::toJson(provenance);
   record.pixelSize = image.lattice.spacing;
   for (std::size_t id = 0; id < values.size(); ++id)
-  {
     record.phases[values[id]] = image.phases.names()[id];
-  }
   if (ending == ".raw")
   {
     record.size = image.lattice.size;

@@ -60,13 +60,9 @@ int StateFiles::RequestData(vtkInformation*, vtkInformationVector**, vtkInformat
       const std::string& name = this->Names[step];
       output->ShallowCopy(readAs<vtkPolyData>(name, "material points", "give the points of a state (.vtp)"));
       if (!this->Strains.empty())
-      {
         setFieldNumber(output, "strain", this->Strains[step]);
-      }
       else if (fieldNumbers(output, "strain").empty())
-      {
         throw InputError("'" + name + "' does not tell its strain", "give the strains of all states with --strains");
-      }
       output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), time);
     });
   return outcome == Outcome::Done ? 1 : 0;

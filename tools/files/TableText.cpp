@@ -22,9 +22,7 @@ std::string toCsv(vtkTable* table)
 {
   std::string text;
   for (vtkIdType i = 0; i < table->GetNumberOfColumns(); ++i)
-  {
     text += std::string(i > 0 ? "," : "") + csvField(table->GetColumnName(i));
-  }
   text += "\n";
   auto out = std::back_inserter(text);
   for (vtkIdType row = 0; row < table->GetNumberOfRows(); ++row)
@@ -40,13 +38,9 @@ std::string toCsv(vtkTable* table)
       auto* const numbers = vtkDataArray::SafeDownCast(table->GetColumn(i));
       const double value = numbers->GetTuple1(row);
       if (numbers->GetDataType() == VTK_DOUBLE)
-      {
         fmt::format_to(out, "{}", value);
-      }
       else
-      {
         fmt::format_to(out, "{}", static_cast<std::int64_t>(value));
-      }
     }
     text += '\n';
   }
@@ -60,9 +54,7 @@ nlohmann::ordered_json unitsOf(vtkTable* table, bool metres)
   {
     auto* const column = vtkDataArray::SafeDownCast(table->GetColumn(i));
     if (column == nullptr)
-    {
       continue;
-    }
     const auto [unit, words, creator] = description(column);
     const bool length = unit == "m" || unit == "m^2" || unit == "m^3";
     units[column->GetName()] = { { "unit",
@@ -91,13 +83,9 @@ nlohmann::ordered_json jsonRows(vtkTable* table)
       auto* const numbers = vtkDataArray::SafeDownCast(table->GetColumn(i));
       const double value = numbers->GetTuple1(row);
       if (numbers->GetDataType() == VTK_DOUBLE)
-      {
         json[name] = jsonNumber(value);
-      }
       else
-      {
         json[name] = std::llround(value);
-      }
     }
     rows.push_back(std::move(json));
   }

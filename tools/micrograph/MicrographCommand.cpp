@@ -51,21 +51,15 @@ public:
     step(0.02, "outlines");
     source_ = loadMicrograph(session_, options_.input);
     for (const std::string& warning : source_.warnings)
-    {
       warn(warning);
-    }
     if (const std::string doubt = pixelSizeDoubt(options_.input.picture.pixelSize); !doubt.empty())
-    {
       warn(doubt);
-    }
     measure();
     step(0.3, "lattice");
     makeLattice();
     report_.latticeSeconds = secondsSince(start);
     if (solves())
-    {
       solve();
-    }
     step(0.9, "files");
     report_.provenance = recordRun(session_, line_, options_.input.picture.file, source_.provenance);
     write();
@@ -74,9 +68,7 @@ public:
     report_.seconds = secondsSince(start);
     session_.print(options_.common.json ? toJson(report_) : options_.common.quiet ? "" : toTable(report_));
     if (const lbm::Shortfall& shortfall = report_.found.shortfall; !shortfall.message.empty())
-    {
       session_.fallShort(shortfall.message, shortfall.hint);
-    }
   }
 
 private:
@@ -119,9 +111,7 @@ private:
     }
     runFilter(session_, lattice_, "lattice");
     for (const std::string& warning : VtkMessages::takeWarnings())
-    {
       warn(warning);
-    }
     vtkImageData* const image = lattice_->GetOutput();
     const auto number = [image](const char* name, std::size_t index = 0)
     { return fieldNumbers(image, name).at(index); };
@@ -135,9 +125,7 @@ private:
     report_.fractions = toPhaseImage(image).fractions();
     report_.thickness = { number("wall_thickness"), number("wall_thickness", 1) };
     if (lattice_->GetLamella() == vtkMicrographLattice::NONE)
-    {
       return;
-    }
     LamellaReport told;
     told.method = settingsAsJson(lattice_).at("lamella").get<std::string>();
     told.horizon = lattice_->GetHorizon();
@@ -165,9 +153,7 @@ private:
     if (!solves())
     {
       if (options_.settings.given("target-error"))
-      {
         throw ParameterError("--target-error without --conductivity", "say what lumen and wall conduct");
-      }
       return;
     }
     options_.settings.checkNames({ "lumen", "wall", "middle lamella" });
@@ -186,9 +172,7 @@ private:
     report_.found = diffusion_->GetFindings();
     (void)VtkMessages::takeWarnings(); // the same, and the shortfall
     for (const std::string& warning : report_.found.warnings)
-    {
       warn(warning);
-    }
   }
 
   void write()
@@ -215,14 +199,10 @@ private:
       parts.wall = report_.thickness.median;
       std::int32_t most = 0;
       for (const auto& m : report_.measures)
-      {
         most = std::max(most, m.lumen);
-      }
       parts.vessel.assign(static_cast<std::size_t>(most), false);
       for (std::size_t i = 0; i < report_.measures.size(); ++i)
-      {
         parts.vessel[static_cast<std::size_t>(report_.measures[i].lumen - 1)] = report_.classes.vessel[i];
-      }
       parts.cells = report_.cells;
       parts.marks = source_.marks;
       parts.pixel = source_.pixel;

@@ -34,9 +34,7 @@ std::string endingOf(const std::string& path)
 Outputs::Outputs(const MicrographCommandOptions& o)
 {
   if (!o.output.empty())
-  {
     checkSampleEnding(o.output, 2);
-  }
   if (!o.contours.empty())
   {
     const std::vector<std::string> known{ ".vtp", ".json", ".json.gz" };
@@ -47,9 +45,7 @@ Outputs::Outputs(const MicrographCommandOptions& o)
     }
   }
   if (!o.overlay.empty() && endingOf(o.overlay) != ".png")
-  {
     throw ParameterError("--overlay '" + o.overlay + "' has no ending that can be written", "end it in .png");
-  }
   if (o.overlayWidth != 0 && (o.overlayWidth < 100 || o.overlayWidth > 20000))
   {
     throw ParameterError(
@@ -59,23 +55,17 @@ Outputs::Outputs(const MicrographCommandOptions& o)
   for (const std::string& name : { o.output, o.contours, o.overlay })
   {
     if (!name.empty() && std::find(names.begin(), names.end(), name) != names.end())
-    {
       throw ParameterError("'" + name + "' is to be written twice", "give every output a name of its own");
-    }
     names.push_back(name);
   }
   const auto open = [&](std::optional<OutputFile>& file, const std::string& name)
   {
     if (!name.empty())
-    {
       file.emplace(name, o.common.overwrite);
-    }
   };
   open(lattice, o.output);
   if (lattice && lattice->path().extension() == ".raw")
-  {
     beside.emplace(recordBeside(lattice->path()), o.common.overwrite);
-  }
   open(contours, o.contours);
   open(overlay, o.overlay);
 }
@@ -83,12 +73,8 @@ Outputs::Outputs(const MicrographCommandOptions& o)
 void Outputs::commit()
 {
   for (auto* const file : { &lattice, &beside, &contours, &overlay })
-  {
     if (*file)
-    {
       (*file)->commit();
-    }
-  }
 }
 
 void writeLattice(vtkImageData* lattice, Outputs& outputs, const io::Provenance& record)

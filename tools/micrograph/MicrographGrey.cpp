@@ -47,9 +47,7 @@ vtkSmartPointer<vtkImageData> part(
   const Lattice whole = lattice;
   const auto first = window ? firstNode(lattice, *window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
   if (window)
-  {
     std::copy_n(window->size.begin(), 2, lattice.size.begin());
-  }
   const auto shown = vtkSmartPointer<vtkImageData>::New();
   setGeometry(shown, lattice);
   const auto values = vtkSmartPointer<vtkDataArray>::Take(array->NewInstance());
@@ -82,13 +80,9 @@ GreyPicture readGreyPicture(const MicrographOptions& options)
 {
   const PictureOptions& picture = options.picture;
   if (options.shares && !options.level.empty())
-  {
     throw ParameterError("--level and --shares contradict each other", "of shares the level is one half: leave it out");
-  }
   if (picture.segment)
-  {
     throw ParameterError("--segment and --level or --shares contradict each other", "leave one of them out");
-  }
   (void)greyLevel(options);
   const auto window = parseWindow(picture.window);
   GreyPicture found;
@@ -102,16 +96,12 @@ GreyPicture readGreyPicture(const MicrographOptions& options)
     found.provenance = provenance(image);
     Lattice lattice = latticeOf(image);
     if (!picture.pixelSize.empty())
-    {
       lattice.spacing = lengthInMetres("--pixel-size", picture.pixelSize);
-    }
     requireWindowFits(lattice, window);
     vtkDataArray* const array = image->GetPointData()->GetArray(found.array.c_str());
     found.image = image;
     if (array != nullptr) // else the class says what is wrong
-    {
       found.image = part(image, array, lattice, window);
-    }
     return found;
   }
   micrograph::ReadOptions read = readOptions(picture);

@@ -41,17 +41,13 @@ bool endsWith(std::string text, const std::string& end)
 void refuse(const std::vector<CLI::Option*>& options, const std::string& file, const std::string& why)
 {
   if (const std::string given = firstGiven(options); !given.empty())
-  {
     throw ParameterError(given + " is for " + why, "leave it out: '" + file + "' is something else");
-  }
 }
 
 void requirePixelSize(const std::string& source, const std::string& file)
 {
   if (source == "none")
-  {
     throw InputError("the pixel size of '" + file + "' is not known", "add --pixel-size, such as --pixel-size 0.5um");
-  }
 }
 
 Micrograph loadOutlines(Session& session, const MicrographOptions& options)
@@ -69,16 +65,12 @@ Micrograph loadOutlines(Session& session, const MicrographOptions& options)
   found.kind = MicrographKind::Polygons;
   const bool outlines = endsWith(file, ".vtp");
   if (outlines)
-  {
     refuse(options.forPolygons, file, "polygons in .json or .json.gz");
-  }
   vtkNew<vtkMicrographPolygonReader> reader;
   options.outlines.give(reader);
   reader->SetFileName(file.c_str());
   if (!options.picture.window.empty())
-  {
     reader->SetWindow(polygonWindow(options.picture.window).data());
-  }
   runFilter(session, reader, "outlines");
   found.warnings = VtkMessages::takeWarnings();
   found.outlines = reader->GetOutput();
@@ -94,19 +86,13 @@ std::uint8_t lumenOf(const MicrographOptions& options, const PhaseTable& phases)
   if (!options.lumenPhase.empty())
   {
     if (const auto id = phaseMeant(phases.names(), options.lumenPhase))
-    {
       return static_cast<std::uint8_t>(*id);
-    }
     throw ParameterError("--lumen-phase '" + options.lumenPhase + "' is no phase of this picture",
       suggestion(options.lumenPhase, phases.names(), "its phases are " + quotedList(phases.names(), "and")));
   }
   for (const char* const name : { "lumen", "void", "pore", "air" })
-  {
     if (const auto id = phases.find(name))
-    {
       return *id;
-    }
-  }
   throw InputError("which phase is the lumens? '" + options.picture.file + "' has " + quotedList(phases.names(), "and"),
     "add --lumen-phase NAME");
 }
@@ -134,9 +120,7 @@ Micrograph loadGrey(Session& session, const MicrographOptions& options)
   refuse(options.forLabels, picture.file, "labels");
   refuse(options.forMasks, picture.file, "labels and scans that are segmented");
   if (!isVtkImage(picture.file))
-  {
     refuse({ options.arrayOption }, picture.file, "pictures in a .vti");
-  }
   const bool below = oneOf("--lumen", picture.lumen, std::vector<std::string>{ "auto", "bright", "dark" }) == 2;
   GreyPicture grey = readGreyPicture(options);
   requirePixelSize(grey.pixelSizeSource, picture.file);
@@ -230,17 +214,13 @@ Micrograph segmentScan(Session& session, const MicrographOptions& options, Pictu
 bool looksLikeLabels(const micrograph::Picture& picture)
 {
   if (!picture.colour.empty())
-  {
     return false;
-  }
   std::set<std::uint16_t> greys;
   for (const std::uint16_t grey : picture.grey)
   {
     greys.insert(grey);
     if (greys.size() > 8)
-    {
       return false;
-    }
   }
   return greys.size() > 1; // one grey: segment() says it best
 }
@@ -258,25 +238,19 @@ Micrograph loadMicrograph(Session& session, const MicrographOptions& options)
   if (isOutlineFile(picture.file))
   {
     if (picture.segment)
-    {
       throw ParameterError("--segment is for scans, and '" + picture.file + "' holds outlines", "leave --segment out");
-    }
     return loadOutlines(session, options);
   }
   refuse(options.forPolygons, picture.file, "polygons");
   if (options.grey())
-  {
     return loadGrey(session, options);
-  }
   if (picture.segment && greyRanges(picture))
   {
     throw ParameterError("--segment and --phase contradict each other",
       "leave --phase and --other out: the phases of a segmented scan are 'lumen' and 'wall'");
   }
   if (!picture.segment && (isVtkImage(picture.file) || greyRanges(picture)))
-  {
     return loadLabels(session, options);
-  }
   (void)parseWindow(picture.window);
   (void)segmentOptions(options); // mistakes in them are told before the picture is read
   micrograph::ReadOptions read = readOptions(picture);
@@ -287,17 +261,13 @@ Micrograph loadMicrograph(Session& session, const MicrographOptions& options)
     // Greys and colours of 16 bits and what segmenting holds beside them.
     const double bytes = 40 * static_cast<double>(whole.count());
     if (const auto available = static_cast<double>(availableMemory()); bytes > available)
-    {
       throw MemoryError(fmt::format("segmenting {} pixels takes about {}, and {} are free", sizeText(whole.size, 2),
                           bytesText(bytes), bytesText(available)),
         "cut the scan into parts");
-    }
   };
   PictureFile file = readPictureFile(picture, read);
   if (!picture.segment && ((file.record && !file.record->phases.empty()) || looksLikeLabels(file.picture)))
-  {
     return loadLabels(session, options);
-  }
   requirePixelSize(file.picture.pixelSizeSource, picture.file);
   return segmentScan(session, options, std::move(file));
 }

@@ -33,9 +33,7 @@ cv::Mat textMask(const std::string& text, double height)
   int size[2] = { 0, 0 };
   if (!vtkFreeTypeTools::GetInstance()->RenderString(property, vtkStdString(text), 72, image, size) || size[0] < 1 ||
     size[1] < 1)
-  {
     return {};
-  }
   cv::Mat mask(size[1], size[0], CV_32F, cv::Scalar(0));
   for (int y = 0; y < size[1]; ++y)
   {
@@ -119,29 +117,19 @@ cv::Mat withLegend(const cv::Mat& picture, const OverlayParts& parts, double sca
   items.push_back({ lengthText(bar), line(ink, std::max(2.0, font / 4)), static_cast<int>(std::lround(bar * scale)) });
   items.push_back({ "outline", line(outlineColour, std::max(2.0, font / 8)), wide });
   if (parts.lattice != nullptr)
-  {
     items.push_back({ "wall direction", line(strokeColour, std::max(1.0, font / 12)), static_cast<int>(0.6 * wide) });
-  }
   if (parts.lamella)
-  {
     items.push_back({ "middle lamella", area(lamellaColour, 0.9), wide });
-  }
   if (std::find(parts.vessel.begin(), parts.vessel.end(), true) != parts.vessel.end())
-  {
     items.push_back({ parts.cells ? "vessel" : "large pore", area(vesselColour, 0.45), wide });
-  }
   const auto frame = [](const Colour& colour)
   { return [=](cv::Mat& to, cv::Rect box) { cv::rectangle(to, box, scalar(colour), std::max(1, box.height / 8)); }; };
   const auto gaps = std::count_if(parts.marks.begin(), parts.marks.end(),
     [](const micrograph::Mark& mark) { return mark.kind == micrograph::Mark::Kind::Gap; });
   if (gaps < static_cast<std::ptrdiff_t>(parts.marks.size()))
-  {
     items.push_back({ "not counted", frame(markColour), wide });
-  }
   if (gaps > 0)
-  {
     items.push_back({ "tear or background", frame(gapColour), wide });
-  }
 
   const int margin = static_cast<int>(std::lround(0.5 * font));
   const int between = static_cast<int>(std::lround(1.5 * font));
@@ -176,9 +164,7 @@ cv::Mat withLegend(const cv::Mat& picture, const OverlayParts& parts, double sca
   {
     items[p.item].swatch(whole, p.swatch);
     if (!p.mask.empty())
-    {
       blend(whole, p.mask, ink, 1, p.text);
-    }
   }
   return whole;
 }

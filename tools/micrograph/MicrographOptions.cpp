@@ -21,9 +21,7 @@ const std::vector<std::string> sides{ "auto", "bright", "dark" };
 std::optional<double> pixels(const std::string& option, const std::string& text)
 {
   if (text.empty())
-  {
     return std::nullopt;
-  }
   const auto value = toNumber(text);
   if (!value || !std::isfinite(*value) || *value < 0)
   {
@@ -70,9 +68,7 @@ micrograph::SegmentOptions segmentOptions(const MicrographOptions& options)
 double greyLevel(const MicrographOptions& options)
 {
   if (options.level.empty())
-  {
     return 0.5;
-  }
   const auto level = toNumber(options.level);
   if (!level || !(*level > 0 && *level < 1))
   {

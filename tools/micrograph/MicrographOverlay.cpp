@@ -44,9 +44,7 @@ struct Drawing
   {
     std::vector<cv::Point> found;
     for (const micrograph::Point& p : chain)
-    {
       found.push_back(at(p[0], p[1]));
-    }
     return found;
   }
 };
@@ -106,9 +104,7 @@ void drawShares(Drawing& drawing, const OverlayParts& parts)
   const float* const shares = values<vtkFloatArray>(parts, "lumen_share");
   cv::Mat share(ny, nx, CV_32F);
   for (int y = 0; y < ny; ++y)
-  {
     std::copy_n(shares + static_cast<std::ptrdiff_t>(nx) * y, nx, share.ptr<float>(ny - 1 - y));
-  }
   cv::Mat wide;
   const int height =
     std::min(drawing.picture.rows, static_cast<int>(std::lround(ny * lattice.spacing * drawing.scale)));
@@ -160,15 +156,11 @@ void drawStrokes(Drawing& drawing, const OverlayParts& parts)
         static_cast<std::int64_t>((static_cast<double>(i) + (j % 2 == 0 ? 0.25 : 0.75)) * step / lattice.spacing);
       const auto y = static_cast<std::int64_t>((static_cast<double>(j) + 0.5) * step / lattice.spacing);
       if (x >= lattice.size[0] || y >= lattice.size[1])
-      {
         continue;
-      }
       const auto node = static_cast<std::size_t>(lattice.index(x, y));
       const float* const axis = directions + 3 * node;
       if (axis[0] == 0 && axis[1] == 0)
-      {
         continue;
-      }
       const double cx = (static_cast<double>(x) + 0.5) * lattice.spacing;
       const double cy = (static_cast<double>(y) + 0.5) * lattice.spacing;
       cv::line(drawing.picture, drawing.at(cx - half * axis[0], cy - half * axis[1]),
@@ -202,17 +194,13 @@ void drawMarks(Drawing& drawing, const OverlayParts& parts)
 int overlayWidth(const OverlayParts& parts)
 {
   if (parts.width > 0)
-  {
     return parts.width;
-  }
   // Walls a dozen pixels thick, but a picture of 1200 to 2400 pixels along its longer side; a large scan keeps its own.
   const auto& size = parts.contours->size;
   const double longer = std::max(size[0], size[1]);
   double pixels = std::clamp(parts.wall > 0 ? 16 * longer / parts.wall : 1600.0, 1200.0, 2400.0);
   if (parts.scan != nullptr)
-  {
     pixels = std::max(pixels, std::min(6000.0, longer / parts.pixel));
-  }
   return std::max(1, static_cast<int>(std::lround(pixels * size[0] / longer)));
 }
 
@@ -251,9 +239,7 @@ micrograph::Picture drawOverlay(const OverlayParts& parts)
   }
   drawStrokes(drawing, parts);
   if (parts.lamella) // over the strokes, which would hide a thin one
-  {
     tintLamella(drawing, parts);
-  }
   drawOutlines(drawing, *parts.contours);
   drawMarks(drawing, parts);
   cv::Mat small;
@@ -274,9 +260,7 @@ micrograph::Picture drawOverlay(const OverlayParts& parts)
       const auto& pixel = whole.at<cv::Vec3b>(y, x);
       out.grey[node] = static_cast<std::uint16_t>(std::lround(0.299 * pixel[0] + 0.587 * pixel[1] + 0.114 * pixel[2]));
       for (int k = 0; k < 3; ++k)
-      {
         out.colour[3 * node + static_cast<std::size_t>(k)] = pixel[k];
-      }
     }
   }
   return out;

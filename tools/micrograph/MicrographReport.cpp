@@ -43,9 +43,7 @@ ClassNumbers numbersOf(const MicrographReport& report, const std::function<bool(
       ++numbers.count;
       numbers.areaShare += report.measures[i].area;
       if (!report.measures[i].open)
-      {
         diameters.push_back(report.measures[i].equivalentDiameter);
-      }
     }
   }
   const auto& size = report.micrograph->contours.size;
@@ -109,13 +107,9 @@ std::string percent(double share)
 std::string errorText(const lbm::ContourAnswer& a, bool picture)
 {
   if (!picture)
-  {
     return fmt::format("{:.2g} ({:.2g} % lattice; outlines as given)", a.error * a.value, 100 * a.error);
-  }
   if (!std::isfinite(a.pictureError))
-  {
     return fmt::format("unknown ({:.2g} % lattice, picture unknown)", 100 * a.latticeError);
-  }
   return fmt::format("{:.2g} ({:.2g} %: {:.2g} % lattice, {:.2g} % picture)", a.error * a.value, 100 * a.error,
     100 * a.latticeError, 100 * a.pictureError);
 }
@@ -127,9 +121,7 @@ micrograph::LumenClasses classify(const std::vector<micrograph::LumenMeasures>& 
   std::vector<micrograph::LumenExtent> extents;
   extents.reserve(measures.size());
   for (const auto& m : measures)
-  {
     extents.push_back({ m.major, m.minor, !m.open, m.solidity });
-  }
   return micrograph::tellVessels(extents);
 }
 
@@ -164,34 +156,27 @@ std::string toJson(const MicrographReport& report)
     json["unit"] = m.unit;
   }
   if (m.segmentation)
-  {
     json["segmentation"] = jsonOf(*m.segmentation);
-  }
   std::int64_t points = 0;
   for (const auto& contour : m.contours.contours)
-  {
     points += static_cast<std::int64_t>(contour.points.size());
-  }
   Json contours{ { "chains", m.contours.contours.size() }, { "points", points } };
   if (m.picture != nullptr)
   {
     const auto number = [&](const char* name) { return fieldNumbers(m.outlines, name).at(0); };
     for (const auto& [key, name] : { std::pair{ "islands", "islands" }, std::pair{ "nested_lumens", "nested_lumens" },
            std::pair{ "small", "small_lumens" }, std::pair{ "ragged", "ragged_lumens" } })
-    {
       contours[key] = std::llround(number(name));
-    }
     contours["area_missing"] = number("area_missing") * m.pixel * m.pixel;
   }
   json["contours"] = contours;
-  json["lumens"] = jsonOf(numbersOf(report, [](std::size_t) { return true; }));
+  json["lumens"] = jsonOf(numbersOf(
+    report, [](std::size_t) { return true; }));
   json["lumens"]["open"] =
     std::count_if(report.measures.begin(), report.measures.end(), [](const auto& l) { return l.open; });
   std::vector<double> solidity;
   for (const auto& l : report.measures)
-  {
     solidity.push_back(l.solidity);
-  }
   json["lumens"]["median_solidity"] = median(std::move(solidity));
   json["cells"] = report.cells;
   if (report.classes.two)
@@ -217,9 +202,7 @@ std::string toJson(const MicrographReport& report)
     { "low", report.thickness.low / report.spacing } };
   lattice["phases"] = Json::array();
   for (std::size_t id = 0; id < report.phases.size(); ++id)
-  {
     lattice["phases"].push_back({ { "name", report.phases[id] }, { "fraction", report.fractions[id] } });
-  }
   lattice["seconds"] = report.latticeSeconds;
   if (report.lamella)
   {
@@ -244,9 +227,7 @@ std::string toJson(const MicrographReport& report)
   {
     Json& diffusion = json["diffusion"];
     for (const auto& [name, value] : report.found.conductivity)
-    {
       diffusion["conductivity"][name] = value;
-    }
     for (const lbm::ContourAnswer& a : report.found.answers)
     {
       diffusion["axes"][axisNames[static_cast<std::size_t>(a.axis)]] = { { "value", a.value },
@@ -256,21 +237,13 @@ std::string toJson(const MicrographReport& report)
         { "seconds", a.seconds } };
       Json& axis = diffusion["axes"][axisNames[static_cast<std::size_t>(a.axis)]];
       for (const lbm::ContourStep& step : a.steps)
-      {
         axis["steps"].push_back(jsonOf(step));
-      }
       if (m.kind == MicrographKind::Scan)
-      {
         axis["segmentation_doubt"] = std::abs(a.moved);
-      }
       if (!a.coarser.empty())
-      {
         axis["border_doubt"] = std::abs(a.sealed);
-      }
       for (const SubsampleValues& c : a.coarser)
-      {
         axis["coarser_pictures"].push_back({ { "stride", std::lround(c.stride) }, { "values", c.values } });
-      }
     }
   }
   json["files"] = report.written;
@@ -299,16 +272,12 @@ std::string toTable(const MicrographReport& report)
     const auto add = [&](bool there, const std::string& what)
     {
       if (there)
-      {
         more += (more.empty() ? "" : ", ") + what;
-      }
     };
     add(s.rays > 0, fmt::format("{} gaps in rays closed", s.rays));
     add(s.graphicsShare > 0, fmt::format("{} painted over", percent(s.graphicsShare)));
     if (!more.empty())
-    {
       line("", more);
-    }
   }
   const auto open = std::count_if(report.measures.begin(), report.measures.end(), [](const auto& l) { return l.open; });
   const auto of = [&](const std::function<bool(std::size_t)>& belongs)

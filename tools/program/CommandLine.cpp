@@ -17,13 +17,9 @@ std::vector<std::string> optionNames(const CLI::App* app)
   for (const CLI::Option* option : app->get_options([](const CLI::Option* one) { return !one->get_group().empty(); }))
   {
     for (const std::string& name : option->get_lnames())
-    {
       names.push_back("--" + name);
-    }
     for (const std::string& name : option->get_snames())
-    {
       names.push_back("-" + name);
-    }
   }
   return names;
 }
@@ -35,9 +31,7 @@ namespace
 CLI::App* innermost(CLI::App* app)
 {
   for (CLI::App* command : app->get_subcommands())
-  {
     return innermost(command);
-  }
   return app;
 }
 
@@ -50,9 +44,7 @@ std::vector<std::string> commandNames(const CLI::App* app)
 {
   std::vector<std::string> names;
   for (const CLI::App* command : app->get_subcommands([](const CLI::App*) { return true; }))
-  {
     names.push_back(command->get_name());
-  }
   return names;
 }
 
@@ -61,16 +53,10 @@ std::optional<std::string> ownerOf(const CLI::App* app, const std::string& optio
 {
   const auto names = optionNames(app);
   if (app->get_parent() != nullptr && std::find(names.begin(), names.end(), option) != names.end())
-  {
     return fullName(app);
-  }
   for (const CLI::App* command : app->get_subcommands([](const CLI::App*) { return true; }))
-  {
     if (auto owner = ownerOf(command, option))
-    {
       return owner;
-    }
-  }
   return std::nullopt;
 }
 
@@ -104,9 +90,7 @@ ParameterError explain(CLI::App& root, const CLI::ParseError& error)
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
   {
     if (!commands.empty())
-    {
       return ParameterError("which command?", "there are " + quotedList(commands, "and") + "; " + help);
-    }
     for (const CLI::Option* option : app->get_options())
     {
       if (option->get_required() && option->count() == 0)
@@ -204,9 +188,7 @@ void addExamples(CLI::App& command, const std::vector<std::string>& examples)
 {
   std::string text = "\nExamples:\n";
   for (const std::string& example : examples)
-  {
     text += "  " + example + "\n";
-  }
   command.footer(text);
 }
 

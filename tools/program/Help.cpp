@@ -26,8 +26,8 @@ constexpr std::size_t lineEnd = 100;
 /// Characters as they are seen: UTF-8 continuation bytes take no room.
 std::size_t seenWidth(const std::string& text)
 {
-  return static_cast<std::size_t>(
-    std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+  return static_cast<std::size_t>(std::count_if(
+    text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
 /// Name on the left, description wrapped on the right.
@@ -67,13 +67,9 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI:
 {
   std::string text = CLI::Formatter::make_help(app, std::move(name), mode);
   for (std::size_t at = text.find("\n\n\n"); at != std::string::npos; at = text.find("\n\n\n", at))
-  {
     text.erase(at, 1);
-  }
   while (text.ends_with("\n\n"))
-  {
     text.pop_back();
-  }
   return text;
 }
 
@@ -82,9 +78,7 @@ std::string HelpFormatter::make_usage(const CLI::App* app, std::string name) con
   std::string text("\nUsage: ");
   text += name;
   for (const CLI::Option* option : app->get_options([](const CLI::Option* o) { return o->get_positional(); }))
-  {
     text.append(" ").append(option->get_name(true));
-  }
   text += app->get_subcommands([](const CLI::App*) { return true; }).empty() ? " [options]" : " COMMAND [options]";
   return text + "\n";
 }
@@ -100,26 +94,16 @@ OptionWords optionWords(const CLI::Option& option)
   else
   {
     for (const std::string& letter : option.get_snames())
-    {
       words.names.append(words.names.empty() ? "-" : ", -").append(letter);
-    }
     for (const std::string& word : option.get_lnames())
-    {
       words.names.append(words.names.empty() ? "--" : ", --").append(word);
-    }
     if (option.get_type_size() != 0 && !option.get_type_name().empty())
-    {
       words.names.append(" ").append(option.get_type_name());
-    }
   }
   if (option.get_required() && !positional)
-  {
     words.description += " (needed)";
-  }
   if (!option.get_default_str().empty())
-  {
     words.description.append(" [").append(option.get_default_str()).append("]");
-  }
   return words;
 }
 
@@ -134,9 +118,7 @@ std::string HelpFormatter::make_group(std::string group, bool positional, std::v
   std::string text("\n");
   text.append(group).append(":\n");
   for (const CLI::Option* option : options)
-  {
     text += make_option(option, positional);
-  }
   return text;
 }
 

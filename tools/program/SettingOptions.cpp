@@ -41,9 +41,7 @@ std::string form(const Setting& setting)
 {
   std::vector<std::string> words;
   if (setting.colour)
-  {
     return setting.types[0] == Type::Text ? upper(setting.parts[0]) + "=COLOUR" : "COLOUR";
-  }
   switch (setting.kind)
   {
     case Kind::Switch:
@@ -65,13 +63,9 @@ std::string form(const Setting& setting)
       return setting.unit[0] == '\0' && setting.low == 0 && setting.high == 1 ? "SHARE" : "NUMBER";
     case Kind::List:
       if (setting.types.size() == 1)
-      {
         return setting.types[0] == Type::Text ? "NAME" : "LIST";
-      }
       if (setting.types.size() == 2 && setting.types[0] == Type::Text)
-      {
         return upper(setting.parts[0]) + "=" + (setting.types[1] == Type::Text ? upper(setting.parts[0]) : "VALUE");
-      }
       break;
     case Kind::Vector:
       break;
@@ -79,9 +73,7 @@ std::string form(const Setting& setting)
   std::transform(setting.parts.begin(), setting.parts.end(), std::back_inserter(words), upper);
   const std::string last = std::isnan(setting.rest) || words.empty() ? "" : fmt::format("[,{}]", words.back());
   if (!last.empty())
-  {
     words.pop_back();
-  }
   return fmt::format("{}{}", fmt::join(words, ","), last);
 }
 
@@ -107,30 +99,20 @@ double number(const Setting& setting, std::size_t part, const std::string& text,
   const std::string unit = unitOf(setting, part);
   std::optional<double> value = toNumber(text);
   if (!value && unit == "m")
-  {
     return coordinate("--" + std::string(setting.word), text);
-  }
   if (!value && unit == "Pa")
-  {
     value = pascals(text);
-  }
   if (!value && unit == "Pa √m")
-  {
     value = pascalRootMetres(text);
-  }
   if (!value && unit == "s")
-  {
     value = secondsFrom(text);
-  }
   if (!value && unit.empty() && text.ends_with('%'))
   {
     value = toNumber(std::string_view(text).substr(0, text.size() - 1));
     value = value ? std::optional(*value / 100) : value;
   }
   if (!value)
-  {
     refuse(setting, text, "a number", whole);
-  }
   return *value;
 }
 
@@ -138,14 +120,10 @@ SettingValue valueOf(const Setting& setting, std::size_t part, const std::string
 {
   const Type type = setting.types[part];
   if (type == Type::Text)
-  {
     return text;
-  }
   const double value = number(setting, part, text, whole);
   if (type == Type::Whole && std::isfinite(value) && value != std::floor(value))
-  {
     refuse(setting, text, "a whole number");
-  }
   return value;
 }
 
@@ -163,9 +141,7 @@ std::vector<std::string> colourParts(const Setting& setting, const std::string& 
   }
   std::vector<std::string> parts;
   for (std::size_t i = 1; i < hex.size(); i += 2)
-  {
     parts.push_back(fmt::format("{}", std::stoi(hex.substr(i, 2), nullptr, 16) / 255.0));
-  }
   return parts;
 }
 
@@ -177,41 +153,29 @@ std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& te
     const auto found = std::find_if(
       setting.choices.begin(), setting.choices.end(), [&](const SettingChoice& choice) { return text == choice.word; });
     if (const auto value = toNumber(text); found == setting.choices.end() && value && toNumber(setting.choices[0].word))
-    {
       checkSetting(setting, { *value }); // as a class says it
-    }
     if (found == setting.choices.end())
-    {
       refuseWord(setting, text);
-    }
     return { static_cast<double>(found->value) };
   }
   const auto& words = setting.choices;
   if (!words.empty() &&
     std::none_of(words.begin(), words.end(), [&](const SettingChoice& choice) { return text == choice.word; }))
-  {
     refuseWord(setting, text);
-  }
   if (setting.kind == Kind::Axes)
   {
     if (text != "none" && text != "all" && text.find_first_not_of("xyz,") != std::string::npos)
-    {
       refuse(setting, text, "axes");
-    }
     std::vector<SettingValue> flags;
     for (const char axis : { 'x', 'y', 'z' })
-    {
       flags.emplace_back(text == "all" || (text != "none" && text.find(axis) != std::string::npos) ? 1.0 : 0.0);
-    }
     return flags;
   }
   std::vector<std::string> parts{ text };
   const auto called = std::find_if(
     setting.names.begin(), setting.names.end(), [&](const SettingChoice& name) { return text == name.word; });
   if (called != setting.names.end())
-  {
     return { static_cast<double>(called->value) };
-  }
   if (setting.colour)
   {
     const bool ofOne = setting.types[0] == Type::Text;
@@ -219,9 +183,7 @@ std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& te
       ofOne ? keyValue("--" + std::string(setting.word), text, form(setting)) : std::pair(std::string(), text);
     parts = colourParts(setting, value);
     if (ofOne)
-    {
       parts.insert(parts.begin(), key);
-    }
   }
   else if (setting.kind == Kind::List && setting.types.size() == 2 && setting.types[0] == Type::Text)
   {
@@ -241,13 +203,9 @@ std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& te
   }
   std::vector<SettingValue> values;
   for (std::size_t i = 0; i < parts.size(); ++i)
-  {
     values.push_back(valueOf(setting, i, parts[i], text));
-  }
   if (shorter)
-  {
     values.push_back(std::isinf(setting.rest) ? values.back() : SettingValue(setting.rest));
-  }
   return values;
 }
 
@@ -255,17 +213,11 @@ std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& te
 std::vector<std::string> written(const Setting& setting, const std::vector<std::string>& texts, bool byPhase)
 {
   if (byPhase)
-  {
     return listItems(texts);
-  }
   if (setting.kind != Kind::List || (setting.types.size() > 1 && setting.types[0] != Type::Text))
-  {
     return texts;
-  }
   if (setting.types[0] == Type::Text)
-  {
     return listItems(texts);
-  }
   std::vector<std::string> items;
   for (const std::string& text : texts)
   {
@@ -294,9 +246,7 @@ const Setting* ownOf(const std::vector<Setting>& settings, const Setting& settin
 const Setting* ofPhases(const std::vector<Setting>& settings, const Setting& setting)
 {
   if (setting.kind != Kind::Number)
-  {
     return nullptr;
-  }
   const Setting* const own = named(settings, std::string("phase-") + setting.word);
   const std::string walls = "Walls";
   return own != nullptr || setting.group != walls ? own : named(settings, "phase-constant");
@@ -306,12 +256,8 @@ std::vector<double> numbersOf(const std::vector<SettingValue>& values)
 {
   std::vector<double> numbers;
   for (const SettingValue& value : values)
-  {
     if (const double* const found = std::get_if<double>(&value))
-    {
       numbers.push_back(*found);
-    }
-  }
   return numbers;
 }
 
@@ -319,9 +265,7 @@ std::vector<double> numbersOf(const std::vector<SettingValue>& values)
 void checkNumbers(const Setting& setting, const std::vector<SettingValue>& values)
 {
   if (setting.values != nullptr || setting.types[0] != Type::Text)
-  {
     checkSetting(setting, numbersOf(values));
-  }
 }
 
 /// Of NAME=VALUE: refuses a second value of a name. @param before what was given of others
@@ -356,12 +300,8 @@ void SettingOptions::declare(CLI::App& command, const std::string& className, co
 {
   const std::vector<Setting>& settings = settingsOf(className);
   for (const Setting& setting : settings)
-  {
     if (!options_.contains(setting.word) && std::find(leave.begin(), leave.end(), setting.word) == leave.end())
-    {
       add(command, settings, setting);
-    }
-  }
   standards(command, defaults);
 }
 
@@ -376,9 +316,7 @@ void SettingOptions::declareKind(CLI::App& command, const std::string& className
     const bool counts =
       setting.with != choice.first || std::find(values.begin(), values.end(), choice.second) != values.end();
     if (counts && setting.word != choice.first)
-    {
       add(command, settings, setting);
-    }
   }
   standards(command, defaults);
 }
@@ -397,9 +335,7 @@ void SettingOptions::add(CLI::App& command, const std::vector<Setting>& settings
   // Written as what it is of, PHASE=VALUE.
   const std::string word = setting.word;
   if (word == "phase-constant" || (word.starts_with("phase-") && named(settings, word.substr(6)) != nullptr))
-  {
     return;
-  }
   Option& option = *(options_[setting.word] = std::make_unique<Option>(Option{ &setting, {}, false, false, {} }));
   const std::string group = setting.group[0] == '\0' ? "Settings" : setting.group;
   const bool on = setting.off[0] != '\0'; // by itself
@@ -419,13 +355,9 @@ void SettingOptions::add(CLI::App& command, const std::vector<Setting>& settings
   // What is wrong with a value is told when the words are read, by a scene before its first sample.
   added->each([&setting, byPhase](const std::string& text) { check(setting, text, byPhase); });
   if (setting.kind != Kind::List)
-  {
     added->default_str(setting.standard);
-  }
   if (setting.kind != Kind::List && !byPhase)
-  {
     added->expected(1);
-  }
 }
 
 void SettingOptions::formerly(
@@ -475,30 +407,20 @@ void SettingOptions::give(vtkObject* object) const
     }
     const bool on = former->used || (!former->texts.empty() && former->texts.back() == former->on);
     if (on)
-    {
       (option.setting->off[0] == '\0' ? option.on : option.off) = true;
-    }
   }
   const std::vector<Setting>& own = settingsOf(object->GetClassName());
   if (!kind_.first.empty())
-  {
     named(own, kind_.first)->set(object, { static_cast<double>(kind_.second) });
-  }
   for (const auto& [word, option] : options_)
   {
     const Setting* const setting = ownOf(own, *option->setting);
     if (setting == nullptr)
-    {
       continue;
-    }
     if (option->texts.empty() && !option->standard.empty())
-    {
       setting->set(object, valuesOf(*setting, option->standard));
-    }
     if (option->on || option->off)
-    {
       setting->set(object, { option->on ? 1.0 : 0.0 });
-    }
     const Setting* const byPhase = ofPhases(own, *setting);
     std::map<std::string, double> before;
     for (const std::string& text : written(*setting, option->texts, byPhase != nullptr))
@@ -508,16 +430,12 @@ void SettingOptions::give(vtkObject* object) const
       checkNumbers(*setting, values);
       if (setting->kind == Kind::List && values.size() == 2 && setting->types[0] == Type::Text &&
         setting->types[1] != Type::Text)
-      {
         requireOne(*setting, before, values);
-      }
       if (sign != std::string::npos)
       {
         values.insert(values.begin(), text.substr(0, sign));
         if (byPhase->types.size() == 3)
-        {
           values.insert(values.begin() + 1, word);
-        }
       }
       (sign == std::string::npos ? setting : byPhase)->set(object, values);
     }
@@ -528,14 +446,10 @@ void SettingOptions::give(vtkObject* object) const
     const Setting* const other = setting != nullptr ? named(own, setting->with) : nullptr;
     const bool set = setting != nullptr && (option->on || option->off || !option->texts.empty());
     if (!set || other == nullptr || other->values == nullptr)
-    {
       continue;
-    }
     const auto value = static_cast<int>(other->values(object).front());
     if (std::find(setting->withValues.begin(), setting->withValues.end(), value) == setting->withValues.end())
-    {
       refuseIdle(*setting);
-    }
   }
 }
 
@@ -543,12 +457,8 @@ std::vector<std::string> SettingOptions::idle(const std::string& className) cons
 {
   std::vector<std::string> words;
   for (const auto& [word, option] : options_)
-  {
     if (given(word) && named(settingsOf(className), word) == nullptr)
-    {
       words.push_back(word);
-    }
-  }
   return words;
 }
 
@@ -556,9 +466,7 @@ bool SettingOptions::given(const std::string& word) const
 {
   const auto found = options_.find(word);
   if (found == options_.end())
-  {
     return false;
-  }
   const bool before = std::any_of(former_.begin(), former_.end(),
     [&](const auto& former)
     { return former->option == found->second.get() && (former->used || !former->texts.empty()); });
@@ -592,9 +500,7 @@ void SettingOptions::checkNames(const std::vector<std::string>& phases) const
     for (const std::string& text : written(setting, option->texts, byPhase))
     {
       if (byPhase && text.find('=') == std::string::npos)
-      {
         continue;
-      }
       const std::string first =
         text.substr(0, setting.kind == Kind::List || byPhase ? text.find('=') : std::string::npos);
       if ((byPhase || (isName && part == "Phase")) && !phaseMeant(phases, first))

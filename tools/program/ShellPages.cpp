@@ -47,9 +47,7 @@ std::string cell(const std::string& text)
 {
   std::string safe;
   for (const char c : text)
-  {
     safe += c == '|' ? "\\|" : std::string(1, c);
-  }
   return safe;
 }
 
@@ -90,12 +88,8 @@ std::string bashCompletion(const CLI::App& root)
       all.insert(all.end(), options.begin(), options.end());
       words += fmt::format("    '{}') words='{}' ;;\n", path, fmt::join(all, " "));
       for (const CLI::Option* option : shown(command))
-      {
         for (const std::string& name : choicesOf(*option).empty() ? std::vector<std::string>{} : option->get_lnames())
-        {
           values += fmt::format("    '{} --{}') words='{}' ;;\n", path, name, fmt::join(choicesOf(*option), " "));
-        }
-      }
     });
   constexpr std::string_view text =
     R"(# Completes the words of lamella {0} in bash and zsh: source <(lamella --completion bash)
@@ -123,9 +117,7 @@ std::string fishQuoted(const std::string& text)
 {
   std::string quoted("'");
   for (const char c : text)
-  {
     quoted += c == '\'' || c == '\\' ? std::string("\\") + c : std::string(1, c);
-  }
   return quoted + "'";
 }
 
@@ -173,9 +165,7 @@ std::string fishCompletion(const CLI::App& root)
     {
       std::string where;
       for (const std::string& word : split(path, ' '))
-      {
         where += (where.empty() ? "" : "; and ") + ("__fish_seen_subcommand_from " + word);
-      }
       commands(command, where);
       options(command, where);
     });
@@ -217,17 +207,11 @@ std::string optionRow(const CLI::Option& option)
 {
   std::string names;
   for (const std::string& letter : option.get_snames())
-  {
     names += (names.empty() ? "`-" : "`, `-") + letter;
-  }
   for (const std::string& word : option.get_lnames())
-  {
     names += (names.empty() ? "`--" : "`, `--") + word;
-  }
   if (option.get_type_size() != 0 && !option.get_type_name().empty())
-  {
     names += " " + option.get_type_name();
-  }
   return fmt::format("| {}` | {} | {} |\n", cell(names),
     option.get_required() ? "needed" : cell(option.get_default_str()), cell(option.get_description()));
 }
@@ -237,13 +221,9 @@ std::string optionRow(const CLI::Option& option)
 std::string shellCompletion(const CLI::App& root, const std::string& shell)
 {
   if (shell == "fish")
-  {
     return fishCompletion(root);
-  }
   if (shell == "bash" || shell == "zsh")
-  {
     return bashCompletion(root);
-  }
   const std::vector<std::string> known(shells.begin(), shells.end());
   throw ParameterError("--completion '" + shell + "' is not a shell that is known",
     suggestion(shell, known, "it takes bash, zsh or fish"));
@@ -266,19 +246,15 @@ std::string optionTables(const CLI::App& root)
         const std::string& group = option->get_group();
         if (!option->get_positional() && !(reads && group == "Sample") && option->get_name() != "--help" &&
           std::find(groups.begin(), groups.end(), group) == groups.end())
-        {
           groups.push_back(group);
-        }
       }
       for (const std::string& group : groups)
       {
         text += "## " + group + "\n";
         for (const CLI::Option* option : shown(command))
-        {
           text += option->get_group() == group && option->get_name() != "--help" && !option->get_positional()
             ? optionRow(*option)
             : "";
-        }
       }
     });
   return text;

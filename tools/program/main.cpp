@@ -94,9 +94,7 @@ int run(Session& session, std::vector<std::string> words)
     }
   }
   if (!words.empty())
-  {
     throw ParameterError("which command?", "see lamella --help");
-  }
   session.print(root.help());
   return exitUsage;
 }

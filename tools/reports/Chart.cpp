@@ -103,9 +103,7 @@ std::string dashes(std::size_t number)
 std::string tickText(double value)
 {
   if (value == 0 || (std::abs(value) < 1e5 && std::abs(value) >= 1e-3))
-  {
     return fmt::format("{:.6g}", value);
-  }
   constexpr std::array<const char*, 10> raised{ "⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹" };
   const std::string text = fmt::format("{:.5e}", value);
   const std::size_t e = text.find('e');
@@ -113,9 +111,7 @@ std::string tickText(double value)
   const int power = std::stoi(text.substr(e + 1));
   std::string exponent = power < 0 ? "⁻" : "";
   for (const char digit : std::to_string(std::abs(power)))
-  {
     exponent += raised[static_cast<std::size_t>(digit - '0')];
-  }
   return (factor == "1" ? "" : factor + " × ") + "10" + exponent;
 }
 
@@ -156,9 +152,7 @@ void drawCurve(std::string& out, const Curve& curve, std::size_t number, bool po
   {
     const bool shown = place.shows(curve.x[i], curve.y[i]);
     if (shown)
-    {
       line += fmt::format("{}{:.1f} {:.1f}", pen ? "L" : "M", place.atX(curve.x[i]), place.atY(curve.y[i]));
-    }
     pen = shown;
   }
   fmt::format_to(to, "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"{}/>\n",
@@ -168,9 +162,7 @@ void drawCurve(std::string& out, const Curve& curve, std::size_t number, bool po
     const double reach = std::abs(curve.error[i]);
     const double low = curve.y[i] - reach;
     if (!place.shows(curve.x[i], curve.y[i]) || !std::isfinite(reach))
-    {
       continue;
-    }
     const double x = place.atX(curve.x[i]);
     const double end = place.y.shows(low) ? place.atY(low) : height - bottom;
     fmt::format_to(to,
@@ -224,9 +216,7 @@ std::vector<double> linearTicks(double low, double high, int count)
   const double step = power * (part <= 1.0000001 ? 1 : part <= 2.0000001 ? 2 : part <= 5.0000001 ? 5 : 10);
   std::vector<double> ticks;
   for (double i = std::ceil(low / step - 1e-9); i <= high / step + 1e-9 && ticks.size() < 100; ++i)
-  {
     ticks.push_back(i == 0 ? 0 : i * step);
-  }
   return ticks;
 }
 
@@ -242,9 +232,7 @@ std::vector<double> logTicks(double low, double high)
       const double value = factor * std::pow(10.0, power);
       const bool wanted = factor == 1 ? power % every == 0 : factor == 2 || factor == 5 ? decades < 2.5 : decades < 1;
       if (wanted && value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9))
-      {
         ticks.push_back(value);
-      }
     }
   }
   return ticks;
@@ -254,9 +242,7 @@ Curve thinned(const Curve& curve, std::size_t count)
 {
   const std::size_t size = curve.x.size();
   if (size <= 4 * count || !curve.error.empty())
-  {
     return curve;
-  }
   Curve thin{ curve.name, {}, {}, {} };
   for (std::size_t bin = 0; bin < count; ++bin)
   {
@@ -306,9 +292,7 @@ std::string svg(const Chart& chart)
     }
   }
   if (x.empty() || y.empty())
-  {
     return "";
-  }
   x.widen(0.03);
   y.widen(0.05);
   const Place place{ x, y };

@@ -52,21 +52,13 @@ DataTable::DataTable(const fs::path& path)
   std::error_code none;
   std::ifstream beside;
   if (!fs::is_symlink(record, none)) // it may lead out of the folder (Folder.h)
-  {
     beside.open(record);
-  }
   const auto json = beside.is_open() ? nlohmann::json::parse(beside, nullptr, false) : nlohmann::json();
   if (!json.is_object() || !json.contains("columns") || !json["columns"].is_object())
-  {
     return;
-  }
   for (const auto& [name, about] : json["columns"].items())
-  {
     if (about.is_object() && about.contains("unit") && about["unit"].is_string())
-    {
       units_[name] = about["unit"].get<std::string>();
-    }
-  }
 }
 
 std::size_t DataTable::column(const std::string& name) const
@@ -96,9 +88,7 @@ std::vector<double> DataTable::numbers(std::size_t column) const
 {
   std::vector<double> values(rows());
   for (std::size_t row = 0; row < values.size(); ++row)
-  {
     values[row] = number(row, column);
-  }
   return values;
 }
 
@@ -111,9 +101,7 @@ bool DataTable::isNumeric(std::size_t column) const
     if (!cell.empty())
     {
       if (!cli::toNumber(cell))
-      {
         return false;
-      }
       some = true;
     }
   }
@@ -137,12 +125,8 @@ std::size_t DataTable::row(const std::map<std::string, std::string>& cells) cons
   }
   std::vector<std::size_t> found;
   for (std::size_t row = 0; row < rows(); ++row)
-  {
     if (std::all_of(wanted.begin(), wanted.end(), [&](const auto& w) { return same(text(row, w.first), w.second); }))
-    {
       found.push_back(row);
-    }
-  }
   if (found.size() != 1)
   {
     const std::string of = words.empty() ? "" : " with " + words;

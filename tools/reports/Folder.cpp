@@ -36,14 +36,10 @@ std::string textOf(const fs::path& path)
 {
   std::error_code none;
   if (fs::file_size(path, none) > largestText)
-  {
     throw InputError("'" + path.filename().string() + "' is larger than 16 MB", "");
-  }
   std::ifstream file(path, std::ios::binary);
   if (!file)
-  {
     throw InputError("'" + path.filename().string() + "' cannot be read", "");
-  }
   return { std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>() };
 }
 
@@ -66,9 +62,7 @@ void readJson(const fs::path& path, const std::string& name, bool beside, Found&
     const auto shallow = [&](int depth, cli::Json::parse_event_t, cli::Json&)
     {
       if (depth > deepestJson)
-      {
         throw InputError("'" + name + "' is nested too deep", "");
-      }
       return true;
     };
     cli::Json json = cli::Json::parse(textOf(path), shallow, false);
@@ -119,14 +113,10 @@ std::string labelOf(const DataTable& table, const std::string& column)
 std::vector<CurvesPlan> curvesOf(const std::string& file, const DataTable& table)
 {
   if (table.rows() < fewestPoints || table.names().size() < 2 || !table.isNumeric(0))
-  {
     return {};
-  }
   const std::vector<double> x = table.numbers(0);
   if (std::adjacent_find(x.begin(), x.end(), [](double a, double b) { return !(a < b); }) != x.end())
-  {
     return {};
-  }
   std::vector<CurvesPlan> curves;
   for (std::size_t column = 1; column < table.names().size() && curves.size() < drawnColumns; ++column)
   {
@@ -160,13 +150,9 @@ Found look(const fs::path& folder, const fs::path& own, Problems& problems)
   std::error_code failed;
   const fs::file_status status = fs::status(folder, failed);
   if (!fs::exists(status))
-  {
     throw InputError("there is no folder '" + folder.string() + "'", "check the name");
-  }
   if (!fs::is_directory(status))
-  {
     throw InputError("'" + folder.string() + "' is a file, not a folder", "give the folder that the results lie in");
-  }
   std::vector<fs::path> files;
   fs::recursive_directory_iterator walk(folder, failed);
   for (; !failed && walk != fs::recursive_directory_iterator(); walk.increment(failed))
@@ -190,9 +176,7 @@ Found look(const fs::path& folder, const fs::path& own, Problems& problems)
     }
   }
   if (failed)
-  {
     throw InputError("cannot read the folder '" + folder.string() + "': " + failed.message(), "check its permissions");
-  }
   // Files of a folder before those of the folders in it.
   std::sort(files.begin(), files.end(),
     [](const fs::path& a, const fs::path& b)
@@ -206,9 +190,7 @@ Found look(const fs::path& folder, const fs::path& own, Problems& problems)
     const std::string name = path.lexically_relative(folder).string();
     const std::string ending = path.extension().string();
     if (name == "report.json" || name == sceneMark)
-    {
       continue;
-    }
     if (scene && path.filename() == "record.json") // of a sample; its numbers are in the tables
     {
       ++finished;
@@ -243,9 +225,7 @@ Found look(const fs::path& folder, const fs::path& own, Problems& problems)
     }
   }
   if (scene)
-  {
     found.notes.push_back(fmt::format("Samples that are finished: {}", finished));
-  }
   if (files.empty())
   {
     throw InputError(
@@ -270,9 +250,7 @@ Plan planOf(const fs::path& path, const Found& all)
   keepFirst(found.pictures, mostPictures, "pictures", found.notes);
   keepFirst(found.tables, mostTables, "tables", found.notes);
   for (const std::string& file : found.pictures)
-  {
     sectionOf(file).figures.push_back({ file, "", literal(nameOf(file)), nameOf(file) });
-  }
   for (const std::string& file : found.tables)
   {
     SectionPlan& section = sectionOf(file);
@@ -288,13 +266,9 @@ Plan planOf(const fs::path& path, const Found& all)
     section.tables.push_back(std::move(table));
   }
   for (auto& [name, section] : sections)
-  {
     plan.sections.push_back(std::move(section));
-  }
   for (const std::string& note : found.notes)
-  {
     plan.text += "\n\n" + note + ".";
-  }
   return plan;
 }
 

@@ -32,16 +32,10 @@ std::size_t sequence(std::string_view text)
     : first < 0xf5                        ? 4
                                           : 0;
   if (length == 0 || length > text.size())
-  {
     return 0;
-  }
   for (std::size_t i = 1; i < length; ++i)
-  {
     if ((byte(i) & 0xc0) != 0x80)
-    {
       return 0;
-    }
-  }
   const bool wrong = (first == 0xe0 && byte(1) < 0xa0) || (first == 0xed && byte(1) > 0x9f) ||
     (first == 0xf0 && byte(1) < 0x90) || (first == 0xf4 && byte(1) > 0x8f);
   return wrong ? 0 : length;
@@ -59,9 +53,7 @@ bool leadsOut(const char* url)
 void unwrap(cmark_node* node)
 {
   while (cmark_node* const child = cmark_node_first_child(node))
-  {
     cmark_node_insert_before(node, child);
-  }
   cmark_node_free(node);
 }
 
@@ -72,12 +64,8 @@ void tame(cmark_node* document)
   const std::unique_ptr<cmark_iter, decltype(&cmark_iter_free)> walk(cmark_iter_new(document), cmark_iter_free);
   for (cmark_event_type event = cmark_iter_next(walk.get()); event != CMARK_EVENT_DONE;
        event = cmark_iter_next(walk.get()))
-  {
     if (event == CMARK_EVENT_ENTER)
-    {
       nodes.push_back(cmark_iter_get_node(walk.get()));
-    }
-  }
   for (cmark_node* const node : nodes)
   {
     const cmark_node_type type = cmark_node_get_type(node);
@@ -104,9 +92,7 @@ void tame(cmark_node* document)
 std::string withSign(std::string text)
 {
   if (text.starts_with("-"))
-  {
     text.replace(0, 1, "−");
-  }
   return text;
 }
 
@@ -114,9 +100,7 @@ std::string withSign(std::string text)
 int decimalsOf(double value, int digits)
 {
   if (value == 0)
-  {
     return 0;
-  }
   return digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value))));
 }
 
@@ -129,9 +113,7 @@ std::string fixedText(double value, int decimals)
   }
   std::string text = fmt::format("{:.{}f}", value, std::max(0, decimals));
   if (text.find_first_not_of("-0.") == std::string::npos && text.starts_with("-"))
-  {
     text.erase(0, 1); // minus nothing
-  }
   return withSign(text);
 }
 
@@ -196,13 +178,9 @@ std::string markdownLine(std::string_view text)
 {
   std::string html = markdown(text);
   while (html.ends_with("\n"))
-  {
     html.pop_back();
-  }
   if (html.starts_with("<p>") && html.ends_with("</p>") && html.find("<p>", 1) == std::string::npos)
-  {
     html = html.substr(3, html.size() - 7);
-  }
   return html;
 }
 
@@ -218,13 +196,9 @@ std::string base64(std::span<const std::byte> bytes)
 std::string numberHtml(double value, const Rounding& rounding)
 {
   if (!std::isfinite(value))
-  {
     return "–";
-  }
   if (rounding.decimals)
-  {
     return fixedText(value, *rounding.decimals);
-  }
   const int digits = rounding.digits.value_or(usualDigits);
   const std::string rounded = fmt::format("{:.{}e}", value, digits - 1); // once: 9.9996 to four digits is 10.00
   if (wantsPower(value))
@@ -236,14 +210,10 @@ std::string numberHtml(double value, const Rounding& rounding)
       withSign(std::to_string(std::stoi(rounded.substr(e + 1)))));
   }
   if (value == std::round(value))
-  {
     return fixedText(value, 0); // a count, in full
-  }
   const double shown = std::stod(rounded);
   if (!rounding.digits && shown == value)
-  {
     return writtenHtml(value); // 0.25 has no more digits
-  }
   return fixedText(shown, decimalsOf(shown, digits));
 }
 
@@ -255,9 +225,7 @@ std::string writtenHtml(double value)
 std::string numberHtml(double value, double error, const Rounding& rounding)
 {
   if (!std::isfinite(value) || !std::isfinite(error) || error == 0)
-  {
     return numberHtml(value, rounding);
-  }
   const int digits = rounding.digits.value_or(usualDigits);
   if (!rounding.decimals && wantsPower(value))
   {
@@ -274,13 +242,9 @@ std::string numberHtml(double value, double error, const Rounding& rounding)
 std::string timeText(double seconds)
 {
   if (!std::isfinite(seconds) || seconds < 0)
-  {
     return "–";
-  }
   if (seconds < 99.95)
-  {
     return fmt::format("{:.{}f} s", seconds, seconds < 9.95 ? 1 : 0);
-  }
   const auto whole = static_cast<std::int64_t>(std::llround(seconds));
   return whole < 3600 ? fmt::format("{} min {} s", whole / 60, whole % 60)
                       : fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);

@@ -34,9 +34,7 @@ std::size_t pieces(const std::vector<SectionPlan>& sections)
 {
   std::size_t count = 0;
   for (const SectionPlan& section : sections)
-  {
     count += section.figures.size() + section.curves.size() + section.tables.size() + pieces(section.sections);
-  }
   return count;
 }
 
@@ -80,18 +78,14 @@ private:
   {
     ++done_;
     if (options_.progress)
-    {
       options_.progress(static_cast<double>(done_) / static_cast<double>(std::max<std::size_t>(1, count_)));
-    }
   }
   [[nodiscard]] fs::path placeOf(const std::string& file) const { return requireWithin(folder_, folder_ / file); }
   const DataTable& table(const std::string& file)
   {
     std::unique_ptr<DataTable>& kept = tables_[file];
     if (!kept)
-    {
       kept = std::make_unique<DataTable>(placeOf(file));
-    }
     return *kept;
   }
   /// One side of a comparison.
@@ -123,14 +117,10 @@ std::string captionOf(const std::string& number, const std::string& caption)
 void Writer::writeContents(const std::vector<SectionPlan>& sections)
 {
   if (sections.size() < 4)
-  {
     return;
-  }
   add("<nav aria-label=\"Contents\"><ul>\n");
   for (std::size_t i = 0; i < sections.size(); ++i)
-  {
     add(fmt::format("<li><a href=\"#s{}\">{}</a></li>\n", i + 1, escaped(sections[i].title)));
-  }
   add("</ul></nav>\n");
 }
 
@@ -155,34 +145,24 @@ void Writer::writeSection(const SectionPlan& section, const std::string& id, int
     step();
   }
   if (!section.discussion.empty())
-  {
     add("<div class=\"discussion\">\n" + markdown(section.discussion) + "</div>\n");
-  }
   for (std::size_t i = 0; i < section.sections.size(); ++i)
-  {
     writeSection(section.sections[i], id + "-" + std::to_string(i + 1), level + 1);
-  }
   add("</section>\n");
 }
 
 Measured Writer::measured(const Said& said)
 {
   if (const auto* number = std::get_if<Measured>(&said))
-  {
     return *number;
-  }
   const auto& cell = std::get<CellPlan>(said);
   const DataTable& from = table(cell.file);
   const std::size_t row = from.row(cell.where);
   Measured found{ cell.factor * from.number(row, from.column(cell.column)), std::nullopt };
   if (!cell.error.empty())
-  {
     found.error = std::abs(cell.factor) * from.number(row, from.column(cell.error));
-  }
   if (!std::isfinite(found.value))
-  {
     throw InputError("'" + cell.file + "' has no number in the column '" + cell.column + "' there", "");
-  }
   return found;
 }
 
@@ -190,13 +170,9 @@ std::string differenceHtml(
   const std::optional<Measured>& paper, const std::optional<Measured>& ours, const Rounding& rounding)
 {
   if (!paper || !ours)
-  {
     return "";
-  }
   if (paper->value == 0)
-  {
     return numberHtml(ours->value, rounding);
-  }
   const double percent = 100 * (ours->value - paper->value) / std::abs(paper->value);
   const int decimals = std::abs(percent) < 9.95 ? 1 : 0;
   const std::string text = numberHtml(percent, { {}, decimals }) + " %";
@@ -208,13 +184,9 @@ std::string differenceHtml(
 Writer::Cell Writer::cellOf(const std::optional<Said>& said, const ComparisonPlan& row, bool asWritten)
 {
   if (!said)
-  {
     return { "–", std::nullopt };
-  }
   if (const auto* const words = std::get_if<std::string>(&*said))
-  {
     return { markdownLine(*words), std::nullopt };
-  }
   try
   {
     const Measured found = measured(*said);
@@ -234,9 +206,7 @@ Writer::Cell Writer::cellOf(const std::optional<Said>& said, const ComparisonPla
 void Writer::writeComparison(const std::vector<ComparisonPlan>& rows)
 {
   if (rows.empty())
-  {
     return;
-  }
   add("<div class=\"table\"><table>\n<tr><th>quantity</th><th class=\"v\">the paper "
       "says</th><th>ours</th><th>difference</th>"
       "<th>why</th></tr>\n");
@@ -271,9 +241,7 @@ void Writer::writeFigure(const FigurePlan& plan)
     add("<figure><img alt=\"" + escaped(plan.alt.empty() ? plan.file : plan.alt) + "\"" + size + " src=\"" +
       picture.source + "\">\n<figcaption>" + caption + "</figcaption></figure>\n");
     if (!picture.provenance.empty())
-    {
       records_.push_back({ plan.file, cli::Json::parse(picture.provenance, nullptr, false) });
-    }
   }
   catch (const Error& error)
   {
@@ -298,9 +266,7 @@ std::vector<Curve> curvesFrom(const DataTable& table, const CurvesPlan& plan)
   if (plan.group.empty())
   {
     for (const std::string& name : plan.y)
-    {
       curves.push_back({ plan.y.size() > 1 ? name : "", x, numbersOf(table, name, plan.yFactor), error });
-    }
     return curves;
   }
   const std::size_t group = table.column(plan.group);
@@ -310,15 +276,11 @@ std::vector<Curve> curvesFrom(const DataTable& table, const CurvesPlan& plan)
     const std::string name = plan.group + " " + table.text(row, group);
     auto curve = std::find_if(curves.begin(), curves.end(), [&](const Curve& one) { return one.name == name; });
     if (curve == curves.end())
-    {
       curve = curves.insert(curves.end(), Curve{ name, {}, {}, {} });
-    }
     curve->x.push_back(x[row]);
     curve->y.push_back(y[row]);
     if (!error.empty())
-    {
       curve->error.push_back(error[row]);
-    }
   }
   return curves;
 }
@@ -372,9 +334,7 @@ void Writer::writeTable(const TablePlan& plan)
     const DataTable& from = table(plan.file);
     std::vector<ColumnPlan> columns = plan.columns;
     for (std::size_t i = 0; plan.columns.empty() && i < from.names().size(); ++i)
-    {
       columns.push_back({ from.names()[i], "", "", {}, 1, "" });
-    }
     std::string html = "<div class=\"table\"><table>\n";
     html += plan.caption.empty() ? "" : "<caption>" + markdownLine(plan.caption) + "</caption>\n";
     html += "<tr>";
@@ -395,9 +355,7 @@ void Writer::writeTable(const TablePlan& plan)
     {
       html += "<tr>";
       for (std::size_t i = 0; i < columns.size(); ++i)
-      {
         html += std::string("<td") + kind[i] + cellHtml(from, row, at[i], columns[i]) + "</td>";
-      }
       html += "</tr>\n";
     }
     html += "</table>\n";
@@ -416,22 +374,16 @@ void Writer::writeTable(const TablePlan& plan)
 void Writer::writeScenes(const Found& found)
 {
   if (found.scenes.empty())
-  {
     return;
-  }
   heading(found.scenes.size() == 1 ? "Scene" : "Scenes");
   for (const auto& [name, text] : found.scenes)
-  {
     add("<h3>" + escaped(name) + "</h3>\n<pre><code>" + escaped(text) + "</code></pre>\n");
-  }
 }
 
 void Writer::writeReports(const Found& found)
 {
   if (found.reports.empty())
-  {
     return;
-  }
   heading("Reports");
   constexpr std::size_t most = 50;
   for (std::size_t i = 0; i < std::min(most, found.reports.size()); ++i)
@@ -440,9 +392,7 @@ void Writer::writeReports(const Found& found)
       jsonHtml(found.reports[i].json, { "provenance", "version", "commit", "warnings" }));
   }
   if (found.reports.size() > most)
-  {
     add(fmt::format("<p class=\"note\">{} of {} reports, the first by name.</p>\n", most, found.reports.size()));
-  }
 }
 
 void Writer::writeTimes(const Plan& plan, const Found& found)
@@ -451,26 +401,16 @@ void Writer::writeTimes(const Plan& plan, const Found& found)
   if (!page_.ordered)
   {
     for (const JsonFile& report : found.reports)
-    {
       if (report.json.contains("seconds") && report.json["seconds"].is_number())
-      {
         times.push_back({ report.name, report.json["seconds"].get<double>(), std::nullopt, "" });
-      }
-    }
   }
   if (times.empty() && plan.machine.empty())
-  {
     return;
-  }
   heading("Times");
   if (!plan.machine.empty())
-  {
     add("<p>" + escaped(plan.machine) + "</p>\n");
-  }
   if (times.empty())
-  {
     return;
-  }
   add("<div class=\"table\"><table>\n<tr><th></th><th class=\"n\">by the clock</th><th class=\"n\">of "
       "processors</th><th></th>"
       "</tr>\n");
@@ -504,9 +444,7 @@ void Writer::writeWarnings(const Found& found)
       for (const cli::Json& one : said.is_array() ? said
           : said.is_string()                      ? cli::Json::array({ said })
                                                   : cli::Json::array())
-      {
         html += "<li>" + escaped(report.name) + ": " + valueHtml(one) + "</li>\n";
-      }
     }
   }
   if (!html.empty())
@@ -521,12 +459,8 @@ void Writer::writeProvenance(const Found& found)
   for (const std::vector<JsonFile>* const files : { &found.reports, &found.besides })
   {
     for (const JsonFile& file : *files)
-    {
       if (file.json.contains("provenance"))
-      {
         records_.push_back({ file.name, file.json["provenance"] });
-      }
-    }
   }
   const std::string html = recordsHtml(records_);
   if (!html.empty())
@@ -539,9 +473,7 @@ void Writer::writeProvenance(const Found& found)
 void Writer::writeOthers(const Found& found)
 {
   if (page_.ordered || found.others.empty())
-  {
     return;
-  }
   heading("Other files");
   add("<p class=\"note\">For ParaView, or for <code>lamella info</code>.</p>\n<ul>\n");
   constexpr std::size_t most = 100;
@@ -563,22 +495,16 @@ void Writer::write(const Plan& plan, const Found& found)
   const std::size_t intro = body_.size();
   writeScenes(found);
   for (std::size_t i = 0; i < plan.sections.size(); ++i)
-  {
     writeSection(plan.sections[i], "s" + std::to_string(i + 1), 2);
-  }
   if (!page_.ordered)
-  {
     writeReports(found);
-  }
   writeTimes(plan, found);
   writeWarnings(found);
   writeProvenance(found);
   writeOthers(found);
   std::string problems;
   for (const std::string& problem : page_.problems)
-  {
     problems += "<li>" + escaped(problem) + "</li>\n";
-  }
   if (!problems.empty())
   {
     body_.insert(

@@ -48,15 +48,11 @@ EmbeddedPicture drawing(const fs::path& path)
 {
   micrograph::FileBytes file(path);
   if (file.size() > largestDrawing)
-  {
     throw InputError("'" + path.string() + "' is an SVG of more than 8 MB", "make a PNG of it");
-  }
   const std::vector<std::uint8_t> bytes = file.read(0, file.size());
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text.find("<svg") == std::string_view::npos || text.find("</svg>") == std::string_view::npos)
-  {
     file.damaged("it holds no whole <svg> element");
-  }
   EmbeddedPicture picture;
   picture.source = dataOf("svg+xml", bytes); // in an <img> nothing in it is run or fetched
   return picture;
@@ -70,9 +66,7 @@ micrograph::Pixels smaller(micrograph::Pixels pixels, int mostWide)
   cv::Mat matrix(static_cast<int>(pixels.height), static_cast<int>(pixels.width),
     CV_MAKETYPE(deep ? CV_16U : CV_8U, channels), pixels.values.data());
   if (deep)
-  {
     matrix.convertTo(matrix, CV_8U, 1.0 / 257);
-  }
   if (pixels.width > mostWide)
   {
     const double share = static_cast<double>(mostWide) / static_cast<double>(pixels.width);
@@ -90,9 +84,7 @@ micrograph::Pixels smaller(micrograph::Pixels pixels, int mostWide)
 micrograph::Pixels pixelsOf(micrograph::FileBytes& file, micrograph::Probe& probe)
 {
   if (probe.format != micrograph::Format::Tiff)
-  {
     return micrograph::onlyPixels(file, probe);
-  }
   micrograph::TiffFile tiff(file);
   tiff.go(probe.slices.front());
   return tiff.pixels();
@@ -116,9 +108,7 @@ EmbeddedPicture embed(const fs::path& path, int mostWide)
       "'" + path.string() + "' is no picture by its name", "pictures are PNG, JPEG, TIFF, PGM, PPM, BMP or SVG");
   }
   if (ending(path) == ".svg")
-  {
     return drawing(path);
-  }
   micrograph::FileBytes file(path);
   micrograph::Probe probe = micrograph::probe(file);
   EmbeddedPicture picture;

@@ -40,9 +40,7 @@ public:
     , place_(std::move(place))
   {
     if (!json.is_object())
-    {
       refuse(place_.empty() ? "the file" : place_, "is no object", "write it as { \"key\": value, ... }");
-    }
   }
 
   [[nodiscard]] std::string at(const std::string& key) const { return place_.empty() ? key : place_ + "." + key; }
@@ -58,9 +56,7 @@ public:
   {
     const Json* const value = find(key);
     if (value != nullptr && !value->is_string())
-    {
       refuse(at(key), "is no text", "write it in quotes");
-    }
     return value == nullptr ? "" : value->get<std::string>();
   }
 
@@ -68,9 +64,7 @@ public:
   {
     std::string value = text(key);
     if (value.empty())
-    {
       refuse(at(key), "is missing", "add \"" + key + "\"");
-    }
     return value;
   }
 
@@ -79,14 +73,10 @@ public:
   {
     const Json* const value = find(key);
     if (value == nullptr || value->is_string())
-    {
       return value == nullptr ? "" : value->get<std::string>();
-    }
     std::string all;
     for (const std::string& one : texts(key))
-    {
       all += (all.empty() ? "" : "\n\n") + one;
-    }
     return all;
   }
 
@@ -95,15 +85,11 @@ public:
   {
     const Json* const value = find(key);
     if (value != nullptr && value->is_string())
-    {
       return { value->get<std::string>() };
-    }
     if (value != nullptr &&
       (!value->is_array() ||
         !std::all_of(value->begin(), value->end(), [](const Json& one) { return one.is_string(); })))
-    {
       refuse(at(key), "is no list of texts", "write it as [\"one\", \"two\"]");
-    }
     return value == nullptr ? std::vector<std::string>{} : value->get<std::vector<std::string>>();
   }
 
@@ -111,9 +97,7 @@ public:
   {
     const Json* const value = find(key);
     if (value != nullptr && !value->is_number())
-    {
       refuse(at(key), "is no number", "write it without quotes, as 0.25");
-    }
     return value == nullptr ? std::nullopt : std::optional(value->get<double>());
   }
 
@@ -132,9 +116,7 @@ public:
   {
     const Json* const value = find(key);
     if (value != nullptr && !value->is_boolean())
-    {
       refuse(at(key), "is neither true nor false", "write true or false, without quotes");
-    }
     return value != nullptr && value->get<bool>();
   }
 
@@ -144,9 +126,7 @@ public:
     const std::string name = required(key);
     const fs::path path = fs::path(name).lexically_normal();
     if (path.is_absolute() || path.begin()->string() == "..")
-    {
       refuse(at(key), "'" + name + "' lies outside the folder", "copy the file into the folder of the results");
-    }
     return path.string();
   }
 
@@ -157,9 +137,7 @@ public:
     std::vector<decltype(read(std::declval<Object&>()))> all;
     const Json* const value = find(key);
     if (value != nullptr && !value->is_array())
-    {
       refuse(at(key), "is no list", "write it as [ { ... }, { ... } ]");
-    }
     for (std::size_t i = 0; value != nullptr && i < value->size(); ++i)
     {
       Object one((*value)[i], at(key) + "[" + std::to_string(i) + "]");
@@ -173,12 +151,8 @@ public:
   void done() const
   {
     for (const auto& [key, value] : json_.items())
-    {
       if (std::find(asked_.begin(), asked_.end(), key) == asked_.end())
-      {
         refuse(at(key), "is not known", suggestion(key, asked_, "there are " + quotedList(asked_, "and")));
-      }
-    }
   }
 
 private:
@@ -214,9 +188,7 @@ TablePlan tableOf(Object& object)
   if (columns != nullptr && columns->is_array() && !columns->empty() && columns->front().is_string())
   {
     for (std::string& name : object.texts("columns"))
-    {
       table.columns.push_back({ std::move(name), "", "", {}, 1, "" });
-    }
     return table;
   }
   table.columns = object.list("columns", columnOf);
@@ -229,18 +201,12 @@ CurvesPlan curvesOf(Object& object)
     object.text("error"), object.text("x_label"), object.text("y_label"), object.number("x_factor").value_or(1),
     object.number("y_factor").value_or(1), false, false, object.flag("points"), object.text("caption") };
   if (curves.y.empty())
-  {
     refuse(object.at("y"), "is missing", "name one column or more: \"y\": [\"stress\"]");
-  }
   if ((curves.y.size() > 1 && !curves.group.empty()) || (curves.y.size() > 1 && !curves.error.empty()))
-  {
     refuse(object.at("y"), "names several columns, with \"group\" or \"error\"", "name one, or leave these out");
-  }
   const std::string log = object.text("log");
   if (!log.empty() && log != "x" && log != "y" && log != "xy")
-  {
     refuse(object.at("log"), "is '" + log + "'", "the logarithmic axes are \"x\", \"y\" or \"xy\"");
-  }
   curves.logX = log.starts_with('x');
   curves.logY = log.ends_with('y');
   return curves;
@@ -250,17 +216,11 @@ std::optional<Said> saidOf(Object& object, const std::string& key)
 {
   const Json* const value = object.find(key);
   if (value == nullptr)
-  {
     return std::nullopt;
-  }
   if (value->is_string())
-  {
     return value->get<std::string>();
-  }
   if (value->is_number())
-  {
     return Measured{ value->get<double>(), std::nullopt };
-  }
   if (!value->is_object())
   {
     refuse(object.at(key), "is neither a number, a text nor an object",
@@ -278,13 +238,9 @@ std::optional<Said> saidOf(Object& object, const std::string& key)
   if (const Json* const where = inner.find("where"))
   {
     if (!where->is_object())
-    {
       refuse(inner.at("where"), "is no object", "write it as {\"width\": 1}");
-    }
     for (const auto& [name, wanted] : where->items())
-    {
       cell.where[name] = wanted.is_string() ? wanted.get<std::string>() : wanted.dump();
-    }
   }
   inner.done();
   return cell;
@@ -307,9 +263,7 @@ SectionPlan sectionOf(Object& object, int depth)
   section.tables = object.list("tables", tableOf);
   section.discussion = object.paragraphs("discussion");
   if (depth == deepest && object.find("sections") != nullptr)
-  {
     refuse(object.at("sections"), "goes too deep", "sections have " + std::to_string(deepest) + " levels at most");
-  }
   section.sections = object.list("sections", [&](Object& inner) { return sectionOf(inner, depth + 1); });
   return section;
 }
@@ -326,13 +280,9 @@ Plan readPlan(const fs::path& file)
   std::error_code none;
   std::ifstream stream(file, std::ios::binary);
   if (!stream)
-  {
     throw InputError("cannot read '" + file.string() + "': " + std::strerror(errno), "check its permissions");
-  }
   if (fs::file_size(file, none) > largestPlan)
-  {
     throw InputError("'" + file.string() + "' is larger than 16 MB", "it orders the page; numbers belong into tables");
-  }
   Json json;
   try
   {

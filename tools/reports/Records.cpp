@@ -27,9 +27,7 @@ std::string inputsHtml(const cli::Json& record)
   const auto inputs = record.find("inputs");
   std::string html;
   if (inputs == record.end() || !inputs->is_array())
-  {
     return html;
-  }
   for (const cli::Json& input : *inputs)
   {
     if (input.is_object())
@@ -52,9 +50,7 @@ void addRows(std::string& html, const std::string& files, const cli::Json& recor
   const auto parameters = record.find("parameters");
   if (step < mostSteps && parameters != record.end() && parameters->is_object() && parameters->contains("made_from") &&
     (*parameters)["made_from"].is_object())
-  {
     addRows(html, "made from", (*parameters)["made_from"], step + 1);
-  }
 }
 
 } // namespace
@@ -65,31 +61,21 @@ std::string recordsHtml(const std::vector<JsonFile>& records)
   for (const JsonFile& record : records)
   {
     if (!record.json.is_object())
-    {
       continue;
-    }
     const auto same =
       std::find_if(once.begin(), once.end(), [&](const JsonFile& one) { return one.json == record.json; });
     if (same == once.end())
-    {
       once.push_back({ escaped(record.name), record.json });
-    }
     else
-    {
       same->name += "<br>" + escaped(record.name);
-    }
   }
   if (once.empty())
-  {
     return "";
-  }
   std::string html = "<div class=\"table\"><table class=\"record\">\n<tr><th>file</th><th>command</th><th>version, "
                      "commit</th><th>date</th>"
                      "<th>seed</th><th>inputs, SHA-256</th></tr>\n";
   for (std::size_t i = 0; i < std::min(mostRecords, once.size()); ++i)
-  {
     addRows(html, once[i].name, once[i].json, 0);
-  }
   html += "</table></div>\n";
   return once.size() <= mostRecords
     ? html

@@ -98,18 +98,14 @@ std::vector<ReportKeys> read(const std::string& text, std::size_t& at)
   {
     const char c = text[at++];
     if (c == '}')
-    {
       break;
-    }
     if (c == '{')
     {
       keys.back().below = read(text, at);
       continue;
     }
     if (c == ' ')
-    {
       continue;
-    }
     const std::size_t end = text.find_first_of(" {}", at);
     keys.push_back({ text.substr(at - 1, end == std::string::npos ? end : end - at + 1), {} });
     at = end == std::string::npos ? text.size() : end;
@@ -123,9 +119,7 @@ std::optional<std::vector<ReportKeys>> reportKeys(const std::string& command)
 {
   const auto found = reports().find(command);
   if (found == reports().end())
-  {
     return std::nullopt;
-  }
   std::size_t at = 0;
   return read(found->second, at);
 }

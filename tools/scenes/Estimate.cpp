@@ -42,13 +42,9 @@ std::vector<double> numbersOf(const std::vector<std::string>& words, const std::
   const std::string dashed = "--" + option + "=";
   std::vector<double> numbers;
   for (const std::string& word : words)
-  {
     for (const std::string& part :
       word.starts_with(dashed) ? split(word.substr(word.rfind('=') + 1), ',') : std::vector<std::string>())
-    {
       numbers.push_back(toNumber(part).value_or(0));
-    }
-  }
   return numbers;
 }
 
@@ -148,9 +144,7 @@ Cost compression(const std::vector<std::string>& words, const Size& s)
 {
   const double points = s.solid * std::pow(numberOf(words, "points-per-node", 2), s.dimension);
   if (has(words, "stiffness-only"))
-  {
     return { "", 500 * points, 300 * points * s.dimension, "point iterations", 1e-4 * points * s.dimension };
-  }
   // platens that move at some thousandths of the wave's speed
   const double steps = 1200 * s.across * numberOf(words, "strain", 0.48);
   return { "", 300 * points, points * steps, "point steps", points * steps / 8e6 };
@@ -183,7 +177,8 @@ constexpr double drawingBytes = 1.5e8;
 bool draws(const PlannedStage& planned)
 {
   return planned.stage->command == "snapshot" ||
-    std::ranges::any_of(planned.each, [](const PlannedEach& each) { return each.each->command == "snapshot"; });
+    std::ranges::any_of(
+      planned.each, [](const PlannedEach& each) { return each.each->command == "snapshot"; });
 }
 
 /// Bytes and seconds a node of filters and of what makes samples.
@@ -201,13 +196,9 @@ double scaleOf(const SamplePlan& plan, int dimension)
   {
     const std::string size = textOf(stage.words, "size", "");
     for (const std::string& edge : size.empty() ? std::vector<std::string>{} : split(size, ','))
-    {
       scale *= toNumber(edge).value_or(1);
-    }
     if (stage.stage->command == "bridges")
-    {
       scale *= std::pow(numberOf(stage.words, "nodes", 1), dimension);
-    }
   }
   return scale;
 }
@@ -230,9 +221,7 @@ Estimator::Estimator(const Scene& scene, const Rehearsal& first)
       const PhaseImage phases = toPhaseImage(image);
       solid_ = 0;
       for (std::size_t id = 0; id < phases.phases.size(); ++id)
-      {
         solid_ += isVoidName(phases.phases.names()[id]) ? 0 : phases.fractions()[id];
-      }
     }
     else if (auto* const grains = vtkPolyData::SafeDownCast(data))
     {
@@ -262,13 +251,9 @@ SampleCost Estimator::operator()(const SamplePlan& plan) const
     one.stage = planned.stage->name;
     one.seconds /= std::max(1.0, std::min(numberOf(planned.words, "threads", 1), 64.0));
     if (checkpoint_ && one.seconds > *checkpoint_)
-    {
       one.bytes += checkpointBytes(planned.stage->command, planned.words, size);
-    }
     if (planned.outputs.contains("output"))
-    {
       held += 24 * size.nodes;
-    }
     most = std::max(most, one.bytes);
     cost.seconds += one.seconds;
     cost.stages.push_back(std::move(one));

@@ -47,9 +47,7 @@ public:
   {
     ++rows_;
     for (auto& column : values_)
-    {
       column.emplace_back();
-    }
   }
   void set(const std::string& name, const Json& value)
   {
@@ -67,9 +65,7 @@ public:
         vtkNew<vtkStringArray> texts;
         texts->SetName(names_[c].c_str());
         for (const Json& value : column)
-        {
           texts->InsertNextValue(value.is_null() ? "" : wordOf(value));
-        }
         table->AddColumn(texts);
         continue;
       }
@@ -98,12 +94,8 @@ private:
 std::string calledBy(const Json& item)
 {
   for (const char* const key : { "name", "phase", "axis", "direction" })
-  {
     if (item.is_object() && item.contains(key) && item[key].is_string())
-    {
       return item[key].get<std::string>();
-    }
-  }
   return "";
 }
 
@@ -126,22 +118,14 @@ void flatten(const Json& value, const std::string& path, const auto& take)
   else if (value.is_object())
   {
     for (const auto& [key, item] : value.items())
-    {
       if (!isCost(key))
-      {
         flatten(item, path.empty() ? key : path + "." + key, take);
-      }
-    }
   }
   else if (value.is_array())
   {
     for (const Json& item : value)
-    {
       if (const std::string name = calledBy(item); !name.empty())
-      {
         flatten(item, path + "." + name, take);
-      }
-    }
   }
 }
 
@@ -190,13 +174,9 @@ const Json* walk(const Json& at, const std::string& path)
     if (const Json* const below = child(at, path.substr(0, end)))
     {
       if (end == path.size())
-      {
         return below;
-      }
       if (const Json* const found = walk(*below, path.substr(end + 1)))
-      {
         return found;
-      }
     }
   }
   return nullptr;
@@ -206,19 +186,11 @@ std::vector<std::string> keysAt(const Json& at)
 {
   std::vector<std::string> keys;
   if (at.is_object())
-  {
     for (const auto& [key, value] : at.items())
-    {
       keys.push_back(key);
-    }
-  }
   else if (at.is_array())
-  {
     for (const Json& item : at)
-    {
       keys.push_back(calledBy(item));
-    }
-  }
   return keys;
 }
 
@@ -238,19 +210,13 @@ void checkAhead(const SceneMeasure& measure, const SceneStage& stage, const std:
   {
     std::vector<std::string> names;
     for (const ReportKeys& key : *level)
-    {
       names.push_back(key.name);
-    }
     const auto found =
       std::ranges::find_if(*level, [&](const ReportKeys& key) { return key.name == element || key.name == "*"; });
     if (found == level->end())
-    {
       noSuchKey(measure, stage.name, rest, element, names);
-    }
     if (found->below.empty())
-    {
       return;
-    }
     level = &found->below;
   }
 }
@@ -279,17 +245,11 @@ void checkMeasuresAhead(const Scene& scene)
   {
     const SceneStage* stage = nullptr; // the longest name that fits, as in stageOf()
     for (const SceneStage& one : scene.stages)
-    {
       if (measure.path.starts_with(one.name + ".") && (stage == nullptr || one.name.size() >= stage->name.size()))
-      {
         stage = &one;
-      }
-    }
     const auto keys = stage == nullptr ? std::nullopt : reportKeys(stage->command);
     if (keys)
-    {
       checkAhead(measure, *stage, *keys);
-    }
   }
 }
 
@@ -299,9 +259,7 @@ void checkMeasures(const Scene& scene, const Json& stages)
   {
     const auto [report, rest] = stageOf(stages, measure.path);
     if (report == nullptr)
-    {
       continue;
-    }
     const Json* at = report;
     std::string done;
     for (const std::string& element : split(rest, '.'))
@@ -313,9 +271,7 @@ void checkMeasures(const Scene& scene, const Json& stages)
         noSuchKey(measure, measure.path.substr(0, measure.path.size() - rest.size() - 1), rest, element, keys);
       }
       if (next == nullptr)
-      {
         break;
-      }
       at = next;
     }
     if (at->is_object() || at->is_array())
@@ -343,18 +299,12 @@ vtkSmartPointer<vtkTable> sampleTable(const Scene& scene, const Sweep& sweep, co
       if (sample.record)
       {
         if (const auto value = findMeasure(sample.record->at("stages"), measure.path))
-        {
           columns.set(measure.name, *value);
-        }
       }
     }
     if (scene.measures.empty() && sample.record)
-    {
       for (const auto& [stage, report] : sample.record->at("stages").items())
-      {
         flatten(report, stage, [&](const std::string& path, const Json& value) { columns.set(path, value); });
-      }
-    }
   }
   return columns.table("lamella run");
 }
@@ -367,18 +317,12 @@ vtkSmartPointer<vtkTable> costTable(const std::vector<SampleResult>& samples)
     columns.newRow();
     columns.set("sample", sample.plan.key);
     if (!sample.record)
-    {
       continue;
-    }
     for (const char* const key : { "seconds", "peak_memory", "date", "commit" })
-    {
       columns.set(key, sample.record->value(key, Json(nullptr)));
-    }
     const Json stages = sample.record->value("stage_seconds", Json::object());
     for (const auto& [stage, seconds] : stages.items())
-    {
       columns.set("seconds." + stage, seconds);
-    }
   }
   return columns.table("lamella run");
 }
@@ -390,9 +334,7 @@ std::vector<std::string> averagedOver(const Scene& scene, const Sweep& sweep)
   {
     const bool said = std::ranges::find(scene.averageOver, axis.path) != scene.averageOver.end();
     if (scene.averageGiven ? said : axis.path.ends_with(".seed"))
-    {
       keys.push_back(axis.path);
-    }
   }
   return keys;
 }
@@ -402,12 +344,8 @@ vtkSmartPointer<vtkTable> settingTable(const Scene& scene, const Sweep& sweep, v
   const std::vector<std::string> over = averagedOver(scene, sweep);
   std::vector<std::string> settings;
   for (const SweepAxis& axis : sweep.axes())
-  {
     if (std::ranges::find(over, axis.path) == over.end())
-    {
       settings.push_back(axis.path);
-    }
-  }
   auto* const status = vtkStringArray::SafeDownCast(samples->GetColumnByName("status"));
   // rows of each setting, in the order in which settings come
   std::vector<std::vector<vtkIdType>> groups;
@@ -416,14 +354,10 @@ vtkSmartPointer<vtkTable> settingTable(const Scene& scene, const Sweep& sweep, v
   {
     std::string key;
     for (const std::string& name : settings)
-    {
       key += samples->GetValueByName(row, name.c_str()).ToString() + "\n";
-    }
     const auto [at, added] = known.try_emplace(key, groups.size());
     if (added)
-    {
       groups.emplace_back();
-    }
     groups[at->second].push_back(row);
   }
   Columns columns;
@@ -442,9 +376,7 @@ vtkSmartPointer<vtkTable> settingTable(const Scene& scene, const Sweep& sweep, v
       auto* const column = vtkDoubleArray::SafeDownCast(samples->GetColumn(c));
       if (column == nullptr ||
         std::ranges::any_of(sweep.axes(), [&](const SweepAxis& axis) { return axis.path == column->GetName(); }))
-      {
         continue;
-      }
       double sum = 0;
       double count = 0;
       for (const vtkIdType row : rows)
@@ -477,21 +409,15 @@ vtkSmartPointer<vtkTable> stepTable(
   for (const SampleResult& sample : samples)
   {
     if (!sample.record || !sample.record->at("steps").contains(each))
-    {
       continue;
-    }
     for (const Json& step : sample.record->at("steps").at(each))
     {
       columns.newRow();
       columns.set("sample", sample.plan.key);
       addSettings(columns, sweep, sample.plan.settings);
       for (const auto& [key, value] : step.items())
-      {
         if (key != "report")
-        {
           columns.set(key, value);
-        }
-      }
       flatten(step.at("report"), "", [&](const std::string& path, const Json& value) { columns.set(path, value); });
     }
   }

@@ -14,12 +14,8 @@ std::uint64_t status(const std::string& key)
 {
   std::ifstream file("/proc/self/status");
   for (std::string line; std::getline(file, line);)
-  {
     if (line.starts_with(key + ":"))
-    {
       return std::stoull(line.substr(key.size() + 1)) * 1024;
-    }
-  }
   return 0;
 }
 

@@ -19,9 +19,7 @@ namespace lamella::cli
 void writeMovie(std::span<const std::filesystem::path> pictures, const std::filesystem::path& movie)
 {
   if (pictures.empty())
-  {
     return;
-  }
   OutputFile file(movie, true);
   vtkNew<vtkPNGReader> reader;
   vtkNew<vtkImageExtractComponents> colours; // Theora has no transparency
@@ -56,9 +54,7 @@ void writeMovie(std::span<const std::filesystem::path> pictures, const std::file
     }
     writer->Write();
     if (writer->GetError() != 0)
-    {
       file.failed();
-    }
   }
   writer->End();
   file.commit();

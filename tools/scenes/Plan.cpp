@@ -43,17 +43,11 @@ public:
   std::vector<PlannedStage> operator()(std::vector<std::string>& skipped)
   {
     for (std::size_t i = 0; i < planned_.size(); ++i)
-    {
       planned_[i].stage = &scene_.stages[i];
-    }
     markRoots();
     for (std::size_t i = planned_.size(); i-- > 0;)
-    {
       if (needed_[i])
-      {
         join(i);
-      }
-    }
     std::vector<PlannedStage> running;
     std::vector<std::size_t> place(planned_.size());
     for (std::size_t i = 0; i < planned_.size(); ++i)
@@ -65,9 +59,7 @@ public:
       }
       finish(i, skipped);
       for (std::size_t& input : planned_[i].inputs)
-      {
         input = place[input];
-      }
       place[i] = running.size();
       running.push_back(std::move(planned_[i]));
     }
@@ -101,9 +93,7 @@ private:
       const std::string name = split(measure.path, '.').front();
       std::size_t stage = indexOf(name);
       for (std::size_t i = 0; i < planned_.size(); ++i) // of several of a kind "stress-pdf.0.mean"
-      {
         stage = measure.path.starts_with(scene_.stages[i].name + ".") ? i : stage;
-      }
       needed_.at(stage) = true;
     }
     for (const SceneEach& each : scene_.each)
@@ -119,13 +109,9 @@ private:
       }
       want(i, "output"); // what options of states ask for
       if (broken)
-      {
         want(i, "broken");
-      }
       else
-      {
         wantArrays(i, each, run.options);
-      }
       planned_[i].each.push_back(std::move(run));
     }
   }
@@ -141,9 +127,7 @@ private:
       const bool suits = gives != nullptr &&
         (broken ? output(*stage.ports, "broken") != nullptr : fits(each.ports->takes.front(), gives->kind));
       if (suits && (each.of.empty() || each.of == stage.name))
-      {
         return i;
-      }
     }
     sceneError(each.ofWhere,
       each.of.empty() ? "no stage of this scene comes to steps on which " + each.command + " runs"
@@ -190,25 +174,15 @@ private:
     {
       const SceneStage& giver = scene_.stages[i];
       if (!of.empty() && giver.name != parts.front())
-      {
         continue;
-      }
       for (const Port& port : giver.ports->gives)
-      {
         if (fits(input, kindOf(giver, port)))
-        {
           return { i, &port, parts.size() > 1 ? parts[1] : "" };
-        }
-      }
     }
     std::vector<std::string> givers;
     for (const Ports& ports : allPorts())
-    {
       if (std::ranges::any_of(ports.gives, [&](const Port& port) { return fits(input, port.kind); }))
-      {
         givers.emplace_back(ports.command);
-      }
-    }
     std::string kinds = input.kind;
     std::replace(kinds.begin(), kinds.end(), '|', '/');
     sceneError(placeOf(taker, of),
@@ -236,17 +210,13 @@ private:
     }
     planned.words = split(stage.words, ' ');
     if (!stage.file.empty())
-    {
       planned.words.push_back(stage.file);
-    }
     for (const Port& input : stage.ports->takes)
     {
       const bool own = &input != &stage.ports->takes.front(); // `of` is for the first
       planned.words.push_back(take(i, input, own ? "" : stage.of, options));
       if (std::string(input.option) == "POINTS")
-      {
         planned_[planned.inputs.back()].lastStateOnly = false;
-      }
     }
     words_[i] = std::move(options);
   }
@@ -260,9 +230,7 @@ private:
     planned_[i].inputs.push_back(from.stage);
     want(from.stage, from.port->option);
     if (from.port->option == std::string("output"))
-    {
       wantArrays(from.stage, scene_.stages[i], options);
-    }
     std::filesystem::path name = planned_[from.stage].outputs.at(from.port->option);
     return from.part.empty() ? name.string() : name.stem().string() + "_" + from.part + name.extension().string();
   }
@@ -272,14 +240,10 @@ private:
   {
     const SceneStage& giver = scene_.stages[from.stage];
     if (giver.command != "diffusion" || from.port->option != std::string("output"))
-    {
       return;
-    }
     std::string direction = "all";
     for (const SceneOption& option : giver.options)
-    {
       direction = option.name == "direction" ? wordsFor(option, setting_).front().substr(12) : direction;
-    }
     const std::string hint = "write of = \"" + giver.name + ":x\", or another direction";
     if (direction == "all" && from.part.empty())
     {
@@ -289,9 +253,7 @@ private:
         hint);
     }
     if (direction == "all" && from.part != "x" && from.part != "y" && from.part != "z")
-    {
       sceneError(scene_.stages[taker].ofWhere, fmt::format("'{}:{}' is no direction", giver.name, from.part), hint);
-    }
     if (direction != "all" && !from.part.empty())
     {
       sceneError(scene_.stages[taker].ofWhere,
@@ -307,9 +269,7 @@ private:
     {
       lookedAt_[giver].insert(name);
       if (planned_[giver].arrays) // else all are wanted
-      {
         planned_[giver].arrays->insert(name);
-      }
     };
     std::string array;
     std::string preset;
@@ -319,25 +279,15 @@ private:
       preset = word.starts_with("--preset=") ? word.substr(9) : preset;
     }
     if (taker.command == "stress-pdf")
-    {
       look(array.empty() ? "stress" : array);
-    }
     else if (taker.command == "flux-map")
-    {
       look("flux");
-    }
     else if (taker.command == "collapse-map")
-    {
       look("deformation_gradient");
-    }
     else if (taker.command == "snapshot" && array.empty() && (preset.empty() || preset == "auto" || preset == "scalar"))
-    {
       look("displacement"); // whatever the picture takes by itself is there
-    }
     else if (taker.command == "snapshot")
-    {
       look(array.empty() ? preset : array);
-    }
   }
 
   /// Flags of a command that ask for arrays of its states: --stress, --flux.
@@ -347,13 +297,9 @@ private:
       "Time" }; // of the headers' settings that give arrays
     std::vector<std::string> flags;
     for (const CLI::Option* option : commands_.find(stage.words)->get_options())
-    {
       if (std::ranges::find(groups, option->get_group()) != groups.end() && shapeOf(option) == Shape::Flag &&
         option->get_lnames().front() != "overwrite")
-      {
         flags.push_back(option->get_lnames().front());
-      }
-    }
     return flags;
   }
 
@@ -377,9 +323,7 @@ private:
       else if (!wanted && !written)
       {
         if (given != words_[i].end())
-        {
           words_[i].erase(given);
-        }
         left.push_back(flag);
       }
       else if (!wanted && given == words_[i].end())
@@ -388,34 +332,22 @@ private:
       }
     }
     for (const Port& port : stage.ports->gives)
-    {
       if (!planned.outputs.contains(port.option))
-      {
         left.emplace_back(port.option == std::string("output") ? port.kind : port.option);
-      }
-    }
     if (!left.empty() && stage.command != "snapshot")
     {
       std::string list;
       for (const std::string& word : left)
-      {
         list += (list.empty() ? "" : ", ") + word;
-      }
       skipped.push_back(stage.name + ": " + list);
     }
     planned.words.insert(planned.words.end(), words_[i].begin(), words_[i].end());
     if (stage.command == "snapshot")
-    {
       return; // its runner names the file
-    }
     for (const auto& [option, name] : planned.outputs)
-    {
       planned.words.push_back("--" + option + "=" + name);
-    }
     if (!planned.outputs.contains("output"))
-    {
       dropStateOptions(planned);
-    }
   }
 
   /// States that nobody looks at are not made: a command refuses to keep states and write none. Those of transient say
@@ -426,9 +358,7 @@ private:
     {
       std::vector<std::string> options{ "--at-strain=", "--at-broken=", "--at-time=", "--every=" };
       if (planned.stage->command == "dynamics") // where its states are points of the history, they stay
-      {
         options.emplace_back("--frames=");
-      }
       std::erase_if(planned.words,
         [&](const std::string& word)
         { return std::ranges::any_of(options, [&](const std::string& o) { return word.starts_with(o); }); });
@@ -449,21 +379,15 @@ std::vector<std::string> filesOf(const PlannedStage& stage, const CommandSet& co
 {
   std::vector<std::string> files;
   if (!stage.stage->file.empty())
-  {
     files.push_back(stage.stage->file);
-  }
   for (const CLI::Option* option : commands.find(stage.stage->words)->get_options())
   {
     if (!option->get_lnames().empty() && option->get_type_name().starts_with("FILE"))
     {
       const std::string dashed = "--" + option->get_lnames().front() + "=";
       for (const std::string& word : stage.words)
-      {
         if (word.starts_with(dashed) && !word.starts_with(dashed + "memory:"))
-        {
           files.push_back(word.substr(dashed.size()));
-        }
-      }
     }
   }
   return files;
@@ -485,9 +409,7 @@ SamplePlan makePlan(
   plan.stages = Planner(scene, setting, commands)(plan.skipped);
   plan.settings = Json::object();
   for (const SweepAxis& axis : sweep.axes())
-  {
     plan.settings[axis.path] = setting.at(axis.path);
-  }
   Json identity{ { "version", version() }, { "stages", Json::array() } };
   for (const PlannedStage& stage : plan.stages)
   {

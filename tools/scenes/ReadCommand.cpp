@@ -54,17 +54,13 @@ void readSample(Session& session, const ReadOptions& o, const std::string& comma
     json["phases"] = Json::array();
     const std::vector<double> fractions = sample.image.fractions();
     for (std::size_t id = 0; id < fractions.size(); ++id)
-    {
       json["phases"].push_back({ { "name", sample.image.phases.names()[id] }, { "fraction", fractions[id] } });
-    }
     const auto image = imageOf(sample);
     setProvenance(image, io::toJson(recordRun(session, commandLine, o.picture.file, sample.provenance)));
     data = image;
   }
   if (!o.output.empty()) // asked for its numbers alone where the next stage reads the file itself
-  {
     writeGrid(data, OutputFile(o.output, o.common.overwrite));
-  }
   session.print(dump(json));
 }
 

@@ -84,9 +84,7 @@ std::optional<std::string> arrayAsked(const std::string& command, const std::vec
     preset = word.starts_with("--preset=") ? word.substr(9) : preset;
   }
   if (array.empty() && !preset.empty() && preset != "auto" && preset != "scalar")
-  {
     array = preset == "pores" ? "pore_size" : preset;
-  }
   return array.empty() ? std::nullopt : std::optional(array);
 }
 
@@ -111,9 +109,7 @@ std::vector<std::string> Rehearsal::operator()()
   for (const PlannedStage& stage : plan_.stages)
   {
     if (isMade(stage))
-    {
       continue;
-    }
     rehearse(stage, std::ranges::all_of(stage.inputs, [&](std::size_t input) { return isMade(plan_.stages[input]); }));
     for (const PlannedEach& each : stage.each)
     {
@@ -130,7 +126,8 @@ std::vector<std::string> Rehearsal::operator()()
 
 bool Rehearsal::isMade(const PlannedStage& stage) const
 {
-  return std::ranges::any_of(made_.stages, [&](const PlannedStage& made) { return made.stage == stage.stage; });
+  return std::ranges::any_of(
+    made_.stages, [&](const PlannedStage& made) { return made.stage == stage.stage; });
 }
 
 bool Rehearsal::works(double share)
@@ -163,9 +160,7 @@ void Rehearsal::rehearse(const PlannedStage& stage, bool ready)
   catch (const InputError&)
   {
     if (ready)
-    {
       throw;
-    }
   }
   catch (const NoPathError& error)
   {
@@ -188,9 +183,7 @@ void Rehearsal::checkPhasesOfMeasures() const
   {
     const auto data = Workspace::find(stage.outputs.at("output"));
     if (auto* const image = vtkImageData::SafeDownCast(data))
-    {
       phases = toPhaseImage(image).phases.names();
-    }
   }
   std::vector<std::string> known = phases;
   known.emplace_back("all"); // of stress-pdf
@@ -222,17 +215,11 @@ void Rehearsal::checkArrays() const
               const std::string name = fs::path(word).replace_extension().string();
               return !stem.empty() && (name == stem || name.starts_with(stem + "_"));
             }))
-      {
         checkArray(*stage.stage, stage.words, giver);
-      }
     }
     for (const PlannedEach& each : stage.each)
-    {
       if (!each.broken)
-      {
         checkArray(*each.each, each.options, stage);
-      }
-    }
   }
 }
 
@@ -243,9 +230,7 @@ void Rehearsal::checkArray(
   const auto asked = arrayAsked(taker.command, words);
   std::vector<std::string> there = arraysGiven(giver.stage->command, "output");
   if (!asked || there.empty() || isMade(giver))
-  {
     return;
-  }
   for (const PlannedStage& stage : made_.stages)
   {
     const auto data = Workspace::find(stage.outputs.at("output"));
@@ -254,9 +239,7 @@ void Rehearsal::checkArray(
     {
       const char* const name = set->GetPointData()->GetArrayName(i);
       if (name != nullptr && std::ranges::find(there, name) == there.end())
-      {
         there.emplace_back(name);
-      }
     }
   }
   if (std::ranges::find(there, *asked) == there.end())

@@ -28,17 +28,13 @@ void writeColumn(hid_t group, vtkAbstractArray* column, hid_t untimed)
     const Handle set(
       H5Dcreate2(group, column->GetName(), H5T_IEEE_F64LE, space, H5P_DEFAULT, untimed, H5P_DEFAULT), H5Dclose);
     if (rows > 0)
-    {
       good(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers->GetPointer(0)));
-    }
     return;
   }
   auto* const texts = vtkStringArray::SafeDownCast(column);
   std::size_t longest = 1;
   for (vtkIdType i = 0; i < texts->GetNumberOfValues(); ++i)
-  {
     longest = std::max(longest, texts->GetValue(i).size());
-  }
   std::vector<char> block(longest * rows, '\0');
   for (vtkIdType i = 0; i < texts->GetNumberOfValues(); ++i)
   {
@@ -49,9 +45,7 @@ void writeColumn(hid_t group, vtkAbstractArray* column, hid_t untimed)
   good(H5Tset_strpad(type, H5T_STR_NULLPAD));
   const Handle set(H5Dcreate2(group, column->GetName(), type, space, H5P_DEFAULT, untimed, H5P_DEFAULT), H5Dclose);
   if (rows > 0)
-  {
     good(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, block.data()));
-  }
 }
 
 void writeAll(const std::filesystem::path& path, const std::vector<std::pair<std::string, vtkTable*>>& tables,
@@ -72,14 +66,10 @@ void writeAll(const std::filesystem::path& path, const std::vector<std::pair<std
   {
     const Handle group(H5Gcreate2(file, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
     for (vtkIdType c = 0; c < table->GetNumberOfColumns(); ++c)
-    {
       writeColumn(group, table->GetColumn(c), untimed);
-    }
   }
   if (!file.finish())
-  {
     good(-1);
-  }
 }
 
 } // namespace

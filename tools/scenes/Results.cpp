@@ -50,9 +50,7 @@ bool isNew(const fs::path& folder)
     const bool samples = at->path().filename() == "samples" && at->is_directory(ignored) && !at->is_symlink(ignored) &&
       fs::is_empty(at->path(), ignored);
     if (!samples && !PartFile::isPart(at->path()))
-    {
       return fs::exists(folder / marker, ignored); // made meanwhile by another run
-    }
   }
   return true;
 }
@@ -61,9 +59,7 @@ std::optional<Json> readJson(const fs::path& path)
 {
   std::ifstream file(path, std::ios::binary);
   if (!file)
-  {
     return std::nullopt;
-  }
   Json json = Json::parse(std::string(std::istreambuf_iterator<char>(file), {}), nullptr, false);
   return json.is_object() ? std::optional(std::move(json)) : std::nullopt;
 }
@@ -74,14 +70,10 @@ Results::Results(fs::path folder, const SceneFile& scene, bool make)
   : folder_(std::move(folder))
 {
   if (!make)
-  {
     return;
-  }
   std::error_code ignored;
   if (fs::exists(folder_, ignored) && !fs::is_directory(folder_, ignored))
-  {
     throw OutputError("'" + folder_.string() + "' is a file, not a folder", "choose another one with --results FOLDER");
-  }
   const bool ours = fs::exists(folder_ / marker, ignored);
   if (!ours && !isNew(folder_))
   {
@@ -90,9 +82,7 @@ Results::Results(fs::path folder, const SceneFile& scene, bool make)
   }
   makeFolder(folder_);
   if (!ours) // before anything else: without it the folder is nobody's
-  {
     writeText(folder_ / marker, dump(Json{ { "format", 1 }, { "program", "lamella" }, { "made", io::timestamp() } }));
-  }
   makeFolder(folder_ / "samples");
   writeText(folder_ / "scene.toml", scene.text);
 }

@@ -71,18 +71,14 @@ void setFromWords(SceneFile& scene, const RunOptions& o)
     const std::size_t equals = word.find('=');
     const std::string name = word.substr(0, equals);
     if (!name.starts_with("--"))
-    {
       throw ParameterError("'" + word + "' is one word too many for lamella run", "see lamella run --help");
-    }
     if (name.find('.') == std::string::npos)
     {
       throw ParameterError("'" + name + "' is not an option of lamella run",
         suggestion(name, optionNames(o.app), "a key of the scene is written with its section: --fracture.horizon 4"));
     }
     if (equals == std::string::npos && i + 1 == words.size())
-    {
       throw ParameterError(name + " has no value", "write " + name + "=VALUE");
-    }
     setKey(scene, name.substr(2), equals == std::string::npos ? words[++i] : word.substr(equals + 1));
   }
   for (const std::string& text : o.set)
@@ -98,14 +94,10 @@ std::string typedLine()
   pollfd input{ STDIN_FILENO, POLLIN, 0 };
   constexpr int patience = 100; // [ms]: a signal may come between a look and the wait
   for (int ready = 0; ready == 0 || (ready < 0 && errno == EINTR); ready = ::poll(&input, 1, patience))
-  {
     Session::checkInterrupt();
-  }
   std::string line;
   if (!std::getline(std::cin, line))
-  {
     std::cerr << "\n";
-  }
   return line;
 }
 
@@ -115,18 +107,14 @@ void confirm(Session& session, double count)
   const std::string what = fmt::format("this sweep has {} samples",
     count < 1e15 ? grouped(static_cast<std::int64_t>(count)) : fmt::format("{:.3g}", count));
   if (count > tooMany)
-  {
     throw ParameterError(what + fmt::format(", more than {:.0e}", tooMany), "give fewer values, or several scenes");
-  }
   const bool asks = session.ranks() == 1 && ::isatty(STDIN_FILENO) == 1 && ::isatty(STDERR_FILENO) == 1;
   if (asks)
   {
     std::cerr << what << ". Run them? [y/N] " << std::flush;
     const std::string answer = typedLine();
     if (answer == "y" || answer == "Y" || answer == "yes")
-    {
       return;
-    }
     throw ParameterError(what + ", and was not run", "look at it with --dry-run first");
   }
   throw ParameterError(what, "look at it with --dry-run, and add --yes to run them");
@@ -151,9 +139,7 @@ void tryWords(const SamplePlan& plan)
   {
     std::vector<std::string> words = planned.words;
     if (planned.stage->command == "snapshot")
-    {
       words.emplace_back("--output=picture.png");
-    }
     read(*planned.stage, words);
     for (const PlannedEach& each : planned.each)
     {
@@ -161,9 +147,7 @@ void tryWords(const SamplePlan& plan)
       words.emplace_back("memory:step.vti");
       words.insert(words.end(), each.options.begin(), each.options.end());
       if (each.each->command == "snapshot")
-      {
         words.emplace_back("--output=picture.png");
-      }
       read(*each.each, words);
     }
   }
@@ -181,9 +165,7 @@ std::string settingText(const Json& settings)
 {
   std::string text;
   for (const auto& [key, value] : settings.items())
-  {
     text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key, wordOf(value));
-  }
   return text;
 }
 
@@ -208,9 +190,7 @@ public:
         fmt::format("--jobs {} is not from 1 to 256", options_.jobs), "give the number of processes");
     }
     if (options_.jobs > 1 && session_.ranks() > 1)
-    {
       throw ParameterError("--jobs within mpirun", "leave it out: each rank takes samples");
-    }
     tryWords(planOf(0));
     checkMeasuresAhead(scene_);
     if (options_.dryRun)
@@ -219,14 +199,10 @@ public:
       return;
     }
     if (sweep_.count() > many && !options_.yes)
-    {
       session_.onRoot([&] { confirm(session_, sweep_.count()); });
-    }
     session_.onRoot([&] { results_ = std::make_unique<Results>(folder(), scene_.source, true); });
     if (!session_.root())
-    {
       results_ = std::make_unique<Results>(folder(), scene_.source, false);
-    }
     planAll();
     const std::size_t before = samples_.size() - unfinished_.size();
     work();
@@ -244,9 +220,7 @@ private:
   [[nodiscard]] fs::path folder() const
   {
     if (!options_.results.empty())
-    {
       return options_.results;
-    }
     return scene_.results.empty() ? fs::path(scene_.source.file).stem().string() + ".results" : scene_.results;
   }
 
@@ -261,9 +235,7 @@ private:
     {
       SamplePlan plan = planOf(i);
       if (known.insert(plan.key).second && !results_->load(plan.key))
-      {
         unfinished_.push_back(i);
-      }
       plan.stages.clear(); // made again for those that run
       samples_.push_back({ std::move(plan), std::nullopt });
       Session::checkInterrupt();
@@ -273,9 +245,7 @@ private:
   void work()
   {
     if (unfinished_.empty())
-    {
       return;
-    }
     std::function<bool(double, const std::string&)> told; // of the sample that runs
     std::unique_ptr<SampleRunner> runner;
     Sharing sharing;
@@ -393,22 +363,16 @@ private:
       const Cost& one = cost.stages[i];
       std::string steps;
       for (const PlannedEach& each : first.stages[i].each)
-      {
         steps += fmt::format("{}{}", steps.empty() ? ", on its steps " : ", ", each.each->command);
-      }
       text += fmt::format("  {:<16} {:.2g} {}, about {}, {}{}\n", one.stage, one.work, one.unit, timeText(one.seconds),
         bytesText(one.bytes), steps);
       stages.push_back({ { "name", one.stage }, { "command", first.stages[i].words }, { "work", one.work },
         { "unit", one.unit }, { "seconds", one.seconds }, { "bytes", one.bytes } });
     }
     for (const std::string& skipped : first.skipped)
-    {
       text += "  left out: " + skipped + "\n";
-    }
     for (const std::string& failure : failures)
-    {
       text += "  the first sample fails: " + failure + "\n";
-    }
     const double processes = std::max(options_.jobs, session_.ranks());
     text += fmt::format("\n  memory: up to {} a process{}; {} are free\n", bytesText(bytes),
       processes > 1 ? fmt::format(", {} in all", bytesText(bytes * processes)) : "",
@@ -439,9 +403,7 @@ private:
       if (sample.record)
       {
         for (const Json& warning : sample.record->value("warnings", Json::array()))
-        {
           ++warnings[warning.get<std::string>()];
-        }
         commits.insert(sample.record->value("commit", ""));
         continue;
       }
@@ -471,9 +433,7 @@ private:
     const std::vector<std::string> written = writeTables();
     report(before, failures.size(), written);
     if (!failures.empty())
-    {
       throwFailed(failures, *firstFailure);
-    }
   }
 
   /// @returns the names of the files
@@ -496,9 +456,7 @@ private:
     io::Provenance run = recordRun(session_, commandLine_, scene_.source.file, "");
     Json scene{ { "file", scene_.source.file }, { "text", scene_.source.text } };
     if (!scene_.title.empty())
-    {
       scene["title"] = scene_.title;
-    }
     run.parameters = Json{ { "scene", std::move(scene) } }.dump(-1, ' ', false, Json::error_handler_t::replace);
     const std::string provenance = io::toJson(run);
     ResultFiles files;
@@ -523,26 +481,20 @@ private:
       Json json{ { "samples", samples_.size() }, { "finished", done }, { "failed", failed },
         { "finished_before", before }, { "results", folder().string() }, { "files", written } };
       if (options_.statistics)
-      {
         json["statistics"] = statistics();
-      }
       addRecord(json, recordRun(session_, commandLine_, scene_.source.file, ""));
       session_.print(dump(json));
       return;
     }
     if (options_.common.quiet)
-    {
       return;
-    }
     std::string text = scene_.title.empty() ? "" : scene_.title + "\n\n";
     text += tableText();
     text += fmt::format("\n  {} of {} samples finished{}{}\n", done, samples_.size(),
       before > 0 ? fmt::format(", {} of them before", before) : "",
       failed > 0 ? fmt::format(", {} failed", failed) : "");
     if (options_.statistics)
-    {
       text += statisticsText(statistics());
-    }
     session_.print(text + wroteText(written));
   }
 
@@ -552,24 +504,16 @@ private:
     std::vector<std::string> settings;
     for (vtkIdType c = 0;
          c < settingsTable_->GetNumberOfColumns() && settingsTable_->GetColumnName(c) != std::string("n"); ++c)
-    {
       settings.emplace_back(settingsTable_->GetColumnName(c));
-    }
     if (scene_.measures.empty())
-    {
       return "";
-    }
     constexpr vtkIdType most = 40;
     std::string text = "  ";
     for (const std::string& name : settings)
-    {
       text += fmt::format("{:<{}}", name, std::max<std::size_t>(name.size() + 2, 14));
-    }
     text += fmt::format("{:>5}", "n");
     for (const SceneMeasure& measure : scene_.measures)
-    {
       text += fmt::format("  {:>24}", measure.name);
-    }
     text += "\n";
     const auto number = [&](vtkIdType row, const std::string& name) -> std::optional<double>
     {
@@ -598,9 +542,7 @@ private:
       text += "\n";
     }
     if (settingsTable_->GetNumberOfRows() > most)
-    {
       text += fmt::format("  … and {} more settings, in settings.csv\n", settingsTable_->GetNumberOfRows() - most);
-    }
     return text;
   }
 
@@ -613,9 +555,7 @@ private:
     for (const SampleResult& sample : samples_)
     {
       if (!sample.record)
-      {
         continue;
-      }
       const Json times = sample.record->value("stage_seconds", Json::object());
       for (const auto& [stage, seconds] : times.items())
       {
@@ -627,19 +567,13 @@ private:
       }
       const Json passes = sample.record->value("calls", Json::object());
       for (const auto& [what, count] : passes.items())
-      {
         calls[what] = calls.value(what, std::int64_t{ 0 }) + count.get<std::int64_t>();
-      }
       for (const Json& text : sample.record->value("skipped", Json::array()))
-      {
         ++skipped[text.get<std::string>()];
-      }
     }
     Json json{ { "stages", stages }, { "calls", calls }, { "left_out", Json::array() } };
     for (const auto& [text, count] : skipped)
-    {
       json["left_out"].push_back(text);
-    }
     return json;
   }
 
@@ -652,13 +586,9 @@ private:
         fmt::format("  {:<20} {:>6} runs  {:>10.3f} s\n", stage, one["runs"].get<int>(), one["seconds"].get<double>());
     }
     for (const auto& [what, count] : json["calls"].items())
-    {
       text += fmt::format("  {:<20} {:>6} times\n", what, count.get<std::int64_t>());
-    }
     for (const Json& left : json["left_out"])
-    {
       text += "  left out: " + left.get<std::string>() + "\n";
-    }
     return text;
   }
 

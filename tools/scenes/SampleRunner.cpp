@@ -51,13 +51,9 @@ Json placeOf(vtkDataObject* state, int number)
   Json step{ { "step", number } };
   for (const char* const name :
     { "time", "strain", "stress", "broken_bonds", "relaxation_steps", "packing_fraction", "unbalanced_force" })
-  {
     if (const std::vector<double> found = fieldNumbers(state, name);
         found.size() == 1) // of grains the stress is a tensor
-    {
       step[name] = jsonNumber(found.front());
-    }
-  }
   return step;
 }
 
@@ -65,12 +61,8 @@ Json placeOf(vtkDataObject* state, int number)
 bool follows(const Json& place, const Json& before)
 {
   for (const char* const name : { "time", "strain", "broken_bonds" })
-  {
     if (place.contains(name) && before.contains(name) && place[name] != before[name])
-    {
       return place[name] > before[name];
-    }
-  }
   return false;
 }
 
@@ -89,21 +81,15 @@ bool canGoOn(const PlannedStage& planned)
 Json kept(Json report)
 {
   for (const char* const key : { "provenance", "version", "commit", "file", "written", "files" })
-  {
     report.erase(key);
-  }
   return report;
 }
 
 void addTo(std::vector<std::string>& list, const std::vector<std::string>& more)
 {
   for (const std::string& text : more)
-  {
     if (std::ranges::find(list, text) == list.end())
-    {
       list.push_back(text);
-    }
-  }
 }
 
 } // namespace
@@ -128,9 +114,7 @@ public:
       before_ = kept_->there() ? kept_->steps() : std::vector<Json>();
       goesOn_ = kept_->there();
       if (!goesOn_)
-      {
         kept_->begin({});
-      }
     }
   }
 
@@ -139,9 +123,7 @@ public:
   try
   {
     if (std::exchange(goesOn_, false))
-    {
       takeBack(placeOf(state, 0));
-    }
     const Json place = placeOf(state, number_);
     Json line{ { "number", number_ }, { "place", place }, { "rows", Json::object() }, { "pictures", Json::object() } };
     std::vector<std::string> told;
@@ -149,37 +131,25 @@ public:
     {
       const PlannedEach& each = planned_.each[i];
       if (number_ % each.each->every != 0)
-      {
         continue;
-      }
       if (each.broken)
-      {
         rows_[i].push_back(place); // done at the end, when it is known which bonds these are
-      }
       else
-      {
         run(i, state, place, told);
-      }
       line["rows"][std::to_string(i)] = rows_[i].back();
       if (each.each->command == "snapshot")
-      {
         line["pictures"][std::to_string(i)] = pictures_[i].back().filename().string();
-      }
     }
     addTo(warnings_, told);
     line["warnings"] = told;
     if (kept_ != nullptr)
-    {
       kept_->add(line);
-    }
     ++number_;
   }
   catch (...)
   {
     if (kept_ != nullptr)
-    {
       kept_->hold();
-    }
     throw;
   }
 
@@ -192,14 +162,10 @@ public:
       {
         const auto all = runner_.workspace_.get(planned_.outputs.at("broken"));
         for (const Json& place : std::exchange(rows_[i], Json::array()))
-        {
           run(i, firstBonds(all, place.at("broken_bonds").get<std::int64_t>()), place, warnings_);
-        }
       }
       if (const std::string& movie = planned_.each[i].each->movie; !movie.empty())
-      {
         writeMovie(pictures_[i], folder_ / movie);
-      }
     }
   }
 
@@ -207,9 +173,7 @@ public:
   {
     Json all = Json::object();
     for (std::size_t i = 0; i < planned_.each.size(); ++i)
-    {
       all[planned_.each[i].each->name] = rows_[i];
-    }
     return all;
   }
 
@@ -225,23 +189,17 @@ private:
       Json known = line.at("place");
       known.erase("step");
       if (known == place)
-      {
         break;
-      }
       bool fits = follows(place, known);
       for (const auto& [each, row] : line.at("rows").items())
-      {
         rows_.at(std::stoul(each)).push_back(row);
-      }
       for (const auto& [each, name] : line.at("pictures").items())
       {
         pictures_.at(std::stoul(each)).push_back(folder_ / name.get<std::string>());
         fits = fits && fs::exists(pictures_.at(std::stoul(each)).back());
       }
       if (!fits)
-      {
         throw InputError("the steps of '" + kept_->file().string() + "' are not those of its run", "begin anew");
-      }
       addTo(warnings_, line.at("warnings").get<std::vector<std::string>>());
       taken.push_back(line);
     }
@@ -339,9 +297,7 @@ Json SampleRunner::run(const SamplePlan& plan, const fs::path& folder)
     part_ = 1.0 / static_cast<double>(plan.stages.size());
     std::string key = io::quoteCommand(planned.words);
     for (const std::size_t input : planned.inputs)
-    {
       key += "\n" + keys[input];
-    }
     keys.push_back(key);
     const auto before = done_.find(name);
     const bool files = planned.stage->command == "snapshot" || !planned.each.empty();
@@ -366,9 +322,7 @@ Json SampleRunner::run(const SamplePlan& plan, const fs::path& folder)
   }
   record["calls"] = Json::object();
   for (const auto& [what, count] : passesSince(passes))
-  {
     record["calls"][what] = count;
-  }
   record["skipped"] = plan.skipped;
   record["warnings"] = warnings;
   record["seconds"] = secondsSince(start);
@@ -391,9 +345,7 @@ SampleRunner::Done SampleRunner::perform(
   Done result;
   std::optional<Steps> watching;
   if (!planned.each.empty())
-  {
     watching.emplace(*this, planned, folder, result.warnings, kept);
-  }
   PlannedStage running = planned;
   if (planned.stage->command == "snapshot")
   {
@@ -405,9 +357,7 @@ SampleRunner::Done SampleRunner::perform(
   {
     running.words.push_back("--checkpoint=" + kept->file().string());
     if (kept->there())
-    {
       running.words.push_back("--continue=" + kept->file().string());
-    }
   }
   try
   {
@@ -416,14 +366,13 @@ SampleRunner::Done SampleRunner::perform(
   catch (...)
   {
     if (kept != nullptr)
-    {
       kept->release();
-    }
     throw;
   }
   if (kept != nullptr) // the steps before it are there
   {
-    std::erase_if(result.warnings,
+    std::erase_if(
+      result.warnings,
       [](const std::string& warning) { return warning.find("lie before the checkpoint") != std::string::npos; });
   }
   if (watching)
@@ -458,20 +407,14 @@ Json SampleRunner::runStage(const PlannedStage& planned, Steps* steps, std::vect
   {
     const fs::path path(name); // states and directions of a run before
     for (const std::string& old : workspace_.names())
-    {
       if (old == name || (old.starts_with(path.stem().string() + "_") && old.ends_with(path.extension().string())))
-      {
         workspace_.erase(old);
-      }
-    }
   }
   wishes_.lastStateOnly = planned.lastStateOnly;
   wishes_.arrays = planned.arrays;
   onStep_ = nullptr;
   if (steps != nullptr)
-  {
     onStep_ = [steps](vtkDataObject* state) { steps->take(state); };
-  }
   std::vector<std::string> words;
   for (const std::string& word : planned.words)
   {
@@ -488,9 +431,7 @@ Json SampleRunner::runStage(const PlannedStage& planned, Steps* steps, std::vect
       }
     }
     if (found == 0)
-    {
       words.push_back(word);
-    }
   }
   try
   {
@@ -526,12 +467,8 @@ Json SampleRunner::runCommand(const std::vector<std::string>& words, std::vector
   session.setScene(wishes_);
   session.setOnStep(onStep_);
   for (const Command& command : commands.commands())
-  {
     if (command.app->parsed())
-    {
       command.run(session, commandLine_);
-    }
-  }
   addTo(warnings, session.warnings());
   return Json::parse(session.printed());
 }
@@ -540,9 +477,7 @@ void SampleRunner::write(const PlannedStage& planned, const fs::path& folder)
 {
   const SceneStage& stage = *planned.stage;
   if (stage.write.empty() || stage.command == "snapshot" || folder.empty())
-  {
     return;
-  }
   fs::create_directories(folder);
   ResultFiles files;
   std::vector<vtkSmartPointer<vtkDataObject>> held;
@@ -553,13 +488,9 @@ void SampleRunner::write(const PlannedStage& planned, const fs::path& folder)
     const std::string file = (folder / name.substr(std::string("memory:").size())).string();
     auto data = workspace_.get(name);
     if (auto* const table = vtkTable::SafeDownCast(data))
-    {
       files.addTable("write", file, table, true);
-    }
     else
-    {
       files.addGrid("write", file, fs::path(name).extension().string(), data, true);
-    }
     held.push_back(std::move(data));
   };
   for (const std::string& option : stage.write)
@@ -581,15 +512,11 @@ void SampleRunner::write(const PlannedStage& planned, const fs::path& folder)
       }
     }
     if (workspace_.has(name) && (option != "output" || states.empty()))
-    {
       add(name.string());
-    }
   }
   std::string before;
   if (!held.empty())
-  {
     before = provenance(held.front());
-  }
   static_cast<void>(files.write(io::toJson(recordRun(&wishes_, commandLine_, "", before))));
   if (!states.empty())
   {

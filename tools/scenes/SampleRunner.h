@@ -72,9 +72,7 @@ template <class Kind>
 {
   const std::string message = error.what();
   if (message.starts_with(stage.where.substr(0, stage.where.find(':') + 1))) // it is told already
-  {
     throw Kind(error);
-  }
   const std::string line = lineOf(stage, message);
   throw Kind((line.empty() ? stage.where : line) + ": [" + stage.name + "] " + message, error.hint());
 }

@@ -35,12 +35,8 @@ std::vector<std::string> keysFor(const CLI::App* app, const Ports& ports)
 {
   std::vector<std::string> keys;
   for (const std::string& name : optionNames(app))
-  {
     if (name.starts_with("--") && !isManaged(ports, name.substr(2)))
-    {
       keys.push_back(name.substr(2));
-    }
-  }
   return keys;
 }
 
@@ -79,9 +75,7 @@ bool names(const std::string& message, const std::string& name)
   {
     const std::size_t end = at + name.size();
     if ((at == 0 || !within(message[at - 1])) && (end == message.size() || !within(message[end])))
-    {
       return true;
-    }
   }
   return false;
 }
@@ -96,9 +90,7 @@ bool quotes(const std::string& message, const Json& value)
     return quoted(text) || quoted(text.substr(0, text.find('=')));
   }
   if (!value.is_structured())
-  {
     return false;
-  }
   return std::ranges::any_of(value.items(),
     [&](const auto& item) { return (value.is_object() && quoted(item.key())) || quotes(message, item.value()); });
 }
@@ -116,9 +108,7 @@ public:
   {
     readTop();
     for (const SceneSection& section : scene_.source.sections)
-    {
       readSection(section);
-    }
     shareMaterial();
     finish();
     return std::move(scene_);
@@ -148,9 +138,7 @@ private:
         continue;
       }
       if (!key.value.is_string())
-      {
         sceneError(key.where, fmt::format("{} = {} is not a text", key.name, key.value.dump()), "write it in quotes");
-      }
       (key.name == "title" ? scene_.title : scene_.results) = key.value.get<std::string>();
     }
   }
@@ -161,9 +149,7 @@ private:
     // no checkpoint before some time has passed, however short: see io::CheckpointOptions
     constexpr double least = 1e-9;
     if (key.value == false)
-    {
       return std::nullopt;
-    }
     const std::string text = wordOf(key.value);
     const auto seconds = secondsFrom(toNumber(text) ? text + "s" : text);
     if (key.value.is_boolean() || !seconds)
@@ -218,9 +204,7 @@ private:
     {
       std::vector<std::string> known{ "sample", "material", "measure", "each", "picture" };
       for (const Ports& ports : allPorts())
-      {
         known.emplace_back(ports.command);
-      }
       const std::string in = section.kind == "snapshot"
         ? "pictures are [[picture]], or [[each]] with run = \"snapshot\""
         : "a sample is made in [sample], with " + section.kind + " = ...";
@@ -235,19 +219,11 @@ private:
     static const std::vector<std::string> ways{ "file", "generate", "micrograph", "packing" };
     std::vector<std::string> given;
     for (const std::string& way : ways)
-    {
       if (section.find(way) != nullptr)
-      {
         given.push_back(way);
-      }
-    }
     for (const SceneKey& key : section.keys)
-    {
       if (given.empty() && closest(key.name, ways))
-      {
         unknownKey(section, key, ways, "");
-      }
-    }
     if (given.size() != 1)
     {
       sceneError(given.empty() ? section.where : section.find(given[1])->where,
@@ -293,12 +269,8 @@ private:
     std::string words = picture ? "snapshot" : section.text("run");
     std::vector<std::string> known;
     for (const Ports& ports : allPorts())
-    {
       if (!ports.takes.empty() && !ports.solver && ports.command != std::string("bridges"))
-      {
         known.emplace_back(ports.command);
-      }
-    }
     if (!contains(known, words))
     {
       const SceneKey* const run = section.find("run");
@@ -350,18 +322,14 @@ private:
     stage.ofWhere = of != nullptr ? of->where : section.where;
     own.insert(own.end(), { "of", "write", "name" });
     if (const SceneKey* const write = section.find("write"))
-    {
       readWrite(stage, *write);
-    }
     std::vector<std::string> known = keysFor(app, *stage.ports);
     std::vector<std::string> all = known;
     all.insert(all.end(), own.begin(), own.end());
     for (const SceneKey& key : section.keys)
     {
       if (contains(own, key.name))
-      {
         continue;
-      }
       if (!contains(known, key.name))
       {
         const bool there = app->get_option_no_throw("--" + key.name) != nullptr;
@@ -383,9 +351,7 @@ private:
   {
     std::vector<std::string> names;
     for (const Port& port : stage.ports->gives)
-    {
       names.emplace_back(port.option);
-    }
     if (key.value.is_boolean())
     {
       stage.write = key.value.get<bool>() ? std::vector<std::string>{ names.front() } : std::vector<std::string>{};
@@ -420,9 +386,7 @@ private:
   void shareMaterial()
   {
     if (material_ == nullptr)
-    {
       return;
-    }
     std::vector<std::string> known;
     for (const SceneKey& key : material_->keys)
     {
@@ -431,24 +395,18 @@ private:
       {
         CLI::App* const app = commands_.find(stage.words);
         if (!stage.ports->solver)
-        {
           continue;
-        }
         const std::vector<std::string> own = keysFor(app, *stage.ports);
         known.insert(known.end(), own.begin(), own.end());
         if (contains(own, key.name))
         {
           taken = true;
           if (std::ranges::find(stage.options, key.name, &SceneOption::name) == stage.options.end())
-          {
             stage.options.push_back(optionOf(app, key, "material"));
-          }
         }
       }
       if (!taken)
-      {
         unknownKey(*material_, key, known, "no solver of this scene has such an option");
-      }
     }
   }
 
@@ -462,35 +420,21 @@ private:
     }
     std::vector<std::string> names;
     for (const SceneStage& stage : scene_.stages)
-    {
       names.push_back(stage.name);
-    }
     const auto check = [&](const std::string& name, const std::string& where, const char* what)
     {
       if (!contains(names, name))
-      {
         sceneError(where, fmt::format("{} '{}' is no stage of this scene", what, name),
           suggestion(name, names, "there are " + quotedList(names, "and")));
-      }
     };
     for (const SceneMeasure& measure : scene_.measures)
-    {
       check(split(measure.path, '.').front(), measure.where, "measure:");
-    }
     for (const SceneEach& each : scene_.each)
-    {
       if (!each.of.empty())
-      {
         check(split(each.of, ':').front(), each.ofWhere, "of:");
-      }
-    }
     for (const SceneStage& stage : scene_.stages)
-    {
       if (!stage.of.empty())
-      {
         check(split(stage.of, ':').front(), stage.ofWhere, "of:");
-      }
-    }
   }
 
   const CommandSet& commands_;
@@ -514,9 +458,7 @@ CLI::App* CommandSet::find(const std::string& words) const
   {
     const auto found = app->get_subcommands([&](const CLI::App* below) { return below->get_name() == word; });
     if (found.empty())
-    {
       return nullptr;
-    }
     app = found.front();
   }
   return app;
@@ -526,23 +468,17 @@ std::vector<std::string> CommandSet::namesBelow(const std::string& words) const
 {
   std::vector<std::string> names;
   for (const CLI::App* app : find(words)->get_subcommands([](const CLI::App*) { return true; }))
-  {
     names.push_back(app->get_name());
-  }
   return names;
 }
 
 Shape shapeOf(const CLI::Option* option)
 {
   if (option->get_items_expected_max() == 0)
-  {
     return Shape::Flag;
-  }
   const std::string type = option->get_type_name();
   if (option->get_expected_max() > 1)
-  {
     return type.find('=') != std::string::npos ? Shape::Pairs : Shape::List;
-  }
   return type.find(',') != std::string::npos || type == "LIST" ? Shape::Tuple : Shape::Single;
 }
 

@@ -46,9 +46,7 @@ Json toJson(const toml::node& node, const std::string& file)
     {
       Json list = Json::array();
       for (const toml::node& item : *node.as_array())
-      {
         list.push_back(toJson(item, file));
-      }
       return list;
     }
     case toml::node_type::table:
@@ -56,15 +54,11 @@ Json toJson(const toml::node& node, const std::string& file)
       // toml++ sorts keys; the file's order is the order of sweeps
       std::vector<std::pair<toml::source_position, std::pair<std::string, Json>>> entries;
       for (const auto& [key, value] : *node.as_table())
-      {
         entries.push_back({ value.source().begin, { std::string(key.str()), toJson(value, file) } });
-      }
       std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
       Json table = Json::object();
       for (auto& [position, entry] : entries)
-      {
         table[entry.first] = std::move(entry.second);
-      }
       return table;
     }
     default:
@@ -85,9 +79,7 @@ std::vector<SceneKey> keysOf(const toml::table& table, const std::string& file, 
   for (const auto& [key, value] : table)
   {
     if (whole && isSection(value))
-    {
       continue;
-    }
     // of `[fracture.young]` the value begins at its first key; the name is in the line of the header
     keys.push_back(
       { value.source().begin, { std::string(key.str()), toJson(value, file), place(file, key.source()) } });
@@ -95,9 +87,7 @@ std::vector<SceneKey> keysOf(const toml::table& table, const std::string& file, 
   std::stable_sort(keys.begin(), keys.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<SceneKey> sorted;
   for (auto& [position, key] : keys)
-  {
     sorted.push_back(std::move(key));
-  }
   return sorted;
 }
 
@@ -124,9 +114,7 @@ Json valueOf(const std::string& text)
   {
     const toml::table parsed = toml::parse("value = " + text);
     if (parsed.size() == 1)
-    {
       return toJson(*parsed.get("value"), "");
-    }
   }
   catch (const toml::parse_error&) // a word without quotes
   {
@@ -151,13 +139,9 @@ std::string SceneSection::text(const std::string& key) const
 {
   const SceneKey* const found = find(key);
   if (found == nullptr)
-  {
     return "";
-  }
   if (!found->value.is_string())
-  {
     sceneError(found->where, fmt::format("{} = {} is not a text", key, found->value.dump()), "write it in quotes");
-  }
   return found->value.get<std::string>();
 }
 
@@ -166,9 +150,7 @@ SceneFile readSceneFile(const std::string& path)
   requireFile(path);
   std::error_code ignored;
   if (std::filesystem::file_size(path, ignored) > largest)
-  {
     throw InputError("'" + path + "' is too large to be a scene", "a scene is a text of some lines, in TOML");
-  }
   std::ifstream stream(path, std::ios::binary);
   SceneFile scene;
   scene.file = path;
@@ -257,40 +239,30 @@ void setKey(SceneFile& scene, const std::string& path, const std::string& value)
   {
     std::vector<std::string> names;
     for (const SceneSection& each : scene.sections)
-    {
       names.push_back(each.name);
-    }
     throw ParameterError("'" + path + "': the scene has no section '" + parts[0] + "'",
       suggestion(parts[0], names, "it has " + quotedList(names, "and")));
   }
   SceneKey& key = set(section->keys, parts[used]);
   std::string rest;
   for (std::size_t i = used + 1; i < parts.size(); ++i)
-  {
     rest += (rest.empty() ? "" : ".") + parts[i];
-  }
   if (rest.empty())
   {
     key.value = given;
     return;
   }
   if (!key.value.is_object())
-  {
     key.value = Json::object();
-  }
   key.value[rest] = given;
 }
 
 std::string wordOf(const Json& value)
 {
   if (value.is_string())
-  {
     return value.get<std::string>();
-  }
   if (value.is_number_float())
-  {
     return fmt::format("{}", value.get<double>());
-  }
   return value.dump();
 }
 

@@ -87,9 +87,7 @@ public:
     : memory_(::mmap(nullptr, sizeof(Common), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0))
   {
     if (memory_ == MAP_FAILED)
-    {
       throw std::bad_alloc();
-    }
     common_ = new (memory_) Common;
   }
   ~CommonMemory() { ::munmap(memory_, sizeof(Common)); }
@@ -131,18 +129,14 @@ pid_t start(const Sharing& sharing, const CommonMemory& common, std::size_t slot
   const pid_t parent = ::getpid();
   const pid_t child = ::fork();
   if (child < 0)
-  {
     throw std::runtime_error(std::string("cannot start a process: ") + std::strerror(errno));
-  }
   if (child == 0)
   {
     ::setpgid(0, 0); // Ctrl-C is for the parent, which passes it on
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
     watchProcess();
     if (::getppid() == parent)
-    {
       workUntilDone(sharing, common, slot, count);
-    }
     ::_exit(0);
   }
   return child;
@@ -154,9 +148,7 @@ void onProcesses(Session& session, const Sharing& sharing, std::size_t count)
   std::map<pid_t, std::size_t> running;
   const auto jobs = std::min<std::size_t>({ static_cast<std::size_t>(sharing.jobs), count, mostJobs });
   for (std::size_t slot = 0; slot < jobs; ++slot)
-  {
     running[start(sharing, common, slot, count)] = slot;
-  }
   bool told = false;
   while (!running.empty())
   {
@@ -166,9 +158,7 @@ void onProcesses(Session& session, const Sharing& sharing, std::size_t count)
     {
       told = true;
       for (const auto& [process, slot] : running)
-      {
         ::kill(process, SIGTERM);
-      }
     }
     int status = 0;
     const pid_t ended = ::waitpid(-1, &status, WNOHANG);
@@ -193,9 +183,7 @@ void onProcesses(Session& session, const Sharing& sharing, std::size_t count)
   session.endProgress();
   Session::checkInterrupt();
   if (common->failed.load() != 0)
-  {
     common->rethrow();
-  }
 }
 
 // --- ranks -----------------------------------------------------------------------------------------------------------
@@ -279,9 +267,7 @@ void shareOut(Session& session, const Sharing& sharing, std::size_t count)
 {
   constexpr std::size_t few = 8; // samples; within one its stages count alike, whatever they take
   if (count < few)
-  {
     session.sharesAreGuesses();
-  }
   if (session.ranks() > 1)
   {
     onRanks(session, sharing, count);

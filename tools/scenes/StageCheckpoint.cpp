@@ -23,12 +23,8 @@ std::vector<fs::path> filesWith(const fs::path& folder, const std::string& endin
   std::vector<fs::path> files;
   std::error_code failed;
   for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
-  {
     if (at->path().filename().string().find(ending) != std::string::npos)
-    {
       files.push_back(at->path());
-    }
-  }
   return files;
 }
 
@@ -62,9 +58,7 @@ std::vector<Json> StageCheckpoint::steps() const
   {
     Json step = Json::parse(line, nullptr, false);
     if (!step.is_object() || step.value("number", std::size_t{ 0 }) != steps.size())
-    {
       break;
-    }
     steps.push_back(std::move(step));
   }
   return steps;
@@ -75,9 +69,7 @@ void StageCheckpoint::begin(const std::vector<Json>& steps)
   lines_.close();
   std::string text;
   for (const Json& step : steps)
-  {
     text += step.dump() + "\n";
-  }
   OutputFile file(steps_, true);
   file.write(text);
   file.commit();
@@ -88,9 +80,7 @@ void StageCheckpoint::add(const Json& step)
 {
   lines_ << step.dump(-1, ' ', false, Json::error_handler_t::replace) << std::endl;
   if (!lines_)
-  {
     throw OutputError("cannot write '" + steps_.string() + "'", "make room on the disk; the same command goes on");
-  }
 }
 
 void StageCheckpoint::hold()
@@ -98,17 +88,11 @@ void StageCheckpoint::hold()
   std::error_code ignored;
   const fs::path held = file_.string() + heldEnding;
   if (fs::exists(held, ignored))
-  {
     return;
-  }
   if (there())
-  {
     fs::rename(file_, held, ignored);
-  }
   else
-  {
     std::ofstream(held).close();
-  }
 }
 
 void StageCheckpoint::release()
@@ -116,18 +100,12 @@ void StageCheckpoint::release()
   std::error_code ignored;
   const fs::path held = file_.string() + heldEnding;
   if (!fs::exists(held, ignored))
-  {
     return;
-  }
   fs::remove(file_, ignored);
   if (fs::is_empty(held, ignored))
-  {
     fs::remove(held, ignored);
-  }
   else
-  {
     fs::rename(held, file_, ignored);
-  }
 }
 
 void StageCheckpoint::remove()
@@ -142,12 +120,8 @@ void StageCheckpoint::removeAll(const fs::path& folder)
 {
   std::error_code ignored;
   for (const char* const ending : { fileEnding, stepsEnding })
-  {
     for (const fs::path& file : filesWith(folder, ending))
-    {
       fs::remove(file, ignored);
-    }
-  }
 }
 
 bool StageCheckpoint::any(const fs::path& folder)

@@ -33,23 +33,16 @@ double rounded(double value)
 std::optional<std::vector<Json>> several(const Json& value, Shape shape, const std::string& where)
 {
   if (value.is_string() && shape != Shape::List)
-  {
     return range(value.get<std::string>(), where);
-  }
   if (!value.is_array())
-  {
     return std::nullopt;
-  }
-  const bool nested = std::ranges::any_of(value, [](const Json& item) { return item.is_array(); });
+  const bool nested = std::ranges::any_of(
+    value, [](const Json& item) { return item.is_array(); });
   const bool texts = std::ranges::any_of(value, [](const Json& item) { return item.is_string(); });
   if (shape == Shape::List ? !nested : shape == Shape::Tuple ? !nested && !texts : false)
-  {
     return std::nullopt; // one value
-  }
   if (value.empty())
-  {
     sceneError(where, "a list without values", "give one at least, or leave the key out");
-  }
   return std::vector<Json>(value.begin(), value.end());
 }
 
@@ -63,22 +56,16 @@ std::optional<std::vector<Json>> several(const Json& value, Shape shape, const s
 std::string single(const SceneOption& option, const Json& value)
 {
   if (value.is_boolean() || value.is_object() || value.is_null())
-  {
     wrong(option, value, "a number or a text");
-  }
   if (value.is_array())
   {
     if (option.shape != Shape::Tuple)
-    {
       wrong(option, value, "one value");
-    }
     std::string joined;
     for (const Json& item : value)
     {
       if (!item.is_number() && !item.is_string())
-      {
         wrong(option, value, "a list of numbers");
-      }
       joined += joined.empty() ? "" : ",";
       joined += wordOf(item);
     }
@@ -93,9 +80,7 @@ std::optional<std::vector<Json>> range(const std::string& text, const std::strin
 {
   const std::size_t dots = text.find("..");
   if (dots == std::string::npos)
-  {
     return std::nullopt;
-  }
   const auto trimmed = [](std::string part)
   {
     const std::size_t begin = part.find_first_not_of(' ');
@@ -113,32 +98,22 @@ std::optional<std::vector<Json>> range(const std::string& text, const std::strin
   const auto high = toNumber(trimmed(last));
   const auto step = toNumber(stepText);
   if (!low || !high)
-  {
     return std::nullopt;
-  }
   const std::string hint = "write it as \"1..10\" or \"0.25..1 step 0.25\"";
   if (!step || !(*step != 0) || !std::isfinite(*low) || !std::isfinite(*high) || !std::isfinite(*step) ||
     (*high - *low) / *step < 0)
-  {
     sceneError(where, "the range \"" + text + "\" leads nowhere", hint);
-  }
   const double steps = std::floor((*high - *low) / *step * (1 + 1e-12) + 1e-9);
   if (steps >= mostInRange)
-  {
     sceneError(where, fmt::format("the range \"{}\" has {:.3g} values", text, steps + 1), "take a larger step");
-  }
   std::vector<Json> values;
   for (std::size_t i = 0; i <= static_cast<std::size_t>(steps); ++i)
   {
     const double value = *low + static_cast<double>(i) * *step;
     if (whole(*low) && whole(*step))
-    {
       values.emplace_back(static_cast<std::int64_t>(value));
-    }
     else
-    {
       values.emplace_back(rounded(value));
-    }
   }
   return values;
 }
@@ -148,13 +123,9 @@ Sweep::Sweep(const Scene& scene)
   const auto add = [&](const std::string& path, const Json& value, Shape shape, const std::string& where)
   {
     if (std::ranges::find(axes_, path, &SweepAxis::path) != axes_.end())
-    {
       return;
-    }
     if (auto values = several(value, shape, where))
-    {
       axes_.push_back({ path, std::move(*values), where });
-    }
   };
   const auto look = [&](const SceneOption& option)
   {
@@ -180,9 +151,7 @@ Sweep::Sweep(const Scene& scene)
         {
           const auto found = std::ranges::find(stage.options, path, &SceneOption::path);
           if (found != stage.options.end())
-          {
             look(*found);
-          }
         }
       };
       lookAll(scene.stages);
@@ -195,9 +164,7 @@ double Sweep::count() const noexcept
 {
   double product = 1;
   for (const SweepAxis& axis : axes_)
-  {
     product *= static_cast<double>(axis.values.size());
-  }
   return product;
 }
 
@@ -222,13 +189,9 @@ std::vector<std::string> wordsFor(const SceneOption& option, const Setting& sett
   {
     case Shape::Flag:
       if (!value.is_boolean())
-      {
         wrong(option, value, "true or false");
-      }
       if (value.get<bool>())
-      {
         words.push_back(dashed);
-      }
       return words;
     case Shape::Single:
     case Shape::Tuple:
@@ -240,9 +203,7 @@ std::vector<std::string> wordsFor(const SceneOption& option, const Setting& sett
         if (const auto values = range(value.get<std::string>(), option.where))
         {
           for (const Json& item : *values)
-          {
             words.push_back(dashed + "=" + wordOf(item));
-          }
           return words;
         }
       }
@@ -253,9 +214,7 @@ std::vector<std::string> wordsFor(const SceneOption& option, const Setting& sett
   if (value.is_object())
   {
     if (option.shape != Shape::Pairs)
-    {
       wrong(option, value, "a list");
-    }
     for (const auto& [key, entry] : value.items())
     {
       const auto swept = setting.find(option.path + "." + key);
@@ -264,9 +223,7 @@ std::vector<std::string> wordsFor(const SceneOption& option, const Setting& sett
     return words;
   }
   for (const Json& item : value.is_array() ? value : Json::array({ value }))
-  {
     words.push_back(dashed + "=" + single(option, item));
-  }
   return words;
 }
 

@@ -79,38 +79,24 @@ OutputFile::OutputFile(const fs::path& path, bool overwrite)
   , inMemory_(Workspace::holds(path))
 {
   if (inMemory_)
-  {
     return;
-  }
   std::error_code ignored;
   const fs::path folder = folderOf(path);
   if (path.filename().empty() || fs::is_directory(path, ignored))
-  {
     throw OutputError(quoted(path) + " is a folder, not a file", "give the name of a file to -o");
-  }
   if (!fs::exists(folder, ignored))
-  {
     throw OutputError("there is no folder " + quoted(folder), "make it first: mkdir -p " + folder.string());
-  }
   if (!overwrite && fs::exists(fs::symlink_status(path, ignored)))
-  {
     throw OutputError(quoted(path) + " exists already", "choose another name, or add --overwrite to replace it");
-  }
   const std::lock_guard<std::mutex> lock(guard);
   const std::string place = placeOf(path);
   if (std::ranges::any_of(making, [&](const auto& one) { return one.second.place == place; }))
-  {
     throw ParameterError("two results are to be written to " + quoted(path), "give each of them a name of its own");
-  }
   PartFile part(path);
   if (PartFile::removedAll())
-  {
     throw Cancelled();
-  }
   if (const int error = part.error(); error != 0)
-  {
     throw OutputError("cannot write in the folder " + quoted(folder) + ": " + std::strerror(error), hintFor(error));
-  }
   temporary_ = part.path();
   making.emplace(temporary_, Making{ place, std::move(part) });
 }
@@ -159,9 +145,7 @@ void OutputFile::needs(std::uint64_t bytes) const
 void OutputFile::failed(const std::string& why) const
 {
   if (PartFile::removedAll())
-  {
     throw Cancelled();
-  }
   throw OutputError("cannot write " + quoted(path_) + ": " + why, hintFor(ENOSPC));
 }
 
@@ -178,18 +162,14 @@ void OutputFile::failed() const
     written += now > 0 ? static_cast<std::size_t>(now) : 0;
   }
   if (file >= 0)
-  {
     ::close(file);
-  }
   failed(error != 0 ? std::strerror(error) : "the disk is full, or failed");
 }
 
 void OutputFile::rethrow(const Error& error) const
 {
   if (PartFile::removedAll())
-  {
     throw Cancelled();
-  }
   std::string message = error.what();
   const std::size_t at = message.find(temporary_.string());
   if (at != std::string::npos)
@@ -202,25 +182,17 @@ void OutputFile::rethrow(const Error& error) const
 void OutputFile::write(std::string_view bytes) const
 {
   if (inMemory_)
-  {
     return;
-  }
   if (const int error = makingOf(temporary_).part.write(std::as_bytes(std::span(bytes))); error != 0)
-  {
     failed(std::strerror(error));
-  }
 }
 
 void OutputFile::commit()
 {
   if (PartFile::removedAll()) // a writer that opens by name may have made the file anew
-  {
     throw Cancelled();
-  }
   if (inMemory_)
-  {
     return;
-  }
   const int error =
     makingOf(temporary_).part.take(path_, overwrite_ ? PartFile::Existing::goes : PartFile::Existing::stays);
   if (error == EEXIST && !overwrite_)
@@ -229,9 +201,7 @@ void OutputFile::commit()
       "choose another name, or add --overwrite to replace it");
   }
   if (error != 0)
-  {
     failed(std::strerror(error));
-  }
   const std::lock_guard<std::mutex> lock(guard);
   making.erase(temporary_);
   temporary_.clear();

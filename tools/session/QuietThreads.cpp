@@ -22,9 +22,7 @@ bool mayAskForThreads(char** arguments)
   {
     const std::string_view word = *a;
     if (word == "run" || word == "--threads" || word.starts_with("--threads="))
-    {
       return true;
-    }
   }
   return false;
 }
@@ -35,15 +33,11 @@ void beginWithQuietThreads(char** arguments)
 {
   if (*arguments == nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr || std::getenv("OMP_WAIT_POLICY") != nullptr ||
     !mayAskForThreads(arguments))
-  {
     return;
-  }
   std::array<char, 4096> self{};
   const auto length = readlink("/proc/self/exe", self.data(), self.size() - 1);
   if (length > 0 && setenv("GOMP_SPINCOUNT", spins, 0) == 0)
-  {
     execv(self.data(), arguments); // comes back only when it fails: then threads spin
-  }
 }
 
 } // namespace lamella::cli

@@ -72,9 +72,7 @@ struct Watchdog
     time.it_value.tv_sec = static_cast<time_t>(most);
     time.it_value.tv_nsec = static_cast<long>(1e9 * (most - static_cast<double>(time.it_value.tv_sec)));
     if (there)
-    {
       (void)::timer_settime(timer, 0, &time, nullptr);
-    }
   }
 };
 Watchdog watchdog;
@@ -82,9 +80,7 @@ Watchdog watchdog;
 extern "C" void onTooLong(int)
 {
   if (heard.load())
-  {
     return;
-  }
   OutputFile::removeAll();
   if (!PartFile::removedAll()) // results take their places, a moment
   {
@@ -128,9 +124,7 @@ extern "C" void onSignal(int signal)
 {
   OutputFile::removeAll();
   if (caught != 0) // the second time: at once
-  {
     _exit(128 + signal);
-  }
   caught = signal;
   watchdog.begin();
 }
@@ -140,9 +134,7 @@ extern "C" void onSignal(int signal)
 {
   static std::atomic_flag told = ATOMIC_FLAG_INIT;
   while (told.test_and_set()) // another thread tells, and ends the program
-  {
     ::pause();
-  }
   OutputFile::removeAll();
   if (const std::exception_ptr thrown = std::current_exception())
   {
@@ -175,9 +167,7 @@ void install(int signal, void (*handler)(int))
 {
   struct sigaction before = {};
   if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN)
-  {
     return; // under nohup, or in the background of a script: stays ignored
-  }
   struct sigaction action = {};
   action.sa_handler = handler;
   sigemptyset(&action.sa_mask);
@@ -190,12 +180,8 @@ void install(int signal, void (*handler)(int))
 bool startedByLauncher()
 {
   for (const char* name : { "OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE" })
-  {
     if (std::getenv(name) != nullptr)
-    {
       return true;
-    }
-  }
   return false;
 }
 
@@ -204,33 +190,19 @@ bool startedByLauncher()
 int exitCode(const std::exception& error) noexcept
 {
   if (dynamic_cast<const Cancelled*>(&error) != nullptr)
-  {
     return Session::interruptCode();
-  }
   if (dynamic_cast<const ParameterError*>(&error) != nullptr)
-  {
     return exitUsage;
-  }
   if (dynamic_cast<const InputError*>(&error) != nullptr)
-  {
     return exitInput;
-  }
   if (dynamic_cast<const NoPathError*>(&error) != nullptr)
-  {
     return exitNoPath;
-  }
   if (dynamic_cast<const MemoryError*>(&error) != nullptr || lacksMemory(error))
-  {
     return exitMemory;
-  }
   if (dynamic_cast<const DivergenceError*>(&error) != nullptr)
-  {
     return exitDiverged;
-  }
   if (dynamic_cast<const OutputError*>(&error) != nullptr)
-  {
     return exitOutput;
-  }
   return exitInternal;
 }
 
@@ -254,9 +226,7 @@ void printError(const std::exception& error)
   }
   std::string text = "error: " + message + "\n";
   if (!hint.empty())
-  {
     text += "hint: " + hint + "\n";
-  }
   std::fputs(text.c_str(), stderr);
 }
 
@@ -382,9 +352,7 @@ void Session::onRoot(const std::function<void()>& work)
   {
     MPI_Bcast(&code, 1, MPI_INT, 0, world_);
     if (code != 0)
-    {
       throw FailedElsewhere{ code };
-    }
   }
 }
 
@@ -393,13 +361,9 @@ int Session::fail(const std::exception& error)
   const int code = exitCode(error);
   endProgress();
   if (root())
-  {
     tell(error, start_);
-  }
   if (ranks_ == 1)
-  {
     return code;
-  }
   if (!waitForAll())
   {
     if (!root())
@@ -416,9 +380,7 @@ int Session::fail(const std::exception& error)
 int Session::fail(const FailedElsewhere& error)
 {
   if (!waitForAll())
-  {
     MPI_Abort(world_, error.code);
-  }
   return error.code;
 }
 
@@ -452,26 +414,18 @@ void Session::print(const std::string& text) const
 bool Session::progress(double share, const std::string& what)
 {
   if (interrupted()) // filters that stop say that they are done
-  {
     return false;
-  }
   progressed().share = share;
   progressed().doing = what;
   if (outside_)
-  {
     return outside_(share, what);
-  }
   if (!root() || !terminal_ || quiet_)
-  {
     return true;
-  }
   const auto now = std::chrono::steady_clock::now();
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   // Nothing for what is done in the blink of an eye.
   if (elapsed < 0.5 || now - drawn_ < std::chrono::milliseconds(100))
-  {
     return true;
-  }
   drawn_ = now;
   share = std::clamp(share, 0.0, 1.0);
   struct winsize window = {};
@@ -504,9 +458,7 @@ void Session::endProgress()
 bool Session::interrupted() noexcept
 {
   if (caught != 0)
-  {
     heard.store(true);
-  }
   return caught != 0;
 }
 
@@ -518,9 +470,7 @@ void watchProcess() noexcept
 void Session::checkInterrupt()
 {
   if (interrupted())
-  {
     throw Cancelled();
-  }
 }
 
 int Session::interruptCode() noexcept

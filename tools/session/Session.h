@@ -103,9 +103,7 @@ public:
   {
     static_assert(std::is_trivially_copyable_v<T>);
     if (ranks_ > 1)
-    {
       MPI_Bcast(&value, sizeof value, MPI_BYTE, 0, world_);
-    }
   }
 
   /// Ends a run that failed on this rank: waits a moment for the others to fail as well (they do when all see the same

@@ -21,9 +21,7 @@ std::vector<std::string> split(std::string_view text, char separator)
     const std::size_t end = text.find(separator);
     parts.emplace_back(text.substr(0, end));
     if (end == std::string_view::npos)
-    {
       return parts;
-    }
     text.remove_prefix(end + 1);
   }
 }
@@ -32,18 +30,12 @@ std::optional<double> toNumber(std::string_view text)
 {
   double value = 0;
   if (text.starts_with('+'))
-  {
     text.remove_prefix(1);
-  }
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end != text.data() + text.size() || text.empty())
-  {
     return std::nullopt;
-  }
   if (failed == std::errc::result_out_of_range)
-  {
     return std::strtod(std::string(text).c_str(), nullptr); // 1e999 is infinite, 1e-999 is zero
-  }
   return failed == std::errc() ? std::optional(value) : std::nullopt;
 }
 
@@ -51,14 +43,10 @@ std::optional<std::int64_t> toInteger(std::string_view text)
 {
   std::int64_t value = 0;
   if (text.starts_with('+'))
-  {
     text.remove_prefix(1);
-  }
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (failed != std::errc() || end != text.data() + text.size() || text.empty())
-  {
     return std::nullopt;
-  }
   return value;
 }
 
@@ -120,9 +108,7 @@ double share(const std::string& option, const std::string& text)
   const bool percent = text.ends_with('%');
   const auto value = toNumber(percent ? std::string_view(text).substr(0, text.size() - 1) : std::string_view(text));
   if (!value || !std::isfinite(*value))
-  {
     throw ParameterError(option + " '" + text + "' is not a share", "write it as 1% or 0.01");
-  }
   return percent ? *value / 100 : *value;
 }
 
@@ -130,22 +116,16 @@ double positive(const std::string& option, const std::string& text, const std::s
 {
   const auto value = toNumber(text);
   if (!value || !(*value > 0) || !std::isfinite(*value))
-  {
     throw ParameterError(fmt::format("{} '{}' is not a number above 0", option, text), hint);
-  }
   if (!plausible(*value))
-  {
     throw ParameterError(fmt::format("{} '{}' is not between 1e-30 and 1e30", option, text), hint);
-  }
   return *value;
 }
 
 void checkThreads(int threads, const char* hint)
 {
   if (threads < 1 || threads > 1024)
-  {
     throw ParameterError(fmt::format("--threads {} is outside 1 to 1024", threads), hint);
-  }
 }
 
 std::array<double, 2> rangeOf(const std::string& option, const std::string& text, const std::string& example)
@@ -154,9 +134,7 @@ std::array<double, 2> rangeOf(const std::string& option, const std::string& text
   const std::optional<double> low = ends.size() == 2 ? toNumber(ends[0]) : std::nullopt;
   const std::optional<double> high = ends.size() == 2 ? toNumber(ends[1]) : std::nullopt;
   if (!low || !high || !std::isfinite(*low) || !std::isfinite(*high) || !(*low < *high))
-  {
     throw ParameterError(option + " '" + text + "' is not two numbers, the lower first", "write it " + example);
-  }
   return { *low, *high };
 }
 
@@ -165,9 +143,7 @@ std::pair<std::string, std::string> keyValue(
 {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-  {
     throw ParameterError(option + " '" + text + "' is not " + form, "write it as " + option + " " + form);
-  }
   return { text.substr(0, equals), text.substr(equals + 1) };
 }
 
@@ -180,13 +156,9 @@ std::vector<std::string> listItems(const std::vector<std::string>& texts)
     for (std::string& part : split(text, ','))
     {
       if (first || part.find('=') != std::string::npos)
-      {
         items.push_back(std::move(part));
-      }
       else
-      {
         items.back() += "," + part;
-      }
       first = false;
     }
   }
@@ -213,9 +185,7 @@ std::string wroteText(const std::vector<std::string>& files)
 {
   std::string text;
   for (const std::string& file : files)
-  {
     text += "  wrote " + file + "\n";
-  }
   return text;
 }
 

@@ -31,27 +31,19 @@ std::optional<int> exponentOf(std::string_view prefix)
 std::optional<double> quantity(std::string_view text, std::string_view unit)
 {
   if (const auto plain = toNumber(text))
-  {
     return plain;
-  }
   if (!text.ends_with(unit))
-  {
     return std::nullopt;
-  }
   text.remove_suffix(unit.size());
   const std::size_t end = text.find_last_of("0123456789.");
   if (end == std::string_view::npos)
-  {
     return std::nullopt;
-  }
   std::string_view prefix = text.substr(end + 1);
   prefix.remove_prefix(std::min(prefix.find_first_not_of(' '), prefix.size()));
   const auto exponent = exponentOf(prefix);
   const std::string number(text.substr(0, end + 1));
   if (!exponent || !toNumber(number))
-  {
     return std::nullopt;
-  }
   // as one number: 7.2 times 1e9 is rounded twice
   return number.find_first_of("eE") == std::string::npos ? toNumber(number + "e" + std::to_string(*exponent))
                                                          : *toNumber(number) * std::pow(10.0, *exponent);
@@ -72,9 +64,7 @@ std::optional<double> pascalRootMetres(std::string_view text)
     {
       std::string_view stress = text.substr(0, text.size() - std::string_view(root).size());
       while (!stress.empty() && (stress.back() == ' ' || stress.back() == '*' || stress.back() == '.'))
-      {
         stress.remove_suffix(1);
-      }
       return stress.ends_with("Pa") ? pascals(stress) : std::nullopt;
     }
   }
@@ -84,15 +74,11 @@ std::optional<double> pascalRootMetres(std::string_view text)
 std::optional<double> strainFrom(std::string_view text)
 {
   if (!text.ends_with('%'))
-  {
     return toNumber(text);
-  }
   const std::string number(text.substr(0, text.size() - 1));
   const auto value = toNumber(number);
   if (!value)
-  {
     return std::nullopt;
-  }
   return number.find_first_of("eE") == std::string::npos ? toNumber(number + "e-2") : *value / 100;
 }
 
@@ -113,9 +99,7 @@ std::optional<double> secondsFrom(std::string_view text)
 double coordinate(const std::string& option, const std::string& text)
 {
   if (const auto number = toNumber(text); number && std::isfinite(*number))
-  {
     return *number;
-  }
   const bool negative = !text.empty() && text.front() == '-';
   return (negative ? -1 : 1) * lengthInMetres(option, negative ? text.substr(1) : text);
 }

@@ -93,9 +93,7 @@ std::vector<std::string> Workspace::names() const
 {
   std::vector<std::string> list;
   for (const auto& [name, data] : data_)
-  {
     list.push_back(name);
-  }
   return list;
 }
 

@@ -31,14 +31,10 @@ std::string commandOf(const cli::ConversionWords& words)
   const auto add = [&](const char* option, const std::string& value)
   {
     if (!value.empty())
-    {
       line.insert(line.end(), { option, value });
-    }
   };
   for (const std::string& name : words.arrays)
-  {
     add("--array", name);
-  }
   add("--step", words.step);
   add("--type", words.type);
   add("--range", words.range);
@@ -48,18 +44,14 @@ std::string commandOf(const cli::ConversionWords& words)
   add("--raw-order", words.raw.order);
   add("--raw-header", words.raw.picture.rawHeader > 0 ? std::to_string(words.raw.picture.rawHeader) : "");
   if (words.lossy)
-  {
     line.emplace_back("--lossy");
-  }
   return lamella::io::quoteCommand(line);
 }
 
 void append(vtkStringArray* to, const std::vector<std::string>& texts)
 {
   for (const std::string& text : texts)
-  {
     to->InsertNextValue(text);
-  }
 }
 
 } // namespace
@@ -166,14 +158,10 @@ void vtkFileConverter::Update()
     [&]
     {
       if (thrown)
-      {
         std::rethrow_exception(thrown);
-      }
     });
   if (outcome == lamella::Outcome::Failed)
-  {
     this->SetErrorCode(vtkErrorCode::UserError);
-  }
 }
 
 void vtkFileConverter::Convert()
@@ -184,9 +172,7 @@ void vtkFileConverter::Convert()
       this->SetProgressText(what.c_str());
       this->UpdateProgress(share);
       if (this->GetAbortExecute() != 0)
-      {
         throw lamella::Cancelled();
-      }
       return true;
     });
   cli::ConversionWords words;
@@ -195,9 +181,7 @@ void vtkFileConverter::Convert()
   words.raw.order = this->RawOrder;
   words.raw.picture.rawHeader = static_cast<std::uint64_t>(this->RawHeader);
   if (std::any_of(this->RawSize, this->RawSize + 3, [](int n) { return n != 0; }))
-  {
     words.raw.picture.rawSize = fmt::format("{},{},{}", this->RawSize[0], this->RawSize[1], this->RawSize[2]);
-  }
   words.raw.picture.pixelSize = this->PixelSize != 0 ? fmt::format("{}", this->PixelSize) : "";
   words.output = this->OutputFileName;
   words.arrays = this->Arrays;
@@ -207,16 +191,12 @@ void vtkFileConverter::Convert()
   words.lossy = this->Lossy;
   words.overwrite = this->Overwrite;
   if (this->Input == nullptr && this->FileName.empty())
-  {
     throw lamella::ParameterError("there is nothing to read", "name a file, or give data");
-  }
   std::vector<double> times;
   if (this->OutputFileName.empty())
   {
     if (this->Input != nullptr)
-    {
       throw lamella::ParameterError("there is no file to write the data to", "name one");
-    }
     cli::Loaded loaded = cli::load(session, words);
     this->Output = loaded.data;
     this->NumberOfSteps = static_cast<int>(loaded.steps);
@@ -225,9 +205,7 @@ void vtkFileConverter::Convert()
   else
   {
     if (this->Input != nullptr)
-    {
       words.raw.picture.file = "the data";
-    }
     const std::string command = this->Input == nullptr ? commandOf(words) : this->GetClassName();
     const cli::Converted converted = cli::convert(session, words, command, this->Input);
     append(this->Files, converted.report["files"].get<std::vector<std::string>>());

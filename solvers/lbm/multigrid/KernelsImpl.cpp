@@ -172,7 +172,8 @@ inline void storeFirst(float* out, const Vector* v, int nodes)
 void relaxGeneral(int count, std::int64_t n, float* u, const float* f, const float* inverse, const float* const* g,
   const float* const* v)
 {
-  forBlocks(n,
+  forBlocks(
+    n,
     [&](auto blocks, std::int64_t first, int nodes)
     {
       constexpr int Blocks = decltype(blocks)::value;
@@ -189,7 +190,8 @@ void relaxGeneral(int count, std::int64_t n, float* u, const float* f, const flo
 void residualGeneral(
   int count, std::int64_t n, float* r, const float* f, const float* u, const float* const* g, const float* const* v)
 {
-  forBlocks(n,
+  forBlocks(
+    n,
     [&](auto blocks, std::int64_t first, int nodes)
     {
       constexpr int Blocks = decltype(blocks)::value;

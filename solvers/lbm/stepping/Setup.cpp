@@ -95,7 +95,8 @@ void LatticeBoltzmann::Impl::check(const Block& block, std::span<const std::uint
 
 bool LatticeBoltzmann::Impl::onlyAxisFixed() const
 {
-  return std::none_of(options.sides.begin(), options.sides.begin() + lattice.dimension,
+  return std::none_of(
+    options.sides.begin(), options.sides.begin() + lattice.dimension,
     [&](const Boundary& b) { return b == Boundary::Fixed && &b != &options.sides[options.axis]; });
 }
 

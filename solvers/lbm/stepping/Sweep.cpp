@@ -170,7 +170,8 @@ double Sweep::gap(std::int64_t boundary, int pairs) const
   };
   for (int k = 0; k < pairs; ++k)
   {
-    around(2 * k * lag_,
+    around(
+      2 * k * lag_,
       [&](std::int64_t r)
       {
         const double s = even(r);

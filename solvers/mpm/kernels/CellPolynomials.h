@@ -58,7 +58,8 @@ template <int Dim, class R>
 inline void toCoefficients(R* values)
 {
   for (int axis = 0; axis < Dim; ++axis)
-    alongAxis<Dim>(values, axis,
+    alongAxis<Dim>(
+      values, axis,
       [](R& a, R& b, R& c)
       {
         const R ends = 0.5 * (a + c);
@@ -74,7 +75,8 @@ template <int Dim, class R>
 inline void toNodes(R* moments)
 {
   for (int axis = 0; axis < Dim; ++axis)
-    alongAxis<Dim>(moments, axis,
+    alongAxis<Dim>(
+      moments, axis,
       [](R& a, R& b, R& c)
       {
         const R ends = 0.125 * a + 0.5 * c;

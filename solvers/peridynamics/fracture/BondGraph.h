@@ -58,7 +58,8 @@ public:
   /// Does another node have bonds to node i and to the one a step from it?
   [[nodiscard]] bool shareNeighbour(std::int64_t i, const std::array<int, 3>& step) const
   {
-    return anyNeighbour(i,
+    return anyNeighbour(
+      i,
       [&](std::int64_t n, const std::array<int, 3>& s) {
         return bonded(n, { step[0] - s[0], step[1] - s[1], step[2] - s[2] });
       });

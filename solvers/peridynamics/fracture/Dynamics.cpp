@@ -110,12 +110,14 @@ double EnergyBalance::defect() const noexcept
 
 double stableStep(const BondLattice& bonds, double mass)
 {
-  return stableStepOf(bonds, [mass](std::int64_t) { return mass; });
+  return stableStepOf(
+    bonds, [mass](std::int64_t) { return mass; });
 }
 
 double stableStep(const BondLattice& bonds, const NodeField<double>& masses)
 {
-  return stableStepOf(bonds, [m = masses.component(0)](std::int64_t i) { return m[i]; });
+  return stableStepOf(
+    bonds, [m = masses.component(0)](std::int64_t i) { return m[i]; });
 }
 
 BondDynamics::BondDynamics(BondLattice& bonds, FixedComponents fixed, DynamicsOptions options)

@@ -117,14 +117,19 @@ void QuasiStaticFracture::save()
   const auto add = [&](const char* name, const auto& from, const char* unit, const char* description, auto&& value)
   { c.arrays[name] = listOf(from, unit, description, value); };
   using B = BrokenBond;
-  add("event", broken, "", "in which the bond broke, from 1", [](const B& b) { return b.event; });
-  add("strain", broken, "", "imposed when it broke", [](const B& b) { return b.strain; });
-  add("critical_strain", broken, "", "at which it was critical", [](const B& b) { return b.criticalStrain; });
+  add(
+    "event", broken, "", "in which the bond broke, from 1", [](const B& b) { return b.event; });
+  add(
+    "strain", broken, "", "imposed when it broke", [](const B& b) { return b.strain; });
+  add(
+    "critical_strain", broken, "", "at which it was critical", [](const B& b) { return b.criticalStrain; });
   add("stress", broken, "Pa", "before it broke", [](const B& b) { return b.stress; });
   using P = CurvePoint;
   const auto& curve = record_.curve;
-  add("curve_strain", curve, "", "strain-controlled curve", [](const P& p) { return p.strain; });
-  add("curve_stress", curve, "Pa", "strain-controlled curve", [](const P& p) { return p.stress; });
+  add(
+    "curve_strain", curve, "", "strain-controlled curve", [](const P& p) { return p.strain; });
+  add(
+    "curve_stress", curve, "Pa", "strain-controlled curve", [](const P& p) { return p.stress; });
   add("curve_broken", curve, "", "bonds broken so far", [](const P& p) { return p.broken; });
   if (options_.keepWith)
     options_.keepWith(c);

@@ -153,7 +153,8 @@ void EventHierarchy::restrictChange(std::size_t k)
   const bool last = k + 2 == levels_.size();
   const std::int64_t reachZ = l.dimension == 3 ? 1 : 0;
   std::vector<float> sum(static_cast<std::size_t>(n));
-  forRows(to,
+  forRows(
+    to,
     [&](std::int64_t y, std::int64_t z)
     {
       for (int c = 0; c < l.dimension; ++c)

@@ -65,14 +65,12 @@ BondMultigrid::BondMultigrid(const BondLattice& bonds, const FixedComponents& fi
   if (coarsenable())
     coarsen(rowsOfBonds(bonds_, fixed_, diagonal));
   while (levels_.size() > 1)
-  {
     if (coarsenable())
       coarsen(rowsOf(*levels_.back()));
     else if (levels_.back()->comm->parallel())
       gather();
     else
       break;
-  }
   if (levels_.size() > 1 && CoarsestLevel::possible(levels_.back()->layout))
     coarsest_.emplace(*levels_.back());
   for (const auto& level : levels_)

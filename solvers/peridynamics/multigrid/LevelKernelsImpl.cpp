@@ -127,14 +127,17 @@ void chebyshev(int dimension, std::int64_t n, float a, float b, const float* con
   if (dimension == 2)
   {
     const float *xx = inverse[0], *yy = inverse[1], *xy = inverse[2], *u = r[0], *v = r[1];
-    finish(0, [=](std::int64_t i) { return b * (xx[i] * u[i] + xy[i] * v[i]); });
+    finish(
+      0, [=](std::int64_t i) { return b * (xx[i] * u[i] + xy[i] * v[i]); });
     finish(1, [=](std::int64_t i) { return b * (xy[i] * u[i] + yy[i] * v[i]); });
     return;
   }
   const float *xx = inverse[0], *yy = inverse[1], *zz = inverse[2], *xy = inverse[3], *yz = inverse[4],
               *xz = inverse[5], *u = r[0], *v = r[1], *w = r[2];
-  finish(0, [=](std::int64_t i) { return b * (xx[i] * u[i] + xy[i] * v[i] + xz[i] * w[i]); });
-  finish(1, [=](std::int64_t i) { return b * (xy[i] * u[i] + yy[i] * v[i] + yz[i] * w[i]); });
+  finish(
+    0, [=](std::int64_t i) { return b * (xx[i] * u[i] + xy[i] * v[i] + xz[i] * w[i]); });
+  finish(
+    1, [=](std::int64_t i) { return b * (xy[i] * u[i] + yy[i] * v[i] + yz[i] * w[i]); });
   finish(2, [=](std::int64_t i) { return b * (xz[i] * u[i] + yz[i] * v[i] + zz[i] * w[i]); });
 }
 

@@ -62,9 +62,7 @@ void leaveOut(vtkImageData* output, vtkImageData* input, const char* name)
   {
     output->GetPointData()->RemoveArray(name);
     if (given != nullptr)
-    {
       output->GetPointData()->AddArray(given);
-    }
   }
 }
 
@@ -78,21 +76,15 @@ NodeVectors vectorsOf(vtkImageData* piece, vtkInformation* choice, const char* o
     [&]
     {
       if (piece->GetNumberOfPoints() == 0)
-      {
         return;
-      }
       v.array = piece->GetPointData()->GetArray(v.name.c_str());
       if (v.array == nullptr)
-      {
         throw InputError(
           "the image has no point array '" + v.name + "'", std::string(whence) + ", or choose another array");
-      }
       if (const int n = v.array->GetNumberOfComponents(); n < dimension || n > 3)
-      {
         throw InputError("array '" + v.name + "' has " + std::to_string(n) + " components; vectors of a " +
             (dimension == 2 ? "picture have 2 or 3" : "volume have 3"),
           "choose another array");
-      }
     });
   return v;
 }

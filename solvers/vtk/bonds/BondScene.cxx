@@ -102,9 +102,7 @@ json toJson(const BondSettings& s)
 {
   json notches = json::array();
   for (const pd::Notch& n : s.notches)
-  {
     notches.push_back({ n.corner, n.along, n.across });
-  }
   return { { "young", s.materials.young }, { "fracture_energy", s.materials.fractureEnergy },
     { "toughness", s.materials.toughness }, { "critical_stretch", s.materials.criticalStretch },
     { "like", s.materials.like }, { "relative_to", s.materials.relativeTo },
@@ -130,21 +128,15 @@ BondSettings bondSettingsFromJson(const std::string& text)
     s.materials.mixing = static_cast<pd::Mixing>(wordOf(mixings, j.at("mixing")) % mixings.size());
     j.at("void").get_to(s.materials.voids);
     if (const std::size_t c = wordOf(continua, j.at("continuum")); c < continua.size())
-    {
       s.continuum = static_cast<pd::Continuum>(c);
-    }
     j.at("horizon").get_to(s.horizon);
     if (const std::size_t m = wordOf(micromoduli, j.at("micromodulus")); m < micromoduli.size())
-    {
       s.micromodulus = static_cast<pd::Micromodulus>(m);
-    }
     s.voidBonds = j.at("void_bonds") == "cut" ? pd::VoidBonds::Cut : pd::VoidBonds::Keep;
     j.at("surface_correction").get_to(s.surfaceCorrection);
     j.at("large_strains").get_to(s.largeStrains);
     for (const json& n : j.at("notches"))
-    {
       s.notches.push_back({ n.at(0), n.at(1), n.at(2) });
-    }
     j.at("periodic").get_to(s.periodic);
     return s;
   }
@@ -166,11 +158,9 @@ BondScene::BondScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInform
     {
       const bool energies = !settings.materials.fractureEnergy.empty() || !settings.materials.toughness.empty();
       if (energies && fieldText(piece, "pixel_size_source") == "none")
-      {
         throw ParameterError(fmt::format("a {} needs the size of a pixel, which is not known",
                                settings.materials.toughness.empty() ? "fracture energy" : "toughness"),
           "give it where the picture is read: pixel size; or give critical stretches");
-      }
       requireVoids(phases_, settings.materials.voids);
       model_ = modelFrom(settings, lattice().dimension);
       slab_ = pd::slab(lattice(), pd::Stencil(lattice().dimension, model_.horizon), Communicator(team.comm()));
@@ -181,9 +171,7 @@ BondScene::BondScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInform
 
   nodes_.assign(std::max<std::size_t>(phases_.values.size(), 1), 0);
   for (const std::uint8_t id : phase_)
-  {
     ++nodes_[id];
-  }
   team.sum(nodes_);
   std::vector<std::int32_t> held;
   team.agree(
@@ -191,9 +179,7 @@ BondScene::BondScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInform
     {
       pd::applyMaterials(settings.materials, phases_.names, nodes_, lattice().spacing, model_);
       if (model_.pairByGrain && piece->GetNumberOfPoints() > 0)
-      {
         held = grainsOf(piece, grainChoice);
-      }
     });
   if (model_.pairByGrain)
   {
@@ -245,16 +231,12 @@ vtkSmartPointer<vtkDoubleArray> BondScene::toPiece(
       {
         const bool skip = isVoid(node);
         for (const int c : from)
-        {
           own[at++] = skip ? inVoids : c >= 0 ? field.at(c, x, y, z) : 0;
-        }
       }
     }
   }
   if (!outward.identity())
-  {
     outward.run<double>(own, piece, static_cast<int>(components));
-  }
   return array;
 }
 
@@ -265,9 +247,7 @@ void BondScene::toSlab(vtkDataArray* array, const std::string& name, pd::NodeFie
   const auto count = static_cast<std::size_t>(components);
   std::vector<double> held(static_cast<std::size_t>(whole_.held.count()) * count);
   for (std::size_t i = 0; i < held.size(); ++i)
-  {
     held[i] = array->GetComponent(static_cast<vtkIdType>(i / count), static_cast<int>(i % count));
-  }
   std::vector<double> own(static_cast<std::size_t>(slab_.count()) * count);
   BoxExchange(lattice(), whole_.held, slab_, { false, false, false }, team_.comm(), team_.size())
     .run<double>(held, own, components);
@@ -311,15 +291,11 @@ vtkSmartPointer<vtkDoubleArray> stressArray(
     const double nu = pd::poissonsRatio(pd::Continuum::PlaneStrain);
     double* s = array->GetPointer(0);
     for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i, s += 6)
-    {
       s[2] = nu * (s[0] + s[1]);
-    }
   }
   constexpr std::array<const char*, 6> names{ "XX", "YY", "ZZ", "XY", "YZ", "XZ" };
   for (int c = 0; c < 6; ++c)
-  {
     array->SetComponentName(c, names[static_cast<std::size_t>(c)]);
-  }
   describe(array, "Pa", "stress of the node from its bonds, tension positive; 0 in voids", creator);
   return array;
 }
@@ -347,9 +323,7 @@ json describeModel(vtkImageData* output, const BondScene& scene, const BondSetti
   setFieldNumber(output, "poissons_ratio", pd::poissonsRatio(model.continuum));
   std::vector<double> fractions(scene.nodes().begin(), scene.nodes().end());
   for (double& fraction : fractions)
-  {
     fraction /= static_cast<double>(scene.lattice().count());
-  }
   setFieldNumbers(output, "phase_fraction", fractions);
   setFieldTexts(output, "phase_names", scene.phases().names);
   setFieldText(output, "phase_array", scene.phases().array);

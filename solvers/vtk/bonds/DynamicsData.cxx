@@ -62,27 +62,33 @@ void setHistory(vtkTable* output, const pd::DynamicsResult& result, int dimensio
   {
     const auto array = newArray<vtkDoubleArray>(name, 1, result.history.size());
     for (std::size_t i = 0; i < result.history.size(); ++i)
-    {
       array->SetValue(static_cast<vtkIdType>(i), value(result.history[i]));
-    }
     describe(array, unit, text, creator);
     output->AddColumn(array);
   };
   const char* const joule = dimension == 3 ? "J" : "J/m";
-  column("time", "s", "since the start", [](const auto& p) { return p.time; });
-  column("strain", "1", "of the platens, or how far the two sides have moved apart over their distance",
+  column(
+    "time", "s", "since the start", [](const auto& p) { return p.time; });
+  column(
+    "strain", "1", "of the platens, or how far the two sides have moved apart over their distance",
     [](const auto& p) { return p.strain; });
-  column("stress", "Pa", "mean force on both platens over the section, or the mean over the box along the axis",
+  column(
+    "stress", "Pa", "mean force on both platens over the section, or the mean over the box along the axis",
     [](const auto& p) { return p.stress; });
   column(
     "rate", "1", "of the imposed speeds over what they are without regulation", [](const auto& p) { return p.rate; });
-  column("kinetic_energy", joule, "of all nodes", [](const auto& p) { return p.energies.kinetic; });
-  column("elastic_energy", joule, "of all bonds", [](const auto& p) { return p.energies.elastic; });
-  column("broken_energy", joule, "that bonds held when they broke, since the start",
+  column(
+    "kinetic_energy", joule, "of all nodes", [](const auto& p) { return p.energies.kinetic; });
+  column(
+    "elastic_energy", joule, "of all bonds", [](const auto& p) { return p.energies.elastic; });
+  column(
+    "broken_energy", joule, "that bonds held when they broke, since the start",
     [](const auto& p) { return p.energies.broken; });
-  column("damped_energy", joule, "lost to viscous damping, since the start",
+  column(
+    "damped_energy", joule, "lost to viscous damping, since the start",
     [](const auto& p) { return p.energies.damped; });
-  column("supplied_energy", joule, "work of loads and of moved nodes, since the start",
+  column(
+    "supplied_energy", joule, "work of loads and of moved nodes, since the start",
     [](const auto& p) { return p.energies.supplied; });
   column("energy_defect", "1",
     "kinetic, elastic, broken and damped less supplied and what there was at the start, over the largest of them",
@@ -92,9 +98,7 @@ void setHistory(vtkTable* output, const pd::DynamicsResult& result, int dimensio
     const bool bonds = name[0] == 'b';
     const auto array = newArray<vtkTypeInt64Array>(name, 1, result.history.size());
     for (std::size_t i = 0; i < result.history.size(); ++i)
-    {
       array->SetValue(static_cast<vtkIdType>(i), bonds ? result.history[i].broken : result.history[i].step);
-    }
     describe(array, "1", bonds ? "bonds broken so far" : "number of the step", creator);
     output->AddColumn(array);
   }

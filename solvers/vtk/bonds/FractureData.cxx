@@ -187,23 +187,15 @@ void setBrokenState(vtkImageData* output, const pd::BrokenState& state, const Bo
   const auto counts = scene.toPiece(state.bonds, std::array<int, 1>{ 0 }, "broken");
   const auto broken = newArray<vtkIntArray>("broken", 1, static_cast<std::size_t>(counts->GetNumberOfTuples()));
   for (vtkIdType i = 0; i < counts->GetNumberOfTuples(); ++i)
-  {
     broken->SetValue(i, static_cast<int>(counts->GetValue(i)));
-  }
   describe(broken, "1", "broken bonds of the node", creator);
   add(broken);
   if (state.displacement)
-  {
     addDisplacement(output, scene, *state.displacement, creator);
-  }
   if (state.stressOfNodes)
-  {
     add(stressArray(scene, *state.stressOfNodes, creator));
-  }
   if (state.energyDensity)
-  {
     addStrainEnergy(output, scene, *state.energyDensity, creator);
-  }
   setFieldNumber(output, "strain", state.strain);
   setFieldNumber(output, "stress", state.stress);
   setFieldNumber(output, "broken_bonds", static_cast<double>(state.broken));

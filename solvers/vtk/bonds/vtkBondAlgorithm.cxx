@@ -24,14 +24,10 @@ struct vtkBondAlgorithm::Internals
   static bool Set(Map& map, const char* name, const Value& value)
   {
     if (name == nullptr || *name == '\0')
-    {
       return false;
-    }
     const auto entry = map.find(name);
     if (entry != map.end() && entry->second == value)
-    {
       return false;
-    }
     map[name] = value;
     return true;
   }
@@ -62,16 +58,12 @@ vtkCxxSetObjectMacro(vtkBondAlgorithm, Controller, vtkMultiProcessController);
   void vtkBondAlgorithm::Setter(const char* pair, double value)                                                        \
   {                                                                                                                    \
     if (Internals::Set(this->Internal->Table.Member, pair, value))                                                     \
-    {                                                                                                                  \
       this->Modified();                                                                                                \
-    }                                                                                                                  \
   }                                                                                                                    \
   void vtkBondAlgorithm::Remover()                                                                                     \
   {                                                                                                                    \
     if (Internals::Clear(this->Internal->Table.Member))                                                                \
-    {                                                                                                                  \
       this->Modified();                                                                                                \
-    }                                                                                                                  \
   }
 LAMELLA_TABLE(SetYoungsModulus, RemoveAllYoungsModuli, young)
 LAMELLA_TABLE(SetFractureEnergy, RemoveAllFractureEnergies, fractureEnergy)
@@ -82,17 +74,13 @@ LAMELLA_TABLE(SetCriticalStretch, RemoveAllCriticalStretches, criticalStretch)
 void vtkBondAlgorithm::SetLike(const char* pair, const char* other)
 {
   if (other != nullptr && *other != '\0' && Internals::Set(this->Internal->Table.like, pair, std::string(other)))
-  {
     this->Modified();
-  }
 }
 
 void vtkBondAlgorithm::RemoveAllLikes()
 {
   if (Internals::Clear(this->Internal->Table.like))
-  {
     this->Modified();
-  }
 }
 
 void vtkBondAlgorithm::AddNotch(double x1, double y1, double x2, double y2)
@@ -111,9 +99,7 @@ void vtkBondAlgorithm::AddNotchInSpace(const double corner[3], const double alon
 void vtkBondAlgorithm::RemoveAllNotches()
 {
   if (Internals::Clear(this->Internal->Notches))
-  {
     this->Modified();
-  }
 }
 
 vtkImageData* vtkBondAlgorithm::GetOutput()
@@ -152,22 +138,16 @@ lamella::BondSettings vtkBondAlgorithm::Settings() const
   s.materials.relativeTo = this->RelativeTo;
   s.materials.mixing = static_cast<pd::Mixing>(this->Mixing);
   if (this->Continuum != AUTO_CONTINUUM)
-  {
     s.continuum = static_cast<pd::Continuum>(this->Continuum - PLANE_STRESS);
-  }
   s.horizon = this->Horizon;
   if (this->Micromodulus != AUTO_MICROMODULUS)
-  {
     s.micromodulus = static_cast<pd::Micromodulus>(this->Micromodulus);
-  }
   s.voidBonds = this->CutVoidBonds ? pd::VoidBonds::Cut : pd::VoidBonds::Keep;
   s.surfaceCorrection = this->SurfaceCorrection;
   s.largeStrains = this->LargeStrains;
   s.notches = this->Internal->Notches;
   for (std::size_t a = 0; a < 3; ++a)
-  {
     s.periodic[a] = this->Periodic[a] != 0;
-  }
   return s;
 }
 

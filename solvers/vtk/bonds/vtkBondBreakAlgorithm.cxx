@@ -46,9 +46,7 @@ void setLimit(const char* name, Number value, Limit& limit)
       std::string(name) + " is " + std::to_string(value), "give a number above 0, or 0 for no limit");
   }
   if (value > 0)
-  {
     limit = static_cast<Limit>(value);
-  }
 }
 
 } // namespace
@@ -188,12 +186,8 @@ void vtkBondBreakAlgorithm::Run(vtkImageData* input, vtkImageData* output, const
   Internals& kept = *this->Kept;
   std::set<std::string> asked;
   for (const auto& [name, on] : this->ShownFields())
-  {
     if (on)
-    {
       asked.insert(name);
-    }
-  }
   const bool lacking =
     std::any_of(asked.begin(), asked.end(), [this](const std::string& field) { return this->Lacks(field); });
   kept.States.renew(
@@ -218,12 +212,8 @@ void vtkBondBreakAlgorithm::Run(vtkImageData* input, vtkImageData* output, const
   this->Measure(input, team);
   kept.States.show(output);
   for (const auto& [name, on] : this->ShownFields())
-  {
     if (!on)
-    {
       lamella::leaveOut(output, input, name.c_str());
-    }
-  }
   this->GetBrokenBonds()->ShallowCopy(kept.Bonds);
   this->GetCurve()->ShallowCopy(kept.Curve);
 }
@@ -236,9 +226,7 @@ void vtkBondBreakAlgorithm::Measure(vtkImageData* input, const lamella::Team& te
   const bool stress = this->ComputeStress && missing(stressName);
   const bool energy = this->ComputeStrainEnergy && missing(energyName);
   if (!stress && !energy)
-  {
     return;
-  }
   this->SetProgressText("stress of the state");
   lamella::BondSettings settings = this->Settings();
   settings.largeStrains = this->Moves();
@@ -253,13 +241,9 @@ void vtkBondBreakAlgorithm::Measure(vtkImageData* input, const lamella::Team& te
     std::span(this->Kept->Order).first(broken), this->Moves() ? nullptr : &loading, comm);
   lamella::addMeasures(state, scene, bonds, { stress, energy, this->Moves() }, this->GetClassName(), team);
   if (stress)
-  {
     found.insert(stressName);
-  }
   if (energy)
-  {
     found.insert(energyName);
-  }
 }
 
 vtkImageData* vtkBondBreakAlgorithm::NewState(vtkImageData* input)
@@ -284,9 +268,7 @@ void vtkBondBreakAlgorithm::AddWarnings(const lamella::BondSettings& settings, s
   const std::vector<std::string> doubts = lamella::unitDoubts(settings.materials);
   warnings.insert(warnings.end(), doubts.begin(), doubts.end());
   if (!this->Kept->Anew.empty())
-  {
     warnings.insert(warnings.begin(), this->Kept->Anew);
-  }
 }
 
 void vtkBondBreakAlgorithm::Finish(vtkPolyData* broken, vtkTable* curve, std::vector<pd::Bond> order,
@@ -294,16 +276,10 @@ void vtkBondBreakAlgorithm::Finish(vtkPolyData* broken, vtkTable* curve, std::ve
 {
   this->Kept->Order = std::move(order);
   if (team.rank() == 0)
-  {
     for (const std::string& warning : warnings)
-    {
       vtkWarningMacro(<< warning);
-    }
-  }
   for (vtkDataObject* const data : { static_cast<vtkDataObject*>(broken), static_cast<vtkDataObject*>(curve) })
-  {
     data->GetFieldData()->ShallowCopy(this->Kept->States.all().back()->GetFieldData());
-  }
   lamella::setLatticeNumbers(broken, scene.lattice());
 }
 

@@ -45,15 +45,11 @@ struct BoxVelocity
 bool setSide(SideTable& table, const char* side, const char* component, double value)
 {
   if (side == nullptr || *side == '\0' || component == nullptr || *component == '\0')
-  {
     return false;
-  }
   auto& entries = table[side];
   const auto entry = entries.find(component);
   if (entry != entries.end() && entry->second == value)
-  {
     return false;
-  }
   entries[component] = value;
   return true;
 }
@@ -120,9 +116,7 @@ vtkBondDynamics::~vtkBondDynamics() = default;
 void vtkBondDynamics::SetPhaseDensity(const char* phase, double value)
 {
   if (phase == nullptr || *phase == '\0')
-  {
     return;
-  }
   const auto entry = this->Internal->Densities.find(phase);
   if (entry == this->Internal->Densities.end() || entry->second != value)
   {
@@ -134,17 +128,13 @@ void vtkBondDynamics::SetPhaseDensity(const char* phase, double value)
 void vtkBondDynamics::SetSideVelocity(const char* side, const char* component, double speed)
 {
   if (setSide(this->Internal->Velocities, side, component, speed))
-  {
     this->Modified();
-  }
 }
 
 void vtkBondDynamics::SetSideTraction(const char* side, const char* component, double traction)
 {
   if (setSide(this->Internal->Tractions, side, component, traction))
-  {
     this->Modified();
-  }
 }
 
 void vtkBondDynamics::AddBoxVelocity(
@@ -187,9 +177,7 @@ void vtkBondDynamics::SetMovement(const lamella::BondScene& scene, pd::DynamicsS
     const Side side = sideOf(name, scene);
     pd::MovedNodes moved{ pd::sideLayers(lattice, side.Axis, side.High, layers), {} };
     for (const auto& [component, speed] : components)
-    {
       moved.velocity[static_cast<std::size_t>(componentOf(component, d))] = speed;
-    }
     options.moved.push_back(moved);
   }
   for (const BoxVelocity& box : this->Internal->Boxes)
@@ -203,15 +191,11 @@ void vtkBondDynamics::SetMovement(const lamella::BondScene& scene, pd::DynamicsS
     const Side side = sideOf(name, scene);
     pd::SideTraction traction{ side.Axis, side.High, { 0, 0, 0 }, layers };
     for (const auto& [component, value] : components)
-    {
       traction.traction[static_cast<std::size_t>(componentOf(component, d))] = value;
-    }
     options.tractions.push_back(traction);
   }
   for (std::size_t c = 0; c < 3; ++c)
-  {
     options.velocity[c] = c < static_cast<std::size_t>(d) ? this->InitialVelocity[c] : 0;
-  }
   if (this->Pull)
   {
     pd::PullOptions pull;
@@ -231,13 +215,9 @@ void vtkBondDynamics::CheckRate() const
     : this->StartRate != 1                               ? "start rate"
                                                          : nullptr;
   if (this->Relaxation == 0 && without != nullptr)
-  {
     throw lamella::ParameterError(std::string(without) + " counts only with tau", "give tau, or leave it out");
-  }
   if (this->ReferenceEnergy != 0 && this->ReferenceCrack != 0)
-  {
     throw lamella::ParameterError("omega0 and delta l", "each says what the other one does: leave one out");
-  }
 }
 
 void vtkBondDynamics::SetDensities(const lamella::BondScene& scene, pd::DynamicsStudyOptions& options) const
@@ -274,9 +254,7 @@ void vtkBondDynamics::SetOptions(const lamella::BondScene& scene, pd::DynamicsSt
   motion.damping = this->Damping;
   motion.safety = this->StepShare;
   if (this->TimeStep != 0)
-  {
     motion.step = this->TimeStep;
-  }
   motion.checkpoint.every = this->CheckpointEvery;
   options.axis = this->LoadAxis;
   options.regulation = { this->Relaxation, this->ReferenceEnergy, this->ReferenceCrack, this->StartRate };
@@ -336,18 +314,14 @@ void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkP
     this->EmitState(image);
   };
   if (this->CheckAbort())
-  {
     throw lamella::Cancelled();
-  }
   pd::DynamicsResult result = pd::studyDynamics(
     scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, lamella::Communicator(team.comm()));
   this->PeakStress = result.peak.stress;
   this->LastCheckpoint = result.checkpointAt;
   this->AddWarnings(settings, result.warnings);
   for (vtkImageData* const image : this->KeptStates())
-  {
     this->Describe(image, scene, settings, result, options.velocity, velocity.name);
-  }
   if (team.rank() == 0)
   {
     lamella::setBrokenBonds(broken, result, scene, this->GetClassName());
@@ -355,9 +329,7 @@ void vtkBondDynamics::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   }
   std::vector<pd::Bond> order;
   for (const auto& b : result.broken)
-  {
     order.push_back(b.bond);
-  }
   this->Finish(broken, curve, std::move(order), scene, result.warnings, team);
 }
 
@@ -373,9 +345,7 @@ void vtkBondDynamics::Describe(vtkImageData* image, const lamella::BondScene& sc
   lamella::setFieldNumber(image, "compression", this->Compression ? 1.0 : 0.0);
   nlohmann::json boxes = nlohmann::json::array();
   for (const BoxVelocity& box : this->Internal->Boxes)
-  {
     boxes.push_back({ box.Low, box.High, box.Component, box.Speed });
-  }
   lamella::continueProvenance(image, "dynamics",
     { { "model", model }, { "density", this->Density }, { "densities", this->Internal->Densities }, { "load", load },
       { "axis", std::string(1, "xyz"[result.axis]) }, { "compression", this->Compression },

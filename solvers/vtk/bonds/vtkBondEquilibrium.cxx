@@ -51,9 +51,7 @@ void setNumbers(vtkImageData* output, const pd::ElasticResult& r, const std::vec
   lamella::setFieldNumbers(output, "first_break_position", first.position);
   std::vector<std::string> names;
   if (r.firstBreak)
-  {
     names = { phases.at(first.phases[0]), phases.at(first.phases[1]) };
-  }
   lamella::setFieldTexts(output, "first_break_phases", names);
   set("largest_stretch_ratio", r.largestRatio);
   whole("hinges", r.solve.hinges);
@@ -143,13 +141,9 @@ void vtkBondEquilibrium::Run(vtkImageData* input, vtkImageData* output, const la
   }
   kept.Solved.show(output);
   if (!this->ComputeStress)
-  {
     lamella::leaveOut(output, input, "stress");
-  }
   if (!this->ComputeStrainEnergy)
-  {
     lamella::leaveOut(output, input, "strain_energy");
-  }
 }
 
 void vtkBondEquilibrium::Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team)
@@ -177,29 +171,21 @@ void vtkBondEquilibrium::Solve(vtkImageData* input, vtkImageData* output, const 
   options.energyDensity = this->ComputeStrainEnergy;
   options.threads = this->ThreadCount();
   if (this->CheckAbort())
-  {
     throw lamella::Cancelled();
-  }
   const lamella::Communicator comm(team.comm());
   pd::ElasticResult result =
     pd::studyElastic(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, comm);
   for (const std::string& doubt : lamella::unitDoubts(settings.materials))
-  {
     result.warnings.push_back(doubt);
-  }
   this->EffectiveModulus = result.effectiveModulus;
   this->FirstBreakStrain = result.firstBreak ? result.firstBreak->strain : unknown;
 
   output->ShallowCopy(input);
   lamella::addDisplacement(output, scene, result.displacement, this->GetClassName());
   if (result.stress)
-  {
     output->GetPointData()->AddArray(lamella::stressArray(scene, *result.stress, this->GetClassName()));
-  }
   if (result.energyDensity)
-  {
     lamella::addStrainEnergy(output, scene, *result.energyDensity, this->GetClassName());
-  }
 
   setNumbers(output, result, scene.phases().names);
   lamella::describeThickness(output, scene, result.thickness);
@@ -213,12 +199,8 @@ void vtkBondEquilibrium::Solve(vtkImageData* input, vtkImageData* output, const 
       { "platen_layers", this->PlatenLayers }, { "solver", solverName[static_cast<std::size_t>(this->Solver)] },
       { "tolerance", this->Tolerance } });
   if (team.rank() == 0)
-  {
     for (const std::string& warning : result.warnings)
-    {
       vtkWarningMacro(<< warning);
-    }
-  }
 }
 
 void vtkBondEquilibrium::CheckLoad() const

@@ -26,9 +26,7 @@ namespace
 void check(const lamella::BondSettings& settings)
 {
   if (settings.largeStrains)
-  {
     throw lamella::ParameterError("fracture in large strains", "leave them out: quasi-static fracture is linear");
-  }
   const pd::PairTable& materials = settings.materials;
   if (materials.criticalStretch.empty() && materials.toughness.empty() && materials.fractureEnergy.empty())
   {
@@ -96,13 +94,9 @@ void vtkBondFracture::SetOptions(pd::FractureStudyOptions& options) const
   SetLimit("the largest number of broken bonds", this->MaximumBroken, options.fracture.maxBroken);
   options.fracture.tolerance = this->Tolerance;
   if (!this->Rivals)
-  {
     options.fracture.events.rivals = 0;
-  }
   if (this->Method != AUTO)
-  {
     options.method = this->Method == EVENTS ? pd::FractureMethod::Events : pd::FractureMethod::Accurate;
-  }
   options.fracture.renewEvery = this->CheckpointEvery;
   options.atStrains = this->Internal->Strains;
   options.atBroken = this->StatesAtBroken();
@@ -130,9 +124,7 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
     unwritten = unwritten && this->LastCheckpoint == p.checkpoint;
     this->LastCheckpoint = p.checkpoint;
     if (first != (p.equilibrium < 1))
-    {
       this->TellNext();
-    }
     first = p.equilibrium < 1;
     this->Tell(p.share, [&] { return textOf(p, unwritten); });
     return static_cast<bool>(this->CheckAbort());
@@ -144,17 +136,13 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
     this->EmitState(image);
   };
   if (this->CheckAbort())
-  {
     throw lamella::Cancelled();
-  }
   pd::FractureResult result = pd::studyFracture(
     scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, lamella::Communicator(team.comm()));
   this->PeakStress = result.peak.stress;
   this->AddWarnings(settings, result.warnings);
   for (vtkImageData* const image : this->KeptStates())
-  {
     this->Describe(image, scene, settings, result);
-  }
   if (team.rank() == 0)
   {
     lamella::setBrokenBonds(broken, result, scene, this->GetClassName());
@@ -162,9 +150,7 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   }
   std::vector<pd::Bond> order;
   for (const auto& b : result.record.broken)
-  {
     order.push_back(b.bond);
-  }
   this->Finish(broken, curve, std::move(order), scene, result.warnings, team);
 }
 

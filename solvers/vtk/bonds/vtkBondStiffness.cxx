@@ -81,9 +81,7 @@ void write(vtkImageData* output, const pd::StiffnessResult& r, int dimension)
   {
     std::int64_t iterations = 0;
     for (const std::int64_t n : step.iterations)
-    {
       iterations += n;
-    }
     steps[0].push_back(step.every);
     steps[1].push_back(step.pictures);
     steps[2].push_back(static_cast<double>(step.nodes));
@@ -93,9 +91,7 @@ void write(vtkImageData* output, const pd::StiffnessResult& r, int dimension)
   constexpr std::array<const char*, 5> names{ "step_every", "step_pictures", "step_nodes", "step_iterations",
     "step_seconds" };
   for (std::size_t i = 0; i < names.size(); ++i)
-  {
     set(names[i], steps[i]);
-  }
   set("iterations", numbers(r.steps.front().iterations));
   pd::EquilibriumResult most;
   for (const pd::EquilibriumResult& s : cell.solutions)
@@ -119,9 +115,7 @@ void addNumbers(vtkTable* table, const std::string& name, const char* unit, cons
   vtkNew<vtkDoubleArray> column;
   column->SetName(name.c_str());
   for (std::size_t row = 0; row < rows; ++row)
-  {
     column->InsertNextValue(values.at(first + step * row));
-  }
   lamella::describe(column, unit, words, "vtkBondStiffness");
   table->AddColumn(column);
 }
@@ -131,9 +125,7 @@ void addTexts(vtkTable* table, const char* name, const std::vector<std::string>&
   vtkNew<vtkStringArray> column;
   column->SetName(name);
   for (const std::string& text : texts)
-  {
     column->InsertNextValue(text);
-  }
   table->AddColumn(column);
 }
 
@@ -145,9 +137,7 @@ void fillTensor(vtkTable* table, const pd::StiffnessResult& r, int dimension)
   const auto block = [&](const std::string& prefix, const char* words, const std::vector<double>& values)
   {
     for (std::size_t strain = 0; strain < n; ++strain)
-    {
       addNumbers(table, prefix + names[strain], "Pa", words, values, strain, n, n);
-    }
   };
   block("", "stress over this mean strain", r.cell.stiffness);
   block("extrapolated_", "what the material is expected to have", orUnknown(r.error.extrapolated, n * n));
@@ -166,9 +156,7 @@ void fillConstants(vtkTable* table, const pd::StiffnessResult& r, int dimension)
   column("error", "estimated error against the material", orUnknown(r.error.ofConstants, n));
   std::vector<std::string> units;
   for (const std::string& name : names)
-  {
     units.emplace_back(name.starts_with("nu") ? "1" : "Pa");
-  }
   addTexts(table, "unit", units);
 }
 
@@ -224,17 +212,13 @@ void vtkBondStiffness::Run(vtkImageData* input, vtkImageData* output, const lame
   options.nodesPerPixel = this->NodesPerPixel;
   options.threads = this->ThreadCount();
   if (this->CheckAbort())
-  {
     throw lamella::Cancelled();
-  }
   const lamella::Communicator comm(team.comm());
   const int dimension = scene.lattice().dimension;
   pd::StiffnessResult result =
     pd::studyStiffness(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, comm);
   for (const std::string& doubt : lamella::unitDoubts(settings.materials))
-  {
     result.warnings.push_back(doubt);
-  }
   this->EstimatedError = result.error.relative;
 
   output->ShallowCopy(input);
@@ -250,14 +234,10 @@ void vtkBondStiffness::Run(vtkImageData* input, vtkImageData* output, const lame
     fillTensor(tensor, result, dimension);
     fillConstants(constants, result, dimension);
     for (const std::string& warning : result.warnings)
-    {
       vtkWarningMacro(<< warning);
-    }
   }
   for (vtkTable* const table : { tensor, constants })
-  {
     table->GetFieldData()->ShallowCopy(output->GetFieldData());
-  }
 }
 
 void vtkBondStiffness::PrintSelf(ostream& os, vtkIndent indent)

@@ -14,9 +14,7 @@ Block blockOf(const Lattice& lattice, const Team& team)
 {
   Block block{ { 0, 0, 0 }, lattice.size };
   if (team.size() > 1)
-  {
     team.agree([&] { block = decompose(lattice, team.comm()); });
-  }
   return block;
 }
 
@@ -29,16 +27,12 @@ DiffusionScene::DiffusionScene(
   , nodes(phases.values.size(), 0)
 {
   if (direction == 2 && whole.lattice.dimension == 2)
-  {
     throw ParameterError("direction z of a two-dimensional image", "choose x or y");
-  }
   if (gathered)
   {
     image = gatherPhases(whole.lattice, whole.held, phases, team);
     for (const std::uint8_t id : image.phase)
-    {
       ++nodes[id];
-    }
     return;
   }
   block = blockOf(whole.lattice, team);
@@ -52,18 +46,14 @@ DiffusionScene::DiffusionScene(
     ids = moved_;
   }
   for (const std::uint8_t id : ids)
-  {
     ++nodes[id];
-  }
   team.sum(nodes);
 }
 
 lbm::Stencil DiffusionScene::stencil(int choice) const noexcept
 {
   if (choice == vtkDiffusionAlgorithm::AUTO_LATTICE)
-  {
     return whole.lattice.dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5;
-  }
   return static_cast<lbm::Stencil>(choice - vtkDiffusionAlgorithm::D2Q5);
 }
 

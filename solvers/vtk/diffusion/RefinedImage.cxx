@@ -20,9 +20,7 @@ void refineGeometry(
     origin[axis] -= spacing[axis] * (n - 1) / (2 * n); // points are the middles of pixels
   }
   for (double& step : spacing)
-  {
     step /= n;
-  }
 }
 
 vtkSmartPointer<vtkImageData> refinedImage(vtkImageData* image, int dimension, int n)
@@ -43,9 +41,7 @@ vtkSmartPointer<vtkImageData> refinedImage(vtkImageData* image, int dimension, i
   refined->SetDirectionMatrix(image->GetDirectionMatrix());
   refined->GetFieldData()->ShallowCopy(image->GetFieldData());
   if (empty)
-  {
     return refined;
-  }
   const std::array<vtkIdType, 3> size{ extent[1] - extent[0] + 1, extent[3] - extent[2] + 1,
     extent[5] - extent[4] + 1 };
   const std::array<vtkIdType, 2> from{ coarse[1] - coarse[0] + 1, coarse[3] - coarse[2] + 1 };

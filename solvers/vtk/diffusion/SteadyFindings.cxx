@@ -23,9 +23,7 @@ std::array<double, 3> byDirection(const SteadyFindings& found, Read&& read)
 {
   std::array<double, 3> numbers{ notSolved, notSolved, notSolved };
   for (const lbm::DiffusionAnswer& answer : found.answers)
-  {
     numbers[static_cast<std::size_t>(answer.axis)] = static_cast<double>(read(answer));
-  }
   return numbers;
 }
 
@@ -39,9 +37,7 @@ nlohmann::json conductivityJson(const SteadyFindings& found)
       auto& entry = conductivity[found.phases[id]];
       entry = found.conductivity[id];
       if (!found.across.empty() && found.across[id] != found.conductivity[id])
-      {
         entry = { found.conductivity[id], found.across[id] }; // along, across
-      }
     }
   }
   return conductivity;
@@ -54,12 +50,8 @@ std::array<double, 9> SteadyFindings::tensor() const
   std::array<double, 9> tensor{};
   tensor.fill(notSolved);
   for (const lbm::DiffusionAnswer& answer : answers)
-  {
     for (int row = 0; row < dimension; ++row)
-    {
       tensor[static_cast<std::size_t>(3 * row + answer.axis)] = answer.result.effective[static_cast<std::size_t>(row)];
-    }
-  }
   return tensor;
 }
 
@@ -70,7 +62,9 @@ double SteadyFindings::error(double ErrorEstimate::*kind) const
 
 bool SteadyFindings::outlinesServe() const
 {
-  return dimension == 2 && across.empty() && std::ranges::count_if(fractions, [](double f) { return f > 0; }) == 2;
+  return dimension == 2 && across.empty() &&
+    std::ranges::count_if(
+      fractions, [](double f) { return f > 0; }) == 2;
 }
 
 SteadyFindings SteadyFindings::along(int axis) const
@@ -96,17 +90,20 @@ void describe(vtkImageData* output, const SteadyFindings& found)
   setFieldNumbers(output, "bounds",
     std::array{ found.bounds.series, found.bounds.hashinShtrikmanLower, found.bounds.hashinShtrikmanUpper,
       found.bounds.parallel });
-  write("balance", [](const auto& answer) { return answer.result.balance; });
-  write("solver_error", [](const auto& answer) { return answer.result.solverError; });
-  write("iterations", [](const auto& answer) { return answer.result.iterations; });
-  write("stored_nodes", [](const auto& answer) { return answer.result.stored; });
-  write("skipped_nodes", [](const auto& answer) { return answer.result.skipped; });
+  write(
+    "balance", [](const auto& answer) { return answer.result.balance; });
+  write(
+    "solver_error", [](const auto& answer) { return answer.result.solverError; });
+  write(
+    "iterations", [](const auto& answer) { return answer.result.iterations; });
+  write(
+    "stored_nodes", [](const auto& answer) { return answer.result.stored; });
+  write(
+    "skipped_nodes", [](const auto& answer) { return answer.result.skipped; });
   write("refinement", [](const auto& answer) { return answer.refinement; });
   setFieldNumbers(output, "phase_conductivity", found.conductivity);
   if (!found.across.empty())
-  {
     setFieldNumbers(output, "phase_conductivity_across", found.across);
-  }
   setFieldNumbers(output, "phase_fraction", found.fractions);
   setFieldTexts(output, "phase_names", found.phases);
   setFieldText(output, "phase_array", found.phaseArray);
@@ -115,9 +112,7 @@ void describe(vtkImageData* output, const SteadyFindings& found)
   setFieldText(output, "lattice", lbm::name(found.stencil));
   setFieldText(output, "quantity", found.quantity);
   if (found.targetError > 0)
-  {
     setFieldText(output, "target", lbm::name(found.answers.front().target));
-  }
   continueProvenance(output, "steady_diffusion",
     { { "conductivity", conductivityJson(found) }, { "direction", found.direction }, { "quantity", found.quantity },
       { "sides", found.sides }, { "lattice", lbm::name(found.stencil) }, { "tolerance", found.tolerance } });

@@ -52,12 +52,8 @@ std::vector<double> acrossById(const PhaseIds& phases, const std::map<std::strin
   const std::vector<double> first = conductivityById(phases, along, nodes);
   std::vector<double> second = conductivityById(phases, table, nodes);
   for (std::size_t id = 0; id < first.size(); ++id)
-  {
     if (nodes[id] > 0 && first[id] != second[id])
-    {
       return second;
-    }
-  }
   return {};
 }
 

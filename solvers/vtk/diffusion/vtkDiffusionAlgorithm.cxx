@@ -48,9 +48,7 @@ int vtkDiffusionAlgorithm::Attempt(const std::function<void()>& run, vtkInformat
 void vtkDiffusionAlgorithm::SetPhaseValue(PhaseValues& table, const char* phase, double value)
 {
   if (phase == nullptr || *phase == '\0')
-  {
     return;
-  }
   const auto [entry, added] = table.try_emplace(phase, value);
   if (added || entry->second != value)
   {
@@ -62,9 +60,7 @@ void vtkDiffusionAlgorithm::SetPhaseValue(PhaseValues& table, const char* phase,
 void vtkDiffusionAlgorithm::RemovePhaseValue(PhaseValues& table, const char* phase)
 {
   if (phase != nullptr && table.erase(phase) > 0)
-  {
     this->Modified();
-  }
 }
 
 void vtkDiffusionAlgorithm::RemoveAllPhaseValues(PhaseValues& table)
@@ -85,9 +81,7 @@ double vtkDiffusionAlgorithm::PhaseValue(const PhaseValues& table, const char* p
 void vtkDiffusionAlgorithm::PrintPhaseValues(ostream& os, vtkIndent indent, const char* what, const PhaseValues& table)
 {
   for (const auto& [phase, value] : table)
-  {
     os << indent << what << " " << phase << ": " << value << "\n";
-  }
 }
 
 const char* vtkDiffusionAlgorithm::QuantityName() const

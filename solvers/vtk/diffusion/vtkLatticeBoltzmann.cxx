@@ -54,22 +54,24 @@ void fillCurve(vtkTable* table, std::span<const lbm::SteppingRecord> records, bo
     vtkNew<vtkDoubleArray> array;
     array->SetName(name);
     for (const lbm::SteppingRecord& r : records)
-    {
       array->InsertNextValue(value(r));
-    }
     lamella::describe(array, unit, what, creator);
     table->AddColumn(array);
   };
   using Record = lbm::SteppingRecord;
-  column("time", "s", "since the start", [](const Record& r) { return r.time; });
-  column("inlet_flux", "m/s",
+  column(
+    "time", "s", "since the start", [](const Record& r) { return r.time; });
+  column(
+    "inlet_flux", "m/s",
     "mean over the face where the direction begins, times the unit of the values; NaN where it goes less than a node "
     "deep",
     [&](const Record& r) { return fromTop ? -r.faceFlux[1] : r.faceFlux[0]; });
-  column("outlet_flux", "m/s",
+  column(
+    "outlet_flux", "m/s",
     "mean over the face where it ends, times the unit of the values; NaN where it goes less than a node deep",
     [&](const Record& r) { return fromTop ? -r.faceFlux[0] : r.faceFlux[1]; });
-  column("mean_value", "1", "over the box, 0 where nothing conducts", [](const Record& r) { return r.mean; });
+  column(
+    "mean_value", "1", "over the box, 0 where nothing conducts", [](const Record& r) { return r.mean; });
   column("steps", "1", "since the start", [](const Record& r) { return static_cast<double>(r.steps); });
 }
 
@@ -163,20 +165,14 @@ int vtkLatticeBoltzmann::RequestInformation(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   if (this->Superclass::RequestInformation(request, inputVector, outputVector) == 0)
-  {
     return 0;
-  }
   using Pipeline = vtkStreamingDemandDrivenPipeline;
   const Internals& internal = *this->Internal;
   std::vector<double> times = internal.Times;
   for (int k = 0; internal.Evenly() && k <= this->NumberOfSteps; ++k)
-  {
     times.push_back(this->EndTime * k / this->NumberOfSteps);
-  }
   for (const vtkIdType step : internal.Steps)
-  {
     times.push_back(static_cast<double>(step) * this->TimeStep);
-  }
   std::erase_if(times, [](double time) { return !std::isfinite(time); }); // refused later, in words
   vtkInformation* const output = outputVector->GetInformationObject(0);
   if (times.empty() || (!internal.Steps.empty() && !(this->TimeStep > 0))) // not known before the run
@@ -228,16 +224,12 @@ double vtkLatticeBoltzmann::Internals::StepFor(
 {
   double largest = 0;
   for (std::size_t id = 0; id < diffusivity.size(); ++id)
-  {
     largest = scene.nodes[id] > 0 ? std::max(largest, diffusivity[id]) : largest;
-  }
   const double to = this->Evenly() ? self.EndTime / self.NumberOfSteps
     : this->Times.empty()          ? 0.0
                                    : *std::max_element(this->Times.begin(), this->Times.end());
   if (self.TimeStep != 0 || largest == 0 || !(to > 0 && std::isfinite(to)))
-  {
     return self.TimeStep; // 0: the solver's own
-  }
   // a whole number of pairs of steps
   const double most = usualRelaxation * scene.lattice().spacing * scene.lattice().spacing / (3 * largest);
   return to / (2 * std::ceil(to / (2 * most)));
@@ -251,21 +243,15 @@ std::vector<std::int64_t> vtkLatticeBoltzmann::Internals::Stops(
   {
     stops.push_back(solver.stepsAt(time));
     if (time > 0 && stops.back() == 0)
-    {
       throw lamella::ParameterError(
         fmt::format(
           "the time {:.4g} s lies before the end of the first two steps of {:.4g} s", time, solver.timeStep()),
         fmt::format("steps come in pairs: take a step of {:.3g} s or less, or a later time", time / 2));
-    }
   };
   for (int k = 0; this->Evenly() && k <= self.NumberOfSteps; ++k)
-  {
     add(self.EndTime / self.NumberOfSteps * k);
-  }
   for (const double time : this->Times)
-  {
     add(time);
-  }
   for (const vtkIdType step : this->Steps)
   {
     if (step < 0 || step % 2 != 0)
@@ -354,7 +340,8 @@ void vtkLatticeBoltzmann::Internals::Running::Go()
   this->WarnOfStart(solver, stops.back());
   try
   {
-    solver.run(stops, [&](const lbm::LatticeBoltzmann&) { this->Keep(solver); });
+    solver.run(
+      stops, [&](const lbm::LatticeBoltzmann&) { this->Keep(solver); });
   }
   catch (const lamella::Error&)
   {
@@ -374,9 +361,7 @@ void vtkLatticeBoltzmann::Internals::Running::Go()
 void vtkLatticeBoltzmann::Internals::Running::CheckInput() const
 {
   if (this->Self.Internal->Evenly() && !(std::isfinite(this->Self.EndTime) && this->Self.EndTime > 0))
-  {
     throw lamella::ParameterError("no end time was given", "give the last time in seconds, or times to keep states at");
-  }
   if (lamella::fieldText(this->Input, "pixel_size_source") == "none")
   {
     throw lamella::ParameterError(
@@ -394,9 +379,7 @@ void vtkLatticeBoltzmann::Internals::Running::SetOptions()
   options.sides[this->Axis] = lbm::Boundary::Fixed;
   options.faceValues[this->Axis] = { self.InletValue, self.OutletValue };
   if (this->FromTop)
-  {
     std::swap(options.faceValues[this->Axis][0], options.faceValues[this->Axis][1]);
-  }
   options.axis = self.Direction;
   options.threads = self.ThreadCount();
   options.timeStep = self.Internal->StepFor(self, this->Scene, this->Diffusivity);
@@ -447,18 +430,14 @@ std::vector<std::int64_t> vtkLatticeBoltzmann::Internals::Running::GoOn(
   stops.erase(stops.begin(), first);
   this->Ended = stops.empty();
   if (this->Ended)
-  {
     stops.push_back(this->Continued);
-  }
   return stops;
 }
 
 void vtkLatticeBoltzmann::Internals::Running::Warn(const std::string& text) const
 {
   if (!text.empty() && this->Team.rank() == 0)
-  {
     vtkWarningWithObjectMacro(&this->Self, << text);
-  }
 }
 
 void vtkLatticeBoltzmann::Internals::Running::WarnOfStart(
@@ -532,12 +511,8 @@ void vtkLatticeBoltzmann::Internals::Running::Describe(const lbm::LatticeBoltzma
   const vtkLatticeBoltzmann& self = this->Self;
   nlohmann::json values;
   for (std::size_t id = 0; id < this->Diffusivity.size(); ++id)
-  {
     if (this->Scene.nodes[id] > 0)
-    {
       values[this->Scene.phases.names[id]] = this->Diffusivity[id];
-    }
-  }
   for (const auto& state : self.Internal->States.all())
   {
     lamella::setFieldNumber(state, "continued_at", static_cast<double>(this->Continued));

@@ -132,9 +132,7 @@ public:
       const auto field = lamella::DiffusionScene::array(
         quantity + suffix, 1, outward, block, held, [&](std::span<double> out) { solver.value(out); });
       if (fromTop)
-      {
         change(field, [](double& value) { value = 1 - value; });
-      }
       lamella::describe(field, "1", quantity + ", 1 at the inlet and 0 at the outlet", "vtkSteadyDiffusion");
       this->Fields.emplace_back(field);
     }
@@ -143,9 +141,7 @@ public:
       const auto flux = lamella::DiffusionScene::array(
         "flux" + suffix, 3, outward, block, held, [&](std::span<double> out) { solver.flux(out); });
       if (fromTop)
-      {
         change(flux, [](double& value) { value = value == 0 ? 0 : -value; });
-      }
       lamella::describe(flux, "conductivity/m", "flux of " + quantity + ", -D grad u", "vtkSteadyDiffusion");
       this->Fluxes.emplace_back(flux);
     }
@@ -155,28 +151,18 @@ public:
   void put(vtkImageData* output) const
   {
     if (this->Split > 1)
-    {
       output->ShallowCopy(lamella::refinedImage(output, this->Scene.lattice().dimension, this->Split));
-    }
     vtkPointData* const points = output->GetPointData();
     for (std::size_t i = 0; i < std::max(this->Fields.size(), this->Fluxes.size()); ++i)
     {
       for (const auto* const kind : { &this->Fields, &this->Fluxes })
-      {
         if (i < kind->size())
-        {
           points->AddArray((*kind)[i]);
-        }
-      }
     }
     if (!this->Fields.empty())
-    {
       points->SetActiveScalars(this->Fields.front()->GetName());
-    }
     if (!this->Fluxes.empty())
-    {
       points->SetActiveVectors(this->Fluxes.front()->GetName());
-    }
   }
 
 private:
@@ -310,9 +296,7 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   gathered ? this->SolveGathered(scene, store, team) : this->SolveInBlocks(scene, store, team);
   output->ShallowCopy(input);
   for (const char* const name : { "time", "inlet_flux", "outlet_flux" }) // of a state in time: this is none
-  {
     output->GetFieldData()->RemoveArray(name);
-  }
   this->Internal->Found.phaseArray = storePhases(output, scene.phases, team);
   this->Conclude();
   store.put(output);
@@ -330,22 +314,16 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
       found.conductivity = lamella::conductivityById(scene.phases, internal.Conductivity, scene.nodes);
       found.across = lamella::acrossById(scene.phases, internal.Conductivity, internal.Across, scene.nodes);
       if (!found.across.empty() && this->Lattice != AUTO_LATTICE && this->Lattice != D2Q9)
-      {
         throw lamella::ParameterError(
           std::string("conductivities along and across walls on ") + lbm::name(scene.stencil(this->Lattice)),
           "they want the diagonal links of d2q9: choose it, or leave the choice");
-      }
       if (!found.across.empty() && lattice.dimension != 2)
-      {
         throw lamella::ParameterError("conductivities along and across walls in a volume",
           "they go with pictures; give each phase of a volume one value");
-      }
     });
   internal.Axes = { this->Direction };
   if (this->Direction == ALL)
-  {
     internal.Axes = lattice.dimension == 3 ? std::vector<int>{ X, Y, Z } : std::vector<int>{ X, Y };
-  }
   for (const int axis : internal.Axes)
   {
     if (lattice.size[static_cast<std::size_t>(axis)] < 2)
@@ -368,9 +346,7 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   found.tolerance = this->Tolerance;
   found.fractions.assign(scene.nodes.begin(), scene.nodes.end());
   for (double& fraction : found.fractions)
-  {
     fraction /= static_cast<double>(lattice.count());
-  }
   internal.Values = found.conductivity;
   if (!found.across.empty())
   {
@@ -389,14 +365,10 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   options.threads = this->ThreadCount();
   const bool fields = this->ComputeField || this->ComputeFlux;
   if (!fields)
-  {
     options.fieldTolerance = std::numeric_limits<double>::infinity(); // nobody sees the field
-  }
   lbm::StudySize size{ lattice, 0, found.stencil, this->Refinement, fields };
   for (std::size_t id = 0; id < scene.nodes.size(); ++id)
-  {
     size.conducting += internal.Values[id] > 0 ? scene.nodes[id] : 0;
-  }
   const lamella::Communicator comm(team.comm());
   size.ranks = comm.size();
   size.ranksOnMachine = comm.sizeOnMachine();
@@ -434,9 +406,7 @@ void vtkSteadyDiffusion::SolveInBlocks(
     answer.steps.push_back(step);
     internal.Found.answers.push_back(answer);
     if (store.wanted())
-    {
       store.take(solver, axis, scene.lattice(), scene.block);
-    }
   }
 }
 
@@ -505,9 +475,7 @@ void vtkSteadyDiffusion::Conclude()
   {
     found.shortfall = lbm::shortfall(found.answers, this->TargetError, found.outlinesServe());
     if (!found.shortfall.message.empty())
-    {
       vtkWarningMacro(<< found.shortfall.message << "\nhint: " << found.shortfall.hint);
-    }
   }
 }
 

@@ -56,9 +56,7 @@ public:
   ~Silence()
   {
     for (vtkObject* const object : objects())
-    {
       object->RemoveObserver(note_);
-    }
   }
   Silence(const Silence&) = delete;
   Silence& operator=(const Silence&) = delete;
@@ -75,13 +73,9 @@ private:
 void requireSound(vtkCellArray* cells, vtkIdType points, const std::string& path)
 {
   if (cells == nullptr || cells->GetNumberOfCells() == 0)
-  {
     return;
-  }
   if (!cells->IsValid())
-  {
     damaged(path, "its cells begin and end where there are none");
-  }
   std::array<double, 2> range{ 0, 0 };
   if (cells->GetNumberOfConnectivityIds() > 0)
   {
@@ -110,9 +104,7 @@ void requireSoundTypes(vtkUnstructuredGrid* data, const std::string& path)
       if (made == nullptr || type == VTK_POLYHEDRON || type > VTK_POLYHEDRON || type == VTK_CONVEX_POINT_SET)
       {
         if (made != nullptr)
-        {
           made->Delete();
-        }
         damaged(path, fmt::format("a cell is of type {}, which is not read", type));
       }
       known->second = made->GetNumberOfPoints();
@@ -120,9 +112,7 @@ void requireSoundTypes(vtkUnstructuredGrid* data, const std::string& path)
     }
     const vtkIdType here = data->GetCellSize(cell);
     if (known->second > 0 && here != known->second)
-    {
       damaged(path, fmt::format("a cell of type {} has {} points instead of {}", type, here, known->second));
-    }
   }
 }
 
@@ -138,18 +128,12 @@ void requireSound(vtkPointSet* data, const std::string& path)
     {
       const double place = places->GetComponent(point, axis);
       if (!(std::abs(place) <= mostPlausible)) // metres, as of images
-      {
         damaged(path, fmt::format("its point {} is at {}", point, place));
-      }
     }
   }
   if (auto* const poly = vtkPolyData::SafeDownCast(data))
-  {
     for (vtkCellArray* const cells : { poly->GetVerts(), poly->GetLines(), poly->GetPolys(), poly->GetStrips() })
-    {
       requireSound(cells, points, path);
-    }
-  }
   if (auto* const grid = vtkUnstructuredGrid::SafeDownCast(data))
   {
     requireSound(grid->GetCells(), points, path);
@@ -163,13 +147,9 @@ void requireReadable(vtkXMLReader* reader, const std::string& path)
   reader->UpdateInformation();
   auto* const parser = GridParser::SafeDownCast(reader->GetXMLParser());
   if (parser != nullptr && parser->Fault)
-  {
     std::rethrow_exception(parser->Fault);
-  }
   if (silence.failed() || parser == nullptr || reader->GetErrorCode() != vtkErrorCode::NoError)
-  {
     damaged(path, "VTK cannot read what it says of itself");
-  }
 }
 
 void update(vtkXMLReader* reader, const std::string& path, const std::optional<std::array<int, 6>>& extent)
@@ -186,13 +166,9 @@ void update(vtkXMLReader* reader, const std::string& path, const std::optional<s
   }
   const auto* const parser = GridParser::SafeDownCast(reader->GetXMLParser());
   if (silence.failed() || parser == nullptr || parser->Failed || reader->GetErrorCode() != vtkErrorCode::NoError)
-  {
     damaged(path, "its data cannot be unpacked, or are not whole");
-  }
   if (auto* const set = vtkPointSet::SafeDownCast(reader->GetOutputDataObject(0)))
-  {
     requireSound(set, path);
-  }
 }
 
 } // namespace lamella

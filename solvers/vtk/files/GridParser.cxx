@@ -29,9 +29,7 @@ void parseAtOnce(void* parser)
     return expat != nullptr ? reinterpret_cast<Setter>(::dlsym(expat, "XML_SetReparseDeferralEnabled")) : nullptr;
   }();
   if (set != nullptr)
-  {
     set(parser, 0);
-  }
 }
 
 /// Keeps in mind, in the place of printing it, that somebody told of a fault.
@@ -64,13 +62,9 @@ void dropOtherKeys(vtkXMLDataElement* element)
   {
     vtkXMLDataElement* const nested = element->GetNestedElement(i);
     if (isArray(element) && !isDescription(nested))
-    {
       element->RemoveNestedElement(nested);
-    }
     else
-    {
       dropOtherKeys(nested);
-    }
   }
 }
 
@@ -93,9 +87,7 @@ int GridParser::ParseBuffer(const char* buffer, unsigned int count)
 void GridParser::CharacterDataHandler(const char* data, int length)
 {
   if (this->NumberOfOpenElements > 0 && !isArray(this->OpenElements[this->NumberOfOpenElements - 1]))
-  {
     this->Superclass::CharacterDataHandler(data, length);
-  }
 }
 
 GridParser::GridParser()
@@ -107,9 +99,7 @@ void GridParser::SetCompressor(vtkDataCompressor* compressor)
 {
   this->Superclass::SetCompressor(compressor);
   if (compressor != nullptr)
-  {
     note(compressor, &this->Failed); // LZMA tells of a fault and goes on
-  }
 }
 
 int GridParser::Parse()

@@ -65,9 +65,7 @@ vtkSmartPointer<vtkXMLUnstructuredGridReader> newUnstructuredGridReader()
 std::string endingOf(const char* fileName)
 {
   if (fileName == nullptr || *fileName == '\0')
-  {
     throw InputError("no file is named", "set FileName");
-  }
   std::string ending = std::filesystem::path(fileName).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
   return ending;
@@ -76,15 +74,11 @@ std::string endingOf(const char* fileName)
 void readPolyData(const std::string& path, vtkPolyData* data)
 {
   if (!std::filesystem::is_regular_file(path))
-  {
     throw InputError("there is no file '" + path + "'", "check the name and the folder");
-  }
   const auto reader = newPolyDataReader();
   reader->SetFileName(path.c_str());
   if (reader->CanReadFile(path.c_str()) == 0)
-  {
     throw InputError("'" + path + "' is not a whole .vtp file", "make or copy it again");
-  }
   requireReadable(reader, path);
   update(reader, path);
   data->ShallowCopy(reader->GetOutput());
@@ -98,16 +92,12 @@ std::optional<Lattice> latticeInFile(vtkXMLImageDataReader* reader)
   double origin[3] = { 0, 0, 0 };
   double spacing[3] = { 1, 1, 1 };
   if (information == nullptr || information->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()) == 0)
-  {
     return std::nullopt;
-  }
   information->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent);
   information->Get(vtkDataObject::ORIGIN(), origin);
   information->Get(vtkDataObject::SPACING(), spacing);
   if (reader->GetNumberOfPointArrays() == 0 || reader->GetNumberOfCellArrays() > 0)
-  {
     return std::nullopt;
-  }
   try
   {
     return latticeOf(extent, origin, spacing);

@@ -36,32 +36,20 @@ Columns findColumns(const TextTable& table)
     const auto take = [&](std::optional<std::size_t>& place)
     {
       if (place)
-      {
         table.refuse("has two columns for the same: '" + table.names()[*place] + "' and '" + table.names()[i] + "'",
           "leave one out");
-      }
       place = i;
     };
     if (name == "x")
-    {
       take(columns.x);
-    }
     else if (name == "y")
-    {
       take(columns.y);
-    }
     else if (name == "z")
-    {
       take(columns.z);
-    }
     else if (name == "r" || name == "radius")
-    {
       take(columns.radius);
-    }
     else if (name == "d" || name == "diameter")
-    {
       take(columns.diameter);
-    }
   }
   std::string missing;
   const auto need = [&](bool there, const char* name)
@@ -70,9 +58,7 @@ Columns findColumns(const TextTable& table)
   need(columns.y || columns.z, "y or z");
   need(columns.radius || columns.diameter, "r");
   if (!missing.empty())
-  {
     table.lacks(missing);
-  }
   return columns;
 }
 
@@ -81,9 +67,7 @@ Columns findColumns(const TextTable& table)
 double radiusOf(const TextTable& table, const Columns& columns, std::size_t row)
 {
   if (!columns.radius)
-  {
     return table.number(row, *columns.diameter) / 2;
-  }
   const double radius = table.number(row, *columns.radius);
   if (columns.diameter)
   {
@@ -113,9 +97,7 @@ packing::Packing readPackingTable(const fs::path& path, const PackingTableOption
   // Disks of a .vtp lie at z = 0, and so they do in a table that lamella convert made of it.
   bool spheres = false;
   for (std::size_t row = 0; row < table.rows() && columns.y && columns.z && !spheres; ++row)
-  {
     spheres = table.number(row, *columns.z) != 0;
-  }
   const std::size_t second = columns.y ? *columns.y : *columns.z;
   std::vector<std::array<double, 3>> centre;
   std::vector<double> radius;

@@ -41,13 +41,9 @@ vtkSmartPointer<vtkImageData> readVti(const fs::path& path, const micrograph::Re
   std::error_code problem;
   const auto bytes = fs::file_size(path, problem);
   if (problem)
-  {
     throw InputError("cannot read " + path.string() + ": " + problem.message(), "check the file's name");
-  }
   if (bytes == 0)
-  {
     throw InputError(path.string() + " is empty", "write the file again");
-  }
   const auto reader = newImageReader();
   reader->SetFileName(path.c_str());
   if (reader->CanReadFile(path.c_str()) == 0)
@@ -59,9 +55,7 @@ vtkSmartPointer<vtkImageData> readVti(const fs::path& path, const micrograph::Re
   if (options.sizeKnown)
   {
     if (const auto lattice = latticeInFile(reader); lattice)
-    {
       options.sizeKnown(*lattice);
-    }
   }
   update(reader, path.string());
   return reader->GetOutput();
@@ -84,12 +78,8 @@ ImageArray chooseArray(vtkImageData* image, const std::string& wanted, const fs:
   for (const std::string& name : { wanted.empty() ? std::string("phase") : wanted })
   {
     for (std::size_t place = 0; place < places.size(); ++place)
-    {
       if (vtkDataArray* const array = places[place]->GetArray(name.c_str()))
-      {
         return { array, place == 1 };
-      }
-    }
   }
   std::string there;
   for (std::size_t place = 0; place < places.size(); ++place)
@@ -98,9 +88,7 @@ ImageArray chooseArray(vtkImageData* image, const std::string& wanted, const fs:
     {
       vtkDataArray* const array = places[place]->GetArray(i);
       if (wanted.empty() && usable(array))
-      {
         return { array, place == 1 };
-      }
       there += (there.empty() ? "" : ", ") +
         std::string(places[place]->GetArrayName(i) != nullptr ? places[place]->GetArrayName(i) : "?");
     }
@@ -153,13 +141,9 @@ micrograph::Picture greysOf(vtkImageData* image, const ImageArray& chosen, const
   }
   picture.fileSize = picture.lattice.size;
   if (options.sizeKnown) // of cells it was not, so far
-  {
     options.sizeKnown(picture.lattice);
-  }
   if (options.window)
-  {
     crop(picture, *options.window);
-  }
   picture.bits = std::ranges::all_of(picture.grey, [](std::uint16_t grey) { return grey < 256; }) ? 8 : 16;
   return picture;
 }
@@ -175,12 +159,8 @@ vtkSmartPointer<vtkIdList> nodesOfFile(
   for (std::int64_t z = 0; z < image.size[2]; ++z)
   {
     for (std::int64_t y = 0; y < image.size[1]; ++y)
-    {
       for (std::int64_t x = 0; x < image.size[0]; ++x)
-      {
         nodes->SetId(node++, file.index(first[0] + x / refinement, first[1] + y / refinement, first[2] + z / deep));
-      }
-    }
   }
   return nodes;
 }
@@ -190,9 +170,7 @@ GreyMap everyGrey(const micrograph::Picture& picture)
 {
   std::vector<bool> seen(65536, false);
   for (const std::uint16_t grey : picture.grey)
-  {
     seen[grey] = true;
-  }
   const auto different = std::ranges::count(seen, true);
   if (different > 256)
   {
@@ -201,12 +179,8 @@ GreyMap everyGrey(const micrograph::Picture& picture)
   }
   GreyMap map;
   for (int grey = 0; grey < 65536; ++grey)
-  {
     if (seen[static_cast<std::size_t>(grey)])
-    {
       map.phaseOfGrey[grey] = std::to_string(grey);
-    }
-  }
   return map;
 }
 
@@ -216,15 +190,11 @@ micrograph::Picture readGreys(const fs::path& path, const micrograph::ReadOption
   vtkSmartPointer<vtkImageData>* file)
 {
   if (!isVti(path))
-  {
     return micrograph::readPicture(path, options);
-  }
   const auto image = readVti(path, options);
   const ImageArray chosen = chooseArray(image, array, path);
   if (file != nullptr && !chosen.cells)
-  {
     *file = image;
-  }
   return greysOf(image, chosen, options);
 }
 
@@ -236,17 +206,13 @@ PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
   micrograph::ReadOptions read = options.read;
   // A picture is segmented whole, for its light; of a volume, whose corners may be empty, only the window is looked at.
   if (!options.segment || (options.window && options.window->size[2] != 0))
-  {
     read.window = options.window;
-  }
   if (isVti(path))
   {
     const auto image = readVti(path, read);
     const ImageArray chosen = chooseArray(image, options.array, path);
     if (!chosen.cells && vtkUnsignedCharArray::SafeDownCast(chosen.array) != nullptr)
-    {
       names = phaseNames(image);
-    }
     picture = greysOf(image, chosen, read);
     result.file = chosen.cells ? nullptr : image;
   }
@@ -284,9 +250,7 @@ PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
     result.notes = found.report.lines();
     result.image = options.window ? crop(found.image, *options.window) : std::move(found.image);
     if (options.refine != 1)
-    {
       result.image = refine(result.image, options.refine);
-    }
     return result;
   }
   const bool known = options.greys.empty() && names.size() > 0 &&
@@ -305,15 +269,11 @@ PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
       options.greys.apply(picture.lattice, picture.grey, { isVti(path) ? 16 : picture.bits, 1, std::nullopt });
     result.warnings.insert(result.warnings.end(), named.warnings.begin(), named.warnings.end());
     if (named.levels)
-    {
       result.notes.push_back(named.levels->text());
-    }
     result.image = std::move(named.image);
   }
   if (options.refine != 1)
-  {
     result.image = refine(result.image, options.refine);
-  }
   return result;
 }
 
@@ -332,9 +292,7 @@ void carryAlong(vtkImageData* image, vtkImageData* file, const std::optional<Win
     const bool ofPixel = name == "grain" || name == "axis";
     const bool wanted = names.empty() ? refine == 1 || ofPixel : std::ranges::find(names, name) != names.end();
     if (name.empty() || !wanted || image->GetPointData()->HasArray(name.c_str()))
-    {
       continue;
-    }
     if (all)
     {
       image->GetPointData()->AddArray(array);

@@ -48,28 +48,18 @@ std::string firstLine(const TextTable& table, const fs::path& path, const std::s
   std::error_code failed;
   const auto status = fs::status(path, failed);
   if (!fs::exists(status))
-  {
     throw InputError("there is no file '" + path.string() + "'", "check the name and the folder");
-  }
   if (fs::is_directory(status))
-  {
     table.refuse("is a folder, not a file", "give the name of a file in it");
-  }
   std::ifstream file(path, std::ios::binary);
   if (!file)
-  {
     throw InputError("cannot read '" + path.string() + "': " + std::strerror(errno), "check its permissions");
-  }
   std::string line;
   std::getline(file, line);
   if (line.find_first_not_of(" \t\r") == std::string::npos)
-  {
     table.refuse(line.empty() && file.eof() ? "is empty" : "begins with an empty line", wanted);
-  }
   if (std::any_of(line.begin(), line.end(), [](unsigned char c) { return c == 0; }))
-  {
     table.refuse("is no text file", "save the table as comma-separated text (UTF-8)");
-  }
   return line;
 }
 
@@ -107,9 +97,7 @@ std::string listed(const std::vector<std::string>& names)
 {
   std::string list;
   for (const std::string& name : names)
-  {
     list += (list.empty() ? "'" : ", '") + name + "'";
-  }
   return list;
 }
 
@@ -142,13 +130,9 @@ TextTable::TextTable(const fs::path& path, std::string wanted)
   }
   const std::string found = listed(names_);
   if (found.empty() || std::any_of(found.begin(), found.end(), [](unsigned char c) { return c < 32 || c == 127; }))
-  {
     this->refuse("is no table: its first line holds no names", wanted_);
-  }
   if (numbers)
-  {
     this->refuse("has no line of names: it begins with " + found, wanted_);
-  }
   this->requireWholeRows(sign[0]);
 }
 
@@ -162,9 +146,7 @@ void TextTable::requireWholeRows(char separator) const
     Row row;
     countCells(line, separator, row);
     for (; row.quoted && std::getline(file, line); ++number)
-    {
       countCells(line, separator, row);
-    }
     if (columns == 0)
     {
       columns = row.cells;
@@ -194,14 +176,10 @@ double TextTable::number(std::size_t row, std::size_t column) const
 {
   const std::string& text = this->text(row, column);
   if (const auto value = toNumber(text))
-  {
     return *value;
-  }
   const std::string where = "row " + std::to_string(row + 2) + ", column '" + names_[column] + "'";
   if (text.find_first_not_of(" \t\r") == std::string::npos)
-  {
     this->refuse("has nothing in " + where, "give a number in every row of every column");
-  }
   std::string point = text;
   std::replace(point.begin(), point.end(), ',', '.');
   if (point != text && toNumber(point))
@@ -216,16 +194,10 @@ std::string TextTable::plainName(std::string_view name)
 {
   std::string plain;
   for (const char c : name)
-  {
     if (std::isalpha(static_cast<unsigned char>(c)) != 0)
-    {
       plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    }
     else if (!plain.empty())
-    {
       break;
-    }
-  }
   return plain;
 }
 

@@ -95,9 +95,7 @@ bool isReal(std::string_view word)
   std::string small(word);
   std::ranges::transform(small, small.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (small == "nan" || small == "inf" || small == "-inf") // all that VTK knows, and it knows them
-  {
     return true;
-  }
   return small.find_first_of("infatyx") == std::string::npos && isNumber<Value>(word);
 }
 
@@ -153,9 +151,7 @@ public:
       at_ = 0;
       stream_.clear();
       if (held_ == 0)
-      {
         return std::nullopt;
-      }
     }
     return block_[at_++];
   }
@@ -178,9 +174,7 @@ bool isBase64(Walk& walk, std::uint64_t bytes)
     const bool letter =
       c && ((*c >= 'A' && *c <= 'Z') || (*c >= 'a' && *c <= 'z') || (*c >= '0' && *c <= '9') || *c == '+' || *c == '/');
     if (i < letters ? !letter : c != '=')
-    {
       return false;
-    }
   }
   return true;
 }
@@ -228,33 +222,23 @@ XmlArray XmlArrays::head(vtkXMLDataElement* element) const
   head.name = attribute(element, "Name");
   if (vtkXMLDataElement* const parent = element->GetParent();
       head.name.empty() && parent != nullptr && std::string_view(parent->GetName()) == "Points")
-  {
     head.name = "Points"; // which is found by its place, and needs no name
-  }
   if (head.name.empty())
-  {
     throw InputError(fmt::format("'{}' is damaged: an array in it has no name", path_), "make or copy it again");
-  }
   head.type = attribute(element, "type");
   const Type* const type = typeOf(head.type);
   if (type == nullptr)
-  {
     damaged(head, fmt::format("is of type '{}', which there is not", head.type));
-  }
   head.bytes = type->bytes;
   if (const auto components = attribute(element, "NumberOfComponents"); !components.empty())
   {
     const auto value = wholeNumber(components);
     if (!value || *value < 1 || *value > 9999)
-    {
       damaged(head, fmt::format("has {} components", components));
-    }
     head.components = static_cast<int>(*value);
   }
   if (element->GetAttribute("TimeStep") != nullptr)
-  {
     damaged(head, "is of one time of several, which a file of one state has not");
-  }
   return head;
 }
 
@@ -269,16 +253,12 @@ XmlArrays::Place XmlArrays::placeOf(vtkXMLDataElement* element, const XmlArray& 
   const auto format = attribute(element, "format");
   const bool appended = element->GetAttribute("offset") != nullptr;
   if (appended != (format == "appended") || (!appended && format != "binary" && format != "ascii" && !format.empty()))
-  {
     damaged(head, fmt::format("has format '{}' {} an offset", format, appended ? "and" : "without"));
-  }
   if (appended)
   {
     const auto offset = wholeNumber(attribute(element, "offset"));
     if (appended_ <= 0 || !offset || *offset < 0 || *offset >= size_ - appended_)
-    {
       damaged(head, fmt::format("has its data at {}, where there are none", attribute(element, "offset")));
-    }
     return { appended_ + *offset, size_, !appendedRaw_, true };
   }
   // VTK takes the first '>' for the end of the tag and what follows, up to the next '<', for the data.
@@ -288,9 +268,7 @@ XmlArrays::Place XmlArrays::placeOf(vtkXMLDataElement* element, const XmlArray& 
   for (char quote = '\0'; c && (*c != '>' || quote != '\0'); c = walk.next(), ++at)
   {
     if (*c == '>')
-    {
       damaged(head, "has a '>' in its tag, which is not read");
-    }
     quote = quote == '\0' ? (*c == '"' || *c == '\'' ? *c : '\0') : (*c == quote ? '\0' : quote);
   }
   do
@@ -300,9 +278,7 @@ XmlArrays::Place XmlArrays::placeOf(vtkXMLDataElement* element, const XmlArray& 
   } while (c && isSpace(*c));
   Place place{ at, at, true, false };
   for (; c && *c != '<'; c = walk.next())
-  {
     ++place.end;
-  }
   return place;
 }
 
@@ -321,9 +297,7 @@ std::vector<unsigned char> XmlArrays::read(const Place& place, const XmlArray& h
 {
   const std::uint64_t stored = place.base64 ? charactersOf(bytes) : bytes;
   if (stored > static_cast<std::uint64_t>(place.end - place.first))
-  {
     damaged(head, "ends before its first value");
-  }
   std::istream& stream = *parser_->GetStream();
   stream.clear();
   stream.seekg(place.first);
@@ -344,9 +318,7 @@ std::vector<unsigned char> XmlArrays::read(const Place& place, const XmlArray& h
   }
   stream.clear();
   if (got < bytes)
-  {
     damaged(head, "ends before its first value");
-  }
   return result;
 }
 
@@ -355,16 +327,12 @@ std::int64_t XmlArrays::endOf(const Place& place, std::int64_t first, std::uint6
 {
   const std::uint64_t stored = place.base64 ? charactersOf(bytes) : bytes;
   if (stored > static_cast<std::uint64_t>(place.end - first))
-  {
     damaged(head, "ends before its last value");
-  }
   if (place.base64)
   {
     Walk walk(*parser_->GetStream(), first);
     if (!isBase64(walk, bytes))
-    {
       damaged(head, "is not written in base64");
-    }
   }
   return first + static_cast<std::int64_t>(stored);
 }
@@ -381,16 +349,12 @@ std::uint64_t XmlArrays::countText(const Place& place, const XmlArray& head) con
     {
       word += *c;
       if (word.size() > 400)
-      {
         damaged(head, "holds what is no number");
-      }
     }
     else if (!word.empty())
     {
       if (!isValue(word, head))
-      {
         damaged(head, fmt::format("holds '{}', which is no {}", word.substr(0, 40), head.type));
-      }
       ++count;
       word.clear();
     }
@@ -408,9 +372,7 @@ std::uint64_t XmlArrays::bytesHeld(const Place& place, const XmlArray& head)
   {
     held = word(read(place, head, word_), 0);
     if (held > room)
-    {
       damaged(head, "ends before its last value");
-    }
     end = endOf(place, place.first, word_ + held, head);
   }
   else
@@ -423,9 +385,7 @@ std::uint64_t XmlArrays::bytesHeld(const Place& place, const XmlArray& head)
     constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
     if (blocks > room / word_ || block > most || last > block || (blocks > 0 && block == 0) ||
       (blocks == 0 && last != 0))
-    {
       damaged(head, fmt::format("is cut into {} blocks of {} bytes, the last of {}", blocks, block, last));
-    }
     held = blocks == 0 ? 0 : (last == 0 ? blocks * block : (blocks - 1) * block + last);
     const std::uint64_t heading = (3 + blocks) * word_;
     const auto sizes = read(place, head, heading);
@@ -434,15 +394,11 @@ std::uint64_t XmlArrays::bytesHeld(const Place& place, const XmlArray& head)
     {
       const std::uint64_t size = word(sizes, 3 + i);
       if (size > most || size > room)
-      {
         damaged(head, fmt::format("has a block of {} bytes", size));
-      }
       packed += size;
     }
     if (packed > room)
-    {
       damaged(head, "ends before its last value");
-    }
     end = endOf(place, endOf(place, place.first, heading, head), packed, head);
   }
   if (place.appended)
@@ -452,12 +408,8 @@ std::uint64_t XmlArrays::bytesHeld(const Place& place, const XmlArray& head)
   }
   Walk walk(*parser_->GetStream(), end);
   for (; end < place.end; ++end)
-  {
     if (const auto c = walk.next(); !c || !isSpace(*c))
-    {
       damaged(head, "goes on behind its last value");
-    }
-  }
   return held;
 }
 
@@ -468,31 +420,23 @@ void XmlArrays::requireTuples(vtkXMLDataElement* element, const XmlArray& head, 
     isText(element) ? countText(place, head) * static_cast<std::uint64_t>(head.bytes) : bytesHeld(place, head);
   const std::uint64_t values = static_cast<std::uint64_t>(tuples) * static_cast<std::uint64_t>(head.components);
   if (head.isText())
-  {
     requireTexts(element, head, held, values);
-  }
   else if (const auto size = static_cast<std::uint64_t>(head.bytes); held % size != 0 || held / size != values)
-  {
     damaged(head, fmt::format("holds {} values where {} are told", (held + size - 1) / size, values));
-  }
 }
 
 void XmlArrays::requireTexts(
   vtkXMLDataElement* element, const XmlArray& head, std::uint64_t letters, std::uint64_t texts)
 {
   if (letters > mostLetters || texts > letters)
-  {
     damaged(head, fmt::format("holds {} letters for {} texts", letters, texts));
-  }
   std::string text(letters, '\1');
   if (letters > 0 &&
     (element->GetAttribute("offset") != nullptr
         ? parser_->ReadAppendedData(
             wholeNumber(attribute(element, "offset")).value_or(0), text.data(), 0, letters, VTK_CHAR)
         : parser_->ReadInlineData(element, isText(element) ? 1 : 0, text.data(), 0, letters, VTK_CHAR)) != letters)
-  {
     damaged(head, "cannot be unpacked");
-  }
   std::uint64_t found = 0;
   std::uint64_t length = 0;
   for (const char c : text)
@@ -500,14 +444,10 @@ void XmlArrays::requireTexts(
     length = c == '\0' ? 0 : length + 1;
     found += c == '\0' ? 1 : 0;
     if (length > longestText)
-    {
       damaged(head, fmt::format("holds a text of more than {} letters", longestText));
-    }
   }
   if (found != texts || length != 0)
-  {
     damaged(head, fmt::format("holds {} texts where {} are told", found + (length != 0 ? 1 : 0), texts));
-  }
 }
 
 std::vector<std::int64_t> XmlArrays::wholeNumbers(vtkXMLDataElement* element, const XmlArray& head, std::int64_t tuples)
@@ -516,17 +456,13 @@ std::vector<std::int64_t> XmlArrays::wholeNumbers(vtkXMLDataElement* element, co
   std::vector<unsigned char> bytes(numbers.size() * static_cast<std::size_t>(head.bytes));
   const int type = typeOf(head.type)->vtk;
   if (tuples == 0)
-  {
     return numbers;
-  }
   const std::size_t got = element->GetAttribute("offset") != nullptr
     ? parser_->ReadAppendedData(
         wholeNumber(attribute(element, "offset")).value_or(0), bytes.data(), 0, numbers.size(), type)
     : parser_->ReadInlineData(element, isText(element) ? 1 : 0, bytes.data(), 0, numbers.size(), type);
   if (got != numbers.size())
-  {
     damaged(head, "cannot be unpacked");
-  }
   const auto take = [&]<typename Value>(Value)
   {
     for (std::size_t i = 0; i < numbers.size(); ++i)

@@ -46,9 +46,7 @@ std::vector<vtkXMLDataElement*> nested(vtkXMLDataElement* element, std::string_v
   {
     vtkXMLDataElement* const part = element->GetNestedElement(i);
     if (name.empty() || nameOf(part) == name)
-    {
       result.push_back(part);
-    }
   }
   return result;
 }
@@ -69,9 +67,7 @@ std::optional<std::vector<std::int64_t>> wholeNumbers(const char* text)
     std::istringstream number(word);
     std::int64_t value = 0;
     if (!(number >> value) || !number.eof())
-    {
       return std::nullopt;
-    }
     values.push_back(value);
   }
   return values;
@@ -121,14 +117,10 @@ std::int64_t Checks::count(vtkXMLDataElement* element, const char* attribute, bo
 {
   const char* const text = element->GetAttribute(attribute);
   if (text == nullptr && !needed)
-  {
     return 0;
-  }
   const auto values = wholeNumbers(text);
   if (!values || values->size() != 1 || values->front() < 0 || values->front() > (std::int64_t{ 1 } << 60))
-  {
     damaged(fmt::format("its {} is {}", attribute, text == nullptr ? "missing" : text));
-  }
   return values->front();
 }
 
@@ -158,9 +150,7 @@ void Checks::requireBytes(double bytes, const std::string& what) const
   const auto size = static_cast<double>(stream.tellg());
   const double ratio = lzma_ ? 10000 : 1100; // bytes that one can stand for: deflate packs at most 1032, LZ4 255
   if (bytes > ratio * size)
-  {
     damaged(fmt::format("its {} cannot hold the {} it speaks of", bytesText(size), what));
-  }
   const auto available = static_cast<double>(availableMemory());
   if (bytes > available)
   {
@@ -181,9 +171,7 @@ void Checks::requireLengths(vtkXMLDataElement* image) const
     if (text != nullptr &&
       (image->GetVectorAttribute(attribute, static_cast<int>(count + 1), value.data()) != static_cast<int>(count) ||
         !std::all_of(value.begin(), value.end() - 1, [&](double v) { return v >= least && v <= most; })))
-    {
       throw InputError(fmt::format("the {} of '{}' is {}", name, path_, text), rule);
-    }
   };
   constexpr double most = mostPlausible; // metres
   lengths("Spacing", 3, leastPlausible, most, "spacing", "a spacing is three positive lengths, in metres");
@@ -203,9 +191,7 @@ void Checks::requireWhole(const Extent& whole, const std::vector<Extent>& pieces
     {
       if (piece[2 * axis] < whole[2 * axis] || piece[2 * axis + 1] > whole[2 * axis + 1] ||
         piece[2 * axis] > piece[2 * axis + 1])
-      {
         damaged("a piece of it lies outside of the whole");
-      }
       at.insert(at.end(), { piece[2 * axis], piece[2 * axis + 1] + 1 });
     }
     std::ranges::sort(at);
@@ -214,9 +200,7 @@ void Checks::requireWhole(const Extent& whole, const std::vector<Extent>& pieces
   const std::array<std::size_t, 3> boxes{ cuts[0].size() - 1, cuts[1].size() - 1, cuts[2].size() - 1 };
   constexpr double most = 1 << 24;
   if (static_cast<double>(boxes[0]) * static_cast<double>(boxes[1]) * static_cast<double>(boxes[2]) > most)
-  {
     damaged(fmt::format("it is cut into {} pieces", pieces.size()));
-  }
   std::vector<bool> there(boxes[0] * boxes[1] * boxes[2], false);
   std::size_t marked = 0;
   for (const Extent& piece : pieces)
@@ -231,18 +215,12 @@ void Checks::requireWhole(const Extent& whole, const std::vector<Extent>& pieces
     for (std::size_t z = box[4]; z < box[5]; ++z)
     {
       for (std::size_t y = box[2]; y < box[3]; ++y)
-      {
         for (std::size_t x = box[0]; x < box[1] && marked < 50 * there.size(); ++x, ++marked)
-        {
           there[(z * boxes[1] + y) * boxes[0] + x] = true;
-        }
-      }
     }
   }
   if (std::ranges::find(there, false) != there.end())
-  {
     damaged("its pieces are not the whole");
-  }
 }
 
 /// Arrays of one place, such as PointData, are the same in all pieces: VTK makes them after those of the first.
@@ -252,18 +230,12 @@ void Checks::requireSamePieces(vtkXMLDataElement* piece, const char* data, Heads
   for (vtkXMLDataElement* const element : nested(first(piece, data)))
   {
     if (nameOf(element) != "DataArray" && nameOf(element) != "Array")
-    {
       damaged(fmt::format("'{}' stands among its arrays", nameOf(element)));
-    }
     here.push_back(arrays_.head(element));
     if (std::ranges::count(here, here.back().name, &XmlArray::name) > 1)
-    {
       damaged(fmt::format("it has two arrays '{}'", here.back().name));
-    }
     if (here.back().isText() && kind_ == "ImageData")
-    {
       damaged(fmt::format("array '{}' has texts at points or cells", here.back().name));
-    }
   }
   if (isFirst)
   {
@@ -273,9 +245,7 @@ void Checks::requireSamePieces(vtkXMLDataElement* piece, const char* data, Heads
   if (!std::ranges::equal(all, here,
         [](const XmlArray& a, const XmlArray& b)
         { return a.name == b.name && a.type == b.type && a.components == b.components; }))
-  {
     damaged("its pieces have different arrays");
-  }
 }
 
 /// Bytes that the arrays of one element, such as PointData, take for so many tuples.
@@ -293,9 +263,7 @@ double Checks::arrayBytes(vtkXMLDataElement* piece, const char* data, double tup
 void Checks::requireData(vtkXMLDataElement* piece, const char* data, std::int64_t tuples)
 {
   for (vtkXMLDataElement* const element : nested(first(piece, data)))
-  {
     arrays_.requireTuples(element, arrays_.head(element), tuples);
-  }
 }
 
 /// A field array says for itself how many tuples it has.
@@ -307,9 +275,7 @@ void Checks::requireField(vtkXMLDataElement* primary)
   for (vtkXMLDataElement* const element : elements)
   {
     if (nameOf(element) != "DataArray" && nameOf(element) != "Array")
-    {
       damaged(fmt::format("'{}' stands among its field data", nameOf(element)));
-    }
     const XmlArray head = arrays_.head(element);
     const auto here = static_cast<double>(count(element, "NumberOfTuples", true));
     tuples += here;
@@ -317,9 +283,7 @@ void Checks::requireField(vtkXMLDataElement* primary)
   }
   requireBytes(bytes, fmt::format("{:.0f} values of field data", tuples));
   for (vtkXMLDataElement* const element : elements)
-  {
     arrays_.requireTuples(element, arrays_.head(element), count(element, "NumberOfTuples", true));
-  }
 }
 
 void Checks::requireCells(vtkXMLDataElement* cells, std::int64_t count, const char* what)
@@ -327,9 +291,7 @@ void Checks::requireCells(vtkXMLDataElement* cells, std::int64_t count, const ch
   if (cells == nullptr || cells->GetNumberOfNestedElements() == 0)
   {
     if (count > 0)
-    {
       damaged(fmt::format("its {} {} are missing", count, what));
-    }
     return;
   }
   const auto array = [&](std::string_view name)
@@ -338,32 +300,22 @@ void Checks::requireCells(vtkXMLDataElement* cells, std::int64_t count, const ch
     const auto found = std::ranges::find_if(
       all, [&](vtkXMLDataElement* e) { return e->GetAttribute("Name") != nullptr && e->GetAttribute("Name") == name; });
     if (found == all.end())
-    {
       damaged(fmt::format("its {} have no '{}'", what, name));
-    }
     const XmlArray head = arrays_.head(*found);
     if (head.components != 1 || !head.isWhole())
-    {
       damaged(fmt::format("the '{}' of its {} are no whole numbers", name, what));
-    }
     return std::pair(*found, head);
   };
   for (vtkXMLDataElement* const other : nested(cells))
-  {
     if (const char* const name = other->GetAttribute("Name");
         name != nullptr && std::string_view(name).starts_with("face") && count > 0)
-    {
       damaged("it has cells of many faces, which are not read");
-    }
-  }
   const auto [ends, endsHead] = array("offsets");
   const auto [points, pointsHead] = array("connectivity");
   arrays_.requireTuples(ends, endsHead, count);
   const auto offsets = arrays_.wholeNumbers(ends, endsHead, count);
   if (!std::ranges::is_sorted(offsets) || (!offsets.empty() && offsets.front() < 0))
-  {
     damaged(fmt::format("its {} begin and end where there are none", what));
-  }
   arrays_.requireTuples(points, pointsHead, offsets.empty() ? 0 : offsets.back());
   if (kind_ == "UnstructuredGrid")
   {
@@ -398,14 +350,10 @@ void Checks::image(vtkXMLDataElement* primary, const std::vector<vtkXMLDataEleme
       arrayBytes(pieces.front(), "CellData", product(cells, whole)),
     size + " points");
   if (product(points, whole) > 0x1p53)
-  {
     damaged("it speaks of " + size + " points");
-  }
   std::vector<Extent> extents;
   for (vtkXMLDataElement* const piece : pieces)
-  {
     extents.push_back(piece == primary ? whole : extent(piece, "Extent"));
-  }
   requireWhole(whole, extents);
   for (std::size_t i = 0; i < pieces.size(); ++i)
   {
@@ -437,9 +385,7 @@ void Checks::cells(const std::vector<vtkXMLDataElement*>& pieces)
     const auto points = static_cast<double>(count(piece, "NumberOfPoints", true));
     double here = 0;
     for (const Kind& kind : kinds)
-    {
       here += static_cast<double>(count(piece, kind.count, isGrid));
-    }
     // Of a cell there are at least an offset and a point, or a type, in one byte each.
     bytes += arrayBytes(piece, "Points", points) + arrayBytes(piece, "PointData", points) +
       arrayBytes(piece, "CellData", here) + 2 * here;
@@ -453,9 +399,7 @@ void Checks::cells(const std::vector<vtkXMLDataElement*>& pieces)
     const std::int64_t points = count(piece, "NumberOfPoints", true);
     requireSamePieces(piece, "Points", places, piece == pieces.front());
     if (places.size() != 1 || places.front().components != 3 || places.front().isText())
-    {
       damaged("its points have not three coordinates");
-    }
     requireData(piece, "Points", points);
     requireData(piece, "PointData", points);
     std::int64_t cells = 0;
@@ -473,9 +417,7 @@ void Checks::all()
 {
   vtkXMLDataElement* const primary = first(parser_->GetRootElement(), kind_);
   if (primary == nullptr)
-  {
     damaged(fmt::format("it holds no {}", kind_));
-  }
   if (const char* const name = parser_->GetRootElement()->GetAttribute("compressor"))
   {
     vtkSmartPointer<vtkDataCompressor> compressor;
@@ -505,9 +447,7 @@ void Checks::all()
   }
   auto pieces = nested(primary, "Piece");
   if (pieces.empty())
-  {
     pieces.push_back(primary);
-  }
   std::array<Heads, 2> heads;
   for (vtkXMLDataElement* const piece : pieces)
   {
@@ -515,13 +455,9 @@ void Checks::all()
     requireSamePieces(piece, "CellData", heads[1], piece == pieces.front());
   }
   if (kind_ == "ImageData")
-  {
     image(primary, pieces);
-  }
   else
-  {
     cells(pieces);
-  }
   requireField(primary);
   arrays_.requireApart();
 }

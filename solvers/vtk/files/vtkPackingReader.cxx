@@ -88,9 +88,7 @@ void vtkPackingReader::Read(vtkPolyData* particles, vtkPolyData* contacts)
   const lamella::packing::Packing packing = lamella::readPackingTable(path, options);
   lamella::setPacking(packing, lamella::packing::statistics(packing), this->GetClassName(), particles, contacts);
   for (vtkPolyData* const data : { particles, contacts })
-  {
     lamella::beginProvenance(data, "packing_table", parameters, {}, path);
-  }
 }
 
 int vtkPackingReader::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
@@ -100,9 +98,7 @@ int vtkPackingReader::RequestData(vtkInformation*, vtkInformationVector**, vtkIn
   particles->Initialize();
   contacts->Initialize();
   if (!lamella::isFirstPiece(outputVector))
-  {
     return 1;
-  }
   if (lamella::attempt(this, [&] { this->Read(particles, contacts); }) != lamella::Outcome::Done)
   {
     particles->Initialize();

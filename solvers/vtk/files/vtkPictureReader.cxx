@@ -30,9 +30,7 @@ void carryFields(vtkImageData* image, vtkImageData* file)
   {
     vtkAbstractArray* const array = fields->GetAbstractArray(i);
     if (array->GetName() != nullptr && !image->GetFieldData()->HasArray(array->GetName()))
-    {
       image->GetFieldData()->AddArray(array);
-    }
   }
 }
 
@@ -58,9 +56,7 @@ void vtkPictureReader::SetPhase(int grey, const char* name)
 void vtkPictureReader::SetPhase(const char* greys, const char* name)
 {
   if (greys == nullptr || *greys == '\0' || name == nullptr || *name == '\0')
-  {
     return; // an empty row in a panel
-  }
   const auto entry = this->PhaseOfGreys.find(greys);
   if (entry == this->PhaseOfGreys.end() || entry->second != name)
   {
@@ -87,21 +83,15 @@ lamella::PictureOptions vtkPictureReader::Options() const
 {
   lamella::PictureOptions options;
   for (const auto& [greys, name] : this->PhaseOfGreys)
-  {
     options.greys.add(greys, name);
-  }
   if (this->OtherPhase != nullptr && *this->OtherPhase != '\0')
-  {
     options.greys.other = this->OtherPhase;
-  }
   if (this->Segment)
   {
     options.segment.emplace();
     options.segment->lumen = static_cast<lamella::micrograph::LumenSide>(this->Lumen);
     if (this->Threshold >= 0)
-    {
       options.segment->threshold = this->Threshold;
-    }
   }
   if (std::any_of(this->Window, this->Window + 6, [](int value) { return value != 0; }))
   {
@@ -112,18 +102,14 @@ lamella::PictureOptions vtkPictureReader::Options() const
   options.refine = this->Refinement;
   options.array = this->ArrayName != nullptr ? this->ArrayName : "";
   if (this->PixelSize > 0)
-  {
     options.read.pixelSize = this->PixelSize;
-  }
   if (std::any_of(this->RawSize, this->RawSize + 3, [](int value) { return value != 0; }))
   {
     options.read.rawSize.emplace();
     std::copy_n(this->RawSize, 3, options.read.rawSize->begin());
   }
   if (this->RawBits > 0)
-  {
     options.read.rawBits = this->RawBits;
-  }
   options.read.rawHeader = static_cast<std::uint64_t>(this->RawHeader);
   return options;
 }
@@ -135,67 +121,45 @@ void vtkPictureReader::Load()
   this->Image = lamella::toImageData(std::move(picture.image));
   lamella::setFieldText(this->Image, "pixel_size_source", picture.pixelSizeSource);
   if (!picture.notes.empty())
-  {
     lamella::setFieldTexts(this->Image, "segmentation", picture.notes);
-  }
 
   for (const std::string& warning : picture.warnings)
-  {
     vtkWarningMacro(<< warning);
-  }
 
   nlohmann::json parameters{ { "refinement", this->Refinement } };
   if (this->Segment)
-  {
     parameters["segment"] = true;
-  }
   for (const auto& [greys, name] : this->PhaseOfGreys)
-  {
     parameters["phases"][greys] = name;
-  }
   if (options.greys.other)
-  {
     parameters["other"] = *options.greys.other;
-  }
   if (options.window)
-  {
     parameters["window"] = this->Window;
-  }
   if (options.read.pixelSize)
-  {
     parameters["pixel_size"] = this->PixelSize;
-  }
   lamella::beginProvenance(this->Image, "picture", parameters, {}, this->FileName);
   if (picture.file != nullptr && !options.segment)
   {
     lamella::carryAlong(this->Image, picture.file, options.window, options.refine);
     if (!options.window && options.refine == 1 && !options.read.pixelSize)
-    {
       carryFields(this->Image, picture.file);
-    }
   }
 }
 
 bool vtkPictureReader::Read()
 {
   if (this->Image != nullptr && this->ReadTime > this->GetMTime())
-  {
     return true;
-  }
   this->Image = nullptr;
   const auto load = [this]
   {
     if (this->FileName == nullptr || *this->FileName == '\0')
-    {
       throw lamella::ParameterError("no file is named", "set FileName");
-    }
     this->Load();
     this->ReadTime.Modified();
   };
   if (lamella::attempt(this, load) == lamella::Outcome::Done)
-  {
     return true;
-  }
   this->Image = nullptr;
   return false;
 }
@@ -203,13 +167,9 @@ bool vtkPictureReader::Read()
 int vtkPictureReader::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   if (this->FileName == nullptr || *this->FileName == '\0')
-  {
     return 1; // a panel that has just been opened; an update says that no file is named
-  }
   if (!this->Read())
-  {
     return 0;
-  }
   lamella::announce(outputVector->GetInformationObject(0), lamella::latticeOf(this->Image));
   return 1;
 }
@@ -217,9 +177,7 @@ int vtkPictureReader::RequestInformation(vtkInformation*, vtkInformationVector**
 int vtkPictureReader::RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   if (!this->Read())
-  {
     return 0;
-  }
   lamella::deliver(this->Image, outputVector->GetInformationObject(0));
   return 1;
 }

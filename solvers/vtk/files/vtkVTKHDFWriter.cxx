@@ -135,9 +135,7 @@ void writeAll(hid_t at, const std::string& name, hid_t type, const Shape& shape,
 {
   Handle set = newSet(at, name, type, shape, level);
   if (std::find(shape.begin(), shape.end(), hsize_t{ 0 }) == shape.end())
-  {
     good(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
-  }
 }
 
 std::string nameOf(vtkAbstractArray* array)
@@ -149,12 +147,8 @@ void writeDescription(hid_t set, vtkDataArray* array)
 {
   const auto [unit, text, creator] = lamella::description(array);
   for (const auto& [key, value] : { std::pair{ "unit", unit }, { "description", text }, { "creator", creator } })
-  {
     if (!value.empty())
-    {
       writeText(set, key, value);
-    }
-  }
 }
 
 /// Which arrays are the active ones.
@@ -165,12 +159,8 @@ void writeRoles(hid_t group, vtkDataSetAttributes* data)
     { vtkDataSetAttributes::TENSORS, "Tensors" }, { vtkDataSetAttributes::TCOORDS, "TCoords" },
     { vtkDataSetAttributes::GLOBALIDS, "GlobalIds" } } };
   for (const auto& [role, word] : roles)
-  {
     if (vtkAbstractArray* const array = data->GetAbstractAttribute(role); array != nullptr && !nameOf(array).empty())
-    {
       writeAscii(group, word, nameOf(array));
-    }
-  }
 }
 
 /// The arrays of points or of cells. @throws InputError for one that is no numbers
@@ -202,24 +192,18 @@ void writeField(hid_t root, vtkFieldData* data)
       good(H5Tset_size(type, H5T_VARIABLE));
       std::vector<const char*> lines;
       for (vtkIdType k = 0; k < texts->GetNumberOfValues(); ++k)
-      {
         lines.push_back(texts->GetValue(k).c_str());
-      }
       writeAll(group, nameOf(array), type, { lines.size() }, lines.data(), 0);
     }
     else if (auto* const numbers = vtkDataArray::SafeDownCast(array))
     {
       Shape shape{ static_cast<hsize_t>(numbers->GetNumberOfTuples()) };
       if (numbers->GetNumberOfComponents() != 1)
-      {
         shape.push_back(static_cast<hsize_t>(numbers->GetNumberOfComponents()));
-      }
       const hid_t type = nativeType(numbers->GetDataType(), nameOf(array));
       Handle set = newSet(group, nameOf(array), type, shape, 0);
       if (numbers->GetNumberOfValues() > 0)
-      {
         good(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers->GetVoidPointer(0)));
-      }
       writeDescription(set, numbers);
     }
   }
@@ -230,15 +214,11 @@ void writeRows(hid_t at, const std::string& name, vtkDataArray* array, int level
 {
   Shape shape{ static_cast<hsize_t>(array->GetNumberOfTuples()) };
   if (array->GetNumberOfComponents() != 1)
-  {
     shape.push_back(static_cast<hsize_t>(array->GetNumberOfComponents()));
-  }
   const hid_t type = nativeType(array->GetDataType(), name);
   Handle set = newSet(at, name, type, shape, level);
   if (array->GetNumberOfValues() > 0)
-  {
     good(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, array->GetVoidPointer(0)));
-  }
   writeDescription(set, array);
 }
 
@@ -263,29 +243,21 @@ void writeGrid(hid_t root, vtkUnstructuredGrid* grid, int level)
   one("NumberOfCells", grid->GetNumberOfCells());
   one("NumberOfConnectivityIds", ids->GetNumberOfValues());
   if (grid->GetPoints() != nullptr)
-  {
     writeRows(root, "Points", grid->GetPoints()->GetData(), level);
-  }
   else
-  {
     writeAll(root, "Points", H5T_NATIVE_FLOAT, { 0, 3 }, nullptr, 0);
-  }
   writeRows(root, "Offsets", offsets, level);
   writeRows(root, "Connectivity", ids, level);
   vtkNew<vtkUnsignedCharArray> types;
   if (grid->GetNumberOfCells() > 0)
-  {
     types->DeepCopy(grid->GetCellTypesArray());
-  }
   writeRows(root, "Types", types, level);
   for (const auto& [name, data] : { std::pair<const char*, vtkDataSetAttributes*>{ "PointData", grid->GetPointData() },
          { "CellData", grid->GetCellData() } })
   {
     const Handle group = newGroup(root, name);
     for (vtkDataArray* const array : arraysOf(data))
-    {
       writeRows(group, nameOf(array), array, level);
-    }
     writeRoles(group, data);
   }
 }
@@ -295,9 +267,7 @@ std::array<hsize_t, 3> countsOf(const std::array<int, 6>& extent)
 {
   std::array<hsize_t, 3> counts{};
   for (std::size_t axis = 0; axis < 3; ++axis)
-  {
     counts[axis] = static_cast<hsize_t>(extent[2 * axis + 1] - extent[2 * axis] + 1);
-  }
   return counts;
 }
 
@@ -311,13 +281,9 @@ Axes axesOf(const std::array<hsize_t, 3>& counts)
 {
   Axes axes{ 0, 1, 2 };
   if (counts[2] == 1)
-  {
     axes = { 2, 0, 1 };
-  }
   else if (counts[1] == 1)
-  {
     axes = { 1, 0, 2 };
-  }
   if (counts[axes[1]] == 1 || counts[axes[2]] == 1)
   {
     throw lamella::InputError(
@@ -331,9 +297,7 @@ Shape shapeOf(const std::array<hsize_t, 3>& xyz, const Axes& axes, int component
 {
   Shape shape{ xyz[axes[2]], xyz[axes[1]], xyz[axes[0]] };
   if (components != 1)
-  {
     shape.push_back(static_cast<hsize_t>(components));
-  }
   return shape;
 }
 
@@ -410,9 +374,7 @@ void vtkVTKHDFWriter::File::BeginImage(vtkImageData* image, const std::array<int
   writeNumbers<double>(
     this->Root, "Direction", H5T_NATIVE_DOUBLE, directionOf(image->GetDirectionMatrix()->GetData(), this->Order));
   if (this->Order[0] != 0)
-  {
     writeNumbers<int>(this->Root, "axes", H5T_NATIVE_INT, { this->Order.begin(), this->Order.end() });
-  }
   this->Whole = whole;
   this->Next = whole[4];
   if (vtkCellData* const cells = image->GetCellData(); cells->GetNumberOfArrays() > 0)
@@ -450,9 +412,7 @@ void vtkVTKHDFWriter::File::WriteLayers(vtkImageData* image, int first, int last
   {
     vtkDataArray* const array = image->GetPointData()->GetArray(name.c_str());
     if (array == nullptr)
-    {
       throw lamella::InputError("the array '" + name + "' is missing in a part of the image", "look at what made it");
-    }
     const int components = array->GetNumberOfComponents();
     Shape start = shapeOf({ 0, 0, static_cast<hsize_t>(first - this->Whole[4]) }, this->Order, components);
     start.back() = components != 1 ? 0 : start.back();
@@ -461,9 +421,7 @@ void vtkVTKHDFWriter::File::WriteLayers(vtkImageData* image, int first, int last
     const vtkIdType layer = static_cast<vtkIdType>(counts[0] * counts[1]) * array->GetNumberOfComponents();
     const vtkIdType offset = layer * (first - held[4]);
     if (offset < 0 || offset + layer * (last - first + 1) > array->GetNumberOfValues())
-    {
       throw lamella::InputError("the image does not hold the layers that it was asked for", "look at what made it");
-    }
     const Handle file(H5Dget_space(set), H5Sclose);
     good(H5Sselect_hyperslab(file, H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr));
     const Handle memory(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose);
@@ -501,9 +459,7 @@ try
 catch (const lamella::InputError&)
 {
   if (this->GetErrorCode() != vtkErrorCode::NoFileNameError)
-  {
     this->SetErrorCode(vtkErrorCode::FileFormatError);
-  }
   throw;
 }
 
@@ -543,9 +499,7 @@ int vtkVTKHDFWriter::RequestData(
   vtkInformation* const input = inputVector[0]->GetInformationObject(0);
   auto* const image = vtkImageData::GetData(input);
   if (image == nullptr)
-  {
     return this->Superclass::RequestData(request, inputVector, outputVector);
-  }
   const Quiet quiet;
   bool more = false;
   const auto write = [&]
@@ -577,13 +531,9 @@ int vtkVTKHDFWriter::RequestData(
     const int layers = last - this->Open->Whole[4] + 1;
     this->UpdateProgress(static_cast<double>(this->Open->Next - this->Open->Whole[4]) / layers);
     if (this->GetAbortExecute() != 0)
-    {
       throw lamella::Cancelled();
-    }
     if (!more && !this->Open->Close())
-    {
       throw lamella::Error(std::string("'") + this->FileName + "' cannot be finished", "make room on the disk");
-    }
   };
   const auto outcome = lamella::attempt(this, [&] { this->Coded(write); });
   if (outcome != lamella::Outcome::Done || !more)
@@ -614,9 +564,7 @@ void vtkVTKHDFWriter::WriteData()
     }
     vtkSmartPointer<vtkUnstructuredGrid> grid = vtkUnstructuredGrid::SafeDownCast(this->GetInput());
     if (auto* const poly = vtkPolyData::SafeDownCast(this->GetInput()))
-    {
       grid = lamella::toUnstructuredGrid(poly);
-    }
     this->SetErrorCode(vtkErrorCode::CannotOpenFileError);
     this->Open = std::make_unique<File>(this->FileName);
     this->SetErrorCode(vtkErrorCode::OutOfDiskSpaceError);
@@ -624,9 +572,7 @@ void vtkVTKHDFWriter::WriteData()
     writeGrid(this->Open->Root, grid, this->CompressionLevel);
     writeField(this->Open->Root, grid->GetFieldData());
     if (!this->Open->Close())
-    {
       throw lamella::Error(std::string("'") + this->FileName + "' cannot be finished", "make room on the disk");
-    }
   };
   const auto outcome = lamella::attempt(this, [&] { this->Coded(write); });
   if (outcome == lamella::Outcome::Done)

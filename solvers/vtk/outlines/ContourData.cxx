@@ -82,9 +82,7 @@ vtkDataArray* lumenNumbers(vtkPolyData* outlines)
 {
   vtkDataArray* const numbers = outlines->GetCellData()->GetArray("lumen");
   if (numbers == nullptr)
-  {
     return nullptr;
-  }
   if (numbers->GetNumberOfComponents() != 1 || numbers->GetNumberOfTuples() < outlines->GetNumberOfCells())
   {
     throw InputError("the cell array 'lumen' has " + std::to_string(numbers->GetNumberOfComponents()) +
@@ -125,9 +123,7 @@ vtkSmartPointer<vtkPolyData> toPolyData(
 
   std::size_t count = 0;
   for (const micrograph::Contour& contour : contours.contours)
-  {
     count += contour.points.size();
-  }
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
   points->SetNumberOfPoints(static_cast<vtkIdType>(count));
@@ -150,9 +146,7 @@ vtkSmartPointer<vtkPolyData> toPolyData(
       lines->InsertCellPoint(next++);
     }
     if (contour.closed)
-    {
       lines->InsertCellPoint(first);
-    }
     const auto id = static_cast<vtkIdType>(c);
     const micrograph::LumenMeasures& m = measures.at(contour.lumen);
     lumen->SetValue(id, contour.lumen);
@@ -173,14 +167,10 @@ vtkSmartPointer<vtkPolyData> toPolyData(
   vtkCellData* const cells = outlines->GetCellData();
   cells->SetScalars(lumen);
   for (vtkDataArray* const array : std::initializer_list<vtkDataArray*>{ closed, area, solidity, diameter })
-  {
     cells->AddArray(array);
-  }
   double wall = 1;
   for (const auto& [number, m] : measures)
-  {
     wall -= m.area / (contours.size[0] * contours.size[1]);
-  }
   describe(setFieldNumbers(outlines, "size", contours.size), "m", "width and height of the picture", creator);
   describe(setFieldNumbers(outlines, "corner", corner), "m", "where the picture's lower left corner lies", creator);
   describe(setFieldNumbers(outlines, "wall_fraction", std::span(&wall, 1)), "1",
@@ -208,9 +198,7 @@ std::array<double, 3> cornerOf(vtkPolyData* outlines)
 micrograph::ContourSet contoursFrom(vtkPolyData* outlines)
 {
   if (outlines->GetNumberOfLines() + outlines->GetNumberOfPolys() == 0)
-  {
     throw InputError("there are no outlines: the poly data has no lines", makeOutlines);
-  }
   if (outlines->GetNumberOfVerts() + outlines->GetNumberOfStrips() > 0)
   {
     throw InputError("the poly data has " + std::to_string(outlines->GetNumberOfVerts()) + " vertices and " +
@@ -263,9 +251,7 @@ micrograph::ContourSet contoursFrom(vtkPolyData* outlines)
       contour.points.pop_back();
     }
     if (contour.closed && turned(contour.points) < 0)
-    {
       std::reverse(contour.points.begin(), contour.points.end());
-    }
     set.contours.push_back(std::move(contour));
   }
   micrograph::requireValid(set, "the poly data");

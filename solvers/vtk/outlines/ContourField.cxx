@@ -57,9 +57,7 @@ std::string textOf(double value)
 ContourField contourField(vtkImageData* image, const std::string& name, bool shares, double level, bool below)
 {
   if (!std::isfinite(level))
-  {
     throw ParameterError("the level is " + textOf(level), "give a number between the lumens' values and the walls'");
-  }
   ContourField field;
   field.array = name.empty() ? kDefault : name;
   vtkDataArray* const array = arrayOf(image, field.array);
@@ -72,9 +70,7 @@ ContourField contourField(vtkImageData* image, const std::string& name, bool sha
   {
     const double value = static_cast<double>(each) / full;
     if (!std::isfinite(value))
-    {
       throw InputError("the array '" + field.array + "' has values that are no finite numbers", "give every node one");
-    }
     if (shares && !(value >= -kRoundOff && value <= 1 + kRoundOff))
     {
       throw InputError("the array '" + field.array + "' has the value " + textOf(value) + ", and shares go from 0 to 1",
@@ -85,9 +81,7 @@ ContourField contourField(vtkImageData* image, const std::string& name, bool sha
   }
   const Lattice lattice = latticeOf(image);
   if (shares)
-  {
     field.level = micrograph::levelOfShares(lattice, field.level);
-  }
   field.image = { lattice, {}, PhaseTable({ "lumen", "wall" }) };
   field.image.phase.resize(field.level.size());
   std::transform(field.level.begin(), field.level.end(), field.image.phase.begin(),
@@ -110,10 +104,8 @@ PhaseIds phasesCalled(vtkImageData* image, const std::string& array)
   {
     vtkDataArray* const found = image->GetPointData()->GetArray(array.c_str());
     if (found == nullptr)
-    {
       throw InputError("there is no point array '" + array + "', in which the outlines were found",
         "give the picture that the outlines are from");
-    }
     return found;
   };
   return phaseIds(image, find, Team(nullptr, nullptr));
@@ -122,9 +114,7 @@ PhaseIds phasesCalled(vtkImageData* image, const std::string& array)
 ContourField contourField(vtkImageData* image, const OutlineRecipe& recipe)
 {
   if (recipe.basis != OutlineRecipe::Phases)
-  {
     return contourField(image, recipe.array, recipe.basis == OutlineRecipe::Shares, recipe.level, recipe.below);
-  }
   const PhaseIds phases = phasesCalled(image, recipe.array);
   return contourField(latticeOf(image), phases, findVoid(phases, recipe.lumen, "lumens"));
 }
@@ -178,9 +168,7 @@ std::optional<OutlineRecipe> recipeOf(vtkDataObject* outlines)
 {
   const auto text = fieldText(outlines, "extraction");
   if (!text)
-  {
     return {};
-  }
   try
   {
     const nlohmann::json json = nlohmann::json::parse(*text);

@@ -26,9 +26,7 @@ std::array<double, 3> byDirection(const OutlineFindings& found, Read&& read)
   std::array<double, 3> numbers{};
   numbers.fill(std::numeric_limits<double>::quiet_NaN());
   for (const lbm::ContourAnswer& answer : found.answers)
-  {
     numbers[static_cast<std::size_t>(answer.axis)] = static_cast<double>(read(answer));
-  }
   return numbers;
 }
 
@@ -41,9 +39,7 @@ void addLattices(vtkDataObject* output, const lbm::ContourAnswer& answer)
   array->SetComponentName(0, "spacing");
   array->SetComponentName(1, "conductivity");
   for (const lbm::ContourStep& step : answer.steps)
-  {
     array->InsertNextTuple2(step.spacing, step.value);
-  }
   describe(
     array, "m, conductivity", "distance of nodes and conductivity of each lattice, the coarsest first", kCreator);
   output->GetFieldData()->AddArray(array);
@@ -75,14 +71,17 @@ void describe(vtkDataObject* output, const OutlineFindings& found)
   }
   if (found.picture)
   {
-    write("border_doubt", "change of the conductivity by wall that may lie along the picture's border",
+    write(
+      "border_doubt", "change of the conductivity by wall that may lie along the picture's border",
       [](const auto& a) { return std::abs(a.sealed); });
     write("segmentation_doubt", "change of the conductivity by what is in doubt about where a scan's walls begin",
       [](const auto& a) { return std::abs(a.moved); });
   }
-  write("balance", "relative difference of the flux through the worse face",
+  write(
+    "balance", "relative difference of the flux through the worse face",
     [](const auto& a) { return a.result.balance; });
-  write("iterations", "on the finest lattice", [](const auto& a) { return a.fine.iterations; });
+  write(
+    "iterations", "on the finest lattice", [](const auto& a) { return a.fine.iterations; });
   write("nodes", "of the finest lattice", [](const auto& a) { return a.fine.nodes; });
   std::vector<std::string> names;
   std::vector<double> values;
@@ -95,9 +94,7 @@ void describe(vtkDataObject* output, const OutlineFindings& found)
   setFieldNumbers(output, "phase_conductivity", values);
   setFieldText(output, "direction", found.direction);
   if (found.targetError > 0)
-  {
     setFieldText(output, "target", lbm::name(lbm::targetOf(found.answers, found.targetError)));
-  }
 }
 
 } // namespace lamella

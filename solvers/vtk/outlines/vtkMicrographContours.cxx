@@ -73,9 +73,7 @@ void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
     recipe.segmented = lamella::fieldText(image, "segmentation").has_value();
     parameters = { { "lumen", recipe.lumen }, { "smooth", this->Smooth } };
     if (this->Smooth)
-    {
       parameters["wavelength"] = this->Wavelength;
-    }
   }
   else
   {
@@ -97,9 +95,7 @@ void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
   const lamella::micrograph::Extraction found =
     lamella::micrograph::extractContours(field.image, 0, field.level, recipe.options);
   for (const std::string& warning : found.warnings)
-  {
     vtkWarningMacro(<< warning);
-  }
   const double half = lattice.spacing / 2;
   const std::string creator = this->GetClassName();
   output->ShallowCopy(lamella::toPolyData(
@@ -121,9 +117,7 @@ void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
   lamella::setFieldTexts(output, "report", report.lines());
   lamella::setRecipe(output, recipe);
   if (const auto source = lamella::fieldText(image, "pixel_size_source"))
-  {
     lamella::setFieldText(output, "pixel_size_source", *source);
-  }
   parameters["tolerance"] = this->Tolerance;
   parameters["smallest_area"] = recipe.options.smallestArea;
   parameters["least_solidity"] = this->LeastSolidity;
@@ -137,9 +131,7 @@ int vtkMicrographContours::RequestData(
   vtkPolyData* const output = vtkPolyData::GetData(outputVector);
   output->Initialize();
   if (!lamella::isFirstPiece(outputVector))
-  {
     return 1;
-  }
   if (lamella::attempt(this, [&] { this->Extract(vtkImageData::GetData(inputVector[0]), output); }) !=
     lamella::Outcome::Done)
   {

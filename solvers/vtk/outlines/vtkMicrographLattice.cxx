@@ -81,9 +81,7 @@ void addArrays(vtkImageData* image, const micrograph::ContourLattice& lattice,
   std::copy(lattice.lumenShare.begin(), lattice.lumenShare.end(), share->GetPointer(0));
   describe(share, "1", "lumen's share of the node's pixel", creator);
   for (vtkDataArray* const array : std::initializer_list<vtkDataArray*>{ grain, axis, share })
-  {
     image->GetPointData()->AddArray(array);
-  }
 }
 
 /// What is told of every middle lamella.
@@ -131,9 +129,7 @@ int vtkMicrographLattice::FillInputPortInformation(int port, vtkInformation* inf
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), port == 0 ? "vtkPolyData" : "vtkImageData");
   if (port == 1)
-  {
     info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
-  }
   return 1;
 }
 
@@ -184,13 +180,9 @@ vtkSmartPointer<vtkImageData> vtkMicrographLattice::Made(vtkPolyData* outlines, 
     micrograph::LamellaOptions lamella;
     lamella.method = this->Lamella == GROWTH ? micrograph::LamellaMethod::Growth : micrograph::LamellaMethod::Constant;
     if (this->LamellaThickness != 0)
-    {
       lamella.thickness = this->LamellaThickness;
-    }
     if (!(this->LamellaRadius < 0))
-    {
       lamella.radius = this->LamellaRadius;
-    }
     lamella.horizon = this->Horizon;
     micrograph::MiddleLamella found = micrograph::middleLamella(lattice, directions, lamella);
     warnings.insert(warnings.end(), found.warnings.begin(), found.warnings.end());
@@ -199,9 +191,7 @@ vtkSmartPointer<vtkImageData> vtkMicrographLattice::Made(vtkPolyData* outlines, 
     parameters["lamella"] = this->Lamella == GROWTH ? "growth" : "constant";
     parameters["lamella_thickness"] = found.thickness;
     if (this->Lamella == GROWTH)
-    {
       parameters["lamella_radius"] = found.radius;
-    }
     parameters["horizon"] = this->Horizon;
   }
   addArrays(image, lattice, directions, creator);
@@ -218,9 +208,7 @@ vtkSmartPointer<vtkImageData> vtkMicrographLattice::Made(vtkPolyData* outlines, 
   lamella::setProvenance(image, lamella::provenance(outlines));
   lamella::continueProvenance(image, "lattice", parameters);
   for (const std::string& warning : warnings)
-  {
     vtkWarningMacro(<< warning);
-  }
   return image;
 }
 
@@ -228,14 +216,10 @@ bool vtkMicrographLattice::Rasterise(vtkPolyData* outlines, vtkImageData* pictur
 {
   if (this->Image != nullptr && this->MadeTime > this->GetMTime() && this->MadeTime > outlines->GetMTime() &&
     (picture == nullptr || this->MadeTime > picture->GetMTime()))
-  {
     return true;
-  }
   this->Image = nullptr;
   if (lamella::attempt(this, [&] { this->Image = this->Made(outlines, picture); }) != lamella::Outcome::Done)
-  {
     return false;
-  }
   this->MadeTime.Modified();
   return true;
 }
@@ -250,15 +234,11 @@ int vtkMicrographLattice::RequestInformation(
     vtkAlgorithm* const producer =
       this->GetNumberOfInputConnections(input) > 0 ? this->GetInputAlgorithm(input, 0, port) : nullptr;
     if (producer != nullptr && producer->UpdatePiece(0, 1, 0) == 0)
-    {
       return 0; // it has said what is wrong
-    }
   }
   vtkPolyData* const outlines = vtkPolyData::GetData(inputVector[0]);
   if (outlines == nullptr || !this->Rasterise(outlines, vtkImageData::GetData(inputVector[1])))
-  {
     return 0;
-  }
   lamella::announce(outputVector->GetInformationObject(0), lamella::latticeOf(this->Image));
   return 1;
 }
@@ -270,9 +250,7 @@ int vtkMicrographLattice::RequestUpdateExtent(
   lamella::requestWhole(inputVector[0]->GetInformationObject(0));
   vtkInformation* const picture = inputVector[1]->GetInformationObject(0);
   if (picture != nullptr && picture->Has(Pipeline::WHOLE_EXTENT()))
-  {
     picture->Set(Pipeline::UPDATE_EXTENT(), picture->Get(Pipeline::WHOLE_EXTENT()), 6);
-  }
   return 1;
 }
 
@@ -280,9 +258,7 @@ int vtkMicrographLattice::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   if (!this->Rasterise(vtkPolyData::GetData(inputVector[0]), vtkImageData::GetData(inputVector[1])))
-  {
     return 0;
-  }
   lamella::deliver(this->Image, outputVector->GetInformationObject(0));
   return 1;
 }

@@ -50,7 +50,8 @@ int vtkMicrographPolygonReader::RequestInformation(
 
 bool vtkMicrographPolygonReader::HasWindow() const
 {
-  return std::any_of(this->Window, this->Window + 4, [](double edge) { return edge != 0; });
+  return std::any_of(
+    this->Window, this->Window + 4, [](double edge) { return edge != 0; });
 }
 
 void vtkMicrographPolygonReader::Crop(vtkPolyData* lumens)
@@ -71,9 +72,7 @@ void vtkMicrographPolygonReader::Filter(vtkPolyData* lumens)
   namespace micrograph = lamella::micrograph;
   const micrograph::LumenFilter filter{ micrograph::areaOfCircle(this->LeastDiameter), this->LeastSolidity };
   if (filter.smallestArea == 0 && filter.leastSolidity == 0)
-  {
     return;
-  }
   const micrograph::ContourSet left = micrograph::filterLumens(lamella::contoursFrom(lumens), filter);
   if (left.contours.empty())
   {
@@ -85,9 +84,7 @@ void vtkMicrographPolygonReader::Filter(vtkPolyData* lumens)
   lamella::continueProvenance(
     part, "filter", { { "least_diameter", this->LeastDiameter }, { "least_solidity", this->LeastSolidity } });
   for (const double unit : lamella::fieldNumbers(lumens, "unit"))
-  {
     lamella::setFieldNumbers(part, "unit", std::array{ unit });
-  }
   lumens->ShallowCopy(part);
 }
 
@@ -111,9 +108,7 @@ void vtkMicrographPolygonReader::Read(vtkPolyData* lumens, vtkPolyData* cells)
   lamella::micrograph::PolygonReadOptions options;
   nlohmann::json parameters{ { "y_down", this->YDown } };
   if (this->Unit != 0)
-  {
     options.unit = this->Unit;
-  }
   if (this->HasWindow())
   {
     options.window.emplace();
@@ -124,9 +119,7 @@ void vtkMicrographPolygonReader::Read(vtkPolyData* lumens, vtkPolyData* cells)
   const lamella::micrograph::PolygonFile file = lamella::micrograph::readPolygons(path, options);
   parameters["unit"] = file.unit;
   for (const std::string& warning : file.warnings)
-  {
     vtkWarningMacro(<< warning);
-  }
   lumens->ShallowCopy(lamella::toPolyData(file.lumens, this->GetClassName()));
   lamella::setFieldNumber(lumens, "unit", file.unit, "m", "one unit of the file's coordinates", this->GetClassName());
   lamella::beginProvenance(lumens, "polygons", parameters, {}, path);
@@ -144,9 +137,7 @@ int vtkMicrographPolygonReader::RequestData(vtkInformation*, vtkInformationVecto
   lumens->Initialize();
   cells->Initialize();
   if (!lamella::isFirstPiece(outputVector))
-  {
     return 1;
-  }
   if (lamella::attempt(this,
         [&]
         {

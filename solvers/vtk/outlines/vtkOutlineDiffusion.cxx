@@ -88,9 +88,7 @@ std::vector<double> conductivities(const std::map<std::string, double>& table)
   }
   std::vector<double> all{ *values[0], *values[1] };
   if (values[2])
-  {
     all.push_back(*values[2]);
-  }
   if (std::ranges::all_of(all, [](double value) { return value == 0; }))
   {
     throw lamella::NoPathError(
@@ -152,9 +150,7 @@ void vtkOutlineDiffusion::SetPictureData(vtkImageData* picture)
 void vtkOutlineDiffusion::SetConductivity(const char* phase, double value)
 {
   if (phase == nullptr || *phase == '\0')
-  {
     return; // an empty row in a panel
-  }
   const auto [entry, added] = this->Internal->Conductivity.try_emplace(phase, value);
   if (added || entry->second != value)
   {
@@ -196,9 +192,7 @@ int vtkOutlineDiffusion::FillInputPortInformation(int port, vtkInformation* info
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), port == 0 ? "vtkPolyData" : "vtkImageData");
   if (port == 1)
-  {
     info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
-  }
   return 1;
 }
 
@@ -229,9 +223,7 @@ int vtkOutlineDiffusion::RequestData(
   output->Initialize();
   this->Internal->Found = {};
   if (!lamella::isFirstPiece(outputVector))
-  {
     return 1;
-  }
   const lamella::Outcome outcome = lamella::attempt(
     this, [&] { this->Solve(vtkPolyData::GetData(inputVector[0]), vtkImageData::GetData(inputVector[1]), output); });
   return lamella::concluded(this, outcome, outputVector);
@@ -252,13 +244,9 @@ void vtkOutlineDiffusion::Solve(vtkPolyData* outlines, vtkImageData* picture, vt
   this->RequireConductivities();
   study.conductivity = conductivities(this->Internal->Conductivity);
   for (std::size_t i = 0; i < study.conductivity.size(); ++i)
-  {
     found.conductivity.emplace_back(kPhases[i], study.conductivity[i]);
-  }
   if (study.conductivity.size() > 2 && study.conductivity[2] == study.conductivity[1])
-  {
     study.conductivity.pop_back();
-  }
   study.spacing = found.spacing;
   study.axes = this->Direction == ALL ? std::vector<int>{ X, Y } : std::vector<int>{ this->Direction };
   study.targetError = this->TargetError;
@@ -275,16 +263,12 @@ void vtkOutlineDiffusion::Solve(vtkPolyData* outlines, vtkImageData* picture, vt
     study.coarser = micrograph::coarserOutlines(field.image, 0, field.level, recipe->options);
     study.sealed = micrograph::sealedOutlines(contours, study.pixel);
     if (recipe->segmented)
-    {
       study.moved = micrograph::movedOutlines(contours, micrograph::segmentDoubt * study.pixel);
-    }
   }
   lamella::LamellaLabels labels;
   micrograph::LamellaOptions how;
   if (ownLamella && this->Lamella == LABELS)
-  {
     labels = lamella::lamellaLabels(picture, recipe, this->LamellaPhase);
-  }
   how.method = this->Lamella == CONSTANT ? micrograph::LamellaMethod::Constant : micrograph::LamellaMethod::Growth;
   // The same on every lattice, whose outlines are a little longer or shorter.
   how.thickness = this->LamellaThickness > 0 ? this->LamellaThickness : micrograph::usualLamella(thickness.median);
@@ -301,9 +285,7 @@ void vtkOutlineDiffusion::Solve(vtkPolyData* outlines, vtkImageData* picture, vt
         ? micrograph::labelledLamella(own, labels.image, labels.lamella, fitted.stretch)
         : micrograph::middleLamella(own, micrograph::wallDirections(fitted.contours, own), how).image;
       if (this->CheckAbort())
-      {
         throw lamella::Cancelled();
-      }
     };
   }
   study.plan = [this, &budget](const lbm::ContourPlan& plan)
@@ -333,18 +315,14 @@ void vtkOutlineDiffusion::Solve(vtkPolyData* outlines, vtkImageData* picture, vt
   {
     found.shortfall = lbm::shortfall(found.answers, this->TargetError);
     if (!found.shortfall.message.empty())
-    {
       vtkWarningMacro(<< found.shortfall.message << "\nhint: " << found.shortfall.hint);
-    }
   }
   output->ShallowCopy(outlines);
   lamella::describe(output, found);
   nlohmann::json parameters = lamella::settingsAsJson(this);
   parameters["spacing"] = found.spacing;
   for (const auto& [name, value] : found.conductivity)
-  {
     parameters["conductivity"][name] = value;
-  }
   lamella::continueProvenance(output, "outline_diffusion", parameters);
 }
 

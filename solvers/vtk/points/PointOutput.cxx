@@ -61,9 +61,7 @@ struct StateColumns
     , energy(newArray<vtkDoubleArray>("energy_density", 1, arrays.energyDensity ? count : 0))
   {
     for (int c = 0; c < 6; ++c)
-    {
       stress->SetComponentName(c, stressNames[static_cast<std::size_t>(c)]);
-    }
   }
 
   /// @param period of periodic axes, where points come in again at the other end; else 0
@@ -75,15 +73,11 @@ struct StateColumns
     {
       double u = c < Dim ? x[c] - start[c] : 0;
       if (const double length = c < Dim ? period[static_cast<std::size_t>(c)] : 0; length > 0)
-      {
         u -= length * std::round(u / length);
-      }
       displacement->SetTypedComponent(to, c, u);
     }
     for (int c = 0; c < 3 && asked.velocity; ++c)
-    {
       velocity->SetTypedComponent(to, c, c < Dim ? v[c] : 0);
-    }
   }
 
   template <int Dim>
@@ -92,9 +86,7 @@ struct StateColumns
   {
     using Points = mpm::MaterialPoints<Dim>;
     if (!asked.stress && !asked.deformationGradient && !asked.energyDensity)
-    {
       return;
-    }
     const auto phase = points.phase()[i];
     const mpm::Matrix<Dim> F = points.matrix(Points::deformations, i);
     const mpm::Vector<Dim> axis = points.vector(Points::axes, i);
@@ -118,9 +110,7 @@ struct StateColumns
       gradient->SetTypedComponent(to, c, a < Dim && b < Dim ? F(a, b) : (a == b ? thirdStretch : 0));
     }
     if (asked.energyDensity)
-    {
       energy->SetValue(to, law.energy(phase, F, axis, memory.data()));
-    }
   }
 
   void addTo(vtkPointData* data, const char* creator) const
@@ -133,12 +123,8 @@ struct StateColumns
     describe(energy, "J/m^3", "elastic, over the volume at the start", creator);
     for (vtkDoubleArray* const array :
       std::initializer_list<vtkDoubleArray*>{ displacement, velocity, stress, gradient, energy })
-    {
       if (array->GetNumberOfTuples() > 0)
-      {
         data->AddArray(array);
-      }
-    }
     data->SetActiveVectors(asked.displacement ? "displacement" : asked.velocity ? "velocity" : nullptr);
   }
 
@@ -162,9 +148,7 @@ PointShare<Dim> shareAtStart(
   PointShare<Dim> share{ firsts, firsts[static_cast<std::size_t>(comm.rank())], {} };
   share.places.resize(mine.count());
   for (std::size_t p = 0; p < mine.count(); ++p)
-  {
     share.places[static_cast<std::size_t>(mine.id()[p] - share.first)] = mine.vector(Points::positions, p);
-  }
   return share;
 }
 
@@ -218,9 +202,7 @@ void setCompressionCurve(vtkTable* output, const std::vector<mpm::CompressionRow
   {
     const auto array = newArray<vtkDoubleArray>(column.name, 1, rows.size());
     for (std::size_t i = 0; i < rows.size(); ++i)
-    {
       array->SetValue(static_cast<vtkIdType>(i), rows[i].*column.value);
-    }
     describe(array, column.unit, column.text, creator);
     output->AddColumn(array);
   }
@@ -231,9 +213,7 @@ double stressAt(const std::vector<mpm::CompressionRow>& rows, double strain)
   const auto next = std::lower_bound(
     rows.begin(), rows.end(), strain, [](const mpm::CompressionRow& row, double e) { return row.strain < e; });
   if (next == rows.begin() || next == rows.end())
-  {
     return rows.empty() ? 0 : (next == rows.end() ? rows.back() : rows.front()).stress;
-  }
   const auto before = next - 1;
   const double share = (strain - before->strain) / (next->strain - before->strain);
   return before->stress + share * (next->stress - before->stress);

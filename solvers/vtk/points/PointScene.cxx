@@ -102,9 +102,7 @@ PointScene::PointScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInfo
   , phases_(phaseIds(piece, phaseChoice, team))
 {
   if (!(std::isfinite(settings.cellsPerNode) && settings.cellsPerNode > 0))
-  {
     throw ParameterError(fmt::format("{} cells of the grid a node", settings.cellsPerNode), "above 0; 1 is usual");
-  }
   const auto last = static_cast<std::size_t>(lattice_.dimension) - 1;
   const std::int64_t rows = lattice_.size[last];
   own_.start[last] = rows * team.rank() / team.size();
@@ -114,9 +112,7 @@ PointScene::PointScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInfo
   inward.run<std::uint8_t>(phases_.ids, phase_);
   nodes_.assign(std::max<std::size_t>(phases_.values.size(), 1), 0);
   for (const std::uint8_t id : phase_)
-  {
     ++nodes_[id];
-  }
   team.sum(nodes_);
   findVoids();
   const bool named = axisChoice != nullptr && axisChoice->Has(vtkDataObject::FIELD_NAME());
@@ -136,13 +132,9 @@ PointScene::PointScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInfo
   const bool yields = law_ == WallLaw::Plastic;
   plane_ = settings.plane.value_or(yields ? mpm::PlaneState::Strain : mpm::PlaneState::Stress);
   if (lattice_.dimension == 3 && settings.plane)
-  {
     throw ParameterError("plane stress or plane strain of a volume", "leave it out: volumes are solved in space");
-  }
   if (yields && lattice_.dimension == 2 && plane_ == mpm::PlaneState::Stress)
-  {
     throw ParameterError("walls that yield in plane stress", "take plane strain, or a volume");
-  }
   checkConstants();
   shareOut();
   measureWalls();
@@ -175,9 +167,7 @@ void PointScene::findVoids()
   }
   bool some = false;
   for (std::size_t id = 0; id < names.size(); ++id)
-  {
     some = some || solid(id);
-  }
   if (!some)
   {
     throw InputError(fmt::format("all {} nodes are void: there is nothing to press", lattice_.count()),
@@ -187,26 +177,18 @@ void PointScene::findVoids()
   const auto first = std::find(void_.begin(), void_.end(), true);
   empty_ = static_cast<std::uint8_t>(first != void_.end() ? first - void_.begin() : 255);
   if (first == void_.end() && nodes_.size() == 256 && nodes_[255] > 0)
-  {
     throw InputError("256 phases, and none of them void", "one at least has to be without nodes, or void");
-  }
   for (std::uint8_t& id : phase_)
-  {
     id = void_[id] ? empty_ : id;
-  }
   for (std::size_t id = 0; id < nodes_.size(); ++id)
-  {
     solidNodes_ += void_[id] ? 0 : nodes_[id];
-  }
 }
 
 std::int64_t PointScene::eachNode() const noexcept
 {
   std::int64_t each = 1;
   for (int a = 0; a < lattice_.dimension; ++a)
-  {
     each *= settings_.perNode;
-  }
   return each;
 }
 
@@ -232,9 +214,7 @@ void PointScene::measureWalls()
   const auto last = static_cast<std::size_t>(lattice_.dimension) - 1;
   std::vector<std::int32_t> least(phase_.size(), mpm::noRun);
   for (std::size_t a = 0; a < last; ++a)
-  {
     mpm::shortenRuns(own_.size, phase_, empty_, static_cast<int>(a), least);
-  }
   // runs along the last axis cross the ranks' rows: for these each rank takes a part of the lattice cut across x
   Block columns{ { 0, 0, 0 }, lattice_.size };
   columns.start[0] = lattice_.size[0] * team_.rank() / team_.size();
@@ -250,12 +230,8 @@ void PointScene::measureWalls()
   std::vector<std::int64_t> nodes(
     static_cast<std::size_t>(*std::max_element(lattice_.size.begin(), lattice_.size.end())));
   for (std::size_t i = 0; i < least.size(); ++i)
-  {
     if (const std::int32_t run = std::min(least[i], runs[i]); run != mpm::noRun)
-    {
       ++nodes[static_cast<std::size_t>(run)];
-    }
-  }
   team_.sum(nodes);
   cells_ = mpm::wallCells(nodes, solidNodes_, lattice_.spacing / gridSpacing());
 }
@@ -268,9 +244,7 @@ bool PointScene::solid(std::size_t id) const
 bool PointScene::held(std::size_t id, WallConstant constant) const
 {
   if (id >= phases_.names.size())
-  {
     return false;
-  }
   const auto phase = entryOf(settings_.ofPhase, phases_.names, id);
   return phase != settings_.ofPhase.end() && phase->second.contains(constant);
 }
@@ -311,9 +285,7 @@ std::vector<std::string> PointScene::warnings() const
 {
   std::vector<std::string> found;
   if (std::string thin = mpm::wallWarning(cells_); !thin.empty())
-  {
     found.push_back(std::move(thin));
-  }
   if (const double each = settings_.perNode / settings_.cellsPerNode; each < 2)
   {
     found.push_back(
@@ -339,9 +311,7 @@ std::vector<std::string> PointScene::warnings() const
 int PointScene::axis(int chosen) const
 {
   if (chosen >= lattice_.dimension)
-  {
     throw ParameterError("a load along z of a picture", "take x or y");
-  }
   return chosen < 0 ? lattice_.dimension - 1 : chosen;
 }
 
@@ -385,9 +355,7 @@ mpm::MaterialPoints<Dim> PointScene::points() const
   options.history = law_ == WallLaw::Plastic ? mpm::Hencky::history : 0;
   options.density.clear();
   for (std::size_t id = 0; id < nodes_.size(); ++id)
-  {
     options.density.push_back(value(id, WallConstant::Density));
-  }
   const std::int64_t mine =
     eachNode() * (own_.count() - std::count(phase_.begin(), phase_.end(), empty_)); // points of own nodes
   const std::int64_t first = Communicator(team_.comm()).sumBefore(mine);
@@ -399,16 +367,12 @@ mpm::MaterialPoints<Dim> PointScene::points() const
       const double bytes =
         static_cast<double>(mine) * (8.0 * (mpm::MaterialPoints<Dim>::histories + options.history) + 5);
       if (const auto available = static_cast<double>(availableMemory()); 2 * bytes > available)
-      {
         throw MemoryError(fmt::format("material points and their grid need {} of memory at least, and {} are free",
                             bytesText(2 * bytes), bytesText(available)),
           "take a part of the image, or fewer points a node");
-      }
       std::vector<std::array<float, Dim>> axis(directions_.size());
       for (std::size_t i = 0; i < axis.size(); ++i)
-      {
         std::copy_n(directions_[i].begin(), Dim, axis[i].begin());
-      }
       points = mpm::pointsFromLattice<Dim>(lattice_, own_, phase_, axis, options, first);
     });
   return points;
@@ -422,9 +386,7 @@ std::shared_ptr<const mpm::PointLaw<Dim>> PointScene::law() const
   std::vector<std::array<double, mpm::Hencky::constants>> plastic;
   std::size_t some = 0; // phase of points: those without points are like it
   while (!solid(some))
-  {
     ++some;
-  }
   for (std::size_t phase = 0; phase < nodes_.size(); ++phase)
   {
     const std::size_t id = solid(phase) ? phase : some;
@@ -451,9 +413,7 @@ std::shared_ptr<const mpm::PointLaw<Dim>> PointScene::law() const
       m.poissonsRatio = wall.poissonsRatio;
       m.acrossRatio = of(WallConstant::TransversePoisson);
       if (const double shear = of(WallConstant::Shear); shear != 0 || held(id, WallConstant::Shear))
-      {
         m.shearModulus = shear;
-      }
       m.barrier = wall.barrier;
       orthotropic.push_back(mpm::orthotropicConstants<Dim>(m, plane_, name));
     }
@@ -475,9 +435,7 @@ nlohmann::json PointScene::describe(vtkDataObject* output) const
       const auto constant = static_cast<WallConstant>(c);
       const double v = value(id, constant);
       if (belongs(constant, law_) && !(v == 0 && constant == WallConstant::Shear))
-      {
         walls[phases_.names[id]][nameOf(constant)] = v;
-      }
     }
   }
   setFieldTexts(output, "phase_names", phases_.names);

@@ -209,12 +209,8 @@ void vtkPointCompression::Run(vtkImageData* input, vtkInformationVector* outputs
   vtkPolyData* const output = vtkPolyData::GetData(outputs, 0);
   kept.States.show(output);
   for (const auto& [name, on] : fields)
-  {
     if (!on)
-    {
       output->GetPointData()->RemoveArray(name.c_str());
-    }
-  }
   vtkDataObject::GetData(outputs, 1)->ShallowCopy(kept.Curve);
 }
 
@@ -246,9 +242,7 @@ mpm::CompressionOptions<Dim> vtkPointCompression::Internals::Options(
   o.motion.mass = s.ConsistentMass ? mpm::MassMatrix::Consistent : mpm::MassMatrix::Lumped;
   o.motion.update = s.ModifiedUpdate ? mpm::StressUpdate::ModifiedLast : mpm::StressUpdate::Last;
   if (s.TimeStep != 0)
-  {
     o.motion.step = s.TimeStep;
-  }
   return o;
 }
 
@@ -297,9 +291,7 @@ void vtkPointCompression::Internals::Solve(
   options.progress = [&](double done)
   {
     if (running != nullptr)
-    {
       look();
-    }
     if (done == 0 || this->Told.due()) // setting up asks some thirty times
     {
       if (running != nullptr)
@@ -323,16 +315,12 @@ void vtkPointCompression::Internals::Solve(
   account.RunSeconds = comm.max(lamella::secondsSince(moved));
   look(); // also where it was stopped
   if (!finished)
-  {
     throw lamella::Cancelled();
-  }
   const bool ended = this->States.count() > 0 &&
     this->States.all().back()->GetInformation()->Get(vtkDataObject::DATA_TIME_STEP()) >=
       run.strain() - sameStrain * self.Strain;
   if (!ended)
-  {
     keep(run.strain());
-  }
 
   this->Conclude(run, scene, team, begin.warning, account);
 }
@@ -344,20 +332,12 @@ void vtkPointCompression::Internals::Conclude(const mpm::PointCompression<Dim>& 
   vtkPointCompression& self = *this->Self;
   account.Summary = run.summary();
   if (!warning.empty())
-  {
     account.Warnings.push_back(warning);
-  }
   for (const std::vector<std::string>& some : { scene.warnings(), account.Summary.warnings })
-  {
     account.Warnings.insert(account.Warnings.end(), some.begin(), some.end());
-  }
   for (const std::string& said : account.Warnings)
-  {
     if (team.rank() == 0)
-    {
       vtkWarningWithObjectMacro(&self, << said);
-    }
-  }
   for (const auto& state : this->States.all())
   {
     lamella::setFieldNumber(
@@ -365,9 +345,7 @@ void vtkPointCompression::Internals::Conclude(const mpm::PointCompression<Dim>& 
     this->Describe(state, scene, account);
   }
   if (team.rank() == 0)
-  {
     lamella::setCompressionCurve(this->Curve, run.rows(), self.GetClassName());
-  }
   this->Curve->GetFieldData()->ShallowCopy(this->States.all().back()->GetFieldData());
 }
 

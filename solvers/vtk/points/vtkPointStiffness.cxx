@@ -39,9 +39,7 @@ vtkSmartPointer<vtkStringArray> textColumn(const char* name, const std::vector<s
   const auto column = vtkSmartPointer<vtkStringArray>::New();
   column->SetName(name);
   for (const std::string& text : texts)
-  {
     column->InsertNextValue(text);
-  }
   return column;
 }
 
@@ -74,9 +72,7 @@ struct vtkPointStiffness::Answer
     this->Points = static_cast<double>(s.points);
     this->Nodes = static_cast<double>(s.nodes);
     for (const std::int64_t n : s.iterations)
-    {
       this->Iterations += static_cast<double>(n);
-    }
     this->Residual = std::max(this->Residual, s.residual);
     this->Lost = std::max(this->Lost, s.lost);
     this->SetupSeconds += s.setupSeconds;
@@ -87,9 +83,7 @@ struct vtkPointStiffness::Answer
   {
     const std::vector<std::string> names = pd::voigtNames(Dim);
     for (const int strain : s.strains)
-    {
       this->Components.push_back(names.at(static_cast<std::size_t>(strain)));
-    }
     this->Tensor = s.stiffness;
   }
   template <int Dim>
@@ -182,9 +176,7 @@ vtkPointStiffness::Answer vtkPointStiffness::Solve(const lamella::PointScene& sc
     answer.Add(s);
     answer.SetTensor(s);
     for (int axis = 0; axis < Dim; ++axis)
-    {
       answer.AddUniaxial(s.along(axis, this->Sides == FIXED), axis, this->Sides == STRAIGHT);
-    }
     return answer;
   }
   for (int axis = 0; axis < Dim; ++axis, ++done)
@@ -213,9 +205,7 @@ void vtkPointStiffness::Run(vtkImageData* input, vtkInformationVector* outputs, 
   tensor->Initialize();
   std::vector<std::string> units;
   for (const std::string& name : answer.Names)
-  {
     units.emplace_back(name.starts_with("nu") ? "1" : "Pa");
-  }
   const auto values = numberColumn("value", answer.Values);
   lamella::describe(values, "", "moduli in Pa, Poisson's ratios", this->GetClassName());
   constants->AddColumn(textColumn("constant", answer.Names));
@@ -227,9 +217,7 @@ void vtkPointStiffness::Run(vtkImageData* input, vtkInformationVector* outputs, 
   {
     std::vector<double> column;
     for (std::size_t stress = 0; stress < n; ++stress)
-    {
       column.push_back(answer.Tensor[stress * n + strain]);
-    }
     const auto array = numberColumn(answer.Components[strain], column);
     lamella::describe(array, "Pa", "stress over this mean strain", this->GetClassName());
     tensor->AddColumn(array);
@@ -243,9 +231,7 @@ void vtkPointStiffness::Run(vtkImageData* input, vtkInformationVector* outputs, 
       answer.Residual, this->Tolerance, answer.Lost));
   }
   for (const std::string& warning : warnings)
-  {
     vtkWarningMacro(<< warning);
-  }
   for (vtkTable* const table : { constants, tensor })
   {
     const auto number = [table](const char* name, double value) { lamella::setFieldNumber(table, name, value); };

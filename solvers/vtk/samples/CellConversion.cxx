@@ -102,15 +102,11 @@ vtkSmartPointer<vtkUnstructuredGrid> toUnstructuredGrid(vtkPolyData* poly)
   {
     vtkCellArray* const list = lists[static_cast<std::size_t>(kind)];
     for (vtkIdType cell = 0; cell < list->GetNumberOfCells(); ++cell)
-    {
       types->InsertNextValue(static_cast<unsigned char>(typeOf(kind, list->GetCellSize(cell))));
-    }
     cells->Append(list);
   }
   if (poly->GetPoints() != nullptr)
-  {
     grid->SetPoints(poly->GetPoints());
-  }
   grid->SetCells(types, cells);
   grid->GetPointData()->ShallowCopy(poly->GetPointData());
   grid->GetCellData()->ShallowCopy(poly->GetCellData());
@@ -130,22 +126,16 @@ vtkSmartPointer<vtkPolyData> toPolyData(vtkUnstructuredGrid* grid)
     for (vtkIdType cell = 0; cell < grid->GetNumberOfCells(); ++cell)
     {
       if (static_cast<std::size_t>(*kindOf(grid->GetCellType(cell))) != kind)
-      {
         continue;
-      }
       grid->GetCellPoints(cell, points);
       if (grid->GetCellType(cell) == VTK_PIXEL) // its rows run the same way, a polygon runs round
-      {
         std::swap(*points->GetPointer(2), *points->GetPointer(3));
-      }
       lists[kind]->InsertNextCell(points);
       order->InsertNextId(cell);
     }
   }
   if (grid->GetPoints() != nullptr)
-  {
     poly->SetPoints(grid->GetPoints());
-  }
   poly->SetVerts(lists[Vertices]);
   poly->SetLines(lists[Lines]);
   poly->SetPolys(lists[Polygons]);
@@ -160,9 +150,7 @@ vtkSmartPointer<vtkPolyData> toPolyData(vtkUnstructuredGrid* grid)
     poly->GetCellData()->CopyAllOn();
     poly->GetCellData()->CopyAllocate(grid->GetCellData(), grid->GetNumberOfCells());
     for (vtkIdType cell = 0; cell < order->GetNumberOfIds(); ++cell)
-    {
       poly->GetCellData()->CopyData(grid->GetCellData(), order->GetId(cell), cell);
-    }
   }
   poly->GetFieldData()->ShallowCopy(grid->GetFieldData());
   return poly;

@@ -61,17 +61,13 @@ void setForces(const packing::Packing& p, const std::string& creator, vtkPolyDat
     const auto add = [&](std::int32_t grain, double sign)
     {
       for (int axis = 0; axis < 3; ++axis)
-      {
         net->SetTypedComponent(
           grain, axis, net->GetTypedComponent(grain, axis) + sign * c.force[static_cast<std::size_t>(axis)]);
-      }
       normal->SetValue(grain, normal->GetValue(grain) + along);
     };
     add(c.first, -1);
     if (c.second >= 0)
-    {
       add(c.second, 1);
-    }
   }
   const char* const unit = p.dimension == 3 ? "N" : "N/m";
   describe(net, unit, "sum of the forces on the grain", creator);
@@ -153,9 +149,7 @@ void setPacking(const packing::Packing& p, const packing::PackingStatistics& s, 
   {
     number->SetValue(c.first, number->GetValue(c.first) + 1);
     if (c.second >= 0)
-    {
       number->SetValue(c.second, number->GetValue(c.second) + 1);
-    }
   }
   describe(radius, "m", "radius of the grain", creator);
   describe(diameter, "m", "diameter of the grain", creator);
@@ -186,9 +180,7 @@ packing::Packing packingFrom(vtkPolyData* particles)
   vtkDataArray* array = data->GetArray("radius");
   const double scale = array != nullptr ? 1 : 0.5;
   if (array == nullptr)
-  {
     array = data->GetArray("diameter");
-  }
   if (array == nullptr || array->GetNumberOfComponents() != 1)
   {
     throw InputError("the points have no array 'radius' (nor 'diameter')",
@@ -207,9 +199,7 @@ packing::Packing packingFrom(vtkPolyData* particles)
   }
   const std::vector<double> box = fieldNumbers(particles, "box");
   if (box.size() != 3)
-  {
     return packing::packingOf(flat ? 2 : 3, centre, radius);
-  }
   const int dimension = box[2] > 0 ? 3 : 2;
   const auto axes = static_cast<std::size_t>(dimension);
   packing::Packing p;
@@ -220,9 +210,7 @@ packing::Packing packingFrom(vtkPolyData* particles)
   {
     bool inside = std::isfinite(radius[i]) && radius[i] > 0;
     for (std::size_t a = 0; a < axes; ++a)
-    {
       inside = inside && centre[i][a] >= 0 && centre[i][a] <= box[a];
-    }
     if (!inside)
     {
       // Says in packingOf()'s words what is wrong with this one.
@@ -230,13 +218,9 @@ packing::Packing packingFrom(vtkPolyData* particles)
     }
   }
   if (count == 0)
-  {
     throw InputError("there are no grains", "give a packing that has some");
-  }
   for (std::size_t a = 0; a < axes && periodic.size() == 3; ++a)
-  {
     p.periodic[a] = periodic[a] != 0;
-  }
   p.centre = std::move(centre);
   p.radius = std::move(radius);
   return p;

@@ -100,9 +100,7 @@ vtkMTimeType vtkGrainPacking::GetMTime()
 int vtkGrainPacking::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   for (int port = 0; port < 2; ++port)
-  {
     outputVector->GetInformationObject(port)->Set(CAN_HANDLE_PIECE_REQUEST(), 1); // all in the first piece
-  }
   return 1;
 }
 
@@ -110,16 +108,10 @@ void vtkGrainPacking::Pack()
 {
   Internals& kept = *this->Kept;
   for (const vtkIdType seed : kept.Seeds)
-  {
     if (seed < 0)
-    {
       throw lamella::ParameterError("a seed is " + std::to_string(seed), "give whole numbers that are not negative");
-    }
-  }
   if (!kept.Seeds.empty() && this->StateEvery > 0)
-  {
     throw lamella::ParameterError("states on the way of several packings", "give one seed, or no number of steps");
-  }
   packing::PackingOptions options;
   options.dimension = this->Dimension;
   options.count = this->Count;
@@ -132,9 +124,7 @@ void vtkGrainPacking::Pack()
   options.pressure = this->Pressure;
   options.softness = this->Softness;
   if (this->PackingFraction != 0)
-  {
     options.packingFraction = this->PackingFraction;
-  }
   options.seed = static_cast<std::uint64_t>(this->Seed);
   options.tolerance = this->Tolerance;
   options.progress = [&](double share, const char* stage)
@@ -153,19 +143,15 @@ void vtkGrainPacking::Pack()
     { "aspect", this->Aspect }, { "periodic", this->Periodic }, { "friction", this->Friction },
     { "pressure", this->Pressure }, { "softness", this->Softness }, { "tolerance", this->Tolerance } };
   if (options.packingFraction)
-  {
     parameters["packing_fraction"] = this->PackingFraction;
-  }
   double made = 0;
   const auto keep = [&](const packing::Packing& grains, const char* stage, std::uint64_t seed)
   {
     const auto needed = static_cast<double>(lamella::packingBytes(grains));
     if (const auto available = static_cast<double>(lamella::availableMemory()); needed > available)
-    {
       throw lamella::MemoryError(fmt::format("state {} of {} grains needs {}, and {} are available", made,
                                    grains.count(), lamella::bytesText(needed), lamella::bytesText(available)),
         "keep fewer states: more steps from one to the next");
-    }
     vtkPolyData* const particles = kept.States.add(this->KeepStates);
     vtkPolyData* const contacts = kept.Contacts.add(this->KeepStates);
     lamella::setPacking(
@@ -189,9 +175,7 @@ void vtkGrainPacking::Pack()
     for (std::size_t i = 0; i < seeds.size(); ++i)
     {
       for (const std::string& warning : packed[i].warnings)
-      {
         vtkWarningMacro(<< "seed " << seeds[i] << ": " << warning);
-      }
       keep(packed[i], "at rest", seeds[i]);
     }
     return;
@@ -200,9 +184,7 @@ void vtkGrainPacking::Pack()
   options.state = [&](const packing::PackingState& state) { keep(state.packing, state.stage, options.seed); };
   const packing::Packing end = packing::pack(options);
   for (const std::string& warning : end.warnings)
-  {
     vtkWarningMacro(<< warning);
-  }
   keep(end, "at rest", options.seed);
 }
 
@@ -214,9 +196,7 @@ int vtkGrainPacking::RequestData(vtkInformation*, vtkInformationVector**, vtkInf
   contacts->Initialize();
   vtkInformation* const request = outputVector->GetInformationObject(0);
   if (request->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) > 0)
-  {
     return 1;
-  }
   Internals& kept = *this->Kept;
   lamella::Failure failure = lamella::Failure::None;
   const lamella::Outcome outcome = lamella::attempt(

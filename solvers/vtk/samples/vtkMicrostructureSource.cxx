@@ -144,9 +144,7 @@ void vtkMicrostructureSource::Generate()
   }
   this->Image = lamella::toImageData(this->Sample());
   if (drawn)
-  {
     addMicrograph(this->Image, *drawn);
-  }
   lamella::setFieldText(this->Image, "pixel_size_source", "generated");
   const auto seed = static_cast<std::uint64_t>(this->Seed);
   lamella::beginProvenance(

@@ -32,9 +32,7 @@ template <typename Action>
   {
     keepFailure(std::current_exception());
     if (failure != nullptr)
-    {
       *failure = kindOf(error);
-    }
   };
   try
   {
@@ -67,9 +65,7 @@ template <typename Action>
 inline void emptyAll(vtkInformationVector* outputs)
 {
   for (int port = 0; port < outputs->GetNumberOfInformationObjects(); ++port)
-  {
     vtkDataObject::GetData(outputs, port)->Initialize();
-  }
 }
 
 /// Ends RequestData: empties all outputs where it was cancelled or failed.
@@ -78,13 +74,9 @@ template <typename Algorithm>
 [[nodiscard]] int concluded(Algorithm* self, Outcome outcome, vtkInformationVector* outputs)
 {
   if (outcome != Outcome::Done)
-  {
     emptyAll(outputs);
-  }
   if (outcome == Outcome::Cancelled)
-  {
     self->SetAbortOutput(true);
-  }
   return outcome == Outcome::Failed ? 0 : 1;
 }
 

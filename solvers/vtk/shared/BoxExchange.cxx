@@ -22,9 +22,7 @@ Block intersect(const Block& a, const Block& b)
     const std::int64_t end = std::min(a.start[axis] + a.size[axis], b.start[axis] + b.size[axis]);
     shared.size[axis] = end - shared.start[axis];
     if (shared.size[axis] <= 0)
-    {
       return {};
-    }
   }
   return shared;
 }
@@ -37,9 +35,7 @@ bool contains(const Block& outer, const Block& inner)
 Block moved(Block box, const std::array<std::int64_t, 3>& shift)
 {
   for (int axis = 0; axis < 3; ++axis)
-  {
     box.start[axis] += shift[axis];
-  }
   return box;
 }
 
@@ -89,9 +85,7 @@ BoxExchange::BoxExchange(const Lattice& lattice, const Block& held, const Block&
   int tag = 0;
   std::array<int, 3> reach{ 0, 0, 0 };
   for (int axis = 0; axis < 3; ++axis)
-  {
     reach[axis] = periodic[axis] ? 1 : 0;
-  }
   for (int to = 0; to < ranks; ++to)
   {
     const Block& wanted = all[static_cast<std::size_t>(to)].needed;
@@ -99,9 +93,7 @@ BoxExchange::BoxExchange(const Lattice& lattice, const Block& held, const Block&
     for (int from = 0; from < ranks; ++from)
     {
       if (alone && from != to)
-      {
         continue;
-      }
       for (int k = -reach[2]; k <= reach[2]; ++k)
       {
         for (int j = -reach[1]; j <= reach[1]; ++j)
@@ -111,19 +103,13 @@ BoxExchange::BoxExchange(const Lattice& lattice, const Block& held, const Block&
             const std::array<std::int64_t, 3> shift{ i * lattice.size[0], j * lattice.size[1], k * lattice.size[2] };
             const Block there = intersect(moved(all[static_cast<std::size_t>(from)].held, shift), wanted);
             if (there.count() == 0)
-            {
               continue;
-            }
             const Block here = moved(there, { -shift[0], -shift[1], -shift[2] });
             ++tag;
             if (from == rank_)
-            {
               sent_.push_back({ to, tag, here, shift });
-            }
             if (to == rank_)
-            {
               received_.push_back({ from, tag, here, shift });
-            }
           }
         }
       }
@@ -136,16 +122,15 @@ BoxExchange::BoxExchange(const Lattice& lattice, const Block& held, const Block&
     std::vector<std::uint8_t> covered(static_cast<std::size_t>(needed_.count()), 0);
     for (const Part& part : received_)
     {
-      forRows(needed_, moved(part.box, part.shift), 1,
+      forRows(
+        needed_, moved(part.box, part.shift), 1,
         [&](std::size_t offset, std::size_t length)
         { std::fill_n(covered.begin() + static_cast<std::ptrdiff_t>(offset), length, std::uint8_t{ 1 }); });
     }
     missing = std::count(covered.begin(), covered.end(), std::uint8_t{ 0 });
   }
   if (ranks > 1)
-  {
     MPI_Allreduce(MPI_IN_PLACE, &missing, 1, MPI_INT64_T, MPI_SUM, comm);
-  }
   if (missing > 0)
   {
     throw InputError("the pieces of the image leave out " + std::to_string(missing) + " of " +
@@ -203,9 +188,7 @@ void BoxExchange::move(const std::byte* held, std::byte* needed, std::size_t byt
     }
   }
   if (!requests.empty())
-  {
     MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
-  }
   for (std::size_t index = 0; index < received_.size(); ++index)
   {
     const Part& part = received_[index];
@@ -218,9 +201,7 @@ void BoxExchange::move(const std::byte* held, std::byte* needed, std::size_t byt
       });
   }
   if (!alone)
-  {
     MPI_Type_free(&node);
-  }
 }
 
 } // namespace lamella

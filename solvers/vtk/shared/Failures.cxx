@@ -34,21 +34,13 @@ bool isAny(const std::exception& error)
 Failure kindOf(const std::exception& error)
 {
   if (isAny<ParameterError>(error))
-  {
     return Failure::Parameter;
-  }
   if (isAny<NoPathError>(error))
-  {
     return Failure::NoPath;
-  }
   if (isAny<MemoryError, std::bad_alloc>(error))
-  {
     return Failure::Memory;
-  }
   if (isAny<DivergenceError>(error))
-  {
     return Failure::Divergence;
-  }
   return isAny<Error>(error) ? Failure::Input : Failure::Other;
 }
 
@@ -56,9 +48,7 @@ void keepFailure(const std::exception_ptr& error)
 {
   const std::scoped_lock lock(kept().mutex);
   if (!kept().error)
-  {
     kept().error = error;
-  }
 }
 
 std::exception_ptr takeFailure()

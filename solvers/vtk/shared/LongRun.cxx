@@ -22,9 +22,7 @@ InputMark::Content InputMark::contentOf(vtkImageData* image)
 {
   Content content;
   if (image == nullptr)
-  {
     return content;
-  }
   image->GetExtent(content.extent.data());
   image->GetOrigin(content.origin.data());
   image->GetSpacing(content.spacing.data());
@@ -45,9 +43,7 @@ void InputMark::take(vtkImageData* image)
 {
   kept_ = vtkSmartPointer<vtkImageData>::New();
   if (image != nullptr)
-  {
     kept_->ShallowCopy(image);
-  }
   content_ = contentOf(image);
 }
 
@@ -65,9 +61,7 @@ RunStart startOf(const std::string& continueFile, const std::string& checkpointF
   const bool anew = !continueFile.empty() && io::sameFile(continueFile, checkpointFile) &&
     team.any(team.rank() == 0 && !std::filesystem::exists(continueFile, ignored));
   if (!anew)
-  {
     return { continueFile, {} };
-  }
   return { {}, "there was no checkpoint '" + continueFile + "' yet: the run began with " + beginning };
 }
 

@@ -34,9 +34,7 @@ public:
   {
     const auto now = std::chrono::steady_clock::now();
     if (now - told_ < std::chrono::milliseconds(50))
-    {
       return false;
-    }
     told_ = now;
     return true;
   }
@@ -89,9 +87,7 @@ public:
   Data* add(bool keepAll)
   {
     if (!keepAll)
-    {
       states_.clear();
-    }
     return states_.emplace_back(vtkSmartPointer<Data>::New());
   }
 
@@ -134,9 +130,7 @@ public:
     bool lacking = false)
   {
     if (!team.any(lacking || states_.empty() || !input_.same(input) || settings_ != settings || ranks_ != team.size()))
-    {
       return;
-    }
     const auto forgetAll = [&]
     {
       states_.clear();

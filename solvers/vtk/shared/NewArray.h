@@ -30,9 +30,7 @@ template <typename Array>
 inline void addArrays(vtkFieldData* data, std::initializer_list<vtkDataArray*> arrays)
 {
   for (vtkDataArray* const array : arrays)
-  {
     data->AddArray(array);
-  }
 }
 
 /// So many points in double precision, their places not set.
@@ -49,9 +47,7 @@ inline void setVertices(vtkPolyData* data, vtkPoints* points)
 {
   vtkNew<vtkCellArray> vertices;
   for (vtkIdType i = 0; i < points->GetNumberOfPoints(); ++i)
-  {
     vertices->InsertNextCell({ i });
-  }
   data->Initialize();
   data->SetPoints(points);
   data->SetVerts(vertices);

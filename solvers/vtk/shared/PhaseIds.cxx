@@ -48,13 +48,9 @@ vtkDataArray* chosenArray(vtkImageData* piece, vtkInformation* choice)
   if (!named || *choice->Get(vtkDataObject::FIELD_NAME()) == '\0') // an empty choice in a panel
   {
     if (vtkDataArray* const phases = points->GetArray("phase"))
-    {
       return phases;
-    }
     if (vtkDataArray* const scalars = points->GetScalars())
-    {
       return scalars;
-    }
     throw InputError("no array of phases is chosen", "choose one with SetInputArrayToProcess");
   }
   const std::string name = choice->Get(vtkDataObject::FIELD_NAME());
@@ -70,9 +66,7 @@ vtkDataArray* chosenArray(vtkImageData* piece, vtkInformation* choice)
     }
     std::string there;
     for (int i = 0; i < points->GetNumberOfArrays(); ++i)
-    {
       there += (i > 0 ? ", " : "") + std::string(points->GetArrayName(i) != nullptr ? points->GetArrayName(i) : "?");
-    }
     throw InputError("the image has no point array '" + name + "'",
       there.empty() ? "make the image with Lamella's picture reader or microstructure source"
                     : "choose the array of phases; there are: " + there);
@@ -94,9 +88,7 @@ struct WholeNumbers
     {
       const auto number = static_cast<double>(value);
       if (!first && number == last)
-      {
         continue;
-      }
       if (!(std::abs(number) < 9e15) || number != std::floor(number))
       {
         throw InputError(
@@ -107,9 +99,7 @@ struct WholeNumbers
       last = number;
       distinct.insert(static_cast<std::int64_t>(number));
       if (distinct.size() > most)
-      {
         return;
-      }
     }
   }
 };
@@ -135,9 +125,7 @@ template <typename Worker>
 void dispatch(vtkDataArray* array, Worker& worker)
 {
   if (!vtkArrayDispatch::Dispatch::Execute(array, worker))
-  {
     worker(array);
-  }
 }
 
 /// The sorted values of all ranks.
@@ -159,9 +147,7 @@ std::vector<std::int64_t> shared(const std::set<std::int64_t>& mine, const Team&
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   if (all.back() == none)
-  {
     all.pop_back();
-  }
   return all;
 }
 
@@ -170,15 +156,11 @@ std::vector<std::string> sharedNames(vtkDataSet* piece, const Team& team)
   const std::vector<std::string> mine = fieldTexts(piece, "phase_names");
   std::string text;
   for (const std::string& name : mine)
-  {
     text += name + '\0';
-  }
   std::vector<std::string> names;
   std::istringstream all(team.share(text, !mine.empty()));
   for (std::string name; std::getline(all, name, '\0');)
-  {
     names.push_back(name);
-  }
   return names;
 }
 
@@ -201,17 +183,13 @@ PhaseIds phaseIds(vtkDataSet* piece, const std::function<vtkDataArray*()>& find,
     [&]
     {
       if (empty)
-      {
         return;
-      }
       array = find();
       result.array = array->GetName() != nullptr ? array->GetName() : "";
       if (array->GetNumberOfComponents() != 1)
-      {
         throw InputError("array '" + result.array + "' has " + std::to_string(array->GetNumberOfComponents()) +
             " components; phases are one whole number a node",
           "choose the array of phases");
-      }
       if (auto* const bytes = vtkUnsignedCharArray::SafeDownCast(array))
       {
         result.ids = { bytes->GetPointer(0), static_cast<std::size_t>(bytes->GetNumberOfValues()) };
@@ -231,25 +209,19 @@ PhaseIds phaseIds(vtkDataSet* piece, const std::function<vtkDataArray*()>& find,
   {
     const std::int64_t count = std::max(seen[1] + 1, static_cast<std::int64_t>(std::min(named.size(), most)));
     for (std::int64_t value = 0; value < count; ++value)
-    {
       result.values.push_back(value);
-    }
   }
   else
   {
     if (!empty && !result.ids.empty()) // unsigned char here, another type on another rank
-    {
       dispatch(array, numbers);
-    }
     result.values = shared(numbers.distinct, team);
     team.agree(
       [&]
       {
         if (result.values.size() > most)
-        {
           throw InputError("array '" + result.array + "' holds more than 256 different values",
             "choose the array of phases; labels of grains or pores are not phases");
-        }
         result.own.resize(empty ? 0 : static_cast<std::size_t>(array->GetNumberOfTuples()));
         if (!empty)
         {
@@ -276,44 +248,32 @@ std::uint8_t findVoid(const PhaseIds& phases, const std::string& wanted, const s
   const std::vector<std::string>& names = phases.names;
   std::string there;
   for (const std::string& name : names)
-  {
     there += (there.empty() ? "" : ", ") + name;
-  }
   if (wanted.empty())
   {
     if (const auto found = pores::voidPhase(names))
-    {
       return static_cast<std::uint8_t>(*found);
-    }
     throw ParameterError(
       "no phase is called void, pore, lumen or air", "say which phase the " + what + " are; there are: " + there);
   }
   std::size_t found = phaseMeant(names, wanted).value_or(names.size());
   for (std::size_t id = 0; found == names.size() && id < names.size(); ++id)
-  {
     found = std::to_string(phases.values[id]) == wanted ? id : found;
-  }
   if (found == names.size())
-  {
     throw ParameterError("'" + wanted + "' is no phase of this image", "choose one of its phases: " + there);
-  }
   return static_cast<std::uint8_t>(found);
 }
 
 void requirePhase(const PhaseIds& phases, const std::string& name, const std::string& message)
 {
   if (!phaseMeant(phases.known, name))
-  {
     throw ParameterError(message, suggestion(name, phases.known, "its phases are " + quotedList(phases.known, "and")));
-  }
 }
 
 void requireVoids(const PhaseIds& phases, const std::vector<std::string>& voids)
 {
   for (const std::string& name : voids)
-  {
     requirePhase(phases, name, "'" + name + "' is to be void, but is no phase of this image");
-  }
 }
 
 std::vector<double> conductivityById(const PhaseIds& phases, const std::map<std::string, double>& table,
@@ -322,21 +282,15 @@ std::vector<double> conductivityById(const PhaseIds& phases, const std::map<std:
   std::vector<double> result(phases.values.size(), 0.0);
   std::string all;
   for (std::size_t id = 0; id < result.size(); ++id)
-  {
     if (nodes[id] > 0)
-    {
       all += (all.empty() ? "" : ", ") + phases.names[id];
-    }
-  }
   for (std::size_t id = 0; id < result.size(); ++id)
   {
     const std::string& name = phases.names[id];
     const std::string value = std::to_string(phases.values[id]);
     auto entry = entryOf(table, phases.names, id);
     if (entry == table.end() && std::find(phases.names.begin(), phases.names.end(), value) == phases.names.end())
-    {
       entry = table.find(value);
-    }
     if (entry != table.end())
     {
       if (!std::isfinite(entry->second) || entry->second < 0)

@@ -32,9 +32,7 @@ std::string allowed(const Setting& setting)
   const bool ends = std::isfinite(setting.high);
   const std::string high = fmt::format("{}{}", setting.highOpen ? "below " : "", setting.high);
   if (!std::isfinite(setting.low))
-  {
     return ends ? "a number " + (setting.highOpen ? high : "up to " + high) : "a finite number";
-  }
   if (setting.lowOpen)
   {
     return fmt::format(
@@ -53,30 +51,20 @@ std::string fault(const Setting& setting, double value)
     return known ? "" : "is none of its choices";
   }
   if (std::isnan(value))
-  {
     return "is not a number";
-  }
   if (std::isinf(value) && (setting.highOpen || value < 0 || std::isfinite(setting.high)))
-  {
     return "is not finite";
-  }
   if (std::isfinite(setting.low) && (setting.lowOpen ? !(value > setting.low) : value < setting.low))
-  {
     return fmt::format("is {} {}", setting.lowOpen ? "not above" : "below", setting.low);
-  }
   if (std::isfinite(setting.high) && (setting.highOpen ? !(value < setting.high) : value > setting.high))
-  {
     return fmt::format("is {} {}", setting.highOpen ? "not below" : "above", setting.high);
-  }
   return "";
 }
 
 std::string remedy(const Setting& setting)
 {
   if (setting.choices.empty())
-  {
     return "choose " + allowed(setting);
-  }
   std::string list;
   for (const SettingChoice& choice : setting.choices)
   {
@@ -103,18 +91,12 @@ nlohmann::json valueAsJson(const Setting& setting, const std::vector<double>& va
   const auto choice = std::find_if(setting.choices.begin(), setting.choices.end(),
     [&](const SettingChoice& found) { return found.value == values.front(); });
   if (choice != setting.choices.end())
-  {
     return choice->word;
-  }
   if (values.size() == 1)
-  {
     return one(0);
-  }
   nlohmann::json list = nlohmann::json::array();
   for (std::size_t i = 0; i < values.size(); ++i)
-  {
     list.push_back(one(i));
-  }
   return list;
 }
 
@@ -146,9 +128,7 @@ void checkSetting(const Setting& setting, const std::vector<double>& values)
     std::string wrong = fault(setting, values[i]);
     if (wrong.empty() && setting.unit[0] != '\0' && values[i] != 0 && std::isfinite(values[i]) &&
       !plausible(std::fabs(values[i])))
-    {
       wrong = "is not between 1e-30 and 1e30"; // no material's, no sample's
-    }
     if (!wrong.empty())
     {
       const std::string name = values.size() > 1 && i < setting.parts.size() ? setting.parts[i] : "";
@@ -192,9 +172,7 @@ void checkSettings(vtkObject* object)
     {
       const std::vector<double> values = setting.values(object);
       if (std::any_of(values.begin(), values.end(), [&](double value) { return value != setting.unset; }))
-      {
         checkSetting(setting, values);
-      }
     }
   }
 }
@@ -226,12 +204,8 @@ nlohmann::json settingsAsJson(vtkObject* object)
 void printSettings(vtkObject* object, ostream& os, vtkIndent indent)
 {
   for (const Setting& setting : settingsOf(object->GetClassName()))
-  {
     if (setting.values != nullptr)
-    {
       os << indent << setting.word << ": " << valueAsJson(setting, setting.values(object)).dump() << "\n";
-    }
-  }
 }
 
 } // namespace lamella

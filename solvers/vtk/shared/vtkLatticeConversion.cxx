@@ -123,9 +123,7 @@ PhaseView viewPhases(vtkImageData* image, const char* name)
   const std::uint8_t largest =
     view.phase.empty() ? std::uint8_t{ 0 } : *std::max_element(view.phase.begin(), view.phase.end());
   for (std::size_t id = view.phases.size(); id <= largest; ++id)
-  {
     view.phases.add(std::to_string(id));
-  }
   return view;
 }
 
@@ -144,14 +142,10 @@ Lattice latticeOf(const int whole[6], const double origin[3], const double spaci
     lattice.size[axis] = static_cast<std::int64_t>(whole[2 * axis + 1]) - whole[2 * axis] + 1;
     lattice.origin[axis] = origin[axis] + whole[2 * axis] * spacing[axis];
     if (lattice.size[axis] > 1 && first < 0)
-    {
       first = axis;
-    }
   }
   if (lattice.size[0] < 1 || lattice.size[1] < 1 || lattice.size[2] < 1)
-  {
     throw InputError("the image has no nodes", "check that the source before it worked");
-  }
   lattice.dimension = lattice.size[2] > 1 ? 3 : 2;
   lattice.spacing = spacing[std::max(first, 0)];
   for (int axis = 0; axis < lattice.dimension; ++axis)
@@ -198,9 +192,7 @@ lbm::Block blockOf(const int extent[6], const int whole[6]) noexcept
   for (int axis = 0; axis < 3; ++axis)
   {
     if (extent[2 * axis + 1] < extent[2 * axis])
-    {
       return {};
-    }
     block.start[axis] = static_cast<std::int64_t>(extent[2 * axis]) - whole[2 * axis];
     block.size[axis] = static_cast<std::int64_t>(extent[2 * axis + 1]) - extent[2 * axis] + 1;
   }
@@ -230,9 +222,7 @@ std::array<std::string, 3> description(vtkDataArray* array)
   const std::string text = read(textKey());
   const std::size_t open = text.rfind(" [");
   if (open == std::string::npos || text.back() != ']')
-  {
     return { read(vtkDataArray::UNITS_LABEL()), text, "" };
-  }
   return { read(vtkDataArray::UNITS_LABEL()), text.substr(0, open), text.substr(open + 2, text.size() - open - 3) };
 }
 
@@ -241,9 +231,7 @@ void setFieldTexts(vtkDataObject* data, const char* name, std::span<const std::s
   vtkNew<vtkStringArray> array;
   array->SetName(name);
   for (const std::string& text : texts)
-  {
     array->InsertNextValue(text);
-  }
   data->GetFieldData()->AddArray(array); // replaces an array of this name
 }
 
@@ -256,12 +244,8 @@ std::vector<std::string> fieldTexts(vtkDataObject* data, const char* name)
 {
   std::vector<std::string> texts;
   if (auto* const array = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray(name)))
-  {
     for (vtkIdType i = 0; i < array->GetNumberOfValues(); ++i)
-    {
       texts.push_back(array->GetValue(i));
-    }
-  }
   return texts;
 }
 
@@ -285,12 +269,8 @@ std::vector<double> fieldNumbers(vtkDataObject* data, const char* name)
 {
   std::vector<double> values;
   if (vtkDataArray* const array = data->GetFieldData()->GetArray(name))
-  {
     for (vtkIdType i = 0; i < array->GetNumberOfValues(); ++i)
-    {
       values.push_back(array->GetVariantValue(i).ToDouble());
-    }
-  }
   return values;
 }
 

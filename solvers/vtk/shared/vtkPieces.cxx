@@ -70,9 +70,7 @@ char kindOf(const Error& error)
 bool Team::together(vtkMultiProcessController* controller, vtkInformation* request)
 {
   if (communicatorOf(controller) == nullptr || !request->Has(Pipeline::UPDATE_NUMBER_OF_PIECES()))
-  {
     return false;
-  }
   const int processes = controller->GetNumberOfProcesses();
   return processes > 1 && request->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()) == processes;
 }
@@ -91,33 +89,25 @@ Team::Team(vtkMultiProcessController* controller, vtkInformation* request)
 Team::~Team()
 {
   if (size_ > 1)
-  {
     MPI_Comm_free(&comm_);
-  }
 }
 
 void Team::sum(std::span<double> values) const
 {
   if (size_ > 1)
-  {
     MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, comm_);
-  }
 }
 
 void Team::sum(std::span<std::int64_t> values) const
 {
   if (size_ > 1)
-  {
     MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT64_T, MPI_SUM, comm_);
-  }
 }
 
 void Team::maximum(std::span<std::int64_t> values) const
 {
   if (size_ > 1)
-  {
     MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_INT64_T, MPI_MAX, comm_);
-  }
 }
 
 bool Team::any(bool value) const
@@ -130,15 +120,11 @@ bool Team::any(bool value) const
 std::string Team::share(std::string text, bool known) const
 {
   if (size_ == 1)
-  {
     return text;
-  }
   int owner = known ? rank_ : size_;
   MPI_Allreduce(MPI_IN_PLACE, &owner, 1, MPI_INT, MPI_MIN, comm_);
   if (owner == size_)
-  {
     return text;
-  }
   int length = static_cast<int>(text.size());
   MPI_Bcast(&length, 1, MPI_INT, owner, comm_);
   text.resize(static_cast<std::size_t>(length));
@@ -164,13 +150,9 @@ void Team::agree(const std::function<void()>& action) const
   }
   int failed = words.empty() ? size_ : rank_; // the lowest rank that failed
   if (size_ > 1)
-  {
     MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MIN, comm_);
-  }
   if (failed == size_)
-  {
     return;
-  }
   if (size_ > 1)
   {
     int length = static_cast<int>(words.size());
@@ -198,9 +180,7 @@ WholeImage wholeImage(vtkImageData* piece, const Team& team)
   }
   team.maximum(bounds);
   if (bounds[0] == none)
-  {
     throw InputError("the image has no nodes", "check that the source before it worked");
-  }
   WholeImage whole;
   for (int axis = 0; axis < 3; ++axis)
   {
@@ -239,9 +219,7 @@ std::array<double, 3> WholeImage::physical(const std::array<double, 3>& place) c
   {
     result[row] = lattice.origin[row] - extent[2 * row] * lattice.spacing; // of the node of index 0
     for (std::size_t column = 0; column < 3; ++column)
-    {
       result[row] += direction[3 * row + column] * lattice.spacing * (extent[2 * column] + place[column]);
-    }
   }
   return result;
 }
@@ -263,9 +241,7 @@ void requestWhole(vtkInformation* input)
 void allInFirstPiece(vtkInformationVector* outputs)
 {
   for (int port = 0; port < outputs->GetNumberOfInformationObjects(); ++port)
-  {
     outputs->GetInformationObject(port)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
-  }
 }
 
 bool isFirstPiece(vtkInformationVector* outputs)
@@ -277,9 +253,7 @@ bool isFirstPiece(vtkInformationVector* outputs)
 void requestInput(vtkInformation* input, vtkInformation* request, vtkMultiProcessController* controller)
 {
   if (Team::together(controller, request) || !input->Has(Pipeline::WHOLE_EXTENT()))
-  {
     return;
-  }
   int whole[6];
   input->Get(Pipeline::WHOLE_EXTENT(), whole);
   input->Set(Pipeline::UPDATE_EXTENT(), whole, 6);
@@ -304,9 +278,7 @@ void deliver(vtkImageData* whole, vtkInformation* request)
   int extent[6];
   request->Get(Pipeline::UPDATE_EXTENT(), extent);
   if (!std::equal(extent, extent + 6, whole->GetExtent()))
-  {
     output->Crop(extent);
-  }
 }
 
 } // namespace lamella

@@ -16,14 +16,10 @@ void addStep(io::Provenance& record, const std::string& step, const nlohmann::js
 {
   nlohmann::json all = nlohmann::json::parse(record.parameters, nullptr, false);
   if (!all.is_object())
-  {
     all = nlohmann::json::object();
-  }
   std::string key = step;
   for (int again = 2; all.contains(key); ++again)
-  {
     key = step + " " + std::to_string(again);
-  }
   all[key] = parameters;
   record.parameters = all.dump();
   record.command += (record.command.empty() ? "" : " | ") + step;
@@ -37,9 +33,7 @@ void beginProvenance(vtkDataObject* data, const std::string& step, const nlohman
   io::Provenance record = io::makeProvenance("");
   record.seed = seed;
   if (file)
-  {
     record.inputs.push_back(io::describeInput(*file));
-  }
   addStep(record, step, parameters);
   setProvenance(data, io::toJson(record));
 }

@@ -23,9 +23,7 @@ void told(const std::function<void(const std::exception&)>& tell)
   try
   {
     if (const std::exception_ptr error = lamella::lastFailure())
-    {
       std::rethrow_exception(error);
-    }
   }
   catch (const std::exception& error)
   {
@@ -125,16 +123,10 @@ int vtkSampleAlgorithm::FindChoice(const char* className, const char* setting, c
     for (const lamella::Setting& one : lamella::settingsOf(className != nullptr ? className : ""))
     {
       if (setting == nullptr || word == nullptr || std::string(one.word) != setting)
-      {
         continue;
-      }
       for (const lamella::SettingChoice& choice : one.choices)
-      {
         if (std::string(choice.word) == word)
-        {
           return choice.value;
-        }
-      }
       lamella::refuseWord(one, word);
     }
   }

@@ -23,9 +23,7 @@ int main()
   phase->SetName("phase");
   phase->SetNumberOfTuples(image->GetNumberOfPoints());
   for (vtkIdType i = 0; i < phase->GetNumberOfTuples(); ++i)
-  {
     phase->SetValue(i, static_cast<unsigned char>(i % 32 / 8 % 2));
-  }
   image->GetPointData()->SetScalars(phase);
 
   vtkNew<vtkSteadyDiffusion> diffusion;

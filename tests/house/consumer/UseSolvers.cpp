@@ -17,12 +17,8 @@ int main(int argc, char** argv)
     const auto lattice = lamella::makeLattice(32, 32, 1, 2, 1e-6);
     std::vector<std::uint8_t> phase(static_cast<std::size_t>(lattice.count()));
     for (std::int64_t y = 0; y < 32; ++y)
-    {
       for (std::int64_t x = 0; x < 32; ++x)
-      {
         phase[static_cast<std::size_t>(lattice.index(x, y))] = static_cast<std::uint8_t>(x / 8 % 2);
-      }
-    }
     const std::array<double, 2> conductivity{ 1.0, 3.0 };
     lamella::lbm::SteadyDiffusion solver(
       lattice, lamella::lbm::decompose(lattice, MPI_COMM_SELF), phase, conductivity, {}, MPI_COMM_SELF);
