@@ -18,7 +18,7 @@ using cracks::CrackPath;
 using cracks::CrackPaths;
 using cracks::CrackPoint;
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double notFound = std::numeric_limits<double>::quiet_NaN();
 
 const char* wordOf(ChainEnd end)
 {
@@ -213,7 +213,7 @@ void fillGrowthTable(vtkTable* table, const CrackPaths& paths, const CrackScale&
       "rate", "m/s", "at which all paths grow, over ten spacings before and after",
       [&](std::size_t i) { return scale.metres(all[i].rate); });
     columns.numbers("main_rate", "m/s", "the same of the longest crack",
-      [&](std::size_t i) { return mainAt(i) != nullptr ? scale.metres(mainAt(i)->rate) : unknown; });
+      [&](std::size_t i) { return mainAt(i) != nullptr ? scale.metres(mainAt(i)->rate) : notFound; });
   }
 }
 

@@ -19,7 +19,7 @@ namespace lamella
 namespace
 {
 
-constexpr const char* creator = "vtkPoreFloodFill";
+constexpr const char* poreCreator = "vtkPoreFloodFill";
 
 /// A column of `rows` values value(row).
 template <typename Array, typename Value>
@@ -32,7 +32,7 @@ void addColumn(vtkTable* table, const std::string& name, const std::string& unit
   auto* const out = column->GetPointer(0);
   for (std::size_t row = 0; row < rows; ++row)
     out[row] = static_cast<std::remove_reference_t<decltype(*out)>>(value(row));
-  describe(column, unit, description, creator);
+  describe(column, unit, description, poreCreator);
   table->AddColumn(column);
 }
 

@@ -19,7 +19,7 @@ using statistics::ExponentialTail;
 using statistics::StressDistribution;
 using statistics::StressGroup;
 
-constexpr const char* creator = "vtkStressPDF";
+constexpr const char* stressCreator = "vtkStressPDF";
 constexpr const char* means = "mean tensile stress";
 
 double over(double a, double b)
@@ -43,7 +43,7 @@ void addTails(const Columns& columns, const std::vector<ExponentialTail>& tails)
 
 void fillDensity(vtkTable* table, const StressDistribution& d, std::span<const std::string> phases)
 {
-  const Columns columns{ table, d.all.bins.size(), creator };
+  const Columns columns{ table, d.all.bins.size(), stressCreator };
   const auto edge = [&](std::size_t bin)
   { return (static_cast<double>(d.firstBin) + static_cast<double>(bin)) * d.binWidth; };
   const auto middle = [&](std::size_t bin) { return edge(bin) + d.binWidth / 2; };
@@ -87,7 +87,7 @@ void fillPhases(vtkTable* table, const StressDistribution& d, std::span<const st
     names.push_back(phases[g]);
     tails.push_back(d.groups[g].tail);
   }
-  const Columns columns{ table, groups.size(), creator };
+  const Columns columns{ table, groups.size(), stressCreator };
   vtkNew<vtkStringArray> name;
   name->SetName("phase");
   for (const std::string& text : names)
@@ -127,7 +127,7 @@ void fillPhases(vtkTable* table, const StressDistribution& d, std::span<const st
 
 void fillThresholds(vtkTable* table, const StressDistribution& d)
 {
-  const Columns columns{ table, d.tails.size(), creator };
+  const Columns columns{ table, d.tails.size(), stressCreator };
   columns.numbers("threshold", means, "where the tail begins", [&](std::size_t i) { return d.tails[i].threshold; });
   addTails(columns, d.tails);
   columns.numbers("distance", "1", "largest difference between the cumulative shares of stresses and law",

@@ -40,8 +40,8 @@ using Pipeline = vtkStreamingDemandDrivenPipeline;
 namespace
 {
 
-constexpr const char* creator = "vtkCollapseMap";
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr const char* collapseCreator = "vtkCollapseMap";
+constexpr double noNumber = std::numeric_limits<double>::quiet_NaN();
 
 /// One row of the table of states.
 struct StateRow
@@ -98,7 +98,7 @@ struct vtkCollapseMap::Work
       ratio[i] /= initial;
     }
     this->Collapse->add(input.strain, ratio);
-    this->States.push_back({ input.strain, this->Collapse->collapsed(), start > 0 ? now / start : none });
+    this->States.push_back({ input.strain, this->Collapse->collapsed(), start > 0 ? now / start : noNumber });
     if (const std::string record = lamella::provenance(points); !record.empty())
       this->Provenance = record;
   }
@@ -115,7 +115,7 @@ struct vtkCollapseMap::Work
         return label > 0 ? static_cast<float>(byLumen[static_cast<std::size_t>(label) - 1])
                          : std::numeric_limits<float>::quiet_NaN();
       });
-    lamella::describe(array, "1", text, creator);
+    lamella::describe(array, "1", text, collapseCreator);
     output->GetPointData()->AddArray(array);
   }
 
@@ -125,7 +125,7 @@ struct vtkCollapseMap::Work
     labels->SetName("lumen");
     labels->SetNumberOfTuples(output->GetNumberOfPoints());
     std::ranges::copy(this->Areas->labels(), labels->GetPointer(0));
-    lamella::describe(labels, "1", "label of the lumen; 0 outside", creator);
+    lamella::describe(labels, "1", "label of the lumen; 0 outside", collapseCreator);
     output->GetPointData()->AddArray(labels);
     this->AddNumbers(output, "lumen_ratio", "area or volume of the lumen in the last state over that at the start",
       this->Collapse->ratio());
@@ -137,9 +137,9 @@ struct vtkCollapseMap::Work
   void WriteNumbers(vtkDataObject* output) const
   {
     const auto set = [&](const char* name, double value, const char* text)
-    { lamella::setFieldNumber(output, name, value, "1", text, creator); };
+    { lamella::setFieldNumber(output, name, value, "1", text, collapseCreator); };
     const auto strains = this->Collapse->strain();
-    double first = none;
+    double first = noNumber;
     for (const double strain : strains)
       first = std::isnan(first) || strain < first ? strain : first;
     const std::size_t count = strains.size();
@@ -165,7 +165,7 @@ struct vtkCollapseMap::Work
   {
     lamella::fillPores(lumens, this->Areas->lumens(), this->Whole);
     lumens->GetColumn(0)->SetName("lumen");
-    const lamella::Columns columns{ lumens, this->Areas->lumens().size(), creator };
+    const lamella::Columns columns{ lumens, this->Areas->lumens().size(), collapseCreator };
     columns.add<vtkUnsignedCharArray>(
       "cut", "1", "1 where the sample's rim cuts it",
       [&](std::size_t i) { return static_cast<unsigned char>(this->Areas->cut(i) ? 1 : 0); });
@@ -174,7 +174,7 @@ struct vtkCollapseMap::Work
       [&](std::size_t i) { return this->Collapse->ratio()[i]; });
     columns.numbers("collapse_strain", "1", "strain at which it collapsed; NaN: never",
       [&](std::size_t i) { return this->Collapse->strain()[i]; });
-    const lamella::Columns rows{ states, this->States.size(), creator };
+    const lamella::Columns rows{ states, this->States.size(), collapseCreator };
     const auto all = static_cast<double>(this->Areas->lumens().size());
     rows.numbers(
       "strain", "1", "of the state", [&](std::size_t i) { return this->States[i].strain; });
@@ -300,7 +300,7 @@ int vtkCollapseMap::RequestData(
         vtkInformation* const told = points->GetInformation();
         const double time = this->Step < this->Times.size() ? this->Times[this->Step]
           : told->Has(vtkDataObject::DATA_TIME_STEP())      ? told->Get(vtkDataObject::DATA_TIME_STEP())
-                                                            : none;
+                                                            : noNumber;
         this->Run->Add(points, time);
       }
       ++this->Step;

@@ -28,7 +28,7 @@ namespace compression = lamella::compression;
 namespace
 {
 
-constexpr const char* creator = "vtkCompressionCurve";
+constexpr const char* curveCreator = "vtkCompressionCurve";
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 /// A column of numbers. @throws InputError
@@ -59,9 +59,9 @@ std::vector<double> columnOf(vtkTable* table, vtkInformation* choice, const char
 void addNumbers(vtkTable* table, const compression::CompressionCurve& curve)
 {
   const auto set = [&](const char* name, double value, const char* unit, const char* text)
-  { lamella::setFieldNumber(table, name, value, unit, text, creator); };
+  { lamella::setFieldNumber(table, name, value, unit, text, curveCreator); };
   const auto pair = [&](const char* name, double low, double high, const char* text) {
-    lamella::setFieldNumbers(table, name, std::array{ low, high }, "1", text, creator);
+    lamella::setFieldNumbers(table, name, std::array{ low, high }, "1", text, curveCreator);
   };
   const bool linear = curve.linear.has_value();
   const compression::LinearPart line = curve.linear.value_or(compression::LinearPart{});
@@ -136,7 +136,7 @@ void vtkCompressionCurve::Run(vtkTable* input, vtkTable* output)
   const std::vector<double> stress = columnOf(input, this->GetInputArrayInformation(1), "stresses [Pa]");
   const compression::CompressionCurve curve = compression::compressionCurve(strain, stress, options);
   output->ShallowCopy(input);
-  const lamella::Columns columns{ output, strain.size(), creator };
+  const lamella::Columns columns{ output, strain.size(), curveCreator };
   const auto add = [&](const char* name, const char* unit, const char* text, const std::vector<double>& values)
   { columns.numbers(name, unit, text, [&](std::size_t row) { return values[row]; }); };
   add("absorbed_energy", "J/m^3", "integral of the stress over the strain", curve.energy);

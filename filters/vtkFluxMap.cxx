@@ -408,13 +408,13 @@ struct vtkFluxMap::Work
 
   void Trace(const lamella::flux::FluxField& field, const lamella::flux::FluxSetting& setting)
   {
-    const lamella::flux::FluxLines lines =
-      lamella::flux::traceLines(field, setting, this->Block, this->Self->NumberOfStreamlines, this->Team,
-        [this](double share)
-        {
-          this->Self->UpdateProgress(0.55 + 0.4 * share);
-          return !this->Self->CheckAbort();
-        });
+    const lamella::flux::FluxLines lines = lamella::flux::traceLines(field, setting, this->Block,
+      this->Self->NumberOfStreamlines, lamella::Communicator(this->Team.comm()),
+      [this](double share)
+      {
+        this->Self->UpdateProgress(0.55 + 0.4 * share);
+        return !this->Self->CheckAbort();
+      });
     if (this->Team.any(this->Self->CheckAbort()))
       throw lamella::Cancelled();
     const double spacing = setting.lattice.spacing;

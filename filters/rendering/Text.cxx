@@ -22,7 +22,7 @@ namespace
 
 // Letters are drawn this many times larger and averaged: even spacing at every size, where hinting would make it
 // uneven.
-constexpr int Oversampling = 4;
+constexpr int TextOversampling = 4;
 constexpr double RaisedSize = 0.68;
 constexpr double RaisedBy = 0.36; // of the font's size
 
@@ -146,7 +146,7 @@ std::pair<int, int> FigureRows(int size)
 
 int LargeSize(double size)
 {
-  return std::max(4, static_cast<int>(std::lround(size * Oversampling)));
+  return std::max(4, static_cast<int>(std::lround(size * TextOversampling)));
 }
 
 } // namespace
@@ -156,11 +156,11 @@ TextMetrics MeasureText(const std::string& text, double size)
   TextMetrics metrics;
   const int large = LargeSize(size);
   const auto rows = FigureRows(large);
-  metrics.capHeight = static_cast<double>(rows.second - rows.first) / Oversampling;
+  metrics.capHeight = static_cast<double>(rows.second - rows.first) / TextOversampling;
   for (const Run& run : SplitRuns(text))
   {
     const int runSize = run.raised ? static_cast<int>(std::lround(large * RaisedSize)) : large;
-    metrics.width += static_cast<double>(DrawLarge(run.text, runSize).width) / Oversampling;
+    metrics.width += static_cast<double>(DrawLarge(run.text, runSize).width) / TextOversampling;
   }
   return metrics;
 }
@@ -190,7 +190,7 @@ TextImage DrawText(const std::string& text, double size)
   }
 
   // The large image starts at a multiple of the oversampling below the baseline, so that the baseline stays sharp.
-  constexpr int n = Oversampling;
+  constexpr int n = TextOversampling;
   const int below = (-bottom + n - 1) / n * n;
   TextImage result;
   result.originY = static_cast<double>(below) / n;

@@ -15,22 +15,22 @@ namespace lamella
 namespace
 {
 
-constexpr std::uint64_t unknown = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint64_t notKnown = std::numeric_limits<std::uint64_t>::max();
 
-/// The first number of a small file, or `unknown` (also for "max", which is what an unlimited group says).
+/// The first number of a small file, or `notKnown` (also for "max", which is what an unlimited group says).
 std::uint64_t firstNumber(const char* path)
 {
   std::ifstream in(path);
   std::uint64_t value = 0;
-  return (in >> value) ? value : unknown;
+  return (in >> value) ? value : notKnown;
 }
 
 std::uint64_t leftInGroup(const char* limitPath, const char* usedPath)
 {
   const std::uint64_t limit = firstNumber(limitPath);
   const std::uint64_t used = firstNumber(usedPath);
-  if (limit == unknown || used == unknown)
-    return unknown;
+  if (limit == notKnown || used == notKnown)
+    return notKnown;
   return limit > used ? limit - used : 0;
 }
 
@@ -39,20 +39,20 @@ std::uint64_t leftToProcess(int resource, std::size_t column)
 {
   struct rlimit limit = {};
   if (::getrlimit(static_cast<__rlimit_resource>(resource), &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
-    return unknown;
+    return notKnown;
   std::ifstream statm("/proc/self/statm"); // pages: all, resident, shared, text, 0, data and stack
   std::uint64_t pages = 0;
   for (std::size_t i = 0; i <= column; ++i)
     statm >> pages;
   const std::uint64_t used = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-  return !statm ? unknown : limit.rlim_cur > used ? limit.rlim_cur - used : 0;
+  return !statm ? notKnown : limit.rlim_cur > used ? limit.rlim_cur - used : 0;
 }
 
 } // namespace
 
 std::uint64_t availableMemory()
 {
-  std::uint64_t available = unknown;
+  std::uint64_t available = notKnown;
   std::ifstream meminfo("/proc/meminfo");
   std::string key;
   std::uint64_t kilobytes = 0;

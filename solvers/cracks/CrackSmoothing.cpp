@@ -63,11 +63,6 @@ private:
   std::vector<std::array<double, 3>> rows_; ///< D, then L one and two to the left
 };
 
-double distance(const Place& a, const Place& b)
-{
-  return std::hypot(b[0] - a[0], b[1] - a[1]);
-}
-
 /// Chain with its anchors, or with what comes before and after it when it is closed.
 class Smoother
 {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
@@ -9,6 +10,11 @@ namespace lamella::cracks
 {
 
 using Place = std::array<double, 2>;
+
+[[nodiscard]] inline double distance(const Place& a, const Place& b)
+{
+  return std::hypot(a[0] - b[0], a[1] - b[1]);
+}
 
 /// A chain of parted pairs as it is to be smoothed.
 struct StairCase

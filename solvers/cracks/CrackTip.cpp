@@ -15,12 +15,7 @@ namespace lamella::cracks
 namespace
 {
 
-constexpr double far = std::numeric_limits<double>::infinity();
-
-double distance(const Place& a, const Place& b)
-{
-  return std::hypot(a[0] - b[0], a[1] - b[1]);
-}
+constexpr double farAway = std::numeric_limits<double>::infinity();
 
 /// The paths of a crack between the places where they end; paths that meet share a place.
 class Branches
@@ -55,7 +50,7 @@ public:
   {
     Place place;
     std::array<std::size_t, 2> vertices; ///< the ends of its path
-    std::array<double, 2> away;          ///< how far these are
+    std::array<double, 2> away;          ///< how farAway these are
   };
   /// Where it broke first.
   [[nodiscard]] std::vector<Spot> starts() const
@@ -84,10 +79,10 @@ public:
     return std::min(reached[spot.vertices[0]] + spot.away[0], reached[spot.vertices[1]] + spot.away[1]);
   }
 
-  /// How far all vertices are from one, along the paths.
+  /// How farAway all vertices are from one, along the paths.
   [[nodiscard]] std::vector<double> distancesFrom(std::size_t vertex) const
   {
-    std::vector<double> reached(places_.size(), far);
+    std::vector<double> reached(places_.size(), farAway);
     using Entry = std::pair<double, std::size_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
     reached[vertex] = 0;
@@ -157,7 +152,7 @@ CrackTip crackTip(const CrackPaths& paths, std::size_t crack, double horizon)
   }
   double nearest = horizon;
   for (std::size_t e = 0; start != nullptr && e < ends.size(); ++e)
-    if (const double length = e == tip ? far : Branches::lengthTo(*start, reached[e]); length <= nearest)
+    if (const double length = e == tip ? farAway : Branches::lengthTo(*start, reached[e]); length <= nearest)
     {
       nearest = length;
       found.start = branches.place(ends[e]);

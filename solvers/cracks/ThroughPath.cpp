@@ -16,11 +16,6 @@ namespace
 constexpr double far = std::numeric_limits<double>::infinity();
 constexpr double dearer = 10; ///< to go through solid than through voids and cracks
 
-double distance(const Place& a, const Place& b)
-{
-  return std::hypot(a[0] - b[0], a[1] - b[1]);
-}
-
 /// Void regions in which paths end, nodes at corners of each other included.
 class Voids
 {

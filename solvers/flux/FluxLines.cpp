@@ -186,50 +186,51 @@ private:
 };
 
 /// Every rank's block.
-std::vector<lbm::Block> allBlocks(const lbm::Block& mine, const Team& team)
+std::vector<lbm::Block> allBlocks(const lbm::Block& mine, const Communicator& ranks)
 {
-  std::vector<lbm::Block> blocks(static_cast<std::size_t>(team.size()), mine);
-  if (team.size() > 1)
-    MPI_Allgather(&mine, 6, MPI_INT64_T, blocks.data(), 6, MPI_INT64_T, team.comm());
+  std::vector<lbm::Block> blocks(static_cast<std::size_t>(ranks.size()), mine);
+  if (ranks.size() > 1)
+    MPI_Allgather(&mine, 6, MPI_INT64_T, blocks.data(), 6, MPI_INT64_T, ranks.handle());
   return blocks;
 }
 
 /// Collective: hands every state to the rank whose block holds its node.
-std::vector<State> handOver(const std::vector<State>& states, const std::vector<lbm::Block>& blocks, const Team& team)
+std::vector<State> handOver(
+  const std::vector<State>& states, const std::vector<lbm::Block>& blocks, const Communicator& ranks)
 {
-  if (team.size() == 1)
+  if (ranks.size() == 1)
     return states;
-  const auto ranks = static_cast<std::size_t>(team.size());
+  const auto count = static_cast<std::size_t>(ranks.size());
   constexpr int words = static_cast<int>(sizeof(State) / 8);
-  std::vector<std::vector<State>> to(ranks);
+  std::vector<std::vector<State>> to(count);
   for (const State& state : states)
   {
     const auto owner =
       std::find_if(blocks.begin(), blocks.end(), [&](const lbm::Block& block) { return holds(block, state.node); });
     to[static_cast<std::size_t>(owner - blocks.begin())].push_back(state);
   }
-  std::vector<int> sent(ranks);
-  std::vector<int> received(ranks);
-  std::vector<int> sentAt(ranks, 0);
-  std::vector<int> receivedAt(ranks, 0);
+  std::vector<int> sent(count);
+  std::vector<int> received(count);
+  std::vector<int> sentAt(count, 0);
+  std::vector<int> receivedAt(count, 0);
   std::vector<State> out;
-  for (std::size_t rank = 0; rank < ranks; ++rank)
+  for (std::size_t rank = 0; rank < count; ++rank)
   {
     sent[rank] = static_cast<int>(to[rank].size()) * words;
     sentAt[rank] = static_cast<int>(out.size()) * words;
     out.insert(out.end(), to[rank].begin(), to[rank].end());
   }
-  MPI_Alltoall(sent.data(), 1, MPI_INT, received.data(), 1, MPI_INT, team.comm());
+  MPI_Alltoall(sent.data(), 1, MPI_INT, received.data(), 1, MPI_INT, ranks.handle());
   std::partial_sum(received.begin(), received.end() - 1, receivedAt.begin() + 1);
   std::vector<State> in(static_cast<std::size_t>((receivedAt.back() + received.back()) / words));
   MPI_Alltoallv(out.data(), sent.data(), sentAt.data(), MPI_INT64_T, in.data(), received.data(), receivedAt.data(),
-    MPI_INT64_T, team.comm());
+    MPI_INT64_T, ranks.handle());
   return in;
 }
 
 /// Flux into the nodes of the inlet face, on every rank; u fastest.
 std::vector<double> inletFlux(const FluxField& field, const FluxSetting& setting, const lbm::Block& block,
-  std::array<int, 2> across, const Team& team)
+  std::array<int, 2> across, const Communicator& ranks)
 {
   const auto axis = static_cast<std::size_t>(setting.axis);
   const auto u = static_cast<std::size_t>(across[0]);
@@ -250,7 +251,7 @@ std::vector<double> inletFlux(const FluxField& field, const FluxSetting& setting
       }
     }
   }
-  team.sum(inflow); // one rank holds each node: adding zeros changes nothing
+  ranks.sum(inflow); // one rank holds each node: adding zeros changes nothing
   return inflow;
 }
 
@@ -304,14 +305,14 @@ std::vector<std::array<double, 2>> seedInlet(
 }
 
 FluxLines traceLines(const FluxField& field, const FluxSetting& setting, const lbm::Block& block, std::int64_t count,
-  const Team& team, const std::function<bool(double)>& proceed)
+  const Communicator& ranks, const std::function<bool(double)>& proceed)
 {
   FluxLines result;
   std::array<int, 2> across{ setting.axis == 0 ? 1 : 0, setting.axis == 2 ? 1 : 2 };
   const auto axis = static_cast<std::size_t>(setting.axis);
   const auto u = static_cast<std::size_t>(across[0]);
   const auto v = static_cast<std::size_t>(across[1]);
-  const std::vector<double> inflow = inletFlux(field, setting, block, across, team);
+  const std::vector<double> inflow = inletFlux(field, setting, block, across, ranks);
   result.inflow = std::accumulate(inflow.begin(), inflow.end(), 0.0);
   const auto seeds = seedInlet(inflow, { setting.lattice.size[u], setting.lattice.size[v] }, count);
   result.length.assign(seeds.size(), 0.0);
@@ -337,9 +338,9 @@ FluxLines traceLines(const FluxField& field, const FluxSetting& setting, const l
   }
 
   const Tracer tracer(field, setting, block);
-  const std::vector<lbm::Block> blocks = allBlocks(block, team);
-  std::vector<std::int64_t> ended(1, 0);
-  while (team.any(!active.empty()))
+  const std::vector<lbm::Block> blocks = allBlocks(block, ranks);
+  std::int64_t ended = 0;
+  while (ranks.any(!active.empty()))
   {
     std::vector<LinePiece> pieces(active.size());
     std::vector<End> ends(active.size(), End::Left);
@@ -368,17 +369,16 @@ FluxLines traceLines(const FluxField& field, const FluxSetting& setting, const l
       if (pieces[i].points.size() > 1)
         result.pieces.push_back(std::move(pieces[i]));
     }
-    std::array<std::int64_t, 1> all{ finished };
-    team.sum(all);
-    ended[0] += all[0];
-    active = handOver(passed, blocks, team);
-    if (team.any(!proceed(static_cast<double>(ended[0]) / static_cast<double>(std::max<std::size_t>(seeds.size(), 1)))))
+    ended += ranks.sum(finished);
+    active = handOver(passed, blocks, ranks);
+    if (ranks.any(!proceed(static_cast<double>(ended) / static_cast<double>(std::max<std::size_t>(seeds.size(), 1)))))
       break;
   }
-  team.sum(result.length); // one rank saw each line's end
-  std::vector<std::int64_t> arrived(result.arrived.begin(), result.arrived.end());
-  team.sum(arrived);
-  std::copy(arrived.begin(), arrived.end(), result.arrived.begin());
+  ranks.sum(result.length); // one rank saw each line's end
+  std::vector<double> arrived(result.arrived.begin(), result.arrived.end());
+  ranks.sum(arrived);
+  std::transform(
+    arrived.begin(), arrived.end(), result.arrived.begin(), [](double all) { return static_cast<std::uint8_t>(all); });
   return result;
 }
 

@@ -45,7 +45,7 @@ struct FluxLines
 /// @param count    number of lines, ≥ 0
 /// @param proceed  called now and then with the share done, between 0 and 1; false ends early with what there is
 [[nodiscard]] FluxLines traceLines(const FluxField& field, const FluxSetting& setting, const lbm::Block& block,
-  std::int64_t count, const Team& team, const std::function<bool(double)>& proceed);
+  std::int64_t count, const Communicator& ranks, const std::function<bool(double)>& proceed);
 
 /// Seeds on the inlet face in units of nodes: (u, v) with u along the first axis of the face and v along the second.
 /// @param inflow flux into each node of the face, u fastest; nothing enters where it is not positive

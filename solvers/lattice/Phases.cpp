@@ -15,7 +15,7 @@ namespace lamella
 namespace
 {
 
-constexpr int greyCount = 65536;
+constexpr int greysOfMap = 65536;
 
 std::string sizeText(const Lattice& lattice)
 {
@@ -37,11 +37,11 @@ void requireCount(const Lattice& lattice, std::size_t values)
   const Lattice& lattice, std::span<const std::uint16_t> grey, const std::vector<int>& idOfGrey)
 {
   const auto first = std::find_if(grey.begin(), grey.end(), [&](std::uint16_t value) { return idOfGrey[value] < 0; });
-  std::vector<std::int64_t> missing(greyCount, 0);
+  std::vector<std::int64_t> missing(greysOfMap, 0);
   for (const std::uint16_t value : grey)
     missing[value] += idOfGrey[value] < 0;
   const std::int64_t nodes = missing[*first];
-  const std::int64_t others = greyCount - 1 - std::count(missing.begin(), missing.end(), 0);
+  const std::int64_t others = greysOfMap - 1 - std::count(missing.begin(), missing.end(), 0);
   const std::string more =
     others > 0 ? fmt::format("; {} more grey value{} likewise", others, others > 1 ? "s" : "") : "";
   throw InputError(fmt::format("grey value {} is in no phase: {} {} it, one is {}{}", *first, nodes,
@@ -111,10 +111,10 @@ PhaseImage GreyMap::apply(const Lattice& lattice, std::span<const std::uint16_t>
   const auto isVoid = [](const auto& entry) { return entry.second == "void"; };
   if (std::any_of(phaseOfGrey.begin(), phaseOfGrey.end(), isVoid) || other == "void")
     image.phases.add("void");
-  std::vector<int> idOfGrey(greyCount, -1);
+  std::vector<int> idOfGrey(greysOfMap, -1);
   for (const auto& [value, name] : phaseOfGrey)
   {
-    if (value < 0 || value >= greyCount)
+    if (value < 0 || value >= greysOfMap)
     {
       throw ParameterError(fmt::format("phase '{}' is given the grey value {}, which no picture has", name, value),
         "grey values run from 0 to 255 in 8-bit pictures and to 65535 in 16-bit ones");

@@ -7,7 +7,7 @@ namespace lamella::lbm
 namespace
 {
 
-using Position = std::array<std::int64_t, 3>;
+using LinkPosition = std::array<std::int64_t, 3>;
 
 NodeSet conductingNodes(const Block& block, const Halo& halo, const Links& links, std::span<const std::uint8_t> phase)
 {
@@ -29,8 +29,8 @@ NodeSet floodFromFace(const Lattice& lattice, const Block& block, const Halo& ha
   const Links& links, const NodeSet& conducting, int axis, bool high)
 {
   NodeSet reached(block.size[0], halo);
-  std::vector<Position> front;
-  const auto visit = [&](const Position& p)
+  std::vector<LinkPosition> front;
+  const auto visit = [&](const LinkPosition& p)
   {
     const std::int64_t row = halo.row(p[1], p[2]);
     if (conducting.contains(row, p[0]) && !reached.contains(row, p[0]))
@@ -39,17 +39,17 @@ NodeSet floodFromFace(const Lattice& lattice, const Block& block, const Halo& ha
       front.push_back(p);
     }
   };
-  const auto owned = [&](const Position& p)
+  const auto owned = [&](const LinkPosition& p)
   { return p[1] >= 0 && p[1] < block.size[1] && p[2] >= 0 && p[2] < block.size[2]; };
   const auto spread = [&]
   {
     while (!front.empty())
     {
-      const Position p = front.back();
+      const LinkPosition p = front.back();
       front.pop_back();
       for (const Direction& d : links.all())
       {
-        const Position q{ p[0] + d.x, p[1] + d.y, p[2] + d.z };
+        const LinkPosition q{ p[0] + d.x, p[1] + d.y, p[2] + d.z };
         if (q[0] >= 0 && q[0] < block.size[0] && owned(q) && links.open(d, p[0], p[1] + block.start[1]))
           visit(q);
       }
@@ -63,7 +63,7 @@ NodeSet floodFromFace(const Lattice& lattice, const Block& block, const Halo& ha
     for (std::int64_t y = 0; y < block.size[1]; ++y)
       for (std::int64_t x = 0; x < block.size[0]; ++x)
       {
-        const Position p{ x, y, z };
+        const LinkPosition p{ x, y, z };
         if (block.start[axis] + p[axis] == face && links.open(outwards, x, y + block.start[1]))
           visit(p);
         else if (axis == 0)
@@ -82,7 +82,7 @@ NodeSet floodFromFace(const Lattice& lattice, const Block& block, const Halo& ha
         {
           for (const Direction& d : links.all())
           {
-            const Position q{ x + d.x, y + d.y, z + d.z };
+            const LinkPosition q{ x + d.x, y + d.y, z + d.z };
             if (q[0] >= 0 && q[0] < block.size[0] && owned(q) && links.open(d, x, y + block.start[1]))
               visit(q);
           }
@@ -238,7 +238,7 @@ Percolation periodicPercolation(const Lattice& lattice, const Decomposition& par
   const std::int64_t nz = lattice.size[2];
   const std::int64_t rowBytes = (nx + 7) / 8;
   const auto bits = gatherBits(lattice, parts, comm, links, phase);
-  const auto conducts = [&](const Position& p)
+  const auto conducts = [&](const LinkPosition& p)
   { return (bits[static_cast<std::size_t>((p[1] + ny * p[2]) * rowBytes + p[0] / 8)] >> (p[0] % 8)) & 1U; };
 
   // Ranking on the whole box: a serial lattice of its own.
@@ -261,16 +261,16 @@ Percolation periodicPercolation(const Lattice& lattice, const Decomposition& par
         set.forEach(
           wholeHalo.row(y, z),
           [&](std::int64_t x) {
-            f(Position{ x, y, z });
+            f(LinkPosition{ x, y, z });
           });
   };
-  const auto idOf = [&](const Position& p) { return set.id(wholeHalo.row(p[1], p[2]), p[0]); };
+  const auto idOf = [&](const LinkPosition& p) { return set.id(wholeHalo.row(p[1], p[2]), p[0]); };
   forEachNode(
-    [&](const Position& p)
+    [&](const LinkPosition& p)
     {
       for (const Direction& d : links.forward())
       {
-        Position q;
+        LinkPosition q;
         std::array<std::int32_t, 3> wrap{ 0, 0, 0 };
         for (int a = 0; a < 3; ++a)
         {
@@ -290,7 +290,7 @@ Percolation periodicPercolation(const Lattice& lattice, const Decomposition& par
   const Block& block = parts.block();
   result.carrying = NodeSet(nx, halo);
   forEachNode(
-    [&](const Position& p)
+    [&](const LinkPosition& p)
     {
       const std::uint32_t id = idOf(p);
       const std::uint32_t root = clusters.root(id);

@@ -16,7 +16,7 @@ namespace
 
 constexpr double kShare = 0.5; // of the memory that is free, for a target's sake
 
-std::string percent(double share)
+std::string percentText(double share)
 {
   return fmt::format("{:.2g} %", 100 * share);
 }
@@ -55,11 +55,11 @@ ContourBudget contourBudget(const micrograph::ContourSet& contours, double spaci
 std::string text(const ContourPlan& plan, const ContourBudget& budget)
 {
   const double takes = budget.bytesPerNode * static_cast<double>(plan.nodes);
-  std::string text = fmt::format("the error bar is {}; ", percent(plan.error));
+  std::string text = fmt::format("the error bar is {}; ", percentText(plan.error));
   text += plan.pictureError < plan.target
-    ? percent(plan.target) + " takes"
+    ? percentText(plan.target) + " takes"
     : fmt::format("of the {} asked for only a finer picture can reach, half of the picture's {} takes",
-        percent(plan.target), percent(plan.pictureError));
+        percentText(plan.target), percentText(plan.pictureError));
   text += fmt::format(" about {} nodes and {} of memory", plan.nodes, bytesText(takes));
   if (takes > kShare * budget.available)
     text += fmt::format(", and no more than half of the {} that are free is taken", bytesText(budget.available));
@@ -77,8 +77,8 @@ Target targetOf(std::span<const ContourAnswer> answers, double target)
 Shortfall shortfall(std::span<const ContourAnswer> answers, double target)
 {
   const ContourAnswer& worst = worstOf(answers);
-  const std::string asked = fmt::format("an error of {} was asked for, and ", percent(target));
-  const std::string reached = fmt::format("{} along {} was reached", percent(worst.error), axisName(worst));
+  const std::string asked = fmt::format("an error of {} was asked for, and ", percentText(target));
+  const std::string reached = fmt::format("{} along {} was reached", percentText(worst.error), axisName(worst));
   switch (targetOf(answers, target))
   {
     case Target::PictureTooCoarse:
@@ -87,7 +87,7 @@ Shortfall shortfall(std::span<const ContourAnswer> answers, double target)
           "take a picture of smaller pixels, or outlines as vectors" };
       return { asked + reached,
         fmt::format("{} of it is the picture's: only smaller pixels or outlines as vectors lower that",
-          percent(worst.pictureError)) };
+          percentText(worst.pictureError)) };
     case Target::MemoryShort:
       return { asked + reached,
         fmt::format("the next lattice, of {} nodes, would take more than half of the free memory: use a part of the "

@@ -18,10 +18,10 @@ namespace
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-class Study
+class OutlineStudy
 {
 public:
-  Study(const micrograph::ContourSet& contours, const ContourStudyOptions& options, MPI_Comm comm)
+  OutlineStudy(const micrograph::ContourSet& contours, const ContourStudyOptions& options, MPI_Comm comm)
     : contours_(contours)
     , options_(options)
     , comm_(comm)
@@ -294,7 +294,7 @@ std::vector<ContourAnswer> studyContours(
       fmt::format("a target of {} for the error", options.targetError), "give a share such as 0.001");
   if (!options.coarser.empty() && !(options.pixel > 0))
     throw ParameterError(fmt::format("coarser pictures of one with pixels of {} m", options.pixel), "give its pixel");
-  return Study(contours, options, comm).run();
+  return OutlineStudy(contours, options, comm).run();
 }
 
 } // namespace lamella::lbm

@@ -1,5 +1,6 @@
 #include "mpm/PointStiffness.h"
 
+#include "core/Clock.h"
 #include "core/Error.h"
 #include "core/Memory.h"
 #include "mpm/PointIterations.h"
@@ -11,7 +12,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -22,11 +22,6 @@ namespace
 
 /// Of so few nodes in a plane factors are found as fast as multigrid is set up.
 constexpr std::size_t fewNodes = 30000;
-
-double now()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// Solves K w = f by conjugate gradients, preconditioned by sparse factors or by the nodes' own blocks.
 ///
@@ -387,7 +382,7 @@ PointStiffness<Dim> pointStiffness(
   const MaterialPoints<Dim>& points, const PointLaw<Dim>& law, const PointStiffnessOptions<Dim>& options)
 {
   using System = PointSystem<Dim>;
-  const double start = now();
+  const double start = lamella::seconds();
   const BackgroundGrid<Dim> grid = gridOf(options);
   checkPoints(points, law.phases(), options);
   if (!(options.tolerance > 0 && options.tolerance < 1))
@@ -423,7 +418,7 @@ PointStiffness<Dim> pointStiffness(
   r.nodes = static_cast<std::int64_t>(system.nodes().size());
   for (std::size_t a = 0; a < Dim; ++a)
     r.spacing[a] = grid.axis(static_cast<int>(a)).spacing;
-  r.setupSeconds = now() - start;
+  r.setupSeconds = lamella::seconds() - start;
 
   const std::size_t n = r.strains.size();
   std::vector<typename System::Strain> strain(n);
@@ -461,7 +456,7 @@ PointStiffness<Dim> pointStiffness(
     system.apply(w[k], kw[k]);
   }
   setStiffness(system, strain, f, w, kw, volumeOf(grid), r);
-  r.solveSeconds = now() - start - r.setupSeconds;
+  r.solveSeconds = lamella::seconds() - start - r.setupSeconds;
   say(1);
   return r;
 }

@@ -14,7 +14,7 @@ namespace
 {
 
 /// A side of the picture: points of it have this distance from it, positive within.
-struct Side
+struct OutlineSide
 {
   std::size_t axis = 0;
   bool high = false;
@@ -25,10 +25,10 @@ struct Side
   }
 };
 
-constexpr std::array<Side, 4> sides{ { { 1, false }, { 0, true }, { 1, true }, { 0, false } } };
+constexpr std::array<OutlineSide, 4> sides{ { { 1, false }, { 0, true }, { 1, true }, { 0, false } } };
 
 /// How long a polygon runs along a side.
-double alongSide(const std::vector<Point>& polygon, const Side& side, const std::array<double, 2>& size)
+double alongSide(const std::vector<Point>& polygon, const OutlineSide& side, const std::array<double, 2>& size)
 {
   const double near = 1e-9 * (size[0] + size[1]);
   double length = 0;
@@ -44,7 +44,7 @@ double alongSide(const std::vector<Point>& polygon, const Side& side, const std:
 
 /// What of a polygon lies deeper than this (Sutherland and Hodgman, Comm. ACM 17, 1974, 32–42).
 std::vector<Point> deeper(
-  const std::vector<Point>& polygon, const Side& side, double depth, const std::array<double, 2>& size)
+  const std::vector<Point>& polygon, const OutlineSide& side, double depth, const std::array<double, 2>& size)
 {
   std::vector<Point> inside;
   for (std::size_t i = 0; i < polygon.size(); ++i)
@@ -139,7 +139,7 @@ ContourSet sealedOutlines(const ContourSet& set, double pixel)
   {
     std::vector<Point>& polygon = polygons.emplace_back(outline.points);
     const double longest = std::sqrt(8 * pixel * std::sqrt(polygonArea(polygon) / std::numbers::pi));
-    for (const Side& side : sides)
+    for (const OutlineSide& side : sides)
     {
       const double cut = outline.open ? alongSide(polygon, side, set.size) : 0;
       if (cut > 0 && cut <= longest)

@@ -12,7 +12,7 @@ namespace lamella::micrograph
 namespace
 {
 
-struct Segment
+struct CrossingSegment
 {
   Point a, b;
   std::size_t chain;
@@ -25,14 +25,14 @@ struct Segment
 }
 
 /// A point on the line through a segment: is it between the ends?
-[[nodiscard]] bool between(const Segment& s, const Point& p)
+[[nodiscard]] bool between(const CrossingSegment& s, const Point& p)
 {
   return std::min(s.a[0], s.b[0]) <= p[0] && p[0] <= std::max(s.a[0], s.b[0]) && std::min(s.a[1], s.b[1]) <= p[1] &&
     p[1] <= std::max(s.a[1], s.b[1]);
 }
 
 /// Do two segments have a point in common?
-[[nodiscard]] bool meet(const Segment& s, const Segment& t)
+[[nodiscard]] bool meet(const CrossingSegment& s, const CrossingSegment& t)
 {
   if (std::max(s.a[0], s.b[0]) < std::min(t.a[0], t.b[0]) || std::max(t.a[0], t.b[0]) < std::min(s.a[0], s.b[0]) ||
     std::max(s.a[1], s.b[1]) < std::min(t.a[1], t.b[1]) || std::max(t.a[1], t.b[1]) < std::min(s.a[1], s.b[1]))
@@ -49,7 +49,7 @@ struct Segment
 
 /// Segments that follow each other in a chain share a point; they meet otherwise only if the second turns straight
 /// back.
-[[nodiscard]] bool turnsBack(const Segment& first, const Segment& second)
+[[nodiscard]] bool turnsBack(const CrossingSegment& first, const CrossingSegment& second)
 {
   return side(first.a, first.b, second.b) == 0 &&
     (first.b[0] - first.a[0]) * (second.b[0] - second.a[0]) + (first.b[1] - first.a[1]) * (second.b[1] - second.a[1]) <
@@ -78,7 +78,7 @@ public:
       const Contour& c = set.contours[k];
       for (std::size_t i = 0; i < segments(c); ++i)
       {
-        const Segment s{ c.points[i], c.points[i + 1 < c.points.size() ? i + 1 : 0], k, i };
+        const CrossingSegment s{ c.points[i], c.points[i + 1 < c.points.size() ? i + 1 : 0], k, i };
         all_.push_back(s);
         length += std::hypot(s.b[0] - s.a[0], s.b[1] - s.a[1]);
         for (std::size_t axis = 0; axis < 2; ++axis)
@@ -108,10 +108,10 @@ public:
     {
       for (std::size_t i = begin_[cell]; i < begin_[cell + 1]; ++i)
       {
-        const Segment& s = all_[inCell_[i]];
+        const CrossingSegment& s = all_[inCell_[i]];
         for (std::size_t j = i + 1; j < begin_[cell + 1]; ++j)
         {
-          const Segment& t = all_[inCell_[j]];
+          const CrossingSegment& t = all_[inCell_[j]];
           if (bad(s, t))
           {
             const Point at{ (s.a[0] + s.b[0] + t.a[0] + t.b[0]) / 4, (s.a[1] + s.b[1] + t.a[1] + t.b[1]) / 4 };
@@ -128,13 +128,13 @@ public:
   }
 
 private:
-  [[nodiscard]] bool bad(const Segment& s, const Segment& t) const
+  [[nodiscard]] bool bad(const CrossingSegment& s, const CrossingSegment& t) const
   {
     if (s.chain == t.chain)
     {
       const Contour& c = set_.contours[s.chain];
       const std::size_t n = segments(c);
-      const auto follows = [&](const Segment& a, const Segment& b)
+      const auto follows = [&](const CrossingSegment& a, const CrossingSegment& b)
       { return a.place + 1 == b.place || (c.closed && a.place + 1 == n && b.place == 0); };
       if (follows(s, t) || follows(t, s))
         return follows(s, t) ? turnsBack(s, t) : turnsBack(t, s);
@@ -144,7 +144,7 @@ private:
 
   /// Calls visit(cell) for the cells that a segment's box covers.
   template <class Visit>
-  void cover(const Segment& s, Visit visit) const
+  void cover(const CrossingSegment& s, Visit visit) const
   {
     std::array<std::size_t, 2> from{};
     std::array<std::size_t, 2> to{};
@@ -183,7 +183,7 @@ private:
   void fill()
   {
     begin_.assign(cells_[0] * cells_[1] + 1, 0);
-    for (const Segment& s : all_)
+    for (const CrossingSegment& s : all_)
       cover(s, [&](std::size_t cell) { ++begin_[cell + 1]; });
     for (std::size_t i = 1; i < begin_.size(); ++i)
       begin_[i] += begin_[i - 1];
@@ -194,7 +194,7 @@ private:
   }
 
   const ContourSet& set_;
-  std::vector<Segment> all_;
+  std::vector<CrossingSegment> all_;
   Point low_{};
   Point high_{};
   double edge_ = 0;

@@ -20,7 +20,7 @@ namespace
 constexpr std::uint8_t kLumen = 0;
 constexpr std::uint8_t kWall = 1;
 
-struct Crossing
+struct SideCrossing
 {
   double x = 0;
   std::int32_t sign = 0; ///< 1: lumen begins
@@ -31,7 +31,7 @@ struct Crossing
 struct RowCrossings
 {
   std::vector<std::size_t> first;
-  std::vector<Crossing> all;
+  std::vector<SideCrossing> all;
 };
 
 template <typename Visit>
@@ -73,7 +73,7 @@ RowCrossings crossRows(std::span<const ContourEdge> edges, std::int64_t rows)
   {
     const auto place = [&](std::size_t i) { return crossings.all.begin() + static_cast<std::ptrdiff_t>(i); };
     std::sort(place(crossings.first[row]), place(crossings.first[row + 1]),
-      [](const Crossing& a, const Crossing& b) {
+      [](const SideCrossing& a, const SideCrossing& b) {
         return a.x != b.x ? a.x < b.x : a.sign != b.sign ? a.sign < b.sign : a.lumen < b.lumen;
       });
   }
@@ -92,7 +92,7 @@ void fillNodes(const RowCrossings& crossings, ContourLattice& result)
     for (std::size_t i = crossings.first[static_cast<std::size_t>(row)];
          i < crossings.first[static_cast<std::size_t>(row) + 1]; ++i)
     {
-      const Crossing& crossing = crossings.all[i];
+      const SideCrossing& crossing = crossings.all[i];
       depth += crossing.sign;
       lumen = crossing.sign > 0 ? crossing.lumen : lumen;
       const std::int64_t begin = nodeAfter(crossing.x);

@@ -32,9 +32,9 @@ void forLinks(const Lattice& lattice, const std::vector<std::int32_t>& grain, co
 }
 
 /// How a cell hangs on the lamella.
-enum Touch : std::uint8_t
+enum LumenTouch : std::uint8_t
 {
-  None,
+  Untouched,
   Enclosed, ///< by a part that ends in the picture
   Leaving,  ///< by a part that leaves the picture, apart from the largest, which does too
   Largest
@@ -97,33 +97,33 @@ void countNetworks(const ContourLattice& lattice, const WallDirections& directio
   const bool leaves = !parts.empty() && parts[0].touches != 0;
   const auto kind = [&](std::int32_t label)
   {
-    return label == 0                                                     ? None
+    return label == 0                                                     ? Untouched
       : label == 1                                                        ? Largest
       : leaves && parts[static_cast<std::size_t>(label) - 1].touches != 0 ? Leaving
                                                                           : Enclosed;
   };
 
   const std::vector<std::int32_t> cells = lumensOn(lattice, directions);
-  std::vector<Touch> touch(cells.size(), None);
+  std::vector<LumenTouch> touch(cells.size(), Untouched);
   forLinks(
     result.image.lattice, directions.grain,
     [&](std::size_t a, std::size_t b)
     {
-      const Touch best = std::max(kind(labels[a]), kind(labels[b]));
+      const LumenTouch best = std::max(kind(labels[a]), kind(labels[b]));
       for (const std::size_t node : { a, b })
       {
         const auto cell = std::lower_bound(cells.begin(), cells.end(), directions.grain[node]);
         if (cell != cells.end() && *cell == directions.grain[node])
         {
-          Touch& known = touch[static_cast<std::size_t>(cell - cells.begin())];
+          LumenTouch& known = touch[static_cast<std::size_t>(cell - cells.begin())];
           known = std::max(known, best);
         }
       }
     });
   const auto count = [&](const auto& counts) { return std::count_if(touch.begin(), touch.end(), counts); };
   result.cells = static_cast<std::int64_t>(cells.size());
-  result.cellsTouched = count([](Touch t) { return t >= Leaving; });
-  result.cellsCutOff = count([](Touch t) { return t == Leaving; });
+  result.cellsTouched = count([](LumenTouch t) { return t >= Leaving; });
+  result.cellsCutOff = count([](LumenTouch t) { return t == Leaving; });
 }
 
 } // namespace lamella::micrograph

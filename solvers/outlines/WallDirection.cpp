@@ -75,7 +75,7 @@ std::vector<Tangent> tangentsOf(const ContourSet& contours, std::span<const Segm
 }
 
 /// A node's way from an outline: its foot's tangent, and the unit vector from the foot to the node.
-struct Side
+struct WallSide
 {
   Point doubled{ 0, 0 }; ///< (cos 2θ, sin 2θ)
   Point away{ 0, 0 };
@@ -92,9 +92,9 @@ Point blend(const Point& a, const Point& b, double share)
   return { a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]) };
 }
 
-Side sideOf(const Segment& segment, const Tangent& tangent, double squared, const Point& point)
+WallSide sideOf(const Segment& segment, const Tangent& tangent, double squared, const Point& point)
 {
-  Side side;
+  WallSide side;
   side.distance = std::sqrt(squared);
   const Point& normal = tangent.normal;
   const Point way{ point[0] - segment.from[0], point[1] - segment.from[1] };
@@ -138,7 +138,7 @@ std::array<float, 2> halved(const Point& doubled)
   return { static_cast<float>(s / (2 * y)), static_cast<float>(y) };
 }
 
-std::array<float, 2> axisOf(std::span<const Side> sides)
+std::array<float, 2> axisOf(std::span<const WallSide> sides)
 {
   Point doubled = sides[0].doubled;
   if (sides.size() > 1)
@@ -157,7 +157,7 @@ std::array<float, 2> axisOf(std::span<const Side> sides)
 
 /// To the nearest of the lines as far from the first lumen as from another one: the difference of the distances over
 /// how fast it changes.
-double toMiddle(std::span<const Side> sides)
+double toMiddle(std::span<const WallSide> sides)
 {
   double middle = Nearest::kNone;
   for (std::size_t i = 1; i < sides.size(); ++i)
@@ -229,7 +229,7 @@ WallDirections wallDirections(const ContourSet& contours, const ContourLattice& 
     [&](std::int64_t index, const Point& point, const Nearest& nearest)
     {
       const auto node = static_cast<std::size_t>(index);
-      std::array<Side, Nearest::kMost> sides;
+      std::array<WallSide, Nearest::kMost> sides;
       std::size_t found = 0;
       // Mostly the third is too far away to matter.
       const double third = Nearest::kThird * Nearest::kThird * nearest.squared[1];
@@ -239,7 +239,7 @@ WallDirections wallDirections(const ContourSet& contours, const ContourLattice& 
         sides[found] = sideOf(search.segments()[segment], tangents[segment], nearest.squared[found], point);
         ++found;
       }
-      const std::span<const Side> known(sides.data(), found);
+      const std::span<const WallSide> known(sides.data(), found);
       const bool lumen = wanted[node] == 2;
       result.nearest[node] = static_cast<float>(lumen ? -sides[0].distance : sides[0].distance);
       result.second[node] = static_cast<float>(found > 1 ? sides[1].distance : Nearest::kNone);

@@ -1,5 +1,6 @@
 #include "peridynamics/ElasticStudy.h"
 
+#include "core/Clock.h"
 #include "core/Error.h"
 #include "core/Memory.h"
 #include "peridynamics/BondForces.h"
@@ -11,18 +12,12 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace lamella::peridynamics
 {
 namespace
 {
-
-double now()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 void checkLoad(const Loading& loading)
 {
@@ -374,11 +369,11 @@ ElasticResult studyElastic(const BondModel& model, const Lattice& lattice, std::
     "equilibrium", lattice, elasticBytes(model, lattice, !grain.empty(), options, comm.size()), options.memory, comm);
   ElasticResult r;
   const bool nonlinear = options.equilibrium.strains == Strains::Large;
-  double start = now();
+  double start = lamella::seconds();
   const auto lap = [&start]
   {
     const double before = start;
-    start = now();
+    start = lamella::seconds();
     return start - before;
   };
   const BondLattice bonds(model, lattice, phase, grain, comm);

@@ -1,5 +1,6 @@
 #include "peridynamics/StiffnessStudy.h"
 
+#include "core/Clock.h"
 #include "core/Error.h"
 #include "core/Memory.h"
 #include "peridynamics/CellWindow.h"
@@ -7,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 
@@ -15,11 +15,6 @@ namespace lamella::peridynamics
 {
 namespace
 {
-
-double now()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 StiffnessStep stepOf(const EffectiveStiffness& cell, const Lattice& lattice, double seconds)
 {
@@ -45,9 +40,9 @@ void solveSample(const BondModel& model, const Lattice& lattice, std::span<const
   std::span<const std::int32_t> grain, const EquilibriumOptions& equilibrium, const Communicator& comm,
   StiffnessResult& r)
 {
-  const double start = now();
+  const double start = lamella::seconds();
   const BondLattice bonds(model, lattice, phase, grain, comm);
-  r.bondSeconds = now() - start;
+  r.bondSeconds = lamella::seconds() - start;
   r.cell = effectiveStiffness(bonds, equilibrium);
   static_cast<SampleCounts&>(r) = countSample(bonds, model, phase);
   r.sides = sideMatch(bonds, phase);
@@ -60,9 +55,9 @@ void solveSample(const BondModel& model, const Lattice& lattice, std::span<const
   }
   const std::int64_t fields = 3 * lattice.dimension * bonds.layout().count() * 8;
   r.bytes = comm.sum(bonds.bytes() + solver + fields);
-  const double seconds = now() - start;
-  r.measureSeconds = seconds - r.bondSeconds - r.setupSeconds - r.solveSeconds;
-  r.steps.push_back(stepOf(r.cell, lattice, seconds));
+  const double took = lamella::seconds() - start;
+  r.measureSeconds = took - r.bondSeconds - r.setupSeconds - r.solveSeconds;
+  r.steps.push_back(stepOf(r.cell, lattice, took));
 }
 
 // Every second, third and fourth pixel make pictures; of each kind about so many are solved. In the plane there are 4,
@@ -198,7 +193,7 @@ private:
 
   StiffnessStep solveOne(const CellThinning& t, std::int64_t most, const std::function<bool(double)>& progress) const
   {
-    const double start = now();
+    const double start = lamella::seconds();
     const CellWindow window = thinned(lattice_, slab_, phase_, grain_, t, all_);
     const Lattice& lattice = window.lattice;
     const Stencil stencil(lattice.dimension, model_.horizon);
@@ -214,7 +209,7 @@ private:
     try
     {
       const BondLattice bonds(model_, lattice, mine.phase, mine.grain, comm);
-      return stepOf(effectiveStiffness(bonds, equilibrium), lattice, now() - start);
+      return stepOf(effectiveStiffness(bonds, equilibrium), lattice, lamella::seconds() - start);
     }
     catch (const NoPathError&)
     {
@@ -223,7 +218,7 @@ private:
     {
     }
     const std::size_t n = lattice.dimension == 3 ? 6 : 3;
-    return { 1, 1, lattice.count(), std::vector<double>(n * n, 0.0), {}, now() - start };
+    return { 1, 1, lattice.count(), std::vector<double>(n * n, 0.0), {}, lamella::seconds() - start };
   }
 
   static void add(StiffnessStep& sum, const StiffnessStep& one)
@@ -366,7 +361,7 @@ StiffnessResult studyStiffness(const BondModel& given, const Lattice& lattice, s
   if (!options.estimateError)
     return r;
 
-  const double start = now();
+  const double start = lamella::seconds();
   const auto unknown = [&](const std::string& why) { r.warnings.push_back("the error is not known: " + why); };
   // of the values, which may be the lesser for it
   const double anisotropy = latticeModuli(bondStencil(model), model.continuum).worst;
@@ -397,7 +392,7 @@ StiffnessResult studyStiffness(const BondModel& given, const Lattice& lattice, s
     {
       unknown(error.what());
     }
-  r.estimateSeconds = now() - start;
+  r.estimateSeconds = lamella::seconds() - start;
   return r;
 }
 

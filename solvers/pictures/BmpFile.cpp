@@ -14,7 +14,7 @@ namespace
 {
 
 /// As the header of Windows 3 and its followers has it.
-struct Head
+struct BmpHead
 {
   std::int64_t width = 0;
   std::int64_t height = 0;
@@ -34,7 +34,7 @@ struct Head
     fmt::format("'{}' is a BMP {}", file.name(), what), "save it as a BMP of 24 bits that is not packed, or as PNG");
 }
 
-Head readHead(FileBytes& file)
+BmpHead readBmpHead(FileBytes& file)
 {
   const auto number = [&](std::uint64_t at, int bytes) { return file.number(at, bytes, false); };
   const auto signedNumber = [&](std::uint64_t at)
@@ -43,7 +43,7 @@ Head readHead(FileBytes& file)
   const std::uint64_t size = number(header, 4);
   if (size < 40 || size > 124)
     refuse(file, fmt::format("with a header of {} bytes; 40 to 124 can be read", size));
-  Head head;
+  BmpHead head;
   head.pixels = number(10, 4);
   head.width = signedNumber(18);
   head.height = signedNumber(22);
@@ -93,7 +93,7 @@ Head readHead(FileBytes& file)
 
 Probe probeBmp(FileBytes& file)
 {
-  const Head head = readHead(file);
+  const BmpHead head = readBmpHead(file);
   Probe result;
   result.format = Format::Bmp;
   result.width = head.width;
@@ -109,7 +109,7 @@ Probe probeBmp(FileBytes& file)
 
 Pixels decodeBmp(FileBytes& file)
 {
-  const Head head = readHead(file);
+  const BmpHead head = readBmpHead(file);
   const std::vector<std::uint8_t> palette =
     head.colours > 0 ? file.read(head.palette, 4 * head.colours) : std::vector<std::uint8_t>();
   Pixels result;

@@ -60,18 +60,18 @@ void listen(Complaints& complaints, jpeg_error_mgr*& to)
 
 /// A file that is being read. libjpeg leaves with longjmp, so nothing in the functions that say setjmp may need a
 /// destructor.
-class Reading
+class JpegReading
 {
 public:
-  explicit Reading(FileBytes& file)
+  explicit JpegReading(FileBytes& file)
     : bytes_(file.read(0, file.size()))
   {
     listen(complaints_, jpeg.err);
     jpeg_create_decompress(&jpeg);
   }
-  ~Reading() { jpeg_destroy_decompress(&jpeg); }
-  Reading(const Reading&) = delete;
-  Reading& operator=(const Reading&) = delete;
+  ~JpegReading() { jpeg_destroy_decompress(&jpeg); }
+  JpegReading(const JpegReading&) = delete;
+  JpegReading& operator=(const JpegReading&) = delete;
 
   [[nodiscard]] bool head()
   {
@@ -174,7 +174,7 @@ bool write(const Pixels& pixels, int quality, jpeg_compress_struct& jpeg, Compla
 
 Probe probeJpeg(FileBytes& file)
 {
-  Reading reading(file);
+  JpegReading reading(file);
   const bool sound = reading.head();
   const jpeg_decompress_struct& jpeg = reading.jpeg;
   if (jpeg.num_components == 4)
@@ -212,7 +212,7 @@ Probe probeJpeg(FileBytes& file)
 
 Pixels decodeJpeg(FileBytes& file)
 {
-  Reading reading(file);
+  JpegReading reading(file);
   Pixels result;
   if (!reading.head() || !reading.pixels(result) || *reading.complaint() != '\0')
     reading.refuse(file);

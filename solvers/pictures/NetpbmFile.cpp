@@ -62,7 +62,7 @@ public:
   std::uint64_t at;
 };
 
-struct Head
+struct NetpbmHead
 {
   std::int64_t width = 0;
   std::int64_t height = 0;
@@ -72,7 +72,7 @@ struct Head
   std::uint64_t pixels = 0; ///< where they begin
 };
 
-Head readHead(FileBytes& file)
+NetpbmHead readNetpbmHead(FileBytes& file)
 {
   constexpr std::uint64_t most = 1 << 16; // with its comments
   const std::vector<std::uint8_t> bytes = file.read(0, std::min(most, file.size()));
@@ -80,7 +80,7 @@ Head readHead(FileBytes& file)
   if (kind == '1' || kind == '4')
     throw InputError(fmt::format("'{}' is a bitmap (P{})", file.name(), kind), "convert it to PGM or PNG");
   Words words(file, bytes, 2);
-  Head head;
+  NetpbmHead head;
   head.channels = kind == '3' || kind == '6' ? 3 : 1;
   head.text = kind == '2' || kind == '3';
   head.width = words.number();
@@ -112,7 +112,7 @@ bool isNetpbm(std::span<const std::uint8_t> head) noexcept
 
 Probe probeNetpbm(FileBytes& file)
 {
-  const Head head = readHead(file);
+  const NetpbmHead head = readNetpbmHead(file);
   Probe result;
   result.format = head.channels == 3 ? Format::Ppm : Format::Pgm;
   result.width = head.width;
@@ -124,7 +124,7 @@ Probe probeNetpbm(FileBytes& file)
 
 Pixels decodeNetpbm(FileBytes& file, Probe& probe)
 {
-  const Head head = readHead(file);
+  const NetpbmHead head = readNetpbmHead(file);
   Pixels result;
   result.width = head.width;
   result.height = head.height;

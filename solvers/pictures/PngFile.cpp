@@ -16,7 +16,7 @@ namespace
 {
 
 /// What libpng calls back with.
-struct Talk
+struct PngTalk
 {
   FileBytes* file = nullptr;               ///< that is read
   std::uint64_t at = 0;                    ///< and where
@@ -28,7 +28,7 @@ struct Talk
 
 void onError(png_structp png, png_const_charp text)
 {
-  static_cast<Talk*>(png_get_error_ptr(png))->complaint = text;
+  static_cast<PngTalk*>(png_get_error_ptr(png))->complaint = text;
   png_longjmp(png, 1);
 }
 
@@ -36,7 +36,7 @@ void onWarning(png_structp png, png_const_charp text)
 {
   if (std::strstr(text, "too large") != nullptr) // of a chunk: memory would be taken for it
     onError(png, text);
-  auto& wrong = static_cast<Talk*>(png_get_error_ptr(png))->wrong;
+  auto& wrong = static_cast<PngTalk*>(png_get_error_ptr(png))->wrong;
   constexpr std::size_t most = 20; // of what a file can hold thousands of
   if (std::strstr(text, "CRC error") != nullptr && wrong.size() < most)
     wrong.emplace_back(text, std::strcspn(text, ":"));
@@ -44,7 +44,7 @@ void onWarning(png_structp png, png_const_charp text)
 
 void onRead(png_structp png, png_bytep to, std::size_t count)
 {
-  Talk& talk = *static_cast<Talk*>(png_get_io_ptr(png));
+  PngTalk& talk = *static_cast<PngTalk*>(png_get_io_ptr(png));
   talk.ended = !talk.file->holds(talk.at, count);
   bool read = !talk.ended;
   try
@@ -63,7 +63,7 @@ void onRead(png_structp png, png_bytep to, std::size_t count)
 
 void onWrite(png_structp png, png_bytep from, std::size_t count)
 {
-  Talk& talk = *static_cast<Talk*>(png_get_io_ptr(png));
+  PngTalk& talk = *static_cast<PngTalk*>(png_get_io_ptr(png));
   bool written = true;
   try
   {
@@ -81,10 +81,10 @@ void onFlush(png_structp) {}
 
 /// A file that is being read. libpng leaves with longjmp, so nothing in the functions that say setjmp may need a
 /// destructor.
-class Reading
+class PngReading
 {
 public:
-  explicit Reading(FileBytes& file)
+  explicit PngReading(FileBytes& file)
   {
     talk.file = &file;
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &talk, onError, onWarning);
@@ -96,9 +96,9 @@ public:
       throw MemoryError("libpng has no memory, or is of another version", "close other programs");
     }
   }
-  ~Reading() { png_destroy_read_struct(&png_, &info, &end); }
-  Reading(const Reading&) = delete;
-  Reading& operator=(const Reading&) = delete;
+  ~PngReading() { png_destroy_read_struct(&png_, &info, &end); }
+  PngReading(const PngReading&) = delete;
+  PngReading& operator=(const PngReading&) = delete;
 
   [[nodiscard]] bool head()
   {
@@ -204,7 +204,7 @@ public:
     undecodable(file, Format::Png, talk.complaint);
   }
 
-  Talk talk;
+  PngTalk talk;
   png_infop info = nullptr;
   png_infop end = nullptr;
 
@@ -213,8 +213,8 @@ private:
   std::vector<png_bytep> rows_;
 };
 
-bool write(
-  png_structp png, png_infop info, const Pixels& pixels, png_uint_32 perMetre, png_textp text, int effort, Talk& talk)
+bool write(png_structp png, png_infop info, const Pixels& pixels, png_uint_32 perMetre, png_textp text, int effort,
+  PngTalk& talk)
 {
   if (setjmp(png_jmpbuf(png)) != 0)
     return false;
@@ -243,7 +243,7 @@ bool write(
 
 Probe probePng(FileBytes& file)
 {
-  Reading reading(file);
+  PngReading reading(file);
   if (!reading.head())
     reading.refuse(file);
   Probe result;
@@ -259,7 +259,7 @@ Probe probePng(FileBytes& file)
 
 Pixels decodePng(FileBytes& file, Probe& probe)
 {
-  Reading reading(file);
+  PngReading reading(file);
   Pixels result;
   if (!reading.head() || reading.width() != probe.width || reading.height() != probe.height || !reading.pixels(result))
     reading.refuse(file);
@@ -285,7 +285,7 @@ std::vector<std::uint8_t> encodePng(const Pixels& pixels, double perMetre, std::
   text.itxt_length = words.size();
   text.lang = none;
   text.lang_key = none;
-  Talk talk;
+  PngTalk talk;
   talk.to = &bytes;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &talk, onError, onWarning);
   png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);

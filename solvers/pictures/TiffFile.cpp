@@ -25,7 +25,7 @@ namespace
 constexpr tmsize_t mostOfOne = tmsize_t{ 1 } << 31;
 
 /// What libtiff calls back with.
-struct Talk
+struct TiffTalk
 {
   FileBytes* file = nullptr;
   std::uint64_t at = 0;
@@ -38,7 +38,7 @@ int onError(TIFF*, void* data, const char*, const char* format, va_list values)
 {
   char text[256];
   std::vsnprintf(text, sizeof text, format, values);
-  static_cast<Talk*>(data)->complaint = text;
+  static_cast<TiffTalk*>(data)->complaint = text;
   return 1;
 }
 
@@ -51,7 +51,7 @@ int onWarning(TIFF*, void* data, const char*, const char* format, va_list values
 
 tmsize_t onRead(thandle_t handle, void* to, tmsize_t count)
 {
-  Talk& talk = *static_cast<Talk*>(handle);
+  TiffTalk& talk = *static_cast<TiffTalk*>(handle);
   const auto wanted = static_cast<std::uint64_t>(count);
   const std::uint64_t left = talk.file->size() - std::min(talk.at, talk.file->size());
   talk.beyond |= wanted > left;
@@ -74,7 +74,7 @@ tmsize_t onWrite(thandle_t, void*, tmsize_t)
 
 toff_t onSeek(thandle_t handle, toff_t to, int from)
 {
-  Talk& talk = *static_cast<Talk*>(handle);
+  TiffTalk& talk = *static_cast<TiffTalk*>(handle);
   talk.at = to + (from == SEEK_CUR ? talk.at : from == SEEK_END ? talk.file->size() : 0);
   return talk.at;
 }
@@ -86,12 +86,12 @@ int onClose(thandle_t)
 
 toff_t onSize(thandle_t handle)
 {
-  return static_cast<Talk*>(handle)->file->size();
+  return static_cast<TiffTalk*>(handle)->file->size();
 }
 
 int onMap(thandle_t handle, void** base, toff_t* size)
 {
-  Talk& talk = *static_cast<Talk*>(handle);
+  TiffTalk& talk = *static_cast<TiffTalk*>(handle);
   *base = talk.all.data();
   *size = talk.all.size();
   return talk.all.empty() ? 0 : 1;
@@ -101,7 +101,7 @@ void onUnmap(thandle_t, void*, toff_t) {}
 
 struct Options
 {
-  explicit Options(Talk& talk)
+  explicit Options(TiffTalk& talk)
     : options(TIFFOpenOptionsAlloc())
   {
     TIFFOpenOptionsSetErrorHandlerExtR(options, onError, &talk);
@@ -138,7 +138,7 @@ struct Opened
       TIFFClose(tiff);
   }
 
-  Talk talk;
+  TiffTalk talk;
   TIFF* tiff = nullptr;
 };
 

@@ -19,10 +19,10 @@ struct Run
   std::uint32_t piece = 0; ///< run that stands for the piece, or a step on the way to it
 };
 
-class Pieces
+class PieceFinder
 {
 public:
-  Pieces(const Lattice& lattice, std::span<std::uint8_t> phase)
+  PieceFinder(const Lattice& lattice, std::span<std::uint8_t> phase)
     : lattice_(lattice)
     , phase_(phase)
   {
@@ -226,7 +226,7 @@ private:
 
 ClearedPieces clearPieces(const Lattice& lattice, std::span<std::uint8_t> phase, std::int64_t smallest)
 {
-  return smallest > 1 ? Pieces(lattice, phase).clear(smallest) : ClearedPieces{};
+  return smallest > 1 ? PieceFinder(lattice, phase).clear(smallest) : ClearedPieces{};
 }
 
 std::vector<double> thicknesses(const Lattice& lattice, std::span<const std::uint8_t> phase, std::size_t phases)

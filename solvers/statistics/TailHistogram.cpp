@@ -12,7 +12,7 @@ namespace
 
 constexpr double finest = 5e-5;
 constexpr double lowest = 1e-4; // of the unit
-constexpr double mostBins = 1 << 19;
+constexpr double mostTailBins = 1 << 19;
 
 } // namespace
 
@@ -22,7 +22,7 @@ TailHistogram::TailHistogram(double unit, double largest)
 {
   const double below = -std::log(lowest);
   const double above = std::max(0.0, std::log(largest) - std::log(unit));
-  step_ = std::max(finest, (below + above) / mostBins);
+  step_ = std::max(finest, (below + above) / mostTailBins);
   offset_ = static_cast<std::int64_t>(std::ceil(below / step_));
   const auto bins = static_cast<std::size_t>(offset_ + static_cast<std::int64_t>(std::ceil(above / step_)) + 2);
   count_.assign(bins, 0.0);

@@ -59,7 +59,7 @@ class BadPictures(Case):
 
     def test_not_a_picture(self):
         self.solve(3, "is not a PNG, JPEG, TIFF, PGM, PPM or BMP", "convert it", self.write("p.png", b"Dear diary, " * 20))
-        self.solve(3, "'p.vti' is not a whole .vti file", "again", self.write("p.vti", b"Dear diary, " * 20))
+        self.solve(3, "'p.vti' is not a .vti file, or is cut short", "again", self.write("p.vti", b"Dear diary, " * 20))
         self.solve(3, "is packed", "gunzip", self.write("v.raw.gz", b"\x1f\x8b"))
 
     def test_sixteen_bits(self):

@@ -1,6 +1,9 @@
 // Files to phases through the pipeline. What micrograph::readPicture() does with each format is tested there.
 #include "VtkTesting.h"
 
+#include "pictures/PictureRecord.h"
+#include "pictures/WritePicture.h"
+
 #include "vtkCellData.h"
 #include "vtkPNGWriter.h"
 #include "vtkPictureReader.h"
@@ -204,6 +207,38 @@ TEST_F(PictureReader, FilesOfPhasesKeepTheirNames)
   picture->SetArrayName("nothing");
   const std::string error = errorOf(picture);
   EXPECT_NE(error.find("no array 'nothing'"), std::string::npos) << error;
+}
+
+// A picture that the program wrote says what its greys are, whoever reads it.
+TEST_F(PictureReader, PicturesOfLamellaKeepTheirNamesAndPixels)
+{
+  const PhaseImage image = toPhaseImage(vtktest::picture(6, 5, 1, vtktest::blobs));
+  const std::vector<std::uint8_t> values{ 0, 127, 255 };
+  micrograph::PictureRecord record;
+  record.pixelSize = 1.0 / 3e6;
+  for (std::size_t id = 0; id < values.size(); ++id)
+    record.phases[values[id]] = image.phases.names()[id];
+  micrograph::writeLabels(image, path("a.png"), values, toJson(record));
+  const auto picture = reader(path("a.png"));
+  ASSERT_EQ(errorOf(picture), "");
+  EXPECT_EQ(phaseNames(picture->GetOutput()).names(), image.phases.names());
+  EXPECT_EQ(phases(picture), (std::vector<int>{ image.phase.begin(), image.phase.end() }));
+  EXPECT_EQ(picture->GetOutput()->GetSpacing()[0], 1.0 / 3e6); // PNG alone would round it
+  EXPECT_EQ(fieldText(picture->GetOutput(), "pixel_size_source"), "lamella record");
+  picture->SetPhase("0..127", "wood"); // who reads it has the last word
+  picture->SetOtherPhase("air");
+  ASSERT_EQ(errorOf(picture), "");
+  EXPECT_EQ(phaseNames(picture->GetOutput()).names().front(), "wood");
+
+  record.size = image.lattice.size;
+  std::ofstream(path("a.raw"), std::ios::binary)
+    .write(reinterpret_cast<const char*>(image.phase.data()), static_cast<std::streamsize>(image.phase.size()));
+  record.phases = { { 0, "a" }, { 1, "b" }, { 2, "c" } };
+  std::ofstream(path("a.raw.json")) << toJson(record);
+  const auto raw = reader(path("a.raw")); // neither name nor user tells its size
+  ASSERT_EQ(errorOf(raw), "");
+  EXPECT_EQ(raw->GetOutput()->GetDimensions()[0], 6);
+  EXPECT_EQ(phaseNames(raw->GetOutput()).names(), (std::vector<std::string>{ "a", "b", "c" }));
 }
 
 // Solvers look for grains and for the way walls run: without them their answer is another one.

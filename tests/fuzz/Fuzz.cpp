@@ -136,7 +136,7 @@ Answer readPicture(const fs::path& path)
 {
   micrograph::ReadOptions options;
   options.keepColour = true;
-  const micrograph::Picture picture = readGreys(path, options, "");
+  const micrograph::Picture picture = readPictureFile(path, options).picture;
   Answer answer{ .warned = !picture.warnings.empty() };
   if (picture.format == "PNG")
   {

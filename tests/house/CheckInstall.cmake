@@ -21,8 +21,18 @@ foreach(file IN ITEMS
   endif()
 endforeach()
 
+# Public headers alone, and each with all that it includes.
+if(EXISTS "${WORK}/prefix/include/lamella/lbm/multigrid/Multigrid.h")
+  message(FATAL_ERROR "headers of our own were installed")
+endif()
+file(GLOB_RECURSE headers RELATIVE "${WORK}/prefix/include/lamella" "${WORK}/prefix/include/lamella/*.h")
+list(FILTER headers INCLUDE REGEX "/") # VTK classes lie beside the folders
+list(TRANSFORM headers REPLACE "(.+)" "#include \"\\1\"")
+list(JOIN headers "\n" headers)
+file(WRITE "${WORK}/AllHeaders.cpp" "${headers}\n")
+
 set(options "-DCMAKE_PREFIX_PATH=${WORK}/prefix" "-DCMAKE_CXX_COMPILER=${COMPILER}" "-DCMAKE_BUILD_TYPE=Release"
-  "-DWITH_FILTERS=${WITH_FILTERS}")
+  "-DWITH_FILTERS=${WITH_FILTERS}" "-DALL_HEADERS=${WORK}/AllHeaders.cpp")
 if(LAUNCHER)
   list(APPEND options "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}")
 endif()

@@ -35,7 +35,8 @@ def owner(path, folders):
 
 def resolve(name, file, root):
     """What an include names, in the tree."""
-    for folder in (file.parent, root / "solvers", root / "solvers/vtk", root / "filters", root / "filters/rendering", root / "tools", root / "tools/vtk"):
+    folders = [file.parent, *(root / name for name in ("solvers", "filters", "filters/rendering", "tools", "tools/vtk"))]
+    for folder in folders + sorted((root / "solvers/vtk").glob("*/")):
         if (folder / name).is_file():
             return (folder / name).resolve()
     return None

@@ -6,6 +6,7 @@ window.py XVFB_RUN PARAVIEW SOURCES [PICTURE.png]
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -104,7 +105,9 @@ with tempfile.TemporaryDirectory() as folder:
     settings = os.path.join(folder, "home", ".config", "ParaView")
     os.makedirs(settings)
     os.chmod(os.path.join(folder, "home"), 0o700)
-    with open(os.path.join(settings, "ParaView5.11.0.ini"), "w", encoding="ascii") as file:
+    pvpython = os.path.join(os.path.dirname(paraview), "pvpython")
+    version = re.search(r"\d[\d.]+", subprocess.run([pvpython, "--version"], capture_output=True, text=True).stdout)[0]
+    with open(os.path.join(settings, f"ParaView{version}.ini"), "w", encoding="ascii") as file:
         file.write("[General]\nGeneralSettings.ShowWelcomeDialog=false\n")
     os.mkdir(inside("screen"))
     example = os.path.join(sources, "examples", "paraview", "live_fracture.py")

@@ -147,7 +147,7 @@ def main():
     os.environ.setdefault("UBSAN_OPTIONS", "print_stacktrace=1:halt_on_error=1")
     os.environ.update(OMP_WAIT_POLICY="PASSIVE", OPENBLAS_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1",
                       OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_mpi_yield_when_idle="1",
-                      OMPI_MCA_btl_vader_single_copy_mechanism="none")
+                      OMPI_MCA_btl_vader_single_copy_mechanism="none", OMPI_MCA_smsc="^cma")
     counts, times, sizes, left = collections.Counter(), collections.Counter(), collections.defaultdict(set), 0
     with tempfile.TemporaryDirectory(prefix="lamella-matrix-") as folder:
         for case in cases(keys):

@@ -1,17 +1,35 @@
-# Every library we build with. One VTK in this project: the one inside ParaView 5.11 (docs/architecture.md says why).
-find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore)
+# Every library we build with. One VTK a build (docs/architecture.md says why): the one inside ParaView, or with
+# LAMELLA_PARAVIEW=OFF the system's.
+
+# Before ParaView, whose package looks for HDF5 too, and what is found first stays: ParaView links the Open MPI build, and
+# two HDF5 in one program do not mix. Debian 13 brings the serial one's headers along with paraview-dev.
+set(HDF5_PREFER_PARALLEL ON)
+if(LAMELLA_PARAVIEW)
+  include(LamellaParaView)
+  find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore) # its VTK, which it puts into VTK_DIR
+endif()
 set(LAMELLA_VTK_COMPONENTS # LamellaConfig.cmake asks for the same
   CommonCore CommonDataModel CommonExecutionModel CommonMath CommonColor FiltersCore FiltersFlowPaths FiltersGeneral
   FiltersGeometry FiltersSources FiltersExtraction ImagingCore InteractionStyle IOCore IOHDF IOImage IOInfovis IOOggTheora
   IOXML IOXMLParser ParallelCore
   ParallelMPI RenderingAnnotation RenderingCore RenderingFreeType RenderingOpenGL2 RenderingContext2D
   RenderingContextOpenGL2 ChartsCore)
-find_package(VTK REQUIRED COMPONENTS ${LAMELLA_VTK_COMPONENTS})
+find_package(VTK 9.2 REQUIRED COMPONENTS ${LAMELLA_VTK_COMPONENTS})
+# From ParaView 5.12 to VTK 9.4 a header has `nlohmann` mean the copy of that library inside VTK, in what we write too.
+# Ours is the system's, in every file: VTK's macros are passed over.
+get_target_property(_includes VTK::CommonCore INTERFACE_INCLUDE_DIRECTORIES)
+find_file(LAMELLA_VTK_NLOHMANN vtk_nlohmannjson.h HINTS ${_includes} NO_DEFAULT_PATH)
+if(LAMELLA_VTK_NLOHMANN)
+  file(STRINGS "${LAMELLA_VTK_NLOHMANN}" _defines REGEX "define nlohmann ")
+  if(_defines)
+    add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-Dvtk_nlohmannjson_h>
+      "$<$<COMPILE_LANGUAGE:CXX>:-DVTK_NLOHMANN_JSON(x)=<nlohmann/x$<ANGLE-R>>")
+  endif()
+endif()
 
 set(MPI_CXX_SKIP_MPICXX ON) # the C interface only
 find_package(MPI REQUIRED COMPONENTS CXX)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-set(HDF5_PREFER_PARALLEL ON) # ParaView links the Open MPI build; two HDF5 in one program do not mix
 find_package(HDF5 REQUIRED COMPONENTS C)
 add_library(Lamella_hdf5 INTERFACE IMPORTED) # itself only: CMake's target lists all that the library was linked with
 target_include_directories(Lamella_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})

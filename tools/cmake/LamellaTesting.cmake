@@ -21,7 +21,9 @@ set(_lamella_test_environment
   OMPI_ALLOW_RUN_AS_ROOT=1
   OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
   OMPI_MCA_mpi_yield_when_idle=1 # more ranks than idle cores would spin: minutes in place of seconds
-  OMPI_MCA_btl_vader_single_copy_mechanism=none # containers refuse the system call and Open MPI then complains
+  # containers refuse the system call, and Open MPI 4 and 5 then complain
+  OMPI_MCA_btl_vader_single_copy_mechanism=none
+  OMPI_MCA_smsc=^cma
 )
 if(LAMELLA_SANITIZE)
   # Leaks in Open MPI, ParaView and Python are not ours to mend; errors of ours end the program.
@@ -69,7 +71,9 @@ function(lamella_add_test)
 endfunction()
 
 # Tests spend little time in their own code, and their builds more than half of theirs in its optimisation.
+# -Wno-dangling-else: GoogleTest's macros bring an else of their own, which is no danger.
 function(lamella_build_fast target)
+  target_compile_options(${target} PRIVATE -Wno-dangling-else)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 

@@ -35,7 +35,7 @@ bool statesNeedDisplacement(const Session& session, const BreakOptions& o)
 }
 
 /// What rank 0 writes.
-struct Files
+struct BreakFiles
 {
   StateWriter states;
   std::optional<OutputFile> broken;
@@ -118,7 +118,7 @@ void runBreak(Session& session, const BreakOptions& options, vtkBondBreakAlgorit
 {
   const auto start = Clock::now();
   BondSample sample;
-  Files files; // rank 0
+  BreakFiles files; // rank 0
   session.onRoot(
     [&]
     {

@@ -122,7 +122,7 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
     checkSampleEnding(options.output, 2); // a PNG of spheres is refused once it is known that they are
     file.emplace(options.output, options.common.overwrite);
     if (file->path().extension() == ".raw")
-      beside.emplace(recordBeside(file->path()), options.common.overwrite);
+      beside.emplace(micrograph::recordBeside(file->path()), options.common.overwrite);
   }
   const vtkSmartPointer<vtkPolyData> grains = readPacking(session, options.file, options.table).grains;
   const std::vector<double> edges = fieldNumbers(grains, "box");

@@ -92,7 +92,7 @@ Json reportOf(const CollapseMapOptions& o, vtkCollapseMap* filter)
   return json;
 }
 
-std::string tableOf(const Json& json)
+std::string collapseTable(const Json& json)
 {
   std::string text = fmt::format("{}: {} lumens of '{}', {} cut by the rim\n\n", json["file"].get<std::string>(),
     grouped(json["lumens"].get<std::int64_t>()), json["phase"].get<std::string>(),
@@ -135,7 +135,7 @@ void collapseMap(Session& session, const CollapseMapOptions& o, const std::strin
   const io::Provenance run = recordRun(session, commandLine, o.image, provenance(filter->GetOutput()));
   json["files"] = files.write(io::toJson(run));
   json["seconds"] = secondsSince(start);
-  printReport(session, o.common, json, run, tableOf);
+  printReport(session, o.common, json, run, collapseTable);
 }
 
 } // namespace

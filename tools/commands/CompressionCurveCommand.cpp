@@ -109,7 +109,7 @@ Json reportOf(const CompressionCurveOptions& o, vtkTable* curve)
   return json;
 }
 
-std::string tableOf(const Json& json)
+std::string curveTable(const Json& json)
 {
   std::string text = fmt::format("{}: {} rows\n\n", json["file"].get<std::string>(), json["rows"].get<int>());
   const auto line = [&](const char* name, const Json& group, const auto& words)
@@ -164,7 +164,7 @@ void compressionCurve(Session& session, const CompressionCurveOptions& o, const 
   const io::Provenance run = recordRun(session, commandLine, o.file, "");
   json["files"] = files.write(io::toJson(run));
   json["seconds"] = secondsSince(start);
-  printReport(session, o.common, json, run, tableOf);
+  printReport(session, o.common, json, run, curveTable);
 }
 
 } // namespace

@@ -20,12 +20,6 @@ namespace lamella::cli
 namespace
 {
 
-/// JSON has no NaN and no infinity.
-Json number(double value)
-{
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 double own(const lbm::DiffusionAnswer& answer)
 {
   return answer.result.effective[static_cast<std::size_t>(answer.axis)];
@@ -36,9 +30,9 @@ Json stepsJson(const lbm::DiffusionAnswer& answer)
   Json steps = Json::array();
   for (const auto& step : answer.steps)
   {
-    steps.push_back({ { "refine", step.refinement }, { "value", number(step.value) }, { "nodes", step.nodes },
+    steps.push_back({ { "refine", step.refinement }, { "value", jsonNumber(step.value) }, { "nodes", step.nodes },
       { "iterations", step.iterations }, { "seconds", step.seconds }, { "part_of_sample", step.sampled },
-      { "every_pixel", step.every }, { "pictures", step.pictures }, { "scatter", number(step.scatter) } });
+      { "every_pixel", step.every }, { "pictures", step.pictures }, { "scatter", jsonNumber(step.scatter) } });
   }
   return steps;
 }
@@ -88,18 +82,18 @@ std::string toJson(const DiffusionReport& report)
   for (const auto& answer : report.found.answers)
   {
     const char* axis = axisNames[answer.axis];
-    effective[axis] = number(own(answer));
-    extrapolated[axis] = number(answer.error.extrapolated);
+    effective[axis] = jsonNumber(own(answer));
+    extrapolated[axis] = jsonNumber(answer.error.extrapolated);
   }
   json["effective"] = std::move(effective);
   json["extrapolated"] = std::move(extrapolated);
   for (const auto& [key, kind] : { std::pair{ "estimated_error", &ErrorEstimate::relative },
          std::pair{ "lattice_error", &ErrorEstimate::lattice }, std::pair{ "picture_error", &ErrorEstimate::picture } })
   {
-    json[key] = number(report.found.error(kind));
+    json[key] = jsonNumber(report.found.error(kind));
     Json& byDirection = json[std::string(key) + "s"];
     for (const auto& answer : report.found.answers)
-      byDirection[axisNames[answer.axis]] = number(answer.error.*kind);
+      byDirection[axisNames[answer.axis]] = jsonNumber(answer.error.*kind);
   }
   json["target_error"] = report.found.targetError > 0 ? Json(report.found.targetError) : Json(nullptr);
   json["target"] = report.found.targetError > 0 ? Json(lbm::name(report.found.answers.front().target)) : Json(nullptr);
@@ -112,7 +106,7 @@ std::string toJson(const DiffusionReport& report)
     {
       // Between insulated sides the mean flux across the gradient is the box's, not the material's.
       const bool known = row == column || report.found.sides == "periodic";
-      line.push_back(known ? number(tensor[static_cast<std::size_t>(3 * row + column)]) : Json(nullptr));
+      line.push_back(known ? jsonNumber(tensor[static_cast<std::size_t>(3 * row + column)]) : Json(nullptr));
     }
     json["tensor"].push_back(line);
   }
@@ -145,12 +139,13 @@ std::string toJson(const DiffusionReport& report)
   for (const auto& answer : report.found.answers)
   {
     const auto& result = answer.result;
-    directions[axisNames[answer.axis]] = { { "iterations", result.iterations }, { "balance", number(result.balance) },
-      { "solver_error", number(result.solverError) }, { "inlet", number(result.inletFlux) },
-      { "outlet", number(result.outletFlux) }, { "residual", number(result.residual) },
-      { "setup_seconds", result.setupSeconds }, { "solve_seconds", result.solveSeconds },
-      { "solver_bytes", result.bytes }, { "nodes", result.nodes }, { "stored", result.stored },
-      { "skipped", result.skipped }, { "refine", answer.refinement }, { "steps", stepsJson(answer) } };
+    directions[axisNames[answer.axis]] = { { "iterations", result.iterations },
+      { "balance", jsonNumber(result.balance) }, { "solver_error", jsonNumber(result.solverError) },
+      { "inlet", jsonNumber(result.inletFlux) }, { "outlet", jsonNumber(result.outletFlux) },
+      { "residual", jsonNumber(result.residual) }, { "setup_seconds", result.setupSeconds },
+      { "solve_seconds", result.solveSeconds }, { "solver_bytes", result.bytes }, { "nodes", result.nodes },
+      { "stored", result.stored }, { "skipped", result.skipped }, { "refine", answer.refinement },
+      { "steps", stepsJson(answer) } };
   }
 
   json["directions"] = std::move(directions);
@@ -162,9 +157,9 @@ std::string toJson(const DiffusionReport& report)
     const double share = there ? report.found.fractions[id] : 0;
     const double value = there ? report.found.conductivity[id] : 0; // 0 also where none was given, and no node either
     json["phases"].push_back({ { "name", report.sample->image.phases.names()[id] }, { "fraction", share },
-      { "conductivity", share > 0 || value > 0 ? number(value) : Json(nullptr) } });
+      { "conductivity", share > 0 || value > 0 ? jsonNumber(value) : Json(nullptr) } });
     if (there && !report.found.across.empty())
-      json["phases"].back()["conductivity_across"] = number(report.found.across[id]);
+      json["phases"].back()["conductivity_across"] = jsonNumber(report.found.across[id]);
   }
   json["file"] = report.file;
   json["size"] = std::vector<std::int64_t>(lattice.size.begin(), lattice.size.begin() + dimension);
@@ -202,8 +197,8 @@ std::string toJson(const DiffusionReport& report)
   json["length"] =
     "one spacing a node; faces half a spacing outside the outer nodes; an empty box of conductivity 1 has 1";
   json["tolerance"] = report.found.tolerance;
-  json["balance"] = number(balance);
-  json["solver_error"] = number(solverError);
+  json["balance"] = jsonNumber(balance);
+  json["solver_error"] = jsonNumber(solverError);
   json["nodes"] = report.found.answers.front().result.nodes;
   json["stored"] = report.found.answers.front().result.stored;
   json["skipped"] = report.found.answers.front().result.skipped;

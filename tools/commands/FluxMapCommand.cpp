@@ -71,7 +71,7 @@ std::string numberText(const Json& value, int digits = 6)
   return value.is_number() ? fmt::format("{:.{}g}", value.get<double>(), digits) : "-";
 }
 
-std::string tableOf(const Json& json)
+std::string fluxTable(const Json& json)
 {
   std::string text = json["file"].get<std::string>() + "\n\n";
   text += "  direction  effective from flux  tortuosity  tortuosity factor  of the streamlines\n";
@@ -175,7 +175,7 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
   json["line_flux"] = lineFlux.empty() ? Json(nullptr) : jsonNumber(lineFlux.front());
   json["seconds"] = secondsSince(start);
   json["files"] = written;
-  printReport(session, options.common, json, run, tableOf);
+  printReport(session, options.common, json, run, fluxTable);
 }
 
 } // namespace

@@ -38,7 +38,7 @@ namespace
 {
 
 /// One kind of sample, a command of its own.
-struct Kind
+struct SampleKind
 {
   const char* name;
   const char* text;
@@ -48,25 +48,26 @@ struct Kind
   std::vector<std::array<const char*, 2>> formerly; ///< option of the version before, and of this one
 };
 
-using Source = vtkMicrostructureSource;
+using Microstructure = vtkMicrostructureSource;
 
-const std::vector<Kind>& kinds()
+const std::vector<SampleKind>& kinds()
 {
   static const std::array ring{ "ring", "ring-position" };
   static const std::array rays{ "ray-every", "ray-distance" };
   static const std::array fraction{ "fraction", "solid-fraction" };
-  static const std::vector<Kind> all{
-    { "softwood", "Cross-section of softwood, or with a depth the tissue in 3D", Source::SOFTWOOD, { 2, 3 }, {},
+  static const std::vector<SampleKind> all{
+    { "softwood", "Cross-section of softwood, or with a depth the tissue in 3D", Microstructure::SOFTWOOD, { 2, 3 }, {},
       { ring, rays } },
-    { "hardwood", "Cross-section of hardwood: vessels among fibres, rays", Source::HARDWOOD, { 2 },
+    { "hardwood", "Cross-section of hardwood: vessels among fibres, rays", Microstructure::HARDWOOD, { 2 },
       { { "size", "400,400" }, { "solid-fraction", "0.38" } }, { ring, rays } },
-    { "honeycomb", "Regular hexagonal cells with straight walls", Source::HONEYCOMB, { 2, 3 }, {}, {} },
-    { "checkerboard", "Fields of two phases that alternate along every axis", Source::CHECKERBOARD, { 2, 3 }, {}, {} },
-    { "disks", "Square array of disks", Source::INCLUSIONS, { 2 }, { { "cells", "1" }, { "solid-fraction", "0.5" } },
-      { fraction } },
-    { "spheres", "Simple cubic array of spheres", Source::INCLUSIONS, { 3 },
+    { "honeycomb", "Regular hexagonal cells with straight walls", Microstructure::HONEYCOMB, { 2, 3 }, {}, {} },
+    { "checkerboard", "Fields of two phases that alternate along every axis", Microstructure::CHECKERBOARD, { 2, 3 },
+      {}, {} },
+    { "disks", "Square array of disks", Microstructure::INCLUSIONS, { 2 },
+      { { "cells", "1" }, { "solid-fraction", "0.5" } }, { fraction } },
+    { "spheres", "Simple cubic array of spheres", Microstructure::INCLUSIONS, { 3 },
       { { "size", "64,64,64" }, { "cells", "1" }, { "solid-fraction", "0.5" } }, { fraction } },
-    { "laminate", "Layers of two phases", Source::LAMINATE, { 2, 3 }, { { "solid-fraction", "0.5" } },
+    { "laminate", "Layers of two phases", Microstructure::LAMINATE, { 2, 3 }, { { "solid-fraction", "0.5" } },
       { fraction, { "periods", "cells" } } },
   };
   return all;
@@ -81,14 +82,14 @@ struct GenerateOptions
 };
 
 /// Where a sample goes; `labels` is null where nothing but a micrograph is written.
-struct Files
+struct SampleFiles
 {
   OutputFile file;
   std::optional<OutputFile> truth;
   std::optional<OutputFile> beside;
   OutputFile* labels;
 
-  Files(const GenerateOptions& options, bool drawn, int dimension);
+  SampleFiles(const GenerateOptions& options, bool drawn, int dimension);
   void commit();
 };
 
@@ -116,17 +117,17 @@ void checkFiles(const GenerateOptions& options, bool drawn, int dimension)
   }
 }
 
-Files::Files(const GenerateOptions& options, bool drawn, int dimension)
+SampleFiles::SampleFiles(const GenerateOptions& options, bool drawn, int dimension)
   : file((checkFiles(options, drawn, dimension), options.output), options.common.overwrite)
 {
   if (!options.truth.empty())
     truth.emplace(options.truth, options.common.overwrite);
   labels = truth ? &*truth : drawn ? nullptr : &file;
   if (labels != nullptr && labels->path().extension() == ".raw")
-    beside.emplace(recordBeside(labels->path()), options.common.overwrite);
+    beside.emplace(micrograph::recordBeside(labels->path()), options.common.overwrite);
 }
 
-void Files::commit()
+void SampleFiles::commit()
 {
   Session::checkInterrupt();
   file.commit();
@@ -136,7 +137,8 @@ void Files::commit()
     beside->commit();
 }
 
-void write(vtkImageData* image, const PhaseImage& phases, Files& files, const io::Provenance& record, bool drawn)
+void writeSample(
+  vtkImageData* image, const PhaseImage& phases, SampleFiles& files, const io::Provenance& record, bool drawn)
 {
   if (drawn)
   {
@@ -161,8 +163,8 @@ void write(vtkImageData* image, const PhaseImage& phases, Files& files, const io
   }
 }
 
-Json toJson(const GenerateOptions& options, const Kind& kind, vtkMicrostructureSource* source, const PhaseImage& phases,
-  const Files& files, bool drawn)
+Json toJson(const GenerateOptions& options, const SampleKind& kind, vtkMicrostructureSource* source,
+  const PhaseImage& phases, const SampleFiles& files, bool drawn)
 {
   const Json settings = settingsAsJson(source);
   Json json;
@@ -196,7 +198,7 @@ Json toJson(const GenerateOptions& options, const Kind& kind, vtkMicrostructureS
   return json;
 }
 
-void generate(Session& session, const GenerateOptions& options, const Kind& kind, const std::string& commandLine)
+void generate(Session& session, const GenerateOptions& options, const SampleKind& kind, const std::string& commandLine)
 {
   const auto start = Clock::now();
   options.settings.tellFormer(session);
@@ -211,7 +213,7 @@ void generate(Session& session, const GenerateOptions& options, const Kind& kind
       dimension == 3 ? "write it as --size X,Y" : "write it as --size X,Y,Z");
   }
   const bool drawn = source->GetLook() != vtkMicrostructureSource::LABELS;
-  Files files(options, drawn, dimension);
+  SampleFiles files(options, drawn, dimension);
   if (const std::string doubt = pixelSizeDoubt(options.settings.text("pixel-size")); !doubt.empty())
     session.warn(doubt);
   runFilter(session, source, "generating");
@@ -220,7 +222,7 @@ void generate(Session& session, const GenerateOptions& options, const Kind& kind
   io::Provenance record = io::makeProvenance(commandLine);
   if (settingsAsJson(source).contains("seed"))
     record.seed = source->GetSeed();
-  write(image, phases, files, record, drawn);
+  writeSample(image, phases, files, record, drawn);
   files.commit();
   if (options.common.json)
   {
@@ -259,7 +261,7 @@ Command generateCommand(CLI::App& root)
       "lamella generate disks --solid-fraction 0.5 -o disks.png" });
 
   std::vector<std::pair<CLI::App*, std::shared_ptr<GenerateOptions>>> commands;
-  for (const Kind& kind : kinds())
+  for (const SampleKind& kind : kinds())
   {
     auto options = std::make_shared<GenerateOptions>();
     CLI::App* const command = generator->add_subcommand(kind.name, kind.text);

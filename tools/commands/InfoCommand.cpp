@@ -44,11 +44,6 @@ struct InfoOptions
   std::string step;
 };
 
-Json number(double value)
-{
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 /// Smallest and largest value of each component (of the magnitude, for vectors as well); NaN is left out and counted.
 Json rangeJson(vtkDataArray* array)
 {
@@ -106,7 +101,7 @@ Json fieldJson(vtkFieldData* data)
       for (vtkIdType k = 0; k < std::min(most, numbers->GetNumberOfValues()); ++k)
       {
         const int components = numbers->GetNumberOfComponents();
-        values.push_back(number(numbers->GetComponent(k / components, static_cast<int>(k % components))));
+        values.push_back(jsonNumber(numbers->GetComponent(k / components, static_cast<int>(k % components))));
       }
     }
     fields[name] = values.size() == 1 ? values.front() : values;
@@ -233,7 +228,7 @@ Json pictureJson(const PictureOptions& options)
   read.keepColour = true;
   const PictureFile file = readPictureFile(options, read);
   const micrograph::Picture& picture = file.picture;
-  const std::optional<Record>& record = file.record;
+  const std::optional<micrograph::PictureRecord>& record = file.record;
   const int dimension = picture.lattice.dimension;
   Json json;
   json["file"] = options.file;

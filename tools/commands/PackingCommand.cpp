@@ -152,7 +152,7 @@ Json toJson(const Made& made)
   json["stress"] = rows(made, "stress");
   json["fabric_anisotropy"] = made.number("fabric_anisotropy");
   json["stress_anisotropy"] = made.number("stress_anisotropy");
-  json["unbalanced_force"] = std::isfinite(unbalanced) ? Json(unbalanced) : Json(nullptr);
+  json["unbalanced_force"] = jsonNumber(unbalanced);
   json["pressure"] = made.number("pressure");
   json["steps"] = made.whole("relaxation_steps");
   json["warnings"] = fieldTexts(made.grains, "warnings");
@@ -215,7 +215,7 @@ std::string tableOf(const std::vector<Made>& samples, double seconds)
 }
 
 /// x,z,r or x,y,z,r, as packings are exchanged; lengths in metres, all digits.
-std::string toCsv(const Made& made)
+std::string packingCsv(const Made& made)
 {
   std::string text = made.spheres() ? "x,y,z,r\n" : "x,z,r\n";
   vtkDataArray* const radius = made.grains->GetPointData()->GetArray("radius");
@@ -278,13 +278,13 @@ Made readMade(Session& session, const PackingCommandOptions& options)
   return made;
 }
 
-struct Files
+struct PackingFiles
 {
   std::optional<OutputFile> grains;
   std::optional<OutputFile> contacts;
 };
 
-void write(const Made& made, const Files& files, io::Provenance record)
+void writePacking(const Made& made, const PackingFiles& files, io::Provenance record)
 {
   record.seed = made.seed;
   const std::string text = io::toJson(record);
@@ -295,7 +295,7 @@ void write(const Made& made, const Files& files, io::Provenance record)
     setProvenance(data, text);
   }
   if (files.grains && files.grains->path().extension() == ".csv")
-    files.grains->write(toCsv(made));
+    files.grains->write(packingCsv(made));
   else if (files.grains)
     writeGrid(made.grains, *files.grains);
   if (files.contacts)
@@ -396,7 +396,7 @@ void packingRun(Session& session, const PackingCommandOptions& options, const st
   checkName("--contacts", options.contacts, { ".vtp" }, seeds.size());
   if (!options.read.empty())
     requireFile(options.read);
-  std::vector<Files> files(seeds.size());
+  std::vector<PackingFiles> files(seeds.size());
   for (std::size_t i = 0; i < seeds.size(); ++i)
   {
     const std::string seed = options.read.empty() ? std::to_string(seeds[i]) : "";
@@ -424,7 +424,7 @@ void packingRun(Session& session, const PackingCommandOptions& options, const st
   }
   io::Provenance record = recordRun(session, commandLine, options.read, "");
   for (std::size_t i = 0; i < samples.size(); ++i)
-    write(samples[i], files[i], record);
+    writePacking(samples[i], files[i], record);
   if (samples.size() == 1)
     record.seed = samples.front().seed;
   Session::checkInterrupt();

@@ -66,16 +66,16 @@ struct TableFile
   OutputFile record;
 };
 
-struct Files
+struct PoreFiles
 {
   std::vector<OutputFile> labels; ///< .vti
   std::vector<TableFile> pores;   ///< .csv
   std::vector<TableFile> classes;
 };
 
-Files openFiles(const PoreFloodFillOptions& options)
+PoreFiles openFiles(const PoreFloodFillOptions& options)
 {
-  Files files;
+  PoreFiles files;
   const bool overwrite = options.common.overwrite;
   const auto table = [&](const std::string& name) {
     return TableFile{ OutputFile(name, overwrite), OutputFile(name + ".json", overwrite) };
@@ -109,7 +109,7 @@ Files openFiles(const PoreFloodFillOptions& options)
   return files;
 }
 
-void writeFiles(Files& files, vtkPoreFloodFill* filter, bool metres, const std::string& record)
+void writeFiles(PoreFiles& files, vtkPoreFloodFill* filter, bool metres, const std::string& record)
 {
   vtkImageData* const image = vtkImageData::SafeDownCast(filter->GetOutputDataObject(0));
   setProvenance(image, record);
@@ -165,7 +165,7 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
   filter->SetPhase(options.fill);
   vtkSmartPointer<vtkImageData> image = vtkSmartPointer<vtkImageData>::New();
   Sample sample;
-  Files files;
+  PoreFiles files;
   std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
   const int neighbours = session.ranksOnMachine();
   session.onRoot(

@@ -66,7 +66,7 @@ Json stepsJson(const BondFields& f, int refine)
   return steps;
 }
 
-std::string percent(double share)
+std::string percentOrDash(double share)
 {
   return std::isfinite(share) ? fmt::format("{:.2g} %", 100 * share) : "-";
 }
@@ -179,7 +179,7 @@ std::string stiffnessTable(const BondRun& report)
     const double error = f("constants_error", i);
     text += fmt::format("  {:<7}{:>16}{:>10}{:>19}\n", constants[i], number(value),
       ratio         ? (std::isfinite(error) ? fmt::format("{:.2g}", error) : "-")
-        : value > 0 ? percent(error / value)
+        : value > 0 ? percentOrDash(error / value)
                     : "-",
       number(limit));
   }

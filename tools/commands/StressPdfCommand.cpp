@@ -96,7 +96,7 @@ std::string cell(const Json& value, const char* form)
   return value.is_null() ? std::string("-") : fmt::format(fmt::runtime(form), value.get<double>());
 }
 
-std::string tableOf(const Json& json)
+std::string stressTable(const Json& json)
 {
   std::string text = fmt::format("{}: {} of {}, {} values\n\n", json["file"].get<std::string>(),
     json["component"].get<std::string>(), json["array"].get<std::string>(), grouped(json["count"].get<std::int64_t>()));
@@ -160,7 +160,7 @@ void stressPdf(Session& session, const StressPdfOptions& o, const std::string& c
   const io::Provenance run = recordRun(session, commandLine, o.file, provenance(data));
   json["files"] = files.write(io::toJson(run));
   json["seconds"] = secondsSince(start);
-  printReport(session, o.common, json, run, tableOf);
+  printReport(session, o.common, json, run, stressTable);
 }
 
 } // namespace

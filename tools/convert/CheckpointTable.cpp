@@ -1,6 +1,6 @@
 #include "convert/CheckpointTable.h"
 
-#include "Text.h"
+#include "session/Text.h"
 
 #include "NewArray.h"
 #include "core/Error.h"

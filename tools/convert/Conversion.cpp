@@ -1,6 +1,5 @@
 #include "convert/Conversion.h"
 
-#include "Text.h"
 #include "convert/PointTable.h"
 #include "convert/Source.h"
 #include "convert/Types.h"
@@ -8,6 +7,7 @@
 #include "files/GridFile.h"
 #include "files/Input.h"
 #include "files/Record.h"
+#include "session/Text.h"
 
 #include "CellConversion.h"
 #include "GridReaders.h"

@@ -1,6 +1,5 @@
 #include "convert/Formats.h"
 
-#include "Text.h"
 #include "convert/CheckpointTable.h"
 #include "convert/Notes.h"
 #include "convert/Pictures.h"
@@ -9,6 +8,7 @@
 #include "convert/Types.h"
 #include "files/GridFile.h"
 #include "files/TableText.h"
+#include "session/Text.h"
 
 #include "CellConversion.h"
 #include "GridReaders.h"

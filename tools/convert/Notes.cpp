@@ -38,7 +38,7 @@ namespace
 {
 
 /// @throws InputError for none
-int typeOf(const std::string& name)
+int storedType(const std::string& name)
 {
   if (const auto type = typeNamed(name))
     return *type;
@@ -113,7 +113,7 @@ void addFields(const Json& fields, vtkDataSet* grid)
   for (const auto& [name, json] : fields.items())
   {
     vtkSmartPointer<vtkAbstractArray> array;
-    array.TakeReference(vtkAbstractArray::CreateArray(typeOf(json.at("type").get<std::string>())));
+    array.TakeReference(vtkAbstractArray::CreateArray(storedType(json.at("type").get<std::string>())));
     array->SetName(name.c_str());
     array->SetNumberOfComponents(json.at("components").get<int>());
     const Json& values = json.at("values");
@@ -141,7 +141,7 @@ struct Phases
   std::map<int, std::uint8_t> idOfGrey;
 };
 
-Phases phasesOf(const Record& record, const Json& json)
+Phases phasesOf(const micrograph::PictureRecord& record, const Json& json)
 {
   Phases phases;
   if (const auto fields = json.find("fields"); fields != json.end() && fields->contains("phase_names"))
@@ -178,7 +178,7 @@ vtkSmartPointer<vtkDataArray> phaseIds(vtkDataArray* greys, const Phases& phases
 class Noted final : public Volume
 {
 public:
-  Noted(std::unique_ptr<Volume> values, Json notes, Record record)
+  Noted(std::unique_ptr<Volume> values, Json notes, micrograph::PictureRecord record)
     : values_(std::move(values))
     , notes_(std::move(notes))
     , record_(std::move(record))
@@ -245,9 +245,9 @@ private:
     const bool phases = !phases_.idOfGrey.empty();
     if (phases)
       values = phaseIds(values, phases_);
-    if (json.contains("type") && typeOf(json.at("type").get<std::string>()) != values->GetDataType() && !phases)
+    if (json.contains("type") && storedType(json.at("type").get<std::string>()) != values->GetDataType() && !phases)
     {
-      const int type = typeOf(json.at("type").get<std::string>());
+      const int type = storedType(json.at("type").get<std::string>());
       if (!isReal(type) && !isReal(values->GetDataType())) // a picture's 8 or 16 bits were enough for its whole numbers
         values = cast(values, type, true);
     }
@@ -259,7 +259,7 @@ private:
 
   std::unique_ptr<Volume> values_;
   Json notes_;
-  Record record_;
+  micrograph::PictureRecord record_;
   Phases phases_;
   vtkSmartPointer<vtkImageData> fields_;
   int shift_ = 0;
@@ -297,7 +297,7 @@ std::string notesOf(
   vtkDataSet* grid, const std::array<int, 6>& extent, const std::vector<std::uint8_t>& greys, int stored, int before)
 {
   auto* const image = vtkImageData::SafeDownCast(grid);
-  Record record;
+  micrograph::PictureRecord record;
   record.provenance = provenance(grid);
   const PhaseTable phases = phaseNames(grid);
   for (std::size_t id = 0; id < greys.size(); ++id)
@@ -356,12 +356,12 @@ std::string notesBeside(const std::filesystem::path& file)
 
 bool isNotes(const std::string& text)
 {
-  return parseRecord(text).has_value();
+  return micrograph::parseRecord(text).has_value();
 }
 
 std::unique_ptr<Volume> withNotes(std::unique_ptr<Volume> values, const std::string& notes)
 {
-  const auto record = parseRecord(notes);
+  const auto record = micrograph::parseRecord(notes);
   if (!record)
     return values;
   return understood([&]() -> std::unique_ptr<Volume>
@@ -370,7 +370,7 @@ std::unique_ptr<Volume> withNotes(std::unique_ptr<Volume> values, const std::str
 
 std::optional<RawNotes> rawNotes(const std::string& notes)
 {
-  const auto record = parseRecord(notes);
+  const auto record = micrograph::parseRecord(notes);
   if (!record)
     return std::nullopt;
   return understood(
@@ -388,7 +388,7 @@ std::optional<RawNotes> rawNotes(const std::string& notes)
         const auto extent = image->at("extent").get<std::array<int, 6>>();
         for (std::size_t axis = 0; axis < 3; ++axis)
           raw.size[axis] = extent[2 * axis + 1] - extent[2 * axis] + 1;
-        raw.type = typeOf(image->at("stored").get<std::string>());
+        raw.type = storedType(image->at("stored").get<std::string>());
         raw.components = json.at("arrays").at(0).at("components").get<int>();
       }
       return raw.type == 0 ? std::nullopt : std::optional(raw);
@@ -411,7 +411,7 @@ TableNotes tableNotes(const std::string& notes, vtkDataSet* fields)
         table.arrays.push_back(
           { name, VTK_DOUBLE, 1, column.value("unit", ""), column.value("meaning", ""), "lamella" });
       for (const Json& array : json.value("arrays", Json::array()))
-        table.arrays.push_back({ array.at("name").get<std::string>(), typeOf(array.at("type").get<std::string>()),
+        table.arrays.push_back({ array.at("name").get<std::string>(), storedType(array.at("type").get<std::string>()),
           array.at("components").get<int>(), array.value("unit", ""), array.value("description", ""),
           array.value("creator", "") });
       if (const auto image = json.find("image"); image != json.end())
@@ -422,7 +422,7 @@ TableNotes tableNotes(const std::string& notes, vtkDataSet* fields)
         table.image->SetOrigin(image->at("origin").get<std::array<double, 3>>().data());
         table.image->SetDirectionMatrix(image->at("direction").get<std::array<double, 9>>().data());
       }
-      table.points = json.contains("points") ? typeOf(json.at("points").get<std::string>()) : 0;
+      table.points = json.contains("points") ? storedType(json.at("points").get<std::string>()) : 0;
       addFields(json.value("fields", Json::object()), fields);
       return 0;
     });

@@ -1,10 +1,10 @@
 #include "convert/PointTable.h"
 
-#include "Text.h"
 #include "convert/Notes.h"
 #include "convert/RawFile.h"
 #include "convert/Types.h"
 #include "files/CsvField.h"
+#include "session/Text.h"
 
 #include "NewArray.h"
 #include "TextTable.h"

@@ -1,8 +1,8 @@
 #include "convert/RawFile.h"
 
-#include "Text.h"
 #include "convert/Notes.h"
 #include "convert/Types.h"
+#include "session/Text.h"
 
 #include "core/Error.h"
 #include "vtkLatticeConversion.h"

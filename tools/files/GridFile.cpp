@@ -219,23 +219,6 @@ vtkSmartPointer<vtkDataObject> readGrid(const std::string& path, const SizeKnown
     "'" + path + "' is not a .vti or .vtp file", "make one first: lamella diffusion PICTURE ... -o FILE.vti");
 }
 
-std::optional<PhaseGrid> readPhaseGrid(const std::string& path, const SizeKnown& sizeKnown)
-{
-  const auto data = readGrid(path, sizeKnown);
-  auto* image = vtkImageData::SafeDownCast(data);
-  if (image == nullptr || phaseNames(image).size() == 0 || image->GetPointData()->GetArray("phase") == nullptr)
-    return std::nullopt;
-  try
-  {
-    return PhaseGrid{ toPhaseImage(image), fieldText(image, "pixel_size_source").value_or("spacing in the file"),
-      provenance(image), image };
-  }
-  catch (const Error& error)
-  {
-    throw InputError("'" + path + "': " + error.what(), error.hint());
-  }
-}
-
 namespace
 {
 

@@ -63,17 +63,6 @@ template <typename Grid>
   return grid;
 }
 
-struct PhaseGrid
-{
-  PhaseImage image;
-  std::string pixelSizeSource;
-  std::string provenance;             ///< JSON text, or empty
-  vtkSmartPointer<vtkImageData> file; ///< with all it holds
-};
-/// The array `phase` of a .vti that names its phases; nothing when it has none or does not name them. @throws
-/// InputError
-[[nodiscard]] std::optional<PhaseGrid> readPhaseGrid(const std::string& path, const SizeKnown& sizeKnown = {});
-
 /// A file to write a grid to. @throws ParameterError for another ending; OutputError
 [[nodiscard]] OutputFile openGrid(
   const std::string& option, const std::string& name, const std::string& ending, bool overwrite);

@@ -1,13 +1,14 @@
 #include "files/Input.h"
 
-#include "PhasePicture.h"
 #include "core/Error.h"
 #include "core/Memory.h"
 #include "files/GridFile.h"
 #include "pictures/RawVolume.h"
 #include "session/Text.h"
+#include "session/Workspace.h"
 
 #include <fmt/format.h>
+#include <vtkImageData.h>
 
 #include <algorithm>
 #include <cmath>
@@ -168,12 +169,6 @@ std::string ending(const std::string& path)
   return text;
 }
 
-void setSpacing(Lattice& lattice, double spacing)
-{
-  const auto size = lattice.size;
-  lattice = makeLattice(size[0], size[1], size[2], lattice.dimension, spacing);
-}
-
 /// What has nothing to do with the format, said before a reader says it in its own words.
 void requirePicture(const std::string& path)
 {
@@ -270,32 +265,29 @@ double thresholdOf(const std::string& text, int top)
   return *threshold;
 }
 
-micrograph::SegmentOptions segmentOptions(const PictureOptions& options)
+/// Of a volume, where ranges say both.
+void requireOneWord(const PictureOptions& options, const Lattice& whole)
 {
-  micrograph::SegmentOptions segment;
-  segment.lumen = segmentSide(options);
-  if (!options.threshold.empty())
-    segment.threshold = thresholdOf(options.threshold, 255);
-  return segment;
+  if (options.segment && whole.dimension == 3 && !options.phase.empty() &&
+    (!options.threshold.empty() || options.lumen != "auto"))
+  {
+    throw ParameterError(
+      std::string(!options.threshold.empty() ? "--threshold" : "--lumen") + " and --phase contradict each other",
+      "in a volume the ranges say both: --phase ..89=void --phase 90..=fibre, or ..otsu and otsu..");
+  }
+  if (options.segment && whole.dimension == 2 && !(options.phase.empty() && options.other.empty()))
+  {
+    throw ParameterError("--segment and --phase contradict each other",
+      "leave --phase and --other out: the phases of a segmented scan are 'lumen' and 'wall'");
+  }
+  if (options.segment && whole.dimension == 2 && !options.threshold.empty())
+    (void)thresholdOf(options.threshold, 255);
 }
 
-micrograph::VolumeOptions volumeOptions(const PictureOptions& options, const std::optional<GreyRanges>& ranges)
+/// What a scene keeps under a file's name; null: it is a file.
+vtkSmartPointer<vtkDataObject> inMemory(const std::string& path)
 {
-  micrograph::VolumeOptions volume;
-  volume.empty = segmentSide(options);
-  if (!options.threshold.empty())
-    volume.threshold = thresholdOf(options.threshold, 65535);
-  if (ranges)
-  {
-    if (volume.threshold || volume.empty != micrograph::LumenSide::Auto)
-    {
-      throw ParameterError(
-        std::string(volume.threshold ? "--threshold" : "--lumen") + " and --phase contradict each other",
-        "in a volume the ranges say both: --phase ..89=void --phase 90..=fibre, or ..otsu and otsu..");
-    }
-    volume.phases = *ranges;
-  }
-  return volume;
+  return Workspace::holds(path) ? Workspace::find(path) : nullptr;
 }
 
 /// What can be said once the size of the file is known.
@@ -303,6 +295,7 @@ void checkSize(
   const PictureOptions& options, const Lattice& whole, const std::optional<Window>& window, const SampleCheck& check)
 {
   requireWindowFits(whole, window);
+  requireOneWord(options, whole);
   Lattice kept = whole;
   if (window)
   {
@@ -328,124 +321,40 @@ void checkSize(
 
 Sample loadSample(const PictureOptions& options, const SampleCheck& check)
 {
-  const auto window = parseWindow(options.window);
-  const auto ranges = greyRanges(options);
-  micrograph::ReadOptions read = readOptions(options);
-  read.keepColour = options.segment;
-  // A picture is segmented whole, for its light; of a volume, whose corners may be empty, only the window is looked at.
-  read.window = options.segment && window && window->size[2] == 0 ? std::nullopt : window;
-  read.sizeKnown = [&](const Lattice& whole) { checkSize(options, whole, window, check); };
-
-  if (!options.segment && (options.lumen != "auto" || !options.threshold.empty()))
+  lamella::PictureOptions how;
+  how.window = parseWindow(options.window);
+  how.greys = greyRanges(options).value_or(GreyRanges());
+  how.read = readOptions(options);
+  how.read.sizeKnown = [&](const Lattice& whole) { checkSize(options, whole, how.window, check); };
+  how.array = options.array;
+  how.unnamed = [&](const micrograph::Picture& picture) { refuseUnnamed(options, picture); };
+  if (options.segment)
+  {
+    how.segment.emplace();
+    how.segment->lumen = segmentSide(options);
+    if (!options.threshold.empty())
+      how.segment->threshold = thresholdOf(options.threshold, 65535);
+  }
+  else if (options.lumen != "auto" || !options.threshold.empty())
   {
     throw ParameterError("--lumen and --threshold are for --segment",
       "add --segment, or leave them out; greys are parted without it by ranges: --phase ..89=void --phase 90..=solid");
   }
-  Sample sample;
-  sample.window = window;
+  requirePicture(options.file);
+  const vtkSmartPointer<vtkDataObject> held = inMemory(options.file);
+  how.data = vtkImageData::SafeDownCast(held);
+  (void)VtkMessages::takeErrors();
+  Sample sample = readPhases(options.file, how);
   if (std::string doubt = pixelSizeDoubt(options.pixelSize); !doubt.empty())
-    sample.warnings.push_back(std::move(doubt));
-  if (isVtkImage(options.file) && options.array.empty() && !ranges)
-  {
-    if (auto grid = readPhaseGrid(options.file, read.sizeKnown)) // phases that have names
-    {
-      if (options.segment)
-      {
-        throw ParameterError(
-          "--segment is for scans, and '" + options.file + "' holds phases already", "leave --segment out");
-      }
-      sample.fileSize = grid->image.lattice.size;
-      sample.pixelSizeSource = grid->pixelSizeSource;
-      sample.provenance = grid->provenance;
-      sample.file = grid->file;
-      if (read.pixelSize)
-      {
-        setSpacing(grid->image.lattice, *read.pixelSize);
-        sample.pixelSizeSource = "option";
-      }
-      requireWindowFits(grid->image.lattice, window);
-      sample.image = window ? crop(grid->image, *window) : std::move(grid->image);
-      return sample;
-    }
-  }
-
-  PictureFile file = readPictureFile(options, read);
-  micrograph::Picture& picture = file.picture;
-  sample.fileSize = picture.fileSize;
-  sample.file = file.file;
-  sample.pixelSizeSource = picture.pixelSizeSource;
-  sample.provenance = file.record ? file.record->provenance : "";
-  sample.warnings.insert(sample.warnings.end(), picture.warnings.begin(), picture.warnings.end());
-  if (options.segment && picture.lattice.dimension == 3)
-  {
-    micrograph::VolumeSegmentation found =
-      micrograph::segmentVolume(std::move(picture), volumeOptions(options, ranges));
-    sample.notes = found.report.lines();
-    sample.volumeSegmentation = std::move(found.report);
-    sample.warnings.insert(sample.warnings.end(), found.warnings.begin(), found.warnings.end());
-    sample.image = std::move(found.image);
-    return sample;
-  }
-  if (options.segment)
-  {
-    if (ranges)
-    {
-      throw ParameterError("--segment and --phase contradict each other",
-        "leave --phase and --other out: the phases of a segmented scan are 'lumen' and 'wall'");
-    }
-    // The whole scan, for the light and the threshold; the window is cut afterwards.
-    micrograph::SegmentOptions how = segmentOptions(options);
-    how.judged = window;
-    micrograph::Segmentation found = micrograph::segment(picture, how);
-    sample.segmentation = found.report;
-    sample.notes = found.report.lines();
-    sample.warnings.insert(sample.warnings.end(), found.warnings.begin(), found.warnings.end());
-    sample.image = window ? crop(found.image, *window) : std::move(found.image);
-    return sample;
-  }
-  if (!ranges && file.record && !file.record->phases.empty())
-  {
-    const GreyMap map{ file.record->phases, std::nullopt };
-    sample.image = map.apply(picture.lattice, picture.grey);
-    return sample;
-  }
-  if (!ranges)
-    refuseUnnamed(options, picture);
-  GreyRanges::Applied named =
-    ranges->apply(picture.lattice, picture.grey, { isVtkImage(options.file) ? 16 : picture.bits, 1, std::nullopt });
-  if (named.levels)
-    sample.notes.push_back(named.levels->text());
-  sample.warnings.insert(sample.warnings.end(), named.warnings.begin(), named.warnings.end());
-  sample.image = std::move(named.image);
+    sample.warnings.insert(sample.warnings.begin(), std::move(doubt));
   return sample;
 }
 
 PictureFile readPictureFile(const PictureOptions& options, micrograph::ReadOptions read)
 {
   requirePicture(options.file);
-  PictureFile file;
-  if (isRawVolume(options.file) || micrograph::rawHeader(options.file) != micrograph::RawHeader::None)
-  {
-    file.record = readRecordBeside(options.file);
-    if (isRawVolume(options.file) && file.record && file.record->size && !read.rawSize)
-    {
-      read.rawSize = file.record->size;
-      read.rawBits = file.record->bits;
-    }
-  }
-  file.picture = isVtkImage(options.file) ? readGreys(options.file, read, options.array, &file.file)
-                                          : micrograph::readPicture(options.file, read);
-  if (!file.record)
-    file.record = parseRecord(file.picture.description);
-  if (file.record && file.record->pixelSize && !read.pixelSize)
-  {
-    setSpacing(file.picture.lattice, *file.record->pixelSize);
-    file.picture.pixelSizeSource = "lamella record";
-    // What the reader doubts about the picture's own metadata does not matter then.
-    std::erase_if(
-      file.picture.warnings, [](const std::string& w) { return w.find(": left out") != std::string::npos; });
-  }
-  return file;
+  const vtkSmartPointer<vtkDataObject> held = inMemory(options.file);
+  return lamella::readPictureFile(options.file, std::move(read), options.array, vtkImageData::SafeDownCast(held));
 }
 
 } // namespace lamella::cli

@@ -1,15 +1,11 @@
 #pragma once
 
-#include "files/Record.h"
+#include "PhasePicture.h"
 
 #include "lattice/GreyRanges.h"
 #include "pictures/Picture.h"
-#include "segmentation/Segmentation.h"
-#include "segmentation/VolumeSegmentation.h"
 
 #include <CLI/App.hpp>
-#include <vtkImageData.h>
-#include <vtkSmartPointer.h>
 
 #include <array>
 #include <cstdint>
@@ -57,19 +53,7 @@ void requireWindowFits(const Lattice& lattice, const std::optional<Window>& wind
 [[nodiscard]] bool isRawVolume(const std::string& path);
 
 /// A sample as the solvers take it: window cut out, greys named, not refined.
-struct Sample
-{
-  PhaseImage image;
-  std::string pixelSizeSource;            ///< "none" when the pixel size is not known
-  std::array<std::int64_t, 3> fileSize{}; ///< before the window
-  std::optional<Window> window;
-  std::optional<micrograph::SegmentReport> segmentation;      ///< of a picture
-  std::optional<micrograph::VolumeReport> volumeSegmentation; ///< of a volume
-  std::vector<std::string> notes;                             ///< how its greys were parted, a line a step
-  std::string provenance;                                     ///< of the file, where it carries one
-  std::vector<std::string> warnings;                          ///< what is doubtful about it
-  vtkSmartPointer<vtkImageData> file; ///< a .vti read at its points, with all it holds, before the window; else null
-};
+using Sample = PhasePicture;
 
 /// Told the lattice of the sample, which comes from the file's header, before the pixels are read; throws to refuse it,
 /// so that a volume too large to be worked on is not read first. Not told where only the whole file tells the size.
@@ -79,12 +63,6 @@ using SampleCheck = std::function<void(const Lattice& sample)>;
 [[nodiscard]] Sample loadSample(const PictureOptions& options, const SampleCheck& check = {});
 
 /// The grey values of a picture or volume, with what lamella recorded in it, if lamella wrote it.
-struct PictureFile
-{
-  micrograph::Picture picture; ///< its pixel size exact where the record tells it
-  std::optional<Record> record;
-  vtkSmartPointer<vtkImageData> file; ///< as that of a sample
-};
 /// @param read readOptions() of them, and more
 /// @throws InputError
 [[nodiscard]] PictureFile readPictureFile(const PictureOptions& options, micrograph::ReadOptions read);

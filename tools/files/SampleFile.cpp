@@ -25,7 +25,7 @@ void writeLabels(const PhaseImage& image, const OutputFile& file, OutputFile* be
 {
   const std::string ending = file.path().extension().string();
   const std::vector<std::uint8_t> values = valuesInFile(image.phases, ending);
-  Record record;
+  micrograph::PictureRecord record;
   record.provenance = io::toJson(provenance);
   record.pixelSize = image.lattice.spacing;
   for (std::size_t id = 0; id < values.size(); ++id)
@@ -50,7 +50,7 @@ void writeLabels(const PhaseImage& image, const OutputFile& file, OutputFile* be
 
 void writeScan(const micrograph::Picture& picture, const OutputFile& file, const io::Provenance& provenance)
 {
-  Record record;
+  micrograph::PictureRecord record;
   record.provenance = io::toJson(provenance);
   record.pixelSize = picture.lattice.spacing;
   try

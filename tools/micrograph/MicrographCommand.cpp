@@ -33,10 +33,10 @@ namespace lamella::cli
 namespace
 {
 
-class Run
+class MicrographRun
 {
 public:
-  Run(Session& session, const MicrographCommandOptions& options, std::string line)
+  MicrographRun(Session& session, const MicrographCommandOptions& options, std::string line)
     : session_(session)
     , options_(options)
     , line_(std::move(line))
@@ -226,7 +226,7 @@ private:
 
 void micrographRun(Session& session, const MicrographCommandOptions& options, const std::string& commandLine)
 {
-  Run(session, options, commandLine)();
+  MicrographRun(session, options, commandLine)();
 }
 
 } // namespace

@@ -65,7 +65,7 @@ Outputs::Outputs(const MicrographCommandOptions& o)
   };
   open(lattice, o.output);
   if (lattice && lattice->path().extension() == ".raw")
-    beside.emplace(recordBeside(lattice->path()), o.common.overwrite);
+    beside.emplace(micrograph::recordBeside(lattice->path()), o.common.overwrite);
   open(contours, o.contours);
   open(overlay, o.overlay);
 }

@@ -98,7 +98,7 @@ std::string micrometres(double metres)
   return fmt::format("{:.4g} µm", 1e6 * metres);
 }
 
-std::string percent(double share)
+std::string percentText(double share)
 {
   return fmt::format("{:.2f} %", 100 * share);
 }
@@ -275,7 +275,7 @@ std::string toTable(const MicrographReport& report)
         more += (more.empty() ? "" : ", ") + what;
     };
     add(s.rays > 0, fmt::format("{} gaps in rays closed", s.rays));
-    add(s.graphicsShare > 0, fmt::format("{} painted over", percent(s.graphicsShare)));
+    add(s.graphicsShare > 0, fmt::format("{} painted over", percentText(s.graphicsShare)));
     if (!more.empty())
       line("", more);
   }
@@ -283,8 +283,8 @@ std::string toTable(const MicrographReport& report)
   const auto of = [&](const std::function<bool(std::size_t)>& belongs)
   {
     const ClassNumbers n = numbersOf(report, belongs);
-    return fmt::format(
-      "{}, diameter {} (median), {} of the picture", grouped(n.count), micrometres(n.diameter), percent(n.areaShare));
+    return fmt::format("{}, diameter {} (median), {} of the picture", grouped(n.count), micrometres(n.diameter),
+      percentText(n.areaShare));
   };
   line("lumens",
     of([](std::size_t) { return true; }) + (open > 0 ? fmt::format("; {} cut by the border", grouped(open)) : ""));
@@ -295,7 +295,7 @@ std::string toTable(const MicrographReport& report)
   }
   line("walls",
     fmt::format("{} of the picture, {} thick (median), thinner than {} in 5 % of their length",
-      percent(report.wallFraction), micrometres(report.thickness.median), micrometres(report.thickness.low)));
+      percentText(report.wallFraction), micrometres(report.thickness.median), micrometres(report.thickness.low)));
   line("lattice",
     fmt::format("{} nodes of {}, {} in walls, {:.3g} across them (median){}", sizeText(report.size, 2),
       micrometres(report.spacing), grouped(report.wallNodes), report.thickness.median / report.spacing,
@@ -306,7 +306,7 @@ std::string toTable(const MicrographReport& report)
     const LamellaReport& l = *report.lamella;
     line("lamella",
       fmt::format("{}{}, {:.3g} nodes across (5 % of it {:.3g} or less), {} of the walls{}{}", l.method,
-        l.thickness > 0 ? " of " + micrometres(l.thickness) : "", l.mean, l.low, percent(l.wallShare),
+        l.thickness > 0 ? " of " + micrometres(l.thickness) : "", l.mean, l.low, percentText(l.wallShare),
         l.cells > 0 ? fmt::format(", touches {} of {} cells", l.cellsTouched, l.cells) : "",
         l.cellsCutOff > 0 ? fmt::format(" ({} across the picture's border)", l.cellsCutOff) : ""));
   }

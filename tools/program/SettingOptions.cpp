@@ -24,7 +24,7 @@ namespace lamella::cli
 namespace
 {
 
-using Kind = Setting::Kind;
+using SettingKind = Setting::Kind;
 using Type = Setting::Type;
 
 /// "Bonds" is PAIR, "x1 [m]" is X1.
@@ -44,30 +44,30 @@ std::string form(const Setting& setting)
     return setting.types[0] == Type::Text ? upper(setting.parts[0]) + "=COLOUR" : "COLOUR";
   switch (setting.kind)
   {
-    case Kind::Switch:
+    case SettingKind::Switch:
       return "";
-    case Kind::Choice:
-    case Kind::Text:
+    case SettingKind::Choice:
+    case SettingKind::Text:
       std::transform(setting.choices.begin(), setting.choices.end(), std::back_inserter(words),
         [](const SettingChoice& choice) { return choice.word; });
       return words.empty() ? "NAME" : fmt::format("{}", fmt::join(words, "|"));
-    case Kind::File:
+    case SettingKind::File:
       return "FILE";
-    case Kind::Axes:
+    case SettingKind::Axes:
       return "AXES";
-    case Kind::Whole:
+    case SettingKind::Whole:
       std::transform(setting.names.begin(), setting.names.end(), std::back_inserter(words),
         [](const SettingChoice& name) { return name.word; });
       return fmt::format("{}{}NUMBER", fmt::join(words, "|"), words.empty() ? "" : "|");
-    case Kind::Number:
+    case SettingKind::Number:
       return setting.unit[0] == '\0' && setting.low == 0 && setting.high == 1 ? "SHARE" : "NUMBER";
-    case Kind::List:
+    case SettingKind::List:
       if (setting.types.size() == 1)
         return setting.types[0] == Type::Text ? "NAME" : "LIST";
       if (setting.types.size() == 2 && setting.types[0] == Type::Text)
         return upper(setting.parts[0]) + "=" + (setting.types[1] == Type::Text ? upper(setting.parts[0]) : "VALUE");
       break;
-    case Kind::Vector:
+    case SettingKind::Vector:
       break;
   }
   std::transform(setting.parts.begin(), setting.parts.end(), std::back_inserter(words), upper);
@@ -148,7 +148,7 @@ std::vector<std::string> colourParts(const Setting& setting, const std::string& 
 /// What one call of the setter takes, of what was written once.
 std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& text)
 {
-  if (setting.kind == Kind::Choice)
+  if (setting.kind == SettingKind::Choice)
   {
     const auto found = std::find_if(
       setting.choices.begin(), setting.choices.end(), [&](const SettingChoice& choice) { return text == choice.word; });
@@ -162,7 +162,7 @@ std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& te
   if (!words.empty() &&
     std::none_of(words.begin(), words.end(), [&](const SettingChoice& choice) { return text == choice.word; }))
     refuseWord(setting, text);
-  if (setting.kind == Kind::Axes)
+  if (setting.kind == SettingKind::Axes)
   {
     if (text != "none" && text != "all" && text.find_first_not_of("xyz,") != std::string::npos)
       refuse(setting, text, "axes");
@@ -185,7 +185,7 @@ std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& te
     if (ofOne)
       parts.insert(parts.begin(), key);
   }
-  else if (setting.kind == Kind::List && setting.types.size() == 2 && setting.types[0] == Type::Text)
+  else if (setting.kind == SettingKind::List && setting.types.size() == 2 && setting.types[0] == Type::Text)
   {
     auto [key, value] = keyValue("--" + std::string(setting.word), text, form(setting));
     parts = { std::move(key), std::move(value) };
@@ -214,7 +214,7 @@ std::vector<std::string> written(const Setting& setting, const std::vector<std::
 {
   if (byPhase)
     return listItems(texts);
-  if (setting.kind != Kind::List || (setting.types.size() > 1 && setting.types[0] != Type::Text))
+  if (setting.kind != SettingKind::List || (setting.types.size() > 1 && setting.types[0] != Type::Text))
     return texts;
   if (setting.types[0] == Type::Text)
     return listItems(texts);
@@ -245,7 +245,7 @@ const Setting* ownOf(const std::vector<Setting>& settings, const Setting& settin
 /// What gives a number of all to phases one by one; null where nothing does.
 const Setting* ofPhases(const std::vector<Setting>& settings, const Setting& setting)
 {
-  if (setting.kind != Kind::Number)
+  if (setting.kind != SettingKind::Number)
     return nullptr;
   const Setting* const own = named(settings, std::string("phase-") + setting.word);
   const std::string walls = "Walls";
@@ -339,7 +339,7 @@ void SettingOptions::add(CLI::App& command, const std::vector<Setting>& settings
   Option& option = *(options_[setting.word] = std::make_unique<Option>(Option{ &setting, {}, false, false, {} }));
   const std::string group = setting.group[0] == '\0' ? "Settings" : setting.group;
   const bool on = setting.off[0] != '\0'; // by itself
-  if (setting.kind == Kind::Switch)
+  if (setting.kind == SettingKind::Switch)
   {
     command
       .add_flag(fmt::format("--{}", on ? setting.off : setting.word), on ? option.off : option.on,
@@ -354,9 +354,9 @@ void SettingOptions::add(CLI::App& command, const std::vector<Setting>& settings
   added->type_name(form(setting) + (byPhase ? "|PHASE=VALUE" : ""))->allow_extra_args(false)->group(group);
   // What is wrong with a value is told when the words are read, by a scene before its first sample.
   added->each([&setting, byPhase](const std::string& text) { check(setting, text, byPhase); });
-  if (setting.kind != Kind::List)
+  if (setting.kind != SettingKind::List)
     added->default_str(setting.standard);
-  if (setting.kind != Kind::List && !byPhase)
+  if (setting.kind != SettingKind::List && !byPhase)
     added->expected(1);
 }
 
@@ -365,7 +365,7 @@ void SettingOptions::formerly(
 {
   Option* const option = options_.at(word).get();
   Former& former = *former_.emplace_back(std::make_unique<Former>(Former{ old, option, on, {}, false, part }));
-  if (option->setting->kind == Kind::Switch && on.empty())
+  if (option->setting->kind == SettingKind::Switch && on.empty())
   {
     command.add_flag("--" + old, former.used)->group("");
     return;
@@ -400,7 +400,7 @@ void SettingOptions::give(vtkObject* object) const
       option.texts.push_back(fmt::format("{}", fmt::join(parts, ",")));
       continue;
     }
-    if (option.setting->kind != Kind::Switch)
+    if (option.setting->kind != SettingKind::Switch)
     {
       option.texts.insert(option.texts.end(), former->texts.begin(), former->texts.end());
       continue;
@@ -428,7 +428,7 @@ void SettingOptions::give(vtkObject* object) const
       const std::size_t sign = byPhase != nullptr ? text.find('=') : std::string::npos;
       std::vector<SettingValue> values = valuesOf(*setting, sign == std::string::npos ? text : text.substr(sign + 1));
       checkNumbers(*setting, values);
-      if (setting->kind == Kind::List && values.size() == 2 && setting->types[0] == Type::Text &&
+      if (setting->kind == SettingKind::List && values.size() == 2 && setting->types[0] == Type::Text &&
         setting->types[1] != Type::Text)
         requireOne(*setting, before, values);
       if (sign != std::string::npos)
@@ -496,13 +496,13 @@ void SettingOptions::checkNames(const std::vector<std::string>& phases) const
       : setting.parts.empty()               ? ""
                                             : setting.parts[0];
     const bool isName = setting.types[0] == Type::Text;
-    const bool byPhase = setting.kind == Kind::Number;
+    const bool byPhase = setting.kind == SettingKind::Number;
     for (const std::string& text : written(setting, option->texts, byPhase))
     {
       if (byPhase && text.find('=') == std::string::npos)
         continue;
       const std::string first =
-        text.substr(0, setting.kind == Kind::List || byPhase ? text.find('=') : std::string::npos);
+        text.substr(0, setting.kind == SettingKind::List || byPhase ? text.find('=') : std::string::npos);
       if ((byPhase || (isName && part == "Phase")) && !phaseMeant(phases, first))
       {
         throw ParameterError(fmt::format("--{} names '{}', which is no phase of this sample", word, first),

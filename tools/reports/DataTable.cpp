@@ -1,6 +1,6 @@
 #include "reports/DataTable.h"
 
-#include "Text.h"
+#include "session/Text.h"
 
 #include "core/Error.h"
 #include "core/Memory.h"

@@ -7,7 +7,7 @@
 #include "reports/Pictures.h"
 #include "reports/Records.h"
 
-#include "Text.h"
+#include "session/Text.h"
 
 #include "core/Error.h"
 #include "core/Memory.h"

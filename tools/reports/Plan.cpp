@@ -1,6 +1,6 @@
 #include "reports/Plan.h"
 
-#include "Text.h"
+#include "session/Text.h"
 
 #include "core/Error.h"
 
@@ -24,7 +24,7 @@ namespace
 using Json = nlohmann::ordered_json;
 
 constexpr std::uintmax_t largestPlan = std::uintmax_t{ 16 } << 20; // [bytes]
-constexpr int deepest = 3;                                         // levels of headings in a page
+constexpr int deepestHeading = 3;                                  // levels of headings in a page
 
 [[noreturn]] void refuse(const std::string& place, const std::string& what, const std::string& hint)
 {
@@ -195,7 +195,7 @@ TablePlan tableOf(Object& object)
   return table;
 }
 
-CurvesPlan curvesOf(Object& object)
+CurvesPlan curvesPlanOf(Object& object)
 {
   CurvesPlan curves{ object.file("file"), object.required("x"), object.texts("y"), object.text("group"),
     object.text("error"), object.text("x_label"), object.text("y_label"), object.number("x_factor").value_or(1),
@@ -259,11 +259,12 @@ SectionPlan sectionOf(Object& object, int depth)
   section.text = object.paragraphs("text");
   section.comparison = object.list("comparison", comparisonOf);
   section.figures = object.list("figures", figureOf);
-  section.curves = object.list("curves", curvesOf);
+  section.curves = object.list("curves", curvesPlanOf);
   section.tables = object.list("tables", tableOf);
   section.discussion = object.paragraphs("discussion");
-  if (depth == deepest && object.find("sections") != nullptr)
-    refuse(object.at("sections"), "goes too deep", "sections have " + std::to_string(deepest) + " levels at most");
+  if (depth == deepestHeading && object.find("sections") != nullptr)
+    refuse(
+      object.at("sections"), "goes too deep", "sections have " + std::to_string(deepestHeading) + " levels at most");
   section.sections = object.list("sections", [&](Object& inner) { return sectionOf(inner, depth + 1); });
   return section;
 }

@@ -1,6 +1,6 @@
 #include "scenes/Contents.h"
 
-#include "Text.h"
+#include "session/Text.h"
 
 #include <cstddef>
 #include <map>

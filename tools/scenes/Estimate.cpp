@@ -2,7 +2,7 @@
 
 #include "scenes/Rehearsal.h"
 
-#include "Text.h"
+#include "session/Text.h"
 
 #include "lattice/PhaseNames.h"
 #include "lattice/Phases.h"

@@ -2,8 +2,8 @@
 
 #include "scenes/Contents.h"
 
-#include "Text.h"
 #include "files/JsonReport.h"
+#include "session/Text.h"
 
 #include "core/Error.h"
 #include "vtkLatticeConversion.h"

@@ -1,6 +1,6 @@
 #include "scenes/Plan.h"
 
-#include "Text.h"
+#include "session/Text.h"
 #include "session/Workspace.h"
 
 #include "core/Error.h"
@@ -19,7 +19,7 @@ namespace
 {
 
 /// Where data come from: a stage, its output, and what the user said behind the colon.
-struct Source
+struct PortSource
 {
   std::size_t stage = 0;
   const Port* port = nullptr;
@@ -166,7 +166,7 @@ private:
   }
 
   /// The last stage before `stage` that gives what a port takes.
-  [[nodiscard]] Source source(std::size_t stage, const Port& input, const std::string& of) const
+  [[nodiscard]] PortSource source(std::size_t stage, const Port& input, const std::string& of) const
   {
     const SceneStage& taker = scene_.stages[stage];
     const std::vector<std::string> parts = split(of, ':');
@@ -224,7 +224,7 @@ private:
   /// @returns the name of the data
   std::string take(std::size_t i, const Port& input, const std::string& of, const std::vector<std::string>& options)
   {
-    const Source from = source(i, input, of);
+    const PortSource from = source(i, input, of);
     requireDirection(i, from);
     needed_[from.stage] = true;
     planned_[i].inputs.push_back(from.stage);
@@ -236,7 +236,7 @@ private:
   }
 
   /// A diffusion along several directions gives a field for each.
-  void requireDirection(std::size_t taker, const Source& from) const
+  void requireDirection(std::size_t taker, const PortSource& from) const
   {
     const SceneStage& giver = scene_.stages[from.stage];
     if (giver.command != "diffusion" || from.port->option != std::string("output"))

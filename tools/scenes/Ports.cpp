@@ -1,6 +1,6 @@
 #include "scenes/Ports.h"
 
-#include "Text.h"
+#include "session/Text.h"
 
 #include <algorithm>
 

@@ -4,6 +4,7 @@
 #include "files/GridFile.h"
 #include "files/Input.h"
 #include "files/JsonReport.h"
+#include "files/Record.h"
 
 #include "vtkLatticeConversion.h"
 
@@ -42,9 +43,13 @@ void readSample(Session& session, const ReadOptions& o, const std::string& comma
   json["file"] = o.picture.file;
   const std::string ending = std::filesystem::path(o.picture.file).extension().string();
   vtkSmartPointer<vtkDataObject> data;
-  if (ending == ".vtp" || (ending == ".vti" && asItIs(o.picture) && readPhaseGrid(o.picture.file)))
-  {
+  if (ending == ".vtp" || (ending == ".vti" && asItIs(o.picture)))
     data = readGrid(o.picture.file);
+  if (auto* const image = vtkImageData::SafeDownCast(data))
+    if (phaseNames(image).size() == 0 || !image->GetPointData()->HasArray("phase"))
+      data = nullptr;
+  if (data != nullptr)
+  {
     setProvenance(data, io::toJson(recordRun(session, commandLine, o.picture.file, provenance(data))));
   }
   else

@@ -4,8 +4,8 @@
 #include "scenes/Measures.h"
 #include "scenes/Memory.h"
 
-#include "Text.h"
 #include "program/CommandLine.h"
+#include "session/Text.h"
 
 #include "core/Error.h"
 #include "vtkLatticeConversion.h"

@@ -7,13 +7,13 @@
 #include "scenes/Sharing.h"
 #include "scenes/StageCheckpoint.h"
 
-#include "Text.h"
 #include "files/JsonReport.h"
 #include "files/Record.h"
 #include "files/ResultFiles.h"
 #include "program/CommandLine.h"
 #include "session/OutputFile.h"
 #include "session/Stopped.h"
+#include "session/Text.h"
 
 #include "core/Error.h"
 #include "core/Memory.h"

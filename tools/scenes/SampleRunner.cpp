@@ -4,7 +4,6 @@
 #include "scenes/Movie.h"
 #include "scenes/StageCheckpoint.h"
 
-#include "Text.h"
 #include "files/Collection.h"
 #include "files/GridFile.h"
 #include "files/JsonReport.h"
@@ -12,6 +11,7 @@
 #include "files/ResultFiles.h"
 #include "program/CommandLine.h"
 #include "session/OutputFile.h"
+#include "session/Text.h"
 
 #include "core/Clock.h"
 #include "core/Error.h"

@@ -1,7 +1,7 @@
 #include "scenes/Scene.h"
 
-#include "Text.h"
 #include "program/CommandLine.h"
+#include "session/Text.h"
 #include "session/Units.h"
 
 #include "core/Error.h"

@@ -1,7 +1,7 @@
 #include "scenes/SceneFile.h"
 
-#include "Text.h"
 #include "files/GridFile.h"
+#include "session/Text.h"
 
 #include "core/Error.h"
 

@@ -1,6 +1,6 @@
 #include "scenes/Sweep.h"
 
-#include "Text.h"
+#include "session/Text.h"
 
 #include "core/Error.h"
 

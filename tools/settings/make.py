@@ -37,7 +37,8 @@ def make_python(out, *headers):
 
 def headers_of(sources):
     """The headers that declare settings, of a tree of sources."""
-    found = [path for folder in ("solvers/vtk", "filters", "filters/rendering", "tools/vtk") for path in sorted((pathlib.Path(sources) / folder).glob("vtk*.h"))]
+    folders = ("solvers/vtk", "solvers/vtk/*", "filters", "filters/rendering", "tools/vtk")
+    found = [path for folder in folders for path in sorted(pathlib.Path(sources).glob(folder + "/vtk*.h"))]
     return [path for path in found if re.search(r"^class \w+_EXPORT \w+ : public \w+Algorithm|^class \w+_EXPORT vtk(Snapshot|VTKHDFWriter) ",
                                                 path.read_text(encoding="utf-8"), re.MULTILINE)]
 

@@ -20,7 +20,7 @@ namespace
 
 constexpr double usual = 0.5; // relaxation where nothing is asked for
 
-int dimensionOf(Stencil stencil)
+int dimensionsOf(Stencil stencil)
 {
   return stencil == Stencil::D2Q5 || stencil == Stencil::D2Q9 ? 2 : 3;
 }
@@ -39,7 +39,7 @@ LatticeBoltzmann::Impl::Impl(const Lattice& box, MPI_Comm handle, SteppingOption
 
 void LatticeBoltzmann::Impl::check(const Block& block, std::span<const std::uint8_t> phase) const
 {
-  require(dimensionOf(options.stencil) == lattice.dimension,
+  require(dimensionsOf(options.stencil) == lattice.dimension,
     fmt::format("lattice {} does not fit a {}-dimensional picture", name(options.stencil), lattice.dimension),
     lattice.dimension == 2 ? "use d2q5 or d2q9" : "use d3q7 or d3q19");
   require(options.axis >= 0 && options.axis < lattice.dimension,

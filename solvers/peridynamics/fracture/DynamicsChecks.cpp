@@ -14,7 +14,7 @@ namespace lamella::peridynamics
 namespace
 {
 
-constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double noLimit = std::numeric_limits<double>::infinity();
 /// An energy balance that is off by more than this share wants a smaller step.
 constexpr double unbalanced = 0.02;
 
@@ -73,7 +73,7 @@ void check(const DynamicsStudyOptions& o)
       fmt::format("the share of the peak at which to stop, {}, is not in [0, 1)", e.stopShare), "0.05 is usual");
   if (e.broken < 1)
     throw ParameterError(fmt::format("the largest number of broken bonds is {}", e.broken), "give 1 or more, or none");
-  if (!o.pull && e.time == never && e.strain == never && e.broken == std::numeric_limits<std::int64_t>::max())
+  if (!o.pull && e.time == noLimit && e.strain == noLimit && e.broken == std::numeric_limits<std::int64_t>::max())
     throw ParameterError("the motion has no end", "give the time of the end; or a strain, or a number of broken bonds");
   if (o.every < 0)
     throw ParameterError(fmt::format("a point of the history every {} steps", o.every), "give 1 or more");
@@ -89,13 +89,13 @@ double referenceEnergy(const RegulationOptions& o, const BondModel& model, const
 {
   if (o.referenceEnergy > 0)
     return o.referenceEnergy;
-  double least = never;
+  double least = noLimit;
   for (const PairData& pair : describePairs(model, lattice.spacing))
     least = std::min(least, pair.fractureEnergy);
   if (!std::isfinite(least))
     throw ParameterError("a loading rate that gives way to what breaks, and nothing can break",
       "leave the relaxation time out, or say at which elongation bonds break");
-  double side = never;
+  double side = noLimit;
   for (int a = 0; a < lattice.dimension; ++a)
     side = std::min(side, lattice.length(a));
   const double crack = o.referenceCrack > 0 ? o.referenceCrack : 0.01 * side;

@@ -9,7 +9,7 @@ namespace lamella::peridynamics
 namespace
 {
 
-constexpr const char* kind = "bonds in motion";
+constexpr const char* motionKind = "bonds in motion";
 
 } // namespace
 
@@ -49,7 +49,7 @@ void BondDynamics::save()
 {
   const Communicator& comm = bonds_.communicator();
   io::Checkpoint c;
-  c.kind = kind;
+  c.kind = motionKind;
   c.scene = scene_;
   c.provenance = options_.checkpoint.provenance;
   c.arrays["displacement"] = gathered(bonds_, u_, "m", "displacement");
@@ -94,7 +94,7 @@ void BondDynamics::save()
 void BondDynamics::restore()
 {
   const Communicator& comm = bonds_.communicator();
-  const io::Checkpoint c = io::readCheckpoint(options_.continueFrom, kind, scene_, comm);
+  const io::Checkpoint c = io::readCheckpoint(options_.continueFrom, motionKind, scene_, comm);
   u_ = scattered(bonds_, c, "displacement");
   v_ = scattered(bonds_, c, "velocity");
   f_ = scattered(bonds_, c, "force");

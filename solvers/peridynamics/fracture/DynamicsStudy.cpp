@@ -1,5 +1,6 @@
 #include "peridynamics/fracture/DynamicsStudy.h"
 
+#include "core/Clock.h"
 #include "core/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/fracture/DampedPull.h"
@@ -11,7 +12,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 
@@ -26,16 +26,11 @@ constexpr double never = std::numeric_limits<double>::infinity();
 constexpr const char* sharedName = "states that shared a file";
 constexpr const char* lookedName = "broken where states were looked for";
 
-double now()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 /// A run under way.
-class Run
+class MotionRun
 {
 public:
-  Run(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,
+  MotionRun(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,
     const DynamicsStudyOptions& options, BondLattice& bonds, DynamicsResult& result)
     : o_(options)
     , bonds_(bonds)
@@ -133,12 +128,12 @@ public:
         break;
       const std::int64_t row = (motion_->steps() / every + 1) * every;
       const std::int64_t next = std::min({ row, last, times.next() });
-      const double begin = now();
+      const double begin = lamella::seconds();
       if (!motion_->advance(next - motion_->steps()))
         throw Cancelled();
       if (next == row || next == last)
         ended = look(last);
-      r_.motionSeconds += now() - begin;
+      r_.motionSeconds += lamella::seconds() - begin;
     }
     keep(true);
     r_.history = history_.points();
@@ -314,7 +309,7 @@ private:
   {
     if (!o_.keep)
       return;
-    const double begin = now();
+    const double begin = lamella::seconds();
     MotionState s;
     s.time = motion_->time();
     s.strain = gauge_->strain(motion_->displacement());
@@ -336,7 +331,7 @@ private:
     if (o_.velocities)
       s.velocity = motion_->velocity();
     o_.keep(std::move(s));
-    r_.stateSeconds += now() - begin;
+    r_.stateSeconds += lamella::seconds() - begin;
   }
 
   [[nodiscard]] bool told(double) const { return o_.progress({}, 0); }
@@ -381,13 +376,13 @@ DynamicsResult studyDynamics(const BondModel& model, const Lattice& lattice, std
   requireMemory(
     "motion", lattice, dynamicsBytes(model, lattice, !grain.empty(), options, comm.size()), options.memory, comm);
   DynamicsResult r;
-  double begin = now();
+  double begin = lamella::seconds();
   BondLattice bonds(model, lattice, phase, grain, comm);
   static_cast<SampleCounts&>(r) = countSample(bonds, model, phase);
-  r.bondSeconds = now() - begin;
-  begin = now();
-  Run run(model, lattice, phase, options, bonds, r);
-  r.startSeconds = now() - begin;
+  r.bondSeconds = lamella::seconds() - begin;
+  begin = lamella::seconds();
+  MotionRun run(model, lattice, phase, options, bonds, r);
+  r.startSeconds = lamella::seconds() - begin;
   run.go();
   std::vector<BrokenBond> broken;
   for (const DynamicBreak& b : r.broken)

@@ -1,5 +1,6 @@
 #include "peridynamics/fracture/FractureStudy.h"
 
+#include "core/Clock.h"
 #include "core/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/fracture/FractureCheckpoint.h"
@@ -11,7 +12,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace lamella::peridynamics
@@ -21,11 +21,6 @@ namespace
 
 /// Strains above this are none for which elongations are linear.
 constexpr double small = 0.1;
-
-double now()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 FractureMethod methodOf(const FractureStudyOptions& o, const BondModel& model, const Communicator& comm)
 {
@@ -176,10 +171,10 @@ double runThrough(QuasiStaticFracture& fracture, const FractureStudyOptions& o, 
     const bool atNumber = end == FractureEnd::MaxBroken && numbers.some();
     const double strain =
       end == FractureEnd::MaxStrain ? std::max(strains.next(), fracture.strain()) : fracture.strain();
-    const double start = now();
+    const double start = lamella::seconds();
     if (fields != nullptr)
       fields->make(fracture, strain, !atStrain && !atNumber, r.warnings);
-    r.stateSeconds += now() - start;
+    r.stateSeconds += lamella::seconds() - start;
     numbers.passed(static_cast<std::int64_t>(fracture.record().broken.size()));
     if (atStrain)
       strains.passed(strain);
@@ -268,11 +263,11 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
   requireMemory(
     "fracture", lattice, fractureBytes(model, lattice, !grain.empty(), options, comm.size()), options.memory, comm);
   FractureResult r;
-  double start = now();
+  double start = lamella::seconds();
   const auto lap = [&start]
   {
     const double before = start;
-    start = now();
+    start = lamella::seconds();
     return start - before;
   };
   BondLattice bonds(model, lattice, phase, grain, comm);

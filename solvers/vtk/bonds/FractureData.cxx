@@ -21,13 +21,6 @@ namespace pd = lamella::peridynamics;
 
 namespace lamella
 {
-namespace
-{
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
-} // namespace
-
 const char* wordOf(pd::FractureEnd end)
 {
   constexpr std::array<const char*, 7> words{ "running", "stress-fell", "severed", "nothing-breaks", "maximum-strain",

@@ -2,6 +2,7 @@
 
 #include "BondFields.h"
 #include "BondScene.h"
+#include "FieldNumbers.h"
 #include "FractureData.h"
 #include "LongRun.h"
 #include "vtkLatticeConversion.h"
@@ -35,7 +36,7 @@ namespace
 
 constexpr const char* stressName = "stress";
 constexpr const char* energyName = "strain_energy";
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+using lamella::unknown;
 
 template <class Number, class Limit>
 void setLimit(const char* name, Number value, Limit& limit)

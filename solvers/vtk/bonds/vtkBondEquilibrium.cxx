@@ -27,7 +27,7 @@ namespace pd = lamella::peridynamics;
 namespace
 {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+using lamella::unknown;
 constexpr std::array<const char*, 4> solverName{ "multigrid", "jacobi", "direct", "dynamic-relaxation" };
 
 /// What was found, as field data.

@@ -25,7 +25,7 @@ namespace pd = lamella::peridynamics;
 namespace
 {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+using lamella::unknown;
 
 /// The values, or as many unknown ones.
 std::vector<double> orUnknown(const std::vector<double>& values, std::size_t count)

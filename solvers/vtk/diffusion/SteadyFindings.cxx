@@ -15,13 +15,13 @@ namespace lamella
 namespace
 {
 
-constexpr double notSolved = std::numeric_limits<double>::quiet_NaN();
+constexpr double notFound = std::numeric_limits<double>::quiet_NaN();
 
 /// By direction, NaN where that was not solved.
 template <class Read>
 std::array<double, 3> byDirection(const SteadyFindings& found, Read&& read)
 {
-  std::array<double, 3> numbers{ notSolved, notSolved, notSolved };
+  std::array<double, 3> numbers{ notFound, notFound, notFound };
   for (const lbm::DiffusionAnswer& answer : found.answers)
     numbers[static_cast<std::size_t>(answer.axis)] = static_cast<double>(read(answer));
   return numbers;
@@ -48,7 +48,7 @@ nlohmann::json conductivityJson(const SteadyFindings& found)
 std::array<double, 9> SteadyFindings::tensor() const
 {
   std::array<double, 9> tensor{};
-  tensor.fill(notSolved);
+  tensor.fill(notFound);
   for (const lbm::DiffusionAnswer& answer : answers)
     for (int row = 0; row < dimension; ++row)
       tensor[static_cast<std::size_t>(3 * row + answer.axis)] = answer.result.effective[static_cast<std::size_t>(row)];

@@ -3,8 +3,10 @@
 #include "GridChecks.h"
 #include "GridReaders.h"
 #include "vtkLatticeConversion.h"
+#include "vtkProvenance.h"
 
 #include "core/Error.h"
+#include "pictures/RawVolume.h"
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
@@ -12,7 +14,6 @@
 #include "vtkImageData.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
-#include "vtkUnsignedCharArray.h"
 #include "vtkXMLImageDataReader.h"
 
 #include <algorithm>
@@ -29,11 +30,26 @@ namespace
 
 namespace fs = std::filesystem;
 
-bool isVti(const fs::path& path)
+std::string endingOf(const fs::path& path)
 {
   std::string ending = path.extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending == ".vti";
+  return ending;
+}
+
+bool isVti(const fs::path& path)
+{
+  return endingOf(path) == ".vti";
+}
+
+bool isRaw(const fs::path& path)
+{
+  return endingOf(path) == ".raw" || endingOf(path) == ".bin";
+}
+
+void setSpacing(Lattice& lattice, double spacing)
+{
+  lattice = makeLattice(lattice.size[0], lattice.size[1], lattice.size[2], lattice.dimension, spacing);
 }
 
 vtkSmartPointer<vtkImageData> readVti(const fs::path& path, const micrograph::ReadOptions& options)
@@ -48,8 +64,8 @@ vtkSmartPointer<vtkImageData> readVti(const fs::path& path, const micrograph::Re
   reader->SetFileName(path.c_str());
   if (reader->CanReadFile(path.c_str()) == 0)
   {
-    throw InputError(
-      "'" + path.string() + "' is not a whole .vti file", "make or copy it again; it must be VTK XML image data");
+    throw InputError("'" + path.string() + "' is not a .vti file, or is cut short",
+      "give a whole .vti file, VTK XML image data; make or copy it again");
   }
   requireReadable(reader, path.string());
   if (options.sizeKnown)
@@ -122,8 +138,7 @@ micrograph::Picture greysOf(vtkImageData* image, const ImageArray& chosen, const
   picture.pixelSizeSource = fieldText(image, "pixel_size_source").value_or("VTK image spacing");
   if (options.pixelSize)
   {
-    picture.lattice = makeLattice(picture.lattice.size[0], picture.lattice.size[1], picture.lattice.size[2],
-      picture.lattice.dimension, *options.pixelSize);
+    setSpacing(picture.lattice, *options.pixelSize);
     picture.pixelSizeSource = "option";
   }
   const vtkIdType count = chosen.array->GetNumberOfTuples();
@@ -184,94 +199,170 @@ GreyMap everyGrey(const micrograph::Picture& picture)
   return map;
 }
 
-} // namespace
-
-micrograph::Picture readGreys(const fs::path& path, const micrograph::ReadOptions& options, const std::string& array,
-  vtkSmartPointer<vtkImageData>* file)
+/// Phases that a .vti names; nothing where it does not, or where other greys are asked for.
+std::optional<PhasePicture> phasesOfImage(
+  vtkImageData* image, const fs::path& path, const PictureOptions& options, const micrograph::ReadOptions& read)
 {
-  if (!isVti(path))
-    return micrograph::readPicture(path, options);
-  const auto image = readVti(path, options);
-  const ImageArray chosen = chooseArray(image, array, path);
-  if (file != nullptr && !chosen.cells)
-    *file = image;
-  return greysOf(image, chosen, options);
-}
-
-PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
-{
-  PhasePicture result;
-  micrograph::Picture picture;
-  PhaseTable names;
-  micrograph::ReadOptions read = options.read;
-  // A picture is segmented whole, for its light; of a volume, whose corners may be empty, only the window is looked at.
-  if (!options.segment || (options.window && options.window->size[2] != 0))
-    read.window = options.window;
-  if (isVti(path))
-  {
-    const auto image = readVti(path, read);
-    const ImageArray chosen = chooseArray(image, options.array, path);
-    if (!chosen.cells && vtkUnsignedCharArray::SafeDownCast(chosen.array) != nullptr)
-      names = phaseNames(image);
-    picture = greysOf(image, chosen, read);
-    result.file = chosen.cells ? nullptr : image;
-  }
-  else
-  {
-    read.keepColour = read.keepColour || options.segment;
-    picture = micrograph::readPicture(path, read);
-  }
-  result.pixelSizeSource = picture.pixelSizeSource;
-  result.warnings = picture.warnings;
-  if (options.segment && picture.lattice.dimension == 3)
-  {
-    micrograph::VolumeOptions how;
-    how.phases = options.greys;
-    how.empty = options.segment->lumen;
-    how.threshold = options.segment->threshold;
-    micrograph::VolumeSegmentation found = micrograph::segmentVolume(std::move(picture), how);
-    result.warnings.insert(result.warnings.end(), found.warnings.begin(), found.warnings.end());
-    result.notes = found.report.lines();
-    result.image = options.refine != 1 ? refine(found.image, options.refine) : std::move(found.image);
-    return result;
-  }
+  const bool other = !options.greys.empty() || !(options.array.empty() || options.array == "phase");
+  if (other || phaseNames(image).size() == 0 || !image->GetPointData()->HasArray("phase"))
+    return std::nullopt;
   if (options.segment)
   {
-    if (!options.greys.empty())
-    {
-      throw ParameterError("phases are named for a scan that is to be segmented",
-        "name none: the phases of a segmented scan are 'lumen' and 'wall'");
-    }
-    // The whole scan, for the light and the threshold; the window is cut afterwards.
-    micrograph::SegmentOptions how = *options.segment;
-    how.judged = options.window;
-    micrograph::Segmentation found = micrograph::segment(picture, how);
-    result.warnings.insert(result.warnings.end(), found.warnings.begin(), found.warnings.end());
-    result.notes = found.report.lines();
-    result.image = options.window ? crop(found.image, *options.window) : std::move(found.image);
-    if (options.refine != 1)
-      result.image = refine(result.image, options.refine);
-    return result;
+    throw ParameterError("'" + path.string() + "' holds phases already, and segmentation is for scans",
+      "leave segmentation out: the file says which phase is where");
   }
-  const bool known = options.greys.empty() && names.size() > 0 &&
-    std::ranges::all_of(picture.grey, [&](std::uint16_t id) { return id < names.size(); });
-  if (known)
+  PhasePicture found;
+  try
   {
-    result.image = PhaseImage{ picture.lattice, { picture.grey.begin(), picture.grey.end() }, names };
+    found.image = toPhaseImage(image);
   }
-  else if (options.greys.empty())
+  catch (const Error& error)
   {
-    result.image = everyGrey(picture).apply(picture.lattice, picture.grey);
+    throw InputError("'" + path.string() + "': " + error.what(), error.hint());
   }
-  else
+  found.pixelSizeSource = fieldText(image, "pixel_size_source").value_or("VTK image spacing");
+  found.fileSize = found.image.lattice.size;
+  found.provenance = provenance(image);
+  found.file = image;
+  if (read.pixelSize)
+  {
+    setSpacing(found.image.lattice, *read.pixelSize);
+    found.pixelSizeSource = "option";
+  }
+  if (options.window)
+    found.image = crop(found.image, *options.window);
+  return found;
+}
+
+void segmentVolume(PhasePicture& result, micrograph::Picture picture, const PictureOptions& options)
+{
+  micrograph::VolumeOptions how;
+  how.phases = options.greys;
+  how.empty = options.segment->lumen;
+  how.threshold = options.segment->threshold;
+  micrograph::VolumeSegmentation found = micrograph::segmentVolume(std::move(picture), how);
+  result.warnings.insert(result.warnings.end(), found.warnings.begin(), found.warnings.end());
+  result.notes = found.report.lines();
+  result.volumeSegmentation = std::move(found.report);
+  result.image = std::move(found.image);
+}
+
+/// The whole scan, for the light and the threshold; the window is cut afterwards.
+void segmentPicture(PhasePicture& result, const micrograph::Picture& picture, const PictureOptions& options)
+{
+  if (!options.greys.empty())
+  {
+    throw ParameterError("phases are named for a scan that is to be segmented",
+      "name none: the phases of a segmented scan are 'lumen' and 'wall'");
+  }
+  micrograph::SegmentOptions how = *options.segment;
+  how.judged = options.window;
+  micrograph::Segmentation found = micrograph::segment(picture, how);
+  result.warnings.insert(result.warnings.end(), found.warnings.begin(), found.warnings.end());
+  result.notes = found.report.lines();
+  result.segmentation = std::move(found.report);
+  result.image = options.window ? crop(found.image, *options.window) : std::move(found.image);
+}
+
+void nameGreys(PhasePicture& result, const PictureFile& file, bool ofImage, const PictureOptions& options)
+{
+  const micrograph::Picture& picture = file.picture;
+  if (!options.greys.empty())
   {
     GreyRanges::Applied named =
-      options.greys.apply(picture.lattice, picture.grey, { isVti(path) ? 16 : picture.bits, 1, std::nullopt });
+      options.greys.apply(picture.lattice, picture.grey, { ofImage ? 16 : picture.bits, 1, std::nullopt });
     result.warnings.insert(result.warnings.end(), named.warnings.begin(), named.warnings.end());
     if (named.levels)
       result.notes.push_back(named.levels->text());
     result.image = std::move(named.image);
   }
+  else if (file.record && !file.record->phases.empty())
+  {
+    result.image = GreyMap{ file.record->phases, std::nullopt }.apply(picture.lattice, picture.grey);
+  }
+  else
+  {
+    if (options.unnamed)
+      options.unnamed(picture);
+    result.image = everyGrey(picture).apply(picture.lattice, picture.grey);
+  }
+}
+
+PhasePicture namedPhases(const fs::path& path, const PictureOptions& options)
+{
+  micrograph::ReadOptions read = options.read;
+  read.keepColour = read.keepColour || options.segment;
+  // A picture is segmented whole, for its light; of a volume, whose corners may be empty, only the window is looked at.
+  if (!options.segment || (options.window && options.window->size[2] != 0))
+    read.window = options.window;
+  vtkSmartPointer<vtkImageData> image = options.data;
+  if (image != nullptr && read.sizeKnown)
+    read.sizeKnown(latticeOf(image));
+  else if (image == nullptr && isVti(path))
+    image = readVti(path, read);
+  if (image != nullptr)
+    if (std::optional<PhasePicture> named = phasesOfImage(image, path, options, read))
+      return std::move(*named);
+
+  PictureFile file = readPictureFile(path, read, options.array, image);
+  PhasePicture result;
+  result.pixelSizeSource = file.picture.pixelSizeSource;
+  result.fileSize = file.picture.fileSize;
+  result.warnings = file.picture.warnings;
+  result.provenance = file.record ? file.record->provenance : image != nullptr ? provenance(image) : "";
+  result.file = file.file;
+  if (options.segment && file.picture.lattice.dimension == 3)
+    segmentVolume(result, std::move(file.picture), options);
+  else if (options.segment)
+    segmentPicture(result, file.picture, options);
+  else
+    nameGreys(result, file, image != nullptr, options);
+  return result;
+}
+
+} // namespace
+
+PictureFile readPictureFile(
+  const fs::path& path, micrograph::ReadOptions options, const std::string& array, vtkImageData* data)
+{
+  PictureFile file;
+  if (data != nullptr || isVti(path))
+  {
+    const vtkSmartPointer<vtkImageData> image = data != nullptr ? data : readVti(path, options).GetPointer();
+    const ImageArray chosen = chooseArray(image, array, path);
+    file.picture = greysOf(image, chosen, options);
+    if (!chosen.cells)
+      file.file = image;
+    return file;
+  }
+  const bool raw = isRaw(path);
+  if (raw || micrograph::rawHeader(path) != micrograph::RawHeader::None)
+  {
+    file.record = micrograph::readRecordBeside(path);
+    if (raw && file.record && file.record->size && !options.rawSize)
+    {
+      options.rawSize = file.record->size;
+      options.rawBits = file.record->bits;
+    }
+  }
+  file.picture = micrograph::readPicture(path, options);
+  if (!file.record)
+    file.record = micrograph::parseRecord(file.picture.description);
+  if (file.record && file.record->pixelSize && !options.pixelSize)
+  {
+    setSpacing(file.picture.lattice, *file.record->pixelSize);
+    file.picture.pixelSizeSource = "lamella record";
+    // What the reader doubts about the picture's own metadata does not matter then.
+    std::erase_if(
+      file.picture.warnings, [](const std::string& w) { return w.find(": left out") != std::string::npos; });
+  }
+  return file;
+}
+
+PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
+{
+  PhasePicture result = namedPhases(path, options);
+  result.window = options.window;
   if (options.refine != 1)
     result.image = refine(result.image, options.refine);
   return result;

@@ -8,9 +8,9 @@
  * Two-dimensional pictures are flipped, so that they stand upright in a view: the first row in memory is the bottom row
  * of the picture.
  *
- * With no phase named every grey value is a phase of its own, named by its value. Once one is named, a grey that is in
- * no phase is an error, unless OtherPhase says what all other greys are. Phases are named by grey values or by ranges
- * of them.
+ * With no phase named they are what a file that lamella wrote calls them, else every grey value is a phase of its own,
+ * named by its value. Once one is named, a grey that is in no phase is an error, unless OtherPhase says what all other
+ * greys are. Phases are named by grey values or by ranges of them.
  *
  * Of a .vti the other point arrays come along, cut out with the window (with Refinement only `grain` and `axis`), and
  * its field data where there is no window, no Refinement and no PixelSize.
@@ -55,8 +55,8 @@ public:
   /**
    * Which grey values are which phase, one a row: a grey (0 to 255, of 16-bit pictures to 65535) or a range with both
    * ends in it (0..89, ..89, 90..), and a name such as wall or lumen. ..otsu and otsu.. part the greys where the
-   * picture says, ..otsu1, otsu1..otsu2 and otsu2.. into three. Several greys may have one name. Empty: every grey is a
-   * phase of its own; of a volume to be segmented, void and solid.
+   * picture says, ..otsu1, otsu1..otsu2 and otsu2.. into three. Several greys may have one name. Empty: what a file
+   * that lamella wrote calls them, else every grey is a phase of its own; of a volume to be segmented, void and solid.
    *
    * Names the phase of a grey value (0 to 255, of 16-bit pictures to 65535), or of a range with both ends in it, as
    * "0..89", "..89" or "90.."; "..otsu" and "otsu.." part the greys at Otsu's level, "..otsu1", "otsu1..otsu2" and

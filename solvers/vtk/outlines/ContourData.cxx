@@ -1,5 +1,6 @@
 #include "ContourData.h"
 
+#include "NewArray.h"
 #include "vtkLatticeConversion.h"
 
 #include "core/Error.h"
@@ -29,15 +30,6 @@ namespace
 {
 
 constexpr const char* makeOutlines = "give the outlines of vtkMicrographContours or vtkMicrographPolygonReader";
-
-template <typename Array>
-vtkSmartPointer<Array> newArray(const char* name, std::size_t values)
-{
-  auto array = vtkSmartPointer<Array>::New();
-  array->SetName(name);
-  array->SetNumberOfValues(static_cast<vtkIdType>(values));
-  return array;
-}
 
 /// Twice the area inside, positive if counter-clockwise; from the first point, so that far from the origin no digits
 /// are lost.
@@ -129,11 +121,11 @@ vtkSmartPointer<vtkPolyData> toPolyData(
   points->SetNumberOfPoints(static_cast<vtkIdType>(count));
   vtkNew<vtkCellArray> lines;
   const std::size_t chains = contours.contours.size();
-  const auto lumen = newArray<vtkIntArray>("lumen", chains);
-  const auto closed = newArray<vtkUnsignedCharArray>("closed", chains);
-  const auto area = newArray<vtkDoubleArray>("area", chains);
-  const auto solidity = newArray<vtkDoubleArray>("solidity", chains);
-  const auto diameter = newArray<vtkDoubleArray>("equivalent_diameter", chains);
+  const auto lumen = newArray<vtkIntArray>("lumen", 1, chains);
+  const auto closed = newArray<vtkUnsignedCharArray>("closed", 1, chains);
+  const auto area = newArray<vtkDoubleArray>("area", 1, chains);
+  const auto solidity = newArray<vtkDoubleArray>("solidity", 1, chains);
+  const auto diameter = newArray<vtkDoubleArray>("equivalent_diameter", 1, chains);
   vtkIdType next = 0;
   for (std::size_t c = 0; c < chains; ++c)
   {

@@ -115,23 +115,7 @@ void addLamella(vtkImageData* image, const micrograph::MiddleLamella& found, con
 
 vtkStandardNewMacro(vtkMicrographLattice);
 
-vtkMicrographLattice::vtkMicrographLattice()
-{
-  this->SetNumberOfInputPorts(2);
-}
-
-void vtkMicrographLattice::SetPictureData(vtkImageData* picture)
-{
-  this->SetInputData(1, picture);
-}
-
-int vtkMicrographLattice::FillInputPortInformation(int port, vtkInformation* info)
-{
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), port == 0 ? "vtkPolyData" : "vtkImageData");
-  if (port == 1)
-    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
-  return 1;
-}
+vtkMicrographLattice::vtkMicrographLattice() = default;
 
 vtkSmartPointer<vtkImageData> vtkMicrographLattice::Made(vtkPolyData* outlines, vtkImageData* picture)
 {
@@ -224,6 +208,17 @@ bool vtkMicrographLattice::Rasterise(vtkPolyData* outlines, vtkImageData* pictur
   return true;
 }
 
+vtkImageData* vtkMicrographLattice::GetOutput()
+{
+  return vtkImageData::SafeDownCast(this->GetOutputDataObject(0));
+}
+
+int vtkMicrographLattice::FillOutputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkImageData");
+  return 1;
+}
+
 int vtkMicrographLattice::RequestInformation(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
@@ -240,17 +235,6 @@ int vtkMicrographLattice::RequestInformation(
   if (outlines == nullptr || !this->Rasterise(outlines, vtkImageData::GetData(inputVector[1])))
     return 0;
   lamella::announce(outputVector->GetInformationObject(0), lamella::latticeOf(this->Image));
-  return 1;
-}
-
-int vtkMicrographLattice::RequestUpdateExtent(
-  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector*)
-{
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
-  lamella::requestWhole(inputVector[0]->GetInformationObject(0));
-  vtkInformation* const picture = inputVector[1]->GetInformationObject(0);
-  if (picture != nullptr && picture->Has(Pipeline::WHOLE_EXTENT()))
-    picture->Set(Pipeline::UPDATE_EXTENT(), picture->Get(Pipeline::WHOLE_EXTENT()), 6);
   return 1;
 }
 

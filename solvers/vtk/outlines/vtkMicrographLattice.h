@@ -30,26 +30,20 @@
 #ifndef vtkMicrographLattice_h
 #define vtkMicrographLattice_h
 
-#include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
-#include "vtkSmartPointer.h"            // for the image that is kept
-
-#include <string> // for the phase
+#include "vtkOutlineAlgorithm.h"
+#include "vtkSmartPointer.h" // for the image that is kept
 
 class vtkPolyData;
 
-class VTKLAMELLASOLVERSVTK_EXPORT vtkMicrographLattice : public vtkImageAlgorithm
+class VTKLAMELLASOLVERSVTK_EXPORT vtkMicrographLattice : public vtkOutlineAlgorithm
 {
 public:
   static vtkMicrographLattice* New();
-  vtkTypeMacro(vtkMicrographLattice, vtkImageAlgorithm);
+  vtkTypeMacro(vtkMicrographLattice, vtkOutlineAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
-  /** The picture that the outlines were found in, input 1. */
-  void SetPictureConnection(vtkAlgorithmOutput* picture) { this->SetInputConnection(1, picture); }
-  void SetPictureData(vtkImageData* picture);
-  ///@}
+  vtkImageData* GetOutput();
 
   ///@{
   /**
@@ -61,59 +55,6 @@ public:
    */
   vtkSetMacro(Spacing, double);
   vtkGetMacro(Spacing, double);
-  ///@}
-
-  enum LamellaTypes
-  {
-    NONE = 0,
-    GROWTH = 1,   ///< "Growth": what lumens that grow leave between them: thicker where three cells meet
-    CONSTANT = 2, ///< "Constant thickness": of one thickness, about the line as far from two lumens
-    LABELS = 3    ///< "Labels": a phase of the picture
-  };
-  ///@{
-  /**
-   * How a middle lamella is found in the walls: what lumens that grow leave between them, thicker where three cells
-   * meet; of one thickness; or a phase of the picture.
-   * @group Middle Lamella
-   * @choice LamellaTypes
-   */
-  vtkSetMacro(Lamella, int);
-  vtkGetMacro(Lamella, int);
-  ///@}
-
-  ///@{
-  /**
-   * Gap that growing outlines keep, or the constant thickness, in metres. 0: half a micrometre, but not more than an
-   * eighth of the walls' median thickness.
-   * @group Middle Lamella
-   * @unit m
-   * @range [0, inf)
-   * @when Lamella GROWTH CONSTANT
-   */
-  vtkSetMacro(LamellaThickness, double);
-  vtkGetMacro(LamellaThickness, double);
-  ///@}
-
-  ///@{
-  /**
-   * Growing outlines stop where their radius of curvature has fallen to so many metres. 0: never. Below 0: a quarter of
-   * the walls' median thickness.
-   * @group Middle Lamella
-   * @unit m
-   * @when Lamella GROWTH
-   */
-  vtkSetMacro(LamellaRadius, double);
-  vtkGetMacro(LamellaRadius, double);
-  ///@}
-
-  ///@{
-  /**
-   * The phase of the picture that is the middle lamella. Empty: the one that is called middle lamella, or lamella.
-   * @group Middle Lamella
-   * @when Lamella LABELS
-   */
-  vtkSetMacro(LamellaPhase, std::string);
-  vtkGetMacro(LamellaPhase, std::string);
   ///@}
 
   ///@{
@@ -131,9 +72,8 @@ protected:
   vtkMicrographLattice();
   ~vtkMicrographLattice() override = default;
 
-  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
-  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
@@ -145,10 +85,6 @@ private:
   vtkSmartPointer<vtkImageData> Made(vtkPolyData* outlines, vtkImageData* picture);
 
   double Spacing = 0;
-  int Lamella = NONE;
-  double LamellaThickness = 0;
-  double LamellaRadius = -1;
-  std::string LamellaPhase;
   double Horizon = 0;
 
   vtkSmartPointer<vtkImageData> Image; ///< what was made

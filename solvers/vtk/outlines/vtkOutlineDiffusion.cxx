@@ -137,15 +137,10 @@ vtkStandardNewMacro(vtkOutlineDiffusion);
 vtkOutlineDiffusion::vtkOutlineDiffusion()
   : Internal(std::make_unique<Internals>())
 {
-  this->SetNumberOfInputPorts(2);
+  this->Lamella = GROWTH;
 }
 
 vtkOutlineDiffusion::~vtkOutlineDiffusion() = default;
-
-void vtkOutlineDiffusion::SetPictureData(vtkImageData* picture)
-{
-  this->SetInputData(1, picture);
-}
 
 void vtkOutlineDiffusion::SetConductivity(const char* phase, double value)
 {
@@ -188,31 +183,20 @@ void vtkOutlineDiffusion::RequireConductivities() const
   }
 }
 
-int vtkOutlineDiffusion::FillInputPortInformation(int port, vtkInformation* info)
+vtkPolyData* vtkOutlineDiffusion::GetOutput()
 {
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), port == 0 ? "vtkPolyData" : "vtkImageData");
-  if (port == 1)
-    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  return vtkPolyData::SafeDownCast(this->GetOutputDataObject(0));
+}
+
+int vtkOutlineDiffusion::FillOutputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkPolyData");
   return 1;
 }
 
 int vtkOutlineDiffusion::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
 {
   lamella::allInFirstPiece(outputs);
-  return 1;
-}
-
-int vtkOutlineDiffusion::RequestUpdateExtent(vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector*)
-{
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
-  lamella::requestWhole(inputVector[0]->GetInformationObject(0));
-  vtkInformation* const picture = inputVector[1]->GetInformationObject(0);
-  if (picture != nullptr && picture->Has(Pipeline::WHOLE_EXTENT()))
-  {
-    std::array<int, 6> whole{};
-    picture->Get(Pipeline::WHOLE_EXTENT(), whole.data());
-    picture->Set(Pipeline::UPDATE_EXTENT(), whole.data(), 6);
-  }
   return 1;
 }
 

@@ -25,6 +25,8 @@
  *
  * How often the error bars hold: docs/benchmarks/contours.md. On several ranks the first one does all of it.
  *
+ * @default Lamella GROWTH
+ *
  * @sa vtkMicrographContours vtkMicrographPolygonReader vtkSteadyDiffusion
  */
 
@@ -32,30 +34,23 @@
 #define vtkOutlineDiffusion_h
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
-#include "vtkPolyDataAlgorithm.h"
+#include "vtkOutlineAlgorithm.h"
 
 #include <memory> // for std::unique_ptr
-#include <string> // for the phase
-
-class vtkImageData;
 
 namespace lamella
 {
 struct OutlineFindings;
 }
 
-class VTKLAMELLASOLVERSVTK_EXPORT vtkOutlineDiffusion : public vtkPolyDataAlgorithm
+class VTKLAMELLASOLVERSVTK_EXPORT vtkOutlineDiffusion : public vtkOutlineAlgorithm
 {
 public:
   static vtkOutlineDiffusion* New();
-  vtkTypeMacro(vtkOutlineDiffusion, vtkPolyDataAlgorithm);
+  vtkTypeMacro(vtkOutlineDiffusion, vtkOutlineAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
-  /** The picture that the outlines were found in, input 1. */
-  void SetPictureConnection(vtkAlgorithmOutput* picture) { this->SetInputConnection(1, picture); }
-  void SetPictureData(vtkImageData* picture);
-  ///@}
+  vtkPolyData* GetOutput();
 
   ///@{
   /**
@@ -125,59 +120,6 @@ public:
   vtkGetMacro(Threads, int);
   ///@}
 
-  enum LamellaTypes
-  {
-    NONE = 0,
-    GROWTH = 1,   ///< "Growth": what lumens that grow leave between them: thicker where three cells meet
-    CONSTANT = 2, ///< "Constant thickness": of one thickness, about the line as far from two lumens
-    LABELS = 3    ///< "Labels": a phase of the picture
-  };
-  ///@{
-  /**
-   * How the middle lamella is found, where it conducts otherwise than the wall: what lumens that grow leave between
-   * them, thicker where three cells meet; of one thickness; or a phase of the picture.
-   * @group Middle Lamella
-   * @choice LamellaTypes
-   */
-  vtkSetMacro(Lamella, int);
-  vtkGetMacro(Lamella, int);
-  ///@}
-
-  ///@{
-  /**
-   * Gap that growing outlines keep, or the constant thickness, in metres. 0: half a micrometre, but not more than an
-   * eighth of the walls' median thickness.
-   * @group Middle Lamella
-   * @unit m
-   * @range [0, inf)
-   * @when Lamella GROWTH CONSTANT
-   */
-  vtkSetMacro(LamellaThickness, double);
-  vtkGetMacro(LamellaThickness, double);
-  ///@}
-
-  ///@{
-  /**
-   * Growing outlines stop where their radius of curvature has fallen to so many metres. 0: never. Below 0: a quarter of
-   * the walls' median thickness.
-   * @group Middle Lamella
-   * @unit m
-   * @when Lamella GROWTH
-   */
-  vtkSetMacro(LamellaRadius, double);
-  vtkGetMacro(LamellaRadius, double);
-  ///@}
-
-  ///@{
-  /**
-   * The phase of the picture that is the middle lamella. Empty: the one that is called middle lamella, or lamella.
-   * @group Middle Lamella
-   * @when Lamella LABELS
-   */
-  vtkSetMacro(LamellaPhase, std::string);
-  vtkGetMacro(LamellaPhase, std::string);
-  ///@}
-
   enum Events
   {
     /// What a target error will take is known, and about to be begun: the call data are the words, a const char*.
@@ -196,9 +138,8 @@ protected:
   vtkOutlineDiffusion();
   ~vtkOutlineDiffusion() override;
 
-  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
-  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
@@ -214,10 +155,6 @@ private:
   double Spacing = 0;
   double TargetError = 0;
   int Threads = 1;
-  int Lamella = GROWTH;
-  double LamellaThickness = 0;
-  double LamellaRadius = -1;
-  std::string LamellaPhase;
 };
 
 #endif

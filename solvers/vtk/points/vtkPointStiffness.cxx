@@ -32,7 +32,7 @@ namespace pd = lamella::peridynamics;
 namespace
 {
 
-constexpr std::array<const char*, 5> sidesNames{ "straight", "open", "fixed", "periodic", "sticky" };
+constexpr std::array<const char*, 5> sideChoices{ "straight", "open", "fixed", "periodic", "sticky" };
 
 vtkSmartPointer<vtkStringArray> textColumn(const char* name, const std::vector<std::string>& texts)
 {
@@ -244,7 +244,7 @@ void vtkPointStiffness::Run(vtkImageData* input, vtkInformationVector* outputs, 
     number("iterations", answer.Iterations);
     number("residual", answer.Residual);
     lamella::setFieldNumbers(table, "seconds", std::array{ answer.SetupSeconds, answer.SolveSeconds });
-    const char* const sides = sidesNames.at(static_cast<std::size_t>(this->Sides));
+    const char* const sides = sideChoices.at(static_cast<std::size_t>(this->Sides));
     lamella::setFieldText(table, "sides", sides);
     lamella::setFieldTexts(table, "warnings", warnings);
     const nlohmann::json model = scene.describe(table);

@@ -4,12 +4,16 @@
 
 #include "vtkDoubleArray.h"
 
+#include <limits>
 #include <span>
 #include <string>
 
 /// Short ways to setFieldNumbers(); not installed.
 namespace lamella
 {
+
+/// Stands for what is not known.
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// One number.
 inline vtkDoubleArray* setFieldNumber(vtkDataObject* data, const char* name, double value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import sysconfig
 
 from ._errors import choose
 from ._types import Any, Path
@@ -12,7 +13,7 @@ from ._types import Any, Path
 def plugin_path() -> str:
     """Where the ParaView plugin is: beside this package, in the build tree or in the installation."""
     here = os.path.dirname(os.path.abspath(__file__))
-    places = [os.path.join(here, *[".."] * up, "lib", *arch) for up in (2, 4) for arch in ((), ("x86_64-linux-gnu",))]
+    places = [os.path.join(here, *[".."] * up, "lib", *arch) for up in (2, 4) for arch in ((), (sysconfig.get_config_var("MULTIARCH") or "",))]
     places.append(os.path.join(here, "..", "..", ".."))  # the package is installed below the library folder
     for place in places:
         path = os.path.normpath(os.path.join(place, "lamella", "Lamella", "Lamella.so"))

@@ -1,0 +1,55 @@
+#include "vtkOutlineAlgorithm.h"
+
+#include "vtkPieces.h"
+
+#include "vtkDemandDrivenPipeline.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+vtkOutlineAlgorithm::vtkOutlineAlgorithm()
+{
+  this->SetNumberOfInputPorts(2);
+  this->SetNumberOfOutputPorts(1);
+}
+
+void vtkOutlineAlgorithm::SetInputData(int port, vtkDataObject* input)
+{
+  this->SetInputDataInternal(port, input);
+}
+
+void vtkOutlineAlgorithm::SetPictureData(vtkImageData* picture)
+{
+  this->SetInputDataInternal(1, picture);
+}
+
+vtkTypeBool vtkOutlineAlgorithm::ProcessRequest(
+  vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
+{
+  if (request->Has(vtkDemandDrivenPipeline::REQUEST_INFORMATION()))
+    return this->RequestInformation(request, inputs, outputs);
+  if (request->Has(vtkStreamingDemandDrivenPipeline::REQUEST_UPDATE_EXTENT()))
+    return this->RequestUpdateExtent(request, inputs, outputs);
+  if (request->Has(vtkDemandDrivenPipeline::REQUEST_DATA()))
+    return this->RequestData(request, inputs, outputs);
+  return this->Superclass::ProcessRequest(request, inputs, outputs);
+}
+
+int vtkOutlineAlgorithm::FillInputPortInformation(int port, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), port == 0 ? "vtkPolyData" : "vtkImageData");
+  if (port == 1)
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  return 1;
+}
+
+int vtkOutlineAlgorithm::RequestUpdateExtent(vtkInformation*, vtkInformationVector** inputs, vtkInformationVector*)
+{
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  lamella::requestWhole(inputs[0]->GetInformationObject(0));
+  vtkInformation* const picture = inputs[1]->GetInformationObject(0);
+  if (picture != nullptr && picture->Has(Pipeline::WHOLE_EXTENT()))
+    picture->Set(Pipeline::UPDATE_EXTENT(), picture->Get(Pipeline::WHOLE_EXTENT()), 6);
+  return 1;
+}

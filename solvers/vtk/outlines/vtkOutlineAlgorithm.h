@@ -1,0 +1,114 @@
+/**
+ * @class   vtkOutlineAlgorithm
+ * @brief   what takes outlines, and the middle lamella between them
+ *
+ * Base of what makes lattices of outlines: the outlines as input 0; as input 1, optional, the picture that they were
+ * found in; and how the middle lamella in the walls is found (outlines/MiddleLamella.h).
+ *
+ * @sa vtkMicrographLattice vtkOutlineDiffusion
+ */
+
+#ifndef vtkOutlineAlgorithm_h
+#define vtkOutlineAlgorithm_h
+
+#include "vtkAlgorithm.h"
+#include "vtkLamellaSolversVTKModule.h" // for export macro
+
+#include <string> // for the phase
+
+class vtkDataObject;
+class vtkImageData;
+class vtkPolyData;
+
+class VTKLAMELLASOLVERSVTK_EXPORT vtkOutlineAlgorithm : public vtkAlgorithm
+{
+public:
+  vtkTypeMacro(vtkOutlineAlgorithm, vtkAlgorithm);
+
+  ///@{
+  /** The outlines, input 0, and what else goes in. */
+  void SetInputData(vtkDataObject* input) { this->SetInputData(0, input); }
+  void SetInputData(int port, vtkDataObject* input);
+  ///@}
+
+  ///@{
+  /** The picture that the outlines were found in, input 1. */
+  void SetPictureConnection(vtkAlgorithmOutput* picture) { this->SetInputConnection(1, picture); }
+  void SetPictureData(vtkImageData* picture);
+  ///@}
+
+  enum LamellaTypes
+  {
+    NONE = 0,
+    GROWTH = 1,   ///< "Growth": what lumens that grow leave between them: thicker where three cells meet
+    CONSTANT = 2, ///< "Constant thickness": of one thickness, about the line as far from two lumens
+    LABELS = 3    ///< "Labels": a phase of the picture
+  };
+  ///@{
+  /**
+   * How a middle lamella is found in the walls: what lumens that grow leave between them, thicker where three cells
+   * meet; of one thickness; or a phase of the picture.
+   * @group Middle Lamella
+   * @choice LamellaTypes
+   */
+  vtkSetMacro(Lamella, int);
+  vtkGetMacro(Lamella, int);
+  ///@}
+
+  ///@{
+  /**
+   * Gap that growing outlines keep, or the constant thickness, in metres. 0: half a micrometre, but not more than an
+   * eighth of the walls' median thickness.
+   * @group Middle Lamella
+   * @unit m
+   * @range [0, inf)
+   * @when Lamella GROWTH CONSTANT
+   */
+  vtkSetMacro(LamellaThickness, double);
+  vtkGetMacro(LamellaThickness, double);
+  ///@}
+
+  ///@{
+  /**
+   * Growing outlines stop where their radius of curvature has fallen to so many metres. 0: never. Below 0: a quarter of
+   * the walls' median thickness.
+   * @group Middle Lamella
+   * @unit m
+   * @when Lamella GROWTH
+   */
+  vtkSetMacro(LamellaRadius, double);
+  vtkGetMacro(LamellaRadius, double);
+  ///@}
+
+  ///@{
+  /**
+   * The phase of the picture that is the middle lamella. Empty: the one that is called middle lamella, or lamella.
+   * @group Middle Lamella
+   * @when Lamella LABELS
+   */
+  vtkSetMacro(LamellaPhase, std::string);
+  vtkGetMacro(LamellaPhase, std::string);
+  ///@}
+
+  vtkTypeBool ProcessRequest(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+protected:
+  vtkOutlineAlgorithm();
+  ~vtkOutlineAlgorithm() override = default;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  virtual int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) = 0;
+  virtual int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*);
+  virtual int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) = 0;
+
+  int Lamella = NONE;
+  double LamellaThickness = 0;
+  double LamellaRadius = -1;
+  std::string LamellaPhase;
+
+private:
+  vtkOutlineAlgorithm(const vtkOutlineAlgorithm&) = delete;
+  void operator=(const vtkOutlineAlgorithm&) = delete;
+};
+
+#endif
