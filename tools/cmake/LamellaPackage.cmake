@@ -11,8 +11,8 @@ set(CPACK_PACKAGE_VENDOR "Lamella contributors")
 set(CPACK_PACKAGE_CONTACT "Lamella contributors <lamella@example.org>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_PACKAGE_DESCRIPTION "Effective conductivity, stiffness, strength and crushing of cellular and granular materials
- from pictures and volumes: lattice Boltzmann and multigrid, peridynamics, material points.
- Has the program lamella, the Python package lamella and a plugin of ParaView.")
+from images and micro-CT volumes: lattice Boltzmann, multigrid, peridynamics, material points.
+The program lamella, the Python package lamella and a plugin of ParaView.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -43,6 +43,10 @@ elseif(LAMELLA_BUILD_PLUGIN) # what this file beside its programs names, and no 
   install(FILES "${PROJECT_BINARY_DIR}/paraview.conf" DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif()
 
+# Static halves of the plugin, which nobody links.
+install(CODE "
+  file(GLOB archives \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/libvtkLamella*CS.a\")
+  file(REMOVE \${archives})")
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" RENAME copyright DESTINATION share/doc/lamella)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/examples" "${PROJECT_SOURCE_DIR}/data" "${PROJECT_SOURCE_DIR}/docs"
   DESTINATION share/doc/lamella USE_SOURCE_PERMISSIONS

@@ -33,8 +33,20 @@ function(lamella_python_package)
       DEPENDS "${_source}/${file}" VERBATIM)
     list(APPEND _copies "${_folder}/${file}")
   endforeach()
+  if(LAMELLA_PARAVIEW)
+    set(_vtk "ParaView ${ParaView_VERSION}")
+  else()
+    set(_vtk "VTK ${VTK_VERSION}")
+  endif()
+  file(CONFIGURE OUTPUT "${_folder}/_version.py" CONTENT [=[
+"""What this package was built as."""
+
+__version__ = "@PROJECT_VERSION@"
+PYTHON = "@Python3_VERSION_MAJOR@.@Python3_VERSION_MINOR@"
+VTK = "@_vtk@"
+]=] @ONLY)
   lamella_keywords("${_folder}/_declared.py")
   add_custom_target(LamellaPythonPackage ALL DEPENDS ${_copies} "${_folder}/_declared.py")
   list(TRANSFORM _files PREPEND "${_source}/")
-  install(FILES ${_files} "${_folder}/_declared.py" DESTINATION "${LAMELLA_PYTHON_DESTINATION}/lamella" COMPONENT python)
+  install(FILES ${_files} "${_folder}/_declared.py" "${_folder}/_version.py" DESTINATION "${LAMELLA_PYTHON_DESTINATION}/lamella" COMPONENT python)
 endfunction()

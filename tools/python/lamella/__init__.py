@@ -29,7 +29,19 @@ if "OMP_WAIT_POLICY" not in _os.environ:
     # GNU's OpenMP library, which is loaded next, spins for milliseconds else: slow where others use the machine too
     _os.environ.setdefault("GOMP_SPINCOUNT", "300")
 
-from .vtkLamellaSolversVTK import *  # noqa: F401,F403 - the VTK classes
+from ._version import __version__
+
+try:
+    from .vtkLamellaSolversVTK import *  # noqa: F401,F403 - the VTK classes
+except ImportError as _error:
+    import sys as _sys
+
+    from ._version import PYTHON, VTK
+
+    raise ImportError(
+        f"lamella {__version__} was built for Python {PYTHON} with {VTK}, and this is Python "
+        f"{_sys.version_info[0]}.{_sys.version_info[1]} ({_sys.executable}): run it with /usr/bin/python3 or pvpython ({_error})"
+    ) from None
 from .vtkLamellaFilters import *  # noqa: F401,F403
 from .vtkLamellaConvert import *  # noqa: F401,F403
 
