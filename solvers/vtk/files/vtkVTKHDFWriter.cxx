@@ -10,6 +10,7 @@
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
+#include "vtkCellType.h"
 #include "vtkDataArray.h"
 #include "vtkErrorCode.h"
 #include "vtkFieldData.h"
@@ -224,7 +225,10 @@ void writeRows(hid_t at, const std::string& name, vtkDataArray* array, int level
 
 void writeGrid(hid_t root, vtkUnstructuredGrid* grid, int level)
 {
-  if (grid->GetFaces() != nullptr)
+  bool polyhedra = false;
+  for (vtkIdType cell = 0; cell < grid->GetNumberOfCells() && !polyhedra; ++cell)
+    polyhedra = grid->GetCellType(cell) == VTK_POLYHEDRON;
+  if (polyhedra)
   {
     throw lamella::InputError(
       "the grid has polyhedra, and VTKHDF 1.0 has no place for their faces", "write it as .vtu, or in tetrahedra");
