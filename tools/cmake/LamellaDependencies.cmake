@@ -15,17 +15,10 @@ set(LAMELLA_VTK_COMPONENTS # LamellaConfig.cmake asks for the same
   ParallelMPI RenderingAnnotation RenderingCore RenderingFreeType RenderingOpenGL2 RenderingContext2D
   RenderingContextOpenGL2 ChartsCore)
 find_package(VTK 9.2 REQUIRED COMPONENTS ${LAMELLA_VTK_COMPONENTS})
-# From ParaView 5.12 to VTK 9.4 a header has `nlohmann` mean the copy of that library inside VTK, in what we write too.
-# Ours is the system's, in every file: VTK's macros are passed over.
-get_target_property(_includes VTK::CommonCore INTERFACE_INCLUDE_DIRECTORIES)
-find_file(LAMELLA_VTK_NLOHMANN vtk_nlohmannjson.h HINTS ${_includes} NO_DEFAULT_PATH)
-if(LAMELLA_VTK_NLOHMANN)
-  file(STRINGS "${LAMELLA_VTK_NLOHMANN}" _defines REGEX "define nlohmann ")
-  if(_defines)
-    add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-Dvtk_nlohmannjson_h>
-      "$<$<COMPILE_LANGUAGE:CXX>:-DVTK_NLOHMANN_JSON(x)=<nlohmann/x$<ANGLE-R>>")
-  endif()
-endif()
+# Up to VTK 9.4 a header of VTK has `nlohmann` mean the copy of that library inside VTK, in what we write too, and from
+# ParaView 5.12 on others bring it along. Ours is the system's, in every file: VTK's macros are passed over.
+add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-Dvtk_nlohmannjson_h>
+  "$<$<COMPILE_LANGUAGE:CXX>:-DVTK_NLOHMANN_JSON(x)=<nlohmann/x$<ANGLE-R>>")
 
 set(MPI_CXX_SKIP_MPICXX ON) # the C interface only
 find_package(MPI REQUIRED COMPONENTS CXX)
