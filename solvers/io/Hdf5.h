@@ -2,6 +2,7 @@
 
 #include "core/Error.h"
 
+#define H5_USE_110_API // what later versions of HDF5 call as 1.10 does
 #include <hdf5.h>
 
 #include <algorithm>

@@ -69,6 +69,10 @@ class Samples(unittest.TestCase):
         np.testing.assert_array_equal(np.asarray(sample), volume)
         self.assertEqual(sample.vtk.GetScalarComponentAsDouble(3, 2, 1, 0), 23)
 
+    def test_the_version_is_the_programs(self):
+        said = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True).stdout
+        self.assertIn(f"lamella {lamella.__version__} ", said)
+
     def test_generators(self):
         tissue = lamella.softwood(size=(120, 80), solid_fraction=0.4, seed=3)
         self.assertEqual(tissue.shape, (80, 120))
