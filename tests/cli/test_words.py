@@ -17,7 +17,7 @@ class Words(Case):
     def test_version_names_version_commit_vtk_and_mpi(self):
         lines = self.works("--version").out.splitlines()
         self.assertRegex(lines[0], r"^lamella \d+\.\d+\.\d+ \(commit [0-9a-z-]+\)$")
-        self.assertRegex(lines[1], r"^VTK 9\.2")
+        self.assertRegex(lines[1], r"^VTK 9\.\d")
         self.assertRegex(lines[2], r"^MPI .*\d+\.\d+")
         self.assertEqual(len(lines), 3)
 
