@@ -230,12 +230,6 @@ bool isVtkImage(const std::string& path)
   return ending(path) == ".vti";
 }
 
-bool isRawVolume(const std::string& path)
-{
-  const std::string end = ending(path);
-  return end == ".raw" || end == ".bin";
-}
-
 std::string pixelSizeDoubt(const std::string& given)
 {
   // Nobody's pixels are of a millimetre by mistake where it says mm; a bare 0.5 is surely 0.5 µm.

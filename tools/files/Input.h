@@ -48,9 +48,8 @@ void requireWindowFits(const Lattice& lattice, const std::optional<Window>& wind
 [[nodiscard]] micrograph::ReadOptions readOptions(const PictureOptions& options);
 [[nodiscard]] std::optional<GreyRanges> greyRanges(const PictureOptions& options);
 
-/// The kinds of file, told by the ending of the name.
+/// Told by the ending of the name.
 [[nodiscard]] bool isVtkImage(const std::string& path);
-[[nodiscard]] bool isRawVolume(const std::string& path);
 
 /// A sample as the solvers take it: window cut out, greys named, not refined.
 using Sample = PhasePicture;
