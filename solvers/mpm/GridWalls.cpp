@@ -11,7 +11,7 @@ namespace lamella::mpm
 namespace
 {
 
-constexpr std::int64_t worthThreads = 20000;
+constexpr std::int64_t nodesWorthThreads = 20000;
 
 double& at(std::span<double> nodes, std::int64_t node, int value)
 {
@@ -179,7 +179,7 @@ void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<dou
     rows->shift(grid, nodes, walls(rows->axis(), 1).velocity);
 
   const std::int64_t count = grid.count();
-#pragma omp parallel for schedule(static) if (count > worthThreads)
+#pragma omp parallel for schedule(static) if (count > nodesWorthThreads)
   for (std::int64_t i = 0; i < count; ++i)
   {
     double* v = nodes.data() + i * nodeValues;

@@ -238,7 +238,7 @@ std::optional<MetadataSize> sizeIn(const RawLayout& layout, Picture& picture)
 RawLayout layoutOf(const fs::path& path, const ReadOptions& options, RawHeader header)
 {
   if (header != RawHeader::None)
-    return header == RawHeader::Meta ? metaLayout(path) : nrrdLayout(path);
+    return headerLayout(path, header);
   RawSaid said;
   said.size = options.rawSize;
   said.offset = options.rawHeader;
@@ -361,7 +361,7 @@ Picture readRaw(const fs::path& path, const ReadOptions& options)
   RawVolume volume(layout);
   const std::string name = layout.file.string();
   Picture picture;
-  picture.format = header == RawHeader::None ? "raw" : header == RawHeader::Meta ? "MetaImage" : "NRRD";
+  picture.format = micrograph::name(header);
   setLattice(picture, path.string(), nx, ny, nz, nz == 1 && layout.axes < 3 ? 2 : 3, sizeIn(layout, picture), options);
   const Box kept = keptBox(picture.lattice, options.window);
   const auto nodes = static_cast<std::size_t>(kept.count());
@@ -412,7 +412,7 @@ std::optional<MetadataSize> trustedSize(
   if (!size)
     return std::nullopt;
   static const std::set<std::string> lengths{ "ImageJ", "OME-XML", "MetaImage ElementSpacing", "NRRD spacings",
-    "NRRD space directions" };
+    "NRRD space directions", "NIfTI pixdim", "VTK SPACING" };
   const bool forPrint = !lengths.contains(size->source);
   if (forPrint && std::max(size->x, size->y) > largestPixel)
   {

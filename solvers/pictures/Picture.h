@@ -21,7 +21,7 @@ struct Picture
   std::vector<std::uint16_t> grey;        ///< one value a node; 8-bit values stay 0 … 255
   std::vector<std::uint16_t> colour; ///< red, green, blue of every node; empty unless asked for and there is colour
   int bits = 8;                      ///< 8 or 16
-  std::string format;                ///< "PNG", "JPEG", "TIFF", "PGM", "PPM", "BMP", "raw", "MetaImage" or "NRRD"
+  std::string format;                ///< "PNG", "JPEG", "TIFF", "PGM", "PPM", "BMP", or as name(RawHeader) has it
   std::string pixelSizeSource;       ///< "option", "PNG pHYs", "TIFF resolution", "ImageJ", "OME-XML", … or "none"
   std::string description;           ///< the text that the file carries, provenance for our own; may be empty
   std::string provenance;            ///< of a PNG that lamella drew; JSON text, or empty
@@ -51,7 +51,8 @@ struct ReadOptions
 /// in
 ///   their names. With `%d` a missing number is an error, otherwise a warning.
 /// - .raw or .bin: a volume; size from `rawSize` or from a name such as berea_200x200x200_u8.raw.
-/// - MetaImage (.mhd, .mha) and NRRD, packed or not: a volume, or a picture where they have two axes.
+/// - MetaImage (.mhd, .mha), NRRD and NIfTI, packed or not, arrays of NumPy (.npy), VTK's legacy files (.vtk): a
+///   volume, or a picture where they have two axes.
 ///
 /// Numbers of volumes that are not unsigned ones of 8 or 16 bits have to be whole ones from 0 to 65535.
 ///

@@ -18,20 +18,6 @@ namespace lamella::micrograph
 namespace
 {
 
-/// Metres in a unit's name as ImageJ and OME write it; 0 for pixels and what is not a length.
-double metresIn(std::string unit)
-{
-  if (unit == "\\u00B5m" || unit == "\u00b5m" || unit == "\u03bcm" ||
-    unit == "\xb5m") // escaped, micro sign, mu, Latin-1
-    return 1e-6;
-  std::transform(unit.begin(), unit.end(), unit.begin(), [](unsigned char c) { return std::tolower(c); });
-  static const std::map<std::string, double> names{ { "m", 1 }, { "meter", 1 }, { "cm", 1e-2 }, { "mm", 1e-3 },
-    { "um", 1e-6 }, { "micron", 1e-6 }, { "microns", 1e-6 }, { "micrometer", 1e-6 }, { "nm", 1e-9 }, { "pm", 1e-12 },
-    { "inch", 0.0254 }, { "in", 0.0254 } };
-  const auto found = names.find(unit);
-  return found == names.end() ? 0 : found->second;
-}
-
 /// The value of `key=value` on a line of its own, as ImageJ writes it.
 std::string lineValue(const std::string& text, const std::string& key)
 {
@@ -146,6 +132,19 @@ int bitsOf(const TiffPage& page)
 }
 
 } // namespace
+
+double metresIn(std::string unit)
+{
+  if (unit == "\\u00B5m" || unit == "\u00b5m" || unit == "\u03bcm" ||
+    unit == "\xb5m") // escaped, micro sign, mu, Latin-1
+    return 1e-6;
+  std::transform(unit.begin(), unit.end(), unit.begin(), [](unsigned char c) { return std::tolower(c); });
+  static const std::map<std::string, double> names{ { "m", 1 }, { "meter", 1 }, { "cm", 1e-2 }, { "mm", 1e-3 },
+    { "um", 1e-6 }, { "micron", 1e-6 }, { "microns", 1e-6 }, { "micrometer", 1e-6 }, { "nm", 1e-9 }, { "pm", 1e-12 },
+    { "inch", 0.0254 }, { "in", 0.0254 } };
+  const auto found = names.find(unit);
+  return found == names.end() ? 0 : found->second;
+}
 
 Probe probeTiff(FileBytes& file, bool anyNumbers)
 {

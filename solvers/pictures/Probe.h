@@ -56,6 +56,9 @@ struct Probe
 /// The error for pixels that their library refuses.
 [[noreturn]] void undecodable(const FileBytes& file, Format format, const std::string& why);
 
+/// Metres in a unit's name, as ImageJ, OME and headers of volumes write it; 0 for pixels and what is not a length.
+[[nodiscard]] double metresIn(std::string unit);
+
 /// The pixel size, unless it is what printers' resolutions come to or no length at all: a warning says so then.
 [[nodiscard]] std::optional<MetadataSize> trustedSize(
   const std::optional<MetadataSize>& size, const std::string& name, std::vector<std::string>& warnings);

@@ -1,6 +1,7 @@
 #include "pictures/RawVolume.h"
 
 #include "core/Error.h"
+#include "pictures/Probe.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -27,9 +28,10 @@ namespace fs = std::filesystem;
 class RawVolume::Unpacker
 {
 public:
-  Unpacker(FileBytes& file, std::uint64_t offset)
+  Unpacker(FileBytes& file, std::uint64_t offset, std::uint64_t skip)
     : file_(file)
     , at_(offset)
+    , skip_(skip)
   {
     if (inflateInit2(&stream_, 47) != Z_OK) // either header
       throw MemoryError("zlib cannot be started", "close other programs");
@@ -39,6 +41,15 @@ public:
   Unpacker& operator=(const Unpacker&) = delete;
 
   void read(unsigned char* to, std::uint64_t count)
+  {
+    std::vector<std::uint8_t> skipped(std::min<std::uint64_t>(skip_, std::uint64_t{ 1 } << 16));
+    for (; skip_ > 0; skip_ -= std::min<std::uint64_t>(skip_, skipped.size()))
+      this->take(skipped.data(), std::min<std::uint64_t>(skip_, skipped.size()));
+    this->take(to, count);
+  }
+
+private:
+  void take(unsigned char* to, std::uint64_t count)
   {
     while (count > 0)
     {
@@ -66,9 +77,9 @@ public:
     }
   }
 
-private:
   FileBytes& file_;
   std::uint64_t at_;
+  std::uint64_t skip_;
   z_stream stream_{};
   std::vector<std::uint8_t> packed_;
 };
@@ -231,13 +242,11 @@ fs::path beside(const fs::path& header, const std::string& name)
   return path.is_absolute() ? path : header.parent_path() / path;
 }
 
-/// Metres in a unit of other tools; 1 where there is none.
-double metresIn(const std::string& unit)
+/// 1 where no unit is told.
+double metresOr1(const std::string& unit)
 {
-  static const std::map<std::string, double> units{ { "m", 1 }, { "cm", 1e-2 }, { "mm", 1e-3 }, { "um", 1e-6 },
-    { "µm", 1e-6 }, { "micron", 1e-6 }, { "microns", 1e-6 }, { "nm", 1e-9 } };
-  const auto found = units.find(lower(unit));
-  return found == units.end() ? 1 : found->second;
+  const double metres = metresIn(unit);
+  return metres > 0 ? metres : 1;
 }
 
 using Named = std::pair<std::string_view, NumberType>;
@@ -396,12 +405,46 @@ RawHeader rawHeader(const fs::path& path)
     return RawHeader::Meta;
   if (ending == ".nrrd" || ending == ".nhdr")
     return RawHeader::Nrrd;
+  if (ending == ".npy")
+    return RawHeader::Numpy;
+  if (ending == ".nii")
+    return RawHeader::Nifti;
+  if (ending == ".vtk")
+    return RawHeader::LegacyVtk;
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored) || fs::file_size(path, ignored) < 8)
     return RawHeader::None;
   FileBytes file(path);
-  const std::vector<std::uint8_t> head = file.read(0, 6);
-  return std::equal(head.begin(), head.end(), "NRRD00") ? RawHeader::Nrrd : RawHeader::None;
+  const std::vector<std::uint8_t> bytes = file.read(0, 8);
+  const std::string_view head(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return head.starts_with("NRRD00") ? RawHeader::Nrrd
+    : head.starts_with("\x93NUMPY") ? RawHeader::Numpy
+    : head.starts_with("# vtk Da")  ? RawHeader::LegacyVtk
+    : beginsAsNifti(path)           ? RawHeader::Nifti
+                                    : RawHeader::None;
+}
+
+std::string name(RawHeader header)
+{
+  static constexpr std::array names{ "raw", "MetaImage", "NRRD", "NumPy", "NIfTI", "VTK legacy" };
+  return names[static_cast<std::size_t>(header)];
+}
+
+RawLayout headerLayout(const fs::path& path, RawHeader header)
+{
+  switch (header)
+  {
+    case RawHeader::Meta:
+      return metaLayout(path);
+    case RawHeader::Nrrd:
+      return nrrdLayout(path);
+    case RawHeader::Numpy:
+      return numpyLayout(path);
+    case RawHeader::Nifti:
+      return niftiLayout(path);
+    default:
+      return legacyVtkLayout(path);
+  }
 }
 
 RawLayout metaLayout(const fs::path& path)
@@ -431,7 +474,7 @@ RawLayout metaLayout(const fs::path& path)
   layout.fromEnd = skip < 0;
   layout.offset = inside ? header.end() : static_cast<std::uint64_t>(std::max<std::int64_t>(0, skip));
   const std::string unit = header.text({ "distanceunits" });
-  const double metres = metresIn(unit);
+  const double metres = metresOr1(unit);
   layout.unitTold = !unit.empty();
   const auto spacing = header.numbers({ "elementspacing", "elementsize" });
   const auto origin = header.numbers({ "offset", "position", "origin" });
@@ -494,7 +537,7 @@ RawLayout nrrdLayout(const fs::path& path)
   layout.file = data.empty() ? path : beside(path, data);
   layout.offset = (data.empty() ? header.end() : 0) + static_cast<std::uint64_t>(std::max<std::int64_t>(0, skip));
   const auto units = wordsOf(header.text({ "space units", "units" }));
-  const double metres = units.empty() ? 1 : metresIn(units.front());
+  const double metres = units.empty() ? 1 : metresOr1(units.front());
   layout.unitTold = !units.empty();
   if (!directions.empty())
   {
@@ -535,7 +578,8 @@ RawVolume::RawVolume(const RawLayout& layout)
   const double layer =
     static_cast<double>(layout.size[0]) * static_cast<double>(layout.size[1]) * layout.components * layout.type.bytes;
   const double all = layer * static_cast<double>(layout.size[2]);
-  const auto held = static_cast<double>(file_.size()) - static_cast<double>(layout.fromEnd ? 0 : layout.offset);
+  const auto held = static_cast<double>(file_.size()) - static_cast<double>(layout.fromEnd ? 0 : layout.offset) -
+    static_cast<double>(layout.after);
   // zlib packs at most 1032 bytes into one
   const bool wrong = layout.packed ? all > 1100 * held + 65536 : layout.fromEnd ? all > held : all != held;
   if (wrong)
@@ -586,7 +630,7 @@ void RawVolume::unpack(std::uint8_t* to, std::int64_t first, std::int64_t last)
 {
   if (unpacker_ == nullptr || first < next_ - 1 || (first == next_ - 1 && kept_.empty()))
   {
-    unpacker_ = std::make_unique<Unpacker>(file_, begin_);
+    unpacker_ = std::make_unique<Unpacker>(file_, begin_, layout_.skip);
     next_ = 0;
   }
   if (first == next_ - 1)

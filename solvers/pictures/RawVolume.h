@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-/// Volumes as plain numbers: raw files, and MetaImage (.mhd, .mha) and NRRD (.nhdr, .nrrd), which are such numbers with
-/// a header. They may be larger than memory.
+/// Volumes as plain numbers: raw files, and MetaImage (.mhd, .mha), NRRD (.nhdr, .nrrd), NumPy (.npy), NIfTI (.nii,
+/// .nii.gz, .hdr) and VTK's legacy files (.vtk), which are such numbers with a header. They may be larger than memory.
 namespace lamella::micrograph
 {
 
@@ -32,7 +32,9 @@ struct RawLayout
   std::filesystem::path file;
   std::uint64_t offset = 0; ///< of the first value
   bool fromEnd = false;     ///< the values are the last bytes of the file
+  std::uint64_t after = 0;  ///< bytes behind the last value, which are none
   bool packed = false;      ///< by zlib or gzip
+  std::uint64_t skip = 0;   ///< unpacked bytes before the first value
   NumberType type;
   int components = 1; ///< values a voxel
   bool bigEndian = false;
@@ -65,9 +67,13 @@ enum class RawHeader
 {
   None,
   Meta,
-  Nrrd
+  Nrrd,
+  Numpy,
+  Nifti,
+  LegacyVtk
 };
 [[nodiscard]] RawHeader rawHeader(const std::filesystem::path& path);
+[[nodiscard]] std::string name(RawHeader header); ///< "raw", "MetaImage", "NRRD", "NumPy", "NIfTI", "VTK legacy"
 
 /// What MetaImage calls its types, and NRRD its own.
 [[nodiscard]] std::string metaTypeName(NumberType type);
@@ -76,6 +82,19 @@ enum class RawHeader
 /// @throws InputError: a header that cannot be used
 [[nodiscard]] RawLayout metaLayout(const std::filesystem::path& path);
 [[nodiscard]] RawLayout nrrdLayout(const std::filesystem::path& path);
+/// An array as numpy.save() writes it, [z, y, x] or [y, x]; a fourth axis holds the values of a voxel. True and False
+/// are 1 and 0. No spacing.
+[[nodiscard]] RawLayout numpyLayout(const std::filesystem::path& path);
+/// NIfTI-1 and -2, in one file, packed by gzip or not, or .hdr with .img beside it. Place and direction from the sform,
+/// else the qform.
+[[nodiscard]] RawLayout niftiLayout(const std::filesystem::path& path);
+/// STRUCTURED_POINTS with one array, binary. Values in cells are voxels at their middles. A spacing of 1 1 1 says
+/// nothing.
+[[nodiscard]] RawLayout legacyVtkLayout(const std::filesystem::path& path);
+/// That of the header which it has. @param header not None
+[[nodiscard]] RawLayout headerLayout(const std::filesystem::path& path, RawHeader header);
+/// Whether a file begins as NIfTI does, packed or not.
+[[nodiscard]] bool beginsAsNifti(const std::filesystem::path& path);
 
 /// The numbers themselves.
 class RawVolume

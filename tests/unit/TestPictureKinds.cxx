@@ -6,15 +6,18 @@
 #include "pictures/JpegFile.h"
 #include "pictures/Picture.h"
 #include "pictures/PngFile.h"
+#include "pictures/RawVolume.h"
 #include "pictures/TiffFile.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <initializer_list>
 #include <limits>
+#include <map>
 #include <span>
 #include <string>
 #include <tuple>
@@ -292,6 +295,235 @@ TEST(Headers, Refuse)
   EXPECT_EQ(picture.pixelSizeSource, "none");
   ASSERT_EQ(picture.warnings.size(), 1U);
   EXPECT_TRUE(contains(picture.warnings[0], "names no unit"));
+}
+
+/// An array as numpy.save() writes it.
+Bytes numpyBytes(const std::string& dictionary, const Bytes& values)
+{
+  std::string text = dictionary;
+  text.resize(std::max<std::size_t>(text.size(), 117), ' ');
+  Bytes file = bytesOf("\x93NUMPY");
+  file.insert(file.end(), { 1, 0 });
+  put(file, text.size() + 1, 2, false);
+  const Bytes rest = bytesOf(text + '\n', values);
+  file.insert(file.end(), rest.begin(), rest.end());
+  return file;
+}
+
+const Bytes toTwelve{ 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12 };
+
+TEST(Numpy, ArraysAreVolumesAndPictures)
+{
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& type, const std::string& shape, const Bytes& values)
+  {
+    return readPicture(folder.write(
+      "a.npy", numpyBytes("{'descr': '" + type + "', 'fortran_order': False, 'shape': (" + shape + "), }", values)));
+  };
+  const Picture volume = read("|u1", "2, 3, 2", toTwelve);
+  EXPECT_EQ(volume.lattice.size, (Size{ 2, 3, 2 }));
+  EXPECT_EQ(volume.grey, (Greys{ 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12 }));
+  EXPECT_EQ(volume.format, "NumPy");
+  EXPECT_EQ(volume.pixelSizeSource, "none");
+  // Not a cube, and the last axis runs fastest.
+  EXPECT_EQ(read("|u1", "1, 3, 4", toTwelve).lattice.size, (Size{ 4, 3, 1 }));
+  const Picture flat = read(">u2", "1, 2", { 1, 2, 3, 4 });
+  EXPECT_EQ(flat.lattice.dimension, 2);
+  EXPECT_EQ(flat.grey, (Greys{ 0x0102, 0x0304 }));
+  EXPECT_EQ(read("|b1", "1, 3", { 0, 1, 1 }).grey, (Greys{ 0, 1, 1 }));
+  EXPECT_EQ(read("<f4", "1, 1", { 0, 0, 0x80, 0x3f }).grey, (Greys{ 1 }));
+}
+
+TEST(Numpy, RefusesOthers)
+{
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& dictionary)
+  { return refused(folder.write("a.npy", numpyBytes(dictionary, toTwelve))); };
+  EXPECT_TRUE(contains(refusal("{'descr': '<c8', 'fortran_order': False, 'shape': (1, 1)}"), "its type is '<c8'"));
+  EXPECT_TRUE(contains(refusal("{'descr': '|u1', 'fortran_order': True, 'shape': (2, 6)}"), "first axis runs fastest"));
+  EXPECT_TRUE(contains(refusal("{'descr': '|u1', 'fortran_order': False, 'shape': ()}"), "its shape is ()"));
+  EXPECT_TRUE(contains(refusal("{'descr': '|u1', 'fortran_order': False, 'shape': (2, -6)}"), "its shape is (2, -6)"));
+  EXPECT_TRUE(contains(refusal("{'descr': '|u1', 'fortran_order': False, 'shape': (2, x)}"), "its shape is (2, x)"));
+  EXPECT_TRUE(contains(refusal("{'descr': '|u1', 'fortran_order': False, 'shape': (2, 7)}"), "has 12 bytes after"));
+  EXPECT_TRUE(contains(refusal("no dictionary"), "its type is ''"));
+  const Bytes whole = numpyBytes("{'descr': '|u1', 'fortran_order': False, 'shape': (2, 6)}", toTwelve);
+  for (std::size_t size = 1; size < whole.size(); ++size)
+  {
+    const auto file = folder.write("b.npy", { whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size) });
+    EXPECT_THROW((void)readPicture(file), InputError) << size << " of " << whole.size() << " bytes";
+  }
+}
+
+/// A file of NIfTI-1 or -2 with 2 × 3 × 2 voxels of u8, 2 µm large.
+struct NiftiFile
+{
+  bool second = false;
+  bool big = false;
+  std::map<std::size_t, std::pair<std::uint64_t, int>> changes; ///< by place: value and bytes
+  Bytes values = toTwelve;
+
+  [[nodiscard]] Bytes bytes() const
+  {
+    Bytes header(second ? 544 : 352, 0);
+    const auto set = [&](std::size_t at, std::uint64_t value, int count)
+    {
+      Bytes number;
+      put(number, value, count, big);
+      std::copy(number.begin(), number.end(), header.begin() + static_cast<std::ptrdiff_t>(at));
+    };
+    const auto real = [&](std::size_t at, double value)
+    {
+      if (second)
+        set(at, std::bit_cast<std::uint64_t>(value), 8);
+      else
+        set(at, std::bit_cast<std::uint32_t>(static_cast<float>(value)), 4);
+    };
+    const std::array<std::uint64_t, 4> axes{ 3, 2, 3, 2 };
+    set(0, second ? 540 : 348, 4);
+    for (std::size_t i = 0; i < 4; ++i)
+    {
+      set(second ? 16 + 8 * i : 40 + 2 * i, axes[i], second ? 8 : 2);
+      real(second ? 104 + 8 * i : 76 + 4 * i, 2);
+    }
+    set(second ? 12 : 70, 2, 2);
+    if (second)
+      set(168, 544, 8);
+    else
+      real(108, 352);
+    set(second ? 500 : 123, 3, second ? 4 : 1);
+    const Bytes magic = bytesOf(second ? "n+2" : "n+1");
+    std::copy(magic.begin(), magic.end(), header.begin() + (second ? 4 : 344));
+    for (const auto& [at, change] : changes)
+      set(at, change.first, change.second);
+    header.insert(header.end(), values.begin(), values.end());
+    return header;
+  }
+};
+
+Bytes gzipped(const Bytes& bytes)
+{
+  Bytes packed(bytes.size() + 200);
+  z_stream stream{};
+  EXPECT_EQ(deflateInit2(&stream, 6, Z_DEFLATED, 31, 8, Z_DEFAULT_STRATEGY), Z_OK);
+  stream.next_in = const_cast<std::uint8_t*>(bytes.data());
+  stream.avail_in = static_cast<unsigned>(bytes.size());
+  stream.next_out = packed.data();
+  stream.avail_out = static_cast<unsigned>(packed.size());
+  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  return packed;
+}
+
+TEST(Nifti, BothVersionsPackedOrNot)
+{
+  const TemporaryFolder folder;
+  for (const bool second : { false, true })
+  {
+    for (const bool big : { false, true })
+    {
+      const Bytes bytes = NiftiFile{ second, big, {} }.bytes();
+      for (const auto& file : { folder.write("a.nii", bytes), folder.write("a.nii.gz", gzipped(bytes)) })
+      {
+        const Picture picture = readPicture(file);
+        EXPECT_EQ(picture.lattice.size, (Size{ 2, 3, 2 }));
+        EXPECT_EQ(picture.grey, (Greys{ 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12 }));
+        EXPECT_DOUBLE_EQ(picture.lattice.spacing, 2e-6);
+        EXPECT_EQ(picture.pixelSizeSource, "NIfTI pixdim");
+        EXPECT_EQ(picture.format, "NIfTI");
+        EXPECT_TRUE(picture.warnings.empty());
+        ReadOptions options;
+        options.window = Window{ { 1, 1, 1 }, { 1, 2, 1 } };
+        EXPECT_EQ(readPicture(file, options).grey, (Greys{ 10, 12 }));
+      }
+    }
+  }
+  // The values in a file of their own.
+  NiftiFile pair{ false, false, { { 344, { 0x31696e, 4 } }, { 108, { 0, 4 } } }, {} };
+  folder.write("b.img", toTwelve);
+  EXPECT_EQ(readPicture(folder.write("b.hdr", pair.bytes())).grey.size(), 12U);
+}
+
+TEST(Nifti, PlaceAndDirection)
+{
+  const TemporaryFolder folder;
+  const auto number = [](float value) {
+    return std::pair<std::uint64_t, int>{ std::bit_cast<std::uint32_t>(value), 4 };
+  };
+  // A turn of 90° about z by the quaternion (cos 45°, 0, 0, sin 45°), and the third axis mirrored.
+  NiftiFile turned;
+  turned.changes = { { 252, { 1, 2 } }, { 264, number(std::sqrt(0.5F)) }, { 76, number(-1) }, { 268, number(5) } };
+  RawLayout layout = niftiLayout(folder.write("a.nii", turned.bytes()));
+  const std::array<double, 9> about{ 0, -1, 0, 1, 0, 0, 0, 0, -1 };
+  for (std::size_t i = 0; i < 9; ++i)
+    EXPECT_NEAR(layout.direction[i], about[i], 1e-6); // the header's numbers are single
+  EXPECT_NEAR(layout.origin[0], 5e-6, 1e-12);
+  // The same by a matrix, which wins.
+  turned.changes.insert(
+    { { 254, { 1, 2 } }, { 284, number(-2) }, { 296, number(2) }, { 320, number(-2) }, { 292, number(7) } });
+  layout = niftiLayout(folder.write("a.nii", turned.bytes()));
+  for (std::size_t i = 0; i < 9; ++i)
+    EXPECT_NEAR(layout.direction[i], about[i], 1e-12);
+  EXPECT_NEAR(layout.origin[0], 7e-6, 1e-12);
+  EXPECT_TRUE(contains(readPicture(folder / "a.nii").warnings.at(0), "turned or mirrored"));
+}
+
+TEST(Nifti, RefusesOthers)
+{
+  const TemporaryFolder folder;
+  const auto with = [&](std::size_t at, std::uint64_t value, int bytes) {
+    return refused(folder.write("a.nii", NiftiFile{ false, false, { { at, { value, bytes } } } }.bytes()));
+  };
+  EXPECT_TRUE(contains(with(70, 32, 2), "its datatype is 32")); // complex
+  EXPECT_TRUE(contains(with(40, 9, 2), "speaks of 9 axes"));
+  EXPECT_TRUE(contains(with(44, 0xffff, 2), "axis 2 has -1 values"));
+  EXPECT_TRUE(contains(with(108, 0x7f800000, 4), "begin at byte inf"));
+  EXPECT_TRUE(contains(with(112, std::bit_cast<std::uint32_t>(0.5F), 4), "0.5 times themselves"));
+  EXPECT_TRUE(contains(with(42, 3, 2), "has 12 bytes after its header"));
+  EXPECT_TRUE(contains(with(344, 0, 4), "is not a NIfTI file"));
+  NiftiFile four{ false, false, { { 40, { 4, 2 } }, { 48, { 5, 2 } } } };
+  EXPECT_TRUE(contains(refused(folder.write("b.nii", four.bytes())), "its axis 4 has 5 values"));
+  const Bytes packed = gzipped(NiftiFile{}.bytes());
+  for (std::size_t size = 1; size < packed.size() - 12; ++size) // no value is in the end of block, check and length
+  {
+    const auto file = folder.write("c.nii.gz", { packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(size) });
+    EXPECT_THROW((void)readPicture(file), InputError) << size << " of " << packed.size() << " bytes";
+  }
+}
+
+TEST(LegacyVtk, StructuredPoints)
+{
+  const TemporaryFolder folder;
+  const std::string head = "# vtk DataFile Version 3.0\na title\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS ";
+  const std::string scalars = "SCALARS phase unsigned_char 1\nLOOKUP_TABLE default\n";
+  const Picture points = readPicture(folder.write(
+    "a.vtk", bytesOf(head + "2 3 2\nORIGIN 0 0 0\nSPACING 1e-6 1e-6 1e-6\nPOINT_DATA 12\n" + scalars, toTwelve)));
+  EXPECT_EQ(points.lattice.size, (Size{ 2, 3, 2 }));
+  EXPECT_EQ(points.grey, (Greys{ 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12 }));
+  EXPECT_DOUBLE_EQ(points.lattice.spacing, 1e-6);
+  EXPECT_EQ(points.format, "VTK legacy");
+  // Cells, and what newer versions say behind the values.
+  Bytes cells = bytesOf(head + "3 4 3\nSPACING 1 1 1\nORIGIN 0 0 0\nCELL_DATA 12\n" + scalars, toTwelve);
+  const Bytes behind = bytesOf("\nMETADATA\nINFORMATION 0\n\n");
+  cells.insert(cells.end(), behind.begin(), behind.end());
+  EXPECT_EQ(readPicture(folder.write("b.vtk", cells)).grey, points.grey);
+  EXPECT_EQ(readPicture(folder / "b.vtk").pixelSizeSource, "none");
+  EXPECT_EQ(legacyVtkLayout(folder / "b.vtk").origin, (std::array<double, 3>{ 0.5, 0.5, 0.5 }));
+  const Picture wide = readPicture(folder.write(
+    "c.vtk", bytesOf(head + "2 1 1\nPOINT_DATA 2\nFIELD FieldData 1\nphase 1 2 unsigned_short\n", { 1, 2, 3, 4 })));
+  EXPECT_EQ(wide.grey, (Greys{ 0x0102, 0x0304 }));
+  EXPECT_EQ(wide.lattice.dimension, 2);
+
+  const auto refusal = [&](const std::string& text) { return refused(folder.write("d.vtk", bytesOf(text, toTwelve))); };
+  EXPECT_TRUE(contains(refusal("# vtk DataFile Version 3.0\nt\nASCII\n"), "its values are text"));
+  EXPECT_TRUE(contains(refusal("# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\n"), "it holds POLYDATA"));
+  EXPECT_TRUE(contains(refusal(head + "2 3 3\nPOINT_DATA 12\n" + scalars), "12 values for 2 × 3 × 3 points"));
+  EXPECT_TRUE(contains(refusal(head + "2 3 -2\nPOINT_DATA 12\n" + scalars), "-2 nodes"));
+  EXPECT_TRUE(contains(refusal(head + "2 3 2\nSPACING 1 nan 1\nPOINT_DATA 12\n" + scalars), "spacing nan"));
+  EXPECT_TRUE(contains(refusal(head + "2 3 1\nPOINT_DATA 6\n" + scalars), "more behind its first array"));
+  EXPECT_TRUE(contains(refusal(head + "3 3 2\nPOINT_DATA 18\n" + scalars), "has 12 bytes after its header"));
+  EXPECT_TRUE(contains(refusal(head + "2 3 2\nPOINT_DATA 12\nSCALARS a bit\nLOOKUP_TABLE t\n"), "type 'bit'"));
+  EXPECT_TRUE(contains(refusal(head + "2 3 2\nPOINT_DATA 12\nVECTORS a float\n"), "'VECTORS' in place of"));
 }
 
 TEST(Tiff, ArrangementsBecomeTheSameGreys)

@@ -23,16 +23,34 @@ if(CCACHE_PROGRAM)
   set(CMAKE_C_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
 endif()
 
-# Several sources at a time: most of a file's time goes into headers and into templates of theirs, which neighbours share.
-# Half the processor time of a build from nothing; OFF where single files are compiled again and again. Names in unnamed
-# namespaces differ within a library therefore. Sources with options of their own are compiled by themselves.
+# Several sources of a folder at a time: most of a file's time goes into headers and into templates of theirs, which
+# neighbours share. Half the processor time of a build from nothing; OFF where single files are compiled again and again.
+# Names in unnamed namespaces differ within a folder therefore. A new source moves its own folder's groups only. Sources
+# with options of their own are compiled by themselves.
 option(LAMELLA_UNITY "Compile several sources at a time" ON)
 function(lamella_unity target)
   if(LAMELLA_UNITY)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
     # One source that is included in another is no header, and its names no business of its neighbours'.
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+    cmake_language(EVAL CODE # when all folders have given theirs
+      "cmake_language(DEFER DIRECTORY [[${PROJECT_SOURCE_DIR}]] CALL _lamella_unity_groups ${target})")
   endif()
+endfunction()
+
+function(_lamella_unity_groups target)
+  get_target_property(sources ${target} SOURCES)
+  get_target_property(base ${target} SOURCE_DIR)
+  list(FILTER sources INCLUDE REGEX "[.](cpp|cxx)$")
+  foreach(source IN LISTS sources)
+    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY "${base}" NORMALIZE)
+    cmake_path(GET source PARENT_PATH folder)
+    file(RELATIVE_PATH folder "${PROJECT_SOURCE_DIR}" "${folder}")
+    string(MAKE_C_IDENTIFIER "${folder}" key)
+    math(EXPR _count_${key} "0${_count_${key}} + 1")
+    math(EXPR group "(${_count_${key}} - 1) / 8")
+    set_source_files_properties("${source}" TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${key}_${group}")
+  endforeach()
 endfunction()
 
 # Warnings for hand-written code only: wrapping and plugin code that CMake generates is not ours to mend.
