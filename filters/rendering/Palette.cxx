@@ -1,5 +1,7 @@
 #include "Palette.h"
 
+#include "core/Lower.h"
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -57,16 +59,9 @@ Color FromHex(std::uint32_t hex)
     static_cast<std::uint8_t>(hex & 255U), 255 };
 }
 
-std::string Lower(std::string_view text)
-{
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  return lower;
-}
-
 bool ContainsAny(std::string_view name, std::initializer_list<std::string_view> words)
 {
-  const std::string lower = Lower(name);
+  const std::string lower = lamella::lower(std::string(name));
   return std::any_of(
     words.begin(), words.end(), [&](std::string_view word) { return lower.find(word) != std::string::npos; });
 }

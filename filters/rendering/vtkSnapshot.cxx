@@ -1,6 +1,7 @@
 #include "vtkSnapshot.h"
 #include "Settings.h"
 #include "core/Error.h"
+#include "core/Lower.h"
 #include "core/PartFile.h"
 
 #include "Drawing.h"
@@ -289,20 +290,19 @@ bool vtkSnapshot::Write(const char* path)
   this->Private->errorHint.clear();
   if (target.empty())
     return this->Fail("no file name was given for the picture", "give one that ends in .png");
-  std::string ending = target.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (ending != ".png")
+  if (lamella::endingOf(target) != ".png")
   {
     return this->Fail(
       "pictures are written as PNG, not as '" + target.filename().string() + "'", "let the name end in .png");
   }
+  const std::string name = std::string("'").append(target.string()).append("'");
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   if (!fs::is_directory(folder, error))
     return this->Fail("there is no folder '" + folder.string() + "'", "make it first, or write elsewhere");
   if (fs::is_directory(target, error))
-    return this->Fail("'" + target.string() + "' is a folder", "give the name of a file");
+    return this->Fail(name + " is a folder", "give the name of a file");
   if (!this->Overwrite && fs::exists(fs::symlink_status(target, error)))
-    return this->Fail("'" + target.string() + "' exists", "choose another name, or allow overwriting");
+    return this->Fail(name + " exists", "choose another name, or allow overwriting");
   if (access(folder.c_str(), W_OK) != 0)
   {
     return this->Fail(

@@ -1,5 +1,7 @@
 #include "lattice/PhaseNames.h"
 
+#include "core/Lower.h"
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -28,8 +30,7 @@ int thing(const std::string& name)
 
 bool isVoidName(std::string name)
 {
-  std::transform(
-    name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  name = lower(name);
   return name == "void" || name == "pore" || name == "lumen" || name == "air" || name == "0";
 }
 

@@ -161,6 +161,13 @@ RawLayout legacyVtkLayout(const std::filesystem::path& path)
       text.refuse("no LOOKUP_TABLE before its values", "save it as .vti");
     (void)text.line();
   }
+  else if (word == "COLOR_SCALARS") // as VTK calls unsigned char
+  {
+    (void)text.word();
+    layout.components = static_cast<int>(std::clamp(text.number(), 1.0, 64.0));
+    type = "unsigned_char";
+    (void)text.line();
+  }
   else if (word == "FIELD")
   {
     (void)text.word();

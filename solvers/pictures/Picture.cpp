@@ -5,6 +5,7 @@
 #include "pictures/Slices.h"
 
 #include "core/Error.h"
+#include "core/Lower.h"
 #include "core/Memory.h"
 #include "core/Plausible.h"
 
@@ -399,8 +400,7 @@ Picture readRaw(const fs::path& path, const ReadOptions& options)
 
 bool isRaw(const fs::path& path, const ReadOptions& options)
 {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string ending = endingOf(path);
   return ending == ".raw" || ending == ".bin" || options.rawSize.has_value() || rawHeader(path) != RawHeader::None;
 }
 

@@ -6,6 +6,7 @@
 #include "pictures/TiffFile.h"
 
 #include "core/Error.h"
+#include "core/Lower.h"
 
 #include <fmt/format.h>
 
@@ -138,7 +139,7 @@ double metresIn(std::string unit)
   if (unit == "\\u00B5m" || unit == "\u00b5m" || unit == "\u03bcm" ||
     unit == "\xb5m") // escaped, micro sign, mu, Latin-1
     return 1e-6;
-  std::transform(unit.begin(), unit.end(), unit.begin(), [](unsigned char c) { return std::tolower(c); });
+  unit = lower(unit);
   static const std::map<std::string, double> names{ { "m", 1 }, { "meter", 1 }, { "cm", 1e-2 }, { "mm", 1e-3 },
     { "um", 1e-6 }, { "micron", 1e-6 }, { "microns", 1e-6 }, { "micrometer", 1e-6 }, { "nm", 1e-9 }, { "pm", 1e-12 },
     { "inch", 0.0254 }, { "in", 0.0254 } };

@@ -1,6 +1,7 @@
 #include "pictures/RawVolume.h"
 
 #include "core/Error.h"
+#include "core/Lower.h"
 #include "pictures/Probe.h"
 
 #include <fmt/format.h>
@@ -48,50 +49,66 @@ public:
     this->take(to, count);
   }
 
+  /// After the last value: that there is no other, and that the checksum is right.
+  void finish()
+  {
+    unsigned char more = 0;
+    stream_.next_out = &more;
+    stream_.avail_out = 1;
+    while (!ended_)
+    {
+      this->step();
+      if (stream_.avail_out == 0)
+        file_.damaged("it holds more packed values than its header tells");
+    }
+  }
+
 private:
   void take(unsigned char* to, std::uint64_t count)
   {
     while (count > 0)
     {
-      if (stream_.avail_in == 0)
-      {
-        const std::uint64_t more = std::min<std::uint64_t>(std::uint64_t{ 1 } << 20, file_.size() - at_);
-        if (more == 0)
-          file_.truncated("its packed values end before the volume does");
-        packed_ = file_.read(at_, more);
-        at_ += more;
-        stream_.next_in = packed_.data();
-        stream_.avail_in = static_cast<unsigned>(more);
-      }
       const auto room = static_cast<unsigned>(std::min<std::uint64_t>(count, std::uint64_t{ 1 } << 30));
       stream_.next_out = to;
       stream_.avail_out = room;
-      const int status = inflate(&stream_, Z_NO_FLUSH);
+      this->step();
       const unsigned done = room - stream_.avail_out;
       to += done;
       count -= done;
-      if (status == Z_STREAM_END && count > 0)
+      if (ended_ && count > 0)
         file_.truncated(fmt::format("its packed values are {} bytes short", count));
-      if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR)
-        file_.damaged("its packed values cannot be unpacked");
     }
+  }
+
+  /// Unpacks into what room there is, from the bytes at hand or the next ones.
+  void step()
+  {
+    if (stream_.avail_in == 0)
+    {
+      const std::uint64_t more = std::min<std::uint64_t>(std::uint64_t{ 1 } << 20, file_.size() - at_);
+      if (more == 0)
+        file_.truncated("its packed values end before the volume does");
+      packed_ = file_.read(at_, more);
+      at_ += more;
+      stream_.next_in = packed_.data();
+      stream_.avail_in = static_cast<unsigned>(more);
+    }
+    const int status = inflate(&stream_, Z_NO_FLUSH);
+    if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR)
+      file_.damaged("its packed values cannot be unpacked");
+    ended_ = status == Z_STREAM_END;
   }
 
   FileBytes& file_;
   std::uint64_t at_;
   std::uint64_t skip_;
+  bool ended_ = false;
   z_stream stream_{};
   std::vector<std::uint8_t> packed_;
 };
 
 namespace
 {
-
-std::string lower(std::string text)
-{
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::optional<double> toNumber(std::string_view text)
 {
@@ -400,14 +417,14 @@ RawLayout rawLayout(const fs::path& path, const RawSaid& said)
 
 RawHeader rawHeader(const fs::path& path)
 {
-  const std::string ending = lower(path.extension().string());
+  const std::string ending = endingOf(path);
   if (ending == ".mhd" || ending == ".mha")
     return RawHeader::Meta;
   if (ending == ".nrrd" || ending == ".nhdr")
     return RawHeader::Nrrd;
   if (ending == ".npy")
     return RawHeader::Numpy;
-  if (ending == ".nii")
+  if (ending == ".nii" || ending == ".nii.gz")
     return RawHeader::Nifti;
   if (ending == ".vtk")
     return RawHeader::LegacyVtk;
@@ -647,6 +664,8 @@ void RawVolume::unpack(std::uint8_t* to, std::int64_t first, std::int64_t last)
     unpacker_->read(to, layer_);
     if (next_ == last)
       std::copy_n(to, layer_, kept_.begin());
+    if (next_ == layout_.size[2] - 1)
+      unpacker_->finish();
   }
 }
 

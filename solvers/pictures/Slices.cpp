@@ -1,6 +1,7 @@
 #include "pictures/Slices.h"
 
 #include "core/Error.h"
+#include "core/Lower.h"
 
 #include <fmt/format.h>
 #include <fnmatch.h>
@@ -53,11 +54,9 @@ std::optional<Slice> split(const fs::path& file)
 
 bool looksLikePicture(const fs::path& file)
 {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
   static const std::set<std::string> endings{ ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".pgm", ".ppm", ".pnm",
     ".bmp" };
-  return endings.count(ending) != 0 && file.filename().string().front() != '.';
+  return endings.count(endingOf(file)) != 0 && file.filename().string().front() != '.';
 }
 
 std::vector<fs::path> filesIn(const fs::path& folder)

@@ -4,6 +4,7 @@
 #include "pictures/TiffFile.h"
 
 #include "core/Error.h"
+#include "core/Lower.h"
 #include "core/WholeFile.h"
 
 #include <fmt/format.h>
@@ -61,13 +62,6 @@ void writeTiff(const fs::path& path, const PhaseImage& image, std::span<const st
         tiff.add(rowsFromTop(image, grey, z).values.data(), z == 0 ? std::string(description) : "");
       return tiff.finish() ? 0 : errno != 0 ? errno : EIO;
     });
-}
-
-std::string endingOf(const fs::path& path)
-{
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending;
 }
 
 /// Rows from the top.

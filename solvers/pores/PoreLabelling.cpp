@@ -1,6 +1,7 @@
 #include "pores/PoreLabelling.h"
 
 #include "core/Error.h"
+#include "core/Lower.h"
 #include "core/Passes.h"
 #include "pores/Forest.h"
 #include "pores/Gathering.h"
@@ -234,12 +235,8 @@ std::optional<std::size_t> voidPhase(std::span<const std::string> names)
 {
   for (const char* const known : { "void", "pore", "lumen", "air" })
   {
-    const auto same = std::find_if(names.begin(), names.end(),
-      [known](std::string name)
-      {
-        std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-        return name == known;
-      });
+    const auto same =
+      std::find_if(names.begin(), names.end(), [known](const std::string& name) { return lower(name) == known; });
     if (same != names.end())
       return static_cast<std::size_t>(same - names.begin());
   }

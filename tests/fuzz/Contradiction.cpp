@@ -161,6 +161,17 @@ std::optional<std::string> largerBmp(const std::string& file, Random& random)
   return result;
 }
 
+/// A NIfTI file of more voxels along an axis than it has.
+std::optional<std::string> largerNifti(const std::string& file, Random& random)
+{
+  if (file.size() < 48 || little(file, 0, 4) != 348) // packed
+    return std::nullopt;
+  std::string result = file;
+  const std::size_t at = 42 + 2 * below(random, 3);
+  putLittle(result, at, 2, little(file, at, 2) + 1);
+  return result;
+}
+
 /// A key twice.
 std::optional<std::string> twice(const std::string& toml, Random& random)
 {
@@ -211,6 +222,8 @@ std::optional<std::string> contradicting(const std::string& file, const std::str
   static const std::regex nrrd(R"re(\nsizes: (\d+) (\d+) (\d+))re");
   static const std::regex netpbm(R"re(^P[2356]\n(?:#[^\n]*\n)?(\d+) (\d+)\n)re");
   static const std::regex meta(R"re(\nDimSize = (\d+) (\d+) (\d+))re");
+  static const std::regex numpy(R"re('shape': \((\d+), (\d+), (\d+)\))re");
+  static const std::regex legacy(R"re(\nDIMENSIONS (\d+) (\d+) (\d+))re");
   if (ending == ".vti" || ending == ".vtp" || ending == ".vtu")
     return contradictingXml(file, random);
   return ending == ".png"                    ? largerPng(file, random)
@@ -220,6 +233,9 @@ std::optional<std::string> contradicting(const std::string& file, const std::str
     : ending == ".ppm"                       ? moreValues(file, netpbm, random)
     : ending == ".nrrd" || ending == ".nhdr" ? moreValues(file, nrrd, random)
     : ending == ".mha" || ending == ".mhd"   ? moreValues(file, meta, random)
+    : ending == ".npy"                       ? moreValues(file, numpy, random)
+    : ending == ".vtk"                       ? moreValues(file, legacy, random)
+    : ending == ".nii"                       ? largerNifti(file, random)
     : ending == ".toml"                      ? twice(file, random)
     : ending == ".csv"                       ? ragged(file, random)
     : ending == ".vtkhdf"                    ? otherExtent(file, random)

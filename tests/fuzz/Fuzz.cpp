@@ -213,7 +213,8 @@ const std::vector<Kind>& kinds()
     { ".gz", readPolygons, 50 }, { ".plan", readPlan, 49 }, { ".csv", readTable, 30 }, { ".toml", readScene, 80 },
     { ".nrrd", readVolume, 40 }, { ".mha", readVolume, 40 }, { ".pgm", readVolume, 15 }, { ".ppm", readVolume, 10 },
     { ".bmp", readVolume, 15 }, { ".jpg", readVolume, 30 }, { ".mhd", readVolume, 15 }, { ".nhdr", readVolume, 15 },
-    { ".vtkhdf", readStep, 1 }, { ".h5", readCheckpoint, 10 } };
+    { ".npy", readVolume, 15 }, { ".nii", readVolume, 15 }, { ".vtk", readVolume, 15 }, { ".vtkhdf", readStep, 1 },
+    { ".h5", readCheckpoint, 10 } };
   return all;
 }
 

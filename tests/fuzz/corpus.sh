@@ -53,6 +53,26 @@ keep("packed.raw", zlib.compress(grey))
 keep("packed.mhd", (meta % b"True").replace(b"LOCAL", b"packed.raw"))
 keep("skipped.nhdr", (nrrd % b"uint8").replace(b"gzip\n", b"raw\nbyte skip: -1\ndata file: plain.raw\n"))
 keep("signed.nrrd", nrrd % b"int16" + gzip.compress(b"".join(struct.pack(">h", v) for v in grey)))
+import numpy as np
+from vtkmodules.vtkIOLegacy import vtkStructuredPointsWriter
+from vtkmodules.vtkIOImage import vtkPNGReader
+np.save("volume.npy", np.frombuffer(grey, "u1").reshape(2, 6, 16))
+np.save("wide.npy", np.frombuffer(grey, "u1").reshape(2, 6, 16).astype(">i4"))
+nifti = bytearray(352)
+struct.pack_into("<i", nifti, 0, 348)
+struct.pack_into("<8h", nifti, 40, 3, 16, 6, 2, 1, 1, 1, 1)
+struct.pack_into("<hh", nifti, 70, 2, 8)
+struct.pack_into("<8f", nifti, 76, 1, 1, 1, 1, 0, 0, 0, 0)
+struct.pack_into("<f", nifti, 108, 352)
+nifti[123], nifti[344:348] = 3, b"n+1\0"
+keep("volume.nii", bytes(nifti) + grey)
+keep("packed.nii", gzip.compress(bytes(nifti) + grey))
+reader, writer = vtkPNGReader(), vtkStructuredPointsWriter()
+reader.SetFileName("wood.png")
+writer.SetInputConnection(reader.GetOutputPort())
+writer.SetFileTypeToBinary()
+writer.SetFileName("wood.vtk")
+writer.Write()
 # JPEG of one scan and of several, with a block of Exif
 from vtkmodules.vtkIOImage import vtkJPEGWriter, vtkPNGReader
 exif = b"Exif\0\0II*\0\x08\0\0\0" + struct.pack("<H", 3) + struct.pack("<HHII", 274, 3, 1, 6) + struct.pack("<HHII", 282, 5, 1, 50) + \

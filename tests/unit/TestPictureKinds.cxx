@@ -484,11 +484,28 @@ TEST(Nifti, RefusesOthers)
   NiftiFile four{ false, false, { { 40, { 4, 2 } }, { 48, { 5, 2 } } } };
   EXPECT_TRUE(contains(refused(folder.write("b.nii", four.bytes())), "its axis 4 has 5 values"));
   const Bytes packed = gzipped(NiftiFile{}.bytes());
-  for (std::size_t size = 1; size < packed.size() - 12; ++size) // no value is in the end of block, check and length
+  for (std::size_t size = 1; size < packed.size(); ++size)
   {
     const auto file = folder.write("c.nii.gz", { packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(size) });
     EXPECT_THROW((void)readPicture(file), InputError) << size << " of " << packed.size() << " bytes";
   }
+}
+
+TEST(Headers, PackedValuesEndWhereTheHeaderSays)
+{
+  const TemporaryFolder folder;
+  const std::string head = "NRRD0004\ntype: uint8\nsizes: 2 3 SLICES\nencoding: gzip\n\n";
+  const auto with = [&](const std::string& slices, const Bytes& packed)
+  {
+    std::string text = head;
+    text.replace(text.find("SLICES"), 6, slices);
+    return folder.write("a.nrrd", bytesOf(text, packed));
+  };
+  Bytes packed = gzipped(toTwelve);
+  EXPECT_EQ(readPicture(with("2", packed)).grey.size(), 12U);
+  EXPECT_TRUE(contains(refused(with("1", packed)), "more packed values than its header tells"));
+  packed[packed.size() - 6] ^= 1; // of the checksum
+  EXPECT_TRUE(contains(refused(with("2", packed)), "cannot be unpacked"));
 }
 
 TEST(LegacyVtk, StructuredPoints)
@@ -514,6 +531,9 @@ TEST(LegacyVtk, StructuredPoints)
   EXPECT_EQ(wide.grey, (Greys{ 0x0102, 0x0304 }));
   EXPECT_EQ(wide.lattice.dimension, 2);
 
+  // As VTK itself writes them.
+  const std::string colours = "2 3 2\nPOINT_DATA 12\nCOLOR_SCALARS phase 1\n";
+  EXPECT_EQ(readPicture(folder.write("e.vtk", bytesOf(head + colours, toTwelve))).grey, points.grey);
   const auto refusal = [&](const std::string& text) { return refused(folder.write("d.vtk", bytesOf(text, toTwelve))); };
   EXPECT_TRUE(contains(refusal("# vtk DataFile Version 3.0\nt\nASCII\n"), "its values are text"));
   EXPECT_TRUE(contains(refusal("# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\n"), "it holds POLYDATA"));

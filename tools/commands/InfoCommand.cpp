@@ -203,10 +203,10 @@ bool isPicture(const RawOptions& raw)
   const std::string ending = endingOf(raw.picture.file.c_str());
   const auto anyOf = [&](std::initializer_list<const char*> list)
   { return std::find(list.begin(), list.end(), ending) != list.end(); };
-  if (!anyOf({ ".tif", ".tiff", ".raw" }))
+  if (!anyOf({ ".tif", ".tiff", ".raw", ".npy" }))
   {
-    return !anyOf({ ".bin", ".mhd", ".mha", ".nhdr", ".nrrd", ".vti", ".vtp", ".vtu", ".pvd", ".hdf", ".vtkhdf", ".h5",
-      ".hdf5", ".csv" });
+    return !anyOf({ ".bin", ".mhd", ".mha", ".nhdr", ".nrrd", ".nii", ".nii.gz", ".hdr", ".vtk", ".vti", ".vtp", ".vtu",
+      ".pvd", ".hdf", ".vtkhdf", ".h5", ".hdf5", ".csv" });
   }
   try
   {

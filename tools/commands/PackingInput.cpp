@@ -6,6 +6,7 @@
 
 #include "PackingData.h"
 #include "core/Error.h"
+#include "core/Lower.h"
 #include "vtkPackingReader.h"
 
 #include <vtkNew.h>
@@ -33,9 +34,7 @@ void addTableOptions(CLI::App& command, TableOptions& options)
 
 bool isParticleFile(const std::string& path)
 {
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending == ".vtp";
+  return endingOf(path) == ".vtp";
 }
 
 std::string firstGiven(const std::vector<CLI::Option*>& options)

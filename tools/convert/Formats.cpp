@@ -205,6 +205,11 @@ void writeNrrd(const Writing& w)
   writeNumbers(w, nrrdHeader);
 }
 
+void writeNumpy(const Writing& w)
+{
+  writeNumbers(w, numpyHeader);
+}
+
 Step openXmlFile(const std::string& path, Reading&)
 {
   return openXml(path);
@@ -298,6 +303,12 @@ const std::vector<Format>& formats()
       openHeader<micrograph::metaLayout>, headerFiles, writeMeta },
     { "NRRD", { ".nhdr", ".nrrd" }, Image, Image, "all", false, true, false, besideIt, anyNumbers,
       openHeader<micrograph::nrrdLayout>, headerFiles, writeNrrd },
+    { "NumPy", { ".npy" }, Image, Image, "all", false, true, false, besideIt, anyNumbers,
+      openHeader<micrograph::numpyLayout>, withNotesBeside, writeNumpy },
+    { "NIfTI", { ".nii", ".nii.gz", ".hdr" }, Image, 0, "all", false, true, false, "not written", anyNumbers,
+      openHeader<micrograph::niftiLayout>, itself, nullptr },
+    { "VTK legacy", { ".vtk" }, Image, 0, "all", false, true, false, "not written", anyNumbers,
+      openHeader<micrograph::legacyVtkLayout>, itself, nullptr },
     { "VTK image", { ".vti" }, Image, Image, "all", true, true, false, inside, anything, openXmlFile, itself,
       writeVti },
     { "VTK poly data", { ".vtp" }, Poly, Points, "all", true, false, false, inside, anything, openXmlFile, itself,

@@ -9,6 +9,7 @@
 #include "NewArray.h"
 #include "TextTable.h"
 #include "core/Error.h"
+#include "core/Lower.h"
 #include "lattice/AxisNames.h"
 #include "vtkLatticeConversion.h"
 
@@ -52,12 +53,6 @@ Column columnOf(const std::string& name, std::size_t number)
 
 /// Columns of the coordinates; the third may be missing.
 using Places = std::array<std::optional<std::size_t>, 3>;
-
-std::string lower(std::string text)
-{
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 bool isPlace(const Column& column, const std::string& name, Places& places)
 {

@@ -248,4 +248,25 @@ std::string nrrdHeader(vtkImageData* sample, const std::array<int, 6>& extent, c
   return text + (data.empty() ? "\n" : "data file: " + data + "\n");
 }
 
+/// [z, y, x], of images [y, x]; a last axis for several values a point. 64 bytes go before the values, or a multiple.
+std::string numpyHeader(vtkImageData* sample, const std::array<int, 6>& extent, const std::string&)
+{
+  vtkDataArray* const values = onlyArray(sample);
+  const micrograph::NumberType type = numbersOf(values->GetDataType());
+  std::vector<int> shape;
+  for (std::size_t axis = 2 + (axesOf(extent) > 2 || values->GetNumberOfComponents() > 1 ? 1 : 0); axis-- > 0;)
+    shape.push_back(extent[2 * axis + 1] - extent[2 * axis] + 1);
+  if (values->GetNumberOfComponents() > 1)
+    shape.push_back(values->GetNumberOfComponents());
+  std::string text = fmt::format("{{'descr': '{}{}{}', 'fortran_order': False, 'shape': ({}), }}",
+    type.bytes == 1 ? '|' : '<', type.kind, type.bytes, fmt::join(shape, ", "));
+  constexpr std::size_t before = 10; // magic, version and length
+  text.resize((before + text.size() + 64) / 64 * 64 - before - 1, ' ');
+  text += '\n';
+  std::string header("\x93NUMPY\x01\0", 8);
+  header.push_back(static_cast<char>(text.size() % 256));
+  header.push_back(static_cast<char>(text.size() / 256));
+  return header.append(text);
+}
+
 } // namespace lamella::cli

@@ -53,10 +53,11 @@ private:
   int number_ = -1;
 };
 
-/// The header of MetaImage or NRRD.
+/// The header of MetaImage, NRRD or NumPy.
 /// @param sample    a layer of the volume
 /// @param data      name of the file with the values; empty: they follow
 [[nodiscard]] std::string metaHeader(vtkImageData* sample, const std::array<int, 6>& extent, const std::string& data);
 [[nodiscard]] std::string nrrdHeader(vtkImageData* sample, const std::array<int, 6>& extent, const std::string& data);
+[[nodiscard]] std::string numpyHeader(vtkImageData* sample, const std::array<int, 6>& extent, const std::string& data);
 
 } // namespace lamella::cli

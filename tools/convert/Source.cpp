@@ -110,7 +110,7 @@ Source findSource(const std::string& path, Reading& reading)
   if (!micrograph::isSlicePattern(path))
   {
     requireFile(path);
-    if (ending == ".gz")
+    if (ending.ends_with(".gz") && ending != ".nii.gz")
       throw InputError("'" + path + "' is packed", "unpack it first: gunzip --keep " + path);
     source.format = &formatOf("the file", path);
     source.files = { path };

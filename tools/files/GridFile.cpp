@@ -1,5 +1,7 @@
 #include "files/GridFile.h"
 
+#include "core/Lower.h"
+
 #include "files/ArrayRanges.h"
 #include "session/Workspace.h"
 
@@ -187,14 +189,6 @@ vtkSmartPointer<vtkDataObject> read(const vtkSmartPointer<Reader>& reader, const
   }
   update(reader, path);
   return reader->GetOutput();
-}
-
-std::string endingOf(const fs::path& path)
-{
-  std::string ending = path.extension().string();
-  std::transform(
-    ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
 }
 
 } // namespace

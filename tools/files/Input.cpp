@@ -1,6 +1,7 @@
 #include "files/Input.h"
 
 #include "core/Error.h"
+#include "core/Lower.h"
 #include "core/Memory.h"
 #include "files/GridFile.h"
 #include "pictures/RawVolume.h"
@@ -32,7 +33,8 @@ void addFileOption(CLI::App& command, PictureOptions& options)
 {
   command
     .add_option("FILE", options.file,
-      "PNG, JPEG, TIFF or TIFF stack, PGM, PPM, BMP, a folder of numbered pictures, .raw, .mhd, .nrrd, or .vti")
+      "PNG, JPEG, TIFF or TIFF stack, PGM, PPM, BMP, a folder of numbered pictures, .raw, .mhd, .nrrd, .npy, .nii, "
+      ".vtk, or .vti")
     ->required();
 }
 
@@ -161,21 +163,13 @@ std::optional<GreyRanges> greyRanges(const PictureOptions& options)
 namespace
 {
 
-std::string ending(const std::string& path)
-{
-  std::string text = std::filesystem::path(path).extension().string();
-  std::transform(
-    text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 /// What has nothing to do with the format, said before a reader says it in its own words.
 void requirePicture(const std::string& path)
 {
   std::error_code failed;
   if (std::filesystem::is_regular_file(path, failed))
     requireFile(path);
-  if (ending(path) == ".gz")
+  if (endingOf(path).ends_with(".gz") && micrograph::rawHeader(path) == micrograph::RawHeader::None)
     throw InputError("'" + path + "' is packed", "unpack it first: gunzip --keep " + path);
 }
 
@@ -227,7 +221,7 @@ std::string greyShares(const std::vector<std::pair<int, std::int64_t>>& greys, s
 
 bool isVtkImage(const std::string& path)
 {
-  return ending(path) == ".vti";
+  return endingOf(path) == ".vti";
 }
 
 std::string pixelSizeDoubt(const std::string& given)

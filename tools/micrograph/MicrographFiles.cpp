@@ -5,6 +5,7 @@
 #include "session/Text.h"
 
 #include "core/Error.h"
+#include "core/Lower.h"
 #include "outlines/PolygonFile.h"
 #include "vtkLatticeConversion.h"
 
@@ -18,18 +19,6 @@
 
 namespace lamella::cli
 {
-
-namespace
-{
-
-std::string endingOf(const std::string& path)
-{
-  const std::filesystem::path name(path);
-  const std::string last = name.extension().string();
-  return last == ".gz" ? name.stem().extension().string() + last : last;
-}
-
-} // namespace
 
 Outputs::Outputs(const MicrographCommandOptions& o)
 {

@@ -9,6 +9,7 @@
 
 #include "ContourData.h"
 #include "core/Error.h"
+#include "core/Lower.h"
 #include "core/Memory.h"
 #include "lattice/PhaseNames.h"
 #include "vtkLatticeConversion.h"
@@ -31,11 +32,9 @@ namespace lamella::cli
 namespace
 {
 
-bool endsWith(std::string text, const std::string& end)
+bool endsWith(const std::string& text, const std::string& end)
 {
-  std::transform(
-    text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text.ends_with(end);
+  return lower(text).ends_with(end);
 }
 
 void refuse(const std::vector<CLI::Option*>& options, const std::string& file, const std::string& why)

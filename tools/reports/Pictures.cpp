@@ -3,6 +3,7 @@
 #include "reports/Html.h"
 
 #include "core/Error.h"
+#include "core/Lower.h"
 #include "pictures/Decode.h"
 #include "pictures/JpegFile.h"
 #include "pictures/PngFile.h"
@@ -30,14 +31,6 @@ namespace
 
 constexpr std::int64_t mostPixels = std::int64_t{ 100 } << 20;
 constexpr std::uint64_t largestDrawing = std::uint64_t{ 8 } << 20; // of an SVG [bytes]
-
-std::string ending(const fs::path& path)
-{
-  std::string text = path.extension().string();
-  std::transform(
-    text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::string dataOf(const char* kind, const std::vector<std::uint8_t>& bytes)
 {
@@ -94,7 +87,7 @@ micrograph::Pixels pixelsOf(micrograph::FileBytes& file, micrograph::Probe& prob
 
 bool isPicture(const fs::path& path)
 {
-  const std::string end = ending(path);
+  const std::string end = endingOf(path);
   static const std::set<std::string> known{ ".png", ".jpg", ".jpeg", ".svg", ".tif", ".tiff", ".pgm", ".ppm", ".pnm",
     ".bmp" };
   return known.contains(end);
@@ -107,7 +100,7 @@ EmbeddedPicture embed(const fs::path& path, int mostWide)
     throw InputError(
       "'" + path.string() + "' is no picture by its name", "pictures are PNG, JPEG, TIFF, PGM, PPM, BMP or SVG");
   }
-  if (ending(path) == ".svg")
+  if (endingOf(path) == ".svg")
     return drawing(path);
   micrograph::FileBytes file(path);
   micrograph::Probe probe = micrograph::probe(file);

@@ -5,6 +5,7 @@
 #include "vtkLatticeConversion.h"
 
 #include "core/Error.h"
+#include "core/Lower.h"
 
 #include "vtkDataObject.h"
 #include "vtkInformation.h"
@@ -66,9 +67,7 @@ std::string endingOf(const char* fileName)
 {
   if (fileName == nullptr || *fileName == '\0')
     throw InputError("no file is named", "set FileName");
-  std::string ending = std::filesystem::path(fileName).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending;
+  return endingOf(std::filesystem::path(fileName));
 }
 
 void readPolyData(const std::string& path, vtkPolyData* data)

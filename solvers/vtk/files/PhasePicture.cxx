@@ -6,6 +6,7 @@
 #include "vtkProvenance.h"
 
 #include "core/Error.h"
+#include "core/Lower.h"
 #include "pictures/RawVolume.h"
 
 #include "vtkCellData.h"
@@ -29,13 +30,6 @@ namespace
 {
 
 namespace fs = std::filesystem;
-
-std::string endingOf(const fs::path& path)
-{
-  std::string ending = path.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
 
 bool isVti(const fs::path& path)
 {

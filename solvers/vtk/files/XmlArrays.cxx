@@ -1,6 +1,7 @@
 #include "XmlArrays.h"
 
 #include "core/Error.h"
+#include "core/Lower.h"
 
 #include "vtkBase64InputStream.h"
 #include "vtkDataCompressor.h"
@@ -92,8 +93,7 @@ bool isNumber(std::string_view word)
 template <typename Value>
 bool isReal(std::string_view word)
 {
-  std::string small(word);
-  std::ranges::transform(small, small.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string small = lower(std::string(word));
   if (small == "nan" || small == "inf" || small == "-inf") // all that VTK knows, and it knows them
     return true;
   return small.find_first_of("infatyx") == std::string::npos && isNumber<Value>(word);

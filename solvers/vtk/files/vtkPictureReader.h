@@ -2,11 +2,11 @@
  * @class   vtkPictureReader
  * @brief   picture, volume or image file → phases on a lattice
  *
- * Reads PNG, JPEG, TIFF, PGM, PPM, BMP, multi-page TIFF and numbered pictures (volumes), raw volumes, MetaImage, NRRD
- * and VTK image files (.vti), and turns grey values into named phases. Output: vtkImageData whose points are the
- * pixels' centres, with the array `phase` (unsigned char); field data `phase_names`, `pixel_size_source`, `provenance`.
- * Two-dimensional pictures are flipped, so that they stand upright in a view: the first row in memory is the bottom row
- * of the picture.
+ * Reads PNG, JPEG, TIFF, PGM, PPM, BMP, multi-page TIFF and numbered pictures (volumes), raw volumes, MetaImage,
+ * NRRD, NumPy, NIfTI, legacy and XML VTK image files, and turns grey values into named phases. Output: vtkImageData
+ * whose points are the pixels' centres, with the array `phase` (unsigned char); field data `phase_names`,
+ * `pixel_size_source`, `provenance`. Two-dimensional pictures are flipped, so that they stand upright in a view: the
+ * first row in memory is the bottom row of the picture.
  *
  * With no phase named they are what a file that lamella wrote calls them, else every grey value is a phase of its own,
  * named by its value. Once one is named, a grey that is in no phase is an error, unless OtherPhase says what all other
