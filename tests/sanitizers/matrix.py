@@ -1,12 +1,12 @@
 """Every solver in 3D, of many sizes, horizons, threads and ranks: nothing is read or written where nothing is.
 
-  matrix.py lamella=PROGRAM [sizes=20,21,...] [horizons=2,3,4,5] [only=SOLVER] [minutes=M] [ranks=1,2,3] [threads=1,2]
-            [all=1] [wrap="valgrind ..."]
+  matrix.py lamella=PROGRAM [sizes=20,21,...] [horizons=2,3,4,5] [only=SOLVER] [minutes=M] [skip=N] [ranks=1,2,3]
+            [threads=1,2] [all=1] [wrap="valgrind ..."]
 
 The program is to be built with sanitizers (./dev sanitizers does that). The least even and the least odd size are run at
 every horizon, number of threads and ranks, each other size once, all of these in turn; all=1: with all of them.
 Tolerances are loose and steps few: what is looked at is where a solver reads and writes, not what comes out. What takes
-little comes first; minutes=M ends after so much time and says what is left.
+little comes first; minutes=M, or Ctrl-C, ends it and says what is left; skip=N goes on after the first N runs.
 """
 
 import collections
@@ -150,11 +150,18 @@ def main():
                       OMPI_MCA_btl_vader_single_copy_mechanism="none", OMPI_MCA_smsc="^cma")
     counts, times, sizes, left = collections.Counter(), collections.Counter(), collections.defaultdict(set), 0
     with tempfile.TemporaryDirectory(prefix="lamella-matrix-") as folder:
-        for case in cases(keys):
-            if time.monotonic() > end:
-                left += 1
+        chosen = cases(keys)
+        for number, case in enumerate(chosen):
+            if number < int(keys.get("skip", 0)):
                 continue
-            outcome, said, used = run(program, folder, case, keys.get("wrap", ""))
+            if time.monotonic() > end:
+                left = len(chosen) - number
+                break
+            try:
+                outcome, said, used = run(program, folder, case, keys.get("wrap", ""))
+            except KeyboardInterrupt:
+                left = len(chosen) - number
+                break
             counts[case[0], outcome] += 1
             times[case[0]] += used
             sizes[case[0]].add(case[1])
@@ -166,7 +173,7 @@ def main():
             print(f"| {name} | {min(sizes[name])} to {max(sizes[name])} | {counts[name, 'clean']} | {counts[name, 'refused']} | "
                   f"{counts[name, 'fault']} | {times[name]:.0f} |")
     if left:
-        print(f"{left} not run: no time was left")
+        print(f"{left} of {len(chosen)} not run: no time was left; go on with skip={len(chosen) - left}")
     return 1 if any(outcome == "fault" for _, outcome in counts) else 0
 
 
