@@ -34,7 +34,6 @@ public:
   vtkTypeMacro(vtkBondStress, vtkBondAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
   /**
    * Take the model of the bonds from the input, which Bond Equilibrium wrote there. Off: from the settings below.
    *
@@ -42,20 +41,13 @@ public:
    * of this filter.
    * @group Input
    */
-  vtkSetMacro(ModelFromInput, bool);
-  vtkGetMacro(ModelFromInput, bool);
-  vtkBooleanMacro(ModelFromInput, bool);
-  ///@}
+  vtkSwitchMacro(ModelFromInput);
 
-  ///@{
   /**
    * Also the strain energy of every node.
    * @group Input
    */
-  vtkSetMacro(ComputeStrainEnergy, bool);
-  vtkGetMacro(ComputeStrainEnergy, bool);
-  vtkBooleanMacro(ComputeStrainEnergy, bool);
-  ///@}
+  vtkSwitchMacro(ComputeStrainEnergy);
 
 protected:
   vtkBondStress();

@@ -109,16 +109,13 @@ public:
   void RemoveAllLikes();
   ///@}
 
-  ///@{
   /**
    * A pair whose values are in SI units while all others are multiples of its: grain 4 relative to matrix is four
    * times the matrix's. Empty: all are in SI units.
    * @group Materials
    * @advanced
    */
-  vtkSetMacro(RelativeTo, std::string);
-  vtkGetMacro(RelativeTo, std::string);
-  ///@}
+  vtkSettingMacro(RelativeTo, std::string);
 
   enum Mixings
   {
@@ -126,15 +123,12 @@ public:
     HARMONIC = 1,  ///< two half bonds in series; it breaks when the first half does
     MINIMUM = 2    ///< "Minimum: the lesser of both": the lesser E and the lesser s0
   };
-  ///@{
   /**
    * Material of bonds between two phases that have none of their own.
    * @group Materials
    * @choice Mixings
    */
-  vtkSetMacro(Mixing, int);
-  vtkGetMacro(Mixing, int);
-  ///@}
+  vtkSettingMacro(Mixing, int);
 
   enum Continua
   {
@@ -143,17 +137,13 @@ public:
     PLANE_STRAIN = 2,
     SPACE = 3
   };
-  ///@{
   /**
    * Automatic: plane stress for pictures, space for volumes.
    * @group Bonds
    * @choice Continua
    */
-  vtkSetMacro(Continuum, int);
-  vtkGetMacro(Continuum, int);
-  ///@}
+  vtkSettingMacro(Continuum, int);
 
-  ///@{
   /**
    * Length of the longest bonds, in spacings. 3 is usual; 2 is strongly anisotropic; cost grows with its square.
    *
@@ -162,9 +152,7 @@ public:
    * @group Bonds
    * @range [1, 8]
    */
-  vtkSetMacro(Horizon, double);
-  vtkGetMacro(Horizon, double);
-  ///@}
+  vtkSettingMacro(Horizon, double);
 
   enum Micromoduli
   {
@@ -176,7 +164,6 @@ public:
     ISOTROPIC_MICROMODULUS = 2 ///< "Isotropic: exact in every direction": by direction, such that the bulk has E and
                                ///< Poisson's ratio in every direction
   };
-  ///@{
   /**
    * How the stiffness of bonds follows from Young's modulus. Automatic: isotropic in volumes, as in the literature in
    * pictures.
@@ -184,42 +171,28 @@ public:
    * @choice Micromoduli
    * @advanced
    */
-  vtkSetMacro(Micromodulus, int);
-  vtkGetMacro(Micromodulus, int);
-  ///@}
+  vtkSettingMacro(Micromodulus, int);
 
-  ///@{
   /**
    * Take out bonds that cross a thin void. Off: they stay.
    * @group Bonds
    * @advanced
    */
-  vtkSetMacro(CutVoidBonds, bool);
-  vtkGetMacro(CutVoidBonds, bool);
-  vtkBooleanMacro(CutVoidBonds, bool);
-  ///@}
+  vtkSwitchMacro(CutVoidBonds);
 
-  ///@{
   /**
    * Stiffer bonds near free surfaces, where nodes have fewer of them.
    * @group Bonds
    * @advanced
    */
-  vtkSetMacro(SurfaceCorrection, bool);
-  vtkGetMacro(SurfaceCorrection, bool);
-  vtkBooleanMacro(SurfaceCorrection, bool);
-  ///@}
+  vtkSwitchMacro(SurfaceCorrection);
 
-  ///@{
   /**
    * Newton's method on forces that are exact for large rotations, instead of one linear system.
    * @group Bonds
    * @advanced
    */
-  vtkSetMacro(LargeStrains, bool);
-  vtkGetMacro(LargeStrains, bool);
-  vtkBooleanMacro(LargeStrains, bool);
-  ///@}
+  vtkSwitchMacro(LargeStrains);
 
   ///@{
   /**
@@ -238,7 +211,6 @@ public:
   void RemoveAllNotches();
   ///@}
 
-  ///@{
   /**
    * 1 for axes at whose end the sample begins again: x, y, z. Not the axis of loading.
    * @group Bonds
@@ -246,9 +218,7 @@ public:
    * @range [0, 1]
    * @advanced
    */
-  vtkSetVector3Macro(Periodic, int);
-  vtkGetVector3Macro(Periodic, int);
-  ///@}
+  vtkSettingVector3Macro(Periodic, int);
 
   ///@{
   /** The processes that may work together. Default: the global controller. */

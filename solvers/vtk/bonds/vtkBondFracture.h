@@ -86,7 +86,6 @@ public:
    */
   vtkSetMacro(Load, int);
 
-  ///@{
   /**
    * Biaxial: strain along the other axes over that along the axis.
    * @group Load
@@ -94,9 +93,7 @@ public:
    * @when Load BIAXIAL
    * @advanced
    */
-  vtkSetMacro(LateralRatio, double);
-  vtkGetMacro(LateralRatio, double);
-  ///@}
+  vtkSettingMacro(LateralRatio, double);
 
   enum Methods
   {
@@ -104,7 +101,6 @@ public:
     EVENTS = 1,  ///< corrections around each break; one rank, sides not periodic, strict breaking
     ACCURATE = 2 ///< "Accurate: all after each break": the whole sample after each break: slow, to check against
   };
-  ///@{
   /**
    * Automatic: events on one rank, without periodic sides and in strict breaking; else accurate, which takes far
    * longer.
@@ -114,27 +110,21 @@ public:
    * @choice Methods
    * @advanced
    */
-  vtkSetMacro(Method, int);
-  vtkGetMacro(Method, int);
-  ///@}
+  vtkSettingMacro(Method, int);
 
   enum Breakings
   {
     STRICT = 0, ///< "Strict: one bond at a time": one bond at a time, the most critical
     BATCHED = 1 ///< "Batched: all that are critical": all that are critical at once
   };
-  ///@{
   /**
    * Which bonds break at once. Batched is solved by the accurate method.
    * @group Breaking
    * @choice Breakings
    * @advanced
    */
-  vtkSetMacro(Breaking, int);
-  vtkGetMacro(Breaking, int);
-  ///@}
+  vtkSettingMacro(Breaking, int);
 
-  ///@{
   /**
    * Events: look closer where two bonds are nearly as critical as each other. Off is sooner by a third to a half; the
    * strength is the same, the crack may take another way after the peak.
@@ -146,12 +136,8 @@ public:
    * @advanced
    * @off no-rivals: Do not look closer where two bonds are nearly as critical as each other.
    */
-  vtkSetMacro(Rivals, bool);
-  vtkGetMacro(Rivals, bool);
-  vtkBooleanMacro(Rivals, bool);
-  ///@}
+  vtkSwitchMacro(Rivals);
 
-  ///@{
   /**
    * The strain is raised to multiples of this, each time to the first at which a bond is critical: batches are larger
    * and fewer, and a run sooner at its end, while the peak may lie up to one step higher. 0: to where the next bond
@@ -160,9 +146,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(StrainStep, double);
-  vtkGetMacro(StrainStep, double);
-  ///@}
+  vtkSettingMacro(StrainStep, double);
 
   ///@{
   /**

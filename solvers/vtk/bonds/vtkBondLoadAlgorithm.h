@@ -34,10 +34,8 @@ public:
     BIAXIAL = 2, ///< "Biaxial": smooth platens on all sides
     TRACTION = 3 ///< "Traction": a force spread evenly over the high platen, which is not stiff
   };
-  ///@{
   /** What is done to the sample. Default STRETCH. */
   vtkGetMacro(Load, int);
-  ///@}
 
   enum Axes
   {
@@ -46,18 +44,14 @@ public:
     Y = 1,
     Z = 2
   };
-  ///@{
   /**
    * Axis of loading.
    * @word axis
    * @group Load
    * @choice Axes
    */
-  vtkSetMacro(LoadAxis, int);
-  vtkGetMacro(LoadAxis, int);
-  ///@}
+  vtkSettingMacro(LoadAxis, int);
 
-  ///@{
   /**
    * Stretch: the platens let the sample slip across the axis.
    *
@@ -65,61 +59,42 @@ public:
    * @group Load
    * @advanced
    */
-  vtkSetMacro(SmoothPlatens, bool);
-  vtkGetMacro(SmoothPlatens, bool);
-  vtkBooleanMacro(SmoothPlatens, bool);
-  ///@}
-  ///@{
+  vtkSwitchMacro(SmoothPlatens);
   /**
    * All layers of a platen move alike. Off: they move as the mean strain has it, as if the sample went on, so that a
    * uniform sample is strained uniformly up to its ends; with rigid platens it breaks beside them first.
    * @group Load
    * @advanced
    */
-  vtkSetMacro(RigidPlatens, bool);
-  vtkGetMacro(RigidPlatens, bool);
-  vtkBooleanMacro(RigidPlatens, bool);
-  ///@}
-  ///@{
+  vtkSwitchMacro(RigidPlatens);
   /**
    * Layers of nodes that a platen holds. 0: as many as a bond reaches.
    * @group Load
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(PlatenLayers, int);
-  vtkGetMacro(PlatenLayers, int);
-  ///@}
+  vtkSettingMacro(PlatenLayers, int);
 
-  ///@{
   /**
    * Largest residual force over the forces that hold the free nodes where they are.
    * @group Accuracy and cost
    * @range [1e-12, 0.1]
    * @advanced
    */
-  vtkSetMacro(Tolerance, double);
-  vtkGetMacro(Tolerance, double);
-  ///@}
+  vtkSettingMacro(Tolerance, double);
 
-  ///@{
   /**
    * Put the stress tensor of every node into the output.
    *
    * Whether the output carries stress and strain energy; what is off is not computed.
    * @group State shown
    */
-  vtkSetMacro(ComputeStress, bool);
-  vtkGetMacro(ComputeStress, bool);
-  vtkBooleanMacro(ComputeStress, bool);
+  vtkSwitchMacro(ComputeStress);
   /**
    * Put the strain energy of every node into the output.
    * @group State shown
    */
-  vtkSetMacro(ComputeStrainEnergy, bool);
-  vtkGetMacro(ComputeStrainEnergy, bool);
-  vtkBooleanMacro(ComputeStrainEnergy, bool);
-  ///@}
+  vtkSwitchMacro(ComputeStrainEnergy);
 
 protected:
   vtkBondLoadAlgorithm() = default;

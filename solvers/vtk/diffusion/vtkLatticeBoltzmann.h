@@ -70,7 +70,6 @@ public:
   void RemoveAllDiffusivities();
   ///@}
 
-  ///@{
   /**
    * From which face to which. x: from left to right, y: in pictures from top to bottom, z and all of a volume: from low
    * to high coordinates.
@@ -80,27 +79,21 @@ public:
    * @choice X Y Z
    */
   vtkSetMacro(Direction, int);
-  ///@}
-  ///@{
   /**
    * Value on the face where the direction begins.
    * @group Diffusion
    */
-  vtkSetMacro(InletValue, double);
-  vtkGetMacro(InletValue, double);
+  vtkSettingMacro(InletValue, double);
   /**
    * Value on the face where it ends.
    * @group Diffusion
    */
-  vtkSetMacro(OutletValue, double);
-  vtkGetMacro(OutletValue, double);
+  vtkSettingMacro(OutletValue, double);
   /**
    * Value inside at time 0.
    * @group Diffusion
    */
-  vtkSetMacro(InitialValue, double);
-  vtkGetMacro(InitialValue, double);
-  ///@}
+  vtkSettingMacro(InitialValue, double);
 
   enum Collisions
   {
@@ -108,7 +101,6 @@ public:
     BGK = 1,            ///< "One relaxation time (BGK)": one relaxation time; faces and mirrors on the outer nodes
     TRT = 2             ///< "Two relaxation times (TRT)": two; faces half a spacing outside the outer nodes
   };
-  ///@{
   /**
    * Automatic: two. The answer of one depends on the time step; it is there to compare with, and has its faces on the
    * outer nodes.
@@ -117,30 +109,22 @@ public:
    * @choice Collisions
    * @advanced
    */
-  vtkSetMacro(Collision, int);
-  vtkGetMacro(Collision, int);
-  ///@}
+  vtkSettingMacro(Collision, int);
 
-  ///@{
   /**
    * The last time, in seconds. 0: none is given, and the states to keep must tell it.
    * @group Time
    * @unit s
    * @range [0, inf)
    */
-  vtkSetMacro(EndTime, double);
-  vtkGetMacro(EndTime, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(EndTime, double);
   /**
    * Times after 0 that are kept, evenly until the end: 8 bytes a node each.
    * @word frames
    * @group Time
    * @range [1, 100000]
    */
-  vtkSetMacro(NumberOfSteps, int);
-  vtkGetMacro(NumberOfSteps, int);
-  ///@}
+  vtkSettingMacro(NumberOfSteps, int);
   ///@{
   /**
    * States at these times in seconds are kept instead of evenly spaced ones. The last one is the end.
@@ -166,7 +150,6 @@ public:
   void AddStateAtStep(vtkIdType step);
   void RemoveAllStatesAtSteps();
   ///@}
-  ///@{
   /**
    * Time step in seconds. 0: short enough to be accurate, and such that every time is met.
    *
@@ -177,11 +160,8 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(TimeStep, double);
-  vtkGetMacro(TimeStep, double);
-  ///@}
+  vtkSettingMacro(TimeStep, double);
 
-  ///@{
   /**
    * A file (.h5) on the server that keeps where the run stands; what is there already is replaced. Empty: none.
    *
@@ -193,29 +173,20 @@ public:
    * @files Checkpoints (*.h5 *.hdf5)
    * @advanced
    */
-  vtkSetMacro(CheckpointFile, std::string);
-  vtkGetMacro(CheckpointFile, std::string);
-  ///@}
-  ///@{
+  vtkSettingMacro(CheckpointFile, std::string);
   /**
    * Steps between two checkpoints.
    * @group Checkpoints
    * @range [1, inf)
    * @advanced
    */
-  vtkSetMacro(CheckpointEvery, vtkIdType);
-  vtkGetMacro(CheckpointEvery, vtkIdType);
-  ///@}
-  ///@{
+  vtkSettingMacro(CheckpointEvery, vtkIdType);
   /**
    * Wall time before the first checkpoint and between two at least [s]. Above 0 there is none at the end, and none that
    * the run would not go on from to the same bits.
    * @range [0, inf)
    */
-  vtkSetMacro(CheckpointSeconds, double);
-  vtkGetMacro(CheckpointSeconds, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(CheckpointSeconds, double);
   /**
    * A checkpoint of the same run to go on from, to the same bits. Empty: from time 0, as where this is Checkpoint File
    * and not there yet.
@@ -228,23 +199,15 @@ public:
    * @files Checkpoints (*.h5 *.hdf5)
    * @advanced
    */
-  vtkSetMacro(ContinueFile, std::string);
-  vtkGetMacro(ContinueFile, std::string);
-  ///@}
-  ///@{
+  vtkSettingMacro(ContinueFile, std::string);
   /** Steps in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
   vtkGetMacro(LastCheckpoint, vtkIdType);
-  ///@}
 
-  ///@{
   /**
    * Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
    * vtkSampleAlgorithm::STEP_EVENT have seen each.
    */
-  vtkSetMacro(KeepStates, bool);
-  vtkGetMacro(KeepStates, bool);
-  vtkBooleanMacro(KeepStates, bool);
-  ///@}
+  vtkSwitchMacro(KeepStates);
   ///@{
   /** The times that the last update has kept and the image of each; null where there is none such. */
   int GetNumberOfStates();

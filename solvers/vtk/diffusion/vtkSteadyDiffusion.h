@@ -113,7 +113,6 @@ public:
   {
     ALL = 3
   };
-  ///@{
   /**
    * From which face to which: the value is 1 on the first and 0 on the second. x: from left to right, y: in pictures
    * from top to bottom, z and all of a volume: from low to high coordinates. "All" solves once for each direction and
@@ -125,7 +124,6 @@ public:
    * @panel x
    */
   vtkSetMacro(Direction, int);
-  ///@}
 
   enum Methods
   {
@@ -133,7 +131,6 @@ public:
     MULTIGRID = 1,
     ALGEBRAIC_MULTIGRID = 2
   };
-  ///@{
   /**
    * How the system is solved. All give the same answer.
    *
@@ -142,22 +139,16 @@ public:
    * @choice Methods
    * @advanced
    */
-  vtkSetMacro(Method, int);
-  vtkGetMacro(Method, int);
-  ///@}
+  vtkSettingMacro(Method, int);
 
-  ///@{
   /**
    * Largest relative error of the flux through either face.
    * @group Accuracy and cost
    * @range [1e-12, 0.1]
    * @advanced
    */
-  vtkSetMacro(Tolerance, double);
-  vtkGetMacro(Tolerance, double);
-  ///@}
+  vtkSettingMacro(Tolerance, double);
 
-  ///@{
   /**
    * Gives up after this many iterations.
    * @word max-iterations
@@ -165,23 +156,16 @@ public:
    * @range [1, inf)
    * @advanced
    */
-  vtkSetMacro(MaximumIterations, int);
-  vtkGetMacro(MaximumIterations, int);
-  ///@}
+  vtkSettingMacro(MaximumIterations, int);
 
-  ///@{
   /**
    * Put the temperature or concentration (scaled 0 to 1) into the output.
    *
    * Whether the output has the field; as with the flux, what is off is neither computed nor stored. Both on.
    * @group Output
    */
-  vtkSetMacro(ComputeField, bool);
-  vtkGetMacro(ComputeField, bool);
-  vtkBooleanMacro(ComputeField, bool);
-  ///@}
+  vtkSwitchMacro(ComputeField);
 
-  ///@{
   /**
    * Split every pixel into N × N (× N).
    * @word refine, refinement
@@ -189,11 +173,8 @@ public:
    * @range [1, inf)
    * @advanced
    */
-  vtkSetMacro(Refinement, int);
-  vtkGetMacro(Refinement, int);
-  ///@}
+  vtkSettingMacro(Refinement, int);
 
-  ///@{
   /**
    * Also solve the pictures that every second, third and fourth pixel gives, and every pixel split in 2 × 2 (× 2), on
    * a part of a large image, and estimate the error of the value against the material's. Costs several times the
@@ -202,14 +183,10 @@ public:
    * @group Accuracy and cost
    * @panel off
    */
-  vtkSetMacro(EstimateError, bool);
-  vtkGetMacro(EstimateError, bool);
-  vtkBooleanMacro(EstimateError, bool);
+  vtkSwitchMacro(EstimateError);
   /** The largest relative error of the last update; NaN when it was not estimated. */
   vtkGetMacro(EstimatedError, double);
-  ///@}
 
-  ///@{
   /**
    * Refine until the estimated error is below this share, as far as the picture's own pixels and memory allow; 0: no
    * target. What it will take is told beforehand, a target that is not reached is warned of.
@@ -218,9 +195,7 @@ public:
    * @unset 0
    * @advanced
    */
-  vtkSetMacro(TargetError, double);
-  vtkGetMacro(TargetError, double);
-  ///@}
+  vtkSettingMacro(TargetError, double);
 
   enum Events
   {
@@ -228,10 +203,8 @@ public:
     PLAN_EVENT = 1101
   };
 
-  ///@{
   /** The effective conductivity of the last update, 9 numbers by rows, NaN in columns that were not solved. */
   vtkGetVectorMacro(EffectiveConductivity, double, 9);
-  ///@}
 
 #ifndef __VTK_WRAP__
   /** All that the last update found, to tell of it. */

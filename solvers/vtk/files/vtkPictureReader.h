@@ -24,7 +24,8 @@
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
-#include "vtkSmartPointer.h"            // for the image that is kept
+#include "vtkSetting.h"
+#include "vtkSmartPointer.h" // for the image that is kept
 
 #include <map>    // for the grey map
 #include <string> // for the grey map
@@ -82,7 +83,6 @@ public:
   vtkGetStringMacro(OtherPhase);
   ///@}
 
-  ///@{
   /**
    * A raw scan: find the phases lumen and wall in a picture (list no phases then), void and solid, or the phases
    * listed, in a volume.
@@ -91,10 +91,7 @@ public:
    * phases named, in a volume (micrograph::segmentVolume). Field data `segmentation` says how, a line a step.
    * @group Phases
    */
-  vtkSetMacro(Segment, bool);
-  vtkGetMacro(Segment, bool);
-  vtkBooleanMacro(Segment, bool);
-  ///@}
+  vtkSwitchMacro(Segment);
 
   enum LumenSides
   {
@@ -102,7 +99,6 @@ public:
     BRIGHT = 1,     ///< "Brighter than walls, or solid"
     DARK = 2        ///< "Darker than walls, or solid"
   };
-  ///@{
   /**
    * Segment: what lumens, in volumes the void, look like. In volumes it is taken for dark where nothing is said.
    *
@@ -111,11 +107,8 @@ public:
    * @choice LumenSides
    * @when Segment
    */
-  vtkSetMacro(Lumen, int);
-  vtkGetMacro(Lumen, int);
-  ///@}
+  vtkSettingMacro(Lumen, int);
 
-  ///@{
   /**
    * Segment: grey value between the two once the light is even, in pictures 0 to 255, in volumes as in the file.
    * Negative: found.
@@ -123,9 +116,7 @@ public:
    * @when Segment
    * @advanced
    */
-  vtkSetMacro(Threshold, double);
-  vtkGetMacro(Threshold, double);
-  ///@}
+  vtkSettingMacro(Threshold, double);
 
   ///@{
   /**
@@ -139,29 +130,22 @@ public:
   vtkGetVector6Macro(Window, int);
   ///@}
 
-  ///@{
   /**
    * Splits each pixel into n x n nodes (voxel into n x n x n) of a finer lattice. The geometry stays the same.
    * @word refine
    * @group Lattice
    * @range [1, 64]
    */
-  vtkSetMacro(Refinement, int);
-  vtkGetMacro(Refinement, int);
-  ///@}
+  vtkSettingMacro(Refinement, int);
 
-  ///@{
   /**
    * Size of a pixel in metres, for instance 5e-7. 0: what the file says, and 1 where it says nothing.
    * @group Lattice
    * @unit m
    * @range [0.0, inf)
    */
-  vtkSetMacro(PixelSize, double);
-  vtkGetMacro(PixelSize, double);
-  ///@}
+  vtkSettingMacro(PixelSize, double);
 
-  ///@{
   /**
    * Raw volumes: voxels along x, y and z. All 0: from a name such as berea_200x200x200_u8.raw.
    * @group Raw volumes
@@ -169,31 +153,23 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetVector3Macro(RawSize, int);
-  vtkGetVector3Macro(RawSize, int);
-  ///@}
+  vtkSettingVector3Macro(RawSize, int);
 
-  ///@{
   /**
    * Raw volumes: bits of a voxel, 8 or 16; 0: from the name or the size of the file.
    * @group Raw volumes
    * @values 0 = From the name or the size; 8; 16
    * @advanced
    */
-  vtkSetMacro(RawBits, int);
-  vtkGetMacro(RawBits, int);
-  ///@}
+  vtkSettingMacro(RawBits, int);
 
-  ///@{
   /**
    * Raw volumes: bytes before the first voxel.
    * @group Raw volumes
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(RawHeader, vtkIdType);
-  vtkGetMacro(RawHeader, vtkIdType);
-  ///@}
+  vtkSettingMacro(RawHeader, vtkIdType);
 
   ///@{
   /**

@@ -75,17 +75,13 @@ public:
     Y = 1,
     ALL = 3
   };
-  ///@{
   /**
    * Across the picture from left to right, down it, or both, one after the other.
    * @group Diffusion
    * @choice Directions
    */
-  vtkSetMacro(Direction, int);
-  vtkGetMacro(Direction, int);
-  ///@}
+  vtkSettingMacro(Direction, int);
 
-  ///@{
   /**
    * Distance of the nodes on the finer lattice in metres; it changes a little so that a whole number fits the picture.
    * 0: the picture's pixel, of outlines that are from no picture a quarter of the walls' median thickness.
@@ -93,11 +89,8 @@ public:
    * @unit m
    * @range [0, inf)
    */
-  vtkSetMacro(Spacing, double);
-  vtkGetMacro(Spacing, double);
-  ///@}
+  vtkSettingMacro(Spacing, double);
 
-  ///@{
   /**
    * Halve the spacing until the error bar is below this share, as far as the picture's pixels and half of the free
    * memory allow; 0: no target. What it will take is told beforehand, a target that is not reached is warned of.
@@ -105,20 +98,15 @@ public:
    * @range (0, 1)
    * @unset 0
    */
-  vtkSetMacro(TargetError, double);
-  vtkGetMacro(TargetError, double);
-  ///@}
+  vtkSettingMacro(TargetError, double);
 
-  ///@{
   /**
    * Threads of the solver. 0: one for each core.
    * @group Diffusion
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(Threads, int);
-  vtkGetMacro(Threads, int);
-  ///@}
+  vtkSettingMacro(Threads, int);
 
   enum Events
   {

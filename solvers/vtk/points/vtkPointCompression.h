@@ -62,26 +62,20 @@ public:
   vtkTypeMacro(vtkPointCompression, vtkPointAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
   /**
    * Axis of loading.
    * @word axis
    * @group Load
    * @choice LAST_AXIS X Y Z
    */
-  vtkSetMacro(LoadAxis, int);
-  vtkGetMacro(LoadAxis, int);
-  ///@}
+  vtkSettingMacro(LoadAxis, int);
 
-  ///@{
   /**
    * Strain to end at, above 0 and below 1.
    * @group Load
    * @range (0, 1)
    */
-  vtkSetMacro(Strain, double);
-  vtkGetMacro(Strain, double);
-  ///@}
+  vtkSettingMacro(Strain, double);
 
   enum SideKinds
   {
@@ -90,45 +84,33 @@ public:
     FIXED = 2,
     PERIODIC = 3 ///< "Periodic": a period that grows so that there is no mean stress
   };
-  ///@{
   /**
    * Both ends of the axes across the load.
    * @group Load
    * @choice SideKinds
    */
-  vtkSetMacro(Sides, int);
-  vtkGetMacro(Sides, int);
-  ///@}
+  vtkSettingMacro(Sides, int);
 
-  ///@{
   /**
    * Platens do not let slide.
    * @group Load
    * @advanced
    */
-  vtkSetMacro(Grip, bool);
-  vtkGetMacro(Grip, bool);
-  vtkBooleanMacro(Grip, bool);
-  ///@}
+  vtkSwitchMacro(Grip);
 
-  ///@{
   /**
    * Kinetic over elastic energy that is allowed.
    * @group How slowly
    * @range [0, inf)
    */
-  vtkSetMacro(EnergyRatio, double);
-  vtkGetMacro(EnergyRatio, double);
+  vtkSettingMacro(EnergyRatio, double);
   /**
    * Strain from which the energy ratio is kept.
    * @group How slowly
    * @range [0, 1]
    * @advanced
    */
-  vtkSetMacro(CalmFrom, double);
-  vtkGetMacro(CalmFrom, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(CalmFrom, double);
   /**
    * Speed of the platens at the start, over the fastest wave in the wall.
    *
@@ -138,45 +120,35 @@ public:
    * @advanced
    * @range (0, 1)
    */
-  vtkSetMacro(FirstSpeed, double);
-  vtkGetMacro(FirstSpeed, double);
+  vtkSettingMacro(FirstSpeed, double);
   /**
    * Speed below which the control does not go.
    * @group How slowly
    * @advanced
    * @range (0, 1)
    */
-  vtkSetMacro(LeastSpeed, double);
-  vtkGetMacro(LeastSpeed, double);
+  vtkSettingMacro(LeastSpeed, double);
   /**
    * Speed above which the control does not go.
    * @group How slowly
    * @advanced
    * @range (0, 1)
    */
-  vtkSetMacro(MostSpeed, double);
-  vtkGetMacro(MostSpeed, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(MostSpeed, double);
   /**
    * Friction against a frame that deforms evenly, over the lowest frequency of a bar of wall as high as the specimen.
    * @group How slowly
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(Damping, double);
-  vtkGetMacro(Damping, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(Damping, double);
   /**
    * Rows of the curve.
    * @group State shown
    * @range [1, inf)
    * @advanced
    */
-  vtkSetMacro(Rows, int);
-  vtkGetMacro(Rows, int);
-  ///@}
+  vtkSettingMacro(Rows, int);
 
   enum Shapes
   {
@@ -184,16 +156,13 @@ public:
     GIMP = 1,   ///< "GIMP"
     SPLINE = 2  ///< "Quadratic splines": quadratic B-splines
   };
-  ///@{
   /**
    * Shape functions.
    * @group Points and grid
    * @choice Shapes
    * @advanced
    */
-  vtkSetMacro(Shape, int);
-  vtkGetMacro(Shape, int);
-  ///@}
+  vtkSettingMacro(Shape, int);
   enum Transfers
   {
     FLIP = 0, ///< "FLIP"
@@ -201,37 +170,25 @@ public:
     APIC = 2, ///< "APIC"
     XPIC = 3  ///< "XPIC(2)"
   };
-  ///@{
   /**
    * How points get their velocities back from the grid.
    * @group Points and grid
    * @choice Transfers
    * @advanced
    */
-  vtkSetMacro(Transfer, int);
-  vtkGetMacro(Transfer, int);
-  ///@}
-  ///@{
+  vtkSettingMacro(Transfer, int);
   /**
    * Consistent mass instead of lumped.
    * @group Points and grid
    * @advanced
    */
-  vtkSetMacro(ConsistentMass, bool);
-  vtkGetMacro(ConsistentMass, bool);
-  vtkBooleanMacro(ConsistentMass, bool);
-  ///@}
-  ///@{
+  vtkSwitchMacro(ConsistentMass);
   /**
    * Stress from the velocities that points give back to the grid (MUSL).
    * @group Points and grid
    * @advanced
    */
-  vtkSetMacro(ModifiedUpdate, bool);
-  vtkGetMacro(ModifiedUpdate, bool);
-  vtkBooleanMacro(ModifiedUpdate, bool);
-  ///@}
-  ///@{
+  vtkSwitchMacro(ModifiedUpdate);
   /**
    * Step in time [s]; 0: 0.9 of the largest stable one, followed as the points deform. One above that is refused with
    * it.
@@ -240,9 +197,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(TimeStep, double);
-  vtkGetMacro(TimeStep, double);
-  ///@}
+  vtkSettingMacro(TimeStep, double);
 
   ///@{
   /**
@@ -255,15 +210,11 @@ public:
   void AddStateAtStrain(double strain);
   void RemoveAllStatesAtStrains();
   ///@}
-  ///@{
   /**
    * Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
    * vtkSampleAlgorithm::STEP_EVENT have seen each.
    */
-  vtkSetMacro(KeepStates, bool);
-  vtkGetMacro(KeepStates, bool);
-  vtkBooleanMacro(KeepStates, bool);
-  ///@}
+  vtkSwitchMacro(KeepStates);
   ///@{
   /**
    * The state that output 0 shows, from 0, in the order of the run; -1: the end. A change runs nothing again. Beyond
@@ -320,7 +271,6 @@ public:
   vtkBooleanMacro(ComputeEnergyDensity, bool);
   ///@}
 
-  ///@{
   /**
    * A file (.h5) on the server that keeps where the run stands; what is there already is replaced. Empty: none.
    *
@@ -332,28 +282,19 @@ public:
    * @files Checkpoints (*.h5 *.hdf5)
    * @advanced
    */
-  vtkSetMacro(CheckpointFile, std::string);
-  vtkGetMacro(CheckpointFile, std::string);
-  ///@}
-  ///@{
+  vtkSettingMacro(CheckpointFile, std::string);
   /**
    * Steps between two checkpoints. Go on with the number that the run began with.
    * @group Checkpoints
    * @range [1, inf)
    * @advanced
    */
-  vtkSetMacro(CheckpointEvery, vtkIdType);
-  vtkGetMacro(CheckpointEvery, vtkIdType);
-  ///@}
-  ///@{
+  vtkSettingMacro(CheckpointEvery, vtkIdType);
   /**
    * Wall time before the first checkpoint and between two at least [s]. Above 0 there is none at the end.
    * @range [0, inf)
    */
-  vtkSetMacro(CheckpointSeconds, double);
-  vtkGetMacro(CheckpointSeconds, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(CheckpointSeconds, double);
   /**
    * A checkpoint of the same run to go on from, to the same curve. Empty: from the start, as where this is Checkpoint
    * File and not there yet.
@@ -365,13 +306,9 @@ public:
    * @files Checkpoints (*.h5 *.hdf5)
    * @advanced
    */
-  vtkSetMacro(ContinueFile, std::string);
-  vtkGetMacro(ContinueFile, std::string);
-  ///@}
-  ///@{
+  vtkSettingMacro(ContinueFile, std::string);
   /** Steps in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
   vtkGetMacro(LastCheckpoint, vtkIdType);
-  ///@}
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
@@ -388,10 +325,8 @@ public:
   int GetNumberOfStates();
   vtkPolyData* GetStatePoints(int state);
   ///@}
-  ///@{
   /** -1 and the number of the last state, for a slider; 0 before the first update. */
   vtkGetVector2Macro(StateRange, int);
-  ///@}
 
   /** Later than the last change of a setting, or of State. */
   vtkMTimeType GetMTime() override;

@@ -15,6 +15,7 @@
 
 #include "vtkDataObjectAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkSetting.h"
 
 #include <functional> // for std::function
 #include <string>     // for members
@@ -41,16 +42,13 @@ public:
   void RemoveAllVoids();
   ///@}
 
-  ///@{
   /**
    * Threads of each process. 0: one for each core.
    * @group Accuracy and cost
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(Threads, int);
-  vtkGetMacro(Threads, int);
-  ///@}
+  vtkSettingMacro(Threads, int);
 
   enum Events
   {
@@ -69,10 +67,8 @@ public:
     DIVERGENCE_FAILURE = 5,
     OTHER_FAILURE = 6
   };
-  ///@{
   /** What kind of mistake the last update ended with. */
   vtkGetMacro(Failure, int);
-  ///@}
 
   ///@{
   /**
