@@ -35,10 +35,8 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /**
-   * Take the model of the bonds from the input, which Bond Equilibrium wrote there. Off: from the settings below.
-   *
-   * Take the model from the field text `bond_model` of the input; it is an error when there is none. Off: the settings
-   * of this filter.
+   * Take the model of the bonds from the input, which Bond Equilibrium wrote there (field text `bond_model`); it is an
+   * error when there is none. Off: from the settings below.
    * @group Input
    */
   vtkSwitchMacro(ModelFromInput);

@@ -76,10 +76,8 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /**
-   * Shorter cracks are left out [spacings], unless they part a wall between voids or sides. -1: the horizon.
-   *
-   * Shorter cracks are left out and counted [spacings], unless they lead from a void or side to another place there. 0
-   * keeps all.
+   * Shorter cracks are left out and counted [spacings], unless they part a wall between voids or sides. 0 keeps all;
+   * -1: the horizon.
    * @range [-1, inf)
    * @group Cracks
    * @unit spacings

@@ -92,9 +92,7 @@ public:
   vtkSwitchMacro(ComputeLabels);
 
   /**
-   * Also give each node the size of its pore, to colour by (on a log scale).
-   *
-   * Whether the image carries `pore_size`, to be coloured by.
+   * Also give each node the size of its pore (`pore_size`), to colour by (on a log scale).
    * @advanced
    * @off no-pore-size: Do not give each node the size of its pore.
    */

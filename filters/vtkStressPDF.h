@@ -80,9 +80,7 @@ public:
 
   ///@{
   /**
-   * Phases to count, one a row, by name or number. None: all but the void.
-   *
-   * Phases to count: names of `phase_names` or, where no phase has that name, values.
+   * Phases to count, one a row, by name or, where no phase has that name, by number. None: all but the void.
    * @word phase, phases
    * @title Phases to count
    * @group Stresses

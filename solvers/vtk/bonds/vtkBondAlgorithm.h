@@ -48,9 +48,8 @@ public:
   ///@{
   /**
    * Young's modulus, one pair of phases a row. grain: bonds within that phase. matrix-grain: bonds between the two.
-   * grain-grain: bonds between two different grains. In Pa. Names that the image does not know do no harm.
-   *
-   * Young's modulus E of a pair's bonds [Pa], positive. An empty name is ignored (an empty row in a panel).
+   * grain-grain: bonds between two different grains. In Pa, positive. Names that the image does not know do no harm,
+   * nor does an empty row.
    * @word young
    * @title Young's modulus of bonds [Pa]
    * @group Materials
@@ -62,10 +61,8 @@ public:
 
   ///@{
   /**
-   * Fracture energy of the bonds of a pair [J/m^2]. Give one of fracture energy, toughness and critical stretch, or
-   * none: they then never break.
-   *
-   * Fracture energy Gc [J/m²], positive. At most one of these three for each pair.
+   * Fracture energy of the bonds of a pair [J/m^2], positive. Give one of fracture energy, toughness and critical
+   * stretch, or none: they then never break.
    * @title Fracture energy of bonds [J/m²]
    * @group Materials
    * @columns Bonds, Fracture energy [J/m²]
@@ -97,9 +94,8 @@ public:
 
   ///@{
   /**
-   * Bonds of the first pair are like those of the second, but for what they have of their own.
-   *
-   * Bonds of `pair` are like those of `other`, in stiffness and in fracture, except in what `pair` has of its own.
+   * Bonds of the first pair are like those of the second, in stiffness and in fracture, but for what they have of their
+   * own.
    * @title Bonds that are like others
    * @group Materials
    * @columns Bonds, Like
@@ -145,10 +141,8 @@ public:
   vtkSettingMacro(Continuum, int);
 
   /**
-   * Length of the longest bonds, in spacings. 3 is usual; 2 is strongly anisotropic; cost grows with its square.
-   *
-   * Length of the longest bonds, in spacings: 1 to 8. Below 3 the lattice is markedly stiffer along its axes, unless
-   * its micromodulus is isotropic; below √2 that cannot be.
+   * Length of the longest bonds, in spacings. 3 is usual; cost grows with its square. Below 3 the lattice is markedly
+   * stiffer along its axes, unless its micromodulus is isotropic; below √2 that cannot be.
    * @group Bonds
    * @range [1, 8]
    */
@@ -196,10 +190,9 @@ public:
 
   ///@{
   /**
-   * Cuts made before loading, of pictures: from a point to a point, in metres.
+   * Cuts made before loading, of pictures: from a point to a point, in metres. They must touch the sample.
    *
-   * Cuts made before loading [m]: a segment between two points of a picture; a parallelogram from a corner and two
-   * edges in space. They must touch the sample.
+   * In space a parallelogram, from a corner and two edges [m].
    * @word notch, notches
    * @title Notches: x1, y1, x2, y2 [m]
    * @group Bonds

@@ -138,11 +138,8 @@ public:
 
   ///@{
   /**
-   * Nodes of a side (x-, x+, y-, y+, z-, z+; y+ is the top of a picture) keep this speed along x, y or z [m/s].
-   * Components without one are free. Needs Pull off.
-   *
-   * The nodes of a side keep this speed along a component [m/s]; components without one are free. PlatenLayers says how
-   * many layers. An empty name is ignored.
+   * Nodes of a side (x-, x+, y-, y+, z-, z+; y+ is the top of a picture) keep this speed along x, y or z [m/s], as many
+   * layers as platens have. Components without one are free. Needs Pull off.
    * @title Speed of sides [m/s]: side, component, speed
    * @group Load
    * @columns Side, Component, Speed [m/s]
@@ -153,9 +150,8 @@ public:
   ///@}
   ///@{
   /**
-   * Force on the area of a side along x, y or z [Pa], from the start on. Needs Pull off.
-   *
-   * Force on the area of a side [Pa] along a component, whichever the side is, spread over its layers.
+   * Force on the area of a side along x, y or z [Pa], whichever the side is, spread over its layers, from the start on.
+   * Needs Pull off.
    * @title Traction on sides [Pa]: side, component, traction
    * @group Load
    * @columns Side, Component, Traction [Pa]
@@ -280,7 +276,7 @@ public:
   /**
    * Put the velocity of every node into the output.
    *
-   * Whether the states carry velocities. Off and on again runs nothing.
+   * Off and on again runs nothing.
    * @group State shown
    * @advanced
    */

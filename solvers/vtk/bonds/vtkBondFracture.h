@@ -102,10 +102,8 @@ public:
     ACCURATE = 2 ///< "Accurate: all after each break": the whole sample after each break: slow, to check against
   };
   /**
-   * Automatic: events on one rank, without periodic sides and in strict breaking; else accurate, which takes far
-   * longer.
-   *
-   * How forces are balanced between breaks.
+   * How forces are balanced between breaks. Automatic: events on one rank, without periodic sides and in strict
+   * breaking; else accurate, which takes far longer.
    * @group Accuracy and cost
    * @choice Methods
    * @advanced
@@ -128,9 +126,6 @@ public:
   /**
    * Events: look closer where two bonds are nearly as critical as each other. Off is sooner by a third to a half; the
    * strength is the same, the crack may take another way after the peak.
-   *
-   * EVENTS: look closer where two bonds are nearly as critical as each other. off is about three times as fast, the
-   * strength is the same, and in thin walls the crack may take another way after the peak.
    * @group Accuracy and cost
    * @when Method AUTO EVENTS
    * @advanced
@@ -150,9 +145,7 @@ public:
 
   ///@{
   /**
-   * States to keep on the way, by the imposed strain. The end is always kept.
-   *
-   * States to keep on the way, at imposed strains. They change nothing that breaks.
+   * States to keep on the way, by the imposed strain. The end is always kept. They change nothing that breaks.
    * @word at-strain, at_strains
    * @title States to keep: strains
    * @group States

@@ -53,9 +53,7 @@ public:
   vtkSettingMacro(LoadAxis, int);
 
   /**
-   * Stretch: the platens let the sample slip across the axis.
-   *
-   * STRETCH: the platens hold the component along the axis only.
+   * Stretch: the platens hold the component along the axis only and let the sample slip across it.
    * @group Load
    * @advanced
    */
@@ -85,8 +83,6 @@ public:
 
   /**
    * Put the stress tensor of every node into the output.
-   *
-   * Whether the output carries stress and strain energy; what is off is not computed.
    * @group State shown
    */
   vtkSwitchMacro(ComputeStress);

@@ -85,9 +85,7 @@ public:
   vtkSettingMacro(Lattice, int);
 
   /**
-   * Put the flux vectors into the output.
-   *
-   * Whether the output has the flux; where not, it is neither computed nor stored.
+   * Put the flux vectors into the output. Off, they are neither computed nor stored.
    * @group Time
    */
   vtkSwitchMacro(ComputeFlux);

@@ -59,9 +59,8 @@ public:
    * Diffusivity of each phase in m²/s, one a row: its name (or its number, where phases have no names) and the value.
    * 0: does not conduct. Names that the image does not know do no harm.
    *
-   * Diffusivity of a phase [m²/s], finite and not negative; 0: it does not conduct and is neither stored nor visited.
-   * `phase` is a name of `phase_names` or, where no phase has that name, an id. A phase that has nodes must have one;
-   * names that the image does not know are ignored. An empty name is ignored.
+   * Finite and not negative. Each phase that has nodes must have one; what does not conduct is neither stored nor
+   * visited.
    * @title Diffusivity of phases [m²/s]
    * @group Materials
    * @columns Phase, Diffusivity [m²/s]
@@ -73,8 +72,6 @@ public:
   /**
    * From which face to which. x: from left to right, y: in pictures from top to bottom, z and all of a volume: from low
    * to high coordinates.
-   *
-   * Axis of the two faces that keep their values.
    * @group Diffusion
    * @choice X Y Z
    */
@@ -128,10 +125,6 @@ public:
   ///@{
   /**
    * States at these times in seconds are kept instead of evenly spaced ones. The last one is the end.
-   *
-   * States at these times [s] and at the end of these numbers of steps, which are even, are kept instead, and the last
-   * of them is the end; EndTime and NumberOfSteps do not count then. With numbers of steps and no TimeStep the pipeline
-   * knows no times beforehand.
    * @word at-time, at_times
    * @title States to keep: times [s]
    * @group States
@@ -151,10 +144,10 @@ public:
   void RemoveAllStatesAtSteps();
   ///@}
   /**
-   * Time step in seconds. 0: short enough to be accurate, and such that every time is met.
+   * Time step in seconds. 0: a relaxation of ½ at most, and such that evenly spaced times, or the last of given ones,
+   * are met.
    *
-   * δt [s]; 0: at most that of a relaxation of ½, and such that evenly spaced times, or the last of given ones, are
-   * met. Else each time is met as nearly as pairs of steps do, and the output says the time that it has.
+   * Other times are met as nearly as pairs of steps do; the output says the time that it has.
    * @group Accuracy and cost
    * @unit s
    * @range [0, inf)

@@ -73,10 +73,8 @@ public:
    * unit; the effective conductivity comes in the same. 0: does not conduct. Wood: heat wall 1, lumen 0.023; vapour
    * wall 0.004, lumen 1. Names that the image does not know do no harm.
    *
-   * Conductivity of a phase, finite and not negative; 0: it does not conduct and is neither stored nor visited. `phase`
-   * is a name of `phase_names` or, where no phase has that name, an id. Units are the caller's: the effective
-   * conductivity comes in the same. A phase that has nodes must have a conductivity; names that the image does not know
-   * are ignored, so that one list serves many pictures.
+   * Finite and not negative. Each phase that has nodes must have one; what does not conduct is neither stored nor
+   * visited.
    * @title Conductivity of phases
    * @group Materials
    * @columns Phase, Conductivity
@@ -93,11 +91,10 @@ public:
   /**
    * Of phases that conduct differently along and across the wall: the conductivity across it, one phase a row; that
    * above is then the one along it. Pictures only, with the direction along the walls at every point, as Micrograph
-   * Lattice gives it. Ratios up to 5.82 go in every direction.
+   * Lattice gives it. Ratios up to 5.82 go in every direction; of larger ones, what the links of D2Q9 cannot carry is
+   * refused.
    *
-   * Conductivity of a phase across the direction that `axis` gives; the one above is then that along it. The links of
-   * D2Q9 carry ratios up to 5.82 in every direction, larger ones near the lattice's axes and diagonals only; what they
-   * cannot carry is refused. `phase` is the word that SetConductivity() was given. Default: as along.
+   * `phase` is the word that SetConductivity() was given.
    * @title Conductivity of phases across the wall
    * @group Materials
    * @columns Phase, Conductivity across
@@ -117,8 +114,6 @@ public:
    * From which face to which: the value is 1 on the first and 0 on the second. x: from left to right, y: in pictures
    * from top to bottom, z and all of a volume: from low to high coordinates. "All" solves once for each direction and
    * ends the arrays' names in _x, _y, _z.
-   *
-   * Along which axis the gradient lies; ALL solves once for each (2 or 3).
    * @group Diffusion
    * @choice X Y Z ALL
    * @panel x
@@ -132,9 +127,7 @@ public:
     ALGEBRAIC_MULTIGRID = 2
   };
   /**
-   * How the system is solved. All give the same answer.
-   *
-   * How the system is solved; AUTO_METHOD chooses by what conducts.
+   * How the system is solved. All give the same answer; automatic goes by what conducts.
    * @group Accuracy and cost
    * @choice Methods
    * @advanced
@@ -159,9 +152,7 @@ public:
   vtkSettingMacro(MaximumIterations, int);
 
   /**
-   * Put the temperature or concentration (scaled 0 to 1) into the output.
-   *
-   * Whether the output has the field; as with the flux, what is off is neither computed nor stored. Both on.
+   * Put the temperature or concentration (scaled 0 to 1) into the output. Off, it is neither computed nor stored.
    * @group Output
    */
   vtkSwitchMacro(ComputeField);

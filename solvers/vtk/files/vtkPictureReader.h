@@ -58,10 +58,6 @@ public:
    * ends in it (0..89, ..89, 90..), and a name such as wall or lumen. ..otsu and otsu.. part the greys where the
    * picture says, ..otsu1, otsu1..otsu2 and otsu2.. into three. Several greys may have one name. Empty: what a file
    * that lamella wrote calls them, else every grey is a phase of its own; of a volume to be segmented, void and solid.
-   *
-   * Names the phase of a grey value (0 to 255, of 16-bit pictures to 65535), or of a range with both ends in it, as
-   * "0..89", "..89" or "90.."; "..otsu" and "otsu.." part the greys at Otsu's level, "..otsu1", "otsu1..otsu2" and
-   * "otsu2.." at those of three classes. Several greys may be one phase.
    * @word phase, phases
    * @title Phases: grey values, name
    * @group Phases
@@ -87,8 +83,7 @@ public:
    * A raw scan: find the phases lumen and wall in a picture (list no phases then), void and solid, or the phases
    * listed, in a volume.
    *
-   * A raw scan: find the phases `lumen` and `wall` in a picture (micrograph::segment), `void` and `solid`, or the
-   * phases named, in a volume (micrograph::segmentVolume). Field data `segmentation` says how, a line a step.
+   * By micrograph::segment and segmentVolume; field data `segmentation` says how, a line a step.
    * @group Phases
    */
   vtkSwitchMacro(Segment);
@@ -100,9 +95,8 @@ public:
     DARK = 2        ///< "Darker than walls, or solid"
   };
   /**
-   * Segment: what lumens, in volumes the void, look like. In volumes it is taken for dark where nothing is said.
-   *
-   * Segment: whether lumens are brighter or darker than walls, void than solid. volumes: dark.
+   * Segment: whether lumens are brighter or darker than walls, in volumes the void than the solid, which is taken for
+   * dark where nothing is said.
    * @group Phases
    * @choice LumenSides
    * @when Segment

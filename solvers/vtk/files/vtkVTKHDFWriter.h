@@ -49,9 +49,7 @@ public:
 
   ///@{
   /**
-   * The file to write.
-   *
-   * The file, by habit with the ending .hdf or .vtkhdf. What is there is replaced.
+   * The file to write, by habit with the ending .hdf or .vtkhdf. What is there is replaced.
    */
   vtkSetFilePathMacro(FileName);
   vtkGetFilePathMacro(FileName);

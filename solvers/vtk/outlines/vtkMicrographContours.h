@@ -56,9 +56,7 @@ public:
   vtkSettingMacro(Basis, int);
 
   /**
-   * Level: the value between lumens and walls.
-   *
-   * LEVEL: the value between lumens and walls; of unsigned numbers of 8 and 16 bits as a part of the largest one.
+   * Level: the value between lumens and walls; of unsigned numbers of 8 and 16 bits as a part of the largest one.
    * @group Lumens
    * @when Basis LEVEL
    */

@@ -57,8 +57,8 @@ public:
    * Conductivity of each phase, one a row: lumen, wall and, where it has one of its own, middle lamella, in any unit;
    * the effective conductivity comes in the same. 0: does not conduct.
    *
-   * Conductivity of a phase, finite and not negative. Lumen and wall must have one; other words for the same go
-   * (lattice/PhaseNames.h), other phases are refused.
+   * Finite and not negative. Lumen and wall must have one; other words for the same go (lattice/PhaseNames.h), other
+   * phases are refused.
    * @title Conductivity of phases
    * @group Diffusion
    * @columns Phase, Conductivity

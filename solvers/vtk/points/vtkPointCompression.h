@@ -112,10 +112,8 @@ public:
    */
   vtkSettingMacro(CalmFrom, double);
   /**
-   * Speed of the platens at the start, over the fastest wave in the wall.
-   *
-   * Of the platens towards each other, over the fastest wave in the wall: where it starts, and what the control keeps
-   * it between; above 0, below 1, FirstSpeed between the others.
+   * Speed of the platens towards each other at the start, over the fastest wave in the wall; between the least and the
+   * most speed.
    * @group How slowly
    * @advanced
    * @range (0, 1)
@@ -230,8 +228,8 @@ public:
   /**
    * Put the displacement of every point into the output.
    *
-   * What states carry besides `id` and `phase`. Displacement on, all others off. What is switched off after a run is
-   * left out, and comes back without another one; what the run was not to keep needs another.
+   * What is switched off after a run is left out, and comes back without another one; what the run was not to keep
+   * needs another. The same holds for those below.
    * @group State shown
    * @advanced
    */

@@ -92,9 +92,7 @@ public:
   vtkSettingMacro(Aspect, double);
 
   /**
-   * The box is one cell of an endless packing. Otherwise it has smooth walls.
-   *
-   * Periodic along all axes, or between smooth walls.
+   * The box is one cell of an endless packing, periodic along all axes. Otherwise it has smooth walls.
    * @group Grains
    */
   vtkSwitchMacro(Periodic);

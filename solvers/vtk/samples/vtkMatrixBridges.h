@@ -74,9 +74,8 @@ public:
   vtkSwitchMacro(WallBridges);
 
   /**
-   * Nodes of the lattice along x. Spheres: 100 are enough for a first look.
-   *
-   * Nodes along x; the spacing is the box's first edge over them.
+   * Nodes of the lattice along x; the spacing is the box's first edge over them. Spheres: 100 are enough for a first
+   * look.
    * @word nodes, nodes_across
    * @group Lattice
    * @range [2, inf)

@@ -32,8 +32,7 @@ public:
   /**
    * Phases without bonds or points. None: those called void, pore, lumen, air or 0 that no table names.
    *
-   * Phases that are void: without bonds, without points. An empty name is ignored (an empty row in a panel); the update
-   * fails for a phase that the image does not know.
+   * An empty name is ignored (an empty row in a panel); the update fails for a phase that the image does not know.
    * @title Phases that are void
    * @group Materials
    * @advanced
