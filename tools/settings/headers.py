@@ -26,6 +26,7 @@ who set it in any front end, and then, in lines that begin with @:
     @panel off                    of a switch or a choice: how a panel begins, where a live pipeline should not pay for the default
 
 The comment of a class may say @default Name value of a setting of its base, and @without Name Name of those that make no sense for it. A further paragraph is for programmers alone. What a comment between ///@{ and ///@} says holds for all setters in there.
+Where it begins with "As vtkX.", all that it does not say is as that class has it.
 """
 
 import dataclasses
@@ -395,7 +396,8 @@ class Declarations:
             self.members[read.name] = reader.members
             for setting in read.settings:
                 setting.fail = reader.fail
-        for name in sorted(self.classes, key=lambda name: len(self.chain(name))):
+        self.completed = set()
+        for name in self.classes:
             self.complete(name)
 
     def chain(self, name):
@@ -409,9 +411,30 @@ class Declarations:
     def enumerators(self, name):
         return {entry[0]: entry for kind in self.chain(name) for entries in kind.enums.values() for entry in entries}
 
+    def told_by(self, kind, name, text, find):
+        """What a text begins with, "As vtkX. Rest.", of the same name there, and the rest; else None and the text."""
+        found = re.match(r"As (vtk\w+)\. ?", text)
+        if not found:
+            return None, text
+        other = self.classes.get(found[1])
+        if other:
+            self.complete(other.name)
+        there = find(other) if other else None
+        if there is None:
+            raise HeaderError(f"{kind.header}: {name} is as {found[1]} has it, which has none")
+        return there, text[found.end():]
+
     def complete(self, name):
+        if name in self.completed:
+            return
+        self.completed.add(name)
         kind = self.classes[name]
         chain = self.chain(name)
+        for base in chain[:-1]:
+            self.complete(base.name)
+        for told, (*rest, text) in kind.tells.items():
+            there, text = self.told_by(kind, told, text, lambda other: other.tells.get(told))
+            kind.tells[told] = (*rest, text or there[-1] if there else text)
         inherited = {setting.setter: setting for base in chain[:-1] for setting in base.settings}
         getters = {key: value for base in chain for key, value in self.getters[base.name].items()}
         clears = {key: value for base in chain for key, value in self.clears[base.name].items()}
@@ -419,7 +442,9 @@ class Declarations:
         values = {key: entry[1] for key, entry in entries.items()}
         for setting in kind.settings:
             tags, setting.getter = dict(setting.tags), getters.get(setting.setter[3:], "")
-            base = inherited.get(setting.setter)
+            there, setting.text = self.told_by(kind, setting.setter, setting.text, lambda other: next(
+                (found for found in other.settings if found.setter == setting.setter), None))
+            base = there or inherited.get(setting.setter)
             if setting.kind == "list" and setting.setter.startswith("Set") and "text" not in setting.types:
                 setting.kind = "vector"  # several numbers that nothing tells, and none by itself
             elif setting.kind == "list" or setting.setter.startswith("Add"):
@@ -433,6 +458,7 @@ class Declarations:
                 setting.default = self.default(setting, chain, values)
             if base is not None:
                 inherit(setting, base, tags)
+                setting.default = base.default if setting.default is None else setting.default
             self.apply(setting, tags, kind, entries)
             if setting.default is None and setting.kind != "list" and (setting.kind != "vector" or setting.getter):
                 setting.fail(setting.at, f"the default of {setting.name} is not told: give its member an initialiser")

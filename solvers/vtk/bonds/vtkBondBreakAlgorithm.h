@@ -92,8 +92,8 @@ public:
   vtkSwitchMacro(KeepStates);
   ///@{
   /**
-   * The state that output 0 shows, from 0, in the order of the run; -1: the end. A change runs nothing again. Beyond
-   * the last it is the end.
+   * The state that is shown, from 0, in the order of the run; -1: the end. A change runs nothing again. Beyond the last
+   * it is the end.
    * @group State shown
    * @default -1
    */
@@ -106,8 +106,8 @@ public:
   /**
    * A file (.h5) on the server that keeps where the run stands; what is there already is replaced. Empty: none.
    *
-   * A file that keeps where the run stands, in HDF5, after every CheckpointEvery; what is there already is replaced.
-   * Empty: none. When it cannot be written the run goes on, and says so.
+   * In HDF5, after every CheckpointEvery, at the end and where the run is interrupted. When it cannot be written the run
+   * goes on, and says so.
    * @word checkpoint
    * @group Checkpoints
    * @files Checkpoints (*.h5 *.hdf5)
@@ -125,17 +125,15 @@ public:
   vtkSettingMacro(CheckpointEvery, vtkIdType);
   /**
    * Wall time before the first checkpoint and between two at least [s]. Above 0 there is none at the end, and none that
-   * the run would not go on from to the same bits.
+   * the run would not go on from alike.
    * @range [0, inf)
    */
   vtkSettingMacro(CheckpointSeconds, double);
   /**
-   * A checkpoint of the same run to go on from: the same bonds break, to the last bit. Empty: from the unbroken sample,
-   * as where this is Checkpoint File and not there yet.
+   * A checkpoint of the same run to go on from, as if it had never stopped. Empty: from the start, as where this is
+   * Checkpoint File and not there yet.
    *
-   * A checkpoint of the same scene to go on from: the same bonds break then, to the last bit, as in a run that was
-   * never stopped. States that lie before it are not made. Empty: from the unbroken sample, as where this is
-   * CheckpointFile and not there yet.
+   * The same bonds break, to the last bit. States that lie before it are not made.
    * @word continue, continue_from
    * @group Checkpoints
    * @files Checkpoints (*.h5 *.hdf5)

@@ -155,52 +155,23 @@ public:
    */
   vtkSettingMacro(TimeStep, double);
 
-  /**
-   * A file (.h5) on the server that keeps where the run stands; what is there already is replaced. Empty: none.
-   *
-   * A file that keeps where the run stands, in HDF5, after every CheckpointEvery steps, at the end and where the run is
-   * interrupted; what is there already is replaced. Empty: none. When it cannot be written the run goes on, and says
-   * so.
-   * @word checkpoint
-   * @group Checkpoints
-   * @files Checkpoints (*.h5 *.hdf5)
-   * @advanced
-   */
+  /** As vtkBondBreakAlgorithm. */
   vtkSettingMacro(CheckpointFile, std::string);
-  /**
-   * Steps between two checkpoints.
-   * @group Checkpoints
-   * @range [1, inf)
-   * @advanced
-   */
+  /** As vtkBondBreakAlgorithm. Steps between two checkpoints. */
   vtkSettingMacro(CheckpointEvery, vtkIdType);
-  /**
-   * Wall time before the first checkpoint and between two at least [s]. Above 0 there is none at the end, and none that
-   * the run would not go on from to the same bits.
-   * @range [0, inf)
-   */
+  /** As vtkBondBreakAlgorithm. */
   vtkSettingMacro(CheckpointSeconds, double);
   /**
-   * A checkpoint of the same run to go on from, to the same bits. Empty: from time 0, as where this is Checkpoint File
-   * and not there yet.
+   * As vtkBondBreakAlgorithm.
    *
-   * A checkpoint of the same scene to go on from, to the same bits; states before it are not made, the curve has them.
-   * The times asked for may differ, the time step may not. Empty: from time 0, as where this is CheckpointFile and not
-   * there yet.
-   * @word continue, continue_from
-   * @group Checkpoints
-   * @files Checkpoints (*.h5 *.hdf5)
-   * @advanced
+   * To the same bits; the curve has the states before it. The times asked for may differ, the time step may not.
    */
   vtkSettingMacro(ContinueFile, std::string);
-  /** Steps in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
+  ///@{
+  /** As vtkBondBreakAlgorithm. */
   vtkGetMacro(LastCheckpoint, vtkIdType);
-
-  /**
-   * Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
-   * vtkSampleAlgorithm::STEP_EVENT have seen each.
-   */
   vtkSwitchMacro(KeepStates);
+  ///@}
   ///@{
   /** The times that the last update has kept and the image of each; null where there is none such. */
   int GetNumberOfStates();

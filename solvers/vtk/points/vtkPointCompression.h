@@ -62,12 +62,7 @@ public:
   vtkTypeMacro(vtkPointCompression, vtkPointAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  /**
-   * Axis of loading.
-   * @word axis
-   * @group Load
-   * @choice LAST_AXIS X Y Z
-   */
+  /** As vtkBondLoadAlgorithm. */
   vtkSettingMacro(LoadAxis, int);
 
   /**
@@ -208,20 +203,12 @@ public:
   void AddStateAtStrain(double strain);
   void RemoveAllStatesAtStrains();
   ///@}
-  /**
-   * Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
-   * vtkSampleAlgorithm::STEP_EVENT have seen each.
-   */
-  vtkSwitchMacro(KeepStates);
   ///@{
-  /**
-   * The state that output 0 shows, from 0, in the order of the run; -1: the end. A change runs nothing again. Beyond
-   * the last it is the end.
-   * @group State shown
-   * @default -1
-   */
+  /** As vtkBondBreakAlgorithm. */
+  vtkSwitchMacro(KeepStates);
   void SetState(int state);
   int GetState();
+  vtkGetVector2Macro(StateRange, int);
   ///@}
 
   ///@{
@@ -269,44 +256,16 @@ public:
   vtkBooleanMacro(ComputeEnergyDensity, bool);
   ///@}
 
-  /**
-   * A file (.h5) on the server that keeps where the run stands; what is there already is replaced. Empty: none.
-   *
-   * A file that keeps where the run stands, in HDF5, after every CheckpointEvery steps, at the end and where the run is
-   * interrupted; what is there already is replaced. Empty: none. When it cannot be written the run goes on, and says
-   * so.
-   * @word checkpoint
-   * @group Checkpoints
-   * @files Checkpoints (*.h5 *.hdf5)
-   * @advanced
-   */
+  /** As vtkBondBreakAlgorithm. */
   vtkSettingMacro(CheckpointFile, std::string);
-  /**
-   * Steps between two checkpoints. Go on with the number that the run began with.
-   * @group Checkpoints
-   * @range [1, inf)
-   * @advanced
-   */
+  /** As vtkBondBreakAlgorithm. Steps between two checkpoints. Go on with the number that the run began with. */
   vtkSettingMacro(CheckpointEvery, vtkIdType);
-  /**
-   * Wall time before the first checkpoint and between two at least [s]. Above 0 there is none at the end.
-   * @range [0, inf)
-   */
+  ///@{
+  /** As vtkBondBreakAlgorithm. */
   vtkSettingMacro(CheckpointSeconds, double);
-  /**
-   * A checkpoint of the same run to go on from, to the same curve. Empty: from the start, as where this is Checkpoint
-   * File and not there yet.
-   *
-   * A checkpoint of the same scene to go on from, to the same curve. States before it are not made. Empty: from the
-   * start, as where this is CheckpointFile and not there yet.
-   * @word continue, continue_from
-   * @group Checkpoints
-   * @files Checkpoints (*.h5 *.hdf5)
-   * @advanced
-   */
   vtkSettingMacro(ContinueFile, std::string);
-  /** Steps in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
   vtkGetMacro(LastCheckpoint, vtkIdType);
+  ///@}
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
@@ -323,8 +282,6 @@ public:
   int GetNumberOfStates();
   vtkPolyData* GetStatePoints(int state);
   ///@}
-  /** -1 and the number of the last state, for a slider; 0 before the first update. */
-  vtkGetVector2Macro(StateRange, int);
 
   /** Later than the last change of a setting, or of State. */
   vtkMTimeType GetMTime() override;

@@ -172,21 +172,16 @@ public:
    */
   vtkSettingMacro(StateEvery, vtkIdType);
 
-  /**
-   * Whether all states stay, or only the last one. Off, memory holds one at a time: those who observe
-   * vtkSampleAlgorithm::STEP_EVENT have seen each.
-   */
+  /** As vtkBondBreakAlgorithm. */
   vtkSwitchMacro(KeepStates);
-
   ///@{
   /**
-   * The state that the outputs show, from 0, in the order of the run; -1: the end. A change runs nothing again.
-   * Beyond the last it is the end.
+   * As vtkBondBreakAlgorithm.
    * @group States
-   * @default -1
    */
   void SetState(int state);
   int GetState();
+  vtkGetVector2Macro(StateRange, int);
   ///@}
 
   /** The contacts, output 1. */
@@ -197,8 +192,6 @@ public:
   vtkPolyData* GetStateGrains(int state);
   vtkPolyData* GetStateContacts(int state);
   ///@}
-  /** -1 and the number of the last state, for a slider; 0 before the first update. */
-  vtkGetVector2Macro(StateRange, int);
   /** What kind of mistake the last update ended with: vtkSampleAlgorithm::Failures. */
   vtkGetMacro(Failure, int);
 
