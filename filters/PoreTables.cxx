@@ -9,7 +9,6 @@
 #include "vtkTable.h"
 #include "vtkUnsignedCharArray.h"
 
-#include <array>
 #include <cmath>
 #include <string>
 

@@ -32,7 +32,6 @@ class VTKLAMELLAFILTERS_EXPORT vtkBondStress : public vtkBondAlgorithm
 public:
   static vtkBondStress* New();
   vtkTypeMacro(vtkBondStress, vtkBondAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /**
    * Take the model of the bonds from the input, which Bond Equilibrium wrote there (field text `bond_model`); it is an

@@ -106,9 +106,7 @@ struct vtkCollapseMap::Work
   /// A node of a lumen its lumen's number, any other node NaN.
   void AddNumbers(vtkImageData* output, const char* name, const char* text, std::span<const double> byLumen) const
   {
-    vtkNew<vtkFloatArray> array;
-    array->SetName(name);
-    array->SetNumberOfTuples(output->GetNumberOfPoints());
+    const auto array = lamella::newArray<vtkFloatArray>(name, 1, this->Areas->labels().size());
     std::ranges::transform(this->Areas->labels(), array->GetPointer(0),
       [&](std::int32_t label)
       {
@@ -121,9 +119,7 @@ struct vtkCollapseMap::Work
 
   void WriteImage(vtkImageData* output) const
   {
-    vtkNew<vtkIntArray> labels;
-    labels->SetName("lumen");
-    labels->SetNumberOfTuples(output->GetNumberOfPoints());
+    const auto labels = lamella::newArray<vtkIntArray>("lumen", 1, this->Areas->labels().size());
     std::ranges::copy(this->Areas->labels(), labels->GetPointer(0));
     lamella::describe(labels, "1", "label of the lumen; 0 outside", collapseCreator);
     output->GetPointData()->AddArray(labels);

@@ -22,7 +22,6 @@
 #include <cmath>
 #include <filesystem>
 #include <new>
-#include <optional>
 #include <span>
 #include <string_view>
 #include <system_error>

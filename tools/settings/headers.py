@@ -438,6 +438,7 @@ class Declarations:
         inherited = {setting.setter: setting for base in chain[:-1] for setting in base.settings}
         getters = {key: value for base in chain for key, value in self.getters[base.name].items()}
         clears = {key: value for base in chain for key, value in self.clears[base.name].items()}
+        enums = {key: found for base in chain for key, found in base.enums.items()}
         entries = self.enumerators(name)
         values = {key: entry[1] for key, entry in entries.items()}
         for setting in kind.settings:
@@ -459,7 +460,7 @@ class Declarations:
             if base is not None:
                 inherit(setting, base, tags)
                 setting.default = base.default if setting.default is None else setting.default
-            self.apply(setting, tags, kind, entries)
+            self.apply(setting, tags, enums, entries)
             if setting.default is None and setting.kind != "list" and (setting.kind != "vector" or setting.getter):
                 setting.fail(setting.at, f"the default of {setting.name} is not told: give its member an initialiser")
 
@@ -476,7 +477,7 @@ class Declarations:
         return "" if setting.kind == "text" else None
 
     @staticmethod
-    def apply(setting, tags, kind, entries):
+    def apply(setting, tags, enums, entries):
         fail = lambda why: setting.fail(setting.at, why)  # noqa: E731
         known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default", "panel", "unset", "rest", "names", "words", "colour"}
         for tag in set(tags) - known:
@@ -511,8 +512,8 @@ class Declarations:
             setting.when = (other, *words)
         if "choice" in tags:
             names = tags["choice"].split()
-            if len(names) == 1 and names[0] in kind.enums:
-                names = [entry[0] for entry in kind.enums[names[0]]]
+            if len(names) == 1 and names[0] in enums:
+                names = [entry[0] for entry in enums[names[0]]]
             missing = [name for name in names if name not in entries]
             if missing:
                 fail(f"@choice {missing[0]} is no enumerator")

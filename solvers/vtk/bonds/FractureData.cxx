@@ -12,8 +12,6 @@
 #include "vtkUnsignedCharArray.h"
 
 #include <array>
-#include <cmath>
-#include <limits>
 
 namespace pd = lamella::peridynamics;
 

@@ -76,7 +76,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkBondDynamics : public vtkBondBreakAlgorithm
 public:
   static vtkBondDynamics* New();
   vtkTypeMacro(vtkBondDynamics, vtkBondBreakAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /**
    * Density of phases without one of their own [kg/m^3].

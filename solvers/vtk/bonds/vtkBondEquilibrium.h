@@ -61,7 +61,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkBondEquilibrium : public vtkBondLoadAlgorit
 public:
   static vtkBondEquilibrium* New();
   vtkTypeMacro(vtkBondEquilibrium, vtkBondLoadAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /**
    * The low platen never moves. Stretch: the high one moves along the axis. Shear: it moves across. Biaxial: smooth

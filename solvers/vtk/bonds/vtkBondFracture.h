@@ -76,7 +76,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkBondFracture : public vtkBondBreakAlgorithm
 public:
   static vtkBondFracture* New();
   vtkTypeMacro(vtkBondFracture, vtkBondBreakAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /**
    * The low platen never moves. Stretch: the high one moves along the axis. Shear: it moves across. Biaxial: smooth

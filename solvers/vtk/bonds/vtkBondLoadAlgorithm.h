@@ -37,13 +37,6 @@ public:
   /** What is done to the sample. Default STRETCH. */
   vtkGetMacro(Load, int);
 
-  enum Axes
-  {
-    LAST_AXIS = -1, ///< "Last: y of a picture, z of a volume": y of a picture (upwards), z of a volume
-    X = 0,
-    Y = 1,
-    Z = 2
-  };
   /**
    * Axis of loading.
    * @word axis

@@ -65,7 +65,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkBondStiffness : public vtkBondAlgorithm
 public:
   static vtkBondStiffness* New();
   vtkTypeMacro(vtkBondStiffness, vtkBondAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /**
    * Solve coarser pictures of the cell as well, and tell the error. At most four times the work.

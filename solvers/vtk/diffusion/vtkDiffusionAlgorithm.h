@@ -34,6 +34,7 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkDiffusionAlgorithm : public vtkImageAlgorit
 {
 public:
   vtkTypeMacro(vtkDiffusionAlgorithm, vtkImageAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   enum Directions
   {
@@ -90,12 +91,7 @@ public:
    */
   vtkSwitchMacro(ComputeFlux);
 
-  /**
-   * Threads of each process. 0: one for each core.
-   * @group Accuracy and cost
-   * @range [0, inf)
-   * @advanced
-   */
+  /** As vtkSampleAlgorithm. */
   vtkSettingMacro(Threads, int);
 
   /** What kind of mistake the last update ended with: a value of vtkSampleAlgorithm::Failures. */
@@ -120,13 +116,6 @@ protected:
 
   /// A number of each phase, by its name or, where no phase has that name, its id.
   using PhaseValues = std::map<std::string, double>;
-  /// An empty name is ignored: an empty row in a panel.
-  void SetPhaseValue(PhaseValues& table, const char* phase, double value);
-  void RemovePhaseValue(PhaseValues& table, const char* phase);
-  void RemoveAllPhaseValues(PhaseValues& table);
-  /// NaN when the phase has none.
-  static double PhaseValue(const PhaseValues& table, const char* phase);
-  static void PrintPhaseValues(ostream& os, vtkIndent indent, const char* what, const PhaseValues& table);
 
   /// "temperature" or "concentration"; "insulated" or "periodic".
   const char* QuantityName() const;

@@ -3,8 +3,8 @@
 #include "Columns.h"
 #include "DiffusionScene.h"
 #include "FieldNumbers.h"
+#include "Listed.h"
 #include "LongRun.h"
-#include "Settings.h"
 #include "vtkLatticeConversion.h"
 #include "vtkProvenance.h"
 
@@ -98,12 +98,12 @@ vtkLatticeBoltzmann::~vtkLatticeBoltzmann() = default;
 
 void vtkLatticeBoltzmann::SetDiffusivity(const char* phase, double value)
 {
-  this->SetPhaseValue(this->Internal->Diffusivity, phase, value);
+  lamella::setNamed(this, this->Internal->Diffusivity, phase, value);
 }
 
 void vtkLatticeBoltzmann::RemoveAllDiffusivities()
 {
-  this->RemoveAllPhaseValues(this->Internal->Diffusivity);
+  lamella::removeAll(this, this->Internal->Diffusivity);
 }
 
 void vtkLatticeBoltzmann::AddStateAtTime(double time)
@@ -114,11 +114,7 @@ void vtkLatticeBoltzmann::AddStateAtTime(double time)
 
 void vtkLatticeBoltzmann::RemoveAllStatesAtTimes()
 {
-  if (!this->Internal->Times.empty())
-  {
-    this->Internal->Times.clear();
-    this->Modified();
-  }
+  lamella::removeAll(this, this->Internal->Times);
 }
 
 void vtkLatticeBoltzmann::AddStateAtStep(vtkIdType step)
@@ -129,11 +125,7 @@ void vtkLatticeBoltzmann::AddStateAtStep(vtkIdType step)
 
 void vtkLatticeBoltzmann::RemoveAllStatesAtSteps()
 {
-  if (!this->Internal->Steps.empty())
-  {
-    this->Internal->Steps.clear();
-    this->Modified();
-  }
+  lamella::removeAll(this, this->Internal->Steps);
 }
 
 int vtkLatticeBoltzmann::GetNumberOfStates()
@@ -516,10 +508,4 @@ void vtkLatticeBoltzmann::Internals::Running::Describe(const lbm::LatticeBoltzma
         { "inlet_value", self.InletValue }, { "outlet_value", self.OutletValue },
         { "initial_value", self.InitialValue }, { "end_time", solver.time() }, { "time_step", solver.timeStep() } });
   }
-}
-
-void vtkLatticeBoltzmann::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -52,7 +52,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkLatticeBoltzmann : public vtkDiffusionAlgor
 public:
   static vtkLatticeBoltzmann* New();
   vtkTypeMacro(vtkLatticeBoltzmann, vtkDiffusionAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
   /**

@@ -65,7 +65,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkSteadyDiffusion : public vtkDiffusionAlgori
 public:
   static vtkSteadyDiffusion* New();
   vtkTypeMacro(vtkSteadyDiffusion, vtkDiffusionAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
   /**

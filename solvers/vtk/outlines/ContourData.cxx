@@ -1,6 +1,7 @@
 #include "ContourData.h"
 
 #include "Columns.h"
+#include "FieldNumbers.h"
 
 #include "core/Error.h"
 #include "outlines/ContourCheck.h"
@@ -8,11 +9,9 @@
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
-#include "vtkDoubleArray.h"
 #include "vtkIdList.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
-#include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkUnsignedCharArray.h"
 
@@ -20,7 +19,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <span>
 #include <vector>
 
 namespace lamella
@@ -148,10 +146,9 @@ vtkSmartPointer<vtkPolyData> toPolyData(
   double wall = 1;
   for (const auto& [lumen, m] : measures)
     wall -= m.area / (contours.size[0] * contours.size[1]);
-  describe(setFieldNumbers(outlines, "size", contours.size), "m", "width and height of the picture", creator);
-  describe(setFieldNumbers(outlines, "corner", corner), "m", "where the picture's lower left corner lies", creator);
-  describe(setFieldNumbers(outlines, "wall_fraction", std::span(&wall, 1)), "1",
-    "share of the picture that no outline encloses", creator);
+  setFieldNumbers(outlines, "size", contours.size, "m", "width and height of the picture", creator);
+  setFieldNumbers(outlines, "corner", corner, "m", "where the picture's lower left corner lies", creator);
+  setFieldNumber(outlines, "wall_fraction", wall, "1", "share of the picture that no outline encloses", creator);
   return outlines;
 }
 

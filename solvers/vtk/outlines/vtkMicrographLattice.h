@@ -41,7 +41,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkMicrographLattice : public vtkOutlineAlgori
 public:
   static vtkMicrographLattice* New();
   vtkTypeMacro(vtkMicrographLattice, vtkOutlineAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   vtkImageData* GetOutput();
 

@@ -64,20 +64,11 @@ public:
    */
   vtkSwitchMacro(YDown);
 
-  /**
-   * Lumens smaller than a circle of this diameter become wall, in metres.
-   * @group Which ones
-   * @unit m
-   * @range [0, inf)
-   */
+  ///@{
+  /** As vtkMicrographContours. */
   vtkSettingMacro(LeastDiameter, double);
-
-  /**
-   * Closed lumens that fill a smaller share of their convex hull become wall.
-   * @group Which ones
-   * @range [0, 1]
-   */
   vtkSettingMacro(LeastSolidity, double);
+  ///@}
 
   /** The cells' outlines, output 1; without lines where the file has none. */
   vtkPolyData* GetCells();

@@ -19,12 +19,12 @@
 
 class vtkDataObject;
 class vtkImageData;
-class vtkPolyData;
 
 class VTKLAMELLASOLVERSVTK_EXPORT vtkOutlineAlgorithm : public vtkAlgorithm
 {
 public:
   vtkTypeMacro(vtkOutlineAlgorithm, vtkAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
   /** The outlines, input 0, and what else goes in. */

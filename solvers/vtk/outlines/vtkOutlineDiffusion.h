@@ -38,6 +38,8 @@
 
 #include <memory> // for std::unique_ptr
 
+class vtkPolyData;
+
 namespace lamella
 {
 struct OutlineFindings;
@@ -48,7 +50,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkOutlineDiffusion : public vtkOutlineAlgorit
 public:
   static vtkOutlineDiffusion* New();
   vtkTypeMacro(vtkOutlineDiffusion, vtkOutlineAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   vtkPolyData* GetOutput();
 

@@ -179,14 +179,6 @@ public:
    */
   vtkSettingMacro(CellsPerNode, double);
 
-  enum Axes
-  {
-    LAST_AXIS = -1, ///< "Last: y of a picture, z of a volume": y of a picture (upwards), z of a volume
-    X = 0,
-    Y = 1,
-    Z = 2
-  };
-
   /**
    * Platens stand where the tissue begins and ends, not at the image's ends.
    * @group Load

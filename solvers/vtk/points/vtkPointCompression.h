@@ -60,7 +60,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkPointCompression : public vtkPointAlgorithm
 public:
   static vtkPointCompression* New();
   vtkTypeMacro(vtkPointCompression, vtkPointAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /** As vtkBondLoadAlgorithm. */
   vtkSettingMacro(LoadAxis, int);

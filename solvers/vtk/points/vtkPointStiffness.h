@@ -45,7 +45,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkPointStiffness : public vtkPointAlgorithm
 public:
   static vtkPointStiffness* New();
   vtkTypeMacro(vtkPointStiffness, vtkPointAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   enum SideKinds
   {

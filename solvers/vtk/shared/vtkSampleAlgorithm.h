@@ -27,6 +27,7 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkSampleAlgorithm : public vtkDataObjectAlgor
 {
 public:
   vtkTypeMacro(vtkSampleAlgorithm, vtkDataObjectAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
   /**
@@ -48,6 +49,14 @@ public:
    * @advanced
    */
   vtkSettingMacro(Threads, int);
+
+  enum Axes
+  {
+    LAST_AXIS = -1, ///< "Last: y of a picture, z of a volume": y of a picture (upwards), z of a volume
+    X = 0,
+    Y = 1,
+    Z = 2
+  };
 
   enum Events
   {
