@@ -1,3 +1,4 @@
+#include "Columns.h"
 #include "CrackColumns.h"
 
 #include "vtkLatticeConversion.h"
@@ -125,21 +126,13 @@ void fillCrackPaths(vtkPolyData* output, const CrackPaths& paths, const CrackSca
     writer.add(path, lines);
   writer.write(output);
   output->SetLines(lines);
-  const auto number = arrayOf<vtkIntArray>("path", 1, "1", "number of the path; 1 is the longest");
-  for (std::size_t p = 0; p < paths.paths.size(); ++p)
-    number->InsertNextValue(static_cast<int>(p) + 1);
-  output->GetCellData()->AddArray(number);
-  const auto add = [&](auto array, const PathColumn& column)
-  {
-    for (const CrackPath& path : paths.paths)
-      array->InsertNextTuple1(column.value(path));
-    output->GetCellData()->AddArray(array);
-  };
+  const Columns columns{ output->GetCellData(), paths.paths, crackCreator };
+  columns.add<vtkIntArray>("path", "1", "number of the path; 1 is the longest", [](std::size_t i) { return i + 1; });
   for (const PathColumn& column : pathColumns(paths, scale))
     if (column.whole)
-      add(arrayOf<vtkTypeInt64Array>(column.name, 1, column.unit, column.description), column);
+      columns.add<vtkTypeInt64Array>(column.name, column.unit, column.description, column.value);
     else
-      add(arrayOf<vtkDoubleArray>(column.name, 1, column.unit, column.description), column);
+      columns.numbers(column.name, column.unit, column.description, column.value);
 }
 
 } // namespace lamella

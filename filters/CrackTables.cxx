@@ -1,8 +1,9 @@
 #include "CrackTables.h"
+#include "Columns.h"
 #include "CrackColumns.h"
-#include "TableColumns.h"
 
-#include "vtkStringArray.h"
+#include "vtkDataSetAttributes.h"
+#include "vtkTable.h"
 
 #include <algorithm>
 #include <cmath>
@@ -63,30 +64,15 @@ std::string CrackScale::pair(const cracks::PairShare& s) const
 void fillPathTable(vtkTable* table, const CrackPaths& paths, const CrackScale& scale)
 {
   const std::vector<CrackPath>& list = paths.paths;
-  const Columns columns{ table, list.size(), crackCreator };
-  columns.counts(
-    "path", "number of the path; 1 is the longest", [](std::size_t i) { return static_cast<vtkIdType>(i) + 1; });
+  const Columns columns{ table->GetRowData(), list, crackCreator };
+  columns.counts("path", "number of the path; 1 is the longest", [](std::size_t i) { return i + 1; });
   for (const PathColumn& column : pathColumns(paths, scale))
-  {
     if (column.whole)
-    {
-      columns.counts(
-        column.name, column.description, [&](std::size_t i) { return std::llround(column.value(list[i])); });
-    }
+      columns.counts(column.name, column.description, column.value);
     else
-    {
-      columns.numbers(
-        column.name, column.unit, column.description, [&](std::size_t i) { return column.value(list[i]); });
-    }
-  }
+      columns.numbers(column.name, column.unit, column.description, column.value);
   for (const std::size_t end : { std::size_t{ 0 }, std::size_t{ 1 } })
-  {
-    vtkNew<vtkStringArray> words;
-    words->SetName(end == 0 ? "begins_at" : "ends_at");
-    for (const CrackPath& path : list)
-      words->InsertNextValue(wordOf(path.ends[end]));
-    table->AddColumn(words);
-  }
+    columns.words(end == 0 ? "begins_at" : "ends_at", [&](const CrackPath& path) { return wordOf(path.ends[end]); });
   for (const bool last : { false, true })
   {
     for (std::size_t axis = 0; axis < 2; ++axis)
@@ -150,37 +136,34 @@ void fillPairTable(
           [&](const cracks::PairShare& s) { return p.phases == s.phases && p.betweenGrains == s.betweenGrains; }))
       rows.push_back({ { p.phases, p.betweenGrains }, p.length });
   const bool space = scale.input.lattice.dimension == 3;
-  const Columns columns{ table, rows.size(), crackCreator };
-  vtkNew<vtkStringArray> names;
-  names->SetName("pair");
-  for (const Row& row : rows)
-    names->InsertNextValue(scale.pair(row.pair));
-  table->AddColumn(names);
+  const Columns columns{ table->GetRowData(), rows, crackCreator };
+  columns.words(
+    "pair", [&](const Row& row) { return scale.pair(row.pair); });
   columns.counts(
-    "phase_low", "lesser phase", [&](std::size_t i) { return rows[i].pair.phases[0]; });
+    "phase_low", "lesser phase", [](const Row& row) { return row.pair.phases[0]; });
   columns.counts(
-    "phase_high", "greater phase", [&](std::size_t i) { return rows[i].pair.phases[1]; });
+    "phase_high", "greater phase", [](const Row& row) { return row.pair.phases[1]; });
   columns.counts(
-    "between_grains", "1: in two different grains", [&](std::size_t i) { return rows[i].pair.betweenGrains ? 1 : 0; });
+    "between_grains", "1: in two different grains", [&](const Row& row) { return row.pair.betweenGrains ? 1 : 0; });
   if (!space)
   {
     columns.numbers(
       "length", "m", "of the paths between nodes of these phases",
-      [&](std::size_t i) { return scale.metres(rows[i].length); });
+      [&](const Row& row) { return scale.metres(row.length); });
     columns.numbers(
-      "share", "1", "of the length of all paths", [&](std::size_t i) { return share(rows[i].length, paths.length); });
+      "share", "1", "of the length of all paths", [&](const Row& row) { return share(row.length, paths.length); });
   }
   columns.counts(
-    "bonds", "broken bonds between these phases", [&](std::size_t i) { return rows[i].pair.bonds; });
+    "bonds", "broken bonds between these phases", [&](const Row& row) { return row.pair.bonds; });
   columns.numbers(
     "share_of_bonds", "1", "of all broken bonds",
-    [&](std::size_t i) { return share(static_cast<double>(rows[i].pair.bonds), bonds); });
+    [&](const Row& row) { return share(static_cast<double>(row.pair.bonds), bonds); });
   columns.numbers(
     space ? "counted_area" : "counted_length", space ? "m^2" : "m", "that their number stands for",
-    [&](std::size_t i)
-    { return rows[i].pair.counted * std::pow(scale.input.lattice.spacing, scale.input.lattice.dimension - 1); });
+    [&](const Row& row)
+    { return row.pair.counted * std::pow(scale.input.lattice.spacing, scale.input.lattice.dimension - 1); });
   columns.numbers(
-    "share_of_counted", "1", "of all of it", [&](std::size_t i) { return share(rows[i].pair.counted, size); });
+    "share_of_counted", "1", "of all of it", [&](const Row& row) { return share(row.pair.counted, size); });
 }
 
 void fillGrowthTable(vtkTable* table, const CrackPaths& paths, const CrackScale& scale)
@@ -188,21 +171,17 @@ void fillGrowthTable(vtkTable* table, const CrackPaths& paths, const CrackScale&
   const std::vector<cracks::Growth> all = cracks::growth(paths);
   const std::vector<cracks::Growth> main =
     paths.cracks.empty() ? std::vector<cracks::Growth>() : cracks::growth(paths, 0);
-  const Columns columns{ table, all.size(), crackCreator };
+  const Columns columns{ table->GetRowData(), all, crackCreator };
   const auto mainAt = [&](std::size_t i) -> const cracks::Growth*
   {
-    const auto after = std::upper_bound(
-      main.begin(), main.end(), all[i].event,
+    const auto after = std::upper_bound(main.begin(), main.end(), all[i].event,
       [](std::int64_t event, const cracks::Growth& g) { return event < g.event; });
     return after == main.begin() ? nullptr : &*std::prev(after);
   };
-  columns.counts("event", "at which a path grew", [&](std::size_t i) { return all[i].event; });
+  columns.counts("event", "at which a path grew", &cracks::Growth::event);
   const bool time = scale.input.when == "time";
   if (scale.input.when != "event")
-  {
-    columns.numbers(
-      scale.input.when, unitOf(scale.input.when), "of the event", [&](std::size_t i) { return all[i].when; });
-  }
+    columns.numbers(scale.input.when, unitOf(scale.input.when), "of the event", &cracks::Growth::when);
   columns.numbers(
     "length", "m", "of all paths after it", [&](std::size_t i) { return scale.metres(all[i].length); });
   columns.numbers("main_length", "m", "of the longest crack's paths after it",
@@ -221,12 +200,9 @@ void fillFragmentTable(vtkTable* table, const CrackFragments& fragments, const L
 {
   const std::vector<CrackFragment>& list = fragments.list;
   const bool space = lattice.dimension == 3;
-  const Columns columns{ table, list.size(), crackCreator };
-  columns.counts(
-    "fragment", "number of the fragment; 1 is the largest",
-    [](std::size_t i) { return static_cast<vtkIdType>(i) + 1; });
-  columns.counts(
-    "nodes", "of the fragment", [&](std::size_t i) { return list[i].nodes; });
+  const Columns columns{ table->GetRowData(), list, crackCreator };
+  columns.counts("fragment", "number of the fragment; 1 is the largest", [](std::size_t i) { return i + 1; });
+  columns.counts("nodes", "of the fragment", &CrackFragment::nodes);
   columns.numbers(
     space ? "volume" : "area", space ? "m^3" : "m^2", "of the fragment",
     [&](std::size_t i) { return static_cast<double>(list[i].nodes) * std::pow(lattice.spacing, lattice.dimension); });

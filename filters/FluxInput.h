@@ -4,7 +4,6 @@
 
 #include "lbm/SteadyDiffusion.h"
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>

@@ -1,9 +1,8 @@
 #include "StressTables.h"
 
-#include "TableColumns.h"
-#include "vtkLatticeConversion.h"
+#include "Columns.h"
 
-#include "vtkStringArray.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkTable.h"
 
 #include <cmath>
@@ -27,23 +26,21 @@ double over(double a, double b)
   return b != 0 ? a / b : 0;
 }
 
-void addTails(const Columns& columns, const std::vector<ExponentialTail>& tails)
+void addTails(vtkTable* table, const std::vector<ExponentialTail>& tails)
 {
-  columns.counts(
-    "tail_count", "stresses beyond the threshold", [&](std::size_t i) { return tails[i].count; });
+  const Columns columns{ table->GetRowData(), tails, stressCreator };
+  columns.counts("tail_count", "stresses beyond the threshold", &ExponentialTail::count);
+  columns.numbers("tail_share", "1", "their share of all tensile ones", &ExponentialTail::share);
+  columns.numbers("theta", "1", "rate of the exponential tail, by maximum likelihood", &ExponentialTail::theta);
   columns.numbers(
-    "tail_share", "1", "their share of all tensile ones", [&](std::size_t i) { return tails[i].share; });
-  columns.numbers(
-    "theta", "1", "rate of the exponential tail, by maximum likelihood", [&](std::size_t i) { return tails[i].theta; });
-  columns.numbers("theta_error", "1", "standard error of theta if stresses were independent",
-    [&](std::size_t i) { return tails[i].standardError; });
+    "theta_error", "1", "standard error of theta if stresses were independent", &ExponentialTail::standardError);
 }
 
 } // namespace
 
 void fillDensity(vtkTable* table, const StressDistribution& d, std::span<const std::string> phases)
 {
-  const Columns columns{ table, d.all.bins.size(), stressCreator };
+  const Columns columns{ table->GetRowData(), d.all.bins, stressCreator };
   const auto edge = [&](std::size_t bin)
   { return (static_cast<double>(d.firstBin) + static_cast<double>(bin)) * d.binWidth; };
   const auto middle = [&](std::size_t bin) { return edge(bin) + d.binWidth / 2; };
@@ -87,51 +84,42 @@ void fillPhases(vtkTable* table, const StressDistribution& d, std::span<const st
     names.push_back(phases[g]);
     tails.push_back(d.groups[g].tail);
   }
-  const Columns columns{ table, groups.size(), stressCreator };
-  vtkNew<vtkStringArray> name;
-  name->SetName("phase");
-  for (const std::string& text : names)
-    name->InsertNextValue(text);
-  table->AddColumn(name);
-  const auto stress = [&](const char* column, const char* description, double StressGroup::*member)
-  {
-    columns.numbers(
-      column, "Pa", description, [&](std::size_t i) { return groups[i]->*member; });
-  };
+  const Columns columns{ table->GetRowData(), groups, stressCreator };
+  columns.words(
+    "phase", [&](std::size_t i) { return names[i]; });
   const auto share = [&](const char* column, const char* description, std::int64_t StressGroup::*member)
   {
-    columns.numbers(
-      column, "1", description,
-      [&](std::size_t i)
-      { return over(static_cast<double>(groups[i]->*member), static_cast<double>(groups[i]->count)); });
+    columns.numbers(column, "1", description,
+      [&](const StressGroup* group)
+      { return over(static_cast<double>(group->*member), static_cast<double>(group->count)); });
   };
-  columns.counts("count", "points or cells", [&](std::size_t i) { return groups[i]->count; });
-  stress("mean", "mean stress", &StressGroup::mean);
-  stress("deviation", "standard deviation", &StressGroup::deviation);
-  stress("mean_tensile", "mean of the stresses above 0", &StressGroup::meanTensile);
-  stress("mean_compressive", "mean of the stresses below 0", &StressGroup::meanCompressive);
-  stress("smallest", "smallest stress", &StressGroup::smallest);
-  stress("largest", "largest stress", &StressGroup::largest);
+  columns.counts("count", "points or cells", &StressGroup::count);
+  columns.numbers("mean", "Pa", "mean stress", &StressGroup::mean);
+  columns.numbers("deviation", "Pa", "standard deviation", &StressGroup::deviation);
+  columns.numbers("mean_tensile", "Pa", "mean of the stresses above 0", &StressGroup::meanTensile);
+  columns.numbers("mean_compressive", "Pa", "mean of the stresses below 0", &StressGroup::meanCompressive);
+  columns.numbers("smallest", "Pa", "smallest stress", &StressGroup::smallest);
+  columns.numbers("largest", "Pa", "largest stress", &StressGroup::largest);
   share("tensile_share", "share of points above 0", &StressGroup::tensile);
   share("compressive_share", "share of points below 0", &StressGroup::compressive);
   if (d.reference > 0)
   {
     columns.numbers(
       "mean_tensile_over_reference", "1", "mean tensile stress over the reference stress",
-      [&](std::size_t i) { return groups[i]->meanTensile / d.reference; });
+      [&](const StressGroup* group) { return group->meanTensile / d.reference; });
     columns.numbers("mean_compressive_over_reference", "1", "mean compressive stress over the reference stress",
-      [&](std::size_t i) { return groups[i]->meanCompressive / d.reference; });
+      [&](const StressGroup* group) { return group->meanCompressive / d.reference; });
   }
-  addTails(columns, tails);
+  addTails(table, tails);
 }
 
 void fillThresholds(vtkTable* table, const StressDistribution& d)
 {
-  const Columns columns{ table, d.tails.size(), stressCreator };
-  columns.numbers("threshold", means, "where the tail begins", [&](std::size_t i) { return d.tails[i].threshold; });
-  addTails(columns, d.tails);
+  const Columns columns{ table->GetRowData(), d.tails, stressCreator };
+  columns.numbers("threshold", means, "where the tail begins", &ExponentialTail::threshold);
+  addTails(table, d.tails);
   columns.numbers("distance", "1", "largest difference between the cumulative shares of stresses and law",
-    [&](std::size_t i) { return d.tails[i].distance; });
+    &ExponentialTail::distance);
 }
 
 } // namespace lamella

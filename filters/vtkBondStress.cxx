@@ -1,7 +1,6 @@
 #include "vtkBondStress.h"
 
 #include "BondFields.h"
-#include "Settings.h"
 #include "vtkProvenance.h"
 
 #include "core/Error.h"
@@ -69,10 +68,4 @@ void vtkBondStress::Run(vtkImageData* input, vtkImageData* output, const lamella
   const nlohmann::json model = lamella::toJson(settings);
   lamella::setFieldText(output, lamella::bondModelName, model.dump());
   lamella::continueProvenance(output, "bond_stress", { { "model", model }, { "displacement", given.name } });
-}
-
-void vtkBondStress::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -32,30 +32,19 @@ class VTKLAMELLAFILTERS_EXPORT vtkBondStress : public vtkBondAlgorithm
 public:
   static vtkBondStress* New();
   vtkTypeMacro(vtkBondStress, vtkBondAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
   /**
-   * Take the model of the bonds from the input, which Bond Equilibrium wrote there. Off: from the settings below.
-   *
-   * Take the model from the field text `bond_model` of the input; it is an error when there is none. Off: the settings
-   * of this filter.
+   * Take the model of the bonds from the input, which Bond Equilibrium wrote there (field text `bond_model`); it is an
+   * error when there is none. Off: from the settings below.
    * @group Input
    */
-  vtkSetMacro(ModelFromInput, bool);
-  vtkGetMacro(ModelFromInput, bool);
-  vtkBooleanMacro(ModelFromInput, bool);
-  ///@}
+  vtkSwitchMacro(ModelFromInput);
 
-  ///@{
   /**
    * Also the strain energy of every node.
    * @group Input
    */
-  vtkSetMacro(ComputeStrainEnergy, bool);
-  vtkGetMacro(ComputeStrainEnergy, bool);
-  vtkBooleanMacro(ComputeStrainEnergy, bool);
-  ///@}
+  vtkSwitchMacro(ComputeStrainEnergy);
 
 protected:
   vtkBondStress();

@@ -2,10 +2,10 @@
 
 #include "Attempt.h"
 #include "CollapseInput.h"
+#include "Columns.h"
 #include "FieldNumbers.h"
 #include "PhaseIds.h"
 #include "PoreTables.h"
-#include "TableColumns.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -106,9 +106,7 @@ struct vtkCollapseMap::Work
   /// A node of a lumen its lumen's number, any other node NaN.
   void AddNumbers(vtkImageData* output, const char* name, const char* text, std::span<const double> byLumen) const
   {
-    vtkNew<vtkFloatArray> array;
-    array->SetName(name);
-    array->SetNumberOfTuples(output->GetNumberOfPoints());
+    const auto array = lamella::newArray<vtkFloatArray>(name, 1, this->Areas->labels().size());
     std::ranges::transform(this->Areas->labels(), array->GetPointer(0),
       [&](std::int32_t label)
       {
@@ -121,9 +119,7 @@ struct vtkCollapseMap::Work
 
   void WriteImage(vtkImageData* output) const
   {
-    vtkNew<vtkIntArray> labels;
-    labels->SetName("lumen");
-    labels->SetNumberOfTuples(output->GetNumberOfPoints());
+    const auto labels = lamella::newArray<vtkIntArray>("lumen", 1, this->Areas->labels().size());
     std::ranges::copy(this->Areas->labels(), labels->GetPointer(0));
     lamella::describe(labels, "1", "label of the lumen; 0 outside", collapseCreator);
     output->GetPointData()->AddArray(labels);
@@ -165,27 +161,21 @@ struct vtkCollapseMap::Work
   {
     lamella::fillPores(lumens, this->Areas->lumens(), this->Whole);
     lumens->GetColumn(0)->SetName("lumen");
-    const lamella::Columns columns{ lumens, this->Areas->lumens().size(), collapseCreator };
+    const lamella::Columns columns{ lumens->GetRowData(), this->Areas->lumens(), collapseCreator };
     columns.add<vtkUnsignedCharArray>(
-      "cut", "1", "1 where the sample's rim cuts it",
-      [&](std::size_t i) { return static_cast<unsigned char>(this->Areas->cut(i) ? 1 : 0); });
+      "cut", "1", "1 where the sample's rim cuts it", [&](std::size_t i) { return this->Areas->cut(i); });
     columns.numbers(
       "ratio", "1", "area or volume in the last state over that at the start",
       [&](std::size_t i) { return this->Collapse->ratio()[i]; });
     columns.numbers("collapse_strain", "1", "strain at which it collapsed; NaN: never",
       [&](std::size_t i) { return this->Collapse->strain()[i]; });
-    const lamella::Columns rows{ states, this->States.size(), collapseCreator };
+    const lamella::Columns rows{ states->GetRowData(), this->States, collapseCreator };
     const auto all = static_cast<double>(this->Areas->lumens().size());
-    rows.numbers(
-      "strain", "1", "of the state", [&](std::size_t i) { return this->States[i].strain; });
-    rows.counts(
-      "collapsed", "lumens that have collapsed by then",
-      [&](std::size_t i) { return static_cast<vtkIdType>(this->States[i].collapsed); });
-    rows.numbers(
-      "collapsed_share", "1", "their share of all lumens",
-      [&](std::size_t i) { return static_cast<double>(this->States[i].collapsed) / all; });
-    rows.numbers("ratio", "1", "area or volume of all lumens over that at the start",
-      [&](std::size_t i) { return this->States[i].ratio; });
+    rows.numbers("strain", "1", "of the state", &StateRow::strain);
+    rows.counts("collapsed", "lumens that have collapsed by then", &StateRow::collapsed);
+    rows.numbers("collapsed_share", "1", "their share of all lumens",
+      [&](const StateRow& s) { return static_cast<double>(s.collapsed) / all; });
+    rows.numbers("ratio", "1", "area or volume of all lumens over that at the start", &StateRow::ratio);
   }
 };
 

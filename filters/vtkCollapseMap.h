@@ -33,6 +33,7 @@
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaFiltersModule.h" // for export macro
+#include "vtkSetting.h"
 
 #include <memory> // for the run
 #include <string> // for the phase
@@ -48,36 +49,27 @@ public:
   vtkTypeMacro(vtkCollapseMap, vtkImageAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
   /**
    * The phase that lumens are of: its name, or its number where phases have no names. Empty: the first that is called
    * void, pore, lumen or air.
    * @word lumen, phase
    * @group Lumens
    */
-  vtkSetMacro(Phase, std::string);
-  vtkGetMacro(Phase, std::string);
-  ///@}
+  vtkSettingMacro(Phase, std::string);
 
-  ///@{
   /**
    * Share of its area at the start at which a lumen has collapsed.
    * @group Lumens
    * @range (0, 1)
    */
-  vtkSetMacro(Share, double);
-  vtkGetMacro(Share, double);
-  ///@}
+  vtkSettingMacro(Share, double);
 
-  ///@{
   /**
    * Lumens of fewer pixels or voxels are left out.
    * @group Lumens
    * @range [0, inf)
    */
-  vtkSetMacro(MinimumSize, int);
-  vtkGetMacro(MinimumSize, int);
-  ///@}
+  vtkSettingMacro(MinimumSize, int);
 
   /** The points, input 1: where they come from, time steps and all; or one state more. */
   void SetPointsConnection(vtkAlgorithmOutput* points);

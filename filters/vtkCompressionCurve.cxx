@@ -1,8 +1,8 @@
 #include "vtkCompressionCurve.h"
 
 #include "Attempt.h"
+#include "Columns.h"
 #include "FieldNumbers.h"
-#include "TableColumns.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -11,6 +11,7 @@
 #include "core/Error.h"
 
 #include "vtkDataArray.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -136,7 +137,7 @@ void vtkCompressionCurve::Run(vtkTable* input, vtkTable* output)
   const std::vector<double> stress = columnOf(input, this->GetInputArrayInformation(1), "stresses [Pa]");
   const compression::CompressionCurve curve = compression::compressionCurve(strain, stress, options);
   output->ShallowCopy(input);
-  const lamella::Columns columns{ output, strain.size(), curveCreator };
+  const lamella::Columns columns{ output->GetRowData(), strain, curveCreator };
   const auto add = [&](const char* name, const char* unit, const char* text, const std::vector<double>& values)
   { columns.numbers(name, unit, text, [&](std::size_t row) { return values[row]; }); };
   add("absorbed_energy", "J/m^3", "integral of the stress over the strain", curve.energy);

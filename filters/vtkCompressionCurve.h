@@ -29,6 +29,7 @@
 #define vtkCompressionCurve_h
 
 #include "vtkLamellaFiltersModule.h" // for export macro
+#include "vtkSetting.h"
 #include "vtkTableAlgorithm.h"
 
 class VTKLAMELLAFILTERS_EXPORT vtkCompressionCurve : public vtkTableAlgorithm
@@ -38,67 +39,49 @@ public:
   vtkTypeMacro(vtkCompressionCurve, vtkTableAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
   /**
    * Strains between which the stiffness is fitted.
    * @group Curve
    * @columns from, to
    */
-  vtkSetVector2Macro(StiffnessRange, double);
-  vtkGetVector2Macro(StiffnessRange, double);
-  ///@}
+  vtkSettingVector2Macro(StiffnessRange, double);
 
-  ///@{
   /**
    * Width in strain of the steepest window within that range that is fitted instead, for curves that begin with a toe.
    * 0: all of the range.
    * @group Curve
    * @range [0, inf)
    */
-  vtkSetMacro(Window, double);
-  vtkGetMacro(Window, double);
-  ///@}
+  vtkSettingMacro(Window, double);
 
-  ///@{
   /**
    * Plastic strain at the yield stress.
    * @group Curve
    * @range [0, 1)
    */
-  vtkSetMacro(Offset, double);
-  vtkGetMacro(Offset, double);
-  ///@}
+  vtkSettingMacro(Offset, double);
 
-  ///@{
   /**
    * Strains between which the plateau's mean is taken, such as 0.2 and 0.4. 0 and 0: from collapse to densification.
    * @group Curve
    * @columns from, to
    */
-  vtkSetVector2Macro(PlateauRange, double);
-  vtkGetVector2Macro(PlateauRange, double);
-  ///@}
+  vtkSettingVector2Macro(PlateauRange, double);
 
-  ///@{
   /**
    * Width in strain over which stresses are smoothed before maxima and crossings are looked for. 0: not at all.
    * @group Curve
    * @range [0, 1]
    */
-  vtkSetMacro(Smoothing, double);
-  vtkGetMacro(Smoothing, double);
-  ///@}
+  vtkSettingMacro(Smoothing, double);
 
-  ///@{
   /**
    * Share that the curve falls by beyond a maximum that counts.
    * @group Curve
    * @advanced
    * @range [0, 1)
    */
-  vtkSetMacro(Prominence, double);
-  vtkGetMacro(Prominence, double);
-  ///@}
+  vtkSettingMacro(Prominence, double);
 
 protected:
   vtkCompressionCurve();

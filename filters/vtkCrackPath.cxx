@@ -4,6 +4,7 @@
 #include "CrackInput.h"
 #include "CrackSample.h"
 #include "CrackTables.h"
+#include "NewArray.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -201,9 +202,7 @@ struct vtkCrackPath::Work
 
   void WriteFragments(const lamella::CrackFragments& fragments, const lamella::Lattice& lattice) const
   {
-    vtkNew<vtkIntArray> labels;
-    labels->SetName("fragment");
-    labels->SetNumberOfTuples(static_cast<vtkIdType>(fragments.ofPiece.size()));
+    const auto labels = lamella::newArray<vtkIntArray>("fragment", 1, fragments.ofPiece.size());
     std::copy(fragments.ofPiece.begin(), fragments.ofPiece.end(), labels->GetPointer(0));
     lamella::describe(labels, "1", "number of the fragment, 1 is the largest; 0 in voids", "vtkCrackPath");
     this->Image()->GetPointData()->AddArray(labels);

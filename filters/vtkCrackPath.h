@@ -62,6 +62,7 @@
 
 #include "vtkLamellaFiltersModule.h" // for export macro
 #include "vtkPolyDataAlgorithm.h"
+#include "vtkSetting.h"
 
 class vtkImageData;
 class vtkMultiProcessController;
@@ -74,21 +75,15 @@ public:
   vtkTypeMacro(vtkCrackPath, vtkPolyDataAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
   /**
-   * Shorter cracks are left out [spacings], unless they part a wall between voids or sides. -1: the horizon.
-   *
-   * Shorter cracks are left out and counted [spacings], unless they lead from a void or side to another place there. 0
-   * keeps all.
+   * Shorter cracks are left out and counted [spacings], unless they part a wall between voids or sides. 0 keeps all;
+   * -1: the horizon.
    * @range [-1, inf)
    * @group Cracks
    * @unit spacings
    */
-  vtkSetMacro(MinimumLength, double);
-  vtkGetMacro(MinimumLength, double);
-  ///@}
+  vtkSettingMacro(MinimumLength, double);
 
-  ///@{
   /**
    * Branches that end in solid after no more than this are taken away [spacings]. -1: twice the horizon.
    * @range [-1, inf)
@@ -96,11 +91,8 @@ public:
    * @unit spacings
    * @advanced
    */
-  vtkSetMacro(SpurLength, double);
-  vtkGetMacro(SpurLength, double);
-  ///@}
+  vtkSettingMacro(SpurLength, double);
 
-  ///@{
   /**
    * Length of the longest bonds [spacings]. 0: as the broken bonds tell.
    * @group Cracks
@@ -108,20 +100,14 @@ public:
    * @range [0, 8]
    * @advanced
    */
-  vtkSetMacro(Horizon, double);
-  vtkGetMacro(Horizon, double);
-  ///@}
+  vtkSettingMacro(Horizon, double);
 
-  ///@{
   /**
    * Where there is an image, find the pieces that no unbroken bond joins.
    * @group Cracks
    * @off no-fragments: Do not look for the pieces that no unbroken bond joins.
    */
-  vtkSetMacro(ComputeFragments, bool);
-  vtkGetMacro(ComputeFragments, bool);
-  vtkBooleanMacro(ComputeFragments, bool);
-  ///@}
+  vtkSwitchMacro(ComputeFragments);
 
   /** The image of phases, input 1. */
   void SetImageData(vtkImageData* image);

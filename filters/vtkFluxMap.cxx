@@ -2,6 +2,7 @@
 
 #include "Attempt.h"
 #include "BoxExchange.h"
+#include "Columns.h"
 #include "FluxInput.h"
 #include "flux/FluxField.h"
 #include "flux/FluxLines.h"
@@ -14,7 +15,6 @@
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
-#include "vtkIdTypeArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -22,7 +22,6 @@
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
-#include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkSMPTools.h"
 #include "vtkUnsignedCharArray.h"
@@ -72,15 +71,6 @@ lbm::Block grown(const lbm::Block& block, const lamella::Lattice& lattice, bool 
       ++box.size[axis];
   }
   return box;
-}
-
-vtkSmartPointer<vtkDoubleArray> newArray(const char* name, int components, vtkIdType tuples)
-{
-  auto array = vtkSmartPointer<vtkDoubleArray>::New();
-  array->SetName(name);
-  array->SetNumberOfComponents(components);
-  array->SetNumberOfTuples(tuples);
-  return array;
 }
 
 } // namespace
@@ -375,12 +365,13 @@ struct vtkFluxMap::Work
   void WriteMagnitude(const lamella::SolvedDirection& direction, const std::vector<double>& blockFlux) const
   {
     const vtkIdType points = this->Output->GetNumberOfPoints();
+    const auto count = static_cast<std::size_t>(points);
     std::vector<double> own;
     std::span<const double> flux;
     if (direction.flux.empty())
     {
-      const auto array = newArray(("flux" + direction.suffix).c_str(), 3, points);
-      const std::span<double> piece(array->GetPointer(0), static_cast<std::size_t>(3 * points));
+      const auto array = lamella::newArray<vtkDoubleArray>(("flux" + direction.suffix).c_str(), 3, count);
+      const std::span<double> piece(array->GetPointer(0), 3 * count);
       this->Exchange(this->Block, this->Whole.held, false).run<double>(blockFlux, piece, 3);
       lamella::describe(array, "conductivity/m", "flux of " + this->Found.quantity + ", -D grad u", "vtkFluxMap");
       this->Output->GetPointData()->AddArray(array);
@@ -390,7 +381,7 @@ struct vtkFluxMap::Work
     {
       flux = doubles(this->Input, direction.flux, own);
     }
-    const auto magnitude = newArray("flux_magnitude", 1, points);
+    const auto magnitude = lamella::newArray<vtkDoubleArray>("flux_magnitude", 1, count);
     double* const out = magnitude->GetPointer(0);
     vtkSMPTools::For(0, points,
       [&](vtkIdType begin, vtkIdType end)
@@ -435,32 +426,19 @@ struct vtkFluxMap::Work
 
   void WriteLines(const lamella::flux::FluxLines& lines, const lamella::flux::FluxSetting& setting) const
   {
-    vtkIdType total = 0;
-    for (const lamella::flux::LinePiece& piece : lines.pieces)
-      total += static_cast<vtkIdType>(piece.points.size());
-    const auto count = static_cast<vtkIdType>(lines.pieces.size());
-    vtkNew<vtkPoints> points;
-    points->SetDataTypeToDouble();
-    points->SetNumberOfPoints(total);
+    using lamella::flux::LinePiece;
+    std::size_t total = 0;
+    for (const LinePiece& piece : lines.pieces)
+      total += piece.points.size();
+    const auto points = lamella::newPoints(total);
     vtkNew<vtkCellArray> cells;
-    const auto magnitude = newArray("flux_magnitude", 1, total);
-    const auto value = newArray(this->Found.quantity.c_str(), 1, total);
-    const auto arc = newArray("arc_length", 1, total);
-    const auto length = newArray("length", 1, count);
-    const auto tortuosity = newArray("tortuosity", 1, count);
-    vtkNew<vtkIdTypeArray> number;
-    number->SetName("line");
-    number->SetNumberOfTuples(count);
-    vtkNew<vtkUnsignedCharArray> arrived;
-    arrived->SetName("arrived");
-    arrived->SetNumberOfTuples(count);
-
+    const auto magnitude = lamella::newArray<vtkDoubleArray>("flux_magnitude", 1, total);
+    const auto value = lamella::newArray<vtkDoubleArray>(this->Found.quantity.c_str(), 1, total);
+    const auto arc = lamella::newArray<vtkDoubleArray>("arc_length", 1, total);
     const double spacing = setting.lattice.spacing;
     vtkIdType at = 0;
-    for (vtkIdType cell = 0; cell < count; ++cell)
+    for (const LinePiece& piece : lines.pieces)
     {
-      const lamella::flux::LinePiece& piece = lines.pieces[static_cast<std::size_t>(cell)];
-      const auto line = static_cast<std::size_t>(piece.line);
       cells->InsertNextCell(static_cast<int>(piece.points.size()));
       for (std::size_t i = 0; i < piece.points.size(); ++i, ++at)
       {
@@ -470,27 +448,25 @@ struct vtkFluxMap::Work
         value->SetValue(at, piece.value[i]);
         arc->SetValue(at, piece.length[i] * spacing);
       }
-      number->SetValue(cell, piece.line);
-      length->SetValue(cell, lines.length[line] * spacing);
-      tortuosity->SetValue(cell, lines.length[line] * spacing / setting.lattice.length(setting.axis));
-      arrived->SetValue(cell, lines.arrived[line]);
     }
-    lamella::describe(magnitude, "conductivity/m", "magnitude of the flux", "vtkFluxMap");
-    lamella::describe(value, "1", this->Found.quantity, "vtkFluxMap");
-    lamella::describe(arc, "m", "way from the inlet along the line", "vtkFluxMap");
-    lamella::describe(length, "m", "length of the whole line", "vtkFluxMap");
-    lamella::describe(tortuosity, "1", "length of the whole line over the length of the box", "vtkFluxMap");
-    lamella::describe(number, "1", "number of the line; its pieces share it", "vtkFluxMap");
-    lamella::describe(arrived, "1", "1 where the line reached the outlet", "vtkFluxMap");
+    const char* const creator = "vtkFluxMap";
+    lamella::describe(magnitude, "conductivity/m", "magnitude of the flux", creator);
+    lamella::describe(value, "1", this->Found.quantity, creator);
+    lamella::describe(arc, "m", "way from the inlet along the line", creator);
     this->Lines->SetPoints(points);
     this->Lines->SetLines(cells);
     this->Lines->GetPointData()->SetScalars(magnitude);
-    this->Lines->GetPointData()->AddArray(value);
-    this->Lines->GetPointData()->AddArray(arc);
-    this->Lines->GetCellData()->AddArray(number);
-    this->Lines->GetCellData()->AddArray(length);
-    this->Lines->GetCellData()->AddArray(tortuosity);
-    this->Lines->GetCellData()->AddArray(arrived);
+    lamella::addArrays(this->Lines->GetPointData(), { value, arc });
+    const lamella::Columns columns{ this->Lines->GetCellData(), lines.pieces, creator };
+    const auto length = [&](const LinePiece& piece)
+    { return lines.length[static_cast<std::size_t>(piece.line)] * spacing; };
+    columns.counts("line", "number of the line; its pieces share it", &LinePiece::line);
+    columns.numbers("length", "m", "length of the whole line", length);
+    columns.numbers(
+      "tortuosity", "1", "length of the whole line over the length of the box",
+      [&](const LinePiece& piece) { return length(piece) / setting.lattice.length(setting.axis); });
+    columns.add<vtkUnsignedCharArray>("arrived", "1", "1 where the line reached the outlet",
+      [&](const LinePiece& piece) { return lines.arrived[static_cast<std::size_t>(piece.line)]; });
   }
 
   void WriteNumbers() const

@@ -36,6 +36,7 @@
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaFiltersModule.h" // for export macro
+#include "vtkSetting.h"
 
 #include <memory> // for std::unique_ptr
 
@@ -56,26 +57,20 @@ public:
     Z = 2,
     AUTO = 3 ///< "The first that was solved"
   };
-  ///@{
   /**
    * Which of the solved directions the magnitude and the streamlines show. Numbers are given for all of them.
    * @group Map
    * @choice Directions
    */
-  vtkSetMacro(Direction, int);
-  vtkGetMacro(Direction, int);
-  ///@}
+  vtkSettingMacro(Direction, int);
 
-  ///@{
   /**
    * Each carries the same share of the flux through the inlet. 0: none are computed.
    * @group Map
    * @word streamlines
    * @range [0, 1000000]
    */
-  vtkSetMacro(NumberOfStreamlines, int);
-  vtkGetMacro(NumberOfStreamlines, int);
-  ///@}
+  vtkSettingMacro(NumberOfStreamlines, int);
 
   /** The streamlines, output 1. */
   vtkPolyData* GetStreamlines();

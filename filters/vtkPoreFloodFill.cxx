@@ -25,7 +25,6 @@
 #include "vtkTable.h"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <vector>
 

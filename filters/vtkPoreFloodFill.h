@@ -40,6 +40,7 @@
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaFiltersModule.h" // for export macro
+#include "vtkSetting.h"
 
 #include <string> // for the phase
 
@@ -53,84 +54,55 @@ public:
   vtkTypeMacro(vtkPoreFloodFill, vtkImageAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
   /**
    * The phase whose pores are wanted: its name, or its number where phases have no names. Empty: the first that is
    * called void, pore, lumen or air.
    */
-  vtkSetMacro(Phase, std::string);
-  vtkGetMacro(Phase, std::string);
-  ///@}
+  vtkSettingMacro(Phase, std::string);
 
-  ///@{
   /**
    * Over what nodes hang together: 4 or 8 neighbours in a picture, 6, 18 or 26 in a volume.
    * @values 0 = Sides or faces (4 or 6); 4 = 4 (picture: sides); 8 = 8 (picture: and corners); 6 = 6 (volume: faces);
    * 18 = 18 (volume: and edges); 26 = 26 (volume: and corners)
    */
-  vtkSetMacro(Connectivity, int);
-  vtkGetMacro(Connectivity, int);
-  ///@}
+  vtkSettingMacro(Connectivity, int);
 
-  ///@{
   /**
    * Along x, y, z: 1 where the image goes on at its other end.
    * @columns x, y, z
    * @range [0, 1]
    */
-  vtkSetVector3Macro(Periodic, int);
-  vtkGetVector3Macro(Periodic, int);
-  ///@}
+  vtkSettingVector3Macro(Periodic, int);
 
-  ///@{
   /**
    * Pores of fewer pixels or voxels get no label and no row in the table.
    * @range [0, inf)
    */
-  vtkSetMacro(MinimumSize, int);
-  vtkGetMacro(MinimumSize, int);
-  ///@}
+  vtkSettingMacro(MinimumSize, int);
 
-  ///@{
   /**
    * Label 1 is the largest pore; otherwise pores are numbered in the order of memory.
    * @off no-sort-by-size: Number pores in the order of memory, not by size.
    */
-  vtkSetMacro(SortBySize, bool);
-  vtkGetMacro(SortBySize, bool);
-  vtkBooleanMacro(SortBySize, bool);
-  ///@}
+  vtkSwitchMacro(SortBySize);
 
-  ///@{
   /**
    * Whether the image carries `pore`, and `pore_size` with it. Off, pores are counted and measured only.
    */
-  vtkSetMacro(ComputeLabels, bool);
-  vtkGetMacro(ComputeLabels, bool);
-  vtkBooleanMacro(ComputeLabels, bool);
-  ///@}
+  vtkSwitchMacro(ComputeLabels);
 
-  ///@{
   /**
-   * Also give each node the size of its pore, to colour by (on a log scale).
-   *
-   * Whether the image carries `pore_size`, to be coloured by.
+   * Also give each node the size of its pore (`pore_size`), to colour by (on a log scale).
    * @advanced
    * @off no-pore-size: Do not give each node the size of its pore.
    */
-  vtkSetMacro(ComputePoreSize, bool);
-  vtkGetMacro(ComputePoreSize, bool);
-  vtkBooleanMacro(ComputePoreSize, bool);
-  ///@}
+  vtkSwitchMacro(ComputePoreSize);
 
-  ///@{
   /**
    * More pores are an error. What 32 bits hold, the default, is the most that there can be.
    * @range [1, inf)
    */
-  vtkSetMacro(MaximumNumberOfLabels, int);
-  vtkGetMacro(MaximumNumberOfLabels, int);
-  ///@}
+  vtkSettingMacro(MaximumNumberOfLabels, int);
 
   /** The tables, outputs 1 and 2. */
   vtkTable* GetPores();

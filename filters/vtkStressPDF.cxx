@@ -2,6 +2,7 @@
 
 #include "Attempt.h"
 #include "FieldNumbers.h"
+#include "Listed.h"
 #include "StressInput.h"
 #include "StressTables.h"
 #include "vtkPieces.h"
@@ -17,7 +18,6 @@
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkSMPTools.h"
-#include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkTable.h"
 
 #include <algorithm>
@@ -145,11 +145,7 @@ void vtkStressPDF::AddPhase(const char* phase)
 
 void vtkStressPDF::ClearPhases()
 {
-  if (!this->Phases.empty())
-  {
-    this->Phases.clear();
-    this->Modified();
-  }
+  lamella::removeAll(this, this->Phases);
 }
 
 int vtkStressPDF::GetNumberOfPhases()

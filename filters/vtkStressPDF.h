@@ -42,6 +42,7 @@
 #define vtkStressPDF_h
 
 #include "vtkLamellaFiltersModule.h" // for export macro
+#include "vtkSetting.h"
 #include "vtkTableAlgorithm.h"
 
 #include <string> // for the phases
@@ -70,21 +71,16 @@ public:
     PRINCIPAL_2 = 9, ///< "Middle principal"
     PRINCIPAL_3 = 10 ///< "Smallest principal": the smallest
   };
-  ///@{
   /**
    * Which number of the tensor. An array of one component is taken as it is.
    * @group Stresses
    * @choice Components
    */
-  vtkSetMacro(Component, int);
-  vtkGetMacro(Component, int);
-  ///@}
+  vtkSettingMacro(Component, int);
 
   ///@{
   /**
-   * Phases to count, one a row, by name or number. None: all but the void.
-   *
-   * Phases to count: names of `phase_names` or, where no phase has that name, values.
+   * Phases to count, one a row, by name or, where no phase has that name, by number. None: all but the void.
    * @word phase, phases
    * @title Phases to count
    * @group Stresses
@@ -95,60 +91,43 @@ public:
   const char* GetPhase(int i);
   ///@}
 
-  ///@{
   /**
    * Leave out the layers of an image that the platens of Bond Equilibrium hold, where bonds are missing.
    * @group Stresses
    * @advanced
    * @off keep-platens: Take the layers of an image that the platens hold along, where bonds are missing.
    */
-  vtkSetMacro(LeaveOutPlatens, bool);
-  vtkGetMacro(LeaveOutPlatens, bool);
-  vtkBooleanMacro(LeaveOutPlatens, bool);
-  ///@}
+  vtkSwitchMacro(LeaveOutPlatens);
 
-  ///@{
   /**
    * Width of a bin of the density, in mean tensile stresses.
    * @group Tail and density
    * @range (0, inf)
    */
-  vtkSetMacro(BinWidth, double);
-  vtkGetMacro(BinWidth, double);
-  ///@}
+  vtkSettingMacro(BinWidth, double);
 
-  ///@{
   /**
    * Where the density begins and ends, in mean tensile stresses. 0 and 0: wherever stresses are.
    * @group Tail and density
    * @columns from, to
    * @advanced
    */
-  vtkSetVector2Macro(Range, double);
-  vtkGetVector2Macro(Range, double);
-  ///@}
+  vtkSettingVector2Macro(Range, double);
 
-  ///@{
   /**
    * Where the tail begins, in mean tensile stresses. 0: by the tail's share.
    * @group Tail and density
    * @range [0, inf)
    */
-  vtkSetMacro(Threshold, double);
-  vtkGetMacro(Threshold, double);
-  ///@}
+  vtkSettingMacro(Threshold, double);
 
-  ///@{
   /**
    * Where the threshold is 0: the largest tensile stresses that are the tail, as a share of all tensile ones.
    * @group Tail and density
    * @range (0, 1]
    */
-  vtkSetMacro(TailShare, double);
-  vtkGetMacro(TailShare, double);
-  ///@}
+  vtkSettingMacro(TailShare, double);
 
-  ///@{
   /**
    * A stress to compare the means with [Pa], such as the pure matrix's at the same strain. 0: none.
    * @group Stresses
@@ -156,9 +135,7 @@ public:
    * @unit Pa
    * @range [0, inf)
    */
-  vtkSetMacro(ReferenceStress, double);
-  vtkGetMacro(ReferenceStress, double);
-  ///@}
+  vtkSettingMacro(ReferenceStress, double);
 
   /** Outputs 1 and 2. */
   vtkTable* GetPhaseTable();

@@ -9,7 +9,6 @@
 
 class vtkDataArray;
 class vtkDataSet;
-class vtkDataSetAttributes;
 
 /// Which arrays of the data a picture is made of.
 namespace lamella::rendering

@@ -3,7 +3,6 @@
 #include "OffScreenContext.h"
 
 #include <array>
-#include <cstdint>
 #include <dlfcn.h>
 
 namespace lamella::rendering

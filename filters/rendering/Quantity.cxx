@@ -9,7 +9,6 @@
 #include "vtkDataSet.h"
 #include "vtkFieldData.h"
 #include "vtkInformation.h"
-#include "vtkInformationStringKey.h"
 #include "vtkPointData.h"
 #include "vtkSnapshot.h"
 #include "vtkStringArray.h"
@@ -17,7 +16,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <sstream>
 
 namespace lamella::rendering

@@ -23,7 +23,6 @@
 #include <cmath>
 #include <filesystem>
 #include <new>
-#include <optional>
 #include <span>
 #include <string_view>
 #include <system_error>

@@ -3,6 +3,7 @@
 
 #include "vtkLamellaRenderingModule.h" // for the export macro
 #include "vtkObject.h"
+#include "vtkSetting.h"
 
 #include <memory> // for the options
 #include <string> // for messages
@@ -82,8 +83,7 @@ public:
    * @group Drawing
    * @choice Presets
    */
-  vtkSetMacro(Preset, int);
-  vtkGetMacro(Preset, int);
+  vtkSettingMacro(Preset, int);
   bool SetPresetByName(const char* name);
   static const char* GetPresetName(int preset);
   ///@}
@@ -99,7 +99,6 @@ public:
   const char* GetArrayName();
   ///@}
 
-  ///@{
   /**
    * Component of an array that has several: 0, 1, 2 ...; -1: the magnitude; of a stress the component
    * along the load.
@@ -107,9 +106,7 @@ public:
    * @names -1 = magnitude; 0 = x; 1 = y; 2 = z
    * @range [-1, 1000]
    */
-  vtkSetMacro(Component, int);
-  vtkGetMacro(Component, int);
-  ///@}
+  vtkSettingMacro(Component, int);
 
   ///@{
   /**
@@ -147,16 +144,12 @@ public:
   void ClearPhaseColors();
   ///@}
 
-  ///@{
   /**
    * Flux over its mean in the box and stress over that on the platen, which have no unit; else as they are.
    * @off absolute-flux: The flux or stress itself, not over its mean.
    * @group Drawing
    */
-  vtkSetMacro(RelativeFlux, bool);
-  vtkGetMacro(RelativeFlux, bool);
-  vtkBooleanMacro(RelativeFlux, bool);
-  ///@}
+  vtkSwitchMacro(RelativeFlux);
 
   enum Overlays
   {
@@ -174,20 +167,16 @@ public:
    * @group Drawing
    * @choice Overlays
    */
-  vtkSetMacro(Overlay, int);
-  vtkGetMacro(Overlay, int);
+  vtkSettingMacro(Overlay, int);
   bool SetOverlayByName(const char* name);
   ///@}
 
-  ///@{
   /**
    * How many lines, or arrows along the longer side. 0: as many as look well.
    * @group Drawing
    * @range [0, 500]
    */
-  vtkSetMacro(OverlayCount, int);
-  vtkGetMacro(OverlayCount, int);
-  ///@}
+  vtkSettingMacro(OverlayCount, int);
 
   ///@{
   /**
@@ -207,7 +196,6 @@ public:
   vtkPolyData* GetOverlayLines();
   ///@}
 
-  ///@{
   /**
    * The border between void and solid (phases by their names; without such a name, phase 0 is the void) as a thin line.
    * Not for phases and grains, which show it anyway.
@@ -215,12 +203,8 @@ public:
    * @off no-outline: Leave out the thin line between void and solid.
    * @group Drawing
    */
-  vtkSetMacro(ShowOutline, bool);
-  vtkGetMacro(ShowOutline, bool);
-  vtkBooleanMacro(ShowOutline, bool);
-  ///@}
+  vtkSwitchMacro(ShowOutline);
 
-  ///@{
   /**
    * Width and height of the whole picture in pixels. 0, 0: follows from the data, with a whole number of picture pixels
    * for each of theirs.
@@ -229,21 +213,15 @@ public:
    * @range [64, 16384]
    * @unset 0
    */
-  vtkSetVector2Macro(Size, int);
-  vtkGetVector2Macro(Size, int);
-  ///@}
+  vtkSettingVector2Macro(Size, int);
 
-  ///@{
   /**
    * Size of all text, relative.
    * @group Page
    * @range [0.2, 5]
    */
-  vtkSetMacro(FontScale, double);
-  vtkGetMacro(FontScale, double);
-  ///@}
+  vtkSettingMacro(FontScale, double);
 
-  ///@{
   /**
    * Background. Text is dark on light and light on dark backgrounds.
    * @group Page
@@ -251,19 +229,13 @@ public:
    * @colour
    * @range [0, 1]
    */
-  vtkSetVector3Macro(Background, double);
-  vtkGetVector3Macro(Background, double);
-  ///@}
+  vtkSettingVector3Macro(Background, double);
 
-  ///@{
   /**
    * Leave the background out, so that the picture can be laid on anything.
    * @group Page
    */
-  vtkSetMacro(Transparent, bool);
-  vtkGetMacro(Transparent, bool);
-  vtkBooleanMacro(Transparent, bool);
-  ///@}
+  vtkSwitchMacro(Transparent);
 
   ///@{
   /**
@@ -289,63 +261,46 @@ public:
   const char* GetUnit();
   ///@}
 
-  ///@{
   /**
    * Legend and colour bar.
    * @word legend
    * @off no-legend: Leave out the legend.
    * @group Page
    */
-  vtkSetMacro(ShowLegend, bool);
-  vtkGetMacro(ShowLegend, bool);
-  vtkBooleanMacro(ShowLegend, bool);
+  vtkSwitchMacro(ShowLegend);
   /**
    * Scale bar.
    * @word scale-bar
    * @off no-scale-bar: Leave out the scale bar.
    * @group Page
    */
-  vtkSetMacro(ShowScaleBar, bool);
-  vtkGetMacro(ShowScaleBar, bool);
-  vtkBooleanMacro(ShowScaleBar, bool);
-  ///@}
+  vtkSwitchMacro(ShowScaleBar);
 
-  ///@{
   /**
    * Volumes and surfaces: where they are looked at from, around z from the x axis towards y.
    * @group Page
    * @unit degrees
    */
-  vtkSetMacro(Azimuth, double);
-  vtkGetMacro(Azimuth, double);
+  vtkSettingMacro(Azimuth, double);
   /**
    * Volumes and surfaces: where they are looked at from, above the xy plane.
    * @group Page
    * @unit degrees
    * @range [-90, 90]
    */
-  vtkSetMacro(Elevation, double);
-  vtkGetMacro(Elevation, double);
-  ///@}
+  vtkSettingMacro(Elevation, double);
 
-  ///@{
   /**
    * Volumes: opacity of the surface of the preset phase.
    * @group Page
    * @range [0, 1]
    */
-  vtkSetMacro(Opacity, double);
-  vtkGetMacro(Opacity, double);
-  ///@}
+  vtkSettingMacro(Opacity, double);
 
-  ///@{
   /**
    * Write() may replace a file.
    */
-  vtkSetMacro(Overwrite, bool);
-  vtkGetMacro(Overwrite, bool);
-  vtkBooleanMacro(Overwrite, bool);
-  ///@}
+  vtkSwitchMacro(Overwrite);
 
   ///@{
   /**

@@ -1,9 +1,9 @@
 """Reads what a VTK class declares of its settings from its header: the one place where a setting is told.
 
-A setting is a public setter: vtkSetMacro(Name, type) and its kin, `void SetName(...)` of a number that has a getter, or
-`void AddName(...)`, `void SetName(const char*, ...)` beside a `RemoveAllNames()` of things that are listed. Its default is
-the member's own initialiser. The comment above it says in a sentence or two what it does, to those who set it in any front
-end, and then, in lines that begin with @:
+A setting is a public setter: vtkSettingMacro(Name, type) and its kin (vtkSetting.h, VTK's own), `void SetName(...)` of a
+number that has a getter, or `void AddName(...)`, `void SetName(const char*, ...)` beside a `RemoveAllNames()` of things that
+are listed. Its default is the member's own initialiser. The comment above it says in a sentence or two what it does, to those
+who set it in any front end, and then, in lines that begin with @:
 
     @word at-time, at_times       what it is called in a command, and in Python if that differs, where the rule's word will not do
     @off no-rivals: Do not look   of a switch that is on by itself: the option that switches it off (by itself no-WORD), and what that does
@@ -26,6 +26,7 @@ end, and then, in lines that begin with @:
     @panel off                    of a switch or a choice: how a panel begins, where a live pipeline should not pay for the default
 
 The comment of a class may say @default Name value of a setting of its base, and @without Name Name of those that make no sense for it. A further paragraph is for programmers alone. What a comment between ///@{ and ///@} says holds for all setters in there.
+Where it begins with "As vtkX.", all that it does not say is as that class has it.
 """
 
 import dataclasses
@@ -321,6 +322,10 @@ class Reader:
         name = parts[0]
         size = re.search(r"Vector(\d?)", which)
         count = int(size[1] or parts[2]) if size else 1
+        if which == "SwitchMacro":
+            which, parts = "SettingMacro", [name, "bool"]
+        if which.startswith("Setting"):  # vtkSetting.h: the setter and the getter
+            self.getters[name] = "Get" + name
         if which.startswith("Get"):
             self.getters[name] = "Get" + name
             kind = "text" if re.match(r"Get(String|FilePath)", which) else kind_of(parts[1]) if len(parts) > 1 else None
@@ -391,7 +396,8 @@ class Declarations:
             self.members[read.name] = reader.members
             for setting in read.settings:
                 setting.fail = reader.fail
-        for name in sorted(self.classes, key=lambda name: len(self.chain(name))):
+        self.completed = set()
+        for name in self.classes:
             self.complete(name)
 
     def chain(self, name):
@@ -405,17 +411,41 @@ class Declarations:
     def enumerators(self, name):
         return {entry[0]: entry for kind in self.chain(name) for entries in kind.enums.values() for entry in entries}
 
+    def told_by(self, kind, name, text, find):
+        """What a text begins with, "As vtkX. Rest.", of the same name there, and the rest; else None and the text."""
+        found = re.match(r"As (vtk\w+)\. ?", text)
+        if not found:
+            return None, text
+        other = self.classes.get(found[1])
+        if other:
+            self.complete(other.name)
+        there = find(other) if other else None
+        if there is None:
+            raise HeaderError(f"{kind.header}: {name} is as {found[1]} has it, which has none")
+        return there, text[found.end():]
+
     def complete(self, name):
+        if name in self.completed:
+            return
+        self.completed.add(name)
         kind = self.classes[name]
         chain = self.chain(name)
+        for base in chain[:-1]:
+            self.complete(base.name)
+        for told, (*rest, text) in kind.tells.items():
+            there, text = self.told_by(kind, told, text, lambda other: other.tells.get(told))
+            kind.tells[told] = (*rest, text or there[-1] if there else text)
         inherited = {setting.setter: setting for base in chain[:-1] for setting in base.settings}
         getters = {key: value for base in chain for key, value in self.getters[base.name].items()}
         clears = {key: value for base in chain for key, value in self.clears[base.name].items()}
+        enums = {key: found for base in chain for key, found in base.enums.items()}
         entries = self.enumerators(name)
         values = {key: entry[1] for key, entry in entries.items()}
         for setting in kind.settings:
             tags, setting.getter = dict(setting.tags), getters.get(setting.setter[3:], "")
-            base = inherited.get(setting.setter)
+            there, setting.text = self.told_by(kind, setting.setter, setting.text, lambda other: next(
+                (found for found in other.settings if found.setter == setting.setter), None))
+            base = there or inherited.get(setting.setter)
             if setting.kind == "list" and setting.setter.startswith("Set") and "text" not in setting.types:
                 setting.kind = "vector"  # several numbers that nothing tells, and none by itself
             elif setting.kind == "list" or setting.setter.startswith("Add"):
@@ -429,7 +459,8 @@ class Declarations:
                 setting.default = self.default(setting, chain, values)
             if base is not None:
                 inherit(setting, base, tags)
-            self.apply(setting, tags, kind, entries)
+                setting.default = base.default if setting.default is None else setting.default
+            self.apply(setting, tags, enums, entries)
             if setting.default is None and setting.kind != "list" and (setting.kind != "vector" or setting.getter):
                 setting.fail(setting.at, f"the default of {setting.name} is not told: give its member an initialiser")
 
@@ -446,7 +477,7 @@ class Declarations:
         return "" if setting.kind == "text" else None
 
     @staticmethod
-    def apply(setting, tags, kind, entries):
+    def apply(setting, tags, enums, entries):
         fail = lambda why: setting.fail(setting.at, why)  # noqa: E731
         known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default", "panel", "unset", "rest", "names", "words", "colour"}
         for tag in set(tags) - known:
@@ -481,8 +512,8 @@ class Declarations:
             setting.when = (other, *words)
         if "choice" in tags:
             names = tags["choice"].split()
-            if len(names) == 1 and names[0] in kind.enums:
-                names = [entry[0] for entry in kind.enums[names[0]]]
+            if len(names) == 1 and names[0] in enums:
+                names = [entry[0] for entry in enums[names[0]]]
             missing = [name for name in names if name not in entries]
             if missing:
                 fail(f"@choice {missing[0]} is no enumerator")

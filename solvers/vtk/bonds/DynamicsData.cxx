@@ -3,9 +3,7 @@
 #include "BondFields.h"
 #include "FieldNumbers.h"
 #include "FractureData.h"
-#include "NewArray.h"
 
-#include "vtkDoubleArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkPointData.h"
@@ -13,7 +11,6 @@
 #include "vtkTypeInt64Array.h"
 
 #include <array>
-#include <functional>
 #include <limits>
 
 namespace pd = lamella::peridynamics;
@@ -29,79 +26,49 @@ const char* wordOf(pd::MotionEnd end)
 
 void setBrokenBonds(vtkPolyData* output, const pd::DynamicsResult& result, const BondScene& scene, const char* creator)
 {
-  const std::size_t count = result.broken.size();
+  using Break = pd::DynamicBreak;
   std::vector<pd::Bond> bonds;
-  const auto event = newArray<vtkTypeInt64Array>("event", 1, count);
-  const auto step = newArray<vtkTypeInt64Array>("step", 1, count);
-  const auto time = newArray<vtkDoubleArray>("time", 1, count);
-  const auto energy = newArray<vtkDoubleArray>("energy", 1, count);
-  std::int64_t events = 0;
-  for (std::size_t i = 0; i < count; ++i)
+  std::vector<std::int64_t> events; // from 1
+  for (const Break& b : result.broken)
   {
-    const pd::DynamicBreak& b = result.broken[i];
-    const auto id = static_cast<vtkIdType>(i);
-    events += i == 0 || b.step != result.broken[i - 1].step ? 1 : 0;
+    const bool begins = bonds.empty() || b.step != result.broken[bonds.size() - 1].step;
+    events.push_back((events.empty() ? 0 : events.back()) + (begins ? 1 : 0));
     bonds.push_back(b.bond);
-    event->SetValue(id, events);
-    step->SetValue(id, b.step);
-    time->SetValue(id, b.time);
-    energy->SetValue(id, b.energy);
   }
-  describe(event, "1", "from 1; bonds that broke in one step share it", creator);
-  describe(step, "1", "step in which it broke, from 1", creator);
-  describe(time, "s", "when it broke", creator);
-  describe(energy, scene.lattice().dimension == 3 ? "J" : "J/m", "that it held when it broke", creator);
-  setBonds(output, bonds, result.ends, scene, creator, { event, step, time, energy });
+  const Columns<pd::Bond> rest = setBonds(output, bonds, scene, creator);
+  const Columns columns{ rest.data, result.broken, creator };
+  columns.add<vtkTypeInt64Array>(
+    "event", "1", "from 1; bonds that broke in one step share it", [&](std::size_t i) { return events[i]; });
+  columns.add<vtkTypeInt64Array>("step", "1", "step in which it broke, from 1", &Break::step);
+  columns.numbers("time", "s", "when it broke", &Break::time);
+  columns.numbers("energy", scene.lattice().dimension == 3 ? "J" : "J/m", "that it held when it broke", &Break::energy);
+  addEnds(rest, result.ends, scene);
+  output->GetPointData()->SetActiveScalars("event");
 }
 
 void setHistory(vtkTable* output, const pd::DynamicsResult& result, int dimension, const char* creator)
 {
+  using Point = pd::MotionPoint;
   output->Initialize();
-  const auto column = [&](const char* name, const char* unit, const char* text,
-                        const std::function<double(const pd::MotionPoint&)>& value)
-  {
-    const auto array = newArray<vtkDoubleArray>(name, 1, result.history.size());
-    for (std::size_t i = 0; i < result.history.size(); ++i)
-      array->SetValue(static_cast<vtkIdType>(i), value(result.history[i]));
-    describe(array, unit, text, creator);
-    output->AddColumn(array);
-  };
-  const char* const joule = dimension == 3 ? "J" : "J/m";
-  column(
-    "time", "s", "since the start", [](const auto& p) { return p.time; });
-  column(
-    "strain", "1", "of the platens, or how far the two sides have moved apart over their distance",
-    [](const auto& p) { return p.strain; });
-  column(
-    "stress", "Pa", "mean force on both platens over the section, or the mean over the box along the axis",
-    [](const auto& p) { return p.stress; });
-  column(
-    "rate", "1", "of the imposed speeds over what they are without regulation", [](const auto& p) { return p.rate; });
-  column(
-    "kinetic_energy", joule, "of all nodes", [](const auto& p) { return p.energies.kinetic; });
-  column(
-    "elastic_energy", joule, "of all bonds", [](const auto& p) { return p.energies.elastic; });
-  column(
-    "broken_energy", joule, "that bonds held when they broke, since the start",
-    [](const auto& p) { return p.energies.broken; });
-  column(
-    "damped_energy", joule, "lost to viscous damping, since the start",
-    [](const auto& p) { return p.energies.damped; });
-  column(
-    "supplied_energy", joule, "work of loads and of moved nodes, since the start",
-    [](const auto& p) { return p.energies.supplied; });
-  column("energy_defect", "1",
+  const Columns columns{ output->GetRowData(), result.history, creator };
+  const auto energy = [&](const char* name, const char* text, double pd::EnergyBalance::*part)
+  { columns.numbers(name, dimension == 3 ? "J" : "J/m", text, [&](const Point& p) { return p.energies.*part; }); };
+  columns.numbers("time", "s", "since the start", &Point::time);
+  columns.numbers(
+    "strain", "1", "of the platens, or how far the two sides have moved apart over their distance", &Point::strain);
+  columns.numbers("stress", "Pa",
+    "mean force on both platens over the section, or the mean over the box along the axis", &Point::stress);
+  columns.numbers("rate", "1", "of the imposed speeds over what they are without regulation", &Point::rate);
+  energy("kinetic_energy", "of all nodes", &pd::EnergyBalance::kinetic);
+  energy("elastic_energy", "of all bonds", &pd::EnergyBalance::elastic);
+  energy("broken_energy", "that bonds held when they broke, since the start", &pd::EnergyBalance::broken);
+  energy("damped_energy", "lost to viscous damping, since the start", &pd::EnergyBalance::damped);
+  energy("supplied_energy", "work of loads and of moved nodes, since the start", &pd::EnergyBalance::supplied);
+  columns.numbers("energy_defect", "1",
     "kinetic, elastic, broken and damped less supplied and what there was at the start, over the largest of them",
-    [](const auto& p) { return p.energies.defect(); });
-  for (const char* const name : { "broken", "step" })
-  {
-    const bool bonds = name[0] == 'b';
-    const auto array = newArray<vtkTypeInt64Array>(name, 1, result.history.size());
-    for (std::size_t i = 0; i < result.history.size(); ++i)
-      array->SetValue(static_cast<vtkIdType>(i), bonds ? result.history[i].broken : result.history[i].step);
-    describe(array, "1", bonds ? "bonds broken so far" : "number of the step", creator);
-    output->AddColumn(array);
-  }
+    [](const Point& p) { return p.energies.defect(); });
+  columns.add<vtkTypeInt64Array>("broken", "1", "bonds broken so far", &Point::broken);
+  columns.add<vtkTypeInt64Array>("step", "1", "number of the step", &Point::step);
 }
 
 void setDynamicsNumbers(vtkImageData* output, const pd::DynamicsResult& r)

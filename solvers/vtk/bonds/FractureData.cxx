@@ -2,9 +2,7 @@
 
 #include "BondFields.h"
 #include "FieldNumbers.h"
-#include "NewArray.h"
 
-#include "vtkDoubleArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkIntArray.h"
@@ -14,8 +12,6 @@
 #include "vtkUnsignedCharArray.h"
 
 #include <array>
-#include <cmath>
-#include <limits>
 
 namespace pd = lamella::peridynamics;
 
@@ -38,86 +34,67 @@ const char* wordOf(pd::Breaking breaking)
   return breaking == pd::Breaking::Strict ? "strict" : "batched";
 }
 
-void setBonds(vtkPolyData* output, std::span<const pd::Bond> bonds, std::span<const pd::BondEnds> ends,
-  const BondScene& scene, const char* creator, std::initializer_list<vtkDataArray*> first)
+Columns<pd::Bond> setBonds(
+  vtkPolyData* output, std::span<const pd::Bond> bonds, const BondScene& scene, const char* creator)
+{
+  const pd::Stencil stencil(scene.lattice().dimension, scene.model().horizon);
+  const auto points = newPoints(bonds.size());
+  for (std::size_t i = 0; i < bonds.size(); ++i)
+    points->SetPoint(static_cast<vtkIdType>(i), pd::middleOf(scene.lattice(), stencil, bonds[i]).data());
+  setVertices(output, points);
+  return { output->GetPointData(), bonds, creator };
+}
+
+void addEnds(const Columns<pd::Bond>& columns, std::span<const pd::BondEnds> ends, const BondScene& scene)
 {
   const Lattice& lattice = scene.lattice();
   const pd::Stencil stencil(lattice.dimension, scene.model().horizon);
-  const auto points = newPoints(bonds.size());
-  const auto vector = newArray<vtkDoubleArray>("bond", 3, bonds.size());
-  const auto phases = newArray<vtkUnsignedCharArray>("phases", 2, bonds.size());
-  const auto between = newArray<vtkUnsignedCharArray>("between_grains", 1, bonds.size());
-  for (std::size_t i = 0; i < bonds.size(); ++i)
+  const auto vector = newArray<vtkDoubleArray>("bond", 3, ends.size());
+  const auto phases = newArray<vtkUnsignedCharArray>("phases", 2, ends.size());
+  for (std::size_t i = 0; i < ends.size(); ++i)
   {
     const auto id = static_cast<vtkIdType>(i);
-    points->SetPoint(id, pd::middleOf(lattice, stencil, bonds[i]).data());
-    const auto& step = stencil.half()[static_cast<std::size_t>(bonds[i].offset)].step;
+    const auto& step = stencil.half()[static_cast<std::size_t>(columns.rows[i].offset)].step;
     vector->SetTuple3(id, lattice.spacing * step[0], lattice.spacing * step[1], lattice.spacing * step[2]);
     phases->SetTypedComponent(id, 0, ends[i].low);
     phases->SetTypedComponent(id, 1, ends[i].high);
-    between->SetValue(id, ends[i].betweenGrains ? 1 : 0);
   }
-  describe(vector, "m", "from its first node to its second", creator);
-  describe(phases, "1", "phases of both ends, the lesser first", creator);
-  describe(between, "1", "1 where the ends lie in two different grains", creator);
-  setVertices(output, points);
-  vtkPointData* const data = output->GetPointData();
-  addArrays(data, first);
-  addArrays(data, { vector, phases, between });
-  data->SetActiveScalars("event");
+  describe(vector, "m", "from its first node to its second", columns.creator);
+  describe(phases, "1", "phases of both ends, the lesser first", columns.creator);
+  addArrays(columns.data, { vector, phases });
+  columns.add<vtkUnsignedCharArray>("between_grains", "1", "1 where the ends lie in two different grains",
+    [&](std::size_t i) { return ends[i].betweenGrains; });
 }
 
 void setBrokenBonds(vtkPolyData* output, const pd::FractureResult& result, const BondScene& scene, const char* creator)
 {
-  const std::vector<pd::BrokenBond>& broken = result.record.broken;
-  const std::size_t count = broken.size();
+  using Broken = pd::BrokenBond;
+  const std::vector<Broken>& broken = result.record.broken;
   std::vector<pd::Bond> bonds;
-  const auto event = newArray<vtkTypeInt64Array>("event", 1, count);
-  const auto strain = newArray<vtkDoubleArray>("strain", 1, count);
-  const auto critical = newArray<vtkDoubleArray>("critical_strain", 1, count);
-  const auto stress = newArray<vtkDoubleArray>("stress", 1, count);
-  for (std::size_t i = 0; i < count; ++i)
-  {
-    const pd::BrokenBond& b = broken[i];
-    const auto id = static_cast<vtkIdType>(i);
+  for (const Broken& b : broken)
     bonds.push_back(b.bond);
-    event->SetValue(id, b.event);
-    strain->SetValue(id, b.strain);
-    critical->SetValue(id, b.criticalStrain);
-    stress->SetValue(id, b.stress);
-  }
-  describe(event, "1", "number of the event in which it broke, from 1", creator);
-  describe(strain, "1", "strain that was imposed when it broke", creator);
-  describe(critical, "1", "strain at which it was just critical: the path that follows every snap-back", creator);
-  describe(stress, "Pa", "stress at the imposed strain, just before it broke", creator);
-  setBonds(output, bonds, result.ends, scene, creator, { event, strain, critical, stress });
+  const Columns<pd::Bond> rest = setBonds(output, bonds, scene, creator);
+  const Columns columns{ rest.data, broken, creator };
+  columns.add<vtkTypeInt64Array>("event", "1", "number of the event in which it broke, from 1", &Broken::event);
+  columns.numbers("strain", "1", "strain that was imposed when it broke", &Broken::strain);
+  columns.numbers("critical_strain", "1", "strain at which it was just critical: the path that follows every snap-back",
+    &Broken::criticalStrain);
+  columns.numbers("stress", "Pa", "stress at the imposed strain, just before it broke", &Broken::stress);
+  addEnds(rest, result.ends, scene);
+  output->GetPointData()->SetActiveScalars("event");
 }
 
 void setFractureCurve(vtkTable* output, const pd::FractureResult& result, const char* creator)
 {
-  const std::size_t rows = result.curve.size();
-  const auto strain = newArray<vtkDoubleArray>("strain", 1, rows);
-  const auto stress = newArray<vtkDoubleArray>("stress", 1, rows);
-  const auto broken = newArray<vtkTypeInt64Array>("broken", 1, rows);
-  const auto criticalStrain = newArray<vtkDoubleArray>("critical_strain", 1, rows);
-  const auto criticalStress = newArray<vtkDoubleArray>("critical_stress", 1, rows);
-  for (std::size_t i = 0; i < rows; ++i)
-  {
-    const pd::FractureCurvePoint& p = result.curve[i];
-    const auto row = static_cast<vtkIdType>(i);
-    strain->SetValue(row, p.strain);
-    stress->SetValue(row, p.stress);
-    broken->SetValue(row, p.broken);
-    criticalStrain->SetValue(row, p.criticalStrain);
-    criticalStress->SetValue(row, p.criticalStress);
-  }
-  describe(strain, "1", "imposed strain, which never falls", creator);
-  describe(stress, "Pa", "force on the platen over the section of the box, at that strain", creator);
-  describe(broken, "1", "bonds broken so far", creator);
-  describe(criticalStrain, "1", "strain at which the next bond is just critical: follows every snap-back", creator);
-  describe(criticalStress, "Pa", "stress at that strain", creator);
+  using Point = pd::FractureCurvePoint;
   output->Initialize();
-  addArrays(output->GetRowData(), { strain, stress, broken, criticalStrain, criticalStress });
+  const Columns columns{ output->GetRowData(), result.curve, creator };
+  columns.numbers("strain", "1", "imposed strain, which never falls", &Point::strain);
+  columns.numbers("stress", "Pa", "force on the platen over the section of the box, at that strain", &Point::stress);
+  columns.add<vtkTypeInt64Array>("broken", "1", "bonds broken so far", &Point::broken);
+  columns.numbers("critical_strain", "1", "strain at which the next bond is just critical: follows every snap-back",
+    &Point::criticalStrain);
+  columns.numbers("critical_stress", "Pa", "stress at that strain", &Point::criticalStress);
 }
 
 void setFractureNumbers(vtkImageData* output, const pd::FractureResult& r)

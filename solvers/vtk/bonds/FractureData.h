@@ -1,13 +1,12 @@
 #pragma once
 
 #include "BondScene.h"
+#include "Columns.h"
 
 #include "peridynamics/fracture/FractureStudy.h"
 
-#include <initializer_list>
 #include <span>
 
-class vtkDataArray;
 class vtkDataObject;
 class vtkImageData;
 class vtkPolyData;
@@ -22,10 +21,12 @@ namespace lamella
 [[nodiscard]] const char* wordOf(peridynamics::FractureMethod method);
 [[nodiscard]] const char* wordOf(peridynamics::Breaking breaking);
 
-/// One vertex a bond, with `bond`, `phases`, `between_grains` behind the arrays given.
-void setBonds(vtkPolyData* output, std::span<const peridynamics::Bond> bonds,
-  std::span<const peridynamics::BondEnds> ends, const BondScene& scene, const char* creator,
-  std::initializer_list<vtkDataArray*> first);
+/// One vertex a bond. @return what adds arrays to them
+Columns<peridynamics::Bond> setBonds(
+  vtkPolyData* output, std::span<const peridynamics::Bond> bonds, const BondScene& scene, const char* creator);
+/// Adds `bond`, `phases`, `between_grains`.
+void addEnds(
+  const Columns<peridynamics::Bond>& columns, std::span<const peridynamics::BondEnds> ends, const BondScene& scene);
 
 /// One vertex a broken bond; arrays as vtkBondFracture says, its field data not.
 void setBrokenBonds(

@@ -2,6 +2,7 @@
 
 #include "BondScene.h"
 
+#include "Listed.h"
 #include "vtkDataObject.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -18,26 +19,6 @@ struct vtkBondAlgorithm::Internals
 {
   pd::PairTable Table;
   std::vector<pd::Notch> Notches;
-
-  /// Whether anything changed.
-  template <typename Map, typename Value>
-  static bool Set(Map& map, const char* name, const Value& value)
-  {
-    if (name == nullptr || *name == '\0')
-      return false;
-    const auto entry = map.find(name);
-    if (entry != map.end() && entry->second == value)
-      return false;
-    map[name] = value;
-    return true;
-  }
-  template <typename List>
-  static bool Clear(List& list)
-  {
-    const bool some = !list.empty();
-    list.clear();
-    return some;
-  }
 };
 
 vtkBondAlgorithm::vtkBondAlgorithm()
@@ -57,13 +38,11 @@ vtkCxxSetObjectMacro(vtkBondAlgorithm, Controller, vtkMultiProcessController);
 #define LAMELLA_TABLE(Setter, Remover, Member)                                                                         \
   void vtkBondAlgorithm::Setter(const char* pair, double value)                                                        \
   {                                                                                                                    \
-    if (Internals::Set(this->Internal->Table.Member, pair, value))                                                     \
-      this->Modified();                                                                                                \
+    lamella::setNamed(this, this->Internal->Table.Member, pair, value);                                                \
   }                                                                                                                    \
   void vtkBondAlgorithm::Remover()                                                                                     \
   {                                                                                                                    \
-    if (Internals::Clear(this->Internal->Table.Member))                                                                \
-      this->Modified();                                                                                                \
+    lamella::removeAll(this, this->Internal->Table.Member);                                                            \
   }
 LAMELLA_TABLE(SetYoungsModulus, RemoveAllYoungsModuli, young)
 LAMELLA_TABLE(SetFractureEnergy, RemoveAllFractureEnergies, fractureEnergy)
@@ -73,14 +52,13 @@ LAMELLA_TABLE(SetCriticalStretch, RemoveAllCriticalStretches, criticalStretch)
 
 void vtkBondAlgorithm::SetLike(const char* pair, const char* other)
 {
-  if (other != nullptr && *other != '\0' && Internals::Set(this->Internal->Table.like, pair, std::string(other)))
-    this->Modified();
+  if (other != nullptr && *other != '\0')
+    lamella::setNamed(this, this->Internal->Table.like, pair, std::string(other));
 }
 
 void vtkBondAlgorithm::RemoveAllLikes()
 {
-  if (Internals::Clear(this->Internal->Table.like))
-    this->Modified();
+  lamella::removeAll(this, this->Internal->Table.like);
 }
 
 void vtkBondAlgorithm::AddNotch(double x1, double y1, double x2, double y2)
@@ -98,8 +76,7 @@ void vtkBondAlgorithm::AddNotchInSpace(const double corner[3], const double alon
 
 void vtkBondAlgorithm::RemoveAllNotches()
 {
-  if (Internals::Clear(this->Internal->Notches))
-    this->Modified();
+  lamella::removeAll(this, this->Internal->Notches);
 }
 
 vtkImageData* vtkBondAlgorithm::GetOutput()

@@ -48,9 +48,8 @@ public:
   ///@{
   /**
    * Young's modulus, one pair of phases a row. grain: bonds within that phase. matrix-grain: bonds between the two.
-   * grain-grain: bonds between two different grains. In Pa. Names that the image does not know do no harm.
-   *
-   * Young's modulus E of a pair's bonds [Pa], positive. An empty name is ignored (an empty row in a panel).
+   * grain-grain: bonds between two different grains. In Pa, positive. Names that the image does not know do no harm,
+   * nor does an empty row.
    * @word young
    * @title Young's modulus of bonds [Pa]
    * @group Materials
@@ -62,10 +61,8 @@ public:
 
   ///@{
   /**
-   * Fracture energy of the bonds of a pair [J/m^2]. Give one of fracture energy, toughness and critical stretch, or
-   * none: they then never break.
-   *
-   * Fracture energy Gc [J/m²], positive. At most one of these three for each pair.
+   * Fracture energy of the bonds of a pair [J/m^2], positive. Give one of fracture energy, toughness and critical
+   * stretch, or none: they then never break.
    * @title Fracture energy of bonds [J/m²]
    * @group Materials
    * @columns Bonds, Fracture energy [J/m²]
@@ -97,9 +94,8 @@ public:
 
   ///@{
   /**
-   * Bonds of the first pair are like those of the second, but for what they have of their own.
-   *
-   * Bonds of `pair` are like those of `other`, in stiffness and in fracture, except in what `pair` has of its own.
+   * Bonds of the first pair are like those of the second, in stiffness and in fracture, but for what they have of their
+   * own.
    * @title Bonds that are like others
    * @group Materials
    * @columns Bonds, Like
@@ -109,16 +105,13 @@ public:
   void RemoveAllLikes();
   ///@}
 
-  ///@{
   /**
    * A pair whose values are in SI units while all others are multiples of its: grain 4 relative to matrix is four
    * times the matrix's. Empty: all are in SI units.
    * @group Materials
    * @advanced
    */
-  vtkSetMacro(RelativeTo, std::string);
-  vtkGetMacro(RelativeTo, std::string);
-  ///@}
+  vtkSettingMacro(RelativeTo, std::string);
 
   enum Mixings
   {
@@ -126,15 +119,12 @@ public:
     HARMONIC = 1,  ///< two half bonds in series; it breaks when the first half does
     MINIMUM = 2    ///< "Minimum: the lesser of both": the lesser E and the lesser s0
   };
-  ///@{
   /**
    * Material of bonds between two phases that have none of their own.
    * @group Materials
    * @choice Mixings
    */
-  vtkSetMacro(Mixing, int);
-  vtkGetMacro(Mixing, int);
-  ///@}
+  vtkSettingMacro(Mixing, int);
 
   enum Continua
   {
@@ -143,28 +133,20 @@ public:
     PLANE_STRAIN = 2,
     SPACE = 3
   };
-  ///@{
   /**
    * Automatic: plane stress for pictures, space for volumes.
    * @group Bonds
    * @choice Continua
    */
-  vtkSetMacro(Continuum, int);
-  vtkGetMacro(Continuum, int);
-  ///@}
+  vtkSettingMacro(Continuum, int);
 
-  ///@{
   /**
-   * Length of the longest bonds, in spacings. 3 is usual; 2 is strongly anisotropic; cost grows with its square.
-   *
-   * Length of the longest bonds, in spacings: 1 to 8. Below 3 the lattice is markedly stiffer along its axes, unless
-   * its micromodulus is isotropic; below √2 that cannot be.
+   * Length of the longest bonds, in spacings. 3 is usual; cost grows with its square. Below 3 the lattice is markedly
+   * stiffer along its axes, unless its micromodulus is isotropic; below √2 that cannot be.
    * @group Bonds
    * @range [1, 8]
    */
-  vtkSetMacro(Horizon, double);
-  vtkGetMacro(Horizon, double);
-  ///@}
+  vtkSettingMacro(Horizon, double);
 
   enum Micromoduli
   {
@@ -176,7 +158,6 @@ public:
     ISOTROPIC_MICROMODULUS = 2 ///< "Isotropic: exact in every direction": by direction, such that the bulk has E and
                                ///< Poisson's ratio in every direction
   };
-  ///@{
   /**
    * How the stiffness of bonds follows from Young's modulus. Automatic: isotropic in volumes, as in the literature in
    * pictures.
@@ -184,49 +165,34 @@ public:
    * @choice Micromoduli
    * @advanced
    */
-  vtkSetMacro(Micromodulus, int);
-  vtkGetMacro(Micromodulus, int);
-  ///@}
+  vtkSettingMacro(Micromodulus, int);
 
-  ///@{
   /**
    * Take out bonds that cross a thin void. Off: they stay.
    * @group Bonds
    * @advanced
    */
-  vtkSetMacro(CutVoidBonds, bool);
-  vtkGetMacro(CutVoidBonds, bool);
-  vtkBooleanMacro(CutVoidBonds, bool);
-  ///@}
+  vtkSwitchMacro(CutVoidBonds);
 
-  ///@{
   /**
    * Stiffer bonds near free surfaces, where nodes have fewer of them.
    * @group Bonds
    * @advanced
    */
-  vtkSetMacro(SurfaceCorrection, bool);
-  vtkGetMacro(SurfaceCorrection, bool);
-  vtkBooleanMacro(SurfaceCorrection, bool);
-  ///@}
+  vtkSwitchMacro(SurfaceCorrection);
 
-  ///@{
   /**
    * Newton's method on forces that are exact for large rotations, instead of one linear system.
    * @group Bonds
    * @advanced
    */
-  vtkSetMacro(LargeStrains, bool);
-  vtkGetMacro(LargeStrains, bool);
-  vtkBooleanMacro(LargeStrains, bool);
-  ///@}
+  vtkSwitchMacro(LargeStrains);
 
   ///@{
   /**
-   * Cuts made before loading, of pictures: from a point to a point, in metres.
+   * Cuts made before loading, of pictures: from a point to a point, in metres. They must touch the sample.
    *
-   * Cuts made before loading [m]: a segment between two points of a picture; a parallelogram from a corner and two
-   * edges in space. They must touch the sample.
+   * In space a parallelogram, from a corner and two edges [m].
    * @word notch, notches
    * @title Notches: x1, y1, x2, y2 [m]
    * @group Bonds
@@ -238,7 +204,6 @@ public:
   void RemoveAllNotches();
   ///@}
 
-  ///@{
   /**
    * 1 for axes at whose end the sample begins again: x, y, z. Not the axis of loading.
    * @group Bonds
@@ -246,9 +211,7 @@ public:
    * @range [0, 1]
    * @advanced
    */
-  vtkSetVector3Macro(Periodic, int);
-  vtkGetVector3Macro(Periodic, int);
-  ///@}
+  vtkSettingVector3Macro(Periodic, int);
 
   ///@{
   /** The processes that may work together. Default: the global controller. */

@@ -4,6 +4,7 @@
 #include "BondScene.h"
 #include "FieldNumbers.h"
 #include "FractureData.h"
+#include "Listed.h"
 #include "LongRun.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
@@ -25,7 +26,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <map>
 #include <set>
 
@@ -111,11 +111,7 @@ void vtkBondBreakAlgorithm::AddStateAtBroken(vtkIdType broken)
 
 void vtkBondBreakAlgorithm::RemoveAllStatesAtBroken()
 {
-  if (!this->Kept->Broken.empty())
-  {
-    this->Kept->Broken.clear();
-    this->Modified();
-  }
+  lamella::removeAll(this, this->Kept->Broken);
 }
 
 std::vector<std::int64_t> vtkBondBreakAlgorithm::StatesAtBroken() const

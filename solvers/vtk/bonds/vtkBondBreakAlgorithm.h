@@ -44,27 +44,19 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkBondBreakAlgorithm : public vtkBondLoadAlgo
 public:
   vtkTypeMacro(vtkBondBreakAlgorithm, vtkBondLoadAlgorithm);
 
-  ///@{
   /**
    * The high platen moves the other way, towards the low one; strains and stresses are positive then too.
    * @group Load
    */
-  vtkSetMacro(Compression, bool);
-  vtkGetMacro(Compression, bool);
-  vtkBooleanMacro(Compression, bool);
-  ///@}
+  vtkSwitchMacro(Compression);
 
-  ///@{
   /**
    * Of a pull: ends when the stress has fallen to this share of the peak. 0 may never be reached: hinges do not part.
    * @word stop
    * @group Breaking
    * @range [0, 1)
    */
-  vtkSetMacro(StopShare, double);
-  vtkGetMacro(StopShare, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(StopShare, double);
   /**
    * Ends at this strain. 0: no limit.
    * @word max-strain
@@ -72,8 +64,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(MaximumStrain, double);
-  vtkGetMacro(MaximumStrain, double);
+  vtkSettingMacro(MaximumStrain, double);
   /**
    * Ends after so many broken bonds. 0: no limit.
    * @word max-broken
@@ -81,9 +72,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(MaximumBroken, vtkIdType);
-  vtkGetMacro(MaximumBroken, vtkIdType);
-  ///@}
+  vtkSettingMacro(MaximumBroken, vtkIdType);
 
   ///@{
   /**
@@ -96,45 +85,35 @@ public:
   void AddStateAtBroken(vtkIdType broken);
   void RemoveAllStatesAtBroken();
   ///@}
-  ///@{
   /**
    * Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
    * vtkSampleAlgorithm::STEP_EVENT have seen each.
    */
-  vtkSetMacro(KeepStates, bool);
-  vtkGetMacro(KeepStates, bool);
-  vtkBooleanMacro(KeepStates, bool);
-  ///@}
+  vtkSwitchMacro(KeepStates);
   ///@{
   /**
-   * The state that output 0 shows, from 0, in the order of the run; -1: the end. A change runs nothing again. Beyond
-   * the last it is the end.
+   * The state that is shown, from 0, in the order of the run; -1: the end. A change runs nothing again. Beyond the last
+   * it is the end.
    * @group State shown
    * @default -1
    */
   void SetState(int state);
   int GetState();
   ///@}
-  ///@{
   /** -1 and the number of the last state, for a slider; 0 before the first update. */
   vtkGetVector2Macro(StateRange, int);
-  ///@}
 
-  ///@{
   /**
    * A file (.h5) on the server that keeps where the run stands; what is there already is replaced. Empty: none.
    *
-   * A file that keeps where the run stands, in HDF5, after every CheckpointEvery; what is there already is replaced.
-   * Empty: none. When it cannot be written the run goes on, and says so.
+   * In HDF5, after every CheckpointEvery, at the end and where the run is interrupted. When it cannot be written the run
+   * goes on, and says so.
    * @word checkpoint
    * @group Checkpoints
    * @files Checkpoints (*.h5 *.hdf5)
    * @advanced
    */
-  vtkSetMacro(CheckpointFile, std::string);
-  vtkGetMacro(CheckpointFile, std::string);
-  ///@}
-  ///@{
+  vtkSettingMacro(CheckpointFile, std::string);
   /**
    * Events of fracture (default 500) or steps in time (default 1000) between two checkpoints; at least 1. In fracture
    * all that is only there to save work is made anew then, whether a file is written or not: what breaks depends on
@@ -143,38 +122,26 @@ public:
    * @range [1, inf)
    * @advanced
    */
-  vtkSetMacro(CheckpointEvery, vtkIdType);
-  vtkGetMacro(CheckpointEvery, vtkIdType);
-  ///@}
-  ///@{
+  vtkSettingMacro(CheckpointEvery, vtkIdType);
   /**
    * Wall time before the first checkpoint and between two at least [s]. Above 0 there is none at the end, and none that
-   * the run would not go on from to the same bits.
+   * the run would not go on from alike.
    * @range [0, inf)
    */
-  vtkSetMacro(CheckpointSeconds, double);
-  vtkGetMacro(CheckpointSeconds, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(CheckpointSeconds, double);
   /**
-   * A checkpoint of the same run to go on from: the same bonds break, to the last bit. Empty: from the unbroken sample,
-   * as where this is Checkpoint File and not there yet.
+   * A checkpoint of the same run to go on from, as if it had never stopped. Empty: from the start, as where this is
+   * Checkpoint File and not there yet.
    *
-   * A checkpoint of the same scene to go on from: the same bonds break then, to the last bit, as in a run that was
-   * never stopped. States that lie before it are not made. Empty: from the unbroken sample, as where this is
-   * CheckpointFile and not there yet.
+   * The same bonds break, to the last bit. States that lie before it are not made.
    * @word continue, continue_from
    * @group Checkpoints
    * @files Checkpoints (*.h5 *.hdf5)
    * @advanced
    */
-  vtkSetMacro(ContinueFile, std::string);
-  vtkGetMacro(ContinueFile, std::string);
-  ///@}
-  ///@{
+  vtkSettingMacro(ContinueFile, std::string);
   /** Events or steps in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
   vtkGetMacro(LastCheckpoint, vtkIdType);
-  ///@}
 
   ///@{
   /**
@@ -201,10 +168,8 @@ public:
   int GetNumberOfStates();
   vtkImageData* GetStateImage(int state);
   ///@}
-  ///@{
   /** Largest stress of the last update [Pa]; NaN before it. */
   vtkGetMacro(PeakStress, double);
-  ///@}
 
   /** Later than the last change of a setting, or of State. */
   vtkMTimeType GetMTime() override;

@@ -4,7 +4,7 @@
 #include "BondScene.h"
 #include "DynamicsData.h"
 #include "FractureData.h"
-#include "Settings.h"
+#include "Listed.h"
 #include "vtkProvenance.h"
 
 #include "core/Error.h"
@@ -41,17 +41,10 @@ struct BoxVelocity
   double Speed;
 };
 
-/// Whether anything changed.
-bool setSide(SideTable& table, const char* side, const char* component, double value)
+void setSide(vtkObject* object, SideTable& table, const char* side, const char* component, double value)
 {
-  if (side == nullptr || *side == '\0' || component == nullptr || *component == '\0')
-    return false;
-  auto& entries = table[side];
-  const auto entry = entries.find(component);
-  if (entry != entries.end() && entry->second == value)
-    return false;
-  entries[component] = value;
-  return true;
+  if (side != nullptr && *side != '\0' && component != nullptr && *component != '\0')
+    lamella::setNamed(object, table[side], component, value);
 }
 
 int componentOf(const std::string& name, int dimension)
@@ -115,26 +108,17 @@ vtkBondDynamics::~vtkBondDynamics() = default;
 
 void vtkBondDynamics::SetPhaseDensity(const char* phase, double value)
 {
-  if (phase == nullptr || *phase == '\0')
-    return;
-  const auto entry = this->Internal->Densities.find(phase);
-  if (entry == this->Internal->Densities.end() || entry->second != value)
-  {
-    this->Internal->Densities[phase] = value;
-    this->Modified();
-  }
+  lamella::setNamed(this, this->Internal->Densities, phase, value);
 }
 
 void vtkBondDynamics::SetSideVelocity(const char* side, const char* component, double speed)
 {
-  if (setSide(this->Internal->Velocities, side, component, speed))
-    this->Modified();
+  setSide(this, this->Internal->Velocities, side, component, speed);
 }
 
 void vtkBondDynamics::SetSideTraction(const char* side, const char* component, double traction)
 {
-  if (setSide(this->Internal->Tractions, side, component, traction))
-    this->Modified();
+  setSide(this, this->Internal->Tractions, side, component, traction);
 }
 
 void vtkBondDynamics::AddBoxVelocity(
@@ -154,11 +138,7 @@ void vtkBondDynamics::AddStateAtTime(double time)
 #define LAMELLA_REMOVE_ALL(Remover, Member)                                                                            \
   void vtkBondDynamics::Remover()                                                                                      \
   {                                                                                                                    \
-    if (!this->Internal->Member.empty())                                                                               \
-    {                                                                                                                  \
-      this->Internal->Member.clear();                                                                                  \
-      this->Modified();                                                                                                \
-    }                                                                                                                  \
+    lamella::removeAll(this, this->Internal->Member);                                                                  \
   }
 LAMELLA_REMOVE_ALL(RemoveAllPhaseDensities, Densities)
 LAMELLA_REMOVE_ALL(RemoveAllSideVelocities, Velocities)
@@ -370,10 +350,4 @@ std::vector<std::pair<std::string, bool>> vtkBondDynamics::MadeFields() const
   std::vector<std::pair<std::string, bool>> fields = this->Superclass::MadeFields();
   fields.emplace_back("velocity", this->ComputeVelocity);
   return fields;
-}
-
-void vtkBondDynamics::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

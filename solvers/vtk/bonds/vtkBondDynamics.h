@@ -76,18 +76,14 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkBondDynamics : public vtkBondBreakAlgorithm
 public:
   static vtkBondDynamics* New();
   vtkTypeMacro(vtkBondDynamics, vtkBondBreakAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
   /**
    * Density of phases without one of their own [kg/m^3].
    * @group Materials
    * @unit kg/m³
    * @range (0, inf)
    */
-  vtkSetMacro(Density, double);
-  vtkGetMacro(Density, double);
-  ///@}
+  vtkSettingMacro(Density, double);
   ///@{
   /**
    * Density of a phase [kg/m³]. An empty name is ignored, and so are phases that the image does not have.
@@ -99,16 +95,12 @@ public:
   void RemoveAllPhaseDensities();
   ///@}
 
-  ///@{
   /**
    * Two platens pull the sample. Off: what is said of its sides, of boxes and of velocities moves it.
    * @group Load
    * @off no-pull: No platens: what is said of its sides, of boxes and of velocities moves the sample.
    */
-  vtkSetMacro(Pull, bool);
-  vtkGetMacro(Pull, bool);
-  vtkBooleanMacro(Pull, bool);
-  ///@}
+  vtkSwitchMacro(Pull);
   /**
    * Of a pull. Stretch: the platens move apart along the axis. Shear: they move across.
    * @group Load
@@ -116,7 +108,6 @@ public:
    * @when Pull
    */
   vtkSetMacro(Load, int);
-  ///@{
   /**
    * Of a pull [1/s]. 0: such that the strain of the first break takes Travel Times.
    * @group Load
@@ -124,10 +115,7 @@ public:
    * @range [0, inf)
    * @when Pull
    */
-  vtkSetMacro(StrainRate, double);
-  vtkGetMacro(StrainRate, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(StrainRate, double);
   /**
    * Travel times of a wave from platen to platen until the strain of the first break. 30 is quick, 100 slow.
    * @group Load
@@ -135,10 +123,7 @@ public:
    * @advanced
    * @range (0, inf)
    */
-  vtkSetMacro(TravelTimes, double);
-  vtkGetMacro(TravelTimes, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(TravelTimes, double);
   /**
    * A pull begins in equilibrium at this share of the strain of the first break, with the speeds that it would have
    * given.
@@ -148,17 +133,12 @@ public:
    * @when Pull
    * @advanced
    */
-  vtkSetMacro(StartShare, double);
-  vtkGetMacro(StartShare, double);
-  ///@}
+  vtkSettingMacro(StartShare, double);
 
   ///@{
   /**
-   * Nodes of a side (x-, x+, y-, y+, z-, z+; y+ is the top of a picture) keep this speed along x, y or z [m/s].
-   * Components without one are free. Needs Pull off.
-   *
-   * The nodes of a side keep this speed along a component [m/s]; components without one are free. PlatenLayers says how
-   * many layers. An empty name is ignored.
+   * Nodes of a side (x-, x+, y-, y+, z-, z+; y+ is the top of a picture) keep this speed along x, y or z [m/s], as many
+   * layers as platens have. Components without one are free. Needs Pull off.
    * @title Speed of sides [m/s]: side, component, speed
    * @group Load
    * @columns Side, Component, Speed [m/s]
@@ -169,9 +149,8 @@ public:
   ///@}
   ///@{
   /**
-   * Force on the area of a side along x, y or z [Pa], from the start on. Needs Pull off.
-   *
-   * Force on the area of a side [Pa] along a component, whichever the side is, spread over its layers.
+   * Force on the area of a side along x, y or z [Pa], whichever the side is, spread over its layers, from the start on.
+   * Needs Pull off.
    * @title Traction on sides [Pa]: side, component, traction
    * @group Load
    * @columns Side, Component, Traction [Pa]
@@ -193,7 +172,6 @@ public:
     double x1, double y1, double z1, double x2, double y2, double z2, const char* component, double speed);
   void RemoveAllBoxVelocities();
   ///@}
-  ///@{
   /**
    * Of all that is free, at the start [m/s]. Needs Pull off.
    * @group Start
@@ -201,22 +179,15 @@ public:
    * @when Pull 0
    * @advanced
    */
-  vtkSetVector3Macro(InitialVelocity, double);
-  vtkGetVector3Macro(InitialVelocity, double);
-  ///@}
-  ///@{
+  vtkSettingVector3Macro(InitialVelocity, double);
   /**
    * Add an array of the input to that. Needs Pull off.
    * @group Start
    * @when Pull 0
    * @advanced
    */
-  vtkSetMacro(UseInputVelocity, bool);
-  vtkGetMacro(UseInputVelocity, bool);
-  vtkBooleanMacro(UseInputVelocity, bool);
-  ///@}
+  vtkSwitchMacro(UseInputVelocity);
 
-  ///@{
   /**
    * Imposed speeds give way to what breaks, and come back within this time [s]. 0: they do not.
    * @word tau
@@ -225,10 +196,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(Relaxation, double);
-  vtkGetMacro(Relaxation, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(Relaxation, double);
   /**
    * Reference energy of that [J/m], of a volume [J]. 0: the energy of Reference Crack.
    * @word omega0
@@ -237,10 +205,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(ReferenceEnergy, double);
-  vtkGetMacro(ReferenceEnergy, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(ReferenceEnergy, double);
   /**
    * Δℓ [m]: a crack of that length (of a volume that square) in the pair with the least fracture energy. 0: a
    * hundredth of the sample's shortest side.
@@ -250,31 +215,22 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(ReferenceCrack, double);
-  vtkGetMacro(ReferenceCrack, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(ReferenceCrack, double);
   /**
    * Share of the imposed speeds at first, 0 to 1; below 1 only with a Relaxation.
    * @group Loading rate
    * @range [0, 1]
    * @advanced
    */
-  vtkSetMacro(StartRate, double);
-  vtkGetMacro(StartRate, double);
-  ///@}
+  vtkSettingMacro(StartRate, double);
 
-  ///@{
   /**
    * Viscous force on every node, as a share of the least critical viscosity of the bonds. For strength by a slow pull:
    * 0.1.
    * @group Accuracy and cost
    * @range [0, 1]
    */
-  vtkSetMacro(Damping, double);
-  vtkGetMacro(Damping, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(Damping, double);
   /**
    * Step [s]. 0: Step Share of the largest stable one, above which it is refused.
    * @group Accuracy and cost
@@ -282,29 +238,20 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(TimeStep, double);
-  vtkGetMacro(TimeStep, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(TimeStep, double);
   /**
    * Step over the largest stable one. Cracks that run want 0.2 to 0.4.
    * @group Accuracy and cost
    * @range [1e-5, 1]
    */
-  vtkSetMacro(StepShare, double);
-  vtkGetMacro(StepShare, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(StepShare, double);
   /**
    * Ends at this time [s]. 0: no limit; without Pull some end is needed.
    * @group Breaking
    * @unit s
    * @range [0, inf)
    */
-  vtkSetMacro(EndTime, double);
-  vtkGetMacro(EndTime, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(EndTime, double);
   /**
    * Steps between two points of the history. 0: 500 points until the end's time, at least 20 steps apart; with platens
    * or without a time every 10 steps.
@@ -312,9 +259,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(HistoryEvery, vtkIdType);
-  vtkGetMacro(HistoryEvery, vtkIdType);
-  ///@}
+  vtkSettingMacro(HistoryEvery, vtkIdType);
   ///@{
   /**
    * States to keep on the way, at these times [s]. The end is always kept.
@@ -330,7 +275,7 @@ public:
   /**
    * Put the velocity of every node into the output.
    *
-   * Whether the states carry velocities. Off and on again runs nothing.
+   * Off and on again runs nothing.
    * @group State shown
    * @advanced
    */

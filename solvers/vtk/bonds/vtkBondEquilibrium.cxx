@@ -3,7 +3,6 @@
 #include "BondFields.h"
 #include "FieldNumbers.h"
 #include "LongRun.h"
-#include "Settings.h"
 #include "vtkProvenance.h"
 
 #include "core/Error.h"
@@ -18,9 +17,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace pd = lamella::peridynamics;
 
@@ -213,10 +210,4 @@ void vtkBondEquilibrium::CheckLoad() const
       fmt::format("{} {:g} is not between 1e-30 and 1e30", traction ? "traction" : "strain", load),
       traction ? "give pascals, such as 1e6" : "give a number such as 1e-3");
   }
-}
-
-void vtkBondEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -61,7 +61,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkBondEquilibrium : public vtkBondLoadAlgorit
 public:
   static vtkBondEquilibrium* New();
   vtkTypeMacro(vtkBondEquilibrium, vtkBondLoadAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /**
    * The low platen never moves. Stretch: the high one moves along the axis. Shear: it moves across. Biaxial: smooth
@@ -71,7 +70,6 @@ public:
    */
   vtkSetMacro(Load, int);
 
-  ///@{
   /**
    * Movement of the high platen over the distance between the platens; tension is positive. Everything scales with it,
    * but for large strains.
@@ -79,10 +77,7 @@ public:
    * @range (-1, 1)
    * @when Load STRETCH SHEAR BIAXIAL
    */
-  vtkSetMacro(Strain, double);
-  vtkGetMacro(Strain, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(Strain, double);
   /**
    * Biaxial: strain along the other axes.
    * @group Load
@@ -90,10 +85,7 @@ public:
    * @when Load BIAXIAL
    * @advanced
    */
-  vtkSetMacro(LateralStrain, double);
-  vtkGetMacro(LateralStrain, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(LateralStrain, double);
   /**
    * Traction: in Pa, tension is positive.
    * @group Load
@@ -101,9 +93,7 @@ public:
    * @when Load TRACTION
    * @advanced
    */
-  vtkSetMacro(Traction, double);
-  vtkGetMacro(Traction, double);
-  ///@}
+  vtkSettingMacro(Traction, double);
 
   enum Solvers
   {
@@ -112,17 +102,13 @@ public:
     DIRECT = 2,            ///< "Direct (small images)": sparse Cholesky; one rank, small images
     DYNAMIC_RELAXATION = 3 ///< "Dynamic relaxation": for comparison
   };
-  ///@{
   /**
    * How forces are balanced. All give the same answer.
    * @group Accuracy and cost
    * @choice Solvers
    * @advanced
    */
-  vtkSetMacro(Solver, int);
-  vtkGetMacro(Solver, int);
-  ///@}
-  ///@{
+  vtkSettingMacro(Solver, int);
   /**
    * Gives up after this many.
    * @word max-iterations
@@ -131,9 +117,7 @@ public:
    * @when Solver MULTIGRID JACOBI DYNAMIC_RELAXATION
    * @advanced
    */
-  vtkSetMacro(MaximumIterations, int);
-  vtkGetMacro(MaximumIterations, int);
-  ///@}
+  vtkSettingMacro(MaximumIterations, int);
 
   ///@{
   /** As vtkBondLoadAlgorithm; a change solves nothing again. */
@@ -144,14 +128,10 @@ public:
   /** Later than the last change of a setting, or of what is shown. */
   vtkMTimeType GetMTime() override;
 
-  ///@{
   /** Of the last update [Pa]; NaN before it. */
   vtkGetMacro(EffectiveModulus, double);
-  ///@}
-  ///@{
   /** Of the last update; NaN where no bond breaks. */
   vtkGetMacro(FirstBreakStrain, double);
-  ///@}
 
 protected:
   vtkBondEquilibrium();

@@ -3,7 +3,7 @@
 #include "BondScene.h"
 #include "FieldNumbers.h"
 #include "FractureData.h"
-#include "Settings.h"
+#include "Listed.h"
 #include "vtkProvenance.h"
 
 #include "core/Error.h"
@@ -75,11 +75,7 @@ void vtkBondFracture::AddStateAtStrain(double strain)
 
 void vtkBondFracture::RemoveAllStatesAtStrains()
 {
-  if (!this->Internal->Strains.empty())
-  {
-    this->Internal->Strains.clear();
-    this->Modified();
-  }
+  lamella::removeAll(this, this->Internal->Strains);
 }
 
 void vtkBondFracture::SetOptions(pd::FractureStudyOptions& options) const
@@ -174,10 +170,4 @@ void vtkBondFracture::Describe(vtkImageData* image, const lamella::BondScene& sc
       { "maximum_strain", this->MaximumStrain }, { "strain_step", this->StrainStep },
       { "maximum_broken", this->MaximumBroken }, { "tolerance", this->Tolerance },
       { "checkpoint_every", this->CheckpointEvery } });
-}
-
-void vtkBondFracture::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -76,7 +76,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkBondFracture : public vtkBondBreakAlgorithm
 public:
   static vtkBondFracture* New();
   vtkTypeMacro(vtkBondFracture, vtkBondBreakAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /**
    * The low platen never moves. Stretch: the high one moves along the axis. Shear: it moves across. Biaxial: smooth
@@ -86,7 +85,6 @@ public:
    */
   vtkSetMacro(Load, int);
 
-  ///@{
   /**
    * Biaxial: strain along the other axes over that along the axis.
    * @group Load
@@ -94,9 +92,7 @@ public:
    * @when Load BIAXIAL
    * @advanced
    */
-  vtkSetMacro(LateralRatio, double);
-  vtkGetMacro(LateralRatio, double);
-  ///@}
+  vtkSettingMacro(LateralRatio, double);
 
   enum Methods
   {
@@ -104,54 +100,38 @@ public:
     EVENTS = 1,  ///< corrections around each break; one rank, sides not periodic, strict breaking
     ACCURATE = 2 ///< "Accurate: all after each break": the whole sample after each break: slow, to check against
   };
-  ///@{
   /**
-   * Automatic: events on one rank, without periodic sides and in strict breaking; else accurate, which takes far
-   * longer.
-   *
-   * How forces are balanced between breaks.
+   * How forces are balanced between breaks. Automatic: events on one rank, without periodic sides and in strict
+   * breaking; else accurate, which takes far longer.
    * @group Accuracy and cost
    * @choice Methods
    * @advanced
    */
-  vtkSetMacro(Method, int);
-  vtkGetMacro(Method, int);
-  ///@}
+  vtkSettingMacro(Method, int);
 
   enum Breakings
   {
     STRICT = 0, ///< "Strict: one bond at a time": one bond at a time, the most critical
     BATCHED = 1 ///< "Batched: all that are critical": all that are critical at once
   };
-  ///@{
   /**
    * Which bonds break at once. Batched is solved by the accurate method.
    * @group Breaking
    * @choice Breakings
    * @advanced
    */
-  vtkSetMacro(Breaking, int);
-  vtkGetMacro(Breaking, int);
-  ///@}
+  vtkSettingMacro(Breaking, int);
 
-  ///@{
   /**
    * Events: look closer where two bonds are nearly as critical as each other. Off is sooner by a third to a half; the
    * strength is the same, the crack may take another way after the peak.
-   *
-   * EVENTS: look closer where two bonds are nearly as critical as each other. off is about three times as fast, the
-   * strength is the same, and in thin walls the crack may take another way after the peak.
    * @group Accuracy and cost
    * @when Method AUTO EVENTS
    * @advanced
    * @off no-rivals: Do not look closer where two bonds are nearly as critical as each other.
    */
-  vtkSetMacro(Rivals, bool);
-  vtkGetMacro(Rivals, bool);
-  vtkBooleanMacro(Rivals, bool);
-  ///@}
+  vtkSwitchMacro(Rivals);
 
-  ///@{
   /**
    * The strain is raised to multiples of this, each time to the first at which a bond is critical: batches are larger
    * and fewer, and a run sooner at its end, while the peak may lie up to one step higher. 0: to where the next bond
@@ -160,15 +140,11 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(StrainStep, double);
-  vtkGetMacro(StrainStep, double);
-  ///@}
+  vtkSettingMacro(StrainStep, double);
 
   ///@{
   /**
-   * States to keep on the way, by the imposed strain. The end is always kept.
-   *
-   * States to keep on the way, at imposed strains. They change nothing that breaks.
+   * States to keep on the way, by the imposed strain. The end is always kept. They change nothing that breaks.
    * @word at-strain, at_strains
    * @title States to keep: strains
    * @group States

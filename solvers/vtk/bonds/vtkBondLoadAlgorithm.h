@@ -34,92 +34,56 @@ public:
     BIAXIAL = 2, ///< "Biaxial": smooth platens on all sides
     TRACTION = 3 ///< "Traction": a force spread evenly over the high platen, which is not stiff
   };
-  ///@{
   /** What is done to the sample. Default STRETCH. */
   vtkGetMacro(Load, int);
-  ///@}
 
-  enum Axes
-  {
-    LAST_AXIS = -1, ///< "Last: y of a picture, z of a volume": y of a picture (upwards), z of a volume
-    X = 0,
-    Y = 1,
-    Z = 2
-  };
-  ///@{
   /**
    * Axis of loading.
    * @word axis
    * @group Load
    * @choice Axes
    */
-  vtkSetMacro(LoadAxis, int);
-  vtkGetMacro(LoadAxis, int);
-  ///@}
+  vtkSettingMacro(LoadAxis, int);
 
-  ///@{
   /**
-   * Stretch: the platens let the sample slip across the axis.
-   *
-   * STRETCH: the platens hold the component along the axis only.
+   * Stretch: the platens hold the component along the axis only and let the sample slip across it.
    * @group Load
    * @advanced
    */
-  vtkSetMacro(SmoothPlatens, bool);
-  vtkGetMacro(SmoothPlatens, bool);
-  vtkBooleanMacro(SmoothPlatens, bool);
-  ///@}
-  ///@{
+  vtkSwitchMacro(SmoothPlatens);
   /**
    * All layers of a platen move alike. Off: they move as the mean strain has it, as if the sample went on, so that a
    * uniform sample is strained uniformly up to its ends; with rigid platens it breaks beside them first.
    * @group Load
    * @advanced
    */
-  vtkSetMacro(RigidPlatens, bool);
-  vtkGetMacro(RigidPlatens, bool);
-  vtkBooleanMacro(RigidPlatens, bool);
-  ///@}
-  ///@{
+  vtkSwitchMacro(RigidPlatens);
   /**
    * Layers of nodes that a platen holds. 0: as many as a bond reaches.
    * @group Load
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(PlatenLayers, int);
-  vtkGetMacro(PlatenLayers, int);
-  ///@}
+  vtkSettingMacro(PlatenLayers, int);
 
-  ///@{
   /**
    * Largest residual force over the forces that hold the free nodes where they are.
    * @group Accuracy and cost
    * @range [1e-12, 0.1]
    * @advanced
    */
-  vtkSetMacro(Tolerance, double);
-  vtkGetMacro(Tolerance, double);
-  ///@}
+  vtkSettingMacro(Tolerance, double);
 
-  ///@{
   /**
    * Put the stress tensor of every node into the output.
-   *
-   * Whether the output carries stress and strain energy; what is off is not computed.
    * @group State shown
    */
-  vtkSetMacro(ComputeStress, bool);
-  vtkGetMacro(ComputeStress, bool);
-  vtkBooleanMacro(ComputeStress, bool);
+  vtkSwitchMacro(ComputeStress);
   /**
    * Put the strain energy of every node into the output.
    * @group State shown
    */
-  vtkSetMacro(ComputeStrainEnergy, bool);
-  vtkGetMacro(ComputeStrainEnergy, bool);
-  vtkBooleanMacro(ComputeStrainEnergy, bool);
-  ///@}
+  vtkSwitchMacro(ComputeStrainEnergy);
 
 protected:
   vtkBondLoadAlgorithm() = default;

@@ -1,7 +1,6 @@
 #include "vtkBondStiffness.h"
 
 #include "BondFields.h"
-#include "Settings.h"
 #include "vtkProvenance.h"
 
 #include "core/Error.h"
@@ -17,7 +16,6 @@
 #include "vtkStringArray.h"
 #include "vtkTable.h"
 
-#include <limits>
 #include <vector>
 
 namespace pd = lamella::peridynamics;
@@ -238,10 +236,4 @@ void vtkBondStiffness::Run(vtkImageData* input, vtkImageData* output, const lame
   }
   for (vtkTable* const table : { tensor, constants })
     table->GetFieldData()->ShallowCopy(output->GetFieldData());
-}
-
-void vtkBondStiffness::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

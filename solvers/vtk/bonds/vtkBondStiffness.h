@@ -65,41 +65,29 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkBondStiffness : public vtkBondAlgorithm
 public:
   static vtkBondStiffness* New();
   vtkTypeMacro(vtkBondStiffness, vtkBondAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
   /**
    * Solve coarser pictures of the cell as well, and tell the error. At most four times the work.
    * @off no-error-estimate: Do not solve coarser pictures of the cell: no error is told.
    * @group Accuracy and cost
    */
-  vtkSetMacro(EstimateError, bool);
-  vtkGetMacro(EstimateError, bool);
-  vtkBooleanMacro(EstimateError, bool);
-  ///@}
+  vtkSwitchMacro(EstimateError);
 
-  ///@{
   /**
    * Nodes along each axis that a pixel was split in before it came here: what is a picture, for the error.
    * @group Accuracy and cost
    * @range [1, inf)
    * @advanced
    */
-  vtkSetMacro(NodesPerPixel, int);
-  vtkGetMacro(NodesPerPixel, int);
-  ///@}
+  vtkSettingMacro(NodesPerPixel, int);
 
-  ///@{
   /**
    * Largest residual force over the forces that hold all nodes in the mean strain.
    * @group Accuracy and cost
    * @range [1e-12, 0.1]
    * @advanced
    */
-  vtkSetMacro(Tolerance, double);
-  vtkGetMacro(Tolerance, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(Tolerance, double);
   /**
    * Gives up after this many.
    * @word max-iterations
@@ -107,19 +95,15 @@ public:
    * @range [1, inf)
    * @advanced
    */
-  vtkSetMacro(MaximumIterations, int);
-  vtkGetMacro(MaximumIterations, int);
-  ///@}
+  vtkSettingMacro(MaximumIterations, int);
 
   /** Output 1. */
   vtkTable* GetTensor();
   /** Output 2. */
   vtkTable* GetConstants();
 
-  ///@{
   /** Of the last update; NaN when it was not estimated. */
   vtkGetMacro(EstimatedError, double);
-  ///@}
 
 protected:
   vtkBondStiffness();

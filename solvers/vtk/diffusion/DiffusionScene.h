@@ -11,7 +11,6 @@
 #include "vtkDoubleArray.h"
 #include "vtkSmartPointer.h"
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>

@@ -7,7 +7,6 @@
 #include "vtkImageData.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace lamella

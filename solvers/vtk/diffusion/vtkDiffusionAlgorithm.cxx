@@ -1,14 +1,13 @@
 #include "vtkDiffusionAlgorithm.h"
 
 #include "Attempt.h"
+#include "Settings.h"
 #include "ThreadCount.h"
 #include "vtkPieces.h"
 
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMultiProcessController.h"
-
-#include <limits>
 
 vtkCxxSetObjectMacro(vtkDiffusionAlgorithm, Controller, vtkMultiProcessController);
 
@@ -45,45 +44,6 @@ int vtkDiffusionAlgorithm::Attempt(const std::function<void()>& run, vtkInformat
   return lamella::concluded(this, outcome, outputs);
 }
 
-void vtkDiffusionAlgorithm::SetPhaseValue(PhaseValues& table, const char* phase, double value)
-{
-  if (phase == nullptr || *phase == '\0')
-    return;
-  const auto [entry, added] = table.try_emplace(phase, value);
-  if (added || entry->second != value)
-  {
-    entry->second = value;
-    this->Modified();
-  }
-}
-
-void vtkDiffusionAlgorithm::RemovePhaseValue(PhaseValues& table, const char* phase)
-{
-  if (phase != nullptr && table.erase(phase) > 0)
-    this->Modified();
-}
-
-void vtkDiffusionAlgorithm::RemoveAllPhaseValues(PhaseValues& table)
-{
-  if (!table.empty())
-  {
-    table.clear();
-    this->Modified();
-  }
-}
-
-double vtkDiffusionAlgorithm::PhaseValue(const PhaseValues& table, const char* phase)
-{
-  const auto entry = table.find(phase != nullptr ? phase : "");
-  return entry != table.end() ? entry->second : std::numeric_limits<double>::quiet_NaN();
-}
-
-void vtkDiffusionAlgorithm::PrintPhaseValues(ostream& os, vtkIndent indent, const char* what, const PhaseValues& table)
-{
-  for (const auto& [phase, value] : table)
-    os << indent << what << " " << phase << ": " << value << "\n";
-}
-
 const char* vtkDiffusionAlgorithm::QuantityName() const
 {
   return this->Quantity == CONCENTRATION ? "concentration" : "temperature";
@@ -97,4 +57,10 @@ const char* vtkDiffusionAlgorithm::SidesName() const
 int vtkDiffusionAlgorithm::ThreadCount() const
 {
   return lamella::threadCount(this->Threads);
+}
+
+void vtkDiffusionAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  lamella::printSettings(this, os, indent);
 }

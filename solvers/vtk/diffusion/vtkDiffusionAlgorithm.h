@@ -22,6 +22,7 @@
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkSetting.h"
 
 #include <functional> // for std::function
 #include <map>        // for tables by phase
@@ -33,6 +34,7 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkDiffusionAlgorithm : public vtkImageAlgorit
 {
 public:
   vtkTypeMacro(vtkDiffusionAlgorithm, vtkImageAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   enum Directions
   {
@@ -40,40 +42,32 @@ public:
     Y = 1,
     Z = 2
   };
-  ///@{
   /** Axis of the gradient, between the two faces that keep their values. Default X. */
   vtkGetMacro(Direction, int);
-  ///@}
 
   enum Quantities
   {
     TEMPERATURE = 0,
     CONCENTRATION = 1
   };
-  ///@{
   /**
    * What diffuses. It names the output array.
    * @group Diffusion
    * @choice Quantities
    */
-  vtkSetMacro(Quantity, int);
-  vtkGetMacro(Quantity, int);
-  ///@}
+  vtkSettingMacro(Quantity, int);
 
   enum SideTypes
   {
     INSULATED = 0,
     PERIODIC = 1
   };
-  ///@{
   /**
    * The other sides.
    * @group Diffusion
    * @choice SideTypes
    */
-  vtkSetMacro(Sides, int);
-  vtkGetMacro(Sides, int);
-  ///@}
+  vtkSettingMacro(Sides, int);
 
   enum Lattices
   {
@@ -83,44 +77,25 @@ public:
     D3Q7 = 3,         ///< "D3Q7"
     D3Q19 = 4         ///< "D3Q19"
   };
-  ///@{
   /**
    * Links of the lattice.
    * @group Accuracy and cost
    * @choice Lattices
    * @advanced
    */
-  vtkSetMacro(Lattice, int);
-  vtkGetMacro(Lattice, int);
-  ///@}
+  vtkSettingMacro(Lattice, int);
 
-  ///@{
   /**
-   * Put the flux vectors into the output.
-   *
-   * Whether the output has the flux; where not, it is neither computed nor stored.
+   * Put the flux vectors into the output. Off, they are neither computed nor stored.
    * @group Time
    */
-  vtkSetMacro(ComputeFlux, bool);
-  vtkGetMacro(ComputeFlux, bool);
-  vtkBooleanMacro(ComputeFlux, bool);
-  ///@}
+  vtkSwitchMacro(ComputeFlux);
 
-  ///@{
-  /**
-   * Threads of each process. 0: one for each core.
-   * @group Accuracy and cost
-   * @range [0, inf)
-   * @advanced
-   */
-  vtkSetMacro(Threads, int);
-  vtkGetMacro(Threads, int);
-  ///@}
+  /** As vtkSampleAlgorithm. */
+  vtkSettingMacro(Threads, int);
 
-  ///@{
   /** What kind of mistake the last update ended with: a value of vtkSampleAlgorithm::Failures. */
   vtkGetMacro(Failure, int);
-  ///@}
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
@@ -141,13 +116,6 @@ protected:
 
   /// A number of each phase, by its name or, where no phase has that name, its id.
   using PhaseValues = std::map<std::string, double>;
-  /// An empty name is ignored: an empty row in a panel.
-  void SetPhaseValue(PhaseValues& table, const char* phase, double value);
-  void RemovePhaseValue(PhaseValues& table, const char* phase);
-  void RemoveAllPhaseValues(PhaseValues& table);
-  /// NaN when the phase has none.
-  static double PhaseValue(const PhaseValues& table, const char* phase);
-  static void PrintPhaseValues(ostream& os, vtkIndent indent, const char* what, const PhaseValues& table);
 
   /// "temperature" or "concentration"; "insulated" or "periodic".
   const char* QuantityName() const;

@@ -1,9 +1,10 @@
 #include "vtkLatticeBoltzmann.h"
 
+#include "Columns.h"
 #include "DiffusionScene.h"
 #include "FieldNumbers.h"
+#include "Listed.h"
 #include "LongRun.h"
-#include "Settings.h"
 #include "vtkLatticeConversion.h"
 #include "vtkProvenance.h"
 
@@ -11,7 +12,7 @@
 #include "core/Memory.h"
 #include "lbm/stepping/LatticeBoltzmann.h"
 
-#include "vtkDoubleArray.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -49,30 +50,19 @@ double timeOf(vtkImageData* state)
 /// A row a record; in a picture y begins at the high face.
 void fillCurve(vtkTable* table, std::span<const lbm::SteppingRecord> records, bool fromTop, const char* creator)
 {
-  const auto column = [&](const char* name, const char* unit, const char* what, auto&& value)
-  {
-    vtkNew<vtkDoubleArray> array;
-    array->SetName(name);
-    for (const lbm::SteppingRecord& r : records)
-      array->InsertNextValue(value(r));
-    lamella::describe(array, unit, what, creator);
-    table->AddColumn(array);
-  };
   using Record = lbm::SteppingRecord;
-  column(
-    "time", "s", "since the start", [](const Record& r) { return r.time; });
-  column(
+  const lamella::Columns columns{ table->GetRowData(), records, creator };
+  columns.numbers("time", "s", "since the start", &Record::time);
+  columns.numbers(
     "inlet_flux", "m/s",
     "mean over the face where the direction begins, times the unit of the values; NaN where it goes less than a node "
     "deep",
     [&](const Record& r) { return fromTop ? -r.faceFlux[1] : r.faceFlux[0]; });
-  column(
-    "outlet_flux", "m/s",
+  columns.numbers("outlet_flux", "m/s",
     "mean over the face where it ends, times the unit of the values; NaN where it goes less than a node deep",
     [&](const Record& r) { return fromTop ? -r.faceFlux[0] : r.faceFlux[1]; });
-  column(
-    "mean_value", "1", "over the box, 0 where nothing conducts", [](const Record& r) { return r.mean; });
-  column("steps", "1", "since the start", [](const Record& r) { return static_cast<double>(r.steps); });
+  columns.numbers("mean_value", "1", "over the box, 0 where nothing conducts", &Record::mean);
+  columns.numbers("steps", "1", "since the start", &Record::steps);
 }
 
 } // namespace
@@ -108,12 +98,12 @@ vtkLatticeBoltzmann::~vtkLatticeBoltzmann() = default;
 
 void vtkLatticeBoltzmann::SetDiffusivity(const char* phase, double value)
 {
-  this->SetPhaseValue(this->Internal->Diffusivity, phase, value);
+  lamella::setNamed(this, this->Internal->Diffusivity, phase, value);
 }
 
 void vtkLatticeBoltzmann::RemoveAllDiffusivities()
 {
-  this->RemoveAllPhaseValues(this->Internal->Diffusivity);
+  lamella::removeAll(this, this->Internal->Diffusivity);
 }
 
 void vtkLatticeBoltzmann::AddStateAtTime(double time)
@@ -124,11 +114,7 @@ void vtkLatticeBoltzmann::AddStateAtTime(double time)
 
 void vtkLatticeBoltzmann::RemoveAllStatesAtTimes()
 {
-  if (!this->Internal->Times.empty())
-  {
-    this->Internal->Times.clear();
-    this->Modified();
-  }
+  lamella::removeAll(this, this->Internal->Times);
 }
 
 void vtkLatticeBoltzmann::AddStateAtStep(vtkIdType step)
@@ -139,11 +125,7 @@ void vtkLatticeBoltzmann::AddStateAtStep(vtkIdType step)
 
 void vtkLatticeBoltzmann::RemoveAllStatesAtSteps()
 {
-  if (!this->Internal->Steps.empty())
-  {
-    this->Internal->Steps.clear();
-    this->Modified();
-  }
+  lamella::removeAll(this, this->Internal->Steps);
 }
 
 int vtkLatticeBoltzmann::GetNumberOfStates()
@@ -526,10 +508,4 @@ void vtkLatticeBoltzmann::Internals::Running::Describe(const lbm::LatticeBoltzma
         { "inlet_value", self.InletValue }, { "outlet_value", self.OutletValue },
         { "initial_value", self.InitialValue }, { "end_time", solver.time() }, { "time_step", solver.timeStep() } });
   }
-}
-
-void vtkLatticeBoltzmann::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

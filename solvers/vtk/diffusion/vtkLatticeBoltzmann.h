@@ -52,16 +52,14 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkLatticeBoltzmann : public vtkDiffusionAlgor
 public:
   static vtkLatticeBoltzmann* New();
   vtkTypeMacro(vtkLatticeBoltzmann, vtkDiffusionAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
   /**
    * Diffusivity of each phase in m²/s, one a row: its name (or its number, where phases have no names) and the value.
    * 0: does not conduct. Names that the image does not know do no harm.
    *
-   * Diffusivity of a phase [m²/s], finite and not negative; 0: it does not conduct and is neither stored nor visited.
-   * `phase` is a name of `phase_names` or, where no phase has that name, an id. A phase that has nodes must have one;
-   * names that the image does not know are ignored. An empty name is ignored.
+   * Finite and not negative. Each phase that has nodes must have one; what does not conduct is neither stored nor
+   * visited.
    * @title Diffusivity of phases [m²/s]
    * @group Materials
    * @columns Phase, Diffusivity [m²/s]
@@ -70,37 +68,28 @@ public:
   void RemoveAllDiffusivities();
   ///@}
 
-  ///@{
   /**
    * From which face to which. x: from left to right, y: in pictures from top to bottom, z and all of a volume: from low
    * to high coordinates.
-   *
-   * Axis of the two faces that keep their values.
    * @group Diffusion
    * @choice X Y Z
    */
   vtkSetMacro(Direction, int);
-  ///@}
-  ///@{
   /**
    * Value on the face where the direction begins.
    * @group Diffusion
    */
-  vtkSetMacro(InletValue, double);
-  vtkGetMacro(InletValue, double);
+  vtkSettingMacro(InletValue, double);
   /**
    * Value on the face where it ends.
    * @group Diffusion
    */
-  vtkSetMacro(OutletValue, double);
-  vtkGetMacro(OutletValue, double);
+  vtkSettingMacro(OutletValue, double);
   /**
    * Value inside at time 0.
    * @group Diffusion
    */
-  vtkSetMacro(InitialValue, double);
-  vtkGetMacro(InitialValue, double);
-  ///@}
+  vtkSettingMacro(InitialValue, double);
 
   enum Collisions
   {
@@ -108,7 +97,6 @@ public:
     BGK = 1,            ///< "One relaxation time (BGK)": one relaxation time; faces and mirrors on the outer nodes
     TRT = 2             ///< "Two relaxation times (TRT)": two; faces half a spacing outside the outer nodes
   };
-  ///@{
   /**
    * Automatic: two. The answer of one depends on the time step; it is there to compare with, and has its faces on the
    * outer nodes.
@@ -117,37 +105,25 @@ public:
    * @choice Collisions
    * @advanced
    */
-  vtkSetMacro(Collision, int);
-  vtkGetMacro(Collision, int);
-  ///@}
+  vtkSettingMacro(Collision, int);
 
-  ///@{
   /**
    * The last time, in seconds. 0: none is given, and the states to keep must tell it.
    * @group Time
    * @unit s
    * @range [0, inf)
    */
-  vtkSetMacro(EndTime, double);
-  vtkGetMacro(EndTime, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(EndTime, double);
   /**
    * Times after 0 that are kept, evenly until the end: 8 bytes a node each.
    * @word frames
    * @group Time
    * @range [1, 100000]
    */
-  vtkSetMacro(NumberOfSteps, int);
-  vtkGetMacro(NumberOfSteps, int);
-  ///@}
+  vtkSettingMacro(NumberOfSteps, int);
   ///@{
   /**
    * States at these times in seconds are kept instead of evenly spaced ones. The last one is the end.
-   *
-   * States at these times [s] and at the end of these numbers of steps, which are even, are kept instead, and the last
-   * of them is the end; EndTime and NumberOfSteps do not count then. With numbers of steps and no TimeStep the pipeline
-   * knows no times beforehand.
    * @word at-time, at_times
    * @title States to keep: times [s]
    * @group States
@@ -166,84 +142,34 @@ public:
   void AddStateAtStep(vtkIdType step);
   void RemoveAllStatesAtSteps();
   ///@}
-  ///@{
   /**
-   * Time step in seconds. 0: short enough to be accurate, and such that every time is met.
+   * Time step in seconds. 0: a relaxation of ½ at most, and such that evenly spaced times, or the last of given ones,
+   * are met.
    *
-   * δt [s]; 0: at most that of a relaxation of ½, and such that evenly spaced times, or the last of given ones, are
-   * met. Else each time is met as nearly as pairs of steps do, and the output says the time that it has.
+   * Other times are met as nearly as pairs of steps do; the output says the time that it has.
    * @group Accuracy and cost
    * @unit s
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(TimeStep, double);
-  vtkGetMacro(TimeStep, double);
-  ///@}
+  vtkSettingMacro(TimeStep, double);
 
-  ///@{
+  /** As vtkBondBreakAlgorithm. */
+  vtkSettingMacro(CheckpointFile, std::string);
+  /** As vtkBondBreakAlgorithm. Steps between two checkpoints. */
+  vtkSettingMacro(CheckpointEvery, vtkIdType);
+  /** As vtkBondBreakAlgorithm. */
+  vtkSettingMacro(CheckpointSeconds, double);
   /**
-   * A file (.h5) on the server that keeps where the run stands; what is there already is replaced. Empty: none.
+   * As vtkBondBreakAlgorithm.
    *
-   * A file that keeps where the run stands, in HDF5, after every CheckpointEvery steps, at the end and where the run is
-   * interrupted; what is there already is replaced. Empty: none. When it cannot be written the run goes on, and says
-   * so.
-   * @word checkpoint
-   * @group Checkpoints
-   * @files Checkpoints (*.h5 *.hdf5)
-   * @advanced
+   * To the same bits; the curve has the states before it. The times asked for may differ, the time step may not.
    */
-  vtkSetMacro(CheckpointFile, std::string);
-  vtkGetMacro(CheckpointFile, std::string);
-  ///@}
+  vtkSettingMacro(ContinueFile, std::string);
   ///@{
-  /**
-   * Steps between two checkpoints.
-   * @group Checkpoints
-   * @range [1, inf)
-   * @advanced
-   */
-  vtkSetMacro(CheckpointEvery, vtkIdType);
-  vtkGetMacro(CheckpointEvery, vtkIdType);
-  ///@}
-  ///@{
-  /**
-   * Wall time before the first checkpoint and between two at least [s]. Above 0 there is none at the end, and none that
-   * the run would not go on from to the same bits.
-   * @range [0, inf)
-   */
-  vtkSetMacro(CheckpointSeconds, double);
-  vtkGetMacro(CheckpointSeconds, double);
-  ///@}
-  ///@{
-  /**
-   * A checkpoint of the same run to go on from, to the same bits. Empty: from time 0, as where this is Checkpoint File
-   * and not there yet.
-   *
-   * A checkpoint of the same scene to go on from, to the same bits; states before it are not made, the curve has them.
-   * The times asked for may differ, the time step may not. Empty: from time 0, as where this is CheckpointFile and not
-   * there yet.
-   * @word continue, continue_from
-   * @group Checkpoints
-   * @files Checkpoints (*.h5 *.hdf5)
-   * @advanced
-   */
-  vtkSetMacro(ContinueFile, std::string);
-  vtkGetMacro(ContinueFile, std::string);
-  ///@}
-  ///@{
-  /** Steps in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
+  /** As vtkBondBreakAlgorithm. */
   vtkGetMacro(LastCheckpoint, vtkIdType);
-  ///@}
-
-  ///@{
-  /**
-   * Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
-   * vtkSampleAlgorithm::STEP_EVENT have seen each.
-   */
-  vtkSetMacro(KeepStates, bool);
-  vtkGetMacro(KeepStates, bool);
-  vtkBooleanMacro(KeepStates, bool);
+  vtkSwitchMacro(KeepStates);
   ///@}
   ///@{
   /** The times that the last update has kept and the image of each; null where there is none such. */

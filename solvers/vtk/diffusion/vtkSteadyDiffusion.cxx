@@ -3,8 +3,8 @@
 #include "BondFields.h"
 #include "BoxExchange.h"
 #include "DiffusionScene.h"
+#include "Listed.h"
 #include "RefinedImage.h"
-#include "Settings.h"
 #include "SteadyFindings.h"
 #include "WallConductivity.h"
 #include "vtkLatticeConversion.h"
@@ -21,7 +21,6 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
@@ -189,17 +188,18 @@ vtkSteadyDiffusion::~vtkSteadyDiffusion() = default;
 
 void vtkSteadyDiffusion::SetConductivity(const char* phase, double value)
 {
-  this->SetPhaseValue(this->Internal->Conductivity, phase, value);
+  lamella::setNamed(this, this->Internal->Conductivity, phase, value);
 }
 
 void vtkSteadyDiffusion::RemoveConductivity(const char* phase)
 {
-  this->RemovePhaseValue(this->Internal->Conductivity, phase);
+  if (phase != nullptr && this->Internal->Conductivity.erase(phase) > 0)
+    this->Modified();
 }
 
 void vtkSteadyDiffusion::RemoveAllConductivities()
 {
-  this->RemoveAllPhaseValues(this->Internal->Conductivity);
+  lamella::removeAll(this, this->Internal->Conductivity);
 }
 
 int vtkSteadyDiffusion::GetNumberOfConductivities()
@@ -209,22 +209,22 @@ int vtkSteadyDiffusion::GetNumberOfConductivities()
 
 double vtkSteadyDiffusion::GetConductivity(const char* phase)
 {
-  return PhaseValue(this->Internal->Conductivity, phase);
+  return lamella::named(this->Internal->Conductivity, phase);
 }
 
 void vtkSteadyDiffusion::SetConductivityAcross(const char* phase, double value)
 {
-  this->SetPhaseValue(this->Internal->Across, phase, value);
+  lamella::setNamed(this, this->Internal->Across, phase, value);
 }
 
 void vtkSteadyDiffusion::RemoveAllConductivitiesAcross()
 {
-  this->RemoveAllPhaseValues(this->Internal->Across);
+  lamella::removeAll(this, this->Internal->Across);
 }
 
 double vtkSteadyDiffusion::GetConductivityAcross(const char* phase)
 {
-  return PhaseValue(this->Internal->Across, phase);
+  return lamella::named(this->Internal->Across, phase);
 }
 
 const lamella::SteadyFindings& vtkSteadyDiffusion::GetFindings() const
@@ -477,10 +477,4 @@ void vtkSteadyDiffusion::Conclude()
     if (!found.shortfall.message.empty())
       vtkWarningMacro(<< found.shortfall.message << "\nhint: " << found.shortfall.hint);
   }
-}
-
-void vtkSteadyDiffusion::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

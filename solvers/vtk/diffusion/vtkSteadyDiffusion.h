@@ -65,7 +65,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkSteadyDiffusion : public vtkDiffusionAlgori
 public:
   static vtkSteadyDiffusion* New();
   vtkTypeMacro(vtkSteadyDiffusion, vtkDiffusionAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
   /**
@@ -73,10 +72,8 @@ public:
    * unit; the effective conductivity comes in the same. 0: does not conduct. Wood: heat wall 1, lumen 0.023; vapour
    * wall 0.004, lumen 1. Names that the image does not know do no harm.
    *
-   * Conductivity of a phase, finite and not negative; 0: it does not conduct and is neither stored nor visited. `phase`
-   * is a name of `phase_names` or, where no phase has that name, an id. Units are the caller's: the effective
-   * conductivity comes in the same. A phase that has nodes must have a conductivity; names that the image does not know
-   * are ignored, so that one list serves many pictures.
+   * Finite and not negative. Each phase that has nodes must have one; what does not conduct is neither stored nor
+   * visited.
    * @title Conductivity of phases
    * @group Materials
    * @columns Phase, Conductivity
@@ -93,11 +90,10 @@ public:
   /**
    * Of phases that conduct differently along and across the wall: the conductivity across it, one phase a row; that
    * above is then the one along it. Pictures only, with the direction along the walls at every point, as Micrograph
-   * Lattice gives it. Ratios up to 5.82 go in every direction.
+   * Lattice gives it. Ratios up to 5.82 go in every direction; of larger ones, what the links of D2Q9 cannot carry is
+   * refused.
    *
-   * Conductivity of a phase across the direction that `axis` gives; the one above is then that along it. The links of
-   * D2Q9 carry ratios up to 5.82 in every direction, larger ones near the lattice's axes and diagonals only; what they
-   * cannot carry is refused. `phase` is the word that SetConductivity() was given. Default: as along.
+   * `phase` is the word that SetConductivity() was given.
    * @title Conductivity of phases across the wall
    * @group Materials
    * @columns Phase, Conductivity across
@@ -113,19 +109,15 @@ public:
   {
     ALL = 3
   };
-  ///@{
   /**
    * From which face to which: the value is 1 on the first and 0 on the second. x: from left to right, y: in pictures
    * from top to bottom, z and all of a volume: from low to high coordinates. "All" solves once for each direction and
    * ends the arrays' names in _x, _y, _z.
-   *
-   * Along which axis the gradient lies; ALL solves once for each (2 or 3).
    * @group Diffusion
    * @choice X Y Z ALL
    * @panel x
    */
   vtkSetMacro(Direction, int);
-  ///@}
 
   enum Methods
   {
@@ -133,31 +125,22 @@ public:
     MULTIGRID = 1,
     ALGEBRAIC_MULTIGRID = 2
   };
-  ///@{
   /**
-   * How the system is solved. All give the same answer.
-   *
-   * How the system is solved; AUTO_METHOD chooses by what conducts.
+   * How the system is solved. All give the same answer; automatic goes by what conducts.
    * @group Accuracy and cost
    * @choice Methods
    * @advanced
    */
-  vtkSetMacro(Method, int);
-  vtkGetMacro(Method, int);
-  ///@}
+  vtkSettingMacro(Method, int);
 
-  ///@{
   /**
    * Largest relative error of the flux through either face.
    * @group Accuracy and cost
    * @range [1e-12, 0.1]
    * @advanced
    */
-  vtkSetMacro(Tolerance, double);
-  vtkGetMacro(Tolerance, double);
-  ///@}
+  vtkSettingMacro(Tolerance, double);
 
-  ///@{
   /**
    * Gives up after this many iterations.
    * @word max-iterations
@@ -165,23 +148,14 @@ public:
    * @range [1, inf)
    * @advanced
    */
-  vtkSetMacro(MaximumIterations, int);
-  vtkGetMacro(MaximumIterations, int);
-  ///@}
+  vtkSettingMacro(MaximumIterations, int);
 
-  ///@{
   /**
-   * Put the temperature or concentration (scaled 0 to 1) into the output.
-   *
-   * Whether the output has the field; as with the flux, what is off is neither computed nor stored. Both on.
+   * Put the temperature or concentration (scaled 0 to 1) into the output. Off, it is neither computed nor stored.
    * @group Output
    */
-  vtkSetMacro(ComputeField, bool);
-  vtkGetMacro(ComputeField, bool);
-  vtkBooleanMacro(ComputeField, bool);
-  ///@}
+  vtkSwitchMacro(ComputeField);
 
-  ///@{
   /**
    * Split every pixel into N × N (× N).
    * @word refine, refinement
@@ -189,11 +163,8 @@ public:
    * @range [1, inf)
    * @advanced
    */
-  vtkSetMacro(Refinement, int);
-  vtkGetMacro(Refinement, int);
-  ///@}
+  vtkSettingMacro(Refinement, int);
 
-  ///@{
   /**
    * Also solve the pictures that every second, third and fourth pixel gives, and every pixel split in 2 × 2 (× 2), on
    * a part of a large image, and estimate the error of the value against the material's. Costs several times the
@@ -202,14 +173,10 @@ public:
    * @group Accuracy and cost
    * @panel off
    */
-  vtkSetMacro(EstimateError, bool);
-  vtkGetMacro(EstimateError, bool);
-  vtkBooleanMacro(EstimateError, bool);
+  vtkSwitchMacro(EstimateError);
   /** The largest relative error of the last update; NaN when it was not estimated. */
   vtkGetMacro(EstimatedError, double);
-  ///@}
 
-  ///@{
   /**
    * Refine until the estimated error is below this share, as far as the picture's own pixels and memory allow; 0: no
    * target. What it will take is told beforehand, a target that is not reached is warned of.
@@ -218,9 +185,7 @@ public:
    * @unset 0
    * @advanced
    */
-  vtkSetMacro(TargetError, double);
-  vtkGetMacro(TargetError, double);
-  ///@}
+  vtkSettingMacro(TargetError, double);
 
   enum Events
   {
@@ -228,10 +193,8 @@ public:
     PLAN_EVENT = 1101
   };
 
-  ///@{
   /** The effective conductivity of the last update, 9 numbers by rows, NaN in columns that were not solved. */
   vtkGetVectorMacro(EffectiveConductivity, double, 9);
-  ///@}
 
 #ifndef __VTK_WRAP__
   /** All that the last update found, to tell of it. */

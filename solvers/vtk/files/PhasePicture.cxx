@@ -13,9 +13,7 @@
 #include "vtkDataArray.h"
 #include "vtkIdList.h"
 #include "vtkImageData.h"
-#include "vtkNew.h"
 #include "vtkPointData.h"
-#include "vtkXMLImageDataReader.h"
 
 #include <algorithm>
 #include <cmath>

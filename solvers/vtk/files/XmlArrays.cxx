@@ -6,7 +6,6 @@
 #include "vtkBase64InputStream.h"
 #include "vtkDataCompressor.h"
 #include "vtkNew.h"
-#include "vtkType.h"
 #include "vtkXMLDataElement.h"
 #include "vtkXMLDataParser.h"
 

@@ -21,6 +21,7 @@
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPolyDataAlgorithm.h"
+#include "vtkSetting.h"
 
 class VTKLAMELLASOLVERSVTK_EXPORT vtkPackingReader : public vtkPolyDataAlgorithm
 {
@@ -39,26 +40,20 @@ public:
   vtkGetFilePathMacro(FileName);
   ///@}
 
-  ///@{
   /**
    * Length of the table's unit in metres: 1e-3 for a table in millimetres.
    * @unit m
    * @range (0, inf)
    */
-  vtkSetMacro(LengthUnit, double);
-  vtkGetMacro(LengthUnit, double);
-  ///@}
+  vtkSettingMacro(LengthUnit, double);
 
-  ///@{
   /**
    * Tables: edges of the box in metres, from the origin; two-dimensional packings use the first two. All 0: the box
    * that just holds the grains, which are moved so that it begins at the origin.
    * @columns x [m], y [m], z [m]
    * @range [0, inf)
    */
-  vtkSetVector3Macro(BoxSize, double);
-  vtkGetVector3Macro(BoxSize, double);
-  ///@}
+  vtkSettingVector3Macro(BoxSize, double);
 
   /** The contacts, output 1. */
   vtkPolyData* GetContacts();

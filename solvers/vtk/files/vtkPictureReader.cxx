@@ -1,6 +1,7 @@
 #include "vtkPictureReader.h"
 
 #include "Attempt.h"
+#include "Listed.h"
 #include "PhasePicture.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
@@ -12,7 +13,6 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 
 #include <algorithm>
@@ -55,23 +55,13 @@ void vtkPictureReader::SetPhase(int grey, const char* name)
 
 void vtkPictureReader::SetPhase(const char* greys, const char* name)
 {
-  if (greys == nullptr || *greys == '\0' || name == nullptr || *name == '\0')
-    return; // an empty row in a panel
-  const auto entry = this->PhaseOfGreys.find(greys);
-  if (entry == this->PhaseOfGreys.end() || entry->second != name)
-  {
-    this->PhaseOfGreys[greys] = name;
-    this->Modified();
-  }
+  if (name != nullptr && *name != '\0')
+    lamella::setNamed(this, this->PhaseOfGreys, greys, std::string(name));
 }
 
 void vtkPictureReader::RemoveAllPhases()
 {
-  if (!this->PhaseOfGreys.empty())
-  {
-    this->PhaseOfGreys.clear();
-    this->Modified();
-  }
+  lamella::removeAll(this, this->PhaseOfGreys);
 }
 
 int vtkPictureReader::GetNumberOfPhases()

@@ -24,7 +24,8 @@
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
-#include "vtkSmartPointer.h"            // for the image that is kept
+#include "vtkSetting.h"
+#include "vtkSmartPointer.h" // for the image that is kept
 
 #include <map>    // for the grey map
 #include <string> // for the grey map
@@ -57,10 +58,6 @@ public:
    * ends in it (0..89, ..89, 90..), and a name such as wall or lumen. ..otsu and otsu.. part the greys where the
    * picture says, ..otsu1, otsu1..otsu2 and otsu2.. into three. Several greys may have one name. Empty: what a file
    * that lamella wrote calls them, else every grey is a phase of its own; of a volume to be segmented, void and solid.
-   *
-   * Names the phase of a grey value (0 to 255, of 16-bit pictures to 65535), or of a range with both ends in it, as
-   * "0..89", "..89" or "90.."; "..otsu" and "otsu.." part the greys at Otsu's level, "..otsu1", "otsu1..otsu2" and
-   * "otsu2.." at those of three classes. Several greys may be one phase.
    * @word phase, phases
    * @title Phases: grey values, name
    * @group Phases
@@ -82,19 +79,14 @@ public:
   vtkGetStringMacro(OtherPhase);
   ///@}
 
-  ///@{
   /**
    * A raw scan: find the phases lumen and wall in a picture (list no phases then), void and solid, or the phases
    * listed, in a volume.
    *
-   * A raw scan: find the phases `lumen` and `wall` in a picture (micrograph::segment), `void` and `solid`, or the
-   * phases named, in a volume (micrograph::segmentVolume). Field data `segmentation` says how, a line a step.
+   * By micrograph::segment and segmentVolume; field data `segmentation` says how, a line a step.
    * @group Phases
    */
-  vtkSetMacro(Segment, bool);
-  vtkGetMacro(Segment, bool);
-  vtkBooleanMacro(Segment, bool);
-  ///@}
+  vtkSwitchMacro(Segment);
 
   enum LumenSides
   {
@@ -102,20 +94,15 @@ public:
     BRIGHT = 1,     ///< "Brighter than walls, or solid"
     DARK = 2        ///< "Darker than walls, or solid"
   };
-  ///@{
   /**
-   * Segment: what lumens, in volumes the void, look like. In volumes it is taken for dark where nothing is said.
-   *
-   * Segment: whether lumens are brighter or darker than walls, void than solid. volumes: dark.
+   * Segment: whether lumens are brighter or darker than walls, in volumes the void than the solid, which is taken for
+   * dark where nothing is said.
    * @group Phases
    * @choice LumenSides
    * @when Segment
    */
-  vtkSetMacro(Lumen, int);
-  vtkGetMacro(Lumen, int);
-  ///@}
+  vtkSettingMacro(Lumen, int);
 
-  ///@{
   /**
    * Segment: grey value between the two once the light is even, in pictures 0 to 255, in volumes as in the file.
    * Negative: found.
@@ -123,9 +110,7 @@ public:
    * @when Segment
    * @advanced
    */
-  vtkSetMacro(Threshold, double);
-  vtkGetMacro(Threshold, double);
-  ///@}
+  vtkSettingMacro(Threshold, double);
 
   ///@{
   /**
@@ -139,29 +124,22 @@ public:
   vtkGetVector6Macro(Window, int);
   ///@}
 
-  ///@{
   /**
    * Splits each pixel into n x n nodes (voxel into n x n x n) of a finer lattice. The geometry stays the same.
    * @word refine
    * @group Lattice
    * @range [1, 64]
    */
-  vtkSetMacro(Refinement, int);
-  vtkGetMacro(Refinement, int);
-  ///@}
+  vtkSettingMacro(Refinement, int);
 
-  ///@{
   /**
    * Size of a pixel in metres, for instance 5e-7. 0: what the file says, and 1 where it says nothing.
    * @group Lattice
    * @unit m
    * @range [0.0, inf)
    */
-  vtkSetMacro(PixelSize, double);
-  vtkGetMacro(PixelSize, double);
-  ///@}
+  vtkSettingMacro(PixelSize, double);
 
-  ///@{
   /**
    * Raw volumes: voxels along x, y and z. All 0: from a name such as berea_200x200x200_u8.raw.
    * @group Raw volumes
@@ -169,31 +147,23 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetVector3Macro(RawSize, int);
-  vtkGetVector3Macro(RawSize, int);
-  ///@}
+  vtkSettingVector3Macro(RawSize, int);
 
-  ///@{
   /**
    * Raw volumes: bits of a voxel, 8 or 16; 0: from the name or the size of the file.
    * @group Raw volumes
    * @values 0 = From the name or the size; 8; 16
    * @advanced
    */
-  vtkSetMacro(RawBits, int);
-  vtkGetMacro(RawBits, int);
-  ///@}
+  vtkSettingMacro(RawBits, int);
 
-  ///@{
   /**
    * Raw volumes: bytes before the first voxel.
    * @group Raw volumes
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(RawHeader, vtkIdType);
-  vtkGetMacro(RawHeader, vtkIdType);
-  ///@}
+  vtkSettingMacro(RawHeader, vtkIdType);
 
   ///@{
   /**

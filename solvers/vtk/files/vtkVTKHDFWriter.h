@@ -35,6 +35,7 @@
 #define vtkVTKHDFWriter_h
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkSetting.h"
 #include "vtkWriter.h"
 
 #include <memory> // for what is kept between slabs
@@ -48,31 +49,23 @@ public:
 
   ///@{
   /**
-   * The file to write.
-   *
-   * The file, by habit with the ending .hdf or .vtkhdf. What is there is replaced.
+   * The file to write, by habit with the ending .hdf or .vtkhdf. What is there is replaced.
    */
   vtkSetFilePathMacro(FileName);
   vtkGetFilePathMacro(FileName);
   ///@}
 
-  ///@{
   /**
    * How hard HDF5 packs (deflate, after shuffling bytes): 0, the fastest, not at all; to 9.
    * @range [0, 9]
    */
-  vtkSetMacro(CompressionLevel, int);
-  vtkGetMacro(CompressionLevel, int);
-  ///@}
+  vtkSettingMacro(CompressionLevel, int);
 
-  ///@{
   /**
    * Images: bytes of all arrays that a slab holds at most, if that is a layer at all.
    * @range [1, inf)
    */
-  vtkSetMacro(SlabBytes, vtkIdType);
-  vtkGetMacro(SlabBytes, vtkIdType);
-  ///@}
+  vtkSettingMacro(SlabBytes, vtkIdType);
 
 protected:
   vtkVTKHDFWriter();

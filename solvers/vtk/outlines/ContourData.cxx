@@ -1,7 +1,7 @@
 #include "ContourData.h"
 
-#include "NewArray.h"
-#include "vtkLatticeConversion.h"
+#include "Columns.h"
+#include "FieldNumbers.h"
 
 #include "core/Error.h"
 #include "outlines/ContourCheck.h"
@@ -9,11 +9,9 @@
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
-#include "vtkDoubleArray.h"
 #include "vtkIdList.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
-#include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkUnsignedCharArray.h"
 
@@ -21,7 +19,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <span>
 #include <vector>
 
 namespace lamella
@@ -111,25 +108,17 @@ std::vector<double> sizeOf(vtkPolyData* outlines)
 vtkSmartPointer<vtkPolyData> toPolyData(
   const micrograph::ContourSet& contours, const std::string& creator, const std::array<double, 3>& corner)
 {
+  using micrograph::Contour;
   const std::map<std::int32_t, micrograph::LumenMeasures> measures = measure(contours);
 
   std::size_t count = 0;
-  for (const micrograph::Contour& contour : contours.contours)
+  for (const Contour& contour : contours.contours)
     count += contour.points.size();
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  points->SetNumberOfPoints(static_cast<vtkIdType>(count));
+  const auto points = newPoints(count);
   vtkNew<vtkCellArray> lines;
-  const std::size_t chains = contours.contours.size();
-  const auto lumen = newArray<vtkIntArray>("lumen", 1, chains);
-  const auto closed = newArray<vtkUnsignedCharArray>("closed", 1, chains);
-  const auto area = newArray<vtkDoubleArray>("area", 1, chains);
-  const auto solidity = newArray<vtkDoubleArray>("solidity", 1, chains);
-  const auto diameter = newArray<vtkDoubleArray>("equivalent_diameter", 1, chains);
   vtkIdType next = 0;
-  for (std::size_t c = 0; c < chains; ++c)
+  for (const Contour& contour : contours.contours)
   {
-    const micrograph::Contour& contour = contours.contours[c];
     const vtkIdType first = next;
     lines->InsertNextCell(static_cast<int>(contour.points.size() + (contour.closed ? 1 : 0)));
     for (const micrograph::Point& p : contour.points)
@@ -139,34 +128,27 @@ vtkSmartPointer<vtkPolyData> toPolyData(
     }
     if (contour.closed)
       lines->InsertCellPoint(first);
-    const auto id = static_cast<vtkIdType>(c);
-    const micrograph::LumenMeasures& m = measures.at(contour.lumen);
-    lumen->SetValue(id, contour.lumen);
-    closed->SetValue(id, contour.closed ? 1 : 0);
-    area->SetValue(id, m.area);
-    solidity->SetValue(id, m.solidity);
-    diameter->SetValue(id, m.equivalentDiameter);
   }
-  describe(lumen, "1", "number of the lumen, from 1; chains of one lumen share it", creator);
-  describe(closed, "1", "1: closed; 0: ends on the picture's border", creator);
-  describe(area, "m^2", "of the whole lumen", creator);
-  describe(solidity, "1", "area of the whole lumen over that of its convex hull", creator);
-  describe(diameter, "m", "of the circle as large as the whole lumen", creator);
-
   auto outlines = vtkSmartPointer<vtkPolyData>::New();
   outlines->SetPoints(points);
   outlines->SetLines(lines);
-  vtkCellData* const cells = outlines->GetCellData();
-  cells->SetScalars(lumen);
-  for (vtkDataArray* const array : std::initializer_list<vtkDataArray*>{ closed, area, solidity, diameter })
-    cells->AddArray(array);
+  const Columns columns{ outlines->GetCellData(), contours.contours, creator };
+  columns.add<vtkIntArray>("lumen", "1", "number of the lumen, from 1; chains of one lumen share it", &Contour::lumen);
+  outlines->GetCellData()->SetActiveScalars("lumen");
+  columns.add<vtkUnsignedCharArray>("closed", "1", "1: closed; 0: ends on the picture's border", &Contour::closed);
+  const auto measured = [&](const char* name, const char* unit, const char* text, double micrograph::LumenMeasures::*of)
+  { columns.numbers(name, unit, text, [&](const Contour& c) { return measures.at(c.lumen).*of; }); };
+  measured("area", "m^2", "of the whole lumen", &micrograph::LumenMeasures::area);
+  measured(
+    "solidity", "1", "area of the whole lumen over that of its convex hull", &micrograph::LumenMeasures::solidity);
+  measured("equivalent_diameter", "m", "of the circle as large as the whole lumen",
+    &micrograph::LumenMeasures::equivalentDiameter);
   double wall = 1;
-  for (const auto& [number, m] : measures)
+  for (const auto& [lumen, m] : measures)
     wall -= m.area / (contours.size[0] * contours.size[1]);
-  describe(setFieldNumbers(outlines, "size", contours.size), "m", "width and height of the picture", creator);
-  describe(setFieldNumbers(outlines, "corner", corner), "m", "where the picture's lower left corner lies", creator);
-  describe(setFieldNumbers(outlines, "wall_fraction", std::span(&wall, 1)), "1",
-    "share of the picture that no outline encloses", creator);
+  setFieldNumbers(outlines, "size", contours.size, "m", "width and height of the picture", creator);
+  setFieldNumbers(outlines, "corner", corner, "m", "where the picture's lower left corner lies", creator);
+  setFieldNumber(outlines, "wall_fraction", wall, "1", "share of the picture that no outline encloses", creator);
   return outlines;
 }
 

@@ -3,6 +3,7 @@
 #include "Attempt.h"
 #include "ContourData.h"
 #include "ContourField.h"
+#include "FieldNumbers.h"
 #include "PhaseIds.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
@@ -23,9 +24,7 @@
 
 #include <algorithm>
 #include <array>
-#include <span>
 #include <string>
-#include <vector>
 
 vtkStandardNewMacro(vtkMicrographContours);
 
@@ -103,10 +102,7 @@ void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
 
   const lamella::micrograph::ExtractReport& report = found.report;
   const auto number = [&](const char* name, auto value, const char* unit, const char* text)
-  {
-    const auto converted = static_cast<double>(value);
-    lamella::describe(lamella::setFieldNumbers(output, name, std::span(&converted, 1)), unit, text, creator);
-  };
+  { lamella::setFieldNumber(output, name, static_cast<double>(value), unit, text, creator); };
   number("lumens", report.lumens, "1", "lumens that are left");
   number("open_lumens", report.openLumens, "1", "of these, cut by the picture's border");
   number("islands", report.islands, "1", "pieces of wall inside lumens, taken out");

@@ -29,6 +29,7 @@
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPolyDataAlgorithm.h"
+#include "vtkSetting.h"
 
 #include <string> // for the phase
 
@@ -47,62 +48,42 @@ public:
     LEVEL = 1, ///< "Level": numbers that vary smoothly; crossings of the level by linear interpolation
     SHARES = 2 ///< "Shares": lumen's share of each pixel, 0 to 1
   };
-  ///@{
   /**
    * Outlines of a phase; where numbers that vary smoothly pass a level; or from lumen's share of each pixel, 0 to 1.
    * @group Lumens
    * @choice Bases
    */
-  vtkSetMacro(Basis, int);
-  vtkGetMacro(Basis, int);
-  ///@}
+  vtkSettingMacro(Basis, int);
 
-  ///@{
   /**
-   * Level: the value between lumens and walls.
-   *
-   * LEVEL: the value between lumens and walls; of unsigned numbers of 8 and 16 bits as a part of the largest one.
+   * Level: the value between lumens and walls; of unsigned numbers of 8 and 16 bits as a part of the largest one.
    * @group Lumens
    * @when Basis LEVEL
    */
-  vtkSetMacro(Level, double);
-  vtkGetMacro(Level, double);
-  ///@}
+  vtkSettingMacro(Level, double);
 
-  ///@{
   /**
    * Level: lumens are where values are below it. Shares: they are the wall's.
    * @group Lumens
    * @when Basis LEVEL SHARES
    */
-  vtkSetMacro(LumenBelow, bool);
-  vtkGetMacro(LumenBelow, bool);
-  vtkBooleanMacro(LumenBelow, bool);
-  ///@}
+  vtkSwitchMacro(LumenBelow);
 
-  ///@{
   /**
    * The phase of the lumens: its name, or its number where phases have no names. Empty: the first that is called void,
    * pore, lumen or air. All others are wall.
    * @group Lumens
    * @when Basis PHASES
    */
-  vtkSetMacro(LumenPhase, std::string);
-  vtkGetMacro(LumenPhase, std::string);
-  ///@}
+  vtkSettingMacro(LumenPhase, std::string);
 
-  ///@{
   /**
    * Smooth the steps of pixels away; each outline keeps its area.
    * @group Outlines
    * @off no-smooth: Keep the steps of the pixels.
    */
-  vtkSetMacro(Smooth, bool);
-  vtkGetMacro(Smooth, bool);
-  vtkBooleanMacro(Smooth, bool);
-  ///@}
+  vtkSwitchMacro(Smooth);
 
-  ///@{
   /**
    * Waves along an outline that are shorter than so many pixels are damped.
    * @group Outlines
@@ -111,11 +92,8 @@ public:
    * @when Smooth
    * @advanced
    */
-  vtkSetMacro(Wavelength, double);
-  vtkGetMacro(Wavelength, double);
-  ///@}
+  vtkSettingMacro(Wavelength, double);
 
-  ///@{
   /**
    * Points nearer than so many pixels to the line through their neighbours are left out. 0: all stay.
    * @group Outlines
@@ -123,41 +101,30 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(Tolerance, double);
-  vtkGetMacro(Tolerance, double);
-  ///@}
+  vtkSettingMacro(Tolerance, double);
 
-  ///@{
   /**
    * Smaller lumens become wall, in square metres.
    * @group Which ones
    * @unit m²
    * @range [0, inf)
    */
-  vtkSetMacro(SmallestArea, double);
-  vtkGetMacro(SmallestArea, double);
-  ///@}
+  vtkSettingMacro(SmallestArea, double);
 
-  ///@{
   /**
    * Lumens smaller than a circle of this diameter become wall, in metres.
    * @group Which ones
    * @unit m
    * @range [0, inf)
    */
-  vtkSetMacro(LeastDiameter, double);
-  vtkGetMacro(LeastDiameter, double);
-  ///@}
+  vtkSettingMacro(LeastDiameter, double);
 
-  ///@{
   /**
    * Closed lumens that fill a smaller share of their convex hull become wall.
    * @group Which ones
    * @range [0, 1]
    */
-  vtkSetMacro(LeastSolidity, double);
-  vtkGetMacro(LeastSolidity, double);
-  ///@}
+  vtkSettingMacro(LeastSolidity, double);
 
 protected:
   vtkMicrographContours();

@@ -24,7 +24,6 @@
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
-#include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <fmt/format.h>
 
@@ -245,10 +244,4 @@ int vtkMicrographLattice::RequestData(
     return 0;
   lamella::deliver(this->Image, outputVector->GetInformationObject(0));
   return 1;
-}
-
-void vtkMicrographLattice::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -41,11 +41,9 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkMicrographLattice : public vtkOutlineAlgori
 public:
   static vtkMicrographLattice* New();
   vtkTypeMacro(vtkMicrographLattice, vtkOutlineAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   vtkImageData* GetOutput();
 
-  ///@{
   /**
    * Distance of the nodes in metres; it changes a little so that a whole number fits the picture's width. 0: the
    * picture's pixel, of outlines that are from no picture a quarter of the walls' median thickness.
@@ -53,20 +51,15 @@ public:
    * @unit m
    * @range [0, inf)
    */
-  vtkSetMacro(Spacing, double);
-  vtkGetMacro(Spacing, double);
-  ///@}
+  vtkSettingMacro(Spacing, double);
 
-  ///@{
   /**
    * Nodes that a solver wants across the middle lamella: fewer are warned of.
    * @group Middle Lamella
    * @range [0, inf)
    * @when Lamella GROWTH CONSTANT LABELS
    */
-  vtkSetMacro(Horizon, double);
-  vtkGetMacro(Horizon, double);
-  ///@}
+  vtkSettingMacro(Horizon, double);
 
 protected:
   vtkMicrographLattice();

@@ -21,6 +21,7 @@
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPolyDataAlgorithm.h"
+#include "vtkSetting.h"
 
 class VTKLAMELLASOLVERSVTK_EXPORT vtkMicrographPolygonReader : public vtkPolyDataAlgorithm
 {
@@ -38,16 +39,13 @@ public:
   vtkGetFilePathMacro(FileName);
   ///@}
 
-  ///@{
   /**
    * One unit of the file's coordinates in metres: 1e-6 for micrometres. 0: what the file says.
    * @group Polygons
    * @unit m
    * @range [0, inf)
    */
-  vtkSetMacro(Unit, double);
-  vtkGetMacro(Unit, double);
-  ///@}
+  vtkSettingMacro(Unit, double);
 
   ///@{
   /**
@@ -59,36 +57,17 @@ public:
   vtkGetVector4Macro(Window, double);
   ///@}
 
-  ///@{
   /**
    * The file's y points down, as rows of a picture do.
    * @word y-down
    * @group Polygons
    */
-  vtkSetMacro(YDown, bool);
-  vtkGetMacro(YDown, bool);
-  vtkBooleanMacro(YDown, bool);
-  ///@}
+  vtkSwitchMacro(YDown);
 
   ///@{
-  /**
-   * Lumens smaller than a circle of this diameter become wall, in metres.
-   * @group Which ones
-   * @unit m
-   * @range [0, inf)
-   */
-  vtkSetMacro(LeastDiameter, double);
-  vtkGetMacro(LeastDiameter, double);
-  ///@}
-
-  ///@{
-  /**
-   * Closed lumens that fill a smaller share of their convex hull become wall.
-   * @group Which ones
-   * @range [0, 1]
-   */
-  vtkSetMacro(LeastSolidity, double);
-  vtkGetMacro(LeastSolidity, double);
+  /** As vtkMicrographContours. */
+  vtkSettingMacro(LeastDiameter, double);
+  vtkSettingMacro(LeastSolidity, double);
   ///@}
 
   /** The cells' outlines, output 1; without lines where the file has none. */

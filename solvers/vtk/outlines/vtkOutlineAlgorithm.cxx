@@ -1,5 +1,6 @@
 #include "vtkOutlineAlgorithm.h"
 
+#include "Settings.h"
 #include "vtkPieces.h"
 
 #include "vtkDemandDrivenPipeline.h"
@@ -52,4 +53,10 @@ int vtkOutlineAlgorithm::RequestUpdateExtent(vtkInformation*, vtkInformationVect
   if (picture != nullptr && picture->Has(Pipeline::WHOLE_EXTENT()))
     picture->Set(Pipeline::UPDATE_EXTENT(), picture->Get(Pipeline::WHOLE_EXTENT()), 6);
   return 1;
+}
+
+void vtkOutlineAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  lamella::printSettings(this, os, indent);
 }

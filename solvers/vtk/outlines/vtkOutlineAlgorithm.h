@@ -13,17 +13,18 @@
 
 #include "vtkAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkSetting.h"
 
 #include <string> // for the phase
 
 class vtkDataObject;
 class vtkImageData;
-class vtkPolyData;
 
 class VTKLAMELLASOLVERSVTK_EXPORT vtkOutlineAlgorithm : public vtkAlgorithm
 {
 public:
   vtkTypeMacro(vtkOutlineAlgorithm, vtkAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
   /** The outlines, input 0, and what else goes in. */
@@ -44,18 +45,14 @@ public:
     CONSTANT = 2, ///< "Constant thickness": of one thickness, about the line as far from two lumens
     LABELS = 3    ///< "Labels": a phase of the picture
   };
-  ///@{
   /**
    * How a middle lamella is found in the walls: what lumens that grow leave between them, thicker where three cells
    * meet; of one thickness; or a phase of the picture.
    * @group Middle Lamella
    * @choice LamellaTypes
    */
-  vtkSetMacro(Lamella, int);
-  vtkGetMacro(Lamella, int);
-  ///@}
+  vtkSettingMacro(Lamella, int);
 
-  ///@{
   /**
    * Gap that growing outlines keep, or the constant thickness, in metres. 0: half a micrometre, but not more than an
    * eighth of the walls' median thickness.
@@ -64,11 +61,8 @@ public:
    * @range [0, inf)
    * @when Lamella GROWTH CONSTANT
    */
-  vtkSetMacro(LamellaThickness, double);
-  vtkGetMacro(LamellaThickness, double);
-  ///@}
+  vtkSettingMacro(LamellaThickness, double);
 
-  ///@{
   /**
    * Growing outlines stop where their radius of curvature has fallen to so many metres. 0: never. Below 0: a quarter of
    * the walls' median thickness.
@@ -76,19 +70,14 @@ public:
    * @unit m
    * @when Lamella GROWTH
    */
-  vtkSetMacro(LamellaRadius, double);
-  vtkGetMacro(LamellaRadius, double);
-  ///@}
+  vtkSettingMacro(LamellaRadius, double);
 
-  ///@{
   /**
    * The phase of the picture that is the middle lamella. Empty: the one that is called middle lamella, or lamella.
    * @group Middle Lamella
    * @when Lamella LABELS
    */
-  vtkSetMacro(LamellaPhase, std::string);
-  vtkGetMacro(LamellaPhase, std::string);
-  ///@}
+  vtkSettingMacro(LamellaPhase, std::string);
 
   vtkTypeBool ProcessRequest(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 

@@ -3,6 +3,7 @@
 #include "Attempt.h"
 #include "ContourData.h"
 #include "ContourField.h"
+#include "Listed.h"
 #include "OutlineFindings.h"
 #include "PhaseIds.h"
 #include "ThreadCount.h"
@@ -24,14 +25,12 @@
 #include "vtkInformationVector.h"
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
-#include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <optional>
 #include <vector>
@@ -144,29 +143,17 @@ vtkOutlineDiffusion::~vtkOutlineDiffusion() = default;
 
 void vtkOutlineDiffusion::SetConductivity(const char* phase, double value)
 {
-  if (phase == nullptr || *phase == '\0')
-    return; // an empty row in a panel
-  const auto [entry, added] = this->Internal->Conductivity.try_emplace(phase, value);
-  if (added || entry->second != value)
-  {
-    entry->second = value;
-    this->Modified();
-  }
+  lamella::setNamed(this, this->Internal->Conductivity, phase, value);
 }
 
 void vtkOutlineDiffusion::RemoveAllConductivities()
 {
-  if (!this->Internal->Conductivity.empty())
-  {
-    this->Internal->Conductivity.clear();
-    this->Modified();
-  }
+  lamella::removeAll(this, this->Internal->Conductivity);
 }
 
 double vtkOutlineDiffusion::GetConductivity(const char* phase)
 {
-  const auto entry = this->Internal->Conductivity.find(phase != nullptr ? phase : "");
-  return entry != this->Internal->Conductivity.end() ? entry->second : std::numeric_limits<double>::quiet_NaN();
+  return lamella::named(this->Internal->Conductivity, phase);
 }
 
 const lamella::OutlineFindings& vtkOutlineDiffusion::GetFindings() const
@@ -308,10 +295,4 @@ void vtkOutlineDiffusion::Solve(vtkPolyData* outlines, vtkImageData* picture, vt
   for (const auto& [name, value] : found.conductivity)
     parameters["conductivity"][name] = value;
   lamella::continueProvenance(output, "outline_diffusion", parameters);
-}
-
-void vtkOutlineDiffusion::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -38,6 +38,8 @@
 
 #include <memory> // for std::unique_ptr
 
+class vtkPolyData;
+
 namespace lamella
 {
 struct OutlineFindings;
@@ -48,7 +50,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkOutlineDiffusion : public vtkOutlineAlgorit
 public:
   static vtkOutlineDiffusion* New();
   vtkTypeMacro(vtkOutlineDiffusion, vtkOutlineAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   vtkPolyData* GetOutput();
 
@@ -57,8 +58,8 @@ public:
    * Conductivity of each phase, one a row: lumen, wall and, where it has one of its own, middle lamella, in any unit;
    * the effective conductivity comes in the same. 0: does not conduct.
    *
-   * Conductivity of a phase, finite and not negative. Lumen and wall must have one; other words for the same go
-   * (lattice/PhaseNames.h), other phases are refused.
+   * Finite and not negative. Lumen and wall must have one; other words for the same go (lattice/PhaseNames.h), other
+   * phases are refused.
    * @title Conductivity of phases
    * @group Diffusion
    * @columns Phase, Conductivity
@@ -75,17 +76,13 @@ public:
     Y = 1,
     ALL = 3
   };
-  ///@{
   /**
    * Across the picture from left to right, down it, or both, one after the other.
    * @group Diffusion
    * @choice Directions
    */
-  vtkSetMacro(Direction, int);
-  vtkGetMacro(Direction, int);
-  ///@}
+  vtkSettingMacro(Direction, int);
 
-  ///@{
   /**
    * Distance of the nodes on the finer lattice in metres; it changes a little so that a whole number fits the picture.
    * 0: the picture's pixel, of outlines that are from no picture a quarter of the walls' median thickness.
@@ -93,11 +90,8 @@ public:
    * @unit m
    * @range [0, inf)
    */
-  vtkSetMacro(Spacing, double);
-  vtkGetMacro(Spacing, double);
-  ///@}
+  vtkSettingMacro(Spacing, double);
 
-  ///@{
   /**
    * Halve the spacing until the error bar is below this share, as far as the picture's pixels and half of the free
    * memory allow; 0: no target. What it will take is told beforehand, a target that is not reached is warned of.
@@ -105,20 +99,15 @@ public:
    * @range (0, 1)
    * @unset 0
    */
-  vtkSetMacro(TargetError, double);
-  vtkGetMacro(TargetError, double);
-  ///@}
+  vtkSettingMacro(TargetError, double);
 
-  ///@{
   /**
    * Threads of the solver. 0: one for each core.
    * @group Diffusion
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(Threads, int);
-  vtkGetMacro(Threads, int);
-  ///@}
+  vtkSettingMacro(Threads, int);
 
   enum Events
   {

@@ -1,7 +1,7 @@
 #include "PointOutput.h"
 
+#include "Columns.h"
 #include "FieldNumbers.h"
-#include "NewArray.h"
 
 #include "vtkDataObject.h"
 #include "vtkDoubleArray.h"
@@ -32,7 +32,7 @@ struct Column
   const char* unit;
   const char* text;
 };
-constexpr std::array<Column, 13> columns{ {
+constexpr std::array<Column, 13> curveColumns{ {
   { "strain", &mpm::CompressionRow::strain, "1", "of the height, positive in compression" },
   { "stress", &mpm::CompressionRow::stress, "Pa", "mean force on the platens over the section at the start" },
   { "imbalance", &mpm::CompressionRow::imbalance, "Pa", "upper platen's stress less the lower one's" },
@@ -47,7 +47,7 @@ constexpr std::array<Column, 13> columns{ {
   { "steps", &mpm::CompressionRow::steps, "1", "done" },
   { "time", &mpm::CompressionRow::time, "s", "of the motion" },
 } };
-static_assert(sizeof(mpm::CompressionRow) == columns.size() * sizeof(double), "a column a number of the row");
+static_assert(sizeof(mpm::CompressionRow) == curveColumns.size() * sizeof(double), "a column a number of the row");
 
 /// A state's arrays, one value a point; those not asked for are empty.
 struct StateColumns
@@ -198,14 +198,8 @@ void setPointState(vtkPolyData* output, const mpm::PointCompression<Dim>& run, c
 void setCompressionCurve(vtkTable* output, const std::vector<mpm::CompressionRow>& rows, const char* creator)
 {
   output->Initialize();
-  for (const Column& column : columns)
-  {
-    const auto array = newArray<vtkDoubleArray>(column.name, 1, rows.size());
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      array->SetValue(static_cast<vtkIdType>(i), rows[i].*column.value);
-    describe(array, column.unit, column.text, creator);
-    output->AddColumn(array);
-  }
+  for (const Column& column : curveColumns)
+    Columns{ output->GetRowData(), rows, creator }.numbers(column.name, column.unit, column.text, column.value);
 }
 
 double stressAt(const std::vector<mpm::CompressionRow>& rows, double strain)

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-class vtkDataObject;
 class vtkPolyData;
 class vtkTable;
 

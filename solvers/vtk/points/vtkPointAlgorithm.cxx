@@ -1,5 +1,6 @@
 #include "vtkPointAlgorithm.h"
 
+#include "Listed.h"
 #include "PointScene.h"
 #include "vtkPieces.h"
 
@@ -43,11 +44,7 @@ void vtkPointAlgorithm::SetPhaseConstant(const char* phase, const char* constant
 
 void vtkPointAlgorithm::RemoveAllPhaseConstants()
 {
-  if (!this->Internal->Constants.empty())
-  {
-    this->Internal->Constants.clear();
-    this->Modified();
-  }
+  lamella::removeAll(this, this->Internal->Constants);
 }
 
 int vtkPointAlgorithm::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)

@@ -50,15 +50,12 @@ public:
     ORTHOTROPIC = 2,
     PLASTIC = 3 ///< "Plastic": isotropic, yields (J2, linear hardening); in plane strain and in space
   };
-  ///@{
   /**
    * Law of all walls, for large rotations. Plastic walls are isotropic and yield, in plane strain and in space.
    * @group Walls
    * @choice Laws
    */
-  vtkSetMacro(Law, int);
-  vtkGetMacro(Law, int);
-  ///@}
+  vtkSettingMacro(Law, int);
 
   enum Planes
   {
@@ -67,18 +64,14 @@ public:
     PLANE_STRESS = 1,
     PLANE_STRAIN = 2
   };
-  ///@{
   /**
    * What a picture takes the third direction for. Volumes are solved in space.
    * @group Walls
    * @choice Planes
    * @advanced
    */
-  vtkSetMacro(Plane, int);
-  vtkGetMacro(Plane, int);
-  ///@}
+  vtkSettingMacro(Plane, int);
 
-  ///@{
   /**
    * Young's modulus of the walls [Pa], along the axis where there is one. 0: 8e9 with an axis, 7.2e9 without.
    * @word young
@@ -87,10 +80,7 @@ public:
    * @range (0, inf)
    * @unset 0
    */
-  vtkSetMacro(YoungsModulus, double);
-  vtkGetMacro(YoungsModulus, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(YoungsModulus, double);
   /**
    * Orthotropic: Young's modulus across the axis [Pa].
    * @word transverse
@@ -99,20 +89,14 @@ public:
    * @when Law AUTO_LAW ORTHOTROPIC
    * @range (0, inf)
    */
-  vtkSetMacro(TransverseModulus, double);
-  vtkGetMacro(TransverseModulus, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(TransverseModulus, double);
   /**
    * Poisson's ratio; with an axis contraction across it, pulled along it.
    * @word poisson
    * @group Walls
    * @range (-1, 1)
    */
-  vtkSetMacro(PoissonsRatio, double);
-  vtkGetMacro(PoissonsRatio, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(PoissonsRatio, double);
   /**
    * Orthotropic: Poisson's ratio among the directions across the axis.
    * @word transverse-poisson
@@ -121,10 +105,7 @@ public:
    * @advanced
    * @range (-1, 1)
    */
-  vtkSetMacro(TransversePoissonsRatio, double);
-  vtkGetMacro(TransversePoissonsRatio, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(TransversePoissonsRatio, double);
   /**
    * Orthotropic: shear modulus along the axis [Pa]. 0: from the others.
    * @word shear
@@ -135,20 +116,14 @@ public:
    * @when Law AUTO_LAW ORTHOTROPIC
    * @advanced
    */
-  vtkSetMacro(ShearModulus, double);
-  vtkGetMacro(ShearModulus, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(ShearModulus, double);
   /**
    * What keeps points from being crushed to nothing, over the greatest stiffness of the wall.
    * @group Walls
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(Barrier, double);
-  vtkGetMacro(Barrier, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(Barrier, double);
   /**
    * Plastic: stress at which walls yield [Pa].
    * @word yield, yield_stress
@@ -157,10 +132,7 @@ public:
    * @when Law PLASTIC
    * @range (0, inf]
    */
-  vtkSetMacro(YieldStress, double);
-  vtkGetMacro(YieldStress, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(YieldStress, double);
   /**
    * Plastic: slope of the yield stress over the plastic strain [Pa].
    * @group Walls
@@ -168,10 +140,7 @@ public:
    * @range [0, inf)
    * @when Law PLASTIC
    */
-  vtkSetMacro(Hardening, double);
-  vtkGetMacro(Hardening, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(Hardening, double);
   /**
    * Density of the walls [kg/m^3].
    * @group Walls
@@ -179,9 +148,7 @@ public:
    * @advanced
    * @range (0, inf)
    */
-  vtkSetMacro(Density, double);
-  vtkGetMacro(Density, double);
-  ///@}
+  vtkSettingMacro(Density, double);
 
   ///@{
   /**
@@ -197,16 +164,12 @@ public:
   void RemoveAllPhaseConstants();
   ///@}
 
-  ///@{
   /**
    * Points along each axis in a node of the image. 0: two a cell of the grid, and two at least.
    * @group Points and grid
    * @range [0, 16]
    */
-  vtkSetMacro(PointsPerNode, int);
-  vtkGetMacro(PointsPerNode, int);
-  ///@}
-  ///@{
+  vtkSettingMacro(PointsPerNode, int);
   /**
    * Cells of the grid along each axis in a node of the image. Walls want two cells across at least.
    *
@@ -214,27 +177,13 @@ public:
    * @group Points and grid
    * @range (0, inf)
    */
-  vtkSetMacro(CellsPerNode, double);
-  vtkGetMacro(CellsPerNode, double);
-  ///@}
+  vtkSettingMacro(CellsPerNode, double);
 
-  enum Axes
-  {
-    LAST_AXIS = -1, ///< "Last: y of a picture, z of a volume": y of a picture (upwards), z of a volume
-    X = 0,
-    Y = 1,
-    Z = 2
-  };
-
-  ///@{
   /**
    * Platens stand where the tissue begins and ends, not at the image's ends.
    * @group Load
    */
-  vtkSetMacro(FitPlatens, bool);
-  vtkGetMacro(FitPlatens, bool);
-  vtkBooleanMacro(FitPlatens, bool);
-  ///@}
+  vtkSwitchMacro(FitPlatens);
 
 protected:
   vtkPointAlgorithm();

@@ -1,10 +1,10 @@
 #include "vtkPointCompression.h"
 
 #include "FieldNumbers.h"
+#include "Listed.h"
 #include "LongRun.h"
 #include "PointOutput.h"
 #include "PointScene.h"
-#include "Settings.h"
 #include "vtkLatticeConversion.h"
 #include "vtkProvenance.h"
 
@@ -132,11 +132,7 @@ void vtkPointCompression::AddStateAtStrain(double strain)
 
 void vtkPointCompression::RemoveAllStatesAtStrains()
 {
-  if (!this->Kept->Strains.empty())
-  {
-    this->Kept->Strains.clear();
-    this->Modified();
-  }
+  lamella::removeAll(this, this->Kept->Strains);
 }
 
 #define LAMELLA_SHOW(name)                                                                                             \
@@ -394,10 +390,4 @@ void vtkPointCompression::Internals::Describe(
       { "transfer", transferNames.at(static_cast<std::size_t>(self.Transfer)) },
       { "mass", self.ConsistentMass ? "consistent" : "lumped" }, { "update", self.ModifiedUpdate ? "musl" : "usl" },
       { "time_step", self.TimeStep }, { "checkpoint_every", self.CheckpointEvery } });
-}
-
-void vtkPointCompression::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -60,28 +60,16 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkPointCompression : public vtkPointAlgorithm
 public:
   static vtkPointCompression* New();
   vtkTypeMacro(vtkPointCompression, vtkPointAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
-  /**
-   * Axis of loading.
-   * @word axis
-   * @group Load
-   * @choice LAST_AXIS X Y Z
-   */
-  vtkSetMacro(LoadAxis, int);
-  vtkGetMacro(LoadAxis, int);
-  ///@}
+  /** As vtkBondLoadAlgorithm. */
+  vtkSettingMacro(LoadAxis, int);
 
-  ///@{
   /**
    * Strain to end at, above 0 and below 1.
    * @group Load
    * @range (0, 1)
    */
-  vtkSetMacro(Strain, double);
-  vtkGetMacro(Strain, double);
-  ///@}
+  vtkSettingMacro(Strain, double);
 
   enum SideKinds
   {
@@ -90,93 +78,69 @@ public:
     FIXED = 2,
     PERIODIC = 3 ///< "Periodic": a period that grows so that there is no mean stress
   };
-  ///@{
   /**
    * Both ends of the axes across the load.
    * @group Load
    * @choice SideKinds
    */
-  vtkSetMacro(Sides, int);
-  vtkGetMacro(Sides, int);
-  ///@}
+  vtkSettingMacro(Sides, int);
 
-  ///@{
   /**
    * Platens do not let slide.
    * @group Load
    * @advanced
    */
-  vtkSetMacro(Grip, bool);
-  vtkGetMacro(Grip, bool);
-  vtkBooleanMacro(Grip, bool);
-  ///@}
+  vtkSwitchMacro(Grip);
 
-  ///@{
   /**
    * Kinetic over elastic energy that is allowed.
    * @group How slowly
    * @range [0, inf)
    */
-  vtkSetMacro(EnergyRatio, double);
-  vtkGetMacro(EnergyRatio, double);
+  vtkSettingMacro(EnergyRatio, double);
   /**
    * Strain from which the energy ratio is kept.
    * @group How slowly
    * @range [0, 1]
    * @advanced
    */
-  vtkSetMacro(CalmFrom, double);
-  vtkGetMacro(CalmFrom, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(CalmFrom, double);
   /**
-   * Speed of the platens at the start, over the fastest wave in the wall.
-   *
-   * Of the platens towards each other, over the fastest wave in the wall: where it starts, and what the control keeps
-   * it between; above 0, below 1, FirstSpeed between the others.
+   * Speed of the platens towards each other at the start, over the fastest wave in the wall; between the least and the
+   * most speed.
    * @group How slowly
    * @advanced
    * @range (0, 1)
    */
-  vtkSetMacro(FirstSpeed, double);
-  vtkGetMacro(FirstSpeed, double);
+  vtkSettingMacro(FirstSpeed, double);
   /**
    * Speed below which the control does not go.
    * @group How slowly
    * @advanced
    * @range (0, 1)
    */
-  vtkSetMacro(LeastSpeed, double);
-  vtkGetMacro(LeastSpeed, double);
+  vtkSettingMacro(LeastSpeed, double);
   /**
    * Speed above which the control does not go.
    * @group How slowly
    * @advanced
    * @range (0, 1)
    */
-  vtkSetMacro(MostSpeed, double);
-  vtkGetMacro(MostSpeed, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(MostSpeed, double);
   /**
    * Friction against a frame that deforms evenly, over the lowest frequency of a bar of wall as high as the specimen.
    * @group How slowly
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(Damping, double);
-  vtkGetMacro(Damping, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(Damping, double);
   /**
    * Rows of the curve.
    * @group State shown
    * @range [1, inf)
    * @advanced
    */
-  vtkSetMacro(Rows, int);
-  vtkGetMacro(Rows, int);
-  ///@}
+  vtkSettingMacro(Rows, int);
 
   enum Shapes
   {
@@ -184,16 +148,13 @@ public:
     GIMP = 1,   ///< "GIMP"
     SPLINE = 2  ///< "Quadratic splines": quadratic B-splines
   };
-  ///@{
   /**
    * Shape functions.
    * @group Points and grid
    * @choice Shapes
    * @advanced
    */
-  vtkSetMacro(Shape, int);
-  vtkGetMacro(Shape, int);
-  ///@}
+  vtkSettingMacro(Shape, int);
   enum Transfers
   {
     FLIP = 0, ///< "FLIP"
@@ -201,37 +162,25 @@ public:
     APIC = 2, ///< "APIC"
     XPIC = 3  ///< "XPIC(2)"
   };
-  ///@{
   /**
    * How points get their velocities back from the grid.
    * @group Points and grid
    * @choice Transfers
    * @advanced
    */
-  vtkSetMacro(Transfer, int);
-  vtkGetMacro(Transfer, int);
-  ///@}
-  ///@{
+  vtkSettingMacro(Transfer, int);
   /**
    * Consistent mass instead of lumped.
    * @group Points and grid
    * @advanced
    */
-  vtkSetMacro(ConsistentMass, bool);
-  vtkGetMacro(ConsistentMass, bool);
-  vtkBooleanMacro(ConsistentMass, bool);
-  ///@}
-  ///@{
+  vtkSwitchMacro(ConsistentMass);
   /**
    * Stress from the velocities that points give back to the grid (MUSL).
    * @group Points and grid
    * @advanced
    */
-  vtkSetMacro(ModifiedUpdate, bool);
-  vtkGetMacro(ModifiedUpdate, bool);
-  vtkBooleanMacro(ModifiedUpdate, bool);
-  ///@}
-  ///@{
+  vtkSwitchMacro(ModifiedUpdate);
   /**
    * Step in time [s]; 0: 0.9 of the largest stable one, followed as the points deform. One above that is refused with
    * it.
@@ -240,9 +189,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(TimeStep, double);
-  vtkGetMacro(TimeStep, double);
-  ///@}
+  vtkSettingMacro(TimeStep, double);
 
   ///@{
   /**
@@ -256,31 +203,19 @@ public:
   void RemoveAllStatesAtStrains();
   ///@}
   ///@{
-  /**
-   * Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
-   * vtkSampleAlgorithm::STEP_EVENT have seen each.
-   */
-  vtkSetMacro(KeepStates, bool);
-  vtkGetMacro(KeepStates, bool);
-  vtkBooleanMacro(KeepStates, bool);
-  ///@}
-  ///@{
-  /**
-   * The state that output 0 shows, from 0, in the order of the run; -1: the end. A change runs nothing again. Beyond
-   * the last it is the end.
-   * @group State shown
-   * @default -1
-   */
+  /** As vtkBondBreakAlgorithm. */
+  vtkSwitchMacro(KeepStates);
   void SetState(int state);
   int GetState();
+  vtkGetVector2Macro(StateRange, int);
   ///@}
 
   ///@{
   /**
    * Put the displacement of every point into the output.
    *
-   * What states carry besides `id` and `phase`. Displacement on, all others off. What is switched off after a run is
-   * left out, and comes back without another one; what the run was not to keep needs another.
+   * What is switched off after a run is left out, and comes back without another one; what the run was not to keep
+   * needs another. The same holds for those below.
    * @group State shown
    * @advanced
    */
@@ -320,56 +255,14 @@ public:
   vtkBooleanMacro(ComputeEnergyDensity, bool);
   ///@}
 
+  /** As vtkBondBreakAlgorithm. */
+  vtkSettingMacro(CheckpointFile, std::string);
+  /** As vtkBondBreakAlgorithm. Steps between two checkpoints. Go on with the number that the run began with. */
+  vtkSettingMacro(CheckpointEvery, vtkIdType);
   ///@{
-  /**
-   * A file (.h5) on the server that keeps where the run stands; what is there already is replaced. Empty: none.
-   *
-   * A file that keeps where the run stands, in HDF5, after every CheckpointEvery steps, at the end and where the run is
-   * interrupted; what is there already is replaced. Empty: none. When it cannot be written the run goes on, and says
-   * so.
-   * @word checkpoint
-   * @group Checkpoints
-   * @files Checkpoints (*.h5 *.hdf5)
-   * @advanced
-   */
-  vtkSetMacro(CheckpointFile, std::string);
-  vtkGetMacro(CheckpointFile, std::string);
-  ///@}
-  ///@{
-  /**
-   * Steps between two checkpoints. Go on with the number that the run began with.
-   * @group Checkpoints
-   * @range [1, inf)
-   * @advanced
-   */
-  vtkSetMacro(CheckpointEvery, vtkIdType);
-  vtkGetMacro(CheckpointEvery, vtkIdType);
-  ///@}
-  ///@{
-  /**
-   * Wall time before the first checkpoint and between two at least [s]. Above 0 there is none at the end.
-   * @range [0, inf)
-   */
-  vtkSetMacro(CheckpointSeconds, double);
-  vtkGetMacro(CheckpointSeconds, double);
-  ///@}
-  ///@{
-  /**
-   * A checkpoint of the same run to go on from, to the same curve. Empty: from the start, as where this is Checkpoint
-   * File and not there yet.
-   *
-   * A checkpoint of the same scene to go on from, to the same curve. States before it are not made. Empty: from the
-   * start, as where this is CheckpointFile and not there yet.
-   * @word continue, continue_from
-   * @group Checkpoints
-   * @files Checkpoints (*.h5 *.hdf5)
-   * @advanced
-   */
-  vtkSetMacro(ContinueFile, std::string);
-  vtkGetMacro(ContinueFile, std::string);
-  ///@}
-  ///@{
-  /** Steps in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
+  /** As vtkBondBreakAlgorithm. */
+  vtkSettingMacro(CheckpointSeconds, double);
+  vtkSettingMacro(ContinueFile, std::string);
   vtkGetMacro(LastCheckpoint, vtkIdType);
   ///@}
 
@@ -387,10 +280,6 @@ public:
   /** Of the last update, the points of this rank; null where there is none such. */
   int GetNumberOfStates();
   vtkPolyData* GetStatePoints(int state);
-  ///@}
-  ///@{
-  /** -1 and the number of the last state, for a slider; 0 before the first update. */
-  vtkGetVector2Macro(StateRange, int);
   ///@}
 
   /** Later than the last change of a setting, or of State. */

@@ -3,7 +3,6 @@
 #include "FieldNumbers.h"
 #include "NewArray.h"
 #include "PointScene.h"
-#include "Settings.h"
 #include "vtkProvenance.h"
 
 #include "core/Error.h"
@@ -14,7 +13,6 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkStringArray.h"
 #include "vtkTable.h"
@@ -253,10 +251,4 @@ void vtkPointStiffness::Run(vtkImageData* input, vtkInformationVector* outputs, 
       { { "model", model }, { "sides", sides }, { "fit_platens", this->FitPlatens },
         { "tolerance", this->Tolerance } });
   }
-}
-
-void vtkPointStiffness::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -45,7 +45,6 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkPointStiffness : public vtkPointAlgorithm
 public:
   static vtkPointStiffness* New();
   vtkTypeMacro(vtkPointStiffness, vtkPointAlgorithm);
-  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   enum SideKinds
   {
@@ -55,27 +54,20 @@ public:
     PERIODIC = 3, ///< "Periodic: the whole tensor": all round: the whole tensor
     STICKY = 4 ///< "Sticky: an upper bound": walls that hold what touches them, all round: an upper bound of the tensor
   };
-  ///@{
   /**
    * Sides across the load; periodic and sticky: all of them.
    * @group Load
    * @choice SideKinds
    */
-  vtkSetMacro(Sides, int);
-  vtkGetMacro(Sides, int);
-  ///@}
+  vtkSettingMacro(Sides, int);
 
-  ///@{
   /**
    * Largest residual.
    * @group Accuracy and cost
    * @range [1e-12, 0.1]
    * @advanced
    */
-  vtkSetMacro(Tolerance, double);
-  vtkGetMacro(Tolerance, double);
-  ///@}
-  ///@{
+  vtkSettingMacro(Tolerance, double);
   /**
    * Gives up after this many iterations for one strain.
    * @word max-iterations
@@ -83,9 +75,7 @@ public:
    * @range [1, inf)
    * @advanced
    */
-  vtkSetMacro(MaximumIterations, int);
-  vtkGetMacro(MaximumIterations, int);
-  ///@}
+  vtkSettingMacro(MaximumIterations, int);
 
   enum PlanEvents
   {

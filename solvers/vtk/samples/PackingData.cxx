@@ -1,7 +1,7 @@
 #include "PackingData.h"
 
+#include "Columns.h"
 #include "FieldNumbers.h"
-#include "NewArray.h"
 
 #include "core/Error.h"
 
@@ -15,7 +15,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <span>
 #include <vector>
 
 namespace lamella
@@ -48,6 +47,11 @@ void setNumbers(
   setFieldTexts(data, "warnings", p.warnings);
 }
 
+double alongOf(const packing::Contact& c)
+{
+  return c.force[0] * c.normal[0] + c.force[1] * c.normal[1] + c.force[2] * c.normal[2];
+}
+
 /// Of each grain: the sum of its contacts' forces, and of their parts along the contacts.
 void setForces(const packing::Packing& p, const std::string& creator, vtkPolyData* particles)
 {
@@ -57,7 +61,7 @@ void setForces(const packing::Packing& p, const std::string& creator, vtkPolyDat
   normal->FillValue(0);
   for (const packing::Contact& c : p.contacts)
   {
-    const double along = c.force[0] * c.normal[0] + c.force[1] * c.normal[1] + c.force[2] * c.normal[2];
+    const double along = alongOf(c);
     const auto add = [&](std::int32_t grain, double sign)
     {
       for (int axis = 0; axis < 3; ++axis)
@@ -77,50 +81,45 @@ void setForces(const packing::Packing& p, const std::string& creator, vtkPolyDat
 
 void setContacts(const packing::Packing& p, const std::string& creator, vtkPolyData* out)
 {
+  using packing::Contact;
   const std::size_t count = p.contacts.size();
   const auto points = newPoints(2 * count);
   vtkNew<vtkCellArray> lines;
   const auto force = newArray<vtkDoubleArray>("force", 3, count);
-  const auto normal = newArray<vtkDoubleArray>("normal_force", 1, count);
-  const auto normalAtPoints = newArray<vtkDoubleArray>("normal_force", 1, 2 * count);
-  const auto overlap = newArray<vtkDoubleArray>("overlap", 1, count);
-  const auto first = newArray<vtkIntArray>("first", 1, count);
-  const auto second = newArray<vtkIntArray>("second", 1, count);
-  const auto wall = newArray<vtkUnsignedCharArray>("wall", 1, count);
+  const auto atPoints = newArray<vtkDoubleArray>("normal_force", 1, 2 * count);
   for (std::size_t i = 0; i < count; ++i)
   {
-    const packing::Contact& c = p.contacts[i];
+    const Contact& c = p.contacts[i];
     const auto id = static_cast<vtkIdType>(i);
     const std::array<double, 3>& from = p.centre[static_cast<std::size_t>(c.first)];
     points->SetPoint(2 * id, from.data());
     points->SetPoint(2 * id + 1, from[0] + c.branch[0], from[1] + c.branch[1], from[2] + c.branch[2]);
     lines->InsertNextCell({ 2 * id, 2 * id + 1 });
-    const double along = c.force[0] * c.normal[0] + c.force[1] * c.normal[1] + c.force[2] * c.normal[2];
     force->SetTuple(id, c.force.data());
-    normal->SetValue(id, along);
-    normalAtPoints->SetValue(2 * id, along);
-    normalAtPoints->SetValue(2 * id + 1, along);
-    overlap->SetValue(id, c.overlap);
-    first->SetValue(id, c.first + 1);
-    second->SetValue(id, c.second < 0 ? c.second : c.second + 1);
-    wall->SetValue(id, c.second < 0 ? 1 : 0);
+    atPoints->SetValue(2 * id, alongOf(c));
+    atPoints->SetValue(2 * id + 1, alongOf(c));
   }
   const char* const unit = p.dimension == 3 ? "N" : "N/m";
+  const char* const along = "part of the force along the line; compression is positive";
   describe(force, unit, "on the second grain (or wall) by the first", creator);
-  describe(normal, unit, "part of the force along the line; compression is positive", creator);
-  describe(normalAtPoints, unit, "part of the force along the line; compression is positive", creator);
-  describe(overlap, "m", "sum of the radii less the distance of the centres", creator);
-  describe(first, "1", "number of the first grain, from 1", creator);
-  describe(second, "1", "number of the second grain; -1 ... -6: wall at low x, high x, low y ... high z", creator);
-  describe(wall, "1", "1 where the second is a wall", creator);
+  describe(atPoints, unit, along, creator);
   out->Initialize();
   out->SetPoints(points);
   out->SetLines(lines);
-  out->GetPointData()->SetScalars(normalAtPoints);
+  out->GetPointData()->SetScalars(atPoints);
   vtkCellData* const cells = out->GetCellData();
-  cells->SetScalars(normal);
+  const Columns columns{ cells, p.contacts, creator };
+  columns.numbers("normal_force", unit, along, alongOf);
+  cells->SetActiveScalars("normal_force");
   cells->SetVectors(force);
-  addArrays(cells, { overlap, first, second, wall });
+  columns.numbers("overlap", "m", "sum of the radii less the distance of the centres", &Contact::overlap);
+  columns.add<vtkIntArray>(
+    "first", "1", "number of the first grain, from 1", [](const Contact& c) { return c.first + 1; });
+  columns.add<vtkIntArray>(
+    "second", "1", "number of the second grain; -1 ... -6: wall at low x, high x, low y ... high z",
+    [](const Contact& c) { return c.second < 0 ? c.second : c.second + 1; });
+  columns.add<vtkUnsignedCharArray>(
+    "wall", "1", "1 where the second is a wall", [](const Contact& c) { return c.second < 0; });
 }
 
 } // namespace
@@ -130,36 +129,26 @@ void setPacking(const packing::Packing& p, const packing::PackingStatistics& s, 
 {
   const std::size_t count = p.count();
   const auto points = newPoints(count);
-  const auto radius = newArray<vtkDoubleArray>("radius", 1, count);
-  const auto diameter = newArray<vtkDoubleArray>("diameter", 1, count);
-  const auto grain = newArray<vtkIntArray>("grain", 1, count);
-  const auto number = newArray<vtkIntArray>("contacts", 1, count);
-  const auto rattler = newArray<vtkUnsignedCharArray>("rattler", 1, count);
-  number->FillValue(0);
+  std::vector<int> touching(count);
   for (std::size_t i = 0; i < count; ++i)
-  {
-    const auto id = static_cast<vtkIdType>(i);
-    points->SetPoint(id, p.centre[i].data());
-    radius->SetValue(id, p.radius[i]);
-    diameter->SetValue(id, 2 * p.radius[i]);
-    grain->SetValue(id, static_cast<int>(i) + 1);
-    rattler->SetValue(id, s.rattler[i]);
-  }
+    points->SetPoint(static_cast<vtkIdType>(i), p.centre[i].data());
   for (const packing::Contact& c : p.contacts)
-  {
-    number->SetValue(c.first, number->GetValue(c.first) + 1);
-    if (c.second >= 0)
-      number->SetValue(c.second, number->GetValue(c.second) + 1);
-  }
-  describe(radius, "m", "radius of the grain", creator);
-  describe(diameter, "m", "diameter of the grain", creator);
-  describe(grain, "1", "number of the grain, from 1", creator);
-  describe(number, "1", "contacts of the grain, those with walls included", creator);
-  describe(rattler, "1", "1 for grains that nothing holds", creator);
+    for (const std::int32_t grain : { c.first, c.second })
+      if (grain >= 0)
+        ++touching[static_cast<std::size_t>(grain)];
   setVertices(particles, points);
-  vtkPointData* const data = particles->GetPointData();
-  data->SetScalars(radius);
-  addArrays(data, { diameter, grain, number, rattler });
+  const Columns columns{ particles->GetPointData(), p.centre, creator };
+  columns.numbers(
+    "radius", "m", "radius of the grain", [&](std::size_t i) { return p.radius[i]; });
+  columns.numbers(
+    "diameter", "m", "diameter of the grain", [&](std::size_t i) { return 2 * p.radius[i]; });
+  columns.add<vtkIntArray>(
+    "grain", "1", "number of the grain, from 1", [](std::size_t i) { return i + 1; });
+  columns.add<vtkIntArray>(
+    "contacts", "1", "contacts of the grain, those with walls included", [&](std::size_t i) { return touching[i]; });
+  columns.add<vtkUnsignedCharArray>(
+    "rattler", "1", "1 for grains that nothing holds", [&](std::size_t i) { return s.rattler[i]; });
+  particles->GetPointData()->SetActiveScalars("radius");
   setForces(p, creator, particles);
   setNumbers(particles, p, s, creator);
   if (contacts != nullptr)

@@ -2,6 +2,7 @@
 
 #include "Attempt.h"
 #include "FieldNumbers.h"
+#include "Listed.h"
 #include "LongRun.h"
 #include "PackingData.h"
 #include "ThreadCount.h"
@@ -21,7 +22,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -59,11 +59,7 @@ void vtkGrainPacking::AddSeed(vtkIdType seed)
 
 void vtkGrainPacking::RemoveAllSeeds()
 {
-  if (!this->Kept->Seeds.empty())
-  {
-    this->Kept->Seeds.clear();
-    this->Modified();
-  }
+  lamella::removeAll(this, this->Kept->Seeds);
 }
 
 int vtkGrainPacking::GetNumberOfStates()

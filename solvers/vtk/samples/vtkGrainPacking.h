@@ -30,6 +30,7 @@
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPolyDataAlgorithm.h"
+#include "vtkSetting.h"
 
 #include <memory> // for std::unique_ptr
 
@@ -40,46 +41,34 @@ public:
   vtkTypeMacro(vtkGrainPacking, vtkPolyDataAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
   /**
    * Disks in a plane or spheres in space.
    * @group Grains
    * @values 2 = 2: disks; 3 = 3: spheres
    */
-  vtkSetMacro(Dimension, int);
-  vtkGetMacro(Dimension, int);
-  ///@}
+  vtkSettingMacro(Dimension, int);
 
-  ///@{
   /**
    * How many grains: at least 10 disks or 30 spheres. 400 disks take about a second.
    * @group Grains
    * @range [1, inf)
    */
-  vtkSetMacro(Count, vtkIdType);
-  vtkGetMacro(Count, vtkIdType);
-  ///@}
+  vtkSettingMacro(Count, vtkIdType);
 
-  ///@{
   /**
    * Mean of the grains' diameters in metres.
    * @group Grains
    * @unit m
    * @range (0, inf)
    */
-  vtkSetMacro(MeanDiameter, double);
-  vtkGetMacro(MeanDiameter, double);
-  ///@}
+  vtkSettingMacro(MeanDiameter, double);
 
-  ///@{
   /**
    * Largest diameter over the smallest.
    * @group Grains
    * @range [1, 10]
    */
-  vtkSetMacro(DiameterRatio, double);
-  vtkGetMacro(DiameterRatio, double);
-  ///@}
+  vtkSettingMacro(DiameterRatio, double);
 
   enum SizeDistributions
   {
@@ -87,90 +76,63 @@ public:
     VOLUME_SHARE = 1, ///< "Every diameter fills the same share": every diameter fills the same share of the volume
     DIAMETER = 2      ///< "Diameters evenly": diameters spread evenly
   };
-  ///@{
   /**
    * How sizes are spread between the smallest grain and the largest. Every diameter fills the same share: many small
    * grains and few large ones.
    * @group Grains
    * @choice SizeDistributions
    */
-  vtkSetMacro(Sizes, int);
-  vtkGetMacro(Sizes, int);
-  ///@}
+  vtkSettingMacro(Sizes, int);
 
-  ///@{
   /**
    * Edge of the box along its last axis (y of disks, z of spheres) over the other edges.
    * @group Grains
    * @range [0.2, 5]
    */
-  vtkSetMacro(Aspect, double);
-  vtkGetMacro(Aspect, double);
-  ///@}
+  vtkSettingMacro(Aspect, double);
 
-  ///@{
   /**
-   * The box is one cell of an endless packing. Otherwise it has smooth walls.
-   *
-   * Periodic along all axes, or between smooth walls.
+   * The box is one cell of an endless packing, periodic along all axes. Otherwise it has smooth walls.
    * @group Grains
    */
-  vtkSetMacro(Periodic, bool);
-  vtkGetMacro(Periodic, bool);
-  vtkBooleanMacro(Periodic, bool);
-  ///@}
+  vtkSwitchMacro(Periodic);
 
-  ///@{
   /**
    * Coulomb's friction coefficient between grains and with walls. More friction, looser packings.
    * @group Compaction
    * @range [0, 2]
    */
-  vtkSetMacro(Friction, double);
-  vtkGetMacro(Friction, double);
-  ///@}
+  vtkSettingMacro(Friction, double);
 
-  ///@{
   /**
    * What the walls press with, in pascals. Forces are in proportion to it.
    * @group Compaction
    * @unit Pa
    * @range (0, inf)
    */
-  vtkSetMacro(Pressure, double);
-  vtkGetMacro(Pressure, double);
-  ///@}
+  vtkSettingMacro(Pressure, double);
 
-  ///@{
   /**
    * Pressure over the contacts' stiffness: about the mean overlap of two grains over the diameter.
    * @group Compaction
    * @range [1e-7, 1e-2]
    * @advanced
    */
-  vtkSetMacro(Softness, double);
-  vtkGetMacro(Softness, double);
-  ///@}
+  vtkSettingMacro(Softness, double);
 
-  ///@{
   /**
    * Ends the compaction at this share of the box, before the grains jam and touch. 0: they jam.
    * @group Compaction
    * @range [0, 1)
    */
-  vtkSetMacro(PackingFraction, double);
-  vtkGetMacro(PackingFraction, double);
-  ///@}
+  vtkSettingMacro(PackingFraction, double);
 
-  ///@{
   /**
    * Another seed gives another packing of the same grains.
    * @group Grains
    * @range [0, inf)
    */
-  vtkSetMacro(Seed, vtkIdType);
-  vtkGetMacro(Seed, vtkIdType);
-  ///@}
+  vtkSettingMacro(Seed, vtkIdType);
 
   ///@{
   /**
@@ -185,29 +147,22 @@ public:
   void RemoveAllSeeds();
   ///@}
 
-  ///@{
   /**
    * Of several packings: how many at once. 0: one for each core. One packing runs on one thread.
    * @group Grains
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(Threads, int);
-  vtkGetMacro(Threads, int);
-  ///@}
+  vtkSettingMacro(Threads, int);
 
-  ///@{
   /**
    * At rest, the mean net force on a grain is below this share of the mean contact force.
    * @group Compaction
    * @range [1e-8, 1e-2]
    * @advanced
    */
-  vtkSetMacro(Tolerance, double);
-  vtkGetMacro(Tolerance, double);
-  ///@}
+  vtkSettingMacro(Tolerance, double);
 
-  ///@{
   /**
    * Steps of relaxation from one state that is kept on the way to the next. 0: the end alone. The packing at the end
    * does not depend on it.
@@ -215,29 +170,18 @@ public:
    * @group States
    * @range [0, inf)
    */
-  vtkSetMacro(StateEvery, vtkIdType);
-  vtkGetMacro(StateEvery, vtkIdType);
-  ///@}
+  vtkSettingMacro(StateEvery, vtkIdType);
 
+  /** As vtkBondBreakAlgorithm. */
+  vtkSwitchMacro(KeepStates);
   ///@{
   /**
-   * Whether all states stay, or only the last one. Off, memory holds one at a time: those who observe
-   * vtkSampleAlgorithm::STEP_EVENT have seen each.
-   */
-  vtkSetMacro(KeepStates, bool);
-  vtkGetMacro(KeepStates, bool);
-  vtkBooleanMacro(KeepStates, bool);
-  ///@}
-
-  ///@{
-  /**
-   * The state that the outputs show, from 0, in the order of the run; -1: the end. A change runs nothing again.
-   * Beyond the last it is the end.
+   * As vtkBondBreakAlgorithm.
    * @group States
-   * @default -1
    */
   void SetState(int state);
   int GetState();
+  vtkGetVector2Macro(StateRange, int);
   ///@}
 
   /** The contacts, output 1. */
@@ -248,14 +192,8 @@ public:
   vtkPolyData* GetStateGrains(int state);
   vtkPolyData* GetStateContacts(int state);
   ///@}
-  ///@{
-  /** -1 and the number of the last state, for a slider; 0 before the first update. */
-  vtkGetVector2Macro(StateRange, int);
-  ///@}
-  ///@{
   /** What kind of mistake the last update ended with: vtkSampleAlgorithm::Failures. */
   vtkGetMacro(Failure, int);
-  ///@}
 
   /** Later than the last change of a setting, or of State. */
   vtkMTimeType GetMTime() override;

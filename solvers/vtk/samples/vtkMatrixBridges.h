@@ -24,7 +24,8 @@
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
-#include "vtkSmartPointer.h"            // for the image that is kept
+#include "vtkSetting.h"
+#include "vtkSmartPointer.h" // for the image that is kept
 
 class vtkPolyData;
 
@@ -35,7 +36,6 @@ public:
   vtkTypeMacro(vtkMatrixBridges, vtkImageAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
   /**
    * Width of a bridge at a grain's centre over the grain's diameter. Not used where Filled is on or a Saturation is
    * given.
@@ -43,65 +43,44 @@ public:
    * @when Filled 0
    * @range [0, 2]
    */
-  vtkSetMacro(Width, double);
-  vtkGetMacro(Width, double);
-  ///@}
+  vtkSettingMacro(Width, double);
 
-  ///@{
   /**
    * Grains whose centres are nearer than this times the sum of their radii get a bridge.
    * @group Matrix
    * @range [1, 2]
    */
-  vtkSetMacro(Reach, double);
-  vtkGetMacro(Reach, double);
-  ///@}
+  vtkSettingMacro(Reach, double);
 
-  ///@{
   /**
    * All of the space between the grains is matrix.
    * @group Matrix
    */
-  vtkSetMacro(Filled, bool);
-  vtkGetMacro(Filled, bool);
-  vtkBooleanMacro(Filled, bool);
-  ///@}
+  vtkSwitchMacro(Filled);
 
-  ///@{
   /**
    * Share of the space between the grains that is to be matrix: the width is found for it. 0: Width is used.
    * @group Matrix
    * @range [0, 1]
    * @when Filled 0
    */
-  vtkSetMacro(Saturation, double);
-  vtkGetMacro(Saturation, double);
-  ///@}
+  vtkSettingMacro(Saturation, double);
 
-  ///@{
   /**
    * Bridges to the walls below and above too, as to the grains' mirror images beyond them. Without, a platen only
    * touches grains.
    * @group Matrix
    */
-  vtkSetMacro(WallBridges, bool);
-  vtkGetMacro(WallBridges, bool);
-  vtkBooleanMacro(WallBridges, bool);
-  ///@}
+  vtkSwitchMacro(WallBridges);
 
-  ///@{
   /**
-   * Nodes of the lattice along x. Spheres: 100 are enough for a first look.
-   *
-   * Nodes along x; the spacing is the box's first edge over them.
+   * Nodes of the lattice along x; the spacing is the box's first edge over them. Spheres: 100 are enough for a first
+   * look.
    * @word nodes, nodes_across
    * @group Lattice
    * @range [2, inf)
    */
-  vtkSetMacro(NodesAcross, vtkIdType);
-  vtkGetMacro(NodesAcross, vtkIdType);
-  ///@}
-  ///@{
+  vtkSettingMacro(NodesAcross, vtkIdType);
   /**
    * Distance of the nodes in metres, instead: the nearest that divides the box. 0: by their number.
    * @group Lattice
@@ -109,20 +88,15 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(Spacing, double);
-  vtkGetMacro(Spacing, double);
-  ///@}
+  vtkSettingMacro(Spacing, double);
 
-  ///@{
   /**
    * Thickness in metres of a plate of grain material below and above. 0: none.
    * @group Lattice
    * @unit m
    * @range [0, inf)
    */
-  vtkSetMacro(Platen, double);
-  vtkGetMacro(Platen, double);
-  ///@}
+  vtkSettingMacro(Platen, double);
 
 protected:
   vtkMatrixBridges();

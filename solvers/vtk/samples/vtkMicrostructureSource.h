@@ -17,7 +17,8 @@
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
-#include "vtkSmartPointer.h"            // for the image that is kept
+#include "vtkSetting.h"
+#include "vtkSmartPointer.h" // for the image that is kept
 
 namespace lamella
 {
@@ -40,17 +41,13 @@ public:
     LAMINATE = 4,   ///< "Layers"
     HARDWOOD = 5    ///< "Hardwood": two dimensions alone
   };
-  ///@{
   /**
    * What to make.
    * @group Sample
    * @choice Kinds
    */
-  vtkSetMacro(Kind, int);
-  vtkGetMacro(Kind, int);
-  ///@}
+  vtkSettingMacro(Kind, int);
 
-  ///@{
   /**
    * Nodes along x, y and z. One along z: a two-dimensional sample.
    * @group Sample
@@ -58,11 +55,8 @@ public:
    * @rest 1
    * @range [1, inf)
    */
-  vtkSetVector3Macro(Size, int);
-  vtkGetVector3Macro(Size, int);
-  ///@}
+  vtkSettingVector3Macro(Size, int);
 
-  ///@{
   /**
    * Distance of neighbouring nodes in metres.
    * @word pixel-size, spacing
@@ -70,11 +64,8 @@ public:
    * @unit m
    * @range (0, inf)
    */
-  vtkSetMacro(Spacing, double);
-  vtkGetMacro(Spacing, double);
-  ///@}
+  vtkSettingMacro(Spacing, double);
 
-  ///@{
   /**
    * Share of the walls (softwood, hardwood, honeycomb) or of the inclusions (disks, spheres, laminate), between 0 and
    * 1. A checkerboard has one half.
@@ -82,22 +73,16 @@ public:
    * @when Kind SOFTWOOD HONEYCOMB INCLUSIONS LAMINATE HARDWOOD
    * @range (0, 1)
    */
-  vtkSetMacro(SolidFraction, double);
-  vtkGetMacro(SolidFraction, double);
-  ///@}
+  vtkSettingMacro(SolidFraction, double);
 
-  ///@{
   /**
    * Another seed gives another sample of the same kind.
    * @group Tissue
    * @range [0, inf)
    * @when Kind SOFTWOOD HARDWOOD
    */
-  vtkSetMacro(Seed, vtkIdType);
-  vtkGetMacro(Seed, vtkIdType);
-  ///@}
+  vtkSettingMacro(Seed, vtkIdType);
 
-  ///@{
   /**
    * Mean tracheid diameter across the radial files, along y, in metres.
    * @group Softwood
@@ -106,11 +91,8 @@ public:
    * @range (0, inf)
    * @when Kind SOFTWOOD
    */
-  vtkSetMacro(TangentialDiameter, double);
-  vtkGetMacro(TangentialDiameter, double);
-  ///@}
+  vtkSettingMacro(TangentialDiameter, double);
 
-  ///@{
   /**
    * Mean tracheid diameter along the radial files, along x, in metres: in earlywood and in latewood.
    * @group Softwood
@@ -120,11 +102,8 @@ public:
    * @range (0, inf)
    * @when Kind SOFTWOOD
    */
-  vtkSetVector2Macro(RadialDiameter, double);
-  vtkGetVector2Macro(RadialDiameter, double);
-  ///@}
+  vtkSettingVector2Macro(RadialDiameter, double);
 
-  ///@{
   /**
    * Place in the annual ring of the left and of the right edge: 0 earlywood, 1 latewood.
    * @group Tissue
@@ -133,11 +112,8 @@ public:
    * @range [0, 1]
    * @when Kind SOFTWOOD HARDWOOD
    */
-  vtkSetVector2Macro(RingPosition, double);
-  vtkGetVector2Macro(RingPosition, double);
-  ///@}
+  vtkSettingVector2Macro(RingPosition, double);
 
-  ///@{
   /**
    * Mean distance between rays in metres. 0: no rays.
    * @group Softwood
@@ -146,11 +122,8 @@ public:
    * @advanced
    * @when Kind SOFTWOOD
    */
-  vtkSetMacro(RayDistance, double);
-  vtkGetMacro(RayDistance, double);
-  ///@}
+  vtkSettingMacro(RayDistance, double);
 
-  ///@{
   /**
    * Three dimensions: mean length of a tracheid along z in metres. Tracheids are closed at both ends.
    * @group Softwood
@@ -159,11 +132,8 @@ public:
    * @range (0, inf)
    * @when Kind SOFTWOOD
    */
-  vtkSetMacro(TracheidLength, double);
-  vtkGetMacro(TracheidLength, double);
-  ///@}
+  vtkSettingMacro(TracheidLength, double);
 
-  ///@{
   /**
    * Relative standard deviation of the diameters of tracheids or fibres.
    * @group Tissue
@@ -171,11 +141,8 @@ public:
    * @advanced
    * @when Kind SOFTWOOD HARDWOOD
    */
-  vtkSetMacro(Scatter, double);
-  vtkGetMacro(Scatter, double);
-  ///@}
+  vtkSettingMacro(Scatter, double);
 
-  ///@{
   /**
    * Mean diameter of a fibre, between the middles of its walls, in metres.
    * @group Hardwood
@@ -184,11 +151,8 @@ public:
    * @range (0, inf)
    * @when Kind HARDWOOD
    */
-  vtkSetMacro(FibreDiameter, double);
-  vtkGetMacro(FibreDiameter, double);
-  ///@}
+  vtkSettingMacro(FibreDiameter, double);
 
-  ///@{
   /**
    * Mean tangential diameter of the vessels in metres: at the start and at the end of the ring.
    * @group Hardwood
@@ -197,11 +161,8 @@ public:
    * @range (0, inf)
    * @when Kind HARDWOOD
    */
-  vtkSetVector2Macro(VesselDiameter, double);
-  vtkGetVector2Macro(VesselDiameter, double);
-  ///@}
+  vtkSettingVector2Macro(VesselDiameter, double);
 
-  ///@{
   /**
    * Share of the picture in vessels, out to the middle of their walls: at the start and at the end of the ring.
    * @group Hardwood
@@ -210,11 +171,8 @@ public:
    * @range [0, 0.5]
    * @when Kind HARDWOOD
    */
-  vtkSetVector2Macro(VesselShare, double);
-  vtkGetVector2Macro(VesselShare, double);
-  ///@}
+  vtkSettingVector2Macro(VesselShare, double);
 
-  ///@{
   /**
    * Place in the ring where late vessels begin. Ring-porous wood has about 0.25.
    * @group Hardwood
@@ -222,11 +180,8 @@ public:
    * @advanced
    * @when Kind HARDWOOD
    */
-  vtkSetMacro(EarlyEnd, double);
-  vtkGetMacro(EarlyEnd, double);
-  ///@}
+  vtkSettingMacro(EarlyEnd, double);
 
-  ///@{
   /**
    * Share of the groups of vessels that are radial files of two to four.
    * @group Hardwood
@@ -234,11 +189,8 @@ public:
    * @advanced
    * @when Kind HARDWOOD
    */
-  vtkSetMacro(Multiples, double);
-  vtkGetMacro(Multiples, double);
-  ///@}
+  vtkSettingMacro(Multiples, double);
 
-  ///@{
   /**
    * Mean distance between rays in metres. 0: no rays.
    * @word ray-distance
@@ -248,20 +200,15 @@ public:
    * @advanced
    * @when Kind HARDWOOD
    */
-  vtkSetMacro(HardwoodRayDistance, double);
-  vtkGetMacro(HardwoodRayDistance, double);
-  ///@}
+  vtkSettingMacro(HardwoodRayDistance, double);
 
-  ///@{
   /**
    * Cells along x (honeycomb), along each axis (checkerboard, disks, spheres), or pairs of layers.
    * @group Sample
    * @when Kind HONEYCOMB CHECKERBOARD INCLUSIONS LAMINATE
    * @range [1, inf)
    */
-  vtkSetMacro(Cells, int);
-  vtkGetMacro(Cells, int);
-  ///@}
+  vtkSettingMacro(Cells, int);
 
   enum LayerAxes
   {
@@ -269,16 +216,13 @@ public:
     Y = 1,
     Z = 2
   };
-  ///@{
   /**
    * The axis across the layers.
    * @group Sample
    * @choice LayerAxes
    * @when Kind LAMINATE
    */
-  vtkSetMacro(Axis, int);
-  vtkGetMacro(Axis, int);
-  ///@}
+  vtkSettingMacro(Axis, int);
 
   enum Looks
   {
@@ -287,18 +231,14 @@ public:
     BLUE = 2,    ///< astra blue in transmitted light
     GREY = 3     ///< an electron micrograph with bright walls
   };
-  ///@{
   /**
    * How tissue is drawn as a micrograph, of two dimensions.
    * @group Micrograph
    * @when Kind SOFTWOOD HARDWOOD
    * @choice Looks
    */
-  vtkSetMacro(Look, int);
-  vtkGetMacro(Look, int);
-  ///@}
+  vtkSettingMacro(Look, int);
 
-  ///@{
   /**
    * Standard deviation of the optics' point spread. 0: none.
    * @group Micrograph
@@ -306,33 +246,24 @@ public:
    * @unit m
    * @range [0, inf)
    */
-  vtkSetMacro(Blur, double);
-  vtkGetMacro(Blur, double);
-  ///@}
+  vtkSettingMacro(Blur, double);
 
-  ///@{
   /**
    * Standard deviation of the noise in a bright place over full scale, half from the light, half from the camera.
    * @group Micrograph
    * @when Look MAGENTA BLUE GREY
    * @range [0, 0.5]
    */
-  vtkSetMacro(Noise, double);
-  vtkGetMacro(Noise, double);
-  ///@}
+  vtkSettingMacro(Noise, double);
 
-  ///@{
   /**
    * How much darker the darkest corner is than the brightest place.
    * @group Micrograph
    * @when Look MAGENTA BLUE GREY
    * @range [0, 0.95]
    */
-  vtkSetMacro(UnevenLight, double);
-  vtkGetMacro(UnevenLight, double);
-  ///@}
+  vtkSettingMacro(UnevenLight, double);
 
-  ///@{
   /**
    * Specks of dirt a square millimetre, 3 to 12 µm wide.
    * @unit 1/mm²
@@ -340,11 +271,8 @@ public:
    * @when Look MAGENTA BLUE GREY
    * @range [0, 10000]
    */
-  vtkSetMacro(Dirt, double);
-  vtkGetMacro(Dirt, double);
-  ///@}
+  vtkSettingMacro(Dirt, double);
 
-  ///@{
   /**
    * Torn places a square millimetre: short cracks in the picture. The phases stay whole.
    * @unit 1/mm²
@@ -352,11 +280,8 @@ public:
    * @when Look MAGENTA BLUE GREY
    * @range [0, 10000]
    */
-  vtkSetMacro(Tears, double);
-  vtkGetMacro(Tears, double);
-  ///@}
+  vtkSettingMacro(Tears, double);
 
-  ///@{
   /**
    * Depth of a dark fringe 0.6 µm wide on both sides of the lumens' edges, as of walls out of focus: a share of the
    * stain of a wall. 0.4 is faint.
@@ -364,11 +289,8 @@ public:
    * @when Look MAGENTA BLUE GREY
    * @range [0, 3]
    */
-  vtkSetMacro(Rim, double);
-  vtkGetMacro(Rim, double);
-  ///@}
+  vtkSettingMacro(Rim, double);
 
-  ///@{
   /**
    * Length of a bar in the lower right corner, with its length as text. 0: none.
    * @group Micrograph
@@ -376,9 +298,7 @@ public:
    * @unit m
    * @range [0, inf)
    */
-  vtkSetMacro(ScaleBar, double);
-  vtkGetMacro(ScaleBar, double);
-  ///@}
+  vtkSettingMacro(ScaleBar, double);
 
 protected:
   vtkMicrostructureSource();

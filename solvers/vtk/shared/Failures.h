@@ -3,7 +3,6 @@
 #include "vtkLamellaSolversVTKModule.h" // for the export macro
 
 #include <exception>
-#include <string>
 
 /// What sources and filters ended with, as it was thrown: kind, words and remedy, which a message of VTK's mixes up.
 /// Not installed.

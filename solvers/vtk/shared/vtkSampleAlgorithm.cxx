@@ -2,7 +2,9 @@
 
 #include "Attempt.h"
 #include "Failures.h"
+#include "Listed.h"
 #include "SettingTable.h"
+#include "Settings.h"
 #include "ThreadCount.h"
 #include "vtkPieces.h"
 
@@ -50,11 +52,7 @@ void vtkSampleAlgorithm::AddVoid(const char* phase)
 
 void vtkSampleAlgorithm::RemoveAllVoids()
 {
-  if (!this->Voids.empty())
-  {
-    this->Voids.clear();
-    this->Modified();
-  }
+  lamella::removeAll(this, this->Voids);
 }
 
 int vtkSampleAlgorithm::FillInputPortInformation(int, vtkInformation* info)
@@ -140,4 +138,10 @@ int vtkSampleAlgorithm::FindChoice(const char* className, const char* setting, c
 int vtkSampleAlgorithm::ThreadCount() const
 {
   return lamella::threadCount(this->Threads);
+}
+
+void vtkSampleAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  lamella::printSettings(this, os, indent);
 }

@@ -15,6 +15,7 @@
 
 #include "vtkDataObjectAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkSetting.h"
 
 #include <functional> // for std::function
 #include <string>     // for members
@@ -26,13 +27,13 @@ class VTKLAMELLASOLVERSVTK_EXPORT vtkSampleAlgorithm : public vtkDataObjectAlgor
 {
 public:
   vtkTypeMacro(vtkSampleAlgorithm, vtkDataObjectAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
   /**
    * Phases without bonds or points. None: those called void, pore, lumen, air or 0 that no table names.
    *
-   * Phases that are void: without bonds, without points. An empty name is ignored (an empty row in a panel); the update
-   * fails for a phase that the image does not know.
+   * An empty name is ignored (an empty row in a panel); the update fails for a phase that the image does not know.
    * @title Phases that are void
    * @group Materials
    * @advanced
@@ -41,16 +42,21 @@ public:
   void RemoveAllVoids();
   ///@}
 
-  ///@{
   /**
    * Threads of each process. 0: one for each core.
    * @group Accuracy and cost
    * @range [0, inf)
    * @advanced
    */
-  vtkSetMacro(Threads, int);
-  vtkGetMacro(Threads, int);
-  ///@}
+  vtkSettingMacro(Threads, int);
+
+  enum Axes
+  {
+    LAST_AXIS = -1, ///< "Last: y of a picture, z of a volume": y of a picture (upwards), z of a volume
+    X = 0,
+    Y = 1,
+    Z = 2
+  };
 
   enum Events
   {
@@ -69,10 +75,8 @@ public:
     DIVERGENCE_FAILURE = 5,
     OTHER_FAILURE = 6
   };
-  ///@{
   /** What kind of mistake the last update ended with. */
   vtkGetMacro(Failure, int);
-  ///@}
 
   ///@{
   /**
