@@ -1,9 +1,9 @@
 #include "commands/BondInput.h"
 
 #include "commands/FilterRun.h"
-#include "commands/SampleRun.h"
 #include "files/GridFile.h"
 #include "files/Record.h"
+#include "program/Commands.h"
 #include "session/Text.h"
 #include "session/Units.h"
 
@@ -33,14 +33,10 @@ void addBondOptions(
   left.insert(left.end(), leave.begin(), leave.end());
   o.settings.declare(command, className, left);
   o.settings.formerly(command, "void-bonds", "cut-void-bonds", "cut");
-  const auto bond = [](CLI::Option* option) { return option->group("Bonds"); };
-  bond(command.add_option("--notch", o.notches,
-         "A cut from point to point, y upwards, in metres or with a unit; of a volume a corner and two edges"))
-    ->type_name("X1,Y1,X2,Y2")
+  addOption(command, "Bonds", "--notch", o.notches,
+    "A cut from point to point, y upwards, in metres or with a unit; of a volume a corner and two edges", "X1,Y1,X2,Y2")
     ->allow_extra_args(false);
-  bond(command.add_option("--refine", o.refine, "Split every pixel into N × N (× N)"))
-    ->type_name("N")
-    ->capture_default_str();
+  addOption(command, "Bonds", "--refine", o.refine, "Split every pixel into N × N (× N)", "N")->capture_default_str();
 }
 
 void applyBonds(const BondOptions& o, vtkBondAlgorithm* filter)
@@ -69,10 +65,11 @@ void applyBonds(const BondOptions& o, vtkBondAlgorithm* filter)
     throw ParameterError(fmt::format("--refine {} is below 1", o.refine), "every pixel becomes N × N");
 }
 
-BondSample loadBondSample(
+ImageSample loadBondSample(
   Session& session, const PictureOptions& picture, const BondOptions& o, vtkBondAlgorithm* filter)
 {
-  Sample sample = loadSample(picture,
+  return loadImage(
+    session, picture, o.settings,
     [&](const Lattice& lattice)
     {
       const double need = peridynamics::leastElasticBytes(lattice, filter->GetHorizon(), o.refine);
@@ -82,20 +79,12 @@ BondSample loadBondSample(
                             sizeText(lattice.size, lattice.dimension), lattice.dimension == 3 ? "voxels" : "pixels",
                             o.refine, bytesText(need), bytesText(available)),
           "take a smaller --window or --refine");
-    });
-  Session::checkInterrupt();
-  o.settings.checkNames(sample.image.phases.names());
-  BondSample result;
-  result.pixelSizeSource = sample.pixelSizeSource;
-  result.provenance = sample.provenance;
-  tellDoubts(session, sample);
-  result.image = imageOf(sample, o.refine);
-  result.image->GetExtent(result.extent.data());
-  return result;
+    },
+    o.refine);
 }
 
 BondRun bondRun(Session& session, vtkBondAlgorithm* filter, const PictureOptions& picture, const BondOptions& options,
-  const BondSample& sample, const std::string& commandLine)
+  const ImageSample& sample, const std::string& commandLine)
 {
   (void)VtkMessages::takeWarnings(); // the same as in the field data
   BondRun run;
@@ -112,7 +101,7 @@ BondRun bondRun(Session& session, vtkBondAlgorithm* filter, const PictureOptions
   return run;
 }
 
-void runBonds(Session& session, vtkBondAlgorithm* filter, const BondSample& sample, const char* what)
+void runBonds(Session& session, vtkBondAlgorithm* filter, const ImageSample& sample, const char* what)
 {
   std::array<int, 6> extent = sample.extent;
   session.broadcast(extent);

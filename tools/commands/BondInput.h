@@ -1,6 +1,7 @@
 #pragma once
 
 #include "commands/BondReport.h"
+#include "commands/SampleRun.h"
 #include "files/Input.h"
 #include "program/SettingOptions.h"
 #include "session/Session.h"
@@ -32,26 +33,17 @@ void addBondOptions(
 /// Gives the filter what the options say. @throws ParameterError for what can be said without the sample
 void applyBonds(const BondOptions& options, vtkBondAlgorithm* filter);
 
-/// A sample for such a filter, its grains with it where a .vti has them. What is doubtful about it has been said.
-struct BondSample
-{
-  vtkSmartPointer<vtkImageData> image; ///< window cut out, refined
-  std::string pixelSizeSource;         ///< as Sample
-  std::string provenance;
-  std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
-};
-
 /// @throws as loadSample(); ParameterError for a pair or a phase that the sample does not have
-[[nodiscard]] BondSample loadBondSample(
+[[nodiscard]] ImageSample loadBondSample(
   Session& session, const PictureOptions& picture, const BondOptions& options, vtkBondAlgorithm* filter);
 
 /// Runs the filter on the sample that rank 0 holds, on all ranks, with a progress bar of the filter's words, or `what`;
 /// rank 0 then holds its output.
 /// @throws the kind of Error that the filter met; Cancelled
-void runBonds(Session& session, vtkBondAlgorithm* filter, const BondSample& sample, const char* what);
+void runBonds(Session& session, vtkBondAlgorithm* filter, const ImageSample& sample, const char* what);
 
 /// What a report needs of a run on rank 0, whose filter's warnings are said with it.
 [[nodiscard]] BondRun bondRun(Session& session, vtkBondAlgorithm* filter, const PictureOptions& picture,
-  const BondOptions& options, const BondSample& sample, const std::string& commandLine);
+  const BondOptions& options, const ImageSample& sample, const std::string& commandLine);
 
 } // namespace lamella::cli

@@ -54,63 +54,9 @@ std::string pascal(double value)
 }
 
 BondFields::BondFields(const BondRun& run)
-  : image(run.image)
-  , dimension(latticeOf(run.image).dimension)
+  : Fields{ run.image, latticeOf(run.image).dimension }
+  , image(run.image)
 {
-}
-
-double BondFields::operator()(const char* name, std::size_t i) const
-{
-  return fieldNumbers(image, name).at(i);
-}
-
-std::int64_t BondFields::whole(const char* name, std::size_t i) const
-{
-  return std::llround((*this)(name, i));
-}
-
-std::string BondFields::text(const char* name) const
-{
-  return fieldText(image, name).value_or("");
-}
-
-std::vector<double> BondFields::numbers(const char* name) const
-{
-  return fieldNumbers(image, name);
-}
-
-Json BondFields::vector(const char* name) const
-{
-  Json json = Json::array();
-  for (int c = 0; c < dimension; ++c)
-    json.push_back(jsonNumber((*this)(name, static_cast<std::size_t>(c))));
-  return json;
-}
-
-void addKeys(Json& json, const BondFields& f, std::initializer_list<Key> keys)
-{
-  for (const Key& key : keys)
-  {
-    const char* const field = key.field != nullptr ? key.field : key.name;
-    switch (key.kind)
-    {
-      case Key::Kind::Number:
-        json[key.name] = jsonNumber(f(field, key.at));
-        break;
-      case Key::Kind::Whole:
-        json[key.name] = f.whole(field, key.at);
-        break;
-      case Key::Kind::Text:
-        json[key.name] = f.text(field);
-        break;
-      case Key::Kind::Flag:
-        json[key.name] = f(field, key.at) != 0;
-        break;
-      case Key::Kind::Vector:
-        json[key.name] = f.vector(field);
-        break;
-    }
-  }
 }
 
 Json statesJson(
@@ -119,12 +65,7 @@ Json statesJson(
   Json list = Json::array();
   for (std::size_t i = 0; i < states.size(); ++i)
   {
-    Json state = Json::object();
-    for (const Key& key : keys)
-    {
-      const double value = fieldNumbers(states[i], key.field != nullptr ? key.field : key.name).at(0);
-      state[key.name] = key.kind == Key::Kind::Whole ? Json(std::llround(value)) : jsonNumber(value);
-    }
+    Json state = keysOf({ states[i] }, keys);
     state["file"] = i < files.size() ? Json(files[i]) : Json(nullptr);
     list.push_back(std::move(state));
   }
@@ -192,10 +133,7 @@ void addRun(Json& json, const BondRun& run)
   json["refine"] = run.refine;
   json["pixel_size"] = sizeKnown(run) ? Json(lattice.spacing * run.refine) : Json(nullptr);
   json["pixel_size_source"] = run.pixelSizeSource;
-  const std::vector<std::string> names = fieldTexts(run.image, "phase_names");
-  json["phases"] = Json::array();
-  for (std::size_t id = 0; id < names.size(); ++id)
-    json["phases"].push_back({ { "name", names[id] }, { "fraction", f("phase_fraction", id) } });
+  json["phases"] = phasesJson(fieldTexts(run.image, "phase_names"), f.numbers("phase_fraction"));
   json["threads"] = run.threads;
   json["ranks"] = run.ranks;
   json["files"] = run.written;

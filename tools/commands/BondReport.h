@@ -1,6 +1,6 @@
 #pragma once
 
-#include "files/JsonReport.h"
+#include "files/FieldReport.h"
 
 #include "io/Provenance.h"
 
@@ -36,38 +36,13 @@ struct BondRun
 [[nodiscard]] std::string pascal(double value);
 
 /// The field data of an image.
-struct BondFields
+struct BondFields : Fields
 {
   explicit BondFields(const BondRun& run);
 
   vtkImageData* image;
-  int dimension;
-
-  double operator()(const char* name, std::size_t i = 0) const;
-  [[nodiscard]] std::int64_t whole(const char* name, std::size_t i = 0) const;
-  [[nodiscard]] std::string text(const char* name) const;
-  [[nodiscard]] std::vector<double> numbers(const char* name) const;
-  /// As many as there are axes.
-  [[nodiscard]] Json vector(const char* name) const;
 };
 
-/// A key of a report, and the field that it shows.
-struct Key
-{
-  enum class Kind
-  {
-    Number, ///< null where it is not known
-    Whole,
-    Text,
-    Flag,
-    Vector ///< as many numbers as there are axes
-  };
-  const char* name;
-  Kind kind = Kind::Number;
-  const char* field = nullptr; ///< where it is called otherwise
-  std::size_t at = 0;          ///< of a field of several numbers
-};
-void addKeys(Json& json, const BondFields& f, std::initializer_list<Key> keys);
 /// Of the states kept, one object each, with its file or null.
 /// @param keys Number and Whole
 [[nodiscard]] Json statesJson(

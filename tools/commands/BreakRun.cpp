@@ -18,7 +18,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <optional>
 
 namespace lamella::cli
 {
@@ -38,42 +37,28 @@ bool statesNeedDisplacement(const Session& session, const BreakOptions& o)
 struct BreakFiles
 {
   StateWriter states;
-  std::optional<OutputFile> broken;
-  ResultFiles curve;
+  ResultFiles others;
 
   void open(const BreakOptions& o, vtkBondBreakAlgorithm* filter, std::size_t mostStates)
   {
     states = StateWriter(o.output, mostStates, o.common.overwrite, ".vti",
       { "the fields", "broken bonds go to --broken FILE.vtp, the curve to --curve FILE.csv" });
-    if (!o.broken.empty())
-    {
-      if (std::filesystem::path(o.broken).extension() != ".vtp")
-        throw ParameterError("--broken '" + o.broken + "': broken bonds are written as .vtp", "end the name in .vtp");
-      broken.emplace(o.broken, o.common.overwrite);
-    }
-    curve.addTable("--curve", o.curve, filter->GetCurve(), o.common.overwrite);
+    if (!o.broken.empty() && std::filesystem::path(o.broken).extension() != ".vtp")
+      throw ParameterError("--broken '" + o.broken + "': broken bonds are written as .vtp", "end the name in .vtp");
+    others.addGrid("--broken", o.broken, ".vtp", filter->GetBrokenBonds(), o.common.overwrite);
+    others.addTable("--curve", o.curve, filter->GetCurve(), o.common.overwrite);
   }
 
   /// All are written before the first appears under its name.
   void write(FractureReport& report)
   {
     const std::string provenance = io::toJson(report.run.provenance);
-    if (broken)
-    {
-      setProvenance(report.broken, provenance);
-      writeGrid(report.broken, *broken);
-    }
     const std::vector<vtkDataObject*> images(report.states.begin(), report.states.end());
     report.run.written = states.write(images, provenance);
     report.stateFiles = report.run.written;
-    const std::vector<std::string> tables = curve.write(provenance);
+    const std::vector<std::string> more = others.write(provenance);
     states.commit();
-    if (broken)
-    {
-      broken->commit();
-      report.run.written.push_back(broken->path().string());
-    }
-    report.run.written.insert(report.run.written.end(), tables.begin(), tables.end());
+    report.run.written.insert(report.run.written.end(), more.begin(), more.end());
   }
 };
 
@@ -82,9 +67,8 @@ struct BreakFiles
 void addFileOptions(CLI::App& command, BreakOptions& o, const BreakWords& words)
 {
   addOutputOptions(command, o.output, o.common, words.fields);
-  const auto out = [](CLI::Option* option) { return option->group("Output"); };
-  out(command.add_option("--broken", o.broken, "Write the broken bonds in order, a point each"))->type_name("FILE.vtp");
-  out(command.add_option("--curve", o.curve, words.curve))->type_name("FILE.csv");
+  addResultFile(command, "--broken", o.broken, "Write the broken bonds in order, a point each", "FILE.vtp");
+  addResultFile(command, "--curve", o.curve, words.curve);
   addCheckpointOptions(command, o.checkpoint, words.checkpoint, words.every);
 }
 
@@ -117,7 +101,7 @@ void runBreak(Session& session, const BreakOptions& options, vtkBondBreakAlgorit
   const std::function<std::string(const FractureReport&)>& print)
 {
   const auto start = Clock::now();
-  BondSample sample;
+  ImageSample sample;
   BreakFiles files; // rank 0
   session.onRoot(
     [&]
@@ -138,9 +122,7 @@ void runBreak(Session& session, const BreakOptions& options, vtkBondBreakAlgorit
     FractureReport report{ bondRun(session, filter, options.picture, options.bonds, sample, commandLine),
       filter->GetBrokenBonds(), {}, {}, false };
     for (int i = 0; i < filter->GetNumberOfStates(); ++i)
-    {
       report.states.push_back(filter->GetStateImage(i));
-    }
     files.write(report);
     report.run.seconds = secondsSince(start);
     session.print(options.common.quiet && !options.common.json ? "" : print(report));

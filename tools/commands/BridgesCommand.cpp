@@ -1,7 +1,7 @@
 #include "commands/FilterRun.h"
 #include "commands/PackingInput.h"
+#include "files/FieldReport.h"
 #include "files/GridFile.h"
-#include "files/JsonReport.h"
 #include "files/Record.h"
 #include "files/SampleFile.h"
 #include "program/Commands.h"
@@ -39,11 +39,6 @@ struct BridgesCommandOptions
   std::string output;
 };
 
-double numberOf(vtkImageData* image, const char* name)
-{
-  return fieldNumbers(image, name).at(0);
-}
-
 Json toJson(const std::string& file, bool filled, vtkPolyData* grains, vtkImageData* image)
 {
   const Lattice lattice = latticeOf(image);
@@ -52,34 +47,28 @@ Json toJson(const std::string& file, bool filled, vtkPolyData* grains, vtkImageD
   json["count"] = grains->GetNumberOfPoints();
   json["size"] = std::vector<std::int64_t>(lattice.size.begin(), lattice.size.begin() + lattice.dimension);
   json["pixel_size"] = lattice.spacing;
-  for (const char* const name : { "width", "reach" })
-    json[name] = numberOf(image, name);
+  addKeys(json, { image }, { { "width" }, { "reach" } });
   json["filled"] = filled;
-  json["bridges"] = static_cast<std::int64_t>(numberOf(image, "bridges"));
-  for (const char* const name :
-    { "grain_fraction", "matrix_fraction", "void_fraction", "saturation", "saturation_on_lattice" })
-    json[name] = numberOf(image, name);
-  json["phases"] = Json::array();
+  addKeys(json, { image },
+    { { "bridges", Key::Kind::Whole }, { "grain_fraction" }, { "matrix_fraction" }, { "void_fraction" },
+      { "saturation" }, { "saturation_on_lattice" } });
   const PhaseImage sample = toPhaseImage(image);
-  const std::vector<double> fractions = sample.fractions();
-  for (std::size_t id = 0; id < fractions.size(); ++id)
-    json["phases"].push_back({ { "name", sample.phases.names()[id] }, { "fraction", fractions[id] } });
+  json["phases"] = phasesJson(sample.phases.names(), sample.fractions());
   return json;
 }
 
 std::string tableOf(const Json& json, const std::array<double, 3>& box)
 {
   const bool spheres = box[2] > 0;
-  std::string text = fmt::format("{}: {} {}, box {}\n\n", json["file"].get<std::string>(),
-    grouped(json["count"].get<std::int64_t>()), spheres ? "spheres" : "disks", boxText(box));
+  std::string text = fmt::format("{}: {} {}, box {}\n\n", json["file"].get<std::string>(), counted(json["count"]),
+    spheres ? "spheres" : "disks", boxText(box));
   const auto line = [&](const char* name, const std::string& value)
   { text += fmt::format("  {:<12} {}\n", name, value); };
-  const auto percent = [&](const char* name) { return fmt::format("{:.3f} %", 100 * json[name].get<double>()); };
+  const auto percent = [&](const char* name) { return shown(json[name], "{:.3f} %", 100); };
   line("bridges",
-    json["filled"].get<bool>()
-      ? "none: the space between the grains is filled"
-      : fmt::format("{}, width {:.5g} of the diameter, reach {:g}", grouped(json["bridges"].get<std::int64_t>()),
-          json["width"].get<double>(), json["reach"].get<double>()));
+    json["filled"].get<bool>() ? "none: the space between the grains is filled"
+                               : fmt::format("{}, width {:.5g} of the diameter, reach {:g}", counted(json["bridges"]),
+                                   json["width"].get<double>(), json["reach"].get<double>()));
   line("grains", percent("grain_fraction"));
   line("matrix", percent("matrix_fraction"));
   line("void", percent("void_fraction"));
@@ -115,14 +104,11 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
   vtkNew<vtkMatrixBridges> filter;
   options.settings.give(filter);
   requireFile(options.file);
-  std::optional<OutputFile> file;
-  std::optional<OutputFile> beside;
+  std::optional<SampleOutput> file;
   if (!options.output.empty())
   {
     checkSampleEnding(options.output, 2); // a PNG of spheres is refused once it is known that they are
     file.emplace(options.output, options.common.overwrite);
-    if (file->path().extension() == ".raw")
-      beside.emplace(micrograph::recordBeside(file->path()), options.common.overwrite);
   }
   const vtkSmartPointer<vtkPolyData> grains = readPacking(session, options.file, options.table).grains;
   const std::vector<double> edges = fieldNumbers(grains, "box");
@@ -135,7 +121,6 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
   (void)VtkMessages::takeWarnings(); // the same as in the field data
   vtkImageData* const image = filter->GetOutput();
   const io::Provenance record = recordRun(session, commandLine, options.file, origin);
-  setProvenance(image, io::toJson(record));
   options.settings.tellFormer(session);
   const std::vector<std::string> warnings = fieldTexts(image, "warnings");
   for (const std::string& warning : warnings)
@@ -144,14 +129,9 @@ void bridgesRun(Session& session, const BridgesCommandOptions& options, const st
   Json json = toJson(options.file, filled, grains, image);
   if (file)
   {
-    if (file->path().extension() == ".vti")
-      writeGrid(image, *file);
-    else
-      writeLabels(toPhaseImage(image), *file, beside ? &*beside : nullptr, record);
+    file->write(image, record);
     Session::checkInterrupt();
     file->commit();
-    if (beside)
-      beside->commit();
   }
   json["files"] = options.output.empty() ? Json::array() : Json::array({ options.output });
   json["warnings"] = warnings;

@@ -1,6 +1,6 @@
 #include "commands/FilterRun.h"
+#include "files/FieldReport.h"
 #include "files/GridFile.h"
-#include "files/JsonReport.h"
 #include "files/Record.h"
 #include "files/ResultFiles.h"
 #include "files/StateFiles.h"
@@ -75,19 +75,14 @@ void configure(vtkCollapseMap* filter, const CollapseMapOptions& o)
 
 Json reportOf(const CollapseMapOptions& o, vtkCollapseMap* filter)
 {
-  vtkImageData* const map = filter->GetOutput();
-  const auto number = [&](const char* name) { return fieldNumbers(map, name).at(0); };
-  const auto whole = [&](const char* name) { return std::llround(number(name)); };
   Json json;
   json["file"] = o.image;
   json["points"] = o.points;
-  json["phase"] = fieldText(map, "lumen_phase").value_or("");
-  json["share"] = number("collapse_share");
-  json["lumens"] = whole("lumen_count");
-  json["cut"] = whole("lumen_cut");
-  json["collapsed"] = whole("lumen_collapsed");
-  json["first_collapse_strain"] = jsonNumber(number("first_collapse_strain"));
-  json["ratio"] = jsonNumber(number("lumen_ratio"));
+  using enum Key::Kind;
+  addKeys(json, { filter->GetOutput() },
+    { { "phase", Text, "lumen_phase" }, { "share", Number, "collapse_share" }, { "lumens", Whole, "lumen_count" },
+      { "cut", Whole, "lumen_cut" }, { "collapsed", Whole, "lumen_collapsed" }, { "first_collapse_strain" },
+      { "ratio", Number, "lumen_ratio" } });
   json["states"] = jsonRows(filter->GetStateTable());
   return json;
 }
@@ -95,14 +90,12 @@ Json reportOf(const CollapseMapOptions& o, vtkCollapseMap* filter)
 std::string collapseTable(const Json& json)
 {
   std::string text = fmt::format("{}: {} lumens of '{}', {} cut by the rim\n\n", json["file"].get<std::string>(),
-    grouped(json["lumens"].get<std::int64_t>()), json["phase"].get<std::string>(),
-    grouped(json["cut"].get<std::int64_t>()));
+    counted(json["lumens"]), json["phase"].get<std::string>(), counted(json["cut"]));
   text += fmt::format("  {:>8}  {:>10}  {:>9}  {:>22}\n", "strain", "collapsed", "share", "area over the start's");
   for (const Json& row : json["states"])
   {
     text += fmt::format("  {:>8.4f}  {:>10}  {:>8.2f}%  {:>22}\n", row["strain"].get<double>(),
-      grouped(row["collapsed"].get<std::int64_t>()), 100 * row["collapsed_share"].get<double>(),
-      row["ratio"].is_null() ? std::string("-") : fmt::format("{:.4f}", row["ratio"].get<double>()));
+      counted(row["collapsed"]), 100 * row["collapsed_share"].get<double>(), shown(row["ratio"], "{:.4f}"));
   }
   text += json["first_collapse_strain"].is_null()
     ? std::string("\n  none collapsed\n")
@@ -147,9 +140,8 @@ Command collapseMapCommand(CLI::App& root)
   auto o = std::make_shared<CollapseMapOptions>();
   app->add_option("IMAGE", o->image, "The image of phases that the points were made from (.vti)")->required();
   app->add_option("POINTS", o->points, "Material points, a .vtp a state, in the order of their strains")->required();
-  const auto lumens = [](CLI::Option* option, const char* type) { return option->group("Lumens")->type_name(type); };
-  lumens(app->add_option("--strains", o->strains, "Strains of the states; as the files tell when not given"), "LIST");
-  lumens(app->add_option("--phase-array", o->phaseArray, "The image's array of phases: whole numbers"), "NAME")
+  addOption(*app, "Lumens", "--strains", o->strains, "Strains of the states; as the files tell when not given", "LIST");
+  addOption(*app, "Lumens", "--phase-array", o->phaseArray, "The image's array of phases: whole numbers", "NAME")
     ->capture_default_str();
   o->settings.declare(*app, "vtkCollapseMap");
   addResultFile(*app, "-o,--output", o->output, "Write the map", "FILE.vti");

@@ -1,6 +1,6 @@
 #include "commands/FilterRun.h"
+#include "files/FieldReport.h"
 #include "files/GridFile.h"
-#include "files/JsonReport.h"
 #include "files/Record.h"
 #include "files/ResultFiles.h"
 #include "program/Commands.h"
@@ -83,29 +83,26 @@ vtkSmartPointer<vtkTable> readCurve(const CompressionCurveOptions& o)
 
 Json reportOf(const CompressionCurveOptions& o, vtkTable* curve)
 {
-  const auto number = [&](const std::string& name, std::size_t i = 0)
-  { return jsonNumber(fieldNumbers(curve, ("curve_" + name).c_str()).at(i)); };
-  // what was not found is null as a whole
-  const auto group = [&](const Json& object) { return object.front().is_null() ? Json(nullptr) : object; };
   Json json;
   json["file"] = o.file;
   json["rows"] = curve->GetNumberOfRows();
-  json["stiffness"] = group(
-    { { "value", number("stiffness") }, { "error", number("stiffness_error") }, { "intercept", number("intercept") },
-      { "r2", number("r2") }, { "toe", number("toe") }, { "low", number("fit_range", 0) },
-      { "high", number("fit_range", 1) }, { "rows", std::llround(fieldNumbers(curve, "curve_fit_rows").at(0)) } });
-  for (const char* const name : { "yield", "peak" })
+  using enum Key::Kind;
+  const auto told = [&](std::initializer_list<Key> keys)
   {
-    json[name] = group(
-      { { "strain", number(std::string(name) + "_strain") }, { "stress", number(std::string(name) + "_stress") } });
-  }
-  json["plateau"] = group({ { "stress", number("plateau_stress") }, { "low", number("plateau_range", 0) },
-    { "high", number("plateau_range", 1) }, { "end_strain", number("plateau_end_strain") } });
+    Json object = keysOf({ curve }, keys, "curve_");
+    return object.front().is_null() ? Json(nullptr) : object; // what was not found is null as a whole
+  };
+  json["stiffness"] =
+    told({ { "value", Number, "stiffness" }, { "error", Number, "stiffness_error" }, { "intercept" }, { "r2" },
+      { "toe" }, { "low", Number, "fit_range" }, { "high", Number, "fit_range", 1 }, { "rows", Whole, "fit_rows" } });
+  json["yield"] = told({ { "strain", Number, "yield_strain" }, { "stress", Number, "yield_stress" } });
+  json["peak"] = told({ { "strain", Number, "peak_strain" }, { "stress", Number, "peak_stress" } });
+  json["plateau"] = told({ { "stress", Number, "plateau_stress" }, { "low", Number, "plateau_range" },
+    { "high", Number, "plateau_range", 1 }, { "end_strain", Number, "plateau_end_strain" } });
   json["densification"] =
-    group({ { "strain", number("densification_strain") }, { "stress", number("densification_stress") },
-      { "energy", number("densification_energy") }, { "efficiency", number("densification_efficiency") } });
-  json["energy"] = number("energy");
-  json["missing"] = fieldTexts(curve, "curve_missing");
+    told({ { "strain", Number, "densification_strain" }, { "stress", Number, "densification_stress" },
+      { "energy", Number, "densification_energy" }, { "efficiency", Number, "densification_efficiency" } });
+  addKeys(json, { curve }, { { "energy" }, { "missing", Texts } }, "curve_");
   return json;
 }
 
@@ -175,14 +172,10 @@ Command compressionCurveCommand(CLI::App& root)
     "Stiffness, collapse, plateau, densification and energy of a stress-strain curve in compression");
   auto o = std::make_shared<CompressionCurveOptions>();
   app->add_option("FILE", o->file, "A table as .csv, its first line the columns' names")->required();
-  const auto curve = [](CLI::Option* option, const char* type)
-  { option->group("Curve")->type_name(type)->capture_default_str(); };
-  curve(app->add_option("--strain", o->strain, "Column of strains: fractions, rising, compression positive"), "NAME");
-  curve(app->add_option("--stress", o->stress, "Column of stresses [Pa], compression positive"), "NAME");
+  addOption(*app, "Curve", "--strain", o->strain, "Column of strains: fractions, rising, compression positive", "NAME");
+  addOption(*app, "Curve", "--stress", o->stress, "Column of stresses [Pa], compression positive", "NAME");
   o->settings.declare(*app, "vtkCompressionCurve");
-  app->add_option("-o,--output", o->output, "Write the curve with energy and efficiency, one row a row")
-    ->type_name("FILE.csv")
-    ->group("Output");
+  addResultFile(*app, "-o,--output", o->output, "Write the curve with energy and efficiency, one row a row");
   addResultOptions(*app, o->common);
   addExamples(*app,
     { "lamella compression-curve curve.csv --json",

@@ -87,18 +87,17 @@ Command convertCommand(CLI::App& root)
   auto o = std::make_shared<ConvertOptions>();
   app->add_option("FILE", o->words.raw.picture.file,
     "What to convert: a file, a folder or pattern of slices, a .pvd, or a pattern of steps such as step_*.vti");
-  const auto values = [](CLI::Option* option) { return option->group("Values"); };
-  values(app->add_option("--array", o->words.arrays, "Convert this array only; may be given several times"))
-    ->type_name("NAME")
+  addOption(*app, "Values", "--array", o->words.arrays, "Convert this array only; may be given several times", "NAME")
     ->allow_extra_args(false);
-  values(app->add_option("--step", o->words.step, "Of a series: convert this step, counted from 0"))
-    ->type_name("NUMBER");
-  values(app->add_option("--type", o->words.type, "Write numbers as u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64"))
-    ->type_name("TYPE");
-  values(app->add_option("--range", o->words.range, "Map these values to the greys of u8, or of --type u16"))
-    ->type_name("LOW,HIGH");
-  values(app->add_flag("--lossy", o->words.lossy,
-    "Go on where something is lost: nearest values of --type, cells in a table, gaps in a series, transparency"));
+  addOption(*app, "Values", "--step", o->words.step, "Of a series: convert this step, counted from 0", "NUMBER");
+  addOption(*app, "Values", "--type", o->words.type,
+    "Write numbers as u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64", "TYPE");
+  addOption(
+    *app, "Values", "--range", o->words.range, "Map these values to the greys of u8, or of --type u16", "LOW,HIGH");
+  app
+    ->add_flag("--lossy", o->words.lossy,
+      "Go on where something is lost: nearest values of --type, cells in a table, gaps in a series, transparency")
+    ->group("Values");
   addRawOptions(*app, o->words.raw.picture);
   addRawTypeOptions(*app, o->words.raw);
   addOutputOptions(*app, o->words.output, o->common,

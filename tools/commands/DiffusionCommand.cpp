@@ -15,7 +15,6 @@
 #include "vtkLatticeConversion.h"
 #include "vtkSteadyDiffusion.h"
 
-#include <vtkCallbackCommand.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
@@ -85,10 +84,6 @@ public:
     report_.ranks = session.ranks();
     report_.threads = filter_->GetThreads();
     report_.estimated = filter_->GetEstimateError();
-    plan_->SetClientData(&session);
-    plan_->SetCallback([](vtkObject*, unsigned long, void* to, void* words)
-      { static_cast<Session*>(to)->note(static_cast<const char*>(words)); });
-    filter_->AddObserver(vtkSteadyDiffusion::PLAN_EVENT, plan_);
   }
 
   void run()
@@ -234,8 +229,9 @@ private:
   const DiffusionOptions& options_;
   const std::string& commandLine_;
   Clock::time_point start_ = Clock::now();
-  vtkNew<vtkCallbackCommand> plan_;
   vtkNew<vtkSteadyDiffusion> filter_;
+  Observer plan_{ filter_, vtkSteadyDiffusion::PLAN_EVENT,
+    [this](void* words) { session_.note(static_cast<const char*>(words)); } };
   bool fields_ = false;
   Sample sample_; // its phases are in the image
   vtkSmartPointer<vtkImageData> image_ = vtkSmartPointer<vtkImageData>::New();
@@ -253,15 +249,13 @@ Command diffusionCommand(CLI::App& root)
     "diffusion", "Effective conductivity of a picture or volume: heat, vapour, anything that diffuses");
   auto o = std::make_shared<DiffusionOptions>();
   addPictureOptions(*app, o->picture);
-  app
-    ->add_option("--conductivity", o->conductivity,
-      "Conductivity of a phase, in any unit; 0: it does not conduct. ALONG:ACROSS where it differs along the walls of "
-      "a "
-      "lattice from outlines")
-    ->type_name("NAME=VALUE|NAME=ALONG:ACROSS")
+  addOption(*app, "Materials", "--conductivity", o->conductivity,
+    "Conductivity of a phase, in any unit; 0: it does not conduct. ALONG:ACROSS where it differs along the walls of "
+    "a "
+    "lattice from outlines",
+    "NAME=VALUE|NAME=ALONG:ACROSS")
     ->allow_extra_args(false)
-    ->required()
-    ->group("Materials");
+    ->required();
   o->settings.declare(*app, "vtkSteadyDiffusion", { "conductivity", "conductivity-across", "field", "flux" });
   addOutputOptions(*app, o->output, o->common,
     "Write phases, field and flux as .vti, for ParaView; several directions: FILE_x.vti, FILE_y.vti");
@@ -275,12 +269,9 @@ Command diffusionCommand(CLI::App& root)
       "'middle lamella=1'",
       "mpirun -n 4 lamella diffusion tissue.vti --conductivity lumen=0 --conductivity wall=1 --direction z -o "
       "heat.vti" });
-  return { app,
-    [o](Session& session, const std::string& line)
-    {
-      session.setQuiet(o->common.quiet);
-      DiffusionRun(session, *o, line).run();
-    } };
+  return jointCommand(app, o,
+    [](Session& session, const DiffusionOptions& options, const std::string& line)
+    { DiffusionRun(session, options, line).run(); });
 }
 
 } // namespace lamella::cli

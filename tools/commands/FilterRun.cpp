@@ -12,6 +12,8 @@
 #include <vtkDataObject.h>
 
 #include <exception>
+#include <optional>
+#include <utility>
 
 namespace lamella::cli
 {
@@ -26,23 +28,9 @@ public:
   StepWatch(const Session& session, vtkAlgorithm* filter)
     : filter_(filter)
     , take_(session.onStep())
+    , steps_(filter, vtkSampleAlgorithm::STEP_EVENT, [this](void* state) { hand(static_cast<vtkDataObject*>(state)); })
   {
-    if (take_)
-    {
-      vtkNew<vtkCallbackCommand> command;
-      command->SetClientData(this);
-      command->SetCallback([](vtkObject*, unsigned long, void* self, void* state)
-        { static_cast<StepWatch*>(self)->hand(static_cast<vtkDataObject*>(state)); });
-      tag_ = filter_->AddObserver(vtkSampleAlgorithm::STEP_EVENT, command);
-    }
   }
-  ~StepWatch()
-  {
-    if (take_)
-      filter_->RemoveObserver(tag_);
-  }
-  StepWatch(const StepWatch&) = delete;
-  StepWatch& operator=(const StepWatch&) = delete;
 
   void rethrow() const
   {
@@ -53,7 +41,7 @@ public:
 private:
   void hand(vtkDataObject* state)
   {
-    if (failed_)
+    if (failed_ || !take_)
       return;
     try
     {
@@ -68,44 +56,50 @@ private:
 
   vtkAlgorithm* filter_;
   std::function<void(vtkDataObject*)> take_;
-  unsigned long tag_ = 0;
   std::exception_ptr failed_;
+  Observer steps_;
 };
 
 } // namespace
 
+Observer::Observer(vtkObject* of, unsigned long event, std::function<void(void* data)> tell)
+  : of_(of)
+  , tell_(std::move(tell))
+{
+  vtkNew<vtkCallbackCommand> command;
+  command->SetClientData(this);
+  command->SetCallback(
+    [](vtkObject*, unsigned long, void* self, void* data) { static_cast<Observer*>(self)->tell_(data); });
+  tag_ = of_->AddObserver(event, command);
+}
+
+Observer::~Observer()
+{
+  of_->RemoveObserver(tag_);
+}
+
 void runFilter(Session& session, vtkAlgorithm* filter, const char* what, const std::function<void()>& update)
 {
-  struct Client
-  {
-    Session& session;
-    const char* what;
-    bool stopped = false;
-  } client{ session, what };
-  vtkNew<vtkCallbackCommand> progress;
-  progress->SetClientData(&client);
-  progress->SetCallback(
-    [](vtkObject* caller, unsigned long, void* data, void*)
+  bool stopped = false;
+  std::optional<Observer> progress(std::in_place, filter, vtkCommand::ProgressEvent,
+    [&](void*)
     {
-      auto* const algorithm = static_cast<vtkAlgorithm*>(caller);
-      auto* const c = static_cast<Client*>(data);
-      const char* const words = algorithm->GetProgressText();
-      if (!c->session.progress(algorithm->GetProgress(), words != nullptr ? words : c->what))
+      const char* const words = filter->GetProgressText();
+      if (!session.progress(filter->GetProgress(), words != nullptr ? words : what))
       {
-        c->stopped = true;
-        algorithm->SetAbortExecute(1);
+        stopped = true;
+        filter->SetAbortExecute(1);
       }
     });
-  const unsigned long tag = filter->AddObserver(vtkCommand::ProgressEvent, progress);
   const StepWatch steps(session, filter);
   (void)VtkMessages::takeErrors();
   (void)takeFailure();
   update();
-  filter->RemoveObserver(tag);
+  progress.reset();
   session.endProgress();
   steps.rethrow();
   Session::checkInterrupt();
-  if (client.stopped) // by the run that this one is part of
+  if (stopped) // by the run that this one is part of
     throw Cancelled();
   if (const std::exception_ptr failure = takeFailure())
   {

@@ -16,6 +16,21 @@ class vtkAlgorithm;
 namespace lamella::cli
 {
 
+/// Tells of an event of an object as long as it lives.
+class Observer
+{
+public:
+  Observer(vtkObject* of, unsigned long event, std::function<void(void* data)> tell);
+  ~Observer();
+  Observer(const Observer&) = delete;
+  Observer& operator=(const Observer&) = delete;
+
+private:
+  vtkObject* of_;
+  std::function<void(void*)> tell_;
+  unsigned long tag_;
+};
+
 /// Runs it with a progress bar; Ctrl-C stops it.
 /// @param what the bar's words where the filter has none of its own
 /// @param update how to run it

@@ -1,7 +1,7 @@
 #include "commands/DiffusionReport.h"
 #include "commands/FilterRun.h"
+#include "files/FieldReport.h"
 #include "files/GridFile.h"
-#include "files/JsonReport.h"
 #include "files/Record.h"
 #include "files/ResultFiles.h"
 #include "program/Commands.h"
@@ -49,20 +49,6 @@ Json byAxis(const std::vector<double>& numbers, std::size_t first, std::size_t s
     if (const double value = numbers[first + axis * step]; std::isfinite(value))
       json[axisNames[axis]] = value;
   return json;
-}
-
-/// A tensor by rows, cut to the dimension of the image.
-Json matrix(const std::vector<double>& numbers, int dimension)
-{
-  Json rows = Json::array();
-  for (int row = 0; row < dimension && numbers.size() == 9; ++row)
-  {
-    Json line = Json::array();
-    for (int column = 0; column < dimension; ++column)
-      line.push_back(jsonNumber(numbers[static_cast<std::size_t>(3 * row + column)]));
-    rows.push_back(line);
-  }
-  return rows;
 }
 
 /// A number for people; "-" where it is not known, or no number any more.
@@ -150,12 +136,11 @@ void fluxMap(Session& session, const FluxMapOptions& options, const std::string&
   const io::Provenance run = recordRun(session, commandLine, options.file, provenance(data));
   const std::vector<std::string> written = files.write(io::toJson(run));
 
-  const int dimension = latticeOf(map).dimension;
   Json json;
   json["file"] = options.file;
   json["effective"] = byAxis(fieldNumbers(map, "effective_from_flux"), 0, 4);
-  json["tensor"] = matrix(fieldNumbers(map, "effective_from_flux"), dimension);
-  json["mean_flux"] = matrix(fieldNumbers(map, "mean_flux"), dimension);
+  addKeys(json, { map, latticeOf(map).dimension },
+    { { "tensor", Key::Kind::Matrix, "effective_from_flux" }, { "mean_flux", Key::Kind::Matrix } });
   json["tortuosity"] = byAxis(fieldNumbers(map, "tortuosity"), 0, 1);
   json["tortuosity_factor"] = byAxis(fieldNumbers(map, "tortuosity_factor"), 0, 1);
   json["streamline_tortuosity"] = byAxis(fieldNumbers(map, "streamline_tortuosity"), 0, 1);
@@ -187,10 +172,9 @@ Command fluxMapCommand(CLI::App& root)
   auto o = std::make_shared<FluxMapOptions>();
   app->add_option("FILE", o->file, "A .vti that lamella diffusion wrote")->required();
   o->settings.declare(*app, "vtkFluxMap");
-  app->add_option("-o,--output", o->output, "Write the map (.vti) or the streamlines (.vtp); give it twice for both")
-    ->type_name("FILE")
-    ->allow_extra_args(false)
-    ->group("Output");
+  addOption(*app, "Output", "-o,--output", o->output,
+    "Write the map (.vti) or the streamlines (.vtp); give it twice for both", "FILE")
+    ->allow_extra_args(false);
   addResultFile(*app, "--lines", o->lines, "Write the streamlines; the same as -o FILE.vtp", "FILE.vtp");
   addResultOptions(*app, o->common);
   addExamples(*app, { "lamella flux-map heat_y.vti -o map.vti -o lines.vtp", "lamella flux-map heat_y.vti --json" });

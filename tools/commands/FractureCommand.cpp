@@ -58,12 +58,7 @@ Command fractureCommand(CLI::App& root)
       "run.h5 "
       "-o torn.vti",
       "lamella snapshot torn.vti --array damage -o torn.png" });
-  return { app,
-    [o](Session& session, const std::string& line)
-    {
-      session.setQuiet(o->common.quiet);
-      fracture(session, *o, line);
-    } };
+  return jointCommand(app, o, fracture);
 }
 
 } // namespace lamella::cli

@@ -81,13 +81,11 @@ struct GenerateOptions
   std::string truth;
 };
 
-/// Where a sample goes; `labels` is null where nothing but a micrograph is written.
+/// Where a sample goes: its micrograph, its labels, or both.
 struct SampleFiles
 {
-  OutputFile file;
-  std::optional<OutputFile> truth;
-  std::optional<OutputFile> beside;
-  OutputFile* labels;
+  std::optional<OutputFile> scan;
+  std::optional<SampleOutput> labels;
 
   SampleFiles(const GenerateOptions& options, bool drawn, int dimension);
   void commit();
@@ -118,29 +116,26 @@ void checkFiles(const GenerateOptions& options, bool drawn, int dimension)
 }
 
 SampleFiles::SampleFiles(const GenerateOptions& options, bool drawn, int dimension)
-  : file((checkFiles(options, drawn, dimension), options.output), options.common.overwrite)
 {
-  if (!options.truth.empty())
-    truth.emplace(options.truth, options.common.overwrite);
-  labels = truth ? &*truth : drawn ? nullptr : &file;
-  if (labels != nullptr && labels->path().extension() == ".raw")
-    beside.emplace(micrograph::recordBeside(labels->path()), options.common.overwrite);
+  checkFiles(options, drawn, dimension);
+  if (drawn)
+    scan.emplace(options.output, options.common.overwrite);
+  if (const std::string& name = drawn ? options.truth : options.output; !name.empty())
+    labels.emplace(name, options.common.overwrite);
 }
 
 void SampleFiles::commit()
 {
   Session::checkInterrupt();
-  file.commit();
-  if (truth)
-    truth->commit();
-  if (beside)
-    beside->commit();
+  if (scan)
+    scan->commit();
+  if (labels)
+    labels->commit();
 }
 
-void writeSample(
-  vtkImageData* image, const PhaseImage& phases, SampleFiles& files, const io::Provenance& record, bool drawn)
+void writeSample(vtkImageData* image, const PhaseImage& phases, const SampleFiles& files, const io::Provenance& record)
 {
-  if (drawn)
+  if (files.scan)
   {
     vtkDataArray* const array = image->GetPointData()->GetArray("micrograph");
     micrograph::Picture picture;
@@ -148,19 +143,10 @@ void writeSample(
     std::vector<std::uint16_t>& values = array->GetNumberOfComponents() == 3 ? picture.colour : picture.grey;
     const auto bytes = vtk::DataArrayValueRange(vtkUnsignedCharArray::SafeDownCast(array));
     values.assign(bytes.begin(), bytes.end());
-    writeScan(picture, files.file, record);
+    writeScan(picture, *files.scan, record);
   }
-  if (files.labels == nullptr)
-    return;
-  if (files.labels->path().extension() == ".vti")
-  {
-    setProvenance(image, io::toJson(record));
-    writeGrid(image, *files.labels);
-  }
-  else
-  {
-    writeLabels(phases, *files.labels, files.beside ? &*files.beside : nullptr, record);
-  }
+  if (files.labels)
+    files.labels->write(image, record);
 }
 
 Json toJson(const GenerateOptions& options, const SampleKind& kind, vtkMicrostructureSource* source,
@@ -175,12 +161,11 @@ Json toJson(const GenerateOptions& options, const SampleKind& kind, vtkMicrostru
   json["pixel_size"] = phases.lattice.spacing;
   json["phases"] = Json::array();
   const std::vector<double> fractions = phases.fractions();
-  const OutputFile& file = files.labels != nullptr ? *files.labels : files.file;
-  const std::vector<std::uint8_t> values = valuesInFile(phases.phases, file.path().extension().string());
+  const std::vector<std::uint8_t> values = valuesInFile(phases.phases, files.labels ? files.labels->ending() : ".png");
   for (std::size_t id = 0; id < fractions.size(); ++id)
   {
     Json phase{ { "name", phases.phases.names()[id] } };
-    if (files.labels != nullptr)
+    if (files.labels)
       phase["value"] = values[id];
     phase["fraction"] = fractions[id];
     json["phases"].push_back(std::move(phase));
@@ -222,7 +207,7 @@ void generate(Session& session, const GenerateOptions& options, const SampleKind
   io::Provenance record = io::makeProvenance(commandLine);
   if (settingsAsJson(source).contains("seed"))
     record.seed = source->GetSeed();
-  writeSample(image, phases, files, record, drawn);
+  writeSample(image, phases, files, record);
   files.commit();
   if (options.common.json)
   {
@@ -277,11 +262,7 @@ Command generateCommand(CLI::App& root)
       options->settings.formerly(*command, "radial-late", "radial-diameter", "", 1);
     }
     if (command->get_option_no_throw("--look") != nullptr)
-    {
-      command->add_option("--truth", options->truth, "With --look: write the labels here")
-        ->type_name("FILE")
-        ->group("Micrograph");
-    }
+      addOption(*command, "Micrograph", "--truth", options->truth, "With --look: write the labels here", "FILE");
     addReportOptions(*command, options->common);
     commands.emplace_back(command, std::move(options));
   }

@@ -44,6 +44,12 @@ struct InfoOptions
   std::string step;
 };
 
+Json recordJson(const std::string& text)
+{
+  Json record = Json::parse(text, nullptr, false);
+  return record.is_object() ? std::move(record) : Json(nullptr);
+}
+
 /// Smallest and largest value of each component (of the magnitude, for vectors as well); NaN is left out and counted.
 Json rangeJson(vtkDataArray* array)
 {
@@ -155,8 +161,7 @@ Json gridJson(const std::string& path, vtkDataObject* data)
     }
   }
   json["field_data"] = fieldJson(set->GetFieldData());
-  const Json record = Json::parse(provenance(set), nullptr, false);
-  json["provenance"] = record.is_object() ? record : Json(nullptr);
+  json["provenance"] = recordJson(provenance(set));
   return json;
 }
 
@@ -192,8 +197,7 @@ Json checkpointJson(const std::string& path)
     json["arrays"].push_back({ { "name", name }, { "type", real ? "f64" : "i64" }, { "shape", array.shape },
       { "unit", array.unit }, { "description", array.description } });
   }
-  const Json record = Json::parse(checkpoint.provenance, nullptr, false);
-  json["provenance"] = record.is_object() ? record : Json(nullptr);
+  json["provenance"] = recordJson(checkpoint.provenance);
   return json;
 }
 
@@ -256,9 +260,7 @@ Json pictureJson(const PictureOptions& options)
       json["greys"].push_back(std::move(line));
     }
   }
-  const std::string& carried = record ? record->provenance : picture.provenance;
-  const Json text = Json::parse(carried, nullptr, false);
-  json["provenance"] = text.is_object() ? text : Json(nullptr);
+  json["provenance"] = recordJson(record ? record->provenance : picture.provenance);
   return json;
 }
 
@@ -471,10 +473,8 @@ Command infoCommand(CLI::App& root)
     ->required();
   addRawOptions(*app, o->raw.picture);
   addRawTypeOptions(*app, o->raw);
-  app->add_option("--step", o->step, "Of a series: look at this step, counted from 0")
-    ->type_name("NUMBER")
-    ->default_str("0")
-    ->group("Sample");
+  addOption(*app, "Sample", "--step", o->step, "Of a series: look at this step, counted from 0", "NUMBER")
+    ->default_str("0");
   app->add_flag("--json", o->common.json, "Print one JSON object to standard output, and nothing else")
     ->group("Report");
   addExamples(*app, { "lamella info tissue.png", "lamella info heat_y.vti --json" });

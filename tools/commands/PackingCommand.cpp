@@ -1,8 +1,8 @@
 #include "commands/FilterRun.h"
 #include "commands/PackingInput.h"
+#include "files/FieldReport.h"
 #include "files/FractureFiles.h"
 #include "files/GridFile.h"
-#include "files/JsonReport.h"
 #include "files/Record.h"
 #include "program/Commands.h"
 #include "program/SettingOptions.h"
@@ -122,40 +122,20 @@ struct Made
   [[nodiscard]] std::int64_t count() const { return grains->GetNumberOfPoints(); }
 };
 
-Json rows(const Made& made, const char* tensor)
-{
-  const std::vector<double> all = fieldNumbers(made.grains, tensor);
-  Json json = Json::array();
-  const std::ptrdiff_t dimension = made.spheres() ? 3 : 2;
-  for (std::ptrdiff_t row = 0; row < dimension; ++row)
-    json.push_back(std::vector<double>(all.begin() + 3 * row, all.begin() + 3 * row + dimension));
-  return json;
-}
-
 Json toJson(const Made& made)
 {
   const std::array<double, 3> box = made.box();
-  const double unbalanced = made.number("unbalanced_force");
   Json json;
   json["seed"] = made.seed ? Json(*made.seed) : Json(nullptr);
   json["dimension"] = made.spheres() ? 3 : 2;
   json["count"] = made.count();
   json["box"] = std::vector<double>(box.begin(), box.begin() + (made.spheres() ? 3 : 2));
-  json["periodic"] = made.number("periodic") != 0;
-  json["packing_fraction"] = made.number("packing_fraction");
-  json["aspect"] = made.number("aspect");
-  json["rattlers"] = made.whole("rattlers");
-  json["contacts"] = made.whole("contacts");
-  json["wall_contacts"] = made.whole("wall_contacts");
-  json["coordination"] = made.number("coordination");
-  json["fabric"] = rows(made, "fabric");
-  json["stress"] = rows(made, "stress");
-  json["fabric_anisotropy"] = made.number("fabric_anisotropy");
-  json["stress_anisotropy"] = made.number("stress_anisotropy");
-  json["unbalanced_force"] = jsonNumber(unbalanced);
-  json["pressure"] = made.number("pressure");
-  json["steps"] = made.whole("relaxation_steps");
-  json["warnings"] = fieldTexts(made.grains, "warnings");
+  using enum Key::Kind;
+  addKeys(json, { made.grains, made.spheres() ? 3 : 2 },
+    { { "periodic", Flag }, { "packing_fraction" }, { "aspect" }, { "rattlers", Whole }, { "contacts", Whole },
+      { "wall_contacts", Whole }, { "coordination" }, { "fabric", Matrix }, { "stress", Matrix },
+      { "fabric_anisotropy" }, { "stress_anisotropy" }, { "unbalanced_force" }, { "pressure" },
+      { "steps", Whole, "relaxation_steps" }, { "warnings", Texts } });
   json["files"] = made.files;
   return json;
 }
@@ -449,17 +429,13 @@ Command packingCommand(CLI::App& root)
   CLI::App* app = root.add_subcommand("packing", "Press disks or spheres together until they rest: a dense packing");
   auto o = std::make_shared<PackingCommandOptions>();
   o->settings.declare(*app, "vtkGrainPacking", { "seeds", "keep-states", "state" });
-  app->add_option("--seeds", o->seeds, "Several packings, one a seed: 1-10 or 3,5,8; name the files pack_{seed}.vtp")
-    ->type_name("LIST")
-    ->group("Grains");
-  app->add_option("--read", o->read, "Take the grains of this table (x,z,r or x,y,z,r) instead of making some")
-    ->type_name("FILE")
-    ->group("Table");
+  addOption(*app, "Grains", "--seeds", o->seeds,
+    "Several packings, one a seed: 1-10 or 3,5,8; name the files pack_{seed}.vtp", "LIST");
+  addOption(*app, "Table", "--read", o->read, "Take the grains of this table (x,z,r or x,y,z,r) instead of making some",
+    "FILE");
   addTableOptions(*app, o->table);
   addOutputOptions(*app, o->output, o->common, "Write the grains: .vtp, or .csv (x,z,r or x,y,z,r)");
-  app->add_option("--contacts", o->contacts, "Write the contacts and their forces: .vtp")
-    ->type_name("FILE")
-    ->group("Output");
+  addResultFile(*app, "--contacts", o->contacts, "Write the contacts and their forces: .vtp", "FILE");
   addReportOptions(*app, o->common);
   addExamples(*app,
     { "lamella packing --count 400 --seed 3 -o grains.vtp --contacts forces.vtp",

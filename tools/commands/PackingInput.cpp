@@ -2,6 +2,7 @@
 
 #include "commands/FilterRun.h"
 #include "files/GridFile.h"
+#include "program/Commands.h"
 #include "session/Text.h"
 
 #include "PackingData.h"
@@ -15,21 +16,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
-#include <filesystem>
 
 namespace lamella::cli
 {
 
 void addTableOptions(CLI::App& command, TableOptions& options)
 {
-  options.declared = { command.add_option("--unit", options.unit, "Unit of length in a table, as 1mm; metres")
-                         ->type_name("LENGTH")
-                         ->group("Table"),
-    command
-      .add_option("--box", options.box, "Edges of a table's box, as 20mm,40mm; when not given, that of the grains")
-      ->type_name("X,Y[,Z]")
-      ->group("Table") };
+  options.declared = { addOption(command, "Table", "--unit", options.unit, "Unit of length in a table, as 1mm; metres",
+                         "LENGTH"),
+    addOption(command, "Table", "--box", options.box,
+      "Edges of a table's box, as 20mm,40mm; when not given, that of the grains", "X,Y[,Z]") };
 }
 
 bool isParticleFile(const std::string& path)

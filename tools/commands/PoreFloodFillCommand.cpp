@@ -1,11 +1,11 @@
 #include "commands/FilterRun.h"
-#include "commands/PoreReport.h"
 #include "commands/SampleRun.h"
+#include "files/FieldReport.h"
 #include "files/GridFile.h"
 #include "files/Input.h"
 #include "files/JsonReport.h"
 #include "files/Record.h"
-#include "files/TableText.h"
+#include "files/ResultFiles.h"
 #include "program/Commands.h"
 #include "program/SettingOptions.h"
 #include "session/OutputFile.h"
@@ -14,10 +14,12 @@
 #include "core/Clock.h"
 #include "core/Memory.h"
 #include "io/Provenance.h"
+#include "lattice/AxisNames.h"
 #include "lattice/PhaseNames.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPoreFloodFill.h"
 
+#include <vtkDataArray.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
@@ -25,18 +27,173 @@
 #include <vtkTable.h>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace lamella::cli
 {
 
 namespace
 {
+
+struct PoreReport
+{
+  std::string file;
+  vtkPoreFloodFill* filter; ///< updated
+  bool metres;              ///< the pixel size is known
+  io::Provenance provenance;
+  std::vector<std::string> written;
+  int ranks = 1;
+  double seconds = 0;
+};
+
+double cell(vtkTable* table, vtkIdType row, const std::string& column)
+{
+  return vtkDataArray::SafeDownCast(table->GetColumnByName(column.c_str()))->GetTuple1(row);
+}
+
+std::int64_t wholeCell(vtkTable* table, vtkIdType row, const std::string& column)
+{
+  return std::llround(cell(table, row, column));
+}
+
+vtkIdType largestOf(vtkTable* pores, const Fields& numbers)
+{
+  vtkIdType row = 0;
+  while (wholeCell(pores, row, "size") != numbers.whole("pore_largest"))
+    ++row;
+  return row;
+}
+
+/// The box of a pore as --window takes it: of a picture from the top row. A box that goes on over a periodic side is
+/// given as it is.
+std::vector<std::int64_t> window(vtkTable* table, vtkIdType row, const Lattice& lattice)
+{
+  std::vector<std::int64_t> start;
+  std::vector<std::int64_t> size;
+  for (int axis = 0; axis < lattice.dimension; ++axis)
+  {
+    const std::string name = axisNames[static_cast<std::size_t>(axis)];
+    const std::int64_t first = wholeCell(table, row, name + "_first");
+    const std::int64_t last = wholeCell(table, row, name + "_last");
+    const bool fromTop = lattice.dimension == 2 && axis == 1;
+    start.push_back(fromTop ? lattice.size[1] - 1 - last : first);
+    size.push_back(last - first + 1);
+  }
+  start.insert(start.end(), size.begin(), size.end());
+  return start;
+}
+
+/// The sides that a pore touches, as people see them.
+std::vector<std::string> sides(vtkTable* table, vtkIdType row, int dimension)
+{
+  static const std::array<std::pair<const char*, const char*>, 6> names{ { { "touches_x_min", "left" },
+    { "touches_x_max", "right" }, { "touches_y_max", "top" }, { "touches_y_min", "bottom" },
+    { "touches_z_min", "z_min" }, { "touches_z_max", "z_max" } } };
+  std::vector<std::string> found;
+  for (const auto& [column, word] : names)
+    if (cell(table, row, column) != 0)
+      found.push_back(dimension == 3 ? std::string(column).substr(8) : word);
+  return found;
+}
+
+std::string toJson(const PoreReport& report)
+{
+  auto* const image = vtkImageData::SafeDownCast(report.filter->GetOutputDataObject(0));
+  const Lattice lattice = latticeOf(image);
+  const Fields f{ image, lattice.dimension };
+  vtkTable* const pores = report.filter->GetPores();
+  vtkTable* const classes = report.filter->GetSizeDistribution();
+  using enum Key::Kind;
+  Json json;
+  json["file"] = report.file;
+  addKeys(json, f, { { "phase", Text }, { "connectivity", Whole } }, "pore_");
+  json["periodic"] = axesOf(f.numbers("pore_periodic"));
+  json["size"] = std::vector<std::int64_t>(lattice.size.begin(), lattice.size.begin() + lattice.dimension);
+  json["unit"] = lattice.dimension == 3 ? "voxels" : "pixels";
+  json["pixel_size"] = report.metres ? Json(lattice.spacing) : Json(nullptr);
+  addKeys(json, f, { { "count", Whole }, { "largest", Whole }, { "mean" }, { "total", Whole } }, "pore_");
+  addKeys(json, f, { { "porosity" } });
+  json["minimum_size"] = report.filter->GetMinimumSize();
+  json["dropped"] = keysOf(f, { { "count", Whole, "dropped" }, { "total", Whole, "dropped", 1 } }, "pore_");
+  json["open"] = keysOf(f, { { "count", Whole, "open_count" }, { "share", Number, "open" } }, "pore_");
+  json["closed"] = { { "count", f.whole("pore_count") - f.whole("pore_open_count") }, { "share", f("pore_closed") } };
+  json["percolates"] = axesOf(f.numbers("pore_percolates"));
+  json["largest_pore"] = nullptr;
+  if (pores->GetNumberOfRows() > 0)
+  {
+    const vtkIdType row = largestOf(pores, f);
+    json["largest_pore"] = { { "pore", wholeCell(pores, row, "pore") }, { "size", wholeCell(pores, row, "size") },
+      { "equivalent_diameter", report.metres ? Json(cell(pores, row, "equivalent_diameter")) : Json(nullptr) },
+      { "window", window(pores, row, lattice) }, { "touches", sides(pores, row, lattice.dimension) } };
+  }
+  json["distribution"] = Json::array();
+  for (vtkIdType row = 0; row < classes->GetNumberOfRows(); ++row)
+  {
+    json["distribution"].push_back(
+      { { "from", wholeCell(classes, row, "size_from") }, { "to", wholeCell(classes, row, "size_to") },
+        { "count", wholeCell(classes, row, "pores") }, { "total", wholeCell(classes, row, "nodes") } });
+  }
+  json["ranks"] = report.ranks;
+  json["seconds"] = report.seconds;
+  json["files"] = report.written;
+  addRecord(json, report.provenance);
+  return dump(json);
+}
+
+std::string toTable(const PoreReport& report)
+{
+  auto* const image = vtkImageData::SafeDownCast(report.filter->GetOutputDataObject(0));
+  const Lattice lattice = latticeOf(image);
+  const Fields number{ image, lattice.dimension };
+  vtkTable* const pores = report.filter->GetPores();
+  const std::string unit = lattice.dimension == 3 ? "voxels" : "pixels";
+  const std::string kind = lattice.dimension == 3 ? "volume" : "picture";
+  const auto line = [](const std::string& name, const std::string& text)
+  { return fmt::format("  {:<11}{}\n", name, text); };
+  std::string text = fmt::format("{}: pores of {}, {} neighbours, {}\n\n", report.file, number.text("pore_phase"),
+    number.whole("pore_connectivity"), sizeText(lattice.size, lattice.dimension));
+  text += line("pores", grouped(number.whole("pore_count")));
+  text += line("total",
+    fmt::format(
+      "{} {}; porosity {:.4f} of the {}", grouped(number.whole("pore_total")), unit, number("porosity"), kind));
+  text += line("mean", fmt::format("{:.1f} {}", number("pore_mean"), unit));
+  if (pores->GetNumberOfRows() > 0)
+  {
+    const vtkIdType row = largestOf(pores, number);
+    std::string largest = fmt::format("{} {}", grouped(number.whole("pore_largest")), unit);
+    if (report.metres)
+    {
+      largest += fmt::format(", {} of {:.4g} µm", lattice.dimension == 3 ? "a sphere" : "a circle",
+        1e6 * cell(pores, row, "equivalent_diameter"));
+    }
+    text += line("largest", largest + ", window " + fmt::format("{}", fmt::join(window(pores, row, lattice), ",")));
+  }
+  if (number("pore_dropped") > 0)
+  {
+    text += line("left out",
+      fmt::format("{} pores below {} {}, {} {} in all", grouped(number.whole("pore_dropped")),
+        report.filter->GetMinimumSize(), unit, grouped(number.whole("pore_dropped", 1)), unit));
+  }
+  text += line("open",
+    fmt::format("{} pores, {:.1f} % of the total; they touch a border", grouped(number.whole("pore_open_count")),
+      100 * number("pore_open")));
+  const std::vector<std::string> through = axesOf(number.numbers("pore_percolates"));
+  text += line("percolates",
+    through.empty() ? "no pore leads from side to side" : fmt::format("along {}", fmt::join(through, ", ")));
+  text += wroteText(report.written);
+  return text;
+}
 
 struct PoreFloodFillOptions
 {
@@ -59,37 +216,20 @@ void checkFill(const std::string& fill, const std::vector<std::string>& names)
   }
 }
 
-/// A table and the record beside it.
-struct TableFile
+ResultFiles openFiles(const PoreFloodFillOptions& options, vtkPoreFloodFill* filter)
 {
-  OutputFile table;
-  OutputFile record;
-};
-
-struct PoreFiles
-{
-  std::vector<OutputFile> labels; ///< .vti
-  std::vector<TableFile> pores;   ///< .csv
-  std::vector<TableFile> classes;
-};
-
-PoreFiles openFiles(const PoreFloodFillOptions& options)
-{
-  PoreFiles files;
+  ResultFiles files;
   const bool overwrite = options.common.overwrite;
-  const auto table = [&](const std::string& name) {
-    return TableFile{ OutputFile(name, overwrite), OutputFile(name + ".json", overwrite) };
-  };
   for (const std::string& name : options.output)
   {
     const std::string ending = std::filesystem::path(name).extension().string();
     if (ending == ".vti")
     {
-      files.labels.emplace_back(name, overwrite);
+      files.addGrid("-o", name, ending, filter->GetOutputDataObject(0), overwrite);
     }
     else if (ending == ".csv")
     {
-      files.pores.push_back(table(name));
+      files.addTable("-o", name, filter->GetPores(), overwrite);
     }
     else
     {
@@ -97,46 +237,8 @@ PoreFiles openFiles(const PoreFloodFillOptions& options)
         "end the name in one of these; -o can be given twice");
     }
   }
-  if (!options.distribution.empty())
-  {
-    if (std::filesystem::path(options.distribution).extension() != ".csv")
-    {
-      throw ParameterError(
-        "--distribution '" + options.distribution + "': it is written as .csv", "end the name in .csv");
-    }
-    files.classes.push_back(table(options.distribution));
-  }
+  files.addTable("--distribution", options.distribution, filter->GetSizeDistribution(), overwrite);
   return files;
-}
-
-void writeFiles(PoreFiles& files, vtkPoreFloodFill* filter, bool metres, const std::string& record)
-{
-  vtkImageData* const image = vtkImageData::SafeDownCast(filter->GetOutputDataObject(0));
-  setProvenance(image, record);
-  for (const OutputFile& file : files.labels)
-    writeGrid(image, file);
-  const auto write = [&](const std::vector<TableFile>& list, vtkTable* table)
-  {
-    for (const TableFile& file : list)
-    {
-      file.table.write(toCsv(table));
-      const Json beside{ { "provenance", Json::parse(record) }, { "columns", unitsOf(table, metres) } };
-      file.record.write(dump(beside));
-    }
-  };
-  write(files.pores, filter->GetPores());
-  write(files.classes, filter->GetSizeDistribution());
-  Session::checkInterrupt();
-  for (OutputFile& file : files.labels)
-    file.commit();
-  for (std::vector<TableFile>* const list : { &files.pores, &files.classes })
-  {
-    for (TableFile& file : *list)
-    {
-      file.table.commit();
-      file.record.commit();
-    }
-  }
 }
 
 /// Refuses what cannot be labelled for want of memory, before the file is read. @throws MemoryError
@@ -165,7 +267,7 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
   filter->SetPhase(options.fill);
   vtkSmartPointer<vtkImageData> image = vtkSmartPointer<vtkImageData>::New();
   Sample sample;
-  PoreFiles files;
+  ResultFiles files;
   std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
   const int neighbours = session.ranksOnMachine();
   session.onRoot(
@@ -176,10 +278,9 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
       Session::checkInterrupt();
       tellDoubts(session, sample);
       checkFill(options.fill, sample.image.phases.names());
-      files = openFiles(options);
-      const auto nodes = static_cast<std::uint64_t>(sample.image.lattice.count());
-      for (const OutputFile& file : files.labels)
-        file.needs(nodes); // compressed; the whole is nine bytes a node
+      files = openFiles(options, filter);
+      // compressed; the whole is nine bytes a node
+      files.needGrids(static_cast<std::uint64_t>(sample.image.lattice.count()));
       image = imageOf(sample);
       image->GetExtent(extent.data());
     });
@@ -203,7 +304,7 @@ void poreFloodFill(Session& session, const PoreFloodFillOptions& options, const 
       if (!options.distribution.empty())
         report.written.push_back(options.distribution);
       report.ranks = session.ranks();
-      writeFiles(files, filter, report.metres, io::toJson(record));
+      (void)files.write(io::toJson(record), report.metres);
       report.seconds = secondsSince(start);
       session.print(options.common.json ? toJson(report) : options.common.quiet ? "" : toTable(report));
     });
@@ -217,22 +318,16 @@ Command poreFloodFillCommand(CLI::App& root)
     "pore-flood-fill", "Pores of a picture or volume: number, sizes, table, labels, which of them percolate");
   auto o = std::make_shared<PoreFloodFillOptions>();
   addPictureOptions(*app, o->picture);
-  const auto pore = [](CLI::Option* option) { return option->group("Pores"); };
-  pore(app->add_option(
-         "--fill", o->fill, "The phase that the pores are; the one called void, pore, lumen or air when not given"))
-    ->type_name("PHASE");
+  addOption(*app, "Pores", "--fill", o->fill,
+    "The phase that the pores are; the one called void, pore, lumen or air when not given", "PHASE");
   o->settings.declare(*app, "vtkPoreFloodFill", { "phase", "labels", "pore-size", "maximum-number-of-labels" });
   o->settings.formerly(*app, "order", "sort-by-size", "memory");
-  pore(app->add_option("--threads", o->threads, "Threads of each process; 0: one for each core"))
-    ->type_name("NUMBER")
+  addOption(*app, "Pores", "--threads", o->threads, "Threads of each process; 0: one for each core", "NUMBER")
     ->capture_default_str();
-  app->add_option("-o,--output", o->output, "Write labels (.vti) or the table of the pores (.csv); twice for both")
-    ->type_name("FILE")
-    ->allow_extra_args(false)
-    ->group("Output");
-  app->add_option("--distribution", o->distribution, "Write how sizes are distributed")
-    ->type_name("FILE.csv")
-    ->group("Output");
+  addOption(*app, "Output", "-o,--output", o->output,
+    "Write labels (.vti) or the table of the pores (.csv); twice for both", "FILE")
+    ->allow_extra_args(false);
+  addResultFile(*app, "--distribution", o->distribution, "Write how sizes are distributed");
   addResultOptions(*app, o->common);
   addExamples(*app,
     { "lamella pore-flood-fill tissue.png --phase 0=void --other solid --connectivity 4 --json",
@@ -240,12 +335,7 @@ Command poreFloodFillCommand(CLI::App& root)
       "lamella pore-flood-fill rock_200x200x200_u8.raw --phase 1=pore --other grain --connectivity 26",
       "mpirun -n 4 lamella pore-flood-fill rock_200x200x200_u8.raw --phase 1=pore --other grain --json",
       "lamella snapshot labels.vti --preset pores -o pores.png" });
-  return { app,
-    [o](Session& session, const std::string& line)
-    {
-      session.setQuiet(o->common.quiet);
-      poreFloodFill(session, *o, line);
-    } };
+  return jointCommand(app, o, poreFloodFill);
 }
 
 } // namespace lamella::cli

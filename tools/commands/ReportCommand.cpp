@@ -108,13 +108,11 @@ Command reportCommand(CLI::App& root)
   CLI::App* app = root.add_subcommand("report", "One page, of one file, of a folder of results");
   auto o = std::make_shared<ReportOptions>();
   app->add_option("RESULTS", o->folder, "The folder; its report.json, if there is one, orders the page")->required();
-  app->add_option("--title", o->title, "The page's title; report.json's, or the folder's name, when not given")
-    ->type_name("TEXT")
-    ->group("Page");
-  app->add_option("--picture-width", o->pictureWidth, "Wider pictures are scaled down to so many pixels")
-    ->type_name("PIXELS")
-    ->capture_default_str()
-    ->group("Page");
+  addOption(
+    *app, "Page", "--title", o->title, "The page's title; report.json's, or the folder's name, when not given", "TEXT");
+  addOption(
+    *app, "Page", "--picture-width", o->pictureWidth, "Wider pictures are scaled down to so many pixels", "PIXELS")
+    ->capture_default_str();
   app->add_flag("--strict", o->strict, "Fail when a piece is missing or damaged; the page is written all the same")
     ->group("Page");
   addResultFile(*app, "-o,--output", o->output, "The page; RESULTS/report.html when not given", "FILE.html");

@@ -29,4 +29,17 @@ vtkSmartPointer<vtkImageData> imageOf(Sample& sample, int refine)
   return image;
 }
 
+ImageSample loadImage(
+  Session& session, const PictureOptions& picture, const SettingOptions& settings, const SampleCheck& check, int refine)
+{
+  Sample sample = loadSample(picture, check);
+  Session::checkInterrupt();
+  settings.checkNames(sample.image.phases.names());
+  tellDoubts(session, sample);
+  ImageSample result{ nullptr, sample.pixelSizeSource, sample.provenance };
+  result.image = imageOf(sample, refine);
+  result.image->GetExtent(result.extent.data());
+  return result;
+}
+
 } // namespace lamella::cli

@@ -1,8 +1,10 @@
 #pragma once
 
 #include "files/Input.h"
+#include "program/SettingOptions.h"
 #include "session/Session.h"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -17,5 +19,20 @@ void tellDoubts(Session& session, const Sample& sample);
 /// its file is a .vti that has it: point arrays `grain` and `axis`. Lattice and names of phases stay in the sample, the
 /// nodes are moved out.
 [[nodiscard]] vtkSmartPointer<vtkImageData> imageOf(Sample& sample, int refine = 1);
+
+/// A sample as filters take it.
+struct ImageSample
+{
+  vtkSmartPointer<vtkImageData> image; ///< window cut out, refined
+  std::string pixelSizeSource;         ///< as Sample
+  std::string provenance;              ///< of the file
+  std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
+};
+
+/// Reads it on rank 0, and says what is doubtful about it.
+/// @param settings those of the command's class: what they say of phases is held against the sample
+/// @throws as loadSample(); ParameterError for a phase, or a pair, that the sample does not have
+[[nodiscard]] ImageSample loadImage(Session& session, const PictureOptions& picture, const SettingOptions& settings,
+  const SampleCheck& check = {}, int refine = 1);
 
 } // namespace lamella::cli

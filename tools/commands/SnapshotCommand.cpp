@@ -184,9 +184,8 @@ Command snapshotCommand(CLI::App& root)
   addPhaseOptions(*app, o->picture);
   addRawOptions(*app, o->picture);
   o->settings.declare(*app, "vtkSnapshot", { "overwrite", "provenance" });
-  app->add_option("--lines", o->lines, "Draw this file: streamlines of flux-map, or on grains the contacts of packing")
-    ->type_name("FILE.vtp")
-    ->group("Drawing");
+  addOption(*app, "Drawing", "--lines", o->lines,
+    "Draw this file: streamlines of flux-map, or on grains the contacts of packing", "FILE.vtp");
   app->add_option("--view", o->view)->group("");
   app->add_flag("--streamlines", o->streamlines)->group("");
   app->add_flag("--arrows", o->arrows)->group("");

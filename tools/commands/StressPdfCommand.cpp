@@ -1,6 +1,6 @@
 #include "commands/FilterRun.h"
+#include "files/FieldReport.h"
 #include "files/GridFile.h"
-#include "files/JsonReport.h"
 #include "files/Record.h"
 #include "files/ResultFiles.h"
 #include "files/TableText.h"
@@ -65,25 +65,21 @@ int associationOf(vtkDataSet* data, const std::string& name)
 Json reportOf(const StressPdfOptions& o, vtkStressPDF* filter)
 {
   vtkTable* const density = filter->GetOutput();
-  const auto number = [&](const char* name) { return jsonNumber(fieldNumbers(density, name).at(0)); };
-  const auto whole = [&](const char* name) { return Json(std::llround(fieldNumbers(density, name).at(0))); };
   Json json;
   json["file"] = o.file;
   json["array"] = o.array;
-  json["component"] = fieldText(density, "stress_component").value_or("");
-  json["count"] = whole("stress_count");
-  json["mean"] = number("stress_mean");
-  json["deviation"] = number("stress_deviation");
-  json["mean_tensile"] = number("stress_mean_tensile");
-  json["mean_compressive"] = number("stress_mean_compressive");
-  json["tensile_share"] = number("stress_tensile_share");
-  json["compressive_share"] = number("stress_compressive_share");
-  json["smallest"] = number("stress_smallest");
-  json["largest"] = number("stress_largest");
-  json["reference"] = filter->GetReferenceStress() == 0 ? Json(nullptr) : number("stress_reference");
-  json["tail"] = { { "threshold", number("stress_tail_threshold") }, { "count", whole("stress_tail_count") },
-    { "share", number("stress_tail_share") }, { "theta", number("stress_theta") },
-    { "theta_error", number("stress_theta_error") }, { "distance", number("stress_tail_distance") } };
+  using enum Key::Kind;
+  addKeys(json, { density },
+    { { "component", Text }, { "count", Whole }, { "mean" }, { "deviation" }, { "mean_tensile" },
+      { "mean_compressive" }, { "tensile_share" }, { "compressive_share" }, { "smallest" }, { "largest" },
+      { "reference" } },
+    "stress_");
+  if (filter->GetReferenceStress() == 0)
+    json["reference"] = nullptr;
+  json["tail"] = keysOf({ density },
+    { { "threshold", Number, "tail_threshold" }, { "count", Whole, "tail_count" }, { "share", Number, "tail_share" },
+      { "theta" }, { "theta_error" }, { "distance", Number, "tail_distance" } },
+    "stress_");
   json["phases"] = jsonRows(filter->GetPhaseTable());
   json["thresholds"] = jsonRows(filter->GetThresholdTable());
   json["bins"] = density->GetNumberOfRows();
@@ -91,15 +87,10 @@ Json reportOf(const StressPdfOptions& o, vtkStressPDF* filter)
   return json;
 }
 
-std::string cell(const Json& value, const char* form)
-{
-  return value.is_null() ? std::string("-") : fmt::format(fmt::runtime(form), value.get<double>());
-}
-
 std::string stressTable(const Json& json)
 {
   std::string text = fmt::format("{}: {} of {}, {} values\n\n", json["file"].get<std::string>(),
-    json["component"].get<std::string>(), json["array"].get<std::string>(), grouped(json["count"].get<std::int64_t>()));
+    json["component"].get<std::string>(), json["array"].get<std::string>(), counted(json["count"]));
   text += fmt::format("  {:<12}{:>12}{:>14}{:>9}{:>14}{:>9}{:>16}\n", "phase", "values", "mean tensile", "share",
     "compressive", "share", "theta");
   for (const Json& row : json["phases"])
@@ -108,9 +99,8 @@ std::string stressTable(const Json& json)
       ? std::string("-")
       : fmt::format("{:.3f} ± {:.3f}", row["theta"].get<double>(), row["theta_error"].get<double>());
     text += fmt::format("  {:<12}{:>12}{:>14}{:>9}{:>14}{:>9}{:>17}\n", row["phase"].get<std::string>(),
-      grouped(row["count"].get<std::int64_t>()), cell(row["mean_tensile"], "{:.4g} Pa"),
-      cell(row["tensile_share"], "{:.4f}"), cell(row["mean_compressive"], "{:.4g} Pa"),
-      cell(row["compressive_share"], "{:.4f}"), theta);
+      counted(row["count"]), shown(row["mean_tensile"], "{:.4g} Pa"), shown(row["tensile_share"], "{:.4f}"),
+      shown(row["mean_compressive"], "{:.4g} Pa"), shown(row["compressive_share"], "{:.4f}"), theta);
   }
   if (!json["reference"].is_null())
   {
@@ -120,13 +110,13 @@ std::string stressTable(const Json& json)
   }
   const Json& tail = json["tail"];
   text += fmt::format("\n  tail: beyond {} mean tensile stresses, {} values, distance from the law {}\n",
-    cell(tail["threshold"], "{:.4g}"), grouped(tail["count"].get<std::int64_t>()), cell(tail["distance"], "{:.4f}"));
+    shown(tail["threshold"], "{:.4g}"), counted(tail["count"]), shown(tail["distance"], "{:.4f}"));
   text += "  beyond other thresholds:\n";
   for (const Json& row : json["thresholds"])
   {
     text += fmt::format("    {:>7.3f}  {:>6.1f} % of the tensile   theta {:.3f} ± {:.3f}   distance {}\n",
       row["threshold"].get<double>(), 100 * row["tail_share"].get<double>(), row["theta"].get<double>(),
-      row["theta_error"].get<double>(), cell(row["distance"], "{:.4f}"));
+      row["theta_error"].get<double>(), shown(row["distance"], "{:.4f}"));
   }
   text += wroteText(json["files"].get<std::vector<std::string>>());
   return text;
@@ -171,18 +161,13 @@ Command stressPdfCommand(CLI::App& root)
     root.add_subcommand("stress-pdf", "How stresses are distributed: density, means and exponential tail, by phase");
   auto o = std::make_shared<StressPdfOptions>();
   app->add_option("FILE", o->file, "A .vti or .vtp with stresses, such as lamella equilibrium writes")->required();
-  const auto what = [](CLI::Option* option) { return option->group("Stresses"); };
-  what(app->add_option("--array", o->array, "The stresses: 6 or 9 components, or 1, which is taken as it is"))
-    ->type_name("NAME")
+  addOption(
+    *app, "Stresses", "--array", o->array, "The stresses: 6 or 9 components, or 1, which is taken as it is", "NAME")
     ->capture_default_str();
-  what(app->add_option("--phase-array", o->phaseArray, "The phases: whole numbers"))
-    ->type_name("NAME")
+  addOption(*app, "Stresses", "--phase-array", o->phaseArray, "The phases: whole numbers", "NAME")
     ->capture_default_str();
   o->settings.declare(*app, "vtkStressPDF");
-  app->add_option("--threads", o->threads, "Threads")
-    ->type_name("NUMBER")
-    ->capture_default_str()
-    ->group("Tail and density");
+  addOption(*app, "Tail and density", "--threads", o->threads, "Threads", "NUMBER")->capture_default_str();
   addResultFile(*app, "-o,--output,--csv", o->output, "Write the density, one row a bin");
   addResultFile(*app, "--phases", o->phases, "Write the means and the tail, one row a phase");
   addResultFile(*app, "--thresholds", o->thresholds, "Write theta against the threshold");

@@ -1,10 +1,10 @@
 #include "commands/BreakRun.h"
 #include "commands/FilterRun.h"
 #include "commands/SampleRun.h"
+#include "files/FieldReport.h"
 #include "files/FractureFiles.h"
 #include "files/GridFile.h"
 #include "files/Input.h"
-#include "files/JsonReport.h"
 #include "files/Record.h"
 #include "files/ResultFiles.h"
 #include "files/TableText.h"
@@ -79,11 +79,6 @@ std::size_t apply(const Session& session, const TransientOptions& o, vtkLatticeB
   return named > 0 ? named : static_cast<std::size_t>(filter->GetNumberOfSteps()) + 1;
 }
 
-double numberOf(vtkImageData* state, const char* name)
-{
-  return fieldNumbers(state, name).at(0);
-}
-
 std::string words(const Json& json)
 {
   std::string text = fmt::format("{:>12}  {:>12}  {:>12}  {:>12}\n", "time [s]", "inlet [m/s]", "outlet [m/s]", "mean");
@@ -99,22 +94,14 @@ std::string words(const Json& json)
       flux(row, "outlet_flux"), row.at("mean_value").get<double>());
   }
   text += fmt::format("{} steps of {:.5g} s, {} on {}, relaxation {:.4g}; {} nodes stored, {} left out\n",
-    grouped(json.at("steps").get<std::int64_t>()), json.at("time_step").get<double>(),
-    json.at("stepping").get<std::string>(), json.at("lattice").get<std::string>(), json.at("relaxation").get<double>(),
-    grouped(json.at("stored_nodes").get<std::int64_t>()), grouped(json.at("skipped_nodes").get<std::int64_t>()));
+    counted(json.at("steps")), json.at("time_step").get<double>(), json.at("stepping").get<std::string>(),
+    json.at("lattice").get<std::string>(), json.at("relaxation").get<double>(), counted(json.at("stored_nodes")),
+    counted(json.at("skipped_nodes")));
   if (const auto at = json.at("continued_at").get<std::int64_t>(); at > 0)
     text += fmt::format("  continued after {} steps\n", grouped(at));
   if (const auto last = json.at("last_checkpoint").get<std::int64_t>(); last > 0)
-  {
-    text += fmt::format("  {} checkpoints, the last after {} steps\n",
-      grouped(json.at("checkpoints").get<std::int64_t>()), grouped(last));
-  }
+    text += fmt::format("  {} checkpoints, the last after {} steps\n", counted(json.at("checkpoints")), grouped(last));
   return text + wroteText(json.at("written").get<std::vector<std::string>>());
-}
-
-std::string textOf(vtkDataObject* data, const char* name)
-{
-  return data->GetFieldData()->GetAbstractArray(name)->GetVariantValue(0).ToString();
 }
 
 void transient(Session& session, const TransientOptions& o, const std::string& commandLine)
@@ -122,9 +109,7 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
   const auto start = Clock::now();
   vtkNew<vtkLatticeBoltzmann> filter;
   const std::size_t frames = apply(session, o, filter);
-  auto image = vtkSmartPointer<vtkImageData>::New();
-  std::array<int, 6> extent{ 0, -1, 0, -1, 0, -1 };
-  std::string provenance;
+  ImageSample sample;
   StateWriter files;
   ResultFiles tables;
   session.onRoot(
@@ -135,18 +120,12 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
         StateWriter(o.output, frames, o.common.overwrite, ".vti", { "fields", "the history goes to --curve FILE.csv" });
       if (!o.curve.empty())
         tables.addTable("--curve", o.curve, filter->GetCurve(), o.common.overwrite);
-      Sample sample = loadSample(o.picture);
-      Session::checkInterrupt();
-      o.settings.checkNames(sample.image.phases.names());
-      tellDoubts(session, sample);
-      files.needs(static_cast<std::uint64_t>(sample.image.lattice.count()) * (filter->GetComputeFlux() ? 33 : 9));
-      provenance = sample.provenance;
+      sample = loadImage(session, o.picture, o.settings);
+      files.needs(static_cast<std::uint64_t>(sample.image->GetNumberOfPoints()) * (filter->GetComputeFlux() ? 33 : 9));
       if (!o.checkpoint.file.empty())
-        files.follow(session, io::toJson(recordRun(session, commandLine, o.picture.file, provenance)));
-      image = imageOf(sample);
-      image->GetExtent(extent.data());
+        files.follow(session, io::toJson(recordRun(session, commandLine, o.picture.file, sample.provenance)));
     });
-  session.broadcast(extent);
+  session.broadcast(sample.extent);
   const auto finish = [&]
   {
     tellWarnings(session);
@@ -157,29 +136,20 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
     std::vector<vtkDataObject*> states;
     for (int k = 0; k < filter->GetNumberOfStates(); ++k)
       states.push_back(filter->GetStateImage(k));
-    const io::Provenance record = recordRun(session, commandLine, o.picture.file, provenance);
+    const io::Provenance record = recordRun(session, commandLine, o.picture.file, sample.provenance);
     std::vector<std::string> written = files.write(states, io::toJson(record));
     for (const std::string& name : tables.write(io::toJson(record)))
       written.push_back(name);
     files.commit();
-    vtkImageData* const last = vtkImageData::SafeDownCast(states.back());
     Json json;
     json["file"] = o.picture.file;
     json["curve"] = jsonRows(filter->GetCurve());
-    json["stepping"] = textOf(last, "collision");
-    json["lattice"] = textOf(last, "lattice");
-    json["direction"] = textOf(last, "direction");
-    json["sides"] = textOf(last, "sides");
-    json["steps"] = static_cast<std::int64_t>(numberOf(last, "steps"));
-    json["time_step"] = numberOf(last, "time_step");
-    json["relaxation"] = numberOf(last, "relaxation");
-    json["stored_nodes"] = static_cast<std::int64_t>(numberOf(last, "stored_nodes"));
-    json["skipped_nodes"] = static_cast<std::int64_t>(numberOf(last, "skipped_nodes"));
-    json["updates_per_second"] = numberOf(last, "updates_per_second");
-    json["bytes"] = numberOf(last, "bytes");
-    for (const char* name : { "continued_at", "states_before", "checkpoints", "last_checkpoint" })
-      json[name] = static_cast<std::int64_t>(numberOf(last, name));
-    json["warning"] = textOf(last, "warning");
+    using enum Key::Kind;
+    addKeys(json, { states.back() },
+      { { "stepping", Text, "collision" }, { "lattice", Text }, { "direction", Text }, { "sides", Text },
+        { "steps", Whole }, { "time_step" }, { "relaxation" }, { "stored_nodes", Whole }, { "skipped_nodes", Whole },
+        { "updates_per_second" }, { "bytes" }, { "continued_at", Whole }, { "states_before", Whole },
+        { "checkpoints", Whole }, { "last_checkpoint", Whole }, { "warning", Text } });
     json["ranks"] = session.ranks();
     json["seconds"] = secondsSince(start);
     json["written"] = written;
@@ -190,7 +160,8 @@ void transient(Session& session, const TransientOptions& o, const std::string& c
   runKept(session, o.checkpoint, kept,
     [&]
     {
-      runFilterOnRanks(session, filter.Get(), image, extent, "stepping");
+      const auto piece = sample.image ? sample.image : vtkSmartPointer<vtkImageData>::New();
+      runFilterOnRanks(session, filter.Get(), piece, sample.extent, "stepping");
       session.onRoot(finish);
     });
 }
@@ -221,12 +192,7 @@ Command transientCommand(CLI::App& root)
       "--end-time 0.1",
       "lamella transient volume.vti --diffusivity wall=1.8e-7 --diffusivity lumen=0 --at-time 1e-4,1e-3,1e-2 "
       "--checkpoint run.h5 --continue run.h5 -o heat.vti --overwrite" });
-  return { app,
-    [o](Session& session, const std::string& line)
-    {
-      session.setQuiet(o->common.quiet);
-      transient(session, *o, line);
-    } };
+  return jointCommand(app, o, transient);
 }
 
 } // namespace lamella::cli

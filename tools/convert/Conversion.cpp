@@ -119,17 +119,14 @@ std::unique_ptr<Volume> selected(std::unique_ptr<Volume> volume, const Plan& pla
 {
   requireArrays(volume->sample(), plan.words.arrays);
   return changed(std::move(volume),
-    [&plan](vtkSmartPointer<vtkImageData> slab)
+    [&plan](vtkImageData* image)
     {
-      auto image = vtkSmartPointer<vtkImageData>::New();
-      image->ShallowCopy(slab);
       select(image->GetPointData(), plan.words.arrays);
       select(image->GetCellData(), plan.words.arrays);
       shape(plan, image->GetPointData());
       shape(plan, image->GetCellData());
       if (plan.pixelSize)
         resize(image, *plan.pixelSize);
-      return image;
     });
 }
 
@@ -198,14 +195,11 @@ std::unique_ptr<Volume> holdable(Session& session, std::unique_ptr<Volume> volum
   noted = type;
   const int small = most > 255 ? VTK_UNSIGNED_SHORT : VTK_UNSIGNED_CHAR;
   return changed(std::move(volume),
-    [small](vtkSmartPointer<vtkImageData> slab)
+    [small](vtkImageData* image)
     {
-      auto image = vtkSmartPointer<vtkImageData>::New();
-      image->ShallowCopy(slab);
-      const auto values = cast(onlyArray(slab), small, true);
+      const auto values = cast(onlyArray(image), small, true);
       image->GetPointData()->Initialize();
       image->GetPointData()->SetScalars(values);
-      return image;
     });
 }
 
@@ -234,14 +228,7 @@ void prepareImage(Session& session, Step& step, Plan& plan)
   else
   {
     step.volume = changed(
-      std::move(step.volume),
-      [](vtkSmartPointer<vtkImageData> slab)
-      {
-        auto image = vtkSmartPointer<vtkImageData>::New();
-        image->ShallowCopy(slab);
-        image->GetCellData()->Initialize();
-        return image;
-      });
+      std::move(step.volume), [](vtkImageData* image) { image->GetCellData()->Initialize(); });
   }
 }
 
@@ -315,14 +302,7 @@ void stamp(Step& step, const std::string& record, std::optional<double> time)
     mark(headOf(step));
     return;
   }
-  step.volume = changed(std::move(step.volume),
-    [mark](vtkSmartPointer<vtkImageData> slab)
-    {
-      auto image = vtkSmartPointer<vtkImageData>::New();
-      image->ShallowCopy(slab);
-      mark(image);
-      return image;
-    });
+  step.volume = changed(std::move(step.volume), mark);
 }
 
 Plan planOf(const ConversionWords& o, const Format& target, const std::string& ending)
@@ -352,10 +332,11 @@ Json arraysJson(vtkDataObject* data)
 {
   Json arrays = Json::array();
   auto* const set = vtkDataSet::SafeDownCast(data);
-  for (vtkFieldData* const from : { set == nullptr ? nullptr : static_cast<vtkFieldData*>(set->GetPointData()),
-         set == nullptr ? nullptr : static_cast<vtkFieldData*>(set->GetCellData()) })
+  if (set == nullptr)
+    return arrays;
+  for (vtkFieldData* const from : std::array<vtkFieldData*, 2>{ set->GetPointData(), set->GetCellData() })
   {
-    for (int i = 0; from != nullptr && i < from->GetNumberOfArrays(); ++i)
+    for (int i = 0; i < from->GetNumberOfArrays(); ++i)
     {
       vtkAbstractArray* const array = from->GetAbstractArray(i);
       arrays.push_back({ { "name", nameOf(array) }, { "type", typeName(array->GetDataType()) },

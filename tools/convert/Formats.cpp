@@ -13,6 +13,7 @@
 #include "CellConversion.h"
 #include "GridReaders.h"
 #include "core/Error.h"
+#include "core/Lower.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkDataArray.h>
@@ -63,9 +64,9 @@ std::unique_ptr<Volume> spreadPhases(std::unique_ptr<Volume> volume, const std::
   if (greys.empty())
     return volume;
   return changed(std::move(volume),
-    [greys](vtkSmartPointer<vtkImageData> slab)
+    [greys](vtkImageData* image)
     {
-      auto* const ids = vtkUnsignedCharArray::SafeDownCast(onlyArray(slab));
+      auto* const ids = vtkUnsignedCharArray::SafeDownCast(onlyArray(image));
       vtkNew<vtkUnsignedCharArray> values;
       values->SetName(ids->GetName());
       values->SetNumberOfValues(ids->GetNumberOfValues());
@@ -76,11 +77,8 @@ std::unique_ptr<Volume> spreadPhases(std::unique_ptr<Volume> volume, const std::
             "write it as .raw, .mhd or .hdf, which keep the ids");
         values->SetValue(i, greys[ids->GetValue(i)]);
       }
-      auto image = vtkSmartPointer<vtkImageData>::New();
-      image->ShallowCopy(slab);
       image->GetPointData()->Initialize();
       image->GetPointData()->SetScalars(values);
-      return image;
     });
 }
 
@@ -114,20 +112,16 @@ std::vector<std::string> pngFiles(const std::string& output, Step& step)
   return names;
 }
 
-void writePng(const Writing& w)
+void writePicture(const Writing& w)
 {
-  const auto greys = greysFor(w.step.volume->sample(), ".png");
+  const std::string ending = w.files.front().path().extension().string();
+  const auto greys = greysFor(w.step.volume->sample(), ending);
   const std::string notes = imageNotes(w.step, greys);
   const auto volume = spreadPhases(std::move(w.step.volume), greys);
-  writePngs(w.session, *volume, w.files, notes);
-}
-
-void writeTif(const Writing& w)
-{
-  const auto greys = greysFor(w.step.volume->sample(), ".tif");
-  const std::string notes = imageNotes(w.step, greys);
-  const auto volume = spreadPhases(std::move(w.step.volume), greys);
-  writeTiff(w.session, *volume, w.files.front(), notes);
+  if (lower(ending) == ".png")
+    writePngs(w.session, *volume, w.files, notes);
+  else
+    writeTiff(w.session, *volume, w.files.front(), notes);
 }
 
 template <RawLayout (*Layout)(const fs::path&)>
@@ -170,15 +164,21 @@ std::vector<std::string> headerFiles(const std::string& output, Step& step)
   return names;
 }
 
+std::string noHeader(vtkImageData*, const std::array<int, 6>&, const std::string&)
+{
+  return "";
+}
+
 /// Header, if any, and values into one file or two; the notes into the second.
-void writeNumbers(const Writing& w, std::string (*header)(vtkImageData*, const std::array<int, 6>&, const std::string&))
+template <std::string (*header)(vtkImageData*, const std::array<int, 6>&, const std::string&)>
+void writeNumbers(const Writing& w)
 {
   Volume& volume = *w.step.volume;
   const bool two = w.files.size() > 2;
-  if (header != nullptr && two)
+  if (two)
     w.files[0].write(header(volume.sample(), volume.extent(), w.files[2].path().filename().string()));
   ByteStream stream(w.files[two ? 2 : 0]);
-  if (header != nullptr && !two)
+  if (!two)
     stream.write(header(volume.sample(), volume.extent(), ""));
   forSlabs(w.session, volume,
     [&](vtkDataArray* values, int, int)
@@ -188,26 +188,6 @@ void writeNumbers(const Writing& w, std::string (*header)(vtkImageData*, const s
     });
   stream.finish();
   w.files[1].write(imageNotes(w.step, greysFor(volume.sample(), ".raw")) + "\n");
-}
-
-void writeRaw(const Writing& w)
-{
-  writeNumbers(w, nullptr);
-}
-
-void writeMeta(const Writing& w)
-{
-  writeNumbers(w, metaHeader);
-}
-
-void writeNrrd(const Writing& w)
-{
-  writeNumbers(w, nrrdHeader);
-}
-
-void writeNumpy(const Writing& w)
-{
-  writeNumbers(w, numpyHeader);
 }
 
 Step openXmlFile(const std::string& path, Reading&)
@@ -228,19 +208,13 @@ void writeVti(const Writing& w)
   writeXmlImage(w.session, *w.step.volume, w.files.front());
 }
 
-void writeVtp(const Writing& w)
+/// Points as they are, or of the other kind.
+template <class Other, auto Convert>
+void writePoints(const Writing& w)
 {
   vtkSmartPointer<vtkPointSet> points = w.step.points;
-  if (auto* const grid = vtkUnstructuredGrid::SafeDownCast(points))
-    points = toPolyData(grid);
-  writeGrid(points, w.files.front());
-}
-
-void writeVtu(const Writing& w)
-{
-  vtkSmartPointer<vtkPointSet> points = w.step.points;
-  if (auto* const poly = vtkPolyData::SafeDownCast(points))
-    points = toUnstructuredGrid(poly);
+  if (auto* const other = Other::SafeDownCast(points))
+    points = Convert(other);
   writeGrid(points, w.files.front());
 }
 
@@ -288,9 +262,9 @@ const std::vector<Format>& formats()
   const char* const besideIt = "NAME.json beside it";
   static const std::vector<Format> table{
     { "PNG", { ".png" }, Image, Image, "u8, u16; 1 or 3 values a pixel", false, true, true, inside, pngHolds,
-      openPicture, pngFiles, writePng },
+      openPicture, pngFiles, writePicture },
     { "TIFF", { ".tif", ".tiff" }, Image, Image, "all; 3 values a pixel of u8, u16", false, true, false, inside,
-      tiffHolds, openPicture, itself, writeTif },
+      tiffHolds, openPicture, itself, writePicture },
     { "JPEG", { ".jpg", ".jpeg" }, Image, 0, "u8; 1 or 3 values a pixel", false, true, false, "not written", anything,
       openPicture, itself, nullptr },
     { "PGM, PPM", { ".pgm", ".ppm", ".pnm" }, Image, 0, "u8, u16; 1 or 3 values a pixel", false, true, false,
@@ -298,13 +272,13 @@ const std::vector<Format>& formats()
     { "BMP", { ".bmp" }, Image, 0, "u8; 1 or 3 values a pixel", false, true, false, "not written", anything,
       openPicture, itself, nullptr },
     { "raw", { ".raw", ".bin" }, Image, Image, "all", false, true, false, besideIt, anyNumbers, openRawFile,
-      withNotesBeside, writeRaw },
+      withNotesBeside, writeNumbers<noHeader> },
     { "MetaImage", { ".mhd", ".mha" }, Image, Image, "all", false, true, false, besideIt, anyNumbers,
-      openHeader<micrograph::metaLayout>, headerFiles, writeMeta },
+      openHeader<micrograph::metaLayout>, headerFiles, writeNumbers<metaHeader> },
     { "NRRD", { ".nhdr", ".nrrd" }, Image, Image, "all", false, true, false, besideIt, anyNumbers,
-      openHeader<micrograph::nrrdLayout>, headerFiles, writeNrrd },
+      openHeader<micrograph::nrrdLayout>, headerFiles, writeNumbers<nrrdHeader> },
     { "NumPy", { ".npy" }, Image, Image, "all", false, true, false, besideIt, anyNumbers,
-      openHeader<micrograph::numpyLayout>, withNotesBeside, writeNumpy },
+      openHeader<micrograph::numpyLayout>, withNotesBeside, writeNumbers<numpyHeader> },
     { "NIfTI", { ".nii", ".nii.gz", ".hdr" }, Image, 0, "all", false, true, false, "not written", anyNumbers,
       openHeader<micrograph::niftiLayout>, itself, nullptr },
     { "VTK legacy", { ".vtk" }, Image, 0, "all", false, true, false, "not written", anyNumbers,
@@ -312,9 +286,9 @@ const std::vector<Format>& formats()
     { "VTK image", { ".vti" }, Image, Image, "all", true, true, false, inside, anything, openXmlFile, itself,
       writeVti },
     { "VTK poly data", { ".vtp" }, Poly, Points, "all", true, false, false, inside, anything, openXmlFile, itself,
-      writeVtp },
+      writePoints<vtkUnstructuredGrid, toPolyData> },
     { "VTK unstructured grid", { ".vtu" }, Mesh, Points, "all", true, false, false, inside, anything, openXmlFile,
-      itself, writeVtu },
+      itself, writePoints<vtkPolyData, toUnstructuredGrid> },
     { "VTKHDF 1.0", { ".hdf", ".vtkhdf", ".h5", ".hdf5" }, Image | Mesh | Numbers, Image | Points,
       "all but bits and texts", true, true, false, inside, anyNumbers, openHdfFile, itself, writeVtkHdf },
     { "CSV", { ".csv" }, Image | Poly, Image | Points | Numbers, "all; whole numbers to 2^53", true, true, false,

@@ -2,6 +2,7 @@
 
 #include "convert/Notes.h"
 #include "convert/Types.h"
+#include "program/Commands.h"
 #include "session/Text.h"
 
 #include "core/Error.h"
@@ -84,11 +85,9 @@ private:
 
 void addRawTypeOptions(CLI::App& command, RawOptions& options)
 {
-  const auto sample = [](CLI::Option* option) { return option->group("Sample"); };
-  sample(command.add_option("--raw-type", options.type, "Type of the numbers in a raw volume: u8, i16, f32 ..."))
-    ->type_name("TYPE");
-  sample(command.add_option("--raw-order", options.order, "Byte order in a raw volume"))
-    ->type_name("little|big")
+  addOption(
+    command, "Sample", "--raw-type", options.type, "Type of the numbers in a raw volume: u8, i16, f32 ...", "TYPE");
+  addOption(command, "Sample", "--raw-order", options.order, "Byte order in a raw volume", "little|big")
     ->default_str("little");
 }
 

@@ -53,14 +53,20 @@ private:
 class Changed : public Volume
 {
 public:
-  using Change = std::function<vtkSmartPointer<vtkImageData>(vtkSmartPointer<vtkImageData>)>;
+  using Change = std::function<void(vtkImageData*)>;
   Changed(std::unique_ptr<Volume> volume, Change change)
     : volume_(std::move(volume))
     , change_(std::move(change))
   {
     extent_ = volume_->extent();
   }
-  vtkSmartPointer<vtkImageData> read(int first, int last) override { return change_(volume_->read(first, last)); }
+  vtkSmartPointer<vtkImageData> read(int first, int last) override
+  {
+    auto image = vtkSmartPointer<vtkImageData>::New();
+    image->ShallowCopy(volume_->read(first, last));
+    change_(image);
+    return image;
+  }
 
 private:
   std::unique_ptr<Volume> volume_;

@@ -52,9 +52,9 @@ private:
 [[nodiscard]] std::unique_ptr<Volume> wholeVolume(vtkSmartPointer<vtkImageData> image);
 
 /// A volume whose slabs are changed as they are read.
-/// @param change is given a slab and may return the same one
+/// @param change is given a slab that has arrays and field data of its own, and may change what there are
 [[nodiscard]] std::unique_ptr<Volume> changed(
-  std::unique_ptr<Volume> volume, std::function<vtkSmartPointer<vtkImageData>(vtkSmartPointer<vtkImageData>)> change);
+  std::unique_ptr<Volume> volume, std::function<void(vtkImageData*)> change);
 
 /// Cells become points at their centres: what is a grid of pixels elsewhere. Arrays at points are left out.
 [[nodiscard]] std::unique_ptr<Volume> cellsAsPoints(std::unique_ptr<Volume> volume);

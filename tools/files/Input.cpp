@@ -5,6 +5,7 @@
 #include "core/Memory.h"
 #include "files/GridFile.h"
 #include "pictures/RawVolume.h"
+#include "program/Commands.h"
 #include "session/Text.h"
 #include "session/Workspace.h"
 
@@ -18,17 +19,6 @@
 namespace lamella::cli
 {
 
-namespace
-{
-
-/// Where the help lists them.
-void inSample(CLI::Option* option)
-{
-  option->group("Sample");
-}
-
-} // namespace
-
 void addFileOption(CLI::App& command, PictureOptions& options)
 {
   command
@@ -40,16 +30,14 @@ void addFileOption(CLI::App& command, PictureOptions& options)
 
 void addRawOptions(CLI::App& command, PictureOptions& options)
 {
-  inSample(command
-             .add_option(
-               "--pixel-size", options.pixelSize, "Edge of a pixel, as 0.5e-6 or 0.5um; wins over what the file says")
-             ->type_name("METRES"));
-  inSample(command.add_option("--raw-size", options.rawSize, "Size of a raw volume whose name does not tell it")
-             ->type_name("NX,NY,NZ"));
-  inSample(command.add_option("--raw-bits", options.rawBits, "Bits a voxel in a raw volume: 8 (the default) or 16")
-             ->type_name("8|16"));
-  inSample(command.add_option("--raw-header", options.rawHeader, "Bytes before the first voxel in a raw volume")
-             ->type_name("BYTES"));
+  addOption(command, "Sample", "--pixel-size", options.pixelSize,
+    "Edge of a pixel, as 0.5e-6 or 0.5um; wins over what the file says", "METRES");
+  addOption(
+    command, "Sample", "--raw-size", options.rawSize, "Size of a raw volume whose name does not tell it", "NX,NY,NZ");
+  addOption(
+    command, "Sample", "--raw-bits", options.rawBits, "Bits a voxel in a raw volume: 8 (the default) or 16", "8|16");
+  addOption(
+    command, "Sample", "--raw-header", options.rawHeader, "Bytes before the first voxel in a raw volume", "BYTES");
 }
 
 void addPictureOptions(CLI::App& command, PictureOptions& options)
@@ -57,41 +45,34 @@ void addPictureOptions(CLI::App& command, PictureOptions& options)
   addFileOption(command, options);
   addPhaseOptions(command, options);
   addRawOptions(command, options);
-  inSample(command
-             .add_option("--array", options.array,
-               "In a .vti: the array of whole numbers, at points or in cells, to take for grey values [phase]")
-             ->type_name("NAME"));
+  addOption(command, "Sample", "--array", options.array,
+    "In a .vti: the array of whole numbers, at points or in cells, to take for grey values [phase]", "NAME");
 }
 
 void addPhaseOptions(CLI::App& command, PictureOptions& options)
 {
-  inSample(command
-             .add_option("--phase", options.phase,
-               "These grey values are this phase: one, as 255, or a range with both ends in it, as 90..255, 90.. or "
-               "..89; ..otsu "
-               "and otsu.. part the greys where the picture says (otsu1, otsu2: three classes)")
-             ->type_name("GREY=NAME")
-             ->allow_extra_args(false));
-  inSample(command.add_option("--other", options.other, "All grey values that are not listed are this phase")
-             ->type_name("NAME"));
-  inSample(command.add_flag("--segment", options.segment,
-    "A raw scan, not labels: find 'lumen' and 'wall' in a picture, 'void' and 'solid' (or what --phase names) in a "
-    "volume"));
-  inSample(command
-             .add_option("--lumen", options.lumen,
-               "With --segment: lumens are brighter or darker than walls, void than solid; in volumes auto is dark")
-             ->type_name("auto|bright|dark")
-             ->capture_default_str());
-  inSample(
-    command
-      .add_option("--threshold", options.threshold,
-        "With --segment: grey value between the two once the light is even, in pictures 0 to 255; found when not given")
-      ->type_name("GREY"));
-  inSample(
-    command
-      .add_option("--window", options.window,
-        "Use this part only: pixels from the top left; for volumes X,Y,Z,WIDTH,HEIGHT,DEPTH from the first voxel")
-      ->type_name("X,Y,WIDTH,HEIGHT"));
+  addOption(command, "Sample", "--phase", options.phase,
+    "These grey values are this phase: one, as 255, or a range with both ends in it, as 90..255, 90.. or "
+    "..89; ..otsu "
+    "and otsu.. part the greys where the picture says (otsu1, otsu2: three classes)",
+    "GREY=NAME")
+    ->allow_extra_args(false);
+  addOption(command, "Sample", "--other", options.other, "All grey values that are not listed are this phase", "NAME");
+  command
+    .add_flag("--segment", options.segment,
+      "A raw scan, not labels: find 'lumen' and 'wall' in a picture, 'void' and 'solid' (or what --phase names) in a "
+      "volume")
+    ->group("Sample");
+  addOption(command, "Sample", "--lumen", options.lumen,
+    "With --segment: lumens are brighter or darker than walls, void than solid; in volumes auto is dark",
+    "auto|bright|dark")
+    ->capture_default_str();
+  addOption(command, "Sample", "--threshold", options.threshold,
+    "With --segment: grey value between the two once the light is even, in pictures 0 to 255; found when not given",
+    "GREY");
+  addOption(command, "Sample", "--window", options.window,
+    "Use this part only: pixels from the top left; for volumes X,Y,Z,WIDTH,HEIGHT,DEPTH from the first voxel",
+    "X,Y,WIDTH,HEIGHT");
 }
 
 std::optional<Window> parseWindow(const std::string& text)

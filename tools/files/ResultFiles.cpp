@@ -33,7 +33,13 @@ void ResultFiles::addTable(const std::string& option, const std::string& name, v
   tables_.push_back({ table, OutputFile(name, overwrite), OutputFile(name + ".json", overwrite) });
 }
 
-std::vector<std::string> ResultFiles::write(const std::string& provenance)
+void ResultFiles::needGrids(std::uint64_t bytes) const
+{
+  for (const Grid& grid : grids_)
+    grid.file.needs(bytes);
+}
+
+std::vector<std::string> ResultFiles::write(const std::string& provenance, bool metres)
 {
   std::vector<std::string> names;
   for (const Grid& grid : grids_)
@@ -51,7 +57,7 @@ std::vector<std::string> ResultFiles::write(const std::string& provenance)
     else
     {
       table.csv.write(toCsv(table.table));
-      const Json beside{ { "provenance", Json::parse(provenance) }, { "columns", unitsOf(table.table, true) } };
+      const Json beside{ { "provenance", Json::parse(provenance) }, { "columns", unitsOf(table.table, metres) } };
       table.record.write(dump(beside));
     }
     names.push_back(table.csv.path().string());

@@ -2,6 +2,7 @@
 
 #include "session/OutputFile.h"
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -24,11 +25,15 @@ public:
   /// @throws ParameterError for another ending than .csv; OutputError
   void addTable(const std::string& option, const std::string& name, vtkTable* table, bool overwrite);
 
+  /// @param bytes that each grid will take @throws OutputError where the disk has less room
+  void needGrids(std::uint64_t bytes) const;
+
   /// Writes all of them and gives them their names once all are written.
   /// @param provenance JSON text (io/Provenance.h)
+  /// @param metres whether lengths in tables are in metres; else they are in pixels
   /// @returns the names, those of grids first
   /// @throws OutputError; Cancelled
-  [[nodiscard]] std::vector<std::string> write(const std::string& provenance);
+  [[nodiscard]] std::vector<std::string> write(const std::string& provenance, bool metres = true);
 
 private:
   struct Grid

@@ -1,10 +1,14 @@
 #include "files/SampleFile.h"
 
+#include "files/GridFile.h"
 #include "files/Record.h"
 #include "session/Text.h"
 
 #include "core/Error.h"
 #include "pictures/WritePicture.h"
+#include "vtkLatticeConversion.h"
+
+#include <vtkImageData.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -21,29 +25,49 @@ std::vector<std::uint8_t> valuesInFile(const PhaseTable& phases, const std::stri
   return values;
 }
 
-void writeLabels(const PhaseImage& image, const OutputFile& file, OutputFile* beside, const io::Provenance& provenance)
+SampleOutput::SampleOutput(const std::string& name, bool overwrite)
+  : file_(name, overwrite)
 {
-  const std::string ending = file.path().extension().string();
-  const std::vector<std::uint8_t> values = valuesInFile(image.phases, ending);
+  if (ending() == ".raw")
+    beside_.emplace(micrograph::recordBeside(file_.path()), overwrite);
+}
+
+void SampleOutput::commit()
+{
+  file_.commit();
+  if (beside_)
+    beside_->commit();
+}
+
+void SampleOutput::write(vtkImageData* grid, const io::Provenance& provenance) const
+{
+  if (ending() == ".vti")
+  {
+    setProvenance(grid, io::toJson(provenance));
+    writeGrid(grid, file_);
+    return;
+  }
+  const PhaseImage image = toPhaseImage(grid);
+  const std::vector<std::uint8_t> values = valuesInFile(image.phases, ending());
   micrograph::PictureRecord record;
   record.provenance = io::toJson(provenance);
   record.pixelSize = image.lattice.spacing;
   for (std::size_t id = 0; id < values.size(); ++id)
     record.phases[values[id]] = image.phases.names()[id];
-  if (ending == ".raw")
+  if (beside_)
   {
     record.size = image.lattice.size;
-    file.write({ reinterpret_cast<const char*>(image.phase.data()), image.phase.size() });
-    beside->write(toJson(record) + "\n");
+    file_.write({ reinterpret_cast<const char*>(image.phase.data()), image.phase.size() });
+    beside_->write(toJson(record) + "\n");
     return;
   }
   try
   {
-    micrograph::writeLabels(image, file.temporary(), values, toJson(record));
+    micrograph::writeLabels(image, file_.temporary(), values, toJson(record));
   }
   catch (const Error& error)
   {
-    file.rethrow(error);
+    file_.rethrow(error);
     throw;
   }
 }

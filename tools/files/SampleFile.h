@@ -7,10 +7,13 @@
 #include "pictures/Picture.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
-/// Samples as files: .vti (written with GridFile.h), .png, .tif and .raw.
+class vtkImageData;
+
+/// Samples as files: .vti, .png, .tif and .raw.
 namespace lamella::cli
 {
 
@@ -20,9 +23,23 @@ void checkSampleEnding(const std::string& output, int dimension, const std::stri
 /// The value that stands for each phase in a file of this ending.
 [[nodiscard]] std::vector<std::uint8_t> valuesInFile(const PhaseTable& phases, const std::string& ending);
 
-/// Writes a picture, a stack or a raw volume with its record inside it or, for .raw, `beside` it.
-/// @throws OutputError
-void writeLabels(const PhaseImage& image, const OutputFile& file, OutputFile* beside, const io::Provenance& provenance);
+/// A sample that is to be written: .vti, or its phases as a picture, a stack or a raw volume, with the record inside it
+/// or, for .raw, beside it.
+class SampleOutput
+{
+public:
+  /// @throws ParameterError, OutputError
+  SampleOutput(const std::string& name, bool overwrite);
+  [[nodiscard]] std::string ending() const { return file_.path().extension().string(); }
+  /// @throws OutputError
+  void write(vtkImageData* image, const io::Provenance& provenance) const;
+  /// @throws OutputError; Cancelled
+  void commit();
+
+private:
+  OutputFile file_;
+  std::optional<OutputFile> beside_;
+};
 
 /// Writes a picture that is no labels as PNG, with its record inside. @throws OutputError
 void writeScan(const micrograph::Picture& picture, const OutputFile& file, const io::Provenance& provenance);

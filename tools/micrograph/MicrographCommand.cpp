@@ -6,7 +6,6 @@
 #include "micrograph/MicrographFiles.h"
 #include "micrograph/MicrographInput.h"
 #include "micrograph/MicrographOverlay.h"
-#include "micrograph/MicrographPlan.h"
 #include "micrograph/MicrographReport.h"
 #include "program/Commands.h"
 #include "session/Text.h"
@@ -18,7 +17,6 @@
 #include "vtkMicrographLattice.h"
 #include "vtkOutlineDiffusion.h"
 
-#include <vtkCallbackCommand.h>
 #include <vtkNew.h>
 
 #include <nlohmann/json.hpp>
@@ -158,10 +156,6 @@ private:
     }
     options_.settings.checkNames({ "lumen", "wall", "middle lamella" });
     diffusion_->RequireConductivities();
-    plan_->SetClientData(&session_);
-    plan_->SetCallback([](vtkObject*, unsigned long, void* to, void* words)
-      { static_cast<Session*>(to)->note(static_cast<const char*>(words)); });
-    diffusion_->AddObserver(vtkOutlineDiffusion::PLAN_EVENT, plan_);
   }
 
   [[nodiscard]] bool solves() const { return options_.settings.given("conductivity"); }
@@ -179,7 +173,7 @@ private:
   {
     if (outputs_.lattice)
     {
-      writeLattice(lattice_->GetOutput(), outputs_, report_.provenance);
+      outputs_.lattice->write(lattice_->GetOutput(), report_.provenance);
       report_.written.push_back(options_.output);
       Session::checkInterrupt();
     }
@@ -220,14 +214,10 @@ private:
   Micrograph source_;
   vtkNew<vtkMicrographLattice> lattice_;
   vtkNew<vtkOutlineDiffusion> diffusion_;
-  vtkNew<vtkCallbackCommand> plan_;
+  Observer plan_{ diffusion_, vtkOutlineDiffusion::PLAN_EVENT,
+    [this](void* words) { session_.note(static_cast<const char*>(words)); } };
   MicrographReport report_;
 };
-
-void micrographRun(Session& session, const MicrographCommandOptions& options, const std::string& commandLine)
-{
-  MicrographRun(session, options, commandLine)();
-}
 
 } // namespace
 
@@ -237,16 +227,14 @@ Command micrographCommand(CLI::App& root)
     "micrograph", "From a scan, labels or polygons to outlines, a lattice with wall directions, cells, middle lamella");
   auto o = std::make_shared<MicrographCommandOptions>();
   addMicrographInput(*app, o->input);
-  const auto in = [](const char* group, const char* type, CLI::Option* option)
-  { return option->type_name(type)->group(group); };
   o->settings.declare(*app, "vtkMicrographLattice", {}, { { "lamella", "growth" } });
   o->settings.declare(*app, "vtkOutlineDiffusion");
   addOutputOptions(*app, o->output, o->common,
     "Write the lattice: .vti (phase, grain, axis, lumen_share), or its phases: .png, .tif, .raw");
-  in("Output", "FILE", app->add_option("--contours", o->contours, "Write the outlines: .vtp, .json or .json.gz"));
-  in("Output", "FILE",
-    app->add_option("--overlay", o->overlay, "Draw outlines, wall directions and lamella over the picture: .png"));
-  in("Output", "PIXELS", app->add_option("--overlay-width", o->overlayWidth, "Width of that drawing; chosen to fit"));
+  addResultFile(*app, "--contours", o->contours, "Write the outlines: .vtp, .json or .json.gz", "FILE");
+  addResultFile(
+    *app, "--overlay", o->overlay, "Draw outlines, wall directions and lamella over the picture: .png", "FILE");
+  addOption(*app, "Output", "--overlay-width", o->overlayWidth, "Width of that drawing; chosen to fit", "PIXELS");
   addReportOptions(*app, o->common);
   addExamples(*app,
     { "lamella micrograph scan.jpg --pixel-size 0.44um -o tissue.vti --overlay look.png",
@@ -254,7 +242,9 @@ Command micrographCommand(CLI::App& root)
       "lamella micrograph spruce.json.gz --conductivity lumen=0.05 --conductivity wall=1 --json",
       "lamella micrograph scan.png --window 0,0,800,600 --lamella growth --lamella-thickness 1um --horizon 3 -o "
       "part.vti" });
-  return aloneCommand(app, o, micrographRun);
+  return aloneCommand(app, o,
+    [](Session& session, const MicrographCommandOptions& options, const std::string& line)
+    { MicrographRun(session, options, line)(); });
 }
 
 } // namespace lamella::cli

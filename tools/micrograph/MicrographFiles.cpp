@@ -47,34 +47,23 @@ Outputs::Outputs(const MicrographCommandOptions& o)
       throw ParameterError("'" + name + "' is to be written twice", "give every output a name of its own");
     names.push_back(name);
   }
-  const auto open = [&](std::optional<OutputFile>& file, const std::string& name)
+  const auto open = [&](auto& file, const std::string& name)
   {
     if (!name.empty())
       file.emplace(name, o.common.overwrite);
   };
   open(lattice, o.output);
-  if (lattice && lattice->path().extension() == ".raw")
-    beside.emplace(micrograph::recordBeside(lattice->path()), o.common.overwrite);
   open(contours, o.contours);
   open(overlay, o.overlay);
 }
 
 void Outputs::commit()
 {
-  for (auto* const file : { &lattice, &beside, &contours, &overlay })
+  if (lattice)
+    lattice->commit();
+  for (auto* const file : { &contours, &overlay })
     if (*file)
       (*file)->commit();
-}
-
-void writeLattice(vtkImageData* lattice, Outputs& outputs, const io::Provenance& record)
-{
-  if (outputs.lattice->path().extension() != ".vti")
-  {
-    writeLabels(toPhaseImage(lattice), *outputs.lattice, outputs.beside ? &*outputs.beside : nullptr, record);
-    return;
-  }
-  setProvenance(lattice, io::toJson(record));
-  writeGrid(lattice, *outputs.lattice);
 }
 
 void writeContours(const Micrograph& source, const OutputFile& file, const io::Provenance& record)

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "files/SampleFile.h"
 #include "micrograph/MicrographInput.h"
-#include "micrograph/MicrographPlan.h"
 #include "session/OutputFile.h"
 
 #include "io/Provenance.h"
@@ -16,7 +16,8 @@ namespace lamella::cli
 /// The files, which are refused at once where they cannot be written.
 struct Outputs
 {
-  std::optional<OutputFile> lattice, beside, contours, overlay;
+  std::optional<SampleOutput> lattice;
+  std::optional<OutputFile> contours, overlay;
 
   /// @throws ParameterError, OutputError
   explicit Outputs(const MicrographCommandOptions& o);
@@ -24,9 +25,7 @@ struct Outputs
   void commit();
 };
 
-/// @param lattice of vtkMicrographLattice
 /// @throws OutputError
-void writeLattice(vtkImageData* lattice, Outputs& outputs, const io::Provenance& record);
 void writeContours(const Micrograph& source, const OutputFile& file, const io::Provenance& record);
 
 } // namespace lamella::cli

@@ -32,11 +32,6 @@ namespace lamella::cli
 namespace
 {
 
-bool endsWith(const std::string& text, const std::string& end)
-{
-  return lower(text).ends_with(end);
-}
-
 void refuse(const std::vector<CLI::Option*>& options, const std::string& file, const std::string& why)
 {
   if (const std::string given = firstGiven(options); !given.empty())
@@ -62,7 +57,7 @@ Micrograph loadOutlines(Session& session, const MicrographOptions& options)
   requireFile(file);
   Micrograph found;
   found.kind = MicrographKind::Polygons;
-  const bool outlines = endsWith(file, ".vtp");
+  const bool outlines = endingOf(file) == ".vtp";
   if (outlines)
     refuse(options.forPolygons, file, "polygons in .json or .json.gz");
   vtkNew<vtkMicrographPolygonReader> reader;
@@ -228,7 +223,8 @@ bool looksLikeLabels(const micrograph::Picture& picture)
 
 bool isOutlineFile(const std::string& path)
 {
-  return endsWith(path, ".json") || endsWith(path, ".json.gz") || endsWith(path, ".vtp");
+  const std::string name = lower(path);
+  return name.ends_with(".json") || name.ends_with(".json.gz") || name.ends_with(".vtp");
 }
 
 Micrograph loadMicrograph(Session& session, const MicrographOptions& options)

@@ -1,6 +1,7 @@
 #include "micrograph/MicrographOptions.h"
 
 #include "commands/PackingInput.h"
+#include "program/Commands.h"
 #include "session/Text.h"
 
 #include "core/Error.h"
@@ -102,56 +103,49 @@ void addMicrographInput(CLI::App& command, MicrographOptions& o)
       "A scan (PNG, JPEG, TIFF, PGM, PPM, BMP), a label picture, a .vti with phases, or outlines: .json, .json.gz, "
       ".vtp")
     ->required();
-  const auto in = [](const char* group, const char* type, CLI::Option* option)
-  { return option->type_name(type)->group(group); };
   const auto flag = [](const char* group, CLI::Option* option) { return option->group(group); };
-  CLI::Option* const pixelSize = in("Sample", "METRES",
-    command.add_option(
-      "--pixel-size", o.picture.pixelSize, "Edge of a pixel, as 0.5e-6 or 0.5um; wins over what the file says"));
-  in("Sample", "X,Y,WIDTH,HEIGHT",
-    command.add_option("--window", o.picture.window,
-      "Use this part only: pixels from the top left; of polygons the file's own coordinates, from the lower left"));
-  o.forLabels = { in("Labels", "GREY=NAME",
-                    command
-                      .add_option("--phase", o.picture.phase,
-                        "These grey values, one or a range such as 90..255, are this phase: FILE holds labels")
-                      ->allow_extra_args(false)),
-    in("Labels", "NAME",
-      command.add_option("--other", o.picture.other, "All grey values that are not listed are this phase")),
-    in("Labels", "NAME",
-      command.add_option(
-        "--lumen-phase", o.lumenPhase, "The phase of the lumens; else 'lumen', 'void', 'pore' or 'air'")) };
-  o.arrayOption = in("Labels", "NAME",
-    command.add_option("--array", o.picture.array, "In a .vti: the array of whole numbers to take for grey values"));
-  o.forGreys = { in("Grey", "SHARE",
-                   command.add_option("--level", o.level,
-                     "FILE is grey and smooth: outlines where it passes this part of the largest grey, as 0.5")),
+  CLI::Option* const pixelSize = addOption(command, "Sample", "--pixel-size", o.picture.pixelSize,
+    "Edge of a pixel, as 0.5e-6 or 0.5um; wins over what the file says", "METRES");
+  addOption(command, "Sample", "--window", o.picture.window,
+    "Use this part only: pixels from the top left; of polygons the file's own coordinates, from the lower left",
+    "X,Y,WIDTH,HEIGHT");
+  o.forLabels = { addOption(command, "Labels", "--phase", o.picture.phase,
+                    "These grey values, one or a range such as 90..255, are this phase: FILE holds labels",
+                    "GREY=NAME"),
+    addOption(
+      command, "Labels", "--other", o.picture.other, "All grey values that are not listed are this phase", "NAME"),
+    addOption(command, "Labels", "--lumen-phase", o.lumenPhase,
+      "The phase of the lumens; else 'lumen', 'void', 'pore' or 'air'", "NAME") };
+  o.arrayOption = addOption(command, "Labels", "--array", o.picture.array,
+    "In a .vti: the array of whole numbers to take for grey values", "NAME");
+  o.forGreys = { addOption(command, "Grey", "--level", o.level,
+                   "FILE is grey and smooth: outlines where it passes this part of the largest grey, as 0.5", "SHARE"),
     flag("Grey", command.add_flag("--shares", o.shares, "FILE's greys are lumen's share of each pixel")) };
   flag("Scan", command.add_flag("--segment", o.picture.segment, "FILE is a scan, however few grey values it has"));
-  o.lumenOption = in("Scan", "auto|bright|dark",
-    command.add_option("--lumen", o.picture.lumen, "Lumens are brighter or darker than walls")->capture_default_str());
-  o.forScans = { in("Scan", "auto|grey|red|green|blue|stain",
-                   command.add_option("--channel", o.channel, "Where to look; stain: the mixture that separates best")
-                     ->capture_default_str()),
-    in("Scan", "GREY",
-      command.add_option("--threshold", o.picture.threshold, "Grey between the two, 0 to 255, once the light is even")),
-    in("Scan", "PIXELS",
-      command.add_option("--background", o.background, "Scale over which the stain may vary; 0: no flattening")),
-    in("Scan", "PIXELS", command.add_option("--smoothing", o.smoothing, "Gaussian before the threshold; 0: none")),
-    in("Scan", "PIXELS",
-      command.add_option("--smallest-lumen", o.smallestLumen, "Specks of lumen of fewer pixels become wall")),
-    in("Scan", "PIXELS",
-      command.add_option("--smallest-wall", o.smallestWall, "Specks of wall in lumens of fewer pixels become lumen")),
-    in("Scan", "PIXELS",
-      command.add_option("--opening", o.opening, "Radius of the disk that closes necks between lumens; 0: none")),
-    in("Scan", "PIXELS",
-      command.add_option("--rim", o.rim, "How far outlines move outwards, onto a dark rim; 0: not at all")),
-    in("Scan", "RATIO",
-      command
-        .add_option("--ray-slenderness", o.raySlenderness, "Gaps in rays so much longer than wide become wall; 0: none")
-        ->capture_default_str()),
-    in("Scan", "PIXELS",
-      command.add_option("--grow", o.grow, "Move outlines outwards by so much besides; inwards if negative")),
+  o.lumenOption = addOption(
+    command, "Scan", "--lumen", o.picture.lumen, "Lumens are brighter or darker than walls", "auto|bright|dark")
+                    ->capture_default_str();
+  o.forScans = { addOption(command, "Scan", "--channel", o.channel,
+                   "Where to look; stain: the mixture that separates best", "auto|grey|red|green|blue|stain")
+                   ->capture_default_str(),
+    addOption(command, "Scan", "--threshold", o.picture.threshold,
+      "Grey between the two, 0 to 255, once the light is even", "GREY"),
+    addOption(
+      command, "Scan", "--background", o.background, "Scale over which the stain may vary; 0: no flattening", "PIXELS"),
+    addOption(command, "Scan", "--smoothing", o.smoothing, "Gaussian before the threshold; 0: none", "PIXELS"),
+    addOption(
+      command, "Scan", "--smallest-lumen", o.smallestLumen, "Specks of lumen of fewer pixels become wall", "PIXELS"),
+    addOption(command, "Scan", "--smallest-wall", o.smallestWall,
+      "Specks of wall in lumens of fewer pixels become lumen", "PIXELS"),
+    addOption(command, "Scan", "--opening", o.opening, "Radius of the disk that closes necks between lumens; 0: none",
+      "PIXELS"),
+    addOption(
+      command, "Scan", "--rim", o.rim, "How far outlines move outwards, onto a dark rim; 0: not at all", "PIXELS"),
+    addOption(command, "Scan", "--ray-slenderness", o.raySlenderness,
+      "Gaps in rays so much longer than wide become wall; 0: none", "RATIO")
+      ->capture_default_str(),
+    addOption(
+      command, "Scan", "--grow", o.grow, "Move outlines outwards by so much besides; inwards if negative", "PIXELS"),
     flag(
       "Scan", command.add_flag("--keep-graphics", o.keepGraphics, "Do not paint over margins, scale bars and text")) };
   o.outlines.declare(

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "files/Input.h"
+#include "program/Commands.h"
 #include "program/SettingOptions.h"
 
 #include "segmentation/Segmentation.h"
@@ -36,6 +37,18 @@ struct MicrographOptions
 
   /// Outlines at a level, or from shares.
   [[nodiscard]] bool grey() const { return shares || !level.empty(); }
+};
+
+/// The words of `lamella micrograph`.
+struct MicrographCommandOptions
+{
+  CommonOptions common;
+  MicrographOptions input;
+  SettingOptions settings; ///< of the lattice, and of diffusion
+  std::string output;
+  std::string contours;
+  std::string overlay;
+  int overlayWidth = 0;
 };
 
 void addMicrographInput(CLI::App& command, MicrographOptions& options);

@@ -1,6 +1,6 @@
 #include "micrograph/MicrographReport.h"
 
-#include "files/JsonReport.h"
+#include "files/FieldReport.h"
 #include "files/Record.h"
 #include "session/Text.h"
 
@@ -200,9 +200,7 @@ std::string toJson(const MicrographReport& report)
   lattice["wall_fraction"] = report.wallFractionOnLattice;
   lattice["nodes_across_wall"] = { { "median", report.thickness.median / report.spacing },
     { "low", report.thickness.low / report.spacing } };
-  lattice["phases"] = Json::array();
-  for (std::size_t id = 0; id < report.phases.size(); ++id)
-    lattice["phases"].push_back({ { "name", report.phases[id] }, { "fraction", report.fractions[id] } });
+  lattice["phases"] = phasesJson(report.phases, report.fractions);
   lattice["seconds"] = report.latticeSeconds;
   if (report.lamella)
   {

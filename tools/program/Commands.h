@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -53,6 +54,18 @@ struct Command
 [[nodiscard]] Command infoCommand(CLI::App& root);
 [[nodiscard]] Command runCommand(CLI::App& root);
 
+/// An option in a group of the help. One that may be given several times takes one value each time.
+/// @param type what its value is called there
+template <class Value>
+CLI::Option* addOption(
+  CLI::App& command, const char* group, const char* names, Value& value, const std::string& text, const char* type)
+{
+  CLI::Option* const option = command.add_option(names, value, text)->type_name(type)->group(group);
+  if constexpr (std::is_same_v<Value, std::vector<std::string>>)
+    option->allow_extra_args(false);
+  return option;
+}
+
 /// --json, --quiet
 void addReportOptions(CLI::App& command, CommonOptions& options);
 /// -o, --overwrite
@@ -66,10 +79,23 @@ void addResultOptions(CLI::App& command, CommonOptions& options);
 /// A section at the end of the help.
 void addExamples(CLI::App& command, const std::vector<std::string>& examples);
 
+/// A command that all ranks do together.
+template <class Options>
+[[nodiscard]] Command jointCommand(CLI::App* app, std::shared_ptr<Options> options,
+  std::type_identity_t<void (*)(Session&, const Options&, const std::string& commandLine)> run)
+{
+  return { app,
+    [options = std::move(options), run](Session& session, const std::string& line)
+    {
+      session.setQuiet(options->common.quiet);
+      run(session, *options, line);
+    } };
+}
+
 /// A command that one rank does by itself.
 template <class Options>
 [[nodiscard]] Command aloneCommand(CLI::App* app, std::shared_ptr<Options> options,
-  void (*run)(Session&, const Options&, const std::string& commandLine))
+  std::type_identity_t<void (*)(Session&, const Options&, const std::string& commandLine)> run)
 {
   return { app,
     [options = std::move(options), run](Session& session, const std::string& line)

@@ -1,9 +1,9 @@
 #include "scenes/Scene.h"
 
 #include "commands/SampleRun.h"
+#include "files/FieldReport.h"
 #include "files/GridFile.h"
 #include "files/Input.h"
-#include "files/JsonReport.h"
 #include "files/Record.h"
 
 #include "vtkLatticeConversion.h"
@@ -56,10 +56,7 @@ void readSample(Session& session, const ReadOptions& o, const std::string& comma
   {
     Sample sample = loadSample(o.picture);
     tellDoubts(session, sample);
-    json["phases"] = Json::array();
-    const std::vector<double> fractions = sample.image.fractions();
-    for (std::size_t id = 0; id < fractions.size(); ++id)
-      json["phases"].push_back({ { "name", sample.image.phases.names()[id] }, { "fraction", fractions[id] } });
+    json["phases"] = phasesJson(sample.image.phases.names(), sample.image.fractions());
     const auto image = imageOf(sample);
     setProvenance(image, io::toJson(recordRun(session, commandLine, o.picture.file, sample.provenance)));
     data = image;

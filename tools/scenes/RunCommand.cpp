@@ -638,16 +638,13 @@ Command runCommand(CLI::App& root)
   o->app = app;
   app->allow_extras();
   app->add_option("SCENE", o->file, "The scene, in TOML; its keys are the options of the commands")->required();
-  const auto in = [](const char* group, const char* type, CLI::Option* option)
-  { return option->group(group)->type_name(type); };
-  in("Scene", "KEY=VALUE",
-    app->add_option("--set", o->set, "Set a key, as fracture.horizon=4; or write --fracture.horizon 4")
-      ->allow_extra_args(false));
-  in("Samples", "FOLDER",
-    app->add_option("--results", o->results, "Where results go; the scene's name with .results when not given"));
-  in("Samples", "NUMBER",
-    app->add_option("--jobs", o->jobs, "Processes that take samples; within mpirun its ranks do")
-      ->capture_default_str());
+  addOption(
+    *app, "Scene", "--set", o->set, "Set a key, as fracture.horizon=4; or write --fracture.horizon 4", "KEY=VALUE")
+    ->allow_extra_args(false);
+  addOption(*app, "Samples", "--results", o->results, "Where results go; the scene's name with .results when not given",
+    "FOLDER");
+  addOption(*app, "Samples", "--jobs", o->jobs, "Processes that take samples; within mpirun its ranks do", "NUMBER")
+    ->capture_default_str();
   app->add_flag("--dry-run", o->dryRun, "Only tell what would run, with its memory and time")->group("Samples");
   app->add_flag("--yes", o->yes, "Do not ask before sweeps of more than 10 000 samples")->group("Samples");
   addReportOptions(*app, o->common);

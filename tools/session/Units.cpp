@@ -71,17 +71,6 @@ std::optional<double> pascalRootMetres(std::string_view text)
   return toNumber(text);
 }
 
-std::optional<double> strainFrom(std::string_view text)
-{
-  if (!text.ends_with('%'))
-    return toNumber(text);
-  const std::string number(text.substr(0, text.size() - 1));
-  const auto value = toNumber(number);
-  if (!value)
-    return std::nullopt;
-  return number.find_first_of("eE") == std::string::npos ? toNumber(number + "e-2") : *value / 100;
-}
-
 std::optional<double> secondsFrom(std::string_view text)
 {
   constexpr std::array<std::pair<std::string_view, double>, 3> units{ { { "min", 60 }, { "s", 1 }, { "h", 3600 } } };

@@ -15,8 +15,6 @@ namespace lamella::cli
 [[nodiscard]] std::optional<double> pascals(std::string_view text);
 /// "4e5", "0.4MPa√m"; also written as MPam^0.5, MPa*sqrt(m), MPa.sqrt(m) or MPa m^0.5. Nothing where it is none.
 [[nodiscard]] std::optional<double> pascalRootMetres(std::string_view text);
-/// "0.004" or "0.4%". Nothing where it is none.
-[[nodiscard]] std::optional<double> strainFrom(std::string_view text);
 
 /// A time in seconds: "30s", "10min", "1.5h"; nothing where it is none, or has no unit.
 [[nodiscard]] std::optional<double> secondsFrom(std::string_view text);

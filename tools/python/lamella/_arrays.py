@@ -75,7 +75,7 @@ def to_image(phase, spacing, name="phase", copy=None):
     The image shares the memory of the numbers where its layout allows it: ``copy`` as of from_array().
     """
     remedy = "give whole numbers: values.astype(numpy.uint8)" if name == "phase" else "give real numbers"
-    values = given = checked(phase, name, remedy)
+    values = checked(phase, name, remedy)
     if name != "phase" and values.dtype.kind != "u":
         values = values.astype(float, copy=False)
     elif values.dtype.kind == "f":
@@ -103,14 +103,37 @@ def image_of(values, spacing, name, tail=(), copy=None):
     return image
 
 
-def view(where, name, text):
-    """A property that shows a point or cell array of ``self.vtk`` in place."""
-    data = {"point": "GetPointData", "cell": "GetCellData"}[where]
+class told(property):  # pylint: disable=invalid-name
+    """A property that one method of the object tells, which takes the name of a field, an array or a table.
 
-    def get(self) -> np.ndarray:
-        return vtk_to_numpy(getattr(self.vtk, data)().GetArray(name))
+    Its type is the hint beside its name in the class. Where that leaves no choice it says which method it is, too.
 
-    return property(get, doc=text)
+    text  its docstring
+    name  what the method is given; None: the name of the property
+    by    the name of the method
+    """
+
+    METHODS = {"float": "_number", "float | None": "_number", "int": "_count", "str": "_text", "list[str]": "_texts",
+               "Columns": "_table", "Array": "array"}
+
+    def __init__(self, text, name=None, by=None):
+        super().__init__(self._getter())
+        self.__doc__, self.name, self.by = text, name, by
+
+    def _getter(this):  # pylint: disable=no-self-argument
+        return lambda self: getattr(self, this.by)(this.name)
+
+    def __set_name__(self, owner, name):
+        hint = owner.__annotations__[name]
+        self.fget.__annotations__ = {"return": hint}
+        self.name, self.by = self.name or name, self.by or self.METHODS[hint]
+
+
+def lines_of(data):
+    """Numbers of the points of each line of poly data, an array a line."""
+    cells = data.GetLines()
+    ids, offsets = vtk_to_numpy(cells.GetConnectivityArray()), vtk_to_numpy(cells.GetOffsetsArray())
+    return [ids[begin:end] for begin, end in zip(offsets[:-1], offsets[1:])]
 
 
 def columns(table):
@@ -150,11 +173,36 @@ def provenance(data):
 class FieldData:
     """What an object tells in the field data of ``self.vtk``."""
 
+    def _numbers(self, name):
+        return numbers(self.vtk, name)
+
     def _number(self, name):
-        return float(numbers(self.vtk, name)[0])
+        return float(self._numbers(name)[0])
 
     def _count(self, name):
         return int(self._number(name))
+
+    def _range(self, name):
+        """Two numbers; None where they are not known."""
+        low, high = self._numbers(name)
+        return None if np.isnan(low) else (float(low), float(high))
+
+    def _text(self, name):
+        return text(self.vtk, name)
+
+    def _texts(self, name):
+        return texts(self.vtk, name)
+
+    def _table(self, name):
+        return columns(getattr(self, name))
+
+    def _by_direction(self, name):
+        return {axis: float(value) for axis, value in zip("xyz", self._numbers(name)) if not np.isnan(value)}
+
+    def _axes(self, name):
+        """The axes whose flag is set, as "xy"; None where there are no flags."""
+        flags = self._numbers(name)
+        return None if flags is None else "".join(axis for axis, flag in zip("xyz", flags) if flag)
 
     @property
     def provenance(self) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from difflib import get_close_matches
 
 
 from . import _arrays
+from ._arrays import told
 from ._errors import LamellaError, choose
 from ._samples import ImageBase
 from ._types import Array
@@ -20,10 +21,8 @@ class BondNumbers(ImageBase, _arrays.Answer):
     def _dimension(self):
         return 3 if self.vtk.GetDimensions()[2] > 1 else 2
 
-    @property
-    def effective_modulus(self) -> float:
-        """Force on the platen over the section of the box, over the strain [Pa]; a shear modulus under shear."""
-        return self._number("effective_modulus")
+    effective_modulus: float = told(
+        "Force on the platen over the section of the box, over the strain [Pa]; a shear modulus under shear.")
 
     @property
     def pairs(self) -> dict[str, dict[str, float]]:
@@ -40,10 +39,10 @@ class BondNumbers(ImageBase, _arrays.Answer):
         a, b, c, d = (int(n) for n in _arrays.numbers(self.vtk, "platen_layers"))
         return (a, b), (c, d)
 
-    @property
-    def axis(self) -> str:
-        """Axis of loading: "x", "y" or "z"."""
-        return _arrays.text(self.vtk, "load_axis")
+    axis: str = told('Axis of loading: "x", "y" or "z".', "load_axis")
+
+    def _vectors(self, name):
+        return self.array(name)[..., : self._dimension]
 
     @property
     def loose_pieces(self) -> tuple[int, int]:
@@ -54,29 +53,16 @@ class BondNumbers(ImageBase, _arrays.Answer):
 class BondFields(BondNumbers):
     """What they say of every node. y points up."""
 
-    @property
-    def displacement(self) -> Array:
-        """[m], x, y (and z) in the last axis; in the order of pictures (a view)."""
-        return self.array("displacement")[..., : self._dimension]
-
-    @property
-    def stress(self) -> Array:
-        """[Pa], the six components xx, yy, zz, xy, yz, xz in the last axis (a view); asked for with stress=True."""
-        return self.array("stress")
+    displacement: Array = told("[m], x, y (and z) in the last axis; in the order of pictures (a view).", by="_vectors")
+    stress: Array = told(
+        "[Pa], the six components xx, yy, zz, xy, yz, xz in the last axis (a view); asked for with stress=True.")
 
     def stress_component(self, name: str) -> Array:
         """One component of the stress [Pa], "xx" to "xz", in the order of pictures (a view)."""
         return self.stress[..., choose(_COMPONENTS, name, "component")]
 
-    @property
-    def strain_energy(self) -> Array:
-        """[J/m^3], in the order of pictures (a view); asked for with strain_energy=True."""
-        return self.array("strain_energy")
-
-    @property
-    def hinges(self) -> int:
-        """Nodes that hang on too few bonds to resist in every direction."""
-        return self._count("hinges")
+    strain_energy: Array = told("[J/m^3], in the order of pictures (a view); asked for with strain_energy=True.")
+    hinges: int = told("Nodes that hang on too few bonds to resist in every direction.")
 
 
 WORDS = (("void", "pore", "lumen", "air"), ("wall", "secondary wall"), ("middle lamella", "lamella"))

@@ -7,6 +7,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkTable
 
 from . import _arrays, _files
+from ._arrays import told
 from ._bonds import BondFields, BondNumbers, give_bonds
 from ._errors import run
 from ._runs import LoadedState, LongRun, check_checkpoint
@@ -16,20 +17,9 @@ from ._types import Array, Path
 class BrokenState(BondFields, LoadedState):
     """The sample in one state: ``vtk`` is the image with ``damage``, ``broken`` and what was asked for."""
 
-    @property
-    def damage(self) -> Array:
-        """Share of each node's bonds that are broken, 0 to 1; NaN in voids (a view)."""
-        return self.array("damage")
-
-    @property
-    def broken(self) -> Array:
-        """Broken bonds of each node (a view)."""
-        return self.array("broken")
-
-    @property
-    def broken_bonds(self) -> int:
-        """How many bonds of the sample are broken."""
-        return self._count("broken_bonds")
+    damage: Array = told("Share of each node's bonds that are broken, 0 to 1; NaN in voids (a view).")
+    broken: Array = told("Broken bonds of each node (a view).")
+    broken_bonds: int = told("How many bonds of the sample are broken.")
 
 
 class BreakResult(BondNumbers, LongRun):
@@ -49,18 +39,11 @@ class BreakResult(BondNumbers, LongRun):
         self.vtk_broken.ShallowCopy(algorithm.GetBrokenBonds())
         self.vtk_curve.ShallowCopy(algorithm.GetCurve())
 
-    def _column(self, name):
-        return vtk_to_numpy(self.vtk_curve.GetColumnByName(name))
+    def _at_end(self, name):
+        return getattr(self.states[-1], name)
 
-    @property
-    def stress(self) -> Array:
-        """Curve: stresses at ``strain`` [Pa]."""
-        return self._column("stress")
-
-    @property
-    def broken_so_far(self) -> Array:
-        """Curve: number of broken bonds at ``strain``."""
-        return self._column("broken")
+    stress: Array = told("Curve: stresses at ``strain`` [Pa].", by="_column")
+    broken_so_far: Array = told("Curve: number of broken bonds at ``strain``.", "broken", by="_column")
 
     def _broken_bonds(self):
         d = self._dimension
@@ -75,40 +58,21 @@ class BreakResult(BondNumbers, LongRun):
                 bonds[name] = values[:, : shape[0]] if shape else values
         return bonds
 
-    @property
-    def end(self) -> str:
-        """Why the run ended: "stress-fell", "maximum-strain" or "maximum-broken"; of fracture() also "severed" or
-        "nothing-breaks", of dynamics() "time"."""
-        return _arrays.text(self.vtk, "end")
+    end: str = told(
+        'Why the run ended: "stress-fell", "maximum-strain" or "maximum-broken"; of fracture() also "severed" '
+        'or "nothing-breaks", of dynamics() "time".')
 
     def _seconds(self):
         return dict(zip(self._TIMES, map(float, _arrays.numbers(self.vtk, "seconds"))))
 
-    @property
-    def peak_stress(self) -> float:
-        """The largest stress: the strength, if the run went beyond it [Pa]."""
-        return self._number("peak_stress")
-
-    @property
-    def peak_strain(self) -> float:
-        """The strain imposed then."""
-        return self._number("peak_strain")
-
-    @property
-    def damage(self) -> Array:
-        """At the end: share of each node's bonds that are broken, 0 to 1; NaN in voids (a view)."""
-        return self.states[-1].damage
-
-    @property
-    def displacement(self) -> Array:
-        """At the end: [m], x, y (and z) in the last axis (a view)."""
-        return self.states[-1].displacement
+    peak_stress: float = told("The largest stress: the strength, if the run went beyond it [Pa].")
+    peak_strain: float = told("The strain imposed then.")
+    damage: Array = told("At the end: share of each node's bonds that are broken, 0 to 1; NaN in voids (a view).", by="_at_end")
+    displacement: Array = told("At the end: [m], x, y (and z) in the last axis (a view).", by="_at_end")
 
     def save_broken(self, path: Path, overwrite: bool = False) -> str:
         """Writes the broken bonds as a .vtp file, whole or not at all."""
-        path = _files.new_path(path, overwrite)
-        _files.write_poly_data(self.vtk_broken, path)
-        return path
+        return _files.save_poly_data(self.vtk_broken, path, overwrite)
 
 
 def run_breaks(algorithm, image, result, settings, progress, on_step):

@@ -8,6 +8,7 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkTable
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
 
 from . import _arrays
+from ._arrays import told
 from ._errors import run
 from ._samples import ImageBase
 from ._settings import Settings, declared
@@ -27,101 +28,38 @@ class CompressionCurveResult(_arrays.FieldData):
         value = float(_arrays.numbers(self.vtk, name)[0])
         return None if np.isnan(value) else value
 
-    @property
-    def table(self) -> Columns:
-        """Columns by name: ``strain``, ``stress``, ``absorbed_energy`` [J/m^3], ``efficiency``, ``smooth_stress`` [Pa]."""
-        return _arrays.columns(self.vtk)
-
-    @property
-    def stiffness(self) -> float | None:
-        """Slope of the fitted line [Pa]."""
-        return self._number("curve_stiffness")
-
-    @property
-    def stiffness_error(self) -> float | None:
-        """Standard error of the slope [Pa]."""
-        return self._number("curve_stiffness_error")
-
-    @property
-    def intercept(self) -> float | None:
-        """Stress of the fitted line at no strain [Pa]."""
-        return self._number("curve_intercept")
-
-    @property
-    def r2(self) -> float | None:
-        """Share of the variance that the fitted line explains."""
-        return self._number("curve_r2")
-
-    @property
-    def toe(self) -> float | None:
-        """Strain at which the fitted line begins."""
-        return self._number("curve_toe")
-
-    @property
-    def fit_range(self) -> tuple[float, float] | None:
-        """Strains of the first and the last row that were fitted."""
-        low, high = _arrays.numbers(self.vtk, "curve_fit_range")
-        return None if np.isnan(low) else (float(low), float(high))
-
-    @property
-    def yield_point(self) -> tuple[float, float] | None:
-        """Strain and stress [Pa] where the curve meets the fitted line moved by the offset."""
-        return self._point("yield")
-
-    @property
-    def peak(self) -> tuple[float, float] | None:
-        """Strain and stress [Pa] of the first maximum."""
-        return self._point("peak")
+    table: Columns = told(
+        "Columns by name: ``strain``, ``stress``, ``absorbed_energy`` [J/m^3], ``efficiency``, "
+        "``smooth_stress`` [Pa].", "vtk")
+    stiffness: float | None = told("Slope of the fitted line [Pa].", "curve_stiffness")
+    stiffness_error: float | None = told("Standard error of the slope [Pa].", "curve_stiffness_error")
+    intercept: float | None = told("Stress of the fitted line at no strain [Pa].", "curve_intercept")
+    r2: float | None = told("Share of the variance that the fitted line explains.", "curve_r2")
+    toe: float | None = told("Strain at which the fitted line begins.", "curve_toe")
+    fit_range: tuple[float, float] | None = told(
+        "Strains of the first and the last row that were fitted.", "curve_fit_range", by="_range")
+    yield_point: tuple[float, float] | None = told(
+        "Strain and stress [Pa] where the curve meets the fitted line moved by the offset.", "yield", by="_point")
+    peak: tuple[float, float] | None = told("Strain and stress [Pa] of the first maximum.", by="_point")
 
     def _point(self, name):
         strain = self._number(f"curve_{name}_strain")
         return None if strain is None else (strain, self._number(f"curve_{name}_stress"))
 
-    @property
-    def plateau_stress(self) -> float | None:
-        """Mean stress of the plateau [Pa]."""
-        return self._number("curve_plateau_stress")
-
-    @property
-    def plateau_range(self) -> tuple[float, float] | None:
-        """Strains between which that mean was taken."""
-        low, high = _arrays.numbers(self.vtk, "curve_plateau_range")
-        return None if np.isnan(low) else (float(low), float(high))
-
-    @property
-    def plateau_end(self) -> float | None:
-        """Strain at which the stress is 1.3 times the plateau's."""
-        return self._number("curve_plateau_end_strain")
-
-    @property
-    def densification(self) -> float | None:
-        """Strain at which densification begins: the efficiency of energy absorption is largest."""
-        return self._number("curve_densification_strain")
-
-    @property
-    def densification_stress(self) -> float | None:
-        """Stress there [Pa]."""
-        return self._number("curve_densification_stress")
-
-    @property
-    def densification_energy(self) -> float | None:
-        """Energy absorbed up to there [J/m^3]."""
-        return self._number("curve_densification_energy")
-
-    @property
-    def efficiency(self) -> float | None:
-        """The largest efficiency: energy absorbed over the stress."""
-        return self._number("curve_densification_efficiency")
-
-    @property
-    def energy(self) -> float | None:
-        """Energy absorbed by all of the curve [J/m^3]."""
-        return self._number("curve_energy")
-
-    @property
-    def missing(self) -> list[str]:
-        """What was not found, and why: a list of texts."""
-        return _arrays.texts(self.vtk, "curve_missing")
+    plateau_stress: float | None = told("Mean stress of the plateau [Pa].", "curve_plateau_stress")
+    plateau_range: tuple[float, float] | None = told(
+        "Strains between which that mean was taken.", "curve_plateau_range", by="_range")
+    plateau_end: float | None = told(
+        "Strain at which the stress is 1.3 times the plateau's.", "curve_plateau_end_strain")
+    densification: float | None = told(
+        "Strain at which densification begins: the efficiency of energy absorption is largest.",
+        "curve_densification_strain")
+    densification_stress: float | None = told("Stress there [Pa].", "curve_densification_stress")
+    densification_energy: float | None = told("Energy absorbed up to there [J/m^3].", "curve_densification_energy")
+    efficiency: float | None = told(
+        "The largest efficiency: energy absorbed over the stress.", "curve_densification_efficiency")
+    energy: float | None = told("Energy absorbed by all of the curve [J/m^3].", "curve_energy")
+    missing: list[str] = told("What was not found, and why: a list of texts.", "curve_missing")
 
     def __repr__(self) -> str:
         def shown(value, unit=""):
@@ -163,42 +101,20 @@ class CollapseMapResult(ImageBase):
         #: vtkTable, one row a state
         self.vtk_states = collapse.GetStateTable()
 
-    @property
-    def labels(self) -> Array:
-        """Number of each pixel's lumen, 0 in walls, in the order of pictures (a view, no copy)."""
-        return self.array("lumen")
-
-    @property
-    def ratio(self) -> Array:
-        """Area (volume) of each pixel's lumen in the last state over that at the start; NaN in walls (a view)."""
-        return self.array("lumen_ratio")
-
-    @property
-    def collapse_strain(self) -> Array:
-        """Strain at which each pixel's lumen collapsed; NaN in walls and where it did not (a view)."""
-        return self.array("collapse_strain")
-
-    @property
-    def table(self) -> Columns:
-        """Columns by name, one entry a lumen: those of ``lamella.pore_flood_fill``, ``cut``, ``ratio``,
-        ``collapse_strain``.
-        """
-        return _arrays.columns(self.vtk_lumens)
-
-    @property
-    def states(self) -> Columns:
-        """Columns by name, one entry a state: ``strain``, ``collapsed``, ``collapsed_share``, ``ratio``."""
-        return _arrays.columns(self.vtk_states)
-
-    @property
-    def count(self) -> int:
-        """Number of lumens."""
-        return int(self._number("lumen_count"))
-
-    @property
-    def collapsed(self) -> int:
-        """Number of lumens that collapsed."""
-        return int(self._number("lumen_collapsed"))
+    labels: Array = told(
+        "Number of each pixel's lumen, 0 in walls, in the order of pictures (a view, no copy).", "lumen")
+    ratio: Array = told(
+        "Area (volume) of each pixel's lumen in the last state over that at the start; NaN in walls (a view).",
+        "lumen_ratio")
+    collapse_strain: Array = told(
+        "Strain at which each pixel's lumen collapsed; NaN in walls and where it did not (a view).")
+    table: Columns = told(
+        "Columns by name, one entry a lumen: those of ``lamella.pore_flood_fill``, ``cut``, ``ratio``, "
+        "``collapse_strain``.", "vtk_lumens")
+    states: Columns = told(
+        "Columns by name, one entry a state: ``strain``, ``collapsed``, ``collapsed_share``, ``ratio``.", "vtk_states")
+    count: int = told("Number of lumens.", "lumen_count")
+    collapsed: int = told("Number of lumens that collapsed.", "lumen_collapsed")
 
     @property
     def first_strain(self) -> float | None:

@@ -8,10 +8,11 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkTable
 
 from . import _arrays, _files
+from ._arrays import told
 from ._errors import choose, number, run
 from ._runs import LoadedState, LongRun, check_checkpoint
 from ._settings import Settings, declared
-from ._solve import as_image
+from ._solve import as_image, run_on
 from ._types import Array, Columns, Image, OnStep, Path, Progress
 from .vtkLamellaSolversVTK import vtkPointCompression, vtkPointStiffness
 
@@ -40,9 +41,7 @@ class PointState(LoadedState, _arrays.Answer):
 
     def save(self, path: Path, overwrite: bool = False) -> str:
         """Writes the points as a .vtp file, whole or not at all."""
-        path = _files.new_path(path, overwrite)
-        _files.write_poly_data(self.vtk, path)
-        return path
+        return _files.save_poly_data(self.vtk, path, overwrite)
 
     def __repr__(self) -> str:
         return f"<lamella.PointState: strain {self.imposed_strain:.6g}, {self.vtk.GetNumberOfPoints()} points>"
@@ -64,31 +63,22 @@ class CompressionResult(LongRun, _arrays.Answer):
         self.vtk_curve = vtkTable()
         self.vtk_curve.ShallowCopy(algorithm.GetCurve())
 
-    @property
-    def curve(self) -> Columns:
-        """All columns of the curve, a dictionary of arrays: strain, stress, imbalance, lateral_stress, lateral_strain, porosity,
-        elastic_energy, kinetic_energy, work, dissipated, speed, steps, time (SI)."""
-        return _arrays.columns(self.vtk_curve)
-
-    @property
-    def strain(self) -> Array:
-        """Curve: 1 - H/H0 [1]."""
-        return vtk_to_numpy(self.vtk_curve.GetColumnByName("strain"))
-
-    @property
-    def stress(self) -> Array:
-        """Curve: force on the platens over the section at the start [Pa], means over half a row before and after."""
-        return vtk_to_numpy(self.vtk_curve.GetColumnByName("stress"))
+    curve: Columns = told(
+        "All columns of the curve, a dictionary of arrays: strain, stress, imbalance, lateral_stress, "
+        "lateral_strain, porosity, elastic_energy, kinetic_energy, work, dissipated, speed, steps, time (SI).",
+        "vtk_curve")
+    strain: Array = told("Curve: 1 - H/H0 [1].", by="_column")
+    stress: Array = told(
+        "Curve: force on the platens over the section at the start [Pa], means over half a row before and "
+        "after.", by="_column")
 
     @property
     def points(self) -> PointState:
         """The points at the end, a PointState."""
         return self.states[-1]
 
-    @property
-    def energy_ratio(self) -> float:
-        """The largest kinetic over elastic energy beyond ``calm_from``: how quasi-static it was."""
-        return self._number("worst_energy_ratio")
+    energy_ratio: float = told(
+        "The largest kinetic over elastic energy beyond ``calm_from``: how quasi-static it was.", "worst_energy_ratio")
 
     @property
     def quality(self) -> dict[str, float]:
@@ -107,10 +97,7 @@ class CompressionResult(LongRun, _arrays.Answer):
         return {**counts, "bytes_per_point": self._number("bytes_per_point"), "setup_seconds": float(seconds[0]),
                 "run_seconds": float(seconds[1])}
 
-    @property
-    def axis(self) -> str:
-        """Axis of loading: "x", "y" or "z"."""
-        return _arrays.text(self.vtk, "load_axis")
+    axis: str = told('Axis of loading: "x", "y" or "z".', "load_axis")
 
     def save(self, path: Path, overwrite: bool = False) -> str:
         """Writes the points at the end as a .vtp file, whole or not at all."""
@@ -145,10 +132,7 @@ class PointStiffnessResult(_arrays.Answer):
         """Moduli [Pa] and Poisson's ratios by name: E_x, nu_xy ..."""
         return dict(zip(_arrays.texts(self.vtk, "constant_names"), map(float, _arrays.numbers(self.vtk, "constants"))))
 
-    @property
-    def components(self) -> list[str]:
-        """Names of the tensor's rows and columns."""
-        return _arrays.texts(self.vtk, "stiffness_components")
+    components: list[str] = told("Names of the tensor's rows and columns.", "stiffness_components")
 
     @property
     def stiffness(self) -> Array:
@@ -169,15 +153,14 @@ class PointStiffnessResult(_arrays.Answer):
         return f"<lamella.PointStiffnessResult: {numbers} Pa>"
 
 
-def _give_points(settings, algorithm):
-    """Sets what was given. Moduli and densities are above 0, which the classes take for "not given"."""
+def _check_points(settings):
+    """Moduli and densities are above 0, which the classes take for "not given"."""
     for name in ("young", "transverse", "shear", "density"):
         value = settings.values.get(name)
         for phase, one in value.items() if hasattr(value, "items") else [] if value is None else [(None, value)]:
             of = "" if phase is None else f" of {phase!r}"
             if not number(one, name + of) > 0:
                 raise ValueError(f"{name}{of} is {one!r}; it is above 0, or None")
-    settings.give(algorithm)
 
 
 @declared(vtkPointCompression, first=("axis", "strain", "sides"), without=("phase_constant", "keep_states", "state"), formerly={
@@ -201,7 +184,8 @@ def compression(
     solve = vtkPointCompression()
     solve.SetInputData(as_image(image))
     check_checkpoint(settings)
-    _give_points(settings, solve)
+    _check_points(settings)
+    settings.give(solve)
     run(solve, progress, on_step, PointState)
     return CompressionResult(solve)
 
@@ -213,8 +197,6 @@ def point_stiffness(image: Image, settings: Settings, progress: Progress | None 
     image           as compression() takes it, and so are constants of walls
     progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
-    solve = vtkPointStiffness()
-    solve.SetInputData(as_image(image))
-    _give_points(settings, solve)
-    run(solve, progress)
+    _check_points(settings)
+    solve = run_on(image, vtkPointStiffness(), settings, progress)
     return PointStiffnessResult(solve.GetConstants(), solve.GetTensor())

@@ -10,11 +10,12 @@ import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from . import _arrays, _files
+from ._arrays import told
 from ._errors import LamellaError, run
-from ._samples import ImageBase, Sample
+from ._samples import Sample
 from ._settings import Settings, declared
 from ._solve import as_image
-from ._types import Array, Image, Name, Path, Progress, Sequence
+from ._types import Array, Image, Name, Path, Progress
 from .vtkLamellaSolversVTK import vtkMicrographContours, vtkMicrographLattice, vtkMicrographPolygonReader, vtkOutlineDiffusion
 
 class Contours(_arrays.FieldData):
@@ -38,12 +39,9 @@ class Contours(_arrays.FieldData):
         if data is None or data.GetNumberOfLines() == 0:
             return []
         points = vtk_to_numpy(data.GetPoints().GetData())[:, :2]
-        lines = data.GetLines()
-        offsets = vtk_to_numpy(lines.GetOffsetsArray())
-        ids = vtk_to_numpy(lines.GetConnectivityArray())
         chains = []
-        for begin, end in zip(offsets[:-1], offsets[1:]):
-            chain = ids[begin : end - (ids[end - 1] == ids[begin])]
+        for chain in _arrays.lines_of(data):
+            chain = chain[: len(chain) - (chain[-1] == chain[0])]
             first, last = chain[0], chain[-1]
             whole = last - first == len(chain) - 1 and np.array_equal(chain, np.arange(first, last + 1))
             chains.append(points[first : last + 1] if whole else points[chain])
@@ -59,41 +57,28 @@ class Contours(_arrays.FieldData):
         """The outlines of the cells, outside their walls, #points by 2 [m] each; an empty list where they are not known."""
         return self._chains(self.cells_vtk)
 
-    lumens = _arrays.view(
-        "cell", "lumen", "#chains: number of the lumen, from 1; chains of a lumen that the border cuts share it (a view).")
+    lumens: np.ndarray = told(
+        "#chains: number of the lumen, from 1; chains of a lumen that the border cuts share it (a view).", "lumen", by="_values")
 
     @property
     def closed(self) -> Array:
         """#chains: False for those that end on the picture's border."""
         return self._values("closed").astype(bool)
 
-    areas = _arrays.view("cell", "area", "#chains: of the whole lumen [m^2] (a view).")
-
-    solidities = _arrays.view(
-        "cell", "solidity", "#chains: area of the whole lumen over that of its convex hull (a view).")
-
-    equivalent_diameters = _arrays.view(
-        "cell", "equivalent_diameter", "#chains: of the circle as large as the lumen [m] (a view).")
-
-    @property
-    def size(self) -> Array:
-        """Width and height of the picture, 2 numbers [m]."""
-        return _arrays.numbers(self.vtk, "size")
+    areas: np.ndarray = told("#chains: of the whole lumen [m^2] (a view).", "area", by="_values")
+    solidities: np.ndarray = told(
+        "#chains: area of the whole lumen over that of its convex hull (a view).", "solidity", by="_values")
+    equivalent_diameters: np.ndarray = told(
+        "#chains: of the circle as large as the lumen [m] (a view).", "equivalent_diameter", by="_values")
+    size: Array = told("Width and height of the picture, 2 numbers [m].", by="_numbers")
 
     @property
     def corner(self) -> Array:
         """Where the picture's lower left corner lies: x, y [m]."""
         return _arrays.numbers(self.vtk, "corner")[:2]
 
-    @property
-    def wall_fraction(self) -> float:
-        """Share of the picture that no outline encloses."""
-        return float(_arrays.numbers(self.vtk, "wall_fraction")[0])
-
-    @property
-    def report(self) -> list[str]:
-        """What finding them did, a line for each step."""
-        return _arrays.texts(self.vtk, "report")
+    wall_fraction: float = told("Share of the picture that no outline encloses.")
+    report: list[str] = told("What finding them did, a line for each step.")
 
     @declared(vtkMicrographLattice, first=("spacing", "lamella"), formerly={"thickness": "lamella_thickness", "radius": "lamella_radius"})
     def lattice(self, settings: Settings) -> LatticeSample:
@@ -148,45 +133,20 @@ class LatticeSample(Sample):
             raise LamellaError(f"there is no {name.replace('_', ' ')}", 'make the lattice with lamella="growth"')
         return values
 
-    @property
-    def grain(self) -> Array:
-        """Number of the cell at each node: the lumen, and in the wall the nearest lumen (a view)."""
-        return self.array("grain")
+    def _tuple(self, name):
+        return tuple(self._numbers(name).tolist())
 
-    @property
-    def axis(self) -> Array:
-        """rows by columns by 3: unit vector along the wall, whose sign means nothing; 0 in lumens (a view)."""
-        return self.array("axis")
-
-    @property
-    def lumen_share(self) -> Array:
-        """Lumen's exact share of each pixel (a view)."""
-        return self.array("lumen_share")
-
-    @property
-    def wall_fraction(self) -> float:
-        """Share of the box outside the outlines, exact."""
-        return float(self._numbers("wall_fraction")[0])
-
-    @property
-    def wall_thickness(self) -> tuple[float, float]:
-        """From lumen to lumen: what 5 % of the outlines' length falls below, and the median."""
-        return tuple(self._numbers("wall_thickness").tolist())
-
-    @property
-    def lamella_thickness(self) -> float:
-        """As used."""
-        return float(self._numbers("lamella_thickness")[0])
-
-    @property
-    def lamella_nodes_across(self) -> tuple[float, float]:
-        """Nodes across the middle lamella: the mean, and what 5 % of it fall below."""
-        return tuple(self._numbers("lamella_nodes_across").tolist())
-
-    @property
-    def lamella_share(self) -> float:
-        """Share of the wall's nodes that are middle lamella."""
-        return float(self._numbers("lamella_share")[0])
+    grain: Array = told("Number of the cell at each node: the lumen, and in the wall the nearest lumen (a view).")
+    axis: Array = told(
+        "rows by columns by 3: unit vector along the wall, whose sign means nothing; 0 in lumens (a view).")
+    lumen_share: Array = told("Lumen's exact share of each pixel (a view).")
+    wall_fraction: float = told("Share of the box outside the outlines, exact.")
+    wall_thickness: tuple[float, float] = told(
+        "From lumen to lumen: what 5 % of the outlines' length falls below, and the median.", by="_tuple")
+    lamella_thickness: float = told("As used.")
+    lamella_nodes_across: tuple[float, float] = told(
+        "Nodes across the middle lamella: the mean, and what 5 % of it fall below.", by="_tuple")
+    lamella_share: float = told("Share of the wall's nodes that are middle lamella.")
 
 
 class OutlineDiffusionResult(_arrays.FieldData):
@@ -205,20 +165,15 @@ class OutlineDiffusionResult(_arrays.FieldData):
         """Effective conductivity by direction, in the unit of the phases'."""
         return self._by_direction("effective_conductivity", 4)
 
-    @property
-    def error(self) -> dict[str, float]:
-        """Relative error bar by direction, of both parts; NaN where the picture's is not known."""
-        return self._by_direction("estimated_error_by_direction")
-
-    @property
-    def lattice_error(self) -> dict[str, float]:
-        """The part of it that the lattices leave, which a smaller spacing mends."""
-        return self._by_direction("lattice_error_by_direction")
-
-    @property
-    def picture_error(self) -> dict[str, float]:
-        """The part of it that the picture's pixels leave; 0 where the outlines are taken as they are."""
-        return self._by_direction("picture_error_by_direction")
+    error: dict[str, float] = told(
+        "Relative error bar by direction, of both parts; NaN where the picture's is not known.",
+        "estimated_error_by_direction", by="_by_direction")
+    lattice_error: dict[str, float] = told(
+        "The part of it that the lattices leave, which a smaller spacing mends.",
+        "lattice_error_by_direction", by="_by_direction")
+    picture_error: dict[str, float] = told(
+        "The part of it that the picture's pixels leave; 0 where the outlines are taken as they are.",
+        "picture_error_by_direction", by="_by_direction")
 
     @property
     def lattices(self) -> dict[str, Array]:
@@ -237,103 +192,58 @@ class OutlineDiffusionResult(_arrays.FieldData):
         return f"<lamella.OutlineDiffusionResult {numbers}>"
 
 
+@declared(vtkMicrographContours, first=(
+    "smooth", "wavelength", "tolerance", "smallest_area", "least_solidity"), without=("basis", "level", "lumen_phase"))
 def contours(
     sample: Image,
     lumen: Name | None = None,
-    smooth: bool = True,
-    wavelength: float = 20.0,
-    tolerance: float = 0.02,
-    smallest_area: float = 0.0,
-    least_solidity: float = 0.0,
+    settings: Settings | None = None,
     array: str | None = None,
     level: float | None = None,
     shares: bool = False,
-    lumen_below: bool = False,
-    least_diameter: float = 0.0,
 ) -> Contours:
     """Finds the outlines of lumens in a picture of phases, or of numbers, and returns Contours.
 
     sample          a Sample, a vtkImageData, or phases or numbers as an array (spacing 1)
     lumen           the phase of the lumens, its name or number; None: the first called void, pore, lumen or air
-    smooth          the steps of pixels are smoothed away, each chain's area kept
-    wavelength      waves along an outline shorter than so many pixels are damped, 4 to 200
-    tolerance       points that far from the line through their neighbours are left out, in pixels; 0: all stay
-    smallest_area   smaller lumens become wall, in square metres
-    least_solidity  closed lumens that fill a smaller share of their convex hull become wall, 0 to 1
     array           which point array holds the phases ("phase"), or the numbers ("lumen_share")
     level           a number: lumens are where numbers that vary smoothly are above it; unsigned ones of 8 and 16 bits
                     count as parts of the largest one. Not smoothed, areas of second order in the pixel
     shares          True: the numbers are lumen's share of each pixel, 0 to 1; the same, and finer
-    lumen_below     lumens are where numbers are below the level; shares are the wall's
-    least_diameter  lumens smaller than a circle of this diameter become wall, in metres
     """
     if level is not None and shares:
         raise ValueError("give a level or shares, not both")
-    if (level is not None or shares) and lumen is not None:
-        raise ValueError("lumen is a phase's name: leave it out with a level or shares")
-    if lumen_below and level is None and not shares:
-        raise ValueError("lumen_below goes with a level or shares")
-    if isinstance(sample, ImageBase):
-        image = sample.vtk
-    else:
-        image = sample if hasattr(sample, "IsA") else None
     numbers = level is not None or shares
-    if image is None:
+    if numbers and lumen is not None:
+        raise ValueError("lumen is a phase's name: leave it out with a level or shares")
+    if settings["lumen_below"] and not numbers:
+        raise ValueError("lumen_below goes with a level or shares")
+    image = getattr(sample, "vtk", sample)
+    if not hasattr(image, "IsA"):
         image = _arrays.to_image(sample, 1.0, "lumen_share" if numbers else "phase")
     source = vtkMicrographContours()
     source.SetInputData(image)
     if numbers:
         source.SetBasis(source.SHARES if shares else source.LEVEL)
         source.SetLevel(0.5 if level is None else level)
-        source.SetLumenBelow(bool(lumen_below))
     if array is not None:
         source.SetInputArrayToProcess(1 if numbers else 0, 0, 0, 0, array)
     if lumen is not None:
         source.SetLumenPhase(str(lumen))
-    source.SetSmooth(bool(smooth))
-    source.SetWavelength(wavelength)
-    source.SetTolerance(tolerance)
-    source.SetSmallestArea(smallest_area)
-    source.SetLeastSolidity(least_solidity)
-    source.SetLeastDiameter(least_diameter)
+    settings.give(source)
     run(source)
     return Contours(source.GetOutput(), picture=image)
 
 
-def read_polygons(
-    path: Path,
-    unit: float | None = None,
-    window: Sequence[float] | None = None,
-    y_down: bool = False,
-    least_diameter: float = 0.0,
-    least_solidity: float = 0.0,
-) -> Contours:
+@declared(vtkMicrographPolygonReader, first=("unit", "window", "y_down", "least_diameter", "least_solidity"), without=("file_name",))
+def read_polygons(path: Path, settings: Settings) -> Contours:
     """Reads outlines of cells and lumens.
 
-    path    a JSON file of polygons, packed by gzip or not, or the .vtp of Contours
-    unit    one unit of the file's coordinates in metres; None: what the file says
-    window  what of the file is the picture: (low x, low y, high x, high y) in its coordinates; None: the box around all
-            of its points
-    y_down  the file's y points down, as rows of a picture do
-    least_diameter  lumens smaller than a circle of this diameter become wall, in metres
-    least_solidity  closed lumens that fill a smaller share of their convex hull become wall, 0 to 1
+    path            a JSON file of polygons, packed by gzip or not, or the .vtp of Contours
     """
     reader = vtkMicrographPolygonReader()
     reader.SetFileName(os.fspath(path))
-    if unit is not None:
-        if not unit > 0:
-            raise LamellaError(f"the unit is {unit}", "give it in metres, above 0")
-        reader.SetUnit(unit)
-    if window is not None:
-        window = [float(edge) for edge in window]
-        if len(window) != 4:
-            raise ValueError("a window is (low x, low y, high x, high y)")
-        if not any(window):
-            raise LamellaError("the window is empty", "give a width and a height")
-        reader.SetWindow(*window)
-    reader.SetYDown(bool(y_down))
-    reader.SetLeastDiameter(least_diameter)
-    reader.SetLeastSolidity(least_solidity)
+    settings.give(reader)
     run(reader)
     cells = reader.GetCells()
     return Contours(reader.GetOutput(), cells if cells.GetNumberOfCells() > 0 else None)

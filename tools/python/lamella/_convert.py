@@ -10,7 +10,7 @@ from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataSet, vtkImageDat
 
 from . import _arrays
 from ._errors import Cancelled, LamellaError, run
-from ._types import Array, ArrayLike, Columns, HasImage, Iterator, Path, Progress, Sequence
+from ._types import ArrayLike, Columns, HasImage, Iterator, Path, Progress, Sequence
 from .vtkLamellaConvert import vtkFileConverter
 
 

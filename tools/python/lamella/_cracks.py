@@ -7,6 +7,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from . import _arrays, _files
+from ._arrays import told
 from ._dynamics import DynamicsResult
 from ._errors import run
 from ._fracture import FractureResult
@@ -38,16 +39,9 @@ class CrackPathResult(_arrays.FieldData):
         #: the image with the array ``fragment``; None without an image of phases
         self.image = ImageBase(image) if image.GetNumberOfPoints() > 0 else None
 
-    def _numbers(self, name):
-        return _arrays.numbers(self.vtk, name)
-
     def _number(self, name):
         values = self._numbers(name)
         return None if values is None else float(values[0])
-
-    def _axes(self, name):
-        flags = self._numbers(name)
-        return None if flags is None else "".join(axis for axis, flag in zip("xyz", flags) if flag)
 
     @property
     def lines(self) -> list[Array]:
@@ -56,25 +50,15 @@ class CrackPathResult(_arrays.FieldData):
         if points is None:
             return []
         places = vtk_to_numpy(points.GetData())[:, :2]
-        cells = self.vtk.GetLines()
-        ids = vtk_to_numpy(cells.GetConnectivityArray())
-        offsets = vtk_to_numpy(cells.GetOffsetsArray())
-        return [places[ids[first:last]] for first, last in zip(offsets[:-1], offsets[1:])]
+        return [places[ids] for ids in _arrays.lines_of(self.vtk)]
 
-    @property
-    def table(self) -> Columns:
-        """Columns by name, one entry a path: ``path``, ``crack``, ``length``, ``chord``, ``tortuosity``, ``angle``,
-        ``angle_spread``, ``bonds``, ``counted_length``, ``first_event`` ..., ``begins_at``, ``ends_at``, ``begin_x``
-        ..., ``x_min`` ..., ``share_wall`` ...
-        """
-        return _arrays.columns(self.vtk_paths)
-
-    @property
-    def pairs(self) -> Columns:
-        """Columns by name, one entry a pair of phases: ``pair``, ``length``, ``share``, ``bonds``,
-        ``share_of_bonds``, ``counted_length`` or, in a volume, ``counted_area``.
-        """
-        return _arrays.columns(self.vtk_pairs)
+    table: Columns = told(
+        "Columns by name, one entry a path: ``path``, ``crack``, ``length``, ``chord``, ``tortuosity``, "
+        "``angle``, ``angle_spread``, ``bonds``, ``counted_length``, ``first_event`` ..., ``begins_at``, "
+        "``ends_at``, ``begin_x`` ..., ``x_min`` ..., ``share_wall`` ...", "vtk_paths")
+    pairs: Columns = told(
+        "Columns by name, one entry a pair of phases: ``pair``, ``length``, ``share``, ``bonds``, "
+        "``share_of_bonds``, ``counted_length`` or, in a volume, ``counted_area``.", "vtk_pairs")
 
     @property
     def shares(self) -> dict[str, float]:
@@ -83,17 +67,11 @@ class CrackPathResult(_arrays.FieldData):
         shares = pairs.get("share", pairs.get("share_of_counted", ()))
         return {pair: float(share) for pair, share in zip(pairs.get("pair", ()), shares)}
 
-    @property
-    def growth(self) -> Columns:
-        """Columns by name, one entry an event: ``event``, ``strain`` or ``time``, ``length``, ``main_length``, with
-        times ``rate`` and ``main_rate`` [m/s].
-        """
-        return _arrays.columns(self.vtk_growth)
-
-    @property
-    def fragments(self) -> Columns:
-        """Columns by name, one entry a fragment, the largest first; empty without an image of phases."""
-        return _arrays.columns(self.vtk_fragments)
+    growth: Columns = told(
+        "Columns by name, one entry an event: ``event``, ``strain`` or ``time``, ``length``, ``main_length``, "
+        "with times ``rate`` and ``main_rate`` [m/s].", "vtk_growth")
+    fragments: Columns = told(
+        "Columns by name, one entry a fragment, the largest first; empty without an image of phases.", "vtk_fragments")
 
     @property
     def count(self) -> int | None:
@@ -101,41 +79,23 @@ class CrackPathResult(_arrays.FieldData):
         number = self._number("crack_count")
         return None if number is None else int(number)
 
-    @property
-    def length(self) -> float | None:
-        """Length of all paths [m]. None in a volume."""
-        return self._number("crack_length")
-
-    @property
-    def main_length(self) -> float | None:
-        """Length of the longest crack, its branches included [m]. None in a volume."""
-        return self._number("main_length")
+    length: float | None = told("Length of all paths [m]. None in a volume.", "crack_length")
+    main_length: float | None = told("Length of the longest crack, its branches included [m]. None in a volume.")
 
     def _place(self, name):
         place = self._numbers(name)
         return None if place is None or np.isnan(place[0]) else (float(place[0]), float(place[1]))
 
-    @property
-    def tip(self) -> tuple[float, float] | None:
-        """Tip of the longest crack, x and y [m]: the end of it that is farthest, along its paths, from where it broke
-        first. None where there is no crack or it is closed, and in a volume.
-        """
-        return self._place("main_tip")
-
-    @property
-    def start(self) -> tuple[float, float] | None:
-        """Where the longest crack broke first, x and y [m]. None as of tip."""
-        return self._place("main_start")
-
-    @property
-    def extension(self) -> float | None:
-        """Length of the longest crack from start to tip [m]; without a crack 0. None in a volume."""
-        return self._number("main_extension")
-
-    @property
-    def through(self) -> str | None:
-        """Axes along which the longest crack leads from side to side, as "x". None in a volume."""
-        return self._axes("main_through")
+    tip: tuple[float, float] | None = told(
+        "Tip of the longest crack, x and y [m]: the end of it that is farthest, along its paths, from where it "
+        "broke first. None where there is no crack or it is closed, and in a volume.", "main_tip", by="_place")
+    start: tuple[float, float] | None = told(
+        "Where the longest crack broke first, x and y [m]. None as of tip.", "main_start", by="_place")
+    extension: float | None = told(
+        "Length of the longest crack from start to tip [m]; without a crack 0. None in a volume.", "main_extension")
+    through: str | None = told(
+        'Axes along which the longest crack leads from side to side, as "x". None in a volume.',
+        "main_through", by="_axes")
 
     @property
     def through_tortuosity(self) -> dict[str, float]:
@@ -145,36 +105,23 @@ class CrackPathResult(_arrays.FieldData):
         values = self._numbers("through_tortuosity")
         return {} if values is None else {a: float(v) for a, v in zip("xy", values) if np.isfinite(v)}
 
-    @property
-    def angle(self) -> float | None:
-        """Mean direction of all paths, weighted by length [degrees to x]. None in a volume."""
-        return self._number("crack_angle")
-
-    @property
-    def counted(self) -> float | None:
-        """Length [m], in a volume area [m²], that the number of broken bonds stands for."""
-        return self._number("counted_size")
+    angle: float | None = told(
+        "Mean direction of all paths, weighted by length [degrees to x]. None in a volume.", "crack_angle")
+    counted: float | None = told(
+        "Length [m], in a volume area [m²], that the number of broken bonds stands for.", "counted_size")
 
     @property
     def normals(self) -> Array:
         """Mean of n n over the cracks by the broken bonds, an array (3, 3)."""
         return np.reshape(self._numbers("crack_normals"), (3, 3))
 
-    @property
-    def broken(self) -> float | None:
-        """Number of broken bonds."""
-        return int(self._number("broken_bonds"))
-
-    @property
-    def severed(self) -> str | None:
-        """Axes along which no fragment reaches from side to side, as "y"; None without an image of phases."""
-        return self._axes("severed")
+    broken: float | None = told("Number of broken bonds.", "broken_bonds", by="_count")
+    severed: str | None = told(
+        'Axes along which no fragment reaches from side to side, as "y"; None without an image of phases.', by="_axes")
 
     def save(self, path: Path, overwrite: bool = False) -> str:
         """Writes the paths as .vtp, whole or not at all."""
-        path = _files.new_path(path, overwrite)
-        _files.write_poly_data(self.vtk, path)
-        return path
+        return _files.save_poly_data(self.vtk, path, overwrite)
 
     def __repr__(self) -> str:
         if self.length is None:

@@ -6,6 +6,7 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays
+from ._arrays import told
 from ._bonds import FORMERLY
 from ._breaks import BreakResult, BrokenState, run_breaks
 from ._errors import choose, entries
@@ -21,15 +22,8 @@ _ENERGIES = "kinetic elastic broken damped supplied".split()
 class MotionState(BrokenState):
     """The sample at one time: ``vtk`` is the image with ``damage``, ``broken``, ``velocity`` and what was asked for."""
 
-    @property
-    def time(self) -> float:
-        """Since the start [s]."""
-        return self._number("time")
-
-    @property
-    def velocity(self) -> Array:
-        """[m/s], x, y (and z) in the last axis (a view)."""
-        return self.array("velocity")[..., : self._dimension]
+    time: float = told("Since the start [s].")
+    velocity: Array = told("[m/s], x, y (and z) in the last axis (a view).", by="_vectors")
 
     def __repr__(self) -> str:
         return f"<lamella.MotionState: {self.time:.6g} s, {self.broken_bonds} bonds broken>"
@@ -48,30 +42,17 @@ class DynamicsResult(BreakResult):
     _KINDS = (("event", "i8", 1), ("step", "i8", 1), ("time", "f8", 1), ("energy", "f8", 1))
     _TIMES = ("bonds", "start", "motion", "states")
 
-    @property
-    def time(self) -> Array:
-        """History: times [s]."""
-        return self._column("time")
-
-    @property
-    def strain(self) -> Array:
-        """History: strains at ``time``."""
-        return self._column("strain")
-
-    @property
-    def rate(self) -> Array:
-        """History: imposed speeds over what they are without regulation."""
-        return self._column("rate")
+    time: Array = told("History: times [s].", by="_column")
+    strain: Array = told("History: strains at ``time``.", by="_column")
+    rate: Array = told("History: imposed speeds over what they are without regulation.", by="_column")
 
     @property
     def energies(self) -> dict[str, Array]:
         """History [J]: a dictionary of "kinetic", "elastic", "broken", "damped" and "supplied"."""
         return {name: self._column(name + "_energy") for name in _ENERGIES}
 
-    @property
-    def energy_defect(self) -> Array:
-        """History: what the energies miss or have too much, over the largest of them."""
-        return self._column("energy_defect")
+    energy_defect: Array = told(
+        "History: what the energies miss or have too much, over the largest of them.", by="_column")
 
     @property
     def broken(self) -> Array:
@@ -80,35 +61,12 @@ class DynamicsResult(BreakResult):
         ``phases`` of both ends (the lesser first), ``between_grains``."""
         return self._broken_bonds()
 
-    @property
-    def velocity(self) -> Array:
-        """At the end: [m/s], x, y (and z) in the last axis (a view)."""
-        return self.states[-1].velocity
-
-    @property
-    def steps(self) -> int:
-        """How many there were."""
-        return self._count("steps")
-
-    @property
-    def time_step(self) -> float:
-        """Of the integration [s]."""
-        return self._number("time_step")
-
-    @property
-    def stable_step(self) -> float:
-        """The largest stable step [s]."""
-        return self._number("stable_step")
-
-    @property
-    def strain_rate(self) -> float:
-        """Of a pull [1/s]; NaN without."""
-        return self._number("strain_rate")
-
-    @property
-    def travel_time(self) -> float:
-        """Of a pull: of a wave from platen to platen [s]; NaN without."""
-        return self._number("travel_time")
+    velocity: Array = told("At the end: [m/s], x, y (and z) in the last axis (a view).", by="_at_end")
+    steps: int = told("How many there were.")
+    time_step: float = told("Of the integration [s].")
+    stable_step: float = told("The largest stable step [s].")
+    strain_rate: float = told("Of a pull [1/s]; NaN without.")
+    travel_time: float = told("Of a pull: of a wave from platen to platen [s]; NaN without.")
 
     @property
     def seconds(self) -> dict[str, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from . import _arrays
+from ._arrays import told
 from ._bonds import FORMERLY, MATERIALS, BondFields, give_bonds
 from ._errors import run
 from ._samples import ImageBase
@@ -26,15 +27,8 @@ class EquilibriumResult(BondFields):
     Forces and energies of a picture are per metre of thickness. y points up.
     """
 
-    @property
-    def effective_stress(self) -> float:
-        """Force on the platen over the section of the box [Pa]."""
-        return self._number("effective_stress")
-
-    @property
-    def strain(self) -> float:
-        """The strain applied; of a traction the one that it causes."""
-        return self._number("strain")
+    effective_stress: float = told("Force on the platen over the section of the box [Pa].")
+    strain: float = told("The strain applied; of a traction the one that it causes.")
 
     @property
     def mean_stress(self) -> Array:
@@ -47,20 +41,10 @@ class EquilibriumResult(BondFields):
         low = _arrays.numbers(self.vtk, "reaction_low")
         return np.stack([low, _arrays.numbers(self.vtk, "reaction_high")])[:, : self._dimension]
 
-    @property
-    def elastic_energy(self) -> float:
-        """J."""
-        return self._number("elastic_energy")
-
-    @property
-    def first_break_strain(self) -> float:
-        """Strain at which the first bond breaks; NaN where none does, and in large strains."""
-        return self._number("first_break_strain")
-
-    @property
-    def first_break_stress(self) -> float:
-        """Effective stress at which the first bond breaks [Pa]; NaN likewise."""
-        return self._number("first_break_stress")
+    elastic_energy: float = told("J.")
+    first_break_strain: float = told(
+        "Strain at which the first bond breaks; NaN where none does, and in large strains.")
+    first_break_stress: float = told("Effective stress at which the first bond breaks [Pa]; NaN likewise.")
 
     @property
     def first_break_position(self) -> Array:
@@ -72,20 +56,9 @@ class EquilibriumResult(BondFields):
         """Names of the phases at its two ends."""
         return tuple(_arrays.texts(self.vtk, "first_break_phases"))
 
-    @property
-    def largest_stretch_ratio(self) -> float:
-        """The largest elongation of a bond over its critical one, at this load."""
-        return self._number("largest_stretch_ratio")
-
-    @property
-    def iterations(self) -> int:
-        """Of conjugate gradients."""
-        return self._count("iterations")
-
-    @property
-    def residual(self) -> float:
-        """Residual force, relative."""
-        return self._number("residual")
+    largest_stretch_ratio: float = told("The largest elongation of a bond over its critical one, at this load.")
+    iterations: int = told("Of conjugate gradients.")
+    residual: float = told("Residual force, relative.")
 
     def __repr__(self) -> str:
         return (
@@ -116,10 +89,7 @@ def equilibrium(image: Image, settings: Settings, progress: Progress | None = No
 class BondStressResult(ImageBase):
     """``vtk`` is the image with ``stress``."""
 
-    @property
-    def stress(self) -> Array:
-        """[Pa], the six components xx, yy, zz, xy, yz, xz in the last axis (a view)."""
-        return self.array("stress")
+    stress: Array = told("[Pa], the six components xx, yy, zz, xy, yz, xz in the last axis (a view).")
 
     @property
     def mean_stress(self) -> Array:

@@ -46,3 +46,10 @@ def write_poly_data(data, path):
     if writer.Write() != 1:
         raise OSError(f"cannot write {path}")
     write_bytes(writer.GetOutputString().encode("utf-8"), path)
+
+
+def save_poly_data(data, path, overwrite):
+    """The same where there is no file yet, or it may be replaced; returns the path."""
+    path = new_path(path, overwrite)
+    write_poly_data(data, path)
+    return path

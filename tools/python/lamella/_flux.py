@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from . import _arrays
-from ._errors import run
+from ._arrays import told
 from ._samples import ImageBase
 from ._settings import Settings, declared
-from ._solve import as_image
+from ._solve import run_on
 from ._types import Array, Image, Progress
 from .vtkLamellaFilters import vtkFluxMap
 
@@ -22,14 +21,8 @@ class FluxMapResult(ImageBase):
         #: vtkPolyData
         self.streamlines = streamlines
 
-    def _by_direction(self, name):
-        values = _arrays.numbers(self.vtk, name)
-        return {axis: float(value) for axis, value in zip("xyz", values) if not np.isnan(value)}
-
-    @property
-    def magnitude(self) -> Array:
-        """Magnitude of the flux [conductivity's unit/m], in the order of pictures (a view)."""
-        return self.array("flux_magnitude")
+    magnitude: Array = told(
+        "Magnitude of the flux [conductivity's unit/m], in the order of pictures (a view).", "flux_magnitude")
 
     @property
     def effective(self) -> Array:
@@ -38,31 +31,20 @@ class FluxMapResult(ImageBase):
         n = 3 if self.vtk.GetDimensions()[2] > 1 else 2
         return _arrays.numbers(self.vtk, "effective_from_flux").reshape(3, 3)[:n, :n]
 
-    @property
-    def tortuosity(self) -> dict[str, float]:
-        """Mean magnitude of the flux over its mean along the direction, by direction."""
-        return self._by_direction("tortuosity")
-
-    @property
-    def tortuosity_factor(self) -> dict[str, float]:
-        """Mean conductivity over the effective one, by direction."""
-        return self._by_direction("tortuosity_factor")
-
-    @property
-    def streamline_tortuosity(self) -> dict[str, float]:
-        """Mean length of the streamlines over the length of the box, of the direction shown."""
-        return self._by_direction("streamline_tortuosity")
+    tortuosity: dict[str, float] = told(
+        "Mean magnitude of the flux over its mean along the direction, by direction.", by="_by_direction")
+    tortuosity_factor: dict[str, float] = told(
+        "Mean conductivity over the effective one, by direction.", by="_by_direction")
+    streamline_tortuosity: dict[str, float] = told(
+        "Mean length of the streamlines over the length of the box, of the direction shown.", by="_by_direction")
 
     @property
     def lines(self) -> list[Array]:
         """The streamlines as arrays of points (n by 3) [m]."""
-        points = vtk_to_numpy(self.streamlines.GetPoints().GetData()) if self.streamlines.GetNumberOfPoints() else None
-        cells = self.streamlines.GetLines()
-        if points is None:
+        if not self.streamlines.GetNumberOfPoints():
             return []
-        offsets = vtk_to_numpy(cells.GetOffsetsArray())
-        ids = vtk_to_numpy(cells.GetConnectivityArray())
-        return [points[ids[begin:end]] for begin, end in zip(offsets[:-1], offsets[1:])]
+        points = vtk_to_numpy(self.streamlines.GetPoints().GetData())
+        return [points[ids] for ids in _arrays.lines_of(self.streamlines)]
 
 
 @declared(vtkFluxMap, first=("direction", "streamlines"))
@@ -72,8 +54,5 @@ def flux_map(result: Image, settings: Settings, progress: Progress | None = None
     result          a DiffusionResult, or an image like it
     progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
-    flux = vtkFluxMap()
-    flux.SetInputData(as_image(result))
-    settings.give(flux)
-    run(flux, progress)
+    flux = run_on(result, vtkFluxMap(), settings, progress)
     return FluxMapResult(flux.GetOutput(), flux.GetStreamlines())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import _arrays
+from ._arrays import told
 from ._bonds import FORMERLY, MATERIALS
 from ._breaks import BreakResult, BrokenState, run_breaks
 from ._settings import Settings, declared
@@ -34,21 +34,13 @@ class FractureResult(BreakResult):
     _KINDS = (("event", "i8", 1), ("strain", "f8", 1), ("critical_strain", "f8", 1), ("stress", "f8", 1))
     _TIMES = ("bonds", "first", "equilibria", "local", "search", "run", "states", "checkpoints")
 
-    @property
-    def strain(self) -> Array:
-        """Curve: imposed strains, from 0 on; they never fall. Just before each event, what each avalanche left, the
-        end."""
-        return self._column("strain")
-
-    @property
-    def critical_strain(self) -> Array:
-        """Curve that follows every snap-back: strain at which the next bond is just critical."""
-        return self._column("critical_strain")
-
-    @property
-    def critical_stress(self) -> Array:
-        """Curve that follows every snap-back: stress at ``critical_strain`` [Pa]."""
-        return self._column("critical_stress")
+    strain: Array = told(
+        "Curve: imposed strains, from 0 on; they never fall. Just before each event, what each avalanche left, "
+        "the end.", by="_column")
+    critical_strain: Array = told(
+        "Curve that follows every snap-back: strain at which the next bond is just critical.", by="_column")
+    critical_stress: Array = told(
+        "Curve that follows every snap-back: stress at ``critical_strain`` [Pa].", by="_column")
 
     @property
     def broken(self) -> Array:
@@ -57,30 +49,16 @@ class FractureResult(BreakResult):
         lesser first), ``between_grains``."""
         return self._broken_bonds()
 
-    @property
-    def first_break_strain(self) -> float:
-        """Strain at which the first bond broke; NaN where none did."""
-        return self._number("first_break_strain")
-
-    @property
-    def first_break_stress(self) -> float:
-        """Stress at which the first bond broke [Pa]; NaN where none did."""
-        return self._number("first_break_stress")
+    first_break_strain: float = told("Strain at which the first bond broke; NaN where none did.")
+    first_break_stress: float = told("Stress at which the first bond broke [Pa]; NaN where none did.")
 
     @property
     def modulus(self) -> float:
         """Stress over strain of the unbroken sample [Pa]."""
         return self.effective_modulus
 
-    @property
-    def broken_energy(self) -> float:
-        """What the broken bonds held when they were just critical [J]."""
-        return self._number("broken_energy")
-
-    @property
-    def method(self) -> str:
-        """"events" or "accurate"."""
-        return _arrays.text(self.vtk, "method")
+    broken_energy: float = told("What the broken bonds held when they were just critical [J].")
+    method: str = told('"events" or "accurate".')
 
     @property
     def statistics(self) -> dict[str, Any]:

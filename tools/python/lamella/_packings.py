@@ -10,6 +10,7 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
 from . import _arrays, _files
+from ._arrays import told
 from ._errors import LamellaError, run
 from ._samples import Sample
 from ._settings import Settings, declared
@@ -61,14 +62,15 @@ class Packing(_arrays.FieldData):
         """#grains by 2 (disks: x, and y upwards) or 3 [m] (a view)."""
         return self._all_centres()[:, : self.dimension]
 
-    radii = _arrays.view("point", "radius", "#grains [m] (a view).")
+    radii: np.ndarray = told("#grains [m] (a view).", "radius", by="_points")
 
     @property
     def rattlers(self) -> Array:
         """#grains, True for those that nothing holds."""
         return self._points("rattler").astype(bool)
 
-    contact_numbers = _arrays.view("point", "contacts", "#grains, how many contacts each has, walls included (a view).")
+    contact_numbers: np.ndarray = told(
+        "#grains, how many contacts each has, walls included (a view).", "contacts", by="_points")
 
     @property
     def net_forces(self) -> Array:
@@ -86,10 +88,8 @@ class Packing(_arrays.FieldData):
         """#contacts by 2 or 3, on the second grain of each by the first [N], of disks [N/m] (a view)."""
         return self._contacts("force")[:, : self.dimension]
 
-    @property
-    def normal_forces(self) -> Array:
-        """#contacts, compression is positive [N], of disks [N/m] (a view)."""
-        return self._contacts("normal_force")
+    normal_forces: Array = told(
+        "#contacts, compression is positive [N], of disks [N/m] (a view).", "normal_force", by="_contacts")
 
     @property
     def box(self) -> Array:
@@ -101,40 +101,13 @@ class Packing(_arrays.FieldData):
         """Whether the box is one cell of an endless packing."""
         return bool(self._number("periodic") == 1)
 
-    @property
-    def packing_fraction(self) -> float:
-        """Share of the box that is grains."""
-        return self._number("packing_fraction")
-
-    @property
-    def coordination(self) -> float:
-        """Contacts of a grain that is no rattler."""
-        return self._number("coordination")
-
-    @property
-    def fabric(self) -> Array:
-        """Mean of n n over the contacts between grains, a matrix whose trace is 1."""
-        return self._tensor("fabric")
-
-    @property
-    def stress(self) -> Array:
-        """Mean stress [Pa], 2 by 2 or 3 by 3, compression positive."""
-        return self._tensor("stress")
-
-    @property
-    def fabric_anisotropy(self) -> float:
-        """(largest - smallest)/sum of the fabric's principal values."""
-        return self._number("fabric_anisotropy")
-
-    @property
-    def stress_anisotropy(self) -> float:
-        """The same of the stress."""
-        return self._number("stress_anisotropy")
-
-    @property
-    def unbalanced_force(self) -> float:
-        """Mean net force on a grain over the mean contact force."""
-        return self._number("unbalanced_force")
+    packing_fraction: float = told("Share of the box that is grains.")
+    coordination: float = told("Contacts of a grain that is no rattler.")
+    fabric: Array = told("Mean of n n over the contacts between grains, a matrix whose trace is 1.", by="_tensor")
+    stress: Array = told("Mean stress [Pa], 2 by 2 or 3 by 3, compression positive.", by="_tensor")
+    fabric_anisotropy: float = told("(largest - smallest)/sum of the fabric's principal values.")
+    stress_anisotropy: float = told("The same of the stress.")
+    unbalanced_force: float = told("Mean net force on a grain over the mean contact force.")
 
     @property
     def steps(self) -> int:
@@ -236,30 +209,12 @@ def _as_particles(grains):
 class CementedSample(Sample):
     """Grains and matrix on a lattice: phases void, matrix, grain."""
 
-    @property
-    def grain(self) -> Array:
-        """Number of the grain at each node, from 1; 0: none, -1: platen. In the order of pictures (a view)."""
-        return self.array("grain")
-
-    @property
-    def width(self) -> float:
-        """Width of a bridge at a grain's centre over the grain's diameter."""
-        return self._number("width")
-
-    @property
-    def bridges(self) -> int:
-        """Number of bridges."""
-        return int(self._number("bridges"))
-
-    @property
-    def saturation(self) -> float:
-        """Share of the space between the grains that is matrix, of the geometry."""
-        return self._number("saturation")
-
-    @property
-    def saturation_on_lattice(self) -> float:
-        """The same of the nodes."""
-        return self._number("saturation_on_lattice")
+    grain: Array = told(
+        "Number of the grain at each node, from 1; 0: none, -1: platen. In the order of pictures (a view).")
+    width: float = told("Width of a bridge at a grain's centre over the grain's diameter.")
+    bridges: int = told("Number of bridges.")
+    saturation: float = told("Share of the space between the grains that is matrix, of the geometry.")
+    saturation_on_lattice: float = told("The same of the nodes.")
 
 
 @declared(vtkMatrixBridges)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from . import _arrays
-from ._errors import run
+from ._arrays import told
 from ._samples import ImageBase
 from ._settings import Settings, declared
-from ._solve import as_image
+from ._solve import run_on
 from ._types import Array, Columns, Image, Progress
 from .vtkLamellaFilters import vtkPoreFloodFill
 
@@ -21,74 +21,31 @@ class PoreFloodFillResult(ImageBase):
         #: vtkTable, one row a class of sizes
         self.vtk_distribution = distribution
 
-    @property
-    def labels(self) -> Array:
-        """Number of each pixel's pore, 0 outside, in the order of pictures (a view, no copy)."""
-        return self.array("pore")
-
-    @property
-    def sizes(self) -> Array:
-        """Size of each pixel's pore, NaN outside (a view, no copy)."""
-        return self.array("pore_size")
-
-    @property
-    def table(self) -> Columns:
-        """Columns by name, one entry a pore: ``pore``, ``size``, ``area`` or ``volume`` [m^2, m^3],
-        ``equivalent_diameter`` [m], ``centre_x`` ... [m], ``x_first``, ``x_last`` ..., ``touches_x_min`` ...,
-        ``percolates_x`` ... Axes are those of the data: of a picture, y points up.
-        """
-        return _arrays.columns(self.vtk_pores)
-
-    @property
-    def distribution(self) -> Columns:
-        """Columns by name, one entry a class of sizes, each class reaching twice as far as the one before."""
-        return _arrays.columns(self.vtk_distribution)
-
-    @property
-    def phase(self) -> str:
-        """Name of the phase that the pores are."""
-        return _arrays.text(self.vtk, "pore_phase")
-
-    @property
-    def count(self) -> int:
-        """Number of pores."""
-        return int(self._number("pore_count"))
-
-    @property
-    def total(self) -> int:
-        """Size of all pores together."""
-        return int(self._number("pore_total"))
-
-    @property
-    def mean(self) -> float:
-        """Mean size."""
-        return self._number("pore_mean")
-
-    @property
-    def largest(self) -> int:
-        """Size of the largest pore."""
-        return int(self._number("pore_largest"))
-
-    @property
-    def porosity(self) -> float:
-        """Share of the phase, pores below the minimum size included."""
-        return self._number("porosity")
+    labels: Array = told("Number of each pixel's pore, 0 outside, in the order of pictures (a view, no copy).", "pore")
+    sizes: Array = told("Size of each pixel's pore, NaN outside (a view, no copy).", "pore_size")
+    table: Columns = told(
+        "Columns by name, one entry a pore: ``pore``, ``size``, ``area`` or ``volume`` [m^2, m^3], "
+        "``equivalent_diameter`` [m], ``centre_x`` ... [m], ``x_first``, ``x_last`` ..., ``touches_x_min`` ..., "
+        "``percolates_x`` ... Axes are those of the data: of a picture, y points up.", "vtk_pores")
+    distribution: Columns = told(
+        "Columns by name, one entry a class of sizes, each class reaching twice as far as the one before.",
+        "vtk_distribution")
+    phase: str = told("Name of the phase that the pores are.", "pore_phase")
+    count: int = told("Number of pores.", "pore_count")
+    total: int = told("Size of all pores together.", "pore_total")
+    mean: float = told("Mean size.", "pore_mean")
+    largest: int = told("Size of the largest pore.", "pore_largest")
+    porosity: float = told("Share of the phase, pores below the minimum size included.")
 
     @property
     def dropped(self) -> tuple[int, ...]:
         """Number and total size of the pores below the minimum size."""
         return tuple(int(value) for value in _arrays.numbers(self.vtk, "pore_dropped"))
 
-    @property
-    def open_share(self) -> float:
-        """Share of the total that is open: touches a border that is not periodic, or percolates."""
-        return self._number("pore_open")
-
-    @property
-    def percolates(self) -> str:
-        """Axes along which some pore leads from side to side, as "xy"."""
-        found = _arrays.numbers(self.vtk, "pore_percolates")
-        return "".join(axis for axis, flag in zip("xyz", found) if flag)
+    open_share: float = told(
+        "Share of the total that is open: touches a border that is not periodic, or percolates.", "pore_open")
+    percolates: str = told(
+        'Axes along which some pore leads from side to side, as "xy".', "pore_percolates", by="_axes")
 
     def __repr__(self) -> str:
         return f"<lamella.PoreFloodFillResult: {self.count} pores, mean {self.mean:.1f}, largest {self.largest}>"
@@ -101,8 +58,5 @@ def pore_flood_fill(sample: Image, settings: Settings, progress: Progress | None
     sample          a Sample, an array of whole numbers or an image
     progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
-    fill = vtkPoreFloodFill()
-    fill.SetInputData(as_image(sample))
-    settings.give(fill)
-    run(fill, progress)
+    fill = run_on(sample, vtkPoreFloodFill(), settings, progress)
     return PoreFloodFillResult(fill.GetOutput(), fill.GetPores(), fill.GetSizeDistribution())

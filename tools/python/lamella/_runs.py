@@ -4,35 +4,28 @@ from __future__ import annotations
 
 import os
 
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
 from . import _arrays
+from ._arrays import told
 
 
 class LoadedState(_arrays.FieldData):
     """A sample under a load."""
 
-    @property
-    def imposed_strain(self) -> float:
-        """The strain in this state."""
-        return self._number("strain")
-
-    @property
-    def imposed_stress(self) -> float:
-        """The stress in it [Pa]: force on the platen over the section of the box."""
-        return self._number("stress")
+    imposed_strain: float = told("The strain in this state.", "strain")
+    imposed_stress: float = told("The stress in it [Pa]: force on the platen over the section of the box.", "stress")
 
 
 class LongRun(_arrays.FieldData):
-    """A run that writes checkpoints and goes on from them."""
+    """A run that writes checkpoints and goes on from them. ``vtk_curve`` is its curve, a vtkTable."""
 
-    @property
-    def continued_at(self) -> int:
-        """What the checkpoint stands after that the run went on from, events or steps; 0 where it began anew."""
-        return self._count("continued_at")
+    def _column(self, name):
+        return vtk_to_numpy(self.vtk_curve.GetColumnByName(name))
 
-    @property
-    def last_checkpoint(self) -> int:
-        """What the last checkpoint of this run stands after, events or steps; 0: none."""
-        return self._count("last_checkpoint")
+    continued_at: int = told(
+        "What the checkpoint stands after that the run went on from, events or steps; 0 where it began anew.")
+    last_checkpoint: int = told("What the last checkpoint of this run stands after, events or steps; 0: none.")
 
 
 def check_checkpoint(settings):

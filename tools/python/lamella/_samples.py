@@ -10,6 +10,7 @@ from vtkmodules.vtkCommonCore import vtkStringArray
 from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
 from . import _arrays, _files
+from ._arrays import told
 from ._errors import LamellaError, choose, collect_warnings, entries, run
 from ._settings import Settings, declared
 from ._types import Any, Array, ArrayLike, Mapping, Path, Sequence
@@ -34,20 +35,9 @@ class ImageBase(_arrays.FieldData):
         nx, ny, nz = self.vtk.GetDimensions()
         return (ny, nx) if nz == 1 else (nz, ny, nx)
 
-    @property
-    def pixel_size_source(self) -> str:
-        """Who says so: "option", an entry of the file, or "none"."""
-        return _arrays.text(self.vtk, "pixel_size_source")
-
-    @property
-    def names(self) -> list[str]:
-        """Names of the phases; the position is the phase's number."""
-        return _arrays.texts(self.vtk, "phase_names")
-
-    @property
-    def phase(self) -> Array:
-        """Numbers of the phases as an array of the image's shape (a view, no copy)."""
-        return self.array("phase")
+    pixel_size_source: str = told('Who says so: "option", an entry of the file, or "none".')
+    names: list[str] = told("Names of the phases; the position is the phase's number.", "phase_names")
+    phase: Array = told("Numbers of the phases as an array of the image's shape (a view, no copy).")
 
     def array(self, name: str) -> Array:
         """A point array by its name, in the order of pictures (a view, no copy)."""
@@ -107,10 +97,7 @@ class Sample(ImageBase):
         names = self.names or [str(i) for i in range(len(count))]
         return {name: float(n) / self.phase.size for name, n in zip(names, count)}
 
-    @property
-    def segmentation(self) -> list[str]:
-        """How read_picture() parted its greys, a line a step; empty where it did not."""
-        return _arrays.texts(self.vtk, "segmentation")
+    segmentation: list[str] = told("How read_picture() parted its greys, a line a step; empty where it did not.")
 
     def __repr__(self) -> str:
         shares = ", ".join(f"{name} {share:.3f}" for name, share in self.fractions.items())

@@ -6,6 +6,7 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays
+from ._arrays import told
 from ._errors import entries, run
 from ._samples import ImageBase, from_array
 from ._settings import Settings, declared
@@ -20,10 +21,6 @@ class DiffusionResult(ImageBase):
     def _dimension(self):
         return 3 if self.vtk.GetDimensions()[2] > 1 else 2
 
-    def _by_direction(self, name):
-        values = _arrays.numbers(self.vtk, name)
-        return {axis: float(value) for axis, value in zip("xyz", values) if not np.isnan(value)}
-
     @property
     def effective(self) -> Array:
         """The effective conductivity as a matrix (2 by 2 or 3 by 3), NaN in columns that were not solved, and off the
@@ -34,25 +31,14 @@ class DiffusionResult(ImageBase):
             values[~np.eye(n, dtype=bool)] = np.nan
         return values
 
-    @property
-    def estimated_error(self) -> float:
-        """Relative error of the effective conductivity against the material's; NaN unless it was asked for."""
-        return float(_arrays.numbers(self.vtk, "estimated_error")[0])
-
-    @property
-    def lattice_error(self) -> float:
-        """The part of it that one node a pixel makes, which a finer lattice of the same pixels mends."""
-        return float(_arrays.numbers(self.vtk, "lattice_error")[0])
-
-    @property
-    def picture_error(self) -> float:
-        """The part of it that the steps of the pixels make, which only smaller pixels mend."""
-        return float(_arrays.numbers(self.vtk, "picture_error")[0])
-
-    @property
-    def extrapolated(self) -> dict[str, float]:
-        """Effective conductivity that the material is expected to have, by direction: only where it is nearer."""
-        return self._by_direction("extrapolated_conductivity")
+    estimated_error: float = told(
+        "Relative error of the effective conductivity against the material's; NaN unless it was asked for.")
+    lattice_error: float = told(
+        "The part of it that one node a pixel makes, which a finer lattice of the same pixels mends.")
+    picture_error: float = told("The part of it that the steps of the pixels make, which only smaller pixels mend.")
+    extrapolated: dict[str, float] = told(
+        "Effective conductivity that the material is expected to have, by direction: only where it is nearer.",
+        "extrapolated_conductivity", by="_by_direction")
 
     @property
     def bounds(self) -> dict[str, float]:
@@ -66,10 +52,8 @@ class DiffusionResult(ImageBase):
         """Iterations by direction."""
         return {axis: int(value) for axis, value in self._by_direction("iterations").items()}
 
-    @property
-    def balance(self) -> dict[str, float]:
-        """Relative difference of the flux through the worse face, by direction."""
-        return self._by_direction("balance")
+    balance: dict[str, float] = told(
+        "Relative difference of the flux through the worse face, by direction.", by="_by_direction")
 
     @property
     def fields(self) -> dict[str, Array]:
@@ -93,6 +77,14 @@ def as_image(image):
     return from_array(image).vtk
 
 
+def run_on(image, algorithm, settings, progress=None):
+    """Gives the algorithm an image and what was set, runs it and returns it."""
+    algorithm.SetInputData(as_image(image))
+    settings.give(algorithm)
+    run(algorithm, progress)
+    return algorithm
+
+
 @declared(vtkSteadyDiffusion, first=("conductivity", "direction", "sides", "quantity"), formerly={"fields": "field"})
 def diffusion(image: Image, settings: Settings, progress: Progress | None = None) -> DiffusionResult:
     """Solves steady diffusion and returns a DiffusionResult.
@@ -103,8 +95,6 @@ def diffusion(image: Image, settings: Settings, progress: Progress | None = None
     What is not asked for, field or flux, is not computed. A conductivity may be (along, across) where it differs along the
     wall, whose direction is the point array ``axis`` of a lattice from outlines.
     """
-    solver = vtkSteadyDiffusion()
-    solver.SetInputData(as_image(image))
     given = settings.values
     along, across = {}, dict(given.get("conductivity_across") or {})
     for name, value in entries(given.get("conductivity"), "conductivity", "{phase: value}"):
@@ -117,6 +107,4 @@ def diffusion(image: Image, settings: Settings, progress: Progress | None = None
     given.update(conductivity=along, conductivity_across=across)
     if given.get("method") == "algebraic":  # as it was called
         given["method"] = "algebraic-multigrid"
-    settings.give(solver)
-    run(solver, progress)
-    return DiffusionResult(solver.GetOutput())
+    return DiffusionResult(run_on(image, vtkSteadyDiffusion(), settings, progress).GetOutput())

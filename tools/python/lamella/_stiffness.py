@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from . import _arrays
+from ._arrays import told
 from ._bonds import FORMERLY, give_bonds
 from ._errors import run
 from ._samples import ImageBase
@@ -35,65 +36,29 @@ class StiffnessResult(ImageBase, _arrays.Answer):
     def _by_constant(self, name):
         return dict(zip(_arrays.texts(self.vtk, "constant_names"), map(float, _arrays.numbers(self.vtk, name))))
 
-    @property
-    def components(self) -> list[str]:
-        """Names of rows and columns."""
-        return _arrays.texts(self.vtk, "stiffness_components")
-
-    @property
-    def stiffness(self) -> Array:
-        """The tensor at the image's own spacing [Pa]."""
-        return self._tensor("stiffness")
-
-    @property
-    def extrapolated(self) -> Array:
-        """The tensor that the material is expected to have [Pa]; NaN where the error is not known."""
-        return self._tensor("stiffness_extrapolated")
-
-    @property
-    def errors(self) -> Array:
-        """Estimated error of each component [Pa]; NaN where it is not known."""
-        return self._tensor("stiffness_error")
-
-    @property
-    def estimated_error(self) -> float:
-        """The largest relative error on the diagonal; NaN where it is not known."""
-        return self._number("estimated_error")
+    components: list[str] = told("Names of rows and columns.", "stiffness_components")
+    stiffness: Array = told("The tensor at the image's own spacing [Pa].", by="_tensor")
+    extrapolated: Array = told(
+        "The tensor that the material is expected to have [Pa]; NaN where the error is not known.",
+        "stiffness_extrapolated", by="_tensor")
+    errors: Array = told(
+        "Estimated error of each component [Pa]; NaN where it is not known.", "stiffness_error", by="_tensor")
+    estimated_error: float = told("The largest relative error on the diagonal; NaN where it is not known.")
 
     @property
     def bounds(self) -> dict[str, Array]:
         """Voigt's and Reuss's bounds of the tensor [Pa], a dictionary."""
         return {name: self._tensor("stiffness_" + name) for name in ("voigt", "reuss")}
 
-    @property
-    def constants(self) -> dict[str, float]:
-        """Young's and shear moduli [Pa] and Poisson's ratios by name: E_x ..., nu_xy ..., G_xy ..."""
-        return self._by_constant("constants")
-
-    @property
-    def constants_extrapolated(self) -> dict[str, float]:
-        """The same as the material is expected to have it."""
-        return self._by_constant("constants_extrapolated")
-
-    @property
-    def constants_errors(self) -> dict[str, float]:
-        """The estimated errors of the constants, in their own units."""
-        return self._by_constant("constants_error")
-
-    @property
-    def eigenvalues(self) -> Array:
-        """Stiffnesses of the tensor's own strains, rising [Pa]."""
-        return _arrays.numbers(self.vtk, "eigenvalues")
-
-    @property
-    def resisting(self) -> int:
-        """How many of them are above zero: 3 or 6 unless something is a mechanism."""
-        return int(self._number("resisting"))
-
-    @property
-    def crosses(self) -> str:
-        """Axes along which the solid goes on into the next cell, as "xy"."""
-        return "".join(axis for axis, flag in zip("xyz", _arrays.numbers(self.vtk, "crosses")) if flag)
+    constants: dict[str, float] = told(
+        "Young's and shear moduli [Pa] and Poisson's ratios by name: E_x ..., nu_xy ..., G_xy ...", by="_by_constant")
+    constants_extrapolated: dict[str, float] = told(
+        "The same as the material is expected to have it.", by="_by_constant")
+    constants_errors: dict[str, float] = told(
+        "The estimated errors of the constants, in their own units.", "constants_error", by="_by_constant")
+    eigenvalues: Array = told("Stiffnesses of the tensor's own strains, rising [Pa].", by="_numbers")
+    resisting: int = told("How many of them are above zero: 3 or 6 unless something is a mechanism.")
+    crosses: str = told('Axes along which the solid goes on into the next cell, as "xy".', by="_axes")
 
     @property
     def steps(self) -> list[dict[str, Any]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataSet
 
 from . import _arrays
+from ._arrays import told
 from ._errors import run
 from ._samples import ImageBase
 from ._settings import Settings, declared
@@ -23,12 +24,9 @@ class StressPDFResult(_arrays.FieldData):
         #: vtkTable, one row a threshold
         self.vtk_thresholds = thresholds
 
-    @property
-    def density(self) -> Columns:
-        """Columns by name, one entry a bin: ``stress`` (its middle), ``stress_low``, ``stress_high``, ``count``,
-        ``density``, ``tail`` (the law that was fitted), ``count_<phase>``, ``density_<phase>``.
-        """
-        return _arrays.columns(self.vtk)
+    density: Columns = told(
+        "Columns by name, one entry a bin: ``stress`` (its middle), ``stress_low``, ``stress_high``, ``count``, "
+        "``density``, ``tail`` (the law that was fitted), ``count_<phase>``, ``density_<phase>``.", "vtk")
 
     @property
     def phases(self) -> dict[str, dict[str, float]]:
@@ -41,42 +39,21 @@ class StressPDFResult(_arrays.FieldData):
         names = columns.pop("phase")
         return {name: {key: column[row].item() for key, column in columns.items()} for row, name in enumerate(names)}
 
-    @property
-    def thresholds(self) -> Columns:
-        """Columns by name, one entry a threshold: ``threshold``, ``tail_count``, ``tail_share``, ``theta``,
-        ``theta_error``, ``distance``.
-        """
-        return _arrays.columns(self.vtk_thresholds)
-
-    @property
-    def mean_tensile(self) -> float:
-        """Mean of the stresses above 0 [Pa]."""
-        return self._number("stress_mean_tensile")
-
-    @property
-    def mean_compressive(self) -> float:
-        """Mean of the stresses below 0 [Pa], negative; 0 where there is none."""
-        return self._number("stress_mean_compressive")
-
-    @property
-    def theta(self) -> float:
-        """Rate of the exponential tail; NaN where fewer than two stresses are beyond the threshold."""
-        return self._number("stress_theta")
-
-    @property
-    def theta_error(self) -> float:
-        """Standard error of ``theta`` if stresses were independent. Neighbours are alike: samples scatter more."""
-        return self._number("stress_theta_error")
-
-    @property
-    def threshold(self) -> float:
-        """Where the tail begins, in mean tensile stresses."""
-        return self._number("stress_tail_threshold")
-
-    @property
-    def distance(self) -> float:
-        """Largest difference between the cumulative shares of the tail's stresses and of the law."""
-        return self._number("stress_tail_distance")
+    thresholds: Columns = told(
+        "Columns by name, one entry a threshold: ``threshold``, ``tail_count``, ``tail_share``, ``theta``, "
+        "``theta_error``, ``distance``.", "vtk_thresholds")
+    mean_tensile: float = told("Mean of the stresses above 0 [Pa].", "stress_mean_tensile")
+    mean_compressive: float = told(
+        "Mean of the stresses below 0 [Pa], negative; 0 where there is none.", "stress_mean_compressive")
+    theta: float = told(
+        "Rate of the exponential tail; NaN where fewer than two stresses are beyond the threshold.", "stress_theta")
+    theta_error: float = told(
+        "Standard error of ``theta`` if stresses were independent. Neighbours are alike: samples scatter more.",
+        "stress_theta_error")
+    threshold: float = told("Where the tail begins, in mean tensile stresses.", "stress_tail_threshold")
+    distance: float = told(
+        "Largest difference between the cumulative shares of the tail's stresses and of the law.",
+        "stress_tail_distance")
 
     def __repr__(self) -> str:
         return (

@@ -9,6 +9,7 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays
+from ._arrays import told
 from ._errors import run
 from ._runs import check_checkpoint
 from ._samples import ImageBase
@@ -21,23 +22,14 @@ from .vtkLamellaSolversVTK import vtkLatticeBoltzmann
 class TransientState(ImageBase):
     """The sample at one time: ``vtk`` is the image with the field and, where it was asked for, its ``flux``."""
 
-    def _number(self, name):
-        return float(_arrays.numbers(self.vtk, name)[0])
-
-    @property
-    def time(self) -> float:
-        """Since the start [s]."""
-        return self._number("time")
+    time: float = told("Since the start [s].")
 
     @property
     def field(self) -> Array:
         """Temperature or concentration in the order of pictures, NaN where nothing conducts (a view)."""
         return self.array(self.vtk.GetPointData().GetScalars().GetName())
 
-    @property
-    def flux(self) -> Array:
-        """-D grad u [m/s], x, y and z in the last axis (a view); only where it was asked for."""
-        return self.array("flux")
+    flux: Array = told("-D grad u [m/s], x, y and z in the last axis (a view); only where it was asked for.")
 
     def __repr__(self) -> str:
         return f"<lamella.TransientState: {self.time:.6g} s>"
@@ -54,53 +46,27 @@ class TransientResult:
         #: by time kept, also before the checkpoint: "time" [s], "inlet_flux", "outlet_flux" [m/s], "mean_value", "steps"
         self.curve = curve
 
+    def _number(self, name):
+        return self.states[-1]._number(name)
+
+    def _count(self, name):
+        return int(self._number(name))
+
+    def _text(self, name):
+        return self.states[-1]._text(name)
+
     def _each(self, name):
         return np.array([state._number(name) for state in self.states])
 
-    @property
-    def inlet_flux(self) -> Array:
-        """Mean flux through the face where the direction begins [m/s], by time."""
-        return self._each("inlet_flux")
-
-    @property
-    def outlet_flux(self) -> Array:
-        """Mean flux through the face where it ends [m/s], by time."""
-        return self._each("outlet_flux")
-
-    @property
-    def mean(self) -> Array:
-        """Mean of the field over the box, 0 where nothing conducts, by time."""
-        return self._each("mean_value")
-
-    @property
-    def time_step(self) -> float:
-        """Of lattice Boltzmann [s]."""
-        return self.states[-1]._number("time_step")
-
-    @property
-    def relaxation(self) -> float:
-        """tau - 1/2 of the phase that conducts best."""
-        return self.states[-1]._number("relaxation")
-
-    @property
-    def steps(self) -> int:
-        """How many there were."""
-        return int(self.states[-1]._number("steps"))
-
-    @property
-    def continued_at(self) -> int:
-        """Steps in the checkpoint that the run went on from; 0 where it began anew."""
-        return int(self.states[-1]._number("continued_at"))
-
-    @property
-    def last_checkpoint(self) -> int:
-        """Steps in the last checkpoint of this run; 0: none."""
-        return int(self.states[-1]._number("last_checkpoint"))
-
-    @property
-    def warning(self) -> str:
-        """Where one relaxation time is inaccurate, what to expect; else empty."""
-        return self.states[-1].vtk.GetFieldData().GetAbstractArray("warning").GetValue(0)
+    inlet_flux: Array = told("Mean flux through the face where the direction begins [m/s], by time.", by="_each")
+    outlet_flux: Array = told("Mean flux through the face where it ends [m/s], by time.", by="_each")
+    mean: Array = told("Mean of the field over the box, 0 where nothing conducts, by time.", "mean_value", by="_each")
+    time_step: float = told("Of lattice Boltzmann [s].")
+    relaxation: float = told("tau - 1/2 of the phase that conducts best.")
+    steps: int = told("How many there were.")
+    continued_at: int = told("Steps in the checkpoint that the run went on from; 0 where it began anew.")
+    last_checkpoint: int = told("Steps in the last checkpoint of this run; 0: none.")
+    warning: str = told("Where one relaxation time is inaccurate, what to expect; else empty.")
 
     def __repr__(self) -> str:
         return f"<lamella.TransientResult: {self.times[-1]:.6g} s in {self.steps} steps, {len(self.states)} states>"
