@@ -21,7 +21,7 @@ import pictures
 from program import HERE, PROGRAM, Case
 from test_fracture_checkpoints import EVERY, WORDS
 
-IMAGES = ["png", "tif", "raw", "mhd", "mha", "nhdr", "nrrd", "vti", "hdf", "csv"]
+IMAGES = ["png", "tif", "raw", "mhd", "mha", "nhdr", "nrrd", "npy", "vti", "hdf", "csv"]
 POINTS = ["vtp", "vtu", "hdf", "csv"]
 
 
@@ -485,7 +485,7 @@ class Words(Convert):
 
     def test_every_format_of_the_table_is_gone_through(self):
         endings = re.findall(r"`\.(\w+)`", self.works("convert", "--formats").out)
-        others = {"tiff", "bin", "jpg", "jpeg", "pgm", "ppm", "pnm", "bmp", "vtkhdf", "h5", "hdf5", "pvd"}  # other names of the same, read only, series
+        others = {"tiff", "bin", "jpg", "jpeg", "pgm", "ppm", "pnm", "bmp", "vtkhdf", "h5", "hdf5", "pvd", "nii", "hdr", "vtk"}  # other names of the same, read only, series
         self.assertEqual(set(endings) - others, set(IMAGES) | set(POINTS))
 
 
