@@ -13,6 +13,7 @@
 #include "vtkIdList.h"
 #include "vtkImageData.h"
 #include "vtkPointData.h"
+#include "vtkXMLImageDataReader.h"
 
 #include <algorithm>
 #include <cmath>
