@@ -106,8 +106,8 @@ public:
   /**
    * A file (.h5) on the server that keeps where the run stands; what is there already is replaced. Empty: none.
    *
-   * In HDF5, after every CheckpointEvery, at the end and where the run is interrupted. When it cannot be written the run
-   * goes on, and says so.
+   * In HDF5, after every CheckpointEvery, at the end and where the run is interrupted. When it cannot be written the
+   * run goes on, and says so.
    * @word checkpoint
    * @group Checkpoints
    * @files Checkpoints (*.h5 *.hdf5)

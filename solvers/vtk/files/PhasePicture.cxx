@@ -14,6 +14,7 @@
 #include "vtkIdList.h"
 #include "vtkImageData.h"
 #include "vtkPointData.h"
+#include "vtkXMLImageDataReader.h"
 
 #include <algorithm>
 #include <cmath>
