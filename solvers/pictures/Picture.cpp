@@ -346,11 +346,13 @@ Picture readRaw(const fs::path& path, const ReadOptions& options)
   const auto [nx, ny, nz] = layout.size;
   for (const std::int64_t nodes : layout.size)
   {
-    if (nodes < 1 || nodes > longestSide)
-    {
-      throw ParameterError(fmt::format("a raw volume of {} × {} × {} voxels", nx, ny, nz),
-        fmt::format("give 1 to {} voxels along each axis", longestSide));
-    }
+    if (nodes >= 1 && nodes <= longestSide)
+      continue;
+    const std::string limits = fmt::format("1 to {} voxels along each axis", longestSide);
+    if (header != RawHeader::None)
+      throw InputError(
+        fmt::format("'{}' says that it has {} × {} × {} voxels", path.string(), nx, ny, nz), limits + " can be read");
+    throw ParameterError(fmt::format("a raw volume of {} × {} × {} voxels", nx, ny, nz), "give " + limits);
   }
   const bool coloured = layout.components == 3 && layout.type.kind == 'u' && layout.type.bytes <= 2;
   if (layout.components != 1 && !coloured)
